@@ -1,0 +1,65 @@
+# delaunayd - see README.md. Needs a C compiler and make; what needs more says so.
+#
+#   make            the daemon build/delaunayd and the client build/delaunay
+#   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
+#   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
+
+V        ?=
+O        := build$(if $(V),/$(V))
+CFLAGS   ?= -O2 -g
+WERROR   ?=
+WARNINGS := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wcast-qual \
+            -Wformat=2 -Wundef -Wwrite-strings -Wdouble-promotion $(if $(WERROR),-Werror)
+# Contraction to fused multiply-adds would silently break the predicates.
+BASE     := -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-common -pthread -I.
+FLAGS_asan  := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+FLAGS_tsan  := -O1 -fsanitize=thread
+FLAGS_debug := -O0
+COMPILE   = $(CC) $(CFLAGS) $(BASE) $(WARNINGS) $(FLAGS_$(V)) $(EXTRA)
+LDLIBS   := -lm
+
+CORE     := $(patsubst %.c,$(O)/%.o,$(wildcard core/*.c))
+PROTO    := $(patsubst %.c,$(O)/%.o,$(wildcard proto/*.c))
+SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c))
+CLIENT   := $(patsubst %.c,$(O)/%.o,$(wildcard clients/*.c))
+HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o
+tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c))
+SUITES   := $(foreach s,core proto server clients,$(if $(wildcard tests/$(s)/*_test.c),$(s)))
+WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc
+
+.DELETE_ON_ERROR:
+.SECONDARY:
+.PHONY: all test clean asan tsan fmt
+
+all: $(O)/delaunayd $(O)/delaunay
+
+$(O)/delaunayd: $(SERVER) $(CORE) $(PROTO)
+$(O)/delaunay: $(CLIENT) $(PROTO)
+$(O)/tests/core_tests: $(call tests_of,core) $(HARNESS) $(CORE)
+$(O)/tests/proto_tests: $(call tests_of,proto) $(HARNESS) $(PROTO)
+$(O)/tests/server_tests: $(call tests_of,server) $(HARNESS) $(filter-out $(O)/server/main.o,$(SERVER)) $(CORE) $(PROTO)
+$(O)/tests/clients_tests: $(call tests_of,clients) $(HARNESS) $(filter-out $(O)/clients/main.o,$(CLIENT)) $(PROTO)
+$(O)/tests/%_tests: LDFLAGS += $(WRAP)
+
+$(O)/delaunayd $(O)/delaunay $(O)/tests/%_tests:
+	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+$(O)/%.o: %.c
+	@mkdir -p $(@D)
+	$(COMPILE) -MMD -MP -c -o $@ $<
+
+# Tests that talk to a daemon find it through DELAUNAYD and DELAUNAY.
+test: all $(SUITES:%=$(O)/tests/%_tests)
+	@status=0; for s in $(SUITES); do echo "== $$s"; \
+	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
+
+asan tsan:
+	$(MAKE) V=$@ test
+
+clean:
+	rm -rf build
+
+fmt:
+	clang-format -i $$(git ls-files '*.c' '*.h')
+
+-include $(wildcard $(O)/*/*.d $(O)/*/*/*.d)

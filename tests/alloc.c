@@ -1,0 +1,56 @@
+/* alloc.c - out-of-memory injection: with -Wl,--wrap=malloc and friends, every allocation of a test binary comes through
+ * here. */
+#include "tests/test.h"
+
+#include <stdatomic.h>
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t n, size_t size);
+void *__real_realloc(void *p, size_t size);
+void *__real_aligned_alloc(size_t alignment, size_t size);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t n, size_t size);
+void *__wrap_realloc(void *p, size_t size);
+void *__wrap_aligned_alloc(size_t alignment, size_t size);
+
+static atomic_long countdown;
+static atomic_bool failed;
+
+void test_fail_alloc(long n)
+{
+    failed = false;
+    countdown = n;
+}
+
+bool test_alloc_failed(void)
+{
+    return failed;
+}
+
+static bool must_fail(void)
+{
+    if (countdown <= 0 || --countdown != 0)
+        return false;
+    failed = true;
+    return true;
+}
+
+void *__wrap_malloc(size_t size)
+{
+    return must_fail() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t n, size_t size)
+{
+    return must_fail() ? NULL : __real_calloc(n, size);
+}
+
+void *__wrap_realloc(void *p, size_t size)
+{
+    return must_fail() ? NULL : __real_realloc(p, size);
+}
+
+void *__wrap_aligned_alloc(size_t alignment, size_t size)
+{
+    return must_fail() ? NULL : __real_aligned_alloc(alignment, size);
+}

@@ -1,0 +1,131 @@
+/* test.c - runs the registered tests, each in a forked process, and counts. */
+#include "tests/test.h"
+
+#include <inttypes.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static struct test *first, **last = &first;
+static uint64_t seed, state;
+
+void test_register(struct test *t)
+{
+    *last = t;
+    last = &t->next;
+}
+
+void test_fail(const char *file, int line, const char *format, ...)
+{
+    va_list ap;
+    test_fail_alloc(0);
+    fprintf(stderr, "%s:%d: ", file, line);
+    va_start(ap, format);
+    vfprintf(stderr, format, ap);
+    va_end(ap);
+    fprintf(stderr, "\n");
+    exit(1);
+}
+
+void test_check_str(const char *file, int line, const char *what, const char *got, const char *want)
+{
+    if (strcmp(got, want) != 0)
+        test_fail(file, line, "%s\n--- got\n%s\n--- want\n%s\n---", what, got, want);
+}
+
+uint64_t test_random(void) /* splitmix64 [Steele, Lea & Flood 2014] */
+{
+    uint64_t z = (state += 0x9E3779B97F4A7C15u);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return z ^ (z >> 31);
+}
+
+double test_uniform(void)
+{
+    return (double)(test_random() >> 11) * 0x1p-53;
+}
+
+uint32_t test_below(uint32_t n)
+{
+    return (uint32_t)(test_random() % n);
+}
+
+static bool selected(const struct test *t, int argc, char **argv)
+{
+    if (argc == 0)
+        return true;
+    for (int i = 0; i < argc; i++)
+        if (strstr(t->name, argv[i]) != NULL || strstr(t->file, argv[i]) != NULL)
+            return true;
+    return false;
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Runs one test in a process group of its own, so that whatever it started goes with it. */
+static bool passes(const struct test *t)
+{
+    double start = now();
+    pid_t pid = fork();
+    if (pid < 0) {
+        perror("fork");
+        return false;
+    }
+    if (pid == 0) {
+        setpgid(0, 0);
+        alarm(t->timeout_s);
+        state = seed;
+        t->run();
+        exit(0);
+    }
+    int status;
+    waitpid(pid, &status, 0);
+    kill(-pid, SIGKILL);
+    bool ok = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    if (!ok && WIFSIGNALED(status))
+        fprintf(stderr, "%s: %s\n", t->file,
+                WTERMSIG(status) == SIGALRM ? "timed out" : strsignal(WTERMSIG(status)));
+    if (!ok)
+        printf("FAIL %s (seed %" PRIu64 ")\n", t->name, seed);
+    else if (isatty(1) || now() - start > 1)
+        printf("ok   %s (%.2f s)\n", t->name, now() - start);
+    return ok;
+}
+
+int main(int argc, char **argv)
+{
+    int opt;
+    seed = (uint64_t)time(NULL);
+    while ((opt = getopt(argc, argv, "ls:")) != -1) {
+        if (opt == 's') {
+            seed = strtoull(optarg, NULL, 10);
+        } else if (opt == 'l') {
+            for (struct test *t = first; t != NULL; t = t->next)
+                printf("%s (%s)\n", t->name, t->file);
+            return 0;
+        } else {
+            return 2;
+        }
+    }
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    unsigned passed = 0, failed = 0;
+    for (struct test *t = first; t != NULL; t = t->next) {
+        if (!selected(t, argc - optind, argv + optind))
+            continue;
+        if (passes(t))
+            passed++;
+        else
+            failed++;
+    }
+    printf("%u passed, %u failed\n", passed, failed);
+    return failed != 0;
+}
