@@ -39,9 +39,10 @@ $(O)/tests/core_tests: $(call tests_of,core) $(HARNESS) $(CORE)
 $(O)/tests/proto_tests: $(call tests_of,proto) $(HARNESS) $(PROTO)
 $(O)/tests/server_tests: $(call tests_of,server) $(HARNESS) $(filter-out $(O)/server/main.o,$(SERVER)) $(CORE) $(PROTO)
 $(O)/tests/clients_tests: $(call tests_of,clients) $(HARNESS) $(filter-out $(O)/clients/main.o,$(CLIENT)) $(PROTO)
-$(O)/tests/%_tests: LDFLAGS += $(WRAP)
+TEST_BINARIES := $(SUITES:%=$(O)/tests/%_tests)
+$(TEST_BINARIES): LDFLAGS += $(WRAP)
 
-$(O)/delaunayd $(O)/delaunay $(O)/tests/%_tests:
+$(O)/delaunayd $(O)/delaunay $(TEST_BINARIES):
 	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 $(O)/%.o: %.c
@@ -49,7 +50,7 @@ $(O)/%.o: %.c
 	$(COMPILE) -MMD -MP -c -o $@ $<
 
 # Tests that talk to a daemon find it through DELAUNAYD and DELAUNAY.
-test: all $(SUITES:%=$(O)/tests/%_tests)
+test: all $(TEST_BINARIES)
 	@status=0; for s in $(SUITES); do echo "== $$s"; \
 	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
 
