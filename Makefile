@@ -23,6 +23,7 @@ PROTO    := $(patsubst %.c,$(O)/%.o,$(wildcard proto/*.c))
 SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c))
 CLIENT   := $(patsubst %.c,$(O)/%.o,$(wildcard clients/*.c))
 HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o
+ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))
 tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c))
 SUITES   := $(foreach s,core proto server clients,$(if $(wildcard tests/$(s)/*_test.c),$(s)))
 WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc
@@ -35,9 +36,10 @@ all: $(O)/delaunayd $(O)/delaunay
 
 $(O)/delaunayd: $(SERVER) $(CORE) $(PROTO)
 $(O)/delaunay: $(CLIENT) $(PROTO)
-$(O)/tests/core_tests: $(call tests_of,core) $(HARNESS) $(CORE)
+$(O)/tests/core_tests: $(call tests_of,core) $(HARNESS) $(ORACLE) $(CORE)
 $(O)/tests/proto_tests: $(call tests_of,proto) $(HARNESS) $(PROTO)
-$(O)/tests/server_tests: $(call tests_of,server) $(HARNESS) $(filter-out $(O)/server/main.o,$(SERVER)) $(CORE) $(PROTO)
+$(O)/tests/server_tests: $(call tests_of,server) $(HARNESS) $(ORACLE) $(filter-out $(O)/server/main.o,$(SERVER)) \
+  $(CORE) $(PROTO)
 $(O)/tests/clients_tests: $(call tests_of,clients) $(HARNESS) $(filter-out $(O)/clients/main.o,$(CLIENT)) $(PROTO)
 TEST_BINARIES := $(SUITES:%=$(O)/tests/%_tests)
 $(TEST_BINARIES): LDFLAGS += $(WRAP)
