@@ -1,0 +1,196 @@
+/* expansion.h - exact sums and products of doubles.
+ *
+ * An expansion is an exact number written as a sum of doubles e[0] + ... + e[n-1] that do not
+ * overlap, smallest first, none of them zero; n = 0 is zero. So its sign is the sign of its last
+ * component. The operations are those of Shewchuk, "Adaptive Precision Floating-Point Arithmetic
+ * and Fast Robust Geometric Predicates", Discrete & Computational Geometry 18, 1997 (sections 2.3
+ * to 2.8). They keep expansions strongly nonoverlapping, which is what dt_expansion_sum needs.
+ *
+ * A dt_double2 is a pair hi + lo with hi = the double nearest to hi + lo: about 106 bits, rounded.
+ * Its operations and their error bounds are those of Joldes, Muller & Popescu, "Tight and rigorous
+ * error bounds for basic building blocks of double-word arithmetic", ACM TOMS 44(2), 2017; u =
+ * 2^-53.
+ *
+ * All this needs IEEE doubles, rounding to nearest even, and no contraction of a*b + c into a fused
+ * operation: the compiler gets -ffp-contract=off, and a test (two_product_is_exact...) fails where
+ * it did not. Nothing overflows or underflows for what the predicates compute from coordinates that
+ * are 0 or of magnitude 2^-142 to 2^201. */
+#ifndef DT_EXPANSION_H
+#define DT_EXPANSION_H
+
+#include <float.h>
+#include <stdbool.h>
+
+#ifdef __FAST_MATH__
+#error "exact arithmetic needs IEEE semantics: build without -ffast-math"
+#endif
+#if FLT_EVAL_METHOD != 0
+#error                                                                                             \
+    "exact arithmetic needs doubles rounded to 53 bits: on 32-bit x86 build with -msse2 -mfpmath=sse"
+#endif
+
+/* *x + *y = a + b exactly, *x rounded to nearest [Knuth; Shewchuk 1997, fig. 5]. */
+static inline void dt_two_sum(double a, double b, double *x, double *y)
+{
+    double sum = a + b;
+    double b_part = sum - a;
+    double a_part = sum - b_part;
+    *y = (a - a_part) + (b - b_part);
+    *x = sum;
+}
+
+/* The same if a = 0 or |a| >= |b|. */
+static inline void dt_fast_two_sum(double a, double b, double *x, double *y)
+{
+    double sum = a + b;
+    *y = b - (sum - a);
+    *x = sum;
+}
+
+/* What a - b lost by rounding: the exact difference is (a - b) + tail. */
+static inline double dt_difference_tail(double a, double b)
+{
+    double x, y;
+    dt_two_sum(a, -b, &x, &y);
+    return y;
+}
+
+/* a = *hi + *lo, each of at most 26 bits [Dekker 1971; Shewchuk 1997, fig. 6]. */
+static inline void dt_split(double a, double *hi, double *lo)
+{
+    double c = 134217729.0 * a; /* 2^27 + 1 */
+    double big = c - a;
+    *hi = c - big;
+    *lo = a - *hi;
+}
+
+/* *x + *y = a * b exactly, *x rounded to nearest [Dekker 1971; Shewchuk 1997, fig. 7]. */
+static inline void dt_two_product(double a, double b, double *x, double *y)
+{
+    double a_hi, a_lo, b_hi, b_lo;
+    double product = a * b;
+    dt_split(a, &a_hi, &a_lo);
+    dt_split(b, &b_hi, &b_lo);
+    *y = a_lo * b_lo - (((product - a_hi * b_hi) - a_lo * b_hi) - a_hi * b_lo);
+    *x = product;
+}
+
+/* ---- expansions ---- */
+
+static inline int dt_expansion_sign(int n, const double *e)
+{
+    return n == 0 ? 0 : e[n - 1] > 0 ? 1 : -1;
+}
+
+static inline void dt_expansion_negate(int n, double *e)
+{
+    for (int i = 0; i < n; i++)
+        e[i] = -e[i];
+}
+
+/* Appends component v to h unless it is zero; returns the new length. */
+static inline int dt_expansion_push(int n, double *h, double v)
+{
+    h[n] = v;
+    return n + (v != 0);
+}
+
+/* h[2] = a - b; returns the length. */
+static inline int dt_expansion_difference(double a, double b, double *h)
+{
+    double x, y;
+    dt_two_sum(a, -b, &x, &y);
+    return dt_expansion_push(dt_expansion_push(0, h, y), h, x);
+}
+
+/* h[ne + nf] = e + f (room for one at least); returns the length. h may not overlap e or f.
+ * [Shewchuk 1997, fig. 9: merges the components by magnitude, then sums them from the smallest] */
+static inline int dt_expansion_sum(int ne, const double *e, int nf, const double *f, double *h)
+{
+    int i = 0, j = 0, n = 0;
+    double sum = 0, rest;
+    while (i < ne || j < nf) {
+        bool take_e = j == nf || (i < ne && (e[i] < 0 ? -e[i] : e[i]) < (f[j] < 0 ? -f[j] : f[j]));
+        dt_two_sum(sum, take_e ? e[i] : f[j], &sum, &rest);
+        i += take_e;
+        j += !take_e;
+        n = dt_expansion_push(n, h, rest);
+    }
+    return dt_expansion_push(n, h, sum);
+}
+
+/* h[2 ne] = e * b (room for one at least); returns the length. h may not overlap e. [Shewchuk 1997,
+ * fig. 13] */
+static inline int dt_expansion_scale(int ne, const double *e, double b, double *h)
+{
+    int n = 0;
+    double sum = 0, rest, product, product_rest;
+    for (int i = 0; i < ne; i++) {
+        dt_two_product(e[i], b, &product, &product_rest);
+        dt_two_sum(sum, product_rest, &sum, &rest);
+        n = dt_expansion_push(n, h, rest);
+        dt_fast_two_sum(product, sum, &sum, &rest);
+        n = dt_expansion_push(n, h, rest);
+    }
+    return dt_expansion_push(n, h, sum);
+}
+
+/* h[2 ne nf] = e * f; returns the length. work has room for 2 ne (nf + 1) doubles; nothing
+ * overlaps. */
+static inline int dt_expansion_product(int ne, const double *e, int nf, const double *f, double *h,
+                                       double *work)
+{
+    double *scaled = work, *partial = work + 2 * ne;
+    int n = 0;
+    for (int j = 0; j < nf; j++) {
+        int ns = dt_expansion_scale(ne, e, f[j], scaled);
+        for (int i = 0; i < n; i++)
+            partial[i] = h[i];
+        n = dt_expansion_sum(n, partial, ns, scaled, h);
+    }
+    return n;
+}
+
+/* ---- double words ---- */
+
+struct dt_double2 {
+    double hi, lo;
+};
+
+/* a - b, exact. */
+static inline struct dt_double2 dt_double2_difference(double a, double b)
+{
+    struct dt_double2 r;
+    dt_two_sum(a, -b, &r.hi, &r.lo);
+    return r;
+}
+
+/* a + b with a relative error below 3.1 u^2 [Joldes et al., algorithm 6]. */
+static inline struct dt_double2 dt_double2_add(struct dt_double2 a, struct dt_double2 b)
+{
+    struct dt_double2 r;
+    double s, s_rest, t, t_rest;
+    dt_two_sum(a.hi, b.hi, &s, &s_rest);
+    dt_two_sum(a.lo, b.lo, &t, &t_rest);
+    dt_fast_two_sum(s, s_rest + t, &r.hi, &r.lo);
+    dt_fast_two_sum(r.hi, t_rest + r.lo, &r.hi, &r.lo);
+    return r;
+}
+
+/* a * b with a relative error below 7 u^2 [Joldes et al., algorithm 10]. */
+static inline struct dt_double2 dt_double2_multiply(struct dt_double2 a, struct dt_double2 b)
+{
+    struct dt_double2 r;
+    double p, p_rest;
+    dt_two_product(a.hi, b.hi, &p, &p_rest);
+    double cross = a.hi * b.lo + a.lo * b.hi;
+    dt_fast_two_sum(p, p_rest + cross, &r.hi, &r.lo);
+    return r;
+}
+
+static inline struct dt_double2 dt_double2_negate(struct dt_double2 a)
+{
+    return (struct dt_double2){-a.hi, -a.lo};
+}
+
+#endif
