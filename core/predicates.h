@@ -1,23 +1,66 @@
 /* predicates.h - the exact signs that all topology branches on.
  *
- * Every function returns the sign of a polynomial of the coordinates, evaluated exactly: a floating-point filter first,
- * exact arithmetic where the filter cannot decide [Shewchuk 1997]. Exact for all coordinates that dt_coordinate_ok
- * accepts. No state, no allocation. */
+ * Every function returns the sign of a polynomial of the coordinates, evaluated exactly: a
+ * floating-point filter first, exact arithmetic where the filter cannot decide [Shewchuk 1997].
+ * Exact for all coordinates that dt_coordinate_ok accepts. No state, no allocation. The filters are
+ * inline; what they leave open is in predicates.c. */
 #ifndef DT_PREDICATES_H
 #define DT_PREDICATES_H
 
 #include "core/delaunay.h"
 
-/* > 0 if a, b, c turn counterclockwise (c left of a->b), 0 if they are collinear, < 0 if clockwise. */
-int dt_orient2d(struct dt_point a, struct dt_point b, struct dt_point c);
+#include <math.h>
+
+/* Relative error bounds of the filters, with u = 2^-53 [Shewchuk 1997, sections 4.2 and 4.3]. */
+#define DT_ORIENT_BOUND ((3 + 16 * 0x1p-53) * 0x1p-53)
+#define DT_INCIRCLE_BOUND ((10 + 96 * 0x1p-53) * 0x1p-53)
+
+/* The same signs without the filter, and the sign of a tie; for the inline functions below. */
+int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c);
+int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
+int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
+
+/* > 0 if a, b, c turn counterclockwise (c left of a->b), 0 if they are collinear, < 0 if clockwise.
+ */
+static inline int dt_orient2d(struct dt_point a, struct dt_point b, struct dt_point c)
+{
+    double left = (a.x - c.x) * (b.y - c.y);
+    double right = (a.y - c.y) * (b.x - c.x);
+    double det = left - right;
+    double bound = DT_ORIENT_BOUND * (fabs(left) + fabs(right));
+    if (fabs(det) > bound)
+        return det > 0 ? 1 : -1;
+    return dt_orient2d_exact(a, b, c);
+}
 
 /* a, b, c counterclockwise: > 0 if d lies inside their circumcircle, 0 if on it, < 0 if outside. */
-int dt_incircle(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
+static inline int dt_incircle(struct dt_point a, struct dt_point b, struct dt_point c,
+                              struct dt_point d)
+{
+    double ax = a.x - d.x, ay = a.y - d.y;
+    double bx = b.x - d.x, by = b.y - d.y;
+    double cx = c.x - d.x, cy = c.y - d.y;
+    double bxcy = bx * cy, cxby = cx * by, a_lift = ax * ax + ay * ay;
+    double cxay = cx * ay, axcy = ax * cy, b_lift = bx * bx + by * by;
+    double axby = ax * by, bxay = bx * ay, c_lift = cx * cx + cy * cy;
+    double det = a_lift * (bxcy - cxby) + b_lift * (cxay - axcy) + c_lift * (axby - bxay);
+    double permanent = (fabs(bxcy) + fabs(cxby)) * a_lift + (fabs(cxay) + fabs(axcy)) * b_lift +
+                       (fabs(axby) + fabs(bxay)) * c_lift;
+    if (fabs(det) > DT_INCIRCLE_BOUND * permanent)
+        return det > 0 ? 1 : -1;
+    return dt_incircle_exact(a, b, c, d);
+}
 
-/* The same with ties broken: never 0 for four distinct points of which a, b, c are counterclockwise. On a tie, the
- * lifted height x^2 + y^2 of each point is raised by an infinitesimal that is larger, by orders of magnitude, for
- * the lexicographically greater point [Devillers & Teillaud 2003; PROTOCOL.md, section 3]. */
-int dt_incircle_perturbed(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
+/* The same with ties broken: never 0 for four distinct points of which a, b, c are
+ * counterclockwise. On a tie, the lifted height x^2 + y^2 of each point is raised by an
+ * infinitesimal that is larger, by orders of magnitude, for the lexicographically greater point
+ * [Devillers & Teillaud 2003; PROTOCOL.md, section 3]. */
+static inline int dt_incircle_perturbed(struct dt_point a, struct dt_point b, struct dt_point c,
+                                        struct dt_point d)
+{
+    int sign = dt_incircle(a, b, c, d);
+    return sign != 0 ? sign : dt_incircle_tie(a, b, c, d);
+}
 
 /* The sign of |a - q|^2 - |b - q|^2: < 0 if a is nearer to q than b. */
 int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b);
