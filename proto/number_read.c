@@ -1,0 +1,205 @@
+/* number_read.c - decimal text to double, correctly rounded.
+ *
+ * Three stages, each for what the one before leaves over:
+ *   1. up to 2^53 and a power of ten up to 22: one exact multiplication or division [Clinger 1990];
+ *   2. up to 19 digits: one or two 64-bit multiplications by a power of ten of 128 bits [Lemire,
+ * "Number Parsing at a Gigabyte per Second", 2021, algorithm 1; Mushtak & Lemire 2023 show that it
+ * needs no fallback]. Of longer numbers the first 19 digits, and these plus one: if both give one
+ * double, so does all between them;
+ *   3. big integers (number_exact.c).
+ */
+#include <math.h>
+#include <string.h>
+
+#include "proto/number.h"
+#include "proto/number_exact.h"
+#include "proto/powers.h"
+
+#define DIGITS 19 /* as many as fit a 64-bit word whatever they are */
+#define INFINITY_BITS ((uint64_t)2047 << 52)
+
+/* What the text says: (digits in text .. text_end, a '.' ignored) * 10^exponent. */
+struct scan {
+    const char *text, *text_end;
+    uint64_t word; /* the digits as a number, modulo 2^64 */
+    size_t count;  /* how many digits there are, leading zeros included */
+    int64_t exponent;
+    bool negative;
+};
+
+static bool is_digit(char c)
+{
+    return (unsigned char)(c - '0') < 10;
+}
+
+static const char *scan_digits(const char *p, const char *end, uint64_t *word)
+{
+    uint64_t w = *word;
+    for (; p < end && is_digit(*p); p++)
+        w = 10 * w + (uint64_t)(*p - '0');
+    *word = w;
+    return p;
+}
+
+/* Reads what follows an 'e' up to the end; false if that is no integer. Huge exponents saturate. */
+static bool scan_exponent(const char *p, const char *end, int64_t *exponent)
+{
+    bool negative = p < end && *p == '-';
+    int64_t e = 0;
+    if (p < end && (*p == '-' || *p == '+'))
+        p++;
+    if (p == end)
+        return false;
+    for (; p < end && is_digit(*p); p++)
+        if (e < (int64_t)1 << 56)
+            e = 10 * e + (*p - '0');
+    *exponent += negative ? -e : e;
+    return p == end;
+}
+
+static bool scan(const char *s, const char *end, struct scan *n)
+{
+    const char *p = s;
+    n->word = 0;
+    n->exponent = 0;
+    n->negative = p < end && *p == '-';
+    if (p < end && (*p == '-' || *p == '+'))
+        p++;
+    n->text = p;
+    p = scan_digits(p, end, &n->word);
+    n->count = (size_t)(p - n->text);
+    if (p < end && *p == '.') {
+        const char *fraction = p + 1;
+        p = scan_digits(fraction, end, &n->word);
+        n->count += (size_t)(p - fraction);
+        n->exponent = fraction - p;
+    }
+    n->text_end = p;
+    if (n->count == 0)
+        return false;
+    if (p == end)
+        return true;
+    return (*p == 'e' || *p == 'E') && scan_exponent(p + 1, end, &n->exponent);
+}
+
+/* Rounds the mantissa m (54 bits and more, the last one half a unit) of a subnormal number. */
+static uint64_t round_subnormal(uint64_t m, int biased)
+{
+    if (1 - biased >= 64)
+        return 0;
+    m >>= 1 - biased;
+    return (m + (m & 1)) >>
+           1; /* may carry into the exponent's place: then it is the least normal number */
+}
+
+/* word * 10^q to the nearest double, as bits; word > 0. Never a tie missed: see the sources named
+ * above. */
+static uint64_t round_word(uint64_t word, int64_t q)
+{
+    if (q < PROTO_POWER_MIN)
+        return 0;
+    if (q > 308)
+        return INFINITY_BITS;
+    int zeros = __builtin_clzll(word), e = (int)q;
+    const struct proto_u128 *power = &proto_powers[e - PROTO_POWER_MIN];
+    word <<= zeros;
+    struct proto_u128 z = proto_multiply(word, power->hi);
+    if ((z.hi & 0x1ff) ==
+        0x1ff) { /* the lower half of the power may carry into the bits that count */
+        uint64_t more = proto_multiply(word, power->lo).hi;
+        z.lo += more;
+        z.hi += z.lo < more;
+    }
+    int upper = (int)(z.hi >> 63), shift = upper + 9;
+    int biased = proto_log2_power(e) + 63 + upper - zeros + 1023;
+    uint64_t m = z.hi >> shift;
+    if (biased <= 0)
+        return round_subnormal(m, biased);
+    /* A tie is possible only where 5^|q| divides 64 bits: round to even by clearing the half. */
+    if (z.lo <= 1 && e >= -4 && e <= 23 && (m & 3) == 1 && m << shift == z.hi)
+        m &= ~(uint64_t)1;
+    m = (m + (m & 1)) >> 1; /* 2^52 <= m <= 2^53 */
+    uint64_t bits =
+        ((uint64_t)biased << 52) + (m - ((uint64_t)1 << 52)); /* a carry moves the exponent on */
+    return bits < INFINITY_BITS ? bits : INFINITY_BITS;
+}
+
+/* More than 19 digits, leading zeros perhaps among them. */
+static uint64_t round_long(struct scan *n)
+{
+    while (n->text < n->text_end && (*n->text == '0' || *n->text == '.')) {
+        n->count -= *n->text == '0';
+        n->text++;
+    }
+    if (n->count == 0)
+        return 0;
+    if (n->count <= DIGITS)
+        return round_word(n->word, n->exponent);
+    uint64_t word = 0;
+    const char *p = n->text;
+    for (int digits = 0; digits < DIGITS; p++)
+        if (*p != '.') {
+            word = 10 * word + (uint64_t)(*p - '0');
+            digits++;
+        }
+    int64_t q = n->exponent + (int64_t)(n->count - DIGITS);
+    uint64_t low = round_word(word, q), high = round_word(word + 1, q);
+    if (low == high)
+        return low;
+    return proto_round_exactly(&(struct proto_decimal){n->text, n->text_end, n->exponent}, low);
+}
+
+static bool has_nonzero_digit(const struct scan *n)
+{
+    for (const char *p = n->text; p < n->text_end; p++)
+        if (*p != '0' && *p != '.')
+            return true;
+    return false;
+}
+
+static double from_bits(uint64_t bits, bool negative)
+{
+    double v;
+    bits |= (uint64_t)negative << 63;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+bool proto_read_double(const char *s, size_t len, double *v)
+{
+    static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                   1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                   1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    struct scan n;
+    if (!scan(s, s + len, &n))
+        return false;
+    if (n.count <= DIGITS && n.word <= (uint64_t)1 << 53 && n.exponent >= -22 && n.exponent <= 22) {
+        double word = (double)n.word;
+        word = n.exponent < 0 ? word / power[-n.exponent] : word * power[n.exponent];
+        *v = n.negative ? -word : word;
+        return true;
+    }
+    uint64_t bits = n.count > DIGITS ? round_long(&n)
+                    : n.word == 0    ? 0
+                                     : round_word(n.word, n.exponent);
+    if (bits == 0 && has_nonzero_digit(&n))
+        bits = 1;
+    *v = from_bits(bits, n.negative);
+    return true;
+}
+
+bool proto_read_u32(const char *s, size_t len, uint32_t *v)
+{
+    uint64_t word = 0;
+    if (len == 0)
+        return false;
+    for (size_t i = 0; i < len; i++) {
+        if (!is_digit(s[i]))
+            return false;
+        word = 10 * word + (uint64_t)(s[i] - '0');
+        if (word > UINT32_MAX)
+            return false;
+    }
+    *v = (uint32_t)word;
+    return true;
+}

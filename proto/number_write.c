@@ -1,0 +1,210 @@
+/* number_write.c - doubles and integers to decimal text.
+ *
+ * The digits of a double come from Schubfach [Giulietti, "The Schubfach way to render doubles",
+ * 2021]. The numbers that read back to v fill an interval around it, from midpoint to midpoint.
+ * With k chosen so that 10^k <= width < 10^(k+1), the grid of multiples of 10^k has a point in the
+ * interval, that of 10^(k+1) at most one. So the shortest is that one if it is there, else the
+ * multiple of 10^k nearest to v. Both neighbours and both bounds are known exactly enough from
+ * three products with a power of ten of 126 bits and more, rounded to odd.
+ *
+ * The layout is that of Number.prototype.toString in ECMAScript. */
+#include <assert.h>
+#include <string.h>
+
+#include "proto/number.h"
+#include "proto/powers.h"
+
+struct decimal {
+    uint64_t digits;
+    int exponent; /* the value is digits * 10^exponent */
+};
+
+/* The upper part of g * c, its last bit set if anything below it is (which keeps comparisons
+ * exact). */
+static uint64_t round_to_odd(struct proto_u128 g, uint64_t c)
+{
+    uint64_t carry = proto_multiply(g.lo, c).hi;
+    struct proto_u128 y = proto_multiply(g.hi, c);
+    y.lo += carry;
+    y.hi += y.lo < carry;
+    return y.hi | (y.lo > 1);
+}
+
+/* 10^e to 128 bits, rounded up. */
+static struct proto_u128 power_rounded_up(int e)
+{
+    struct proto_u128 g = proto_powers[e - PROTO_POWER_MIN];
+    g.lo += e < -27 || e > 55;
+    return g;
+}
+
+/* Of the multiples s and s + 1 of 10^k around v = vb / 4 (all in units of 10^k, bounds in
+ * quarters), the one to take. */
+static struct decimal choose(uint64_t vb, uint64_t lower, uint64_t upper, int k)
+{
+    uint64_t s = vb / 4;
+    if (s >= 10) {
+        uint64_t tens = s / 10;
+        bool below = lower <= 40 * tens, above = 40 * tens + 40 <= upper;
+        if (below != above)
+            return (struct decimal){tens + above, k + 1};
+    }
+    bool below = lower <= 4 * s, above = 4 * s + 4 <= upper;
+    if (below != above)
+        return (struct decimal){s + above, k};
+    uint64_t mid = 4 * s + 2;
+    return (struct decimal){s + (vb > mid || (vb == mid && (s & 1) != 0)), k};
+}
+
+/* v = c * 2^q; narrow: v is a power of two, so the double below is at half the distance of the one
+ * above. */
+static struct decimal shortest(uint64_t c, int q, bool narrow)
+{
+    int k = (q * 1262611 - (narrow ? 524031 : 0)) >> 22; /* floor(log10(2^q)), or of 3/4 of that */
+    int h = q + proto_log2_power(-k) + 1;
+    struct proto_u128 g = power_rounded_up(-k);
+    uint64_t vb = round_to_odd(g, (4 * c) << h);
+    uint64_t lower = round_to_odd(g, (4 * c - 2 + narrow) << h),
+             upper = round_to_odd(g, (4 * c + 2) << h);
+    uint64_t open = c & 1; /* a midpoint reads back to the even one of its neighbours */
+    return choose(vb, lower + open, upper - open, k);
+}
+
+/* The shortest digits of the double > 0 that these bits are. */
+static struct decimal decimal_of(uint64_t bits)
+{
+    uint64_t fraction = bits & (((uint64_t)1 << 52) - 1);
+    int biased = (int)(bits >> 52);
+    if (biased == 0)
+        return shortest(fraction, -1074, false);
+    uint64_t c = fraction | (uint64_t)1 << 52;
+    int q = biased - 1075;
+    if (q <= 0 && q > -53 && (c & (((uint64_t)1 << -q) - 1)) == 0)
+        return (struct decimal){c >> -q, 0}; /* an integer below 2^53: all its digits count */
+    return shortest(c, q, fraction == 0 && biased > 1);
+}
+
+static const char pairs[] =
+    "00010203040506070809101112131415161718192021222324252627282930313233343536373839"
+    "40414243444546474849505152535455565758596061626364656667686970717273747576777879"
+    "8081828384858687888990919293949596979899";
+
+static size_t count_digits(uint64_t v)
+{
+    static const uint64_t power[] = {0,
+                                     10,
+                                     100,
+                                     1000,
+                                     10000,
+                                     100000,
+                                     1000000,
+                                     10000000,
+                                     100000000,
+                                     1000000000,
+                                     10000000000,
+                                     100000000000,
+                                     1000000000000,
+                                     10000000000000,
+                                     100000000000000,
+                                     1000000000000000,
+                                     10000000000000000,
+                                     100000000000000000,
+                                     1000000000000000000,
+                                     10000000000000000000u};
+    size_t guess =
+        (size_t)((64 - __builtin_clzll(v | 1)) * 1233) >> 12; /* log10(2) = 1233 / 4096, about */
+    return guess + (v >= power[guess]);
+}
+
+/* Writes the n digits of v. Only their count is known to the caller; v has no more. */
+static void write_digits(char *dst, uint64_t v, size_t n)
+{
+    while (n >= 2) {
+        n -= 2;
+        memcpy(dst + n, pairs + 2 * (v % 100), 2);
+        v /= 100;
+    }
+    if (n == 1)
+        dst[0] = (char)('0' + v);
+}
+
+static void drop_trailing_zeros(struct decimal *d)
+{
+    while (d->digits % 100000000 == 0) {
+        d->digits /= 100000000;
+        d->exponent += 8;
+    }
+    while (d->digits % 10 == 0) {
+        d->digits /= 10;
+        d->exponent++;
+    }
+}
+
+/* d.ddde+xx; point is where the decimal point stands after the first digit. */
+static size_t write_scientific(char *dst, uint64_t digits, size_t n, int point)
+{
+    char *p = dst;
+    write_digits(p + 1, digits, n);
+    p[0] = p[1];
+    p[1] = '.';
+    p += n == 1 ? 1 : n + 1;
+    int e = point - 1;
+    *p++ = 'e';
+    *p++ = e < 0 ? '-' : '+';
+    return (size_t)(p - dst) + proto_write_u32(p, (uint32_t)(e < 0 ? -e : e));
+}
+
+static size_t write_decimal(char *dst, struct decimal d)
+{
+    size_t n = count_digits(d.digits);
+    int point = (int)n + d.exponent; /* how many digits stand before the decimal point */
+    if (point > 21 || point <= -6)
+        return write_scientific(dst, d.digits, n, point);
+    if (point <= 0) { /* 0.000ddd */
+        size_t zeros = (size_t)-point;
+        memcpy(dst, "0.00000", 7);
+        write_digits(dst + 2 + zeros, d.digits, n);
+        return 2 + zeros + n;
+    }
+    size_t before = (size_t)point;
+    if (before >= n) { /* ddd000 */
+        write_digits(dst, d.digits, n);
+        memset(dst + n, '0', before - n);
+        return before;
+    }
+    write_digits(dst + 1, d.digits, n); /* dd.ddd */
+    memmove(dst, dst + 1, before);
+    dst[before] = '.';
+    return n + 1;
+}
+
+size_t proto_write_double(char *dst, double v)
+{
+    uint64_t bits;
+    size_t sign = 0;
+    memcpy(&bits, &v, sizeof bits);
+    if (bits >> 63 != 0) {
+        bits &= UINT64_MAX >> 1;
+        dst[sign++] = '-';
+    }
+    assert(bits >> 52 < 2047);
+    if (bits == 0) {
+        dst[sign] = '0';
+        return sign + 1;
+    }
+    struct decimal d = decimal_of(bits);
+    if (d.exponent != 0)
+        drop_trailing_zeros(&d);
+    return sign + write_decimal(dst + sign, d);
+}
+
+size_t proto_write_u32(char *dst, uint32_t v)
+{
+    if (v < 10) {
+        dst[0] = (char)('0' + v);
+        return 1;
+    }
+    size_t n = count_digits(v);
+    write_digits(dst, v, n);
+    return n;
+}
