@@ -116,12 +116,31 @@ static size_t count_digits(uint64_t v)
     return guess + (v >= power[guess]);
 }
 
-/* Writes the n digits of v. Only their count is known to the caller; v has no more. */
+static void write_pair(char *dst, uint32_t v)
+{
+    memcpy(dst, pairs + 2 * v, 2);
+}
+
+static void write_four(char *dst, uint32_t v)
+{
+    write_pair(dst, v / 100);
+    write_pair(dst + 2, v % 100);
+}
+
+/* Writes the n digits of v, which has no more. Eights keep the divisions independent of one
+ * another. */
 static void write_digits(char *dst, uint64_t v, size_t n)
 {
+    while (n >= 8) {
+        n -= 8;
+        uint32_t eight = (uint32_t)(v % 100000000);
+        write_four(dst + n, eight / 10000);
+        write_four(dst + n + 4, eight % 10000);
+        v /= 100000000;
+    }
     while (n >= 2) {
         n -= 2;
-        memcpy(dst + n, pairs + 2 * (v % 100), 2);
+        write_pair(dst + n, (uint32_t)(v % 100));
         v /= 100;
     }
     if (n == 1)
@@ -198,13 +217,37 @@ size_t proto_write_double(char *dst, double v)
     return sign + write_decimal(dst + sign, d);
 }
 
-size_t proto_write_u32(char *dst, uint32_t v)
+/* Below 10^4. */
+static size_t write_small(char *dst, uint32_t v)
 {
     if (v < 10) {
         dst[0] = (char)('0' + v);
         return 1;
     }
-    size_t n = count_digits(v);
-    write_digits(dst, v, n);
-    return n;
+    if (v < 100) {
+        write_pair(dst, v);
+        return 2;
+    }
+    if (v < 1000) {
+        dst[0] = (char)('0' + v / 100);
+        write_pair(dst + 1, v % 100);
+        return 3;
+    }
+    write_four(dst, v);
+    return 4;
+}
+
+size_t proto_write_u32(char *dst, uint32_t v)
+{
+    if (v < 10000)
+        return write_small(dst, v);
+    if (v < 100000000) {
+        size_t n = write_small(dst, v / 10000);
+        write_four(dst + n, v % 10000);
+        return n + 4;
+    }
+    size_t n = write_small(dst, v / 100000000);
+    write_four(dst + n, v / 10000 % 10000);
+    write_four(dst + n + 4, v % 10000);
+    return n + 8;
 }
