@@ -129,8 +129,8 @@ static uint64_t round_word(uint64_t word, int64_t q)
     const struct proto_u128 *power = &proto_powers[e - PROTO_POWER_MIN];
     word <<= zeros;
     struct proto_u128 z = proto_multiply(word, power->hi);
-    if ((z.hi & 0x1ff) ==
-        0x1ff) { /* the lower half of the power may carry into the bits that count */
+    /* The lower half of the power may carry into the bits that count. */
+    if ((z.hi & 0x1ff) == 0x1ff) {
         uint64_t more = proto_multiply(word, power->lo).hi;
         z.lo += more;
         z.hi += z.lo < more;

@@ -1,0 +1,58 @@
+/* reply_read.h - reads the server's replies, in whatever pieces they arrive: the client's side of
+ * the framing.
+ *
+ *     struct reply_reader r = {0};
+ *     while ((used = reply_read(&r, bytes, n, &part)) > 0)
+ *         ... part is a status line, a row, raw bytes or a comment; drop `used` bytes ...
+ *
+ * No command needs to be known: the status line tells what follows. */
+#ifndef PROTO_REPLY_READ_H
+#define PROTO_REPLY_READ_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { REPLY_STATUS_LIMIT = 65536 }; /* bytes of a status line or comment; rows have no limit */
+
+enum reply_part_kind {
+    REPLY_OK,     /* the status line of a request that was carried out */
+    REPLY_ERR,    /* the status line of one that was refused */
+    REPLY_ROW,    /* one of the lines announced */
+    REPLY_BYTES,  /* some of the raw bytes announced */
+    REPLY_COMMENT /* a line that starts with '#', before a status line */
+};
+
+struct reply_part {
+    enum reply_part_kind kind;
+    const char *text; /* borrows the input; a line comes without its LF or CRLF */
+    size_t len;
+    bool last; /* the reply ends here; what follows belongs to the next one */
+};
+
+/* Zero it to start. */
+struct reply_reader {
+    uint64_t rows_left, bytes_left; /* what the present reply still lacks */
+    size_t scanned;                 /* bytes at the front in which no line ended */
+    const char *fault;              /* why reply_read returned -1: a static sentence */
+};
+
+/* Reads the next part from bytes[n]. Returns how many bytes it took; 0 if more are needed (call
+ * again with the same bytes and more behind them); -1 if this is no reply of the protocol: then
+ * r->fault says why, and the connection is of no more use. Cost: linear in the bytes, however small
+ * the pieces are. */
+ptrdiff_t reply_read(struct reply_reader *r, const char *bytes, size_t n, struct reply_part *part);
+
+/* Whether the reader stands between two replies, so that the end of the connection cuts none. */
+bool reply_reader_idle(const struct reply_reader *r);
+
+/* The value of ` key=value` in a status line; false if it has none. *value borrows the line. */
+bool reply_key(const struct reply_part *status, const char *key, const char **value, size_t *len);
+
+/* The same for a whole number; false also if the value is none. */
+bool reply_key_number(const struct reply_part *status, const char *key, uint64_t *value);
+
+/* How many rows an OK line announces. */
+uint64_t reply_rows(const struct reply_part *status);
+
+#endif
