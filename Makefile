@@ -3,6 +3,7 @@
 #   make            the daemon build/delaunayd and the client build/delaunay
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
+#   make interop, bench, lint, fuzz: see tests/rules.mk
 
 V        ?=
 O        := build$(if $(V),/$(V))
@@ -63,6 +64,7 @@ clean:
 	rm -rf build
 
 fmt:
-	clang-format -i $$(git ls-files '*.c' '*.h')
+	clang-format -i $$(git ls-files '*.c' '*.h' '*.cpp')
 
+include tests/rules.mk
 -include $(wildcard $(O)/*/*.d $(O)/*/*/*.d)

@@ -1,0 +1,51 @@
+/* daemon.h - one conversation with a running daemon: requests out, framed replies in. */
+#ifndef INTEROP_DAEMON_H
+#define INTEROP_DAEMON_H
+
+#include "tests/oracle/cgal_delaunay.h"
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+/* What ends a job: an answer that differs, or a connection that breaks. */
+struct failure : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+struct reply {
+    std::string status;
+    std::vector<std::string> lines;
+};
+
+class daemon_link
+{
+  public:
+    explicit daemon_link(int port);
+    ~daemon_link();
+    daemon_link(const daemon_link &) = delete;
+    daemon_link &operator=(const daemon_link &) = delete;
+
+    void send(const std::string &bytes);
+    reply receive(); /* skips comments */
+    reply ask(const std::string &line);
+
+  private:
+    std::string line();
+    int fd;
+    std::string buffer;
+    size_t at = 0;
+};
+
+/* The value of key=... in a status line, "" if it is not there. */
+std::string value_of(const std::string &status, const std::string &key);
+
+/* The fewest digits that read back to the same double. */
+std::string number_text(double v);
+
+/* Whether the word reads as v and has no more digits than it needs. */
+bool is_number(const std::string &word, double v);
+
+std::string row_text(const oracle_row &row);
+
+#endif

@@ -1,0 +1,163 @@
+#!/usr/bin/env bash
+# Starts a daemon, compares its replies with CGAL's, and holds the netcat conversations of tests/interop/scripts.
+#
+#     run.sh BUILD_DIR        prints what failed, and in the end one line: N passed, N failed
+set -u
+cd "$(dirname "$0")/../.."
+build=$1
+scratch=$(mktemp -d)
+passed=0
+failed=0
+
+stop() {
+    [ -n "${daemon:-}" ] && kill "$daemon" 2>/dev/null && wait "$daemon"
+    rm -rf "$scratch"
+}
+trap stop EXIT
+
+# count NAME COMMAND...: runs the command as one test.
+count() {
+    local name=$1
+    shift
+    if "$@"; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $name"
+    fi
+}
+
+start_daemon() {
+    "$build/delaunayd" --port 0 >"$scratch/ready" 2>"$scratch/log" &
+    daemon=$!
+    for _ in $(seq 100); do
+        port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready")
+        [ -n "$port" ] && return
+        sleep 0.1
+    done
+    echo "the daemon did not say that it is ready"
+    cat "$scratch/log"
+    exit 1
+}
+
+# Times vary, and so may the words for people after an error's code.
+normalised() {
+    sed -E 's/ ms=[0-9.e-]+/ ms=/; s/^(ERR [A-Z]+).*/\1/'
+}
+
+# ---- netcat: everything sent is carried out after the half-close, and every reply comes whole ----
+
+talk() {
+    timeout 30 nc -N 127.0.0.1 "$port"
+}
+
+drop_sets() {
+    printf 'SETS\n' | talk | sed -n '2,$s/^\([^ ]*\) .*/DROP \1/p' | talk >/dev/null
+}
+
+with_lf() { cat "$1"; }
+with_crlf() { sed 's/$/\r/' "$1"; }
+without_last_lf() { head -c -1 "$1"; }
+in_small_pieces() {
+    local text rest
+    rest=$(cat "$1"; echo .)
+    rest=${rest%.}
+    while [ -n "$rest" ]; do
+        text=${rest:0:7}
+        rest=${rest:7}
+        printf '%s' "$text"
+        sleep 0.003
+    done
+}
+
+conversation() { # SCRIPT HOW
+    drop_sets
+    "$2" "$1" | talk | normalised | diff "${1%.nc}.out" - >"$scratch/diff" || { cat "$scratch/diff"; false; }
+}
+
+cpu_ticks() {
+    awk '{print $14 + $15}' "/proc/$daemon/stat"
+}
+
+# A reply of some 20 MB to a client that has half-closed and reads nothing for two seconds.
+load_big_set() {
+    { echo 'LOAD big'; "$build/tests/bench/points" uniform 430000; echo .; echo 'TRIANGULATE big'; } | talk |
+        tail -n 1 | grep -q '^OK 0 points=430000 '
+}
+
+slow_reader_gets_all() {
+    local slow fast ticks
+    printf 'LISTS big\n' | talk | { sleep 2; cat; } >"$scratch/slow" &
+    slow=$!
+    sleep 1
+    ticks=$(cpu_ticks)
+    printf 'PING\n' | timeout 1 nc -N 127.0.0.1 "$port" | grep -q '^OK 0' || { echo "another client waits"; return 1; }
+    sleep 0.7
+    ticks=$(($(cpu_ticks) - ticks))
+    wait "$slow"
+    printf 'LISTS big\n' | talk >"$scratch/fast"
+    fast=$(wc -c <"$scratch/fast")
+    echo "a reply of $fast bytes; while its reader slept, the daemon used $ticks ticks of 10 ms"
+    [ "$fast" -gt 19000000 ] && [ "$(wc -l <"$scratch/fast")" -eq 430001 ] && [ "$ticks" -lt 30 ] &&
+        cmp "$scratch/slow" "$scratch/fast"
+}
+
+a_client_that_goes_away_harms_nobody() {
+    printf 'LISTS big\n' | timeout 5 nc 127.0.0.1 "$port" | head -c 100000 >/dev/null
+    printf 'PING\nDROP big\n' | talk | grep -c '^OK 0' | grep -qx 2
+}
+
+netcat_conversations() {
+    local script how
+    for script in tests/interop/scripts/*.nc; do
+        for how in with_lf with_crlf without_last_lf in_small_pieces; do
+            count "$(basename "$script") $how" conversation "$script" "$how"
+        done
+    done
+    count "load a big set as text" load_big_set
+    count "slow reader after half-close" slow_reader_gets_all
+    count "client that goes away" a_client_that_goes_away_harms_nobody
+}
+
+# ---- CGAL ----
+
+# Adds the counts of a shard's last line to ours and shows what went wrong.
+collect() {
+    local p f
+    grep -v ' passed, ' "$1"
+    read -r p f < <(sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed$/\1 \2/p' "$1" | tail -n 1)
+    if [ -z "${f:-}" ]; then
+        echo "FAIL the comparison broke off"
+        p=0 f=1
+    fi
+    passed=$((passed + p))
+    failed=$((failed + f))
+}
+
+compare_with_cgal() {
+    local shard pids=()
+    for shard in 0 1; do
+        "$build/interop/compare" "$port" "$shard" 2 >"$scratch/shard$shard" 2>&1 &
+        pids+=($!)
+    done
+    wait "${pids[@]}"
+    collect "$scratch/shard0"
+    collect "$scratch/shard1"
+}
+
+stops_cleanly() {
+    local status
+    kill -TERM "$daemon"
+    wait "$daemon"
+    status=$?
+    daemon=
+    cat "$scratch/log"
+    [ "$status" -eq 0 ]
+}
+
+start_daemon
+compare_with_cgal
+netcat_conversations
+count "clean stop on SIGTERM" stops_cleanly
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,22 @@
+FROB x
+ADD e 1
+ADD e 1 nan
+ADD e 0x10 1
+ADD e 1e300 1
+ADD bad/name 1 1
+STAT nowhere
+LOAD e
+1 2
+3 4 5
+6 7
+.
+CREATE e
+CREATE e
+TRIANGLES e
+ADD e 0 0  1 0  0 1
+DEL e 0 7
+GET e 0
+TRIANGULATE e
+TRIANGLES e 0 1 7
+TRIANGLES e 0 1 2
+PING

@@ -1,0 +1,3 @@
+ADD t 0 0  4 0  4 4  0 4  2 2
+TRIANGULATE t
+LISTS t
