@@ -1,0 +1,133 @@
+#!/usr/bin/env bash
+# The rules of the house that a machine can check. Prints each breach as FILE:LINE: what; exits 1 if there is one.
+#
+#     lint.sh [BUILD_DIR]      with a build directory, the object files of core/ are searched for variables, too
+#
+# LINT_STRICT=1 makes a missing tool (clang-format-14, clang-tidy, cppcheck) a failure; else it is only mentioned.
+set -uo pipefail
+cd "$(dirname "$0")/../.." || exit 1
+build=${1:-}
+found=$(mktemp)
+trap 'rm -f "$found"' EXIT
+
+# ---- which files ----
+
+files() { # REGEX: the repository's files whose path matches, new ones included
+    git ls-files -co --exclude-standard | grep -E "$1" | while IFS= read -r f; do [ -f "$f" ] && echo "$f"; done
+}
+
+code() { # FOLDER...
+    local folder
+    for folder in "$@"; do files "^$folder/[^/]*\.[ch]\$"; done
+}
+
+all_code() {
+    files '\.(c|h|cpp)$'
+}
+
+all_text() {
+    files '\.(c|h|cpp|py|sh|mk|md|yml|yaml)$|^Makefile$|/run$'
+}
+
+# ---- folders are dependency rules ----
+
+may_include() { # FOLDER REGEX: every #include in FOLDER must match
+    code "$1" | xargs -r grep -HnE '^[[:space:]]*#[[:space:]]*include' | grep -vE "include ($2)" |
+        sed "s|\$|    (not for $1/)|"
+}
+
+include_rules() {
+    local pure='assert|cpuid|float|immintrin|limits|math|stdalign|stdarg|stdatomic|stdbool|stddef|stdint|stdlib|string'
+    may_include core "\"core/[a-z0-9_]+\.h\"|<($pure)\.h>"
+    may_include proto "\"proto/[a-z0-9_]+\.h\"|<($pure|ctype|errno|inttypes|stdio|time)\.h>"
+    may_include server "\"(core/delaunay|(proto|server)/[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
+    may_include clients "\"(proto|clients)/[a-z0-9_]+\.h\"|<[a-z0-9_/]+\.h>"
+}
+
+# A file's own header comes first, which proves that the header stands on its own.
+own_header_first() {
+    local f own
+    for f in $(code core proto server clients | grep '\.c$'); do
+        own=${f%.c}.h
+        [ ! -f "$own" ] || grep -m 1 '^#include' "$f" | grep -q "\"$own\"" || echo "$f:1: $own must come first"
+    done
+}
+
+core_is_pure() {
+    code core | xargs -r grep -HnE '(^|[^a-z_])(v?f?s?n?printf|puts|abort|exit|_Exit|signal|setlocale)[[:space:]]*\(' |
+        sed 's|$|    (not in core/)|'
+}
+
+# No variable of core/ outlives a call. Tables of constants lie in read-only sections.
+core_has_no_globals() {
+    local o
+    for o in "$build"/core/*.o; do
+        objdump -t "$o" | awk -v o="$o" '/ O (\.data|\.bss|\.tdata|\.tbss|\*COM\*)/ && !/\.data\.rel\.ro/ {
+            print o ": the variable " $NF " outlives a call" }'
+    done
+}
+
+# ---- files ----
+
+file_rules() {
+    local f lines
+    for f in $(files '\.(c|h|cpp|py|sh)$'); do
+        lines=$(wc -l <"$f")
+        [ "$lines" -le 600 ] || echo "$f:$lines: more than 600 lines: what should leave it?"
+    done
+    for f in $(all_code); do
+        head -n 1 "$f" | grep -qF "/* $(basename "$f") - " || echo "$f:1: must open with its name and purpose"
+    done
+    all_text | xargs grep -HnE '[[:blank:]]+$' | sed 's|$|    (blank at the end of the line)|'
+    all_text | grep -vE '(^Makefile|\.mk)$' | xargs grep -HnP '\t' | sed 's|$|    (tab)|'
+    files . | xargs grep -HnIE '(^|[^A-Za-z])/([w]ork|[r]oot|[t]mp/(wt|bash))(/|$)' | sed 's|$|    (path of one machine)|'
+}
+
+# ---- tools ----
+
+have() { # NAME
+    command -v "$1" >/dev/null && return
+    if [ -n "${LINT_STRICT:-}" ]; then
+        echo "lint: $1 is missing"
+    else
+        echo "lint: no $1, its checks are left out" >&2
+    fi
+    return 1
+}
+
+format() {
+    have clang-format-14 || return
+    local f
+    for f in $(all_code); do
+        clang-format-14 "$f" | cmp -s - "$f" || echo "$f: not formatted (make fmt)"
+    done
+}
+
+tidy() {
+    have clang-tidy || return
+    code core proto server clients | grep '\.c$' |
+        xargs -r -P 2 -n 3 sh -c 'clang-tidy --quiet "$@" -- -std=c11 -D_GNU_SOURCE -I. 2>/dev/null' sh |
+        grep -E ' (error|warning): ' | sed "s|^$PWD/||" | sort -u
+}
+
+check() {
+    have cppcheck || return
+    code core proto server clients tests/bench | grep '\.c$' |
+        xargs -r cppcheck -q -j 2 --std=c11 -D_GNU_SOURCE -I. --enable=warning,portability --inline-suppr \
+            --template='{file}:{line}: {message} [cppcheck {id}]' --template-location='' 2>&1 | grep .
+}
+
+{
+    include_rules
+    own_header_first
+    core_is_pure
+    [ -z "$build" ] || core_has_no_globals
+    file_rules
+    format
+    check
+    tidy
+} >"$found"
+
+cat "$found"
+echo "lint: $(wc -l <"$found") breaches"
+[ ! -s "$found" ]
