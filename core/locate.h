@@ -1,23 +1,21 @@
-/* locate.h - where a place lies in the mesh: a uniform grid of hints, then a short walk.
- *
- * Each cell of the grid holds a half edge near it (the paper keeps points in its cells; a half edge serves the same
- * search and leads straight into the mesh). */
+/* locate.h - where a place lies in the mesh: a hint from the grid, then a short exact walk. */
 #ifndef DT_LOCATE_H
 #define DT_LOCATE_H
 
-#include "core/mesh.h"
+#include "core/hints.h"
 
-struct dt_hints {
-    struct dt_point lo;   /* corner of the grid */
-    double per_x, per_y;  /* cells per unit */
-    uint32_t nx, ny;
-    uint32_t *cell;       /* owns nx * ny half edges */
-};
+/* Where q lies in a mesh of at least two vertices; vertex v has coordinates xy[v]. *half becomes
+ *   DT_INSIDE     a half edge of the triangle around q
+ *   DT_ON_EDGE    the half edge that q is on (all points on one line: that of a ghost)
+ *   DT_ON_VERTEX  a half edge that leaves the vertex at q
+ *   DT_OUTSIDE    a ghost beyond whose edge q lies; all points on one line: any ghost if q is not
+ * on that line, else one whose corner 0 is the end of the line next to q. Exact. Cost: constant
+ * expected. */
+enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy,
+                      const struct dt_hints *hints, struct dt_point q, uint32_t *half);
 
-void dt_hints_clear(struct dt_hints *g);
-
-/* Builds the grid for a mesh of which every vertex v has coordinates xy[v]. *g must be zeroed or cleared.
- * Cost: linear. */
-enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy);
+/* The same from a half edge of the caller's choice. Cost: the number of triangles between. */
+enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
+                      struct dt_point q, uint32_t *half);
 
 #endif

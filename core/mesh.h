@@ -1,7 +1,7 @@
 /* mesh.h - the triangulation as half edges of triangles: topology only, no coordinates.
  *
- * A triangle t is a record of eight words, half a cache line. Its half edge h = 8t + k (k = 0, 1, 2) runs
- * counterclockwise from corner k to corner k + 1 with the triangle on its left:
+ * A triangle t is a record of eight words, half a cache line. Its half edge h = 8t + k (k = 0, 1,
+ * 2) runs counterclockwise from corner k to corner k + 1 with the triangle on its left:
  *
  *      half[8t + 0..2]   the three corners (vertices), the origins of the half edges
  *      half[8t + 4..6]   the twins of the half edges: the same edges seen from the triangles beyond
@@ -13,10 +13,14 @@
  *             v0 ------ v1
  *                 8t
  *
- * Ghosts close the plane to a sphere: beyond each hull edge b->a (interior on its left) lies the ghost triangle
- * (a, b, DT_NONE); the point at infinity is always corner 2. So every half edge has a twin, n >= 2 vertices
- * always have 2n - 2 triangles (ghosts included) and 3n - 3 edges (those to infinity included), and hull vertices
- * need no special case. Points on one line have ghosts only, two for each edge. One vertex has no triangle at all.
+ * Ghosts close the plane to a sphere: beyond each hull edge b->a (interior on its left) lies the
+ * ghost triangle (a, b, DT_NONE); the point at infinity is always corner 2. So every half edge has
+ * a twin, n >= 2 vertices always have 2n - 2 triangles (ghosts included) and 3n - 3 edges (those to
+ * infinity included), and hull vertices need no special case. Points on one line have ghosts only,
+ * two for each edge. One vertex has no triangle at all.
+ *
+ * In a settled mesh (core/hull.h: every mesh that queries see) the half edge leaving[v] of a hull
+ * vertex v is the one to infinity, so that one look tells hull vertices from interior ones.
  *
  * A dead record (a hole to be used again) has DT_DEAD in corner 2. */
 #ifndef DT_MESH_H
@@ -27,20 +31,24 @@
 #define DT_DEAD (UINT32_MAX - 1)
 
 struct dt_mesh {
-    uint32_t *half;      /* owns 8 * tri_cap words */
-    uint32_t *leaving;   /* owns vert_cap words: a half edge that leaves the vertex; DT_NONE if there is none */
+    uint32_t *half;    /* owns 8 * tri_cap words */
+    uint32_t *leaving; /* owns vert_cap words: a half edge that leaves the vertex; DT_NONE if there
+                          is none */
     uint32_t tri_cap, vert_cap;
-    uint32_t tri_end;    /* records 0 .. tri_end - 1 are live or dead */
-    uint32_t dead;       /* how many of them are dead */
-    uint32_t free_list;  /* a dead record, DT_NONE if none; corner 0 of a dead record holds the next one */
-    uint32_t ghosts;     /* how many of the live ones are ghosts */
-    uint32_t vertices;   /* vertices that the triangulation has */
+    uint32_t tri_end;   /* records 0 .. tri_end - 1 are live or dead */
+    uint32_t dead;      /* how many of them are dead */
+    uint32_t free_list; /* a dead record, DT_NONE if none; corner 0 of a dead record holds the next
+                           one */
+    uint32_t ghosts;    /* how many of the live ones are ghosts */
+    uint32_t vertices;  /* vertices that the triangulation has */
+    uint32_t hull;      /* a ghost, if there is one: see dt_hull_settle */
 };
 
 /* *m must be zeroed or cleared. */
 void dt_mesh_clear(struct dt_mesh *m);
 
-/* Makes room for vertices numbered below verts and for tris records in all. DT_NOMEM leaves *m valid and unchanged. */
+/* Makes room for vertices numbered below verts and for tris records in all. DT_NOMEM leaves *m
+ * valid and unchanged. */
 enum dt_status dt_mesh_reserve(struct dt_mesh *m, uint32_t verts, uint32_t tris);
 
 static inline uint32_t dt_origin(const struct dt_mesh *m, uint32_t h)

@@ -1,0 +1,334 @@
+/* hints.c - builds the grid of hints.
+ *
+ * Grid 0 has CELLS_PER_POINT cells a point. One pass over the vertices leaves in each cell the half
+ * edge of the last vertex that came by, and counts; the vertices are in spatial order in memory, so
+ * this runs through the cells nearly in order. Then each cell with more than CROWD points gets a
+ * grid of its own, treated in the same way, and so on, breadth first. A grid most of whose points
+ * are in crowded cells was wasted on them, so it is made anew with few cells: the next level will
+ * fit better. */
+#include "core/hints.h"
+
+#include "core/hull.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CELLS_PER_POINT 2.0
+#define CELLS_PER_POINT_COARSE 0.125
+#define CROWD 12      /* points in one cell that are worth a grid */
+#define MAX_CELLS 6.0 /* a point, over all grids; beyond that cells stay crowded */
+#define IS_GRID 4u
+
+/* What a grid under construction covers: the vertices list[from .. to - 1]. */
+struct span {
+    uint32_t from, to;
+};
+
+struct builder {
+    struct dt_hints *hints;
+    const struct dt_mesh *mesh;
+    const struct dt_point *xy;
+    uint8_t *count;    /* points in each cell of the grid at hand, 255 for more */
+    uint32_t *list;    /* vertices in crowded cells, grid by grid */
+    uint32_t *scratch; /* as long as list */
+    struct span *span; /* by grid */
+    uint32_t span_cap;
+};
+
+void dt_hints_clear(struct dt_hints *g)
+{
+    free(g->grid);
+    free(g->cell);
+    *g = (struct dt_hints){0};
+}
+
+size_t dt_hints_memory(const struct dt_hints *g)
+{
+    return g->grid_cap * sizeof *g->grid + g->cell_cap * sizeof *g->cell;
+}
+
+struct box {
+    struct dt_point lo, hi;
+};
+
+static void box_add(struct box *b, struct dt_point p)
+{
+    b->lo.x = p.x < b->lo.x ? p.x : b->lo.x;
+    b->lo.y = p.y < b->lo.y ? p.y : b->lo.y;
+    b->hi.x = p.x > b->hi.x ? p.x : b->hi.x;
+    b->hi.y = p.y > b->hi.y ? p.y : b->hi.y;
+}
+
+static const struct box no_box = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
+
+static struct box box_of_hull(const struct dt_mesh *m, const struct dt_point *xy)
+{
+    struct box b = no_box;
+    uint32_t g = m->hull;
+    do {
+        box_add(&b, xy[dt_hull_vertex(m, g)]);
+        g = dt_hull_step(m, g, false);
+    } while (g != m->hull);
+    return b;
+}
+
+/* Square cells, about `cells` of them; at least one row and one column whatever the box. */
+static void grid_shape(struct dt_grid *g, const struct box *b, double cells)
+{
+    double w = b->hi.x - b->lo.x, h = b->hi.y - b->lo.y;
+    double nx = w == 0 ? 1 : h == 0 ? cells : ceil(sqrt(cells * (w / h)));
+    nx = nx < cells ? nx : ceil(cells);
+    double ny = h == 0 ? 1 : ceil(cells / nx);
+    g->lo = b->lo;
+    g->nx = (uint32_t)nx;
+    g->ny = (uint32_t)ny;
+    g->per_x = w == 0 ? 0 : nx / w;
+    g->per_y = h == 0 ? 0 : ny / h;
+}
+
+static enum dt_status reserve_cells(struct dt_hints *g, double end)
+{
+    if (end <= g->cell_cap)
+        return DT_OK;
+    double want = g->cell_cap == 0 ? end : end + end / 4;
+    if (want > UINT32_MAX)
+        return DT_NOMEM;
+    uint32_t *cell = realloc(g->cell, (size_t)want * sizeof *cell);
+    if (cell == NULL)
+        return DT_NOMEM;
+    g->cell = cell;
+    g->cell_cap = (uint32_t)want;
+    return DT_OK;
+}
+
+static enum dt_status reserve_grid(struct builder *b)
+{
+    struct dt_hints *g = b->hints;
+    if (g->grids == g->grid_cap) {
+        uint32_t want = g->grid_cap == 0 ? 1 : g->grid_cap * 2 + 14;
+        struct dt_grid *grid = realloc(g->grid, want * sizeof *grid);
+        if (grid == NULL)
+            return DT_NOMEM;
+        g->grid = grid;
+        g->grid_cap = want;
+    }
+    if (g->grids == b->span_cap) {
+        uint32_t want = g->grid_cap;
+        struct span *span = realloc(b->span, want * sizeof *span);
+        if (span == NULL)
+            return DT_NOMEM;
+        b->span = span;
+        b->span_cap = want;
+    }
+    return DT_OK;
+}
+
+/* Drops the half edge of a vertex into its cell. */
+static void drop(const struct builder *b, const struct dt_grid *g, uint32_t v)
+{
+    uint32_t c = dt_grid_cell(g, b->xy[v]);
+    uint8_t *count = &b->count[c - g->first];
+    b->hints->cell[c] = b->mesh->leaving[v];
+    *count = (uint8_t)(*count + (*count < UINT8_MAX));
+}
+
+/* Calls drop for all vertices of grid k: those of its span, or for grid 0 all that the mesh has. */
+static void drop_all(const struct builder *b, uint32_t k)
+{
+    const struct dt_grid *g = &b->hints->grid[k];
+    memset(b->count, 0, (size_t)g->nx * g->ny);
+    if (k > 0) {
+        for (uint32_t i = b->span[k].from; i < b->span[k].to; i++)
+            drop(b, g, b->list[i]);
+        return;
+    }
+    uint32_t left = b->mesh->vertices;
+    for (uint32_t v = 0; left > 0; v++) {
+        if (b->mesh->leaving[v] == DT_NONE)
+            continue;
+        drop(b, g, v);
+        left--;
+    }
+}
+
+/* Every empty cell takes the content of the one left of it, else right of it, else of the row
+ * below. The box is tight, so the lowest row is not empty. */
+static void fill_empty(const struct builder *b, const struct dt_grid *g)
+{
+    for (uint32_t row = 0; row < g->ny; row++) {
+        uint32_t *cell = b->hints->cell + g->first + row * g->nx;
+        const uint8_t *count = b->count + row * g->nx;
+        uint32_t i = 0;
+        while (i < g->nx && count[i] == 0)
+            i++;
+        if (i == g->nx) {
+            memcpy(cell, cell - g->nx, g->nx * sizeof *cell);
+            continue;
+        }
+        for (uint32_t j = 0; j < i; j++)
+            cell[j] = cell[i];
+        for (i++; i < g->nx; i++)
+            if (count[i] == 0)
+                cell[i] = cell[i - 1];
+    }
+}
+
+static bool crowded(const struct builder *b, const struct dt_grid *g, uint32_t v)
+{
+    return b->count[dt_grid_cell(g, b->xy[v]) - g->first] > CROWD;
+}
+
+static bool has_crowd(const struct builder *b, const struct dt_grid *g)
+{
+    for (uint32_t i = 0; i < g->nx * g->ny; i++)
+        if (b->count[i] > CROWD)
+            return true;
+    return false;
+}
+
+/* Moves the vertices of grid k that are in crowded cells to the front of its span and tells how
+ * many they are. For grid 0, which has no span, makes the list. */
+static enum dt_status gather_crowd(struct builder *b, uint32_t k, uint32_t *crowd)
+{
+    const struct dt_grid *g = &b->hints->grid[k];
+    uint32_t n = 0;
+    if (k > 0) {
+        uint32_t *list = b->list + b->span[k].from;
+        for (uint32_t i = 0; i < b->span[k].to - b->span[k].from; i++) {
+            uint32_t v = list[i];
+            if (!crowded(b, g, v))
+                continue;
+            list[i] = list[n];
+            list[n++] = v;
+        }
+        *crowd = n;
+        return DT_OK;
+    }
+    if (b->list == NULL)
+        b->list = malloc(b->mesh->vertices * sizeof *b->list);
+    if (b->scratch == NULL)
+        b->scratch = malloc(b->mesh->vertices * sizeof *b->scratch);
+    if (b->list == NULL || b->scratch == NULL)
+        return DT_NOMEM;
+    uint32_t left = b->mesh->vertices;
+    for (uint32_t v = 0; left > 0; v++) {
+        if (b->mesh->leaving[v] == DT_NONE)
+            continue;
+        if (crowded(b, g, v))
+            b->list[n++] = v;
+        left--;
+    }
+    *crowd = n;
+    return DT_OK;
+}
+
+/* Gives each crowded cell of grid k a grid: numbers them, then sorts the n crowded vertices, at the
+ * front of the span, by grid. Shapes come later, when each grid's own turn has come. */
+static enum dt_status divide_crowd(struct builder *b, uint32_t k, uint32_t n)
+{
+    struct dt_hints *hints = b->hints;
+    uint32_t first_child = hints->grids, from = k > 0 ? b->span[k].from : 0;
+    uint32_t end = hints->grid[k].first + hints->grid[k].nx * hints->grid[k].ny;
+    for (uint32_t c = hints->grid[k].first; c < end; c++) {
+        if (b->count[c - hints->grid[k].first] <= CROWD)
+            continue;
+        enum dt_status s = reserve_grid(b);
+        if (s != DT_OK)
+            return s;
+        b->span[hints->grids] = (struct span){0, 0};
+        hints->cell[c] = hints->grids++ << 3 | IS_GRID;
+    }
+    const struct dt_grid *g = &hints->grid[k];
+    memcpy(b->scratch, b->list + from, n * sizeof *b->scratch);
+    for (uint32_t i = 0; i < n; i++)
+        b->span[hints->cell[dt_grid_cell(g, b->xy[b->scratch[i]])] >> 3].to++;
+    for (uint32_t child = first_child, at = from; child < hints->grids; child++) {
+        uint32_t size = b->span[child].to;
+        b->span[child] = (struct span){at, at};
+        at += size;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t child = hints->cell[dt_grid_cell(g, b->xy[b->scratch[i]])] >> 3;
+        b->list[b->span[child].to++] = b->scratch[i];
+    }
+    return DT_OK;
+}
+
+/* Shapes grid k for n vertices in the box and drops them in. */
+static enum dt_status place(struct builder *b, uint32_t k, const struct box *box, double cells)
+{
+    struct dt_grid *g = &b->hints->grid[k];
+    grid_shape(g, box, cells);
+    g->first = b->hints->cells;
+    enum dt_status s = reserve_cells(b->hints, (double)g->first + (double)g->nx * g->ny);
+    if (s == DT_OK)
+        drop_all(b, k);
+    return s;
+}
+
+static enum dt_status build_grid(struct builder *b, uint32_t k)
+{
+    struct dt_hints *hints = b->hints;
+    uint32_t n = b->mesh->vertices;
+    struct box box = no_box;
+    if (k == 0) {
+        box = box_of_hull(b->mesh, b->xy);
+    } else {
+        n = b->span[k].to - b->span[k].from;
+        for (uint32_t i = b->span[k].from; i < b->span[k].to; i++)
+            box_add(&box, b->xy[b->list[i]]);
+    }
+    uint32_t crowd = 0;
+    enum dt_status s = place(b, k, &box, n * CELLS_PER_POINT);
+    if (s == DT_OK && has_crowd(b, &hints->grid[k]) &&
+        hints->cells < MAX_CELLS * b->mesh->vertices) {
+        s = gather_crowd(b, k, &crowd);
+        if (s == DT_OK && crowd > n / 2 && n * CELLS_PER_POINT_COARSE >= 2) {
+            s = place(b, k, &box, n * CELLS_PER_POINT_COARSE);
+            if (s == DT_OK)
+                s = gather_crowd(b, k, &crowd);
+        }
+        if (s == DT_OK && crowd > 0)
+            s = divide_crowd(b, k, crowd);
+    }
+    if (s != DT_OK)
+        return s;
+    fill_empty(b, &hints->grid[k]);
+    hints->cells += hints->grid[k].nx * hints->grid[k].ny;
+    return DT_OK;
+}
+
+/* Gives back what the grids reserved and did not need. */
+static void trim(struct dt_hints *g)
+{
+    uint32_t *cell = realloc(g->cell, g->cells * sizeof *cell);
+    if (cell != NULL) {
+        g->cell = cell;
+        g->cell_cap = g->cells;
+    }
+}
+
+enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy)
+{
+    dt_hints_clear(g);
+    dt_hull_settle(m, xy);
+    if (m->vertices < 2)
+        return DT_OK;
+    struct builder b = {.hints = g, .mesh = m, .xy = xy};
+    b.count = malloc((size_t)(m->vertices * CELLS_PER_POINT * 2) + 16);
+    enum dt_status s = b.count == NULL ? DT_NOMEM : reserve_grid(&b);
+    if (s == DT_OK)
+        g->grids = 1;
+    for (uint32_t k = 0; s == DT_OK && k < g->grids; k++)
+        s = build_grid(&b, k);
+    free(b.count);
+    free(b.list);
+    free(b.scratch);
+    free(b.span);
+    if (s == DT_OK)
+        trim(g);
+    else
+        dt_hints_clear(g);
+    return s;
+}

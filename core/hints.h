@@ -1,0 +1,69 @@
+/* hints.h - the uniform grid: for every place of the plane a half edge near it.
+ *
+ * The paper keeps points in its cells; a half edge serves the same search and leads straight into
+ * the mesh. A cell in which points gather holds a grid of its own instead, fitted to the box of
+ * those points, and so on: a search costs the same on clusters, with outliers and on nested scales.
+ *
+ *      grid 0            +---+---+---+
+ *                        | h | h | h |          h: a half edge that leaves a vertex in this cell or
+ * in one beside it
+ *                        +---+---+---+
+ *                        | h | G | h |          G: the cell's own grid (its number), marked by bit
+ * 2, which no half
+ *                        +---+---+---+             edge 8t + k has set
+ */
+#ifndef DT_HINTS_H
+#define DT_HINTS_H
+
+#include "core/mesh.h"
+
+struct dt_grid {
+    struct dt_point lo;  /* corner */
+    double per_x, per_y; /* cells per unit; 0 in a direction without extent */
+    uint32_t nx, ny;
+    uint32_t first; /* its first cell */
+};
+
+struct dt_hints {
+    struct dt_grid *grid; /* owns; grid 0 covers the set, each other one refines a cell */
+    uint32_t *cell;       /* owns the cells of all grids, row by row */
+    uint32_t grids, grid_cap;
+    uint32_t cells, cell_cap;
+};
+
+/* *g must be zeroed or cleared. */
+void dt_hints_clear(struct dt_hints *g);
+
+/* Finishes a mesh that was just built, of which every vertex v has coordinates xy[v], for queries:
+ * settles its hull (core/hull.h) and builds the grid. *g is cleared first, and left so on DT_NOMEM.
+ * Vertices that are in no triangle must have DT_NONE in leaving[]. Cost: linear. */
+enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy);
+
+/* Bytes that the grid holds. */
+size_t dt_hints_memory(const struct dt_hints *g);
+
+/* The column or row of v: monotone in v, and places beyond the grid belong to its outermost cells.
+ */
+static inline uint32_t dt_grid_index(double v, double lo, double per, uint32_t n)
+{
+    double at = (v - lo) * per, last = (double)(n - 1);
+    at = at > 0 ? at : 0;
+    return (uint32_t)(at < last ? at : last);
+}
+
+static inline uint32_t dt_grid_cell(const struct dt_grid *g, struct dt_point q)
+{
+    uint32_t row = dt_grid_index(q.y, g->lo.y, g->per_y, g->ny);
+    return g->first + row * g->nx + dt_grid_index(q.x, g->lo.x, g->per_x, g->nx);
+}
+
+/* A half edge near q; the mesh must have at least two vertices. */
+static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
+{
+    uint32_t h = g->cell[dt_grid_cell(g->grid, q)];
+    while (h & 4)
+        h = g->cell[dt_grid_cell(g->grid + (h >> 3), q)];
+    return h;
+}
+
+#endif

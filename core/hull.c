@@ -1,0 +1,71 @@
+/* hull.c - finds the hull of a finished mesh and its canonical start. */
+#include "core/hull.h"
+
+#include "core/predicates.h"
+
+/* The leftmost vertex. Every other vertex of a triangulation has a neighbour that is
+ * lexicographically smaller; vertex numbers follow the grid, so a low one is near the goal already.
+ */
+static uint32_t leftmost(const struct dt_mesh *m, const struct dt_point *xy)
+{
+    uint32_t v = 0, best = 0;
+    while (m->leaving[v] == DT_NONE)
+        best = ++v;
+    do {
+        v = best;
+        uint32_t h = m->leaving[v];
+        do {
+            uint32_t d = dt_dest(m, h);
+            if (d != DT_NONE && dt_compare_xy(xy[d], xy[best]) < 0)
+                best = d;
+            h = dt_turn_ccw(m, h);
+        } while (h != m->leaving[v]);
+    } while (best != v);
+    return v;
+}
+
+void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy)
+{
+    m->hull = DT_NONE;
+    if (m->vertices < 2)
+        return;
+    uint32_t h = m->leaving[leftmost(m, xy)];
+    while (dt_dest(m, h) != DT_NONE)
+        h = dt_turn_ccw(m, h);
+    m->hull = dt_base(h);
+    uint32_t g = m->hull;
+    do {
+        m->leaving[dt_hull_vertex(m, g)] = g + 1;
+        g = dt_hull_step(m, g, false);
+    } while (g != m->hull);
+}
+
+/* Of the two ends of a line, the one with the smaller id, or the other one. */
+static uint32_t first_on_line(const struct dt_mesh *m, const uint32_t *id, bool other)
+{
+    uint32_t best = DT_NONE, g = m->hull;
+    do {
+        uint32_t next = dt_hull_step(m, g, false);
+        if (dt_hull_turns(m, g)) {
+            bool smaller =
+                best == DT_NONE || id[dt_hull_vertex(m, next)] < id[dt_hull_vertex(m, best)];
+            if (best == DT_NONE || smaller != other)
+                best = next;
+        }
+        g = next;
+    } while (g != m->hull);
+    return best;
+}
+
+uint32_t dt_hull_first(const struct dt_mesh *m, const uint32_t *id, bool cw)
+{
+    if (m->vertices < 2)
+        return DT_NONE;
+    if (dt_mesh_is_line(m))
+        return first_on_line(m, id, cw);
+    uint32_t best = m->hull, g = best;
+    while ((g = dt_hull_step(m, g, false)) != m->hull)
+        if (id[dt_hull_vertex(m, g)] < id[dt_hull_vertex(m, best)])
+            best = g;
+    return best;
+}
