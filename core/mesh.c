@@ -2,25 +2,52 @@
 #include "core/mesh.h"
 
 #include <stdlib.h>
+#include <string.h>
+
+#include "core/memory.h"
 
 void dt_mesh_clear(struct dt_mesh *m)
 {
     free(m->half);
     free(m->leaving);
-    *m = (struct dt_mesh){.free_list = DT_NONE, .hull = DT_NONE};
+    *m = (struct dt_mesh){.free_list = DT_NONE};
+}
+
+enum dt_status dt_mesh_copy(const struct dt_mesh *m, struct dt_mesh *copy)
+{
+    *copy = *m;
+    copy->vert_cap = m->vertices == 0 ? 0 : m->vert_cap;
+    copy->tri_cap = m->tri_end;
+    copy->half = dt_array_new((size_t)copy->tri_cap * 8, sizeof *copy->half);
+    copy->leaving = dt_array_new(copy->vert_cap, sizeof *copy->leaving);
+    if (copy->half == NULL || copy->leaving == NULL) {
+        dt_mesh_clear(copy);
+        return DT_NOMEM;
+    }
+    if (copy->tri_cap > 0)
+        memcpy(copy->half, m->half, (size_t)copy->tri_cap * 8 * sizeof *copy->half);
+    if (copy->vert_cap > 0)
+        memcpy(copy->leaving, m->leaving, copy->vert_cap * sizeof *copy->leaving);
+    return DT_OK;
+}
+
+size_t dt_mesh_memory(const struct dt_mesh *m)
+{
+    return ((size_t)m->tri_cap * 8 + m->vert_cap) * sizeof(uint32_t);
 }
 
 enum dt_status dt_mesh_reserve(struct dt_mesh *m, uint32_t verts, uint32_t tris)
 {
     if (verts > m->vert_cap) {
-        uint32_t *leaving = realloc(m->leaving, verts * sizeof *leaving);
+        uint32_t *leaving = dt_array_grow(m->leaving, m->vert_cap, verts, sizeof *leaving);
         if (leaving == NULL)
             return DT_NOMEM;
         m->leaving = leaving;
         m->vert_cap = verts;
     }
     if (tris > m->tri_cap) {
-        uint32_t *half = realloc(m->half, (size_t)tris * 8 * sizeof *half);
+        uint32_t *half =
+            dt_array_grow(m->half, (size_t)m->tri_end * 8, (size_t)tris * 8, sizeof *half);
         if (half == NULL)
             return DT_NOMEM;
         m->half = half;

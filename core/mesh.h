@@ -19,9 +19,6 @@
  * infinity included), and hull vertices need no special case. Points on one line have ghosts only,
  * two for each edge. One vertex has no triangle at all.
  *
- * In a settled mesh (core/hull.h: every mesh that queries see) the half edge leaving[v] of a hull
- * vertex v is the one to infinity, so that one look tells hull vertices from interior ones.
- *
  * A dead record (a hole to be used again) has DT_DEAD in corner 2. */
 #ifndef DT_MESH_H
 #define DT_MESH_H
@@ -41,11 +38,16 @@ struct dt_mesh {
                            one */
     uint32_t ghosts;    /* how many of the live ones are ghosts */
     uint32_t vertices;  /* vertices that the triangulation has */
-    uint32_t hull;      /* a ghost, if there is one: see dt_hull_settle */
 };
 
 /* *m must be zeroed or cleared. */
 void dt_mesh_clear(struct dt_mesh *m);
+
+/* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is cleared.
+ */
+enum dt_status dt_mesh_copy(const struct dt_mesh *m, struct dt_mesh *copy);
+
+size_t dt_mesh_memory(const struct dt_mesh *m); /* bytes */
 
 /* Makes room for vertices numbered below verts and for tris records in all. DT_NOMEM leaves *m
  * valid and unchanged. */
