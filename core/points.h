@@ -1,26 +1,36 @@
-/* points.h - the points of a set: coordinates by vertex, ids by vertex, vertices by id, and the aliases.
+/* points.h - the points of a set: coordinates by vertex, ids by vertex, vertices by id, and the
+ * aliases.
  *
- * A vertex number is the place of a representative in the arrays xy and id, which the mesh shares: in order of arrival
- * at first, in grid order once triangulated, so that neighbours in the plane are neighbours in memory. Ids are the
- * caller's numbers and never change. Aliases are no vertices; they live in a table of their own. */
+ * A vertex number is the place of a representative in the arrays xy and id, which the mesh shares:
+ * in order of arrival at first, in grid order once triangulated, so that neighbours in the plane
+ * are neighbours in memory. Ids are the caller's numbers and never change. Aliases are no vertices;
+ * they live in a table of their own. */
 #ifndef DT_POINTS_H
 #define DT_POINTS_H
 
-#include "core/delaunay.h"
+#include "core/aliases.h"
+#include "core/places.h"
+
+#define DT_ALIAS_BIT                                                                               \
+    (1u << 31) /* in a value of `value`: the rest is an index of aliases, not a vertex */
 
 struct dt_points {
-    struct dt_point *xy; /* owns, by vertex */
-    uint32_t *id;        /* owns, by vertex: the representative's id; DT_NONE for a free vertex */
-    uint32_t end, cap;   /* vertices 0 .. end - 1 are in use or free */
+    struct dt_point *xy; /* owns cap, by vertex */
+    uint32_t *id;      /* owns cap, by vertex: the representative's id; DT_NONE for a free vertex */
+    uint32_t end, cap; /* vertices 0 .. end - 1 are in use or free */
     uint32_t free_count; /* how many of them are free */
-    uint32_t free_list;  /* a free vertex; DT_NONE if none */
+    uint32_t free_list;  /* a free vertex, DT_NONE if none; its xy.x holds the next one */
     uint32_t next_id;    /* ids handed out so far are 0 .. next_id - 1 */
-    uint32_t aliases;    /* how many live ids are aliases */
     double tol;
-    struct dt_id_pages *pages;      /* owns: id -> vertex or alias */
-    struct dt_alias_table *alias;   /* owns; NULL while there is none */
-    struct dt_coincidence *places;  /* owns: finds a representative by its place */
+    struct dt_idmap value; /* id -> vertex, or DT_ALIAS_BIT | index */
+    struct dt_aliases aliases;
+    struct dt_places places; /* finds a representative by its place; built when first needed */
 };
+
+void dt_points_init(struct dt_points *p, double tol);
+void dt_points_clear(struct dt_points *p);
+enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy);
+size_t dt_points_memory(const struct dt_points *p);
 
 /* Representatives = vertices in use. */
 static inline uint32_t dt_points_vertices(const struct dt_points *p)
@@ -28,13 +38,55 @@ static inline uint32_t dt_points_vertices(const struct dt_points *p)
     return p->end - p->free_count;
 }
 
+static inline uint32_t dt_points_live(const struct dt_points *p)
+{
+    return dt_points_vertices(p) + p->aliases.count;
+}
+
 /* The vertex of id's representative; DT_NONE if there is no such id. Cost: constant. */
-uint32_t dt_points_vertex(const struct dt_points *p, uint32_t id);
+static inline uint32_t dt_points_vertex(const struct dt_points *p, uint32_t id)
+{
+    uint32_t v = dt_idmap_get(&p->value, id);
+    if (v == DT_NONE || !(v & DT_ALIAS_BIT))
+        return v;
+    return dt_idmap_get(&p->value, dt_aliases_representative(&p->aliases, v & ~DT_ALIAS_BIT));
+}
 
 /* Whether the live id is an alias. */
-bool dt_points_is_alias(const struct dt_points *p, uint32_t id);
+static inline bool dt_points_is_alias(const struct dt_points *p, uint32_t id)
+{
+    return (dt_idmap_get(&p->value, id) & DT_ALIAS_BIT) != 0;
+}
 
-/* The smallest live id that is >= id, DT_NONE if there is none. Cost: amortised constant over an ascending scan. */
-uint32_t dt_points_next_live(const struct dt_points *p, uint32_t id);
+/* The smallest live id that is >= id, DT_NONE if there is none. */
+static inline uint32_t dt_points_next_live(const struct dt_points *p, uint32_t id)
+{
+    return dt_idmap_next(&p->value, id);
+}
+
+/* The coordinates of a live id. */
+struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
+
+/* Adds n valid points, all or none. */
+enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
+                             struct dt_added *out);
+
+/* Makes the deletion of n distinct live ids, in ascending order, certain to succeed; then
+ * dt_points_delete must be called for those of them that are aliases first and for the others after
+ * that. */
+enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n);
+
+/* Deletes a live id. If it is a representative that has aliases, the lowest one takes over its
+ * vertex. */
+void dt_points_delete(struct dt_points *p, uint32_t id);
+
+/* Moves a live id to a valid place. Changes nothing unless DT_OK. */
+enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to);
+
+/* Renumbers the vertices: new vertex v is the old from[v], in a dense order without free ones.
+ * Takes over xy, which holds the coordinates in the new order and has room for n, and frees its
+ * own. DT_NOMEM: nothing changed, xy is still the caller's. */
+enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, const uint32_t *from,
+                                  uint32_t n);
 
 #endif

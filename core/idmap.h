@@ -1,0 +1,54 @@
+/* idmap.h - what an id stands for: a paged map from ids to 32-bit values.
+ *
+ * Ids are handed out in ascending order and never again, so a set that is edited for ever goes
+ * through ever larger ids. The map is cut into pages, and pages whose ids are all dead are freed:
+ * memory follows the live ids, not the largest one. */
+#ifndef DT_IDMAP_H
+#define DT_IDMAP_H
+
+#include "core/delaunay.h"
+
+#define DT_ID_PAGE 4096u
+
+struct dt_id_page {
+    uint32_t live; /* ids of the page that have a value */
+    uint32_t value[DT_ID_PAGE];
+};
+
+struct dt_idmap {
+    struct dt_id_page **page; /* owns; NULL: no id of the page is live */
+    uint32_t pages, cap;
+    uint32_t empty; /* pages without a live id that are still there */
+};
+
+void dt_idmap_clear(struct dt_idmap *m);
+
+/* The value of id, DT_NONE if it has none. Cost: constant. */
+static inline uint32_t dt_idmap_get(const struct dt_idmap *m, uint32_t id)
+{
+    uint32_t page = id / DT_ID_PAGE;
+    if (page >= m->pages || m->page[page] == NULL)
+        return DT_NONE;
+    return m->page[page]->value[id % DT_ID_PAGE];
+}
+
+/* Makes room for the ids first .. first + n - 1, so that setting them before the next dt_idmap_trim
+ * cannot fail. DT_NOMEM: unchanged but for empty pages. */
+enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n);
+
+/* Gives a reserved or live id a value other than DT_NONE. */
+void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value);
+
+/* Takes the value of a live id away. */
+void dt_idmap_unset(struct dt_idmap *m, uint32_t id);
+
+/* Frees the empty pages if there are more than a few. Cost: amortised constant. */
+void dt_idmap_trim(struct dt_idmap *m);
+
+/* The smallest id >= from that has a value, DT_NONE if none. */
+uint32_t dt_idmap_next(const struct dt_idmap *m, uint32_t from);
+
+enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy);
+size_t dt_idmap_memory(const struct dt_idmap *m);
+
+#endif

@@ -1,0 +1,136 @@
+/* places.c - a chained hash table of cells; see places.h. */
+#include "core/places.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/memory.h"
+#include "core/predicates.h"
+
+void dt_places_clear(struct dt_places *p)
+{
+    free(p->bucket);
+    free(p->next);
+    *p = (struct dt_places){0};
+}
+
+/* The column (or row) of cells that v lies in. Monotone, which is all that the search below relies
+ * on. */
+static double cell(const struct dt_places *p, double v)
+{
+    return p->tol > 0 ? floor(v / (2 * p->tol)) : v;
+}
+
+static uint32_t bucket_of(const struct dt_places *p, double column, double row)
+{
+    uint64_t x, y;
+    memcpy(&x, &column, sizeof x);
+    memcpy(&y, &row, sizeof y);
+    uint64_t h = (x ^ p->seed) * 0x9E3779B97F4A7C15u; /* two rounds of multiply and fold */
+    h = (h ^ (h >> 32) ^ y) * 0xD6E8FEB86659FD93u;
+    return (uint32_t)(h >> 32 ^ h >> 15) & p->mask;
+}
+
+static uint32_t home(const struct dt_places *p, struct dt_point q)
+{
+    return bucket_of(p, cell(p, q.x) + 0.0, cell(p, q.y) + 0.0); /* + 0.0: -0 hashes as 0 */
+}
+
+void dt_places_enter(struct dt_places *p, const struct dt_point *xy, uint32_t v)
+{
+    uint32_t b = home(p, xy[v]);
+    p->next[v] = p->bucket[b];
+    p->bucket[b] = v;
+    p->count++;
+}
+
+void dt_places_leave(struct dt_places *p, const struct dt_point *xy, uint32_t v)
+{
+    uint32_t *at = &p->bucket[home(p, xy[v])];
+    while (*at != v)
+        at = &p->next[*at];
+    *at = p->next[v];
+    p->count--;
+}
+
+enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct dt_point *xy,
+                                 const uint32_t *id, uint32_t end, uint32_t verts)
+{
+    if (p->bucket != NULL && verts <= p->cap)
+        return DT_OK;
+    size_t cap = dt_array_room(p->cap, verts, DT_MAX_POINTS);
+    size_t buckets = 16;
+    while (buckets < cap)
+        buckets *= 2;
+    uint32_t *bucket = dt_array_new(buckets, sizeof *bucket);
+    uint32_t *next = dt_array_new(cap, sizeof *next);
+    if (bucket == NULL || next == NULL) {
+        free(bucket);
+        free(next);
+        return DT_NOMEM;
+    }
+    memset(bucket, 0xff, buckets * sizeof *bucket); /* all DT_NONE */
+    uint64_t seed = p->bucket != NULL ? p->seed : (uint64_t)(uintptr_t)bucket * 0xD1B54A32D192ED03u;
+    dt_places_clear(p);
+    *p = (struct dt_places){.bucket = bucket,
+                            .next = next,
+                            .mask = (uint32_t)buckets - 1,
+                            .cap = (uint32_t)cap,
+                            .tol = tol,
+                            .seed = seed};
+    for (uint32_t v = 0; v < end; v++)
+        if (id[v] != DT_NONE)
+            dt_places_enter(p, xy, v);
+    return DT_OK;
+}
+
+void dt_places_prefetch(const struct dt_places *p, struct dt_point q)
+{
+    if (p->tol == 0)
+        __builtin_prefetch(&p->bucket[home(p, q)]);
+}
+
+/* The nearer of best and the vertices in one bucket that are within reach of q. A bucket may hold
+ * other cells' vertices, too: they are out of reach, or as welcome. */
+static uint32_t nearest_in(const struct dt_places *p, uint32_t b, const struct dt_point *xy,
+                           const uint32_t *id, struct dt_point q, uint32_t except, uint32_t best)
+{
+    for (uint32_t v = p->bucket[b]; v != DT_NONE; v = p->next[v]) {
+        if (v == except || dt_compare_radius(xy[v], q, p->tol) > 0)
+            continue;
+        int nearer = best == DT_NONE ? -1 : dt_compare_distance(q, xy[v], xy[best]);
+        if (nearer < 0 || (nearer == 0 && id[v] < id[best]))
+            best = v;
+    }
+    return best;
+}
+
+/* The next column after c that a value can have: cells are integers, but beyond 2^53 not every
+ * integer is a double. */
+static double cell_after(double c)
+{
+    return fmax(c + 1, nextafter(c, INFINITY));
+}
+
+uint32_t dt_places_find(const struct dt_places *p, const struct dt_point *xy, const uint32_t *id,
+                        struct dt_point q, uint32_t except)
+{
+    if (p->tol == 0) {
+        for (uint32_t v = p->bucket[home(p, q)]; v != DT_NONE; v = p->next[v])
+            if (xy[v].x == q.x && xy[v].y == q.y && v != except)
+                return v;
+        return DT_NONE;
+    }
+    /* Rounded outwards, so that monotony of cell() makes the search complete. */
+    double reach = nextafter(p->tol, INFINITY);
+    double left = cell(p, nextafter(q.x - reach, -INFINITY)),
+           right = cell(p, nextafter(q.x + reach, INFINITY));
+    double bottom = cell(p, nextafter(q.y - reach, -INFINITY)),
+           top = cell(p, nextafter(q.y + reach, INFINITY));
+    uint32_t best = DT_NONE;
+    for (double c = left; c <= right; c = cell_after(c))
+        for (double r = bottom; r <= top; r = cell_after(r))
+            best = nearest_in(p, bucket_of(p, c + 0.0, r + 0.0), xy, id, q, except, best);
+    return best;
+}

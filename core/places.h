@@ -1,0 +1,39 @@
+/* places.h - finds the representative at, or within the tolerance of, a place: the paper's check
+ * for coincident points.
+ *
+ * The plane is cut into cells twice as wide as the tolerance (with tolerance 0 every place is a
+ * cell of its own) and the cells are hashed. The paper looks for coincident points in the point's
+ * own cell only; here the neighbouring cells within reach are searched as well, so that two points
+ * on either side of a border are found to coincide. */
+#ifndef DT_PLACES_H
+#define DT_PLACES_H
+
+#include "core/delaunay.h"
+
+struct dt_places {
+    uint32_t *bucket; /* owns mask + 1 heads of chains of vertices; NULL: not built */
+    uint32_t *next;   /* owns cap words, by vertex */
+    uint32_t mask, cap, count;
+    double tol;
+    uint64_t seed; /* differs from process to process, so that nobody can aim at one bucket */
+};
+
+void dt_places_clear(struct dt_places *p);
+
+/* Makes room for vertices below `verts`, of which those with id != DT_NONE are entered if the table
+ * was not built yet or has to grow. */
+enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct dt_point *xy,
+                                 const uint32_t *id, uint32_t end, uint32_t verts);
+
+/* The vertex nearest to q of those at most tol away, ties to the lowest id, `except` (a vertex or
+ * DT_NONE) left out; DT_NONE if there is none. Cost: constant expected. */
+uint32_t dt_places_find(const struct dt_places *p, const struct dt_point *xy, const uint32_t *id,
+                        struct dt_point q, uint32_t except);
+
+/* Fetches what dt_places_find(q) will read first. */
+void dt_places_prefetch(const struct dt_places *p, struct dt_point q);
+
+void dt_places_enter(struct dt_places *p, const struct dt_point *xy, uint32_t v);
+void dt_places_leave(struct dt_places *p, const struct dt_point *xy, uint32_t v);
+
+#endif

@@ -1,0 +1,333 @@
+/* points.c - arrival, coincidence and departure of points.
+ *
+ * Invariants: a live id has a value, a vertex or an alias; id[] of a vertex in use is its
+ * representative, whose value is that vertex; with tolerance 0 a representative has the smallest id
+ * of all points at its place. */
+#include "core/points.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/memory.h"
+
+void dt_points_init(struct dt_points *p, double tol)
+{
+    *p = (struct dt_points){.tol = tol, .free_list = DT_NONE};
+    dt_aliases_init(&p->aliases);
+}
+
+void dt_points_clear(struct dt_points *p)
+{
+    free(p->xy);
+    free(p->id);
+    dt_idmap_clear(&p->value);
+    dt_aliases_clear(&p->aliases);
+    dt_places_clear(&p->places);
+    dt_points_init(p, p->tol);
+}
+
+enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy)
+{
+    dt_points_init(copy, p->tol);
+    copy->xy = dt_array_new(p->end, sizeof *p->xy);
+    copy->id = dt_array_new(p->end, sizeof *p->id);
+    if (copy->xy == NULL || copy->id == NULL || dt_idmap_copy(&p->value, &copy->value) != DT_OK ||
+        dt_aliases_copy(&p->aliases, &copy->aliases) != DT_OK) {
+        dt_points_clear(copy);
+        return DT_NOMEM;
+    }
+    if (p->end > 0) {
+        memcpy(copy->xy, p->xy, p->end * sizeof *p->xy);
+        memcpy(copy->id, p->id, p->end * sizeof *p->id);
+    }
+    copy->end = copy->cap = p->end;
+    copy->free_count = p->free_count;
+    copy->free_list = p->free_list;
+    copy->next_id = p->next_id;
+    return DT_OK; /* places are built when first needed */
+}
+
+size_t dt_points_memory(const struct dt_points *p)
+{
+    size_t places = p->places.bucket == NULL
+                        ? 0
+                        : ((size_t)p->places.mask + 1 + p->places.cap) * sizeof(uint32_t);
+    return p->cap * (sizeof *p->xy + sizeof *p->id) + dt_idmap_memory(&p->value) +
+           dt_aliases_memory(&p->aliases) + places;
+}
+
+struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id)
+{
+    uint32_t v = dt_idmap_get(&p->value, id);
+    return v & DT_ALIAS_BIT ? p->aliases.alias[v & ~DT_ALIAS_BIT].xy : p->xy[v];
+}
+
+/* Frees what earlier edits left empty. To be called before anything is reserved. */
+static void trim(struct dt_points *p)
+{
+    dt_idmap_trim(&p->value);
+    dt_idmap_trim(&p->aliases.group_of);
+}
+
+/* ---- vertices ---- */
+
+/* Makes room for n more vertices in every array. */
+static enum dt_status reserve_vertices(struct dt_points *p, size_t n)
+{
+    size_t need = p->end + (n > p->free_count ? n - p->free_count : 0);
+    if (need > DT_MAX_POINTS)
+        return DT_TOOBIG;
+    if (need > p->cap) {
+        /* A first batch gets just what it needs: sets that are loaded once stay tight. */
+        size_t cap = p->cap == 0 ? need : dt_array_room(p->cap, need, DT_MAX_POINTS);
+        struct dt_point *xy = dt_array_new(cap, sizeof *xy);
+        uint32_t *id = dt_array_new(cap, sizeof *id);
+        if (xy == NULL || id == NULL) {
+            free(xy);
+            free(id);
+            return DT_NOMEM;
+        }
+        if (p->end > 0) {
+            memcpy(xy, p->xy, p->end * sizeof *xy);
+            memcpy(id, p->id, p->end * sizeof *id);
+        }
+        free(p->xy);
+        free(p->id);
+        p->xy = xy;
+        p->id = id;
+        p->cap = (uint32_t)cap;
+    }
+    return dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, (uint32_t)need);
+}
+
+static uint32_t new_vertex(struct dt_points *p, uint32_t id, struct dt_point q)
+{
+    uint32_t v = p->free_list;
+    if (v != DT_NONE) {
+        p->free_list = (uint32_t)p->xy[v].x;
+        p->free_count--;
+    } else {
+        v = p->end++;
+    }
+    p->xy[v] = q;
+    p->id[v] = id;
+    dt_idmap_set(&p->value, id, v);
+    dt_places_enter(&p->places, p->xy, v);
+    return v;
+}
+
+static void free_vertex(struct dt_points *p, uint32_t v)
+{
+    if (p->places.bucket != NULL)
+        dt_places_leave(&p->places, p->xy, v);
+    p->id[v] = DT_NONE;
+    p->xy[v].x = p->free_list; /* exact: a 32-bit number */
+    p->free_list = v;
+    p->free_count++;
+}
+
+/* Vertex v becomes that of the point id at q. */
+static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_point q)
+{
+    bool moves = p->xy[v].x != q.x || p->xy[v].y != q.y;
+    bool entered = p->places.bucket != NULL;
+    if (moves && entered)
+        dt_places_leave(&p->places, p->xy, v);
+    p->xy[v] = q;
+    p->id[v] = id;
+    dt_idmap_set(&p->value, id, v);
+    if (moves && entered)
+        dt_places_enter(&p->places, p->xy, v);
+}
+
+/* ---- adding ---- */
+
+/* A point arrives: it becomes a vertex, or an alias. Ids and vertices are reserved; an alias may
+ * run out of memory. */
+static enum dt_status arrive(struct dt_points *p, uint32_t id, struct dt_point q, bool *alias)
+{
+    uint32_t v = dt_places_find(&p->places, p->xy, p->id, q, DT_NONE);
+    *alias = v != DT_NONE;
+    if (v == DT_NONE) {
+        new_vertex(p, id, q);
+        return DT_OK;
+    }
+    if (dt_aliases_reserve(&p->aliases, p->id[v]) != DT_OK)
+        return DT_NOMEM;
+    dt_idmap_set(&p->value, id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, p->id[v], id, q));
+    return DT_OK;
+}
+
+/* Undoes the arrival of the last points, from id `first` on. None of them can have been taken over
+ * or have other aliases. */
+static void take_back(struct dt_points *p, uint32_t first, uint32_t end)
+{
+    for (uint32_t id = end; id-- > first;) {
+        uint32_t v = dt_idmap_get(&p->value, id);
+        dt_idmap_unset(&p->value, id);
+        if (v & DT_ALIAS_BIT)
+            dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
+        else
+            free_vertex(p, v);
+    }
+}
+
+enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
+                             struct dt_added *out)
+{
+    enum { AHEAD = 16 }; /* points whose buckets are fetched in advance: covers one cache miss */
+    if (n > DT_MAX_POINTS - dt_points_live(p) || n > DT_NONE - p->next_id)
+        return DT_TOOBIG;
+    trim(p);
+    enum dt_status status = reserve_vertices(p, n);
+    if (status == DT_OK)
+        status = dt_idmap_reserve(&p->value, p->next_id, n);
+    if (status != DT_OK)
+        return status;
+    struct dt_added done = {.first = p->next_id, .added = (uint32_t)n};
+    for (uint32_t i = 0; i < n; i++) {
+        bool alias;
+        if (i + AHEAD < n)
+            dt_places_prefetch(&p->places, q[i + AHEAD]);
+        struct dt_point at = {q[i].x + 0.0, q[i].y + 0.0}; /* -0 becomes 0 */
+        if (arrive(p, done.first + i, at, &alias) != DT_OK) {
+            take_back(p, done.first, done.first + i);
+            return DT_NOMEM;
+        }
+        done.coincident += alias;
+    }
+    p->next_id += (uint32_t)n;
+    *out = done;
+    return DT_OK;
+}
+
+/* ---- deleting ---- */
+
+static int compare_ids(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The lowest alias of the representative that is not among the n ascending ids; DT_NONE if there is
+ * none. */
+static uint32_t heir(const struct dt_points *p, uint32_t representative, const uint32_t *ids,
+                     size_t n)
+{
+    uint32_t i = dt_aliases_lowest(&p->aliases, representative);
+    while (i != DT_NONE && n > 0 &&
+           bsearch(&p->aliases.alias[i].id, ids, n, sizeof *ids, compare_ids) != NULL)
+        i = p->aliases.alias[i].next;
+    return i;
+}
+
+enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n)
+{
+    trim(p);
+    for (size_t i = 0; p->aliases.count > 0 && i < n; i++) {
+        if (dt_points_is_alias(p, ids[i]))
+            continue;
+        uint32_t next = heir(p, ids[i], ids, n);
+        if (next != DT_NONE && dt_aliases_reserve(&p->aliases, p->aliases.alias[next].id) != DT_OK)
+            return DT_NOMEM;
+    }
+    return DT_OK;
+}
+
+/* The vertex of a representative that goes: its lowest alias takes over, or it is free. */
+static void vacate(struct dt_points *p, uint32_t v)
+{
+    uint32_t i = dt_aliases_lowest(&p->aliases, p->id[v]);
+    if (i == DT_NONE) {
+        free_vertex(p, v);
+        return;
+    }
+    uint32_t old = p->id[v];
+    struct dt_alias next = p->aliases.alias[i];
+    dt_aliases_leave(&p->aliases, i);
+    dt_aliases_rename(&p->aliases, old, next.id);
+    take_over(p, v, next.id, next.xy);
+}
+
+void dt_points_delete(struct dt_points *p, uint32_t id)
+{
+    uint32_t v = dt_idmap_get(&p->value, id);
+    if (v & DT_ALIAS_BIT)
+        dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
+    else
+        vacate(p, v);
+    dt_idmap_unset(&p->value, id);
+}
+
+/* ---- moving ---- */
+
+/* All that a move may need: a vertex, an alias of the representative that it leaves to its heir,
+ * one where it arrives (as an alias, or as the new representative of those that are there). */
+static enum dt_status move_ready(struct dt_points *p, uint32_t id, struct dt_point to)
+{
+    enum dt_status status = dt_points_delete_ready(p, &id, 1);
+    if (status == DT_OK)
+        status = reserve_vertices(p, 1);
+    uint32_t own =
+        dt_idmap_get(&p->value, id); /* as a vertex, it is gone on arrival or its heir's */
+    uint32_t at = status == DT_OK ? dt_places_find(&p->places, p->xy, p->id, to, own) : DT_NONE;
+    if (status == DT_OK && at != DT_NONE)
+        status = dt_aliases_reserve(&p->aliases, p->id[at]);
+    uint32_t lowest = dt_aliases_lowest(&p->aliases, id);
+    if (status == DT_OK && lowest != DT_NONE)
+        status = dt_aliases_reserve(&p->aliases, p->aliases.alias[lowest].id);
+    return status == DT_OK ? dt_aliases_reserve(&p->aliases, id) : status;
+}
+
+enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to)
+{
+    to = (struct dt_point){to.x + 0.0, to.y + 0.0};
+    enum dt_status status = move_ready(p, id, to);
+    if (status != DT_OK)
+        return status;
+    uint32_t v = dt_idmap_get(&p->value, id);
+    if (v & DT_ALIAS_BIT)
+        dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
+    else
+        vacate(p, v);
+
+    uint32_t at = dt_places_find(&p->places, p->xy, p->id, to, DT_NONE);
+    if (at == DT_NONE) {
+        new_vertex(p, id, to);
+        return DT_OK;
+    }
+    uint32_t there = p->id[at];
+    if (p->xy[at].x == to.x && p->xy[at].y == to.y && id < there) {
+        /* The smaller of equal points represents them. */
+        dt_aliases_rename(&p->aliases, there, id);
+        dt_idmap_set(&p->value, there,
+                     DT_ALIAS_BIT | dt_aliases_join(&p->aliases, id, there, p->xy[at]));
+        take_over(p, at, id, to);
+        return DT_OK;
+    }
+    dt_idmap_set(&p->value, id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, there, id, to));
+    return DT_OK;
+}
+
+/* ---- renumbering ---- */
+
+enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, const uint32_t *from,
+                                  uint32_t n)
+{
+    uint32_t *id = dt_array_new(n, sizeof *id);
+    if (id == NULL)
+        return DT_NOMEM;
+    for (uint32_t v = 0; v < n; v++) {
+        id[v] = p->id[from[v]];
+        dt_idmap_set(&p->value, id[v], v);
+    }
+    free(p->xy);
+    free(p->id);
+    p->xy = xy;
+    p->id = id;
+    p->end = p->cap = n;
+    p->free_count = 0;
+    p->free_list = DT_NONE;
+    dt_places_clear(&p->places);
+    return DT_OK;
+}
