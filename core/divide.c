@@ -1,0 +1,204 @@
+/* divide.c - divide and conquer over grid order [Dwyer 1987; the grid is the paper's], in place on
+ * the final arrays.
+ *
+ *      in ---- sorted by tiles ----> q ---- each tile by cells ----> p, blocks of <= 6 points
+ *                                                                    |
+ *      mesh <---- joined up the bits of the key, along alternating cuts
+ *
+ * A range of the sorted points [lo, hi) owns the vertices lo .. hi - 1, the records 2 lo .. 2 hi -
+ * 1 of the mesh and the same range of every scratch array, so parts need no allocator and no locks
+ * (merge.h). The recursion goes down the bits of the key; where one grid ends, the next one begins:
+ * a tile gets its own cells, a crowded cell a grid on its own tight box (a zoom). If three zooms in
+ * a row leave more than half of the points in one cell, the range is cut at its median, and grids
+ * have their chance again: so the depth is bounded by about four grids for every halving.
+ *
+ * Points must be distinct: the set has set coincident ones aside (points.h). */
+#include "core/divide.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/divide_level.h"
+#include "core/memory.h"
+
+static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena,
+                                   struct dt_source src, uint32_t lo, uint32_t n, unsigned skew);
+
+/* A handful of points: sorted by insertion, triangulated by halves. */
+static struct dt_part divide_block(struct dt_division *d, uint32_t lo, uint32_t n)
+{
+    struct dt_point *p = d->p + lo;
+    uint32_t *from = d->from + lo;
+    for (uint32_t i = 1; i < n; i++) {
+        struct dt_point q = p[i];
+        uint32_t f = from[i], j = i;
+        for (; j > 0 && dt_before_x(q, p[j - 1]); j--) {
+            p[j] = p[j - 1];
+            from[j] = from[j - 1];
+        }
+        p[j] = q;
+        from[j] = f;
+    }
+    return dt_merge_block(&d->merging, lo, lo + n);
+}
+
+static bool stopped(struct dt_division *d)
+{
+    if (d->opt->cancel != NULL && atomic_load_explicit(d->opt->cancel, memory_order_relaxed))
+        dt_division_fail(d, DT_CANCELLED);
+    return atomic_load_explicit(&d->status, memory_order_relaxed) != DT_OK;
+}
+
+static void report(struct dt_division *d, uint32_t n)
+{
+    uint32_t finished = atomic_fetch_add_explicit(&d->finished, n, memory_order_relaxed) + n;
+    if (d->opt->progress != NULL)
+        atomic_store_explicit(d->opt->progress, (unsigned)((uint64_t)finished * 99 / d->n),
+                              memory_order_relaxed);
+}
+
+struct dt_part dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
+                               const struct dt_level *level, uint32_t key, uint32_t s)
+{
+    uint32_t hi, lo = dt_level_range(level, key, s, &hi), n = hi - lo;
+    if (n == 0)
+        return (struct dt_part){0};
+    if (s == 0 || n <= DT_BLOCK) {
+        if (level->tiles) {
+            struct dt_part part = divide_range(
+                d, arena, (struct dt_source){d->q + lo, d->from_q + lo}, lo, n, level->skew);
+            report(d, n);
+            return part;
+        }
+        if (n <= DT_BLOCK)
+            return divide_block(d, lo, n);
+        return divide_range(d, arena, (struct dt_source){d->p + lo, d->from + lo}, lo, n,
+                            level->skew);
+    }
+    struct dt_part a = dt_divide_cells(d, arena, level, 2 * key, s - 1);
+    struct dt_part b = dt_divide_cells(d, arena, level, 2 * key + 1, s - 1);
+    uint32_t mid = level->lo + level->start[(2 * (size_t)key + 1) << (s - 1)];
+    return dt_merge_parts(&d->merging, &a, &b, level->order.axis[s - 1], mid);
+}
+
+static struct dt_part divide_halves(struct dt_division *d, struct dt_arena *arena,
+                                    struct dt_source src, uint32_t lo, uint32_t n)
+{
+    unsigned axis;
+    uint32_t half = dt_level_median(d, src, lo, n, &axis), mid = lo + half;
+    struct dt_part a =
+        divide_range(d, arena, (struct dt_source){d->p + lo, d->from + lo}, lo, half, 0);
+    struct dt_part b =
+        divide_range(d, arena, (struct dt_source){d->p + mid, d->from + mid}, mid, n - half, 0);
+    return dt_merge_parts(&d->merging, &a, &b, axis, mid);
+}
+
+/* Points src[0 .. n-1], n > 0, become the vertices lo .. lo + n - 1 and are triangulated. */
+static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena,
+                                   struct dt_source src, uint32_t lo, uint32_t n, unsigned skew)
+{
+    if (n <= DT_BLOCK) {
+        if (src.p != d->p + lo) {
+            memcpy(d->p + lo, src.p, n * sizeof *src.p);
+            for (uint32_t i = 0; i < n; i++)
+                d->from[lo + i] = src.from == NULL ? i : src.from[i];
+        }
+        return divide_block(d, lo, n);
+    }
+    struct dt_part part = {0};
+    if (stopped(d))
+        return part;
+    struct dt_arena_mark mark = dt_arena_mark(arena);
+    struct dt_level level;
+    enum dt_opening opening = dt_level_open(d, arena, 1, src, lo, n, skew, &level);
+    if (opening == DT_LEVEL_OPEN)
+        part = dt_divide_cells(d, arena, &level, 0, level.order.bits);
+    dt_arena_return(arena, mark);
+    if (opening == DT_LEVEL_SKEWED)
+        part = divide_halves(d, arena, src, lo, n);
+    return part;
+}
+
+/* ---- the last pass: a half edge that leaves each vertex, and the number of ghosts ---- */
+
+struct last_pass {
+    struct dt_division *d;
+    unsigned slices;
+    atomic_uint ghosts;
+};
+
+static void find_leaving(void *arg, unsigned i)
+{
+    struct last_pass *pass = arg;
+    struct dt_mesh *m = pass->d->merging.mesh;
+    uint32_t a = (uint32_t)((uint64_t)m->tri_end * i / pass->slices);
+    uint32_t b = (uint32_t)((uint64_t)m->tri_end * (i + 1) / pass->slices);
+    unsigned ghosts = 0;
+    for (uint32_t h = 8 * a; h != 8 * b; h += 8) {
+        /* Any triangle will do; slices that meet at a vertex may both write it, hence atomically.
+         */
+        __atomic_store_n(&m->leaving[m->half[h]], h, __ATOMIC_RELAXED);
+        __atomic_store_n(&m->leaving[m->half[h + 1]], h + 1, __ATOMIC_RELAXED);
+        if (m->half[h + 2] == DT_NONE)
+            ghosts++;
+        else
+            __atomic_store_n(&m->leaving[m->half[h + 2]], h + 2, __ATOMIC_RELAXED);
+    }
+    atomic_fetch_add_explicit(&pass->ghosts, ghosts, memory_order_relaxed);
+}
+
+static void finish_mesh(struct dt_division *d, unsigned threads)
+{
+    struct dt_mesh *m = d->merging.mesh;
+    m->vertices = d->n;
+    m->tri_end = d->n > 1 ? 2 * d->n - 2 : 0;
+    m->dead = 0;
+    m->free_list = DT_NONE;
+    if (d->n == 1)
+        m->leaving[0] = DT_NONE;
+    struct last_pass pass = {.d = d, .slices = threads};
+    if (threads == 1)
+        find_leaving(&pass, 0);
+    else
+        d->opt->pool->run(d->opt->pool->ctx, threads, find_leaving, &pass);
+    m->ghosts = pass.ghosts;
+}
+
+static unsigned threads_for(const struct dt_options *opt, uint32_t n)
+{
+    if (opt->pool == NULL || opt->pool->threads < 2 || n < DT_PARALLEL)
+        return 1;
+    return opt->pool->threads < DT_MAX_THREADS ? opt->pool->threads : DT_MAX_THREADS;
+}
+
+static void divide_all(struct dt_division *d, const struct dt_point *in, unsigned threads)
+{
+    if (threads > 1) {
+        dt_divide_tasks(d, in, threads);
+    } else if (d->n > 0) {
+        struct dt_arena arena = {0};
+        divide_range(d, &arena, (struct dt_source){in, NULL}, 0, d->n, 0);
+        dt_arena_clear(&arena);
+    }
+    if (atomic_load(&d->status) == DT_OK)
+        finish_mesh(d, threads);
+}
+
+enum dt_status dt_divide(const struct dt_point *in, uint32_t n, struct dt_point *p, uint32_t *from,
+                         struct dt_mesh *m, const struct dt_options *opt)
+{
+    static const struct dt_options none;
+    struct dt_division d = {
+        .merging = {p, m}, .p = p, .from = from, .n = n, .opt = opt == NULL ? &none : opt};
+    d.q = dt_array_new(n, sizeof *d.q);
+    d.from_q = dt_array_new(n, sizeof *d.from_q);
+    if (d.q == NULL || d.from_q == NULL || dt_mesh_reserve(m, n, 2 * n) != DT_OK)
+        dt_division_fail(&d, DT_NOMEM);
+    else
+        divide_all(&d, in, threads_for(d.opt, n));
+    free(d.q);
+    free(d.from_q);
+    if (atomic_load(&d.status) != DT_OK)
+        dt_mesh_clear(m);
+    return (enum dt_status)atomic_load(&d.status);
+}

@@ -1,0 +1,18 @@
+/* divide.h - the fast engine: divide and conquer over the order of a uniform grid. */
+#ifndef DT_DIVIDE_H
+#define DT_DIVIDE_H
+
+#include "core/mesh.h"
+
+/* Triangulates n distinct points. p[n] and from[n] are the caller's and are filled: vertex v of the
+ * mesh is p[v] = in[from[v]], in grid order, so that neighbours in the plane are neighbours in
+ * memory. *m must be zeroed or cleared; it is complete on return, and cleared on failure (DT_NOMEM,
+ * DT_CANCELLED). The mesh is the same whatever the number of threads, but for the choices in
+ * leaving[].
+ *
+ * Cost: O(n log n), about linear in practice; 20 bytes a point of scratch memory, and 16 for each
+ * level of zooms in skewed sets. */
+enum dt_status dt_divide(const struct dt_point *in, uint32_t n, struct dt_point *p, uint32_t *from,
+                         struct dt_mesh *m, const struct dt_options *opt);
+
+#endif

@@ -1,0 +1,214 @@
+/* divide_level.c - sorting one range of points by one grid; see divide_level.h. */
+#include "core/divide_level.h"
+
+#include <string.h>
+
+void dt_division_fail(struct dt_division *d, enum dt_status status)
+{
+    int none = DT_OK;
+    atomic_compare_exchange_strong(&d->status, &none, (int)status);
+}
+
+/* ---- the sort, in slices of the source ---- */
+
+struct sort {
+    struct dt_source src;
+    uint32_t n;
+    unsigned slices;
+    struct dt_box box[DT_MAX_THREADS];
+    const struct dt_order *order;
+    uint32_t *key;                  /* n */
+    uint32_t *next[DT_MAX_THREADS]; /* per slice: counts of each cell, then the places of its next
+                                       point */
+    struct dt_point *out;
+    uint32_t *out_from;
+};
+
+static void run_slices(const struct dt_division *d, struct sort *s,
+                       void (*job)(void *arg, unsigned i))
+{
+    if (s->slices == 1)
+        job(s, 0);
+    else
+        d->opt->pool->run(d->opt->pool->ctx, s->slices, job, s);
+}
+
+static uint32_t slice_start(const struct sort *s, unsigned i)
+{
+    return (uint32_t)((uint64_t)s->n * i / s->slices);
+}
+
+static void find_box(void *arg, unsigned i)
+{
+    struct sort *s = arg;
+    uint32_t a = slice_start(s, i), b = slice_start(s, i + 1);
+    s->box[i] = dt_box_of(s->src.p + a, b - a);
+}
+
+static void count(void *arg, unsigned i)
+{
+    struct sort *s = arg;
+    uint32_t a = slice_start(s, i), b = slice_start(s, i + 1);
+    memset(s->next[i], 0, ((size_t)1 << s->order->bits) * sizeof *s->next[i]);
+    dt_order_count(s->order, s->src.p + a, b - a, s->key + a, s->next[i]);
+}
+
+static void scatter(void *arg, unsigned i)
+{
+    struct sort *s = arg;
+    uint32_t a = slice_start(s, i), b = slice_start(s, i + 1);
+    dt_order_scatter(s->key + a, b - a, s->next[i], s->src.p + a,
+                     s->src.from == NULL ? NULL : s->src.from + a, a, s->out, s->out_from);
+}
+
+static struct dt_box join_boxes(const struct sort *s)
+{
+    struct dt_box all = s->box[0];
+    for (unsigned i = 1; i < s->slices; i++) {
+        const struct dt_box *b = &s->box[i];
+        all.x0 = b->x0 < all.x0 ? b->x0 : all.x0;
+        all.x1 = b->x1 > all.x1 ? b->x1 : all.x1;
+        all.y0 = b->y0 < all.y0 ? b->y0 : all.y0;
+        all.y1 = b->y1 > all.y1 ? b->y1 : all.y1;
+    }
+    return all;
+}
+
+/* Turns the counts of all slices into places; returns the largest number of points in one cell. */
+static uint32_t counts_to_places(const struct sort *s)
+{
+    uint32_t place = 0, most = 0;
+    for (size_t c = 0; c < (size_t)1 << s->order->bits; c++) {
+        uint32_t before = place;
+        for (unsigned i = 0; i < s->slices; i++) {
+            uint32_t n = s->next[i][c];
+            s->next[i][c] = place;
+            place += n;
+        }
+        most = place - before > most ? place - before : most;
+    }
+    return most;
+}
+
+/* Plans the grid and counts its cells. Sets level->start. */
+static bool count_cells(struct dt_division *d, struct dt_arena *arena, struct sort *s,
+                        struct dt_box box, struct dt_level *level)
+{
+    double cells = level->tiles ? (double)s->n / DT_TILE : s->n / DT_POINTS_PER_CELL;
+    if (dt_order_plan(&level->order, arena, box, cells) != DT_OK)
+        return false;
+    s->order = &level->order;
+    size_t n = (size_t)1 << level->order.bits;
+    for (unsigned i = 0; i < s->slices; i++) {
+        uint32_t *starts = dt_arena_take(arena, n + 1, sizeof *starts);
+        if (starts == NULL)
+            return false;
+        /* After the scatter, the next place of the last slice in cell c is the end of c, which is
+         * the start of c + 1. */
+        starts[0] = 0;
+        s->next[i] = starts + 1;
+        level->start = starts;
+    }
+    run_slices(d, s, count);
+    return true;
+}
+
+enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned slices,
+                              struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
+                              struct dt_level *level)
+{
+    if (src.p == d->p + lo) {
+        memcpy(d->q + lo, src.p, n * sizeof *src.p);
+        memcpy(d->from_q + lo, src.from, n * sizeof *src.from);
+        src = (struct dt_source){d->q + lo, d->from_q + lo};
+    }
+    struct sort s = {.src = src, .n = n, .slices = slices};
+    *level = (struct dt_level){.lo = lo, .tiles = n > DT_TILED};
+    s.key = dt_arena_take(arena, n, sizeof *s.key);
+    bool ok = s.key != NULL;
+    if (ok)
+        run_slices(d, &s, find_box);
+    struct dt_box box = join_boxes(&s);
+    ok = ok && count_cells(d, arena, &s, box, level);
+    uint32_t most = ok ? counts_to_places(&s) : 0;
+    if (ok && most > n / 2 && level->tiles) { /* tiles do not part them: let a fine grid try */
+        level->tiles = false;
+        ok = count_cells(d, arena, &s, box, level);
+        most = ok ? counts_to_places(&s) : 0;
+    }
+    if (!ok) {
+        dt_division_fail(d, DT_NOMEM);
+        return DT_LEVEL_FAILED;
+    }
+    level->skew = most > n / 2 ? skew + 1 : 0;
+    if (level->skew > DT_ZOOMS)
+        return DT_LEVEL_SKEWED;
+    if (level->tiles && src.p == d->q + lo) {
+        memcpy(d->p + lo, src.p, n * sizeof *src.p);
+        memcpy(d->from + lo, src.from, n * sizeof *src.from);
+        s.src = (struct dt_source){d->p + lo, d->from + lo};
+    }
+    s.out = (level->tiles ? d->q : d->p) + lo;
+    s.out_from = (level->tiles ? d->from_q : d->from) + lo;
+    run_slices(d, &s, scatter);
+    return DT_LEVEL_OPEN;
+}
+
+/* ---- the median ---- */
+
+static void swap(struct dt_point *p, uint32_t *from, uint32_t i, uint32_t j)
+{
+    struct dt_point t = p[i];
+    uint32_t f = from[i];
+    p[i] = p[j];
+    from[i] = from[j];
+    p[j] = t;
+    from[j] = f;
+}
+
+/* Hoare's selection with pseudo-random pivots: afterwards the k smallest come first. */
+static void select_smallest(struct dt_point *p, uint32_t *from, uint32_t n, uint32_t k,
+                            bool (*before)(struct dt_point, struct dt_point))
+{
+    uint64_t random = n;
+    uint32_t lo = 0, hi = n;
+    while (hi - lo > 1) {
+        random = random * 6364136223846793005u + 1442695040888963407u; /* [Knuth, MMIX] */
+        swap(p, from, lo, lo + (uint32_t)((random >> 33) % (hi - lo)));
+        uint32_t pivot = lo;
+        for (uint32_t i = lo + 1; i < hi; i++)
+            if (before(p[i], p[lo]))
+                swap(p, from, i, ++pivot);
+        swap(p, from, lo, pivot);
+        if (pivot == k)
+            return;
+        if (pivot < k)
+            lo = pivot + 1;
+        else
+            hi = pivot;
+    }
+}
+
+static bool before_x(struct dt_point a, struct dt_point b)
+{
+    return dt_before_x(a, b);
+}
+
+static bool before_y(struct dt_point a, struct dt_point b)
+{
+    return dt_before_y(a, b);
+}
+
+uint32_t dt_level_median(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n,
+                         unsigned *axis)
+{
+    if (src.p != d->p + lo) {
+        memcpy(d->p + lo, src.p, n * sizeof *src.p);
+        for (uint32_t i = 0; i < n; i++)
+            d->from[lo + i] = src.from == NULL ? i : src.from[i];
+    }
+    struct dt_box box = dt_box_of(d->p + lo, n);
+    *axis = box.x1 - box.x0 >= box.y1 - box.y0 ? 0 : 1;
+    select_smallest(d->p + lo, d->from + lo, n, n / 2, *axis == 0 ? before_x : before_y);
+    return n / 2;
+}

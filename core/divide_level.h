@@ -1,0 +1,83 @@
+/* divide_level.h - one grid of the divide engine over one range of points: sorted, by one thread or
+ * by several.
+ *
+ * What divide.c and divide_tasks.c share. */
+#ifndef DT_DIVIDE_LEVEL_H
+#define DT_DIVIDE_LEVEL_H
+
+#include "core/merge.h"
+#include "core/order.h"
+
+#define DT_BLOCK 6u /* ranges of at most so many points are triangulated without a grid */
+#define DT_POINTS_PER_CELL 2.0
+#define DT_TILE 8192u /* points of a tile, which fits the second-level cache with its triangles */
+#define DT_TILED (1u << 18) /* ranges of more points than this are sorted into tiles first */
+#define DT_ZOOMS 3u         /* useless grids in a row before a range is cut at its median */
+
+#define DT_PARALLEL 4096u /* fewer points are not worth several threads */
+#define DT_MAX_THREADS 64u
+
+/* A whole build. p and from are the result, q and from_q scratch of the same size: a range [lo, hi)
+ * of all four belongs to whoever works on that range. */
+struct dt_division {
+    struct dt_merging merging; /* p and the mesh */
+    struct dt_point *p, *q;
+    uint32_t *from, *from_q;
+    uint32_t n;
+    const struct dt_options *opt;
+    atomic_int status;    /* enum dt_status: the first failure; everything returns soon after */
+    atomic_uint finished; /* points of finished tiles, for progress */
+};
+
+/* Some points in some order and where they come from; from == NULL: the input itself. */
+struct dt_source {
+    const struct dt_point *p;
+    const uint32_t *from;
+};
+
+struct dt_level {
+    struct dt_order order;
+    uint32_t *start; /* borrows from the arena: cell c holds vertices lo + start[c] .. lo + start[c
+                        + 1] - 1 */
+    uint32_t lo;
+    bool tiles;    /* sorted into q by tiles, each to be sorted again; else into p */
+    unsigned skew; /* grids in a row of which one cell held more than half */
+};
+
+enum dt_opening {
+    DT_LEVEL_OPEN,
+    DT_LEVEL_SKEWED, /* no grid helps: cut at the median */
+    DT_LEVEL_FAILED  /* division.status says why */
+};
+
+/* Sorts the points src[0 .. n-1], n > DT_BLOCK, to vertices lo .. lo + n - 1 by a new grid. src may
+ * be q + lo, p + lo (then it is copied first), or anything that overlaps with neither. `slices`
+ * threads of the pool share the work. The level lives in the arena. */
+enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned slices,
+                              struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
+                              struct dt_level *level);
+
+/* Brings the points to p[lo ..] and partitions them so that the first half precedes the second by
+ * (x, y) or (y, -x); returns the size of the first, and the axis. n > 1. Cost: O(n) expected. */
+uint32_t dt_level_median(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n,
+                         unsigned *axis);
+
+/* Records a failure. */
+void dt_division_fail(struct dt_division *d, enum dt_status status);
+
+/* Triangulates the vertices of a level whose key starts with `key`, with s bits to go. */
+struct dt_part dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
+                               const struct dt_level *level, uint32_t key, uint32_t s);
+
+/* The vertices lo .. *hi - 1 of that range. */
+static inline uint32_t dt_level_range(const struct dt_level *level, uint32_t key, uint32_t s,
+                                      uint32_t *hi)
+{
+    *hi = level->lo + level->start[((size_t)key + 1) << s];
+    return level->lo + level->start[(size_t)key << s];
+}
+
+/* Triangulates all of d->n points on `threads` threads of the pool. */
+void dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned threads);
+
+#endif

@@ -1,0 +1,49 @@
+/* merge.h - joins the triangulations of two neighbouring sets of points into one: the conquest in
+ * divide and conquer.
+ *
+ * Nothing is allocated: n points always have 2n - 2 triangles, ghosts included (mesh.h), so a range
+ * [lo, hi) of the points owns the records 2 lo .. 2 hi - 3 when it is triangulated, and a merge of
+ * [lo, mid) and [mid, hi) adds the two records 2 mid - 2 and 2 mid - 1. */
+#ifndef DT_MERGE_H
+#define DT_MERGE_H
+
+#include "core/mesh.h"
+
+/* What merges work on. The mesh's records 2 lo .. 2 hi - 1 and leaving[lo .. hi) belong to whoever
+ * works on the range [lo, hi), so that ranges that do not overlap may be worked on at the same
+ * time. While a range is being built, leaving[] of a hull vertex is mostly the ghost that starts
+ * there; it may be out of date. */
+struct dt_merging {
+    const struct dt_point *p; /* borrowed, by vertex */
+    struct dt_mesh *mesh;     /* borrowed; only half[] and leaving[] are used */
+};
+
+/* The triangulation of a range of n > 0 points, or n = 0. */
+struct dt_part {
+    uint32_t n;
+    uint32_t left, right; /* lexicographically smallest and greatest vertex */
+    uint32_t bottom, top; /* smallest and greatest by (y, -x) */
+    uint32_t ghost;       /* some ghost; unset if n = 1 */
+};
+
+/* Vertices [lo, hi), ascending in (x, y), 0 < hi - lo: triangulates them. Meant for a handful. */
+struct dt_part dt_merge_block(const struct dt_merging *w, uint32_t lo, uint32_t hi);
+
+/* Joins a and b, the parts of [lo, mid) and [mid, hi). Every point of a precedes every point of b,
+ * by (x, y) if axis is 0, by (y, -x) if it is 1. */
+struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *a,
+                              const struct dt_part *b, unsigned axis, uint32_t mid);
+
+/* The orders that axes 0 and 1 stand for; the second is the first with the plane turned by a right
+ * angle. */
+static inline bool dt_before_x(struct dt_point a, struct dt_point b)
+{
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+}
+
+static inline bool dt_before_y(struct dt_point a, struct dt_point b)
+{
+    return a.y < b.y || (a.y == b.y && a.x > b.x);
+}
+
+#endif

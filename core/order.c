@@ -1,0 +1,113 @@
+/* order.c - grid order by counting sort; see order.h. */
+#include "core/order.h"
+
+#include <math.h>
+
+#define MAX_BITS 24
+
+struct dt_box dt_box_of(const struct dt_point *p, uint32_t n)
+{
+    struct dt_box b = {p[0].x, p[0].x, p[0].y, p[0].y};
+    for (uint32_t i = 1; i < n; i++) {
+        b.x0 = p[i].x < b.x0 ? p[i].x : b.x0;
+        b.x1 = p[i].x > b.x1 ? p[i].x : b.x1;
+        b.y0 = p[i].y < b.y0 ? p[i].y : b.y0;
+        b.y1 = p[i].y > b.y1 ? p[i].y : b.y1;
+    }
+    return b;
+}
+
+/* How many of `bits` bits go to x so that cells are nearly square. */
+static uint32_t bits_of_x(uint32_t bits, double width, double height)
+{
+    if (width == 0)
+        return 0;
+    if (height == 0)
+        return bits;
+    double wanted = floor((bits + log2(width / height)) / 2 + 0.5);
+    return wanted < 0 ? 0 : wanted > bits ? bits : (uint32_t)wanted;
+}
+
+/* Decides from the top bit down which side each bit of the key cuts. */
+static void choose_axes(struct dt_order *o, uint32_t x_bits, double width, double height)
+{
+    uint32_t y_bits = o->bits - x_bits;
+    for (uint32_t s = o->bits; s-- > 0;) {
+        bool cut_x = y_bits == 0 || (x_bits > 0 && width >= height);
+        o->axis[s] = !cut_x;
+        if (cut_x) {
+            x_bits--;
+            width /= 2;
+        } else {
+            y_bits--;
+            height /= 2;
+        }
+    }
+}
+
+/* part[i] for i < count: the bits of i, moved to those positions of the key that cut the axis. */
+static void spread_bits(const struct dt_order *o, unsigned axis, uint32_t count, uint32_t *part)
+{
+    part[0] = 0;
+    uint32_t known = 1;
+    for (uint32_t s = 0; s < o->bits && known < count; s++) {
+        if (o->axis[s] != axis)
+            continue;
+        for (uint32_t i = 0; i < known; i++)
+            part[known + i] = part[i] | 1u << s;
+        known *= 2;
+    }
+}
+
+enum dt_status dt_order_plan(struct dt_order *o, struct dt_arena *arena, struct dt_box box,
+                             double cells)
+{
+    double width = box.x1 - box.x0, height = box.y1 - box.y0;
+    double bits = floor(log2(cells < 4 ? 4 : cells) + 0.5);
+    o->bits = bits > MAX_BITS ? MAX_BITS : (uint32_t)bits;
+    uint32_t x_bits = bits_of_x(o->bits, width, height);
+    o->columns = 1u << x_bits;
+    o->rows = 1u << (o->bits - x_bits);
+    o->x0 = box.x0;
+    o->y0 = box.y0;
+    o->per_x = width > 0 ? o->columns / width : 0;
+    o->per_y = height > 0 ? o->rows / height : 0;
+    choose_axes(o, x_bits, width, height);
+    o->column = dt_arena_take(arena, o->columns, sizeof *o->column);
+    o->row = dt_arena_take(arena, o->rows, sizeof *o->row);
+    if (o->column == NULL || o->row == NULL)
+        return DT_NOMEM;
+    spread_bits(o, 0, o->columns, o->column);
+    spread_bits(o, 1, o->rows, o->row);
+    return DT_OK;
+}
+
+void dt_order_count(const struct dt_order *o, const struct dt_point *p, uint32_t n, uint32_t *key,
+                    uint32_t *counts)
+{
+    const struct dt_order order = *o; /* a copy that the stores below cannot be thought to change */
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t k = dt_order_key(&order, p[i]);
+        key[i] = k;
+        counts[k]++;
+    }
+}
+
+void dt_order_scatter(const uint32_t *key, uint32_t n, uint32_t *next, const struct dt_point *p,
+                      const uint32_t *from, uint32_t first, struct dt_point *out,
+                      uint32_t *out_from)
+{
+    if (from == NULL) {
+        for (uint32_t i = 0; i < n; i++) {
+            uint32_t to = next[key[i]]++;
+            out[to] = p[i];
+            out_from[to] = first + i;
+        }
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t to = next[key[i]]++;
+        out[to] = p[i];
+        out_from[to] = from[i];
+    }
+}

@@ -1,0 +1,181 @@
+/* divide_test.c - the divide engine: every family, every size, any number of threads. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/divide.h"
+#include "core/divide_level.h"
+#include "core/predicates.h"
+#include "tests/core/threads.h"
+#include "tests/oracle/families.h"
+#include "tests/test.h"
+
+struct built {
+    struct dt_point *in, *p;
+    uint32_t *from, n;
+    struct dt_mesh mesh;
+};
+
+static int compare_points(const void *a, const void *b)
+{
+    return dt_compare_xy(*(const struct dt_point *)a, *(const struct dt_point *)b);
+}
+
+/* The distinct points among n of a family, shuffled. */
+static struct built distinct_points(const char *family, uint32_t n, uint64_t seed)
+{
+    struct built b = {.in = malloc((n + 1) * sizeof *b.in),
+                      .p = malloc((n + 1) * sizeof *b.p),
+                      .from = malloc((n + 1) * 4)};
+    family_points(family_find(family), b.in, n, seed);
+    qsort(b.in, n, sizeof *b.in, compare_points);
+    for (uint32_t i = 0; i < n; i++)
+        if (b.n == 0 || compare_points(&b.in[i], &b.in[b.n - 1]) != 0)
+            b.in[b.n++] = b.in[i];
+    for (uint32_t i = b.n; i > 1; i--) {
+        uint32_t j = test_below(i);
+        struct dt_point t = b.in[i - 1];
+        b.in[i - 1] = b.in[j];
+        b.in[j] = t;
+    }
+    return b;
+}
+
+static void built_free(struct built *b)
+{
+    free(b->in);
+    free(b->p);
+    free(b->from);
+    dt_mesh_clear(&b->mesh);
+}
+
+/* Every half edge: mutual twins that agree on their ends, and locally Delaunay. */
+static void check_half_edge(const struct built *b, uint32_t h)
+{
+    const struct dt_mesh *m = &b->mesh;
+    const struct dt_point *p = b->p;
+    uint32_t w = dt_twin(m, h);
+    CHECK(dt_twin(m, w) == h && dt_origin(m, w) == dt_dest(m, h) &&
+          dt_origin(m, h) == dt_dest(m, w));
+    if (dt_is_ghost(m, h) || dt_is_ghost(m, w))
+        return;
+    uint32_t apex = dt_apex_of(m, h);
+    CHECK(dt_incircle_perturbed(p[dt_origin(m, h)], p[dt_dest(m, h)], p[apex],
+                                p[dt_apex_of(m, w)]) < 0);
+}
+
+/* With all of these true the mesh is the one canonical Delaunay triangulation: a closed surface of
+ * the right size that is Delaunay everywhere and has a convex hull. */
+static void check_built(const struct built *b)
+{
+    const struct dt_mesh *m = &b->mesh;
+    uint32_t ghosts = 0;
+    CHECK(m->vertices == b->n && m->tri_end == (b->n < 2 ? 0 : 2 * b->n - 2) && m->dead == 0);
+    for (uint32_t t = 0; t < m->tri_end; t++) {
+        for (uint32_t k = 0; k < 3; k++)
+            check_half_edge(b, 8 * t + k);
+        uint32_t u = m->half[8 * t], v = m->half[8 * t + 1], w = m->half[8 * t + 2];
+        if (w != DT_NONE) {
+            CHECK(dt_orient2d(b->p[u], b->p[v], b->p[w]) > 0);
+            continue;
+        }
+        uint32_t next = m->half[dt_twin(m, 8 * t + 1) -
+                                1]; /* the ghost u->v is followed by v->next, clockwise */
+        CHECK(dt_orient2d(b->p[u], b->p[v], b->p[next]) <= 0);
+        ghosts++;
+    }
+    CHECK(ghosts == m->ghosts);
+    for (uint32_t v = 0; v < b->n && b->n > 1; v++)
+        CHECK((m->leaving[v] & 7) < 3 && dt_origin(m, m->leaving[v]) == v);
+    for (uint32_t v = 0; v < b->n; v++)
+        CHECK(compare_points(&b->p[v], &b->in[b->from[v]]) == 0);
+}
+
+static void build_and_check(const char *family, uint32_t n, uint64_t seed,
+                            const struct dt_options *opt)
+{
+    struct built b = distinct_points(family, n, seed);
+    CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, opt) == DT_OK);
+    check_built(&b);
+    built_free(&b);
+}
+
+TEST(divide_triangulates_every_family_of_up_to_forty_points)
+{
+    for (const struct family *f = families; f->name != NULL; f++)
+        for (uint32_t n = 0; n <= 40; n++)
+            build_and_check(f->name, n, test_random(), NULL);
+}
+
+TEST_TIMEOUT(divide_triangulates_every_family_of_thousands, 60)
+{
+    for (const struct family *f = families; f->name != NULL; f++) {
+        build_and_check(f->name, 700, test_random(), NULL);
+        build_and_check(f->name, 20000, test_random(), NULL);
+    }
+}
+
+TEST(divide_triangulates_dense_integer_lattices_in_any_order)
+{
+    for (unsigned round = 0; round < 300; round++) {
+        struct built b = distinct_points("uniform", 60, 1);
+        uint32_t side = 2 + test_below(7), n = 0;
+        for (uint32_t i = 0; i < 60; i++)
+            b.in[i] = (struct dt_point){test_below(side), test_below(side)};
+        qsort(b.in, 60, sizeof *b.in, compare_points);
+        for (uint32_t i = 0; i < 60; i++)
+            if (n == 0 || compare_points(&b.in[i], &b.in[n - 1]) != 0)
+                b.in[n++] = b.in[i];
+        b.n = n;
+        CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, NULL) == DT_OK);
+        check_built(&b);
+        built_free(&b);
+    }
+}
+
+TEST_TIMEOUT(divide_gives_the_same_mesh_on_any_number_of_threads, 60)
+{
+    for (const struct family *f = families; f->name != NULL; f++) {
+        for (unsigned threads = 2; threads <= 5; threads += 3) {
+            struct dt_pool pool = threads_pool(threads);
+            struct dt_options opt = {.pool = &pool};
+            build_and_check(f->name, DT_PARALLEL + test_below(9000), test_random(), &opt);
+        }
+    }
+}
+
+TEST_TIMEOUT(divide_sorts_large_sets_into_tiles, 60)
+{
+    struct dt_pool pool = threads_pool(2);
+    struct dt_options opt = {.pool = &pool};
+    build_and_check("uniform", DT_TILED + 5, 1, NULL);
+    build_and_check("clusters", DT_TILED + 5, 2, &opt);
+    build_and_check("kuzmin", DT_TILED + 5, 3, NULL);
+}
+
+TEST(divide_fails_cleanly_when_memory_runs_out)
+{
+    for (long nth = 1;; nth++) {
+        struct built b = distinct_points("nested", 3000, 5);
+        test_fail_alloc(nth);
+        enum dt_status status = dt_divide(b.in, b.n, b.p, b.from, &b.mesh, NULL);
+        bool failed = test_alloc_failed();
+        test_fail_alloc(0);
+        if (failed)
+            CHECK(status == DT_NOMEM && b.mesh.half == NULL && b.mesh.tri_end == 0);
+        else
+            check_built(&b);
+        built_free(&b);
+        if (!failed)
+            return;
+    }
+}
+
+TEST(divide_stops_when_cancelled)
+{
+    atomic_bool cancel = true;
+    struct dt_options opt = {.cancel = &cancel};
+    struct built b = distinct_points("uniform", 1000, 5);
+    CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, &opt) == DT_CANCELLED);
+    CHECK(b.mesh.half == NULL);
+    built_free(&b);
+}
