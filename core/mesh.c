@@ -10,7 +10,7 @@ void dt_mesh_clear(struct dt_mesh *m)
 {
     free(m->half);
     free(m->leaving);
-    *m = (struct dt_mesh){.free_list = DT_NONE};
+    *m = (struct dt_mesh){.free_list = DT_NONE, .hull = DT_NONE};
 }
 
 enum dt_status dt_mesh_copy(const struct dt_mesh *m, struct dt_mesh *copy)

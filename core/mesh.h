@@ -19,6 +19,9 @@
  * infinity included), and hull vertices need no special case. Points on one line have ghosts only,
  * two for each edge. One vertex has no triangle at all.
  *
+ * In a settled mesh (core/hull.h: every mesh that queries see) the half edge leaving[v] of a hull
+ * vertex v is the one to infinity, so that one look tells hull vertices from interior ones.
+ *
  * A dead record (a hole to be used again) has DT_DEAD in corner 2. */
 #ifndef DT_MESH_H
 #define DT_MESH_H
@@ -38,6 +41,7 @@ struct dt_mesh {
                            one */
     uint32_t ghosts;    /* how many of the live ones are ghosts */
     uint32_t vertices;  /* vertices that the triangulation has */
+    uint32_t hull;      /* a ghost, if there is one: see dt_hull_settle */
 };
 
 /* *m must be zeroed or cleared. */

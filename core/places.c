@@ -110,7 +110,7 @@ static uint32_t nearest_in(const struct dt_places *p, uint32_t b, const struct d
  * integer is a double. */
 static double cell_after(double c)
 {
-    return fmax(c + 1, nextafter(c, INFINITY));
+    return fmax(c + 1, nextafter(c, HUGE_VAL));
 }
 
 uint32_t dt_places_find(const struct dt_places *p, const struct dt_point *xy, const uint32_t *id,
@@ -123,11 +123,11 @@ uint32_t dt_places_find(const struct dt_places *p, const struct dt_point *xy, co
         return DT_NONE;
     }
     /* Rounded outwards, so that monotony of cell() makes the search complete. */
-    double reach = nextafter(p->tol, INFINITY);
-    double left = cell(p, nextafter(q.x - reach, -INFINITY)),
-           right = cell(p, nextafter(q.x + reach, INFINITY));
-    double bottom = cell(p, nextafter(q.y - reach, -INFINITY)),
-           top = cell(p, nextafter(q.y + reach, INFINITY));
+    double reach = nextafter(p->tol, HUGE_VAL);
+    double left = cell(p, nextafter(q.x - reach, -HUGE_VAL)),
+           right = cell(p, nextafter(q.x + reach, HUGE_VAL));
+    double bottom = cell(p, nextafter(q.y - reach, -HUGE_VAL)),
+           top = cell(p, nextafter(q.y + reach, HUGE_VAL));
     uint32_t best = DT_NONE;
     for (double c = left; c <= right; c = cell_after(c))
         for (double r = bottom; r <= top; r = cell_after(r))
