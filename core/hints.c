@@ -7,6 +7,7 @@
  * are in crowded cells was wasted on them, so it is made anew with few cells: the next level will
  * fit better. */
 #include "core/hints.h"
+#include "core/memory.h"
 
 #include "core/hull.h"
 
@@ -43,6 +44,24 @@ void dt_hints_clear(struct dt_hints *g)
     *g = (struct dt_hints){0};
 }
 
+enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy)
+{
+    *copy = (struct dt_hints){0};
+    if (g->grids == 0)
+        return DT_OK;
+    copy->grid = dt_array_new(g->grids, sizeof *copy->grid);
+    copy->cell = dt_array_new(g->cells, sizeof *copy->cell);
+    if (copy->grid == NULL || copy->cell == NULL) {
+        dt_hints_clear(copy);
+        return DT_NOMEM;
+    }
+    memcpy(copy->grid, g->grid, g->grids * sizeof *copy->grid);
+    memcpy(copy->cell, g->cell, g->cells * sizeof *copy->cell);
+    copy->grids = copy->grid_cap = g->grids;
+    copy->cells = copy->cell_cap = g->cells;
+    return DT_OK;
+}
+
 size_t dt_hints_memory(const struct dt_hints *g)
 {
     return g->grid_cap * sizeof *g->grid + g->cell_cap * sizeof *g->cell;
@@ -60,7 +79,7 @@ static void box_add(struct box *b, struct dt_point p)
     b->hi.y = p.y > b->hi.y ? p.y : b->hi.y;
 }
 
-static const struct box no_box = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
+static const struct box no_box = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
 
 static struct box box_of_hull(const struct dt_mesh *m, const struct dt_point *xy)
 {

@@ -39,6 +39,10 @@ void dt_hints_clear(struct dt_hints *g);
  * Vertices that are in no triangle must have DT_NONE in leaving[]. Cost: linear. */
 enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy);
 
+/* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is cleared.
+ */
+enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy);
+
 /* Bytes that the grid holds. */
 size_t dt_hints_memory(const struct dt_hints *g);
 

@@ -1,0 +1,81 @@
+/* bulk.c - both engines behind one door; see bulk.h. */
+#include "core/bulk.h"
+
+#include <stdlib.h>
+
+#include "core/divide.h"
+#include "core/memory.h"
+
+/* What a build makes before it may touch the set. */
+struct draft {
+    struct dt_point *xy; /* the vertices in their new order */
+    uint32_t *from;      /* where each stands now */
+    uint32_t n;
+    struct dt_mesh mesh;
+    struct dt_hints hints;
+};
+
+static void draft_clear(struct draft *b)
+{
+    free(b->xy);
+    free(b->from);
+    dt_mesh_clear(&b->mesh);
+    dt_hints_clear(&b->hints);
+}
+
+/* The vertices in use, in their present order, become the draft's. */
+static void copy_vertices(struct draft *b, const struct dt_points *p)
+{
+    uint32_t n = 0;
+    for (uint32_t v = 0; v < p->end; v++) {
+        if (p->id[v] == DT_NONE)
+            continue;
+        b->xy[n] = p->xy[v];
+        b->from[n++] = v;
+    }
+}
+
+/* Divide takes the points as they are, or without the gaps that edits have left. */
+static enum dt_status divide(struct draft *b, const struct dt_points *p,
+                             const struct dt_options *opt)
+{
+    if (p->free_count == 0)
+        return dt_divide(p->xy, b->n, b->xy, b->from, &b->mesh, opt);
+
+    struct draft dense = {.xy = dt_array_new(b->n, sizeof *dense.xy),
+                          .from = dt_array_new(b->n, sizeof *dense.from)};
+    enum dt_status status = DT_NOMEM;
+    if (dense.xy != NULL && dense.from != NULL) {
+        copy_vertices(&dense, p);
+        status = dt_divide(dense.xy, b->n, b->xy, b->from, &b->mesh, opt);
+        for (uint32_t v = 0; status == DT_OK && v < b->n; v++)
+            b->from[v] = dense.from[b->from[v]];
+    }
+    draft_clear(&dense);
+    return status;
+}
+
+enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
+{
+    struct draft b = {.n = dt_points_vertices(&t->points)};
+    b.xy = dt_array_new(b.n, sizeof *b.xy);
+    b.from = dt_array_new(b.n, sizeof *b.from);
+    enum dt_status status = DT_NOMEM;
+    if (b.xy != NULL && b.from != NULL)
+        status = divide(&b, &t->points, opt);
+    if (status == DT_OK)
+        status = dt_hints_build(&b.hints, &b.mesh, b.xy);
+    if (status == DT_OK)
+        status = dt_points_renumber(&t->points, b.xy, b.from, b.n);
+    if (status != DT_OK) {
+        draft_clear(&b);
+        return status;
+    }
+    free(b.from);
+    dt_mesh_clear(&t->mesh);
+    dt_hints_clear(&t->hints);
+    t->mesh = b.mesh;
+    t->hints = b.hints;
+    t->current = true;
+    return DT_OK;
+}

@@ -1,0 +1,205 @@
+/* delaunay.c - the public face of a set: its life, its points, and when its triangulation is made.
+ * Tables and queries have files of their own (table.c, pointlist.c, query.c, check.c). */
+#include "core/delaunay.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/bulk.h"
+#include "core/memory.h"
+
+#ifdef __FAST_MATH__
+#error "the predicates need IEEE arithmetic: compile without -ffast-math"
+#endif
+
+/* ---- life ---- */
+
+struct dt *dt_new(double tol)
+{
+    struct dt *t = calloc(1, sizeof *t);
+    if (t == NULL)
+        return NULL;
+    dt_points_init(&t->points, tol);
+    t->mesh.free_list = DT_NONE;
+    return t;
+}
+
+void dt_free(struct dt *t)
+{
+    if (t == NULL)
+        return;
+    dt_points_clear(&t->points);
+    dt_mesh_clear(&t->mesh);
+    dt_hints_clear(&t->hints);
+    free(t);
+}
+
+enum dt_status dt_clone(const struct dt *t, struct dt **copy)
+{
+    struct dt *c = dt_new(t->points.tol);
+    if (c == NULL)
+        return DT_NOMEM;
+    enum dt_status status = dt_points_copy(&t->points, &c->points);
+    if (status == DT_OK)
+        status = dt_mesh_copy(&t->mesh, &c->mesh);
+    if (status == DT_OK)
+        status = dt_hints_copy(&t->hints, &c->hints);
+    if (status != DT_OK) {
+        dt_free(c);
+        return status;
+    }
+    c->triangulated = t->triangulated;
+    c->current = t->current;
+    *copy = c;
+    return DT_OK;
+}
+
+double dt_tolerance(const struct dt *t)
+{
+    return t->points.tol;
+}
+
+bool dt_coordinate_ok(double v)
+{
+    double size = fabs(v);
+    return size == 0 || (size >= 0x1p-142 && size <= 0x1p201);
+}
+
+static bool point_ok(struct dt_point p)
+{
+    return dt_coordinate_ok(p.x) && dt_coordinate_ok(p.y);
+}
+
+/* ---- points ---- */
+
+enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct dt_added *out)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!point_ok(p[i]))
+            return DT_RANGE;
+    enum dt_status status = dt_points_add(&t->points, p, n, out);
+    if (status == DT_OK && out->coincident < out->added)
+        t->current = false;
+    return status;
+}
+
+static int compare_ids(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Deletes ascending distinct live ids. */
+static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n)
+{
+    struct dt_points *p = &t->points;
+    if (dt_points_delete_ready(p, ids, n) != DT_OK)
+        return DT_NOMEM;
+    size_t representatives = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (dt_points_is_alias(p, ids[i]))
+            dt_points_delete(p, ids[i]);
+        else
+            ids[representatives++] = ids[i];
+    }
+    for (size_t i = 0; i < representatives; i++)
+        dt_points_delete(p, ids[i]);
+    if (representatives > 0)
+        t->current = false;
+    return DT_OK;
+}
+
+enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted,
+                         uint32_t *missing)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (dt_points_vertex(&t->points, ids[i]) == DT_NONE) {
+            *missing = ids[i];
+            return DT_NOPOINT;
+        }
+    }
+    uint32_t *sorted = dt_array_new(n, sizeof *sorted);
+    if (sorted == NULL)
+        return DT_NOMEM;
+    size_t distinct = 0;
+    if (n > 0)
+        memcpy(sorted, ids, n * sizeof *sorted);
+    qsort(sorted, n, sizeof *sorted, compare_ids);
+    for (size_t i = 0; i < n; i++)
+        if (i == 0 || sorted[i] != sorted[distinct - 1])
+            sorted[distinct++] = sorted[i];
+    enum dt_status status = delete_sorted(t, sorted, distinct);
+    free(sorted);
+    if (status == DT_OK)
+        *deleted = (uint32_t)distinct;
+    return status;
+}
+
+enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to)
+{
+    if (dt_points_vertex(&t->points, id) == DT_NONE)
+        return DT_NOPOINT;
+    if (!point_ok(to))
+        return DT_RANGE;
+    enum dt_status status = dt_points_move(&t->points, id, to);
+    if (status == DT_OK)
+        t->current = false;
+    return status;
+}
+
+enum dt_status dt_get(const struct dt *t, uint32_t id, struct dt_point *p)
+{
+    if (dt_points_vertex(&t->points, id) == DT_NONE)
+        return DT_NOPOINT;
+    *p = dt_points_xy(&t->points, id);
+    return DT_OK;
+}
+
+enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep)
+{
+    uint32_t v = dt_points_vertex(&t->points, id);
+    if (v == DT_NONE)
+        return DT_NOPOINT;
+    *rep = t->points.id[v];
+    return DT_OK;
+}
+
+/* ---- the triangulation ---- */
+
+enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt)
+{
+    bool asked = opt != NULL && opt->method != DT_AUTO;
+    if (t->triangulated && t->current && !asked)
+        return DT_OK;
+    enum dt_status status = dt_bulk_build(t, opt);
+    if (status == DT_OK)
+        t->triangulated = true;
+    return status;
+}
+
+enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt)
+{
+    if (!t->triangulated || t->current)
+        return DT_OK;
+    struct dt_options automatic = opt == NULL ? (struct dt_options){0} : *opt;
+    automatic.method = DT_AUTO;
+    return dt_bulk_build(t, &automatic);
+}
+
+void dt_summary(const struct dt *t, struct dt_summary *out)
+{
+    bool counted = t->triangulated && t->current;
+    *out = (struct dt_summary){
+        .points = dt_points_live(&t->points),
+        .coincident = t->points.aliases.count,
+        .triangulated = t->triangulated,
+        .memory = sizeof *t + dt_points_memory(&t->points) + dt_mesh_memory(&t->mesh) +
+                  dt_hints_memory(&t->hints),
+    };
+    if (counted) {
+        out->triangles = dt_mesh_triangles(&t->mesh);
+        out->edges = dt_mesh_edges(&t->mesh);
+        out->hull = dt_mesh_hull(&t->mesh);
+    }
+}

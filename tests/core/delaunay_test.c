@@ -1,0 +1,155 @@
+/* delaunay_test.c - the public face of a set: life, edits and when the triangulation is current. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/delaunay.h"
+#include "tests/oracle/families.h"
+#include "tests/test.h"
+
+static const struct dt_point square[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}};
+
+static struct dt *square_set(void)
+{
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    CHECK(dt_add(t, square, 5, &added) == DT_OK && added.first == 0 && added.added == 5);
+    return t;
+}
+
+static struct dt_summary summary_of(const struct dt *t)
+{
+    struct dt_summary s;
+    dt_summary(t, &s);
+    return s;
+}
+
+TEST(set_is_triangulated_on_request)
+{
+    struct dt *t = square_set();
+    CHECK(!summary_of(t).triangulated && summary_of(t).triangles == 0);
+    CHECK(dt_triangulate(t, NULL) == DT_OK);
+    struct dt_summary s = summary_of(t);
+    CHECK(s.triangulated && s.points == 5 && s.triangles == 4 && s.edges == 8 && s.hull == 4);
+    dt_free(t);
+}
+
+TEST(empty_and_tiny_sets_have_a_triangulation)
+{
+    const uint32_t edges[] = {0, 0, 1, 3};
+    for (uint32_t n = 0; n <= 3; n++) {
+        struct dt *t = dt_new(0);
+        struct dt_added added;
+        CHECK(dt_add(t, square, n, &added) == DT_OK);
+        CHECK(dt_triangulate(t, NULL) == DT_OK);
+        struct dt_summary s = summary_of(t);
+        CHECK(s.points == n && s.hull == n && s.edges == edges[n] && s.triangles == (n == 3));
+        dt_free(t);
+    }
+}
+
+TEST(edits_after_triangulate_are_seen_after_refresh)
+{
+    struct dt *t = square_set();
+    struct dt_added added;
+    uint32_t deleted, missing, four = 4;
+    CHECK(dt_triangulate(t, NULL) == DT_OK);
+    CHECK(dt_delete(t, &four, 1, &deleted, &missing) == DT_OK && deleted == 1);
+    CHECK(dt_refresh(t, NULL) == DT_OK && summary_of(t).triangles == 2);
+    CHECK(dt_add(t, &square[4], 1, &added) == DT_OK && added.first == 5);
+    CHECK(dt_refresh(t, NULL) == DT_OK && summary_of(t).triangles == 4);
+    CHECK(dt_move(t, 5, (struct dt_point){9, 2}) == DT_OK);
+    CHECK(dt_refresh(t, NULL) == DT_OK);
+    CHECK(summary_of(t).hull == 5 && summary_of(t).triangles == 3);
+    dt_free(t);
+}
+
+TEST(coordinates_beyond_the_exact_range_are_refused)
+{
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    const double bad[] = {NAN, HUGE_VAL, -HUGE_VAL, 0x1.8p201, -0x1p202, 0x1p-143, -0x1p-1074};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct dt_point p[] = {{1, 1}, {0, bad[i]}};
+        CHECK(dt_add(t, p, 2, &added) == DT_RANGE);
+    }
+    CHECK(summary_of(t).points == 0);
+    struct dt_point p[] = {{0x1p201, -0x1p201}, {0x1p-142, -0.0}};
+    CHECK(dt_add(t, p, 2, &added) == DT_OK);
+    CHECK(dt_move(t, 0, (struct dt_point){NAN, 0}) == DT_RANGE);
+    dt_free(t);
+}
+
+TEST(deleting_is_all_or_none)
+{
+    struct dt *t = square_set();
+    uint32_t ids[] = {1, 9, 2}, deleted = 0, missing = 0;
+    struct dt_point p;
+    CHECK(dt_delete(t, ids, 3, &deleted, &missing) == DT_NOPOINT && missing == 9);
+    CHECK(summary_of(t).points == 5);
+    ids[1] = 1;
+    CHECK(dt_delete(t, ids, 3, &deleted, &missing) == DT_OK && deleted == 2);
+    CHECK(dt_get(t, 1, &p) == DT_NOPOINT && dt_get(t, 0, &p) == DT_OK);
+    dt_free(t);
+}
+
+TEST(deleting_a_representative_and_its_aliases_at_once_leaves_the_heir)
+{
+    struct dt *t = dt_new(0);
+    struct dt_point p[6];
+    struct dt_added added;
+    uint32_t ids[] = {2, 0, 1}, deleted, missing, rep;
+    for (uint32_t i = 0; i < 6; i++)
+        p[i] = (struct dt_point){7, 7};
+    CHECK(dt_add(t, p, 6, &added) == DT_OK && added.coincident == 5);
+    CHECK(dt_delete(t, ids, 3, &deleted, &missing) == DT_OK && deleted == 3);
+    CHECK(dt_representative(t, 5, &rep) == DT_OK && rep == 3);
+    CHECK(dt_representative(t, 3, &rep) == DT_OK && rep == 3);
+    CHECK(dt_representative(t, 0, &rep) == DT_NOPOINT);
+    dt_free(t);
+}
+
+TEST(clone_is_independent)
+{
+    struct dt *t = square_set(), *copy;
+    uint32_t zero = 0, deleted, missing;
+    CHECK(dt_triangulate(t, NULL) == DT_OK && dt_clone(t, &copy) == DT_OK);
+    CHECK(dt_delete(t, &zero, 1, &deleted, &missing) == DT_OK && dt_refresh(t, NULL) == DT_OK);
+    CHECK(summary_of(copy).triangles == 4 && summary_of(t).triangles == 3);
+    dt_free(t);
+    CHECK(dt_move(copy, 4, (struct dt_point){1, 2}) == DT_OK && dt_refresh(copy, NULL) == DT_OK);
+    dt_free(copy);
+}
+
+TEST(every_edit_out_of_memory_leaves_the_set_as_it_was)
+{
+    for (long nth = 1; nth < 40; nth++) {
+        struct dt *t = square_set(), *copy = NULL;
+        struct dt_added added;
+        uint32_t one = 1, deleted, missing;
+        test_fail_alloc(nth);
+        if (dt_triangulate(t, NULL) != DT_OK)
+            CHECK(!summary_of(t).triangulated);
+        if (dt_add(t, square, 2, &added) != DT_OK)
+            CHECK(summary_of(t).points == 5);
+        if (dt_delete(t, &one, 1, &deleted, &missing) != DT_OK)
+            CHECK(dt_get(t, 1, &(struct dt_point){0}) == DT_OK);
+        dt_clone(t, &copy);
+        test_fail_alloc(0);
+        CHECK(dt_triangulate(t, NULL) == DT_OK && dt_refresh(t, NULL) == DT_OK);
+        dt_free(copy);
+        dt_free(t);
+    }
+}
+
+TEST(memory_of_a_triangulated_set_is_at_most_100_bytes_a_point)
+{
+    enum { N = 200000 };
+    struct dt_point *p = malloc(N * sizeof *p);
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    family_points(family_find("uniform"), p, N, 1);
+    CHECK(dt_add(t, p, N, &added) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    CHECK_MSG(summary_of(t).memory <= 100 * (size_t)N, "%zu bytes", summary_of(t).memory);
+    dt_free(t);
+    free(p);
+}
