@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CELLS_PER_POINT 2.0
+#define CELLS_PER_POINT 1.75
 #define CELLS_PER_POINT_COARSE 0.125
 #define CROWD 12      /* points in one cell that are worth a grid */
 #define MAX_CELLS 6.0 /* a point, over all grids; beyond that cells stay crowded */
