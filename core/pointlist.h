@@ -1,0 +1,16 @@
+/* pointlist.h - the paper's point list: each point with the ordered ring of those around it. */
+#ifndef DT_POINTLIST_H
+#define DT_POINTLIST_H
+
+#include "core/set.h"
+
+/* Turns a star (core/star.h) of n ids into a canonical ring: an interior point's begins at the
+ * smallest id, a hull point's at its successor; clockwise the same backwards, a hull point's from
+ * its predecessor on. */
+void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw);
+
+/* All points on one line, walked so that the ghost g stands for its vertex: the ring of that vertex
+ * into ring[2], successor before predecessor, and its length. */
+uint32_t dt_ring_on_line(const struct dt *t, uint32_t g, uint32_t *ring);
+
+#endif

@@ -1,0 +1,92 @@
+/* star.c - reads stars.
+ *
+ * Ids are in order of arrival, vertices in spatial order, so the next id's star is anywhere in
+ * memory: about seven cache misses, each waiting for the one before (leaving[] -> triangle -> next
+ * triangle ...). dt_stars_read walks round DT_STARS vertices in step instead, one triangle of each
+ * in turn, and fetches ahead what each needs in its next turn. */
+#include "core/star.h"
+
+#include "core/hull.h"
+
+uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v)
+{
+    uint32_t h = m->leaving[v], degree = 0;
+    if (h == DT_NONE)
+        return 0;
+    do {
+        degree += dt_dest(m, h) != DT_NONE;
+        h = dt_turn_ccw(m, h);
+    } while (h != m->leaving[v]);
+    return degree;
+}
+
+void dt_star_ring(const struct dt *t, uint32_t v, uint32_t *ring)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t h = m->leaving[v];
+    if (h == DT_NONE)
+        return;
+    do {
+        uint32_t d = dt_dest(m, h);
+        if (d != DT_NONE)
+            *ring++ = t->points.id[d];
+        h = dt_turn_ccw(m, h);
+    } while (h != m->leaving[v]);
+}
+
+/* The next representatives from id on. */
+static void read_vertices(const struct dt *t, uint32_t id, uint32_t max, struct dt_stars *s)
+{
+    const struct dt_points *p = &t->points;
+    s->n = 0;
+    while (s->n < max && (id = dt_points_next_live(p, id)) != DT_NONE) {
+        if (p->aliases == 0 || !dt_points_is_alias(p, id)) {
+            uint32_t v = dt_points_vertex(p, id);
+            __builtin_prefetch(&t->mesh.leaving[v]);
+            s->id[s->n] = id;
+            s->vertex[s->n] = v;
+            s->n++;
+        }
+        id++;
+    }
+}
+
+void dt_stars_read(const struct dt *t, uint32_t id, uint32_t max, struct dt_stars *s)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t at[DT_STARS], turning[DT_STARS], active = 0;
+    read_vertices(t, id, max < DT_STARS ? max : DT_STARS, s);
+    for (uint32_t i = 0; i < s->n; i++) {
+        at[i] = m->leaving[s->vertex[i]];
+        s->degree[i] = 0;
+        s->on_hull[i] = true;
+        if (at[i] == DT_NONE)
+            continue;
+        __builtin_prefetch(&m->half[at[i]]);
+        turning[active++] = i;
+    }
+    for (uint32_t k = 0; k < active; k++)
+        s->on_hull[turning[k]] = dt_is_ghost(m, at[turning[k]]);
+    while (active > 0) { /* each round takes every star a triangle further */
+        uint32_t left = 0;
+        for (uint32_t k = 0; k < active; k++) {
+            uint32_t i = turning[k], d = dt_dest(m, at[i]);
+            at[i] = dt_turn_ccw(m, at[i]);
+            __builtin_prefetch(&m->half[at[i]]);
+            if (d != DT_NONE) {
+                if (s->degree[i] == DT_STAR_MAX) {
+                    s->degree[i] = DT_NONE;
+                    continue;
+                }
+                __builtin_prefetch(&t->points.id[d]);
+                s->ring[i][s->degree[i]++] = d;
+            }
+            if (at[i] != m->leaving[s->vertex[i]])
+                turning[left++] = i;
+        }
+        active = left;
+    }
+    for (uint32_t i = 0; i < s->n; i++)
+        for (uint32_t k = 0; s->degree[i] != DT_NONE && k < s->degree[i]; k++)
+            s->ring[i][k] = t->points.id[s->ring[i][k]];
+}

@@ -1,0 +1,379 @@
+/* table.c - cursors over whole-set tables.
+ *
+ * Nothing is sorted as a whole: ids are walked in ascending order, and what begins with an id is a
+ * small part of its star. A cursor stands before the row (id, sub): rows of lower ids are written,
+ * and of id itself those whose second word is below sub. */
+#include "core/hull.h"
+#include "core/pointlist.h"
+#include "core/reader.h"
+#include "core/star.h"
+
+#include <string.h>
+
+/* Where rows go. */
+struct sink {
+    uint32_t *out;
+    size_t cap, max_rows; /* room: words and rows */
+    size_t words, rows;   /* written */
+};
+
+static bool has_room(const struct sink *k, size_t words)
+{
+    return k->rows < k->max_rows && words <= k->cap - k->words;
+}
+
+static uint32_t *row(struct sink *k, size_t words)
+{
+    uint32_t *at = k->out + k->words;
+    k->words += words;
+    k->rows++;
+    return at;
+}
+
+static uint32_t count_rows(const struct dt *t, enum dt_table table)
+{
+    switch (table) {
+    case DT_POINTS:
+        return dt_points_vertices(&t->points) + t->points.aliases;
+    case DT_COINCIDENT:
+        return t->points.aliases;
+    case DT_LISTS:
+        return t->mesh.vertices;
+    case DT_TRIANGLES:
+        return dt_mesh_triangles(&t->mesh);
+    case DT_EDGES:
+        return dt_mesh_edges(&t->mesh);
+    case DT_HULL:
+        return dt_mesh_hull(&t->mesh);
+    }
+    return 0;
+}
+
+enum dt_status dt_table_begin(const struct dt *t, enum dt_table table, bool cw, struct dt_cursor *c)
+{
+    enum dt_status s = table == DT_POINTS || table == DT_COINCIDENT ? DT_OK : dt_readable(t);
+    if (s != DT_OK)
+        return s;
+    *c = (struct dt_cursor){
+        .table = table, .cw = cw, .rows = count_rows(t, table), .hull_at = DT_NONE};
+    c->left = c->rows;
+    if (table == DT_LISTS)
+        c->interior = c->rows - dt_mesh_hull(&t->mesh);
+    if (table == DT_LISTS || table == DT_HULL)
+        c->hull_at = dt_hull_first(&t->mesh, t->points.id, cw);
+    return DT_OK;
+}
+
+static void read_points(const struct dt *t, struct dt_cursor *c, struct sink *k)
+{
+    while (c->left > 0 && has_room(k, 1)) {
+        uint32_t id = dt_points_next_live(&t->points, c->id);
+        *row(k, 1) = id;
+        c->id = id + 1;
+        c->left--;
+    }
+}
+
+static void read_coincident(const struct dt *t, struct dt_cursor *c, struct sink *k)
+{
+    while (c->left > 0 && has_room(k, 2)) {
+        uint32_t id = dt_points_next_live(&t->points, c->id);
+        c->id = id + 1;
+        if (!dt_points_is_alias(&t->points, id))
+            continue;
+        uint32_t *out = row(k, 2);
+        out[0] = id;
+        out[1] = t->points.id[dt_points_vertex(&t->points, id)];
+        c->left--;
+    }
+}
+
+/* The vertex at which the cursor stands on the hull. A set of one point has a hull and no ghost. */
+static uint32_t hull_vertex(const struct dt *t, const struct dt_cursor *c)
+{
+    if (c->hull_at != DT_NONE)
+        return dt_hull_vertex(&t->mesh, c->hull_at);
+    return dt_points_vertex(&t->points, dt_points_next_live(&t->points, 0));
+}
+
+static void hull_advance(const struct dt *t, struct dt_cursor *c)
+{
+    if (c->hull_at != DT_NONE)
+        c->hull_at = dt_hull_step(&t->mesh, c->hull_at, c->cw && !dt_mesh_is_line(&t->mesh));
+    c->left--;
+}
+
+static void read_hull(const struct dt *t, struct dt_cursor *c, struct sink *k)
+{
+    while (c->left > 0 && has_room(k, 1)) {
+        *row(k, 1) = t->points.id[hull_vertex(t, c)];
+        hull_advance(t, c);
+    }
+}
+
+/* Writes the point list's row of vertex v straight from the mesh; false if there is no room. */
+static bool write_list(const struct dt *t, const struct dt_cursor *c, struct sink *k, uint32_t v)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t degree = dt_star_degree(m, v);
+    if (!has_room(k, 2 + (size_t)degree))
+        return false;
+    uint32_t *out = row(k, 2 + (size_t)degree);
+    out[0] = t->points.id[v];
+    out[1] = degree;
+    if (degree > 0 && dt_mesh_is_line(m)) {
+        dt_ring_on_line(t, c->hull_at, out + 2);
+    } else {
+        dt_star_ring(t, v, out + 2);
+        dt_ring_turn(out + 2, degree, dt_on_hull(m, v), c->cw);
+    }
+    return true;
+}
+
+static bool write_star(const struct dt *t, const struct dt_cursor *c, struct sink *k,
+                       const struct dt_stars *s, uint32_t i)
+{
+    uint32_t degree = s->degree[i];
+    if (degree == DT_NONE)
+        return write_list(t, c, k, s->vertex[i]);
+    if (!has_room(k, 2 + (size_t)degree))
+        return false;
+    uint32_t *out = row(k, 2 + (size_t)degree);
+    out[0] = s->id[i];
+    out[1] = degree;
+    memcpy(out + 2, s->ring[i], degree * sizeof *out);
+    dt_ring_turn(out + 2, degree, false, c->cw);
+    return true;
+}
+
+/* How many stars to read ahead for a sink that takes about `words` words for each. */
+static uint32_t stars_ahead(const struct sink *k, size_t words)
+{
+    size_t n = (k->cap - k->words) / words + 1;
+    n = n < k->max_rows - k->rows ? n : k->max_rows - k->rows;
+    return n < DT_STARS ? (uint32_t)n : DT_STARS;
+}
+
+static void read_interior_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
+{
+    struct dt_stars stars;
+    while (c->left > c->rows - c->interior && k->rows < k->max_rows) {
+        dt_stars_read(t, c->id, stars_ahead(k, 8), &stars);
+        for (uint32_t i = 0; i < stars.n; i++) {
+            if (!stars.on_hull[i]) {
+                if (!write_star(t, c, k, &stars, i))
+                    return;
+                c->left--;
+            }
+            c->id = stars.id[i] + 1;
+        }
+    }
+}
+
+static void read_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
+{
+    read_interior_lists(t, c, k);
+    while (c->left > 0 && c->left <= c->rows - c->interior) {
+        if (!write_list(t, c, k, hull_vertex(t, c)))
+            return;
+        hull_advance(t, c);
+    }
+}
+
+/* The words that the next row of the point list needs. */
+static size_t next_list_words(const struct dt *t, const struct dt_cursor *c)
+{
+    uint32_t id = c->id, v = c->left <= c->rows - c->interior ? hull_vertex(t, c) : DT_NONE;
+    while (v == DT_NONE) {
+        id = dt_points_next_live(&t->points, id);
+        v = dt_points_vertex(&t->points, id++);
+        if (t->points.id[v] != id - 1 || dt_on_hull(&t->mesh, v))
+            v = DT_NONE;
+    }
+    return 2 + (size_t)dt_star_degree(&t->mesh, v);
+}
+
+/* The rows of TRIANGLES or EDGES that begin with one id, sorted by their second word. They are
+ * built where they will stay: as a sorted list, or, for a star of many, as a heap with the greatest
+ * on top. If there are more than there is room for, the smallest remain. */
+struct group {
+    uint32_t id, from; /* the first word; only second words >= from are wanted */
+    size_t width;      /* words of a row: 2 or 3 */
+    uint32_t *rows;
+    size_t n, room;
+    bool heap, more; /* more: some did not fit */
+};
+
+static void set_row(const struct group *g, size_t i, const uint32_t *from)
+{
+    memcpy(g->rows + i * g->width, from, g->width * sizeof *from);
+}
+
+/* Puts `r` into the heap of n rows, at i or below it. */
+static void sift_down(const struct group *g, size_t n, size_t i, const uint32_t *r)
+{
+    for (size_t child; (child = 2 * i + 1) < n; i = child) {
+        const uint32_t *at = g->rows + child * g->width;
+        if (child + 1 < n && at[g->width + 1] > at[1])
+            at = g->rows + ++child * g->width;
+        if (at[1] <= r[1])
+            break;
+        set_row(g, i, at);
+    }
+    set_row(g, i, r);
+}
+
+static void group_add_heap(struct group *g, const uint32_t *r)
+{
+    if (g->n == g->room) {
+        g->more = true;
+        if (r[1] < g->rows[1])
+            sift_down(g, g->n, 0, r);
+        return;
+    }
+    size_t i = g->n++;
+    for (; i > 0 && g->rows[(i - 1) / 2 * g->width + 1] < r[1]; i = (i - 1) / 2)
+        set_row(g, i, g->rows + (i - 1) / 2 * g->width);
+    set_row(g, i, r);
+}
+
+static void group_add_sorted(struct group *g, const uint32_t *r)
+{
+    size_t i = g->n;
+    if (g->n == g->room) {
+        g->more = true;
+        if (r[1] > g->rows[--i * g->width + 1])
+            return;
+    } else {
+        g->n++;
+    }
+    for (; i > 0 && g->rows[(i - 1) * g->width + 1] > r[1]; i--)
+        set_row(g, i, g->rows + (i - 1) * g->width);
+    set_row(g, i, r);
+}
+
+static void group_add(struct group *g, uint32_t b, uint32_t c)
+{
+    uint32_t r[3] = {g->id, b, c};
+    if (b < g->from)
+        return;
+    if (g->heap)
+        group_add_heap(g, r);
+    else
+        group_add_sorted(g, r);
+}
+
+static void heap_sort(const struct group *g)
+{
+    for (size_t n = g->n; n > 1; n--) {
+        uint32_t last[3];
+        memcpy(last, g->rows + (n - 1) * g->width, g->width * sizeof *last);
+        set_row(g, n - 1, g->rows);
+        sift_down(g, n - 1, 0, last);
+    }
+}
+
+/* Adds the triangle id b c, counterclockwise. */
+static void add_triangle(struct group *g, bool cw, uint32_t b, uint32_t c)
+{
+    if (b > g->id && c > g->id)
+        group_add(g, cw ? c : b, cw ? b : c);
+}
+
+static void group_from_ring(struct group *g, bool cw, const uint32_t *ring, uint32_t n,
+                            bool on_hull)
+{
+    if (g->width == 2) {
+        for (uint32_t i = 0; i < n; i++)
+            if (ring[i] > g->id)
+                group_add(g, ring[i], 0);
+        return;
+    }
+    for (uint32_t i = 0; i + 1 < n; i++)
+        add_triangle(g, cw, ring[i], ring[i + 1]);
+    if (!on_hull)
+        add_triangle(g, cw, ring[n - 1], ring[0]);
+}
+
+static void group_from_mesh(struct group *g, bool cw, const struct dt *t, uint32_t v)
+{
+    const struct dt_mesh *m = &t->mesh;
+    const uint32_t *id = t->points.id;
+    uint32_t h = m->leaving[v];
+    do {
+        uint32_t d = dt_dest(m, h);
+        if (g->width == 3 && !dt_is_ghost(m, h))
+            add_triangle(g, cw, id[d], id[dt_apex_of(m, h)]);
+        if (g->width == 2 && d != DT_NONE && id[d] > g->id)
+            group_add(g, id[d], 0);
+        h = dt_turn_ccw(m, h);
+    } while (h != m->leaving[v]);
+}
+
+/* Writes what star i has for the cursor; false if there is more than fits. */
+static bool write_group(const struct dt *t, struct dt_cursor *c, struct sink *k,
+                        const struct dt_stars *s, uint32_t i, size_t width)
+{
+    struct group g = {.id = s->id[i], .width = width, .rows = k->out + k->words};
+    g.room = (k->cap - k->words) / width;
+    g.room = g.room < k->max_rows - k->rows ? g.room : k->max_rows - k->rows;
+    if (g.room == 0)
+        return false;
+    g.from = s->id[i] == c->id ? c->sub : 0;
+    g.heap = s->degree[i] == DT_NONE;
+    if (g.heap) {
+        group_from_mesh(&g, c->cw, t, s->vertex[i]);
+        heap_sort(&g);
+    } else if (s->degree[i] > 0) {
+        group_from_ring(&g, c->cw, s->ring[i], s->degree[i], s->on_hull[i]);
+    }
+    k->words += g.n * width;
+    k->rows += g.n;
+    c->left -= (uint32_t)g.n;
+    c->id = g.more ? g.id : g.id + 1;
+    c->sub = g.more ? g.rows[(g.n - 1) * width + 1] + 1 : 0;
+    return !g.more;
+}
+
+static void read_groups(const struct dt *t, struct dt_cursor *c, struct sink *k, size_t width)
+{
+    struct dt_stars stars;
+    while (c->left > 0) {
+        dt_stars_read(t, c->id, stars_ahead(k, 2 * width), &stars);
+        for (uint32_t i = 0; i < stars.n; i++)
+            if (!write_group(t, c, k, &stars, i, width))
+                return;
+    }
+}
+
+enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *out, size_t cap,
+                             size_t max_rows, size_t *rows, size_t *words)
+{
+    static const size_t width[] = {
+        [DT_POINTS] = 1, [DT_COINCIDENT] = 2, [DT_TRIANGLES] = 3, [DT_EDGES] = 2, [DT_HULL] = 1};
+    struct sink k = {.out = out, .cap = cap, .max_rows = max_rows};
+    switch (c->table) {
+    case DT_POINTS:
+        read_points(t, c, &k);
+        break;
+    case DT_COINCIDENT:
+        read_coincident(t, c, &k);
+        break;
+    case DT_LISTS:
+        read_lists(t, c, &k);
+        break;
+    case DT_TRIANGLES:
+    case DT_EDGES:
+        read_groups(t, c, &k, width[c->table]);
+        break;
+    case DT_HULL:
+        read_hull(t, c, &k);
+        break;
+    }
+    *rows = k.rows;
+    *words = k.words;
+    if (k.rows > 0 || c->left == 0 || max_rows == 0)
+        return DT_OK;
+    *words = c->table == DT_LISTS ? next_list_words(t, c) : width[c->table];
+    return DT_TOOSMALL;
+}
