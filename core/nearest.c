@@ -1,0 +1,288 @@
+/* nearest.c - nearest points, and the points within a disc.
+ *
+ * Two facts about Delaunay triangulations carry this file. Let q be any place.
+ *   (1) A vertex none of whose neighbours is nearer to q is a nearest vertex: q lies in its Voronoi cell, whose sides
+ *       all belong to neighbours. So going to a nearer neighbour while there is one finds a nearest vertex.
+ *   (2) Every vertex p that is not a nearest one has a neighbour strictly nearer to q: let a disc grow from p, its
+ *       centre moving from p to q, until its circle meets another vertex; it lies in the disc around q through p.
+ * So the nearest k, and all within a radius, are connected by edges. The nearest ones, if several tie, are the corners
+ * of one empty circle around q, which its triangulation connects. */
+#include "core/hull.h"
+#include "core/locate.h"
+#include "core/predicates.h"
+#include "core/query.h"
+#include "core/reader.h"
+#include "core/visited.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A squared distance whose relative error is below 2^-50: four roundings. */
+static double square_distance(struct dt_point a, struct dt_point b)
+{
+    double dx = a.x - b.x, dy = a.y - b.y;
+    return dx * dx + dy * dy;
+}
+
+/* A vertex at squared distance d (rounded) from the place of the search. */
+struct candidate {
+    double d;
+    uint32_t v;
+};
+
+/* < 0 if a is nearer to q than b, exactly. */
+static int compare(const struct dt *t, struct dt_point q, struct candidate a, struct candidate b)
+{
+    if (fabs(a.d - b.d) > 0x1p-48 * (a.d + b.d))
+        return a.d < b.d ? -1 : 1;
+    return dt_compare_distance(q, t->points.xy[a.v], t->points.xy[b.v]);
+}
+
+static struct candidate candidate(const struct dt *t, struct dt_point q, uint32_t v)
+{
+    return (struct candidate){square_distance(t->points.xy[v], q), v};
+}
+
+/* A vertex to begin at. */
+static uint32_t near_vertex(const struct dt *t, struct dt_point q)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t h;
+    dt_find(m, t->points.xy, &t->hints, q, &h);
+    struct candidate best = candidate(t, q, dt_origin(m, h));
+    for (uint32_t k = dt_next(h); k != h; k = dt_next(k)) {
+        if (dt_origin(m, k) == DT_NONE)
+            continue;
+        struct candidate c = candidate(t, q, dt_origin(m, k));
+        best = compare(t, q, c, best) < 0 ? c : best;
+    }
+    return best.v;
+}
+
+/* The nearest among v and its neighbours; *tie: another one is as near. */
+static uint32_t nearest_around(const struct dt *t, struct dt_point q, uint32_t v, bool *tie)
+{
+    const struct dt_mesh *m = &t->mesh;
+    struct candidate best = candidate(t, q, v);
+    uint32_t h = m->leaving[v];
+    *tie = false;
+    do {
+        uint32_t w = dt_dest(m, h);
+        if (w != DT_NONE) {
+            struct candidate c = candidate(t, q, w);
+            int sign = compare(t, q, c, best);
+            *tie = sign == 0 || (*tie && sign > 0);
+            best = sign < 0 ? c : best;
+        }
+        h = dt_turn_ccw(m, h);
+    } while (h != m->leaving[v]);
+    return best.v;
+}
+
+/* As dt_nearest_vertex; *tie: there are others as near. */
+static uint32_t descend(const struct dt *t, struct dt_point q, bool *tie)
+{
+    *tie = false;
+    if (t->mesh.vertices == 1)
+        return dt_only_vertex(t);
+    uint32_t v = near_vertex(t, q), next;
+    while ((next = nearest_around(t, q, v, tie)) != v)
+        v = next;
+    return v;
+}
+
+uint32_t dt_nearest_vertex(const struct dt *t, struct dt_point q)
+{
+    bool tie;
+    return descend(t, q, &tie);
+}
+
+/* A search outward from q: a heap of vertices seen and not yet given out, nearest on top, ties by id. */
+struct search {
+    const struct dt *t;
+    struct dt_point q;
+    struct dt_visited seen;
+    struct candidate *heap; /* owned */
+    size_t n, cap;
+};
+
+static bool before(const struct search *s, struct candidate a, struct candidate b)
+{
+    int sign = compare(s->t, s->q, a, b);
+    return sign != 0 ? sign < 0 : s->t->points.id[a.v] < s->t->points.id[b.v];
+}
+
+static enum dt_status push(struct search *s, struct candidate c)
+{
+    if (s->n == s->cap) {
+        size_t cap = s->cap * 2 + 32;
+        struct candidate *heap = realloc(s->heap, cap * sizeof *heap);
+        if (heap == NULL)
+            return DT_NOMEM;
+        s->heap = heap;
+        s->cap = cap;
+    }
+    size_t i = s->n++;
+    for (; i > 0 && before(s, c, s->heap[(i - 1) / 2]); i = (i - 1) / 2)
+        s->heap[i] = s->heap[(i - 1) / 2];
+    s->heap[i] = c;
+    return DT_OK;
+}
+
+static struct candidate pop(struct search *s)
+{
+    struct candidate top = s->heap[0], last = s->heap[--s->n];
+    size_t i = 0;
+    for (size_t child; (child = 2 * i + 1) < s->n; i = child) {
+        if (child + 1 < s->n && before(s, s->heap[child + 1], s->heap[child]))
+            child++;
+        if (!before(s, s->heap[child], last))
+            break;
+        s->heap[i] = s->heap[child];
+    }
+    s->heap[i] = last;
+    return top;
+}
+
+/* Pushes v unless it was seen before. */
+static enum dt_status push_fresh(struct search *s, uint32_t v)
+{
+    bool fresh;
+    enum dt_status st = dt_visited_add(&s->seen, v, &fresh);
+    return st == DT_OK && fresh ? push(s, candidate(s->t, s->q, v)) : st;
+}
+
+static enum dt_status push_neighbours(struct search *s, uint32_t v)
+{
+    const struct dt_mesh *m = &s->t->mesh;
+    enum dt_status st = DT_OK;
+    uint32_t h = m->leaving[v];
+    if (h == DT_NONE)
+        return DT_OK;
+    do {
+        uint32_t w = dt_dest(m, h);
+        if (w != DT_NONE)
+            st = push_fresh(s, w);
+        h = dt_turn_ccw(m, h);
+    } while (st == DT_OK && h != m->leaving[v]);
+    return st;
+}
+
+/* Pushes all vertices that tie with the nearest vertex v, itself included: round the empty circle on which they are,
+ * always on to a neighbour that has not been pushed. */
+static enum dt_status push_ties(struct search *s, uint32_t v)
+{
+    const struct dt_mesh *m = &s->t->mesh;
+    struct dt_ids ties = {0};
+    enum dt_status st = dt_ids_reserve(&ties, 1);
+    if (st == DT_OK)
+        ties.v[ties.n++] = v;
+    for (size_t i = 0; st == DT_OK && i < ties.n; i++) {
+        size_t pushed = s->n;
+        st = push_fresh(s, ties.v[i]);
+        if (st != DT_OK || s->n == pushed)
+            continue;
+        uint32_t first = m->leaving[ties.v[i]], h = first;
+        do {
+            uint32_t w = dt_dest(m, h);
+            if (w != DT_NONE && dt_compare_distance(s->q, s->t->points.xy[w], s->t->points.xy[v]) == 0) {
+                st = dt_ids_reserve(&ties, 1);
+                if (st == DT_OK)
+                    ties.v[ties.n++] = w;
+            }
+            h = dt_turn_ccw(m, h);
+        } while (st == DT_OK && h != first);
+    }
+    free(ties.v);
+    return st;
+}
+
+static enum dt_status search_nearest(struct search *s, size_t k, struct dt_ids *out)
+{
+    bool tie;
+    uint32_t v = descend(s->t, s->q, &tie);
+    if (k == 1 && !tie) {
+        out->v[out->n++] = s->t->points.id[v];
+        return DT_OK;
+    }
+    enum dt_status st = tie ? push_ties(s, v) : push_fresh(s, v);
+    for (size_t end = out->n + k; st == DT_OK && out->n < end;) {
+        struct candidate c = pop(s);
+        out->v[out->n++] = s->t->points.id[c.v];
+        if (out->n < end)
+            st = push_neighbours(s, c.v);
+    }
+    return st;
+}
+
+enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out)
+{
+    enum dt_status st = dt_readable(t);
+    k = k < t->mesh.vertices ? k : t->mesh.vertices;
+    if (st != DT_OK || k == 0)
+        return st;
+    st = dt_ids_reserve(out, k);
+    if (st != DT_OK)
+        return st;
+    struct search s = {.t = t, .q = q};
+    size_t n = out->n;
+    dt_visited_init(&s.seen);
+    st = search_nearest(&s, k, out);
+    dt_visited_clear(&s.seen);
+    free(s.heap);
+    if (st != DT_OK)
+        out->n = n;
+    return st;
+}
+
+/* Appends all vertices within r of the centre that can be reached from those at out->v[i] and behind. */
+static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, double r, struct dt_visited *seen,
+                                 size_t i, struct dt_ids *out)
+{
+    const struct dt_mesh *m = &t->mesh;
+    enum dt_status st = DT_OK;
+    for (; i < out->n && m->vertices > 1; i++) {
+        uint32_t first = m->leaving[out->v[i]], h = first;
+        do {
+            uint32_t w = dt_dest(m, h);
+            bool fresh = false;
+            if (w != DT_NONE && dt_compare_radius(t->points.xy[w], centre, r) <= 0)
+                st = dt_visited_add(seen, w, &fresh);
+            if (st == DT_OK && fresh)
+                st = dt_ids_reserve(out, 1);
+            if (st != DT_OK)
+                return st;
+            if (fresh)
+                out->v[out->n++] = w;
+            h = dt_turn_ccw(m, h);
+        } while (h != first);
+    }
+    return st;
+}
+
+enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r, struct dt_ids *out)
+{
+    enum dt_status st = dt_readable(t);
+    if (st != DT_OK || t->mesh.vertices == 0)
+        return st;
+    uint32_t v = dt_nearest_vertex(t, centre);
+    if (dt_compare_radius(t->points.xy[v], centre, r) > 0)
+        return DT_OK;
+    struct dt_visited seen;
+    bool fresh;
+    size_t n = out->n;
+    dt_visited_init(&seen);
+    st = dt_ids_reserve(out, 1);
+    if (st == DT_OK)
+        st = dt_visited_add(&seen, v, &fresh);
+    if (st == DT_OK) {
+        out->v[out->n++] = v;
+        st = flood_disc(t, centre, r, &seen, n, out);
+    }
+    dt_visited_clear(&seen);
+    if (st == DT_OK)
+        dt_vertices_to_ids(t, out->v + n, out->n - n);
+    else
+        out->n = n;
+    return st;
+}

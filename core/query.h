@@ -1,0 +1,17 @@
+/* query.h - what the searches near a place share. */
+#ifndef DT_QUERY_H
+#define DT_QUERY_H
+
+#include "core/set.h"
+
+/* The vertex of a set that has just one. */
+uint32_t dt_only_vertex(const struct dt *t);
+
+/* A vertex of which none is nearer to q (others may be as near); at least one vertex must exist. Exact. Cost:
+ * constant expected. */
+uint32_t dt_nearest_vertex(const struct dt *t, struct dt_point q);
+
+/* Replaces the vertices v[0 .. n - 1] by their ids in ascending order. */
+void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n);
+
+#endif

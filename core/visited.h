@@ -1,0 +1,23 @@
+/* visited.h - a set of small numbers (vertices, triangles) that a search has seen: open addressing, no allocation
+ * until it holds more than a few dozen. */
+#ifndef DT_VISITED_H
+#define DT_VISITED_H
+
+#include "core/delaunay.h"
+
+enum { DT_VISITED_SMALL = 64 };
+
+struct dt_visited {
+    uint32_t *slot; /* small or owned; DT_NONE is empty */
+    uint32_t n, bits;
+    uint32_t small[DT_VISITED_SMALL];
+};
+
+/* An initialised set must not be moved: it may point into itself. */
+void dt_visited_init(struct dt_visited *s);
+void dt_visited_clear(struct dt_visited *s);
+
+/* Adds key (not DT_NONE); *fresh tells whether it is new. DT_NOMEM leaves the set as it was. */
+enum dt_status dt_visited_add(struct dt_visited *s, uint32_t key, bool *fresh);
+
+#endif

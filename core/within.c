@@ -1,0 +1,198 @@
+/* within.c - the points in a closed box.
+ *
+ * The box and the hull are convex, so what they share is connected, and so are, edge by edge, the triangles that meet
+ * it: from one of them a flood across the edges that meet the box reaches all. Such an edge is recognised exactly.
+ * A first triangle: one that holds a corner of the box; if all four corners are outside, the box meets the hull only
+ * if it meets a hull edge.
+ *
+ * On a line there are no triangles: what lies in the box are neighbours along the line. */
+#include "core/hull.h"
+#include "core/locate.h"
+#include "core/predicates.h"
+#include "core/query.h"
+#include "core/reader.h"
+#include "core/visited.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct box {
+    struct dt_point lo, hi;
+};
+
+static bool contains(const struct box *b, struct dt_point p)
+{
+    return b->lo.x <= p.x && p.x <= b->hi.x && b->lo.y <= p.y && p.y <= b->hi.y;
+}
+
+/* Whether the closed segment p-q meets the box: no axis and not the segment's normal separates them. */
+static bool meets(const struct box *b, struct dt_point p, struct dt_point q)
+{
+    if (contains(b, p) || contains(b, q))
+        return true;
+    if ((p.x < b->lo.x && q.x < b->lo.x) || (p.x > b->hi.x && q.x > b->hi.x) || (p.y < b->lo.y && q.y < b->lo.y) ||
+        (p.y > b->hi.y && q.y > b->hi.y))
+        return false;
+    bool rising = (p.x < q.x) == (p.y < q.y);
+    struct dt_point left = {b->lo.x, rising ? b->hi.y : b->lo.y}, right = {b->hi.x, rising ? b->lo.y : b->hi.y};
+    return dt_orient2d(p, q, left) * dt_orient2d(p, q, right) <= 0;
+}
+
+/* A flood over the triangles that meet a box. */
+struct flood {
+    const struct dt *t;
+    struct box box;
+    struct dt_visited triangles, vertices;
+    struct dt_ids todo; /* half edges of triangles to visit */
+    struct dt_ids *out; /* borrowed: vertices in the box */
+};
+
+static enum dt_status append(struct dt_ids *ids, uint32_t value)
+{
+    enum dt_status s = dt_ids_reserve(ids, 1);
+    if (s == DT_OK)
+        ids->v[ids->n++] = value;
+    return s;
+}
+
+/* Adds the triangle of h to what is to be visited, unless it was before or is a ghost. */
+static enum dt_status enter(struct flood *f, uint32_t h)
+{
+    bool fresh;
+    if (dt_is_ghost(&f->t->mesh, h))
+        return DT_OK;
+    enum dt_status s = dt_visited_add(&f->triangles, h >> 3, &fresh);
+    return s == DT_OK && fresh ? append(&f->todo, dt_base(h)) : s;
+}
+
+static enum dt_status visit(struct flood *f, uint32_t h)
+{
+    const struct dt_mesh *m = &f->t->mesh;
+    const struct dt_point *xy = f->t->points.xy;
+    enum dt_status s = DT_OK;
+    for (uint32_t k = h; s == DT_OK && k < h + 3; k++) {
+        bool fresh = false;
+        uint32_t v = dt_origin(m, k);
+        if (contains(&f->box, xy[v]))
+            s = dt_visited_add(&f->vertices, v, &fresh);
+        if (fresh && s == DT_OK)
+            s = append(f->out, v);
+        if (s == DT_OK && meets(&f->box, xy[v], xy[dt_dest(m, k)]))
+            s = enter(f, dt_twin(m, k));
+    }
+    return s;
+}
+
+/* A half edge of a triangle that meets the box, DT_NONE if there is none. */
+static uint32_t first_triangle(const struct dt *t, const struct box *b)
+{
+    const struct dt_mesh *m = &t->mesh;
+    const struct dt_point *xy = t->points.xy;
+    const struct dt_point corner[4] = {b->lo, b->hi, {b->lo.x, b->hi.y}, {b->hi.x, b->lo.y}};
+    uint32_t h;
+    for (int i = 0; i < 4; i++)
+        if (dt_find(m, xy, &t->hints, corner[i], &h) != DT_OUTSIDE)
+            return h;
+    uint32_t g = m->hull;
+    do {
+        if (meets(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]))
+            return dt_twin(m, g);
+        g = dt_hull_step(m, g, false);
+    } while (g != m->hull);
+    return DT_NONE;
+}
+
+static enum dt_status flood_box(const struct dt *t, const struct box *b, struct dt_ids *out)
+{
+    uint32_t h = first_triangle(t, b);
+    if (h == DT_NONE)
+        return DT_OK;
+    struct flood f = {.t = t, .box = *b, .out = out};
+    dt_visited_init(&f.triangles);
+    dt_visited_init(&f.vertices);
+    enum dt_status s = enter(&f, h);
+    while (s == DT_OK && f.todo.n > 0)
+        s = visit(&f, f.todo.v[--f.todo.n]);
+    dt_visited_clear(&f.triangles);
+    dt_visited_clear(&f.vertices);
+    free(f.todo.v);
+    return s;
+}
+
+/* How p lies to the box along the direction of walk: < 0 before it, 0 inside, > 0 past it. A walk that does not
+ * reach the box is past it. dx and dy are the signs of the direction. */
+static int along(const struct box *b, struct dt_point p, int dx, int dy)
+{
+    int x = p.x < b->lo.x ? -1 : p.x > b->hi.x, y = p.y < b->lo.y ? -1 : p.y > b->hi.y;
+    if (x == 0 && y == 0)
+        return 0;
+    return x * dx <= 0 && y * dy <= 0 && (dx != 0 || x == 0) && (dy != 0 || y == 0) ? -1 : 1;
+}
+
+/* A place near which the line through p and q enters the box, roughly. */
+static struct dt_point entry(const struct box *b, struct dt_point p, struct dt_point q)
+{
+    double dx = q.x - p.x, dy = q.y - p.y;
+    double x0 = dy == 0 ? -INFINITY : p.x + (b->lo.y - p.y) * (dx / dy);
+    double x1 = dy == 0 ? INFINITY : p.x + (b->hi.y - p.y) * (dx / dy);
+    double x = fmax(b->lo.x, fmin(x0, x1));
+    double y = dx == 0 ? b->lo.y : p.y + (x - p.x) * (dy / dx);
+    return (struct dt_point){x, y};
+}
+
+static int sign(double d)
+{
+    return (d > 0) - (d < 0);
+}
+
+/* Appends the vertices in the box from that of g on, ahead; at_end: that one is the end of the line. */
+static enum dt_status walk_line(const struct dt *t, const struct box *b, uint32_t g, bool at_end, int dx, int dy,
+                                struct dt_ids *out)
+{
+    const struct dt_mesh *m = &t->mesh;
+    for (;;) {
+        uint32_t v = dt_hull_vertex(m, g);
+        int place = along(b, t->points.xy[v], dx, dy);
+        enum dt_status s = place == 0 ? append(out, v) : DT_OK;
+        if (s != DT_OK || place > 0 || at_end)
+            return s;
+        at_end = dt_hull_turns(m, g);
+        g = dt_hull_step(m, g, false);
+    }
+}
+
+static enum dt_status walk_box(const struct dt *t, const struct box *b, struct dt_ids *out)
+{
+    const struct dt_mesh *m = &t->mesh;
+    const struct dt_point *xy = t->points.xy;
+    uint32_t g = m->hull;
+    g = dt_base(dt_hint(&t->hints, entry(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)])));
+    struct dt_point p = xy[dt_hull_vertex(m, g)], ahead = xy[dt_hull_successor(m, g)];
+    int dx = sign(ahead.x - p.x), dy = sign(ahead.y - p.y);
+    enum dt_status s = walk_line(t, b, g, false, dx, dy, out);
+    uint32_t back = dt_twin(m, g); /* leads back to p */
+    if (s != DT_OK || along(b, p, dx, dy) < 0 || dt_hull_turns(m, back))
+        return s;
+    back = dt_hull_step(m, back, false);
+    return walk_line(t, b, dt_hull_step(m, back, false), dt_hull_turns(m, back), -dx, -dy, out);
+}
+
+enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi, struct dt_ids *out)
+{
+    enum dt_status s = dt_readable(t);
+    struct box b = {lo, hi};
+    if (s != DT_OK || t->mesh.vertices == 0 || lo.x > hi.x || lo.y > hi.y)
+        return s;
+    size_t n = out->n;
+    if (t->mesh.vertices == 1)
+        s = contains(&b, t->points.xy[dt_only_vertex(t)]) ? append(out, dt_only_vertex(t)) : DT_OK;
+    else if (dt_mesh_is_line(&t->mesh))
+        s = walk_box(t, &b, out);
+    else
+        s = flood_box(t, &b, out);
+    if (s == DT_OK)
+        dt_vertices_to_ids(t, out->v + n, out->n - n);
+    else
+        out->n = n;
+    return s;
+}
