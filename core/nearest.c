@@ -1,12 +1,13 @@
 /* nearest.c - nearest points, and the points within a disc.
  *
  * Two facts about Delaunay triangulations carry this file. Let q be any place.
- *   (1) A vertex none of whose neighbours is nearer to q is a nearest vertex: q lies in its Voronoi cell, whose sides
- *       all belong to neighbours. So going to a nearer neighbour while there is one finds a nearest vertex.
- *   (2) Every vertex p that is not a nearest one has a neighbour strictly nearer to q: let a disc grow from p, its
- *       centre moving from p to q, until its circle meets another vertex; it lies in the disc around q through p.
- * So the nearest k, and all within a radius, are connected by edges. The nearest ones, if several tie, are the corners
- * of one empty circle around q, which its triangulation connects. */
+ *   (1) A vertex none of whose neighbours is nearer to q is a nearest vertex: q lies in its Voronoi
+ * cell, whose sides all belong to neighbours. So going to a nearer neighbour while there is one
+ * finds a nearest vertex. (2) Every vertex p that is not a nearest one has a neighbour strictly
+ * nearer to q: let a disc grow from p, its centre moving from p to q, until its circle meets
+ * another vertex; it lies in the disc around q through p. So the nearest k, and all within a
+ * radius, are connected by edges. The nearest ones, if several tie, are the corners of one empty
+ * circle around q, which its triangulation connects. */
 #include "core/hull.h"
 #include "core/locate.h"
 #include "core/predicates.h"
@@ -97,7 +98,8 @@ uint32_t dt_nearest_vertex(const struct dt *t, struct dt_point q)
     return descend(t, q, &tie);
 }
 
-/* A search outward from q: a heap of vertices seen and not yet given out, nearest on top, ties by id. */
+/* A search outward from q: a heap of vertices seen and not yet given out, nearest on top, ties by
+ * id. */
 struct search {
     const struct dt *t;
     struct dt_point q;
@@ -168,8 +170,8 @@ static enum dt_status push_neighbours(struct search *s, uint32_t v)
     return st;
 }
 
-/* Pushes all vertices that tie with the nearest vertex v, itself included: round the empty circle on which they are,
- * always on to a neighbour that has not been pushed. */
+/* Pushes all vertices that tie with the nearest vertex v, itself included: round the empty circle
+ * on which they are, always on to a neighbour that has not been pushed. */
 static enum dt_status push_ties(struct search *s, uint32_t v)
 {
     const struct dt_mesh *m = &s->t->mesh;
@@ -185,7 +187,8 @@ static enum dt_status push_ties(struct search *s, uint32_t v)
         uint32_t first = m->leaving[ties.v[i]], h = first;
         do {
             uint32_t w = dt_dest(m, h);
-            if (w != DT_NONE && dt_compare_distance(s->q, s->t->points.xy[w], s->t->points.xy[v]) == 0) {
+            if (w != DT_NONE &&
+                dt_compare_distance(s->q, s->t->points.xy[w], s->t->points.xy[v]) == 0) {
                 st = dt_ids_reserve(&ties, 1);
                 if (st == DT_OK)
                     ties.v[ties.n++] = w;
@@ -235,9 +238,10 @@ enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, str
     return st;
 }
 
-/* Appends all vertices within r of the centre that can be reached from those at out->v[i] and behind. */
-static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, double r, struct dt_visited *seen,
-                                 size_t i, struct dt_ids *out)
+/* Appends all vertices within r of the centre that can be reached from those at out->v[i] and
+ * behind. */
+static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, double r,
+                                 struct dt_visited *seen, size_t i, struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
     enum dt_status st = DT_OK;
@@ -260,7 +264,8 @@ static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, dou
     return st;
 }
 
-enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r, struct dt_ids *out)
+enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r,
+                              struct dt_ids *out)
 {
     enum dt_status st = dt_readable(t);
     if (st != DT_OK || t->mesh.vertices == 0)

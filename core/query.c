@@ -27,8 +27,8 @@ static void append_triangle(const struct dt *t, uint32_t h, bool cw, struct dt_i
     out->n += 3;
 }
 
-/* The half edge at which the ring of v begins: to the smallest neighbour; on the hull to the successor or, clockwise,
- * to the predecessor. */
+/* The half edge at which the ring of v begins: to the smallest neighbour; on the hull to the
+ * successor or, clockwise, to the predecessor. */
 static uint32_t ring_start(const struct dt *t, uint32_t v, bool cw)
 {
     const struct dt_mesh *m = &t->mesh;
@@ -52,7 +52,8 @@ enum dt_status dt_triangles_at_point(const struct dt *t, uint32_t a, bool cw, st
     if (s != DT_OK)
         return s;
     uint32_t h = ring_start(t, v, cw);
-    while (triangles-- > 0) { /* the triangle left of v -> r[i] is the one between r[i] and r[i + 1] */
+    while (triangles-- >
+           0) { /* the triangle left of v -> r[i] is the one between r[i] and r[i + 1] */
         if (cw)
             h = dt_turn_cw(&t->mesh, h);
         append_triangle(t, h, cw, out);
@@ -62,8 +63,8 @@ enum dt_status dt_triangles_at_point(const struct dt *t, uint32_t a, bool cw, st
     return DT_OK;
 }
 
-/* The half edge from u to v, DT_NONE if there is none. Both stars are searched in step, so that a vertex of
- * high degree costs no more than its partner. */
+/* The half edge from u to v, DT_NONE if there is none. Both stars are searched in step, so that a
+ * vertex of high degree costs no more than its partner. */
 static uint32_t half_between(const struct dt_mesh *m, uint32_t u, uint32_t v)
 {
     uint32_t from_u = m->leaving[u], from_v = m->leaving[v];
@@ -80,7 +81,8 @@ static uint32_t half_between(const struct dt_mesh *m, uint32_t u, uint32_t v)
     return DT_NONE;
 }
 
-enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, bool cw, struct dt_ids *out)
+enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, bool cw,
+                                    struct dt_ids *out)
 {
     uint32_t u, v;
     enum dt_status s = dt_read_vertex(t, a, &u);
@@ -111,8 +113,8 @@ static uint32_t half_of_triangle(const struct dt_mesh *m, const uint32_t v[3])
     return dt_apex_of(m, dt_twin(m, h)) == v[2] ? dt_twin(m, h) : DT_NONE;
 }
 
-enum dt_status dt_triangles_at_triangle(const struct dt *t, uint32_t a, uint32_t b, uint32_t c, bool cw,
-                                        struct dt_ids *out)
+enum dt_status dt_triangles_at_triangle(const struct dt *t, uint32_t a, uint32_t b, uint32_t c,
+                                        bool cw, struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
     uint32_t v[3];
@@ -129,7 +131,8 @@ enum dt_status dt_triangles_at_triangle(const struct dt *t, uint32_t a, uint32_t
     s = dt_ids_reserve(out, 9);
     if (s != DT_OK)
         return s;
-    for (uint32_t k = 0; k < 3; k++) { /* across the edge that does not touch the corner before: v[k], v[k + 1] */
+    for (uint32_t k = 0; k < 3;
+         k++) { /* across the edge that does not touch the corner before: v[k], v[k + 1] */
         uint32_t opposite = v[(k + 2) % 3];
         while (dt_apex_of(m, h) != opposite)
             h = dt_next(h);

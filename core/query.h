@@ -7,8 +7,8 @@
 /* The vertex of a set that has just one. */
 uint32_t dt_only_vertex(const struct dt *t);
 
-/* A vertex of which none is nearer to q (others may be as near); at least one vertex must exist. Exact. Cost:
- * constant expected. */
+/* A vertex of which none is nearer to q (others may be as near); at least one vertex must exist.
+ * Exact. Cost: constant expected. */
 uint32_t dt_nearest_vertex(const struct dt *t, struct dt_point q);
 
 /* Replaces the vertices v[0 .. n - 1] by their ids in ascending order. */

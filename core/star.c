@@ -40,7 +40,7 @@ static void read_vertices(const struct dt *t, uint32_t id, uint32_t max, struct 
     const struct dt_points *p = &t->points;
     s->n = 0;
     while (s->n < max && (id = dt_points_next_live(p, id)) != DT_NONE) {
-        if (p->aliases == 0 || !dt_points_is_alias(p, id)) {
+        if (p->aliases.count == 0 || !dt_points_is_alias(p, id)) {
             uint32_t v = dt_points_vertex(p, id);
             __builtin_prefetch(&t->mesh.leaving[v]);
             s->id[s->n] = id;

@@ -34,9 +34,9 @@ static uint32_t count_rows(const struct dt *t, enum dt_table table)
 {
     switch (table) {
     case DT_POINTS:
-        return dt_points_vertices(&t->points) + t->points.aliases;
+        return dt_points_live(&t->points);
     case DT_COINCIDENT:
-        return t->points.aliases;
+        return t->points.aliases.count;
     case DT_LISTS:
         return t->mesh.vertices;
     case DT_TRIANGLES:

@@ -1,4 +1,5 @@
-/* visited.c - open addressing with linear probing, at most half full; Fibonacci hashing [Knuth, TAOCP 3, sec. 6.4]. */
+/* visited.c - open addressing with linear probing, at most half full; Fibonacci hashing [Knuth,
+ * TAOCP 3, sec. 6.4]. */
 #include "core/visited.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* visited.h - a set of small numbers (vertices, triangles) that a search has seen: open addressing, no allocation
- * until it holds more than a few dozen. */
+/* visited.h - a set of small numbers (vertices, triangles) that a search has seen: open addressing,
+ * no allocation until it holds more than a few dozen. */
 #ifndef DT_VISITED_H
 #define DT_VISITED_H
 

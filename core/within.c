@@ -1,9 +1,9 @@
 /* within.c - the points in a closed box.
  *
- * The box and the hull are convex, so what they share is connected, and so are, edge by edge, the triangles that meet
- * it: from one of them a flood across the edges that meet the box reaches all. Such an edge is recognised exactly.
- * A first triangle: one that holds a corner of the box; if all four corners are outside, the box meets the hull only
- * if it meets a hull edge.
+ * The box and the hull are convex, so what they share is connected, and so are, edge by edge, the
+ * triangles that meet it: from one of them a flood across the edges that meet the box reaches all.
+ * Such an edge is recognised exactly. A first triangle: one that holds a corner of the box; if all
+ * four corners are outside, the box meets the hull only if it meets a hull edge.
  *
  * On a line there are no triangles: what lies in the box are neighbours along the line. */
 #include "core/hull.h"
@@ -25,16 +25,18 @@ static bool contains(const struct box *b, struct dt_point p)
     return b->lo.x <= p.x && p.x <= b->hi.x && b->lo.y <= p.y && p.y <= b->hi.y;
 }
 
-/* Whether the closed segment p-q meets the box: no axis and not the segment's normal separates them. */
+/* Whether the closed segment p-q meets the box: no axis and not the segment's normal separates
+ * them. */
 static bool meets(const struct box *b, struct dt_point p, struct dt_point q)
 {
     if (contains(b, p) || contains(b, q))
         return true;
-    if ((p.x < b->lo.x && q.x < b->lo.x) || (p.x > b->hi.x && q.x > b->hi.x) || (p.y < b->lo.y && q.y < b->lo.y) ||
-        (p.y > b->hi.y && q.y > b->hi.y))
+    if ((p.x < b->lo.x && q.x < b->lo.x) || (p.x > b->hi.x && q.x > b->hi.x) ||
+        (p.y < b->lo.y && q.y < b->lo.y) || (p.y > b->hi.y && q.y > b->hi.y))
         return false;
     bool rising = (p.x < q.x) == (p.y < q.y);
-    struct dt_point left = {b->lo.x, rising ? b->hi.y : b->lo.y}, right = {b->hi.x, rising ? b->lo.y : b->hi.y};
+    struct dt_point left = {b->lo.x, rising ? b->hi.y : b->lo.y},
+                    right = {b->hi.x, rising ? b->lo.y : b->hi.y};
     return dt_orient2d(p, q, left) * dt_orient2d(p, q, right) <= 0;
 }
 
@@ -119,8 +121,8 @@ static enum dt_status flood_box(const struct dt *t, const struct box *b, struct 
     return s;
 }
 
-/* How p lies to the box along the direction of walk: < 0 before it, 0 inside, > 0 past it. A walk that does not
- * reach the box is past it. dx and dy are the signs of the direction. */
+/* How p lies to the box along the direction of walk: < 0 before it, 0 inside, > 0 past it. A walk
+ * that does not reach the box is past it. dx and dy are the signs of the direction. */
 static int along(const struct box *b, struct dt_point p, int dx, int dy)
 {
     int x = p.x < b->lo.x ? -1 : p.x > b->hi.x, y = p.y < b->lo.y ? -1 : p.y > b->hi.y;
@@ -133,8 +135,8 @@ static int along(const struct box *b, struct dt_point p, int dx, int dy)
 static struct dt_point entry(const struct box *b, struct dt_point p, struct dt_point q)
 {
     double dx = q.x - p.x, dy = q.y - p.y;
-    double x0 = dy == 0 ? -INFINITY : p.x + (b->lo.y - p.y) * (dx / dy);
-    double x1 = dy == 0 ? INFINITY : p.x + (b->hi.y - p.y) * (dx / dy);
+    double x0 = dy == 0 ? -(double)INFINITY : p.x + (b->lo.y - p.y) * (dx / dy);
+    double x1 = dy == 0 ? (double)INFINITY : p.x + (b->hi.y - p.y) * (dx / dy);
     double x = fmax(b->lo.x, fmin(x0, x1));
     double y = dx == 0 ? b->lo.y : p.y + (x - p.x) * (dy / dx);
     return (struct dt_point){x, y};
@@ -145,9 +147,10 @@ static int sign(double d)
     return (d > 0) - (d < 0);
 }
 
-/* Appends the vertices in the box from that of g on, ahead; at_end: that one is the end of the line. */
-static enum dt_status walk_line(const struct dt *t, const struct box *b, uint32_t g, bool at_end, int dx, int dy,
-                                struct dt_ids *out)
+/* Appends the vertices in the box from that of g on, ahead; at_end: that one is the end of the
+ * line. */
+static enum dt_status walk_line(const struct dt *t, const struct box *b, uint32_t g, bool at_end,
+                                int dx, int dy, struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
     for (;;) {
@@ -166,7 +169,8 @@ static enum dt_status walk_box(const struct dt *t, const struct box *b, struct d
     const struct dt_mesh *m = &t->mesh;
     const struct dt_point *xy = t->points.xy;
     uint32_t g = m->hull;
-    g = dt_base(dt_hint(&t->hints, entry(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)])));
+    g = dt_base(
+        dt_hint(&t->hints, entry(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)])));
     struct dt_point p = xy[dt_hull_vertex(m, g)], ahead = xy[dt_hull_successor(m, g)];
     int dx = sign(ahead.x - p.x), dy = sign(ahead.y - p.y);
     enum dt_status s = walk_line(t, b, g, false, dx, dy, out);
@@ -177,7 +181,8 @@ static enum dt_status walk_box(const struct dt *t, const struct box *b, struct d
     return walk_line(t, b, dt_hull_step(m, back, false), dt_hull_turns(m, back), -dx, -dy, out);
 }
 
-enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi, struct dt_ids *out)
+enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi,
+                             struct dt_ids *out)
 {
     enum dt_status s = dt_readable(t);
     struct box b = {lo, hi};
