@@ -1,0 +1,54 @@
+/* buf.h - a growing queue of bytes: appended at the end, consumed from the front.
+ *
+ * A buffer owns its memory and has none while it is fresh ({0}) or freed, so a quiet connection
+ * costs nothing. A failed allocation is remembered in `failed` and leaves the content as it was:
+ * writers append without looking, and whoever owns the reply looks once at its end. */
+#ifndef PROTO_BUF_H
+#define PROTO_BUF_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct buf {
+    char *data;        /* owns; bytes start .. end - 1 are the content */
+    size_t start, end; /* start == end: empty */
+    size_t cap;
+    bool failed; /* an allocation failed since the last buf_free or buf_rewind */
+};
+
+static inline size_t buf_len(const struct buf *b)
+{
+    return b->end - b->start;
+}
+
+/* The first byte of the content; valid until the next append. */
+static inline char *buf_head(const struct buf *b)
+{
+    return b->data + b->start;
+}
+
+/* Makes room for n more bytes; returns where to put them, NULL (and failed) when out of memory.
+ * Cost: amortised constant per byte. */
+char *buf_reserve(struct buf *b, size_t n);
+
+/* The first n reserved bytes have been written. */
+static inline void buf_commit(struct buf *b, size_t n)
+{
+    b->end += n;
+}
+
+void buf_append(struct buf *b, const void *bytes, size_t n);
+void buf_append_text(struct buf *b, const char *text);
+void buf_append_char(struct buf *b, char c);
+
+/* Drops n bytes from the front. */
+void buf_consume(struct buf *b, size_t n);
+
+/* Cuts the content down to its first len bytes and forgets a failure: how a reply that failed half
+ * way is undone. */
+void buf_rewind(struct buf *b, size_t len);
+
+/* Gives the memory back; the buffer is fresh again. */
+void buf_free(struct buf *b);
+
+#endif

@@ -1,0 +1,82 @@
+/* request.c - see request.h. ASCII only: the locale plays no part. */
+#include "proto/request.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+static bool grow(struct request *q)
+{
+    size_t cap = q->cap == 0 ? 16 : 2 * q->cap;
+    struct word *word = realloc(q->word, cap * sizeof *word);
+    if (word == NULL)
+        return false;
+    q->word = word;
+    q->cap = cap;
+    return true;
+}
+
+bool request_split(struct request *q, const char *text, size_t len)
+{
+    const char *end = text + len;
+    q->n = 0;
+    for (const char *p = text;;) {
+        while (p < end && is_blank(*p))
+            p++;
+        if (p == end)
+            return true;
+        const char *word = p;
+        while (p < end && !is_blank(*p))
+            p++;
+        if (q->n == q->cap && !grow(q)) {
+            q->n = 0;
+            return false;
+        }
+        q->word[q->n++] = (struct word){word, (size_t)(p - word)};
+    }
+}
+
+void request_free(struct request *q)
+{
+    free(q->word);
+    *q = (struct request){0};
+}
+
+bool word_is(const struct word *w, const char *upper)
+{
+    for (size_t i = 0; i < w->len; i++) {
+        char c = w->text[i];
+        if (c >= 'a' && c <= 'z')
+            c = (char)(c - 'a' + 'A');
+        if (c != upper[i]) /* also true at the NUL that ends `upper`: no request holds one */
+            return false;
+    }
+    return upper[w->len] == '\0';
+}
+
+static bool may_name(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '.' || c == ':' || c == '-';
+}
+
+bool word_is_set_name(const struct word *w)
+{
+    if (w->len < 1 || w->len > SET_NAME_LIMIT)
+        return false;
+    for (size_t i = 0; i < w->len; i++)
+        if (!may_name(w->text[i]))
+            return false;
+    return true;
+}
+
+bool line_is_http(const char *text, size_t len)
+{
+    static const char mark[] = " HTTP/1.";
+    size_t n = sizeof mark - 1;
+    return len > n && memcmp(text + len - n - 1, mark, n) == 0;
+}

@@ -1,0 +1,34 @@
+/* request.h - a request line as words: separated by spaces or tabs, the first one names the
+ * command. */
+#ifndef PROTO_REQUEST_H
+#define PROTO_REQUEST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { SET_NAME_LIMIT = 64 };
+
+struct word {
+    const char *text; /* borrows the line; not NUL-terminated */
+    size_t len;
+};
+
+struct request {
+    struct word *word; /* owns; reused from line to line */
+    size_t n, cap;
+};
+
+/* Splits a line into words; n is 0 for a blank line. False, with no words, when out of memory. */
+bool request_split(struct request *q, const char *text, size_t len);
+void request_free(struct request *q);
+
+/* Whether the word is `upper` (in capitals), whatever its own case. */
+bool word_is(const struct word *w, const char *upper);
+
+/* Whether the word may name a set: [A-Za-z0-9_.:-]{1,64}. */
+bool word_is_set_name(const struct word *w);
+
+/* Whether a first line gives away a browser or some other HTTP client: it ends in " HTTP/1.x". */
+bool line_is_http(const char *text, size_t len);
+
+#endif
