@@ -1,0 +1,169 @@
+/* body.c - see body.h. */
+#include "proto/body.h"
+
+#include "proto/number.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { POINT_BYTES = 16, FIRST_CAPACITY = 64 };
+
+void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit,
+               bool (*coordinate_ok)(double v))
+{
+    *b = (struct body){.form = form, .left = count, .limit = limit, .coordinate_ok = coordinate_ok};
+    b->complete = form != BODY_DOT && count == 0;
+}
+
+void body_free(struct body *b)
+{
+    free(b->xy);
+    b->xy = NULL;
+    b->n = b->cap = 0;
+}
+
+void body_fail(struct body *b, enum body_fault fault)
+{
+    if (b->fault != BODY_GOOD)
+        return;
+    b->fault = fault;
+    b->fault_line = b->line;
+    body_free(b);
+}
+
+static bool grow(struct body *b)
+{
+    /* The announced count is not trusted: memory follows what has arrived. */
+    size_t cap = b->cap == 0 ? FIRST_CAPACITY : 2 * b->cap;
+    if (cap > SIZE_MAX / POINT_BYTES)
+        return false;
+    double *xy = realloc(b->xy, cap * POINT_BYTES);
+    if (xy == NULL)
+        return false;
+    b->xy = xy;
+    b->cap = cap;
+    return true;
+}
+
+static void add_point(struct body *b, double x, double y)
+{
+    if (b->fault != BODY_GOOD)
+        return;
+    if (isnan(x) || isnan(y)) { /* only a binary body can say that */
+        body_fail(b, BODY_NUMBER);
+    } else if (!b->coordinate_ok(x) || !b->coordinate_ok(y)) {
+        body_fail(b, BODY_RANGE);
+    } else if (b->n >= b->limit) {
+        body_fail(b, BODY_TOOBIG);
+    } else if (b->n == b->cap && !grow(b)) {
+        body_fail(b, BODY_NOMEM);
+    } else {
+        b->xy[2 * b->n] = x;
+        b->xy[2 * b->n + 1] = y;
+        b->n++;
+    }
+}
+
+/* ---- text ---- */
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+/* The next word between *p and end, moving *p behind it; its length is 0 at the end. */
+static const char *next_word(const char **p, const char *end, size_t *len)
+{
+    while (*p < end && is_blank(**p))
+        (*p)++;
+    const char *word = *p;
+    while (*p < end && !is_blank(**p))
+        (*p)++;
+    *len = (size_t)(*p - word);
+    return word;
+}
+
+static void take_line(struct body *b, const struct line *line)
+{
+    const char *p = line->text, *end = p + line->len;
+    size_t x_len, y_len, more_len;
+    const char *x_word = next_word(&p, end, &x_len);
+    if (b->fault != BODY_GOOD || x_len == 0 || *x_word == '#')
+        return;
+    const char *y_word = next_word(&p, end, &y_len);
+    next_word(&p, end, &more_len);
+    double x, y;
+    if (y_len == 0 || more_len != 0)
+        body_fail(b, BODY_SYNTAX);
+    else if (!proto_read_double(x_word, x_len, &x) || !proto_read_double(y_word, y_len, &y))
+        body_fail(b, BODY_NUMBER);
+    else
+        add_point(b, x, y);
+}
+
+static bool is_dot(const struct line *line)
+{
+    return line->len == 1 && line->text[0] == '.';
+}
+
+static ptrdiff_t feed_lines(struct body *b, const char *bytes, size_t n, bool last)
+{
+    size_t at = 0;
+    while (!b->complete) {
+        struct line line;
+        ptrdiff_t took = line_read(bytes + at, n - at, last, &line);
+        if (took < 0) {
+            b->line_fault = line.fault;
+            return -1;
+        }
+        if (took == 0)
+            break;
+        at += (size_t)took;
+        b->line++;
+        if (b->form == BODY_DOT && is_dot(&line)) {
+            b->complete = true;
+        } else {
+            take_line(b, &line);
+            b->complete = b->form == BODY_LINES && --b->left == 0;
+        }
+    }
+    return (ptrdiff_t)at;
+}
+
+/* ---- binary ---- */
+
+static double little_endian_double(const char *bytes)
+{
+    uint64_t bits = 0;
+    double v;
+    for (unsigned i = 0; i < 8; i++)
+        bits |= (uint64_t)(unsigned char)bytes[i] << 8 * i;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static ptrdiff_t feed_binary(struct body *b, const char *bytes, size_t n)
+{
+    size_t at = 0;
+    for (; b->left > 0 && n - at >= POINT_BYTES; at += POINT_BYTES) {
+        b->left--;
+        b->line++;
+        add_point(b, little_endian_double(bytes + at), little_endian_double(bytes + at + 8));
+    }
+    b->complete = b->left == 0;
+    return (ptrdiff_t)at;
+}
+
+ptrdiff_t body_feed(struct body *b, const char *bytes, size_t n, bool last)
+{
+    ptrdiff_t took =
+        b->form == BODY_BINARY ? feed_binary(b, bytes, n) : feed_lines(b, bytes, n, last);
+    if (last && took >= 0 && !b->complete) {
+        b->line++;
+        body_fail(b, BODY_ENDED);
+        b->complete = true;
+        return (ptrdiff_t)n;
+    }
+    return took;
+}

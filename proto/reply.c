@@ -1,0 +1,190 @@
+/* reply.c - see reply.h. */
+#include "proto/reply.h"
+
+#include "proto/number.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { ID_ROOM = 11, DOUBLE_ROOM = 33 }; /* a number and the character that follows it */
+
+static const char *const code_name[] = {
+    [ERR_SYNTAX] = "SYNTAX",
+    [ERR_UNKNOWN] = "UNKNOWN",
+    [ERR_NUMBER] = "NUMBER",
+    [ERR_RANGE] = "RANGE",
+    [ERR_NOSET] = "NOSET",
+    [ERR_EXISTS] = "EXISTS",
+    [ERR_NOPOINT] = "NOPOINT",
+    [ERR_NOEDGE] = "NOEDGE",
+    [ERR_NOTRIANGLE] = "NOTRIANGLE",
+    [ERR_UNTRIANGULATED] = "UNTRIANGULATED",
+    [ERR_TOOLONG] = "TOOLONG",
+    [ERR_TOOBIG] = "TOOBIG",
+    [ERR_BUSY] = "BUSY",
+    [ERR_NOMEM] = "NOMEM",
+    [ERR_READONLY] = "READONLY",
+    [ERR_NOAUTH] = "NOAUTH",
+    [ERR_DENIED] = "DENIED",
+    [ERR_TIMEOUT] = "TIMEOUT",
+    [ERR_CANCELLED] = "CANCELLED",
+    [ERR_LOADING] = "LOADING",
+    [ERR_IO] = "IO",
+    [ERR_CORRUPT] = "CORRUPT",
+};
+
+const char *reply_code_name(enum reply_code code)
+{
+    return code_name[code];
+}
+
+static void append_u64(struct buf *out, uint64_t v)
+{
+    char digits[20];
+    size_t at = sizeof digits;
+    do {
+        digits[--at] = (char)('0' + v % 10);
+        v /= 10;
+    } while (v != 0);
+    buf_append(out, digits + at, sizeof digits - at);
+}
+
+static void append_key(struct buf *out, const char *key)
+{
+    buf_append_char(out, ' ');
+    buf_append_text(out, key);
+    buf_append_char(out, '=');
+}
+
+void reply_ok(struct buf *out, uint64_t rows)
+{
+    buf_append(out, "OK ", 3);
+    append_u64(out, rows);
+}
+
+void reply_key_u64(struct buf *out, const char *key, uint64_t value)
+{
+    append_key(out, key);
+    append_u64(out, value);
+}
+
+void reply_key_double(struct buf *out, const char *key, double value)
+{
+    append_key(out, key);
+    char *to = buf_reserve(out, DOUBLE_ROOM);
+    if (to != NULL)
+        buf_commit(out, proto_write_double(to, value));
+}
+
+void reply_key_text(struct buf *out, const char *key, const char *value)
+{
+    append_key(out, key);
+    buf_append_text(out, value);
+}
+
+void reply_end(struct buf *out)
+{
+    buf_append_char(out, '\n');
+}
+
+/* A line of text for people, made harmless: it may quote what a client sent. */
+static void append_line(struct buf *out, const char *format, va_list ap)
+{
+    char text[REPLY_ERR_ROOM - 32];
+    int n = vsnprintf(text, sizeof text, format, ap);
+    size_t len = n < 0 ? 0 : (size_t)n < sizeof text ? (size_t)n : sizeof text - 1;
+    for (size_t i = 0; i < len; i++)
+        if (text[i] < ' ' || text[i] > '~')
+            text[i] = '?';
+    buf_append(out, text, len);
+    buf_append_char(out, '\n');
+}
+
+void reply_err(struct buf *out, enum reply_code code, const char *format, ...)
+{
+    va_list ap;
+    buf_append(out, "ERR ", 4);
+    buf_append_text(out, code_name[code]);
+    buf_append_char(out, ' ');
+    va_start(ap, format);
+    append_line(out, format, ap);
+    va_end(ap);
+}
+
+void reply_comment(struct buf *out, const char *format, ...)
+{
+    va_list ap;
+    buf_append(out, "# ", 2);
+    va_start(ap, format);
+    append_line(out, format, ap);
+    va_end(ap);
+}
+
+void reply_row_text(struct buf *out, const char *text)
+{
+    buf_append_text(out, text);
+    buf_append_char(out, '\n');
+}
+
+void reply_row_ids(struct buf *out, const uint32_t *id, size_t n)
+{
+    char *const row = buf_reserve(out, n * ID_ROOM + 1);
+    if (row == NULL)
+        return;
+    char *to = row;
+    for (size_t i = 0; i < n; i++) {
+        if (i > 0)
+            *to++ = ' ';
+        to += proto_write_u32(to, id[i]);
+    }
+    *to++ = '\n';
+    buf_commit(out, (size_t)(to - row));
+}
+
+static char *write_point(char *to, uint32_t id, double x, double y)
+{
+    to += proto_write_u32(to, id);
+    *to++ = ' ';
+    to += proto_write_double(to, x);
+    *to++ = ' ';
+    return to + proto_write_double(to, y);
+}
+
+void reply_row_point(struct buf *out, uint32_t id, double x, double y)
+{
+    char *row = buf_reserve(out, ID_ROOM + 2 * DOUBLE_ROOM);
+    if (row == NULL)
+        return;
+    char *to = write_point(row, id, x, y);
+    *to++ = '\n';
+    buf_commit(out, (size_t)(to - row));
+}
+
+void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance)
+{
+    char *row = buf_reserve(out, ID_ROOM + 3 * DOUBLE_ROOM);
+    if (row == NULL)
+        return;
+    char *to = write_point(row, id, x, y);
+    *to++ = ' ';
+    to += proto_write_double(to, distance);
+    *to++ = '\n';
+    buf_commit(out, (size_t)(to - row));
+}
+
+void reply_word_u32(struct buf *out, uint32_t v)
+{
+    unsigned char le[4];
+    for (unsigned i = 0; i < 4; i++)
+        le[i] = (unsigned char)(v >> 8 * i);
+    buf_append(out, le, sizeof le);
+}
+
+void reply_word_double(struct buf *out, double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    reply_word_u32(out, (uint32_t)bits);
+    reply_word_u32(out, (uint32_t)(bits >> 32));
+}

@@ -1,0 +1,67 @@
+/* reply.h - writes replies: one status line, then rows.
+ *
+ * Nothing here fails: when memory runs out the buffer remembers it (buf.h), and the reply's owner
+ * undoes the reply. */
+#ifndef PROTO_REPLY_H
+#define PROTO_REPLY_H
+
+#include "proto/buf.h"
+
+#include <stdint.h>
+
+/* The codes of ERR lines, in the order of PROTOCOL.md. */
+enum reply_code {
+    ERR_SYNTAX,
+    ERR_UNKNOWN,
+    ERR_NUMBER,
+    ERR_RANGE,
+    ERR_NOSET,
+    ERR_EXISTS,
+    ERR_NOPOINT,
+    ERR_NOEDGE,
+    ERR_NOTRIANGLE,
+    ERR_UNTRIANGULATED,
+    ERR_TOOLONG,
+    ERR_TOOBIG,
+    ERR_BUSY,
+    ERR_NOMEM,
+    ERR_READONLY,
+    ERR_NOAUTH,
+    ERR_DENIED,
+    ERR_TIMEOUT,
+    ERR_CANCELLED,
+    ERR_LOADING,
+    ERR_IO,
+    ERR_CORRUPT
+};
+
+enum { REPLY_ERR_ROOM = 320 }; /* an ERR line is never longer than this */
+
+const char *reply_code_name(enum reply_code code);
+
+/* The status line: reply_ok starts it and tells how many rows follow, keys extend it, reply_end
+ * ends it. */
+void reply_ok(struct buf *out, uint64_t rows);
+void reply_key_u64(struct buf *out, const char *key, uint64_t value);
+void reply_key_double(struct buf *out, const char *key, double value);
+void reply_key_text(struct buf *out, const char *key, const char *value);
+void reply_end(struct buf *out);
+
+/* A whole ERR line; what is not printable in it becomes '?', and a long text is cut. */
+__attribute__((format(printf, 3, 4))) void reply_err(struct buf *out, enum reply_code code,
+                                                     const char *format, ...);
+
+/* A comment line, `# text`. */
+__attribute__((format(printf, 2, 3))) void reply_comment(struct buf *out, const char *format, ...);
+
+/* Rows. */
+void reply_row_text(struct buf *out, const char *text);
+void reply_row_ids(struct buf *out, const uint32_t *id, size_t n);
+void reply_row_point(struct buf *out, uint32_t id, double x, double y);
+void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance);
+
+/* A little-endian word of a binary reply. */
+void reply_word_u32(struct buf *out, uint32_t v);
+void reply_word_double(struct buf *out, double v);
+
+#endif
