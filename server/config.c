@@ -1,0 +1,220 @@
+/* config.c - see config.h. */
+#include "server/config.h"
+
+#include "core/delaunay.h"
+#include "proto/number.h"
+
+#include <arpa/inet.h>
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+enum { DESCRIPTORS_APART = 32, MOST_CLIENTS = 10000, MOST_THREADS = 256 };
+
+static const char usage[] =
+    "usage: delaunayd [flags]\n"
+    "A daemon that keeps sets of points of the plane and their Delaunay triangulations.\n"
+    "\n"
+    "  --bind ADDR         numeric address to listen on (default 127.0.0.1)\n"
+    "  --port N            TCP port, 0 for any free one (default 6374)\n"
+    "  --unix PATH         listen on this Unix socket too\n"
+    "  --auth-file FILE    lines `ro TOKEN` and `rw TOKEN`: clients must AUTH with one of these\n"
+    "  --insecure          allow an address beyond loopback without --auth-file\n"
+    "  --threads N         threads that work on heavy requests (default: one per processor)\n"
+    "  --max-clients N     connections at once (default 10000, or what descriptors allow)\n"
+    "  --max-points N      points of one set (default 268435455)\n"
+    "  --max-memory BYTES  memory of all sets, with k, m or g behind it (default: 80 % of the "
+    "machine's)\n"
+    "  --version           say which version this is\n"
+    "  --help              say this\n";
+
+static unsigned processors(void)
+{
+    long n = sysconf(_SC_NPROCESSORS_ONLN);
+    return n < 1 ? 1 : n > MOST_THREADS ? MOST_THREADS : (unsigned)n;
+}
+
+static unsigned affordable_clients(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY ||
+        limit.rlim_cur >= MOST_CLIENTS + DESCRIPTORS_APART)
+        return MOST_CLIENTS;
+    return limit.rlim_cur > DESCRIPTORS_APART + 1 ? (unsigned)limit.rlim_cur - DESCRIPTORS_APART
+                                                  : 1;
+}
+
+/* What the control group of this process may use, SIZE_MAX without a limit. */
+static size_t group_memory(void)
+{
+    unsigned long long v;
+    FILE *f = fopen("/sys/fs/cgroup/memory.max", "re");
+    if (f == NULL)
+        return SIZE_MAX;
+    bool read = fscanf(f, "%llu", &v) == 1;
+    fclose(f);
+    return read ? (size_t)v : SIZE_MAX;
+}
+
+static size_t usable_memory(void)
+{
+    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    size_t machine = pages > 0 && page > 0 ? (size_t)pages * (size_t)page : (size_t)1 << 30;
+    size_t group = group_memory();
+    return (machine < group ? machine : group) / 5 * 4;
+}
+
+void config_init(struct config *c)
+{
+    *c = (struct config){
+        .bind_address = "127.0.0.1",
+        .port = DEFAULT_PORT,
+        .threads = processors(),
+        .max_clients = affordable_clients(),
+        .max_points = DT_MAX_POINTS,
+        .max_memory = usable_memory(),
+    };
+}
+
+/* ---- values ---- */
+
+static bool parse_number(const char *text, uint32_t least, uint32_t most, uint32_t *v)
+{
+    return proto_read_u32(text, strlen(text), v) && *v >= least && *v <= most;
+}
+
+static bool parse_bytes(const char *text, size_t *bytes)
+{
+    char *end;
+    if (*text < '0' || *text > '9')
+        return false;
+    unsigned long long v = strtoull(text, &end, 10);
+    unsigned shift = *end == 'k' ? 10 : *end == 'm' ? 20 : *end == 'g' ? 30 : 0;
+    if (end[shift != 0] != '\0' || v == 0 || v > (SIZE_MAX >> shift))
+        return false;
+    *bytes = (size_t)v << shift;
+    return true;
+}
+
+static bool is_loopback(const char *address, bool *loopback)
+{
+    struct in_addr v4;
+    struct in6_addr v6;
+    if (inet_pton(AF_INET, address, &v4) == 1)
+        *loopback = (ntohl(v4.s_addr) >> 24) == 127;
+    else if (inet_pton(AF_INET6, address, &v6) == 1)
+        *loopback = IN6_IS_ADDR_LOOPBACK(&v6);
+    else
+        return false;
+    return true;
+}
+
+/* ---- flags ---- */
+
+enum flag {
+    FLAG_BIND = 256,
+    FLAG_PORT,
+    FLAG_UNIX,
+    FLAG_AUTH_FILE,
+    FLAG_INSECURE,
+    FLAG_THREADS,
+    FLAG_MAX_CLIENTS,
+    FLAG_MAX_POINTS,
+    FLAG_MAX_MEMORY,
+    FLAG_DATA,
+    FLAG_FSYNC,
+    FLAG_VERSION,
+    FLAG_HELP
+};
+
+static const struct option flags[] = {
+    {"bind", required_argument, NULL, FLAG_BIND},
+    {"port", required_argument, NULL, FLAG_PORT},
+    {"unix", required_argument, NULL, FLAG_UNIX},
+    {"auth-file", required_argument, NULL, FLAG_AUTH_FILE},
+    {"insecure", no_argument, NULL, FLAG_INSECURE},
+    {"threads", required_argument, NULL, FLAG_THREADS},
+    {"max-clients", required_argument, NULL, FLAG_MAX_CLIENTS},
+    {"max-points", required_argument, NULL, FLAG_MAX_POINTS},
+    {"max-memory", required_argument, NULL, FLAG_MAX_MEMORY},
+    {"data", required_argument, NULL, FLAG_DATA},
+    {"fsync", required_argument, NULL, FLAG_FSYNC},
+    {"version", no_argument, NULL, FLAG_VERSION},
+    {"help", no_argument, NULL, FLAG_HELP},
+    {0},
+};
+
+static bool complain(const char *flag, const char *value, const char *wanted)
+{
+    fprintf(stderr, "delaunayd: --%s %s: %s\n", flag, value, wanted);
+    return false;
+}
+
+/* Sets one flag that takes a value, named for the complaint. */
+static bool set_value(struct config *c, int flag, const char *name, const char *value)
+{
+    switch (flag) {
+    case FLAG_BIND:
+        c->bind_address = value;
+        return true;
+    case FLAG_UNIX:
+        c->unix_path = value;
+        return true;
+    case FLAG_AUTH_FILE:
+        c->auth_file = value;
+        return true;
+    case FLAG_PORT:
+        return parse_number(value, 0, 65535, &c->port) ||
+               complain(name, value, "a port is 0 to 65535");
+    case FLAG_THREADS:
+        return parse_number(value, 1, MOST_THREADS, &c->threads) ||
+               complain(name, value, "from 1 to 256");
+    case FLAG_MAX_CLIENTS:
+        return parse_number(value, 1, 1000000, &c->max_clients) ||
+               complain(name, value, "from 1 to 1000000");
+    case FLAG_MAX_POINTS:
+        return parse_number(value, 1, DT_MAX_POINTS, &c->max_points) ||
+               complain(name, value, "from 1 to 268435455");
+    case FLAG_MAX_MEMORY:
+        return parse_bytes(value, &c->max_memory) ||
+               complain(name, value, "bytes, as in 4096m or 2g");
+    default: /* FLAG_DATA, FLAG_FSYNC: better refused than taken for a promise */
+        return complain(name, value,
+                        "this version keeps everything in memory and cannot write to disk yet");
+    }
+}
+
+static bool safe_to_bind(const struct config *c)
+{
+    bool loopback;
+    if (!is_loopback(c->bind_address, &loopback))
+        return complain("bind", c->bind_address, "not a numeric IPv4 or IPv6 address");
+    if (!loopback && c->auth_file == NULL && !c->insecure)
+        return complain(
+            "bind", c->bind_address,
+            "others could reach this address: give --auth-file, or --insecure if you mean it");
+    return true;
+}
+
+enum config_result config_parse(struct config *c, int argc, char **argv)
+{
+    int flag, index = 0;
+    while ((flag = getopt_long(argc, argv, "", flags, &index)) != -1) {
+        if (flag == FLAG_HELP || flag == FLAG_VERSION) {
+            fputs(flag == FLAG_HELP ? usage : "delaunayd " DELAUNAYD_VERSION "\n", stdout);
+            return CONFIG_EXIT;
+        }
+        if (flag == FLAG_INSECURE)
+            c->insecure = true;
+        else if (flag == '?' || !set_value(c, flag, flags[index].name, optarg))
+            return CONFIG_BAD;
+    }
+    if (optind < argc) {
+        fprintf(stderr, "delaunayd: %s: not a flag; see --help\n", argv[optind]);
+        return CONFIG_BAD;
+    }
+    return safe_to_bind(c) ? CONFIG_RUN : CONFIG_BAD;
+}

@@ -1,0 +1,34 @@
+/* config.h - what the command line says. */
+#ifndef SERVER_CONFIG_H
+#define SERVER_CONFIG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define DELAUNAYD_VERSION "0.1.0"
+#define PROTOCOL_VERSION 1
+#define DEFAULT_PORT 6374 /* M-E-S-H on a telephone keypad */
+
+struct config {
+    const char *bind_address; /* a numeric IPv4 or IPv6 address */
+    unsigned port;            /* 0: any free one */
+    const char *unix_path;    /* NULL: no Unix socket */
+    const char *auth_file;    /* NULL: everybody may do everything */
+    unsigned threads;         /* that a job may use; the I/O thread not counted */
+    unsigned max_clients;
+    uint32_t max_points; /* of one set */
+    size_t max_memory;   /* bytes, all sets together */
+    bool insecure;       /* a bind beyond loopback is allowed without tokens */
+};
+
+enum config_result { CONFIG_RUN, CONFIG_EXIT, CONFIG_BAD };
+
+/* The defaults for this machine. */
+void config_init(struct config *c);
+
+/* Reads the command line; strings are borrowed from argv. CONFIG_EXIT: --help or --version has been
+ * answered on standard output. CONFIG_BAD: the reason is on standard error. */
+enum config_result config_parse(struct config *c, int argc, char **argv);
+
+#endif

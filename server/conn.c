@@ -1,0 +1,254 @@
+/* conn.c - see conn.h. */
+#include "server/conn.h"
+
+#include <errno.h>
+#include <stddef.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum {
+    READ_SIZE = 64 * 1024,
+    KEEP_SMALL = 4 * 1024, /* a rest of input shorter than this moves out of the borrowed block */
+    LINGER_MS = 2000,
+    LINGER_BYTES = 64 * 1024 * 1024,
+    STALL_MS = 60 * 1000
+};
+
+static void run_turn(struct task *task)
+{
+    conn_turn((struct conn *)((char *)task - offsetof(struct conn, turn)));
+}
+
+static void run_burial(struct task *task)
+{
+    struct conn *c = (struct conn *)((char *)task - offsetof(struct conn, burial));
+    if (c->turn.queued) { /* it was deferred and closed in one turn: the next turn finds it dead,
+                             then it goes */
+        loop_bury(c->loop, task);
+        return;
+    }
+    buf_free(&c->in);
+    buf_free(&c->out);
+    c->events->closed(c);
+}
+
+static void on_ready(struct source *source, uint32_t events);
+
+bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_events *events)
+{
+    *c = (struct conn){
+        .source = {fd, on_ready}, .loop = loop, .events = events, .interest = EPOLLIN};
+    c->turn.run = run_turn;
+    c->burial.run = run_burial;
+    c->progress_ms = loop->now_ms;
+    return loop_watch(loop, &c->source, c->interest);
+}
+
+void conn_again(struct conn *c)
+{
+    if (!c->dead)
+        loop_defer(c->loop, &c->turn);
+}
+
+void conn_close(struct conn *c)
+{
+    if (c->dead)
+        return;
+    c->dead = true;
+    loop_forget(c->loop, &c->source);
+    close(c->source.fd);
+    c->source.fd = -1;
+    loop_bury(c->loop, &c->burial);
+}
+
+void conn_finish(struct conn *c)
+{
+    c->finishing = true;
+}
+
+void conn_drain(struct conn *c)
+{
+    c->draining = true;
+    conn_again(c);
+}
+
+/* ---- buffers: borrowed from the loop while there is something in hand ---- */
+
+static void borrow(struct buf *mine, struct buf *spare)
+{
+    if (mine->cap == 0) {
+        *mine = *spare;
+        *spare = (struct buf){0};
+    }
+}
+
+static void give_back(struct buf *mine, struct buf *spare)
+{
+    if (buf_len(mine) == 0 && mine->cap > 0) {
+        if (spare->cap == 0 && mine->cap <= 2 * CONN_IN_LIMIT) {
+            *spare = *mine;
+            spare->start = spare->end = 0;
+            spare->failed = false;
+            *mine = (struct buf){0};
+        } else {
+            buf_free(mine);
+        }
+    }
+}
+
+/* A short rest of input (a line that is not finished) moves into a block of its own. */
+static void keep_small(struct conn *c)
+{
+    struct buf small = {0};
+    if (c->in.cap <= KEEP_SMALL || buf_len(&c->in) >= KEEP_SMALL)
+        return;
+    buf_append(&small, buf_head(&c->in), buf_len(&c->in));
+    if (small.failed)
+        return;
+    buf_consume(&c->in, buf_len(&c->in));
+    give_back(&c->in, &c->loop->spare_in);
+    c->in = small;
+}
+
+/* ---- input ---- */
+
+static bool wants_input(const struct conn *c)
+{
+    if (c->eof)
+        return false;
+    return c->lingering || (!c->finishing && buf_len(&c->in) < CONN_IN_LIMIT && !conn_full(c));
+}
+
+static void on_read_error(struct conn *c)
+{
+    if (errno == EAGAIN || errno == EWOULDBLOCK)
+        c->eof = c->draining;
+    else if (errno != EINTR)
+        conn_close(c);
+}
+
+static void drop_input(struct conn *c)
+{
+    char scratch[16 * 1024];
+    ssize_t n = recv(c->source.fd, scratch, sizeof scratch, 0);
+    if (n < 0) {
+        on_read_error(c);
+        return;
+    }
+    c->dropped += (size_t)n;
+    if (n == 0 || c->dropped > LINGER_BYTES)
+        conn_close(c);
+}
+
+static void read_input(struct conn *c)
+{
+    borrow(&c->in, &c->loop->spare_in);
+    char *to = buf_reserve(&c->in, READ_SIZE);
+    if (to == NULL) {
+        conn_close(c);
+        return;
+    }
+    ssize_t n = recv(c->source.fd, to, READ_SIZE, 0);
+    if (n < 0)
+        on_read_error(c);
+    else if (n == 0)
+        c->eof = true;
+    else
+        buf_commit(&c->in, (size_t)n);
+}
+
+/* ---- output ---- */
+
+static void send_output(struct conn *c)
+{
+    while (buf_len(&c->out) > 0) {
+        ssize_t n = send(c->source.fd, buf_head(&c->out), buf_len(&c->out), MSG_NOSIGNAL);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0) {
+            if (errno != EAGAIN && errno != EWOULDBLOCK)
+                conn_close(c);
+            return;
+        }
+        buf_consume(&c->out, (size_t)n);
+        c->progress_ms = c->loop->now_ms;
+    }
+    c->progress_ms = c->loop->now_ms;
+}
+
+static void finish_if_sent(struct conn *c)
+{
+    if (c->dead || !c->finishing || c->lingering || buf_len(&c->out) > 0)
+        return;
+    if (c->eof) {
+        conn_close(c);
+        return;
+    }
+    shutdown(c->source.fd, SHUT_WR);
+    c->lingering = true;
+    c->linger_ms = c->loop->now_ms;
+}
+
+/* ---- turns ---- */
+
+static void settle(struct conn *c)
+{
+    if (c->dead)
+        return;
+    if (c->finishing)
+        buf_consume(&c->in, buf_len(&c->in));
+    give_back(&c->in, &c->loop->spare_in);
+    give_back(&c->out, &c->loop->spare_out);
+    keep_small(c);
+    uint32_t interest =
+        (wants_input(c) ? (uint32_t)EPOLLIN : 0) | (buf_len(&c->out) > 0 ? (uint32_t)EPOLLOUT : 0);
+    if (interest != c->interest) {
+        c->interest = interest;
+        loop_change(c->loop, &c->source, interest);
+    }
+}
+
+void conn_turn(struct conn *c)
+{
+    if (c->dead)
+        return;
+    if (c->draining && !c->lingering && wants_input(c)) {
+        read_input(c);
+        conn_again(c);
+    }
+    send_output(c);
+    if (!c->dead && !c->finishing && !conn_full(c)) {
+        borrow(&c->out, &c->loop->spare_out);
+        c->events->data(c);
+        if (!c->dead)
+            send_output(c);
+    }
+    finish_if_sent(c);
+    settle(c);
+}
+
+static void on_ready(struct source *source, uint32_t events)
+{
+    struct conn *c = (struct conn *)source;
+    bool readable = (events & EPOLLIN) != 0 && wants_input(c);
+    if ((events & EPOLLERR) != 0 || ((events & EPOLLHUP) != 0 && !readable)) {
+        conn_close(c);
+        return;
+    }
+    if (readable && c->lingering)
+        drop_input(c);
+    else if (readable)
+        read_input(c);
+    if (!c->dead)
+        conn_turn(c);
+}
+
+void conn_check_timeouts(struct conn *c)
+{
+    int64_t now = c->loop->now_ms;
+    if (c->lingering && now - c->linger_ms > LINGER_MS)
+        conn_close(c);
+    else if (buf_len(&c->out) > 0 && now - c->progress_ms > STALL_MS)
+        conn_close(c);
+}

@@ -1,0 +1,65 @@
+/* loop.h - the event loop: epoll, level-triggered, one thread.
+ *
+ * A turn is: run what was deferred, wait for events, tell each source about its own, bury what was
+ * closed. A source is never freed within a turn, only buried at its end, so that no event of the
+ * batch points to freed memory. */
+#ifndef SERVER_LOOP_H
+#define SERVER_LOOP_H
+
+#include "proto/buf.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct source {
+    int fd;
+    void (*ready)(struct source *source, uint32_t events); /* epoll's events */
+};
+
+/* Something to run later; part of whatever it is about. */
+struct task {
+    void (*run)(struct task *task);
+    struct task *next;
+    bool queued;
+};
+
+struct task_list {
+    struct task *first, *last;
+};
+
+struct loop {
+    int epoll;
+    bool stopped;
+    struct task_list deferred, burials;
+    int64_t now_ms; /* monotonic; of this turn's beginning */
+    int64_t next_tick_ms;
+    void (*tick)(struct loop *loop); /* once a second; may be NULL */
+    struct buf spare_in,
+        spare_out; /* large blocks that connections borrow while they have something in hand */
+};
+
+/* False, with errno, if the system gives no epoll descriptor. */
+bool loop_init(struct loop *loop);
+void loop_clear(struct loop *loop);
+
+/* Runs turns until loop_stop. */
+void loop_run(struct loop *loop);
+void loop_stop(struct loop *loop);
+
+bool loop_watch(struct loop *loop, struct source *source, uint32_t events);
+void loop_change(struct loop *loop, struct source *source, uint32_t events);
+void loop_forget(struct loop *loop, struct source *source);
+
+/* Runs the task at the beginning of the next turn. A task that is queued already is not queued
+ * twice. */
+void loop_defer(struct loop *loop, struct task *task);
+
+/* Runs the task at the end of this turn. */
+void loop_bury(struct loop *loop, struct task *task);
+
+/* Milliseconds of the monotonic clock. */
+int64_t clock_ms(void);
+/* The same in nanoseconds. */
+int64_t clock_ns(void);
+
+#endif

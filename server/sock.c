@@ -1,0 +1,117 @@
+/* sock.c - see sock.h. */
+#include "server/sock.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+enum { BACKLOG = 1024 };
+
+static int fail(int fd, const char *what)
+{
+    fprintf(stderr, "delaunayd: cannot listen on %s: %s\n", what, strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    return -1;
+}
+
+/* Turns text into a socket address; returns its length, 0 if it is none. */
+static socklen_t parse_address(const char *text, unsigned port, struct sockaddr_storage *at)
+{
+    struct sockaddr_in *v4 = (struct sockaddr_in *)at;
+    struct sockaddr_in6 *v6 = (struct sockaddr_in6 *)at;
+    memset(at, 0, sizeof *at);
+    if (inet_pton(AF_INET, text, &v4->sin_addr) == 1) {
+        v4->sin_family = AF_INET;
+        v4->sin_port = htons((in_port_t)port);
+        return sizeof *v4;
+    }
+    if (inet_pton(AF_INET6, text, &v6->sin6_addr) == 1) {
+        v6->sin6_family = AF_INET6;
+        v6->sin6_port = htons((in_port_t)port);
+        return sizeof *v6;
+    }
+    return 0;
+}
+
+static unsigned port_of(const struct sockaddr_storage *at)
+{
+    return ntohs(at->ss_family == AF_INET ? ((const struct sockaddr_in *)at)->sin_port
+                                          : ((const struct sockaddr_in6 *)at)->sin6_port);
+}
+
+int sock_listen(const char *address, unsigned *port)
+{
+    struct sockaddr_storage at;
+    socklen_t len = parse_address(address, *port, &at);
+    int on = 1;
+    int fd = len > 0 ? socket(at.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0) : -1;
+    if (fd < 0)
+        return fail(fd, address);
+    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (bind(fd, (struct sockaddr *)&at, len) != 0 || listen(fd, BACKLOG) != 0)
+        return fail(fd, address);
+    len = sizeof at;
+    if (getsockname(fd, (struct sockaddr *)&at, &len) == 0)
+        *port = port_of(&at);
+    return fd;
+}
+
+/* Removes a socket file if connecting to it shows that nobody listens. */
+static void remove_stale(const struct sockaddr_un *at)
+{
+    struct stat st;
+    if (stat(at->sun_path, &st) != 0 || !S_ISSOCK(st.st_mode))
+        return;
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd < 0)
+        return;
+    if (connect(fd, (const struct sockaddr *)at, sizeof *at) != 0 && errno == ECONNREFUSED)
+        unlink(at->sun_path);
+    close(fd);
+}
+
+int sock_listen_unix(const char *path)
+{
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    if (strlen(path) >= sizeof at.sun_path) {
+        errno = ENAMETOOLONG;
+        return fail(-1, path);
+    }
+    strcpy(at.sun_path, path);
+    remove_stale(&at);
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (fd < 0)
+        return fail(fd, path);
+    if (bind(fd, (struct sockaddr *)&at, sizeof at) != 0 || chmod(path, 0660) != 0 ||
+        listen(fd, BACKLOG) != 0)
+        return fail(fd, path);
+    return fd;
+}
+
+int sock_accept(int listener)
+{
+    int on = 1;
+    int fd = accept4(listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (fd >= 0) /* without effect on a Unix socket, which has no such delay */
+        setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    return fd;
+}
+
+void sock_refuse(int fd, const char *line)
+{
+    char scratch[4096];
+    ssize_t ignored = send(fd, line, strlen(line), MSG_NOSIGNAL | MSG_DONTWAIT);
+    shutdown(fd, SHUT_WR);
+    /* Closing with unread input would reset the connection, and the line would be lost. */
+    ignored = recv(fd, scratch, sizeof scratch, MSG_DONTWAIT);
+    (void)ignored;
+    close(fd);
+}
