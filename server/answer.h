@@ -1,0 +1,42 @@
+/* answer.h - what becomes of a request: bytes of a reply now, and what is still to come.
+ *
+ * A handler writes into out. Beyond that it may leave exactly one of: a stream (rows that are too
+ * many to write at once), a job (a worker has it; the reply comes when it is done), a set to wait
+ * for (the request is to be tried again when that set is free), a load (points follow the request).
+ * Whoever called the handler takes over what is left. */
+#ifndef SERVER_ANSWER_H
+#define SERVER_ANSWER_H
+
+#include "core/delaunay.h"
+#include "proto/reply.h"
+#include "server/auth.h"
+
+struct stream;
+struct job;
+struct dataset;
+struct load;
+
+struct answer {
+    struct buf *out;       /* borrows; the reply is appended to what it holds */
+    uint64_t owner;        /* who asks: a connection's id, 0 for nobody */
+    enum role role;        /* what the asker may do; AUTH changes it */
+    struct stream *stream; /* moves to the caller */
+    struct job *job;       /* borrows: the job ends by itself */
+    struct dataset *wait;  /* borrows: begin to wait before anything else happens */
+    struct load *load;     /* moves to the caller */
+    bool retry;            /* the job was a preparation: carry out the request now, again */
+    bool again;            /* with job: it is such a preparation, keep the request */
+    bool close;            /* no further request is carried out */
+    bool broken;           /* the reply cannot be completed: the connection must go */
+};
+
+/* The ERR line for a status of the core that is not DT_OK. */
+void answer_status(struct answer *a, enum dt_status status);
+
+/* Out of memory: whoever called the handler undoes the reply and says so. */
+static inline void answer_out_of_memory(struct answer *a)
+{
+    a->out->failed = true;
+}
+
+#endif

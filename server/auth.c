@@ -1,0 +1,92 @@
+/* auth.c - see auth.h. */
+#include "server/auth.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TOKEN_LIMIT = 128 };
+
+struct token {
+    enum role role;
+    size_t len;
+    char text[TOKEN_LIMIT];
+};
+
+static bool add_token(struct auth *a, enum role role, const struct word *w)
+{
+    struct token *token = realloc(a->token, (a->n + 1) * sizeof *token);
+    if (token == NULL)
+        return false;
+    a->token = token;
+    token[a->n] = (struct token){.role = role, .len = w->len};
+    memcpy(token[a->n].text, w->text, w->len);
+    a->n++;
+    return true;
+}
+
+static bool take_line(struct auth *a, struct request *words, const char *line)
+{
+    if (!request_split(words, line, strcspn(line, "\r\n")))
+        return false;
+    if (words->n == 0 || words->word[0].text[0] == '#')
+        return true;
+    if (words->n != 2 || words->word[1].len > TOKEN_LIMIT)
+        return false;
+    if (word_is(&words->word[0], "RW"))
+        return add_token(a, ROLE_WRITE, &words->word[1]);
+    return word_is(&words->word[0], "RO") && add_token(a, ROLE_READ, &words->word[1]);
+}
+
+bool auth_load(struct auth *a, const char *path)
+{
+    char line[512];
+    struct request words = {0};
+    unsigned number = 0;
+    bool good = true;
+    FILE *f = fopen(path, "re");
+    *a = (struct auth){0};
+    if (f == NULL) {
+        perror(path);
+        return false;
+    }
+    while (good && fgets(line, sizeof line, f) != NULL) {
+        number++;
+        good = take_line(a, &words, line);
+    }
+    fclose(f);
+    request_free(&words);
+    if (!good)
+        fprintf(stderr, "%s:%u: not a line `ro TOKEN` or `rw TOKEN`\n", path, number);
+    else if (a->n == 0)
+        fprintf(stderr, "%s: holds no token\n", path);
+    return good && a->n > 0;
+}
+
+void auth_clear(struct auth *a)
+{
+    free(a->token);
+    *a = (struct auth){0};
+}
+
+enum role auth_initial_role(const struct auth *a)
+{
+    return a->n == 0 ? ROLE_WRITE : ROLE_NONE;
+}
+
+static bool equal(const struct token *t, const struct word *w)
+{
+    unsigned differ = t->len != w->len;
+    for (size_t i = 0; i < w->len && i < TOKEN_LIMIT; i++)
+        differ |= (unsigned char)t->text[i] ^ (unsigned char)w->text[i];
+    return differ == 0;
+}
+
+enum role auth_check(const struct auth *a, const struct word *token)
+{
+    enum role role = ROLE_NONE;
+    for (size_t i = 0; i < a->n; i++) /* every token is compared, whether or not one has matched */
+        if (equal(&a->token[i], token))
+            role = a->token[i].role;
+    return role;
+}

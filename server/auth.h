@@ -1,0 +1,29 @@
+/* auth.h - the tokens of --auth-file and the roles that they give. */
+#ifndef SERVER_AUTH_H
+#define SERVER_AUTH_H
+
+#include "proto/request.h"
+
+#include <stdbool.h>
+
+enum role { ROLE_NONE, ROLE_READ, ROLE_WRITE };
+
+struct auth {
+    struct token *token; /* owns */
+    size_t n;
+};
+
+/* Reads lines `ro TOKEN` and `rw TOKEN`; blank lines and those that start with # are skipped.
+ * False, with the reason on standard error, if the file cannot be read, holds another line, or
+ * holds no token. */
+bool auth_load(struct auth *a, const char *path);
+void auth_clear(struct auth *a);
+
+/* The role that a connection starts with. */
+enum role auth_initial_role(const struct auth *a);
+
+/* The role that the token gives, ROLE_NONE if it is unknown. Takes the same time whichever byte
+ * differs. */
+enum role auth_check(const struct auth *a, const struct word *token);
+
+#endif

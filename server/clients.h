@@ -1,0 +1,25 @@
+/* clients.h - the sessions that are there, by id. An id is never used twice, so whoever kept one
+ * may ask whether its session is still there. */
+#ifndef SERVER_CLIENTS_H
+#define SERVER_CLIENTS_H
+
+#include "server/session.h"
+
+struct clients {
+    struct client_slot *slot; /* owns */
+    uint32_t n, cap, free_slot;
+};
+
+/* Gives the session its id. False when out of memory. */
+bool clients_add(struct clients *c, struct session *s);
+void clients_remove(struct clients *c, struct session *s);
+
+/* NULL if it has gone. */
+struct session *clients_find(const struct clients *c, uint64_t id);
+
+/* Calls visit for every session; it may close them. */
+void clients_each(const struct clients *c, void (*visit)(struct session *s));
+
+void clients_clear(struct clients *c);
+
+#endif

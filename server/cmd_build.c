@@ -1,0 +1,155 @@
+/* cmd_build.c - TRIANGULATE and CHECK: the jobs that look at every point of a set. */
+#include "server/command.h"
+
+#include "server/job.h"
+#include "server/loop.h"
+
+#include <stdlib.h>
+
+enum {
+    BUILD_AT_ONCE = 500,  /* points that the I/O thread itself triangulates or checks */
+    BYTES_PER_POINT = 150 /* what a triangulation is expected to take, with its workspace */
+};
+
+struct build {
+    struct job job;
+    double ms;
+    const char *fault;
+};
+
+static void append_counts(struct answer *a, const struct dt_summary *sum)
+{
+    reply_key_u64(a->out, "points", sum->points);
+    reply_key_u64(a->out, "coincident", sum->coincident);
+    reply_key_u64(a->out, "triangles", sum->triangles);
+    reply_key_u64(a->out, "edges", sum->edges);
+    reply_key_u64(a->out, "hull", sum->hull);
+}
+
+/* ---- TRIANGULATE ---- */
+
+static void run_triangulate(struct job *j)
+{
+    struct build *b = (struct build *)j;
+    int64_t start = clock_ns();
+    j->status = dt_triangulate(j->dt, &j->options);
+    if (j->status == DT_OK)
+        j->status = dt_refresh(j->dt, &j->options);
+    b->ms = (double)((clock_ns() - start) / 1000) / 1000;
+}
+
+static void tell_triangulation(struct answer *a, const struct dt *dt, double ms)
+{
+    struct dt_summary sum;
+    dt_summary(dt, &sum);
+    reply_ok(a->out, 0);
+    append_counts(a, &sum);
+    reply_key_double(a->out, "ms", ms);
+    reply_end(a->out);
+}
+
+static void triangulate_done(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s;
+    if (j->status == DT_OK)
+        tell_triangulation(a, j->dt, ((struct build *)j)->ms);
+    else
+        answer_status(a, j->status);
+}
+
+static bool read_method(struct answer *a, const struct request *q, enum dt_method *method)
+{
+    const struct word *name = &q->word[3];
+    *method = DT_AUTO;
+    if (q->n == 2)
+        return true;
+    if (q->n == 4 && word_is(&q->word[2], "METHOD")) {
+        if (word_is(name, "AUTO"))
+            return true;
+        *method = DT_SHELLING;
+        if (word_is(name, "SHELLING"))
+            return true;
+        *method = DT_DIVIDE;
+        if (word_is(name, "DIVIDE"))
+            return true;
+    }
+    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    return false;
+}
+
+/* A large set is triangulated beside itself, so that those who read its points need not wait, as
+ * long as there is memory for two. */
+static unsigned how_to_build(const struct server *s, const struct dt_summary *sum)
+{
+    if (sum->points <= BUILD_AT_ONCE)
+        return 0;
+    bool room = !server_lacks_memory(s, sum->memory + (size_t)sum->points * BYTES_PER_POINT);
+    return JOB_HEAVY | (room ? JOB_COPY : 0u);
+}
+
+void cmd_triangulate(struct server *s, struct dataset *set, const struct request *q,
+                     struct answer *a)
+{
+    enum dt_method method;
+    struct dt_summary sum;
+    if (!read_method(a, q, &method))
+        return;
+    dt_summary(set->current->dt, &sum);
+    if (method == DT_AUTO && sum.triangulated && !version_is_stale(set->current)) {
+        tell_triangulation(a, set->current->dt, 0);
+        return;
+    }
+    if (!sum.triangulated && server_lacks_memory(s, (size_t)sum.points * BYTES_PER_POINT)) {
+        reply_err(a->out, ERR_NOMEM, "the memory for sets is used up (--max-memory)");
+        return;
+    }
+    struct build *b = job_new(sizeof *b, run_triangulate, triangulate_done);
+    if (b == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    b->job.what = "triangulating";
+    b->job.options.method = method;
+    job_write(s, a, &b->job, set, how_to_build(s, &sum));
+}
+
+/* ---- CHECK ---- */
+
+static void run_check(struct job *j)
+{
+    j->status = dt_check(j->dt, &j->options, &((struct build *)j)->fault);
+}
+
+static void check_done(struct server *s, struct job *j, struct answer *a)
+{
+    const char *fault = ((struct build *)j)->fault;
+    struct dt_summary sum;
+    (void)s;
+    if (j->status == DT_CORRUPT && fault != NULL) {
+        reply_err(a->out, ERR_CORRUPT, "%s", fault);
+        return;
+    }
+    if (j->status != DT_OK) {
+        answer_status(a, j->status);
+        return;
+    }
+    dt_summary(j->dt, &sum);
+    reply_ok(a->out, 0);
+    reply_key_text(a->out, "delaunay", "yes");
+    append_counts(a, &sum);
+    reply_end(a->out);
+}
+
+void cmd_check(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct dt_summary sum;
+    (void)q;
+    struct build *b = job_new(sizeof *b, run_check, check_done);
+    if (b == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    dt_summary(set->current->dt, &sum);
+    b->job.what = "checking";
+    job_read(s, a, &b->job, set->current, sum.points > BUILD_AT_ONCE ? JOB_HEAVY : 0);
+}

@@ -1,0 +1,189 @@
+/* cmd_data.c - the commands about sets and their points. */
+#include "server/command.h"
+
+#include "server/edit.h"
+#include "server/stream.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- sets ---- */
+
+struct roll {
+    struct dataset **set; /* owns */
+    size_t n;
+};
+
+static void enroll(struct dataset *set, void *ctx)
+{
+    struct roll *roll = ctx;
+    roll->set[roll->n++] = set;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    const struct dataset *const *x = a, *const *y = b;
+    return strcmp((*x)->name, (*y)->name);
+}
+
+void cmd_sets(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)set, (void)q;
+    struct roll roll = {malloc((s->sets.sets + 1) * sizeof(struct dataset *)), 0};
+    if (roll.set == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    registry_each(&s->sets, enroll, &roll);
+    qsort(roll.set, roll.n, sizeof(struct dataset *), by_name);
+    reply_ok(a->out, roll.n);
+    reply_end(a->out);
+    for (size_t i = 0; i < roll.n; i++) {
+        char row[SET_NAME_LIMIT + 64];
+        struct dt_summary sum;
+        dt_summary(roll.set[i]->current->dt, &sum);
+        snprintf(row, sizeof row, "%s points=%u triangulated=%s", roll.set[i]->name, sum.points,
+                 sum.triangulated ? "yes" : "no");
+        reply_row_text(a->out, row);
+    }
+    free(roll.set);
+}
+
+static bool read_tolerance(struct answer *a, const struct request *q, double *tolerance)
+{
+    *tolerance = 0;
+    if (q->n == 2)
+        return true;
+    if (q->n != 4 || !word_is(&q->word[2], "TOL")) {
+        reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+        return false;
+    }
+    if (!read_coordinate(a, &q->word[3], tolerance))
+        return false;
+    if (*tolerance < 0) {
+        reply_err(a->out, ERR_RANGE, "a tolerance is not negative");
+        return false;
+    }
+    return true;
+}
+
+void cmd_create(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    double tolerance;
+    if (!read_tolerance(a, q, &tolerance))
+        return;
+    if (set != NULL) {
+        reply_err(a->out, ERR_EXISTS, "the set %s is there already", set->name);
+        return;
+    }
+    set = edit_create(s, a, &q->word[1], tolerance);
+    if (set == NULL)
+        return;
+    set->born = true;
+    reply_ok(a->out, 0);
+    reply_end(a->out);
+}
+
+void cmd_drop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)q;
+    registry_drop(&s->sets, set);
+    reply_ok(a->out, 0);
+    reply_end(a->out);
+}
+
+void cmd_stat(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct dt_summary sum;
+    (void)s, (void)q;
+    dt_summary(set->current->dt, &sum);
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, "points", sum.points);
+    reply_key_u64(a->out, "coincident", sum.coincident);
+    reply_key_text(a->out, "triangulated", sum.triangulated ? "yes" : "no");
+    reply_key_u64(a->out, "triangles", sum.triangles);
+    reply_key_u64(a->out, "edges", sum.edges);
+    reply_key_u64(a->out, "hull", sum.hull);
+    reply_key_u64(a->out, "memory", sum.memory);
+    reply_key_double(a->out, "tol", dt_tolerance(set->current->dt));
+    reply_end(a->out);
+}
+
+/* ---- points ---- */
+
+void cmd_add(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    size_t n = (q->n - 2) / 2;
+    (void)set;
+    if (q->n % 2 != 0) {
+        reply_err(a->out, ERR_SYNTAX, "an x without its y");
+        return;
+    }
+    struct dt_point *p = malloc(n * sizeof *p);
+    if (p == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (!read_point(a, &q->word[2 + 2 * i], &p[i])) {
+            free(p);
+            return;
+        }
+    }
+    edit_add(s, a, &q->word[1], p, n);
+}
+
+void cmd_del(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    uint32_t *ids = read_ids(a, &q->word[2], q->n - 2);
+    if (ids != NULL)
+        edit_delete(s, a, set, ids, q->n - 2);
+}
+
+void cmd_move(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    uint32_t id;
+    struct dt_point to;
+    if (read_id(a, &q->word[2], &id) && read_point(a, &q->word[3], &to))
+        edit_move(s, a, set, id, to);
+}
+
+void cmd_get(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct dt_point p;
+    (void)s;
+    size_t n = q->n - 2;
+    struct dt_ids ids = {read_ids(a, &q->word[2], n), n, n};
+    if (ids.v == NULL)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        if (dt_get(set->current->dt, ids.v[i], &p) != DT_OK) {
+            reply_err(a->out, ERR_NOPOINT, "there is no point %u", ids.v[i]);
+            free(ids.v);
+            return;
+        }
+    }
+    reply_ok(a->out, n);
+    reply_end(a->out);
+    struct stream rows = {.version = set->current, .form = ROW_POINT};
+    stream_answer(a, &rows, &ids);
+    free(ids.v);
+}
+
+void cmd_points(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)s;
+    bool binary = q->n == 3 && word_is(&q->word[2], "BINARY");
+    if (q->n == 3 && !binary)
+        reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    else
+        stream_answer_table(a, set->current, DT_POINTS, false, binary);
+}
+
+void cmd_coincident(struct server *s, struct dataset *set, const struct request *q,
+                    struct answer *a)
+{
+    (void)s, (void)q;
+    stream_answer_table(a, set->current, DT_COINCIDENT, false, false);
+}

@@ -1,0 +1,137 @@
+/* cmd_load.c - LOAD and LOADB. The points are collected as they arrive and added all at once at the
+ * end, so that a load is all or nothing and nobody sees half of one. */
+#include "server/cmd_load.h"
+
+#include "proto/number.h"
+#include "server/command.h"
+#include "server/edit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pairs are points");
+
+/* ---- the commands: they only prepare for what follows ---- */
+
+static void start(struct server *s, const struct request *q, struct answer *a, enum body_form form,
+                  uint32_t count)
+{
+    struct load *l = calloc(1, sizeof *l);
+    if (l == NULL) {
+        answer_out_of_memory(a);
+        a->close = true; /* what follows could not be told from requests */
+        return;
+    }
+    body_init(&l->body, form, count, s->config->max_points, dt_coordinate_ok);
+    l->name_len = q->word[1].len;
+    memcpy(l->name, q->word[1].text, l->name_len);
+    a->load = l;
+}
+
+static void start_counted(struct server *s, const struct request *q, struct answer *a,
+                          enum body_form form)
+{
+    uint32_t count;
+    if (proto_read_u32(q->word[2].text, q->word[2].len, &count)) {
+        start(s, q, a, form, count);
+        return;
+    }
+    reply_err(a->out, ERR_NUMBER, "%.*s does not tell how much follows", QUOTED(&q->word[2]));
+    a->close = true;
+}
+
+void cmd_load(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)set;
+    if (q->n == 2)
+        start(s, q, a, BODY_DOT, 0);
+    else
+        start_counted(s, q, a, BODY_LINES);
+}
+
+void cmd_loadb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)set;
+    start_counted(s, q, a, BODY_BINARY);
+}
+
+/* ---- the body ---- */
+
+ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t n, bool last)
+{
+    ptrdiff_t took = body_feed(&l->body, bytes, n, last);
+    size_t memory = l->body.cap * sizeof(struct dt_point);
+    s->loading += memory - l->memory;
+    l->memory = memory;
+    if (memory > 0 && server_lacks_memory(s, 0)) {
+        body_fail(&l->body, BODY_NOMEM);
+        s->loading -= l->memory;
+        l->memory = 0;
+    }
+    return took;
+}
+
+void load_free(struct server *s, struct load *l)
+{
+    s->loading -= l->memory;
+    body_free(&l->body);
+    free(l);
+}
+
+/* ---- the end ---- */
+
+static void tell_fault(struct server *s, const struct body *b, struct answer *a)
+{
+    const char *unit = b->form == BODY_BINARY ? "point" : "line";
+    unsigned long long line = b->fault_line;
+    switch (b->fault) {
+    case BODY_GOOD:
+        break;
+    case BODY_SYNTAX:
+        reply_err(a->out, ERR_SYNTAX, "%s %llu: not `x y`; nothing was loaded", unit, line);
+        break;
+    case BODY_ENDED:
+        reply_err(a->out, ERR_SYNTAX, "%s %llu: the input ended too early; nothing was loaded",
+                  unit, line);
+        break;
+    case BODY_NUMBER:
+        reply_err(a->out, ERR_NUMBER, "%s %llu: not a number; nothing was loaded", unit, line);
+        break;
+    case BODY_RANGE:
+        reply_err(a->out, ERR_RANGE,
+                  "%s %llu: a coordinate is 0 or has a magnitude from 2^-142 to 2^201; nothing was "
+                  "loaded",
+                  unit, line);
+        break;
+    case BODY_TOOBIG:
+        reply_err(a->out, ERR_TOOBIG,
+                  "%s %llu: a set holds at most %u points (--max-points); nothing was loaded", unit,
+                  line, s->config->max_points);
+        break;
+    case BODY_NOMEM:
+        reply_err(a->out, ERR_NOMEM, "%s %llu: out of memory; nothing was loaded", unit, line);
+        break;
+    }
+}
+
+/* The points leave the body; its account goes with them. */
+static struct dt_point *take_points(struct server *s, struct load *l)
+{
+    double *xy = l->body.xy;
+    s->loading -= l->memory;
+    l->memory = 0;
+    l->body.xy = NULL;
+    return (struct dt_point *)(void *)xy;
+}
+
+void load_commit(struct server *s, struct load *l, struct answer *a)
+{
+    struct word name = {l->name, l->name_len};
+    struct dataset *set = registry_find(&s->sets, &name);
+    if (l->body.fault != BODY_GOOD)
+        tell_fault(s, &l->body, a);
+    else if (set != NULL && set->writer != NULL)
+        a->wait = set;
+    else
+        edit_add(s, a, &name, take_points(s, l), l->body.n);
+}

@@ -1,0 +1,259 @@
+/* command.c - see command.h. */
+#include "server/command.h"
+
+#include "proto/number.h"
+#include "server/job.h"
+#include "server/stream.h"
+
+#include <stdlib.h>
+
+enum {
+    READS = CMD_SET | CMD_EXISTING,
+    QUERIES = READS | CMD_FRESH | CMD_LIVE,
+    EDITS = CMD_SET | CMD_WRITE,
+    REFRESH_AT_ONCE = 500 /* points of a set that the I/O thread brings up to date itself */
+};
+
+const struct command commands[] = {
+    {"SETS", 1, 1, 0, cmd_sets, "SETS", "the sets, with their number of points"},
+    {"CREATE", 2, 4, EDITS, cmd_create, "CREATE set [TOL t]",
+     "a new, empty set with coincidence tolerance t"},
+    {"DROP", 2, 2, EDITS | CMD_EXISTING, cmd_drop, "DROP set", "deletes a set"},
+    {"STAT", 2, 2, READS | CMD_FRESH, cmd_stat, "STAT set", "counts and memory of a set"},
+    {"ADD", 4, 0, EDITS, cmd_add, "ADD set x y [x y ...]", "adds points"},
+    {"LOAD", 2, 3, EDITS | CMD_BODY, cmd_load, "LOAD set [n]",
+     "adds points: n lines `x y` follow, or lines up to a single `.`"},
+    {"LOADB", 3, 3, EDITS | CMD_BODY, cmd_loadb, "LOADB set n",
+     "adds points: n pairs of little-endian doubles follow"},
+    {"DEL", 3, 0, EDITS | CMD_EXISTING, cmd_del, "DEL set id [id ...]", "deletes points"},
+    {"MOVE", 5, 5, EDITS | CMD_EXISTING, cmd_move, "MOVE set id x y",
+     "moves a point, which keeps its id"},
+    {"GET", 3, 0, READS, cmd_get, "GET set id [id ...]", "the coordinates of points"},
+    {"POINTS", 2, 3, READS, cmd_points, "POINTS set [BINARY]", "every point, by id"},
+    {"COINCIDENT", 2, 2, READS, cmd_coincident, "COINCIDENT set",
+     "every alias and its representative"},
+    {"TRIANGULATE", 2, 4, EDITS | CMD_EXISTING, cmd_triangulate,
+     "TRIANGULATE set [METHOD auto|shelling|divide]",
+     "computes the Delaunay triangulation, which edits then keep current"},
+    {"CHECK", 2, 2, QUERIES, cmd_check, "CHECK set", "proves the triangulation exactly"},
+    {"LISTS", 2, 0, QUERIES, cmd_lists, "LISTS set [id ...] [CW] [BINARY]",
+     "each point with the ring of its neighbours, interior points first, then along the hull"},
+    {"TRIANGLES", 2, 6, QUERIES, cmd_triangles, "TRIANGLES set [a [b [c]]] [CW] [BINARY]",
+     "every triangle, or those at a point, at an edge, next to a triangle"},
+    {"EDGES", 2, 4, QUERIES, cmd_edges, "EDGES set [a] [CW] [BINARY]",
+     "every edge, or those at a point"},
+    {"HULL", 2, 3, QUERIES, cmd_hull, "HULL set [CW]", "the points of the convex hull"},
+    {"LOCATE", 4, 4, QUERIES, cmd_locate, "LOCATE set x y",
+     "the triangle, edge or point where x y lies"},
+    {"NEAREST", 4, 5, QUERIES, cmd_nearest, "NEAREST set x y [k]",
+     "the k nearest points, nearest first"},
+    {"WITHIN", 5, 6, QUERIES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
+     "the points in a closed box or disc"},
+    {"PING", 1, 1, CMD_OPEN, cmd_ping, "PING", "answers OK 0"},
+    {"HELP", 1, 2, CMD_OPEN, cmd_help, "HELP [command]", "the commands"},
+    {"HELLO", 1, 2, CMD_OPEN, cmd_hello, "HELLO [version]",
+     "who is there, and which protocol it speaks"},
+    {"AUTH", 2, 2, CMD_OPEN, cmd_auth, "AUTH token", "shows a token of --auth-file"},
+    {"INFO", 1, 1, 0, cmd_info, "INFO", "facts about the server"},
+    {"QUIT", 1, 1, CMD_OPEN, cmd_quit, "QUIT", "closes the connection when all replies are out"},
+};
+
+const size_t command_count = sizeof commands / sizeof commands[0];
+
+const struct command *command_find(const struct word *name)
+{
+    for (size_t i = 0; i < command_count; i++)
+        if (word_is(name, commands[i].name))
+            return &commands[i];
+    return NULL;
+}
+
+/* ---- what must hold before a handler runs ---- */
+
+static bool check_words(struct answer *a, const struct command *c, const struct request *q)
+{
+    if (q->n >= c->least && (c->most == 0 || q->n <= c->most))
+        return true;
+    reply_err(a->out, ERR_SYNTAX, "usage: %s", c->usage);
+    return false;
+}
+
+static bool check_role(struct answer *a, const struct command *c)
+{
+    if (a->role == ROLE_NONE && (c->flags & CMD_OPEN) == 0)
+        reply_err(a->out, ERR_NOAUTH, "show a token first: AUTH token");
+    else if (a->role == ROLE_READ && (c->flags & CMD_WRITE) != 0)
+        reply_err(a->out, ERR_DENIED, "your token is for reading only");
+    else
+        return true;
+    return false;
+}
+
+/* The set that the request is about: in *set, NULL if it is not there. */
+static bool check_set(struct server *s, struct answer *a, const struct command *c,
+                      const struct request *q, struct dataset **set)
+{
+    *set = NULL;
+    if ((c->flags & CMD_SET) == 0)
+        return true;
+    if (!word_is_set_name(&q->word[1])) {
+        reply_err(a->out, ERR_SYNTAX, "a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -");
+        return false;
+    }
+    *set = registry_find(&s->sets, &q->word[1]);
+    /* A set that is about to be created is there for those who would create it, and for nobody
+     * else. */
+    bool there = *set != NULL && ((*set)->born || (c->flags & CMD_WRITE) != 0);
+    if (!there)
+        *set = NULL;
+    if (!there && (c->flags & CMD_EXISTING) != 0) {
+        reply_err(a->out, ERR_NOSET, "there is no set %.*s", QUOTED(&q->word[1]));
+        return false;
+    }
+    return true;
+}
+
+/* ---- bringing a triangulation up to date before a query ---- */
+
+static void run_refresh(struct job *j)
+{
+    j->status = dt_refresh(j->dt, &j->options);
+}
+
+static void refresh_done(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s;
+    if (j->status == DT_OK)
+        a->retry = true;
+    else
+        answer_status(a, j->status);
+}
+
+/* Whether the set can be queried now. If not, a tells what comes first. */
+static bool refresh(struct server *s, struct answer *a, struct dataset *set)
+{
+    struct dt_summary sum;
+    if (!version_is_stale(set->current))
+        return true;
+    if (set->writer != NULL) {
+        a->wait = set;
+        return false;
+    }
+    struct job *j = job_new(sizeof *j, run_refresh, refresh_done);
+    if (j == NULL) {
+        answer_out_of_memory(a);
+        return false;
+    }
+    dt_summary(set->current->dt, &sum);
+    j->what = "triangulating";
+    job_write(s, a, j, set, sum.points > REFRESH_AT_ONCE ? JOB_HEAVY : 0);
+    bool now = a->retry;
+    a->retry = false;
+    a->again = a->job != NULL;
+    return now;
+}
+
+/* Whether the set's state allows the command now. */
+static bool check_state(struct server *s, struct answer *a, const struct command *c,
+                        struct dataset *set)
+{
+    struct dt_summary sum;
+    if (set == NULL)
+        return true;
+    if ((c->flags & CMD_WRITE) != 0 ? set->writer != NULL : set->exclusive) {
+        a->wait = set;
+        return false;
+    }
+    if ((c->flags & CMD_LIVE) != 0) {
+        dt_summary(set->current->dt, &sum);
+        if (!sum.triangulated) {
+            answer_status(a, DT_UNTRIANGULATED);
+            return false;
+        }
+    }
+    return (c->flags & CMD_FRESH) == 0 || refresh(s, a, set);
+}
+
+/* ---- running ---- */
+
+static void dispatch(struct server *s, const struct request *q, struct answer *a)
+{
+    const struct command *c = command_find(&q->word[0]);
+    struct dataset *set;
+    if (c == NULL) {
+        reply_err(a->out, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
+    } else if (!check_words(a, c, q) || !check_role(a, c) || !check_set(s, a, c, q, &set)) {
+        a->close = (c->flags & CMD_BODY) != 0;
+    } else if ((c->flags & CMD_BODY) != 0 || check_state(s, a, c, set)) {
+        /* A request with a body waits for its set when the body is there. */
+        c->handler(s, set, q, a);
+    }
+}
+
+void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
+{
+    if (a->stream != NULL)
+        stream_free(&s->sets, a->stream);
+    a->stream = NULL;
+    buf_rewind(a->out, mark);
+    reply_err(a->out, ERR_NOMEM, "out of memory; nothing has changed");
+}
+
+void command_run(struct server *s, const struct request *q, struct answer *a)
+{
+    size_t mark = buf_len(a->out);
+    if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) { /* not even room to say so */
+        a->broken = true;
+        return;
+    }
+    dispatch(s, q, a);
+    if (a->out->failed)
+        command_out_of_memory(s, a, mark);
+    if (a->wait != NULL || a->again)
+        return;
+    s->count.commands++;
+    if (buf_len(a->out) - mark >= 4 && buf_head(a->out)[mark] == 'E')
+        s->count.errors++;
+}
+
+/* ---- arguments ---- */
+
+bool read_coordinate(struct answer *a, const struct word *w, double *v)
+{
+    if (!proto_read_double(w->text, w->len, v)) {
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+        return false;
+    }
+    if (!dt_coordinate_ok(*v)) {
+        answer_status(a, DT_RANGE);
+        return false;
+    }
+    return true;
+}
+
+bool read_point(struct answer *a, const struct word *w, struct dt_point *p)
+{
+    return read_coordinate(a, &w[0], &p->x) && read_coordinate(a, &w[1], &p->y);
+}
+
+bool read_id(struct answer *a, const struct word *w, uint32_t *id)
+{
+    if (proto_read_u32(w->text, w->len, id))
+        return true;
+    reply_err(a->out, ERR_NUMBER, "%.*s is not an id", QUOTED(w));
+    return false;
+}
+
+uint32_t *read_ids(struct answer *a, const struct word *w, size_t n)
+{
+    uint32_t *id = malloc(n * sizeof *id);
+    if (id == NULL)
+        answer_out_of_memory(a);
+    for (size_t i = 0; id != NULL && i < n; i++) {
+        if (!read_id(a, &w[i], &id[i])) {
+            free(id);
+            return NULL;
+        }
+    }
+    return id;
+}

@@ -1,0 +1,67 @@
+/* command.h - the table of commands, and how a request line becomes a handler's call.
+ *
+ * A command is one row: its name, how many words it takes, what it needs, its handler, its help.
+ * Before the handler runs, the set named by the second word has been looked up and is in the state
+ * that the flags ask for. */
+#ifndef SERVER_COMMAND_H
+#define SERVER_COMMAND_H
+
+#include "server/server.h"
+
+/* set is NULL for a command without CMD_SET, or if there is none of that name and the command may
+ * do without. */
+typedef void command_handler(struct server *s, struct dataset *set, const struct request *q,
+                             struct answer *a);
+
+enum {
+    CMD_SET = 1,      /* the second word names a set */
+    CMD_EXISTING = 2, /* which must be there */
+    CMD_WRITE = 4, /* and is changed: no other writer is at work on it, and the client may write */
+    CMD_FRESH = 8, /* its triangulation, if it has one, is up to date */
+    CMD_LIVE = 16, /* it has a triangulation */
+    CMD_OPEN = 32, /* allowed before AUTH */
+    CMD_BODY =
+        64 /* points follow the line: after an error nobody knows where the next request starts */
+};
+
+struct command {
+    const char *name;
+    unsigned least, most; /* words, the name included; most 0: any number */
+    unsigned flags;
+    command_handler *handler;
+    const char *usage, *help;
+};
+
+extern const struct command commands[];
+extern const size_t command_count;
+
+const struct command *command_find(const struct word *name);
+
+/* Carries out the request q, or begins to. Whatever happens, a tells (answer.h). */
+void command_run(struct server *s, const struct request *q, struct answer *a);
+
+/* Memory ran out while a reply was written: cuts the reply off at `mark` and says so. */
+void command_out_of_memory(struct server *s, struct answer *a, size_t mark);
+
+/* How a word of the client's is quoted in an error: at most 32 bytes of it. Use with %.*s. */
+#define QUOTED(W) (int)((W)->len < 32 ? (W)->len : 32), (W)->text
+
+/* ---- reading arguments; false: the ERR line has been written ---- */
+
+bool read_coordinate(struct answer *a, const struct word *w, double *v);
+bool read_point(struct answer *a, const struct word *w, struct dt_point *p);
+bool read_id(struct answer *a, const struct word *w, uint32_t *id);
+
+/* Reads n words as ids into a new array, which the caller owns; NULL: the error has been told. n >
+ * 0. */
+uint32_t *read_ids(struct answer *a, const struct word *w, size_t n);
+
+command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                        /* cmd_data.c */
+command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
+command_handler cmd_load, cmd_loadb;                                             /* cmd_load.c */
+command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
+command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                   /* cmd_query.c */
+command_handler cmd_locate, cmd_nearest, cmd_within;                             /* cmd_query.c */
+command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_info, cmd_quit;     /* cmd_admin.c */
+
+#endif

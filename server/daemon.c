@@ -1,0 +1,273 @@
+/* daemon.c - see daemon.h. */
+#include "server/daemon.h"
+
+#include "server/clients.h"
+#include "server/loop.h"
+#include "server/server.h"
+#include "server/sock.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+enum {
+    ACCEPTS_PER_TURN = 64,
+    GRACE_MS = 30 * 1000, /* for what is under way when the daemon is told to stop */
+    PROGRESS_AFTER_MS = 1000
+};
+
+/* One daemon is one process; the callbacks below find it here. */
+static struct {
+    struct loop loop;
+    struct server server;
+    struct clients clients;
+    struct source tcp, local, signals, workers;
+    int reserve; /* a descriptor kept back, to refuse politely when all others are used up */
+    bool paused; /* the listeners are not watched: no descriptor is left at all */
+    bool stopping;
+    int64_t stop_ms;
+    unsigned port;
+} d;
+
+/* ---- clients ---- */
+
+static void watch_listeners(bool watch)
+{
+    uint32_t events = watch ? EPOLLIN : 0;
+    d.paused = !watch;
+    if (d.tcp.fd >= 0)
+        loop_change(&d.loop, &d.tcp, events);
+    if (d.local.fd >= 0)
+        loop_change(&d.loop, &d.local, events);
+}
+
+static void refill_reserve(void)
+{
+    if (d.reserve < 0)
+        d.reserve = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    if (d.reserve >= 0 && d.paused && !d.stopping)
+        watch_listeners(true);
+}
+
+static void on_client_closed(struct session *s)
+{
+    clients_remove(&d.clients, s);
+    d.server.clients = d.clients.n;
+    refill_reserve();
+    if (d.stopping && d.clients.n == 0)
+        loop_stop(&d.loop);
+}
+
+static void refuse(int fd, const char *line)
+{
+    d.server.count.refused++;
+    sock_refuse(fd, line);
+}
+
+static void welcome(int fd)
+{
+    if (d.clients.n >= d.server.config->max_clients) {
+        refuse(fd, "ERR BUSY too many clients\n");
+        return;
+    }
+    struct session *s = session_new(&d.server, &d.loop, fd, on_client_closed);
+    if (s == NULL) {
+        refuse(fd, "ERR NOMEM out of memory\n");
+    } else if (!clients_add(&d.clients, s)) {
+        s->closed = NULL;
+        conn_close(&s->conn);
+    } else {
+        d.server.clients = d.clients.n;
+        d.server.count.connections++;
+    }
+}
+
+/* No descriptor is left: gives up the reserve for a moment to accept one client and tell it. Left
+ * waiting in the backlog, clients would keep the listener readable and the loop turning. */
+static bool refuse_one(int listener)
+{
+    if (d.reserve >= 0)
+        close(d.reserve);
+    d.reserve = -1;
+    int fd = sock_accept(listener);
+    if (fd >= 0)
+        refuse(fd, "ERR BUSY no descriptor is left\n");
+    refill_reserve();
+    if (d.reserve < 0)
+        watch_listeners(false);
+    return fd >= 0 && d.reserve >= 0;
+}
+
+static void on_listener(struct source *listener, uint32_t events)
+{
+    (void)events;
+    for (int i = 0; i < ACCEPTS_PER_TURN; i++) {
+        int fd = sock_accept(listener->fd);
+        if (fd >= 0)
+            welcome(fd);
+        else if (errno == EMFILE || errno == ENFILE) {
+            if (!refuse_one(listener->fd))
+                return;
+        } else if (errno != ECONNABORTED && errno != EINTR)
+            return;
+    }
+}
+
+/* ---- workers ---- */
+
+static void deliver(void *ctx, struct job *j)
+{
+    struct session *s = clients_find(&d.clients, j->owner);
+    (void)ctx;
+    if (s != NULL)
+        session_job_done(s, j);
+    else
+        server_finish_unheard(&d.server, j);
+}
+
+static void on_workers(struct source *source, uint32_t events)
+{
+    (void)source, (void)events;
+    server_collect(&d.server, deliver, NULL);
+}
+
+/* ---- stopping ---- */
+
+static void close_listeners(void)
+{
+    struct source *listener[] = {&d.tcp, &d.local};
+    for (int i = 0; i < 2; i++) {
+        if (listener[i]->fd >= 0) {
+            loop_forget(&d.loop, listener[i]);
+            close(listener[i]->fd);
+            listener[i]->fd = -1;
+        }
+    }
+    if (d.server.config->unix_path != NULL)
+        unlink(d.server.config->unix_path);
+}
+
+static void drain_client(struct session *s)
+{
+    conn_drain(&s->conn);
+}
+
+static void stop(void)
+{
+    if (d.stopping || d.clients.n == 0) {
+        loop_stop(&d.loop); /* asked twice, or nobody to wait for */
+        return;
+    }
+    d.stopping = true;
+    d.stop_ms = d.loop.now_ms;
+    close_listeners();
+    clients_each(&d.clients, drain_client);
+}
+
+static void on_signal(struct source *source, uint32_t events)
+{
+    struct signalfd_siginfo info;
+    (void)events;
+    while (read(source->fd, &info, sizeof info) == (ssize_t)sizeof info)
+        stop();
+}
+
+/* ---- once a second ---- */
+
+static void check_client(struct session *s)
+{
+    conn_check_timeouts(&s->conn);
+}
+
+static void tell_progress(void)
+{
+    for (const struct job *j = d.server.jobs, *next; j != NULL; j = next) {
+        struct session *s = clients_find(&d.clients, j->owner);
+        next = j->next;
+        if (s != NULL && d.loop.now_ms - j->started_ms > PROGRESS_AFTER_MS)
+            session_progress(s, j);
+    }
+}
+
+static void on_tick(struct loop *loop)
+{
+    clients_each(&d.clients, check_client);
+    tell_progress();
+    refill_reserve();
+    if (d.stopping && loop->now_ms - d.stop_ms > GRACE_MS)
+        loop_stop(loop);
+}
+
+/* ---- life ---- */
+
+/* The signals that stop the daemon become events. Blocked before any thread starts, so that all
+ * inherit it. */
+static int take_signals(void)
+{
+    sigset_t set;
+    signal(SIGPIPE, SIG_IGN);
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGINT);
+    sigprocmask(SIG_BLOCK, &set, NULL);
+    return signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+}
+
+static bool watch(struct source *source, int fd, void (*ready)(struct source *, uint32_t))
+{
+    *source = (struct source){fd, ready};
+    return fd >= 0 && loop_watch(&d.loop, source, EPOLLIN);
+}
+
+static bool listen_to_all(const struct config *config)
+{
+    d.port = config->port;
+    d.tcp.fd = d.local.fd = -1;
+    if (!watch(&d.tcp, sock_listen(config->bind_address, &d.port), on_listener))
+        return false;
+    return config->unix_path == NULL ||
+           watch(&d.local, sock_listen_unix(config->unix_path), on_listener);
+}
+
+static bool start(const struct config *config)
+{
+    int signals = take_signals();
+    d.reserve = -1;
+    if (!loop_init(&d.loop) || !watch(&d.signals, signals, on_signal)) {
+        fprintf(stderr, "delaunayd: %s\n", strerror(errno));
+        return false;
+    }
+    d.loop.tick = on_tick;
+    if (!server_init(&d.server, config) ||
+        !watch(&d.workers, workers_event(d.server.workers), on_workers))
+        return false;
+    refill_reserve();
+    return listen_to_all(config);
+}
+
+static void close_client(struct session *s)
+{
+    conn_close(&s->conn);
+}
+
+int daemon_run(const struct config *config)
+{
+    if (!start(config))
+        return 1;
+    bool v6 = strchr(config->bind_address, ':') != NULL;
+    printf("ready on %s%s%s:%u\n", v6 ? "[" : "", config->bind_address, v6 ? "]" : "", d.port);
+    fflush(stdout);
+    loop_run(&d.loop);
+    close_listeners();
+    clients_each(&d.clients, close_client);
+    loop_clear(&d.loop);
+    server_clear(&d.server);
+    clients_clear(&d.clients);
+    return 0;
+}

@@ -1,0 +1,12 @@
+/* daemon.h - the running daemon: listeners, signals, clients, workers, tied together by one event
+ * loop. */
+#ifndef SERVER_DAEMON_H
+#define SERVER_DAEMON_H
+
+#include "server/config.h"
+
+/* Serves until SIGTERM or SIGINT, then finishes what was received and returns the process's exit
+ * status. */
+int daemon_run(const struct config *config);
+
+#endif

@@ -1,0 +1,200 @@
+/* dataset.c - see dataset.h. */
+#include "server/dataset.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { FIRST_BUCKETS = 64 };
+
+/* ---- versions ---- */
+
+struct version *version_new(struct dt *dt)
+{
+    struct version *v = malloc(sizeof *v);
+    if (v != NULL)
+        *v = (struct version){.dt = dt, .refs = 1};
+    return v;
+}
+
+struct version *version_pin(struct version *v)
+{
+    v->refs++;
+    return v;
+}
+
+void version_unpin(struct registry *r, struct version *v)
+{
+    if (--v->refs > 0)
+        return;
+    r->memory -= v->memory;
+    r->discard(r->discard_ctx, v->dt);
+    free(v);
+}
+
+void version_account(struct registry *r, struct version *v)
+{
+    struct dt_summary sum;
+    dt_summary(v->dt, &sum);
+    r->memory += sum.memory - v->memory;
+    v->memory = sum.memory;
+}
+
+bool version_is_stale(const struct version *v)
+{
+    struct dt_summary sum;
+    dt_summary(v->dt, &sum);
+    return sum.triangulated && sum.edges == 0 && sum.points - sum.coincident > 1;
+}
+
+/* ---- the registry ---- */
+
+static void discard_now(void *ctx, struct dt *dt)
+{
+    (void)ctx;
+    dt_free(dt);
+}
+
+void registry_init(struct registry *r)
+{
+    *r = (struct registry){.discard = discard_now};
+}
+
+static size_t hash(const char *name, size_t len) /* FNV-1a */
+{
+    uint64_t h = 0xcbf29ce484222325u;
+    for (size_t i = 0; i < len; i++)
+        h = (h ^ (unsigned char)name[i]) * 0x100000001b3u;
+    return (size_t)(h ^ h >> 32);
+}
+
+static struct dataset **bucket_of(const struct registry *r, const char *name, size_t len)
+{
+    return &r->bucket[hash(name, len) & (r->buckets - 1)];
+}
+
+struct dataset *registry_find(const struct registry *r, const struct word *name)
+{
+    if (r->buckets == 0)
+        return NULL;
+    for (struct dataset *set = *bucket_of(r, name->text, name->len); set != NULL; set = set->next)
+        if (set->name_len == name->len && memcmp(set->name, name->text, name->len) == 0)
+            return set;
+    return NULL;
+}
+
+static bool rehash(struct registry *r)
+{
+    struct registry larger = *r;
+    larger.buckets = r->buckets == 0 ? FIRST_BUCKETS : 2 * r->buckets;
+    larger.bucket = calloc(larger.buckets, sizeof(struct dataset *));
+    if (larger.bucket == NULL)
+        return false;
+    for (size_t i = 0; i < r->buckets; i++) {
+        for (struct dataset *set = r->bucket[i], *next; set != NULL; set = next) {
+            struct dataset **to = bucket_of(&larger, set->name, set->name_len);
+            next = set->next;
+            set->next = *to;
+            *to = set;
+        }
+    }
+    free(r->bucket);
+    *r = larger;
+    return true;
+}
+
+struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance)
+{
+    if (r->sets >= r->buckets && !rehash(r))
+        return NULL;
+    struct dataset *set = calloc(1, sizeof *set);
+    struct dt *dt = dt_new(tolerance);
+    struct version *v = dt != NULL ? version_new(dt) : NULL;
+    if (set == NULL || v == NULL) {
+        free(set);
+        dt_free(dt);
+        return NULL;
+    }
+    set->current = v;
+    set->name_len = name->len;
+    memcpy(set->name, name->text, name->len);
+    struct dataset **bucket = bucket_of(r, set->name, set->name_len);
+    set->next = *bucket;
+    *bucket = set;
+    r->sets++;
+    version_account(r, v);
+    return set;
+}
+
+void registry_drop(struct registry *r, struct dataset *set)
+{
+    struct dataset **at = bucket_of(r, set->name, set->name_len);
+    while (*at != set)
+        at = &(*at)->next;
+    *at = set->next;
+    r->sets--;
+    version_unpin(r, set->current);
+    free(set);
+}
+
+void registry_clear(struct registry *r)
+{
+    for (size_t i = 0; i < r->buckets; i++)
+        while (r->bucket[i] != NULL)
+            registry_drop(r, r->bucket[i]);
+    free(r->bucket);
+    r->bucket = NULL;
+    r->buckets = 0;
+}
+
+void registry_each(const struct registry *r, void (*visit)(struct dataset *set, void *ctx),
+                   void *ctx)
+{
+    for (size_t i = 0; i < r->buckets; i++)
+        for (struct dataset *set = r->bucket[i]; set != NULL; set = set->next)
+            if (set->born)
+                visit(set, ctx);
+}
+
+/* ---- waiting ---- */
+
+void dataset_wait(struct dataset *set, struct waiter *w)
+{
+    w->set = set;
+    w->next = NULL;
+    w->prev = set->last;
+    if (set->last == NULL)
+        set->first = w;
+    else
+        set->last->next = w;
+    set->last = w;
+}
+
+void dataset_wait_no_more(struct waiter *w)
+{
+    if (w->set == NULL)
+        return;
+    if (w->prev == NULL)
+        w->set->first = w->next;
+    else
+        w->prev->next = w->next;
+    if (w->next == NULL)
+        w->set->last = w->prev;
+    else
+        w->next->prev = w->prev;
+    w->set = NULL;
+}
+
+void dataset_wake(struct dataset *set)
+{
+    while (set->first != NULL) {
+        struct waiter *w = set->first;
+        dataset_wait_no_more(w);
+        w->wake(w);
+    }
+}
+
+void dataset_publish(struct registry *r, struct dataset *set, struct version *v)
+{
+    version_unpin(r, set->current);
+    set->current = v;
+}

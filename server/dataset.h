@@ -1,0 +1,82 @@
+/* dataset.h - named sets, their versions, and who waits for them. The I/O thread alone touches what
+ * is here.
+ *
+ * A version is one state of a set, counted by reference. The set refers to its current version; a
+ * reply that is still being written and a job that reads pin the version they began with. Nobody
+ * but the set referring to the current version, it may be edited in place; pinned, the writer edits
+ * a copy, which then becomes the current one. So a reader never sees a half-edited set and never
+ * delays a writer.
+ *
+ * One writer at a time: while a job edits the set, writer is set, and requests that must wait for
+ * it line up in waiters. If it edits in place, exclusive is set too, and readers wait as well. */
+#ifndef SERVER_DATASET_H
+#define SERVER_DATASET_H
+
+#include "core/delaunay.h"
+#include "proto/request.h"
+
+struct version {
+    struct dt *dt; /* owns */
+    unsigned refs;
+    size_t memory; /* bytes that are accounted for it */
+};
+
+/* Somebody who wants to be told when the set is free again; part of whoever waits. */
+struct waiter {
+    struct waiter *prev, *next;
+    struct dataset *set; /* borrows while it waits; NULL: it does not */
+    void (*wake)(struct waiter *w);
+};
+
+struct dataset {
+    struct dataset *next; /* in its bucket */
+    struct version *current;
+    const struct job *writer; /* the job that edits it; NULL: none */
+    bool exclusive;           /* the writer edits in place */
+    bool born; /* false while the request that creates it has not succeeded yet: it is not there for
+                  others, but its name is taken */
+    struct waiter *first, *last;
+    size_t name_len;
+    char name[SET_NAME_LIMIT + 1];
+};
+
+struct registry {
+    struct dataset **bucket; /* owns */
+    size_t buckets, sets;
+    size_t memory; /* bytes of all versions */
+    /* Takes a set that nothing refers to any more; freeing a large one is a job. */
+    void (*discard)(void *ctx, struct dt *dt);
+    void *discard_ctx;
+};
+
+void registry_init(struct registry *r);
+/* Frees all sets; nobody may wait or pin any more. */
+void registry_clear(struct registry *r);
+
+/* The set of that name, born or not; NULL. */
+struct dataset *registry_find(const struct registry *r, const struct word *name);
+/* A new unborn set; NULL when out of memory. */
+struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance);
+/* Takes the set out and frees it. Nobody may write it or wait for it. */
+void registry_drop(struct registry *r, struct dataset *set);
+/* Calls visit for every born set, in no particular order. */
+void registry_each(const struct registry *r, void (*visit)(struct dataset *set, void *ctx),
+                   void *ctx);
+
+struct version *version_new(struct dt *dt);
+struct version *version_pin(struct version *v);
+void version_unpin(struct registry *r, struct version *v);
+/* Brings the accounting up to date after an edit. */
+void version_account(struct registry *r, struct version *v);
+
+/* Whether the triangulation lags behind the points, so that queries must wait for dt_refresh. */
+bool version_is_stale(const struct version *v);
+
+void dataset_wait(struct dataset *set, struct waiter *w);
+void dataset_wait_no_more(struct waiter *w);
+/* Wakes all who wait, first come first. */
+void dataset_wake(struct dataset *set);
+/* Makes v the current version; takes over the caller's reference. */
+void dataset_publish(struct registry *r, struct dataset *set, struct version *v);
+
+#endif

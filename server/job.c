@@ -1,0 +1,200 @@
+/* job.c - see job.h. */
+#include "server/job.h"
+
+#include "server/loop.h"
+
+#include <stdlib.h>
+
+enum {
+    BACKLOG_LIMIT = 64,    /* heavy jobs that may wait for a worker */
+    CLONE_AT_ONCE = 2000,  /* points of a set that is copied on the I/O thread */
+    FREE_AT_ONCE = 4 << 20 /* bytes of a set that is freed on the I/O thread */
+};
+
+void *job_new(size_t size, void (*run)(struct job *),
+              void (*done)(struct server *, struct job *, struct answer *))
+{
+    struct job *j = calloc(1, size);
+    if (j == NULL)
+        return NULL;
+    j->run = run;
+    j->done = done;
+    j->options.cancel = &j->cancel;
+    j->options.progress = &j->progress;
+    return j;
+}
+
+void job_free(struct job *j)
+{
+    if (j->clear != NULL)
+        j->clear(j);
+    free(j);
+}
+
+/* ---- on a worker, or at once ---- */
+
+static void run(struct work *w)
+{
+    struct job *j = (struct job *)w;
+    if (j->fresh != NULL) {
+        j->status = dt_clone(j->base->dt, &j->dt);
+        if (j->status != DT_OK) {
+            j->dt = NULL;
+            return;
+        }
+    }
+    j->run(j);
+}
+
+/* ---- on the I/O thread ---- */
+
+static void link_job(struct server *s, struct job *j)
+{
+    j->next = s->jobs;
+    if (j->next != NULL)
+        j->next->prev = j;
+    s->jobs = j;
+}
+
+static void unlink_job(struct server *s, struct job *j)
+{
+    if (j->prev != NULL)
+        j->prev->next = j->next;
+    else if (s->jobs == j)
+        s->jobs = j->next;
+    if (j->next != NULL)
+        j->next->prev = j->prev;
+}
+
+static void start(struct server *s, struct answer *a, struct job *j, unsigned how)
+{
+    j->owner = a->owner;
+    if (s->workers == NULL || (how & JOB_HEAVY) == 0) {
+        run(&j->work);
+        job_finish(s, j, a);
+        return;
+    }
+    j->started_ms = clock_ms();
+    j->options.pool = workers_pool(s->workers);
+    j->work.run = run;
+    s->count.jobs++;
+    link_job(s, j);
+    a->job = j;
+    workers_submit(s->workers, (how & JOB_BRIEF) != 0 ? WORK_SHORT : WORK_LONG, &j->work);
+}
+
+static bool too_busy(struct server *s, struct answer *a, unsigned how)
+{
+    if (s->workers == NULL || (how & (JOB_HEAVY | JOB_BRIEF)) != JOB_HEAVY ||
+        workers_backlog(s->workers) < BACKLOG_LIMIT)
+        return false;
+    reply_err(a->out, ERR_BUSY, "too many requests wait for a worker; try again");
+    return true;
+}
+
+void job_read(struct server *s, struct answer *a, struct job *j, struct version *v, unsigned how)
+{
+    if (too_busy(s, a, how)) {
+        job_free(j);
+        return;
+    }
+    j->base = version_pin(v);
+    j->dt = v->dt;
+    start(s, a, j, how);
+}
+
+/* Drops a set that the failed request had created. */
+static void drop_unborn(struct server *s, struct dataset *set)
+{
+    if (!set->born)
+        registry_drop(&s->sets, set);
+}
+
+void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
+{
+    struct dt_summary sum;
+    bool copy = (how & JOB_COPY) != 0 || set->current->refs > 1;
+    dt_summary(set->current->dt, &sum);
+    if (copy && sum.points > CLONE_AT_ONCE)
+        how |= JOB_HEAVY;
+    struct version *fresh = copy ? version_new(NULL) : NULL;
+    if (copy && fresh == NULL)
+        answer_out_of_memory(a);
+    if ((copy && fresh == NULL) || too_busy(s, a, how)) {
+        free(fresh);
+        job_free(j);
+        drop_unborn(s, set);
+        return;
+    }
+    j->set = set;
+    j->base = version_pin(set->current);
+    j->fresh = fresh;
+    j->dt = copy ? NULL : j->base->dt;
+    set->writer = j;
+    set->exclusive = !copy;
+    start(s, a, j, how);
+}
+
+static void publish(struct server *s, struct job *j)
+{
+    if (j->fresh == NULL) {
+        version_account(&s->sets, j->base);
+    } else if (j->status == DT_OK) {
+        j->fresh->dt = j->dt;
+        version_account(&s->sets, j->fresh);
+        dataset_publish(&s->sets, j->set, j->fresh);
+    } else {
+        if (j->dt != NULL)
+            s->sets.discard(s->sets.discard_ctx, j->dt);
+        free(j->fresh);
+    }
+    j->set->writer = NULL;
+    j->set->exclusive = false;
+    if (j->status == DT_OK)
+        j->set->born = true;
+}
+
+void job_finish(struct server *s, struct job *j, struct answer *a)
+{
+    struct dataset *set = j->set;
+    unlink_job(s, j);
+    if (set != NULL)
+        publish(s, j);
+    j->done(s, j, a);
+    if (j->base != NULL)
+        version_unpin(&s->sets, j->base);
+    job_free(j);
+    if (set != NULL) {
+        dataset_wake(set);
+        drop_unborn(s, set);
+    }
+}
+
+/* ---- freeing ---- */
+
+static void run_discard(struct job *j)
+{
+    dt_free(j->dt);
+}
+
+static void discarded(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s, (void)j, (void)a;
+}
+
+void job_discard(struct server *s, struct dt *dt)
+{
+    struct dt_summary sum;
+    struct buf out = {0};
+    struct answer nobody = {.out = &out};
+    dt_summary(dt, &sum);
+    struct job *j = NULL;
+    if (s->workers != NULL && !s->stopping && sum.memory > FREE_AT_ONCE)
+        j = job_new(sizeof *j, run_discard, discarded);
+    if (j == NULL) {
+        dt_free(dt);
+        return;
+    }
+    j->dt = dt;
+    start(s, &nobody, j, JOB_HEAVY | JOB_BRIEF);
+}

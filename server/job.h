@@ -1,0 +1,64 @@
+/* job.h - a piece of work on one set, done at once if it is light, by a worker if it is heavy.
+ *
+ * A command's job begins with a struct job, followed by its own arguments and results:
+ *
+ *     run    computes with job->dt and sets job->status. On a worker: it touches the job and
+ * job->dt, nothing else. done   on the I/O thread: writes the reply, or the error for job->status.
+ *     clear  frees the arguments; may be NULL.
+ *
+ * A reading job pins the version it reads. A writing job is the set's only writer until it is done;
+ * it edits in place if nobody pins the current version, else a copy that becomes the current
+ * version once the job has succeeded. */
+#ifndef SERVER_JOB_H
+#define SERVER_JOB_H
+
+#include "server/answer.h"
+#include "server/server.h"
+
+struct job {
+    struct work work; /* first: the workers' view */
+    struct job *prev, *next;
+    void (*run)(struct job *j);
+    void (*done)(struct server *s, struct job *j, struct answer *a);
+    void (*clear)(struct job *j);
+    const char *what; /* for the progress line */
+    uint64_t owner;   /* whom to answer: a connection's id */
+    int64_t started_ms;
+    struct dataset *set;   /* a writer's set; NULL for a reader */
+    struct version *base;  /* pinned: what it reads or edits */
+    struct version *fresh; /* a writer on a copy: becomes the current version */
+    struct dt *dt;         /* base's set or the copy */
+    struct dt_options options;
+    atomic_bool cancel;
+    atomic_uint progress;
+    enum dt_status status;
+};
+
+/* How to carry out a job. */
+enum {
+    JOB_HEAVY = 1, /* by a worker */
+    JOB_COPY = 2,  /* a writer should leave the current version to readers meanwhile */
+    JOB_BRIEF = 4  /* heavy, but a matter of milliseconds: not to wait behind builds */
+};
+
+/* A job of size bytes, all zero but for the callbacks; NULL when out of memory. job_read or
+ * job_write takes it over, else free it with job_free. */
+void *job_new(size_t size, void (*run)(struct job *),
+              void (*done)(struct server *, struct job *, struct answer *));
+void job_free(struct job *j);
+
+/* Carries out a job that reads version v (job->dt must not be edited). Without JOB_HEAVY the reply
+ * is there on return, else a->job is set. ERR BUSY if too many heavy jobs wait already. */
+void job_read(struct server *s, struct answer *a, struct job *j, struct version *v, unsigned how);
+
+/* The same for a job that edits the set, which has no other writer now. */
+void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set,
+               unsigned how);
+
+/* Ends a job that the workers have done: publishes what it wrote, answers through a, frees it. */
+void job_finish(struct server *s, struct job *j, struct answer *a);
+
+/* Frees a set that nothing refers to any more, by a worker if it is large. */
+void job_discard(struct server *s, struct dt *dt);
+
+#endif

@@ -1,0 +1,18 @@
+/* main.c - delaunayd: reads the command line and runs the daemon. */
+#include "server/config.h"
+#include "server/daemon.h"
+
+int main(int argc, char **argv)
+{
+    struct config config;
+    config_init(&config);
+    switch (config_parse(&config, argc, argv)) {
+    case CONFIG_EXIT:
+        return 0;
+    case CONFIG_BAD:
+        return 2;
+    case CONFIG_RUN:
+        break;
+    }
+    return daemon_run(&config);
+}

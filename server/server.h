@@ -1,0 +1,51 @@
+/* server.h - what the commands work on. Connections are not part of it: a command gets a server, a
+ * request and an answer, and is tested without sockets. Everything here belongs to the I/O thread.
+ */
+#ifndef SERVER_SERVER_H
+#define SERVER_SERVER_H
+
+#include "server/answer.h"
+#include "server/auth.h"
+#include "server/config.h"
+#include "server/dataset.h"
+#include "server/worker.h"
+
+struct counters {
+    uint64_t connections; /* accepted since the start */
+    uint64_t refused;     /* turned away: too many clients, no descriptor left */
+    uint64_t commands;    /* carried out, whether or not they succeeded */
+    uint64_t errors;      /* ERR replies among them */
+    uint64_t jobs;        /* handed to the workers */
+};
+
+struct server {
+    const struct config *config; /* borrows */
+    struct registry sets;
+    struct workers *workers; /* owns; NULL: every job runs at once, where it is asked for */
+    struct job *jobs;        /* those that the workers have */
+    size_t loading;          /* bytes of points that are being received */
+    struct dt_ids scratch;   /* owns; the result of a query that is answered at once */
+    struct request request;  /* owns; the words of the line that is carried out */
+    struct auth auth;
+    struct counters count;
+    unsigned clients;
+    bool stopping;
+    int64_t started_ms;
+};
+
+/* Starts config->threads workers unless that is 0. False, with the reason on standard error. */
+bool server_init(struct server *s, const struct config *config);
+
+/* Cancels and waits for what the workers still do, then frees everything. */
+void server_clear(struct server *s);
+
+/* Hands every job that the workers have finished to deliver, which ends it with job_finish. */
+void server_collect(struct server *s, void (*deliver)(void *ctx, struct job *j), void *ctx);
+
+/* Ends a job whose owner has gone. */
+void server_finish_unheard(struct server *s, struct job *j);
+
+/* Whether `more` bytes would exceed --max-memory. */
+bool server_lacks_memory(const struct server *s, size_t more);
+
+#endif

@@ -1,0 +1,40 @@
+/* session.h - one client's conversation: takes requests from its connection one after the other,
+ * hands them to the commands, and sees to what an answer leaves to come: streams, jobs, waiting,
+ * loads.
+ *
+ * At most one request of a client is under way, so replies come in the order of requests; those
+ * behind it wait in the connection's input. A turn is bounded in time and in output, so that no
+ * client holds up the others. */
+#ifndef SERVER_SESSION_H
+#define SERVER_SESSION_H
+
+#include "server/conn.h"
+#include "server/job.h"
+
+struct session {
+    struct conn conn; /* first: the connection's view */
+    struct server *server;
+    uint64_t id;
+    enum role role;
+    bool greeted; /* the first line has been seen */
+    size_t held;  /* bytes of the request that waits: kept in the input until it is answered */
+    struct stream *stream; /* owns: rows that are still to be sent */
+    struct job *job;       /* borrows: what a worker does for it */
+    struct load *load;     /* owns: points that are being received */
+    struct waiter waiter;  /* in line for a set */
+    void (*closed)(
+        struct session *s); /* tells whoever keeps the session, which is freed afterwards */
+};
+
+/* A session on a connected non-blocking socket; NULL, with the socket still the caller's, when out
+ * of memory or descriptors. It frees itself when its connection has closed. */
+struct session *session_new(struct server *server, struct loop *loop, int fd,
+                            void (*closed)(struct session *s));
+
+/* Ends a job of this session. */
+void session_job_done(struct session *s, struct job *j);
+
+/* Tells the client how far its job is. */
+void session_progress(struct session *s, const struct job *j);
+
+#endif
