@@ -1,0 +1,73 @@
+/* delaunay_client.h - talks to a delaunayd: connect, send request lines, read replies part by part.
+ *
+ *     struct delaunay_client *c = delaunay_connect("localhost", "6374", why, sizeof why);
+ *     if (delaunay_request(c, "NEAREST cities 2.35 48.85 3", print_part, stdout) == DELAUNAY_OK)
+ * ... delaunay_close(c);
+ *
+ * Requests may be pipelined: send as many as you like, then receive their replies in order. Sending
+ * never deadlocks against a server that waits for its replies to be read: what arrives meanwhile is
+ * kept. A client is not for two threads at once. Nothing here prints, exits or raises SIGPIPE. */
+#ifndef DELAUNAY_CLIENT_H
+#define DELAUNAY_CLIENT_H
+
+#include <stddef.h>
+
+#include "proto/reply_read.h"
+
+#define DELAUNAY_HOST "localhost"
+#define DELAUNAY_PORT "6374"
+
+struct delaunay_client;
+
+enum delaunay_result {
+    DELAUNAY_OK = 0,  /* carried out */
+    DELAUNAY_REFUSED, /* the server answered ERR; delaunay_status has the line; the connection goes
+                         on */
+    DELAUNAY_BADNAME, /* no name of a set; nothing was sent */
+    DELAUNAY_LOST,    /* the connection ended before the reply did */
+    DELAUNAY_BROKEN,  /* what came is no reply of the protocol */
+    DELAUNAY_NOMEM,   /* out of memory */
+    DELAUNAY_STOPPED  /* the caller's own callback said stop */
+};
+/* After LOST, BROKEN, NOMEM and STOPPED the connection is of no more use: close it. */
+
+/* A sentence for people. */
+const char *delaunay_result_text(enum delaunay_result r);
+
+/* Called with every part of a reply (status line, row, raw bytes, comment), which it borrows during
+ * the call. False stops. */
+typedef bool delaunay_part_fn(void *ctx, const struct reply_part *part);
+
+/* Called with the points sent so far, of how many. */
+typedef void delaunay_progress_fn(void *ctx, size_t done, size_t total);
+
+/* Connects to a host and port, or, if host contains a '/', to the Unix socket of that path. NULL on
+ * failure, with a sentence in why[room]. The caller owns the client. Blocks. */
+struct delaunay_client *delaunay_connect(const char *host, const char *port, char *why,
+                                         size_t room);
+void delaunay_close(struct delaunay_client *c);
+
+/* Queues the request line[len], which comes without its LF. Sends when enough has gathered;
+ * whatever is left goes out with the next receive. Blocks while the server does not read. */
+enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, size_t len);
+
+/* Reads the reply to the oldest request that has none yet; part may be NULL. Blocks until the reply
+ * is whole. */
+enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_fn *part, void *ctx);
+
+/* Both at once, for a string. With replies still to come for requests sent before, receive those
+ * first. */
+enum delaunay_result delaunay_request(struct delaunay_client *c, const char *line,
+                                      delaunay_part_fn *part, void *ctx);
+
+/* Sends the n points x, y of xy[2n] into the set in one request (LOADB): all or none. The reply is
+ * to be received. progress may be NULL. */
+enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char *set,
+                                          const double *xy, size_t n,
+                                          delaunay_progress_fn *progress, void *ctx);
+
+/* The status line of the last reply received, a NUL-terminated string; valid until the next
+ * receive. */
+const struct reply_part *delaunay_status(const struct delaunay_client *c);
+
+#endif

@@ -1,0 +1,37 @@
+/* svg.h - draws a triangulation: triangles, hull, points, and ids while there are few.
+ *
+ * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull_begin, svg_hull_point for
+ * each hull point in order, svg_hull_end, svg_points, svg_end. Everything goes straight to the
+ * file; ferror() tells whether it got there. */
+#ifndef CLIENTS_SVG_H
+#define CLIENTS_SVG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+struct svg {
+    FILE *out;            /* borrows until svg_end */
+    double x0, y1, scale; /* left edge, upper edge, and drawing units per unit */
+    double width, height; /* drawing units */
+    double line, dot;     /* width of a line and diameter of a point, in drawing units */
+    size_t in_path, triangles;
+    uint64_t hull;
+};
+
+/* Starts the drawing of the n points xy[2n], n > 0, with a title for people (no markup in it). */
+void svg_begin(struct svg *s, FILE *out, const char *title, const double *xy, size_t n);
+
+void svg_triangle(struct svg *s, const double *a, const double *b, const double *c);
+
+void svg_hull_begin(struct svg *s);
+void svg_hull_point(struct svg *s, const double *p);
+void svg_hull_end(struct svg *s);
+
+/* The points, each a dot, and their ids beside them if there are at most 100. */
+void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n);
+
+void svg_end(struct svg *s);
+
+#endif

@@ -1,0 +1,26 @@
+/* peer.h - the other end of a connection, played by the test itself in a process of its own. */
+#ifndef TESTS_CLIENTS_PEER_H
+#define TESTS_CLIENTS_PEER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Listens on a free port of the loopback address and, in a child process, calls serve(fd) for one
+ * connection after the other; the child lives as long as the test. The port's digits go to port[8].
+ */
+void peer_start(char *port, void (*serve)(int fd));
+
+/* The same on a Unix socket. */
+void peer_start_unix(const char *path, void (*serve)(int fd));
+
+/* Writes the text; ends the child if the other side has gone. */
+void peer_say(int fd, const char *text);
+
+/* Reads a line into line[room], without its LF; false at the end of the input. */
+bool peer_hear(int fd, char *line, size_t room);
+
+/* Runs a shell command and returns its standard output (static storage), its exit status in
+ * *status. */
+const char *peer_shell(int *status, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#endif

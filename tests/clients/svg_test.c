@@ -1,0 +1,125 @@
+/* svg_test.c - drawings are well-formed and lie within their frame, whatever the points. */
+#include "clients/svg.h"
+
+#include <string.h>
+
+#include "tests/test.h"
+
+/* Draws the points and the triangles a b c of tri[3 * triangles] along with all points as hull; the
+ * file's text. */
+static char *drawing(const double *xy, size_t n, const uint32_t *tri, size_t triangles)
+{
+    char *text;
+    size_t size;
+    uint32_t id[1000];
+    struct svg s;
+    FILE *out = open_memstream(&text, &size);
+    for (uint32_t i = 0; i < n; i++)
+        id[i] = i;
+    svg_begin(&s, out, "title", xy, n);
+    for (size_t i = 0; i < triangles; i++)
+        svg_triangle(&s, xy + 2 * tri[3 * i], xy + 2 * tri[3 * i + 1], xy + 2 * tri[3 * i + 2]);
+    svg_hull_begin(&s);
+    for (size_t i = 0; i < n; i++)
+        svg_hull_point(&s, xy + 2 * i);
+    svg_hull_end(&s);
+    svg_points(&s, xy, id, n);
+    svg_end(&s);
+    CHECK(s.triangles == triangles && !ferror(out));
+    fclose(out);
+    return text;
+}
+
+static unsigned count(const char *text, const char *what)
+{
+    unsigned n = 0;
+    for (; (text = strstr(text, what)) != NULL; text++)
+        n++;
+    return n;
+}
+
+/* Closed lines. */
+static unsigned closed(const char *text)
+{
+    return count(text, "zM") + count(text, "z\"");
+}
+
+/* Every element closed, every attribute quoted, every M within the frame. */
+static void check_sound(const char *text)
+{
+    double width, height, x, y;
+    CHECK(sscanf(strstr(text, "viewBox"), "viewBox=\"0 0 %lf %lf\"", &width, &height) == 2);
+    CHECK(width > 0 && height > 0);
+    CHECK(count(text, "<path") == count(text, "\"/>\n") - 1); /* the other one is the background */
+    CHECK(count(text, "\"") % 2 == 0);
+    CHECK(count(text, "nan") == 0 && count(text, "inf") == 0);
+    CHECK(strcmp(text + strlen(text) - 7, "</svg>\n") == 0);
+    for (const char *m = text; (m = strchr(m, 'M')) != NULL; m++) {
+        CHECK(sscanf(m, "M%lf %lf", &x, &y) == 2);
+        CHECK(x >= 0 && x <= width && y >= 0 && y <= height);
+    }
+}
+
+TEST(svg_draws_triangles_hull_points_and_ids)
+{
+    static const double xy[] = {0, 0, 4, 0, 4, 4, 0, 4, 2, 2};
+    static const uint32_t tri[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 0, 4, 3};
+    char *text = drawing(xy, 5, tri, 4);
+    check_sound(text);
+    CHECK(closed(text) == 5); /* four triangles and the hull */
+    CHECK(count(text, "h0") == 5);
+    CHECK(count(text, "<text") == 5 && strstr(text, ">4</text>") != NULL);
+    /* y points up: the point 0 4 is in the upper left corner of the frame, 0 0 in the lower left
+     * one */
+    CHECK(strstr(text, "M400 400h0") != NULL && strstr(text, "M400 16400h0") != NULL);
+    free(text);
+}
+
+TEST(svg_draws_points_on_a_line_as_an_open_hull)
+{
+    static const double xy[] = {0, 0, 1, 0, 2, 0};
+    char *text = drawing(xy, 3, NULL, 0);
+    check_sound(text);
+    CHECK(count(text, "class=\"h\"") == 1 && closed(text) == 0);
+    free(text);
+}
+
+TEST(svg_draws_a_single_place)
+{
+    static const double xy[] = {7, -3, 7, -3};
+    for (size_t n = 1; n <= 2; n++) {
+        char *text = drawing(xy, n, NULL, 0);
+        check_sound(text);
+        free(text);
+    }
+}
+
+TEST(svg_draws_coordinates_of_extreme_magnitude)
+{
+    static const double huge[] = {-0x1p201, -0x1p201, 0x1p201, -0x1p201, 0, 0x1p201};
+    static const double tiny[] = {0, 0, 0x1p-142, 0, 0, 0x1p-142};
+    static const uint32_t tri[] = {0, 1, 2};
+    const double *set[] = {huge, tiny};
+    for (int i = 0; i < 2; i++) {
+        char *text = drawing(set[i], 3, tri, 1);
+        check_sound(text);
+        free(text);
+    }
+}
+
+TEST(svg_shares_paths_between_many_triangles)
+{
+    static double xy[2 * 1000];
+    static uint32_t tri[3 * 998];
+    for (uint32_t i = 0; i < 1000; i++) {
+        xy[2 * i] = i / 2;
+        xy[2 * i + 1] = i % 2;
+        if (i < 998)
+            tri[3 * i] = i, tri[3 * i + 1] = i + 1, tri[3 * i + 2] = i + 2;
+    }
+    char *text = drawing(xy, 1000, tri, 998);
+    check_sound(text);
+    CHECK(count(text, "class=\"t\"") == 2 && closed(text) == 999);
+    CHECK(count(text, "<text") == 0);
+    free(text);
+}
