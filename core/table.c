@@ -338,7 +338,7 @@ static bool write_group(const struct dt *t, struct dt_cursor *c, struct sink *k,
 static void read_groups(const struct dt *t, struct dt_cursor *c, struct sink *k, size_t width)
 {
     struct dt_stars stars;
-    while (c->left > 0) {
+    while (c->left > 0 && has_room(k, width)) {
         dt_stars_read(t, c->id, stars_ahead(k, 2 * width), &stars);
         for (uint32_t i = 0; i < stars.n; i++)
             if (!write_group(t, c, k, &stars, i, width))

@@ -1,0 +1,30 @@
+/* sets.h - sets of points for tests that read triangulations, each with its brute-force twin. */
+#ifndef SETS_H
+#define SETS_H
+
+#include "core/delaunay.h"
+#include "tests/oracle/brute.h"
+
+/* A triangulated set of n points. */
+struct dt *set_of(const struct dt_point *p, uint32_t n);
+
+/* A triangulated set and what it should answer. */
+struct pair {
+    struct dt *t;
+    struct brute *b;
+};
+
+struct pair pair_of(const struct dt_point *p, uint32_t n);
+void pair_free(struct pair *pair);
+
+/* Calls test for small sets of every family, with and without deleted ids. */
+void for_each_pair(void (*test)(const struct pair *pair));
+
+/* Fails with both rows in the message unless the arrays are equal. */
+void check_equal_ids(const char *what, const struct dt_ids *got, const struct dt_ids *want);
+
+/* A place that is interesting for the set: a point, the middle of two, one beside a point, or
+ * anywhere in its box. */
+struct dt_point random_place(const struct brute *b);
+
+#endif

@@ -1,0 +1,136 @@
+/* table_test.c - whole-set tables against brute force, whatever the buffer. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/core/sets.h"
+#include "tests/test.h"
+
+#define TAU 6.283185307179586
+
+static const enum dt_table tables[] = {DT_POINTS,    DT_COINCIDENT, DT_LISTS,
+                                       DT_TRIANGLES, DT_EDGES,      DT_HULL};
+static const char *const names[] = {"POINTS", "COINCIDENT", "LISTS", "TRIANGLES", "EDGES", "HULL"};
+
+static void append(struct dt_ids *ids, const uint32_t *v, size_t n)
+{
+    if (n == 0)
+        return;
+    if (ids->n + n > ids->cap) {
+        ids->cap = 2 * (ids->n + n);
+        ids->v = realloc(ids->v, ids->cap * sizeof *ids->v);
+    }
+    memcpy(ids->v + ids->n, v, n * sizeof *v);
+    ids->n += n;
+}
+
+/* Reads a whole table through a buffer of cap words, at most max_rows rows at a time; a row that
+ * does not fit gets the buffer it asks for. */
+static void read_table(const struct dt *t, enum dt_table table, bool cw, size_t cap,
+                       size_t max_rows, struct dt_ids *out)
+{
+    struct dt_cursor c;
+    size_t rows, words, total = 0;
+    CHECK(dt_table_begin(t, table, cw, &c) == DT_OK);
+    for (;;) {
+        uint32_t *buffer = malloc((cap + 1) * sizeof *buffer);
+        buffer[cap] = 0xC0FFEE;
+        enum dt_status s = dt_table_read(t, &c, buffer, cap, max_rows, &rows, &words);
+        CHECK(buffer[cap] == 0xC0FFEE);
+        if (s == DT_TOOSMALL) {
+            CHECK(rows == 0 && words > cap && (table == DT_LISTS || words <= 8));
+            size_t need = words;
+            buffer = realloc(buffer, need * sizeof *buffer);
+            s = dt_table_read(t, &c, buffer, need, max_rows, &rows, &words);
+            CHECK(rows == 1 && words == need);
+        }
+        CHECK(s == DT_OK && rows <= max_rows);
+        append(out, buffer, words);
+        free(buffer);
+        total += rows;
+        if (rows == 0)
+            break;
+    }
+    CHECK(total == c.rows);
+}
+
+static void check_tables(const struct pair *pair)
+{
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        for (int cw = 0; cw < 2; cw++) {
+            struct dt_ids want = {0};
+            brute_table(pair->b, tables[i], cw, &want);
+            const size_t caps[] = {100000, 0, 1 + test_below(9), 8 + test_below(200)};
+            for (int k = 0; k < 4; k++) {
+                struct dt_ids got = {0};
+                read_table(pair->t, tables[i], cw, caps[k],
+                           k % 2 == 0 ? 1000000 : 1 + test_below(5), &got);
+                check_equal_ids(names[i], &got, &want);
+                free(got.v);
+            }
+            free(want.v);
+        }
+    }
+}
+
+TEST_TIMEOUT(tables_equal_brute_force_on_every_family, 60)
+{
+    for_each_pair(check_tables);
+}
+
+TEST(lists_tell_how_many_points_are_interior)
+{
+    const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}, {1, 2}};
+    struct pair pair = pair_of(p, 6);
+    struct dt_cursor c;
+    CHECK(dt_table_begin(pair.t, DT_LISTS, false, &c) == DT_OK && c.rows == 6 && c.interior == 2);
+    CHECK(dt_table_begin(pair.t, DT_TRIANGLES, false, &c) == DT_OK && c.rows == 6 &&
+          c.interior == 0);
+    pair_free(&pair);
+}
+
+/* A wheel of n points around a hub, which is joined to all of them: far more than a batch of stars
+ * holds. */
+static struct pair wheel(uint32_t n, uint32_t hub)
+{
+    struct dt_point p[402];
+    for (uint32_t i = 0; i <= n; i++) {
+        uint32_t k = i < hub ? i : i - 1;
+        p[i] = (struct dt_point){cos(k * TAU / n), sin(k * TAU / n)};
+    }
+    p[hub] = (struct dt_point){0, 0};
+    return pair_of(p, n + 1);
+}
+
+TEST_TIMEOUT(tables_are_right_at_vertices_of_high_degree, 60)
+{
+    const uint32_t hubs[] = {0, 30, 199};
+    for (int i = 0; i < 3; i++) {
+        struct pair pair = wheel(200, hubs[i]);
+        struct dt_cursor c;
+        struct dt_ids ring = {0};
+        brute_ring(pair.b, hubs[i], false, &ring);
+        CHECK_MSG(ring.n == 200, "the hub has only %zu neighbours", ring.n);
+        CHECK(dt_table_begin(pair.t, DT_LISTS, false, &c) == DT_OK);
+        check_tables(&pair);
+        free(ring.v);
+        pair_free(&pair);
+    }
+}
+
+TEST(tables_of_the_triangulation_need_one)
+{
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    struct dt_cursor c;
+    CHECK(dt_add(t, &(struct dt_point){1, 2}, 1, &added) == DT_OK);
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        bool points = tables[i] == DT_POINTS || tables[i] == DT_COINCIDENT;
+        CHECK(dt_table_begin(t, tables[i], false, &c) == (points ? DT_OK : DT_UNTRIANGULATED));
+    }
+    CHECK(dt_triangulate(t, NULL) == DT_OK);
+    CHECK(dt_add(t, &(struct dt_point){3, 2}, 1, &added) == DT_OK);
+    enum dt_status s = dt_table_begin(t, DT_EDGES, false, &c);
+    CHECK(s == DT_UNTRIANGULATED || (s == DT_OK && c.rows == 1)); /* stale tables are never read */
+    dt_free(t);
+}
