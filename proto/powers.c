@@ -1,4 +1,5 @@
-/* powers.c - the table of powers of ten. Generated; tests/proto/powers_test.c proves every entry. The generator:
+/* powers.c - the table of powers of ten. Generated; tests/proto/powers_test.c proves every entry.
+ * The generator:
  *
  *     def power(q):
  *         p = 5 ** abs(q)
