@@ -2,6 +2,7 @@
 #
 #   make            the daemon build/delaunayd and the client build/delaunay
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
+#   make demo       triangulates 171,075 real places over TCP, shows what comes back, draws build/cities.svg
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
 #   make interop, bench, lint, fuzz: see tests/rules.mk
 
@@ -31,7 +32,7 @@ WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,-
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all test clean asan tsan fmt
+.PHONY: all demo test clean asan tsan fmt
 
 all: $(O)/delaunayd $(O)/delaunay
 
@@ -51,6 +52,9 @@ $(O)/delaunayd $(O)/delaunay $(TEST_BINARIES):
 $(O)/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -MMD -MP -c -o $@ $<
+
+demo: all
+	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg
 
 # Tests that talk to a daemon find it through DELAUNAYD and DELAUNAY.
 test: all $(TEST_BINARIES)

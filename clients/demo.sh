@@ -1,0 +1,96 @@
+#!/bin/sh
+# demo.sh DAEMON CLIENT PLACES SVG - the whole service once, on real places: starts a daemon on a free port, loads,
+# triangulates, asks, proves, draws, stops. Exit status 0 only if every step worked. For `make demo`.
+set -eu
+daemon=$1 client=$2 places=$3 svg=$4
+tmp=$(mktemp -d)
+pid=
+
+stop()
+{
+    status=$?
+    trap - EXIT
+    if [ -n "$pid" ]; then
+        kill "$pid" 2>/dev/null || true
+        wait "$pid" 2>/dev/null || true
+    fi
+    rm -rf "$tmp"
+    [ "$status" = 0 ] || echo "demo: failed" >&2
+    exit "$status"
+}
+trap stop EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM HUP
+
+if [ -t 1 ]; then
+    bold=$(printf '\033[1m') plain=$(printf '\033[0m')
+else
+    bold= plain=
+fi
+
+say()
+{
+    printf '\n# %s\n' "$1"
+}
+
+# show LINES COMMAND...: prints the client's command and the first lines of its reply.
+show()
+{
+    lines=$1
+    shift
+    printf '%s$ delaunay %s%s\n' "$bold" "$*" "$plain"
+    if ! "$client" -h "$host" -p "$port" "$@" >"$tmp/reply"; then
+        cat "$tmp/reply"
+        return 1
+    fi
+    sed "${lines}q" "$tmp/reply"
+    more=$(($(wc -l <"$tmp/reply") - lines))
+    [ "$more" -le 0 ] || echo "... $more more lines"
+}
+
+say "A daemon on a free port of this machine"
+printf '%s$ delaunayd --port 0 &%s\n' "$bold" "$plain"
+"$daemon" --port 0 >"$tmp/ready" &
+pid=$!
+tries=0
+until grep -q '^ready on ' "$tmp/ready"; do
+    tries=$((tries + 1))
+    if [ $tries -gt 100 ] || ! kill -0 "$pid" 2>/dev/null; then
+        echo "demo: the daemon did not start" >&2
+        exit 1
+    fi
+    sleep 0.1
+done
+cat "$tmp/ready"
+address=$(sed -n 's/^ready on //p' "$tmp/ready")
+port=${address##*:}
+host=${address%:*}
+
+say "Cities and towns of the world, \`longitude latitude\` a line (GeoNames, CC-BY 4.0): the line number is the id"
+show 1 load cities "$places"
+
+say "The Delaunay triangulation of them all"
+show 1 TRIANGULATE cities
+show 1 STAT cities
+
+say "Point lists: who surrounds Paris (56987), Rome (87257), Tokyo (95017), each ring counterclockwise"
+show 9 LISTS cities 56987 87257 95017
+
+say "The convex hull, from its smallest id"
+show 8 HULL cities
+
+say "The Eiffel Tower: the triangle it stands in, the five nearest places"
+show 9 LOCATE cities 2.2945 48.8584
+show 9 NEAREST cities 2.2945 48.8584 5
+
+say "Proof: every edge locally Delaunay, in exact arithmetic"
+show 1 CHECK cities
+
+say "A picture of it"
+show 1 export cities "$svg"
+
+say "Done: the daemon finishes what it has received and leaves"
+printf '%s$ kill -TERM %s%s\n' "$bold" "$pid" "$plain"
+kill -TERM "$pid"
+wait "$pid"
+pid=
