@@ -44,8 +44,8 @@ static struct box box_of(const double *xy, size_t n)
 static void choose_widths(struct svg *s, double w, double h, size_t n)
 {
     double spacing = sqrt((w + MARGIN) * (h + MARGIN) / (double)n);
-    s->line = clamp(0.02 * spacing, 1.2, 14);
-    s->dot = clamp(0.12 * spacing, 5, 110);
+    s->line = clamp(0.02 * spacing, 1.2, 24);
+    s->dot = clamp(0.12 * spacing, 4, 180);
 }
 
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *xy, size_t n)
@@ -112,7 +112,7 @@ void svg_hull_point(struct svg *s, const double *p)
 {
     if (s->hull == 0)
         fprintf(s->out, "<path class=\"h\" stroke-width=\"%.4g\" d=\"M",
-                clamp(3 * s->line, 14, 40));
+                clamp(3 * s->line, 14, 60));
     fprintf(s->out, "%s%ld %ld",
             s->hull == 0        ? ""
             : s->hull % 12 == 0 ? "\n"
@@ -130,7 +130,7 @@ void svg_hull_end(struct svg *s)
 
 static void labels(struct svg *s, const double *xy, const uint32_t *id, size_t n)
 {
-    fprintf(s->out, "<g font-size=\"%.0f\">\n", clamp(2.2 * s->dot, 120, 260));
+    fprintf(s->out, "<g font-size=\"%.0f\">\n", clamp(2.2 * s->dot, 150, 400));
     for (size_t i = 0; i < n; i++)
         fprintf(s->out, "<text x=\"%.0f\" y=\"%.0f\">%u</text>\n",
                 (double)place_x(s, xy + 2 * i) + 0.7 * s->dot,

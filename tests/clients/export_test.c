@@ -1,0 +1,131 @@
+/* export_test.c - loading and drawing by way of a real daemon, and the demonstration as a whole. */
+#include <string.h>
+#include <unistd.h>
+
+#include "tests/clients/daemon.h"
+#include "tests/clients/peer.h"
+#include "tests/test.h"
+
+/* Runs `delaunay ARGUMENTS` against the daemon, its messages among its output. */
+static const char *run(const struct daemon *d, int *status, const char *arguments)
+{
+    return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"), d->port,
+                      arguments);
+}
+
+static void check_run(const struct daemon *d, const char *arguments, int status, const char *want)
+{
+    int got_status;
+    const char *got = run(d, &got_status, arguments);
+    CHECK_STR(got, want);
+    CHECK_MSG(got_status == status, "%s: status %d", arguments, got_status);
+}
+
+static unsigned count(const char *text, const char *what)
+{
+    unsigned n = 0;
+    for (; (text = strstr(text, what)) != NULL; text++)
+        n++;
+    return n;
+}
+
+TEST(export_draws_a_triangulated_set)
+{
+    struct daemon d = daemon_start();
+    int status;
+    run(&d, &status, "ADD t 0 0  4 0  4 4  0 4  2 2");
+    run(&d, &status, "TRIANGULATE t");
+    const char *svg = run(&d, &status, "export t -");
+    CHECK(status == 0 && strstr(svg, "<svg ") == svg);
+    CHECK(count(svg, "h0") == 5 && count(svg, "<text") == 5 && count(svg, "zM") == 3);
+    CHECK(strstr(svg, "<title>t: Delaunay triangulation of 5 points</title>") != NULL);
+    daemon_stop(&d);
+}
+
+TEST(export_follows_ids_that_have_gaps)
+{
+    struct daemon d = daemon_start();
+    int status;
+    run(&d, &status, "ADD t 9 9  0 0  4 0  7 7  4 4  4 4  0 4");
+    run(&d, &status, "DEL t 0 3");
+    run(&d, &status, "TRIANGULATE t");
+    const char *svg = run(&d, &status, "export t -");
+    CHECK(status == 0 && count(svg, "h0") == 5 && strstr(svg, ">6</text>") != NULL);
+    daemon_stop(&d);
+}
+
+TEST(export_that_is_refused_leaves_no_file)
+{
+    struct daemon d = daemon_start();
+    int status;
+    char path[64], part[80], arguments[100];
+    snprintf(path, sizeof path, "/tmp/delaunay_export_test.%d.svg", getpid());
+    snprintf(part, sizeof part, "%s.part", path);
+    snprintf(arguments, sizeof arguments, "export t %s", path);
+    check_run(&d, arguments, 1, "delaunay: ERR NOSET there is no set t\n");
+    run(&d, &status, "CREATE t");
+    check_run(&d, arguments, 1, "delaunay: the set is empty\n");
+    run(&d, &status, "ADD t 0 0");
+    check_run(&d, arguments, 1, "delaunay: ERR UNTRIANGULATED TRIANGULATE the set first\n");
+    CHECK(access(path, F_OK) != 0 && access(part, F_OK) != 0);
+    run(&d, &status, "TRIANGULATE t");
+    run(&d, &status, arguments);
+    CHECK(status == 0 && access(path, F_OK) == 0 && access(part, F_OK) != 0);
+    unlink(path);
+    check_run(&d, "export t /nonexistent/x.svg", 1,
+              "delaunay: /nonexistent/x.svg.part: No such file or directory\n");
+    daemon_stop(&d);
+}
+
+TEST(export_to_a_full_disk_fails)
+{
+    struct daemon d = daemon_start();
+    int status;
+    run(&d, &status, "ADD t 0 0  1 0  0 1");
+    run(&d, &status, "TRIANGULATE t");
+    if (access("/dev/full", W_OK) == 0) {
+        run(&d, &status, "export t - > /dev/full");
+        CHECK(status == 1);
+        run(&d, &status, "POINTS t > /dev/full");
+        CHECK(status == 1);
+    }
+    daemon_stop(&d);
+}
+
+TEST(load_gives_each_line_its_number_as_id)
+{
+    struct daemon d = daemon_start();
+    int status;
+    const char *out =
+        peer_shell(&status, "printf '5 6\\n7 8\\n5 6\\n' | %s -h 127.0.0.1 -p %s load t -",
+                   getenv("DELAUNAY"), d.port);
+    CHECK_STR(out, "OK 0 first=0 added=3 coincident=1\n");
+    check_run(&d, "POINTS t", 0, "OK 3\n0 5 6\n1 7 8\n2 5 6\n");
+    check_run(&d, "load t /dev/null", 0, "OK 0 first=3 added=0 coincident=0\n");
+    daemon_stop(&d);
+}
+
+TEST_TIMEOUT(demo_shows_the_whole_service, 60)
+{
+    int status;
+    char svg[64];
+    snprintf(svg, sizeof svg, "/tmp/delaunay_demo_test.%d.svg", getpid());
+    const char *out = peer_shell(&status, "clients/demo.sh %s %s tests/data/cities.xy %s 2>&1",
+                                 getenv("DELAUNAYD"), getenv("DELAUNAY"), svg);
+    CHECK_MSG(status == 0, "%s", out);
+    CHECK(strstr(out, "OK 0 first=0 added=171075 coincident=37\n") != NULL);
+    CHECK(strstr(out, "OK 0 delaunay=yes points=171075 coincident=37 triangles=") != NULL);
+    CHECK(strstr(out, "\n56987 ") != NULL && access(svg, F_OK) == 0);
+    unlink(svg);
+}
+
+TEST(demo_fails_if_a_step_fails)
+{
+    int status;
+    const char *out = peer_shell(&status, "clients/demo.sh %s %s /dev/null /nonexistent/x.svg 2>&1",
+                                 getenv("DELAUNAYD"), getenv("DELAUNAY"));
+    CHECK_MSG(status == 1 && strstr(out, "demo: failed") != NULL, "%s", out);
+    out = peer_shell(&status, "clients/demo.sh /bin/false %s /dev/null /tmp/x.svg 2>&1",
+                     getenv("DELAUNAY"));
+    CHECK_MSG(status == 1 && strstr(out, "did not start") != NULL, "%s", out);
+}
