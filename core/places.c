@@ -85,10 +85,21 @@ enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct d
     return DT_OK;
 }
 
-void dt_places_prefetch(const struct dt_places *p, struct dt_point q)
+void dt_places_fetch_bucket(const struct dt_places *p, struct dt_point q)
 {
     if (p->tol == 0)
         __builtin_prefetch(&p->bucket[home(p, q)]);
+}
+
+void dt_places_fetch_vertex(const struct dt_places *p, const struct dt_point *xy, struct dt_point q)
+{
+    if (p->tol != 0)
+        return;
+    uint32_t v = p->bucket[home(p, q)];
+    if (v != DT_NONE) {
+        __builtin_prefetch(&xy[v]);
+        __builtin_prefetch(&p->next[v]);
+    }
 }
 
 /* The nearer of best and the vertices in one bucket that are within reach of q. A bucket may hold

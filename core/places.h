@@ -30,8 +30,11 @@ enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct d
 uint32_t dt_places_find(const struct dt_places *p, const struct dt_point *xy, const uint32_t *id,
                         struct dt_point q, uint32_t except);
 
-/* Fetches what dt_places_find(q) will read first. */
-void dt_places_prefetch(const struct dt_places *p, struct dt_point q);
+/* Fetch in advance what dt_places_find(q) will read: first the bucket, and some time later, when
+ * that has come, the vertex in it. With tolerance 0 only. */
+void dt_places_fetch_bucket(const struct dt_places *p, struct dt_point q);
+void dt_places_fetch_vertex(const struct dt_places *p, const struct dt_point *xy,
+                            struct dt_point q);
 
 void dt_places_enter(struct dt_places *p, const struct dt_point *xy, uint32_t v);
 void dt_places_leave(struct dt_places *p, const struct dt_point *xy, uint32_t v);

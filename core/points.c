@@ -175,7 +175,7 @@ static void take_back(struct dt_points *p, uint32_t first, uint32_t end)
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
                              struct dt_added *out)
 {
-    enum { AHEAD = 16 }; /* points whose buckets are fetched in advance: covers one cache miss */
+    enum { AHEAD = 12 }; /* points; long enough for a cache miss, twice */
     if (n > DT_MAX_POINTS - dt_points_live(p) || n > DT_NONE - p->next_id)
         return DT_TOOBIG;
     trim(p);
@@ -187,8 +187,10 @@ enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size
     struct dt_added done = {.first = p->next_id, .added = (uint32_t)n};
     for (uint32_t i = 0; i < n; i++) {
         bool alias;
+        if (i + 2 * AHEAD < n)
+            dt_places_fetch_bucket(&p->places, q[i + 2 * AHEAD]);
         if (i + AHEAD < n)
-            dt_places_prefetch(&p->places, q[i + AHEAD]);
+            dt_places_fetch_vertex(&p->places, p->xy, q[i + AHEAD]);
         struct dt_point at = {q[i].x + 0.0, q[i].y + 0.0}; /* -0 becomes 0 */
         if (arrive(p, done.first + i, at, &alias) != DT_OK) {
             take_back(p, done.first, done.first + i);
