@@ -1,0 +1,176 @@
+/* body_test.c - the points that follow LOAD, in every form, cut at every place. */
+#include "proto/body.h"
+#include "tests/test.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool small_enough(double v)
+{
+    return fabs(v) < 1000;
+}
+
+/* Feeds text[n] in pieces of `piece` bytes, keeping what is not taken, as a connection does; -1:
+ * broken framing. */
+static ptrdiff_t feed(struct body *b, const char *text, size_t n, size_t piece, bool ends)
+{
+    size_t taken = 0, arrived = 0;
+    while (!b->complete && arrived < n) {
+        arrived = arrived + piece < n ? arrived + piece : n;
+        ptrdiff_t took = body_feed(b, text + taken, arrived - taken, ends && arrived == n);
+        if (took < 0)
+            return -1;
+        taken += (size_t)took;
+    }
+    return (ptrdiff_t)taken;
+}
+
+static ptrdiff_t feed_text(struct body *b, const char *text, bool ends)
+{
+    return feed(b, text, strlen(text), strlen(text), ends);
+}
+
+static bool has_points(const struct body *b, size_t n, const double *xy)
+{
+    return b->complete && b->fault == BODY_GOOD && b->n == n && memcmp(b->xy, xy, n * 16) == 0;
+}
+
+TEST(body_in_dots_form_is_read_whatever_the_pieces)
+{
+    static const char text[] = "1 2\n  3.5\t-4 \r\n\n# a comment\n #another\n5e2 .5\n.\nPING\n";
+    static const double want[] = {1, 2, 3.5, -4, 500, .5};
+    for (size_t piece = 1; piece <= sizeof text - 1; piece++) {
+        struct body b;
+        body_init(&b, BODY_DOT, 0, 10, small_enough);
+        CHECK(feed(&b, text, sizeof text - 1, piece, false) == (ptrdiff_t)sizeof text - 1 - 5);
+        CHECK(has_points(&b, 3, want) && b.line == 7);
+        body_free(&b);
+    }
+}
+
+TEST(body_of_counted_lines_ends_with_the_last_one)
+{
+    static const char text[] = "1 2\n# counts as a line\n3 4\n.\n";
+    static const double want[] = {1, 2, 3, 4};
+    for (size_t piece = 1; piece <= sizeof text - 1; piece++) {
+        struct body b;
+        body_init(&b, BODY_LINES, 3, 10, small_enough);
+        CHECK(feed(&b, text, sizeof text - 1, piece, false) == (ptrdiff_t)sizeof text - 1 - 2);
+        CHECK(has_points(&b, 2, want));
+        body_free(&b);
+    }
+}
+
+TEST(body_of_no_lines_is_complete_at_once)
+{
+    struct body b;
+    body_init(&b, BODY_LINES, 0, 10, small_enough);
+    CHECK(b.complete && b.n == 0);
+    body_init(&b, BODY_BINARY, 0, 10, small_enough);
+    CHECK(b.complete && b.n == 0);
+    body_init(&b, BODY_DOT, 0, 10, small_enough);
+    CHECK(!b.complete);
+}
+
+TEST(body_in_binary_form_is_read_whatever_the_pieces)
+{
+    /* 1.0, -2.0, 0.5, 3.0 in little-endian order, then the next request */
+    static const char text[] = "\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\0\xc0"
+                               "\0\0\0\0\0\0\xe0\x3f\0\0\0\0\0\0\x08\x40PING";
+    static const double want[] = {1, -2, .5, 3};
+    for (size_t piece = 1; piece <= 36; piece++) {
+        struct body b;
+        body_init(&b, BODY_BINARY, 2, 10, small_enough);
+        CHECK(feed(&b, text, 36, piece, false) == 32);
+        CHECK(has_points(&b, 2, want));
+        body_free(&b);
+    }
+}
+
+/* The fault of a body, whose rest must have been read to its end. */
+static enum body_fault fault_of(const char *text, uint64_t line)
+{
+    struct body b;
+    body_init(&b, BODY_DOT, 0, 3, small_enough);
+    CHECK(feed_text(&b, text, false) == (ptrdiff_t)strlen(text));
+    CHECK(b.complete && b.fault_line == line && b.xy == NULL);
+    return b.fault;
+}
+
+TEST(body_with_a_bad_line_is_dropped_whole_and_names_the_first)
+{
+    CHECK(fault_of("1 2\n3\n4 x\n.\n", 2) == BODY_SYNTAX);
+    CHECK(fault_of("1 2 3\n.\n", 1) == BODY_SYNTAX);
+    CHECK(fault_of("\n#\n1 x\n5\n.\n", 3) == BODY_NUMBER);
+    CHECK(fault_of("nan 1\n.\n", 1) == BODY_NUMBER);
+    CHECK(fault_of("1 1\n2 -1000\n.\n", 2) == BODY_RANGE);
+    CHECK(fault_of("1 1\n2 1\n3 1\n4 1\n5\n.\n", 4) == BODY_TOOBIG);
+}
+
+TEST(body_in_binary_form_refuses_what_is_no_coordinate)
+{
+    double bad[] = {NAN, INFINITY, 1000};
+    enum body_fault want[] = {BODY_NUMBER, BODY_RANGE, BODY_RANGE};
+    for (int i = 0; i < 3; i++) {
+        double xy[] = {1, 1, 2, bad[i], 3, 3};
+        struct body b;
+        body_init(&b, BODY_BINARY, 3, 10, small_enough);
+        CHECK(body_feed(&b, (const char *)xy, sizeof xy, false) == (ptrdiff_t)sizeof xy);
+        CHECK(b.complete && b.fault == want[i] && b.fault_line == 2);
+        body_free(&b);
+    }
+}
+
+TEST(body_that_ends_too_early_is_a_fault)
+{
+    struct body b;
+    body_init(&b, BODY_DOT, 0, 10, small_enough);
+    CHECK(feed_text(&b, "1 2\n3 4", true) == 7);
+    CHECK(b.complete && b.fault == BODY_ENDED && b.fault_line == 3 && b.xy == NULL);
+    body_init(&b, BODY_BINARY, 2, 10, small_enough);
+    CHECK(body_feed(&b, "12345678901234567", 17, true) == 17);
+    CHECK(b.complete && b.fault == BODY_ENDED && b.fault_line == 2);
+}
+
+TEST(body_may_end_with_a_line_without_its_lf)
+{
+    static const double want[] = {1, 2};
+    struct body b;
+    body_init(&b, BODY_DOT, 0, 10, small_enough);
+    CHECK(feed_text(&b, "1 2\n.", true) == 5 && has_points(&b, 1, want));
+    body_free(&b);
+    body_init(&b, BODY_LINES, 1, 10, small_enough);
+    CHECK(feed_text(&b, "1 2", true) == 3 && has_points(&b, 1, want));
+    body_free(&b);
+}
+
+TEST(body_with_a_nul_or_an_endless_line_breaks_the_framing)
+{
+    static char text[LINE_LIMIT + 1];
+    struct body b;
+    body_init(&b, BODY_DOT, 0, 10, small_enough);
+    CHECK(body_feed(&b, "1 2\n3\0 4\n", 9, false) == -1 && b.line_fault == LINE_NUL);
+    body_free(&b);
+    memset(text, ' ', sizeof text);
+    body_init(&b, BODY_DOT, 0, 10, small_enough);
+    CHECK(body_feed(&b, text, sizeof text, false) == -1 && b.line_fault == LINE_TOO_LONG);
+    body_free(&b);
+}
+
+TEST(body_without_memory_is_read_on_and_dropped)
+{
+    struct body b;
+    body_init(&b, BODY_DOT, 0, 10, small_enough);
+    test_fail_alloc(1);
+    CHECK(feed_text(&b, "1 2\n3 4\n.\n", false) == 10);
+    CHECK(test_alloc_failed() && b.complete && b.fault == BODY_NOMEM && b.fault_line == 1);
+}
+
+TEST(body_does_not_trust_the_announced_count)
+{
+    struct body b;
+    body_init(&b, BODY_BINARY, UINT32_MAX, UINT32_MAX, small_enough);
+    double xy[] = {1, 1};
+    CHECK(body_feed(&b, (const char *)xy, sizeof xy, false) == 16 && !b.complete && b.cap < 1000);
+    body_free(&b);
+}

@@ -1,0 +1,48 @@
+/* buf_test.c - buffers against a plain array. */
+#include "proto/buf.h"
+#include "tests/test.h"
+
+#include <string.h>
+
+TEST(buf_is_a_queue_of_bytes)
+{
+    enum { TOTAL = 20000 };
+    struct buf b = {0};
+    size_t in = 0, out = 0;
+    while (out < TOTAL) {
+        for (size_t n = test_below(700); n > 0 && in < TOTAL; n--, in++)
+            buf_append_char(&b, (char)(in * 7));
+        for (size_t n = test_below(700); n > 0 && out < in; n--, out++) {
+            CHECK(*buf_head(&b) == (char)(out * 7));
+            buf_consume(&b, 1);
+        }
+        CHECK(buf_len(&b) == in - out);
+    }
+    CHECK(b.cap <= 64 * 1024);
+    buf_free(&b);
+    CHECK(b.cap == 0 && b.data == NULL);
+}
+
+TEST(buf_keeps_its_content_when_memory_runs_out)
+{
+    struct buf b = {0};
+    char block[1000] = {0};
+    buf_append_text(&b, "kept");
+    test_fail_alloc(1);
+    buf_append(&b, block, sizeof block);
+    CHECK(test_alloc_failed());
+    CHECK(b.failed && buf_len(&b) == 4 && memcmp(buf_head(&b), "kept", 4) == 0);
+    buf_rewind(&b, 2);
+    CHECK(!b.failed && buf_len(&b) == 2);
+    buf_append_text(&b, "y");
+    CHECK(memcmp(buf_head(&b), "key", 3) == 0);
+    buf_free(&b);
+}
+
+TEST(buf_refuses_a_length_that_would_overflow)
+{
+    struct buf b = {0};
+    buf_append_text(&b, "x");
+    CHECK(buf_reserve(&b, SIZE_MAX - 4) == NULL && b.failed);
+    buf_free(&b);
+}

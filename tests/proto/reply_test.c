@@ -1,0 +1,111 @@
+/* reply_test.c - replies as bytes. */
+#include "proto/reply.h"
+#include "tests/test.h"
+
+#include <float.h>
+#include <string.h>
+
+static struct buf out;
+
+static const char *written(void)
+{
+    static char text[4096];
+    CHECK(buf_len(&out) < sizeof text);
+    memcpy(text, buf_head(&out), buf_len(&out));
+    text[buf_len(&out)] = '\0';
+    buf_free(&out);
+    return text;
+}
+
+TEST(reply_starts_with_a_status_line)
+{
+    reply_ok(&out, 2);
+    reply_key_u64(&out, "big", UINT64_MAX);
+    reply_key_double(&out, "ms", 0.012);
+    reply_key_text(&out, "where", "inside");
+    reply_end(&out);
+    CHECK_STR(written(), "OK 2 big=18446744073709551615 ms=0.012 where=inside\n");
+}
+
+TEST(reply_rows_are_ids_and_points)
+{
+    const uint32_t ids[] = {0, UINT32_MAX, 7};
+    reply_row_ids(&out, ids, 3);
+    reply_row_ids(&out, ids, 1);
+    reply_row_point(&out, 5, -0.1, 1e21);
+    reply_row_neighbour(&out, 5, 1, 2, 0.5);
+    reply_row_text(&out, "a b");
+    CHECK_STR(written(), "0 4294967295 7\n0\n5 -0.1 1e+21\n5 1 2 0.5\na b\n");
+}
+
+TEST(reply_words_are_little_endian)
+{
+    reply_word_u32(&out, 0x01020304);
+    reply_word_double(&out, 1.0);
+    CHECK(buf_len(&out) == 12 && memcmp(buf_head(&out), "\4\3\2\1\0\0\0\0\0\0\xf0\x3f", 12) == 0);
+    buf_free(&out);
+}
+
+TEST(reply_errors_quote_nothing_that_could_harm_a_terminal_or_a_parser)
+{
+    reply_err(&out, ERR_UNKNOWN, "no %s here", "\x1b[2J\nOK 0\r\t\xff");
+    CHECK_STR(written(), "ERR UNKNOWN no ?[2J?OK 0??? here\n");
+}
+
+TEST(reply_errors_are_short_whatever_they_quote)
+{
+    char word[1000];
+    memset(word, 'w', sizeof word);
+    word[999] = '\0';
+    reply_err(&out, ERR_UNTRIANGULATED, "%s", word);
+    CHECK(buf_len(&out) <= REPLY_ERR_ROOM && buf_head(&out)[buf_len(&out) - 1] == '\n');
+    buf_free(&out);
+}
+
+TEST(reply_comments_are_comments)
+{
+    reply_comment(&out, "progress %u %s", 37u, "triangulating");
+    CHECK_STR(written(), "# progress 37 triangulating\n");
+}
+
+TEST(reply_codes_have_the_names_of_the_protocol)
+{
+    static const char *const names[] = {
+        "SYNTAX",    "UNKNOWN", "NUMBER",     "RANGE",          "NOSET",   "EXISTS",
+        "NOPOINT",   "NOEDGE",  "NOTRIANGLE", "UNTRIANGULATED", "TOOLONG", "TOOBIG",
+        "BUSY",      "NOMEM",   "READONLY",   "NOAUTH",         "DENIED",  "TIMEOUT",
+        "CANCELLED", "LOADING", "IO",         "CORRUPT"};
+    for (unsigned i = 0; i <= ERR_CORRUPT; i++)
+        CHECK_STR(reply_code_name((enum reply_code)i), names[i]);
+}
+
+static void write_everything(void)
+{
+    const uint32_t ids[] = {1, 2, 3};
+    reply_ok(&out, 3);
+    reply_key_double(&out, "x", DBL_MAX);
+    reply_end(&out);
+    reply_row_ids(&out, ids, 3);
+    reply_row_point(&out, 1, 2, 3);
+    reply_row_neighbour(&out, 1, 2, 3, 4);
+    reply_word_double(&out, 5);
+}
+
+TEST(reply_remembers_that_memory_ran_out)
+{
+    write_everything();
+    size_t whole = buf_len(&out);
+    CHECK(!out.failed);
+    buf_free(&out);
+    long n = 1;
+    for (;; n++) {
+        test_fail_alloc(n);
+        write_everything();
+        if (!test_alloc_failed())
+            break;
+        CHECK(out.failed && buf_len(&out) < whole);
+        buf_free(&out);
+    }
+    CHECK(n > 1 && !out.failed && buf_len(&out) == whole);
+    buf_free(&out);
+}

@@ -1,0 +1,81 @@
+/* request_test.c - words out of a line. */
+#include "proto/request.h"
+#include "tests/test.h"
+
+#include <string.h>
+
+static struct request q;
+
+static void split(const char *line)
+{
+    CHECK(request_split(&q, line, strlen(line)));
+}
+
+static bool nth_is(size_t i, const char *text)
+{
+    return i < q.n && q.word[i].len == strlen(text) &&
+           memcmp(q.word[i].text, text, q.word[i].len) == 0;
+}
+
+TEST(request_is_split_at_spaces_and_tabs)
+{
+    split(" \tADD  t\t1 2 ");
+    CHECK(q.n == 4 && nth_is(0, "ADD") && nth_is(1, "t") && nth_is(2, "1") && nth_is(3, "2"));
+    split("");
+    CHECK(q.n == 0);
+    split(" \t ");
+    CHECK(q.n == 0);
+    request_free(&q);
+}
+
+TEST(request_may_have_as_many_words_as_a_line_holds)
+{
+    static char line[65536];
+    for (size_t i = 0; i < sizeof line; i++)
+        line[i] = i % 2 == 0 ? 'x' : ' ';
+    CHECK(request_split(&q, line, sizeof line) && q.n == sizeof line / 2);
+    request_free(&q);
+}
+
+TEST(request_without_memory_has_no_words)
+{
+    test_fail_alloc(1);
+    CHECK(!request_split(&q, "PING", 4) && test_alloc_failed() && q.n == 0);
+    split("PING");
+    CHECK(q.n == 1);
+    request_free(&q);
+}
+
+TEST(words_are_compared_whatever_their_case)
+{
+    split("ping PiNg PIN PINGS pin\xc7 [ing");
+    CHECK(word_is(&q.word[0], "PING") && word_is(&q.word[1], "PING"));
+    for (size_t i = 2; i < q.n; i++)
+        CHECK(!word_is(&q.word[i], "PING"));
+    request_free(&q);
+}
+
+TEST(set_names_are_short_and_plain)
+{
+    char longest[66];
+    memset(longest, 'n', 65);
+    longest[65] = '\0';
+    split("a Z9_.:- a/b \xc3\xa4 a*");
+    CHECK(word_is_set_name(&q.word[0]) && word_is_set_name(&q.word[1]));
+    for (size_t i = 2; i < q.n; i++)
+        CHECK(!word_is_set_name(&q.word[i]));
+    split(longest);
+    CHECK(!word_is_set_name(&q.word[0]));
+    q.word[0].len = 64;
+    CHECK(word_is_set_name(&q.word[0]));
+    request_free(&q);
+}
+
+TEST(http_is_recognised_by_the_end_of_its_first_line)
+{
+    CHECK(line_is_http("GET / HTTP/1.1", 14));
+    CHECK(line_is_http("POST /x HTTP/1.0", 16));
+    CHECK(!line_is_http("GET t 1", 7));
+    CHECK(!line_is_http(" HTTP/1.", 8));
+    CHECK(!line_is_http("GET /HTTP/1.1", 13));
+}
