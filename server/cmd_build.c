@@ -35,7 +35,8 @@ static void run_triangulate(struct job *j)
     j->status = dt_triangulate(j->dt, &j->options);
     if (j->status == DT_OK)
         j->status = dt_refresh(j->dt, &j->options);
-    b->ms = (double)((clock_ns() - start) / 1000) / 1000;
+    int64_t microseconds = (clock_ns() - start) / 1000;
+    b->ms = (double)microseconds / 1000;
 }
 
 static void tell_triangulation(struct answer *a, const struct dt *dt, double ms)

@@ -111,6 +111,7 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
     struct version *v = dt != NULL ? version_new(dt) : NULL;
     if (set == NULL || v == NULL) {
         free(set);
+        free(v);
         dt_free(dt);
         return NULL;
     }
@@ -125,22 +126,30 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
     return set;
 }
 
+static void free_set(struct registry *r, struct dataset *set)
+{
+    r->sets--;
+    version_unpin(r, set->current);
+    free(set);
+}
+
 void registry_drop(struct registry *r, struct dataset *set)
 {
     struct dataset **at = bucket_of(r, set->name, set->name_len);
     while (*at != set)
         at = &(*at)->next;
     *at = set->next;
-    r->sets--;
-    version_unpin(r, set->current);
-    free(set);
+    free_set(r, set);
 }
 
 void registry_clear(struct registry *r)
 {
-    for (size_t i = 0; i < r->buckets; i++)
-        while (r->bucket[i] != NULL)
-            registry_drop(r, r->bucket[i]);
+    for (size_t i = 0; i < r->buckets; i++) {
+        for (struct dataset *set = r->bucket[i], *next; set != NULL; set = next) {
+            next = set->next;
+            free_set(r, set);
+        }
+    }
     free(r->bucket);
     r->bucket = NULL;
     r->buckets = 0;

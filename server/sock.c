@@ -108,10 +108,9 @@ int sock_accept(int listener)
 void sock_refuse(int fd, const char *line)
 {
     char scratch[4096];
-    ssize_t ignored = send(fd, line, strlen(line), MSG_NOSIGNAL | MSG_DONTWAIT);
-    shutdown(fd, SHUT_WR);
     /* Closing with unread input would reset the connection, and the line would be lost. */
-    ignored = recv(fd, scratch, sizeof scratch, MSG_DONTWAIT);
-    (void)ignored;
+    if (send(fd, line, strlen(line), MSG_NOSIGNAL | MSG_DONTWAIT) > 0 && shutdown(fd, SHUT_WR) == 0)
+        while (recv(fd, scratch, sizeof scratch, MSG_DONTWAIT) == (ssize_t)sizeof scratch)
+            continue;
     close(fd);
 }

@@ -1,0 +1,222 @@
+/* daemon.c - see daemon.h. */
+#include "tests/server/daemon.h"
+
+#include "tests/test.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { MOST_ARGUMENTS = 16 };
+
+static void run_daemon(const char *const *arguments)
+{
+    const char *path = getenv("DELAUNAYD");
+    const char *argv[MOST_ARGUMENTS + 4] = {path, "--port", "0"};
+    size_t n = 3;
+    for (; arguments != NULL && *arguments != NULL && n < MOST_ARGUMENTS; arguments++)
+        argv[n++] = *arguments;
+    if (path != NULL)
+        execv(path, (char *const *)(uintptr_t)argv);
+    perror("DELAUNAYD");
+    _exit(127);
+}
+
+struct daemon daemon_start(const char *const *arguments)
+{
+    struct daemon d = {0};
+    int out[2];
+    char line[128];
+    CHECK(pipe(out) == 0);
+    d.pid = fork();
+    CHECK(d.pid >= 0);
+    if (d.pid == 0) {
+        dup2(out[1], STDOUT_FILENO);
+        close(out[0]);
+        close(out[1]);
+        run_daemon(arguments);
+    }
+    close(out[1]);
+    FILE *f = fdopen(out[0], "r");
+    CHECK(f != NULL && fgets(line, sizeof line, f) != NULL);
+    CHECK_MSG(sscanf(line, "ready on 127.0.0.1:%u", &d.port) == 1, "not a ready line: %s", line);
+    fclose(f);
+    return d;
+}
+
+int daemon_stop(const struct daemon *d, int sig)
+{
+    int status;
+    CHECK(kill(d->pid, sig) == 0);
+    CHECK(waitpid(d->pid, &status, 0) == d->pid);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+int daemon_connect(const struct daemon *d)
+{
+    struct sockaddr_in at = {.sin_family = AF_INET, .sin_port = htons((in_port_t)d->port)};
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    CHECK_MSG(fd >= 0 && connect(fd, (struct sockaddr *)&at, sizeof at) == 0, "connect: %s",
+              strerror(errno));
+    return fd;
+}
+
+void say_bytes(int fd, const void *bytes, size_t n)
+{
+    const char *p = bytes;
+    while (n > 0) {
+        ssize_t sent = send(fd, p, n, MSG_NOSIGNAL);
+        CHECK_MSG(sent > 0, "send: %s", strerror(errno));
+        p += sent;
+        n -= (size_t)sent;
+    }
+}
+
+void say(int fd, const char *text)
+{
+    say_bytes(fd, text, strlen(text));
+}
+
+void expect(int fd, const char *want)
+{
+    size_t n = strlen(want), got = 0;
+    char *text = calloc(1, n + 1);
+    CHECK(text != NULL);
+    while (got < n) {
+        ssize_t r = recv(fd, text + got, n - got, 0);
+        if (r <= 0 || memcmp(text, want, got + (size_t)r) != 0) {
+            CHECK_STR(text, want);
+            test_fail(__FILE__, __LINE__, "the connection ended");
+        }
+        got += (size_t)r;
+    }
+    free(text);
+}
+
+const char *hear_line(int fd)
+{
+    static char line[1 << 16];
+    size_t n = 0;
+    for (; n < sizeof line - 1; n++) {
+        CHECK_MSG(recv(fd, &line[n], 1, 0) == 1, "the connection ended after \"%.*s\"", (int)n,
+                  line);
+        if (line[n] == '\n')
+            break;
+    }
+    line[n] = '\0';
+    return line;
+}
+
+char *hear_all(int fd, size_t *n)
+{
+    size_t cap = 1 << 16;
+    char *text = malloc(cap);
+    *n = 0;
+    for (;;) {
+        CHECK(text != NULL);
+        ssize_t r = recv(fd, text + *n, cap - *n - 1, 0);
+        CHECK_MSG(r >= 0, "recv after %zu bytes: %s", *n, strerror(errno));
+        if (r == 0)
+            break;
+        *n += (size_t)r;
+        if (cap - *n < cap / 2)
+            text = realloc(text, cap *= 2);
+    }
+    text[*n] = '\0';
+    return text;
+}
+
+void expect_end(int fd)
+{
+    char c;
+    ssize_t r = recv(fd, &c, 1, 0);
+    CHECK_MSG(r == 0, "%s", r > 0 ? "more than expected" : strerror(errno));
+}
+
+void converse(const struct daemon *d, const char *request, const char *want)
+{
+    size_t n;
+    int fd = daemon_connect(d);
+    say(fd, request);
+    shutdown(fd, SHUT_WR);
+    char *got = hear_all(fd, &n);
+    CHECK_STR(got, want);
+    free(got);
+    close(fd);
+}
+
+uint64_t daemon_info(const struct daemon *d, const char *key)
+{
+    size_t n;
+    char mark[64];
+    int fd = daemon_connect(d);
+    say(fd, "INFO\nQUIT\n");
+    char *text = hear_all(fd, &n);
+    close(fd);
+    snprintf(mark, sizeof mark, "\n%s:", key);
+    const char *at = strstr(text, mark);
+    CHECK_MSG(at != NULL, "INFO has no %s", key);
+    uint64_t v = strtoull(at + strlen(mark), NULL, 10);
+    free(text);
+    return v;
+}
+
+void load_random(int fd, const char *set, uint32_t n)
+{
+    char head[100];
+    double *xy = malloc((size_t)n * 16 + 16);
+    CHECK(xy != NULL);
+    for (size_t i = 0; i < 2 * (size_t)n; i++)
+        xy[i] = test_uniform();
+    snprintf(head, sizeof head, "LOADB %s %" PRIu32 "\n", set, n);
+    say(fd, head);
+    say_bytes(fd, xy, (size_t)n * 16);
+    free(xy);
+    snprintf(head, sizeof head, "OK 0 first=0 added=%" PRIu32 " coincident=0\n", n);
+    expect(fd, head);
+}
+
+size_t daemon_resident(const struct daemon *d)
+{
+    char path[64];
+    size_t size, resident;
+    snprintf(path, sizeof path, "/proc/%d/statm", (int)d->pid);
+    FILE *f = fopen(path, "r");
+    CHECK(f != NULL && fscanf(f, "%zu %zu", &size, &resident) == 2);
+    fclose(f);
+    return resident * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+double daemon_cpu_seconds(const struct daemon *d)
+{
+    char path[64];
+    unsigned long user, system;
+    snprintf(path, sizeof path, "/proc/%d/stat", (int)d->pid);
+    FILE *f = fopen(path, "r");
+    CHECK(f != NULL);
+    CHECK(fscanf(f, "%*d %*s %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %lu %lu", &user,
+                 &system) == 2);
+    fclose(f);
+    return (double)(user + system) / (double)sysconf(_SC_CLK_TCK);
+}
+
+double seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void pause_ms(unsigned ms)
+{
+    struct timespec t = {ms / 1000, (long)(ms % 1000) * 1000000};
+    nanosleep(&t, NULL);
+}
