@@ -7,9 +7,9 @@
  * are in crowded cells was wasted on them, so it is made anew with few cells: the next level will
  * fit better. */
 #include "core/hints.h"
-#include "core/memory.h"
 
 #include "core/hull.h"
+#include "core/memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,6 +20,8 @@
 #define CROWD 12      /* points in one cell that are worth a grid */
 #define MAX_CELLS 6.0 /* a point, over all grids; beyond that cells stay crowded */
 #define IS_GRID 4u
+#define NEAR 2       /* cells: a distance that need not be improved */
+#define FARTHEST 254 /* cells: distances are cut off there */
 
 /* What a grid under construction covers: the vertices list[from .. to - 1]. */
 struct span {
@@ -65,6 +67,20 @@ enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy)
 size_t dt_hints_memory(const struct dt_hints *g)
 {
     return g->grid_cap * sizeof *g->grid + g->cell_cap * sizeof *g->cell;
+}
+
+uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned direction)
+{
+    const struct dt_grid *top = g->grid;
+    uint32_t at = dt_grid_cell(top, q), column = at % top->nx, row = at / top->nx;
+    uint32_t cells[4] = {top->ny - 1 - row, row, column, top->nx - 1 - column};
+    uint32_t step[4] = {top->nx, 0 - top->nx, 0 - 1u, 1};
+    for (uint32_t n = cells[direction & 3]; n > 0; n--) {
+        at += step[direction & 3];
+        if ((g->cell[at] & DT_HINT_LENT) != DT_HINT_LENT)
+            return dt_hint_in(g, g->cell[at], q);
+    }
+    return DT_NONE;
 }
 
 struct box {
@@ -171,26 +187,63 @@ static void drop_all(const struct builder *b, uint32_t k)
     }
 }
 
-/* Every empty cell takes the content of the one left of it, else right of it, else of the row
- * below. The box is tight, so the lowest row is not empty. */
+/* What a cell has, and how many cells away that comes from: 0 its own, FARTHEST + 1 nothing yet. */
+struct content {
+    uint32_t h;
+    unsigned far;
+};
+
+/* The nearer one of a cell's content and its neighbour's. No branches: the outcome is a toss. */
+static inline struct content nearer(struct content own, struct content next)
+{
+    unsigned far = next.far + (next.far < FARTHEST ? 1u : 0u);
+    bool take = far < own.far;
+    return (struct content){take ? next.h | DT_HINT_LENT : own.h, take ? far : own.far};
+}
+
+/* From left to right along a row and from the row below. */
+static void sweep_up(uint32_t *cell, uint8_t *far, size_t nx, bool has_below)
+{
+    struct content left = {0, FARTHEST + 1};
+    for (size_t i = 0; i < nx; i++) {
+        struct content own = {cell[i], far[i]};
+        if (has_below)
+            own = nearer(own, (struct content){(cell - nx)[i], (far - nx)[i]});
+        left = nearer(own, left);
+        cell[i] = left.h;
+        far[i] = (uint8_t)left.far;
+    }
+}
+
+/* From right to left and from the row above, only for cells whose content is not near already. */
+static void sweep_down(uint32_t *cell, uint8_t *far, size_t nx, bool has_above)
+{
+    for (size_t i = nx; i-- > 0;) {
+        struct content own = {cell[i], far[i]};
+        if (own.far <= NEAR)
+            continue;
+        if (has_above)
+            own = nearer(own, (struct content){cell[i + nx], far[i + nx]});
+        if (i + 1 < nx)
+            own = nearer(own, (struct content){cell[i + 1], far[i + 1]});
+        cell[i] = own.h;
+        far[i] = (uint8_t)own.far;
+    }
+}
+
+/* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
+ * transform in two sweeps [Rosenfeld & Pfaltz 1966]. b->count becomes the distances. */
 static void fill_empty(const struct builder *b, const struct dt_grid *g)
 {
-    for (uint32_t row = 0; row < g->ny; row++) {
-        uint32_t *cell = b->hints->cell + g->first + row * g->nx;
-        const uint8_t *count = b->count + row * g->nx;
-        uint32_t i = 0;
-        while (i < g->nx && count[i] == 0)
-            i++;
-        if (i == g->nx) {
-            memcpy(cell, cell - g->nx, g->nx * sizeof *cell);
-            continue;
-        }
-        for (uint32_t j = 0; j < i; j++)
-            cell[j] = cell[i];
-        for (i++; i < g->nx; i++)
-            if (count[i] == 0)
-                cell[i] = cell[i - 1];
-    }
+    uint32_t *cell = b->hints->cell + g->first;
+    uint8_t *far = b->count;
+    size_t nx = g->nx, n = nx * g->ny;
+    for (size_t i = 0; i < n; i++)
+        far[i] = far[i] == 0 ? FARTHEST + 1 : 0;
+    for (size_t row = 0; row < n; row += nx)
+        sweep_up(cell + row, far + row, nx, row > 0);
+    for (size_t row = n; row > 0; row -= nx)
+        sweep_down(cell + row - nx, far + row - nx, nx, row < n);
 }
 
 static bool crowded(const struct builder *b, const struct dt_grid *g, uint32_t v)

@@ -11,6 +11,9 @@
  *                        | h | G | h |          G: the cell's own grid (its number), marked by bit
  * 2, which no half
  *                        +---+---+---+             edge 8t + k has set
+ *
+ * An empty cell borrows the content of the nearest one that is not, marked by 3 in the two lowest
+ * bits; of a half edge only the triangle counts.
  */
 #ifndef DT_HINTS_H
 #define DT_HINTS_H
@@ -61,13 +64,24 @@ static inline uint32_t dt_grid_cell(const struct dt_grid *g, struct dt_point q)
     return g->first + row * g->nx + dt_grid_index(q.x, g->lo.x, g->per_x, g->nx);
 }
 
-/* A half edge near q; the mesh must have at least two vertices. */
-static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
+#define DT_HINT_LENT 3u /* the cell is empty and has borrowed what the nearest one has */
+
+/* Down from a cell's content to the half edge that it has for q. */
+static inline uint32_t dt_hint_in(const struct dt_hints *g, uint32_t h, struct dt_point q)
 {
-    uint32_t h = g->cell[dt_grid_cell(g->grid, q)];
     while (h & 4)
         h = g->cell[dt_grid_cell(g->grid + (h >> 3), q)];
-    return h;
+    return dt_base(h);
 }
+
+/* The first half edge of a triangle near q; the mesh must have at least two vertices. */
+static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
+{
+    return dt_hint_in(g, g->cell[dt_grid_cell(g->grid, q)], q);
+}
+
+/* Another one: from the first cell with points in it that is met from q's cell on, in one of four
+ * directions; DT_NONE if there is none. Cost: the cells passed. */
+uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned direction);
 
 #endif

@@ -9,6 +9,8 @@
 #include "core/hull.h"
 #include "core/predicates.h"
 
+#define PATIENCE 64 /* triangles; nearly every walk is shorter than a dozen */
+
 /* > 0 if q lies left of the half edge h of a triangle. */
 static int side(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h, struct dt_point q)
 {
@@ -33,8 +35,10 @@ static enum dt_where classify(uint32_t h, int s0, int s1, int s2, uint32_t *half
     return DT_ON_VERTEX;
 }
 
-static enum dt_where walk_plane(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
-                                struct dt_point q, uint32_t *half)
+/* Walks at most `steps` triangles far. True: arrived, *half and *where as for dt_find. False: *half
+ * is a half edge to go on from. */
+static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
+                       struct dt_point q, uint32_t steps, enum dt_where *where, uint32_t *half)
 {
     if (dt_is_ghost(m, h))
         h = dt_twin(m, dt_base(h));
@@ -44,21 +48,22 @@ static enum dt_where walk_plane(const struct dt_mesh *m, const struct dt_point *
         s = 1;
     }
     /* q is left of h, or on its line in the first triangle. */
-    while (!dt_is_ghost(m, h)) {
+    for (; !dt_is_ghost(m, h); s = 1) {
         int s1 = side(m, xy, dt_next(h), q);
-        if (s1 < 0) {
-            h = dt_twin(m, dt_next(h));
-            s = 1;
-            continue;
+        int s2 = s1 < 0 ? 0 : side(m, xy, dt_prev(h), q);
+        if (s1 >= 0 && s2 >= 0) {
+            *where = classify(h, s, s1, s2, half);
+            return true;
         }
-        int s2 = side(m, xy, dt_prev(h), q);
-        if (s2 >= 0)
-            return classify(h, s, s1, s2, half);
-        h = dt_twin(m, dt_prev(h));
-        s = 1;
+        h = dt_twin(m, s1 < 0 ? dt_next(h) : dt_prev(h));
+        if (steps-- == 0) {
+            *half = h;
+            return false;
+        }
     }
     *half = dt_base(h);
-    return DT_OUTSIDE;
+    *where = DT_OUTSIDE;
+    return true;
 }
 
 /* All points on one line: along the ghosts of one side, towards corner 0. */
@@ -92,11 +97,39 @@ static enum dt_where walk_line(const struct dt_mesh *m, const struct dt_point *x
 enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
                       struct dt_point q, uint32_t *half)
 {
-    return dt_mesh_is_line(m) ? walk_line(m, xy, from, q, half) : walk_plane(m, xy, from, q, half);
+    enum dt_where where;
+    if (dt_mesh_is_line(m))
+        return walk_line(m, xy, from, q, half);
+    while (!walk_plane(m, xy, from, q, UINT32_MAX, &where, half))
+        from = *half;
+    return where;
+}
+
+/* The walk from the nearest hint has taken long: many thin triangles lie across its way, as within
+ * a circle of points with nothing inside. From one of the four sides it may be short. */
+static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *xy,
+                                const struct dt_hints *hints, struct dt_point q, uint32_t *half)
+{
+    enum dt_where where;
+    uint32_t far = *half;
+    for (unsigned direction = 0; direction < 4; direction++) {
+        uint32_t h = dt_hint_beyond(hints, q, direction);
+        if (h != DT_NONE && !dt_is_dead(m, h) && walk_plane(m, xy, h, q, PATIENCE, &where, half))
+            return where;
+    }
+    return dt_walk(m, xy, far, q, half);
 }
 
 enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy,
                       const struct dt_hints *hints, struct dt_point q, uint32_t *half)
 {
-    return dt_walk(m, xy, dt_hint(hints, q), q, half);
+    enum dt_where where;
+    uint32_t h = dt_hint(hints, q);
+    if (dt_is_dead(m, h))
+        h = m->hull;
+    if (dt_mesh_is_line(m))
+        return walk_line(m, xy, h, q, half);
+    if (walk_plane(m, xy, h, q, PATIENCE, &where, half))
+        return where;
+    return find_again(m, xy, hints, q, half);
 }

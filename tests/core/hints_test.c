@@ -1,0 +1,114 @@
+/* hints_test.c - the grid of hints: near every place, small, whatever the distribution; and walks
+ * from anywhere. */
+#include "core/hints.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/locate.h"
+#include "core/set.h"
+#include "tests/core/sets.h"
+#include "tests/oracle/families.h"
+#include "tests/test.h"
+
+/* How many vertices a search that always goes to the nearest neighbour passes from the hint to q.
+ */
+static uint32_t steps_to(const struct dt *t, struct dt_point q)
+{
+    uint32_t v = DT_NONE, best = dt_origin(&t->mesh, dt_hint(&t->hints, q)), steps = 0;
+    double d = hypot(t->points.xy[best].x - q.x, t->points.xy[best].y - q.y);
+    for (; best != v; steps++) {
+        v = best;
+        uint32_t h = t->mesh.leaving[v];
+        do {
+            uint32_t w = dt_dest(&t->mesh, h);
+            double dw = w == DT_NONE ? (double)INFINITY
+                                     : hypot(t->points.xy[w].x - q.x, t->points.xy[w].y - q.y);
+            best = dw < d ? w : best;
+            d = dw < d ? dw : d;
+            h = dt_turn_ccw(&t->mesh, h);
+        } while (h != t->mesh.leaving[v]);
+    }
+    return steps;
+}
+
+/* Within an exact circle all its points are about as near: there is no nearest one to be close to.
+ */
+static bool has_near_hints(const struct family *f)
+{
+    return strcmp(f->name, "circle_exact") != 0 && strcmp(f->name, "wheel") != 0;
+}
+
+TEST_TIMEOUT(hints_are_near_on_every_family, 60)
+{
+    const uint32_t n = 20000;
+    struct dt_point *p = malloc(n * sizeof *p);
+    for (const struct family *f = families; f->name != NULL; f++) {
+        family_points(f, p, n, 1);
+        struct dt *t = set_of(p, n);
+        uint64_t steps = 0;
+        for (uint32_t i = 0; i < 2000 && t->mesh.vertices > 1; i++) {
+            struct dt_point q = p[test_below(n)], r = p[test_below(n)];
+            double u = test_below(8) == 0 ? test_uniform() : 1e-3;
+            steps += steps_to(t, (struct dt_point){q.x + (r.x - q.x) * u, q.y + (r.y - q.y) * u});
+        }
+        CHECK_MSG(!has_near_hints(f) || steps <= 2000 * 8, "%s: %.1f steps a search", f->name,
+                  (double)steps / 2000);
+        CHECK_MSG(dt_hints_memory(&t->hints) <= 40 * (size_t)n, "%s: %zu bytes", f->name,
+                  dt_hints_memory(&t->hints) / n);
+        dt_free(t);
+    }
+    free(p);
+}
+
+TEST(hints_of_uniform_sets_are_small)
+{
+    const uint32_t n = 20000;
+    struct dt_point *p = malloc(n * sizeof *p);
+    family_points(family_find("uniform"), p, n, 1);
+    struct dt *t = set_of(p, n);
+    CHECK_MSG(dt_hints_memory(&t->hints) <= 9 * (size_t)n, "%zu", dt_hints_memory(&t->hints));
+    dt_free(t);
+    free(p);
+}
+
+/* From whichever half edge a walk starts, it comes to the same place. */
+static void check_walks(const struct pair *pair)
+{
+    const struct dt *t = pair->t;
+    for (int i = 0; i < 20 && t->mesh.vertices > 1; i++) {
+        struct dt_point q = random_place(pair->b);
+        uint32_t h, from = 8 * test_below(t->mesh.tri_end) + test_below(3);
+        enum dt_where where = dt_walk(&t->mesh, t->points.xy, from, q, &h);
+        CHECK(where == brute_locate(pair->b, q).where);
+        CHECK((where == DT_OUTSIDE) <= dt_is_ghost(&t->mesh, h));
+    }
+}
+
+TEST(walks_from_anywhere_arrive)
+{
+    for_each_pair(check_walks);
+}
+
+TEST(hints_out_of_memory_leave_nothing)
+{
+    struct dt_point p[2000];
+    family_points(family_find("clusters"), p, 2000, 1);
+    struct dt *t = set_of(p, 2000);
+    for (long n = 1;; n++) {
+        test_fail_alloc(n);
+        enum dt_status s = dt_hints_build(&t->hints, &t->mesh, t->points.xy);
+        bool failed = test_alloc_failed();
+        test_fail_alloc(0);
+        /* Shrinking at the end may fail without harm. */
+        CHECK(s == DT_OK ||
+              (failed && s == DT_NOMEM && t->hints.cell == NULL && t->hints.grid == NULL));
+        if (!failed) {
+            CHECK(n > 6);
+            break;
+        }
+    }
+    CHECK(dt_check(t, NULL, NULL) == DT_OK);
+    dt_free(t);
+}
