@@ -189,15 +189,15 @@ enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt)
 
 void dt_summary(const struct dt *t, struct dt_summary *out)
 {
-    bool counted = t->triangulated && t->current;
     *out = (struct dt_summary){
         .points = dt_points_live(&t->points),
         .coincident = t->points.aliases.count,
         .triangulated = t->triangulated,
+        .current = t->triangulated && t->current,
         .memory = sizeof *t + dt_points_memory(&t->points) + dt_mesh_memory(&t->mesh) +
                   dt_hints_memory(&t->hints),
     };
-    if (counted) {
+    if (out->current) {
         out->triangles = dt_mesh_triangles(&t->mesh);
         out->edges = dt_mesh_edges(&t->mesh);
         out->hull = dt_mesh_hull(&t->mesh);

@@ -106,7 +106,8 @@ struct dt_summary {
     uint32_t points;     /* live ids, aliases included */
     uint32_t coincident; /* the aliases among them */
     uint32_t triangles, edges, hull;
-    bool triangulated;
+    bool triangulated;   /* dt_triangulate has been called */
+    bool current;        /* and no edit awaits dt_refresh */
     size_t memory;       /* bytes the set holds */
 };
 

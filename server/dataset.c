@@ -43,7 +43,7 @@ bool version_is_stale(const struct version *v)
 {
     struct dt_summary sum;
     dt_summary(v->dt, &sum);
-    return sum.triangulated && sum.edges == 0 && sum.points - sum.coincident > 1;
+    return sum.triangulated && !sum.current;
 }
 
 /* ---- the registry ---- */

@@ -300,6 +300,17 @@ TEST(queries_before_triangulate_are_refused)
                        UNTRIANGULATED UNTRIANGULATED UNTRIANGULATED UNTRIANGULATED);
 }
 
+TEST(a_triangulated_set_that_shrinks_to_nothing_and_grows_again_stays_live)
+{
+    ask_square(
+        "DEL t 1 2 3 4\nLISTS t\nDEL t 0\nLISTS t\nLOCATE t 1 1\nADD t 1 1\nLISTS t\nADD t 2 1\n"
+        "EDGES t\n",
+        "OK 0 deleted=4\nOK 1 interior=0 boundary=1\n0\nOK 0 deleted=1\nOK 0 interior=0 "
+        "boundary=0\n"
+        "OK 0 where=outside\nOK 0 first=5 added=1 coincident=0\n"
+        "OK 1 interior=0 boundary=1\n5\nOK 0 first=6 added=1 coincident=0\nOK 1\n5 6\n");
+}
+
 TEST(load_with_a_bad_line_changes_nothing_and_is_read_to_its_end)
 {
     converse_alone("ADD t 0 0\nLOAD t\n1 1\n2\n3 3\n.\nLOAD t 2\n1 x\nPING\nLOAD u\n1 1 1\n.\nLOAD "
