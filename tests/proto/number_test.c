@@ -114,16 +114,16 @@ TEST(number_of_every_other_single_byte_is_refused)
 
 TEST(number_beyond_the_doubles_reads_as_infinity)
 {
-    check_reads_as("1e309", INFINITY);
-    check_reads_as("-1e309", -INFINITY);
-    check_reads_as("1e99999999999999999999999999999999", INFINITY);
-    check_reads_as("123456789012345678901234567890e9999999999", INFINITY);
+    check_reads_as("1e309", HUGE_VAL);
+    check_reads_as("-1e309", -HUGE_VAL);
+    check_reads_as("1e99999999999999999999999999999999", HUGE_VAL);
+    check_reads_as("123456789012345678901234567890e9999999999", HUGE_VAL);
     check_reads_as("1.7976931348623157e308", DBL_MAX);
     /* 2^1024 - 2^970, the tie between the largest double and 2^1024, goes to the even one: infinity
      */
     char text[400];
     int n = snprintf(text, sizeof text, "%.0Lf", 0x1p1024L - 0x1p970L);
-    check_reads_as(text, INFINITY);
+    check_reads_as(text, HUGE_VAL);
     CHECK(text[n - 1] == '2');
     text[n - 1] = '1';
     check_reads_as(text, DBL_MAX);
@@ -181,14 +181,14 @@ TEST(number_reads_fixed_point_forms)
  * a long double. */
 static void midpoint_text(char *text, size_t size, double v)
 {
-    long double next = nextafter(v, INFINITY);
+    long double next = (long double)nextafter(v, HUGE_VAL);
     snprintf(text, size, "%.800Le", ((long double)v + next) / 2);
 }
 
 TEST(number_reads_ties_and_their_neighbours)
 {
     char text[900];
-    for (int i = 0; i < 20000; i++) {
+    for (int i = 0; i < 6000; i++) {
         double v = fabs(random_double());
         if (v >= DBL_MAX)
             continue;
@@ -263,7 +263,8 @@ TEST(number_reads_the_longest_midpoint_exactly)
     check_reads_as(text, 0x1p-1022);
     text[n - 1] = '1';
     check_reads_as(text, 0x1p-1022);
-    n = snprintf(text, sizeof text, "%.1100Lf", ((long double)v + nextafter(v, 0)) / 2);
+    n = snprintf(text, sizeof text, "%.1100Lf",
+                 ((long double)v + (long double)nextafter(v, 0)) / 2);
     check_reads_like_strtod(text);
     text[n - 1] = '1';
     check_reads_as(text, v);
