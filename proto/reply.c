@@ -89,7 +89,8 @@ void reply_end(struct buf *out)
 }
 
 /* A line of text for people, made harmless: it may quote what a client sent. */
-static void append_line(struct buf *out, const char *format, va_list ap)
+__attribute__((format(printf, 2, 0))) static void append_line(struct buf *out, const char *format,
+                                                              va_list ap)
 {
     char text[REPLY_ERR_ROOM - 32];
     int n = vsnprintf(text, sizeof text, format, ap);

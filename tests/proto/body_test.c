@@ -109,7 +109,7 @@ TEST(body_with_a_bad_line_is_dropped_whole_and_names_the_first)
 
 TEST(body_in_binary_form_refuses_what_is_no_coordinate)
 {
-    double bad[] = {NAN, INFINITY, 1000};
+    double bad[] = {(double)NAN, HUGE_VAL, 1000};
     enum body_fault want[] = {BODY_NUMBER, BODY_RANGE, BODY_RANGE};
     for (int i = 0; i < 3; i++) {
         double xy[] = {1, 1, 2, bad[i], 3, 3};
