@@ -1,4 +1,4 @@
-/* Tests of exact sums and products, against schoolbook big integers. */
+/* expansion_test.c - exact sums and products, against schoolbook big integers. */
 #include "core/expansion.h"
 
 #include "tests/oracle/exact.h"

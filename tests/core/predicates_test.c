@@ -1,5 +1,5 @@
-/* Tests of the predicates against schoolbook big integers, on inputs chosen to defeat the cheap
- * stages. */
+/* predicates_test.c - the predicates against schoolbook big integers, on inputs chosen to defeat
+ * the cheap stages. */
 #include "core/predicates.h"
 
 #include "tests/oracle/exact.h"

@@ -1,0 +1,30 @@
+/* definition.h - what is wanted of a triangulation, checked by definition: for tests of the
+ * engines. */
+#ifndef DEFINITION_H
+#define DEFINITION_H
+
+#include "core/mesh.h"
+
+struct triangle {
+    uint32_t v[3];
+};
+
+/* The canonical Delaunay triangulation of n distinct points by definition, O(n^4): every
+ * counterclockwise triple whose circle no other point is in, each from its smallest vertex, sorted.
+ * Room for 2n triangles; returns how many. */
+uint32_t defined_triangles(const struct dt_point *p, uint32_t n, struct triangle *out);
+
+/* The triangles of a mesh, ghosts left out, in the same form; number[v] is what to call vertex v.
+ * Room for m->tri_end. */
+uint32_t mesh_triangles(const struct dt_mesh *m, const uint32_t *number, struct triangle *out);
+
+/* What is wrong with a mesh as the triangulation of n vertices with coordinates p[], NULL if
+ * nothing: a closed surface of the right size, Delaunay at every edge, with a convex hull, is the
+ * canonical triangulation. */
+const char *mesh_fault(const struct dt_mesh *m, const struct dt_point *p, uint32_t n);
+
+/* Replaces n points by the distinct ones among them in random order (test_random); returns how
+ * many. */
+uint32_t keep_distinct(struct dt_point *p, uint32_t n);
+
+#endif
