@@ -1,0 +1,257 @@
+/* shelling.c - Delaunay triangulation by circular shelling over a uniform grid.
+ *
+ * Source: Fang & Piegl, "Delaunay Triangulation Using a Uniform Grid", IEEE CG&A 13(3), 1993,
+ * fig. 19. Deviations: signs are exact and ties have a rule, so the result is the one canonical
+ * triangulation; no edge is searched twice; the result is a mesh with ghosts.
+ *
+ *     put the points into a grid (grid.c)
+ *     the first edge joins a point near the middle to its nearest neighbour
+ *     while there is an edge on the front that something can be done for (front.c)
+ *         find its apex (apex.c), and add their triangle to the disc, if it touches the disc
+ * properly take points that this encloses out of the grid what remains in the grid is the convex
+ * hull
+ *
+ * Why it is right. The first edge is Delaunay, since the disc whose diameter it is holds no other
+ * point: such a point would be nearer. If an edge is Delaunay, then the triangle that it makes with
+ * its apex is, and so are the triangle's other edges. And the apex depends on nothing but the
+ * directed edge (ties follow one rule, that of heights on a paraboloid which are all a little
+ * raised), so all triangles belong to one triangulation, whatever the order.
+ *
+ * Why it never gets stuck. A triangle is added only if what it shares with the disc is one edge, or
+ * two edges: so the triangulated part stays a disc, with a front that passes each point once.
+ * Otherwise its edge is left alone until the front there changes. Could all edges end up waiting
+ * for one another, around caves? No: every partial shelling of a triangulated disc extends to a
+ * whole one [Danaraj & Klee, "Which spheres are shellable?", Annals of Discrete Mathematics 2,
+ * 1978]: as long as there are triangles left, one of them touches the disc properly. The paper does
+ * not argue this. */
+#include "core/shelling.h"
+
+#include "core/apex.h"
+#include "core/predicates.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+/* ---- the mesh ---- */
+
+/* Adds a record with corners a, b, c (DT_NONE for a ghost); returns its first half edge. */
+static uint32_t add_triangle(struct dt_mesh *m, uint32_t a, uint32_t b, uint32_t c)
+{
+    uint32_t h = 8 * m->tri_end++;
+    dt_set_corners(m, h, a, b, c);
+    return h;
+}
+
+/* Takes an enclosed point out of the grid; h leaves it. */
+static void enclose(struct dt_shell *s, uint32_t place, uint32_t h)
+{
+    s->mesh->leaving[place] = h;
+    dt_grid_remove(&s->grid, place);
+}
+
+/* ---- the loop ---- */
+
+/* Looks at the current edge: one turn of the paper's loop. */
+static void step(struct dt_shell *s)
+{
+    struct dt_front *f = &s->front;
+    struct dt_front_node *node = f->node;
+    struct dt_mesh *m = s->mesh;
+    uint32_t a = f->current, b = node[a].next, h;
+    if (node[a].apex == DT_UNSEARCHED)
+        node[a].apex = dt_apex(&s->grid, a, b);
+    uint32_t c = node[a].apex;
+    switch (dt_front_touch(f, a)) {
+    case DT_NEW_POINT:
+        h = add_triangle(m, a, b, c);
+        dt_link(m, h, node[a].outer);
+        dt_front_new_point(f, a, h);
+        break;
+    case DT_RIGHT_TOUCH:
+        h = add_triangle(m, a, b, c);
+        dt_link(m, h, node[a].outer);
+        dt_link(m, h + 1, node[b].outer);
+        dt_front_right_touch(f, a, h);
+        enclose(s, b, h + 1);
+        break;
+    case DT_LEFT_TOUCH:
+        h = add_triangle(m, a, b, c);
+        dt_link(m, h, node[a].outer);
+        dt_link(m, h + 2, node[c].outer);
+        dt_front_left_touch(f, a, h);
+        enclose(s, a, h);
+        break;
+    case DT_BOUNDARY:
+        h = add_triangle(m, a, b, DT_NONE);
+        dt_link(m, h, node[a].outer);
+        node[a].outer = h;
+        m->leaving[a] = h;
+        m->ghosts++;
+        dt_front_sleep(f, a);
+        break;
+    case DT_NO_TOUCH:
+        dt_front_sleep(f, a);
+        break;
+    }
+}
+
+/* The first triangle, on either side of the first edge. False if all points are on one line. */
+static bool open_front(struct dt_shell *s)
+{
+    uint32_t a = dt_grid_middle(&s->grid), b = dt_grid_nearest(&s->grid, a);
+    uint32_t c = dt_apex(&s->grid, a, b);
+    if (c == DT_NONE) {
+        uint32_t swap = a;
+        a = b;
+        b = swap;
+        c = dt_apex(&s->grid, a, b);
+    }
+    if (c == DT_NONE)
+        return false;
+    dt_front_open(&s->front, a, b, c, add_triangle(s->mesh, a, b, c));
+    return true;
+}
+
+/* Whether the caller wants no result any more; reports progress on the way. */
+static bool is_cancelled(const struct dt_options *opt, uint32_t done, uint32_t all)
+{
+    if (opt == NULL)
+        return false;
+    if (opt->progress != NULL)
+        *opt->progress = (unsigned)((uint64_t)done * 100 / all);
+    return opt->cancel != NULL && *opt->cancel;
+}
+
+enum dt_status dt_shell_grow(struct dt_shell *s, const struct dt_point *in, uint32_t n,
+                             struct dt_point *p, uint32_t *from, struct dt_mesh *m,
+                             const struct dt_options *opt, bool *line)
+{
+    s->mesh = m;
+    enum dt_status status = dt_grid_build(&s->grid, in, n, p, from);
+    if (status == DT_OK)
+        status = dt_front_init(&s->front, n);
+    if (status != DT_OK)
+        return status;
+    *line = !open_front(s);
+    for (uint32_t turn = 0; s->front.current != DT_NONE; turn++) {
+        if (turn % 64 == 0 && is_cancelled(opt, m->tri_end, 2 * n - 2))
+            return DT_CANCELLED;
+        step(s);
+    }
+    assert(*line || m->tri_end == 2 * n - 2); /* Euler; and the front did not get stuck */
+    return DT_OK;
+}
+
+void dt_shell_clear(struct dt_shell *s)
+{
+    dt_grid_clear(&s->grid);
+    dt_front_clear(&s->front);
+}
+
+/* The edge of each ghost joins the infinite edges of its neighbours, which run to and from DT_NONE.
+ */
+static void link_ghosts(struct dt_mesh *m, uint32_t h, uint32_t next)
+{
+    dt_link(m, h + 1, next + 2);
+}
+
+void dt_shell_close(struct dt_shell *s)
+{
+    const struct dt_front_node *node = s->front.node;
+    uint32_t first = 0;
+    while (dt_grid_removed(&s->grid, first))
+        first++;
+    uint32_t v = first;
+    do {
+        link_ghosts(s->mesh, node[v].outer, node[node[v].next].outer);
+        v = node[v].next;
+    } while (v != first);
+}
+
+/* ---- points on one line ---- */
+
+static int compare_points(const void *a, const void *b)
+{
+    return dt_compare_xy(*(const struct dt_point *)a, *(const struct dt_point *)b);
+}
+
+/* n >= 2 vertices in order along a line have two ghosts at each of the n - 1 edges between
+ * neighbours, one on either side:
+ *
+ *       <-- ghost 3 ---  <-- ghost 2 --      ghosts 0 .. n-2 run along the line, the others back
+ *      0 -------------- 1 ------------- 2
+ *        -- ghost 0 -->   -- ghost 1 -->
+ */
+static void chain_ghosts(struct dt_mesh *m, uint32_t n)
+{
+    uint32_t ghosts = 2 * n - 2;
+    m->tri_end = m->ghosts = ghosts;
+    for (uint32_t g = 0; g < ghosts; g++) {
+        uint32_t a = g < n ? g : ghosts - g, b = g < n - 1 ? g + 1 : ghosts - g - 1;
+        dt_set_corners(m, 8 * g, a, b, DT_NONE);
+        m->half[8 * g + 4] = 8 * (ghosts - 1 - g);
+        link_ghosts(m, 8 * g, 8 * ((g + 1) % ghosts));
+        m->leaving[a] = 8 * g;
+    }
+}
+
+/* A point of the caller's and its index. */
+struct indexed {
+    struct dt_point p;
+    uint32_t from;
+};
+
+static enum dt_status triangulate_line(const struct dt_point *in, uint32_t n, struct dt_point *p,
+                                       uint32_t *from, struct dt_mesh *m)
+{
+    struct indexed *on_line = malloc(n * sizeof *on_line);
+    if (on_line == NULL)
+        return DT_NOMEM;
+    for (uint32_t i = 0; i < n; i++)
+        on_line[i] = (struct indexed){in[i], i};
+    qsort(on_line, n, sizeof *on_line, compare_points); /* by the first member */
+    for (uint32_t i = 0; i < n; i++) {
+        p[i] = on_line[i].p;
+        from[i] = on_line[i].from;
+    }
+    free(on_line);
+    chain_ghosts(m, n);
+    return DT_OK;
+}
+
+/* ---- all together ---- */
+
+static enum dt_status triangulate(const struct dt_point *in, uint32_t n, struct dt_point *p,
+                                  uint32_t *from, struct dt_mesh *m, const struct dt_options *opt)
+{
+    struct dt_shell s = {.mesh = m};
+    bool line;
+    enum dt_status status = dt_shell_grow(&s, in, n, p, from, m, opt, &line);
+    if (status == DT_OK && line)
+        status = triangulate_line(in, n, p, from, m);
+    else if (status == DT_OK)
+        dt_shell_close(&s);
+    dt_shell_clear(&s);
+    for (uint32_t i = 0; i < n && status == DT_OK; i++)
+        p[i] = in[from[i]]; /* those that were removed from the grid */
+    return status;
+}
+
+enum dt_status dt_shelling(const struct dt_point *in, uint32_t n, struct dt_point *p,
+                           uint32_t *from, struct dt_mesh *m, const struct dt_options *opt)
+{
+    enum dt_status status = dt_mesh_reserve(m, n, n < 2 ? 0 : 2 * n - 2);
+    m->tri_end = m->dead = m->ghosts = 0;
+    m->free_list = DT_NONE;
+    m->vertices = n;
+    if (n == 1 && status == DT_OK) {
+        p[0] = in[0];
+        from[0] = 0;
+        m->leaving[0] = DT_NONE;
+    }
+    if (n >= 2 && status == DT_OK)
+        status = triangulate(in, n, p, from, m, opt);
+    if (status != DT_OK)
+        dt_mesh_clear(m);
+    return status;
+}
