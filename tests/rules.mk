@@ -18,14 +18,39 @@ $(O)/interop/compare: $(addprefix $(O)/tests/,interop/compare.o interop/daemon.o
 	@mkdir -p $(@D)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
+$(O)/interop/small_sets: $(addprefix $(O)/tests/,interop/small_sets.o interop/daemon.o oracle/cgal_delaunay.o) $(CORE)
+	@mkdir -p $(@D)
+	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+
 $(O)/tests/bench/points: $(O)/tests/bench/points.o $(FAMILIES)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
 interop: all
 	$(call need,g++ libcgal-dev netcat-openbsd,command -v $(CXX) && command -v nc && \
 	  echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ -)
-	@$(MAKE) --no-print-directory $(O)/interop/compare $(O)/tests/bench/points
+	@$(MAKE) --no-print-directory $(addprefix $(O)/,interop/compare interop/small_sets tests/bench/points)
 	tests/interop/run.sh $(O)
+
+# ---- bench: ns per point; beside CGAL where libcgal-dev is there. MAX=10000000 takes the tables further ----
+
+MAX        ?= 1000000
+BENCH      := $(addprefix $(O)/tests/bench/,bench.o paper.o measure.o pool.o)
+HAVE_CGAL   = $(shell echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ - >/dev/null 2>&1 && echo yes)
+
+$(O)/tests/bench/bench: $(BENCH) $(FAMILIES) $(CORE)
+	$(COMPILE) -o $@ $^ $(LDLIBS)
+
+$(O)/tests/bench/cgal_%.o: CXXCOMPILE += -DNDEBUG
+$(O)/tests/bench/cgal_%: $(O)/tests/bench/cgal_%.o $(FAMILIES)
+	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+
+bench: all $(O)/tests/bench/bench $(O)/tests/bench/points
+	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(addprefix $(O)/tests/bench/,cgal_speed cgal_text), \
+	  echo "no libcgal-dev, so nothing beside CGAL")
+	@{ $(O)/tests/bench/bench --max $(MAX) --cgal $(O)/tests/bench/cgal_speed paper sizes families && \
+	  tests/bench/end_to_end.sh $(O) 1000000; } | tee $(O)/bench.md
+	@awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg
+	@echo "the tables are in $(O)/bench.md, a chart in $(O)/bench.svg"
 
 # ---- lint ----
 

@@ -40,11 +40,17 @@ static bool in_range(double v)
     return v == 0 || (std::fabs(v) >= 0x1p-142 && std::fabs(v) <= 0x1p201);
 }
 
+static std::string difference(const std::string &what, const std::string &got,
+                              const std::string &want)
+{
+    return what + "\n  got  " + got + "\n  want " + want;
+}
+
 static void expect(bool ok, const std::string &what, const std::string &got,
                    const std::string &want)
 {
     if (!ok)
-        throw failure(what + "\n  got  " + got + "\n  want " + want);
+        throw failure(difference(what, got, want));
 }
 
 static void expect_text(const std::string &what, const std::string &got, const std::string &want)
@@ -77,8 +83,16 @@ static void expect_rows(job &j, const std::string &request, const std::string &e
 {
     reply r = j.daemon.ask(request);
     expect_text(request, r.status, "OK " + std::to_string(rows.size()) + extra);
-    for (size_t i = 0; i < rows.size(); i++)
-        expect_text(request + ", line " + std::to_string(i), r.lines[i], row_text(rows[i]));
+    for (size_t i = 0; i < rows.size(); i++) {
+        std::string want = row_text(rows[i]);
+        if (r.lines[i] != want)
+            throw failure(difference(request + ", line " + std::to_string(i), r.lines[i], want));
+    }
+}
+
+static std::string id_and_place(const oracle_point &p)
+{
+    return std::to_string(p.id) + " " + number_text(p.x) + " " + number_text(p.y);
 }
 
 /* Lines `id x y` or `id x y distance`, seen from (x, y). */
@@ -97,8 +111,9 @@ static void expect_points(job &j, const std::string &request, const oracle_row &
         if (ok && from)
             ok = is_number(distance, std::sqrt((p.x - from[0]) * (p.x - from[0]) +
                                                (p.y - from[1]) * (p.y - from[1])));
-        expect(ok, request + ", line " + std::to_string(i), r.lines[i],
-               std::to_string(p.id) + " " + number_text(p.x) + " " + number_text(p.y));
+        if (!ok)
+            throw failure(
+                difference(request + ", line " + std::to_string(i), r.lines[i], id_and_place(p)));
     }
 }
 

@@ -105,8 +105,9 @@ bool is_number(const std::string &word, double v)
 {
     char *end;
     double read = std::strtod(word.c_str(), &end);
-    return !word.empty() && *end == '\0' && read == v &&
-           digits_of(word) == digits_of(number_text(v));
+    char fewest[40] = {};
+    std::to_chars(fewest, fewest + 39, v, std::chars_format::scientific);
+    return !word.empty() && *end == '\0' && read == v && digits_of(word) == digits_of(fewest);
 }
 
 std::string row_text(const oracle_row &row)

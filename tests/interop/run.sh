@@ -145,6 +145,10 @@ compare_with_cgal() {
     collect "$scratch/shard1"
 }
 
+many_small_sets() {
+    timeout 120 "$build/interop/small_sets" 6000 "$(date +%s)"
+}
+
 stops_cleanly() {
     local status
     kill -TERM "$daemon"
@@ -158,6 +162,7 @@ stops_cleanly() {
 start_daemon
 compare_with_cgal
 netcat_conversations
+count "many small sets" many_small_sets
 count "clean stop on SIGTERM" stops_cleanly
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
