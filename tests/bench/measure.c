@@ -1,0 +1,145 @@
+/* measure.c - the child builds, the parent reads the costs from a pipe. */
+#include "tests/bench/measure.h"
+
+#include "tests/bench/pool.h"
+
+#include <limits.h>
+#include <malloc.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+double measure_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+size_t measure_sets(size_t n)
+{
+    return n >= 1000000 ? 1 : n >= 1000 ? 1000000 / n : 1000;
+}
+
+static double peak_now(void)
+{
+    struct rusage u;
+    getrusage(RUSAGE_SELF, &u);
+    return (double)u.ru_maxrss * 1024;
+}
+
+static void must(bool ok)
+{
+    if (!ok)
+        _exit(1);
+}
+
+/* One set, from nothing; adds to the sums in *cost. */
+static void build_once(const struct build *b, const struct dt_pool *pool, const struct dt_point *p,
+                       struct cost *cost)
+{
+    struct dt_options opt = {.method = b->method, .pool = pool};
+    struct dt_added added;
+    struct dt_summary summary;
+    struct dt *t = dt_new(0);
+    must(t != NULL);
+    double start = measure_now();
+    must(dt_add(t, p, b->n, &added) == DT_OK);
+    double between = measure_now();
+    must(dt_triangulate(t, &opt) == DT_OK);
+    cost->build_ns += measure_now() - between;
+    cost->add_ns += between - start;
+    dt_summary(t, &summary);
+    cost->held_bytes += (double)summary.memory;
+    dt_free(t);
+}
+
+static void build_all(const struct build *b, struct cost *cost)
+{
+    size_t sets = measure_sets(b->n);
+    struct pool *pool = pool_new(b->threads);
+    struct dt_point *p = malloc(b->n * sizeof *p);
+    must(pool != NULL && p != NULL);
+    struct dt_pool face = pool_face(pool);
+    if (b->warm) {
+        struct cost ignored = {0};
+        mallopt(M_MMAP_MAX, 0);
+        mallopt(M_TRIM_THRESHOLD, INT_MAX);
+        mallopt(M_ARENA_MAX, 1);
+        family_points(b->family, p, b->n, 1);
+        build_once(b, b->threads > 1 ? &face : NULL, p, &ignored);
+    }
+    family_points(b->family, p, b->n, 2);
+    double before = peak_now();
+    for (size_t i = 0; i < sets; i++) {
+        family_points(b->family, p, b->n, 2 + i);
+        build_once(b, b->threads > 1 ? &face : NULL, p, cost);
+    }
+    double points = (double)(sets * b->n);
+    cost->add_ns *= 1e9 / points;
+    cost->build_ns *= 1e9 / points;
+    cost->held_bytes /= points;
+    cost->peak_bytes = (peak_now() - before) / (double)b->n;
+}
+
+static bool run_child(const struct build *b, struct cost *cost)
+{
+    int ends[2], status;
+    if (pipe(ends) != 0)
+        return false;
+    fflush(stdout);
+    pid_t pid = fork();
+    if (pid == 0) {
+        *cost = (struct cost){0};
+        build_all(b, cost);
+        _exit(write(ends[1], cost, sizeof *cost) == (ssize_t)sizeof *cost ? 0 : 1);
+    }
+    close(ends[1]);
+    bool ok = pid > 0 && read(ends[0], cost, sizeof *cost) == (ssize_t)sizeof *cost;
+    close(ends[0]);
+    if (pid > 0)
+        waitpid(pid, &status, 0);
+    return ok;
+}
+
+/* The best of three: what disturbs a measurement only ever adds to it. */
+bool measure(const struct build *b, struct cost *cost)
+{
+    for (int i = 0; i < 3; i++) {
+        struct cost c;
+        if (!run_child(b, &c))
+            return false;
+        if (i == 0 || c.build_ns < cost->build_ns)
+            *cost = c;
+    }
+    return true;
+}
+
+static bool run_cgal(const char *command, struct peer_cost *cost)
+{
+    FILE *in = popen(command, "r");
+    if (in == NULL)
+        return false;
+    bool ok = fscanf(in, "%lf %lf", &cost->build_ns, &cost->peak_bytes) == 2;
+    return pclose(in) == 0 && ok;
+}
+
+bool measure_cgal(const char *program, const struct build *b, bool list, struct peer_cost *cost)
+{
+    char command[512];
+    if (access(program, X_OK) != 0)
+        return false;
+    snprintf(command, sizeof command, "%s %s %zu %zu %s %s", program, b->family->name, b->n,
+             measure_sets(b->n), b->warm ? "warm" : "fresh", list ? "list" : "bare");
+    for (int i = 0; i < 3; i++) {
+        struct peer_cost c;
+        if (!run_cgal(command, &c))
+            return false;
+        if (i == 0 || c.build_ns < cost->build_ns)
+            *cost = c;
+    }
+    return true;
+}

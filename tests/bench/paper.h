@@ -1,0 +1,9 @@
+/* paper.h - the paper's Table 1, measured again. */
+#ifndef BENCH_PAPER_H
+#define BENCH_PAPER_H
+
+/* Prints the table: 500 to 5,000 random points in steps of 500, building the grid and triangulating
+ * apart. */
+void paper_table(void);
+
+#endif

@@ -1,0 +1,16 @@
+/* pool.h - persistent threads for the core's jobs, as plain as can be. */
+#ifndef BENCH_POOL_H
+#define BENCH_POOL_H
+
+#include "core/delaunay.h"
+
+struct pool;
+
+/* threads >= 1, the caller's own included. NULL when out of memory or threads. */
+struct pool *pool_new(unsigned threads);
+void pool_free(struct pool *p);
+
+/* What dt_options wants; borrows p. */
+struct dt_pool pool_face(struct pool *p);
+
+#endif
