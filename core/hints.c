@@ -71,8 +71,8 @@ size_t dt_hints_memory(const struct dt_hints *g)
 
 uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned direction)
 {
-    const struct dt_grid *top = g->grid;
-    uint32_t at = dt_grid_cell(top, q), column = at % top->nx, row = at / top->nx;
+    const struct dt_hint_grid *top = g->grid;
+    uint32_t at = dt_hint_cell(top, q), column = at % top->nx, row = at / top->nx;
     uint32_t cells[4] = {top->ny - 1 - row, row, column, top->nx - 1 - column};
     uint32_t step[4] = {top->nx, 0 - top->nx, 0 - 1u, 1};
     for (uint32_t n = cells[direction & 3]; n > 0; n--) {
@@ -109,7 +109,7 @@ static struct box box_of_hull(const struct dt_mesh *m, const struct dt_point *xy
 }
 
 /* Square cells, about `cells` of them; at least one row and one column whatever the box. */
-static void grid_shape(struct dt_grid *g, const struct box *b, double cells)
+static void grid_shape(struct dt_hint_grid *g, const struct box *b, double cells)
 {
     double w = b->hi.x - b->lo.x, h = b->hi.y - b->lo.y;
     double nx = w == 0 ? 1 : h == 0 ? cells : ceil(sqrt(cells * (w / h)));
@@ -142,7 +142,7 @@ static enum dt_status reserve_grid(struct builder *b)
     struct dt_hints *g = b->hints;
     if (g->grids == g->grid_cap) {
         uint32_t want = g->grid_cap == 0 ? 1 : g->grid_cap * 2 + 14;
-        struct dt_grid *grid = realloc(g->grid, want * sizeof *grid);
+        struct dt_hint_grid *grid = realloc(g->grid, want * sizeof *grid);
         if (grid == NULL)
             return DT_NOMEM;
         g->grid = grid;
@@ -160,9 +160,9 @@ static enum dt_status reserve_grid(struct builder *b)
 }
 
 /* Drops the half edge of a vertex into its cell. */
-static void drop(const struct builder *b, const struct dt_grid *g, uint32_t v)
+static void drop(const struct builder *b, const struct dt_hint_grid *g, uint32_t v)
 {
-    uint32_t c = dt_grid_cell(g, b->xy[v]);
+    uint32_t c = dt_hint_cell(g, b->xy[v]);
     uint8_t *count = &b->count[c - g->first];
     b->hints->cell[c] = b->mesh->leaving[v];
     *count = (uint8_t)(*count + (*count < UINT8_MAX));
@@ -171,7 +171,7 @@ static void drop(const struct builder *b, const struct dt_grid *g, uint32_t v)
 /* Calls drop for all vertices of grid k: those of its span, or for grid 0 all that the mesh has. */
 static void drop_all(const struct builder *b, uint32_t k)
 {
-    const struct dt_grid *g = &b->hints->grid[k];
+    const struct dt_hint_grid *g = &b->hints->grid[k];
     memset(b->count, 0, (size_t)g->nx * g->ny);
     if (k > 0) {
         for (uint32_t i = b->span[k].from; i < b->span[k].to; i++)
@@ -233,7 +233,7 @@ static void sweep_down(uint32_t *cell, uint8_t *far, size_t nx, bool has_above)
 
 /* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
  * transform in two sweeps [Rosenfeld & Pfaltz 1966]. b->count becomes the distances. */
-static void fill_empty(const struct builder *b, const struct dt_grid *g)
+static void fill_empty(const struct builder *b, const struct dt_hint_grid *g)
 {
     uint32_t *cell = b->hints->cell + g->first;
     uint8_t *far = b->count;
@@ -246,12 +246,12 @@ static void fill_empty(const struct builder *b, const struct dt_grid *g)
         sweep_down(cell + row - nx, far + row - nx, nx, row < n);
 }
 
-static bool crowded(const struct builder *b, const struct dt_grid *g, uint32_t v)
+static bool crowded(const struct builder *b, const struct dt_hint_grid *g, uint32_t v)
 {
-    return b->count[dt_grid_cell(g, b->xy[v]) - g->first] > CROWD;
+    return b->count[dt_hint_cell(g, b->xy[v]) - g->first] > CROWD;
 }
 
-static bool has_crowd(const struct builder *b, const struct dt_grid *g)
+static bool has_crowd(const struct builder *b, const struct dt_hint_grid *g)
 {
     for (uint32_t i = 0; i < g->nx * g->ny; i++)
         if (b->count[i] > CROWD)
@@ -263,7 +263,7 @@ static bool has_crowd(const struct builder *b, const struct dt_grid *g)
  * many they are. For grid 0, which has no span, makes the list. */
 static enum dt_status gather_crowd(struct builder *b, uint32_t k, uint32_t *crowd)
 {
-    const struct dt_grid *g = &b->hints->grid[k];
+    const struct dt_hint_grid *g = &b->hints->grid[k];
     uint32_t n = 0;
     if (k > 0) {
         uint32_t *list = b->list + b->span[k].from;
@@ -311,17 +311,17 @@ static enum dt_status divide_crowd(struct builder *b, uint32_t k, uint32_t n)
         b->span[hints->grids] = (struct span){0, 0};
         hints->cell[c] = hints->grids++ << 3 | IS_GRID;
     }
-    const struct dt_grid *g = &hints->grid[k];
+    const struct dt_hint_grid *g = &hints->grid[k];
     memcpy(b->scratch, b->list + from, n * sizeof *b->scratch);
     for (uint32_t i = 0; i < n; i++)
-        b->span[hints->cell[dt_grid_cell(g, b->xy[b->scratch[i]])] >> 3].to++;
+        b->span[hints->cell[dt_hint_cell(g, b->xy[b->scratch[i]])] >> 3].to++;
     for (uint32_t child = first_child, at = from; child < hints->grids; child++) {
         uint32_t size = b->span[child].to;
         b->span[child] = (struct span){at, at};
         at += size;
     }
     for (uint32_t i = 0; i < n; i++) {
-        uint32_t child = hints->cell[dt_grid_cell(g, b->xy[b->scratch[i]])] >> 3;
+        uint32_t child = hints->cell[dt_hint_cell(g, b->xy[b->scratch[i]])] >> 3;
         b->list[b->span[child].to++] = b->scratch[i];
     }
     return DT_OK;
@@ -330,7 +330,7 @@ static enum dt_status divide_crowd(struct builder *b, uint32_t k, uint32_t n)
 /* Shapes grid k for n vertices in the box and drops them in. */
 static enum dt_status place(struct builder *b, uint32_t k, const struct box *box, double cells)
 {
-    struct dt_grid *g = &b->hints->grid[k];
+    struct dt_hint_grid *g = &b->hints->grid[k];
     grid_shape(g, box, cells);
     g->first = b->hints->cells;
     enum dt_status s = reserve_cells(b->hints, (double)g->first + (double)g->nx * g->ny);

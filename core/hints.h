@@ -20,7 +20,7 @@
 
 #include "core/mesh.h"
 
-struct dt_grid {
+struct dt_hint_grid {
     struct dt_point lo;  /* corner */
     double per_x, per_y; /* cells per unit; 0 in a direction without extent */
     uint32_t nx, ny;
@@ -28,8 +28,8 @@ struct dt_grid {
 };
 
 struct dt_hints {
-    struct dt_grid *grid; /* owns; grid 0 covers the set, each other one refines a cell */
-    uint32_t *cell;       /* owns the cells of all grids, row by row */
+    struct dt_hint_grid *grid; /* owns; grid 0 covers the set, each other one refines a cell */
+    uint32_t *cell;            /* owns the cells of all grids, row by row */
     uint32_t grids, grid_cap;
     uint32_t cells, cell_cap;
 };
@@ -51,17 +51,17 @@ size_t dt_hints_memory(const struct dt_hints *g);
 
 /* The column or row of v: monotone in v, and places beyond the grid belong to its outermost cells.
  */
-static inline uint32_t dt_grid_index(double v, double lo, double per, uint32_t n)
+static inline uint32_t dt_hint_index(double v, double lo, double per, uint32_t n)
 {
     double at = (v - lo) * per, last = (double)(n - 1);
     at = at > 0 ? at : 0;
     return (uint32_t)(at < last ? at : last);
 }
 
-static inline uint32_t dt_grid_cell(const struct dt_grid *g, struct dt_point q)
+static inline uint32_t dt_hint_cell(const struct dt_hint_grid *g, struct dt_point q)
 {
-    uint32_t row = dt_grid_index(q.y, g->lo.y, g->per_y, g->ny);
-    return g->first + row * g->nx + dt_grid_index(q.x, g->lo.x, g->per_x, g->nx);
+    uint32_t row = dt_hint_index(q.y, g->lo.y, g->per_y, g->ny);
+    return g->first + row * g->nx + dt_hint_index(q.x, g->lo.x, g->per_x, g->nx);
 }
 
 #define DT_HINT_LENT 3u /* the cell is empty and has borrowed what the nearest one has */
@@ -70,14 +70,14 @@ static inline uint32_t dt_grid_cell(const struct dt_grid *g, struct dt_point q)
 static inline uint32_t dt_hint_in(const struct dt_hints *g, uint32_t h, struct dt_point q)
 {
     while (h & 4)
-        h = g->cell[dt_grid_cell(g->grid + (h >> 3), q)];
+        h = g->cell[dt_hint_cell(g->grid + (h >> 3), q)];
     return dt_base(h);
 }
 
 /* The first half edge of a triangle near q; the mesh must have at least two vertices. */
 static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
 {
-    return dt_hint_in(g, g->cell[dt_grid_cell(g->grid, q)], q);
+    return dt_hint_in(g, g->cell[dt_hint_cell(g->grid, q)], q);
 }
 
 /* Another one: from the first cell with points in it that is met from q's cell on, in one of four
