@@ -5,6 +5,7 @@
 
 #include "core/divide.h"
 #include "core/memory.h"
+#include "core/shelling.h"
 
 /* What a build makes before it may touch the set. */
 struct draft {
@@ -35,19 +36,28 @@ static void copy_vertices(struct draft *b, const struct dt_points *p)
     }
 }
 
-/* Divide takes the points as they are, or without the gaps that edits have left. */
-static enum dt_status divide(struct draft *b, const struct dt_points *p,
-                             const struct dt_options *opt)
+/* Divide is faster on every set; the paper's engine comes when it is asked for. */
+static enum dt_status run_engine(struct draft *b, const struct dt_point *xy,
+                                 const struct dt_options *opt)
+{
+    if (opt != NULL && opt->method == DT_SHELLING)
+        return dt_shelling(xy, b->n, b->xy, b->from, &b->mesh, opt);
+    return dt_divide(xy, b->n, b->xy, b->from, &b->mesh, opt);
+}
+
+/* The engine takes the points as they are, or without the gaps that edits have left. */
+static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
+                                  const struct dt_options *opt)
 {
     if (p->free_count == 0)
-        return dt_divide(p->xy, b->n, b->xy, b->from, &b->mesh, opt);
+        return run_engine(b, p->xy, opt);
 
     struct draft dense = {.xy = dt_array_new(b->n, sizeof *dense.xy),
                           .from = dt_array_new(b->n, sizeof *dense.from)};
     enum dt_status status = DT_NOMEM;
     if (dense.xy != NULL && dense.from != NULL) {
         copy_vertices(&dense, p);
-        status = dt_divide(dense.xy, b->n, b->xy, b->from, &b->mesh, opt);
+        status = run_engine(b, dense.xy, opt);
         for (uint32_t v = 0; status == DT_OK && v < b->n; v++)
             b->from[v] = dense.from[b->from[v]];
     }
@@ -62,7 +72,7 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
     b.from = dt_array_new(b.n, sizeof *b.from);
     enum dt_status status = DT_NOMEM;
     if (b.xy != NULL && b.from != NULL)
-        status = divide(&b, &t->points, opt);
+        status = triangulate(&b, &t->points, opt);
     if (status == DT_OK)
         status = dt_hints_build(&b.hints, &b.mesh, b.xy);
     if (status == DT_OK)
