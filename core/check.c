@@ -238,8 +238,7 @@ static void check_hints(struct check *c)
         for (uint64_t i = g->grid[k].first; i < end && c->fault == NULL; i++) {
             uint32_t h = g->cell[i];
             bool grid = (h & 4) != 0;
-            expect(c,
-                   grid ? h >> 3 > k && h >> 3 < g->grids : h >> 3 < c->m->tri_end,
+            expect(c, grid ? h >> 3 > k && h >> 3 < g->grids : h >> 3 < c->m->tri_end,
                    "a cell of the grid leads nowhere");
         }
     }

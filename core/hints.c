@@ -129,7 +129,7 @@ static enum dt_status reserve_cells(struct dt_hints *g, double end)
     double want = g->cell_cap == 0 ? end : end + end / 4;
     if (want > UINT32_MAX)
         return DT_NOMEM;
-    uint32_t *cell = realloc(g->cell, (size_t)want * sizeof *cell);
+    uint32_t *cell = dt_array_grow(g->cell, g->cells, (size_t)want, sizeof *cell);
     if (cell == NULL)
         return DT_NOMEM;
     g->cell = cell;
@@ -137,20 +137,20 @@ static enum dt_status reserve_cells(struct dt_hints *g, double end)
     return DT_OK;
 }
 
+/* Makes room for one more grid and its span. */
 static enum dt_status reserve_grid(struct builder *b)
 {
     struct dt_hints *g = b->hints;
+    uint32_t want = 2 * g->grids + 1;
     if (g->grids == g->grid_cap) {
-        uint32_t want = g->grid_cap == 0 ? 1 : g->grid_cap * 2 + 14;
-        struct dt_hint_grid *grid = realloc(g->grid, want * sizeof *grid);
+        struct dt_hint_grid *grid = dt_array_grow(g->grid, g->grids, want, sizeof *grid);
         if (grid == NULL)
             return DT_NOMEM;
         g->grid = grid;
         g->grid_cap = want;
     }
     if (g->grids == b->span_cap) {
-        uint32_t want = g->grid_cap;
-        struct span *span = realloc(b->span, want * sizeof *span);
+        struct span *span = dt_array_grow(b->span, g->grids, want, sizeof *span);
         if (span == NULL)
             return DT_NOMEM;
         b->span = span;
@@ -278,9 +278,9 @@ static enum dt_status gather_crowd(struct builder *b, uint32_t k, uint32_t *crow
         return DT_OK;
     }
     if (b->list == NULL)
-        b->list = malloc(b->mesh->vertices * sizeof *b->list);
+        b->list = dt_array_new(b->mesh->vertices, sizeof *b->list);
     if (b->scratch == NULL)
-        b->scratch = malloc(b->mesh->vertices * sizeof *b->scratch);
+        b->scratch = dt_array_new(b->mesh->vertices, sizeof *b->scratch);
     if (b->list == NULL || b->scratch == NULL)
         return DT_NOMEM;
     uint32_t left = b->mesh->vertices;
@@ -374,7 +374,9 @@ static enum dt_status build_grid(struct builder *b, uint32_t k)
 /* Gives back what the grids reserved and did not need. */
 static void trim(struct dt_hints *g)
 {
-    uint32_t *cell = realloc(g->cell, g->cells * sizeof *cell);
+    if (g->cell_cap == g->cells)
+        return;
+    uint32_t *cell = dt_array_grow(g->cell, g->cells, g->cells, sizeof *cell);
     if (cell != NULL) {
         g->cell = cell;
         g->cell_cap = g->cells;
@@ -388,7 +390,7 @@ enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struc
     if (m->vertices < 2)
         return DT_OK;
     struct builder b = {.hints = g, .mesh = m, .xy = xy};
-    b.count = malloc((size_t)(m->vertices * CELLS_PER_POINT * 2) + 16);
+    b.count = dt_array_new((size_t)(m->vertices * CELLS_PER_POINT * 2) + 16, 1);
     enum dt_status s = b.count == NULL ? DT_NOMEM : reserve_grid(&b);
     if (s == DT_OK)
         g->grids = 1;
