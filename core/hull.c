@@ -32,8 +32,12 @@ void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy)
     uint32_t h = m->leaving[leftmost(m, xy)];
     while (dt_dest(m, h) != DT_NONE)
         h = dt_turn_ccw(m, h);
-    m->hull = dt_base(h);
-    uint32_t g = m->hull;
+    dt_hull_settle_from(m, dt_base(h));
+}
+
+void dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost)
+{
+    uint32_t g = m->hull = ghost;
     do {
         m->leaving[dt_hull_vertex(m, g)] = g + 1;
         g = dt_hull_step(m, g, false);

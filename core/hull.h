@@ -19,11 +19,24 @@
  * leaving[]. Cost: O(hull), and a descent to the leftmost vertex. */
 void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy);
 
+/* The same when a ghost is known. Cost: O(hull). */
+void dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost);
+
 /* Whether the vertex v of a settled mesh lies on the hull. */
 static inline bool dt_on_hull(const struct dt_mesh *m, uint32_t v)
 {
     uint32_t h = m->leaving[v];
     return h == DT_NONE || dt_is_ghost(m, h);
+}
+
+/* For edits: vertex u may leave by the half edge h; leaving[u] is kept if it still goes to
+ * infinity. */
+static inline void dt_hull_keep(struct dt_mesh *m, uint32_t u, uint32_t h)
+{
+    uint32_t old = m->leaving[u];
+    bool to_infinity = m->half[old] == u && m->half[dt_next(old)] == DT_NONE;
+    if (!to_infinity || m->half[dt_next(h)] == DT_NONE)
+        m->leaving[u] = h;
 }
 
 /* The ghost of a hull vertex of a settled mesh that has an edge. */

@@ -56,6 +56,20 @@ enum dt_status dt_mesh_reserve(struct dt_mesh *m, uint32_t verts, uint32_t tris)
     return DT_OK;
 }
 
+enum dt_status dt_mesh_make_room(struct dt_mesh *m, uint32_t v, uint32_t tris)
+{
+    uint32_t verts = m->vert_cap, end = m->tri_end + (tris > m->dead ? tris - m->dead : 0);
+    if (v >= verts)
+        verts = (uint32_t)dt_array_room(verts, (size_t)v + 1, DT_MAX_POINTS);
+    uint32_t known = m->vert_cap;
+    uint32_t want =
+        end > m->tri_cap ? (uint32_t)dt_array_room(m->tri_cap, end, 2 * DT_MAX_POINTS) : m->tri_cap;
+    enum dt_status status = dt_mesh_reserve(m, verts, want);
+    for (; known < m->vert_cap; known++) /* it may have grown in spite of a failure */
+        m->leaving[known] = DT_NONE;
+    return status;
+}
+
 bool dt_mesh_is_line(const struct dt_mesh *m)
 {
     return m->vertices < 3 || m->ghosts == 2 * m->vertices - 2;

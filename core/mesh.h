@@ -57,6 +57,10 @@ size_t dt_mesh_memory(const struct dt_mesh *m); /* bytes */
  * valid and unchanged. */
 enum dt_status dt_mesh_reserve(struct dt_mesh *m, uint32_t verts, uint32_t tris);
 
+/* Makes room for vertex v and for `tris` calls of dt_mesh_take; arrays grow by half, so that many
+ * calls cost amortised constant time. DT_NOMEM: as above. */
+enum dt_status dt_mesh_make_room(struct dt_mesh *m, uint32_t v, uint32_t tris);
+
 static inline uint32_t dt_origin(const struct dt_mesh *m, uint32_t h)
 {
     return m->half[h];
@@ -128,6 +132,27 @@ static inline void dt_set_corners(struct dt_mesh *m, uint32_t h, uint32_t a, uin
     v[0] = a;
     v[1] = b;
     v[2] = c;
+}
+
+/* Takes a dead record, or a new one, for which there must be room, into use; returns its first half
+ * edge. */
+static inline uint32_t dt_mesh_take(struct dt_mesh *m)
+{
+    uint32_t h = m->free_list;
+    if (h == DT_NONE)
+        return 8 * m->tri_end++;
+    m->free_list = m->half[h];
+    m->dead--;
+    return h;
+}
+
+/* Makes the record with first half edge h a dead one. */
+static inline void dt_mesh_drop(struct dt_mesh *m, uint32_t h)
+{
+    m->half[h] = m->free_list;
+    m->half[h + 2] = DT_DEAD;
+    m->free_list = h;
+    m->dead++;
 }
 
 /* Counts that follow from Euler's formula; for n vertices, all on one line iff ghosts == 2n - 2. */

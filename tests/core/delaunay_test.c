@@ -115,8 +115,10 @@ TEST(clone_is_independent)
     CHECK(dt_triangulate(t, NULL) == DT_OK && dt_clone(t, &copy) == DT_OK);
     CHECK(dt_delete(t, &zero, 1, &deleted, &missing) == DT_OK && dt_refresh(t, NULL) == DT_OK);
     CHECK(summary_of(copy).triangles == 4 && summary_of(t).triangles == 2);
+    CHECK(dt_check(copy, NULL, NULL) == DT_OK && dt_check(t, NULL, NULL) == DT_OK);
     dt_free(t);
     CHECK(dt_move(copy, 4, (struct dt_point){1, 2}) == DT_OK && dt_refresh(copy, NULL) == DT_OK);
+    CHECK(dt_check(copy, NULL, NULL) == DT_OK);
     dt_free(copy);
 }
 
@@ -136,6 +138,7 @@ TEST(every_edit_out_of_memory_leaves_the_set_as_it_was)
         dt_clone(t, &copy);
         test_fail_alloc(0);
         CHECK(dt_triangulate(t, NULL) == DT_OK && dt_refresh(t, NULL) == DT_OK);
+        CHECK(dt_check(t, NULL, NULL) == DT_OK);
         dt_free(copy);
         dt_free(t);
     }

@@ -1,0 +1,13 @@
+/* mesh_check.h - a plain proof that a mesh is the canonical triangulation, independent of
+ * core/check.c. */
+#ifndef MESH_CHECK_H
+#define MESH_CHECK_H
+
+#include "core/mesh.h"
+
+/* Fails the test unless m is a closed surface of the right size over its vertices (those with
+ * leaving[] set, or one alone), Delaunay everywhere under the tie rule, with a convex hull.
+ * `settled`: leaving[] of hull vertices goes to infinity, too. */
+void mesh_check(const struct dt_mesh *m, const struct dt_point *xy, bool settled);
+
+#endif
