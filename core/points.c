@@ -97,10 +97,22 @@ static enum dt_status reserve_vertices(struct dt_points *p, size_t n)
         p->id = id;
         p->cap = (uint32_t)cap;
     }
-    return dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, (uint32_t)need);
+    return p->places.bucket == NULL
+               ? DT_OK
+               : dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, (uint32_t)need);
 }
 
-static uint32_t new_vertex(struct dt_points *p, uint32_t id, struct dt_point q)
+enum dt_status dt_points_index(struct dt_points *p)
+{
+    return dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, p->cap);
+}
+
+uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t except)
+{
+    return dt_places_find(&p->places, p->xy, p->id, q, except);
+}
+
+uint32_t dt_points_enter(struct dt_points *p, uint32_t id, struct dt_point q)
 {
     uint32_t v = p->free_list;
     if (v != DT_NONE) {
@@ -112,7 +124,8 @@ static uint32_t new_vertex(struct dt_points *p, uint32_t id, struct dt_point q)
     p->xy[v] = q;
     p->id[v] = id;
     dt_idmap_set(&p->value, id, v);
-    dt_places_enter(&p->places, p->xy, v);
+    if (p->places.bucket != NULL)
+        dt_places_enter(&p->places, p->xy, v);
     return v;
 }
 
@@ -142,28 +155,34 @@ static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_po
 
 /* ---- adding ---- */
 
-/* A point arrives: it becomes a vertex, or an alias. Ids and vertices are reserved; an alias may
- * run out of memory. */
-static enum dt_status arrive(struct dt_points *p, uint32_t id, struct dt_point q, bool *alias)
+enum dt_status dt_points_reserve(struct dt_points *p, size_t n)
 {
-    uint32_t v = dt_places_find(&p->places, p->xy, p->id, q, DT_NONE);
-    *alias = v != DT_NONE;
-    if (v == DT_NONE) {
-        new_vertex(p, id, q);
-        return DT_OK;
-    }
+    if (n > DT_MAX_POINTS - dt_points_live(p) || n > DT_NONE - p->next_id)
+        return DT_TOOBIG;
+    trim(p);
+    enum dt_status status = reserve_vertices(p, n);
+    return status == DT_OK ? dt_idmap_reserve(&p->value, p->next_id, n) : status;
+}
+
+enum dt_status dt_points_join(struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v)
+{
     if (dt_aliases_reserve(&p->aliases, p->id[v]) != DT_OK)
         return DT_NOMEM;
     dt_idmap_set(&p->value, id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, p->id[v], id, q));
     return DT_OK;
 }
 
-/* Undoes the arrival of the last points, from id `first` on. None of them can have been taken over
- * or have other aliases. */
-static void take_back(struct dt_points *p, uint32_t first, uint32_t end)
+void dt_points_arrived(struct dt_points *p, uint32_t n)
 {
-    for (uint32_t id = end; id-- > first;) {
+    p->next_id += n;
+}
+
+void dt_points_take_back(struct dt_points *p, uint32_t n)
+{
+    for (uint32_t id = p->next_id + n; id-- > p->next_id;) {
         uint32_t v = dt_idmap_get(&p->value, id);
+        if (v == DT_NONE)
+            continue;
         dt_idmap_unset(&p->value, id);
         if (v & DT_ALIAS_BIT)
             dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
@@ -176,29 +195,28 @@ enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size
                              struct dt_added *out)
 {
     enum { AHEAD = 12 }; /* points; long enough for a cache miss, twice */
-    if (n > DT_MAX_POINTS - dt_points_live(p) || n > DT_NONE - p->next_id)
-        return DT_TOOBIG;
-    trim(p);
-    enum dt_status status = reserve_vertices(p, n);
+    enum dt_status status = dt_points_reserve(p, n);
     if (status == DT_OK)
-        status = dt_idmap_reserve(&p->value, p->next_id, n);
+        status = dt_points_index(p);
     if (status != DT_OK)
         return status;
     struct dt_added done = {.first = p->next_id, .added = (uint32_t)n};
     for (uint32_t i = 0; i < n; i++) {
-        bool alias;
         if (i + 2 * AHEAD < n)
             dt_places_fetch_bucket(&p->places, q[i + 2 * AHEAD]);
         if (i + AHEAD < n)
             dt_places_fetch_vertex(&p->places, p->xy, q[i + AHEAD]);
         struct dt_point at = {q[i].x + 0.0, q[i].y + 0.0}; /* -0 becomes 0 */
-        if (arrive(p, done.first + i, at, &alias) != DT_OK) {
-            take_back(p, done.first, done.first + i);
+        uint32_t v = dt_points_find(p, at, DT_NONE);
+        if (v == DT_NONE) {
+            dt_points_enter(p, done.first + i, at);
+        } else if (dt_points_join(p, done.first + i, at, v) != DT_OK) {
+            dt_points_take_back(p, i);
             return DT_NOMEM;
         }
-        done.coincident += alias;
+        done.coincident += v != DT_NONE;
     }
-    p->next_id += (uint32_t)n;
+    dt_points_arrived(p, (uint32_t)n);
     *out = done;
     return DT_OK;
 }
@@ -253,61 +271,71 @@ static void vacate(struct dt_points *p, uint32_t v)
 
 void dt_points_delete(struct dt_points *p, uint32_t id)
 {
+    dt_points_leave(p, id);
+    dt_idmap_unset(&p->value, id);
+}
+
+const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v)
+{
+    uint32_t i = dt_aliases_lowest(&p->aliases, p->id[v]);
+    return i == DT_NONE ? NULL : &p->aliases.alias[i];
+}
+
+/* ---- moving ---- */
+
+enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t at)
+{
+    enum dt_status status = dt_points_delete_ready(p, &id, 1);
+    if (status == DT_OK)
+        status = reserve_vertices(p, 1);
+    if (status == DT_OK && at != DT_NONE)
+        status = dt_aliases_reserve(&p->aliases, p->id[at]);
+    uint32_t heir = dt_aliases_lowest(&p->aliases, id);
+    if (status == DT_OK && heir != DT_NONE)
+        status = dt_aliases_reserve(&p->aliases, p->aliases.alias[heir].id);
+    return status == DT_OK ? dt_aliases_reserve(&p->aliases, id) : status;
+}
+
+void dt_points_leave(struct dt_points *p, uint32_t id)
+{
     uint32_t v = dt_idmap_get(&p->value, id);
     if (v & DT_ALIAS_BIT)
         dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
     else
         vacate(p, v);
-    dt_idmap_unset(&p->value, id);
 }
 
-/* ---- moving ---- */
-
-/* All that a move may need: a vertex, an alias of the representative that it leaves to its heir,
- * one where it arrives (as an alias, or as the new representative of those that are there). */
-static enum dt_status move_ready(struct dt_points *p, uint32_t id, struct dt_point to)
+uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, uint32_t at)
 {
-    enum dt_status status = dt_points_delete_ready(p, &id, 1);
-    if (status == DT_OK)
-        status = reserve_vertices(p, 1);
-    uint32_t own =
-        dt_idmap_get(&p->value, id); /* as a vertex, it is gone on arrival or its heir's */
-    uint32_t at = status == DT_OK ? dt_places_find(&p->places, p->xy, p->id, to, own) : DT_NONE;
-    if (status == DT_OK && at != DT_NONE)
-        status = dt_aliases_reserve(&p->aliases, p->id[at]);
-    uint32_t lowest = dt_aliases_lowest(&p->aliases, id);
-    if (status == DT_OK && lowest != DT_NONE)
-        status = dt_aliases_reserve(&p->aliases, p->aliases.alias[lowest].id);
-    return status == DT_OK ? dt_aliases_reserve(&p->aliases, id) : status;
+    if (at == DT_NONE)
+        return dt_points_enter(p, id, to);
+    uint32_t there = p->id[at];
+    if (p->xy[at].x == to.x && p->xy[at].y == to.y && id < there) {
+        /* The smallest of equal points represents them. */
+        dt_aliases_rename(&p->aliases, there, id);
+        dt_idmap_set(&p->value, there,
+                     DT_ALIAS_BIT | dt_aliases_join(&p->aliases, id, there, p->xy[at]));
+        take_over(p, at, id, to);
+    } else {
+        dt_idmap_set(&p->value, id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, there, id, to));
+    }
+    return DT_NONE;
 }
 
 enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to)
 {
     to = (struct dt_point){to.x + 0.0, to.y + 0.0};
-    enum dt_status status = move_ready(p, id, to);
+    struct dt_point from = dt_points_xy(p, id);
+    if (from.x == to.x && from.y == to.y)
+        return DT_OK;
+    enum dt_status status = dt_points_index(p);
+    uint32_t own = dt_idmap_get(&p->value, id); /* as a vertex, it will be free or its heir's */
+    if (status == DT_OK)
+        status = dt_points_move_ready(p, id, dt_points_find(p, to, own));
     if (status != DT_OK)
         return status;
-    uint32_t v = dt_idmap_get(&p->value, id);
-    if (v & DT_ALIAS_BIT)
-        dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
-    else
-        vacate(p, v);
-
-    uint32_t at = dt_places_find(&p->places, p->xy, p->id, to, DT_NONE);
-    if (at == DT_NONE) {
-        new_vertex(p, id, to);
-        return DT_OK;
-    }
-    uint32_t there = p->id[at];
-    if (p->xy[at].x == to.x && p->xy[at].y == to.y && id < there) {
-        /* The smaller of equal points represents them. */
-        dt_aliases_rename(&p->aliases, there, id);
-        dt_idmap_set(&p->value, there,
-                     DT_ALIAS_BIT | dt_aliases_join(&p->aliases, id, there, p->xy[at]));
-        take_over(p, at, id, to);
-        return DT_OK;
-    }
-    dt_idmap_set(&p->value, id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, there, id, to));
+    dt_points_leave(p, id);
+    dt_points_arrive(p, id, to, dt_points_find(p, to, DT_NONE));
     return DT_OK;
 }
 

@@ -71,6 +71,17 @@ struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
                              struct dt_added *out);
 
+/* The same in steps, for a caller that finds coincident points in its own way: room for n arrivals;
+ * then for each id from next_id on, in any order but with coincident points ascending, either
+ * dt_points_enter or dt_points_join; then dt_points_arrived. dt_points_take_back undoes what was
+ * done before dt_points_arrived; none of these points may have been taken over. */
+enum dt_status dt_points_reserve(struct dt_points *p, size_t n);
+uint32_t dt_points_enter(struct dt_points *p, uint32_t id,
+                         struct dt_point q); /* returns its vertex */
+enum dt_status dt_points_join(struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v);
+void dt_points_arrived(struct dt_points *p, uint32_t n);
+void dt_points_take_back(struct dt_points *p, uint32_t n);
+
 /* Makes the deletion of n distinct live ids, in ascending order, certain to succeed; then
  * dt_points_delete must be called for those of them that are aliases first and for the others after
  * that. */
@@ -80,8 +91,25 @@ enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, 
  * vertex. */
 void dt_points_delete(struct dt_points *p, uint32_t id);
 
+/* The alias that will take over vertex v if its representative goes, NULL if there is none. */
+const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v);
+
 /* Moves a live id to a valid place. Changes nothing unless DT_OK. */
 enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to);
+
+/* The same in steps: dt_points_move_ready makes the others certain to succeed, if `at` is the
+ * vertex with which the point will coincide on its arrival (of its own vertex's heir it need not be
+ * told), DT_NONE if there is none. Then the point leaves: as dt_points_delete, but the id stays
+ * without a value. Then it arrives: at vertex `at`, or, if that is DT_NONE, at a vertex of its own,
+ * which is returned; DT_NONE is returned if no vertex came. */
+enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t at);
+void dt_points_leave(struct dt_points *p, uint32_t id);
+uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, uint32_t at);
+
+/* The vertex that a point at q coincides with, `except` left out; DT_NONE if there is none. The
+ * first call after dt_points_renumber needs dt_points_index, O(n). */
+enum dt_status dt_points_index(struct dt_points *p);
+uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t except);
 
 /* Renumbers the vertices: new vertex v is the old from[v], in a dense order without free ones.
  * Takes over xy, which holds the coordinates in the new order and has room for n, and frees its

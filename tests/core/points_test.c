@@ -121,6 +121,8 @@ static bool edit(struct dt_points *p, struct model *m, double spacing)
     } else {
         if (dt_points_move(p, id, q) != DT_OK)
             return false;
+        if (dt_compare_xy(m->xy[id], q) == 0)
+            return true; /* it did not move */
         model_leave(m, id);
         model_arrive(m, id, q);
     }
