@@ -1,5 +1,5 @@
-/* alloc.c - out-of-memory injection: with -Wl,--wrap=malloc and friends, every allocation of a test binary comes through
- * here. */
+/* alloc.c - out-of-memory injection: with -Wl,--wrap=malloc and friends, every allocation of a test
+ * binary comes through here. */
 #include "tests/test.h"
 
 #include <stdatomic.h>

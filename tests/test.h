@@ -1,12 +1,13 @@
-/* test.h - the project's test harness: tests register themselves, each runs in a process of its own with a time-out.
+/* test.h - the project's test harness: tests register themselves, each runs in a process of its own
+ * with a time-out.
  *
  *     TEST(name_is_the_sentence)
  *     {
  *         CHECK(1 + 1 == 2);
  *     }
  *
- * A test binary takes substrings of test names (all tests without), -l to list, -s SEED. A test that draws random
- * numbers uses test_random(), whose seed is printed when the test fails. */
+ * A test binary takes substrings of test names (all tests without), -l to list, -s SEED. A test
+ * that draws random numbers uses test_random(), whose seed is printed when the test fails. */
 #ifndef TEST_H
 #define TEST_H
 
@@ -25,43 +26,46 @@ struct test {
 
 void test_register(struct test *t);
 
-#define TEST_TIMEOUT(NAME, SECONDS)                                                                 \
-    static void test_##NAME(void);                                                                  \
-    static struct test case_##NAME = {#NAME, __FILE__, test_##NAME, SECONDS, NULL};                 \
-    __attribute__((constructor)) static void register_##NAME(void)                                  \
-    {                                                                                               \
-        test_register(&case_##NAME);                                                                \
-    }                                                                                               \
+#define TEST_TIMEOUT(NAME, SECONDS)                                                                \
+    static void test_##NAME(void);                                                                 \
+    static struct test case_##NAME = {#NAME, __FILE__, test_##NAME, SECONDS, NULL};                \
+    __attribute__((constructor)) static void register_##NAME(void)                                 \
+    {                                                                                              \
+        test_register(&case_##NAME);                                                               \
+    }                                                                                              \
     static void test_##NAME(void)
 
 #define TEST(NAME) TEST_TIMEOUT(NAME, 20)
 
 /* Ends the test with a message unless the condition holds. */
-#define CHECK(COND)                                                                                 \
-    do {                                                                                            \
-        if (!(COND))                                                                                \
-            test_fail(__FILE__, __LINE__, "%s", #COND);                                             \
+#define CHECK(COND)                                                                                \
+    do {                                                                                           \
+        if (!(COND))                                                                               \
+            test_fail(__FILE__, __LINE__, "%s", #COND);                                            \
     } while (0)
 
 /* The same with a message of your own. */
-#define CHECK_MSG(COND, ...)                                                                        \
-    do {                                                                                            \
-        if (!(COND))                                                                                \
-            test_fail(__FILE__, __LINE__, __VA_ARGS__);                                             \
+#define CHECK_MSG(COND, ...)                                                                       \
+    do {                                                                                           \
+        if (!(COND))                                                                               \
+            test_fail(__FILE__, __LINE__, __VA_ARGS__);                                            \
     } while (0)
 
 #define CHECK_STR(GOT, WANT) test_check_str(__FILE__, __LINE__, #GOT, GOT, WANT)
 
-__attribute__((format(printf, 3, 4), noreturn)) void test_fail(const char *file, int line, const char *format, ...);
-void test_check_str(const char *file, int line, const char *what, const char *got, const char *want);
+__attribute__((format(printf, 3, 4), noreturn)) void test_fail(const char *file, int line,
+                                                               const char *format, ...);
+void test_check_str(const char *file, int line, const char *what, const char *got,
+                    const char *want);
 
 /* Uniform 64-bit numbers, a double in [0, 1), and an integer below n. */
 uint64_t test_random(void);
 double test_uniform(void);
 uint32_t test_below(uint32_t n);
 
-/* Out-of-memory injection: the n-th allocation from now on fails (n = 1: the next), and only that one; 0: none fails.
- * test_alloc_failed tells whether one did. Works in the core, proto and server test binaries. */
+/* Out-of-memory injection: the n-th allocation from now on fails (n = 1: the next), and only that
+ * one; 0: none fails. test_alloc_failed tells whether one did. Works in the core, proto and server
+ * test binaries. */
 void test_fail_alloc(long n);
 bool test_alloc_failed(void);
 
