@@ -1,0 +1,234 @@
+/* handlers_test.c - the commands without sockets: with and without workers, and with memory that
+ * runs out. */
+#include "server/command.h"
+#include "tests/server/local.h"
+#include "tests/test.h"
+
+#include <string.h>
+
+#define SQUARE "ADD t 0 0  4 0  4 4  0 4  2 2  2 2\n"
+
+/* n points along a parabola, as one load; the caller frees it. */
+static char *parabola(int n)
+{
+    char *text = malloc((size_t)n * 32 + 100);
+    CHECK(text != NULL);
+    size_t at = (size_t)sprintf(text, "LOAD t\n");
+    for (int i = 0; i < n; i++)
+        at += (size_t)sprintf(text + at, "%d %d\n", i, i * i);
+    strcpy(text + at, ".\n");
+    return text;
+}
+
+TEST(commands_are_named_once_and_explained)
+{
+    for (size_t i = 0; i < command_count; i++) {
+        struct word name = {commands[i].name, strlen(commands[i].name)};
+        CHECK(command_find(&name) == &commands[i]);
+        CHECK(strncmp(commands[i].usage, commands[i].name, name.len) == 0);
+        CHECK(commands[i].least >= 1 && commands[i].help[0] != '\0');
+        CHECK((commands[i].flags & CMD_EXISTING) == 0 || (commands[i].flags & CMD_SET) != 0);
+    }
+}
+
+TEST(workers_give_the_same_replies_as_none)
+{
+    static const char *const requests[] = {"TRIANGULATE t METHOD divide",
+                                           "LISTS t",
+                                           "TRIANGLES t",
+                                           "POINTS t",
+                                           "NEAREST t 3 3 500",
+                                           "LISTS t 1 2 900 4",
+                                           "HULL t CW",
+                                           "CHECK t",
+                                           "ADD t 5 5",
+                                           "LISTS t 3000",
+                                           "STAT t",
+                                           "DEL t 3 4 5",
+                                           "EDGES t"};
+    struct local none, some;
+    char *load = parabola(3000);
+    local_start(&none, 0);
+    local_start(&some, 3);
+    CHECK_STR(local_ask(&some, load), local_ask(&none, load));
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+        char *want = strdup(local_ask(&none, requests[i]));
+        CHECK(strncmp(want, "OK", 2) == 0);
+        char *got = strdup(local_ask(&some, requests[i]));
+        if (i == 0) { /* the time it took differs */
+            *strstr(want, "ms=") = '\0';
+            *strstr(got, "ms=") = '\0';
+        }
+        CHECK_STR(got, want);
+        free(got);
+        free(want);
+    }
+    CHECK(some.server.count.jobs > 5 && none.server.count.jobs == 0);
+    free(load);
+    local_stop(&none);
+    local_stop(&some);
+}
+
+TEST(version_that_is_pinned_is_not_edited)
+{
+    struct local l;
+    local_start(&l, 0);
+    local_ask(&l, SQUARE);
+    struct word name = {"t", 1};
+    struct dataset *set = registry_find(&l.server.sets, &name);
+    struct version *pinned = version_pin(set->current);
+    CHECK_STR(local_ask(&l, "MOVE t 0 9 9\nGET t 0"), "OK 0\nOK 1\n0 9 9\n");
+    CHECK(set->current != pinned && pinned->refs == 1);
+    struct dt_point p;
+    CHECK(dt_get(pinned->dt, 0, &p) == DT_OK && p.x == 0 && p.y == 0);
+    struct version *next = set->current;
+    local_ask(&l, "MOVE t 0 7 7");
+    CHECK(set->current == next); /* nobody reads this one, so it was edited in place */
+    local_ask(&l, "DROP t");
+    CHECK(dt_get(pinned->dt, 1, &p) == DT_OK && p.x == 4);
+    version_unpin(&l.server.sets, pinned);
+    CHECK(l.server.sets.memory == 0);
+    local_stop(&l);
+}
+
+TEST(set_that_a_failed_request_created_is_gone)
+{
+    struct local l;
+    local_start(&l, 0);
+    local_ask(&l, "ADD t 1 2 3 x\nLOAD u\n1 1\n2\n.\nADD v 1 1e300\n");
+    CHECK_STR(local_ask(&l, "SETS"), "OK 0\n");
+    CHECK(l.server.sets.sets == 0 && l.server.sets.memory == 0);
+    local_stop(&l);
+}
+
+TEST(memory_of_sets_is_accounted_for)
+{
+    struct local l;
+    struct dt_summary sum;
+    char *load = parabola(1000);
+    local_start(&l, 2);
+    local_ask(&l, load);
+    local_ask(&l, "TRIANGULATE t\nADD u 1 1\nDEL t 1 2 3\nLISTS t\n");
+    struct word name = {"t", 1};
+    size_t total = 0;
+    dt_summary(registry_find(&l.server.sets, &name)->current->dt, &sum);
+    total += sum.memory;
+    name.text = "u";
+    dt_summary(registry_find(&l.server.sets, &name)->current->dt, &sum);
+    total += sum.memory;
+    CHECK(l.server.sets.memory == total && l.server.loading == 0);
+    local_ask(&l, "DROP t\nDROP u\n");
+    CHECK(l.server.sets.memory == 0);
+    free(load);
+    local_stop(&l);
+}
+
+/* ---- memory runs out ---- */
+
+/* What can be seen of the server's sets. */
+static char *state(struct local *l)
+{
+    char *text = strdup(local_ask(l, "SETS\nPOINTS t\nCOINCIDENT t\n"));
+    CHECK(text != NULL);
+    return text;
+}
+
+/* Carries out `request` after `before`, failing the n-th allocation. False when there was no n-th
+ * one. */
+static bool survives(const char *before, const char *request, long n)
+{
+    struct local l;
+    local_start(&l, 0);
+    local_ask(&l, before);
+    char *was = state(&l);
+    local_ask(&l, ""); /* room for the reply, so that only the request's own allocations fail */
+    test_fail_alloc(n);
+    const char *reply = local_ask(&l, request);
+    bool failed = test_alloc_failed();
+    test_fail_alloc(0);
+    bool refused = strncmp(reply, "ERR NOMEM", 9) == 0;
+    CHECK_MSG(refused || strncmp(reply, "OK", 2) == 0 || l.closed, "%s, allocation %ld: %s",
+              request, n, reply);
+    char *is = state(&l);
+    if (refused)
+        CHECK_STR(is, was);
+    if (refused && !l.closed) /* and the next one finds everything in order */
+        CHECK_MSG(strncmp(local_ask(&l, request), "OK", 2) == 0, "%s, again after allocation %ld",
+                  request, n);
+    free(was);
+    free(is);
+    local_stop(&l);
+    return failed;
+}
+
+TEST_TIMEOUT(requests_survive_every_failed_allocation, 60)
+{
+    static const struct {
+        const char *before, *request;
+    } steps[] = {
+        {"", "CREATE t TOL 1"},
+        {"", "ADD t 1 2 3 4"},
+        {SQUARE, "ADD t 1 2 3 4 2 2 2 2"},
+        {SQUARE "TRIANGULATE t", "ADD t 1 2 3 4 2 2 2 2"},
+        {"", "LOAD t\n1 1\n2 2\n3 3\n.\n"},
+        {SQUARE, "LOAD t 2\n1 1\n2 2\n"},
+        {SQUARE, "DEL t 1 4"},
+        {SQUARE "TRIANGULATE t", "DEL t 1 4"},
+        {SQUARE, "MOVE t 1 7 7"},
+        {SQUARE, "TRIANGULATE t"},
+        {SQUARE "TRIANGULATE t", "TRIANGULATE t METHOD shelling"},
+        {SQUARE "TRIANGULATE t", "TRIANGULATE t METHOD divide"},
+        {SQUARE "TRIANGULATE t\nADD t 1 1", "LISTS t"},
+        {SQUARE "TRIANGULATE t", "LISTS t"},
+        {SQUARE "TRIANGULATE t", "LISTS t 0 4 2"},
+        {SQUARE "TRIANGULATE t", "TRIANGLES t"},
+        {SQUARE "TRIANGULATE t", "TRIANGLES t 4"},
+        {SQUARE "TRIANGULATE t", "EDGES t 4"},
+        {SQUARE "TRIANGULATE t", "HULL t"},
+        {SQUARE "TRIANGULATE t", "CHECK t"},
+        {SQUARE "TRIANGULATE t", "NEAREST t 1 1 4"},
+        {SQUARE "TRIANGULATE t", "WITHIN t 0 0 9 9"},
+        {SQUARE "TRIANGULATE t", "LOCATE t 1 1"},
+        {SQUARE, "GET t 1 2 3"},
+        {SQUARE, "POINTS t"},
+        {SQUARE, "SETS"},
+        {SQUARE, "STAT t"},
+    };
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++)
+        for (long n = 1; survives(steps[i].before, steps[i].request, n); n++)
+            CHECK(n < 1000);
+}
+
+TEST(long_replies_survive_every_failed_allocation)
+{
+    char *load = parabola(300);
+    strcat(load, "TRIANGULATE t\n");
+    long n = 1;
+    for (; survives(load, "LISTS t", n); n++)
+        CHECK(n < 1000);
+    CHECK(n > 1);
+    free(load);
+}
+
+TEST(copies_survive_every_failed_allocation)
+{
+    for (long n = 1;; n++) {
+        struct local l;
+        local_start(&l, 0);
+        local_ask(&l, SQUARE "TRIANGULATE t");
+        struct word name = {"t", 1};
+        struct version *pinned = version_pin(registry_find(&l.server.sets, &name)->current);
+        local_ask(&l, "");
+        test_fail_alloc(n);
+        const char *reply = local_ask(&l, "ADD t 7 7");
+        bool failed = test_alloc_failed();
+        test_fail_alloc(0);
+        CHECK(strncmp(reply, failed ? "ERR NOMEM" : "OK 0", 4) == 0);
+        CHECK_STR(local_ask(&l, "GET t 6"),
+                  failed ? "ERR NOPOINT there is no point 6\n" : "OK 1\n6 7 7\n");
+        version_unpin(&l.server.sets, pinned);
+        local_stop(&l);
+        if (!failed)
+            break;
+    }
+}

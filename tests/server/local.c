@@ -1,0 +1,112 @@
+/* local.c - see local.h. */
+#include "tests/server/local.h"
+
+#include "proto/line.h"
+#include "server/cmd_load.h"
+#include "server/command.h"
+#include "server/job.h"
+#include "server/stream.h"
+#include "tests/test.h"
+
+#include <poll.h>
+#include <string.h>
+
+void local_start(struct local *l, unsigned threads)
+{
+    *l = (struct local){0};
+    config_init(&l->config);
+    l->config.threads = threads;
+    CHECK(server_init(&l->server, &l->config));
+}
+
+void local_stop(struct local *l)
+{
+    server_clear(&l->server);
+    buf_free(&l->out);
+}
+
+struct delivery {
+    struct server *server;
+    struct answer *answer;
+};
+
+static void deliver(void *ctx, struct job *j)
+{
+    struct delivery *to = ctx;
+    if (j != to->answer->job) {
+        server_finish_unheard(to->server, j);
+        return;
+    }
+    to->answer->job = NULL;
+    to->answer->again = false;
+    job_finish(to->server, j, to->answer);
+}
+
+/* Waits until the answer's job has come back. */
+static void wait_for_job(struct local *l, struct answer *a)
+{
+    struct delivery to = {&l->server, a};
+    while (a->job != NULL) {
+        struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
+        CHECK(poll(&event, 1, 10000) == 1);
+        server_collect(&l->server, deliver, &to);
+    }
+}
+
+/* Everything that an answer leaves to come. True if the request is to be carried out again. */
+static bool complete(struct local *l, struct answer *a)
+{
+    CHECK(a->wait == NULL); /* nobody else is there */
+    do {
+        wait_for_job(l, a);
+        if (a->stream != NULL)
+            stream_refill(&l->server, a);
+    } while (a->job != NULL || a->stream != NULL);
+    l->closed = l->closed || a->close || a->broken;
+    return a->retry;
+}
+
+static struct answer new_answer(struct local *l)
+{
+    return (struct answer){.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+}
+
+static size_t load(struct local *l, struct load *load, const char *text, size_t n)
+{
+    ptrdiff_t took = load->body.complete ? 0 : load_feed(&l->server, load, text, n, true);
+    struct answer a = new_answer(l);
+    size_t mark = buf_len(a.out);
+    CHECK(took >= 0 && load->body.complete);
+    CHECK(buf_reserve(a.out, REPLY_ERR_ROOM) != NULL);
+    load_commit(&l->server, load, &a);
+    if (a.out->failed)
+        command_out_of_memory(&l->server, &a, mark);
+    complete(l, &a);
+    load_free(&l->server, load);
+    return (size_t)took;
+}
+
+const char *local_ask(struct local *l, const char *lines)
+{
+    size_t at = 0, n = strlen(lines);
+    struct request *q = &l->server.request;
+    buf_consume(&l->out, buf_len(&l->out));
+    l->out.failed = false;
+    CHECK(buf_reserve(&l->out, 4096) != NULL);
+    while (at < n) {
+        struct line line;
+        struct answer a = new_answer(l);
+        at += (size_t)line_read(lines + at, n - at, true, &line);
+        CHECK(request_split(q, line.text, line.len));
+        command_run(&l->server, q, &a);
+        if (complete(l, &a)) {
+            a = new_answer(l);
+            command_run(&l->server, q, &a);
+            complete(l, &a);
+        }
+        if (a.load != NULL)
+            at += load(l, a.load, lines + at, n - at);
+    }
+    buf_append_char(&l->out, '\0');
+    return buf_head(&l->out);
+}

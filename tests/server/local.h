@@ -1,0 +1,22 @@
+/* local.h - a server without sockets: request lines in, replies out. */
+#ifndef TESTS_SERVER_LOCAL_H
+#define TESTS_SERVER_LOCAL_H
+
+#include "server/server.h"
+
+struct local {
+    struct config config;
+    struct server server;
+    struct buf out; /* the replies so far */
+    bool closed;    /* a reply asked for the connection to be closed, or could not be completed */
+};
+
+/* With 0 threads every job is done at once. */
+void local_start(struct local *l, unsigned threads);
+void local_stop(struct local *l);
+
+/* Carries out request lines, the bodies of loads among them, and waits for each reply. Returns the
+ * replies, which live until the next call. */
+const char *local_ask(struct local *l, const char *lines);
+
+#endif

@@ -1,0 +1,89 @@
+/* worker_test.c - the threads: every piece of work is done once, and the core's pool never waits
+ * for a free thread. */
+#include "server/worker.h"
+#include "tests/test.h"
+
+#include <poll.h>
+#include <string.h>
+
+struct sum {
+    struct work work; /* first */
+    const struct dt_pool *pool;
+    atomic_uint parts;
+    unsigned rounds;
+};
+
+static void add_part(void *arg, unsigned i)
+{
+    atomic_fetch_add((atomic_uint *)arg, i + 1);
+}
+
+static void run_sum(struct work *w)
+{
+    struct sum *s = (struct sum *)w;
+    for (unsigned i = 0; i < s->rounds; i++)
+        s->pool->run(s->pool->ctx, 100, add_part, &s->parts);
+}
+
+static unsigned collect(struct workers *w, unsigned n)
+{
+    unsigned got = 0;
+    while (got < n) {
+        struct pollfd event = {.fd = workers_event(w), .events = POLLIN};
+        CHECK(poll(&event, 1, 10000) == 1);
+        for (struct work *work = workers_collect(w); work != NULL; work = work->next)
+            got++;
+    }
+    return got;
+}
+
+TEST(work_is_done_and_the_pool_helps_even_if_all_threads_want_help)
+{
+    enum { JOBS = 40, ROUNDS = 50 };
+    static struct sum sums[JOBS];
+    for (unsigned threads = 1; threads <= 4; threads++) {
+        struct workers *w = workers_new(threads);
+        CHECK(w != NULL && workers_pool(w)->threads == threads);
+        memset(sums, 0, sizeof sums);
+        for (int i = 0; i < JOBS; i++) {
+            sums[i].work.run = run_sum;
+            sums[i].pool = workers_pool(w);
+            sums[i].rounds = ROUNDS;
+            workers_submit(w, i % 3 == 0 ? WORK_SHORT : WORK_LONG, &sums[i].work);
+        }
+        CHECK(collect(w, JOBS) == JOBS);
+        for (int i = 0; i < JOBS; i++)
+            CHECK(sums[i].parts == ROUNDS * 5050);
+        workers_free(w);
+    }
+}
+
+struct gate {
+    struct work work; /* first */
+    atomic_bool *open;
+};
+
+static void pass_gate(struct work *w)
+{
+    while (!*((struct gate *)w)->open)
+        poll(NULL, 0, 1);
+}
+
+TEST(short_work_does_not_wait_for_long_work)
+{
+    enum { THREADS = 2, LONG = 6 };
+    atomic_bool shut = false, open = true;
+    struct gate busy[LONG], quick = {{NULL, pass_gate}, &open};
+    struct workers *w = workers_new(THREADS);
+    CHECK(w != NULL);
+    for (int i = 0; i < LONG; i++) {
+        busy[i] = (struct gate){{NULL, pass_gate}, &shut};
+        workers_submit(w, WORK_LONG, &busy[i].work);
+    }
+    workers_submit(w, WORK_SHORT, &quick.work);
+    CHECK(collect(w, 1) == 1);
+    CHECK(workers_backlog(w) >= LONG - THREADS);
+    shut = true;
+    CHECK(collect(w, LONG) == LONG);
+    workers_free(w);
+}
