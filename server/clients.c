@@ -52,10 +52,8 @@ void clients_remove(struct clients *c, struct session *s)
 struct session *clients_find(const struct clients *c, uint64_t id)
 {
     uint32_t i = (uint32_t)id;
-    if (i >= c->cap || c->slot[i].session == NULL || c->slot[i].session->id != id ||
-        c->slot[i].session->conn.dead)
-        return NULL;
-    return c->slot[i].session;
+    bool there = i < c->cap && c->slot[i].session != NULL && c->slot[i].session->id == id;
+    return there ? c->slot[i].session : NULL;
 }
 
 void clients_each(const struct clients *c, void (*visit)(struct session *s))

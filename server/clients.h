@@ -14,7 +14,7 @@ struct clients {
 bool clients_add(struct clients *c, struct session *s);
 void clients_remove(struct clients *c, struct session *s);
 
-/* NULL if it has gone. */
+/* NULL if it has gone; one whose connection is closed is there until the end of the turn. */
 struct session *clients_find(const struct clients *c, uint64_t id);
 
 /* Calls visit for every session; it may close them. */

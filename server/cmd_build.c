@@ -39,12 +39,10 @@ static void run_triangulate(struct job *j)
     b->ms = (double)microseconds / 1000;
 }
 
-static void tell_triangulation(struct answer *a, const struct dt *dt, double ms)
+static void tell_triangulation(struct answer *a, const struct version *v, double ms)
 {
-    struct dt_summary sum;
-    dt_summary(dt, &sum);
     reply_ok(a->out, 0);
-    append_counts(a, &sum);
+    append_counts(a, &v->sum);
     reply_key_double(a->out, "ms", ms);
     reply_end(a->out);
 }
@@ -53,7 +51,7 @@ static void triangulate_done(struct server *s, struct job *j, struct answer *a)
 {
     (void)s;
     if (j->status == DT_OK)
-        tell_triangulation(a, j->dt, ((struct build *)j)->ms);
+        tell_triangulation(a, j->set->current, ((struct build *)j)->ms);
     else
         answer_status(a, j->status);
 }
@@ -92,15 +90,14 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
                      struct answer *a)
 {
     enum dt_method method;
-    struct dt_summary sum;
+    const struct dt_summary *sum = &set->current->sum;
     if (!read_method(a, q, &method))
         return;
-    dt_summary(set->current->dt, &sum);
-    if (method == DT_AUTO && sum.triangulated && !version_is_stale(set->current)) {
-        tell_triangulation(a, set->current->dt, 0);
+    if (method == DT_AUTO && sum->triangulated && !version_is_stale(set->current)) {
+        tell_triangulation(a, set->current, 0);
         return;
     }
-    if (!sum.triangulated && server_lacks_memory(s, (size_t)sum.points * BYTES_PER_POINT)) {
+    if (!sum->triangulated && server_lacks_memory(s, (size_t)sum->points * BYTES_PER_POINT)) {
         reply_err(a->out, ERR_NOMEM, "the memory for sets is used up (--max-memory)");
         return;
     }
@@ -111,7 +108,7 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
     }
     b->job.what = "triangulating";
     b->job.options.method = method;
-    job_write(s, a, &b->job, set, how_to_build(s, &sum));
+    job_write(s, a, &b->job, set, how_to_build(s, sum));
 }
 
 /* ---- CHECK ---- */
@@ -124,7 +121,6 @@ static void run_check(struct job *j)
 static void check_done(struct server *s, struct job *j, struct answer *a)
 {
     const char *fault = ((struct build *)j)->fault;
-    struct dt_summary sum;
     (void)s;
     if (j->status == DT_CORRUPT && fault != NULL) {
         reply_err(a->out, ERR_CORRUPT, "%s", fault);
@@ -134,23 +130,20 @@ static void check_done(struct server *s, struct job *j, struct answer *a)
         answer_status(a, j->status);
         return;
     }
-    dt_summary(j->dt, &sum);
     reply_ok(a->out, 0);
     reply_key_text(a->out, "delaunay", "yes");
-    append_counts(a, &sum);
+    append_counts(a, &j->base->sum);
     reply_end(a->out);
 }
 
 void cmd_check(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    struct dt_summary sum;
     (void)q;
     struct build *b = job_new(sizeof *b, run_check, check_done);
     if (b == NULL) {
         answer_out_of_memory(a);
         return;
     }
-    dt_summary(set->current->dt, &sum);
     b->job.what = "checking";
-    job_read(s, a, &b->job, set->current, sum.points > BUILD_AT_ONCE ? JOB_HEAVY : 0);
+    job_read(s, a, &b->job, set->current, set->current->sum.points > BUILD_AT_ONCE ? JOB_HEAVY : 0);
 }

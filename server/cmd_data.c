@@ -41,10 +41,9 @@ void cmd_sets(struct server *s, struct dataset *set, const struct request *q, st
     reply_end(a->out);
     for (size_t i = 0; i < roll.n; i++) {
         char row[SET_NAME_LIMIT + 64];
-        struct dt_summary sum;
-        dt_summary(roll.set[i]->current->dt, &sum);
-        snprintf(row, sizeof row, "%s points=%u triangulated=%s", roll.set[i]->name, sum.points,
-                 sum.triangulated ? "yes" : "no");
+        const struct dt_summary *sum = &roll.set[i]->current->sum;
+        snprintf(row, sizeof row, "%s points=%u triangulated=%s", roll.set[i]->name, sum->points,
+                 sum->triangulated ? "yes" : "no");
         reply_row_text(a->out, row);
     }
     free(roll.set);
@@ -95,17 +94,16 @@ void cmd_drop(struct server *s, struct dataset *set, const struct request *q, st
 
 void cmd_stat(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    struct dt_summary sum;
+    const struct dt_summary *sum = &set->current->sum;
     (void)s, (void)q;
-    dt_summary(set->current->dt, &sum);
     reply_ok(a->out, 0);
-    reply_key_u64(a->out, "points", sum.points);
-    reply_key_u64(a->out, "coincident", sum.coincident);
-    reply_key_text(a->out, "triangulated", sum.triangulated ? "yes" : "no");
-    reply_key_u64(a->out, "triangles", sum.triangles);
-    reply_key_u64(a->out, "edges", sum.edges);
-    reply_key_u64(a->out, "hull", sum.hull);
-    reply_key_u64(a->out, "memory", sum.memory);
+    reply_key_u64(a->out, "points", sum->points);
+    reply_key_u64(a->out, "coincident", sum->coincident);
+    reply_key_text(a->out, "triangulated", sum->triangulated ? "yes" : "no");
+    reply_key_u64(a->out, "triangles", sum->triangles);
+    reply_key_u64(a->out, "edges", sum->edges);
+    reply_key_u64(a->out, "hull", sum->hull);
+    reply_key_u64(a->out, "memory", sum->memory);
     reply_key_double(a->out, "tol", dt_tolerance(set->current->dt));
     reply_end(a->out);
 }

@@ -73,7 +73,6 @@ static void lists_of_points(struct server *s, struct dataset *set, const struct 
                             const struct tail *t, struct answer *a)
 {
     struct query query = {.kind = QUERY_LISTS, .cw = t->cw};
-    struct dt_summary sum;
     uint32_t rep;
     size_t n = t->n - 2;
     query.ids = (struct dt_ids){read_ids(a, &q->word[2], n), n, n};
@@ -86,8 +85,8 @@ static void lists_of_points(struct server *s, struct dataset *set, const struct 
             return;
         }
     }
-    dt_summary(set->current->dt, &sum);
-    query_answer(s, a, set, &query, n > IDS_AT_ONCE || (n > 1 && sum.hull > HULL_AT_ONCE));
+    query_answer(s, a, set, &query,
+                 n > IDS_AT_ONCE || (n > 1 && set->current->sum.hull > HULL_AT_ONCE));
 }
 
 void cmd_lists(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -221,7 +220,6 @@ static void put_in_order(double *a, double *b)
 void cmd_within(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct query query = {.kind = q->n == 6 ? QUERY_BOX : QUERY_DISC};
-    struct dt_summary sum;
     if (!read_point(a, &q->word[2], &query.p))
         return;
     if (query.kind == QUERY_BOX) {
@@ -237,6 +235,5 @@ void cmd_within(struct server *s, struct dataset *set, const struct request *q, 
             return;
         }
     }
-    dt_summary(set->current->dt, &sum);
-    query_answer(s, a, set, &query, sum.points > WITHIN_AT_ONCE);
+    query_answer(s, a, set, &query, set->current->sum.points > WITHIN_AT_ONCE);
 }

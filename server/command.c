@@ -132,7 +132,6 @@ static void refresh_done(struct server *s, struct job *j, struct answer *a)
 /* Whether the set can be queried now. If not, a tells what comes first. */
 static bool refresh(struct server *s, struct answer *a, struct dataset *set)
 {
-    struct dt_summary sum;
     if (!version_is_stale(set->current))
         return true;
     if (set->writer != NULL) {
@@ -144,9 +143,8 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
         answer_out_of_memory(a);
         return false;
     }
-    dt_summary(set->current->dt, &sum);
     j->what = "triangulating";
-    job_write(s, a, j, set, sum.points > REFRESH_AT_ONCE ? JOB_HEAVY : 0);
+    job_write(s, a, j, set, set->current->sum.points > REFRESH_AT_ONCE ? JOB_HEAVY : 0);
     bool now = a->retry;
     a->retry = false;
     a->again = a->job != NULL;
@@ -157,19 +155,15 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
 static bool check_state(struct server *s, struct answer *a, const struct command *c,
                         struct dataset *set)
 {
-    struct dt_summary sum;
     if (set == NULL)
         return true;
     if ((c->flags & CMD_WRITE) != 0 ? set->writer != NULL : set->exclusive) {
         a->wait = set;
         return false;
     }
-    if ((c->flags & CMD_LIVE) != 0) {
-        dt_summary(set->current->dt, &sum);
-        if (!sum.triangulated) {
-            answer_status(a, DT_UNTRIANGULATED);
-            return false;
-        }
+    if ((c->flags & CMD_LIVE) != 0 && !set->current->sum.triangulated) {
+        answer_status(a, DT_UNTRIANGULATED);
+        return false;
     }
     return (c->flags & CMD_FRESH) == 0 || refresh(s, a, set);
 }

@@ -26,24 +26,21 @@ void version_unpin(struct registry *r, struct version *v)
 {
     if (--v->refs > 0)
         return;
-    r->memory -= v->memory;
+    r->memory -= v->sum.memory;
     r->discard(r->discard_ctx, v->dt);
     free(v);
 }
 
-void version_account(struct registry *r, struct version *v)
+void version_update(struct registry *r, struct version *v)
 {
-    struct dt_summary sum;
-    dt_summary(v->dt, &sum);
-    r->memory += sum.memory - v->memory;
-    v->memory = sum.memory;
+    r->memory -= v->sum.memory;
+    dt_summary(v->dt, &v->sum);
+    r->memory += v->sum.memory;
 }
 
 bool version_is_stale(const struct version *v)
 {
-    struct dt_summary sum;
-    dt_summary(v->dt, &sum);
-    return sum.triangulated && !sum.current;
+    return v->sum.triangulated && !v->sum.current;
 }
 
 /* ---- the registry ---- */
@@ -122,7 +119,7 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
     set->next = *bucket;
     *bucket = set;
     r->sets++;
-    version_account(r, v);
+    version_update(r, v);
     return set;
 }
 

@@ -16,9 +16,10 @@
 #include "proto/request.h"
 
 struct version {
-    struct dt *dt; /* owns */
+    struct dt *dt; /* owns; not to be looked at while a job edits it in place */
     unsigned refs;
-    size_t memory; /* bytes that are accounted for it */
+    struct dt_summary
+        sum; /* what dt holds, as of the last completed edit; sum.memory is accounted for */
 };
 
 /* Somebody who wants to be told when the set is free again; part of whoever waits. */
@@ -66,8 +67,8 @@ void registry_each(const struct registry *r, void (*visit)(struct dataset *set, 
 struct version *version_new(struct dt *dt);
 struct version *version_pin(struct version *v);
 void version_unpin(struct registry *r, struct version *v);
-/* Brings the accounting up to date after an edit. */
-void version_account(struct registry *r, struct version *v);
+/* Brings the summary and the accounting up to date after an edit. */
+void version_update(struct registry *r, struct version *v);
 
 /* Whether the triangulation lags behind the points, so that queries must wait for dt_refresh. */
 bool version_is_stale(const struct version *v);

@@ -69,13 +69,9 @@ static void add_done(struct server *s, struct job *j, struct answer *a)
 /* Whether the set, NULL for a new one, may grow by n points. */
 static bool may_grow(struct server *s, struct answer *a, const struct dataset *set, size_t n)
 {
-    struct dt_summary sum = {0};
-    if (set != NULL)
-        dt_summary(set->current->dt, &sum);
-    if (n > s->config->max_points -
-                (sum.points < s->config->max_points ? sum.points : s->config->max_points))
-        reply_err(a->out, ERR_TOOBIG, "a set holds at most %u points (--max-points)",
-                  s->config->max_points);
+    uint32_t points = set != NULL ? set->current->sum.points : 0, most = s->config->max_points;
+    if (points > most || n > most - points)
+        reply_err(a->out, ERR_TOOBIG, "a set holds at most %u points (--max-points)", most);
     else if (server_lacks_memory(s, n * BYTES_PER_POINT))
         reply_err(a->out, ERR_NOMEM, "the memory for sets is used up (--max-memory)");
     else

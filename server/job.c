@@ -112,10 +112,8 @@ static void drop_unborn(struct server *s, struct dataset *set)
 
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
 {
-    struct dt_summary sum;
     bool copy = (how & JOB_COPY) != 0 || set->current->refs > 1;
-    dt_summary(set->current->dt, &sum);
-    if (copy && sum.points > CLONE_AT_ONCE)
+    if (copy && set->current->sum.points > CLONE_AT_ONCE)
         how |= JOB_HEAVY;
     struct version *fresh = copy ? version_new(NULL) : NULL;
     if (copy && fresh == NULL)
@@ -138,10 +136,10 @@ void job_write(struct server *s, struct answer *a, struct job *j, struct dataset
 static void publish(struct server *s, struct job *j)
 {
     if (j->fresh == NULL) {
-        version_account(&s->sets, j->base);
+        version_update(&s->sets, j->base);
     } else if (j->status == DT_OK) {
         j->fresh->dt = j->dt;
-        version_account(&s->sets, j->fresh);
+        version_update(&s->sets, j->fresh);
         dataset_publish(&s->sets, j->set, j->fresh);
     } else {
         if (j->dt != NULL)

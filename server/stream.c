@@ -199,8 +199,6 @@ void stream_free(struct registry *r, struct stream *st)
 /* The length of a binary table: four bytes a word, a point's coordinates sixteen more. */
 static uint64_t table_bytes(const struct version *v, const struct dt_cursor *c)
 {
-    struct dt_summary sum;
-    dt_summary(v->dt, &sum);
     switch (c->table) {
     case DT_POINTS:
     case DT_HULL:
@@ -211,7 +209,7 @@ static uint64_t table_bytes(const struct version *v, const struct dt_cursor *c)
     case DT_TRIANGLES:
         return (uint64_t)c->rows * 12;
     case DT_LISTS: /* id, degree, and every edge from both its ends */
-        return (uint64_t)c->rows * 8 + (uint64_t)sum.edges * 8;
+        return (uint64_t)c->rows * 8 + (uint64_t)v->sum.edges * 8;
     }
     return 0;
 }

@@ -112,7 +112,7 @@ const char *hear_line(int fd)
             break;
     }
     line[n] = '\0';
-    return line;
+    return line[0] == '#' ? hear_line(fd) : line;
 }
 
 char *hear_all(int fd, size_t *n)
@@ -169,6 +169,16 @@ uint64_t daemon_info(const struct daemon *d, const char *key)
     return v;
 }
 
+void await_info(const struct daemon *d, const char *key, uint64_t want)
+{
+    for (int i = 0; i < 500; i++) {
+        if (daemon_info(d, key) == want)
+            return;
+        pause_ms(10);
+    }
+    test_fail(__FILE__, __LINE__, "%s stays %" PRIu64, key, daemon_info(d, key));
+}
+
 void load_random(int fd, const char *set, uint32_t n)
 {
     char head[100];
@@ -193,6 +203,20 @@ size_t daemon_resident(const struct daemon *d)
     CHECK(f != NULL && fscanf(f, "%zu %zu", &size, &resident) == 2);
     fclose(f);
     return resident * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+bool costs_are_telling(void)
+{
+#ifdef __has_feature
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+    return false;
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    return false;
+#else
+    return true;
+#endif
 }
 
 double daemon_cpu_seconds(const struct daemon *d)

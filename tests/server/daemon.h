@@ -29,7 +29,7 @@ void say_bytes(int fd, const void *bytes, size_t n);
 /* Reads exactly as much as `want` is long and compares. */
 void expect(int fd, const char *want);
 
-/* Reads one line, its LF removed; the text lives until the next call. */
+/* Reads one line that is no comment, its LF removed; the text lives until the next call. */
 const char *hear_line(int fd);
 
 /* Reads to the end of input; the caller frees it. It is NUL-terminated. */
@@ -45,12 +45,19 @@ void converse(const struct daemon *d, const char *request, const char *want);
 /* The value of an INFO key. */
 uint64_t daemon_info(const struct daemon *d, const char *key);
 
+/* Waits until an INFO key has this value; gives up after some seconds. */
+void await_info(const struct daemon *d, const char *key, uint64_t want);
+
 /* Loads n points at random places of the unit square into the new set. */
 void load_random(int fd, const char *set, uint32_t n);
 
 /* Resident memory and consumed processor time of the daemon. */
 size_t daemon_resident(const struct daemon *d);
 double daemon_cpu_seconds(const struct daemon *d);
+
+/* Whether these say something about the daemon: a sanitizer keeps freed memory, and has threads of
+ * its own. */
+bool costs_are_telling(void);
 
 double seconds(void);
 void pause_ms(unsigned ms);

@@ -1,0 +1,296 @@
+/* lifecycle_test.c - starting, stopping, vanishing clients, and running out of what the system
+ * gives. */
+#include "tests/server/daemon.h"
+#include "tests/test.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* ---- flags ---- */
+
+/* Runs the daemon's program to its end; returns its exit status and what it printed on either
+ * stream. */
+static int run(const char *flag, const char *value, char *text, size_t size)
+{
+    int out[2], status;
+    CHECK(pipe(out) == 0);
+    pid_t pid = fork();
+    CHECK(pid >= 0);
+    if (pid == 0) {
+        dup2(out[1], STDOUT_FILENO);
+        dup2(out[1], STDERR_FILENO);
+        execl(getenv("DELAUNAYD"), "delaunayd", flag, value, NULL);
+        _exit(127);
+    }
+    close(out[1]);
+    ssize_t n = read(out[0], text, size - 1);
+    text[n > 0 ? n : 0] = '\0';
+    close(out[0]);
+    CHECK(waitpid(pid, &status, 0) == pid && WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+TEST(flags_that_ask_are_answered)
+{
+    char text[4096];
+    CHECK(run("--version", NULL, text, sizeof text) == 0);
+    CHECK_STR(text, "delaunayd 0.1.0\n");
+    CHECK(run("--help", NULL, text, sizeof text) == 0);
+    CHECK(strstr(text, "--max-memory") != NULL);
+}
+
+TEST(flags_that_make_no_sense_are_refused)
+{
+    static const char *const bad[][2] = {
+        {"--port", "65536"},     {"--port", "x"},        {"--bind", "localhost"},
+        {"--threads", "0"},      {"--bind", "::2"},      {"--bind", "0.0.0.0"},
+        {"--max-clients", "0"},  {"--max-points", "-1"}, {"--frob", NULL},
+        {"--max-memory", "12q"}, {"extra", NULL},        {"--data", "/nowhere"},
+        {"--fsync", "no"},       {"--port", NULL},       {"--max-memory", "999999999999g"}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        char text[4096];
+        CHECK_MSG(run(bad[i][0], bad[i][1], text, sizeof text) == 2, "%s %s", bad[i][0], bad[i][1]);
+        CHECK(strncmp(text, "delaunayd", 9) == 0 || strstr(text, "delaunayd: ") != NULL);
+    }
+}
+
+TEST(port_that_is_taken_is_told)
+{
+    char port[16], text[512];
+    struct daemon d = daemon_start(NULL);
+    snprintf(port, sizeof port, "%u", d.port);
+    CHECK(run("--port", port, text, sizeof text) == 1);
+    CHECK(strstr(text, "cannot listen on 127.0.0.1: Address already in use") != NULL);
+}
+
+TEST(unix_socket_serves_too)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/delaunayd-test-%d.sock", (int)getpid());
+    const char *arguments[] = {"--unix", path, NULL};
+    for (int round = 0; round < 2;
+         round++) { /* the second finds the socket of one that was killed */
+        struct daemon d = daemon_start(arguments);
+        struct sockaddr_un at = {.sun_family = AF_UNIX};
+        strcpy(at.sun_path, path);
+        int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+        CHECK(connect(fd, (struct sockaddr *)&at, sizeof at) == 0);
+        say(fd, "ADD t 1 1\n");
+        expect(fd, "OK 0 first=0 added=1 coincident=0\n");
+        say(fd, "LISTS t\nGET t 0");
+        close(fd); /* fully: what was sent is carried out all the same */
+        converse(&d, "GET t 0\n", "OK 1\n0 1 1\n");
+        CHECK(daemon_stop(&d, round == 0 ? SIGKILL : SIGTERM) == (round == 0 ? -1 : 0));
+    }
+    CHECK(access(path, F_OK) != 0);
+}
+
+/* ---- stopping ---- */
+
+TEST(idle_daemon_stops_at_once)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "PING\n");
+    expect(fd, "OK 0\n");
+    double start = seconds();
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+    CHECK(seconds() - start < 2);
+    expect_end(fd);
+}
+
+TEST(daemon_that_stops_finishes_what_it_has_received)
+{
+    enum { REQUESTS = 50000 };
+    size_t n, lines = 0;
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 200000);
+    char *text = malloc(REQUESTS * 10 + 100);
+    strcpy(text, "TRIANGULATE t\n");
+    for (int i = 0; i < REQUESTS; i++)
+        strcpy(text + 14 + i * 8, "GET t 0\n");
+    say(fd, text);
+    say(fd, "LISTS t\nGET t 1"); /* and a line that may have been cut */
+    free(text);
+    CHECK(kill(d.pid, SIGINT) == 0);
+    text = hear_all(fd, &n);
+    for (size_t i = 0; i < n; i++)
+        lines += text[i] == '\n';
+    CHECK_MSG(lines == 1 + 2 * REQUESTS + 200001, "%zu lines", lines);
+    free(text);
+    int status;
+    CHECK(waitpid(d.pid, &status, 0) == d.pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+TEST(daemon_that_is_told_twice_stops_in_the_middle_of_work)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 1000000);
+    say(fd, "TRIANGULATE t METHOD shelling\nTRIANGULATE t METHOD shelling\nTRIANGULATE t METHOD "
+            "shelling\n");
+    pause_ms(50);
+    CHECK(kill(d.pid, SIGTERM) == 0);
+    pause_ms(50);
+    double start = seconds();
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+    CHECK(seconds() - start < 5);
+}
+
+/* ---- vanishing ---- */
+
+/* Closes with a reset, as a crashed client's system would. */
+static void vanish(int fd)
+{
+    struct linger now = {1, 0};
+    setsockopt(fd, SOL_SOCKET, SO_LINGER, &now, sizeof now);
+    close(fd);
+}
+
+TEST(client_that_vanishes_in_mid_job_is_forgotten)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d), other = daemon_connect(&d);
+    load_random(fd, "t", 500000);
+    for (int i = 0; i < 5; i++) {
+        int gone = daemon_connect(&d);
+        say(gone, "TRIANGULATE t METHOD shelling\nLISTS t\n");
+        pause_ms(20);
+        vanish(gone);
+    }
+    say(other, "TRIANGULATE t\nCHECK t\n");
+    CHECK(strncmp(hear_line(other), "OK 0 points=500000", 18) == 0);
+    CHECK(strncmp(hear_line(other), "OK 0 delaunay=yes", 17) == 0);
+    await_info(&d, "clients", 3);
+}
+
+TEST(client_that_vanishes_in_mid_load_leaves_nothing)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "LOAD t 1000000\n1 1\n2 2\n3");
+    pause_ms(50);
+    CHECK(daemon_info(&d, "loading") > 0);
+    vanish(fd);
+    await_info(&d, "loading", 0);
+    converse(&d, "SETS\n", "OK 0\n");
+}
+
+TEST(clients_that_vanish_in_mid_reply_are_forgotten)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 200000);
+    say(fd, "TRIANGULATE t\n");
+    hear_line(fd);
+    for (int i = 0; i < 50; i++) {
+        int gone = daemon_connect(&d);
+        say(gone, "LISTS t\nLISTS t\n");
+        expect(gone, "OK 200000 ");
+        if (i % 2)
+            vanish(gone);
+        else
+            close(gone);
+    }
+    say(fd, "DROP t\n");
+    expect(fd, "OK 0\n");
+    await_info(&d, "memory", 0);
+    await_info(&d, "clients", 2);
+}
+
+TEST(storm_of_connections_leaves_nothing)
+{
+    struct daemon d = daemon_start(NULL);
+    for (int i = 0; i < 3000; i++) {
+        int fd = daemon_connect(&d);
+        if (i % 3 == 0)
+            say(fd, "PING\n");
+        if (i % 3 == 1)
+            vanish(fd);
+        else
+            close(fd);
+    }
+    await_info(&d, "clients", 1);
+}
+
+/* ---- limits of the system ---- */
+
+TEST(clients_beyond_the_limit_are_told_so)
+{
+    const char *arguments[] = {"--max-clients", "3", NULL};
+    struct daemon d = daemon_start(arguments);
+    int fd[3];
+    for (int i = 0; i < 3; i++) {
+        fd[i] = daemon_connect(&d);
+        say(fd[i], "PING\n");
+        expect(fd[i], "OK 0\n");
+    }
+    converse(&d, "", "ERR BUSY too many clients\n");
+    close(fd[1]);
+    pause_ms(50);
+    converse(&d, "PING\n", "OK 0\n");
+    say(fd[0], "PING\n");
+    expect(fd[0], "OK 0\n");
+}
+
+TEST(daemon_without_descriptors_refuses_politely_and_rests)
+{
+    enum { CLIENTS = 90 };
+    int fd[CLIENTS], welcome = 0;
+    struct daemon d = daemon_start(NULL);
+    struct rlimit few = {64, 64};
+    CHECK(prlimit(d.pid, RLIMIT_NOFILE, &few, NULL) == 0);
+    for (int i = 0; i < CLIENTS; i++) {
+        fd[i] = daemon_connect(&d);
+        send(fd[i], "PING\n", 5, MSG_NOSIGNAL);
+    }
+    for (int i = 0; i < CLIENTS; i++) {
+        const char *line = hear_line(fd[i]);
+        welcome += strcmp(line, "OK 0") == 0;
+        CHECK_MSG(strcmp(line, "OK 0") == 0 || strncmp(line, "ERR BUSY ", 9) == 0, "%s", line);
+    }
+    CHECK(welcome > 40 && welcome < 64);
+    double cpu = daemon_cpu_seconds(&d);
+    pause_ms(500);
+    CHECK(daemon_cpu_seconds(&d) - cpu < 0.1 || !costs_are_telling());
+    for (int i = 0; i < CLIENTS; i++)
+        close(fd[i]);
+    pause_ms(50);
+    converse(&d, "PING\n", "OK 0\n");
+}
+
+TEST(thousands_of_idle_clients_cost_little)
+{
+    enum { CLIENTS = 4000 };
+    static int fd[CLIENTS];
+    struct rlimit many = {CLIENTS + 200, CLIENTS + 200}, now;
+    CHECK(getrlimit(RLIMIT_NOFILE, &now) == 0);
+    if (now.rlim_max < many.rlim_max) /* this machine does not allow it */
+        return;
+    many.rlim_max = now.rlim_max;
+    CHECK(setrlimit(RLIMIT_NOFILE, &many) == 0);
+    struct daemon d = daemon_start(NULL);
+    fd[0] = daemon_connect(&d);
+    say(fd[0], "PING\n");
+    expect(fd[0], "OK 0\n");
+    size_t before = daemon_resident(&d);
+    for (int i = 1; i < CLIENTS; i++) {
+        fd[i] = daemon_connect(&d);
+        say(fd[i], "PING\nPI");
+        expect(fd[i], "OK 0\n");
+    }
+    size_t each = (daemon_resident(&d) - before) / CLIENTS;
+    if (costs_are_telling())
+        CHECK_MSG(each < 2048, "%zu bytes each", each);
+    double cpu = daemon_cpu_seconds(&d);
+    pause_ms(500);
+    CHECK(daemon_cpu_seconds(&d) - cpu < 0.05 || !costs_are_telling());
+}
