@@ -86,6 +86,8 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
     dt_hints_clear(&t->hints);
     t->mesh = b.mesh;
     t->hints = b.hints;
+    t->hinted = t->mesh.vertices;
+    t->steps = 0;
     t->current = true;
     return DT_OK;
 }

@@ -13,6 +13,12 @@ void dt_cavity_clear(struct dt_cavity *c)
     *c = (struct dt_cavity){0};
 }
 
+size_t dt_cavity_memory(const struct dt_cavity *c)
+{
+    return c->record_cap * sizeof *c->record + c->rim_cap * sizeof *c->rim +
+           c->stack_cap * sizeof *c->stack;
+}
+
 /* Grows *array, full with *cap items, by half or more. */
 static bool grow(void *array, uint32_t *cap, size_t size)
 {

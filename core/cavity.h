@@ -25,6 +25,7 @@ struct dt_cavity {
 };
 
 void dt_cavity_clear(struct dt_cavity *c);
+size_t dt_cavity_memory(const struct dt_cavity *c);
 
 /* Empties the hole; room is kept. */
 static inline void dt_cavity_begin(struct dt_cavity *c)

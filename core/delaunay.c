@@ -8,6 +8,7 @@
 
 #include "core/bulk.h"
 #include "core/memory.h"
+#include "core/update.h"
 
 #ifdef __FAST_MATH__
 #error "the predicates need IEEE arithmetic: compile without -ffast-math"
@@ -32,6 +33,7 @@ void dt_free(struct dt *t)
     dt_points_clear(&t->points);
     dt_mesh_clear(&t->mesh);
     dt_hints_clear(&t->hints);
+    dt_cavity_clear(&t->scratch);
     free(t);
 }
 
@@ -51,6 +53,8 @@ enum dt_status dt_clone(const struct dt *t, struct dt **copy)
     }
     c->triangulated = t->triangulated;
     c->current = t->current;
+    c->hinted = t->hinted;
+    c->steps = t->steps;
     *copy = c;
     return DT_OK;
 }
@@ -78,6 +82,8 @@ enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct d
     for (size_t i = 0; i < n; i++)
         if (!point_ok(p[i]))
             return DT_RANGE;
+    if (dt_is_live(t) && !dt_update_is_bulk(t, n))
+        return dt_update_add(t, p, n, out);
     enum dt_status status = dt_points_add(&t->points, p, n, out);
     if (status == DT_OK && out->coincident < out->added)
         t->current = false;
@@ -93,6 +99,8 @@ static int compare_ids(const void *a, const void *b)
 /* Deletes ascending distinct live ids. */
 static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n)
 {
+    if (dt_is_live(t) && !dt_update_is_bulk(t, n))
+        return dt_update_delete(t, ids, n);
     struct dt_points *p = &t->points;
     if (dt_points_delete_ready(p, ids, n) != DT_OK)
         return DT_NOMEM;
@@ -142,6 +150,8 @@ enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to)
         return DT_NOPOINT;
     if (!point_ok(to))
         return DT_RANGE;
+    if (dt_is_live(t))
+        return dt_update_move(t, id, to);
     enum dt_status status = dt_points_move(&t->points, id, to);
     if (status == DT_OK)
         t->current = false;
@@ -195,7 +205,7 @@ void dt_summary(const struct dt *t, struct dt_summary *out)
         .triangulated = t->triangulated,
         .current = t->triangulated && t->current,
         .memory = sizeof *t + dt_points_memory(&t->points) + dt_mesh_memory(&t->mesh) +
-                  dt_hints_memory(&t->hints),
+                  dt_hints_memory(&t->hints) + dt_cavity_memory(&t->scratch),
     };
     if (out->current) {
         out->triangles = dt_mesh_triangles(&t->mesh);

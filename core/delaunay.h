@@ -1,16 +1,19 @@
-/* delaunay.h - the core's one public header: a set of points of the plane and its Delaunay triangulation.
+/* delaunay.h - the core's one public header: a set of points of the plane and its Delaunay
+ * triangulation.
  *
- * A set hands out an id for every point it is given: 0, 1, 2, ... in order of arrival, never used twice. A point
- * that lies within the set's coincidence tolerance of an earlier one becomes an alias of it (its representative);
- * only representatives are vertices of the triangulation. Every function that takes an id of the triangulation
- * answers for the representative of that id.
+ * A set hands out an id for every point it is given: 0, 1, 2, ... in order of arrival, never used
+ * twice. A point that lies within the set's coincidence tolerance of an earlier one becomes an
+ * alias of it (its representative); only representatives are vertices of the triangulation. Every
+ * function that takes an id of the triangulation answers for the representative of that id.
  *
- * The triangulation is canonical: ties of cocircular points are broken by symbolic perturbation [Devillers &
- * Teillaud 2003], so it depends on the coordinates alone. The algorithm is that of Fang & Piegl, "Delaunay
- * Triangulation Using a Uniform Grid", IEEE CG&A 13(3), 1993 ("the paper" in every comment of core/).
+ * The triangulation is canonical: ties of cocircular points are broken by symbolic perturbation
+ * [Devillers & Teillaud 2003], so it depends on the coordinates alone. The algorithm is that of
+ * Fang & Piegl, "Delaunay Triangulation Using a Uniform Grid", IEEE CG&A 13(3), 1993 ("the paper"
+ * in every comment of core/).
  *
- * Nothing here prints, aborts or keeps global state. A function that fails leaves the set as it was. Functions that
- * take a const set may run in several threads at once; any other needs the set for itself. */
+ * Nothing here prints, aborts or keeps global state. A function that fails leaves the set as it
+ * was. Functions that take a const set may run in several threads at once; any other needs the set
+ * for itself. */
 #ifndef DT_DELAUNAY_H
 #define DT_DELAUNAY_H
 
@@ -19,8 +22,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define DT_NONE UINT32_MAX               /* no id, no vertex, no half edge */
-#define DT_MAX_POINTS ((1u << 28) - 1)   /* live points of one set */
+#define DT_NONE UINT32_MAX             /* no id, no vertex, no half edge */
+#define DT_MAX_POINTS ((1u << 28) - 1) /* live points of one set */
 
 struct dt;
 
@@ -44,8 +47,8 @@ enum dt_status {
 
 /* ---- life ---- */
 
-/* A new empty set with coincidence tolerance tol >= 0 (see dt_coordinate_ok); NULL when out of memory. The caller
- * owns it. */
+/* A new empty set with coincidence tolerance tol >= 0 (see dt_coordinate_ok); NULL when out of
+ * memory. The caller owns it. */
 struct dt *dt_new(double tol);
 void dt_free(struct dt *t);
 
@@ -65,15 +68,18 @@ struct dt_added {
     uint32_t coincident; /* how many of them became aliases */
 };
 
-/* Adds n points, all or none: DT_RANGE, DT_TOOBIG and DT_NOMEM leave the set as it was. n = 0 is fine. */
+/* Adds n points, all or none: DT_RANGE, DT_TOOBIG and DT_NOMEM leave the set as it was. n = 0 is
+ * fine. */
 enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct dt_added *out);
 
-/* Deletes n ids, all or none; an id named twice is deleted once, *deleted counts distinct ids. DT_NOPOINT puts the
- * first id that is missing in *missing. If a representative goes, its lowest alias takes its place. */
-enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted, uint32_t *missing);
+/* Deletes n ids, all or none; an id named twice is deleted once, *deleted counts distinct ids.
+ * DT_NOPOINT puts the first id that is missing in *missing. If a representative goes, its lowest
+ * alias takes its place. */
+enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted,
+                         uint32_t *missing);
 
-/* Moves a point; it keeps its id. Where it arrives it may become an alias, or the representative of equal
- * points with higher ids. */
+/* Moves a point; it keeps its id. Where it arrives it may become an alias, or the representative of
+ * equal points with higher ids. */
 enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to);
 
 /* The point's own coordinates (an alias has its own). */
@@ -86,8 +92,9 @@ enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep)
 
 enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
 
-/* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order, on up to
- * `threads` threads at once, and returns when all have returned. A job never waits for another one. */
+/* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order,
+ * on up to `threads` threads at once, and returns when all have returned. A job never waits for
+ * another one. */
 struct dt_pool {
     unsigned threads;
     void (*run)(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg);
@@ -99,48 +106,48 @@ struct dt_options {
     enum dt_method method;
     const struct dt_pool *pool; /* borrowed during the call; NULL: the caller's thread alone */
     const atomic_bool *cancel;  /* borrowed during the call; polled; NULL: never cancelled */
-    atomic_uint *progress;      /* borrowed during the call; per cent done, 0 to 100; NULL: not reported */
+    atomic_uint
+        *progress; /* borrowed during the call; per cent done, 0 to 100; NULL: not reported */
 };
 
 struct dt_summary {
     uint32_t points;     /* live ids, aliases included */
     uint32_t coincident; /* the aliases among them */
     uint32_t triangles, edges, hull;
-    bool triangulated;   /* dt_triangulate has been called */
-    bool current;        /* and no edit awaits dt_refresh */
-    size_t memory;       /* bytes the set holds */
+    bool triangulated; /* dt_triangulate has been called */
+    bool current;      /* and no edit awaits dt_refresh */
+    size_t memory;     /* bytes the set holds */
 };
 
-/* Computes the triangulation of the set. From then on the set is live: every edit keeps it current. On a set that
- * is triangulated already, DT_AUTO does nothing and an explicit method rebuilds it. opt may be NULL. */
+/* Computes the triangulation of the set. From then on the set is live: every edit keeps it current.
+ * On a set that is triangulated already, DT_AUTO does nothing and an explicit method rebuilds it.
+ * opt may be NULL. */
 enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt);
 
-/* Brings the triangulation up to date after edits, where an edit left that for later; cheap when it is current.
- * Must be called before the const queries below, which otherwise answer DT_UNTRIANGULATED. On a set that was
- * never triangulated it does nothing. */
+/* Brings the triangulation up to date after edits, where an edit left that for later; cheap when it
+ * is current. Must be called before the const queries below, which otherwise answer
+ * DT_UNTRIANGULATED. On a set that was never triangulated it does nothing. */
 enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt);
 
-/* Triangulation counts are 0 while the set is not triangulated or awaits dt_refresh. Cost: constant. */
+/* Triangulation counts are 0 while the set is not triangulated or awaits dt_refresh. Cost:
+ * constant. */
 void dt_summary(const struct dt *t, struct dt_summary *out);
 
-/* Proves the triangulation exactly: every edge locally Delaunay under the canonical tie rule, twins and rings
- * consistent, Euler's formula, the hull convex, every representative a vertex. DT_CORRUPT points *fault (may be
- * NULL) to a static sentence. Cost: linear. */
+/* Proves the triangulation exactly: every edge locally Delaunay under the canonical tie rule, twins
+ * and rings consistent, Euler's formula, the hull convex, every representative a vertex. DT_CORRUPT
+ * points *fault (may be NULL) to a static sentence. Cost: linear. */
 enum dt_status dt_check(const struct dt *t, const struct dt_options *opt, const char **fault);
 
 /* ---- whole-set tables, read row by row ----
  *
- * A table is read through a cursor, a plain value of the caller's: the set must not change between begin and the
- * last read. Rows come as words in canonical order:
- *   DT_POINTS      id                         every live id, ascending
- *   DT_COINCIDENT  id representative          every alias, ascending
- *   DT_LISTS       id degree neighbour...     interior points by id, then boundary points in hull order
- *   DT_TRIANGLES   a b c                      each from its smallest id, sorted
- *   DT_EDGES       a b                        a < b, sorted
- *   DT_HULL        id                         along the hull from its smallest id; on a line: from the end with the
- *                                             smaller id to the other
- * cw turns rings, hull and triangles to clockwise order (a hull on a line is walked from its other end). All but the
- * first two need a triangulation. */
+ * A table is read through a cursor, a plain value of the caller's: the set must not change between
+ * begin and the last read. Rows come as words in canonical order: DT_POINTS      id every live id,
+ * ascending DT_COINCIDENT  id representative          every alias, ascending DT_LISTS       id
+ * degree neighbour...     interior points by id, then boundary points in hull order DT_TRIANGLES a
+ * b c                      each from its smallest id, sorted DT_EDGES       a b a < b, sorted
+ *   DT_HULL        id                         along the hull from its smallest id; on a line: from
+ * the end with the smaller id to the other cw turns rings, hull and triangles to clockwise order (a
+ * hull on a line is walked from its other end). All but the first two need a triangulation. */
 enum dt_table { DT_POINTS, DT_COINCIDENT, DT_LISTS, DT_TRIANGLES, DT_EDGES, DT_HULL };
 
 struct dt_cursor {
@@ -152,13 +159,15 @@ struct dt_cursor {
     uint32_t id, sub, hull_at, left;
 };
 
-enum dt_status dt_table_begin(const struct dt *t, enum dt_table table, bool cw, struct dt_cursor *c);
+enum dt_status dt_table_begin(const struct dt *t, enum dt_table table, bool cw,
+                              struct dt_cursor *c);
 
-/* Writes as many whole rows as fit into out[cap], at most max_rows. *rows and *words tell what was written; *rows is
- * 0 at the end of the table. DT_TOOSMALL: the next row alone needs *words words (at most the number of points + 2;
- * 8 are enough for all tables but DT_LISTS). DT_NOMEM may occur at vertices of very high degree. */
-enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *out, size_t cap, size_t max_rows,
-                             size_t *rows, size_t *words);
+/* Writes as many whole rows as fit into out[cap], at most max_rows. *rows and *words tell what was
+ * written; *rows is 0 at the end of the table. DT_TOOSMALL: the next row alone needs *words words
+ * (at most the number of points + 2; 8 are enough for all tables but DT_LISTS). DT_NOMEM may occur
+ * at vertices of very high degree. */
+enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *out, size_t cap,
+                             size_t max_rows, size_t *rows, size_t *words);
 
 /* ---- queries; all answer DT_UNTRIANGULATED before dt_triangulate ---- */
 
@@ -168,23 +177,28 @@ struct dt_ids {
     size_t n, cap;
 };
 
-/* Appends the ring of id (its neighbours in order; an interior point's starts at the smallest neighbour, a boundary
- * point's at its successor on the hull). *rep is the representative, *boundary whether it lies on the hull. */
-enum dt_status dt_ring(const struct dt *t, uint32_t id, bool cw, struct dt_ids *ring, uint32_t *rep, bool *boundary);
+/* Appends the ring of id (its neighbours in order; an interior point's starts at the smallest
+ * neighbour, a boundary point's at its successor on the hull). *rep is the representative,
+ * *boundary whether it lies on the hull. */
+enum dt_status dt_ring(const struct dt *t, uint32_t id, bool cw, struct dt_ids *ring, uint32_t *rep,
+                       bool *boundary);
 
-/* Sorts n ids into the order in which DT_LISTS has them (interior ones by id, then boundary ones in hull order),
- * replaced by their representatives, each once; *kept is how many remain, *interior how many of those are interior.
- * Cost: O(n log n), and O(hull) if two or more are boundary points. */
-enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n, size_t *kept, size_t *interior);
+/* Sorts n ids into the order in which DT_LISTS has them (interior ones by id, then boundary ones in
+ * hull order), replaced by their representatives, each once; *kept is how many remain, *interior
+ * how many of those are interior. Cost: O(n log n), and O(hull) if two or more are boundary points.
+ */
+enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n, size_t *kept,
+                              size_t *interior);
 
 /* Appends triples a b c, each from its smallest id, of the triangles
  *   at the point a, in ring order;
  *   at the edge a-b, the one left of a->b first (DT_NOEDGE);
  *   adjacent to the triangle a b c across ab, bc, ca (DT_NOTRIANGLE). */
 enum dt_status dt_triangles_at_point(const struct dt *t, uint32_t a, bool cw, struct dt_ids *out);
-enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, bool cw, struct dt_ids *out);
-enum dt_status dt_triangles_at_triangle(const struct dt *t, uint32_t a, uint32_t b, uint32_t c, bool cw,
-                                        struct dt_ids *out);
+enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, bool cw,
+                                    struct dt_ids *out);
+enum dt_status dt_triangles_at_triangle(const struct dt *t, uint32_t a, uint32_t b, uint32_t c,
+                                        bool cw, struct dt_ids *out);
 
 enum dt_where { DT_OUTSIDE, DT_ON_VERTEX, DT_ON_EDGE, DT_INSIDE };
 
@@ -196,13 +210,15 @@ struct dt_location {
 /* Where q lies. Exact. Cost: constant expected, by way of the grid. */
 enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_location *out);
 
-/* Appends the k representatives nearest to q (fewer if the set is smaller), nearest first, ties by id: exact
- * order. Cost: O(1) expected for k = 1, O(k log k) else. */
+/* Appends the k representatives nearest to q (fewer if the set is smaller), nearest first, ties by
+ * id: exact order. Cost: O(1) expected for k = 1, O(k log k) else. */
 enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out);
 
-/* Append the representatives in the closed box, or the closed disc of radius r >= 0, by id. Exact. Cost: O(k log k)
- * for k results, expected. */
-enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi, struct dt_ids *out);
-enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r, struct dt_ids *out);
+/* Append the representatives in the closed box, or the closed disc of radius r >= 0, by id. Exact.
+ * Cost: O(k log k) for k results, expected. */
+enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi,
+                             struct dt_ids *out);
+enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r,
+                              struct dt_ids *out);
 
 #endif

@@ -6,6 +6,7 @@
  * 2002], so it ends. */
 #include "core/locate.h"
 
+#include "core/hints_live.h"
 #include "core/hull.h"
 #include "core/predicates.h"
 
@@ -35,10 +36,10 @@ static enum dt_where classify(uint32_t h, int s0, int s1, int s2, uint32_t *half
     return DT_ON_VERTEX;
 }
 
-/* Walks at most `steps` triangles far. True: arrived, *half and *where as for dt_find. False: *half
- * is a half edge to go on from. */
+/* Walks at most *steps triangles far and takes what it walked off *steps. True: arrived, *half and
+ * *where as for dt_find. False: *half is a half edge to go on from. */
 static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
-                       struct dt_point q, uint32_t steps, enum dt_where *where, uint32_t *half)
+                       struct dt_point q, uint32_t *steps, enum dt_where *where, uint32_t *half)
 {
     if (dt_is_ghost(m, h))
         h = dt_twin(m, dt_base(h));
@@ -56,7 +57,7 @@ static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, uint3
             return true;
         }
         h = dt_twin(m, s1 < 0 ? dt_next(h) : dt_prev(h));
-        if (steps-- == 0) {
+        if ((*steps)-- == 0) {
             *half = h;
             return false;
         }
@@ -98,9 +99,10 @@ enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32
                       struct dt_point q, uint32_t *half)
 {
     enum dt_where where;
+    uint32_t steps = UINT32_MAX;
     if (dt_mesh_is_line(m))
         return walk_line(m, xy, from, q, half);
-    while (!walk_plane(m, xy, from, q, UINT32_MAX, &where, half))
+    while (!walk_plane(m, xy, from, q, &steps, &where, half))
         from = *half;
     return where;
 }
@@ -113,23 +115,30 @@ static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *
     enum dt_where where;
     uint32_t far = *half;
     for (unsigned direction = 0; direction < 4; direction++) {
-        uint32_t h = dt_hint_beyond(hints, q, direction);
-        if (h != DT_NONE && !dt_is_dead(m, h) && walk_plane(m, xy, h, q, PATIENCE, &where, half))
+        uint32_t h = dt_hint_beyond(hints, q, direction), steps = PATIENCE;
+        if (h != DT_NONE && !dt_is_dead(m, h) && walk_plane(m, xy, h, q, &steps, &where, half))
             return where;
     }
     return dt_walk(m, xy, far, q, half);
 }
 
+enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *xy,
+                               const struct dt_hints *hints, struct dt_point q, uint32_t *half,
+                               uint32_t *steps)
+{
+    enum dt_where where;
+    uint32_t h = dt_hint_live(hints, m, xy, q), left = PATIENCE;
+    *steps = 0;
+    if (dt_mesh_is_line(m))
+        return walk_line(m, xy, h, q, half);
+    bool arrived = walk_plane(m, xy, h, q, &left, &where, half);
+    *steps = arrived ? PATIENCE - left : 4 * PATIENCE;
+    return arrived ? where : find_again(m, xy, hints, q, half);
+}
+
 enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy,
                       const struct dt_hints *hints, struct dt_point q, uint32_t *half)
 {
-    enum dt_where where;
-    uint32_t h = dt_hint(hints, q);
-    if (dt_is_dead(m, h))
-        h = m->hull;
-    if (dt_mesh_is_line(m))
-        return walk_line(m, xy, h, q, half);
-    if (walk_plane(m, xy, h, q, PATIENCE, &where, half))
-        return where;
-    return find_again(m, xy, hints, q, half);
+    uint32_t steps;
+    return dt_find_counting(m, xy, hints, q, half, &steps);
 }

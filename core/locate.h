@@ -14,6 +14,11 @@
 enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy,
                       const struct dt_hints *hints, struct dt_point q, uint32_t *half);
 
+/* The same, and about how many triangles the walk passed: what tells that the grid has aged. */
+enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *xy,
+                               const struct dt_hints *hints, struct dt_point q, uint32_t *half,
+                               uint32_t *steps);
+
 /* The same from a half edge of the caller's choice. Cost: the number of triangles between. */
 enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
                       struct dt_point q, uint32_t *half);

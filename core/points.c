@@ -271,8 +271,17 @@ static void vacate(struct dt_points *p, uint32_t v)
 
 void dt_points_delete(struct dt_points *p, uint32_t id)
 {
-    dt_points_leave(p, id);
+    uint32_t v = dt_idmap_get(&p->value, id);
+    if (v & DT_ALIAS_BIT)
+        dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
+    else
+        vacate(p, v);
     dt_idmap_unset(&p->value, id);
+}
+
+void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to)
+{
+    take_over(p, v, p->id[v], to);
 }
 
 const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v)
@@ -294,15 +303,6 @@ enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t a
     if (status == DT_OK && heir != DT_NONE)
         status = dt_aliases_reserve(&p->aliases, p->aliases.alias[heir].id);
     return status == DT_OK ? dt_aliases_reserve(&p->aliases, id) : status;
-}
-
-void dt_points_leave(struct dt_points *p, uint32_t id)
-{
-    uint32_t v = dt_idmap_get(&p->value, id);
-    if (v & DT_ALIAS_BIT)
-        dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
-    else
-        vacate(p, v);
 }
 
 uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, uint32_t at)
@@ -334,7 +334,7 @@ enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point 
         status = dt_points_move_ready(p, id, dt_points_find(p, to, own));
     if (status != DT_OK)
         return status;
-    dt_points_leave(p, id);
+    dt_points_delete(p, id);
     dt_points_arrive(p, id, to, dt_points_find(p, to, DT_NONE));
     return DT_OK;
 }

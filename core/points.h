@@ -91,6 +91,9 @@ enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, 
  * vertex. */
 void dt_points_delete(struct dt_points *p, uint32_t id);
 
+/* Vertex v moves to a place where there is no other. */
+void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to);
+
 /* The alias that will take over vertex v if its representative goes, NULL if there is none. */
 const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v);
 
@@ -98,12 +101,11 @@ const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v);
 enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to);
 
 /* The same in steps: dt_points_move_ready makes the others certain to succeed, if `at` is the
- * vertex with which the point will coincide on its arrival (of its own vertex's heir it need not be
- * told), DT_NONE if there is none. Then the point leaves: as dt_points_delete, but the id stays
- * without a value. Then it arrives: at vertex `at`, or, if that is DT_NONE, at a vertex of its own,
- * which is returned; DT_NONE is returned if no vertex came. */
+ * vertex with which the point will coincide on its arrival, DT_NONE if there is none (of its own
+ * vertex's heir it need not be told). Then the point leaves, by dt_points_delete, and arrives: at
+ * vertex `at`, or, if that is DT_NONE, at a vertex of its own, which is returned; DT_NONE is
+ * returned if no vertex came. */
 enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t at);
-void dt_points_leave(struct dt_points *p, uint32_t id);
 uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, uint32_t at);
 
 /* The vertex that a point at q coincides with, `except` left out; DT_NONE if there is none. The

@@ -2,16 +2,20 @@
 #ifndef DT_SET_H
 #define DT_SET_H
 
+#include "core/cavity.h"
 #include "core/locate.h"
 #include "core/mesh.h"
 #include "core/points.h"
 
 struct dt {
-    struct dt_points points; /* who is where */
-    struct dt_mesh mesh;     /* who is joined to whom; its vertex numbers are those of points */
-    struct dt_hints hints;   /* the uniform grid: a half edge near every place */
-    bool triangulated;       /* dt_triangulate has been called */
-    bool current;            /* mesh and hints agree with points */
+    struct dt_points points;  /* who is where */
+    struct dt_mesh mesh;      /* who is joined to whom; its vertex numbers are those of points */
+    struct dt_hints hints;    /* the uniform grid: a half edge near every place */
+    bool triangulated;        /* dt_triangulate has been called */
+    bool current;             /* mesh and hints agree with points */
+    struct dt_cavity scratch; /* of edits */
+    uint32_t hinted;          /* vertices that the mesh had when its hints were built */
+    uint64_t steps;           /* that walks have taken since then beyond the usual ones */
 };
 
 #endif

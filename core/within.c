@@ -6,6 +6,7 @@
  * four corners are outside, the box meets the hull only if it meets a hull edge.
  *
  * On a line there are no triangles: what lies in the box are neighbours along the line. */
+#include "core/hints_live.h"
 #include "core/hull.h"
 #include "core/locate.h"
 #include "core/predicates.h"
@@ -169,8 +170,8 @@ static enum dt_status walk_box(const struct dt *t, const struct box *b, struct d
     const struct dt_mesh *m = &t->mesh;
     const struct dt_point *xy = t->points.xy;
     uint32_t g = m->hull;
-    g = dt_base(
-        dt_hint(&t->hints, entry(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)])));
+    g = dt_hint_live(&t->hints, m, xy,
+                     entry(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]));
     struct dt_point p = xy[dt_hull_vertex(m, g)], ahead = xy[dt_hull_successor(m, g)];
     int dx = sign(ahead.x - p.x), dy = sign(ahead.y - p.y);
     enum dt_status s = walk_line(t, b, g, false, dx, dy, out);

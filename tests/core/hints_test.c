@@ -80,6 +80,8 @@ static void check_walks(const struct pair *pair)
     for (int i = 0; i < 20 && t->mesh.vertices > 1; i++) {
         struct dt_point q = random_place(pair->b);
         uint32_t h, from = 8 * test_below(t->mesh.tri_end) + test_below(3);
+        if (dt_is_dead(&t->mesh, from))
+            continue;
         enum dt_where where = dt_walk(&t->mesh, t->points.xy, from, q, &h);
         CHECK(where == brute_locate(pair->b, q).where);
         CHECK((where == DT_OUTSIDE) <= dt_is_ghost(&t->mesh, h));

@@ -31,6 +31,8 @@ static void check_settled(const struct pair *pair)
 {
     const struct dt *t = pair->t;
     for (uint32_t v = 0; v < t->points.end; v++) {
+        if (t->points.id[v] == DT_NONE)
+            continue;
         bool on_hull = brute_on_hull(pair->b, t->points.id[v]);
         CHECK(dt_on_hull(&t->mesh, v) == on_hull);
         if (on_hull && t->mesh.vertices > 1)

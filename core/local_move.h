@@ -1,0 +1,12 @@
+/* local_move.h - a vertex that moves so little that no edge changes. */
+#ifndef DT_LOCAL_MOVE_H
+#define DT_LOCAL_MOVE_H
+
+#include "core/mesh.h"
+
+/* Whether the mesh stays the canonical triangulation, as it is, if vertex v moves from xy[v] to
+ * `to`. False for vertices on the hull. Nothing is changed. Cost: the degree of v. */
+bool dt_stays_delaunay(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                       struct dt_point to);
+
+#endif

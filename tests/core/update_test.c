@@ -1,0 +1,312 @@
+/* update_test.c - edits of a live set through the public interface: a set of any history answers as
+ * a fresh one does. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/set.h"
+#include "tests/oracle/families.h"
+#include "tests/test.h"
+
+enum { MAX_IDS = 4000 };
+
+/* What the set should hold. */
+struct expected {
+    uint32_t ids;
+    bool live[MAX_IDS];
+    struct dt_point xy[MAX_IDS];
+};
+
+/* A fresh set with the same points and ids; dead ids come and go before it is triangulated. */
+static struct dt *fresh_set(const struct expected *e)
+{
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    uint32_t deleted, missing;
+    for (uint32_t id = 0; id < e->ids; id++) {
+        struct dt_point p = e->live[id] ? e->xy[id] : (struct dt_point){1e20 + 1e8 * id, -1e20};
+        CHECK(dt_add(t, &p, 1, &added) == DT_OK);
+    }
+    for (uint32_t id = 0; id < e->ids; id++)
+        CHECK(e->live[id] || dt_delete(t, &id, 1, &deleted, &missing) == DT_OK);
+    CHECK(dt_triangulate(t, NULL) == DT_OK);
+    return t;
+}
+
+/* The next rows of both tables are the same; false at their end. */
+static bool same_rows(const struct dt *a, struct dt_cursor *ca, const struct dt *b,
+                      struct dt_cursor *cb)
+{
+    static uint32_t wa[2 * MAX_IDS], wb[2 * MAX_IDS];
+    size_t rows_a, rows_b, words_a, words_b;
+    CHECK(dt_table_read(a, ca, wa, 2 * MAX_IDS, 200, &rows_a, &words_a) == DT_OK);
+    CHECK(dt_table_read(b, cb, wb, 2 * MAX_IDS, 200, &rows_b, &words_b) == DT_OK);
+    CHECK(rows_a == rows_b && words_a == words_b && memcmp(wa, wb, words_a * sizeof *wa) == 0);
+    return rows_a > 0;
+}
+
+static void check_equal(const struct dt *a, const struct dt *b)
+{
+    for (enum dt_table table = DT_POINTS; table <= DT_HULL; table++) {
+        struct dt_cursor ca, cb;
+        CHECK(dt_table_begin(a, table, false, &ca) == DT_OK &&
+              dt_table_begin(b, table, false, &cb) == DT_OK);
+        CHECK(ca.rows == cb.rows && ca.interior == cb.interior);
+        while (same_rows(a, &ca, b, &cb))
+            continue;
+    }
+}
+
+static void check_current(const struct dt *t, const struct expected *e)
+{
+    const char *fault = NULL;
+    CHECK_MSG(dt_check(t, NULL, &fault) == DT_OK, "%s", fault);
+    struct dt *fresh = fresh_set(e);
+    check_equal(t, fresh);
+    dt_free(fresh);
+}
+
+static uint32_t random_live(const struct expected *e)
+{
+    for (unsigned tries = 0; e->ids > 0 && tries < 200; tries++) {
+        uint32_t id = test_below(e->ids);
+        if (e->live[id])
+            return id;
+    }
+    return DT_NONE;
+}
+
+static void add(struct dt *t, struct expected *e, const struct dt_point *p, uint32_t n)
+{
+    struct dt_added added;
+    if (e->ids + n > MAX_IDS)
+        return;
+    CHECK(dt_add(t, p, n, &added) == DT_OK && added.first == e->ids && added.added == n);
+    for (uint32_t i = 0; i < n; i++) {
+        e->live[e->ids] = true;
+        e->xy[e->ids++] = p[i];
+    }
+}
+
+static void delete_id(struct dt *t, struct expected *e, uint32_t id)
+{
+    uint32_t deleted, missing;
+    CHECK(dt_delete(t, &id, 1, &deleted, &missing) == DT_OK && deleted == 1);
+    e->live[id] = false;
+}
+
+static void move(struct dt *t, struct expected *e, uint32_t id, struct dt_point to)
+{
+    CHECK(dt_move(t, id, to) == DT_OK);
+    e->xy[id] = to;
+}
+
+TEST_TIMEOUT(edits_of_a_live_set_equal_a_fresh_set_at_every_step, 60)
+{
+    static struct expected e;
+    for (unsigned round = 0; round < 30; round++) {
+        struct dt *t = dt_new(0);
+        uint32_t side = 1 + test_below(7), height = 1 + test_below(side);
+        bool growing = true;
+        memset(&e, 0, sizeof e);
+        CHECK(dt_triangulate(t, NULL) == DT_OK);
+        for (unsigned i = 0; i < 250; i++) {
+            growing = test_below(25) == 0 ? !growing : growing;
+            struct dt_point p = {test_below(side), test_below(height)};
+            uint32_t id = random_live(&e), what = test_below(6);
+            if (id == DT_NONE || what < (growing ? 3u : 1u))
+                add(t, &e, &p, 1);
+            else if (what < 4)
+                delete_id(t, &e, id);
+            else
+                move(t, &e, id, p);
+            CHECK(t->current);
+            check_current(t, &e);
+        }
+        dt_free(t);
+    }
+}
+
+TEST_TIMEOUT(edits_on_every_family_equal_a_fresh_set, 60)
+{
+    static struct expected e;
+    static struct dt_point p[900];
+    for (const struct family *f = families; f->name != NULL; f++) {
+        struct dt *t = dt_new(0);
+        memset(&e, 0, sizeof e);
+        family_points(f, p, 900, test_random());
+        add(t, &e, p, 400);
+        CHECK(dt_triangulate(t, NULL) == DT_OK);
+        for (unsigned i = 400; i < 900; i++) {
+            uint32_t id = random_live(&e);
+            add(t, &e, &p[i], 1);
+            if (i % 3 == 0 && id != DT_NONE)
+                delete_id(t, &e, id);
+            else if (i % 3 == 1 && id != DT_NONE && e.live[id])
+                move(t, &e, id, p[test_below(900)]);
+        }
+        CHECK(t->current);
+        check_current(t, &e);
+        for (unsigned left = 20; left > 0; left--)
+            for (uint32_t id; test_below(100) > 0 && (id = random_live(&e)) != DT_NONE;)
+                delete_id(t, &e, id);
+        check_current(t, &e);
+        dt_free(t);
+    }
+}
+
+TEST(small_moves_keep_the_mesh_and_equal_a_fresh_set)
+{
+    static struct expected e;
+    static struct dt_point p[1000];
+    struct dt *t = dt_new(0);
+    memset(&e, 0, sizeof e);
+    family_points(family_find("uniform"), p, 1000, 3);
+    add(t, &e, p, 1000);
+    CHECK(dt_triangulate(t, NULL) == DT_OK);
+    for (unsigned i = 0; i < 3000; i++) {
+        uint32_t id = test_below(1000);
+        struct dt_point to = e.xy[id];
+        to.x += (test_uniform() - 0.5) * 0.02;
+        to.y += (test_uniform() - 0.5) * 0.02;
+        move(t, &e, id, to);
+    }
+    CHECK(t->current);
+    check_current(t, &e);
+    dt_free(t);
+}
+
+TEST(batches_on_a_live_set_equal_a_fresh_set)
+{
+    static struct expected e;
+    static struct dt_point p[3000];
+    const char *names[] = {"duplicates", "lattice_shuffled", "clusters", "small_lattice", "nested"};
+    for (unsigned k = 0; k < 5; k++) {
+        struct dt *t = dt_new(0);
+        memset(&e, 0, sizeof e);
+        family_points(family_find(names[k]), p, 3000, test_random());
+        add(t, &e, p, 1000);
+        CHECK(dt_triangulate(t, NULL) == DT_OK);
+        for (uint32_t at = 1000, n; at < 3000; at += n) {
+            n = 1 + test_below(120);
+            n = at + n > 3000 ? 3000 - at : n;
+            add(t, &e, p + at, n);
+        }
+        CHECK(dt_refresh(t, NULL) == DT_OK);
+        check_current(t, &e);
+        dt_free(t);
+    }
+}
+
+TEST(a_crowd_in_one_corner_keeps_location_short)
+{
+    enum { N = 20000, CROWD = 100000 };
+    struct dt_point *p = malloc(N * sizeof *p);
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    uint64_t steps = 0;
+    family_points(family_find("uniform"), p, N, 3);
+    CHECK(dt_add(t, p, N, &added) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    for (unsigned i = 0; i < CROWD; i++) {
+        struct dt_point q = {test_uniform() * 1e-3, test_uniform() * 1e-3};
+        CHECK(dt_add(t, &q, 1, &added) == DT_OK);
+    }
+    CHECK(t->current);
+    for (unsigned i = 0; i < 1000; i++) {
+        uint32_t h, walked;
+        struct dt_point q = {test_uniform() * 1e-3, test_uniform() * 1e-3};
+        dt_find_counting(&t->mesh, t->points.xy, &t->hints, q, &h, &walked);
+        steps += walked;
+    }
+    CHECK_MSG(steps < 1000 * 12, "%.1f triangles a walk", (double)steps / 1000);
+    dt_free(t);
+    free(p);
+}
+
+TEST(a_set_that_is_edited_for_ever_does_not_grow)
+{
+    enum { N = 3000 };
+    static struct dt_point p[N];
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    uint32_t deleted, missing;
+    struct dt_summary s;
+    family_points(family_find("uniform"), p, N, 3);
+    CHECK(dt_add(t, p, N, &added) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    for (uint32_t i = 0; i < 100000; i++) {
+        struct dt_point q = {test_uniform(), test_uniform()};
+        CHECK(dt_delete(t, &i, 1, &deleted, &missing) == DT_OK);
+        CHECK(dt_add(t, &q, 1, &added) == DT_OK);
+    }
+    dt_summary(t, &s);
+    CHECK_MSG(t->current && s.memory < 1000000, "%zu bytes", s.memory);
+    CHECK(dt_check(t, NULL, NULL) == DT_OK);
+    dt_free(t);
+}
+
+TEST(live_sets_with_a_tolerance_equal_a_rebuild)
+{
+    for (unsigned round = 0; round < 20; round++) {
+        struct dt *t = dt_new(0.6), *copy;
+        struct dt_added added;
+        uint32_t deleted, missing, n = 0;
+        CHECK(dt_triangulate(t, NULL) == DT_OK);
+        for (unsigned i = 0; i < 150; i++) {
+            struct dt_point q = {test_uniform() * 8, test_uniform() * 8};
+            uint32_t id = n == 0 ? 0 : test_below(n), what = test_below(5);
+            if (what < 3) {
+                CHECK(dt_add(t, &q, 1, &added) == DT_OK);
+                n++;
+            } else if (what == 3) {
+                dt_delete(t, &id, 1, &deleted, &missing);
+            } else {
+                dt_move(t, id, q);
+            }
+            CHECK(t->current && dt_check(t, NULL, NULL) == DT_OK);
+            struct dt_options opt = {.method = DT_DIVIDE};
+            CHECK(dt_clone(t, &copy) == DT_OK && dt_triangulate(copy, &opt) == DT_OK);
+            check_equal(t, copy);
+            dt_free(copy);
+        }
+        dt_free(t);
+    }
+}
+
+TEST_TIMEOUT(live_edits_out_of_memory_leave_the_set_as_it_was, 60)
+{
+    static struct expected e;
+    for (unsigned round = 0; round < 150; round++) {
+        struct dt *t = dt_new(0);
+        struct dt_added added;
+        uint32_t deleted, missing;
+        memset(&e, 0, sizeof e);
+        CHECK(dt_triangulate(t, NULL) == DT_OK);
+        for (unsigned i = 0; i < 60; i++) {
+            struct dt_point p[20];
+            uint32_t id = random_live(&e), n = 1 + test_below(20), what = test_below(4);
+            for (unsigned k = 0; k < 20; k++)
+                p[k] = (struct dt_point){test_below(9), test_below(9)};
+            test_fail_alloc(1 + (long)test_below(6));
+            enum dt_status status = DT_NOMEM;
+            if (id == DT_NONE || what < 2)
+                status = dt_add(t, p, n, &added);
+            else if (what == 2)
+                status = dt_delete(t, &id, 1, &deleted, &missing);
+            else
+                status = dt_move(t, id, p[0]);
+            test_fail_alloc(0);
+            for (uint32_t k = 0; status == DT_OK && (id == DT_NONE || what < 2) && k < n; k++) {
+                e.live[e.ids] = true;
+                e.xy[e.ids++] = p[k];
+            }
+            if (status == DT_OK && id != DT_NONE && what == 2)
+                e.live[id] = false;
+            if (status == DT_OK && id != DT_NONE && what == 3)
+                e.xy[id] = p[0];
+            CHECK(status == DT_OK || status == DT_NOMEM);
+        }
+        CHECK(dt_refresh(t, NULL) == DT_OK);
+        check_current(t, &e);
+        dt_free(t);
+    }
+}
