@@ -206,6 +206,76 @@ TEST_TIMEOUT(readers_that_stall_cost_little_memory, 60)
     expect(first, "OK 0\n");
 }
 
+TEST(binary_tables_are_as_long_as_announced)
+{
+    static const char *const requests[] = {"LISTS t BINARY\n", "TRIANGLES t CW BINARY\n",
+                                           "EDGES t BINARY\n", "POINTS t BINARY\n"};
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 50000);
+    say(fd, "TRIANGULATE t\n");
+    hear_line(fd);
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+        size_t n, bytes;
+        char *text = whole_reply(&d, requests[i], &n);
+        char *at = strstr(text, " bytes=");
+        CHECK(at != NULL && sscanf(at, " bytes=%zu", &bytes) == 1 && bytes > 500000);
+        CHECK_MSG(n == (size_t)(strchr(text, '\n') + 1 - text) + bytes, "%s", requests[i]);
+        free(text);
+    }
+}
+
+TEST(points_come_back_as_they_were_loaded)
+{
+    enum { POINTS = 50000 };
+    size_t n, at = 0, want_at;
+    struct daemon d = daemon_start(NULL);
+    char *load = malloc(POINTS * 40 + 100), *want = malloc(POINTS * 40 + 100);
+    CHECK(load != NULL && want != NULL);
+    at += (size_t)sprintf(load, "LOAD t\n");
+    want_at = (size_t)sprintf(want, "OK 0 first=0 added=%d coincident=0\nOK %d\n", POINTS, POINTS);
+    for (int i = 0; i < POINTS; i++) {
+        at += (size_t)sprintf(load + at, "%d.25 -0.%d1\n", i, i);
+        want_at += (size_t)sprintf(want + want_at, "%d %d.25 -0.%d1\n", i, i, i);
+    }
+    strcpy(load + at, ".\nPOINTS t\n");
+    char *got = whole_reply(&d, load, &n);
+    CHECK(strcmp(got, want) == 0);
+    free(got);
+    free(want);
+    free(load);
+}
+
+TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_many, 60)
+{
+    enum { CLIENTS = 90 };
+    const char *arguments[] = {"--threads", "1", NULL};
+    struct daemon d = daemon_start(arguments);
+    int fd[CLIENTS], fine = 0, busy = 0, comments = 0;
+    fd[0] = daemon_connect(&d);
+    load_random(fd[0], "t", 150000);
+    say(fd[0], "TRIANGULATE t\n");
+    hear_line(fd[0]);
+    for (int i = 0; i < CLIENTS; i++) {
+        if (i > 0)
+            fd[i] = daemon_connect(&d);
+        say(fd[i], "CHECK t\n");
+        shutdown(fd[i], SHUT_WR);
+    }
+    for (int i = 0; i < CLIENTS; i++) {
+        size_t n;
+        char *text = hear_all(fd[i], &n), *at = text;
+        for (; strncmp(at, "# progress ", 11) == 0; at = strchr(at, '\n') + 1)
+            comments++;
+        fine += strncmp(at, "OK 0 delaunay=yes points=150000 ", 32) == 0;
+        busy += strncmp(at, "ERR BUSY ", 9) == 0;
+        free(text);
+    }
+    CHECK_MSG(fine >= 64 && busy > 0 && fine + busy == CLIENTS, "%d answered, %d refused", fine,
+              busy);
+    CHECK(comments > 0);
+}
+
 /* ---- pipelines ---- */
 
 enum { PIPELINE = 100000 };
