@@ -66,11 +66,10 @@ static enum dt_where find(struct dt *t, struct dt_point q, uint32_t *half)
 struct place {
     enum dt_where where;
     uint32_t half; /* as dt_insert wants it */
-    uint32_t at;   /* the vertex that it coincides with, DT_NONE if none */
+    uint32_t at;   /* the vertex at that very place, DT_NONE if none */
 };
 
-/* With tolerance 0, the mesh itself finds coincident points. */
-static struct place look_up(struct dt *t, struct dt_point q, uint32_t except)
+static struct place look_up(struct dt *t, struct dt_point q)
 {
     struct place p = {.where = DT_OUTSIDE, .half = DT_NONE, .at = DT_NONE};
     const struct dt_point *xy = t->points.xy;
@@ -83,9 +82,16 @@ static struct place look_up(struct dt *t, struct dt_point q, uint32_t except)
         if (p.where == DT_ON_VERTEX)
             p.at = dt_origin(&t->mesh, p.half);
     }
-    if (t->points.tol > 0)
-        p.at = dt_points_find(&t->points, q, except);
     return p;
+}
+
+/* The vertex that a point at q, which was looked up, coincides with, `except` left out; DT_NONE if
+ * there is none. Without a tolerance the mesh itself has found it; with one, the points must be
+ * indexed. */
+static uint32_t coincident(const struct dt *t, struct dt_point q, const struct place *p,
+                           uint32_t except)
+{
+    return t->points.tol > 0 ? dt_points_find(&t->points, q, except) : p->at;
 }
 
 static void insert_vertex(struct dt *t, uint32_t v, const struct place *p,
@@ -171,10 +177,11 @@ static enum dt_status add_one(struct dt *t, const struct batch *b, uint32_t i,
 {
     struct dt_point q = {b->q[i].x + 0.0, b->q[i].y + 0.0}; /* -0 becomes 0 */
     uint32_t id = done->first + i;
-    struct place p = look_up(t, q, DT_NONE);
-    if (p.at != DT_NONE) {
+    struct place p = look_up(t, q);
+    uint32_t at = coincident(t, q, &p, DT_NONE);
+    if (at != DT_NONE) {
         done->coincident++;
-        return dt_points_join(&t->points, id, q, p.at);
+        return dt_points_join(&t->points, id, q, at);
     }
     insert_vertex(t, dt_points_enter(&t->points, id, q), &p, scratch);
     return DT_OK;
@@ -233,7 +240,7 @@ static void leave(struct dt *t, uint32_t id)
         remove_vertex(t, v, &t->scratch);
     dt_points_delete(p, id);
     if (moves && t->current) {
-        struct place place = look_up(t, p->xy[v], v);
+        struct place place = look_up(t, p->xy[v]);
         insert_vertex(t, v, &place, &t->scratch);
     }
 }
@@ -271,16 +278,17 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to)
     enum dt_status status = p->tol > 0 ? dt_points_index(p) : DT_OK;
     if (status != DT_OK)
         return status;
-    struct place place = look_up(t, to, v);
-    status = dt_points_move_ready(p, id, place.at);
+    struct place place = look_up(t, to);
+    uint32_t at = coincident(t, to, &place, v);
+    status = dt_points_move_ready(p, id, at);
     if (status != DT_OK)
         return status;
     leave(t, id);
     if (t->current)
-        place = look_up(t, to, DT_NONE);
-    else if (p->tol > 0)
-        place.at = dt_points_find(p, to, DT_NONE);
-    uint32_t fresh = dt_points_arrive(p, id, to, place.at);
+        place = look_up(t, to);
+    if (p->tol > 0)
+        at = dt_points_find(p, to, DT_NONE);
+    uint32_t fresh = dt_points_arrive(p, id, to, at);
     if (fresh != DT_NONE)
         insert_vertex(t, fresh, &place, &t->scratch);
     return DT_OK;

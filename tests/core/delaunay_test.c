@@ -67,7 +67,8 @@ TEST(coordinates_beyond_the_exact_range_are_refused)
 {
     struct dt *t = dt_new(0);
     struct dt_added added;
-    const double bad[] = {(double)NAN, HUGE_VAL, -HUGE_VAL, 0x1.8p201, -0x1p202, 0x1p-143, -0x1p-1074};
+    const double bad[] = {(double)NAN, HUGE_VAL, -HUGE_VAL, 0x1.8p201,
+                          -0x1p202,    0x1p-143, -0x1p-1074};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct dt_point p[] = {{1, 1}, {0, bad[i]}};
         CHECK(dt_add(t, p, 2, &added) == DT_RANGE);

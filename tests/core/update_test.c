@@ -272,6 +272,20 @@ TEST(live_sets_with_a_tolerance_equal_a_rebuild)
     }
 }
 
+TEST(a_promoted_alias_takes_its_own_place_in_the_mesh)
+{
+    struct dt_point p[] = {{0, 0}, {4, 0}, {0, 4}, {0.25, 0.25}, {1, 1}};
+    struct dt *t = dt_new(0.5);
+    struct dt_added added;
+    uint32_t zero = 0, deleted, missing;
+    CHECK(dt_add(t, p, 5, &added) == DT_OK && added.coincident == 1);
+    CHECK(dt_triangulate(t, NULL) == DT_OK);
+    CHECK(dt_delete(t, &zero, 1, &deleted, &missing) == DT_OK);
+    CHECK(t->current && t->points.xy[dt_points_vertex(&t->points, 3)].x == 0.25);
+    CHECK(dt_check(t, NULL, NULL) == DT_OK);
+    dt_free(t);
+}
+
 TEST_TIMEOUT(live_edits_out_of_memory_leave_the_set_as_it_was, 60)
 {
     static struct expected e;
