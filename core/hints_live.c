@@ -63,6 +63,9 @@ uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const s
     uint32_t cell;
     const struct dt_hint_grid *at = leaf(g, q, &cell);
     uint32_t h = dt_base(g->cell[cell]);
+    /* Vertices and, two for each, triangles are both in the order of the grid after a build: of
+     * triangle t = h / 8 the corners are probably near vertex t / 2. */
+    __builtin_prefetch(&xy[h >> 4]);
     bool lent = (g->cell[cell] & DT_HINT_LENT) == DT_HINT_LENT; /* from afar by right */
     if (!dt_is_dead(m, h) && (lent || is_near(at, m, xy, h, q)))
         return h;

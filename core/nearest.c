@@ -8,8 +8,8 @@
  * another vertex; it lies in the disc around q through p. So the nearest k, and all within a
  * radius, are connected by edges. The nearest ones, if several tie, are the corners of one empty
  * circle around q, which its triangulation connects. */
+#include "core/hints_live.h"
 #include "core/hull.h"
-#include "core/locate.h"
 #include "core/predicates.h"
 #include "core/query.h"
 #include "core/reader.h"
@@ -44,18 +44,17 @@ static struct candidate candidate(const struct dt *t, struct dt_point q, uint32_
     return (struct candidate){square_distance(t->points.xy[v], q), v};
 }
 
-/* A vertex to begin at. */
+/* A vertex to begin at: of the triangle that the grid knows. */
 static uint32_t near_vertex(const struct dt *t, struct dt_point q)
 {
     const struct dt_mesh *m = &t->mesh;
-    uint32_t h;
-    dt_find(m, t->points.xy, &t->hints, q, &h);
+    uint32_t h = dt_hint_live(&t->hints, m, t->points.xy, q);
     struct candidate best = candidate(t, q, dt_origin(m, h));
-    for (uint32_t k = dt_next(h); k != h; k = dt_next(k)) {
+    for (uint32_t k = h + 1; k < h + 3; k++) {
         if (dt_origin(m, k) == DT_NONE)
             continue;
         struct candidate c = candidate(t, q, dt_origin(m, k));
-        best = compare(t, q, c, best) < 0 ? c : best;
+        best = c.d < best.d ? c : best;
     }
     return best.v;
 }

@@ -51,38 +51,41 @@ static void read_vertices(const struct dt *t, uint32_t id, uint32_t max, struct 
     }
 }
 
+/* One triangle further round star i, which stands at the half edge *at. False: the ring is closed,
+ * or is longer than there is room for. */
+static bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t first, uint32_t *at)
+{
+    uint32_t d = dt_dest(&t->mesh, *at);
+    *at = dt_turn_ccw(&t->mesh, *at);
+    __builtin_prefetch(&t->mesh.half[*at]);
+    if (d == DT_NONE)
+        return *at != first;
+    if (s->degree[i] == DT_STAR_MAX) {
+        s->degree[i] = DT_NONE;
+        return false;
+    }
+    __builtin_prefetch(&t->points.id[d]);
+    s->ring[i][s->degree[i]++] = d;
+    return *at != first;
+}
+
 void dt_stars_read(const struct dt *t, uint32_t id, uint32_t max, struct dt_stars *s)
 {
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t at[DT_STARS], turning[DT_STARS], active = 0;
+    uint32_t first[DT_STARS], at[DT_STARS], turning[DT_STARS], active = 0;
     read_vertices(t, id, max < DT_STARS ? max : DT_STARS, s);
     for (uint32_t i = 0; i < s->n; i++) {
-        at[i] = m->leaving[s->vertex[i]];
+        first[i] = at[i] = t->mesh.leaving[s->vertex[i]];
         s->degree[i] = 0;
-        s->on_hull[i] = true;
-        if (at[i] == DT_NONE)
-            continue;
-        __builtin_prefetch(&m->half[at[i]]);
-        turning[active++] = i;
+        s->on_hull[i] = first[i] == DT_NONE || dt_is_ghost(&t->mesh, first[i]);
+        if (first[i] != DT_NONE)
+            turning[active++] = i;
     }
-    for (uint32_t k = 0; k < active; k++)
-        s->on_hull[turning[k]] = dt_is_ghost(m, at[turning[k]]);
     while (active > 0) { /* each round takes every star a triangle further */
         uint32_t left = 0;
         for (uint32_t k = 0; k < active; k++) {
-            uint32_t i = turning[k], d = dt_dest(m, at[i]);
-            at[i] = dt_turn_ccw(m, at[i]);
-            __builtin_prefetch(&m->half[at[i]]);
-            if (d != DT_NONE) {
-                if (s->degree[i] == DT_STAR_MAX) {
-                    s->degree[i] = DT_NONE;
-                    continue;
-                }
-                __builtin_prefetch(&t->points.id[d]);
-                s->ring[i][s->degree[i]++] = d;
-            }
-            if (at[i] != m->leaving[s->vertex[i]])
-                turning[left++] = i;
+            uint32_t i = turning[k];
+            turning[left] = i;
+            left += turn(t, s, i, first[i], &at[i]);
         }
         active = left;
     }

@@ -7,7 +7,7 @@
 
 #include "core/set.h"
 
-enum { DT_STARS = 32, DT_STAR_MAX = 20 };
+enum { DT_STARS = 64, DT_STAR_MAX = 20 };
 
 /* Stars of consecutive representatives. */
 struct dt_stars {

@@ -204,9 +204,13 @@ struct group {
     bool heap, more; /* more: some did not fit */
 };
 
-static void set_row(const struct group *g, size_t i, const uint32_t *from)
+static inline void set_row(const struct group *g, size_t i, const uint32_t *from)
 {
-    memcpy(g->rows + i * g->width, from, g->width * sizeof *from);
+    uint32_t *to = g->rows + i * g->width;
+    to[0] = from[0];
+    to[1] = from[1];
+    if (g->width == 3)
+        to[2] = from[2];
 }
 
 /* Puts `r` into the heap of n rows, at i or below it. */
@@ -266,8 +270,8 @@ static void group_add(struct group *g, uint32_t b, uint32_t c)
 static void heap_sort(const struct group *g)
 {
     for (size_t n = g->n; n > 1; n--) {
-        uint32_t last[3];
-        memcpy(last, g->rows + (n - 1) * g->width, g->width * sizeof *last);
+        const uint32_t *end = g->rows + (n - 1) * g->width;
+        uint32_t last[3] = {end[0], end[1], g->width == 3 ? end[2] : 0};
         set_row(g, n - 1, g->rows);
         sift_down(g, n - 1, 0, last);
     }
