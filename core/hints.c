@@ -11,6 +11,7 @@
 #include "core/hull.h"
 #include "core/memory.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,7 +125,7 @@ static void grid_shape(struct dt_hint_grid *g, const struct box *b, double cells
 
 static enum dt_status reserve_cells(struct dt_hints *g, double end)
 {
-    if (end <= g->cell_cap)
+    if (g->cell != NULL && end <= g->cell_cap)
         return DT_OK;
     double want = g->cell_cap == 0 ? end : end + end / 4;
     if (want > UINT32_MAX)
@@ -259,39 +260,49 @@ static bool has_crowd(const struct builder *b, const struct dt_hint_grid *g)
     return false;
 }
 
-/* Moves the vertices of grid k that are in crowded cells to the front of its span and tells how
- * many they are. For grid 0, which has no span, makes the list. */
-static enum dt_status gather_crowd(struct builder *b, uint32_t k, uint32_t *crowd)
+/* Moves the vertices of grid k > 0 that are in crowded cells to the front of its span and tells how
+ * many they are. */
+static uint32_t gather_crowd(struct builder *b, uint32_t k)
 {
     const struct dt_hint_grid *g = &b->hints->grid[k];
-    uint32_t n = 0;
-    if (k > 0) {
-        uint32_t *list = b->list + b->span[k].from;
-        for (uint32_t i = 0; i < b->span[k].to - b->span[k].from; i++) {
-            uint32_t v = list[i];
-            if (!crowded(b, g, v))
-                continue;
-            list[i] = list[n];
-            list[n++] = v;
-        }
-        *crowd = n;
-        return DT_OK;
+    uint32_t n = 0, *list = b->list + b->span[k].from, size = b->span[k].to - b->span[k].from;
+    for (uint32_t i = 0; i < size; i++) {
+        uint32_t v = list[i];
+        if (!crowded(b, g, v))
+            continue;
+        list[i] = list[n];
+        list[n++] = v;
     }
+    return n;
+}
+
+/* The same for grid 0, which has no span: makes the list. */
+static enum dt_status list_crowd(struct builder *b, uint32_t *crowd)
+{
+    const struct dt_mesh *m = b->mesh;
     if (b->list == NULL)
-        b->list = dt_array_new(b->mesh->vertices, sizeof *b->list);
+        b->list = dt_array_new(m->vertices, sizeof *b->list);
     if (b->scratch == NULL)
-        b->scratch = dt_array_new(b->mesh->vertices, sizeof *b->scratch);
+        b->scratch = dt_array_new(m->vertices, sizeof *b->scratch);
     if (b->list == NULL || b->scratch == NULL)
         return DT_NOMEM;
-    uint32_t left = b->mesh->vertices;
-    for (uint32_t v = 0; left > 0; v++) {
-        if (b->mesh->leaving[v] == DT_NONE)
+    uint32_t n = 0;
+    for (uint32_t v = 0, left = m->vertices; left > 0; v++) {
+        if (m->leaving[v] == DT_NONE)
             continue;
-        if (crowded(b, g, v))
+        if (crowded(b, b->hints->grid, v))
             b->list[n++] = v;
         left--;
     }
     *crowd = n;
+    return DT_OK;
+}
+
+static enum dt_status find_crowd(struct builder *b, uint32_t k, uint32_t *crowd)
+{
+    if (k == 0)
+        return list_crowd(b, crowd);
+    *crowd = gather_crowd(b, k);
     return DT_OK;
 }
 
@@ -339,31 +350,37 @@ static enum dt_status place(struct builder *b, uint32_t k, const struct box *box
     return s;
 }
 
+/* The box of the n vertices of grid k. */
+static struct box box_of(const struct builder *b, uint32_t k, uint32_t *n)
+{
+    struct box box = no_box;
+    *n = b->mesh->vertices;
+    if (k == 0)
+        return box_of_hull(b->mesh, b->xy);
+    *n = b->span[k].to - b->span[k].from;
+    for (uint32_t i = b->span[k].from; i < b->span[k].to; i++)
+        box_add(&box, b->xy[b->list[i]]);
+    return box;
+}
+
 static enum dt_status build_grid(struct builder *b, uint32_t k)
 {
     struct dt_hints *hints = b->hints;
-    uint32_t n = b->mesh->vertices;
-    struct box box = no_box;
-    if (k == 0) {
-        box = box_of_hull(b->mesh, b->xy);
-    } else {
-        n = b->span[k].to - b->span[k].from;
-        for (uint32_t i = b->span[k].from; i < b->span[k].to; i++)
-            box_add(&box, b->xy[b->list[i]]);
-    }
-    uint32_t crowd = 0;
+    uint32_t n, crowd = 0;
+    assert(k == 0 || (b->list != NULL && b->span != NULL)); /* what made grid k filled its span */
+    struct box box = box_of(b, k, &n);
     enum dt_status s = place(b, k, &box, n * CELLS_PER_POINT);
-    if (s == DT_OK && has_crowd(b, &hints->grid[k]) &&
-        hints->cells < MAX_CELLS * b->mesh->vertices) {
-        s = gather_crowd(b, k, &crowd);
-        if (s == DT_OK && crowd > n / 2 && n * CELLS_PER_POINT_COARSE >= 2) {
-            s = place(b, k, &box, n * CELLS_PER_POINT_COARSE);
-            if (s == DT_OK)
-                s = gather_crowd(b, k, &crowd);
-        }
-        if (s == DT_OK && crowd > 0)
-            s = divide_crowd(b, k, crowd);
+    bool refine =
+        s == DT_OK && has_crowd(b, &hints->grid[k]) && hints->cells < MAX_CELLS * b->mesh->vertices;
+    if (refine)
+        s = find_crowd(b, k, &crowd);
+    if (s == DT_OK && crowd > n / 2 && n * CELLS_PER_POINT_COARSE >= 2) {
+        s = place(b, k, &box, n * CELLS_PER_POINT_COARSE);
+        if (s == DT_OK)
+            s = find_crowd(b, k, &crowd);
     }
+    if (s == DT_OK && crowd > 0)
+        s = divide_crowd(b, k, crowd);
     if (s != DT_OK)
         return s;
     fill_empty(b, &hints->grid[k]);
@@ -385,24 +402,27 @@ static void trim(struct dt_hints *g)
 
 enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy)
 {
+    struct dt_hints made = {0};
     dt_hints_clear(g);
     dt_hull_settle(m, xy);
     if (m->vertices < 2)
         return DT_OK;
-    struct builder b = {.hints = g, .mesh = m, .xy = xy};
+    struct builder b = {.hints = &made, .mesh = m, .xy = xy};
     b.count = dt_array_new((size_t)(m->vertices * CELLS_PER_POINT * 2) + 16, 1);
     enum dt_status s = b.count == NULL ? DT_NOMEM : reserve_grid(&b);
     if (s == DT_OK)
-        g->grids = 1;
-    for (uint32_t k = 0; s == DT_OK && k < g->grids; k++)
+        made.grids = 1;
+    for (uint32_t k = 0; s == DT_OK && k < made.grids; k++)
         s = build_grid(&b, k);
     free(b.count);
     free(b.list);
     free(b.scratch);
     free(b.span);
-    if (s == DT_OK)
-        trim(g);
-    else
-        dt_hints_clear(g);
+    if (s == DT_OK) {
+        trim(&made);
+        *g = made;
+    } else {
+        dt_hints_clear(&made);
+    }
     return s;
 }
