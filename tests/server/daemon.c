@@ -190,8 +190,8 @@ void load_random(int fd, const char *set, uint32_t n)
     say(fd, head);
     say_bytes(fd, xy, (size_t)n * 16);
     free(xy);
-    snprintf(head, sizeof head, "OK 0 first=0 added=%" PRIu32 " coincident=0\n", n);
-    expect(fd, head);
+    snprintf(head, sizeof head, "OK 0 first=0 added=%" PRIu32 " coincident=0", n);
+    CHECK_STR(hear_line(fd), head);
 }
 
 size_t daemon_resident(const struct daemon *d)
