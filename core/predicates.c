@@ -103,7 +103,7 @@ static struct differences differences_to(struct dt_point a, struct dt_point b, s
     return r;
 }
 
-/* If the differences are integers below 2^28 times a common power of two, puts the sign of the
+/* If the differences are integers below 2^30 times a common power of two, puts the sign of the
  * determinant in *sign. The power is found from the largest one, so this needs to know nothing
  * about the set of points. */
 static bool incircle_integers(const struct differences *d, int *sign)
@@ -113,8 +113,8 @@ static bool incircle_integers(const struct differences *d, int *sign)
     if (d->rounded || d->largest == 0)
         return false;
     memcpy(&bits, &d->largest, sizeof bits);
-    bits = (uint64_t)(1023 + 27 + 1023 - (int)(bits >> 52))
-           << 52; /* 2^27 / 2^floor(log2 largest) */
+    bits = (uint64_t)(1023 + 29 + 1023 - (int)(bits >> 52))
+           << 52; /* 2^29 / 2^floor(log2 largest) */
     double scale;
     memcpy(&scale, &bits, sizeof scale);
     for (int i = 0; i < 6; i++) {

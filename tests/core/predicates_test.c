@@ -37,6 +37,18 @@ static struct dt_point circle(void) /* 12 lattice points of radius 5 */
     return (struct dt_point){x[i], x[(i + 9) % 12]};
 }
 
+static struct dt_point integer_circle(void) /* too large for doubles, not for 128-bit integers */
+{
+    struct dt_point p = circle();
+    return (struct dt_point){p.x * 99999989, p.y * 99999989};
+}
+
+static struct dt_point large_circle(void) /* too large for those */
+{
+    struct dt_point p = circle();
+    return (struct dt_point){p.x * 999999999989, p.y * 999999999989};
+}
+
 static struct dt_point far_circle(void)
 {
     struct dt_point p = circle();
@@ -98,8 +110,8 @@ static struct dt_point mixed_ends(void) /* huge and tiny in one set: expansions 
 }
 
 static struct dt_point (*const families[])(void) = {
-    uniform,       lattice,   tenths,   ulps,    circle, far_circle,
-    wobbly_circle, near_line, smallest, largest, mixed,  mixed_ends};
+    uniform,    lattice,       tenths,    ulps,     circle,  integer_circle, large_circle,
+    far_circle, wobbly_circle, near_line, smallest, largest, mixed,          mixed_ends};
 enum { FAMILIES = sizeof families / sizeof *families, ROUNDS = 600 };
 
 static bool distinct(const struct dt_point *p, int n)
