@@ -5,304 +5,348 @@
  *
  *     cross(p) = (b - a) x (p - a),  > 0 on the left        dot(p) = (p - a) . (p - b)
  *
- * the cotangent of the angle at p is s(p) = dot / cross, to be minimised. The circle through a, b
- * and p has its centre at s/2 |ab| left of the edge's middle; the segment of it that lies left of
- * the edge grows with s:
+ * the cotangent of the angle at p is s(p) = dot / cross, to be minimised. The points that see the
+ * edge with a cotangent of at most s are those of a segment (segment.h), and for s < s' the segment
+ * of s is a part of that of s'. So: scan all cells of some trial segment. If the best point found
+ * lies in it, no point is better; else its own segment is the next trial. In a large segment the
+ * search goes on in that of the best point found so far, line by line: the paper's circle box,
+ * which shrinks as better points are found.
  *
- *              .---.                 segment(s) = the points left of ab that see it with a
- * cotangent of at most s; /   p   \               for s < s', segment(s) is a part of segment(s').
- *           |  .---.  |
- *           | /  q  \ |              So: scan all cells of some trial segment. If the best point
- * found lies in it, no point a --------b              is better; else the segment of the point
- * found is the next trial.
+ * The scan is done with rounded values, and tells whether they were enough: no other point came
+ * near the best one, and none was near the edge's line. Otherwise, in case of ties and on crowded
+ * lines, a second scan settles with exact predicates what rounded values leave open.
  *
- * The cells of a segment are those of its min-max box, as in the paper, and between the edge's line
- * and the parallel that touches the segment; each line of cells contributes one run of places. The
- * box shrinks as better points are found.
- *
- * Rounding. Limits of the region are padded outward, so every point of the segment is scanned. Of
- * the points scanned, the floating-point values reject one only if it is certainly right of the
- * edge or certainly worse than the best, and take one only if it is certainly left and better;
- * exact predicates decide the rest. Bounds, u = 2^-53, with R at least every coordinate of p - a
- * and p - b, K = |dx| + |dy|, d = b - a: cross: two products of rounded differences, 4 u (|dx py| +
- * |dy px|) < 4.1 u K R        bound 8 u K R dot:   two products of rounded differences, 4 u * 2 R^2
- * < 8.1 u R^2                    bound 10 u R^2 dot cross' - dot' cross, dot <= 2 R^2, cross <= K
- * R: each product is off by 2 R^2 * 4.1 u K R + K R * 8.1 u R^2
+ * Bounds, with u = 2^-53, R >= all coordinates of p - a and p - b, K = |dx| + |dy|, d = b - a:
+ *     cross: two products of rounded differences, 4 u (|dx py| + |dy px|) < 4.1 u K R        bound
+ * 8 u K R dot:   two products of rounded differences, 4 u * 2 R^2 < 8.1 u R^2 bound 12 u R^2 dot
+ * cross' - dot' cross, dot <= 2 R^2, cross <= K R: each product is off by 2 R^2 * 4.1 u K R + K R
+ * * 8.1 u R^2
  *     + 2 u K R^3 < 18.5 u K R^3, the difference by 4 u K R^3 more: 41 u K R^3               bound
- * 48 u K R^3 */
+ * 48 u K R^3 s = dot / cross, where cross > 2^-24 K R = 2^26 * 8 u K R: 2^-26 (1.5 R / K + |s|); so
+ * if two of them differ by more than 2^-24 (2 R / K + |s|), s the smaller one, their order is
+ * certain. */
 #include "core/apex.h"
-
-#include "core/predicates.h"
 
 #include <float.h>
 #include <math.h>
+
+#include "core/predicates.h"
+#include "core/segment.h"
 
 #define U 0x1p-53
 
 /* The first trial segment is as high as this many cells, the next ones GROWTH times as high each.
  */
-#define FIRST_HEIGHT 1.0
+#define FIRST_HEIGHT 1.5
 #define GROWTH 3.0
 
-/* Where to look: the segment of cotangent s, its box, and its height above the edge. */
-struct segment {
-    double s, height;
-    struct dt_point lo, hi;
+/* Two doubles that are computed with at once; comparisons give all ones or zeros. */
+typedef double pair __attribute__((vector_size(16)));
+typedef int64_t mask __attribute__((vector_size(16)));
+
+/* What the first scan has found, each in its half of the points. */
+struct lanes {
+    pair least, second; /* the two smallest cotangents */
+    pair best;          /* the place of the least one; -1 if there is none */
 };
 
 struct search {
     const struct dt_grid *grid;
     uint32_t a, b;
-    struct dt_point pa, pb, d; /* the end points, and pb - pa */
-    double length;             /* of the edge */
-    struct segment segment;
-    /* The best point so far and its values; reach is the R for which they were computed. */
-    uint32_t best;
-    double dot, cross, reach;
+    struct dt_edge edge;
+    struct dt_segment segment;
+    bool exact;    /* the second scan */
+    uint32_t best; /* the best point so far, DT_NONE if there is none */
+    double reach;  /* the R that holds for it; while not exact, for all points scanned */
+    /* while not exact: */
+    struct lanes lanes;
+    bool doubt; /* a point is left of the edge, but hardly */
+    /* while exact: */
+    double dot, cross; /* of the best point */
 };
 
-/* ---- segments ---- */
-
-/* How far the segment reaches beyond the edge's end points in the direction e (a unit vector along
- * an axis), rounded outward: the extreme point of the circle, if that lies on the edge's left. side
- * = d x e, along = d . e. */
-static double extent(const struct search *q, double r, double s, double side, double along)
+static inline double smaller(double a, double b)
 {
-    double length2 = q->length * q->length;
-    double extreme =
-        along / 2 + s / 2 * side + r; /* from a: half the edge, s/2 along its normal, the radius */
-    double ends = along > 0 ? along : 0;
-    bool left = s / 2 * length2 + side * r > -0x1p-40 * q->length * r;
-    return (left && extreme > ends ? extreme : ends) + 0x1p-48 * q->length * (1 + fabs(s));
+    return a < b ? a : b;
 }
 
-/* What adding v to the coordinate c loses, at most; to be added to v before. */
-static double lost(double c)
+static inline double larger(double a, double b)
 {
-    return 2 * U * fabs(c);
+    return a > b ? a : b;
 }
 
-static void segment_set(struct search *q, double s)
-{
-    struct segment *g = &q->segment;
-    double root = sqrt(1 + s * s), r = q->length / 2 * root;
-    struct dt_point d = q->d, a = q->pa;
-    g->s = s;
-    g->height = (s > 0 ? r + q->length / 2 * s : q->length / 2 / (root - s)) * (1 + 0x1p-40);
-    g->hi.x = a.x + (extent(q, r, s, -d.y, d.x) + lost(a.x));
-    g->lo.x = a.x - (extent(q, r, s, d.y, -d.x) + lost(a.x));
-    g->hi.y = a.y + (extent(q, r, s, d.x, d.y) + lost(a.y));
-    g->lo.y = a.y - (extent(q, r, s, -d.x, -d.y) + lost(a.y));
-}
+/* ---- the best point so far ---- */
 
-/* The whole half plane. */
-static void segment_set_all(struct search *q)
+/* An upper bound of the cotangent of a point with these values; HUGE_VAL if it is huge, or the
+ * point may be on the edge's line. */
+static double cotangent_bound(const struct search *q)
 {
-    struct dt_point d = q->d, a = q->pa;
-    q->segment = (struct segment){HUGE_VAL, HUGE_VAL, {-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};
-    if (d.x == 0 && d.y > 0)
-        q->segment.hi.x = a.x;
-    if (d.x == 0 && d.y < 0)
-        q->segment.lo.x = a.x;
-    if (d.y == 0 && d.x > 0)
-        q->segment.lo.y = a.y;
-    if (d.y == 0 && d.x < 0)
-        q->segment.hi.y = a.y;
-}
-
-/* An upper bound of the best point's cotangent; infinite if the point may be on the edge's line. */
-static double best_cotangent(const struct search *q)
-{
-    double cross_error = 8 * U * (fabs(q->d.x) + fabs(q->d.y)) * q->reach;
-    double dot = q->dot + 10 * U * q->reach * q->reach;
-    if (q->cross <= 2 * cross_error)
+    double error = 8 * U * q->edge.span * q->reach, dot = q->dot + 12 * U * q->reach * q->reach;
+    if (q->cross <= 2 * error)
         return HUGE_VAL;
-    double s = dot / (dot > 0 ? q->cross - cross_error : q->cross + cross_error);
-    return s + 0x1p-50 * fabs(s);
+    double s = dot / (dot > 0 ? q->cross - error : q->cross + error);
+    s += 0x1p-50 * fabs(s);
+    return s < 0x1p60 ? s : HUGE_VAL;
 }
 
-/* Makes the best point's segment the current one if that is smaller. */
-static void segment_shrink(struct search *q)
+/* The least cotangent of the first scan, the next one, and whose it is. */
+static double least_of(const struct lanes *l)
 {
-    double s = best_cotangent(q);
-    if (s < q->segment.s && s < 0x1p60)
-        segment_set(q, s);
+    return smaller(l->least[0], l->least[1]);
 }
 
-/* ---- scanning ---- */
+static double second_of(const struct lanes *l)
+{
+    return smaller(larger(l->least[0], l->least[1]), smaller(l->second[0], l->second[1]));
+}
 
-/* Error bounds for points at most `reach` away from a and b. */
+static uint32_t best_of(const struct lanes *l)
+{
+    double best = l->least[0] < l->least[1] ? l->best[0] : l->best[1];
+    return best < 0 ? DT_NONE : (uint32_t)best;
+}
+
+/* How far another cotangent must be from the least one to be greater with certainty. */
+static double margin(const struct search *q)
+{
+    return 0x1p-24 * (2 * q->reach / q->edge.span + fabs(least_of(&q->lanes)));
+}
+
+/* An upper bound of the best point's cotangent; HUGE_VAL if there is no best point. */
+static double best_bound(const struct search *q)
+{
+    if (!q->exact)
+        return least_of(&q->lanes) + margin(q);
+    return q->best == DT_NONE ? HUGE_VAL : cotangent_bound(q);
+}
+
+/* ---- scanning runs of places ---- */
+
+/* A point that is near the edge's line: it is of no account if it is not left of it. */
+static __attribute__((noinline)) bool is_left(const struct search *q, uint32_t i)
+{
+    return i != q->a && i != q->b && dt_orient2d(q->edge.a, q->edge.b, q->grid->xy[i]) > 0;
+}
+
+static inline pair choose(mask m, pair a, pair b)
+{
+    return (pair)((m & (mask)a) | (~m & (mask)b));
+}
+
+static inline bool any(mask m)
+{
+    return (m[0] | m[1]) != 0;
+}
+
+/* Whether a point of the run is left of the edge, but by no more than `sure`. */
+static __attribute__((noinline)) bool is_doubtful(const struct search *q, double sure, uint32_t i,
+                                                  uint32_t end)
+{
+    for (; i < end; i++) {
+        struct dt_point p = q->grid->xy[i], a = q->edge.a, d = q->edge.d;
+        if (fabs(d.x * (p.y - a.y) - d.y * (p.x - a.x)) <= sure && is_left(q, i))
+            return true;
+    }
+    return false;
+}
+
+/* The first scan, of the points i..end-1 in pairs. No branch depends on which point is the best, as
+ * none could be predicted. The NaN of a removed point fails every comparison, and so drops out. */
+static inline void scan_run(struct search *q, double reach, uint32_t i, uint32_t end)
+{
+    static const struct dt_point nowhere = {NAN, NAN};
+    const struct dt_point *xy = q->grid->xy;
+    const pair ax = {q->edge.a.x, q->edge.a.x}, ay = {q->edge.a.y, q->edge.a.y};
+    const pair bx = {q->edge.b.x, q->edge.b.x}, by = {q->edge.b.y, q->edge.b.y};
+    const pair dx = {q->edge.d.x, q->edge.d.x}, dy = {q->edge.d.y, q->edge.d.y};
+    const pair at_a = {q->a, q->a}, at_b = {q->b, q->b}, huge = {HUGE_VAL, HUGE_VAL};
+    double s_ = 0x1p-24 * q->edge.span * reach;
+    const pair sure = {s_, s_};
+    struct lanes l = q->lanes;
+    mask near = {0, 0};
+    pair at = {i, i + 1.0};
+    for (uint32_t k = i; k < end; k += 2) {
+        const struct dt_point *u = xy + k, *v = k + 1 < end ? u + 1 : &nowhere;
+        pair px = {u->x, v->x}, py = {u->y, v->y};
+        pair x = px - ax, y = py - ay, cross = dx * y - dy * x;
+        pair dot = x * (px - bx) + y * (py - by);
+        pair s = choose(cross > sure, dot / cross, huge);
+        near |= (cross <= sure) & (cross >= -sure) & (at != at_a) & (at != at_b);
+        mask less = s < l.least;
+        pair greater = choose(less, l.least, s);
+        l.second = choose(greater < l.second, greater, l.second);
+        l.best = choose(less, at, l.best);
+        l.least = choose(less, s, l.least);
+        at += 2;
+    }
+    q->lanes = l;
+    if (any(near) && is_doubtful(q, s_, i, end))
+        q->doubt = true;
+}
+
+/* Error bounds of the second scan, for points at most `reach` away and for the best point so far.
+ */
 struct bounds {
-    double reach, cross, det;
+    double cross, det;
 };
 
-static void bounds_set(const struct search *q, struct bounds *e)
+static struct bounds bounds_of(const struct search *q, double reach)
 {
-    double k = fabs(q->d.x) + fabs(q->d.y), r = fmax(e->reach, q->best == DT_NONE ? 0 : q->reach);
-    e->cross = 8 * U * k * e->reach;
-    e->det = 48 * U * k * r * r * r;
+    double k = q->edge.span, r = larger(reach, q->reach);
+    return (struct bounds){8 * U * k * reach, 48 * U * k * r * r * r};
 }
 
-static void take(struct search *q, struct bounds *e, uint32_t i, double dot, double cross)
+/* Whether point i, of these values, is the best so far. */
+static bool is_better(const struct search *q, const struct bounds *e, uint32_t i, double cross,
+                      double det)
 {
-    q->best = i;
-    q->dot = dot;
-    q->cross = cross;
-    q->reach = e->reach;
-    bounds_set(q, e);
-}
-
-/* Decides exactly whether point i is the best so far. */
-static __attribute__((noinline)) bool is_better(const struct search *q, uint32_t i)
-{
-    const struct dt_point *xy = q->grid->xy;
-    if (i == q->a || i == q->b || dt_orient2d(q->pa, q->pb, xy[i]) <= 0)
+    const struct dt_point *xy = q->grid->xy, a = q->edge.a, b = q->edge.b;
+    if (i == q->best || (cross <= e->cross && !is_left(q, i)))
         return false;
-    return q->best == DT_NONE || dt_incircle_perturbed(q->pa, q->pb, xy[q->best], xy[i]) > 0;
+    if (q->best == DT_NONE || (cross > e->cross && det < -e->det))
+        return true;
+    return dt_incircle_perturbed(a, b, xy[q->best], xy[i]) > 0;
 }
 
-/* Removed points are NaN and fail both comparisons with cross. */
-static void scan_run(struct search *q, struct bounds *e, uint32_t i, uint32_t end)
+/* The second scan. */
+static void scan_run_exactly(struct search *q, double reach, uint32_t i, uint32_t end)
 {
-    const struct dt_point *xy = q->grid->xy;
-    const struct dt_point a = q->pa, b = q->pb, d = q->d;
+    const struct dt_point *xy = q->grid->xy, a = q->edge.a, b = q->edge.b, d = q->edge.d;
+    struct bounds e = bounds_of(q, reach);
     for (; i < end; i++) {
         double x = xy[i].x - a.x, y = xy[i].y - a.y;
         double cross = d.x * y - d.y * x;
         double dot = x * (xy[i].x - b.x) + y * (xy[i].y - b.y);
         double det = dot * q->cross - q->dot * cross;
-        if (cross > e->cross) {
-            if (det < -e->det || (det <= e->det && is_better(q, i)))
-                take(q, e, i, dot, cross);
-        } else if (cross >= -e->cross && is_better(q, i)) {
-            take(q, e, i, dot, cross);
-        }
+        if (!(cross >= -e.cross) || (cross > e.cross && det > e.det) ||
+            !is_better(q, &e, i, cross, det))
+            continue;
+        q->best = i;
+        q->dot = dot;
+        q->cross = cross;
+        q->reach = reach;
+        e = bounds_of(q, reach);
     }
+}
+
+/* ---- scanning cells ---- */
+
+static void scan(struct search *q, double reach, uint32_t i, uint32_t end)
+{
+    if (i == end)
+        return;
+    if (q->exact) {
+        scan_run_exactly(q, reach, i, end);
+        return;
+    }
+    q->reach = larger(q->reach, reach);
+    scan_run(q, reach, i, end);
 }
 
 static void scan_cells(struct search *q, const struct dt_cells *c);
 
-/* Scans cells first..last of a line, where some cells of c are crowded. */
-static void scan_crowded(struct search *q, struct bounds *e, const struct dt_cells *c,
-                         uint32_t first, uint32_t last)
+/* Scans cells first..last of c, some of which are crowded. */
+static void scan_crowded(struct search *q, double reach, const struct dt_cells *c, uint32_t first,
+                         uint32_t last)
 {
     uint32_t i = c->start[first];
     for (uint32_t k = dt_cells_first_sub(c, first); k < c->subs && c->sub_cell[k] <= last; k++) {
-        scan_run(q, e, i, c->start[c->sub_cell[k]]);
+        scan(q, reach, i, c->start[c->sub_cell[k]]);
         scan_cells(q, &c->sub[k]);
-        bounds_set(q, e);
         i = c->start[c->sub_cell[k] + 1];
     }
-    scan_run(q, e, i, c->start[last + 1]);
+    scan(q, reach, i, c->start[last + 1]);
 }
 
-/* The lines and cells of c that the box of a segment touches. */
-struct window {
-    uint32_t first_line, last_line, first, last;
-};
-
-/* False if the box touches none of c. */
-static bool window_of(const struct segment *g, const struct dt_cells *c, struct window *w)
+/* Where there is much left to scan, continues in the segment of the best point. False if that
+ * leaves nothing of c. */
+static bool narrow(struct search *q, const struct dt_cells *c, struct dt_window *w,
+                   uint32_t lines_left)
 {
-    double v0 = dt_cells_across(c, g->lo), v1 = dt_cells_across(c, g->hi);
-    double u0 = dt_cells_along(c, g->lo), u1 = dt_cells_along(c, g->hi);
-    w->first_line = dt_cells_clamp(v0, c->lines);
-    w->last_line = dt_cells_clamp(v1, c->lines);
-    w->first = dt_cells_clamp(u0, c->length);
-    w->last = dt_cells_clamp(u1, c->length);
-    return v0 < c->lines && v1 >= 0 && u0 < c->length && u1 >= 0;
+    if ((uint64_t)lines_left * (w->last - w->first + 1) <= 16)
+        return true;
+    double s = best_bound(q);
+    if (!(s < q->segment.s))
+        return true;
+    q->segment = dt_segment_of_cotangent(&q->edge, s);
+    return dt_window_set(w, &q->edge, &q->segment, c);
 }
 
-/* The strip between the edge's line and its parallel at the segment's height. On line j of cells it
- * lies between lo + j slope and hi + j slope:
- *
- *     j + 1  ------/---------/--       the intersections of a line with the borders of the lines of
- * cells: one addition lo    /   strip /  hi      each [the paper, p. 38] j      ----/---------/----
- */
-struct strip {
-    double lo, hi, slope;
-};
-
-static struct strip strip_of(const struct search *q, const struct dt_cells *c)
-{
-    double along = c->upright ? q->d.y : q->d.x, across = c->upright ? -q->d.x : q->d.y;
-    if (across == 0)
-        return (struct strip){-HUGE_VAL, HUGE_VAL, 0};
-    double slope = along / (c->upright ? q->d.x : q->d.y);
-    double u = dt_cells_along(c, q->pa), v = dt_cells_across(c, q->pa);
-    double width = q->segment.height * c->per_unit * q->length / fabs(across);
-    double pad = 0x1p-48 * (fabs(u) + (fabs(v) + c->lines) * fabs(slope) + c->length);
-    double lo = u - v * slope + fmin(0, slope) - pad, hi = u - v * slope + fmax(0, slope) + pad;
-    /* Going up, the edge has its left side at smaller numbers; a line of cells along y sees the
-     * mirror image. */
-    return across > 0 ? (struct strip){lo - width, hi, slope}
-                      : (struct strip){lo, hi + width, slope};
-}
-
-/* A bound on the coordinates of p - a and p - b for all points p in the cells of the current
- * segment. */
-static double reach_of(const struct search *q, const struct dt_cells *c)
-{
-    const struct segment *g = &q->segment;
-    double w = c->side * c->length, h = c->side * c->lines;
-    double x = fmax(fmin(g->hi.x, c->lo.x + (c->upright ? h : w)) - q->pa.x,
-                    q->pa.x - fmax(g->lo.x, c->lo.x));
-    double y = fmax(fmin(g->hi.y, c->lo.y + (c->upright ? w : h)) - q->pa.y,
-                    q->pa.y - fmax(g->lo.y, c->lo.y));
-    return (fmax(fmax(x, y), 0) + c->side + fmax(fabs(q->d.x), fabs(q->d.y))) * (1 + 0x1p-20);
-}
-
-/* Scans the cells of c that the current segment touches; the segment shrinks when a line of cells
- * has brought a better point. */
+/* Scans the part of the current segment that is in c. */
 static void scan_cells(struct search *q, const struct dt_cells *c)
 {
-    struct window w;
-    if (!window_of(&q->segment, c, &w))
+    struct dt_window w;
+    if (!dt_window_set(&w, &q->edge, &q->segment, c))
         return;
-    struct strip strip = strip_of(q, c);
-    struct bounds e = {.reach = reach_of(q, c)};
-    bounds_set(q, &e);
+    double reach = dt_segment_reach(&q->edge, &q->segment, c);
     for (uint32_t j = w.first_line; j <= w.last_line; j++) {
-        double lo = strip.lo + j * strip.slope, hi = strip.hi + j * strip.slope;
-        if (lo >= w.last + 1.0 || hi < w.first)
+        uint32_t first, last, line = j * c->length;
+        if (!dt_window_line(&w, j, &first, &last))
             continue;
-        uint32_t before = q->best;
-        uint32_t first = j * c->length + (lo > w.first ? (uint32_t)lo : w.first);
-        uint32_t last = j * c->length + (hi < w.last ? (uint32_t)hi : w.last);
         if (c->subs == 0)
-            scan_run(q, &e, c->start[first], c->start[last + 1]);
+            scan(q, reach, c->start[line + first], c->start[line + last + 1]);
         else
-            scan_crowded(q, &e, c, first, last);
-        if (q->best != before && j < w.last_line) {
-            segment_shrink(q);
-            if (!window_of(&q->segment, c, &w))
-                return;
-            strip = strip_of(q, c);
-        }
+            scan_crowded(q, reach, c, line + first, line + last);
+        if (!narrow(q, c, &w, w.last_line - j))
+            return;
     }
+}
+
+/* ---- the search ---- */
+
+static bool has_best(const struct search *q)
+{
+    return q->exact ? q->best != DT_NONE : best_of(&q->lanes) != DT_NONE;
+}
+
+/* Scans trial segments until the best point scanned is the best of all. s is the cotangent of a
+ * segment that is known to hold a point, or HUGE_VAL. */
+static void find_best(struct search *q, double s)
+{
+    static const struct lanes none = {{HUGE_VAL, HUGE_VAL}, {HUGE_VAL, HUGE_VAL}, {-1, -1}};
+    const struct dt_cells *top = &q->grid->top;
+    double height = FIRST_HEIGHT * dt_grid_spacing(q->grid, q->edge.a);
+    double limit = 2 * top->side * ((double)top->lines + top->length); /* passes all points */
+    bool found = false, last;
+    do {
+        last = s < 0x1p60 || found || height >= limit;
+        if (s < 0x1p60)
+            q->segment = dt_segment_of_cotangent(&q->edge, s);
+        else if (last)
+            q->segment = dt_segment_all(&q->edge);
+        else
+            q->segment = dt_segment_of_height(&q->edge, height);
+        double scanned = q->segment.s;
+        q->lanes = none;
+        scan_cells(q, top);
+        found = has_best(q);
+        s = found ? best_bound(q) : HUGE_VAL;
+        height *= GROWTH;
+        last |= s <= scanned || q->doubt;
+    } while (!last);
 }
 
 uint32_t dt_apex(const struct dt_grid *g, uint32_t a, uint32_t b)
 {
-    struct dt_point pa = g->xy[a], pb = g->xy[b];
-    struct search q = {.grid = g, .a = a, .b = b, .pa = pa, .pb = pb, .best = DT_NONE};
-    q.d = (struct dt_point){pb.x - pa.x, pb.y - pa.y};
-    q.length = sqrt(q.d.x * q.d.x + q.d.y * q.d.y);
-    q.dot = DBL_MAX; /* any point is better than none: cross = 0 makes every cotangent smaller than
-                        this */
-    double height = FIRST_HEIGHT * dt_grid_spacing(g, pa),
-           all = 2 * g->top.side * (g->top.lines + g->top.length);
-    for (;;) {
-        if (q.best != DT_NONE && best_cotangent(&q) < 0x1p60)
-            segment_set(&q, best_cotangent(&q));
-        else if (q.best == DT_NONE && height < all)
-            segment_set(&q, height / q.length - q.length / height / 4);
-        else
-            segment_set_all(&q);
-        double s = q.segment.s;
-        scan_cells(&q, &g->top);
-        if (s == HUGE_VAL || (q.best != DT_NONE && best_cotangent(&q) <= s))
-            return q.best;
-        height *= GROWTH;
-    }
+    struct search q;
+    struct dt_point pa = g->xy[a], pb = g->xy[b], d = {pb.x - pa.x, pb.y - pa.y};
+    q.grid = g;
+    q.a = a;
+    q.b = b;
+    q.edge = (struct dt_edge){pa, pb, d, sqrt(d.x * d.x + d.y * d.y), fabs(d.x) + fabs(d.y)};
+    q.reach = 0;
+    q.exact = q.doubt = false;
+    find_best(&q, HUGE_VAL);
+    if (!q.doubt && second_of(&q.lanes) >= least_of(&q.lanes) + margin(&q))
+        return best_of(&q.lanes);
+
+    double s = has_best(&q) ? best_bound(&q) : HUGE_VAL;
+    q.exact = true;
+    q.doubt = false;
+    q.best = DT_NONE;
+    q.reach = 0;
+    q.cross = 0;
+    q.dot = DBL_MAX; /* a cotangent greater than any */
+    find_best(&q, s);
+    return q.best;
 }
