@@ -9,10 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory.h"
+
 enum dt_status dt_front_init(struct dt_front *f, uint32_t n)
 {
     f->current = DT_NONE;
-    f->node = malloc(n * sizeof *f->node);
+    f->node = dt_array_new(n, sizeof *f->node);
     if (f->node == NULL)
         return DT_NOMEM;
     memset(f->node, 0xff, n * sizeof *f->node); /* DT_NONE everywhere */

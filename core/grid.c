@@ -7,6 +7,7 @@
  * 1 cells whatever its shape; crowded cells have cells of their own. */
 #include "core/grid.h"
 
+#include "core/memory.h"
 #include "core/predicates.h"
 
 #include <math.h>
@@ -90,9 +91,10 @@ static enum dt_status cells_count(struct dt_cells *c, const struct builder *b, s
 {
     size_t cells = (size_t)c->lines * c->length;
     free(c->start);
-    c->start = calloc(cells + 2, sizeof *c->start);
+    c->start = dt_array_new(cells + 2, sizeof *c->start);
     if (c->start == NULL)
         return DT_NOMEM;
+    memset(c->start, 0, (cells + 2) * sizeof *c->start);
     uint32_t *begin = c->start + 1; /* begin[i] = start[i], until cells_fill moves it on */
     for (uint32_t i = 0; i < p.n; i++) {
         b->cell[i] = dt_cells_index(c, p.xy[i]);
@@ -156,8 +158,8 @@ static enum dt_status cell_refine(const struct dt_cells *c, uint32_t cell, struc
 static bool make_room(struct builder *b)
 {
     if (b->xy == NULL) {
-        b->xy = malloc(b->grid->n * sizeof *b->xy);
-        b->from = malloc(b->grid->n * sizeof *b->from);
+        b->xy = dt_array_new(b->grid->n, sizeof *b->xy);
+        b->from = dt_array_new(b->grid->n, sizeof *b->from);
     }
     return b->xy != NULL && b->from != NULL;
 }
@@ -186,7 +188,7 @@ static enum dt_status cells_refine(struct dt_cells *c, struct builder *b)
 enum dt_status dt_grid_build(struct dt_grid *g, const struct dt_point *in, uint32_t n,
                              struct dt_point *xy, uint32_t *from)
 {
-    struct builder b = {.grid = g, .cell = malloc(n * sizeof *b.cell)};
+    struct builder b = {.grid = g, .cell = dt_array_new(n, sizeof *b.cell)};
     *g = (struct dt_grid){.xy = xy, .from = from, .n = n};
     enum dt_status status = DT_NOMEM;
     if (b.cell != NULL)
