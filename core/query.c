@@ -63,9 +63,7 @@ enum dt_status dt_triangles_at_point(const struct dt *t, uint32_t a, bool cw, st
     return DT_OK;
 }
 
-/* The half edge from u to v, DT_NONE if there is none. Both stars are searched in step, so that a
- * vertex of high degree costs no more than its partner. */
-static uint32_t half_between(const struct dt_mesh *m, uint32_t u, uint32_t v)
+uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v)
 {
     uint32_t from_u = m->leaving[u], from_v = m->leaving[v];
     if (from_u == DT_NONE || from_v == DT_NONE || u == v)
@@ -90,7 +88,7 @@ enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, 
         s = dt_read_vertex(t, b, &v);
     if (s != DT_OK)
         return s;
-    uint32_t h = half_between(&t->mesh, u, v);
+    uint32_t h = dt_half_between(&t->mesh, u, v);
     if (h == DT_NONE)
         return DT_NOEDGE;
     s = dt_ids_reserve(out, 6);
@@ -107,7 +105,7 @@ enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, 
 /* A half edge of the triangle with these corners, in whatever order; DT_NONE if there is none. */
 static uint32_t half_of_triangle(const struct dt_mesh *m, const uint32_t v[3])
 {
-    uint32_t h = half_between(m, v[0], v[1]);
+    uint32_t h = dt_half_between(m, v[0], v[1]);
     if (h == DT_NONE || dt_apex_of(m, h) == v[2])
         return h;
     return dt_apex_of(m, dt_twin(m, h)) == v[2] ? dt_twin(m, h) : DT_NONE;

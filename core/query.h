@@ -11,6 +11,10 @@ uint32_t dt_only_vertex(const struct dt *t);
  * Exact. Cost: constant expected. */
 uint32_t dt_nearest_vertex(const struct dt *t, struct dt_point q);
 
+/* The half edge from u to v, DT_NONE if there is none. Both stars are searched in step, so that a
+ * vertex of high degree costs no more than its partner. */
+uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v);
+
 /* Replaces the vertices v[0 .. n - 1] by their ids in ascending order. */
 void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n);
 

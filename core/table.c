@@ -3,6 +3,7 @@
  * Nothing is sorted as a whole: ids are walked in ascending order, and what begins with an id is a
  * small part of its star. A cursor stands before the row (id, sub): rows of lower ids are written,
  * and of id itself those whose second word is below sub. */
+#include "core/group.h"
 #include "core/hull.h"
 #include "core/pointlist.h"
 #include "core/reader.h"
@@ -193,144 +194,20 @@ static size_t next_list_words(const struct dt *t, const struct dt_cursor *c)
     return 2 + (size_t)dt_star_degree(&t->mesh, v);
 }
 
-/* The rows of TRIANGLES or EDGES that begin with one id, sorted by their second word. They are
- * built where they will stay: as a sorted list, or, for a star of many, as a heap with the greatest
- * on top. If there are more than there is room for, the smallest remain. */
-struct group {
-    uint32_t id, from; /* the first word; only second words >= from are wanted */
-    size_t width;      /* words of a row: 2 or 3 */
-    uint32_t *rows;
-    size_t n, room;
-    bool heap, more; /* more: some did not fit */
-};
-
-static inline void set_row(const struct group *g, size_t i, const uint32_t *from)
-{
-    uint32_t *to = g->rows + i * g->width;
-    to[0] = from[0];
-    to[1] = from[1];
-    if (g->width == 3)
-        to[2] = from[2];
-}
-
-/* Puts `r` into the heap of n rows, at i or below it. */
-static void sift_down(const struct group *g, size_t n, size_t i, const uint32_t *r)
-{
-    for (size_t child; (child = 2 * i + 1) < n; i = child) {
-        const uint32_t *at = g->rows + child * g->width;
-        if (child + 1 < n && at[g->width + 1] > at[1])
-            at = g->rows + ++child * g->width;
-        if (at[1] <= r[1])
-            break;
-        set_row(g, i, at);
-    }
-    set_row(g, i, r);
-}
-
-static void group_add_heap(struct group *g, const uint32_t *r)
-{
-    if (g->n == g->room) {
-        g->more = true;
-        if (r[1] < g->rows[1])
-            sift_down(g, g->n, 0, r);
-        return;
-    }
-    size_t i = g->n++;
-    for (; i > 0 && g->rows[(i - 1) / 2 * g->width + 1] < r[1]; i = (i - 1) / 2)
-        set_row(g, i, g->rows + (i - 1) / 2 * g->width);
-    set_row(g, i, r);
-}
-
-static void group_add_sorted(struct group *g, const uint32_t *r)
-{
-    size_t i = g->n;
-    if (g->n == g->room) {
-        g->more = true;
-        if (r[1] > g->rows[--i * g->width + 1])
-            return;
-    } else {
-        g->n++;
-    }
-    for (; i > 0 && g->rows[(i - 1) * g->width + 1] > r[1]; i--)
-        set_row(g, i, g->rows + (i - 1) * g->width);
-    set_row(g, i, r);
-}
-
-static void group_add(struct group *g, uint32_t b, uint32_t c)
-{
-    uint32_t r[3] = {g->id, b, c};
-    if (b < g->from)
-        return;
-    if (g->heap)
-        group_add_heap(g, r);
-    else
-        group_add_sorted(g, r);
-}
-
-static void heap_sort(const struct group *g)
-{
-    for (size_t n = g->n; n > 1; n--) {
-        const uint32_t *end = g->rows + (n - 1) * g->width;
-        uint32_t last[3] = {end[0], end[1], g->width == 3 ? end[2] : 0};
-        set_row(g, n - 1, g->rows);
-        sift_down(g, n - 1, 0, last);
-    }
-}
-
-/* Adds the triangle id b c, counterclockwise. */
-static void add_triangle(struct group *g, bool cw, uint32_t b, uint32_t c)
-{
-    if (b > g->id && c > g->id)
-        group_add(g, cw ? c : b, cw ? b : c);
-}
-
-static void group_from_ring(struct group *g, bool cw, const uint32_t *ring, uint32_t n,
-                            bool on_hull)
-{
-    if (g->width == 2) {
-        for (uint32_t i = 0; i < n; i++)
-            if (ring[i] > g->id)
-                group_add(g, ring[i], 0);
-        return;
-    }
-    for (uint32_t i = 0; i + 1 < n; i++)
-        add_triangle(g, cw, ring[i], ring[i + 1]);
-    if (!on_hull)
-        add_triangle(g, cw, ring[n - 1], ring[0]);
-}
-
-static void group_from_mesh(struct group *g, bool cw, const struct dt *t, uint32_t v)
-{
-    const struct dt_mesh *m = &t->mesh;
-    const uint32_t *id = t->points.id;
-    uint32_t h = m->leaving[v];
-    do {
-        uint32_t d = dt_dest(m, h);
-        if (g->width == 3 && !dt_is_ghost(m, h))
-            add_triangle(g, cw, id[d], id[dt_apex_of(m, h)]);
-        if (g->width == 2 && d != DT_NONE && id[d] > g->id)
-            group_add(g, id[d], 0);
-        h = dt_turn_ccw(m, h);
-    } while (h != m->leaving[v]);
-}
-
 /* Writes what star i has for the cursor; false if there is more than fits. */
 static bool write_group(const struct dt *t, struct dt_cursor *c, struct sink *k,
                         const struct dt_stars *s, uint32_t i, size_t width)
 {
-    struct group g = {.id = s->id[i], .width = width, .rows = k->out + k->words};
+    struct dt_group g = {.id = s->id[i], .width = width, .cw = c->cw, .rows = k->out + k->words};
     g.room = (k->cap - k->words) / width;
     g.room = g.room < k->max_rows - k->rows ? g.room : k->max_rows - k->rows;
     if (g.room == 0)
         return false;
     g.from = s->id[i] == c->id ? c->sub : 0;
-    g.heap = s->degree[i] == DT_NONE;
-    if (g.heap) {
-        group_from_mesh(&g, c->cw, t, s->vertex[i]);
-        heap_sort(&g);
-    } else if (s->degree[i] > 0) {
-        group_from_ring(&g, c->cw, s->ring[i], s->degree[i], s->on_hull[i]);
-    }
+    if (s->degree[i] == DT_NONE)
+        dt_group_of_many(&g, t, s->vertex[i]);
+    else if (s->degree[i] > 0)
+        dt_group_of_ring(&g, s->ring[i], s->degree[i], s->on_hull[i]);
     k->words += g.n * width;
     k->rows += g.n;
     c->left -= (uint32_t)g.n;

@@ -89,33 +89,44 @@ TEST(lists_tell_how_many_points_are_interior)
     pair_free(&pair);
 }
 
-/* A wheel of n points around a hub, which is joined to all of them: far more than a batch of stars
- * holds. */
-static struct pair wheel(uint32_t n, uint32_t hub)
+/* A wheel of n points around a hub, which is joined to all of them: more than a batch of stars
+ * holds. Then `others` points far away. */
+static struct pair wheel(uint32_t n, uint32_t hub, uint32_t others)
 {
-    struct dt_point p[402];
+    struct dt_point p[800];
     for (uint32_t i = 0; i <= n; i++) {
         uint32_t k = i < hub ? i : i - 1;
         p[i] = (struct dt_point){cos(k * TAU / n), sin(k * TAU / n)};
     }
     p[hub] = (struct dt_point){0, 0};
-    return pair_of(p, n + 1);
+    for (uint32_t i = 0; i < others; i++)
+        p[n + 1 + i] = (struct dt_point){100 + test_uniform(), test_uniform()};
+    return pair_of(p, n + 1 + others);
 }
 
-TEST_TIMEOUT(tables_are_right_at_vertices_of_high_degree, 60)
+static void check_hub(uint32_t n, uint32_t hub, uint32_t others)
 {
-    const uint32_t hubs[] = {0, 30, 199};
-    for (int i = 0; i < 3; i++) {
-        struct pair pair = wheel(200, hubs[i]);
-        struct dt_cursor c;
-        struct dt_ids ring = {0};
-        brute_ring(pair.b, hubs[i], false, &ring);
-        CHECK_MSG(ring.n == 200, "the hub has only %zu neighbours", ring.n);
-        CHECK(dt_table_begin(pair.t, DT_LISTS, false, &c) == DT_OK);
-        check_tables(&pair);
-        free(ring.v);
-        pair_free(&pair);
-    }
+    struct pair pair = wheel(n, hub, others);
+    struct dt_ids ring = {0};
+    brute_ring(pair.b, hub, false, &ring);
+    CHECK_MSG(ring.n == n, "the hub has only %zu neighbours", ring.n);
+    check_tables(&pair);
+    free(ring.v);
+    pair_free(&pair);
+}
+
+TEST_TIMEOUT(tables_are_right_where_one_point_has_most_others_around_it, 60)
+{
+    check_hub(200, 0, 0);
+    check_hub(200, 30, 0);
+    check_hub(200, 199, 0);
+    check_hub(30, 3, 100);
+}
+
+TEST_TIMEOUT(tables_are_right_at_points_of_high_degree, 60)
+{
+    check_hub(40, 0, 700);
+    check_hub(40, 7, 700);
 }
 
 TEST(tables_of_the_triangulation_need_one)
