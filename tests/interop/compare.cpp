@@ -347,7 +347,7 @@ static void edit(job &j, unsigned round)
     std::vector<oracle_point> fresh = family_of(j, j.n + 1, j.seed + 1000 * (round + 1));
     std::vector<std::pair<std::string, std::string>> edits;
     std::string request;
-    for (size_t i = 0; i < 5 + std::min<size_t>(j.n / 8, 60); i++) {
+    for (size_t i = 0; i < 5 + std::min<size_t>(j.n / 3, 400); i++) {
         edits.push_back(random_edit(j, fresh));
         request += edits.back().first + "\n";
     }

@@ -146,7 +146,7 @@ compare_with_cgal() {
 }
 
 many_small_sets() {
-    timeout 120 "$build/interop/small_sets" 6000 "$(date +%s)"
+    timeout 120 "$build/interop/small_sets" 20000 "$(date +%s)"
 }
 
 stops_cleanly() {

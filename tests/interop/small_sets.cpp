@@ -132,12 +132,52 @@ static void try_set(dt *t, const lattice &l, std::map<uint32_t, dt_point> &live)
         triangulate(t, method);
         compare(t, live, method == DT_SHELLING);
     }
-    for (int i = 0; i < 4; i++) {
+    for (size_t i = below(10) == 0 ? 50 : 4; i > 0; i--) {
         for (size_t k = below(4); k > 0; k--)
             edit(t, l, live);
         must(dt_refresh(t, nullptr), "dt_refresh");
         compare(t, live, false);
     }
+}
+
+/* ---- a tolerance above zero: the nearest earlier representative within reach, by brute force ----
+ */
+
+/* The index in reps of the one that p coincides with; reps.size() if none does. On eighths, all of
+ * this is exact. */
+static size_t coincides(const std::vector<oracle_point> &reps, dt_point p, double tol)
+{
+    size_t best = reps.size();
+    double least = tol * tol;
+    for (size_t i = 0; i < reps.size(); i++) {
+        double dx = p.x - reps[i].x, dy = p.y - reps[i].y, square = dx * dx + dy * dy;
+        if (square < least || (square == least && best == reps.size())) {
+            least = square;
+            best = i;
+        }
+    }
+    return best;
+}
+
+static void try_tolerance(dt *t)
+{
+    std::vector<dt_point> points(below(40));
+    std::vector<oracle_point> reps;
+    oracle_rows coincident;
+    dt_added added;
+    for (size_t i = 0; i < points.size(); i++) {
+        points[i] = {static_cast<double>(below(20)) / 8, static_cast<double>(below(9)) / 8 - 0.5};
+        size_t at = coincides(reps, points[i], dt_tolerance(t));
+        uint32_t id = static_cast<uint32_t>(i);
+        if (at < reps.size())
+            coincident.push_back({id, reps[at].id});
+        else
+            reps.push_back({id, points[i].x, points[i].y});
+    }
+    must(dt_add(t, points.data(), points.size(), &added), "dt_add");
+    triangulate(t, DT_AUTO);
+    expect("coincident", read_table(t, DT_COINCIDENT, false), coincident);
+    expect("triangles", read_table(t, DT_TRIANGLES, false), cgal_delaunay(reps).triangles(false));
 }
 
 int main(int argc, char **argv)
@@ -147,10 +187,14 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sets; i++) {
         source.seed(seed + i);
         lattice l;
-        dt *t = dt_new(0);
+        bool tolerant = below(8) == 0;
+        dt *t = dt_new(tolerant ? static_cast<double>(1 + below(4)) / 8 : 0);
         std::map<uint32_t, dt_point> live;
         try {
-            try_set(t, l, live);
+            if (tolerant)
+                try_tolerance(t);
+            else
+                try_set(t, l, live);
         } catch (const failure &e) {
             std::printf("FAIL small_sets 1 %zu: %s\n", seed + i, e.what());
             for (const auto &[id, p] : live)
