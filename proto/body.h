@@ -21,6 +21,7 @@ enum body_fault {
     BODY_GOOD,
     BODY_SYNTAX, /* not two words */
     BODY_ENDED,  /* the input ended within the body */
+    BODY_LONGER, /* more came than was announced */
     BODY_NUMBER, /* not a number */
     BODY_RANGE,  /* a coordinate that the caller's rule refuses */
     BODY_TOOBIG, /* more than `limit` points */

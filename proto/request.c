@@ -20,6 +20,14 @@ static bool grow(struct request *q)
     return true;
 }
 
+bool request_add(struct request *q, const char *text, size_t len)
+{
+    if (q->n == q->cap && !grow(q))
+        return false;
+    q->word[q->n++] = (struct word){text, len};
+    return true;
+}
+
 bool request_split(struct request *q, const char *text, size_t len)
 {
     const char *end = text + len;
@@ -32,11 +40,10 @@ bool request_split(struct request *q, const char *text, size_t len)
         const char *word = p;
         while (p < end && !is_blank(*p))
             p++;
-        if (q->n == q->cap && !grow(q)) {
+        if (!request_add(q, word, (size_t)(p - word))) {
             q->n = 0;
             return false;
         }
-        q->word[q->n++] = (struct word){word, (size_t)(p - word)};
     }
 }
 

@@ -20,6 +20,9 @@ struct request {
 
 /* Splits a line into words; n is 0 for a blank line. False, with no words, when out of memory. */
 bool request_split(struct request *q, const char *text, size_t len);
+
+/* Appends one word. False, with nothing changed, when out of memory. */
+bool request_add(struct request *q, const char *text, size_t len);
 void request_free(struct request *q);
 
 /* Whether the word is `upper` (in capitals), whatever its own case. */

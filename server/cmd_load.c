@@ -94,6 +94,9 @@ static void tell_fault(struct server *s, const struct body *b, struct answer *a)
         reply_err(a->out, ERR_SYNTAX, "%s %llu: the input ended too early; nothing was loaded",
                   unit, line);
         break;
+    case BODY_LONGER:
+        reply_err(a->out, ERR_SYNTAX, "more than %llu %ss; nothing was loaded", line, unit);
+        break;
     case BODY_NUMBER:
         reply_err(a->out, ERR_NUMBER, "%s %llu: not a number; nothing was loaded", unit, line);
         break;

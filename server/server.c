@@ -72,6 +72,7 @@ void server_clear(struct server *s)
     registry_clear(&s->sets);
     auth_clear(&s->auth);
     request_free(&s->request);
+    buf_free(&s->lines);
     free(s->scratch.v);
 }
 

@@ -26,6 +26,7 @@ struct server {
     size_t loading;          /* bytes of points that are being received */
     struct dt_ids scratch;   /* owns; the result of a query that is answered at once */
     struct request request;  /* owns; the words of the line that is carried out */
+    struct buf lines;        /* owns; a reply in lines before it goes out as RESP */
     struct auth auth;
     struct counters count;
     unsigned clients;

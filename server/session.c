@@ -3,8 +3,10 @@
 
 #include "proto/line.h"
 #include "proto/request.h"
+#include "proto/resp.h"
 #include "server/cmd_load.h"
 #include "server/command.h"
+#include "server/redis.h"
 #include "server/stream.h"
 
 #include <stddef.h>
@@ -20,7 +22,20 @@ enum {
 
 static struct answer new_answer(struct session *s)
 {
-    return (struct answer){.out = &s->conn.out, .owner = s->id, .role = s->role};
+    struct buf *out = s->resp ? &s->server->lines : &s->conn.out;
+    return (struct answer){.out = out, .owner = s->id, .role = s->role};
+}
+
+/* What the answer says goes on its way: a client that speaks RESP gets it in that framing. */
+static void deliver(struct session *s, struct answer *a)
+{
+    struct buf *lines = &s->server->lines;
+    if (a->out != lines)
+        return;
+    if (!resp_reframe(&s->reader, buf_head(lines), buf_len(lines), &s->conn.out) ||
+        s->conn.out.failed)
+        a->broken = true;
+    buf_rewind(lines, 0);
 }
 
 static void consume_held(struct session *s)
@@ -30,8 +45,9 @@ static void consume_held(struct session *s)
 }
 
 /* Whether the next request may be looked at right now. */
-static bool take_over(struct session *s, const struct answer *a)
+static bool take_over(struct session *s, struct answer *a)
 {
+    deliver(s, a);
     s->role = a->role;
     s->stream = a->stream;
     s->job = a->job;
@@ -56,7 +72,9 @@ static bool take_over(struct session *s, const struct answer *a)
 /* Refuses what cannot be understood, and whatever follows it. */
 static bool refuse(struct session *s, enum reply_code code, const char *why)
 {
-    reply_err(&s->conn.out, code, "%s", why);
+    struct answer a = new_answer(s);
+    reply_err(a.out, code, "%s", why);
+    deliver(s, &a);
     conn_finish(&s->conn);
     return false;
 }
@@ -80,6 +98,7 @@ static bool step_stream(struct session *s)
     struct answer a = new_answer(s);
     a.stream = s->stream;
     stream_refill(s->server, &a);
+    deliver(s, &a);
     s->stream = a.stream;
     s->job = a.job;
     if (a.broken) {
@@ -109,27 +128,60 @@ static bool commit_load(struct session *s)
     return take_over(s, &a);
 }
 
-static bool step_load(struct session *s)
+/* The daemon stops, or the input has ended: what has not arrived whole is not carried out. */
+static bool wait_for_input(struct session *s)
+{
+    if (s->conn.eof)
+        conn_finish(&s->conn);
+    return false;
+}
+
+/* Feeds the load; true: go on. */
+static bool feed_load(struct session *s)
 {
     struct buf *in = &s->conn.in;
-    size_t n = buf_len(in) < FEED_BYTES ? buf_len(in) : FEED_BYTES;
-    bool last = input_ended(s) && n == buf_len(in);
-    if (!s->load->body.complete) {
-        ptrdiff_t took = load_feed(s->server, s->load, buf_head(in), n, last);
-        /* A line longer than a step's bytes: once more with all there is. */
-        if (took == 0 && n < buf_len(in))
-            took = load_feed(s->server, s->load, buf_head(in), buf_len(in), input_ended(s));
-        if (took < 0)
-            return refuse_line(s, s->load->body.line_fault);
-        buf_consume(in, (size_t)took);
-        if (took == 0 && !s->load->body.complete) {
-            if (s->conn.eof)
-                conn_finish(
-                    &s->conn); /* the daemon stops; what has not arrived whole is not carried out */
-            return false;
-        }
+    size_t all = buf_len(in);
+    bool ended = input_ended(s);
+    if (s->in_bulk && all >= s->bulk_left) {
+        all = s->bulk_left;
+        ended = true;
     }
-    return !s->load->body.complete || commit_load(s);
+    size_t n = all < FEED_BYTES ? all : FEED_BYTES;
+    ptrdiff_t took = load_feed(s->server, s->load, buf_head(in), n, ended && n == all);
+    /* A line longer than a step's bytes: once more with all there is. */
+    if (took == 0 && n < all)
+        took = load_feed(s->server, s->load, buf_head(in), all, ended);
+    if (took < 0)
+        return refuse_line(s, s->load->body.line_fault);
+    buf_consume(in, (size_t)took);
+    if (s->in_bulk)
+        s->bulk_left -= (size_t)took;
+    return took > 0 || s->load->body.complete || wait_for_input(s);
+}
+
+/* Reads what the bulk string holds beyond its points, which is too much, and its end. */
+static bool end_bulk(struct session *s)
+{
+    struct buf *in = &s->conn.in;
+    size_t n = buf_len(in) < s->bulk_left ? buf_len(in) : s->bulk_left;
+    if (n > 0)
+        body_fail(&s->load->body, BODY_LONGER);
+    buf_consume(in, n);
+    s->bulk_left -= n;
+    if (s->bulk_left > 0 || buf_len(in) < 2)
+        return wait_for_input(s);
+    if (buf_head(in)[0] != '\r' || buf_head(in)[1] != '\n')
+        return refuse(s, ERR_SYNTAX, resp_fault_text(RESP_BROKEN));
+    buf_consume(in, 2);
+    s->in_bulk = false;
+    return true;
+}
+
+static bool step_load(struct session *s)
+{
+    if (!s->load->body.complete)
+        return feed_load(s);
+    return s->in_bulk ? end_bulk(s) : commit_load(s);
 }
 
 /* Whether a line is no request but something that a browser was made to send. */
@@ -154,14 +206,12 @@ static bool carry_out(struct session *s, const struct line *line)
         conn_finish(&s->conn);
         return false;
     }
-    if (q->word[0].text[0] == '*')
-        return refuse(s, ERR_SYNTAX, "RESP framing is not spoken here; send lines");
     struct answer a = new_answer(s);
     command_run(s->server, q, &a);
     return take_over(s, &a);
 }
 
-static bool step_request(struct session *s)
+static bool step_line(struct session *s)
 {
     struct line line;
     ptrdiff_t took = line_read(buf_head(&s->conn.in), buf_len(&s->conn.in), input_ended(s), &line);
@@ -171,9 +221,54 @@ static bool step_request(struct session *s)
         s->held = (size_t)took;
         return carry_out(s, &line);
     }
-    if (s->conn.eof)
-        conn_finish(&s->conn);
-    return false;
+    return wait_for_input(s);
+}
+
+/* ---- the same in RESP framing ---- */
+
+static bool carry_out_resp(struct session *s, const struct resp *resp)
+{
+    struct request *q = &s->server->request;
+    struct answer a = new_answer(s);
+    s->greeted = true;
+    if (q->n == 0) {
+        consume_held(s);
+        return true;
+    }
+    a.out = &s->conn.out;
+    if (!redis_answer(s->server, q, &a)) {
+        a.out = &s->server->lines;
+        command_run(s->server, q, &a);
+        s->in_bulk = a.load != NULL && resp->has_body;
+        s->bulk_left = resp->body;
+        a.close |= a.load == NULL && resp->has_body;
+    }
+    return take_over(s, &a);
+}
+
+static bool step_resp(struct session *s)
+{
+    struct resp resp;
+    struct buf *in = &s->conn.in;
+    if (buf_len(in) < s->need)
+        return wait_for_input(s);
+    ptrdiff_t took = resp_read(buf_head(in), buf_len(in), &s->server->request, &resp);
+    s->need = resp.need;
+    if (took == 0)
+        return wait_for_input(s);
+    if (took > 0) {
+        s->held = (size_t)took;
+        return carry_out_resp(s, &resp);
+    }
+    static const enum reply_code code[] = {
+        [RESP_BROKEN] = ERR_SYNTAX, [RESP_TOO_LONG] = ERR_TOOLONG, [RESP_NOMEM] = ERR_NOMEM};
+    return refuse(s, code[resp.fault], resp_fault_text(resp.fault));
+}
+
+static bool step_request(struct session *s)
+{
+    s->resp = buf_len(&s->conn.in) > 0 && buf_head(&s->conn.in)[0] == '*';
+    return s->resp ? step_resp(s) : step_line(s);
 }
 
 static bool step(struct session *s)
@@ -258,7 +353,7 @@ void session_job_done(struct session *s, struct job *j)
 
 void session_progress(struct session *s, const struct job *j)
 {
-    if (j->what == NULL || buf_len(&s->conn.out) > 0)
+    if (j->what == NULL || s->resp || buf_len(&s->conn.out) > 0)
         return;
     reply_comment(&s->conn.out, "progress %u %s", j->progress, j->what);
     if (s->conn.out.failed)

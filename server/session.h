@@ -8,6 +8,7 @@
 #ifndef SERVER_SESSION_H
 #define SERVER_SESSION_H
 
+#include "proto/reply_read.h"
 #include "server/conn.h"
 #include "server/job.h"
 
@@ -18,10 +19,15 @@ struct session {
     enum role role;
     bool greeted; /* the first line has been seen */
     size_t held;  /* bytes of the request that waits: kept in the input until it is answered */
-    struct stream *stream; /* owns: rows that are still to be sent */
-    struct job *job;       /* borrows: what a worker does for it */
-    struct load *load;     /* owns: points that are being received */
-    struct waiter waiter;  /* in line for a set */
+    struct stream *stream;      /* owns: rows that are still to be sent */
+    struct job *job;            /* borrows: what a worker does for it */
+    struct load *load;          /* owns: points that are being received */
+    bool resp;                  /* the request under way came in RESP framing (proto/resp.h) */
+    bool in_bulk;               /* the load's points come as one bulk string */
+    size_t bulk_left;           /* bytes of it that have not been read */
+    size_t need;                /* input shorter than this holds no whole RESP request */
+    struct reply_reader reader; /* the place in a reply that goes out as RESP */
+    struct waiter waiter;       /* in line for a set */
     void (*closed)(
         struct session *s); /* tells whoever keeps the session, which is freed afterwards */
 };

@@ -131,12 +131,6 @@ TEST(browsers_are_not_listened_to)
     converse_alone("PING\nHost: example\nADD t 1 1\n", "OK 0\n");
 }
 
-TEST(resp_is_refused_clearly)
-{
-    converse_alone("*1\r\n$4\r\nPING\r\n",
-                   "ERR SYNTAX RESP framing is not spoken here; send lines\n");
-}
-
 TEST(quit_answers_what_came_before_it)
 {
     struct daemon d = daemon_start(NULL);

@@ -1,0 +1,208 @@
+/* resp.c - see resp.h.
+ *
+ * The reader keeps no place in a request that has not arrived whole, since the bytes may move; it
+ * starts again and says from how many bytes on that is worth while. */
+#include "proto/resp.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    DIGITS_LIMIT = 10,
+    LEAST_WORD = 6, /* bytes of the shortest word: $0\r\n\r\n */
+    WORDS_LIMIT = RESP_LIMIT / LEAST_WORD
+};
+
+/* Reads `<mark><digits>\r\n`; its number goes to *v, -1 for -1. Returns its length, 0 if more bytes
+ * are needed, -1 if it is something else. */
+static ptrdiff_t read_header(const char *bytes, size_t n, char mark, long long *v)
+{
+    size_t at = 1, digits = 0;
+    bool negative = n > 1 && bytes[1] == '-';
+    *v = 0;
+    if (n > 0 && bytes[0] != mark)
+        return -1;
+    for (at += negative; at < n && bytes[at] >= '0' && bytes[at] <= '9'; at++, digits++)
+        *v = 10 * *v + (bytes[at] - '0');
+    if (digits > DIGITS_LIMIT)
+        return -1;
+    if (at >= n)
+        return 0;
+    if (digits == 0 || bytes[at] != '\r' || (negative && *v != 1))
+        return -1;
+    if (at + 1 == n)
+        return 0;
+    if (negative)
+        *v = -1;
+    return bytes[at + 1] == '\n' ? (ptrdiff_t)at + 2 : -1;
+}
+
+static ptrdiff_t bad(struct resp *out, enum resp_fault fault)
+{
+    out->fault = fault;
+    return -1;
+}
+
+/* More bytes are needed: at least `need` altogether. */
+static ptrdiff_t wait_for(struct resp *out, size_t need)
+{
+    if (need > RESP_LIMIT)
+        return bad(out, RESP_TOO_LONG);
+    out->need = need;
+    return 0;
+}
+
+static bool loads(const struct request *q, size_t words)
+{
+    return words == 4 && q->n == 3 &&
+           (word_is(&q->word[0], "LOAD") || word_is(&q->word[0], "LOADB"));
+}
+
+/* Reads the word at bytes[*at], of which `after` more follow, and moves *at behind it. Returns 1, 0
+ * or -1. */
+static ptrdiff_t read_word(const char *bytes, size_t n, size_t *at, size_t after, struct request *q,
+                           struct resp *out)
+{
+    long long len;
+    ptrdiff_t took = read_header(bytes + *at, n - *at, '$', &len);
+    if (took < 0 || (took > 0 && len < 0))
+        return bad(out, RESP_BROKEN);
+    if (took ==
+        0) /* of the header there are at least a digit, the end, and the word's end to come */
+        return wait_for(out,
+                        (n + 1 > *at + LEAST_WORD ? n + 1 : *at + LEAST_WORD) + after * LEAST_WORD);
+    *at += (size_t)took;
+    if (loads(q, q->n + 1 + after)) {
+        out->has_body = true;
+        out->body = (size_t)len;
+        return len <= RESP_BODY_LIMIT ? 1 : bad(out, RESP_TOO_LONG);
+    }
+    if (len > RESP_LIMIT)
+        return bad(out, RESP_TOO_LONG);
+    size_t end = *at + (size_t)len;
+    if (n < end + 2)
+        return wait_for(out, end + 2 + after * LEAST_WORD);
+    if (memcmp(bytes + end, "\r\n", 2) != 0)
+        return bad(out, RESP_BROKEN);
+    if (!request_add(q, bytes + *at, (size_t)len))
+        return bad(out, RESP_NOMEM);
+    *at = end + 2;
+    return 1;
+}
+
+ptrdiff_t resp_read(const char *bytes, size_t n, struct request *q, struct resp *out)
+{
+    long long words;
+    *out = (struct resp){0};
+    q->n = 0;
+    ptrdiff_t took = read_header(bytes, n, '*', &words);
+    if (took < 0)
+        return bad(out, RESP_BROKEN);
+    if (took == 0)
+        return wait_for(out, n + 1);
+    if (words > WORDS_LIMIT)
+        return bad(out, RESP_TOO_LONG);
+    size_t at = (size_t)took;
+    for (long long left = words; left > 0; left--) {
+        ptrdiff_t read = read_word(bytes, n, &at, (size_t)left - 1, q, out);
+        if (read <= 0)
+            return read;
+    }
+    return at <= RESP_LIMIT ? (ptrdiff_t)at : bad(out, RESP_TOO_LONG);
+}
+
+const char *resp_fault_text(enum resp_fault fault)
+{
+    static const char *const text[] = {
+        "a request",
+        "not an array of bulk strings",
+        "a request has at most 131072 bytes; LOAD and LOADB take many points",
+        "out of memory; nothing has changed",
+    };
+    return text[fault];
+}
+
+/* ---- replies ---- */
+
+static void header(struct buf *out, char mark, unsigned long long n)
+{
+    char text[32];
+    int len = snprintf(text, sizeof text, "%c%llu\r\n", mark, n);
+    buf_append(out, text, (size_t)len);
+}
+
+void resp_array(struct buf *out, size_t n)
+{
+    header(out, '*', n);
+}
+
+/* Rows are many and short, so their headers are made by hand. */
+void resp_bulk(struct buf *out, const char *text, size_t len)
+{
+    if (len >= 100) {
+        header(out, '$', len);
+    } else {
+        char small[5] = {'$', (char)('0' + len / 10), (char)('0' + len % 10), '\r', '\n'};
+        buf_append_char(out, '$');
+        buf_append(out, small + (len < 10 ? 2 : 1), len < 10 ? 3 : 4);
+    }
+    buf_append(out, text, len);
+    buf_append(out, "\r\n", 2);
+}
+
+/* `OK n keys`: the array's or the bulk string's header, or the whole simple string. */
+static void reframe_status(struct buf *out, const struct reply_reader *r,
+                           const struct reply_part *part)
+{
+    if (r->bytes_left > 0) {
+        header(out, '$', r->bytes_left);
+    } else if (r->rows_left > 0) {
+        header(out, '*', r->rows_left);
+    } else if (reply_key(part, "bytes", &(const char *){0}, &(size_t){0})) {
+        header(out, '$', 0);
+        buf_append(out, "\r\n", 2);
+    } else {
+        buf_append(out, "+OK", 3);
+        buf_append(out, part->text + 4, part->len - 4); /* "OK 0" is cut off */
+        buf_append(out, "\r\n", 2);
+    }
+}
+
+static void reframe_part(struct buf *out, const struct reply_reader *r,
+                         const struct reply_part *part)
+{
+    switch (part->kind) {
+    case REPLY_OK:
+        reframe_status(out, r, part);
+        break;
+    case REPLY_ERR:
+        buf_append_char(out, '-');
+        buf_append(out, part->text + 4, part->len - 4); /* "ERR " is cut off */
+        buf_append(out, "\r\n", 2);
+        break;
+    case REPLY_ROW:
+        resp_bulk(out, part->text, part->len);
+        break;
+    case REPLY_BYTES:
+        buf_append(out, part->text, part->len);
+        if (part->last)
+            buf_append(out, "\r\n", 2);
+        break;
+    case REPLY_COMMENT:
+        break;
+    }
+}
+
+bool resp_reframe(struct reply_reader *r, const char *bytes, size_t n, struct buf *out)
+{
+    struct reply_part part;
+    while (n > 0) {
+        ptrdiff_t took = reply_read(r, bytes, n, &part);
+        if (took <= 0)
+            return false;
+        reframe_part(out, r, &part);
+        bytes += took;
+        n -= (size_t)took;
+    }
+    return true;
+}
