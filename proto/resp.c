@@ -22,7 +22,8 @@ static ptrdiff_t read_header(const char *bytes, size_t n, char mark, long long *
     *v = 0;
     if (n > 0 && bytes[0] != mark)
         return -1;
-    for (at += negative; at < n && bytes[at] >= '0' && bytes[at] <= '9'; at++, digits++)
+    for (at += negative; at < n && bytes[at] >= '0' && bytes[at] <= '9' && digits <= DIGITS_LIMIT;
+         at++, digits++)
         *v = 10 * *v + (bytes[at] - '0');
     if (digits > DIGITS_LIMIT)
         return -1;
