@@ -9,7 +9,7 @@
 
 enum {
     DIGITS_LIMIT = 10,
-    LEAST_WORD = 6, /* bytes of the shortest word: $0\r\n\r\n */
+    LEAST_WORD = 4, /* bytes of what is read of the shortest word: the header, if it is a body's */
     WORDS_LIMIT = RESP_LIMIT / LEAST_WORD
 };
 
@@ -68,10 +68,10 @@ static ptrdiff_t read_word(const char *bytes, size_t n, size_t *at, size_t after
     ptrdiff_t took = read_header(bytes + *at, n - *at, '$', &len);
     if (took < 0 || (took > 0 && len < 0))
         return bad(out, RESP_BROKEN);
-    if (took ==
-        0) /* of the header there are at least a digit, the end, and the word's end to come */
-        return wait_for(out,
-                        (n + 1 > *at + LEAST_WORD ? n + 1 : *at + LEAST_WORD) + after * LEAST_WORD);
+    if (took == 0) {
+        size_t header = n + 1 > *at + LEAST_WORD ? n + 1 : *at + LEAST_WORD;
+        return wait_for(out, header + after * LEAST_WORD);
+    }
     *at += (size_t)took;
     if (loads(q, q->n + 1 + after)) {
         out->has_body = true;

@@ -76,7 +76,7 @@ TEST(resp_refuses_what_is_no_array_of_bulk_strings)
 
 TEST(resp_refuses_requests_that_are_too_long)
 {
-    expect_fault("*30000\r\n", RESP_TOO_LONG);
+    expect_fault("*33000\r\n", RESP_TOO_LONG);
     expect_fault("*2\r\n$131073\r\n", RESP_TOO_LONG);
     expect_fault("*2\r\n$3\r\nGET\r\n$131070\r\n", RESP_TOO_LONG);
     expect_fault("*4\r\n$4\r\nload\r\n$1\r\nt\r\n$1\r\n1\r\n$9999999999\r\n", RESP_TOO_LONG);

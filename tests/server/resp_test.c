@@ -53,7 +53,7 @@ TEST(resp_broken_request_closes_the_connection)
 {
     converse_alone("*1\r\n$4\r\nPING\r\n*1\r\n:4\r\nPING\n",
                    "+PONG\r\n-SYNTAX not an array of bulk strings\r\n");
-    converse_alone("*30000\r\nPING\n",
+    converse_alone("*33000\r\nPING\n",
                    "-TOOLONG a request has at most 131072 bytes; LOAD and LOADB "
                    "take many points\r\n");
 }
