@@ -41,13 +41,14 @@ static bool meets(const struct box *b, struct dt_point p, struct dt_point q)
     return dt_orient2d(p, q, left) * dt_orient2d(p, q, right) <= 0;
 }
 
-/* A flood over the triangles that meet a box. */
+/* A flood over the triangles that meet a box. Those with a corner in it are met while walking round
+ * that corner; only edges that cross the box from outside to outside need a list of their own. */
 struct flood {
     const struct dt *t;
     struct box box;
-    struct dt_visited triangles, vertices;
-    struct dt_ids todo; /* half edges of triangles to visit */
-    struct dt_ids *out; /* borrowed: vertices in the box */
+    struct dt_visited vertices, edges; /* seen; an edge by its lower half edge */
+    struct dt_ids todo;                /* edges across the box, to be looked at from both sides */
+    struct dt_ids *out;                /* borrowed: vertices in the box */
 };
 
 static enum dt_status append(struct dt_ids *ids, uint32_t value)
@@ -58,30 +59,76 @@ static enum dt_status append(struct dt_ids *ids, uint32_t value)
     return s;
 }
 
-/* Adds the triangle of h to what is to be visited, unless it was before or is a ghost. */
-static enum dt_status enter(struct flood *f, uint32_t h)
+/* Takes v if it is in the box. */
+static enum dt_status take(struct flood *f, uint32_t v)
 {
     bool fresh;
-    if (dt_is_ghost(&f->t->mesh, h))
+    if (!contains(&f->box, f->t->points.xy[v]))
         return DT_OK;
-    enum dt_status s = dt_visited_add(&f->triangles, h >> 3, &fresh);
-    return s == DT_OK && fresh ? append(&f->todo, dt_base(h)) : s;
+    enum dt_status s = dt_visited_add(&f->vertices, v, &fresh);
+    return s == DT_OK && fresh ? append(f->out, v) : s;
 }
 
-static enum dt_status visit(struct flood *f, uint32_t h)
+/* Takes the edge of h if it crosses the box and neither end is in it. */
+static enum dt_status cross(struct flood *f, uint32_t h)
 {
     const struct dt_mesh *m = &f->t->mesh;
-    const struct dt_point *xy = f->t->points.xy;
+    struct dt_point p = f->t->points.xy[dt_origin(m, h)], q = f->t->points.xy[dt_dest(m, h)];
+    uint32_t twin = dt_twin(m, h);
+    bool fresh;
+    if (contains(&f->box, p) || contains(&f->box, q) || !meets(&f->box, p, q))
+        return DT_OK;
+    enum dt_status s = dt_visited_add(&f->edges, h < twin ? h : twin, &fresh);
+    return s == DT_OK && fresh ? append(&f->todo, h) : s;
+}
+
+/* The triangle of h, unless h is the edge of a ghost: its third corner and its two other edges. */
+static enum dt_status look_beyond(struct flood *f, uint32_t h)
+{
+    const struct dt_mesh *m = &f->t->mesh;
+    if (dt_is_ghost(m, h))
+        return DT_OK;
+    enum dt_status s = take(f, dt_apex_of(m, h));
+    if (s == DT_OK)
+        s = cross(f, dt_next(h));
+    return s == DT_OK ? cross(f, dt_prev(h)) : s;
+}
+
+/* The neighbours of v, which is in the box, and the edges around it. */
+static enum dt_status look_around(struct flood *f, uint32_t v)
+{
+    const struct dt_mesh *m = &f->t->mesh;
     enum dt_status s = DT_OK;
-    for (uint32_t k = h; s == DT_OK && k < h + 3; k++) {
-        bool fresh = false;
-        uint32_t v = dt_origin(m, k);
-        if (contains(&f->box, xy[v]))
-            s = dt_visited_add(&f->vertices, v, &fresh);
-        if (fresh && s == DT_OK)
-            s = append(f->out, v);
-        if (s == DT_OK && meets(&f->box, xy[v], xy[dt_dest(m, k)]))
-            s = enter(f, dt_twin(m, k));
+    uint32_t h = m->leaving[v];
+    do {
+        if (dt_dest(m, h) != DT_NONE)
+            s = take(f, dt_dest(m, h));
+        if (s == DT_OK && !dt_is_ghost(m, h))
+            s = cross(f, dt_next(h));
+        h = dt_turn_ccw(m, h);
+    } while (s == DT_OK && h != m->leaving[v]);
+    return s;
+}
+
+/* From the triangle of h, which meets the box, to all others that do. */
+static enum dt_status flood(struct flood *f, uint32_t h)
+{
+    size_t at = f->out->n;
+    enum dt_status s = DT_OK;
+    for (int k = 0; k < 3 && s == DT_OK; k++, h = dt_next(h)) {
+        s = take(f, dt_origin(&f->t->mesh, h));
+        if (s == DT_OK)
+            s = cross(f, h);
+    }
+    while (s == DT_OK && (f->todo.n > 0 || at < f->out->n)) {
+        if (f->todo.n == 0) {
+            s = look_around(f, f->out->v[at++]);
+            continue;
+        }
+        h = f->todo.v[--f->todo.n];
+        s = look_beyond(f, h);
+        if (s == DT_OK)
+            s = look_beyond(f, dt_twin(&f->t->mesh, h));
     }
     return s;
 }
@@ -111,13 +158,11 @@ static enum dt_status flood_box(const struct dt *t, const struct box *b, struct 
     if (h == DT_NONE)
         return DT_OK;
     struct flood f = {.t = t, .box = *b, .out = out};
-    dt_visited_init(&f.triangles);
     dt_visited_init(&f.vertices);
-    enum dt_status s = enter(&f, h);
-    while (s == DT_OK && f.todo.n > 0)
-        s = visit(&f, f.todo.v[--f.todo.n]);
-    dt_visited_clear(&f.triangles);
+    dt_visited_init(&f.edges);
+    enum dt_status s = flood(&f, h);
     dt_visited_clear(&f.vertices);
+    dt_visited_clear(&f.edges);
     free(f.todo.v);
     return s;
 }
