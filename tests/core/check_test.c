@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "core/hull.h"
+#include "core/remove.h"
 #include "core/set.h"
 #include "tests/core/sets.h"
 #include "tests/oracle/families.h"
@@ -211,6 +212,30 @@ TEST(check_sees_an_unsettled_hull)
     t = example();
     t->mesh.hull = dt_twin(&t->mesh, t->mesh.hull);
     expect_fault(t, "the hull does not begin at a ghost");
+}
+
+/* Point 4 is cut out of the triangulation, then hung on to points 0 and 1 by a triangle and its
+ * back: all counts are right, but 0 and 1 have two rings each. */
+TEST(check_sees_a_second_ring_around_a_point)
+{
+    struct dt *t = example();
+    struct dt_mesh *m = &t->mesh;
+    struct dt_cavity scratch = {0};
+    uint32_t a = dt_points_vertex(&t->points, 0), b = dt_points_vertex(&t->points, 1);
+    uint32_t c = dt_points_vertex(&t->points, 4);
+    CHECK(dt_remove(m, t->points.xy, c, &scratch) == DT_OK && m->dead == 2);
+    uint32_t front = m->free_list, back = m->half[front];
+    m->free_list = DT_NONE;
+    m->dead = 0;
+    m->vertices++;
+    m->leaving[c] = front + 2;
+    dt_set_corners(m, front, a, b, c);
+    dt_set_corners(m, back, b, a, c);
+    dt_link(m, front, back);
+    dt_link(m, front + 1, back + 2);
+    dt_link(m, front + 2, back + 1);
+    dt_cavity_clear(&scratch);
+    expect_fault(t, "the triangles around a point are in several rings");
 }
 
 TEST(check_sees_ids_and_aliases_that_lead_astray)
