@@ -69,12 +69,24 @@ struct place {
     uint32_t at;   /* the vertex at that very place, DT_NONE if none */
 };
 
-static struct place look_up(struct dt *t, struct dt_point q)
+/* The vertex of a mesh that has just one. The points may have `except` in addition, which is
+ * between two places. */
+static uint32_t only_vertex(const struct dt *t, uint32_t except)
+{
+    const struct dt_points *p = &t->points;
+    uint32_t id = dt_points_next_live(p, 0);
+    while (dt_points_vertex(p, id) == except)
+        id = dt_points_next_live(p, id + 1);
+    return dt_points_vertex(p, id);
+}
+
+/* Where q is in the mesh; `except` is a vertex that the mesh has not, DT_NONE if there is none. */
+static struct place look_up(struct dt *t, struct dt_point q, uint32_t except)
 {
     struct place p = {.where = DT_OUTSIDE, .half = DT_NONE, .at = DT_NONE};
     const struct dt_point *xy = t->points.xy;
     if (t->mesh.vertices == 1) {
-        p.half = dt_only_vertex(t);
+        p.half = only_vertex(t, except);
         if (xy[p.half].x == q.x && xy[p.half].y == q.y)
             p.at = p.half;
     } else if (t->mesh.vertices > 1) {
@@ -177,7 +189,7 @@ static enum dt_status add_one(struct dt *t, const struct batch *b, uint32_t i,
 {
     struct dt_point q = {b->q[i].x + 0.0, b->q[i].y + 0.0}; /* -0 becomes 0 */
     uint32_t id = done->first + i;
-    struct place p = look_up(t, q);
+    struct place p = look_up(t, q, DT_NONE);
     uint32_t at = coincident(t, q, &p, DT_NONE);
     if (at != DT_NONE) {
         done->coincident++;
@@ -240,7 +252,7 @@ static void leave(struct dt *t, uint32_t id)
         remove_vertex(t, v, &t->scratch);
     dt_points_delete(p, id);
     if (moves && t->current) {
-        struct place place = look_up(t, p->xy[v]);
+        struct place place = look_up(t, p->xy[v], v);
         insert_vertex(t, v, &place, &t->scratch);
     }
 }
@@ -278,14 +290,14 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to)
     enum dt_status status = p->tol > 0 ? dt_points_index(p) : DT_OK;
     if (status != DT_OK)
         return status;
-    struct place place = look_up(t, to);
+    struct place place = look_up(t, to, DT_NONE);
     uint32_t at = coincident(t, to, &place, v);
     status = dt_points_move_ready(p, id, at);
     if (status != DT_OK)
         return status;
     leave(t, id);
     if (t->current)
-        place = look_up(t, to);
+        place = look_up(t, to, DT_NONE);
     if (p->tol > 0)
         at = dt_points_find(p, to, DT_NONE);
     uint32_t fresh = dt_points_arrive(p, id, to, at);

@@ -244,6 +244,26 @@ TEST(a_set_that_is_edited_for_ever_does_not_grow)
     dt_free(t);
 }
 
+/* Of two vertices, one is taken over by an alias that lies a little away. */
+TEST(heir_of_one_of_two_points_goes_to_its_own_place)
+{
+    const struct dt_point p[] = {{1, 7}, {1.25, 7}, {0, 8}};
+    struct dt_added added;
+    uint32_t deleted, missing, id = 0;
+    for (unsigned moved = 0; moved < 2; moved++) {
+        struct dt *t = dt_new(0.5);
+        CHECK(dt_triangulate(t, NULL) == DT_OK && dt_add(t, p, 3, &added) == DT_OK);
+        CHECK(added.coincident == 1);
+        if (moved)
+            CHECK(dt_move(t, id, (struct dt_point){5, 3}) == DT_OK);
+        else
+            CHECK(dt_delete(t, &id, 1, &deleted, &missing) == DT_OK);
+        CHECK(t->current && dt_check(t, NULL, NULL) == DT_OK);
+        CHECK(t->mesh.vertices == 2 + moved);
+        dt_free(t);
+    }
+}
+
 TEST(live_sets_with_a_tolerance_equal_a_rebuild)
 {
     for (unsigned round = 0; round < 20; round++) {
