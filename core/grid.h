@@ -52,10 +52,12 @@ uint32_t dt_grid_middle(const struct dt_grid *g);
  * expected on evenly spread points. */
 uint32_t dt_grid_nearest(const struct dt_grid *g, uint32_t place);
 
+#define DT_REMOVED __builtin_nan("") /* a NaN that is a double */
+
 /* Takes the point out of all later searches. */
 static inline void dt_grid_remove(struct dt_grid *g, uint32_t place)
 {
-    g->xy[place].x = g->xy[place].y = __builtin_nan("");
+    g->xy[place].x = g->xy[place].y = DT_REMOVED;
 }
 
 static inline bool dt_grid_removed(const struct dt_grid *g, uint32_t place)

@@ -1,0 +1,190 @@
+/* scan.c - the two scans of scan.h, and how far their values can be trusted.
+ *
+ * Bounds, with u = 2^-53; R at least every coordinate of p - a and p - b; d = b - a rounded, and
+ * K = |d.x| + |d.y|. All differences are rounded once.
+ *
+ *     cross   4 u (|d.x y| + |d.y x|) < 4.1 u K R, taken as 8 u K R
+ *     dot     4 u (R^2 + R^2) < 8.1 u R^2, taken as 12 u R^2
+ *     det = dot cross' - dot' cross, with dot <= 2 R^2 and cross <= K R
+ *             each product 2 R^2 * 4.1 u K R + K R * 8.1 u R^2 + 2 u K R^3 < 18.5 u K R^3; with the
+ *             rounding of the difference 41 u K R^3, taken as 48 u K R^3
+ *     s       where cross > 2^-24 K R, which is 2^26 times the bound of cross: less than
+ *             2^-26 (1.5 R / K + |s|). So two of them that are 2^-24 (2 R / K + |s|) apart, s the
+ *             smaller one, are in the right order. */
+#include "core/scan.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "core/predicates.h"
+
+#define U 0x1p-53
+
+void dt_scan_begin(struct dt_scan *q, bool exact)
+{
+    q->exact = exact;
+    q->reach = 0;
+    q->least = q->second = (dt_pair){HUGE_VAL, HUGE_VAL};
+    q->least_at = (dt_pair){-1, -1};
+    q->doubt = false;
+    q->best = DT_NONE;
+    q->dot = DBL_MAX; /* with cross = 0, a cotangent greater than any */
+    q->cross = 0;
+}
+
+/* Whether a point near the edge's line is left of it. */
+static bool is_left(const struct dt_scan *q, uint32_t i)
+{
+    return i != q->a && i != q->b && dt_orient2d(q->edge.a, q->edge.b, q->grid->xy[i]) > 0;
+}
+
+/* ---- the first scan ---- */
+
+static inline dt_pair both(double v)
+{
+    return (dt_pair){v, v};
+}
+
+static inline dt_pair choose(dt_mask m, dt_pair a, dt_pair b)
+{
+    return (dt_pair)((m & (dt_mask)a) | (~m & (dt_mask)b));
+}
+
+/* Whether a point of the run is left of the edge, but by no more than `sure`. */
+static bool has_doubtful(const struct dt_scan *q, double sure, uint32_t i, uint32_t end)
+{
+    for (; i < end; i++) {
+        struct dt_point p = q->grid->xy[i], a = q->edge.a, d = q->edge.d;
+        if (fabs(d.x * (p.y - a.y) - d.y * (p.x - a.x)) <= sure && is_left(q, i))
+            return true;
+    }
+    return false;
+}
+
+/* Takes the points in pairs. No branch depends on which of them is the best, as none could be
+ * predicted. The NaN of a removed point fails every comparison, and so drops out. */
+static void scan_rounded(struct dt_scan *q, double reach, uint32_t i, uint32_t end)
+{
+    static const struct dt_point nowhere = {DT_REMOVED, DT_REMOVED};
+    const struct dt_edge *e = &q->edge;
+    const dt_pair ax = both(e->a.x), ay = both(e->a.y), bx = both(e->b.x), by = both(e->b.y);
+    const dt_pair dx = both(e->d.x), dy = both(e->d.y), a = both(q->a), b = both(q->b);
+    const dt_pair sure = both(0x1p-24 * e->span * reach), none = both(HUGE_VAL);
+    dt_pair least = q->least, second = q->second, least_at = q->least_at, at = {i, i + 1.0};
+    dt_mask near = {0, 0};
+    for (uint32_t k = i; k < end; k += 2, at += 2) {
+        const struct dt_point *p = q->grid->xy + k, *r = k + 1 < end ? p + 1 : &nowhere;
+        dt_pair px = {p->x, r->x}, py = {p->y, r->y};
+        dt_pair x = px - ax, y = py - ay, cross = dx * y - dy * x;
+        dt_pair s = choose(cross > sure, (x * (px - bx) + y * (py - by)) / cross, none);
+        dt_mask less = s < least;
+        dt_pair other = choose(less, least, s);
+        second = choose(other < second, other, second);
+        least_at = choose(less, at, least_at);
+        least = choose(less, s, least);
+        near |= (cross <= sure) & (cross >= -sure) & (at != a) & (at != b);
+    }
+    q->least = least;
+    q->second = second;
+    q->least_at = least_at;
+    q->reach = reach > q->reach ? reach : q->reach;
+    if ((near[0] | near[1]) != 0)
+        q->doubt |= has_doubtful(q, sure[0], i, end);
+}
+
+/* Which half has the least cotangent. */
+static int least_half(const struct dt_scan *q)
+{
+    return q->least[1] < q->least[0];
+}
+
+/* How far another cotangent must be from the least one to be greater with certainty. */
+static double margin(const struct dt_scan *q)
+{
+    return 0x1p-24 * (2 * q->reach / q->edge.span + fabs(q->least[least_half(q)]));
+}
+
+bool dt_scan_is_certain(const struct dt_scan *q)
+{
+    int half = least_half(q);
+    double sure = q->least[half] + margin(q);
+    if (q->exact || q->least[half] == HUGE_VAL)
+        return !q->doubt;
+    return !q->doubt && q->least[!half] >= sure && q->second[0] >= sure && q->second[1] >= sure;
+}
+
+/* ---- the exact scan ---- */
+
+/* Error bounds, for points that far away and the best point so far. */
+struct bounds {
+    double cross, det;
+};
+
+static struct bounds bounds_of(const struct dt_scan *q, double reach)
+{
+    double k = q->edge.span, r = reach > q->reach ? reach : q->reach;
+    return (struct bounds){8 * U * k * reach, 48 * U * k * r * r * r};
+}
+
+/* Whether point i is the best so far: values decide if they are beyond their bounds. */
+static bool is_better(const struct dt_scan *q, struct bounds e, uint32_t i, double cross,
+                      double det)
+{
+    const struct dt_point *xy = q->grid->xy;
+    if (!(cross >= -e.cross) || (cross > e.cross && det > e.det) || i == q->best)
+        return false;
+    if (cross <= e.cross && !is_left(q, i))
+        return false;
+    if (q->best == DT_NONE || (cross > e.cross && det < -e.det))
+        return true;
+    return dt_incircle_perturbed(q->edge.a, q->edge.b, xy[q->best], xy[i]) > 0;
+}
+
+static void scan_exactly(struct dt_scan *q, double reach, uint32_t i, uint32_t end)
+{
+    const struct dt_point *xy = q->grid->xy, a = q->edge.a, b = q->edge.b, d = q->edge.d;
+    struct bounds e = bounds_of(q, reach);
+    for (; i < end; i++) {
+        double x = xy[i].x - a.x, y = xy[i].y - a.y;
+        double cross = d.x * y - d.y * x;
+        double dot = x * (xy[i].x - b.x) + y * (xy[i].y - b.y);
+        if (!is_better(q, e, i, cross, dot * q->cross - q->dot * cross))
+            continue;
+        q->best = i;
+        q->dot = dot;
+        q->cross = cross;
+        q->reach = reach;
+        e = bounds_of(q, reach);
+    }
+}
+
+/* ---- either ---- */
+
+void dt_scan_run(struct dt_scan *q, double reach, uint32_t i, uint32_t end)
+{
+    if (i == end)
+        return;
+    if (q->exact)
+        scan_exactly(q, reach, i, end);
+    else
+        scan_rounded(q, reach, i, end);
+}
+
+uint32_t dt_scan_best(const struct dt_scan *q)
+{
+    double at = q->least_at[least_half(q)];
+    if (q->exact)
+        return q->best;
+    return at < 0 ? DT_NONE : (uint32_t)at;
+}
+
+double dt_scan_bound(const struct dt_scan *q)
+{
+    if (!q->exact)
+        return q->least[least_half(q)] + margin(q);
+    double error = 8 * U * q->edge.span * q->reach, dot = q->dot + 12 * U * q->reach * q->reach;
+    if (q->best == DT_NONE || q->cross <= 2 * error)
+        return HUGE_VAL;
+    double s = dot / (dot > 0 ? q->cross - error : q->cross + error);
+    return s + 0x1p-50 * fabs(s);
+}
