@@ -1,9 +1,21 @@
 /* front.c - the circular edge list and the three ways in which a triangle changes it.
  *
- * Source: the paper, "Putting triangles together" and fig. 19. Deviations: the paper has the open
- * side on the right, so its right is our right seen from the disc, but its lists run the other way;
- * its "no touch" moves an edge on in the queue, to be searched again when its turn comes, where
- * here the edge sleeps, with its apex, until a neighbour on the front changes. */
+ * Source: the paper, "Putting triangles together" and fig. 19. Deviations: the open side is the
+ * left, and a right touch is one at the right end of the edge as seen from the disc, looking out,
+ * which is what the paper's mirror image has, too; an edge without a touch, which the paper moves
+ * on in its queue to search it again when its turn comes, sleeps here, with its apex, until a
+ * neighbour on the front changes.
+ *
+ * The case of no touch: the apex c of edge a is on the front already, but not next to a or b. The
+ * triangle a b c would close the mouth of a cave (dotted) and leave a hole in the disc. So the
+ * other edges of the cave are worked on, until c comes right after b and edge a wakes up.
+ *
+ *                 c <--- o
+ *               . .      ^
+ *             .   . cave |
+ *           .     .      |
+ *      --> a ---> b ---> o
+ */
 #include "core/front.h"
 
 #include <stdlib.h>
@@ -76,12 +88,10 @@ static void renew(struct dt_front *f, uint32_t a, uint32_t h)
     f->node[a].outer = h;
 }
 
-/* Edge a, awake, has changed. Its neighbours, if they sleep over a cave that this has closed, wake
- * up:
+/* Edge a, from a to b, is awake and has changed. A neighbour that sleeps over a cave may find its
+ * apex next to it now, and wakes up for a right touch (edge p) or a left touch (edge b).
  *
- *         apex of p             the apex of edge p has become the next but one point: a right touch
- *        /         \
- *       p ---> a ---> next
+ *      --> p ---> a ---> b -->
  */
 static void wake_neighbours(struct dt_front *f, uint32_t a)
 {
@@ -101,9 +111,9 @@ enum dt_touch dt_front_touch(const struct dt_front *f, uint32_t a)
         return DT_BOUNDARY;
     if (f->node[c].next == DT_NONE)
         return DT_NEW_POINT;
-    return c == f->node[b].next       ? DT_RIGHT_TOUCH
-           : c == f->node[a].previous ? DT_LEFT_TOUCH
-                                      : DT_NO_TOUCH;
+    if (f->node[b].next == c)
+        return DT_RIGHT_TOUCH;
+    return f->node[a].previous == c ? DT_LEFT_TOUCH : DT_NO_TOUCH;
 }
 
 void dt_front_open(struct dt_front *f, uint32_t a, uint32_t b, uint32_t c, uint32_t h)
@@ -120,11 +130,13 @@ void dt_front_open(struct dt_front *f, uint32_t a, uint32_t b, uint32_t c, uint3
     f->current = a;
 }
 
-/*            c                          c
- *                                     ^   \
- *                         =>         / h+2 \           two new edges; the search goes on around b
- *                                   /  h+1  v
- *     --> a ---> b -->          --> a       b -->
+/* A new point; dotted edges lie inside the disc from now on. The search goes on around b.
+ *
+ *                                         c
+ *                                       ^   \
+ *                                 h+2 /       \ h+1
+ *                                   /     h     v
+ *      --> a ---------> b -->   --> a . . . . . b -->
  */
 void dt_front_new_point(struct dt_front *f, uint32_t a, uint32_t h)
 {
@@ -137,11 +149,13 @@ void dt_front_new_point(struct dt_front *f, uint32_t a, uint32_t h)
     f->current = c;
 }
 
-/*              c -->                    c -->
- *              ^                       ^
- *              |         =>           / h+2            b is enclosed: its edges all have both
- * triangles |                     /
- *     --> a -> b                --> a   (b)
+/* A right touch: b is enclosed, as all triangles around it are known.
+ *
+ *                       c -->                   c -->
+ *                       ^                     ^ .
+ *                       |             h+2  /    . h+1
+ *                       |               /   h   .
+ *      --> a ---------> b       --> a . . . . . (b)
  */
 void dt_front_right_touch(struct dt_front *f, uint32_t a, uint32_t h)
 {
@@ -155,11 +169,13 @@ void dt_front_right_touch(struct dt_front *f, uint32_t a, uint32_t h)
     f->current = a;
 }
 
-/*     --> c                     --> c
- *         |                          \
- *         |              =>       h+1 \                a is enclosed
- *         v                            v
- *         a -> b -->            (a)    b -->
+/* A left touch: a is enclosed.
+ *
+ *      --> c                    --> c
+ *          |                        . \
+ *          |                    h+2 .    \  h+1
+ *          v                        .   h   v
+ *          a ---------> b -->      (a). . . . . b -->
  */
 void dt_front_left_touch(struct dt_front *f, uint32_t a, uint32_t h)
 {

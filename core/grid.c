@@ -7,12 +7,12 @@
  * 1 cells whatever its shape; crowded cells have cells of their own. */
 #include "core/grid.h"
 
-#include "core/memory.h"
-#include "core/predicates.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "core/memory.h"
+#include "core/predicates.h"
 
 /* A cell with more points than this gets cells of its own. On evenly spread points, which have 16/9
  * in a cell on average, that never happens. */

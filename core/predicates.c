@@ -20,9 +20,9 @@
  * whole and is right to 1 part in 2^53. 64 u^2 and 16 u^2 leave room for all that. */
 #include "core/predicates.h"
 
-#include "core/expansion.h"
-
 #include <string.h>
+
+#include "core/expansion.h"
 
 #define ORIENT_BOUND_2 0x1p-102   /* 16 u^2 */
 #define INCIRCLE_BOUND_2 0x1p-100 /* 64 u^2 */

@@ -26,11 +26,11 @@
  * not argue this. */
 #include "core/shelling.h"
 
-#include "core/apex.h"
-#include "core/predicates.h"
-
 #include <assert.h>
 #include <stdlib.h>
+
+#include "core/apex.h"
+#include "core/predicates.h"
 
 /* ---- the mesh ---- */
 
@@ -134,7 +134,7 @@ enum dt_status dt_shell_grow(struct dt_shell *s, const struct dt_point *in, uint
         return status;
     *line = !open_front(s);
     for (uint32_t turn = 0; s->front.current != DT_NONE; turn++) {
-        if (turn % 64 == 0 && is_cancelled(opt, m->tri_end, 2 * n - 2))
+        if (turn % 16 == 0 && is_cancelled(opt, m->tri_end, 2 * n - 2))
             return DT_CANCELLED;
         step(s);
     }
