@@ -122,8 +122,11 @@ TEST(daemon_that_stops_finishes_what_it_has_received)
     free(text);
     CHECK(kill(d.pid, SIGINT) == 0);
     text = hear_all(fd, &n);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
+        bool comment = text[i] == '#' && (i == 0 || text[i - 1] == '\n');
         lines += text[i] == '\n';
+        lines -= comment;
+    }
     CHECK_MSG(lines == 1 + 2 * REQUESTS + 200001, "%zu lines", lines);
     free(text);
     int status;
