@@ -40,14 +40,21 @@ HAVE_CGAL   = $(shell echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ - >/d
 $(O)/tests/bench/bench: $(BENCH) $(FAMILIES) $(CORE)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
+$(O)/tests/bench/live: $(addprefix $(O)/tests/bench/,live.o live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
+	$(COMPILE) -o $@ $^ $(LDLIBS)
+
+$(O)/tests/bench/cgal_live: $(addprefix $(O)/tests/bench/,cgal_live.o live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
+	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+
 $(O)/tests/bench/cgal_%.o: CXXCOMPILE += -DNDEBUG
 $(O)/tests/bench/cgal_%: $(O)/tests/bench/cgal_%.o $(FAMILIES)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
-bench: all $(O)/tests/bench/bench $(O)/tests/bench/points
-	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(addprefix $(O)/tests/bench/,cgal_speed cgal_text), \
+bench: all $(O)/tests/bench/bench $(O)/tests/bench/live $(O)/tests/bench/points
+	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(addprefix $(O)/tests/bench/,cgal_speed cgal_live cgal_text), \
 	  echo "no libcgal-dev, so nothing beside CGAL")
 	@{ $(O)/tests/bench/bench --max $(MAX) --cgal $(O)/tests/bench/cgal_speed paper sizes families && \
+	  $(O)/tests/bench/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_live) && \
 	  tests/bench/end_to_end.sh $(O) 1000000; } | tee $(O)/bench.md
 	@awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg
 	@echo "the tables are in $(O)/bench.md, a chart in $(O)/bench.svg"

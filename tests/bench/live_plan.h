@@ -1,0 +1,36 @@
+/* live_plan.h - the operations of the live bench, the same for us and for the peer. */
+#ifndef BENCH_LIVE_PLAN_H
+#define BENCH_LIVE_PLAN_H
+
+#include "core/delaunay.h"
+
+enum live_kind {
+    LIVE_INSERT,
+    LIVE_BATCH,
+    LIVE_DELETE,
+    LIVE_MOVE,
+    LIVE_LOCATE,
+    LIVE_NEAREST,
+    LIVE_KINDS
+};
+
+extern const char *const live_names[LIVE_KINDS];
+
+/* n points to start with and k of each operation; arrays of k unless said. */
+struct live_plan {
+    size_t n, k;
+    struct dt_point *start; /* n */
+    struct dt_point *query; /* places to locate, to find the nearest of, to insert */
+    struct dt_point *batch; /* to be inserted at once */
+    uint32_t *victim;       /* ids to delete, no two alike */
+    uint32_t *mover;        /* ids to move, */
+    struct dt_point *moved; /* by a tenth of the mean distance of neighbouring points */
+};
+
+struct live_plan live_plan_new(size_t n, size_t k);
+void live_plan_free(struct live_plan *p);
+
+double live_ns(double start, size_t k); /* since start (measure_now), per operation */
+void live_keep(uint32_t value);         /* looks at a value, so that computing it is no dead code */
+
+#endif
