@@ -1,7 +1,6 @@
 /* aliases.c - doubly linked groups in two arrays with free lists; see aliases.h. */
 #include "core/aliases.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/memory.h"
@@ -13,8 +12,8 @@ void dt_aliases_init(struct dt_aliases *a)
 
 void dt_aliases_clear(struct dt_aliases *a)
 {
-    free(a->alias);
-    free(a->group);
+    dt_array_free(a->alias);
+    dt_array_free(a->group);
     dt_idmap_clear(&a->group_of);
     dt_aliases_init(a);
 }
@@ -28,8 +27,8 @@ enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *co
     struct dt_alias_group *group = dt_array_new(a->cap, sizeof *group);
     struct dt_idmap group_of = {0};
     if (alias == NULL || group == NULL || dt_idmap_copy(&a->group_of, &group_of) != DT_OK) {
-        free(alias);
-        free(group);
+        dt_array_free(alias);
+        dt_array_free(group);
         return DT_NOMEM;
     }
     memcpy(alias, a->alias, a->end * sizeof *alias);
@@ -50,20 +49,13 @@ enum dt_status dt_aliases_reserve(struct dt_aliases *a, uint32_t representative)
 {
     if (a->count == a->cap) {
         size_t cap = dt_array_room(a->cap, (size_t)a->count + 1, DT_MAX_POINTS);
-        void *alias = dt_array_new(cap, sizeof *a->alias),
-             *group = dt_array_new(cap, sizeof *a->group);
-        if (alias == NULL || group == NULL) {
-            free(alias);
-            free(group);
+        void *alias = dt_array_grow(a->alias, a->end, cap, sizeof *a->alias);
+        if (alias == NULL)
             return DT_NOMEM;
-        }
-        if (a->cap > 0) {
-            memcpy(alias, a->alias, a->end * sizeof *a->alias);
-            memcpy(group, a->group, a->groups * sizeof *a->group);
-        }
-        free(a->alias);
-        free(a->group);
         a->alias = alias;
+        void *group = dt_array_grow(a->group, a->groups, cap, sizeof *a->group);
+        if (group == NULL)
+            return DT_NOMEM;
         a->group = group;
         a->cap = (uint32_t)cap;
     }

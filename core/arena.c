@@ -17,7 +17,7 @@ struct dt_arena_chunk {
 void dt_arena_clear(struct dt_arena *a)
 {
     dt_arena_return(a, (struct dt_arena_mark){NULL, 0});
-    free(a->spare);
+    dt_array_free(a->spare);
     a->spare = NULL;
 }
 
@@ -65,10 +65,10 @@ void dt_arena_return(struct dt_arena *a, struct dt_arena_mark mark)
         struct dt_arena_chunk *c = a->chunk;
         a->chunk = c->below;
         if (a->spare == NULL || a->spare->size < c->size) {
-            free(a->spare);
+            dt_array_free(a->spare);
             a->spare = c;
         } else {
-            free(c);
+            dt_array_free(c);
         }
     }
     if (a->chunk != NULL)

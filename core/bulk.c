@@ -1,8 +1,6 @@
 /* bulk.c - both engines behind one door; see bulk.h. */
 #include "core/bulk.h"
 
-#include <stdlib.h>
-
 #include "core/divide.h"
 #include "core/memory.h"
 #include "core/shelling.h"
@@ -18,8 +16,8 @@ struct draft {
 
 static void draft_clear(struct draft *b)
 {
-    free(b->xy);
-    free(b->from);
+    dt_array_free(b->xy);
+    dt_array_free(b->from);
     dt_mesh_clear(&b->mesh);
     dt_hints_clear(&b->hints);
 }
@@ -81,7 +79,7 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
         draft_clear(&b);
         return status;
     }
-    free(b.from);
+    dt_array_free(b.from);
     dt_mesh_clear(&t->mesh);
     dt_hints_clear(&t->hints);
     t->mesh = b.mesh;

@@ -1,15 +1,13 @@
 /* cavity.c - growing the scratch arrays; see cavity.h. */
 #include "core/cavity.h"
 
-#include <stdlib.h>
-
 #include "core/memory.h"
 
 void dt_cavity_clear(struct dt_cavity *c)
 {
-    free(c->record);
-    free(c->rim);
-    free(c->stack);
+    dt_array_free(c->record);
+    dt_array_free(c->rim);
+    dt_array_free(c->stack);
     *c = (struct dt_cavity){0};
 }
 

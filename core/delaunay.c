@@ -138,7 +138,7 @@ enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *
         if (i == 0 || sorted[i] != sorted[distinct - 1])
             sorted[distinct++] = sorted[i];
     enum dt_status status = delete_sorted(t, sorted, distinct);
-    free(sorted);
+    dt_array_free(sorted);
     if (status == DT_OK)
         *deleted = (uint32_t)distinct;
     return status;

@@ -15,7 +15,6 @@
  * Points must be distinct: the set has set coincident ones aside (points.h). */
 #include "core/divide.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/divide_level.h"
@@ -196,8 +195,8 @@ enum dt_status dt_divide(const struct dt_point *in, uint32_t n, struct dt_point 
         dt_division_fail(&d, DT_NOMEM);
     else
         divide_all(&d, in, threads_for(d.opt, n));
-    free(d.q);
-    free(d.from_q);
+    dt_array_free(d.q);
+    dt_array_free(d.from_q);
     if (atomic_load(&d.status) != DT_OK)
         dt_mesh_clear(m);
     return (enum dt_status)atomic_load(&d.status);

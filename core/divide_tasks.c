@@ -6,8 +6,6 @@
  * and goes on upwards. Counting sorts of large ranges are shared by all threads. The ranges are
  * disjoint (divide_level.h), so no two threads ever touch the same record, and the result is the
  * same as on one thread. */
-#include <stdlib.h>
-
 #include "core/divide_level.h"
 #include "core/memory.h"
 
@@ -145,7 +143,7 @@ void dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned 
                 w.task[n++] = i;
         d->opt->pool->run(d->opt->pool->ctx, n, run_task, &w);
     }
-    free(w.task);
-    free(w.node);
+    dt_array_free(w.task);
+    dt_array_free(w.node);
     dt_arena_clear(&w.arena);
 }

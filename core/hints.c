@@ -42,8 +42,8 @@ struct builder {
 
 void dt_hints_clear(struct dt_hints *g)
 {
-    free(g->grid);
-    free(g->cell);
+    dt_array_free(g->grid);
+    dt_array_free(g->cell);
     *g = (struct dt_hints){0};
 }
 
@@ -414,10 +414,10 @@ enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struc
         made.grids = 1;
     for (uint32_t k = 0; s == DT_OK && k < made.grids; k++)
         s = build_grid(&b, k);
-    free(b.count);
-    free(b.list);
-    free(b.scratch);
-    free(b.span);
+    dt_array_free(b.count);
+    dt_array_free(b.list);
+    dt_array_free(b.scratch);
+    dt_array_free(b.span);
     if (s == DT_OK) {
         trim(&made);
         *g = made;

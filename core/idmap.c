@@ -10,7 +10,7 @@ void dt_idmap_clear(struct dt_idmap *m)
 {
     for (uint32_t i = 0; i < m->pages; i++)
         free(m->page[i]);
-    free(m->page);
+    dt_array_free(m->page);
     *m = (struct dt_idmap){0};
 }
 
@@ -97,12 +97,13 @@ enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy)
     *copy = (struct dt_idmap){0};
     if (m->pages == 0)
         return DT_OK;
-    copy->page = calloc(m->pages, sizeof *copy->page);
+    copy->page = dt_array_new(m->pages, sizeof *copy->page);
     if (copy->page == NULL)
         return DT_NOMEM;
-    copy->pages = copy->cap = m->pages;
+    copy->cap = m->pages;
     copy->empty = m->empty;
     for (uint32_t i = 0; i < m->pages; i++) {
+        copy->page[copy->pages++] = NULL;
         if (m->page[i] == NULL)
             continue;
         copy->page[i] = malloc(sizeof *copy->page[i]);

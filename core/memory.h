@@ -1,20 +1,24 @@
 /* memory.h - arrays that may be large.
  *
  * Fresh memory costs as much as the work done in it when the system hands it out in small pages, so
- * arrays of several MiB are aligned for huge pages and ask for them. All are released with free().
- */
+ * arrays of several MiB lie on huge pages where the system has them. They grow by moving pages, not
+ * bytes. */
 #ifndef DT_MEMORY_H
 #define DT_MEMORY_H
 
 #include <stddef.h>
 
-/* n items of size bytes each, not initialised; NULL when out of memory or when n * size overflows.
- * At least one byte. */
+/* n items of size bytes each, not initialised, aligned to 16; NULL when out of memory or when n *
+ * size overflows. To be released by dt_array_free. */
 void *dt_array_new(size_t n, size_t size);
 
-/* Replaces the array p of `used` items (NULL if used is 0) by one with room for `n` >= used items
- * and frees the old one. NULL: out of memory, p is unchanged. */
+/* Makes room for n >= used items in the array p, of which the first `used` are kept; p may be NULL
+ * if used is 0. Returns the array, which may have moved. NULL: out of memory, p is unchanged. Cost:
+ * O(used) for a small array, else O(pages). */
 void *dt_array_grow(void *p, size_t used, size_t n, size_t size);
+
+/* Nothing for NULL. */
+void dt_array_free(void *p);
 
 /* The capacity to grow to so that it holds `need` items and appending costs amortised constant
  * time; at most `limit`. */

@@ -1,15 +1,14 @@
 /* mesh.c - storage and counts of the half-edge mesh; the structure itself is drawn in mesh.h. */
 #include "core/mesh.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/memory.h"
 
 void dt_mesh_clear(struct dt_mesh *m)
 {
-    free(m->half);
-    free(m->leaving);
+    dt_array_free(m->half);
+    dt_array_free(m->leaving);
     *m = (struct dt_mesh){.free_list = DT_NONE, .hull = DT_NONE};
 }
 

@@ -2,7 +2,6 @@
 #include "core/places.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/memory.h"
@@ -10,8 +9,8 @@
 
 void dt_places_clear(struct dt_places *p)
 {
-    free(p->bucket);
-    free(p->next);
+    dt_array_free(p->bucket);
+    dt_array_free(p->next);
     *p = (struct dt_places){0};
 }
 
@@ -66,8 +65,8 @@ enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct d
     uint32_t *bucket = dt_array_new(buckets, sizeof *bucket);
     uint32_t *next = dt_array_new(cap, sizeof *next);
     if (bucket == NULL || next == NULL) {
-        free(bucket);
-        free(next);
+        dt_array_free(bucket);
+        dt_array_free(next);
         return DT_NOMEM;
     }
     memset(bucket, 0xff, buckets * sizeof *bucket); /* all DT_NONE */

@@ -18,8 +18,8 @@ void dt_points_init(struct dt_points *p, double tol)
 
 void dt_points_clear(struct dt_points *p)
 {
-    free(p->xy);
-    free(p->id);
+    dt_array_free(p->xy);
+    dt_array_free(p->id);
     dt_idmap_clear(&p->value);
     dt_aliases_clear(&p->aliases);
     dt_places_clear(&p->places);
@@ -80,20 +80,13 @@ static enum dt_status reserve_vertices(struct dt_points *p, size_t n)
     if (need > p->cap) {
         /* A first batch gets just what it needs: sets that are loaded once stay tight. */
         size_t cap = p->cap == 0 ? need : dt_array_room(p->cap, need, DT_MAX_POINTS);
-        struct dt_point *xy = dt_array_new(cap, sizeof *xy);
-        uint32_t *id = dt_array_new(cap, sizeof *id);
-        if (xy == NULL || id == NULL) {
-            free(xy);
-            free(id);
+        struct dt_point *xy = dt_array_grow(p->xy, p->end, cap, sizeof *xy);
+        if (xy == NULL)
             return DT_NOMEM;
-        }
-        if (p->end > 0) {
-            memcpy(xy, p->xy, p->end * sizeof *xy);
-            memcpy(id, p->id, p->end * sizeof *id);
-        }
-        free(p->xy);
-        free(p->id);
         p->xy = xy;
+        uint32_t *id = dt_array_grow(p->id, p->end, cap, sizeof *id);
+        if (id == NULL)
+            return DT_NOMEM;
         p->id = id;
         p->cap = (uint32_t)cap;
     }
@@ -351,8 +344,8 @@ enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, cons
         id[v] = p->id[from[v]];
         dt_idmap_set(&p->value, id[v], v);
     }
-    free(p->xy);
-    free(p->id);
+    dt_array_free(p->xy);
+    dt_array_free(p->id);
     p->xy = xy;
     p->id = id;
     p->end = p->cap = n;

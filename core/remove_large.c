@@ -2,8 +2,6 @@
  * on their own by divide and conquer, and of that triangulation the part is copied that v is in
  * conflict with. A triangle of the hole is one whose circle holds v and no other point; its corners
  * are rim vertices; so it is among them. */
-#include <stdlib.h>
-
 #include "core/divide.h"
 #include "core/insert.h"
 #include "core/memory.h"
@@ -22,10 +20,10 @@ struct patch {
 
 static void patch_clear(struct patch *w)
 {
-    free(w->in);
-    free(w->p);
-    free(w->from);
-    free(w->copy);
+    dt_array_free(w->in);
+    dt_array_free(w->p);
+    dt_array_free(w->from);
+    dt_array_free(w->copy);
     dt_mesh_clear(&w->mesh);
     dt_cavity_clear(&w->hole);
 }

@@ -5,8 +5,6 @@
  * the same, since the triangulation is canonical. */
 #include "core/update.h"
 
-#include <stdlib.h>
-
 #include "core/hints_live.h"
 #include "core/insert.h"
 #include "core/local_move.h"
@@ -171,7 +169,7 @@ static enum dt_status sort_batch(struct batch *b, double tol)
         for (uint32_t i = 0; i < b->n; i++)
             b->order[next[key[i]]++] = i;
     } else {
-        free(b->order);
+        dt_array_free(b->order);
         status = DT_NOMEM;
     }
     dt_arena_clear(&arena);
@@ -226,7 +224,7 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
             fetch(t, q[batch_item(&b, i + AHEAD)]);
         status = add_one(t, &b, batch_item(&b, i), &done, &t->scratch);
     }
-    free(b.order);
+    dt_array_free(b.order);
     if (status == DT_OK && i == n) {
         dt_points_arrived(&t->points, (uint32_t)n);
         *out = done;

@@ -1,0 +1,44 @@
+/* memory_test.c - arrays small and large. */
+#include <stdint.h>
+#include <string.h>
+
+#include "core/memory.h"
+#include "tests/test.h"
+
+TEST(arrays_keep_their_items_while_they_grow_from_small_to_large)
+{
+    size_t n = 1000;
+    uint32_t *a = dt_array_new(n, sizeof *a);
+    for (uint32_t i = 0; i < n; i++)
+        a[i] = i * 7;
+    while (n < 20u << 20) {
+        size_t larger = n * 3 / 2;
+        a = dt_array_grow(a, n, larger, sizeof *a);
+        CHECK(a != NULL && ((uintptr_t)a & 15) == 0);
+        for (uint32_t i = (uint32_t)n; i < larger; i++)
+            a[i] = i * 7;
+        n = larger;
+        for (uint32_t i = 0; i < n; i += 997)
+            CHECK(a[i] == i * 7);
+    }
+    dt_array_free(a);
+}
+
+TEST(arrays_too_large_for_the_address_space_are_refused)
+{
+    CHECK(dt_array_new(SIZE_MAX / 4, 16) == NULL);
+    CHECK(dt_array_new((size_t)1 << 60, 1) == NULL);
+    char *a = dt_array_new((size_t)8 << 20, 1);
+    CHECK(a != NULL);
+    memset(a, 5, (size_t)8 << 20);
+    CHECK(dt_array_grow(a, (size_t)8 << 20, (size_t)1 << 60, 1) == NULL);
+    CHECK(a[(8 << 20) - 1] == 5);
+    dt_array_free(a);
+    dt_array_free(NULL);
+}
+
+TEST(room_grows_by_half_and_stops_at_the_limit)
+{
+    CHECK(dt_array_room(100, 101, 1000) == 150 && dt_array_room(100, 400, 1000) == 400);
+    CHECK(dt_array_room(0, 1, 1000) == 16 && dt_array_room(900, 901, 1000) == 1000);
+}
