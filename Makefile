@@ -12,8 +12,9 @@ CFLAGS   ?= -O2 -g
 WERROR   ?=
 WARNINGS := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wcast-qual \
             -Wformat=2 -Wundef -Wwrite-strings -Wdouble-promotion $(if $(WERROR),-Werror)
-# Contraction to fused multiply-adds would silently break the predicates.
-BASE     := -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-common -pthread -I.
+# Contraction to fused multiply-adds would silently break the predicates. Packing the two coordinates of a point into one
+# vector costs gcc more in shuffles than it gains: 7 % of a triangulation.
+BASE     := -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-tree-slp-vectorize -fno-common -pthread -I.
 FLAGS_asan  := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_tsan  := -O1 -fsanitize=thread
 FLAGS_debug := -O0

@@ -179,8 +179,8 @@ enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep)
 
 enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt)
 {
-    bool asked = opt != NULL && opt->method != DT_AUTO;
-    if (t->triangulated && t->current && !asked)
+    bool rebuild = opt != NULL && (opt->rebuild || opt->method != DT_AUTO);
+    if (t->triangulated && t->current && !rebuild)
         return DT_OK;
     enum dt_status status = dt_bulk_build(t, opt);
     if (status == DT_OK)

@@ -101,9 +101,10 @@ struct dt_pool {
     void *ctx;
 };
 
-/* All fields may be zero: automatic choice, one thread, never cancelled. */
+/* All fields may be zero: automatic choice, no rebuild, one thread, never cancelled. */
 struct dt_options {
     enum dt_method method;
+    bool rebuild;               /* make a triangulation anew that is there already */
     const struct dt_pool *pool; /* borrowed during the call; NULL: the caller's thread alone */
     const atomic_bool *cancel;  /* borrowed during the call; polled; NULL: never cancelled */
     atomic_uint
@@ -120,8 +121,8 @@ struct dt_summary {
 };
 
 /* Computes the triangulation of the set. From then on the set is live: every edit keeps it current.
- * On a set that is triangulated already, DT_AUTO does nothing and an explicit method rebuilds it.
- * opt may be NULL. */
+ * On a set that is triangulated already, DT_AUTO without opt->rebuild does nothing; an engine that
+ * is named rebuilds it. opt may be NULL. */
 enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt);
 
 /* Brings the triangulation up to date after edits, where an edit left that for later; cheap when it

@@ -35,7 +35,7 @@ enum dt_status dt_front_init(struct dt_front *f, uint32_t n)
 
 void dt_front_clear(struct dt_front *f)
 {
-    free(f->node);
+    dt_array_free(f->node);
     *f = (struct dt_front){.node = NULL};
 }
 

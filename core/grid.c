@@ -45,7 +45,7 @@ static void cells_clear(struct dt_cells *c)
         cells_clear(&c->sub[i]);
     free(c->sub);
     free(c->sub_cell);
-    free(c->start);
+    dt_array_free(c->start);
     *c = (struct dt_cells){.subs = 0};
 }
 
@@ -90,7 +90,7 @@ static enum dt_status cells_count(struct dt_cells *c, const struct builder *b, s
                                   uint32_t first, uint32_t *most)
 {
     size_t cells = (size_t)c->lines * c->length;
-    free(c->start);
+    dt_array_free(c->start);
     c->start = dt_array_new(cells + 2, sizeof *c->start);
     if (c->start == NULL)
         return DT_NOMEM;
@@ -193,9 +193,9 @@ enum dt_status dt_grid_build(struct dt_grid *g, const struct dt_point *in, uint3
     enum dt_status status = DT_NOMEM;
     if (b.cell != NULL)
         status = cells_build(&g->top, &b, (struct source){in, NULL, n}, 0);
-    free(b.cell);
-    free(b.xy);
-    free(b.from);
+    dt_array_free(b.cell);
+    dt_array_free(b.xy);
+    dt_array_free(b.from);
     if (status != DT_OK)
         dt_grid_clear(g);
     return status;

@@ -10,30 +10,65 @@
 #include "core/hull.h"
 #include "core/predicates.h"
 
+#include <math.h>
+
 #define PATIENCE 64 /* triangles; nearly every walk is shorter than a dozen */
 
-/* > 0 if q lies left of the half edge h of a triangle. */
-static int side(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h, struct dt_point q)
+/* q is in the closed triangle at t, on these sides of its half edges; none is negative. */
+static enum dt_where classify(uint32_t t, const int side[3], uint32_t *half)
 {
-    return dt_orient2d(xy[dt_origin(m, h)], xy[dt_dest(m, h)], q);
-}
-
-/* q is in the closed triangle of h, on these sides of h, next(h) and prev(h); none is negative. */
-static enum dt_where classify(uint32_t h, int s0, int s1, int s2, uint32_t *half)
-{
-    uint32_t next = dt_next(h), prev = dt_prev(h);
-    if (s0 != 0 && s1 != 0 && s2 != 0) {
-        *half = h;
+    int on = (side[0] == 0) + (side[1] == 0) + (side[2] == 0);
+    *half = t;
+    if (on == 0)
         return DT_INSIDE;
-    }
-    if ((s0 != 0) + (s1 != 0) + (s2 != 0) == 2) {
-        *half = s0 == 0 ? h : s1 == 0 ? next : prev;
+    if (on == 1) {
+        *half = side[0] == 0 ? t : side[1] == 0 ? t + 1 : t + 2;
         return DT_ON_EDGE;
     }
-    *half = s0 != 0   ? prev
-            : s1 != 0 ? h
-                      : next; /* the corner opposite to the side that q is not on */
+    *half = side[0] != 0   ? t + 2
+            : side[1] != 0 ? t
+                           : t + 1; /* the corner opposite to the side that q is not on */
     return DT_ON_VERTEX;
+}
+
+/* The orientation of a, b, q, rounded, and what it may be wrong by: the filter of dt_orient2d, for
+ * three edges at a time. */
+static double rounded_side(struct dt_point a, struct dt_point b, struct dt_point q, double *error)
+{
+    double left = (a.x - q.x) * (b.y - q.y), right = (a.y - q.y) * (b.x - q.x);
+    *error += DT_ORIENT_BOUND * (fabs(left) + fabs(right));
+    return left - right;
+}
+
+enum { ARRIVED = 3 };
+
+/* The edge 0, 1 or 2 of the triangle at t through which to walk on towards q: the one that has q
+ * farthest on its outer side, where rounding does not blur that. ARRIVED if q is in the closed
+ * triangle. The three corners are read at once: a walk waits for memory, not for arithmetic. */
+static uint32_t exit_edge(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+                          struct dt_point q, enum dt_where *where, uint32_t *half)
+{
+    struct dt_point a = xy[m->half[t]], b = xy[m->half[t + 1]], c = xy[m->half[t + 2]];
+    double error = 0;
+    double s0 = rounded_side(a, b, q, &error), s1 = rounded_side(b, c, q, &error),
+           s2 = rounded_side(c, a, q, &error);
+    uint32_t k = s1 < s0 ? 1 : 0;
+    double least = s1 < s0 ? s1 : s0;
+    k = s2 < least ? 2 : k;
+    least = s2 < least ? s2 : least;
+    if (least < -error)
+        return k;
+    if (least > error) {
+        *where = DT_INSIDE;
+        *half = t;
+        return ARRIVED;
+    }
+    int side[3] = {dt_orient2d(a, b, q), dt_orient2d(b, c, q), dt_orient2d(c, a, q)};
+    for (k = 0; k < 3; k++)
+        if (side[k] < 0)
+            return k;
+    *where = classify(t, side, half);
+    return ARRIVED;
 }
 
 /* Walks at most *steps triangles far and takes what it walked off *steps. True: arrived, *half and
@@ -41,28 +76,18 @@ static enum dt_where classify(uint32_t h, int s0, int s1, int s2, uint32_t *half
 static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
                        struct dt_point q, uint32_t *steps, enum dt_where *where, uint32_t *half)
 {
-    if (dt_is_ghost(m, h))
-        h = dt_twin(m, dt_base(h));
-    int s = side(m, xy, h, q);
-    if (s < 0) {
-        h = dt_twin(m, h);
-        s = 1;
-    }
-    /* q is left of h, or on its line in the first triangle. */
-    for (; !dt_is_ghost(m, h); s = 1) {
-        int s1 = side(m, xy, dt_next(h), q);
-        int s2 = s1 < 0 ? 0 : side(m, xy, dt_prev(h), q);
-        if (s1 >= 0 && s2 >= 0) {
-            *where = classify(h, s, s1, s2, half);
+    uint32_t t = dt_base(dt_is_ghost(m, h) ? dt_twin(m, dt_base(h)) : h);
+    while (m->half[t + 2] != DT_NONE) {
+        uint32_t k = exit_edge(m, xy, t, q, where, half);
+        if (k == ARRIVED)
             return true;
-        }
-        h = dt_twin(m, s1 < 0 ? dt_next(h) : dt_prev(h));
+        t = dt_base(dt_twin(m, t + k));
         if ((*steps)-- == 0) {
-            *half = h;
+            *half = t;
             return false;
         }
     }
-    *half = dt_base(h);
+    *half = t;
     *where = DT_OUTSIDE;
     return true;
 }
@@ -73,7 +98,7 @@ static enum dt_where walk_line(const struct dt_mesh *m, const struct dt_point *x
 {
     uint32_t g = dt_base(h);
     *half = g;
-    if (side(m, xy, g, q) != 0)
+    if (dt_orient2d(xy[dt_origin(m, g)], xy[dt_dest(m, g)], q) != 0)
         return DT_OUTSIDE;
     for (;;) {
         struct dt_point a = xy[dt_origin(m, g)], b = xy[dt_dest(m, g)];
@@ -127,7 +152,9 @@ enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *x
                                uint32_t *steps)
 {
     enum dt_where where;
-    uint32_t h = dt_hint_live(hints, m, xy, q), left = PATIENCE;
+    uint32_t h = dt_hint(hints, q), left = PATIENCE;
+    if (m->recycled || dt_is_dead(m, h))
+        h = dt_hint_live(hints, m, xy, q);
     *steps = 0;
     if (dt_mesh_is_line(m))
         return walk_line(m, xy, h, q, half);

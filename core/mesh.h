@@ -41,6 +41,7 @@ struct dt_mesh {
                            one */
     uint32_t ghosts;    /* how many of the live ones are ghosts */
     uint32_t vertices;  /* vertices that the triangulation has */
+    bool recycled;      /* dead records have come back to life elsewhere since the hints were built */
     uint32_t hull;      /* a ghost, if there is one: see dt_hull_settle */
 };
 
@@ -143,6 +144,7 @@ static inline uint32_t dt_mesh_take(struct dt_mesh *m)
         return 8 * m->tri_end++;
     m->free_list = m->half[h];
     m->dead--;
+    m->recycled = true;
     return h;
 }
 

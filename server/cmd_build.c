@@ -93,7 +93,8 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
     const struct dt_summary *sum = &set->current->sum;
     if (!read_method(a, q, &method))
         return;
-    if (method == DT_AUTO && sum->triangulated && !version_is_stale(set->current)) {
+    bool named = q->n > 2; /* METHOD: made anew whether or not it is there */
+    if (!named && sum->triangulated && !version_is_stale(set->current)) {
         tell_triangulation(a, set->current, 0);
         return;
     }
@@ -108,6 +109,7 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
     }
     b->job.what = "triangulating";
     b->job.options.method = method;
+    b->job.options.rebuild = named;
     job_write(s, a, &b->job, set, how_to_build(s, sum));
 }
 
