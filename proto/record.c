@@ -1,0 +1,214 @@
+/* record.c - see record.h. */
+#include "proto/record.h"
+
+#include "proto/crc32c.h"
+
+#include <string.h>
+
+static const char magic[] = "DELAUNAY";
+
+enum { MAGIC = sizeof magic - 1, POINT_BYTES = 16, ROW_BYTES = 24, NAME_AT = RECORD_HEADER };
+
+/* ---- numbers; on a little-endian machine the compiler makes moves of these ---- */
+
+static void put_u32(char *p, uint32_t v)
+{
+    for (int i = 0; i < 4; i++)
+        p[i] = (char)(v >> 8 * i);
+}
+
+static void put_u64(char *p, uint64_t v)
+{
+    put_u32(p, (uint32_t)v);
+    put_u32(p + 4, (uint32_t)(v >> 32));
+}
+
+static void put_f64(char *p, double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    put_u64(p, bits);
+}
+
+static uint32_t get_u32(const char *p)
+{
+    const unsigned char *u = (const unsigned char *)p;
+    return u[0] | (uint32_t)u[1] << 8 | (uint32_t)u[2] << 16 | (uint32_t)u[3] << 24;
+}
+
+static uint64_t get_u64(const char *p)
+{
+    return get_u32(p) | (uint64_t)get_u32(p + 4) << 32;
+}
+
+static double get_f64(const char *p)
+{
+    uint64_t bits = get_u64(p);
+    double v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+/* ---- segments ---- */
+
+void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s)
+{
+    memcpy(bytes, magic, MAGIC);
+    put_u32(bytes + 8, s->version);
+    put_u32(bytes + 12, s->kind);
+    put_u64(bytes + 16, s->lsn);
+    put_u32(bytes + 24, 0);
+    put_u32(bytes + 28, crc32c(0, bytes, 28));
+}
+
+static ptrdiff_t bad_segment(struct segment *s, const char *fault)
+{
+    s->fault = fault;
+    return -1;
+}
+
+ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s)
+{
+    if (n < SEGMENT_HEADER)
+        return 0;
+    *s = (struct segment){.version = get_u32(bytes + 8), .lsn = get_u64(bytes + 16)};
+    uint32_t kind = get_u32(bytes + 12);
+    if (memcmp(bytes, magic, MAGIC) != 0)
+        return bad_segment(s, "its header is not that of a delaunayd file");
+    if (get_u32(bytes + 28) != crc32c(0, bytes, 28))
+        return bad_segment(s, "the checksum of its header is wrong");
+    if (s->version > RECORD_VERSION)
+        return bad_segment(s, "it was written by a later version of delaunayd");
+    if (s->version == 0 || (kind != SEGMENT_LOG && kind != SEGMENT_SNAPSHOT))
+        return bad_segment(s, "its header makes no sense");
+    s->kind = (enum segment_kind)kind;
+    return SEGMENT_HEADER;
+}
+
+/* ---- writing records ---- */
+
+size_t record_item_size(enum record_type type)
+{
+    switch (type) {
+    case RECORD_ADD:
+    case RECORD_CHUNK:
+        return POINT_BYTES;
+    case RECORD_DELETE:
+        return sizeof(uint32_t);
+    case RECORD_ROWS:
+        return ROW_BYTES;
+    default:
+        return 0;
+    }
+}
+
+static void write_items(char *to, const struct record *r)
+{
+    const double *xy = r->items;
+    const uint32_t *id = r->items;
+    const struct record_row *row = r->items;
+    switch (record_item_size(r->type)) {
+    case POINT_BYTES:
+        for (size_t i = 0; i < 2 * (size_t)r->n; i++)
+            put_f64(to + 8 * i, xy[i]);
+        break;
+    case sizeof(uint32_t):
+        for (size_t i = 0; i < r->n; i++)
+            put_u32(to + 4 * i, id[i]);
+        break;
+    case ROW_BYTES:
+        for (size_t i = 0; i < r->n; i++, to += ROW_BYTES) {
+            put_u32(to, row[i].id);
+            put_u32(to + 4, row[i].representative);
+            put_f64(to + 8, row[i].x);
+            put_f64(to + 16, row[i].y);
+        }
+        break;
+    default:
+        break;
+    }
+}
+
+void record_write(struct buf *out, const struct record *r)
+{
+    size_t rest = r->name_len + r->n * record_item_size(r->type);
+    char *to = buf_reserve(out, RECORD_HEADER + rest);
+    if (to == NULL)
+        return;
+    put_u32(to + 4, (uint32_t)rest);
+    put_u64(to + 8, r->lsn);
+    put_u64(to + 16, r->synced);
+    to[24] = (char)r->type;
+    to[25] = (char)r->flags;
+    to[26] = (char)r->name_len;
+    to[27] = 0;
+    put_u32(to + 28, r->first);
+    put_u32(to + 32, r->n);
+    put_f64(to + 36, r->a);
+    put_f64(to + 44, r->b);
+    if (r->name_len > 0)
+        memcpy(to + NAME_AT, r->name, r->name_len);
+    write_items(to + NAME_AT + r->name_len, r);
+    put_u32(to, crc32c(0, to + 4, RECORD_HEADER - 4 + rest));
+    buf_commit(out, RECORD_HEADER + rest);
+}
+
+/* ---- reading records ---- */
+
+static ptrdiff_t bad_record(struct record *r, const char *fault)
+{
+    r->fault = fault;
+    return -1;
+}
+
+ptrdiff_t record_read(const char *bytes, size_t n, struct record *r)
+{
+    *r = (struct record){0};
+    if (n < RECORD_HEADER)
+        return 0;
+    uint32_t rest = get_u32(bytes + 4);
+    unsigned type = (unsigned char)bytes[24];
+    r->name_len = (unsigned char)bytes[26];
+    r->n = get_u32(bytes + 32);
+    if (type == 0 || type >= RECORD_TYPES || bytes[27] != 0)
+        return bad_record(r, "its type is unknown");
+    r->type = (enum record_type)type;
+    /* In 64 bits this cannot overflow. */
+    if (r->name_len > RECORD_NAME_LIMIT || rest > RECORD_LIMIT - RECORD_HEADER ||
+        rest != r->name_len + (uint64_t)r->n * record_item_size(r->type))
+        return bad_record(r, "its length makes no sense");
+    if (n < RECORD_HEADER + (size_t)rest)
+        return 0;
+    if (get_u32(bytes) != crc32c(0, bytes + 4, RECORD_HEADER - 4 + rest))
+        return bad_record(r, "its checksum is wrong");
+    r->lsn = get_u64(bytes + 8);
+    r->synced = get_u64(bytes + 16);
+    r->flags = (unsigned char)bytes[25];
+    r->first = get_u32(bytes + 28);
+    r->a = get_f64(bytes + 36);
+    r->b = get_f64(bytes + 44);
+    r->name = bytes + NAME_AT;
+    r->items = bytes + NAME_AT + r->name_len;
+    return (ptrdiff_t)(RECORD_HEADER + (size_t)rest);
+}
+
+void record_points(const struct record *r, double *xy)
+{
+    const char *from = r->items;
+    for (size_t i = 0; i < 2 * (size_t)r->n; i++)
+        xy[i] = get_f64(from + 8 * i);
+}
+
+void record_ids(const struct record *r, uint32_t *ids)
+{
+    const char *from = r->items;
+    for (size_t i = 0; i < r->n; i++)
+        ids[i] = get_u32(from + 4 * i);
+}
+
+void record_row_at(const struct record *r, uint32_t i, struct record_row *row)
+{
+    const char *from = (const char *)r->items + (size_t)i * ROW_BYTES;
+    *row = (struct record_row){get_u32(from), get_u32(from + 4), get_f64(from + 8),
+                               get_f64(from + 16)};
+}

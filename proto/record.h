@@ -1,0 +1,110 @@
+/* record.h - what is written to disk: segments of records. The one place that knows the bytes.
+ *
+ * A file is a segment: a header, then records up to its end. All numbers are little-endian.
+ *
+ *     segment header, 32 bytes           record header, 52 bytes
+ *      0  "DELAUNAY"                      0  u32 CRC-32C of all that follows
+ *      8  u32 version                     4  u32 bytes after this header
+ *     12  u32 kind                        8  u64 lsn
+ *     16  u64 lsn                        16  u64 synced
+ *     24  u32 0                          24  u8 type, u8 flags, u8 length of the name, u8 0
+ *     28  u32 CRC-32C of the above       28  u32 first   32  u32 n   36  f64 a   44  f64 b
+ *                                        52  the name, then n items
+ *
+ * In a log, every record has a log sequence number (lsn), one more than the record before, and the
+ * segment's header has that of its first one. `synced` is an lsn up to which everything was known
+ * to be on the disk when the record was made: so a damaged record that a later one calls synced is
+ * corruption, and one that no later record speaks of is the torn end of a crash.
+ *
+ * In a snapshot the records are numbered from 1, and the header has the lsn up to which every
+ * change is contained in it. For each set there is a RECORD_SET, whose `synced` is the lsn up to
+ * which the changes of this set are contained, then its points; RECORD_END comes last.
+ *
+ * Upgrades. A program reads every version up to its own and writes its own; a file of a later
+ * version it refuses. Whatever changes the meaning or the place of a byte, or adds a type, raises
+ * RECORD_VERSION, and the reader of the old layout stays, beside a file that it was tested with.
+ * A version never changes once it was released. A downgrade needs an empty directory. */
+#ifndef PROTO_RECORD_H
+#define PROTO_RECORD_H
+
+#include "proto/buf.h"
+
+#include <stdint.h>
+
+enum {
+    RECORD_VERSION = 1,
+    SEGMENT_HEADER = 32,
+    RECORD_HEADER = 52,
+    RECORD_NAME_LIMIT = 64,
+    RECORD_POINTS = 32768, /* points of one record at most */
+    RECORD_LIMIT = RECORD_HEADER + RECORD_NAME_LIMIT + RECORD_POINTS * 24
+};
+
+enum segment_kind { SEGMENT_LOG = 1, SEGMENT_SNAPSHOT = 2 };
+
+struct segment {
+    uint32_t version;
+    enum segment_kind kind;
+    uint64_t lsn;
+    const char *fault; /* why segment_read returned -1 */
+};
+
+enum record_type {
+    RECORD_CREATE = 1,  /* a: the tolerance */
+    RECORD_ADD,         /* first: the first id; items: points; creates the set if it is missing */
+    RECORD_LOAD,        /* begins an ADD that is too long for one record; first: the first id */
+    RECORD_CHUNK,       /* items: points, as many as RECORD_POINTS but for the last one */
+    RECORD_LOADED,      /* ends it; n: all its points; only now it counts */
+    RECORD_DELETE,      /* items: ids */
+    RECORD_MOVE,        /* first: the id; a, b: its place */
+    RECORD_DROP,        /* the set */
+    RECORD_TRIANGULATE, /* from now on the set has a triangulation */
+    RECORD_CLOSE,       /* the end of a log that was closed in good order */
+    RECORD_SET,  /* snapshot: a: the tolerance; first: the next id; n: how many points follow */
+    RECORD_ROWS, /* snapshot: items: points of the set, ids ascending */
+    RECORD_END,  /* snapshot: n: how many sets it has */
+    RECORD_TYPES
+};
+
+enum { RECORD_TRIANGULATED = 1 }; /* flag of RECORD_SET */
+
+/* An item of RECORD_ROWS; 24 bytes on disk in this order. */
+struct record_row {
+    uint32_t id, representative;
+    double x, y;
+};
+
+struct record {
+    uint64_t lsn, synced;
+    enum record_type type;
+    unsigned flags;
+    uint32_t first, n;
+    double a, b;
+    const char *name; /* borrows */
+    size_t name_len;
+    const void *items; /* borrows; as on disk, any alignment: see record_points, _ids, _rows */
+    const char *fault; /* why record_read returned -1 */
+};
+
+void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s);
+
+/* Reads a segment's header from bytes[n]. > 0: consumed, 0: it needs more, -1: s->fault tells. */
+ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s);
+
+/* Bytes of an item of this type; 0 for types without items, whose n may be anything. */
+size_t record_item_size(enum record_type type);
+
+/* Appends r, items encoded from r->items: struct-like arrays of doubles x, y (points), uint32_t
+ * (ids) or struct record_row. out->failed when out of memory. */
+void record_write(struct buf *out, const struct record *r);
+
+/* Reads one record from bytes[n]. > 0: consumed, and r borrows from bytes; 0: it needs more; -1:
+ * r->fault tells. Never reads beyond n, never trusts a length before the limits hold. */
+ptrdiff_t record_read(const char *bytes, size_t n, struct record *r);
+
+/* Decode the items of a record that was read, r->n of them. */
+void record_points(const struct record *r, double *xy);
+void record_ids(const struct record *r, uint32_t *ids);
+void record_row_at(const struct record *r, uint32_t i, struct record_row *row);
+
+#endif
