@@ -19,7 +19,7 @@ static void write_back(const struct record *r, const char *bytes, size_t len)
     size_t item = record_item_size(r->type);
     struct buf b = {0};
     struct record copy = *r;
-    void *items = calloc(r->n + 1, item > 0 ? item : 1);
+    void *items = calloc(item > 0 ? r->n + 1 : 1, item + 1);
     struct record_row *row = items;
     copy.items = items;
     if (item == 16)
