@@ -82,6 +82,16 @@ enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *
  * equal points with higher ids. */
 enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to);
 
+/* Fills a set that is fresh from dt_new with n points as they were in another one: their ids, in ascending
+ * order and below next_id, their places, and for each its representative's id (its own unless it is an alias).
+ * next_id is the id that the next point will get. DT_CORRUPT: these cannot come from a set, or t is not fresh;
+ * the set is as it was. Cost: linear. */
+enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_point *p,
+                          const uint32_t *representatives, size_t n, uint32_t next_id);
+
+/* The id that the next point will get: one more than the largest ever given. */
+uint32_t dt_next_id(const struct dt *t);
+
 /* The point's own coordinates (an alias has its own). */
 enum dt_status dt_get(const struct dt *t, uint32_t id, struct dt_point *p);
 

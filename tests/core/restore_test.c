@@ -1,0 +1,154 @@
+/* restore_test.c - a restored set goes on as the one it was taken from. */
+#include "core/delaunay.h"
+
+#include "tests/test.h"
+
+#include <stdlib.h>
+
+struct list {
+    uint32_t *id, *representative;
+    struct dt_point *p;
+    size_t n;
+};
+
+static struct list list_of(const struct dt *t)
+{
+    struct dt_cursor c;
+    struct dt_summary sum;
+    size_t words, rows;
+    dt_summary(t, &sum);
+    struct list l = {.id = malloc((sum.points + 8) * sizeof(uint32_t)),
+                     .representative = malloc((sum.points + 8) * sizeof(uint32_t)),
+                     .p = malloc((sum.points + 8) * sizeof(struct dt_point))};
+    CHECK(dt_table_begin(t, DT_POINTS, false, &c) == DT_OK);
+    do {
+        CHECK(dt_table_read(t, &c, l.id + l.n, sum.points + 8 - l.n, SIZE_MAX, &rows, &words) ==
+              DT_OK);
+        l.n += rows;
+    } while (rows > 0);
+    for (size_t i = 0; i < l.n; i++) {
+        CHECK(dt_get(t, l.id[i], &l.p[i]) == DT_OK);
+        CHECK(dt_representative(t, l.id[i], &l.representative[i]) == DT_OK);
+    }
+    return l;
+}
+
+static void free_list(struct list *l)
+{
+    free(l->id);
+    free(l->representative);
+    free(l->p);
+}
+
+static struct dt_point somewhere(void)
+{
+    return (struct dt_point){test_below(12), test_below(12)};
+}
+
+/* The same random edit of both. */
+static void edit(struct dt *a, struct dt *b)
+{
+    uint32_t id = test_below(400), n, m, missing;
+    struct dt_point p = somewhere();
+    struct dt_added x, y;
+    switch (test_below(4)) {
+    case 0:
+        CHECK(dt_delete(a, &id, 1, &n, &missing) == dt_delete(b, &id, 1, &m, &missing));
+        break;
+    case 1:
+        CHECK(dt_move(a, id, p) == dt_move(b, id, p));
+        break;
+    default:
+        CHECK(dt_add(a, &p, 1, &x) == DT_OK && dt_add(b, &p, 1, &y) == DT_OK);
+        CHECK(x.first == y.first && x.coincident == y.coincident);
+        break;
+    }
+}
+
+static void check_equal(const struct dt *a, const struct dt *b)
+{
+    struct list x = list_of(a), y = list_of(b);
+    CHECK(x.n == y.n && dt_next_id(a) == dt_next_id(b));
+    for (size_t i = 0; i < x.n; i++)
+        CHECK(x.id[i] == y.id[i] && x.representative[i] == y.representative[i] &&
+              x.p[i].x == y.p[i].x && x.p[i].y == y.p[i].y);
+    free_list(&x);
+    free_list(&y);
+}
+
+static struct dt *restored(const struct dt *t)
+{
+    struct list l = list_of(t);
+    struct dt *copy = dt_new(dt_tolerance(t));
+    CHECK(dt_restore(copy, l.id, l.p, l.representative, l.n, dt_next_id(t)) == DT_OK);
+    free_list(&l);
+    return copy;
+}
+
+TEST(restored_set_goes_on_as_the_original_does)
+{
+    const double tolerance[] = {0, 0.5, 1.5};
+    for (int round = 0; round < 60; round++) {
+        struct dt *a = dt_new(tolerance[round % 3]), *twin = dt_new(tolerance[round % 3]);
+        for (int i = 0; i < 300; i++)
+            edit(a, twin);
+        dt_free(twin);
+        struct dt *b = restored(a);
+        check_equal(a, b);
+        for (int i = 0; i < 300; i++)
+            edit(a, b);
+        check_equal(a, b);
+        if (round % 3 == 0) {
+            CHECK(dt_triangulate(b, NULL) == DT_OK && dt_check(b, NULL, NULL) == DT_OK);
+        }
+        dt_free(a);
+        dt_free(b);
+    }
+}
+
+TEST(restored_set_never_gives_an_id_again)
+{
+    const uint32_t ids[] = {2, 5};
+    const struct dt_point p[] = {{0, 0}, {1, 1}};
+    struct dt_added added;
+    struct dt *t = dt_new(0);
+    CHECK(dt_restore(t, ids, p, ids, 2, 1000000) == DT_OK);
+    CHECK(dt_add(t, p, 1, &added) == DT_OK && added.first == 1000000 && added.coincident == 1);
+    dt_free(t);
+}
+
+TEST(restore_refuses_what_no_set_could_be)
+{
+    const struct dt_point p[] = {{0, 0}, {1, 1}, {0, 0}}, wild[] = {{0, 0}, {1e300, 1}, {0, 0}};
+    const uint32_t good[] = {1, 2, 3}, twice[] = {1, 2, 2}, falling[] = {2, 1, 3};
+    const uint32_t chain[] = {1, 1, 2}, stranger[] = {1, 2, 9}, aliased[] = {1, 2, 1};
+    struct dt *t = dt_new(0);
+    CHECK(dt_restore(t, twice, p, twice, 3, 9) == DT_CORRUPT);
+    CHECK(dt_restore(t, falling, p, falling, 3, 9) == DT_CORRUPT);
+    CHECK(dt_restore(t, good, p, good, 3, 3) == DT_CORRUPT);
+    CHECK(dt_restore(t, good, p, chain, 3, 9) == DT_CORRUPT);
+    CHECK(dt_restore(t, good, p, stranger, 3, 9) == DT_CORRUPT);
+    CHECK(dt_restore(t, good, wild, good, 3, 9) == DT_RANGE);
+    CHECK(dt_restore(t, good, p, aliased, 3, 9) == DT_OK);
+    CHECK(dt_restore(t, good, p, aliased, 3, 9) == DT_CORRUPT);
+    dt_free(t);
+}
+
+TEST(restore_out_of_memory_leaves_the_set_fresh)
+{
+    const uint32_t ids[] = {1, 5000, 70000}, aliased[] = {1, 5000, 1};
+    const struct dt_point p[] = {{0, 0}, {1, 1}, {0, 0}};
+    struct dt *t = dt_new(0);
+    for (long n = 1;; n++) {
+        test_fail_alloc(n);
+        enum dt_status status = dt_restore(t, ids, p, aliased, 3, 70001);
+        bool failed = test_alloc_failed();
+        test_fail_alloc(0);
+        if (!failed) {
+            CHECK(status == DT_OK && n > 4);
+            break;
+        }
+        CHECK(status == DT_NOMEM && dt_next_id(t) == 0);
+    }
+    dt_free(t);
+}
