@@ -18,6 +18,8 @@ struct load;
 
 struct answer {
     struct buf *out;       /* borrows; the reply is appended to what it holds */
+    uint64_t mark;         /* of the reply's first byte in the output of whoever asks */
+    uint64_t lsn;          /* the reply must not leave before this change is durable; 0: it may */
     uint64_t owner;        /* who asks: a connection's id, 0 for nobody */
     enum role role;        /* what the asker may do; AUTH changes it */
     struct stream *stream; /* moves to the caller */

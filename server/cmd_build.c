@@ -2,6 +2,7 @@
 #include "server/command.h"
 
 #include "server/job.h"
+#include "server/journal.h"
 #include "server/loop.h"
 
 #include <stdlib.h>
@@ -37,6 +38,11 @@ static void run_triangulate(struct job *j)
         j->status = dt_refresh(j->dt, &j->options);
     int64_t microseconds = (clock_ns() - start) / 1000;
     b->ms = (double)microseconds / 1000;
+}
+
+static uint64_t record_triangulate(struct server *s, struct job *j)
+{
+    return journal_triangulate(s, j->set);
 }
 
 static void tell_triangulation(struct answer *a, const struct version *v, double ms)
@@ -107,6 +113,7 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
         answer_out_of_memory(a);
         return;
     }
+    b->job.record = record_triangulate;
     b->job.what = "triangulating";
     b->job.options.method = method;
     b->job.options.rebuild = named;

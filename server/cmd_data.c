@@ -2,6 +2,7 @@
 #include "server/command.h"
 
 #include "server/edit.h"
+#include "server/journal.h"
 #include "server/stream.h"
 
 #include <stdio.h>
@@ -43,7 +44,7 @@ void cmd_sets(struct server *s, struct dataset *set, const struct request *q, st
         char row[SET_NAME_LIMIT + 64];
         const struct dt_summary *sum = &roll.set[i]->current->sum;
         snprintf(row, sizeof row, "%s points=%u triangulated=%s", roll.set[i]->name, sum->points,
-                 sum->triangulated ? "yes" : "no");
+                 sum->triangulated || roll.set[i]->loading ? "yes" : "no");
         reply_row_text(a->out, row);
     }
     free(roll.set);
@@ -80,6 +81,7 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
     if (set == NULL)
         return;
     set->born = true;
+    a->lsn = journal_create(s, set, tolerance);
     reply_ok(a->out, 0);
     reply_end(a->out);
 }
@@ -87,6 +89,7 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
 void cmd_drop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)q;
+    a->lsn = journal_drop(s, set);
     registry_drop(&s->sets, set);
     reply_ok(a->out, 0);
     reply_end(a->out);

@@ -4,6 +4,7 @@
 
 #include "proto/number.h"
 #include "server/command.h"
+#include "server/durable.h"
 #include "server/edit.h"
 
 #include <stdlib.h>
@@ -133,6 +134,8 @@ void load_commit(struct server *s, struct load *l, struct answer *a)
     struct dataset *set = registry_find(&s->sets, &name);
     if (l->body.fault != BODY_GOOD)
         tell_fault(s, &l->body, a);
+    else if (!durable_admits(s, a, set, true, false))
+        return;
     else if (set != NULL && set->writer != NULL)
         a->wait = set;
     else

@@ -2,6 +2,7 @@
 #include "server/command.h"
 
 #include "proto/number.h"
+#include "server/durable.h"
 #include "server/job.h"
 #include "server/stream.h"
 
@@ -15,17 +16,18 @@ enum {
 };
 
 const struct command commands[] = {
-    {"SETS", 1, 1, 0, cmd_sets, "SETS", "the sets, with their number of points"},
+    {"SETS", 1, 1, CMD_ALL_SETS, cmd_sets, "SETS", "the sets, with their number of points"},
     {"CREATE", 2, 4, EDITS, cmd_create, "CREATE set [TOL t]",
      "a new, empty set with coincidence tolerance t"},
-    {"DROP", 2, 2, EDITS | CMD_EXISTING, cmd_drop, "DROP set", "deletes a set"},
+    {"DROP", 2, 2, EDITS | CMD_EXISTING | CMD_FREES, cmd_drop, "DROP set", "deletes a set"},
     {"STAT", 2, 2, READS | CMD_FRESH, cmd_stat, "STAT set", "counts and memory of a set"},
     {"ADD", 4, 0, EDITS, cmd_add, "ADD set x y [x y ...]", "adds points"},
     {"LOAD", 2, 3, EDITS | CMD_BODY, cmd_load, "LOAD set [n]",
      "adds points: n lines `x y` follow, or lines up to a single `.`"},
     {"LOADB", 3, 3, EDITS | CMD_BODY, cmd_loadb, "LOADB set n",
      "adds points: n pairs of little-endian doubles follow"},
-    {"DEL", 3, 0, EDITS | CMD_EXISTING, cmd_del, "DEL set id [id ...]", "deletes points"},
+    {"DEL", 3, 0, EDITS | CMD_EXISTING | CMD_FREES, cmd_del, "DEL set id [id ...]",
+     "deletes points"},
     {"MOVE", 5, 5, EDITS | CMD_EXISTING, cmd_move, "MOVE set id x y",
      "moves a point, which keeps its id"},
     {"GET", 3, 0, READS, cmd_get, "GET set id [id ...]", "the coordinates of points"},
@@ -55,6 +57,8 @@ const struct command commands[] = {
      "who is there, and which protocol it speaks"},
     {"AUTH", 2, 2, CMD_OPEN, cmd_auth, "AUTH token", "shows a token of --auth-file"},
     {"INFO", 1, 1, 0, cmd_info, "INFO", "facts about the server"},
+    {"SNAPSHOT", 1, 1, CMD_ALL_SETS | CMD_WRITE | CMD_FREES, cmd_snapshot, "SNAPSHOT",
+     "begins to write all sets to the data directory, after which the log starts anew"},
     {"QUIT", 1, 1, CMD_OPEN, cmd_quit, "QUIT", "closes the connection when all replies are out"},
 };
 
@@ -87,6 +91,12 @@ static bool check_role(struct answer *a, const struct command *c)
     else
         return true;
     return false;
+}
+
+/* At the start, sets are there only when all that is on disk has been read. */
+static bool check_loaded(struct server *s, struct answer *a, const struct command *c)
+{
+    return (c->flags & (CMD_SET | CMD_ALL_SETS)) == 0 || durable_loaded(s, a);
 }
 
 /* The set that the request is about: in *set, NULL if it is not there. */
@@ -155,6 +165,8 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
 static bool check_state(struct server *s, struct answer *a, const struct command *c,
                         struct dataset *set)
 {
+    if (!durable_admits(s, a, set, (c->flags & CMD_WRITE) != 0, (c->flags & CMD_FREES) != 0))
+        return false;
     if (set == NULL)
         return true;
     if ((c->flags & CMD_WRITE) != 0 ? set->writer != NULL : set->exclusive) {
@@ -176,7 +188,8 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
     struct dataset *set;
     if (c == NULL) {
         reply_err(a->out, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
-    } else if (!check_words(a, c, q) || !check_role(a, c) || !check_set(s, a, c, q, &set)) {
+    } else if (!check_words(a, c, q) || !check_role(a, c) || !check_loaded(s, a, c) ||
+               !check_set(s, a, c, q, &set)) {
         a->close = (c->flags & CMD_BODY) != 0;
     } else if ((c->flags & CMD_BODY) != 0 || check_state(s, a, c, set)) {
         /* A request with a body waits for its set when the body is there. */

@@ -21,7 +21,9 @@ enum {
     CMD_LIVE = 16, /* it has a triangulation */
     CMD_OPEN = 32, /* allowed before AUTH */
     CMD_BODY =
-        64 /* points follow the line: after an error nobody knows where the next request starts */
+        64, /* points follow the line: after an error nobody knows where the next request starts */
+    CMD_ALL_SETS = 128, /* it is about all sets */
+    CMD_FREES = 256 /* it makes sets smaller: possible as long as there is any space on the disk */
 };
 
 struct command {
@@ -62,6 +64,7 @@ command_handler cmd_load, cmd_loadb;                                            
 command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
 command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                   /* cmd_query.c */
 command_handler cmd_locate, cmd_nearest, cmd_within;                             /* cmd_query.c */
+command_handler cmd_snapshot;                                                    /* durable.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_info, cmd_quit;     /* cmd_admin.c */
 
 #endif

@@ -21,6 +21,13 @@ static const char usage[] =
     "  --bind ADDR         numeric address to listen on (default 127.0.0.1)\n"
     "  --port N            TCP port, 0 for any free one (default 6374)\n"
     "  --unix PATH         listen on this Unix socket too\n"
+    "  --data DIR          keep everything in this directory, too, so that it survives\n"
+    "  --fsync WHEN        always: a change is acknowledged when it is on the disk (default);\n"
+    "                      everysec: when it is written, synced once a second; no: never synced\n"
+    "  --compact-at BYTES  log after which a snapshot replaces it (default 64m; more for large "
+    "sets)\n"
+    "  --check DIR         tell whether a data directory is good, and leave\n"
+    "  --repair DIR        put what is damaged in it aside, and leave\n"
     "  --auth-file FILE    lines `ro TOKEN` and `rw TOKEN`: clients must AUTH with one of these\n"
     "  --insecure          allow an address beyond loopback without --auth-file\n"
     "  --threads N         threads that work on heavy requests (default: one per processor)\n"
@@ -76,6 +83,7 @@ void config_init(struct config *c)
         .max_clients = affordable_clients(),
         .max_points = DT_MAX_POINTS,
         .max_memory = usable_memory(),
+        .compact_at = (size_t)64 << 20,
     };
 }
 
@@ -97,6 +105,18 @@ static bool parse_bytes(const char *text, size_t *bytes)
         return false;
     *bytes = (size_t)v << shift;
     return true;
+}
+
+static bool parse_policy(const char *text, enum log_policy *policy)
+{
+    static const char *const name[] = {"always", "everysec", "no"};
+    for (int i = LOG_ALWAYS; i <= LOG_NO; i++) {
+        if (strcmp(text, name[i]) == 0) {
+            *policy = (enum log_policy)i;
+            return true;
+        }
+    }
+    return false;
 }
 
 static bool is_loopback(const char *address, bool *loopback)
@@ -126,6 +146,9 @@ enum flag {
     FLAG_MAX_MEMORY,
     FLAG_DATA,
     FLAG_FSYNC,
+    FLAG_COMPACT_AT,
+    FLAG_CHECK,
+    FLAG_REPAIR,
     FLAG_VERSION,
     FLAG_HELP
 };
@@ -142,6 +165,9 @@ static const struct option flags[] = {
     {"max-memory", required_argument, NULL, FLAG_MAX_MEMORY},
     {"data", required_argument, NULL, FLAG_DATA},
     {"fsync", required_argument, NULL, FLAG_FSYNC},
+    {"compact-at", required_argument, NULL, FLAG_COMPACT_AT},
+    {"check", required_argument, NULL, FLAG_CHECK},
+    {"repair", required_argument, NULL, FLAG_REPAIR},
     {"version", no_argument, NULL, FLAG_VERSION},
     {"help", no_argument, NULL, FLAG_HELP},
     {0},
@@ -181,9 +207,22 @@ static bool set_value(struct config *c, int flag, const char *name, const char *
     case FLAG_MAX_MEMORY:
         return parse_bytes(value, &c->max_memory) ||
                complain(name, value, "bytes, as in 4096m or 2g");
-    default: /* FLAG_DATA, FLAG_FSYNC: better refused than taken for a promise */
-        return complain(name, value,
-                        "this version keeps everything in memory and cannot write to disk yet");
+    case FLAG_DATA:
+        c->data = value;
+        return true;
+    case FLAG_FSYNC:
+        return parse_policy(value, &c->fsync) || complain(name, value, "always, everysec or no");
+    case FLAG_COMPACT_AT:
+        return parse_bytes(value, &c->compact_at) ||
+               complain(name, value, "bytes, as in 64m or 1g");
+    case FLAG_CHECK:
+        c->check = value;
+        return true;
+    case FLAG_REPAIR:
+        c->repair = value;
+        return true;
+    default:
+        return false;
     }
 }
 

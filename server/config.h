@@ -2,6 +2,8 @@
 #ifndef SERVER_CONFIG_H
 #define SERVER_CONFIG_H
 
+#include "server/log.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -13,9 +15,14 @@
 struct config {
     const char *bind_address; /* a numeric IPv4 or IPv6 address */
     unsigned port;            /* 0: any free one */
-    const char *unix_path;    /* NULL: no Unix socket */
-    const char *auth_file;    /* NULL: everybody may do everything */
-    unsigned threads;         /* that a job may use; the I/O thread not counted */
+    const char *data;         /* the data directory; NULL: everything is in memory only */
+    enum log_policy fsync;
+    size_t compact_at;     /* bytes of log after which a snapshot is made */
+    const char *check;     /* a data directory that is to be checked, and nothing else */
+    const char *repair;    /* the same, to be repaired */
+    const char *unix_path; /* NULL: no Unix socket */
+    const char *auth_file; /* NULL: everybody may do everything */
+    unsigned threads;      /* that a job may use; the I/O thread not counted */
     unsigned max_clients;
     uint32_t max_points; /* of one set */
     size_t max_memory;   /* bytes, all sets together */

@@ -56,6 +56,7 @@ void conn_close(struct conn *c)
     if (c->dead)
         return;
     c->dead = true;
+    hold_clear(&c->hold);
     loop_forget(c->loop, &c->source);
     close(c->source.fd);
     c->source.fd = -1;
@@ -162,8 +163,8 @@ static void read_input(struct conn *c)
 
 static void send_output(struct conn *c)
 {
-    while (buf_len(&c->out) > 0) {
-        ssize_t n = send(c->source.fd, buf_head(&c->out), buf_len(&c->out), MSG_NOSIGNAL);
+    for (size_t most; (most = conn_sendable(c)) > 0;) {
+        ssize_t n = send(c->source.fd, buf_head(&c->out), most, MSG_NOSIGNAL);
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0) {
@@ -172,6 +173,7 @@ static void send_output(struct conn *c)
             return;
         }
         buf_consume(&c->out, (size_t)n);
+        c->sent += (uint64_t)n;
         c->progress_ms = c->loop->now_ms;
     }
     c->progress_ms = c->loop->now_ms;
@@ -202,7 +204,7 @@ static void settle(struct conn *c)
     give_back(&c->out, &c->loop->spare_out);
     keep_small(c);
     uint32_t interest =
-        (wants_input(c) ? (uint32_t)EPOLLIN : 0) | (buf_len(&c->out) > 0 ? (uint32_t)EPOLLOUT : 0);
+        (wants_input(c) ? (uint32_t)EPOLLIN : 0) | (conn_sendable(c) > 0 ? (uint32_t)EPOLLOUT : 0);
     if (interest != c->interest) {
         c->interest = interest;
         loop_change(c->loop, &c->source, interest);
@@ -249,6 +251,6 @@ void conn_check_timeouts(struct conn *c)
     int64_t now = c->loop->now_ms;
     if (c->lingering && now - c->linger_ms > LINGER_MS)
         conn_close(c);
-    else if (buf_len(&c->out) > 0 && now - c->progress_ms > STALL_MS)
+    else if (conn_sendable(c) > 0 && now - c->progress_ms > STALL_MS)
         conn_close(c);
 }

@@ -11,6 +11,7 @@
 #define SERVER_CONN_H
 
 #include "proto/buf.h"
+#include "server/hold.h"
 #include "server/loop.h"
 
 enum {
@@ -31,6 +32,8 @@ struct conn {
     struct loop *loop;
     const struct conn_events *events;
     struct buf in, out;
+    uint64_t sent;    /* bytes that have left out so far */
+    struct hold hold; /* which bytes of out must wait for the disk; numbered as `sent` is */
     struct task turn, burial;
     uint32_t interest;   /* what epoll watches for */
     int64_t progress_ms; /* when bytes last went out, or out was empty */
@@ -66,6 +69,18 @@ void conn_close(struct conn *c);
 
 /* To be called once a second: closes those that linger or stall for too long. */
 void conn_check_timeouts(struct conn *c);
+
+/* The number of the next byte that will be appended to out. */
+static inline uint64_t conn_out_end(const struct conn *c)
+{
+    return c->sent + buf_len(&c->out);
+}
+
+/* How many bytes of out may be sent now. */
+static inline size_t conn_sendable(const struct conn *c)
+{
+    return hold_free(&c->hold, c->sent, conn_out_end(c));
+}
 
 /* Whether the owner should produce no more output for now; data is called when it has drained. */
 static inline bool conn_full(const struct conn *c)

@@ -2,6 +2,7 @@
 #include "server/daemon.h"
 
 #include "server/clients.h"
+#include "server/durable.h"
 #include "server/loop.h"
 #include "server/server.h"
 #include "server/sock.h"
@@ -19,7 +20,8 @@
 enum {
     ACCEPTS_PER_TURN = 64,
     GRACE_MS = 30 * 1000, /* for what is under way when the daemon is told to stop */
-    PROGRESS_AFTER_MS = 1000
+    PROGRESS_AFTER_MS = 1000,
+    ANNOUNCE_MS = 1000 /* how long the ready line waits for sets that are being read from disk */
 };
 
 /* One daemon is one process; the callbacks below find it here. */
@@ -27,10 +29,12 @@ static struct {
     struct loop loop;
     struct server server;
     struct clients clients;
-    struct source tcp, local, signals, workers;
+    struct source tcp, local, signals, workers, durable;
     int reserve; /* a descriptor kept back, to refuse politely when all others are used up */
     bool paused; /* the listeners are not watched: no descriptor is left at all */
     bool stopping;
+    bool failed;    /* the data directory cannot be used */
+    bool announced; /* the ready line is out */
     int64_t stop_ms;
     unsigned port;
 } d;
@@ -137,6 +141,39 @@ static void on_workers(struct source *source, uint32_t events)
     server_collect(&d.server, deliver, NULL);
 }
 
+/* ---- durability ---- */
+
+/* Clients that wait for the ready line find everything there, unless that takes long: then they may
+ * meet ERR LOADING. */
+static void announce_if_ready(void)
+{
+    const struct config *config = d.server.config;
+    bool v6 = strchr(config->bind_address, ':') != NULL;
+    if (d.announced ||
+        (!durable_is_complete(&d.server) && clock_ms() - d.server.started_ms < ANNOUNCE_MS))
+        return;
+    d.announced = true;
+    printf("ready on %s%s%s:%u\n", v6 ? "[" : "", config->bind_address, v6 ? "]" : "", d.port);
+    fflush(stdout);
+}
+
+static void on_durable(struct source *source, uint32_t events)
+{
+    (void)source, (void)events;
+    if (!durable_on_event(&d.server)) {
+        d.failed = true;
+        loop_stop(&d.loop);
+        return;
+    }
+    announce_if_ready();
+}
+
+static void on_turn_end(struct loop *loop)
+{
+    (void)loop;
+    durable_turn_end(&d.server);
+}
+
 /* ---- stopping ---- */
 
 static void close_listeners(void)
@@ -199,6 +236,8 @@ static void on_tick(struct loop *loop)
 {
     clients_each(&d.clients, check_client);
     tell_progress();
+    durable_tick(&d.server);
+    announce_if_ready();
     refill_reserve();
     if (d.stopping && loop->now_ms - d.stop_ms > GRACE_MS)
         loop_stop(loop);
@@ -244,8 +283,14 @@ static bool start(const struct config *config)
         return false;
     }
     d.loop.tick = on_tick;
+    d.loop.turn_end = on_turn_end;
     if (!server_init(&d.server, config) ||
         !watch(&d.workers, workers_event(d.server.workers), on_workers))
+        return false;
+    d.server.held.released = session_released;
+    d.server.held.not_saved = session_not_saved;
+    if (config->data != NULL &&
+        (!durable_start(&d.server) || !watch(&d.durable, durable_event(&d.server), on_durable)))
         return false;
     refill_reserve();
     return listen_to_all(config);
@@ -260,14 +305,12 @@ int daemon_run(const struct config *config)
 {
     if (!start(config))
         return 1;
-    bool v6 = strchr(config->bind_address, ':') != NULL;
-    printf("ready on %s%s%s:%u\n", v6 ? "[" : "", config->bind_address, v6 ? "]" : "", d.port);
-    fflush(stdout);
+    announce_if_ready();
     loop_run(&d.loop);
     close_listeners();
     clients_each(&d.clients, close_client);
     loop_clear(&d.loop);
     server_clear(&d.server);
     clients_clear(&d.clients);
-    return 0;
+    return d.failed;
 }

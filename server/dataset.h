@@ -36,6 +36,9 @@ struct dataset {
     bool exclusive;           /* the writer edits in place */
     bool born; /* false while the request that creates it has not succeeded yet: it is not there for
                   others, but its name is taken */
+    bool triangulated; /* TRIANGULATE has been asked for (with --data) */
+    bool loading;      /* it was read from disk and its triangulation is not there yet */
+    uint64_t lsn;      /* of its last change in the log */
     struct waiter *first, *last;
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];

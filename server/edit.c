@@ -1,6 +1,8 @@
 /* edit.c - see edit.h. */
 #include "server/edit.h"
 
+#include "server/journal.h"
+
 #include <stdlib.h>
 
 enum {
@@ -51,6 +53,14 @@ static void run_add(struct job *j)
     j->status = dt_add(j->dt, e->p, e->n, &e->added);
 }
 
+static uint64_t record_add(struct server *s, struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    struct dt_point *p = e->p;
+    e->p = NULL;
+    return journal_add(s, j->set, e->added.first, p, e->n);
+}
+
 static void add_done(struct server *s, struct job *j, struct answer *a)
 {
     struct edit *e = (struct edit *)j;
@@ -97,6 +107,7 @@ void edit_add(struct server *s, struct answer *a, const struct word *name, struc
         return;
     }
     e->job.clear = clear_edit;
+    e->job.record = record_add;
     e->job.what = "adding points";
     e->p = p;
     e->n = n;
@@ -109,6 +120,12 @@ static void run_delete(struct job *j)
 {
     struct edit *e = (struct edit *)j;
     j->status = dt_delete(j->dt, e->ids, e->n, &e->deleted, &e->missing);
+}
+
+static uint64_t record_delete(struct server *s, struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    return journal_delete(s, j->set, e->ids, e->n);
 }
 
 static void delete_done(struct server *s, struct job *j, struct answer *a)
@@ -135,6 +152,7 @@ void edit_delete(struct server *s, struct answer *a, struct dataset *set, uint32
         return;
     }
     e->job.clear = clear_edit;
+    e->job.record = record_delete;
     e->job.what = "deleting points";
     e->ids = ids;
     e->n = n;
@@ -147,6 +165,12 @@ static void run_move(struct job *j)
 {
     struct edit *e = (struct edit *)j;
     j->status = dt_move(j->dt, e->id, e->to);
+}
+
+static uint64_t record_move(struct server *s, struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    return journal_move(s, j->set, e->id, e->to);
 }
 
 static void move_done(struct server *s, struct job *j, struct answer *a)
@@ -171,6 +195,7 @@ void edit_move(struct server *s, struct answer *a, struct dataset *set, uint32_t
         answer_out_of_memory(a);
         return;
     }
+    e->job.record = record_move;
     e->job.what = "moving a point";
     e->id = id;
     e->to = to;

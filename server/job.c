@@ -158,6 +158,8 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     unlink_job(s, j);
     if (set != NULL)
         publish(s, j);
+    if (set != NULL && j->status == DT_OK && j->record != NULL)
+        a->lsn = j->record(s, j);
     j->done(s, j, a);
     if (j->base != NULL)
         version_unpin(&s->sets, j->base);

@@ -5,6 +5,8 @@
  *     run    computes with job->dt and sets job->status. On a worker: it touches the job and
  * job->dt, nothing else. done   on the I/O thread: writes the reply, or the error for job->status.
  *     clear  frees the arguments; may be NULL.
+ *     record on the I/O thread, once a writer has succeeded: appends the change to the journal and
+ *            returns its lsn; may be NULL.
  *
  * A reading job pins the version it reads. A writing job is the set's only writer until it is done;
  * it edits in place if nobody pins the current version, else a copy that becomes the current
@@ -21,6 +23,7 @@ struct job {
     void (*run)(struct job *j);
     void (*done)(struct server *s, struct job *j, struct answer *a);
     void (*clear)(struct job *j);
+    uint64_t (*record)(struct server *s, struct job *j);
     const char *what; /* for the progress line */
     uint64_t owner;   /* whom to answer: a connection's id */
     int64_t started_ms;

@@ -130,6 +130,8 @@ void loop_run(struct loop *loop)
                 source->ready(source, event[i].events);
         }
         tick_if_due(loop);
+        if (loop->turn_end != NULL)
+            loop->turn_end(loop);
         run_all(&loop->burials);
     }
 }

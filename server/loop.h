@@ -33,7 +33,8 @@ struct loop {
     struct task_list deferred, burials;
     int64_t now_ms; /* monotonic; of this turn's beginning */
     int64_t next_tick_ms;
-    void (*tick)(struct loop *loop); /* once a second; may be NULL */
+    void (*tick)(struct loop *loop);     /* once a second; may be NULL */
+    void (*turn_end)(struct loop *loop); /* at the end of every turn; may be NULL */
     struct buf spare_in,
         spare_out; /* large blocks that connections borrow while they have something in hand */
 };

@@ -1,6 +1,7 @@
 /* main.c - delaunayd: reads the command line and runs the daemon. */
 #include "server/config.h"
 #include "server/daemon.h"
+#include "server/recover.h"
 
 int main(int argc, char **argv)
 {
@@ -14,5 +15,9 @@ int main(int argc, char **argv)
     case CONFIG_RUN:
         break;
     }
+    if (config.check != NULL)
+        return recovery_check(config.check);
+    if (config.repair != NULL)
+        return recovery_repair(config.repair);
     return daemon_run(&config);
 }

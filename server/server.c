@@ -1,6 +1,7 @@
 /* server.c - see server.h. */
 #include "server/server.h"
 
+#include "server/durable.h"
 #include "server/job.h"
 #include "server/loop.h"
 #include "server/stream.h"
@@ -69,6 +70,7 @@ void server_clear(struct server *s)
     }
     if (s->workers != NULL)
         workers_free(s->workers);
+    durable_stop(s);
     registry_clear(&s->sets);
     auth_clear(&s->auth);
     request_free(&s->request);

@@ -8,6 +8,7 @@
 #include "server/auth.h"
 #include "server/config.h"
 #include "server/dataset.h"
+#include "server/hold.h"
 #include "server/worker.h"
 
 struct counters {
@@ -21,6 +22,8 @@ struct counters {
 struct server {
     const struct config *config; /* borrows */
     struct registry sets;
+    struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
+    struct holders held;     /* replies that wait for the disk */
     struct workers *workers; /* owns; NULL: every job runs at once, where it is asked for */
     struct job *jobs;        /* those that the workers have */
     size_t loading;          /* bytes of points that are being received */

@@ -23,7 +23,8 @@ enum {
 static struct answer new_answer(struct session *s)
 {
     struct buf *out = s->resp ? &s->server->lines : &s->conn.out;
-    return (struct answer){.out = out, .owner = s->id, .role = s->role};
+    return (struct answer){
+        .out = out, .mark = conn_out_end(&s->conn), .owner = s->id, .role = s->role};
 }
 
 /* What the answer says goes on its way: a client that speaks RESP gets it in that framing. */
@@ -48,6 +49,8 @@ static void consume_held(struct session *s)
 static bool take_over(struct session *s, struct answer *a)
 {
     deliver(s, a);
+    if (a->lsn != 0)
+        hold_add(&s->server->held, &s->conn.hold, a->lsn, a->mark);
     s->role = a->role;
     s->stream = a->stream;
     s->job = a->job;
@@ -334,6 +337,34 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
         return s;
     free(s);
     return NULL;
+}
+
+/* ---- what the log tells ---- */
+
+static struct session *session_of(struct hold *h)
+{
+    return (struct session *)(void *)((char *)h - offsetof(struct session, conn.hold));
+}
+
+void session_released(struct hold *h)
+{
+    conn_again(&session_of(h)->conn);
+}
+
+void session_not_saved(struct hold *h)
+{
+    struct session *s = session_of(h);
+    struct conn *c = &s->conn;
+    buf_rewind(&c->out, conn_sendable(c));
+    hold_clear(h);
+    struct answer a = new_answer(s);
+    reply_err(a.out, ERR_IO, "the disk fails: whether the last changes were saved is not known");
+    deliver(s, &a);
+    if (s->job != NULL || s->stream != NULL || a.broken || c->out.failed)
+        conn_close(c); /* nothing may follow that line */
+    else
+        conn_finish(c);
+    conn_again(c);
 }
 
 /* ---- what the workers tell ---- */

@@ -40,6 +40,13 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
 /* Ends a job of this session. */
 void session_job_done(struct session *s, struct job *j);
 
+/* The hold of this session's connection lets more of its output go. */
+void session_released(struct hold *h);
+
+/* What the replies that are held would have acknowledged may be lost: ends the session with an
+ * error instead of them. */
+void session_not_saved(struct hold *h);
+
 /* Tells the client how far its job is. */
 void session_progress(struct session *s, const struct job *j);
 

@@ -1,0 +1,151 @@
+/* datadir.c - see datadir.h. The lock is flock on the directory itself: it goes with the process,
+ * however that ends, and leaves no file behind. */
+#include "server/datadir.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+bool datadir_open(struct datadir *d, const char *path, bool create)
+{
+    *d = (struct datadir){.fd = -1, .path = path};
+    if (create && mkdir(path, 0700) != 0 && errno != EEXIST) {
+        fprintf(stderr, "delaunayd: cannot create %s: %s\n", path, strerror(errno));
+        return false;
+    }
+    d->fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (d->fd < 0) {
+        fprintf(stderr, "delaunayd: cannot open %s: %s\n", path, strerror(errno));
+        return false;
+    }
+    if (flock(d->fd, LOCK_EX | LOCK_NB) == 0)
+        return true;
+    if (errno == EWOULDBLOCK)
+        fprintf(stderr, "delaunayd: %s is in use by another process\n", path);
+    else
+        fprintf(stderr, "delaunayd: cannot lock %s: %s\n", path, strerror(errno));
+    datadir_close(d);
+    return false;
+}
+
+void datadir_close(struct datadir *d)
+{
+    if (d->fd >= 0)
+        close(d->fd);
+    d->fd = -1;
+}
+
+/* ---- names ---- */
+
+static const char *const prefix[] = {"snapshot.", "log."};
+
+void datafile_name(char name[DATAFILE_NAME], enum datafile_kind kind, uint64_t lsn)
+{
+    snprintf(name, DATAFILE_NAME, "%s%016" PRIx64 "%s",
+             prefix[kind == DATAFILE_LOG ? DATAFILE_LOG : DATAFILE_SNAPSHOT], lsn,
+             kind == DATAFILE_TEMPORARY ? ".tmp" : "");
+}
+
+/* Whether the name is one of ours: it must be what datafile_name makes of its own parts. */
+static bool parse_name(const char *name, struct datafile *f)
+{
+    for (int kind = DATAFILE_SNAPSHOT; kind <= DATAFILE_TEMPORARY; kind++) {
+        const char *start = prefix[kind == DATAFILE_LOG];
+        if (strncmp(name, start, strlen(start)) != 0)
+            continue;
+        f->kind = (enum datafile_kind)kind;
+        f->lsn = strtoull(name + strlen(start), NULL, 16);
+        datafile_name(f->name, f->kind, f->lsn);
+        if (strcmp(f->name, name) == 0)
+            return true;
+    }
+    return false;
+}
+
+static int by_kind_and_lsn(const void *a, const void *b)
+{
+    const struct datafile *x = a, *y = b;
+    if (x->kind != y->kind)
+        return x->kind < y->kind ? -1 : 1;
+    return x->lsn < y->lsn ? -1 : x->lsn > y->lsn;
+}
+
+static bool append(struct datafiles *files, size_t *cap, const struct datafile *f)
+{
+    if (files->n == *cap) {
+        size_t larger = *cap == 0 ? 16 : 2 * *cap;
+        struct datafile *v = realloc(files->v, larger * sizeof *v);
+        if (v == NULL)
+            return false;
+        files->v = v;
+        *cap = larger;
+    }
+    files->v[files->n++] = *f;
+    return true;
+}
+
+bool datadir_list(const struct datadir *d, struct datafiles *files)
+{
+    size_t cap = 0;
+    bool ok = true;
+    *files = (struct datafiles){0};
+    int fd = openat(d->fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
+    if (dir == NULL) {
+        if (fd >= 0)
+            close(fd);
+        return false;
+    }
+    errno = 0;
+    for (struct dirent *e; ok && (e = readdir(dir)) != NULL;) {
+        struct datafile f;
+        struct stat st;
+        if (!parse_name(e->d_name, &f))
+            continue;
+        f.bytes = fstatat(d->fd, f.name, &st, 0) == 0 ? (uint64_t)st.st_size : 0;
+        ok = append(files, &cap, &f);
+        errno = ok ? 0 : ENOMEM;
+    }
+    int error = errno;
+    closedir(dir);
+    if (error == 0) {
+        if (files->n > 0)
+            qsort(files->v, files->n, sizeof *files->v, by_kind_and_lsn);
+        return true;
+    }
+    datafiles_free(files);
+    errno = error;
+    return false;
+}
+
+void datafiles_free(struct datafiles *files)
+{
+    free(files->v);
+    *files = (struct datafiles){0};
+}
+
+bool datadir_sync(const struct datadir *d)
+{
+    return fsync(d->fd) == 0;
+}
+
+void datadir_forget(const struct datadir *d, uint64_t lsn)
+{
+    struct datafiles files;
+    if (!datadir_list(d, &files))
+        return;
+    for (size_t i = 0; i < files.n; i++) {
+        const struct datafile *f = &files.v[i], *next = f + 1;
+        bool followed = i + 1 < files.n && next->kind == DATAFILE_LOG && next->lsn <= lsn + 1;
+        if (f->kind == DATAFILE_LOG ? followed : f->lsn < lsn)
+            unlinkat(d->fd, f->name, 0);
+    }
+    datafiles_free(&files);
+}

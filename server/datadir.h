@@ -1,0 +1,57 @@
+/* datadir.h - the directory of --data: its lock, its files, their names.
+ *
+ *     log.<lsn>         a segment of the log, whose first record has that lsn
+ *     snapshot.<lsn>    all sets, with every change up to that lsn
+ *     *.tmp             a snapshot that was not finished; removed at the next start
+ *     reserve           space kept back, so that DEL and DROP still work on a full disk
+ *     damaged.*         what --repair took away
+ *
+ * An lsn is written as 16 hexadecimal digits, so that names sort. */
+#ifndef SERVER_DATADIR_H
+#define SERVER_DATADIR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct datadir {
+    int fd;
+    const char *path; /* borrows */
+};
+
+enum datafile_kind { DATAFILE_SNAPSHOT, DATAFILE_LOG, DATAFILE_TEMPORARY };
+
+enum { DATAFILE_NAME = 40 };
+
+struct datafile {
+    enum datafile_kind kind;
+    uint64_t lsn;
+    uint64_t bytes;
+    char name[DATAFILE_NAME];
+};
+
+struct datafiles {
+    struct datafile *v; /* owns; snapshots by lsn, then logs by lsn, then the others */
+    size_t n;
+};
+
+/* Opens and locks the directory; creates it if it is missing and `create` is set. One process at a
+ * time has it. False: the reason is on standard error. */
+bool datadir_open(struct datadir *d, const char *path, bool create);
+void datadir_close(struct datadir *d);
+
+/* The files of the directory that are ours. False with errno. */
+bool datadir_list(const struct datadir *d, struct datafiles *files);
+void datafiles_free(struct datafiles *files);
+
+void datafile_name(char name[DATAFILE_NAME], enum datafile_kind kind, uint64_t lsn);
+
+/* Makes creations, renames and removals durable. False with errno. */
+bool datadir_sync(const struct datadir *d);
+
+/* Removes the snapshots older than `lsn` and the log segments that it covers: those followed by a
+ * segment that begins at lsn + 1 or before. A file that cannot be removed is left for the next
+ * time. */
+void datadir_forget(const struct datadir *d, uint64_t lsn);
+
+#endif

@@ -1,0 +1,328 @@
+/* recover.c - see recover.h. */
+#include "server/recover.h"
+
+#include "server/segment_reader.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <string.h>
+#include <unistd.h>
+
+void recovery_init(struct recovery *r, const struct datadir *dir)
+{
+    *r = (struct recovery){.dir = dir};
+    replay_init(&r->replay);
+}
+
+void recovery_clear(struct recovery *r)
+{
+    replay_clear(&r->replay);
+}
+
+unsigned recovery_percent(struct recovery *r)
+{
+    uint64_t total = r->total, done = r->done;
+    return total == 0 ? 0 : (unsigned)(done * 100 / total);
+}
+
+__attribute__((format(printf, 3, 4))) static bool
+fail(struct recovery *r, enum recovery_result result, const char *format, ...)
+{
+    va_list ap;
+    va_start(ap, format);
+    vsnprintf(r->why, sizeof r->why, format, ap);
+    va_end(ap);
+    r->result = result;
+    return false;
+}
+
+static bool fail_to_read(struct recovery *r, const struct datafile *f, int error)
+{
+    return fail(r, RECOVERY_ERROR, "cannot read %s: %s", f->name, strerror(error));
+}
+
+__attribute__((format(printf, 2, 3))) static void report(struct recovery *r, const char *format,
+                                                         ...)
+{
+    va_list ap;
+    if (r->report == NULL)
+        return;
+    va_start(ap, format);
+    vfprintf(r->report, format, ap);
+    va_end(ap);
+}
+
+static bool cancelled(struct recovery *r)
+{
+    if (r->cancel)
+        fail(r, RECOVERY_CANCELLED, "given up");
+    return r->cancel;
+}
+
+/* What a record was refused for: out of memory is not the record's fault. */
+static bool fail_record(struct recovery *r, const struct datafile *f, uint64_t at,
+                        const char *fault)
+{
+    if (r->replay.out_of_memory)
+        return fail(r, RECOVERY_ERROR, "out of memory while reading %s", f->name);
+    return fail(r, RECOVERY_REFUSED, "%s: the record at byte %" PRIu64 " is damaged: %s", f->name,
+                at, fault);
+}
+
+/* ---- the snapshot ---- */
+
+static bool read_snapshot_records(struct recovery *r, const struct datafile *f,
+                                  struct segment_reader *in)
+{
+    struct record record;
+    for (uint64_t number = 1;; number++) {
+        enum reader_result got = reader_next(in, &record);
+        if (got == READER_ERROR)
+            return fail_to_read(r, f, in->error);
+        if (got == READER_END && r->replay.ended)
+            return true;
+        const char *fault = got == READER_END ? "the file ends too early" : in->fault;
+        if (got == READER_OK)
+            fault = record.lsn == number ? replay_snapshot(&r->replay, &record) : "it is misplaced";
+        if (got != READER_OK || fault != NULL)
+            return fail_record(r, f, in->at, fault);
+        r->done += in->last;
+        if (cancelled(r))
+            return false;
+    }
+}
+
+static bool read_snapshot(struct recovery *r, const struct datafile *f)
+{
+    struct segment_reader in;
+    struct segment header;
+    enum reader_result got = reader_open(&in, r->dir, f, &header);
+    bool ok = false;
+    if (got == READER_ERROR)
+        fail_to_read(r, f, in.error);
+    else if (got == READER_BAD)
+        fail(r, RECOVERY_REFUSED, "%s: %s", f->name, in.fault);
+    else
+        ok = read_snapshot_records(r, f, &in);
+    reader_close(&in);
+    r->last = r->replay.snapshot = f->lsn;
+    if (ok)
+        report(r, "%s: %zu sets, all changes up to %" PRIu64 "\n", f->name, r->replay.sets.sets,
+               f->lsn);
+    return ok;
+}
+
+/* ---- a segment of the log ---- */
+
+struct place {
+    const struct datafile *file;
+    bool last; /* no segment follows */
+    uint64_t first;
+    uint64_t load_at, load_lsn; /* where the LOAD began that is not complete */
+};
+
+static bool torn_at(struct recovery *r, const struct place *p, uint64_t at)
+{
+    r->torn = true;
+    r->file = *p->file;
+    r->at = at;
+    snprintf(r->why, sizeof r->why,
+             "%s: the end of the log was torn off by a crash; %" PRIu64 " bytes after byte %" PRIu64
+             " do not count",
+             p->file->name, p->file->bytes - at, at);
+    return true;
+}
+
+static bool corrupt_at(struct recovery *r, const struct place *p, uint64_t at, const char *fault)
+{
+    r->file = *p->file;
+    r->at = at;
+    return fail(r, RECOVERY_CORRUPT,
+                "%s: the record at byte %" PRIu64
+                " is damaged (%s), and changes that were acknowledged follow. --repair DIR would "
+                "keep all changes up to %" PRIu64
+                " and put everything after these aside: %s%" PRIu64 " whole records",
+                p->file->name, at, fault, r->last, p->last ? "" : "later segments and ", r->later);
+}
+
+/* What begins at the reader's place is no record: is it a torn end? */
+static bool judge_end(struct recovery *r, const struct place *p, struct segment_reader *in,
+                      const char *fault)
+{
+    uint64_t at = in->at, bad = r->last + 1;
+    bool synced = false;
+    struct record later;
+    enum reader_result got;
+    while ((got = reader_search(in, bad, &later)) == READER_OK) {
+        r->later++;
+        synced = synced || later.synced >= bad;
+        if (cancelled(r))
+            return false;
+    }
+    if (got == READER_ERROR)
+        return fail_to_read(r, p->file, in->error);
+    if (p->load_at > 0) { /* the whole LOAD goes with its end */
+        at = p->load_at;
+        r->last = p->load_lsn - 1;
+        replay_abandon_load(&r->replay);
+    }
+    if (synced || !p->last)
+        return corrupt_at(r, p, at, fault);
+    return torn_at(r, p, at);
+}
+
+static bool read_log_records(struct recovery *r, struct place *p, struct segment_reader *in)
+{
+    struct record record;
+    for (;;) {
+        enum reader_result got = reader_next(in, &record);
+        if (got == READER_ERROR)
+            return fail_to_read(r, p->file, in->error);
+        if (got == READER_END && p->load_at == 0)
+            return true;
+        if (got == READER_OK && record.lsn != r->last + 1) {
+            in->fault = "its number is not the next one";
+            got = READER_BAD;
+            in->last = 0;
+        }
+        if (got != READER_OK)
+            return judge_end(r, p, in, got == READER_END ? "a LOAD is not complete" : in->fault);
+        const char *fault = replay_log(&r->replay, &record);
+        if (fault != NULL)
+            return fail_record(r, p->file, in->at, fault);
+        if (record.type == RECORD_LOAD) {
+            p->load_at = in->at;
+            p->load_lsn = record.lsn;
+        }
+        if (!replay_in_load(&r->replay))
+            p->load_at = 0;
+        r->last = record.lsn;
+        r->done += in->last;
+        if (cancelled(r))
+            return false;
+    }
+}
+
+/* Nothing was acknowledged before a segment's header was synced: without a single record behind
+ * it, a damaged header is that of a segment that was about to begin. */
+static bool judge_header(struct recovery *r, const struct place *p, struct segment_reader *in)
+{
+    struct record later;
+    enum reader_result got = READER_END;
+    if (buf_len(&in->window) > 0)
+        got = reader_search(in, 0, &later);
+    if (got == READER_ERROR)
+        return fail_to_read(r, p->file, in->error);
+    if (got == READER_END && p->last && p->file->lsn == r->last + 1)
+        return torn_at(r, p, 0);
+    return fail(r, RECOVERY_REFUSED, "%s: %s", p->file->name, in->fault);
+}
+
+static bool read_segment(struct recovery *r, struct place *p)
+{
+    const struct datafile *f = p->file;
+    struct segment_reader in;
+    struct segment header = {0};
+    bool ok = false;
+    enum reader_result got = reader_open(&in, r->dir, f, &header);
+    if (got == READER_ERROR) {
+        fail_to_read(r, f, in.error);
+    } else if (got == READER_BAD && header.version > RECORD_VERSION &&
+               strstr(in.fault, "later version") != NULL) {
+        fail(r, RECOVERY_REFUSED, "%s: %s", f->name, in.fault);
+    } else if (got == READER_BAD) {
+        ok = judge_header(r, p, &in);
+    } else {
+        p->first = r->last + 1;
+        ok = read_log_records(r, p, &in);
+        if (ok)
+            report(r, "%s: changes %" PRIu64 " to %" PRIu64 "\n", f->name, p->first, r->last);
+    }
+    reader_close(&in);
+    return ok;
+}
+
+/* Reads the segments from the first one that has changes after the snapshot. */
+static bool read_log(struct recovery *r, const struct datafile *f, size_t n)
+{
+    while (n > 1 && f[1].lsn <= r->replay.snapshot + 1) {
+        r->done += f->bytes;
+        f++;
+        n--;
+    }
+    if (n == 0 ? r->replay.snapshot > 0 : f->lsn > r->replay.snapshot + 1)
+        return fail(r, RECOVERY_REFUSED, "the log segment with change %" PRIu64 " is missing",
+                    r->replay.snapshot + 1);
+    for (size_t i = 0; i < n; i++) {
+        struct place p = {.file = &f[i], .last = i + 1 == n};
+        if (i > 0 && f[i].lsn != r->last + 1)
+            return fail(r, RECOVERY_REFUSED,
+                        "%s: the log segment with change %" PRIu64 " is missing", f[i].name,
+                        r->last + 1);
+        /* The first one may begin before the snapshot. */
+        r->last = i == 0 ? f[i].lsn - 1 : r->last;
+        if (!read_segment(r, &p))
+            return false;
+        r->log_bytes += f[i].bytes;
+    }
+    if (r->last < r->replay.snapshot)
+        r->last = r->replay.snapshot;
+    return true;
+}
+
+void recovery_run(struct recovery *r)
+{
+    struct datafiles files;
+    size_t snapshots = 0, logs = 0;
+    if (!datadir_list(r->dir, &files)) {
+        fail(r, RECOVERY_ERROR, "cannot list %s: %s", r->dir->path, strerror(errno));
+        return;
+    }
+    for (size_t i = 0; i < files.n; i++) {
+        snapshots += files.v[i].kind == DATAFILE_SNAPSHOT;
+        logs += files.v[i].kind == DATAFILE_LOG;
+        r->total += files.v[i].bytes;
+    }
+    bool ok = snapshots == 0 || read_snapshot(r, &files.v[snapshots - 1]);
+    if (ok && read_log(r, files.v + snapshots, logs))
+        r->result = RECOVERY_OK;
+    datafiles_free(&files);
+}
+
+/* ---- afterwards ---- */
+
+static bool cut(const struct datadir *dir, const struct datafile *f, uint64_t at)
+{
+    int fd = openat(dir->fd, f->name, O_WRONLY | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    bool ok = ftruncate(fd, (off_t)at) == 0 && fsync(fd) == 0;
+    int error = errno;
+    close(fd);
+    errno = error;
+    return ok;
+}
+
+static void remove_temporaries(const struct datadir *dir)
+{
+    struct datafiles files;
+    if (!datadir_list(dir, &files))
+        return;
+    for (size_t i = 0; i < files.n; i++)
+        if (files.v[i].kind == DATAFILE_TEMPORARY)
+            unlinkat(dir->fd, files.v[i].name, 0);
+    datafiles_free(&files);
+}
+
+bool recovery_tidy(struct recovery *r)
+{
+    remove_temporaries(r->dir);
+    if (!r->torn)
+        return true;
+    if (r->at == 0 ? unlinkat(r->dir->fd, r->file.name, 0) != 0 : !cut(r->dir, &r->file, r->at))
+        return fail(r, RECOVERY_ERROR, "cannot cut the end off %s: %s", r->file.name,
+                    strerror(errno));
+    return true;
+}

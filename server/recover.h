@@ -1,0 +1,58 @@
+/* recover.h - reads a data directory back: the newest snapshot, then the log from there on.
+ *
+ * Torn or corrupt? Where a record is damaged, whatever follows is searched for records that say it
+ * was synced (record.h). If one does, acknowledged changes are damaged: that is corruption, and the
+ * daemon does not start. If none does, it is the end that a crash has torn off, which nobody was
+ * promised, and it is cut away. */
+#ifndef SERVER_RECOVER_H
+#define SERVER_RECOVER_H
+
+#include "server/datadir.h"
+#include "server/replay.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+
+enum recovery_result {
+    RECOVERY_OK,
+    RECOVERY_CORRUPT, /* a log segment is damaged at `at`; --repair would cut it off there */
+    RECOVERY_REFUSED, /* nothing that --repair could do about it */
+    RECOVERY_ERROR,   /* out of memory, or the disk cannot be read */
+    RECOVERY_CANCELLED
+};
+
+struct recovery {
+    const struct datadir *dir; /* borrows */
+    FILE *report;              /* borrows; NULL; else a line is written for each file */
+    atomic_bool cancel;
+    atomic_ullong done, total; /* bytes */
+    enum recovery_result result;
+    char why[512]; /* unless RECOVERY_OK; after it, too, if an end was torn off */
+    struct replay replay;
+    uint64_t log_bytes;   /* of the segments that were read */
+    uint64_t last;        /* the lsn of the last change */
+    struct datafile file; /* the segment that is torn or corrupt */
+    uint64_t at;          /* from this offset on */
+    bool torn;
+    uint64_t later; /* RECOVERY_CORRUPT: whole records that follow */
+};
+
+void recovery_init(struct recovery *r, const struct datadir *dir);
+
+/* Reads everything; changes nothing on the disk. */
+void recovery_run(struct recovery *r);
+
+/* Cuts off the torn end, and removes snapshots that were not finished. False: r->why tells. */
+bool recovery_tidy(struct recovery *r);
+
+void recovery_clear(struct recovery *r);
+
+/* How much has been read, 0 to 100. */
+unsigned recovery_percent(struct recovery *r);
+
+/* The commands delaunayd --check DIR and --repair DIR: tell on standard output, return the exit
+ * status: 0 if the directory is good (now), 1 if not. */
+int recovery_check(const char *path);
+int recovery_repair(const char *path);
+
+#endif

@@ -1,0 +1,115 @@
+/* repair.c - delaunayd --check DIR and --repair DIR. */
+#include "server/recover.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <string.h>
+#include <unistd.h>
+
+static void summarize(struct recovery *r)
+{
+    uint64_t points = 0;
+    for (size_t i = 0; i < r->replay.sets.buckets; i++) {
+        for (struct dataset *set = r->replay.sets.bucket[i]; set != NULL; set = set->next) {
+            version_update(&r->replay.sets, set->current);
+            points += set->current->sum.points;
+        }
+    }
+    printf("%zu sets, %" PRIu64 " points, %" PRIu64 " changes\n", r->replay.sets.sets, points,
+           r->last);
+}
+
+static int tell(struct recovery *r)
+{
+    if (r->why[0] != '\0')
+        printf("%s\n", r->why);
+    if (r->result == RECOVERY_OK)
+        summarize(r);
+    printf("%s\n", r->result == RECOVERY_OK ? "good" : "not good");
+    return r->result == RECOVERY_OK ? 0 : 1;
+}
+
+int recovery_check(const char *path)
+{
+    struct datadir dir;
+    struct recovery r;
+    if (!datadir_open(&dir, path, false))
+        return 1;
+    recovery_init(&r, &dir);
+    r.report = stdout;
+    recovery_run(&r);
+    int status = tell(&r);
+    recovery_clear(&r);
+    datadir_close(&dir);
+    return status;
+}
+
+/* ---- repair: nothing is thrown away, it only moves to files called damaged.* ---- */
+
+static bool copy_rest(int from, int to, uint64_t at)
+{
+    char block[1 << 16];
+    ssize_t n;
+    if (lseek(from, (off_t)at, SEEK_SET) < 0)
+        return false;
+    while ((n = read(from, block, sizeof block)) > 0)
+        if (write(to, block, (size_t)n) != n)
+            return false;
+    return n == 0 && fsync(to) == 0;
+}
+
+/* Moves what follows byte `at` of the segment into a file of its own. */
+static bool put_rest_aside(const struct datadir *dir, const struct datafile *f, uint64_t at)
+{
+    char name[DATAFILE_NAME + 16];
+    snprintf(name, sizeof name, "damaged.%s", f->name);
+    int from = openat(dir->fd, f->name, O_RDWR | O_CLOEXEC);
+    int to = openat(dir->fd, name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    bool ok = from >= 0 && to >= 0 && copy_rest(from, to, at) && datadir_sync(dir) &&
+              ftruncate(from, (off_t)at) == 0 && fsync(from) == 0;
+    int error = errno;
+    if (from >= 0)
+        close(from);
+    if (to >= 0)
+        close(to);
+    errno = error;
+    return ok;
+}
+
+static bool put_later_aside(const struct datadir *dir, const struct datafile *f)
+{
+    struct datafiles files;
+    bool ok = datadir_list(dir, &files);
+    for (size_t i = 0; ok && i < files.n; i++) {
+        char name[DATAFILE_NAME + 16];
+        if (files.v[i].kind != DATAFILE_LOG || files.v[i].lsn <= f->lsn)
+            continue;
+        snprintf(name, sizeof name, "damaged.%s", files.v[i].name);
+        ok = renameat(dir->fd, files.v[i].name, dir->fd, name) == 0;
+    }
+    datafiles_free(&files);
+    return ok && datadir_sync(dir);
+}
+
+int recovery_repair(const char *path)
+{
+    struct datadir dir;
+    struct recovery r;
+    if (!datadir_open(&dir, path, false))
+        return 1;
+    recovery_init(&r, &dir);
+    recovery_run(&r);
+    bool corrupt = r.result == RECOVERY_CORRUPT;
+    if (corrupt && put_later_aside(&dir, &r.file) && put_rest_aside(&dir, &r.file, r.at)) {
+        printf("%s: cut off at byte %" PRIu64 "; what was there is in damaged.*\n", r.file.name,
+               r.at);
+    } else if (corrupt) {
+        printf("cannot put the damaged part aside: %s\n", strerror(errno));
+    } else if (r.result == RECOVERY_OK && !recovery_tidy(&r)) {
+        printf("%s\n", r.why);
+    }
+    recovery_clear(&r);
+    datadir_close(&dir);
+    return recovery_check(path);
+}

@@ -1,0 +1,257 @@
+/* snapshot.c - see snapshot.h. */
+#include "server/snapshot.h"
+
+#include "proto/record.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+enum {
+    FLUSH_BYTES = 1 << 20,
+    SYNC_BYTES = 8 << 20, /* so that the disk's queue stays short for the log */
+    NICE = 10
+};
+
+/* ---- on its thread ---- */
+
+struct output {
+    struct snapshot *snap;
+    int fd;
+    struct buf out;
+    uint64_t number, unsynced;
+};
+
+static bool fail(struct output *o, int error)
+{
+    o->snap->error = error;
+    return false;
+}
+
+static bool sync_output(struct output *o)
+{
+    o->unsynced = 0;
+    return fdatasync(o->fd) == 0 || fail(o, errno);
+}
+
+static bool flush(struct output *o)
+{
+    if (o->out.failed)
+        return fail(o, ENOMEM);
+    while (buf_len(&o->out) > 0) {
+        ssize_t n = write(o->fd, buf_head(&o->out), buf_len(&o->out));
+        if (n < 0 && errno != EINTR)
+            return fail(o, errno);
+        if (n > 0) {
+            buf_consume(&o->out, (size_t)n);
+            o->snap->bytes += (uint64_t)n;
+            o->unsynced += (uint64_t)n;
+        }
+    }
+    if (o->snap->cancel)
+        return fail(o, ECANCELED);
+    return o->unsynced < SYNC_BYTES || sync_output(o);
+}
+
+static bool put(struct output *o, struct record *r)
+{
+    r->lsn = ++o->number;
+    record_write(&o->out, r);
+    return !o->out.failed ? buf_len(&o->out) < FLUSH_BYTES || flush(o) : fail(o, ENOMEM);
+}
+
+/* One record of rows, read from the cursor. */
+static bool put_rows(struct output *o, const struct dt *dt, struct dt_cursor *c, uint32_t *ids,
+                     struct record_row *row, size_t *rows)
+{
+    size_t words;
+    enum dt_status status = dt_table_read(dt, c, ids, RECORD_POINTS, SIZE_MAX, rows, &words);
+    for (size_t i = 0; i < *rows && status == DT_OK; i++) {
+        struct dt_point p;
+        row[i].id = ids[i];
+        status = dt_get(dt, ids[i], &p);
+        row[i].x = p.x;
+        row[i].y = p.y;
+        if (status == DT_OK)
+            status = dt_representative(dt, ids[i], &row[i].representative);
+    }
+    struct record r = {.type = RECORD_ROWS, .n = (uint32_t)*rows, .items = row};
+    if (status != DT_OK)
+        return fail(o, status == DT_NOMEM ? ENOMEM : EINVAL);
+    return *rows == 0 || put(o, &r);
+}
+
+static bool put_set(struct output *o, const struct snapshot_source *s)
+{
+    struct dt_cursor c;
+    const struct dt *dt = s->version->dt;
+    size_t rows = 1;
+    uint32_t *ids = malloc(RECORD_POINTS * sizeof *ids);
+    struct record_row *row = malloc(RECORD_POINTS * sizeof *row);
+    struct record r = {.type = RECORD_SET,
+                       .synced = s->lsn,
+                       .flags = s->triangulated ? RECORD_TRIANGULATED : 0,
+                       .first = dt_next_id(dt),
+                       .a = dt_tolerance(dt),
+                       .name = s->name,
+                       .name_len = s->name_len};
+    bool ok = ids != NULL && row != NULL && dt_table_begin(dt, DT_POINTS, false, &c) == DT_OK;
+    if (ok) {
+        r.n = c.rows;
+        ok = put(o, &r);
+    } else {
+        fail(o, ENOMEM);
+    }
+    while (ok && rows > 0)
+        ok = put_rows(o, dt, &c, ids, row, &rows);
+    free(ids);
+    free(row);
+    return ok;
+}
+
+static bool put_all(struct output *o)
+{
+    struct snapshot *snap = o->snap;
+    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_SNAPSHOT, .lsn = snap->lsn};
+    struct record end = {.type = RECORD_END, .n = (uint32_t)snap->n};
+    char *to = buf_reserve(&o->out, SEGMENT_HEADER);
+    if (to == NULL)
+        return fail(o, ENOMEM);
+    segment_write(to, &header);
+    buf_commit(&o->out, SEGMENT_HEADER);
+    for (size_t i = 0; i < snap->n; i++)
+        if (!put_set(o, &snap->source[i]))
+            return false;
+    return put(o, &end) && flush(o) && sync_output(o);
+}
+
+/* Whether the file is complete and has its name. */
+static void write_snapshot(struct snapshot *snap)
+{
+    struct output o = {.snap = snap};
+    char temporary[DATAFILE_NAME], name[DATAFILE_NAME];
+    int dir = snap->dir->fd;
+    datafile_name(temporary, DATAFILE_TEMPORARY, snap->lsn);
+    datafile_name(name, DATAFILE_SNAPSHOT, snap->lsn);
+    o.fd = openat(dir, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (o.fd < 0) {
+        fail(&o, errno);
+        return;
+    }
+    bool ok = put_all(&o);
+    buf_free(&o.out);
+    if (close(o.fd) != 0 && ok)
+        ok = fail(&o, errno);
+    if (ok && renameat(dir, temporary, dir, name) != 0)
+        ok = fail(&o, errno);
+    if (!ok) {
+        unlinkat(dir, temporary, 0);
+        return;
+    }
+    if (datadir_sync(snap->dir))
+        datadir_forget(snap->dir, snap->lsn);
+    else
+        fail(&o, errno);
+}
+
+static void *serve(void *arg)
+{
+    struct snapshot *snap = arg;
+    uint64_t one = 1;
+    setpriority(PRIO_PROCESS, 0, NICE); /* on Linux: of this thread */
+    write_snapshot(snap);
+    snap->done = true;
+    ssize_t ignored = write(snap->event, &one, sizeof one);
+    (void)ignored;
+    return NULL;
+}
+
+/* ---- on the I/O thread ---- */
+
+static void start(struct snapshot *snap)
+{
+    int error = pthread_create(&snap->thread, NULL, serve, snap);
+    uint64_t one = 1;
+    snap->started = error == 0;
+    if (error == 0)
+        return;
+    snap->error = error;
+    snap->done = true;
+    ssize_t ignored = write(snap->event, &one, sizeof one);
+    (void)ignored;
+}
+
+static void pin(struct snapshot_source *s, struct dataset *set)
+{
+    s->version = version_pin(set->current);
+    s->lsn = set->lsn;
+    s->triangulated = set->triangulated;
+}
+
+static void on_free(struct waiter *w)
+{
+    struct snapshot_source *s =
+        (struct snapshot_source *)(void *)((char *)w - offsetof(struct snapshot_source, waiter));
+    pin(s, s->set);
+    if (--s->snapshot->waiting == 0)
+        start(s->snapshot);
+}
+
+static void count(struct dataset *set, void *ctx)
+{
+    (void)set;
+    ++*(size_t *)ctx;
+}
+
+static void enrol(struct dataset *set, void *ctx)
+{
+    struct snapshot *snap = ctx;
+    struct snapshot_source *s = &snap->source[snap->n++];
+    s->snapshot = snap;
+    s->name_len = set->name_len;
+    memcpy(s->name, set->name, set->name_len);
+    if (!set->exclusive) {
+        pin(s, set);
+        return;
+    }
+    s->set = set;
+    s->waiter.wake = on_free;
+    dataset_wait(set, &s->waiter);
+    snap->waiting++;
+}
+
+struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets, uint64_t lsn,
+                                int event)
+{
+    size_t n = 0;
+    registry_each(sets, count, &n);
+    struct snapshot *snap = calloc(1, sizeof *snap + n * sizeof snap->source[0]);
+    if (snap == NULL)
+        return NULL;
+    snap->dir = dir;
+    snap->lsn = lsn;
+    snap->event = event;
+    registry_each(sets, enrol, snap);
+    if (snap->waiting == 0)
+        start(snap);
+    return snap;
+}
+
+int snapshot_end(struct snapshot *snap, struct registry *sets)
+{
+    snap->cancel = true;
+    if (snap->started)
+        pthread_join(snap->thread, NULL);
+    int error = snap->done ? snap->error : ECANCELED;
+    for (size_t i = 0; i < snap->n; i++) {
+        dataset_wait_no_more(&snap->source[i].waiter);
+        if (snap->source[i].version != NULL)
+            version_unpin(sets, snap->source[i].version);
+    }
+    free(snap);
+    return error;
+}

@@ -1,0 +1,54 @@
+/* snapshot.h - a file with all sets, written by a thread of its own from pinned versions.
+ *
+ * The sets are not all pinned at one moment: one that is just being edited in place is pinned when
+ * it is free. So the file says for each set up to which change it contains it, and the log goes on
+ * from there, set by set. What the file's own lsn promises is that every change up to it is
+ * contained.
+ *
+ * The steps: write to a temporary file, sync it, rename it, sync the directory; only then remove
+ * what it replaces. A crash at any point leaves the old state or the new one. */
+#ifndef SERVER_SNAPSHOT_H
+#define SERVER_SNAPSHOT_H
+
+#include "server/datadir.h"
+#include "server/dataset.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+struct snapshot;
+
+struct snapshot_source {
+    struct waiter waiter; /* while the set is not free */
+    struct snapshot *snapshot;
+    struct dataset *set;     /* borrows while it waits */
+    struct version *version; /* pinned; NULL while it waits */
+    uint64_t lsn;            /* of the set's last change in it */
+    bool triangulated;
+    size_t name_len;
+    char name[SET_NAME_LIMIT + 1];
+};
+
+struct snapshot {
+    const struct datadir *dir; /* borrows */
+    uint64_t lsn;
+    int event; /* borrows: an eventfd, written when done */
+    size_t n, waiting;
+    int error;      /* errno; 0: it is in place */
+    uint64_t bytes; /* of the file */
+    bool started;
+    atomic_bool cancel, done;
+    pthread_t thread;
+    struct snapshot_source source[];
+};
+
+/* Pins all born sets, and starts the thread as soon as the last one is pinned. NULL: out of memory.
+ * The caller ends it with snapshot_end. */
+struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets, uint64_t lsn,
+                                int event);
+
+/* Waits for the thread, unpins, frees. Returns the errno of what failed, 0 if the snapshot is in
+ * place. Before it is done: gives it up (ECANCELED). */
+int snapshot_end(struct snapshot *snap, struct registry *sets);
+
+#endif

@@ -1,0 +1,139 @@
+/* directory.c - see directory.h. */
+#include "tests/server/directory.h"
+
+#include "tests/test.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+struct directory directory_new(void)
+{
+    struct directory dir;
+    const char *tmp = getenv("TMPDIR");
+    snprintf(dir.path, sizeof dir.path, "%.40s/delaunayd-XXXXXX", tmp != NULL ? tmp : "/tmp");
+    CHECK(mkdtemp(dir.path) != NULL);
+    return dir;
+}
+
+static int dots(const struct dirent *e)
+{
+    return strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+}
+
+void directory_remove(const struct directory *dir)
+{
+    struct dirent **e;
+    int n = scandir(dir->path, &e, dots, alphasort);
+    for (int i = 0; i < n; i++) {
+        char path[400];
+        snprintf(path, sizeof path, "%s/%s", dir->path, e[i]->d_name);
+        unlink(path);
+        free(e[i]);
+    }
+    if (n >= 0)
+        free(e);
+    rmdir(dir->path);
+}
+
+bool directory_file(const struct directory *dir, const char *prefix, unsigned n, char path[128])
+{
+    struct dirent **e;
+    bool found = false;
+    int names = scandir(dir->path, &e, dots, alphasort);
+    CHECK(names >= 0);
+    for (int i = 0; i < names; i++) {
+        if (!found && strncmp(e[i]->d_name, prefix, strlen(prefix)) == 0 && n-- == 0) {
+            snprintf(path, 128, "%s/%.60s", dir->path, e[i]->d_name);
+            found = true;
+        }
+        free(e[i]);
+    }
+    free(e);
+    return found;
+}
+
+struct daemon directory_daemon(const struct directory *dir, const char *const *arguments)
+{
+    const char *all[12] = {"--data", dir->path};
+    size_t n = 2;
+    for (; arguments != NULL && *arguments != NULL && n < 11; arguments++)
+        all[n++] = *arguments;
+    all[n] = NULL;
+    return daemon_start(all);
+}
+
+int directory_run(const struct directory *dir, const char *flag, char *text, size_t size)
+{
+    int out[2], status;
+    size_t n = 0;
+    CHECK(pipe(out) == 0);
+    pid_t pid = fork();
+    CHECK(pid >= 0);
+    if (pid == 0) {
+        dup2(out[1], STDOUT_FILENO);
+        dup2(out[1], STDERR_FILENO);
+        close(out[0]);
+        execl(getenv("DELAUNAYD"), "delaunayd", flag, dir->path, "--port", "0", (char *)NULL);
+        _exit(127);
+    }
+    close(out[1]);
+    for (ssize_t r; n + 1 < size && (r = read(out[0], text + n, size - 1 - n)) > 0;)
+        n += (size_t)r;
+    text[n] = '\0';
+    close(out[0]);
+    CHECK(waitpid(pid, &status, 0) == pid);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+char *file_read(const char *path, size_t *n)
+{
+    struct stat st;
+    int fd = open(path, O_RDONLY);
+    CHECK(fd >= 0 && fstat(fd, &st) == 0);
+    *n = (size_t)st.st_size;
+    char *bytes = malloc(*n + 1);
+    CHECK(bytes != NULL && read(fd, bytes, *n) == (ssize_t)*n);
+    close(fd);
+    return bytes;
+}
+
+void file_write(const char *path, const char *bytes, size_t n)
+{
+    int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    CHECK(fd >= 0 && write(fd, bytes, n) == (ssize_t)n);
+    close(fd);
+}
+
+char *directory_state(const struct daemon *d, const char *const *sets)
+{
+    size_t n, used = 0;
+    char request[2000];
+    used += (size_t)snprintf(request, sizeof request, "SETS\n");
+    for (; *sets != NULL; sets++)
+        used += (size_t)snprintf(request + used, sizeof request - used,
+                                 "POINTS %s\nCOINCIDENT %s\nLISTS %s\nHULL %s\n", *sets, *sets,
+                                 *sets, *sets);
+    int fd = daemon_connect(d);
+    say(fd, request);
+    shutdown(fd, SHUT_WR);
+    char *state = hear_all(fd, &n);
+    close(fd);
+    return state;
+}
+
+void carry_out(const struct daemon *d, const char *requests)
+{
+    size_t n;
+    int fd = daemon_connect(d);
+    say(fd, requests);
+    shutdown(fd, SHUT_WR);
+    char *replies = hear_all(fd, &n);
+    CHECK_MSG(strncmp(replies, "ERR", 3) != 0 && strstr(replies, "\nERR") == NULL, "%s", replies);
+    free(replies);
+    close(fd);
+}

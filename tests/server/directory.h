@@ -1,0 +1,33 @@
+/* directory.h - a data directory for a test, removed when the test ends well, and daemons on it. */
+#ifndef TESTS_SERVER_DIRECTORY_H
+#define TESTS_SERVER_DIRECTORY_H
+
+#include "tests/server/daemon.h"
+
+struct directory {
+    char path[64];
+};
+
+struct directory directory_new(void);
+void directory_remove(const struct directory *dir);
+
+/* A daemon on the directory, with further arguments up to a NULL. */
+struct daemon directory_daemon(const struct directory *dir, const char *const *arguments);
+
+/* Runs delaunayd FLAG DIR; what it prints, up to `size`, goes to text. Returns the exit status. */
+int directory_run(const struct directory *dir, const char *flag, char *text, size_t size);
+
+/* The n-th (from 0) name that begins with `prefix`, in order; false if there are fewer. */
+bool directory_file(const struct directory *dir, const char *prefix, unsigned n, char path[128]);
+
+/* A file's content, which the caller frees; and back. */
+char *file_read(const char *path, size_t *n);
+void file_write(const char *path, const char *bytes, size_t n);
+
+/* Everything that a client can see of the sets, as text; the caller frees it. */
+char *directory_state(const struct daemon *d, const char *const *sets);
+
+/* Sends the request lines, one after the other's reply, and checks that none is an error. */
+void carry_out(const struct daemon *d, const char *requests);
+
+#endif

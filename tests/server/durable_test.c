@@ -1,0 +1,172 @@
+/* durable_test.c - what was acknowledged is there after a restart, however the daemon ended. */
+#include "tests/server/directory.h"
+#include "tests/test.h"
+
+#include <signal.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+static const char *const names[] = {"a", "b", "t", NULL};
+
+/* Every kind of change; ids that are gone for ever, the highest ones too; points near each other.
+ */
+static const char history[] = "CREATE a TOL 0.5\n"
+                              "ADD a 0 0  0.25 0  4 0  4 0.25  0 4  4 4  9 9\n"
+                              "DEL a 0 6\n"
+                              "ADD t 0 0  4 0  4 4  0 4  2 2  2 2  7 7\n"
+                              "DEL t 6\n"
+                              "TRIANGULATE t\n"
+                              "MOVE t 4 1 2\n"
+                              "ADD b 1e-3 -7.25e20\n"
+                              "LOAD b 3\n1 2\n3 4\n5 6\n"
+                              "ADD gone 1 1\nTRIANGULATE gone\nDROP gone\n"
+                              "ADD gone 2 2\nDROP gone\n"
+                              "TRIANGULATE a\nMOVE a 2 4 3.9\nDEL t 0\nADD t 0 0\n"
+                              "LOADB b 0\n";
+
+static void check_state(const struct daemon *d, const char *want)
+{
+    char *got = directory_state(d, names);
+    CHECK_STR(got, want);
+    free(got);
+}
+
+static void restart_after(int sig, const char *const *arguments)
+{
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, arguments);
+    carry_out(&d, history);
+    char *want = directory_state(&d, names);
+    for (int i = 0; i < 3; i++) {
+        daemon_stop(&d, sig);
+        d = directory_daemon(&dir, arguments);
+        check_state(&d, want);
+    }
+    converse(&d, "ADD a 8 8\nADD t 8 8\nADD b 8 8\n",
+             "OK 0 first=7 added=1 coincident=0\n"
+             "OK 0 first=8 added=1 coincident=0\n"
+             "OK 0 first=4 added=1 coincident=0\n");
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+    free(want);
+    directory_remove(&dir);
+}
+
+TEST(changes_survive_kill)
+{
+    restart_after(SIGKILL, NULL);
+}
+
+TEST(changes_survive_a_stop)
+{
+    restart_after(SIGTERM, NULL);
+}
+
+TEST(changes_survive_kill_with_every_fsync_policy)
+{
+    restart_after(SIGKILL, (const char *const[]){"--fsync", "everysec", NULL});
+    restart_after(SIGKILL, (const char *const[]){"--fsync", "no", NULL});
+}
+
+static void wait_for_snapshot(const struct daemon *d, uint64_t lsn)
+{
+    while (daemon_info(d, "snapshot_lsn") < lsn || daemon_info(d, "snapshot_running") != 0)
+        pause_ms(5);
+}
+
+TEST(snapshot_holds_everything_and_replaces_the_log)
+{
+    char path[128];
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL);
+    carry_out(&d, history);
+    char *want = directory_state(&d, names);
+    uint64_t lsn = daemon_info(&d, "log_lsn");
+    carry_out(&d, "SNAPSHOT\n");
+    wait_for_snapshot(&d, lsn);
+    CHECK(directory_file(&dir, "snapshot.", 0, path) &&
+          !directory_file(&dir, "snapshot.", 1, path));
+    CHECK(!directory_file(&dir, "log.0000000000000001", 0, path));
+    daemon_stop(&d, SIGKILL);
+    d = directory_daemon(&dir, NULL);
+    check_state(&d, want);
+    converse(&d, "ADD a 8 8\nADD t 8 8\n",
+             "OK 0 first=7 added=1 coincident=0\nOK 0 first=8 added=1 coincident=0\n");
+    free(want);
+    want = directory_state(&d, names);
+    daemon_stop(&d, SIGKILL);
+    d = directory_daemon(&dir, NULL);
+    check_state(&d, want);
+    free(want);
+    daemon_stop(&d, SIGKILL);
+    directory_remove(&dir);
+}
+
+TEST(log_is_compacted_when_it_has_become_long)
+{
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, (const char *const[]){"--compact-at", "4k", NULL});
+    int fd = daemon_connect(&d);
+    for (int i = 0; i < 400; i++)
+        say(fd, "ADD t 1 2\nDEL t 0\nDROP t\n");
+    for (int i = 0; i < 1200; i++)
+        hear_line(fd);
+    for (int i = 0; i < 300 && daemon_info(&d, "log_bytes") > 20000; i++)
+        pause_ms(10);
+    CHECK(daemon_info(&d, "log_bytes") < 20000 && daemon_info(&d, "snapshots") > 0);
+    daemon_stop(&d, SIGKILL);
+    d = directory_daemon(&dir, NULL);
+    converse(&d, "SETS\n", "OK 0\n");
+    daemon_stop(&d, SIGKILL);
+    directory_remove(&dir);
+}
+
+TEST(load_of_many_records_comes_back)
+{
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 100000);
+    say(fd, "DEL t 5\nTRIANGULATE t\n");
+    expect(fd, "OK 0 deleted=1\n");
+    close(fd);
+    char *want = directory_state(&d, (const char *const[]){"t", NULL});
+    daemon_stop(&d, SIGKILL);
+    for (int i = 0; i < 2; i++) { /* from the log, then from a snapshot */
+        d = directory_daemon(&dir, NULL);
+        while (daemon_info(&d, "loaded_percent") < 100)
+            pause_ms(10);
+        char *got = directory_state(&d, (const char *const[]){"t", NULL});
+        CHECK(strcmp(got, want) == 0);
+        free(got);
+        carry_out(&d, "SNAPSHOT\n");
+        wait_for_snapshot(&d, 5);
+        daemon_stop(&d, SIGKILL);
+    }
+    free(want);
+    directory_remove(&dir);
+}
+
+TEST(directory_belongs_to_one_daemon)
+{
+    char text[1000];
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL);
+    CHECK(directory_run(&dir, "--data", text, sizeof text) == 1);
+    CHECK(strstr(text, "in use") != NULL);
+    CHECK(directory_run(&dir, "--check", text, sizeof text) == 1);
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+    CHECK_MSG(directory_run(&dir, "--check", text, sizeof text) == 0, "%s", text);
+    directory_remove(&dir);
+}
+
+TEST(pipelined_replies_come_in_order_though_some_wait_for_the_disk)
+{
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL);
+    converse(&d, "PING\nADD t 1 1\nPING\nADD t 2 2\nGET t 1\nPING\n",
+             "OK 0\nOK 0 first=0 added=1 coincident=0\nOK 0\n"
+             "OK 0 first=1 added=1 coincident=0\nOK 1\n1 2 2\nOK 0\n");
+    daemon_stop(&d, SIGKILL);
+    directory_remove(&dir);
+}
