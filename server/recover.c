@@ -237,7 +237,9 @@ static bool read_segment(struct recovery *r, struct place *p)
     } else {
         p->first = r->last + 1;
         ok = read_log_records(r, p, &in);
-        if (ok)
+        if (ok && r->last < p->first)
+            report(r, "%s: no changes yet\n", f->name);
+        else if (ok)
             report(r, "%s: changes %" PRIu64 " to %" PRIu64 "\n", f->name, p->first, r->last);
     }
     reader_close(&in);
