@@ -200,8 +200,9 @@ TEST_TIMEOUT(readers_that_stall_cost_little_memory, 60)
     }
     wait_until_quiet(&d);
     size_t after = daemon_resident(&d);
-    CHECK_MSG(after < before + (size_t)READERS * 300 * 1024, "%zu KiB more",
-              (after - before) / 1024);
+    if (costs_are_telling())
+        CHECK_MSG(after < before + (size_t)READERS * 300 * 1024, "%zu KiB more",
+                  (after - before) / 1024);
     say(first, "PING\n");
     expect(first, "OK 0\n");
 }
@@ -253,7 +254,7 @@ TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_ma
     struct daemon d = daemon_start(arguments);
     int fd[CLIENTS], fine = 0, busy = 0, comments = 0;
     fd[0] = daemon_connect(&d);
-    load_random(fd[0], "t", 150000);
+    load_random(fd[0], "t", costs_are_telling() ? 150000 : 15000); /* a sanitizer takes its time */
     say(fd[0], "TRIANGULATE t\n");
     hear_line(fd[0]);
     for (int i = 0; i < CLIENTS; i++) {
@@ -267,7 +268,7 @@ TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_ma
         char *text = hear_all(fd[i], &n), *at = text;
         for (; strncmp(at, "# progress ", 11) == 0; at = strchr(at, '\n') + 1)
             comments++;
-        fine += strncmp(at, "OK 0 delaunay=yes points=150000 ", 32) == 0;
+        fine += strncmp(at, "OK 0 delaunay=yes points=15", 27) == 0;
         busy += strncmp(at, "ERR BUSY ", 9) == 0;
         free(text);
     }
