@@ -2,11 +2,12 @@
  *
  * Each predicate tries what is cheap and certain before it computes the polynomial as an expansion:
  *
- *     filter (inline)                 decides all but about one call in 10^4 on random points
- *     axis-parallel rectangle         incircle only: exactly zero; most ties on lattices
- *     128-bit integers                incircle only: differences that are multiples of a common
- * power of two double words                    about 100 bits; decides nearly all that is not a tie
- *     expansions                      exact whatever the input [Shewchuk 1997]
+ *     filter (inline)            decides all but one call in 10^4 on random points
+ *     axis-parallel rectangle    incircle: exactly zero; most ties on lattices
+ *     128-bit integers           incircle: differences on a common grid, 30 bits
+ *     double words               about 100 bits: nearly all that is not a tie
+ *     integers modulo 2^128      incircle: ties on a common grid, 55 bits
+ *     expansions                 exact whatever the input [Shewchuk 1997]
  *
  * Why nothing overflows or underflows: a coordinate is 0 or of magnitude 2^-142 to 2^201, so it is
  * a multiple of 2^-194, and so are differences; every intermediate value of degree k is then a
@@ -159,6 +160,36 @@ static int incircle_double2(const struct differences *d)
     return fabs(det.hi) > INCIRCLE_BOUND_2 * permanent ? sign_of(det.hi) : 0;
 }
 
+/* Where double words could not tell, the determinant is below 2^-99 of its permanent. If the
+ * differences are integers below 2^55 times a common power of two, the permanent is below 12 *
+ * 2^220 and the determinant below 2^125: arithmetic modulo 2^128 has its sign. That is every tie of
+ * points on a fine lattice, as of integers of 50 bits on one circle. */
+static bool incircle_modular(const struct differences *d, int *sign)
+{
+    unsigned __int128 v[6];
+    uint64_t bits;
+    if (d->largest == 0)
+        return false;
+    memcpy(&bits, &d->largest, sizeof bits);
+    bits = (uint64_t)(1023 + 54 + 1023 - (int)(bits >> 52))
+           << 52; /* 2^54 / 2^floor(log2 largest) */
+    double scale;
+    memcpy(&scale, &bits, sizeof scale);
+    for (int i = 0; i < 6; i++) {
+        double hi = d->xy[i].hi * scale, lo = d->xy[i].lo * scale;
+        int64_t whole = (int64_t)hi, rest = (int64_t)lo;
+        if ((double)whole != hi || (double)rest != lo)
+            return false;
+        v[i] = (unsigned __int128)(__int128)(whole + rest);
+    }
+    unsigned __int128 ax = v[0], bx = v[1], cx = v[2], ay = v[3], by = v[4], cy = v[5];
+    unsigned __int128 det = (ax * ax + ay * ay) * (bx * cy - cx * by);
+    det += (bx * bx + by * by) * (cx * ay - ax * cy);
+    det += (cx * cx + cy * cy) * (ax * by - bx * ay);
+    *sign = det == 0 ? 0 : det >> 127 ? -1 : 1;
+    return true;
+}
+
 /* A difference as an expansion: zero components left out. */
 struct component {
     double e[2];
@@ -203,7 +234,9 @@ int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, s
     if (incircle_integers(&v, &sign))
         return sign;
     sign = incircle_double2(&v);
-    return sign != 0 ? sign : incircle_expansion(&v);
+    if (sign != 0 || incircle_modular(&v, &sign))
+        return sign;
+    return incircle_expansion(&v);
 }
 
 /* Raising the greatest point's height dominates. Raising d's own lifts it out of the circle;

@@ -3,6 +3,7 @@
 #include "core/predicates.h"
 
 #include "tests/oracle/exact.h"
+#include "tests/oracle/families.h"
 #include "tests/test.h"
 
 #include <math.h>
@@ -109,10 +110,10 @@ static struct dt_point mixed_ends(void) /* huge and tiny in one set: expansions 
     }
 }
 
-static struct dt_point (*const families[])(void) = {
+static struct dt_point (*const kinds[])(void) = {
     uniform,    lattice,       tenths,    ulps,     circle,  integer_circle, large_circle,
     far_circle, wobbly_circle, near_line, smallest, largest, mixed,          mixed_ends};
-enum { FAMILIES = sizeof families / sizeof *families, ROUNDS = 600 };
+enum { FAMILIES = sizeof kinds / sizeof *kinds, ROUNDS = 600 };
 
 static bool distinct(const struct dt_point *p, int n)
 {
@@ -126,7 +127,7 @@ static bool distinct(const struct dt_point *p, int n)
 /* Every family's points are within what the predicates promise to handle. */
 static struct dt_point draw(int family)
 {
-    struct dt_point p = families[family]();
+    struct dt_point p = kinds[family]();
     for (int k = 0; k < 2; k++) {
         double v = fabs(k ? p.y : p.x);
         CHECK(v == 0 || (v >= 0x1p-142 && v <= 0x1p201));
@@ -190,6 +191,27 @@ TEST(perturbed_incircle_never_ties_and_obeys_the_rule)
 }
 
 /* By the rule the greatest corner is lifted off the others' circle, so the diagonal avoids it. */
+/* Integers of 46 bits: beyond 128-bit arithmetic as it is, and one unit off the circle beyond
+ * double words. */
+TEST(incircle_tells_ties_of_large_integers_from_what_is_one_unit_off)
+{
+    struct dt_point p[2000];
+    unsigned ties = 0;
+    family_points(family_find("circle_exact"), p, 2000, 1);
+    for (unsigned round = 0; round < 3000; round++) {
+        struct dt_point q[4];
+        for (unsigned i = 0; i < 4; i++) {
+            q[i] = p[test_below(2000)];
+            q[i].x += (double)test_below(3) * (test_below(8) == 0) - (test_below(8) == 0);
+            q[i].y *= test_below(16) == 0 ? 1 + 0x1p-40 : 1;
+        }
+        int want = exact_incircle(q[0], q[1], q[2], q[3]);
+        CHECK(dt_incircle(q[0], q[1], q[2], q[3]) == want);
+        ties += want == 0;
+    }
+    CHECK(ties > 300 && ties < 2900);
+}
+
 TEST(the_tie_of_a_square_is_cut_off_the_greatest_corner)
 {
     struct dt_point a = {0, 0}, b = {1, 0}, c = {1, 1}, d = {0, 1};
