@@ -1,4 +1,6 @@
-/* command.h - the subcommands of the `delaunay` command line. Each returns the exit status. */
+/* command.h - the subcommands of the `delaunay` command line. Each returns the exit status. Those
+ * that take argc and argv are given their own name as argv[0], and options may be among the
+ * arguments. */
 #ifndef CLIENTS_COMMAND_H
 #define CLIENTS_COMMAND_H
 
@@ -9,11 +11,23 @@ enum exit_status { EXIT_DONE = 0, EXIT_REFUSED = 1, EXIT_USAGE = 2, EXIT_NO_CONN
 /* Sends the words as one request line and prints the reply. */
 int command_any(struct delaunay_client *c, int words, char **word);
 
-/* Loads a file of `x y` lines, "-" for the standard input, into a set: all of it or nothing. */
-int command_load(struct delaunay_client *c, const char *set, const char *path);
+/* load SET FILE: all of a file into a set, or nothing. */
+int command_load(struct delaunay_client *c, int argc, char **argv);
 
-/* Draws a triangulated set as an SVG file, "-" for the standard output. */
-int command_export(struct delaunay_client *c, const char *set, const char *path);
+/* export SET FILE: a triangulated set as a drawing or in another program's format. */
+int command_export(struct delaunay_client *c, int argc, char **argv);
+
+/* show SET: draws a triangulated set in the terminal. */
+int command_show(struct delaunay_client *c, int argc, char **argv);
+
+/* top: a live view of INFO until interrupted. */
+int command_top(struct delaunay_client *c, int argc, char **argv);
+
+/* copy SET URL URL: a set from one daemon to another. c is NULL: it connects by itself. */
+int command_copy(struct delaunay_client *c, int argc, char **argv);
+
+/* completion: prints a completion script for bash. c is NULL. */
+int command_completion(struct delaunay_client *c, int argc, char **argv);
 
 /* Reports the outcome of a request on the standard error, unless it is DELAUNAY_OK; returns the
  * exit status. */

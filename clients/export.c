@@ -1,213 +1,294 @@
-/* export.c - `delaunay export SET FILE.svg`: asks for points, triangles and hull in turn and draws
- * them as they come. Only the coordinates are kept. The file appears under its name when it is
- * complete. */
+/* export.c - `delaunay export`: fetches a set and writes it in one of the formats, or as a drawing.
+ * The file appears under its name when it is complete. */
 #include <errno.h>
+#include <getopt.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "clients/command.h"
+#include "clients/formats.h"
 #include "clients/svg.h"
 #include "proto/number.h"
 
+enum colour { COLOUR_NONE, COLOUR_QUALITY, COLOUR_DEGREE };
+
 struct export
 {
-    uint32_t *id; /* owns n, ascending */
-    double *xy;   /* owns 2n */
-    size_t n, cap;
-    struct svg svg;
-    const char *fault; /* what went wrong here: a static sentence */
+    const char *set, *path;
+    const struct format *format; /* NULL: a drawing */
+    bool png;
+    enum colour colour;
+    bool numbers, has_box;
+    double box[4];
+    struct model m;
 };
 
-static bool fault(struct export *e, const char *what)
+static int say_fault(const char *about, const char *what)
 {
-    e->fault = what;
-    return false;
+    fprintf(stderr, "delaunay: %s%s%s\n", about, about[0] != '\0' ? ": " : "", what);
+    return EXIT_REFUSED;
 }
 
-/* Splits a row at its blanks into exactly n words. */
-static bool split(const struct reply_part *row, const char **word, size_t *len, size_t n)
+/* ---- the drawing ---- */
+
+static const double *point(const struct model *m, size_t place)
 {
-    const char *p = row->text, *end = p + row->len;
-    for (size_t i = 0; i < n; i++) {
-        const char *space = memchr(p, ' ', (size_t)(end - p));
-        const char *stop = i + 1 < n ? space : end;
-        if (stop == NULL || (i + 1 == n && space != NULL))
-            return false;
-        word[i] = p;
-        len[i] = (size_t)(stop - p);
-        p = stop + 1;
+    return m->xy + 2 * place;
+}
+
+/* Twice the inscribed by the circumscribed circle's radius: 1 for an equilateral triangle, near 0
+ * for a flat one. */
+static double quality(const double *p, const double *q, const double *r)
+{
+    double a = hypot(p[0] - q[0], p[1] - q[1]), b = hypot(q[0] - r[0], q[1] - r[1]),
+           c = hypot(r[0] - p[0], r[1] - p[1]);
+    double product = a * b * c;
+    return product > 0 ? (b + c - a) * (c + a - b) * (a + b - c) / product : 0;
+}
+
+/* The shade of every triangle, from 0; NULL when out of memory. */
+static unsigned char *shades(const struct model *m, enum colour colour)
+{
+    unsigned char *shade = malloc(m->triangles + 1);
+    uint32_t *degree = calloc(m->n + 1, sizeof *degree);
+    for (size_t i = 0; degree != NULL && i < 3 * m->triangles; i++)
+        degree[m->triangle[i]]++;
+    for (size_t t = 0; shade != NULL && degree != NULL && t < m->triangles; t++) {
+        const uint32_t *v = m->triangle + 3 * t;
+        double s = colour == COLOUR_QUALITY
+                       ? SVG_SHADES * quality(point(m, v[0]), point(m, v[1]), point(m, v[2]))
+                       : (degree[v[0]] + degree[v[1]] + degree[v[2]]) / 3.0 - 1;
+        shade[t] = (unsigned char)(s < 0 ? 0 : s >= SVG_SHADES ? SVG_SHADES - 1 : s);
     }
+    free(degree);
+    return degree != NULL ? shade : NULL;
+}
+
+/* Whether some part of the triangle may be seen. */
+static bool in_view(const struct export *e, const uint32_t *v)
+{
+    bool out[4] = {true, true, true, true};
+    for (int k = 0; k < 3; k++) {
+        const double *p = point(&e->m, v[k]);
+        out[0] &= p[0] < e->box[0];
+        out[1] &= p[1] < e->box[1];
+        out[2] &= p[0] > e->box[2];
+        out[3] &= p[1] > e->box[3];
+    }
+    return !e->has_box || !(out[0] || out[1] || out[2] || out[3]);
+}
+
+static bool draw_triangles(struct svg *s, const struct export *e)
+{
+    const struct model *m = &e->m;
+    unsigned char *shade = e->colour != COLOUR_NONE ? shades(m, e->colour) : NULL;
+    if (e->colour != COLOUR_NONE && shade == NULL)
+        return false;
+    for (unsigned pass = 0; pass < (shade != NULL ? SVG_SHADES : 1); pass++) {
+        for (size_t t = 0; t < m->triangles; t++) {
+            const uint32_t *v = m->triangle + 3 * t;
+            if (!in_view(e, v) || (shade != NULL && shade[t] != pass))
+                continue;
+            if (shade != NULL)
+                svg_shaded_triangle(s, pass, point(m, v[0]), point(m, v[1]), point(m, v[2]));
+            else
+                svg_triangle(s, point(m, v[0]), point(m, v[1]), point(m, v[2]));
+        }
+    }
+    free(shade);
     return true;
 }
 
-/* `id x y` */
-static bool read_point_row(const struct reply_part *row, uint32_t *id, double *xy)
+/* Moves the points that are seen to the front; returns their number. */
+static size_t cut_points(struct export *e)
 {
-    const char *word[3];
-    size_t len[3];
-    return split(row, word, len, 3) && proto_read_u32(word[0], len[0], id) &&
-           proto_read_double(word[1], len[1], &xy[0]) && proto_read_double(word[2], len[2], &xy[1]);
-}
-
-static bool reserve(struct export *e, uint64_t n)
-{
-    if (n > SIZE_MAX / (2 * sizeof(double)) || n == 0)
-        return fault(e, n == 0 ? "the set is empty" : "too many points");
-    e->id = malloc(n * sizeof e->id[0]);
-    e->xy = malloc(2 * n * sizeof e->xy[0]);
-    e->cap = n;
-    return (e->id != NULL && e->xy != NULL) || fault(e, "out of memory");
-}
-
-/* POINTS: one reply is one consistent state of the set, its size announced. */
-static bool keep_point(void *ctx, const struct reply_part *part)
-{
-    struct export *e = ctx;
-    if (part->kind == REPLY_OK)
-        return reserve(e, reply_rows(part));
-    if (part->kind != REPLY_ROW)
-        return command_show_comment(ctx, part);
-    if (e->n == e->cap || !read_point_row(part, &e->id[e->n], &e->xy[2 * e->n]))
-        return fault(e, "a row is no point");
-    e->n++;
-    return true;
-}
-
-/* The coordinates of id; NULL if it is not there. Ids are mostly 0 .. n - 1, so look there first.
- */
-static const double *find_point(const struct export *e, uint32_t id)
-{
-    if (id < e->n && e->id[id] == id)
-        return &e->xy[2 * (size_t)id];
-    size_t lo = 0, hi = e->n;
-    while (lo < hi) {
-        size_t mid = lo + (hi - lo) / 2;
-        if (e->id[mid] < id)
-            lo = mid + 1;
-        else
-            hi = mid;
+    size_t n = 0;
+    struct model *m = &e->m;
+    for (size_t i = 0; i < m->n; i++) {
+        const double *p = point(m, i);
+        if (e->has_box &&
+            (p[0] < e->box[0] || p[1] < e->box[1] || p[0] > e->box[2] || p[1] > e->box[3]))
+            continue;
+        m->xy[2 * n] = p[0];
+        m->xy[2 * n + 1] = p[1];
+        m->id[n++] = m->id[i];
     }
-    return lo < e->n && e->id[lo] == id ? &e->xy[2 * lo] : NULL;
+    return n;
 }
 
-/* TRIANGLES; the drawing begins with the reply, so that a refusal leaves no file. */
-static bool draw_triangle(void *ctx, const struct reply_part *part)
-{
-    struct export *e = ctx;
-    const char *word[3];
-    size_t len[3];
-    const double *p[3];
-    if (part->kind != REPLY_ROW)
-        return command_show_comment(ctx, part);
-    if (!split(part, word, len, 3))
-        return fault(e, "a row is no triangle");
-    for (int i = 0; i < 3; i++) {
-        uint32_t id;
-        if (!proto_read_u32(word[i], len[i], &id))
-            return fault(e, "a row is no triangle");
-        if ((p[i] = find_point(e, id)) == NULL)
-            return fault(e, "the set was edited meanwhile; try again");
-    }
-    svg_triangle(&e->svg, p[0], p[1], p[2]);
-    return !ferror(e->svg.out);
-}
-
-/* HULL */
-static bool draw_hull_point(void *ctx, const struct reply_part *part)
-{
-    struct export *e = ctx;
-    uint32_t id;
-    double p[2];
-    if (part->kind != REPLY_ROW)
-        return command_show_comment(ctx, part);
-    if (!read_point_row(part, &id, p))
-        return fault(e, "a row is no point");
-    svg_hull_point(&e->svg, p);
-    return !ferror(e->svg.out);
-}
-
-static enum delaunay_result ask(struct delaunay_client *c, const char *command, const char *set,
-                                delaunay_part_fn *part, struct export *e)
-{
-    char line[128];
-    snprintf(line, sizeof line, "%s %.100s", command, set);
-    return delaunay_request(c, line, part, e);
-}
-
-static enum delaunay_result draw(struct delaunay_client *c, const char *set, FILE *out,
-                                 struct export *e)
+static bool draw(FILE *out, struct export *e)
 {
     char title[160];
-    snprintf(title, sizeof title, "%.100s: Delaunay triangulation of %zu points", set, e->n);
-    svg_begin(&e->svg, out, title, e->xy, e->n);
-    enum delaunay_result r = ask(c, "TRIANGLES", set, draw_triangle, e);
-    if (r != DELAUNAY_OK)
-        return r;
-    svg_hull_begin(&e->svg);
-    r = ask(c, "HULL", set, draw_hull_point, e);
-    if (r != DELAUNAY_OK)
-        return r;
-    svg_hull_end(&e->svg);
-    svg_points(&e->svg, e->xy, e->id, e->n);
-    svg_end(&e->svg);
-    return DELAUNAY_OK;
+    struct svg s;
+    struct model *m = &e->m;
+    snprintf(title, sizeof title, "%.100s: Delaunay triangulation of %zu points", e->set, m->n);
+    if (e->has_box)
+        svg_begin_box(&s, out, title, e->box, m->n);
+    else
+        svg_begin(&s, out, title, m->xy, m->n);
+    s.numbers = e->numbers;
+    if (!draw_triangles(&s, e))
+        return false;
+    svg_hull_begin(&s);
+    for (size_t i = 0; i < m->hull_n; i++)
+        svg_hull_point(&s, point(m, m->hull[i]));
+    svg_hull_end(&s);
+    svg_points(&s, m->xy, m->id, cut_points(e));
+    svg_end(&s);
+    return true;
 }
 
-static int export_outcome(const struct delaunay_client *c, enum delaunay_result r,
-                          const struct export *e)
+/* ---- files ---- */
+
+static int write_to(FILE *out, struct export *e)
 {
-    if (r != DELAUNAY_STOPPED)
-        return command_outcome(c, r);
-    fprintf(stderr, "delaunay: %s\n", e->fault != NULL ? e->fault : strerror(errno));
-    return EXIT_REFUSED;
+    bool written = e->format != NULL ? e->format->write(out, &e->m) : draw(out, e);
+    return written ? EXIT_DONE : say_fault("", "out of memory");
+}
+
+/* Turns the drawing `part` into a PNG in its place, with librsvg's or Inkscape's program. */
+static bool make_png(const char *part, const char *png)
+{
+    int status = -1;
+    pid_t child = fork();
+    if (child == 0) {
+        execlp("rsvg-convert", "rsvg-convert", "-o", png, part, (char *)NULL);
+        execlp("inkscape", "inkscape", "--export-type=png", "--export-filename", png, part,
+               (char *)NULL);
+        _exit(127);
+    }
+    if (child < 0 || waitpid(child, &status, 0) != child)
+        return false;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+        say_fault(png, "PNG needs rsvg-convert (Debian: librsvg2-bin) or inkscape");
+    else if (status != 0)
+        say_fault(png, "the drawing could not be converted");
+    return status == 0;
 }
 
 static int file_failed(const char *path)
 {
-    fprintf(stderr, "delaunay: %s: %s\n", path, strerror(errno));
-    return EXIT_REFUSED;
+    return say_fault(path, strerror(errno));
 }
 
-/* Draws into path.part and renames that: nobody sees half a drawing. */
-static int draw_file(struct delaunay_client *c, const char *set, const char *path, struct export *e)
+/* Writes path.part and renames that: nobody sees half a file. */
+static int write_file(struct export *e)
 {
     char part[4096 + 8];
-    if ((size_t)snprintf(part, sizeof part, "%s.part", path) >= sizeof part) {
+    if ((size_t)snprintf(part, sizeof part, "%s.part", e->path) >= sizeof part) {
         errno = ENAMETOOLONG;
-        return file_failed(path);
+        return file_failed(e->path);
     }
     FILE *out = fopen(part, "w");
     if (out == NULL)
         return file_failed(part);
-    int status = export_outcome(c, draw(c, set, out, e), e);
+    setvbuf(out, NULL, _IOFBF, 1 << 18);
+    size_t points = e->m.n;
+    int status = write_to(out, e);
     bool written = !ferror(out);
     written = fclose(out) == 0 && written;
-    if (status == EXIT_DONE && (!written || rename(part, path) != 0))
-        status = file_failed(path);
-    if (status != EXIT_DONE)
+    if (status == EXIT_DONE && !written)
+        status = file_failed(e->path);
+    if (status == EXIT_DONE && e->png)
+        status = make_png(part, e->path) ? EXIT_DONE : EXIT_REFUSED;
+    else if (status == EXIT_DONE && rename(part, e->path) != 0)
+        status = file_failed(e->path);
+    if (status != EXIT_DONE || e->png)
         unlink(part);
-    else
-        printf("%s: %zu points, %zu triangles, hull of %ju\n", path, e->n, e->svg.triangles,
-               (uintmax_t)e->svg.hull);
+    if (status == EXIT_DONE)
+        printf("%s: %zu points, %zu triangles, hull of %zu\n", e->path, points, e->m.triangles,
+               e->m.hull_n);
     return status;
 }
 
-static int draw_standard_output(struct delaunay_client *c, const char *set, struct export *e)
+static int write_standard_output(struct export *e)
 {
-    int status = export_outcome(c, draw(c, set, stdout, e), e);
+    int status = write_to(stdout, e);
     return status == EXIT_DONE && fflush(stdout) != 0 ? file_failed("standard output") : status;
 }
 
-int command_export(struct delaunay_client *c, const char *set, const char *path)
+/* ---- the command ---- */
+
+static bool read_box(const char *text, double *box)
+{
+    for (int i = 0; i < 4; i++) {
+        size_t len = strcspn(text, ",");
+        if (!proto_read_double(text, len, &box[i]) || (text[len] == ',') != (i < 3))
+            return false;
+        text += len + 1;
+    }
+    return box[0] < box[2] && box[1] < box[3];
+}
+
+static bool choose_format(struct export *e, const char *name)
+{
+    const char *dot = strrchr(e->path, '.');
+    if (name == NULL)
+        name =
+            strcmp(e->path, "-") == 0 || dot == NULL || strchr(dot, '/') != NULL ? "svg" : dot + 1;
+    e->png = strcmp(name, "png") == 0;
+    e->format = format_find(name);
+    return e->format != NULL || e->png || strcmp(name, "svg") == 0;
+}
+
+static int wrong(const char *what)
+{
+    fprintf(stderr, "delaunay: %s\nTry 'delaunay export --help'.\n", what);
+    return EXIT_USAGE;
+}
+
+/* Reads the arguments; a usage error's status, or EXIT_DONE. */
+static int read_arguments(struct export *e, int argc, char **argv)
+{
+    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
+                                            {"numbers", no_argument, NULL, 'n'},
+                                            {"colour", required_argument, NULL, 'c'},
+                                            {"viewport", required_argument, NULL, 'v'},
+                                            {NULL, 0, NULL, 0}};
+    const char *name = NULL;
+    int option;
+    optind = 0;
+    while ((option = getopt_long(argc, argv, "f:", options, NULL)) != -1) {
+        if (option == 'f')
+            name = optarg;
+        else if (option == 'n')
+            e->numbers = true;
+        else if (option == 'c' && strcmp(optarg, "quality") == 0)
+            e->colour = COLOUR_QUALITY;
+        else if (option == 'c' && strcmp(optarg, "degree") == 0)
+            e->colour = COLOUR_DEGREE;
+        else if (option == 'v' && read_box(optarg, e->box))
+            e->has_box = true;
+        else
+            return wrong("unknown option, colour or viewport");
+    }
+    if (argc - optind != 2)
+        return wrong("export takes a set and a file");
+    e->set = argv[optind];
+    e->path = argv[optind + 1];
+    if (!choose_format(e, name))
+        return wrong("unknown format");
+    return e->png && strcmp(e->path, "-") == 0 ? wrong("a PNG needs a file") : EXIT_DONE;
+}
+
+int command_export(struct delaunay_client *c, int argc, char **argv)
 {
     struct export e = {0};
-    int status = export_outcome(c, ask(c, "POINTS", set, keep_point, &e), &e);
-    if (status == EXIT_DONE)
-        status =
-            strcmp(path, "-") == 0 ? draw_standard_output(c, set, &e) : draw_file(c, set, path, &e);
-    free(e.id);
-    free(e.xy);
+    int status = read_arguments(&e, argc, argv);
+    if (status != EXIT_DONE)
+        return status;
+    unsigned parts = MODEL_TRIANGLES | MODEL_HULL | (e.format != NULL ? e.format->parts : 0);
+    enum delaunay_result r = model_fetch(c, e.set, parts, &e.m);
+    if (r == DELAUNAY_STOPPED)
+        status = say_fault("", e.m.fault);
+    else if (r != DELAUNAY_OK)
+        status = command_outcome(c, r);
+    else
+        status = strcmp(e.path, "-") == 0 ? write_standard_output(&e) : write_file(&e);
+    model_free(&e.m);
     return status;
 }

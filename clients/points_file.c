@@ -12,7 +12,7 @@
 #define BLOCK (256 * 1024)
 #define LINE_MAX_BYTES 65536
 
-static bool fault(struct points_file *f, const char *what)
+bool points_file_fault(struct points_file *f, const char *what)
 {
     f->fault = what;
     return false;
@@ -25,7 +25,7 @@ static bool append(struct points_file *f, double x, double y)
         double *xy = realloc(f->xy, cap * 2 * sizeof xy[0]);
         if (xy == NULL) {
             f->line = 0;
-            return fault(f, "out of memory");
+            return points_file_fault(f, "out of memory");
         }
         f->xy = xy;
         f->cap = cap;
@@ -61,25 +61,36 @@ static bool in_range(double v)
     return v == 0 || (fabs(v) >= 0x1p-142 && fabs(v) <= 0x1p201);
 }
 
+bool points_file_add(struct points_file *f, const char *x, size_t x_len, const char *y,
+                     size_t y_len)
+{
+    double v[2];
+    if (!proto_read_double(x, x_len, &v[0]) || !proto_read_double(y, y_len, &v[1]))
+        return points_file_fault(f, "not a number");
+    if (!in_range(v[0]) || !in_range(v[1]))
+        return points_file_fault(f, "a coordinate must be 0 or from 2^-142 to 2^201 in magnitude");
+    return append(f, v[0], v[1]);
+}
+
+static bool read_xy(struct points_file *f, const char *s, const char *end)
+{
+    const char *x, *y, *rest;
+    size_t x_len = next_word(&s, end, &x);
+    if (x_len == 0 || x[0] == '#')
+        return true;
+    size_t y_len = next_word(&s, end, &y);
+    double v;
+    if (y_len == 0)
+        return points_file_fault(f, proto_read_double(x, x_len, &v) ? "a point needs x and y"
+                                                                    : "not a number");
+    return points_file_add(f, x, x_len, y, y_len) &&
+           (next_word(&s, end, &rest) == 0 || points_file_fault(f, "more than x and y"));
+}
+
 static bool read_line(struct points_file *f, const char *s, const char *end)
 {
-    const char *word, *rest;
-    double v[2];
     f->line++;
-    for (int i = 0; i < 2; i++) {
-        size_t len = next_word(&s, end, &word);
-        if (i == 0 && (len == 0 || word[0] == '#'))
-            return true;
-        if (len == 0)
-            return fault(f, "a point needs x and y");
-        if (!proto_read_double(word, len, &v[i]))
-            return fault(f, "not a number");
-        if (!in_range(v[i]))
-            return fault(f, "a coordinate must be 0 or from 2^-142 to 2^201 in magnitude");
-    }
-    if (next_word(&s, end, &rest) > 0)
-        return fault(f, "more than x and y");
-    return append(f, v[0], v[1]);
+    return f->parse_line != NULL ? f->parse_line(f, s, end) : read_xy(f, s, end);
 }
 
 /* Reads the whole lines of block[n]; *used is where the rest begins. */
@@ -95,7 +106,7 @@ static bool read_lines(struct points_file *f, const char *block, size_t n, size_
     if (n - *used <= LINE_MAX_BYTES)
         return true;
     f->line++;
-    return fault(f, "the line is too long");
+    return points_file_fault(f, "the line is too long");
 }
 
 static bool read_blocks(struct points_file *f, int fd, char *block,
@@ -109,7 +120,7 @@ static bool read_blocks(struct points_file *f, int fd, char *block,
             continue;
         if (n < 0) {
             f->line = 0;
-            return fault(f, strerror(errno));
+            return points_file_fault(f, strerror(errno));
         }
         have += (size_t)n;
         total += (uint64_t)n;
@@ -127,7 +138,7 @@ bool points_file_read(struct points_file *f, int fd, points_file_progress_fn *pr
 {
     char *block = malloc(LINE_MAX_BYTES + BLOCK);
     if (block == NULL)
-        return fault(f, "out of memory");
+        return points_file_fault(f, "out of memory");
     bool ok = read_blocks(f, fd, block, progress, ctx);
     free(block);
     return ok;

@@ -5,6 +5,7 @@
 #include "clients/svg.h"
 
 #include <math.h>
+#include <string.h>
 
 #define SIDE 16000.0
 #define MARGIN 400.0
@@ -16,6 +17,11 @@ static const char style[] = "<style>\n"
                             ".t { fill: #e9f1fa; stroke: #6d94bf }\n"
                             ".h { stroke: #d1495b }\n"
                             ".p { stroke: #17324f }\n"
+                            ".q0 { fill: #67001f } .q1 { fill: #b2182b } .q2 { fill: #d6604d }\n"
+                            ".q3 { fill: #f4a582 } .q4 { fill: #fddbc7 } .q5 { fill: #e8eef2 }\n"
+                            ".q6 { fill: #d1e5f0 } .q7 { fill: #92c5de } .q8 { fill: #4393c3 }\n"
+                            ".q9 { fill: #2166ac }\n"
+                            ".q0, .q1, .q2, .q3, .q4, .q5, .q6, .q7, .q8, .q9 { stroke: #fff }\n"
                             "text { font-family: sans-serif; fill: #17324f }\n"
                             "</style>\n";
 
@@ -51,13 +57,19 @@ static void choose_widths(struct svg *s, double w, double h, size_t n)
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *xy, size_t n)
 {
     struct box b = box_of(xy, n);
+    svg_begin_box(s, out, title, (const double[4]){b.x0, b.y0, b.x1, b.y1}, n);
+}
+
+void svg_begin_box(struct svg *s, FILE *out, const char *title, const double *box, size_t n)
+{
+    struct box b = {box[0], box[1], box[2], box[3]};
     double side = fmax(b.x1 - b.x0, b.y1 - b.y0);
     double scale = side > 0 ? SIDE / side : 1;
     double w = (b.x1 - b.x0) * scale, h = (b.y1 - b.y0) * scale;
     *s = (struct svg){.out = out, .x0 = b.x0, .y1 = b.y1, .scale = scale};
     s->width = w + 2 * MARGIN;
     s->height = h + 2 * MARGIN;
-    choose_widths(s, w, h, n);
+    choose_widths(s, w, h, n > 0 ? n : 1);
     fprintf(out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" "
             "height=\"%.0f\">\n"
@@ -76,17 +88,6 @@ static long place_y(const struct svg *s, const double *p)
     return lround((s->y1 - p[1]) * s->scale + MARGIN);
 }
 
-/* Opens a path of the given class unless one is open, and ends it every few hundred items. */
-static void path_item(struct svg *s, const char *class, double width)
-{
-    if (s->in_path == PATH_MAX_ITEMS) {
-        fputs("\"/>\n", s->out);
-        s->in_path = 0;
-    }
-    if (s->in_path++ == 0)
-        fprintf(s->out, "<path class=\"%s\" stroke-width=\"%.4g\" d=\"", class, width);
-}
-
 static void path_end(struct svg *s)
 {
     if (s->in_path > 0)
@@ -94,13 +95,35 @@ static void path_end(struct svg *s)
     s->in_path = 0;
 }
 
-void svg_triangle(struct svg *s, const double *a, const double *b, const double *c)
+/* Opens a path of the given class unless one is open, and ends it every few hundred items. */
+static void path_item(struct svg *s, const char *class, double width)
+{
+    if (s->in_path == PATH_MAX_ITEMS || strcmp(s->class, class) != 0)
+        path_end(s);
+    snprintf(s->class, sizeof s->class, "%s", class);
+    if (s->in_path++ == 0)
+        fprintf(s->out, "<path class=\"%s\" stroke-width=\"%.4g\" d=\"", class, width);
+}
+
+static void draw_triangle(struct svg *s, const char *class, const double *a, const double *b,
+                          const double *c)
 {
     long ax = place_x(s, a), ay = place_y(s, a), bx = place_x(s, b), by = place_y(s, b);
-    path_item(s, "t", s->line);
+    path_item(s, class, s->line);
     fprintf(s->out, "M%ld %ldl%ld %ld %ld %ldz", ax, ay, bx - ax, by - ay, place_x(s, c) - bx,
             place_y(s, c) - by);
     s->triangles++;
+}
+
+void svg_triangle(struct svg *s, const double *a, const double *b, const double *c)
+{
+    draw_triangle(s, "t", a, b, c);
+}
+
+void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const double *b,
+                         const double *c)
+{
+    draw_triangle(s, (const char[]){'q', (char)('0' + shade % SVG_SHADES), 0}, a, b, c);
 }
 
 void svg_hull_begin(struct svg *s)
@@ -146,7 +169,7 @@ void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n)
         fprintf(s->out, "M%ld %ldh0", place_x(s, xy + 2 * i), place_y(s, xy + 2 * i));
     }
     path_end(s);
-    if (n <= LABELS_MAX)
+    if (n <= LABELS_MAX || s->numbers)
         labels(s, xy, id, n);
 }
 

@@ -17,11 +17,23 @@ struct svg {
     double width, height; /* drawing units */
     double line, dot;     /* width of a line and diameter of a point, in drawing units */
     size_t in_path, triangles;
+    char class[4]; /* of the path that is open */
     uint64_t hull;
+    bool numbers; /* ids are drawn, however many there are */
 };
+
+enum { SVG_SHADES = 10 };
 
 /* Starts the drawing of the n points xy[2n], n > 0, with a title for people (no markup in it). */
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *xy, size_t n);
+
+/* The same, but only the part box = {left, lower, right, upper} of the plane is shown, in which
+ * about n points lie. What lies outside may be drawn or left out. */
+void svg_begin_box(struct svg *s, FILE *out, const char *title, const double *box, size_t n);
+
+/* A triangle in shade 0 (dark) .. SVG_SHADES - 1 (light). */
+void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const double *b,
+                         const double *c);
 
 void svg_triangle(struct svg *s, const double *a, const double *b, const double *c);
 
@@ -29,7 +41,8 @@ void svg_hull_begin(struct svg *s);
 void svg_hull_point(struct svg *s, const double *p);
 void svg_hull_end(struct svg *s);
 
-/* The points, each a dot, and their ids beside them if there are at most 100. */
+/* The points, each a dot, and their ids beside them if there are at most 100 or
+ * s->numbers is set. */
 void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n);
 
 void svg_end(struct svg *s);

@@ -1,0 +1,131 @@
+/* subcommand.c - see subcommand.h. */
+#include "clients/subcommand.h"
+
+#include <stdio.h>
+#include <strings.h>
+
+#include "clients/formats.h"
+
+const struct subcommand subcommands[] = {
+    {"load", command_load, false, true, "load SET FILE [--format F] [--columns X,Y]",
+     "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
+     "line\n"
+     "loads nothing and is named.\n\n"
+     "  -f, --format xy       lines `x y`; blank ones and those that start with # are skipped\n"
+     "  -f, --format csv      a table; columns x,y or lon,lat by name, or else the first two\n"
+     "  -f, --format geojson  every Point and MultiPoint\n"
+     "  -f, --format node     Triangle's .node file\n"
+     "  -c, --columns X,Y     columns of a CSV file, by name or by number from 1\n\n"
+     "Without --format the file's ending decides: .csv .geojson .json .ndjson .node; else xy.\n",
+     "--format --columns --help"},
+    {"export", command_export, false, true,
+     "export SET FILE [--format F] [--colour quality|degree] [--numbers] [--viewport X0,Y0,X1,Y1]",
+     "Writes the triangulated set to a file (- for the standard output).\n\n"
+     "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
+     "--format --colour --numbers --viewport --help"},
+    {"show", command_show, false, true, "show SET [--width COLUMNS] [--height LINES] [--plain]",
+     "Draws the triangulated set in the terminal, in braille characters; the hull in red. Without\n"
+     "--width and --height it fills the terminal; --plain leaves colours out.\n",
+     "--width --height --plain --help"},
+    {"top", command_top, false, false, "top [--once]",
+     "Shows what the server is doing, every second, until interrupted; with --once one time.\n",
+     "--once --help"},
+    {"copy", command_copy, true, false, "copy SET URL URL",
+     "Copies a set, its tolerance and its ids from the first daemon to the second, where there "
+     "must be\n"
+     "none of that name, and triangulates it there if it is triangulated here. A URL is\n"
+     "delaunay://[:TOKEN@]HOST[:PORT][/NAME]; a NAME in the second one is the copy's.\n",
+     "--help"},
+    {"completion", command_completion, true, false, "completion",
+     "Prints a script that completes this command in bash: source <(delaunay completion)\n",
+     "--help"},
+    {"triangulate", NULL, false, true, "triangulate SET [METHOD auto|shelling|divide]",
+     "Computes the Delaunay triangulation; shows progress while it takes long.\n", "--help"},
+    {"lists", NULL, false, true, "lists SET [ID ...] [CW]",
+     "Each point with the ring of its neighbours, interior points first, then along the hull.\n",
+     "--help"},
+    {"triangles", NULL, false, true, "triangles SET [A [B [C]]] [CW]",
+     "Every triangle, or those at a point, at an edge, next to a triangle.\n", "--help"},
+    {"edges", NULL, false, true, "edges SET [A] [CW]", "Every edge, or those at a point.\n",
+     "--help"},
+    {"hull", NULL, false, true, "hull SET [CW]", "The points of the convex hull.\n", "--help"},
+    {"nearest", NULL, false, true, "nearest SET X Y [K]", "The K nearest points, nearest first.\n",
+     "--help"},
+    {"within", NULL, false, true, "within SET X0 Y0 X1 Y1 | within SET X Y R",
+     "The points in a closed box or disc.\n", "--help"},
+    {"locate", NULL, false, true, "locate SET X Y", "The triangle, edge or point where X Y lies.\n",
+     "--help"},
+    {"create", NULL, false, true, "create SET [TOL T]",
+     "A new, empty set with coincidence tolerance T.\n", "--help"},
+    {"add", NULL, false, true, "add SET X Y [X Y ...]", "Adds points.\n", "--help"},
+    {"move", NULL, false, true, "move SET ID X Y", "Moves a point, which keeps its id.\n",
+     "--help"},
+    {"del", NULL, false, true, "del SET ID [ID ...]", "Deletes points.\n", "--help"},
+    {"get", NULL, false, true, "get SET ID [ID ...]", "The coordinates of points.\n", "--help"},
+    {"coincident", NULL, false, true, "coincident SET", "Every alias and its representative.\n",
+     "--help"},
+    {"points", NULL, false, true, "points SET", "Every point: id, x, y.\n", "--help"},
+    {"stat", NULL, false, true, "stat SET", "Counts and memory of a set.\n", "--help"},
+    {"check", NULL, false, true, "check SET", "Proves the triangulation exactly.\n", "--help"},
+    {"drop", NULL, false, true, "drop SET", "Deletes a set.\n", "--help"},
+    {"sets", NULL, false, false, "sets", "The sets, with their number of points.\n", "--help"},
+    {"info", NULL, false, false, "info", "Facts about the server.\n", "--help"},
+};
+
+const size_t subcommand_count = sizeof subcommands / sizeof subcommands[0];
+
+const struct subcommand *subcommand_find(const char *name)
+{
+    for (size_t i = 0; i < subcommand_count; i++)
+        if (strcasecmp(subcommands[i].name, name) == 0)
+            return &subcommands[i];
+    return NULL;
+}
+
+void subcommand_print_help(const struct subcommand *s)
+{
+    printf("usage: delaunay [-h HOST] [-p PORT] [-u URL] %s\n\n%s", s->usage, s->help);
+    if (s->run != command_export)
+        return;
+    for (size_t i = 0; i < format_count; i++)
+        printf("  -f, --format %-8s %s\n", formats[i].name, formats[i].what);
+    fputs("      --colour quality  dark red: flat triangles; dark blue: equilateral ones\n"
+          "      --colour degree   by the mean number of triangles at the corners\n"
+          "      --numbers         ids beside the points, however many there are\n"
+          "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n\n"
+          "Without --format the file's ending decides. Points are numbered 0, 1, 2, ... by id (OBJ "
+          "and\n"
+          "2DM: from 1), which is the id itself unless points have been deleted.\n",
+          stdout);
+}
+
+/* ---- completion ---- */
+
+int command_completion(struct delaunay_client *c, int argc, char **argv)
+{
+    (void)c, (void)argc, (void)argv;
+    fputs("# bash completion for delaunay\n_delaunay()\n{\n"
+          "    local word=${COMP_WORDS[COMP_CWORD]} command= i\n"
+          "    for ((i = 1; i < COMP_CWORD; i++)); do\n"
+          "        case ${COMP_WORDS[i]} in\n"
+          "        -h | -p | -u | --host | --port | --url) ((i++)) ;;\n"
+          "        -*) ;;\n"
+          "        *) command=${COMP_WORDS[i]}; break ;;\n"
+          "        esac\n    done\n    case $command in\n"
+          "    '') COMPREPLY=($(compgen -W \"",
+          stdout);
+    for (size_t i = 0; i < subcommand_count; i++)
+        printf("%s ", subcommands[i].name);
+    fputs("--host --port --url --help\" -- \"$word\")) ;;\n", stdout);
+    for (size_t i = 0; i < subcommand_count; i++)
+        printf("    %s) COMPREPLY=($(compgen -W \"%s\" -- \"$word\")) ;;\n", subcommands[i].name,
+               subcommands[i].options);
+    fputs("    esac\n"
+          "    if [[ $command && $word != -* ]]; then\n"
+          "        COMPREPLY=($(compgen -W \"$(delaunay sets 2>/dev/null | sed -n '2,$s/ .*//p')\" "
+          "-- "
+          "\"$word\") $(compgen -f -- \"$word\"))\n    fi\n}\n"
+          "complete -F _delaunay delaunay\n",
+          stdout);
+    return EXIT_DONE;
+}

@@ -1,0 +1,524 @@
+/* formats_test.c - what `delaunay export` writes is read back by readers of this test's own and
+ * compared with what the server says in lines; what `delaunay load` reads arrives as points. */
+#include <string.h>
+#include <unistd.h>
+
+#include "tests/clients/daemon.h"
+#include "tests/clients/peer.h"
+#include "tests/test.h"
+
+enum { POINTS = 120, ROOM = 1000 };
+
+struct mesh {
+    double xy[ROOM][2];
+    unsigned triangle[ROOM][3];
+    size_t n, triangles;
+};
+
+static struct daemon the_daemon;
+static char directory[64];
+
+static const char *run(int *status, const char *arguments)
+{
+    return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"), the_daemon.port,
+                      arguments);
+}
+
+static void run_well(const char *arguments)
+{
+    int status;
+    const char *out = run(&status, arguments);
+    CHECK_MSG(status == 0, "%s: %s", arguments, out);
+}
+
+static void expect(const char *arguments, const char *want)
+{
+    int status;
+    CHECK_STR(run(&status, arguments), want);
+    CHECK(status == 0);
+}
+
+static char *path(const char *name)
+{
+    static char text[128];
+    snprintf(text, sizeof text, "%s/%s", directory, name);
+    return text;
+}
+
+static void write_file(const char *name, const char *text)
+{
+    FILE *f = fopen(path(name), "w");
+    CHECK(f != NULL && fputs(text, f) >= 0 && fclose(f) == 0);
+}
+
+static void begin(void)
+{
+    the_daemon = daemon_start();
+    snprintf(directory, sizeof directory, "/tmp/delaunay_formats_XXXXXX");
+    CHECK(mkdtemp(directory) != NULL);
+}
+
+static void finish(void)
+{
+    int status;
+    peer_shell(&status, "rm -rf %s", directory);
+    daemon_stop(&the_daemon);
+}
+
+/* The set t of random points, triangulated, as the server tells it. */
+static void make_set(struct mesh *want)
+{
+    FILE *f = fopen(path("t.xy"), "w");
+    CHECK(f != NULL);
+    for (int i = 0; i < POINTS; i++)
+        fprintf(f, "%.17g %.17g\n", 100 * test_uniform() - 50, 1e-3 * test_uniform() + 7);
+    fclose(f);
+    char command[200];
+    snprintf(command, sizeof command, "load t %s", path("t.xy"));
+    run_well(command);
+    run_well("triangulate t");
+    int status;
+    unsigned id;
+    const char *p = run(&status, "points t");
+    for (want->n = 0; (p = strchr(p, '\n') + 1)[0] != 0; want->n++)
+        CHECK(sscanf(p, "%u %lf %lf", &id, &want->xy[want->n][0], &want->xy[want->n][1]) == 3);
+    p = run(&status, "triangles t");
+    for (want->triangles = 0; (p = strchr(p, '\n') + 1)[0] != 0; want->triangles++) {
+        unsigned *v = want->triangle[want->triangles];
+        CHECK(sscanf(p, "%u %u %u", &v[0], &v[1], &v[2]) == 3);
+    }
+    CHECK(want->n == POINTS && want->triangles > POINTS);
+}
+
+static FILE *export(const char *format)
+{
+    char command[300], name[32];
+    snprintf(name, sizeof name, "out.%s", format);
+    snprintf(command, sizeof command, "export t %s --format %s", path(name), format);
+    run_well(command);
+    FILE *f = fopen(path(name), "r");
+    CHECK(f != NULL);
+    return f;
+}
+
+static void close_at_end(FILE *f)
+{
+    char more[2];
+    CHECK(fscanf(f, " %1s", more) == EOF);
+    fclose(f);
+}
+
+static void check_points(const struct mesh *want, const struct mesh *got)
+{
+    CHECK(got->n == want->n);
+    CHECK(memcmp(got->xy, want->xy, got->n * sizeof got->xy[0]) == 0);
+}
+
+static void check_triangles(const struct mesh *want, const struct mesh *got)
+{
+    CHECK(got->triangles == want->triangles);
+    CHECK(memcmp(got->triangle, want->triangle, got->triangles * sizeof got->triangle[0]) == 0);
+}
+
+/* Reads rows `[prefix] x y 0` and `[prefix] a b c`, numbers counted from base. */
+static void read_xyz(FILE *f, const char *prefix, size_t n, struct mesh *m)
+{
+    char word[16];
+    double z = 1;
+    for (m->n = 0; m->n < n; m->n++) {
+        CHECK(*prefix == 0 || (fscanf(f, "%15s", word) == 1 && strcmp(word, prefix) == 0));
+        CHECK(fscanf(f, "%lf %lf %lf", &m->xy[m->n][0], &m->xy[m->n][1], &z) == 3 && z == 0);
+    }
+}
+
+static void read_faces(FILE *f, const char *prefix, size_t n, unsigned base, struct mesh *m)
+{
+    char word[16];
+    for (m->triangles = 0; m->triangles < n; m->triangles++) {
+        unsigned *v = m->triangle[m->triangles];
+        CHECK(fscanf(f, "%15s", word) == 1 && strcmp(word, prefix) == 0);
+        CHECK(fscanf(f, "%u %u %u", &v[0], &v[1], &v[2]) == 3);
+        for (int k = 0; k < 3; k++)
+            v[k] -= base;
+    }
+}
+
+TEST(export_meshes_are_read_back)
+{
+    static struct mesh want, got;
+    size_t n = 0, faces = 0;
+    char line[200];
+    begin();
+    make_set(&want);
+    FILE *f = export("off");
+    CHECK(fscanf(f, "OFF %zu %zu 0", &n, &faces) == 2);
+    read_xyz(f, "", n, &got);
+    read_faces(f, "3", faces, 0, &got);
+    close_at_end(f);
+    check_points(&want, &got);
+    check_triangles(&want, &got);
+
+    f = export("ply");
+    while (fgets(line, sizeof line, f) != NULL && strcmp(line, "end_header\n") != 0) {
+        sscanf(line, "element vertex %zu", &n);
+        sscanf(line, "element face %zu", &faces);
+    }
+    read_xyz(f, "", n, &got);
+    read_faces(f, "3", faces, 0, &got);
+    close_at_end(f);
+    check_points(&want, &got);
+    check_triangles(&want, &got);
+
+    f = export("obj");
+    CHECK(fgets(line, sizeof line, f) != NULL && line[0] == '#');
+    read_xyz(f, "v", want.n, &got);
+    read_faces(f, "f", want.triangles, 1, &got);
+    close_at_end(f);
+    check_points(&want, &got);
+    check_triangles(&want, &got);
+    finish();
+}
+
+TEST(export_2dm_is_read_back)
+{
+    static struct mesh want, got;
+    unsigned number, *v;
+    double z;
+    begin();
+    make_set(&want);
+    FILE *f = export("2dm");
+    CHECK(fscanf(f, "MESH2D") == 0);
+    for (; (v = got.triangle[got.triangles],
+           fscanf(f, " E3T %u %u %u %u 1", &number, &v[0], &v[1], &v[2]) == 4);
+         got.triangles++) {
+        CHECK(number == got.triangles + 1);
+        for (int k = 0; k < 3; k++)
+            v[k]--;
+    }
+    rewind(f);
+    char line[200];
+    while (fgets(line, sizeof line, f) != NULL)
+        if (sscanf(line, "ND %u %lf %lf %lf", &number, &got.xy[got.n][0], &got.xy[got.n][1], &z) ==
+            4)
+            CHECK(number == ++got.n && z == 0);
+    fclose(f);
+    check_points(&want, &got);
+    check_triangles(&want, &got);
+    finish();
+}
+
+/* Whether the triangle has the edge a-b. */
+static bool has_edge(const unsigned *v, unsigned a, unsigned b)
+{
+    return (v[0] == a || v[1] == a || v[2] == a) && (v[0] == b || v[1] == b || v[2] == b);
+}
+
+static unsigned triangles_at(const struct mesh *m, unsigned a, unsigned b)
+{
+    unsigned n = 0;
+    for (size_t t = 0; t < m->triangles; t++)
+        n += has_edge(m->triangle[t], a, b);
+    return n;
+}
+
+TEST(export_files_of_triangle_are_read_back)
+{
+    static struct mesh want, got;
+    size_t n = 0;
+    unsigned number, a, b, boundary, hull = 0;
+    begin();
+    make_set(&want);
+    FILE *f = export("node");
+    CHECK(fscanf(f, "%zu 2 0 1", &n) == 1);
+    for (got.n = 0; got.n < n; got.n++) {
+        CHECK(fscanf(f, "%u %lf %lf %u", &number, &got.xy[got.n][0], &got.xy[got.n][1],
+                     &boundary) == 4);
+        CHECK(number == got.n && boundary < 2);
+        hull += boundary;
+    }
+    close_at_end(f);
+    check_points(&want, &got);
+
+    f = export("ele");
+    CHECK(fscanf(f, "%zu 3 0", &n) == 1);
+    for (got.triangles = 0; got.triangles < n; got.triangles++) {
+        unsigned *v = got.triangle[got.triangles];
+        CHECK(fscanf(f, "%u %u %u %u", &number, &v[0], &v[1], &v[2]) == 4 &&
+              number == got.triangles);
+    }
+    close_at_end(f);
+    check_triangles(&want, &got);
+
+    f = export("neigh");
+    CHECK(fscanf(f, "%zu 3", &n) == 1 && n == want.triangles);
+    for (size_t t = 0; t < n; t++) {
+        const unsigned *v = want.triangle[t];
+        int next[3];
+        CHECK(fscanf(f, "%u %d %d %d", &number, &next[0], &next[1], &next[2]) == 4 && number == t);
+        for (int k = 0; k < 3; k++) {
+            a = v[(k + 1) % 3];
+            b = v[(k + 2) % 3];
+            CHECK(next[k] == -1 ? triangles_at(&want, a, b) == 1
+                                : has_edge(want.triangle[next[k]], a, b) && (size_t)next[k] != t);
+        }
+    }
+    close_at_end(f);
+
+    f = export("edge");
+    CHECK(fscanf(f, "%zu 1", &n) == 1 && n == want.n + want.triangles - 1);
+    for (size_t i = 0; i < n; i++) {
+        CHECK(fscanf(f, "%u %u %u %u", &number, &a, &b, &boundary) == 4 && number == i);
+        CHECK(triangles_at(&want, a, b) == (boundary ? 1 : 2));
+        hull -= boundary;
+    }
+    CHECK(hull == 0); /* as many edges as points */
+    close_at_end(f);
+    finish();
+}
+
+TEST(export_lines_of_triangles_are_read_back)
+{
+    static struct mesh want;
+    unsigned v[3];
+    double x[4], y[4];
+    char line[1000];
+    size_t rows = 0;
+    begin();
+    make_set(&want);
+    FILE *f = export("wkt");
+    for (; fgets(line, sizeof line, f) != NULL; rows++) {
+        CHECK(sscanf(line, "POLYGON ((%lf %lf, %lf %lf, %lf %lf, %lf %lf))", &x[0], &y[0], &x[1],
+                     &y[1], &x[2], &y[2], &x[3], &y[3]) == 8);
+        for (int k = 0; k < 4; k++)
+            CHECK(x[k] == want.xy[want.triangle[rows][k % 3]][0] &&
+                  y[k] == want.xy[want.triangle[rows][k % 3]][1]);
+    }
+    CHECK(rows == want.triangles);
+    fclose(f);
+
+    f = export("csv");
+    CHECK(fgets(line, sizeof line, f) != NULL && strcmp(line, "a,b,c,ax,ay,bx,by,cx,cy\n") == 0);
+    for (rows = 0; fgets(line, sizeof line, f) != NULL; rows++) {
+        CHECK(sscanf(line, "%u,%u,%u,%lf,%lf,%lf,%lf,%lf,%lf", &v[0], &v[1], &v[2], &x[0], &y[0],
+                     &x[1], &y[1], &x[2], &y[2]) == 9);
+        CHECK(memcmp(v, want.triangle[rows], sizeof v) == 0);
+        CHECK(x[2] == want.xy[v[2]][0] && y[2] == want.xy[v[2]][1]);
+    }
+    CHECK(rows == want.triangles);
+    fclose(f);
+    finish();
+}
+
+TEST(export_geojson_is_read_back)
+{
+    static struct mesh want;
+    unsigned v[3];
+    double x[4], y[4];
+    char line[1000];
+    static const char *const formats[] = {"geojson", "ndjson"};
+    begin();
+    make_set(&want);
+    for (int i = 0; i < 2; i++) {
+        size_t rows = 0;
+        FILE *f = export(formats[i]);
+        while (fgets(line, sizeof line, f) != NULL) {
+            if (sscanf(
+                    line,
+                    "{\"type\":\"Feature\",\"properties\":{\"points\":[%u,%u,%u]},\"geometry\":{"
+                    "\"type\":\"Polygon\",\"coordinates\":[[[%lf,%lf],[%lf,%lf],[%lf,%lf],[%lf,%lf]"
+                    "]]}}",
+                    &v[0], &v[1], &v[2], &x[0], &y[0], &x[1], &y[1], &x[2], &y[2], &x[3],
+                    &y[3]) != 11)
+                continue;
+            CHECK(memcmp(v, want.triangle[rows++], sizeof v) == 0);
+            CHECK(x[3] == x[0] && y[3] == y[0] && y[1] == want.xy[v[1]][1]);
+        }
+        CHECK(rows == want.triangles);
+        fclose(f);
+    }
+    finish();
+}
+
+TEST(export_ids_with_gaps_are_renumbered)
+{
+    begin();
+    run_well("ADD t 9 9  0 0  4 0  4 3");
+    run_well("DEL t 0");
+    run_well("triangulate t");
+    expect("export t - --format ele", "1 3 0\n0 0 1 2\n");
+    expect("export t - --format csv", "a,b,c,ax,ay,bx,by,cx,cy\n1,2,3,0,0,4,0,4,3\n");
+    finish();
+}
+
+TEST(export_colours_numbers_and_viewport)
+{
+    int status;
+    begin();
+    run_well("ADD t 0 0  4 0  4 4  0 4  2 2  100 2");
+    run_well("triangulate t");
+    const char *svg = run(&status, "export t - --colour quality --viewport=-1,-1,5,5");
+    CHECK(status == 0 && strstr(svg, "class=\"q8\"") != NULL && strstr(svg, "class=\"t\"") == NULL);
+    CHECK(strstr(svg, ">4</text>") != NULL && strstr(svg, ">5</text>") == NULL);
+    svg = run(&status, "export t - --colour degree");
+    CHECK(status == 0 && strstr(svg, "class=\"q") != NULL);
+    run(&status, "export t - --viewport 1,1,0,0");
+    CHECK(status == 2);
+    run(&status, "export t x.dwg");
+    CHECK(status == 2);
+    finish();
+}
+
+/* ---- loading ---- */
+
+static void load_text(const char *name, const char *text, const char *options, const char *want)
+{
+    char command[300];
+    write_file(name, text);
+    snprintf(command, sizeof command, "load t %s %s", path(name), options);
+    run_well(command);
+    expect("points t", want);
+    run_well("drop t");
+}
+
+static void refuse_text(const char *name, const char *text, const char *options, const char *want)
+{
+    char command[300];
+    int status;
+    write_file(name, text);
+    snprintf(command, sizeof command, "load t %s %s", path(name), options);
+    const char *got = run(&status, command);
+    CHECK_MSG(status == 1 && strstr(got, want) != NULL, "%s", got);
+}
+
+TEST(load_reads_csv)
+{
+    begin();
+    load_text("a.csv", "1,2\n3,4\n", "", "OK 2\n0 1 2\n1 3 4\n");
+    load_text("a.csv", "x,y,z\n1,2,9\n\n# c\n3,4,9\n", "", "OK 2\n0 1 2\n1 3 4\n");
+    load_text("a.csv", "name;Latitude;Longitude\r\n\"a;b\";\"2\";1\r\n", "", "OK 1\n0 1 2\n");
+    load_text("a.txt", "5 1 2\n6 3 4\n", "--columns 2,3", "OK 2\n0 1 2\n1 3 4\n");
+    load_text("a.csv", "id\teast\tnorth\n7\t1\t2\n", "-c east,north", "OK 1\n0 1 2\n");
+    refuse_text("a.csv", "x,y\n1\n", "", "a.csv:2: the row has too few columns");
+    refuse_text("a.csv", "x,y\n1,b\n", "", "a.csv:2: not a number");
+    refuse_text("a.csv", "x,y\n1,2\n", "-c x,z", "a.csv:1: no column");
+    finish();
+}
+
+TEST(load_reads_node_files)
+{
+    begin();
+    load_text("a.node", "# made by hand\n2 2 1 1\n1 0.5 2 7 0\n2 3 4 7 1\n# end\n", "",
+              "OK 2\n0 0.5 2\n1 3 4\n");
+    finish();
+}
+
+TEST(load_reads_geojson)
+{
+    begin();
+    load_text("a.geojson",
+              "{\"type\": \"FeatureCollection\", \"features\": [\n"
+              "{\"type\":\"Feature\",\"properties\":{\"n\":\"a \\\"b\\\" }\",\"c\":[1,{}]},\n"
+              "\"geometry\":{\"coordinates\":[1.5, -2e1, 7],\"type\":\"Point\"}},\n"
+              "{\"type\":\"Feature\",\"geometry\":{\"type\":\"MultiPoint\",\"coordinates\":[[3,4],["
+              "5,6]]}}"
+              "]}\n",
+              "", "OK 3\n0 1.5 -20\n1 3 4\n2 5 6\n");
+    load_text("a.ndjson",
+              "{\"type\":\"Point\",\"coordinates\":[1,2]}\n"
+              "{\"type\":\"Point\",\"coordinates\":[3,4]}\n",
+              "", "OK 2\n0 1 2\n1 3 4\n");
+    load_text("a.json", "{\"type\":\"MultiPoint\",\"coordinates\":[]}", "", "OK 0\n");
+    refuse_text("a.json", "\n{\"type\":\"LineString\",\"coordinates\":[[1,2],[3,4]]}", "",
+                "a.json:2: a geometry that is neither");
+    refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1,2]", "", "not GeoJSON");
+    refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1]}", "", "not GeoJSON");
+    refuse_text("a.json", "[[[", "", "not GeoJSON");
+    finish();
+}
+
+/* ---- the rest ---- */
+
+TEST(url_names_daemon_and_set)
+{
+    int status;
+    begin();
+    const char *got = peer_shell(&status, "%s add delaunay://127.0.0.1:%s/t 1 2 2>&1",
+                                 getenv("DELAUNAY"), the_daemon.port);
+    CHECK_STR(got, "OK 0 first=0 added=1 coincident=0\n");
+    got = peer_shell(&status, "%s points delaunay://127.0.0.1:%s/t 2>&1", getenv("DELAUNAY"),
+                     the_daemon.port);
+    CHECK_STR(got, "OK 1\n0 1 2\n");
+    got = peer_shell(&status, "%s -u delaunay://:token@127.0.0.1:%s points t 2>&1",
+                     getenv("DELAUNAY"), the_daemon.port);
+    CHECK_STR(got, "OK 1\n0 1 2\n");
+    got = peer_shell(&status, "DELAUNAY_URL=delaunay://127.0.0.1:%s %s sets 2>&1", the_daemon.port,
+                     getenv("DELAUNAY"));
+    CHECK_STR(got, "OK 1\nt points=1 triangulated=no\n");
+    static const char *const bad[] = {"delaunay://",   "delaunay://h:x/t",  "delaunay://h:1/a/b",
+                                      "delaunay://h/", "delaunay://[::1/t", "delaunay://u@h/t"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        peer_shell(&status, "%s points %s 2>&1", getenv("DELAUNAY"), bad[i]);
+        CHECK_MSG(status == 2, "%s", bad[i]);
+    }
+    finish();
+}
+
+TEST(copy_keeps_ids_tolerance_and_triangulation)
+{
+    int status;
+    char from[64];
+    begin();
+    struct daemon first = the_daemon;
+    run_well("CREATE t TOL 0.5");
+    run_well("ADD t 0 0  4 0  4 4  0 4  0.25 0  9 9  2 2");
+    run_well("DEL t 0 5 2");
+    run_well("triangulate t");
+    snprintf(from, sizeof from, "delaunay://127.0.0.1:%s", first.port);
+    the_daemon = daemon_start();
+    const char *got = peer_shell(&status, "%s copy t %s delaunay://127.0.0.1:%s/u 2>&1",
+                                 getenv("DELAUNAY"), from, the_daemon.port);
+    CHECK_MSG(status == 0 && strstr(got, "t: 4 points copied") == got, "%s", got);
+    expect("points u", "OK 4\n1 4 0\n3 0 4\n4 0.25 0\n6 2 2\n");
+    CHECK(strstr(run(&status, "stat u"), "triangulated=yes") != NULL);
+    CHECK(strstr(run(&status, "stat u"), "tol=0.5") != NULL);
+    run_well("check u");
+    peer_shell(&status, "%s copy t %s delaunay://127.0.0.1:%s/u 2>&1", getenv("DELAUNAY"), from,
+               the_daemon.port);
+    CHECK(status == 1); /* it is there already */
+    daemon_stop(&first);
+    finish();
+}
+
+TEST(show_draws_in_braille)
+{
+    begin();
+    run_well("ADD t 0 0  10 0  10 10  0 10");
+    run_well("triangulate t");
+    expect("show t --width 4 --height 2 --plain", "⡟⢍⠉⢹\n⣇⣀⣑⣼\n");
+    finish();
+}
+
+TEST(every_subcommand_has_help_and_completion)
+{
+    int status;
+    char all[8000], name[32];
+    begin();
+    snprintf(all, sizeof all, "%s", run(&status, "--help"));
+    const char *p = strstr(all, "\n\n  ");
+    CHECK(status == 0 && p != NULL);
+    for (p++; sscanf(p, "\n  %31[a-z]", name) == 1; p = strchr(p + 1, '\n')) {
+        char command[64];
+        snprintf(command, sizeof command, "%s --help", name);
+        CHECK(strncmp(run(&status, command), "usage: delaunay ", 16) == 0 && status == 0);
+    }
+    run(&status, "completion | bash -n");
+    CHECK(status == 0);
+    const char *got = peer_shell(
+        &status,
+        "bash -c 'source <(%s completion); COMP_WORDS=(delaunay tri); COMP_CWORD=1; _delaunay; "
+        "echo ${COMPREPLY[*]}'",
+        getenv("DELAUNAY"));
+    CHECK_STR(got, "triangulate triangles\n");
+    CHECK(strstr(run(&status, "top --once"), "uptime_s ") != NULL);
+    finish();
+}
