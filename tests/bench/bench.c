@@ -5,7 +5,8 @@
  *
  * The tables are Markdown, ready for the README; chart.awk draws them. Every figure is the best of
  * three processes; a process builds as many different sets as make a million points. "fresh" builds
- * in memory never touched before, "warm" in pages that the process has used already. */
+ * in memory never touched before, "warm" in pages that the process has used already. One thread is
+ * timed by its CPU clock, two by the clock on the wall. */
 #include "tests/bench/measure.h"
 #include "tests/bench/paper.h"
 

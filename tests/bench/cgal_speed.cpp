@@ -14,12 +14,12 @@ extern "C" {
 #include "tests/oracle/families.h"
 }
 
-#include <chrono>
 #include <climits>
 #include <cstdio>
 #include <cstring>
 #include <malloc.h>
 #include <sys/resource.h>
+#include <time.h>
 #include <vector>
 
 using kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -31,8 +31,9 @@ using place = kernel::Point_2;
 
 static double now()
 {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
+    timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 static double peak()
