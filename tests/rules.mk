@@ -31,8 +31,12 @@ interop: all
 	@$(MAKE) --no-print-directory $(addprefix $(O)/,interop/compare interop/small_sets tests/bench/points)
 	tests/interop/run.sh $(O)
 
-# ---- bench: ns per point; beside CGAL where libcgal-dev is there. MAX=10000000 takes the tables further ----
+# ---- bench: ns per point; beside CGAL where libcgal-dev is there ----
+#
+# Ten minutes; make bench TABLES=paper, or with MIN=1000000, does less, MAX=10000000 more.
 
+TABLES     ?= paper sizes families
+MIN        ?= 1000
 MAX        ?= 1000000
 BENCH      := $(addprefix $(O)/tests/bench/,bench.o paper.o measure.o pool.o)
 HAVE_CGAL   = $(shell echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ - >/dev/null 2>&1 && echo yes)
@@ -53,7 +57,7 @@ $(O)/tests/bench/cgal_%: $(O)/tests/bench/cgal_%.o $(FAMILIES)
 bench: all $(O)/tests/bench/bench $(O)/tests/bench/live $(O)/tests/bench/points
 	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(addprefix $(O)/tests/bench/,cgal_speed cgal_live cgal_text), \
 	  echo "no libcgal-dev, so nothing beside CGAL")
-	@{ $(O)/tests/bench/bench --max $(MAX) --cgal $(O)/tests/bench/cgal_speed paper sizes families && \
+	@{ $(O)/tests/bench/bench --min $(MIN) --max $(MAX) --cgal $(O)/tests/bench/cgal_speed $(TABLES) && \
 	  $(O)/tests/bench/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_live) && \
 	  tests/bench/end_to_end.sh $(O) 1000000; } | tee $(O)/bench.md
 	@awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg

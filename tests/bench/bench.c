@@ -1,7 +1,7 @@
 /* bench.c - tables of what building a triangulation costs, in ns per point, for both engines and
  * beside CGAL.
  *
- *     bench [--max N] [--cgal PROGRAM] paper|sizes|families ...
+ *     bench [--min N] [--max N] [--cgal PROGRAM] paper|sizes|families ...
  *
  * The tables are Markdown, ready for the README; chart.awk draws them. Every figure is the best of
  * three processes; a process builds as many different sets as make a million points. "fresh" builds
@@ -15,7 +15,7 @@
 #include <string.h>
 
 static const char *cgal = "";
-static size_t max_n = 1000000;
+static size_t min_n = 1000, max_n = 1000000;
 
 static const struct family *family_named(const char *name)
 {
@@ -86,7 +86,7 @@ static void sizes(void)
         "| n | divide | adding the points | divide, 2 threads | divide, fresh | shelling | CGAL | "
         "CGAL, ids and list | divide / CGAL | both fresh "
         "|\n|---|---|---|---|---|---|---|---|---|---|\n");
-    for (size_t n = 1000; n <= max_n; n *= 10) {
+    for (size_t n = min_n; n <= max_n; n *= 10) {
         sizes_row(n, &ns);
         if (n == 10000)
             first = ns;
@@ -130,7 +130,7 @@ static void families_table(void)
            "1 thread / CGAL | "
            "2 threads / CGAL | fresh / CGAL fresh | set | peak | CGAL peak |\n"
            "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-    for (size_t n = 1000; n <= max_n; n *= 10)
+    for (size_t n = min_n; n <= max_n; n *= 10)
         for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
             families_row(family_named(names[i]), n);
     printf("\n");
@@ -139,7 +139,9 @@ static void families_table(void)
 int main(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--max") == 0 && i + 1 < argc)
+        if (strcmp(argv[i], "--min") == 0 && i + 1 < argc)
+            min_n = strtoul(argv[++i], NULL, 10);
+        else if (strcmp(argv[i], "--max") == 0 && i + 1 < argc)
             max_n = strtoul(argv[++i], NULL, 10);
         else if (strcmp(argv[i], "--cgal") == 0 && i + 1 < argc)
             cgal = argv[++i];
