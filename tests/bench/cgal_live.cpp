@@ -44,28 +44,28 @@ int main(int argc, char **argv)
         vertex[i] = t.nearest_vertex(points[i]);
 
     uint32_t sum = 0;
-    double start = measure_now();
+    double start = measure_cpu();
     for (size_t i = 0; i < plan.k; i++)
         sum += t.is_infinite(t.locate(place(plan.query[i])));
     ns[LIVE_LOCATE] = live_ns(start, plan.k);
-    start = measure_now();
+    start = measure_cpu();
     for (size_t i = 0; i < plan.k; i++)
         sum += t.nearest_vertex(place(plan.query[i])) == vertex[0];
     ns[LIVE_NEAREST] = live_ns(start, plan.k);
     live_keep(sum);
 
-    start = measure_now();
+    start = measure_cpu();
     for (size_t i = 0; i < plan.k; i++) {
         t.remove(vertex[plan.mover[i]]);
         vertex[plan.mover[i]] = t.insert(place(plan.moved[i]));
     }
     ns[LIVE_MOVE] = live_ns(start, plan.k);
-    start = measure_now();
+    start = measure_cpu();
     for (size_t i = 0; i < plan.k; i++)
         t.insert(place(plan.query[i]));
     ns[LIVE_INSERT] = live_ns(start, plan.k);
     ns[LIVE_BATCH] = ns[LIVE_INSERT];
-    start = measure_now();
+    start = measure_cpu();
     for (size_t i = 0; i < plan.k; i++)
         t.remove(vertex[plan.victim[i]]);
     ns[LIVE_DELETE] = live_ns(start, plan.k);

@@ -29,7 +29,7 @@ static void must(bool ok)
 static void add_singly(struct live *l, enum live_kind kind, const struct dt_point *p)
 {
     struct dt_added added;
-    double start = measure_now();
+    double start = measure_cpu();
     for (size_t i = 0; i < l->plan.k; i++)
         must(dt_add(l->set, &p[i], 1, &added) == DT_OK);
     l->ns[kind] = live_ns(start, l->plan.k);
@@ -38,7 +38,7 @@ static void add_singly(struct live *l, enum live_kind kind, const struct dt_poin
 static void add_batch(struct live *l)
 {
     struct dt_added added;
-    double start = measure_now();
+    double start = measure_cpu();
     must(dt_add(l->set, l->plan.batch, l->plan.k, &added) == DT_OK &&
          dt_refresh(l->set, NULL) == DT_OK);
     l->ns[LIVE_BATCH] = live_ns(start, l->plan.k);
@@ -46,7 +46,7 @@ static void add_batch(struct live *l)
 
 static void delete_randomly(struct live *l)
 {
-    double start = measure_now();
+    double start = measure_cpu();
     for (size_t i = 0; i < l->plan.k; i++) {
         uint32_t deleted, missing;
         must(dt_delete(l->set, &l->plan.victim[i], 1, &deleted, &missing) == DT_OK);
@@ -56,7 +56,7 @@ static void delete_randomly(struct live *l)
 
 static void move_slightly(struct live *l)
 {
-    double start = measure_now();
+    double start = measure_cpu();
     for (size_t i = 0; i < l->plan.k; i++)
         must(dt_move(l->set, l->plan.mover[i], l->plan.moved[i]) == DT_OK);
     l->ns[LIVE_MOVE] = live_ns(start, l->plan.k);
@@ -65,7 +65,7 @@ static void move_slightly(struct live *l)
 static void locate(struct live *l)
 {
     uint32_t sum = 0;
-    double start = measure_now();
+    double start = measure_cpu();
     for (size_t i = 0; i < l->plan.k; i++) {
         struct dt_location where;
         must(dt_locate(l->set, l->plan.query[i], &where) == DT_OK);
@@ -79,7 +79,7 @@ static void nearest(struct live *l)
 {
     struct dt_ids ids = {0};
     uint32_t sum = 0;
-    double start = measure_now();
+    double start = measure_cpu();
     for (size_t i = 0; i < l->plan.k; i++) {
         ids.n = 0;
         must(dt_nearest(l->set, l->plan.query[i], 1, &ids) == DT_OK);

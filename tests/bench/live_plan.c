@@ -69,7 +69,7 @@ void live_plan_free(struct live_plan *p)
 
 double live_ns(double start, size_t k)
 {
-    return (measure_now() - start) * 1e9 / (double)k;
+    return (measure_cpu() - start) * 1e9 / (double)k;
 }
 
 void live_keep(uint32_t value)

@@ -30,7 +30,7 @@ struct live_plan {
 struct live_plan live_plan_new(size_t n, size_t k);
 void live_plan_free(struct live_plan *p);
 
-double live_ns(double start, size_t k); /* since start (measure_now), per operation */
+double live_ns(double start, size_t k); /* since start (measure_cpu), per operation */
 void live_keep(uint32_t value);         /* looks at a value, so that computing it is no dead code */
 
 #endif
