@@ -4,6 +4,7 @@
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
 #   make demo       triangulates 171,075 real places over TCP, shows what comes back, draws build/cities.svg
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
+#   make lib, install: see clients/rules.mk
 #   make interop, bench, lint, fuzz: see tests/rules.mk
 
 V        ?=
@@ -72,4 +73,5 @@ fmt:
 	clang-format -i $$(git ls-files '*.c' '*.h' '*.cpp')
 
 include tests/rules.mk
--include $(wildcard $(O)/*/*.d $(O)/*/*/*.d)
+include clients/rules.mk
+-include $(wildcard $(O)/*/*.d $(O)/*/*/*.d $(O)/*/*/*/*.d)

@@ -274,6 +274,40 @@ enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_f
     return c->status.kind == REPLY_OK ? DELAUNAY_OK : DELAUNAY_REFUSED;
 }
 
+struct gathering {
+    char *bytes;
+    uint64_t n, at;
+    bool failed;
+};
+
+static bool gather(void *ctx, const struct reply_part *part)
+{
+    struct gathering *g = ctx;
+    if (part->kind == REPLY_OK && reply_key_number(part, "bytes", &g->n)) {
+        g->bytes = g->n < SIZE_MAX ? malloc((size_t)g->n + 1) : NULL;
+        g->failed = g->bytes == NULL;
+    } else if (part->kind == REPLY_BYTES) {
+        memcpy(g->bytes + g->at, part->text, part->len); /* no more than announced: reply_read */
+        g->at += part->len;
+    }
+    return !g->failed;
+}
+
+enum delaunay_result delaunay_receive_bytes(struct delaunay_client *c, void **bytes, size_t *n)
+{
+    struct gathering g = {0};
+    enum delaunay_result r = delaunay_receive(c, gather, &g);
+    if (r == DELAUNAY_STOPPED && g.failed)
+        r = DELAUNAY_NOMEM;
+    if (r != DELAUNAY_OK) {
+        free(g.bytes);
+        g = (struct gathering){0};
+    }
+    *bytes = g.bytes;
+    *n = (size_t)g.n;
+    return r;
+}
+
 enum delaunay_result delaunay_request(struct delaunay_client *c, const char *line,
                                       delaunay_part_fn *part, void *ctx)
 {

@@ -55,6 +55,11 @@ enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, 
  * is whole. */
 enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_fn *part, void *ctx);
 
+/* The same for a reply in binary form (`POINTS set BINARY` and its like; PROTOCOL.md, section 7):
+ * all its bytes in *bytes, *n of them, which the caller frees with free(). Where the result is not
+ * DELAUNAY_OK there are none, and *bytes is NULL. Words are little-endian, as on the wire. */
+enum delaunay_result delaunay_receive_bytes(struct delaunay_client *c, void **bytes, size_t *n);
+
 /* Both at once, for a string. With replies still to come for requests sent before, receive those
  * first. */
 enum delaunay_result delaunay_request(struct delaunay_client *c, const char *line,

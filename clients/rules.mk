@@ -1,0 +1,45 @@
+# rules.mk - the client library, static and shared, with its one header; `make install`.
+#
+#   make lib             build/lib/libdelaunay.a, build/lib/libdelaunay.so.0, build/include/delaunay_client.h
+#   make install         PREFIX=/usr/local DESTDIR=
+
+.PHONY: lib install
+
+PREFIX      ?= /usr/local
+VERSION     := $(shell sed -n 's/.*DELAUNAYD_VERSION "\(.*\)".*/\1/p' server/*.h)
+LIB_SOURCES := clients/delaunay_client.c proto/buf.c proto/reply_read.c proto/request.c
+PIC         := $(LIB_SOURCES:%.c=$(O)/pic/%.o)
+
+lib: $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0 $(O)/include/delaunay_client.h $(O)/lib/pkgconfig/delaunay.pc
+
+$(O)/pic/%.o: %.c
+	@mkdir -p $(@D)
+	$(COMPILE) -fPIC -MMD -MP -c -o $@ $<
+
+$(O)/lib/libdelaunay.a: $(PIC)
+	@mkdir -p $(@D)
+	rm -f $@ && ar rcs $@ $^
+
+$(O)/lib/libdelaunay.so.0: $(PIC) clients/delaunay.map
+	@mkdir -p $(@D)
+	$(COMPILE) -shared -Wl,-soname,libdelaunay.so.0 -Wl,--version-script,clients/delaunay.map -o $@ $(PIC)
+	ln -sf libdelaunay.so.0 $(O)/lib/libdelaunay.so
+
+# One header: that of the replies is put in place of its #include.
+$(O)/include/delaunay_client.h: clients/delaunay_client.h proto/reply_read.h
+	@mkdir -p $(@D)
+	sed -e '/#include "proto\/reply_read.h"/{r proto/reply_read.h' -e 'd}' clients/delaunay_client.h >$@
+
+$(O)/lib/pkgconfig/delaunay.pc: clients/delaunay.pc.in Makefile
+	@mkdir -p $(@D)
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' $< >$@
+
+install: all lib
+	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin include lib/pkgconfig share/bash-completion/completions)
+	install $(O)/delaunayd $(O)/delaunay $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $(O)/include/delaunay_client.h $(DESTDIR)$(PREFIX)/include
+	install -m 644 $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0 $(DESTDIR)$(PREFIX)/lib
+	ln -sf libdelaunay.so.0 $(DESTDIR)$(PREFIX)/lib/libdelaunay.so
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' clients/delaunay.pc.in \
+	  >$(DESTDIR)$(PREFIX)/lib/pkgconfig/delaunay.pc
+	$(O)/delaunay completion >$(DESTDIR)$(PREFIX)/share/bash-completion/completions/delaunay
