@@ -54,6 +54,7 @@ bool dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t
     while (c->stacked > 0) {
         uint32_t h = c->stack[--c->stacked], beyond = dt_twin(m, h);
         if (!dt_conflict(m, xy, dt_base(beyond), q)) {
+            __builtin_prefetch(&m->leaving[dt_origin(m, h)]); /* for fill_with_star */
             if (!dt_cavity_add_rim(c, dt_origin(m, h), beyond))
                 return false;
         } else if (!dt_cavity_add(c, dt_base(beyond)) ||
@@ -94,6 +95,8 @@ static void fill_with_star(struct dt_mesh *m, struct dt_cavity *c, uint32_t v)
     for (uint32_t i = 0; i < c->rims; i++) {
         uint32_t origin = c->rim[i].origin, end = c->rim[i + 1 < c->rims ? i + 1 : 0].origin;
         uint32_t h = set_star_triangle(m, c->record[i], origin, end, v);
+        if (origin != DT_NONE)
+            __builtin_prefetch(&m->half[m->leaving[origin]]); /* for dt_hull_keep */
         dt_link(m, h, c->rim[i].beyond);
         if (i == 0)
             first = h;

@@ -16,7 +16,7 @@
 #define BULK_SHARE 8    /* a batch of more than 1 / BULK_SHARE of the set is left to a rebuild */
 #define SORTED_BATCH 16 /* batches of at least so many points are inserted in grid order */
 #define USUAL_STEPS 4   /* triangles on the way of a walk from a good hint */
-#define AHEAD 4         /* points of a batch whose surroundings are fetched in advance */
+#define AHEAD 3         /* points of a batch between one stage of fetching and the next */
 
 bool dt_update_is_bulk(const struct dt *t, size_t n)
 {
@@ -197,14 +197,22 @@ static enum dt_status add_one(struct dt *t, const struct batch *b, uint32_t i,
     return DT_OK;
 }
 
-/* Fetches what the walk to a later point will read. */
-static void fetch(const struct dt *t, struct dt_point q)
+/* Fetches what the insertion of later points of the batch will read, nearest last: the hint of one,
+ * the triangle that the hint of the next names, the corners and neighbours of that of a third. */
+static void fetch(const struct dt *t, const struct batch *b, uint32_t i)
 {
-    if (t->hints.grids == 0)
+    const struct dt_mesh *m = &t->mesh;
+    if (t->hints.grids == 0 || i + 3 * AHEAD >= b->n)
         return;
-    uint32_t h = dt_hint(&t->hints, q);
-    if (h < 8 * t->mesh.tri_end)
-        __builtin_prefetch(&t->mesh.half[h]);
+    __builtin_prefetch(
+        &t->hints.cell[dt_hint_cell(t->hints.grid, b->q[batch_item(b, i + 3 * AHEAD)])]);
+    __builtin_prefetch(&m->half[dt_hint(&t->hints, b->q[batch_item(b, i + 2 * AHEAD)])]);
+    const uint32_t *corner = &m->half[dt_hint(&t->hints, b->q[batch_item(b, i + AHEAD)])];
+    for (unsigned k = 0; k < 3; k++) {
+        if (corner[k] < m->vert_cap)
+            __builtin_prefetch(&t->points.xy[corner[k]]);
+        __builtin_prefetch(&m->half[dt_base(corner[4 + k])]);
+    }
 }
 
 enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_added *out)
@@ -220,8 +228,7 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
         return status;
     uint32_t i = 0;
     for (; i < n && status == DT_OK && t->current; i++) {
-        if (i + AHEAD < n)
-            fetch(t, q[batch_item(&b, i + AHEAD)]);
+        fetch(t, &b, i);
         status = add_one(t, &b, batch_item(&b, i), &done, &t->scratch);
     }
     dt_array_free(b.order);
