@@ -257,6 +257,7 @@ TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_ma
     load_random(fd[0], "t", costs_are_telling() ? 150000 : 15000); /* a sanitizer takes its time */
     say(fd[0], "TRIANGULATE t\n");
     hear_line(fd[0]);
+    double start = seconds();
     for (int i = 0; i < CLIENTS; i++) {
         if (i > 0)
             fd[i] = daemon_connect(&d);
@@ -274,7 +275,7 @@ TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_ma
     }
     CHECK_MSG(fine >= 64 && busy > 0 && fine + busy == CLIENTS, "%d answered, %d refused", fine,
               busy);
-    CHECK(comments > 0);
+    CHECK(comments > 0 || seconds() - start < 2); /* a fast machine has nothing to report */
 }
 
 /* ---- pipelines ---- */

@@ -129,6 +129,7 @@ TEST(load_of_many_records_comes_back)
     load_random(fd, "t", 100000);
     say(fd, "DEL t 5\nTRIANGULATE t\n");
     expect(fd, "OK 0 deleted=1\n");
+    CHECK(strncmp(hear_line(fd), "OK 0 points=99999", 17) == 0);
     close(fd);
     char *want = directory_state(&d, (const char *const[]){"t", NULL});
     daemon_stop(&d, SIGKILL);
