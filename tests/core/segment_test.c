@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "core/predicates.h"
+#include "core/scan.h"
 #include "tests/oracle/definition.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
@@ -37,6 +38,17 @@ static bool is_covered(const struct dt_edge *e, const struct dt_segment *g,
     return k == c->subs || c->sub_cell[k] != cell || is_covered(e, g, &c->sub[k], place);
 }
 
+/* What a search takes for the cotangent at p. */
+static double cotangent_bound(const struct dt_grid *g, uint32_t a, uint32_t b, uint32_t p)
+{
+    struct dt_scan q = {.grid = g, .a = a, .b = b, .edge = edge_of(xy[a], xy[b])};
+    double x = fmax(fabs(xy[p].x - xy[a].x), fabs(xy[p].x - xy[b].x));
+    double y = fmax(fabs(xy[p].y - xy[a].y), fabs(xy[p].y - xy[b].y));
+    dt_scan_begin(&q, true);
+    dt_scan_run(&q, fmax(x, y) * (1 + 0x1p-50), p, p + 1);
+    return dt_scan_bound(&q);
+}
+
 /* The segment of p, and those that are larger by a little or much, cover all points that belong to
  * it: those inside the circle through a, b and p on the left of the edge. */
 static void check_segment(const struct dt_grid *g, uint32_t a, uint32_t b, uint32_t p, double s,
@@ -44,15 +56,16 @@ static void check_segment(const struct dt_grid *g, uint32_t a, uint32_t b, uint3
 {
     struct dt_edge e = edge_of(xy[a], xy[b]);
     struct dt_segment of_cotangent = dt_segment_of_cotangent(&e, s);
-    struct dt_segment of_height = dt_segment_of_height(&e, of_cotangent.height);
+    struct dt_segment of_height = dt_segment_of_height(&e, of_cotangent.height * (1 + 0x1p-30));
     struct dt_segment all = dt_segment_all(&e);
-    CHECK(of_height.s >= s - 0x1p-30 * (1 + fabs(s)));
     for (uint32_t i = 0; i < g->n; i++) {
         if (dt_orient2d(xy[a], xy[b], xy[i]) <= 0)
             continue;
         CHECK_MSG(is_covered(&e, &all, &g->top, i), "%s, half plane", name);
-        if (i == p || dt_incircle(xy[a], xy[b], xy[p], xy[i]) > 0)
-            CHECK_MSG(is_covered(&e, &of_cotangent, &g->top, i), "%s, s = %g", name, s);
+        if (i != p && dt_incircle(xy[a], xy[b], xy[p], xy[i]) <= 0)
+            continue;
+        CHECK_MSG(is_covered(&e, &of_cotangent, &g->top, i), "%s, s = %g", name, s);
+        CHECK_MSG(is_covered(&e, &of_height, &g->top, i), "%s, height of s = %g", name, s);
     }
 }
 
@@ -67,11 +80,8 @@ TEST(the_cells_of_a_segment_hold_all_its_points)
             uint32_t a = test_below(n), b = test_below(n), p = test_below(n);
             if (a == b || dt_orient2d(xy[a], xy[b], xy[p]) <= 0)
                 continue;
-            struct dt_point u = {xy[p].x - xy[a].x, xy[p].y - xy[a].y},
-                            v = {xy[p].x - xy[b].x, xy[p].y - xy[b].y};
-            double s = (u.x * v.x + u.y * v.y) / (u.x * v.y - u.y * v.x);
-            s += 1e-6 * fabs(s) + 1e-6; /* rounding of the line above; a search uses a bound */
-            if (fabs(s) < 1e6)
+            double s = cotangent_bound(&g, a, b, p);
+            if (s < 0x1p60)
                 check_segment(&g, a, b, p, s, f->name);
         }
         dt_grid_clear(&g);
