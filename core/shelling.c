@@ -7,9 +7,10 @@
  *     put the points into a grid (grid.c)
  *     the first edge joins a point near the middle to its nearest neighbour
  *     while there is an edge on the front that something can be done for (front.c)
- *         find its apex (apex.c), and add their triangle to the disc, if it touches the disc
- * properly take points that this encloses out of the grid what remains in the grid is the convex
- * hull
+ *         find its apex (apex.c)
+ *         add their triangle to the disc, if it touches the disc properly
+ *         take a point that this encloses out of the grid
+ *     what remains in the grid is the convex hull
  *
  * Why it is right. The first edge is Delaunay, since the disc whose diameter it is holds no other
  * point: such a point would be nearer. If an edge is Delaunay, then the triangle that it makes with
