@@ -179,9 +179,9 @@ static int compare_points(const void *a, const void *b)
 /* n >= 2 vertices in order along a line have two ghosts at each of the n - 1 edges between
  * neighbours, one on either side:
  *
- *       <-- ghost 3 ---  <-- ghost 2 --      ghosts 0 .. n-2 run along the line, the others back
- *      0 -------------- 1 ------------- 2
- *        -- ghost 0 -->   -- ghost 1 -->
+ *        -- ghost 0 -->   -- ghost 1 -->     ghosts 0 .. n-2 run along the line, the others back;
+ *      0 -------------- 1 -------------- 2   each lies on the left of its half edge
+ *        <-- ghost 3 --   <-- ghost 2 --
  */
 static void chain_ghosts(struct dt_mesh *m, uint32_t n)
 {
