@@ -65,7 +65,7 @@ static struct costs average(uint32_t n)
 
 void paper_table(void)
 {
-    double grid[SIZES], triangulation[SIZES];
+    double grid[SIZES] = {0}, triangulation[SIZES] = {0};
     printf("The paper's Table 1 (METHOD shelling, one thread): ns per point; the paper's figures "
            "are microseconds.\n\n"
            "| n | grid | triangulation | the paper's grid, us | the paper's triangulation, us "
