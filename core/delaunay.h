@@ -82,10 +82,10 @@ enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *
  * equal points with higher ids. */
 enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to);
 
-/* Fills a set that is fresh from dt_new with n points as they were in another one: their ids, in ascending
- * order and below next_id, their places, and for each its representative's id (its own unless it is an alias).
- * next_id is the id that the next point will get. DT_CORRUPT: these cannot come from a set, or t is not fresh;
- * the set is as it was. Cost: linear. */
+/* Fills a set that is fresh from dt_new with n points as they were in another one: their ids, in
+ * ascending order and below next_id, their places, and for each its representative's id (its own
+ * unless it is an alias). next_id is the id that the next point will get. DT_CORRUPT: these cannot
+ * come from a set, or t is not fresh; the set is as it was. Cost: linear. */
 enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_point *p,
                           const uint32_t *representatives, size_t n, uint32_t next_id);
 
