@@ -59,9 +59,15 @@ demo: all
 	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg
 
 # Tests that talk to a daemon find it through DELAUNAYD and DELAUNAY.
-test: all $(TEST_BINARIES)
+# A disk that fails on demand, for tests/server/disk_test.c.
+DISK_SHIM := $(O)/tests/faults/disk_shim.so
+$(DISK_SHIM): tests/faults/disk_shim.c
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS) $(BASE) $(WARNINGS) -fPIC -shared -o $@ $< -ldl
+
+test: all $(TEST_BINARIES) $(DISK_SHIM)
 	@status=0; for s in $(SUITES); do echo "== $$s"; \
-	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
+	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay DISK_SHIM=$(DISK_SHIM) $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
 
 asan tsan:
 	$(MAKE) V=$@ test

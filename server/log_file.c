@@ -32,6 +32,11 @@ void log_file_fail(struct log_file *f, int error)
 
 /* ---- the reserve ---- */
 
+static bool is_lack_of_space(int error)
+{
+    return error == ENOSPC || error == EDQUOT;
+}
+
 void log_file_reserve(struct log_file *f)
 {
     if (f->reserved)
@@ -40,15 +45,10 @@ void log_file_reserve(struct log_file *f)
     int error = fd < 0 ? errno : posix_fallocate(fd, 0, RESERVE_BYTES);
     if (fd >= 0)
         close(fd);
-    f->reserved = error == 0;
+    f->reserved = !is_lack_of_space(error); /* where there cannot be one, it goes without */
     f->full_error = error;
     if (error != 0)
         unlinkat(f->dir->fd, reserve_name, 0);
-}
-
-static bool is_lack_of_space(int error)
-{
-    return error == ENOSPC || error == EDQUOT;
 }
 
 /* Gives the reserve up; whether that makes it worth another try. */

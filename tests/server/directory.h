@@ -14,6 +14,9 @@ void directory_remove(const struct directory *dir);
 /* A daemon on the directory, with further arguments up to a NULL. */
 struct daemon directory_daemon(const struct directory *dir, const char *const *arguments);
 
+/* The same where it may refuse to start: false, and it has ended. */
+bool directory_try(const struct directory *dir, const char *const *arguments, struct daemon *d);
+
 /* Runs delaunayd FLAG DIR; what it prints, up to `size`, goes to text. Returns the exit status. */
 int directory_run(const struct directory *dir, const char *flag, char *text, size_t size);
 
