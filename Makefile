@@ -34,7 +34,7 @@ WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,-
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all demo test clean asan tsan fmt
+.PHONY: all demo test faults clean asan tsan fmt
 
 all: $(O)/delaunayd $(O)/delaunay
 
@@ -68,6 +68,10 @@ $(DISK_SHIM): tests/faults/disk_shim.c
 test: all $(TEST_BINARIES) $(DISK_SHIM)
 	@status=0; for s in $(SUITES); do echo "== $$s"; \
 	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay DISK_SHIM=$(DISK_SHIM) $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
+
+# The same with many more rounds of what is left to chance.
+faults: all $(O)/tests/server_tests $(DISK_SHIM)
+	KILL_ROUNDS=200 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) $(O)/tests/server_tests kill_test disk_test damage_test
 
 asan tsan:
 	$(MAKE) V=$@ test

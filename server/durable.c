@@ -210,15 +210,6 @@ bool durable_is_complete(const struct server *s)
 
 /* ---- snapshots ---- */
 
-static void begin_rotation(struct server *s)
-{
-    struct durable *d = s->durable;
-    d->mending = d->status.state == LOG_FAILED;
-    d->earlier_bytes += d->status.bytes;
-    d->cut = log_rotate(d->log);
-    d->rotating = true;
-}
-
 static void put_off(struct server *s)
 {
     struct durable *d = s->durable;
@@ -229,21 +220,31 @@ static void put_off(struct server *s)
         holders_fail(&s->held);
 }
 
-/* Goes on when the segment is there; a failed log needs none now. */
+static void begin_snapshot(struct server *s)
+{
+    struct durable *d = s->durable;
+    d->mending = d->status.state == LOG_FAILED;
+    d->earlier_bytes += d->status.bytes;
+    d->cut = log_rotate(d->log);
+    d->snapshot = snapshot_begin(&d->dir, &s->sets, d->cut, d->event);
+    d->rotating = d->snapshot != NULL;
+    if (d->snapshot == NULL)
+        put_off(s);
+}
+
+/* Lets the snapshot go when the new segment is there; a failed log needs none now. */
 static void continue_rotation(struct server *s)
 {
     struct durable *d = s->durable;
     bool failed = d->status.state == LOG_FAILED;
     if (failed && !d->mending) { /* it has failed on the way: from the beginning, for that */
         d->rotating = false;
-        return;
+        snapshot_end(d->snapshot, &s->sets);
+        d->snapshot = NULL;
+    } else if (failed || d->status.segment > d->cut) {
+        d->rotating = false;
+        snapshot_go(d->snapshot);
     }
-    if (!failed && d->status.segment <= d->cut)
-        return;
-    d->rotating = false;
-    d->snapshot = snapshot_begin(&d->dir, &s->sets, d->cut, d->event);
-    if (d->snapshot == NULL)
-        put_off(s);
 }
 
 static void end_snapshot(struct server *s)
@@ -316,8 +317,9 @@ static void step(struct server *s)
         d->full_lsn = log_last(d->log);
         d->retry_ms = clock_ms() + RETRY_MS;
     }
-    begin_rotation(s);
-    continue_rotation(s);
+    begin_snapshot(s);
+    if (d->rotating)
+        continue_rotation(s);
 }
 
 void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -328,15 +330,18 @@ void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q
         reply_err(a->out, ERR_IO, "there is no data directory (--data)");
         return;
     }
-    if (d->snapshot != NULL || d->rotating || d->resuming) {
+    if (d->snapshot != NULL || d->resuming) {
         reply_err(a->out, ERR_BUSY, "a snapshot is being written");
         return;
     }
-    begin_rotation(s);
+    begin_snapshot(s);
+    if (d->snapshot == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "lsn", d->cut);
     reply_end(a->out);
-    continue_rotation(s);
 }
 
 /* ---- events ---- */
@@ -451,5 +456,5 @@ void durable_facts(const struct server *s, struct durable_facts *f)
     f->snapshot_lsn = d->snapshot_lsn;
     f->snapshot_bytes = d->snapshot_bytes;
     f->snapshots = d->snapshots;
-    f->snapshot_running = d->snapshot != NULL || d->rotating;
+    f->snapshot_running = d->snapshot != NULL;
 }

@@ -5,7 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-enum { READ_BYTES = 1 << 20, LSN_LEAP = 1 << 30 };
+enum { READ_BYTES = 256 << 10, LSN_LEAP = 1 << 30 };
 
 /* Reads until the window holds `want` bytes or the file ends. */
 static bool fill(struct segment_reader *r, size_t want)

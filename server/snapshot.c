@@ -235,10 +235,15 @@ struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets
     snap->dir = dir;
     snap->lsn = lsn;
     snap->event = event;
+    snap->waiting = 1;
     registry_each(sets, enrol, snap);
-    if (snap->waiting == 0)
-        start(snap);
     return snap;
+}
+
+void snapshot_go(struct snapshot *snap)
+{
+    if (--snap->waiting == 0)
+        start(snap);
 }
 
 int snapshot_end(struct snapshot *snap, struct registry *sets)

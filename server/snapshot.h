@@ -33,7 +33,8 @@ struct snapshot {
     const struct datadir *dir; /* borrows */
     uint64_t lsn;
     int event; /* borrows: an eventfd, written when done */
-    size_t n, waiting;
+    size_t n;
+    size_t waiting; /* for so many sets, and for snapshot_go */
     int error;      /* errno; 0: it is in place */
     uint64_t bytes; /* of the file */
     bool started;
@@ -42,10 +43,14 @@ struct snapshot {
     struct snapshot_source source[];
 };
 
-/* Pins all born sets, and starts the thread as soon as the last one is pinned. NULL: out of memory.
- * The caller ends it with snapshot_end. */
+/* Pins all born sets, some of them later. To be called when lsn is the last change: a set that is
+ * dropped after that must still be in the file, because the log from lsn on begins with its last
+ * changes. NULL: out of memory. The caller ends it with snapshot_end. */
 struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets, uint64_t lsn,
                                 int event);
+
+/* Starts the thread as soon as the last set is pinned. */
+void snapshot_go(struct snapshot *snap);
 
 /* Waits for the thread, unpins, frees. Returns the errno of what failed, 0 if the snapshot is in
  * place. Before it is done: gives it up (ECANCELED). */

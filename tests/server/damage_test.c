@@ -157,12 +157,12 @@ static void flip_everything(int sig, uint64_t provable)
     free_sample(&s);
 }
 
-TEST(log_flipped_anywhere_is_refused_but_for_its_last_change)
+TEST_TIMEOUT(log_flipped_anywhere_is_refused_but_for_its_last_change, 120)
 {
     flip_everything(SIGKILL, CHANGES - 1);
 }
 
-TEST(log_of_a_good_stop_flipped_anywhere_loses_nothing)
+TEST_TIMEOUT(log_of_a_good_stop_flipped_anywhere_loses_nothing, 120)
 {
     flip_everything(SIGTERM, CHANGES);
 }
