@@ -12,7 +12,7 @@ $(O)/%.o: %.cpp
 # need PACKAGES, TEST: stops with a message unless the shell command TEST succeeds.
 need = @{ $(2); } >/dev/null 2>&1 || { echo "make $@ needs the Debian packages: $(1)"; exit 1; }
 
-# ---- interop: every reply equals CGAL's; netcat conversations ----
+# ---- interop: every reply equals CGAL's; conversations by netcat and Redis's tools ----
 
 $(O)/interop/compare: $(addprefix $(O)/tests/,interop/compare.o interop/daemon.o oracle/cgal_delaunay.o) $(FAMILIES)
 	@mkdir -p $(@D)
@@ -26,7 +26,7 @@ $(O)/tests/bench/points: $(O)/tests/bench/points.o $(FAMILIES)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
 interop: all
-	$(call need,g++ libcgal-dev netcat-openbsd,command -v $(CXX) && command -v nc && \
+	$(call need,g++ libcgal-dev netcat-openbsd redis-tools,command -v $(CXX) && command -v nc && command -v redis-cli && \
 	  echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ -)
 	@$(MAKE) --no-print-directory $(addprefix $(O)/,interop/compare interop/small_sets tests/bench/points)
 	tests/interop/run.sh $(O)

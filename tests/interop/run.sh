@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Starts a daemon, compares its replies with CGAL's, and holds the netcat conversations of tests/interop/scripts.
+# Starts a daemon, compares its replies with CGAL's, and holds the conversations of
+# tests/interop/scripts by netcat, and others by redis-cli and redis-benchmark.
 #
 #     run.sh BUILD_DIR        prints what failed, and in the end one line: N passed, N failed
 set -u
@@ -107,6 +108,30 @@ a_client_that_goes_away_harms_nobody() {
     printf 'PING\nDROP big\n' | talk | grep -c '^OK 0' | grep -qx 2
 }
 
+# ---- Redis's tools, which frame the same commands their way ----
+
+redis_cli_converses() {
+    drop_sets
+    printf '%s\n' PING 'ADD t 0 0 4 0 4 4 0 4 2 2' 'TRIANGULATE t' 'LISTS t' 'LOCATE t 9 9' 'GET t 7' |
+        redis-cli -p "$port" | normalised | grep . >"$scratch/redis"
+    diff "$scratch/redis" - <<'END'
+PONG
+OK first=0 added=5 coincident=0
+OK points=5 coincident=0 triangles=4 edges=8 hull=4 ms=
+4 0 1 2 3
+0 1 4 3
+1 2 4 0
+2 3 4 1
+3 0 4 2
+OK where=outside
+NOPOINT there is no point 7
+END
+}
+
+redis_benchmark_finishes() {
+    timeout 60 redis-benchmark -p "$port" -n 50000 -P 16 -c 20 -q NEAREST t 1 1 | tr '\r' '\n' | grep 'requests per second'
+}
+
 netcat_conversations() {
     local script how
     for script in tests/interop/scripts/*.nc; do
@@ -162,6 +187,8 @@ stops_cleanly() {
 start_daemon
 compare_with_cgal
 netcat_conversations
+count "redis-cli" redis_cli_converses
+count "redis-benchmark" redis_benchmark_finishes
 count "many small sets" many_small_sets
 count "clean stop on SIGTERM" stops_cleanly
 echo "$passed passed, $failed failed"
