@@ -43,3 +43,18 @@ install: all lib
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' clients/delaunay.pc.in \
 	  >$(DESTDIR)$(PREFIX)/lib/pkgconfig/delaunay.pc
 	$(O)/delaunay completion >$(DESTDIR)$(PREFIX)/share/bash-completion/completions/delaunay
+
+# ---- interop: other people's clients, and ours in other languages ----
+
+$(O)/interop/hiredis_talk: tests/interop/hiredis_talk.c
+	@mkdir -p $(@D)
+	$(CC) -O2 -std=c11 -Wall -Wextra -o $@ $< -lhiredis
+
+.PHONY: interop_clients
+interop: interop_clients
+interop_clients: all
+	$(call need,redis-tools libhiredis-dev python3-redis python3-numpy python3-scipy nodejs haproxy netcat-openbsd, \
+	  command -v redis-cli && command -v node && command -v haproxy && command -v nc && \
+	  /usr/bin/python3 -c 'import redis; import numpy; import scipy')
+	@$(MAKE) --no-print-directory $(O)/interop/hiredis_talk
+	tests/interop/clients.sh $(O)

@@ -1,0 +1,143 @@
+// Against a real daemon, $DELAUNAYD.
+
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import net from 'node:net';
+import { after, before, beforeEach, describe, it as test } from 'node:test';
+import { connect, Refused, Triangulation } from '../index.js';
+
+let daemon;
+let url;
+let client;
+
+describe('a client', () => {
+  before(async () => {
+    daemon = spawn(process.env.DELAUNAYD, ['--port', '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
+    const ready = await new Promise((resolve) => daemon.stdout.once('data', resolve));
+    url = `delaunay://${ready.toString().trim().split(' ').pop()}`;
+    client = await connect(url);
+  });
+
+  after(async () => {
+    client.close();
+    daemon.kill();
+    assert.equal(await new Promise((resolve) => daemon.once('exit', resolve)), 0);
+  });
+
+  beforeEach(async () => {
+    for (const set of await client.sets()) await client.drop(set);
+  });
+
+  const square = Float64Array.of(0, 0, 4, 0, 4, 4, 0, 4, 2, 2);
+
+  test('a session', async () => {
+    assert.equal(await client.load('t', square), 0);
+    assert.equal((await client.triangulate('t', { method: 'divide' })).triangles, '4');
+    assert.deepEqual([...(await client.triangles('t'))], [0, 1, 4, 0, 4, 3, 1, 2, 4, 2, 3, 4]);
+    assert.equal((await client.edges('t')).length, 16);
+    const rings = await client.lists('t');
+    assert.deepEqual([...rings.keys()], [4, 0, 1, 2, 3]);
+    assert.deepEqual([...rings.get(0)], [1, 4, 3]);
+    assert.deepEqual([...(await client.hull('t'))], [0, 1, 2, 3]);
+    assert.deepEqual(await client.nearest('t', 3, 2), [{ id: 4, x: 2, y: 2, distance: 1 }]);
+    assert.deepEqual(await client.locate('t', 2, 1), { where: 'inside', ids: [0, 1, 4] });
+    assert.deepEqual(await client.locate('t', 9, 1), { where: 'outside', ids: [] });
+    assert.deepEqual(await client.within('t', 0, 0, 4, 2), [0, 1, 4]);
+    assert.equal(await client.add('t', 1e-7, 3), 5);
+    assert.equal(await client.delete('t', [0, 1]), 2);
+    await client.move('t', 2, 5, 5);
+    const { ids, coords } = await client.points('t');
+    assert.deepEqual([...ids], [2, 3, 4, 5]);
+    assert.deepEqual([...coords], [5, 5, 0, 4, 2, 2, 1e-7, 3]);
+    assert.equal((await client.check('t')).delaunay, 'yes');
+    assert.ok('uptime_s' in (await client.info()));
+  });
+
+  test('errors leave the connection', async () => {
+    await assert.rejects(client.triangulate('missing'), (e) => e instanceof Refused && e.code === 'NOSET');
+    await assert.rejects(client.load('t', [[0, 0], [NaN, 1]]), { code: 'NUMBER' });
+    await assert.rejects(client.load('t', Float64Array.of(1)), TypeError);
+    await assert.rejects(client.load('t t', square), TypeError);
+    await assert.rejects(client.request('PING\nPING'), TypeError);
+    assert.deepEqual(await client.sets(), []);
+  });
+
+  test('requests need not wait for one another', async () => {
+    const all = Array.from({ length: 500 }, (_, i) => client.add('t', i, 0.5));
+    assert.deepEqual(await Promise.all(all), Array.from({ length: 500 }, (_, i) => i));
+  });
+
+  test('replies may come in pieces of any size', async () => {
+    const text = 'OK 2 a=b\none\r\ntwo\n# progress 5 x\nOK 0 bytes=5\nab\ncdERR NOSET none\nOK 0\n';
+    for (const size of [1, 2, 3, 7, 100]) {
+      const server = net.createServer(async (peer) => {
+        peer.on('error', () => {});
+        for (let at = 0; at < text.length; at += size) {
+          peer.write(text.slice(at, at + size));
+          if (size < 7) await new Promise(setImmediate);
+        }
+        peer.end();
+      });
+      await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
+      const c = await connect(`delaunay://127.0.0.1:${server.address().port}`);
+      const said = [];
+      const replies = [c.request('A'), c.request('B', { progress: (t) => said.push(t) }), c.request('C'), c.request('D'), c.request('E')];
+      const done = await Promise.allSettled(replies);
+      assert.deepEqual(done[0].value, { keys: { a: 'b' }, rows: ['one', 'two'], data: null });
+      assert.equal(done[1].value.data.toString(), 'ab\ncd');
+      assert.deepEqual(said, ['progress 5 x']);
+      assert.equal(done[2].reason.code, 'NOSET');
+      assert.equal(done[3].status, 'fulfilled');
+      assert.match(done[4].reason.message, /lost/);
+      await assert.rejects(c.request('F'), /lost/);
+      server.close();
+    }
+  });
+
+  test('bad URLs and silent ports are told', async () => {
+    await assert.rejects(connect('http://localhost'), TypeError);
+    await assert.rejects(connect('delaunay://127.0.0.1:1'), { code: 'ECONNREFUSED' });
+  });
+
+  function checkSound(t) {
+    const next = (e) => (e % 3 === 2 ? e - 2 : e + 1);
+    let open = 0;
+    t.halfedges.forEach((twin, e) => {
+      if (twin < 0) {
+        open++;
+        return;
+      }
+      assert.equal(t.halfedges[twin], e);
+      assert.equal(t.triangles[twin], t.triangles[next(e)]);
+      assert.equal(t.triangles[next(twin)], t.triangles[e]);
+    });
+    assert.equal(open, t.triangles.length > 0 ? t.hull.length : 0);
+  }
+
+  test('a view like Delaunator', async () => {
+    const points = Array.from({ length: 1000 }, (_, i) => ({ x: Math.sin(i) * i, y: Math.cos(1.1 * i) * i }));
+    for (const clockwise of [false, true]) {
+      const t = await Triangulation.from(points, { client, clockwise, getX: (p) => p.x, getY: (p) => p.y });
+      assert.equal(t.coords.length, 2000);
+      assert.equal(t.triangles.length, 3 * (2 * 1000 - 2 - t.hull.length));
+      checkSound(t);
+      const [a, b, c] = t.triangles;
+      const area = (i, j, k) => (t.coords[2 * j] - t.coords[2 * i]) * (t.coords[2 * k + 1] - t.coords[2 * i + 1]) -
+        (t.coords[2 * j + 1] - t.coords[2 * i + 1]) * (t.coords[2 * k] - t.coords[2 * i]);
+      assert.ok(clockwise ? area(a, b, c) < 0 : area(a, b, c) > 0);
+    }
+    const line = await Triangulation.from([[0, 0], [1, 1], [2, 2]], { client });
+    assert.deepEqual([line.triangles.length, ...line.hull], [0, 0, 1, 2]);
+    await assert.rejects(Triangulation.from([[0, Infinity]], { client }), { code: 'RANGE' });
+    assert.deepEqual(await client.sets(), []);
+  });
+
+  test('a million points', async () => {
+    const coords = Float64Array.from({ length: 2000000 }, Math.random);
+    const t = await Triangulation.from(coords, { client });
+    assert.equal(t.triangles.length, 3 * (2 * 1000000 - 2 - t.hull.length));
+    let open = 0;
+    for (let e = 0; e < t.halfedges.length; e++) open += t.halfedges[e] < 0;
+    assert.equal(open, t.hull.length);
+  });
+});

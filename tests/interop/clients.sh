@@ -1,0 +1,136 @@
+#!/usr/bin/env bash
+# What other people's programs make of the daemon, and our clients in other languages: redis-cli, redis-benchmark,
+# hiredis, redis-py, the Python and Node packages, haproxy with two daemons.
+#
+#     clients.sh BUILD_DIR        prints what failed, and in the end one line: N passed, N failed
+set -u
+cd "$(dirname "$0")/../.."
+build=$PWD/$1
+scratch=$(mktemp -d)
+python=/usr/bin/python3 # Debian's, which sees Debian's packages
+passed=0
+failed=0
+pids=()
+
+stop() {
+    [ ${#pids[@]} -eq 0 ] || kill "${pids[@]}" 2>/dev/null
+    wait
+    rm -rf "$scratch"
+}
+trap stop EXIT
+
+count() { # NAME COMMAND...
+    local name=$1
+    shift
+    if "$@" >"$scratch/out" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $name"
+        tail -n 30 "$scratch/out"
+    fi
+}
+
+# Starts a daemon; its port goes to the variable named.
+start_daemon() { # VARIABLE
+    local found=
+    "$build/delaunayd" --port 0 >"$scratch/ready.$1" 2>/dev/null &
+    pids+=($!)
+    for _ in $(seq 100); do
+        found=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready.$1")
+        [ -z "$found" ] || break
+        sleep 0.1
+    done
+    [ -n "$found" ] || { echo "the daemon did not say that it is ready"; exit 1; }
+    printf -v "$1" %s "$found"
+}
+
+# ---- Redis's programs ----
+
+cli() { redis-cli -p "$port" "$@"; }
+
+redis_cli_speaks() {
+    [ "$(cli PING)" = PONG ] && [ "$(cli -3 PING)" = PONG ] && [ "$(cli ECHO a b)" != "a b" ] &&
+        cli ADD r 0 0 4 0 4 4 0 4 2 2 | grep -qx 'OK first=0 added=5 coincident=0' &&
+        cli TRIANGULATE r | grep -q '^OK points=5 ' && [ "$(cli LISTS r | head -n 1)" = "4 0 1 2 3" ] &&
+        [ "$(cli -3 HULL r | wc -l)" -eq 4 ] && cli GET r 9 | grep -q '^NOPOINT ' &&
+        printf 'PING\nSTAT r\n' | cli | grep -q '^OK points=5 ' &&
+        printf '1 2\n3 4\n' | cli -x LOAD r 2 | grep -qx 'OK first=5 added=2 coincident=0'
+}
+
+redis_benchmark_runs() {
+    redis-benchmark -p "$port" -q -n 20000 -P 16 PING >"$scratch/ping" &&
+        redis-benchmark -p "$port" -q -n 20000 -r 4 NEAREST r __rand_int__ 1 >"$scratch/nearest" &&
+        cat "$scratch/ping" "$scratch/nearest" && ! grep -i 'error\|warn' "$scratch/ping" "$scratch/nearest" &&
+        [ "$(cat "$scratch/ping" "$scratch/nearest" | tr '\r' '\n' | grep -c 'requests per second')" -eq 2 ]
+}
+
+# ---- haproxy ----
+
+through() { printf '%s\n' "$1" | timeout 10 nc -N 127.0.0.1 "$front"; }
+
+await_front() {
+    for _ in $(seq 100); do
+        through PING 2>/dev/null | grep -qx 'OK 0' && return
+        sleep 0.1
+    done
+    return 1
+}
+
+sets_of() { printf 'SETS\n' | nc -N 127.0.0.1 "$1" | sed -n '2,$s/ .*//p'; }
+
+sets_are_shared_out() {
+    local i
+    for i in $(seq 40); do
+        through "ADD shard$i $i 0" | grep -q '^OK 0 first=0' || return 1
+    done
+    # The same set by RESP, and its first line in two pieces, ends at the same daemon.
+    for i in $(seq 40); do
+        redis-cli -p "$front" GET "shard$i" 0 | grep -qx "0 $i 0" || return 1
+    done
+    { printf 'GET sha'; sleep 0.3; printf 'rd7 0\n'; } | nc -N 127.0.0.1 "$front" | grep -qx '0 7 0' || return 1
+    [ "$(sets_of "$first" | wc -l)" -ge 8 ] && [ "$(sets_of "$second" | wc -l)" -ge 8 ] &&
+        [ "$({ sets_of "$first"; sets_of "$second"; } | sort -u | grep -c shard)" -eq 40 ]
+}
+
+sets_can_be_copied() {
+    local set
+    set=$(sets_of "$first" | head -n 1)
+    "$build/delaunay" copy "$set" "delaunay://127.0.0.1:$first" "delaunay://127.0.0.1:$second" &&
+        sets_of "$second" | grep -qx "$set"
+}
+
+# The daemon goes; its sets' connections are refused or served by the other one, and the rest goes on.
+the_others_go_on() {
+    local set
+    set=$(sets_of "$second" | grep shard | tail -n 1)
+    kill "$first_pid" && wait "$first_pid"
+    sleep 2.5
+    through "GET $set 0" | grep -q '^0 ' && through PING | grep -qx 'OK 0'
+}
+
+haproxy_shards() {
+    start_daemon first
+    first_pid=${pids[-1]}
+    start_daemon second
+    front=$((20000 + RANDOM % 10000))
+    DELAUNAY_BIND=127.0.0.1:$front SHARD_A=127.0.0.1:$first SHARD_B=127.0.0.1:$second \
+        haproxy -db -f clients/haproxy.cfg >"$scratch/haproxy" 2>&1 &
+    pids+=($!)
+    count "haproxy passes requests on" await_front
+    count "haproxy shares sets out by name in both framings" sets_are_shared_out
+    count "sets can be copied from shard to shard" sets_can_be_copied
+    count "haproxy leaves out a daemon that has gone" the_others_go_on
+}
+
+start_daemon port
+count "redis-cli" redis_cli_speaks
+count "redis-benchmark" redis_benchmark_runs
+count "hiredis" "$build/interop/hiredis_talk" "$port"
+count "redis-py" "$python" tests/interop/redis_py.py "$port"
+count "the Python package" env DELAUNAYD="$build/delaunayd" "$python" -m unittest discover \
+    -s clients/python/tests -t clients/python
+count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test
+haproxy_shards
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]

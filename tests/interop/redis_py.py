@@ -1,0 +1,27 @@
+"""A session by way of redis-py (python3-redis): redis_py.py PORT"""
+
+import sys
+
+import redis
+
+r = redis.Redis(port=int(sys.argv[1]), client_name="interop")
+assert r.ping() is True
+assert r.echo("hello") == b"hello"
+assert r.execute_command("ADD", "p", 0, 0, 4, 0, 4, 4, 0, 4, 2, 2) == b"OK first=0 added=5 coincident=0"
+assert r.execute_command("TRIANGULATE", "p").startswith(b"OK points=5 ")
+assert r.execute_command("LISTS", "p")[0] == b"4 0 1 2 3"
+assert r.execute_command("LOCATE", "p", 2, 1) == [b"0 1 4"]
+try:
+    r.execute_command("GET", "p", 77)
+    raise AssertionError("GET of a missing point is no error")
+except redis.ResponseError as e:
+    assert str(e).startswith("NOPOINT "), e
+pipe = r.pipeline(transaction=False)
+for i in range(1000):
+    pipe.execute_command("NEAREST", "p", i % 5, 0.25)
+assert all(len(reply) == 1 for reply in pipe.execute())
+info = r.info()
+assert info["protocol"] == 1 and info["commands"] > 1000, info
+assert r.execute_command("DROP", "p") in (b"OK", True)
+assert len(r.execute_command("COMMAND")) > 20
+r.close()
