@@ -237,30 +237,51 @@ enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, str
     return st;
 }
 
-/* Appends all vertices within r of the centre that can be reached from those at out->v[i] and
- * behind. */
+static bool in_disc(const struct dt *t, uint32_t v, struct dt_point centre, double r)
+{
+    return dt_compare_radius(t->points.xy[v], centre, r) <= 0;
+}
+
+static enum dt_status append(struct dt_ids *ids, uint32_t value)
+{
+    enum dt_status st = dt_ids_reserve(ids, 1);
+    if (st == DT_OK)
+        ids->v[ids->n++] = value;
+    return st;
+}
+
+static enum dt_status scan_disc(const struct dt *t, struct dt_point centre, double r,
+                                struct dt_ids *out)
+{
+    enum dt_status st = DT_OK;
+    for (uint32_t v = 0; v < t->points.end && st == DT_OK; v++)
+        if (t->points.id[v] != DT_NONE && in_disc(t, v, centre, r))
+            st = append(out, v);
+    return st;
+}
+
+/* Appends all vertices within r of the centre that can be reached from the one at out->v[n], until
+ * a scan pays. */
 static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, double r,
-                                 struct dt_visited *seen, size_t i, struct dt_ids *out)
+                                 struct dt_visited *seen, size_t n, struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
-    enum dt_status st = DT_OK;
-    for (; i < out->n && m->vertices > 1; i++) {
+    for (size_t i = n; i < out->n && m->vertices > 1 && !dt_scan_pays(t, out->n - n); i++) {
         uint32_t first = m->leaving[out->v[i]], h = first;
         do {
             uint32_t w = dt_dest(m, h);
             bool fresh = false;
-            if (w != DT_NONE && dt_compare_radius(t->points.xy[w], centre, r) <= 0)
+            enum dt_status st = DT_OK;
+            if (w != DT_NONE && in_disc(t, w, centre, r))
                 st = dt_visited_add(seen, w, &fresh);
             if (st == DT_OK && fresh)
-                st = dt_ids_reserve(out, 1);
+                st = append(out, w);
             if (st != DT_OK)
                 return st;
-            if (fresh)
-                out->v[out->n++] = w;
             h = dt_turn_ccw(m, h);
         } while (h != first);
     }
-    return st;
+    return DT_OK;
 }
 
 enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r,
@@ -270,20 +291,22 @@ enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double
     if (st != DT_OK || t->mesh.vertices == 0)
         return st;
     uint32_t v = dt_nearest_vertex(t, centre);
-    if (dt_compare_radius(t->points.xy[v], centre, r) > 0)
+    if (!in_disc(t, v, centre, r))
         return DT_OK;
     struct dt_visited seen;
     bool fresh;
     size_t n = out->n;
     dt_visited_init(&seen);
-    st = dt_ids_reserve(out, 1);
+    st = dt_visited_add(&seen, v, &fresh);
     if (st == DT_OK)
-        st = dt_visited_add(&seen, v, &fresh);
-    if (st == DT_OK) {
-        out->v[out->n++] = v;
+        st = append(out, v);
+    if (st == DT_OK)
         st = flood_disc(t, centre, r, &seen, n, out);
-    }
     dt_visited_clear(&seen);
+    if (st == DT_OK && dt_scan_pays(t, out->n - n)) {
+        out->n = n;
+        st = scan_disc(t, centre, r, out);
+    }
     if (st == DT_OK)
         dt_vertices_to_ids(t, out->v + n, out->n - n);
     else

@@ -9,6 +9,8 @@
 
 #include <stdlib.h>
 
+enum { DENSE_LEAST = 1000 }; /* ids from which on sorting them needs something better than qsort */
+
 /* Appends the triangle of the half edge h, from its smallest id. There must be room. */
 static void append_triangle(const struct dt *t, uint32_t h, bool cw, struct dt_ids *out)
 {
@@ -191,10 +193,32 @@ static int compare_ids(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
+/* Sorts by a bitmap of the numbers from the least to the largest, if that has few words for its
+ * bits: linear, and hardly any work beside reading and writing the result. */
+static bool sort_dense(uint32_t *v, size_t n)
+{
+    uint32_t least = v[0], largest = v[0];
+    for (size_t i = 1; i < n; i++) {
+        least = v[i] < least ? v[i] : least;
+        largest = v[i] > largest ? v[i] : largest;
+    }
+    size_t words = (largest - least) / 64 + 1, k = 0;
+    uint64_t *bits = words <= n ? calloc(words, sizeof *bits) : NULL;
+    if (bits == NULL)
+        return false;
+    for (size_t i = 0; i < n; i++)
+        bits[(v[i] - least) / 64] |= (uint64_t)1 << (v[i] - least) % 64;
+    for (size_t w = 0; w < words; w++)
+        for (uint64_t left = bits[w]; left != 0; left &= left - 1)
+            v[k++] = least + (uint32_t)(64 * w) + (uint32_t)__builtin_ctzll(left);
+    free(bits);
+    return true;
+}
+
 void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n)
 {
     for (size_t i = 0; i < n; i++)
         v[i] = t->points.id[v[i]];
-    if (n > 1)
+    if (n < DENSE_LEAST || !sort_dense(v, n))
         qsort(v, n, sizeof *v, compare_ids);
 }

@@ -3,7 +3,8 @@
  * The box and the hull are convex, so what they share is connected, and so are, edge by edge, the
  * triangles that meet it: from one of them a flood across the edges that meet the box reaches all.
  * Such an edge is recognised exactly. A first triangle: one that holds a corner of the box; if all
- * four corners are outside, the box meets the hull only if it meets a hull edge.
+ * four corners are outside, the box meets the hull only if it meets a hull edge. Where the box
+ * turns out to hold a good part of the set, a scan of all vertices takes the flood's place.
  *
  * On a line there are no triangles: what lies in the box are neighbours along the line. */
 #include "core/hints_live.h"
@@ -110,10 +111,10 @@ static enum dt_status look_around(struct flood *f, uint32_t v)
     return s;
 }
 
-/* From the triangle of h, which meets the box, to all others that do. */
+/* From the triangle of h, which meets the box, to all others that do, or until a scan pays. */
 static enum dt_status flood(struct flood *f, uint32_t h)
 {
-    size_t at = f->out->n;
+    size_t first = f->out->n, at = first;
     enum dt_status s = DT_OK;
     for (int k = 0; k < 3 && s == DT_OK; k++, h = dt_next(h)) {
         s = take(f, dt_origin(&f->t->mesh, h));
@@ -121,6 +122,8 @@ static enum dt_status flood(struct flood *f, uint32_t h)
             s = cross(f, h);
     }
     while (s == DT_OK && (f->todo.n > 0 || at < f->out->n)) {
+        if (dt_scan_pays(f->t, f->out->n - first))
+            return DT_OK;
         if (f->todo.n == 0) {
             s = look_around(f, f->out->v[at++]);
             continue;
@@ -152,9 +155,20 @@ static uint32_t first_triangle(const struct dt *t, const struct box *b)
     return DT_NONE;
 }
 
+static enum dt_status scan_box(const struct dt *t, const struct box *b, struct dt_ids *out)
+{
+    const struct dt_points *p = &t->points;
+    enum dt_status s = DT_OK;
+    for (uint32_t v = 0; v < p->end && s == DT_OK; v++)
+        if (contains(b, p->xy[v]) && p->id[v] != DT_NONE)
+            s = append(out, v);
+    return s;
+}
+
 static enum dt_status flood_box(const struct dt *t, const struct box *b, struct dt_ids *out)
 {
     uint32_t h = first_triangle(t, b);
+    size_t n = out->n;
     if (h == DT_NONE)
         return DT_OK;
     struct flood f = {.t = t, .box = *b, .out = out};
@@ -164,7 +178,10 @@ static enum dt_status flood_box(const struct dt *t, const struct box *b, struct 
     dt_visited_clear(&f.vertices);
     dt_visited_clear(&f.edges);
     free(f.todo.v);
-    return s;
+    if (s != DT_OK || !dt_scan_pays(t, out->n - n))
+        return s;
+    out->n = n;
+    return scan_box(t, b, out);
 }
 
 /* How p lies to the box along the direction of walk: < 0 before it, 0 inside, > 0 past it. A walk

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/reader.h"
 #include "tests/core/sets.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
@@ -87,6 +88,55 @@ TEST(box_whose_corners_are_all_outside_still_finds_what_crosses_it)
           got.n == 1);
     free(got.v);
     pair_free(&pair);
+}
+
+static double unit(void)
+{
+    return test_below(1u << 30) * 0x1p-30;
+}
+
+/* The live points of p[0 .. n - 1] that dt_get finds in the box or, with r > 0, in the disc. */
+static void scan_set(const struct dt *t, uint32_t n, struct dt_point lo, struct dt_point hi,
+                     double r, struct dt_ids *out)
+{
+    for (uint32_t id = 0; id < n; id++) {
+        struct dt_point q;
+        if (dt_get(t, id, &q) == DT_OK &&
+            (r > 0 ? hypot(q.x - lo.x, q.y - lo.y) <= r
+                   : lo.x <= q.x && q.x <= hi.x && lo.y <= q.y && q.y <= hi.y)) {
+            CHECK(dt_ids_reserve(out, 1) == DT_OK);
+            out->v[out->n++] = id;
+        }
+    }
+}
+
+/* Results of every size, from a few points by the flood to all of them by a scan. */
+TEST(parts_of_a_large_edited_set_equal_a_linear_scan)
+{
+    enum { N = 30000 };
+    struct dt_point *p = malloc(N * sizeof *p);
+    for (uint32_t i = 0; i < N; i++)
+        p[i] = (struct dt_point){unit(), unit()};
+    struct dt *t = set_of(p, N);
+    for (uint32_t id = 0, k; id < N; id += 3)
+        CHECK(dt_delete(t, &id, 1, &k, NULL) == DT_OK); /* leaves free vertices */
+    for (double side = 0.01; side < 2.5; side *= 1.4) {
+        struct dt_point lo = {unit() - side / 2, unit() - side / 2},
+                        hi = {lo.x + side, lo.y + side};
+        struct dt_ids box = {0}, disc = {0}, in_box = {0}, in_disc = {0};
+        scan_set(t, N, lo, hi, 0, &in_box);
+        scan_set(t, N, lo, hi, side, &in_disc);
+        CHECK(dt_within_box(t, lo, hi, &box) == DT_OK);
+        CHECK(dt_within_disc(t, lo, side, &disc) == DT_OK);
+        check_equal_ids("within a box", &box, &in_box);
+        check_equal_ids("within a disc", &disc, &in_disc);
+        free(box.v);
+        free(disc.v);
+        free(in_box.v);
+        free(in_disc.v);
+    }
+    dt_free(t);
+    free(p);
 }
 
 /* Every allocation of a query fails in turn: the array it appends to stays as it was. */
