@@ -182,6 +182,16 @@ void reply_word_u32(struct buf *out, uint32_t v)
     buf_append(out, le, sizeof le);
 }
 
+void reply_words_u32(struct buf *out, const uint32_t *v, size_t n)
+{
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    buf_append(out, v, n * sizeof *v);
+#else
+    for (size_t i = 0; i < n; i++)
+        reply_word_u32(out, v[i]);
+#endif
+}
+
 void reply_word_double(struct buf *out, double v)
 {
     uint64_t bits;

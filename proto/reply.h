@@ -60,8 +60,9 @@ void reply_row_ids(struct buf *out, const uint32_t *id, size_t n);
 void reply_row_point(struct buf *out, uint32_t id, double x, double y);
 void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance);
 
-/* A little-endian word of a binary reply. */
+/* Little-endian words of a binary reply. */
 void reply_word_u32(struct buf *out, uint32_t v);
+void reply_words_u32(struct buf *out, const uint32_t *v, size_t n);
 void reply_word_double(struct buf *out, double v);
 
 #endif

@@ -91,8 +91,7 @@ static void write_table_row(struct stream *st, struct buf *out, uint32_t *w, siz
         st->form = ROW_POINT;
         write_point(st, out, w[0]);
     } else if (st->binary) {
-        for (size_t i = 0; i < words; i++)
-            reply_word_u32(out, w[i]);
+        reply_words_u32(out, w, words);
     } else if (table == DT_LISTS) {
         w[1] = w[0]; /* the degree is not part of the text */
         reply_row_ids(out, w + 1, words - 1);
@@ -120,9 +119,10 @@ static void fill_from_table(struct stream *st, struct buf *out, size_t limit)
 {
     uint32_t v[TABLE_WORDS];
     while (!st->done && st->status == DT_OK && !out->failed && buf_len(out) < limit) {
-        /* A word takes up to 11 bytes of text, a point that an id stands for about four times that.
-         */
-        size_t cap = (limit - buf_len(out)) / 40 + 64;
+        /* A word takes up to 11 bytes of text, a point that an id stands for about four times that;
+         * in binary form it is four bytes, and the rows of a table are what is sent. */
+        bool as_it_is = st->binary && st->cursor.table != DT_POINTS && st->cursor.table != DT_HULL;
+        size_t cap = (limit - buf_len(out)) / (as_it_is ? 4 : 40) + 64;
         size_t rows = 0, words = 0;
         st->status =
             dt_table_read(st->version->dt, &st->cursor, v, cap < TABLE_WORDS ? cap : TABLE_WORDS,
@@ -132,7 +132,9 @@ static void fill_from_table(struct stream *st, struct buf *out, size_t limit)
             continue;
         }
         st->done = st->status == DT_OK && rows == 0;
-        for (size_t at = 0; at < words && st->status == DT_OK;) {
+        if (as_it_is)
+            reply_words_u32(out, v, words);
+        for (size_t at = as_it_is ? words : 0; at < words && st->status == DT_OK;) {
             size_t n = row_words(st->cursor.table, v + at);
             write_table_row(st, out, v + at, n);
             at += n;

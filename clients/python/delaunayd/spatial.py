@@ -64,63 +64,62 @@ class Delaunay:
         return self.points.max(axis=0)
 
     # ---- edges: every half edge of the simplices finds its edge's number ----
+    # Fresh memory is what costs most here, so results go into arrays that are there already.
+
+    def _edges(self) -> Tuple[Any, Any, Any]:
+        """The edges, sorted; where those with a lower end k start; their upper ends."""
+        if self._edge_table is None:
+            edges = self._client.edges(self._name).view(np.int32)
+            start = np.zeros(self.npoints + 1, dtype=np.int32)
+            np.cumsum(np.bincount(edges[:, 0], minlength=self.npoints), out=start[1:])
+            beyond = np.full(16, -1, dtype=np.int32)  # room for the steps beyond the last
+            self._edge_table = (edges, start, np.concatenate([edges[:, 1], beyond]))
+        return self._edge_table
 
     def _find_edges(self, low: Any, high: Any) -> Any:
-        """The numbers of the edges low-high. Edges are sorted, so those of one `low` lie together;
-        most are found within a few steps, the rest by bisection."""
-        start, far, key = self._edges()[:3]
+        """The numbers of the edges low-high. Edges with the same lower end lie together, and most
+        are found there within a few steps, the rest by bisection."""
+        edges, start, far = self._edges()
         at = start[low]
         todo = np.flatnonzero(far[at] != high)
         for _ in range(12):
             if len(todo) == 0:
                 return at
-            at[todo] += 1
-            todo = todo[far[at[todo]] != high[todo]]
-        wanted = (low[todo].astype(np.uint64) << np.uint64(32)) | high[todo].astype(np.uint64)
-        at[todo] = np.searchsorted(key(), wanted)
+            next_at = at[todo] + 1
+            at[todo] = next_at
+            todo = todo[far[next_at] != high[todo]]
+        key = (edges[:, 0].astype(np.int64) << 32) | edges[:, 1]
+        at[todo] = np.searchsorted(key, (low[todo].astype(np.int64) << 32) | high[todo])
         return at
 
-    def _edges(self) -> Tuple[Any, ...]:
-        if self._edge_table is None:
-            edges = self._client.edges(self._name)
-            start = np.zeros(self.npoints + 1, dtype=np.int32)
-            np.cumsum(np.bincount(edges[:, 0], minlength=self.npoints), out=start[1:])
-            none = np.full(16, 0xFFFFFFFF, dtype=edges.dtype)  # room for the steps beyond the last
-            far = np.concatenate([edges[:, 1], none])
-            cache: list = []
-
-            def key() -> Any:
-                if not cache:
-                    wide = edges.astype(np.uint64)
-                    cache.append((wide[:, 0] << np.uint64(32)) | wide[:, 1])
-                return cache[0]
-
-            self._edge_table = (start, far, key, edges)
-        return self._edge_table
-
-    def _sides(self) -> Tuple[Any, Any, Any, Any]:
-        """For the edge opposite each corner, flat: its number and whether it runs upwards; for each
-        edge the simplex on its left when walked upwards, and that on its right (-1: none)."""
+    def _sides(self) -> Tuple[Any, Any]:
+        """Each edge has two sides, 2e (walking upwards, what lies to the left) and 2e + 1: the side
+        on which the simplex lies, for the edge opposite each corner; and the simplex on each side,
+        -1: none."""
         if not hasattr(self, "_side_table"):
             s = self.simplices
-            a, b = s[:, [1, 2, 0]].ravel(), s[:, [2, 0, 1]].ravel()
-            up = a < b
-            number = self._find_edges(np.where(up, a, b), np.where(up, b, a))
-            owner = np.repeat(np.arange(len(s), dtype=np.int32), 3)
-            left = np.full(len(self._edges()[3]), -1, dtype=np.int32)
-            right = left.copy()
-            left[number[up]] = owner[up]
-            down = ~up
-            right[number[down]] = owner[down]
-            self._side_table = (number, up, left, right)
+            a, b = np.empty((2, s.size), dtype=np.int32)
+            for k in range(3):
+                a[k::3] = s[:, (k + 1) % 3]
+                b[k::3] = s[:, (k + 2) % 3]
+            down = a > b
+            high = np.maximum(a, b)
+            side = self._find_edges(np.minimum(a, b, out=a), high)
+            side *= 2
+            side += down
+            for k in range(3):
+                high[k::3] = np.arange(len(s), dtype=np.int32)  # has served its purpose
+            simplex = np.full(2 * len(self._edges()[0]), -1, dtype=np.int32)
+            simplex[side] = high
+            self._side_table = (side, simplex)
         return self._side_table
 
     @property
     def neighbors(self) -> Any:
         """neighbors[i, k] is the simplex opposite corner k of simplex i, -1 at the hull."""
         if not hasattr(self, "_neighbors"):
-            number, up, left, right = self._sides()
-            self._neighbors = np.where(up, right[number], left[number]).reshape(-1, 3)
+            side, simplex = self._sides()
+            self._neighbors = simplex[side ^ 1].reshape(-1, 3)
         return self._neighbors
 
     @property
@@ -134,9 +133,9 @@ class Delaunay:
     @property
     def vertex_neighbor_vertices(self) -> Tuple[Any, Any]:
         """(indptr, indices): the neighbours of k are indices[indptr[k]:indptr[k + 1]], ascending."""
-        edges = self._edges()[3]
+        edges = self._edges()[0]
         near = np.concatenate([edges[:, 0], edges[:, 1]])
-        far = np.concatenate([edges[:, 1], edges[:, 0]]).astype(np.int32)
+        far = np.concatenate([edges[:, 1], edges[:, 0]])
         order = np.lexsort((far, near))
         indptr = np.zeros(self.npoints + 1, dtype=np.int32)
         np.cumsum(np.bincount(near, minlength=self.npoints), out=indptr[1:])
@@ -175,11 +174,9 @@ class Delaunay:
             self._some_simplex = self.vertex_to_simplex
         if len(ids) == 1:
             return int(self._some_simplex[ids[0]])
-        _, _, left, right = self._sides()
-        low, high = np.array([min(ids[:2])]), np.array([max(ids[:2])])
+        low, high = np.array([min(ids[:2])], np.int32), np.array([max(ids[:2])], np.int32)
         edge = int(self._find_edges(low, high)[0])
-        sides = (int(left[edge]), int(right[edge]))
-        for simplex in sides:
+        for simplex in self._sides()[1][2 * edge : 2 * edge + 2].tolist():
             if simplex >= 0 and (len(ids) == 2 or set(ids) == set(self.simplices[simplex].tolist())):
                 return simplex
         return -1
