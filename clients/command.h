@@ -33,8 +33,8 @@ int command_completion(struct delaunay_client *c, int argc, char **argv);
  * exit status. */
 int command_outcome(const struct delaunay_client *c, enum delaunay_result r);
 
-/* A delaunay_part_fn that shows the server's progress comments on a terminal and ignores the rest.
- */
+/* A delaunay_part_fn that shows the server's progress comments on a terminal and ignores the
+ * rest. */
 bool command_show_comment(void *ctx, const struct reply_part *part);
 
 #endif

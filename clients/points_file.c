@@ -54,8 +54,8 @@ static size_t next_word(const char **s, const char *end, const char **word)
     return (size_t)(p - *word);
 }
 
-/* What the server would refuse as RANGE, said here with the line's number [PROTOCOL.md, section 1].
- */
+/* What the server would refuse as RANGE, said here with the line's number [PROTOCOL.md, section
+ * 1]. */
 static bool in_range(double v)
 {
     return v == 0 || (fabs(v) >= 0x1p-142 && fabs(v) <= 0x1p201);

@@ -114,8 +114,8 @@ static struct dt_segment segment_of(const struct dt_edge *e, double s)
     return s < FLAT ? dt_segment_of_cotangent(e, s) : dt_segment_all(e);
 }
 
-/* Finds the best point: if what is known of some point does not do, scans the segment of that one.
- */
+/* Finds the best point: if what is known of some point does not do, scans the segment of that
+ * one. */
 static void find_best(struct search *q)
 {
     double scanned = find_some(q), s = dt_scan_bound(&q->scan);

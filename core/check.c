@@ -138,8 +138,8 @@ static void check_rings(struct check *c)
            "the triangles around a point are in several rings");
 }
 
-/* At the hull vertex of ghost g: the mesh is settled there, and the turn is as convexity wants it.
- */
+/* At the hull vertex of ghost g: the mesh is settled there, and the turn is as convexity wants
+ * it. */
 static void check_hull_vertex(struct check *c, uint32_t g, bool line, uint32_t *turns)
 {
     const struct dt_mesh *m = c->m;
@@ -177,8 +177,8 @@ static void check_hull(struct check *c)
     expect(c, turns == 2, "the hull winds around several times");
 }
 
-/* The triangle at h turns left, and each edge is locally Delaunay, seen from its lower half edge.
- */
+/* The triangle at h turns left, and each edge is locally Delaunay, seen from its lower half
+ * edge. */
 static void check_delaunay(struct check *c, uint32_t h)
 {
     const struct dt_mesh *m = c->m;

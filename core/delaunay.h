@@ -196,8 +196,8 @@ enum dt_status dt_ring(const struct dt *t, uint32_t id, bool cw, struct dt_ids *
 
 /* Sorts n ids into the order in which DT_LISTS has them (interior ones by id, then boundary ones in
  * hull order), replaced by their representatives, each once; *kept is how many remain, *interior
- * how many of those are interior. Cost: O(n log n), and O(hull) if two or more are boundary points.
- */
+ * how many of those are interior. Cost: O(n log n), and O(hull) if two or more are boundary
+ * points. */
 enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n, size_t *kept,
                               size_t *interior);
 

@@ -253,8 +253,8 @@ static void visit_window(const struct dt_cells *c, struct window w,
 }
 
 /* Calls visit for the ring of cells at distance k around cell (i, j): side 0 and 1 the lines above
- * and below, sides 2 and 3 the cells left and right; only those sides whose bit is set in `sides`.
- */
+ * and below, sides 2 and 3 the cells left and right; only those sides whose bit is set in
+ * `sides`. */
 static void visit_ring(const struct dt_cells *c, int64_t i, int64_t j, int64_t k, unsigned sides,
                        void (*visit)(void *arg, uint32_t i, uint32_t end), void *arg)
 {

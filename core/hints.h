@@ -13,8 +13,7 @@
  *                        +---+---+---+             edge 8t + k has set
  *
  * An empty cell borrows the content of the nearest one that is not, marked by 3 in the two lowest
- * bits; of a half edge only the triangle counts.
- */
+ * bits; of a half edge only the triangle counts. */
 #ifndef DT_HINTS_H
 #define DT_HINTS_H
 
@@ -42,15 +41,15 @@ void dt_hints_clear(struct dt_hints *g);
  * Vertices that are in no triangle must have DT_NONE in leaving[]. Cost: linear. */
 enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy);
 
-/* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is cleared.
- */
+/* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is
+ * cleared. */
 enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy);
 
 /* Bytes that the grid holds. */
 size_t dt_hints_memory(const struct dt_hints *g);
 
-/* The column or row of v: monotone in v, and places beyond the grid belong to its outermost cells.
- */
+/* The column or row of v: monotone in v, and places beyond the grid belong to its outermost
+ * cells. */
 static inline uint32_t dt_hint_index(double v, double lo, double per, uint32_t n)
 {
     double at = (v - lo) * per, last = (double)(n - 1);

@@ -4,8 +4,8 @@
 #include "core/predicates.h"
 
 /* The leftmost vertex. Every other vertex of a triangulation has a neighbour that is
- * lexicographically smaller; vertex numbers follow the grid, so a low one is near the goal already.
- */
+ * lexicographically smaller; vertex numbers follow the grid, so a low one is near the goal
+ * already. */
 static uint32_t leftmost(const struct dt_mesh *m, const struct dt_point *xy)
 {
     uint32_t v = 0, best = 0;

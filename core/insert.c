@@ -43,8 +43,8 @@ static bool push_neighbours(const struct dt_mesh *m, struct dt_cavity *c, uint32
     return dt_cavity_push(c, second) && dt_cavity_push(c, first);
 }
 
-/* The stack holds half edges still to be crossed, so that the rim comes in counterclockwise order.
- */
+/* The stack holds half edges still to be crossed, so that the rim comes in counterclockwise
+ * order. */
 bool dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
                     struct dt_point q, struct dt_cavity *c)
 {

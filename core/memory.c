@@ -95,7 +95,7 @@ void *dt_array_grow(void *p, size_t used, size_t n, size_t size)
     void *larger = dt_array_new(n, size);
     if (larger == NULL)
         return NULL;
-    if (used > 0)
+    if (p != NULL && used > 0)
         memcpy(larger, p, used * size);
     dt_array_free(p);
     return larger;

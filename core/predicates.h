@@ -20,8 +20,8 @@ int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c);
 int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
 int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
 
-/* > 0 if a, b, c turn counterclockwise (c left of a->b), 0 if they are collinear, < 0 if clockwise.
- */
+/* > 0 if a, b, c turn counterclockwise (c left of a->b), 0 if they are collinear, < 0 if
+ * clockwise. */
 static inline int dt_orient2d(struct dt_point a, struct dt_point b, struct dt_point c)
 {
     double left = (a.x - c.x) * (b.y - c.y);

@@ -44,8 +44,8 @@ void dt_scan_run(struct dt_scan *q, double reach, uint32_t i, uint32_t end);
 /* The best point so far, DT_NONE if there is none. */
 uint32_t dt_scan_best(const struct dt_scan *q);
 
-/* An upper bound of its cotangent; HUGE_VAL if there is none, or if it may be on the edge's line.
- */
+/* An upper bound of its cotangent; HUGE_VAL if there is none, or if it may be on the edge's
+ * line. */
 double dt_scan_bound(const struct dt_scan *q);
 
 /* Whether the best point is the best of all scanned with certainty. */

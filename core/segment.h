@@ -15,8 +15,7 @@ struct dt_edge {
  *
  *            .---.
  *          /       \        the box of the segment, lo to hi, and its height above the edge, both
- * rounded outward |         | a-------b
- */
+ * rounded outward |         | a-------b */
 struct dt_segment {
     double s, height;
     struct dt_point lo, hi;
@@ -36,8 +35,7 @@ struct dt_segment dt_segment_all(const struct dt_edge *e);
  *                lo               hi
  *     j + 1  ------/--------------/----
  *                 /    strip     /          the edge goes up and has its left side left
- *     j      ----/--------------/------
- */
+ *     j      ----/--------------/------ */
 struct dt_window {
     uint32_t first_line, last_line, first, last;
     double lo, hi, slope;

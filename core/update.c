@@ -30,8 +30,8 @@ static void lose_mesh(struct dt *t)
 
 /* ---- the grid ---- */
 
-/* Builds the grid anew when the set has outgrown it, or when walks have cost as much as that would.
- */
+/* Builds the grid anew when the set has outgrown it, or when walks have cost as much as that
+ * would. */
 static void tend_hints(struct dt *t)
 {
     uint32_t n = t->mesh.vertices;

@@ -4,8 +4,8 @@
 
 #include "core/set.h"
 
-/* Whether edits of t go through the functions below: it is triangulated and no rebuild is pending.
- */
+/* Whether edits of t go through the functions below: it is triangulated and no rebuild is
+ * pending. */
 static inline bool dt_is_live(const struct dt *t)
 {
     return t->triangulated && t->current;

@@ -6,8 +6,7 @@
  * "Number Parsing at a Gigabyte per Second", 2021, algorithm 1; Mushtak & Lemire 2023 show that it
  * needs no fallback]. Of longer numbers the first 19 digits, and these plus one: if both give one
  * double, so does all between them;
- *   3. big integers (number_exact.c).
- */
+ *   3. big integers (number_exact.c). */
 #include <math.h>
 #include <string.h>
 
@@ -33,8 +32,8 @@ static bool is_digit(char c)
 }
 
 /* If the 8 bytes at p are digits, *word = *word * 10^8 + their number. Eight digits in the bytes of
- * a word are joined to pairs, fours and one number by three multiplications [Lemire 2021, sec. 3].
- */
+ * a word are joined to pairs, fours and one number by three multiplications [Lemire 2021, sec.
+ * 3]. */
 static bool scan_eight(const char *p, uint64_t *word)
 {
 #if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__

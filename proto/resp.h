@@ -6,8 +6,7 @@
  *
  * The commands know nothing of this framing. They answer in lines, and resp_reframe turns those
  * lines into RESP as they are sent. The serialization is told at
- * redis.io/docs/reference/protocol-spec.
- */
+ * redis.io/docs/reference/protocol-spec. */
 #ifndef PROTO_RESP_H
 #define PROTO_RESP_H
 

@@ -1,6 +1,6 @@
 /* server.h - what the commands work on. Connections are not part of it: a command gets a server, a
- * request and an answer, and is tested without sockets. Everything here belongs to the I/O thread.
- */
+ * request and an answer, and is tested without sockets. Everything here belongs to the I/O
+ * thread. */
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 

@@ -35,8 +35,8 @@ bool measure_cgal(const char *program, const struct build *b, bool list, struct 
 /* How many sets of n points make a measurement. */
 size_t measure_sets(size_t n);
 
-/* Seconds that the calling thread has computed: what other programs do in between does not count.
- */
+/* Seconds that the calling thread has computed: what other programs do in between does not
+ * count. */
 double measure_cpu(void);
 
 #endif

@@ -72,11 +72,11 @@ void paper_table(void)
            "|\n|---|---|---|---|---|\n");
     for (int i = 0; i < SIZES; i++) {
         uint32_t n = (uint32_t)(i + 1) * STEP;
+        grid[i] = triangulation[i] = HUGE_VAL;
         for (int k = 0; k < 3; k++) {
             struct costs c = average(n);
-            grid[i] = k == 0 ? c.grid_ns : fmin(grid[i], c.grid_ns);
-            triangulation[i] =
-                k == 0 ? c.triangulation_ns : fmin(triangulation[i], c.triangulation_ns);
+            grid[i] = fmin(grid[i], c.grid_ns);
+            triangulation[i] = fmin(triangulation[i], c.triangulation_ns);
         }
         printf("| %u | %.1f | %.1f | %.0f | %.0f |\n", n, grid[i], triangulation[i],
                1e6 * published[i].grid_s / (double)n,

@@ -6,8 +6,8 @@
 #include <stddef.h>
 
 /* Listens on a free port of the loopback address and, in a child process, calls serve(fd) for one
- * connection after the other; the child lives as long as the test. The port's digits go to port[8].
- */
+ * connection after the other; the child lives as long as the test. The port's digits go to
+ * port[8]. */
 void peer_start(char *port, void (*serve)(int fd));
 
 /* The same on a Unix socket. */

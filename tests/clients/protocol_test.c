@@ -78,8 +78,8 @@ static size_t compose(const char *line, char *out, size_t room)
     return (size_t)n;
 }
 
-/* Reads the next part of a reply, comments left out; false if the server has closed the connection.
- */
+/* Reads the next part of a reply, comments left out; false if the server has closed the
+ * connection. */
 static bool hear(struct talk *t, struct reply_part *part, char *text, size_t room)
 {
     for (;;) {

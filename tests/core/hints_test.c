@@ -12,8 +12,8 @@
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
-/* How many vertices a search that always goes to the nearest neighbour passes from the hint to q.
- */
+/* How many vertices a search that always goes to the nearest neighbour passes from the hint to
+ * q. */
 static uint32_t steps_to(const struct dt *t, struct dt_point q)
 {
     uint32_t v = DT_NONE, best = dt_origin(&t->mesh, dt_hint(&t->hints, q)), steps = 0;
@@ -33,8 +33,8 @@ static uint32_t steps_to(const struct dt *t, struct dt_point q)
     return steps;
 }
 
-/* Within an exact circle all its points are about as near: there is no nearest one to be close to.
- */
+/* Within an exact circle all its points are about as near: there is no nearest one to be close
+ * to. */
 static bool has_near_hints(const struct family *f)
 {
     return strcmp(f->name, "circle_exact") != 0 && strcmp(f->name, "wheel") != 0;

@@ -1,6 +1,6 @@
 /* resp_fuzz.c - libFuzzer target: any bytes as a request in RESP framing. What is read must be the
- * same however much follows, `need` must tell no lie, and every word lies within the bytes taken.
- */
+ * same however much follows, `need` must tell no lie, and every word lies within the bytes
+ * taken. */
 #include <stdlib.h>
 #include <string.h>
 

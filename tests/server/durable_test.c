@@ -9,8 +9,8 @@
 
 static const char *const names[] = {"a", "b", "t", NULL};
 
-/* Every kind of change; ids that are gone for ever, the highest ones too; points near each other.
- */
+/* Every kind of change; ids that are gone for ever, the highest ones too; points near each
+ * other. */
 static const char history[] = "CREATE a TOL 0.5\n"
                               "ADD a 0 0  0.25 0  4 0  4 0.25  0 4  4 4  9 9\n"
                               "DEL a 0 6\n"
