@@ -1,6 +1,6 @@
 # rules.mk - what needs more than a C compiler: comparison with CGAL, measurements, lint, fuzzing.
 
-.PHONY: interop bench lint fuzz fuzz_run
+.PHONY: interop bench bench-durable lint fuzz fuzz_run
 
 CXXCOMPILE = $(CXX) -O2 -g -ffp-contract=off -pthread -I. -Wall -Wextra $(if $(WERROR),-Werror) $(FLAGS_$(V))
 FAMILIES  := $(O)/tests/oracle/families.o
@@ -62,6 +62,14 @@ bench: all $(O)/tests/bench/bench $(O)/tests/bench/live $(O)/tests/bench/points
 	  tests/bench/end_to_end.sh $(O) 1000000; } | tee $(O)/bench.md
 	@awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg
 	@echo "the tables are in $(O)/bench.md, a chart in $(O)/bench.svg"
+
+# ---- bench-durable: what --data costs; beside redis where redis-server is there. POINTS=1000000 is quicker ----
+
+$(O)/tests/bench/durable: $(O)/tests/bench/durable.o
+	$(COMPILE) -o $@ $^ $(LDLIBS)
+
+bench-durable: all $(O)/tests/bench/durable
+	@POINTS=$(or $(POINTS),10000000) tests/bench/durable.sh $(O) | tee $(O)/bench-durable.md
 
 # ---- lint ----
 
