@@ -48,23 +48,30 @@ show()
     [ "$more" -le 0 ] || echo "... $more more lines"
 }
 
-say "A daemon on a free port of this machine"
-printf '%s$ delaunayd --port 0 &%s\n' "$bold" "$plain"
-"$daemon" --port 0 >"$tmp/ready" &
-pid=$!
-tries=0
-until grep -q '^ready on ' "$tmp/ready"; do
-    tries=$((tries + 1))
-    if [ $tries -gt 100 ] || ! kill -0 "$pid" 2>/dev/null; then
-        echo "demo: the daemon did not start" >&2
-        exit 1
-    fi
-    sleep 0.1
-done
-cat "$tmp/ready"
-address=$(sed -n 's/^ready on //p' "$tmp/ready")
-port=${address##*:}
-host=${address%:*}
+# start_daemon: on a free port; sets $pid, $host and $port when it is ready.
+start_daemon()
+{
+    printf '%s$ delaunayd --port 0 --data DIR &%s\n' "$bold" "$plain"
+    rm -f "$tmp/ready"
+    "$daemon" --port 0 --data "$tmp/data" >"$tmp/ready" &
+    pid=$!
+    tries=0
+    until grep -q '^ready on ' "$tmp/ready" 2>/dev/null; do
+        tries=$((tries + 1))
+        if [ $tries -gt 100 ] || ! kill -0 "$pid" 2>/dev/null; then
+            echo "demo: the daemon did not start" >&2
+            exit 1
+        fi
+        sleep 0.1
+    done
+    cat "$tmp/ready"
+    address=$(sed -n 's/^ready on //p' "$tmp/ready")
+    port=${address##*:}
+    host=${address%:*}
+}
+
+say "A daemon on a free port of this machine, with a directory for its data"
+start_daemon
 
 say "Cities and towns of the world, \`longitude latitude\` a line (GeoNames, CC-BY 4.0): the line number is the id"
 show 1 load cities "$places"
@@ -88,6 +95,17 @@ show 1 CHECK cities
 
 say "A picture of it"
 show 1 export cities "$svg"
+
+say "A crash: what was acknowledged is there again"
+printf '%s$ kill -KILL %s%s\n' "$bold" "$pid" "$plain"
+kill -KILL "$pid"
+wait "$pid" 2>/dev/null || true
+start_daemon
+until show 9 LISTS cities 56987 87257 95017 2>/dev/null >"$tmp/again"; do
+    grep -q LOADING "$tmp/again" || exit 1
+    sleep 0.1
+done
+cat "$tmp/again"
 
 say "Done: the daemon finishes what it has received and leaves"
 printf '%s$ kill -TERM %s%s\n' "$bold" "$pid" "$plain"
