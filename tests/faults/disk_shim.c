@@ -1,8 +1,8 @@
 /* disk_shim.c - a failing disk, loaded into a daemon with LD_PRELOAD.
  *
  *     DISK_DIR     calls on files below this directory count
- *     DISK_OP      which ones: write, short (a write that writes half), sync, rename, open
- *     DISK_NTH     the first that fails, counted from 1
+ *     DISK_OP      which ones: write, short (a write that writes half), sync, rename, open, stall
+ * (an open that takes DISK_ERRNO milliseconds) DISK_NTH     the first that fails, counted from 1
  *     DISK_TIMES   how many fail from there on
  *     DISK_ERRNO   with what
  *     DISK_FIRED   a file that is created when the first one has failed */
@@ -94,5 +94,7 @@ int openat(int dir, const char *name, int flags, ...)
     va_start(ap, flags);
     unsigned mode = flags & O_CREAT ? va_arg(ap, unsigned) : 0;
     va_end(ap);
+    if (strikes("stall", dir))
+        usleep((useconds_t)errno * 1000);
     return strikes("open", dir) ? -1 : call(dir, name, flags, mode);
 }

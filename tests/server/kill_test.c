@@ -19,7 +19,7 @@ enum { CLIENTS = 4, REQUESTS = 400, REQUEST_BYTES = 200, BURST = 8, REPLY_BYTES 
 
 struct client {
     const struct daemon *daemon;
-    char set[4];
+    char set[16];
     char request[REQUESTS][REQUEST_BYTES];
     char reply[REQUESTS][REPLY_BYTES];
     int sent, acknowledged;
