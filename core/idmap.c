@@ -45,6 +45,7 @@ enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n)
         m->page[i] = new_page();
         if (m->page[i] == NULL)
             return DT_NOMEM;
+        m->held++;
         m->empty++;
     }
     return DT_OK;
@@ -74,6 +75,7 @@ void dt_idmap_trim(struct dt_idmap *m)
         if (m->page[i] != NULL && m->page[i]->live == 0) {
             free(m->page[i]);
             m->page[i] = NULL;
+            m->held--;
         }
     }
     m->empty = 0;
@@ -112,15 +114,12 @@ enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy)
             return DT_NOMEM;
         }
         *copy->page[i] = *m->page[i];
+        copy->held++;
     }
     return DT_OK;
 }
 
 size_t dt_idmap_memory(const struct dt_idmap *m)
 {
-    size_t bytes = m->cap * sizeof *m->page;
-    for (uint32_t i = 0; i < m->pages; i++)
-        if (m->page[i] != NULL)
-            bytes += sizeof *m->page[i];
-    return bytes;
+    return m->cap * sizeof *m->page + (size_t)m->held * sizeof(struct dt_id_page);
 }

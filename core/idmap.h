@@ -18,7 +18,8 @@ struct dt_id_page {
 struct dt_idmap {
     struct dt_id_page **page; /* owns; NULL: no id of the page is live */
     uint32_t pages, cap;
-    uint32_t empty; /* pages without a live id that are still there */
+    uint32_t held;  /* pages that are there */
+    uint32_t empty; /* and have no live id */
 };
 
 void dt_idmap_clear(struct dt_idmap *m);
