@@ -18,7 +18,7 @@
 enum { CLIENTS = 4, REQUESTS = 400, REQUEST_BYTES = 200, BURST = 8, REPLY_BYTES = 160 };
 
 struct client {
-    const struct daemon *daemon;
+    int fd; /* connected before the round: the daemon may be dead before its thread begins */
     char set[16];
     char request[REQUESTS][REQUEST_BYTES];
     char reply[REQUESTS][REPLY_BYTES];
@@ -93,7 +93,7 @@ static bool send_request(int fd, const char *text)
 static void *talk(void *arg)
 {
     struct client *c = arg;
-    int fd = daemon_connect(c->daemon);
+    int fd = c->fd;
     while (c->acknowledged < REQUESTS) {
         int end = c->acknowledged + BURST < REQUESTS ? c->acknowledged + BURST : REQUESTS;
         while (c->sent < end && send_request(fd, c->request[c->sent]))
@@ -113,7 +113,7 @@ static void *talk(void *arg)
 
 static void *disturb(void *arg)
 {
-    int fd = daemon_connect(arg);
+    int fd = *(const int *)arg;
     char line[REPLY_BYTES];
     while (send_request(fd, "SNAPSHOT\n") && hear(fd, line))
         pause_ms(10);
@@ -170,7 +170,7 @@ static void check_client(const struct client *c, const struct daemon *d,
 static void prepare(struct client *c, int number, const struct daemon *d)
 {
     snprintf(c->set, sizeof c->set, "s%d", number);
-    c->daemon = d;
+    c->fd = daemon_connect(d);
     c->sent = c->acknowledged = 0;
     for (int i = 0; i < REQUESTS; i++)
         compose(c, c->request[i]);
@@ -179,11 +179,12 @@ static void prepare(struct client *c, int number, const struct daemon *d)
 static void run_round(struct client *client, const struct daemon *d)
 {
     pthread_t other;
+    int other_fd = daemon_connect(d);
     for (int i = 0; i < CLIENTS; i++) {
         prepare(&client[i], i, d);
         CHECK(pthread_create(&client[i].thread, NULL, talk, &client[i]) == 0);
     }
-    CHECK(pthread_create(&other, NULL, disturb, (void *)(uintptr_t)d) == 0);
+    CHECK(pthread_create(&other, NULL, disturb, &other_fd) == 0);
     pause_ms(test_below(120));
     daemon_stop(d, SIGKILL);
     for (int i = 0; i < CLIENTS; i++)
