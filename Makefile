@@ -6,6 +6,7 @@
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
 #   make lib, install: see clients/rules.mk
 #   make interop, bench, lint, fuzz: see tests/rules.mk
+#   make load: see tests/load/rules.mk
 
 V        ?=
 O        := build$(if $(V),/$(V))
@@ -84,4 +85,5 @@ fmt:
 
 include tests/rules.mk
 include clients/rules.mk
+include tests/load/rules.mk
 -include $(wildcard $(O)/*/*.d $(O)/*/*/*.d $(O)/*/*/*/*.d)

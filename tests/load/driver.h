@@ -1,0 +1,37 @@
+/* driver.h - many connections, one thread, epoll: sends a mix and measures how long replies take.
+ *
+ * Closed loop (rate 0): each connection sends `pipeline` requests at once, waits for all their
+ * replies, and begins again; a latency runs from the sending. Open loop: requests are due at a
+ * fixed rate, in turn on each connection, whether or not earlier ones have been answered; a latency
+ * runs from when the request was due, so the time that it had to wait because the server was slow
+ * is part of it (no coordinated omission). */
+#ifndef TESTS_LOAD_DRIVER_H
+#define TESTS_LOAD_DRIVER_H
+
+#include "tests/load/histogram.h"
+#include "tests/load/mix.h"
+
+struct plan {
+    unsigned port; /* on the loopback address */
+    unsigned connections, pipeline;
+    double rate;    /* requests a second; 0: closed loop */
+    double seconds; /* after which nothing more is sent */
+    uint64_t count; /* of requests, after which nothing more is sent */
+};
+
+struct outcome {
+    struct histogram latency; /* ns */
+    uint64_t replies, errors; /* errors: ERR replies among them */
+    double seconds;           /* until the last reply */
+};
+
+/* Carries the plan out. False, with the reason on standard error, if a connection fails, a reply is
+ * none of the protocol, or replies stay away for ten seconds after the plan's end. */
+bool driver_run(const struct plan *plan, struct mix *mix, struct outcome *o);
+
+/* A connected, blocking socket; -1 with the reason on standard error. */
+int driver_connect(unsigned port);
+
+uint64_t driver_now_ns(void);
+
+#endif

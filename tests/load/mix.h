@@ -1,0 +1,33 @@
+/* mix.h - the requests of a load: kinds of commands, drawn at random by weight. */
+#ifndef TESTS_LOAD_MIX_H
+#define TESTS_LOAD_MIX_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { MIX_KINDS = 9, MIX_REQUEST_LIMIT = 160 };
+
+struct mix {
+    const char *set;            /* whose set, borrows */
+    uint32_t points;            /* that it holds: ids below it are asked for */
+    uint32_t weight[MIX_KINDS]; /* of each kind */
+    uint32_t weights;           /* their sum; not 0 */
+    unsigned lines;             /* of every reply, for a peer of another protocol; 0: ours */
+    uint64_t state;             /* of the random numbers */
+};
+
+enum { MIX_SPAN = 1000000 }; /* coordinates are drawn from 0 to this */
+
+/* Reads `kind[=weight][,...]`; the kinds are listed by mix_names. False if it is something else, or
+ * mixes kinds whose replies are framed differently. */
+bool mix_read(struct mix *m, const char *text);
+const char *mix_names(void);
+
+/* Writes the next request, at most MIX_REQUEST_LIMIT bytes, and returns its length. */
+size_t mix_next(struct mix *m, char *to);
+
+/* Uniform below n; n > 0. */
+uint32_t mix_random(struct mix *m, uint32_t n);
+
+#endif

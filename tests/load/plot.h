@@ -1,0 +1,12 @@
+/* plot.h - latencies as a drawing: by quantile, both axes logarithmic, so that the tail is seen. */
+#ifndef TESTS_LOAD_PLOT_H
+#define TESTS_LOAD_PLOT_H
+
+#include "tests/load/histogram.h"
+
+#include <stdbool.h>
+
+/* Writes an SVG file with one curve. False, with the reason on standard error, if it cannot. */
+bool plot_latency(const char *path, const char *title, const struct histogram *h);
+
+#endif

@@ -1,0 +1,17 @@
+# rules.mk - build/load, the load generator, and `make load`: a short standard set of scenarios, beside redis-server and
+# beanstalkd where these are installed.
+#
+#   make load                        two to three minutes
+#   make load LOAD_POINTS=10000000   the set that is triangulated meanwhile is larger (1000000)
+
+.PHONY: load
+
+LOAD_POINTS ?= 1000000
+
+all: $(O)/load
+$(O)/load: $(patsubst %.c,$(O)/%.o,$(wildcard tests/load/*.c)) $(PROTO)
+	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
+load: all
+	@tests/load/standard.sh $(O) $(LOAD_POINTS) | tee $(O)/load.md
+	@echo "the tables are in $(O)/load.md, drawings in $(O)/load-*.svg"
