@@ -127,14 +127,16 @@ static void find_best(struct search *q)
         scan_segment(q, segment_of(&q->scan.edge, s), true);
 }
 
-uint32_t dt_apex(const struct dt_grid *g, uint32_t a, uint32_t b)
+uint32_t dt_apex(struct dt_grid *g, uint32_t a, uint32_t b)
 {
     struct dt_point pa = g->xy[a], pb = g->xy[b], d = {pb.x - pa.x, pb.y - pa.y};
     struct search q;
     q.scan.grid = g;
     q.scan.a = a;
     q.scan.b = b;
+    q.scan.looked = 0;
     q.scan.edge = (struct dt_edge){pa, pb, d, sqrt(d.x * d.x + d.y * d.y), fabs(d.x) + fabs(d.y)};
     find_best(&q);
+    g->looked += q.scan.looked;
     return dt_scan_best(&q.scan);
 }

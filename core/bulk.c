@@ -34,12 +34,16 @@ static void copy_vertices(struct draft *b, const struct dt_points *p)
     }
 }
 
-/* Divide is faster on every set; the paper's engine comes when it is asked for. */
+/* Divide is faster on every set; the paper's engine comes when it is asked for, and gives way if
+ * the set defeats it. */
 static enum dt_status run_engine(struct draft *b, const struct dt_point *xy,
                                  const struct dt_options *opt)
 {
-    if (opt != NULL && opt->method == DT_SHELLING)
-        return dt_shelling(xy, b->n, b->xy, b->from, &b->mesh, opt);
+    if (opt != NULL && opt->method == DT_SHELLING) {
+        enum dt_status status = dt_shelling(xy, b->n, b->xy, b->from, &b->mesh, opt);
+        if (status != DT_TOOBIG)
+            return status;
+    }
     return dt_divide(xy, b->n, b->xy, b->from, &b->mesh, opt);
 }
 

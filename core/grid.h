@@ -34,6 +34,7 @@ struct dt_grid {
     struct dt_point *xy; /* borrows, by place; NaN once removed */
     uint32_t *from;      /* borrows, by place: the index of the point in the caller's array */
     uint32_t n;
+    uint64_t looked;     /* what searches have cost so far: see dt_apex */
     struct dt_cells top; /* owns */
 };
 

@@ -51,8 +51,9 @@ static inline dt_pair choose(dt_mask m, dt_pair a, dt_pair b)
 }
 
 /* Whether a point of the run is left of the edge, but by no more than `sure`. */
-static bool has_doubtful(const struct dt_scan *q, double sure, uint32_t i, uint32_t end)
+static bool has_doubtful(struct dt_scan *q, double sure, uint32_t i, uint32_t end)
 {
+    q->looked += (uint64_t)DT_EXACT_LOOK * (end - i);
     for (; i < end; i++) {
         struct dt_point p = q->grid->xy[i], a = q->edge.a, d = q->edge.d;
         if (fabs(d.x * (p.y - a.y) - d.y * (p.x - a.x)) <= sure && is_left(q, i))
@@ -72,6 +73,7 @@ static void scan_rounded(struct dt_scan *q, double reach, uint32_t i, uint32_t e
     const dt_pair sure = both(0x1p-24 * e->span * reach), none = both(HUGE_VAL);
     dt_pair least = q->least, second = q->second, least_at = q->least_at, at = {i, i + 1.0};
     dt_mask near = {0, 0};
+    q->looked += end - i;
     for (uint32_t k = i; k < end; k += 2, at += 2) {
         const struct dt_point *p = q->grid->xy + k, *r = k + 1 < end ? p + 1 : &nowhere;
         dt_pair px = {p->x, r->x}, py = {p->y, r->y};
@@ -144,6 +146,7 @@ static void scan_exactly(struct dt_scan *q, double reach, uint32_t i, uint32_t e
 {
     const struct dt_point *xy = q->grid->xy, a = q->edge.a, b = q->edge.b, d = q->edge.d;
     struct bounds e = bounds_of(q, reach);
+    q->looked += (uint64_t)DT_EXACT_LOOK * (end - i);
     for (; i < end; i++) {
         double x = xy[i].x - a.x, y = xy[i].y - a.y;
         double cross = d.x * y - d.y * x;

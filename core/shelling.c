@@ -33,6 +33,11 @@
 #include "core/apex.h"
 #include "core/predicates.h"
 
+/* What searches may cost in all, in points looked at: so much, and so much more for each point of
+ * the set. Evenly spread points take 30 each, Gaussian ones 110, lattices 600. */
+#define LOOKS 100000000
+#define LOOKS_A_POINT 4096
+
 /* ---- the mesh ---- */
 
 /* Adds a record with corners a, b, c (DT_NONE for a ghost); returns its first half edge. */
@@ -137,6 +142,8 @@ enum dt_status dt_shell_grow(struct dt_shell *s, const struct dt_point *in, uint
     for (uint32_t turn = 0; s->front.current != DT_NONE; turn++) {
         if (turn % 16 == 0 && is_cancelled(opt, m->tri_end, 2 * n - 2))
             return DT_CANCELLED;
+        if (s->grid.looked > LOOKS + (uint64_t)LOOKS_A_POINT * n)
+            return DT_TOOBIG;
         step(s);
     }
     assert(*line || m->tri_end == 2 * n - 2); /* Euler; and the front did not get stuck */

@@ -10,10 +10,11 @@
 /* Triangulates n >= 0 distinct points. p[n] and from[n] are the caller's and are filled: vertex v
  * of the mesh is p[v] = in[from[v]], in the order of the grid. *m comes zeroed, cleared or with
  * reserved room, and is complete on return: 2n - 2 records, ghosts included (none for n < 2). opt
- * may be NULL; its pool is not used. DT_NOMEM and DT_CANCELLED leave *m cleared.
+ * may be NULL; its pool is not used. DT_NOMEM, DT_CANCELLED and DT_TOOBIG leave *m cleared.
  *
- * Cost: linear expected on evenly spread points, 40 bytes a point besides the mesh. Slow, up to
- * quadratic, where very many points are nearly on one line or circle. */
+ * Cost: linear expected on evenly spread points, 40 bytes a point besides the mesh. Where very many
+ * points are nearly on one line or circle the grid is no help and searches look at most of them:
+ * DT_TOOBIG, given up, when that has become too much, which no set of a thousand points reaches. */
 enum dt_status dt_shelling(const struct dt_point *in, uint32_t n, struct dt_point *p,
                            uint32_t *from, struct dt_mesh *m, const struct dt_options *opt);
 

@@ -24,7 +24,7 @@ static uint32_t slow_apex(const struct dt_grid *g, uint32_t a, uint32_t b)
 }
 
 /* Edges of all lengths, most of them not Delaunay: the search has to be right for any. */
-static void check_edges(const struct dt_grid *g, unsigned rounds, const char *name)
+static void check_edges(struct dt_grid *g, unsigned rounds, const char *name)
 {
     for (unsigned i = 0; i < rounds; i++) {
         uint32_t a = test_below(g->n), b = test_below(2) ? test_below(g->n) : dt_grid_nearest(g, a);

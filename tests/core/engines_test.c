@@ -115,3 +115,24 @@ TEST(a_set_gives_the_same_table_by_either_method)
     free(a.v);
     free(b.v);
 }
+
+/* 20,000 points that are nearly on a line: without a limit, 4 * 10^8 exact looks. */
+TEST_TIMEOUT(set_that_defeats_the_grid_gets_its_triangles_by_shelling_too, 30)
+{
+    enum { POINTS = 20000 };
+    struct dt_point *p = malloc(POINTS * sizeof *p);
+    for (uint32_t i = 0; i < POINTS; i++)
+        p[i] = (struct dt_point){i * 0.1, i * 0.3}; /* rounded: no straight line */
+    struct dt_mesh m = {.half = NULL};
+    struct dt_point *q = malloc(POINTS * sizeof *q);
+    uint32_t *from = malloc(POINTS * sizeof *from);
+    CHECK(dt_shelling(p, POINTS, q, from, &m, NULL) == DT_TOOBIG);
+    CHECK(m.half == NULL && m.vertices == 0);
+    struct dt_ids a = triangles_by(p, POINTS, DT_DIVIDE), b = triangles_by(p, POINTS, DT_SHELLING);
+    CHECK(a.n == b.n && a.n > POINTS && memcmp(a.v, b.v, a.n * sizeof *a.v) == 0);
+    free(a.v);
+    free(b.v);
+    free(q);
+    free(from);
+    free(p);
+}
