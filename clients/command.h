@@ -11,6 +11,10 @@ enum exit_status { EXIT_DONE = 0, EXIT_REFUSED = 1, EXIT_USAGE = 2, EXIT_NO_CONN
 /* Sends the words as one request line and prints the reply. */
 int command_any(struct delaunay_client *c, int words, char **word);
 
+/* Sends the lines of the standard input one by one and prints the replies; the status of the last
+ * one that failed. */
+int command_prompt(struct delaunay_client *c);
+
 /* load SET FILE: all of a file into a set, or nothing. */
 int command_load(struct delaunay_client *c, int argc, char **argv);
 

@@ -17,6 +17,7 @@ static const char help_head[] =
 static const char help_tail[] =
     "\n"
     "Any other words are sent as one request line, and the reply is printed: delaunay HELP\n"
+    "Without a command, lines from the standard input are sent one by one.\n"
     "In place of SET a URL may stand, and it is sent there: delaunay://host:port/set\n"
     "\n"
     "  -h, --host HOST   default $DELAUNAY_HOST, or else localhost; a path with a '/' is a Unix "
@@ -88,7 +89,7 @@ static const char *find_fault(const struct subcommand *s, int words, char **word
         return "the name of a set is missing";
     if (s != NULL && s->set && (s->run == NULL || word[1][0] != '-'))
         return find_set_fault(&word[1], where);
-    if (strcasecmp(word[0], "loadb") == 0)
+    if (words > 0 && strcasecmp(word[0], "loadb") == 0)
         return "for binary loads use load, which sends points in binary form";
     return NULL;
 }
@@ -103,7 +104,9 @@ static int run(const struct subcommand *s, int words, char **word, const struct 
         fprintf(stderr, "delaunay: %s\n", why);
         return EXIT_NO_CONNECTION;
     }
-    int status = s != NULL && s->run != NULL ? s->run(c, words, word) : command_any(c, words, word);
+    int status = words == 0                    ? command_prompt(c)
+                 : s != NULL && s->run != NULL ? s->run(c, words, word)
+                                               : command_any(c, words, word);
     delaunay_close(c);
     return status;
 }
@@ -141,9 +144,7 @@ int main(int argc, char **argv)
     }
     int words = argc - optind;
     char **word = argv + optind;
-    if (words == 0)
-        return usage("a command is missing");
-    const struct subcommand *s = subcommand_find(word[0]);
+    const struct subcommand *s = words > 0 ? subcommand_find(word[0]) : NULL;
     if (s != NULL && asks_for_help(words, word)) {
         subcommand_print_help(s);
         return EXIT_DONE;

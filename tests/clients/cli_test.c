@@ -71,8 +71,6 @@ TEST(cli_exit_status_tells_usage_from_no_connection)
     peer_start(port, answer);
     const char *out = peer_shell(&status, "%s -p 1 PING 2>&1", client());
     CHECK(status == 3 && strstr(out, "delaunay: ") == out);
-    peer_shell(&status, "%s -p %s 2>&1", client(), port);
-    CHECK(status == 2);
     peer_shell(&status, "%s -p %s --nonsense 2>&1", client(), port);
     CHECK(status == 2);
     peer_shell(&status, "%s -p %s load t 2>&1", client(), port);
@@ -163,4 +161,20 @@ TEST(cli_draws_a_progress_bar_on_a_terminal_only)
           strstr(out, "M points") != NULL);
     CHECK(strstr(out, "\rsending [") != NULL);
     CHECK_STR(piped, "OK 1\n");
+}
+
+TEST(cli_without_a_command_takes_lines)
+{
+    char port[8];
+    int status;
+    peer_start(port, answer);
+    CHECK_STR(peer_shell(&status,
+                         "printf 'one 1\\r\\n\\nBAD x\\nload t\\ntwo' | %s -p %s 2>/dev/null",
+                         client(), port),
+              "OK 1\none 1\nERR UNKNOWN BAD x\nOK 1\ntwo\n");
+    CHECK(status == 2);
+    CHECK_STR(peer_shell(&status, "%s -p %s < /dev/null", client(), port), "");
+    CHECK(status == 0);
+    peer_shell(&status, "echo CUT | %s -p %s 2>&1", client(), port);
+    CHECK(status == 3);
 }

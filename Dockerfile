@@ -1,0 +1,21 @@
+# delaunayd in a container: a non-root user, data on the volume /data, port 6374.
+#
+#   docker build -t delaunayd .
+#   docker run -p 127.0.0.1:6374:6374 -v delaunay:/data delaunayd
+#
+# Whoever reaches the port may use it: publish it to this machine only, as above, or add --auth-file.
+
+FROM debian:bookworm-slim AS build
+RUN apt-get update && apt-get install -y --no-install-recommends gcc libc6-dev make
+WORKDIR /src
+COPY . .
+RUN make install PREFIX=/usr DESTDIR=/out
+
+FROM debian:bookworm-slim
+COPY --from=build /out/usr/bin/ /usr/bin/
+RUN useradd --system --no-create-home delaunayd && install -d -o delaunayd -g delaunayd /data
+USER delaunayd
+VOLUME /data
+EXPOSE 6374
+HEALTHCHECK --interval=10s CMD ["delaunay", "ping"]
+ENTRYPOINT ["delaunayd", "--data", "/data", "--bind", "0.0.0.0", "--insecure"]
