@@ -444,7 +444,7 @@ void durable_facts(const struct server *s, struct durable_facts *f)
     f->loaded_percent = recovery_percent(&s->durable->recovery);
     if (d->reading || d->log == NULL)
         return;
-    f->loaded_percent = 100;
+    f->loaded_percent = durable_is_complete(s) ? 100 : 99; /* triangulations are still made */
     f->state =
         durable_is_complete(s) || d->status.state != LOG_GOOD ? state[d->status.state] : "loading";
     f->lsn = log_last(d->log);
