@@ -134,8 +134,7 @@ static void find_leaving(void *arg, unsigned i)
     uint32_t b = (uint32_t)((uint64_t)m->tri_end * (i + 1) / pass->slices);
     unsigned ghosts = 0;
     for (uint32_t h = 8 * a; h != 8 * b; h += 8) {
-        /* Any triangle will do; slices that meet at a vertex may both write it, hence atomically.
-         */
+        /* Any triangle will do; slices that meet at a vertex may both write it: hence atomic. */
         __atomic_store_n(&m->leaving[m->half[h]], h, __ATOMIC_RELAXED);
         __atomic_store_n(&m->leaving[m->half[h + 1]], h + 1, __ATOMIC_RELAXED);
         if (m->half[h + 2] == DT_NONE)

@@ -242,21 +242,13 @@ static bool in_disc(const struct dt *t, uint32_t v, struct dt_point centre, doub
     return dt_compare_radius(t->points.xy[v], centre, r) <= 0;
 }
 
-static enum dt_status append(struct dt_ids *ids, uint32_t value)
-{
-    enum dt_status st = dt_ids_reserve(ids, 1);
-    if (st == DT_OK)
-        ids->v[ids->n++] = value;
-    return st;
-}
-
 static enum dt_status scan_disc(const struct dt *t, struct dt_point centre, double r,
                                 struct dt_ids *out)
 {
     enum dt_status st = DT_OK;
     for (uint32_t v = 0; v < t->points.end && st == DT_OK; v++)
         if (t->points.id[v] != DT_NONE && in_disc(t, v, centre, r))
-            st = append(out, v);
+            st = dt_ids_append(out, v);
     return st;
 }
 
@@ -275,7 +267,7 @@ static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, dou
             if (w != DT_NONE && in_disc(t, w, centre, r))
                 st = dt_visited_add(seen, w, &fresh);
             if (st == DT_OK && fresh)
-                st = append(out, w);
+                st = dt_ids_append(out, w);
             if (st != DT_OK)
                 return st;
             h = dt_turn_ccw(m, h);
@@ -299,7 +291,7 @@ enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double
     dt_visited_init(&seen);
     st = dt_visited_add(&seen, v, &fresh);
     if (st == DT_OK)
-        st = append(out, v);
+        st = dt_ids_append(out, v);
     if (st == DT_OK)
         st = flood_disc(t, centre, r, &seen, n, out);
     dt_visited_clear(&seen);

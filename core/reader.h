@@ -23,4 +23,13 @@ static inline enum dt_status dt_read_vertex(const struct dt *t, uint32_t id, uin
 /* Makes room for `more` ids behind those that are there; DT_NOMEM leaves *ids unchanged. */
 enum dt_status dt_ids_reserve(struct dt_ids *ids, size_t more);
 
+/* Appends one; DT_NOMEM leaves *ids unchanged. Cost: constant, amortised. */
+static inline enum dt_status dt_ids_append(struct dt_ids *ids, uint32_t value)
+{
+    enum dt_status s = dt_ids_reserve(ids, 1);
+    if (s == DT_OK)
+        ids->v[ids->n++] = value;
+    return s;
+}
+
 #endif

@@ -52,14 +52,6 @@ struct flood {
     struct dt_ids *out;                /* borrowed: vertices in the box */
 };
 
-static enum dt_status append(struct dt_ids *ids, uint32_t value)
-{
-    enum dt_status s = dt_ids_reserve(ids, 1);
-    if (s == DT_OK)
-        ids->v[ids->n++] = value;
-    return s;
-}
-
 /* Takes v if it is in the box. */
 static enum dt_status take(struct flood *f, uint32_t v)
 {
@@ -67,7 +59,7 @@ static enum dt_status take(struct flood *f, uint32_t v)
     if (!contains(&f->box, f->t->points.xy[v]))
         return DT_OK;
     enum dt_status s = dt_visited_add(&f->vertices, v, &fresh);
-    return s == DT_OK && fresh ? append(f->out, v) : s;
+    return s == DT_OK && fresh ? dt_ids_append(f->out, v) : s;
 }
 
 /* Takes the edge of h if it crosses the box and neither end is in it. */
@@ -80,7 +72,7 @@ static enum dt_status cross(struct flood *f, uint32_t h)
     if (contains(&f->box, p) || contains(&f->box, q) || !meets(&f->box, p, q))
         return DT_OK;
     enum dt_status s = dt_visited_add(&f->edges, h < twin ? h : twin, &fresh);
-    return s == DT_OK && fresh ? append(&f->todo, h) : s;
+    return s == DT_OK && fresh ? dt_ids_append(&f->todo, h) : s;
 }
 
 /* The triangle of h, unless h is the edge of a ghost: its third corner and its two other edges. */
@@ -161,7 +153,7 @@ static enum dt_status scan_box(const struct dt *t, const struct box *b, struct d
     enum dt_status s = DT_OK;
     for (uint32_t v = 0; v < p->end && s == DT_OK; v++)
         if (contains(b, p->xy[v]) && p->id[v] != DT_NONE)
-            s = append(out, v);
+            s = dt_ids_append(out, v);
     return s;
 }
 
@@ -219,7 +211,7 @@ static enum dt_status walk_line(const struct dt *t, const struct box *b, uint32_
     for (;;) {
         uint32_t v = dt_hull_vertex(m, g);
         int place = along(b, t->points.xy[v], dx, dy);
-        enum dt_status s = place == 0 ? append(out, v) : DT_OK;
+        enum dt_status s = place == 0 ? dt_ids_append(out, v) : DT_OK;
         if (s != DT_OK || place > 0 || at_end)
             return s;
         at_end = dt_hull_turns(m, g);
@@ -253,7 +245,8 @@ enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_p
         return s;
     size_t n = out->n;
     if (t->mesh.vertices == 1)
-        s = contains(&b, t->points.xy[dt_only_vertex(t)]) ? append(out, dt_only_vertex(t)) : DT_OK;
+        s = contains(&b, t->points.xy[dt_only_vertex(t)]) ? dt_ids_append(out, dt_only_vertex(t))
+                                                          : DT_OK;
     else if (dt_mesh_is_line(&t->mesh))
         s = walk_box(t, &b, out);
     else

@@ -1,5 +1,4 @@
-/* number_exact.h - the exact comparison that reading falls back on; for the files number_*.c only.
- */
+/* number_exact.h - the exact comparison that reading falls back on; for number_*.c only. */
 #ifndef PROTO_NUMBER_EXACT_H
 #define PROTO_NUMBER_EXACT_H
 

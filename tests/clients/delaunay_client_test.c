@@ -1,5 +1,4 @@
-/* delaunay_client_test.c - the client library against servers that behave and servers that do not.
- */
+/* delaunay_client_test.c - the client library against servers that behave, and others. */
 #include "clients/delaunay_client.h"
 
 #include <string.h>

@@ -104,8 +104,7 @@ static void scan_set(const struct dt *t, uint32_t n, struct dt_point lo, struct 
         if (dt_get(t, id, &q) == DT_OK &&
             (r > 0 ? hypot(q.x - lo.x, q.y - lo.y) <= r
                    : lo.x <= q.x && q.x <= hi.x && lo.y <= q.y && q.y <= hi.y)) {
-            CHECK(dt_ids_reserve(out, 1) == DT_OK);
-            out->v[out->n++] = id;
+            CHECK(dt_ids_append(out, id) == DT_OK);
         }
     }
 }

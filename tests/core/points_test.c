@@ -1,5 +1,4 @@
-/* points_test.c - ids, aliases and coincidence against a model so plain that it is obviously right.
- */
+/* points_test.c - ids, aliases and coincidence against a model that is too plain to be wrong. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

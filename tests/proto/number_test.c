@@ -119,8 +119,7 @@ TEST(number_beyond_the_doubles_reads_as_infinity)
     check_reads_as("1e99999999999999999999999999999999", HUGE_VAL);
     check_reads_as("123456789012345678901234567890e9999999999", HUGE_VAL);
     check_reads_as("1.7976931348623157e308", DBL_MAX);
-    /* 2^1024 - 2^970, the tie between the largest double and 2^1024, goes to the even one: infinity
-     */
+    /* 2^1024 - 2^970, the tie between the largest double and 2^1024: infinity is the even one. */
     char text[400];
     int n = snprintf(text, sizeof text, "%.0Lf", 0x1p1024L - 0x1p970L);
     check_reads_as(text, HUGE_VAL);
