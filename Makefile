@@ -72,7 +72,8 @@ test: all $(TEST_BINARIES) $(DISK_SHIM)
 
 # The same with many more rounds of what is left to chance.
 faults: all $(O)/tests/server_tests $(DISK_SHIM)
-	KILL_ROUNDS=200 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) $(O)/tests/server_tests kill_test disk_test damage_test
+	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) $(O)/tests/server_tests kill_test disk_test \
+	  damage_test hostile_test
 
 asan tsan:
 	$(MAKE) V=$@ test

@@ -32,6 +32,8 @@ static const char usage[] =
     "  --insecure          allow an address beyond loopback without --auth-file\n"
     "  --threads N         threads that work on heavy requests (default: one per processor)\n"
     "  --max-clients N     connections at once (default 10000, or what descriptors allow)\n"
+    "  --idle-timeout S    drop clients that have sent nothing for so many seconds (default: "
+    "never)\n"
     "  --max-points N      points of one set (default 268435455)\n"
     "  --max-memory BYTES  memory of all sets, with k, m or g behind it (default: 80 % of the "
     "machine's)\n"
@@ -142,6 +144,7 @@ enum flag {
     FLAG_INSECURE,
     FLAG_THREADS,
     FLAG_MAX_CLIENTS,
+    FLAG_IDLE_TIMEOUT,
     FLAG_MAX_POINTS,
     FLAG_MAX_MEMORY,
     FLAG_DATA,
@@ -161,6 +164,7 @@ static const struct option flags[] = {
     {"insecure", no_argument, NULL, FLAG_INSECURE},
     {"threads", required_argument, NULL, FLAG_THREADS},
     {"max-clients", required_argument, NULL, FLAG_MAX_CLIENTS},
+    {"idle-timeout", required_argument, NULL, FLAG_IDLE_TIMEOUT},
     {"max-points", required_argument, NULL, FLAG_MAX_POINTS},
     {"max-memory", required_argument, NULL, FLAG_MAX_MEMORY},
     {"data", required_argument, NULL, FLAG_DATA},
@@ -201,6 +205,9 @@ static bool set_value(struct config *c, int flag, const char *name, const char *
     case FLAG_MAX_CLIENTS:
         return parse_number(value, 1, 1000000, &c->max_clients) ||
                complain(name, value, "from 1 to 1000000");
+    case FLAG_IDLE_TIMEOUT:
+        return parse_number(value, 0, 1000000, &c->idle_timeout_s) ||
+               complain(name, value, "seconds, 0 to 1000000");
     case FLAG_MAX_POINTS:
         return parse_number(value, 1, DT_MAX_POINTS, &c->max_points) ||
                complain(name, value, "from 1 to 268435455");

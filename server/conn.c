@@ -41,7 +41,7 @@ bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_even
         .source = {fd, on_ready}, .loop = loop, .events = events, .interest = EPOLLIN};
     c->turn.run = run_turn;
     c->burial.run = run_burial;
-    c->progress_ms = loop->now_ms;
+    c->progress_ms = c->heard_ms = loop->now_ms;
     return loop_watch(loop, &c->source, c->interest);
 }
 
@@ -157,6 +157,7 @@ static void read_input(struct conn *c)
         c->eof = true;
     else
         buf_commit(&c->in, (size_t)n);
+    c->heard_ms = c->loop->now_ms;
 }
 
 /* ---- output ---- */

@@ -36,6 +36,7 @@ struct conn {
     struct hold hold; /* which bytes of out must wait for the disk; numbered as `sent` is */
     struct task turn, burial;
     uint32_t interest;   /* what epoll watches for */
+    int64_t heard_ms;    /* when bytes last came in */
     int64_t progress_ms; /* when bytes last went out, or out was empty */
     bool eof;            /* the input has ended */
     bool draining;       /* what has arrived is read, then the input counts as ended */

@@ -219,7 +219,7 @@ static void on_signal(struct source *source, uint32_t events)
 
 static void check_client(struct session *s)
 {
-    conn_check_timeouts(&s->conn);
+    session_check_timeouts(s);
 }
 
 static void tell_progress(void)

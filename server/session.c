@@ -13,9 +13,13 @@
 #include <stdlib.h>
 
 enum {
-    TURN_NS = 500 * 1000,  /* after this long it is somebody else's turn */
-    STEPS_PER_LOOK = 16,   /* requests between looks at the clock */
-    FEED_BYTES = 64 * 1024 /* of a load, in one step */
+    TURN_NS = 500 * 1000,   /* after this long it is somebody else's turn */
+    STEPS_PER_LOOK = 16,    /* requests between looks at the clock */
+    FEED_BYTES = 64 * 1024, /* of a load, in one step */
+    /* What those who have not shown a token may send, and how long they may take. */
+    STRANGER_BYTES = 16 * 1024, /* of a request */
+    STRANGER_WORDS = 10,
+    STRANGER_MS = 10 * 1000
 };
 
 /* ---- what an answer leaves to do ---- */
@@ -85,6 +89,17 @@ static bool refuse(struct session *s, enum reply_code code, const char *why)
 static bool refuse_line(struct session *s, enum line_fault fault)
 {
     return refuse(s, fault == LINE_TOO_LONG ? ERR_TOOLONG : ERR_SYNTAX, line_fault_text(fault));
+}
+
+/* Whether a request of which `bytes` have come is too much before AUTH. */
+static bool is_too_much(const struct session *s, size_t bytes, size_t words)
+{
+    return s->role == ROLE_NONE && (bytes > STRANGER_BYTES || words > STRANGER_WORDS);
+}
+
+static bool refuse_stranger(struct session *s)
+{
+    return refuse(s, ERR_TOOLONG, "before AUTH a request has at most 10 words and 16384 bytes");
 }
 
 /* ---- steps: each carries out one request, or a piece of one; true: go on ---- */
@@ -205,6 +220,8 @@ static bool carry_out(struct session *s, const struct line *line)
         consume_held(s);
         return true;
     }
+    if (is_too_much(s, s->held, q->n))
+        return refuse_stranger(s);
     if (is_foreign(s, line, q)) {
         conn_finish(&s->conn);
         return false;
@@ -224,6 +241,8 @@ static bool step_line(struct session *s)
         s->held = (size_t)took;
         return carry_out(s, &line);
     }
+    if (is_too_much(s, buf_len(&s->conn.in), 0))
+        return refuse_stranger(s);
     return wait_for_input(s);
 }
 
@@ -238,6 +257,8 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
         consume_held(s);
         return true;
     }
+    if (is_too_much(s, s->held, q->n))
+        return refuse_stranger(s);
     a.out = &s->conn.out;
     if (!redis_answer(s->server, q, &a)) {
         a.out = &s->server->lines;
@@ -257,6 +278,8 @@ static bool step_resp(struct session *s)
         return wait_for_input(s);
     ptrdiff_t took = resp_read(buf_head(in), buf_len(in), &s->server->request, &resp);
     s->need = resp.need;
+    if (took == 0 && is_too_much(s, buf_len(in) > s->need ? buf_len(in) : s->need, 0))
+        return refuse_stranger(s);
     if (took == 0)
         return wait_for_input(s);
     if (took > 0) {
@@ -331,12 +354,38 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
         return NULL;
     s->server = server;
     s->role = auth_initial_role(&server->auth);
+    s->since_ms = loop->now_ms;
     s->waiter.wake = on_wake;
     s->closed = closed;
     if (conn_init(&s->conn, loop, fd, &events))
         return s;
     free(s);
     return NULL;
+}
+
+/* ---- time ---- */
+
+/* Whether the session does nothing but wait for what its client sends next. */
+static bool is_listening(const struct session *s)
+{
+    return s->job == NULL && s->stream == NULL && s->waiter.set == NULL &&
+           buf_len(&s->conn.out) == 0;
+}
+
+void session_check_timeouts(struct session *s)
+{
+    struct conn *c = &s->conn;
+    int64_t now = c->loop->now_ms, idle_ms = (int64_t)s->server->config->idle_timeout_s * 1000;
+    conn_check_timeouts(c);
+    if (c->dead || c->finishing)
+        return;
+    if (s->role == ROLE_NONE && now - s->since_ms > STRANGER_MS) {
+        refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
+        conn_turn(c);
+    } else if (idle_ms > 0 && is_listening(s) && now - c->heard_ms > idle_ms) {
+        refuse(s, ERR_TIMEOUT, "nothing was heard for too long");
+        conn_turn(c);
+    }
 }
 
 /* ---- what the log tells ---- */

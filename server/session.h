@@ -17,8 +17,9 @@ struct session {
     struct server *server;
     uint64_t id;
     enum role role;
-    bool greeted; /* the first line has been seen */
-    size_t held;  /* bytes of the request that waits: kept in the input until it is answered */
+    bool greeted;     /* the first line has been seen */
+    int64_t since_ms; /* when it came */
+    size_t held;      /* bytes of the request that waits: kept in the input until it is answered */
     struct stream *stream;      /* owns: rows that are still to be sent */
     struct job *job;            /* borrows: what a worker does for it */
     struct load *load;          /* owns: points that are being received */
@@ -46,6 +47,10 @@ void session_released(struct hold *h);
 /* What the replies that are held would have acknowledged may be lost: ends the session with an
  * error instead of them. */
 void session_not_saved(struct hold *h);
+
+/* To be called once a second: closes sessions that stall, that show no token in time, or that have
+ * sent nothing for --idle-timeout. */
+void session_check_timeouts(struct session *s);
 
 /* Tells the client how far its job is. */
 void session_progress(struct session *s, const struct job *j);

@@ -1,0 +1,275 @@
+/* hostile_test.c - clients that are slow, silent or strangers, and what the others notice of them.
+ */
+#include "tests/server/daemon.h"
+#include "tests/test.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+/* ---- what others notice ---- */
+
+static int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The median time of a PING: that of single ones says more about the machine than about the
+ * daemon. */
+static double median_ping_ms(int fd)
+{
+    enum { PINGS = 101 };
+    double ms[PINGS];
+    for (int i = 0; i < PINGS; i++) {
+        double start = seconds();
+        say(fd, "PING\n");
+        expect(fd, "OK 0\n");
+        ms[i] = 1000 * (seconds() - start);
+    }
+    qsort(ms, PINGS, sizeof ms[0], ascending);
+    return ms[PINGS / 2];
+}
+
+static void expect_no_delay(int fd)
+{
+    double ms = median_ping_ms(fd);
+    if (costs_are_telling())
+        CHECK_MSG(ms < 5, "a PING takes %.2f ms", ms);
+}
+
+TEST_TIMEOUT(readers_that_take_a_large_reply_in_sips_delay_nobody, 60)
+{
+    enum { READERS = 20, SIPS = 30 };
+    static char sip[20000];
+    int reader[READERS];
+    struct daemon d = daemon_start(NULL);
+    int other = daemon_connect(&d);
+    load_random(other, "t", 100000);
+    say(other, "TRIANGULATE t\n");
+    hear_line(other);
+    for (int i = 0; i < READERS; i++) {
+        reader[i] = daemon_connect(&d);
+        say(reader[i], "LISTS t\nLISTS t\n");
+    }
+    for (int i = 0; i < SIPS; i++)
+        CHECK(recv(reader[i % READERS], sip, sizeof sip, 0) > 0);
+    expect_no_delay(other);
+}
+
+TEST(clients_that_send_a_byte_at_a_time_delay_nobody)
+{
+    enum { CLIENTS = 300 };
+    static const char request[] = "LOCATE none 1 2\n";
+    int slow[CLIENTS];
+    struct daemon d = daemon_start(NULL);
+    int other = daemon_connect(&d);
+    for (int i = 0; i < CLIENTS; i++)
+        slow[i] = daemon_connect(&d);
+    for (size_t at = 0; at < sizeof request - 1; at++) {
+        for (int i = 0; i < CLIENTS; i++)
+            say_bytes(slow[i], request + at, 1);
+        say(other, "PING\n");
+        expect(other, "OK 0\n");
+    }
+    for (int i = 0; i < CLIENTS; i++)
+        expect(slow[i], "ERR NOSET there is no set none\n");
+    expect_no_delay(other);
+}
+
+TEST(request_that_takes_long_is_answered_after_half_close)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 300000);
+    say(fd, "TRIANGULATE t METHOD shelling\nNEAREST t 2 2\nCHECK t");
+    shutdown(fd, SHUT_WR);
+    CHECK(strncmp(hear_line(fd), "OK 0 points=300000 coincident=0 ", 32) == 0);
+    CHECK_STR(hear_line(fd), "OK 1");
+    hear_line(fd);
+    CHECK(strncmp(hear_line(fd), "OK 0 delaunay=yes points=300000 ", 32) == 0);
+    expect_end(fd);
+}
+
+TEST(client_that_sends_for_ever_delays_nobody)
+{
+    static char block[64 * 1024];
+    struct daemon d = daemon_start(NULL);
+    int flood = daemon_connect(&d), other = daemon_connect(&d);
+    memset(block, '\n', sizeof block);
+    for (size_t i = 0; i + 5 <= sizeof block; i += 5)
+        memcpy(block + i, "PING\n", 5);
+    for (int i = 0; i < 200; i++) {
+        ssize_t n = send(flood, block, sizeof block, MSG_DONTWAIT | MSG_NOSIGNAL);
+        CHECK(n > 0 || errno == EAGAIN);
+        say(other, "PING\n");
+        expect(other, "OK 0\n");
+    }
+    expect_no_delay(other);
+}
+
+/* ---- strangers ---- */
+
+static struct daemon start_with_token(const char *token)
+{
+    char path[] = "/tmp/delaunayd-test-XXXXXX";
+    const char *arguments[] = {"--auth-file", path, NULL};
+    int file = mkstemp(path);
+    CHECK(file >= 0 && write(file, token, strlen(token)) == (ssize_t)strlen(token));
+    close(file);
+    struct daemon d = daemon_start(arguments);
+    unlink(path);
+    return d;
+}
+
+static const char too_much[] = "ERR TOOLONG before AUTH a request has at most 10 words and 16384 "
+                               "bytes\n";
+
+TEST(strangers_may_send_ten_words)
+{
+    struct daemon d = start_with_token("rw secret\n");
+    converse(&d, "GET t 1 2 3 4 5 6 7 8\nPING\n",
+             "ERR NOAUTH show a token first: AUTH token\nOK 0\n");
+    converse(&d, "GET t 1 2 3 4 5 6 7 8 9\nPING\n", too_much);
+    converse(&d, "AUTH secret\nGET t 1 2 3 4 5 6 7 8 9\n",
+             "OK 0 role=rw\nERR NOSET there is no set t\n");
+}
+
+TEST(strangers_may_send_16_kib)
+{
+    enum { LIMIT = 16 * 1024 };
+    static char line[LIMIT + 64], known[LIMIT + 128];
+    struct daemon d = start_with_token("rw secret\n");
+    memset(line, ' ', LIMIT + 1);
+    memcpy(line, "PING", 4);
+    line[LIMIT - 1] = '\n';
+    line[LIMIT] = '\0';
+    converse(&d, line, "OK 0\n");
+    line[LIMIT - 1] = ' ';
+    strcpy(line + LIMIT, "\n");
+    converse(&d, line, too_much);
+    snprintf(known, sizeof known, "AUTH secret\n%s", line);
+    converse(&d, known, "OK 0 role=rw\nOK 0\n");
+
+    /* Nothing is kept of a line that does not end, nor of a bulk string that is announced. */
+    int fd = daemon_connect(&d);
+    memset(line, 'x', LIMIT + 1);
+    say_bytes(fd, line, LIMIT + 1);
+    expect(fd, too_much);
+    expect_end(fd);
+    fd = daemon_connect(&d);
+    say(fd, "*2\r\n$4\r\nECHO\r\n$100000\r\nxxxx");
+    expect(fd, "-TOOLONG before AUTH a request has at most 10 words and 16384 bytes\r\n");
+    expect_end(fd);
+}
+
+TEST_TIMEOUT(strangers_have_ten_seconds, 40)
+{
+    struct daemon d = start_with_token("rw secret\n");
+    int known = daemon_connect(&d), stranger = daemon_connect(&d);
+    say(known, "AUTH secret\n");
+    expect(known, "OK 0 role=rw\n");
+    double start = seconds();
+    say(stranger, "PING\nAUTH secr");
+    expect(stranger, "OK 0\nERR TIMEOUT no token was shown within 10 seconds\n");
+    CHECK(seconds() - start > 9);
+    expect_end(stranger);
+    say(known, "PING\n");
+    expect(known, "OK 0\n");
+}
+
+TEST_TIMEOUT(silent_clients_are_dropped_if_asked_and_busy_ones_are_not, 40)
+{
+    const char *arguments[] = {"--idle-timeout", "2", NULL};
+    struct daemon d = daemon_start(arguments);
+    int busy = daemon_connect(&d), loading = daemon_connect(&d), silent = daemon_connect(&d);
+    say(loading, "LOAD t\n1 1\n");
+    for (int i = 0; i < 8; i++) {
+        say(busy, "PING\n");
+        expect(busy, "OK 0\n");
+        pause_ms(500);
+    }
+    expect(silent, "ERR TIMEOUT nothing was heard for too long\n");
+    expect_end(silent);
+    expect(loading, "ERR TIMEOUT nothing was heard for too long\n");
+    expect_end(loading);
+    close(silent);
+    close(loading);
+    await_info(&d, "loading", 0);
+    say(busy, "SETS\n");
+    expect(busy, "OK 0\n");
+}
+
+/* ---- many of them: make faults ---- */
+
+/* Room for n descriptors of the test and, inherited, of the daemon; false if the machine has not so
+ * many. */
+static bool allow_descriptors(rlim_t n)
+{
+    struct rlimit limit;
+    CHECK(getrlimit(RLIMIT_NOFILE, &limit) == 0);
+    limit.rlim_cur = n;
+    return limit.rlim_max >= n && setrlimit(RLIMIT_NOFILE, &limit) == 0;
+}
+
+static bool many_are_wanted(void)
+{
+    return getenv("FAULTS") != NULL && costs_are_telling();
+}
+
+TEST_TIMEOUT(thousand_readers_that_stall_cost_300_mib_and_no_time, 300)
+{
+    enum { READERS = 1000 };
+    static int fd[READERS];
+    if (!many_are_wanted() || !allow_descriptors(READERS + 200))
+        return;
+    struct daemon d = daemon_start(NULL);
+    int first = daemon_connect(&d);
+    load_random(first, "t", 1000000); /* whose LISTS are 50 MB long */
+    say(first, "TRIANGULATE t\n");
+    hear_line(first);
+    size_t before = daemon_resident(&d);
+    for (int i = 0; i < READERS; i++) {
+        fd[i] = daemon_connect(&d);
+        say(fd[i], "LISTS t\n");
+    }
+    double cpu;
+    for (int i = 0; i < 60; i++) { /* until the system's own buffers are full */
+        cpu = daemon_cpu_seconds(&d);
+        pause_ms(1000);
+        if (daemon_cpu_seconds(&d) - cpu < 0.03)
+            break;
+    }
+    size_t more = daemon_resident(&d) - before;
+    CHECK_MSG(daemon_resident(&d) < before || more < 300u << 20, "%zu MiB more", more >> 20);
+    cpu = daemon_cpu_seconds(&d);
+    pause_ms(5000);
+    cpu = daemon_cpu_seconds(&d) - cpu;
+    CHECK_MSG(cpu < 0.15, "%.2f s in 5 s for readers that stall", cpu);
+    printf("1000 stalled readers of LISTS: %zu MiB more, %.1f %% of a processor\n", more >> 20,
+           cpu * 20);
+    expect_no_delay(first);
+}
+
+TEST_TIMEOUT(ten_thousand_idle_clients_take_4_kib_each, 120)
+{
+    enum { CLIENTS = 9900 };
+    static int fd[CLIENTS];
+    if (!many_are_wanted() || !allow_descriptors(CLIENTS + 200))
+        return;
+    struct daemon d = daemon_start(NULL);
+    fd[0] = daemon_connect(&d);
+    size_t before = daemon_resident(&d);
+    for (int i = 1; i < CLIENTS; i++) {
+        fd[i] = daemon_connect(&d);
+        say(fd[i], "PING\n");
+        expect(fd[i], "OK 0\n");
+    }
+    size_t each = (daemon_resident(&d) - before) / CLIENTS;
+    CHECK_MSG(each < 4096, "%zu bytes each", each);
+    printf("%d idle clients: %zu bytes each\n", CLIENTS, each);
+    expect_no_delay(fd[0]);
+}
