@@ -4,6 +4,7 @@
 #include "tests/test.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <signal.h>
 #include <string.h>
@@ -333,6 +334,8 @@ TEST_TIMEOUT(clients_are_told_that_the_directory_is_being_read, 60)
     pid_t pid = fork();
     CHECK(pid >= 0);
     if (pid == 0) {
+        close(STDOUT_FILENO);
+        open("/dev/null", O_WRONLY);
         execl(getenv("DELAUNAYD"), "delaunayd", "--port", "0", "--data", dir.path, "--unix", path,
               (char *)NULL);
         _exit(127);

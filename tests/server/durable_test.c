@@ -121,7 +121,7 @@ TEST(log_is_compacted_when_it_has_become_long)
     directory_remove(&dir);
 }
 
-TEST(load_of_many_records_comes_back)
+TEST_TIMEOUT(load_of_many_records_comes_back, 60)
 {
     struct directory dir = directory_new();
     struct daemon d = directory_daemon(&dir, NULL);
