@@ -234,17 +234,60 @@ static uint32_t heir(const struct dt_points *p, uint32_t representative, const u
     return i;
 }
 
+/* With a tolerance, an heir may find its own place taken: both families become one, so any of their
+ * members may come to represent. */
+static enum dt_status reserve_families(struct dt_points *p, uint32_t representative)
+{
+    uint32_t i = dt_aliases_lowest(&p->aliases, representative);
+    enum dt_status status = i == DT_NONE ? DT_OK : dt_points_index(p);
+    for (; status == DT_OK && i != DT_NONE; i = p->aliases.alias[i].next) {
+        struct dt_alias a = p->aliases.alias[i];
+        uint32_t there = dt_points_find(p, a.xy, dt_idmap_get(&p->value, representative));
+        status = dt_aliases_reserve(&p->aliases, a.id);
+        if (status == DT_OK && there != DT_NONE)
+            status = dt_aliases_reserve(&p->aliases, p->id[there]);
+    }
+    return status;
+}
+
 enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n)
 {
     trim(p);
-    for (size_t i = 0; p->aliases.count > 0 && i < n; i++) {
+    enum dt_status status = DT_OK;
+    for (size_t i = 0; p->aliases.count > 0 && status == DT_OK && i < n; i++) {
         if (dt_points_is_alias(p, ids[i]))
             continue;
         uint32_t next = heir(p, ids[i], ids, n);
-        if (next != DT_NONE && dt_aliases_reserve(&p->aliases, p->aliases.alias[next].id) != DT_OK)
-            return DT_NOMEM;
+        if (next != DT_NONE)
+            status = dt_aliases_reserve(&p->aliases, p->aliases.alias[next].id);
+        if (status == DT_OK && p->tol > 0)
+            status = reserve_families(p, ids[i]);
     }
-    return DT_OK;
+    return status;
+}
+
+/* The aliases of `from` become aliases of `to`. */
+static void move_family(struct dt_points *p, uint32_t from, uint32_t to)
+{
+    for (uint32_t i; (i = dt_aliases_lowest(&p->aliases, from)) != DT_NONE;) {
+        struct dt_alias a = p->aliases.alias[i];
+        dt_aliases_leave(&p->aliases, i);
+        dt_idmap_set(&p->value, a.id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, to, a.id, a.xy));
+    }
+}
+
+/* The heir of v's representative, the alias `next`, stands where vertex `at` is already: the
+ * smaller id of the two represents both families. */
+static void unite(struct dt_points *p, uint32_t v, uint32_t at, struct dt_alias next)
+{
+    uint32_t old = p->id[v], there = p->id[at];
+    if (next.id < there) {
+        dt_aliases_leave(&p->aliases, dt_idmap_get(&p->value, next.id) & ~DT_ALIAS_BIT);
+        dt_points_arrive(p, next.id, next.xy, at);
+        there = next.id;
+    }
+    move_family(p, old, there);
+    free_vertex(p, v);
 }
 
 /* The vertex of a representative that goes: its lowest alias takes over, or it is free. */
@@ -257,6 +300,11 @@ static void vacate(struct dt_points *p, uint32_t v)
     }
     uint32_t old = p->id[v];
     struct dt_alias next = p->aliases.alias[i];
+    uint32_t at = p->tol > 0 ? dt_points_find(p, next.xy, v) : DT_NONE;
+    if (at != DT_NONE && p->xy[at].x == next.xy.x && p->xy[at].y == next.xy.y) {
+        unite(p, v, at, next);
+        return;
+    }
     dt_aliases_leave(&p->aliases, i);
     dt_aliases_rename(&p->aliases, old, next.id);
     take_over(p, v, next.id, next.xy);

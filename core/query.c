@@ -219,6 +219,6 @@ void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n)
 {
     for (size_t i = 0; i < n; i++)
         v[i] = t->points.id[v[i]];
-    if (n < DENSE_LEAST || !sort_dense(v, n))
+    if (n > 1 && (n < DENSE_LEAST || !sort_dense(v, n)))
         qsort(v, n, sizeof *v, compare_ids);
 }

@@ -253,10 +253,11 @@ static void leave(struct dt *t, uint32_t id)
     uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
     const struct dt_alias *heir = v == DT_NONE ? NULL : dt_points_heir(p, v);
     bool moves = heir != NULL && (heir->xy.x != p->xy[v].x || heir->xy.y != p->xy[v].y);
+    uint32_t next = heir == NULL ? DT_NONE : heir->id;
     if (v != DT_NONE && (heir == NULL || moves))
         remove_vertex(t, v, &t->scratch);
     dt_points_delete(p, id);
-    if (moves && t->current) {
+    if (moves && t->current && p->id[v] == next) { /* else its place was taken already */
         struct place place = look_up(t, p->xy[v], v);
         insert_vertex(t, v, &place, &t->scratch);
     }

@@ -23,7 +23,7 @@ TEST_TIMEOUT(library_is_installed_and_its_examples_work, 120)
     struct daemon d = daemon_start();
     snprintf(root, sizeof root, "/tmp/delaunay_library_XXXXXX");
     CHECK(mkdtemp(root) != NULL);
-    snprintf(command, sizeof command, "MAKEFLAGS= make -s install PREFIX=/usr DESTDIR=%s", root);
+    snprintf(command, sizeof command, "MAKEFLAGS= V= make -s install PREFIX=/usr DESTDIR=%s", root);
     run(command);
     snprintf(command, sizeof command,
              "grep -qx 'Libs: -L${libdir} -ldelaunay' %s/usr/lib/pkgconfig/delaunay.pc && "

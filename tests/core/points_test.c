@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/memory.h"
 #include "core/points.h"
 #include "core/predicates.h"
 #include "tests/test.h"
@@ -35,6 +36,16 @@ static uint32_t model_find(const struct model *m, struct dt_point q)
     return best;
 }
 
+/* A representative that stands exactly where the representative id does; DT_NONE if there is none.
+ */
+static uint32_t twin_of(const struct model *m, uint32_t id)
+{
+    for (uint32_t i = 0; i < m->ids; i++)
+        if (i != id && is_representative(m, i) && dt_compare_xy(m->xy[i], m->xy[id]) == 0)
+            return i;
+    return DT_NONE;
+}
+
 static void model_leave(struct model *m, uint32_t id)
 {
     uint32_t heir = DT_NONE;
@@ -45,6 +56,11 @@ static void model_leave(struct model *m, uint32_t id)
                 m->representative[i] = heir;
             }
     m->representative[id] = DT_NONE;
+    uint32_t twin = heir == DT_NONE ? DT_NONE : twin_of(m, heir);
+    uint32_t smaller = heir < twin ? heir : twin;
+    for (uint32_t i = 0; twin != DT_NONE && i < m->ids; i++)
+        if (m->representative[i] == heir || m->representative[i] == twin)
+            m->representative[i] = smaller;
 }
 
 static void model_arrive(struct model *m, uint32_t id, struct dt_point q)
@@ -168,6 +184,22 @@ TEST(points_are_unchanged_when_an_edit_runs_out_of_memory)
     }
 }
 
+TEST(an_heir_whose_place_is_taken_joins_the_one_that_is_there)
+{
+    struct dt_points p;
+    struct dt_added added;
+    struct dt_point q[] = {{0, 0}, {1.2, 0}, {2, 0}, {1.2, 0}};
+    uint32_t ids[] = {0, 2};
+    dt_points_init(&p, 1.5);
+    CHECK(dt_points_add(&p, q, 4, &added) == DT_OK && added.coincident == 2);
+    CHECK(dt_points_delete_ready(&p, ids, 2) == DT_OK);
+    dt_points_delete(&p, 0);
+    dt_points_delete(&p, 2);
+    CHECK(dt_points_vertices(&p) == 1 && dt_points_live(&p) == 2);
+    CHECK(dt_points_vertex(&p, 1) == dt_points_vertex(&p, 3) && dt_points_is_alias(&p, 3));
+    dt_points_clear(&p);
+}
+
 TEST(points_coincide_across_the_border_of_cells)
 {
     struct dt_points p;
@@ -253,7 +285,7 @@ TEST(points_keep_their_ids_when_vertices_are_renumbered)
     dt_points_init(&p, 0);
     CHECK(dt_points_add(&p, q, 4, &added) == DT_OK);
     uint32_t from[] = {1, 2, 0};
-    struct dt_point *xy = malloc(3 * sizeof *xy);
+    struct dt_point *xy = dt_array_new(3, sizeof *xy);
     memcpy(xy, (struct dt_point[]){{1, 1}, {3, 3}, {5, 5}}, 3 * sizeof *xy);
     CHECK(dt_points_renumber(&p, xy, from, 3) == DT_OK);
     CHECK(dt_points_vertex(&p, 0) == 2 && dt_points_vertex(&p, 2) == 2 &&

@@ -41,7 +41,7 @@ TEST(ping_is_answered_while_a_large_set_is_triangulated)
         expect(idle, "OK 0\n");
         answered += !has_answered(busy);
     }
-    CHECK_MSG(answered >= 10, "only %u answers", answered);
+    CHECK_MSG(answered >= (costs_are_telling() ? 10 : 1), "only %u answers", answered);
     CHECK(strncmp(hear_line(busy), "OK 0 points=400000 coincident=0 ", 32) == 0);
 }
 
