@@ -42,6 +42,9 @@ install: all lib
 	ln -sf libdelaunay.so.0 $(DESTDIR)$(PREFIX)/lib/libdelaunay.so
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' clients/delaunay.pc.in \
 	  >$(DESTDIR)$(PREFIX)/lib/pkgconfig/delaunay.pc
+	install -d $(addprefix $(DESTDIR)$(PREFIX)/share/man/,man1 man8)
+	install -m 644 man/delaunay.1 $(DESTDIR)$(PREFIX)/share/man/man1
+	install -m 644 man/delaunayd.8 $(DESTDIR)$(PREFIX)/share/man/man8
 	$(O)/delaunay completion >$(DESTDIR)$(PREFIX)/share/bash-completion/completions/delaunay
 
 # ---- interop: other people's clients, and ours in other languages ----

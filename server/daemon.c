@@ -6,6 +6,7 @@
 #include "server/loop.h"
 #include "server/server.h"
 #include "server/sock.h"
+#include "server/systemd.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -30,6 +31,7 @@ static struct {
     struct server server;
     struct clients clients;
     struct source tcp, local, signals, workers, durable;
+    int handed;  /* a listening socket from the service manager; -1: none */
     int reserve; /* a descriptor kept back, to refuse politely when all others are used up */
     bool paused; /* the listeners are not watched: no descriptor is left at all */
     bool stopping;
@@ -155,6 +157,7 @@ static void announce_if_ready(void)
     d.announced = true;
     printf("ready on %s%s%s:%u\n", v6 ? "[" : "", config->bind_address, v6 ? "]" : "", d.port);
     fflush(stdout);
+    systemd_notify("READY=1");
 }
 
 static void on_durable(struct source *source, uint32_t events)
@@ -197,6 +200,8 @@ static void drain_client(struct session *s)
 
 static void stop(void)
 {
+    if (!d.stopping)
+        systemd_notify("STOPPING=1");
     if (d.stopping || d.clients.n == 0) {
         loop_stop(&d.loop); /* asked twice, or nobody to wait for */
         return;
@@ -265,10 +270,27 @@ static bool watch(struct source *source, int fd, void (*ready)(struct source *, 
     return fd >= 0 && loop_watch(&d.loop, source, EPOLLIN);
 }
 
+/* A service manager has opened the socket; what is true of --bind is true of it. */
+static bool listen_to_handed(const struct config *config)
+{
+    if (!sock_is_local(d.handed) && config->auth_file == NULL && !config->insecure) {
+        fputs("delaunayd: others could reach the socket that was handed over: give --auth-file, or "
+              "--insecure if you mean it\n",
+              stderr);
+        return false;
+    }
+    d.port = sock_port(d.handed);
+    return watch(&d.tcp, d.handed, on_listener) &&
+           (config->unix_path == NULL ||
+            watch(&d.local, sock_listen_unix(config->unix_path), on_listener));
+}
+
 static bool listen_to_all(const struct config *config)
 {
     d.port = config->port;
     d.tcp.fd = d.local.fd = -1;
+    if (d.handed >= 0)
+        return listen_to_handed(config);
     if (!watch(&d.tcp, sock_listen(config->bind_address, &d.port), on_listener))
         return false;
     return config->unix_path == NULL ||
@@ -279,6 +301,8 @@ static bool start(const struct config *config)
 {
     int signals = take_signals();
     d.reserve = -1;
+    if (systemd_sockets(&d.handed, 1) == 0)
+        d.handed = -1;
     if (!loop_init(&d.loop) || !watch(&d.signals, signals, on_signal)) {
         fprintf(stderr, "delaunayd: %s\n", strerror(errno));
         return false;

@@ -96,6 +96,33 @@ int sock_listen_unix(const char *path)
     return fd;
 }
 
+static socklen_t name_of(int fd, struct sockaddr_storage *at)
+{
+    socklen_t len = sizeof *at;
+    memset(at, 0, sizeof *at);
+    return getsockname(fd, (struct sockaddr *)at, &len) == 0 ? len : 0;
+}
+
+bool sock_is_local(int fd)
+{
+    struct sockaddr_storage at;
+    if (name_of(fd, &at) == 0)
+        return false;
+    if (at.ss_family == AF_UNIX)
+        return true;
+    if (at.ss_family == AF_INET6)
+        return IN6_IS_ADDR_LOOPBACK(&((const struct sockaddr_in6 *)&at)->sin6_addr);
+    uint32_t v4 = ntohl(((const struct sockaddr_in *)&at)->sin_addr.s_addr);
+    return at.ss_family == AF_INET && v4 >> 24 == 127;
+}
+
+unsigned sock_port(int fd)
+{
+    struct sockaddr_storage at;
+    bool inet = name_of(fd, &at) > 0 && at.ss_family != AF_UNIX;
+    return inet ? port_of(&at) : 0;
+}
+
 int sock_accept(int listener)
 {
     int on = 1;
