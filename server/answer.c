@@ -29,7 +29,10 @@ void answer_status(struct answer *a, enum dt_status status)
         reply_err(a->out, ERR_UNTRIANGULATED, "TRIANGULATE the set first");
         break;
     case DT_CANCELLED:
-        reply_err(a->out, ERR_CANCELLED, "given up; nothing has changed");
+        if (a->timed_out)
+            reply_err(a->out, ERR_TIMEOUT, "it took too long; nothing has changed");
+        else
+            reply_err(a->out, ERR_CANCELLED, "given up; nothing has changed");
         break;
     case DT_CORRUPT:
         reply_err(a->out, ERR_CORRUPT, "the triangulation is not what it should be");

@@ -28,6 +28,7 @@ struct answer {
     struct load *load;     /* moves to the caller */
     bool retry;            /* the job was a preparation: carry out the request now, again */
     bool again;            /* with job: it is such a preparation, keep the request */
+    bool timed_out;        /* what is cancelled has taken longer than its TIMEOUT */
     bool close;            /* no further request is carried out */
     bool broken;           /* the reply cannot be completed: the connection must go */
 };

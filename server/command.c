@@ -7,11 +7,13 @@
 #include "server/stream.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum {
     READS = CMD_SET | CMD_EXISTING,
     QUERIES = READS | CMD_FRESH | CMD_LIVE,
     EDITS = CMD_SET | CMD_WRITE,
+    MOST_SECONDS = 1000000,
     REFRESH_AT_ONCE = 500 /* points of a set that the I/O thread brings up to date itself */
 };
 
@@ -59,6 +61,8 @@ const struct command commands[] = {
     {"INFO", 1, 1, 0, cmd_info, "INFO", "facts about the server"},
     {"SNAPSHOT", 1, 1, CMD_ALL_SETS | CMD_WRITE | CMD_FREES, cmd_snapshot, "SNAPSHOT",
      "begins to write all sets to the data directory, after which the log starts anew"},
+    {"TIMEOUT", 3, 0, CMD_OPEN, cmd_timeout, "TIMEOUT seconds command",
+     "carries out the command, or gives it up after so many seconds"},
     {"QUIT", 1, 1, CMD_OPEN, cmd_quit, "QUIT", "closes the connection when all replies are out"},
 };
 
@@ -195,6 +199,30 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
         /* A request with a body waits for its set when the body is there. */
         c->handler(s, set, q, a);
     }
+}
+
+void command_take_timeout(struct request *q, int64_t *ms)
+{
+    double seconds;
+    *ms = 0;
+    if (q->n < 3 || !word_is(&q->word[0], "TIMEOUT") || word_is(&q->word[2], "TIMEOUT") ||
+        !proto_read_double(q->word[1].text, q->word[1].len, &seconds) || !(seconds > 0) ||
+        seconds > MOST_SECONDS)
+        return;
+    *ms = (int64_t)(seconds * 1000) + 1;
+    q->n -= 2;
+    memmove(q->word, q->word + 2, q->n * sizeof *q->word);
+}
+
+/* Comes here only if its prefix is no valid one. */
+void cmd_timeout(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct command *inner = command_find(&q->word[2]);
+    (void)s, (void)set;
+    reply_err(a->out, ERR_SYNTAX, "usage: TIMEOUT seconds command, with more than 0 and at most %d",
+              MOST_SECONDS);
+    /* After a load that is refused nobody knows where the next request starts. */
+    a->close = inner != NULL && (inner->flags & CMD_BODY) != 0;
 }
 
 void command_out_of_memory(struct server *s, struct answer *a, size_t mark)

@@ -39,6 +39,10 @@ extern const size_t command_count;
 
 const struct command *command_find(const struct word *name);
 
+/* Takes a prefix `TIMEOUT seconds` off a request that has a valid one: *ms is how long it may take,
+ * more than 0; without one 0, and the request is as it was. */
+void command_take_timeout(struct request *q, int64_t *ms);
+
 /* Carries out the request q, or begins to. Whatever happens, a tells (answer.h). */
 void command_run(struct server *s, const struct request *q, struct answer *a);
 
@@ -66,5 +70,6 @@ command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                  
 command_handler cmd_locate, cmd_nearest, cmd_within;                             /* cmd_query.c */
 command_handler cmd_snapshot;                                                    /* durable.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_info, cmd_quit;     /* cmd_admin.c */
+command_handler cmd_timeout;                                                     /* command.c */
 
 #endif

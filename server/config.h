@@ -25,9 +25,9 @@ struct config {
     unsigned threads;      /* that a job may use; the I/O thread not counted */
     unsigned max_clients;
     unsigned idle_timeout_s; /* after which a client that sends nothing is dropped; 0: never */
-    uint32_t max_points; /* of one set */
-    size_t max_memory;   /* bytes, all sets together */
-    bool insecure;       /* a bind beyond loopback is allowed without tokens */
+    uint32_t max_points;     /* of one set */
+    size_t max_memory;       /* bytes, all sets together */
+    bool insecure;           /* a bind beyond loopback is allowed without tokens */
 };
 
 enum config_result { CONFIG_RUN, CONFIG_EXIT, CONFIG_BAD };

@@ -27,8 +27,11 @@ enum {
 static struct answer new_answer(struct session *s)
 {
     struct buf *out = s->resp ? &s->server->lines : &s->conn.out;
-    return (struct answer){
-        .out = out, .mark = conn_out_end(&s->conn), .owner = s->id, .role = s->role};
+    return (struct answer){.out = out,
+                           .mark = conn_out_end(&s->conn),
+                           .owner = s->id,
+                           .role = s->role,
+                           .timed_out = s->timed_out};
 }
 
 /* What the answer says goes on its way: a client that speaks RESP gets it in that framing. */
@@ -69,6 +72,8 @@ static bool take_over(struct session *s, struct answer *a)
     if (a->again || a->retry) /* the request itself is still to be carried out */
         return a->retry;
     consume_held(s);
+    if (s->job == NULL)
+        s->deadline_ms = 0;
     if (a->load != NULL)
         s->load = a->load;
     if (a->close)
@@ -100,6 +105,16 @@ static bool is_too_much(const struct session *s, size_t bytes, size_t words)
 static bool refuse_stranger(struct session *s)
 {
     return refuse(s, ERR_TOOLONG, "before AUTH a request has at most 10 words and 16384 bytes");
+}
+
+/* The deadline of a request counts from when it was first looked at. */
+static void set_deadline(struct session *s, struct request *q)
+{
+    int64_t ms;
+    command_take_timeout(q, &ms);
+    if (ms > 0 && s->deadline_ms == 0)
+        s->deadline_ms = s->conn.loop->now_ms + ms;
+    s->timed_out = false;
 }
 
 /* ---- steps: each carries out one request, or a piece of one; true: go on ---- */
@@ -226,6 +241,7 @@ static bool carry_out(struct session *s, const struct line *line)
         conn_finish(&s->conn);
         return false;
     }
+    set_deadline(s, q);
     struct answer a = new_answer(s);
     command_run(s->server, q, &a);
     return take_over(s, &a);
@@ -251,8 +267,9 @@ static bool step_line(struct session *s)
 static bool carry_out_resp(struct session *s, const struct resp *resp)
 {
     struct request *q = &s->server->request;
-    struct answer a = new_answer(s);
     s->greeted = true;
+    set_deadline(s, q);
+    struct answer a = new_answer(s);
     if (q->n == 0) {
         consume_held(s);
         return true;
@@ -372,11 +389,29 @@ static bool is_listening(const struct session *s)
            buf_len(&s->conn.out) == 0;
 }
 
+/* The request has had its time: a job is cancelled and answers in its turn, one that waits for its
+ * set is answered now. */
+static void pass_deadline(struct session *s)
+{
+    s->timed_out = true;
+    if (s->job != NULL) {
+        s->job->cancel = true;
+    } else if (s->waiter.set != NULL && s->load == NULL) {
+        struct answer a = new_answer(s);
+        dataset_wait_no_more(&s->waiter);
+        answer_status(&a, DT_CANCELLED);
+        take_over(s, &a);
+        conn_again(&s->conn);
+    }
+}
+
 void session_check_timeouts(struct session *s)
 {
     struct conn *c = &s->conn;
     int64_t now = c->loop->now_ms, idle_ms = (int64_t)s->server->config->idle_timeout_s * 1000;
     conn_check_timeouts(c);
+    if (!c->dead && s->deadline_ms != 0 && now > s->deadline_ms)
+        pass_deadline(s);
     if (c->dead || c->finishing)
         return;
     if (s->role == ROLE_NONE && now - s->since_ms > STRANGER_MS) {

@@ -20,6 +20,8 @@ struct session {
     bool greeted;     /* the first line has been seen */
     int64_t since_ms; /* when it came */
     size_t held;      /* bytes of the request that waits: kept in the input until it is answered */
+    int64_t deadline_ms;        /* of the request that waits or that a worker has; 0: none */
+    bool timed_out;             /* it has passed */
     struct stream *stream;      /* owns: rows that are still to be sent */
     struct job *job;            /* borrows: what a worker does for it */
     struct load *load;          /* owns: points that are being received */

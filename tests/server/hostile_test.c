@@ -111,6 +111,29 @@ TEST(client_that_sends_for_ever_delays_nobody)
     expect_no_delay(other);
 }
 
+/* ---- TIMEOUT ---- */
+
+TEST_TIMEOUT(request_that_exceeds_its_timeout_is_given_up_and_others_are_not, 60)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d), waiting = daemon_connect(&d);
+    load_random(fd, "t", 300000);
+    say(fd, "TRIANGULATE t\n");
+    hear_line(fd);
+    say(fd, "TIMEOUT 60 STAT t\nTIMEOUT 0 PING\nTIMEOUT 1 TIMEOUT 1 PING\n");
+    CHECK(strncmp(hear_line(fd), "OK 0 points=300000 ", 19) == 0);
+    for (int i = 0; i < 2; i++)
+        CHECK(strncmp(hear_line(fd), "ERR SYNTAX ", 11) == 0);
+    /* More work than fits in a second, whatever the machine; the one that waits for it goes too. */
+    for (int i = 0; i < 50; i++)
+        say(fd, "TRIANGULATE t METHOD shelling\n");
+    pause_ms(100);
+    say(waiting, "TIMEOUT 0.001 TRIANGULATE t METHOD shelling\nPING\n");
+    CHECK_STR(hear_line(waiting), "ERR TIMEOUT it took too long; nothing has changed");
+    CHECK_STR(hear_line(waiting), "OK 0");
+    CHECK(strncmp(hear_line(fd), "OK 0 points=300000 ", 19) == 0);
+}
+
 /* ---- strangers ---- */
 
 static struct daemon start_with_token(const char *token)
