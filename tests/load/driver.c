@@ -299,6 +299,8 @@ bool driver_run(const struct plan *plan, struct mix *mix, struct outcome *o)
         fail(&r, "cannot begin");
     for (unsigned i = 0; i < plan->connections && !r.failed && r.step_ns == 0; i++)
         serve(&r, &r.peer[i]);
+    if (r.step_ns != 0 && !r.failed)
+        serve_due(&r);
     while (!is_over(&r))
         turn(&r);
     o->seconds = (double)(driver_now_ns() - r.start_ns) * 1e-9;
