@@ -117,8 +117,7 @@ struct dt_options {
     bool rebuild;               /* make a triangulation anew that is there already */
     const struct dt_pool *pool; /* borrowed during the call; NULL: the caller's thread alone */
     const atomic_bool *cancel;  /* borrowed during the call; polled; NULL: never cancelled */
-    atomic_uint
-        *progress; /* borrowed during the call; per cent done, 0 to 100; NULL: not reported */
+    atomic_uint *progress;      /* borrowed during the call; per cent done; NULL: not reported */
 };
 
 struct dt_summary {

@@ -88,7 +88,8 @@ void dt_points_take_back(struct dt_points *p, uint32_t n);
 enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n);
 
 /* Deletes a live id. If it is a representative that has aliases, the lowest one takes over its
- * vertex. */
+ * vertex; but if, with a tolerance, another representative stands at that alias's very place, the
+ * two families become one, represented by the smaller id, and the vertex is free. */
 void dt_points_delete(struct dt_points *p, uint32_t id);
 
 /* Vertex v moves to a place where there is no other. */
