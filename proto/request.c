@@ -59,7 +59,7 @@ bool word_is(const struct word *w, const char *upper)
         char c = w->text[i];
         if (c >= 'a' && c <= 'z')
             c = (char)(c - 'a' + 'A');
-        if (c != upper[i]) /* also true at the NUL that ends `upper`: no request holds one */
+        if (c != upper[i] || c == '\0') /* a word in RESP framing may hold a NUL */
             return false;
     }
     return upper[w->len] == '\0';

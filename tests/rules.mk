@@ -76,9 +76,11 @@ bench-durable: all $(O)/tests/bench/durable
 lint: $(CORE)
 	tests/lint/lint.sh $(O)
 
-# ---- fuzz: every tests/fuzz/NAME_fuzz.c for FUZZ_S seconds, from the corpus tests/fuzz/corpus/NAME if there is one ----
+# ---- fuzz: every tests/fuzz/NAME_fuzz.c from the corpus tests/fuzz/corpus/NAME if there is one: the same FUZZ_RUNS inputs every time,
+# ---- so that a run can be repeated, or with FUZZ_S=60 others for a minute each ----
 
-FUZZ_S     ?= 10
+FUZZ_RUNS  ?= 50000
+FUZZ_LONG  := $(if $(FUZZ_S),-max_total_time=$(FUZZ_S),-runs=$(FUZZ_RUNS) -seed=1)
 FLAGS_fuzz := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 FUZZERS    := $(patsubst %.c,$(O)/%,$(wildcard tests/fuzz/*_fuzz.c))
 
@@ -90,6 +92,6 @@ fuzz:
 	@$(MAKE) --no-print-directory V=fuzz CC=clang fuzz_run
 
 fuzz_run: $(FUZZERS)
-	@for f in $(FUZZERS); do name=$$(basename $$f _fuzz); work=$(O)/corpus/$$name; mkdir -p $$work; \
+	@for f in $(FUZZERS); do name=$$(basename $$f _fuzz); work=$(O)/corpus/$$name; $(if $(FUZZ_S),,rm -rf $$work;) mkdir -p $$work; \
 	seeds=tests/fuzz/corpus/$$name; [ -d $$seeds ] || seeds=; echo "== $$name"; \
-	$$f -max_total_time=$(FUZZ_S) -verbosity=0 -print_final_stats=1 -artifact_prefix=$(O)/$$name- $$work $$seeds || exit 1; done
+	$$f $(FUZZ_LONG) -verbosity=0 -print_final_stats=1 -artifact_prefix=$(O)/$$name- $$work $$seeds || exit 1; done

@@ -55,6 +55,17 @@ TEST(words_are_compared_whatever_their_case)
     request_free(&q);
 }
 
+/* RESP framing brings such words. The wanted word is of its exact size, so that a sanitizer sees a
+ * read past its end. */
+TEST(word_with_a_nul_is_no_word_of_ours)
+{
+    char *ping = strdup("PING");
+    CHECK(ping != NULL);
+    for (size_t len = 5; len < 12; len++)
+        CHECK(!word_is(&(struct word){.text = "PING\0\0PING\0", .len = len}, ping));
+    free(ping);
+}
+
 TEST(set_names_are_short_and_plain)
 {
     char longest[66];
