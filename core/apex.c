@@ -4,9 +4,9 @@
  * (segment.h), and for s < t the segment of s is a part of that of t:
  *
  *            .---.
- *          /   p   \          scan all cells of some trial segment (scan.h); if the best point
- * found |  .---.  |         lies in it, no point is better; else its own segment is the next trial,
- *         | /  q  \ |         and the best point in there is the best of all
+ *          /   p   \        scan all cells of some trial segment (scan.h); if the best point found
+ *         |  .---.  |       lies in it, no point is better; else its own segment is the next trial,
+ *         | /  q  \ |       and the best point in there is the best of all
  *          a-------b
  *
  * In a large segment the search goes on, line by line of cells, in that of the best point found so

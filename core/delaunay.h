@@ -151,13 +151,16 @@ enum dt_status dt_check(const struct dt *t, const struct dt_options *opt, const 
 /* ---- whole-set tables, read row by row ----
  *
  * A table is read through a cursor, a plain value of the caller's: the set must not change between
- * begin and the last read. Rows come as words in canonical order: DT_POINTS      id every live id,
- * ascending DT_COINCIDENT  id representative          every alias, ascending DT_LISTS       id
- * degree neighbour...     interior points by id, then boundary points in hull order DT_TRIANGLES a
- * b c                      each from its smallest id, sorted DT_EDGES       a b a < b, sorted
- *   DT_HULL        id                         along the hull from its smallest id; on a line: from
- * the end with the smaller id to the other cw turns rings, hull and triangles to clockwise order (a
- * hull on a line is walked from its other end). All but the first two need a triangulation. */
+ * begin and the last read. Rows come as words in canonical order:
+ *   DT_POINTS      id                         every live id, ascending
+ *   DT_COINCIDENT  id representative          every alias, ascending
+ *   DT_LISTS       id degree neighbour...     interior points by id, then the hull in order
+ *   DT_TRIANGLES   a b c                      each from its smallest id, sorted
+ *   DT_EDGES       a b                        a < b, sorted
+ *   DT_HULL        id                         along the hull from its smallest id; on a line from
+ *                                             the end with the smaller id to the other
+ * cw turns rings, hull and triangles to clockwise order (a hull on a line is walked from its other
+ * end). All but the first two need a triangulation. */
 enum dt_table { DT_POINTS, DT_COINCIDENT, DT_LISTS, DT_TRIANGLES, DT_EDGES, DT_HULL };
 
 struct dt_cursor {

@@ -4,13 +4,11 @@
  * the mesh. A cell in which points gather holds a grid of its own instead, fitted to the box of
  * those points, and so on: a search costs the same on clusters, with outliers and on nested scales.
  *
- *      grid 0            +---+---+---+
- *                        | h | h | h |          h: a half edge that leaves a vertex in this cell or
- * in one beside it
- *                        +---+---+---+
- *                        | h | G | h |          G: the cell's own grid (its number), marked by bit
- * 2, which no half
- *                        +---+---+---+             edge 8t + k has set
+ *      grid 0    +---+---+---+
+ *                | h | h | h |     h: a half edge that leaves a vertex in or beside this cell
+ *                +---+---+---+
+ *                | h | G | h |     G: the cell's own grid (its number), marked by bit 2, which no
+ *                +---+---+---+        half edge 8t + k has set
  *
  * An empty cell borrows the content of the nearest one that is not, marked by 3 in the two lowest
  * bits; of a half edge only the triangle counts. */

@@ -4,12 +4,11 @@
  * All triangles in conflict with the new vertex q are replaced by the star of q:
  *
  *        +-------+                +-------+
- *       / \     / \              / \  .  / \
- *      /   \   /   \            /   . . .   \        a real triangle is in conflict if its
- * circumcircle has q inside,
- *     +-----\-/-----+    ->    + . . .q. . . +       a ghost if q lies beyond its hull edge, or on
- * it between \  q / \    /            \   . . .   /        its ends \  /   \  /              \  . .
- * . /
+ *       / \     / \              / \  .  / \        a real triangle is in conflict if its circle
+ *      /   \   /   \            /   . . .   \       has q inside,
+ *     +-----\-/-----+    ->    + . . .q. . . +
+ *      \   q \     /            \   . . .   /       a ghost if q lies beyond its hull edge, or on
+ *       \  /  \   /              \  . . .  /        it between its ends
  *        +------+                 +-------+
  *
  * In the lifted, perturbed picture the conflicts are the faces of a convex surface that q sees, so

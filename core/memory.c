@@ -1,8 +1,7 @@
 /* memory.c - small arrays from malloc, large ones mapped on their own; see memory.h.
  *
- *      | header | items ...                 the header says how the block was obtained; it takes a
- * cache line, so that 0        64                          records of half a line do not straddle
- * two */
+ *      | header | items ...     the header says how the block was obtained; it takes a cache line,
+ *      0        64              so that records of half a line do not straddle two */
 #include "core/memory.h"
 
 #include <stdint.h>

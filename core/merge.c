@@ -4,33 +4,34 @@
  * Let L lie left of R. The merge starts at the lower common tangent l-r, whose ghost is `bot`, and
  * rises like a bubble:
  *
- *           top ghost
- *         l - - - - - r            u = the next hull vertex above l in L, by the ghost lc (u, l,
- * none)
- *        /|\         /|            v = the next one above r in R,          by the ghost rc (r, v,
- * none) / | \  knit / | u  |  \     /  v            Each of u and v is wanted only above the base
- * l-r, and while the triangle beyond its lc  |   \   /  rc            edge has its apex x inside
- * the circle l r u (or l r v), that edge has to go: the |    \ /                 edge is DELETED.
- * Then the better one of u and v is KNITTED to the base. l --- r   base bot ghost
+ *        top ghost
+ *       - - - - - -
+ *      .           .         u = the next hull vertex above l in L, by the ghost lc (u, l, none)
+ *      u    gap    v         v = the next one above r in R, by the ghost rc (r, v, none)
+ *     /|           |\
+ *    x | lc     rc | x       Each of u and v is wanted only above the base l-r; and while the
+ *     \|           |/        triangle beyond its edge has its apex x inside the circle l r u (or
+ *      l --------- r         l r v), that edge has to go: it is DELETED. Then the better one of u
+ *          base              and v is KNITTED to the base.
+ *        bot ghost
  *
- * Both moves happen in place. Deleting the edge l-u between the ghost lc and the triangle t = (l,
- * u, x) leaves two ghosts in the same two records:
+ * Both moves happen in place. Deleting the edge l-u between the ghost lc and the triangle
+ * t = (l, u, x) leaves two ghosts in the same two records:
  *
- *          u                   u                  lc: (u, l, none)  ->  (x, l, none)
- *         /|                  /                   t:  (l, u, x)     ->  (u, x, none)
+ *          u                   u            lc: (u, l, none)  ->  (x, l, none)
+ *         /|                  /             t:  (l, u, x)     ->  (u, x, none)
  *        x | lc      ->      x
- *         \|                  \                   and u becomes x, to be tested again.
+ *         \|                  \             and u becomes x, to be tested again.
  *          l                   l
  *
- * Knitting u to the base turns the ghost lc into a real triangle by one store, (u, l, none) -> (u,
- * l, r), whose new edge u-r is the next base. At the upper tangent, a last ghost closes the hull.
- * So exactly two records are added: bot and top.
+ * Knitting u to the base turns the ghost lc into a real triangle by one store, (u, l, none) ->
+ * (u, l, r), whose new edge u-r is the next base. At the upper tangent, a last ghost closes the
+ * hull. So exactly two records are added: bot and top.
  *
  * Predicates. The candidates of one base l-r are compared by the in-circle test of (l, r, u, x),
  * whose determinant in coordinates relative to l and r is
  *
- *      det(u, x) = dt(u) cr(x) - dt(x) cr(u),     cr(c) = (r - l) x (c - l),     dt(c) = (c - l) .
- * (c - r)
+ *     det(u, x) = dt(u) cr(x) - dt(x) cr(u),  cr(c) = (r - l) x (c - l),  dt(c) = (c - l).(c - r)
  *
  * cr(c) is the orientation of l, r, c as well, and cr and dt are computed once per candidate: half
  * the work of testing anew. (cr / dt is the tangent of the angle at which c sees l-r; the test
@@ -38,10 +39,15 @@
  *
  * Filter. Let D be the longer side of the box of both parts and u = 2^-53. All differences of
  * coordinates are at most D with a relative error of u, so each product of two carries an error of
- * at most 3 u D^2 (+ O(u^2)), and with the final rounding |err cr| <= 2 * 3 u D^2 + 2 u D^2 = 8 u
- * D^2 < 8.9e-16 D^2,     |err dt| the same. With |cr| <= D^2 (twice the area of a triangle in a
- * square), |dt| <= 2 D^2: |err det| <= 2 (2 * 8 u + 8 u + 2 u) D^4 + 4 u D^4 = 56 u D^4 < 6.3e-15
- * D^4. The bounds used are 1e-15 D^2 and 1e-14 D^4, which leaves room for the rounding of D itself.
+ * at most 3 u D^2 (+ O(u^2)), and with the final rounding
+ *
+ *     |err cr| <= 2 * 3 u D^2 + 2 u D^2 = 8 u D^2 < 8.9e-16 D^2,    |err dt| the same.
+ *
+ * With |cr| <= D^2 (twice the area of a triangle in a square) and |dt| <= 2 D^2
+ *
+ *     |err det| <= 2 (2 * 8 u + 8 u + 2 u) D^4 + 4 u D^4 = 56 u D^4 < 6.3e-15 D^4.
+ *
+ * The bounds used are 1e-15 D^2 and 1e-14 D^4, which leaves room for the rounding of D itself.
  * Undecided signs go to the exact predicates. No product under- or overflows for the coordinates
  * that dt_coordinate_ok accepts. */
 #include "core/merge.h"

@@ -1,12 +1,13 @@
 /* remove.c - deletion: the star of the vertex becomes a hole, and the hole is triangulated anew
  * [Devillers 1999; Devillers & Teillaud 2003 for ties].
  *
- *         P3-----P2                P3-----P2
- *        / \    / \               / \ '.   \          The triangle on the left of P[hi]->P[lo] has
- * that P[m], lo < m < hi, as its /   \  /   \             /   \  '.  \         apex whose circle
- * holds no other vertex of the hole: the apex rule of the P4-----v-----P1     ->   P4     \   '. P1
- * paper among a handful of points. The rest are two smaller holes. \   /  \   / \     \   ./ \ /
- * \ /               \     \ ./ P5-----P0                P5-----P0
+ *         P3-----P2               P3-----P2
+ *        / \    / \              / \ '.   \       The triangle on the left of P[hi]->P[lo] has
+ *       /   \  /   \            /   \  '.  \      that P[m], lo < m < hi, as its apex whose circle
+ *     P4-----v-----P1    ->   P4     \   '. P1    holds no other vertex of the hole: the apex rule
+ *       \   /  \   /            \     \   ./      of the paper among a handful of points. The rest
+ *        \ /    \ /              \     \ ./       are two smaller holes.
+ *         P5-----P0               P5-----P0
  *
  * The hole of a hull vertex is open to infinity. Its new hull edges come first: the chain P0 ... Pk
  * without the vertices that lie in a bay. Each new hull edge gets a ghost, and closes a pocket of

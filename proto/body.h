@@ -1,8 +1,8 @@
 /* body.h - reads the points that follow LOAD and LOADB, in whatever pieces they arrive.
  *
  *   BODY_DOT     lines `x y` up to a line that holds a single `.`
- *   BODY_LINES   exactly `count` lines; blank ones and comments count as lines, though not as
- * points BODY_BINARY  exactly `count` points of two little-endian doubles
+ *   BODY_LINES   exactly `count` lines; blank ones and comments count as lines, not as points
+ *   BODY_BINARY  exactly `count` points of two little-endian doubles
  *
  * A blank line or one that starts with `#` is no point. The first bad line decides the fault; from
  * there on the body is read to its end and dropped, so that the request after it is found. */

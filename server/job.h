@@ -3,7 +3,8 @@
  * A command's job begins with a struct job, followed by its own arguments and results:
  *
  *     run    computes with job->dt and sets job->status. On a worker: it touches the job and
- * job->dt, nothing else. done   on the I/O thread: writes the reply, or the error for job->status.
+ *            job->dt, nothing else.
+ *     done   on the I/O thread: writes the reply, or the error for job->status.
  *     clear  frees the arguments; may be NULL.
  *     record on the I/O thread, once a writer has succeeded: appends the change to the journal and
  *            returns its lsn; may be NULL.

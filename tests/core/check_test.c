@@ -9,8 +9,9 @@
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
-/*      3-------2      The diagonal of a square is a tie, and 5 lies on the middle of a hull edge; 6
- * coincides with 4. |   4   | 0---5---1 */
+/*      3-------2
+ *      |   4   |      The diagonal of a square is a tie, and 5 lies on the middle of a hull edge;
+ *      0---5---1      6 coincides with 4. */
 static const struct dt_point points[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2},
                                          {2, 0}, {2, 2}, {1, 3}, {3, 3}};
 
