@@ -82,9 +82,26 @@ static void scan_cells(struct search *q, const struct dt_cells *c)
     }
 }
 
+/* Tells the observer which circle the segment is a part of. */
+static void tell(const struct search *q)
+{
+    const struct dt_observer *o = q->scan.grid->observer;
+    struct dt_event e = {.kind = DT_EVENT_SEARCH, .a = q->scan.a, .b = q->scan.b};
+    struct dt_point a = q->scan.edge.a, d = q->scan.edge.d;
+    double s = q->segment.s;
+    e.size = HUGE_VAL;
+    if (s < HUGE_VAL) {
+        e.p = (struct dt_point){a.x + (d.x - s * d.y) / 2, a.y + (d.y + s * d.x) / 2};
+        e.size = q->scan.edge.length * sqrt(1 + s * s) / 2;
+    }
+    o->see(o->ctx, &e);
+}
+
 static void scan_segment(struct search *q, struct dt_segment g, bool exact)
 {
     q->segment = g;
+    if (q->scan.grid->observer != NULL)
+        tell(q);
     dt_scan_begin(&q->scan, exact);
     scan_cells(q, &q->scan.grid->top);
 }

@@ -148,6 +148,42 @@ void dt_summary(const struct dt *t, struct dt_summary *out);
  * points *fault (may be NULL) to a static sentence. Cost: linear. */
 enum dt_status dt_check(const struct dt *t, const struct dt_options *opt, const char **fault);
 
+/* ---- the paper's algorithm, step by step ---- */
+
+enum dt_event_kind {
+    DT_EVENT_GRID,   /* a grid, or that of a crowded cell: its lower left corner p, the side `size`
+                        of a cell, a columns, b rows */
+    DT_EVENT_START,  /* the first edge joins a, a point near the middle, and b, the nearest to it */
+    DT_EVENT_SEARCH, /* the apex of a->b is looked for on the left of it, within the circle of
+                        centre p and radius `size`; HUGE_VAL: in the whole half plane */
+    DT_EVENT_FIRST,  /* the first triangle a b c */
+    DT_EVENT_POINT,  /* the apex c of a->b is a new point: the triangle a b c */
+    DT_EVENT_RIGHT,  /* c follows b on the front: the triangle a b c, which encloses b */
+    DT_EVENT_LEFT,   /* c precedes a on the front: the triangle a b c, which encloses a */
+    DT_EVENT_CAVE,   /* c is elsewhere on the front: a->b waits */
+    DT_EVENT_BORDER, /* a->b has no apex: it is an edge of the hull */
+    DT_EVENT_REMOVE, /* a is enclosed and leaves the grid */
+    DT_EVENT_HULL    /* the hull has come to a: clockwise; points on a line: along the line */
+};
+
+struct dt_event {
+    enum dt_event_kind kind;
+    uint32_t a, b, c; /* ids but for DT_EVENT_GRID */
+    struct dt_point p;
+    double size;
+};
+
+struct dt_observer {
+    void (*see)(void *ctx, const struct dt_event *e);
+    void *ctx;
+};
+
+/* Triangulates the set by DT_SHELLING on the side, and tells the observer every step; the set is
+ * left as it is. opt may be NULL; DT_TOOBIG: given up, which no set of a thousand points is. Cost:
+ * as dt_triangulate, and the observer's. */
+enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
+                        const struct dt_observer *observer);
+
 /* ---- whole-set tables, read row by row ----
  *
  * A table is read through a cursor, a plain value of the caller's: the set must not change between

@@ -36,6 +36,8 @@ struct dt_grid {
     uint32_t n;
     uint64_t looked;     /* what searches have cost so far: see dt_apex */
     struct dt_cells top; /* owns */
+    const struct dt_observer
+        *observer; /* borrows: is told of searches, in places; NULL: nobody is */
 };
 
 /* Builds the grid of n >= 1 distinct points. *g must be zeroed or cleared; xy[n] and from[n] are

@@ -48,14 +48,47 @@ static uint32_t add_triangle(struct dt_mesh *m, uint32_t a, uint32_t b, uint32_t
     return h;
 }
 
+/* ---- what an observer is told ---- */
+
+static void tell(const struct dt_shell *s, enum dt_event_kind kind, uint32_t a, uint32_t b,
+                 uint32_t c)
+{
+    const struct dt_observer *o = s->observer;
+    if (o != NULL)
+        o->see(o->ctx, &(struct dt_event){.kind = kind, .a = a, .b = b, .c = c});
+}
+
+static void tell_touch(const struct dt_shell *s, enum dt_touch touch, uint32_t a, uint32_t b,
+                       uint32_t c)
+{
+    static const enum dt_event_kind kind[] = {[DT_NEW_POINT] = DT_EVENT_POINT,
+                                              [DT_RIGHT_TOUCH] = DT_EVENT_RIGHT,
+                                              [DT_LEFT_TOUCH] = DT_EVENT_LEFT,
+                                              [DT_NO_TOUCH] = DT_EVENT_CAVE,
+                                              [DT_BOUNDARY] = DT_EVENT_BORDER};
+    tell(s, kind[touch], a, b, c);
+}
+
+/* Cells and the cells of crowded ones. */
+static void tell_cells(const struct dt_observer *o, const struct dt_cells *c)
+{
+    struct dt_event e = {.kind = DT_EVENT_GRID, .p = c->lo, .size = c->side};
+    e.a = c->upright ? c->lines : c->length;
+    e.b = c->upright ? c->length : c->lines;
+    o->see(o->ctx, &e);
+    for (uint32_t i = 0; i < c->subs; i++)
+        tell_cells(o, &c->sub[i]);
+}
+
+/* ---- the loop ---- */
+
 /* Takes an enclosed point out of the grid; h leaves it. */
 static void enclose(struct dt_shell *s, uint32_t place, uint32_t h)
 {
     s->mesh->leaving[place] = h;
     dt_grid_remove(&s->grid, place);
+    tell(s, DT_EVENT_REMOVE, place, DT_NONE, DT_NONE);
 }
-
-/* ---- the loop ---- */
 
 /* Looks at the current edge: one turn of the paper's loop. */
 static void step(struct dt_shell *s)
@@ -67,7 +100,9 @@ static void step(struct dt_shell *s)
     if (node[a].apex == DT_UNSEARCHED)
         node[a].apex = dt_apex(&s->grid, a, b);
     uint32_t c = node[a].apex;
-    switch (dt_front_touch(f, a)) {
+    enum dt_touch touch = dt_front_touch(f, a);
+    tell_touch(s, touch, a, b, c);
+    switch (touch) {
     case DT_NEW_POINT:
         h = add_triangle(m, a, b, c);
         dt_link(m, h, node[a].outer);
@@ -105,6 +140,7 @@ static void step(struct dt_shell *s)
 static bool open_front(struct dt_shell *s)
 {
     uint32_t a = dt_grid_middle(&s->grid), b = dt_grid_nearest(&s->grid, a);
+    tell(s, DT_EVENT_START, a, b, DT_NONE);
     uint32_t c = dt_apex(&s->grid, a, b);
     if (c == DT_NONE) {
         uint32_t swap = a;
@@ -115,6 +151,7 @@ static bool open_front(struct dt_shell *s)
     if (c == DT_NONE)
         return false;
     dt_front_open(&s->front, a, b, c, add_triangle(s->mesh, a, b, c));
+    tell(s, DT_EVENT_FIRST, a, b, c);
     return true;
 }
 
@@ -138,6 +175,9 @@ enum dt_status dt_shell_grow(struct dt_shell *s, const struct dt_point *in, uint
         status = dt_front_init(&s->front, n);
     if (status != DT_OK)
         return status;
+    s->grid.observer = s->observer;
+    if (s->observer != NULL)
+        tell_cells(s->observer, &s->grid.top);
     *line = !open_front(s);
     for (uint32_t turn = 0; s->front.current != DT_NONE; turn++) {
         if (turn % 16 == 0 && is_cancelled(opt, m->tri_end, 2 * n - 2))
@@ -171,6 +211,7 @@ void dt_shell_close(struct dt_shell *s)
         first++;
     uint32_t v = first;
     do {
+        tell(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
         link_ghosts(s->mesh, node[v].outer, node[node[v].next].outer);
         v = node[v].next;
     } while (v != first);
@@ -229,25 +270,28 @@ static enum dt_status triangulate_line(const struct dt_point *in, uint32_t n, st
 
 /* ---- all together ---- */
 
-static enum dt_status triangulate(const struct dt_point *in, uint32_t n, struct dt_point *p,
-                                  uint32_t *from, struct dt_mesh *m, const struct dt_options *opt)
+static enum dt_status triangulate(struct dt_shell *s, const struct dt_point *in, uint32_t n,
+                                  struct dt_point *p, uint32_t *from, const struct dt_options *opt)
 {
-    struct dt_shell s = {.mesh = m};
     bool line;
-    enum dt_status status = dt_shell_grow(&s, in, n, p, from, m, opt, &line);
+    enum dt_status status = dt_shell_grow(s, in, n, p, from, s->mesh, opt, &line);
     if (status == DT_OK && line)
-        status = triangulate_line(in, n, p, from, m);
+        status = triangulate_line(in, n, p, from, s->mesh);
     else if (status == DT_OK)
-        dt_shell_close(&s);
-    dt_shell_clear(&s);
+        dt_shell_close(s);
+    for (uint32_t v = 0; v < n && status == DT_OK && line; v++)
+        tell(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
+    dt_shell_clear(s);
     for (uint32_t i = 0; i < n && status == DT_OK; i++)
         p[i] = in[from[i]]; /* those that were removed from the grid */
     return status;
 }
 
-enum dt_status dt_shelling(const struct dt_point *in, uint32_t n, struct dt_point *p,
-                           uint32_t *from, struct dt_mesh *m, const struct dt_options *opt)
+enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struct dt_point *p,
+                                    uint32_t *from, struct dt_mesh *m, const struct dt_options *opt,
+                                    const struct dt_observer *observer)
 {
+    struct dt_shell s = {.mesh = m, .observer = observer};
     enum dt_status status = dt_mesh_reserve(m, n, n < 2 ? 0 : 2 * n - 2);
     m->tri_end = m->dead = m->ghosts = 0;
     m->free_list = DT_NONE;
@@ -256,10 +300,17 @@ enum dt_status dt_shelling(const struct dt_point *in, uint32_t n, struct dt_poin
         p[0] = in[0];
         from[0] = 0;
         m->leaving[0] = DT_NONE;
+        tell(&s, DT_EVENT_HULL, 0, DT_NONE, DT_NONE);
     }
     if (n >= 2 && status == DT_OK)
-        status = triangulate(in, n, p, from, m, opt);
+        status = triangulate(&s, in, n, p, from, opt);
     if (status != DT_OK)
         dt_mesh_clear(m);
     return status;
+}
+
+enum dt_status dt_shelling(const struct dt_point *in, uint32_t n, struct dt_point *p,
+                           uint32_t *from, struct dt_mesh *m, const struct dt_options *opt)
+{
+    return dt_shelling_observed(in, n, p, from, m, opt, NULL);
 }

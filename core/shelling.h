@@ -18,12 +18,18 @@
 enum dt_status dt_shelling(const struct dt_point *in, uint32_t n, struct dt_point *p,
                            uint32_t *from, struct dt_mesh *m, const struct dt_options *opt);
 
+/* The same before an observer, who is told places: the index of a point in in[] is from[place]. */
+enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struct dt_point *p,
+                                    uint32_t *from, struct dt_mesh *m, const struct dt_options *opt,
+                                    const struct dt_observer *observer);
+
 /* ---- its parts, for tests ---- */
 
 struct dt_shell {
-    struct dt_grid grid;   /* owns */
-    struct dt_front front; /* owns */
-    struct dt_mesh *mesh;  /* borrows */
+    struct dt_grid grid;                /* owns */
+    struct dt_front front;              /* owns */
+    struct dt_mesh *mesh;               /* borrows */
+    const struct dt_observer *observer; /* borrows; NULL: nobody watches */
 };
 
 /* All of the above but the links between ghosts, for n >= 2 points; in p[], those that no longer
