@@ -53,6 +53,8 @@ const struct command commands[] = {
      "the k nearest points, nearest first"},
     {"WITHIN", 5, 6, QUERIES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
      "the points in a closed box or disc"},
+    {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
+     "the steps of the shelling algorithm, for sets of up to 1000 points"},
     {"PING", 1, 1, CMD_OPEN, cmd_ping, "PING", "answers OK 0"},
     {"HELP", 1, 2, CMD_OPEN, cmd_help, "HELP [command]", "the commands"},
     {"HELLO", 1, 2, CMD_OPEN, cmd_hello, "HELLO [version]",

@@ -68,6 +68,7 @@ command_handler cmd_load, cmd_loadb;                                            
 command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
 command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                   /* cmd_query.c */
 command_handler cmd_locate, cmd_nearest, cmd_within;                             /* cmd_query.c */
+command_handler cmd_trace;                                                       /* cmd_trace.c */
 command_handler cmd_snapshot;                                                    /* durable.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_info, cmd_quit;     /* cmd_admin.c */
 command_handler cmd_timeout;                                                     /* command.c */

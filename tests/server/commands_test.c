@@ -269,6 +269,28 @@ TEST(errors_of_queries_leave_the_connection_usable)
                "OK 1\n4 2 2\n");
 }
 
+TEST(trace_needs_no_triangulation_but_a_small_set)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    converse(&d, "CREATE t\nTRACE t\nADD t 5 5\nTRACE t\nTRACE t x\nTRACE u\n",
+             "OK 0\nOK 0\nOK 0 first=0 added=1 coincident=0\nOK 1\nhull 0\n"
+             "ERR SYNTAX usage: TRACE set\nERR NOSET there is no set u\n");
+    load_random(fd, "big", 1001);
+    load_random(fd, "fits", 1000);
+    converse(&d, "TRACE big\n", "ERR TOOBIG TRACE is for sets of at most 1000 points\n");
+    say(fd, "TRACE fits\nPING\n");
+    unsigned rows;
+    CHECK(sscanf(hear_line(fd), "OK %u", &rows) == 1 && rows > 4000);
+    CHECK(strncmp(hear_line(fd), "grid ", 5) == 0);
+    for (unsigned i = 2; i < rows; i++)
+        hear_line(fd);
+    CHECK(strncmp(hear_line(fd), "hull ", 5) == 0);
+    CHECK_STR(hear_line(fd), "OK 0");
+    close(fd);
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
 TEST(errors_of_other_commands_leave_the_connection_usable)
 {
     ask_square(

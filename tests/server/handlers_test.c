@@ -189,6 +189,7 @@ TEST_TIMEOUT(requests_survive_every_failed_allocation, 60)
         {SQUARE "TRIANGULATE t", "NEAREST t 1 1 4"},
         {SQUARE "TRIANGULATE t", "WITHIN t 0 0 9 9"},
         {SQUARE "TRIANGULATE t", "LOCATE t 1 1"},
+        {SQUARE, "TRACE t"},
         {SQUARE, "GET t 1 2 3"},
         {SQUARE, "POINTS t"},
         {SQUARE, "SETS"},
