@@ -24,6 +24,9 @@ int command_export(struct delaunay_client *c, int argc, char **argv);
 /* show SET: draws a triangulated set in the terminal. */
 int command_show(struct delaunay_client *c, int argc, char **argv);
 
+/* trace SET FILE: a film of the paper's algorithm at work on a small set. */
+int command_trace(struct delaunay_client *c, int argc, char **argv);
+
 /* top: a live view of INFO until interrupted. */
 int command_top(struct delaunay_client *c, int argc, char **argv);
 

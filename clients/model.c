@@ -74,8 +74,8 @@ static bool take_points(struct model *m, const struct block *b)
     return true;
 }
 
-/* The place of an id. Ids are mostly 0 .. n - 1, so it looks there first. */
-static bool find_place(const struct model *m, uint32_t id, uint32_t *place)
+/* Ids are mostly 0 .. n - 1, so it looks there first. */
+bool model_find(const struct model *m, uint32_t id, uint32_t *place)
 {
     size_t lo = 0, hi = m->n;
     if (id < m->n && m->id[id] == id) {
@@ -104,7 +104,7 @@ static bool take_ids(struct model *m, const struct block *b, size_t width, uint3
     if (*v == NULL)
         return fault(m, "out of memory");
     for (size_t i = 0; i < words; i++)
-        if (!find_place(m, word(b->bytes + 4 * i), &(*v)[i]))
+        if (!model_find(m, word(b->bytes + 4 * i), &(*v)[i]))
             return fault(m, "the set was edited meanwhile; try again");
     return true;
 }
@@ -122,7 +122,7 @@ static bool take_hull_point(void *ctx, const struct reply_part *part)
     const char *space = memchr(part->text, ' ', part->len);
     if (space == NULL || !proto_read_u32(part->text, (size_t)(space - part->text), &id))
         return fault(m, "a row is no point");
-    return find_place(m, id, &m->hull[m->hull_n++]) ||
+    return model_find(m, id, &m->hull[m->hull_n++]) ||
            fault(m, "the set was edited meanwhile; try again");
 }
 

@@ -28,6 +28,9 @@ enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, uns
                                  struct model *m);
 void model_free(struct model *m);
 
+/* The place of an id; false if it is not there. */
+bool model_find(const struct model *m, uint32_t id, uint32_t *place);
+
 /* A directed edge's triangle, for all triangles of a model. */
 struct sides {
     uint64_t *key; /* owns cap */

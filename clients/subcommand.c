@@ -27,6 +27,20 @@ const struct subcommand subcommands[] = {
      "Draws the triangulated set in the terminal, in braille characters; the hull in red. Without\n"
      "--width and --height it fills the terminal; --plain leaves colours out.\n",
      "--width --height --plain --help"},
+    {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers]",
+     "Writes an SVG that plays in a browser (- for the standard output): how the shelling "
+     "algorithm\n"
+     "triangulates the set, which has at most 1000 points; some 30 are good to follow.\n"
+     "Without a file the steps are printed as the server tells them.\n\n"
+     "      --seconds S       how long the film is, from 1; else each step takes about a third\n"
+     "      --numbers         ids beside the points\n\n"
+     "Orange: the front, and where the third point of an edge (the arrow) is looked for. A "
+     "triangle\n"
+     "is green where it takes in a new point, yellow for a right touch, blue for a left touch; an\n"
+     "edge is purple while it waits before a cave, brown once it is known to be on the hull. A "
+     "point\n"
+     "turns red when it is enclosed and leaves the grid, then pale.\n",
+     "--seconds --numbers --help"},
     {"top", command_top, false, false, "top [--once]",
      "Shows what the server is doing, every second, until interrupted; with --once one time.\n",
      "--once --help"},

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What other people's programs make of the daemon, and our clients in other languages: redis-cli, redis-benchmark,
-# hiredis, redis-py, the Python and Node packages, haproxy with two daemons.
+# hiredis, redis-py, the Python and Node packages, an XML parser of the film that `delaunay trace` makes, haproxy with two
+# daemons.
 #
 #     clients.sh BUILD_DIR        prints what failed, and in the end one line: N passed, N failed
 set -u
@@ -130,6 +131,7 @@ count "hiredis" "$build/interop/hiredis_talk" "$port"
 count "redis-py" "$python" tests/interop/redis_py.py "$port"
 count "the Python package" env DELAUNAYD="$build/delaunayd" "$python" -m unittest discover \
     -s clients/python/tests -t clients/python
+count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test
 haproxy_shards
 echo "$passed passed, $failed failed"
