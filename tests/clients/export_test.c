@@ -77,6 +77,55 @@ TEST(export_that_is_refused_leaves_no_file)
     daemon_stop(&d);
 }
 
+static uint32_t big_endian(const unsigned char *b)
+{
+    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
+}
+
+/* The first chunk of a PNG tells its width and height; the drawing says how large it is. */
+static void check_png(const char *path, const char *svg)
+{
+    unsigned char head[24];
+    unsigned width, height;
+    CHECK(sscanf(strstr(svg, " width=\""), " width=\"%u\" height=\"%u\"", &width, &height) == 2);
+    FILE *f = fopen(path, "rb");
+    CHECK(f != NULL && fread(head, 1, sizeof head, f) == sizeof head);
+    CHECK(memcmp(head, "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) == 0);
+    CHECK_MSG(big_endian(head + 16) == width && big_endian(head + 20) == height, "%u x %u",
+              big_endian(head + 16), big_endian(head + 20));
+    CHECK(fseek(f, 0, SEEK_END) == 0 && ftell(f) > 1000); /* an empty picture is smaller */
+    fclose(f);
+}
+
+TEST(export_png_by_way_of_a_converter)
+{
+    struct daemon d = daemon_start();
+    int status;
+    char directory[] = "/tmp/delaunay_png_XXXXXX", command[300], png[64];
+    CHECK(mkdtemp(directory) != NULL);
+    snprintf(png, sizeof png, "%s/t.png", directory);
+    run(&d, &status, "ADD t 0 0  4 0  4 3  0 3  2 1");
+    run(&d, &status, "TRIANGULATE t");
+    snprintf(command, sizeof command, "export t %s", png);
+    const char *got = peer_shell(&status, "PATH=/nonexistent %s -h 127.0.0.1 -p %s %s 2>&1",
+                                 realpath(getenv("DELAUNAY"), NULL), d.port, command);
+    CHECK(status == 1 && strstr(got, "PNG needs rsvg-convert (Debian: librsvg2-bin)") != NULL);
+    CHECK_STR(peer_shell(&status, "ls %s", directory), "");
+    check_run(&d, "export t - --format png", 2,
+              "delaunay: a PNG needs a file\nTry 'delaunay export --help'.\n");
+    peer_shell(&status, "command -v rsvg-convert || command -v inkscape");
+    if (status != 0) {
+        puts("skipped: PNG needs rsvg-convert (librsvg2-bin) or inkscape");
+    } else {
+        got = run(&d, &status, command);
+        CHECK_MSG(status == 0, "%s", got);
+        check_png(png, run(&d, &status, "export t -"));
+        CHECK_STR(peer_shell(&status, "ls %s", directory), "t.png\n");
+    }
+    peer_shell(&status, "rm -r %s", directory);
+    daemon_stop(&d);
+}
+
 TEST(export_to_a_full_disk_fails)
 {
     struct daemon d = daemon_start();
