@@ -2,14 +2,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/clients/daemon.h"
 #include "tests/clients/peer.h"
+#include "tests/daemon.h"
 #include "tests/test.h"
 
 /* Runs `delaunay ARGUMENTS` against the daemon, its messages among its output. */
 static const char *run(const struct daemon *d, int *status, const char *arguments)
 {
-    return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"), d->port,
+    return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"), d->port_text,
                       arguments);
 }
 
@@ -31,7 +31,7 @@ static unsigned count(const char *text, const char *what)
 
 TEST(export_draws_a_triangulated_set)
 {
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     run(&d, &status, "ADD t 0 0  4 0  4 4  0 4  2 2");
     run(&d, &status, "TRIANGULATE t");
@@ -39,24 +39,24 @@ TEST(export_draws_a_triangulated_set)
     CHECK(status == 0 && strstr(svg, "<svg ") == svg);
     CHECK(count(svg, "h0") == 5 && count(svg, "<text") == 5 && count(svg, "zM") == 3);
     CHECK(strstr(svg, "<title>t: Delaunay triangulation of 5 points</title>") != NULL);
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST(export_follows_ids_that_have_gaps)
 {
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     run(&d, &status, "ADD t 9 9  0 0  4 0  7 7  4 4  4 4  0 4");
     run(&d, &status, "DEL t 0 3");
     run(&d, &status, "TRIANGULATE t");
     const char *svg = run(&d, &status, "export t -");
     CHECK(status == 0 && count(svg, "h0") == 5 && strstr(svg, ">6</text>") != NULL);
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST(export_that_is_refused_leaves_no_file)
 {
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     char path[64], part[80], arguments[100];
     snprintf(path, sizeof path, "/tmp/delaunay_export_test.%d.svg", getpid());
@@ -74,7 +74,7 @@ TEST(export_that_is_refused_leaves_no_file)
     unlink(path);
     check_run(&d, "export t /nonexistent/x.svg", 1,
               "delaunay: /nonexistent/x.svg.part: No such file or directory\n");
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 static uint32_t big_endian(const unsigned char *b)
@@ -99,7 +99,7 @@ static void check_png(const char *path, const char *svg)
 
 TEST(export_png_by_way_of_a_converter)
 {
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     char directory[] = "/tmp/delaunay_png_XXXXXX", command[300], png[64];
     CHECK(mkdtemp(directory) != NULL);
@@ -108,7 +108,7 @@ TEST(export_png_by_way_of_a_converter)
     run(&d, &status, "TRIANGULATE t");
     snprintf(command, sizeof command, "export t %s", png);
     const char *got = peer_shell(&status, "PATH=/nonexistent %s -h 127.0.0.1 -p %s %s 2>&1",
-                                 realpath(getenv("DELAUNAY"), NULL), d.port, command);
+                                 realpath(getenv("DELAUNAY"), NULL), d.port_text, command);
     CHECK(status == 1 && strstr(got, "PNG needs rsvg-convert (Debian: librsvg2-bin)") != NULL);
     CHECK_STR(peer_shell(&status, "ls %s", directory), "");
     check_run(&d, "export t - --format png", 2,
@@ -123,12 +123,12 @@ TEST(export_png_by_way_of_a_converter)
         CHECK_STR(peer_shell(&status, "ls %s", directory), "t.png\n");
     }
     peer_shell(&status, "rm -r %s", directory);
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST(export_to_a_full_disk_fails)
 {
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     run(&d, &status, "ADD t 0 0  1 0  0 1");
     run(&d, &status, "TRIANGULATE t");
@@ -138,20 +138,20 @@ TEST(export_to_a_full_disk_fails)
         run(&d, &status, "POINTS t > /dev/full");
         CHECK(status == 1);
     }
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST(load_gives_each_line_its_number_as_id)
 {
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     const char *out =
         peer_shell(&status, "printf '5 6\\n7 8\\n5 6\\n' | %s -h 127.0.0.1 -p %s load t -",
-                   getenv("DELAUNAY"), d.port);
+                   getenv("DELAUNAY"), d.port_text);
     CHECK_STR(out, "OK 0 first=0 added=3 coincident=1\n");
     check_run(&d, "POINTS t", 0, "OK 3\n0 5 6\n1 7 8\n2 5 6\n");
     check_run(&d, "load t /dev/null", 0, "OK 0 first=3 added=0 coincident=0\n");
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST_TIMEOUT(demo_shows_the_whole_service, 60)

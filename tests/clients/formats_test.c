@@ -3,8 +3,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/clients/daemon.h"
 #include "tests/clients/peer.h"
+#include "tests/daemon.h"
 #include "tests/test.h"
 
 enum { POINTS = 120, ROOM = 1000 };
@@ -20,8 +20,8 @@ static char directory[64];
 
 static const char *run(int *status, const char *arguments)
 {
-    return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"), the_daemon.port,
-                      arguments);
+    return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"),
+                      the_daemon.port_text, arguments);
 }
 
 static void run_well(const char *arguments)
@@ -53,7 +53,7 @@ static void write_file(const char *name, const char *text)
 
 static void begin(void)
 {
-    the_daemon = daemon_start();
+    the_daemon = daemon_start(NULL);
     snprintf(directory, sizeof directory, "/tmp/delaunay_formats_XXXXXX");
     CHECK(mkdtemp(directory) != NULL);
 }
@@ -62,7 +62,7 @@ static void finish(void)
 {
     int status;
     peer_shell(&status, "rm -rf %s", directory);
-    daemon_stop(&the_daemon);
+    daemon_end(&the_daemon);
 }
 
 /* The set t of random points, triangulated, as the server tells it. */
@@ -443,16 +443,16 @@ TEST(url_names_daemon_and_set)
     int status;
     begin();
     const char *got = peer_shell(&status, "%s add delaunay://127.0.0.1:%s/t 1 2 2>&1",
-                                 getenv("DELAUNAY"), the_daemon.port);
+                                 getenv("DELAUNAY"), the_daemon.port_text);
     CHECK_STR(got, "OK 0 first=0 added=1 coincident=0\n");
     got = peer_shell(&status, "%s points delaunay://127.0.0.1:%s/t 2>&1", getenv("DELAUNAY"),
-                     the_daemon.port);
+                     the_daemon.port_text);
     CHECK_STR(got, "OK 1\n0 1 2\n");
     got = peer_shell(&status, "%s -u delaunay://:token@127.0.0.1:%s points t 2>&1",
-                     getenv("DELAUNAY"), the_daemon.port);
+                     getenv("DELAUNAY"), the_daemon.port_text);
     CHECK_STR(got, "OK 1\n0 1 2\n");
-    got = peer_shell(&status, "DELAUNAY_URL=delaunay://127.0.0.1:%s %s sets 2>&1", the_daemon.port,
-                     getenv("DELAUNAY"));
+    got = peer_shell(&status, "DELAUNAY_URL=delaunay://127.0.0.1:%s %s sets 2>&1",
+                     the_daemon.port_text, getenv("DELAUNAY"));
     CHECK_STR(got, "OK 1\nt points=1 triangulated=no\n");
     static const char *const bad[] = {"delaunay://",   "delaunay://h:x/t",  "delaunay://h:1/a/b",
                                       "delaunay://h/", "delaunay://[::1/t", "delaunay://u@h/t"};
@@ -473,19 +473,19 @@ TEST(copy_keeps_ids_tolerance_and_triangulation)
     run_well("ADD t 0 0  4 0  4 4  0 4  0.25 0  9 9  2 2");
     run_well("DEL t 0 5 2");
     run_well("triangulate t");
-    snprintf(from, sizeof from, "delaunay://127.0.0.1:%s", first.port);
-    the_daemon = daemon_start();
+    snprintf(from, sizeof from, "delaunay://127.0.0.1:%s", first.port_text);
+    the_daemon = daemon_start(NULL);
     const char *got = peer_shell(&status, "%s copy t %s delaunay://127.0.0.1:%s/u 2>&1",
-                                 getenv("DELAUNAY"), from, the_daemon.port);
+                                 getenv("DELAUNAY"), from, the_daemon.port_text);
     CHECK_MSG(status == 0 && strstr(got, "t: 4 points copied") == got, "%s", got);
     expect("points u", "OK 4\n1 4 0\n3 0 4\n4 0.25 0\n6 2 2\n");
     CHECK(strstr(run(&status, "stat u"), "triangulated=yes") != NULL);
     CHECK(strstr(run(&status, "stat u"), "tol=0.5") != NULL);
     run_well("check u");
     peer_shell(&status, "%s copy t %s delaunay://127.0.0.1:%s/u 2>&1", getenv("DELAUNAY"), from,
-               the_daemon.port);
+               the_daemon.port_text);
     CHECK(status == 1); /* it is there already */
-    daemon_stop(&first);
+    daemon_end(&first);
     finish();
 }
 

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "proto/reply_read.h"
-#include "tests/clients/daemon.h"
+#include "tests/daemon.h"
 #include "tests/test.h"
 
 enum { ROOM = 1 << 16 };
@@ -104,7 +104,7 @@ static void append_sent(struct requests *r, const char *line)
 
 static void converse(const struct bytes *said, struct bytes *heard)
 {
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
     ssize_t n;
     CHECK(send(fd, said->v, said->n, MSG_NOSIGNAL) == (ssize_t)said->n);
@@ -114,7 +114,7 @@ static void converse(const struct bytes *said, struct bytes *heard)
         heard->n += (size_t)n;
     heard->v[heard->n] = 0;
     close(fd);
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 /* Takes times and sizes, which differ from run to run, out of a text. */

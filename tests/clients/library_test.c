@@ -4,8 +4,8 @@
 #include <unistd.h>
 
 #include "clients/delaunay_client.h"
-#include "tests/clients/daemon.h"
 #include "tests/clients/peer.h"
+#include "tests/daemon.h"
 #include "tests/test.h"
 
 static void run(const char *command)
@@ -20,7 +20,7 @@ TEST_TIMEOUT(library_is_installed_and_its_examples_work, 120)
     static const char *const example[] = {"nearest", "bulk"};
     char root[64], command[1000];
     int status;
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     snprintf(root, sizeof root, "/tmp/delaunay_library_XXXXXX");
     CHECK(mkdtemp(root) != NULL);
     snprintf(command, sizeof command, "MAKEFLAGS= V= make -s install PREFIX=/usr DESTDIR=%s", root);
@@ -37,7 +37,8 @@ TEST_TIMEOUT(library_is_installed_and_its_examples_work, 120)
                  "-L%s/usr/lib %s,%s/usr/lib -lm -o %s/a.out",
                  root, example[i % 2], root, library, root, root);
         run(command);
-        const char *out = peer_shell(&status, "%s/a.out 127.0.0.1 %s 100000 2>&1", root, d.port);
+        const char *out =
+            peer_shell(&status, "%s/a.out 127.0.0.1 %s 100000 2>&1", root, d.port_text);
         CHECK_MSG(status == 0, "%s", out);
         const char *want =
             i % 2 == 0 ? "\n1 4 0 1.4142135623730951\n" : " triangles, the first of them ";
@@ -46,7 +47,7 @@ TEST_TIMEOUT(library_is_installed_and_its_examples_work, 120)
     }
     snprintf(command, sizeof command, "rm -rf %s", root);
     run(command);
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST(library_takes_binary_replies_whole_and_pipelined)
@@ -55,8 +56,8 @@ TEST(library_takes_binary_replies_whole_and_pipelined)
     void *bytes;
     size_t n;
     double xy[] = {0, 0, 1, 0, 0, 1};
-    struct daemon d = daemon_start();
-    struct delaunay_client *c = delaunay_connect("127.0.0.1", d.port, why, sizeof why);
+    struct daemon d = daemon_start(NULL);
+    struct delaunay_client *c = delaunay_connect("127.0.0.1", d.port_text, why, sizeof why);
     CHECK(c != NULL && delaunay_send_points(c, "t", xy, 3, NULL, NULL) == DELAUNAY_OK);
     CHECK(delaunay_send(c, "EDGES t BINARY", 14) == DELAUNAY_OK);
     CHECK(delaunay_send(c, "TRIANGULATE t", 13) == DELAUNAY_OK);
@@ -70,5 +71,5 @@ TEST(library_takes_binary_replies_whole_and_pipelined)
     free(bytes);
     CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_OK);
     delaunay_close(c);
-    daemon_stop(&d);
+    daemon_end(&d);
 }

@@ -9,7 +9,7 @@
 
 #include "proto/reply.h"
 #include "proto/reply_read.h"
-#include "tests/clients/daemon.h"
+#include "tests/daemon.h"
 #include "tests/test.h"
 
 static char *read_document(void)
@@ -181,7 +181,7 @@ static void replay(struct script *s)
     char out[1 << 16], *line;
     size_t queued = 0;
     struct reply_part part;
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     t = (struct talk){.fd = daemon_connect(&d)};
     while ((line = next_line(s)) != NULL && strcmp(line, "```") != 0) {
         if (line[0] == '>') {
@@ -199,7 +199,7 @@ static void replay(struct script *s)
     CHECK_MSG(!hear(&t, &part, out, sizeof out) && t.have == 0, "PROTOCOL.md:%d: more comes: %s",
               s->number, out);
     close(t.fd);
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST_TIMEOUT(protocol_transcripts_are_what_happens, 60)
@@ -244,7 +244,7 @@ static bool has_transcript(const char *document, const char *command)
 TEST(protocol_has_a_section_and_a_transcript_for_every_command)
 {
     char *document = read_document(), row[4096], command[32];
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     static struct talk t;
     struct reply_part part;
     int commands = 0;
@@ -259,7 +259,7 @@ TEST(protocol_has_a_section_and_a_transcript_for_every_command)
     }
     CHECK(commands >= 25);
     close(t.fd);
-    daemon_stop(&d);
+    daemon_end(&d);
     free(document);
 }
 
@@ -267,7 +267,7 @@ TEST(protocol_has_a_section_and_a_transcript_for_every_command)
 TEST(protocol_describes_no_command_that_is_missing)
 {
     char *document = read_document(), request[64], command[32], got[4096];
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     static struct talk t;
     struct reply_part part;
     t = (struct talk){.fd = daemon_connect(&d)};
@@ -281,7 +281,7 @@ TEST(protocol_describes_no_command_that_is_missing)
         CHECK(hear(&t, &part, got, sizeof got) && part.last);
     }
     close(t.fd);
-    daemon_stop(&d);
+    daemon_end(&d);
     free(document);
 }
 

@@ -2,13 +2,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/clients/daemon.h"
 #include "tests/clients/peer.h"
+#include "tests/daemon.h"
 #include "tests/test.h"
 
 static const char *run(const struct daemon *d, int *status, const char *arguments)
 {
-    return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"), d->port,
+    return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"), d->port_text,
                       arguments);
 }
 
@@ -38,7 +38,7 @@ static const char *film(const struct daemon *d, const char *options)
 
 TEST(trace_makes_the_picture_of_the_readme)
 {
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     run(&d, &status, "load trace clients/examples/trace.xy");
     CHECK(status == 0);
@@ -46,12 +46,12 @@ TEST(trace_makes_the_picture_of_the_readme)
     CHECK_MSG(status == 0,
               "no longer the same; `delaunay load trace clients/examples/trace.xy` and "
               "`delaunay trace trace clients/examples/trace.svg` make a new one");
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST(trace_shows_every_step)
 {
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     run(&d, &status, "ADD t 0 0  4 0  4 3  0 3  2 1");
     const char *svg = film(&d, "");
@@ -63,7 +63,7 @@ TEST(trace_shows_every_step)
     CHECK(count(svg, "class=\"e\"") == 8 && count(svg, "class=\"c\"") == 0);
     CHECK(count(film(&d, "--numbers"), "<text") == 12);
     CHECK(strstr(film(&d, "--seconds 12.5"), " dur=\"12.5s\"") != NULL);
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST(trace_of_few_and_of_peculiar_points)
@@ -76,7 +76,7 @@ TEST(trace_of_few_and_of_peculiar_points)
                                        "0 0  2e-43 0  0 2e-43",
                                        "1e60 1e60  -1e60 -1e60  1 1  1e60 -1e60  -1e60 1e60",
                                        "0 0  1e9 1  2e9 0  3e9 1  4e9 0"};
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     for (size_t i = 0; i < sizeof sets / sizeof sets[0]; i++) {
         char arguments[200];
@@ -85,7 +85,7 @@ TEST(trace_of_few_and_of_peculiar_points)
         CHECK(count(film(&d, ""), "<circle") == (unsigned)(count(sets[i], "  ") + 1));
         run(&d, &status, "DROP t");
     }
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 TEST(trace_that_is_refused_leaves_no_file)
@@ -107,17 +107,17 @@ TEST(trace_that_is_refused_leaves_no_file)
         {"trace t - >/dev/full", 1, NULL},
         {"trace t", 0, "OK 1\nhull 0\n"},
         {"TRACE t", 0, "OK 1\nhull 0\n"}};
-    struct daemon d = daemon_start();
+    struct daemon d = daemon_start(NULL);
     int status;
     char directory[] = "/tmp/delaunay_trace_XXXXXX", command[200];
     CHECK(mkdtemp(directory) != NULL);
     run(&d, &status, "CREATE empty");
     run(&d, &status, "ADD t 1 1");
     peer_shell(&status, "seq 1001 | awk '{print $1, $1 * $1}' | %s -p %s load big -",
-               getenv("DELAUNAY"), d.port);
+               getenv("DELAUNAY"), d.port_text);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         snprintf(command, sizeof command, "cd %s && %s -p %s %s 2>&1", directory,
-                 realpath(getenv("DELAUNAY"), NULL), d.port, cases[i].arguments);
+                 realpath(getenv("DELAUNAY"), NULL), d.port_text, cases[i].arguments);
         const char *got = peer_shell(&status, "%s", command);
         CHECK_MSG(status == cases[i].status, "%s: %s", cases[i].arguments, got);
         if (cases[i].want != NULL)
@@ -128,7 +128,7 @@ TEST(trace_that_is_refused_leaves_no_file)
              directory);
     const char *got = run(&d, &status, command);
     CHECK_MSG(status == 0 && strstr(got, "x.svg: 1 points, 1 steps\nx.svg\n") != NULL, "%s", got);
-    daemon_stop(&d);
+    daemon_end(&d);
 }
 
 /* A server that tells no steps. */
@@ -154,7 +154,7 @@ TEST(trace_refuses_rows_that_are_no_steps)
 {
     struct daemon d;
     int status;
-    peer_start(d.port, answer_nonsense);
+    peer_start(d.port_text, answer_nonsense);
     for (int i = 0; i < 8; i++) {
         const char *got = run(&d, &status, "trace t -");
         CHECK_STR(got, "delaunay: a row is no step, or the set was edited meanwhile\n");

@@ -1,27 +1,13 @@
-/* daemon.h - a daemon of its own for a test, and conversations with it. Whatever fails ends the
- * test. */
+/* daemon.h - conversations with a test's daemon (tests/daemon.h), and what it costs. Whatever fails
+ * ends the test. */
 #ifndef TESTS_SERVER_DAEMON_H
 #define TESTS_SERVER_DAEMON_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <sys/types.h>
 
-struct daemon {
-    pid_t pid;
-    unsigned port;
-};
-
-/* Starts $DELAUNAYD on a free port of the loopback address with these further arguments
- * (NULL-terminated; NULL for none) and waits for its ready line. It goes when the test goes. */
-struct daemon daemon_start(const char *const *arguments);
-
-/* Sends the signal, waits, returns the exit status (-1: it was killed). */
-int daemon_stop(const struct daemon *d, int sig);
-
-/* Connects; the caller closes. */
-int daemon_connect(const struct daemon *d);
+#include "tests/daemon.h"
 
 void say(int fd, const char *text);
 void say_bytes(int fd, const void *bytes, size_t n);
