@@ -1,6 +1,9 @@
 /* auth.c - see auth.h. */
 #include "server/auth.h"
 
+#include "server/notice.h"
+
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,7 +50,7 @@ bool auth_load(struct auth *a, const char *path)
     FILE *f = fopen(path, "re");
     *a = (struct auth){0};
     if (f == NULL) {
-        perror(path);
+        notice(NOTICE_ERROR, "cannot open %s: %s", path, strerror(errno));
         return false;
     }
     while (good && fgets(line, sizeof line, f) != NULL) {
@@ -57,9 +60,9 @@ bool auth_load(struct auth *a, const char *path)
     fclose(f);
     request_free(&words);
     if (!good)
-        fprintf(stderr, "%s:%u: not a line `ro TOKEN` or `rw TOKEN`\n", path, number);
+        notice(NOTICE_ERROR, "%s:%u: not a line `ro TOKEN` or `rw TOKEN`", path, number);
     else if (a->n == 0)
-        fprintf(stderr, "%s: holds no token\n", path);
+        notice(NOTICE_ERROR, "%s: holds no token", path);
     return good && a->n > 0;
 }
 

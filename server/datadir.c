@@ -2,6 +2,8 @@
  * however that ends, and leaves no file behind. */
 #include "server/datadir.h"
 
+#include "server/notice.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -17,20 +19,20 @@ bool datadir_open(struct datadir *d, const char *path, bool create)
 {
     *d = (struct datadir){.fd = -1, .path = path};
     if (create && mkdir(path, 0700) != 0 && errno != EEXIST) {
-        fprintf(stderr, "delaunayd: cannot create %s: %s\n", path, strerror(errno));
+        notice(NOTICE_ERROR, "cannot create %s: %s", path, strerror(errno));
         return false;
     }
     d->fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (d->fd < 0) {
-        fprintf(stderr, "delaunayd: cannot open %s: %s\n", path, strerror(errno));
+        notice(NOTICE_ERROR, "cannot open %s: %s", path, strerror(errno));
         return false;
     }
     if (flock(d->fd, LOCK_EX | LOCK_NB) == 0)
         return true;
     if (errno == EWOULDBLOCK)
-        fprintf(stderr, "delaunayd: %s is in use by another process\n", path);
+        notice(NOTICE_ERROR, "%s is in use by another process", path);
     else
-        fprintf(stderr, "delaunayd: cannot lock %s: %s\n", path, strerror(errno));
+        notice(NOTICE_ERROR, "cannot lock %s: %s", path, strerror(errno));
     datadir_close(d);
     return false;
 }

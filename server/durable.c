@@ -5,6 +5,7 @@
 #include "server/command.h"
 #include "server/job.h"
 #include "server/loop.h"
+#include "server/notice.h"
 #include "server/recover.h"
 #include "server/snapshot.h"
 
@@ -59,12 +60,12 @@ static void *read_directory(void *arg)
     recovery_run(r);
     if (r->result == RECOVERY_OK && recovery_tidy(r)) {
         if (r->why[0] != '\0')
-            fprintf(stderr, "delaunayd: %s\n", r->why);
+            notice(NOTICE_WARNING, "%s", r->why);
         d->log = log_new(&d->dir, s->config->fsync, r->last + 1, d->event);
         if (d->log == NULL)
             r->result = RECOVERY_ERROR;
     } else if (r->result != RECOVERY_CANCELLED) {
-        fprintf(stderr, "delaunayd: %s: %s\n", d->dir.path, r->why);
+        notice(NOTICE_ERROR, "%s: %s", d->dir.path, r->why);
     }
     d->read = true;
     ssize_t ignored = write(d->event, &one, sizeof one);
@@ -83,7 +84,7 @@ bool durable_start(struct server *s)
     recovery_init(&d->recovery, &d->dir);
     s->durable = d;
     if (d->event < 0 || pthread_create(&d->reader, NULL, read_directory, s) != 0) {
-        fprintf(stderr, "delaunayd: cannot start a thread\n");
+        notice(NOTICE_ERROR, "cannot start a thread");
         return false;
     }
     d->reading = true;
@@ -111,8 +112,8 @@ static void rebuild_done(struct server *s, struct job *j, struct answer *a)
     j->set->loading = false;
     d->job = NULL;
     if (j->status != DT_OK && !s->stopping)
-        fprintf(stderr, "delaunayd: the set %s could not be triangulated again: out of memory\n",
-                j->set->name);
+        notice(NOTICE_ERROR, "the set %s could not be triangulated again: out of memory",
+               j->set->name);
     d->rebuilt++;
     if (!s->stopping)
         rebuild_next(s);
@@ -132,7 +133,7 @@ static void rebuild_next(struct server *s)
         buf_free(&out);
         if (j != NULL)
             return;
-        fprintf(stderr, "delaunayd: out of memory; some sets are not triangulated\n");
+        notice(NOTICE_ERROR, "out of memory; some sets are not triangulated");
         for (; d->rebuilt < d->rebuilds; d->rebuilt++)
             d->rebuild[d->rebuilt]->loading = false;
     }
@@ -193,7 +194,7 @@ static bool end_reading(struct server *s)
     d->snapshot_lsn = d->recovery.replay.snapshot;
     d->earlier_bytes = d->recovery.log_bytes;
     if (!adopt_sets(s)) {
-        fprintf(stderr, "delaunayd: out of memory\n");
+        notice(NOTICE_ERROR, "out of memory");
         return false;
     }
     recovery_clear(&d->recovery);
@@ -254,7 +255,7 @@ static void end_snapshot(struct server *s)
     int error = snapshot_end(d->snapshot, &s->sets);
     d->snapshot = NULL;
     if (error != 0) {
-        fprintf(stderr, "delaunayd: a snapshot could not be written: %s\n", strerror(error));
+        notice(NOTICE_ERROR, "a snapshot could not be written: %s", strerror(error));
         put_off(s);
         return;
     }
@@ -262,6 +263,7 @@ static void end_snapshot(struct server *s)
     d->snapshot_bytes = bytes;
     d->snapshots++;
     d->earlier_bytes = 0;
+    notice(NOTICE_INFO, "a snapshot of %" PRIu64 " bytes was written", bytes);
     if (d->status.state == LOG_FAILED && d->mending) {
         d->resuming = true;
         d->failures = d->status.failures;
@@ -274,7 +276,7 @@ static void watch_resumption(struct server *s)
     struct durable *d = s->durable;
     if (d->status.state != LOG_FAILED) {
         d->resuming = false;
-        fprintf(stderr, "delaunayd: the log goes on\n");
+        notice(NOTICE_INFO, "the log goes on");
     } else if (d->status.failures > d->failures) {
         put_off(s);
     }

@@ -5,6 +5,7 @@
 
 #include "server/log_file.h"
 #include "server/loop.h"
+#include "server/notice.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -307,7 +308,7 @@ static void publish(struct log *log, uint64_t last, unsigned records)
         st->state = LOG_FAILED;
         st->error = f->error;
         st->failures++;
-        fprintf(stderr, "delaunayd: the log cannot be written: %s\n", strerror(f->error));
+        notice(NOTICE_ERROR, "the log cannot be written: %s", strerror(f->error));
     } else {
         st->state = f->reserved ? LOG_GOOD : LOG_FULL;
         st->error = f->reserved ? 0 : f->full_error;
@@ -408,7 +409,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
 {
     struct log *log = calloc(1, sizeof *log);
     if (log == NULL) {
-        fprintf(stderr, "delaunayd: out of memory\n");
+        notice(NOTICE_ERROR, "out of memory");
         return NULL;
     }
     log->next = first;
@@ -419,8 +420,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     log_file_init(&log->file, dir);
     log_file_start(&log->file, first);
     if (log->file.error != 0) {
-        fprintf(stderr, "delaunayd: cannot write in %s: %s\n", dir->path,
-                strerror(log->file.error));
+        notice(NOTICE_ERROR, "cannot write in %s: %s", dir->path, strerror(log->file.error));
         free(log);
         return NULL;
     }
@@ -432,7 +432,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     log->status.error = log->file.full_error;
     if (start_thread(log))
         return log;
-    fprintf(stderr, "delaunayd: cannot start a thread\n");
+    notice(NOTICE_ERROR, "cannot start a thread");
     log_file_clear(&log->file);
     free(log);
     return NULL;
