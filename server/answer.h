@@ -22,6 +22,7 @@ struct answer {
     uint64_t lsn;          /* the reply must not leave before this change is durable; 0: it may */
     uint64_t owner;        /* who asks: a connection's id, 0 for nobody */
     enum role role;        /* what the asker may do; AUTH changes it */
+    unsigned command;      /* which one it is: its place in the table, else STATS_OTHER */
     struct stream *stream; /* moves to the caller */
     struct job *job;       /* borrows: the job ends by itself */
     struct dataset *wait;  /* borrows: begin to wait before anything else happens */

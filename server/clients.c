@@ -56,6 +56,11 @@ struct session *clients_find(const struct clients *c, uint64_t id)
     return there ? c->slot[i].session : NULL;
 }
 
+struct session *clients_at(const struct clients *c, uint32_t i)
+{
+    return c->slot[i].session;
+}
+
 void clients_each(const struct clients *c, void (*visit)(struct session *s))
 {
     for (uint32_t i = 0; i < c->cap; i++)

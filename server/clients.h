@@ -17,6 +17,9 @@ void clients_remove(struct clients *c, struct session *s);
 /* NULL if it has gone; one whose connection is closed is there until the end of the turn. */
 struct session *clients_find(const struct clients *c, uint64_t id);
 
+/* The session in the slot i < cap, NULL for a free one. */
+struct session *clients_at(const struct clients *c, uint32_t i);
+
 /* Calls visit for every session; it may close them. */
 void clients_each(const struct clients *c, void (*visit)(struct session *s));
 

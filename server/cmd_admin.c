@@ -2,12 +2,6 @@
 #include "server/command.h"
 
 #include "proto/number.h"
-#include "server/durable.h"
-#include "server/loop.h"
-
-#include <inttypes.h>
-#include <stdio.h>
-#include <unistd.h>
 
 void cmd_ping(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
@@ -75,54 +69,4 @@ void cmd_auth(struct server *s, struct dataset *set, const struct request *q, st
     reply_ok(a->out, 0);
     reply_key_text(a->out, "role", role == ROLE_WRITE ? "rw" : "ro");
     reply_end(a->out);
-}
-
-void cmd_info(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
-{
-    (void)set, (void)q;
-    struct durable_facts disk;
-    durable_facts(s, &disk);
-    const struct {
-        const char *key;
-        uint64_t value;
-    } fact[] = {
-        {"protocol", PROTOCOL_VERSION},
-        {"pid", (uint64_t)getpid()},
-        {"uptime_s", (uint64_t)(clock_ms() - s->started_ms) / 1000},
-        {"threads", s->config->threads},
-        {"clients", s->clients},
-        {"max_clients", s->config->max_clients},
-        {"connections", s->count.connections},
-        {"refused", s->count.refused},
-        {"commands", s->count.commands},
-        {"errors", s->count.errors},
-        {"jobs", s->count.jobs},
-        {"sets", s->sets.sets},
-        {"memory", s->sets.memory},
-        {"loading", s->loading},
-        {"max_memory", s->config->max_memory},
-        {"max_points", s->config->max_points},
-        {"loaded_percent", disk.loaded_percent},
-        {"log_lsn", disk.lsn},
-        {"log_durable_lsn", disk.durable_lsn},
-        {"log_synced_lsn", disk.synced_lsn},
-        {"log_bytes", disk.log_bytes},
-        {"log_syncs", disk.log_syncs},
-        {"log_failures", disk.log_failures},
-        {"snapshot_lsn", disk.snapshot_lsn},
-        {"snapshot_bytes", disk.snapshot_bytes},
-        {"snapshots", disk.snapshots},
-        {"snapshot_running", disk.snapshot_running},
-    };
-    size_t n = sizeof fact / sizeof fact[0];
-    reply_ok(a->out, n + 2);
-    reply_end(a->out);
-    reply_row_text(a->out, "version:" DELAUNAYD_VERSION);
-    buf_append_text(a->out, "durability:");
-    reply_row_text(a->out, disk.state);
-    for (size_t i = 0; i < n; i++) {
-        char row[64];
-        snprintf(row, sizeof row, "%s:%" PRIu64, fact[i].key, fact[i].value);
-        reply_row_text(a->out, row);
-    }
 }

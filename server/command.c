@@ -55,12 +55,17 @@ const struct command commands[] = {
      "the points in a closed box or disc"},
     {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
      "the steps of the shelling algorithm, for sets of up to 1000 points"},
-    {"PING", 1, 1, CMD_OPEN, cmd_ping, "PING", "answers OK 0"},
+    {"PING", 1, 1, CMD_OPEN | CMD_QUICK, cmd_ping, "PING", "answers OK 0"},
     {"HELP", 1, 2, CMD_OPEN, cmd_help, "HELP [command]", "the commands"},
     {"HELLO", 1, 2, CMD_OPEN, cmd_hello, "HELLO [version]",
      "who is there, and which protocol it speaks"},
     {"AUTH", 2, 2, CMD_OPEN, cmd_auth, "AUTH token", "shows a token of --auth-file"},
-    {"INFO", 1, 1, 0, cmd_info, "INFO", "facts about the server"},
+    {"INFO", 1, 0, 0, cmd_info, "INFO [section ...]", "facts about the server"},
+    {"CLIENT", 2, 4, 0, cmd_client,
+     "CLIENT LIST | KILL id | KILL address | SETNAME name | SETINFO key value | GETNAME | ID",
+     "who is connected; ends a connection; names one's own"},
+    {"SLOWLOG", 2, 3, CMD_ADMIN, cmd_slowlog, "SLOWLOG GET [n] | LEN | RESET",
+     "the last requests that took long"},
     {"SNAPSHOT", 1, 1, CMD_ALL_SETS | CMD_WRITE | CMD_FREES, cmd_snapshot, "SNAPSHOT",
      "begins to write all sets to the data directory, after which the log starts anew"},
     {"TIMEOUT", 3, 0, CMD_OPEN, cmd_timeout, "TIMEOUT seconds command",
@@ -92,7 +97,7 @@ static bool check_role(struct answer *a, const struct command *c)
 {
     if (a->role == ROLE_NONE && (c->flags & CMD_OPEN) == 0)
         reply_err(a->out, ERR_NOAUTH, "show a token first: AUTH token");
-    else if (a->role == ROLE_READ && (c->flags & CMD_WRITE) != 0)
+    else if (a->role == ROLE_READ && (c->flags & (CMD_WRITE | CMD_ADMIN)) != 0)
         reply_err(a->out, ERR_DENIED, "your token is for reading only");
     else
         return true;
@@ -192,6 +197,8 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
 {
     const struct command *c = command_find(&q->word[0]);
     struct dataset *set;
+    a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
+    stats_begin(&s->stats, a->command);
     if (c == NULL) {
         reply_err(a->out, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
     } else if (!check_words(a, c, q) || !check_role(a, c) || !check_loaded(s, a, c) ||
@@ -246,11 +253,6 @@ void command_run(struct server *s, const struct request *q, struct answer *a)
     dispatch(s, q, a);
     if (a->out->failed)
         command_out_of_memory(s, a, mark);
-    if (a->wait != NULL || a->again)
-        return;
-    s->count.commands++;
-    if (buf_len(a->out) - mark >= 4 && buf_head(a->out)[mark] == 'E')
-        s->count.errors++;
 }
 
 /* ---- arguments ---- */

@@ -23,7 +23,9 @@ enum {
     CMD_BODY =
         64, /* points follow the line: after an error nobody knows where the next request starts */
     CMD_ALL_SETS = 128, /* it is about all sets */
-    CMD_FREES = 256 /* it makes sets smaller: possible as long as there is any space on the disk */
+    CMD_FREES = 256, /* it makes sets smaller: possible as long as there is any space on the disk */
+    CMD_ADMIN = 1024, /* it is about other clients: not for those who may only read */
+    CMD_QUICK = 512   /* so quick that looking at the clock for each would be felt */
 };
 
 struct command {
@@ -62,6 +64,9 @@ bool read_id(struct answer *a, const struct word *w, uint32_t *id);
  * 0. */
 uint32_t *read_ids(struct answer *a, const struct word *w, size_t n);
 
+/* Names the connection that asks. False: that can be no name. */
+bool client_set_name(struct server *s, struct answer *a, const struct word *name);
+
 command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                        /* cmd_data.c */
 command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
 command_handler cmd_load, cmd_loadb;                                             /* cmd_load.c */
@@ -70,7 +75,9 @@ command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                  
 command_handler cmd_locate, cmd_nearest, cmd_within;                             /* cmd_query.c */
 command_handler cmd_trace;                                                       /* cmd_trace.c */
 command_handler cmd_snapshot;                                                    /* durable.c */
-command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_info, cmd_quit;     /* cmd_admin.c */
+command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_quit;               /* cmd_admin.c */
+command_handler cmd_info;                                                        /* cmd_info.c */
+command_handler cmd_client, cmd_slowlog;                                         /* cmd_client.c */
 command_handler cmd_timeout;                                                     /* command.c */
 
 #endif

@@ -37,6 +37,11 @@ static const char usage[] =
     "  --max-points N      points of one set (default 268435455)\n"
     "  --max-memory BYTES  memory of all sets, with k, m or g behind it (default: 80 % of the "
     "machine's)\n"
+    "  --slowlog-us N      requests that take N microseconds go into the slow log, 0: none do "
+    "(default 10000)\n"
+    "  --slowlog-len N     requests that the slow log keeps (default 128)\n"
+    "  --log-level LEVEL   what is told on standard error: error, warning, info (default) or "
+    "debug\n"
     "  --version           say which version this is\n"
     "  --help              say this\n";
 
@@ -86,6 +91,9 @@ void config_init(struct config *c)
         .max_points = DT_MAX_POINTS,
         .max_memory = usable_memory(),
         .compact_at = (size_t)64 << 20,
+        .slowlog_us = 10000,
+        .slowlog_len = 128,
+        .log_level = NOTICE_INFO,
     };
 }
 
@@ -152,6 +160,9 @@ enum flag {
     FLAG_COMPACT_AT,
     FLAG_CHECK,
     FLAG_REPAIR,
+    FLAG_SLOWLOG_US,
+    FLAG_SLOWLOG_LEN,
+    FLAG_LOG_LEVEL,
     FLAG_VERSION,
     FLAG_HELP
 };
@@ -172,6 +183,9 @@ static const struct option flags[] = {
     {"compact-at", required_argument, NULL, FLAG_COMPACT_AT},
     {"check", required_argument, NULL, FLAG_CHECK},
     {"repair", required_argument, NULL, FLAG_REPAIR},
+    {"slowlog-us", required_argument, NULL, FLAG_SLOWLOG_US},
+    {"slowlog-len", required_argument, NULL, FLAG_SLOWLOG_LEN},
+    {"log-level", required_argument, NULL, FLAG_LOG_LEVEL},
     {"version", no_argument, NULL, FLAG_VERSION},
     {"help", no_argument, NULL, FLAG_HELP},
     {0},
@@ -183,54 +197,79 @@ static bool complain(const char *flag, const char *value, const char *wanted)
     return false;
 }
 
-/* Sets one flag that takes a value, named for the complaint. */
-static bool set_value(struct config *c, int flag, const char *name, const char *value)
+/* A flag whose value is text, taken as it is. */
+static const char **text_of(struct config *c, int flag)
 {
     switch (flag) {
     case FLAG_BIND:
-        c->bind_address = value;
-        return true;
+        return &c->bind_address;
     case FLAG_UNIX:
-        c->unix_path = value;
-        return true;
+        return &c->unix_path;
     case FLAG_AUTH_FILE:
-        c->auth_file = value;
-        return true;
+        return &c->auth_file;
+    case FLAG_DATA:
+        return &c->data;
+    case FLAG_CHECK:
+        return &c->check;
+    case FLAG_REPAIR:
+        return &c->repair;
+    default:
+        return NULL;
+    }
+}
+
+/* A flag whose value is a whole number: where it goes, its bounds, what to tell who misses them. */
+struct number_flag {
+    uint32_t *v;
+    uint32_t least, most;
+    const char *wanted;
+};
+
+static struct number_flag number_of(struct config *c, int flag)
+{
+    switch (flag) {
     case FLAG_PORT:
-        return parse_number(value, 0, 65535, &c->port) ||
-               complain(name, value, "a port is 0 to 65535");
+        return (struct number_flag){&c->port, 0, 65535, "a port is 0 to 65535"};
     case FLAG_THREADS:
-        return parse_number(value, 1, MOST_THREADS, &c->threads) ||
-               complain(name, value, "from 1 to 256");
+        return (struct number_flag){&c->threads, 1, MOST_THREADS, "from 1 to 256"};
     case FLAG_MAX_CLIENTS:
-        return parse_number(value, 1, 1000000, &c->max_clients) ||
-               complain(name, value, "from 1 to 1000000");
+        return (struct number_flag){&c->max_clients, 1, 1000000, "from 1 to 1000000"};
     case FLAG_IDLE_TIMEOUT:
-        return parse_number(value, 0, 1000000, &c->idle_timeout_s) ||
-               complain(name, value, "seconds, 0 to 1000000");
+        return (struct number_flag){&c->idle_timeout_s, 0, 1000000, "seconds, 0 to 1000000"};
     case FLAG_MAX_POINTS:
-        return parse_number(value, 1, DT_MAX_POINTS, &c->max_points) ||
-               complain(name, value, "from 1 to 268435455");
-    case FLAG_MAX_MEMORY:
+        return (struct number_flag){&c->max_points, 1, DT_MAX_POINTS, "from 1 to 268435455"};
+    case FLAG_SLOWLOG_US:
+        return (struct number_flag){&c->slowlog_us, 0, UINT32_MAX,
+                                    "microseconds, up to 4294967295"};
+    case FLAG_SLOWLOG_LEN:
+        return (struct number_flag){&c->slowlog_len, 0, 1000000, "from 0 to 1000000"};
+    default:
+        return (struct number_flag){0};
+    }
+}
+
+/* Sets one flag that takes a value, named for the complaint. */
+static bool set_value(struct config *c, int flag, const char *name, const char *value)
+{
+    const char **text = text_of(c, flag);
+    struct number_flag number = number_of(c, flag);
+    if (text != NULL)
+        *text = value;
+    else if (number.v != NULL)
+        return parse_number(value, number.least, number.most, number.v) ||
+               complain(name, value, number.wanted);
+    else if (flag == FLAG_MAX_MEMORY)
         return parse_bytes(value, &c->max_memory) ||
                complain(name, value, "bytes, as in 4096m or 2g");
-    case FLAG_DATA:
-        c->data = value;
-        return true;
-    case FLAG_FSYNC:
-        return parse_policy(value, &c->fsync) || complain(name, value, "always, everysec or no");
-    case FLAG_COMPACT_AT:
+    else if (flag == FLAG_COMPACT_AT)
         return parse_bytes(value, &c->compact_at) ||
                complain(name, value, "bytes, as in 64m or 1g");
-    case FLAG_CHECK:
-        c->check = value;
-        return true;
-    case FLAG_REPAIR:
-        c->repair = value;
-        return true;
-    default:
-        return false;
-    }
+    else if (flag == FLAG_FSYNC)
+        return parse_policy(value, &c->fsync) || complain(name, value, "always, everysec or no");
+    else if (flag == FLAG_LOG_LEVEL)
+        return notice_parse_level(value, &c->log_level) ||
+               complain(name, value, "error, warning, info or debug");
+    return true;
 }
 
 static bool safe_to_bind(const struct config *c)

@@ -1,9 +1,11 @@
 /* daemon.c - see daemon.h. */
 #include "server/daemon.h"
 
+#include "server/account.h"
 #include "server/clients.h"
 #include "server/durable.h"
 #include "server/loop.h"
+#include "server/notice.h"
 #include "server/server.h"
 #include "server/sock.h"
 #include "server/systemd.h"
@@ -63,8 +65,8 @@ static void refill_reserve(void)
 
 static void on_client_closed(struct session *s)
 {
+    notice_client(s, NOTICE_DEBUG, "has gone");
     clients_remove(&d.clients, s);
-    d.server.clients = d.clients.n;
     refill_reserve();
     if (d.stopping && d.clients.n == 0)
         loop_stop(&d.loop);
@@ -73,24 +75,25 @@ static void on_client_closed(struct session *s)
 static void refuse(int fd, const char *line)
 {
     d.server.count.refused++;
+    notice(NOTICE_WARNING, "a client was refused: %.*s", (int)strcspn(line, "\n"), line);
     sock_refuse(fd, line);
 }
 
-static void welcome(int fd)
+static void welcome(int fd, const struct sock_peer *peer)
 {
     if (d.clients.n >= d.server.config->max_clients) {
         refuse(fd, "ERR BUSY too many clients\n");
         return;
     }
-    struct session *s = session_new(&d.server, &d.loop, fd, on_client_closed);
+    struct session *s = session_new(&d.server, &d.loop, fd, peer, on_client_closed);
     if (s == NULL) {
         refuse(fd, "ERR NOMEM out of memory\n");
     } else if (!clients_add(&d.clients, s)) {
         s->closed = NULL;
         conn_close(&s->conn);
     } else {
-        d.server.clients = d.clients.n;
         d.server.count.connections++;
+        notice_client(s, NOTICE_DEBUG, "is here");
     }
 }
 
@@ -101,7 +104,8 @@ static bool refuse_one(int listener)
     if (d.reserve >= 0)
         close(d.reserve);
     d.reserve = -1;
-    int fd = sock_accept(listener);
+    struct sock_peer peer;
+    int fd = sock_accept(listener, &peer);
     if (fd >= 0)
         refuse(fd, "ERR BUSY no descriptor is left\n");
     refill_reserve();
@@ -114,9 +118,10 @@ static void on_listener(struct source *listener, uint32_t events)
 {
     (void)events;
     for (int i = 0; i < ACCEPTS_PER_TURN; i++) {
-        int fd = sock_accept(listener->fd);
+        struct sock_peer peer;
+        int fd = sock_accept(listener->fd, &peer);
         if (fd >= 0)
-            welcome(fd);
+            welcome(fd, &peer);
         else if (errno == EMFILE || errno == ENFILE) {
             if (!refuse_one(listener->fd))
                 return;
@@ -157,6 +162,7 @@ static void announce_if_ready(void)
     d.announced = true;
     printf("ready on %s%s%s:%u\n", v6 ? "[" : "", config->bind_address, v6 ? "]" : "", d.port);
     fflush(stdout);
+    notice(NOTICE_DEBUG, "ready, with %zu sets", d.server.sets.sets);
     systemd_notify("READY=1");
 }
 
@@ -200,8 +206,10 @@ static void drain_client(struct session *s)
 
 static void stop(void)
 {
-    if (!d.stopping)
+    if (!d.stopping) {
+        notice(NOTICE_DEBUG, "stopping, with %u clients", d.clients.n);
         systemd_notify("STOPPING=1");
+    }
     if (d.stopping || d.clients.n == 0) {
         loop_stop(&d.loop); /* asked twice, or nobody to wait for */
         return;
@@ -232,7 +240,7 @@ static void tell_progress(void)
     for (const struct job *j = d.server.jobs, *next; j != NULL; j = next) {
         struct session *s = clients_find(&d.clients, j->owner);
         next = j->next;
-        if (s != NULL && d.loop.now_ms - j->started_ms > PROGRESS_AFTER_MS)
+        if (s != NULL && d.loop.now_ms - j->queued_ns / 1000000 > PROGRESS_AFTER_MS)
             session_progress(s, j);
     }
 }
@@ -241,6 +249,7 @@ static void on_tick(struct loop *loop)
 {
     clients_each(&d.clients, check_client);
     tell_progress();
+    notice_tick();
     durable_tick(&d.server);
     announce_if_ready();
     refill_reserve();
@@ -274,9 +283,9 @@ static bool watch(struct source *source, int fd, void (*ready)(struct source *, 
 static bool listen_to_handed(const struct config *config)
 {
     if (!sock_is_local(d.handed) && config->auth_file == NULL && !config->insecure) {
-        fputs("delaunayd: others could reach the socket that was handed over: give --auth-file, or "
-              "--insecure if you mean it\n",
-              stderr);
+        notice(NOTICE_ERROR,
+               "others could reach the socket that was handed over: give --auth-file, or "
+               "--insecure if you mean it");
         return false;
     }
     d.port = sock_port(d.handed);
@@ -301,10 +310,11 @@ static bool start(const struct config *config)
 {
     int signals = take_signals();
     d.reserve = -1;
+    notice_set_level(config->log_level);
     if (systemd_sockets(&d.handed, 1) == 0)
         d.handed = -1;
     if (!loop_init(&d.loop) || !watch(&d.signals, signals, on_signal)) {
-        fprintf(stderr, "delaunayd: %s\n", strerror(errno));
+        notice(NOTICE_ERROR, "%s", strerror(errno));
         return false;
     }
     d.loop.tick = on_tick;
@@ -312,6 +322,7 @@ static bool start(const struct config *config)
     if (!server_init(&d.server, config) ||
         !watch(&d.workers, workers_event(d.server.workers), on_workers))
         return false;
+    d.server.clients = &d.clients;
     d.server.held.released = session_released;
     d.server.held.not_saved = session_not_saved;
     if (config->data != NULL &&

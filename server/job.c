@@ -33,9 +33,8 @@ void job_free(struct job *j)
 
 /* ---- on a worker, or at once ---- */
 
-static void run(struct work *w)
+static void run(struct job *j)
 {
-    struct job *j = (struct job *)w;
     if (j->fresh != NULL) {
         j->status = dt_clone(j->base->dt, &j->dt);
         if (j->status != DT_OK) {
@@ -44,6 +43,13 @@ static void run(struct work *w)
         }
     }
     j->run(j);
+}
+
+static void run_later(struct work *w)
+{
+    struct job *j = (struct job *)w;
+    j->began_ns = clock_ns();
+    run(j);
 }
 
 /* ---- on the I/O thread ---- */
@@ -70,13 +76,13 @@ static void start(struct server *s, struct answer *a, struct job *j, unsigned ho
 {
     j->owner = a->owner;
     if (s->workers == NULL || (how & JOB_HEAVY) == 0) {
-        run(&j->work);
+        run(j);
         job_finish(s, j, a);
         return;
     }
-    j->started_ms = clock_ms();
+    j->queued_ns = clock_ns();
     j->options.pool = workers_pool(s->workers);
-    j->work.run = run;
+    j->work.run = run_later;
     s->count.jobs++;
     link_job(s, j);
     a->job = j;

@@ -25,9 +25,10 @@ struct job {
     void (*done)(struct server *s, struct job *j, struct answer *a);
     void (*clear)(struct job *j);
     uint64_t (*record)(struct server *s, struct job *j);
-    const char *what; /* for the progress line */
-    uint64_t owner;   /* whom to answer: a connection's id */
-    int64_t started_ms;
+    const char *what;  /* for the progress line */
+    uint64_t owner;    /* whom to answer: a connection's id */
+    int64_t queued_ns; /* when the workers got it, and when one of them began; 0: it ran at once */
+    int64_t began_ns;
     struct dataset *set;   /* a writer's set; NULL for a reader */
     struct version *base;  /* pinned: what it reads or edits */
     struct version *fresh; /* a writer on a copy: becomes the current version */

@@ -60,22 +60,6 @@ static void select_db(struct server *s, const struct request *q, struct answer *
         simple(a, "-RANGE there is only the database 0");
 }
 
-static void client(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s;
-    const struct word *what = &q->word[1];
-    if (q->n == 3 && word_is(what, "SETNAME"))
-        simple(a, "+OK");
-    else if (q->n == 4 && word_is(what, "SETINFO"))
-        simple(a, "+OK");
-    else if (q->n == 2 && word_is(what, "ID"))
-        integer(a, a->owner);
-    else if (q->n == 2 && word_is(what, "GETNAME"))
-        simple(a, "$-1");
-    else
-        usage(a, "CLIENT SETNAME name | SETINFO key value | ID | GETNAME");
-}
-
 /* redis-benchmark asks for settings whose values it prints only. */
 static void config(struct server *s, const struct request *q, struct answer *a)
 {
@@ -124,30 +108,160 @@ static void command(struct server *s, const struct request *q, struct answer *a)
     }
 }
 
+/* ---- what our own commands answer, in Redis's shape ---- */
+
+/* A reply in lines. */
+struct told {
+    struct buf lines;         /* owns */
+    struct reply_part status; /* borrows lines */
+    struct buf rows;          /* owns: each row with an end of line */
+};
+
+static void forget(struct told *t)
+{
+    buf_free(&t->lines);
+    buf_free(&t->rows);
+}
+
+/* Sorts the lines into status and rows; an error is passed on. False: there is no more to say. */
+static bool sort_out(struct told *t, struct answer *a, const char *eol)
+{
+    struct reply_reader reader = {0};
+    struct reply_part part;
+    size_t at = 0, n = buf_len(&t->lines);
+    for (ptrdiff_t took = 1; at < n && took > 0; at += took > 0 ? (size_t)took : 0) {
+        took = reply_read(&reader, buf_head(&t->lines) + at, n - at, &part);
+        if (took > 0 && part.kind == REPLY_ERR) {
+            buf_append_char(a->out, '-');
+            buf_append(a->out, part.text + 4, part.len - 4);
+            buf_append(a->out, "\r\n", 2);
+            return false;
+        }
+        if (took > 0 && part.kind == REPLY_OK) {
+            t->status = part;
+        } else if (took > 0) {
+            buf_append(&t->rows, part.text, part.len);
+            buf_append_text(&t->rows, eol);
+        }
+    }
+    if (t->lines.failed || t->rows.failed)
+        answer_out_of_memory(a);
+    return !a->out->failed;
+}
+
+/* Carries out q as if it had come in a line. False: it has been answered, by an error. */
+static bool ask(struct server *s, const struct request *q, struct answer *a, const char *eol,
+                struct told *t)
+{
+    struct answer plain = *a;
+    *t = (struct told){0};
+    plain.out = &t->lines;
+    command_run(s, q, &plain);
+    a->close = plain.close;
+    if (sort_out(t, a, eol))
+        return true;
+    forget(t);
+    return false;
+}
+
+static uint64_t number_in(const struct told *t, const char *key)
+{
+    uint64_t v = 0;
+    reply_key_number(&t->status, key, &v);
+    return v;
+}
+
+static void tell_name(struct answer *a, const struct told *t)
+{
+    const char *name;
+    size_t len = 0;
+    if (reply_key(&t->status, "name", &name, &len) && len > 0)
+        resp_bulk(a->out, name, len);
+    else
+        simple(a, "$-1");
+}
+
+static void client(struct server *s, const struct request *q, struct answer *a)
+{
+    struct told t;
+    if (!ask(s, q, a, "\n", &t))
+        return;
+    const struct word *what = &q->word[1];
+    if (word_is(what, "LIST"))
+        resp_bulk(a->out, buf_head(&t.rows), buf_len(&t.rows));
+    else if (word_is(what, "ID"))
+        integer(a, number_in(&t, "id"));
+    else if (word_is(what, "GETNAME"))
+        tell_name(a, &t);
+    else if (word_is(what, "KILL") && q->n == 4)
+        integer(a, number_in(&t, "killed"));
+    else if (word_is(what, "KILL") && number_in(&t, "killed") == 0)
+        simple(a, "-ERR No such client");
+    else
+        simple(a, "+OK");
+    forget(&t);
+}
+
+/* An entry as Redis has it: id, time, microseconds, words, address, name. */
+static void tell_slow(struct answer *a, const struct slow *e)
+{
+    char peer[SOCK_PEER_TEXT];
+    size_t words = 1;
+    for (const char *p = e->text; *p != '\0'; p++)
+        words += *p == ' ';
+    resp_array(a->out, 6);
+    integer(a, e->id);
+    integer(a, (uint64_t)e->at_s);
+    integer(a, (uint64_t)(e->work_us + e->wait_us));
+    resp_array(a->out, words);
+    for (const char *p = e->text; words > 0; words--) {
+        size_t len = strcspn(p, " ");
+        resp_bulk(a->out, p, len);
+        p += len + 1;
+    }
+    sock_peer_text(&e->peer, peer);
+    bulk_text(a, peer);
+    bulk_text(a, "");
+}
+
+static void slowlog(struct server *s, const struct request *q, struct answer *a)
+{
+    struct told t;
+    if (!ask(s, q, a, "", &t))
+        return;
+    if (word_is(&q->word[1], "GET")) {
+        size_t n = (size_t)reply_rows(&t.status);
+        resp_array(a->out, n);
+        for (size_t i = 0; i < n; i++)
+            tell_slow(a, slowlog_at(&s->slowlog, (unsigned)i));
+    } else if (word_is(&q->word[1], "LEN")) {
+        integer(a, number_in(&t, "len"));
+    } else {
+        simple(a, "+OK");
+    }
+    forget(&t);
+}
+
+/* Redis's names of sections, and what is nearest to them here. */
+static const struct {
+    const char *theirs, *ours;
+} renamed[] = {
+    {"DEFAULT", "ALL"},   {"EVERYTHING", "ALL"},        {"PERSISTENCE", "DURABILITY"},
+    {"KEYSPACE", "SETS"}, {"COMMANDSTATS", "COMMANDS"}, {"LATENCYSTATS", "COMMANDS"},
+};
+
 /* INFO's rows as the one text that Redis answers with. */
 static void info(struct server *s, const struct request *q, struct answer *a)
 {
-    struct buf lines = {0}, text = {0};
-    struct answer plain = {.out = &lines};
-    struct reply_reader reader = {0};
-    struct reply_part part;
-    cmd_info(s, NULL, q, &plain);
-    while (!lines.failed && buf_len(&lines) > 0) {
-        ptrdiff_t took = reply_read(&reader, buf_head(&lines), buf_len(&lines), &part);
-        if (took <= 0)
-            break;
-        if (part.kind == REPLY_ROW) {
-            buf_append(&text, part.text, part.len);
-            buf_append(&text, "\r\n", 2);
-        }
-        buf_consume(&lines, (size_t)took);
-    }
-    if (lines.failed || text.failed)
-        answer_out_of_memory(a);
-    else
-        resp_bulk(a->out, buf_head(&text), buf_len(&text));
-    buf_free(&lines);
-    buf_free(&text);
+    struct told t;
+    for (size_t i = 1; i < q->n; i++)
+        for (size_t k = 0; k < sizeof renamed / sizeof renamed[0]; k++)
+            if (word_is(&q->word[i], renamed[k].theirs))
+                q->word[i] = (struct word){renamed[k].ours, strlen(renamed[k].ours)};
+    if (!ask(s, q, a, "\r\n", &t))
+        return;
+    resp_bulk(a->out, buf_head(&t.rows), buf_len(&t.rows));
+    forget(&t);
 }
 
 /* False if the token is wrong. */
@@ -209,6 +323,7 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
                 return;
             at += 3;
         } else if (at + 1 < q->n && word_is(&q->word[at], "SETNAME")) {
+            client_set_name(s, a, &q->word[at + 1]);
             at += 2;
         } else {
             usage(a, "HELLO [2|3 [AUTH user token] [SETNAME name]]");
@@ -226,9 +341,10 @@ static const struct {
     bool open; /* allowed before AUTH */
     redis_handler *handler;
 } table[] = {
-    {"PING", true, ping},      {"HELLO", true, hello},       {"AUTH", true, auth},
-    {"ECHO", false, echo},     {"SELECT", false, select_db}, {"CLIENT", false, client},
-    {"CONFIG", false, config}, {"COMMAND", false, command},  {"INFO", false, info},
+    {"PING", true, ping},        {"HELLO", true, hello},       {"AUTH", true, auth},
+    {"ECHO", false, echo},       {"SELECT", false, select_db}, {"CLIENT", false, client},
+    {"CONFIG", false, config},   {"COMMAND", false, command},  {"INFO", false, info},
+    {"SLOWLOG", false, slowlog},
 };
 
 static redis_handler *find(const struct request *q, bool *open)
@@ -251,6 +367,9 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
     if (handler == NULL)
         return false;
     size_t mark = buf_len(a->out);
+    const struct command *c = command_find(&q->word[0]);
+    a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
+    stats_begin(&s->stats, a->command);
     if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) {
         a->broken = true;
         return true;
@@ -263,8 +382,5 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
         buf_rewind(a->out, mark);
         simple(a, "-NOMEM out of memory");
     }
-    s->count.commands++;
-    if (buf_head(a->out)[mark] == '-')
-        s->count.errors++;
     return true;
 }

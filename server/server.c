@@ -4,6 +4,7 @@
 #include "server/durable.h"
 #include "server/job.h"
 #include "server/loop.h"
+#include "server/notice.h"
 #include "server/stream.h"
 
 #include <poll.h>
@@ -23,11 +24,15 @@ bool server_init(struct server *s, const struct config *config)
     s->sets.discard_ctx = s;
     if (config->auth_file != NULL && !auth_load(&s->auth, config->auth_file))
         return false;
+    if (!stats_init(&s->stats) || !slowlog_init(&s->slowlog, config->slowlog_len)) {
+        notice(NOTICE_ERROR, "out of memory");
+        return false;
+    }
     if (config->threads == 0)
         return true;
     s->workers = workers_new(config->threads);
     if (s->workers == NULL) {
-        fprintf(stderr, "delaunayd: cannot start %u threads\n", config->threads + 1);
+        notice(NOTICE_ERROR, "cannot start %u threads", config->threads + 1);
         auth_clear(&s->auth);
     }
     return s->workers != NULL;
@@ -75,6 +80,8 @@ void server_clear(struct server *s)
     auth_clear(&s->auth);
     request_free(&s->request);
     buf_free(&s->lines);
+    stats_clear(&s->stats);
+    slowlog_clear(&s->slowlog);
     free(s->scratch.v);
 }
 

@@ -9,6 +9,8 @@
 #include "server/config.h"
 #include "server/dataset.h"
 #include "server/hold.h"
+#include "server/slowlog.h"
+#include "server/stats.h"
 #include "server/worker.h"
 
 struct counters {
@@ -17,6 +19,9 @@ struct counters {
     uint64_t commands;    /* carried out, whether or not they succeeded */
     uint64_t errors;      /* ERR replies among them */
     uint64_t jobs;        /* handed to the workers */
+    uint64_t shared;      /* requests that got the result of another's job */
+    uint64_t slow;        /* requests that went into the slow log */
+    uint64_t killed;      /* clients, by CLIENT KILL */
 };
 
 struct server {
@@ -32,7 +37,9 @@ struct server {
     struct buf lines;        /* owns; a reply in lines before it goes out as RESP */
     struct auth auth;
     struct counters count;
-    unsigned clients;
+    struct stats stats;
+    struct slowlog slowlog;
+    struct clients *clients; /* borrows; NULL: there are none, commands come from elsewhere */
     bool stopping;
     int64_t started_ms;
 };

@@ -4,6 +4,7 @@
 #include "proto/line.h"
 #include "proto/request.h"
 #include "proto/resp.h"
+#include "server/account.h"
 #include "server/cmd_load.h"
 #include "server/command.h"
 #include "server/redis.h"
@@ -31,6 +32,7 @@ static struct answer new_answer(struct session *s)
                            .mark = conn_out_end(&s->conn),
                            .owner = s->id,
                            .role = s->role,
+                           .command = s->command,
                            .timed_out = s->timed_out};
 }
 
@@ -52,9 +54,29 @@ static void consume_held(struct session *s)
     s->held = 0;
 }
 
+/* Whether the reply, of which not a byte has left yet, is an error. */
+static bool is_error(const struct session *s, const struct answer *a)
+{
+    size_t at = a->out == &s->server->lines ? 0 : (size_t)(a->mark - s->conn.sent);
+    if (buf_len(a->out) <= at)
+        return false;
+    char first = buf_head(a->out)[at];
+    return first == 'E' || first == '-';
+}
+
+static void account(struct session *s, const struct answer *a, bool error)
+{
+    s->command = a->command;
+    if (a->wait != NULL || a->job != NULL || a->load != NULL)
+        account_pause(s, a);
+    else if (!a->retry)
+        account_end(s, a, error);
+}
+
 /* Whether the next request may be looked at right now. */
 static bool take_over(struct session *s, struct answer *a)
 {
+    account(s, a, is_error(s, a));
     deliver(s, a);
     if (a->lsn != 0)
         hold_add(&s->server->held, &s->conn.hold, a->lsn, a->mark);
@@ -151,6 +173,7 @@ static bool commit_load(struct session *s)
         conn_close(&s->conn);
         return false;
     }
+    account_load(s);
     load_commit(s->server, s->load, &a);
     if (a.out->failed)
         command_out_of_memory(s->server, &a, mark);
@@ -238,6 +261,7 @@ static bool carry_out(struct session *s, const struct line *line)
     if (is_too_much(s, s->held, q->n))
         return refuse_stranger(s);
     if (is_foreign(s, line, q)) {
+        notice_client(s, NOTICE_WARNING, "speaks something else, such as HTTP: closed");
         conn_finish(&s->conn);
         return false;
     }
@@ -310,7 +334,9 @@ static bool step_resp(struct session *s)
 
 static bool step_request(struct session *s)
 {
-    s->resp = buf_len(&s->conn.in) > 0 && buf_head(&s->conn.in)[0] == '*';
+    stats_resume(&s->server->stats, &s->pause);
+    if (buf_len(&s->conn.in) > 0)
+        s->resp = buf_head(&s->conn.in)[0] == '*';
     return s->resp ? step_resp(s) : step_line(s);
 }
 
@@ -332,13 +358,16 @@ static bool step(struct session *s)
 static void on_data(struct conn *c)
 {
     struct session *s = (struct session *)c;
-    int64_t start = clock_ns();
+    struct stats *stats = &s->server->stats;
+    int64_t start = stats_look(stats);
     for (unsigned n = 1; step(s); n++) {
-        if (n % STEPS_PER_LOOK == 0 && clock_ns() - start > TURN_NS) {
+        if (n % STEPS_PER_LOOK == 0 && stats_look(stats) - start > TURN_NS) {
             conn_again(c);
-            return;
+            break;
         }
     }
+    if (stats->run > 0)
+        stats_look(stats);
 }
 
 static void on_closed(struct conn *c)
@@ -353,6 +382,7 @@ static void on_closed(struct conn *c)
         load_free(s->server, s->load);
     if (s->closed != NULL)
         s->closed(s);
+    free(s->name);
     free(s);
 }
 
@@ -363,7 +393,7 @@ static void on_wake(struct waiter *w)
 }
 
 struct session *session_new(struct server *server, struct loop *loop, int fd,
-                            void (*closed)(struct session *s))
+                            const struct sock_peer *peer, void (*closed)(struct session *s))
 {
     static const struct conn_events events = {.data = on_data, .closed = on_closed};
     struct session *s = calloc(1, sizeof *s);
@@ -372,6 +402,8 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     s->server = server;
     s->role = auth_initial_role(&server->auth);
     s->since_ms = loop->now_ms;
+    s->peer = *peer;
+    s->command = STATS_OTHER;
     s->waiter.wake = on_wake;
     s->closed = closed;
     if (conn_init(&s->conn, loop, fd, &events))
@@ -415,6 +447,7 @@ void session_check_timeouts(struct session *s)
     if (c->dead || c->finishing)
         return;
     if (s->role == ROLE_NONE && now - s->since_ms > STRANGER_MS) {
+        notice_client(s, NOTICE_INFO, "has shown no token in time: closed");
         refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
         conn_turn(c);
     } else if (idle_ms > 0 && is_listening(s) && now - c->heard_ms > idle_ms) {
@@ -459,6 +492,7 @@ void session_job_done(struct session *s, struct job *j)
     size_t mark = buf_len(a.out);
     s->job = NULL;
     a.broken = buf_reserve(a.out, REPLY_ERR_ROOM) == NULL;
+    account_job(s, j);
     job_finish(s->server, j, &a);
     if (a.out->failed && !a.broken)
         command_out_of_memory(s->server, &a, mark);

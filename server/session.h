@@ -11,6 +11,7 @@
 #include "proto/reply_read.h"
 #include "server/conn.h"
 #include "server/job.h"
+#include "server/sock.h"
 
 struct session {
     struct conn conn; /* first: the connection's view */
@@ -19,7 +20,14 @@ struct session {
     enum role role;
     bool greeted;     /* the first line has been seen */
     int64_t since_ms; /* when it came */
-    size_t held;      /* bytes of the request that waits: kept in the input until it is answered */
+    struct sock_peer peer;
+    char *name;        /* owns; by CLIENT SETNAME; NULL: none */
+    uint64_t requests; /* answered so far */
+    unsigned command;  /* the last one, or the one under way; as in struct answer */
+    struct stats_pause pause;
+    bool noted; /* the request that has paused is in `note`, as words */
+    char note[SLOW_TEXT];
+    size_t held; /* bytes of the request that waits: kept in the input until it is answered */
     int64_t deadline_ms;        /* of the request that waits or that a worker has; 0: none */
     bool timed_out;             /* it has passed */
     struct stream *stream;      /* owns: rows that are still to be sent */
@@ -35,10 +43,11 @@ struct session {
         struct session *s); /* tells whoever keeps the session, which is freed afterwards */
 };
 
-/* A session on a connected non-blocking socket; NULL, with the socket still the caller's, when out
- * of memory or descriptors. It frees itself when its connection has closed. */
+/* A session on a connected non-blocking socket, whose other end is *peer; NULL, with the socket
+ * still the caller's, when out of memory or descriptors. It frees itself when its connection has
+ * closed. */
 struct session *session_new(struct server *server, struct loop *loop, int fd,
-                            void (*closed)(struct session *s));
+                            const struct sock_peer *peer, void (*closed)(struct session *s));
 
 /* Ends a job of this session. */
 void session_job_done(struct session *s, struct job *j);

@@ -1,6 +1,8 @@
 /* sock.c - see sock.h. */
 #include "server/sock.h"
 
+#include "server/notice.h"
+
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>
@@ -16,7 +18,7 @@ enum { BACKLOG = 1024 };
 
 static int fail(int fd, const char *what)
 {
-    fprintf(stderr, "delaunayd: cannot listen on %s: %s\n", what, strerror(errno));
+    notice(NOTICE_ERROR, "cannot listen on %s: %s", what, strerror(errno));
     if (fd >= 0)
         close(fd);
     return -1;
@@ -123,10 +125,40 @@ unsigned sock_port(int fd)
     return inet ? port_of(&at) : 0;
 }
 
-int sock_accept(int listener)
+static void read_peer(const struct sockaddr_storage *at, struct sock_peer *peer)
+{
+    const struct sockaddr_in *v4 = (const struct sockaddr_in *)at;
+    const struct sockaddr_in6 *v6 = (const struct sockaddr_in6 *)at;
+    *peer = (struct sock_peer){.kind = SOCK_UNIX};
+    if (at->ss_family == AF_INET) {
+        peer->kind = SOCK_V4;
+        memcpy(peer->address, &v4->sin_addr, sizeof v4->sin_addr);
+    } else if (at->ss_family == AF_INET6) {
+        peer->kind = SOCK_V6;
+        memcpy(peer->address, &v6->sin6_addr, sizeof v6->sin6_addr);
+    }
+    if (peer->kind != SOCK_UNIX)
+        peer->port = (uint16_t)port_of(at);
+}
+
+void sock_peer_text(const struct sock_peer *peer, char text[SOCK_PEER_TEXT])
+{
+    char address[INET6_ADDRSTRLEN];
+    bool v6 = peer->kind == SOCK_V6;
+    if (peer->kind == SOCK_UNIX)
+        strcpy(text, "unix");
+    else if (inet_ntop(v6 ? AF_INET6 : AF_INET, peer->address, address, sizeof address) != NULL)
+        snprintf(text, SOCK_PEER_TEXT, v6 ? "[%s]:%u" : "%s:%u", address, peer->port);
+}
+
+int sock_accept(int listener, struct sock_peer *peer)
 {
     int on = 1;
-    int fd = accept4(listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    struct sockaddr_storage at = {.ss_family = AF_UNSPEC};
+    socklen_t len = sizeof at;
+    int fd = accept4(listener, (struct sockaddr *)&at, &len, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (fd >= 0)
+        read_peer(&at, peer);
     if (fd >= 0) /* without effect on a Unix socket, which has no such delay */
         setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     return fd;

@@ -3,6 +3,18 @@
 #define SERVER_SOCK_H
 
 #include <stdbool.h>
+#include <stdint.h>
+
+enum sock_kind { SOCK_UNIX, SOCK_V4, SOCK_V6 };
+
+/* Where a client is. */
+struct sock_peer {
+    enum sock_kind kind;
+    uint16_t port;
+    uint8_t address[16]; /* SOCK_V4: the first four bytes */
+};
+
+enum { SOCK_PEER_TEXT = 64 };
 
 /* A socket that listens on the numeric address and port (0: any free one, told in *port); -1, with
  * the reason on standard error. */
@@ -17,8 +29,11 @@ bool sock_is_local(int fd);
 /* Its port; 0 for a Unix socket. */
 unsigned sock_port(int fd);
 
-/* Accepts one connection, non-blocking and without Nagle's delay; -1 with errno. */
-int sock_accept(int listener);
+/* Accepts one connection from *peer, non-blocking and without Nagle's delay; -1 with errno. */
+int sock_accept(int listener, struct sock_peer *peer);
+
+/* Writes `address:port`, an IPv6 address in brackets, or `unix`. */
+void sock_peer_text(const struct sock_peer *peer, char text[SOCK_PEER_TEXT]);
 
 /* Sends one line of refusal as far as the system takes it at once, and closes. */
 void sock_refuse(int fd, const char *line);

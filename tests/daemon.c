@@ -17,8 +17,8 @@ enum { MOST_ARGUMENTS = 16 };
 static void run_daemon(const char *const *arguments)
 {
     const char *path = getenv("DELAUNAYD");
-    const char *argv[MOST_ARGUMENTS + 4] = {path, "--port", "0"};
-    size_t n = 3;
+    const char *argv[MOST_ARGUMENTS + 6] = {path, "--port", "0", "--log-level", "warning"};
+    size_t n = 5;
     for (; arguments != NULL && *arguments != NULL && n < MOST_ARGUMENTS; arguments++)
         argv[n++] = *arguments;
     if (path != NULL)

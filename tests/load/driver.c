@@ -136,7 +136,7 @@ static void count_reply(struct run *r, struct peer *p, uint64_t now)
         fail(r, "a reply that nothing was asked for");
         return;
     }
-    histogram_add(&r->o->latency, now - p->since[p->oldest]);
+    histogram_add(&r->o->latency, now - p->since[p->oldest], 1);
     p->oldest = (p->oldest + 1) % r->plan->pipeline;
     p->flying--;
     r->o->replies++;

@@ -8,7 +8,7 @@
 #ifndef TESTS_LOAD_DRIVER_H
 #define TESTS_LOAD_DRIVER_H
 
-#include "tests/load/histogram.h"
+#include "server/histogram.h"
 #include "tests/load/mix.h"
 
 struct plan {

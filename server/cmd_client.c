@@ -1,0 +1,260 @@
+/* cmd_client.c - CLIENT: who is connected, and SLOWLOG: what took long. The only commands that look
+ * at connections; without any (server.clients is NULL) there is nobody to tell about. */
+#include "server/command.h"
+
+#include "proto/number.h"
+#include "server/clients.h"
+#include "server/notice.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAME_LIMIT = 64, SLOW_ROWS = 10 };
+
+static struct session *asker(const struct server *s, const struct answer *a)
+{
+    return s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
+}
+
+static void answer_ok(struct answer *a)
+{
+    reply_ok(a->out, 0);
+    reply_end(a->out);
+}
+
+static bool may_rule(struct answer *a)
+{
+    if (a->role == ROLE_WRITE)
+        return true;
+    reply_err(a->out, ERR_DENIED, "your token is for reading only");
+    return false;
+}
+
+static void usage(struct answer *a, const struct request *q)
+{
+    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+}
+
+/* ---- CLIENT ---- */
+
+static const char *state_of(const struct session *s)
+{
+    if (s->job != NULL)
+        return "working";
+    if (s->waiter.set != NULL)
+        return "waiting";
+    if (s->load != NULL)
+        return "loading";
+    return s->stream != NULL || buf_len(&s->conn.out) > 0 ? "sending" : "idle";
+}
+
+static void tell_client(struct buf *out, const struct session *s)
+{
+    static const char *const role[] = {
+        [ROLE_NONE] = "none", [ROLE_READ] = "ro", [ROLE_WRITE] = "rw"};
+    char row[384], peer[SOCK_PEER_TEXT];
+    const struct conn *c = &s->conn;
+    int64_t now = c->loop->now_ms;
+    sock_peer_text(&s->peer, peer);
+    snprintf(row, sizeof row,
+             "id=%" PRIu64 " addr=%s name=%s age=%" PRId64 " idle=%" PRId64
+             " role=%s framing=%s state=%s in=%zu out=%zu requests=%" PRIu64 " command=%s",
+             s->id, peer, s->name != NULL ? s->name : "", (now - s->since_ms) / 1000,
+             (now - c->heard_ms) / 1000, role[s->role], s->resp ? "resp" : "lines", state_of(s),
+             buf_len(&c->in), buf_len(&c->out), s->requests,
+             s->command < command_count ? commands[s->command].name : "OTHER");
+    reply_row_text(out, row);
+}
+
+static void list(struct server *s, struct answer *a)
+{
+    const struct clients *c = s->clients;
+    uint32_t n = 0;
+    struct buf rows = {0};
+    for (uint32_t i = 0; c != NULL && i < c->cap; i++) {
+        const struct session *one = clients_at(c, i);
+        if (one == NULL || one->conn.dead)
+            continue;
+        tell_client(&rows, one);
+        n++;
+    }
+    reply_ok(a->out, n);
+    reply_end(a->out);
+    buf_append(a->out, buf_head(&rows), buf_len(&rows));
+    if (rows.failed)
+        answer_out_of_memory(a);
+    buf_free(&rows);
+}
+
+/* Which clients a KILL means: those of an id, or those of an address. */
+struct target {
+    bool by_id;
+    uint64_t id;
+    const struct word *address;
+};
+
+static bool read_target(const struct request *q, struct target *t)
+{
+    const struct word *last = &q->word[q->n - 1];
+    bool id = q->n == 4 && word_is(&q->word[2], "ID");
+    bool address = q->n == 4 && word_is(&q->word[2], "ADDR");
+    char digits[24] = "";
+    char *end = digits;
+    if (q->n != 3 && !id && !address)
+        return false;
+    if (last->len > 0 && last->len < sizeof digits && last->text[0] >= '0' &&
+        last->text[0] <= '9') {
+        memcpy(digits, last->text, last->len);
+        t->id = strtoull(digits, &end, 10);
+    }
+    t->by_id = !address && end == digits + last->len && end > digits;
+    t->address = last;
+    return t->by_id || !id;
+}
+
+static bool is_meant(const struct target *t, const struct session *s)
+{
+    char peer[SOCK_PEER_TEXT];
+    if (t->by_id)
+        return s->id == t->id;
+    sock_peer_text(&s->peer, peer);
+    return t->address->len == strlen(peer) && memcmp(peer, t->address->text, strlen(peer)) == 0;
+}
+
+static void kill_one(struct server *s, struct answer *a, struct session *victim)
+{
+    char peer[SOCK_PEER_TEXT];
+    sock_peer_text(&victim->peer, peer);
+    notice(NOTICE_INFO, "the client %s was killed by another one", peer);
+    s->count.killed++;
+    if (victim->id == a->owner)
+        a->close = true; /* when this reply is out */
+    else
+        conn_close(&victim->conn);
+}
+
+static void kill_clients(struct server *s, const struct request *q, struct answer *a)
+{
+    const struct clients *c = s->clients;
+    struct target target;
+    uint64_t n = 0;
+    if (!read_target(q, &target)) {
+        usage(a, q);
+        return;
+    }
+    for (uint32_t i = 0; c != NULL && i < c->cap; i++) {
+        struct session *one = clients_at(c, i);
+        if (one == NULL || one->conn.dead || !is_meant(&target, one))
+            continue;
+        kill_one(s, a, one);
+        n++;
+    }
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, "killed", n);
+    reply_end(a->out);
+}
+
+bool client_set_name(struct server *s, struct answer *a, const struct word *name)
+{
+    struct session *me = asker(s, a);
+    bool good = name->len <= NAME_LIMIT;
+    for (size_t i = 0; good && i < name->len; i++)
+        good = name->text[i] > ' ' && name->text[i] <= '~';
+    char *copy = good && name->len > 0 ? strndup(name->text, name->len) : NULL;
+    if (!good || me == NULL || (copy == NULL && name->len > 0)) {
+        free(copy);
+        return good;
+    }
+    free(me->name);
+    me->name = copy;
+    return true;
+}
+
+static void set_name(struct server *s, const struct request *q, struct answer *a)
+{
+    if (client_set_name(s, a, &q->word[2]))
+        answer_ok(a);
+    else
+        reply_err(a->out, ERR_SYNTAX, "a client's name is up to 64 printable characters, no blank");
+}
+
+static void tell_self(struct server *s, struct answer *a, bool name)
+{
+    const struct session *me = asker(s, a);
+    reply_ok(a->out, 0);
+    if (name)
+        reply_key_text(a->out, "name", me != NULL && me->name != NULL ? me->name : "");
+    else
+        reply_key_u64(a->out, "id", a->owner);
+    reply_end(a->out);
+}
+
+void cmd_client(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct word *what = &q->word[1];
+    (void)set;
+    if (q->n == 2 && word_is(what, "LIST")) {
+        if (may_rule(a))
+            list(s, a);
+    } else if (q->n >= 3 && word_is(what, "KILL")) {
+        if (may_rule(a))
+            kill_clients(s, q, a);
+    } else if (q->n == 3 && word_is(what, "SETNAME")) {
+        set_name(s, q, a);
+    } else if (q->n == 4 && word_is(what, "SETINFO")) {
+        answer_ok(a); /* which library a client uses plays no part here */
+    } else if (q->n == 2 && (word_is(what, "ID") || word_is(what, "GETNAME"))) {
+        tell_self(s, a, what->len > 2);
+    } else {
+        usage(a, q);
+    }
+}
+
+/* ---- SLOWLOG ---- */
+
+static void tell_slow(struct buf *out, const struct slow *e)
+{
+    char row[SLOW_TEXT + SOCK_PEER_TEXT + 128], peer[SOCK_PEER_TEXT];
+    sock_peer_text(&e->peer, peer);
+    snprintf(row, sizeof row,
+             "%" PRIu64 " at=%" PRId64 " us=%" PRId64 " wait_us=%" PRId64 " client=%" PRIu64
+             " addr=%s %s",
+             e->id, e->at_s, e->work_us, e->wait_us, e->client, peer, e->text);
+    reply_row_text(out, row);
+}
+
+static void get_slow(struct server *s, const struct request *q, struct answer *a)
+{
+    uint32_t n = SLOW_ROWS, there = slowlog_len(&s->slowlog);
+    bool all = q->n == 3 && q->word[2].len == 2 && memcmp(q->word[2].text, "-1", 2) == 0;
+    if (q->n == 3 && !all && !proto_read_u32(q->word[2].text, q->word[2].len, &n)) {
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number of requests", QUOTED(&q->word[2]));
+        return;
+    }
+    if (all || n > there)
+        n = there;
+    reply_ok(a->out, n);
+    reply_end(a->out);
+    for (uint32_t i = 0; i < n; i++)
+        tell_slow(a->out, slowlog_at(&s->slowlog, i));
+}
+
+void cmd_slowlog(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct word *what = &q->word[1];
+    (void)set;
+    if (word_is(what, "GET")) {
+        get_slow(s, q, a);
+    } else if (q->n == 2 && word_is(what, "LEN")) {
+        reply_ok(a->out, 0);
+        reply_key_u64(a->out, "len", slowlog_len(&s->slowlog));
+        reply_end(a->out);
+    } else if (q->n == 2 && word_is(what, "RESET")) {
+        slowlog_reset(&s->slowlog);
+        answer_ok(a);
+    } else {
+        usage(a, q);
+    }
+}

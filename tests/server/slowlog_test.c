@@ -1,0 +1,61 @@
+/* slowlog_test.c - the ring of slow requests, and what is kept of a request. */
+#include "server/slowlog.h"
+#include "tests/test.h"
+
+#include <string.h>
+
+TEST(slowlog_keeps_the_last_ones)
+{
+    struct slowlog l;
+    CHECK(slowlog_init(&l, 3) && slowlog_len(&l) == 0);
+    for (int i = 0; i < 5; i++)
+        slowlog_add(&l, &(struct slow){.work_us = 10 * i});
+    CHECK(slowlog_len(&l) == 3);
+    for (unsigned i = 0; i < 3; i++) {
+        const struct slow *e = slowlog_at(&l, i);
+        CHECK(e->id == 4 - i && e->work_us == 10 * (4 - (int)i));
+    }
+    slowlog_reset(&l);
+    CHECK(slowlog_len(&l) == 0);
+    slowlog_add(&l, &(struct slow){.work_us = 7});
+    CHECK(slowlog_len(&l) == 1 && slowlog_at(&l, 0)->id == 5 && slowlog_at(&l, 0)->work_us == 7);
+    slowlog_clear(&l);
+}
+
+TEST(slowlog_of_no_length_keeps_nothing)
+{
+    struct slowlog l;
+    CHECK(slowlog_init(&l, 0));
+    slowlog_add(&l, &(struct slow){.work_us = 1});
+    CHECK(slowlog_len(&l) == 0);
+    slowlog_clear(&l);
+}
+
+TEST(slowlog_quotes_what_can_be_printed)
+{
+    char text[SLOW_TEXT];
+    struct word word[] = {{"GET", 3}, {"a\0b c\r\n", 7}, {"", 0}, {"\xc3\xa9", 2}};
+    slowlog_quote(text, word, 4);
+    CHECK_STR(text, "GET a?b?c??  ??");
+    slowlog_quote(text, word, 0);
+    CHECK_STR(text, "");
+}
+
+TEST(slowlog_cuts_what_is_long)
+{
+    enum { N = 80 };
+    static char big[2 * SLOW_TEXT];
+    char text[SLOW_TEXT];
+    struct word word[N];
+    memset(big, 'x', sizeof big);
+    for (size_t len = SLOW_TEXT - 8; len < SLOW_TEXT + 8; len++) {
+        struct word one = {big, len};
+        slowlog_quote(text, &one, 1);
+        CHECK(strlen(text) == (len < SLOW_TEXT ? len : SLOW_TEXT - 1));
+        CHECK((strstr(text, "...") != NULL) == (len >= SLOW_TEXT));
+    }
+    for (int i = 0; i < N; i++)
+        word[i] = (struct word){big, 3};
+    slowlog_quote(text, word, N);
+    CHECK(strlen(text) == SLOW_TEXT - 1 && strcmp(text + SLOW_TEXT - 4, "...") == 0);
+}
