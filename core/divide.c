@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "core/divide_level.h"
+#include "core/hull.h"
 #include "core/memory.h"
 
 static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena,
@@ -118,48 +119,19 @@ static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena
     return part;
 }
 
-/* ---- the last pass: a half edge that leaves each vertex, and the number of ghosts ---- */
-
-struct last_pass {
-    struct dt_division *d;
-    unsigned slices;
-    atomic_uint ghosts;
-};
-
-static void find_leaving(void *arg, unsigned i)
-{
-    struct last_pass *pass = arg;
-    struct dt_mesh *m = pass->d->merging.mesh;
-    uint32_t a = (uint32_t)((uint64_t)m->tri_end * i / pass->slices);
-    uint32_t b = (uint32_t)((uint64_t)m->tri_end * (i + 1) / pass->slices);
-    unsigned ghosts = 0;
-    for (uint32_t h = 8 * a; h != 8 * b; h += 8) {
-        /* Any triangle will do; slices that meet at a vertex may both write it: hence atomic. */
-        __atomic_store_n(&m->leaving[m->half[h]], h, __ATOMIC_RELAXED);
-        __atomic_store_n(&m->leaving[m->half[h + 1]], h + 1, __ATOMIC_RELAXED);
-        if (m->half[h + 2] == DT_NONE)
-            ghosts++;
-        else
-            __atomic_store_n(&m->leaving[m->half[h + 2]], h + 2, __ATOMIC_RELAXED);
-    }
-    atomic_fetch_add_explicit(&pass->ghosts, ghosts, memory_order_relaxed);
-}
-
-static void finish_mesh(struct dt_division *d, unsigned threads)
+/* The whole mesh is there; `all` is the part that holds every point. Joins keep leaving[] of every
+ * vertex right, so only the hull is left to be settled. */
+static void finish_mesh(struct dt_division *d, const struct dt_part *all)
 {
     struct dt_mesh *m = d->merging.mesh;
     m->vertices = d->n;
     m->tri_end = d->n > 1 ? 2 * d->n - 2 : 0;
-    m->dead = 0;
-    m->free_list = DT_NONE;
+    m->dead = m->ghosts = 0;
+    m->free_list = m->hull = DT_NONE;
     if (d->n == 1)
         m->leaving[0] = DT_NONE;
-    struct last_pass pass = {.d = d, .slices = threads};
-    if (threads == 1)
-        find_leaving(&pass, 0);
-    else
-        d->opt->pool->run(d->opt->pool->ctx, threads, find_leaving, &pass);
-    m->ghosts = pass.ghosts;
+    if (d->n > 1)
+        m->ghosts = dt_hull_settle_from(m, all->ghost);
 }
 
 static unsigned threads_for(const struct dt_options *opt, uint32_t n)
@@ -171,15 +143,16 @@ static unsigned threads_for(const struct dt_options *opt, uint32_t n)
 
 static void divide_all(struct dt_division *d, const struct dt_point *in, unsigned threads)
 {
+    struct dt_part all = {0};
     if (threads > 1) {
-        dt_divide_tasks(d, in, threads);
+        all = dt_divide_tasks(d, in, threads);
     } else if (d->n > 0) {
         struct dt_arena arena = {0};
-        divide_range(d, &arena, (struct dt_source){in, NULL}, 0, d->n, 0);
+        all = divide_range(d, &arena, (struct dt_source){in, NULL}, 0, d->n, 0);
         dt_arena_clear(&arena);
     }
     if (atomic_load(&d->status) == DT_OK)
-        finish_mesh(d, threads);
+        finish_mesh(d, &all);
 }
 
 enum dt_status dt_divide(const struct dt_point *in, uint32_t n, struct dt_point *p, uint32_t *from,

@@ -7,8 +7,7 @@
 /* Triangulates n distinct points. p[n] and from[n] are the caller's and are filled: vertex v of the
  * mesh is p[v] = in[from[v]], in grid order, so that neighbours in the plane are neighbours in
  * memory. *m must be zeroed or cleared; it is complete on return, and cleared on failure (DT_NOMEM,
- * DT_CANCELLED). The mesh is the same whatever the number of threads, but for the choices in
- * leaving[].
+ * DT_CANCELLED). It is settled (hull.h), and the same whatever the number of threads.
  *
  * Cost: O(n log n), about linear in practice; 20 bytes a point of scratch memory, and 16 for each
  * level of zooms in skewed sets. */

@@ -77,7 +77,8 @@ static inline uint32_t dt_level_range(const struct dt_level *level, uint32_t key
     return level->lo + level->start[(size_t)key << s];
 }
 
-/* Triangulates all of d->n points on `threads` threads of the pool. */
-void dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned threads);
+/* Triangulates all of d->n points on `threads` threads of the pool; returns the part that holds
+ * them. */
+struct dt_part dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned threads);
 
 #endif

@@ -127,12 +127,13 @@ static void run_task(void *arg, unsigned i)
     }
 }
 
-void dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned threads)
+struct dt_part dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned threads)
 {
     struct plan w = {.d = d, .threads = threads, .limit = d->n / (threads * TASKS_PER_THREAD)};
     if (w.limit < DT_BLOCK)
         w.limit = DT_BLOCK;
-    plan_range(&w, (struct dt_source){in, NULL}, 0, d->n, 0);
+    struct dt_part all = {0};
+    uint32_t root = plan_range(&w, (struct dt_source){in, NULL}, 0, d->n, 0);
     w.task = dt_array_new(w.tasks, sizeof *w.task);
     if (w.task == NULL)
         dt_division_fail(d, DT_NOMEM);
@@ -142,8 +143,10 @@ void dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned 
             if (w.node[i].level != NULL)
                 w.task[n++] = i;
         d->opt->pool->run(d->opt->pool->ctx, n, run_task, &w);
+        all = w.node[root].part;
     }
     dt_array_free(w.task);
     dt_array_free(w.node);
     dt_arena_clear(&w.arena);
+    return all;
 }

@@ -404,7 +404,6 @@ enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struc
 {
     struct dt_hints made = {0};
     dt_hints_clear(g);
-    dt_hull_settle(m, xy);
     m->recycled = false;
     if (m->vertices < 2)
         return DT_OK;

@@ -34,9 +34,9 @@ struct dt_hints {
 /* *g must be zeroed or cleared. */
 void dt_hints_clear(struct dt_hints *g);
 
-/* Finishes a mesh that was just built, of which every vertex v has coordinates xy[v], for queries:
- * settles its hull (core/hull.h) and builds the grid. *g is cleared first, and left so on DT_NOMEM.
- * Vertices that are in no triangle must have DT_NONE in leaving[]. Cost: linear. */
+/* Builds the grid for a settled mesh of which every vertex v has coordinates xy[v]. *g is cleared
+ * first, and left so on DT_NOMEM. Vertices that are in no triangle must have DT_NONE in leaving[].
+ * Cost: linear. */
 enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy);
 
 /* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is

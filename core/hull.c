@@ -35,13 +35,15 @@ void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy)
     dt_hull_settle_from(m, dt_base(h));
 }
 
-void dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost)
+uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost)
 {
-    uint32_t g = m->hull = ghost;
+    uint32_t g = m->hull = ghost, ghosts = 0;
     do {
+        ghosts++;
         m->leaving[dt_hull_vertex(m, g)] = g + 1;
         g = dt_hull_step(m, g, false);
     } while (g != m->hull);
+    return ghosts;
 }
 
 /* Of the two ends of a line, the one with the smaller id, or the other one. */

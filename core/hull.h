@@ -19,8 +19,8 @@
  * leaving[]. Cost: O(hull), and a descent to the leftmost vertex. */
 void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy);
 
-/* The same when a ghost is known. Cost: O(hull). */
-void dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost);
+/* The same when a ghost is known. Returns the number of ghosts. Cost: O(hull). */
+uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost);
 
 /* Whether the vertex v of a settled mesh lies on the hull. */
 static inline bool dt_on_hull(const struct dt_mesh *m, uint32_t v)

@@ -196,6 +196,7 @@ INLINE struct candidate clear_right(const struct knitting *w, struct dt_point l,
         link(w, t, beyond_top);
         link(w, t + 1, out);
         link(w, t + 2, rc + 1);
+        w->leaving[v.v] = out - 2;
         v = x;
         edge = beyond_side;
     }
@@ -237,8 +238,10 @@ INLINE void knit(const struct knitting *w, bool left_single, bool right_single, 
     uint32_t rc = right_single ? 0 : ghost_after(w, gr);
 
     set_ghost(w, bot, r, l);
-    if (!left_single)
+    if (!left_single) {
         link(w, bot + 1, gl + 2);
+        w->leaving[l] = gl;
+    }
     if (!right_single)
         link(w, bot + 2, gr + 1);
 
@@ -268,6 +271,7 @@ INLINE void knit(const struct knitting *w, bool left_single, bool right_single, 
             w->half[lc + 2] = r;
             link(w, lc + 1, base);
             base = lc + 2;
+            w->leaving[u.v] = lc;
             l = u.v;
             pl = u.p;
             lc = next;
@@ -276,6 +280,7 @@ INLINE void knit(const struct knitting *w, bool left_single, bool right_single, 
             w->half[rc + 2] = l;
             link(w, rc + 2, base);
             base = rc + 1;
+            w->leaving[v.v] = next;
             r = v.v;
             pr = v.p;
             rc = next;
@@ -285,8 +290,6 @@ INLINE void knit(const struct knitting *w, bool left_single, bool right_single, 
     link(w, top, base);
     link(w, top + 1, right_single ? bot + 2 : rc + 2);
     link(w, top + 2, left_single ? bot + 1 : lc + 1);
-    if (!right_single)
-        w->leaving[r] = rc;
 }
 
 /* The common case and the others, each compiled on its own with its conditions decided. */

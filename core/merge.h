@@ -11,8 +11,8 @@
 
 /* What merges work on. The mesh's records 2 lo .. 2 hi - 1 and leaving[lo .. hi) belong to whoever
  * works on the range [lo, hi), so that ranges that do not overlap may be worked on at the same
- * time. While a range is being built, leaving[] of a hull vertex is mostly the ghost that starts
- * there; it may be out of date. */
+ * time. leaving[v] is always a half edge that leaves v; of a hull vertex it is mostly the ghost that
+ * starts there, on a line maybe a triangle that was once. */
 struct dt_merging {
     const struct dt_point *p; /* borrowed, by vertex */
     struct dt_mesh *mesh;     /* borrowed; only half[] and leaving[] are used */

@@ -31,6 +31,7 @@
 #include <stdlib.h>
 
 #include "core/apex.h"
+#include "core/hull.h"
 #include "core/predicates.h"
 
 /* What searches may cost in all, in points looked at: so much, and so much more for each point of
@@ -304,6 +305,8 @@ enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struc
     }
     if (n >= 2 && status == DT_OK)
         status = triangulate(&s, in, n, p, from, opt);
+    if (status == DT_OK)
+        dt_hull_settle(m, p);
     if (status != DT_OK)
         dt_mesh_clear(m);
     return status;

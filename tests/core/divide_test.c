@@ -54,7 +54,7 @@ static void check_built(const struct built *b)
 {
     const struct dt_mesh *m = &b->mesh;
     CHECK(m->vertices == b->n && m->tri_end == (b->n < 2 ? 0 : 2 * b->n - 2) && m->dead == 0);
-    mesh_check(m, b->p, false);
+    mesh_check(m, b->p);
     for (uint32_t v = 0; v < b->n; v++)
         CHECK(compare_points(&b->p[v], &b->in[b->from[v]]) == 0);
 }

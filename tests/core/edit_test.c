@@ -88,7 +88,7 @@ TEST(edits_on_small_lattices_keep_the_mesh_canonical)
                 CHECK(insert(&e, q) == DT_OK);
             else
                 delete_random(&e, side * height);
-            mesh_check(&e.mesh, e.xy, true);
+            mesh_check(&e.mesh, e.xy);
         }
         edited_clear(&e);
     }
@@ -103,11 +103,11 @@ TEST(edits_on_every_family_keep_the_mesh_canonical)
         edited_init(&e);
         for (unsigned i = 0; i < 120; i++) {
             CHECK(insert(&e, p[i]) == DT_OK);
-            mesh_check(&e.mesh, e.xy, true);
+            mesh_check(&e.mesh, e.xy);
         }
         while (e.n > 0) {
             delete_random(&e, 120);
-            mesh_check(&e.mesh, e.xy, true);
+            mesh_check(&e.mesh, e.xy);
         }
         edited_clear(&e);
     }
@@ -127,11 +127,11 @@ TEST(removing_the_hub_of_a_large_wheel_fills_its_hole)
         for (unsigned i = 0; i < 4; i++) {
             uint32_t before = e.n;
             CHECK(insert(&e, hubs[i]) == DT_OK);
-            mesh_check(&e.mesh, e.xy, true);
+            mesh_check(&e.mesh, e.xy);
             for (uint32_t v = 0; v < MAX && e.n > before; v++)
                 if (e.in[v] && dt_compare_xy(e.xy[v], hubs[i]) == 0)
                     CHECK(delete (&e, v) == DT_OK);
-            mesh_check(&e.mesh, e.xy, true);
+            mesh_check(&e.mesh, e.xy);
         }
         edited_clear(&e);
     }
@@ -147,7 +147,7 @@ TEST(edits_out_of_memory_leave_the_mesh_as_it_was)
             test_fail_alloc(1 + (long)test_below(2));
             insert(&e, q);
             test_fail_alloc(0);
-            mesh_check(&e.mesh, e.xy, true);
+            mesh_check(&e.mesh, e.xy);
         }
         edited_clear(&e);
     }
@@ -169,7 +169,7 @@ TEST(removing_a_large_star_out_of_memory_leaves_the_mesh_as_it_was)
         test_fail_alloc(nth);
         enum dt_status status = delete (&e, hub);
         test_fail_alloc(0);
-        mesh_check(&e.mesh, e.xy, true);
+        mesh_check(&e.mesh, e.xy);
         if (status == DT_OK)
             break;
     }

@@ -35,7 +35,7 @@ static bool check_triangle(const struct dt_mesh *m, const struct dt_point *xy, u
     return true;
 }
 
-static uint32_t count_vertices(const struct dt_mesh *m, bool settled)
+static uint32_t count_vertices(const struct dt_mesh *m)
 {
     uint32_t n = 0, hull = 0;
     for (uint32_t v = 0; v < m->vert_cap; v++) {
@@ -46,13 +46,12 @@ static uint32_t count_vertices(const struct dt_mesh *m, bool settled)
         hull += dt_dest(m, h) == DT_NONE;
         n++;
     }
-    if (settled)
-        CHECK_MSG(hull == dt_mesh_hull(m), "%u vertices leave to infinity, %u are on the hull",
-                  hull, dt_mesh_hull(m));
+    CHECK_MSG(hull == dt_mesh_hull(m), "%u vertices leave to infinity, %u are on the hull", hull,
+              dt_mesh_hull(m));
     return n;
 }
 
-void mesh_check(const struct dt_mesh *m, const struct dt_point *xy, bool settled)
+void mesh_check(const struct dt_mesh *m, const struct dt_point *xy)
 {
     uint32_t live = 0, ghosts = 0;
     for (uint32_t t = 0; t < m->tri_end; t++) {
@@ -65,7 +64,6 @@ void mesh_check(const struct dt_mesh *m, const struct dt_point *xy, bool settled
     CHECK(live == (m->vertices < 2 ? 0 : 2 * m->vertices - 2));
     if (m->vertices < 2)
         return;
-    CHECK(count_vertices(m, settled) == m->vertices);
-    if (settled)
-        CHECK(!dt_is_dead(m, m->hull) && (m->hull & 7) == 0 && dt_is_ghost(m, m->hull));
+    CHECK(count_vertices(m) == m->vertices);
+    CHECK(!dt_is_dead(m, m->hull) && (m->hull & 7) == 0 && dt_is_ghost(m, m->hull));
 }

@@ -6,8 +6,8 @@
 #include "core/mesh.h"
 
 /* Fails the test unless m is a closed surface of the right size over its vertices (those with
- * leaving[] set, or one alone), Delaunay everywhere under the tie rule, with a convex hull.
- * `settled`: leaving[] of hull vertices goes to infinity, too. */
-void mesh_check(const struct dt_mesh *m, const struct dt_point *xy, bool settled);
+ * leaving[] set, or one alone), Delaunay everywhere under the tie rule, with a convex hull, and
+ * settled (core/hull.h). */
+void mesh_check(const struct dt_mesh *m, const struct dt_point *xy);
 
 #endif
