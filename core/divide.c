@@ -17,6 +17,7 @@
 
 #include <string.h>
 
+#include "core/block.h"
 #include "core/divide_level.h"
 #include "core/hull.h"
 #include "core/memory.h"
@@ -24,22 +25,9 @@
 static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena,
                                    struct dt_source src, uint32_t lo, uint32_t n, unsigned skew);
 
-/* A handful of points: sorted by insertion, triangulated by halves. */
 static struct dt_part divide_block(struct dt_division *d, uint32_t lo, uint32_t n)
 {
-    struct dt_point *p = d->p + lo;
-    uint32_t *from = d->from + lo;
-    for (uint32_t i = 1; i < n; i++) {
-        struct dt_point q = p[i];
-        uint32_t f = from[i], j = i;
-        for (; j > 0 && dt_before_x(q, p[j - 1]); j--) {
-            p[j] = p[j - 1];
-            from[j] = from[j - 1];
-        }
-        p[j] = q;
-        from[j] = f;
-    }
-    return dt_merge_block(&d->merging, lo, lo + n);
+    return dt_block(&d->merging, d->p, d->from, lo, n);
 }
 
 static bool stopped(struct dt_division *d)

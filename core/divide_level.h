@@ -5,10 +5,10 @@
 #ifndef DT_DIVIDE_LEVEL_H
 #define DT_DIVIDE_LEVEL_H
 
+#include "core/block.h"
 #include "core/merge.h"
 #include "core/order.h"
 
-#define DT_BLOCK 6u /* ranges of at most so many points are triangulated without a grid */
 #define DT_POINTS_PER_CELL 2.0
 #define DT_TILE 8192u /* points of a tile, which fits the second-level cache with its triangles */
 #define DT_TILED (1u << 18) /* ranges of more points than this are sorted into tiles first */

@@ -52,16 +52,10 @@
  * that dt_coordinate_ok accepts. */
 #include "core/merge.h"
 
+#include <math.h>
+
+#include "core/knit.h"
 #include "core/predicates.h"
-
-#define INLINE static inline __attribute__((always_inline))
-
-/* One merge's view of the arrays, in registers. */
-struct knitting {
-    const struct dt_point *p;
-    uint32_t *half, *leaving;
-    double cr_bound, det_bound; /* below these, signs are uncertain */
-};
 
 /* A candidate to be joined to the base. */
 struct candidate {
@@ -71,43 +65,38 @@ struct candidate {
     bool above; /* the base */
 };
 
-INLINE void link(const struct knitting *w, uint32_t h, uint32_t twin)
+INLINE size_t base_of(size_t h)
 {
-    w->half[h + 4] = twin;
-    w->half[twin + 4] = h;
+    return h & ~(size_t)7;
 }
 
-INLINE uint32_t twin(const struct knitting *w, uint32_t h)
+INLINE size_t next_of(size_t h)
 {
-    return w->half[h + 4];
+    return h + 1 - 3 * (h >> 1 & 1);
 }
 
-/* Makes the record at t the ghost beyond the hull edge b->a. */
-INLINE void set_ghost(const struct knitting *w, uint32_t t, uint32_t a, uint32_t b)
+INLINE size_t prev_of(size_t h)
 {
-    w->half[t] = a;
-    w->half[t + 1] = b;
-    w->half[t + 2] = DT_NONE;
-    w->leaving[a] = t;
+    return h + 2 - 3 * ((h | h >> 1) & 1);
 }
 
 /* The ghosts of the hull form a ring: the one that ends where g starts, and the one that starts
  * where it ends. */
-INLINE uint32_t ghost_before(const struct knitting *w, uint32_t g)
+INLINE size_t ghost_before(const struct knitting *w, size_t g)
 {
-    return twin(w, g + 2) - 1;
+    return knit_twin(w, g + 2) - 1;
 }
 
-INLINE uint32_t ghost_after(const struct knitting *w, uint32_t g)
+INLINE size_t ghost_after(const struct knitting *w, size_t g)
 {
-    return twin(w, g + 1) - 2;
+    return knit_twin(w, g + 1) - 2;
 }
 
 /* The ghost that starts at hull vertex v; some ghost of the same hull helps if leaving[v] is out of
  * date. */
-INLINE uint32_t ghost_from(const struct knitting *w, uint32_t v, uint32_t some)
+INLINE size_t ghost_from(const struct knitting *w, uint32_t v, size_t some)
 {
-    uint32_t g = w->leaving[v];
+    size_t g = w->leaving[v];
     if (__builtin_expect(w->half[g] == v && w->half[g + 2] == DT_NONE, 1))
         return g;
     for (g = some; w->half[g] != v;)
@@ -136,7 +125,7 @@ INLINE struct candidate look_at(const struct knitting *w, struct dt_point l, str
 INLINE bool is_above(const struct knitting *w, struct dt_point l, struct dt_point r,
                      const struct candidate *c)
 {
-    if (__builtin_expect(c->cr <= w->cr_bound && c->cr >= -w->cr_bound, 0))
+    if (__builtin_expect(fabs(c->cr) <= w->cr_bound, 0))
         return dt_orient2d(l, r, c->p) > 0;
     return c->cr > 0;
 }
@@ -146,7 +135,7 @@ INLINE bool in_circle(const struct knitting *w, struct dt_point l, struct dt_poi
                       const struct candidate *c, const struct candidate *x)
 {
     double det = c->dt * x->cr - x->dt * c->cr;
-    if (__builtin_expect(det <= w->det_bound && det >= -w->det_bound, 0))
+    if (__builtin_expect(fabs(det) <= w->det_bound, 0))
         return dt_incircle_perturbed(l, r, c->p, x->p) > 0;
     return det > 0;
 }
@@ -154,24 +143,25 @@ INLINE bool in_circle(const struct knitting *w, struct dt_point l, struct dt_poi
 /* Deletes edges l-u of L, beyond the ghost lc, as long as the next neighbour of l is a better
  * candidate; returns that. */
 INLINE struct candidate clear_left(const struct knitting *w, struct dt_point l, struct dt_point r,
-                                   uint32_t lc, struct candidate u)
+                                   size_t lc, struct candidate u)
 {
-    uint32_t edge = twin(w, lc); /* l->u, in the triangle (l, u, x) */
+    size_t edge = knit_twin(w, lc); /* l->u, in the triangle (l, u, x) */
     for (;;) {
-        uint32_t t = dt_base(edge), side = dt_prev(edge), top = dt_next(edge);
+        size_t t = base_of(edge), side = prev_of(edge), top = next_of(edge);
         if (w->half[side] == DT_NONE)
             return u;
         struct candidate x = look_at(w, l, r, w->half[side]);
         if (!in_circle(w, l, r, &u, &x))
             return u;
-        uint32_t beyond_top = twin(w, top), beyond_side = twin(w, side), out = twin(w, lc + 2);
+        size_t beyond_top = knit_twin(w, top), beyond_side = knit_twin(w, side),
+               out = knit_twin(w, lc + 2);
         w->half[lc] = x.v;
-        link(w, lc, beyond_side);
-        set_ghost(w, t, u.v, x.v);
-        link(w, t, beyond_top);
-        link(w, t + 1, lc + 2);
-        link(w, t + 2, out);
-        w->leaving[x.v] = lc;
+        knit_link(w, lc, beyond_side);
+        knit_ghost(w, t, u.v, x.v);
+        knit_link(w, t, beyond_top);
+        knit_link(w, t + 1, lc + 2);
+        knit_link(w, t + 2, out);
+        w->leaving[x.v] = (uint32_t)lc;
         u = x;
         edge = beyond_side;
     }
@@ -179,24 +169,25 @@ INLINE struct candidate clear_left(const struct knitting *w, struct dt_point l, 
 
 /* The mirror image: edges r-v of R, beyond the ghost rc. */
 INLINE struct candidate clear_right(const struct knitting *w, struct dt_point l, struct dt_point r,
-                                    uint32_t rc, struct candidate v)
+                                    size_t rc, struct candidate v)
 {
-    uint32_t edge = twin(w, rc); /* v->r, in the triangle (v, r, x) */
+    size_t edge = knit_twin(w, rc); /* v->r, in the triangle (v, r, x) */
     for (;;) {
-        uint32_t t = dt_base(edge), top = dt_prev(edge), side = dt_next(edge);
+        size_t t = base_of(edge), top = prev_of(edge), side = next_of(edge);
         if (w->half[top] == DT_NONE)
             return v;
         struct candidate x = look_at(w, l, r, w->half[top]);
         if (!in_circle(w, l, r, &v, &x))
             return v;
-        uint32_t beyond_side = twin(w, side), beyond_top = twin(w, top), out = twin(w, rc + 1);
+        size_t beyond_side = knit_twin(w, side), beyond_top = knit_twin(w, top),
+               out = knit_twin(w, rc + 1);
         w->half[rc + 1] = x.v;
-        link(w, rc, beyond_side);
-        set_ghost(w, t, x.v, v.v);
-        link(w, t, beyond_top);
-        link(w, t + 1, out);
-        link(w, t + 2, rc + 1);
-        w->leaving[v.v] = out - 2;
+        knit_link(w, rc, beyond_side);
+        knit_ghost(w, t, x.v, v.v);
+        knit_link(w, t, beyond_top);
+        knit_link(w, t + 1, out);
+        knit_link(w, t + 2, rc + 1);
+        w->leaving[v.v] = (uint32_t)out - 2;
         v = x;
         edge = beyond_side;
     }
@@ -205,7 +196,7 @@ INLINE struct candidate clear_right(const struct knitting *w, struct dt_point l,
 /* Finds the lower common tangent: moves *l and *r down their hulls, with gl the ghost that starts
  * at l and gr the one that ends at r. */
 INLINE void descend(const struct knitting *w, bool left_single, bool right_single, uint32_t *l,
-                    uint32_t *r, uint32_t *gl, uint32_t *gr)
+                    uint32_t *r, size_t *gl, size_t *gr)
 {
     struct dt_point pl = w->p[*l], pr = w->p[*r];
     bool moved;
@@ -229,23 +220,23 @@ INLINE void descend(const struct knitting *w, bool left_single, bool right_singl
 /* The merge proper; l and r are the last vertex of the left part and the first one of the right.
  * Single points have no ghosts. */
 INLINE void knit(const struct knitting *w, bool left_single, bool right_single, uint32_t l,
-                 uint32_t r, uint32_t some_l, uint32_t some_r, uint32_t bot, uint32_t top)
+                 uint32_t r, size_t some_l, size_t some_r, size_t bot, size_t top)
 {
-    uint32_t gl = left_single ? 0 : ghost_from(w, l, some_l);
-    uint32_t gr = right_single ? 0 : ghost_before(w, ghost_from(w, r, some_r));
+    size_t gl = left_single ? 0 : ghost_from(w, l, some_l);
+    size_t gr = right_single ? 0 : ghost_before(w, ghost_from(w, r, some_r));
     descend(w, left_single, right_single, &l, &r, &gl, &gr);
-    uint32_t lc = left_single ? 0 : ghost_before(w, gl);
-    uint32_t rc = right_single ? 0 : ghost_after(w, gr);
+    size_t lc = left_single ? 0 : ghost_before(w, gl);
+    size_t rc = right_single ? 0 : ghost_after(w, gr);
 
-    set_ghost(w, bot, r, l);
+    knit_ghost(w, bot, r, l);
     if (!left_single) {
-        link(w, bot + 1, gl + 2);
-        w->leaving[l] = gl;
+        knit_link(w, bot + 1, gl + 2);
+        w->leaving[l] = (uint32_t)gl;
     }
     if (!right_single)
-        link(w, bot + 2, gr + 1);
+        knit_link(w, bot + 2, gr + 1);
 
-    uint32_t base = bot; /* the half edge r->l below the gap */
+    size_t base = bot; /* the half edge r->l below the gap */
     struct dt_point pl = w->p[l], pr = w->p[r];
     for (;;) {
         struct candidate u = {0}, v = {0};
@@ -267,29 +258,29 @@ INLINE void knit(const struct knitting *w, bool left_single, bool right_single, 
         else if (!take_left && !take_right)
             break;
         if (take_left) {
-            uint32_t next = ghost_before(w, lc);
+            size_t next = ghost_before(w, lc);
             w->half[lc + 2] = r;
-            link(w, lc + 1, base);
+            knit_link(w, lc + 1, base);
             base = lc + 2;
-            w->leaving[u.v] = lc;
+            w->leaving[u.v] = (uint32_t)lc;
             l = u.v;
             pl = u.p;
             lc = next;
         } else {
-            uint32_t next = ghost_after(w, rc);
+            size_t next = ghost_after(w, rc);
             w->half[rc + 2] = l;
-            link(w, rc + 2, base);
+            knit_link(w, rc + 2, base);
             base = rc + 1;
-            w->leaving[v.v] = next;
+            w->leaving[v.v] = (uint32_t)next;
             r = v.v;
             pr = v.p;
             rc = next;
         }
     }
-    set_ghost(w, top, l, r);
-    link(w, top, base);
-    link(w, top + 1, right_single ? bot + 2 : rc + 2);
-    link(w, top + 2, left_single ? bot + 1 : lc + 1);
+    knit_ghost(w, top, l, r);
+    knit_link(w, top, base);
+    knit_link(w, top + 1, right_single ? bot + 2 : rc + 2);
+    knit_link(w, top + 2, left_single ? bot + 1 : lc + 1);
 }
 
 /* The common case and the others, each compiled on its own with its conditions decided. */
@@ -315,15 +306,8 @@ static __attribute__((noinline)) void knit_single(const struct knitting *w, bool
         knit(&local, false, true, l, r, some_l, some_r, bot, top);
 }
 
-static struct knitting knitting_of(const struct dt_merging *w, double side)
-{
-    double area = side * side;
-    return (struct knitting){w->p, w->mesh->half, w->mesh->leaving, 1e-15 * area,
-                             1e-14 * area * area};
-}
-
-static inline void merge_ranges(const struct knitting *w, uint32_t l, uint32_t r, uint32_t nl,
-                                uint32_t nr, uint32_t some_l, uint32_t some_r, uint32_t mid)
+void dt_knit(const struct knitting *w, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
+             uint32_t some_l, uint32_t some_r, uint32_t mid)
 {
     uint32_t bot = 16 * mid - 16, top = 16 * mid - 8;
     if (__builtin_expect(nl > 1 && nr > 1, 1))
@@ -351,93 +335,8 @@ struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *
     double width = p[c.right].x - p[c.left].x, height = p[c.top].y - p[c.bottom].y;
     struct knitting k = knitting_of(w, width > height ? width : height);
     if (axis == 0)
-        merge_ranges(&k, a->right, b->left, a->n, b->n, a->ghost, b->ghost, mid);
+        dt_knit(&k, a->right, b->left, a->n, b->n, a->ghost, b->ghost, mid);
     else
-        merge_ranges(&k, a->top, b->bottom, a->n, b->n, a->ghost, b->ghost, mid);
-    return c;
-}
-
-/* ---- blocks ---- */
-
-/* Two points: one edge, a ghost on either side. Returns a ghost, as do the next two. */
-static uint32_t base_of_two(const struct knitting *w, uint32_t a)
-{
-    uint32_t t = 16 * a, s = t + 8, b = a + 1;
-    set_ghost(w, t, b, a);
-    set_ghost(w, s, a, b);
-    link(w, t, s);
-    link(w, t + 1, s + 2);
-    link(w, t + 2, s + 1);
-    return t;
-}
-
-/* The ghosts g[0 .. n-1] follow one another around a hull. */
-static void close_ring(const struct knitting *w, const uint32_t *g, unsigned n)
-{
-    for (unsigned i = 0; i < n; i++)
-        link(w, g[i] + 2, g[(i + 1) % n] + 1);
-}
-
-/* Three points: a triangle and three ghosts, or a line with four. */
-static uint32_t base_of_three(const struct knitting *w, uint32_t lo)
-{
-    uint32_t a = lo, b = lo + 1, c = lo + 2, t = 16 * lo;
-    uint32_t g[4] = {t + 8, t + 16, t + 24, t};
-    int turn = dt_orient2d(w->p[a], w->p[b], w->p[c]);
-    if (turn == 0) {
-        set_ghost(w, g[0], b, a);
-        set_ghost(w, g[1], c, b);
-        set_ghost(w, g[2], b, c);
-        set_ghost(w, g[3], a, b);
-        link(w, g[0], g[3]);
-        link(w, g[1], g[2]);
-        close_ring(w, g, 4);
-        return g[0];
-    }
-    if (turn < 0) {
-        uint32_t swap = b;
-        b = c;
-        c = swap;
-    }
-    w->half[t] = a;
-    w->half[t + 1] = b;
-    w->half[t + 2] = c;
-    set_ghost(w, g[0], b, a);
-    set_ghost(w, g[1], c, b);
-    set_ghost(w, g[2], a, c);
-    for (unsigned i = 0; i < 3; i++)
-        link(w, t + i, g[i]);
-    close_ring(w, g, 3);
-    return g[0];
-}
-
-static uint32_t halve(const struct knitting *w, uint32_t lo, uint32_t hi)
-{
-    uint32_t n = hi - lo;
-    if (n == 2)
-        return base_of_two(w, lo);
-    if (n == 3)
-        return base_of_three(w, lo);
-    if (n == 1)
-        return 0;
-    uint32_t mid = (lo + hi) / 2;
-    uint32_t some_l = halve(w, lo, mid), some_r = halve(w, mid, hi);
-    merge_ranges(w, mid - 1, mid, mid - lo, hi - mid, some_l, some_r, mid);
-    return 16 * mid - 8;
-}
-
-struct dt_part dt_merge_block(const struct dt_merging *w, uint32_t lo, uint32_t hi)
-{
-    const struct dt_point *p = w->p;
-    struct dt_part c = {.n = hi - lo, .left = lo, .right = hi - 1, .bottom = lo, .top = lo};
-    for (uint32_t v = lo + 1; v < hi; v++) {
-        if (dt_before_y(p[v], p[c.bottom]))
-            c.bottom = v;
-        if (dt_before_y(p[c.top], p[v]))
-            c.top = v;
-    }
-    double width = p[c.right].x - p[c.left].x, height = p[c.top].y - p[c.bottom].y;
-    struct knitting k = knitting_of(w, width > height ? width : height);
-    c.ghost = halve(&k, lo, hi);
+        dt_knit(&k, a->top, b->bottom, a->n, b->n, a->ghost, b->ghost, mid);
     return c;
 }

@@ -26,9 +26,6 @@ struct dt_part {
     uint32_t ghost;       /* some ghost; unset if n = 1 */
 };
 
-/* Vertices [lo, hi), ascending in (x, y), 0 < hi - lo: triangulates them. Meant for a handful. */
-struct dt_part dt_merge_block(const struct dt_merging *w, uint32_t lo, uint32_t hi);
-
 /* Joins a and b, the parts of [lo, mid) and [mid, hi). Every point of a precedes every point of b,
  * by (x, y) if axis is 0, by (y, -x) if it is 1. */
 struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *a,

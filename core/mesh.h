@@ -72,14 +72,16 @@ static inline uint32_t dt_twin(const struct dt_mesh *m, uint32_t h)
     return m->half[h + 4];
 }
 
+/* The next half edge of the triangle, and the one before: in arithmetic, since which of its
+ * triangle's edges h is nobody can predict. */
 static inline uint32_t dt_next(uint32_t h)
 {
-    return (h & 3) == 2 ? h - 2 : h + 1;
+    return h + 1 - 3 * (h >> 1 & 1);
 }
 
 static inline uint32_t dt_prev(uint32_t h)
 {
-    return (h & 3) == 0 ? h + 2 : h - 1;
+    return h + 2 - 3 * ((h | h >> 1) & 1);
 }
 
 static inline uint32_t dt_dest(const struct dt_mesh *m, uint32_t h)

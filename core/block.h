@@ -1,0 +1,14 @@
+/* block.h - the triangulation of a handful of points, with which divide and conquer begins. */
+#ifndef DT_BLOCK_H
+#define DT_BLOCK_H
+
+#include "core/merge.h"
+
+#define DT_BLOCK 6u /* points of the largest block */
+
+/* Triangulates the vertices lo .. lo + n - 1, 0 < n <= DT_BLOCK; w->p and `from` are the same
+ * points and where they come from, and are put in order of (x, y). */
+struct dt_part dt_block(const struct dt_merging *w, struct dt_point *p, uint32_t *from, uint32_t lo,
+                        uint32_t n);
+
+#endif

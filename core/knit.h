@@ -1,0 +1,58 @@
+/* knit.h - what merge.c and block.c share: the arrays of one merge, and the smallest moves on them. */
+#ifndef DT_KNIT_H
+#define DT_KNIT_H
+
+#include "core/merge.h"
+
+#define INLINE static inline __attribute__((always_inline))
+
+/* One merge's view of the arrays, in registers. */
+struct knitting {
+    const struct dt_point *p;
+    uint32_t *half, *leaving;
+    double cr_bound, det_bound; /* below these, signs are uncertain: see merge.c */
+};
+
+/* `side` is the longer side of the box of all points concerned. */
+INLINE struct knitting knitting_of(const struct dt_merging *w, double side)
+{
+    double area = side * side;
+    return (struct knitting){w->p, w->mesh->half, w->mesh->leaving, 1e-15 * area,
+                             1e-14 * area * area};
+}
+
+/* Half edges are size_t in here, although they have 32 bits: h + 4 is then part of an address, and
+ * no sum has to be cut to 32 bits first. */
+
+INLINE void knit_link(const struct knitting *w, size_t h, size_t twin)
+{
+    w->half[h + 4] = (uint32_t)twin;
+    w->half[twin + 4] = (uint32_t)h;
+}
+
+INLINE size_t knit_twin(const struct knitting *w, size_t h)
+{
+    return w->half[h + 4];
+}
+
+INLINE void knit_triangle(const struct knitting *w, size_t t, uint32_t a, uint32_t b, uint32_t c)
+{
+    w->half[t] = a;
+    w->half[t + 1] = b;
+    w->half[t + 2] = c;
+}
+
+/* Makes the record at t the ghost beyond the hull edge b->a. */
+INLINE void knit_ghost(const struct knitting *w, size_t t, uint32_t a, uint32_t b)
+{
+    knit_triangle(w, t, a, b, DT_NONE);
+    w->leaving[a] = (uint32_t)t;
+}
+
+/* Joins the nl vertices before mid, of which l is the last one along the cut, with the nr vertices
+ * from mid on, of which r is the first one. some_l and some_r are ghosts of theirs; one vertex
+ * alone has none. The ghosts of the two new hull edges are the records 2 mid - 2 and 2 mid - 1. */
+void dt_knit(const struct knitting *w, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
+             uint32_t some_l, uint32_t some_r, uint32_t mid);
+
+#endif
