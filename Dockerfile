@@ -17,5 +17,5 @@ RUN useradd --system --no-create-home delaunayd && install -d -o delaunayd -g de
 USER delaunayd
 VOLUME /data
 EXPOSE 6374
-HEALTHCHECK --interval=10s CMD ["delaunay", "ping"]
+HEALTHCHECK --interval=10s CMD ["delaunay", "-h", "127.0.0.1", "ping"]
 ENTRYPOINT ["delaunayd", "--data", "/data", "--bind", "0.0.0.0", "--insecure"]

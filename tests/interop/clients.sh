@@ -133,6 +133,7 @@ count "the Python package" env DELAUNAYD="$build/delaunayd" "$python" -m unittes
     -s clients/python/tests -t clients/python
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test
+count "the Dockerfile" tests/interop/image.sh "$1"
 haproxy_shards
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
