@@ -71,6 +71,13 @@ $(O)/tests/bench/durable: $(O)/tests/bench/durable.o
 bench-durable: all $(O)/tests/bench/durable
 	@POINTS=$(or $(POINTS),10000000) tests/bench/durable.sh $(O) | tee $(O)/bench-durable.md
 
+# ---- bench-clients: the command line beside qdelaunay, Python beside SciPy, both framings; POINTS=100000 is quicker, TABLES=framings
+# ---- does less ----
+
+.PHONY: bench-clients
+bench-clients: all $(O)/tests/bench/points
+	@TABLES="$(filter files arrays framings,$(TABLES))" tests/bench/clients.sh $(O) $(or $(POINTS),1000000) | tee $(O)/bench-clients.md
+
 # ---- lint ----
 
 lint: $(CORE)

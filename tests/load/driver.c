@@ -3,6 +3,7 @@
 
 #include "proto/buf.h"
 #include "proto/reply_read.h"
+#include "tests/load/resp.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
@@ -173,6 +174,19 @@ static void read_lines(struct run *r, struct peer *p, uint64_t now)
     }
 }
 
+static void read_resp(struct run *r, struct peer *p, uint64_t now)
+{
+    bool error;
+    ptrdiff_t took;
+    while ((took = resp_reply(buf_head(&p->in), buf_len(&p->in), &error)) > 0) {
+        buf_consume(&p->in, (size_t)took);
+        r->o->errors += error;
+        count_reply(r, p, now);
+    }
+    if (took < 0)
+        fail(r, "not a reply in RESP");
+}
+
 static void pull_in(struct run *r, struct peer *p)
 {
     char *to = buf_reserve(&p->in, READ_SIZE);
@@ -184,7 +198,9 @@ static void pull_in(struct run *r, struct peer *p)
         return;
     }
     buf_commit(&p->in, (size_t)n);
-    if (r->mix->lines > 0)
+    if (r->mix->resp)
+        read_resp(r, p, driver_now_ns());
+    else if (r->mix->lines > 0)
         read_lines(r, p, driver_now_ns());
     else
         read_ours(r, p, driver_now_ns());

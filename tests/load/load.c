@@ -24,6 +24,7 @@ static const char usage[] =
     "  --points N               first loads so many points and triangulates them\n"
     "  --held N                 the set holds so many points already\n"
     "  --raw                    with --points: without triangulating\n"
+    "  --resp                   in the second framing, as Redis's clients speak\n"
     "  --svg FILE               draws the latencies\n"
     "  --title TEXT             of the row (the mix)\n"
     "  --head                   prints the table's head and does nothing else\n"
@@ -125,6 +126,7 @@ enum {
     POINTS,
     HELD,
     RAW,
+    RESP,
     SVG,
     TITLE,
     HEAD
@@ -142,6 +144,7 @@ static const struct option flags[] = {
     {"points", required_argument, NULL, POINTS},
     {"held", required_argument, NULL, HELD},
     {"raw", no_argument, NULL, RAW},
+    {"resp", no_argument, NULL, RESP},
     {"svg", required_argument, NULL, SVG},
     {"title", required_argument, NULL, TITLE},
     {"head", no_argument, NULL, HEAD},
@@ -186,6 +189,9 @@ static void set_option(struct options *o, int flag, const char *value)
     case RAW:
         o->raw = true;
         break;
+    case RESP:
+        o->mix.resp = true;
+        break;
     case SVG:
         o->svg = value;
         break;
@@ -213,7 +219,9 @@ static bool read_flags(struct options *o, int argc, char **argv)
     if (o->plan.connections == 0 || o->plan.connections > 100000 || o->plan.pipeline == 0 ||
         o->plan.pipeline > 1000000)
         return bad("--connections and --pipeline are numbers from 1");
-    return mix_read(&o->mix, o->mix_text) ? true : bad("--mix names no kinds, or unlike ones");
+    if (!mix_read(&o->mix, o->mix_text) || (o->mix.resp && o->mix.lines > 0))
+        return bad("--mix names no kinds, or unlike ones; --resp is for our own");
+    return true;
 }
 
 static void print_row(const struct options *o, const struct outcome *got)

@@ -2,6 +2,8 @@
  * answered with so many lines, ours with what the status line announces. */
 #include "tests/load/mix.h"
 
+#include "tests/load/resp.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,30 +78,37 @@ static const struct kind *draw(struct mix *m)
     return &kinds[i];
 }
 
-size_t mix_next(struct mix *m, char *to)
+/* A request line. */
+static size_t next_line(struct mix *m, char *to)
 {
     const struct kind *k = draw(m);
     int n = 0;
     switch (k->shape) {
     case PLAIN:
-        n = snprintf(to, MIX_REQUEST_LIMIT, "%s%s", k->head, k->tail);
+        n = snprintf(to, MIX_LINE_LIMIT, "%s%s", k->head, k->tail);
         break;
     case AT_PLACE:
-        n = snprintf(to, MIX_REQUEST_LIMIT, "%s %s %u.%03u %u.%03u%s", k->head, m->set,
+        n = snprintf(to, MIX_LINE_LIMIT, "%s %s %u.%03u %u.%03u%s", k->head, m->set,
                      mix_random(m, MIX_SPAN), mix_random(m, 1000), mix_random(m, MIX_SPAN),
                      mix_random(m, 1000), k->tail);
         break;
     case OF_POINT:
-        n = snprintf(to, MIX_REQUEST_LIMIT, "%s %s %" PRIu32 "%s", k->head, m->set,
+        n = snprintf(to, MIX_LINE_LIMIT, "%s %s %" PRIu32 "%s", k->head, m->set,
                      mix_random(m, m->points > 0 ? m->points : 1), k->tail);
         break;
     case OF_SET:
-        n = snprintf(to, MIX_REQUEST_LIMIT, "%s %s%s", k->head, m->set, k->tail);
+        n = snprintf(to, MIX_LINE_LIMIT, "%s %s%s", k->head, m->set, k->tail);
         break;
     case OF_KEY:
-        n = snprintf(to, MIX_REQUEST_LIMIT, "%s key:%012" PRIu32 "%s", k->head,
+        n = snprintf(to, MIX_LINE_LIMIT, "%s key:%012" PRIu32 "%s", k->head,
                      mix_random(m, m->points > 0 ? m->points : 1), k->tail);
         break;
     }
     return (size_t)n;
+}
+
+size_t mix_next(struct mix *m, char *to)
+{
+    char line[MIX_LINE_LIMIT];
+    return m->resp ? resp_encode(to, line, next_line(m, line)) : next_line(m, to);
 }

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { MIX_KINDS = 9, MIX_REQUEST_LIMIT = 160 };
+enum { MIX_KINDS = 9, MIX_LINE_LIMIT = 160, MIX_REQUEST_LIMIT = 32 + 4 * MIX_LINE_LIMIT };
 
 struct mix {
     const char *set;            /* whose set, borrows */
@@ -14,6 +14,7 @@ struct mix {
     uint32_t weight[MIX_KINDS]; /* of each kind */
     uint32_t weights;           /* their sum; not 0 */
     unsigned lines;             /* of every reply, for a peer of another protocol; 0: ours */
+    bool resp;                  /* ours, in the second framing */
     uint64_t state;             /* of the random numbers */
 };
 
