@@ -92,6 +92,19 @@ static unsigned how_to_build(const struct server *s, const struct dt_summary *su
     return JOB_HEAVY | (room ? JOB_COPY : 0u);
 }
 
+bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,
+                      struct answer *a)
+{
+    enum dt_method method;
+    struct job *j = set->writer;
+    if (j->run != run_triangulate || j->cancel)
+        return false;
+    if (!read_method(a, q, &method))
+        return true;
+    bool same = q->n == 2 || (j->options.rebuild && j->options.method == method);
+    return same && job_join(s, a, j);
+}
+
 void cmd_triangulate(struct server *s, struct dataset *set, const struct request *q,
                      struct answer *a)
 {
@@ -148,6 +161,9 @@ static void check_done(struct server *s, struct job *j, struct answer *a)
 void cmd_check(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)q;
+    for (struct job *j = s->jobs; j != NULL; j = j->next)
+        if (j->run == run_check && j->base == set->current && !j->cancel && job_join(s, a, j))
+            return;
     struct build *b = job_new(sizeof *b, run_check, check_done);
     if (b == NULL) {
         answer_out_of_memory(a);

@@ -138,7 +138,7 @@ static void kill_one(struct server *s, struct answer *a, struct session *victim)
 static void kill_clients(struct server *s, const struct request *q, struct answer *a)
 {
     const struct clients *c = s->clients;
-    struct target target;
+    struct target target = {0};
     uint64_t n = 0;
     if (!read_target(q, &target)) {
         usage(a, q);

@@ -174,14 +174,15 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
 
 /* Whether the set's state allows the command now. */
 static bool check_state(struct server *s, struct answer *a, const struct command *c,
-                        struct dataset *set)
+                        const struct request *q, struct dataset *set)
 {
     if (!durable_admits(s, a, set, (c->flags & CMD_WRITE) != 0, (c->flags & CMD_FREES) != 0))
         return false;
     if (set == NULL)
         return true;
     if ((c->flags & CMD_WRITE) != 0 ? set->writer != NULL : set->exclusive) {
-        a->wait = set;
+        if (c->handler != cmd_triangulate || !triangulate_join(s, set, q, a))
+            a->wait = set;
         return false;
     }
     if ((c->flags & CMD_LIVE) != 0 && !set->current->sum.triangulated) {
@@ -204,7 +205,7 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
     } else if (!check_words(a, c, q) || !check_role(a, c) || !check_loaded(s, a, c) ||
                !check_set(s, a, c, q, &set)) {
         a->close = (c->flags & CMD_BODY) != 0;
-    } else if ((c->flags & CMD_BODY) != 0 || check_state(s, a, c, set)) {
+    } else if ((c->flags & CMD_BODY) != 0 || check_state(s, a, c, q, set)) {
         /* A request with a body waits for its set when the body is there. */
         c->handler(s, set, q, a);
     }

@@ -71,13 +71,19 @@ command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                       
 command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
 command_handler cmd_load, cmd_loadb;                                             /* cmd_load.c */
 command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
-command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                   /* cmd_query.c */
-command_handler cmd_locate, cmd_nearest, cmd_within;                             /* cmd_query.c */
-command_handler cmd_trace;                                                       /* cmd_trace.c */
-command_handler cmd_snapshot;                                                    /* durable.c */
-command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_quit;               /* cmd_admin.c */
-command_handler cmd_info;                                                        /* cmd_info.c */
-command_handler cmd_client, cmd_slowlog;                                         /* cmd_client.c */
-command_handler cmd_timeout;                                                     /* command.c */
+
+/* Whether a TRIANGULATE that finds the set being edited has been seen to: it waits for the result of
+ * a job that does the same, or its error has been told. */
+bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,
+                      struct answer *a);
+
+command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;     /* cmd_query.c */
+command_handler cmd_locate, cmd_nearest, cmd_within;               /* cmd_query.c */
+command_handler cmd_trace;                                         /* cmd_trace.c */
+command_handler cmd_snapshot;                                      /* durable.c */
+command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_quit; /* cmd_admin.c */
+command_handler cmd_info;                                          /* cmd_info.c */
+command_handler cmd_client, cmd_slowlog;                           /* cmd_client.c */
+command_handler cmd_timeout;                                       /* command.c */
 
 #endif

@@ -142,6 +142,13 @@ static void deliver(void *ctx, struct job *j)
         server_finish_unheard(&d.server, j);
 }
 
+static void tell_joined(struct server *server, uint64_t id, struct job *j)
+{
+    struct session *s = clients_find(server->clients, id);
+    if (s != NULL)
+        session_job_shared(s, j);
+}
+
 static void on_workers(struct source *source, uint32_t events)
 {
     (void)source, (void)events;
@@ -235,13 +242,22 @@ static void check_client(struct session *s)
     session_check_timeouts(s);
 }
 
+static void tell_progress_to(uint64_t id, const struct job *j)
+{
+    struct session *s = clients_find(&d.clients, id);
+    if (s != NULL)
+        session_progress(s, j);
+}
+
 static void tell_progress(void)
 {
     for (const struct job *j = d.server.jobs, *next; j != NULL; j = next) {
-        struct session *s = clients_find(&d.clients, j->owner);
         next = j->next;
-        if (s != NULL && d.loop.now_ms - j->queued_ns / 1000000 > PROGRESS_AFTER_MS)
-            session_progress(s, j);
+        if (d.loop.now_ms - j->queued_ns / 1000000 <= PROGRESS_AFTER_MS)
+            continue;
+        tell_progress_to(j->owner, j);
+        for (unsigned i = 0; i < j->also_n; i++)
+            tell_progress_to(j->also[i], j);
     }
 }
 
@@ -323,6 +339,7 @@ static bool start(const struct config *config)
         !watch(&d.workers, workers_event(d.server.workers), on_workers))
         return false;
     d.server.clients = &d.clients;
+    d.server.tell_joined = tell_joined;
     d.server.held.released = session_released;
     d.server.held.not_saved = session_not_saved;
     if (config->data != NULL &&

@@ -32,8 +32,8 @@ struct waiter {
 struct dataset {
     struct dataset *next; /* in its bucket */
     struct version *current;
-    const struct job *writer; /* the job that edits it; NULL: none */
-    bool exclusive;           /* the writer edits in place */
+    struct job *writer; /* the job that edits it; NULL: none */
+    bool exclusive;     /* the writer edits in place */
     bool born; /* false while the request that creates it has not succeeded yet: it is not there for
                   others, but its name is taken */
     bool triangulated; /* TRIANGULATE has been asked for (with --data) */

@@ -28,6 +28,7 @@ void job_free(struct job *j)
 {
     if (j->clear != NULL)
         j->clear(j);
+    free(j->also);
     free(j);
 }
 
@@ -139,6 +140,37 @@ void job_write(struct server *s, struct answer *a, struct job *j, struct dataset
     start(s, a, j, how);
 }
 
+/* ---- single flight ---- */
+
+bool job_join(struct server *s, struct answer *a, struct job *j)
+{
+    uint64_t *also = realloc(j->also, (j->also_n + 1) * sizeof *also);
+    if (also == NULL)
+        return false;
+    also[j->also_n++] = a->owner;
+    j->also = also;
+    a->job = j;
+    s->count.shared++;
+    return true;
+}
+
+bool job_leave(struct job *j, uint64_t who)
+{
+    if (j->also_n == 0) {
+        j->cancel = true;
+        return false;
+    }
+    uint64_t last = j->also[--j->also_n];
+    if (j->owner == who)
+        j->owner = last;
+    for (unsigned i = 0; i < j->also_n; i++)
+        if (j->also[i] == who)
+            j->also[i] = last;
+    return true;
+}
+
+/* ---- the end ---- */
+
 static void publish(struct server *s, struct job *j)
 {
     if (j->fresh == NULL) {
@@ -158,6 +190,12 @@ static void publish(struct server *s, struct job *j)
         j->set->born = true;
 }
 
+void job_tell(struct server *s, struct job *j, struct answer *a)
+{
+    a->lsn = j->lsn;
+    j->done(s, j, a);
+}
+
 void job_finish(struct server *s, struct job *j, struct answer *a)
 {
     struct dataset *set = j->set;
@@ -165,8 +203,10 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     if (set != NULL)
         publish(s, j);
     if (set != NULL && j->status == DT_OK && j->record != NULL)
-        a->lsn = j->record(s, j);
-    j->done(s, j, a);
+        j->lsn = j->record(s, j);
+    for (unsigned i = 0; i < j->also_n; i++)
+        s->tell_joined(s, j->also[i], j);
+    job_tell(s, j, a);
     if (j->base != NULL)
         version_unpin(&s->sets, j->base);
     job_free(j);

@@ -25,8 +25,11 @@ struct job {
     void (*done)(struct server *s, struct job *j, struct answer *a);
     void (*clear)(struct job *j);
     uint64_t (*record)(struct server *s, struct job *j);
-    const char *what;  /* for the progress line */
-    uint64_t owner;    /* whom to answer: a connection's id */
+    const char *what; /* for the progress line */
+    uint64_t owner;   /* whom to answer: a connection's id */
+    uint64_t *also;   /* owns: who else waits for the result, by id */
+    unsigned also_n;
+    uint64_t lsn;      /* of what `record` has appended */
     int64_t queued_ns; /* when the workers got it, and when one of them began; 0: it ran at once */
     int64_t began_ns;
     struct dataset *set;   /* a writer's set; NULL for a reader */
@@ -60,7 +63,19 @@ void job_read(struct server *s, struct answer *a, struct job *j, struct version 
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                unsigned how);
 
-/* Ends a job that the workers have done: publishes what it wrote, answers through a, frees it. */
+/* Single flight: whoever asks for what the job is doing already waits for its result, too; a->job is
+ * set. False when out of memory. */
+bool job_join(struct server *s, struct answer *a, struct job *j);
+
+/* One of those who wait does so no longer. True: the job goes on for the others, and knows the
+ * leaver no more; false: there are none, so it is cancelled. */
+bool job_leave(struct job *j, uint64_t who);
+
+/* Answers one of those who joined, as the owner is answered. */
+void job_tell(struct server *s, struct job *j, struct answer *a);
+
+/* Ends a job that the workers have done: publishes what it wrote, answers through a, frees it;
+ * those who joined have been told by server.tell_joined before. */
 void job_finish(struct server *s, struct job *j, struct answer *a);
 
 /* Frees a set that nothing refers to any more, by a worker if it is large. */

@@ -31,10 +31,12 @@ struct server {
     struct holders held;     /* replies that wait for the disk */
     struct workers *workers; /* owns; NULL: every job runs at once, where it is asked for */
     struct job *jobs;        /* those that the workers have */
-    size_t loading;          /* bytes of points that are being received */
-    struct dt_ids scratch;   /* owns; the result of a query that is answered at once */
-    struct request request;  /* owns; the words of the line that is carried out */
-    struct buf lines;        /* owns; a reply in lines before it goes out as RESP */
+    /* Answers a connection that has joined a job (job_tell); it carries out nothing else then. */
+    void (*tell_joined)(struct server *s, uint64_t id, struct job *j);
+    size_t loading;         /* bytes of points that are being received */
+    struct dt_ids scratch;  /* owns; the result of a query that is answered at once */
+    struct request request; /* owns; the words of the line that is carried out */
+    struct buf lines;       /* owns; a reply in lines before it goes out as RESP */
     struct auth auth;
     struct counters count;
     struct stats stats;

@@ -129,6 +129,23 @@ static bool refuse_stranger(struct session *s)
     return refuse(s, ERR_TOOLONG, "before AUTH a request has at most 10 words and 16384 bytes");
 }
 
+/* The request has waited for longer than it may take. */
+static bool is_late(const struct session *s)
+{
+    return s->deadline_ms != 0 && s->held > 0 && s->conn.loop->now_ms > s->deadline_ms;
+}
+
+/* Answers that it took too long. */
+static bool give_up(struct session *s)
+{
+    s->timed_out = true;
+    struct answer a = new_answer(s);
+    s->job = NULL;
+    dataset_wait_no_more(&s->waiter);
+    answer_status(&a, DT_CANCELLED);
+    return take_over(s, &a);
+}
+
 /* The deadline of a request counts from when it was first looked at. */
 static void set_deadline(struct session *s, struct request *q)
 {
@@ -335,6 +352,8 @@ static bool step_resp(struct session *s)
 static bool step_request(struct session *s)
 {
     stats_resume(&s->server->stats, &s->pause);
+    if (is_late(s))
+        return give_up(s);
     if (buf_len(&s->conn.in) > 0)
         s->resp = buf_head(&s->conn.in)[0] == '*';
     return s->resp ? step_resp(s) : step_line(s);
@@ -375,7 +394,7 @@ static void on_closed(struct conn *c)
     struct session *s = (struct session *)c;
     dataset_wait_no_more(&s->waiter);
     if (s->job != NULL)
-        s->job->cancel = true;
+        job_leave(s->job, s->id);
     if (s->stream != NULL)
         stream_free(&s->server->sets, s->stream);
     if (s->load != NULL)
@@ -421,18 +440,13 @@ static bool is_listening(const struct session *s)
            buf_len(&s->conn.out) == 0;
 }
 
-/* The request has had its time: a job is cancelled and answers in its turn, one that waits for its
- * set is answered now. */
+/* The request has had its time: a job is cancelled and answers in its turn; one that waits for its
+ * set, or for a job that goes on for others, is answered now. */
 static void pass_deadline(struct session *s)
 {
     s->timed_out = true;
-    if (s->job != NULL) {
-        s->job->cancel = true;
-    } else if (s->waiter.set != NULL && s->load == NULL) {
-        struct answer a = new_answer(s);
-        dataset_wait_no_more(&s->waiter);
-        answer_status(&a, DT_CANCELLED);
-        take_over(s, &a);
+    if (s->job != NULL ? job_leave(s->job, s->id) : s->waiter.set != NULL && s->load == NULL) {
+        give_up(s);
         conn_again(&s->conn);
     }
 }
@@ -486,18 +500,32 @@ void session_not_saved(struct hold *h)
 
 /* ---- what the workers tell ---- */
 
-void session_job_done(struct session *s, struct job *j)
+/* Answers by `tell`. What follows comes in the next turn, behind those who were in line for the set:
+ * a client that pipelines would push in before them, and a follower must not touch the set while
+ * its job is being ended. */
+static void end_job(struct session *s, struct job *j,
+                    void (*tell)(struct server *, struct job *, struct answer *))
 {
     struct answer a = new_answer(s);
     size_t mark = buf_len(a.out);
     s->job = NULL;
     a.broken = buf_reserve(a.out, REPLY_ERR_ROOM) == NULL;
     account_job(s, j);
-    job_finish(s->server, j, &a);
+    tell(s->server, j, &a);
     if (a.out->failed && !a.broken)
         command_out_of_memory(s->server, &a, mark);
-    if (take_over(s, &a) || s->stream != NULL)
-        conn_turn(&s->conn);
+    take_over(s, &a);
+    conn_again(&s->conn);
+}
+
+void session_job_done(struct session *s, struct job *j)
+{
+    end_job(s, j, job_finish);
+}
+
+void session_job_shared(struct session *s, struct job *j)
+{
+    end_job(s, j, job_tell);
 }
 
 void session_progress(struct session *s, const struct job *j)

@@ -52,6 +52,9 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
 /* Ends a job of this session. */
 void session_job_done(struct session *s, struct job *j);
 
+/* Answers the session, which has joined another one's job. */
+void session_job_shared(struct session *s, struct job *j);
+
 /* The hold of this session's connection lets more of its output go. */
 void session_released(struct hold *h);
 

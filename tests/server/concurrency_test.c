@@ -253,15 +253,15 @@ TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_ma
     const char *arguments[] = {"--threads", "1", NULL};
     struct daemon d = daemon_start(arguments);
     int fd[CLIENTS], fine = 0, busy = 0, comments = 0;
-    fd[0] = daemon_connect(&d);
-    load_random(fd[0], "t", costs_are_telling() ? 150000 : 15000); /* a sanitizer takes its time */
-    say(fd[0], "TRIANGULATE t\n");
+    for (int i = 0; i < CLIENTS; i++)
+        fd[i] = daemon_connect(&d);
+    load_random(fd[0], "small", 60000);
+    say(fd[0], "TRIANGULATE small\n");
     hear_line(fd[0]);
+    load_random(fd[0], "t", costs_are_telling() ? 1000000 : 50000); /* a sanitizer takes its time */
     double start = seconds();
-    for (int i = 0; i < CLIENTS; i++) {
-        if (i > 0)
-            fd[i] = daemon_connect(&d);
-        say(fd[i], "CHECK t\n");
+    for (int i = 0; i < CLIENTS; i++) { /* the only worker has the first one to do */
+        say(fd[i], i == 0 ? "TRIANGULATE t METHOD shelling\n" : "WITHIN small 0.5 0.5 0.01\n");
         shutdown(fd[i], SHUT_WR);
     }
     for (int i = 0; i < CLIENTS; i++) {
@@ -269,7 +269,7 @@ TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_ma
         char *text = hear_all(fd[i], &n), *at = text;
         for (; strncmp(at, "# progress ", 11) == 0; at = strchr(at, '\n') + 1)
             comments++;
-        fine += strncmp(at, "OK 0 delaunay=yes points=15", 27) == 0;
+        fine += strncmp(at, "OK ", 3) == 0;
         busy += strncmp(at, "ERR BUSY ", 9) == 0;
         free(text);
     }

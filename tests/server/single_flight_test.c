@@ -1,0 +1,143 @@
+/* single_flight_test.c - requests that ask for what a job is doing already wait for its result. */
+#include "server/job.h"
+#include "tests/server/daemon.h"
+#include "tests/test.h"
+
+#include <signal.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum { POINTS = 50000, ATTEMPTS = 50 };
+
+/* Asks on both connections; true if the second got the first one's result. The replies are in
+ * one and two. */
+static bool ask_both(const struct daemon *d, const int fd[2], const char *first, const char *second,
+                     char *one, char *two)
+{
+    uint64_t before = daemon_info(d, "jobs_shared");
+    say(fd[0], first);
+    say(fd[1], second);
+    strcpy(one, hear_line(fd[0]));
+    strcpy(two, hear_line(fd[1]));
+    return daemon_info(d, "jobs_shared") > before;
+}
+
+/* When the machine is busy elsewhere the first may be done before the second comes. */
+static void expect_shared(const char *first, const char *second)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd[2] = {daemon_connect(&d), daemon_connect(&d)};
+    char one[1 << 16], two[1 << 16];
+    bool shared = false;
+    load_random(fd[0], "t", POINTS);
+    say(fd[0], "TRIANGULATE t\n");
+    hear_line(fd[0]);
+    for (int i = 0; i < ATTEMPTS && !shared; i++) {
+        shared = ask_both(&d, fd, first, second, one, two);
+        CHECK(strstr(one, " points=50000 ") != NULL && strstr(two, " points=50000 ") != NULL);
+        CHECK(!shared || strcmp(one, two) == 0);
+    }
+    CHECK(shared);
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
+TEST(triangulate_that_is_asked_for_twice_is_done_once)
+{
+    expect_shared("TRIANGULATE t METHOD shelling\n", "TRIANGULATE t METHOD shelling\n");
+    expect_shared("TRIANGULATE t METHOD shelling\n", "TRIANGULATE t\n");
+}
+
+TEST(check_that_is_asked_for_twice_is_done_once)
+{
+    expect_shared("CHECK t\n", "CHECK t\n");
+}
+
+TEST(triangulate_by_another_method_is_done_for_itself)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd[2] = {daemon_connect(&d), daemon_connect(&d)};
+    char one[1 << 16], two[1 << 16];
+    load_random(fd[0], "t", POINTS);
+    CHECK(!ask_both(&d, fd, "TRIANGULATE t METHOD shelling\n", "TRIANGULATE t METHOD divide\n", one,
+                    two));
+    CHECK(strncmp(one, "OK 0 points=50000 ", 18) == 0);
+    CHECK(strncmp(two, "OK 0 points=50000 ", 18) == 0);
+    say(fd[0], "TRIANGULATE t METHOD shelling\n");
+    say(fd[1], "TRIANGULATE t METHOD magic\n");
+    CHECK(strncmp(hear_line(fd[1]), "ERR SYNTAX ", 11) == 0);
+    hear_line(fd[0]);
+}
+
+/* Closes the connection so that the other side notices at once. */
+static void reset(int fd)
+{
+    struct linger hard = {.l_onoff = 1};
+    CHECK(setsockopt(fd, SOL_SOCKET, SO_LINGER, &hard, sizeof hard) == 0);
+    close(fd);
+}
+
+TEST(job_goes_on_for_those_who_joined_when_its_owner_goes)
+{
+    struct daemon d = daemon_start(NULL);
+    int stays = daemon_connect(&d);
+    load_random(stays, "t", POINTS);
+    for (int i = 0; i < 3; i++) {
+        int goes = daemon_connect(&d), resp = daemon_connect(&d);
+        say(goes, "TRIANGULATE t METHOD shelling\n");
+        say(stays, "TRIANGULATE t METHOD shelling\nDROP u\n");
+        say(resp, "*2\r\n$11\r\nTRIANGULATE\r\n$1\r\nt\r\n");
+        pause_ms(5);
+        reset(goes);
+        CHECK(strncmp(hear_line(stays), "OK 0 points=50000 ", 18) == 0);
+        expect(stays, "ERR NOSET there is no set u\n");
+        CHECK(strncmp(hear_line(resp), "+OK points=50000 ", 17) == 0);
+        close(resp);
+    }
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
+/* ---- who waits for a job ---- */
+
+static void run_nothing(struct job *j)
+{
+    (void)j;
+}
+
+static void done_nothing(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s, (void)j, (void)a;
+}
+
+TEST(job_is_cancelled_when_the_last_who_waits_leaves)
+{
+    static struct server s;
+    for (uint64_t first = 1; first <= 3; first++) {
+        struct job *j = job_new(sizeof *j, run_nothing, done_nothing);
+        CHECK(j != NULL);
+        j->owner = 1;
+        for (uint64_t id = 2; id <= 3; id++) {
+            struct answer a = {.owner = id};
+            CHECK(job_join(&s, &a, j) && a.job == j);
+        }
+        CHECK(job_leave(j, first) && j->owner != first);
+        uint64_t second = j->also[0];
+        CHECK(second != first && job_leave(j, second) && j->also_n == 0);
+        CHECK(j->owner == 6 - first - second && !j->cancel);
+        CHECK(!job_leave(j, j->owner) && j->cancel);
+        job_free(j);
+    }
+    CHECK(s.count.shared == 6);
+}
+
+TEST(join_without_memory_leaves_the_job_as_it_was)
+{
+    static struct server s;
+    struct answer a = {.owner = 2};
+    struct job *j = job_new(sizeof *j, run_nothing, done_nothing);
+    CHECK(j != NULL);
+    test_fail_alloc(1);
+    CHECK(!job_join(&s, &a, j) && j->also_n == 0 && a.job == NULL && s.count.shared == 0);
+    test_fail_alloc(0);
+    job_free(j);
+}
