@@ -72,13 +72,14 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
     struct draft b = {.n = dt_points_vertices(&t->points)};
     b.xy = dt_array_new(b.n, sizeof *b.xy);
     b.from = dt_array_new(b.n, sizeof *b.from);
+    const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
     enum dt_status status = DT_NOMEM;
     if (b.xy != NULL && b.from != NULL)
         status = triangulate(&b, &t->points, opt);
     if (status == DT_OK)
-        status = dt_hints_build(&b.hints, &b.mesh, b.xy);
+        status = dt_hints_build(&b.hints, &b.mesh, b.xy, pool);
     if (status == DT_OK)
-        status = dt_points_renumber(&t->points, b.xy, b.from, b.n);
+        status = dt_points_renumber(&t->points, b.xy, b.from, b.n, pool);
     if (status != DT_OK) {
         draft_clear(&b);
         return status;

@@ -122,13 +122,6 @@ static void finish_mesh(struct dt_division *d, const struct dt_part *all)
         m->ghosts = dt_hull_settle_from(m, all->ghost);
 }
 
-static unsigned threads_for(const struct dt_options *opt, uint32_t n)
-{
-    if (opt->pool == NULL || opt->pool->threads < 2 || n < DT_PARALLEL)
-        return 1;
-    return opt->pool->threads < DT_MAX_THREADS ? opt->pool->threads : DT_MAX_THREADS;
-}
-
 static void divide_all(struct dt_division *d, const struct dt_point *in, unsigned threads)
 {
     struct dt_part all = {0};
@@ -154,7 +147,7 @@ enum dt_status dt_divide(const struct dt_point *in, uint32_t n, struct dt_point 
     if (d.q == NULL || d.from_q == NULL || dt_mesh_reserve(m, n, 2 * n) != DT_OK)
         dt_division_fail(&d, DT_NOMEM);
     else
-        divide_all(&d, in, threads_for(d.opt, n));
+        divide_all(&d, in, dt_threads_for(d.opt->pool, n));
     dt_array_free(d.q);
     dt_array_free(d.from_q);
     if (atomic_load(&d.status) != DT_OK)

@@ -24,31 +24,17 @@ struct sort {
     uint32_t *out_from;
 };
 
-static void run_slices(const struct dt_division *d, struct sort *s,
-                       void (*job)(void *arg, unsigned i))
-{
-    if (s->slices == 1)
-        job(s, 0);
-    else
-        d->opt->pool->run(d->opt->pool->ctx, s->slices, job, s);
-}
-
-static uint32_t slice_start(const struct sort *s, unsigned i)
-{
-    return (uint32_t)((uint64_t)s->n * i / s->slices);
-}
-
 static void find_box(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    uint32_t a = slice_start(s, i), b = slice_start(s, i + 1);
+    uint32_t a = dt_slice(s->n, i, s->slices), b = dt_slice(s->n, i + 1, s->slices);
     s->box[i] = dt_box_of(s->src.p + a, b - a);
 }
 
 static void count(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    uint32_t a = slice_start(s, i), b = slice_start(s, i + 1);
+    uint32_t a = dt_slice(s->n, i, s->slices), b = dt_slice(s->n, i + 1, s->slices);
     memset(s->next[i], 0, ((size_t)1 << s->order->bits) * sizeof *s->next[i]);
     dt_order_count(s->order, s->src.p + a, b - a, s->key + a, s->next[i]);
 }
@@ -56,7 +42,7 @@ static void count(void *arg, unsigned i)
 static void scatter(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    uint32_t a = slice_start(s, i), b = slice_start(s, i + 1);
+    uint32_t a = dt_slice(s->n, i, s->slices), b = dt_slice(s->n, i + 1, s->slices);
     dt_order_scatter(s->key + a, b - a, s->next[i], s->src.p + a,
                      s->src.from == NULL ? NULL : s->src.from + a, a, s->out, s->out_from);
 }
@@ -109,7 +95,7 @@ static bool count_cells(struct dt_division *d, struct dt_arena *arena, struct so
         s->next[i] = starts + 1;
         level->start = starts;
     }
-    run_slices(d, s, count);
+    dt_run(d->opt->pool, s->slices, count, s);
     return true;
 }
 
@@ -127,7 +113,7 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
     s.key = dt_arena_take(arena, n, sizeof *s.key);
     bool ok = s.key != NULL;
     if (ok)
-        run_slices(d, &s, find_box);
+        dt_run(d->opt->pool, slices, find_box, &s);
     struct dt_box box = join_boxes(&s);
     ok = ok && count_cells(d, arena, &s, box, level);
     uint32_t most = ok ? counts_to_places(&s) : 0;
@@ -150,7 +136,7 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
     }
     s.out = (level->tiles ? d->q : d->p) + lo;
     s.out_from = (level->tiles ? d->from_q : d->from) + lo;
-    run_slices(d, &s, scatter);
+    dt_run(d->opt->pool, slices, scatter, &s);
     return DT_LEVEL_OPEN;
 }
 

@@ -8,14 +8,12 @@
 #include "core/block.h"
 #include "core/merge.h"
 #include "core/order.h"
+#include "core/parallel.h"
 
 #define DT_POINTS_PER_CELL 2.0
 #define DT_TILE 8192u /* points of a tile, which fits the second-level cache with its triangles */
 #define DT_TILED (1u << 18) /* ranges of more points than this are sorted into tiles first */
 #define DT_ZOOMS 3u         /* useless grids in a row before a range is cut at its median */
-
-#define DT_PARALLEL 4096u /* fewer points are not worth several threads */
-#define DT_MAX_THREADS 64u
 
 /* A whole build. p and from are the result, q and from_q scratch of the same size: a range [lo, hi)
  * of all four belongs to whoever works on that range. */

@@ -10,6 +10,7 @@
 
 #include "core/hull.h"
 #include "core/memory.h"
+#include "core/parallel.h"
 
 #include <assert.h>
 #include <math.h>
@@ -33,6 +34,8 @@ struct builder {
     struct dt_hints *hints;
     const struct dt_mesh *mesh;
     const struct dt_point *xy;
+    const struct dt_pool *pool;
+    unsigned slices;   /* of grid 0 */
     uint8_t *count;    /* points in each cell of the grid at hand, 255 for more */
     uint32_t *list;    /* vertices in crowded cells, grid by grid */
     uint32_t *scratch; /* as long as list */
@@ -160,32 +163,52 @@ static enum dt_status reserve_grid(struct builder *b)
     return DT_OK;
 }
 
-/* Drops the half edge of a vertex into its cell. */
-static void drop(const struct builder *b, const struct dt_hint_grid *g, uint32_t v)
+/* Drops half edges into the cells of one grid. Threads may meet in a cell: whose half edge it keeps
+ * does not matter, nor does a point that is not counted. */
+struct drop {
+    struct dt_hint_grid grid;
+    const struct dt_mesh *mesh;
+    const struct dt_point *xy;
+    uint32_t *cell; /* the grid's first one, as of the count */
+    uint8_t *count;
+    unsigned slices;
+};
+
+static inline void drop(const struct drop *d, uint32_t v)
 {
-    uint32_t c = dt_hint_cell(g, b->xy[v]);
-    uint8_t *count = &b->count[c - g->first];
-    b->hints->cell[c] = b->mesh->leaving[v];
-    *count = (uint8_t)(*count + (*count < UINT8_MAX));
+    uint32_t c = dt_hint_cell(&d->grid, d->xy[v]);
+    uint8_t n = __atomic_load_n(&d->count[c], __ATOMIC_RELAXED);
+    __atomic_store_n(&d->cell[c], d->mesh->leaving[v], __ATOMIC_RELAXED);
+    __atomic_store_n(&d->count[c], (uint8_t)(n + (n < UINT8_MAX)), __ATOMIC_RELAXED);
 }
 
-/* Calls drop for all vertices of grid k: those of its span, or for grid 0 all that the mesh has. */
+static void drop_slice(void *arg, unsigned i)
+{
+    const struct drop d = *(const struct drop *)arg; /* which no store into count can change */
+    uint32_t end = dt_slice(d.mesh->vert_cap, i + 1, d.slices);
+    for (uint32_t v = dt_slice(d.mesh->vert_cap, i, d.slices); v < end; v++)
+        if (d.mesh->leaving[v] != DT_NONE)
+            drop(&d, v);
+}
+
+/* Drops all vertices of grid k: those of its span, or for grid 0 all that the mesh has. */
 static void drop_all(const struct builder *b, uint32_t k)
 {
     const struct dt_hint_grid *g = &b->hints->grid[k];
+    struct drop d = {.grid = *g,
+                     .mesh = b->mesh,
+                     .xy = b->xy,
+                     .count = b->count,
+                     .cell = b->hints->cell + g->first,
+                     .slices = b->slices};
+    d.grid.first = 0;
     memset(b->count, 0, (size_t)g->nx * g->ny);
-    if (k > 0) {
-        for (uint32_t i = b->span[k].from; i < b->span[k].to; i++)
-            drop(b, g, b->list[i]);
+    if (k == 0) {
+        dt_run(b->pool, b->slices, drop_slice, &d);
         return;
     }
-    uint32_t left = b->mesh->vertices;
-    for (uint32_t v = 0; left > 0; v++) {
-        if (b->mesh->leaving[v] == DT_NONE)
-            continue;
-        drop(b, g, v);
-        left--;
-    }
+    for (uint32_t i = b->span[k].from; i < b->span[k].to; i++)
+        drop(&d, b->list[i]);
 }
 
 /* What a cell has, and how many cells away that comes from: 0 its own, FARTHEST + 1 nothing yet. */
@@ -232,19 +255,50 @@ static void sweep_down(uint32_t *cell, uint8_t *far, size_t nx, bool has_above)
     }
 }
 
-/* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
- * transform in two sweeps [Rosenfeld & Pfaltz 1966]. b->count becomes the distances. */
-static void fill_empty(const struct builder *b, const struct dt_hint_grid *g)
+/* Rows of one grid, in bands. */
+struct fill {
+    uint32_t *cell;
+    uint8_t *far; /* counts at first */
+    size_t nx;
+    uint32_t rows;
+    unsigned bands;
+    atomic_bool bare; /* some band has no content at all */
+};
+
+static void fill_band(void *arg, unsigned i)
 {
-    uint32_t *cell = b->hints->cell + g->first;
-    uint8_t *far = b->count;
-    size_t nx = g->nx, n = nx * g->ny;
-    for (size_t i = 0; i < n; i++)
-        far[i] = far[i] == 0 ? FARTHEST + 1 : 0;
-    for (size_t row = 0; row < n; row += nx)
-        sweep_up(cell + row, far + row, nx, row > 0);
-    for (size_t row = n; row > 0; row -= nx)
-        sweep_down(cell + row - nx, far + row - nx, nx, row < n);
+    struct fill *f = arg;
+    uint32_t lo = dt_slice(f->rows, i, f->bands), hi = dt_slice(f->rows, i + 1, f->bands);
+    size_t begin = lo * f->nx, end = hi * f->nx, nx = f->nx;
+    uint32_t *cell = f->cell;
+    uint8_t *far = f->far;
+    for (size_t c = begin; c < end; c++)
+        far[c] = far[c] == 0 ? FARTHEST + 1 : 0;
+    for (size_t row = begin; row < end; row += nx)
+        sweep_up(cell + row, far + row, nx, row > begin);
+    for (size_t row = end; row > begin; row -= nx)
+        sweep_down(cell + row - nx, far + row - nx, nx, row < end);
+    if (begin < end && far[begin] > FARTHEST)
+        atomic_store_explicit(&f->bare, true, memory_order_relaxed);
+}
+
+/* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
+ * transform in two sweeps [Rosenfeld & Pfaltz 1966], band by band; and once more over all if there
+ * are bands without a point, which get theirs from beyond. b->count becomes the distances. */
+static void fill_empty(const struct builder *b, const struct dt_hint_grid *g, unsigned bands)
+{
+    struct fill f = {.cell = b->hints->cell + g->first,
+                     .far = b->count,
+                     .nx = g->nx,
+                     .rows = g->ny,
+                     .bands = bands};
+    dt_run(b->pool, bands, fill_band, &f);
+    if (!atomic_load_explicit(&f.bare, memory_order_relaxed))
+        return;
+    for (uint32_t row = 1; row < f.rows; row++)
+        sweep_up(f.cell + row * f.nx, f.far + row * f.nx, f.nx, true);
+    for (uint32_t row = f.rows; row-- > 0;)
+        sweep_down(f.cell + row * f.nx, f.far + row * f.nx, f.nx, row + 1 < f.rows);
 }
 
 static bool crowded(const struct builder *b, const struct dt_hint_grid *g, uint32_t v)
@@ -383,7 +437,7 @@ static enum dt_status build_grid(struct builder *b, uint32_t k)
         s = divide_crowd(b, k, crowd);
     if (s != DT_OK)
         return s;
-    fill_empty(b, &hints->grid[k]);
+    fill_empty(b, &hints->grid[k], k == 0 ? b->slices : 1);
     hints->cells += hints->grid[k].nx * hints->grid[k].ny;
     return DT_OK;
 }
@@ -400,14 +454,19 @@ static void trim(struct dt_hints *g)
     }
 }
 
-enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy)
+enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy,
+                              const struct dt_pool *pool)
 {
     struct dt_hints made = {0};
     dt_hints_clear(g);
     m->recycled = false;
     if (m->vertices < 2)
         return DT_OK;
-    struct builder b = {.hints = &made, .mesh = m, .xy = xy};
+    struct builder b = {.hints = &made,
+                        .mesh = m,
+                        .xy = xy,
+                        .pool = pool,
+                        .slices = dt_threads_for(pool, m->vertices)};
     b.count = dt_array_new((size_t)(m->vertices * CELLS_PER_POINT * 2) + 16, 1);
     enum dt_status s = b.count == NULL ? DT_NOMEM : reserve_grid(&b);
     if (s == DT_OK)

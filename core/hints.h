@@ -36,8 +36,10 @@ void dt_hints_clear(struct dt_hints *g);
 
 /* Builds the grid for a settled mesh of which every vertex v has coordinates xy[v]. *g is cleared
  * first, and left so on DT_NOMEM. Vertices that are in no triangle must have DT_NONE in leaving[].
- * Cost: linear. */
-enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy);
+ * The pool, which may be NULL, shares the work on grid 0; which of a cell's half edges is its hint
+ * may then differ from time to time. Cost: linear. */
+enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy,
+                              const struct dt_pool *pool);
 
 /* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is
  * cleared. */

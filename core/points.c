@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "core/memory.h"
+#include "core/parallel.h"
 
 void dt_points_init(struct dt_points *p, double tol)
 {
@@ -382,16 +383,34 @@ enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point 
 
 /* ---- renumbering ---- */
 
+struct renumbering {
+    struct dt_points *p;
+    const uint32_t *from;
+    uint32_t *id; /* the new array */
+    uint32_t n;
+    unsigned slices;
+};
+
+static void renumber(void *arg, unsigned i)
+{
+    const struct renumbering *r = arg;
+    struct dt_idmap *value = &r->p->value;
+    const uint32_t *id = r->p->id;
+    uint32_t end = dt_slice(r->n, i + 1, r->slices);
+    for (uint32_t v = dt_slice(r->n, i, r->slices); v < end; v++) {
+        r->id[v] = id[r->from[v]];
+        dt_idmap_change(value, r->id[v], v);
+    }
+}
+
 enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, const uint32_t *from,
-                                  uint32_t n)
+                                  uint32_t n, const struct dt_pool *pool)
 {
     uint32_t *id = dt_array_new(n, sizeof *id);
     if (id == NULL)
         return DT_NOMEM;
-    for (uint32_t v = 0; v < n; v++) {
-        id[v] = p->id[from[v]];
-        dt_idmap_set(&p->value, id[v], v);
-    }
+    struct renumbering r = {p, from, id, n, dt_threads_for(pool, n)};
+    dt_run(pool, r.slices, renumber, &r);
     dt_array_free(p->xy);
     dt_array_free(p->id);
     p->xy = xy;

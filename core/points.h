@@ -116,8 +116,8 @@ uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t e
 
 /* Renumbers the vertices: new vertex v is the old from[v], in a dense order without free ones.
  * Takes over xy, which holds the coordinates in the new order and has room for n, and frees its
- * own. DT_NOMEM: nothing changed, xy is still the caller's. */
+ * own. pool may be NULL. DT_NOMEM: nothing changed, xy is still the caller's. */
 enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, const uint32_t *from,
-                                  uint32_t n);
+                                  uint32_t n, const struct dt_pool *pool);
 
 #endif

@@ -41,7 +41,7 @@ static void tend_hints(struct dt *t)
     t->hinted = n;
     t->steps = 0;
     struct dt_hints fresh = {0};
-    if (dt_hints_build(&fresh, &t->mesh, t->points.xy) == DT_OK) {
+    if (dt_hints_build(&fresh, &t->mesh, t->points.xy, NULL) == DT_OK) {
         dt_hints_clear(&t->hints);
         t->hints = fresh;
     } else if (t->hints.grids == 0) {

@@ -100,7 +100,7 @@ TEST(hints_out_of_memory_leave_nothing)
     struct dt *t = set_of(p, 2000);
     for (long n = 1;; n++) {
         test_fail_alloc(n);
-        enum dt_status s = dt_hints_build(&t->hints, &t->mesh, t->points.xy);
+        enum dt_status s = dt_hints_build(&t->hints, &t->mesh, t->points.xy, NULL);
         bool failed = test_alloc_failed();
         test_fail_alloc(0);
         /* Shrinking at the end may fail without harm. */

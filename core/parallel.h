@@ -1,0 +1,35 @@
+/* parallel.h - one pass over an array as slices, on the threads of a pool or on the caller's. */
+#ifndef DT_PARALLEL_H
+#define DT_PARALLEL_H
+
+#include "core/delaunay.h"
+
+#define DT_PARALLEL 4096u /* fewer points are not worth several threads */
+#define DT_MAX_THREADS 64u
+
+/* How many threads are worth while for n points: 1 without a pool. */
+static inline unsigned dt_threads_for(const struct dt_pool *pool, uint32_t n)
+{
+    if (pool == NULL || pool->threads < 2 || n < DT_PARALLEL)
+        return 1;
+    return pool->threads < DT_MAX_THREADS ? pool->threads : DT_MAX_THREADS;
+}
+
+/* Calls job(arg, 0 .. n - 1), in any order and at once; with n = 1 right here, so that pool may be
+ * NULL. */
+static inline void dt_run(const struct dt_pool *pool, unsigned n,
+                          void (*job)(void *arg, unsigned i), void *arg)
+{
+    if (n == 1)
+        job(arg, 0);
+    else
+        pool->run(pool->ctx, n, job, arg);
+}
+
+/* Where slice i of `slices` starts in an array of n; slice i + 1 starts where it ends. */
+static inline uint32_t dt_slice(uint32_t n, unsigned i, unsigned slices)
+{
+    return (uint32_t)((uint64_t)n * i / slices);
+}
+
+#endif
