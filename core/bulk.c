@@ -69,6 +69,7 @@ static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
 
 enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
 {
+    dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the memory */
     struct draft b = {.n = dt_points_vertices(&t->points)};
     b.xy = dt_array_new(b.n, sizeof *b.xy);
     b.from = dt_array_new(b.n, sizeof *b.from);
