@@ -87,7 +87,7 @@ lint: $(CORE)
 # ---- so that a run can be repeated, or with FUZZ_S=60 others for a minute each ----
 
 FUZZ_RUNS  ?= 50000
-FUZZ_LONG  := $(if $(FUZZ_S),-max_total_time=$(FUZZ_S),-runs=$(FUZZ_RUNS) -seed=1)
+FUZZ_LONG  := $(if $(FUZZ_S),-max_total_time=$(FUZZ_S),-runs=$$runs -seed=1)
 FLAGS_fuzz := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 FUZZERS    := $(patsubst %.c,$(O)/%,$(wildcard tests/fuzz/*_fuzz.c))
 
@@ -99,6 +99,8 @@ fuzz:
 	@$(MAKE) --no-print-directory V=fuzz CC=clang fuzz_run
 
 fuzz_run: $(FUZZERS)
-	@for f in $(FUZZERS); do name=$$(basename $$f _fuzz); work=$(O)/corpus/$$name; $(if $(FUZZ_S),,rm -rf $$work;) mkdir -p $$work; \
+	@for f in $(FUZZERS); do name=$$(basename $$f _fuzz); runs=$(FUZZ_RUNS); \
+	[ $$name != edit ] || runs=$$((runs / 12)); : a run of it builds a dozen triangulations; \
+	work=$(O)/corpus/$$name; $(if $(FUZZ_S),,rm -rf $$work;) mkdir -p $$work; \
 	seeds=tests/fuzz/corpus/$$name; [ -d $$seeds ] || seeds=; echo "== $$name"; \
 	$$f $(FUZZ_LONG) -verbosity=0 -print_final_stats=1 -artifact_prefix=$(O)/$$name- $$work $$seeds || exit 1; done

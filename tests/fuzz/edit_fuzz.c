@@ -1,0 +1,282 @@
+/* edit_fuzz.c - libFuzzer target: any bytes as a history of edits of a live set on a small lattice.
+ * After every step the set proves its triangulation, and every table and query answers as a fresh
+ * set with the same points and ids does.
+ *
+ * The first byte chooses tolerance and scale, the second the lattice; then come steps: an opcode
+ * and what it takes. What is missing at the end reads as 0. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/delaunay.h"
+
+enum { MAX_INPUT = 24, MAX_IDS = 400, MAX_LIVE = 90, WORDS = 4096 };
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* The script, and what the set should hold. */
+struct script {
+    const uint8_t *at, *end;
+    struct dt *set;
+    double scale;
+    uint32_t width, height; /* lattice points */
+    uint32_t ids, live;
+    bool is_live[MAX_IDS];
+    struct dt_point xy[MAX_IDS];
+};
+
+static void require(bool ok)
+{
+    if (!ok)
+        abort();
+}
+
+static uint32_t byte(struct script *s)
+{
+    return s->at < s->end ? *s->at++ : 0;
+}
+
+/* A place on the lattice, or half way between its points. */
+static struct dt_point place(const struct script *s, uint32_t column, uint32_t row, bool half)
+{
+    double off = half ? 0.5 : 0;
+    return (struct dt_point){(column % s->width + off) * s->scale,
+                             (row % s->height + off) * s->scale};
+}
+
+static struct dt_point read_place(struct script *s)
+{
+    uint32_t b = byte(s);
+    return place(s, b & 15, b >> 4, false);
+}
+
+/* The k-th live id, counted round; there must be one. */
+static uint32_t live_id(const struct script *s, uint32_t k)
+{
+    uint32_t id = 0;
+    for (k %= s->live;; id++)
+        if (s->is_live[id] && k-- == 0)
+            return id;
+}
+
+/* ---- a fresh set ---- */
+
+/* Without a tolerance the smallest id at a place represents it; with one that depends on the
+ * history, which the set at hand knows. */
+static uint32_t representative(const struct script *s, uint32_t id)
+{
+    uint32_t rep = 0, told;
+    require(dt_representative(s->set, id, &told) == DT_OK && s->is_live[told]);
+    if (dt_tolerance(s->set) > 0)
+        return told;
+    while (!s->is_live[rep] || s->xy[rep].x != s->xy[id].x || s->xy[rep].y != s->xy[id].y)
+        rep++;
+    require(rep == told);
+    return rep;
+}
+
+static struct dt *fresh_set(const struct script *s, enum dt_method method)
+{
+    static uint32_t ids[MAX_IDS], reps[MAX_IDS];
+    static struct dt_point xy[MAX_IDS];
+    uint32_t n = 0;
+    struct dt *fresh = dt_new(dt_tolerance(s->set));
+    struct dt_options opt = {.method = method};
+    for (uint32_t id = 0; id < s->ids; id++) {
+        if (!s->is_live[id])
+            continue;
+        ids[n] = id;
+        xy[n] = s->xy[id];
+        reps[n++] = representative(s, id);
+    }
+    require(fresh != NULL && n == s->live && dt_next_id(s->set) == s->ids);
+    require(dt_restore(fresh, ids, xy, reps, n, s->ids) == DT_OK);
+    require(dt_triangulate(fresh, &opt) == DT_OK);
+    return fresh;
+}
+
+/* ---- comparison ---- */
+
+static void compare_table(const struct dt *a, const struct dt *b, enum dt_table table, bool cw)
+{
+    static uint32_t wa[WORDS], wb[WORDS];
+    size_t rows_a, rows_b, words_a, words_b;
+    struct dt_cursor ca, cb;
+    require(dt_table_begin(a, table, cw, &ca) == DT_OK);
+    require(dt_table_begin(b, table, cw, &cb) == DT_OK);
+    require(ca.rows == cb.rows && ca.interior == cb.interior);
+    require(dt_table_read(a, &ca, wa, WORDS, WORDS, &rows_a, &words_a) == DT_OK);
+    require(dt_table_read(b, &cb, wb, WORDS, WORDS, &rows_b, &words_b) == DT_OK);
+    require(rows_a == ca.rows && rows_b == rows_a && words_a == words_b);
+    require(memcmp(wa, wb, words_a * sizeof *wa) == 0);
+}
+
+static void compare_ids(struct dt_ids *a, struct dt_ids *b)
+{
+    require(a->n == b->n && (a->n == 0 || memcmp(a->v, b->v, a->n * sizeof *a->v) == 0));
+    a->n = b->n = 0;
+}
+
+static void compare_queries(const struct dt *a, const struct dt *b, struct dt_point q, uint32_t k)
+{
+    struct dt_location la = {0}, lb = {0};
+    struct dt_ids ia = {0}, ib = {0};
+    require(dt_locate(a, q, &la) == DT_OK && dt_locate(b, q, &lb) == DT_OK);
+    require(la.where == lb.where && memcmp(la.id, lb.id, sizeof la.id) == 0);
+    require(dt_nearest(a, q, 1, &ia) == DT_OK && dt_nearest(b, q, 1, &ib) == DT_OK);
+    compare_ids(&ia, &ib);
+    require(dt_nearest(a, q, k, &ia) == DT_OK && dt_nearest(b, q, k, &ib) == DT_OK);
+    compare_ids(&ia, &ib);
+    require(dt_within_disc(a, q, k, &ia) == DT_OK && dt_within_disc(b, q, k, &ib) == DT_OK);
+    compare_ids(&ia, &ib);
+    free(ia.v);
+    free(ib.v);
+}
+
+static void check(const struct script *s, uint32_t salt)
+{
+    struct dt_summary sum;
+    dt_summary(s->set, &sum);
+    require(sum.points == s->live && dt_refresh(s->set, NULL) == DT_OK);
+    require(dt_check(s->set, NULL, NULL) == DT_OK);
+    struct dt *fresh = fresh_set(s, salt & 1 ? DT_DIVIDE : DT_SHELLING);
+    for (enum dt_table table = DT_POINTS; table <= DT_TRIANGLES; table++)
+        compare_table(s->set, fresh, table, (salt & 2) != 0);
+    compare_table(s->set, fresh, salt & 4 ? DT_EDGES : DT_HULL, (salt & 2) != 0);
+    for (uint32_t i = 0; i < 2; i++) {
+        salt = salt * 1664525 + 1013904223;
+        struct dt_point q = place(s, salt >> 16, salt >> 24, (salt & 1 << 15) != 0);
+        compare_queries(s->set, fresh, q, 1 + i);
+    }
+    dt_free(fresh);
+}
+
+/* ---- steps ---- */
+
+static void add(struct script *s, const struct dt_point *p, uint32_t n)
+{
+    struct dt_added added;
+    if (s->ids + n > MAX_IDS || s->live + n > MAX_LIVE)
+        return;
+    require(dt_add(s->set, p, n, &added) == DT_OK);
+    require(added.first == s->ids && added.added == n);
+    for (uint32_t i = 0; i < n; i++) {
+        s->is_live[s->ids] = true;
+        s->xy[s->ids++] = p[i];
+    }
+    s->live += n;
+}
+
+static void add_batch(struct script *s)
+{
+    struct dt_point p[80];
+    uint32_t b = byte(s), n = b < 250 ? 1 + b % 30 : 66, salt = byte(s);
+    for (uint32_t i = 0; i < n; i++) {
+        salt = salt * 1664525 + 1013904223;
+        p[i] = place(s, salt >> 16 & 15, salt >> 24 & 15, false);
+    }
+    add(s, p, n);
+}
+
+/* Every step-th of n live ids, one of them twice. */
+static void delete_some(struct script *s, uint32_t n)
+{
+    uint32_t ids[MAX_LIVE + 1], first = byte(s), step = 1 + byte(s) % 7, deleted, missing, k = 0;
+    for (uint32_t i = 0; i < n && i * step < s->live; i++)
+        ids[k++] = live_id(s, first + i * step);
+    ids[k++] = ids[0];
+    require(dt_delete(s->set, ids, k, &deleted, &missing) == DT_OK && deleted == k - 1);
+    for (uint32_t i = 0; i + 1 < k; i++)
+        s->is_live[ids[i]] = false;
+    s->live -= deleted;
+}
+
+static void delete_missing(const struct script *s)
+{
+    uint32_t ids[2] = {s->live > 0 ? live_id(s, 0) : s->ids, s->ids}, deleted, missing;
+    require(dt_delete(s->set, ids, 2, &deleted, &missing) == DT_NOPOINT && missing == s->ids);
+    require(dt_move(s->set, s->ids, (struct dt_point){1, 1}) == DT_NOPOINT);
+}
+
+static void move(struct script *s)
+{
+    uint32_t id = live_id(s, byte(s));
+    struct dt_point to = read_place(s);
+    require(dt_move(s->set, id, to) == DT_OK);
+    s->xy[id] = to;
+}
+
+/* A move by less than the lattice is wide, which the mesh may survive. */
+static void move_slightly(struct script *s)
+{
+    uint32_t b = byte(s), id = live_id(s, byte(s));
+    struct dt_point to = {s->xy[id].x + ((double)(b & 15) - 7) * 0.0625 * s->scale,
+                          s->xy[id].y + ((double)(b >> 4) - 7) * 0.0625 * s->scale};
+    require(dt_move(s->set, id, to) == DT_OK);
+    s->xy[id] = to;
+}
+
+static void rebuild_or_clone(struct script *s)
+{
+    struct dt_options opt = {.method = (enum dt_method)(byte(s) % 4), .rebuild = true};
+    struct dt *copy;
+    if (opt.method <= DT_DIVIDE) {
+        require(dt_triangulate(s->set, &opt) == DT_OK);
+        return;
+    }
+    require(dt_clone(s->set, &copy) == DT_OK);
+    dt_free(s->set);
+    s->set = copy;
+}
+
+static void step(struct script *s)
+{
+    uint32_t op = byte(s);
+    struct dt_point p;
+    switch (s->live > 0 ? op % 9 : op % 9 / 4) {
+    case 0:
+    case 1:
+        p = read_place(s);
+        add(s, &p, 1);
+        break;
+    case 2:
+        add_batch(s);
+        break;
+    case 3:
+    case 4:
+        delete_some(s, 1);
+        break;
+    case 5:
+        delete_some(s, 1 + byte(s) % MAX_LIVE);
+        break;
+    case 6:
+        move(s);
+        break;
+    case 7:
+        move_slightly(s);
+        break;
+    default:
+        delete_missing(s);
+        rebuild_or_clone(s);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static const double tolerances[] = {0, 0, 0, 0.5, 1, 1.5}, scales[] = {1, 0.1};
+    static struct script s;
+    memset(&s, 0, sizeof s);
+    s.at = data;
+    s.end = data + (size < MAX_INPUT ? size : MAX_INPUT);
+    uint32_t kind = byte(&s), shape = byte(&s);
+    s.scale = scales[kind / 6 % 2];
+    s.width = 1 + (shape & 15);
+    s.height = 1 + (shape >> 4);
+    s.set = dt_new(tolerances[kind % 6] * s.scale);
+    require(s.set != NULL && dt_triangulate(s.set, NULL) == DT_OK);
+    for (uint32_t i = kind; s.at < s.end; i++) {
+        step(&s);
+        check(&s, i);
+    }
+    dt_free(s.set);
+    return 0;
+}
