@@ -31,14 +31,14 @@ static bool is_near(const struct dt_hint_grid *at, const struct dt_mesh *m,
                       dt_hint_index(q.y, at->lo.y, at->per_y, at->ny));
 }
 
-/* The good hint of a cell around q's, or at least a live one. */
+/* The good hint of a cell around q's, or at least a live one: its own if that is. */
 static uint32_t look_around(const struct dt_hints *g, const struct dt_mesh *m,
                             const struct dt_point *xy, const struct dt_hint_grid *at, uint32_t cell,
                             struct dt_point q)
 {
     static const int steps[][2] = {{1, 0},  {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1},
                                    {1, -1}, {-1, 1}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}};
-    uint32_t alive = m->hull;
+    uint32_t own = dt_base(g->cell[cell]), alive = m->hull;
     int column = (int)((cell - at->first) % at->nx), row = (int)((cell - at->first) / at->nx);
     for (unsigned i = 0; i < sizeof steps / sizeof *steps; i++) {
         int c = column + steps[i][0], r = row + steps[i][1];
@@ -54,7 +54,7 @@ static uint32_t look_around(const struct dt_hints *g, const struct dt_mesh *m,
             return h;
         alive = h;
     }
-    return alive;
+    return dt_is_dead(m, own) ? alive : own;
 }
 
 uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy,
@@ -66,8 +66,7 @@ uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const s
     /* Vertices and, two for each, triangles are both in the order of the grid after a build: of
      * triangle t = h / 8 the corners are probably near vertex t / 2. */
     __builtin_prefetch(&xy[h >> 4]);
-    bool lent = (g->cell[cell] & DT_HINT_LENT) == DT_HINT_LENT; /* from afar by right */
-    if (!dt_is_dead(m, h) && (lent || is_near(at, m, xy, h, q)))
+    if (!dt_is_dead(m, h) && is_near(at, m, xy, h, q))
         return h;
     return look_around(g, m, xy, at, cell, q);
 }

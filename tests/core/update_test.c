@@ -223,6 +223,32 @@ TEST(a_crowd_in_one_corner_keeps_location_short)
     free(p);
 }
 
+/* Dead records come back to life far from the empty cells that borrowed them as hints. */
+TEST(location_stays_short_when_points_come_and_go_everywhere)
+{
+    enum { N = 30000 };
+    static struct dt_point p[N];
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    uint32_t deleted, missing;
+    uint64_t steps = 0;
+    family_points(family_find("uniform"), p, N, 3);
+    CHECK(dt_add(t, p, N, &added) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    for (uint32_t i = 0; i < N; i++) {
+        struct dt_point q = {test_uniform(), test_uniform()};
+        CHECK(dt_delete(t, &i, 1, &deleted, &missing) == DT_OK);
+        CHECK(dt_add(t, &q, 1, &added) == DT_OK);
+    }
+    for (unsigned i = 0; i < 5000; i++) {
+        uint32_t h, walked;
+        struct dt_point q = {test_uniform(), test_uniform()};
+        dt_find_counting(&t->mesh, t->points.xy, &t->hints, q, &h, &walked);
+        steps += walked;
+    }
+    CHECK_MSG(steps < 5000 * 4, "%.1f triangles a walk", (double)steps / 5000);
+    dt_free(t);
+}
+
 TEST(a_set_that_is_edited_for_ever_does_not_grow)
 {
     enum { N = 3000 };
