@@ -93,7 +93,7 @@ enum reader_result reader_next(struct segment_reader *r, struct record *record)
 enum reader_result reader_search(struct segment_reader *r, uint64_t least, struct record *record)
 {
     for (;;) {
-        r->last = 1;
+        r->last = buf_len(&r->window) > 0;
         advance(r);
         if (!fill(r, RECORD_LIMIT))
             return READER_ERROR;

@@ -203,6 +203,30 @@ TEST(log_with_a_hole_in_its_last_batch_is_a_torn_end)
     free_sample(&s);
 }
 
+/* A LOAD that takes several records, cut off right behind one of them. */
+TEST(log_that_ends_between_the_records_of_a_load_is_a_torn_end)
+{
+    double xy[4] = {1, 1, 2, 2};
+    struct sample s = make_sample(SIGKILL);
+    struct buf b = {0};
+    buf_append(&b, s.bytes, s.n);
+    struct record r = {.lsn = CHANGES + 1, .synced = CHANGES, .type = RECORD_LOAD, .first = 4};
+    r.name = "t";
+    r.name_len = 1;
+    record_write(&b, &r);
+    for (int chunks = 0; chunks <= 2; chunks++) {
+        file_write(s.path, buf_head(&b), buf_len(&b));
+        struct outcome o = look(s.dir.path);
+        CHECK_MSG(o.result == RECOVERY_OK && o.torn && o.last == CHANGES, "%s", o.why);
+        CHECK(o.digest == s.digest[CHANGES]);
+        r.lsn++;
+        r = (struct record){.lsn = r.lsn, .type = RECORD_CHUNK, .n = 2, .items = xy};
+        record_write(&b, &r);
+    }
+    buf_free(&b);
+    free_sample(&s);
+}
+
 TEST(damaged_log_keeps_the_daemon_from_starting_until_it_is_repaired)
 {
     char text[2000], path[128];
