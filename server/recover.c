@@ -61,14 +61,17 @@ static bool cancelled(struct recovery *r)
     return r->cancel;
 }
 
+static const char keeps[] = "; --repair DIR would keep every set that is whole";
+
 /* What a record was refused for: out of memory is not the record's fault. */
 static bool fail_record(struct recovery *r, const struct datafile *f, uint64_t at,
                         const char *fault)
 {
     if (r->replay.out_of_memory)
         return fail(r, RECOVERY_ERROR, "out of memory while reading %s", f->name);
-    return fail(r, RECOVERY_REFUSED, "%s: the record at byte %" PRIu64 " is damaged: %s", f->name,
-                at, fault);
+    r->bad_snapshot = f->kind == DATAFILE_SNAPSHOT;
+    return fail(r, RECOVERY_REFUSED, "%s: the record at byte %" PRIu64 " is damaged: %s%s", f->name,
+                at, fault, r->bad_snapshot ? keeps : "");
 }
 
 /* ---- the snapshot ---- */
@@ -94,16 +97,24 @@ static bool read_snapshot_records(struct recovery *r, const struct datafile *f,
     }
 }
 
+/* Whether a header is refused because a later version wrote it. */
+static bool is_later(const struct segment_reader *in, const struct segment *header)
+{
+    return header->version > RECORD_VERSION && strstr(in->fault, "later version") != NULL;
+}
+
 static bool read_snapshot(struct recovery *r, const struct datafile *f)
 {
     struct segment_reader in;
-    struct segment header;
+    struct segment header = {0};
     enum reader_result got = reader_open(&in, r->dir, f, &header);
     bool ok = false;
     if (got == READER_ERROR)
         fail_to_read(r, f, in.error);
-    else if (got == READER_BAD)
+    else if (got == READER_BAD && is_later(&in, &header))
         fail(r, RECOVERY_REFUSED, "%s: %s", f->name, in.fault);
+    else if (got == READER_BAD)
+        r->bad_snapshot = !fail(r, RECOVERY_REFUSED, "%s: %s%s", f->name, in.fault, keeps);
     else
         ok = read_snapshot_records(r, f, &in);
     reader_close(&in);
@@ -229,8 +240,7 @@ static bool read_segment(struct recovery *r, struct place *p)
     enum reader_result got = reader_open(&in, r->dir, f, &header);
     if (got == READER_ERROR) {
         fail_to_read(r, f, in.error);
-    } else if (got == READER_BAD && header.version > RECORD_VERSION &&
-               strstr(in.fault, "later version") != NULL) {
+    } else if (got == READER_BAD && is_later(&in, &header)) {
         fail(r, RECOVERY_REFUSED, "%s: %s", f->name, in.fault);
     } else if (got == READER_BAD) {
         ok = judge_header(r, p, &in);
@@ -287,10 +297,23 @@ void recovery_run(struct recovery *r)
         logs += files.v[i].kind == DATAFILE_LOG;
         r->total += files.v[i].bytes;
     }
-    bool ok = snapshots == 0 || read_snapshot(r, &files.v[snapshots - 1]);
+    size_t read = snapshots - (r->pass_over && snapshots > 0);
+    bool ok = read == 0 || read_snapshot(r, &files.v[read - 1]);
     if (ok && read_log(r, files.v + snapshots, logs))
         r->result = RECOVERY_OK;
     datafiles_free(&files);
+}
+
+void recovery_log(struct recovery *r, const struct datafiles *files)
+{
+    const struct datafile *f = files->v;
+    size_t snapshots = 0, logs = 0;
+    while (snapshots < files->n && f[snapshots].kind == DATAFILE_SNAPSHOT)
+        snapshots++;
+    while (snapshots + logs < files->n && f[snapshots + logs].kind == DATAFILE_LOG)
+        logs++;
+    if (read_log(r, f + snapshots, logs))
+        r->result = RECOVERY_OK;
 }
 
 /* ---- afterwards ---- */

@@ -24,6 +24,7 @@ enum recovery_result {
 struct recovery {
     const struct datadir *dir; /* borrows */
     FILE *report;              /* borrows; NULL; else a line is written for each file */
+    bool pass_over;            /* the newest snapshot is not there */
     atomic_bool cancel;
     atomic_ullong done, total; /* bytes */
     enum recovery_result result;
@@ -34,13 +35,17 @@ struct recovery {
     struct datafile file; /* the segment that is torn or corrupt */
     uint64_t at;          /* from this offset on */
     bool torn;
-    uint64_t later; /* RECOVERY_CORRUPT: whole records that follow */
+    bool bad_snapshot; /* RECOVERY_REFUSED for that; --repair may keep most of it */
+    uint64_t later;    /* RECOVERY_CORRUPT: whole records that follow */
 };
 
 void recovery_init(struct recovery *r, const struct datadir *dir);
 
 /* Reads everything; changes nothing on the disk. */
 void recovery_run(struct recovery *r);
+
+/* Only the log among the files, from r->replay.snapshot on. */
+void recovery_log(struct recovery *r, const struct datafiles *files);
 
 /* Cuts off the torn end, and removes snapshots that were not finished. False: r->why tells. */
 bool recovery_tidy(struct recovery *r);

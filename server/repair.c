@@ -1,6 +1,8 @@
 /* repair.c - delaunayd --check DIR and --repair DIR. */
 #include "server/recover.h"
 
+#include "server/salvage.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -106,6 +108,9 @@ int recovery_repair(const char *path)
                r.at);
     } else if (corrupt) {
         printf("cannot put the damaged part aside: %s\n", strerror(errno));
+    } else if (r.result == RECOVERY_REFUSED && r.bad_snapshot) {
+        printf("%s\n", r.why);
+        salvage(&dir);
     } else if (r.result == RECOVERY_OK && !recovery_tidy(&r)) {
         printf("%s\n", r.why);
     }

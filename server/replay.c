@@ -179,6 +179,12 @@ const char *replay_log(struct replay *p, const struct record *r)
 {
     struct dataset *set = r->name_len > 0 ? find(p, r) : NULL;
     bool skip = r->lsn <= p->snapshot || (set != NULL && r->lsn <= set->lsn);
+    bool lost = p->losses != NULL && set == NULL && !skip && !p->in_load && r->name_len > 0;
+    if (lost && losses_take(p->losses, r)) {
+        if (r->type != RECORD_LOAD)
+            return NULL;
+        skip = true;
+    }
     bool of_load = r->type == RECORD_LOAD || r->type == RECORD_CHUNK || r->type == RECORD_LOADED;
     if (p->in_load && !of_load)
         return contradiction;
@@ -284,4 +290,12 @@ const char *replay_snapshot(struct replay *p, const struct record *r)
         return NULL;
     }
     return fault == NULL ? restore_if_complete(p) : fault;
+}
+
+void replay_abandon_set(struct replay *p)
+{
+    if (p->restoring != NULL)
+        registry_drop(&p->sets, p->restoring);
+    p->restoring = NULL;
+    p->n = 0;
 }

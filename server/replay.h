@@ -4,11 +4,13 @@
 
 #include "proto/record.h"
 #include "server/dataset.h"
+#include "server/losses.h"
 
 struct replay {
-    struct registry sets; /* owns; each set's lsn and triangulated are what its records say */
-    uint64_t snapshot;    /* changes up to this lsn are in the snapshot */
-    bool out_of_memory;   /* what stopped it is no fault of the data */
+    struct registry sets;  /* owns; each set's lsn and triangulated are what its records say */
+    uint64_t snapshot;     /* changes up to this lsn are in the snapshot */
+    bool out_of_memory;    /* what stopped it is no fault of the data */
+    struct losses *losses; /* borrows: records of these sets are passed over; NULL: none is lost */
     /* private */
     bool in_load;   /* a LOAD has begun */
     bool skip_load; /* and the snapshot has it already */
@@ -34,5 +36,8 @@ bool replay_in_load(const struct replay *p);
 
 /* Forgets such a LOAD. */
 void replay_abandon_load(struct replay *p);
+
+/* Forgets the set of a snapshot whose rows are not complete, if there is one. */
+void replay_abandon_set(struct replay *p);
 
 #endif

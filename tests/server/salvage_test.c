@@ -1,0 +1,329 @@
+/* salvage_test.c - --repair of a damaged snapshot: whole sets are kept as they were, what is lost is
+ * named, and nothing is ever wrong, whichever byte is damaged and wherever the repair is cut off. */
+#include "server/recover.h"
+#include "tests/server/directory.h"
+#include "tests/test.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Before the snapshot, and after it. `e` and `f` are empty in it; `new` is only in the log. */
+static const char before[] = "CREATE a TOL 0.5\nADD a 0 0  0.25 0  4 0  4 0.25  0 4\nDEL a 0\n"
+                             "CREATE e TOL 0.25\nADD t 1 1  0 0  4 0  4 4\nTRIANGULATE t\n"
+                             "CREATE f\nADD gone 5 5\n";
+static const char after[] = "ADD a 9 9\nADD e 5 5  5.1 5\nDEL t 3\nDROP gone\nADD new 1 2  3 4\n"
+                            "MOVE t 0 1 2\nTRIANGULATE new\nCREATE later TOL 2\n";
+
+static const char *const names[] = {"a", "e", "f", "t", "new", "later", "gone"};
+
+enum { SETS = sizeof names / sizeof names[0], FILE_LIMIT = 4096 };
+
+/* ---- what a directory holds ---- */
+
+static uint64_t mix(uint64_t h, const void *bytes, size_t n)
+{
+    const unsigned char *p = bytes;
+    for (; n > 0; n--)
+        h = (h ^ *p++) * 0x100000001b3u;
+    return h;
+}
+
+/* 0 if there is no such set. */
+static uint64_t digest(const struct registry *sets, const char *name)
+{
+    struct word w = {name, strlen(name)};
+    const struct dataset *set = registry_find(sets, &w);
+    if (set == NULL)
+        return 0;
+    const struct dt *dt = set->current->dt;
+    uint32_t next = dt_next_id(dt), rep;
+    double tol = dt_tolerance(dt);
+    uint64_t h = mix(mix(mix(1, &next, sizeof next), &tol, sizeof tol), &set->triangulated, 1);
+    for (uint32_t id = 0; id < next; id++) {
+        struct dt_point p;
+        if (dt_get(dt, id, &p) != DT_OK)
+            continue;
+        CHECK(dt_representative(dt, id, &rep) == DT_OK);
+        h = mix(mix(mix(h, &id, sizeof id), &rep, sizeof rep), &p, sizeof p);
+    }
+    return h | 1;
+}
+
+struct state {
+    enum recovery_result result;
+    uint64_t last, set[SETS];
+    size_t sets;
+};
+
+static struct state look(const char *path)
+{
+    struct datadir dir;
+    struct recovery r;
+    CHECK(datadir_open(&dir, path, false));
+    recovery_init(&r, &dir);
+    recovery_run(&r);
+    struct state s = {.result = r.result, .last = r.last, .sets = r.replay.sets.sets};
+    for (size_t i = 0; i < SETS && r.result == RECOVERY_OK; i++)
+        s.set[i] = digest(&r.replay.sets, names[i]);
+    recovery_clear(&r);
+    datadir_close(&dir);
+    return s;
+}
+
+/* ---- a directory with a snapshot, that can be had as often as one likes ---- */
+
+struct sample {
+    struct directory dir;
+    char snapshot[128], log[128]; /* paths */
+    char *bytes, *log_bytes, *first_log;
+    size_t n, log_n, first_n;
+    struct state whole;
+};
+
+static void forget(const struct sample *s)
+{
+    DIR *d = opendir(s->dir.path);
+    CHECK(d != NULL);
+    for (struct dirent *e; (e = readdir(d)) != NULL;)
+        if (e->d_name[0] != '.')
+            CHECK(unlinkat(dirfd(d), e->d_name, 0) == 0);
+    closedir(d);
+}
+
+/* In memory, where there is a place for that: thousands of syncs take long on a disk. */
+static struct directory quick_directory(void)
+{
+    struct directory dir = {.path = "/dev/shm/delaunayd-test-XXXXXX"};
+    return mkdtemp(dir.path) != NULL ? dir : directory_new();
+}
+
+static struct sample make_sample(void)
+{
+    char path[128];
+    struct sample s = {.dir = quick_directory()};
+    struct daemon d = directory_daemon(&s.dir, NULL);
+    carry_out(&d, before);
+    CHECK(directory_file(&s.dir, "log.", 0, path));
+    s.first_log = file_read(path, &s.first_n);
+    carry_out(&d, "SNAPSHOT\n");
+    await_info(&d, "snapshots", 1);
+    carry_out(&d, after);
+    daemon_stop(&d, SIGKILL);
+    CHECK(directory_file(&s.dir, "snapshot.", 0, s.snapshot));
+    CHECK(directory_file(&s.dir, "log.", 0, s.log) && !directory_file(&s.dir, "log.", 1, path));
+    s.bytes = file_read(s.snapshot, &s.n);
+    s.log_bytes = file_read(s.log, &s.log_n);
+    s.whole = look(s.dir.path);
+    CHECK(s.whole.result == RECOVERY_OK && s.whole.sets == SETS - 1 && s.n < FILE_LIMIT);
+    return s;
+}
+
+/* The directory with a snapshot of these bytes. */
+static void lay_out(const struct sample *s, const char *bytes, size_t n)
+{
+    forget(s);
+    file_write(s->snapshot, bytes, n);
+    file_write(s->log, s->log_bytes, s->log_n);
+}
+
+static void free_sample(struct sample *s)
+{
+    free(s->bytes);
+    free(s->log_bytes);
+    free(s->first_log);
+    directory_remove(&s->dir);
+}
+
+/* ---- repairs, in this process ---- */
+
+/* What it prints goes to text. */
+static int repair(const struct sample *s, char *text, size_t size)
+{
+    char path[100];
+    snprintf(path, sizeof path, "%s.said", s->dir.path);
+    fflush(stdout);
+    int was = dup(STDOUT_FILENO), to = open(path, O_RDWR | O_CREAT | O_TRUNC, 0600);
+    CHECK(was >= 0 && to >= 0 && dup2(to, STDOUT_FILENO) >= 0);
+    int status = recovery_repair(s->dir.path);
+    fflush(stdout);
+    dup2(was, STDOUT_FILENO);
+    ssize_t n = pread(to, text, size - 1, 0);
+    text[n > 0 ? n : 0] = '\0';
+    close(was);
+    close(to);
+    unlink(path);
+    return status;
+}
+
+static bool is_named(const char *text, const char *name)
+{
+    char line[100];
+    snprintf(line, sizeof line, "lost: the set %s", name);
+    const char *at = strstr(text, line);
+    return at != NULL && strchr("\n ,", at[strlen(line)]) != NULL;
+}
+
+/* Sets that are there are right; those that are not are named or counted. Returns how many. */
+static unsigned check_kept(const struct sample *s, const char *text, const char *what, size_t at)
+{
+    struct state is = look(s->dir.path);
+    unsigned lost = 0, nameless = 0, counted;
+    const char *count = strstr(text, " sets whose names cannot be read");
+    CHECK_MSG(is.result == RECOVERY_OK && is.last == s->whole.last, "%s %zu: %s", what, at, text);
+    for (size_t i = 0; i < SETS; i++) {
+        bool gone = is.set[i] != s->whole.set[i], named = is_named(text, names[i]);
+        CHECK_MSG(!gone || is.set[i] == 0, "%s %zu: %s is wrong: %s", what, at, names[i], text);
+        CHECK_MSG(gone || !named, "%s %zu: %s is there: %s", what, at, names[i], text);
+        lost += gone;
+        nameless += gone && !named;
+    }
+    CHECK_MSG(nameless == 0 || strstr(text, "names cannot be read") != NULL, "%s %zu: %s", what, at,
+              text);
+    while (count != NULL && count > text && count[-1] != ' ')
+        count--;
+    CHECK_MSG(count == NULL || (sscanf(count, "%u", &counted) == 1 && counted >= nameless),
+              "%s %zu: %s", what, at, text);
+    return lost;
+}
+
+/* ---- tests ---- */
+
+TEST_TIMEOUT(repair_of_a_snapshot_with_any_byte_flipped_keeps_the_other_sets, 120)
+{
+    char text[FILE_LIMIT];
+    struct sample s = make_sample();
+    unsigned bit = test_below(8), most = 0;
+    for (size_t i = 0; i < s.n; i++, bit = (bit + 1) % 8) {
+        s.bytes[i] ^= (char)(1 << bit);
+        lay_out(&s, s.bytes, s.n);
+        s.bytes[i] ^= (char)(1 << bit);
+        CHECK_MSG(repair(&s, text, sizeof text) == 0, "byte %zu: %s", i, text);
+        unsigned lost = check_kept(&s, text, "byte", i);
+        /* One of the snapshot, and perhaps one that could be it. */
+        CHECK_MSG(lost <= 2, "byte %zu: %u sets lost: %s", i, lost, text);
+        CHECK_MSG(i >= SEGMENT_HEADER || lost == 0, "byte %zu: %s", i, text);
+        CHECK_MSG(i < s.n - RECORD_HEADER || lost == 0, "byte %zu: %s", i, text);
+        most = lost > most ? lost : most;
+    }
+    CHECK(most > 0);
+    free_sample(&s);
+}
+
+TEST_TIMEOUT(repair_of_a_snapshot_cut_anywhere_keeps_what_is_before, 120)
+{
+    char text[FILE_LIMIT];
+    struct sample s = make_sample();
+    unsigned before_that = SETS;
+    for (size_t n = 0; n < s.n; n += 3) {
+        lay_out(&s, s.bytes, n);
+        CHECK_MSG(repair(&s, text, sizeof text) == 0, "cut at %zu: %s", n, text);
+        unsigned lost = check_kept(&s, text, "cut at", n);
+        CHECK_MSG(lost <= before_that, "cut at %zu: %s", n, text);
+        before_that = lost;
+    }
+    free_sample(&s);
+}
+
+TEST(repair_names_what_is_lost_and_keeps_the_damaged_files)
+{
+    char text[FILE_LIMIT], path[128], name[64];
+    size_t n;
+    struct sample s = make_sample();
+    /* A byte in the last row of the set a, whose record follows its RECORD_SET. */
+    size_t at = (size_t)((char *)memmem(s.bytes, s.n, "a", 1) - s.bytes) + 1 + RECORD_HEADER + 40;
+    s.bytes[at] ^= 4;
+    lay_out(&s, s.bytes, s.n);
+    CHECK(directory_run(&s.dir, "--data", text, sizeof text) == 1);
+    CHECK_MSG(strstr(text, "--repair DIR would keep every set that is whole") != NULL, "%s", text);
+    CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
+    CHECK_MSG(strstr(text, "\nlost: the set a of 4 points, 1 later changes to it\n") != NULL &&
+                  strstr(text, "\n5 sets, 7 points, ") != NULL && strstr(text, "\ngood\n") != NULL,
+              "%s", text);
+    snprintf(name, sizeof name, "damaged.%s", strrchr(s.snapshot, '/') + 1);
+    CHECK(directory_file(&s.dir, name, 0, path));
+    char *kept = file_read(path, &n);
+    CHECK(n == s.n && memcmp(kept, s.bytes, n) == 0);
+    CHECK(directory_file(&s.dir, "damaged.log.", 0, path));
+    struct daemon d = directory_daemon(&s.dir, NULL);
+    converse(&d, "SETS\nPOINTS e\nSTAT a\n",
+             "OK 5\ne points=2 triangulated=no\nf points=0 triangulated=no\n"
+             "later points=0 triangulated=no\nnew points=2 triangulated=yes\n"
+             "t points=3 triangulated=yes\nOK 2\n0 5 5\n1 5.1 5\nERR NOSET there is no set a\n");
+    carry_out(&d, "ADD a 1 1\n");
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+    d = directory_daemon(&s.dir, NULL);
+    converse(&d, "POINTS a\n", "OK 1\n0 1 1\n");
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+    free(kept);
+    free_sample(&s);
+}
+
+TEST(repair_loses_nothing_where_the_log_from_the_beginning_is_there)
+{
+    char text[FILE_LIMIT], path[128];
+    struct sample s = make_sample();
+    s.bytes[s.n / 2] ^= 1;
+    lay_out(&s, s.bytes, s.n);
+    snprintf(path, sizeof path, "%s/log.%016x", s.dir.path, 1);
+    file_write(path, s.first_log, s.first_n);
+    CHECK(repair(&s, text, sizeof text) == 0);
+    CHECK_MSG(strstr(text, "nothing is lost") != NULL, "%s", text);
+    CHECK(check_kept(&s, text, "log", 1) == 0);
+    CHECK(directory_file(&s.dir, "damaged.snapshot.", 0, path));
+    free_sample(&s);
+}
+
+TEST(repair_leaves_a_snapshot_of_a_later_version_alone)
+{
+    char text[FILE_LIMIT], bytes[SEGMENT_HEADER];
+    size_t n;
+    struct sample s = make_sample();
+    struct segment later = {.version = RECORD_VERSION + 1, .kind = SEGMENT_SNAPSHOT, .lsn = 8};
+    segment_write(bytes, &later);
+    memcpy(s.bytes, bytes, sizeof bytes);
+    lay_out(&s, s.bytes, s.n);
+    CHECK(repair(&s, text, sizeof text) == 1);
+    CHECK_MSG(strstr(text, "later version") != NULL, "%s", text);
+    char *kept = file_read(s.snapshot, &n);
+    CHECK(n == s.n && memcmp(kept, s.bytes, n) == 0);
+    free(kept);
+    free_sample(&s);
+}
+
+/* The repair itself breaks off: a second one finds the directory as it was, or good. */
+TEST_TIMEOUT(repair_that_fails_anywhere_can_be_repeated, 60)
+{
+    static const char *const op[] = {"write", "sync", "rename", "open"};
+    char text[FILE_LIMIT], nth[16];
+    struct sample s = make_sample();
+    unsigned fired = 0;
+    size_t at = (size_t)((char *)memmem(s.bytes, s.n, "a", 1) - s.bytes) + 1 + RECORD_HEADER + 40;
+    s.bytes[at] ^= 4;
+    setenv("DISK_DIR", s.dir.path, 1);
+    for (unsigned k = 0; k < 4; k++)
+        for (unsigned i = 1; i <= 12; i++) {
+            lay_out(&s, s.bytes, s.n);
+            snprintf(nth, sizeof nth, "%u", i);
+            setenv("DISK_NTH", nth, 1);
+            setenv("DISK_OP", op[k], 1);
+            setenv("LD_PRELOAD", getenv("DISK_SHIM"), 1);
+            setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
+            directory_run(&s.dir, "--repair", text, sizeof text);
+            fired += strstr(text, "\ngood\n") == NULL;
+            unsetenv("LD_PRELOAD");
+            unsetenv("DISK_OP");
+            directory_run(&s.dir, "--repair", text, sizeof text);
+            struct state is = look(s.dir.path);
+            CHECK_MSG(is.result == RECOVERY_OK && is.last == s.whole.last, "%s %u: %s", op[k], i,
+                      text);
+            for (size_t j = 0; j < SETS; j++)
+                CHECK_MSG(is.set[j] == (strcmp(names[j], "a") == 0 ? 0 : s.whole.set[j]),
+                          "%s %u: %s", op[k], i, names[j]);
+        }
+    CHECK_MSG(fired >= 8, "%u", fired);
+    free_sample(&s);
+}
