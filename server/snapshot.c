@@ -162,10 +162,11 @@ static void *serve(void *arg)
 {
     struct snapshot *snap = arg;
     uint64_t one = 1;
+    int event = snap->event;
     setpriority(PRIO_PROCESS, 0, NICE); /* on Linux: of this thread */
     write_snapshot(snap);
-    snap->done = true;
-    ssize_t ignored = write(snap->event, &one, sizeof one);
+    snap->done = true; /* from here on *snap may be gone */
+    ssize_t ignored = write(event, &one, sizeof one);
     (void)ignored;
     return NULL;
 }
@@ -249,7 +250,11 @@ void snapshot_go(struct snapshot *snap)
 int snapshot_end(struct snapshot *snap, struct registry *sets)
 {
     snap->cancel = true;
-    if (snap->started)
+    /* Once it is done the thread has only to end; to wait for one that is low in priority, on a busy
+     * machine, would hold up all clients. */
+    if (snap->started && snap->done)
+        pthread_detach(snap->thread);
+    else if (snap->started)
         pthread_join(snap->thread, NULL);
     int error = snap->done ? snap->error : ECANCELED;
     for (size_t i = 0; i < snap->n; i++) {
