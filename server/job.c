@@ -117,6 +117,19 @@ static void drop_unborn(struct server *s, struct dataset *set)
         registry_drop(&s->sets, set);
 }
 
+/* Whether the set would have to be copied, because somebody reads it, and there is no memory for a
+ * second one. */
+static bool cannot_copy(const struct server *s, struct answer *a, const struct dataset *set)
+{
+    const struct dt_summary *sum = &set->current->sum;
+    if (sum->points <= CLONE_AT_ONCE || !server_lacks_memory(s, sum->memory))
+        return false;
+    reply_err(a->out, ERR_BUSY,
+              "the set is being read, and there is no memory for a copy of it; "
+              "try again");
+    return true;
+}
+
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
 {
     bool copy = (how & JOB_COPY) != 0 || set->current->refs > 1;
@@ -125,7 +138,7 @@ void job_write(struct server *s, struct answer *a, struct job *j, struct dataset
     struct version *fresh = copy ? version_new(NULL) : NULL;
     if (copy && fresh == NULL)
         answer_out_of_memory(a);
-    if ((copy && fresh == NULL) || too_busy(s, a, how)) {
+    if ((copy && fresh == NULL) || (copy && cannot_copy(s, a, set)) || too_busy(s, a, how)) {
         free(fresh);
         job_free(j);
         drop_unborn(s, set);

@@ -123,6 +123,26 @@ TEST(memory_of_sets_is_accounted_for)
     local_stop(&l);
 }
 
+TEST(set_that_is_read_is_not_copied_beyond_the_memory_for_sets)
+{
+    struct local l;
+    char *load = parabola(3000);
+    local_start(&l, 0);
+    local_ask(&l, load);
+    struct word name = {"t", 1};
+    struct version *pinned = version_pin(registry_find(&l.server.sets, &name)->current);
+    l.config.max_memory = l.server.sets.memory + l.server.sets.memory / 2;
+    CHECK(strncmp(local_ask(&l, "MOVE t 0 9 9"), "ERR BUSY the set is being read", 30) == 0);
+    CHECK_STR(local_ask(&l, "GET t 0"), "OK 1\n0 0 0\n");
+    l.config.max_memory *= 2;
+    CHECK_STR(local_ask(&l, "MOVE t 0 9 9\nGET t 0"), "OK 0\nOK 1\n0 9 9\n");
+    version_unpin(&l.server.sets, pinned);
+    l.config.max_memory = 1;
+    CHECK_STR(local_ask(&l, "MOVE t 0 8 8"), "OK 0\n"); /* in place */
+    free(load);
+    local_stop(&l);
+}
+
 /* ---- memory runs out ---- */
 
 /* What can be seen of the server's sets. */
