@@ -109,6 +109,7 @@ struct delaunay_client *delaunay_connect(const char *host, const char *port, cha
         return NULL;
     }
     c->fd = fd;
+    c->status.text = "";
     return c;
 }
 

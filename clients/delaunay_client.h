@@ -71,8 +71,8 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
                                           const double *xy, size_t n,
                                           delaunay_progress_fn *progress, void *ctx);
 
-/* The status line of the last reply received, a NUL-terminated string; valid until the next
- * receive. */
+/* The status line of the last reply received, a NUL-terminated string, empty before the first one;
+ * valid until the next receive. */
 const struct reply_part *delaunay_status(const struct delaunay_client *c);
 
 #endif

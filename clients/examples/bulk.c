@@ -47,7 +47,8 @@ static enum delaunay_result run(struct delaunay_client *c, const double *xy, siz
         r = send_text(c, "DROP bulk");
     for (int i = 0; i < 2 && r == DELAUNAY_OK; i++) {
         r = delaunay_receive(c, NULL, NULL);
-        printf("%s\n", delaunay_status(c)->text);
+        if (r == DELAUNAY_OK)
+            printf("%s\n", delaunay_status(c)->text);
     }
     if (r == DELAUNAY_OK)
         r = delaunay_receive_bytes(c, &bytes, &size);

@@ -237,6 +237,7 @@ TEST(client_survives_a_server_that_hangs_up_on_a_load)
     if (r == DELAUNAY_OK)
         r = delaunay_receive(c, NULL, NULL);
     CHECK(r == DELAUNAY_LOST);
+    CHECK_STR(delaunay_status(c)->text, ""); /* no reply has come */
     delaunay_close(c);
     free(xy);
 }
