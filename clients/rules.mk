@@ -55,7 +55,7 @@ $(O)/interop/hiredis_talk: tests/interop/hiredis_talk.c
 
 .PHONY: interop_clients
 interop: interop_clients
-interop_clients: all
+interop_clients: all lib
 	$(call need,redis-tools libhiredis-dev python3-redis python3-numpy python3-scipy nodejs haproxy netcat-openbsd, \
 	  command -v redis-cli && command -v node && command -v haproxy && command -v nc && \
 	  /usr/bin/python3 -c 'import redis; import numpy; import scipy')

@@ -66,6 +66,59 @@ redis_benchmark_runs() {
         [ "$(cat "$scratch/ping" "$scratch/nearest" | tr '\r' '\n' | grep -c 'requests per second')" -eq 2 ]
 }
 
+# ---- our clients with a million points, and with a daemon that dies under them ----
+
+millions() { # the Python and Node packages have tests of their own for that
+    awk 'BEGIN {srand(5); for (i = 0; i < 1000000; i++) print rand(), rand()}' >"$scratch/million.xy"
+    ${CC:-cc} -O2 -I"$build/include" clients/examples/bulk.c "$build/lib/libdelaunay.a" -lm -o "$scratch/bulk"
+}
+
+by_command_line() {
+    local d=("$build/delaunay" -h 127.0.0.1 -p "$port") hull
+    "${d[@]}" load m "$scratch/million.xy" | grep -qx 'OK 0 first=0 added=1000000 coincident=[0-9]*' &&
+        hull=$("${d[@]}" triangulate m | sed -n 's/^OK 0 .* hull=\([0-9]*\) .*/\1/p') && "${d[@]}" export m "$scratch/m.ele" &&
+        [ "$(head -n 1 "$scratch/m.ele")" = "$((2 * 1000000 - 2 - hull)) 3 0" ] &&
+        [ "$(wc -l <"$scratch/m.ele")" -ge $((2 * 1000000 - 1 - hull)) ] && "${d[@]}" drop m
+}
+
+by_c() { "$scratch/bulk" 127.0.0.1 "$port" 1000000 | grep -q '^1999[0-9]* triangles, '; }
+
+# The daemon takes nothing any more while the client loads, then it is gone: the client says so, and ends.
+dies_under() { # STATUS REGEX COMMAND...; the port is appended
+    local status=$1 regex=$2 got=0 client
+    shift 2
+    start_daemon doomed
+    kill -STOP "${pids[-1]}"
+    timeout 60 "$@" "$doomed" >"$scratch/said" 2>&1 &
+    client=$!
+    sleep 0.5
+    { kill -KILL "${pids[-1]}" && wait "${pids[-1]}"; } 2>/dev/null
+    unset 'pids[-1]'
+    wait "$client" || got=$?
+    cat "$scratch/said"
+    [ "$got" -eq "$status" ] && grep -qE "$regex" "$scratch/said"
+}
+
+load_by_cli() { "$build/delaunay" -h 127.0.0.1 -p "$1" load m "$scratch/million.xy"; }
+load_by_c() { "$scratch/bulk" 127.0.0.1 "$1" 1000000; }
+load_by_python() {
+    PYTHONPATH=clients/python "$python" -c '
+import sys, delaunayd
+try:
+    delaunayd.Client("delaunay://127.0.0.1:" + sys.argv[1]).load("m", [(i, i * i) for i in range(1000000)])
+except ConnectionError as error:
+    sys.exit("lost: %r" % error)' "$1"
+}
+load_by_node() {
+    node --input-type=module -e '
+import { connect } from "./clients/js/index.js";
+const client = await connect("delaunay://127.0.0.1:" + process.argv[1]);
+client.load("m", Float64Array.from({ length: 2000000 }, Math.random)).then(
+    () => process.exit(0), (error) => { console.log("lost:", error.message); process.exit(1); });' "$1"
+}
+export build scratch python
+export -f load_by_cli load_by_c load_by_python load_by_node
+
 # ---- haproxy ----
 
 through() { printf '%s\n' "$1" | timeout 10 nc -N 127.0.0.1 "$front"; }
@@ -133,6 +186,13 @@ count "the Python package" env DELAUNAYD="$build/delaunayd" "$python" -m unittes
     -s clients/python/tests -t clients/python
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test
+millions
+count "a million points by the command line" by_command_line
+count "a million points by the C library" by_c
+count "the command line notices a daemon that dies" dies_under 3 'connection was lost' bash -c 'load_by_cli "$0"'
+count "the C library notices a daemon that dies" dies_under 1 'connection was lost' bash -c 'load_by_c "$0"'
+count "the Python package notices a daemon that dies" dies_under 1 '^lost: ' bash -c 'load_by_python "$0"'
+count "the Node package notices a daemon that dies" dies_under 1 '^lost: ' bash -c 'load_by_node "$0"'
 count "the Dockerfile" tests/interop/image.sh "$1"
 haproxy_shards
 echo "$passed passed, $failed failed"
