@@ -36,7 +36,7 @@ void dt_hints_clear(struct dt_hints *g);
 
 /* Builds the grid for a settled mesh of which every vertex v has coordinates xy[v]. *g is cleared
  * first, and left so on DT_NOMEM. Vertices that are in no triangle must have DT_NONE in leaving[].
- * The pool, which may be NULL, shares the work on grid 0; which of a cell's half edges is its hint
+ * The pool, which may be NULL, shares the work; which of a cell's half edges is its hint
  * may then differ from time to time. Cost: linear. */
 enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy,
                               const struct dt_pool *pool);
@@ -63,12 +63,13 @@ static inline uint32_t dt_hint_cell(const struct dt_hint_grid *g, struct dt_poin
     return g->first + row * g->nx + dt_hint_index(q.x, g->lo.x, g->per_x, g->nx);
 }
 
+#define DT_HINT_GRID 4u /* the cell holds a grid, whose number is in the other bits */
 #define DT_HINT_LENT 3u /* the cell is empty and has borrowed what the nearest one has */
 
 /* Down from a cell's content to the half edge that it has for q. */
 static inline uint32_t dt_hint_in(const struct dt_hints *g, uint32_t h, struct dt_point q)
 {
-    while (h & 4)
+    while (h & DT_HINT_GRID)
         h = g->cell[dt_hint_cell(g->grid + (h >> 3), q)];
     return dt_base(h);
 }

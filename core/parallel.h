@@ -15,15 +15,16 @@ static inline unsigned dt_threads_for(const struct dt_pool *pool, uint32_t n)
     return pool->threads < DT_MAX_THREADS ? pool->threads : DT_MAX_THREADS;
 }
 
-/* Calls job(arg, 0 .. n - 1), in any order and at once; with n = 1 right here, so that pool may be
- * NULL. */
+/* Calls job(arg, 0 .. n - 1), in any order and at once; without a pool here, one after the other. */
 static inline void dt_run(const struct dt_pool *pool, unsigned n,
                           void (*job)(void *arg, unsigned i), void *arg)
 {
-    if (n == 1)
-        job(arg, 0);
-    else
+    if (pool != NULL && n > 1) {
         pool->run(pool->ctx, n, job, arg);
+        return;
+    }
+    for (unsigned i = 0; i < n; i++)
+        job(arg, i);
 }
 
 /* Where slice i of `slices` starts in an array of n; slice i + 1 starts where it ends. */
