@@ -69,7 +69,7 @@ static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
 
 enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
 {
-    dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the memory */
+    dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the room */
     struct draft b = {.n = dt_points_vertices(&t->points)};
     b.xy = dt_array_new(b.n, sizeof *b.xy);
     b.from = dt_array_new(b.n, sizeof *b.from);
@@ -79,13 +79,11 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
         status = triangulate(&b, &t->points, opt);
     if (status == DT_OK)
         status = dt_hints_build(&b.hints, &b.mesh, b.xy, pool);
-    if (status == DT_OK)
-        status = dt_points_renumber(&t->points, b.xy, b.from, b.n, pool);
     if (status != DT_OK) {
         draft_clear(&b);
         return status;
     }
-    dt_array_free(b.from);
+    dt_points_renumber(&t->points, b.xy, b.from, b.n, pool);
     dt_mesh_clear(&t->mesh);
     dt_hints_clear(&t->hints);
     t->mesh = b.mesh;

@@ -4,8 +4,6 @@
  *      0        64              so that records of half a line do not straddle two */
 #include "core/memory.h"
 
-#include <pthread.h>
-#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,8 +11,6 @@
 
 #define HUGE_PAGE ((size_t)2 << 20)
 #define HEADER 64
-#define SPARES 32u
-#define SPARE_BYTES ((size_t)512 << 20) /* all spare ranges together */
 
 struct header {
     size_t mapped; /* bytes, header included; 0: from malloc */
@@ -46,103 +42,9 @@ static char *map_aligned(size_t bytes)
     return start;
 }
 
-/* ---- spare ranges: freed, still mapped, whole huge pages ---- */
-
-struct spare {
-    char *at;
-    size_t bytes;
-};
-
-static struct {
-    pthread_mutex_t lock;
-    struct spare range[SPARES]; /* the longest kept first */
-    unsigned n;
-    size_t bytes;
-} spares = {.lock = PTHREAD_MUTEX_INITIALIZER};
-
-/* Takes range i out of the list; the lock is held. */
-static struct spare take_spare(unsigned i)
-{
-    struct spare s = spares.range[i];
-    spares.bytes -= s.bytes;
-    spares.n--;
-    memmove(&spares.range[i], &spares.range[i + 1], (spares.n - i) * sizeof s);
-    return s;
-}
-
-/* A range of that size, cut from the smallest spare one that will do; NULL if there is none. */
-static char *find_spare(size_t bytes)
-{
-    char *at = NULL;
-    pthread_mutex_lock(&spares.lock);
-    unsigned best = SPARES;
-    for (unsigned i = 0; i < spares.n; i++)
-        if (spares.range[i].bytes >= bytes &&
-            (best == SPARES || spares.range[i].bytes < spares.range[best].bytes))
-            best = i;
-    if (best < SPARES) {
-        struct spare *s = &spares.range[best];
-        at = s->at;
-        s->at += bytes;
-        s->bytes -= bytes;
-        spares.bytes -= bytes;
-        if (s->bytes == 0)
-            take_spare(best);
-    }
-    pthread_mutex_unlock(&spares.lock);
-    return at;
-}
-
-/* Keeps a range; those kept for the longest time make way. */
-static void keep_spare(char *at, size_t bytes)
-{
-    struct spare gone[SPARES];
-    unsigned n = 0;
-    (void)madvise(at, bytes, MADV_FREE); /* the system may have the pages if it needs them */
-    pthread_mutex_lock(&spares.lock);
-    while (spares.n == SPARES || (spares.n > 0 && spares.bytes + bytes > SPARE_BYTES))
-        gone[n++] = take_spare(0);
-    spares.range[spares.n++] = (struct spare){at, bytes};
-    spares.bytes += bytes;
-    pthread_mutex_unlock(&spares.lock);
-    while (n-- > 0)
-        munmap(gone[n].at, gone[n].bytes);
-}
-
-static void drop_spares(void)
-{
-    struct spare s = {0};
-    do {
-        pthread_mutex_lock(&spares.lock);
-        bool any = spares.n > 0;
-        if (any)
-            s = take_spare(0);
-        pthread_mutex_unlock(&spares.lock);
-        if (!any)
-            return;
-        munmap(s.at, s.bytes);
-    } while (true);
-}
-
-size_t dt_memory_spare(void)
-{
-    pthread_mutex_lock(&spares.lock);
-    size_t bytes = spares.bytes;
-    pthread_mutex_unlock(&spares.lock);
-    return bytes;
-}
-
-/* ---- arrays ---- */
-
 static void *new_mapped(size_t bytes)
 {
-    struct header *h = (void *)find_spare(round_up(bytes));
-    if (h == NULL)
-        h = (void *)map_aligned(round_up(bytes));
-    if (h == NULL) {
-        drop_spares();
-        h = (void *)map_aligned(round_up(bytes));
-    }
+    struct header *h = (void *)map_aligned(round_up(bytes));
     if (h == NULL)
         return NULL;
     h->mapped = round_up(bytes);
@@ -203,12 +105,10 @@ void dt_array_free(void *p)
     if (p == NULL)
         return;
     struct header *h = header_of(p);
-    if (h->mapped == 0)
-        free(h);
-    else if (h->mapped <= SPARE_BYTES)
-        keep_spare((char *)h, h->mapped);
-    else
+    if (h->mapped != 0)
         munmap(h, h->mapped);
+    else
+        free(h);
 }
 
 size_t dt_array_room(size_t cap, size_t need, size_t limit)

@@ -2,8 +2,7 @@
  *
  * Fresh memory costs as much as the work done in it when the system hands it out in small pages, so
  * arrays of several MiB lie on huge pages where the system has them. They grow by moving pages, not
- * bytes; and of those that are freed, some hundred MiB are kept for the next ones, as pages that the
- * system may take back whenever it is short of memory. All functions may be called by any thread. */
+ * bytes. */
 #ifndef DT_MEMORY_H
 #define DT_MEMORY_H
 
@@ -20,9 +19,6 @@ void *dt_array_grow(void *p, size_t used, size_t n, size_t size);
 
 /* Nothing for NULL. */
 void dt_array_free(void *p);
-
-/* Bytes kept for the next arrays. */
-size_t dt_memory_spare(void);
 
 /* The capacity to grow to so that it holds `need` items and appending costs amortised constant
  * time; at most `limit`. */

@@ -385,8 +385,7 @@ enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point 
 
 struct renumbering {
     struct dt_points *p;
-    const uint32_t *from;
-    uint32_t *id; /* the new array */
+    uint32_t *from; /* becomes the ids */
     uint32_t n;
     unsigned slices;
 };
@@ -398,26 +397,22 @@ static void renumber(void *arg, unsigned i)
     const uint32_t *id = r->p->id;
     uint32_t end = dt_slice(r->n, i + 1, r->slices);
     for (uint32_t v = dt_slice(r->n, i, r->slices); v < end; v++) {
-        r->id[v] = id[r->from[v]];
-        dt_idmap_change(value, r->id[v], v);
+        r->from[v] = id[r->from[v]];
+        dt_idmap_change(value, r->from[v], v);
     }
 }
 
-enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, const uint32_t *from,
-                                  uint32_t n, const struct dt_pool *pool)
+void dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from, uint32_t n,
+                        const struct dt_pool *pool)
 {
-    uint32_t *id = dt_array_new(n, sizeof *id);
-    if (id == NULL)
-        return DT_NOMEM;
-    struct renumbering r = {p, from, id, n, dt_threads_for(pool, n)};
+    struct renumbering r = {p, from, n, dt_threads_for(pool, n)};
     dt_run(pool, r.slices, renumber, &r);
     dt_array_free(p->xy);
     dt_array_free(p->id);
     p->xy = xy;
-    p->id = id;
+    p->id = from;
     p->end = p->cap = n;
     p->free_count = 0;
     p->free_list = DT_NONE;
     dt_places_clear(&p->places);
-    return DT_OK;
 }
