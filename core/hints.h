@@ -15,6 +15,7 @@
 #ifndef DT_HINTS_H
 #define DT_HINTS_H
 
+#include "core/memory.h"
 #include "core/mesh.h"
 
 struct dt_hint_grid {
@@ -78,6 +79,23 @@ static inline uint32_t dt_hint_in(const struct dt_hints *g, uint32_t h, struct d
 static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
 {
     return dt_hint_in(g, g->cell[dt_hint_cell(g->grid, q)], q);
+}
+
+/* Fetches what a walk from the triangle at h, which is on its way from memory, will want next: after
+ * a build vertices and, two for each, triangles are in the same spatial order, so the corners of
+ * triangle h / 8, and what lies around it, are probably among the vertices near h / 16. `id`, by
+ * vertex, may be NULL. */
+static inline void dt_hint_fetch(uint32_t h, const struct dt_point *xy, const uint32_t *id)
+{
+    enum { AROUND = 12, LINE = 64 };
+    size_t v = h >> 4, from = v < AROUND ? 0 : v - AROUND;
+    const char *first = (const char *)(xy + from);
+    for (size_t at = 0; at <= 2 * AROUND * sizeof *xy; at += LINE)
+        dt_fetch((const void *)((uintptr_t)first + at));
+    if (id == NULL)
+        return;
+    dt_fetch(id + from);
+    dt_fetch((const void *)((uintptr_t)(id + v) + LINE / 2));
 }
 
 /* Another one: from the first cell with points in it that is met from q's cell on, in one of four

@@ -42,6 +42,17 @@ static double rounded_side(struct dt_point a, struct dt_point b, struct dt_point
 
 enum { ARRIVED = 3 };
 
+/* Fetches the three neighbours of the triangle at t: one of them is next, and which one is known
+ * only when the corners' coordinates have come. Of the corners the entries in id, unless that is
+ * NULL. */
+static inline void fetch_beyond(const struct dt_mesh *m, const uint32_t *id, uint32_t t)
+{
+    for (uint32_t k = 0; k < 3; k++)
+        dt_fetch(&m->half[dt_base(dt_twin(m, t + k))]);
+    for (uint32_t k = 0; k < 3 && id != NULL; k++)
+        dt_fetch(&id[m->half[t + k]]);
+}
+
 /* The edge 0, 1 or 2 of the triangle at t through which to walk on towards q: the one that has q
  * farthest on its outer side, where rounding does not blur that. ARRIVED if q is in the closed
  * triangle. The three corners are read at once: a walk waits for memory, not for arithmetic. */
@@ -73,11 +84,13 @@ static uint32_t exit_edge(const struct dt_mesh *m, const struct dt_point *xy, ui
 
 /* Walks at most *steps triangles far and takes what it walked off *steps. True: arrived, *half and
  * *where as for dt_find. False: *half is a half edge to go on from. */
-static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
-                       struct dt_point q, uint32_t *steps, enum dt_where *where, uint32_t *half)
+static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, const uint32_t *id,
+                       uint32_t h, struct dt_point q, uint32_t *steps, enum dt_where *where,
+                       uint32_t *half)
 {
     uint32_t t = dt_base(dt_is_ghost(m, h) ? dt_twin(m, dt_base(h)) : h);
     while (m->half[t + 2] != DT_NONE) {
+        fetch_beyond(m, id, t);
         uint32_t k = exit_edge(m, xy, t, q, where, half);
         if (k == ARRIVED)
             return true;
@@ -127,7 +140,7 @@ enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32
     uint32_t steps = UINT32_MAX;
     if (dt_mesh_is_line(m))
         return walk_line(m, xy, from, q, half);
-    while (!walk_plane(m, xy, from, q, &steps, &where, half))
+    while (!walk_plane(m, xy, NULL, from, q, &steps, &where, half))
         from = *half;
     return where;
 }
@@ -141,31 +154,46 @@ static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *
     uint32_t far = *half;
     for (unsigned direction = 0; direction < 4; direction++) {
         uint32_t h = dt_hint_beyond(hints, q, direction), steps = PATIENCE;
-        if (h != DT_NONE && !dt_is_dead(m, h) && walk_plane(m, xy, h, q, &steps, &where, half))
+        if (h != DT_NONE && !dt_is_dead(m, h) &&
+            walk_plane(m, xy, NULL, h, q, &steps, &where, half))
             return where;
     }
     return dt_walk(m, xy, far, q, half);
+}
+
+/* dt_find and dt_find_counting. */
+static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point *xy,
+                                 const uint32_t *id, const struct dt_hints *hints,
+                                 struct dt_point q, uint32_t *half, uint32_t *steps)
+{
+    enum dt_where where;
+    uint32_t h, left = PATIENCE;
+    if (m->recycled) {
+        h = dt_hint_live(hints, m, xy, q);
+    } else {
+        h = dt_hint(hints, q);
+        dt_hint_fetch(h, xy, id);
+        if (dt_is_dead(m, h))
+            h = dt_hint_live(hints, m, xy, q);
+    }
+    *steps = 0;
+    if (dt_mesh_is_line(m))
+        return walk_line(m, xy, h, q, half);
+    bool arrived = walk_plane(m, xy, id, h, q, &left, &where, half);
+    *steps = arrived ? PATIENCE - left : 4 * PATIENCE;
+    return arrived ? where : find_again(m, xy, hints, q, half);
 }
 
 enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *xy,
                                const struct dt_hints *hints, struct dt_point q, uint32_t *half,
                                uint32_t *steps)
 {
-    enum dt_where where;
-    uint32_t h = dt_hint(hints, q), left = PATIENCE;
-    if (m->recycled || dt_is_dead(m, h))
-        h = dt_hint_live(hints, m, xy, q);
-    *steps = 0;
-    if (dt_mesh_is_line(m))
-        return walk_line(m, xy, h, q, half);
-    bool arrived = walk_plane(m, xy, h, q, &left, &where, half);
-    *steps = arrived ? PATIENCE - left : 4 * PATIENCE;
-    return arrived ? where : find_again(m, xy, hints, q, half);
+    return find(m, xy, NULL, hints, q, half, steps);
 }
 
-enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy,
+enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy, const uint32_t *id,
                       const struct dt_hints *hints, struct dt_point q, uint32_t *half)
 {
     uint32_t steps;
-    return dt_find_counting(m, xy, hints, q, half, &steps);
+    return find(m, xy, id, hints, q, half, &steps);
 }

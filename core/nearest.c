@@ -8,7 +8,6 @@
  * another vertex; it lies in the disc around q through p. So the nearest k, and all within a
  * radius, are connected by edges. The nearest ones, if several tie, are the corners of one empty
  * circle around q, which its triangulation connects. */
-#include "core/hints_live.h"
 #include "core/hull.h"
 #include "core/predicates.h"
 #include "core/query.h"
@@ -44,39 +43,98 @@ static struct candidate candidate(const struct dt *t, struct dt_point q, uint32_
     return (struct candidate){square_distance(t->points.xy[v], q), v};
 }
 
-/* A vertex to begin at: of the triangle that the grid knows. */
-static uint32_t near_vertex(const struct dt *t, struct dt_point q)
+/* The nearest vertex so far; *tie: another one is as near. */
+struct nearest {
+    const struct dt *t;
+    struct dt_point q;
+    struct candidate best;
+    bool tie;
+};
+
+static void consider(struct nearest *n, uint32_t w)
 {
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t h = dt_hint_live(&t->hints, m, t->points.xy, q);
-    struct candidate best = candidate(t, q, dt_origin(m, h));
-    for (uint32_t k = h + 1; k < h + 3; k++) {
-        if (dt_origin(m, k) == DT_NONE)
-            continue;
-        struct candidate c = candidate(t, q, dt_origin(m, k));
-        best = c.d < best.d ? c : best;
-    }
-    return best.v;
+    struct candidate c = candidate(n->t, n->q, w);
+    int sign = compare(n->t, n->q, c, n->best);
+    n->tie = sign == 0 || (n->tie && sign > 0);
+    n->best = sign < 0 ? c : n->best;
 }
 
-/* The nearest among v and its neighbours; *tie: another one is as near. */
-static uint32_t nearest_around(const struct dt *t, struct dt_point q, uint32_t v, bool *tie)
+/* Considers all neighbours of v, which is the best so far. */
+static void consider_around(struct nearest *n, uint32_t v)
 {
-    const struct dt_mesh *m = &t->mesh;
-    struct candidate best = candidate(t, q, v);
+    const struct dt_mesh *m = &n->t->mesh;
     uint32_t h = m->leaving[v];
-    *tie = false;
+    n->tie = false;
     do {
         uint32_t w = dt_dest(m, h);
-        if (w != DT_NONE) {
-            struct candidate c = candidate(t, q, w);
-            int sign = compare(t, q, c, best);
-            *tie = sign == 0 || (*tie && sign > 0);
-            best = sign < 0 ? c : best;
-        }
+        if (w != DT_NONE)
+            consider(n, w);
         h = dt_turn_ccw(m, h);
     } while (h != m->leaving[v]);
-    return best.v;
+}
+
+/* Considers the neighbour that h leads to from its origin v, unless it is infinity or lies behind
+ * v as seen from q, where none is nearer than v. False: that is so, certainly, and further round
+ * they are no better. */
+static bool consider_ahead(struct nearest *n, uint32_t h)
+{
+    const struct dt_point *xy = n->t->points.xy;
+    uint32_t v = dt_origin(&n->t->mesh, h), w = dt_dest(&n->t->mesh, h);
+    if (w == DT_NONE)
+        return false;
+    double x = (xy[w].x - xy[v].x) * (n->q.x - xy[v].x),
+           y = (xy[w].y - xy[v].y) * (n->q.y - xy[v].y);
+    if (x + y < -0x1p-50 * (fabs(x) + fabs(y)))
+        return false;
+    consider(n, w);
+    return true;
+}
+
+/* The same as consider_around for the origin of h, a corner of the triangle that q is in: from the
+ * two other corners on, to the right and to the left, as far as neighbours lie ahead.
+ *
+ *          a ------- b       v: the origin of h, the nearest corner of the triangle that q is in
+ *           \  q   /        what is nearer than v lies ahead of it: within a right angle of the
+ *     left   \    /  right   direction to q
+ *              v
+ */
+static void consider_front(struct nearest *n, uint32_t h)
+{
+    const struct dt_mesh *m = &n->t->mesh;
+    uint32_t right = h, left = dt_turn_ccw(m, h);
+    bool go_right = consider_ahead(n, right), go_left = consider_ahead(n, left);
+    while (go_right || go_left) {
+        if (go_right) {
+            right = dt_turn_cw(m, right);
+            go_right = right != left && consider_ahead(n, right);
+        }
+        if (go_left) {
+            left = dt_turn_ccw(m, left);
+            go_left = left != right && consider_ahead(n, left);
+        }
+    }
+}
+
+/* Finds the triangle that q is in and begins at its nearest corner, which is returned: considers
+ * all of that corner's neighbours that may be nearer. */
+static uint32_t begin(struct nearest *n)
+{
+    const struct dt *t = n->t;
+    uint32_t h, first, v;
+    enum dt_where where = dt_find(&t->mesh, t->points.xy, t->points.id, &t->hints, n->q, &h);
+    h = first = dt_base(h);
+    n->best = candidate(t, n->q, dt_origin(&t->mesh, h));
+    for (uint32_t k = h + 1; k < h + 3 && dt_origin(&t->mesh, k) != DT_NONE; k++) {
+        struct candidate c = candidate(t, n->q, dt_origin(&t->mesh, k));
+        first = c.d < n->best.d ? k : first;
+        n->best = c.d < n->best.d ? c : n->best;
+    }
+    v = n->best.v;
+    if (where == DT_OUTSIDE || dt_is_ghost(&t->mesh, h))
+        consider_around(n, v);
+    else if (n->best.d > 0)
+        consider_front(n, first);
+    return v;
 }
 
 /* As dt_nearest_vertex; *tie: there are others as near. */
@@ -85,10 +143,14 @@ static uint32_t descend(const struct dt *t, struct dt_point q, bool *tie)
     *tie = false;
     if (t->mesh.vertices == 1)
         return dt_only_vertex(t);
-    uint32_t v = near_vertex(t, q), next;
-    while ((next = nearest_around(t, q, v, tie)) != v)
-        v = next;
-    return v;
+    struct nearest n = {.t = t, .q = q};
+    uint32_t v = begin(&n);
+    while (v != n.best.v) {
+        v = n.best.v;
+        consider_around(&n, v);
+    }
+    *tie = n.tie;
+    return n.best.v;
 }
 
 uint32_t dt_nearest_vertex(const struct dt *t, struct dt_point q)

@@ -171,7 +171,7 @@ enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_locati
         return DT_OK;
     }
     uint32_t h;
-    out->where = dt_find(m, t->points.xy, &t->hints, q, &h);
+    out->where = dt_find(m, t->points.xy, t->points.id, &t->hints, q, &h);
     uint32_t a = t->points.id[dt_origin(m, h)], b = DT_NONE;
     if (out->where == DT_ON_VERTEX)
         out->id[0] = a;
