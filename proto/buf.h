@@ -21,10 +21,11 @@ static inline size_t buf_len(const struct buf *b)
     return b->end - b->start;
 }
 
-/* The first byte of the content; valid until the next append. */
+/* The first byte of the content; valid until the next append. NULL if it has no memory, to which
+ * not even 0 may be added. */
 static inline char *buf_head(const struct buf *b)
 {
-    return b->data + b->start;
+    return b->start == 0 ? b->data : b->data + b->start;
 }
 
 /* Makes room for n more bytes; returns where to put them, NULL (and failed) when out of memory.

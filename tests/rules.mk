@@ -87,7 +87,11 @@ lint: $(CORE)
 # ---- so that a run can be repeated, or with FUZZ_S=60 others for a minute each ----
 
 FUZZ_RUNS  ?= 50000
-FUZZ_LONG  := $(if $(FUZZ_S),-max_total_time=$(FUZZ_S),-runs=$$runs -seed=1)
+# What a session does depends on the clock, so a seed does not repeat a run: without FUZZ_S only its corpus.
+FUZZ_RUNS_session ?= 0
+# A run of this one builds a dozen triangulations.
+FUZZ_RUNS_edit ?= 4000
+fuzz_long   = $(if $(FUZZ_S),-max_total_time=$(FUZZ_S),-runs=$(or $(FUZZ_RUNS_$(1)),$(FUZZ_RUNS)) -seed=1)
 FLAGS_fuzz := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
 FUZZERS    := $(patsubst %.c,$(O)/%,$(wildcard tests/fuzz/*_fuzz.c))
 
@@ -98,9 +102,11 @@ fuzz:
 	$(call need,clang libclang-rt-14-dev,command -v clang)
 	@$(MAKE) --no-print-directory V=fuzz CC=clang fuzz_run
 
-fuzz_run: $(FUZZERS)
-	@for f in $(FUZZERS); do name=$$(basename $$f _fuzz); runs=$(FUZZ_RUNS); \
-	[ $$name != edit ] || runs=$$((runs / 12)); : a run of it builds a dozen triangulations; \
-	work=$(O)/corpus/$$name; $(if $(FUZZ_S),,rm -rf $$work;) mkdir -p $$work; \
-	seeds=tests/fuzz/corpus/$$name; [ -d $$seeds ] || seeds=; echo "== $$name"; \
-	$$f $(FUZZ_LONG) -verbosity=0 -print_final_stats=1 -artifact_prefix=$(O)/$$name- $$work $$seeds || exit 1; done
+fuzz_run: $(FUZZERS:$(O)/tests/fuzz/%_fuzz=fuzz_run_%)
+
+# Its own corpus begins anew, so that a run can be repeated.
+fuzz_run_%: $(O)/tests/fuzz/%_fuzz
+	@echo "== $*"
+	@$(if $(FUZZ_S),,rm -rf $(O)/corpus/$*;) mkdir -p $(O)/corpus/$*
+	@$< $(call fuzz_long,$*) -timeout=20 -verbosity=0 -print_final_stats=1 -artifact_prefix=$(O)/$*- $(O)/corpus/$* \
+	  $(wildcard tests/fuzz/corpus/$*)

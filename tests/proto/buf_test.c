@@ -46,3 +46,12 @@ TEST(buf_refuses_a_length_that_would_overflow)
     CHECK(buf_reserve(&b, SIZE_MAX - 4) == NULL && b.failed);
     buf_free(&b);
 }
+
+TEST(buffer_without_memory_has_no_head)
+{
+    struct buf b = {0};
+    CHECK(buf_head(&b) == NULL && buf_len(&b) == 0);
+    buf_append(&b, "", 0);
+    buf_consume(&b, 0);
+    CHECK(buf_head(&b) == NULL && !b.failed);
+}

@@ -1,0 +1,77 @@
+/* body_fuzz.c - libFuzzer target: any bytes as the points that follow LOAD and LOADB. The first two
+ * bytes choose the form and the count. In whatever two pieces the rest arrives, the outcome is the
+ * same. */
+#include "core/delaunay.h"
+#include "proto/body.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { LIMIT = 100 }; /* points of one load */
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void require(bool condition)
+{
+    if (!condition)
+        abort();
+}
+
+/* Feeds what there is until it takes no more; returns how much that was, -1 for a fault of the
+ * framing. */
+static ptrdiff_t feed(struct body *b, const uint8_t *data, size_t n, bool last)
+{
+    size_t at = 0;
+    while (!b->complete) {
+        char *exact = malloc(n - at + (n == at));
+        require(exact != NULL);
+        memcpy(exact, data + at, n - at);
+        ptrdiff_t took = body_feed(b, exact, n - at, last);
+        free(exact);
+        require(took <= (ptrdiff_t)(n - at));
+        if (took < 0)
+            return -1;
+        if (took == 0)
+            break;
+        at += (size_t)took;
+    }
+    return (ptrdiff_t)at;
+}
+
+/* Reads a body whose first `cut` bytes come first. Returns what feed does, of all. */
+static ptrdiff_t read_body(struct body *b, enum body_form form, uint64_t count, const uint8_t *data,
+                           size_t size, size_t cut)
+{
+    body_init(b, form, count, LIMIT, dt_coordinate_ok);
+    ptrdiff_t first = feed(b, data, cut, false);
+    if (first < 0 || b->complete)
+        return first;
+    ptrdiff_t rest = feed(b, data + first, size - (size_t)first, true);
+    require(rest < 0 || b->complete);
+    return rest < 0 ? -1 : first + rest;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct body whole, pieces;
+    if (size < 2)
+        return 0;
+    enum body_form form = (enum body_form)(data[0] % 3);
+    uint64_t count = data[1];
+    data += 2;
+    size -= 2;
+    ptrdiff_t took = read_body(&whole, form, count, data, size, size);
+    require(whole.fault == BODY_GOOD || whole.xy == NULL);
+    require(whole.n <= LIMIT && (took < 0 || whole.complete));
+    for (size_t i = 0; i < 2 * whole.n; i++)
+        require(dt_coordinate_ok(whole.xy[i]));
+    for (size_t cut = 0; cut < size && cut < 64; cut++) {
+        ptrdiff_t again = read_body(&pieces, form, count, data, size, cut);
+        require(again == took && pieces.n == whole.n && pieces.fault == whole.fault);
+        require(took < 0 || pieces.fault_line == whole.fault_line);
+        require(whole.n == 0 || memcmp(pieces.xy, whole.xy, whole.n * 16) == 0);
+        body_free(&pieces);
+    }
+    body_free(&whole);
+    return 0;
+}

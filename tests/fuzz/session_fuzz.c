@@ -1,0 +1,126 @@
+/* session_fuzz.c - libFuzzer target: any bytes from a client, to a whole session at one end of a pair
+ * of sockets, with a server of its own that has no threads. The first byte says where the rest is
+ * cut in two. The session must end when the input has ended, and what comes back must be
+ * replies. */
+#include "proto/reply_read.h"
+#include "server/clients.h"
+#include "server/loop.h"
+#include "server/notice.h"
+#include "server/server.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum { ROOM = 64 * 1024 };
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static struct {
+    struct loop loop;
+    struct server server;
+    struct clients clients;
+    int fd; /* the client's end */
+    const uint8_t *rest;
+    size_t left;
+    struct buf replies;
+} f;
+
+static void require(bool condition)
+{
+    if (!condition)
+        abort();
+}
+
+static void on_closed(struct session *s)
+{
+    clients_remove(&f.clients, s);
+    loop_stop(&f.loop);
+}
+
+static void hear(void)
+{
+    ssize_t n;
+    do {
+        char *to = buf_reserve(&f.replies, ROOM);
+        require(to != NULL);
+        n = recv(f.fd, to, ROOM, MSG_DONTWAIT);
+        if (n > 0)
+            buf_commit(&f.replies, (size_t)n);
+    } while (n > 0);
+}
+
+/* The client: says what it has left to say, then listens. */
+static void on_turn_end(struct loop *loop)
+{
+    (void)loop;
+    if (f.rest != NULL) {
+        send(f.fd, f.rest, f.left, MSG_NOSIGNAL | MSG_DONTWAIT);
+        shutdown(f.fd, SHUT_WR);
+        f.rest = NULL;
+    }
+    hear();
+}
+
+static void converse(const uint8_t *data, size_t size, size_t cut)
+{
+    int pair[2];
+    struct sock_peer peer = {.kind = SOCK_UNIX};
+    require(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, pair) == 0);
+    f.loop.stopped = false;
+    f.fd = pair[0];
+    send(f.fd, data, cut, MSG_NOSIGNAL | MSG_DONTWAIT);
+    f.rest = data + cut;
+    f.left = size - cut;
+    struct session *s = session_new(&f.server, &f.loop, pair[1], &peer, on_closed);
+    require(s != NULL && clients_add(&f.clients, s));
+    conn_again(&s->conn); /* so that a turn ends even if nothing was sent first */
+    loop_run(&f.loop);
+    hear();
+    close(f.fd);
+}
+
+/* Where nothing is in RESP, what came back is replies and nothing else. */
+static void look_at_replies(void)
+{
+    struct reply_reader reader = {0};
+    struct reply_part part;
+    size_t at = 0, n = buf_len(&f.replies);
+    while (at < n) {
+        ptrdiff_t took = reply_read(&reader, buf_head(&f.replies) + at, n - at, &part);
+        require(took > 0);
+        at += (size_t)took;
+    }
+    require(reply_reader_idle(&reader));
+}
+
+/* The server is started once, and forgets its sets from input to input. */
+static void start_once(void)
+{
+    static struct config config;
+    if (f.server.config != NULL)
+        return;
+    config_init(&config);
+    config.threads = 0;
+    config.max_points = 5000; /* or some inputs would take all day */
+    notice_set_level(NOTICE_ERROR);
+    require(server_init(&f.server, &config) && loop_init(&f.loop));
+    f.server.clients = &f.clients;
+    f.loop.turn_end = on_turn_end;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size == 0)
+        return 0;
+    start_once();
+    converse(data + 1, size - 1, size > 1 ? data[0] % (size - 1) : 0);
+    require(f.clients.n == 0 && f.server.loading == 0);
+    if (memchr(data + 1, '*', size - 1) == NULL)
+        look_at_replies();
+    buf_consume(&f.replies, buf_len(&f.replies));
+    registry_clear(&f.server.sets);
+    require(f.server.sets.sets == 0 && f.server.sets.memory == 0);
+    return 0;
+}
