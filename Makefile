@@ -60,19 +60,21 @@ demo: all
 	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg
 
 # Tests that talk to a daemon find it through DELAUNAYD and DELAUNAY.
-# A disk that fails on demand, for tests/server/disk_test.c.
+# What is loaded into a daemon: a disk that fails on demand, a count of system calls.
 DISK_SHIM := $(O)/tests/faults/disk_shim.so
-$(DISK_SHIM): tests/faults/disk_shim.c
+SYSCALL_SHIM := $(O)/tests/faults/syscall_shim.so
+SHIMS := $(DISK_SHIM) $(SYSCALL_SHIM)
+$(SHIMS): $(O)/%.so: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(BASE) $(WARNINGS) -fPIC -shared -o $@ $< -ldl
 
-test: all $(TEST_BINARIES) $(DISK_SHIM)
+test: all $(TEST_BINARIES) $(SHIMS)
 	@status=0; for s in $(SUITES); do echo "== $$s"; \
-	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay DISK_SHIM=$(DISK_SHIM) $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
+	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
 
 # The same with many more rounds of what is left to chance.
-faults: all $(O)/tests/server_tests $(DISK_SHIM)
-	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) $(O)/tests/server_tests kill_test disk_test \
+faults: all $(O)/tests/server_tests $(SHIMS)
+	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/server_tests kill_test disk_test \
 	  damage_test hostile_test
 
 asan tsan:
