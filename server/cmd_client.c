@@ -95,22 +95,28 @@ struct target {
     const struct word *address;
 };
 
+/* False: it is no number of at most 64 bits. */
+static bool read_client_id(const struct word *w, uint64_t *id)
+{
+    *id = 0;
+    for (size_t i = 0; i < w->len; i++) {
+        unsigned digit = (unsigned char)w->text[i] - '0';
+        if (digit > 9 || *id > (UINT64_MAX - digit) / 10)
+            return false;
+        *id = *id * 10 + digit;
+    }
+    return w->len > 0;
+}
+
 static bool read_target(const struct request *q, struct target *t)
 {
     const struct word *last = &q->word[q->n - 1];
     bool id = q->n == 4 && word_is(&q->word[2], "ID");
     bool address = q->n == 4 && word_is(&q->word[2], "ADDR");
-    char digits[24] = "";
-    char *end = digits;
     if (q->n != 3 && !id && !address)
         return false;
-    if (last->len > 0 && last->len < sizeof digits && last->text[0] >= '0' &&
-        last->text[0] <= '9') {
-        memcpy(digits, last->text, last->len);
-        t->id = strtoull(digits, &end, 10);
-    }
-    t->by_id = !address && end == digits + last->len && end > digits;
     t->address = last;
+    t->by_id = !address && read_client_id(last, &t->id);
     return t->by_id || !id;
 }
 

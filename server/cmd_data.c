@@ -59,13 +59,7 @@ static bool read_tolerance(struct answer *a, const struct request *q, double *to
         reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
         return false;
     }
-    if (!read_coordinate(a, &q->word[3], tolerance))
-        return false;
-    if (*tolerance < 0) {
-        reply_err(a->out, ERR_RANGE, "a tolerance is not negative");
-        return false;
-    }
-    return true;
+    return read_length(a, &q->word[3], "tolerance", tolerance);
 }
 
 void cmd_create(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -14,8 +14,7 @@ _Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pai
 
 /* ---- the commands: they only prepare for what follows ---- */
 
-static void start(struct server *s, const struct request *q, struct answer *a, enum body_form form,
-                  uint32_t count)
+static void start(struct server *s, struct answer *a, enum body_form form, uint32_t count)
 {
     struct load *l = calloc(1, sizeof *l);
     if (l == NULL) {
@@ -24,9 +23,13 @@ static void start(struct server *s, const struct request *q, struct answer *a, e
         return;
     }
     body_init(&l->body, form, count, s->config->max_points, dt_coordinate_ok);
-    l->name_len = q->word[1].len;
-    memcpy(l->name, q->word[1].text, l->name_len);
     a->load = l;
+}
+
+static void keep_name(struct load *l, const struct word *name)
+{
+    l->name_len = name->len;
+    memcpy(l->name, name->text, l->name_len);
 }
 
 static void start_counted(struct server *s, const struct request *q, struct answer *a,
@@ -34,7 +37,9 @@ static void start_counted(struct server *s, const struct request *q, struct answ
 {
     uint32_t count;
     if (proto_read_u32(q->word[2].text, q->word[2].len, &count)) {
-        start(s, q, a, form, count);
+        start(s, a, form, count);
+        if (a->load != NULL)
+            keep_name(a->load, &q->word[1]);
         return;
     }
     reply_err(a->out, ERR_NUMBER, "%.*s does not tell how much follows", QUOTED(&q->word[2]));
@@ -44,16 +49,36 @@ static void start_counted(struct server *s, const struct request *q, struct answ
 void cmd_load(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)set;
-    if (q->n == 2)
-        start(s, q, a, BODY_DOT, 0);
-    else
+    if (q->n != 2) {
         start_counted(s, q, a, BODY_LINES);
+        return;
+    }
+    start(s, a, BODY_DOT, 0);
+    if (a->load != NULL)
+        keep_name(a->load, &q->word[1]);
 }
 
 void cmd_loadb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)set;
     start_counted(s, q, a, BODY_BINARY);
+}
+
+void load_skip(struct server *s, const struct request *q, struct answer *a)
+{
+    bool binary = word_is(&q->word[0], "LOADB"), dot = !binary && q->n == 2;
+    uint32_t count = 0;
+    /* Those who have shown no token may not keep the server reading. */
+    if (a->role == ROLE_NONE || (!dot && q->n != 3) ||
+        (!dot && !proto_read_u32(q->word[2].text, q->word[2].len, &count))) {
+        a->close = true;
+        return;
+    }
+    start(s, a, binary ? BODY_BINARY : dot ? BODY_DOT : BODY_LINES, count);
+    if (a->load == NULL)
+        return;
+    a->load->refused = true;
+    body_fail(&a->load->body, BODY_SYNTAX); /* so that no point is kept */
 }
 
 /* ---- the body ---- */
@@ -132,6 +157,8 @@ void load_commit(struct server *s, struct load *l, struct answer *a)
 {
     struct word name = {l->name, l->name_len};
     struct dataset *set = registry_find(&s->sets, &name);
+    if (l->refused)
+        return;
     if (l->body.fault != BODY_GOOD)
         tell_fault(s, &l->body, a);
     else if (!durable_admits(s, a, set, true, false))

@@ -7,11 +7,15 @@
 
 struct load {
     struct body body;
-    size_t memory;  /* bytes that are accounted for it */
-    bool last_seen; /* the input ended within it */
+    size_t memory; /* bytes that are accounted for it */
+    bool refused;  /* that has been told already: the points are only to be read and dropped */
     size_t name_len;
     char name[SET_NAME_LIMIT];
 };
+
+/* The LOAD or LOADB line q has been refused, as a tells. Its points are to be skipped if the line
+ * says how many they are, else nobody knows where the next request starts: closes. */
+void load_skip(struct server *s, const struct request *q, struct answer *a);
 
 /* Feeds it bytes as body_feed does, which see. Gives it up when --max-memory is reached. */
 ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t n, bool last);

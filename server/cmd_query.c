@@ -203,7 +203,7 @@ void cmd_nearest(struct server *s, struct dataset *set, const struct request *q,
     struct query query = {.kind = QUERY_NEAREST, .k = 1};
     if (!read_point(a, &q->word[2], &query.p))
         return;
-    if (q->n == 5 && !read_id(a, &q->word[4], &query.k))
+    if (q->n == 5 && !read_count(a, &q->word[4], "a number of points", &query.k))
         return;
     query_answer(s, a, set, &query, query.k > NEAREST_AT_ONCE);
 }
@@ -227,13 +227,8 @@ void cmd_within(struct server *s, struct dataset *set, const struct request *q, 
             return;
         put_in_order(&query.p.x, &query.hi.x);
         put_in_order(&query.p.y, &query.hi.y);
-    } else {
-        if (!read_coordinate(a, &q->word[4], &query.radius))
-            return;
-        if (query.radius < 0) {
-            reply_err(a->out, ERR_RANGE, "a radius is not negative");
-            return;
-        }
+    } else if (!read_length(a, &q->word[4], "radius", &query.radius)) {
+        return;
     }
     query_answer(s, a, set, &query, set->current->sum.points > WITHIN_AT_ONCE);
 }

@@ -2,6 +2,7 @@
 #include "server/command.h"
 
 #include "proto/number.h"
+#include "server/cmd_load.h"
 #include "server/durable.h"
 #include "server/job.h"
 #include "server/stream.h"
@@ -40,11 +41,12 @@ const struct command commands[] = {
      "TRIANGULATE set [METHOD auto|shelling|divide]",
      "computes the Delaunay triangulation, which edits then keep current"},
     {"CHECK", 2, 2, QUERIES, cmd_check, "CHECK set", "proves the triangulation exactly"},
-    {"LISTS", 2, 0, QUERIES, cmd_lists, "LISTS set [id ...] [CW] [BINARY]",
+    {"LISTS", 2, 0, QUERIES, cmd_lists, "LISTS set [CW] [BINARY] | LISTS set id [id ...] [CW]",
      "each point with the ring of its neighbours, interior points first, then along the hull"},
-    {"TRIANGLES", 2, 6, QUERIES, cmd_triangles, "TRIANGLES set [a [b [c]]] [CW] [BINARY]",
+    {"TRIANGLES", 2, 6, QUERIES, cmd_triangles,
+     "TRIANGLES set [CW] [BINARY] | TRIANGLES set a [b [c]] [CW]",
      "every triangle, or those at a point, at an edge, next to a triangle"},
-    {"EDGES", 2, 4, QUERIES, cmd_edges, "EDGES set [a] [CW] [BINARY]",
+    {"EDGES", 2, 4, QUERIES, cmd_edges, "EDGES set [CW] [BINARY] | EDGES set a [CW]",
      "every edge, or those at a point"},
     {"HULL", 2, 3, QUERIES, cmd_hull, "HULL set [CW]", "the points of the convex hull"},
     {"LOCATE", 4, 4, QUERIES, cmd_locate, "LOCATE set x y",
@@ -204,7 +206,8 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
         reply_err(a->out, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
     } else if (!check_words(a, c, q) || !check_role(a, c) || !check_loaded(s, a, c) ||
                !check_set(s, a, c, q, &set)) {
-        a->close = (c->flags & CMD_BODY) != 0;
+        if ((c->flags & CMD_BODY) != 0)
+            load_skip(s, q, a);
     } else if ((c->flags & CMD_BODY) != 0 || check_state(s, a, c, q, set)) {
         /* A request with a body waits for its set when the body is there. */
         c->handler(s, set, q, a);
@@ -271,17 +274,35 @@ bool read_coordinate(struct answer *a, const struct word *w, double *v)
     return true;
 }
 
+bool read_length(struct answer *a, const struct word *w, const char *what, double *v)
+{
+    if (!proto_read_double(w->text, w->len, v))
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    else if (*v < 0)
+        reply_err(a->out, ERR_RANGE, "a %s is not negative", what);
+    else if (!dt_coordinate_ok(*v))
+        reply_err(a->out, ERR_RANGE, "a %s is 0 or has a magnitude from 2^-142 to 2^201", what);
+    else
+        return true;
+    return false;
+}
+
 bool read_point(struct answer *a, const struct word *w, struct dt_point *p)
 {
     return read_coordinate(a, &w[0], &p->x) && read_coordinate(a, &w[1], &p->y);
 }
 
+bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n)
+{
+    if (proto_read_u32(w->text, w->len, n))
+        return true;
+    reply_err(a->out, ERR_NUMBER, "%.*s is not %s", QUOTED(w), what);
+    return false;
+}
+
 bool read_id(struct answer *a, const struct word *w, uint32_t *id)
 {
-    if (proto_read_u32(w->text, w->len, id))
-        return true;
-    reply_err(a->out, ERR_NUMBER, "%.*s is not an id", QUOTED(w));
-    return false;
+    return read_count(a, w, "an id", id);
 }
 
 uint32_t *read_ids(struct answer *a, const struct word *w, size_t n)

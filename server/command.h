@@ -57,8 +57,13 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark);
 /* ---- reading arguments; false: the ERR line has been written ---- */
 
 bool read_coordinate(struct answer *a, const struct word *w, double *v);
+/* The same for a length, named for the error: a coordinate's magnitude, and not negative. */
+bool read_length(struct answer *a, const struct word *w, const char *what, double *v);
 bool read_point(struct answer *a, const struct word *w, struct dt_point *p);
 bool read_id(struct answer *a, const struct word *w, uint32_t *id);
+
+/* A whole number, named for the error. */
+bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n);
 
 /* Reads n words as ids into a new array, which the caller owns; NULL: the error has been told. n >
  * 0. */

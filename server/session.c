@@ -67,10 +67,14 @@ static bool is_error(const struct session *s, const struct answer *a)
 static void account(struct session *s, const struct answer *a, bool error)
 {
     s->command = a->command;
-    if (a->wait != NULL || a->job != NULL || a->load != NULL)
+    if (a->load != NULL)
+        s->refused = error;
+    if (a->wait != NULL || a->job != NULL || a->load != NULL) {
         account_pause(s, a);
-    else if (!a->retry)
-        account_end(s, a, error);
+    } else if (!a->retry) {
+        account_end(s, a, error || s->refused);
+        s->refused = false;
+    }
 }
 
 /* Whether the next request may be looked at right now. */
@@ -354,8 +358,9 @@ static bool step_request(struct session *s)
     stats_resume(&s->server->stats, &s->pause);
     if (is_late(s))
         return give_up(s);
-    if (buf_len(&s->conn.in) > 0)
-        s->resp = buf_head(&s->conn.in)[0] == '*';
+    if (buf_len(&s->conn.in) == 0)
+        return wait_for_input(s);
+    s->resp = buf_head(&s->conn.in)[0] == '*';
     return s->resp ? step_resp(s) : step_line(s);
 }
 

@@ -258,13 +258,13 @@ TEST(errors_of_queries_leave_the_connection_usable)
                "ERR NOPOINT no such point\n"
                "ERR NOPOINT no such point\n"
                "ERR NOSET there is no set u\n"
-               "ERR NUMBER -1 is not an id\n"
-               "ERR SYNTAX usage: LISTS set [id ...] [CW] [BINARY]\n"
+               "ERR NUMBER -1 is not a number of points\n"
+               "ERR SYNTAX usage: LISTS set [CW] [BINARY] | LISTS set id [id ...] [CW]\n"
                "ERR SYNTAX usage: HULL set [CW]\n"
                "ERR SYNTAX usage: HULL set [CW]\n"
                "ERR RANGE a radius is not negative\n"
-               "ERR SYNTAX usage: TRIANGLES set [a [b [c]]] [CW] [BINARY]\n"
-               "ERR SYNTAX usage: EDGES set [a] [CW] [BINARY]\n"
+               "ERR SYNTAX usage: TRIANGLES set [CW] [BINARY] | TRIANGLES set a [b [c]] [CW]\n"
+               "ERR SYNTAX usage: EDGES set [CW] [BINARY] | EDGES set a [CW]\n"
                "ERR SYNTAX usage: POINTS set [BINARY]\n"
                "OK 1\n4 2 2\n");
 }
@@ -299,7 +299,8 @@ TEST(errors_of_other_commands_leave_the_connection_usable)
         "x\nSETS x\nSETS\n",
         "ERR SYNTAX usage: CREATE set [TOL t]\n"
         "ERR RANGE a tolerance is not negative\n"
-        "ERR NUMBER x is not a number\n" NOT_THERE
+        "ERR NUMBER x is not a number\n"
+        "ERR RANGE a tolerance is 0 or has a magnitude from 2^-142 to 2^201\n"
         "ERR SYNTAX usage: TRIANGULATE set [METHOD auto|shelling|divide]\n"
         "ERR SYNTAX usage: TRIANGULATE set [METHOD auto|shelling|divide]\n"
         "ERR NOSET there is no set u\n"
@@ -361,8 +362,47 @@ TEST(load_without_a_clear_head_closes_the_connection)
 {
     converse_alone("LOAD t x\nDROP t\n", "ERR NUMBER x does not tell how much follows\n");
     converse_alone("LOADB t\nDROP t\n", "ERR SYNTAX usage: LOADB set n\n");
-    converse_alone("LOAD a/b\nDROP t\n.\n",
-                   "ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\n");
+    converse_alone("LOAD\n1 1\n.\n", "ERR SYNTAX usage: LOAD set [n]\n");
+    converse_alone("LOAD t 1 1\n1 1\n", "ERR SYNTAX usage: LOAD set [n]\n");
+}
+
+TEST(points_of_a_load_that_is_refused_are_skipped)
+{
+    converse_alone(
+        "LOAD a/b\nDROP t\nx\n.\nLOAD a/b 2\n1 1\nDROP t\nLOADB a/b 1\n0123456\n\n0123456PING\n"
+        "LOAD a/b 0\nPING\nLOAD a/b\n1 1\n",
+        "ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\n"
+        "ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\n"
+        "ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\nOK 0\n"
+        "ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\nOK 0\n"
+        "ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\n");
+}
+
+TEST(points_of_a_load_with_a_token_for_reading_are_skipped)
+{
+    char path[] = "/tmp/delaunayd-test-XXXXXX";
+    const char *arguments[] = {"--auth-file", path, NULL};
+    int file = mkstemp(path);
+    CHECK(file >= 0 && write(file, "ro look\n", 8) == 8);
+    close(file);
+    struct daemon d = daemon_start(arguments);
+    converse(&d, "AUTH look\nLOAD t 1\n1 1\nPING\n",
+             "OK 0 role=ro\nERR DENIED your token is for reading only\nOK 0\n");
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+    unlink(path);
+}
+
+TEST(lengths_out_of_range_are_called_what_they_are)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "CREATE t TOL 1e300\nCREATE t TOL x\nADD t 1 1\nTRIANGULATE t\n");
+    expect(fd, "ERR RANGE a tolerance is 0 or has a magnitude from 2^-142 to 2^201\n"
+               "ERR NUMBER x is not a number\nOK 0 first=0 added=1 coincident=0\n");
+    hear_line(fd);
+    say(fd, "WITHIN t 0 0 1e-60\nWITHIN t 0 0 -1e300\nWITHIN t 1e300 0 1\n");
+    expect(fd, "ERR RANGE a radius is 0 or has a magnitude from 2^-142 to 2^201\n"
+               "ERR RANGE a radius is not negative\n" NOT_THERE);
 }
 
 TEST(limits_of_points_are_kept)

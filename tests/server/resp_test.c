@@ -46,7 +46,7 @@ TEST(resp_load_takes_its_points_as_last_word)
     converse(&d, "*4\r\n$4\r\nLOAD\r\n$1\r\nt\r\n$1\r\n0\r\n$0\r\n\r\nPING\n",
              "+OK first=1 added=0 coincident=0\r\nOK 0\n");
     converse(&d, "*4\r\n$4\r\nLOAD\r\n$3\r\nt/t\r\n$1\r\n1\r\n$3\r\n1 2\r\nPING\n",
-             "-SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\r\n");
+             "-SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\r\nOK 0\n");
 }
 
 TEST(resp_broken_request_closes_the_connection)

@@ -271,6 +271,19 @@ TEST(clients_can_be_killed_by_id_and_by_address)
     CHECK(daemon_info(&d, "killed") == 2);
 }
 
+TEST(client_is_killed_by_no_word_that_is_neither_id_nor_address)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "CLIENT KILL ID 99999999999999999999999999999999999999999999999999999999\n"
+            "CLIENT KILL ID 18446744073709551616\nCLIENT KILL ID 4294967296x\n"
+            "CLIENT KILL ID 18446744073709551615\nCLIENT KILL unix\nCLIENT KILL ADDR 4294967296\n");
+    for (int i = 0; i < 3; i++)
+        CHECK(strncmp(hear_line(fd), "ERR SYNTAX usage: CLIENT ", 25) == 0);
+    for (int i = 0; i < 3; i++)
+        CHECK_STR(hear_line(fd), "OK 0 killed=0");
+}
+
 TEST(client_that_kills_itself_gets_its_answer)
 {
     struct daemon d = daemon_start(NULL);
