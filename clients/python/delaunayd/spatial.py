@@ -14,6 +14,7 @@ from typing import Any, Optional, Tuple
 
 import numpy as np
 
+from ._neighbors import neighbors_of
 from .client import Client, Refused
 
 
@@ -118,8 +119,7 @@ class Delaunay:
     def neighbors(self) -> Any:
         """neighbors[i, k] is the simplex opposite corner k of simplex i, -1 at the hull."""
         if not hasattr(self, "_neighbors"):
-            side, simplex = self._sides()
-            self._neighbors = simplex[side ^ 1].reshape(-1, 3)
+            self._neighbors = neighbors_of(self.simplices, self.npoints)
         return self._neighbors
 
     @property

@@ -189,6 +189,26 @@ class Spatial(WithDaemon):
         wheel *= rng.uniform(0.99, 1.01, size=(300, 1))
         self.check_against_scipy(numpy.vstack([wheel, [[0.01, 0.003]]]))
 
+    def test_neighbors_share_the_edge_opposite_each_corner(self):
+        rng = numpy.random.default_rng(4)
+        around = numpy.linspace(0, 6.28, 400)
+        wheel = numpy.column_stack([numpy.cos(around), numpy.sin(around)])
+        wheel *= rng.uniform(0.9, 1.1, size=(400, 1))
+        lattice = numpy.stack(numpy.meshgrid(numpy.arange(20.0), numpy.arange(15.0)), 2).reshape(-1, 2)
+        sets = [numpy.insert(wheel, hub, (0.01, 0), axis=0) for hub in (0, 200, 400)]
+        sets += [lattice, rng.permutation(lattice), rng.normal(size=(3000, 2)), SQUARE, SQUARE[:3], SQUARE[:4]]
+        for points in sets:
+            d = self.make(points)
+            beyond = {}
+            for i, s in enumerate(d.simplices.tolist()):
+                for k in range(3):
+                    beyond[s[(k + 1) % 3], s[(k + 2) % 3]] = i
+            want = [
+                [beyond.get((s[(k + 2) % 3], s[(k + 1) % 3]), -1) for k in range(3)]
+                for s in d.simplices.tolist()
+            ]
+            self.assertEqual(d.neighbors.tolist(), want)
+
     def test_places_on_edges_and_points(self):
         d = self.make(SQUARE)
         for place, corners in (((2, 0), {0, 1}), ((1, 1), {0, 4}), ((4, 4), {2}), ((2, 2), {4})):
