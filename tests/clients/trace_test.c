@@ -1,4 +1,5 @@
 /* trace_test.c - `delaunay trace`: the film of a small set, by way of a real daemon. */
+#include <limits.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -109,15 +110,15 @@ TEST(trace_that_is_refused_leaves_no_file)
         {"TRACE t", 0, "OK 1\nhull 0\n"}};
     struct daemon d = daemon_start(NULL);
     int status;
-    char directory[] = "/tmp/delaunay_trace_XXXXXX", command[200];
-    CHECK(mkdtemp(directory) != NULL);
+    char directory[] = "/tmp/delaunay_trace_XXXXXX", command[PATH_MAX + 200], client[PATH_MAX];
+    CHECK(mkdtemp(directory) != NULL && realpath(getenv("DELAUNAY"), client) != NULL);
     run(&d, &status, "CREATE empty");
     run(&d, &status, "ADD t 1 1");
     peer_shell(&status, "seq 1001 | awk '{print $1, $1 * $1}' | %s -p %s load big -",
                getenv("DELAUNAY"), d.port_text);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        snprintf(command, sizeof command, "cd %s && %s -p %s %s 2>&1", directory,
-                 realpath(getenv("DELAUNAY"), NULL), d.port_text, cases[i].arguments);
+        snprintf(command, sizeof command, "cd %s && %s -p %s %s 2>&1", directory, client,
+                 d.port_text, cases[i].arguments);
         const char *got = peer_shell(&status, "%s", command);
         CHECK_MSG(status == cases[i].status, "%s: %s", cases[i].arguments, got);
         if (cases[i].want != NULL)
