@@ -122,9 +122,9 @@ static void families_row(const struct family *f, size_t n)
 
 static void families_table(void)
 {
-    static const char *const names[] = {"uniform",    "gaussian",       "clusters",
-                                        "kuzmin",     "lattice",        "lattice_shuffled",
-                                        "duplicates", "near_collinear", "circle"};
+    static const char *const names[] = {
+        "uniform",          "gaussian",   "clusters",       "kuzmin",    "lattice",
+        "lattice_shuffled", "duplicates", "near_collinear", "thin_line", "circle"};
     printf("Families, engine divide, ns per point; bytes per point.\n\n"
            "| family | n | 1 thread | 2 threads | fresh | CGAL | CGAL, ids and list | CGAL fresh | "
            "1 thread / CGAL | "

@@ -239,6 +239,15 @@ static void fill_near_collinear(struct dt_point *p, size_t n, uint64_t *r)
     }
 }
 
+/* On y = 0.3 x but for a billionth of its length. */
+static void fill_thin_line(struct dt_point *p, size_t n, uint64_t *r)
+{
+    for (size_t i = 0; i < n; i++) {
+        double x = unit(r);
+        p[i] = (struct dt_point){x, 0.3 * x + 1e-9 * unit(r)};
+    }
+}
+
 static void fill_two_lines(struct dt_point *p, size_t n, uint64_t *r)
 {
     for (size_t i = 0; i < n; i++)
@@ -403,6 +412,7 @@ const struct family families[] = {
     {"line_axis", "all on a horizontal line", true, fill_line_axis},
     {"line_diagonal", "all on a line of slope 3", true, fill_line_diagonal},
     {"near_collinear", "a line up to one unit in the last place", true, fill_near_collinear},
+    {"thin_line", "a line of slope 0.3, 1e-9 thick", true, fill_thin_line},
     {"two_lines", "two parallel lines of lattice points", true, fill_two_lines},
     {"cross", "both axes", true, fill_cross},
     {"parabola", "on a parabola, all on the hull", true, fill_parabola},
