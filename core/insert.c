@@ -17,6 +17,7 @@
 #include "core/insert.h"
 
 #include "core/hull.h"
+#include "core/memory.h"
 #include "core/predicates.h"
 
 /* Whether q lies strictly between a and b on their line. */
@@ -37,8 +38,8 @@ bool dt_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
 static bool push_neighbours(const struct dt_mesh *m, struct dt_cavity *c, uint32_t first,
                             uint32_t second)
 {
-    __builtin_prefetch(&m->half[dt_twin(m, first)]);
-    __builtin_prefetch(&m->half[dt_twin(m, second)]);
+    dt_fetch(&m->half[dt_twin(m, first)]);
+    dt_fetch(&m->half[dt_twin(m, second)]);
     return dt_cavity_push(c, second) && dt_cavity_push(c, first);
 }
 
@@ -53,7 +54,7 @@ bool dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t
     while (c->stacked > 0) {
         uint32_t h = c->stack[--c->stacked], beyond = dt_twin(m, h);
         if (!dt_conflict(m, xy, dt_base(beyond), q)) {
-            __builtin_prefetch(&m->leaving[dt_origin(m, h)]); /* for fill_with_star */
+            dt_fetch(&m->leaving[dt_origin(m, h)]); /* for fill_with_star */
             if (!dt_cavity_add_rim(c, dt_origin(m, h), beyond))
                 return false;
         } else if (!dt_cavity_add(c, dt_base(beyond)) ||
@@ -94,8 +95,8 @@ static void fill_with_star(struct dt_mesh *m, struct dt_cavity *c, uint32_t v)
     for (uint32_t i = 0; i < c->rims; i++) {
         uint32_t origin = c->rim[i].origin, end = c->rim[i + 1 < c->rims ? i + 1 : 0].origin;
         uint32_t h = set_star_triangle(m, c->record[i], origin, end, v);
-        if (origin != DT_NONE)
-            __builtin_prefetch(&m->half[m->leaving[origin]]); /* for dt_hull_keep */
+        if (origin != DT_NONE && dt_hull_may_leave(m->leaving[origin]))
+            dt_fetch(&m->half[m->leaving[origin]]); /* for dt_hull_keep */
         dt_link(m, h, c->rim[i].beyond);
         if (i == 0)
             first = h;

@@ -27,6 +27,7 @@
 #define DT_MESH_H
 
 #include "core/delaunay.h"
+#include "core/memory.h"
 
 #define DT_DEAD (UINT32_MAX - 1)
 
@@ -145,6 +146,8 @@ static inline uint32_t dt_mesh_take(struct dt_mesh *m)
     if (h == DT_NONE)
         return 8 * m->tri_end++;
     m->free_list = m->half[h];
+    if (m->free_list != DT_NONE)
+        dt_fetch(&m->half[m->free_list]); /* for the next one */
     m->dead--;
     m->recycled = true;
     return h;
