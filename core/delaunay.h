@@ -263,6 +263,15 @@ enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_locati
  * id: exact order. Cost: O(1) expected for k = 1, O(k log k) else. */
 enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out);
 
+#define DT_AHEAD 32 /* questions that can be fetched for at a time */
+
+/* For a caller that knows several questions before it asks the first one: fetches into the
+ * processor's caches what dt_locate and dt_nearest at these places, or dt_ring and dt_lists_order of
+ * these ids, will probably read. Changes and answers nothing; ids need not be there. n <=
+ * DT_AHEAD. */
+void dt_fetch_places(const struct dt *t, const struct dt_point *p, size_t n);
+void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n);
+
 /* Append the representatives in the closed box, or the closed disc of radius r >= 0, by id. Exact.
  * Cost: O(k log k) for k results, expected. */
 enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi,

@@ -7,6 +7,7 @@
 #define DT_IDMAP_H
 
 #include "core/delaunay.h"
+#include "core/memory.h"
 
 #define DT_ID_PAGE 4096u
 
@@ -31,6 +32,14 @@ static inline uint32_t dt_idmap_get(const struct dt_idmap *m, uint32_t id)
     if (page >= m->pages || m->page[page] == NULL)
         return DT_NONE;
     return m->page[page]->value[id % DT_ID_PAGE];
+}
+
+/* Fetches what dt_idmap_get of the id will read. */
+static inline void dt_idmap_fetch(const struct dt_idmap *m, uint32_t id)
+{
+    uint32_t page = id / DT_ID_PAGE;
+    if (page < m->pages && m->page[page] != NULL)
+        dt_fetch(&m->page[page]->value[id % DT_ID_PAGE]);
 }
 
 /* Makes room for the ids first .. first + n - 1, so that setting them before the next dt_idmap_trim

@@ -5,6 +5,7 @@
 #include "proto/request.h"
 #include "proto/resp.h"
 #include "server/account.h"
+#include "server/ahead.h"
 #include "server/cmd_load.h"
 #include "server/command.h"
 #include "server/redis.h"
@@ -360,6 +361,9 @@ static bool step_request(struct session *s)
         return give_up(s);
     if (buf_len(&s->conn.in) == 0)
         return wait_for_input(s);
+    if (s->ahead == 0)
+        s->ahead = ahead_look(s->server, buf_head(&s->conn.in), buf_len(&s->conn.in));
+    s->ahead--;
     s->resp = buf_head(&s->conn.in)[0] == '*';
     return s->resp ? step_resp(s) : step_line(s);
 }
@@ -384,6 +388,7 @@ static void on_data(struct conn *c)
     struct session *s = (struct session *)c;
     struct stats *stats = &s->server->stats;
     int64_t start = stats_look(stats);
+    s->ahead = 0;
     for (unsigned n = 1; step(s); n++) {
         if (n % STEPS_PER_LOOK == 0 && stats_look(stats) - start > TURN_NS) {
             conn_again(c);

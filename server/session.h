@@ -33,6 +33,7 @@ struct session {
     struct stream *stream;      /* owns: rows that are still to be sent */
     struct job *job;            /* borrows: what a worker does for it */
     struct load *load;          /* owns: points that are being received */
+    unsigned ahead;             /* requests that have been looked at by ahead_look */
     bool refused;               /* the load that is being received has been refused already */
     bool resp;                  /* the request under way came in RESP framing (proto/resp.h) */
     bool in_bulk;               /* the load's points come as one bulk string */

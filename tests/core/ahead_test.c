@@ -1,0 +1,95 @@
+/* ahead_test.c - fetching ahead takes any set, place and id, and changes nothing. */
+#include "core/delaunay.h"
+#include "tests/core/sets.h"
+#include "tests/test.h"
+
+#include <stdlib.h>
+
+/* What the set says about places and ids, as one number. */
+static uint64_t digest(const struct dt *t, const struct dt_point *p, const uint32_t *id, size_t n)
+{
+    uint64_t sum = 1;
+    struct dt_ids ids = {0};
+    for (size_t i = 0; i < n; i++) {
+        uint32_t rep;
+        bool boundary;
+        struct dt_location at = {0};
+        ids.n = 0;
+        sum = sum * 31 + dt_nearest(t, p[i], 2, &ids);
+        sum = sum * 31 + dt_locate(t, p[i], &at);
+        sum = sum * 31 + dt_ring(t, id[i], false, &ids, &rep, &boundary);
+        for (size_t k = 0; k < ids.n; k++)
+            sum = sum * 31 + ids.v[k];
+        sum = sum * 31 + (uint64_t)at.where + at.id[0];
+    }
+    free(ids.v);
+    return sum;
+}
+
+/* Asks, fetches, and asks again. */
+static void fetch(const struct dt *t)
+{
+    struct dt_point p[DT_AHEAD];
+    uint32_t id[DT_AHEAD];
+    for (int round = 0; round < 20; round++) {
+        for (size_t i = 0; i < DT_AHEAD; i++) {
+            p[i].x = (test_uniform() - 0.5) * (i % 8 == 0 ? 0x1p200 : 40);
+            p[i].y = (test_uniform() - 0.5) * (i % 8 == 1 ? 0x1p200 : 40);
+            id[i] = i % 8 == 0 ? (uint32_t)test_random() : test_below(dt_next_id(t) + 2);
+        }
+        id[3] = UINT32_MAX;
+        size_t n = test_below(DT_AHEAD + 1);
+        uint64_t before = digest(t, p, id, n);
+        dt_fetch_places(t, p, n);
+        dt_fetch_ids(t, id, n);
+        dt_fetch_places(t, p, DT_AHEAD + 1); /* more than it takes: nothing is done */
+        dt_fetch_ids(t, id, DT_AHEAD + 1);
+        CHECK(digest(t, p, id, n) == before);
+    }
+}
+
+static void fetch_pair(const struct pair *pair)
+{
+    fetch(pair->t);
+}
+
+TEST(fetching_ahead_takes_every_family)
+{
+    for_each_pair(fetch_pair);
+}
+
+TEST(fetching_ahead_takes_sets_without_triangles)
+{
+    static const struct dt_point line[] = {{0, 0}, {1, 1}, {2, 2}, {5, 5}, {3, 3}};
+    struct dt *bare = dt_new(0);
+    fetch(bare);
+    dt_free(bare);
+    for (uint32_t n = 0; n <= 5; n++) {
+        struct dt *t = set_of(line, n);
+        fetch(t);
+        dt_free(t);
+    }
+}
+
+TEST(fetching_ahead_takes_a_set_that_is_edited)
+{
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    CHECK(t != NULL);
+    for (int round = 0; round < 40; round++) {
+        struct dt_point p[60];
+        uint32_t deleted, missing;
+        for (int i = 0; i < 60; i++)
+            p[i] = (struct dt_point){test_below(40) - 20.0, test_below(40) - 20.0};
+        CHECK(dt_add(t, p, 60, &added) == DT_OK);
+        if (round == 3)
+            CHECK(dt_triangulate(t, NULL) == DT_OK);
+        for (int i = 0; i < 55; i++) { /* dead triangles, recycled ones, ids that are gone */
+            uint32_t id = test_below(dt_next_id(t));
+            dt_delete(t, &id, 1, &deleted, &missing);
+        }
+        CHECK(round < 3 || dt_refresh(t, NULL) == DT_OK);
+        fetch(t);
+    }
+    dt_free(t);
+}
