@@ -1,9 +1,9 @@
-/* block.c - blocks of up to six points: sorted by insertion, triangulated by halves (knit.h), down to
- * an edge between two ghosts or a triangle.
+/* block.c - blocks of up to six points: sorted by insertion, triangulated by halves (knit.h), down
+ * to an edge between two ghosts or a triangle.
  *
- * Tried and left out: four points at once, by a table of the twenty cases that five signs tell apart,
- * and a sort without branches. Both together gained 0 to 2 % on uniform points and lost 15 % on
- * lattices. */
+ * Tried and left out: four points at once, by a table of the twenty cases that five signs tell
+ * apart, and a sort without branches. Both together gained 0 to 2 % on uniform points and lost 15 %
+ * on lattices. */
 #include "core/block.h"
 
 #include "core/knit.h"

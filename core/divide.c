@@ -1,9 +1,17 @@
 /* divide.c - divide and conquer over grid order [Dwyer 1987; the grid is the paper's], in place on
  * the final arrays.
  *
- *      in ---- sorted by tiles ----> q ---- each tile by cells ----> p, blocks of <= 6 points
- *                                                                    |
- *      mesh <---- joined up the bits of the key, along alternating cuts
+ *     in  --- sorted by tiles --->  q  --- each tile by cells --->  p  --- in blocks of <= 6 --.
+ *                                   ^                               |      (block.c)           |
+ *                                   '----- zoom: a crowded cell ----'                          |
+ *                                                                                              v
+ *     mesh  <--- the halves of ever larger boxes joined along alternating cuts (merge.c) --- blocks
+ *
+ *           the keys of one grid        +-----+-----+     A join sees two neighbours on either side
+ *           and what its bits cut:      | 010 | 011 |     of a cut, knits them from the lower to the
+ *                                       +-----+-----+     upper tangent, and turns ghosts into
+ *           1xx | 11x | 111 ...         | 000 | 001 |     triangles and back in their own records.
+ *                                       +-----+-----+
  *
  * A range of the sorted points [lo, hi) owns the vertices lo .. hi - 1, the records 2 lo .. 2 hi -
  * 1 of the mesh and the same range of every scratch array, so parts need no allocator and no locks
@@ -11,6 +19,18 @@
  * a tile gets its own cells, a crowded cell a grid on its own tight box (a zoom). If three zooms in
  * a row leave more than half of the points in one cell, the range is cut at its median, and grids
  * have their chance again: so the depth is bounded by about four grids for every halving.
+ *
+ * What each trick is worth: ns per point with all of them but that one, on fresh sets of 1e4
+ * uniform points, where all of them together need 149 (gcc 12, Zen 3 at 3.4 GHz).
+ *
+ *     cuts that alternate instead of all columns first           175
+ *     blocks of up to 6 points instead of 3                      175
+ *     2 points a cell instead of 8                               176
+ *     two products a candidate, not an in-circle test anew       171
+ *     next and previous half edge by arithmetic, not a branch    164
+ *     no two coordinates packed into a vector (see Makefile)     159
+ *     leaving[] remembers the ghost at every hull vertex         153
+ *     tiles: at 1e7 points 237 instead of 213, at 1e6 no difference
  *
  * Points must be distinct: the set has set coincident ones aside (points.h). */
 #include "core/divide.h"
