@@ -306,6 +306,8 @@ static void step(struct server *s)
     log_status(d->log, &d->status);
     if (d->status.durable > durable)
         holders_release(&s->held, d->status.durable);
+    if (d->snapshot != NULL)
+        snapshot_release(d->snapshot, &s->sets);
     if (d->snapshot != NULL && d->snapshot->done)
         end_snapshot(s);
     if (d->resuming)

@@ -123,9 +123,11 @@ static bool put_all(struct output *o)
         return fail(o, ENOMEM);
     segment_write(to, &header);
     buf_commit(&o->out, SEGMENT_HEADER);
-    for (size_t i = 0; i < snap->n; i++)
+    for (size_t i = 0; i < snap->n; i++) {
         if (!put_set(o, &snap->source[i]))
             return false;
+        snap->written = i + 1;
+    }
     return put(o, &end) && flush(o) && sync_output(o);
 }
 
@@ -247,6 +249,13 @@ void snapshot_go(struct snapshot *snap)
         start(snap);
 }
 
+void snapshot_release(struct snapshot *snap, struct registry *sets)
+{
+    size_t written = snap->written;
+    for (; snap->released < written; snap->released++)
+        version_unpin(sets, snap->source[snap->released].version);
+}
+
 int snapshot_end(struct snapshot *snap, struct registry *sets)
 {
     snap->cancel = true;
@@ -257,7 +266,7 @@ int snapshot_end(struct snapshot *snap, struct registry *sets)
     else if (snap->started)
         pthread_join(snap->thread, NULL);
     int error = snap->done ? snap->error : ECANCELED;
-    for (size_t i = 0; i < snap->n; i++) {
+    for (size_t i = snap->released; i < snap->n; i++) {
         dataset_wait_no_more(&snap->source[i].waiter);
         if (snap->source[i].version != NULL)
             version_unpin(sets, snap->source[i].version);

@@ -38,6 +38,8 @@ struct snapshot {
     int error;      /* errno; 0: it is in place */
     uint64_t bytes; /* of the file */
     bool started;
+    atomic_size_t written; /* sets that are in the file */
+    size_t released;       /* and are pinned no more */
     atomic_bool cancel, done;
     pthread_t thread;
     struct snapshot_source source[];
@@ -51,6 +53,9 @@ struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets
 
 /* Starts the thread as soon as the last set is pinned. */
 void snapshot_go(struct snapshot *snap);
+
+/* Unpins the sets that have been written meanwhile, so that they can be edited in place again. */
+void snapshot_release(struct snapshot *snap, struct registry *sets);
 
 /* Waits for the thread, unpins, frees. Returns the errno of what failed, 0 if the snapshot is in
  * place. Before it is done: gives it up (ECANCELED). */
