@@ -83,6 +83,11 @@ by_command_line() {
 
 by_c() { "$scratch/bulk" 127.0.0.1 "$port" 1000000 | grep -q '^1999[0-9]* triangles, '; }
 
+# Whether a connection to the port has brought bytes that nobody has read yet.
+has_unread_bytes() { # PORT
+    awk -v port="$(printf ':%04X$' "$1")" '$2 ~ port && $4 == "01" && $5 !~ /:00000000$/ {found = 1} END {exit !found}' /proc/net/tcp
+}
+
 # The daemon takes nothing any more while the client loads, then it is gone: the client says so, and ends.
 dies_under() { # STATUS REGEX COMMAND...; the port is appended
     local status=$1 regex=$2 got=0 client
@@ -91,7 +96,10 @@ dies_under() { # STATUS REGEX COMMAND...; the port is appended
     kill -STOP "${pids[-1]}"
     timeout 60 "$@" "$doomed" >"$scratch/said" 2>&1 &
     client=$!
-    sleep 0.5
+    for _ in $(seq 500); do
+        ! has_unread_bytes "$doomed" || break
+        sleep 0.1
+    done
     { kill -KILL "${pids[-1]}" && wait "${pids[-1]}"; } 2>/dev/null
     unset 'pids[-1]'
     wait "$client" || got=$?
