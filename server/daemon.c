@@ -6,6 +6,7 @@
 #include "server/durable.h"
 #include "server/loop.h"
 #include "server/notice.h"
+#include "server/priority.h"
 #include "server/server.h"
 #include "server/sock.h"
 #include "server/systemd.h"
@@ -358,6 +359,7 @@ int daemon_run(const struct config *config)
 {
     if (!start(config))
         return 1;
+    priority_prompt(); /* not before the other threads have started, which would inherit it */
     announce_if_ready();
     loop_run(&d.loop);
     close_listeners();

@@ -2,6 +2,8 @@
  * moves. */
 #include "server/worker.h"
 
+#include "server/priority.h"
+
 #include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -159,6 +161,7 @@ static void *serve(struct workers *w, bool all)
 
 static void *serve_all(void *arg)
 {
+    priority_patient();
     return serve(arg, true);
 }
 

@@ -1,9 +1,11 @@
 /* worker_test.c - the threads: every piece of work is done once, and the core's pool never waits
  * for a free thread. */
+#include "server/priority.h"
 #include "server/worker.h"
 #include "tests/test.h"
 
 #include <poll.h>
+#include <sched.h>
 #include <string.h>
 
 struct sum {
@@ -86,4 +88,42 @@ TEST(short_work_does_not_wait_for_long_work)
     shut = true;
     CHECK(collect(w, LONG) == LONG);
     workers_free(w);
+}
+
+static void note_policy(struct work *w)
+{
+    *((struct gate *)w)->open = sched_getscheduler(0) == SCHED_BATCH;
+}
+
+/* Whether this process is scheduled as usual and may choose otherwise. */
+static bool may_choose_policy(void)
+{
+    struct sched_param none = {0};
+    return sched_getscheduler(0) == SCHED_OTHER && sched_setscheduler(0, SCHED_OTHER, &none) == 0;
+}
+
+TEST(long_work_pushes_nobody_aside)
+{
+    atomic_bool batch = false;
+    struct gate g = {{NULL, note_policy}, &batch};
+    if (!may_choose_policy())
+        return;
+    struct workers *w = workers_new(1);
+    CHECK(w != NULL);
+    workers_submit(w, WORK_LONG, &g.work);
+    CHECK(collect(w, 1) == 1);
+    CHECK(batch && sched_getscheduler(0) == SCHED_OTHER);
+    workers_free(w);
+}
+
+TEST(thread_that_asks_for_short_slices_goes_on)
+{
+    if (!may_choose_policy())
+        return;
+    priority_prompt();
+    CHECK(sched_getscheduler(0) == SCHED_OTHER);
+    priority_patient();
+    CHECK(sched_getscheduler(0) == SCHED_BATCH);
+    priority_prompt(); /* does not take that back */
+    CHECK(sched_getscheduler(0) == SCHED_BATCH);
 }
