@@ -9,15 +9,15 @@
 #include "server/cmd_load.h"
 #include "server/command.h"
 #include "server/redis.h"
+#include "server/session_inside.h"
 #include "server/stream.h"
 
 #include <stddef.h>
 #include <stdlib.h>
 
 enum {
-    TURN_NS = 500 * 1000,   /* after this long it is somebody else's turn */
-    STEPS_PER_LOOK = 16,    /* requests between looks at the clock */
-    FEED_BYTES = 64 * 1024, /* of a load, in one step */
+    TURN_NS = 500 * 1000, /* after this long it is somebody else's turn */
+    STEPS_PER_LOOK = 16,  /* requests between looks at the clock */
     /* What those who have not shown a token may send, and how long they may take. */
     STRANGER_BYTES = 16 * 1024, /* of a request */
     STRANGER_WORDS = 10,
@@ -26,7 +26,7 @@ enum {
 
 /* ---- what an answer leaves to do ---- */
 
-static struct answer new_answer(struct session *s)
+struct answer session_answer(struct session *s)
 {
     struct buf *out = s->resp ? &s->server->lines : &s->conn.out;
     return (struct answer){.out = out,
@@ -78,8 +78,7 @@ static void account(struct session *s, const struct answer *a, bool error)
     }
 }
 
-/* Whether the next request may be looked at right now. */
-static bool take_over(struct session *s, struct answer *a)
+bool session_take_over(struct session *s, struct answer *a)
 {
     account(s, a, is_error(s, a));
     deliver(s, a);
@@ -108,19 +107,19 @@ static bool take_over(struct session *s, struct answer *a)
     return !a->close && s->job == NULL;
 }
 
-/* Refuses what cannot be understood, and whatever follows it. */
-static bool refuse(struct session *s, enum reply_code code, const char *why)
+bool session_refuse(struct session *s, enum reply_code code, const char *why)
 {
-    struct answer a = new_answer(s);
+    struct answer a = session_answer(s);
     reply_err(a.out, code, "%s", why);
     deliver(s, &a);
     conn_finish(&s->conn);
     return false;
 }
 
-static bool refuse_line(struct session *s, enum line_fault fault)
+bool session_refuse_line(struct session *s, enum line_fault fault)
 {
-    return refuse(s, fault == LINE_TOO_LONG ? ERR_TOOLONG : ERR_SYNTAX, line_fault_text(fault));
+    return session_refuse(s, fault == LINE_TOO_LONG ? ERR_TOOLONG : ERR_SYNTAX,
+                          line_fault_text(fault));
 }
 
 /* Whether a request of which `bytes` have come is too much before AUTH. */
@@ -131,7 +130,8 @@ static bool is_too_much(const struct session *s, size_t bytes, size_t words)
 
 static bool refuse_stranger(struct session *s)
 {
-    return refuse(s, ERR_TOOLONG, "before AUTH a request has at most 10 words and 16384 bytes");
+    return session_refuse(s, ERR_TOOLONG,
+                          "before AUTH a request has at most 10 words and 16384 bytes");
 }
 
 /* The request has waited for longer than it may take. */
@@ -144,11 +144,11 @@ static bool is_late(const struct session *s)
 static bool give_up(struct session *s)
 {
     s->timed_out = true;
-    struct answer a = new_answer(s);
+    struct answer a = session_answer(s);
     s->job = NULL;
     dataset_wait_no_more(&s->waiter);
     answer_status(&a, DT_CANCELLED);
-    return take_over(s, &a);
+    return session_take_over(s, &a);
 }
 
 /* The deadline of a request counts from when it was first looked at. */
@@ -163,16 +163,14 @@ static void set_deadline(struct session *s, struct request *q)
 
 /* ---- steps: each carries out one request, or a piece of one; true: go on ---- */
 
-/* Whether the end of what is there is the end of a line. When the daemon stops it is not: it may
- * have been cut. */
-static bool input_ended(const struct session *s)
+bool session_input_ended(const struct session *s)
 {
     return s->conn.eof && !s->conn.draining;
 }
 
 static bool step_stream(struct session *s)
 {
-    struct answer a = new_answer(s);
+    struct answer a = session_answer(s);
     a.stream = s->stream;
     stream_refill(s->server, &a);
     deliver(s, &a);
@@ -187,79 +185,11 @@ static bool step_stream(struct session *s)
     return s->stream == NULL && s->job == NULL;
 }
 
-static bool commit_load(struct session *s)
-{
-    struct answer a = new_answer(s);
-    size_t mark = buf_len(a.out);
-    if (buf_reserve(a.out, REPLY_ERR_ROOM) == NULL) {
-        conn_close(&s->conn);
-        return false;
-    }
-    account_load(s);
-    load_commit(s->server, s->load, &a);
-    if (a.out->failed)
-        command_out_of_memory(s->server, &a, mark);
-    if (a.wait == NULL) {
-        load_free(s->server, s->load);
-        s->load = NULL;
-    }
-    return take_over(s, &a);
-}
-
-/* The daemon stops, or the input has ended: what has not arrived whole is not carried out. */
-static bool wait_for_input(struct session *s)
+bool session_wait_for_input(struct session *s)
 {
     if (s->conn.eof)
         conn_finish(&s->conn);
     return false;
-}
-
-/* Feeds the load; true: go on. */
-static bool feed_load(struct session *s)
-{
-    struct buf *in = &s->conn.in;
-    size_t all = buf_len(in);
-    bool ended = input_ended(s);
-    if (s->in_bulk && all >= s->bulk_left) {
-        all = s->bulk_left;
-        ended = true;
-    }
-    size_t n = all < FEED_BYTES ? all : FEED_BYTES;
-    ptrdiff_t took = load_feed(s->server, s->load, buf_head(in), n, ended && n == all);
-    /* A line longer than a step's bytes: once more with all there is. */
-    if (took == 0 && n < all)
-        took = load_feed(s->server, s->load, buf_head(in), all, ended);
-    if (took < 0)
-        return refuse_line(s, s->load->body.line_fault);
-    buf_consume(in, (size_t)took);
-    if (s->in_bulk)
-        s->bulk_left -= (size_t)took;
-    return took > 0 || s->load->body.complete || wait_for_input(s);
-}
-
-/* Reads what the bulk string holds beyond its points, which is too much, and its end. */
-static bool end_bulk(struct session *s)
-{
-    struct buf *in = &s->conn.in;
-    size_t n = buf_len(in) < s->bulk_left ? buf_len(in) : s->bulk_left;
-    if (n > 0)
-        body_fail(&s->load->body, BODY_LONGER);
-    buf_consume(in, n);
-    s->bulk_left -= n;
-    if (s->bulk_left > 0 || buf_len(in) < 2)
-        return wait_for_input(s);
-    if (buf_head(in)[0] != '\r' || buf_head(in)[1] != '\n')
-        return refuse(s, ERR_SYNTAX, resp_fault_text(RESP_BROKEN));
-    buf_consume(in, 2);
-    s->in_bulk = false;
-    return true;
-}
-
-static bool step_load(struct session *s)
-{
-    if (!s->load->body.complete)
-        return feed_load(s);
-    return s->in_bulk ? end_bulk(s) : commit_load(s);
 }
 
 /* Whether a line is no request but something that a browser was made to send. */
@@ -275,7 +205,7 @@ static bool carry_out(struct session *s, const struct line *line)
 {
     struct request *q = &s->server->request;
     if (!request_split(q, line->text, line->len))
-        return refuse(s, ERR_NOMEM, "out of memory; nothing has changed");
+        return session_refuse(s, ERR_NOMEM, "out of memory; nothing has changed");
     if (q->n == 0) {
         consume_held(s);
         return true;
@@ -288,24 +218,25 @@ static bool carry_out(struct session *s, const struct line *line)
         return false;
     }
     set_deadline(s, q);
-    struct answer a = new_answer(s);
+    struct answer a = session_answer(s);
     command_run(s->server, q, &a);
-    return take_over(s, &a);
+    return session_take_over(s, &a);
 }
 
 static bool step_line(struct session *s)
 {
     struct line line;
-    ptrdiff_t took = line_read(buf_head(&s->conn.in), buf_len(&s->conn.in), input_ended(s), &line);
+    ptrdiff_t took =
+        line_read(buf_head(&s->conn.in), buf_len(&s->conn.in), session_input_ended(s), &line);
     if (took < 0)
-        return refuse_line(s, line.fault);
+        return session_refuse_line(s, line.fault);
     if (took > 0) {
         s->held = (size_t)took;
         return carry_out(s, &line);
     }
     if (is_too_much(s, buf_len(&s->conn.in), 0))
         return refuse_stranger(s);
-    return wait_for_input(s);
+    return session_wait_for_input(s);
 }
 
 /* ---- the same in RESP framing ---- */
@@ -315,7 +246,7 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
     struct request *q = &s->server->request;
     s->greeted = true;
     set_deadline(s, q);
-    struct answer a = new_answer(s);
+    struct answer a = session_answer(s);
     if (q->n == 0) {
         consume_held(s);
         return true;
@@ -330,7 +261,7 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
         s->bulk_left = resp->body;
         a.close |= a.load == NULL && resp->has_body;
     }
-    return take_over(s, &a);
+    return session_take_over(s, &a);
 }
 
 static bool step_resp(struct session *s)
@@ -338,20 +269,20 @@ static bool step_resp(struct session *s)
     struct resp resp;
     struct buf *in = &s->conn.in;
     if (buf_len(in) < s->need)
-        return wait_for_input(s);
+        return session_wait_for_input(s);
     ptrdiff_t took = resp_read(buf_head(in), buf_len(in), &s->server->request, &resp);
     s->need = resp.need;
     if (took == 0 && is_too_much(s, buf_len(in) > s->need ? buf_len(in) : s->need, 0))
         return refuse_stranger(s);
     if (took == 0)
-        return wait_for_input(s);
+        return session_wait_for_input(s);
     if (took > 0) {
         s->held = (size_t)took;
         return carry_out_resp(s, &resp);
     }
     static const enum reply_code code[] = {
         [RESP_BROKEN] = ERR_SYNTAX, [RESP_TOO_LONG] = ERR_TOOLONG, [RESP_NOMEM] = ERR_NOMEM};
-    return refuse(s, code[resp.fault], resp_fault_text(resp.fault));
+    return session_refuse(s, code[resp.fault], resp_fault_text(resp.fault));
 }
 
 static bool step_request(struct session *s)
@@ -360,7 +291,7 @@ static bool step_request(struct session *s)
     if (is_late(s))
         return give_up(s);
     if (buf_len(&s->conn.in) == 0)
-        return wait_for_input(s);
+        return session_wait_for_input(s);
     if (s->ahead == 0)
         s->ahead = ahead_look(s->server, buf_head(&s->conn.in), buf_len(&s->conn.in));
     s->ahead--;
@@ -378,7 +309,7 @@ static bool step(struct session *s)
     }
     if (s->stream != NULL)
         return step_stream(s);
-    return s->load != NULL ? step_load(s) : step_request(s);
+    return s->load != NULL ? session_step_load(s) : step_request(s);
 }
 
 /* ---- what the connection tells ---- */
@@ -472,10 +403,10 @@ void session_check_timeouts(struct session *s)
         return;
     if (s->role == ROLE_NONE && now - s->since_ms > STRANGER_MS) {
         notice_client(s, NOTICE_INFO, "has shown no token in time: closed");
-        refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
+        session_refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
         conn_turn(c);
     } else if (idle_ms > 0 && is_listening(s) && now - c->heard_ms > idle_ms) {
-        refuse(s, ERR_TIMEOUT, "nothing was heard for too long");
+        session_refuse(s, ERR_TIMEOUT, "nothing was heard for too long");
         conn_turn(c);
     }
 }
@@ -498,7 +429,7 @@ void session_not_saved(struct hold *h)
     struct conn *c = &s->conn;
     buf_rewind(&c->out, conn_sendable(c));
     hold_clear(h);
-    struct answer a = new_answer(s);
+    struct answer a = session_answer(s);
     reply_err(a.out, ERR_IO, "the disk fails: whether the last changes were saved is not known");
     deliver(s, &a);
     if (s->job != NULL || s->stream != NULL || a.broken || c->out.failed)
@@ -516,7 +447,7 @@ void session_not_saved(struct hold *h)
 static void end_job(struct session *s, struct job *j,
                     void (*tell)(struct server *, struct job *, struct answer *))
 {
-    struct answer a = new_answer(s);
+    struct answer a = session_answer(s);
     size_t mark = buf_len(a.out);
     s->job = NULL;
     a.broken = buf_reserve(a.out, REPLY_ERR_ROOM) == NULL;
@@ -524,7 +455,7 @@ static void end_job(struct session *s, struct job *j,
     tell(s->server, j, &a);
     if (a.out->failed && !a.broken)
         command_out_of_memory(s->server, &a, mark);
-    take_over(s, &a);
+    session_take_over(s, &a);
     conn_again(&s->conn);
 }
 

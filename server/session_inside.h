@@ -1,0 +1,32 @@
+/* session_inside.h - what the files of a session share among themselves: session.c has the requests,
+ * session_load.c the points that follow some of them. */
+#ifndef SERVER_SESSION_INSIDE_H
+#define SERVER_SESSION_INSIDE_H
+
+#include "proto/line.h"
+#include "proto/reply.h"
+#include "server/session.h"
+
+/* An answer to fill for whatever the session asks next. */
+struct answer session_answer(struct session *s);
+
+/* Sees to what the answer says and leaves to do; whether the next request may be looked at right
+ * now. */
+bool session_take_over(struct session *s, struct answer *a);
+
+/* Refuses what cannot be understood, and whatever follows it; always false. */
+bool session_refuse(struct session *s, enum reply_code code, const char *why);
+bool session_refuse_line(struct session *s, enum line_fault fault);
+
+/* Whether the end of what is there is the end of a line. When the daemon stops it is not: it may
+ * have been cut. */
+bool session_input_ended(const struct session *s);
+
+/* More has to come first. If it cannot, because the daemon stops or the input has ended, the session
+ * ends: what has not arrived whole is not carried out. Always false. */
+bool session_wait_for_input(struct session *s);
+
+/* Reads a piece of the points that the session is receiving, or adds them; true: go on. */
+bool session_step_load(struct session *s);
+
+#endif
