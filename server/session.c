@@ -80,7 +80,9 @@ static void account(struct session *s, const struct answer *a, bool error)
 
 bool session_take_over(struct session *s, struct answer *a)
 {
-    account(s, a, is_error(s, a));
+    if (!s->refilling)
+        account(s, a, is_error(s, a));
+    s->refilling = false;
     deliver(s, a);
     if (a->lsn != 0)
         hold_add(&s->server->held, &s->conn.hold, a->lsn, a->mark);
@@ -176,6 +178,7 @@ static bool step_stream(struct session *s)
     deliver(s, &a);
     s->stream = a.stream;
     s->job = a.job;
+    s->refilling = a.job != NULL;
     if (a.broken) {
         conn_close(&s->conn);
         return false;

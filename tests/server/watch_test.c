@@ -133,6 +133,25 @@ TEST(errors_of_heavy_requests_are_counted)
     expect_part(&d, "INFO commands\n", "\ncommand_LOADB:calls=1,errors=0,");
 }
 
+TEST(request_whose_rows_come_in_pieces_is_counted_once)
+{
+    enum { N = 25000 };
+    static const char *const arguments[] = {"--slowlog-us", "1", NULL};
+    struct daemon d = daemon_start(arguments);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", N);
+    for (int i = 0; i < 3; i++) {
+        char *rows = reply_to(&d, i < 2 ? "POINTS t\n" : "*2\r\n$6\r\nPOINTS\r\n$1\r\nt\r\n");
+        CHECK(strncmp(rows, i < 2 ? "OK 25000\n" : "*25000\r\n", 9) == 0);
+        CHECK(strlen(rows) > N * 20);
+        free(rows);
+    }
+    expect_part(&d, "INFO commands\n", "\ncommand_POINTS:calls=3,errors=0,");
+    char *slow = reply_to(&d, "SLOWLOG GET -1\n");
+    CHECK(strstr(slow, " POINTS t\n") != NULL);
+    free(slow);
+}
+
 /* ---- SLOWLOG ---- */
 
 TEST(slow_requests_are_kept_with_their_words)
