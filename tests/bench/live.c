@@ -100,8 +100,8 @@ static void measure_live(struct live *l)
     nearest(l);
     move_slightly(l);
     add_singly(l, LIVE_INSERT, l->plan.query);
-    delete_randomly(l);
     add_batch(l);
+    delete_randomly(l);
     dt_free(l->set);
 }
 

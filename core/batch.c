@@ -1,0 +1,139 @@
+/* batch.c - see batch.h. Insertions let no record die, so a triangle that was found some turns ago
+ * is still one, and near the point. */
+#include "core/batch.h"
+
+#include "core/memory.h"
+#include "core/order.h"
+#include "core/update.h"
+
+enum { SORTED = 16 }; /* batches of at least so many points are sorted */
+enum { POINT = 13, CELL = 10, HINT = 7, FIND = 4, AROUND = 2 }; /* stages: turns before */
+
+/* Counts the points in the cells and puts them into b->order. */
+static void sort(struct dt_batch *b, const struct dt_order *grid, uint32_t *key, uint32_t *next)
+{
+    uint32_t cells = 1u << grid->bits, place = 0;
+    for (uint32_t c = 0; c < cells; c++)
+        next[c] = 0;
+    dt_order_count(grid, b->q, b->n, key, next);
+    for (uint32_t c = 0; c < cells; c++) {
+        uint32_t n = next[c];
+        next[c] = place;
+        place += n;
+    }
+    for (uint32_t i = 0; i < b->n; i++)
+        b->order[next[key[i]]++] = i;
+}
+
+enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const struct dt_point *q,
+                              uint32_t n)
+{
+    *b = (struct dt_batch){
+        .q = q, .n = n, .vertex = t->points.free_list, .record = t->mesh.free_list};
+    for (uint32_t k = 0; k < DT_BATCH_RING; k++)
+        b->near[k] = DT_NONE;
+    if (n < SORTED || t->points.tol > 0)
+        return DT_OK;
+    struct dt_arena arena = {0};
+    struct dt_order grid;
+    enum dt_status status = dt_order_plan(&grid, &arena, dt_box_of(q, n), n);
+    uint32_t *key = dt_arena_take(&arena, n, sizeof *key);
+    uint32_t *next =
+        status == DT_OK ? dt_arena_take(&arena, (size_t)1 << grid.bits, sizeof *next) : NULL;
+    b->order = dt_array_new(n, sizeof *b->order);
+    if (key != NULL && next != NULL && b->order != NULL) {
+        sort(b, &grid, key, next);
+    } else {
+        dt_batch_end(b);
+        status = DT_NOMEM;
+    }
+    dt_arena_clear(&arena);
+    return status;
+}
+
+void dt_batch_end(struct dt_batch *b)
+{
+    dt_array_free(b->order);
+    b->order = NULL;
+}
+
+/* Whether the mesh and its grid are such that points can be looked for. */
+static bool can_look(const struct dt *t)
+{
+    return t->hints.grids > 0 && !dt_mesh_is_line(&t->mesh);
+}
+
+static void fetch_around(const struct dt *t, uint32_t h)
+{
+    const struct dt_mesh *m = &t->mesh;
+    for (uint32_t k = dt_base(h); k < dt_base(h) + 3; k++) {
+        uint32_t twin = dt_twin(m, k), apex = dt_apex_of(m, twin);
+        dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(twin)))]);
+        dt_fetch(&m->half[dt_base(dt_twin(m, dt_prev(twin)))]);
+        if (dt_origin(m, k) != DT_NONE)
+            dt_fetch(&m->leaving[dt_origin(m, k)]);
+        if (apex != DT_NONE) {
+            dt_fetch(&t->points.xy[apex]);
+            dt_fetch(&m->leaving[apex]);
+        }
+    }
+}
+
+/* One vertex and two records further in the lists of what earlier deletions have left free: as much
+ * as an insertion takes at most, so that this stays ahead. */
+static void fetch_free(const struct dt *t, struct dt_batch *b)
+{
+    const struct dt_points *p = &t->points;
+    if (b->vertex != DT_NONE)
+        b->vertex = dt_points_free_after(p, b->vertex);
+    if (b->vertex != DT_NONE) {
+        dt_fetch(&p->xy[b->vertex]);
+        dt_fetch(&p->id[b->vertex]);
+        if (b->vertex < t->mesh.vert_cap)
+            dt_fetch(&t->mesh.leaving[b->vertex]);
+    }
+    for (int k = 0; k < 2 && b->record != DT_NONE; k++) {
+        b->record = t->mesh.half[b->record];
+        if (b->record != DT_NONE)
+            dt_fetch(&t->mesh.half[b->record]);
+    }
+}
+
+/* What is to be done at turn `now`, which may be before the first, for the points that come later
+ * (turns are counted from POINT on, to be positive). */
+static void prepare(struct dt *t, struct dt_batch *b, uint32_t now)
+{
+    const struct dt_hints *hints = &t->hints;
+    uint32_t i = now; /* the point that is POINT turns ahead */
+    if (i < b->n)
+        dt_fetch(&b->q[dt_batch_index(b, i)]);
+    i = now + CELL - POINT;
+    if (i < b->n)
+        dt_fetch(&hints->cell[dt_hint_cell(hints->grid, b->q[dt_batch_index(b, i)])]);
+    i = now + HINT - POINT;
+    if (i < b->n) {
+        uint32_t h = dt_hint(hints, b->q[dt_batch_index(b, i)]);
+        dt_fetch(&t->mesh.half[h]);
+        dt_hint_fetch(h, t->points.xy, NULL);
+    }
+    i = now + FIND - POINT;
+    if (i < b->n)
+        dt_update_find(t, b->q[dt_batch_index(b, i)], &b->near[i % DT_BATCH_RING]);
+    i = now + AROUND - POINT;
+    if (i < b->n && b->near[i % DT_BATCH_RING] != DT_NONE)
+        fetch_around(t, b->near[i % DT_BATCH_RING]);
+}
+
+uint32_t dt_batch_turn(struct dt *t, struct dt_batch *b, uint32_t i)
+{
+    if (b->n == 1)
+        return DT_NONE;
+    for (uint32_t now = i == 0 ? 0 : i + POINT; now <= i + POINT; now++) {
+        fetch_free(t, b);
+        if (can_look(t))
+            prepare(t, b, now);
+    }
+    uint32_t near = b->near[i % DT_BATCH_RING];
+    b->near[i % DT_BATCH_RING] = DT_NONE;
+    return near;
+}
