@@ -71,8 +71,7 @@ void dt_fetch_places(const struct dt *t, const struct dt_point *p, size_t n)
         dt_fetch(&t->hints.cell[dt_hint_cell(t->hints.grid, p[i])]);
     for (size_t i = 0; i < n; i++) {
         at[i] = dt_hint(&t->hints, p[i]);
-        dt_fetch(&t->mesh.half[at[i]]);
-        dt_hint_fetch(at[i], t->points.xy, t->points.id);
+        dt_hint_fetch(&t->mesh, t->points.xy, t->points.id, at[i]);
     }
     for (size_t i = 0; i < n; i++)
         fetch_corners(t, at[i]);

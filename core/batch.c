@@ -113,8 +113,7 @@ static void prepare(struct dt *t, struct dt_batch *b, uint32_t now)
     i = now + HINT - POINT;
     if (i < b->n) {
         uint32_t h = dt_hint(hints, b->q[dt_batch_index(b, i)]);
-        dt_fetch(&t->mesh.half[h]);
-        dt_hint_fetch(h, t->points.xy, NULL);
+        dt_hint_fetch(&t->mesh, t->points.xy, NULL, h);
     }
     i = now + FIND - POINT;
     if (i < b->n)

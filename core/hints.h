@@ -81,17 +81,20 @@ static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
     return dt_hint_in(g, g->cell[dt_hint_cell(g->grid, q)], q);
 }
 
-/* Fetches what a walk from the triangle at h, which is on its way from memory, will want next: after
- * a build vertices and, two for each, triangles are in the same spatial order, so the corners of
- * triangle h / 8, and what lies around it, are probably among the vertices near h / 16. `id`, by
- * vertex, may be NULL. */
-static inline void dt_hint_fetch(uint32_t h, const struct dt_point *xy, const uint32_t *id)
+/* Fetches what a walk from the triangle at h will want: it and its neighbours, and the corners of
+ * all those. After a build vertices and, two for each, triangles are in the same spatial order, so
+ * these are probably the triangles near h / 8 and the vertices near h / 16. `id`, by vertex, may be
+ * NULL; then nobody will ask for the corners' ids. */
+static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point *xy,
+                                 const uint32_t *id, uint32_t h)
 {
-    enum { AROUND = 12, LINE = 64 };
-    size_t v = h >> 4, from = v < AROUND ? 0 : v - AROUND;
-    const char *first = (const char *)(xy + from);
-    for (size_t at = 0; at <= 2 * AROUND * sizeof *xy; at += LINE)
-        dt_fetch((const void *)((uintptr_t)first + at));
+    enum { TRIANGLES = 4, VERTICES = 12, LINE = 64 };
+    uint32_t t = h >> 3, first = t < TRIANGLES ? 0 : t - TRIANGLES;
+    for (uint32_t k = 0; k <= 2 * TRIANGLES; k += 2)
+        dt_fetch((const void *)((uintptr_t)m->half + LINE / 2 * (size_t)(first + k)));
+    uint32_t v = h >> 4, from = v < VERTICES ? 0 : v - VERTICES;
+    for (uint32_t k = 0; k <= 2 * VERTICES; k += 4)
+        dt_fetch((const void *)((uintptr_t)xy + LINE / 4 * (size_t)(from + k)));
     if (id == NULL)
         return;
     dt_fetch(id + from);

@@ -63,7 +63,7 @@ uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const s
     uint32_t cell;
     const struct dt_hint_grid *at = leaf(g, q, &cell);
     uint32_t h = dt_base(g->cell[cell]);
-    dt_hint_fetch(h, xy, NULL);
+    dt_hint_fetch(m, xy, NULL, h);
     if (!dt_is_dead(m, h) && is_near(at, m, xy, h, q))
         return h;
     return look_around(g, m, xy, at, cell, q);

@@ -172,7 +172,7 @@ static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point 
         h = dt_hint_live(hints, m, xy, q);
     } else {
         h = dt_hint(hints, q);
-        dt_hint_fetch(h, xy, id);
+        dt_hint_fetch(m, xy, id, h);
         if (dt_is_dead(m, h))
             h = dt_hint_live(hints, m, xy, q);
     }

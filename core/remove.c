@@ -17,7 +17,10 @@
 #include <math.h>
 
 #include "core/hull.h"
+#include "core/memory.h"
 #include "core/predicates.h"
+
+enum { MET = 4 }; /* triangles each way, after which most stars have been seen */
 
 /* The hole, while it is being filled. */
 struct hole {
@@ -29,16 +32,26 @@ struct hole {
     double cr_bound, det_bound; /* as in merge.c */
 };
 
-/* Collects the star of v counterclockwise; a hull vertex's from infinity on. */
-static bool collect_star(const struct dt_mesh *m, uint32_t v, struct dt_cavity *c)
+/* Collects the star of v counterclockwise; a hull vertex's from infinity on. The way round is a
+ * chain of cache misses; a second one, clockwise, meets it half way. */
+static bool collect_star(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                         struct dt_cavity *c)
 {
-    uint32_t first = m->leaving[v], h = first;
+    uint32_t first = m->leaving[v], h = first, other = first;
     dt_cavity_begin(c);
     do {
-        uint32_t beyond = dt_twin(m, dt_next(h));
-        if (!dt_cavity_add(c, dt_base(h)) || !dt_cavity_add_rim(c, dt_dest(m, h), beyond))
+        uint32_t u = dt_dest(m, h);
+        if (u != DT_NONE) {
+            dt_fetch(&xy[u]);
+            dt_fetch(&m->leaving[u]);
+        }
+        if (!dt_cavity_add(c, dt_base(h)) || !dt_cavity_add_rim(c, u, dt_twin(m, dt_next(h))))
             return false;
         h = dt_turn_ccw(m, h);
+        if (c->records < MET) {
+            other = dt_turn_cw(m, other);
+            dt_fetch(&m->half[other]);
+        }
     } while (h != first);
     return true;
 }
@@ -215,7 +228,7 @@ enum dt_status dt_remove(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
     } else if (m->vertices > 2 && dt_mesh_is_line(m)) {
         remove_from_line(m, v);
     } else if (m->vertices > 2) {
-        if (!collect_star(m, v, scratch))
+        if (!collect_star(m, xy, v, scratch))
             return DT_NOMEM;
         if (scratch->rims <= DT_STAR_SMALL)
             remove_from_plane(m, xy, scratch);

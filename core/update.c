@@ -9,6 +9,7 @@
 #include "core/hints_live.h"
 #include "core/insert.h"
 #include "core/local_move.h"
+#include "core/memory.h"
 #include "core/query.h"
 #include "core/remove.h"
 
@@ -191,11 +192,22 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 
 /* ---- deleting ---- */
 
+/* Fetches what the removal of v begins with; its triangles are probably where they are after a
+ * build. */
+static void fetch_star(const struct dt *t, uint32_t v)
+{
+    dt_fetch(&t->mesh.leaving[v]);
+    dt_fetch(&t->points.id[v]);
+    dt_hint_fetch(&t->mesh, t->points.xy, NULL, v << 4);
+}
+
 /* The point leaves its vertex, if it has one: to its heir, or it is removed. */
 static void leave(struct dt *t, uint32_t id)
 {
     struct dt_points *p = &t->points;
     uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
+    if (v != DT_NONE)
+        fetch_star(t, v);
     const struct dt_alias *heir = v == DT_NONE ? NULL : dt_points_heir(p, v);
     bool moves = heir != NULL && (heir->xy.x != p->xy[v].x || heir->xy.y != p->xy[v].y);
     uint32_t next = heir == NULL ? DT_NONE : heir->id;
@@ -232,6 +244,8 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to)
     if (from.x == to.x && from.y == to.y)
         return DT_OK;
     uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
+    if (v != DT_NONE)
+        fetch_star(t, v);
     if (v != DT_NONE && p->tol == 0 && dt_points_heir(p, v) == NULL &&
         dt_stays_delaunay(&t->mesh, p->xy, v, to)) {
         dt_points_shift(p, v, to);
