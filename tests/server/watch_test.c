@@ -142,7 +142,7 @@ TEST(request_whose_rows_come_in_pieces_is_counted_once)
     load_random(fd, "t", N);
     for (int i = 0; i < 3; i++) {
         char *rows = reply_to(&d, i < 2 ? "POINTS t\n" : "*2\r\n$6\r\nPOINTS\r\n$1\r\nt\r\n");
-        CHECK(strncmp(rows, i < 2 ? "OK 25000\n" : "*25000\r\n", 9) == 0);
+        CHECK(strncmp(rows, i < 2 ? "OK 25000" : "*25000\r", i < 2 ? 8 : 7) == 0);
         CHECK(strlen(rows) > N * 20);
         free(rows);
     }
