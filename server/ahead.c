@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { LEAST = 4 }; /* queries for which it is worth while */
+enum { LEAST = 4 }; /* requests for which it is worth while */
 
 /* The questions of a pipeline about one set. */
 struct questions {
@@ -31,7 +31,7 @@ static size_t next_request(const char *bytes, size_t n, struct request *q)
     return took > 0 && request_split(q, line.text, line.len) ? (size_t)took : 0;
 }
 
-/* The set that the query is about, as long as it is the same as that of the others and may be
+/* The set that the request is about, as long as it is the same as that of the others and may be
  * looked at now. */
 static bool is_ours(struct server *s, struct questions *all, const struct word *name)
 {
@@ -50,8 +50,8 @@ static bool is_ours(struct server *s, struct questions *all, const struct word *
 static void take_question(struct server *s, struct questions *all, const struct request *q)
 {
     char first = (char)(q->word[0].text[0] & ~0x20);
-    bool place = q->n >= 4 && (first == 'N' || (first == 'L' && q->n == 4));
-    bool id = !place && q->n >= 3 && (first == 'L' || first == 'G' || first == 'T' || first == 'E');
+    bool place = q->n >= 4 && (first == 'N' || ((first == 'L' || first == 'A') && q->n == 4));
+    bool id = !place && q->n >= 3 && memchr("LGTEDM", first, 6) != NULL;
     struct dt_point *p = &all->place[all->places];
     if ((!place && !id) || !is_ours(s, all, &q->word[1]))
         return;

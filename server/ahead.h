@@ -1,7 +1,7 @@
 /* ahead.h - reading ahead in a pipeline: where several requests have come at once, what the queries
- * among them will look at is fetched into the caches for all of them together, before the first is
- * carried out (core/ahead.c). It has no other effect, and whatever it does not understand it
- * leaves to those who carry it out. */
+ * and the edits of single points among them will look at is fetched into the caches for all of them
+ * together, before the first is carried out (core/ahead.c). It has no other effect, and whatever it
+ * does not understand it leaves to those who carry it out. */
 #ifndef SERVER_AHEAD_H
 #define SERVER_AHEAD_H
 
