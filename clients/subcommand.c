@@ -83,7 +83,14 @@ const struct subcommand subcommands[] = {
     {"check", NULL, false, true, "check SET", "Proves the triangulation exactly.\n", "--help"},
     {"drop", NULL, false, true, "drop SET", "Deletes a set.\n", "--help"},
     {"sets", NULL, false, false, "sets", "The sets, with their number of points.\n", "--help"},
-    {"info", NULL, false, false, "info", "Facts about the server.\n", "--help"},
+    {"info", NULL, false, false, "info [SECTION ...]",
+     "Facts about the server; with sections (server, clients, memory, stats, sets, durability,\n"
+     "commands) those of these only.\n",
+     "server clients memory stats sets durability commands --help"},
+    {"client", NULL, false, false, "client LIST | client KILL ID | client KILL ADDRESS",
+     "Who is connected to the server; ends connections.\n", "LIST KILL --help"},
+    {"slowlog", NULL, false, false, "slowlog GET [N] | slowlog LEN | slowlog RESET",
+     "The last requests that took long.\n", "GET LEN RESET --help"},
 };
 
 const size_t subcommand_count = sizeof subcommands / sizeof subcommands[0];
