@@ -17,7 +17,7 @@ size_t dt_cavity_memory(const struct dt_cavity *c)
            c->stack_cap * sizeof *c->stack;
 }
 
-/* Grows *array, full with *cap items, by half or more. */
+/* Grows *array, which has room for *cap items, by half or more. */
 static bool grow(void *array, uint32_t *cap, size_t size)
 {
     void **p = array;

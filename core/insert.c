@@ -62,6 +62,9 @@ bool dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t
             return false;
         }
     }
+    while (c->record_cap < c->rims) /* the star has two triangles more than the hole */
+        if (!dt_cavity_grow_records(c))
+            return false;
     return true;
 }
 

@@ -16,8 +16,8 @@ enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
  * edge t, */
 bool dt_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t, struct dt_point q);
 
-/* and all that it would replace, t among them, into *c with the rim counterclockwise. false: out of
- * memory. */
+/* and all that it would replace, t among them, into *c with the rim counterclockwise; c->record has
+ * room for a triangle at each rim edge. false: out of memory. */
 bool dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
                     struct dt_point q, struct dt_cavity *c);
 

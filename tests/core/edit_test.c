@@ -1,5 +1,6 @@
 /* edit_test.c - insertion and removal on a bare mesh: after every step it is the canonical
  * triangulation. */
+#include <math.h>
 #include <string.h>
 
 #include "core/hints.h"
@@ -135,6 +136,27 @@ TEST(removing_the_hub_of_a_large_wheel_fills_its_hole)
         }
         edited_clear(&e);
     }
+}
+
+TEST(a_hole_of_any_size_has_room_for_its_star)
+{
+    enum { LARGEST = 400 };
+    static struct edited e;
+    const struct dt_point hub = {0.001, 0.002};
+    edited_init(&e);
+    for (unsigned i = 0; i < LARGEST; i++) {
+        double a = 6.28 * i / LARGEST;
+        CHECK(insert(&e, (struct dt_point){cos(a), sin(a)}) == DT_OK);
+        if (dt_mesh_is_line(&e.mesh))
+            continue;
+        struct dt_cavity hole = {0};
+        uint32_t half;
+        dt_walk(&e.mesh, e.xy, e.mesh.leaving[0], hub, &half);
+        CHECK(dt_find_cavity(&e.mesh, e.xy, dt_base(half), hub, &hole));
+        CHECK(hole.rims == hole.records + 2 && hole.rims <= hole.record_cap);
+        dt_cavity_clear(&hole);
+    }
+    edited_clear(&e);
 }
 
 TEST(edits_out_of_memory_leave_the_mesh_as_it_was)
