@@ -7,6 +7,18 @@
 #include <string.h>
 #include <time.h>
 
+/* How many words of a request may be told: behind AUTH, a command or a word of HELLO's, comes a
+ * secret. */
+static size_t open_words(const struct request *q)
+{
+    if (q->n == 0 || !(word_is(&q->word[0], "AUTH") || word_is(&q->word[0], "HELLO")))
+        return q->n;
+    for (size_t i = 0; i < q->n; i++)
+        if (word_is(&q->word[i], "AUTH"))
+            return i + 1;
+    return q->n;
+}
+
 /* The request in words: it is still there unless it has paused, and then it was noted. */
 static void quote(const struct session *s, char *text)
 {
@@ -14,7 +26,7 @@ static void quote(const struct session *s, char *text)
     if (s->noted)
         memcpy(text, s->note, sizeof s->note);
     else
-        slowlog_quote(text, q->word, q->n);
+        slowlog_quote(text, q->word, open_words(q));
 }
 
 static void note_slow(struct session *s, const struct stats_outcome *took)

@@ -191,6 +191,19 @@ TEST(slow_loads_are_kept_under_their_first_line)
     CHECK(strstr(hear_line(fd), " LOADB big 100000") != NULL);
 }
 
+TEST(slowlog_keeps_no_tokens)
+{
+    static const char *const arguments[] = {"--slowlog-us", "1", NULL};
+    struct daemon d = daemon_start(arguments);
+    free(reply_to(&d,
+                  "AUTH secret\n*3\r\n$4\r\nauth\r\n$2\r\nme\r\n$6\r\nsecret\r\n"
+                  "*5\r\n$5\r\nHELLO\r\n$1\r\n3\r\n$4\r\nAUTH\r\n$2\r\nme\r\n$6\r\nsecret\r\n"));
+    char *slow = reply_to(&d, "SLOWLOG GET -1\n");
+    CHECK(strstr(slow, " AUTH\n") != NULL && strstr(slow, " auth\n") != NULL);
+    CHECK(strstr(slow, " HELLO 3 AUTH\n") != NULL && strstr(slow, "secret") == NULL);
+    free(slow);
+}
+
 TEST(slowlog_can_be_forgotten_and_switched_off)
 {
     static const char *const off[] = {"--slowlog-us", "0", NULL};
