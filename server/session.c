@@ -84,7 +84,7 @@ bool session_take_over(struct session *s, struct answer *a)
         account(s, a, is_error(s, a));
     s->refilling = false;
     deliver(s, a);
-    if (a->lsn != 0)
+    if (a->lsn != 0 && !s->conn.dead) /* the dead are sent nothing, and leave no trace */
         hold_add(&s->server->held, &s->conn.hold, a->lsn, a->mark);
     s->role = a->role;
     s->stream = a->stream;
