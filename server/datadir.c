@@ -138,6 +138,46 @@ bool datadir_sync(const struct datadir *d)
     return fsync(d->fd) == 0;
 }
 
+/* Opens a new file beside those that earlier repairs have put aside; -1 with errno. */
+static int create_aside(const struct datadir *d, const struct datafile *f)
+{
+    enum { REPAIRS = 100, FLAGS = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC };
+    char name[DATAFILE_NAME + 32];
+    snprintf(name, sizeof name, "damaged.%s", f->name);
+    int fd = openat(d->fd, name, FLAGS, 0600);
+    for (int i = 2; fd < 0 && errno == EEXIST && i < REPAIRS; i++) {
+        snprintf(name, sizeof name, "damaged.%s.%d", f->name, i);
+        fd = openat(d->fd, name, FLAGS, 0600);
+    }
+    return fd;
+}
+
+static bool copy_rest(int from, int to, uint64_t at)
+{
+    char block[1 << 16];
+    ssize_t n;
+    if (lseek(from, (off_t)at, SEEK_SET) < 0)
+        return false;
+    while ((n = read(from, block, sizeof block)) > 0)
+        if (write(to, block, (size_t)n) != n)
+            return false;
+    return n == 0 && fsync(to) == 0;
+}
+
+bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at)
+{
+    int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
+    int to = from < 0 ? -1 : create_aside(d, f);
+    bool ok = to >= 0 && copy_rest(from, to, at) && datadir_sync(d);
+    int error = errno;
+    if (from >= 0)
+        close(from);
+    if (to >= 0)
+        close(to);
+    errno = error;
+    return ok;
+}
+
 void datadir_forget(const struct datadir *d, uint64_t lsn)
 {
     struct datafiles files;

@@ -49,6 +49,10 @@ void datafile_name(char name[DATAFILE_NAME], enum datafile_kind kind, uint64_t l
 /* Makes creations, renames and removals durable. False with errno. */
 bool datadir_sync(const struct datadir *d);
 
+/* Copies what follows byte `at` of the file into a new file, on the disk when that returns, under a
+ * name that begins with `damaged.` and that no file has. False with errno. */
+bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at);
+
 /* Removes the snapshots older than `lsn` and the log segments that it covers: those followed by a
  * segment that begins at lsn + 1 or before. A file that cannot be removed is left for the next
  * time. */

@@ -49,32 +49,15 @@ int recovery_check(const char *path)
 
 /* ---- repair: nothing is thrown away, it only moves to files called damaged.* ---- */
 
-static bool copy_rest(int from, int to, uint64_t at)
-{
-    char block[1 << 16];
-    ssize_t n;
-    if (lseek(from, (off_t)at, SEEK_SET) < 0)
-        return false;
-    while ((n = read(from, block, sizeof block)) > 0)
-        if (write(to, block, (size_t)n) != n)
-            return false;
-    return n == 0 && fsync(to) == 0;
-}
-
 /* Moves what follows byte `at` of the segment into a file of its own. */
 static bool put_rest_aside(const struct datadir *dir, const struct datafile *f, uint64_t at)
 {
-    char name[DATAFILE_NAME + 16];
-    snprintf(name, sizeof name, "damaged.%s", f->name);
-    int from = openat(dir->fd, f->name, O_RDWR | O_CLOEXEC);
-    int to = openat(dir->fd, name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    bool ok = from >= 0 && to >= 0 && copy_rest(from, to, at) && datadir_sync(dir) &&
-              ftruncate(from, (off_t)at) == 0 && fsync(from) == 0;
+    int fd = openat(dir->fd, f->name, O_WRONLY | O_CLOEXEC);
+    bool ok = fd >= 0 && datadir_copy_aside(dir, f, at) && ftruncate(fd, (off_t)at) == 0 &&
+              fsync(fd) == 0;
     int error = errno;
-    if (from >= 0)
-        close(from);
-    if (to >= 0)
-        close(to);
+    if (fd >= 0)
+        close(fd);
     errno = error;
     return ok;
 }
@@ -84,11 +67,9 @@ static bool put_later_aside(const struct datadir *dir, const struct datafile *f)
     struct datafiles files;
     bool ok = datadir_list(dir, &files);
     for (size_t i = 0; ok && i < files.n; i++) {
-        char name[DATAFILE_NAME + 16];
         if (files.v[i].kind != DATAFILE_LOG || files.v[i].lsn <= f->lsn)
             continue;
-        snprintf(name, sizeof name, "damaged.%s", files.v[i].name);
-        ok = renameat(dir->fd, files.v[i].name, dir->fd, name) == 0;
+        ok = datadir_copy_aside(dir, &files.v[i], 0) && unlinkat(dir->fd, files.v[i].name, 0) == 0;
     }
     datafiles_free(&files);
     return ok && datadir_sync(dir);

@@ -248,6 +248,27 @@ TEST(damaged_log_keeps_the_daemon_from_starting_until_it_is_repaired)
     free_sample(&s);
 }
 
+TEST(second_repair_leaves_alone_what_the_first_put_aside)
+{
+    char text[2000], path[128];
+    size_t n, later;
+    struct sample s = make_sample(SIGKILL);
+    s.bytes[s.end[4] + 60] ^= 1;
+    file_write(s.path, s.bytes, s.n);
+    CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
+    CHECK(directory_file(&s.dir, "damaged.", 0, path));
+    char *first = file_read(path, &n);
+    s.bytes[s.end[2] + 60] ^= 1;
+    file_write(s.path, s.bytes, s.n);
+    CHECK_MSG(directory_run(&s.dir, "--repair", text, sizeof text) == 0, "%s", text);
+    char *still = file_read(path, &later);
+    CHECK(later == n && memcmp(still, first, n) == 0);
+    CHECK(directory_file(&s.dir, "damaged.", 1, path));
+    free(first);
+    free(still);
+    free_sample(&s);
+}
+
 TEST(log_of_a_later_version_is_refused_and_left_alone)
 {
     char text[2000];

@@ -262,6 +262,22 @@ TEST(repair_names_what_is_lost_and_keeps_the_damaged_files)
     free_sample(&s);
 }
 
+TEST(repair_keeps_the_changes_behind_a_log_that_is_damaged_at_its_start)
+{
+    char text[FILE_LIMIT], path[128];
+    size_t n;
+    struct sample s = make_sample();
+    s.bytes[s.n / 2] ^= 4;
+    s.log_bytes[SEGMENT_HEADER + RECORD_HEADER + 1] ^= 4;
+    lay_out(&s, s.bytes, s.n);
+    CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
+    CHECK(directory_file(&s.dir, "damaged.log.", 0, path));
+    char *kept = file_read(path, &n);
+    CHECK_MSG(n == s.log_n && memcmp(kept, s.log_bytes, n) == 0, "%s", text);
+    free(kept);
+    free_sample(&s);
+}
+
 TEST(repair_loses_nothing_where_the_log_from_the_beginning_is_there)
 {
     char text[FILE_LIMIT], path[128];
