@@ -7,11 +7,12 @@
 #include <string.h>
 #include <time.h>
 
-/* How many words of a request may be told: behind AUTH, a command or a word of HELLO's, comes a
- * secret. */
+/* How many words of a request may be told: behind AUTH, a command (maybe behind TIMEOUT) or a word
+ * of HELLO's, comes a secret. */
 static size_t open_words(const struct request *q)
 {
-    if (q->n == 0 || !(word_is(&q->word[0], "AUTH") || word_is(&q->word[0], "HELLO")))
+    if (q->n == 0 || !(word_is(&q->word[0], "AUTH") || word_is(&q->word[0], "HELLO") ||
+                       word_is(&q->word[0], "TIMEOUT")))
         return q->n;
     for (size_t i = 0; i < q->n; i++)
         if (word_is(&q->word[i], "AUTH"))

@@ -195,11 +195,12 @@ TEST(slowlog_keeps_no_tokens)
 {
     static const char *const arguments[] = {"--slowlog-us", "1", NULL};
     struct daemon d = daemon_start(arguments);
-    free(reply_to(&d,
-                  "AUTH secret\n*3\r\n$4\r\nauth\r\n$2\r\nme\r\n$6\r\nsecret\r\n"
-                  "*5\r\n$5\r\nHELLO\r\n$1\r\n3\r\n$4\r\nAUTH\r\n$2\r\nme\r\n$6\r\nsecret\r\n"));
+    free(reply_to(
+        &d, "AUTH secret\nTIMEOUT x AUTH secret\n*3\r\n$4\r\nauth\r\n$2\r\nme\r\n$6\r\nsecret\r\n"
+            "*5\r\n$5\r\nHELLO\r\n$1\r\n3\r\n$4\r\nAUTH\r\n$2\r\nme\r\n$6\r\nsecret\r\n"));
     char *slow = reply_to(&d, "SLOWLOG GET -1\n");
-    CHECK(strstr(slow, " AUTH\n") != NULL && strstr(slow, " auth\n") != NULL);
+    CHECK(strstr(slow, " AUTH\n") != NULL && strstr(slow, " TIMEOUT x AUTH\n") != NULL);
+    CHECK(strstr(slow, " auth\n") != NULL);
     CHECK(strstr(slow, " HELLO 3 AUTH\n") != NULL && strstr(slow, "secret") == NULL);
     free(slow);
 }
