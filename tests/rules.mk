@@ -33,7 +33,8 @@ interop: all
 
 # ---- bench: ns per point; beside CGAL where libcgal-dev is there ----
 #
-# Ten minutes; make bench TABLES=paper, or with MIN=1000000, does less, MAX=10000000 more.
+# Ten minutes; make bench TABLES=paper, or with MIN=1000000, does less, MAX=10000000 more. README shows a copy of the chart,
+# tests/bench/bench.svg.
 
 TABLES     ?= paper sizes families
 MIN        ?= 1000
