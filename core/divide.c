@@ -45,11 +45,6 @@
 static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena,
                                    struct dt_source src, uint32_t lo, uint32_t n, unsigned skew);
 
-static struct dt_part divide_block(struct dt_division *d, uint32_t lo, uint32_t n)
-{
-    return dt_block(&d->merging, d->p, d->from, lo, n);
-}
-
 static bool stopped(struct dt_division *d)
 {
     if (d->opt->cancel != NULL && atomic_load_explicit(d->opt->cancel, memory_order_relaxed))
@@ -79,7 +74,7 @@ struct dt_part dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
             return part;
         }
         if (n <= DT_BLOCK)
-            return divide_block(d, lo, n);
+            return dt_block(&d->merging, d->p, d->from, lo, n);
         return divide_range(d, arena, (struct dt_source){d->p + lo, d->from + lo}, lo, n,
                             level->skew);
     }
@@ -111,7 +106,7 @@ static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena
             for (uint32_t i = 0; i < n; i++)
                 d->from[lo + i] = src.from == NULL ? i : src.from[i];
         }
-        return divide_block(d, lo, n);
+        return dt_block(&d->merging, d->p, d->from, lo, n);
     }
     struct dt_part part = {0};
     if (stopped(d))

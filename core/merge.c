@@ -65,21 +65,6 @@ struct candidate {
     bool above; /* the base */
 };
 
-INLINE size_t base_of(size_t h)
-{
-    return h & ~(size_t)7;
-}
-
-INLINE size_t next_of(size_t h)
-{
-    return h + 1 - 3 * (h >> 1 & 1);
-}
-
-INLINE size_t prev_of(size_t h)
-{
-    return h + 2 - 3 * ((h | h >> 1) & 1);
-}
-
 /* The ghosts of the hull form a ring: the one that ends where g starts, and the one that starts
  * where it ends. */
 INLINE size_t ghost_before(const struct knitting *w, size_t g)
@@ -145,9 +130,9 @@ INLINE bool in_circle(const struct knitting *w, struct dt_point l, struct dt_poi
 INLINE struct candidate clear_left(const struct knitting *w, struct dt_point l, struct dt_point r,
                                    size_t lc, struct candidate u)
 {
-    size_t edge = knit_twin(w, lc); /* l->u, in the triangle (l, u, x) */
+    uint32_t edge = (uint32_t)knit_twin(w, lc); /* l->u, in the triangle (l, u, x) */
     for (;;) {
-        size_t t = base_of(edge), side = prev_of(edge), top = next_of(edge);
+        size_t t = dt_base(edge), side = dt_prev(edge), top = dt_next(edge);
         if (w->half[side] == DT_NONE)
             return u;
         struct candidate x = look_at(w, l, r, w->half[side]);
@@ -163,7 +148,7 @@ INLINE struct candidate clear_left(const struct knitting *w, struct dt_point l, 
         knit_link(w, t + 2, out);
         w->leaving[x.v] = (uint32_t)lc;
         u = x;
-        edge = beyond_side;
+        edge = (uint32_t)beyond_side;
     }
 }
 
@@ -171,9 +156,9 @@ INLINE struct candidate clear_left(const struct knitting *w, struct dt_point l, 
 INLINE struct candidate clear_right(const struct knitting *w, struct dt_point l, struct dt_point r,
                                     size_t rc, struct candidate v)
 {
-    size_t edge = knit_twin(w, rc); /* v->r, in the triangle (v, r, x) */
+    uint32_t edge = (uint32_t)knit_twin(w, rc); /* v->r, in the triangle (v, r, x) */
     for (;;) {
-        size_t t = base_of(edge), top = prev_of(edge), side = next_of(edge);
+        size_t t = dt_base(edge), top = dt_prev(edge), side = dt_next(edge);
         if (w->half[top] == DT_NONE)
             return v;
         struct candidate x = look_at(w, l, r, w->half[top]);
@@ -189,7 +174,7 @@ INLINE struct candidate clear_right(const struct knitting *w, struct dt_point l,
         knit_link(w, t + 2, rc + 1);
         w->leaving[v.v] = (uint32_t)out - 2;
         v = x;
-        edge = beyond_side;
+        edge = (uint32_t)beyond_side;
     }
 }
 
