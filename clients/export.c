@@ -11,6 +11,7 @@
 
 #include "clients/command.h"
 #include "clients/formats.h"
+#include "clients/part_file.h"
 #include "clients/svg.h"
 #include "proto/number.h"
 
@@ -175,30 +176,24 @@ static int file_failed(const char *path)
     return say_fault(path, strerror(errno));
 }
 
-/* Writes path.part and renames that: nobody sees half a file. */
 static int write_file(struct export *e)
 {
-    char part[4096 + 8];
-    if ((size_t)snprintf(part, sizeof part, "%s.part", e->path) >= sizeof part) {
-        errno = ENAMETOOLONG;
-        return file_failed(e->path);
-    }
-    FILE *out = fopen(part, "w");
-    if (out == NULL)
-        return file_failed(part);
-    setvbuf(out, NULL, _IOFBF, 1 << 18);
+    struct part_file f;
+    const char *fault = part_file_open(&f, e->path);
+    if (fault != NULL)
+        return file_failed(fault);
+    setvbuf(f.out, NULL, _IOFBF, 1 << 18);
     size_t points = e->m.n;
-    int status = write_to(out, e);
-    bool written = !ferror(out);
-    written = fclose(out) == 0 && written;
+    int status = write_to(f.out, e);
+    bool written = part_file_close(&f);
     if (status == EXIT_DONE && !written)
         status = file_failed(e->path);
     if (status == EXIT_DONE && e->png)
-        status = make_png(part, e->path) ? EXIT_DONE : EXIT_REFUSED;
-    else if (status == EXIT_DONE && rename(part, e->path) != 0)
+        status = make_png(f.part, e->path) ? EXIT_DONE : EXIT_REFUSED;
+    else if (status == EXIT_DONE && !part_file_keep(&f))
         status = file_failed(e->path);
     if (status != EXIT_DONE || e->png)
-        unlink(part);
+        part_file_drop(&f);
     if (status == EXIT_DONE)
         printf("%s: %zu points, %zu triangles, hull of %zu\n", e->path, points, e->m.triangles,
                e->m.hull_n);

@@ -7,9 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "clients/command.h"
+#include "clients/part_file.h"
 #include "proto/number.h"
 
 /* ---- rows ---- */
@@ -183,24 +183,18 @@ static int write_film(FILE *out, const struct trace *t, const struct arguments *
     return EXIT_REFUSED;
 }
 
-/* Writes path.part and renames that: nobody sees half a film. */
 static int write_file(const struct trace *t, const struct arguments *a)
 {
-    char part[4096 + 8];
-    if ((size_t)snprintf(part, sizeof part, "%s.part", a->path) >= sizeof part) {
-        errno = ENAMETOOLONG;
-        return failed(a->path);
-    }
-    FILE *out = fopen(part, "w");
-    if (out == NULL)
-        return failed(part);
-    int status = write_film(out, t, a);
-    bool written = !ferror(out);
-    written = fclose(out) == 0 && written;
-    if (status == EXIT_DONE && (!written || rename(part, a->path) != 0))
+    struct part_file f;
+    const char *fault = part_file_open(&f, a->path);
+    if (fault != NULL)
+        return failed(fault);
+    int status = write_film(f.out, t, a);
+    bool written = part_file_close(&f);
+    if (status == EXIT_DONE && (!written || !part_file_keep(&f)))
         status = failed(a->path);
     if (status != EXIT_DONE)
-        unlink(part);
+        part_file_drop(&f);
     else
         printf("%s: %zu points, %zu steps\n", a->path, t->m->n, t->n);
     return status;
