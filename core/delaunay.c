@@ -175,6 +175,21 @@ enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep)
     return DT_OK;
 }
 
+uint32_t dt_past_begin(struct dt *t)
+{
+    return dt_points_past_begin(&t->points);
+}
+
+enum dt_status dt_past_read(struct dt *t, struct dt_row *row, size_t room, size_t *n)
+{
+    return dt_points_past_read(&t->points, row, room, n);
+}
+
+void dt_past_end(struct dt *t)
+{
+    dt_points_past_end(&t->points);
+}
+
 /* ---- the triangulation ---- */
 
 enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt)

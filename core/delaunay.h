@@ -98,6 +98,27 @@ enum dt_status dt_get(const struct dt *t, uint32_t id, struct dt_point *p);
 /* The representative of id: id itself unless it is an alias. */
 enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep);
 
+/* ---- reading beside edits ----
+ *
+ * The rows of a set as they are at one moment, read bit by bit later, while edits go on in between:
+ * what they change is put aside, so that memory follows the rows that are changed before they are
+ * read, about 30 bytes each. None of these functions may run during an edit; but beside those that
+ * only read the set. */
+struct dt_row {
+    uint32_t id, representative;
+    struct dt_point at;
+};
+
+/* This is the moment. An earlier one of the same set is over. Returns how many rows there are. */
+uint32_t dt_past_begin(struct dt *t);
+
+/* Reads the next rows, ids ascending, `room` of them or all that are left: *n. DT_NOMEM: what an
+ * edit changed could not be put aside, so the rest is lost. */
+enum dt_status dt_past_read(struct dt *t, struct dt_row *row, size_t room, size_t *n);
+
+/* Nothing is put aside any more. To be called at the end, and before it to give up. */
+void dt_past_end(struct dt *t);
+
 /* ---- the triangulation ---- */
 
 enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };

@@ -11,9 +11,18 @@ enum { FIRST_BUCKETS = 64 };
 struct version *version_new(struct dt *dt)
 {
     struct version *v = malloc(sizeof *v);
-    if (v != NULL)
-        *v = (struct version){.dt = dt, .refs = 1};
+    if (v == NULL)
+        return NULL;
+    *v = (struct version){.dt = dt, .refs = 1};
+    sem_init(&v->turn, 0, 1);
     return v;
+}
+
+void version_free(struct version *v)
+{
+    if (v != NULL)
+        sem_destroy(&v->turn);
+    free(v);
 }
 
 struct version *version_pin(struct version *v)
@@ -28,7 +37,7 @@ void version_unpin(struct registry *r, struct version *v)
         return;
     r->memory -= v->sum.memory;
     r->discard(r->discard_ctx, v->dt);
-    free(v);
+    version_free(v);
 }
 
 void version_update(struct registry *r, struct version *v)
@@ -36,6 +45,27 @@ void version_update(struct registry *r, struct version *v)
     r->memory -= v->sum.memory;
     dt_summary(v->dt, &v->sum);
     r->memory += v->sum.memory;
+}
+
+bool version_is_read(const struct version *v)
+{
+    return v->refs > (v->saved ? 2 : 1);
+}
+
+bool version_try(struct version *v)
+{
+    return sem_trywait(&v->turn) == 0;
+}
+
+void version_wait(struct version *v)
+{
+    while (sem_wait(&v->turn) != 0) /* a signal came */
+        ;
+}
+
+void version_leave(struct version *v)
+{
+    sem_post(&v->turn);
 }
 
 bool version_is_stale(const struct version *v)
@@ -108,7 +138,7 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
     struct version *v = dt != NULL ? version_new(dt) : NULL;
     if (set == NULL || v == NULL) {
         free(set);
-        free(v);
+        version_free(v);
         dt_free(dt);
         return NULL;
     }

@@ -7,6 +7,10 @@
  * a copy, which then becomes the current one. So a reader never sees a half-edited set and never
  * delays a writer.
  *
+ * A snapshot pins versions, too, but reads their past (dt_past_begin) and so needs no copy: it and
+ * an edit in place take turns, by the version's semaphore. Who edits holds it until the summary has
+ * been brought up to date; the snapshot's thread, for some thousand rows at a time.
+ *
  * One writer at a time: while a job edits the set, writer is set, and requests that must wait for
  * it line up in waiters. If it edits in place, exclusive is set too, and readers wait as well. */
 #ifndef SERVER_DATASET_H
@@ -15,9 +19,13 @@
 #include "core/delaunay.h"
 #include "proto/request.h"
 
+#include <semaphore.h>
+
 struct version {
     struct dt *dt; /* owns; not to be looked at while a job edits it in place */
     unsigned refs;
+    bool saved; /* one of refs is a snapshot's */
+    sem_t turn; /* 1: it is nobody's turn */
     struct dt_summary
         sum; /* what dt holds, as of the last completed edit; sum.memory is accounted for */
 };
@@ -68,10 +76,21 @@ void registry_each(const struct registry *r, void (*visit)(struct dataset *set, 
                    void *ctx);
 
 struct version *version_new(struct dt *dt);
+/* Frees a version that was never part of a set; NULL is fine, and its set is not freed. */
+void version_free(struct version *v);
 struct version *version_pin(struct version *v);
 void version_unpin(struct registry *r, struct version *v);
 /* Brings the summary and the accounting up to date after an edit. */
 void version_update(struct registry *r, struct version *v);
+
+/* Whether somebody reads it who must not see it change. */
+bool version_is_read(const struct version *v);
+
+/* The turn at the version's set: false if it is another's; waits for it; gives it back, which any
+ * thread may do. */
+bool version_try(struct version *v);
+void version_wait(struct version *v);
+void version_leave(struct version *v);
 
 /* Whether the triangulation lags behind the points, so that queries must wait for dt_refresh. */
 bool version_is_stale(const struct version *v);

@@ -32,6 +32,11 @@ void job_free(struct job *j)
     free(j);
 }
 
+static bool edits_in_place(const struct job *j)
+{
+    return j->set != NULL && j->fresh == NULL;
+}
+
 /* ---- on a worker, or at once ---- */
 
 static void run(struct job *j)
@@ -50,6 +55,8 @@ static void run_later(struct work *w)
 {
     struct job *j = (struct job *)w;
     j->began_ns = clock_ns();
+    if (edits_in_place(j))
+        version_wait(j->base);
     run(j);
 }
 
@@ -73,13 +80,28 @@ static void unlink_job(struct server *s, struct job *j)
         j->next->prev = j->prev;
 }
 
+/* Whether the job can be done at once. If the thread of a snapshot reads the set just now, it cannot:
+ * that is a matter of microseconds unless the processors are busy, and then the I/O thread would
+ * wait with all its clients. */
+static bool take_turn(struct server *s, struct job *j)
+{
+    if (!edits_in_place(j))
+        return true;
+    if (s->workers == NULL)
+        version_wait(j->base);
+    return s->workers == NULL || version_try(j->base);
+}
+
 static void start(struct server *s, struct answer *a, struct job *j, unsigned how)
 {
     j->owner = a->owner;
     if (s->workers == NULL || (how & JOB_HEAVY) == 0) {
-        run(j);
-        job_finish(s, j, a);
-        return;
+        if (take_turn(s, j)) {
+            run(j);
+            job_finish(s, j, a);
+            return;
+        }
+        how = JOB_HEAVY | JOB_BRIEF;
     }
     j->queued_ns = clock_ns();
     j->options.pool = workers_pool(s->workers);
@@ -132,14 +154,14 @@ static bool cannot_copy(const struct server *s, struct answer *a, const struct d
 
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
 {
-    bool copy = (how & JOB_COPY) != 0 || set->current->refs > 1;
+    bool copy = (how & JOB_COPY) != 0 || version_is_read(set->current);
     if (copy && set->current->sum.points > CLONE_AT_ONCE)
         how |= JOB_HEAVY;
     struct version *fresh = copy ? version_new(NULL) : NULL;
     if (copy && fresh == NULL)
         answer_out_of_memory(a);
     if ((copy && fresh == NULL) || (copy && cannot_copy(s, a, set)) || too_busy(s, a, how)) {
-        free(fresh);
+        version_free(fresh);
         job_free(j);
         drop_unborn(s, set);
         return;
@@ -195,7 +217,7 @@ static void publish(struct server *s, struct job *j)
     } else {
         if (j->dt != NULL)
             s->sets.discard(s->sets.discard_ctx, j->dt);
-        free(j->fresh);
+        version_free(j->fresh);
     }
     j->set->writer = NULL;
     j->set->exclusive = false;
@@ -215,6 +237,8 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     unlink_job(s, j);
     if (set != NULL)
         publish(s, j);
+    if (edits_in_place(j))
+        version_leave(j->base);
     if (set != NULL && j->status == DT_OK && j->record != NULL)
         j->lsn = j->record(s, j);
     for (unsigned i = 0; i < j->also_n; i++)

@@ -10,8 +10,8 @@
  *            returns its lsn; may be NULL.
  *
  * A reading job pins the version it reads. A writing job is the set's only writer until it is done;
- * it edits in place if nobody pins the current version, else a copy that becomes the current
- * version once the job has succeeded. */
+ * it edits in place, in turns with a snapshot, if nobody else pins the current version, else a copy
+ * that becomes the current version once the job has succeeded. */
 #ifndef SERVER_JOB_H
 #define SERVER_JOB_H
 

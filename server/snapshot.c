@@ -14,8 +14,13 @@
 enum {
     FLUSH_BYTES = 1 << 20,
     SYNC_BYTES = 8 << 20, /* so that the disk's queue stays short for the log */
+    TURN_ROWS = 4096,     /* that are read while edits of the set wait */
     NICE = 10
 };
+
+_Static_assert(sizeof(struct record_row) == sizeof(struct dt_row) &&
+                   offsetof(struct record_row, x) == offsetof(struct dt_row, at),
+               "the rows of a set are written as they are");
 
 /* ---- on its thread ---- */
 
@@ -64,53 +69,55 @@ static bool put(struct output *o, struct record *r)
     return !o->out.failed ? buf_len(&o->out) < FLUSH_BYTES || flush(o) : fail(o, ENOMEM);
 }
 
-/* One record of rows, read from the cursor. */
-static bool put_rows(struct output *o, const struct dt *dt, struct dt_cursor *c, uint32_t *ids,
-                     struct record_row *row, size_t *rows)
+/* Reads up to RECORD_POINTS rows, in turns with those who edit the set; fewer only at the end. */
+static enum dt_status read_rows(struct version *v, struct dt_row *row, uint32_t *rows)
 {
-    size_t words;
-    enum dt_status status = dt_table_read(dt, c, ids, RECORD_POINTS, SIZE_MAX, rows, &words);
-    for (size_t i = 0; i < *rows && status == DT_OK; i++) {
-        struct dt_point p;
-        row[i].id = ids[i];
-        status = dt_get(dt, ids[i], &p);
-        row[i].x = p.x;
-        row[i].y = p.y;
-        if (status == DT_OK)
-            status = dt_representative(dt, ids[i], &row[i].representative);
+    enum dt_status status = DT_OK;
+    size_t n = TURN_ROWS;
+    for (*rows = 0; status == DT_OK && n == TURN_ROWS && *rows < RECORD_POINTS;) {
+        version_wait(v);
+        status = dt_past_read(v->dt, row + *rows, TURN_ROWS, &n);
+        version_leave(v);
+        *rows += (uint32_t)n;
     }
-    struct record r = {.type = RECORD_ROWS, .n = (uint32_t)*rows, .items = row};
-    if (status != DT_OK)
-        return fail(o, status == DT_NOMEM ? ENOMEM : EINVAL);
-    return *rows == 0 || put(o, &r);
+    return status;
+}
+
+static bool put_rows(struct output *o, struct version *v, struct dt_row *row)
+{
+    struct record r = {.type = RECORD_ROWS, .items = row};
+    do {
+        if (read_rows(v, row, &r.n) != DT_OK)
+            return fail(o, ENOMEM);
+        if (r.n > 0 && !put(o, &r))
+            return false;
+    } while (r.n == RECORD_POINTS);
+    return true;
 }
 
 static bool put_set(struct output *o, const struct snapshot_source *s)
 {
-    struct dt_cursor c;
-    const struct dt *dt = s->version->dt;
-    size_t rows = 1;
-    uint32_t *ids = malloc(RECORD_POINTS * sizeof *ids);
-    struct record_row *row = malloc(RECORD_POINTS * sizeof *row);
+    struct dt_row *row = malloc(RECORD_POINTS * sizeof *row);
     struct record r = {.type = RECORD_SET,
                        .synced = s->lsn,
                        .flags = s->triangulated ? RECORD_TRIANGULATED : 0,
-                       .first = dt_next_id(dt),
-                       .a = dt_tolerance(dt),
+                       .first = s->next_id,
+                       .n = s->rows,
+                       .a = dt_tolerance(s->version->dt),
                        .name = s->name,
                        .name_len = s->name_len};
-    bool ok = ids != NULL && row != NULL && dt_table_begin(dt, DT_POINTS, false, &c) == DT_OK;
-    if (ok) {
-        r.n = c.rows;
-        ok = put(o, &r);
-    } else {
-        fail(o, ENOMEM);
-    }
-    while (ok && rows > 0)
-        ok = put_rows(o, dt, &c, ids, row, &rows);
-    free(ids);
+    if (row == NULL)
+        return fail(o, ENOMEM);
+    bool ok = put(o, &r) && put_rows(o, s->version, row);
     free(row);
     return ok;
+}
+
+static void end_past(struct version *v)
+{
+    version_wait(v);
+    dt_past_end(v->dt);
+    version_leave(v);
 }
 
 static bool put_all(struct output *o)
@@ -126,6 +133,7 @@ static bool put_all(struct output *o)
     for (size_t i = 0; i < snap->n; i++) {
         if (!put_set(o, &snap->source[i]))
             return false;
+        end_past(snap->source[i].version);
         snap->written = i + 1;
     }
     return put(o, &end) && flush(o) && sync_output(o);
@@ -167,6 +175,8 @@ static void *serve(void *arg)
     int event = snap->event;
     setpriority(PRIO_PROCESS, 0, NICE); /* on Linux: of this thread */
     write_snapshot(snap);
+    for (size_t i = snap->written; i < snap->n; i++) /* it has failed */
+        end_past(snap->source[i].version);
     snap->done = true; /* from here on *snap may be gone */
     ssize_t ignored = write(event, &one, sizeof one);
     (void)ignored;
@@ -190,9 +200,26 @@ static void start(struct snapshot *snap)
 
 static void pin(struct snapshot_source *s, struct dataset *set)
 {
-    s->version = version_pin(set->current);
+    struct version *v = version_pin(set->current);
+    v->saved = true;
+    s->version = v;
     s->lsn = set->lsn;
     s->triangulated = set->triangulated;
+    s->rows = dt_past_begin(v->dt);
+    s->next_id = dt_next_id(v->dt);
+}
+
+/* What was put aside is no more, or, if the snapshot was never begun, is left to the next one
+ * should an edit be under way. */
+static void unpin(struct registry *sets, struct version *v)
+{
+    v->saved = false;
+    if (version_try(v)) {
+        dt_past_end(v->dt);
+        version_update(sets, v);
+        version_leave(v);
+    }
+    version_unpin(sets, v);
 }
 
 static void on_free(struct waiter *w)
@@ -253,7 +280,7 @@ void snapshot_release(struct snapshot *snap, struct registry *sets)
 {
     size_t written = snap->written;
     for (; snap->released < written; snap->released++)
-        version_unpin(sets, snap->source[snap->released].version);
+        unpin(sets, snap->source[snap->released].version);
 }
 
 int snapshot_end(struct snapshot *snap, struct registry *sets)
@@ -269,7 +296,7 @@ int snapshot_end(struct snapshot *snap, struct registry *sets)
     for (size_t i = snap->released; i < snap->n; i++) {
         dataset_wait_no_more(&snap->source[i].waiter);
         if (snap->source[i].version != NULL)
-            version_unpin(sets, snap->source[i].version);
+            unpin(sets, snap->source[i].version);
     }
     free(snap);
     return error;

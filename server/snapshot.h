@@ -1,5 +1,8 @@
 /* snapshot.h - a file with all sets, written by a thread of its own from pinned versions.
  *
+ * A version that is pinned here may be edited nevertheless: the thread reads its past, in turns with
+ * the edits (dataset.h). So a snapshot takes little memory, whatever happens meanwhile.
+ *
  * The sets are not all pinned at one moment: one that is just being edited in place is pinned when
  * it is free. So the file says for each set up to which change it contains it, and the log goes on
  * from there, set by set. What the file's own lsn promises is that every change up to it is
@@ -25,6 +28,7 @@ struct snapshot_source {
     struct version *version; /* pinned; NULL while it waits */
     uint64_t lsn;            /* of the set's last change in it */
     bool triangulated;
+    uint32_t rows, next_id; /* of the set at that time */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };

@@ -1,17 +1,27 @@
 /* durable.c - the measuring client of durable.sh.
  *
- *     durable add|set PORT CONNECTIONS SECONDS LABEL   single changes, each after the reply to the
- * one before durable load PORT POINTS LABEL                   LOADB into a new set durable build
- * PORT POINTS LABEL                  the same and TRIANGULATE, beside a set of 1000 points durable
- * ready PORT LABEL                         seconds since $START_NS until those sets answer durable
- * snapshot PORT PID LABEL                  SNAPSHOT, and PING until it is done */
+ *     durable add|set PORT CONNECTIONS SECONDS LABEL
+ *         single changes, each after the reply to the one before
+ *     durable load PORT POINTS LABEL
+ *         LOADB into a new set
+ *     durable build PORT POINTS LABEL
+ *         the same and TRIANGULATE, beside a set of 1000 points
+ *     durable ready PORT LABEL
+ *         seconds since $START_NS until those sets answer
+ *     durable snapshot PORT PID LABEL
+ *         SNAPSHOT, and PING until it is done
+ *     durable edited PORT PID POINTS LABEL
+ *         the same while the set of so many points is edited */
 #include <arpa/inet.h>
 #include <inttypes.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -244,9 +254,48 @@ static void ping_for(int fd, double seconds)
     }
 }
 
-static void snapshot(const char *port, const char *pid, const char *label)
+/* Three of four edits move a point, one in eight deletes one, one in eight adds one; in bursts, for
+ * ever. */
+static void edit(const char *port, uint32_t points, volatile uint64_t *edits)
+{
+    enum { BURST = 64 };
+    int fd = dial(port);
+    uint64_t state = 7;
+    char text[BURST * 128], reply[256];
+    for (;; *edits += BURST) {
+        size_t n = 0;
+        for (int i = 0; i < BURST; i++) {
+            state = state * 6364136223846793005u + 1442695040888963407u;
+            uint32_t id = (uint32_t)((state >> 32) * points >> 32);
+            double x = (double)(state >> 20 & 0xfffff) * 0x1p-20, y = (double)id / points;
+            char *to = text + n;
+            if (i % 8 == 0)
+                n += (size_t)snprintf(to, 128, "DEL large %" PRIu32 "\n", id);
+            else if (i % 8 == 1)
+                n += (size_t)snprintf(to, 128, "ADD large %.9f %.9f\n", x, y);
+            else
+                n += (size_t)snprintf(to, 128, "MOVE large %" PRIu32 " %.9f %.9f\n", id, x, y);
+        }
+        put(fd, text, n);
+        for (int i = 0; i < BURST; i++)
+            line(fd, reply, sizeof reply);
+    }
+}
+
+static pid_t begin_edits(const char *port, uint32_t points, volatile uint64_t *edits)
+{
+    pid_t pid = points == 0 ? 0 : fork();
+    if (points > 0 && pid == 0)
+        edit(port, points, edits);
+    return pid;
+}
+
+/* points: 0 for no edits. */
+static void snapshot(const char *port, const char *pid, uint32_t points, const char *label)
 {
     int fd = dial(port);
+    volatile uint64_t *edits =
+        mmap(NULL, sizeof *edits, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     ping_for(fd, 1);
     qsort(sample, samples, sizeof *sample, by_value);
     double idle = percentile(0.99), before = current_kib(pid), start = now(CLOCK_MONOTONIC);
@@ -259,13 +308,22 @@ static void snapshot(const char *port, const char *pid, const char *label)
     }
     samples = 0;
     ask(fd, "SNAPSHOT\n");
+    pid_t editor = begin_edits(port, points, edits);
     while (info(fd, "snapshot_running") != 0)
         ping_for(fd, 0.1);
     double took = now(CLOCK_MONOTONIC) - start;
+    uint64_t edited = *edits;
+    if (editor > 0) {
+        kill(editor, SIGKILL);
+        waitpid(editor, NULL, 0);
+    }
     qsort(sample, samples, sizeof *sample, by_value);
-    printf("%-32s p99 %.2f ms, worst %.2f ms (idle p99 %.2f ms); it took %.2f s; memory +%.1f %%\n",
+    printf("%-32s p99 %.2f ms, worst %.2f ms (idle p99 %.2f ms); it took %.2f s; memory +%.1f %%",
            label, percentile(0.99), percentile(1), idle, took,
            ((double)peak_kib(pid) / before - 1) * 100);
+    if (points > 0)
+        printf("; %.0f edits a second", (double)edited / took);
+    printf("\n");
 }
 
 int main(int argc, char **argv)
@@ -282,7 +340,9 @@ int main(int argc, char **argv)
     } else if (argc == 4 && strcmp(what, "ready") == 0) {
         ready(argv[2], argv[3]);
     } else if (argc == 5 && strcmp(what, "snapshot") == 0) {
-        snapshot(argv[2], argv[3], argv[4]);
+        snapshot(argv[2], argv[3], 0, argv[4]);
+    } else if (argc == 6 && strcmp(what, "edited") == 0) {
+        snapshot(argv[2], argv[3], (uint32_t)strtoul(argv[4], NULL, 10), argv[5]);
     } else {
         return 2;
     }

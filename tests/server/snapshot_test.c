@@ -1,9 +1,15 @@
 /* snapshot_test.c - what a snapshot holds of the sets while it is being written. */
 #include "server/snapshot.h"
+
+#include "server/command.h"
+#include "server/job.h"
+#include "server/replay.h"
 #include "tests/server/directory.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
+#include <poll.h>
+#include <signal.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -39,4 +45,182 @@ TEST(snapshot_lets_go_of_the_sets_that_it_has_written)
     close(event);
     datadir_close(&dir);
     directory_remove(&d);
+}
+
+/* ---- edits while it is being written ---- */
+
+enum { POINTS = 20000 }; /* some turns' worth */
+
+/* The sets of the one snapshot that is in the directory. */
+static void read_back(const struct directory *d, struct replay *p)
+{
+    char path[128];
+    size_t n, at = SEGMENT_HEADER;
+    struct record r;
+    CHECK(directory_file(d, "snapshot.", 0, path));
+    char *bytes = file_read(path, &n);
+    replay_init(p);
+    while (at < n) {
+        ptrdiff_t took = record_read(bytes + at, n - at, &r);
+        const char *fault = took > 0 ? replay_snapshot(p, &r) : r.fault;
+        CHECK_MSG(fault == NULL, "%s", fault);
+        at += (size_t)took;
+    }
+    free(bytes);
+}
+
+static void check_rows(struct dt *got, struct dt *want)
+{
+    static struct dt_row a[POINTS], b[POINTS];
+    size_t n, m;
+    CHECK(dt_next_id(got) == dt_next_id(want));
+    CHECK(dt_past_begin(got) == dt_past_begin(want));
+    CHECK(dt_past_read(got, a, POINTS, &n) == DT_OK && dt_past_read(want, b, POINTS, &m) == DT_OK);
+    CHECK(n == m && memcmp(a, b, n * sizeof *a) == 0);
+}
+
+/* Points on a lattice, so that many coincide. */
+static void compose_points(char *to, size_t size)
+{
+    size_t at = (size_t)snprintf(to, size, "LOAD t %u\n", (unsigned)POINTS);
+    for (unsigned i = 0; i < POINTS; i++)
+        at += (size_t)snprintf(to + at, size - at, "%u %u\n", test_below(120), test_below(120));
+}
+
+static void compose_edits(char *to, size_t size, unsigned edits)
+{
+    size_t at = 0;
+    for (unsigned i = 0; i < edits; i++) {
+        unsigned kind = test_below(8), id = test_below(POINTS), x = test_below(120),
+                 y = test_below(120);
+        if (kind == 0)
+            at += (size_t)snprintf(to + at, size - at, "ADD t %u %u\n", x, y);
+        else if (kind < 4)
+            at += (size_t)snprintf(to + at, size - at, "DEL t %u\n", id);
+        else
+            at += (size_t)snprintf(to + at, size - at, "MOVE t %u %u %u\n", id, x, y);
+    }
+}
+
+TEST(snapshot_holds_the_set_as_it_was_whatever_edits_come_meanwhile)
+{
+    static char text[POINTS * 40];
+    struct local l;
+    struct datadir dir;
+    struct directory d = directory_new();
+    int event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    local_start(&l, 2);
+    compose_points(text, sizeof text);
+    local_ask(&l, text);
+    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
+    for (uint64_t lsn = 1; lsn <= 4; lsn++) {
+        struct word name = {"t", 1};
+        struct dt *then;
+        struct replay p;
+        uint64_t count;
+        struct version *v = version_of(&l, "t");
+        CHECK(dt_clone(v->dt, &then) == DT_OK);
+        struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, lsn, event);
+        CHECK(snap != NULL);
+        compose_edits(text, sizeof text, 300);
+        local_ask(&l, text);
+        snapshot_go(snap);
+        while (!snap->done) {
+            compose_edits(text, sizeof text, 10);
+            local_ask(&l, text);
+        }
+        CHECK(read(event, &count, sizeof count) == sizeof count);
+        CHECK(snapshot_end(snap, &l.server.sets) == 0);
+        CHECK(version_of(&l, "t") == v && v->refs == 1); /* it was edited in place */
+        read_back(&d, &p);
+        check_rows(registry_find(&p.sets, &name)->current->dt, then);
+        replay_clear(&p);
+        dt_free(then);
+        if (lsn == 2)
+            local_ask(&l, "TRIANGULATE t\n");
+    }
+    CHECK(strncmp(local_ask(&l, "CHECK t\n"), "OK 0 delaunay=yes", 17) == 0);
+    local_stop(&l);
+    close(event);
+    datadir_close(&dir);
+    directory_remove(&d);
+}
+
+static void finish(void *ctx, struct job *j)
+{
+    struct local *l = ctx;
+    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    job_finish(&l->server, j, &a);
+}
+
+/* The I/O thread never waits for the snapshot's thread, which may be slow to get a processor. */
+TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
+{
+    struct local l;
+    struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
+    struct request *q = &l.server.request;
+    local_start(&l, 1);
+    local_ask(&l, "ADD t 0 0  1 1\nADD other 5 5\n");
+    struct version *v = version_of(&l, "t");
+    CHECK(version_try(v)); /* the snapshot's thread reads */
+    CHECK(request_split(q, "MOVE t 1 7 7", 12));
+    buf_rewind(&l.out, 0);
+    command_run(&l.server, q, &a);
+    CHECK(a.job != NULL && buf_len(&l.out) == 0);
+    CHECK_STR(local_ask(&l, "MOVE other 0 6 6\nPING\n"), "OK 0\nOK 0\n");
+    CHECK(!version_try(v));
+    version_leave(v);
+    struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
+    CHECK(poll(&event, 1, 10000) == 1);
+    buf_rewind(&l.out, 0);
+    server_collect(&l.server, finish, &l);
+    CHECK(buf_len(&l.out) == 5 && memcmp(buf_head(&l.out), "OK 0\n", 5) == 0);
+    CHECK_STR(local_ask(&l, "GET t 1\n"), "OK 1\n1 7 7\n");
+    CHECK(version_of(&l, "t") == v && version_try(v));
+    version_leave(v);
+    local_stop(&l);
+}
+
+/* What a daemon makes of it: the same, after kill -9, as another one that got the same requests. */
+TEST_TIMEOUT(edits_during_snapshots_survive_kill, 60)
+{
+    static const char *const names[] = {"t", NULL};
+    static char text[POINTS * 40];
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL), oracle = daemon_start(NULL);
+    compose_points(text, sizeof text);
+    carry_out(&d, text);
+    carry_out(&oracle, text);
+    for (int round = 0; round < 4; round++) {
+        int fd = daemon_connect(&d), other = daemon_connect(&oracle);
+        if (round == 1) {
+            carry_out(&d, "TRIANGULATE t\n");
+            carry_out(&oracle, "TRIANGULATE t\n");
+        }
+        say(fd, "SNAPSHOT\n");
+        CHECK(strncmp(hear_line(fd), "OK", 2) == 0);
+        for (int i = 0; i < 5; i++) {
+            char line[128];
+            compose_edits(text, sizeof text, 200);
+            say(fd, text);
+            say(other, text);
+            for (int n = 0; n < 200; n++) {
+                snprintf(line, sizeof line, "%s", hear_line(other));
+                CHECK_STR(hear_line(fd), line);
+            }
+        }
+        close(fd);
+        close(other);
+        if (round != 3) /* then it may be killed half way */
+            await_info(&d, "snapshot_running", 0);
+        daemon_stop(&d, SIGKILL);
+        d = directory_daemon(&dir, NULL);
+        await_info(&d, "loaded_percent", 100);
+        char *got = directory_state(&d, names), *want = directory_state(&oracle, names);
+        CHECK(strcmp(got, want) == 0);
+        free(got);
+        free(want);
+    }
+    daemon_stop(&d, SIGKILL);
+    directory_remove(&dir);
 }
