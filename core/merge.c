@@ -28,41 +28,21 @@
  * (u, l, r), whose new edge u-r is the next base. At the upper tangent, a last ghost closes the
  * hull. So exactly two records are added: bot and top.
  *
- * Predicates. The candidates of one base l-r are compared by the in-circle test of (l, r, u, x),
- * whose determinant in coordinates relative to l and r is
- *
- *     det(u, x) = dt(u) cr(x) - dt(x) cr(u),  cr(c) = (r - l) x (c - l),  dt(c) = (c - l).(c - r)
- *
- * cr(c) is the orientation of l, r, c as well, and cr and dt are computed once per candidate: half
- * the work of testing anew. (cr / dt is the tangent of the angle at which c sees l-r; the test
- * compares these angles.)
- *
- * Filter. Let D be the longer side of the box of both parts and u = 2^-53. All differences of
- * coordinates are at most D with a relative error of u, so each product of two carries an error of
- * at most 3 u D^2 (+ O(u^2)), and with the final rounding
- *
- *     |err cr| <= 2 * 3 u D^2 + 2 u D^2 = 8 u D^2 < 8.9e-16 D^2,    |err dt| the same.
- *
- * With |cr| <= D^2 (twice the area of a triangle in a square) and |dt| <= 2 D^2
- *
- *     |err det| <= 2 (2 * 8 u + 8 u + 2 u) D^4 + 4 u D^4 = 56 u D^4 < 6.3e-15 D^4.
- *
- * The bounds used are 1e-15 D^2 and 1e-14 D^4, which leaves room for the rounding of D itself.
- * Undecided signs go to the exact predicates. No product under- or overflows for the coordinates
- * that dt_coordinate_ok accepts. */
+ * Predicates. Both sides ask the same of two points at every step, so u and v, and then the apexes x
+ * of both sides, are looked at together, in two lanes (sight.h, which has the filters as well). What
+ * is wrong with an edge is acted upon and the step begun anew: so a step has few branches, those
+ * that nobody can predict being dear. */
 #include "core/merge.h"
 
-#include <math.h>
-
 #include "core/knit.h"
-#include "core/predicates.h"
+#include "core/sight.h"
 
-/* A candidate to be joined to the base. */
-struct candidate {
-    uint32_t v;
-    struct dt_point p;
-    double cr, dt;
-    bool above; /* the base */
+/* One merge on its way up. Of two single points there are no ghosts, hence no gl, lc or gr, rc. */
+struct seam {
+    uint32_t l, r;        /* the base */
+    struct sight_base at; /* its points */
+    size_t base;          /* its half edge r->l below the gap */
+    size_t lc, rc;        /* the ghosts next to the gap: (u, l, none) and (r, v, none) */
 };
 
 /* The ghosts of the hull form a ring: the one that ends where g starts, and the one that starts
@@ -89,216 +69,193 @@ INLINE size_t ghost_from(const struct knitting *w, uint32_t v, size_t some)
     return g;
 }
 
-INLINE bool below(const struct knitting *w, struct dt_point l, struct dt_point r, struct dt_point c)
+/* Finds the lower common tangent: moves l and r down their hulls, with *gl the ghost that starts at
+ * l and *gr the one that ends at r. Both sides may move at once: a vertex below the line from l to r
+ * is also below the one from where l will be. */
+INLINE void descend(const struct knitting *w, int sides, struct seam *s, size_t *gl, size_t *gr)
 {
-    double cr = (r.x - l.x) * (c.y - l.y) - (r.y - l.y) * (c.x - l.x);
-    if (cr > w->cr_bound)
-        return false;
-    return cr < -w->cr_bound || dt_orient2d(l, r, c) < 0;
+    for (;;) {
+        uint32_t u = w->half[sides & SIGHT_LEFT ? *gl + 1 : *gr];
+        uint32_t v = w->half[sides & SIGHT_RIGHT ? *gr : *gl + 1];
+        struct sight c = sight_of(w->p, &s->at, u, v);
+        int below = sides & sight_below(w, s->l, s->r, u, v, &c);
+        if (below == 0)
+            return;
+        if (below & SIGHT_LEFT) {
+            s->l = u;
+            sight_from_left(&s->at, &c);
+            *gl = ghost_after(w, *gl);
+        }
+        if (below & SIGHT_RIGHT) {
+            s->r = v;
+            sight_from_right(&s->at, &c);
+            *gr = ghost_before(w, *gr);
+        }
+    }
 }
 
-INLINE struct candidate look_at(const struct knitting *w, struct dt_point l, struct dt_point r,
-                                uint32_t v)
-{
-    struct candidate c = {.v = v, .p = w->p[v]};
-    double ux = c.p.x - l.x, uy = c.p.y - l.y;
-    c.cr = (r.x - l.x) * uy - (r.y - l.y) * ux;
-    c.dt = ux * (c.p.x - r.x) + uy * (c.p.y - r.y);
-    return c;
-}
-
-INLINE bool is_above(const struct knitting *w, struct dt_point l, struct dt_point r,
-                     const struct candidate *c)
-{
-    if (__builtin_expect(fabs(c->cr) <= w->cr_bound, 0))
-        return dt_orient2d(l, r, c->p) > 0;
-    return c->cr > 0;
-}
-
-/* Whether x lies in the circle of l, r and c. */
-INLINE bool in_circle(const struct knitting *w, struct dt_point l, struct dt_point r,
-                      const struct candidate *c, const struct candidate *x)
-{
-    double det = c->dt * x->cr - x->dt * c->cr;
-    if (__builtin_expect(fabs(det) <= w->det_bound, 0))
-        return dt_incircle_perturbed(l, r, c->p, x->p) > 0;
-    return det > 0;
-}
-
-/* Deletes edges l-u of L, beyond the ghost lc, as long as the next neighbour of l is a better
- * candidate; returns that. */
-INLINE struct candidate clear_left(const struct knitting *w, struct dt_point l, struct dt_point r,
-                                   size_t lc, struct candidate u)
+/* Deletes the edge l-u of L beyond the ghost lc = (u, l, none). */
+INLINE void delete_left(const struct knitting *w, size_t lc)
 {
     uint32_t edge = (uint32_t)knit_twin(w, lc); /* l->u, in the triangle (l, u, x) */
-    for (;;) {
-        size_t t = dt_base(edge), side = dt_prev(edge), top = dt_next(edge);
-        if (w->half[side] == DT_NONE)
-            return u;
-        struct candidate x = look_at(w, l, r, w->half[side]);
-        if (!in_circle(w, l, r, &u, &x))
-            return u;
-        size_t beyond_top = knit_twin(w, top), beyond_side = knit_twin(w, side),
-               out = knit_twin(w, lc + 2);
-        w->half[lc] = x.v;
-        knit_link(w, lc, beyond_side);
-        knit_ghost(w, t, u.v, x.v);
-        knit_link(w, t, beyond_top);
-        knit_link(w, t + 1, lc + 2);
-        knit_link(w, t + 2, out);
-        w->leaving[x.v] = (uint32_t)lc;
-        u = x;
-        edge = (uint32_t)beyond_side;
-    }
+    uint32_t u = w->half[lc], x = w->half[dt_prev(edge)];
+    size_t t = dt_base(edge), beyond_side = knit_twin(w, dt_prev(edge)),
+           beyond_top = knit_twin(w, dt_next(edge)), out = knit_twin(w, lc + 2);
+    w->half[lc] = x;
+    knit_link(w, lc, beyond_side);
+    knit_ghost(w, t, u, x);
+    knit_link(w, t, beyond_top);
+    knit_link(w, t + 1, lc + 2);
+    knit_link(w, t + 2, out);
+    w->leaving[x] = (uint32_t)lc;
 }
 
-/* The mirror image: edges r-v of R, beyond the ghost rc. */
-INLINE struct candidate clear_right(const struct knitting *w, struct dt_point l, struct dt_point r,
-                                    size_t rc, struct candidate v)
+/* The mirror image: the edge r-v of R beyond the ghost rc = (r, v, none). */
+INLINE void delete_right(const struct knitting *w, size_t rc)
 {
     uint32_t edge = (uint32_t)knit_twin(w, rc); /* v->r, in the triangle (v, r, x) */
-    for (;;) {
-        size_t t = dt_base(edge), top = dt_prev(edge), side = dt_next(edge);
-        if (w->half[top] == DT_NONE)
-            return v;
-        struct candidate x = look_at(w, l, r, w->half[top]);
-        if (!in_circle(w, l, r, &v, &x))
-            return v;
-        size_t beyond_side = knit_twin(w, side), beyond_top = knit_twin(w, top),
-               out = knit_twin(w, rc + 1);
-        w->half[rc + 1] = x.v;
-        knit_link(w, rc, beyond_side);
-        knit_ghost(w, t, x.v, v.v);
-        knit_link(w, t, beyond_top);
-        knit_link(w, t + 1, out);
-        knit_link(w, t + 2, rc + 1);
-        w->leaving[v.v] = (uint32_t)out - 2;
-        v = x;
-        edge = (uint32_t)beyond_side;
-    }
+    uint32_t v = w->half[rc + 1], x = w->half[dt_prev(edge)];
+    size_t t = dt_base(edge), beyond_side = knit_twin(w, dt_next(edge)),
+           beyond_top = knit_twin(w, dt_prev(edge)), out = knit_twin(w, rc + 1);
+    w->half[rc + 1] = x;
+    knit_link(w, rc, beyond_side);
+    knit_ghost(w, t, x, v);
+    knit_link(w, t, beyond_top);
+    knit_link(w, t + 1, out);
+    knit_link(w, t + 2, rc + 1);
+    w->leaving[v] = (uint32_t)out - 2;
 }
 
-/* Finds the lower common tangent: moves *l and *r down their hulls, with gl the ghost that starts
- * at l and gr the one that ends at r. */
-INLINE void descend(const struct knitting *w, bool left_single, bool right_single, uint32_t *l,
-                    uint32_t *r, size_t *gl, size_t *gr)
+/* Not inlined, so that the loop in knit keeps the registers for itself. */
+static __attribute__((noinline)) void delete_edges(const struct knitting *w, size_t lc, size_t rc,
+                                                   int sides)
 {
-    struct dt_point pl = w->p[*l], pr = w->p[*r];
-    bool moved;
-    do {
-        moved = false;
-        if (!left_single && below(w, pl, pr, w->p[w->half[*gl + 1]])) {
-            *l = w->half[*gl + 1];
-            pl = w->p[*l];
-            *gl = ghost_after(w, *gl);
-            moved = true;
-        }
-        if (!right_single && below(w, pl, pr, w->p[w->half[*gr]])) {
-            *r = w->half[*gr];
-            pr = w->p[*r];
-            *gr = ghost_before(w, *gr);
-            moved = true;
-        }
-    } while (moved);
+    if (sides & SIGHT_LEFT)
+        delete_left(w, lc);
+    if (sides & SIGHT_RIGHT)
+        delete_right(w, rc);
 }
 
-/* The merge proper; l and r are the last vertex of the left part and the first one of the right.
- * Single points have no ghosts. */
-INLINE void knit(const struct knitting *w, bool left_single, bool right_single, uint32_t l,
-                 uint32_t r, size_t some_l, size_t some_r, size_t bot, size_t top)
+/* On which of the sides in `above` the edge below the candidate c has to go. */
+INLINE int to_delete(const struct knitting *w, const struct seam *s, size_t lc, size_t rc,
+                     int above, uint32_t u, uint32_t v, const struct sight *c)
 {
-    size_t gl = left_single ? 0 : ghost_from(w, l, some_l);
-    size_t gr = right_single ? 0 : ghost_before(w, ghost_from(w, r, some_r));
-    descend(w, left_single, right_single, &l, &r, &gl, &gr);
-    size_t lc = left_single ? 0 : ghost_before(w, gl);
-    size_t rc = right_single ? 0 : ghost_after(w, gr);
+    uint32_t xu = w->half[dt_prev((uint32_t)knit_twin(w, lc))];
+    uint32_t xv = w->half[dt_prev((uint32_t)knit_twin(w, rc))];
+    /* Beyond a line lies another ghost, which has no apex. No vertex but DT_NONE has its top bit set,
+     * so no branch is needed to look at u or v once more instead. */
+    uint32_t none_u = 0 - (xu >> 31), none_v = 0 - (xv >> 31);
+    xu ^= (xu ^ u) & none_u;
+    xv ^= (xv ^ v) & none_v;
+    above &= ~(int)((none_u & SIGHT_LEFT) | (none_v & SIGHT_RIGHT));
+    struct sight x = sight_of(w->p, &s->at, xu, xv);
+    return sight_better(w, s->l, s->r, above, (const uint32_t[]){u, v}, (const uint32_t[]){xu, xv},
+                        c, &x);
+}
 
-    knit_ghost(w, bot, r, l);
-    if (!left_single) {
+INLINE void knit_left(const struct knitting *w, struct seam *s, uint32_t u, const struct sight *c)
+{
+    size_t lc = s->lc, next = ghost_before(w, lc);
+    w->half[lc + 2] = s->r;
+    knit_link(w, lc + 1, s->base);
+    w->leaving[u] = (uint32_t)lc;
+    s->base = lc + 2;
+    s->l = u;
+    sight_from_left(&s->at, c);
+    s->lc = next;
+}
+
+INLINE void knit_right(const struct knitting *w, struct seam *s, uint32_t v, const struct sight *c)
+{
+    size_t rc = s->rc, next = ghost_after(w, rc);
+    w->half[rc + 2] = s->l;
+    knit_link(w, rc + 2, s->base);
+    w->leaving[v] = (uint32_t)next;
+    s->base = rc + 1;
+    s->r = v;
+    sight_from_right(&s->at, c);
+    s->rc = next;
+}
+
+/* From the lower common tangent, whose ghost gets the record bot. */
+INLINE struct seam start(const struct knitting *w, int sides, uint32_t l, uint32_t r, size_t some_l,
+                         size_t some_r, size_t bot)
+{
+    struct seam s = {.l = l, .r = r, .at = sight_base_of(w->p[l], w->p[r]), .base = bot};
+    size_t gl = sides & SIGHT_LEFT ? ghost_from(w, l, some_l) : 0;
+    size_t gr = sides & SIGHT_RIGHT ? ghost_before(w, ghost_from(w, r, some_r)) : 0;
+    if (sides != 0)
+        descend(w, sides, &s, &gl, &gr);
+    s.lc = sides & SIGHT_LEFT ? ghost_before(w, gl) : 0;
+    s.rc = sides & SIGHT_RIGHT ? ghost_after(w, gr) : 0;
+    knit_ghost(w, bot, s.r, s.l);
+    if (sides & SIGHT_LEFT) {
         knit_link(w, bot + 1, gl + 2);
-        w->leaving[l] = (uint32_t)gl;
+        w->leaving[s.l] = (uint32_t)gl;
     }
-    if (!right_single)
+    if (sides & SIGHT_RIGHT)
         knit_link(w, bot + 2, gr + 1);
+    return s;
+}
 
-    size_t base = bot; /* the half edge r->l below the gap */
-    struct dt_point pl = w->p[l], pr = w->p[r];
-    for (;;) {
-        struct candidate u = {0}, v = {0};
-        if (!left_single) {
-            u = look_at(w, pl, pr, w->half[lc]);
-            u.above = is_above(w, pl, pr, &u);
-        }
-        if (!right_single) {
-            v = look_at(w, pl, pr, w->half[rc + 1]);
-            v.above = is_above(w, pl, pr, &v);
-        }
-        bool take_left = u.above, take_right = v.above;
-        if (take_left)
-            u = clear_left(w, pl, pr, lc, u);
-        if (take_right)
-            v = clear_right(w, pl, pr, rc, v);
-        if (take_left && take_right)
-            take_left = !in_circle(w, pl, pr, &u, &v);
-        else if (!take_left && !take_right)
+/* The merge proper; l and r are the last vertex of the left part and the first one of the right,
+ * `sides` those that have more than one. */
+INLINE void knit(const struct knitting *w, int sides, uint32_t l, uint32_t r, size_t some_l,
+                 size_t some_r, size_t bot, size_t top)
+{
+    struct seam s = start(w, sides, l, r, some_l, some_r, bot);
+    while (sides != 0) {
+        size_t lc = sides & SIGHT_LEFT ? s.lc : s.rc, rc = sides & SIGHT_RIGHT ? s.rc : s.lc;
+        uint32_t u = w->half[sides & SIGHT_LEFT ? lc : lc + 1];
+        uint32_t v = w->half[sides & SIGHT_RIGHT ? rc + 1 : rc];
+        struct sight c = sight_of(w->p, &s.at, u, v);
+        int above = sides & sight_above(w, s.l, s.r, u, v, &c);
+        if (above == 0)
             break;
-        if (take_left) {
-            size_t next = ghost_before(w, lc);
-            w->half[lc + 2] = r;
-            knit_link(w, lc + 1, base);
-            base = lc + 2;
-            w->leaving[u.v] = (uint32_t)lc;
-            l = u.v;
-            pl = u.p;
-            lc = next;
-        } else {
-            size_t next = ghost_after(w, rc);
-            w->half[rc + 2] = l;
-            knit_link(w, rc + 2, base);
-            base = rc + 1;
-            w->leaving[v.v] = (uint32_t)next;
-            r = v.v;
-            pr = v.p;
-            rc = next;
-        }
+        int worse = to_delete(w, &s, lc, rc, above, u, v, &c);
+        if (worse != 0)
+            delete_edges(w, s.lc, s.rc, worse);
+        else if (sight_left_wins(w, s.l, s.r, above, u, v, &c))
+            knit_left(w, &s, u, &c);
+        else
+            knit_right(w, &s, v, &c);
     }
-    knit_ghost(w, top, l, r);
-    knit_link(w, top, base);
-    knit_link(w, top + 1, right_single ? bot + 2 : rc + 2);
-    knit_link(w, top + 2, left_single ? bot + 1 : lc + 1);
+    knit_ghost(w, top, s.l, s.r);
+    knit_link(w, top, s.base);
+    knit_link(w, top + 1, sides & SIGHT_RIGHT ? s.rc + 2 : bot + 2);
+    knit_link(w, top + 2, sides & SIGHT_LEFT ? s.lc + 1 : bot + 1);
 }
 
 /* The common case and the others, each compiled on its own with its conditions decided. */
-static __attribute__((noinline)) void knit_many(const struct knitting *w, uint32_t l, uint32_t r,
+static __attribute__((noinline)) void knit_both(const struct knitting *w, uint32_t l, uint32_t r,
                                                 uint32_t some_l, uint32_t some_r, uint32_t bot,
                                                 uint32_t top)
 {
     const struct knitting local = *w;
-    knit(&local, false, false, l, r, some_l, some_r, bot, top);
+    knit(&local, SIGHT_LEFT | SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
 }
 
-static __attribute__((noinline)) void knit_single(const struct knitting *w, bool left_single,
-                                                  bool right_single, uint32_t l, uint32_t r,
-                                                  uint32_t some_l, uint32_t some_r, uint32_t bot,
-                                                  uint32_t top)
+static __attribute__((noinline)) void knit_single(const struct knitting *w, int sides, uint32_t l,
+                                                  uint32_t r, uint32_t some_l, uint32_t some_r,
+                                                  uint32_t bot, uint32_t top)
 {
-    const struct knitting local = *w;
-    if (left_single && right_single)
-        knit(&local, true, true, l, r, some_l, some_r, bot, top);
-    else if (left_single)
-        knit(&local, true, false, l, r, some_l, some_r, bot, top);
+    if (sides == SIGHT_LEFT)
+        knit(w, SIGHT_LEFT, l, r, some_l, some_r, bot, top);
+    else if (sides == SIGHT_RIGHT)
+        knit(w, SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
     else
-        knit(&local, false, true, l, r, some_l, some_r, bot, top);
+        knit(w, 0, l, r, some_l, some_r, bot, top);
 }
 
 void dt_knit(const struct knitting *w, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
              uint32_t some_l, uint32_t some_r, uint32_t mid)
 {
     uint32_t bot = 16 * mid - 16, top = 16 * mid - 8;
+    int sides = (nl > 1 ? SIGHT_LEFT : 0) | (nr > 1 ? SIGHT_RIGHT : 0);
     if (__builtin_expect(nl > 1 && nr > 1, 1))
-        knit_many(w, l, r, some_l, some_r, bot, top);
+        knit_both(w, l, r, some_l, some_r, bot, top);
     else
-        knit_single(w, nl == 1, nr == 1, l, r, some_l, some_r, bot, top);
+        knit_single(w, sides, l, r, some_l, some_r, bot, top);
 }
 
 struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *a,

@@ -1,0 +1,46 @@
+/* lanes.h - two doubles side by side, in one register where the machine has such: the vectors of gcc
+ * and clang, and the one instruction that they have no words for. */
+#ifndef DT_LANES_H
+#define DT_LANES_H
+
+#include <stdint.h>
+
+typedef double dt_lanes __attribute__((vector_size(16)));
+typedef int64_t dt_lanes_holds __attribute__((vector_size(16))); /* -1 where it does */
+
+/* The two doubles at p, which need not be aligned to 16. */
+static inline dt_lanes dt_lanes_load(const double *p)
+{
+    typedef double unaligned __attribute__((vector_size(16), aligned(8), may_alias));
+    return *(const unaligned *)p;
+}
+
+/* The first lanes of a and b, and the second ones. */
+static inline dt_lanes dt_lanes_first(dt_lanes a, dt_lanes b)
+{
+    return (dt_lanes){a[0], b[0]};
+}
+
+static inline dt_lanes dt_lanes_second(dt_lanes a, dt_lanes b)
+{
+    return (dt_lanes){a[1], b[1]};
+}
+
+/* Magnitudes. */
+static inline dt_lanes dt_lanes_abs(dt_lanes a)
+{
+    const dt_lanes_holds magnitude = {INT64_MAX, INT64_MAX};
+    return (dt_lanes)((dt_lanes_holds)a & magnitude);
+}
+
+/* Bit i is set where the comparison, such as a > b, holds in lane i. */
+static inline int dt_lanes_bits(dt_lanes_holds holds)
+{
+#ifdef __SSE2__
+    return __builtin_ia32_movmskpd((dt_lanes)holds);
+#else
+    return (int)(holds[0] & 1) | (int)(holds[1] & 2);
+#endif
+}
+
+#endif
