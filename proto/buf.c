@@ -23,10 +23,8 @@ static bool grow(struct buf *b, size_t want)
     return true;
 }
 
-char *buf_reserve(struct buf *b, size_t n)
+char *buf_make_room(struct buf *b, size_t n)
 {
-    if (b->cap - b->end >= n)
-        return b->data + b->end;
     size_t len = buf_len(b);
     /* Moving the content to the front pays only if it is no longer than what was consumed before
      * it. */
@@ -40,27 +38,6 @@ char *buf_reserve(struct buf *b, size_t n)
         return NULL;
     }
     return b->data + b->end;
-}
-
-void buf_append(struct buf *b, const void *bytes, size_t n)
-{
-    if (n == 0)
-        return;
-    char *to = buf_reserve(b, n);
-    if (to == NULL)
-        return;
-    memcpy(to, bytes, n);
-    buf_commit(b, n);
-}
-
-void buf_append_text(struct buf *b, const char *text)
-{
-    buf_append(b, text, strlen(text));
-}
-
-void buf_append_char(struct buf *b, char c)
-{
-    buf_append(b, &c, 1);
 }
 
 void buf_consume(struct buf *b, size_t n)

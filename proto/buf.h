@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 struct buf {
     char *data;        /* owns; bytes start .. end - 1 are the content */
@@ -28,9 +29,15 @@ static inline char *buf_head(const struct buf *b)
     return b->start == 0 ? b->data : b->data + b->start;
 }
 
+/* buf_reserve where more room has to be made. */
+char *buf_make_room(struct buf *b, size_t n);
+
 /* Makes room for n more bytes; returns where to put them, NULL (and failed) when out of memory.
  * Cost: amortised constant per byte. */
-char *buf_reserve(struct buf *b, size_t n);
+static inline char *buf_reserve(struct buf *b, size_t n)
+{
+    return b->cap - b->end >= n ? b->data + b->end : buf_make_room(b, n);
+}
 
 /* The first n reserved bytes have been written. */
 static inline void buf_commit(struct buf *b, size_t n)
@@ -38,9 +45,24 @@ static inline void buf_commit(struct buf *b, size_t n)
     b->end += n;
 }
 
-void buf_append(struct buf *b, const void *bytes, size_t n);
-void buf_append_text(struct buf *b, const char *text);
-void buf_append_char(struct buf *b, char c);
+static inline void buf_append(struct buf *b, const void *bytes, size_t n)
+{
+    char *to = n > 0 ? buf_reserve(b, n) : NULL;
+    if (to == NULL)
+        return;
+    memcpy(to, bytes, n);
+    buf_commit(b, n);
+}
+
+static inline void buf_append_text(struct buf *b, const char *text)
+{
+    buf_append(b, text, strlen(text));
+}
+
+static inline void buf_append_char(struct buf *b, char c)
+{
+    buf_append(b, &c, 1);
+}
 
 /* Drops n bytes from the front. */
 void buf_consume(struct buf *b, size_t n);

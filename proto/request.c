@@ -53,7 +53,7 @@ void request_free(struct request *q)
     *q = (struct request){0};
 }
 
-bool word_is(const struct word *w, const char *upper)
+bool word_is_whole(const struct word *w, const char *upper)
 {
     for (size_t i = 0; i < w->len; i++) {
         char c = w->text[i];

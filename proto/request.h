@@ -25,8 +25,15 @@ bool request_split(struct request *q, const char *text, size_t len);
 bool request_add(struct request *q, const char *text, size_t len);
 void request_free(struct request *q);
 
-/* Whether the word is `upper` (in capitals), whatever its own case. */
-bool word_is(const struct word *w, const char *upper);
+/* The same as word_is, all of the word looked at. */
+bool word_is_whole(const struct word *w, const char *upper);
+
+/* Whether the word is `upper` (not empty, in capitals), whatever its own case. */
+static inline bool word_is(const struct word *w, const char *upper)
+{
+    /* Most words that a table is searched for are told apart by their first letters. */
+    return w->len > 0 && ((w->text[0] ^ upper[0]) & ~0x20) == 0 && word_is_whole(w, upper);
+}
 
 /* Whether the word may name a set: [A-Za-z0-9_.:-]{1,64}. */
 bool word_is_set_name(const struct word *w);

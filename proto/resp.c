@@ -4,7 +4,7 @@
  * starts again and says from how many bytes on that is worth while. */
 #include "proto/resp.h"
 
-#include <stdio.h>
+#include <stdint.h>
 #include <string.h>
 
 enum {
@@ -125,11 +125,26 @@ const char *resp_fault_text(enum resp_fault fault)
 
 /* ---- replies ---- */
 
-static void header(struct buf *out, char mark, unsigned long long n)
+enum { HEADER_ROOM = 23 }; /* the mark, a number, CR LF */
+
+/* `<mark><n>\r\n`; returns its length. Rows are many and short, so it is made by hand. */
+static size_t write_header(char *to, char mark, uint64_t n)
 {
-    char text[32];
-    int len = snprintf(text, sizeof text, "%c%llu\r\n", mark, n);
-    buf_append(out, text, (size_t)len);
+    size_t digits = 1;
+    for (uint64_t rest = n; rest >= 10; rest /= 10)
+        digits++;
+    to[0] = mark;
+    for (size_t at = digits; at > 0; n /= 10)
+        to[at--] = (char)('0' + n % 10);
+    memcpy(to + digits + 1, "\r\n", 2);
+    return digits + 3;
+}
+
+static void header(struct buf *out, char mark, uint64_t n)
+{
+    char *to = buf_reserve(out, HEADER_ROOM);
+    if (to != NULL)
+        buf_commit(out, write_header(to, mark, n));
 }
 
 void resp_array(struct buf *out, size_t n)
@@ -137,18 +152,15 @@ void resp_array(struct buf *out, size_t n)
     header(out, '*', n);
 }
 
-/* Rows are many and short, so their headers are made by hand. */
 void resp_bulk(struct buf *out, const char *text, size_t len)
 {
-    if (len >= 100) {
-        header(out, '$', len);
-    } else {
-        char small[5] = {'$', (char)('0' + len / 10), (char)('0' + len % 10), '\r', '\n'};
-        buf_append_char(out, '$');
-        buf_append(out, small + (len < 10 ? 2 : 1), len < 10 ? 3 : 4);
-    }
-    buf_append(out, text, len);
-    buf_append(out, "\r\n", 2);
+    char *to = buf_reserve(out, HEADER_ROOM + len + 2);
+    if (to == NULL)
+        return;
+    size_t at = write_header(to, '$', len);
+    memcpy(to + at, text, len);
+    memcpy(to + at + len, "\r\n", 2);
+    buf_commit(out, at + len + 2);
 }
 
 /* `OK n keys`: the array's or the bulk string's header, or the whole simple string. */

@@ -146,3 +146,25 @@ TEST(resp_long_rows_have_long_headers)
         expect_reframed(lines, (size_t)n, want);
     }
 }
+
+TEST(resp_headers_have_as_many_digits_as_it_takes)
+{
+    static const size_t lengths[] = {0, 9, 10, 99, 100, 101, 1000, 65536};
+    static char text[65536];
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        struct buf out = {0};
+        char want[64];
+        size_t n = (size_t)snprintf(want, sizeof want, "*%zu\r\n$%zu\r\n", lengths[i], lengths[i]);
+        memset(text, 'x', sizeof text);
+        resp_array(&out, lengths[i]);
+        resp_bulk(&out, text, lengths[i]);
+        CHECK(buf_len(&out) == n + lengths[i] + 2 && memcmp(buf_head(&out), want, n) == 0);
+        CHECK(memcmp(buf_head(&out) + n, text, lengths[i]) == 0);
+        CHECK(memcmp(buf_head(&out) + n + lengths[i], "\r\n", 2) == 0);
+        buf_free(&out);
+    }
+    struct buf out = {0};
+    resp_array(&out, SIZE_MAX);
+    CHECK(buf_len(&out) == 23 && memcmp(buf_head(&out), "*18446744073709551615\r\n", 23) == 0);
+    buf_free(&out);
+}
