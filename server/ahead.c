@@ -4,6 +4,7 @@
 #include "proto/line.h"
 #include "proto/number.h"
 #include "proto/resp.h"
+#include "server/server.h"
 
 #include <string.h>
 
@@ -70,22 +71,51 @@ static bool may_load(const struct request *q)
            (q->word[0].text[0] & ~0x20) == 'L' && (q->word[0].text[2] & ~0x20) == 'A';
 }
 
-unsigned ahead_look(struct server *s, const char *bytes, size_t n)
+/* Keeps a request that has been read. False: it is none of those that are kept. */
+static bool keep(struct ahead *a, const char *text, size_t len, const struct request *q)
 {
+    if (q->n > AHEAD_WORDS || may_load(q))
+        return false;
+    a->of[a->n].text = text;
+    a->of[a->n].len = len;
+    a->of[a->n].n = q->n;
+    for (size_t i = 0; i < q->n; i++)
+        a->of[a->n].word[i] = q->word[i];
+    a->n++;
+    return true;
+}
+
+/* Reads what is at the front of bytes[n]. */
+static void look(struct server *s, const char *bytes, size_t n)
+{
+    struct ahead *a = &s->ahead;
+    struct request *q = &s->request;
     struct questions all = {0};
-    unsigned seen = 0;
-    for (size_t at = 0, took; seen < DT_AHEAD; at += took, seen++) {
-        took = next_request(bytes + at, n - at, &s->request);
-        if (took == 0 || may_load(&s->request))
+    ahead_forget(a);
+    for (size_t at = 0, took; a->n < DT_AHEAD; at += took) {
+        took = next_request(bytes + at, n - at, q);
+        if (took == 0 || !keep(a, bytes + at, took, q))
             break;
-        if (s->request.n > 1 && s->request.word[0].len > 0)
-            take_question(s, &all, &s->request);
-        else if (seen == 0)
-            return DT_AHEAD; /* PING after PING, probably */
+        if (q->n > 1 && q->word[0].len > 0)
+            take_question(s, &all, q);
     }
     if (all.places >= LEAST)
         dt_fetch_places(all.set->current->dt, all.place, all.places);
     if (all.ids >= LEAST)
         dt_fetch_ids(all.set->current->dt, all.id, all.ids);
-    return seen > 0 ? seen : 1;
+}
+
+size_t ahead_take(struct server *s, const char *bytes, size_t n)
+{
+    struct ahead *a = &s->ahead;
+    if (a->next == a->n || a->of[a->next].text != bytes)
+        look(s, bytes, n);
+    if (a->n == 0)
+        return 0;
+    unsigned i = a->next++;
+    s->request.n = 0;
+    for (size_t k = 0; k < a->of[i].n; k++)
+        if (!request_add(&s->request, a->of[i].word[k].text, a->of[i].word[k].len))
+            return 0;
+    return a->of[i].len;
 }

@@ -4,6 +4,7 @@
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
+#include "server/ahead.h"
 #include "server/answer.h"
 #include "server/auth.h"
 #include "server/config.h"
@@ -35,7 +36,8 @@ struct server {
     void (*tell_joined)(struct server *s, uint64_t id, struct job *j);
     size_t loading;         /* bytes of points that are being received */
     struct dt_ids scratch;  /* owns; the result of a query that is answered at once */
-    struct request request; /* owns; the words of the line that is carried out */
+    struct request request; /* owns; the words of the request that is carried out */
+    struct ahead ahead;     /* those behind it in its connection's input */
     struct buf lines;       /* owns; a reply in lines before it goes out as RESP */
     struct auth auth;
     struct counters count;

@@ -195,27 +195,19 @@ bool session_wait_for_input(struct session *s)
     return false;
 }
 
-/* Whether a line is no request but something that a browser was made to send. */
-static bool is_foreign(struct session *s, const struct line *line, const struct request *q)
-{
-    const struct word *name = &q->word[0];
-    bool first = !s->greeted;
-    s->greeted = true;
-    return (first && line_is_http(line->text, line->len)) || name->text[name->len - 1] == ':';
-}
-
-static bool carry_out(struct session *s, const struct line *line)
+/* The words are a line's; http: the first line, which is that of a browser. */
+static bool carry_out(struct session *s, bool http)
 {
     struct request *q = &s->server->request;
-    if (!request_split(q, line->text, line->len))
-        return session_refuse(s, ERR_NOMEM, "out of memory; nothing has changed");
     if (q->n == 0) {
         consume_held(s);
         return true;
     }
     if (is_too_much(s, s->held, q->n))
         return refuse_stranger(s);
-    if (is_foreign(s, line, q)) {
+    const struct word *name = &q->word[0];
+    s->greeted = true;
+    if (http || name->text[name->len - 1] == ':') { /* a browser was made to send it */
         notice_client(s, NOTICE_WARNING, "speaks something else, such as HTTP: closed");
         conn_finish(&s->conn);
         return false;
@@ -235,7 +227,9 @@ static bool step_line(struct session *s)
         return session_refuse_line(s, line.fault);
     if (took > 0) {
         s->held = (size_t)took;
-        return carry_out(s, &line);
+        if (!request_split(&s->server->request, line.text, line.len))
+            return session_refuse(s, ERR_NOMEM, "out of memory; nothing has changed");
+        return carry_out(s, !s->greeted && line_is_http(line.text, line.len));
     }
     if (is_too_much(s, buf_len(&s->conn.in), 0))
         return refuse_stranger(s);
@@ -271,8 +265,6 @@ static bool step_resp(struct session *s)
 {
     struct resp resp;
     struct buf *in = &s->conn.in;
-    if (buf_len(in) < s->need)
-        return session_wait_for_input(s);
     ptrdiff_t took = resp_read(buf_head(in), buf_len(in), &s->server->request, &resp);
     s->need = resp.need;
     if (took == 0 && is_too_much(s, buf_len(in) > s->need ? buf_len(in) : s->need, 0))
@@ -293,12 +285,18 @@ static bool step_request(struct session *s)
     stats_resume(&s->server->stats, &s->pause);
     if (is_late(s))
         return give_up(s);
-    if (buf_len(&s->conn.in) == 0)
+    struct buf *in = &s->conn.in;
+    if (buf_len(in) == 0 || buf_len(in) < s->need)
         return session_wait_for_input(s);
-    if (s->ahead == 0)
-        s->ahead = ahead_look(s->server, buf_head(&s->conn.in), buf_len(&s->conn.in));
-    s->ahead--;
-    s->resp = buf_head(&s->conn.in)[0] == '*';
+    s->resp = buf_head(in)[0] == '*';
+    if (s->resp || s->greeted) {
+        size_t took = ahead_take(s->server, buf_head(in), buf_len(in));
+        if (took > 0) {
+            s->held = took;
+            s->need = 0;
+            return s->resp ? carry_out_resp(s, &(struct resp){0}) : carry_out(s, false);
+        }
+    }
     return s->resp ? step_resp(s) : step_line(s);
 }
 
@@ -322,7 +320,7 @@ static void on_data(struct conn *c)
     struct session *s = (struct session *)c;
     struct stats *stats = &s->server->stats;
     int64_t start = stats_look(stats);
-    s->ahead = 0;
+    ahead_forget(&s->server->ahead);
     for (unsigned n = 1; step(s); n++) {
         if (n % STEPS_PER_LOOK == 0 && stats_look(stats) - start > TURN_NS) {
             conn_again(c);

@@ -34,7 +34,6 @@ struct session {
     struct job *job;       /* borrows: what a worker does for it */
     bool refilling;        /* it makes rows of the stream: the request has been answered already */
     struct load *load;     /* owns: points that are being received */
-    unsigned ahead;        /* requests that have been looked at by ahead_look */
     bool refused;          /* the load that is being received has been refused already */
     bool resp;             /* the request under way came in RESP framing (proto/resp.h) */
     bool in_bulk;          /* the load's points come as one bulk string */

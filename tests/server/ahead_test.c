@@ -46,7 +46,7 @@ static void write_script(struct script *s)
         bool resp = test_below(3) == 0;
         const char *set = test_below(4) == 0 ? "b" : "a";
         double x = test_uniform() * 1.2 - 0.1, y = test_uniform() * 1.2 - 0.1;
-        switch (test_below(16)) {
+        switch (test_below(18)) {
         case 0:
             add(s, resp, "ADD %s %.3f %.3f", set, x, y);
             break;
@@ -56,22 +56,29 @@ static void write_script(struct script *s)
         case 2:
             add(s, false, "LOAD %s 2\n%.2f %.2f\nNEAREST a", set, x, y);
             break;
-        case 3:
-            add(s, resp, "%s u%s", test_below(2) ? "DROP" : "CREATE", test_below(2) ? "" : " TOL");
+        case 3: /* the points of a load are no requests, whatever comes before the load */
+            add(s, false, "TIMEOUT 9 LOAD %s 2\n%.2f %.2f\n%s", set, x, y,
+                test_below(2) ? "PING" : "0.5 0.5");
             break;
         case 4:
-            add(s, resp, "LOCATE %s 1e300 %.2f", set, y);
+            add(s, resp, "LISTS %s %u 1 2 3 4 5 6", set, test_below(3100));
             break;
         case 5:
-            add(s, resp, "GET %s %u", set, test_below(4000));
+            add(s, resp, "%s u%s", test_below(2) ? "DROP" : "CREATE", test_below(2) ? "" : " TOL");
             break;
         case 6:
-        case 7:
-        case 8:
-            add(s, resp, "LISTS %s %u", set, test_below(3100));
+            add(s, resp, "LOCATE %s 1e300 %.2f", set, y);
             break;
+        case 7:
+            add(s, resp, "GET %s %u", set, test_below(4000));
+            break;
+        case 8:
         case 9:
         case 10:
+            add(s, resp, "LISTS %s %u", set, test_below(3100));
+            break;
+        case 11:
+        case 12:
             add(s, resp, "LOCATE %s %.3f %.3f", set, x, y);
             break;
         default:
