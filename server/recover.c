@@ -62,6 +62,7 @@ static bool cancelled(struct recovery *r)
 }
 
 static const char keeps[] = "; --repair DIR would keep every set that is whole";
+static const char mends[] = "; --repair DIR would keep the changes before that";
 
 /* What a record was refused for: out of memory is not the record's fault. */
 static bool fail_record(struct recovery *r, const struct datafile *f, uint64_t at,
@@ -70,8 +71,9 @@ static bool fail_record(struct recovery *r, const struct datafile *f, uint64_t a
     if (r->replay.out_of_memory)
         return fail(r, RECOVERY_ERROR, "out of memory while reading %s", f->name);
     r->bad_snapshot = f->kind == DATAFILE_SNAPSHOT;
+    r->bad_log = !r->bad_snapshot;
     return fail(r, RECOVERY_REFUSED, "%s: the record at byte %" PRIu64 " is damaged: %s%s", f->name,
-                at, fault, r->bad_snapshot ? keeps : "");
+                at, fault, r->bad_snapshot ? keeps : mends);
 }
 
 /* ---- the snapshot ---- */
@@ -97,12 +99,6 @@ static bool read_snapshot_records(struct recovery *r, const struct datafile *f,
     }
 }
 
-/* Whether a header is refused because a later version wrote it. */
-static bool is_later(const struct segment_reader *in, const struct segment *header)
-{
-    return header->version > RECORD_VERSION && strstr(in->fault, "later version") != NULL;
-}
-
 static bool read_snapshot(struct recovery *r, const struct datafile *f)
 {
     struct segment_reader in;
@@ -111,7 +107,7 @@ static bool read_snapshot(struct recovery *r, const struct datafile *f)
     bool ok = false;
     if (got == READER_ERROR)
         fail_to_read(r, f, in.error);
-    else if (got == READER_BAD && is_later(&in, &header))
+    else if (got == READER_BAD && reader_is_later(&in, &header))
         fail(r, RECOVERY_REFUSED, "%s: %s", f->name, in.fault);
     else if (got == READER_BAD)
         r->bad_snapshot = !fail(r, RECOVERY_REFUSED, "%s: %s%s", f->name, in.fault, keeps);
@@ -201,6 +197,8 @@ static bool read_log_records(struct recovery *r, struct place *p, struct segment
         if (got != READER_OK)
             return judge_end(r, p, in, got == READER_END ? "a LOAD is not complete" : in->fault);
         const char *fault = replay_log(&r->replay, &record);
+        if (fault != NULL && r->mend && !r->replay.out_of_memory)
+            return corrupt_at(r, p, in->at, fault);
         if (fault != NULL)
             return fail_record(r, p->file, in->at, fault);
         if (record.type == RECORD_LOAD) {
@@ -228,7 +226,21 @@ static bool judge_header(struct recovery *r, const struct place *p, struct segme
         return fail_to_read(r, p->file, in->error);
     if (got == READER_END && p->last && p->file->lsn == r->last + 1)
         return torn_at(r, p, 0);
-    return fail(r, RECOVERY_REFUSED, "%s: %s", p->file->name, in->fault);
+    if (r->mend)
+        return corrupt_at(r, p, 0, in->fault);
+    r->bad_log = true;
+    return fail(r, RECOVERY_REFUSED, "%s: %s; --repair DIR would make its header anew",
+                p->file->name, in->fault);
+}
+
+/* To mend a log, its records are read behind a damaged header. The file's name says the same, and
+ * their numbers tell whether that is right. */
+static bool can_pass_header(const struct recovery *r, struct segment_reader *in)
+{
+    if (!r->mend || buf_len(&in->window) < SEGMENT_HEADER)
+        return false;
+    in->last = SEGMENT_HEADER;
+    return true;
 }
 
 static bool read_segment(struct recovery *r, struct place *p)
@@ -240,9 +252,9 @@ static bool read_segment(struct recovery *r, struct place *p)
     enum reader_result got = reader_open(&in, r->dir, f, &header);
     if (got == READER_ERROR) {
         fail_to_read(r, f, in.error);
-    } else if (got == READER_BAD && is_later(&in, &header)) {
+    } else if (got == READER_BAD && reader_is_later(&in, &header)) {
         fail(r, RECOVERY_REFUSED, "%s: %s", f->name, in.fault);
-    } else if (got == READER_BAD) {
+    } else if (got == READER_BAD && !can_pass_header(r, &in)) {
         ok = judge_header(r, p, &in);
     } else {
         p->first = r->last + 1;
@@ -256,6 +268,23 @@ static bool read_segment(struct recovery *r, struct place *p)
     return ok;
 }
 
+/* What comes next is not there; `then` is what follows, NULL if there is nothing. */
+static bool miss_segment(struct recovery *r, const struct datafile *then)
+{
+    if (r->last < r->replay.snapshot)
+        r->last = r->replay.snapshot;
+    if (r->mend && then == NULL)
+        return true;
+    if (r->mend) {
+        r->file = *then;
+        r->at = 0;
+    }
+    r->bad_log = true;
+    return fail(r, r->mend ? RECOVERY_CORRUPT : RECOVERY_REFUSED,
+                "%s%sthe log segment with change %" PRIu64 " is missing%s",
+                then == NULL ? "" : then->name, then == NULL ? "" : ": ", r->last + 1, mends);
+}
+
 /* Reads the segments from the first one that has changes after the snapshot. */
 static bool read_log(struct recovery *r, const struct datafile *f, size_t n)
 {
@@ -265,14 +294,11 @@ static bool read_log(struct recovery *r, const struct datafile *f, size_t n)
         n--;
     }
     if (n == 0 ? r->replay.snapshot > 0 : f->lsn > r->replay.snapshot + 1)
-        return fail(r, RECOVERY_REFUSED, "the log segment with change %" PRIu64 " is missing",
-                    r->replay.snapshot + 1);
+        return miss_segment(r, n == 0 ? NULL : f);
     for (size_t i = 0; i < n; i++) {
         struct place p = {.file = &f[i], .last = i + 1 == n};
         if (i > 0 && f[i].lsn != r->last + 1)
-            return fail(r, RECOVERY_REFUSED,
-                        "%s: the log segment with change %" PRIu64 " is missing", f[i].name,
-                        r->last + 1);
+            return miss_segment(r, &f[i]);
         /* The first one may begin before the snapshot. */
         r->last = i == 0 ? f[i].lsn - 1 : r->last;
         if (!read_segment(r, &p))

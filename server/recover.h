@@ -16,7 +16,7 @@
 enum recovery_result {
     RECOVERY_OK,
     RECOVERY_CORRUPT, /* a log segment is damaged at `at`; --repair would cut it off there */
-    RECOVERY_REFUSED, /* nothing that --repair could do about it */
+    RECOVERY_REFUSED, /* it cannot be read on; see bad_snapshot and bad_log */
     RECOVERY_ERROR,   /* out of memory, or the disk cannot be read */
     RECOVERY_CANCELLED
 };
@@ -25,6 +25,7 @@ struct recovery {
     const struct datadir *dir; /* borrows */
     FILE *report;              /* borrows; NULL; else a line is written for each file */
     bool pass_over;            /* the newest snapshot is not there */
+    bool mend; /* what bad_log speaks of keeps nobody from reading on, up to RECOVERY_CORRUPT */
     atomic_bool cancel;
     atomic_ullong done, total; /* bytes */
     enum recovery_result result;
@@ -36,6 +37,7 @@ struct recovery {
     uint64_t at;          /* from this offset on */
     bool torn;
     bool bad_snapshot; /* RECOVERY_REFUSED for that; --repair may keep most of it */
+    bool bad_log;      /* for a segment's header, one that is missing, or a record that cannot be */
     uint64_t later;    /* RECOVERY_CORRUPT: whole records that follow */
 };
 

@@ -235,6 +235,7 @@ static bool keep_whole_sets(const struct datadir *dir, const struct datafiles *f
     if (ok) {
         r.last = r.replay.snapshot = newest->lsn;
         r.replay.losses = &losses;
+        r.mend = true;
         recovery_log(&r, files);
         ok = r.result == RECOVERY_OK || r.result == RECOVERY_CORRUPT;
         if (r.why[0] != '\0')

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <string.h>
 #include <unistd.h>
 
 enum { READ_BYTES = 256 << 10, LSN_LEAP = 1 << 30 };
@@ -61,6 +62,11 @@ enum reader_result reader_open(struct segment_reader *r, const struct datadir *d
         return bad(r, "its header does not agree with its name");
     r->last = (size_t)took;
     return READER_OK;
+}
+
+bool reader_is_later(const struct segment_reader *r, const struct segment *header)
+{
+    return header->version > RECORD_VERSION && strstr(r->fault, "later version") != NULL;
 }
 
 void reader_close(struct segment_reader *r)

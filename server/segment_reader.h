@@ -25,6 +25,10 @@ struct segment_reader {
 /* Opens the file and reads its header. READER_BAD: it is not what its name says. */
 enum reader_result reader_open(struct segment_reader *r, const struct datadir *dir,
                                const struct datafile *file, struct segment *header);
+
+/* After READER_BAD from reader_open: whether a later version has written the file. */
+bool reader_is_later(const struct segment_reader *r, const struct segment *header);
+
 void reader_close(struct segment_reader *r);
 
 /* The next record, which borrows from the reader until the next call. */

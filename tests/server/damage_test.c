@@ -1,6 +1,7 @@
 /* damage_test.c - data directories that were cut, flipped, mixed up: read back right, or refused
  * with a reason; never wrong data. In one process, so that thousands of cases take no time. */
 #include "server/recover.h"
+#include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -22,33 +23,6 @@ enum { CHANGES = sizeof changes / sizeof changes[0], LOG_LIMIT = 4096 };
 
 /* ---- what a directory holds ---- */
 
-static uint64_t mix(uint64_t h, const void *bytes, size_t n)
-{
-    const unsigned char *p = bytes;
-    for (; n > 0; n--)
-        h = (h ^ *p++) * 0x100000001b3u;
-    return h;
-}
-
-static void digest_set(struct dataset *set, void *ctx)
-{
-    uint64_t h = mix(1, set->name, set->name_len), *sum = ctx;
-    const struct dt *dt = set->current->dt;
-    uint32_t next = dt_next_id(dt), rep;
-    double tol = dt_tolerance(dt);
-    h = mix(h, &next, sizeof next);
-    h = mix(h, &tol, sizeof tol);
-    h = mix(h, &set->triangulated, sizeof set->triangulated);
-    for (uint32_t id = 0; id < next; id++) {
-        struct dt_point p;
-        if (dt_get(dt, id, &p) != DT_OK)
-            continue;
-        CHECK(dt_representative(dt, id, &rep) == DT_OK);
-        h = mix(mix(mix(h, &id, sizeof id), &rep, sizeof rep), &p, sizeof p);
-    }
-    *sum += h; /* in whatever order the sets come */
-}
-
 struct outcome {
     enum recovery_result result;
     bool torn;
@@ -67,7 +41,7 @@ static struct outcome look(const char *path)
     o = (struct outcome){.result = r.result, .torn = r.torn, .last = r.last};
     memcpy(o.why, r.why, sizeof o.why);
     if (r.result == RECOVERY_OK)
-        registry_each(&r.replay.sets, digest_set, &o.digest);
+        o.digest = digest_sets(&r.replay.sets);
     recovery_clear(&r);
     datadir_close(&dir);
     return o;

@@ -20,6 +20,12 @@ struct directory directory_new(void)
     return dir;
 }
 
+struct directory directory_quick(void)
+{
+    struct directory dir = {.path = "/dev/shm/delaunayd-test-XXXXXX"};
+    return mkdtemp(dir.path) != NULL ? dir : directory_new();
+}
+
 static int dots(const struct dirent *e)
 {
     return strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
@@ -116,6 +122,23 @@ int directory_run(const struct directory *dir, const char *flag, char *text, siz
     close(out[0]);
     CHECK(waitpid(pid, &status, 0) == pid);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+bool directory_repair_badly(const struct directory *dir, const char *op, unsigned nth)
+{
+    char text[4096], fired[100], number[16];
+    snprintf(fired, sizeof fired, "%s.fired", dir->path);
+    snprintf(number, sizeof number, "%u", nth);
+    setenv("DISK_DIR", dir->path, 1);
+    setenv("DISK_FIRED", fired, 1);
+    setenv("DISK_OP", op, 1);
+    setenv("DISK_NTH", number, 1);
+    setenv("LD_PRELOAD", getenv("DISK_SHIM"), 1);
+    setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
+    setenv("TSAN_OPTIONS", "atexit_sleep_ms=0", 0); /* else each process sleeps for a second */
+    directory_run(dir, "--repair", text, sizeof text);
+    unsetenv("LD_PRELOAD");
+    return unlink(fired) == 0;
 }
 
 char *file_read(const char *path, size_t *n)

@@ -9,6 +9,8 @@ struct directory {
 };
 
 struct directory directory_new(void);
+/* The same in memory, where there is a place for that: thousands of syncs take long on a disk. */
+struct directory directory_quick(void);
 void directory_remove(const struct directory *dir);
 
 /* A daemon on the directory, with further arguments up to a NULL. */
@@ -19,6 +21,10 @@ bool directory_try(const struct directory *dir, const char *const *arguments, st
 
 /* Runs delaunayd FLAG DIR; what it prints, up to `size`, goes to text. Returns the exit status. */
 int directory_run(const struct directory *dir, const char *flag, char *text, size_t size);
+
+/* Runs delaunayd --repair DIR with a disk of which the n-th call of a kind fails ("write", "sync",
+ * "rename", "open"). Whether one did. */
+bool directory_repair_badly(const struct directory *dir, const char *op, unsigned nth);
 
 /* The n-th (from 0) name that begins with `prefix`, in order; false if there are fewer. */
 bool directory_file(const struct directory *dir, const char *prefix, unsigned n, char path[128]);

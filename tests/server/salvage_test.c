@@ -1,6 +1,7 @@
 /* salvage_test.c - --repair of a damaged snapshot: whole sets are kept as they were, what is lost is
  * named, and nothing is ever wrong, whichever byte is damaged and wherever the repair is cut off. */
 #include "server/recover.h"
+#include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -24,33 +25,12 @@ enum { SETS = sizeof names / sizeof names[0], FILE_LIMIT = 4096 };
 
 /* ---- what a directory holds ---- */
 
-static uint64_t mix(uint64_t h, const void *bytes, size_t n)
-{
-    const unsigned char *p = bytes;
-    for (; n > 0; n--)
-        h = (h ^ *p++) * 0x100000001b3u;
-    return h;
-}
-
 /* 0 if there is no such set. */
 static uint64_t digest(const struct registry *sets, const char *name)
 {
     struct word w = {name, strlen(name)};
     const struct dataset *set = registry_find(sets, &w);
-    if (set == NULL)
-        return 0;
-    const struct dt *dt = set->current->dt;
-    uint32_t next = dt_next_id(dt), rep;
-    double tol = dt_tolerance(dt);
-    uint64_t h = mix(mix(mix(1, &next, sizeof next), &tol, sizeof tol), &set->triangulated, 1);
-    for (uint32_t id = 0; id < next; id++) {
-        struct dt_point p;
-        if (dt_get(dt, id, &p) != DT_OK)
-            continue;
-        CHECK(dt_representative(dt, id, &rep) == DT_OK);
-        h = mix(mix(mix(h, &id, sizeof id), &rep, sizeof rep), &p, sizeof p);
-    }
-    return h | 1;
+    return set == NULL ? 0 : digest_set(set);
 }
 
 struct state {
@@ -94,17 +74,10 @@ static void forget(const struct sample *s)
     closedir(d);
 }
 
-/* In memory, where there is a place for that: thousands of syncs take long on a disk. */
-static struct directory quick_directory(void)
-{
-    struct directory dir = {.path = "/dev/shm/delaunayd-test-XXXXXX"};
-    return mkdtemp(dir.path) != NULL ? dir : directory_new();
-}
-
 static struct sample make_sample(void)
 {
     char path[128];
-    struct sample s = {.dir = quick_directory()};
+    struct sample s = {.dir = directory_quick()};
     struct daemon d = directory_daemon(&s.dir, NULL);
     carry_out(&d, before);
     CHECK(directory_file(&s.dir, "log.", 0, path));
@@ -278,6 +251,19 @@ TEST(repair_keeps_the_changes_behind_a_log_that_is_damaged_at_its_start)
     free_sample(&s);
 }
 
+TEST(repair_of_a_snapshot_passes_a_damaged_header_of_the_log)
+{
+    char text[FILE_LIMIT];
+    struct sample s = make_sample();
+    size_t at = (size_t)((char *)memmem(s.bytes, s.n, "a", 1) - s.bytes) + 1 + RECORD_HEADER + 40;
+    s.bytes[at] ^= 4;
+    s.log_bytes[3] ^= 4;
+    lay_out(&s, s.bytes, s.n);
+    CHECK_MSG(repair(&s, text, sizeof text) == 0, "%s", text);
+    CHECK(check_kept(&s, text, "byte", at) == 1);
+    free_sample(&s);
+}
+
 TEST(repair_loses_nothing_where_the_log_from_the_beginning_is_there)
 {
     char text[FILE_LIMIT], path[128];
@@ -310,25 +296,6 @@ TEST(repair_leaves_a_snapshot_of_a_later_version_alone)
     free_sample(&s);
 }
 
-/* Repairs, in a process of its own, with a disk of which the n-th call of a kind fails. Whether one
- * did. */
-static bool repair_on_a_bad_disk(const struct sample *s, const char *op, unsigned nth)
-{
-    char text[FILE_LIMIT], fired[100], number[16];
-    snprintf(fired, sizeof fired, "%s.fired", s->dir.path);
-    snprintf(number, sizeof number, "%u", nth);
-    setenv("DISK_DIR", s->dir.path, 1);
-    setenv("DISK_FIRED", fired, 1);
-    setenv("DISK_OP", op, 1);
-    setenv("DISK_NTH", number, 1);
-    setenv("LD_PRELOAD", getenv("DISK_SHIM"), 1);
-    setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
-    setenv("TSAN_OPTIONS", "atexit_sleep_ms=0", 0); /* else each process sleeps for a second */
-    directory_run(&s->dir, "--repair", text, sizeof text);
-    unsetenv("LD_PRELOAD");
-    return unlink(fired) == 0;
-}
-
 /* The repair itself breaks off: a second one finds the directory as it was, or good. */
 TEST_TIMEOUT(repair_that_fails_anywhere_can_be_repeated, 120)
 {
@@ -341,7 +308,7 @@ TEST_TIMEOUT(repair_that_fails_anywhere_can_be_repeated, 120)
     for (unsigned k = 0; k < 4; k++)
         for (unsigned i = 1; i < 50; i++) {
             lay_out(&s, s.bytes, s.n);
-            if (!repair_on_a_bad_disk(&s, op[k], i))
+            if (!directory_repair_badly(&s.dir, op[k], i))
                 break;
             fired++;
             repair(&s, text, sizeof text);

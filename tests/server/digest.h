@@ -1,0 +1,13 @@
+/* digest.h - what sets hold, as a number: equal for equal sets, and hardly else. */
+#ifndef TESTS_SERVER_DIGEST_H
+#define TESTS_SERVER_DIGEST_H
+
+#include "server/dataset.h"
+
+/* Points, ids, representatives, next id, tolerance, whether it is triangulated; never 0. */
+uint64_t digest_set(const struct dataset *set);
+
+/* All sets and their names, in whatever order they come. */
+uint64_t digest_sets(const struct registry *sets);
+
+#endif

@@ -1,0 +1,258 @@
+/* repair_test.c - --repair of a log whose segments have damaged headers, or are not all there: what
+ * is before the damage is kept as it was, all that was there is in damaged.*, and nothing is ever
+ * wrong. */
+#include "server/recover.h"
+#include "tests/server/digest.h"
+#include "tests/server/directory.h"
+#include "tests/test.h"
+
+#include <inttypes.h>
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+/* A daemon's life each, so that each gets a segment of its own; one change a line. */
+static const char *const lives[] = {
+    "ADD t 0 0  4 0  4 4  0 4  2 2\nTRIANGULATE t\nCREATE a TOL 0.5\n",
+    "ADD a 0 0  0.25 0\nDEL t 1\nADD gone 1 1\nDROP gone\n", "MOVE t 0 1 2\nADD new 7 7\n"};
+
+enum { LIVES = sizeof lives / sizeof lives[0] };
+
+struct sample {
+    struct directory dir;
+    unsigned before;       /* so many lives are in a snapshot, whose log is gone */
+    unsigned n;            /* segments: one for each other life */
+    char path[LIVES][128]; /* of the segments */
+    char *bytes[LIVES];    /* own */
+    size_t size[LIVES];
+    uint64_t last[LIVES], digest[LIVES]; /* after each life */
+};
+
+struct outcome {
+    enum recovery_result result;
+    uint64_t last, digest;
+    char why[512];
+};
+
+static struct outcome look(const struct sample *s)
+{
+    struct datadir dir;
+    struct recovery r;
+    CHECK(datadir_open(&dir, s->dir.path, false));
+    recovery_init(&r, &dir);
+    recovery_run(&r);
+    struct outcome o = {.result = r.result, .last = r.last, .digest = digest_sets(&r.replay.sets)};
+    memcpy(o.why, r.why, sizeof o.why);
+    recovery_clear(&r);
+    datadir_close(&dir);
+    return o;
+}
+
+static struct sample make_sample(bool snapshot)
+{
+    struct sample s = {.dir = directory_quick(), .before = snapshot};
+    for (unsigned i = 0; i < LIVES; i++) {
+        struct daemon d = directory_daemon(&s.dir, NULL);
+        carry_out(&d, lives[i]);
+        if (i == 0 && snapshot) {
+            carry_out(&d, "SNAPSHOT\n");
+            await_info(&d, "snapshots", 1);
+        }
+        daemon_stop(&d, SIGKILL);
+        struct outcome o = look(&s);
+        CHECK_MSG(o.result == RECOVERY_OK, "%s", o.why);
+        s.last[i] = o.last;
+        s.digest[i] = o.digest;
+    }
+    for (; directory_file(&s.dir, "log.", s.n, s.path[s.n]); s.n++)
+        s.bytes[s.n] = file_read(s.path[s.n], &s.size[s.n]);
+    CHECK(s.n == LIVES - s.before);
+    return s;
+}
+
+/* The directory as it was, as far as `bytes` still are; without one of the segments. */
+static void lay_out(const struct sample *s, unsigned without)
+{
+    char path[128];
+    while (directory_file(&s->dir, "damaged.", 0, path) || directory_file(&s->dir, "log.", 0, path))
+        CHECK(unlink(path) == 0);
+    for (unsigned i = 0; i < s->n; i++)
+        if (i != without)
+            file_write(s->path[i], s->bytes[i], s->size[i]);
+}
+
+static void free_sample(struct sample *s)
+{
+    for (unsigned i = 0; i < s->n; i++)
+        free(s->bytes[i]);
+    directory_remove(&s->dir);
+}
+
+/* Whether there is what was there after so many lives. */
+static bool is_kept(const struct sample *s, unsigned life)
+{
+    struct outcome o = look(s);
+    return o.result == RECOVERY_OK && o.last == (life == 0 ? 0 : s->last[life - 1]) &&
+           o.digest == (life == 0 ? 0 : s->digest[life - 1]);
+}
+
+/* The daemon refuses the directory and says what would help; that keeps so many lives, and then it
+ * goes on. */
+static void check_repair(const struct sample *s, unsigned life)
+{
+    char text[4000];
+    struct outcome o = look(s);
+    CHECK_MSG(o.result == RECOVERY_REFUSED && strstr(o.why, "--repair") != NULL, "%s", o.why);
+    CHECK_MSG(directory_run(&s->dir, "--repair", text, sizeof text) == 0, "%s", text);
+    CHECK_MSG(is_kept(s, life), "%s", text);
+    CHECK_MSG(strstr(text, "in damaged.*") != NULL || strstr(text, "as damaged.*") != NULL ||
+                  strstr(text, "missing") != NULL,
+              "%s", text);
+    struct daemon d = directory_daemon(&s->dir, NULL);
+    carry_out(&d, "ADD later 1 1\n");
+    daemon_stop(&d, SIGKILL);
+    d = directory_daemon(&s->dir, NULL);
+    converse(&d, "GET later 0\n", "OK 1\n0 1 1\n");
+    daemon_stop(&d, SIGKILL);
+}
+
+/* Whether some damaged.* is the segment as it was. */
+static bool is_aside(const struct sample *s, unsigned segment)
+{
+    char path[128], name[64];
+    size_t n;
+    snprintf(name, sizeof name, "damaged.%s", strrchr(s->path[segment], '/') + 1);
+    if (!directory_file(&s->dir, name, 0, path))
+        return false;
+    char *bytes = file_read(path, &n);
+    bool same = n == s->size[segment] && memcmp(bytes, s->bytes[segment], n) == 0;
+    free(bytes);
+    return same;
+}
+
+/* ---- headers ---- */
+
+TEST_TIMEOUT(repair_makes_a_damaged_header_anew_whichever_byte_it_is, 60)
+{
+    char text[4000];
+    struct sample s = make_sample(false);
+    for (unsigned i = 0; i < SEGMENT_HEADER; i++) {
+        unsigned segment = i % LIVES;
+        char was = s.bytes[segment][i];
+        s.bytes[segment][i] ^= (char)(1 << test_below(8));
+        lay_out(&s, LIVES);
+        struct outcome o = look(&s);
+        CHECK_MSG(o.result == RECOVERY_REFUSED && strstr(o.why, "--repair") != NULL, "%s", o.why);
+        CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
+        CHECK_MSG(is_kept(&s, LIVES) && strstr(text, "header was made anew") != NULL, "byte %u: %s",
+                  i, text);
+        CHECK(is_aside(&s, segment));
+        s.bytes[segment][i] = was;
+    }
+    free_sample(&s);
+}
+
+TEST(repair_makes_headers_anew_and_cuts_the_log_where_a_record_is_damaged)
+{
+    struct sample s = make_sample(false);
+    s.bytes[0][3] ^= 1;
+    s.bytes[2][30] ^= 1;
+    s.bytes[1][SEGMENT_HEADER + RECORD_HEADER + 1] ^= 1;
+    lay_out(&s, LIVES);
+    check_repair(&s, 1);
+    CHECK(is_aside(&s, 0) && is_aside(&s, 2));
+    free_sample(&s);
+}
+
+TEST(repair_keeps_what_is_before_a_segment_that_ends_within_its_header)
+{
+    struct sample s = make_sample(false);
+    s.size[1] = 10;
+    lay_out(&s, LIVES);
+    check_repair(&s, 1);
+    CHECK(is_aside(&s, 1) && is_aside(&s, 2));
+    free_sample(&s);
+}
+
+/* Its own header is good, but it is another's. */
+TEST(repair_keeps_what_is_before_a_segment_with_another_ones_records)
+{
+    struct sample s = make_sample(false);
+    s.size[1] = s.size[2];
+    memcpy(s.bytes[1], s.bytes[2], s.size[2]);
+    lay_out(&s, LIVES);
+    check_repair(&s, 1);
+    free_sample(&s);
+}
+
+/* ---- missing segments ---- */
+
+TEST(repair_keeps_what_is_before_a_segment_that_is_missing)
+{
+    for (int snapshot = 0; snapshot < 2; snapshot++) {
+        struct sample s = make_sample(snapshot);
+        for (unsigned i = 0; i + 1 < s.n; i++) {
+            lay_out(&s, i);
+            check_repair(&s, s.before + i);
+            for (unsigned later = i + 1; later < s.n; later++)
+                CHECK(is_aside(&s, later));
+        }
+        free_sample(&s);
+    }
+}
+
+TEST(repair_keeps_a_snapshot_whose_log_is_missing)
+{
+    struct sample s = make_sample(true);
+    s.n = 0;
+    lay_out(&s, 0);
+    check_repair(&s, 1);
+    s.n = 2;
+    free_sample(&s);
+}
+
+/* ---- records ---- */
+
+/* Whole, but it deletes what nobody has added. */
+TEST(repair_keeps_what_is_before_a_record_that_cannot_be)
+{
+    char text[4000];
+    const uint32_t id = 5;
+    struct sample s = make_sample(false);
+    struct buf b = {0};
+    struct record r = {.lsn = s.last[1] + 1, .synced = s.last[1], .type = RECORD_DELETE, .n = 1};
+    r.items = &id;
+    r.name = "nobody";
+    r.name_len = 6;
+    buf_append(&b, s.bytes[2], SEGMENT_HEADER);
+    record_write(&b, &r);
+    lay_out(&s, LIVES);
+    file_write(s.path[2], buf_head(&b), buf_len(&b));
+    CHECK(look(&s).result == RECOVERY_REFUSED);
+    CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
+    CHECK_MSG(is_kept(&s, 2) && strstr(text, "cut off at byte 32") != NULL, "%s", text);
+    buf_free(&b);
+    free_sample(&s);
+}
+
+/* ---- a repair that breaks off ---- */
+
+TEST_TIMEOUT(repair_of_a_log_that_fails_anywhere_can_be_repeated, 60)
+{
+    static const char *const op[] = {"write", "sync", "open"};
+    char text[4000];
+    unsigned fired = 0;
+    struct sample s = make_sample(false);
+    s.bytes[0][3] ^= 1;
+    for (unsigned k = 0; k < 3; k++)
+        for (unsigned i = 1; i < 50; i++) {
+            lay_out(&s, 1); /* a bad header, and a gap behind it */
+            if (!directory_repair_badly(&s.dir, op[k], i))
+                break;
+            fired++;
+            directory_run(&s.dir, "--repair", text, sizeof text);
+            CHECK_MSG(is_kept(&s, 1), "%s %u: %s", op[k], i, text);
+        }
+    CHECK_MSG(fired >= 8, "%u", fired);
+    free_sample(&s);
+}
