@@ -226,7 +226,7 @@ struct dt_cursor {
     uint32_t rows;     /* rows of the whole table */
     uint32_t interior; /* DT_LISTS: how many of them are interior points */
     /* private from here on */
-    uint32_t id, sub, hull_at, left;
+    uint32_t id, end, sub, left, hull_at, hull_left;
 };
 
 enum dt_status dt_table_begin(const struct dt *t, enum dt_table table, bool cw,
@@ -238,6 +238,12 @@ enum dt_status dt_table_begin(const struct dt *t, enum dt_table table, bool cw,
  * at vertices of very high degree. */
 enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *out, size_t cap,
                              size_t max_rows, size_t *rows, size_t *words);
+
+/* Cuts off the first part of what *c has not read yet: the rows of about `ids` ids, maybe none, or
+ * all those along the hull. *c goes on behind them; *part is read on its own. Several threads may
+ * read a part each, and their rows in the order of the cuts are those of *c. False: nothing is left.
+ * Cost: O(ids / 4096) where few points have been deleted. */
+bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct dt_cursor *part);
 
 /* ---- queries; all answer DT_UNTRIANGULATED before dt_triangulate ---- */
 

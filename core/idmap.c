@@ -94,6 +94,19 @@ uint32_t dt_idmap_next(const struct dt_idmap *m, uint32_t from)
     return DT_NONE;
 }
 
+uint32_t dt_idmap_after(const struct dt_idmap *m, uint32_t from, uint32_t n)
+{
+    uint32_t at = from % DT_ID_PAGE;
+    for (uint32_t i = from / DT_ID_PAGE; i < m->pages; i++, at = 0) {
+        uint32_t live = m->page[i] == NULL ? 0 : m->page[i]->live;
+        uint32_t here = live * (DT_ID_PAGE - at) / DT_ID_PAGE;
+        if (here > n)
+            return i * DT_ID_PAGE + at + n * DT_ID_PAGE / live;
+        n -= here;
+    }
+    return DT_NONE;
+}
+
 enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy)
 {
     *copy = (struct dt_idmap){0};

@@ -65,6 +65,10 @@ void dt_idmap_trim(struct dt_idmap *m);
 /* The smallest id >= from that has a value, DT_NONE if none. */
 uint32_t dt_idmap_next(const struct dt_idmap *m, uint32_t from);
 
+/* An id with about n live ids from `from` up to it, as many as there would be if those of a page
+ * were spread evenly over it; DT_NONE if there are fewer. Cost: O(pages between the two). */
+uint32_t dt_idmap_after(const struct dt_idmap *m, uint32_t from, uint32_t n);
+
 enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy);
 size_t dt_idmap_memory(const struct dt_idmap *m);
 

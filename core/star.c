@@ -34,12 +34,13 @@ void dt_star_ring(const struct dt *t, uint32_t v, uint32_t *ring)
     } while (h != m->leaving[v]);
 }
 
-/* The next representatives from id on. */
-static void read_vertices(const struct dt *t, uint32_t id, uint32_t max, struct dt_stars *s)
+/* The next representatives from id on, below end. */
+static void read_vertices(const struct dt *t, uint32_t id, uint32_t end, uint32_t max,
+                          struct dt_stars *s)
 {
     const struct dt_points *p = &t->points;
     s->n = 0;
-    while (s->n < max && (id = dt_points_next_live(p, id)) != DT_NONE) {
+    while (s->n < max && (id = dt_points_next_live(p, id)) < end) {
         if (p->aliases.count == 0 || !dt_points_is_alias(p, id)) {
             uint32_t v = dt_points_vertex(p, id);
             __builtin_prefetch(&t->mesh.leaving[v]);
@@ -58,8 +59,10 @@ static bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t fi
     uint32_t d = dt_dest(&t->mesh, *at);
     *at = dt_turn_ccw(&t->mesh, *at);
     __builtin_prefetch(&t->mesh.half[*at]);
-    if (d == DT_NONE)
+    if (d == DT_NONE) {
+        s->on_hull[i] = true;
         return *at != first;
+    }
     if (s->degree[i] == DT_STAR_MAX) {
         s->degree[i] = DT_NONE;
         return false;
@@ -69,16 +72,18 @@ static bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t fi
     return *at != first;
 }
 
-void dt_stars_read(const struct dt *t, uint32_t id, uint32_t max, struct dt_stars *s)
+void dt_stars_read(const struct dt *t, uint32_t id, uint32_t end, uint32_t max, struct dt_stars *s)
 {
     uint32_t first[DT_STARS], at[DT_STARS], turning[DT_STARS], active = 0;
-    read_vertices(t, id, max < DT_STARS ? max : DT_STARS, s);
+    read_vertices(t, id, end, max < DT_STARS ? max : DT_STARS, s);
     for (uint32_t i = 0; i < s->n; i++) {
         first[i] = at[i] = t->mesh.leaving[s->vertex[i]];
         s->degree[i] = 0;
-        s->on_hull[i] = first[i] == DT_NONE || dt_is_ghost(&t->mesh, first[i]);
-        if (first[i] != DT_NONE)
+        s->on_hull[i] = first[i] == DT_NONE; /* others: when infinity is met */
+        if (first[i] != DT_NONE) {
+            __builtin_prefetch(&t->mesh.half[first[i]]);
             turning[active++] = i;
+        }
     }
     while (active > 0) { /* each round takes every star a triangle further */
         uint32_t left = 0;

@@ -18,9 +18,9 @@ struct dt_stars {
     uint32_t ring[DT_STARS][DT_STAR_MAX];
 };
 
-/* Reads the stars of the first representatives whose ids are >= id, at most max of them. Far faster
- * than one by one, because the cache misses of all of them run at once. */
-void dt_stars_read(const struct dt *t, uint32_t id, uint32_t max, struct dt_stars *s);
+/* Reads the stars of the first representatives whose ids are >= id and < end, at most max of them.
+ * Far faster than one by one, because the cache misses of all of them run at once. */
+void dt_stars_read(const struct dt *t, uint32_t id, uint32_t end, uint32_t max, struct dt_stars *s);
 
 /* How many neighbours v has, and their ids into ring[degree]. */
 uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v);

@@ -2,7 +2,11 @@
  *
  * Nothing is sorted as a whole: ids are walked in ascending order, and what begins with an id is a
  * small part of its star. A cursor stands before the row (id, sub): rows of lower ids are written,
- * and of id itself those whose second word is below sub. */
+ * and of id itself those whose second word is below sub. It ends before the id `end`; what is along
+ * the hull comes after that.
+ *
+ * `left` and `hull_left` are the rows still to come of either kind; 0 says that there are no more.
+ * Of a part that was cut off nobody knows how many rows it has: there `left` is at least as many. */
 #include "core/group.h"
 #include "core/hull.h"
 #include "core/pointlist.h"
@@ -56,19 +60,51 @@ enum dt_status dt_table_begin(const struct dt *t, enum dt_table table, bool cw, 
     if (s != DT_OK)
         return s;
     *c = (struct dt_cursor){
-        .table = table, .cw = cw, .rows = count_rows(t, table), .hull_at = DT_NONE};
-    c->left = c->rows;
-    if (table == DT_LISTS)
-        c->interior = c->rows - dt_mesh_hull(&t->mesh);
-    if (table == DT_LISTS || table == DT_HULL)
+        .table = table, .cw = cw, .rows = count_rows(t, table), .end = DT_NONE, .hull_at = DT_NONE};
+    if (table == DT_LISTS || table == DT_HULL) {
+        c->hull_left = dt_mesh_hull(&t->mesh);
         c->hull_at = dt_hull_first(&t->mesh, t->points.id, cw);
+    }
+    c->left = c->rows - c->hull_left;
+    if (table == DT_LISTS)
+        c->interior = c->left;
     return DT_OK;
+}
+
+bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct dt_cursor *part)
+{
+    *part = *c;
+    if (c->left == 0) {
+        c->hull_left = 0;
+        return part->hull_left > 0;
+    }
+    uint32_t end = dt_idmap_after(&t->points.value, c->id, ids > 0 ? ids : 1);
+    if (end >= c->end) {
+        end = c->end;
+        c->left = 0;
+    }
+    part->hull_left = 0;
+    part->end = c->id = end;
+    c->sub = 0;
+    return true;
+}
+
+/* The next live id, DT_NONE and nothing left if the cursor has come to its end. */
+static uint32_t next_id(const struct dt *t, struct dt_cursor *c)
+{
+    uint32_t id = dt_points_next_live(&t->points, c->id);
+    if (id < c->end)
+        return id;
+    c->left = 0;
+    return DT_NONE;
 }
 
 static void read_points(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
     while (c->left > 0 && has_room(k, 1)) {
-        uint32_t id = dt_points_next_live(&t->points, c->id);
+        uint32_t id = next_id(t, c);
+        if (id == DT_NONE)
+            return;
         *row(k, 1) = id;
         c->id = id + 1;
         c->left--;
@@ -78,7 +114,9 @@ static void read_points(const struct dt *t, struct dt_cursor *c, struct sink *k)
 static void read_coincident(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
     while (c->left > 0 && has_room(k, 2)) {
-        uint32_t id = dt_points_next_live(&t->points, c->id);
+        uint32_t id = next_id(t, c);
+        if (id == DT_NONE)
+            return;
         c->id = id + 1;
         if (!dt_points_is_alias(&t->points, id))
             continue;
@@ -101,12 +139,12 @@ static void hull_advance(const struct dt *t, struct dt_cursor *c)
 {
     if (c->hull_at != DT_NONE)
         c->hull_at = dt_hull_step(&t->mesh, c->hull_at, c->cw && !dt_mesh_is_line(&t->mesh));
-    c->left--;
+    c->hull_left--;
 }
 
 static void read_hull(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
-    while (c->left > 0 && has_room(k, 1)) {
+    while (c->hull_left > 0 && has_room(k, 1)) {
         *row(k, 1) = t->points.id[hull_vertex(t, c)];
         hull_advance(t, c);
     }
@@ -158,8 +196,10 @@ static uint32_t stars_ahead(const struct sink *k, size_t words)
 static void read_interior_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
     struct dt_stars stars;
-    while (c->left > c->rows - c->interior && k->rows < k->max_rows) {
-        dt_stars_read(t, c->id, stars_ahead(k, 8), &stars);
+    while (c->left > 0 && k->rows < k->max_rows) {
+        dt_stars_read(t, c->id, c->end, stars_ahead(k, 8), &stars);
+        if (stars.n == 0)
+            c->left = 0;
         for (uint32_t i = 0; i < stars.n; i++) {
             if (!stars.on_hull[i]) {
                 if (!write_star(t, c, k, &stars, i))
@@ -174,7 +214,7 @@ static void read_interior_lists(const struct dt *t, struct dt_cursor *c, struct 
 static void read_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
     read_interior_lists(t, c, k);
-    while (c->left > 0 && c->left <= c->rows - c->interior) {
+    while (c->left == 0 && c->hull_left > 0) {
         if (!write_list(t, c, k, hull_vertex(t, c)))
             return;
         hull_advance(t, c);
@@ -184,7 +224,7 @@ static void read_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
 /* The words that the next row of the point list needs. */
 static size_t next_list_words(const struct dt *t, const struct dt_cursor *c)
 {
-    uint32_t id = c->id, v = c->left <= c->rows - c->interior ? hull_vertex(t, c) : DT_NONE;
+    uint32_t id = c->id, v = c->left == 0 ? hull_vertex(t, c) : DT_NONE;
     while (v == DT_NONE) {
         id = dt_points_next_live(&t->points, id);
         v = dt_points_vertex(&t->points, id++);
@@ -220,7 +260,9 @@ static void read_groups(const struct dt *t, struct dt_cursor *c, struct sink *k,
 {
     struct dt_stars stars;
     while (c->left > 0 && has_room(k, width)) {
-        dt_stars_read(t, c->id, stars_ahead(k, 2 * width), &stars);
+        dt_stars_read(t, c->id, c->end, stars_ahead(k, 2 * width), &stars);
+        if (stars.n == 0)
+            c->left = 0;
         for (uint32_t i = 0; i < stars.n; i++)
             if (!write_group(t, c, k, &stars, i, width))
                 return;
@@ -253,7 +295,7 @@ enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *
     }
     *rows = k.rows;
     *words = k.words;
-    if (k.rows > 0 || c->left == 0 || max_rows == 0)
+    if (k.rows > 0 || (c->left == 0 && c->hull_left == 0) || max_rows == 0)
         return DT_OK;
     *words = c->table == DT_LISTS ? next_list_words(t, c) : width[c->table];
     return DT_TOOSMALL;

@@ -24,24 +24,22 @@ static void append(struct dt_ids *ids, const uint32_t *v, size_t n)
     ids->n += n;
 }
 
-/* Reads a whole table through a buffer of cap words, at most max_rows rows at a time; a row that
- * does not fit gets the buffer it asks for. */
-static void read_table(const struct dt *t, enum dt_table table, bool cw, size_t cap,
-                       size_t max_rows, struct dt_ids *out)
+/* Reads the cursor to its end through a buffer of cap words, at most max_rows rows at a time; a row
+ * that does not fit gets the buffer it asks for. Returns how many there were. */
+static size_t read_cursor(const struct dt *t, struct dt_cursor *c, size_t cap, size_t max_rows,
+                          struct dt_ids *out)
 {
-    struct dt_cursor c;
     size_t rows, words, total = 0;
-    CHECK(dt_table_begin(t, table, cw, &c) == DT_OK);
     for (;;) {
         uint32_t *buffer = malloc((cap + 1) * sizeof *buffer);
         buffer[cap] = 0xC0FFEE;
-        enum dt_status s = dt_table_read(t, &c, buffer, cap, max_rows, &rows, &words);
+        enum dt_status s = dt_table_read(t, c, buffer, cap, max_rows, &rows, &words);
         CHECK(buffer[cap] == 0xC0FFEE);
         if (s == DT_TOOSMALL) {
-            CHECK(rows == 0 && words > cap && (table == DT_LISTS || words <= 8));
+            CHECK(rows == 0 && words > cap && (c->table == DT_LISTS || words <= 8));
             size_t need = words;
             buffer = realloc(buffer, need * sizeof *buffer);
-            s = dt_table_read(t, &c, buffer, need, max_rows, &rows, &words);
+            s = dt_table_read(t, c, buffer, need, max_rows, &rows, &words);
             CHECK(rows == 1 && words == need);
         }
         CHECK(s == DT_OK && rows <= max_rows);
@@ -49,9 +47,33 @@ static void read_table(const struct dt *t, enum dt_table table, bool cw, size_t 
         free(buffer);
         total += rows;
         if (rows == 0)
-            break;
+            return total;
     }
+}
+
+static void read_table(const struct dt *t, enum dt_table table, bool cw, size_t cap,
+                       size_t max_rows, struct dt_ids *out)
+{
+    struct dt_cursor c;
+    CHECK(dt_table_begin(t, table, cw, &c) == DT_OK);
+    CHECK(read_cursor(t, &c, cap, max_rows, out) == c.rows);
+}
+
+/* The same in parts of up to 2 * ids - 1 ids each, some rows read before the first cut. */
+static void read_in_parts(const struct dt *t, enum dt_table table, bool cw, uint32_t ids,
+                          struct dt_ids *out)
+{
+    struct dt_cursor c, part;
+    uint32_t buffer[100];
+    size_t total, words;
+    CHECK(dt_table_begin(t, table, cw, &c) == DT_OK);
+    enum dt_status s = dt_table_read(t, &c, buffer, 100, test_below(4), &total, &words);
+    CHECK(s == DT_OK || s == DT_TOOSMALL);
+    append(out, buffer, s == DT_OK ? words : 0);
+    while (dt_table_cut(t, &c, 1 + test_below(2 * ids - 1), &part))
+        total += read_cursor(t, &part, 8 + test_below(200), 1000000, out);
     CHECK(total == c.rows);
+    CHECK(!dt_table_cut(t, &c, 1, &part));
 }
 
 static void check_tables(const struct pair *pair)
@@ -65,6 +87,9 @@ static void check_tables(const struct pair *pair)
                 struct dt_ids got = {0};
                 read_table(pair->t, tables[i], cw, caps[k],
                            k % 2 == 0 ? 1000000 : 1 + test_below(5), &got);
+                check_equal_ids(names[i], &got, &want);
+                got.n = 0;
+                read_in_parts(pair->t, tables[i], cw, k == 0 ? 1000000 : 1 + test_below(30), &got);
                 check_equal_ids(names[i], &got, &want);
                 free(got.v);
             }
@@ -127,6 +152,44 @@ TEST_TIMEOUT(tables_are_right_at_points_of_high_degree, 60)
 {
     check_hub(40, 0, 700);
     check_hub(40, 7, 700);
+}
+
+/* Deletes all points but a few of some pages of ids, and all of others. */
+static void thin_out(struct dt *t, uint32_t n)
+{
+    uint32_t *gone = malloc(n * sizeof *gone), count = 0, deleted, missing;
+    for (uint32_t id = 0; id < n; id++) {
+        uint32_t page = id / 4096 % 4;
+        if (page == 1 || (page == 2 && id % 1000 != 0) || (page == 3 && test_below(3) != 0))
+            gone[count++] = id;
+    }
+    CHECK(dt_delete(t, gone, count, &deleted, &missing) == DT_OK && deleted == count);
+    free(gone);
+}
+
+TEST(parts_make_up_the_table_where_most_ids_have_been_deleted)
+{
+    enum { N = 40000 };
+    struct dt_point *p = malloc(N * sizeof *p);
+    for (uint32_t i = 0; i < N; i++)
+        p[i] = (struct dt_point){test_below(150), test_below(150)};
+    struct dt *t = set_of(p, N);
+    thin_out(t, N);
+    CHECK(dt_refresh(t, NULL) == DT_OK);
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        const uint32_t sizes[] = {N, 5000, 700, 1};
+        struct dt_ids want = {0};
+        read_table(t, tables[i], i % 2, 4096, 1000000, &want);
+        for (int k = 0; k < 4; k++) {
+            struct dt_ids got = {0};
+            read_in_parts(t, tables[i], i % 2, sizes[k], &got);
+            check_equal_ids(names[i], &got, &want);
+            free(got.v);
+        }
+        free(want.v);
+    }
+    dt_free(t);
+    free(p);
 }
 
 TEST(tables_of_the_triangulation_need_one)
