@@ -161,7 +161,7 @@ void cmd_get(struct server *s, struct dataset *set, const struct request *q, str
     }
     reply_ok(a->out, n);
     reply_end(a->out);
-    struct stream rows = {.version = set->current, .form = ROW_POINT};
+    struct rows rows = {.version = set->current, .form = ROW_POINT};
     stream_answer(a, &rows, &ids);
     free(ids.v);
 }

@@ -59,7 +59,7 @@ static void answer_ids(struct server *s, struct answer *a, struct dataset *set,
     if (status != DT_OK) {
         answer_status(a, status);
     } else {
-        struct stream rows = {.version = set->current, .form = ROW_IDS, .width = width};
+        struct rows rows = {.version = set->current, .form = ROW_IDS, .width = width};
         reply_ok(a->out, ids->n / width);
         reply_end(a->out);
         stream_answer(a, &rows, ids);

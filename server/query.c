@@ -29,7 +29,7 @@ static enum dt_status run(const struct dt *dt, struct query *q)
 /* Writes the reply, rows from version v. */
 static void tell(struct answer *a, struct version *v, struct query *q, enum dt_status status)
 {
-    struct stream rows = {.version = v, .form = ROW_POINT, .from = q->p, .cw = q->cw};
+    struct rows rows = {.version = v, .form = ROW_POINT, .from = q->p, .cw = q->cw};
     if (status != DT_OK) {
         answer_status(a, status);
         return;

@@ -78,16 +78,22 @@ static void account(struct session *s, const struct answer *a, bool error)
     }
 }
 
+/* A worker has made a piece of the stream. */
+static void on_piece(void *ctx)
+{
+    conn_again(&((struct session *)ctx)->conn);
+}
+
 bool session_take_over(struct session *s, struct answer *a)
 {
-    if (!s->refilling)
-        account(s, a, is_error(s, a));
-    s->refilling = false;
+    account(s, a, is_error(s, a));
     deliver(s, a);
     if (a->lsn != 0 && !s->conn.dead) /* the dead are sent nothing, and leave no trace */
         hold_add(&s->server->held, &s->conn.hold, a->lsn, a->mark);
     s->role = a->role;
     s->stream = a->stream;
+    if (s->stream != NULL)
+        stream_tell(s->stream, on_piece, s);
     s->job = a->job;
     if (a->broken) {
         conn_close(&s->conn);
@@ -177,15 +183,13 @@ static bool step_stream(struct session *s)
     stream_refill(s->server, &a);
     deliver(s, &a);
     s->stream = a.stream;
-    s->job = a.job;
-    s->refilling = a.job != NULL;
     if (a.broken) {
         conn_close(&s->conn);
         return false;
     }
-    if (s->stream != NULL) /* go on when this piece is out */
+    if (s->stream != NULL && conn_out_end(&s->conn) > a.mark) /* go on when this piece is out */
         conn_again(&s->conn);
-    return s->stream == NULL && s->job == NULL;
+    return s->stream == NULL;
 }
 
 bool session_wait_for_input(struct session *s)

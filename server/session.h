@@ -28,17 +28,16 @@ struct session {
     bool noted; /* the request that has paused is in `note`, as words */
     char note[SLOW_TEXT];
     size_t held; /* bytes of the request that waits: kept in the input until it is answered */
-    int64_t deadline_ms;   /* of the request that waits or that a worker has; 0: none */
-    bool timed_out;        /* it has passed */
-    struct stream *stream; /* owns: rows that are still to be sent */
-    struct job *job;       /* borrows: what a worker does for it */
-    bool refilling;        /* it makes rows of the stream: the request has been answered already */
-    struct load *load;     /* owns: points that are being received */
-    bool refused;          /* the load that is being received has been refused already */
-    bool resp;             /* the request under way came in RESP framing (proto/resp.h) */
-    bool in_bulk;          /* the load's points come as one bulk string */
-    size_t bulk_left;      /* bytes of it that have not been read */
-    size_t need;           /* input shorter than this holds no whole RESP request */
+    int64_t deadline_ms;        /* of the request that waits or that a worker has; 0: none */
+    bool timed_out;             /* it has passed */
+    struct stream *stream;      /* owns: rows that are still to be sent */
+    struct job *job;            /* borrows: what a worker does for it */
+    struct load *load;          /* owns: points that are being received */
+    bool refused;               /* the load that is being received has been refused already */
+    bool resp;                  /* the request under way came in RESP framing (proto/resp.h) */
+    bool in_bulk;               /* the load's points come as one bulk string */
+    size_t bulk_left;           /* bytes of it that have not been read */
+    size_t need;                /* input shorter than this holds no whole RESP request */
     struct reply_reader reader; /* the place in a reply that goes out as RESP */
     struct waiter waiter;       /* in line for a set */
     void (*closed)(

@@ -3,198 +3,86 @@
 
 #include "server/job.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
-    AT_ONCE = 64, /* rows that are written without a stream */
-    HEAVY_ROWS = 20000,
-    TABLE_WORDS = 4096, /* read from a table in one go */
-    PIECE = 64 * 1024   /* bytes of a refill */
+    AT_ONCE = 64,       /* rows that are written without a stream */
+    HEAVY_ROWS = 20000, /* more are made by workers */
+    PIECE = 64 * 1024,  /* bytes of a refill, and what a piece may have */
+    PIECES = 4          /* that are made or in work, for one stream */
 };
 
-/* ---- rows from ids ---- */
+struct piece {
+    struct rows part;
+    struct buf text; /* owns */
+    struct job *job; /* borrows; not NULL: a worker has the piece */
+};
 
-static void write_point(struct stream *st, struct buf *out, uint32_t id)
-{
-    struct dt_point p;
-    st->status = dt_get(st->version->dt, id, &p);
-    if (st->status != DT_OK)
-        return;
-    if (st->form == ROW_NEIGHBOUR) {
-        double dx = p.x - st->from.x, dy = p.y - st->from.y;
-        reply_row_neighbour(out, id, p.x, p.y, sqrt(dx * dx + dy * dy));
-    } else if (st->binary) {
-        reply_word_u32(out, id);
-        reply_word_double(out, p.x);
-        reply_word_double(out, p.y);
-    } else {
-        reply_row_point(out, id, p.x, p.y);
-    }
-}
-
-static void write_ring(struct stream *st, struct buf *out, uint32_t id)
-{
-    uint32_t rep;
-    bool boundary;
-    st->row.n = 0;
-    st->status = dt_ring(st->version->dt, id, st->cw, &st->row, &rep, &boundary);
-    if (st->status != DT_OK)
-        return;
-    reply_row_ids(out, &rep, 1);
-    if (st->row.n > 0 && !out->failed) {
-        out->data[out->end - 1] = ' '; /* the ring goes on the same line */
-        reply_row_ids(out, st->row.v, st->row.n);
-    }
-}
-
-static void fill_from_ids(struct stream *st, struct buf *out, size_t limit)
-{
-    while (st->at < st->ids.n && st->status == DT_OK && !out->failed && buf_len(out) < limit) {
-        const uint32_t *id = st->ids.v + st->at;
-        if (st->form == ROW_IDS)
-            reply_row_ids(out, id, st->width);
-        else if (st->form == ROW_RING)
-            write_ring(st, out, *id);
-        else
-            write_point(st, out, *id);
-        st->at += st->form == ROW_IDS ? st->width : 1;
-    }
-    st->done = st->at == st->ids.n;
-}
-
-/* ---- rows from tables ---- */
-
-/* How many words the row that starts at w has. */
-static size_t row_words(enum dt_table table, const uint32_t *w)
-{
-    switch (table) {
-    case DT_POINTS:
-    case DT_HULL:
-        return 1;
-    case DT_COINCIDENT:
-    case DT_EDGES:
-        return 2;
-    case DT_TRIANGLES:
-        return 3;
-    case DT_LISTS:
-        return 2 + w[1];
-    }
-    return 1;
-}
-
-static void write_table_row(struct stream *st, struct buf *out, uint32_t *w, size_t words)
-{
-    enum dt_table table = st->cursor.table;
-    if (table == DT_POINTS || table == DT_HULL) {
-        st->form = ROW_POINT;
-        write_point(st, out, w[0]);
-    } else if (st->binary) {
-        reply_words_u32(out, w, words);
-    } else if (table == DT_LISTS) {
-        w[1] = w[0]; /* the degree is not part of the text */
-        reply_row_ids(out, w + 1, words - 1);
-    } else {
-        reply_row_ids(out, w, words);
-    }
-}
-
-/* Reads the one row that is longer than the usual buffer. */
-static void write_long_row(struct stream *st, struct buf *out, size_t words)
-{
-    size_t rows;
-    uint32_t *v = malloc(words * sizeof *v);
-    if (v == NULL) {
-        st->status = DT_NOMEM;
-        return;
-    }
-    st->status = dt_table_read(st->version->dt, &st->cursor, v, words, 1, &rows, &words);
-    if (st->status == DT_OK && rows == 1)
-        write_table_row(st, out, v, words);
-    free(v);
-}
-
-static void fill_from_table(struct stream *st, struct buf *out, size_t limit)
-{
-    uint32_t v[TABLE_WORDS];
-    while (!st->done && st->status == DT_OK && !out->failed && buf_len(out) < limit) {
-        /* A word takes up to 11 bytes of text, a point that an id stands for about four times that;
-         * in binary form it is four bytes, and the rows of a table are what is sent. */
-        bool as_it_is = st->binary && st->cursor.table != DT_POINTS && st->cursor.table != DT_HULL;
-        size_t cap = (limit - buf_len(out)) / (as_it_is ? 4 : 40) + 64;
-        size_t rows = 0, words = 0;
-        st->status =
-            dt_table_read(st->version->dt, &st->cursor, v, cap < TABLE_WORDS ? cap : TABLE_WORDS,
-                          TABLE_WORDS, &rows, &words);
-        if (st->status == DT_TOOSMALL) {
-            write_long_row(st, out, words);
-            continue;
-        }
-        st->done = st->status == DT_OK && rows == 0;
-        if (as_it_is)
-            reply_words_u32(out, v, words);
-        for (size_t at = as_it_is ? words : 0; at < words && st->status == DT_OK;) {
-            size_t n = row_words(st->cursor.table, v + at);
-            write_table_row(st, out, v + at, n);
-            at += n;
-        }
-    }
-}
-
-void stream_fill(struct stream *st, struct buf *out, size_t limit)
-{
-    if (st->table)
-        fill_from_table(st, out, limit);
-    else
-        fill_from_ids(st, out, limit);
-    if (out->failed)
-        st->status = DT_NOMEM;
-}
+struct stream {
+    struct rows rows; /* owns their ids; what has not been cut into parts yet */
+    void (*ready)(void *ctx);
+    void *ctx;
+    struct piece
+        piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
+    unsigned head, used;
+    unsigned in_work;
+    bool gone; /* nobody wants the rows any more */
+};
 
 /* ---- life ---- */
 
-static size_t rows(const struct stream *st)
-{
-    return st->table ? st->cursor.rows : st->ids.n / (st->form == ROW_IDS ? st->width : 1);
-}
-
-static bool answer_at_once(struct answer *a, struct stream *st)
+static bool answer_at_once(struct answer *a, struct rows *rows)
 {
     enum { BYTES_AT_ONCE = 16 * 1024 };
-    if (rows(st) > AT_ONCE)
+    if (rows_count(rows) > AT_ONCE)
         return false;
-    stream_fill(st, a->out, buf_len(a->out) + BYTES_AT_ONCE);
-    return st->done || st->status != DT_OK;
+    rows_fill(rows, a->out, buf_len(a->out) + BYTES_AT_ONCE);
+    return rows->done || rows->status != DT_OK;
 }
 
-void stream_answer(struct answer *a, struct stream *st, struct dt_ids *ids)
+void stream_answer(struct answer *a, struct rows *rows, struct dt_ids *ids)
 {
     if (ids != NULL)
-        st->ids = *ids;
-    if (answer_at_once(a, st)) {
-        if (st->status != DT_OK)
+        rows->ids = *ids;
+    if (answer_at_once(a, rows)) {
+        if (rows->status != DT_OK)
             answer_out_of_memory(a);
-        free(st->row.v);
+        rows_clear(rows);
         return;
     }
-    a->stream = malloc(sizeof *st);
+    a->stream = calloc(1, sizeof *a->stream);
     if (a->stream == NULL) {
         answer_out_of_memory(a);
-        free(st->row.v);
+        rows_clear(rows);
         return;
     }
-    *a->stream = *st;
-    version_pin(st->version);
+    a->stream->rows = *rows;
+    version_pin(rows->version);
     if (ids != NULL)
         *ids = (struct dt_ids){0};
 }
 
+void stream_tell(struct stream *st, void (*ready)(void *ctx), void *ctx)
+{
+    st->ready = ready;
+    st->ctx = ctx;
+}
+
 void stream_free(struct registry *r, struct stream *st)
 {
-    version_unpin(r, st->version);
-    free(st->ids.v);
-    free(st->row.v);
+    st->gone = true;
+    for (unsigned i = 0; i < PIECES; i++)
+        if (st->piece[i].job != NULL)
+            st->piece[i].job->cancel = true;
+    if (st->in_work > 0)
+        return;
+    for (unsigned i = 0; i < PIECES; i++) {
+        rows_clear(&st->piece[i].part);
+        buf_free(&st->piece[i].text);
+    }
+    version_unpin(r, st->rows.version);
+    rows_clear(&st->rows);
+    free(st->rows.ids.v);
     free(st);
 }
 
@@ -219,84 +107,143 @@ static uint64_t table_bytes(const struct version *v, const struct dt_cursor *c)
 void stream_answer_table(struct answer *a, struct version *v, enum dt_table table, bool cw,
                          bool binary)
 {
-    struct stream st = {.version = v, .table = true, .binary = binary};
-    enum dt_status status = dt_table_begin(v->dt, table, cw, &st.cursor);
+    struct rows rows = {.version = v, .table = true, .binary = binary};
+    enum dt_status status = dt_table_begin(v->dt, table, cw, &rows.cursor);
     if (status != DT_OK) {
         answer_status(a, status);
         return;
     }
-    reply_ok(a->out, binary ? 0 : st.cursor.rows);
+    reply_ok(a->out, binary ? 0 : rows.cursor.rows);
     if (table == DT_LISTS) {
-        reply_key_u64(a->out, "interior", st.cursor.interior);
-        reply_key_u64(a->out, "boundary", st.cursor.rows - st.cursor.interior);
+        reply_key_u64(a->out, "interior", rows.cursor.interior);
+        reply_key_u64(a->out, "boundary", rows.cursor.rows - rows.cursor.interior);
     } else if (binary) {
-        reply_key_u64(a->out, "rows", st.cursor.rows);
+        reply_key_u64(a->out, "rows", rows.cursor.rows);
     }
     if (binary)
-        reply_key_u64(a->out, "bytes", table_bytes(v, &st.cursor));
+        reply_key_u64(a->out, "bytes", table_bytes(v, &rows.cursor));
     reply_end(a->out);
-    stream_answer(a, &st, NULL);
+    stream_answer(a, &rows, NULL);
 }
 
-/* ---- refilling ---- */
+/* ---- pieces ---- */
 
-struct refill {
+struct making {
     struct job job;
-    struct stream *stream;
-    struct buf piece;
+    struct stream *stream; /* borrows: it waits for the job */
+    struct piece *piece;
 };
 
-static void run_refill(struct job *j)
+/* A part is usually less than a piece may be; of one that turns out longer, another piece follows. */
+static void make(struct piece *p)
 {
-    struct refill *r = (struct refill *)j;
-    stream_fill(r->stream, &r->piece, PIECE);
+    rows_fill(&p->part, &p->text, PIECE);
 }
 
-/* What follows from filling: more to come, the end, or rows that cannot be continued. */
-static void refilled(struct server *s, struct answer *a, struct stream *st)
+static void run_making(struct job *j)
 {
-    a->stream = NULL;
-    if (st->status == DT_OK && !st->done) {
-        a->stream = st;
+    if (!j->cancel)
+        make(((struct making *)j)->piece);
+}
+
+static void making_done(struct server *s, struct job *j, struct answer *a)
+{
+    struct making *m = (struct making *)j;
+    struct stream *st = m->stream;
+    (void)a;
+    m->piece->job = NULL;
+    st->in_work--;
+    if (st->gone)
+        stream_free(&s->sets, st);
+    else if (st->ready != NULL)
+        st->ready(st->ctx);
+}
+
+/* Has a worker make the piece, or its continuation. */
+static void begin(struct server *s, struct stream *st, struct piece *p)
+{
+    struct answer nobody = {0};
+    struct making *m = job_new(sizeof *m, run_making, making_done);
+    if (m == NULL) {
+        make(p);
         return;
     }
-    a->broken = st->status != DT_OK;
-    stream_free(&s->sets, st);
+    m->stream = st;
+    m->piece = p;
+    p->job = &m->job;
+    st->in_work++;
+    job_read(s, &nobody, &m->job, st->rows.version, JOB_HEAVY | JOB_BRIEF);
 }
 
-static void refill_done(struct server *s, struct job *j, struct answer *a)
+/* Whether the next rows have been made. */
+static bool is_made(const struct stream *st)
 {
-    struct refill *r = (struct refill *)j;
-    if (buf_len(a->out) == 0) {
-        struct buf empty = *a->out;
-        *a->out = r->piece;
-        r->piece = empty;
-    } else {
-        buf_append(a->out, buf_head(&r->piece), buf_len(&r->piece));
+    return st->used > 0 && st->piece[st->head].job == NULL;
+}
+
+static enum dt_status send_made(struct server *s, struct stream *st, struct buf *out, size_t most)
+{
+    while (is_made(st) && buf_len(out) < most) {
+        struct piece *p = &st->piece[st->head];
+        if (p->part.status != DT_OK)
+            return p->part.status;
+        /* Copied, so that a piece's memory stays as small as a piece. */
+        buf_append(out, buf_head(&p->text), buf_len(&p->text));
+        buf_rewind(&p->text, 0);
+        if (out->failed)
+            return DT_NOMEM;
+        if (!p->part.done) {
+            begin(s, st, p);
+        } else {
+            rows_clear(&p->part);
+            st->head = (st->head + 1) % PIECES;
+            st->used--;
+        }
     }
-    if (a->out->failed)
-        r->stream->status = DT_NOMEM;
-    refilled(s, a, r->stream);
+    return DT_OK;
 }
 
-static void clear_refill(struct job *j)
+static void begin_next(struct server *s, struct stream *st)
 {
-    buf_free(&((struct refill *)j)->piece);
+    while (st->used < PIECES) {
+        struct piece *p = &st->piece[(st->head + st->used) % PIECES];
+        if (!rows_cut(&st->rows, &p->part))
+            return;
+        st->used++;
+        begin(s, st, p);
+    }
+}
+
+/* Sends and begins; what had to be made here, for want of memory for a job, is sent at once, since
+ * nobody would tell of it. */
+static enum dt_status go_on(struct server *s, struct stream *st, struct buf *out)
+{
+    size_t most = buf_len(out) + PIECE;
+    enum dt_status status;
+    do {
+        status = send_made(s, st, out, most);
+        if (status == DT_OK)
+            begin_next(s, st);
+    } while (status == DT_OK && is_made(st) && buf_len(out) < most);
+    return status;
 }
 
 void stream_refill(struct server *s, struct answer *a)
 {
     struct stream *st = a->stream;
-    struct refill *r = NULL;
-    if (rows(st) > HEAVY_ROWS)
-        r = job_new(sizeof *r, run_refill, refill_done);
-    if (r == NULL) {
-        stream_fill(st, a->out, buf_len(a->out) + PIECE);
-        refilled(s, a, st);
-        return;
+    enum dt_status status;
+    bool done;
+    if (s->workers != NULL && rows_count(&st->rows) > HEAVY_ROWS) {
+        status = go_on(s, st, a->out);
+        done = st->used == 0;
+    } else {
+        rows_fill(&st->rows, a->out, buf_len(a->out) + PIECE);
+        status = st->rows.status;
+        done = st->rows.done;
     }
-    r->stream = st;
-    r->job.clear = clear_refill;
+    if (status == DT_OK && !done)
+        return;
     a->stream = NULL;
-    job_read(s, a, &r->job, st->version, JOB_HEAVY | JOB_BRIEF);
+    a->broken = status != DT_OK;
+    stream_free(&s->sets, st);
 }

@@ -42,15 +42,30 @@ static void deliver(void *ctx, struct job *j)
     job_finish(to->server, j, to->answer);
 }
 
+/* Waits for what the workers have done next. */
+static void collect(struct local *l, struct answer *a)
+{
+    struct delivery to = {&l->server, a};
+    struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
+    CHECK(poll(&event, 1, 10000) == 1);
+    server_collect(&l->server, deliver, &to);
+}
+
 /* Waits until the answer's job has come back. */
 static void wait_for_job(struct local *l, struct answer *a)
 {
-    struct delivery to = {&l->server, a};
-    while (a->job != NULL) {
-        struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
-        CHECK(poll(&event, 1, 10000) == 1);
-        server_collect(&l->server, deliver, &to);
-    }
+    while (a->job != NULL)
+        collect(l, a);
+}
+
+/* Takes what there is of the answer's stream, or waits for a piece of it. */
+static void refill(struct local *l, struct answer *a)
+{
+    size_t before = buf_len(a->out);
+    if (a->stream != NULL)
+        stream_refill(&l->server, a);
+    if (a->stream != NULL && buf_len(a->out) == before)
+        collect(l, a);
 }
 
 /* Everything that an answer leaves to come. True if the request is to be carried out again. */
@@ -59,8 +74,7 @@ static bool complete(struct local *l, struct answer *a)
     CHECK(a->wait == NULL); /* nobody else is there */
     do {
         wait_for_job(l, a);
-        if (a->stream != NULL)
-            stream_refill(&l->server, a);
+        refill(l, a);
     } while (a->job != NULL || a->stream != NULL);
     l->closed = l->closed || a->close || a->broken;
     return a->retry;

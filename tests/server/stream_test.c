@@ -1,0 +1,156 @@
+/* stream_test.c - replies that workers make in pieces: the same bytes as without them, and nothing
+ * left behind by those that nobody wants any more, or for which there is no memory. */
+#include "server/command.h"
+#include "server/stream.h"
+#include "tests/server/local.h"
+#include "tests/test.h"
+
+#include <math.h>
+#include <poll.h>
+#include <string.h>
+
+#define TAU 6.283185307179586
+
+enum { SCATTERED = 30000, ON_CIRCLE = 12000 };
+
+/* Points of a small lattice, many of them more than once, and far away a circle round its centre,
+ * which is joined to all of it; then some of the former go. The caller frees it. */
+static char *set_of_many(void)
+{
+    char *text = malloc((SCATTERED + ON_CIRCLE) * 60 + 100), *to = text;
+    CHECK(text != NULL);
+    to += sprintf(to, "LOAD t\n1000 1000\n");
+    for (int i = 0; i < SCATTERED; i++)
+        to += sprintf(to, "%u %u\n", test_below(150), test_below(150));
+    for (int i = 0; i < ON_CIRCLE; i++)
+        to += sprintf(to, "%.17g %.17g\n", 1000 + 100 * cos(i * TAU / ON_CIRCLE),
+                      1000 + 100 * sin(i * TAU / ON_CIRCLE));
+    to += sprintf(to, ".\nDEL t");
+    for (int i = 1; i < 9000; i++)
+        if (i % 9 != 0)
+            to += sprintf(to, " %d", i);
+    strcpy(to, "\nTRIANGULATE t\n");
+    return text;
+}
+
+struct text {
+    char *bytes;
+    size_t n;
+};
+
+static struct text reply_to(struct local *l, const char *request)
+{
+    local_ask(l, request);
+    struct text t = {malloc(buf_len(&l->out)), buf_len(&l->out)};
+    CHECK(t.bytes != NULL);
+    memcpy(t.bytes, buf_head(&l->out), t.n);
+    return t;
+}
+
+TEST(large_replies_have_the_same_bytes_for_every_number_of_threads)
+{
+    static const char *const requests[] = {"LISTS t",
+                                           "LISTS t CW",
+                                           "LISTS t BINARY",
+                                           "TRIANGLES t",
+                                           "EDGES t",
+                                           "EDGES t CW",
+                                           "EDGES t BINARY",
+                                           "TRIANGLES t CW BINARY",
+                                           "POINTS t",
+                                           "COINCIDENT t",
+                                           "POINTS t BINARY",
+                                           "HULL t",
+                                           "WITHIN t -1 -1 2000 2000",
+                                           "NEAREST t 3 3 21000"};
+    char *load = set_of_many();
+    struct local with[3];
+    for (unsigned k = 0; k < 3; k++) {
+        local_start(&with[k], 2 * k);
+        local_ask(&with[k], load);
+    }
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+        struct text want = reply_to(&with[0], requests[i]);
+        CHECK_MSG(want.n > 2000 && memcmp(want.bytes, "OK", 2) == 0, "%s", requests[i]);
+        for (unsigned k = 1; k < 3; k++) {
+            uint64_t jobs = with[k].server.count.jobs;
+            struct text got = reply_to(&with[k], requests[i]);
+            CHECK_MSG(got.n == want.n && memcmp(got.bytes, want.bytes, got.n) == 0,
+                      "%s, %u threads", requests[i], 2 * k);
+            CHECK_MSG(want.n < 1000000 || with[k].server.count.jobs > jobs + 10, "%s", requests[i]);
+            free(got.bytes);
+        }
+        free(want.bytes);
+    }
+    for (unsigned k = 0; k < 3; k++)
+        local_stop(&with[k]);
+    free(load);
+}
+
+/* Asks for the rows of t, without waiting for more than the first. */
+static struct answer begin(struct local *l, const char *request)
+{
+    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    buf_consume(&l->out, buf_len(&l->out));
+    CHECK(request_split(&l->server.request, request, strlen(request)));
+    command_run(&l->server, &l->server.request, &a);
+    CHECK(a.stream != NULL);
+    stream_refill(&l->server, &a);
+    return a;
+}
+
+static void end_unheard(void *ctx, struct job *j)
+{
+    server_finish_unheard(ctx, j);
+}
+
+TEST(rows_that_nobody_wants_any_more_are_forgotten)
+{
+    struct local l;
+    char *load = set_of_many();
+    local_start(&l, 2);
+    local_ask(&l, load);
+    for (int i = 0; i < 20; i++) {
+        struct answer a = begin(&l, i % 2 == 0 ? "LISTS t" : "WITHIN t 0 0 2000 2000");
+        stream_free(&l.server.sets, a.stream); /* while workers are at it */
+    }
+    local_ask(&l, "DROP t\n");
+    while (l.server.jobs != NULL) {
+        struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
+        CHECK(poll(&event, 1, 10000) == 1);
+        server_collect(&l.server, end_unheard, &l.server);
+    }
+    CHECK(l.server.sets.memory == 0);
+    free(load);
+    local_stop(&l);
+}
+
+TEST(large_replies_survive_every_failed_allocation)
+{
+    struct local l;
+    char *load = set_of_many();
+    local_start(&l, 2);
+    local_ask(&l, load);
+    struct text want = reply_to(&l, "LISTS t");
+    unsigned cut = 0;
+    for (long n = 1; n < 200; n += 1 + n / 10) {
+        local_ask(&l, ""); /* room for the head of the reply */
+        l.closed = false;
+        test_fail_alloc(n);
+        local_ask(&l, "LISTS t");
+        test_fail_alloc(0);
+        cut += l.closed;
+        bool refused = strncmp(buf_head(&l.out), "ERR NOMEM", 9) == 0;
+        CHECK_MSG(
+            l.closed || refused ||
+                (buf_len(&l.out) == want.n && memcmp(buf_head(&l.out), want.bytes, want.n) == 0),
+            "allocation %ld", n);
+    }
+    CHECK(cut > 0);
+    struct text again = reply_to(&l, "LISTS t");
+    CHECK(again.n == want.n && memcmp(again.bytes, want.bytes, want.n) == 0);
+    free(again.bytes);
+    free(want.bytes);
+    free(load);
+    local_stop(&l);
+}
