@@ -36,6 +36,14 @@ size_t dt_aliases_memory(const struct dt_aliases *a);
  * fail. */
 enum dt_status dt_aliases_reserve(struct dt_aliases *a, uint32_t representative);
 
+/* Fetches what dt_aliases_join to `representative` will read. */
+static inline void dt_aliases_fetch(const struct dt_aliases *a, uint32_t representative)
+{
+    uint32_t g = dt_idmap_get(&a->group_of, representative);
+    if (g != DT_NONE)
+        dt_fetch(&a->group[g]);
+}
+
 /* Adds an alias and returns its index. Cost: constant if id is higher or lower than all others of
  * the group, else linear in the group. */
 uint32_t dt_aliases_join(struct dt_aliases *a, uint32_t representative, uint32_t id,

@@ -79,12 +79,18 @@ static bool point_ok(struct dt_point p)
 
 enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct dt_added *out)
 {
+    return dt_add_many(t, p, n, NULL, out);
+}
+
+enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
+                           const struct dt_pool *pool, struct dt_added *out)
+{
     for (size_t i = 0; i < n; i++)
         if (!point_ok(p[i]))
             return DT_RANGE;
     if (dt_is_live(t) && !dt_update_is_bulk(t, n))
         return dt_update_add(t, p, n, out);
-    enum dt_status status = dt_points_add(&t->points, p, n, out);
+    enum dt_status status = dt_points_add(&t->points, p, n, pool, out);
     if (status == DT_OK && out->coincident < out->added)
         t->current = false;
     return status;

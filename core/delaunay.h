@@ -60,6 +60,17 @@ double dt_tolerance(const struct dt *t);
 /* Whether v is zero or 2^-142 <= |v| <= 2^201: the range in which all predicates are exact. */
 bool dt_coordinate_ok(double v);
 
+/* ---- threads ---- */
+
+/* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order,
+ * on up to `threads` threads at once, and returns when all have returned. A job never waits for
+ * another one. */
+struct dt_pool {
+    unsigned threads;
+    void (*run)(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg);
+    void *ctx;
+};
+
 /* ---- points ---- */
 
 struct dt_added {
@@ -71,6 +82,10 @@ struct dt_added {
 /* Adds n points, all or none: DT_RANGE, DT_TOOBIG and DT_NOMEM leave the set as it was. n = 0 is
  * fine. */
 enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct dt_added *out);
+
+/* The same on the threads of a pool, if there are points enough. pool may be NULL. */
+enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
+                           const struct dt_pool *pool, struct dt_added *out);
 
 /* Deletes n ids, all or none; an id named twice is deleted once, *deleted counts distinct ids.
  * DT_NOPOINT puts the first id that is missing in *missing. If a representative goes, its lowest
@@ -122,15 +137,6 @@ void dt_past_end(struct dt *t);
 /* ---- the triangulation ---- */
 
 enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
-
-/* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order,
- * on up to `threads` threads at once, and returns when all have returned. A job never waits for
- * another one. */
-struct dt_pool {
-    unsigned threads;
-    void (*run)(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg);
-    void *ctx;
-};
 
 /* All fields may be zero: automatic choice, no rebuild, one thread, never cancelled. */
 struct dt_options {

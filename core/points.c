@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/arrivals.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 
@@ -190,13 +191,12 @@ void dt_points_take_back(struct dt_points *p, uint32_t n)
     }
 }
 
-enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             struct dt_added *out)
+/* Adds points for which there is room, each looked up in the table of places. */
+static enum dt_status add_one_by_one(struct dt_points *p, const struct dt_point *q, size_t n,
+                                     struct dt_added *out)
 {
     enum { AHEAD = 12 }; /* points; long enough for a cache miss, twice */
-    enum dt_status status = dt_points_reserve(p, n);
-    if (status == DT_OK)
-        status = dt_points_index(p);
+    enum dt_status status = dt_points_index(p);
     if (status != DT_OK)
         return status;
     struct dt_added done = {.first = p->next_id, .added = (uint32_t)n};
@@ -218,6 +218,23 @@ enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size
     dt_points_arrived(p, (uint32_t)n);
     *out = done;
     return DT_OK;
+}
+
+enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
+                             const struct dt_pool *pool, struct dt_added *out)
+{
+    bool together = dt_arrivals_suit(p, n);
+    if (together)
+        dt_places_clear(&p->places); /* built again when needed, which may be never */
+    enum dt_status status = dt_points_reserve(p, n);
+    if (status != DT_OK)
+        return status;
+    if (together) {
+        status = dt_arrivals_add(p, q, (uint32_t)n, pool, out);
+        if (status != DT_TOOSMALL)
+            return status;
+    }
+    return add_one_by_one(p, q, n, out);
 }
 
 /* ---- deleting ---- */

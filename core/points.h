@@ -75,9 +75,9 @@ static inline uint32_t dt_points_next_live(const struct dt_points *p, uint32_t i
 /* The coordinates of a live id. */
 struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
 
-/* Adds n valid points, all or none. */
+/* Adds n valid points, all or none. pool may be NULL. */
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             struct dt_added *out);
+                             const struct dt_pool *pool, struct dt_added *out);
 
 /* The same in steps, for a caller that finds coincident points in its own way: room for n arrivals;
  * then for each id from next_id on, in any order but with coincident points ascending, either

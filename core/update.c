@@ -187,7 +187,7 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
      * not live. */
     dt_points_take_back(&t->points, (uint32_t)n);
     lose_mesh(t);
-    return dt_points_add(&t->points, q, n, out);
+    return dt_points_add(&t->points, q, n, NULL, out);
 }
 
 /* ---- deleting ---- */

@@ -50,7 +50,7 @@ struct dataset *edit_create(struct server *s, struct answer *a, const struct wor
 static void run_add(struct job *j)
 {
     struct edit *e = (struct edit *)j;
-    j->status = dt_add(j->dt, e->p, e->n, &e->added);
+    j->status = dt_add_many(j->dt, e->p, e->n, j->options.pool, &e->added);
 }
 
 static uint64_t record_add(struct server *s, struct job *j)
