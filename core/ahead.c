@@ -3,14 +3,18 @@
  * A question about a random place of a large set waits for memory about ten times, each time for an
  * address that the last wait has brought: cell, triangle, corners, next triangle. Other questions'
  * waits do not depend on them. So all are walked through the same stages side by side, and the
- * processor has a dozen lines under way where one question alone has one or two. What is computed on
- * the way is thrown away: the questions are answered afterwards, as if nothing had been, and find
- * what they read in the caches. */
+ * processor has a dozen lines under way where one question alone has one or two. Every line counts, for
+ * they are what takes the time: only what is certain or likely to be read is fetched. What is computed
+ * on the way is rounded, and no more than a hint: the questions are answered afterwards, as if nothing
+ * had been, and find what they read in the caches. */
 #include "core/hints.h"
 #include "core/memory.h"
 #include "core/reader.h"
 
-enum { STEPS = 2, DEGREE = 8 }; /* of walks and of rings; few are longer */
+enum {
+    STEPS = 6, /* of walks; one in a hundred is longer */
+    DEGREE = 8 /* of rings; few are longer */
+};
 
 /* ---- places ---- */
 
@@ -20,71 +24,97 @@ static double side(struct dt_point a, struct dt_point b, struct dt_point q)
     return (a.x - q.x) * (b.y - q.y) - (a.y - q.y) * (b.x - q.x);
 }
 
-/* The next triangle on the way to q, t itself at the end of the way. */
-static uint32_t step(const struct dt *t, uint32_t at, struct dt_point q)
+static double square_distance(struct dt_point a, struct dt_point b)
+{
+    double dx = a.x - b.x, dy = a.y - b.y;
+    return dx * dx + dy * dy;
+}
+
+/* Fetches what a step from the triangle at h needs: its corners, and the triangles that may be next.
+ * False: it is none. */
+static bool fetch_step(const struct dt *t, uint32_t h)
+{
+    const struct dt_mesh *m = &t->mesh;
+    if (dt_is_dead(m, h) || dt_is_ghost(m, h))
+        return false;
+    for (uint32_t k = h; k < h + 3; k++) {
+        dt_fetch(&t->points.xy[dt_origin(m, k)]);
+        dt_fetch(&m->half[dt_base(dt_twin(m, k))]);
+    }
+    return true;
+}
+
+/* The next triangle on the way to q, h itself at the end of the way. */
+static uint32_t step(const struct dt *t, uint32_t h, struct dt_point q)
+{
+    const uint32_t *half = t->mesh.half;
+    const struct dt_point *xy = t->points.xy;
+    struct dt_point a = xy[half[h]], b = xy[half[h + 1]], c = xy[half[h + 2]];
+    double s0 = side(a, b, q), s1 = side(b, c, q), s2 = side(c, a, q);
+    uint32_t k = s1 < s0 ? 1 : 0;
+    double least = s1 < s0 ? s1 : s0;
+    k = s2 < least ? 2 : k;
+    least = s2 < least ? s2 : least;
+    return least < 0 ? dt_base(dt_twin(&t->mesh, h + k)) : h;
+}
+
+/* The place is in the triangle at h: fetches what the answer will look at. That are the points beyond
+ * the edges, the next triangles round the nearest corner, and what the corners are called. */
+static void arrive(const struct dt *t, uint32_t h, struct dt_place *p)
 {
     const struct dt_mesh *m = &t->mesh;
     const struct dt_point *xy = t->points.xy;
-    if (dt_is_dead(m, at) || dt_is_ghost(m, at))
-        return at;
-    for (uint32_t h = at; h < at + 3; h++)
-        if (side(xy[dt_origin(m, h)], xy[dt_dest(m, h)], q) < 0)
-            return dt_base(dt_twin(m, h));
-    return at;
-}
-
-static void fetch_neighbours(const struct dt *t, uint32_t at)
-{
-    if (dt_is_dead(&t->mesh, at))
-        return;
-    for (uint32_t h = at; h < at + 3; h++)
-        dt_fetch(&t->mesh.half[dt_base(dt_twin(&t->mesh, h))]);
-}
-
-static void fetch_corners(const struct dt *t, uint32_t at)
-{
-    for (uint32_t h = at; h < at + 3 && !dt_is_dead(&t->mesh, at); h++)
-        if (dt_origin(&t->mesh, h) != DT_NONE)
-            dt_fetch(&t->points.xy[dt_origin(&t->mesh, h)]);
-}
-
-/* What the answer will say of the corners, and the points beyond the edges. */
-static void fetch_answer(const struct dt *t, uint32_t at)
-{
-    const struct dt_mesh *m = &t->mesh;
-    if (dt_is_dead(m, at) || dt_is_ghost(m, at))
-        return;
-    for (uint32_t h = at; h < at + 3; h++) {
-        uint32_t beyond = dt_apex_of(m, dt_twin(m, h));
-        dt_idmap_fetch(&t->points.value, t->points.id[dt_origin(m, h)]);
+    p->near = h;
+    for (uint32_t k = h; k < h + 3; k++) {
+        uint32_t beyond = dt_apex_of(m, dt_twin(m, k));
         if (beyond != DT_NONE)
-            dt_fetch(&t->points.xy[beyond]);
+            dt_fetch(&xy[beyond]);
+        dt_fetch(&t->points.id[dt_origin(m, k)]);
+        if (square_distance(xy[dt_origin(m, k)], p->at) <
+            square_distance(xy[dt_origin(m, p->near)], p->at))
+            p->near = k;
     }
+    dt_fetch(&m->half[dt_base(dt_twin(m, dt_turn_cw(m, p->near)))]);
+    dt_fetch(&m->half[dt_base(dt_turn_ccw(m, dt_turn_ccw(m, p->near)))]);
 }
 
-void dt_fetch_places(const struct dt *t, const struct dt_point *p, size_t n)
+/* One step of each of the walks way[n]: at[i] is where the one to p[i] is. Returns how many of them
+ * go on. */
+static size_t go_on(const struct dt *t, struct dt_place *p, uint32_t *at, uint32_t *way, size_t n)
 {
-    uint32_t at[DT_AHEAD];
-    if (dt_readable(t) != DT_OK || t->mesh.vertices < 2 || n > DT_AHEAD)
+    size_t left = 0;
+    for (size_t k = 0; k < n; k++) {
+        uint32_t i = way[k], next = step(t, at[i], p[i].at);
+        if (next == at[i])
+            arrive(t, next, &p[i]);
+        else if (fetch_step(t, at[i] = next))
+            way[left++] = i;
+    }
+    return left;
+}
+
+void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
+{
+    uint32_t at[DT_AHEAD], way[DT_AHEAD];
+    size_t left = 0;
+    if (n > DT_AHEAD)
         return;
     for (size_t i = 0; i < n; i++)
-        dt_fetch(&t->hints.cell[dt_hint_cell(t->hints.grid, p[i])]);
-    for (size_t i = 0; i < n; i++) {
-        at[i] = dt_hint(&t->hints, p[i]);
-        dt_hint_fetch(&t->mesh, t->points.xy, t->points.id, at[i]);
-    }
+        p[i].near = DT_NONE;
+    if (dt_readable(t) != DT_OK || t->mesh.vertices < 2)
+        return;
     for (size_t i = 0; i < n; i++)
-        fetch_corners(t, at[i]);
-    for (int round = 0; round < STEPS; round++) {
-        for (size_t i = 0; i < n; i++)
-            fetch_neighbours(t, at[i]);
-        for (size_t i = 0; i < n; i++)
-            fetch_corners(t, at[i] = step(t, at[i], p[i]));
-    }
+        dt_fetch(&t->hints.cell[dt_hint_cell(t->hints.grid, p[i].at)]);
     for (size_t i = 0; i < n; i++)
-        fetch_neighbours(t, at[i]);
+        dt_fetch(&t->mesh.half[at[i] = dt_hint(&t->hints, p[i].at)]);
     for (size_t i = 0; i < n; i++)
-        fetch_answer(t, at[i]);
+        if (fetch_step(t, at[i]))
+            way[left++] = (uint32_t)i;
+    for (int round = 0; round < STEPS && left > 0; round++)
+        left = go_on(t, p, at, way, left);
+    for (size_t i = 0; i < n; i++)
+        if (p[i].near != DT_NONE)
+            dt_idmap_fetch(&t->points.value, t->points.id[dt_origin(&t->mesh, p[i].near)]);
 }
 
 /* ---- ids ---- */

@@ -289,20 +289,31 @@ struct dt_location {
     uint32_t id[3]; /* none, a, a < b, or a b c counterclockwise from the smallest */
 };
 
+/* A place that is asked about, and, from dt_fetch_places, where in the triangulation it is: a hint that
+ * any later edit may spoil. UINT32_MAX: nothing is known. Whatever it is, answers are the same. */
+struct dt_place {
+    struct dt_point at;
+    uint32_t near;
+};
+
 /* Where q lies. Exact. Cost: constant expected, by way of the grid. */
 enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_location *out);
+enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
+                               struct dt_location *out);
 
 /* Appends the k representatives nearest to q (fewer if the set is smaller), nearest first, ties by
  * id: exact order. Cost: O(1) expected for k = 1, O(k log k) else. */
 enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out);
+enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, uint32_t k,
+                                struct dt_ids *out);
 
 #define DT_AHEAD 32 /* questions that can be fetched for at a time */
 
 /* For a caller that knows several questions before it asks the first one: fetches into the
  * processor's caches what dt_locate and dt_nearest at these places, or dt_ring and dt_lists_order of
- * these ids, will probably read. Changes and answers nothing; ids need not be there. n <=
+ * these ids, will probably read. Answers nothing but p[].near; ids need not be there. n <=
  * DT_AHEAD. */
-void dt_fetch_places(const struct dt *t, const struct dt_point *p, size_t n);
+void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n);
 void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n);
 
 /* Append the representatives in the closed box, or the closed disc of radius r >= 0, by id. Exact.

@@ -163,12 +163,15 @@ static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *
 
 /* dt_find and dt_find_counting. */
 static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point *xy,
-                                 const uint32_t *id, const struct dt_hints *hints,
+                                 const uint32_t *id, const struct dt_hints *hints, uint32_t near,
                                  struct dt_point q, uint32_t *half, uint32_t *steps)
 {
     enum dt_where where;
     uint32_t h, left = PATIENCE;
-    if (m->recycled) {
+    if (near < 8 * (uint64_t)m->tri_end && !dt_is_dead(m, near)) {
+        h = near;
+        id = NULL; /* who knew q knew that before */
+    } else if (m->recycled) {
         h = dt_hint_live(hints, m, xy, q);
     } else {
         h = dt_hint(hints, q);
@@ -188,12 +191,13 @@ enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *x
                                const struct dt_hints *hints, struct dt_point q, uint32_t *half,
                                uint32_t *steps)
 {
-    return find(m, xy, NULL, hints, q, half, steps);
+    return find(m, xy, NULL, hints, DT_NONE, q, half, steps);
 }
 
 enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy, const uint32_t *id,
-                      const struct dt_hints *hints, struct dt_point q, uint32_t *half)
+                      const struct dt_hints *hints, uint32_t near, struct dt_point q,
+                      uint32_t *half)
 {
     uint32_t steps;
-    return find(m, xy, id, hints, q, half, &steps);
+    return find(m, xy, id, hints, near, q, half, &steps);
 }

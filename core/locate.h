@@ -10,10 +10,11 @@
  *   DT_ON_VERTEX  a half edge that leaves the vertex at q
  *   DT_OUTSIDE    a ghost beyond whose edge q lies; all points on one line: any ghost if q is not
  * on that line, else one whose corner 0 is the end of the line next to q. Exact. Of id, by vertex or
- * NULL, nothing is read; entries that a caller will probably read then are fetched. Cost: constant
- * expected. */
+ * NULL, nothing is read; entries that a caller will probably read then are fetched. A half edge near q
+ * saves most of the way; whatever it is, the answer is the same. Cost: constant expected. */
 enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy, const uint32_t *id,
-                      const struct dt_hints *hints, struct dt_point q, uint32_t *half);
+                      const struct dt_hints *hints, uint32_t near, struct dt_point q,
+                      uint32_t *half);
 
 /* The same, and about how many triangles the walk passed: what tells that the grid has aged. */
 enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *xy,

@@ -73,13 +73,11 @@ static void consider_around(struct nearest *n, uint32_t v)
     } while (h != m->leaving[v]);
 }
 
-/* Considers the neighbour that h leads to from its origin v, unless it is infinity or lies behind
- * v as seen from q, where none is nearer than v. False: that is so, certainly, and further round
- * they are no better. */
-static bool consider_ahead(struct nearest *n, uint32_t h)
+/* Considers w, a neighbour of v, unless it is infinity or lies behind v as seen from q, where none is
+ * nearer than v. False: that is so, certainly, and further round they are no better. */
+static bool consider_ahead(struct nearest *n, uint32_t v, uint32_t w)
 {
     const struct dt_point *xy = n->t->points.xy;
-    uint32_t v = dt_origin(&n->t->mesh, h), w = dt_dest(&n->t->mesh, h);
     if (w == DT_NONE)
         return false;
     double x = (xy[w].x - xy[v].x) * (n->q.x - xy[v].x),
@@ -101,27 +99,29 @@ static bool consider_ahead(struct nearest *n, uint32_t h)
 static void consider_front(struct nearest *n, uint32_t h)
 {
     const struct dt_mesh *m = &n->t->mesh;
-    uint32_t right = h, left = dt_turn_ccw(m, h);
-    bool go_right = consider_ahead(n, right), go_left = consider_ahead(n, left);
+    uint32_t v = dt_origin(m, h), right = h, left = dt_turn_ccw(m, h);
+    bool go_right = consider_ahead(n, v, dt_dest(m, h)),
+         go_left = consider_ahead(n, v, dt_apex_of(m, h));
     while (go_right || go_left) {
         if (go_right) {
             right = dt_turn_cw(m, right);
-            go_right = right != left && consider_ahead(n, right);
+            go_right = right != left && consider_ahead(n, v, dt_dest(m, right));
         }
-        if (go_left) {
+        if (go_left) { /* the triangle behind the neighbour need not be read to know it */
+            uint32_t w = dt_apex_of(m, left);
             left = dt_turn_ccw(m, left);
-            go_left = left != right && consider_ahead(n, left);
+            go_left = left != right && consider_ahead(n, v, w);
         }
     }
 }
 
 /* Finds the triangle that q is in and begins at its nearest corner, which is returned: considers
  * all of that corner's neighbours that may be nearer. */
-static uint32_t begin(struct nearest *n)
+static uint32_t begin(struct nearest *n, uint32_t near)
 {
     const struct dt *t = n->t;
     uint32_t h, first, v;
-    enum dt_where where = dt_find(&t->mesh, t->points.xy, t->points.id, &t->hints, n->q, &h);
+    enum dt_where where = dt_find(&t->mesh, t->points.xy, t->points.id, &t->hints, near, n->q, &h);
     h = first = dt_base(h);
     n->best = candidate(t, n->q, dt_origin(&t->mesh, h));
     for (uint32_t k = h + 1; k < h + 3 && dt_origin(&t->mesh, k) != DT_NONE; k++) {
@@ -138,13 +138,13 @@ static uint32_t begin(struct nearest *n)
 }
 
 /* As dt_nearest_vertex; *tie: there are others as near. */
-static uint32_t descend(const struct dt *t, struct dt_point q, bool *tie)
+static uint32_t descend(const struct dt *t, const struct dt_place *q, bool *tie)
 {
     *tie = false;
     if (t->mesh.vertices == 1)
         return dt_only_vertex(t);
-    struct nearest n = {.t = t, .q = q};
-    uint32_t v = begin(&n);
+    struct nearest n = {.t = t, .q = q->at};
+    uint32_t v = begin(&n, q->near);
     while (v != n.best.v) {
         v = n.best.v;
         consider_around(&n, v);
@@ -156,7 +156,7 @@ static uint32_t descend(const struct dt *t, struct dt_point q, bool *tie)
 uint32_t dt_nearest_vertex(const struct dt *t, struct dt_point q)
 {
     bool tie;
-    return descend(t, q, &tie);
+    return descend(t, &(struct dt_place){q, DT_NONE}, &tie);
 }
 
 /* A search outward from q: a heap of vertices seen and not yet given out, nearest on top, ties by
@@ -261,14 +261,10 @@ static enum dt_status push_ties(struct search *s, uint32_t v)
     return st;
 }
 
-static enum dt_status search_nearest(struct search *s, size_t k, struct dt_ids *out)
+/* Appends the nearest k; v is one of the nearest, tie: there are others as near. */
+static enum dt_status search_nearest(struct search *s, uint32_t v, bool tie, size_t k,
+                                     struct dt_ids *out)
 {
-    bool tie;
-    uint32_t v = descend(s->t, s->q, &tie);
-    if (k == 1 && !tie) {
-        out->v[out->n++] = s->t->points.id[v];
-        return DT_OK;
-    }
     enum dt_status st = tie ? push_ties(s, v) : push_fresh(s, v);
     for (size_t end = out->n + k; st == DT_OK && out->n < end;) {
         struct candidate c = pop(s);
@@ -279,7 +275,23 @@ static enum dt_status search_nearest(struct search *s, size_t k, struct dt_ids *
     return st;
 }
 
-enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out)
+/* There is room for them. */
+static enum dt_status append_nearest(const struct dt *t, struct dt_point q, uint32_t v, bool tie,
+                                     uint32_t k, struct dt_ids *out)
+{
+    struct search s = {.t = t, .q = q};
+    size_t n = out->n;
+    dt_visited_init(&s.seen);
+    enum dt_status st = search_nearest(&s, v, tie, k, out);
+    dt_visited_clear(&s.seen);
+    free(s.heap);
+    if (st != DT_OK)
+        out->n = n;
+    return st;
+}
+
+enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, uint32_t k,
+                                struct dt_ids *out)
 {
     enum dt_status st = dt_readable(t);
     k = k < t->mesh.vertices ? k : t->mesh.vertices;
@@ -288,15 +300,17 @@ enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, str
     st = dt_ids_reserve(out, k);
     if (st != DT_OK)
         return st;
-    struct search s = {.t = t, .q = q};
-    size_t n = out->n;
-    dt_visited_init(&s.seen);
-    st = search_nearest(&s, k, out);
-    dt_visited_clear(&s.seen);
-    free(s.heap);
-    if (st != DT_OK)
-        out->n = n;
-    return st;
+    bool tie;
+    uint32_t v = descend(t, q, &tie);
+    if (k > 1 || tie)
+        return append_nearest(t, q->at, v, tie, k, out);
+    out->v[out->n++] = t->points.id[v];
+    return DT_OK;
+}
+
+enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out)
+{
+    return dt_nearest_place(t, &(struct dt_place){q, DT_NONE}, k, out);
 }
 
 static bool in_disc(const struct dt *t, uint32_t v, struct dt_point centre, double r)

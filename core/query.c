@@ -161,17 +161,23 @@ static void locate_few(const struct dt *t, struct dt_point q, struct dt_location
 
 enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_location *out)
 {
+    return dt_locate_place(t, &(struct dt_place){q, DT_NONE}, out);
+}
+
+enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
+                               struct dt_location *out)
+{
     enum dt_status s = dt_readable(t);
     if (s != DT_OK)
         return s;
     const struct dt_mesh *m = &t->mesh;
     *out = (struct dt_location){.id = {DT_NONE, DT_NONE, DT_NONE}};
     if (m->vertices < 2) {
-        locate_few(t, q, out);
+        locate_few(t, q->at, out);
         return DT_OK;
     }
     uint32_t h;
-    out->where = dt_find(m, t->points.xy, t->points.id, &t->hints, q, &h);
+    out->where = dt_find(m, t->points.xy, t->points.id, &t->hints, q->near, q->at, &h);
     uint32_t a = t->points.id[dt_origin(m, h)], b = DT_NONE;
     if (out->where == DT_ON_VERTEX)
         out->id[0] = a;

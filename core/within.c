@@ -136,7 +136,7 @@ static uint32_t first_triangle(const struct dt *t, const struct box *b)
     const struct dt_point corner[4] = {b->lo, b->hi, {b->lo.x, b->hi.y}, {b->hi.x, b->lo.y}};
     uint32_t h;
     for (int i = 0; i < 4; i++)
-        if (dt_find(m, xy, NULL, &t->hints, corner[i], &h) != DT_OUTSIDE)
+        if (dt_find(m, xy, NULL, &t->hints, DT_NONE, corner[i], &h) != DT_OUTSIDE)
             return h;
     uint32_t g = m->hull;
     do {

@@ -13,7 +13,8 @@ enum { LEAST = 4 }; /* requests for which it is worth while */
 /* The questions of a pipeline about one set. */
 struct questions {
     struct dataset *set;
-    struct dt_point place[DT_AHEAD];
+    struct dt_place place[DT_AHEAD];
+    struct ahead_request *asks[DT_AHEAD]; /* about place[i] */
     uint32_t id[DT_AHEAD];
     size_t places, ids;
 };
@@ -48,20 +49,40 @@ static bool is_ours(struct server *s, struct questions *all, const struct word *
     return true;
 }
 
-static void take_question(struct server *s, struct questions *all, const struct request *q)
+static void take_place(struct questions *all, struct ahead_request *r)
 {
-    char first = (char)(q->word[0].text[0] & ~0x20);
-    bool place = q->n >= 4 && (first == 'N' || ((first == 'L' || first == 'A') && q->n == 4));
-    bool id = !place && q->n >= 3 && memchr("LGTEDM", first, 6) != NULL;
-    struct dt_point *p = &all->place[all->places];
-    if ((!place && !id) || !is_ours(s, all, &q->word[1]))
+    struct dt_place *p = &all->place[all->places];
+    if (!proto_read_double(r->word[2].text, r->word[2].len, &p->at.x) ||
+        !proto_read_double(r->word[3].text, r->word[3].len, &p->at.y) ||
+        !dt_coordinate_ok(p->at.x) || !dt_coordinate_ok(p->at.y))
+        return;
+    p->near = UINT32_MAX;
+    all->asks[all->places++] = r;
+}
+
+static void take_question(struct server *s, struct questions *all, struct ahead_request *r)
+{
+    char first = (char)(r->word[0].text[0] & ~0x20);
+    bool place = r->n >= 4 && (first == 'N' || ((first == 'L' || first == 'A') && r->n == 4));
+    bool id = !place && r->n >= 3 && memchr("LGTEDM", first, 6) != NULL;
+    if ((!place && !id) || !is_ours(s, all, &r->word[1]))
         return;
     if (place)
-        all->places += proto_read_double(q->word[2].text, q->word[2].len, &p->x) &&
-                       proto_read_double(q->word[3].text, q->word[3].len, &p->y) &&
-                       dt_coordinate_ok(p->x) && dt_coordinate_ok(p->y);
+        take_place(all, r);
     else
-        all->ids += proto_read_u32(q->word[2].text, q->word[2].len, &all->id[all->ids]);
+        all->ids += proto_read_u32(r->word[2].text, r->word[2].len, &all->id[all->ids]);
+}
+
+static void fetch(struct questions *all)
+{
+    if (all->places >= LEAST)
+        dt_fetch_places(all->set->current->dt, all->place, all->places);
+    if (all->ids >= LEAST)
+        dt_fetch_ids(all->set->current->dt, all->id, all->ids);
+    for (size_t i = 0; i < all->places; i++) {
+        all->asks[i]->place = all->place[i];
+        all->asks[i]->placed = true;
+    }
 }
 
 /* Whether the words could begin a load, whose points are no requests. */
@@ -71,18 +92,20 @@ static bool may_load(const struct request *q)
            (q->word[0].text[0] & ~0x20) == 'L' && (q->word[0].text[2] & ~0x20) == 'A';
 }
 
-/* Keeps a request that has been read. False: it is none of those that are kept. */
-static bool keep(struct ahead *a, const char *text, size_t len, const struct request *q)
+/* Keeps a request that has been read; NULL: it is none of those that are kept. */
+static struct ahead_request *keep(struct ahead *a, const char *text, size_t len,
+                                  const struct request *q)
 {
     if (q->n > AHEAD_WORDS || may_load(q))
-        return false;
-    a->of[a->n].text = text;
-    a->of[a->n].len = len;
-    a->of[a->n].n = q->n;
+        return NULL;
+    struct ahead_request *r = &a->of[a->n++];
+    r->text = text;
+    r->len = len;
+    r->n = q->n;
+    r->placed = false;
     for (size_t i = 0; i < q->n; i++)
-        a->of[a->n].word[i] = q->word[i];
-    a->n++;
-    return true;
+        r->word[i] = q->word[i];
+    return r;
 }
 
 /* Reads what is at the front of bytes[n]. */
@@ -90,19 +113,19 @@ static void look(struct server *s, const char *bytes, size_t n)
 {
     struct ahead *a = &s->ahead;
     struct request *q = &s->request;
-    struct questions all = {0};
+    struct questions all;
+    all.set = NULL;
+    all.places = all.ids = 0;
     ahead_forget(a);
     for (size_t at = 0, took; a->n < DT_AHEAD; at += took) {
+        struct ahead_request *r;
         took = next_request(bytes + at, n - at, q);
-        if (took == 0 || !keep(a, bytes + at, took, q))
+        if (took == 0 || (r = keep(a, bytes + at, took, q)) == NULL)
             break;
-        if (q->n > 1 && q->word[0].len > 0)
-            take_question(s, &all, q);
+        if (r->n > 1 && r->word[0].len > 0)
+            take_question(s, &all, r);
     }
-    if (all.places >= LEAST)
-        dt_fetch_places(all.set->current->dt, all.place, all.places);
-    if (all.ids >= LEAST)
-        dt_fetch_ids(all.set->current->dt, all.id, all.ids);
+    fetch(&all);
 }
 
 size_t ahead_take(struct server *s, const char *bytes, size_t n)
@@ -112,10 +135,11 @@ size_t ahead_take(struct server *s, const char *bytes, size_t n)
         look(s, bytes, n);
     if (a->n == 0)
         return 0;
-    unsigned i = a->next++;
+    const struct ahead_request *r = &a->of[a->next++];
     s->request.n = 0;
-    for (size_t k = 0; k < a->of[i].n; k++)
-        if (!request_add(&s->request, a->of[i].word[k].text, a->of[i].word[k].len))
+    for (size_t i = 0; i < r->n; i++)
+        if (!request_add(&s->request, r->word[i].text, r->word[i].len))
             return 0;
-    return a->of[i].len;
+    a->place = r->placed ? &r->place : NULL;
+    return r->len;
 }

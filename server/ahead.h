@@ -15,20 +15,26 @@ struct server;
 
 enum { AHEAD_WORDS = 6 }; /* of a request that is kept */
 
+struct ahead_request {
+    const char *text;              /* where in the input it begins */
+    size_t len;                    /* its bytes there, its end included */
+    struct word word[AHEAD_WORDS]; /* borrow the input */
+    size_t n;
+    bool placed; /* it is about a place, and that has been read */
+    struct dt_place place;
+};
+
 struct ahead {
-    struct {
-        const char *text;              /* where in the input it begins */
-        size_t len;                    /* its bytes there, its end included */
-        struct word word[AHEAD_WORDS]; /* borrow the input */
-        size_t n;
-    } of[DT_AHEAD];
-    unsigned next, n; /* the next one, and how many there are */
+    struct ahead_request of[DT_AHEAD];
+    unsigned next, n;             /* the next one, and how many there are */
+    const struct dt_place *place; /* of the request taken last; NULL: it has not been read */
 };
 
 /* Forgets what has been read: the input may have moved. */
 static inline void ahead_forget(struct ahead *a)
 {
     a->next = a->n = 0;
+    a->place = NULL;
 }
 
 /* Takes the request at the front of bytes[n] into s->request and returns its length; 0, with the

@@ -182,11 +182,10 @@ void cmd_locate(struct server *s, struct dataset *set, const struct request *q, 
     static const size_t ids[] = {
         [DT_OUTSIDE] = 0, [DT_ON_VERTEX] = 1, [DT_ON_EDGE] = 2, [DT_INSIDE] = 3};
     struct dt_location at;
-    struct dt_point p;
-    (void)s;
-    if (!read_point(a, &q->word[2], &p))
+    struct dt_place p;
+    if (!read_place(s, a, q, &p))
         return;
-    enum dt_status status = dt_locate(set->current->dt, p, &at);
+    enum dt_status status = dt_locate_place(set->current->dt, &p, &at);
     if (status != DT_OK) {
         answer_status(a, status);
         return;
@@ -201,7 +200,7 @@ void cmd_locate(struct server *s, struct dataset *set, const struct request *q, 
 void cmd_nearest(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct query query = {.kind = QUERY_NEAREST, .k = 1};
-    if (!read_point(a, &q->word[2], &query.p))
+    if (!read_place(s, a, q, &query.place))
         return;
     if (q->n == 5 && !read_count(a, &q->word[4], "a number of points", &query.k))
         return;
@@ -220,13 +219,13 @@ static void put_in_order(double *a, double *b)
 void cmd_within(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct query query = {.kind = q->n == 6 ? QUERY_BOX : QUERY_DISC};
-    if (!read_point(a, &q->word[2], &query.p))
+    if (!read_point(a, &q->word[2], &query.place.at))
         return;
     if (query.kind == QUERY_BOX) {
         if (!read_point(a, &q->word[4], &query.hi))
             return;
-        put_in_order(&query.p.x, &query.hi.x);
-        put_in_order(&query.p.y, &query.hi.y);
+        put_in_order(&query.place.at.x, &query.hi.x);
+        put_in_order(&query.place.at.y, &query.hi.y);
     } else if (!read_length(a, &q->word[4], "radius", &query.radius)) {
         return;
     }

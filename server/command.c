@@ -292,6 +292,16 @@ bool read_point(struct answer *a, const struct word *w, struct dt_point *p)
     return read_coordinate(a, &w[0], &p->x) && read_coordinate(a, &w[1], &p->y);
 }
 
+bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p)
+{
+    if (s->ahead.place != NULL) {
+        *p = *s->ahead.place;
+        return true;
+    }
+    p->near = UINT32_MAX;
+    return read_point(a, &q->word[2], &p->at);
+}
+
 bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n)
 {
     if (proto_read_u32(w->text, w->len, n))

@@ -62,6 +62,9 @@ bool read_length(struct answer *a, const struct word *w, const char *what, doubl
 bool read_point(struct answer *a, const struct word *w, struct dt_point *p);
 bool read_id(struct answer *a, const struct word *w, uint32_t *id);
 
+/* The place that the third and the fourth word tell, with what is known about it already. */
+bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p);
+
 /* A whole number, named for the error. */
 bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n);
 

@@ -17,11 +17,11 @@ static enum dt_status run(const struct dt *dt, struct query *q)
     case QUERY_LISTS:
         return dt_lists_order(dt, q->cw, q->ids.v, q->ids.n, &q->ids.n, &q->interior);
     case QUERY_NEAREST:
-        return dt_nearest(dt, q->p, q->k, &q->ids);
+        return dt_nearest_place(dt, &q->place, q->k, &q->ids);
     case QUERY_BOX:
-        return dt_within_box(dt, q->p, q->hi, &q->ids);
+        return dt_within_box(dt, q->place.at, q->hi, &q->ids);
     case QUERY_DISC:
-        return dt_within_disc(dt, q->p, q->radius, &q->ids);
+        return dt_within_disc(dt, q->place.at, q->radius, &q->ids);
     }
     return DT_OK;
 }
@@ -29,7 +29,7 @@ static enum dt_status run(const struct dt *dt, struct query *q)
 /* Writes the reply, rows from version v. */
 static void tell(struct answer *a, struct version *v, struct query *q, enum dt_status status)
 {
-    struct rows rows = {.version = v, .form = ROW_POINT, .from = q->p, .cw = q->cw};
+    struct rows rows = {.version = v, .form = ROW_POINT, .from = q->place.at, .cw = q->cw};
     if (status != DT_OK) {
         answer_status(a, status);
         return;

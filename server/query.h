@@ -10,7 +10,8 @@ enum query_kind { QUERY_LISTS, QUERY_NEAREST, QUERY_BOX, QUERY_DISC };
 
 struct query {
     enum query_kind kind;
-    struct dt_point p, hi; /* the place asked for; QUERY_BOX: its corners */
+    struct dt_place place; /* that is asked for; QUERY_BOX: one corner, */
+    struct dt_point hi;    /* and the other */
     double radius;         /* QUERY_DISC */
     uint32_t k;            /* QUERY_NEAREST */
     bool cw;               /* QUERY_LISTS */

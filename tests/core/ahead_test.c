@@ -1,4 +1,5 @@
-/* ahead_test.c - fetching ahead takes any set, place and id, and changes nothing. */
+/* ahead_test.c - fetching ahead takes any set, place and id, and changes nothing, nor does a hint, good or bad,
+ * change an answer. */
 #include "core/delaunay.h"
 #include "tests/core/sets.h"
 #include "tests/test.h"
@@ -6,7 +7,7 @@
 #include <stdlib.h>
 
 /* What the set says about places and ids, as one number. */
-static uint64_t digest(const struct dt *t, const struct dt_point *p, const uint32_t *id, size_t n)
+static uint64_t digest(const struct dt *t, const struct dt_place *p, const uint32_t *id, size_t n)
 {
     uint64_t sum = 1;
     struct dt_ids ids = {0};
@@ -15,8 +16,8 @@ static uint64_t digest(const struct dt *t, const struct dt_point *p, const uint3
         bool boundary;
         struct dt_location at = {0};
         ids.n = 0;
-        sum = sum * 31 + dt_nearest(t, p[i], 2, &ids);
-        sum = sum * 31 + dt_locate(t, p[i], &at);
+        sum = sum * 31 + dt_nearest_place(t, &p[i], 1 + (uint32_t)i % 2, &ids);
+        sum = sum * 31 + dt_locate_place(t, &p[i], &at);
         sum = sum * 31 + dt_ring(t, id[i], false, &ids, &rep, &boundary);
         for (size_t k = 0; k < ids.n; k++)
             sum = sum * 31 + ids.v[k];
@@ -29,12 +30,13 @@ static uint64_t digest(const struct dt *t, const struct dt_point *p, const uint3
 /* Asks, fetches, and asks again. */
 static void fetch(const struct dt *t)
 {
-    struct dt_point p[DT_AHEAD];
+    struct dt_place p[DT_AHEAD];
     uint32_t id[DT_AHEAD];
     for (int round = 0; round < 4; round++) {
         for (size_t i = 0; i < DT_AHEAD; i++) {
-            p[i].x = (test_uniform() - 0.5) * (i % 8 == 0 ? 0x1p200 : 40);
-            p[i].y = (test_uniform() - 0.5) * (i % 8 == 1 ? 0x1p200 : 40);
+            p[i].near = UINT32_MAX;
+            p[i].at.x = (test_uniform() - 0.5) * (i % 8 == 0 ? 0x1p200 : 40);
+            p[i].at.y = (test_uniform() - 0.5) * (i % 8 == 1 ? 0x1p200 : 40);
             id[i] = i % 8 == 0 ? (uint32_t)test_random() : test_below(dt_next_id(t) + 2);
         }
         id[3] = UINT32_MAX;
@@ -44,6 +46,9 @@ static void fetch(const struct dt *t)
         dt_fetch_ids(t, id, n);
         dt_fetch_places(t, p, DT_AHEAD + 1); /* more than it takes: nothing is done */
         dt_fetch_ids(t, id, DT_AHEAD + 1);
+        CHECK(digest(t, p, id, n) == before);
+        for (size_t i = 0; i < n; i++) /* hints of other places, of other times, of nothing */
+            p[i].near = i % 3 == 0 ? (uint32_t)test_random() : test_below(64 + 16 * dt_next_id(t));
         CHECK(digest(t, p, id, n) == before);
     }
 }
