@@ -23,6 +23,10 @@
  * digits near a tie. */
 bool proto_read_double(const char *s, size_t len, double *v);
 
+/* The same for a number that something follows: reads as much of s[0 .. len) as is a number, and
+ * returns how long that is; 0 if there is none, *v unchanged. */
+size_t proto_read_leading_double(const char *s, size_t len, double *v);
+
 /* Reads the decimal digits that are all of s[0 .. len). A sign, a blank, no digit, or a value above
  * 2^32 - 1: false, *v unchanged. */
 bool proto_read_u32(const char *s, size_t len, uint32_t *v);

@@ -65,23 +65,28 @@ static const char *scan_digits(const char *p, const char *end, uint64_t *word)
     return p;
 }
 
-/* Reads what follows an 'e' up to the end; false if that is no integer. Huge exponents saturate. */
-static bool scan_exponent(const char *p, const char *end, int64_t *exponent)
+/* Reads the exponent at p, if there is one, and returns where it ends: at p if there is none. Huge
+ * exponents saturate. */
+static const char *scan_exponent(const char *p, const char *end, int64_t *exponent)
 {
-    bool negative = p < end && *p == '-';
+    const char *at = p + 1;
     int64_t e = 0;
-    if (p < end && (*p == '-' || *p == '+'))
-        p++;
-    if (p == end)
-        return false;
-    for (; p < end && is_digit(*p); p++)
+    if (p == end || (*p != 'e' && *p != 'E'))
+        return p;
+    bool negative = at < end && *at == '-';
+    if (at < end && (*at == '-' || *at == '+'))
+        at++;
+    if (at == end || !is_digit(*at))
+        return p;
+    for (; at < end && is_digit(*at); at++)
         if (e < (int64_t)1 << 56)
-            e = 10 * e + (*p - '0');
+            e = 10 * e + (*at - '0');
     *exponent += negative ? -e : e;
-    return p == end;
+    return at;
 }
 
-static bool scan(const char *s, const char *end, struct scan *n)
+/* Reads the number at s and returns where it ends; NULL if there is none. */
+static const char *scan(const char *s, const char *end, struct scan *n)
 {
     const char *p = s;
     n->word = 0;
@@ -99,11 +104,7 @@ static bool scan(const char *s, const char *end, struct scan *n)
         n->exponent = fraction - p;
     }
     n->text_end = p;
-    if (n->count == 0)
-        return false;
-    if (p == end)
-        return true;
-    return (*p == 'e' || *p == 'E') && scan_exponent(p + 1, end, &n->exponent);
+    return n->count == 0 ? NULL : scan_exponent(p, end, &n->exponent);
 }
 
 /* Rounds the mantissa m (54 bits and more, the last one half a unit) of a subnormal number. */
@@ -189,26 +190,43 @@ static double from_bits(uint64_t bits, bool negative)
     return v;
 }
 
-bool proto_read_double(const char *s, size_t len, double *v)
+/* The number's value. */
+static double value(struct scan *n)
 {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                    1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                    1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    struct scan n;
-    if (!scan(s, s + len, &n))
-        return false;
-    if (n.count <= DIGITS && n.word <= (uint64_t)1 << 53 && n.exponent >= -22 && n.exponent <= 22) {
-        double word = (double)n.word;
-        word = n.exponent < 0 ? word / power[-n.exponent] : word * power[n.exponent];
-        *v = n.negative ? -word : word;
-        return true;
+    if (n->count <= DIGITS && n->word <= (uint64_t)1 << 53 && n->exponent >= -22 &&
+        n->exponent <= 22) {
+        double word = (double)n->word;
+        word = n->exponent < 0 ? word / power[-n->exponent] : word * power[n->exponent];
+        return n->negative ? -word : word;
     }
-    uint64_t bits = n.count > DIGITS ? round_long(&n)
-                    : n.word == 0    ? 0
-                                     : round_word(n.word, n.exponent);
-    if (bits == 0 && has_nonzero_digit(&n))
+    uint64_t bits = n->count > DIGITS ? round_long(n)
+                    : n->word == 0    ? 0
+                                      : round_word(n->word, n->exponent);
+    if (bits == 0 && has_nonzero_digit(n))
         bits = 1;
-    *v = from_bits(bits, n.negative);
+    return from_bits(bits, n->negative);
+}
+
+size_t proto_read_leading_double(const char *s, size_t len, double *v)
+{
+    struct scan n;
+    const char *end = scan(s, s + len, &n);
+    if (end == NULL)
+        return 0;
+    *v = value(&n);
+    return (size_t)(end - s);
+}
+
+bool proto_read_double(const char *s, size_t len, double *v)
+{
+    struct scan n;
+    const char *end = scan(s, s + len, &n);
+    if (end == NULL || end != s + len)
+        return false;
+    *v = value(&n);
     return true;
 }
 

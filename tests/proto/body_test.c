@@ -48,6 +48,30 @@ TEST(body_in_dots_form_is_read_whatever_the_pieces)
     }
 }
 
+TEST(body_of_lines_in_many_forms_is_read_whatever_the_pieces)
+{
+    static const char text[] = "0.25 -17\r\n1e2\t\t-2.5E-1\n-0 +0.0\n 3 4\n5 6 \n"
+                               "0.1234567890123456789 12\n7 8\r \n.5 5.\n.\r\nPING\n";
+    static const double want[] = {0.25, -17, 100, -0.25, -0.0, 0, 3, 4, 5, 6, 0.1234567890123456789,
+                                  12,   .5,  5};
+    for (size_t piece = 1; piece <= sizeof text - 1; piece++) {
+        struct body b;
+        body_init(&b, BODY_DOT, 0, 10, small_enough);
+        ptrdiff_t took = feed(&b, text, sizeof text - 1, piece, false);
+        CHECK(took == (ptrdiff_t)sizeof text - 1 - 5 && b.line == 9);
+        CHECK(b.fault == BODY_NUMBER && b.fault_line == 7); /* `8\r` is no number */
+        body_free(&b);
+    }
+    char *good = strdup(text);
+    memmove(strstr(good, "7 8"), strstr(good, ".5 5."), strlen(strstr(good, ".5 5.")) + 1);
+    struct body b;
+    body_init(&b, BODY_DOT, 0, 10, small_enough);
+    CHECK(feed_text(&b, good, false) > 0);
+    CHECK(has_points(&b, 7, want));
+    body_free(&b);
+    free(good);
+}
+
 TEST(body_of_counted_lines_ends_with_the_last_one)
 {
     static const char text[] = "1 2\n# counts as a line\n3 4\n.\n";

@@ -112,6 +112,30 @@ TEST(number_of_every_other_single_byte_is_refused)
     }
 }
 
+/* The longest beginning of text[len] that is a number, and its value. */
+static size_t longest_number(const char *text, size_t len, double *v)
+{
+    while (len > 0 && !proto_read_double(text, len, v))
+        len--;
+    return len;
+}
+
+TEST(number_that_something_follows_is_read_as_far_as_it_goes)
+{
+    static const char bytes[] = "0123456789012345678901234567890123456789..+-eE \n,x";
+    for (int i = 0; i < 200000; i++) {
+        size_t len = test_below(40);
+        double v = 7, want = 7;
+        char *text = malloc(len + 1); /* of its exact size */
+        for (size_t k = 0; k < len; k++)
+            text[k] = bytes[test_below(i % 2 == 0 ? sizeof bytes - 1 : 44)];
+        size_t n = longest_number(text, len, &want);
+        CHECK_MSG(proto_read_leading_double(text, len, &v) == n && same(v, want), "%.*s", (int)len,
+                  text);
+        free(text);
+    }
+}
+
 TEST(number_beyond_the_doubles_reads_as_infinity)
 {
     check_reads_as("1e309", HUGE_VAL);
