@@ -71,22 +71,33 @@ struct drop {
     unsigned slices;
 };
 
-/* Threads may meet in a cell: whose half edge it keeps does not matter. */
+/* A cell gets a vertex' half edge, or passes it on to the grid that it holds. Threads may meet in a
+ * cell: whose half edge it keeps does not matter. */
+static void drop_one(const struct drop *d, uint32_t c, uint32_t v)
+{
+    uint32_t *cell = d->hints->cell, h;
+    while ((h = __atomic_load_n(&cell[c], __ATOMIC_RELAXED)) & DT_HINT_GRID)
+        c = dt_hint_cell(d->hints->grid + (h >> 3), d->xy[v]);
+    __atomic_store_n(&cell[c], d->mesh->leaving[v], __ATOMIC_RELAXED);
+}
+
+/* After many edits the vertices are in no order, so the cells of some are fetched before the first
+ * of them is dropped. */
 static void drop_slice(void *arg, unsigned i)
 {
+    enum { AT_ONCE = 32 };
     const struct drop *d = arg;
-    const struct dt_hint_grid *grid = d->hints->grid, top = *grid;
-    const struct dt_point *xy = d->xy;
-    const uint32_t *leaving = d->mesh->leaving;
-    uint32_t *cell = d->hints->cell;
-    uint32_t end = dt_slice(d->mesh->vert_cap, i + 1, d->slices);
-    for (uint32_t v = dt_slice(d->mesh->vert_cap, i, d->slices); v < end; v++) {
-        if (leaving[v] == DT_NONE)
-            continue;
-        uint32_t c = dt_hint_cell(&top, xy[v]), h;
-        while ((h = __atomic_load_n(&cell[c], __ATOMIC_RELAXED)) & DT_HINT_GRID)
-            c = dt_hint_cell(grid + (h >> 3), xy[v]);
-        __atomic_store_n(&cell[c], leaving[v], __ATOMIC_RELAXED);
+    const struct dt_hint_grid top = *d->hints->grid;
+    uint32_t end = dt_slice(d->mesh->vert_cap, i + 1, d->slices), c[AT_ONCE];
+    for (uint32_t v = dt_slice(d->mesh->vert_cap, i, d->slices), k; v < end; v += k) {
+        uint32_t n = end - v < AT_ONCE ? end - v : AT_ONCE;
+        for (k = 0; k < n; k++) {
+            c[k] = d->mesh->leaving[v + k] == DT_NONE ? 0 : dt_hint_cell(&top, d->xy[v + k]);
+            dt_fetch(&d->hints->cell[c[k]]);
+        }
+        for (k = 0; k < n; k++)
+            if (d->mesh->leaving[v + k] != DT_NONE)
+                drop_one(d, c[k], v + k);
     }
 }
 
@@ -193,11 +204,10 @@ static enum dt_status fill_empty(const struct dt_hints *g, const struct dt_pool 
     return DT_OK;
 }
 
-enum dt_status dt_hints_build(struct dt_hints *g, struct dt_mesh *m, const struct dt_point *xy,
-                              const struct dt_pool *pool)
+enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
+                              const struct dt_point *xy, const struct dt_pool *pool)
 {
     dt_hints_clear(g);
-    m->recycled = false;
     if (m->vertices < 2)
         return DT_OK;
     unsigned threads = dt_threads_for(pool, m->vertices);
