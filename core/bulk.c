@@ -87,6 +87,7 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
     dt_mesh_clear(&t->mesh);
     dt_hints_clear(&t->hints);
     t->mesh = b.mesh;
+    t->mesh.recycled = false;
     t->hints = b.hints;
     t->hinted = t->mesh.vertices;
     t->steps = 0;

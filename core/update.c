@@ -12,6 +12,7 @@
 #include "core/memory.h"
 #include "core/query.h"
 #include "core/remove.h"
+#include "core/renew.h"
 
 #define BULK_SHARE 8  /* a batch of more than 1 / BULK_SHARE of the set is left to a rebuild */
 #define USUAL_STEPS 4 /* triangles on the way of a walk from a good hint */
@@ -28,23 +29,10 @@ static void lose_mesh(struct dt *t)
 
 /* ---- the grid ---- */
 
-/* Builds the grid anew when the set has outgrown it, or when walks have cost as much as that
- * would. */
 static void tend_hints(struct dt *t)
 {
-    uint32_t n = t->mesh.vertices;
-    bool outgrown = t->hints.grids == 0 ? n >= 2 : n >= 2 * t->hinted || n < t->hinted / 4;
-    if (!outgrown && t->steps < (uint64_t)n + 1000)
-        return;
-    t->hinted = n;
-    t->steps = 0;
-    struct dt_hints fresh = {0};
-    if (dt_hints_build(&fresh, &t->mesh, t->points.xy, NULL) == DT_OK) {
-        dt_hints_clear(&t->hints);
-        t->hints = fresh;
-    } else if (t->hints.grids == 0) {
+    if (!dt_tend(t))
         lose_mesh(t);
-    } /* else the old one still serves */
 }
 
 enum dt_where dt_update_find(struct dt *t, struct dt_point q, uint32_t *half)

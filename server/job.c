@@ -2,6 +2,7 @@
 #include "server/job.h"
 
 #include "server/loop.h"
+#include "server/renew.h"
 
 #include <stdlib.h>
 
@@ -34,7 +35,7 @@ void job_free(struct job *j)
 
 static bool edits_in_place(const struct job *j)
 {
-    return j->set != NULL && j->fresh == NULL;
+    return j->set != NULL && j->fresh == NULL && !j->beside;
 }
 
 /* ---- on a worker, or at once ---- */
@@ -175,6 +176,18 @@ void job_write(struct server *s, struct answer *a, struct job *j, struct dataset
     start(s, a, j, how);
 }
 
+void job_beside(struct server *s, struct job *j, struct dataset *set)
+{
+    struct buf out = {0};
+    struct answer nobody = {.out = &out};
+    j->beside = true;
+    j->set = set;
+    j->base = version_pin(set->current);
+    j->dt = j->base->dt;
+    set->writer = j;
+    start(s, &nobody, j, JOB_HEAVY | JOB_BRIEF);
+}
+
 /* ---- single flight ---- */
 
 bool job_join(struct server *s, struct answer *a, struct job *j)
@@ -248,6 +261,7 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
         version_unpin(&s->sets, j->base);
     job_free(j);
     if (set != NULL) {
+        renew_if_aged(s, set);
         dataset_wake(set);
         drop_unborn(s, set);
     }

@@ -35,6 +35,7 @@ struct job {
     struct dataset *set;   /* a writer's set; NULL for a reader */
     struct version *base;  /* pinned: what it reads or edits */
     struct version *fresh; /* a writer on a copy: becomes the current version */
+    bool beside;           /* a writer that only reads: `done` changes what it has worked out */
     struct dt *dt;         /* base's set or the copy */
     struct dt_options options;
     atomic_bool cancel;
@@ -62,6 +63,10 @@ void job_read(struct server *s, struct answer *a, struct job *j, struct version 
 /* The same for a job that edits the set, which has no other writer now. */
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                unsigned how);
+
+/* Gives a job to a worker that keeps edits of the set away and lets queries go on. Nobody is
+ * answered. There are workers, and the set has no other writer now. */
+void job_beside(struct server *s, struct job *j, struct dataset *set);
 
 /* Single flight: whoever asks for what the job is doing already waits for its result, too; a->job is
  * set. False when out of memory. */

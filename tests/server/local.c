@@ -71,7 +71,10 @@ static void refill(struct local *l, struct answer *a)
 /* Everything that an answer leaves to come. True if the request is to be carried out again. */
 static bool complete(struct local *l, struct answer *a)
 {
-    CHECK(a->wait == NULL); /* nobody else is there */
+    if (a->wait != NULL) { /* its grid is being made anew: nobody else is there */
+        collect(l, a);
+        return true;
+    }
     do {
         wait_for_job(l, a);
         refill(l, a);
@@ -113,10 +116,9 @@ const char *local_ask(struct local *l, const char *lines)
         at += (size_t)line_read(lines + at, n - at, true, &line);
         CHECK(request_split(q, line.text, line.len));
         command_run(&l->server, q, &a);
-        if (complete(l, &a)) {
+        while (complete(l, &a)) {
             a = new_answer(l);
             command_run(&l->server, q, &a);
-            complete(l, &a);
         }
         if (a.load != NULL)
             at += load(l, a.load, lines + at, n - at);
