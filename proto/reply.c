@@ -39,7 +39,7 @@ const char *reply_code_name(enum reply_code code)
     return code_name[code];
 }
 
-static void append_u64(struct buf *out, uint64_t v)
+void reply_u64(struct buf *out, uint64_t v)
 {
     char digits[20];
     size_t at = sizeof digits;
@@ -60,13 +60,13 @@ static void append_key(struct buf *out, const char *key)
 void reply_ok(struct buf *out, uint64_t rows)
 {
     buf_append(out, "OK ", 3);
-    append_u64(out, rows);
+    reply_u64(out, rows);
 }
 
 void reply_key_u64(struct buf *out, const char *key, uint64_t value)
 {
     append_key(out, key);
-    append_u64(out, value);
+    reply_u64(out, value);
 }
 
 void reply_key_double(struct buf *out, const char *key, double value)

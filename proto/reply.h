@@ -47,6 +47,9 @@ void reply_key_double(struct buf *out, const char *key, double value);
 void reply_key_text(struct buf *out, const char *key, const char *value);
 void reply_end(struct buf *out);
 
+/* A number alone. */
+void reply_u64(struct buf *out, uint64_t value);
+
 /* A whole ERR line; what is not printable in it becomes '?', and a long text is cut. */
 __attribute__((format(printf, 3, 4))) void reply_err(struct buf *out, enum reply_code code,
                                                      const char *format, ...);
