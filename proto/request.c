@@ -9,9 +9,10 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t';
 }
 
-static bool grow(struct request *q)
+static bool grow(struct request *q, size_t need)
 {
     size_t cap = q->cap == 0 ? 16 : 2 * q->cap;
+    cap = cap < need ? need : cap;
     struct word *word = realloc(q->word, cap * sizeof *word);
     if (word == NULL)
         return false;
@@ -22,9 +23,19 @@ static bool grow(struct request *q)
 
 bool request_add(struct request *q, const char *text, size_t len)
 {
-    if (q->n == q->cap && !grow(q))
+    if (q->n == q->cap && !grow(q, q->n + 1))
         return false;
     q->word[q->n++] = (struct word){text, len};
+    return true;
+}
+
+bool request_set(struct request *q, const struct word *word, size_t n)
+{
+    q->n = 0;
+    if (n > q->cap && !grow(q, n))
+        return false;
+    for (; q->n < n; q->n++)
+        q->word[q->n] = word[q->n];
     return true;
 }
 

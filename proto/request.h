@@ -23,6 +23,9 @@ bool request_split(struct request *q, const char *text, size_t len);
 
 /* Appends one word. False, with nothing changed, when out of memory. */
 bool request_add(struct request *q, const char *text, size_t len);
+
+/* Makes it n words that have been read before. False, with none, when out of memory. */
+bool request_set(struct request *q, const struct word *word, size_t n);
 void request_free(struct request *q);
 
 /* The same as word_is, all of the word looked at. */

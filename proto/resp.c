@@ -17,6 +17,11 @@ enum {
  * are needed, -1 if it is something else. */
 static ptrdiff_t read_header(const char *bytes, size_t n, char mark, long long *v)
 {
+    if (n >= 4 && bytes[0] == mark && bytes[2] == '\r' && bytes[3] == '\n' && bytes[1] >= '0' &&
+        bytes[1] <= '9') { /* nearly always */
+        *v = bytes[1] - '0';
+        return 4;
+    }
     size_t at = 1, digits = 0;
     bool negative = n > 1 && bytes[1] == '-';
     *v = 0;

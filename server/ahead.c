@@ -136,10 +136,8 @@ size_t ahead_take(struct server *s, const char *bytes, size_t n)
     if (a->n == 0)
         return 0;
     const struct ahead_request *r = &a->of[a->next++];
-    s->request.n = 0;
-    for (size_t i = 0; i < r->n; i++)
-        if (!request_add(&s->request, r->word[i].text, r->word[i].len))
-            return 0;
+    if (!request_set(&s->request, r->word, r->n))
+        return 0;
     a->place = r->placed ? &r->place : NULL;
     return r->len;
 }

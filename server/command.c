@@ -196,9 +196,17 @@ static bool check_state(struct server *s, struct answer *a, const struct command
 
 /* ---- running ---- */
 
+/* As command_find; where one command follows after the other, it is most often the same. */
+static const struct command *find_again(struct server *s, const struct word *name)
+{
+    if (s->command == NULL || !word_is(name, s->command->name))
+        s->command = command_find(name);
+    return s->command;
+}
+
 static void dispatch(struct server *s, const struct request *q, struct answer *a)
 {
-    const struct command *c = command_find(&q->word[0]);
+    const struct command *c = find_again(s, &q->word[0]);
     struct dataset *set;
     a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
     stats_begin(&s->stats, a->command);

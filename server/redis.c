@@ -349,6 +349,9 @@ static const struct {
 
 static redis_handler *find(const struct request *q, bool *open)
 {
+    static const char first[] = "PHAESCI"; /* letters in the table; most requests have others */
+    if (q->word[0].len == 0 || strchr(first, q->word[0].text[0] & ~0x20) == NULL)
+        return NULL;
     /* `HELLO 1` asks for the version of our protocol. */
     if (q->n == 2 && word_is(&q->word[0], "HELLO") && word_is(&q->word[1], "1"))
         return NULL;

@@ -34,11 +34,12 @@ struct server {
     struct job *jobs;        /* those that the workers have */
     /* Answers a connection that has joined a job (job_tell); it carries out nothing else then. */
     void (*tell_joined)(struct server *s, uint64_t id, struct job *j);
-    size_t loading;         /* bytes of points that are being received */
-    struct dt_ids scratch;  /* owns; the result of a query that is answered at once */
-    struct request request; /* owns; the words of the request that is carried out */
-    struct ahead ahead;     /* those behind it in its connection's input */
-    struct buf lines;       /* owns; a reply in lines before it goes out as RESP */
+    size_t loading;                /* bytes of points that are being received */
+    struct dt_ids scratch;         /* owns; the result of a query that is answered at once */
+    struct request request;        /* owns; the words of the request that is carried out */
+    struct ahead ahead;            /* those behind it in its connection's input */
+    const struct command *command; /* the last one; the next is often the same; NULL: none yet */
+    struct buf lines;              /* owns; a reply in lines before it goes out as RESP */
     struct auth auth;
     struct counters count;
     struct stats stats;

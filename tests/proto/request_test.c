@@ -90,3 +90,20 @@ TEST(http_is_recognised_by_the_end_of_its_first_line)
     CHECK(!line_is_http(" HTTP/1.", 8));
     CHECK(!line_is_http("GET /HTTP/1.1", 13));
 }
+
+TEST(request_takes_words_that_were_read_before)
+{
+    struct request q = {0};
+    struct word word[40];
+    for (size_t i = 0; i < 40; i++)
+        word[i] = (struct word){"abcdefgh", i % 9};
+    for (size_t n = 0; n <= 40; n += 8) {
+        CHECK(request_set(&q, word, n) && q.n == n);
+        for (size_t i = 0; i < n; i++)
+            CHECK(q.word[i].text == word[i].text && q.word[i].len == word[i].len);
+    }
+    request_free(&q);
+    test_fail_alloc(1);
+    CHECK(!request_set(&q, word, 1) && q.n == 0 && test_alloc_failed());
+    request_free(&q);
+}
