@@ -93,8 +93,8 @@ TEST(http_is_recognised_by_the_end_of_its_first_line)
 
 TEST(request_takes_words_that_were_read_before)
 {
-    struct request q = {0};
     struct word word[40];
+    request_free(&q);
     for (size_t i = 0; i < 40; i++)
         word[i] = (struct word){"abcdefgh", i % 9};
     for (size_t n = 0; n <= 40; n += 8) {
