@@ -59,7 +59,7 @@ enum record_type {
     RECORD_MOVE,        /* first: the id; a, b: its place */
     RECORD_DROP,        /* the set */
     RECORD_TRIANGULATE, /* from now on the set has a triangulation */
-    RECORD_CLOSE,       /* the end of a log that was closed in good order */
+    RECORD_CLOSE,       /* says nothing: the end of a log that was closed in good order, or a gap */
     RECORD_SET,  /* snapshot: a: the tolerance; first: the next id; n: how many points follow */
     RECORD_ROWS, /* snapshot: items: points of the set, ids ascending */
     RECORD_END,  /* snapshot: n: how many sets it has */

@@ -64,6 +64,8 @@ static void *read_directory(void *arg)
         d->log = log_new(&d->dir, s->config->fsync, r->last + 1, d->event);
         if (d->log == NULL)
             r->result = RECOVERY_ERROR;
+        else
+            log_fill(d->log, r->ahead);
     } else if (r->result != RECOVERY_CANCELLED) {
         notice(NOTICE_ERROR, "%s: %s", d->dir.path, r->why);
     }

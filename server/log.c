@@ -140,6 +140,14 @@ uint64_t log_append_points(struct log *log, struct record *r, double *xy)
     return p->last;
 }
 
+void log_fill(struct log *log, uint64_t lsn)
+{
+    struct record nothing = {.type = RECORD_CLOSE};
+    while (log->next <= lsn)
+        log_append(log, &nothing);
+    log_push(log);
+}
+
 void log_push(struct log *log)
 {
     if (log->open.first == NULL && !log->lost)

@@ -53,6 +53,10 @@ uint64_t log_append(struct log *log, struct record *r);
 /* The same for an ADD of n points at xy (x, y each; from malloc, now the log's). */
 uint64_t log_append_points(struct log *log, struct record *r, double *xy);
 
+/* Appends records that say nothing, up to that lsn: these numbers have been given to changes that a
+ * snapshot has, and the log has lost. */
+void log_fill(struct log *log, uint64_t lsn);
+
 /* Passes what was appended on to the thread; to be called once a turn. */
 void log_push(struct log *log);
 

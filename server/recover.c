@@ -285,8 +285,17 @@ static bool miss_segment(struct recovery *r, const struct datafile *then)
                 then == NULL ? "" : then->name, then == NULL ? "" : ": ", r->last + 1, mends);
 }
 
+/* A set may have been pinned for the snapshot after later changes than those up to which the file
+ * contains all; if the log has lost these in a crash, their numbers are taken nevertheless. */
+static void look_ahead(struct dataset *set, void *ctx)
+{
+    struct recovery *r = ctx;
+    if (set->lsn > r->ahead)
+        r->ahead = set->lsn;
+}
+
 /* Reads the segments from the first one that has changes after the snapshot. */
-static bool read_log(struct recovery *r, const struct datafile *f, size_t n)
+static bool read_segments(struct recovery *r, const struct datafile *f, size_t n)
 {
     while (n > 1 && f[1].lsn <= r->replay.snapshot + 1) {
         r->done += f->bytes;
@@ -310,6 +319,14 @@ static bool read_log(struct recovery *r, const struct datafile *f, size_t n)
     return true;
 }
 
+static void read_log(struct recovery *r, const struct datafile *f, size_t n)
+{
+    if (read_segments(r, f, n))
+        r->result = RECOVERY_OK;
+    r->ahead = r->last > r->replay.snapshot ? r->last : r->replay.snapshot;
+    registry_each(&r->replay.sets, look_ahead, r);
+}
+
 void recovery_run(struct recovery *r)
 {
     struct datafiles files;
@@ -325,8 +342,8 @@ void recovery_run(struct recovery *r)
     }
     size_t read = snapshots - (r->pass_over && snapshots > 0);
     bool ok = read == 0 || read_snapshot(r, &files.v[read - 1]);
-    if (ok && read_log(r, files.v + snapshots, logs))
-        r->result = RECOVERY_OK;
+    if (ok)
+        read_log(r, files.v + snapshots, logs);
     datafiles_free(&files);
 }
 
@@ -338,8 +355,7 @@ void recovery_log(struct recovery *r, const struct datafiles *files)
         snapshots++;
     while (snapshots + logs < files->n && f[snapshots + logs].kind == DATAFILE_LOG)
         logs++;
-    if (read_log(r, f + snapshots, logs))
-        r->result = RECOVERY_OK;
+    read_log(r, f + snapshots, logs);
 }
 
 /* ---- afterwards ---- */

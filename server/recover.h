@@ -33,6 +33,7 @@ struct recovery {
     struct replay replay;
     uint64_t log_bytes;   /* of the segments that were read */
     uint64_t last;        /* the lsn of the last change */
+    uint64_t ahead;       /* the same, or that of a later one, which only the snapshot has */
     struct datafile file; /* the segment that is torn or corrupt */
     uint64_t at;          /* from this offset on */
     bool torn;
