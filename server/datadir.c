@@ -66,7 +66,7 @@ static bool parse_name(const char *name, struct datafile *f)
         f->lsn = strtoull(name + strlen(start), NULL, 16);
         datafile_name(f->name, f->kind, f->lsn);
         if (strcmp(f->name, name) == 0)
-            return true;
+            return f->kind != DATAFILE_LOG || f->lsn > 0;
     }
     return false;
 }

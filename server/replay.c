@@ -62,16 +62,6 @@ static bool collect(struct replay *p, const struct record *r)
     return true;
 }
 
-static const char *add_collected(struct replay *p, struct dataset *set, uint32_t first)
-{
-    struct dt_added added = {0};
-    enum dt_status status = dt_add(set->current->dt, p->points, p->n, &added);
-    p->n = 0;
-    if (status == DT_OK && added.first != first)
-        return contradiction;
-    return told(p, status);
-}
-
 /* ---- the log ---- */
 
 static struct dataset *find(struct replay *p, const struct record *r)
@@ -92,28 +82,39 @@ static struct dataset *create(struct replay *p, const struct record *r, double t
     return set;
 }
 
-static const char *apply_add(struct replay *p, struct dataset *set, const struct record *r)
+/* Adds the points that were collected; `first` is the id that the first one got. */
+static const char *add_collected(struct replay *p, struct dataset *set, const struct record *r,
+                                 uint32_t first)
 {
+    struct dataset *fresh = NULL;
+    struct dt_added added;
+    if ((set == NULL ? 0 : dt_next_id(set->current->dt)) != first)
+        return contradiction;
     if (set == NULL)
-        set = create(p, r, 0);
+        set = fresh = create(p, r, 0);
     if (set == NULL)
         return p->out_of_memory ? no_memory : contradiction;
-    set->lsn = r->lsn;
+    enum dt_status status = dt_add(set->current->dt, p->points, p->n, &added);
     p->n = 0;
-    return collect(p, r) ? add_collected(p, set, r->first) : fail_memory(p);
+    if (status == DT_OK)
+        set->lsn = r->lsn;
+    else if (fresh != NULL)
+        registry_drop(&p->sets, fresh);
+    return told(p, status);
+}
+
+static const char *apply_add(struct replay *p, struct dataset *set, const struct record *r)
+{
+    p->n = 0;
+    return collect(p, r) ? add_collected(p, set, r, r->first) : fail_memory(p);
 }
 
 static const char *apply_loaded(struct replay *p, struct dataset *set, const struct record *r)
 {
     p->in_load = false;
-    if (set == NULL)
-        set = create(p, r, 0);
-    if (set == NULL)
-        return p->out_of_memory ? no_memory : contradiction;
     if (r->n != p->n)
         return contradiction;
-    set->lsn = r->lsn;
-    const char *fault = add_collected(p, set, p->load_first);
+    const char *fault = add_collected(p, set, r, p->load_first);
     free(p->points); /* a load may be large, and another one may not come */
     p->points = NULL;
     p->cap = 0;
@@ -134,23 +135,22 @@ static const char *apply_delete(struct replay *p, struct dataset *set, const str
 /* A record about a set that is there. */
 static const char *apply_existing(struct replay *p, struct dataset *set, const struct record *r)
 {
-    if (set == NULL)
-        return contradiction;
-    set->lsn = r->lsn;
-    switch (r->type) {
-    case RECORD_DELETE:
-        return apply_delete(p, set, r);
-    case RECORD_MOVE:
-        return told(p, dt_move(set->current->dt, r->first, (struct dt_point){r->a, r->b}));
-    case RECORD_TRIANGULATE:
-        set->triangulated = true;
-        return NULL;
-    case RECORD_DROP:
+    const char *fault = contradiction;
+    if (set != NULL && r->type == RECORD_DROP) {
         registry_drop(&p->sets, set);
         return NULL;
-    default:
-        return contradiction;
     }
+    if (set != NULL && r->type == RECORD_TRIANGULATE) {
+        set->triangulated = true;
+        fault = NULL;
+    } else if (set != NULL && r->type == RECORD_DELETE) {
+        fault = apply_delete(p, set, r);
+    } else if (set != NULL && r->type == RECORD_MOVE) {
+        fault = told(p, dt_move(set->current->dt, r->first, (struct dt_point){r->a, r->b}));
+    }
+    if (fault == NULL)
+        set->lsn = r->lsn;
+    return fault;
 }
 
 static const char *apply_load(struct replay *p, const struct record *r, bool skip)

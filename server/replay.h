@@ -27,7 +27,8 @@ struct replay {
 void replay_init(struct replay *p);
 void replay_clear(struct replay *p);
 
-/* Applies one record of the log, or one of a snapshot. Returns NULL, or what is wrong with it. */
+/* Applies one record of the log, or one of a snapshot. Returns NULL, or what is wrong with it; then a
+ * record of the log has changed nothing. */
 const char *replay_log(struct replay *p, const struct record *r);
 const char *replay_snapshot(struct replay *p, const struct record *r);
 

@@ -63,7 +63,9 @@ struct reading {
     struct losses *losses;
     struct segment_reader in;
     uint64_t bytes;  /* of the file */
+    uint64_t lsn;    /* all changes up to this one were in it */
     uint64_t number; /* of the record that comes next */
+    bool damaged;    /* not all before that was whole */
     bool ended;
 };
 
@@ -102,25 +104,32 @@ static uint32_t word_at(const char *p)
     return u[0] | (uint32_t)u[1] << 8 | (uint32_t)u[2] << 16 | (uint32_t)u[3] << 24;
 }
 
+/* Whether RECORD_END, which may be damaged elsewhere, has as many sets as were seen. */
+static bool end_counts(const struct reading *s)
+{
+    return buf_len(&s->in.window) >= RECORD_HEADER &&
+           word_at(buf_head(&s->in.window) + 32) == s->losses->sets;
+}
+
 /* Whether the damaged record is RECORD_END: as long as that, the last one, and like it in two of
  * three respects. */
 static bool is_damaged_end(const struct reading *s)
 {
     const char *p = buf_head(&s->in.window);
     return s->bytes - s->in.at == RECORD_HEADER && buf_len(&s->in.window) == RECORD_HEADER &&
-           (p[24] == RECORD_END) + (word_at(p + 4) == 0) + (word_at(p + 32) == s->losses->sets) >=
-               2;
+           (p[24] == RECORD_END) + (word_at(p + 4) == 0) + end_counts(s) >= 2;
 }
 
 /* Behind a damaged record goes to the next whole one. False at the end. What is missing between
  * may have been an empty set, unless it was one record and rows follow: then these were its own. */
-static bool pass_damage(struct reading *s, struct record *record)
+static bool pass_damage(struct reading *s, enum reader_result got, struct record *record)
 {
-    bool last = is_damaged_end(s);
+    bool last = got == READER_BAD && is_damaged_end(s), counted = !s->damaged || end_counts(s);
     lose_set(s);
+    s->damaged = true;
     if (reader_search(&s->in, s->number, record) != READER_OK) {
-        s->losses->empty = !last;
-        if (last)
+        s->losses->empty |= !last;
+        if (last && counted)
             s->losses->announced = s->losses->sets;
         return false;
     }
@@ -130,16 +139,18 @@ static bool pass_damage(struct reading *s, struct record *record)
 
 static bool read_what_is_whole(struct reading *s, const struct datafile *f)
 {
-    struct segment header;
+    struct segment header = {0};
     struct record record;
     enum reader_result got = reader_open(&s->in, s->r->dir, f, &header);
     if (got == READER_BAD && buf_len(&s->in.window) >= SEGMENT_HEADER)
-        s->in.last = SEGMENT_HEADER; /* its name says the same */
+        s->in.last = SEGMENT_HEADER;
+    /* Where the header cannot be read, the file's name says the same. */
+    s->lsn = got == READER_BAD && header.kind == SEGMENT_SNAPSHOT ? header.lsn : f->lsn;
     for (s->number = 1; got != READER_ERROR && !s->ended; s->number = record.lsn + 1) {
         got = reader_next(&s->in, &record);
         if (got == READER_ERROR)
             break;
-        if ((got != READER_OK || record.lsn != s->number) && !pass_damage(s, &record))
+        if ((got != READER_OK || record.lsn != s->number) && !pass_damage(s, got, &record))
             break;
         take_record(s, &record);
     }
@@ -233,10 +244,11 @@ static bool keep_whole_sets(const struct datadir *dir, const struct datafiles *f
     struct reading s = {.r = &r, .losses = &losses, .bytes = newest->bytes};
     bool ok = read_what_is_whole(&s, newest) || complain("cannot read the snapshot");
     if (ok) {
-        r.last = r.replay.snapshot = newest->lsn;
+        r.last = r.replay.snapshot = s.lsn;
         r.replay.losses = &losses;
         r.mend = true;
         recovery_log(&r, files);
+        r.last = r.ahead;
         ok = r.result == RECOVERY_OK || r.result == RECOVERY_CORRUPT;
         if (r.why[0] != '\0')
             printf("%s\n", r.why);

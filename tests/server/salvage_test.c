@@ -264,6 +264,73 @@ TEST(repair_of_a_snapshot_passes_a_damaged_header_of_the_log)
     free_sample(&s);
 }
 
+TEST(repair_of_a_snapshot_believes_its_header_more_than_its_name)
+{
+    char text[FILE_LIMIT], path[128];
+    struct sample s = make_sample();
+    lay_out(&s, s.bytes, s.n);
+    snprintf(path, sizeof path, "%s/snapshot.%016x", s.dir.path, 12); /* not 8 */
+    CHECK(rename(s.snapshot, path) == 0);
+    CHECK_MSG(repair(&s, text, sizeof text) == 0, "%s", text);
+    CHECK(check_kept(&s, text, "name", 12) == 0);
+    free_sample(&s);
+}
+
+/* The one record that names the set t, and the one that counts the sets. */
+TEST(repair_of_a_snapshot_counts_on_no_end_that_is_damaged_as_well)
+{
+    char text[FILE_LIMIT];
+    struct sample s = make_sample();
+    size_t at = (size_t)((char *)memmem(s.bytes, s.n, "t", 1) - s.bytes) - RECORD_HEADER;
+    memset(s.bytes + at, 0, RECORD_HEADER + 1);
+    s.bytes[s.n - RECORD_HEADER + 8] ^= 1;
+    lay_out(&s, s.bytes, s.n);
+    CHECK_MSG(repair(&s, text, sizeof text) == 0, "%s", text);
+    CHECK(check_kept(&s, text, "byte", at) > 0);
+    free_sample(&s);
+}
+
+/* A log that was closed without a change is as long as a snapshot's end, and says nothing as well. */
+TEST(repair_takes_a_log_in_place_of_a_snapshot_for_no_empty_snapshot)
+{
+    char text[FILE_LIMIT];
+    struct sample s = make_sample();
+    struct segment log = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = 9};
+    struct record close = {.lsn = 9, .synced = 8, .type = RECORD_CLOSE};
+    struct buf b = {0};
+    segment_write(buf_reserve(&b, SEGMENT_HEADER), &log);
+    buf_commit(&b, SEGMENT_HEADER);
+    record_write(&b, &close);
+    lay_out(&s, buf_head(&b), buf_len(&b));
+    CHECK_MSG(repair(&s, text, sizeof text) == 0, "%s", text);
+    CHECK(check_kept(&s, text, "all", 0) > 0);
+    buf_free(&b);
+    free_sample(&s);
+}
+
+TEST(record_that_is_refused_changes_nothing)
+{
+    const double xy[] = {1, 1, 2, 2};
+    struct replay p;
+    struct buf b = {0};
+    struct record r = {.lsn = 1, .type = RECORD_ADD, .first = 14, .n = 2, .items = xy};
+    r.name = "t";
+    r.name_len = 1;
+    record_write(&b, &r);
+    replay_init(&p);
+    CHECK(record_read(buf_head(&b), buf_len(&b), &r) > 0 && replay_log(&p, &r) != NULL);
+    CHECK(p.sets.sets == 0 && !p.out_of_memory);
+    r.first = 0;
+    CHECK(replay_log(&p, &r) == NULL && p.sets.sets == 1);
+    r.lsn = 2; /* again, with ids that are taken */
+    CHECK(replay_log(&p, &r) != NULL);
+    struct word name = {"t", 1};
+    const struct dataset *set = registry_find(&p.sets, &name);
+    CHECK(set->lsn == 1 && dt_next_id(set->current->dt) == 2);
+    replay_clear(&p);
+    buf_free(&b);
+}
+
 TEST(repair_loses_nothing_where_the_log_from_the_beginning_is_there)
 {
     char text[FILE_LIMIT], path[128];
