@@ -108,7 +108,7 @@ TEST(snapshot_holds_the_set_as_it_was_whatever_edits_come_meanwhile)
     struct local l;
     struct datadir dir;
     struct directory d = directory_new();
-    int event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    int event = eventfd(0, EFD_CLOEXEC);
     local_start(&l, 2);
     compose_points(text, sizeof text);
     local_ask(&l, text);
