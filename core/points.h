@@ -72,6 +72,13 @@ static inline uint32_t dt_points_next_live(const struct dt_points *p, uint32_t i
     return dt_idmap_next(&p->value, id);
 }
 
+/* Fetches the coordinates of a live id. */
+static inline void dt_points_fetch(const struct dt_points *p, uint32_t id)
+{
+    uint32_t v = dt_idmap_get(&p->value, id);
+    dt_fetch(v & DT_ALIAS_BIT ? (const void *)&p->aliases.alias[v & ~DT_ALIAS_BIT] : &p->xy[v]);
+}
+
 /* The coordinates of a live id. */
 struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
 

@@ -99,12 +99,14 @@ static uint32_t next_id(const struct dt *t, struct dt_cursor *c)
     return DT_NONE;
 }
 
+/* Whoever reads the ids of all points asks for their coordinates next: those are fetched. */
 static void read_points(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
     while (c->left > 0 && has_room(k, 1)) {
         uint32_t id = next_id(t, c);
         if (id == DT_NONE)
             return;
+        dt_points_fetch(&t->points, id);
         *row(k, 1) = id;
         c->id = id + 1;
         c->left--;

@@ -11,7 +11,7 @@
 
 #define TAU 6.283185307179586
 
-enum { SCATTERED = 30000, ON_CIRCLE = 12000 };
+enum { SCATTERED = 16000, ON_CIRCLE = 12000 };
 
 /* Points of a small lattice, many of them more than once, and far away a circle round its centre,
  * which is joined to all of it; then some of the former go. The caller frees it. */
@@ -26,7 +26,7 @@ static char *set_of_many(void)
         to += sprintf(to, "%.17g %.17g\n", 1000 + 100 * cos(i * TAU / ON_CIRCLE),
                       1000 + 100 * sin(i * TAU / ON_CIRCLE));
     to += sprintf(to, ".\nDEL t");
-    for (int i = 1; i < 9000; i++)
+    for (int i = 1; i < 5000; i++)
         if (i % 9 != 0)
             to += sprintf(to, " %d", i);
     strcpy(to, "\nTRIANGULATE t\n");
@@ -49,22 +49,11 @@ static struct text reply_to(struct local *l, const char *request)
 
 TEST(large_replies_have_the_same_bytes_for_every_number_of_threads)
 {
-    static const char *const requests[] = {"LISTS t",
-                                           "LISTS t CW",
-                                           "LISTS t BINARY",
-                                           "TRIANGLES t",
-                                           "EDGES t",
-                                           "EDGES t CW",
-                                           "EDGES t BINARY",
-                                           "TRIANGLES t CW BINARY",
-                                           "POINTS t",
-                                           "COINCIDENT t",
-                                           "POINTS t BINARY",
-                                           "HULL t",
-                                           "WITHIN t -1 -1 2000 2000",
-                                           "NEAREST t 3 3 21000"};
+    static const char *const requests[] = {
+        "LISTS t CW", "LISTS t BINARY", "TRIANGLES t", "EDGES t BINARY",
+        "POINTS t",   "COINCIDENT t",   "HULL t",      "WITHIN t -1 -1 2000 2000"};
     char *load = set_of_many();
-    struct local with[3];
+    struct local with[3]; /* 0, 2 and 4 threads */
     for (unsigned k = 0; k < 3; k++) {
         local_start(&with[k], 2 * k);
         local_ask(&with[k], load);
@@ -77,7 +66,7 @@ TEST(large_replies_have_the_same_bytes_for_every_number_of_threads)
             struct text got = reply_to(&with[k], requests[i]);
             CHECK_MSG(got.n == want.n && memcmp(got.bytes, want.bytes, got.n) == 0,
                       "%s, %u threads", requests[i], 2 * k);
-            CHECK_MSG(want.n < 1000000 || with[k].server.count.jobs > jobs + 10, "%s", requests[i]);
+            CHECK_MSG(want.n < 600000 || with[k].server.count.jobs > jobs + 10, "%s", requests[i]);
             free(got.bytes);
         }
         free(want.bytes);
@@ -133,7 +122,7 @@ TEST(large_replies_survive_every_failed_allocation)
     local_ask(&l, load);
     struct text want = reply_to(&l, "LISTS t");
     unsigned cut = 0;
-    for (long n = 1; n < 200; n += 1 + n / 10) {
+    for (long n = 1; n < 60; n += 1 + n / 4) {
         local_ask(&l, ""); /* room for the head of the reply */
         l.closed = false;
         test_fail_alloc(n);
