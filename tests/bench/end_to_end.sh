@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # From a text file of points to a text of their triangulation: through the daemon and loopback TCP, by a local CGAL
-# program, and by qdelaunay (Debian's qhull-bin). Wall-clock seconds, the best of three.
+# program, and by qdelaunay (Debian's qhull-bin). Wall-clock seconds, the best of three. Then what a row of each whole table
+# costs, where ids are at random in the plane, and where neighbours have arrived together.
 #
 #     end_to_end.sh BUILD_DIR N
 set -euo pipefail
@@ -31,6 +32,23 @@ through_daemon() { # ROWS
     tail -n 1 "$scratch/out" | grep -q '^OK 0'
 }
 
+ask() { # REQUEST: a whole table of the set t
+    printf '%s t\n' "$1" | nc -N 127.0.0.1 "$port" >"$scratch/out"
+    head -n 1 "$scratch/out" | grep -q '^OK '
+}
+
+# Loads FILE as t; then a line for each table: nanoseconds a row.
+time_tables() { # FILE
+    local table seconds rows
+    { printf 'LOAD t\n'; cat "$1"; printf '.\nTRIANGULATE t\n'; } | nc -N 127.0.0.1 "$port" >"$scratch/out"
+    for table in LISTS TRIANGLES EDGES POINTS; do
+        seconds=$(best_of_three ask "$table")
+        rows=$(($(wc -l <"$scratch/out") - 1))
+        echo "$seconds $rows" | awk '{printf "%.0f\n", $1 / $2 * 1e9}'
+    done
+    printf 'DROP t\n' | nc -N 127.0.0.1 "$port" >"$scratch/out"
+}
+
 by_cgal() { "$build/tests/bench/cgal_text" <"$scratch/points" >"$scratch/out"; }
 by_qdelaunay() { { echo 2; echo "$n"; cat "$scratch/points"; } | qdelaunay Qt i >"$scratch/out"; }
 
@@ -55,3 +73,15 @@ row "daemon over TCP: LOAD, TRIANGULATE, LISTS" "$lists"
 row "daemon over TCP: LOAD, TRIANGULATE, TRIANGLES" "$(best_of_three through_daemon TRIANGLES)"
 [ ! -x "$build/tests/bench/cgal_text" ] || row "local CGAL program" "$(best_of_three by_cgal)"
 ! command -v qdelaunay >/dev/null || row "qdelaunay" "$(best_of_three by_qdelaunay)"
+
+# Strips of the unit square, each from one end to the other.
+awk '{printf "%d %s\n", $1 * 500, $0}' "$scratch/points" | sort -k1,1n -k3,3g | cut -d' ' -f2- >"$scratch/strips"
+time_tables "$scratch/points" >"$scratch/random_ns"
+time_tables "$scratch/strips" >"$scratch/strips_ns"
+echo
+echo "The whole table of $n points over TCP, nanoseconds a row on the wall."
+echo
+echo '| request | ids at random | ids in strips |'
+echo '|---|---|---|'
+printf '%s\n' LISTS TRIANGLES EDGES POINTS | paste -d'|' - "$scratch/random_ns" "$scratch/strips_ns" |
+    sed 's/|/ | /g; s/^/| /; s/$/ |/'
