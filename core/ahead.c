@@ -101,7 +101,7 @@ void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
         return;
     for (size_t i = 0; i < n; i++)
         p[i].near = DT_NONE;
-    if (dt_readable(t) != DT_OK || t->mesh.vertices < 2)
+    if (dt_readable(t) != DT_OK || t->hints.grids == 0)
         return;
     for (size_t i = 0; i < n; i++)
         dt_fetch(&t->hints.cell[dt_hint_cell(t->hints.grid, p[i].at)]);

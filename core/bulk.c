@@ -11,7 +11,6 @@ struct draft {
     uint32_t *from;      /* where each stands now */
     uint32_t n;
     struct dt_mesh mesh;
-    struct dt_hints hints;
 };
 
 static void draft_clear(struct draft *b)
@@ -19,7 +18,6 @@ static void draft_clear(struct draft *b)
     dt_array_free(b->xy);
     dt_array_free(b->from);
     dt_mesh_clear(&b->mesh);
-    dt_hints_clear(&b->hints);
 }
 
 /* The vertices in use, in their present order, become the draft's. */
@@ -77,8 +75,6 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
     enum dt_status status = DT_NOMEM;
     if (b.xy != NULL && b.from != NULL)
         status = triangulate(&b, &t->points, opt);
-    if (status == DT_OK)
-        status = dt_hints_build(&b.hints, &b.mesh, b.xy, pool);
     if (status != DT_OK) {
         draft_clear(&b);
         return status;
@@ -88,8 +84,7 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
     dt_hints_clear(&t->hints);
     t->mesh = b.mesh;
     t->mesh.recycled = false;
-    t->hints = b.hints;
-    t->hinted = t->mesh.vertices;
+    t->hinted = 0;
     t->steps = 0;
     t->current = true;
     return DT_OK;

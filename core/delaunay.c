@@ -8,6 +8,7 @@
 
 #include "core/bulk.h"
 #include "core/memory.h"
+#include "core/renew.h"
 #include "core/update.h"
 
 #ifdef __FAST_MATH__
@@ -224,7 +225,8 @@ void dt_summary(const struct dt *t, struct dt_summary *out)
         .points = dt_points_live(&t->points),
         .coincident = t->points.aliases.count,
         .triangulated = t->triangulated,
-        .current = t->triangulated && t->current,
+        .current = dt_is_live(t),
+        .searchable = dt_is_searchable(t),
         .memory = sizeof *t + dt_points_memory(&t->points) + dt_mesh_memory(&t->mesh) +
                   dt_hints_memory(&t->hints) + dt_cavity_memory(&t->scratch),
     };

@@ -10,6 +10,8 @@
  *                | h | G | h |     G: the cell's own grid (its number), marked by bit 2, which no
  *                +---+---+---+        half edge 8t + k has set
  *
+ * When it is made: core/renew.h.
+ *
  * An empty cell borrows the content of the nearest one that is not, marked by 3 in the two lowest
  * bits; of a half edge only the triangle counts. */
 #ifndef DT_HINTS_H

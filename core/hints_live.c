@@ -72,6 +72,8 @@ uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const s
 void dt_hint_put(struct dt_hints *g, struct dt_point q, uint32_t h)
 {
     uint32_t cell;
+    if (g->grids == 0)
+        return;
     leaf(g, q, &cell);
     g->cell[cell] = dt_base(h);
 }

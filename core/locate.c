@@ -168,6 +168,9 @@ static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point 
 {
     enum dt_where where;
     uint32_t h, left = PATIENCE;
+    *steps = 4 * PATIENCE;
+    if (hints->grids == 0)
+        return dt_walk(m, xy, m->hull, q, half);
     if (near < 8 * (uint64_t)m->tri_end && !dt_is_dead(m, near)) {
         h = near;
         id = NULL; /* who knew q knew that before */

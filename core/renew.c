@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#include "core/update.h"
+
 #define AT_ONCE 10000 /* vertices of a set whose grid an edit makes anew: half a millisecond */
 #define OVERDUE 4     /* times too old */
 
@@ -26,24 +28,42 @@ static void take(struct dt *t, struct dt_hints *fresh)
 }
 
 /* From now on the grid counts as new, whether or not it is: if there is no memory for another one,
- * it serves as long again. */
+ * it serves as long again, or searches walk as long without. */
 static void count_anew(struct dt *t)
 {
     t->hinted = t->mesh.vertices;
     t->steps = 0;
 }
 
-bool dt_tend(struct dt *t)
+/* Whether there is no grid, and it has not been tried to make one. */
+static bool lacks_grid(const struct dt *t)
 {
-    bool none = t->hints.grids == 0;
-    if (none ? t->mesh.vertices < 2 : !is_old(t, t->mesh.vertices > AT_ONCE ? OVERDUE : 1))
-        return true;
+    return t->hints.grids == 0 && t->hinted == 0 && t->mesh.vertices >= 2;
+}
+
+void dt_tend(struct dt *t)
+{
+    if (!lacks_grid(t) && !is_old(t, t->mesh.vertices > AT_ONCE ? OVERDUE : 1))
+        return;
     struct dt_hints fresh = {0};
     count_anew(t);
-    if (dt_hints_build(&fresh, &t->mesh, t->points.xy, NULL) != DT_OK)
-        return !none;
-    take(t, &fresh);
-    return true;
+    if (dt_hints_build(&fresh, &t->mesh, t->points.xy, NULL) == DT_OK)
+        take(t, &fresh);
+}
+
+bool dt_is_searchable(const struct dt *t)
+{
+    return dt_is_live(t) && !lacks_grid(t);
+}
+
+enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt)
+{
+    struct dt_renewal *r;
+    if (!dt_is_live(t) || !lacks_grid(t))
+        return DT_OK;
+    enum dt_status status = dt_renew(t, opt == NULL ? NULL : opt->pool, &r);
+    dt_renewed(t, r);
+    return status;
 }
 
 bool dt_is_aged(const struct dt *t)

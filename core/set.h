@@ -8,9 +8,10 @@
 #include "core/points.h"
 
 struct dt {
-    struct dt_points points;  /* who is where */
-    struct dt_mesh mesh;      /* who is joined to whom; its vertex numbers are those of points */
-    struct dt_hints hints;    /* the uniform grid: a half edge near every place */
+    struct dt_points points; /* who is where */
+    struct dt_mesh mesh;     /* who is joined to whom; its vertex numbers are those of points */
+    struct dt_hints
+        hints; /* the uniform grid: a half edge near every place; empty until it is wanted */
     bool triangulated;        /* dt_triangulate has been called */
     bool current;             /* mesh and hints agree with points */
     struct dt_cavity scratch; /* of edits */

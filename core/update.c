@@ -29,12 +29,6 @@ static void lose_mesh(struct dt *t)
 
 /* ---- the grid ---- */
 
-static void tend_hints(struct dt *t)
-{
-    if (!dt_tend(t))
-        lose_mesh(t);
-}
-
 enum dt_where dt_update_find(struct dt *t, struct dt_point q, uint32_t *half)
 {
     uint32_t steps;
@@ -111,9 +105,9 @@ static void insert_vertex(struct dt *t, uint32_t v, const struct place *p,
         lose_mesh(t);
         return;
     }
-    if (t->hints.grids > 0 && t->mesh.vertices >= 2)
+    if (t->mesh.vertices >= 2)
         dt_hint_put(&t->hints, t->points.xy[v], t->mesh.leaving[v]);
-    tend_hints(t);
+    dt_tend(t);
 }
 
 static void remove_vertex(struct dt *t, uint32_t v, struct dt_cavity *scratch)
@@ -127,9 +121,9 @@ static void remove_vertex(struct dt *t, uint32_t v, struct dt_cavity *scratch)
         lose_mesh(t);
         return;
     }
-    if (t->mesh.vertices >= 2 && t->hints.grids > 0)
+    if (t->mesh.vertices >= 2)
         dt_hint_put(&t->hints, t->points.xy[v], t->mesh.leaving[near]);
-    tend_hints(t);
+    dt_tend(t);
 }
 
 /* ---- adding ---- */
@@ -151,6 +145,7 @@ static enum dt_status add_one(struct dt *t, uint32_t id, struct dt_point q, uint
 
 enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_added *out)
 {
+    dt_tend(t); /* the batch wants a grid */
     struct dt_batch b;
     struct dt_added done = {.first = t->points.next_id, .added = (uint32_t)n};
     enum dt_status status = dt_points_reserve(&t->points, n);

@@ -224,8 +224,9 @@ static enum dt_status walk_box(const struct dt *t, const struct box *b, struct d
     const struct dt_mesh *m = &t->mesh;
     const struct dt_point *xy = t->points.xy;
     uint32_t g = m->hull;
-    g = dt_hint_live(&t->hints, m, xy,
-                     entry(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]));
+    if (t->hints.grids > 0)
+        g = dt_hint_live(&t->hints, m, xy,
+                         entry(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]));
     struct dt_point p = xy[dt_hull_vertex(m, g)], ahead = xy[dt_hull_successor(m, g)];
     int dx = sign(ahead.x - p.x), dy = sign(ahead.y - p.y);
     enum dt_status s = walk_line(t, b, g, false, dx, dy, out);

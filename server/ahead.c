@@ -75,7 +75,7 @@ static void take_question(struct server *s, struct questions *all, struct ahead_
 
 static void fetch(struct questions *all)
 {
-    if (all->places >= LEAST)
+    if (all->places >= LEAST && all->set->current->sum.searchable)
         dt_fetch_places(all->set->current->dt, all->place, all->places);
     if (all->ids >= LEAST)
         dt_fetch_ids(all->set->current->dt, all->id, all->ids);

@@ -5,6 +5,7 @@
 #include "server/cmd_load.h"
 #include "server/durable.h"
 #include "server/job.h"
+#include "server/renew.h"
 #include "server/stream.h"
 
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 enum {
     READS = CMD_SET | CMD_EXISTING,
     QUERIES = READS | CMD_FRESH | CMD_LIVE,
+    SEARCHES = QUERIES | CMD_SEARCH,
     EDITS = CMD_SET | CMD_WRITE,
     MOST_SECONDS = 1000000,
     REFRESH_AT_ONCE = 500 /* points of a set that the I/O thread brings up to date itself */
@@ -40,7 +42,7 @@ const struct command commands[] = {
     {"TRIANGULATE", 2, 4, EDITS | CMD_EXISTING, cmd_triangulate,
      "TRIANGULATE set [METHOD auto|shelling|divide]",
      "computes the Delaunay triangulation, which edits then keep current"},
-    {"CHECK", 2, 2, QUERIES, cmd_check, "CHECK set", "proves the triangulation exactly"},
+    {"CHECK", 2, 2, SEARCHES, cmd_check, "CHECK set", "proves the triangulation exactly"},
     {"LISTS", 2, 0, QUERIES, cmd_lists, "LISTS set [CW] [BINARY] | LISTS set id [id ...] [CW]",
      "each point with the ring of its neighbours, interior points first, then along the hull"},
     {"TRIANGLES", 2, 6, QUERIES, cmd_triangles,
@@ -49,11 +51,11 @@ const struct command commands[] = {
     {"EDGES", 2, 4, QUERIES, cmd_edges, "EDGES set [CW] [BINARY] | EDGES set a [CW]",
      "every edge, or those at a point"},
     {"HULL", 2, 3, QUERIES, cmd_hull, "HULL set [CW]", "the points of the convex hull"},
-    {"LOCATE", 4, 4, QUERIES, cmd_locate, "LOCATE set x y",
+    {"LOCATE", 4, 4, SEARCHES, cmd_locate, "LOCATE set x y",
      "the triangle, edge or point where x y lies"},
-    {"NEAREST", 4, 5, QUERIES, cmd_nearest, "NEAREST set x y [k]",
+    {"NEAREST", 4, 5, SEARCHES, cmd_nearest, "NEAREST set x y [k]",
      "the k nearest points, nearest first"},
-    {"WITHIN", 5, 6, QUERIES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
+    {"WITHIN", 5, 6, SEARCHES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
      "the points in a closed box or disc"},
     {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
      "the steps of the shelling algorithm, for sets of up to 1000 points"},
@@ -174,6 +176,16 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
     return now;
 }
 
+/* The same for what looks at the grid for searches. Nothing else does, so it is made beside those who
+ * read the set. */
+static bool prepare(struct server *s, struct answer *a, struct dataset *set)
+{
+    if (renew_has_grid(s, set))
+        return true;
+    a->wait = set;
+    return false;
+}
+
 /* Whether the set's state allows the command now. */
 static bool check_state(struct server *s, struct answer *a, const struct command *c,
                         const struct request *q, struct dataset *set)
@@ -191,7 +203,9 @@ static bool check_state(struct server *s, struct answer *a, const struct command
         answer_status(a, DT_UNTRIANGULATED);
         return false;
     }
-    return (c->flags & CMD_FRESH) == 0 || refresh(s, a, set);
+    if ((c->flags & CMD_FRESH) != 0 && !refresh(s, a, set))
+        return false;
+    return (c->flags & CMD_SEARCH) == 0 || prepare(s, a, set);
 }
 
 /* ---- running ---- */

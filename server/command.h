@@ -18,8 +18,9 @@ enum {
     CMD_EXISTING = 2, /* which must be there */
     CMD_WRITE = 4, /* and is changed: no other writer is at work on it, and the client may write */
     CMD_FRESH = 8, /* its triangulation, if it has one, is up to date */
-    CMD_LIVE = 16, /* it has a triangulation */
-    CMD_OPEN = 32, /* allowed before AUTH */
+    CMD_SEARCH = 2048, /* and has the grid by which searches begin near their place */
+    CMD_LIVE = 16,     /* it has a triangulation */
+    CMD_OPEN = 32,     /* allowed before AUTH */
     CMD_BODY =
         64, /* points follow the line: after an error nobody knows where the next request starts */
     CMD_ALL_SETS = 128, /* it is about all sets */

@@ -8,6 +8,7 @@
 
 enum {
     BACKLOG_LIMIT = 64,    /* heavy jobs that may wait for a worker */
+    GRID_AT_ONCE = 2000,   /* points of a set whose grid for searches an edit makes there */
     CLONE_AT_ONCE = 2000,  /* points of a set that is copied on the I/O thread */
     FREE_AT_ONCE = 4 << 20 /* bytes of a set that is freed on the I/O thread */
 };
@@ -155,7 +156,10 @@ static bool cannot_copy(const struct server *s, struct answer *a, const struct d
 
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
 {
+    const struct dt_summary *sum = &set->current->sum;
     bool copy = (how & JOB_COPY) != 0 || version_is_read(set->current);
+    if ((how & JOB_HEAVY) == 0 && sum->current && !sum->searchable && sum->points > GRID_AT_ONCE)
+        how |= JOB_HEAVY | JOB_BRIEF; /* an edit makes the grid first */
     if (copy && set->current->sum.points > CLONE_AT_ONCE)
         how |= JOB_HEAVY;
     struct version *fresh = copy ? version_new(NULL) : NULL;

@@ -103,10 +103,10 @@ static void families_row(const struct family *f, size_t n)
 {
     struct build one = {f, n, DT_DIVIDE, 1, true}, two = {f, n, DT_DIVIDE, 2, true};
     struct build fresh = {f, n, DT_DIVIDE, 1, false};
-    struct cost c = {0};
+    struct cost warm = {0}, c = {0};
     struct peer_cost peer = {0};
     printf("| %s | %zu |", f->name, n);
-    double serial = cell(build_ns(&one)), parallel = cell(build_ns(&two));
+    double serial = cell(measure(&one, &warm) ? warm.build_ns : 0), parallel = cell(build_ns(&two));
     cell(measure(&fresh, &c) ? c.build_ns : 0);
     double bare = cell(cgal_ns(&one, false));
     cell(cgal_ns(&one, true));
@@ -117,6 +117,7 @@ static void families_row(const struct family *f, size_t n)
     cell(n >= 100000 ? c.held_bytes : 0); /* below, what the process holds beside hides it */
     cell(n >= 100000 ? c.peak_bytes : 0);
     cell(n >= 100000 ? peer.peak_bytes : 0);
+    cell(warm.grid_ns);
     printf("\n");
 }
 
@@ -128,8 +129,8 @@ static void families_table(void)
     printf("Families, engine divide, ns per point; bytes per point.\n\n"
            "| family | n | 1 thread | 2 threads | fresh | CGAL | CGAL, ids and list | CGAL fresh | "
            "1 thread / CGAL | "
-           "2 threads / CGAL | fresh / CGAL fresh | set | peak | CGAL peak |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+           "2 threads / CGAL | fresh / CGAL fresh | set | peak | CGAL peak | grid for searches |\n"
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (size_t n = min_n; n <= max_n; n *= 10)
         for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
             families_row(family_named(names[i]), n);

@@ -95,7 +95,7 @@ static void measure_live(struct live *l)
     struct dt_added added;
     l->set = dt_new(0);
     must(l->set != NULL && dt_add(l->set, l->plan.start, l->plan.n, &added) == DT_OK);
-    must(dt_triangulate(l->set, NULL) == DT_OK);
+    must(dt_triangulate(l->set, NULL) == DT_OK && dt_prepare(l->set, NULL) == DT_OK);
     locate(l);
     nearest(l);
     move_slightly(l);

@@ -58,8 +58,11 @@ static void build_once(const struct build *b, const struct dt_pool *pool, const 
     must(dt_add(t, p, b->n, &added) == DT_OK);
     double between = seconds(clock);
     must(dt_triangulate(t, &opt) == DT_OK);
-    cost->build_ns += seconds(clock) - between;
+    double built = seconds(clock);
+    cost->build_ns += built - between;
     cost->add_ns += between - start;
+    must(dt_prepare(t, &opt) == DT_OK);
+    cost->grid_ns += seconds(clock) - built;
     dt_summary(t, &summary);
     cost->held_bytes += (double)summary.memory;
     dt_free(t);
@@ -89,6 +92,7 @@ static void build_all(const struct build *b, struct cost *cost)
     double points = (double)(sets * b->n);
     cost->add_ns *= 1e9 / points;
     cost->build_ns *= 1e9 / points;
+    cost->grid_ns *= 1e9 / points;
     cost->held_bytes /= points;
     cost->peak_bytes = (peak_now() - before) / (double)b->n;
 }

@@ -17,6 +17,7 @@ struct build {
 
 struct cost {
     double add_ns, build_ns; /* per input point: dt_add, and dt_triangulate */
+    double grid_ns;          /* and dt_prepare */
     double peak_bytes;       /* per input point, of the whole process above the points themselves */
     double held_bytes;       /* per input point, what the triangulated set holds */
 };

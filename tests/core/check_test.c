@@ -256,9 +256,6 @@ TEST(check_sees_a_grid_that_leads_nowhere)
     t = example();
     t->hints.cell[0] = 4; /* the grid itself */
     expect_fault(t, "a cell of the grid leads nowhere");
-    t = example();
-    dt_hints_clear(&t->hints);
-    expect_fault(t, "the grid is missing");
 }
 
 /* An octagon around its centre, its corners then moved onto a square that is passed twice: every

@@ -93,6 +93,87 @@ TEST(walks_from_anywhere_arrive)
     for_each_pair(check_walks);
 }
 
+static bool same_location(struct dt_location a, struct dt_location b)
+{
+    return a.where == b.where && memcmp(a.id, b.id, sizeof a.id) == 0;
+}
+
+/* A set that has no grid yet answers as one that has. */
+static void check_unprepared(const struct pair *pair)
+{
+    struct dt *bare;
+    struct dt_ids with = {0}, without = {0};
+    const struct dt_options anew = {.rebuild = true};
+    struct dt_summary sum;
+    CHECK(dt_clone(pair->t, &bare) == DT_OK && dt_triangulate(bare, &anew) == DT_OK);
+    dt_summary(bare, &sum);
+    CHECK(sum.searchable == (bare->mesh.vertices < 2));
+    for (int i = 0; i < 5 && sum.points > 0; i++) {
+        struct dt_point q = random_place(pair->b), r = random_place(pair->b);
+        struct dt_point lo = {fmin(q.x, r.x), fmin(q.y, r.y)},
+                        hi = {fmax(q.x, r.x), fmax(q.y, r.y)};
+        struct dt_location a = {0}, b = {0};
+        CHECK(dt_locate(pair->t, q, &a) == DT_OK && dt_locate(bare, q, &b) == DT_OK);
+        CHECK(same_location(a, b));
+        with.n = without.n = 0;
+        CHECK(dt_nearest(pair->t, q, 3, &with) == DT_OK &&
+              dt_nearest(bare, q, 3, &without) == DT_OK);
+        CHECK(dt_within_box(pair->t, lo, hi, &with) == DT_OK &&
+              dt_within_box(bare, lo, hi, &without) == DT_OK);
+        CHECK(with.n == without.n && memcmp(with.v, without.v, with.n * sizeof *with.v) == 0);
+    }
+    CHECK(dt_prepare(bare, NULL) == DT_OK);
+    dt_summary(bare, &sum);
+    CHECK(sum.searchable);
+    dt_free(bare);
+    free(with.v);
+    free(without.v);
+}
+
+TEST(sets_without_a_grid_answer_as_those_with_one)
+{
+    for_each_pair(check_unprepared);
+}
+
+TEST(edits_make_the_grid_that_is_missing)
+{
+    struct dt_point p[900];
+    struct dt_added added;
+    uint32_t deleted, missing, id = 3;
+    family_points(family_find("uniform"), p, 900, 1);
+    for (int edit = 0; edit < 3; edit++) {
+        struct dt *t = dt_new(0);
+        CHECK(t != NULL && dt_add(t, p, 800, &added) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+        CHECK(t->hints.grids == 0);
+        CHECK((edit == 0   ? dt_add(t, p + 800, 50, &added)
+               : edit == 1 ? dt_move(t, 7, p[850])
+                           : dt_delete(t, &id, 1, &deleted, &missing)) == DT_OK);
+        CHECK(t->hints.grids > 0 && dt_check(t, NULL, NULL) == DT_OK);
+        dt_free(t);
+    }
+}
+
+TEST(searches_and_edits_go_on_without_memory_for_a_grid)
+{
+    struct dt_point p[900];
+    struct dt_added added;
+    struct dt_summary sum;
+    struct dt_location at;
+    family_points(family_find("uniform"), p, 900, 1);
+    struct dt *t = dt_new(0);
+    CHECK(t != NULL && dt_add(t, p, 800, &added) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    test_fail_alloc(1);
+    CHECK(dt_prepare(t, NULL) == DT_NOMEM);
+    test_fail_alloc(0);
+    dt_summary(t, &sum);
+    CHECK(sum.searchable && t->hints.grids == 0); /* nobody asks for one again in vain */
+    CHECK(dt_locate(t, p[5], &at) == DT_OK && at.where == DT_ON_VERTEX && at.id[0] == 5);
+    for (uint32_t i = 800; i < 900; i++)
+        CHECK(dt_add(t, p + i, 1, &added) == DT_OK);
+    CHECK(t->hints.grids > 0 && dt_check(t, NULL, NULL) == DT_OK); /* when walks had cost as much */
+    dt_free(t);
+}
+
 TEST(hints_out_of_memory_leave_nothing)
 {
     struct dt_point p[2000];

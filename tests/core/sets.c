@@ -12,7 +12,7 @@ struct dt *set_of(const struct dt_point *p, uint32_t n)
     struct dt *t = dt_new(0);
     struct dt_added added;
     CHECK(t != NULL && dt_add(t, p, n, &added) == DT_OK);
-    CHECK(dt_triangulate(t, NULL) == DT_OK);
+    CHECK(dt_triangulate(t, NULL) == DT_OK && dt_prepare(t, NULL) == DT_OK);
     return t;
 }
 

@@ -91,6 +91,35 @@ TEST(version_that_is_pinned_is_not_edited)
     local_stop(&l);
 }
 
+/* On a worker, and beside those who read the set. */
+TEST(grid_for_searches_is_built_when_the_first_one_asks)
+{
+    struct local l;
+    char *load = parabola(3000);
+    local_start(&l, 2);
+    local_ask(&l, load);
+    local_ask(&l, "TRIANGULATE t\nLISTS t 5");
+    struct word name = {"t", 1};
+    struct version *read = version_pin(registry_find(&l.server.sets, &name)->current);
+    size_t without = read->sum.memory;
+    uint64_t jobs = l.server.count.jobs;
+    CHECK(!read->sum.searchable);
+    CHECK(strncmp(local_ask(&l, "NEAREST t 3 9"), "OK 1\n3 ", 7) == 0);
+    CHECK(l.server.count.jobs == jobs + 1 && read->sum.searchable && read->sum.memory > without);
+    CHECK(registry_find(&l.server.sets, &name)->current == read);
+    local_ask(&l, "LOCATE t 3 9\nNEAREST t 4 16\nWITHIN t 0 0 1");
+    CHECK(l.server.count.jobs == jobs + 1);
+    version_unpin(&l.server.sets, read);
+    local_ask(&l, "TRIANGULATE t METHOD divide");
+    jobs = l.server.count.jobs;
+    local_ask(&l, "ADD t 0.5 9"); /* an edit that finds no grid builds it, too */
+    CHECK(l.server.count.jobs == jobs + 1);
+    local_ask(&l, "ADD t 0.6 9\nMOVE t 3000 0.7 9\nDEL t 3001\nNEAREST t 0 0");
+    CHECK(l.server.count.jobs == jobs + 1);
+    free(load);
+    local_stop(&l);
+}
+
 TEST(set_that_a_failed_request_created_is_gone)
 {
     struct local l;

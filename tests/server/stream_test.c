@@ -99,6 +99,7 @@ TEST(rows_that_nobody_wants_any_more_are_forgotten)
     char *load = set_of_many();
     local_start(&l, 2);
     local_ask(&l, load);
+    local_ask(&l, "LOCATE t 0 0"); /* builds the grid for searches */
     for (int i = 0; i < 20; i++) {
         struct answer a = begin(&l, i % 2 == 0 ? "LISTS t" : "WITHIN t 0 0 2000 2000");
         stream_free(&l.server.sets, a.stream); /* while workers are at it */
