@@ -1,7 +1,7 @@
 /* divide.c - divide and conquer over grid order [Dwyer 1987; the grid is the paper's], in place on
  * the final arrays.
  *
- *     in  --- sorted by tiles --->  q  --- each tile by cells --->  p  --- in blocks of <= 6 --.
+ *     in --- sorted by tiles ---> aside --- each tile by cells ---> p --- in blocks of <= 6 ---.
  *                                   ^                               |      (block.c)           |
  *                                   '----- zoom: a crowded cell ----'                          |
  *                                                                                              v
@@ -13,9 +13,9 @@
  *           1xx | 11x | 111 ...         | 000 | 001 |     triangles and back in their own records.
  *                                       +-----+-----+
  *
- * A range of the sorted points [lo, hi) owns the vertices lo .. hi - 1, the records 2 lo .. 2 hi -
- * 1 of the mesh and the same range of every scratch array, so parts need no allocator and no locks
- * (merge.h). The recursion goes down the bits of the key; where one grid ends, the next one begins:
+ * A range of the sorted points [lo, hi) owns the vertices lo .. hi - 1 and the records 2 lo .. 2 hi -
+ * 1 of the mesh, so parts need no allocator and no locks (merge.h). Until blocks fill them, the
+ * records are where points are put aside: fresh memory is too dear to use it once. The recursion goes down the bits of the key; where one grid ends, the next one begins:
  * a tile gets its own cells, a crowded cell a grid on its own tight box (a zoom). If three zooms in
  * a row leave more than half of the points in one cell, the range is cut at its median, and grids
  * have their chance again: so the depth is bounded by about four grids for every halving.
@@ -68,8 +68,9 @@ struct dt_part dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
         return (struct dt_part){0};
     if (s == 0 || n <= DT_BLOCK) {
         if (level->tiles) {
-            struct dt_part part = divide_range(
-                d, arena, (struct dt_source){d->q + lo, d->from_q + lo}, lo, n, level->skew);
+            struct dt_aside aside = dt_aside(d, lo, n);
+            struct dt_part part =
+                divide_range(d, arena, (struct dt_source){aside.p, aside.from}, lo, n, level->skew);
             report(d, n);
             return part;
         }
@@ -157,14 +158,10 @@ enum dt_status dt_divide(const struct dt_point *in, uint32_t n, struct dt_point 
     static const struct dt_options none;
     struct dt_division d = {
         .merging = {p, m}, .p = p, .from = from, .n = n, .opt = opt == NULL ? &none : opt};
-    d.q = dt_array_new(n, sizeof *d.q);
-    d.from_q = dt_array_new(n, sizeof *d.from_q);
-    if (d.q == NULL || d.from_q == NULL || dt_mesh_reserve(m, n, 2 * n) != DT_OK)
+    if (dt_mesh_reserve(m, n, 2 * n) != DT_OK)
         dt_division_fail(&d, DT_NOMEM);
     else
         divide_all(&d, in, dt_threads_for(d.opt->pool, n));
-    dt_array_free(d.q);
-    dt_array_free(d.from_q);
     if (atomic_load(&d.status) != DT_OK)
         dt_mesh_clear(m);
     return (enum dt_status)atomic_load(&d.status);

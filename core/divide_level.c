@@ -22,6 +22,7 @@ struct sort {
                                        point */
     struct dt_point *out;
     uint32_t *out_from;
+    struct dt_shift *shift; /* of each cell, if it is a tile; NULL: none */
 };
 
 static void find_box(void *arg, unsigned i)
@@ -43,8 +44,12 @@ static void scatter(void *arg, unsigned i)
 {
     struct sort *s = arg;
     uint32_t a = dt_slice(s->n, i, s->slices), b = dt_slice(s->n, i + 1, s->slices);
-    dt_order_scatter(s->key + a, b - a, s->next[i], s->src.p + a,
-                     s->src.from == NULL ? NULL : s->src.from + a, a, s->out, s->out_from);
+    const uint32_t *from = s->src.from == NULL ? NULL : s->src.from + a;
+    if (s->shift == NULL)
+        dt_order_scatter(s->key + a, b - a, s->next[i], s->src.p + a, from, a, s->out, s->out_from);
+    else
+        dt_order_scatter_apart(s->key + a, b - a, s->next[i], s->shift, s->src.p + a, from, a,
+                               s->out, s->out_from);
 }
 
 static struct dt_box join_boxes(const struct sort *s)
@@ -99,18 +104,38 @@ static bool count_cells(struct dt_division *d, struct dt_arena *arena, struct so
     return true;
 }
 
+/* Places become those aside: dt_aside(d, lo + place of its first point, points) for each tile. */
+static bool shift_tiles(struct dt_division *d, struct dt_arena *arena, struct sort *s, uint32_t lo)
+{
+    size_t cells = (size_t)1 << s->order->bits;
+    const uint32_t *start = s->next[0];
+    s->shift = dt_arena_take(arena, cells, sizeof *s->shift);
+    if (s->shift == NULL)
+        return false;
+    for (size_t c = 0; c < cells; c++) {
+        uint32_t end = c + 1 < cells ? start[c + 1] : s->n;
+        s->shift[c] = (struct dt_shift){3 * start[c], 15 * end};
+    }
+    uint32_t *half = d->merging.mesh->half + 16 * (size_t)lo;
+    s->out = (void *)half;
+    s->out_from = half;
+    return true;
+}
+
 enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned slices,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level)
 {
+    struct dt_aside aside = dt_aside(d, lo, n);
     if (src.p == d->p + lo) {
-        memcpy(d->q + lo, src.p, n * sizeof *src.p);
-        memcpy(d->from_q + lo, src.from, n * sizeof *src.from);
-        src = (struct dt_source){d->q + lo, d->from_q + lo};
+        memcpy(aside.p, src.p, n * sizeof *src.p);
+        memcpy(aside.from, src.from, n * sizeof *src.from);
+        src = (struct dt_source){aside.p, aside.from};
     }
     struct sort s = {.src = src, .n = n, .slices = slices};
     *level = (struct dt_level){.lo = lo, .tiles = n > DT_TILED};
-    s.key = dt_arena_take(arena, n, sizeof *s.key);
+    bool from_is_free = level->tiles && src.p != aside.p;
+    s.key = from_is_free ? d->from + lo : dt_arena_take(arena, n, sizeof *s.key);
     bool ok = s.key != NULL;
     if (ok)
         dt_run(d->opt->pool, slices, find_box, &s);
@@ -119,23 +144,24 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
     uint32_t most = ok ? counts_to_places(&s) : 0;
     if (ok && most > n / 2 && level->tiles) { /* tiles do not part them: let a fine grid try */
         level->tiles = false;
-        ok = count_cells(d, arena, &s, box, level);
+        s.key = dt_arena_take(arena, n, sizeof *s.key);
+        ok = s.key != NULL && count_cells(d, arena, &s, box, level);
         most = ok ? counts_to_places(&s) : 0;
     }
-    if (!ok) {
-        dt_division_fail(d, DT_NOMEM);
-        return DT_LEVEL_FAILED;
-    }
     level->skew = most > n / 2 ? skew + 1 : 0;
-    if (level->skew > DT_ZOOMS)
+    if (ok && level->skew > DT_ZOOMS)
         return DT_LEVEL_SKEWED;
-    if (level->tiles && src.p == d->q + lo) {
+    if (level->tiles && src.p == aside.p) {
         memcpy(d->p + lo, src.p, n * sizeof *src.p);
         memcpy(d->from + lo, src.from, n * sizeof *src.from);
         s.src = (struct dt_source){d->p + lo, d->from + lo};
     }
-    s.out = (level->tiles ? d->q : d->p) + lo;
-    s.out_from = (level->tiles ? d->from_q : d->from) + lo;
+    s.out = d->p + lo;
+    s.out_from = d->from + lo;
+    if (!ok || (level->tiles && !shift_tiles(d, arena, &s, lo))) {
+        dt_division_fail(d, DT_NOMEM);
+        return DT_LEVEL_FAILED;
+    }
     dt_run(d->opt->pool, slices, scatter, &s);
     return DT_LEVEL_OPEN;
 }

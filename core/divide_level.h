@@ -15,12 +15,12 @@
 #define DT_TILED (1u << 18) /* ranges of more points than this are sorted into tiles first */
 #define DT_ZOOMS 3u         /* useless grids in a row before a range is cut at its median */
 
-/* A whole build. p and from are the result, q and from_q scratch of the same size: a range [lo, hi)
- * of all four belongs to whoever works on that range. */
+/* A whole build. A range [lo, hi) of p and from, which are the result, belongs to whoever works on
+ * that range, as do the mesh's records 2 lo .. 2 hi - 1. */
 struct dt_division {
     struct dt_merging merging; /* p and the mesh */
-    struct dt_point *p, *q;
-    uint32_t *from, *from_q;
+    struct dt_point *p;
+    uint32_t *from;
     uint32_t n;
     const struct dt_options *opt;
     atomic_int status;    /* enum dt_status: the first failure; everything returns soon after */
@@ -33,12 +33,25 @@ struct dt_source {
     const uint32_t *from;
 };
 
+/* Scratch for n points from lo on and where they come from, at either end of the range's records of the
+ * mesh: 64 bytes a point, which no merge has written yet. */
+struct dt_aside {
+    struct dt_point *p;
+    uint32_t *from;
+};
+
+static inline struct dt_aside dt_aside(const struct dt_division *d, uint32_t lo, uint32_t n)
+{
+    uint32_t *half = d->merging.mesh->half;
+    return (struct dt_aside){(void *)(half + 16 * (size_t)lo), half + 16 * ((size_t)lo + n) - n};
+}
+
 struct dt_level {
     struct dt_order order;
     uint32_t *start; /* borrows from the arena: cell c holds vertices lo + start[c] .. lo + start[c
                         + 1] - 1 */
     uint32_t lo;
-    bool tiles;    /* sorted into q by tiles, each to be sorted again; else into p */
+    bool tiles;    /* put aside by tiles, each to be sorted again; else sorted into p */
     unsigned skew; /* grids in a row of which one cell held more than half */
 };
 
@@ -49,8 +62,8 @@ enum dt_opening {
 };
 
 /* Sorts the points src[0 .. n-1], n > DT_BLOCK, to vertices lo .. lo + n - 1 by a new grid. src may
- * be q + lo, p + lo (then it is copied first), or anything that overlaps with neither. `slices`
- * threads of the pool share the work. The level lives in the arena. */
+ * be aside, p + lo (then it is copied first), or anything that overlaps with neither. `slices` threads
+ * of the pool share the work. The level lives in the arena. */
 enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned slices,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level);

@@ -72,8 +72,9 @@ static uint32_t plan_cells(struct plan *w, const struct dt_level *level, uint32_
         return new_node(w, (struct node){.level = level, .key = key, .s = s, .parent = NO_NODE});
     }
     if (s == 0) {
-        struct dt_source src = {(level->tiles ? w->d->q : w->d->p) + lo,
-                                (level->tiles ? w->d->from_q : w->d->from) + lo};
+        struct dt_aside aside = dt_aside(w->d, lo, n);
+        struct dt_source src = level->tiles ? (struct dt_source){aside.p, aside.from}
+                                            : (struct dt_source){w->d->p + lo, w->d->from + lo};
         return plan_range(w, src, lo, n, level->skew);
     }
     uint32_t a = plan_cells(w, level, 2 * key, s - 1);
