@@ -5,8 +5,8 @@
  * Its slice alone is not enough. Where two workers share a processor, the one that waits falls behind
  * its share, and once its slice is due the woken I/O thread is not the next in turn any more: the
  * worker that runs is not interrupted then, until the clock ticks, which may be four milliseconds
- * later. A worker's slice that is much longer than a tick is never due so soon. It takes nothing off
- * a worker's share of the processor. */
+ * later. A worker's slice of several ticks is rarely due so soon; it takes nothing off a worker's
+ * share of the processor, and a worker that has little to do on a busy machine still gets there. */
 #include "server/priority.h"
 
 #include <sched.h>
@@ -14,8 +14,10 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* The shortest and the longest that the kernel grants. */
-enum { SHORT_NS = 100 * 1000, LONG_NS = 100 * 1000 * 1000 };
+enum {
+    SHORT_NS = 100 * 1000, /* the shortest slice that the kernel grants */
+    LONG_NS = 20 * 1000 * 1000
+};
 
 /* The kernel's struct sched_attr, of which libc has none yet; see sched_setattr(2). */
 struct attributes {
