@@ -56,7 +56,8 @@ static enum fate ask(const struct daemon *d, int *fd, const char *request, char 
             hear_reply(*fd, reply, size);
         if (strncmp(reply, "OK", 2) == 0)
             return ACKNOWLEDGED;
-        if (strncmp(reply, "ERR READONLY", 12) == 0 || strncmp(reply, "ERR BUSY", 8) == 0)
+        if (strncmp(reply, "ERR READONLY", 12) == 0 || strncmp(reply, "ERR BUSY", 8) == 0 ||
+            strncmp(reply, "ERR LOADING", 11) == 0)
             continue;
         if (strncmp(reply, "ERR NOSET", 9) == 0) /* an earlier try, of which nobody knew, did it */
             return REFUSED;
