@@ -119,6 +119,17 @@ void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
 
 /* ---- ids ---- */
 
+void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n)
+{
+    if (n > DT_AHEAD)
+        return;
+    for (size_t i = 0; i < n; i++)
+        dt_idmap_fetch(&t->points.value, id[i]);
+    for (size_t i = 0; i < n; i++)
+        if (dt_idmap_get(&t->points.value, id[i]) != DT_NONE)
+            dt_points_fetch(&t->points, id[i]);
+}
+
 void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n)
 {
     const struct dt_mesh *m = &t->mesh;

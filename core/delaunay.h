@@ -334,10 +334,11 @@ enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, ui
 
 /* For a caller that knows several questions before it asks the first one: fetches into the
  * processor's caches what dt_locate and dt_nearest at these places, or dt_ring and dt_lists_order of
- * these ids, will probably read. Answers nothing but p[].near; ids need not be there. n <=
- * DT_AHEAD. */
+ * these ids, or dt_get of these points, will probably read. Answers nothing but p[].near; ids need
+ * not be there. n <= DT_AHEAD. */
 void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n);
 void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n);
+void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n);
 
 /* Append the representatives in the closed box, or the closed disc of radius r >= 0, by id. Exact.
  * Cost: O(k log k) for k results, expected. */

@@ -44,10 +44,23 @@ static void write_ring(struct rows *r, struct buf *out, uint32_t id)
     }
 }
 
+/* Fetches what the next rows will read. */
+static void fetch_next(const struct rows *r)
+{
+    const uint32_t *id = r->ids.v + r->at;
+    size_t left = r->ids.n - r->at, n = left < DT_AHEAD ? left : DT_AHEAD;
+    if (r->form == ROW_RING)
+        dt_fetch_ids(r->version->dt, id, n);
+    else if (r->form != ROW_IDS)
+        dt_fetch_points(r->version->dt, id, n);
+}
+
 static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
 {
     while (r->at < r->ids.n && r->status == DT_OK && !out->failed && buf_len(out) < limit) {
         const uint32_t *id = r->ids.v + r->at;
+        if (r->at % DT_AHEAD == 0 && r->ids.n > 1)
+            fetch_next(r);
         if (r->form == ROW_IDS)
             reply_row_ids(out, id, r->width);
         else if (r->form == ROW_RING)
