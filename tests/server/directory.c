@@ -70,7 +70,9 @@ struct daemon directory_daemon(const struct directory *dir, const char *const *a
     for (; arguments != NULL && *arguments != NULL && n < 11; arguments++)
         all[n++] = *arguments;
     all[n] = NULL;
-    return daemon_start(all);
+    struct daemon d = daemon_start(all);
+    await_info(&d, "loaded_percent", 100);
+    return d;
 }
 
 bool directory_try(const struct directory *dir, const char *const *arguments, struct daemon *d)

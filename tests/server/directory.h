@@ -13,7 +13,8 @@ struct directory directory_new(void);
 struct directory directory_quick(void);
 void directory_remove(const struct directory *dir);
 
-/* A daemon on the directory, with further arguments up to a NULL. */
+/* A daemon on the directory, with further arguments up to a NULL, which has read everything: the
+ * ready line waits for that, but on a busy machine not long enough. */
 struct daemon directory_daemon(const struct directory *dir, const char *const *arguments);
 
 /* The same where it may refuse to start: false, and it has ended. */
