@@ -11,7 +11,7 @@
 
 #define TAU 6.283185307179586
 
-enum { SCATTERED = 16000, ON_CIRCLE = 12000 };
+enum { SCATTERED = 13000, ON_CIRCLE = 12000 };
 
 /* Points of a small lattice, many of them more than once, and far away a circle round its centre,
  * which is joined to all of it; then some of the former go. The caller frees it. */
@@ -21,12 +21,12 @@ static char *set_of_many(void)
     CHECK(text != NULL);
     to += sprintf(to, "LOAD t\n1000 1000\n");
     for (int i = 0; i < SCATTERED; i++)
-        to += sprintf(to, "%u %u\n", test_below(150), test_below(150));
+        to += sprintf(to, "%u %u\n", test_below(200), test_below(200));
     for (int i = 0; i < ON_CIRCLE; i++)
         to += sprintf(to, "%.17g %.17g\n", 1000 + 100 * cos(i * TAU / ON_CIRCLE),
                       1000 + 100 * sin(i * TAU / ON_CIRCLE));
     to += sprintf(to, ".\nDEL t");
-    for (int i = 1; i < 5000; i++)
+    for (int i = 1; i < 2000; i++)
         if (i % 9 != 0)
             to += sprintf(to, " %d", i);
     strcpy(to, "\nTRIANGULATE t\n");
@@ -47,32 +47,27 @@ static struct text reply_to(struct local *l, const char *request)
     return t;
 }
 
-TEST(large_replies_have_the_same_bytes_for_every_number_of_threads)
+TEST_TIMEOUT(large_replies_have_the_same_bytes_whether_or_not_there_are_threads, 60)
 {
-    static const char *const requests[] = {
-        "LISTS t CW", "LISTS t BINARY", "TRIANGLES t", "EDGES t BINARY",
-        "POINTS t",   "COINCIDENT t",   "HULL t",      "WITHIN t -1 -1 2000 2000"};
+    static const char *const requests[] = {"LISTS t CW", "TRIANGLES t", "EDGES t BINARY",
+                                           "POINTS t", "WITHIN t -1 -1 2000 2000"};
     char *load = set_of_many();
-    struct local with[3]; /* 0, 2 and 4 threads */
-    for (unsigned k = 0; k < 3; k++) {
-        local_start(&with[k], 2 * k);
-        local_ask(&with[k], load);
-    }
+    struct local none, some;
+    local_start(&none, 0);
+    local_start(&some, 3);
+    local_ask(&none, load);
+    local_ask(&some, load);
     for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
-        struct text want = reply_to(&with[0], requests[i]);
-        CHECK_MSG(want.n > 2000 && memcmp(want.bytes, "OK", 2) == 0, "%s", requests[i]);
-        for (unsigned k = 1; k < 3; k++) {
-            uint64_t jobs = with[k].server.count.jobs;
-            struct text got = reply_to(&with[k], requests[i]);
-            CHECK_MSG(got.n == want.n && memcmp(got.bytes, want.bytes, got.n) == 0,
-                      "%s, %u threads", requests[i], 2 * k);
-            CHECK_MSG(want.n < 600000 || with[k].server.count.jobs > jobs + 10, "%s", requests[i]);
-            free(got.bytes);
-        }
+        uint64_t jobs = some.server.count.jobs;
+        struct text want = reply_to(&none, requests[i]), got = reply_to(&some, requests[i]);
+        CHECK_MSG(want.n > 300000 && memcmp(want.bytes, "OK", 2) == 0, "%s", requests[i]);
+        CHECK_MSG(got.n == want.n && memcmp(got.bytes, want.bytes, got.n) == 0, "%s", requests[i]);
+        CHECK_MSG(some.server.count.jobs > jobs + 10, "%s", requests[i]);
         free(want.bytes);
+        free(got.bytes);
     }
-    for (unsigned k = 0; k < 3; k++)
-        local_stop(&with[k]);
+    local_stop(&none);
+    local_stop(&some);
     free(load);
 }
 
@@ -93,7 +88,7 @@ static void end_unheard(void *ctx, struct job *j)
     server_finish_unheard(ctx, j);
 }
 
-TEST(rows_that_nobody_wants_any_more_are_forgotten)
+TEST_TIMEOUT(rows_that_nobody_wants_any_more_are_forgotten, 60)
 {
     struct local l;
     char *load = set_of_many();
@@ -115,7 +110,7 @@ TEST(rows_that_nobody_wants_any_more_are_forgotten)
     local_stop(&l);
 }
 
-TEST(large_replies_survive_every_failed_allocation)
+TEST_TIMEOUT(large_replies_survive_failed_allocations, 60)
 {
     struct local l;
     char *load = set_of_many();
@@ -123,7 +118,7 @@ TEST(large_replies_survive_every_failed_allocation)
     local_ask(&l, load);
     struct text want = reply_to(&l, "LISTS t");
     unsigned cut = 0;
-    for (long n = 1; n < 60; n += 1 + n / 4) {
+    for (long n = 1; n < 40; n *= 2) {
         local_ask(&l, ""); /* room for the head of the reply */
         l.closed = false;
         test_fail_alloc(n);
