@@ -72,10 +72,10 @@ test: all $(TEST_BINARIES) $(SHIMS)
 	@status=0; for s in $(SUITES); do echo "== $$s"; \
 	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
 
-# The same with many more rounds of what is left to chance.
+# What is left to chance with many more rounds, and what takes a multitude with all of it.
 faults: all $(O)/tests/server_tests $(SHIMS)
-	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/server_tests kill_test disk_test \
-	  damage_test hostile_test
+	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/server_tests kill_test \
+	  thousand_readers ten_thousand
 
 asan tsan:
 	$(MAKE) V=$@ test

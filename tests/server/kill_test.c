@@ -23,7 +23,9 @@ struct client {
     char request[REQUESTS][REQUEST_BYTES];
     char reply[REQUESTS][REPLY_BYTES];
     int sent, acknowledged;
-    uint32_t ids; /* about as many as the set has had */
+    uint32_t ids;       /* so many the set has had, or, after a kill, at least */
+    uint32_t settled;   /* those that it had before the burst */
+    uint32_t first_ids; /* before the round */
     pthread_t thread;
 };
 
@@ -32,6 +34,14 @@ struct client {
 static unsigned place(void)
 {
     return test_below(9);
+}
+
+/* An id to delete, mostly one there is, but none of this burst: a set that had got points and lost them
+ * again would look like one that never had, and yet give other ids to the next ones. */
+static unsigned victim(const struct client *c)
+{
+    enum { NOBODY = 1000000 };
+    return c->settled == 0 || test_below(20) == 0 ? NOBODY : test_below(c->settled);
 }
 
 static void compose(struct client *c, char *to)
@@ -49,7 +59,7 @@ static void compose(struct client *c, char *to)
                                    place(), place());
         snprintf(to + at, REQUEST_BYTES - at, load ? "" : "\n");
     } else if (kind < 78) {
-        snprintf(to, REQUEST_BYTES, "DEL %s %u\n", set, test_below(c->ids + 2));
+        snprintf(to, REQUEST_BYTES, "DEL %s %u\n", set, victim(c));
     } else if (kind < 94) {
         snprintf(to, REQUEST_BYTES, "MOVE %s %u %u %u\n", set, test_below(c->ids + 2), place(),
                  place());
@@ -59,7 +69,7 @@ static void compose(struct client *c, char *to)
         snprintf(to, REQUEST_BYTES, "CREATE %s\n", set);
     } else {
         snprintf(to, REQUEST_BYTES, "DROP %s\n", set);
-        c->ids = 0;
+        c->ids = c->settled = 0;
     }
 }
 
@@ -167,13 +177,31 @@ static void check_client(const struct client *c, const struct daemon *d,
 
 /* ---- rounds ---- */
 
+/* What the last round has certainly left. */
+static uint32_t certain_ids(const struct client *c)
+{
+    uint32_t ids = c->first_ids;
+    for (int i = 0; i < c->sent; i++) {
+        unsigned first, added;
+        const char *got = i < c->acknowledged ? strstr(c->reply[i], "first=") : NULL;
+        if (strncmp(c->request[i], "DROP", 4) == 0)
+            ids = 0;
+        else if (got != NULL && sscanf(got, "first=%u added=%u", &first, &added) == 2)
+            ids = first + added;
+    }
+    return ids;
+}
+
 static void prepare(struct client *c, int number, const struct daemon *d)
 {
     snprintf(c->set, sizeof c->set, "s%d", number);
     c->fd = daemon_connect(d);
+    c->ids = c->first_ids = certain_ids(c);
     c->sent = c->acknowledged = 0;
-    for (int i = 0; i < REQUESTS; i++)
+    for (int i = 0; i < REQUESTS; i++) {
+        c->settled = i % BURST == 0 ? c->ids : c->settled;
         compose(c, c->request[i]);
+    }
 }
 
 static void run_round(struct client *client, const struct daemon *d)
