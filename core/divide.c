@@ -20,17 +20,21 @@
  * a row leave more than half of the points in one cell, the range is cut at its median, and grids
  * have their chance again: so the depth is bounded by about four grids for every halving.
  *
- * What each trick is worth: ns per point with all of them but that one, on fresh sets of 1e4
- * uniform points, where all of them together need 149 (gcc 12, Zen 3 at 3.4 GHz).
+ * What each trick is worth: ns per point with all of them but that one, on sets of 1e4 uniform
+ * points, where all of them together need 138 (gcc 12, Zen 3 at 3.4 GHz; best of five runs, which
+ * differ by some per cent).
  *
- *     cuts that alternate instead of all columns first           175
+ *     two products a candidate, not an in-circle test anew       196
  *     blocks of up to 6 points instead of 3                      175
- *     2 points a cell instead of 8                               176
- *     two products a candidate, not an in-circle test anew       171
- *     next and previous half edge by arithmetic, not a branch    164
- *     no two coordinates packed into a vector (see Makefile)     159
- *     leaving[] remembers the ghost at every hull vertex         153
- *     tiles: at 1e7 points 237 instead of 213, at 1e6 no difference
+ *     cuts that alternate instead of all columns first           171
+ *     2 points a cell instead of 8                               169
+ *     candidates of both sides looked at together, in lanes      164
+ *     blocks sorted without a branch, compiled for each size     157
+ *     no other coordinates packed into vectors (see Makefile)    147
+ *     next and previous half edge by arithmetic, not a branch    145
+ *     leaving[] remembers the ghost at every hull vertex         141
+ *     points put aside in the mesh: at 1e6 points 171 instead of 185
+ *     tiles: at 1e7 points 237 instead of 213 (before the lanes), at 1e6 no difference
  *
  * Points must be distinct: the set has set coincident ones aside (points.h). */
 #include "core/divide.h"
