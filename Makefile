@@ -74,7 +74,7 @@ test: all $(TEST_BINARIES) $(SHIMS)
 
 # What is left to chance with many more rounds, and what takes a multitude with all of it.
 faults: all $(O)/tests/server_tests $(SHIMS)
-	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/server_tests kill_test \
+	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/server_tests kill_test disk_test \
 	  thousand_readers ten_thousand
 
 asan tsan:

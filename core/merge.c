@@ -37,7 +37,7 @@
 #include "core/knit.h"
 #include "core/sight.h"
 
-/* One merge on its way up. Of two single points there are no ghosts, hence no gl, lc or gr, rc. */
+/* One merge on its way up. A part of a single point has no ghosts, hence no lc or rc. */
 struct seam {
     uint32_t l, r;        /* the base */
     struct sight_base at; /* its points */

@@ -14,7 +14,7 @@
 
 #include "core/set.h"
 
-/* To be called after each edit of a mesh. */
+/* To be called after each edit of a mesh, and before one that would do better with a grid. */
 void dt_tend(struct dt *t);
 
 /* Whether dt_prepare has nothing to do. */
