@@ -31,7 +31,7 @@ HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o
 ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))
 tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c))
 SUITES   := $(foreach s,core proto server clients,$(if $(wildcard tests/$(s)/*_test.c),$(s)))
-WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc
+WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=mmap
 
 .DELETE_ON_ERROR:
 .SECONDARY:

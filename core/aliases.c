@@ -5,9 +5,9 @@
 
 #include "core/memory.h"
 
-void dt_aliases_init(struct dt_aliases *a)
+void dt_aliases_init(struct dt_aliases *a, struct dt_pages *pages)
 {
-    *a = (struct dt_aliases){.free_alias = DT_NONE, .free_group = DT_NONE};
+    *a = (struct dt_aliases){.pages = pages, .free_alias = DT_NONE, .free_group = DT_NONE};
 }
 
 void dt_aliases_clear(struct dt_aliases *a)
@@ -15,16 +15,16 @@ void dt_aliases_clear(struct dt_aliases *a)
     dt_array_free(a->alias);
     dt_array_free(a->group);
     dt_idmap_clear(&a->group_of);
-    dt_aliases_init(a);
+    dt_aliases_init(a, a->pages);
 }
 
 enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *copy)
 {
-    dt_aliases_init(copy);
+    dt_aliases_init(copy, a->pages);
     if (a->cap == 0)
         return DT_OK;
-    struct dt_alias *alias = dt_array_new(a->cap, sizeof *alias);
-    struct dt_alias_group *group = dt_array_new(a->cap, sizeof *group);
+    struct dt_alias *alias = dt_array_new_in(a->pages, a->cap, sizeof *alias);
+    struct dt_alias_group *group = dt_array_new_in(a->pages, a->cap, sizeof *group);
     struct dt_idmap group_of = {0};
     if (alias == NULL || group == NULL || dt_idmap_copy(&a->group_of, &group_of) != DT_OK) {
         dt_array_free(alias);
@@ -49,11 +49,11 @@ enum dt_status dt_aliases_reserve(struct dt_aliases *a, uint32_t representative)
 {
     if (a->count == a->cap) {
         size_t cap = dt_array_room(a->cap, (size_t)a->count + 1, DT_MAX_POINTS);
-        void *alias = dt_array_grow(a->alias, a->end, cap, sizeof *a->alias);
+        void *alias = dt_array_grow_in(a->pages, a->alias, a->end, cap, sizeof *a->alias);
         if (alias == NULL)
             return DT_NOMEM;
         a->alias = alias;
-        void *group = dt_array_grow(a->group, a->groups, cap, sizeof *a->group);
+        void *group = dt_array_grow_in(a->pages, a->group, a->groups, cap, sizeof *a->group);
         if (group == NULL)
             return DT_NOMEM;
         a->group = group;

@@ -20,6 +20,7 @@ struct dt_alias_group {
 };
 
 struct dt_aliases {
+    struct dt_pages *pages;       /* borrows; where its arrays come from; NULL: the system */
     struct dt_alias *alias;       /* owns cap; 0 .. end - 1 are in use or free */
     struct dt_alias_group *group; /* owns cap; 0 .. groups - 1 are in use or free */
     uint32_t cap, end, groups, count;
@@ -27,7 +28,7 @@ struct dt_aliases {
     struct dt_idmap group_of;        /* id of a representative that has aliases -> group */
 };
 
-void dt_aliases_init(struct dt_aliases *a);
+void dt_aliases_init(struct dt_aliases *a, struct dt_pages *pages);
 void dt_aliases_clear(struct dt_aliases *a);
 enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *copy);
 size_t dt_aliases_memory(const struct dt_aliases *a);

@@ -29,7 +29,7 @@ static struct dt_arena_chunk *new_chunk(struct dt_arena *a, size_t need)
         return c;
     }
     size_t size = need * 2 > MIN_CHUNK ? need * 2 : MIN_CHUNK;
-    c = dt_array_new(sizeof *c + size, 1);
+    c = dt_array_new_in(a->pages, sizeof *c + size, 1);
     if (c != NULL)
         c->size = size;
     return c;

@@ -6,8 +6,10 @@
 #include <stddef.h>
 
 struct dt_arena_chunk;
+struct dt_pages;
 
 struct dt_arena {
+    struct dt_pages *pages;       /* borrows; where large chunks come from; NULL: the system */
     struct dt_arena_chunk *chunk; /* owns a list, the one in use first */
     struct dt_arena_chunk *spare; /* owns one that was given back, or NULL */
 };
@@ -17,7 +19,7 @@ struct dt_arena_mark {
     size_t used;
 };
 
-/* *a must be zeroed. */
+/* *a must be zeroed but for its keeper of pages. */
 void dt_arena_clear(struct dt_arena *a);
 
 /* n items of size bytes, aligned to 16, not initialised, valid until a mark taken before is

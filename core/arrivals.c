@@ -259,17 +259,18 @@ bool dt_arrivals_suit(const struct dt_points *p, size_t n)
 
 static enum dt_status allocate(struct arrivals *a)
 {
+    struct dt_pages *pages = a->p->pages;
     uint32_t items = a->end + a->n;
     while (a->bits < MOST_BITS && items >> a->bits > PART)
         a->bits++;
     a->table_bits = 1;
     while (1u << a->table_bits < 2 * (items >> a->bits))
         a->table_bits++;
-    a->at = dt_array_new((size_t)a->slices << a->bits, sizeof *a->at);
-    a->start = dt_array_new(parts(a) + (size_t)1, sizeof *a->start);
-    a->entry = dt_array_new(items, sizeof *a->entry);
-    a->same = dt_array_new(a->n, sizeof *a->same);
-    a->table = dt_array_new((size_t)a->slices << a->table_bits, sizeof *a->table);
+    a->at = dt_array_new_in(pages, (size_t)a->slices << a->bits, sizeof *a->at);
+    a->start = dt_array_new_in(pages, parts(a) + (size_t)1, sizeof *a->start);
+    a->entry = dt_array_new_in(pages, items, sizeof *a->entry);
+    a->same = dt_array_new_in(pages, a->n, sizeof *a->same);
+    a->table = dt_array_new_in(pages, (size_t)a->slices << a->table_bits, sizeof *a->table);
     if (a->at == NULL || a->start == NULL || a->entry == NULL || a->same == NULL ||
         a->table == NULL)
         return DT_NOMEM;

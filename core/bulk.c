@@ -13,6 +13,15 @@ struct draft {
     struct dt_mesh mesh;
 };
 
+/* False: out of memory; it must be cleared all the same. */
+static bool draft_begin(struct draft *b, uint32_t n, struct dt_pages *pages)
+{
+    *b = (struct draft){.n = n, .mesh = {.pages = pages}};
+    b->xy = dt_array_new_in(pages, n, sizeof *b->xy);
+    b->from = dt_array_new_in(pages, n, sizeof *b->from);
+    return b->xy != NULL && b->from != NULL;
+}
+
 static void draft_clear(struct draft *b)
 {
     dt_array_free(b->xy);
@@ -52,10 +61,9 @@ static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
     if (p->free_count == 0)
         return run_engine(b, p->xy, opt);
 
-    struct draft dense = {.xy = dt_array_new(b->n, sizeof *dense.xy),
-                          .from = dt_array_new(b->n, sizeof *dense.from)};
+    struct draft dense;
     enum dt_status status = DT_NOMEM;
-    if (dense.xy != NULL && dense.from != NULL) {
+    if (draft_begin(&dense, b->n, p->pages)) {
         copy_vertices(&dense, p);
         status = run_engine(b, dense.xy, opt);
         for (uint32_t v = 0; status == DT_OK && v < b->n; v++)
@@ -68,12 +76,10 @@ static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
 enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
 {
     dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the room */
-    struct draft b = {.n = dt_points_vertices(&t->points)};
-    b.xy = dt_array_new(b.n, sizeof *b.xy);
-    b.from = dt_array_new(b.n, sizeof *b.from);
+    struct draft b;
     const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
     enum dt_status status = DT_NOMEM;
-    if (b.xy != NULL && b.from != NULL)
+    if (draft_begin(&b, dt_points_vertices(&t->points), t->points.pages))
         status = triangulate(&b, &t->points, opt);
     if (status != DT_OK) {
         draft_clear(&b);

@@ -19,10 +19,16 @@
 
 struct dt *dt_new(double tol)
 {
+    return dt_new_in(tol, NULL);
+}
+
+struct dt *dt_new_in(double tol, struct dt_pages *pages)
+{
     struct dt *t = calloc(1, sizeof *t);
     if (t == NULL)
         return NULL;
-    dt_points_init(&t->points, tol);
+    dt_points_init_in(&t->points, tol, pages);
+    t->mesh.pages = pages;
     t->mesh.free_list = DT_NONE;
     return t;
 }
@@ -40,7 +46,7 @@ void dt_free(struct dt *t)
 
 enum dt_status dt_clone(const struct dt *t, struct dt **copy)
 {
-    struct dt *c = dt_new(t->points.tol);
+    struct dt *c = dt_new_in(t->points.tol, t->points.pages);
     if (c == NULL)
         return DT_NOMEM;
     enum dt_status status = dt_points_copy(&t->points, &c->points);
@@ -134,7 +140,7 @@ enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *
             return DT_NOPOINT;
         }
     }
-    uint32_t *sorted = dt_array_new(n, sizeof *sorted);
+    uint32_t *sorted = dt_array_new_in(t->points.pages, n, sizeof *sorted);
     if (sorted == NULL)
         return DT_NOMEM;
     size_t distinct = 0;

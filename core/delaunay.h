@@ -26,6 +26,7 @@
 #define DT_MAX_POINTS ((1u << 28) - 1) /* live points of one set */
 
 struct dt;
+struct dt_pages;
 
 struct dt_point {
     double x, y;
@@ -52,13 +53,60 @@ enum dt_status {
 struct dt *dt_new(double tol);
 void dt_free(struct dt *t);
 
-/* An independent copy in *copy, which the caller owns. Cost: O(memory of the set). */
+/* The same, and its large arrays come from the keeper and go back there (see below). pages may be
+ * NULL. */
+struct dt *dt_new_in(double tol, struct dt_pages *pages);
+
+/* An independent copy in *copy, which the caller owns, on the same keeper. Cost: O(memory of the
+ * set). */
 enum dt_status dt_clone(const struct dt *t, struct dt **copy);
 
 double dt_tolerance(const struct dt *t);
 
 /* Whether v is zero or 2^-142 <= |v| <= 2^201: the range in which all predicates are exact. */
 bool dt_coordinate_ok(double v);
+
+/* ---- memory that is used again ----
+ *
+ * A keeper of pages: what large arrays of sets give back is kept there for the next ones, because
+ * pages that are fresh from the system are dear: up to as much as a triangulation. Any number of
+ * sets and threads may use one at the same time. It is the caller's, and must outlive all that was
+ * taken from it.
+ *
+ * What is held, kept and in use together, is no more than the limit as long as what is in use is not;
+ * arrays of less than 4 MiB are not counted. */
+struct dt_pages;
+
+/* NULL when out of memory. */
+struct dt_pages *dt_pages_new(size_t limit);
+
+/* Gives back what is kept. */
+void dt_pages_free(struct dt_pages *p);
+
+/* Another limit, in bytes. What is kept beyond it goes when more is given, or by dt_pages_trim. */
+void dt_pages_limit(struct dt_pages *p, size_t limit);
+
+/* Gives back up to so many of the bytes that are kept, rounded up to 2 MiB, and returns how many it
+ * were. Cost: linear, about a millisecond for 200 MiB that lie on huge pages. */
+size_t dt_pages_trim(struct dt_pages *p, size_t bytes);
+
+struct dt_pages_summary {
+    size_t held;    /* bytes in use and kept */
+    size_t kept;    /* bytes of these that wait to be used again */
+    uint64_t fresh; /* bytes that have ever been asked of the system */
+    uint64_t uses;  /* how often something has been taken or given: it changes while it is in use */
+};
+
+/* The figures of one moment or, while other threads use it, of several. */
+void dt_pages_summary(const struct dt_pages *p, struct dt_pages_summary *out);
+
+/* An array of the caller's own from the keeper, NULL or made by an earlier call, which then has room
+ * for `bytes`, the first `used` of which are as before. NULL: out of memory, the array is as before.
+ * To be given back by dt_pages_release. */
+void *dt_pages_grow(struct dt_pages *p, void *array, size_t used, size_t bytes);
+
+/* Nothing for NULL. */
+void dt_pages_release(void *array);
 
 /* ---- threads ---- */
 

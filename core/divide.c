@@ -148,7 +148,7 @@ static void divide_all(struct dt_division *d, const struct dt_point *in, unsigne
     if (threads > 1) {
         all = dt_divide_tasks(d, in, threads);
     } else if (d->n > 0) {
-        struct dt_arena arena = {0};
+        struct dt_arena arena = {.pages = d->merging.mesh->pages};
         all = divide_range(d, &arena, (struct dt_source){in, NULL}, 0, d->n, 0);
         dt_arena_clear(&arena);
     }

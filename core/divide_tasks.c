@@ -112,7 +112,7 @@ static uint32_t plan_range(struct plan *w, struct dt_source src, uint32_t lo, ui
 static void run_task(void *arg, unsigned i)
 {
     struct plan *w = arg;
-    struct dt_arena arena = {0};
+    struct dt_arena arena = {.pages = w->arena.pages};
     uint32_t at = w->task[i];
     struct node *node = &w->node[at];
     node->part = dt_divide_cells(w->d, &arena, node->level, node->key, node->s);
@@ -130,7 +130,10 @@ static void run_task(void *arg, unsigned i)
 
 struct dt_part dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned threads)
 {
-    struct plan w = {.d = d, .threads = threads, .limit = d->n / (threads * TASKS_PER_THREAD)};
+    struct plan w = {.d = d,
+                     .arena = {.pages = d->merging.mesh->pages},
+                     .threads = threads,
+                     .limit = d->n / (threads * TASKS_PER_THREAD)};
     if (w.limit < DT_BLOCK)
         w.limit = DT_BLOCK;
     struct dt_part all = {0};

@@ -30,8 +30,9 @@ enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy)
     *copy = (struct dt_hints){0};
     if (g->grids == 0)
         return DT_OK;
-    copy->grid = dt_array_new(g->grids, sizeof *copy->grid);
-    copy->cell = dt_array_new(g->cells, sizeof *copy->cell);
+    copy->pages = g->pages;
+    copy->grid = dt_array_new_in(g->pages, g->grids, sizeof *copy->grid);
+    copy->cell = dt_array_new_in(g->pages, g->cells, sizeof *copy->cell);
     if (copy->grid == NULL || copy->cell == NULL) {
         dt_hints_clear(copy);
         return DT_NOMEM;
@@ -192,7 +193,7 @@ static enum dt_status fill_empty(const struct dt_hints *g, const struct dt_pool 
                                  unsigned threads)
 {
     struct fill f = {.hints = g,
-                     .far = dt_array_new(g->cells, 1),
+                     .far = dt_array_new_in(g->pages, g->cells, 1),
                      .bands = threads,
                      .batches = threads * BATCHES};
     if (f.far == NULL)
@@ -208,6 +209,7 @@ enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
                               const struct dt_point *xy, const struct dt_pool *pool)
 {
     dt_hints_clear(g);
+    g->pages = m->pages;
     if (m->vertices < 2)
         return DT_OK;
     unsigned threads = dt_threads_for(pool, m->vertices);

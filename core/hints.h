@@ -28,6 +28,7 @@ struct dt_hint_grid {
 };
 
 struct dt_hints {
+    struct dt_pages *pages;    /* borrows: those of the mesh */
     struct dt_hint_grid *grid; /* owns; grid 0 covers the set, each other one refines a cell */
     uint32_t *cell;            /* owns the cells of all grids, row by row */
     uint32_t grids, grid_cap;

@@ -76,7 +76,7 @@ static enum dt_status reserve_cells(struct dt_hints *g, double end)
     double want = g->cell_cap == 0 ? end : end + end / 4;
     if (want > UINT32_MAX)
         return DT_NOMEM;
-    uint32_t *cell = dt_array_grow(g->cell, g->cells, (size_t)want, sizeof *cell);
+    uint32_t *cell = dt_array_grow_in(g->pages, g->cell, g->cells, (size_t)want, sizeof *cell);
     if (cell == NULL)
         return DT_NOMEM;
     g->cell = cell;
@@ -90,14 +90,15 @@ static enum dt_status reserve_grid(struct planner *p)
     struct dt_hints *g = p->hints;
     uint32_t want = 2 * g->grids + 1;
     if (g->grids == g->grid_cap) {
-        struct dt_hint_grid *grid = dt_array_grow(g->grid, g->grids, want, sizeof *grid);
+        struct dt_hint_grid *grid =
+            dt_array_grow_in(g->pages, g->grid, g->grids, want, sizeof *grid);
         if (grid == NULL)
             return DT_NOMEM;
         g->grid = grid;
         g->grid_cap = want;
     }
     if (g->grids == p->span_cap) {
-        struct span *span = dt_array_grow(p->span, g->grids, want, sizeof *span);
+        struct span *span = dt_array_grow_in(g->pages, p->span, g->grids, want, sizeof *span);
         if (span == NULL)
             return DT_NOMEM;
         p->span = span;
@@ -236,7 +237,7 @@ static void trim(struct dt_hints *g)
 {
     if (g->cell_cap == g->cells)
         return;
-    uint32_t *cell = dt_array_grow(g->cell, g->cells, g->cells, sizeof *cell);
+    uint32_t *cell = dt_array_grow_in(g->pages, g->cell, g->cells, g->cells, sizeof *cell);
     if (cell != NULL) {
         g->cell = cell;
         g->cell_cap = g->cells;
@@ -249,9 +250,9 @@ enum dt_status dt_hints_plan(struct dt_hints *g, const struct dt_mesh *m, const 
     p.stride = p.stride < 1 ? 1 : p.stride > STRIDE ? STRIDE : p.stride;
     p.crowd = CROWD / p.stride < 1 ? 1 : CROWD / p.stride;
     size_t samples = m->vertices / p.stride + 1;
-    p.count = dt_array_new((size_t)(m->vertices * CELLS_PER_POINT * 2) + 64, 1);
-    p.list = dt_array_new(samples, sizeof *p.list);
-    p.scratch = dt_array_new(samples, sizeof *p.scratch);
+    p.count = dt_array_new_in(m->pages, (size_t)(m->vertices * CELLS_PER_POINT * 2) + 64, 1);
+    p.list = dt_array_new_in(m->pages, samples, sizeof *p.list);
+    p.scratch = dt_array_new_in(m->pages, samples, sizeof *p.scratch);
     enum dt_status s = DT_NOMEM;
     if (p.count != NULL && p.list != NULL && p.scratch != NULL)
         s = reserve_grid(&p);

@@ -1,19 +1,21 @@
-/* memory.c - small arrays from malloc, large ones mapped on their own; see memory.h.
+/* memory.c - small arrays from malloc, large ones in regions of their own (core/pages.h); see memory.h.
  *
- *      | header | items ...     the header says how the block was obtained; it takes a cache line,
- *      0        64              so that records of half a line do not straddle two */
+ *      | header | items ...     the header says where the block is from; it takes a cache line, so
+ *      0        64              that records of half a line do not straddle two */
 #include "core/memory.h"
 
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
-#define HUGE_PAGE ((size_t)2 << 20)
+#include "core/pages.h"
+
+#define LARGE (2 * DT_HUGE_PAGE)
 #define HEADER 64
 
 struct header {
-    size_t mapped; /* bytes, header included; 0: from malloc */
+    size_t region; /* bytes of its region, header included; 0: from malloc */
+    struct dt_pages *pages;
 };
 
 static struct header *header_of(void *p)
@@ -21,77 +23,38 @@ static struct header *header_of(void *p)
     return (void *)((char *)p - HEADER);
 }
 
-static size_t round_up(size_t bytes)
-{
-    return (bytes + HUGE_PAGE - 1) & ~(HUGE_PAGE - 1);
-}
-
-/* Address space of that size (whole huge pages), aligned to a huge page; NULL: there is none. */
-static char *map_aligned(size_t bytes)
-{
-    char *all = mmap(NULL, bytes + HUGE_PAGE, PROT_READ | PROT_WRITE,
-                     MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (all == MAP_FAILED)
-        return NULL;
-    char *start = all + (round_up((uintptr_t)all) - (uintptr_t)all);
-    if (start > all)
-        munmap(all, (size_t)(start - all));
-    munmap(start + bytes, (size_t)(all + HUGE_PAGE - start));
-    (void)madvise(start, bytes,
-                  MADV_HUGEPAGE); /* a wish: without it everything works, only slower */
-    return start;
-}
-
-static void *new_mapped(size_t bytes)
-{
-    struct header *h = (void *)map_aligned(round_up(bytes));
-    if (h == NULL)
-        return NULL;
-    h->mapped = round_up(bytes);
-    return (char *)h + HEADER;
-}
-
-void *dt_array_new(size_t n, size_t size)
+void *dt_array_new_in(struct dt_pages *pages, size_t n, size_t size)
 {
     if (size != 0 && n > (SIZE_MAX / 2 - HEADER) / size)
         return NULL;
-    size_t bytes = n * size + HEADER;
-    if (bytes >= 2 * HUGE_PAGE)
-        return new_mapped(bytes);
-    struct header *h = malloc(bytes);
+    size_t bytes = n * size + HEADER, region = bytes >= LARGE ? dt_huge_pages(bytes) : 0;
+    struct header *h = region > 0 ? dt_region_take(pages, region) : malloc(bytes);
     if (h == NULL)
         return NULL;
-    h->mapped = 0;
+    *h = (struct header){region, pages};
     return (char *)h + HEADER;
 }
 
-/* Moves the pages of a mapped array to a larger range. */
-static void *grow_mapped(void *p, size_t bytes)
+static void *resize_region(struct header *h, size_t bytes)
 {
-    struct header *h = header_of(p);
-    size_t want = round_up(bytes);
-    if (want <= h->mapped)
-        return p;
-    char *to = map_aligned(want);
-    if (to == NULL)
+    size_t want = dt_huge_pages(bytes), have = h->region;
+    if (want < have)
+        dt_region_give(h->pages, (char *)h + want, have - want);
+    else if (want > have)
+        h = dt_region_grow(h->pages, h, have, want);
+    if (h == NULL)
         return NULL;
-    h = mremap(h, h->mapped, want, MREMAP_MAYMOVE | MREMAP_FIXED, to);
-    if (h == MAP_FAILED) {
-        munmap(to, want);
-        return NULL;
-    }
-    (void)madvise(h, want, MADV_HUGEPAGE);
-    h->mapped = want;
+    h->region = want;
     return (char *)h + HEADER;
 }
 
-void *dt_array_grow(void *p, size_t used, size_t n, size_t size)
+void *dt_array_grow_in(struct dt_pages *pages, void *p, size_t used, size_t n, size_t size)
 {
     if (size != 0 && n > (SIZE_MAX / 2 - HEADER) / size)
         return NULL;
-    if (p != NULL && header_of(p)->mapped != 0)
-        return grow_mapped(p, n * size + HEADER);
-    void *larger = dt_array_new(n, size);
+    if (p != NULL && header_of(p)->region != 0)
+        return resize_region(header_of(p), n * size + HEADER);
+    void *larger = dt_array_new_in(pages, n, size);
     if (larger == NULL)
         return NULL;
     if (p != NULL && used > 0)
@@ -105,8 +68,8 @@ void dt_array_free(void *p)
     if (p == NULL)
         return;
     struct header *h = header_of(p);
-    if (h->mapped != 0)
-        munmap(h, h->mapped);
+    if (h->region != 0)
+        dt_region_give(h->pages, h, h->region);
     else
         free(h);
 }

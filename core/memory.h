@@ -8,6 +8,8 @@
 
 #include <stddef.h>
 
+struct dt_pages;
+
 /* Asks for the cache line at p, which need not be a valid address, ahead of its use. The empty
  * statement stays where it is: without it gcc takes a function that only fetches for one that does
  * nothing. */
@@ -18,13 +20,26 @@ static inline void dt_fetch(const void *p)
 }
 
 /* n items of size bytes each, not initialised, aligned to 16; NULL when out of memory or when n *
- * size overflows. To be released by dt_array_free. */
-void *dt_array_new(size_t n, size_t size);
+ * size overflows. A large one comes from the keeper of pages (core/delaunay.h), which may be NULL.
+ * To be released by dt_array_free, which finds the keeper. */
+void *dt_array_new_in(struct dt_pages *pages, size_t n, size_t size);
 
-/* Makes room for n >= used items in the array p, of which the first `used` are kept; p may be NULL
- * if used is 0. Returns the array, which may have moved. NULL: out of memory, p is unchanged. Cost:
- * O(used) for a small array, else O(pages). */
-void *dt_array_grow(void *p, size_t used, size_t n, size_t size);
+/* Makes room for n >= used items in the array p, of which the first `used` are kept, and gives back
+ * what large arrays have beyond that; p may be NULL if used is 0. Returns the array, which may have
+ * moved. NULL: out of memory, p is unchanged. An array has one keeper all its life. Cost: O(used)
+ * for a small array, else O(pages). */
+void *dt_array_grow_in(struct dt_pages *pages, void *p, size_t used, size_t n, size_t size);
+
+/* The same without a keeper. */
+static inline void *dt_array_new(size_t n, size_t size)
+{
+    return dt_array_new_in(NULL, n, size);
+}
+
+static inline void *dt_array_grow(void *p, size_t used, size_t n, size_t size)
+{
+    return dt_array_grow_in(NULL, p, used, n, size);
+}
 
 /* Nothing for NULL. */
 void dt_array_free(void *p);

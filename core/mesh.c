@@ -9,7 +9,7 @@ void dt_mesh_clear(struct dt_mesh *m)
 {
     dt_array_free(m->half);
     dt_array_free(m->leaving);
-    *m = (struct dt_mesh){.free_list = DT_NONE, .hull = DT_NONE};
+    *m = (struct dt_mesh){.pages = m->pages, .free_list = DT_NONE, .hull = DT_NONE};
 }
 
 enum dt_status dt_mesh_copy(const struct dt_mesh *m, struct dt_mesh *copy)
@@ -17,8 +17,8 @@ enum dt_status dt_mesh_copy(const struct dt_mesh *m, struct dt_mesh *copy)
     *copy = *m;
     copy->vert_cap = m->vertices == 0 ? 0 : m->vert_cap;
     copy->tri_cap = m->tri_end;
-    copy->half = dt_array_new((size_t)copy->tri_cap * 8, sizeof *copy->half);
-    copy->leaving = dt_array_new(copy->vert_cap, sizeof *copy->leaving);
+    copy->half = dt_array_new_in(m->pages, (size_t)copy->tri_cap * 8, sizeof *copy->half);
+    copy->leaving = dt_array_new_in(m->pages, copy->vert_cap, sizeof *copy->leaving);
     if (copy->half == NULL || copy->leaving == NULL) {
         dt_mesh_clear(copy);
         return DT_NOMEM;
@@ -38,15 +38,16 @@ size_t dt_mesh_memory(const struct dt_mesh *m)
 enum dt_status dt_mesh_reserve(struct dt_mesh *m, uint32_t verts, uint32_t tris)
 {
     if (verts > m->vert_cap) {
-        uint32_t *leaving = dt_array_grow(m->leaving, m->vert_cap, verts, sizeof *leaving);
+        uint32_t *leaving =
+            dt_array_grow_in(m->pages, m->leaving, m->vert_cap, verts, sizeof *leaving);
         if (leaving == NULL)
             return DT_NOMEM;
         m->leaving = leaving;
         m->vert_cap = verts;
     }
     if (tris > m->tri_cap) {
-        uint32_t *half =
-            dt_array_grow(m->half, (size_t)m->tri_end * 8, (size_t)tris * 8, sizeof *half);
+        uint32_t *half = dt_array_grow_in(m->pages, m->half, (size_t)m->tri_end * 8,
+                                          (size_t)tris * 8, sizeof *half);
         if (half == NULL)
             return DT_NOMEM;
         m->half = half;

@@ -32,7 +32,8 @@
 #define DT_DEAD (UINT32_MAX - 1)
 
 struct dt_mesh {
-    uint32_t *half;    /* owns 8 * tri_cap words */
+    struct dt_pages *pages; /* borrows; where its arrays come from; NULL: the system */
+    uint32_t *half;         /* owns 8 * tri_cap words */
     uint32_t *leaving; /* owns vert_cap words: a half edge that leaves the vertex; DT_NONE if there
                           is none */
     uint32_t tri_cap, vert_cap;
@@ -46,7 +47,7 @@ struct dt_mesh {
     uint32_t hull; /* a ghost, if there is one: see dt_hull_settle */
 };
 
-/* *m must be zeroed or cleared. */
+/* *m must be zeroed or cleared; it keeps its keeper of pages. */
 void dt_mesh_clear(struct dt_mesh *m);
 
 /* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is

@@ -11,7 +11,7 @@ void dt_places_clear(struct dt_places *p)
 {
     dt_array_free(p->bucket);
     dt_array_free(p->next);
-    *p = (struct dt_places){0};
+    *p = (struct dt_places){.pages = p->pages};
 }
 
 /* The column (or row) of cells that v lies in. Monotone, which is all that the search below relies
@@ -62,8 +62,8 @@ enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct d
     size_t buckets = 16;
     while (buckets < cap)
         buckets *= 2;
-    uint32_t *bucket = dt_array_new(buckets, sizeof *bucket);
-    uint32_t *next = dt_array_new(cap, sizeof *next);
+    uint32_t *bucket = dt_array_new_in(p->pages, buckets, sizeof *bucket);
+    uint32_t *next = dt_array_new_in(p->pages, cap, sizeof *next);
     if (bucket == NULL || next == NULL) {
         dt_array_free(bucket);
         dt_array_free(next);
@@ -72,7 +72,8 @@ enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct d
     memset(bucket, 0xff, buckets * sizeof *bucket); /* all DT_NONE */
     uint64_t seed = p->bucket != NULL ? p->seed : (uint64_t)(uintptr_t)bucket * 0xD1B54A32D192ED03u;
     dt_places_clear(p);
-    *p = (struct dt_places){.bucket = bucket,
+    *p = (struct dt_places){.pages = p->pages,
+                            .bucket = bucket,
                             .next = next,
                             .mask = (uint32_t)buckets - 1,
                             .cap = (uint32_t)cap,

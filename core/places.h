@@ -11,8 +11,9 @@
 #include "core/delaunay.h"
 
 struct dt_places {
-    uint32_t *bucket; /* owns mask + 1 heads of chains of vertices; NULL: not built */
-    uint32_t *next;   /* owns cap words, by vertex */
+    struct dt_pages *pages; /* borrows; where its arrays come from; NULL: the system */
+    uint32_t *bucket;       /* owns mask + 1 heads of chains of vertices; NULL: not built */
+    uint32_t *next;         /* owns cap words, by vertex */
     uint32_t mask, cap, count;
     double tol;
     uint64_t seed; /* differs from process to process, so that nobody can aim at one bucket */

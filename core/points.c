@@ -12,10 +12,16 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 
+void dt_points_init_in(struct dt_points *p, double tol, struct dt_pages *pages)
+{
+    *p = (struct dt_points){
+        .pages = pages, .tol = tol, .free_list = DT_NONE, .places = {.pages = pages}};
+    dt_aliases_init(&p->aliases, pages);
+}
+
 void dt_points_init(struct dt_points *p, double tol)
 {
-    *p = (struct dt_points){.tol = tol, .free_list = DT_NONE};
-    dt_aliases_init(&p->aliases);
+    dt_points_init_in(p, tol, NULL);
 }
 
 void dt_points_clear(struct dt_points *p)
@@ -26,14 +32,14 @@ void dt_points_clear(struct dt_points *p)
     dt_aliases_clear(&p->aliases);
     dt_places_clear(&p->places);
     dt_points_past_end(p);
-    dt_points_init(p, p->tol);
+    dt_points_init_in(p, p->tol, p->pages);
 }
 
 enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy)
 {
-    dt_points_init(copy, p->tol);
-    copy->xy = dt_array_new(p->end, sizeof *p->xy);
-    copy->id = dt_array_new(p->end, sizeof *p->id);
+    dt_points_init_in(copy, p->tol, p->pages);
+    copy->xy = dt_array_new_in(p->pages, p->end, sizeof *p->xy);
+    copy->id = dt_array_new_in(p->pages, p->end, sizeof *p->id);
     if (copy->xy == NULL || copy->id == NULL || dt_idmap_copy(&p->value, &copy->value) != DT_OK ||
         dt_aliases_copy(&p->aliases, &copy->aliases) != DT_OK) {
         dt_points_clear(copy);
@@ -83,11 +89,11 @@ static enum dt_status reserve_vertices(struct dt_points *p, size_t n)
     if (need > p->cap) {
         /* A first batch gets just what it needs: sets that are loaded once stay tight. */
         size_t cap = p->cap == 0 ? need : dt_array_room(p->cap, need, DT_MAX_POINTS);
-        struct dt_point *xy = dt_array_grow(p->xy, p->end, cap, sizeof *xy);
+        struct dt_point *xy = dt_array_grow_in(p->pages, p->xy, p->end, cap, sizeof *xy);
         if (xy == NULL)
             return DT_NOMEM;
         p->xy = xy;
-        uint32_t *id = dt_array_grow(p->id, p->end, cap, sizeof *id);
+        uint32_t *id = dt_array_grow_in(p->pages, p->id, p->end, cap, sizeof *id);
         if (id == NULL)
             return DT_NOMEM;
         p->id = id;

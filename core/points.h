@@ -16,7 +16,8 @@
     (1u << 31) /* in a value of `value`: the rest is an index of aliases, not a vertex */
 
 struct dt_points {
-    struct dt_point *xy; /* owns cap, by vertex */
+    struct dt_pages *pages; /* borrows; where large arrays come from; NULL: the system */
+    struct dt_point *xy;    /* owns cap, by vertex */
     uint32_t *id;      /* owns cap, by vertex: the representative's id; DT_NONE for a free vertex */
     uint32_t end, cap; /* vertices 0 .. end - 1 are in use or free */
     uint32_t free_count; /* how many of them are free */
@@ -30,6 +31,7 @@ struct dt_points {
 };
 
 void dt_points_init(struct dt_points *p, double tol);
+void dt_points_init_in(struct dt_points *p, double tol, struct dt_pages *pages);
 void dt_points_clear(struct dt_points *p);
 enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy);
 size_t dt_points_memory(const struct dt_points *p);

@@ -1,0 +1,32 @@
+/* pages.h - regions of whole huge pages for large arrays, taken from a keeper (dt_pages) that has kept
+ * some, or from the system.
+ *
+ * Fresh pages are dear: the system clears them, and under a hypervisor it may have to find them first.
+ * So what one array gives back is kept for the next one, in pieces of any size: a region can be cut
+ * at every huge page, and a large one is put together from small ones by moving their pages. */
+#ifndef DT_PAGES_H
+#define DT_PAGES_H
+
+#include "core/delaunay.h"
+
+#define DT_HUGE_PAGE ((size_t)2 << 20)
+
+/* The bytes of all huge pages that `bytes` <= SIZE_MAX / 2 touch. */
+static inline size_t dt_huge_pages(size_t bytes)
+{
+    return (bytes + DT_HUGE_PAGE - 1) & ~(DT_HUGE_PAGE - 1);
+}
+
+/* A region of that size (whole huge pages, not 0), aligned to a huge page; its contents are anything.
+ * p may be NULL: then it comes from the system, and goes back there. NULL: out of memory. The caller
+ * owns it, and any part of it that begins and ends at a huge page can be given back on its own. */
+void *dt_region_take(struct dt_pages *p, size_t bytes);
+
+/* The first `bytes` of it are kept, and it may move, to be `want` > bytes long. NULL: out of memory,
+ * it is as before. Cost: O(pages). */
+void *dt_region_grow(struct dt_pages *p, void *region, size_t bytes, size_t want);
+
+/* p: where it was taken. */
+void dt_region_give(struct dt_pages *p, void *region, size_t bytes);
+
+#endif
