@@ -39,7 +39,7 @@ interop: all
 TABLES     ?= paper sizes families
 MIN        ?= 1000
 MAX        ?= 1000000
-BENCH      := $(addprefix $(O)/tests/bench/,bench.o paper.o measure.o pool.o)
+BENCH      := $(addprefix $(O)/tests/bench/,bench.o paper.o hostile.o orders.o measure.o pool.o)
 HAVE_CGAL   = $(shell echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ - >/dev/null 2>&1 && echo yes)
 
 $(O)/tests/bench/bench: $(BENCH) $(FAMILIES) $(CORE)

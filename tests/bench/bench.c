@@ -1,12 +1,14 @@
 /* bench.c - tables of what building a triangulation costs, in ns per point, for both engines and
  * beside CGAL.
  *
- *     bench [--min N] [--max N] [--cgal PROGRAM] paper|sizes|families ...
+ *     bench [--min N] [--max N] [--cgal PROGRAM] paper|sizes|families|hostile ...
  *
  * The tables are Markdown, ready for the README; chart.awk draws them. Every figure is the best of
- * three processes; a process builds as many different sets as make a million points. "fresh" builds
- * in memory never touched before, "warm" in pages that the process has used already. One thread is
- * timed by its CPU clock, two by the clock on the wall. */
+ * several processes, and those that are compared take turns; a process builds as many different
+ * sets as make a million points. "fresh" builds in memory never touched before, "warm" in pages that
+ * the process has used already. One thread is timed by its CPU clock, two by the clock on the
+ * wall. */
+#include "tests/bench/hostile.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/paper.h"
 
@@ -25,116 +27,157 @@ static const struct family *family_named(const char *name)
     return f;
 }
 
-/* A cell of a table: "-" where nothing could be measured. Returns v. */
-static double cell(double v)
+/* The rest of a row: "-" where nothing could be measured. */
+static void cell(double v)
 {
     if (v > 0)
         printf(" %.*f |", v < 10 ? 2 : 0, v);
     else
         printf(" - |");
-    fflush(stdout);
-    return v;
 }
 
-static double ratio(double a, double b)
+static void ratio(double a, double b)
 {
-    return b > 0 ? a / b : 0;
+    cell(b > 0 ? a / b : 0);
 }
 
-static double build_ns(const struct build *b)
+/* ---- who is measured ---- */
+
+enum { ONE, TWO, FRESH, PAPER, BARE, LIST, BARE_FRESH, CONTENDERS };
+
+/* Many rounds for what ratios are made of, fewer for the rest and for what takes long. */
+static void enter(struct contender *c, const struct family *f, size_t n)
 {
-    struct cost c;
-    return measure(b, &c) ? c.build_ns : 0;
+    bool large = n > 1000000;
+    struct build build = {f, n, DT_DIVIDE, 1, true};
+    for (int k = 0; k < CONTENDERS; k++)
+        c[k] = (struct contender){.build = build, .rounds = large ? 1 : 3};
+    c[ONE].rounds = c[TWO].rounds = c[BARE].rounds = large ? 3 : 5;
+    c[LIST].rounds = large ? 1 : 2;
+    c[TWO].build.threads = 2;
+    c[PAPER].build.method = DT_SHELLING;
+    c[FRESH].build.warm = c[BARE_FRESH].build.warm = false;
+    c[BARE].cgal = c[LIST].cgal = c[BARE_FRESH].cgal = cgal;
+    c[LIST].list = true;
 }
 
-static double cgal_ns(const struct build *b, bool list)
+static double ns(const struct contender *c)
 {
-    struct peer_cost c;
-    return measure_cgal(cgal, b, list, &c) ? c.build_ns : 0;
+    return c->best.build_ns;
 }
 
-/* ---- sizes: uniform points, 1e3 to --max ---- */
+/* ---- sizes: uniform points; all of them take turns, since they, too, are compared ---- */
 
-static void sizes_row(size_t n, double *divide_per_point)
+enum { MAX_ROWS = 8 };
+
+static void sizes_row(const struct contender *c)
 {
-    struct build b = {family_named("uniform"), n, DT_DIVIDE, 1, true};
-    struct cost c = {0};
-    printf("| %zu |", n);
-    *divide_per_point = cell(measure(&b, &c) ? c.build_ns : 0);
-    cell(c.add_ns);
-    b.threads = 2;
-    cell(build_ns(&b));
-    b.threads = 1;
-    b.warm = false;
-    double fresh = cell(build_ns(&b));
-    b.method = DT_SHELLING;
-    b.warm = true;
-    cell(build_ns(&b));
-    double bare = cell(cgal_ns(&b, false));
-    cell(cgal_ns(&b, true));
-    cell(ratio(*divide_per_point, bare));
-    b.warm = false;
-    cell(ratio(fresh, cgal_ns(&b, false)));
+    printf("| %zu |", c->build.n);
+    cell(ns(&c[ONE]));
+    cell(ns(&c[TWO]));
+    cell(ns(&c[FRESH]));
+    cell(c[ONE].best.add_ns);
+    cell(ns(&c[PAPER]));
+    cell(ns(&c[BARE]));
+    cell(ns(&c[LIST]));
+    ratio(ns(&c[ONE]), ns(&c[BARE]));
+    ratio(ns(&c[TWO]), ns(&c[BARE]));
+    ratio(ns(&c[FRESH]), ns(&c[BARE_FRESH]));
     printf("\n");
+}
+
+static void growth(struct contender (*row)[CONTENDERS], size_t rows, size_t from)
+{
+    const struct contender *last = row[rows - 1];
+    for (size_t i = 0; i + 1 < rows; i++)
+        if (row[i]->build.n == from && ns(row[i]) > 0)
+            printf("ns per point of one thread, %zu points / %zu points: %.2f\n", last->build.n,
+                   from, ns(&last[ONE]) / ns(&row[i][ONE]));
 }
 
 static void sizes(void)
 {
-    double first = 0, last = 0, ns;
-    printf(
-        "Uniform points, ns per point; warm memory and one thread unless said.\n\n"
-        "| n | divide | adding the points | divide, 2 threads | divide, fresh | shelling | CGAL | "
-        "CGAL, ids and list | divide / CGAL | both fresh "
-        "|\n|---|---|---|---|---|---|---|---|---|---|\n");
-    for (size_t n = min_n; n <= max_n; n *= 10) {
-        sizes_row(n, &ns);
-        if (n == 10000)
-            first = ns;
-        last = ns;
-    }
-    if (first > 0 && max_n > 10000)
-        printf("\ndivide: ns per point at the largest n / at 10000 = %.2f\n", last / first);
+    struct contender row[MAX_ROWS][CONTENDERS];
+    size_t rows = 0;
+    for (size_t n = min_n; n <= max_n && rows < MAX_ROWS; n *= 10)
+        enter(row[rows++], family_named("uniform"), n);
+    if (rows == 0)
+        return;
+    measure_alternately(row[0], rows * CONTENDERS);
+    printf("Uniform points, ns per point; warm memory and one thread unless said.\n\n"
+           "| n | divide | 2 threads | fresh | adding the points | shelling | CGAL | "
+           "CGAL, ids and list | divide / CGAL | 2 threads / CGAL | both fresh |\n"
+           "|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for (size_t i = 0; i < rows; i++)
+        sizes_row(row[i]);
+    printf("\n");
+    growth(row, rows, 10000);
+    growth(row, rows, 100000);
     printf("\n");
 }
 
-/* ---- families ---- */
+/* ---- families: a table of time, then one of memory ---- */
 
-static void families_row(const struct family *f, size_t n)
+static void time_row(const struct contender *c)
 {
-    struct build one = {f, n, DT_DIVIDE, 1, true}, two = {f, n, DT_DIVIDE, 2, true};
-    struct build fresh = {f, n, DT_DIVIDE, 1, false};
-    struct cost warm = {0}, c = {0};
-    struct peer_cost peer = {0};
-    printf("| %s | %zu |", f->name, n);
-    double serial = cell(measure(&one, &warm) ? warm.build_ns : 0), parallel = cell(build_ns(&two));
-    cell(measure(&fresh, &c) ? c.build_ns : 0);
-    double bare = cell(cgal_ns(&one, false));
-    cell(cgal_ns(&one, true));
-    double fresh_bare = cell(measure_cgal(cgal, &fresh, false, &peer) ? peer.build_ns : 0);
-    cell(ratio(serial, bare));
-    cell(ratio(parallel, bare));
-    cell(ratio(c.build_ns, fresh_bare));
-    cell(n >= 100000 ? c.held_bytes : 0); /* below, what the process holds beside hides it */
-    cell(n >= 100000 ? c.peak_bytes : 0);
-    cell(n >= 100000 ? peer.peak_bytes : 0);
-    cell(warm.grid_ns);
+    printf("| %s |", c->build.family->name);
+    cell(ns(&c[ONE]));
+    cell(ns(&c[TWO]));
+    cell(c[ONE].best.grid_ns);
+    cell(ns(&c[BARE]));
+    cell(ns(&c[LIST]));
+    ratio(ns(&c[ONE]), ns(&c[BARE]));
+    ratio(ns(&c[TWO]), ns(&c[BARE]));
+    ratio(ns(&c[ONE]), ns(&c[TWO]));
+    printf("\n");
+    fflush(stdout);
+}
+
+static void memory_row(const struct contender *c)
+{
+    bool large = c->build.n >= 100000; /* below, what the process holds beside hides it */
+    printf("| %s |", c->build.family->name);
+    cell(ns(&c[FRESH]));
+    cell(ns(&c[BARE_FRESH]));
+    ratio(ns(&c[FRESH]), ns(&c[BARE_FRESH]));
+    cell(large ? c[ONE].best.held_bytes : 0);
+    cell(large ? c[FRESH].best.peak_bytes : 0);
+    cell(large ? c[BARE_FRESH].best.peak_bytes : 0);
     printf("\n");
 }
 
-static void families_table(void)
+static void families_table(size_t n)
 {
     static const char *const names[] = {
         "uniform",          "gaussian",   "clusters",       "kuzmin",    "lattice",
         "lattice_shuffled", "duplicates", "near_collinear", "thin_line", "circle"};
-    printf("Families, engine divide, ns per point; bytes per point.\n\n"
-           "| family | n | 1 thread | 2 threads | fresh | CGAL | CGAL, ids and list | CGAL fresh | "
-           "1 thread / CGAL | "
-           "2 threads / CGAL | fresh / CGAL fresh | set | peak | CGAL peak | grid for searches |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-    for (size_t n = min_n; n <= max_n; n *= 10)
-        for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-            families_row(family_named(names[i]), n);
+    enum { FAMILIES = sizeof names / sizeof names[0] };
+    struct contender row[FAMILIES][CONTENDERS];
+    printf("Families, %zu points, ns per point.\n\n"
+           "| family | 1 thread | 2 threads | grid for searches | CGAL | CGAL, ids and list | "
+           "1 thread / CGAL | 2 threads / CGAL | 1 thread / 2 threads |\n"
+           "|---|---|---|---|---|---|---|---|---|\n",
+           n);
+    for (size_t i = 0; i < FAMILIES; i++) {
+        enter(row[i], family_named(names[i]), n);
+        row[i][PAPER].rounds = 0;
+        measure_alternately(row[i], CONTENDERS);
+        time_row(row[i]);
+    }
+    printf("\nThe same in fresh memory, one thread, ns per point; bytes per point that a "
+           "triangulated set holds with its grid for searches, and that a build needs at its "
+           "peak.\n\n"
+           "| family | fresh | CGAL fresh | fresh / CGAL fresh | set | peak | CGAL peak |\n"
+           "|---|---|---|---|---|---|---|\n");
+    for (size_t i = 0; i < FAMILIES; i++)
+        memory_row(row[i]);
     printf("\n");
+}
+
+static void families_tables(void)
+{
+    for (size_t n = min_n; n <= max_n; n *= 10)
+        families_table(n);
 }
 
 int main(int argc, char **argv)
@@ -151,7 +194,9 @@ int main(int argc, char **argv)
         else if (strcmp(argv[i], "sizes") == 0)
             sizes();
         else if (strcmp(argv[i], "families") == 0)
-            families_table();
+            families_tables();
+        else if (strcmp(argv[i], "hostile") == 0)
+            hostile_tables(min_n, max_n);
         else
             return 2;
     }

@@ -1,13 +1,14 @@
-# chart.awk - draws the table `families` of bench's output as bars: awk -v n=1000000 -f chart.awk bench.md >chart.svg
+# chart.awk - draws the table of families of n points of bench's output as bars: awk -v n=1000000 -f chart.awk bench.md >chart.svg
 BEGIN { FS = " *[|] *"; bars = 0; top = 0 }
 
-/^Families/ { inside = 1 }
+/^Families/ { inside = $0 ~ " " n " points" }
+/^The same/ { inside = 0 }
 
-inside && NF > 10 && $3 == n {
+inside && NF > 9 && $3 ~ /^[0-9.]+$/ {
     name[bars] = $2
-    ns[bars, 0] = $4
-    ns[bars, 1] = $5
-    ns[bars, 2] = $7
+    ns[bars, 0] = $3
+    ns[bars, 1] = $4
+    ns[bars, 2] = $6
     for (k = 0; k < 3; k++)
         if (ns[bars, k] + 0 > top)
             top = ns[bars, k] + 0
@@ -31,7 +32,7 @@ END {
     height = 60 + bars * 46
     printf "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"640\" height=\"%d\" font-family=\"sans-serif\">\n", height
     printf "<rect width=\"640\" height=\"%d\" fill=\"white\"/>\n", height
-    printf "<text x=\"10\" y=\"20\" font-size=\"13\">ns per point, %d points, one process each (shorter is better)</text>\n", n
+    printf "<text x=\"10\" y=\"20\" font-size=\"13\">ns per point, %d points, shorter is better</text>\n", n
     for (k = 0; k < 3; k++) {
         printf "<rect x=\"%d\" y=\"30\" width=\"11\" height=\"11\" fill=\"%s\"/>\n", 150 + 110 * k, colour[k]
         printf "<text x=\"%d\" y=\"40\" font-size=\"11\">%s</text>\n", 166 + 110 * k, label[k]

@@ -5,6 +5,7 @@
 
 #include <limits.h>
 #include <malloc.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -117,41 +118,58 @@ static bool run_child(const struct build *b, struct cost *cost)
     return ok;
 }
 
-/* The best of three: what disturbs a measurement only ever adds to it. */
-bool measure(const struct build *b, struct cost *cost)
+static bool run_cgal(const struct contender *c, struct cost *cost)
 {
-    for (int i = 0; i < 3; i++) {
-        struct cost c;
-        if (!run_child(b, &c))
-            return false;
-        if (i == 0 || c.build_ns < cost->build_ns)
-            *cost = c;
-    }
-    return true;
-}
-
-static bool run_cgal(const char *command, struct peer_cost *cost)
-{
+    char command[512];
+    const struct build *b = &c->build;
+    if (access(c->cgal, X_OK) != 0)
+        return false;
+    snprintf(command, sizeof command, "%s %s %zu %zu %s %s", c->cgal, b->family->name, b->n,
+             measure_sets(b->n), b->warm ? "warm" : "fresh", c->list ? "list" : "bare");
     FILE *in = popen(command, "r");
     if (in == NULL)
         return false;
+    *cost = (struct cost){0};
     bool ok = fscanf(in, "%lf %lf", &cost->build_ns, &cost->peak_bytes) == 2;
     return pclose(in) == 0 && ok;
 }
 
-bool measure_cgal(const char *program, const struct build *b, bool list, struct peer_cost *cost)
+/* What disturbs a measurement only ever adds to its time; memory is what it was at most. */
+static void take_best(struct cost *best, const struct cost *c)
 {
-    char command[512];
-    if (access(program, X_OK) != 0)
-        return false;
-    snprintf(command, sizeof command, "%s %s %zu %zu %s %s", program, b->family->name, b->n,
-             measure_sets(b->n), b->warm ? "warm" : "fresh", list ? "list" : "bare");
-    for (int i = 0; i < 3; i++) {
-        struct peer_cost c;
-        if (!run_cgal(command, &c))
-            return false;
-        if (i == 0 || c.build_ns < cost->build_ns)
-            *cost = c;
+    best->add_ns = fmin(best->add_ns, c->add_ns);
+    best->build_ns = fmin(best->build_ns, c->build_ns);
+    best->grid_ns = fmin(best->grid_ns, c->grid_ns);
+    best->peak_bytes = fmax(best->peak_bytes, c->peak_bytes);
+    best->held_bytes = fmax(best->held_bytes, c->held_bytes);
+}
+
+static void run_once(struct contender *c)
+{
+    struct cost cost;
+    if (!(c->cgal != NULL ? run_cgal(c, &cost) : run_child(&c->build, &cost)))
+        return;
+    if (c->best.build_ns > 0)
+        take_best(&c->best, &cost);
+    else
+        c->best = cost;
+}
+
+/* A contender with fewer rounds than others sits out some, evenly. */
+static bool takes_part(const struct contender *c, unsigned round, unsigned rounds)
+{
+    return (round + 1) * c->rounds / rounds > round * c->rounds / rounds;
+}
+
+void measure_alternately(struct contender *c, size_t n)
+{
+    unsigned rounds = 0;
+    for (size_t i = 0; i < n; i++) {
+        c[i].best = (struct cost){0};
+        rounds = c[i].rounds > rounds ? c[i].rounds : rounds;
     }
-    return true;
+    for (unsigned round = 0; round < rounds; round++)
+        for (size_t i = 0; i < n; i++)
+            if (takes_part(&c[i], round, rounds))
+                run_once(&c[i]);
 }

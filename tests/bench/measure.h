@@ -22,16 +22,21 @@ struct cost {
     double held_bytes;       /* per input point, what the triangulated set holds */
 };
 
-/* Builds sets of b->n points, enough of them to measure, no two alike. false: the child failed, or
- * the machine has not enough memory. */
-bool measure(const struct build *b, struct cost *cost);
-
-/* The cost of the same by CGAL, from a program of its own (cgal_speed.cpp): bare, or with ids and
- * the list of triangles. false: there is no such program. */
-struct peer_cost {
-    double build_ns, peak_bytes;
+/* Who takes part in a comparison: an engine of ours or CGAL. */
+struct contender {
+    struct build build;
+    const char
+        *cgal; /* NULL: ours; else the program (cgal_speed.cpp), of build's family, n, warm */
+    bool list; /* CGAL with ids and the list of triangles, as ours always has; else bare */
+    unsigned rounds;
+    struct cost best; /* of CGAL build_ns and peak_bytes; all 0: it could not be measured */
 };
-bool measure_cgal(const char *program, const struct build *b, bool list, struct peer_cost *cost);
+
+/* Lets the n contenders build by turns, each as many times as it has rounds, and keeps of each the
+ * best. A machine's speed swings by a tenth and more within minutes, so what is to be compared must
+ * not be measured one after the other. A turn is a process that builds sets of build.n points, no
+ * two alike, enough of them to measure. */
+void measure_alternately(struct contender *c, size_t n);
 
 /* How many sets of n points make a measurement. */
 size_t measure_sets(size_t n);

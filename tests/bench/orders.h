@@ -1,0 +1,11 @@
+/* orders.h - uniform points in orders that an engine which sorts, or one that does not, may suffer
+ * from. */
+#ifndef BENCH_ORDERS_H
+#define BENCH_ORDERS_H
+
+#include "tests/oracle/families.h"
+
+/* All of them; the row after the last one has the name NULL. */
+extern const struct family orders[];
+
+#endif
