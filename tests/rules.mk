@@ -33,12 +33,14 @@ interop: all
 
 # ---- bench: ns per point; beside CGAL where libcgal-dev is there ----
 #
-# Ten minutes; make bench TABLES=paper, or with MIN=1000000, does less, MAX=10000000 more. README shows a copy of the chart,
+# A quarter of an hour; make bench TABLES=paper, or with MIN=1000000, does less; TABLES=sizes MAX=10000000 takes four minutes,
+# TABLES=hostile ten (every family and order of input beside uniform points; MIN=10000). README shows a copy of the chart,
 # tests/bench/bench.svg.
 
-TABLES     ?= paper sizes families
+TABLES     ?= paper sizes families daemon live end_to_end
 MIN        ?= 1000
 MAX        ?= 1000000
+TEN        := uniform gaussian clusters kuzmin lattice lattice_shuffled duplicates near_collinear thin_line circle
 BENCH      := $(addprefix $(O)/tests/bench/,bench.o paper.o hostile.o orders.o measure.o pool.o)
 HAVE_CGAL   = $(shell echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ - >/dev/null 2>&1 && echo yes)
 
@@ -58,11 +60,13 @@ $(O)/tests/bench/cgal_%: $(O)/tests/bench/cgal_%.o $(FAMILIES)
 bench: all $(O)/tests/bench/bench $(O)/tests/bench/live $(O)/tests/bench/points
 	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(addprefix $(O)/tests/bench/,cgal_speed cgal_live cgal_text), \
 	  echo "no libcgal-dev, so nothing beside CGAL")
-	@{ $(O)/tests/bench/bench --min $(MIN) --max $(MAX) --cgal $(O)/tests/bench/cgal_speed $(TABLES) && \
-	  $(O)/tests/bench/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_live) && \
-	  tests/bench/end_to_end.sh $(O) 1000000; } | tee $(O)/bench.md
-	@awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg
-	@echo "the tables are in $(O)/bench.md, a chart in $(O)/bench.svg"
+	@{ $(O)/tests/bench/bench --min $(MIN) --max $(MAX) --cgal $(O)/tests/bench/cgal_speed \
+	    $(filter paper sizes families hostile,$(TABLES)) \
+	  $(if $(filter daemon,$(TABLES)),&& tests/bench/daemon.sh $(O) 1000000 3 $(TEN)) \
+	  $(if $(filter live,$(TABLES)),&& $(O)/tests/bench/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_live)) \
+	  $(if $(filter end_to_end,$(TABLES)),&& tests/bench/end_to_end.sh $(O) 1000000); } | tee $(O)/bench.md
+	@$(if $(filter families,$(TABLES)),awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg)
+	@echo "the tables are in $(O)/bench.md, a chart of families in $(O)/bench.svg"
 
 # ---- bench-durable: what --data costs; beside redis where redis-server is there. POINTS=1000000 is quicker ----
 

@@ -1,10 +1,12 @@
-/* points.c - prints a family of point sets as text, a line `x y` per point.
+/* points.c - prints a family of point sets as text, a line `x y` per point, or as LOADB takes it,
+ * two doubles per point.
  *
- *     points FAMILY N [SEED]        without arguments: what families there are */
+ *     points [--binary] FAMILY N [SEED]        without arguments: what families there are */
 #include "tests/oracle/families.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static int list_families(void)
 {
@@ -13,8 +15,17 @@ static int list_families(void)
     return 2;
 }
 
+static void print_text(const struct dt_point *p, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        printf("%.17g %.17g\n", p[i].x, p[i].y);
+}
+
 int main(int argc, char **argv)
 {
+    bool binary = argc > 1 && strcmp(argv[1], "--binary") == 0;
+    argc -= binary;
+    argv += binary;
     const struct family *f = argc > 2 ? family_find(argv[1]) : NULL;
     if (f == NULL)
         return list_families();
@@ -23,8 +34,10 @@ int main(int argc, char **argv)
     if (p == NULL)
         return 1;
     family_points(f, p, n, argc > 3 ? strtoul(argv[3], NULL, 10) : 1);
-    for (size_t i = 0; i < n; i++)
-        printf("%.17g %.17g\n", p[i].x, p[i].y);
+    if (binary)
+        fwrite(p, sizeof *p, n, stdout);
+    else
+        print_text(p, n);
     free(p);
-    return 0;
+    return fflush(stdout) == 0 ? 0 : 1;
 }

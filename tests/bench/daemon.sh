@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# What the daemon itself says that TRIANGULATE took (its ms, the clock on the wall), after LOADB, beside bare CGAL: in a
+# daemon and a CGAL program that are fresh, and where they have built another such set before. Nanoseconds per point, the
+# best of ROUNDS, in which all take turns.
+#
+#     daemon.sh BUILD_DIR N ROUNDS FAMILY...
+set -euo pipefail
+build=$1
+n=$2
+rounds=$3
+shift 3
+scratch=$(mktemp -d)
+daemon=
+stop() {
+    [ -z "$daemon" ] || kill "$daemon"
+    rm -rf "$scratch"
+}
+trap stop EXIT
+
+# Sends FILE... as sets to a daemon of its own, and triangulates and drops each before the next; a line of nanoseconds per
+# point for each.
+by_daemon() { # THREADS FILE...
+    local threads=$1 file port=
+    shift
+    : >"$scratch/ready"
+    "$build/delaunayd" --port 0 --threads "$threads" >"$scratch/ready" &
+    daemon=$!
+    until port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready") && [ -n "$port" ]; do sleep 0.01; done
+    for file; do
+        { printf 'LOADB s %s\n' "$n"; cat "$file"; printf 'TRIANGULATE s\nDROP s\n'; } |
+            nc -N 127.0.0.1 "$port" | awk -v n="$n" '/ ms=/ {sub(/.* ms=/, ""); print $1 * 1e6 / n}'
+    done
+    kill "$daemon"
+    wait "$daemon" || true
+    daemon=
+}
+
+# One round: fresh and used, with one thread, with two, CGAL.
+round() { # FAMILY
+    by_daemon 1 "$scratch/before" "$scratch/points"
+    by_daemon 2 "$scratch/before" "$scratch/points"
+    [ ! -x "$build/tests/bench/cgal_speed" ] || for memory in fresh warm; do
+        "$build/tests/bench/cgal_speed" "$1" "$n" 1 "$memory" bare | cut -d' ' -f1
+    done
+}
+
+row() { # FAMILY
+    "$build/tests/bench/points" --binary "$1" "$n" 1 >"$scratch/before"
+    "$build/tests/bench/points" --binary "$1" "$n" 2 >"$scratch/points"
+    for _ in $(seq "$rounds"); do round "$1" | paste -s -d' '; done >"$scratch/ns"
+    awk -v family="$1" '
+        { for (i = 1; i <= 6; i++) if ($i != "" && (NR == 1 || $i < best[i])) best[i] = $i }
+        function ratio(a, b) { return best[b] == "" ? "-" : sprintf("%.2f", best[a] / best[b]) }
+        function ns(i) { return best[i] == "" ? "-" : sprintf("%.0f", best[i]) }
+        END {
+            print "| " family " | " ns(1) " | " ns(3) " | " ns(5) " | " ratio(1, 5) " | " ratio(3, 5) " | " ns(2) " | " ns(4) " | " \
+                ns(6) " | " ratio(2, 6) " | " ratio(4, 6) " |"
+        }' "$scratch/ns"
+}
+
+echo "TRIANGULATE after LOADB of $n points, ns per point by the daemon's own ms, with --threads 1 and 2, beside bare CGAL."
+echo
+echo '| family | fresh, 1 thread | 2 threads | CGAL | 1 thread / CGAL | 2 threads / CGAL | used, 1 thread | 2 threads | CGAL | 1 thread / CGAL | 2 threads / CGAL |'
+echo '|---|---|---|---|---|---|---|---|---|---|---|'
+for family; do row "$family"; done
+echo
