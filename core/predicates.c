@@ -4,9 +4,8 @@
  *
  *     filter (inline)            decides all but one call in 10^4 on random points
  *     axis-parallel rectangle    incircle: exactly zero; most ties on lattices
- *     128-bit integers           incircle: differences on a common grid, 30 bits
+ *     256-bit integers           incircle: differences on a common grid, 55 bits
  *     double words               about 100 bits: nearly all that is not a tie
- *     integers modulo 2^128      incircle: ties on a common grid, 55 bits
  *     expansions                 exact whatever the input [Shewchuk 1997]
  *
  * Why nothing overflows or underflows: a coordinate is 0 or of magnitude 2^-142 to 2^201, so it is
@@ -82,54 +81,89 @@ static bool is_rectangle(struct dt_point p, struct dt_point q, struct dt_point r
            (p.x == s.x && q.x == r.x && p.y == r.y && q.y == s.y);
 }
 
-/* The differences of a, b, c to d: xy[0..2] are double words in x, xy[3..5] in y. */
+/* The differences of a, b, c to d: double words hi[i] + lo[i], 0 to 2 in x, 3 to 5 in y. */
 struct differences {
-    struct dt_double2 xy[6];
-    double largest; /* the largest magnitude, rounded */
-    bool rounded;   /* some difference is not a double */
+    double hi[6], lo[6];
 };
 
-static struct differences differences_to(struct dt_point a, struct dt_point b, struct dt_point c,
-                                         struct dt_point d)
+static void differences_to(struct dt_point a, struct dt_point b, struct dt_point c,
+                           struct dt_point d, struct differences *r)
 {
-    struct differences r = {{dt_double2_difference(a.x, d.x), dt_double2_difference(b.x, d.x),
-                             dt_double2_difference(c.x, d.x), dt_double2_difference(a.y, d.y),
-                             dt_double2_difference(b.y, d.y), dt_double2_difference(c.y, d.y)},
-                            0,
-                            false};
-    for (int i = 0; i < 6; i++) {
-        r.largest = fmax(r.largest, fabs(r.xy[i].hi));
-        r.rounded |= r.xy[i].lo != 0;
-    }
-    return r;
+    dt_two_sum(a.x, -d.x, &r->hi[0], &r->lo[0]);
+    dt_two_sum(b.x, -d.x, &r->hi[1], &r->lo[1]);
+    dt_two_sum(c.x, -d.x, &r->hi[2], &r->lo[2]);
+    dt_two_sum(a.y, -d.y, &r->hi[3], &r->lo[3]);
+    dt_two_sum(b.y, -d.y, &r->hi[4], &r->lo[4]);
+    dt_two_sum(c.y, -d.y, &r->hi[5], &r->lo[5]);
 }
 
-/* If the differences are integers below 2^30 times a common power of two, puts the sign of the
- * determinant in *sign. The power is found from the largest one, so this needs to know nothing
- * about the set of points. */
-static bool incircle_integers(const struct differences *d, int *sign)
+/* 2^54 / 2^floor(log2 largest) for the largest magnitude. That is not 0: four equal points are a
+ * rectangle. */
+static double scale_of(const struct differences *d)
 {
-    int64_t v[6];
+    double largest = 0, scale;
     uint64_t bits;
-    if (d->rounded || d->largest == 0)
-        return false;
-    memcpy(&bits, &d->largest, sizeof bits);
-    bits = (uint64_t)(1023 + 29 + 1023 - (int)(bits >> 52))
-           << 52; /* 2^29 / 2^floor(log2 largest) */
-    double scale;
+    for (int i = 0; i < 6; i++)
+        largest = fabs(d->hi[i]) > largest ? fabs(d->hi[i]) : largest;
+    memcpy(&bits, &largest, sizeof bits);
+    bits = (uint64_t)(1023 + 54 + 1023 - (int)(bits >> 52)) << 52;
     memcpy(&scale, &bits, sizeof scale);
+    return scale;
+}
+
+/* If the differences are integers below 2^55 times a common power of two, puts them in v. The power
+ * is found from the largest one, so this needs to know nothing about the set of points. */
+static bool to_integers(const struct differences *d, int64_t v[6])
+{
+    double scale = scale_of(d), tails = 0;
+    int broken = 0;
     for (int i = 0; i < 6; i++) {
-        double scaled = d->xy[i].hi * scale;
-        v[i] = (int64_t)scaled;
-        if ((double)v[i] != scaled)
-            return false;
+        double hi = d->hi[i] * scale;
+        v[i] = (int64_t)hi;
+        broken |= (double)v[i] != hi;
+        tails += fabs(d->lo[i]);
     }
+    if (tails == 0 || broken)
+        return !broken;
+    for (int i = 0; i < 6; i++) {
+        double lo = d->lo[i] * scale;
+        int64_t rest = (int64_t)lo;
+        v[i] += rest;
+        broken |= (double)rest != lo;
+    }
+    return !broken;
+}
+
+/* high * 2^128 + low */
+struct wide {
+    __int128 high;
+    unsigned __int128 low;
+};
+
+/* a * b for factors below 2^113. */
+static struct wide multiply(__int128 a, __int128 b)
+{
+    __int128 a_high = a >> 64, b_high = b >> 64;
+    uint64_t a_low = (uint64_t)a, b_low = (uint64_t)b;
+    unsigned __int128 low = (unsigned __int128)a_low * b_low;
+    __int128 middle = a_high * (__int128)b_low + b_high * (__int128)a_low + (__int128)(low >> 64);
+    return (struct wide){a_high * b_high + (middle >> 64),
+                         (unsigned __int128)middle << 64 | (uint64_t)low};
+}
+
+/* The determinant in the form of sight.h, dt(b) cr(a) - dt(a) cr(b) for the base d-c: factors below
+ * 2^112, which are multiplied in full. */
+static int incircle_integers(const int64_t v[6])
+{
     int64_t ax = v[0], bx = v[1], cx = v[2], ay = v[3], by = v[4], cy = v[5];
-    __int128 det = (__int128)(ax * ax + ay * ay) * (bx * cy - cx * by);
-    det += (__int128)(bx * bx + by * by) * (cx * ay - ax * cy);
-    det += (__int128)(cx * cx + cy * cy) * (ax * by - bx * ay);
-    *sign = (det > 0) - (det < 0);
-    return true;
+    __int128 cr_a = (__int128)cx * ay - (__int128)cy * ax;
+    __int128 cr_b = (__int128)cx * by - (__int128)cy * bx;
+    __int128 dt_a = (__int128)ax * (ax - cx) + (__int128)ay * (ay - cy);
+    __int128 dt_b = (__int128)bx * (bx - cx) + (__int128)by * (by - cy);
+    struct wide inside = multiply(dt_b, cr_a), outside = multiply(dt_a, cr_b);
+    if (inside.high != outside.high)
+        return inside.high > outside.high ? 1 : -1;
+    return (inside.low > outside.low) - (inside.low < outside.low);
 }
 
 static struct dt_double2 lift_2(struct dt_double2 x, struct dt_double2 y)
@@ -151,43 +185,14 @@ static struct dt_double2 term_2(struct dt_double2 x, struct dt_double2 y, struct
 /* The sign of the determinant if double words can tell, else 0. */
 static int incircle_double2(const struct differences *d)
 {
-    struct dt_double2 ax = d->xy[0], bx = d->xy[1], cx = d->xy[2];
-    struct dt_double2 ay = d->xy[3], by = d->xy[4], cy = d->xy[5];
+    struct dt_double2 ax = {d->hi[0], d->lo[0]}, ay = {d->hi[3], d->lo[3]};
+    struct dt_double2 bx = {d->hi[1], d->lo[1]}, by = {d->hi[4], d->lo[4]};
+    struct dt_double2 cx = {d->hi[2], d->lo[2]}, cy = {d->hi[5], d->lo[5]};
     double permanent = 0;
     struct dt_double2 det = term_2(ax, ay, bx, by, cx, cy, &permanent);
     det = dt_double2_add(det, term_2(bx, by, cx, cy, ax, ay, &permanent));
     det = dt_double2_add(det, term_2(cx, cy, ax, ay, bx, by, &permanent));
     return fabs(det.hi) > INCIRCLE_BOUND_2 * permanent ? sign_of(det.hi) : 0;
-}
-
-/* Where double words could not tell, the determinant is below 2^-99 of its permanent. If the
- * differences are integers below 2^55 times a common power of two, the permanent is below 12 *
- * 2^220 and the determinant below 2^125: arithmetic modulo 2^128 has its sign. That is every tie of
- * points on a fine lattice, as of integers of 50 bits on one circle. */
-static bool incircle_modular(const struct differences *d, int *sign)
-{
-    unsigned __int128 v[6];
-    uint64_t bits;
-    if (d->largest == 0)
-        return false;
-    memcpy(&bits, &d->largest, sizeof bits);
-    bits = (uint64_t)(1023 + 54 + 1023 - (int)(bits >> 52))
-           << 52; /* 2^54 / 2^floor(log2 largest) */
-    double scale;
-    memcpy(&scale, &bits, sizeof scale);
-    for (int i = 0; i < 6; i++) {
-        double hi = d->xy[i].hi * scale, lo = d->xy[i].lo * scale;
-        int64_t whole = (int64_t)hi, rest = (int64_t)lo;
-        if ((double)whole != hi || (double)rest != lo)
-            return false;
-        v[i] = (unsigned __int128)(__int128)(whole + rest);
-    }
-    unsigned __int128 ax = v[0], bx = v[1], cx = v[2], ay = v[3], by = v[4], cy = v[5];
-    unsigned __int128 det = (ax * ax + ay * ay) * (bx * cy - cx * by);
-    det += (bx * bx + by * by) * (cx * ay - ax * cy);
-    det += (cx * cx + cy * cy) * (ax * by - bx * ay);
-    *sign = det == 0 ? 0 : det >> 127 ? -1 : 1;
-    return true;
 }
 
 /* A difference as an expansion: zero components left out. */
@@ -214,8 +219,8 @@ static int incircle_expansion(const struct differences *d)
     struct component v[6];
     double a[512], b[512], c[512], ab[1024], abc[1536];
     for (int i = 0; i < 6; i++) {
-        v[i].n = dt_expansion_push(0, v[i].e, d->xy[i].lo);
-        v[i].n = dt_expansion_push(v[i].n, v[i].e, d->xy[i].hi);
+        v[i].n = dt_expansion_push(0, v[i].e, d->lo[i]);
+        v[i].n = dt_expansion_push(v[i].n, v[i].e, d->hi[i]);
     }
     const struct component *ax = v, *bx = v + 1, *cx = v + 2, *ay = v + 3, *by = v + 4, *cy = v + 5;
     int na = term(ax, ay, bx, by, cx, cy, a);
@@ -229,14 +234,13 @@ int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, s
 {
     if (is_rectangle(a, d, b, c) || is_rectangle(b, d, a, c) || is_rectangle(c, d, a, b))
         return 0;
-    struct differences v = differences_to(a, b, c, d);
-    int sign;
-    if (incircle_integers(&v, &sign))
-        return sign;
-    sign = incircle_double2(&v);
-    if (sign != 0 || incircle_modular(&v, &sign))
-        return sign;
-    return incircle_expansion(&v);
+    struct differences v;
+    int64_t integer[6];
+    differences_to(a, b, c, d, &v);
+    if (to_integers(&v, integer))
+        return incircle_integers(integer);
+    int sign = incircle_double2(&v);
+    return sign != 0 ? sign : incircle_expansion(&v);
 }
 
 /* Raising the greatest point's height dominates. Raising d's own lifts it out of the circle;
