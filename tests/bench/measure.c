@@ -44,13 +44,13 @@ static void must(bool ok)
 }
 
 /* One set, from nothing; adds to the sums in *cost. */
-static void build_once(const struct build *b, const struct dt_pool *pool, const struct dt_point *p,
-                       struct cost *cost)
+static void build_once(const struct build *b, const struct dt_pool *pool, struct dt_pages *pages,
+                       const struct dt_point *p, struct cost *cost)
 {
     struct dt_options opt = {.method = b->method, .pool = pool};
     struct dt_added added;
     struct dt_summary summary;
-    struct dt *t = dt_new(0);
+    struct dt *t = dt_new_in(0, pages);
     must(t != NULL);
     /* Several threads are there to save time on the wall; a single one is timed by what it
      * computes. */
@@ -76,19 +76,20 @@ static void build_all(const struct build *b, struct cost *cost)
     struct dt_point *p = malloc(b->n * sizeof *p);
     must(pool != NULL && p != NULL);
     struct dt_pool face = pool_face(pool);
+    struct dt_pages *pages = b->warm ? dt_pages_new(SIZE_MAX) : NULL;
     if (b->warm) {
         struct cost ignored = {0};
         mallopt(M_MMAP_MAX, 0);
         mallopt(M_TRIM_THRESHOLD, INT_MAX);
         mallopt(M_ARENA_MAX, 1);
         family_points(b->family, p, b->n, 1);
-        build_once(b, b->threads > 1 ? &face : NULL, p, &ignored);
+        build_once(b, b->threads > 1 ? &face : NULL, pages, p, &ignored);
     }
     family_points(b->family, p, b->n, 2);
     double before = peak_now();
     for (size_t i = 0; i < sets; i++) {
         family_points(b->family, p, b->n, 2 + i);
-        build_once(b, b->threads > 1 ? &face : NULL, p, cost);
+        build_once(b, b->threads > 1 ? &face : NULL, pages, p, cost);
     }
     double points = (double)(sets * b->n);
     cost->add_ns *= 1e9 / points;

@@ -11,8 +11,9 @@ struct build {
     size_t n;
     enum dt_method method;
     unsigned threads;
-    bool warm; /* the allocator hands out pages that have been used before; else every page is fresh
-                */
+    bool
+        warm; /* pages are used again from set to set, of large arrays and of small ones; else every
+                  one is fresh */
 };
 
 struct cost {
