@@ -18,7 +18,10 @@ void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit
 
 void body_free(struct body *b)
 {
-    free(b->xy);
+    if (b->memory.release != NULL)
+        b->memory.release(b->xy);
+    else
+        free(b->xy);
     b->xy = NULL;
     b->n = b->cap = 0;
 }
@@ -32,13 +35,26 @@ void body_fail(struct body *b, enum body_fault fault)
     body_free(b);
 }
 
+/* How many points to make room for. The announced count is not trusted: memory follows what has arrived,
+ * but once that is an eighth, what is announced is probably true. */
+static size_t capacity(const struct body *b)
+{
+    size_t cap = b->cap == 0 ? FIRST_CAPACITY : 2 * b->cap;
+    if (b->form == BODY_DOT)
+        return cap;
+    uint64_t all = b->n + b->left + 1; /* the one at hand may count as left or not */
+    all = all < b->limit ? all : b->limit;
+    return all > b->n && all <= 4 * (uint64_t)cap ? (size_t)all : cap;
+}
+
 static bool grow(struct body *b)
 {
-    /* The announced count is not trusted: memory follows what has arrived. */
-    size_t cap = b->cap == 0 ? FIRST_CAPACITY : 2 * b->cap;
+    size_t cap = capacity(b);
     if (cap > SIZE_MAX / POINT_BYTES)
         return false;
-    double *xy = realloc(b->xy, cap * POINT_BYTES);
+    double *xy = b->memory.grow == NULL
+                     ? realloc(b->xy, cap * POINT_BYTES)
+                     : b->memory.grow(b->memory.ctx, b->xy, b->n * POINT_BYTES, cap * POINT_BYTES);
     if (xy == NULL)
         return false;
     b->xy = xy;

@@ -28,11 +28,20 @@ enum body_fault {
     BODY_NOMEM
 };
 
+/* Where the points are kept: grow makes room for `bytes` in the array p, NULL at first, and keeps what
+ * is in the first `used`; NULL: there is none, p is as it was. All zero: malloc's. */
+struct body_memory {
+    void *(*grow)(void *ctx, void *p, size_t used, size_t bytes);
+    void (*release)(void *p);
+    void *ctx;
+};
+
 struct body {
     enum body_form form;
     uint64_t left; /* BODY_LINES: lines to come; BODY_BINARY: points to come */
     double *xy;    /* owns: x, y of each point read so far; NULL once there is a fault */
     size_t n, cap; /* points */
+    struct body_memory memory; /* the caller may set it after body_init */
     size_t limit;
     uint64_t line; /* lines (points, when binary) read so far; the number of the last one, counted
                       from 1 */

@@ -115,14 +115,14 @@ void cmd_add(struct server *s, struct dataset *set, const struct request *q, str
         reply_err(a->out, ERR_SYNTAX, "an x without its y");
         return;
     }
-    struct dt_point *p = malloc(n * sizeof *p);
+    struct dt_point *p = dt_pages_grow(s->pages, NULL, 0, n * sizeof *p);
     if (p == NULL) {
         answer_out_of_memory(a);
         return;
     }
     for (size_t i = 0; i < n; i++) {
         if (!read_point(a, &q->word[2 + 2 * i], &p[i])) {
-            free(p);
+            dt_pages_release(p);
             return;
         }
     }

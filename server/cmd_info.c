@@ -66,8 +66,11 @@ static uint64_t resident(void)
 
 static void tell_memory(const struct server *s, struct facts *f)
 {
+    struct dt_pages_summary pages;
+    dt_pages_summary(s->pages, &pages);
     add(f, "memory", s->sets.memory);
     add(f, "loading", s->loading);
+    add(f, "memory_kept", pages.kept);
     add(f, "max_memory", s->config->max_memory);
     add(f, "resident", resident());
 }

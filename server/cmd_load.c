@@ -6,6 +6,7 @@
 #include "server/command.h"
 #include "server/durable.h"
 #include "server/edit.h"
+#include "server/keep.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,11 @@
 _Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pairs are points");
 
 /* ---- the commands: they only prepare for what follows ---- */
+
+static void *grow_points(void *pages, void *p, size_t used, size_t bytes)
+{
+    return dt_pages_grow(pages, p, used, bytes);
+}
 
 static void start(struct server *s, struct answer *a, enum body_form form, uint32_t count)
 {
@@ -23,6 +29,7 @@ static void start(struct server *s, struct answer *a, enum body_form form, uint3
         return;
     }
     body_init(&l->body, form, count, s->config->max_points, dt_coordinate_ok);
+    l->body.memory = (struct body_memory){grow_points, dt_pages_release, s->pages};
     a->load = l;
 }
 
@@ -87,8 +94,11 @@ ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t 
 {
     ptrdiff_t took = body_feed(&l->body, bytes, n, last);
     size_t memory = l->body.cap * sizeof(struct dt_point);
-    s->loading += memory - l->memory;
-    l->memory = memory;
+    if (memory != l->memory) {
+        s->loading += memory - l->memory;
+        l->memory = memory;
+        keep_account(s);
+    }
     if (memory > 0 && server_lacks_memory(s, 0)) {
         body_fail(&l->body, BODY_NOMEM);
         s->loading -= l->memory;

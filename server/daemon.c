@@ -4,6 +4,7 @@
 #include "server/account.h"
 #include "server/clients.h"
 #include "server/durable.h"
+#include "server/keep.h"
 #include "server/loop.h"
 #include "server/notice.h"
 #include "server/priority.h"
@@ -268,6 +269,7 @@ static void on_tick(struct loop *loop)
     tell_progress();
     notice_tick();
     durable_tick(&d.server);
+    keep_tick(&d.server);
     announce_if_ready();
     refill_reserve();
     if (d.stopping && loop->now_ms - d.stop_ms > GRACE_MS)

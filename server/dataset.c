@@ -134,7 +134,7 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
     if (r->sets >= r->buckets && !rehash(r))
         return NULL;
     struct dataset *set = calloc(1, sizeof *set);
-    struct dt *dt = dt_new(tolerance);
+    struct dt *dt = dt_new_in(tolerance, r->pages);
     struct version *v = dt != NULL ? version_new(dt) : NULL;
     if (set == NULL || v == NULL) {
         free(set);

@@ -84,6 +84,7 @@ bool durable_start(struct server *s)
     }
     d->event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     recovery_init(&d->recovery, &d->dir);
+    d->recovery.replay.sets.pages = s->pages;
     s->durable = d;
     if (d->event < 0 || pthread_create(&d->reader, NULL, read_directory, s) != 0) {
         notice(NOTICE_ERROR, "cannot start a thread");

@@ -25,7 +25,7 @@ struct edit {
 static void clear_edit(struct job *j)
 {
     struct edit *e = (struct edit *)j;
-    free(e->p);
+    dt_pages_release(e->p);
     free(e->ids);
 }
 
@@ -103,7 +103,7 @@ void edit_add(struct server *s, struct answer *a, const struct word *name, struc
         set = edit_create(s, a, name, 0);
     if (e == NULL || set == NULL) {
         free(e);
-        free(p);
+        dt_pages_release(p);
         return;
     }
     e->job.clear = clear_edit;

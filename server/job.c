@@ -1,6 +1,7 @@
 /* job.c - see job.h. */
 #include "server/job.h"
 
+#include "server/keep.h"
 #include "server/loop.h"
 #include "server/renew.h"
 
@@ -252,8 +253,10 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
 {
     struct dataset *set = j->set;
     unlink_job(s, j);
-    if (set != NULL)
+    if (set != NULL) {
         publish(s, j);
+        keep_account(s);
+    }
     if (edits_in_place(j))
         version_leave(j->base);
     if (set != NULL && j->status == DT_OK && j->record != NULL)
@@ -273,6 +276,13 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
 
 /* ---- freeing ---- */
 
+void job_aside(struct server *s, struct job *j)
+{
+    struct buf out = {0};
+    struct answer nobody = {.out = &out};
+    start(s, &nobody, j, JOB_HEAVY | JOB_BRIEF);
+}
+
 static void run_discard(struct job *j)
 {
     dt_free(j->dt);
@@ -286,8 +296,6 @@ static void discarded(struct server *s, struct job *j, struct answer *a)
 void job_discard(struct server *s, struct dt *dt)
 {
     struct dt_summary sum;
-    struct buf out = {0};
-    struct answer nobody = {.out = &out};
     dt_summary(dt, &sum);
     struct job *j = NULL;
     if (s->workers != NULL && !s->stopping && sum.memory > FREE_AT_ONCE)
@@ -297,5 +305,5 @@ void job_discard(struct server *s, struct dt *dt)
         return;
     }
     j->dt = dt;
-    start(s, &nobody, j, JOB_HEAVY | JOB_BRIEF);
+    job_aside(s, j);
 }

@@ -83,6 +83,9 @@ void job_tell(struct server *s, struct job *j, struct answer *a);
  * those who joined have been told by server.tell_joined before. */
 void job_finish(struct server *s, struct job *j, struct answer *a);
 
+/* Gives a job that is about no set to a worker. Nobody is answered. */
+void job_aside(struct server *s, struct job *j);
+
 /* Frees a set that nothing refers to any more, by a worker if it is large. */
 void job_discard(struct server *s, struct dt *dt);
 

@@ -3,8 +3,6 @@
 
 #include "server/durable.h"
 
-#include <stdlib.h>
-
 static uint64_t append(struct server *s, struct dataset *set, struct record r)
 {
     struct log *log = durable_log(s);
@@ -32,7 +30,7 @@ uint64_t journal_add(struct server *s, struct dataset *set, uint32_t first, stru
     struct log *log = durable_log(s);
     struct record r = {.first = first, .n = (uint32_t)n};
     if (log == NULL) {
-        free(p);
+        dt_pages_release(p);
         return 0;
     }
     r.name = set->name;

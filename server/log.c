@@ -3,6 +3,7 @@
  * it. */
 #include "server/log.h"
 
+#include "core/delaunay.h"
 #include "server/log_file.h"
 #include "server/loop.h"
 #include "server/notice.h"
@@ -91,7 +92,7 @@ static struct piece *new_piece(struct log *log, enum piece_kind kind)
 static void free_piece(struct piece *p)
 {
     buf_free(&p->bytes);
-    free(p->xy);
+    dt_pages_release(p->xy);
     free(p);
 }
 
@@ -118,7 +119,7 @@ uint64_t log_append_points(struct log *log, struct record *r, double *xy)
         r->type = RECORD_ADD;
         r->items = xy;
         uint64_t lsn = log_append(log, r);
-        free(xy);
+        dt_pages_release(xy);
         return lsn;
     }
     struct piece *p = new_piece(log, PIECE_POINTS);
@@ -127,7 +128,7 @@ uint64_t log_append_points(struct log *log, struct record *r, double *xy)
     r->synced = atomic_load(&log->synced);
     log->next += 2 + (r->n + RECORD_POINTS - 1) / RECORD_POINTS;
     if (p == NULL) {
-        free(xy);
+        dt_pages_release(xy);
         return log->next - 1;
     }
     memcpy(p->name, r->name, r->name_len);

@@ -17,7 +17,7 @@ void replay_init(struct replay *p)
 void replay_clear(struct replay *p)
 {
     registry_clear(&p->sets);
-    free(p->points);
+    dt_pages_release(p->points);
     free(p->id);
     free(p->representative);
     p->points = NULL;
@@ -45,7 +45,8 @@ static bool reserve_points(struct replay *p, size_t n)
     if (n <= p->cap - p->n)
         return true;
     size_t cap = p->n + n > 2 * p->cap ? p->n + n : 2 * p->cap;
-    struct dt_point *points = realloc(p->points, cap * sizeof *points);
+    struct dt_point *points =
+        dt_pages_grow(p->sets.pages, p->points, p->n * sizeof *points, cap * sizeof *points);
     if (points == NULL)
         return false;
     p->points = points;
@@ -115,7 +116,7 @@ static const char *apply_loaded(struct replay *p, struct dataset *set, const str
     if (r->n != p->n)
         return contradiction;
     const char *fault = add_collected(p, set, r, p->load_first);
-    free(p->points); /* a load may be large, and another one may not come */
+    dt_pages_release(p->points); /* a load may be large, and another one may not come */
     p->points = NULL;
     p->cap = 0;
     return fault;

@@ -20,11 +20,14 @@ bool server_init(struct server *s, const struct config *config)
 {
     *s = (struct server){.config = config, .started_ms = clock_ms()};
     registry_init(&s->sets);
+    s->pages = dt_pages_new(config->max_memory);
+    s->sets.pages = s->pages;
     s->sets.discard = discard;
     s->sets.discard_ctx = s;
     if (config->auth_file != NULL && !auth_load(&s->auth, config->auth_file))
         return false;
-    if (!stats_init(&s->stats) || !slowlog_init(&s->slowlog, config->slowlog_len)) {
+    if (s->pages == NULL || !stats_init(&s->stats) ||
+        !slowlog_init(&s->slowlog, config->slowlog_len)) {
         notice(NOTICE_ERROR, "out of memory");
         return false;
     }
@@ -77,6 +80,7 @@ void server_clear(struct server *s)
         workers_free(s->workers);
     durable_stop(s);
     registry_clear(&s->sets);
+    dt_pages_free(s->pages);
     auth_clear(&s->auth);
     request_free(&s->request);
     buf_free(&s->lines);

@@ -34,6 +34,10 @@ struct server {
     struct job *jobs;        /* those that the workers have */
     /* Answers a connection that has joined a job (job_tell); it carries out nothing else then. */
     void (*tell_joined)(struct server *s, uint64_t id, struct job *j);
+    struct dt_pages *pages;        /* owns; large arrays come from there, see keep.h */
+    uint64_t uses;                 /* of them, at the last tick */
+    unsigned idle_ticks;           /* in a row without any */
+    bool releasing;                /* a job gives back what is kept */
     size_t loading;                /* bytes of points that are being received */
     struct dt_ids scratch;         /* owns; the result of a query that is answered at once */
     struct request request;        /* owns; the words of the request that is carried out */

@@ -190,6 +190,41 @@ TEST(body_without_memory_is_read_on_and_dropped)
     CHECK(test_alloc_failed() && b.complete && b.fault == BODY_NOMEM && b.fault_line == 1);
 }
 
+/* Memory that is counted. */
+struct counted {
+    size_t bytes; /* of the one array there is */
+    unsigned moves;
+};
+
+static void *grow_counted(void *ctx, void *p, size_t used, size_t bytes)
+{
+    struct counted *c = ctx;
+    CHECK(used <= c->bytes && bytes > c->bytes);
+    c->bytes = bytes;
+    c->moves++;
+    return realloc(p, bytes);
+}
+
+TEST(body_has_its_points_where_the_caller_wants_them_and_just_enough_room)
+{
+    struct body b;
+    for (int with_lines = 0; with_lines < 2; with_lines++) {
+        struct counted c = {0};
+        double xy[] = {1, 1};
+        body_init(&b, with_lines ? BODY_LINES : BODY_BINARY, 1000, 10000, small_enough);
+        b.memory = (struct body_memory){grow_counted, free, &c};
+        for (int i = 0; i < 1000; i++) {
+            size_t n = with_lines ? 4 : sizeof xy;
+            const char *bytes = with_lines ? "1 1\n" : (const char *)xy;
+            CHECK(body_feed(&b, bytes, n, false) == (ptrdiff_t)n);
+            CHECK(c.bytes >= b.n * 16 && c.bytes <= 8 * b.n * 16 + 64 * 16);
+        }
+        CHECK(b.complete && b.n == 1000 && c.bytes <= 1001 * 16 && c.moves <= 4);
+        body_fail(&b, BODY_LONGER);
+        CHECK(b.xy == NULL && b.cap == 0);
+    }
+}
+
 TEST(body_does_not_trust_the_announced_count)
 {
     struct body b;

@@ -83,6 +83,7 @@ TEST(info_tells_the_sections_that_are_asked_for)
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
         CHECK_MSG(strstr(all, keys[i]) != NULL && strstr(plain, keys[i]) != NULL, "%s", keys[i]);
     char *some = reply_to(&d, "INFO memory sets\n");
+    CHECK(strstr(some, "\nmemory_kept:0\n") != NULL);
     CHECK(strstr(some, "version:") == NULL && strstr(some, "\nsets:0\n") != NULL);
     free(some);
     free(all);

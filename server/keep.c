@@ -1,0 +1,74 @@
+/* keep.c - see keep.h. */
+#include "server/keep.h"
+
+#include "server/job.h"
+
+enum {
+    IDLE_TICKS = 10,       /* seconds without use after which nothing is kept any more */
+    PIECE_BYTES = 16 << 20 /* that are given back at a time: less than a millisecond */
+};
+
+/* A job that gives back what is kept beyond some bytes. */
+struct release {
+    struct job job;
+    struct dt_pages *pages;
+    size_t leave;
+    bool idle;     /* it is given back because nobody has used it: to stop if somebody does */
+    uint64_t uses; /* up to then */
+};
+
+static void run_release(struct job *j)
+{
+    const struct release *r = (struct release *)j;
+    struct dt_pages_summary now;
+    size_t more;
+    do {
+        dt_pages_summary(r->pages, &now);
+        if (j->cancel || now.kept <= r->leave || (r->idle && now.uses != r->uses))
+            return;
+        more = now.kept - r->leave;
+    } while (dt_pages_trim(r->pages, more < PIECE_BYTES ? more : PIECE_BYTES) > 0);
+}
+
+static void released(struct server *s, struct job *j, struct answer *a)
+{
+    (void)j, (void)a;
+    s->releasing = false;
+}
+
+/* All that is kept goes back, if that is because it is idle, else all beyond what may be left. */
+static void release(struct server *s, const struct dt_pages_summary *now, bool idle, size_t leave)
+{
+    struct release *r = s->releasing ? NULL : job_new(sizeof *r, run_release, released);
+    if (r == NULL)
+        return;
+    r->pages = s->pages;
+    r->idle = idle;
+    r->leave = leave;
+    r->uses = now->uses;
+    s->releasing = true;
+    job_aside(s, &r->job);
+}
+
+void keep_account(struct server *s)
+{
+    struct dt_pages_summary now;
+    size_t used = s->sets.memory + s->loading, most = s->config->max_memory;
+    dt_pages_summary(s->pages, &now);
+    size_t large = now.held - now.kept, small = used > large ? used - large : 0;
+    size_t limit = most > small ? most - small : 0;
+    dt_pages_limit(s->pages, limit);
+    if (now.held > limit && now.kept > 0)
+        release(s, &now, false, limit > large ? limit - large : 0);
+}
+
+void keep_tick(struct server *s)
+{
+    struct dt_pages_summary now;
+    keep_account(s);
+    dt_pages_summary(s->pages, &now);
+    s->idle_ticks = now.uses == s->uses ? s->idle_ticks + 1 : 0;
+    s->uses = now.uses;
+    if (s->idle_ticks >= IDLE_TICKS && now.kept > 0)
+        release(s, &now, true, 0);
+}

@@ -1,0 +1,113 @@
+/* keep_test.c - pages of sets that are gone: used again, within --max-memory, and given back. */
+#include "server/keep.h"
+#include "tests/server/local.h"
+#include "tests/test.h"
+
+#include <poll.h>
+#include <string.h>
+
+enum { POINTS = 270000, ROW = 16 }; /* so many that their coordinates take more than 4 MiB */
+
+/* LOAD SET with points in no particular order, no two alike; to be freed. */
+static char *load_of(const char *set)
+{
+    size_t size = 64 + POINTS * (size_t)ROW, at;
+    char *text = malloc(size);
+    CHECK(text != NULL);
+    at = (size_t)snprintf(text, size, "LOAD %s %d\n", set, POINTS);
+    for (uint32_t i = 0; i < POINTS; i++)
+        at += (size_t)snprintf(text + at, size - at, "%u %u\n", i * 2654435761u >> 12, i);
+    return text;
+}
+
+static struct dt_pages_summary facts(const struct local *l)
+{
+    struct dt_pages_summary f;
+    dt_pages_summary(l->server.pages, &f);
+    return f;
+}
+
+static void tick(struct local *l, unsigned times)
+{
+    while (times-- > 0)
+        keep_tick(&l->server);
+}
+
+TEST(sets_and_loads_use_the_pages_of_those_before)
+{
+    struct local l;
+    char *load = load_of("t");
+    uint64_t fresh = 0;
+    local_start(&l, 0);
+    for (int i = 0; i < 3; i++) {
+        CHECK(strncmp(local_ask(&l, load), "OK 0 first=0 added=270000 coincident=0", 38) == 0);
+        CHECK(strstr(local_ask(&l, "TRIANGULATE t\n"), "points=270000") != NULL);
+        CHECK(facts(&l).held > facts(&l).kept);
+        local_ask(&l, "DROP t\n");
+        CHECK(facts(&l).held == facts(&l).kept && facts(&l).kept > POINTS * (size_t)80);
+        CHECK(i == 0 || facts(&l).fresh == fresh);
+        fresh = facts(&l).fresh;
+    }
+    CHECK(strstr(local_ask(&l, "INFO memory\n"), "\nmemory_kept:0\n") == NULL);
+    free(load);
+    local_stop(&l);
+}
+
+static void deliver(void *ctx, struct job *j)
+{
+    server_finish_unheard(ctx, j);
+}
+
+/* Waits for all that workers do. */
+static void finish_jobs(struct local *l)
+{
+    while (l->server.jobs != NULL) {
+        struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
+        CHECK(poll(&event, 1, 10000) == 1);
+        server_collect(&l->server, deliver, &l->server);
+    }
+}
+
+TEST(pages_that_nobody_uses_for_ten_seconds_go_back)
+{
+    struct local l;
+    char *load = load_of("t");
+    local_start(&l, 1);
+    for (int i = 0; i < 2; i++) {
+        local_ask(&l, load);
+        local_ask(&l, "DROP t\n");
+        finish_jobs(&l);
+        tick(&l, 10);
+        CHECK(facts(&l).kept > 0 && l.server.jobs == NULL);
+    }
+    tick(&l, 1);
+    finish_jobs(&l);
+    CHECK(facts(&l).kept == 0 && facts(&l).held == 0);
+    tick(&l, 30); /* there is nothing to give back */
+    CHECK(l.server.jobs == NULL);
+    free(load);
+    local_stop(&l);
+}
+
+TEST(what_is_kept_and_what_is_used_stay_below_max_memory)
+{
+    struct local l;
+    char *load = load_of("t");
+    local_start(&l, 0);
+    local_ask(&l, load);
+    size_t used = l.server.sets.memory;
+    local_ask(&l, "TRIANGULATE t\n");
+    CHECK(facts(&l).kept > 0);
+    l.config.max_memory = facts(&l).held - facts(&l).kept + (5 << 20);
+    tick(&l, 1); /* more is kept than that */
+    CHECK(facts(&l).held <= l.config.max_memory && facts(&l).kept > 0);
+    CHECK(strstr(local_ask(&l, "ADD t 1 1\n"), "ERR") == NULL);
+    local_ask(&l, "DROP t\n");
+    CHECK(facts(&l).held <= l.config.max_memory && facts(&l).kept > used);
+    l.config.max_memory = 3 << 20;
+    CHECK(strstr(local_ask(&l, load), "ERR NOMEM") != NULL);
+    tick(&l, 1);
+    CHECK(facts(&l).held <= 2 << 20);
+    free(load);
+    local_stop(&l);
+}
