@@ -1,6 +1,7 @@
 /* hull.c - finds the hull of a finished mesh and its canonical start. */
 #include "core/hull.h"
 
+#include "core/memory.h"
 #include "core/predicates.h"
 
 /* The leftmost vertex. Every other vertex of a triangulation has a neighbour that is
@@ -35,13 +36,27 @@ void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy)
     dt_hull_settle_from(m, dt_base(h));
 }
 
+/* A large hull mostly runs through memory in one direction for a while, as the grid does, with
+ * strides that a processor does not foresee: so what is further on in that direction is fetched. */
+static void fetch_further_on(const struct dt_mesh *m, uint32_t g, uint32_t next)
+{
+    enum { AHEAD = 32 * 8, LINE = 16 }; /* numbers in 32 records, in a cache line */
+    uint32_t h = next > g ? next + AHEAD : next - AHEAD;
+    if (h >= 8 * m->tri_end - LINE)
+        return;
+    dt_fetch(&m->half[h]);
+    dt_fetch(&m->half[h + LINE]);
+}
+
 uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost)
 {
     uint32_t g = m->hull = ghost, ghosts = 0;
     do {
+        uint32_t next = dt_hull_step(m, g, false);
+        fetch_further_on(m, g, next);
         ghosts++;
         m->leaving[dt_hull_vertex(m, g)] = g + 1;
-        g = dt_hull_step(m, g, false);
+        g = next;
     } while (g != m->hull);
     return ghosts;
 }
