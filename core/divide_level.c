@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#define MANY_CELLS (1u << 14) /* are worth several threads */
+
 void dt_division_fail(struct dt_division *d, enum dt_status status)
 {
     int none = DT_OK;
@@ -23,6 +25,10 @@ struct sort {
     struct dt_point *out;
     uint32_t *out_from;
     struct dt_shift *shift; /* of each cell, if it is a tile; NULL: none */
+    uint32_t cells;
+    unsigned shares;                    /* slices of the cells */
+    uint32_t first[DT_MAX_THREADS + 1]; /* place of the first point of each slice of the cells */
+    uint32_t most[DT_MAX_THREADS];      /* points in one cell */
 };
 
 static void find_box(void *arg, unsigned i)
@@ -65,19 +71,48 @@ static struct dt_box join_boxes(const struct sort *s)
     return all;
 }
 
-/* Turns the counts of all slices into places; returns the largest number of points in one cell. */
-static uint32_t counts_to_places(const struct sort *s)
+/* Slice i of the cells: how many points it has. */
+static void sum_cells(void *arg, unsigned i)
 {
-    uint32_t place = 0, most = 0;
-    for (size_t c = 0; c < (size_t)1 << s->order->bits; c++) {
+    struct sort *s = arg;
+    uint32_t a = dt_slice(s->cells, i, s->shares), b = dt_slice(s->cells, i + 1, s->shares), n = 0;
+    for (unsigned k = 0; k < s->slices; k++)
+        for (uint32_t c = a; c < b; c++)
+            n += s->next[k][c];
+    s->first[i + 1] = n;
+}
+
+/* Slice i of the cells: the counts of all slices of points become places. */
+static void place_cells(void *arg, unsigned i)
+{
+    struct sort *s = arg;
+    uint32_t b = dt_slice(s->cells, i + 1, s->shares), place = s->first[i], most = 0;
+    for (uint32_t c = dt_slice(s->cells, i, s->shares); c < b; c++) {
         uint32_t before = place;
-        for (unsigned i = 0; i < s->slices; i++) {
-            uint32_t n = s->next[i][c];
-            s->next[i][c] = place;
+        for (unsigned k = 0; k < s->slices; k++) {
+            uint32_t n = s->next[k][c];
+            s->next[k][c] = place;
             place += n;
         }
         most = place - before > most ? place - before : most;
     }
+    s->most[i] = most;
+}
+
+/* Turns the counts of all slices into places; returns the largest number of points in one cell. */
+static uint32_t counts_to_places(const struct dt_pool *pool, struct sort *s)
+{
+    s->cells = 1u << s->order->bits;
+    s->shares = s->cells < MANY_CELLS ? 1 : s->slices;
+    s->first[0] = 0;
+    if (s->shares > 1)
+        dt_run(pool, s->shares, sum_cells, s);
+    for (unsigned i = 1; i < s->shares; i++)
+        s->first[i] += s->first[i - 1];
+    dt_run(pool, s->shares, place_cells, s);
+    uint32_t most = 0;
+    for (unsigned i = 0; i < s->shares; i++)
+        most = s->most[i] > most ? s->most[i] : most;
     return most;
 }
 
@@ -122,40 +157,52 @@ static bool shift_tiles(struct dt_division *d, struct dt_arena *arena, struct so
     return true;
 }
 
+static void copy(void *arg, unsigned i)
+{
+    struct sort *s = arg;
+    uint32_t a = dt_slice(s->n, i, s->slices), b = dt_slice(s->n, i + 1, s->slices);
+    memcpy(s->out + a, s->src.p + a, (b - a) * sizeof *s->out);
+    memcpy(s->out_from + a, s->src.from + a, (b - a) * sizeof *s->out_from);
+}
+
+/* Copies the source, which is among the vertices or aside, to where it is not in the way. */
+static void move_source(struct dt_division *d, struct sort *s, struct dt_point *p, uint32_t *from)
+{
+    s->out = p;
+    s->out_from = from;
+    dt_run(d->opt->pool, s->slices, copy, s);
+    s->src = (struct dt_source){p, from};
+}
+
 enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned slices,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level)
 {
     struct dt_aside aside = dt_aside(d, lo, n);
-    if (src.p == d->p + lo) {
-        memcpy(aside.p, src.p, n * sizeof *src.p);
-        memcpy(aside.from, src.from, n * sizeof *src.from);
-        src = (struct dt_source){aside.p, aside.from};
-    }
+    bool in_place = src.p == d->p + lo, is_aside = src.p == aside.p;
     struct sort s = {.src = src, .n = n, .slices = slices};
     *level = (struct dt_level){.lo = lo, .tiles = n > DT_TILED};
-    bool from_is_free = level->tiles && src.p != aside.p;
+    bool from_is_free = level->tiles && !in_place && !is_aside;
     s.key = from_is_free ? d->from + lo : dt_arena_take(arena, n, sizeof *s.key);
     bool ok = s.key != NULL;
     if (ok)
         dt_run(d->opt->pool, slices, find_box, &s);
     struct dt_box box = join_boxes(&s);
     ok = ok && count_cells(d, arena, &s, box, level);
-    uint32_t most = ok ? counts_to_places(&s) : 0;
+    uint32_t most = ok ? counts_to_places(d->opt->pool, &s) : 0;
     if (ok && most > n / 2 && level->tiles) { /* tiles do not part them: let a fine grid try */
         level->tiles = false;
         s.key = dt_arena_take(arena, n, sizeof *s.key);
         ok = s.key != NULL && count_cells(d, arena, &s, box, level);
-        most = ok ? counts_to_places(&s) : 0;
+        most = ok ? counts_to_places(d->opt->pool, &s) : 0;
     }
     level->skew = most > n / 2 ? skew + 1 : 0;
     if (ok && level->skew > DT_ZOOMS)
         return DT_LEVEL_SKEWED;
-    if (level->tiles && src.p == aside.p) {
-        memcpy(d->p + lo, src.p, n * sizeof *src.p);
-        memcpy(d->from + lo, src.from, n * sizeof *src.from);
-        s.src = (struct dt_source){d->p + lo, d->from + lo};
-    }
+    if (ok && level->tiles && is_aside)
+        move_source(d, &s, d->p + lo, d->from + lo);
+    else if (ok && !level->tiles && in_place)
+        move_source(d, &s, aside.p, aside.from);
     s.out = d->p + lo;
     s.out_from = d->from + lo;
     if (!ok || (level->tiles && !shift_tiles(d, arena, &s, lo))) {

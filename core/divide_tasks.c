@@ -1,156 +1,266 @@
 /* divide_tasks.c - the divide engine on several threads.
  *
- * The top of the recursion is written down as a tree: its leaves are tasks, none of more than a
- * small share of the points (crowded cells are zoomed into until that is so), its inner nodes are
- * joins. Threads take tasks in any order; whoever finishes the second child of a join does the join
- * and goes on upwards. Counting sorts of large ranges are shared by all threads. The ranges are
- * disjoint (divide_level.h), so no two threads ever touch the same record, and the result is the
- * same as on one thread. */
+ * The top of the recursion is written down as a tree, from its root down, in rounds: a range of too
+ * many points gets a grid (divide_level.h), whose cells are joined in pairs, and so on up; a cell
+ * that is still too large waits for the next round. Thus the leaves become tasks, none of more than
+ * a small share of the points.
+ *
+ *                  join              round 1: the whole set, sorted by all threads together
+ *                 /    \
+ *             join      join         round 2: crowded cells, a thread each, and the largest
+ *            /    \    /    \                 ones by all threads together
+ *        task   task  range  task
+ *                      |             The tasks on the right are smaller than the others, so that
+ *                     ...            all threads have something to do until the end.
+ *
+ * Then threads take tasks, from left to right; whoever finishes the second child of a join does the
+ * join and goes on upwards. The ranges are disjoint (divide_level.h), so no two threads ever touch
+ * the same record, and the result is the same as on one thread. */
 #include "core/divide_level.h"
 #include "core/memory.h"
 
-#define NO_NODE UINT32_MAX
 #define TASKS_PER_THREAD 16u
+#define LAST_QUARTER 8u /* times as many tasks in there */
 
-/* A leaf (level != NULL) or a join of nodes a and b. */
+/* A task (level != NULL), a join of the nodes child and child + 1, or, while the tree grows, a range
+ * that waits. */
 struct node {
     const struct dt_level *level;
     uint32_t key, s;
-    uint32_t a, b, mid;
+    uint32_t child, mid;
     unsigned axis;
     uint32_t parent;
     atomic_uint finished; /* children of a join */
     struct dt_part part;
 };
 
-struct plan {
-    struct dt_division *d;
-    struct dt_arena arena; /* owns the levels */
-    unsigned threads;
-    uint32_t limit;    /* points of a task */
-    struct node *node; /* owns */
-    uint32_t nodes, cap;
-    uint32_t *task; /* owns: the leaves, in order */
-    uint32_t tasks;
+/* Some points that get a grid, or are cut at their median. */
+struct range {
+    struct dt_source src;
+    uint32_t lo, n;
+    unsigned skew;
+    uint32_t node;
+    struct dt_arena arena; /* owns the level */
+    struct dt_level *level;
+    enum dt_opening opening;
+    uint32_t half; /* if it is cut */
+    unsigned axis;
 };
 
-static uint32_t plan_range(struct plan *w, struct dt_source src, uint32_t lo, uint32_t n,
-                           unsigned skew);
+struct tree {
+    struct dt_division *d;
+    unsigned threads;
+    uint32_t limit;    /* points of a task */
+    struct node *node; /* owns; the root first */
+    uint32_t nodes, node_cap;
+    struct range *range; /* owns; in order of rounds */
+    uint32_t ranges, range_cap;
+    uint32_t first; /* range of this round */
+    uint32_t *task; /* owns: the leaves from left to right */
+    uint32_t tasks, task_cap;
+};
 
-static uint32_t new_node(struct plan *w, struct node value)
+/* ---- the tree grows ---- */
+
+/* Room for `more` items: the array itself, moved or not; NULL: out of memory, nothing has changed. */
+static void *room_for(struct tree *w, void *array, uint32_t used, uint32_t more, uint32_t *cap,
+                      size_t size)
 {
-    if (w->nodes == w->cap) {
-        size_t cap = dt_array_room(w->cap, (size_t)w->nodes + 1, UINT32_MAX / 2);
-        struct node *node = dt_array_grow(w->node, w->nodes, cap, sizeof *node);
-        if (node == NULL) {
-            dt_division_fail(w->d, DT_NOMEM);
-            return NO_NODE;
-        }
-        w->node = node;
-        w->cap = (uint32_t)cap;
-    }
-    w->node[w->nodes] = value;
-    return w->nodes++;
+    if (*cap - used >= more)
+        return array;
+    size_t want = dt_array_room(*cap, (size_t)used + more, UINT32_MAX / 2);
+    void *larger = dt_array_grow(array, used, want, size);
+    if (larger == NULL)
+        dt_division_fail(w->d, DT_NOMEM);
+    else
+        *cap = (uint32_t)want;
+    return larger;
 }
 
-static uint32_t new_join(struct plan *w, uint32_t a, uint32_t b, unsigned axis, uint32_t mid)
+/* The node has to wait for a grid on the n points from lo on. */
+static void wait_for_grid(struct tree *w, uint32_t node, struct dt_source src, uint32_t lo,
+                          uint32_t n, unsigned skew)
 {
-    if (a == NO_NODE || b == NO_NODE)
-        return NO_NODE;
-    uint32_t join =
-        new_node(w, (struct node){.a = a, .b = b, .axis = axis, .mid = mid, .parent = NO_NODE});
-    if (join != NO_NODE)
-        w->node[a].parent = w->node[b].parent = join;
-    return join;
+    struct range *range = room_for(w, w->range, w->ranges, 1, &w->range_cap, sizeof *range);
+    if (range == NULL)
+        return;
+    w->range = range;
+    range[w->ranges++] = (struct range){.src = src,
+                                        .lo = lo,
+                                        .n = n,
+                                        .skew = skew,
+                                        .node = node,
+                                        .arena = {.pages = w->d->merging.mesh->pages}};
 }
 
-static uint32_t plan_cells(struct plan *w, const struct dt_level *level, uint32_t key, uint32_t s)
+/* The node becomes a join; returns the first of its two children, 0 if there is no memory. */
+static uint32_t make_join(struct tree *w, uint32_t at, unsigned axis, uint32_t mid)
 {
-    uint32_t hi, lo = dt_level_range(level, key, s, &hi), n = hi - lo;
-    if (n <= w->limit) {
-        w->tasks++;
-        return new_node(w, (struct node){.level = level, .key = key, .s = s, .parent = NO_NODE});
-    }
-    if (s == 0) {
+    struct node *node = room_for(w, w->node, w->nodes, 2, &w->node_cap, sizeof *node);
+    if (node == NULL)
+        return 0;
+    w->node = node;
+    node[at].axis = axis;
+    node[at].mid = mid;
+    node[at].child = w->nodes;
+    for (int i = 0; i < 2; i++)
+        node[w->nodes++] = (struct node){.parent = at};
+    return node[at].child;
+}
+
+/* The node stands for the cells of the level whose key starts with `key`. */
+static void plan_cells(struct tree *w, uint32_t at, const struct dt_level *level, uint32_t key,
+                       uint32_t s)
+{
+    uint32_t hi, lo = dt_level_range(level, key, s, &hi), n = hi - lo, all = w->d->n;
+    uint32_t limit = s > 0 && lo >= all - all / 4 ? w->limit / LAST_QUARTER : w->limit;
+    if (n <= limit || n <= DT_BLOCK) {
+        w->node[at].level = level;
+        w->node[at].key = key;
+        w->node[at].s = s;
+    } else if (s == 0) {
         struct dt_aside aside = dt_aside(w->d, lo, n);
         struct dt_source src = level->tiles ? (struct dt_source){aside.p, aside.from}
                                             : (struct dt_source){w->d->p + lo, w->d->from + lo};
-        return plan_range(w, src, lo, n, level->skew);
+        wait_for_grid(w, at, src, lo, n, level->skew);
+    } else {
+        uint32_t mid = level->lo + level->start[(2 * (size_t)key + 1) << (s - 1)];
+        uint32_t child = make_join(w, at, level->order.axis[s - 1], mid);
+        if (child == 0)
+            return;
+        plan_cells(w, child, level, 2 * key, s - 1);
+        plan_cells(w, child + 1, level, 2 * key + 1, s - 1);
     }
-    uint32_t a = plan_cells(w, level, 2 * key, s - 1);
-    uint32_t b = plan_cells(w, level, 2 * key + 1, s - 1);
-    uint32_t mid = level->lo + level->start[(2 * (size_t)key + 1) << (s - 1)];
-    return new_join(w, a, b, level->order.axis[s - 1], mid);
 }
 
-/* n > limit >= DT_BLOCK points. */
-static uint32_t plan_range(struct plan *w, struct dt_source src, uint32_t lo, uint32_t n,
-                           unsigned skew)
+static void open_range(struct tree *w, struct range *r, unsigned threads)
 {
     struct dt_division *d = w->d;
-    struct dt_level *level = dt_arena_take(&w->arena, 1, sizeof *level);
-    if (level == NULL) {
+    r->opening = DT_LEVEL_FAILED;
+    r->level = dt_arena_take(&r->arena, 1, sizeof *r->level);
+    if (r->level == NULL)
         dt_division_fail(d, DT_NOMEM);
-        return NO_NODE;
+    else
+        r->opening = dt_level_open(d, &r->arena, threads, r->src, r->lo, r->n, r->skew, r->level);
+    if (r->opening == DT_LEVEL_SKEWED)
+        r->half = dt_level_median(d, r->src, r->lo, r->n, &r->axis);
+}
+
+/* A range that is worth all threads. */
+static bool is_shared(const struct tree *w, const struct range *r)
+{
+    return r->n > w->d->n / (2 * w->threads);
+}
+
+static void open_alone(void *arg, unsigned i)
+{
+    struct tree *w = arg;
+    struct range *r = &w->range[w->first + i];
+    if (!is_shared(w, r))
+        open_range(w, r, 1);
+}
+
+/* What became of a range takes its place in the tree. */
+static void plan_range(struct tree *w, struct range r)
+{
+    struct dt_division *d = w->d;
+    if (r.opening == DT_LEVEL_OPEN)
+        plan_cells(w, r.node, r.level, 0, r.level->order.bits);
+    if (r.opening != DT_LEVEL_SKEWED)
+        return;
+    uint32_t mid = r.lo + r.half, child = make_join(w, r.node, r.axis, mid);
+    if (child == 0)
+        return;
+    wait_for_grid(w, child, (struct dt_source){d->p + r.lo, d->from + r.lo}, r.lo, r.half, 0);
+    wait_for_grid(w, child + 1, (struct dt_source){d->p + mid, d->from + mid}, mid, r.n - r.half,
+                  0);
+}
+
+static void open_round(struct tree *w, uint32_t end)
+{
+    unsigned alone = 0;
+    for (uint32_t i = w->first; i < end; i++) {
+        if (is_shared(w, &w->range[i]))
+            open_range(w, &w->range[i], w->threads);
+        else
+            alone++;
     }
-    switch (dt_level_open(d, &w->arena, w->threads, src, lo, n, skew, level)) {
-    case DT_LEVEL_OPEN:
-        return plan_cells(w, level, 0, level->order.bits);
-    case DT_LEVEL_SKEWED:
-        break;
-    case DT_LEVEL_FAILED:
-        return NO_NODE;
+    if (alone > 0)
+        dt_run(w->d->opt->pool, end - w->first, open_alone, w);
+    for (uint32_t i = w->first; i < end; i++)
+        plan_range(w, w->range[i]);
+}
+
+static bool good(const struct tree *w)
+{
+    return atomic_load(&w->d->status) == DT_OK;
+}
+
+static void grow(struct tree *w, const struct dt_point *in)
+{
+    w->node = room_for(w, NULL, 0, 1, &w->node_cap, sizeof *w->node);
+    if (w->node == NULL)
+        return;
+    w->node[w->nodes++] = (struct node){.parent = 0};
+    wait_for_grid(w, 0, (struct dt_source){in, NULL}, 0, w->d->n, 0);
+    for (uint32_t end; good(w) && w->first < w->ranges; w->first = end) {
+        end = w->ranges;
+        open_round(w, end);
     }
-    unsigned axis;
-    uint32_t half = dt_level_median(d, src, lo, n, &axis), mid = lo + half;
-    uint32_t a = plan_range(w, (struct dt_source){d->p + lo, d->from + lo}, lo, half, 0);
-    uint32_t b = plan_range(w, (struct dt_source){d->p + mid, d->from + mid}, mid, n - half, 0);
-    return new_join(w, a, b, axis, mid);
+}
+
+/* ---- the tasks ---- */
+
+/* Lists the tasks below a node. The depth is that of the tree, which is bounded (divide.c). */
+static void list_tasks(struct tree *w, uint32_t at)
+{
+    if (w->node[at].level == NULL) {
+        list_tasks(w, w->node[at].child);
+        list_tasks(w, w->node[at].child + 1);
+    } else {
+        w->task[w->tasks++] = at;
+    }
 }
 
 /* Task i, and all joins for which it brings the second part. */
 static void run_task(void *arg, unsigned i)
 {
-    struct plan *w = arg;
-    struct dt_arena arena = {.pages = w->arena.pages};
+    struct tree *w = arg;
+    struct dt_arena arena = {.pages = w->d->merging.mesh->pages};
     uint32_t at = w->task[i];
     struct node *node = &w->node[at];
     node->part = dt_divide_cells(w->d, &arena, node->level, node->key, node->s);
     dt_arena_clear(&arena);
-    while (node->parent != NO_NODE) {
-        node = &w->node[node->parent];
+    while (at != 0) {
+        at = node->parent;
+        node = &w->node[at];
         if (atomic_fetch_add(&node->finished, 1) == 0)
             return; /* the sibling's thread will join them */
-        if (atomic_load(&w->d->status) != DT_OK)
-            continue;
-        node->part = dt_merge_parts(&w->d->merging, &w->node[node->a].part, &w->node[node->b].part,
-                                    node->axis, node->mid);
+        if (good(w))
+            node->part = dt_merge_parts(&w->d->merging, &w->node[node->child].part,
+                                        &w->node[node->child + 1].part, node->axis, node->mid);
     }
 }
 
 struct dt_part dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned threads)
 {
-    struct plan w = {.d = d,
-                     .arena = {.pages = d->merging.mesh->pages},
-                     .threads = threads,
-                     .limit = d->n / (threads * TASKS_PER_THREAD)};
+    struct tree w = {.d = d, .threads = threads, .limit = d->n / (threads * TASKS_PER_THREAD)};
+    struct dt_part all = {0};
     if (w.limit < DT_BLOCK)
         w.limit = DT_BLOCK;
-    struct dt_part all = {0};
-    uint32_t root = plan_range(&w, (struct dt_source){in, NULL}, 0, d->n, 0);
-    w.task = dt_array_new(w.tasks, sizeof *w.task);
-    if (w.task == NULL)
-        dt_division_fail(d, DT_NOMEM);
-    if (atomic_load(&d->status) == DT_OK) {
-        uint32_t n = 0;
-        for (uint32_t i = 0; i < w.nodes; i++)
-            if (w.node[i].level != NULL)
-                w.task[n++] = i;
-        d->opt->pool->run(d->opt->pool->ctx, n, run_task, &w);
-        all = w.node[root].part;
+    grow(&w, in);
+    if (good(&w)) {
+        w.task = room_for(&w, NULL, 0, w.nodes, &w.task_cap, sizeof *w.task);
+        if (w.task != NULL) {
+            list_tasks(&w, 0);
+            d->opt->pool->run(d->opt->pool->ctx, w.tasks, run_task, &w);
+            all = w.node[0].part;
+        }
     }
+    for (uint32_t i = 0; i < w.ranges; i++)
+        dt_arena_clear(&w.range[i].arena);
+    dt_array_free(w.range);
     dt_array_free(w.task);
     dt_array_free(w.node);
-    dt_arena_clear(&w.arena);
     return all;
 }

@@ -112,21 +112,39 @@ TEST_TIMEOUT(divide_gives_the_same_mesh_on_any_number_of_threads, 60)
     }
 }
 
+static void one_after_the_other(void *ctx, unsigned n, void (*job)(void *arg, unsigned i),
+                                void *arg)
+{
+    (void)ctx;
+    for (unsigned i = 0; i < n; i++)
+        job(arg, i);
+}
+
+TEST(divide_gives_the_same_mesh_where_the_most_threads_would_share_it)
+{
+    static const char *const family[] = {"nested", "kuzmin", "near_collinear", "one_cell"};
+    struct dt_pool pool = {.threads = DT_MAX_THREADS, .run = one_after_the_other};
+    struct dt_options opt = {.pool = &pool};
+    for (size_t i = 0; i < sizeof family / sizeof *family; i++)
+        build_and_check(family[i], 20000, test_random(), &opt);
+}
+
 TEST_TIMEOUT(divide_sorts_large_sets_into_tiles, 60)
 {
     struct dt_pool pool = threads_pool(2);
     struct dt_options opt = {.pool = &pool};
     build_and_check("uniform", DT_TILED + 5, 1, NULL);
     build_and_check("clusters", DT_TILED + 5, 2, &opt);
-    build_and_check("kuzmin", DT_TILED + 5, 3, NULL);
+    build_and_check("kuzmin", DT_TILED + 5, 3, &opt);
 }
 
-TEST(divide_fails_cleanly_when_memory_runs_out)
+/* With every allocation failing in its turn. */
+static void fail_cleanly(uint32_t n, const struct dt_options *opt)
 {
     for (long nth = 1;; nth++) {
-        struct built b = distinct_points("nested", 3000, 5);
+        struct built b = distinct_points("nested", n, 5);
         test_fail_alloc(nth);
-        enum dt_status status = dt_divide(b.in, b.n, b.p, b.from, &b.mesh, NULL);
+        enum dt_status status = dt_divide(b.in, b.n, b.p, b.from, &b.mesh, opt);
         bool failed = test_alloc_failed();
         test_fail_alloc(0);
         if (failed)
@@ -137,6 +155,17 @@ TEST(divide_fails_cleanly_when_memory_runs_out)
         if (!failed)
             return;
     }
+}
+
+TEST(divide_fails_cleanly_when_memory_runs_out)
+{
+    fail_cleanly(3000, NULL);
+}
+
+TEST(divide_fails_cleanly_when_memory_for_tasks_runs_out)
+{
+    struct dt_pool pool = {.threads = 3, .run = one_after_the_other};
+    fail_cleanly(DT_PARALLEL + 100, &(struct dt_options){.pool = &pool});
 }
 
 TEST(divide_stops_when_cancelled)
