@@ -7,7 +7,8 @@
  * Breadth first: a grid of CELLS_PER_POINT cells for each point that its samples stand for, then a
  * grid for each cell in which samples crowd, on their box, and so on. A grid most of whose samples
  * are in crowded cells was wasted on them, so it is made anew with few cells: the next level will
- * fit better. */
+ * fit better. If all grids together take more memory than a set may have for them, they are laid out
+ * once more with fewer cells. */
 #include "core/hints_plan.h"
 
 #include <math.h>
@@ -15,13 +16,17 @@
 
 #include "core/memory.h"
 
-#define CELLS_PER_POINT 1.75
+#define CELLS_PER_POINT 1.75 /* of one grid; fewer if all of them take too much */
 #define CELLS_PER_POINT_COARSE 0.125
 #define CROWD 12u /* points in one cell that are worth a grid */
 #define FEW 4u /* samples in a cell of a coarse grid, where evenly spread ones have 1/8 of STRIDE */
-#define MAX_CELLS 6.0 /* a point, over all grids; beyond that cells stay crowded */
-#define STRIDE 16u    /* every so many-th vertex is a sample */
-#define SAMPLES 256u  /* at least, if there are as many vertices */
+#define MAX_CELLS 6.0       /* a point, over all grids; beyond that cells stay crowded */
+#define BYTES_PER_POINT 7.8 /* for all grids of a set that is not small: 100 with all the rest */
+#define HOPELESS 1.5        /* times that: points on so many scales that searches need it */
+#define SMALL 10000u        /* points */
+#define ATTEMPTS 4
+#define STRIDE 16u   /* every so many-th vertex is a sample */
+#define SAMPLES 256u /* at least, if there are as many vertices */
 
 /* The samples that a grid covers: list[from .. to - 1]. */
 struct span {
@@ -33,6 +38,7 @@ struct planner {
     const struct dt_mesh *mesh;
     const struct dt_point *xy;
     uint32_t stride, crowd; /* points that a sample stands for; samples that may share a cell */
+    double density;         /* cells per point in one grid */
     uint8_t *count;         /* samples in each cell of the grid at hand, 255 for more */
     uint32_t *list;         /* the samples, grid by grid */
     uint32_t *scratch;      /* as long as list */
@@ -205,7 +211,7 @@ static enum dt_status plan_grid(struct planner *p, uint32_t k)
     double n = (double)(p->span[k].to - p->span[k].from) * p->stride;
     shape_and_count(p, k, &box, n * CELLS_PER_POINT_COARSE);
     if (!most_are_crowded(p, k, FEW))
-        shape_and_count(p, k, &box, n * CELLS_PER_POINT);
+        shape_and_count(p, k, &box, n * p->density);
     struct dt_hint_grid g = hints->grid[k];
     uint32_t end = g.first + g.nx * g.ny, crowd = 0;
     enum dt_status s = reserve_cells(hints, end);
@@ -232,37 +238,65 @@ static void take_samples(struct planner *p)
     }
 }
 
+/* Lays out all grids for the samples. */
+static enum dt_status plan_grids(struct planner *p)
+{
+    p->hints->cells = p->hints->grids = 0;
+    enum dt_status s = reserve_grid(p);
+    if (s == DT_OK)
+        p->span[p->hints->grids++] = (struct span){0, p->samples};
+    for (uint32_t k = 0; s == DT_OK && k < p->hints->grids; k++)
+        s = plan_grid(p, k);
+    return s;
+}
+
+/* By what factor the grids take more than they may; 1 if they do not, or if it cannot be helped. */
+static double excess(const struct planner *p)
+{
+    const struct dt_hints *g = p->hints;
+    double bytes = (double)g->cells * sizeof *g->cell + (double)g->grids * sizeof *g->grid;
+    double factor = bytes / (BYTES_PER_POINT * p->mesh->vertices);
+    return p->mesh->vertices < SMALL || factor < 1 || factor > HOPELESS ? 1 : factor;
+}
+
+static void *shrink(void *array, uint32_t used, uint32_t *cap, size_t size)
+{
+    void *fitting = *cap == used ? NULL : dt_array_grow(array, used, used, size);
+    if (fitting == NULL)
+        return array;
+    *cap = used;
+    return fitting;
+}
+
 /* Gives back what was reserved and is not needed. */
 static void trim(struct dt_hints *g)
 {
-    if (g->cell_cap == g->cells)
-        return;
-    uint32_t *cell = dt_array_grow_in(g->pages, g->cell, g->cells, g->cells, sizeof *cell);
-    if (cell != NULL) {
-        g->cell = cell;
-        g->cell_cap = g->cells;
-    }
+    g->cell = shrink(g->cell, g->cells, &g->cell_cap, sizeof *g->cell);
+    g->grid = shrink(g->grid, g->grids, &g->grid_cap, sizeof *g->grid);
 }
 
 enum dt_status dt_hints_plan(struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy)
 {
-    struct planner p = {.hints = g, .mesh = m, .xy = xy, .stride = m->vertices / SAMPLES};
+    struct planner p = {.hints = g,
+                        .mesh = m,
+                        .xy = xy,
+                        .stride = m->vertices / SAMPLES,
+                        .density = CELLS_PER_POINT};
     p.stride = p.stride < 1 ? 1 : p.stride > STRIDE ? STRIDE : p.stride;
     p.crowd = CROWD / p.stride < 1 ? 1 : CROWD / p.stride;
     size_t samples = m->vertices / p.stride + 1;
-    p.count = dt_array_new_in(m->pages, (size_t)(m->vertices * CELLS_PER_POINT * 2) + 64, 1);
-    p.list = dt_array_new_in(m->pages, samples, sizeof *p.list);
-    p.scratch = dt_array_new_in(m->pages, samples, sizeof *p.scratch);
+    p.count = dt_array_new((size_t)(m->vertices * CELLS_PER_POINT * 2) + 64, 1);
+    p.list = dt_array_new(samples, sizeof *p.list);
+    p.scratch = dt_array_new(samples, sizeof *p.scratch);
     enum dt_status s = DT_NOMEM;
-    if (p.count != NULL && p.list != NULL && p.scratch != NULL)
-        s = reserve_grid(&p);
-    if (s == DT_OK) {
+    if (p.count != NULL && p.list != NULL && p.scratch != NULL) {
         take_samples(&p);
-        p.span[0] = (struct span){0, p.samples};
-        g->grids = 1;
+        s = plan_grids(&p);
     }
-    for (uint32_t k = 0; s == DT_OK && k < g->grids; k++)
-        s = plan_grid(&p, k);
+    for (int i = 1; s == DT_OK && i < ATTEMPTS && excess(&p) > 1; i++) {
+        p.density /= excess(&p) * excess(&p); /* the cells of coarse grids stay as many */
+        s = plan_grids(&p);
+    }
     dt_array_free(p.count);
     dt_array_free(p.list);
     dt_array_free(p.scratch);
