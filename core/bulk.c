@@ -3,6 +3,7 @@
 
 #include "core/divide.h"
 #include "core/memory.h"
+#include "core/renumber.h"
 #include "core/shelling.h"
 
 /* What a build makes before it may touch the set. */

@@ -74,7 +74,7 @@ bool dt_coordinate_ok(double v);
  * taken from it.
  *
  * What is held, kept and in use together, is no more than the limit as long as what is in use is not;
- * arrays of less than 4 MiB are not counted. */
+ * arrays of less than 3 MiB are not counted. */
 struct dt_pages;
 
 /* NULL when out of memory. */

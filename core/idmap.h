@@ -2,7 +2,9 @@
  *
  * Ids are handed out in ascending order and never again, so a set that is edited for ever goes
  * through ever larger ids. The map is cut into pages, and pages whose ids are all dead are freed:
- * memory follows the live ids, not the largest one. */
+ * memory follows the live ids, not the largest one. Where many ids come at once, their pages lie in
+ * blocks, each a huge page of the system's and freed as a whole: a look at any of millions of ids then
+ * costs a cache miss, and not the search for its page beside. */
 #ifndef DT_IDMAP_H
 #define DT_IDMAP_H
 
@@ -11,35 +13,41 @@
 
 #define DT_ID_PAGE 4096u
 
+#define DT_ID_BLOCK 128u /* pages; the first one's number is a multiple of it */
+
 struct dt_id_page {
-    uint32_t live; /* ids of the page that have a value */
-    uint32_t value[DT_ID_PAGE];
+    uint32_t *value; /* owns DT_ID_PAGE words, alone or in a block; NULL: no id of it is live */
+    uint32_t live;   /* ids of the page that have a value */
+    uint16_t used;   /* of the first page of a block: pages in it that have live ids */
+    bool in_block;
 };
 
 struct dt_idmap {
-    struct dt_id_page **page; /* owns; NULL: no id of the page is live */
+    struct dt_pages *keeper; /* borrows; where blocks come from; NULL: the system */
+    struct dt_id_page *page; /* owns */
     uint32_t pages, cap;
     uint32_t held;  /* pages that are there */
-    uint32_t empty; /* and have no live id */
+    uint32_t empty; /* of them: without a live id, and all of their block */
 };
 
+/* It keeps its keeper. */
 void dt_idmap_clear(struct dt_idmap *m);
 
 /* The value of id, DT_NONE if it has none. Cost: constant. */
 static inline uint32_t dt_idmap_get(const struct dt_idmap *m, uint32_t id)
 {
     uint32_t page = id / DT_ID_PAGE;
-    if (page >= m->pages || m->page[page] == NULL)
+    if (page >= m->pages || m->page[page].value == NULL)
         return DT_NONE;
-    return m->page[page]->value[id % DT_ID_PAGE];
+    return m->page[page].value[id % DT_ID_PAGE];
 }
 
 /* Fetches what dt_idmap_get of the id will read. */
 static inline void dt_idmap_fetch(const struct dt_idmap *m, uint32_t id)
 {
     uint32_t page = id / DT_ID_PAGE;
-    if (page < m->pages && m->page[page] != NULL)
-        dt_fetch(&m->page[page]->value[id % DT_ID_PAGE]);
+    if (page < m->pages && m->page[page].value != NULL)
+        dt_fetch(&m->page[page].value[id % DT_ID_PAGE]);
 }
 
 /* Makes room for the ids first .. first + n - 1, so that setting them before the next dt_idmap_trim
@@ -53,7 +61,7 @@ void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value);
  * different ids. */
 static inline void dt_idmap_change(struct dt_idmap *m, uint32_t id, uint32_t value)
 {
-    m->page[id / DT_ID_PAGE]->value[id % DT_ID_PAGE] = value;
+    m->page[id / DT_ID_PAGE].value[id % DT_ID_PAGE] = value;
 }
 
 /* Takes the value of a live id away. */

@@ -10,7 +10,7 @@
 
 #include "core/pages.h"
 
-#define LARGE (2 * DT_HUGE_PAGE)
+#define LARGE (DT_HUGE_PAGE / 2 * 3)
 #define HEADER 64
 
 struct header {

@@ -10,12 +10,14 @@
 
 #include "core/arrivals.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 
 void dt_points_init_in(struct dt_points *p, double tol, struct dt_pages *pages)
 {
-    *p = (struct dt_points){
-        .pages = pages, .tol = tol, .free_list = DT_NONE, .places = {.pages = pages}};
+    *p = (struct dt_points){.pages = pages,
+                            .tol = tol,
+                            .free_list = DT_NONE,
+                            .value = {.keeper = pages},
+                            .places = {.pages = pages}};
     dt_aliases_init(&p->aliases, pages);
 }
 
@@ -415,40 +417,4 @@ enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point 
     dt_points_delete(p, id);
     dt_points_arrive(p, id, to, dt_points_find(p, to, DT_NONE));
     return DT_OK;
-}
-
-/* ---- renumbering ---- */
-
-struct renumbering {
-    struct dt_points *p;
-    uint32_t *from; /* becomes the ids */
-    uint32_t n;
-    unsigned slices;
-};
-
-static void renumber(void *arg, unsigned i)
-{
-    const struct renumbering *r = arg;
-    struct dt_idmap *value = &r->p->value;
-    const uint32_t *id = r->p->id;
-    uint32_t end = dt_slice(r->n, i + 1, r->slices);
-    for (uint32_t v = dt_slice(r->n, i, r->slices); v < end; v++) {
-        r->from[v] = id[r->from[v]];
-        dt_idmap_change(value, r->from[v], v);
-    }
-}
-
-void dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from, uint32_t n,
-                        const struct dt_pool *pool)
-{
-    struct renumbering r = {p, from, n, dt_threads_for(pool, n)};
-    dt_run(pool, r.slices, renumber, &r);
-    dt_array_free(p->xy);
-    dt_array_free(p->id);
-    p->xy = xy;
-    p->id = from;
-    p->end = p->cap = n;
-    p->free_count = 0;
-    p->free_list = DT_NONE;
-    dt_places_clear(&p->places);
 }

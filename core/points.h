@@ -131,10 +131,4 @@ uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, 
 enum dt_status dt_points_index(struct dt_points *p);
 uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t except);
 
-/* Renumbers the vertices: new vertex v is the old from[v], in a dense order without free ones.
- * Takes over xy, which holds the coordinates in the new order, and from, both with room for n, and
- * frees its own arrays. pool may be NULL. */
-void dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from, uint32_t n,
-                        const struct dt_pool *pool);
-
 #endif

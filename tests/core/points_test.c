@@ -6,6 +6,7 @@
 #include "core/memory.h"
 #include "core/points.h"
 #include "core/predicates.h"
+#include "core/renumber.h"
 #include "tests/test.h"
 
 enum { MAX_IDS = 400 };

@@ -1,0 +1,156 @@
+/* renumber.c - see renumber.h.
+ *
+ * The vertices in their new order have their ids in any order, so to tell each id its new vertex is to
+ * write all over the map of ids: a cache miss for each. For large sets the ids are dealt first,
+ *
+ *      from     v: 0 1 2 3 ... n-1        becomes the ids of the vertices
+ *                   \   \ /   \           1. name, 2. deal: by slices of vertices
+ *      pairs    part 0 | part 1 | ...     (id, v), by ids: those of a part are neighbours
+ *                  |       |              3. settle: by parts
+ *      value    id: 0 1 2 ...
+ *
+ * and the part of the map that one of the parts writes to stays in the cache. The pairs lie where the
+ * old coordinates were, which nobody wants any more, so nothing can fail. */
+#include "core/renumber.h"
+
+#include <string.h>
+
+#include "core/memory.h"
+#include "core/parallel.h"
+
+enum {
+    MANY = 1 << 21,     /* vertices that are worth dealing */
+    PART_BITS = 16,     /* ids of a part, unless that makes too many parts */
+    MOST_PARTS = 1 << 8 /* cache lines that are written to in turn */
+};
+
+struct pair {
+    uint32_t id, v;
+};
+
+_Static_assert(sizeof(struct pair) <= sizeof(struct dt_point), "pairs fit where points were");
+
+struct renumbering {
+    struct dt_points *p;
+    uint32_t *from; /* becomes the ids */
+    uint32_t n;
+    unsigned slices;
+    bool differs[DT_MAX_THREADS]; /* by slice: an old vertex's id is not its number */
+    bool as_arrived;              /* none does */
+    struct pair *pair;
+    unsigned shift; /* of an id, to its part */
+    uint32_t start[MOST_PARTS + 1];
+    uint32_t at[DT_MAX_THREADS][MOST_PARTS]; /* how many pairs, then where the next one goes */
+};
+
+/* ---- all in one ---- */
+
+static void renumber(void *arg, unsigned slice)
+{
+    const struct renumbering *r = arg;
+    const uint32_t *id = r->p->id;
+    uint32_t end = dt_slice(r->n, slice + 1, r->slices);
+    for (uint32_t v = dt_slice(r->n, slice, r->slices); v < end; v++) {
+        r->from[v] = id[r->from[v]];
+        dt_idmap_change(&r->p->value, r->from[v], v);
+    }
+}
+
+/* ---- in parts ---- */
+
+/* Whether the old vertices are in order of arrival, and none is missing. */
+static void compare(void *arg, unsigned slice)
+{
+    struct renumbering *r = arg;
+    const uint32_t *id = r->p->id;
+    uint32_t end = dt_slice(r->n, slice + 1, r->slices), other = 0;
+    for (uint32_t v = dt_slice(r->n, slice, r->slices); v < end; v++)
+        other |= id[v] ^ v;
+    r->differs[slice] = other != 0;
+}
+
+static void name(void *arg, unsigned slice)
+{
+    enum { AHEAD = 24 }; /* vertices; long enough for a cache miss */
+    struct renumbering *r = arg;
+    const uint32_t *id = r->p->id;
+    uint32_t *from = r->from, *at = r->at[slice];
+    uint32_t begin = dt_slice(r->n, slice, r->slices), end = dt_slice(r->n, slice + 1, r->slices);
+    memset(at, 0, sizeof r->at[slice]);
+    for (uint32_t v = begin; !r->as_arrived && v < end; v++) {
+        if (v + AHEAD < end)
+            dt_fetch(&id[from[v + AHEAD]]);
+        from[v] = id[from[v]];
+    }
+    for (uint32_t v = begin; v < end; v++)
+        at[from[v] >> r->shift]++;
+}
+
+/* Where each slice's pairs of each part go. */
+static void lay_out(struct renumbering *r)
+{
+    uint32_t at = 0;
+    for (uint32_t part = 0; part < MOST_PARTS; part++) {
+        r->start[part] = at;
+        for (unsigned slice = 0; slice < r->slices; slice++) {
+            uint32_t pairs = r->at[slice][part];
+            r->at[slice][part] = at;
+            at += pairs;
+        }
+    }
+    r->start[MOST_PARTS] = at;
+}
+
+static void deal(void *arg, unsigned slice)
+{
+    struct renumbering *r = arg;
+    struct pair *pair = r->pair;
+    uint32_t *at = r->at[slice], end = dt_slice(r->n, slice + 1, r->slices);
+    for (uint32_t v = dt_slice(r->n, slice, r->slices); v < end; v++)
+        pair[at[r->from[v] >> r->shift]++] = (struct pair){r->from[v], v};
+}
+
+static void settle(void *arg, unsigned part)
+{
+    const struct renumbering *r = arg;
+    for (uint32_t i = r->start[part]; i < r->start[part + 1]; i++)
+        dt_idmap_change(&r->p->value, r->pair[i].id, r->pair[i].v);
+}
+
+static void renumber_in_parts(struct renumbering *r, const struct dt_pool *pool)
+{
+    r->pair = (void *)r->p->xy;
+    r->shift = PART_BITS;
+    while (r->p->next_id > 0 && (r->p->next_id - 1) >> r->shift >= MOST_PARTS)
+        r->shift++;
+    dt_run(pool, r->slices, compare, r);
+    r->as_arrived = r->p->end == r->n;
+    for (unsigned slice = 0; slice < r->slices; slice++)
+        r->as_arrived = r->as_arrived && !r->differs[slice];
+    dt_run(pool, r->slices, name, r);
+    lay_out(r);
+    dt_run(pool, r->slices, deal, r);
+    dt_run(pool, MOST_PARTS, settle, r);
+}
+
+void dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from, uint32_t n,
+                        const struct dt_pool *pool)
+{
+    struct renumbering r;
+    r.p = p;
+    r.from = from;
+    r.n = n;
+    r.slices = dt_threads_for(pool, n);
+    if (n >= MANY)
+        renumber_in_parts(&r, pool);
+    else
+        dt_run(pool, r.slices, renumber, &r);
+    dt_array_free(p->xy);
+    dt_array_free(p->id);
+    p->xy = xy;
+    p->id = from;
+    p->end = p->cap = n;
+    p->free_count = 0;
+    p->free_list = DT_NONE;
+    dt_places_clear(&p->places);
+}
