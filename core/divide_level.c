@@ -121,7 +121,7 @@ static bool count_cells(struct dt_division *d, struct dt_arena *arena, struct so
                         struct dt_box box, struct dt_level *level)
 {
     double cells = level->tiles ? (double)s->n / DT_TILE : s->n / DT_POINTS_PER_CELL;
-    if (dt_order_plan(&level->order, arena, box, cells) != DT_OK)
+    if (dt_order_plan(&level->order, arena, box, cells, s->src.p, s->n) != DT_OK)
         return false;
     s->order = &level->order;
     size_t n = (size_t)1 << level->order.bits;

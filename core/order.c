@@ -4,6 +4,8 @@
 #include <math.h>
 
 #define MAX_BITS 24
+#define SAMPLE 16  /* points, of a range of */
+#define SAMPLED 64 /* points at least */
 
 struct dt_box dt_box_of(const struct dt_point *p, uint32_t n)
 {
@@ -59,13 +61,63 @@ static void spread_bits(const struct dt_order *o, unsigned axis, uint32_t count,
     }
 }
 
+/* How far the points of a sample lie off the line through their two neighbours along the longer side of
+ * the box, on average; HUGE_VAL if they jump across it. */
+static double roughness(const struct dt_point *p, uint32_t n, bool along_x)
+{
+    double u[SAMPLE], v[SAMPLE], along[SAMPLE], across[SAMPLE], sum = 0;
+    uint32_t rank[SAMPLE], jumps = 0;
+    uint64_t random = n;
+    for (uint32_t i = 0; i < SAMPLE; i++) {
+        random = random * 6364136223846793005u + 1442695040888963407u; /* [Knuth, MMIX] */
+        struct dt_point q = p[(random >> 32) * n >> 32];
+        u[i] = along_x ? q.x : q.y;
+        v[i] = along_x ? q.y : q.x;
+        rank[i] = i;
+        for (uint32_t j = 0; j < i; j++) {
+            uint32_t before = u[i] < u[j];
+            rank[i] -= before;
+            rank[j] += before;
+        }
+    }
+    for (uint32_t i = 0; i < SAMPLE; i++) {
+        along[rank[i]] = u[i];
+        across[rank[i]] = v[i];
+    }
+    for (uint32_t i = 1; i + 1 < SAMPLE; i++) {
+        double gap = along[i + 1] - along[i - 1];
+        double part = gap > 0 ? (along[i] - along[i - 1]) / gap : 0;
+        double off = fabs(across[i] - across[i - 1] - part * (across[i + 1] - across[i - 1]));
+        sum += off;
+        jumps += off > gap;
+    }
+    return jumps > SAMPLE / 4 ? HUGE_VAL : sum / (SAMPLE - 2);
+}
+
+/* Points along a curve leave most cells of a grid empty and crowd the others. Into how many strips
+ * across the longer side of the box they can be cut instead, so that strips are no narrower than the
+ * curve is thick; 0 if that gains little. */
+static double strips_of(struct dt_box box, double cells, const struct dt_point *p, uint32_t n)
+{
+    if (n < SAMPLED)
+        return 0;
+    double width = box.x1 - box.x0, height = box.y1 - box.y0;
+    double length = fmax(width, height), thickness = 2 * roughness(p, n, width >= height);
+    double strips = thickness * cells > length ? length / thickness : cells;
+    double side = sqrt(cells * length / fmin(width, height)); /* of a grid, in cells */
+    return strips > 2 * side ? strips : 0;
+}
+
 enum dt_status dt_order_plan(struct dt_order *o, struct dt_arena *arena, struct dt_box box,
-                             double cells)
+                             double cells, const struct dt_point *p, uint32_t n)
 {
     double width = box.x1 - box.x0, height = box.y1 - box.y0;
-    double bits = floor(log2(cells < 4 ? 4 : cells) + 0.5);
+    double strips = strips_of(box, cells, p, n), parts = strips > 0 ? strips : cells;
+    double bits = floor(log2(parts < 4 ? 4 : parts) + 0.5);
     o->bits = bits > MAX_BITS ? MAX_BITS : (uint32_t)bits;
     uint32_t x_bits = bits_of_x(o->bits, width, height);
+    if (strips > 0)
+        x_bits = width >= height ? o->bits : 0;
     o->columns = 1u << x_bits;
     o->rows = 1u << (o->bits - x_bits);
     o->x0 = box.x0;

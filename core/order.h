@@ -38,10 +38,10 @@ struct dt_order {
 /* The tight box of n > 0 points. */
 struct dt_box dt_box_of(const struct dt_point *p, uint32_t n);
 
-/* Plans a grid of about `cells` nearly square cells, at least 4, on the box. DT_NOMEM: nothing to
- * undo. */
+/* Plans a grid of about `cells` nearly square cells, at least 4, on the box of n > 0 points; or as many
+ * strips, if the points, of which it looks at a few, lie along a curve. DT_NOMEM: nothing to undo. */
 enum dt_status dt_order_plan(struct dt_order *o, struct dt_arena *arena, struct dt_box box,
-                             double cells);
+                             double cells, const struct dt_point *p, uint32_t n);
 
 static inline uint32_t dt_order_key(const struct dt_order *o, struct dt_point p)
 {
