@@ -108,13 +108,13 @@ INLINE uint32_t base_of(const struct knitting *w, uint32_t lo, const uint32_t n)
 }
 
 /* Sorted points: their triangulation, a ghost of it. */
-INLINE uint32_t triangulate(const struct knitting *w, uint32_t lo, const uint32_t n)
+INLINE uint32_t triangulate(const struct knitting *w, uint32_t lo, const uint32_t n, bool *close)
 {
     const uint32_t half = n / 2, mid = lo + half;
     if (n <= 3)
         return base_of(w, lo, n);
     uint32_t some_l = base_of(w, lo, half), some_r = base_of(w, mid, n - half);
-    dt_knit(w, mid - 1, mid, half, n - half, some_l, some_r, mid);
+    *close = dt_knit(w, false, mid - 1, mid, half, n - half, some_l, some_r, mid);
     return 16 * mid - 8;
 }
 
@@ -130,7 +130,7 @@ INLINE struct dt_part block_of(const struct dt_merging *w, struct dt_point *poin
     }
     double width = p[c.right].x - p[c.left].x, height = p[c.top].y - p[c.bottom].y;
     struct knitting k = knitting_of(w, width > height ? width : height);
-    c.ghost = triangulate(&k, lo, n);
+    c.ghost = triangulate(&k, lo, n, &c.close);
     return c;
 }
 

@@ -37,12 +37,15 @@
 #include "core/knit.h"
 #include "core/sight.h"
 
+#define FEW_DOUBTS 1 /* of a merge for which the wide filter is good enough */
+
 /* One merge on its way up. A part of a single point has no ghosts, hence no lc or rc. */
 struct seam {
     uint32_t l, r;        /* the base */
     struct sight_base at; /* its points */
     size_t base;          /* its half edge r->l below the gap */
     size_t lc, rc;        /* the ghosts next to the gap: (u, l, none) and (r, v, none) */
+    struct sight_filter filter;
 };
 
 /* The ghosts of the hull form a ring: the one that ends where g starts, and the one that starts
@@ -137,8 +140,8 @@ static __attribute__((noinline)) void delete_edges(const struct knitting *w, siz
 }
 
 /* On which of the sides in `above` the edge below the candidate c has to go. */
-INLINE int to_delete(const struct knitting *w, const struct seam *s, size_t lc, size_t rc,
-                     int above, uint32_t u, uint32_t v, const struct sight *c)
+INLINE int to_delete(const struct knitting *w, struct seam *s, size_t lc, size_t rc, int above,
+                     uint32_t u, uint32_t v, const struct sight *c)
 {
     uint32_t xu = w->half[dt_prev((uint32_t)knit_twin(w, lc))];
     uint32_t xv = w->half[dt_prev((uint32_t)knit_twin(w, rc))];
@@ -149,8 +152,8 @@ INLINE int to_delete(const struct knitting *w, const struct seam *s, size_t lc, 
     xv ^= (xv ^ v) & none_v;
     above &= ~(int)((none_u & SIGHT_LEFT) | (none_v & SIGHT_RIGHT));
     struct sight x = sight_of(w->p, &s->at, xu, xv);
-    return sight_better(w, s->l, s->r, above, (const uint32_t[]){u, v}, (const uint32_t[]){xu, xv},
-                        c, &x);
+    return sight_better(w, &s->filter, s->l, s->r, above, (const uint32_t[]){u, v},
+                        (const uint32_t[]){xu, xv}, c, &x);
 }
 
 INLINE void knit_left(const struct knitting *w, struct seam *s, uint32_t u, const struct sight *c)
@@ -199,11 +202,12 @@ INLINE struct seam start(const struct knitting *w, int sides, uint32_t l, uint32
 }
 
 /* The merge proper; l and r are the last vertex of the left part and the first one of the right,
- * `sides` those that have more than one. */
-INLINE void knit(const struct knitting *w, int sides, uint32_t l, uint32_t r, size_t some_l,
-                 size_t some_r, size_t bot, size_t top)
+ * `sides` those that have more than one. Whether the close filter would have paid, or has been asked. */
+INLINE bool knit(const struct knitting *w, bool close, int sides, uint32_t l, uint32_t r,
+                 size_t some_l, size_t some_r, size_t bot, size_t top)
 {
     struct seam s = start(w, sides, l, r, some_l, some_r, bot);
+    s.filter.close = close;
     while (sides != 0) {
         size_t lc = sides & SIGHT_LEFT ? s.lc : s.rc, rc = sides & SIGHT_RIGHT ? s.rc : s.lc;
         uint32_t u = w->half[sides & SIGHT_LEFT ? lc : lc + 1];
@@ -215,7 +219,7 @@ INLINE void knit(const struct knitting *w, int sides, uint32_t l, uint32_t r, si
         int worse = to_delete(w, &s, lc, rc, above, u, v, &c);
         if (worse != 0)
             delete_edges(w, s.lc, s.rc, worse);
-        else if (sight_left_wins(w, s.l, s.r, above, u, v, &c))
+        else if (sight_left_wins(w, &s.filter, s.l, s.r, above, u, v, &c))
             knit_left(w, &s, u, &c);
         else
             knit_right(w, &s, v, &c);
@@ -224,38 +228,47 @@ INLINE void knit(const struct knitting *w, int sides, uint32_t l, uint32_t r, si
     knit_link(w, top, s.base);
     knit_link(w, top + 1, sides & SIGHT_RIGHT ? s.rc + 2 : bot + 2);
     knit_link(w, top + 2, sides & SIGHT_LEFT ? s.lc + 1 : bot + 1);
+    return close | (s.filter.settled > FEW_DOUBTS);
 }
 
-/* The common case and the others, each compiled on its own with its conditions decided. */
-static __attribute__((noinline)) void knit_both(const struct knitting *w, uint32_t l, uint32_t r,
+/* The common cases and the others, each compiled on its own with its conditions decided. */
+static __attribute__((noinline)) bool knit_both(const struct knitting *w, uint32_t l, uint32_t r,
                                                 uint32_t some_l, uint32_t some_r, uint32_t bot,
                                                 uint32_t top)
 {
     const struct knitting local = *w;
-    knit(&local, SIGHT_LEFT | SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
+    return knit(&local, false, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
 }
 
-static __attribute__((noinline)) void knit_single(const struct knitting *w, int sides, uint32_t l,
+static __attribute__((noinline)) bool knit_close(const struct knitting *w, uint32_t l, uint32_t r,
+                                                 uint32_t some_l, uint32_t some_r, uint32_t bot,
+                                                 uint32_t top)
+{
+    const struct knitting local = *w;
+    return knit(&local, true, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
+}
+
+static __attribute__((noinline)) bool knit_single(const struct knitting *w, int sides, uint32_t l,
                                                   uint32_t r, uint32_t some_l, uint32_t some_r,
                                                   uint32_t bot, uint32_t top)
 {
     if (sides == SIGHT_LEFT)
-        knit(w, SIGHT_LEFT, l, r, some_l, some_r, bot, top);
-    else if (sides == SIGHT_RIGHT)
-        knit(w, SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
-    else
-        knit(w, 0, l, r, some_l, some_r, bot, top);
+        return knit(w, false, SIGHT_LEFT, l, r, some_l, some_r, bot, top);
+    if (sides == SIGHT_RIGHT)
+        return knit(w, false, SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
+    return knit(w, false, 0, l, r, some_l, some_r, bot, top);
 }
 
-void dt_knit(const struct knitting *w, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
+bool dt_knit(const struct knitting *w, bool close, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
              uint32_t some_l, uint32_t some_r, uint32_t mid)
 {
     uint32_t bot = 16 * mid - 16, top = 16 * mid - 8;
     int sides = (nl > 1 ? SIGHT_LEFT : 0) | (nr > 1 ? SIGHT_RIGHT : 0);
-    if (__builtin_expect(nl > 1 && nr > 1, 1))
-        knit_both(w, l, r, some_l, some_r, bot, top);
-    else
-        knit_single(w, sides, l, r, some_l, some_r, bot, top);
+    if (__builtin_expect(sides != SIGHT_BOTH, 0))
+        return knit_single(w, sides, l, r, some_l, some_r, bot, top);
+    if (close)
+        return knit_close(w, l, r, some_l, some_r, bot, top);
+    return knit_both(w, l, r, some_l, some_r, bot, top);
 }
 
 struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *a,
@@ -276,9 +289,10 @@ struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *
     };
     double width = p[c.right].x - p[c.left].x, height = p[c.top].y - p[c.bottom].y;
     struct knitting k = knitting_of(w, width > height ? width : height);
+    bool close = a->close | b->close;
     if (axis == 0)
-        dt_knit(&k, a->right, b->left, a->n, b->n, a->ghost, b->ghost, mid);
+        c.close = dt_knit(&k, close, a->right, b->left, a->n, b->n, a->ghost, b->ghost, mid);
     else
-        dt_knit(&k, a->top, b->bottom, a->n, b->n, a->ghost, b->ghost, mid);
+        c.close = dt_knit(&k, close, a->top, b->bottom, a->n, b->n, a->ghost, b->ghost, mid);
     return c;
 }

@@ -24,6 +24,7 @@ struct dt_part {
     uint32_t left, right; /* lexicographically smallest and greatest vertex */
     uint32_t bottom, top; /* smallest and greatest by (y, -x) */
     uint32_t ghost;       /* some ghost; unset if n = 1 */
+    bool close;           /* merges with it had better use the close filter (sight.h) */
 };
 
 /* Joins a and b, the parts of [lo, mid) and [mid, hi). Every point of a precedes every point of b,

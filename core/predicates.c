@@ -55,6 +55,8 @@ static int orient2d_expansion(struct dt_point a, struct dt_point b, struct dt_po
 
 int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c)
 {
+    if ((a.x == c.x || b.y == c.y) && (a.y == c.y || b.x == c.x))
+        return 0; /* as both products are: the usual case on lattices */
     struct dt_double2 ax = dt_double2_difference(a.x, c.x), ay = dt_double2_difference(a.y, c.y);
     struct dt_double2 bx = dt_double2_difference(b.x, c.x), by = dt_double2_difference(b.y, c.y);
     if (ax.lo == 0 && ay.lo == 0 && bx.lo == 0 &&
@@ -72,14 +74,6 @@ int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c)
 }
 
 /* ---- incircle ---- */
-
-/* Whether p and q are opposite corners of the axis-parallel rectangle whose other corners are r and
- * s. */
-static bool is_rectangle(struct dt_point p, struct dt_point q, struct dt_point r, struct dt_point s)
-{
-    return (p.x == r.x && q.x == s.x && p.y == s.y && q.y == r.y) ||
-           (p.x == s.x && q.x == r.x && p.y == r.y && q.y == s.y);
-}
 
 /* The differences of a, b, c to d: double words hi[i] + lo[i], 0 to 2 in x, 3 to 5 in y. */
 struct differences {
@@ -232,7 +226,7 @@ static int incircle_expansion(const struct differences *d)
 
 int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d)
 {
-    if (is_rectangle(a, d, b, c) || is_rectangle(b, d, a, c) || is_rectangle(c, d, a, b))
+    if (dt_is_rectangle(a, d, b, c) || dt_is_rectangle(b, d, a, c) || dt_is_rectangle(c, d, a, b))
         return 0;
     struct differences v;
     int64_t integer[6];

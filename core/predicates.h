@@ -68,6 +68,15 @@ int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
 /* The sign of |a - b|^2 - r^2, r >= 0: <= 0 if a and b are at most r apart. */
 int dt_compare_radius(struct dt_point a, struct dt_point b, double r);
 
+/* Whether p and q are opposite corners of the axis-parallel rectangle whose other corners are r and s:
+ * then the four lie on one circle. */
+static inline bool dt_is_rectangle(struct dt_point p, struct dt_point q, struct dt_point r,
+                                   struct dt_point s)
+{
+    return (p.x == r.x && q.x == s.x && p.y == s.y && q.y == r.y) ||
+           (p.x == s.x && q.x == r.x && p.y == r.y && q.y == s.y);
+}
+
 /* Lexicographic order, x then y: < 0, 0 or > 0. */
 static inline int dt_compare_xy(struct dt_point a, struct dt_point b)
 {

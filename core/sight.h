@@ -10,9 +10,10 @@
  * the work of testing anew. (cr / dt is the tangent of the angle at which c sees l-r; the test
  * compares these angles.)
  *
- * Filter. Let D be the longer side of the box of both parts and u = 2^-53. All differences of
- * coordinates are at most D with a relative error of u, so each product of two carries an error of
- * at most 3 u D^2 (+ O(u^2)), and with the final rounding
+ * Filters. Let u = 2^-53. All differences of coordinates have a relative error of u.
+ *
+ * The wide one knows only the longer side D of the box of both parts. No difference is larger, so each
+ * product of two carries an error of at most 3 u D^2 (+ O(u^2)), and with the final rounding
  *
  *     |err cr| <= 2 * 3 u D^2 + 2 u D^2 = 8 u D^2 < 8.9e-16 D^2,    |err dt| the same.
  *
@@ -20,9 +21,25 @@
  *
  *     |err det| <= 2 (2 * 8 u + 8 u + 2 u) D^4 + 4 u D^4 = 56 u D^4 < 6.3e-15 D^4.
  *
- * The bounds used are 1e-15 D^2 and 1e-14 D^4, which leaves room for the rounding of D itself. What
- * they leave open goes to sight.c. No product under- or overflows for the coordinates that
- * dt_coordinate_ok accepts. */
+ * The bounds used are 1e-15 D^2 and 1e-14 D^4, which leaves room for the rounding of D itself.
+ *
+ * On circles and thin strips, and at the last merges of many points, the box says little about the
+ * four at hand. The close filter of det looks at them: let
+ *
+ *     CR(c) = |(r - l).x (c - l).y| + |(r - l).y (c - l).x|,
+ *     DT(c) = |(c - l).x (c - r).x| + |(c - l).y (c - r).y|
+ *
+ * be the sums of magnitudes in cr and dt. A product of two rounded differences has a relative error of
+ * at most 3 u, so |err cr| <= 4 u CR and |err dt| <= 4 u DT (+ O(u^2)), hence each product of a cr and
+ * a dt errs by at most 9 u CR DT, and with S = DT(c) CR(x) + DT(x) CR(c)
+ *
+ *     |err det| <= 9 u S + u S = 10 u S.
+ *
+ * S itself is computed with a relative error of a few u; the bound used is 1.2e-15 S > 10.8 u S.
+ *
+ * A merge asks one of the two, and sight.c what that leaves open. It tells how often the close one would
+ * have spared it the way there; so the next merge, of a part with a larger box, knows better. No product
+ * under- or overflows for the coordinates that dt_coordinate_ok accepts. */
 #ifndef DT_SIGHT_H
 #define DT_SIGHT_H
 
@@ -31,25 +48,33 @@
 #include "core/knit.h"
 #include "core/lanes.h"
 
-/* The lanes, and the bits that answers have for them. */
-enum { SIGHT_LEFT = 1, SIGHT_RIGHT = 2 };
+/* The lanes, and the bits that answers have for them; SIGHT_SETTLED comes with answers of sight.c that
+ * the close filter has given. */
+enum { SIGHT_LEFT = 1, SIGHT_RIGHT = 2, SIGHT_BOTH = 3, SIGHT_SETTLED = 4 };
+
+/* What a merge asks, and what it has learnt. */
+struct sight_filter {
+    bool close;       /* known when compiled */
+    uint32_t settled; /* how often sight.c was asked what the close filter knows */
+};
 
 /* The base, each coordinate in both lanes. */
 struct sight_base {
     dt_lanes lx, ly, rx, ry;
 };
 
-/* Two points, and cr and dt of either. */
+/* Two points, cr and dt of either, and for the close filter CR and DT. */
 struct sight {
-    dt_lanes x, y, cr, dt;
+    dt_lanes x, y, cr, dt, cr_size, dt_size;
 };
 
-/* The same answers where the filters are in doubt; p is all points by vertex. */
+/* The same answers where the filters are in doubt; p is all points by vertex. The last one's is
+ * SIGHT_LEFT for yes. */
 int dt_sight_above(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u, uint32_t v);
 int dt_sight_below(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u, uint32_t v);
 int dt_sight_better(const struct dt_point *p, uint32_t l, uint32_t r, int sides,
                     const uint32_t c[2], const uint32_t x[2]);
-bool dt_sight_left_wins(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u, uint32_t v);
+int dt_sight_left_wins(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u, uint32_t v);
 
 INLINE struct sight_base sight_base_of(struct dt_point l, struct dt_point r)
 {
@@ -76,8 +101,12 @@ INLINE struct sight sight_of(const struct dt_point *p, const struct sight_base *
     dt_lanes pu = dt_lanes_load(&p[u].x), pv = dt_lanes_load(&p[v].x);
     struct sight c = {.x = dt_lanes_first(pu, pv), .y = dt_lanes_second(pu, pv)};
     dt_lanes ux = c.x - at->lx, uy = c.y - at->ly;
-    c.cr = (at->rx - at->lx) * uy - (at->ry - at->ly) * ux;
-    c.dt = ux * (c.x - at->rx) + uy * (c.y - at->ry);
+    dt_lanes left = (at->rx - at->lx) * uy, right = (at->ry - at->ly) * ux;
+    dt_lanes in_x = ux * (c.x - at->rx), in_y = uy * (c.y - at->ry);
+    c.cr = left - right;
+    c.dt = in_x + in_y;
+    c.cr_size = dt_lanes_abs(left) + dt_lanes_abs(right);
+    c.dt_size = dt_lanes_abs(in_x) + dt_lanes_abs(in_y);
     return c;
 }
 
@@ -107,29 +136,49 @@ INLINE int sight_below(const struct knitting *w, uint32_t l, uint32_t r, uint32_
     return below;
 }
 
+/* The close filter's bound of det(c, x). */
+INLINE dt_lanes sight_close(const struct sight *c, const struct sight *x)
+{
+    return sight_both(1.2e-15) * (c->dt_size * x->cr_size + x->dt_size * c->cr_size);
+}
+
+/* The same of det(u, v) for the two points that *c has in view. */
+INLINE double sight_close_of_pair(const struct sight *c)
+{
+    return 1.2e-15 * (c->dt_size[0] * c->cr_size[1] + c->dt_size[1] * c->cr_size[0]);
+}
+
+/* What sight.c answers, and the filter takes notice. */
+INLINE int sight_learn(struct sight_filter *f, int answer)
+{
+    f->settled += (answer & SIGHT_SETTLED) != 0;
+    return answer & SIGHT_BOTH;
+}
+
 /* On which of `sides` the point in view as *in_x, vertex x[side], lies in the circle of l, r and the
  * one in view as *in_c, c[side]. */
-INLINE int sight_better(const struct knitting *w, uint32_t l, uint32_t r, int sides,
-                        const uint32_t c[2], const uint32_t x[2], const struct sight *in_c,
-                        const struct sight *in_x)
+INLINE int sight_better(const struct knitting *w, struct sight_filter *f, uint32_t l, uint32_t r,
+                        int sides, const uint32_t c[2], const uint32_t x[2],
+                        const struct sight *in_c, const struct sight *in_x)
 {
     dt_lanes det = in_c->dt * in_x->cr - in_x->dt * in_c->cr;
-    int better = sides & dt_lanes_bits(det > sight_both(w->det_bound));
-    int not_better = sides & dt_lanes_bits(det < sight_both(-w->det_bound));
+    dt_lanes bound = f->close ? sight_close(in_c, in_x) : sight_both(w->det_bound);
+    int better = sides & dt_lanes_bits(det > bound);
+    int not_better = sides & dt_lanes_bits(det < -bound);
     if (__builtin_expect((better | not_better) != sides, 0))
-        return dt_sight_better(w->p, l, r, sides, c, x);
+        return sight_learn(f, dt_sight_better(w->p, l, r, sides, c, x));
     return better;
 }
 
 /* Whether the next base is u-r rather than l-v: u is above the base, and v is not, or lies outside
  * the circle of l, r and u. */
-INLINE bool sight_left_wins(const struct knitting *w, uint32_t l, uint32_t r, int above, uint32_t u,
-                            uint32_t v, const struct sight *c)
+INLINE bool sight_left_wins(const struct knitting *w, struct sight_filter *f, uint32_t l,
+                            uint32_t r, int above, uint32_t u, uint32_t v, const struct sight *c)
 {
-    const int both = SIGHT_LEFT | SIGHT_RIGHT;
     double det = c->dt[0] * c->cr[1] - c->dt[1] * c->cr[0];
-    if (__builtin_expect((above == both) & (fabs(det) <= w->det_bound), 0))
-        return dt_sight_left_wins(w->p, l, r, u, v);
+    double bound = f->close ? sight_close_of_pair(c) : w->det_bound;
+    if (__builtin_expect((above == SIGHT_BOTH) & (fabs(det) <= bound), 0))
+        return sight_learn(f, dt_sight_left_wins(w->p, l, r, u, v));
     return above & SIGHT_LEFT &
            ((det < 0) | (~above >> 1)); /* without a branch: above == LEFT, or det < 0 */
 }

@@ -45,11 +45,13 @@ static bool answers_are_exact(const struct dt_point *p)
     for (int side = 0; side < 2; side++) /* asked only about candidates above the base */
         if ((above >> side & 1) && dt_incircle_perturbed(p[0], p[1], p[cs[side]], p[xs[side]]) > 0)
             better |= 1 << side;
-    for (int sides = above; sides > 0; sides = (sides - 1) & above)
-        ok = ok && (better & sides) == sight_better(&w, 0, 1, sides, cs, xs, &c, &x);
-    if (above != 0) {
+    for (int close = 0; close < 2; close++) {
+        struct sight_filter f = {.close = close};
+        for (int sides = above; sides > 0; sides = (sides - 1) & above)
+            ok = ok && (better & sides) == sight_better(&w, &f, 0, 1, sides, cs, xs, &c, &x);
         bool left = above == 1 || (above == 3 && dt_incircle_perturbed(p[0], p[1], p[2], p[3]) < 0);
-        ok = ok && left == sight_left_wins(&w, 0, 1, above, 2, 3, &c);
+        ok = ok && (above == 0 || left == sight_left_wins(&w, &f, 0, 1, above, 2, 3, &c));
+        ok = ok && (!close || f.settled == 0);
     }
     return ok;
 }
@@ -82,4 +84,39 @@ TEST(a_base_sees_what_the_exact_predicates_say_on_every_family)
         }
         CHECK_MSG(wrong == 0, "%s: %d of %d wrong", families[f].name, wrong, asked);
     }
+}
+
+/* Six neighbours on a circle: the box of all of it leaves open what the close filter knows. */
+TEST(the_wide_filter_learns_that_the_close_one_would_do)
+{
+    const double turn = 6.283185307179586;
+    struct dt_point p[6];
+    for (int i = 0; i < 6; i++) {
+        static const int order[] = {2, 3, 1, 4, 0, 5};
+        double a = turn * (0.73 + 1e-6 * (order[i] - 2.5));
+        p[i] = (struct dt_point){cos(a), sin(a)};
+    }
+    struct dt_mesh none = {0};
+    struct knitting w = knitting_of(&(struct dt_merging){p, &none}, 2);
+    struct sight_base at = sight_base_of(p[0], p[1]);
+    struct sight c = sight_of(p, &at, 2, 3);
+    struct sight_filter wide = {.close = false}, close = {.close = true};
+    bool expected = dt_incircle_perturbed(p[0], p[1], p[2], p[3]) < 0;
+    CHECK(expected == sight_left_wins(&w, &wide, 0, 1, SIGHT_BOTH, 2, 3, &c));
+    CHECK(wide.settled == 1);
+    CHECK(expected == sight_left_wins(&w, &close, 0, 1, SIGHT_BOTH, 2, 3, &c));
+    CHECK(close.settled == 0);
+}
+
+TEST(a_tie_on_a_lattice_settles_nothing)
+{
+    const struct dt_point p[] = {{0, 0}, {3, 0}, {0, 2}, {3, 2}};
+    struct dt_mesh none = {0};
+    struct knitting w = knitting_of(&(struct dt_merging){p, &none}, 3);
+    struct sight_base at = sight_base_of(p[0], p[1]);
+    struct sight c = sight_of(p, &at, 2, 3);
+    struct sight_filter f = {.close = false};
+    bool expected = dt_incircle_perturbed(p[0], p[1], p[2], p[3]) < 0;
+    CHECK(expected == sight_left_wins(&w, &f, 0, 1, SIGHT_BOTH, 2, 3, &c));
+    CHECK(f.settled == 0);
 }
