@@ -8,6 +8,7 @@
 
 #include "core/hints_live.h"
 #include "core/hull.h"
+#include "core/jump.h"
 #include "core/predicates.h"
 
 #include <math.h>
@@ -146,19 +147,21 @@ enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32
 }
 
 /* The walk from the nearest hint has taken long: many thin triangles lie across its way, as within
- * a circle of points with nothing inside. From one of the four sides it may be short. */
+ * a circle of points with nothing inside. From one of the four sides it may be short; else it goes on
+ * from where it was, for a while, and then from the best of a sample. */
 static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *xy,
                                 const struct dt_hints *hints, struct dt_point q, uint32_t *half)
 {
     enum dt_where where;
-    uint32_t far = *half;
+    uint32_t far = *half, steps = dt_jump_samples(m->tri_end);
     for (unsigned direction = 0; direction < 4; direction++) {
-        uint32_t h = dt_hint_beyond(hints, q, direction), steps = PATIENCE;
-        if (h != DT_NONE && !dt_is_dead(m, h) &&
-            walk_plane(m, xy, NULL, h, q, &steps, &where, half))
+        uint32_t h = dt_hint_beyond(hints, q, direction), few = PATIENCE;
+        if (h != DT_NONE && !dt_is_dead(m, h) && walk_plane(m, xy, NULL, h, q, &few, &where, half))
             return where;
     }
-    return dt_walk(m, xy, far, q, half);
+    if (walk_plane(m, xy, NULL, far, q, &steps, &where, half))
+        return where;
+    return dt_walk(m, xy, dt_jump_triangle(m, xy, *half, q), q, half);
 }
 
 /* dt_find and dt_find_counting. */

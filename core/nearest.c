@@ -9,6 +9,7 @@
  * radius, are connected by edges. The nearest ones, if several tie, are the corners of one empty
  * circle around q, which its triangulation connects. */
 #include "core/hull.h"
+#include "core/jump.h"
 #include "core/predicates.h"
 #include "core/query.h"
 #include "core/reader.h"
@@ -16,6 +17,8 @@
 
 #include <math.h>
 #include <stdlib.h>
+
+#define PATIENCE 16 /* vertices on the way to a nearest one; mostly there are one or two */
 
 /* A squared distance whose relative error is below 2^-50: four roundings. */
 static double square_distance(struct dt_point a, struct dt_point b)
@@ -137,6 +140,19 @@ static uint32_t begin(struct nearest *n, uint32_t near)
     return v;
 }
 
+/* The way is long, along a line of points say. The grid's hint for q comes from about the nearest
+ * cell that has points. */
+static void consider_hint(struct nearest *n)
+{
+    const struct dt *t = n->t;
+    if (t->hints.grids == 0)
+        return;
+    uint32_t h = dt_hint(&t->hints, n->q);
+    for (uint32_t k = h; k < h + 3 && !dt_is_dead(&t->mesh, h); k++)
+        if (dt_origin(&t->mesh, k) != DT_NONE)
+            consider(n, dt_origin(&t->mesh, k));
+}
+
 /* As dt_nearest_vertex; *tie: there are others as near. */
 static uint32_t descend(const struct dt *t, const struct dt_place *q, bool *tie)
 {
@@ -144,8 +160,12 @@ static uint32_t descend(const struct dt *t, const struct dt_place *q, bool *tie)
     if (t->mesh.vertices == 1)
         return dt_only_vertex(t);
     struct nearest n = {.t = t, .q = q->at};
-    uint32_t v = begin(&n, q->near);
-    while (v != n.best.v) {
+    uint32_t v = begin(&n, q->near), sample_at = PATIENCE + dt_jump_samples(t->mesh.vertices);
+    for (uint32_t steps = 0; v != n.best.v; steps++) {
+        if (steps == PATIENCE)
+            consider_hint(&n);
+        if (steps == sample_at)
+            consider(&n, dt_jump_vertex(&t->mesh, t->points.xy, n.best.v, n.q));
         v = n.best.v;
         consider_around(&n, v);
     }
