@@ -19,7 +19,8 @@
  *
  * The recursion goes down the bits of the key; where one grid ends, the next one begins: a tile gets
  * its own cells, a crowded cell a grid on its own tight box (a zoom), or, if it holds a dozen points
- * at most, one cut between two blocks (few.c). Along a curve, a grid is a row of strips (order.c). If
+ * at most, one cut between two blocks (few.c). Along a curve, a grid is a row of strips (order.c).
+ * Where a few points lie far out, it suits the others, and its outermost cells take in the few. If
  * three zooms in a row leave more than half of the points in one cell, the range is cut at its median,
  * and grids have their chance again: so the depth is bounded by about four grids for every halving.
  *
@@ -59,15 +60,10 @@
 #include "core/hull.h"
 #include "core/memory.h"
 
+#define ASK_TO_STOP 4096u /* points that are worth the question */
+
 static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena,
                                    struct dt_source src, uint32_t lo, uint32_t n, unsigned skew);
-
-static bool stopped(struct dt_division *d)
-{
-    if (d->opt->cancel != NULL && atomic_load_explicit(d->opt->cancel, memory_order_relaxed))
-        dt_division_fail(d, DT_CANCELLED);
-    return atomic_load_explicit(&d->status, memory_order_relaxed) != DT_OK;
-}
 
 static void report(struct dt_division *d, uint32_t n)
 {
@@ -96,6 +92,8 @@ struct dt_part dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
         return divide_range(d, arena, (struct dt_source){d->p + lo, d->from + lo}, lo, n,
                             level->skew);
     }
+    if (n > ASK_TO_STOP && dt_division_stopped(d))
+        return (struct dt_part){0};
     struct dt_part a = dt_divide_cells(d, arena, level, 2 * key, s - 1);
     struct dt_part b = dt_divide_cells(d, arena, level, 2 * key + 1, s - 1);
     uint32_t mid = level->lo + level->start[(2 * (size_t)key + 1) << (s - 1)];
@@ -127,7 +125,7 @@ static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena
         return dt_few(&d->merging, d->p, d->from, lo, n);
     }
     struct dt_part part = {0};
-    if (stopped(d))
+    if (dt_division_stopped(d))
         return part;
     struct dt_arena_mark mark = dt_arena_mark(arena);
     struct dt_level level;

@@ -1,9 +1,13 @@
 /* divide_level.c - sorting one range of points by one grid; see divide_level.h. */
 #include "core/divide_level.h"
 
+#include <math.h>
 #include <string.h>
 
-#define MANY_CELLS (1u << 14) /* are worth several threads */
+#define MANY_CELLS (1u << 14)    /* are worth several threads */
+#define PIECE (1u << 16)         /* points: below a millisecond */
+#define WORTH_SAMPLES (1u << 12) /* points */
+#define OUTSKIRTS 4 /* a grid leaves them out if they take this many times its own width */
 
 void dt_division_fail(struct dt_division *d, enum dt_status status)
 {
@@ -11,9 +15,17 @@ void dt_division_fail(struct dt_division *d, enum dt_status status)
     atomic_compare_exchange_strong(&d->status, &none, (int)status);
 }
 
+bool dt_division_stopped(struct dt_division *d)
+{
+    if (d->opt->cancel != NULL && atomic_load_explicit(d->opt->cancel, memory_order_relaxed))
+        dt_division_fail(d, DT_CANCELLED);
+    return atomic_load_explicit(&d->status, memory_order_relaxed) != DT_OK;
+}
+
 /* ---- the sort, in slices of the source ---- */
 
 struct sort {
+    struct dt_division *d;
     struct dt_source src;
     uint32_t n;
     unsigned slices;
@@ -38,24 +50,56 @@ static void find_box(void *arg, unsigned i)
     s->box[i] = dt_box_of(s->src.p + a, b - a);
 }
 
+/* Points a .. b - 1 of slice i. Slices are worked on in pieces, so that a large sort can be stopped;
+ * what it leaves is of no use then. */
+struct piece {
+    uint32_t a, b;
+};
+
+static struct piece before_first(const struct sort *s, unsigned i)
+{
+    uint32_t a = dt_slice(s->n, i, s->slices);
+    return (struct piece){a, a};
+}
+
+static bool next_piece(const struct sort *s, unsigned i, struct piece *at)
+{
+    uint32_t end = dt_slice(s->n, i + 1, s->slices);
+    at->a = at->b;
+    at->b = end - at->a < PIECE ? end : at->a + PIECE;
+    return at->a < end && !dt_division_stopped(s->d);
+}
+
 static void count(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    uint32_t a = dt_slice(s->n, i, s->slices), b = dt_slice(s->n, i + 1, s->slices);
     memset(s->next[i], 0, ((size_t)1 << s->order->bits) * sizeof *s->next[i]);
-    dt_order_count(s->order, s->src.p + a, b - a, s->key + a, s->next[i]);
+    for (struct piece at = before_first(s, i); next_piece(s, i, &at);)
+        dt_order_count(s->order, s->src.p + at.a, at.b - at.a, s->key + at.a, s->next[i]);
 }
 
 static void scatter(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    uint32_t a = dt_slice(s->n, i, s->slices), b = dt_slice(s->n, i + 1, s->slices);
-    const uint32_t *from = s->src.from == NULL ? NULL : s->src.from + a;
-    if (s->shift == NULL)
-        dt_order_scatter(s->key + a, b - a, s->next[i], s->src.p + a, from, a, s->out, s->out_from);
-    else
-        dt_order_scatter_apart(s->key + a, b - a, s->next[i], s->shift, s->src.p + a, from, a,
-                               s->out, s->out_from);
+    for (struct piece at = before_first(s, i); next_piece(s, i, &at);) {
+        uint32_t n = at.b - at.a, *key = s->key + at.a;
+        const struct dt_point *p = s->src.p + at.a;
+        const uint32_t *from = s->src.from == NULL ? NULL : s->src.from + at.a;
+        if (s->shift == NULL)
+            dt_order_scatter(key, n, s->next[i], p, from, at.a, s->out, s->out_from);
+        else
+            dt_order_scatter_apart(key, n, s->next[i], s->shift, p, from, at.a, s->out,
+                                   s->out_from);
+    }
+}
+
+static void copy(void *arg, unsigned i)
+{
+    struct sort *s = arg;
+    for (struct piece at = before_first(s, i); next_piece(s, i, &at);) {
+        memcpy(s->out + at.a, s->src.p + at.a, (at.b - at.a) * sizeof *s->out);
+        memcpy(s->out_from + at.a, s->src.from + at.a, (at.b - at.a) * sizeof *s->out_from);
+    }
 }
 
 static struct dt_box join_boxes(const struct sort *s)
@@ -69,6 +113,46 @@ static struct dt_box join_boxes(const struct sort *s)
         all.y1 = b->y1 > all.y1 ? b->y1 : all.y1;
     }
     return all;
+}
+
+static void sort_numbers(double *a, uint32_t n)
+{
+    for (uint32_t i = 1, j; i < n; i++) {
+        double v = a[i];
+        for (j = i; j > 0 && a[j - 1] > v; j--)
+            a[j] = a[j - 1];
+        a[j] = v;
+    }
+}
+
+/* The interval [*lo, *hi] becomes the middle three quarters of the sample, and `margin` times as much on
+ * either side, if that is much less. */
+static void leave_outskirts(double *sample, uint32_t n, double margin, double *lo, double *hi)
+{
+    sort_numbers(sample, n);
+    double a = sample[n / 8], b = sample[n - 1 - n / 8], beside = margin * (b - a);
+    if (2 * beside + (b - a) >= (*hi - *lo) / OUTSKIRTS)
+        return;
+    *lo = a - beside > *lo ? a - beside : *lo;
+    *hi = b + beside < *hi ? b + beside : *hi;
+}
+
+/* Where a few points lie far out, one grid cannot suit all. It is made to suit most of them. */
+static struct dt_box box_of_most(const struct sort *s, struct dt_box box, double cells)
+{
+    enum { SAMPLES = 32 };
+    double x[SAMPLES], y[SAMPLES];
+    uint64_t random = s->n;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        random = random * 6364136223846793005u + 1442695040888963407u; /* [Knuth, MMIX] */
+        struct dt_point p = s->src.p[(random >> 33) % s->n];
+        x[i] = p.x;
+        y[i] = p.y;
+    }
+    double margin = sqrt(cells) / 32 > 1 ? sqrt(cells) / 32 : 1;
+    leave_outskirts(x, SAMPLES, margin, &box.x0, &box.x1);
+    leave_outskirts(y, SAMPLES, margin, &box.y0, &box.y1);
+    return box;
 }
 
 /* Slice i of the cells: how many points it has. */
@@ -121,6 +205,8 @@ static bool count_cells(struct dt_division *d, struct dt_arena *arena, struct so
                         struct dt_box box, struct dt_level *level)
 {
     double cells = level->tiles ? (double)s->n / DT_TILE : s->n / DT_POINTS_PER_CELL;
+    if (!level->tiles && s->n >= WORTH_SAMPLES)
+        box = box_of_most(s, box, cells);
     if (dt_order_plan(&level->order, arena, box, cells, s->src.p, s->n) != DT_OK)
         return false;
     s->order = &level->order;
@@ -157,14 +243,6 @@ static bool shift_tiles(struct dt_division *d, struct dt_arena *arena, struct so
     return true;
 }
 
-static void copy(void *arg, unsigned i)
-{
-    struct sort *s = arg;
-    uint32_t a = dt_slice(s->n, i, s->slices), b = dt_slice(s->n, i + 1, s->slices);
-    memcpy(s->out + a, s->src.p + a, (b - a) * sizeof *s->out);
-    memcpy(s->out_from + a, s->src.from + a, (b - a) * sizeof *s->out_from);
-}
-
 /* Copies the source, which is among the vertices or aside, to where it is not in the way. */
 static void move_source(struct dt_division *d, struct sort *s, struct dt_point *p, uint32_t *from)
 {
@@ -174,43 +252,48 @@ static void move_source(struct dt_division *d, struct sort *s, struct dt_point *
     s->src = (struct dt_source){p, from};
 }
 
+/* Counts by a grid of tiles or by a fine one; the keys go to `key`, or if it is NULL into the arena.
+ * Returns the largest number of points in one cell; 0: the build has to stop. */
+static uint32_t count_by(struct sort *s, struct dt_arena *arena, struct dt_box box, bool tiles,
+                         uint32_t *key, struct dt_level *level)
+{
+    level->tiles = tiles;
+    s->key = key != NULL ? key : dt_arena_take(arena, s->n, sizeof *s->key);
+    if (s->key == NULL || !count_cells(s->d, arena, s, box, level))
+        dt_division_fail(s->d, DT_NOMEM);
+    return dt_division_stopped(s->d) ? 0 : counts_to_places(s->d->opt->pool, s);
+}
+
 enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned slices,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level)
 {
     struct dt_aside aside = dt_aside(d, lo, n);
     bool in_place = src.p == d->p + lo, is_aside = src.p == aside.p;
-    struct sort s = {.src = src, .n = n, .slices = slices};
-    *level = (struct dt_level){.lo = lo, .tiles = n > DT_TILED};
-    bool from_is_free = level->tiles && !in_place && !is_aside;
-    s.key = from_is_free ? d->from + lo : dt_arena_take(arena, n, sizeof *s.key);
-    bool ok = s.key != NULL;
-    if (ok)
-        dt_run(d->opt->pool, slices, find_box, &s);
+    uint32_t *key = in_place || is_aside ? NULL : d->from + lo, most = n;
+    struct sort s = {.d = d, .src = src, .n = n, .slices = slices};
+    *level = (struct dt_level){.lo = lo};
+    dt_run(d->opt->pool, slices, find_box, &s);
     struct dt_box box = join_boxes(&s);
-    ok = ok && count_cells(d, arena, &s, box, level);
-    uint32_t most = ok ? counts_to_places(d->opt->pool, &s) : 0;
-    if (ok && most > n / 2 && level->tiles) { /* tiles do not part them: let a fine grid try */
-        level->tiles = false;
-        s.key = dt_arena_take(arena, n, sizeof *s.key);
-        ok = s.key != NULL && count_cells(d, arena, &s, box, level);
-        most = ok ? counts_to_places(d->opt->pool, &s) : 0;
-    }
+    if (n > DT_TILED)
+        most = count_by(&s, arena, box, true, key, level);
+    if (most > n / 2) /* too few points for tiles, or tiles do not part them */
+        most = count_by(&s, arena, box, false, NULL, level);
+    if (dt_division_stopped(d))
+        return DT_LEVEL_FAILED;
     level->skew = most > n / 2 ? skew + 1 : 0;
-    if (ok && level->skew > DT_ZOOMS)
+    if (level->skew > DT_ZOOMS)
         return DT_LEVEL_SKEWED;
-    if (ok && level->tiles && is_aside)
+    if (level->tiles && is_aside)
         move_source(d, &s, d->p + lo, d->from + lo);
-    else if (ok && !level->tiles && in_place)
+    else if (!level->tiles && in_place)
         move_source(d, &s, aside.p, aside.from);
     s.out = d->p + lo;
     s.out_from = d->from + lo;
-    if (!ok || (level->tiles && !shift_tiles(d, arena, &s, lo))) {
+    if (level->tiles && !shift_tiles(d, arena, &s, lo))
         dt_division_fail(d, DT_NOMEM);
-        return DT_LEVEL_FAILED;
-    }
     dt_run(d->opt->pool, slices, scatter, &s);
-    return DT_LEVEL_OPEN;
+    return dt_division_stopped(d) ? DT_LEVEL_FAILED : DT_LEVEL_OPEN;
 }
 
 /* ---- the median ---- */

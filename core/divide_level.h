@@ -76,6 +76,9 @@ uint32_t dt_level_median(struct dt_division *d, struct dt_source src, uint32_t l
 /* Records a failure. */
 void dt_division_fail(struct dt_division *d, enum dt_status status);
 
+/* Whether something has failed or the caller has cancelled; to be asked every few thousand points. */
+bool dt_division_stopped(struct dt_division *d);
+
 /* Triangulates the vertices of a level whose key starts with `key`, with s bits to go. */
 struct dt_part dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
                                const struct dt_level *level, uint32_t key, uint32_t s);

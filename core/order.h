@@ -43,12 +43,18 @@ struct dt_box dt_box_of(const struct dt_point *p, uint32_t n);
 enum dt_status dt_order_plan(struct dt_order *o, struct dt_arena *arena, struct dt_box box,
                              double cells, const struct dt_point *p, uint32_t n);
 
+/* Points beyond the grid belong to its outermost cells. No branch. */
+static inline uint32_t dt_order_place(double at, double per, uint32_t cells)
+{
+    double place = at * per, last = cells - 1;
+    place = place < last ? place : last;
+    return (uint32_t)(place > 0 ? place : 0);
+}
+
 static inline uint32_t dt_order_key(const struct dt_order *o, struct dt_point p)
 {
-    uint32_t column = (uint32_t)((p.x - o->x0) * o->per_x),
-             row = (uint32_t)((p.y - o->y0) * o->per_y);
-    return o->column[column < o->columns ? column : o->columns - 1] |
-           o->row[row < o->rows ? row : o->rows - 1];
+    return o->column[dt_order_place(p.x - o->x0, o->per_x, o->columns)] |
+           o->row[dt_order_place(p.y - o->y0, o->per_y, o->rows)];
 }
 
 /* Writes n keys and adds to the counts[cells]. */

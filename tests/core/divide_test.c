@@ -177,3 +177,53 @@ TEST(divide_stops_when_cancelled)
     CHECK(b.mesh.half == NULL);
     built_free(&b);
 }
+
+/* Cancels a build before one of the passes that threads share. */
+struct canceller {
+    atomic_bool cancel;
+    unsigned passes, last;
+};
+
+static void run_and_cancel(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg)
+{
+    struct canceller *c = ctx;
+    if (++c->passes == c->last)
+        atomic_store(&c->cancel, true);
+    one_after_the_other(NULL, n, job, arg);
+}
+
+TEST(divide_stops_when_cancelled_before_any_pass)
+{
+    enum dt_status status = DT_CANCELLED;
+    struct canceller c = {.last = 1};
+    for (; status == DT_CANCELLED; c.last++) {
+        struct dt_pool pool = {.threads = 2, .run = run_and_cancel, .ctx = &c};
+        struct dt_options opt = {.pool = &pool, .cancel = &c.cancel};
+        struct built b = distinct_points("nested", DT_PARALLEL + 100, 5);
+        atomic_store(&c.cancel, false);
+        c.passes = 0;
+        status = dt_divide(b.in, b.n, b.p, b.from, &b.mesh, &opt);
+        CHECK(status == (c.passes < c.last ? DT_OK : DT_CANCELLED));
+        CHECK((b.mesh.half == NULL) == (status == DT_CANCELLED));
+        built_free(&b);
+    }
+    CHECK(c.last > 8);
+}
+
+TEST(points_beyond_a_grid_belong_to_its_outermost_cells)
+{
+    struct dt_arena arena = {0};
+    struct dt_order o;
+    struct dt_point middle = {4, 4};
+    struct dt_box box = {0, 8, 0, 8};
+    CHECK(dt_order_plan(&o, &arena, box, 64, &middle, 1) == DT_OK);
+    CHECK(dt_order_key(&o, (struct dt_point){-0x1p201, 3.5}) ==
+          dt_order_key(&o, (struct dt_point){0.5, 3.5}));
+    CHECK(dt_order_key(&o, (struct dt_point){0x1p201, 3.5}) ==
+          dt_order_key(&o, (struct dt_point){7.5, 3.5}));
+    CHECK(dt_order_key(&o, (struct dt_point){2.5, -0x1p-142}) ==
+          dt_order_key(&o, (struct dt_point){2.5, 0}));
+    CHECK(dt_order_key(&o, (struct dt_point){2.5, 8}) ==
+          dt_order_key(&o, (struct dt_point){2.5, 7.5}));
+    dt_arena_clear(&arena);
+}
