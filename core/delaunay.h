@@ -90,6 +90,11 @@ void dt_pages_limit(struct dt_pages *p, size_t limit);
  * were. Cost: linear, about a millisecond for 200 MiB that lie on huge pages. */
 size_t dt_pages_trim(struct dt_pages *p, size_t bytes);
 
+/* Has the system make up to so many fresh bytes, rounded up to 2 MiB, ready before anybody wants them,
+ * and keeps them, as far as the limit lets it. Returns how many; 0: none. For a thread that has
+ * nothing better to do: it takes up to a second for 256 MiB. */
+size_t dt_pages_prepare(struct dt_pages *p, size_t bytes);
+
 struct dt_pages_summary {
     size_t held;    /* bytes in use and kept */
     size_t kept;    /* bytes of these that wait to be used again */

@@ -274,6 +274,23 @@ size_t dt_pages_trim(struct dt_pages *p, size_t bytes)
     return done;
 }
 
+size_t dt_pages_prepare(struct dt_pages *p, size_t bytes)
+{
+    enum { SMALL_PAGE = 4096 }; /* whatever the size of pages: each is written to */
+    size_t held = atomic_load(&p->held), limit = atomic_load(&p->limit);
+    size_t room = (limit > held ? limit - held : 0) & ~(DT_HUGE_PAGE - 1);
+    bytes = bytes < room ? dt_huge_pages(bytes) : room;
+    char *start = bytes > 0 ? map_aligned(bytes) : NULL;
+    if (start == NULL)
+        return 0;
+    for (size_t at = 0; at < bytes; at += SMALL_PAGE)
+        start[at] = 0;
+    atomic_fetch_add(&p->held, bytes);
+    atomic_fetch_add(&p->fresh, bytes);
+    dt_region_give(p, start, bytes);
+    return bytes;
+}
+
 void dt_pages_summary(const struct dt_pages *p, struct dt_pages_summary *out)
 {
     *out = (struct dt_pages_summary){.held = atomic_load(&p->held),

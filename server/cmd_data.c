@@ -126,7 +126,7 @@ void cmd_add(struct server *s, struct dataset *set, const struct request *q, str
             return;
         }
     }
-    edit_add(s, a, &q->word[1], p, n);
+    edit_add(s, a, &q->word[1], p, n, 0);
 }
 
 void cmd_del(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -11,6 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum {
+    MANY = 1 << 18,        /* points for which pages are made ready as they arrive */
+    BYTES_PER_POINT = 120, /* what they take until they are triangulated, at the peak */
+    BYTES_WHEN_ADDED = 84  /* of these, when they have been added */
+};
+
 _Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pairs are points");
 
 /* ---- the commands: they only prepare for what follows ---- */
@@ -90,6 +96,16 @@ void load_skip(struct server *s, const struct request *q, struct answer *a)
 
 /* ---- the body ---- */
 
+/* Tells what the points that have come will take when they are added and triangulated. */
+static void expect(struct server *s, struct load *l)
+{
+    size_t expected = l->body.n < MANY ? 0 : l->body.n * BYTES_PER_POINT;
+    if (expected == l->expected)
+        return;
+    keep_expect(s, expected, l->expected);
+    l->expected = expected;
+}
+
 ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t n, bool last)
 {
     ptrdiff_t took = body_feed(&l->body, bytes, n, last);
@@ -99,6 +115,7 @@ ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t 
         l->memory = memory;
         keep_account(s);
     }
+    expect(s, l);
     if (memory > 0 && server_lacks_memory(s, 0)) {
         body_fail(&l->body, BODY_NOMEM);
         s->loading -= l->memory;
@@ -110,6 +127,7 @@ ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t 
 void load_free(struct server *s, struct load *l)
 {
     s->loading -= l->memory;
+    keep_expect(s, 0, l->expected);
     body_free(&l->body);
     free(l);
 }
@@ -163,6 +181,15 @@ static struct dt_point *take_points(struct server *s, struct load *l)
     return (struct dt_point *)(void *)xy;
 }
 
+/* What they are still going to take when they have been added. */
+static size_t hand_on_expected(struct server *s, struct load *l)
+{
+    size_t rest = l->expected / BYTES_PER_POINT * BYTES_WHEN_ADDED;
+    keep_expect(s, rest, l->expected);
+    l->expected = 0;
+    return rest;
+}
+
 void load_commit(struct server *s, struct load *l, struct answer *a)
 {
     struct word name = {l->name, l->name_len};
@@ -176,5 +203,5 @@ void load_commit(struct server *s, struct load *l, struct answer *a)
     else if (set != NULL && set->writer != NULL)
         a->wait = set;
     else
-        edit_add(s, a, &name, take_points(s, l), l->body.n);
+        edit_add(s, a, &name, take_points(s, l), l->body.n, hand_on_expected(s, l));
 }

@@ -7,8 +7,9 @@
 
 struct load {
     struct body body;
-    size_t memory; /* bytes that are accounted for it */
-    bool refused;  /* that has been told already: the points are only to be read and dropped */
+    size_t memory;   /* bytes that are accounted for it */
+    size_t expected; /* bytes that it will take beside */
+    bool refused;    /* that has been told already: the points are only to be read and dropped */
     size_t name_len;
     char name[SET_NAME_LIMIT];
 };

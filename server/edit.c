@@ -2,6 +2,7 @@
 #include "server/edit.h"
 
 #include "server/journal.h"
+#include "server/keep.h"
 
 #include <stdlib.h>
 
@@ -16,7 +17,9 @@ struct edit {
     struct dt_point *p; /* owns: the points to add */
     uint32_t *ids;      /* owns: the ids to delete */
     size_t n;
-    uint32_t id; /* the point to move */
+    size_t expected;       /* bytes that are expected to be wanted after it (keep.h) */
+    struct server *server; /* borrows; to be told when that is over */
+    uint32_t id;           /* the point to move */
     struct dt_point to;
     struct dt_added added;
     uint32_t deleted, missing;
@@ -27,6 +30,8 @@ static void clear_edit(struct job *j)
     struct edit *e = (struct edit *)j;
     dt_pages_release(e->p);
     free(e->ids);
+    if (e->expected > 0)
+        keep_expect(e->server, 0, e->expected);
 }
 
 static unsigned how(size_t n)
@@ -90,7 +95,7 @@ static bool may_grow(struct server *s, struct answer *a, const struct dataset *s
 }
 
 void edit_add(struct server *s, struct answer *a, const struct word *name, struct dt_point *p,
-              size_t n)
+              size_t n, size_t expected)
 {
     struct dataset *set = registry_find(&s->sets, name);
     struct edit *e = NULL;
@@ -104,6 +109,7 @@ void edit_add(struct server *s, struct answer *a, const struct word *name, struc
     if (e == NULL || set == NULL) {
         free(e);
         dt_pages_release(p);
+        keep_expect(s, 0, expected);
         return;
     }
     e->job.clear = clear_edit;
@@ -111,6 +117,8 @@ void edit_add(struct server *s, struct answer *a, const struct word *name, struc
     e->job.what = "adding points";
     e->p = p;
     e->n = n;
+    e->expected = expected;
+    e->server = s;
     job_write(s, a, &e->job, set, how(n));
 }
 

@@ -5,10 +5,11 @@
 #include "server/job.h"
 
 /* Adds n points to the set of that name, which is created if it is missing; takes over p (from
- * malloc; may be NULL if n is 0). The set must be free: registry_find(...)->writer == NULL. Answers
- * `OK 0 first= added= coincident=`. */
+ * dt_pages_grow; may be NULL if n is 0), and the caller's word that `expected` bytes will be wanted
+ * (keep.h), which is over with the job. The set must be free: registry_find(...)->writer == NULL.
+ * Answers `OK 0 first= added= coincident=`. */
 void edit_add(struct server *s, struct answer *a, const struct word *name, struct dt_point *p,
-              size_t n);
+              size_t n, size_t expected);
 
 /* Deletes n ids, all or none; takes over ids. Answers `OK 0 deleted=`. */
 void edit_delete(struct server *s, struct answer *a, struct dataset *set, uint32_t *ids, size_t n);

@@ -5,7 +5,8 @@
 
 enum {
     IDLE_TICKS = 10,       /* seconds without use after which nothing is kept any more */
-    PIECE_BYTES = 16 << 20 /* that are given back at a time: less than a millisecond */
+    PIECE_BYTES = 16 << 20 /* that are given back at a time: less than a millisecond; or made ready:
+                              2 to 60 of them */
 };
 
 /* A job that gives back what is kept beyond some bytes. */
@@ -49,6 +50,53 @@ static void release(struct server *s, const struct dt_pages_summary *now, bool i
     s->releasing = true;
     job_aside(s, &r->job);
 }
+
+/* ---- what is being received ---- */
+
+struct prepare {
+    struct job job;
+    struct dt_pages *pages;
+    size_t done;
+};
+
+static void run_prepare(struct job *j)
+{
+    struct prepare *p = (struct prepare *)j;
+    p->done = dt_pages_prepare(p->pages, PIECE_BYTES);
+}
+
+static void prepare_next(struct server *s);
+
+static void prepared(struct server *s, struct job *j, struct answer *a)
+{
+    (void)a;
+    s->preparing = false;
+    if (((struct prepare *)j)->done > 0 && !s->stopping)
+        prepare_next(s);
+}
+
+static void prepare_next(struct server *s)
+{
+    struct dt_pages_summary now;
+    dt_pages_summary(s->pages, &now);
+    if (s->preparing || s->workers == NULL || now.kept >= s->expected)
+        return;
+    struct prepare *p = job_new(sizeof *p, run_prepare, prepared);
+    if (p == NULL)
+        return;
+    p->pages = s->pages;
+    s->preparing = true;
+    job_aside(s, &p->job);
+}
+
+void keep_expect(struct server *s, size_t more, size_t less)
+{
+    s->expected += more - less;
+    if (more > 0)
+        prepare_next(s);
+}
+
+/* ---- the limit ---- */
 
 void keep_account(struct server *s)
 {

@@ -2,7 +2,10 @@
  * server keeps to use them again, and when they go back to the system.
  *
  * What is kept and what is in use together stay below --max-memory; and when nothing has been taken or
- * given for a while, all that is kept goes back, by a worker, a piece at a time. */
+ * given for a while, all that is kept goes back, by a worker, a piece at a time.
+ *
+ * A set that is being loaded will want pages as soon as it is there, and fresh ones are slow to come by.
+ * So while its points arrive, a worker has them made ready, as many as what has arrived will take. */
 #ifndef SERVER_KEEP_H
 #define SERVER_KEEP_H
 
@@ -10,6 +13,10 @@
 
 /* To be called when s->sets.memory or s->loading has changed: sets the limit of what may be kept. */
 void keep_account(struct server *s);
+
+/* What is being received will want `more` bytes of large arrays, or `less` than was told before: workers
+ * make pages ready meanwhile. */
+void keep_expect(struct server *s, size_t more, size_t less);
 
 /* Once a second. */
 void keep_tick(struct server *s);

@@ -38,6 +38,8 @@ struct server {
     uint64_t uses;                 /* of them, at the last tick */
     unsigned idle_ticks;           /* in a row without any */
     bool releasing;                /* a job gives back what is kept */
+    bool preparing;                /* a job makes pages ready */
+    size_t expected;               /* bytes that are to be kept for what is being received */
     size_t loading;                /* bytes of points that are being received */
     struct dt_ids scratch;         /* owns; the result of a query that is answered at once */
     struct request request;        /* owns; the words of the request that is carried out */

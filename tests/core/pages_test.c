@@ -170,6 +170,22 @@ TEST(what_is_kept_goes_back_a_piece_at_a_time)
     dt_pages_free(NULL);
 }
 
+TEST(pages_are_made_ready_as_far_as_the_limit_lets_them)
+{
+    struct dt_pages *p = dt_pages_new(14 * MIB);
+    CHECK(dt_pages_prepare(p, 5 * MIB) == 6 * MIB);
+    check_facts(p, 6, 6, 6);
+    char *a = take(p, 8, 1);
+    check_facts(p, 8, 0, 8);
+    test_fail_alloc(1);
+    CHECK(dt_pages_prepare(p, 2 * MIB) == 0 && dt_pages_prepare(p, 0) == 0);
+    test_fail_alloc(0);
+    CHECK(dt_pages_prepare(p, 20 * MIB) == 6 * MIB && dt_pages_prepare(p, MIB) == 0);
+    check_facts(p, 14, 6, 14);
+    dt_region_give(p, a, 8 * MIB);
+    dt_pages_free(p);
+}
+
 TEST(more_regions_than_there_are_slots_go_back_to_the_system)
 {
     enum { PIECES = 300 };

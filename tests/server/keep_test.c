@@ -89,6 +89,24 @@ TEST(pages_that_nobody_uses_for_ten_seconds_go_back)
     local_stop(&l);
 }
 
+TEST(pages_are_made_ready_while_points_arrive)
+{
+    struct local l;
+    char *load = load_of("t");
+    for (int room = 1; room >= 0; room--) {
+        local_start(&l, 1);
+        l.config.max_memory = room ? l.config.max_memory : 12 << 20;
+        keep_account(&l.server);
+        bool loaded = strstr(local_ask(&l, load), "added=270000") != NULL;
+        finish_jobs(&l);
+        CHECK(loaded == (room == 1) && l.server.count.jobs >= 1u + loaded);
+        CHECK(l.server.expected == 0 && !l.server.preparing);
+        CHECK(room || facts(&l).held <= 12 << 20);
+        local_stop(&l);
+    }
+    free(load);
+}
+
 TEST(what_is_kept_and_what_is_used_stay_below_max_memory)
 {
     struct local l;
