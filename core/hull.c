@@ -2,7 +2,11 @@
 #include "core/hull.h"
 
 #include "core/memory.h"
+#include "core/parallel.h"
 #include "core/predicates.h"
+
+#define WALKS_PER_THREAD 16u
+#define MOST_WALKS (DT_MAX_THREADS * WALKS_PER_THREAD)
 
 /* The leftmost vertex. Every other vertex of a triangulation has a neighbour that is
  * lexicographically smaller; vertex numbers follow the grid, so a low one is near the goal
@@ -60,6 +64,65 @@ uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost)
     } while (g != m->hull);
     return ghosts;
 }
+
+/* ---- by several threads ---- */
+
+/* Walks that share a hull, each from a ghost of its own to where the next one began. */
+struct walks {
+    struct dt_mesh *mesh;
+    uint32_t start[MOST_WALKS];
+    unsigned walks;
+    atomic_uint ghosts;
+};
+
+/* Every now and then a vertex, and the ghost that starts there, if there is one. */
+static void find_starts(struct walks *w, unsigned samples)
+{
+    const struct dt_mesh *m = w->mesh;
+    for (unsigned i = 0; i < samples; i++) {
+        uint32_t v = dt_slice(m->vertices, i, samples), g = m->leaving[v];
+        if (m->half[g] == v && m->half[g + 2] == DT_NONE)
+            w->start[w->walks++] = g;
+    }
+}
+
+/* Ends at the first vertex that is settled, where a walk starts: leaving[] of the others is the first
+ * half edge of a triangle, not the second. */
+static void walk(void *arg, unsigned i)
+{
+    struct walks *w = arg;
+    struct dt_mesh *m = w->mesh;
+    uint32_t g = w->start[i], ghosts = 0, v;
+    for (;;) {
+        uint32_t next = dt_hull_step(m, g, false);
+        fetch_further_on(m, g, next);
+        ghosts++;
+        g = next;
+        v = dt_hull_vertex(m, g);
+        if (m->leaving[v] == g + 1)
+            break;
+        m->leaving[v] = g + 1;
+    }
+    atomic_fetch_add_explicit(&w->ghosts, ghosts, memory_order_relaxed);
+}
+
+uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool)
+{
+    struct walks w = {.mesh = m};
+    unsigned threads = dt_threads_for(pool, m->vertices), samples = threads * WALKS_PER_THREAD;
+    bool line = m->half[dt_base(dt_twin(m, ghost)) + 2] == DT_NONE;
+    if (threads > 1 && !line)
+        find_starts(&w, samples);
+    if (w.walks < samples / 4 || w.walks == 0) /* a small hull, or a vertex on it has two ghosts */
+        return dt_hull_settle_from(m, ghost);
+    for (unsigned i = 0; i < w.walks; i++)
+        m->leaving[dt_hull_vertex(m, w.start[i])] = w.start[i] + 1;
+    m->hull = ghost;
+    dt_run(pool, w.walks, walk, &w);
+    return atomic_load(&w.ghosts);
+}
+
+/* ---- its canonical start ---- */
 
 /* Of the two ends of a line, the one with the smaller id, or the other one. */
 static uint32_t first_on_line(const struct dt_mesh *m, const uint32_t *id, bool other)

@@ -22,6 +22,11 @@ void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy);
 /* The same when a ghost is known. Returns the number of ghosts. Cost: O(hull). */
 uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost);
 
+/* The same by the threads of a pool, which may be NULL, where every leaving[v] is the first half edge
+ * of its triangle, and that of most hull vertices the ghost that starts there: so the divide engine
+ * leaves it. */
+uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool);
+
 /* Whether the vertex v of a settled mesh lies on the hull. */
 static inline bool dt_on_hull(const struct dt_mesh *m, uint32_t v)
 {

@@ -178,6 +178,23 @@ TEST(divide_stops_when_cancelled)
     built_free(&b);
 }
 
+TEST(divide_settles_large_hulls_the_same_way_on_several_threads)
+{
+    static const char *const family[] = {"circle", "parabola", "near_collinear", "line_diagonal"};
+    struct dt_pool pool = threads_pool(3);
+    for (size_t i = 0; i < sizeof family / sizeof *family; i++) {
+        struct built a = distinct_points(family[i], 20000, i),
+                     b = distinct_points(family[i], 20000, i);
+        CHECK(dt_divide(a.in, a.n, a.p, a.from, &a.mesh, NULL) == DT_OK);
+        CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, &(struct dt_options){.pool = &pool}) ==
+              DT_OK);
+        CHECK(a.mesh.hull == b.mesh.hull && a.mesh.ghosts == b.mesh.ghosts);
+        CHECK(memcmp(a.mesh.leaving, b.mesh.leaving, a.n * sizeof *a.mesh.leaving) == 0);
+        built_free(&a);
+        built_free(&b);
+    }
+}
+
 /* Cancels a build before one of the passes that threads share. */
 struct canceller {
     atomic_bool cancel;
