@@ -17,7 +17,8 @@ int dt_sight_below(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u,
 
 static bool in_circle(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t c, uint32_t x)
 {
-    return dt_incircle_perturbed(p[l], p[r], p[c], p[x]) > 0;
+    int sign = dt_incircle_exact(p[l], p[r], p[c], p[x]);
+    return (sign != 0 ? sign : dt_incircle_tie(p[l], p[r], p[c], p[x])) > 0;
 }
 
 int dt_sight_better(const struct dt_point *p, uint32_t l, uint32_t r, int sides,
