@@ -84,7 +84,7 @@ TEST(pages_come_and_go_with_any_edits)
     static uint32_t live[IDS]; /* the model */
     struct dt_idmap m = {0};
     memset(live, 0xff, sizeof live);
-    for (int round = 0; round < 60; round++) {
+    for (int round = 0; round < 30; round++) {
         bool add = test_below(2) == 0;
         uint32_t n = test_below(4) == 0 ? BLOCK + test_below(BLOCK) : 1 + test_below(20000);
         uint32_t first = test_below(IDS - n);

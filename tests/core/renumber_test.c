@@ -49,7 +49,6 @@ TEST_TIMEOUT(ids_of_many_vertices_are_dealt_and_find_their_new_ones, 60)
     CHECK(dt_points_add(&p, q, N, NULL, &added) == DT_OK);
     renumber_and_check(&p, &pool); /* as they arrived */
     renumber_and_check(&p, NULL);
-    renumber_and_check(&p, &pool);
     dt_points_clear(&p);
     free(q);
 }
