@@ -12,7 +12,7 @@
 #include <string.h>
 
 enum {
-    MANY = 1 << 18,        /* points for which pages are made ready as they arrive */
+    MANY = 1 << 17,        /* points for which pages are made ready as they arrive */
     BYTES_PER_POINT = 120, /* what they take until they are triangulated, at the peak */
     BYTES_WHEN_ADDED = 84  /* of these, when they have been added */
 };

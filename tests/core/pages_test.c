@@ -310,7 +310,7 @@ static void *play(void *arg)
     return NULL;
 }
 
-TEST(threads_that_take_and_give_at_once_never_share_a_page)
+TEST_TIMEOUT(threads_that_take_and_give_at_once_never_share_a_page, 60)
 {
     struct player q[THREADS];
     pthread_t thread[THREADS];
@@ -384,7 +384,7 @@ TEST_TIMEOUT(a_set_built_again_is_the_same_and_needs_no_fresh_pages, 60)
     free(q);
 }
 
-TEST(large_sets_survive_any_one_failed_allocation)
+TEST_TIMEOUT(large_sets_survive_any_one_failed_allocation, 60)
 {
     struct dt_point *q = malloc(LARGE * sizeof *q);
     struct dt_pages *p = dt_pages_new(SIZE_MAX);
