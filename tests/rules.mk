@@ -33,8 +33,8 @@ interop: all
 
 # ---- bench: ns per point; beside CGAL where libcgal-dev is there ----
 #
-# A quarter of an hour; make bench TABLES=paper, or with MIN=1000000, does less; TABLES=sizes MAX=10000000 takes four minutes,
-# TABLES=hostile ten (every family and order of input beside uniform points; MIN=10000). README shows a copy of the chart,
+# Twenty minutes, of which ten are families; TABLES=paper or MIN=1000000 does less. TABLES=sizes MAX=10000000 takes five, and
+# TABLES=hostile MIN=10000, every family and order of input beside uniform points, seven. README shows a copy of the chart,
 # tests/bench/bench.svg.
 
 TABLES     ?= paper sizes families daemon live end_to_end
