@@ -65,8 +65,9 @@ bench: all $(O)/tests/bench/bench $(O)/tests/bench/live $(O)/tests/bench/points
 	  $(if $(filter daemon,$(TABLES)),&& tests/bench/daemon.sh $(O) 1000000 3 $(TEN)) \
 	  $(if $(filter live,$(TABLES)),&& $(O)/tests/bench/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_live)) \
 	  $(if $(filter end_to_end,$(TABLES)),&& tests/bench/end_to_end.sh $(O) 1000000); } | tee $(O)/bench.md
-	@$(if $(filter families,$(TABLES)),awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg)
-	@echo "the tables are in $(O)/bench.md, a chart of families in $(O)/bench.svg"
+	@echo "the tables are in $(O)/bench.md"
+	@$(if $(filter families,$(TABLES)),awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg && \
+	  echo "a chart of the families is in $(O)/bench.svg")
 
 # ---- bench-durable: what --data costs; beside redis where redis-server is there. POINTS=1000000 is quicker ----
 
