@@ -79,7 +79,7 @@ struct dt_part dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
     uint32_t hi, lo = dt_level_range(level, key, s, &hi), n = hi - lo;
     if (n == 0)
         return (struct dt_part){0};
-    if (s == 0 || n <= DT_BLOCK) {
+    if (s == 0 || (n <= DT_BLOCK && !level->tiles)) { /* tiles lie apart */
         if (level->tiles) {
             struct dt_aside aside = dt_aside(d, lo, n);
             struct dt_part part =

@@ -157,6 +157,18 @@ static void fail_cleanly(uint32_t n, const struct dt_options *opt)
     }
 }
 
+TEST_TIMEOUT(divide_finds_single_points_in_neighbouring_tiles, 60)
+{
+    static const struct dt_point lonely[] = {{0, 0}, {0.2, 0.01}, {0.01, 0.3}, {0.3, 0.3}, {0, 1}};
+    struct built b = distinct_points("uniform", DT_TILED + 100, 1);
+    for (uint32_t i = 0; i < b.n; i++)
+        b.in[i].x = 0.5 + b.in[i].x / 2;
+    memcpy(b.in, lonely, sizeof lonely);
+    CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, NULL) == DT_OK);
+    check_built(&b);
+    built_free(&b);
+}
+
 TEST(divide_fails_cleanly_when_memory_runs_out)
 {
     fail_cleanly(3000, NULL);
