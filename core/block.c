@@ -11,13 +11,14 @@
 
 #include "core/knit.h"
 #include "core/predicates.h"
+#include "core/rank.h"
 
-static void insertion_sort(struct dt_point *p, uint32_t *from, uint32_t n)
+void dt_insertion_sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {
         struct dt_point q = p[i];
         uint32_t f = from[i], j = i;
-        for (; j > 0 && dt_before_x(q, p[j - 1]); j--) {
+        for (; j > 0 && (axis == 0 ? dt_before_x(q, p[j - 1]) : dt_before_y(q, p[j - 1])); j--) {
             p[j] = p[j - 1];
             from[j] = from[j - 1];
         }
@@ -30,17 +31,14 @@ static void insertion_sort(struct dt_point *p, uint32_t *from, uint32_t n)
 INLINE void sort(struct dt_point *p, uint32_t *from, const uint32_t n)
 {
     struct dt_point q[DT_BLOCK];
+    double x[DT_BLOCK];
     uint32_t f[DT_BLOCK], rank[DT_BLOCK];
     for (uint32_t i = 0; i < n; i++) {
         q[i] = p[i];
         f[i] = from[i];
-        rank[i] = i;
-        for (uint32_t j = 0; j < i; j++) {
-            uint32_t before = q[i].x < q[j].x;
-            rank[i] -= before;
-            rank[j] += before;
-        }
+        x[i] = p[i].x;
     }
+    dt_rank(x, n, rank);
     for (uint32_t i = 0; i < n; i++) {
         p[rank[i]] = q[i];
         from[rank[i]] = f[i];
@@ -49,7 +47,7 @@ INLINE void sort(struct dt_point *p, uint32_t *from, const uint32_t n)
     for (uint32_t i = 1; i < n; i++)
         ascending &= p[i - 1].x < p[i].x;
     if (__builtin_expect(!ascending, 0))
-        insertion_sort(p, from, n);
+        dt_insertion_sort(0, p, from, n);
 }
 
 /* Two points: one edge, a ghost on either side. Returns a ghost, as do the next ones. */

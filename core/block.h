@@ -11,4 +11,8 @@
 struct dt_part dt_block(const struct dt_merging *w, struct dt_point *p, uint32_t *from, uint32_t lo,
                         uint32_t n);
 
+/* Sorts n points, and where they come from, as cuts of the axis want them (merge.h). Cost: O(n) where
+ * they are nearly in order, else O(n^2). */
+void dt_insertion_sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32_t n);
+
 #endif

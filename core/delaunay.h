@@ -75,7 +75,6 @@ bool dt_coordinate_ok(double v);
  *
  * What is held, kept and in use together, is no more than the limit as long as what is in use is not;
  * arrays of less than 3 MiB are not counted. */
-struct dt_pages;
 
 /* NULL when out of memory. */
 struct dt_pages *dt_pages_new(size_t limit);

@@ -144,8 +144,7 @@ static struct dt_box box_of_most(const struct sort *s, struct dt_box box, double
     double x[SAMPLES], y[SAMPLES];
     uint64_t random = s->n;
     for (uint32_t i = 0; i < SAMPLES; i++) {
-        random = random * 6364136223846793005u + 1442695040888963407u; /* [Knuth, MMIX] */
-        struct dt_point p = s->src.p[(random >> 33) % s->n];
+        struct dt_point p = s->src.p[dt_random_below(&random, s->n)];
         x[i] = p.x;
         y[i] = p.y;
     }
@@ -315,8 +314,7 @@ static void select_smallest(struct dt_point *p, uint32_t *from, uint32_t n, uint
     uint64_t random = n;
     uint32_t lo = 0, hi = n;
     while (hi - lo > 1) {
-        random = random * 6364136223846793005u + 1442695040888963407u; /* [Knuth, MMIX] */
-        swap(p, from, lo, lo + (uint32_t)((random >> 33) % (hi - lo)));
+        swap(p, from, lo, lo + dt_random_below(&random, hi - lo));
         uint32_t pivot = lo;
         for (uint32_t i = lo + 1; i < hi; i++)
             if (before(p[i], p[lo]))

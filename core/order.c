@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "core/rank.h"
+
 #define MAX_BITS 24
 #define SAMPLE 16  /* points, of a range of */
 #define SAMPLED 64 /* points at least */
@@ -69,17 +71,11 @@ static double roughness(const struct dt_point *p, uint32_t n, bool along_x)
     uint32_t rank[SAMPLE], jumps = 0;
     uint64_t random = n;
     for (uint32_t i = 0; i < SAMPLE; i++) {
-        random = random * 6364136223846793005u + 1442695040888963407u; /* [Knuth, MMIX] */
-        struct dt_point q = p[(random >> 32) * n >> 32];
+        struct dt_point q = p[dt_random_below(&random, n)];
         u[i] = along_x ? q.x : q.y;
         v[i] = along_x ? q.y : q.x;
-        rank[i] = i;
-        for (uint32_t j = 0; j < i; j++) {
-            uint32_t before = u[i] < u[j];
-            rank[i] -= before;
-            rank[j] += before;
-        }
     }
+    dt_rank(u, SAMPLE, rank);
     for (uint32_t i = 0; i < SAMPLE; i++) {
         along[rank[i]] = u[i];
         across[rank[i]] = v[i];

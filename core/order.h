@@ -35,6 +35,13 @@ struct dt_order {
     uint32_t *column, *row; /* borrow from the arena: a column's and a row's part of the key */
 };
 
+/* A number below n > 0, of a sequence that begins with any state: always the same one. [Knuth, MMIX] */
+static inline uint32_t dt_random_below(uint64_t *state, uint32_t n)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)((*state >> 32) * n >> 32);
+}
+
 /* The tight box of n > 0 points. */
 struct dt_box dt_box_of(const struct dt_point *p, uint32_t n);
 
