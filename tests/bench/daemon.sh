@@ -9,30 +9,19 @@ build=$1
 n=$2
 rounds=$3
 shift 3
-scratch=$(mktemp -d)
-daemon=
-stop() {
-    [ -z "$daemon" ] || kill "$daemon"
-    rm -rf "$scratch"
-}
-trap stop EXIT
+. "${BASH_SOURCE%/*}/one_daemon.sh"
 
 # Sends FILE... as sets to a daemon of its own, and triangulates and drops each before the next; a line of nanoseconds per
 # point for each.
 by_daemon() { # THREADS FILE...
-    local threads=$1 file port=
+    local file
+    start_daemon --threads "$1"
     shift
-    : >"$scratch/ready"
-    "$build/delaunayd" --port 0 --threads "$threads" >"$scratch/ready" &
-    daemon=$!
-    until port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready") && [ -n "$port" ]; do sleep 0.01; done
     for file; do
         { printf 'LOADB s %s\n' "$n"; cat "$file"; printf 'TRIANGULATE s\nDROP s\n'; } |
             nc -N 127.0.0.1 "$port" | awk -v n="$n" '/ ms=/ {sub(/.* ms=/, ""); print $1 * 1e6 / n}'
     done
-    kill "$daemon"
-    wait "$daemon" || true
-    daemon=
+    stop_daemon
 }
 
 # One round: fresh and used, with one thread, with two, CGAL.

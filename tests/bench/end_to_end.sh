@@ -7,13 +7,7 @@
 set -euo pipefail
 build=$1
 n=$2
-scratch=$(mktemp -d)
-daemon=
-stop() {
-    [ -z "$daemon" ] || kill "$daemon"
-    rm -rf "$scratch"
-}
-trap stop EXIT
+. "${BASH_SOURCE%/*}/one_daemon.sh"
 
 best_of_three() { # COMMAND...
     local best= start t
@@ -53,13 +47,7 @@ by_cgal() { "$build/tests/bench/cgal_text" <"$scratch/points" >"$scratch/out"; }
 by_qdelaunay() { { echo 2; echo "$n"; cat "$scratch/points"; } | qdelaunay Qt i >"$scratch/out"; }
 
 "$build/tests/bench/points" uniform "$n" >"$scratch/points"
-"$build/delaunayd" --port 0 >"$scratch/ready" &
-daemon=$!
-for _ in $(seq 50); do
-    port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready")
-    [ -z "$port" ] || break
-    sleep 0.1
-done
+start_daemon
 
 echo "$n uniform points, text in, text out; wall-clock seconds."
 echo
