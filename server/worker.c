@@ -1,5 +1,14 @@
 /* worker.c - see worker.h. One mutex guards everything; what is done under it is a few pointer
- * moves. */
+ * moves.
+ *
+ * A thread that has nothing to do sleeps with its crew: the crew for short work, or the crew for
+ * all work. Work wakes one thread, not all of them. Which thread takes which work is not decided
+ * when it is woken, because a busy thread may be free again sooner: the short crew's thread may find
+ * that the short work it was woken for is gone, and what is left is long work that it may not do.
+ * So wake_enough compares the work with the threads that are on their way, not only when work is
+ * submitted but also whenever a thread has taken some. This invariant follows: work that waits has a
+ * thread on its way to it, or every thread that may do it is busy and looks for more before it
+ * sleeps. */
 #include "server/worker.h"
 
 #include "server/priority.h"
@@ -25,9 +34,15 @@ struct batch {
     unsigned helpers; /* workers inside, guarded by the mutex */
 };
 
+struct crew {
+    pthread_cond_t wake;
+    unsigned asleep; /* threads that wait for `wake`, including those that have been signalled */
+    unsigned coming; /* of these, signalled and not awake yet; at most `asleep` */
+};
+
 struct workers {
     pthread_mutex_t mutex;
-    pthread_cond_t wake;   /* there is work, or a batch to help, or it is over */
+    struct crew crew[2];   /* by enum work_kind: what its threads do besides short work */
     pthread_cond_t helped; /* a helper has left its batch */
     struct queue queue[2]; /* by enum work_kind */
     struct queue done;
@@ -58,6 +73,51 @@ static struct work *pop(struct queue *q)
         q->n--;
     }
     return work;
+}
+
+/* ---- sleeping and waking ---- */
+
+/* How many more threads the batches could use. */
+static unsigned jobs_left(const struct workers *w)
+{
+    unsigned n = 0;
+    for (struct batch *b = w->batches; b != NULL; b = b->next) {
+        unsigned taken = atomic_load(&b->taken);
+        n += taken < b->n ? b->n - taken : 0;
+    }
+    return n;
+}
+
+/* Signals threads of the crew until `wanted` are on their way, or all. */
+static void wake_up_to(struct crew *c, unsigned wanted)
+{
+    for (; c->coming < wanted && c->coming < c->asleep; c->coming++)
+        pthread_cond_signal(&c->wake);
+}
+
+static unsigned less(unsigned a, unsigned b)
+{
+    return a > b ? a - b : 0;
+}
+
+/* The short crew comes first, so that the others stay free for what it may not do. */
+static void wake_enough(struct workers *w)
+{
+    struct crew *brief = &w->crew[WORK_SHORT], *all = &w->crew[WORK_LONG];
+    unsigned n_brief = w->queue[WORK_SHORT].n, n_long = w->queue[WORK_LONG].n + jobs_left(w);
+    wake_up_to(brief, less(n_brief, less(all->coming, n_long)));
+    wake_up_to(all, n_long + less(n_brief, brief->coming));
+}
+
+/* A wake-up that nobody asked for may use up another thread's `coming`. That other thread looks for
+ * work when it comes, all the same; the count stays a lower bound of those who will. */
+static void sleep_with(struct workers *w, struct crew *c)
+{
+    c->asleep++;
+    pthread_cond_wait(&c->wake, &w->mutex);
+    c->asleep--;
+    if (c->coming > 0)
+        c->coming--;
 }
 
 /* ---- the core's pool ---- */
@@ -100,7 +160,7 @@ static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), 
     pthread_mutex_lock(&w->mutex);
     b.next = w->batches;
     w->batches = &b;
-    pthread_cond_broadcast(&w->wake);
+    wake_enough(w);
     pthread_mutex_unlock(&w->mutex);
     take_jobs(&b);
     pthread_mutex_lock(&w->mutex);
@@ -138,14 +198,17 @@ static void help(struct workers *w, struct batch *b)
 }
 
 /* Runs until the workers stop and what this thread may do is done. */
-static void *serve(struct workers *w, bool all)
+static void *serve(struct workers *w, enum work_kind crew)
 {
+    bool all = crew == WORK_LONG;
     pthread_mutex_lock(&w->mutex);
     for (;;) {
         struct work *work = pop(&w->queue[WORK_SHORT]);
         if (work == NULL && all)
             work = pop(&w->queue[WORK_LONG]);
         struct batch *b = work == NULL && all ? batch_to_help(w) : NULL;
+        if (work != NULL || b != NULL)
+            wake_enough(w); /* for what is left */
         if (work != NULL)
             do_work(w, work);
         else if (b != NULL)
@@ -153,7 +216,7 @@ static void *serve(struct workers *w, bool all)
         else if (w->stopping)
             break;
         else
-            pthread_cond_wait(&w->wake, &w->mutex);
+            sleep_with(w, &w->crew[crew]);
     }
     pthread_mutex_unlock(&w->mutex);
     return NULL;
@@ -162,12 +225,12 @@ static void *serve(struct workers *w, bool all)
 static void *serve_all(void *arg)
 {
     priority_patient();
-    return serve(arg, true);
+    return serve(arg, WORK_LONG);
 }
 
 static void *serve_short(void *arg)
 {
-    return serve(arg, false);
+    return serve(arg, WORK_SHORT);
 }
 
 /* ---- life ---- */
@@ -180,7 +243,8 @@ struct workers *workers_new(unsigned threads)
     w->pool = (struct dt_pool){.threads = threads, .run = pool_run, .ctx = w};
     w->event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     pthread_mutex_init(&w->mutex, NULL);
-    pthread_cond_init(&w->wake, NULL);
+    for (int i = WORK_SHORT; i <= WORK_LONG; i++)
+        pthread_cond_init(&w->crew[i].wake, NULL);
     pthread_cond_init(&w->helped, NULL);
     for (; w->event >= 0 && w->threads <= threads; w->threads++)
         if (pthread_create(&w->thread[w->threads], NULL, w->threads == 0 ? serve_short : serve_all,
@@ -197,14 +261,16 @@ void workers_free(struct workers *w)
 {
     pthread_mutex_lock(&w->mutex);
     w->stopping = true;
-    pthread_cond_broadcast(&w->wake);
+    for (int i = WORK_SHORT; i <= WORK_LONG; i++)
+        pthread_cond_broadcast(&w->crew[i].wake);
     pthread_mutex_unlock(&w->mutex);
     for (unsigned i = 0; i < w->threads; i++)
         pthread_join(w->thread[i], NULL);
     if (w->event >= 0)
         close(w->event);
     pthread_cond_destroy(&w->helped);
-    pthread_cond_destroy(&w->wake);
+    for (int i = WORK_SHORT; i <= WORK_LONG; i++)
+        pthread_cond_destroy(&w->crew[i].wake);
     pthread_mutex_destroy(&w->mutex);
     free(w);
 }
@@ -226,8 +292,7 @@ void workers_submit(struct workers *w, enum work_kind kind, struct work *work)
 {
     pthread_mutex_lock(&w->mutex);
     push(&w->queue[kind], work);
-    /* Broadcast: a single waiter that is woken might be the one that may not do it. */
-    pthread_cond_broadcast(&w->wake);
+    wake_enough(w);
     pthread_mutex_unlock(&w->mutex);
 }
 

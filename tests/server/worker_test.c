@@ -7,6 +7,7 @@
 #include <poll.h>
 #include <sched.h>
 #include <string.h>
+#include <sys/resource.h>
 
 struct sum {
     struct work work; /* first */
@@ -126,4 +127,54 @@ TEST(thread_that_asks_for_short_slices_goes_on)
     CHECK(sched_getscheduler(0) == SCHED_BATCH);
     priority_prompt(); /* does not take that back */
     CHECK(sched_getscheduler(0) == SCHED_BATCH);
+}
+
+static void do_nothing(struct work *w)
+{
+    (void)w;
+}
+
+static long switches_so_far(void)
+{
+    struct rusage usage;
+    CHECK(getrusage(RUSAGE_SELF, &usage) == 0);
+    return usage.ru_nvcsw;
+}
+
+TEST(one_piece_of_work_wakes_one_worker)
+{
+    enum { THREADS = 32, PIECES = 300, PER_PIECE = 10 };
+    struct work work = {.run = do_nothing};
+    struct workers *w = workers_new(THREADS);
+    CHECK(w != NULL);
+    for (int kind = WORK_SHORT; kind <= WORK_LONG; kind++) {
+        long before = switches_so_far();
+        for (int i = 0; i < PIECES; i++) {
+            workers_submit(w, (enum work_kind)kind, &work);
+            CHECK(collect(w, 1) == 1);
+        }
+        long switches = switches_so_far() - before;
+        CHECK(switches < (long)PIECES * PER_PIECE);
+    }
+    workers_free(w);
+}
+
+/* The short work is as likely taken by the thread that was woken for the long work; then the thread
+ * that was woken for the short work, which may not do the long one, must not be the last to look. */
+TEST(long_work_starts_while_a_worker_is_idle_whoever_took_the_short_work)
+{
+    enum { ROUNDS = 500 };
+    struct workers *w = workers_new(2);
+    CHECK(w != NULL);
+    for (int i = 0; i < ROUNDS; i++) {
+        atomic_bool open = false;
+        struct gate shut = {{NULL, pass_gate}, &open};
+        struct work quick = {.run = do_nothing};
+        workers_submit(w, i % 2 == 0 ? WORK_SHORT : WORK_LONG, i % 2 == 0 ? &shut.work : &quick);
+        workers_submit(w, i % 2 == 0 ? WORK_LONG : WORK_SHORT, i % 2 == 0 ? &quick : &shut.work);
+        CHECK(collect(w, 1) == 1);
+        open = true;
+        CHECK(collect(w, 1) == 1);
+    }
+    workers_free(w);
 }
