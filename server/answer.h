@@ -26,6 +26,8 @@ struct answer {
     struct stream *stream; /* moves to the caller */
     struct job *job;       /* borrows: the job ends by itself */
     struct dataset *wait;  /* borrows: begin to wait before anything else happens */
+    bool wait_writes;      /* until the set has no writer; else until it can be read */
+    bool called;           /* the request has waited for its set, and its turn has come */
     struct load *load;     /* moves to the caller */
     bool retry;            /* the job was a preparation: carry out the request now, again */
     bool again;            /* with job: it is such a preparation, keep the request */
@@ -36,6 +38,13 @@ struct answer {
 
 /* The ERR line for a status of the core that is not DT_OK. */
 void answer_status(struct answer *a, enum dt_status status);
+
+/* The request is to be tried again when the set is free: see dataset_admits. */
+static inline void answer_wait(struct answer *a, struct dataset *set, bool writes)
+{
+    a->wait = set;
+    a->wait_writes = writes;
+}
 
 /* Out of memory: whoever called the handler undoes the reply and says so. */
 static inline void answer_out_of_memory(struct answer *a)

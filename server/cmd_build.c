@@ -97,7 +97,7 @@ bool triangulate_join(struct server *s, struct dataset *set, const struct reques
 {
     enum dt_method method;
     struct job *j = set->writer;
-    if (j->run != run_triangulate || j->cancel)
+    if (j == NULL || j->run != run_triangulate || j->cancel)
         return false;
     if (!read_method(a, q, &method))
         return true;

@@ -159,8 +159,8 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
 {
     if (!version_is_stale(set->current))
         return true;
-    if (set->writer != NULL) {
-        a->wait = set;
+    if (!dataset_admits(set, true, a->called)) {
+        answer_wait(a, set, true);
         return false;
     }
     struct job *j = job_new(sizeof *j, run_refresh, refresh_done);
@@ -182,7 +182,7 @@ static bool prepare(struct server *s, struct answer *a, struct dataset *set)
 {
     if (renew_has_grid(s, set))
         return true;
-    a->wait = set;
+    answer_wait(a, set, true);
     return false;
 }
 
@@ -194,9 +194,10 @@ static bool check_state(struct server *s, struct answer *a, const struct command
         return false;
     if (set == NULL)
         return true;
-    if ((c->flags & CMD_WRITE) != 0 ? set->writer != NULL : set->exclusive) {
+    bool writes = (c->flags & CMD_WRITE) != 0;
+    if (!dataset_admits(set, writes, a->called)) {
         if (c->handler != cmd_triangulate || !triangulate_join(s, set, q, a))
-            a->wait = set;
+            answer_wait(a, set, writes);
         return false;
     }
     if ((c->flags & CMD_LIVE) != 0 && !set->current->sum.triangulated) {

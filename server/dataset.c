@@ -73,6 +73,109 @@ bool version_is_stale(const struct version *v)
     return v->sum.triangulated && !v->sum.current;
 }
 
+/* ---- waiting ---- */
+
+bool dataset_admits(const struct dataset *set, bool writes, bool called)
+{
+    if (!writes)
+        return !set->exclusive;
+    return set->writer == NULL && (called || (set->first == NULL && set->called == NULL));
+}
+
+static void link_between(struct dataset *set, struct waiter *prev, struct waiter *w,
+                         struct waiter *next)
+{
+    w->prev = prev;
+    w->next = next;
+    if (prev == NULL)
+        set->first = w;
+    else
+        prev->next = w;
+    if (next == NULL)
+        set->last = w;
+    else
+        next->prev = w;
+}
+
+static void unlink_waiter(struct dataset *set, struct waiter *w)
+{
+    if (w->prev == NULL)
+        set->first = w->next;
+    else
+        w->prev->next = w->next;
+    if (w->next == NULL)
+        set->last = w->prev;
+    else
+        w->next->prev = w->prev;
+}
+
+void dataset_wait(struct dataset *set, struct waiter *w, bool writes)
+{
+    bool front = w->called && w->set == set;
+    if (front) {
+        set->called = NULL;
+        w->called = false;
+    } else {
+        dataset_served(w);
+    }
+    w->set = set;
+    w->writes = writes;
+    if (front)
+        link_between(set, NULL, w, set->first);
+    else
+        link_between(set, set->last, w, NULL);
+}
+
+void dataset_served(struct waiter *w)
+{
+    struct dataset *set = w->set;
+    if (set == NULL)
+        return;
+    w->set = NULL;
+    if (!w->called) {
+        unlink_waiter(set, w);
+        return;
+    }
+    w->called = false;
+    set->called = NULL;
+    dataset_call(set);
+}
+
+/* The first waiter that can go on; NULL: none. */
+static struct waiter *next_waiter(const struct dataset *set)
+{
+    struct waiter *w = set->exclusive ? NULL : set->first;
+    while (w != NULL && w->writes && set->writer != NULL)
+        w = w->next;
+    return w;
+}
+
+void dataset_call(struct dataset *set)
+{
+    struct waiter *w = set->called == NULL ? next_waiter(set) : NULL;
+    if (w == NULL)
+        return;
+    unlink_waiter(set, w);
+    w->called = true;
+    set->called = w;
+    w->wake(w);
+}
+
+/* The set is about to be freed: its waiters find out for themselves. */
+static void wake_all(struct dataset *set)
+{
+    struct waiter *w = set->called;
+    if (w != NULL) {
+        w->set = NULL;
+        w->called = false;
+    }
+    while ((w = set->first) != NULL) {
+        unlink_waiter(set, w);
+        w->set = NULL;
+        w->wake(w);
+    }
+}
+
 /* ---- the registry ---- */
 
 static void discard_now(void *ctx, struct dt *dt)
@@ -166,6 +269,7 @@ void registry_drop(struct registry *r, struct dataset *set)
     while (*at != set)
         at = &(*at)->next;
     *at = set->next;
+    wake_all(set);
     free_set(r, set);
 }
 
@@ -189,44 +293,6 @@ void registry_each(const struct registry *r, void (*visit)(struct dataset *set, 
         for (struct dataset *set = r->bucket[i]; set != NULL; set = set->next)
             if (set->born)
                 visit(set, ctx);
-}
-
-/* ---- waiting ---- */
-
-void dataset_wait(struct dataset *set, struct waiter *w)
-{
-    w->set = set;
-    w->next = NULL;
-    w->prev = set->last;
-    if (set->last == NULL)
-        set->first = w;
-    else
-        set->last->next = w;
-    set->last = w;
-}
-
-void dataset_wait_no_more(struct waiter *w)
-{
-    if (w->set == NULL)
-        return;
-    if (w->prev == NULL)
-        w->set->first = w->next;
-    else
-        w->prev->next = w->next;
-    if (w->next == NULL)
-        w->set->last = w->prev;
-    else
-        w->next->prev = w->prev;
-    w->set = NULL;
-}
-
-void dataset_wake(struct dataset *set)
-{
-    while (set->first != NULL) {
-        struct waiter *w = set->first;
-        dataset_wait_no_more(w);
-        w->wake(w);
-    }
 }
 
 void dataset_publish(struct registry *r, struct dataset *set, struct version *v)

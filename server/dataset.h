@@ -12,7 +12,11 @@
  * been brought up to date; the snapshot's thread, for some thousand rows at a time.
  *
  * One writer at a time: while a job edits the set, writer is set, and requests that must wait for
- * it line up in waiters. If it edits in place, exclusive is set too, and readers wait as well. */
+ * it stand in a queue. If it edits in place, exclusive is set too, and readers wait as well.
+ *
+ * The queue is served in order, one request at a time. When the set is free, the first waiter that
+ * can go on is called; until it has been served (dataset_served), nobody else is called, and
+ * requests that change the set line up behind it. So n waiters cost n calls, not n * n. */
 #ifndef SERVER_DATASET_H
 #define SERVER_DATASET_H
 
@@ -30,10 +34,12 @@ struct version {
         sum; /* what dt holds, as of the last completed edit; sum.memory is accounted for */
 };
 
-/* Somebody who wants to be told when the set is free again; part of whoever waits. */
+/* A request that waits until the set is free again; part of its session. */
 struct waiter {
     struct waiter *prev, *next;
-    struct dataset *set; /* borrows while it waits; NULL: it does not */
+    struct dataset *set; /* borrows while it waits or is called; NULL: neither */
+    bool writes;         /* it can go on only when the set has no writer */
+    bool called;         /* it has left the queue: its turn has come */
     void (*wake)(struct waiter *w);
 };
 
@@ -44,10 +50,11 @@ struct dataset {
     bool exclusive;     /* the writer edits in place */
     bool born; /* false while the request that creates it has not succeeded yet: it is not there for
                   others, but its name is taken */
-    bool triangulated; /* TRIANGULATE has been asked for (with --data) */
-    bool loading;      /* it was read from disk and its triangulation is not there yet */
-    uint64_t lsn;      /* of its last change in the log */
-    struct waiter *first, *last;
+    bool triangulated;           /* TRIANGULATE has been asked for (with --data) */
+    bool loading;                /* it was read from disk and its triangulation is not there yet */
+    uint64_t lsn;                /* of its last change in the log */
+    struct waiter *first, *last; /* the queue */
+    struct waiter *called;       /* whose turn it is; NULL: nobody's */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };
@@ -70,7 +77,7 @@ void registry_clear(struct registry *r);
 struct dataset *registry_find(const struct registry *r, const struct word *name);
 /* A new unborn set; NULL when out of memory. */
 struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance);
-/* Takes the set out and frees it. Nobody may write it or wait for it. */
+/* Removes the set and frees it. Those who wait for it are all woken. Nobody may write it. */
 void registry_drop(struct registry *r, struct dataset *set);
 /* Calls visit for every born set, in no particular order. */
 void registry_each(const struct registry *r, void (*visit)(struct dataset *set, void *ctx),
@@ -96,10 +103,15 @@ void version_leave(struct version *v);
 /* Whether the triangulation lags behind the points, so that queries must wait for dt_refresh. */
 bool version_is_stale(const struct version *v);
 
-void dataset_wait(struct dataset *set, struct waiter *w);
-void dataset_wait_no_more(struct waiter *w);
-/* Wakes all who wait, first come first. */
-void dataset_wake(struct dataset *set);
+/* Whether a request may use the set now; called: it has waited and its turn has come. */
+bool dataset_admits(const struct dataset *set, bool writes, bool called);
+
+/* Enters the queue, at its end, or at its front if w is called. */
+void dataset_wait(struct dataset *set, struct waiter *w, bool writes);
+/* The waiter, if it waits or is called, does so no longer; the next one is called. */
+void dataset_served(struct waiter *w);
+/* The set has become free: calls the first waiter that can go on, if nobody is called yet. */
+void dataset_call(struct dataset *set);
 /* Makes v the current version; takes over the caller's reference. */
 void dataset_publish(struct registry *r, struct dataset *set, struct version *v);
 

@@ -34,6 +34,7 @@ struct answer session_answer(struct session *s)
                            .owner = s->id,
                            .role = s->role,
                            .command = s->command,
+                           .called = s->waiter.called,
                            .timed_out = s->timed_out};
 }
 
@@ -100,11 +101,12 @@ bool session_take_over(struct session *s, struct answer *a)
         return false;
     }
     if (a->wait != NULL) {
-        dataset_wait(a->wait, &s->waiter);
+        dataset_wait(a->wait, &s->waiter, a->wait_writes);
         return false;
     }
     if (a->again || a->retry) /* the request itself is still to be carried out */
         return a->retry;
+    dataset_served(&s->waiter);
     consume_held(s);
     if (s->job == NULL)
         s->deadline_ms = 0;
@@ -120,6 +122,7 @@ bool session_refuse(struct session *s, enum reply_code code, const char *why)
     struct answer a = session_answer(s);
     reply_err(a.out, code, "%s", why);
     deliver(s, &a);
+    dataset_served(&s->waiter);
     conn_finish(&s->conn);
     return false;
 }
@@ -154,7 +157,6 @@ static bool give_up(struct session *s)
     s->timed_out = true;
     struct answer a = session_answer(s);
     s->job = NULL;
-    dataset_wait_no_more(&s->waiter);
     answer_status(&a, DT_CANCELLED);
     return session_take_over(s, &a);
 }
@@ -304,11 +306,18 @@ static bool step_request(struct session *s)
     return s->resp ? step_resp(s) : step_line(s);
 }
 
+/* Whether its request stands in a set's queue. */
+static bool is_queued(const struct session *s)
+{
+    return s->waiter.set != NULL && !s->waiter.called;
+}
+
 static bool step(struct session *s)
 {
-    if (s->job != NULL || s->waiter.set != NULL)
+    if (s->job != NULL || is_queued(s))
         return false;
-    if (conn_full(&s->conn)) {
+    if (conn_full(&s->conn)) { /* others go first: its client may not read for long */
+        dataset_served(&s->waiter);
         conn_again(&s->conn);
         return false;
     }
@@ -338,7 +347,7 @@ static void on_data(struct conn *c)
 static void on_closed(struct conn *c)
 {
     struct session *s = (struct session *)c;
-    dataset_wait_no_more(&s->waiter);
+    dataset_served(&s->waiter);
     if (s->job != NULL)
         job_leave(s->job, s->id);
     if (s->stream != NULL)
@@ -434,6 +443,7 @@ void session_not_saved(struct hold *h)
     struct conn *c = &s->conn;
     buf_rewind(&c->out, conn_sendable(c));
     hold_clear(h);
+    dataset_served(&s->waiter);
     struct answer a = session_answer(s);
     reply_err(a.out, ERR_IO, "the disk fails: whether the last changes were saved is not known");
     deliver(s, &a);

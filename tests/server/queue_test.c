@@ -1,0 +1,158 @@
+/* The queue of those who wait for a set. */
+#include "server/dataset.h"
+#include "tests/test.h"
+
+#include <string.h>
+
+enum { MANY = 50 };
+
+/* A request that waits; when it is called, it notes its number. */
+struct request_in_line {
+    struct waiter waiter; /* first */
+    unsigned number, calls;
+};
+
+static unsigned order[2 * MANY], called_n;
+static struct registry sets;
+static struct dataset *set;
+static struct request_in_line in_line[MANY];
+
+static void note_call(struct waiter *w)
+{
+    struct request_in_line *r = (struct request_in_line *)w;
+    r->calls++;
+    order[called_n++ % (2 * MANY)] = r->number;
+}
+
+static void begin(void)
+{
+    registry_init(&sets);
+    set = registry_create(&sets, &(struct word){"t", 1}, 0);
+    CHECK(set != NULL);
+    set->born = true;
+    memset(in_line, 0, sizeof in_line);
+    called_n = 0;
+    for (unsigned i = 0; i < MANY; i++) {
+        in_line[i].number = i;
+        in_line[i].waiter.wake = note_call;
+    }
+}
+
+static struct job *somebody(void)
+{
+    return (struct job *)(void *)&sets; /* only compared with NULL */
+}
+
+static void edit_begins(bool exclusive)
+{
+    set->writer = somebody();
+    set->exclusive = exclusive;
+}
+
+static void edit_ends(void)
+{
+    set->writer = NULL;
+    set->exclusive = false;
+    dataset_call(set);
+}
+
+TEST(waiters_for_a_set_are_called_in_order_and_once_each)
+{
+    begin();
+    edit_begins(true);
+    for (unsigned i = 0; i < MANY; i++)
+        dataset_wait(set, &in_line[i].waiter, true);
+    for (unsigned i = 0; i < MANY; i++) { /* each begins a job of its own */
+        edit_ends();
+        CHECK(called_n == i + 1 && order[i] == i && dataset_admits(set, true, true));
+        edit_begins(true);
+        dataset_served(&in_line[i].waiter);
+    }
+    for (unsigned i = 0; i < MANY; i++)
+        CHECK(in_line[i].calls == 1 && in_line[i].waiter.set == NULL);
+    set->writer = NULL;
+    registry_clear(&sets);
+}
+
+TEST(request_that_changes_a_set_does_not_overtake_those_who_wait)
+{
+    begin();
+    edit_begins(true);
+    dataset_wait(set, &in_line[0].waiter, true);
+    edit_ends();
+    CHECK(in_line[0].calls == 1);
+    CHECK(!dataset_admits(set, true, false) && dataset_admits(set, false, false));
+    dataset_wait(set, &in_line[1].waiter, true);
+    CHECK(in_line[1].calls == 0);
+    dataset_served(&in_line[0].waiter);
+    CHECK(in_line[1].calls == 1);
+    dataset_served(&in_line[1].waiter);
+    CHECK(dataset_admits(set, true, false));
+    registry_clear(&sets);
+}
+
+TEST(waiting_readers_go_on_beside_a_job_that_lets_the_set_be_read)
+{
+    begin();
+    edit_begins(true);
+    dataset_wait(set, &in_line[0].waiter, true);
+    dataset_wait(set, &in_line[1].waiter, false);
+    dataset_wait(set, &in_line[2].waiter, false);
+    edit_begins(false); /* the edit ends, and an upkeep job begins at once */
+    dataset_call(set);
+    CHECK(called_n == 1 && order[0] == 1);
+    dataset_served(&in_line[1].waiter);
+    CHECK(called_n == 2 && order[1] == 2);
+    dataset_served(&in_line[2].waiter);
+    CHECK(called_n == 2);
+    edit_ends();
+    CHECK(called_n == 3 && order[2] == 0);
+    dataset_served(&in_line[0].waiter);
+    registry_clear(&sets);
+}
+
+TEST(waiter_that_is_called_and_must_wait_again_keeps_its_place)
+{
+    begin();
+    edit_begins(true);
+    dataset_wait(set, &in_line[0].waiter, true);
+    dataset_wait(set, &in_line[1].waiter, true);
+    edit_ends();
+    edit_begins(false);
+    dataset_wait(set, &in_line[0].waiter, true);
+    CHECK(called_n == 1);
+    edit_ends();
+    CHECK(called_n == 2 && order[1] == 0);
+    dataset_served(&in_line[0].waiter);
+    CHECK(called_n == 3 && order[2] == 1);
+    dataset_served(&in_line[1].waiter);
+    registry_clear(&sets);
+}
+
+TEST(waiter_that_leaves_when_it_is_called_passes_its_turn_on)
+{
+    begin();
+    edit_begins(true);
+    for (unsigned i = 0; i < 3; i++)
+        dataset_wait(set, &in_line[i].waiter, true);
+    dataset_served(&in_line[1].waiter); /* from the middle of the queue */
+    edit_ends();
+    dataset_served(&in_line[0].waiter); /* its client has disconnected */
+    CHECK(called_n == 2 && order[1] == 2 && in_line[1].calls == 0);
+    dataset_served(&in_line[2].waiter);
+    registry_clear(&sets);
+}
+
+TEST(waiters_for_a_set_that_is_dropped_are_all_woken)
+{
+    begin();
+    edit_begins(true);
+    for (unsigned i = 0; i < 3; i++)
+        dataset_wait(set, &in_line[i].waiter, true);
+    edit_ends();
+    registry_drop(&sets, set); /* by the one that was called */
+    CHECK(called_n == 3);
+    for (unsigned i = 0; i < 3; i++)
+        CHECK(in_line[i].calls == 1 && in_line[i].waiter.set == NULL && !in_line[i].waiter.called);
+    registry_clear(&sets);
+}
