@@ -41,13 +41,14 @@ all: $(O)/delaunayd $(O)/delaunay
 
 $(O)/delaunayd: $(SERVER) $(CORE) $(PROTO)
 $(O)/delaunay: $(CLIENT) $(PROTO)
-$(O)/tests/core_tests: $(call tests_of,core) $(HARNESS) $(ORACLE) $(CORE)
+$(O)/tests/core_tests: $(call tests_of,core) $(O)/tests/bench/pivots.o $(HARNESS) $(ORACLE) $(CORE)
 $(O)/tests/proto_tests: $(call tests_of,proto) $(HARNESS) $(PROTO)
 $(O)/tests/server_tests: $(call tests_of,server) $(O)/tests/daemon.o $(HARNESS) $(ORACLE) $(filter-out $(O)/server/main.o,$(SERVER)) \
   $(CORE) $(PROTO)
 $(O)/tests/clients_tests: $(call tests_of,clients) $(O)/tests/daemon.o $(HARNESS) $(filter-out $(O)/clients/main.o,$(CLIENT)) $(PROTO)
 TEST_BINARIES := $(SUITES:%=$(O)/tests/%_tests)
 $(TEST_BINARIES): LDFLAGS += $(WRAP)
+$(O)/tests/core_tests: LDFLAGS += -Wl,--wrap=dt_stopped
 
 $(O)/delaunayd $(O)/delaunay $(TEST_BINARIES):
 	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)

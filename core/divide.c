@@ -92,7 +92,7 @@ struct dt_part dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
         return divide_range(d, arena, (struct dt_source){d->p + lo, d->from + lo}, lo, n,
                             level->skew);
     }
-    if (n > ASK_TO_STOP && dt_division_stopped(d))
+    if (n > ASK_TO_STOP && dt_stopped(&d->stop))
         return (struct dt_part){0};
     struct dt_part a = dt_divide_cells(d, arena, level, 2 * key, s - 1);
     struct dt_part b = dt_divide_cells(d, arena, level, 2 * key + 1, s - 1);
@@ -125,7 +125,7 @@ static struct dt_part divide_range(struct dt_division *d, struct dt_arena *arena
         return dt_few(&d->merging, d->p, d->from, lo, n);
     }
     struct dt_part part = {0};
-    if (dt_division_stopped(d))
+    if (dt_stopped(&d->stop))
         return part;
     struct dt_arena_mark mark = dt_arena_mark(arena);
     struct dt_level level;
@@ -163,7 +163,7 @@ static void divide_all(struct dt_division *d, const struct dt_point *in, unsigne
         all = divide_range(d, &arena, (struct dt_source){in, NULL}, 0, d->n, 0);
         dt_arena_clear(&arena);
     }
-    if (atomic_load(&d->status) == DT_OK)
+    if (dt_stop_status(&d->stop) == DT_OK)
         finish_mesh(d, &all);
 }
 
@@ -171,13 +171,17 @@ enum dt_status dt_divide(const struct dt_point *in, uint32_t n, struct dt_point 
                          struct dt_mesh *m, const struct dt_options *opt)
 {
     static const struct dt_options none;
-    struct dt_division d = {
-        .merging = {p, m}, .p = p, .from = from, .n = n, .opt = opt == NULL ? &none : opt};
+    struct dt_division d = {.merging = {p, m},
+                            .p = p,
+                            .from = from,
+                            .n = n,
+                            .opt = opt == NULL ? &none : opt,
+                            .stop = dt_stop_of(opt)};
     if (dt_mesh_reserve(m, n, 2 * n) != DT_OK)
-        dt_division_fail(&d, DT_NOMEM);
+        dt_stop_because(&d.stop, DT_NOMEM);
     else
         divide_all(&d, in, dt_threads_for(d.opt->pool, n));
-    if (atomic_load(&d.status) != DT_OK)
+    if (dt_stop_status(&d.stop) != DT_OK)
         dt_mesh_clear(m);
-    return (enum dt_status)atomic_load(&d.status);
+    return dt_stop_status(&d.stop);
 }

@@ -4,23 +4,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/median.h"
+
 #define MANY_CELLS (1u << 14)    /* are worth several threads */
-#define PIECE (1u << 16)         /* points: below a millisecond */
 #define WORTH_SAMPLES (1u << 12) /* points */
 #define OUTSKIRTS 4 /* a grid leaves them out if they take this many times its own width */
-
-void dt_division_fail(struct dt_division *d, enum dt_status status)
-{
-    int none = DT_OK;
-    atomic_compare_exchange_strong(&d->status, &none, (int)status);
-}
-
-bool dt_division_stopped(struct dt_division *d)
-{
-    if (d->opt->cancel != NULL && atomic_load_explicit(d->opt->cancel, memory_order_relaxed))
-        dt_division_fail(d, DT_CANCELLED);
-    return atomic_load_explicit(&d->status, memory_order_relaxed) != DT_OK;
-}
 
 /* ---- the sort, in slices of the source ---- */
 
@@ -50,38 +38,29 @@ static void find_box(void *arg, unsigned i)
     s->box[i] = dt_box_of(s->src.p + a, b - a);
 }
 
-/* Points a .. b - 1 of slice i. Slices are worked on in pieces, so that a large sort can be stopped;
- * what it leaves is of no use then. */
-struct piece {
-    uint32_t a, b;
-};
-
-static struct piece before_first(const struct sort *s, unsigned i)
+/* Slices are worked on in pieces, so that a large sort can be stopped. */
+static struct dt_piece before_slice(const struct sort *s, unsigned i)
 {
-    uint32_t a = dt_slice(s->n, i, s->slices);
-    return (struct piece){a, a};
+    return dt_before_first(dt_slice(s->n, i, s->slices));
 }
 
-static bool next_piece(const struct sort *s, unsigned i, struct piece *at)
+static bool next_piece(const struct sort *s, unsigned i, struct dt_piece *at)
 {
-    uint32_t end = dt_slice(s->n, i + 1, s->slices);
-    at->a = at->b;
-    at->b = end - at->a < PIECE ? end : at->a + PIECE;
-    return at->a < end && !dt_division_stopped(s->d);
+    return dt_next_piece(&s->d->stop, dt_slice(s->n, i + 1, s->slices), at);
 }
 
 static void count(void *arg, unsigned i)
 {
     struct sort *s = arg;
     memset(s->next[i], 0, ((size_t)1 << s->order->bits) * sizeof *s->next[i]);
-    for (struct piece at = before_first(s, i); next_piece(s, i, &at);)
+    for (struct dt_piece at = before_slice(s, i); next_piece(s, i, &at);)
         dt_order_count(s->order, s->src.p + at.a, at.b - at.a, s->key + at.a, s->next[i]);
 }
 
 static void scatter(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    for (struct piece at = before_first(s, i); next_piece(s, i, &at);) {
+    for (struct dt_piece at = before_slice(s, i); next_piece(s, i, &at);) {
         uint32_t n = at.b - at.a, *key = s->key + at.a;
         const struct dt_point *p = s->src.p + at.a;
         const uint32_t *from = s->src.from == NULL ? NULL : s->src.from + at.a;
@@ -96,7 +75,7 @@ static void scatter(void *arg, unsigned i)
 static void copy(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    for (struct piece at = before_first(s, i); next_piece(s, i, &at);) {
+    for (struct dt_piece at = before_slice(s, i); next_piece(s, i, &at);) {
         memcpy(s->out + at.a, s->src.p + at.a, (at.b - at.a) * sizeof *s->out);
         memcpy(s->out_from + at.a, s->src.from + at.a, (at.b - at.a) * sizeof *s->out_from);
     }
@@ -259,8 +238,8 @@ static uint32_t count_by(struct sort *s, struct dt_arena *arena, struct dt_box b
     level->tiles = tiles;
     s->key = key != NULL ? key : dt_arena_take(arena, s->n, sizeof *s->key);
     if (s->key == NULL || !count_cells(s->d, arena, s, box, level))
-        dt_division_fail(s->d, DT_NOMEM);
-    return dt_division_stopped(s->d) ? 0 : counts_to_places(s->d->opt->pool, s);
+        dt_stop_because(&s->d->stop, DT_NOMEM);
+    return dt_stopped(&s->d->stop) ? 0 : counts_to_places(s->d->opt->pool, s);
 }
 
 enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned slices,
@@ -278,7 +257,7 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
         most = count_by(&s, arena, box, true, key, level);
     if (most > n / 2) /* too few points for tiles, or tiles do not part them */
         most = count_by(&s, arena, box, false, NULL, level);
-    if (dt_division_stopped(d))
+    if (dt_stopped(&d->stop))
         return DT_LEVEL_FAILED;
     level->skew = most > n / 2 ? skew + 1 : 0;
     if (level->skew > DT_ZOOMS)
@@ -290,65 +269,29 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
     s.out = d->p + lo;
     s.out_from = d->from + lo;
     if (level->tiles && !shift_tiles(d, arena, &s, lo))
-        dt_division_fail(d, DT_NOMEM);
+        dt_stop_because(&d->stop, DT_NOMEM);
     dt_run(d->opt->pool, slices, scatter, &s);
-    return dt_division_stopped(d) ? DT_LEVEL_FAILED : DT_LEVEL_OPEN;
+    return dt_stopped(&d->stop) ? DT_LEVEL_FAILED : DT_LEVEL_OPEN;
 }
 
 /* ---- the median ---- */
 
-static void swap(struct dt_point *p, uint32_t *from, uint32_t i, uint32_t j)
+static void bring(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n)
 {
-    struct dt_point t = p[i];
-    uint32_t f = from[i];
-    p[i] = p[j];
-    from[i] = from[j];
-    p[j] = t;
-    from[j] = f;
-}
-
-/* Hoare's selection with pseudo-random pivots: afterwards the k smallest come first. */
-static void select_smallest(struct dt_point *p, uint32_t *from, uint32_t n, uint32_t k,
-                            bool (*before)(struct dt_point, struct dt_point))
-{
-    uint64_t random = n;
-    uint32_t lo = 0, hi = n;
-    while (hi - lo > 1) {
-        swap(p, from, lo, lo + dt_random_below(&random, hi - lo));
-        uint32_t pivot = lo;
-        for (uint32_t i = lo + 1; i < hi; i++)
-            if (before(p[i], p[lo]))
-                swap(p, from, i, ++pivot);
-        swap(p, from, lo, pivot);
-        if (pivot == k)
-            return;
-        if (pivot < k)
-            lo = pivot + 1;
-        else
-            hi = pivot;
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&d->stop, n, &at);) {
+        memcpy(d->p + lo + at.a, src.p + at.a, (at.b - at.a) * sizeof *src.p);
+        for (uint32_t i = at.a; i < at.b; i++)
+            d->from[lo + i] = src.from == NULL ? i : src.from[i];
     }
-}
-
-static bool before_x(struct dt_point a, struct dt_point b)
-{
-    return dt_before_x(a, b);
-}
-
-static bool before_y(struct dt_point a, struct dt_point b)
-{
-    return dt_before_y(a, b);
 }
 
 uint32_t dt_level_median(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n,
                          unsigned *axis)
 {
-    if (src.p != d->p + lo) {
-        memcpy(d->p + lo, src.p, n * sizeof *src.p);
-        for (uint32_t i = 0; i < n; i++)
-            d->from[lo + i] = src.from == NULL ? i : src.from[i];
-    }
+    if (src.p != d->p + lo)
+        bring(d, src, lo, n);
     struct dt_box box = dt_box_of(d->p + lo, n);
     *axis = box.x1 - box.x0 >= box.y1 - box.y0 ? 0 : 1;
-    select_smallest(d->p + lo, d->from + lo, n, n / 2, *axis == 0 ? before_x : before_y);
+    dt_median_part(d->p + lo, d->from + lo, n, *axis, &d->stop);
     return n / 2;
 }

@@ -9,6 +9,7 @@
 #include "core/merge.h"
 #include "core/order.h"
 #include "core/parallel.h"
+#include "core/stop.h"
 
 #define DT_POINTS_PER_CELL 2.0
 #define DT_TILE 8192u /* points of a tile, which fits the second-level cache with its triangles */
@@ -23,7 +24,7 @@ struct dt_division {
     uint32_t *from;
     uint32_t n;
     const struct dt_options *opt;
-    atomic_int status;    /* enum dt_status: the first failure; everything returns soon after */
+    struct dt_stop stop;  /* asked every few thousand points */
     atomic_uint finished; /* points of finished tiles, for progress */
 };
 
@@ -58,7 +59,7 @@ struct dt_level {
 enum dt_opening {
     DT_LEVEL_OPEN,
     DT_LEVEL_SKEWED, /* no grid helps: cut at the median */
-    DT_LEVEL_FAILED  /* division.status says why */
+    DT_LEVEL_FAILED  /* division.stop says why */
 };
 
 /* Sorts the points src[0 .. n-1], n > DT_BLOCK, to vertices lo .. lo + n - 1 by a new grid. src may
@@ -69,15 +70,9 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
                               struct dt_level *level);
 
 /* Brings the points to p[lo ..] and partitions them so that the first half precedes the second by
- * (x, y) or (y, -x); returns the size of the first, and the axis. n > 1. Cost: O(n) expected. */
+ * (x, y) or (y, -x); returns the size of the first, and the axis. n > 1. Cost: O(n). */
 uint32_t dt_level_median(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n,
                          unsigned *axis);
-
-/* Records a failure. */
-void dt_division_fail(struct dt_division *d, enum dt_status status);
-
-/* Whether something has failed or the caller has cancelled; to be asked every few thousand points. */
-bool dt_division_stopped(struct dt_division *d);
 
 /* Triangulates the vertices of a level whose key starts with `key`, with s bits to go. */
 struct dt_part dt_divide_cells(struct dt_division *d, struct dt_arena *arena,

@@ -71,7 +71,7 @@ static void *room_for(struct tree *w, void *array, uint32_t used, uint32_t more,
     size_t want = dt_array_room(*cap, (size_t)used + more, UINT32_MAX / 2);
     void *larger = dt_array_grow(array, used, want, size);
     if (larger == NULL)
-        dt_division_fail(w->d, DT_NOMEM);
+        dt_stop_because(&w->d->stop, DT_NOMEM);
     else
         *cap = (uint32_t)want;
     return larger;
@@ -139,7 +139,7 @@ static void open_range(struct tree *w, struct range *r, unsigned threads)
     r->opening = DT_LEVEL_FAILED;
     r->level = dt_arena_take(&r->arena, 1, sizeof *r->level);
     if (r->level == NULL)
-        dt_division_fail(d, DT_NOMEM);
+        dt_stop_because(&d->stop, DT_NOMEM);
     else
         r->opening = dt_level_open(d, &r->arena, threads, r->src, r->lo, r->n, r->skew, r->level);
     if (r->opening == DT_LEVEL_SKEWED)
@@ -193,7 +193,7 @@ static void open_round(struct tree *w, uint32_t end)
 
 static bool good(const struct tree *w)
 {
-    return atomic_load(&w->d->status) == DT_OK;
+    return dt_stop_status(&w->d->stop) == DT_OK;
 }
 
 static void grow(struct tree *w, const struct dt_point *in)

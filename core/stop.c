@@ -1,0 +1,15 @@
+/* stop.c - see stop.h. */
+#include "core/stop.h"
+
+void dt_stop_because(struct dt_stop *s, enum dt_status why)
+{
+    int none = DT_OK;
+    atomic_compare_exchange_strong(&s->status, &none, (int)why);
+}
+
+bool dt_stopped(struct dt_stop *s)
+{
+    if (s->cancel != NULL && atomic_load_explicit(s->cancel, memory_order_relaxed))
+        dt_stop_because(s, DT_CANCELLED);
+    return dt_stop_status(s) != DT_OK;
+}

@@ -1,0 +1,55 @@
+/* stop.h - what ends a long computation before it is done: the caller's cancel flag, or a failure in one
+ * of its threads. All threads of the computation share one and ask it every so many points; what they
+ * leave unfinished is of no use then. */
+#ifndef DT_STOP_H
+#define DT_STOP_H
+
+#include "core/delaunay.h"
+
+#define DT_POLL                                                                                    \
+    (1u << 16) /* cheap steps, such as points of a pass, between two polls: below a millisecond */
+
+struct dt_stop {
+    const atomic_bool *cancel; /* borrowed; NULL: never cancelled */
+    atomic_int status; /* enum dt_status: the first reason to stop, DT_OK while there is none */
+};
+
+/* For a computation with these options, which may be NULL. */
+static inline struct dt_stop dt_stop_of(const struct dt_options *opt)
+{
+    return (struct dt_stop){.cancel = opt == NULL ? NULL : opt->cancel};
+}
+
+/* Polls: whether there is a reason to stop. Once true, it stays true. */
+bool dt_stopped(struct dt_stop *s);
+
+/* Records a reason, unless there is one already. */
+void dt_stop_because(struct dt_stop *s, enum dt_status why);
+
+/* The reason that is known so far, without a poll. */
+static inline enum dt_status dt_stop_status(const struct dt_stop *s)
+{
+    return (enum dt_status)atomic_load_explicit(&s->status, memory_order_relaxed);
+}
+
+/* ---- a pass in pieces ---- */
+
+/* The items a .. b - 1 of a pass over a range. */
+struct dt_piece {
+    uint32_t a, b;
+};
+
+static inline struct dt_piece dt_before_first(uint32_t begin)
+{
+    return (struct dt_piece){begin, begin};
+}
+
+/* Polls and goes on to the next piece of a pass that ends before `end`; false: it is over, or stopped. */
+static inline bool dt_next_piece(struct dt_stop *s, uint32_t end, struct dt_piece *at)
+{
+    at->a = at->b;
+    at->b = end - at->a < DT_POLL ? end : at->a + DT_POLL;
+    return at->a < end && !dt_stopped(s);
+}
+
+#endif

@@ -1,0 +1,24 @@
+/* polls.h - how often, and after how much work, a computation asks whether to stop (core/stop.h): the test
+ * binary has dt_stopped come through here. */
+#ifndef POLLS_H
+#define POLLS_H
+
+#include <stdint.h>
+
+/* Counts from now on. */
+void polls_begin(void);
+
+/* Polls so far, of all threads. */
+uint64_t polls_count(void);
+
+/* The longest time, in ms, that a thread has computed between two of its polls, or since polls_begin if that
+ * was called on it; waiting, and the work of other processes, does not count. */
+double polls_longest_ms(void);
+
+/* The work since the calling thread's last poll counts, too: to be called at the end. */
+void polls_end(void);
+
+/* The n-th poll from now on, and all later ones, see the flag set: n = 0, none. */
+void polls_cancel_at(uint64_t n);
+
+#endif
