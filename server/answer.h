@@ -1,8 +1,8 @@
 /* answer.h - what becomes of a request: bytes of a reply now, and what is still to come.
  *
  * A handler writes into out. Beyond that it may leave exactly one of: a stream (rows that are too
- * many to write at once), a job (a worker has it; the reply comes when it is done), a set to wait
- * for (the request is to be tried again when that set is free), a load (points follow the request).
+ * many to write at once), a job (a worker has it; the reply comes when it is done), a queue to wait
+ * in (the request is to be tried again when its turn has come), a load (points follow the request).
  * Whoever called the handler takes over what is left. */
 #ifndef SERVER_ANSWER_H
 #define SERVER_ANSWER_H
@@ -10,6 +10,7 @@
 #include "core/delaunay.h"
 #include "proto/reply.h"
 #include "server/auth.h"
+#include "server/wait.h"
 
 struct stream;
 struct job;
@@ -17,32 +18,32 @@ struct dataset;
 struct load;
 
 struct answer {
-    struct buf *out;       /* borrows; the reply is appended to what it holds */
-    uint64_t mark;         /* of the reply's first byte in the output of whoever asks */
-    uint64_t lsn;          /* the reply must not leave before this change is durable; 0: it may */
-    uint64_t owner;        /* who asks: a connection's id, 0 for nobody */
-    enum role role;        /* what the asker may do; AUTH changes it */
-    unsigned command;      /* which one it is: its place in the table, else STATS_OTHER */
-    struct stream *stream; /* moves to the caller */
-    struct job *job;       /* borrows: the job ends by itself */
-    struct dataset *wait;  /* borrows: begin to wait before anything else happens */
-    bool wait_writes;      /* until the set has no writer; else until it can be read */
-    bool called;           /* the request has waited for its set, and its turn has come */
-    struct load *load;     /* moves to the caller */
-    bool retry;            /* the job was a preparation: carry out the request now, again */
-    bool again;            /* with job: it is such a preparation, keep the request */
-    bool timed_out;        /* what is cancelled has taken longer than its TIMEOUT */
-    bool close;            /* no further request is carried out */
-    bool broken;           /* the reply cannot be completed: the connection must go */
+    struct buf *out;         /* borrows; the reply is appended to what it holds */
+    uint64_t mark;           /* of the reply's first byte in the output of whoever asks */
+    uint64_t lsn;            /* the reply must not leave before this change is durable; 0: it may */
+    uint64_t owner;          /* who asks: a connection's id, 0 for nobody */
+    enum role role;          /* what the asker may do; AUTH changes it */
+    unsigned command;        /* which one it is: its place in the table, else STATS_OTHER */
+    struct stream *stream;   /* moves to the caller */
+    struct job *job;         /* borrows: the job ends by itself */
+    struct wait_queue *wait; /* borrows: begin to wait before anything else happens */
+    bool wait_writes;        /* for a set, until it has no writer; else until it can be read */
+    const struct wait_queue *turn; /* the request has waited there, and its turn has come */
+    struct load *load;             /* moves to the caller */
+    bool retry;                    /* the job was a preparation: carry out the request now, again */
+    bool again;                    /* with job: it is such a preparation, keep the request */
+    bool timed_out;                /* what is cancelled has taken longer than its TIMEOUT */
+    bool close;                    /* no further request is carried out */
+    bool broken;                   /* the reply cannot be completed: the connection must go */
 };
 
 /* The ERR line for a status of the core that is not DT_OK. */
 void answer_status(struct answer *a, enum dt_status status);
 
-/* The request is to be tried again when the set is free: see dataset_admits. */
-static inline void answer_wait(struct answer *a, struct dataset *set, bool writes)
+/* The request is to be tried again when that queue calls it. */
+static inline void answer_wait(struct answer *a, struct wait_queue *q, bool writes)
 {
-    a->wait = set;
+    a->wait = q;
     a->wait_writes = writes;
 }
 

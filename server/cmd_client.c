@@ -44,7 +44,7 @@ static const char *state_of(const struct session *s)
 {
     if (s->job != NULL)
         return "working";
-    if (s->waiter.set != NULL)
+    if (s->waiter.queue != NULL)
         return "waiting";
     if (s->load != NULL)
         return "loading";

@@ -200,8 +200,8 @@ void load_commit(struct server *s, struct load *l, struct answer *a)
         tell_fault(s, &l->body, a);
     else if (!durable_admits(s, a, set, true, false))
         return;
-    else if (set != NULL && !dataset_admits(set, true, a->called))
-        answer_wait(a, set, true);
+    else if (set != NULL && !dataset_admits(set, true, a->turn))
+        answer_wait(a, &set->queue, true);
     else
         edit_add(s, a, &name, take_points(s, l), l->body.n, hand_on_expected(s, l));
 }

@@ -22,8 +22,8 @@ void load_skip(struct server *s, const struct request *q, struct answer *a);
 ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t n, bool last);
 
 /* Carries out a load whose body is complete: adds the points, or tells what was wrong with them.
- * Afterwards the load is spent unless a->wait is set: then it is to be called again when that set
- * is free. */
+ * Afterwards the load is spent unless a->wait is set: then it is to be called again when its turn
+ * comes. */
 void load_commit(struct server *s, struct load *l, struct answer *a);
 
 void load_free(struct server *s, struct load *l);

@@ -159,8 +159,8 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
 {
     if (!version_is_stale(set->current))
         return true;
-    if (!dataset_admits(set, true, a->called)) {
-        answer_wait(a, set, true);
+    if (!dataset_admits(set, true, a->turn)) {
+        answer_wait(a, &set->queue, true);
         return false;
     }
     struct job *j = job_new(sizeof *j, run_refresh, refresh_done);
@@ -182,7 +182,7 @@ static bool prepare(struct server *s, struct answer *a, struct dataset *set)
 {
     if (renew_has_grid(s, set))
         return true;
-    answer_wait(a, set, true);
+    answer_wait(a, &set->queue, true);
     return false;
 }
 
@@ -195,9 +195,9 @@ static bool check_state(struct server *s, struct answer *a, const struct command
     if (set == NULL)
         return true;
     bool writes = (c->flags & CMD_WRITE) != 0;
-    if (!dataset_admits(set, writes, a->called)) {
+    if (!dataset_admits(set, writes, a->turn)) {
         if (c->handler != cmd_triangulate || !triangulate_join(s, set, q, a))
-            answer_wait(a, set, writes);
+            answer_wait(a, &set->queue, writes);
         return false;
     }
     if ((c->flags & CMD_LIVE) != 0 && !set->current->sum.triangulated) {

@@ -1,6 +1,7 @@
 /* dataset.c - see dataset.h. */
 #include "server/dataset.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,105 +76,18 @@ bool version_is_stale(const struct version *v)
 
 /* ---- waiting ---- */
 
-bool dataset_admits(const struct dataset *set, bool writes, bool called)
+bool dataset_admits(const struct dataset *set, bool writes, const struct wait_queue *turn)
 {
     if (!writes)
         return !set->exclusive;
-    return set->writer == NULL && (called || (set->first == NULL && set->called == NULL));
+    return set->writer == NULL && wait_is_first(&set->queue, turn);
 }
 
-static void link_between(struct dataset *set, struct waiter *prev, struct waiter *w,
-                         struct waiter *next)
+static bool admits_waiter(const struct wait_queue *q, const struct waiter *w)
 {
-    w->prev = prev;
-    w->next = next;
-    if (prev == NULL)
-        set->first = w;
-    else
-        prev->next = w;
-    if (next == NULL)
-        set->last = w;
-    else
-        next->prev = w;
-}
-
-static void unlink_waiter(struct dataset *set, struct waiter *w)
-{
-    if (w->prev == NULL)
-        set->first = w->next;
-    else
-        w->prev->next = w->next;
-    if (w->next == NULL)
-        set->last = w->prev;
-    else
-        w->next->prev = w->prev;
-}
-
-void dataset_wait(struct dataset *set, struct waiter *w, bool writes)
-{
-    bool front = w->called && w->set == set;
-    if (front) {
-        set->called = NULL;
-        w->called = false;
-    } else {
-        dataset_served(w);
-    }
-    w->set = set;
-    w->writes = writes;
-    if (front)
-        link_between(set, NULL, w, set->first);
-    else
-        link_between(set, set->last, w, NULL);
-}
-
-void dataset_served(struct waiter *w)
-{
-    struct dataset *set = w->set;
-    if (set == NULL)
-        return;
-    w->set = NULL;
-    if (!w->called) {
-        unlink_waiter(set, w);
-        return;
-    }
-    w->called = false;
-    set->called = NULL;
-    dataset_call(set);
-}
-
-/* The first waiter that can go on; NULL: none. */
-static struct waiter *next_waiter(const struct dataset *set)
-{
-    struct waiter *w = set->exclusive ? NULL : set->first;
-    while (w != NULL && w->writes && set->writer != NULL)
-        w = w->next;
-    return w;
-}
-
-void dataset_call(struct dataset *set)
-{
-    struct waiter *w = set->called == NULL ? next_waiter(set) : NULL;
-    if (w == NULL)
-        return;
-    unlink_waiter(set, w);
-    w->called = true;
-    set->called = w;
-    w->wake(w);
-}
-
-/* The set is about to be freed: its waiters find out for themselves. */
-static void wake_all(struct dataset *set)
-{
-    struct waiter *w = set->called;
-    if (w != NULL) {
-        w->set = NULL;
-        w->called = false;
-    }
-    while ((w = set->first) != NULL) {
-        unlink_waiter(set, w);
-        w->set = NULL;
-        w->wake(w);
-    }
+    const struct dataset *set =
+        (const struct dataset *)((const char *)q - offsetof(struct dataset, queue));
+    return !set->exclusive && (!w->writes || set->writer == NULL);
 }
 
 /* ---- the registry ---- */
@@ -246,6 +160,7 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
         return NULL;
     }
     set->current = v;
+    set->queue.admits = admits_waiter;
     set->name_len = name->len;
     memcpy(set->name, name->text, name->len);
     struct dataset **bucket = bucket_of(r, set->name, set->name_len);
@@ -269,7 +184,7 @@ void registry_drop(struct registry *r, struct dataset *set)
     while (*at != set)
         at = &(*at)->next;
     *at = set->next;
-    wake_all(set);
+    wait_wake_all(&set->queue);
     free_set(r, set);
 }
 

@@ -12,16 +12,14 @@
  * been brought up to date; the snapshot's thread, for some thousand rows at a time.
  *
  * One writer at a time: while a job edits the set, writer is set, and requests that must wait for
- * it stand in a queue. If it edits in place, exclusive is set too, and readers wait as well.
- *
- * The queue is served in order, one request at a time. When the set is free, the first waiter that
- * can go on is called; until it has been served (dataset_served), nobody else is called, and
- * requests that change the set line up behind it. So n waiters cost n calls, not n * n. */
+ * it stand in a queue (wait.h). If it edits in place, exclusive is set too, and readers wait as
+ * well. */
 #ifndef SERVER_DATASET_H
 #define SERVER_DATASET_H
 
 #include "core/delaunay.h"
 #include "proto/request.h"
+#include "server/wait.h"
 
 #include <semaphore.h>
 
@@ -34,15 +32,6 @@ struct version {
         sum; /* what dt holds, as of the last completed edit; sum.memory is accounted for */
 };
 
-/* A request that waits until the set is free again; part of its session. */
-struct waiter {
-    struct waiter *prev, *next;
-    struct dataset *set; /* borrows while it waits or is called; NULL: neither */
-    bool writes;         /* it can go on only when the set has no writer */
-    bool called;         /* it has left the queue: its turn has come */
-    void (*wake)(struct waiter *w);
-};
-
 struct dataset {
     struct dataset *next; /* in its bucket */
     struct version *current;
@@ -50,11 +39,10 @@ struct dataset {
     bool exclusive;     /* the writer edits in place */
     bool born; /* false while the request that creates it has not succeeded yet: it is not there for
                   others, but its name is taken */
-    bool triangulated;           /* TRIANGULATE has been asked for (with --data) */
-    bool loading;                /* it was read from disk and its triangulation is not there yet */
-    uint64_t lsn;                /* of its last change in the log */
-    struct waiter *first, *last; /* the queue */
-    struct waiter *called;       /* whose turn it is; NULL: nobody's */
+    bool triangulated;       /* TRIANGULATE has been asked for (with --data) */
+    bool loading;            /* it was read from disk and its triangulation is not there yet */
+    uint64_t lsn;            /* of its last change in the log */
+    struct wait_queue queue; /* of requests that wait until it is free */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };
@@ -103,15 +91,9 @@ void version_leave(struct version *v);
 /* Whether the triangulation lags behind the points, so that queries must wait for dt_refresh. */
 bool version_is_stale(const struct version *v);
 
-/* Whether a request may use the set now; called: it has waited and its turn has come. */
-bool dataset_admits(const struct dataset *set, bool writes, bool called);
+/* Whether a request may use the set now; turn: the queue that has called it, NULL: none has. */
+bool dataset_admits(const struct dataset *set, bool writes, const struct wait_queue *turn);
 
-/* Enters the queue, at its end, or at its front if w is called. */
-void dataset_wait(struct dataset *set, struct waiter *w, bool writes);
-/* The waiter, if it waits or is called, does so no longer; the next one is called. */
-void dataset_served(struct waiter *w);
-/* The set has become free: calls the first waiter that can go on, if nobody is called yet. */
-void dataset_call(struct dataset *set);
 /* Makes v the current version; takes over the caller's reference. */
 void dataset_publish(struct registry *r, struct dataset *set, struct version *v);
 

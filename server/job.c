@@ -269,7 +269,7 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     job_free(j);
     if (set != NULL) {
         renew_if_aged(s, set);
-        dataset_call(set);
+        wait_call(&set->queue);
         drop_unborn(s, set);
     }
 }

@@ -34,7 +34,7 @@ struct answer session_answer(struct session *s)
                            .owner = s->id,
                            .role = s->role,
                            .command = s->command,
-                           .called = s->waiter.called,
+                           .turn = wait_turn(&s->waiter),
                            .timed_out = s->timed_out};
 }
 
@@ -101,12 +101,13 @@ bool session_take_over(struct session *s, struct answer *a)
         return false;
     }
     if (a->wait != NULL) {
-        dataset_wait(a->wait, &s->waiter, a->wait_writes);
+        s->waiter.writes = a->wait_writes;
+        wait_enter(a->wait, &s->waiter);
         return false;
     }
     if (a->again || a->retry) /* the request itself is still to be carried out */
         return a->retry;
-    dataset_served(&s->waiter);
+    wait_served(&s->waiter);
     consume_held(s);
     if (s->job == NULL)
         s->deadline_ms = 0;
@@ -122,7 +123,7 @@ bool session_refuse(struct session *s, enum reply_code code, const char *why)
     struct answer a = session_answer(s);
     reply_err(a.out, code, "%s", why);
     deliver(s, &a);
-    dataset_served(&s->waiter);
+    wait_served(&s->waiter);
     conn_finish(&s->conn);
     return false;
 }
@@ -306,10 +307,10 @@ static bool step_request(struct session *s)
     return s->resp ? step_resp(s) : step_line(s);
 }
 
-/* Whether its request stands in a set's queue. */
+/* Whether its request stands in a queue. */
 static bool is_queued(const struct session *s)
 {
-    return s->waiter.set != NULL && !s->waiter.called;
+    return s->waiter.queue != NULL && !s->waiter.called;
 }
 
 static bool step(struct session *s)
@@ -317,7 +318,7 @@ static bool step(struct session *s)
     if (s->job != NULL || is_queued(s))
         return false;
     if (conn_full(&s->conn)) { /* others go first: its client may not read for long */
-        dataset_served(&s->waiter);
+        wait_served(&s->waiter);
         conn_again(&s->conn);
         return false;
     }
@@ -347,7 +348,7 @@ static void on_data(struct conn *c)
 static void on_closed(struct conn *c)
 {
     struct session *s = (struct session *)c;
-    dataset_served(&s->waiter);
+    wait_served(&s->waiter);
     if (s->job != NULL)
         job_leave(s->job, s->id);
     if (s->stream != NULL)
@@ -391,7 +392,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
 /* Whether the session does nothing but wait for what its client sends next. */
 static bool is_listening(const struct session *s)
 {
-    return s->job == NULL && s->stream == NULL && s->waiter.set == NULL &&
+    return s->job == NULL && s->stream == NULL && s->waiter.queue == NULL &&
            buf_len(&s->conn.out) == 0;
 }
 
@@ -400,7 +401,7 @@ static bool is_listening(const struct session *s)
 static void pass_deadline(struct session *s)
 {
     s->timed_out = true;
-    if (s->job != NULL ? job_leave(s->job, s->id) : s->waiter.set != NULL && s->load == NULL) {
+    if (s->job != NULL ? job_leave(s->job, s->id) : s->waiter.queue != NULL && s->load == NULL) {
         give_up(s);
         conn_again(&s->conn);
     }
@@ -443,7 +444,7 @@ void session_not_saved(struct hold *h)
     struct conn *c = &s->conn;
     buf_rewind(&c->out, conn_sendable(c));
     hold_clear(h);
-    dataset_served(&s->waiter);
+    wait_served(&s->waiter);
     struct answer a = session_answer(s);
     reply_err(a.out, ERR_IO, "the disk fails: whether the last changes were saved is not known");
     deliver(s, &a);

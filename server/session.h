@@ -39,7 +39,7 @@ struct session {
     size_t bulk_left;           /* bytes of it that have not been read */
     size_t need;                /* input shorter than this holds no whole RESP request */
     struct reply_reader reader; /* the place in a reply that goes out as RESP */
-    struct waiter waiter;       /* in line for a set */
+    struct waiter waiter;       /* of the request under way */
     void (*closed)(
         struct session *s); /* tells whoever keeps the session, which is freed afterwards */
 };

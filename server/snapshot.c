@@ -227,7 +227,7 @@ static void on_free(struct waiter *w)
     struct snapshot_source *s =
         (struct snapshot_source *)(void *)((char *)w - offsetof(struct snapshot_source, waiter));
     pin(s, s->set);
-    dataset_served(w);
+    wait_served(w);
     if (--s->snapshot->waiting == 0)
         start(s->snapshot);
 }
@@ -251,7 +251,7 @@ static void enrol(struct dataset *set, void *ctx)
     }
     s->set = set;
     s->waiter.wake = on_free;
-    dataset_wait(set, &s->waiter, false);
+    wait_enter(&set->queue, &s->waiter);
     snap->waiting++;
 }
 
@@ -295,7 +295,7 @@ int snapshot_end(struct snapshot *snap, struct registry *sets)
         pthread_join(snap->thread, NULL);
     int error = snap->done ? snap->error : ECANCELED;
     for (size_t i = snap->released; i < snap->n; i++) {
-        dataset_served(&snap->source[i].waiter);
+        wait_served(&snap->source[i].waiter);
         if (snap->source[i].version != NULL)
             unpin(sets, snap->source[i].version);
     }

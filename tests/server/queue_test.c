@@ -24,6 +24,12 @@ static void note_call(struct waiter *w)
     order[called_n++ % (2 * MANY)] = r->number;
 }
 
+static void line_up(struct waiter *w, bool writes)
+{
+    w->writes = writes;
+    wait_enter(&set->queue, w);
+}
+
 static void begin(void)
 {
     registry_init(&sets);
@@ -53,7 +59,7 @@ static void edit_ends(void)
 {
     set->writer = NULL;
     set->exclusive = false;
-    dataset_call(set);
+    wait_call(&set->queue);
 }
 
 TEST(waiters_for_a_set_are_called_in_order_and_once_each)
@@ -61,15 +67,15 @@ TEST(waiters_for_a_set_are_called_in_order_and_once_each)
     begin();
     edit_begins(true);
     for (unsigned i = 0; i < MANY; i++)
-        dataset_wait(set, &in_line[i].waiter, true);
+        line_up(&in_line[i].waiter, true);
     for (unsigned i = 0; i < MANY; i++) { /* each begins a job of its own */
         edit_ends();
-        CHECK(called_n == i + 1 && order[i] == i && dataset_admits(set, true, true));
+        CHECK(called_n == i + 1 && order[i] == i && dataset_admits(set, true, &set->queue));
         edit_begins(true);
-        dataset_served(&in_line[i].waiter);
+        wait_served(&in_line[i].waiter);
     }
     for (unsigned i = 0; i < MANY; i++)
-        CHECK(in_line[i].calls == 1 && in_line[i].waiter.set == NULL);
+        CHECK(in_line[i].calls == 1 && in_line[i].waiter.queue == NULL);
     set->writer = NULL;
     registry_clear(&sets);
 }
@@ -78,16 +84,16 @@ TEST(request_that_changes_a_set_does_not_overtake_those_who_wait)
 {
     begin();
     edit_begins(true);
-    dataset_wait(set, &in_line[0].waiter, true);
+    line_up(&in_line[0].waiter, true);
     edit_ends();
     CHECK(in_line[0].calls == 1);
-    CHECK(!dataset_admits(set, true, false) && dataset_admits(set, false, false));
-    dataset_wait(set, &in_line[1].waiter, true);
+    CHECK(!dataset_admits(set, true, NULL) && dataset_admits(set, false, NULL));
+    line_up(&in_line[1].waiter, true);
     CHECK(in_line[1].calls == 0);
-    dataset_served(&in_line[0].waiter);
+    wait_served(&in_line[0].waiter);
     CHECK(in_line[1].calls == 1);
-    dataset_served(&in_line[1].waiter);
-    CHECK(dataset_admits(set, true, false));
+    wait_served(&in_line[1].waiter);
+    CHECK(dataset_admits(set, true, NULL));
     registry_clear(&sets);
 }
 
@@ -95,19 +101,19 @@ TEST(waiting_readers_go_on_beside_a_job_that_lets_the_set_be_read)
 {
     begin();
     edit_begins(true);
-    dataset_wait(set, &in_line[0].waiter, true);
-    dataset_wait(set, &in_line[1].waiter, false);
-    dataset_wait(set, &in_line[2].waiter, false);
+    line_up(&in_line[0].waiter, true);
+    line_up(&in_line[1].waiter, false);
+    line_up(&in_line[2].waiter, false);
     edit_begins(false); /* the edit ends, and an upkeep job begins at once */
-    dataset_call(set);
+    wait_call(&set->queue);
     CHECK(called_n == 1 && order[0] == 1);
-    dataset_served(&in_line[1].waiter);
+    wait_served(&in_line[1].waiter);
     CHECK(called_n == 2 && order[1] == 2);
-    dataset_served(&in_line[2].waiter);
+    wait_served(&in_line[2].waiter);
     CHECK(called_n == 2);
     edit_ends();
     CHECK(called_n == 3 && order[2] == 0);
-    dataset_served(&in_line[0].waiter);
+    wait_served(&in_line[0].waiter);
     registry_clear(&sets);
 }
 
@@ -115,17 +121,17 @@ TEST(waiter_that_is_called_and_must_wait_again_keeps_its_place)
 {
     begin();
     edit_begins(true);
-    dataset_wait(set, &in_line[0].waiter, true);
-    dataset_wait(set, &in_line[1].waiter, true);
+    line_up(&in_line[0].waiter, true);
+    line_up(&in_line[1].waiter, true);
     edit_ends();
     edit_begins(false);
-    dataset_wait(set, &in_line[0].waiter, true);
+    line_up(&in_line[0].waiter, true);
     CHECK(called_n == 1);
     edit_ends();
     CHECK(called_n == 2 && order[1] == 0);
-    dataset_served(&in_line[0].waiter);
+    wait_served(&in_line[0].waiter);
     CHECK(called_n == 3 && order[2] == 1);
-    dataset_served(&in_line[1].waiter);
+    wait_served(&in_line[1].waiter);
     registry_clear(&sets);
 }
 
@@ -134,12 +140,12 @@ TEST(waiter_that_leaves_when_it_is_called_passes_its_turn_on)
     begin();
     edit_begins(true);
     for (unsigned i = 0; i < 3; i++)
-        dataset_wait(set, &in_line[i].waiter, true);
-    dataset_served(&in_line[1].waiter); /* from the middle of the queue */
+        line_up(&in_line[i].waiter, true);
+    wait_served(&in_line[1].waiter); /* from the middle of the queue */
     edit_ends();
-    dataset_served(&in_line[0].waiter); /* its client has disconnected */
+    wait_served(&in_line[0].waiter); /* its client has disconnected */
     CHECK(called_n == 2 && order[1] == 2 && in_line[1].calls == 0);
-    dataset_served(&in_line[2].waiter);
+    wait_served(&in_line[2].waiter);
     registry_clear(&sets);
 }
 
@@ -148,11 +154,32 @@ TEST(waiters_for_a_set_that_is_dropped_are_all_woken)
     begin();
     edit_begins(true);
     for (unsigned i = 0; i < 3; i++)
-        dataset_wait(set, &in_line[i].waiter, true);
+        line_up(&in_line[i].waiter, true);
     edit_ends();
     registry_drop(&sets, set); /* by the one that was called */
     CHECK(called_n == 3);
     for (unsigned i = 0; i < 3; i++)
-        CHECK(in_line[i].calls == 1 && in_line[i].waiter.set == NULL && !in_line[i].waiter.called);
+        CHECK(in_line[i].calls == 1 && in_line[i].waiter.queue == NULL &&
+              !in_line[i].waiter.called);
+    registry_clear(&sets);
+}
+
+TEST(waiter_that_enters_another_queue_passes_its_turn_on)
+{
+    struct wait_queue log = {0};
+    begin();
+    edit_begins(true);
+    line_up(&in_line[0].waiter, true);
+    line_up(&in_line[1].waiter, true);
+    edit_ends();
+    CHECK(wait_turn(&in_line[0].waiter) == &set->queue);
+    wait_enter(&log, &in_line[0].waiter); /* it needs something else first */
+    CHECK(called_n == 2 && order[1] == 1 && wait_turn(&in_line[0].waiter) == NULL);
+    wait_call(&log);
+    CHECK(called_n == 3 && order[2] == 0 && wait_is_first(&log, &log) &&
+          !wait_is_first(&log, NULL));
+    wait_served(&in_line[0].waiter);
+    wait_served(&in_line[1].waiter);
+    CHECK(wait_is_first(&log, NULL));
     registry_clear(&sets);
 }
