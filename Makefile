@@ -32,6 +32,8 @@ ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))
 tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c))
 SUITES   := $(foreach s,core proto server clients,$(if $(wildcard tests/$(s)/*_test.c),$(s)))
 WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=mmap
+# The calls by which the server changes files go through tests/server/file_calls.c.
+WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--wrap=openat,--wrap=renameat,--wrap=linkat,--wrap=unlinkat
 
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -49,6 +51,7 @@ $(O)/tests/clients_tests: $(call tests_of,clients) $(O)/tests/daemon.o $(HARNESS
 TEST_BINARIES := $(SUITES:%=$(O)/tests/%_tests)
 $(TEST_BINARIES): LDFLAGS += $(WRAP)
 $(O)/tests/core_tests: LDFLAGS += -Wl,--wrap=dt_stopped
+$(O)/tests/server_tests: LDFLAGS += $(WRAP_FILES)
 
 $(O)/delaunayd $(O)/delaunay $(TEST_BINARIES):
 	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)

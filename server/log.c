@@ -247,7 +247,6 @@ static void carry_out(struct log *log, struct piece *p)
         encode_points(log, p, &out);
         break;
     case PIECE_ROTATE:
-        log_file_sync(&log->file);
         log_file_start(&log->file, p->last + 1);
         break;
     case PIECE_RESERVE:
@@ -367,7 +366,7 @@ static void resume(struct log *log)
         else
             push(&keep, p);
     }
-    log_file_start(&log->file, first);
+    log_file_restart(&log->file, first);
     if (log->file.error == 0)
         log_file_reserve(&log->file);
     uint64_t last = write_pieces(log, keep.first, first - 1);

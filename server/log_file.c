@@ -100,26 +100,11 @@ void log_file_sync(struct log_file *f)
     f->syncs++;
 }
 
-void log_file_start(struct log_file *f, uint64_t first)
+/* Writes what a new segment begins with; its name and header are durable, or the file has failed. */
+static void write_header(struct log_file *f)
 {
-    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = first};
-    char name[DATAFILE_NAME];
+    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = f->first};
     struct buf b = {0};
-    if (f->fd >= 0 && f->first == first && f->bytes == SEGMENT_HEADER)
-        return; /* it is fresh already */
-    if (f->fd < 0 && f->error != 0)
-        f->error = 0; /* a new descriptor, a new beginning */
-    else if (f->error != 0)
-        return;
-    log_file_clear(f);
-    datafile_name(name, DATAFILE_LOG, first);
-    f->fd = openat(f->dir->fd, name, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0600);
-    if (f->fd < 0) {
-        log_file_fail(f, errno);
-        return;
-    }
-    f->first = first;
-    f->bytes = 0;
     char *to = buf_reserve(&b, SEGMENT_HEADER);
     if (to != NULL) {
         segment_write(to, &header);
@@ -132,4 +117,30 @@ void log_file_start(struct log_file *f, uint64_t first)
         log_file_fail(f, errno);
     log_file_mark(f);
     buf_free(&b);
+}
+
+void log_file_start(struct log_file *f, uint64_t first)
+{
+    char name[DATAFILE_NAME];
+    if (f->fd >= 0 && f->first == first && f->bytes == SEGMENT_HEADER)
+        return; /* it is fresh already */
+    log_file_sync(f);
+    if (f->error != 0)
+        return;
+    log_file_clear(f);
+    datafile_name(name, DATAFILE_LOG, first);
+    f->fd = openat(f->dir->fd, name, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0600);
+    if (f->fd < 0) {
+        log_file_fail(f, errno);
+        return;
+    }
+    f->first = first;
+    f->bytes = 0;
+    write_header(f);
+}
+
+void log_file_restart(struct log_file *f, uint64_t first)
+{
+    f->error = 0;
+    log_file_start(f, first);
 }

@@ -23,9 +23,13 @@ void log_file_clear(struct log_file *f);
 /* Gives up the descriptor: nothing is written to it any more. */
 void log_file_fail(struct log_file *f, int error);
 
-/* Closes the segment and begins one whose first record will have the lsn `first`; after a failure,
- * too. When it returns, its name and header are durable. */
+/* Syncs and closes the segment, and begins one whose first record will have the lsn `first`. Without
+ * an error its name and header are durable when this returns. Does nothing after a failure. */
 void log_file_start(struct log_file *f, uint64_t first);
+
+/* The same after a failure, which is forgotten together with the segment in which it happened: for
+ * a caller who knows that everything before `first` is safe elsewhere. */
+void log_file_restart(struct log_file *f, uint64_t first);
 
 /* From here on until the next mark nothing counts as written before it is complete: if the disk is
  * full half way, the segment is cut back to here. */

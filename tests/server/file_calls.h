@@ -1,0 +1,47 @@
+/* file_calls.h - the calls by which the server changes files: recorded in their order, and made to
+ * fail or to stop.
+ *
+ * With -Wl,--wrap=write and so on every such call of the test binary goes through file_calls.c. For
+ * those on files of the watched directory a line each is kept, where consecutive writes to one file
+ * are one line:
+ *
+ *     create log.1      openat with O_CREAT
+ *     write log.1
+ *     sync log.1        fsync or fdatasync; `sync .` is the directory, `sync ..` its parent
+ *     cut log.1         ftruncate
+ *     rename snapshot.4.tmp snapshot.4
+ *     link log.1 damaged.log.1
+ *     remove log.1
+ *
+ * The zeros in front of a log sequence number are left out. Calls that fail are not kept. */
+#ifndef TESTS_SERVER_FILE_CALLS_H
+#define TESTS_SERVER_FILE_CALLS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Records from here on, and forgets what was recorded and whatever was to fail. */
+void calls_watch(const char *directory);
+
+/* The lines so far, valid until the next call of this file. */
+const char *calls_text(void);
+
+/* How many of them are this one. */
+unsigned calls_count(const char *line);
+
+/* Of the calls from now on that are this line, the n-th (counted from 1) and `times` - 1 after it
+ * fail with this error. */
+void calls_fail(const char *line, unsigned n, unsigned times, int error);
+
+/* From now on so many bytes can be written; a write beyond that writes what fits, the next one
+ * fails with ENOSPC. */
+void calls_limit_space(size_t bytes);
+
+/* Calls that are this line wait from now on, until calls_go_on. */
+void calls_stop(const char *line);
+
+/* Waits until one of them does. */
+void calls_await_stopped(void);
+void calls_go_on(void);
+
+#endif
