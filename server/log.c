@@ -44,7 +44,7 @@ struct log {
     /* the I/O thread's own */
     struct queue open; /* appended and not pushed yet */
     uint64_t next;     /* the lsn of the next record */
-    bool lost;         /* a record could not be kept: out of memory */
+    bool lost;         /* one of these could not be kept: out of memory */
     _Atomic uint64_t synced;
     /* shared */
     pthread_mutex_t mutex;
@@ -52,7 +52,7 @@ struct log {
     struct queue queue;
     struct log_status status;
     uint64_t resume; /* not 0: the argument of log_resume, plus 1 */
-    bool broken;     /* a record is missing from the queue */
+    uint64_t broken; /* a record up to this lsn is missing from the queue; 0: none */
     bool stopping;
     /* the log thread's own */
     struct log_file file;
@@ -162,7 +162,8 @@ void log_push(struct log *log)
         log->queue.last = log->open.last;
         log->queue.records += log->open.records;
     }
-    log->broken = log->broken || log->lost;
+    if (log->lost)
+        log->broken = log->next - 1;
     pthread_cond_signal(&log->wake);
     pthread_mutex_unlock(&log->mutex);
     log->open = (struct queue){0};
@@ -339,7 +340,7 @@ static void write_queue(struct log *log, bool sync)
     struct queue q = log->queue;
     uint64_t last = log->status.durable;
     log->queue = (struct queue){0};
-    bool broken = log->broken;
+    bool broken = log->broken != 0;
     pthread_mutex_unlock(&log->mutex);
     if (broken)
         log_file_fail(&log->file, ENOMEM);
@@ -356,7 +357,8 @@ static void resume(struct log *log)
     uint64_t first = log->resume;
     struct queue q = log->queue, keep = {0};
     log->resume = 0;
-    log->broken = false;
+    bool broken = log->broken >= first;
+    log->broken = broken ? log->broken : 0;
     log->queue = (struct queue){0};
     pthread_mutex_unlock(&log->mutex);
     for (struct piece *p = q.first, *next; p != NULL; p = next) {
@@ -366,7 +368,10 @@ static void resume(struct log *log)
         else
             push(&keep, p);
     }
-    log_file_restart(&log->file, first);
+    if (broken)
+        log_file_fail(&log->file, ENOMEM);
+    else
+        log_file_restart(&log->file, first);
     if (log->file.error == 0)
         log_file_reserve(&log->file);
     uint64_t last = write_pieces(log, keep.first, first - 1);
@@ -383,7 +388,7 @@ static void *serve(void *arg)
         bool failed = log->status.state == LOG_FAILED;
         if (failed && log->resume != 0)
             resume(log);
-        else if (!failed && (log->queue.first != NULL || log->broken)) {
+        else if (!failed && (log->queue.first != NULL || log->broken != 0)) {
             gather(log);
             write_queue(log, false);
         } else if (!failed && (sync_is_due(log) || (log->stopping && log->file.unsynced))) {

@@ -119,9 +119,19 @@ static void write_header(struct log_file *f)
     buf_free(&b);
 }
 
+/* Opens the segment's file, empty. *created: it was not there before. */
+static int open_segment(const struct log_file *f, const char *name, bool *created)
+{
+    enum { FLAGS = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC };
+    int fd = openat(f->dir->fd, name, FLAGS | O_EXCL, 0600);
+    *created = fd >= 0;
+    return fd < 0 && errno == EEXIST ? openat(f->dir->fd, name, FLAGS | O_TRUNC, 0600) : fd;
+}
+
 void log_file_start(struct log_file *f, uint64_t first)
 {
     char name[DATAFILE_NAME];
+    bool created;
     if (f->fd >= 0 && f->first == first && f->bytes == SEGMENT_HEADER)
         return; /* it is fresh already */
     log_file_sync(f);
@@ -129,7 +139,7 @@ void log_file_start(struct log_file *f, uint64_t first)
         return;
     log_file_clear(f);
     datafile_name(name, DATAFILE_LOG, first);
-    f->fd = openat(f->dir->fd, name, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0600);
+    f->fd = open_segment(f, name, &created);
     if (f->fd < 0) {
         log_file_fail(f, errno);
         return;
@@ -137,6 +147,10 @@ void log_file_start(struct log_file *f, uint64_t first)
     f->first = first;
     f->bytes = 0;
     write_header(f);
+    /* The next try must not find it there: the sync of the directory would have nothing to do, and
+     * could report a success that is not one. */
+    if (f->error != 0 && created)
+        unlinkat(f->dir->fd, name, 0);
 }
 
 void log_file_restart(struct log_file *f, uint64_t first)

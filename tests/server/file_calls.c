@@ -78,6 +78,13 @@ unsigned calls_count(const char *line)
     return n;
 }
 
+bool calls_end(const char *lines)
+{
+    const char *text = calls_text();
+    size_t n = strlen(lines), all = strlen(text);
+    return all >= n && strcmp(text + all - n, lines) == 0;
+}
+
 void calls_fail(const char *line, unsigned n, unsigned times, int error)
 {
     pthread_mutex_lock(&mutex);

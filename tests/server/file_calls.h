@@ -29,6 +29,9 @@ const char *calls_text(void);
 /* How many of them are this one. */
 unsigned calls_count(const char *line);
 
+/* Whether these lines are the last ones. */
+bool calls_end(const char *lines);
+
 /* Of the calls from now on that are this line, the n-th (counted from 1) and `times` - 1 after it
  * fail with this error. */
 void calls_fail(const char *line, unsigned n, unsigned times, int error);

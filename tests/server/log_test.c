@@ -55,6 +55,15 @@ static void look(struct bench *b)
     log_status(b->log, &b->status);
 }
 
+static void await_durable(struct bench *b, uint64_t lsn)
+{
+    log_push(b->log);
+    while (b->status.durable < lsn) {
+        look(b);
+        CHECK_MSG(b->status.state != LOG_FAILED, "it failed: %s", strerror(b->status.error));
+    }
+}
+
 static void await_failure(struct bench *b)
 {
     log_push(b->log);
@@ -90,4 +99,206 @@ TEST(failed_sync_before_a_new_segment_is_a_failed_log)
     CHECK(b.status.error == EIO && b.status.durable == 0 && b.status.segment == 1);
     CHECK(calls_count("create log.2") == 0);
     end(&b);
+}
+
+/* On Linux a file whose creation could not be synced may look as if it were: the next sync of the
+ * directory succeeds without it, unless there is something new in it. */
+TEST(segment_that_could_not_be_begun_is_created_again)
+{
+    static const char *const calls[] = {"write log.2", "sync log.2", "sync ."};
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
+        struct bench b;
+        begin(&b, LOG_ALWAYS);
+        append(&b);
+        await_durable(&b, 1);
+        calls_fail(calls[i], 1, 1, EIO);
+        CHECK(log_rotate(b.log) == 1);
+        await_failure(&b);
+        CHECK(calls_count("create log.2") == 1 && calls_count("remove log.2") == 1);
+        log_resume(b.log, 1);
+        while (b.status.state == LOG_FAILED)
+            look(&b);
+        CHECK(calls_count("create log.2") == 2 && b.status.segment == 2 && b.status.durable == 1);
+        end(&b);
+    }
+}
+
+/* ---- what is durable, and what was synced ---- */
+
+/* The records of a segment, oldest first; how many there are. */
+static size_t read_segment(const struct bench *b, uint64_t first, struct record *r, size_t most)
+{
+    char name[DATAFILE_NAME], path[128];
+    size_t n, at = SEGMENT_HEADER, records = 0;
+    datafile_name(name, DATAFILE_LOG, first);
+    snprintf(path, sizeof path, "%s/%s", b->directory.path, name);
+    char *bytes = file_read(path, &n);
+    while (at < n) {
+        ptrdiff_t took = record_read(bytes + at, n - at, &r[records]);
+        CHECK_MSG(took > 0 && records < most, "at byte %zu of %zu", at, n);
+        r[records].name = NULL; /* it goes with the bytes */
+        at += (size_t)took;
+        records++;
+    }
+    free(bytes);
+    return records;
+}
+
+TEST(log_calls_nothing_synced_that_is_only_written)
+{
+    static const enum log_policy policies[] = {LOG_NO, LOG_EVERYSEC};
+    for (int i = 0; i < 2; i++) {
+        struct record r[3];
+        struct bench b;
+        begin(&b, policies[i]);
+        append(&b);
+        await_durable(&b, 1);
+        /* A test that is interrupted for a second may see the sync that is due every second. */
+        bool synced = calls_count("sync log.1") > 1;
+        CHECK(synced || b.status.synced == 0);
+        append(&b);
+        await_durable(&b, 2);
+        CHECK(read_segment(&b, 1, r, 3) == 2 && r[0].synced == 0);
+        CHECK(synced || r[1].synced == 0);
+        end(&b);
+    }
+}
+
+TEST(log_syncs_before_it_calls_a_change_durable)
+{
+    struct record r[3];
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    calls_stop("sync log.1");
+    append(&b);
+    log_push(b.log);
+    calls_await_stopped();
+    log_status(b.log, &b.status);
+    CHECK(b.status.durable == 0 && b.status.synced == 0);
+    calls_go_on();
+    await_durable(&b, 1);
+    CHECK(b.status.synced == 1);
+    append(&b);
+    await_durable(&b, 2);
+    CHECK(read_segment(&b, 1, r, 3) == 2 && r[0].synced == 0 && r[1].synced == 1);
+    end(&b);
+}
+
+TEST(log_that_is_closed_says_that_everything_before_was_synced)
+{
+    struct record r[3];
+    struct bench b;
+    begin(&b, LOG_NO);
+    append(&b);
+    struct bench closed = b;
+    log_free(b.log);
+    CHECK(read_segment(&closed, 1, r, 3) == 2 && r[1].type == RECORD_CLOSE && r[1].synced == 1);
+    CHECK(calls_end("write log.1\nsync log.1\n"));
+    datadir_close(&b.dir);
+    close(b.event);
+    directory_remove(&b.directory);
+}
+
+/* ---- failures ---- */
+
+TEST(change_that_does_not_fit_into_memory_is_a_failed_log)
+{
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    test_fail_alloc(1);
+    CHECK(append(&b) == 1 && test_alloc_failed());
+    await_failure(&b);
+    CHECK(b.status.error == ENOMEM && b.status.durable == 0);
+    end(&b);
+}
+
+/* Fails with one record in the file, of which nobody knows whether it is there. */
+static void fail(struct bench *b)
+{
+    calls_fail("sync log.1", 1, 1, EIO);
+    append(b);
+    await_failure(b);
+}
+
+static void resume(struct bench *b, uint64_t lsn)
+{
+    uint64_t failures = b->status.failures;
+    log_resume(b->log, lsn);
+    while (b->status.state == LOG_FAILED && b->status.failures == failures)
+        look(b);
+}
+
+TEST(log_that_goes_on_has_every_change_that_the_snapshot_has_not)
+{
+    struct record r[3];
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    fail(&b);
+    append(&b);
+    CHECK(log_rotate(b.log) == 2);
+    append(&b); /* these two came while the snapshot was written */
+    log_push(b.log);
+    append(&b);
+    resume(&b, 2);
+    CHECK(b.status.state == LOG_GOOD && b.status.durable == 4 && b.status.segment == 3);
+    CHECK(read_segment(&b, 3, r, 3) == 2 && r[0].lsn == 3 && r[1].lsn == 4);
+    CHECK(calls_end("write log.3\nsync log.3\n"));
+    end(&b);
+}
+
+TEST(log_stays_failed_when_a_change_was_lost_that_the_snapshot_has_not)
+{
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    fail(&b);
+    CHECK(log_rotate(b.log) == 1);
+    test_fail_alloc(1);
+    CHECK(append(&b) == 2 && test_alloc_failed());
+    log_push(b.log);
+    resume(&b, 1);
+    CHECK(b.status.state == LOG_FAILED && b.status.error == ENOMEM && b.status.durable == 0);
+    CHECK(append(&b) == 3 && log_rotate(b.log) == 3);
+    resume(&b, 3); /* the next snapshot has it */
+    CHECK(b.status.state == LOG_GOOD && b.status.durable == 3);
+    end(&b);
+}
+
+TEST(log_on_a_full_disk_ends_with_a_whole_record)
+{
+    char name[DATAFILE_NAME], path[128];
+    size_t n;
+    struct record r[3];
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    append(&b);
+    await_durable(&b, 1);
+    calls_limit_space(60); /* one whole record and a piece of the next one, in one write */
+    append(&b);
+    append(&b);
+    await_failure(&b);
+    CHECK(b.status.error == ENOSPC && b.status.durable == 1);
+    CHECK(calls_count("remove reserve") == 1 && calls_count("cut log.1") == 1);
+    CHECK(read_segment(&b, 1, r, 3) == 1 && r[0].lsn == 1);
+    datafile_name(name, DATAFILE_LOG, 1);
+    snprintf(path, sizeof path, "%s/%s", b.directory.path, name);
+    free(file_read(path, &n));
+    CHECK(n == SEGMENT_HEADER + RECORD_HEADER + 1);
+    end(&b);
+}
+
+/* Without any segment the directory of a snapshot could not be read any more. */
+TEST(segment_that_was_there_stays_when_its_beginning_fails)
+{
+    char path[128];
+    struct datadir dir;
+    struct directory d = directory_quick();
+    snprintf(path, sizeof path, "%s/log.%016x", d.path, 5);
+    file_write(path, "", 0);
+    CHECK(datadir_open(&dir, d.path, false));
+    calls_watch(d.path);
+    calls_fail("sync log.5", 1, 1, EIO);
+    CHECK(log_new(&dir, LOG_ALWAYS, 5, -1) == NULL);
+    CHECK(directory_file(&d, "log.", 0, path));
+    datadir_close(&dir);
+    directory_remove(&d);
 }
