@@ -1,0 +1,111 @@
+/* hold_test.c - which bytes wait for which change, and who is told when. */
+#include "server/hold.h"
+
+#include "tests/test.h"
+
+#include <string.h>
+
+enum { CONNECTIONS = 4 };
+
+static struct hold hold[CONNECTIONS];
+static unsigned released[CONNECTIONS], not_saved[CONNECTIONS];
+
+static void on_released(struct hold *h)
+{
+    released[h - hold]++;
+}
+
+static void on_not_saved(struct hold *h)
+{
+    not_saved[h - hold]++;
+    hold_clear(h);
+}
+
+static struct holders all = {.released = on_released, .not_saved = on_not_saved};
+
+/* How many of the bytes 0..99 may be sent. */
+static size_t free_of(const struct hold *h)
+{
+    return hold_free(h, 0, 100);
+}
+
+TEST(bytes_wait_until_their_own_change_is_durable)
+{
+    hold_add(&all, &hold[0], 5, 10);
+    CHECK(free_of(&hold[0]) == 10);
+    holders_release(&all, 4);
+    CHECK(free_of(&hold[0]) == 10 && released[0] == 0);
+    holders_release(&all, 5);
+    CHECK(free_of(&hold[0]) == 100 && released[0] == 1);
+    holders_release(&all, 6);
+    CHECK(released[0] == 1 && all.first == NULL);
+}
+
+TEST(second_group_of_a_connection_waits_for_its_latest_change)
+{
+    hold_add(&all, &hold[0], 5, 10);
+    hold_add(&all, &hold[0], 6, 20);
+    hold_add(&all, &hold[0], 7, 30);
+    holders_release(&all, 5);
+    CHECK(free_of(&hold[0]) == 20 && released[0] == 1);
+    holders_release(&all, 6);
+    CHECK(free_of(&hold[0]) == 20 && released[0] == 1);
+    hold_add(&all, &hold[0], 8, 40); /* behind the group that waits for 7, not with it */
+    holders_release(&all, 7);
+    CHECK(free_of(&hold[0]) == 40 && released[0] == 2);
+    holders_release(&all, 8);
+    CHECK(free_of(&hold[0]) == 100 && released[0] == 3 && all.first == NULL);
+}
+
+TEST(one_release_may_end_both_groups)
+{
+    hold_add(&all, &hold[0], 5, 10);
+    hold_add(&all, &hold[0], 6, 20);
+    holders_release(&all, 6);
+    CHECK(free_of(&hold[0]) == 100 && released[0] == 1 && all.first == NULL);
+}
+
+static unsigned count_held(void)
+{
+    unsigned n = 0;
+    const struct hold *before = NULL;
+    for (const struct hold *h = all.first; h != NULL; before = h, h = h->next) {
+        CHECK(h->in == &all && h->prev == before);
+        n++;
+    }
+    return n;
+}
+
+/* Links of an earlier time among the others must not be followed. */
+TEST(connections_that_wait_again_stand_in_line_as_if_for_the_first_time)
+{
+    for (int i = 0; i < 3; i++)
+        hold_add(&all, &hold[i], 1, 0);
+    hold_clear(&hold[0]); /* its `prev` points to others now */
+    CHECK(count_held() == 2);
+    hold_add(&all, &hold[0], 2, 0);
+    CHECK(count_held() == 3 && all.first == &hold[0]);
+    hold_clear(&hold[0]);
+    CHECK(count_held() == 2 && all.first == &hold[2]);
+    hold_clear(&hold[0]); /* twice is once */
+    CHECK(count_held() == 2);
+}
+
+TEST(everybody_who_can_go_is_released_and_nobody_else)
+{
+    for (unsigned i = 0; i < CONNECTIONS; i++)
+        hold_add(&all, &hold[i], i, 0);
+    holders_release(&all, 2);
+    CHECK(released[0] == 1 && released[1] == 1 && released[2] == 1 && released[3] == 0);
+    CHECK(count_held() == 1 && all.first == &hold[3]);
+}
+
+TEST(everybody_who_waits_is_told_that_nothing_was_saved)
+{
+    for (unsigned i = 0; i < CONNECTIONS; i++)
+        hold_add(&all, &hold[i], i, 0);
+    holders_release(&all, 1);
+    holders_fail(&all);
+    CHECK(not_saved[0] == 0 && not_saved[1] == 0 && not_saved[2] == 1 && not_saved[3] == 1);
+    CHECK(count_held() == 0);
+}
