@@ -15,3 +15,11 @@ $(O)/load: $(patsubst %.c,$(O)/%.o,$(wildcard tests/load/*.c)) $(O)/server/histo
 load: all
 	@tests/load/standard.sh $(O) $(LOAD_POINTS) | tee $(O)/load.md
 	@echo "the tables are in $(O)/load.md, drawings in $(O)/load-*.svg"
+
+# What single innocent requests do to other clients, and what stress does to memory: four minutes.
+#
+#   make stress SCENARIOS=hub LARGE=1000000
+.PHONY: stress
+LARGE ?= 10000000
+stress: all
+	@python3 tests/load/stress.py --large $(LARGE) $(O)/delaunayd $(SCENARIOS)
