@@ -3,14 +3,13 @@
 
 #include "core/delaunay.h"
 #include "proto/number.h"
+#include "server/machine.h"
 
 #include <arpa/inet.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 enum { DESCRIPTORS_APART = 32, MOST_CLIENTS = 10000, MOST_THREADS = 256 };
 
@@ -45,40 +44,18 @@ static const char usage[] =
     "  --version           say which version this is\n"
     "  --help              say this\n";
 
-static unsigned processors(void)
+static unsigned threads_here(void)
 {
-    long n = sysconf(_SC_NPROCESSORS_ONLN);
-    return n < 1 ? 1 : n > MOST_THREADS ? MOST_THREADS : (unsigned)n;
+    unsigned n = machine_processors();
+    return n < MOST_THREADS ? n : MOST_THREADS;
 }
 
 static unsigned affordable_clients(void)
 {
-    struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY ||
-        limit.rlim_cur >= MOST_CLIENTS + DESCRIPTORS_APART)
-        return MOST_CLIENTS;
-    return limit.rlim_cur > DESCRIPTORS_APART + 1 ? (unsigned)limit.rlim_cur - DESCRIPTORS_APART
-                                                  : 1;
-}
-
-/* What the control group of this process may use, SIZE_MAX without a limit. */
-static size_t group_memory(void)
-{
-    unsigned long long v;
-    FILE *f = fopen("/sys/fs/cgroup/memory.max", "re");
-    if (f == NULL)
-        return SIZE_MAX;
-    bool read = fscanf(f, "%llu", &v) == 1;
-    fclose(f);
-    return read ? (size_t)v : SIZE_MAX;
-}
-
-static size_t usable_memory(void)
-{
-    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    size_t machine = pages > 0 && page > 0 ? (size_t)pages * (size_t)page : (size_t)1 << 30;
-    size_t group = group_memory();
-    return (machine < group ? machine : group) / 5 * 4;
+    unsigned n = machine_descriptors();
+    return n <= DESCRIPTORS_APART                  ? 1
+           : n - DESCRIPTORS_APART >= MOST_CLIENTS ? MOST_CLIENTS
+                                                   : n - DESCRIPTORS_APART;
 }
 
 void config_init(struct config *c)
@@ -86,10 +63,10 @@ void config_init(struct config *c)
     *c = (struct config){
         .bind_address = "127.0.0.1",
         .port = DEFAULT_PORT,
-        .threads = processors(),
+        .threads = threads_here(),
         .max_clients = affordable_clients(),
         .max_points = DT_MAX_POINTS,
-        .max_memory = usable_memory(),
+        .max_memory = machine_memory() / 5 * 4,
         .compact_at = (size_t)64 << 20,
         .slowlog_us = 10000,
         .slowlog_len = 128,

@@ -1,11 +1,13 @@
 /* main.c - delaunayd: reads the command line and runs the daemon. */
 #include "server/config.h"
 #include "server/daemon.h"
+#include "server/machine.h"
 #include "server/recover.h"
 
 int main(int argc, char **argv)
 {
     struct config config;
+    machine_raise_descriptors(); /* first: the default of --max-clients depends on it */
     config_init(&config);
     switch (config_parse(&config, argc, argv)) {
     case CONFIG_EXIT:
