@@ -14,6 +14,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <signal.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -24,7 +25,8 @@
 
 enum {
     ACCEPTS_PER_TURN = 64,
-    GRACE_MS = 30 * 1000, /* for what is under way when the daemon is told to stop */
+    REFUSALS_PER_TURN = 8, /* each is a connection made and closed: 20 us, and nobody is served */
+    GRACE_MS = 30 * 1000,  /* for what is under way when the daemon is told to stop */
     PROGRESS_AFTER_MS = 1000,
     ANNOUNCE_MS = 1000 /* how long the ready line waits for sets that are being read from disk */
 };
@@ -37,7 +39,8 @@ static struct {
     struct source tcp, local, signals, workers, durable;
     int handed;  /* a listening socket from the service manager; -1: none */
     int reserve; /* a descriptor kept back, to refuse politely when all others are used up */
-    bool paused; /* the listeners are not watched: no descriptor is left at all */
+    bool paused; /* the listeners are not watched until the next tick: accepting cannot succeed */
+    struct notice_rarely refusals;
     bool stopping;
     bool failed;    /* the data directory cannot be used */
     bool announced; /* the ready line is out */
@@ -76,8 +79,11 @@ static void on_client_closed(struct session *s)
 
 static void refuse(int fd, const char *line)
 {
+    uint64_t more;
     d.server.count.refused++;
-    notice(NOTICE_WARNING, "a client was refused: %.*s", (int)strcspn(line, "\n"), line);
+    if (notice_rarely(&d.refusals, d.loop.now_ms, &more))
+        notice(NOTICE_WARNING, "a client was refused: %.*s (%" PRIu64 " more since the last time)",
+               (int)strcspn(line, "\n"), line, more);
     sock_refuse(fd, line);
 }
 
@@ -100,34 +106,46 @@ static void welcome(int fd, const struct sock_peer *peer)
 }
 
 /* No descriptor is left: gives up the reserve for a moment to accept one client and tell it. Left
- * waiting in the backlog, clients would keep the listener readable and the loop turning. */
-static bool refuse_one(int listener)
+ * waiting in the backlog, clients would keep the listener readable and the loop turning. Returns 0,
+ * or why it could not accept. */
+static int refuse_one(int listener)
 {
+    struct sock_peer peer;
     if (d.reserve >= 0)
         close(d.reserve);
     d.reserve = -1;
-    struct sock_peer peer;
     int fd = sock_accept(listener, &peer);
+    int error = fd < 0 ? errno : 0;
     if (fd >= 0)
-        refuse(fd, "ERR BUSY no descriptor is left\n");
+        refuse(fd, "ERR BUSY too many open files\n");
     refill_reserve();
-    if (d.reserve < 0)
-        watch_listeners(false);
-    return fd >= 0 && d.reserve >= 0;
+    return d.reserve < 0 ? EMFILE : error;
+}
+
+/* Accepting failed. False: nothing more can be accepted in this turn. */
+static bool after_failure(int listener, int error)
+{
+    if (error == EMFILE || error == ENFILE)
+        error = refuse_one(listener);
+    if (error == EAGAIN)
+        return false;
+    if (error != EMFILE && error != ENFILE && error != ENOMEM && error != ENOBUFS)
+        return true; /* none, or one of the connection, which is gone (accept(2)) */
+    /* The connection stays where it is, and the listener readable. */
+    watch_listeners(false);
+    return false;
 }
 
 static void on_listener(struct source *listener, uint32_t events)
 {
+    uint64_t most = d.server.count.refused + REFUSALS_PER_TURN;
     (void)events;
-    for (int i = 0; i < ACCEPTS_PER_TURN; i++) {
+    for (int i = 0; i < ACCEPTS_PER_TURN && d.server.count.refused < most; i++) {
         struct sock_peer peer;
         int fd = sock_accept(listener->fd, &peer);
         if (fd >= 0)
             welcome(fd, &peer);
-        else if (errno == EMFILE || errno == ENFILE) {
-            if (!refuse_one(listener->fd))
-                return;
-        } else if (errno != ECONNABORTED && errno != EINTR)
+        else if (!after_failure(listener->fd, errno))
             return;
     }
 }
@@ -308,6 +326,7 @@ static bool listen_to_handed(const struct config *config)
         return false;
     }
     d.port = sock_port(d.handed);
+    sock_prepare(d.handed);
     return watch(&d.tcp, d.handed, on_listener) &&
            (config->unix_path == NULL ||
             watch(&d.local, sock_listen_unix(config->unix_path), on_listener));

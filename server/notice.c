@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PER_SECOND = 50, LINE = 480 };
+enum { PER_SECOND = 50, LINE = 480, RARELY_MS = 10 * 1000 };
 
 static const char *const level_name[] = {"error", "warning", "info", "debug"};
 static const int priority[] = {3, 4, 6, 7}; /* syslog's */
@@ -100,6 +100,17 @@ void notice(enum notice_level level, const char *format, ...)
     va_start(ap, format);
     vtell(level, format, ap);
     va_end(ap);
+}
+
+bool notice_rarely(struct notice_rarely *r, int64_t now_ms, uint64_t *more)
+{
+    if (r->told_ms != 0 && now_ms - r->told_ms < RARELY_MS) {
+        r->left_out++;
+        return false;
+    }
+    *more = r->left_out;
+    *r = (struct notice_rarely){.told_ms = now_ms};
+    return true;
 }
 
 void notice_tick(void)

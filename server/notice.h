@@ -10,6 +10,7 @@
 #define SERVER_NOTICE_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 enum notice_level { NOTICE_ERROR, NOTICE_WARNING, NOTICE_INFO, NOTICE_DEBUG };
 
@@ -25,6 +26,16 @@ bool notice_wanted(enum notice_level level);
 /* Tells one line. What is not printable in it becomes '?', and a long one is cut. Beyond 50 a
  * second they are left out and counted, errors excepted. */
 __attribute__((format(printf, 2, 3))) void notice(enum notice_level level, const char *format, ...);
+
+/* For a line that strangers can provoke as often as they like: of each kind one in ten seconds. */
+struct notice_rarely {
+    int64_t told_ms;   /* when the last one was told; 0: none was */
+    uint64_t left_out; /* since then */
+};
+
+/* Whether such a line may be told now, a moment of the monotonic clock; then *more is how many were
+ * not told before it. One thread's. */
+bool notice_rarely(struct notice_rarely *r, int64_t now_ms, uint64_t *more);
 
 /* Once a second: tells how many were left out since. */
 void notice_tick(void);

@@ -16,7 +16,13 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-enum { BACKLOG = 1024 };
+enum {
+    BACKLOG = 1024,
+    /* A client whose machine is gone is noticed after IDLE + PROBES * INTERVAL seconds of silence. */
+    KEEPALIVE_IDLE_S = 60,
+    KEEPALIVE_INTERVAL_S = 15,
+    KEEPALIVE_PROBES = 4
+};
 
 static int fail(int fd, const char *what)
 {
@@ -51,15 +57,29 @@ static unsigned port_of(const struct sockaddr_storage *at)
                                           : ((const struct sockaddr_in6 *)at)->sin6_port);
 }
 
+static void set(int fd, int level, int option, int value)
+{
+    setsockopt(fd, level, option, &value, sizeof value);
+}
+
+void sock_prepare(int listener)
+{
+    set(listener, IPPROTO_TCP, TCP_NODELAY, 1);
+    set(listener, SOL_SOCKET, SO_KEEPALIVE, 1);
+    set(listener, IPPROTO_TCP, TCP_KEEPIDLE, KEEPALIVE_IDLE_S);
+    set(listener, IPPROTO_TCP, TCP_KEEPINTVL, KEEPALIVE_INTERVAL_S);
+    set(listener, IPPROTO_TCP, TCP_KEEPCNT, KEEPALIVE_PROBES);
+}
+
 int sock_listen(const char *address, unsigned *port)
 {
     struct sockaddr_storage at;
     socklen_t len = parse_address(address, *port, &at);
-    int on = 1;
     int fd = len > 0 ? socket(at.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0) : -1;
     if (fd < 0)
         return fail(fd, address);
-    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    set(fd, SOL_SOCKET, SO_REUSEADDR, 1);
+    sock_prepare(fd);
     if (bind(fd, (struct sockaddr *)&at, len) != 0 || listen(fd, BACKLOG) != 0)
         return fail(fd, address);
     len = sizeof at;
@@ -168,23 +188,19 @@ void sock_peer_text(const struct sock_peer *peer, char text[SOCK_PEER_TEXT])
 
 int sock_accept(int listener, struct sock_peer *peer)
 {
-    int on = 1;
     struct sockaddr_storage at = {.ss_family = AF_UNSPEC};
     socklen_t len = sizeof at;
     int fd = accept4(listener, (struct sockaddr *)&at, &len, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (fd >= 0)
         read_peer(&at, peer);
-    if (fd >= 0) /* without effect on a Unix socket, which has no such delay */
-        setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     return fd;
 }
 
 void sock_refuse(int fd, const char *line)
 {
     char scratch[4096];
-    /* Closing with unread input would reset the connection, and the line would be lost. */
-    if (send(fd, line, strlen(line), MSG_NOSIGNAL | MSG_DONTWAIT) > 0 && shutdown(fd, SHUT_WR) == 0)
-        while (recv(fd, scratch, sizeof scratch, MSG_DONTWAIT) == (ssize_t)sizeof scratch)
-            continue;
+    ssize_t ignored = send(fd, line, strlen(line), MSG_NOSIGNAL | MSG_DONTWAIT);
+    ignored = recv(fd, scratch, sizeof scratch, MSG_DONTWAIT);
+    (void)ignored;
     close(fd);
 }

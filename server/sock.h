@@ -29,13 +29,21 @@ bool sock_is_local(int fd);
 /* Its port; 0 for a Unix socket. */
 unsigned sock_port(int fd);
 
-/* Accepts one connection from *peer, non-blocking and without Nagle's delay; -1 with errno. */
+/* Options of a listening socket that Linux hands on to the connections it accepts: no Nagle's delay,
+ * and probes that notice when the other machine is gone. sock_listen sets them; to be called for a
+ * socket that comes from elsewhere. Without effect on a Unix socket. */
+void sock_prepare(int listener);
+
+/* Accepts one non-blocking connection from *peer; -1 with errno. */
 int sock_accept(int listener, struct sock_peer *peer);
 
 /* Writes `address:port`, an IPv6 address in brackets, or `unix`. */
 void sock_peer_text(const struct sock_peer *peer, char text[SOCK_PEER_TEXT]);
 
-/* Sends one line of refusal as far as the system takes it at once, and closes. */
+/* Sends one line of refusal as far as the system takes it at once, and closes. A first request that
+ * has come already is read, because closing with unread input resets the connection, and a reset
+ * may overtake the line. Only so much is read, once: strangers who send without end are reset, and
+ * cost those who are being served nothing more. */
 void sock_refuse(int fd, const char *line);
 
 #endif

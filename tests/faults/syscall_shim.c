@@ -1,9 +1,11 @@
 /* syscall_shim.c - counts the system calls by which a daemon talks to its clients, loaded into it with
  * LD_PRELOAD.
  *
- *     SYSCALLS_FILE    a file of at least eight bytes; an unsigned 64-bit count at its front grows
- * by one with every call, so that a test that has mapped the file sees it at once */
+ *     SYSCALLS_FILE    a file of at least 16 bytes: two unsigned 64-bit numbers. The first one grows by
+ *                      one with every call, so that a test that has mapped the file sees it at once;
+ *                      while the second one is not 0, accepting fails with it as errno */
 #include <dlfcn.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <stdatomic.h>
 #include <stdint.h>
@@ -14,14 +16,14 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-static _Atomic uint64_t *calls;
+static _Atomic uint64_t *calls; /* and, behind it, the errno of accept4 */
 
 __attribute__((constructor)) static void map_file(void)
 {
     const char *path = getenv("SYSCALLS_FILE");
     int fd = path == NULL ? -1 : open(path, O_RDWR | O_CLOEXEC);
-    void *at =
-        fd < 0 ? MAP_FAILED : mmap(NULL, sizeof *calls, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+    void *at = fd < 0 ? MAP_FAILED
+                      : mmap(NULL, 2 * sizeof *calls, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
     if (fd >= 0)
         close(fd);
     calls = at == MAP_FAILED ? NULL : at;
@@ -33,6 +35,17 @@ static void *real(const char *name)
     if (calls != NULL)
         atomic_fetch_add(calls, 1);
     return dlsym(RTLD_NEXT, name);
+}
+
+int accept4(int fd, __SOCKADDR_ARG at, socklen_t *len, int flags)
+{
+    int (*next)(int, __SOCKADDR_ARG, socklen_t *, int) =
+        (int (*)(int, __SOCKADDR_ARG, socklen_t *, int))real("accept4");
+    if (calls != NULL && calls[1] != 0) {
+        errno = (int)calls[1];
+        return -1;
+    }
+    return next(fd, at, len, flags);
 }
 
 ssize_t recv(int fd, void *to, size_t n, int flags)
