@@ -37,6 +37,7 @@ enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *co
     copy->alias = alias;
     copy->group = group;
     copy->group_of = group_of;
+    copy->changes = NULL;
     return DT_OK;
 }
 
@@ -65,10 +66,12 @@ enum dt_status dt_aliases_reserve(struct dt_aliases *a, uint32_t representative)
 static uint32_t new_group(struct dt_aliases *a, uint32_t representative)
 {
     uint32_t g = a->free_group;
-    if (g != DT_NONE)
+    if (g != DT_NONE) {
         a->free_group = a->group[g].head;
-    else
+        dt_changes_family(a->changes, g);
+    } else {
         g = a->groups++;
+    }
     a->group[g] = (struct dt_alias_group){representative, DT_NONE, DT_NONE};
     dt_idmap_set(&a->group_of, representative, g);
     return g;
@@ -135,6 +138,7 @@ void dt_aliases_rename(struct dt_aliases *a, uint32_t from, uint32_t to)
     uint32_t g = dt_idmap_get(&a->group_of, from);
     if (g == DT_NONE)
         return;
+    dt_changes_family(a->changes, g);
     dt_idmap_unset(&a->group_of, from);
     dt_idmap_set(&a->group_of, to, g);
     a->group[g].representative = to;

@@ -5,6 +5,7 @@
 #ifndef DT_ALIASES_H
 #define DT_ALIASES_H
 
+#include "core/changes.h"
 #include "core/idmap.h"
 
 struct dt_alias {
@@ -24,8 +25,9 @@ struct dt_aliases {
     struct dt_alias *alias;       /* owns cap; 0 .. end - 1 are in use or free */
     struct dt_alias_group *group; /* owns cap; 0 .. groups - 1 are in use or free */
     uint32_t cap, end, groups, count;
-    uint32_t free_alias, free_group; /* heads of the free lists */
-    struct dt_idmap group_of;        /* id of a representative that has aliases -> group */
+    uint32_t free_alias, free_group;  /* heads of the free lists */
+    struct dt_idmap group_of;         /* id of a representative that has aliases -> group */
+    const struct dt_changes *changes; /* borrows: who is to know of a group's representative */
 };
 
 void dt_aliases_init(struct dt_aliases *a, struct dt_pages *pages);

@@ -93,6 +93,7 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
     t->mesh.recycled = false;
     t->hinted = 0;
     t->steps = 0;
+    dt_views_lose_rings(t);
     t->current = true;
     return DT_OK;
 }

@@ -41,6 +41,7 @@ void dt_free(struct dt *t)
     dt_mesh_clear(&t->mesh);
     dt_hints_clear(&t->hints);
     dt_cavity_clear(&t->scratch);
+    dt_views_clear(t);
     free(t);
 }
 
@@ -95,6 +96,7 @@ enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
     for (size_t i = 0; i < n; i++)
         if (!point_ok(p[i]))
             return DT_RANGE;
+    dt_views_edit_begin(t);
     if (dt_is_live(t) && !dt_update_is_bulk(t, n))
         return dt_update_add(t, p, n, out);
     enum dt_status status = dt_points_add(&t->points, p, n, pool, out);
@@ -112,6 +114,7 @@ static int compare_ids(const void *a, const void *b)
 /* Deletes ascending distinct live ids. */
 static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n)
 {
+    dt_views_edit_begin(t);
     if (dt_is_live(t) && !dt_update_is_bulk(t, n))
         return dt_update_delete(t, ids, n);
     struct dt_points *p = &t->points;
@@ -163,6 +166,7 @@ enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to)
         return DT_NOPOINT;
     if (!point_ok(to))
         return DT_RANGE;
+    dt_views_edit_begin(t);
     if (dt_is_live(t))
         return dt_update_move(t, id, to);
     enum dt_status status = dt_points_move(&t->points, id, to);
@@ -186,21 +190,6 @@ enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep)
         return DT_NOPOINT;
     *rep = t->points.id[v];
     return DT_OK;
-}
-
-uint32_t dt_past_begin(struct dt *t)
-{
-    return dt_points_past_begin(&t->points);
-}
-
-enum dt_status dt_past_read(struct dt *t, struct dt_row *row, size_t room, size_t *n)
-{
-    return dt_points_past_read(&t->points, row, room, n);
-}
-
-void dt_past_end(struct dt *t)
-{
-    dt_points_past_end(&t->points);
 }
 
 /* ---- the triangulation ---- */
@@ -234,7 +223,8 @@ void dt_summary(const struct dt *t, struct dt_summary *out)
         .current = dt_is_live(t),
         .searchable = dt_is_searchable(t),
         .memory = sizeof *t + dt_points_memory(&t->points) + dt_mesh_memory(&t->mesh) +
-                  dt_hints_memory(&t->hints) + dt_cavity_memory(&t->scratch),
+                  dt_hints_memory(&t->hints) + dt_cavity_memory(&t->scratch) +
+                  dt_views_memory(&t->views),
     };
     if (out->current) {
         out->triangles = dt_mesh_triangles(&t->mesh);

@@ -27,9 +27,16 @@
 
 struct dt;
 struct dt_pages;
+struct dt_view;
 
 struct dt_point {
     double x, y;
+};
+
+/* A growing array of ids, owned by the caller: start with {0}, free(v) at the end. */
+struct dt_ids {
+    uint32_t *v;
+    size_t n, cap;
 };
 
 enum dt_status {
@@ -165,27 +172,6 @@ enum dt_status dt_get(const struct dt *t, uint32_t id, struct dt_point *p);
 /* The representative of id: id itself unless it is an alias. */
 enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep);
 
-/* ---- reading beside edits ----
- *
- * The rows of a set as they are at one moment, read bit by bit later, while edits go on in between:
- * what they change is put aside, so that memory follows the rows that are changed before they are
- * read, about 30 bytes each. None of these functions may run during an edit; but beside those that
- * only read the set. */
-struct dt_row {
-    uint32_t id, representative;
-    struct dt_point at;
-};
-
-/* This is the moment. An earlier one of the same set is over. Returns how many rows there are. */
-uint32_t dt_past_begin(struct dt *t);
-
-/* Reads the next rows, ids ascending, `room` of them or all that are left: *n. DT_NOMEM: what an
- * edit changed could not be put aside, so the rest is lost. */
-enum dt_status dt_past_read(struct dt *t, struct dt_row *row, size_t room, size_t *n);
-
-/* Nothing is put aside any more. To be called at the end, and before it to give up. */
-void dt_past_end(struct dt *t);
-
 /* ---- the triangulation ---- */
 
 enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
@@ -264,10 +250,62 @@ struct dt_observer {
 enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
                         const struct dt_observer *observer);
 
+/* ---- views: a set as it was at one moment ----
+ *
+ * Whoever needs longer to read a set than edits may wait begins a view, and reads the set as it was at that
+ * moment, a piece at a time, while edits of the set go on between the pieces. An edit saves what it is about
+ * to change, once for all views that were open by then: about 40 bytes for each point changed and, if a view
+ * is open that reads the triangulation, for each of their neighbours. Nothing is saved while no view is open,
+ * and nothing is copied at the beginning.
+ *
+ * A function that reads through a view takes the set as const: several threads may read through the same view
+ * or several ones, but not during an edit. If memory for saving runs out, the edit succeeds, and what reads
+ * through the views that were open answers DT_NOMEM from then on; so does what reads the triangulation after
+ * an edit that dt_view_blocks has warned of. A copy of the set (dt_clone) has no views. */
+
+/* A view of the present state: of the rows of points and, with `rings`, also of the triangulation, which must
+ * be current. NULL: out of memory. May run beside functions that take a const set and beside itself. The
+ * caller ends it, before the set is freed. Cost: the number of views that are open. */
+struct dt_view *dt_view_begin(struct dt *t, bool rings);
+
+/* The view is gone. May run beside anything, an edit of the set on another thread included; what had been
+ * saved for it is freed by later edits or by dt_view_tidy. Nothing for NULL. Cost: constant. */
+void dt_view_end(struct dt_view *v);
+
+/* Frees some of what was saved and is of no use to any view any more; true: there may be more. Needs the set
+ * for itself. Cost: about 0.1 ms at most. */
+bool dt_view_tidy(struct dt *t);
+
+/* Whether an edit of n points at once would put an end to views that read the triangulation, since it leaves
+ * that to be built again: the caller may prefer to edit a copy. (To build a triangulation again that is
+ * current changes nothing that views read.) */
+bool dt_view_blocks(const struct dt *t, size_t n);
+
+/* What dt_next_id and dt_summary answered at the moment of the view (memory: 0). */
+uint32_t dt_view_next_id(const struct dt_view *v);
+void dt_view_summary(const struct dt_view *v, struct dt_summary *out);
+
+struct dt_row {
+    uint32_t id, representative;
+    struct dt_point at;
+};
+
+/* The next rows, by ascending ids from *from on, `room` of them or all that are left: *n. *from goes on
+ * behind them; it starts with 0. */
+enum dt_status dt_view_rows(const struct dt *t, const struct dt_view *v, uint32_t *from,
+                            struct dt_row *row, size_t room, size_t *n);
+
+/* dt_get and dt_ring at the moment of the view; now, if v is NULL. */
+enum dt_status dt_view_get(const struct dt *t, const struct dt_view *v, uint32_t id,
+                           struct dt_point *p);
+enum dt_status dt_view_ring(const struct dt *t, const struct dt_view *v, uint32_t id, bool cw,
+                            struct dt_ids *ring, uint32_t *rep, bool *boundary);
+
 /* ---- whole-set tables, read row by row ----
  *
- * A table is read through a cursor, a plain value of the caller's: the set must not change between
- * begin and the last read. Rows come as words in canonical order:
+ * A table is read through a cursor, a plain value of the caller's: that of a view, which must be open until
+ * the last read, or that of now (NULL), where the set must not change between begin and the last read. Rows
+ * come as words in canonical order:
  *   DT_POINTS      id                         every live id, ascending
  *   DT_COINCIDENT  id representative          every alias, ascending
  *   DT_LISTS       id degree neighbour...     interior points by id, then the hull in order
@@ -285,11 +323,12 @@ struct dt_cursor {
     uint32_t rows;     /* rows of the whole table */
     uint32_t interior; /* DT_LISTS: how many of them are interior points */
     /* private from here on */
+    const struct dt_view *view;
     uint32_t id, end, sub, left, hull_at, hull_left;
 };
 
-enum dt_status dt_table_begin(const struct dt *t, enum dt_table table, bool cw,
-                              struct dt_cursor *c);
+enum dt_status dt_table_begin(const struct dt *t, const struct dt_view *v, enum dt_table table,
+                              bool cw, struct dt_cursor *c);
 
 /* Writes as many whole rows as fit into out[cap], at most max_rows. *rows and *words tell what was
  * written; *rows is 0 at the end of the table. DT_TOOSMALL: the next row alone needs *words words
@@ -327,12 +366,6 @@ void dt_renewal_free(struct dt_renewal *r);
 void dt_renewed(struct dt *t, struct dt_renewal *r);
 
 /* ---- queries; all answer DT_UNTRIANGULATED before dt_triangulate ---- */
-
-/* A growing array of ids, owned by the caller: start with {0}, free(v) at the end. */
-struct dt_ids {
-    uint32_t *v;
-    size_t n, cap;
-};
 
 /* Appends the ring of id (its neighbours in order; an interior point's starts at the smallest
  * neighbour, a boundary point's at its successor on the hull). *rep is the representative,

@@ -33,7 +33,6 @@ void dt_points_clear(struct dt_points *p)
     dt_idmap_clear(&p->value);
     dt_aliases_clear(&p->aliases);
     dt_places_clear(&p->places);
-    dt_points_past_end(p);
     dt_points_init_in(p, p->tol, p->pages);
 }
 
@@ -64,7 +63,7 @@ size_t dt_points_memory(const struct dt_points *p)
                         ? 0
                         : ((size_t)p->places.mask + 1 + p->places.cap) * sizeof(uint32_t);
     return p->cap * (sizeof *p->xy + sizeof *p->id) + dt_idmap_memory(&p->value) +
-           dt_aliases_memory(&p->aliases) + dt_past_memory(&p->past) + places;
+           dt_aliases_memory(&p->aliases) + places;
 }
 
 struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id)
@@ -152,6 +151,8 @@ static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_po
 {
     bool moves = p->xy[v].x != q.x || p->xy[v].y != q.y;
     bool entered = p->places.bucket != NULL;
+    if (p->id[v] != id)
+        dt_changes_name(p->changes, v);
     if (moves && entered)
         dt_places_leave(&p->places, p->xy, v);
     p->xy[v] = q;
@@ -302,7 +303,7 @@ static void move_family(struct dt_points *p, uint32_t from, uint32_t to)
 {
     for (uint32_t i; (i = dt_aliases_lowest(&p->aliases, from)) != DT_NONE;) {
         struct dt_alias a = p->aliases.alias[i];
-        dt_past_keep(p, a.id);
+        dt_changes_row(p->changes, a.id);
         dt_aliases_leave(&p->aliases, i);
         dt_idmap_set(&p->value, a.id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, to, a.id, a.xy));
     }
@@ -314,7 +315,7 @@ static void unite(struct dt_points *p, uint32_t v, uint32_t at, struct dt_alias 
 {
     uint32_t old = p->id[v], there = p->id[at];
     if (next.id < there) {
-        dt_past_keep(p, next.id);
+        dt_changes_row(p->changes, next.id);
         dt_aliases_leave(&p->aliases, dt_idmap_get(&p->value, next.id) & ~DT_ALIAS_BIT);
         dt_points_arrive(p, next.id, next.xy, at);
         there = next.id;
@@ -338,8 +339,7 @@ static void vacate(struct dt_points *p, uint32_t v)
         unite(p, v, at, next);
         return;
     }
-    dt_past_keep(p, next.id);
-    dt_past_rename(p, old);
+    dt_changes_row(p->changes, next.id);
     dt_aliases_leave(&p->aliases, i);
     dt_aliases_rename(&p->aliases, old, next.id);
     take_over(p, v, next.id, next.xy);
@@ -348,7 +348,7 @@ static void vacate(struct dt_points *p, uint32_t v)
 void dt_points_delete(struct dt_points *p, uint32_t id)
 {
     uint32_t v = dt_idmap_get(&p->value, id);
-    dt_past_keep(p, id);
+    dt_changes_row(p->changes, id);
     if (v & DT_ALIAS_BIT)
         dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
     else
@@ -358,7 +358,7 @@ void dt_points_delete(struct dt_points *p, uint32_t id)
 
 void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to)
 {
-    dt_past_keep(p, p->id[v]);
+    dt_changes_row(p->changes, p->id[v]);
     take_over(p, v, p->id[v], to);
 }
 
@@ -390,8 +390,7 @@ uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, 
     uint32_t there = p->id[at];
     if (p->xy[at].x == to.x && p->xy[at].y == to.y && id < there) {
         /* The smallest of equal points represents them. */
-        dt_past_keep(p, there);
-        dt_past_rename(p, there);
+        dt_changes_row(p->changes, there);
         dt_aliases_rename(&p->aliases, there, id);
         dt_idmap_set(&p->value, there,
                      DT_ALIAS_BIT | dt_aliases_join(&p->aliases, id, there, p->xy[at]));

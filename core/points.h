@@ -9,7 +9,7 @@
 #define DT_POINTS_H
 
 #include "core/aliases.h"
-#include "core/past.h"
+#include "core/changes.h"
 #include "core/places.h"
 
 #define DT_ALIAS_BIT                                                                               \
@@ -27,7 +27,7 @@ struct dt_points {
     struct dt_idmap value; /* id -> vertex, or DT_ALIAS_BIT | index */
     struct dt_aliases aliases;
     struct dt_places places; /* finds a representative by its place; built when first needed */
-    struct dt_past past;     /* the rows of an earlier moment, as long as somebody reads them */
+    const struct dt_changes *changes; /* borrows: who is to know what changes; NULL: nobody */
 };
 
 void dt_points_init(struct dt_points *p, double tol);

@@ -6,6 +6,7 @@
 #include "core/locate.h"
 #include "core/mesh.h"
 #include "core/points.h"
+#include "core/view.h"
 
 struct dt {
     struct dt_points points; /* who is where */
@@ -17,6 +18,7 @@ struct dt {
     struct dt_cavity scratch; /* of edits */
     uint32_t hinted;          /* vertices that the mesh had when its hints were built */
     uint64_t steps;           /* that walks have taken since then beyond the usual ones */
+    struct dt_views views;    /* readers of earlier moments, and what has been saved for them */
 };
 
 #endif

@@ -35,34 +35,53 @@ static uint32_t *row(struct sink *k, size_t words)
     return at;
 }
 
-static uint32_t count_rows(const struct dt *t, enum dt_table table)
+static uint32_t count_rows(const struct dt_summary *sum, enum dt_table table)
 {
     switch (table) {
     case DT_POINTS:
-        return dt_points_live(&t->points);
+        return sum->points;
     case DT_COINCIDENT:
-        return t->points.aliases.count;
+        return sum->coincident;
     case DT_LISTS:
-        return t->mesh.vertices;
+        return sum->points - sum->coincident;
     case DT_TRIANGLES:
-        return dt_mesh_triangles(&t->mesh);
+        return sum->triangles;
     case DT_EDGES:
-        return dt_mesh_edges(&t->mesh);
+        return sum->edges;
     case DT_HULL:
-        return dt_mesh_hull(&t->mesh);
+        return sum->hull;
     }
     return 0;
 }
 
-enum dt_status dt_table_begin(const struct dt *t, enum dt_table table, bool cw, struct dt_cursor *c)
+/* DT_OK if the table can be read. */
+static enum dt_status readable(const struct dt *t, const struct dt_view *v, enum dt_table table)
 {
-    enum dt_status s = table == DT_POINTS || table == DT_COINCIDENT ? DT_OK : dt_readable(t);
+    bool rings = table != DT_POINTS && table != DT_COINCIDENT;
+    if (v != NULL)
+        return dt_view_readable(t, v, rings);
+    return rings ? dt_readable(t) : DT_OK;
+}
+
+enum dt_status dt_table_begin(const struct dt *t, const struct dt_view *v, enum dt_table table,
+                              bool cw, struct dt_cursor *c)
+{
+    struct dt_summary sum;
+    enum dt_status s = readable(t, v, table);
     if (s != DT_OK)
         return s;
-    *c = (struct dt_cursor){
-        .table = table, .cw = cw, .rows = count_rows(t, table), .end = DT_NONE, .hull_at = DT_NONE};
+    if (v != NULL)
+        dt_view_summary(v, &sum);
+    else
+        dt_summary(t, &sum);
+    *c = (struct dt_cursor){.table = table,
+                            .cw = cw,
+                            .rows = count_rows(&sum, table),
+                            .view = v,
+                            .end = v == NULL ? DT_NONE : dt_view_next_id(v),
+                            .hull_at = DT_NONE};
     if (table == DT_LISTS || table == DT_HULL) {
-        c->hull_left = dt_mesh_hull(&t->mesh);
+        c->hull_left = sum.hull;
         c->hull_at = dt_hull_first(&t->mesh, t->points.id, cw);
     }
     c->left = c->rows - c->hull_left;
@@ -78,7 +97,7 @@ bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct 
         c->hull_left = 0;
         return part->hull_left > 0;
     }
-    uint32_t end = dt_idmap_after(&t->points.value, c->id, ids > 0 ? ids : 1);
+    uint32_t end = dt_view_ids_after(t, c->view, c->id, ids > 0 ? ids : 1);
     if (end >= c->end) {
         end = c->end;
         c->left = 0;
@@ -89,10 +108,10 @@ bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct 
     return true;
 }
 
-/* The next live id, DT_NONE and nothing left if the cursor has come to its end. */
-static uint32_t next_id(const struct dt *t, struct dt_cursor *c)
+/* The next id, DT_NONE and nothing left if the cursor has come to its end. */
+static uint32_t next_id(struct dt_view_ids *ids, struct dt_cursor *c)
 {
-    uint32_t id = dt_points_next_live(&t->points, c->id);
+    uint32_t id = dt_view_ids_next(ids, c->id);
     if (id < c->end)
         return id;
     c->left = 0;
@@ -102,11 +121,13 @@ static uint32_t next_id(const struct dt *t, struct dt_cursor *c)
 /* Whoever reads the ids of all points asks for their coordinates next: those are fetched. */
 static void read_points(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
+    struct dt_view_ids ids = dt_view_ids_begin(t, c->view, c->id);
     while (c->left > 0 && has_room(k, 1)) {
-        uint32_t id = next_id(t, c);
+        uint32_t id = next_id(&ids, c);
         if (id == DT_NONE)
             return;
-        dt_points_fetch(&t->points, id);
+        if (ids.v == NULL)
+            dt_points_fetch(&t->points, id);
         *row(k, 1) = id;
         c->id = id + 1;
         c->left--;
@@ -115,16 +136,17 @@ static void read_points(const struct dt *t, struct dt_cursor *c, struct sink *k)
 
 static void read_coincident(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
+    struct dt_view_ids ids = dt_view_ids_begin(t, c->view, c->id);
     while (c->left > 0 && has_room(k, 2)) {
-        uint32_t id = next_id(t, c);
+        uint32_t id = next_id(&ids, c), representative;
         if (id == DT_NONE)
             return;
         c->id = id + 1;
-        if (!dt_points_is_alias(&t->points, id))
+        if (!dt_view_is_alias(t, ids.v, id, &representative))
             continue;
         uint32_t *out = row(k, 2);
         out[0] = id;
-        out[1] = t->points.id[dt_points_vertex(&t->points, id)];
+        out[1] = representative;
         c->left--;
     }
 }
@@ -277,6 +299,10 @@ enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *
     static const size_t width[] = {
         [DT_POINTS] = 1, [DT_COINCIDENT] = 2, [DT_TRIANGLES] = 3, [DT_EDGES] = 2, [DT_HULL] = 1};
     struct sink k = {.out = out, .cap = cap, .max_rows = max_rows};
+    enum dt_status s = c->view == NULL ? DT_OK : readable(t, c->view, c->table);
+    *rows = *words = 0;
+    if (s != DT_OK)
+        return s;
     switch (c->table) {
     case DT_POINTS:
         read_points(t, c, &k);

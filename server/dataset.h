@@ -7,7 +7,7 @@
  * a copy, which then becomes the current one. So a reader never sees a half-edited set and never
  * delays a writer.
  *
- * A snapshot pins versions, too, but reads their past (dt_past_begin) and so needs no copy: it and
+ * A snapshot pins versions, too, but reads a view (dt_view_begin) and so needs no copy: it and
  * an edit in place take turns, by the version's semaphore. Who edits holds it until the summary has
  * been brought up to date; the snapshot's thread, for some thousand rows at a time.
  *

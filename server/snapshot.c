@@ -70,24 +70,26 @@ static bool put(struct output *o, struct record *r)
 }
 
 /* Reads up to RECORD_POINTS rows, in turns with those who edit the set; fewer only at the end. */
-static enum dt_status read_rows(struct version *v, struct dt_row *row, uint32_t *rows)
+static enum dt_status read_rows(const struct snapshot_source *s, uint32_t *from, struct dt_row *row,
+                                uint32_t *rows)
 {
     enum dt_status status = DT_OK;
     size_t n = TURN_ROWS;
     for (*rows = 0; status == DT_OK && n == TURN_ROWS && *rows < RECORD_POINTS;) {
-        version_wait(v);
-        status = dt_past_read(v->dt, row + *rows, TURN_ROWS, &n);
-        version_leave(v);
+        version_wait(s->version);
+        status = dt_view_rows(s->version->dt, s->view, from, row + *rows, TURN_ROWS, &n);
+        version_leave(s->version);
         *rows += (uint32_t)n;
     }
     return status;
 }
 
-static bool put_rows(struct output *o, struct version *v, struct dt_row *row)
+static bool put_rows(struct output *o, const struct snapshot_source *s, struct dt_row *row)
 {
     struct record r = {.type = RECORD_ROWS, .items = row};
+    uint32_t from = 0;
     do {
-        if (read_rows(v, row, &r.n) != DT_OK)
+        if (read_rows(s, &from, row, &r.n) != DT_OK)
             return fail(o, ENOMEM);
         if (r.n > 0 && !put(o, &r))
             return false;
@@ -98,26 +100,30 @@ static bool put_rows(struct output *o, struct version *v, struct dt_row *row)
 static bool put_set(struct output *o, const struct snapshot_source *s)
 {
     struct dt_row *row = malloc(RECORD_POINTS * sizeof *row);
+    struct dt_summary sum = {0};
+    if (s->view != NULL)
+        dt_view_summary(s->view, &sum);
     struct record r = {.type = RECORD_SET,
                        .synced = s->lsn,
                        .flags = s->triangulated ? RECORD_TRIANGULATED : 0,
-                       .first = s->next_id,
-                       .n = s->rows,
+                       .first = s->view == NULL ? 0 : dt_view_next_id(s->view),
+                       .n = sum.points,
                        .a = dt_tolerance(s->version->dt),
                        .name = s->name,
                        .name_len = s->name_len};
-    if (row == NULL)
+    if (row == NULL || s->view == NULL) {
+        free(row);
         return fail(o, ENOMEM);
-    bool ok = put(o, &r) && put_rows(o, s->version, row);
+    }
+    bool ok = put(o, &r) && put_rows(o, s, row);
     free(row);
     return ok;
 }
 
-static void end_past(struct version *v)
+static void end_view(struct snapshot_source *s)
 {
-    version_wait(v);
-    dt_past_end(v->dt);
-    version_leave(v);
+    dt_view_end(s->view);
+    s->view = NULL;
 }
 
 static bool put_all(struct output *o)
@@ -133,7 +139,7 @@ static bool put_all(struct output *o)
     for (size_t i = 0; i < snap->n; i++) {
         if (!put_set(o, &snap->source[i]))
             return false;
-        end_past(snap->source[i].version);
+        end_view(&snap->source[i]);
         snap->written = i + 1;
     }
     return put(o, &end) && flush(o) && sync_output(o);
@@ -176,7 +182,7 @@ static void *serve(void *arg)
     setpriority(PRIO_PROCESS, 0, NICE); /* on Linux: of this thread */
     write_snapshot(snap);
     for (size_t i = snap->written; i < snap->n; i++) /* it has failed */
-        end_past(snap->source[i].version);
+        end_view(&snap->source[i]);
     snap->done = true; /* from here on *snap may be gone */
     ssize_t ignored = write(event, &one, sizeof one);
     (void)ignored;
@@ -205,17 +211,18 @@ static void pin(struct snapshot_source *s, struct dataset *set)
     s->version = v;
     s->lsn = set->lsn;
     s->triangulated = set->triangulated;
-    s->rows = dt_past_begin(v->dt);
-    s->next_id = dt_next_id(v->dt);
+    s->view = dt_view_begin(v->dt, false);
 }
 
-/* What was put aside is no more, or, if the snapshot was never begun, is left to the next one
- * should an edit be under way. */
-static void unpin(struct registry *sets, struct version *v)
+/* What was saved for the view is freed, or, should an edit be under way, is left to the next one. */
+static void unpin(struct registry *sets, struct snapshot_source *s)
 {
+    struct version *v = s->version;
+    end_view(s);
     v->saved = false;
     if (version_try(v)) {
-        dt_past_end(v->dt);
+        while (dt_view_tidy(v->dt))
+            ;
         version_update(sets, v);
         version_leave(v);
     }
@@ -281,7 +288,7 @@ void snapshot_release(struct snapshot *snap, struct registry *sets)
 {
     size_t written = snap->written;
     for (; snap->released < written; snap->released++)
-        unpin(sets, snap->source[snap->released].version);
+        unpin(sets, &snap->source[snap->released]);
 }
 
 int snapshot_end(struct snapshot *snap, struct registry *sets)
@@ -297,7 +304,7 @@ int snapshot_end(struct snapshot *snap, struct registry *sets)
     for (size_t i = snap->released; i < snap->n; i++) {
         wait_served(&snap->source[i].waiter);
         if (snap->source[i].version != NULL)
-            unpin(sets, snap->source[i].version);
+            unpin(sets, &snap->source[i]);
     }
     free(snap);
     return error;

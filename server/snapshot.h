@@ -1,6 +1,6 @@
 /* snapshot.h - a file with all sets, written by a thread of its own from pinned versions.
  *
- * A version that is pinned here may be edited nevertheless: the thread reads its past, in turns with
+ * A version that is pinned here may be edited nevertheless: the thread reads a view, in turns with
  * the edits (dataset.h). So a snapshot takes little memory, whatever happens meanwhile.
  *
  * The sets are not all pinned at one moment: one that is just being edited in place is pinned when
@@ -26,9 +26,9 @@ struct snapshot_source {
     struct snapshot *snapshot;
     struct dataset *set;     /* borrows while it waits */
     struct version *version; /* pinned; NULL while it waits */
-    uint64_t lsn;            /* of the set's last change in it */
+    struct dt_view *view; /* owns; of its set at that time; NULL: out of memory, or it has ended */
+    uint64_t lsn;         /* of the set's last change in it */
     bool triangulated;
-    uint32_t rows, next_id; /* of the set at that time */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };

@@ -108,7 +108,7 @@ void stream_answer_table(struct answer *a, struct version *v, enum dt_table tabl
                          bool binary)
 {
     struct rows rows = {.version = v, .table = true, .binary = binary};
-    enum dt_status status = dt_table_begin(v->dt, table, cw, &rows.cursor);
+    enum dt_status status = dt_table_begin(v->dt, NULL, table, cw, &rows.cursor);
     if (status != DT_OK) {
         answer_status(a, status);
         return;

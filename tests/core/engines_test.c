@@ -99,7 +99,7 @@ static struct dt_ids triangles_by(const struct dt_point *p, uint32_t n, enum dt_
     size_t rows;
     CHECK(dt_add(t, p, n, &added) == DT_OK && dt_triangulate(t, &opt) == DT_OK);
     CHECK(dt_check(t, NULL, NULL) == DT_OK);
-    CHECK(dt_table_begin(t, DT_TRIANGLES, false, &c) == DT_OK);
+    CHECK(dt_table_begin(t, NULL, DT_TRIANGLES, false, &c) == DT_OK);
     CHECK(dt_table_read(t, &c, out.v, 6 * n, SIZE_MAX, &rows, &out.n) == DT_OK && rows == c.rows);
     dt_free(t);
     return out;

@@ -340,7 +340,7 @@ static uint64_t digest(const struct dt *t)
     uint64_t sum = 0;
     struct dt_cursor c;
     size_t rows, words;
-    CHECK(dt_table_begin(t, DT_TRIANGLES, false, &c) == DT_OK);
+    CHECK(dt_table_begin(t, NULL, DT_TRIANGLES, false, &c) == DT_OK);
     do {
         CHECK(dt_table_read(t, &c, word, 3 * 1024, 1024, &rows, &words) == DT_OK);
         for (size_t i = 0; i < words; i++)

@@ -20,7 +20,7 @@ static struct list list_of(const struct dt *t)
     struct list l = {.id = malloc((sum.points + 8) * sizeof(uint32_t)),
                      .representative = malloc((sum.points + 8) * sizeof(uint32_t)),
                      .p = malloc((sum.points + 8) * sizeof(struct dt_point))};
-    CHECK(dt_table_begin(t, DT_POINTS, false, &c) == DT_OK);
+    CHECK(dt_table_begin(t, NULL, DT_POINTS, false, &c) == DT_OK);
     do {
         CHECK(dt_table_read(t, &c, l.id + l.n, sum.points + 8 - l.n, SIZE_MAX, &rows, &words) ==
               DT_OK);

@@ -55,7 +55,7 @@ static void read_table(const struct dt *t, enum dt_table table, bool cw, size_t 
                        size_t max_rows, struct dt_ids *out)
 {
     struct dt_cursor c;
-    CHECK(dt_table_begin(t, table, cw, &c) == DT_OK);
+    CHECK(dt_table_begin(t, NULL, table, cw, &c) == DT_OK);
     CHECK(read_cursor(t, &c, cap, max_rows, out) == c.rows);
 }
 
@@ -66,7 +66,7 @@ static void read_in_parts(const struct dt *t, enum dt_table table, bool cw, uint
     struct dt_cursor c, part;
     uint32_t buffer[100];
     size_t total, words;
-    CHECK(dt_table_begin(t, table, cw, &c) == DT_OK);
+    CHECK(dt_table_begin(t, NULL, table, cw, &c) == DT_OK);
     enum dt_status s = dt_table_read(t, &c, buffer, 100, test_below(4), &total, &words);
     CHECK(s == DT_OK || s == DT_TOOSMALL);
     append(out, buffer, s == DT_OK ? words : 0);
@@ -108,8 +108,9 @@ TEST(lists_tell_how_many_points_are_interior)
     const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}, {1, 2}};
     struct pair pair = pair_of(p, 6);
     struct dt_cursor c;
-    CHECK(dt_table_begin(pair.t, DT_LISTS, false, &c) == DT_OK && c.rows == 6 && c.interior == 2);
-    CHECK(dt_table_begin(pair.t, DT_TRIANGLES, false, &c) == DT_OK && c.rows == 6 &&
+    CHECK(dt_table_begin(pair.t, NULL, DT_LISTS, false, &c) == DT_OK && c.rows == 6 &&
+          c.interior == 2);
+    CHECK(dt_table_begin(pair.t, NULL, DT_TRIANGLES, false, &c) == DT_OK && c.rows == 6 &&
           c.interior == 0);
     pair_free(&pair);
 }
@@ -200,11 +201,12 @@ TEST(tables_of_the_triangulation_need_one)
     CHECK(dt_add(t, &(struct dt_point){1, 2}, 1, &added) == DT_OK);
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
         bool points = tables[i] == DT_POINTS || tables[i] == DT_COINCIDENT;
-        CHECK(dt_table_begin(t, tables[i], false, &c) == (points ? DT_OK : DT_UNTRIANGULATED));
+        CHECK(dt_table_begin(t, NULL, tables[i], false, &c) ==
+              (points ? DT_OK : DT_UNTRIANGULATED));
     }
     CHECK(dt_triangulate(t, NULL) == DT_OK);
     CHECK(dt_add(t, &(struct dt_point){3, 2}, 1, &added) == DT_OK);
-    enum dt_status s = dt_table_begin(t, DT_EDGES, false, &c);
+    enum dt_status s = dt_table_begin(t, NULL, DT_EDGES, false, &c);
     CHECK(s == DT_UNTRIANGULATED || (s == DT_OK && c.rows == 1)); /* stale tables are never read */
     dt_free(t);
 }

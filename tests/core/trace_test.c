@@ -169,7 +169,7 @@ static void check_triangles(struct dt *t, struct replay *r)
     struct dt_cursor c;
     size_t rows, words;
     CHECK(dt_triangulate(t, NULL) == DT_OK);
-    CHECK(dt_table_begin(t, DT_TRIANGLES, false, &c) == DT_OK);
+    CHECK(dt_table_begin(t, NULL, DT_TRIANGLES, false, &c) == DT_OK);
     CHECK(dt_table_read(t, &c, want, sizeof want / sizeof want[0], SIZE_MAX, &rows, &words) ==
           DT_OK);
     CHECK(words == r->corners && rows == r->corners / 3);

@@ -49,8 +49,8 @@ static void check_equal(const struct dt *a, const struct dt *b)
 {
     for (enum dt_table table = DT_POINTS; table <= DT_HULL; table++) {
         struct dt_cursor ca, cb;
-        CHECK(dt_table_begin(a, table, false, &ca) == DT_OK &&
-              dt_table_begin(b, table, false, &cb) == DT_OK);
+        CHECK(dt_table_begin(a, NULL, table, false, &ca) == DT_OK &&
+              dt_table_begin(b, NULL, table, false, &cb) == DT_OK);
         CHECK(ca.rows == cb.rows && ca.interior == cb.interior);
         while (same_rows(a, &ca, b, &cb))
             continue;

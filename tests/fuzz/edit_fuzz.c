@@ -101,8 +101,8 @@ static void compare_table(const struct dt *a, const struct dt *b, enum dt_table 
     static uint32_t wa[WORDS], wb[WORDS];
     size_t rows_a, rows_b, words_a, words_b;
     struct dt_cursor ca, cb;
-    require(dt_table_begin(a, table, cw, &ca) == DT_OK);
-    require(dt_table_begin(b, table, cw, &cb) == DT_OK);
+    require(dt_table_begin(a, NULL, table, cw, &ca) == DT_OK);
+    require(dt_table_begin(b, NULL, table, cw, &cb) == DT_OK);
     require(ca.rows == cb.rows && ca.interior == cb.interior);
     require(dt_table_read(a, &ca, wa, WORDS, WORDS, &rows_a, &words_a) == DT_OK);
     require(dt_table_read(b, &cb, wb, WORDS, WORDS, &rows_b, &words_b) == DT_OK);

@@ -50,7 +50,7 @@ static oracle_rows read_table(const dt *t, dt_table table, bool cw)
     oracle_rows rows;
     uint32_t words[4096];
     size_t got, used;
-    if (dt_table_begin(t, table, cw, &c) != DT_OK)
+    if (dt_table_begin(t, NULL, table, cw, &c) != DT_OK)
         throw failure("dt_table_begin");
     while (dt_table_read(t, &c, words, 4096, 1, &got, &used) == DT_OK && got == 1) {
         rows.emplace_back(words, words + used);

@@ -1,5 +1,4 @@
-/* past_test.c - a set's rows of an earlier moment, read beside edits, are those of a copy made at that
- * moment. */
+/* view_test.c - what is read through a view beside edits is what a copy made at that moment answers. */
 #include "core/delaunay.h"
 
 #include "tests/test.h"
@@ -19,7 +18,7 @@ static void rows_of(const struct dt *t, struct rows *r)
     static uint32_t id[MOST];
     struct dt_cursor c;
     size_t words;
-    CHECK(dt_table_begin(t, DT_POINTS, false, &c) == DT_OK && c.rows <= MOST);
+    CHECK(dt_table_begin(t, NULL, DT_POINTS, false, &c) == DT_OK && c.rows <= MOST);
     CHECK(dt_table_read(t, &c, id, MOST, MOST, &r->n, &words) == DT_OK && r->n == c.rows);
     for (size_t i = 0; i < r->n; i++) {
         r->row[i].id = id[i];
@@ -41,12 +40,21 @@ static void check_equal(const struct rows *got, const struct rows *want)
 }
 
 /* Reads up to `room` more rows; false at the end. */
-static bool read_some(struct dt *t, struct rows *r, size_t room)
+static bool read_some(struct dt *t, struct dt_view *v, uint32_t *from, struct rows *r, size_t room)
 {
     size_t n;
-    CHECK(r->n + room <= MOST && dt_past_read(t, r->row + r->n, room, &n) == DT_OK && n <= room);
+    CHECK(r->n + room <= MOST);
+    CHECK(dt_view_rows(t, v, from, r->row + r->n, room, &n) == DT_OK && n <= room);
     r->n += n;
     return n == room;
+}
+
+static void read_rest(struct dt *t, struct dt_view *v, struct rows *r, size_t room)
+{
+    uint32_t from = 0;
+    r->n = 0;
+    while (read_some(t, v, &from, r, room))
+        ;
 }
 
 /* ---- edits: a small lattice, so that points coincide ---- */
@@ -113,7 +121,7 @@ static struct dt *crowd(double tolerance, bool live)
 
 /* ---- tests ---- */
 
-TEST(past_rows_are_those_of_a_copy_whatever_edits_come_between)
+TEST(view_has_the_rows_of_a_copy_whatever_edits_come_between)
 {
     static const double tolerance[] = {0, 0.5, 1, 1.5};
     static struct rows got, want;
@@ -123,23 +131,25 @@ TEST(past_rows_are_those_of_a_copy_whatever_edits_come_between)
         for (int twice = 0; twice < 2; twice++) {
             CHECK(dt_clone(t, &copy) == DT_OK);
             rows_of(copy, &want);
-            CHECK(dt_past_begin(t) == want.n);
+            struct dt_view *v = dt_view_begin(t, false);
+            uint32_t from = 0;
+            CHECK(v != NULL && dt_view_next_id(v) == dt_next_id(copy));
             got.n = 0;
             do
                 for (uint32_t i = 0; i < edits; i++)
                     edit(t);
-            while (read_some(t, &got, 1 + test_below(most)));
-            CHECK(!read_some(t, &got, 1));
+            while (read_some(t, v, &from, &got, 1 + test_below(most)));
+            CHECK(!read_some(t, v, &from, &got, 1));
             check_equal(&got, &want);
+            dt_view_end(v);
             dt_free(copy);
         }
-        dt_past_end(t);
         CHECK(dt_triangulate(t, NULL) == DT_OK && dt_check(t, NULL, NULL) == DT_OK);
         dt_free(t);
     }
 }
 
-TEST(past_outlives_the_deletion_of_all_points)
+TEST(view_outlives_the_deletion_of_all_points)
 {
     static struct rows got, want;
     static uint32_t id[MOST];
@@ -148,18 +158,18 @@ TEST(past_outlives_the_deletion_of_all_points)
         struct dt *t = crowd(1, live);
         uint32_t deleted, missing;
         rows_of(t, &want);
-        dt_past_begin(t);
+        struct dt_view *v = dt_view_begin(t, false);
         for (size_t i = 0; i < want.n; i++)
             id[i] = want.row[i].id;
         CHECK(dt_delete(t, id, want.n, &deleted, &missing) == DT_OK && deleted == want.n);
         add_some(t, 10);
-        got.n = 0;
-        while (read_some(t, &got, 7))
-            ;
+        read_rest(t, v, &got, 7);
         check_equal(&got, &want);
         dt_summary(t, &sum);
         size_t with = sum.memory;
-        dt_past_end(t);
+        dt_view_end(v);
+        while (dt_view_tidy(t))
+            ;
         dt_summary(t, &sum);
         CHECK(sum.points == 10 && with - sum.memory >= want.n * sizeof(struct dt_row));
         dt_free(t);
@@ -167,7 +177,7 @@ TEST(past_outlives_the_deletion_of_all_points)
 }
 
 /* A family's representative goes a thousand times. */
-TEST(past_keeps_no_row_for_each_alias_of_a_family_that_is_renamed)
+TEST(view_saves_no_row_for_each_alias_of_a_family_that_is_renamed)
 {
     enum { FAMILY = 3000, GONE = 1000 };
     static struct rows got, want;
@@ -179,19 +189,18 @@ TEST(past_keeps_no_row_for_each_alias_of_a_family_that_is_renamed)
         CHECK(dt_add(t, &p, 1, &added) == DT_OK);
     rows_of(t, &want);
     dt_summary(t, &before);
-    dt_past_begin(t);
+    struct dt_view *v = dt_view_begin(t, false);
     for (uint32_t id = 0, deleted, missing; id < GONE; id++)
         CHECK(dt_delete(t, &id, 1, &deleted, &missing) == DT_OK);
     dt_summary(t, &after);
     CHECK(after.memory - before.memory < (size_t)FAMILY * sizeof(struct dt_row));
-    got.n = 0;
-    while (read_some(t, &got, 100))
-        ;
+    read_rest(t, v, &got, 100);
     check_equal(&got, &want);
+    dt_view_end(v);
     dt_free(t);
 }
 
-TEST(past_that_cannot_be_kept_says_so_and_edits_go_on)
+TEST(view_that_cannot_be_kept_says_so_and_edits_go_on)
 {
     static struct rows got, want;
     bool lost = false;
@@ -199,21 +208,23 @@ TEST(past_that_cannot_be_kept_says_so_and_edits_go_on)
         struct dt *t = crowd(0.5, true);
         uint32_t missing, deleted, id;
         rows_of(t, &want);
-        dt_past_begin(t);
+        struct dt_view *v = dt_view_begin(t, false);
         id = want.row[0].id;
         test_fail_alloc(n);
         enum dt_status status = dt_delete(t, &id, 1, &deleted, &missing);
         bool failed = test_alloc_failed();
         test_fail_alloc(0);
         size_t rows = 0;
-        enum dt_status past = dt_past_read(t, got.row, MOST, &rows);
+        uint32_t from = 0;
+        enum dt_status read = dt_view_rows(t, v, &from, got.row, MOST, &rows);
         got.n = rows;
         CHECK(status == DT_OK || status == DT_NOMEM);
-        if (past == DT_OK)
+        if (read == DT_OK)
             check_equal(&got, &want);
         else
-            CHECK(past == DT_NOMEM && failed && status == DT_OK);
-        lost = lost || past == DT_NOMEM;
+            CHECK(read == DT_NOMEM && failed && status == DT_OK);
+        lost = lost || read == DT_NOMEM;
+        dt_view_end(v);
         dt_free(t);
         if (!failed)
             break;

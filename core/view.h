@@ -1,0 +1,81 @@
+/* view.h - readers of earlier moments of a set, and what edits save for them; for the files of core/ only.
+ *
+ * Three things are saved (core/images.h), each under its key:
+ *
+ *      rows       id -> its place, and of which group of aliases it is one
+ *      families   group of aliases -> its representative: so that a family that gets another one is not many
+ *                 rows, whose images name the group
+ *
+ * An edit learns from the views which moments are read (dt_views_edit) and is called back for what it is about
+ * to change (core/changes.h). */
+#ifndef DT_VIEW_H
+#define DT_VIEW_H
+
+#include "core/changes.h"
+#include "core/images.h"
+
+struct dt_view {
+    struct dt_view *next;    /* in the list of its set */
+    atomic_bool open;        /* false: an edit frees it, or another view begins in it */
+    bool rings;              /* it reads the triangulation */
+    uint64_t serial;         /* views are numbered as they begin */
+    uint64_t rows, families; /* the moment */
+    uint32_t next_id;
+    struct dt_summary sum;
+};
+
+struct dt_views {
+    _Atomic(struct dt_view *)
+        list; /* owns; edits alone take out of it, so that no view has to wait */
+    atomic_uint_least64_t serial; /* of the view that began last */
+    uint64_t lost;                /* the last one that cannot be read any more: out of memory */
+    uint64_t rings_lost; /* the last one of which the triangulation cannot be read any more */
+    struct dt_images rows, families;
+    bool saved;                /* there may be images */
+    struct dt_changes changes; /* calls back here */
+    /* For the edit under way: the latest moments that are read, and the ids that there were by then. */
+    uint64_t rows_since, families_since;
+    uint32_t ids; /* 0: nobody reads */
+};
+
+/* All views have ended. */
+void dt_views_clear(struct dt *t);
+size_t dt_views_memory(const struct dt_views *w);
+
+/* To be called at the beginning of every edit. */
+void dt_views_edit_begin(struct dt *t);
+
+/* The triangulation has been built for points that were edited without it. */
+void dt_views_lose_rings(struct dt *t);
+
+/* DT_OK if the view can be read, with its triangulation if rings. */
+enum dt_status dt_view_readable(const struct dt *t, const struct dt_view *v, bool rings);
+
+/* v, or NULL if what it reads is as it is now. */
+const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_view *v);
+
+/* The row that the id had; false: it had none. v may be NULL: now. */
+bool dt_view_row(const struct dt *t, const struct dt_view *v, uint32_t id, struct dt_row *row);
+
+/* Whether the id, which there was, was an alias, and if so, whose. v may be NULL: now. */
+bool dt_view_is_alias(const struct dt *t, const struct dt_view *v, uint32_t id,
+                      uint32_t *representative);
+
+/* Walks the ids that there were, ascending. */
+struct dt_view_ids {
+    const struct dt *t;
+    const struct dt_view *v; /* NULL: they are those of now, below `end` */
+    uint32_t end;
+    uint32_t saved; /* the next id of which there is an image */
+};
+
+/* From the id `from` on. v may be NULL: now. */
+struct dt_view_ids dt_view_ids_begin(const struct dt *t, const struct dt_view *v, uint32_t from);
+
+/* The smallest id >= from, which does not decrease from call to call; DT_NONE if there is none. */
+uint32_t dt_view_ids_next(struct dt_view_ids *w, uint32_t from);
+
+/* As dt_idmap_after: about n ids from `from` on. */
+uint32_t dt_view_ids_after(const struct dt *t, const struct dt_view *v, uint32_t from, uint32_t n);
+
+#endif
