@@ -50,7 +50,38 @@ enum dt_status {
     DT_UNTRIANGULATED, /* dt_triangulate has not been called yet */
     DT_CANCELLED,      /* the caller's cancel flag was seen */
     DT_CORRUPT,        /* dt_check found a fault */
-    DT_TOOSMALL        /* the caller's buffer does not hold one row; the size it needs is told */
+    DT_TOOSMALL,       /* the caller's buffer does not hold one row; the size it needs is told */
+    DT_TOOLONG         /* it takes more steps than the caller allows (struct dt_options) */
+};
+
+/* ---- how a call may be carried out ---- */
+
+/* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order,
+ * on up to `threads` threads at once, and returns when all have returned. A job never waits for
+ * another one. */
+struct dt_pool {
+    unsigned threads;
+    void (*run)(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg);
+    void *ctx;
+};
+
+enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
+
+/* All fields may be zero: automatic choice, no rebuild, one thread, never cancelled, no limit.
+ *
+ * Where a function takes a struct dt_options, NULL stands for that. A flag that is set makes it
+ * return DT_CANCELLED within about a millisecond of work, and `steps` makes it return DT_TOOLONG
+ * before it has done much more than so many steps. Either leaves the set as it was. A step is a look
+ * at a neighbour, a triangle or a point, 10 to 200 ns; usual edits and searches of a point take
+ * about twenty. So a thread that must not be held up for long can try with a limit, and leave what
+ * exceeds it to another one. dt_triangulate, dt_refresh, dt_check and dt_trace know no limit. */
+struct dt_options {
+    enum dt_method method;
+    bool rebuild;               /* rebuild a triangulation that exists already */
+    const struct dt_pool *pool; /* borrowed during the call; NULL: the caller's thread alone */
+    const atomic_bool *cancel;  /* borrowed during the call; polled; NULL: never cancelled */
+    atomic_uint *progress;      /* borrowed during the call; per cent done; NULL: not reported */
+    uint32_t steps;             /* the most it may take; 0: no limit */
 };
 
 /* ---- life ---- */
@@ -119,17 +150,6 @@ void *dt_pages_grow(struct dt_pages *p, void *array, size_t used, size_t bytes);
 /* Nothing for NULL. */
 void dt_pages_release(void *array);
 
-/* ---- threads ---- */
-
-/* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order,
- * on up to `threads` threads at once, and returns when all have returned. A job never waits for
- * another one. */
-struct dt_pool {
-    unsigned threads;
-    void (*run)(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg);
-    void *ctx;
-};
-
 /* ---- points ---- */
 
 struct dt_added {
@@ -173,17 +193,6 @@ enum dt_status dt_get(const struct dt *t, uint32_t id, struct dt_point *p);
 enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep);
 
 /* ---- the triangulation ---- */
-
-enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
-
-/* All fields may be zero: automatic choice, no rebuild, one thread, never cancelled. */
-struct dt_options {
-    enum dt_method method;
-    bool rebuild;               /* make a triangulation anew that is there already */
-    const struct dt_pool *pool; /* borrowed during the call; NULL: the caller's thread alone */
-    const atomic_bool *cancel;  /* borrowed during the call; polled; NULL: never cancelled */
-    atomic_uint *progress;      /* borrowed during the call; per cent done; NULL: not reported */
-};
 
 struct dt_summary {
     uint32_t points;     /* live ids, aliases included */
@@ -367,6 +376,11 @@ void dt_renewed(struct dt *t, struct dt_renewal *r);
 
 /* ---- queries; all answer DT_UNTRIANGULATED before dt_triangulate ---- */
 
+/* How many neighbours the representative of id has, `limit` if it has more; 0 if there is no such id or
+ * no triangulation. Cost: O(that). So what dt_ring, dt_triangles_at_point and the deletion of a
+ * point would cost can be estimated; among points on one line, dt_ring walks along all of them. */
+uint32_t dt_degree_up_to(const struct dt *t, uint32_t id, uint32_t limit);
+
 /* Appends the ring of id (its neighbours in order; an interior point's starts at the smallest
  * neighbour, a boundary point's at its successor on the hull). *rep is the representative,
  * *boundary whether it lies on the hull. */
@@ -377,8 +391,8 @@ enum dt_status dt_ring(const struct dt *t, uint32_t id, bool cw, struct dt_ids *
  * hull order), replaced by their representatives, each once; *kept is how many remain, *interior
  * how many of those are interior. Cost: O(n log n), and O(hull) if two or more are boundary
  * points. */
-enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n, size_t *kept,
-                              size_t *interior);
+enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n,
+                              const struct dt_options *opt, size_t *kept, size_t *interior);
 
 /* Appends triples a b c, each from its smallest id, of the triangles
  *   at the point a, in ring order;
@@ -410,10 +424,11 @@ enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
                                struct dt_location *out);
 
 /* Appends the k representatives nearest to q (fewer if the set is smaller), nearest first, ties by
- * id: exact order. Cost: O(1) expected for k = 1, O(k log k) else. */
+ * id: exact order. Cost: O(1) expected for k = 1, else O(k log k), and the degrees of the first
+ * k - 1. */
 enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out);
 enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, uint32_t k,
-                                struct dt_ids *out);
+                                const struct dt_options *opt, struct dt_ids *out);
 
 #define DT_AHEAD 32 /* questions that can be fetched for at a time */
 
@@ -426,10 +441,10 @@ void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n);
 void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n);
 
 /* Append the representatives in the closed box, or the closed disc of radius r >= 0, by id. Exact.
- * Cost: O(k log k) for k results, expected. */
+ * Cost: O(k log k) for k results, expected, and their degrees. */
 enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi,
-                             struct dt_ids *out);
+                             const struct dt_options *opt, struct dt_ids *out);
 enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r,
-                              struct dt_ids *out);
+                              const struct dt_options *opt, struct dt_ids *out);
 
 #endif

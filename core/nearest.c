@@ -14,6 +14,7 @@
 #include "core/query.h"
 #include "core/reader.h"
 #include "core/visited.h"
+#include "core/work.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -46,13 +47,26 @@ static struct candidate candidate(const struct dt *t, struct dt_point q, uint32_
     return (struct candidate){square_distance(t->points.xy[v], q), v};
 }
 
-/* The nearest vertex so far; *tie: another one is as near. */
+/* The nearest vertex so far; tie: another one is as near. */
 struct nearest {
     const struct dt *t;
     struct dt_point q;
     struct candidate best;
     bool tie;
+    uint32_t steps; /* vertices considered and not yet taken off what the caller allows */
+    struct dt_work *work;
+    enum dt_status status; /* what the last look at that has said */
 };
+
+/* Whether the search may go on; every few vertices it asks. */
+static bool may_go_on(struct nearest *n)
+{
+    if (++n->steps < DT_WORK_BLOCK)
+        return true;
+    n->steps = 0;
+    n->status = dt_work(n->work, DT_WORK_BLOCK);
+    return n->status == DT_OK;
+}
 
 static void consider(struct nearest *n, uint32_t w)
 {
@@ -73,7 +87,7 @@ static void consider_around(struct nearest *n, uint32_t v)
         if (w != DT_NONE)
             consider(n, w);
         h = dt_turn_ccw(m, h);
-    } while (h != m->leaving[v]);
+    } while (may_go_on(n) && h != m->leaving[v]);
 }
 
 /* Considers w, a neighbour of v, unless it is infinity or lies behind v as seen from q, where none is
@@ -105,7 +119,7 @@ static void consider_front(struct nearest *n, uint32_t h)
     uint32_t v = dt_origin(m, h), right = h, left = dt_turn_ccw(m, h);
     bool go_right = consider_ahead(n, v, dt_dest(m, h)),
          go_left = consider_ahead(n, v, dt_apex_of(m, h));
-    while (go_right || go_left) {
+    while ((go_right || go_left) && may_go_on(n)) {
         if (go_right) {
             right = dt_turn_cw(m, right);
             go_right = right != left && consider_ahead(n, v, dt_dest(m, right));
@@ -154,14 +168,17 @@ static void consider_hint(struct nearest *n)
 }
 
 /* As dt_nearest_vertex; *tie: there are others as near. */
-static uint32_t descend(const struct dt *t, const struct dt_place *q, bool *tie)
+static enum dt_status descend(const struct dt *t, const struct dt_place *q, struct dt_work *work,
+                              uint32_t *nearest, bool *tie)
 {
     *tie = false;
-    if (t->mesh.vertices == 1)
-        return dt_only_vertex(t);
-    struct nearest n = {.t = t, .q = q->at};
+    if (t->mesh.vertices == 1) {
+        *nearest = dt_only_vertex(t);
+        return DT_OK;
+    }
+    struct nearest n = {.t = t, .q = q->at, .work = work};
     uint32_t v = begin(&n, q->near), sample_at = PATIENCE + dt_jump_samples(t->mesh.vertices);
-    for (uint32_t steps = 0; v != n.best.v; steps++) {
+    for (uint32_t steps = 0; v != n.best.v && n.status == DT_OK; steps++) {
         if (steps == PATIENCE)
             consider_hint(&n);
         if (steps == sample_at)
@@ -170,20 +187,18 @@ static uint32_t descend(const struct dt *t, const struct dt_place *q, bool *tie)
         consider_around(&n, v);
     }
     *tie = n.tie;
-    return n.best.v;
+    *nearest = n.best.v;
+    return n.status == DT_OK ? dt_work(work, n.steps) : n.status;
 }
 
-uint32_t dt_nearest_vertex(const struct dt *t, struct dt_point q)
-{
-    bool tie;
-    return descend(t, &(struct dt_place){q, DT_NONE}, &tie);
-}
+/* ---- the nearest k ---- */
 
 /* A search outward from q: a heap of vertices seen and not yet given out, nearest on top, ties by
  * id. */
 struct search {
     const struct dt *t;
     struct dt_point q;
+    struct dt_work *work;
     struct dt_visited seen;
     struct candidate *heap; /* owned */
     size_t n, cap;
@@ -239,7 +254,7 @@ static enum dt_status push_neighbours(struct search *s, uint32_t v)
 {
     const struct dt_mesh *m = &s->t->mesh;
     enum dt_status st = DT_OK;
-    uint32_t h = m->leaving[v];
+    uint32_t h = m->leaving[v], steps = 0;
     if (h == DT_NONE)
         return DT_OK;
     do {
@@ -247,8 +262,10 @@ static enum dt_status push_neighbours(struct search *s, uint32_t v)
         if (w != DT_NONE)
             st = push_fresh(s, w);
         h = dt_turn_ccw(m, h);
+        if (st == DT_OK && (++steps & DT_WORK_MASK) == 0)
+            st = dt_work(s->work, DT_WORK_BLOCK);
     } while (st == DT_OK && h != m->leaving[v]);
-    return st;
+    return st == DT_OK ? dt_work(s->work, steps & DT_WORK_MASK) : st;
 }
 
 /* Pushes all vertices that tie with the nearest vertex v, itself included: round the empty circle
@@ -257,9 +274,7 @@ static enum dt_status push_ties(struct search *s, uint32_t v)
 {
     const struct dt_mesh *m = &s->t->mesh;
     struct dt_ids ties = {0};
-    enum dt_status st = dt_ids_reserve(&ties, 1);
-    if (st == DT_OK)
-        ties.v[ties.n++] = v;
+    enum dt_status st = dt_ids_append(&ties, v);
     for (size_t i = 0; st == DT_OK && i < ties.n; i++) {
         size_t pushed = s->n;
         st = push_fresh(s, ties.v[i]);
@@ -268,12 +283,10 @@ static enum dt_status push_ties(struct search *s, uint32_t v)
         uint32_t first = m->leaving[ties.v[i]], h = first;
         do {
             uint32_t w = dt_dest(m, h);
-            if (w != DT_NONE &&
-                dt_compare_distance(s->q, s->t->points.xy[w], s->t->points.xy[v]) == 0) {
-                st = dt_ids_reserve(&ties, 1);
-                if (st == DT_OK)
-                    ties.v[ties.n++] = w;
-            }
+            st = dt_work(s->work, 1);
+            if (st == DT_OK && w != DT_NONE &&
+                dt_compare_distance(s->q, s->t->points.xy[w], s->t->points.xy[v]) == 0)
+                st = dt_ids_append(&ties, w);
             h = dt_turn_ccw(m, h);
         } while (st == DT_OK && h != first);
     }
@@ -297,9 +310,9 @@ static enum dt_status search_nearest(struct search *s, uint32_t v, bool tie, siz
 
 /* There is room for them. */
 static enum dt_status append_nearest(const struct dt *t, struct dt_point q, uint32_t v, bool tie,
-                                     uint32_t k, struct dt_ids *out)
+                                     uint32_t k, struct dt_work *work, struct dt_ids *out)
 {
-    struct search s = {.t = t, .q = q};
+    struct search s = {.t = t, .q = q, .work = work};
     size_t n = out->n;
     dt_visited_init(&s.seen);
     enum dt_status st = search_nearest(&s, v, tie, k, out);
@@ -311,27 +324,32 @@ static enum dt_status append_nearest(const struct dt *t, struct dt_point q, uint
 }
 
 enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, uint32_t k,
-                                struct dt_ids *out)
+                                const struct dt_options *opt, struct dt_ids *out)
 {
+    struct dt_work work = dt_work_of(opt);
     enum dt_status st = dt_readable(t);
     k = k < t->mesh.vertices ? k : t->mesh.vertices;
     if (st != DT_OK || k == 0)
         return st;
-    st = dt_ids_reserve(out, k);
+    bool tie;
+    uint32_t v;
+    st = descend(t, q, &work, &v, &tie);
+    if (st == DT_OK)
+        st = dt_ids_reserve(out, k);
     if (st != DT_OK)
         return st;
-    bool tie;
-    uint32_t v = descend(t, q, &tie);
     if (k > 1 || tie)
-        return append_nearest(t, q->at, v, tie, k, out);
+        return append_nearest(t, q->at, v, tie, k, &work, out);
     out->v[out->n++] = t->points.id[v];
     return DT_OK;
 }
 
 enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out)
 {
-    return dt_nearest_place(t, &(struct dt_place){q, DT_NONE}, k, out);
+    return dt_nearest_place(t, &(struct dt_place){q, DT_NONE}, k, NULL, out);
 }
+
+/* ---- within a disc ---- */
 
 static bool in_disc(const struct dt *t, uint32_t v, struct dt_point centre, double r)
 {
@@ -339,19 +357,23 @@ static bool in_disc(const struct dt *t, uint32_t v, struct dt_point centre, doub
 }
 
 static enum dt_status scan_disc(const struct dt *t, struct dt_point centre, double r,
-                                struct dt_ids *out)
+                                struct dt_work *work, struct dt_ids *out)
 {
     enum dt_status st = DT_OK;
-    for (uint32_t v = 0; v < t->points.end && st == DT_OK; v++)
+    for (uint32_t v = 0; v < t->points.end && st == DT_OK; v++) {
         if (t->points.id[v] != DT_NONE && in_disc(t, v, centre, r))
             st = dt_ids_append(out, v);
+        if (st == DT_OK && (v & DT_WORK_MASK) == 0)
+            st = dt_work(work, DT_WORK_BLOCK);
+    }
     return st;
 }
 
 /* Appends all vertices within r of the centre that can be reached from the one at out->v[n], until
  * a scan pays. */
 static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, double r,
-                                 struct dt_visited *seen, size_t n, struct dt_ids *out)
+                                 struct dt_visited *seen, size_t n, struct dt_work *work,
+                                 struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
     for (size_t i = n; i < out->n && m->vertices > 1 && !dt_scan_pays(t, out->n - n); i++) {
@@ -359,8 +381,8 @@ static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, dou
         do {
             uint32_t w = dt_dest(m, h);
             bool fresh = false;
-            enum dt_status st = DT_OK;
-            if (w != DT_NONE && in_disc(t, w, centre, r))
+            enum dt_status st = dt_work(work, 1);
+            if (st == DT_OK && w != DT_NONE && in_disc(t, w, centre, r))
                 st = dt_visited_add(seen, w, &fresh);
             if (st == DT_OK && fresh)
                 st = dt_ids_append(out, w);
@@ -373,14 +395,16 @@ static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, dou
 }
 
 enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r,
-                              struct dt_ids *out)
+                              const struct dt_options *opt, struct dt_ids *out)
 {
+    struct dt_work work = dt_work_of(opt);
     enum dt_status st = dt_readable(t);
-    if (st != DT_OK || t->mesh.vertices == 0)
+    uint32_t v;
+    bool tie;
+    if (st == DT_OK && t->mesh.vertices > 0)
+        st = descend(t, &(struct dt_place){centre, DT_NONE}, &work, &v, &tie);
+    if (st != DT_OK || t->mesh.vertices == 0 || !in_disc(t, v, centre, r))
         return st;
-    uint32_t v = dt_nearest_vertex(t, centre);
-    if (!in_disc(t, v, centre, r))
-        return DT_OK;
     struct dt_visited seen;
     bool fresh;
     size_t n = out->n;
@@ -389,11 +413,11 @@ enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double
     if (st == DT_OK)
         st = dt_ids_append(out, v);
     if (st == DT_OK)
-        st = flood_disc(t, centre, r, &seen, n, out);
+        st = flood_disc(t, centre, r, &seen, n, &work, out);
     dt_visited_clear(&seen);
     if (st == DT_OK && dt_scan_pays(t, out->n - n)) {
         out->n = n;
-        st = scan_disc(t, centre, r, out);
+        st = scan_disc(t, centre, r, &work, out);
     }
     if (st == DT_OK)
         dt_vertices_to_ids(t, out->v + n, out->n - n);

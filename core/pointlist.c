@@ -4,6 +4,7 @@
 #include "core/hull.h"
 #include "core/reader.h"
 #include "core/star.h"
+#include "core/work.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -55,6 +56,12 @@ static void append_on_line(const struct dt *t, uint32_t v, bool cw, struct dt_id
     ring->n += dt_ring_on_line(t, g, ring->v + ring->n);
 }
 
+uint32_t dt_degree_up_to(const struct dt *t, uint32_t id, uint32_t limit)
+{
+    uint32_t v;
+    return dt_read_vertex(t, id, &v) == DT_OK ? dt_star_degree(&t->mesh, v, limit) : 0;
+}
+
 enum dt_status dt_ring(const struct dt *t, uint32_t id, bool cw, struct dt_ids *ring, uint32_t *rep,
                        bool *boundary)
 {
@@ -62,7 +69,7 @@ enum dt_status dt_ring(const struct dt *t, uint32_t id, bool cw, struct dt_ids *
     enum dt_status s = dt_read_vertex(t, id, &v);
     if (s != DT_OK)
         return s;
-    uint32_t degree = dt_star_degree(&t->mesh, v);
+    uint32_t degree = dt_star_degree(&t->mesh, v, DT_NONE);
     s = dt_ids_reserve(ring, degree);
     if (s != DT_OK)
         return s;
@@ -99,45 +106,57 @@ static size_t sort_unique(uint32_t *ids, size_t n)
 }
 
 /* Copies the n sorted ids of hull points to `to` in hull order. */
-static void hull_order(const struct dt *t, bool cw, uint32_t *to, const uint32_t *ids, size_t n)
+static enum dt_status hull_order(const struct dt *t, bool cw, uint32_t *to, const uint32_t *ids,
+                                 size_t n, struct dt_work *work)
 {
     const struct dt_mesh *m = &t->mesh;
     bool back = cw && !dt_mesh_is_line(m);
-    uint32_t g = dt_hull_first(m, t->points.id, cw);
-    for (size_t found = 0; found < n; g = dt_hull_step(m, g, back)) {
+    enum dt_status s = dt_work(work, dt_mesh_hull(m)); /* what dt_hull_first looks at */
+    uint32_t g = s == DT_OK ? dt_hull_first(m, t->points.id, cw) : DT_NONE;
+    for (size_t found = 0; s == DT_OK && found < n; g = dt_hull_step(m, g, back)) {
         const uint32_t *id = &t->points.id[dt_hull_vertex(m, g)];
         if (bsearch(id, ids, n, sizeof *ids, compare_ids) != NULL)
             to[found++] = *id;
+        s = dt_work(work, 1);
     }
+    return s;
 }
 
-enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n, size_t *kept,
-                              size_t *interior)
+enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n,
+                              const struct dt_options *opt, size_t *kept, size_t *interior)
 {
+    struct dt_work work = dt_work_of(opt);
     enum dt_status s = dt_readable(t);
     uint32_t v;
-    for (size_t i = 0; s == DT_OK && i < n; i++)
+    for (size_t i = 0; s == DT_OK && i < n; i++) {
         s = dt_read_vertex(t, ids[i], &v);
+        if (s == DT_OK)
+            s = dt_work(&work, 2);
+    }
     if (s != DT_OK)
         return s;
-    uint32_t *sorted = malloc((n + 1) * sizeof *sorted);
+    uint32_t *sorted = malloc((2 * n + 1) * sizeof *sorted);
     if (sorted == NULL)
         return DT_NOMEM;
+    uint32_t *ordered = sorted + n;
     for (size_t i = 0; i < n; i++)
         sorted[i] = t->points.id[dt_points_vertex(&t->points, ids[i])];
-    *kept = sort_unique(sorted, n);
-    *interior = 0;
-    size_t on_hull = 0;
-    for (size_t i = 0; i < *kept; i++) {
+    size_t distinct = sort_unique(sorted, n), inside = 0, on_hull = 0;
+    for (size_t i = 0; i < distinct; i++) {
         if (dt_on_hull(&t->mesh, dt_points_vertex(&t->points, sorted[i])))
             sorted[on_hull++] = sorted[i];
         else
-            ids[(*interior)++] = sorted[i];
+            ordered[inside++] = sorted[i];
     }
     if (on_hull > 1)
-        hull_order(t, cw, ids + *interior, sorted, on_hull);
+        s = hull_order(t, cw, ordered + inside, sorted, on_hull, &work);
     else
-        memcpy(ids + *interior, sorted, on_hull * sizeof *ids);
+        memcpy(ordered + inside, sorted, on_hull * sizeof *ordered);
+    if (s == DT_OK) {
+        memcpy(ids, ordered, distinct * sizeof *ids);
+        *kept = distinct;
+        *interior = inside;
+    }
     free(sorted);
-    return DT_OK;
+    return s;
 }

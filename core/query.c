@@ -49,7 +49,7 @@ enum dt_status dt_triangles_at_point(const struct dt *t, uint32_t a, bool cw, st
     enum dt_status s = dt_read_vertex(t, a, &v);
     if (s != DT_OK || dt_mesh_is_line(&t->mesh))
         return s;
-    uint32_t triangles = dt_star_degree(&t->mesh, v) - dt_on_hull(&t->mesh, v);
+    uint32_t triangles = dt_star_degree(&t->mesh, v, DT_NONE) - dt_on_hull(&t->mesh, v);
     s = dt_ids_reserve(out, 3 * (size_t)triangles);
     if (s != DT_OK)
         return s;

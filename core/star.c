@@ -8,7 +8,7 @@
 
 #include "core/hull.h"
 
-uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v)
+uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit)
 {
     uint32_t h = m->leaving[v], degree = 0;
     if (h == DT_NONE)
@@ -16,7 +16,7 @@ uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v)
     do {
         degree += dt_dest(m, h) != DT_NONE;
         h = dt_turn_ccw(m, h);
-    } while (h != m->leaving[v]);
+    } while (degree < limit && h != m->leaving[v]);
     return degree;
 }
 

@@ -22,8 +22,10 @@ struct dt_stars {
  * Far faster than one by one, because the cache misses of all of them run at once. */
 void dt_stars_read(const struct dt *t, uint32_t id, uint32_t end, uint32_t max, struct dt_stars *s);
 
-/* How many neighbours v has, and their ids into ring[degree]. */
-uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v);
+/* How many neighbours v has, `limit` if it has more. */
+uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit);
+
+/* Their ids into ring[degree]. */
 void dt_star_ring(const struct dt *t, uint32_t v, uint32_t *ring);
 
 #endif

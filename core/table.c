@@ -178,7 +178,7 @@ static void read_hull(const struct dt *t, struct dt_cursor *c, struct sink *k)
 static bool write_list(const struct dt *t, const struct dt_cursor *c, struct sink *k, uint32_t v)
 {
     const struct dt_mesh *m = &t->mesh;
-    uint32_t degree = dt_star_degree(m, v);
+    uint32_t degree = dt_star_degree(m, v, DT_NONE);
     if (!has_room(k, 2 + (size_t)degree))
         return false;
     uint32_t *out = row(k, 2 + (size_t)degree);
@@ -255,7 +255,7 @@ static size_t next_list_words(const struct dt *t, const struct dt_cursor *c)
         if (t->points.id[v] != id - 1 || dt_on_hull(&t->mesh, v))
             v = DT_NONE;
     }
-    return 2 + (size_t)dt_star_degree(&t->mesh, v);
+    return 2 + (size_t)dt_star_degree(&t->mesh, v, DT_NONE);
 }
 
 /* Writes what star i has for the cursor; false if there is more than fits. */

@@ -14,6 +14,7 @@
 #include "core/query.h"
 #include "core/reader.h"
 #include "core/visited.h"
+#include "core/work.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -47,6 +48,7 @@ static bool meets(const struct box *b, struct dt_point p, struct dt_point q)
 struct flood {
     const struct dt *t;
     struct box box;
+    struct dt_work *work;
     struct dt_visited vertices, edges; /* seen; an edge by its lower half edge */
     struct dt_ids todo;                /* edges across the box, to be looked at from both sides */
     struct dt_ids *out;                /* borrowed: vertices in the box */
@@ -91,10 +93,11 @@ static enum dt_status look_beyond(struct flood *f, uint32_t h)
 static enum dt_status look_around(struct flood *f, uint32_t v)
 {
     const struct dt_mesh *m = &f->t->mesh;
-    enum dt_status s = DT_OK;
+    enum dt_status s;
     uint32_t h = m->leaving[v];
     do {
-        if (dt_dest(m, h) != DT_NONE)
+        s = dt_work(f->work, 1);
+        if (s == DT_OK && dt_dest(m, h) != DT_NONE)
             s = take(f, dt_dest(m, h));
         if (s == DT_OK && !dt_is_ghost(m, h))
             s = cross(f, dt_next(h));
@@ -121,59 +124,70 @@ static enum dt_status flood(struct flood *f, uint32_t h)
             continue;
         }
         h = f->todo.v[--f->todo.n];
-        s = look_beyond(f, h);
+        s = dt_work(f->work, 2);
+        if (s == DT_OK)
+            s = look_beyond(f, h);
         if (s == DT_OK)
             s = look_beyond(f, dt_twin(&f->t->mesh, h));
     }
     return s;
 }
 
-/* A half edge of a triangle that meets the box, DT_NONE if there is none. */
-static uint32_t first_triangle(const struct dt *t, const struct box *b)
+/* *half becomes a half edge of a triangle that meets the box, DT_NONE if there is none. */
+static enum dt_status first_triangle(const struct dt *t, const struct box *b, struct dt_work *work,
+                                     uint32_t *half)
 {
     const struct dt_mesh *m = &t->mesh;
     const struct dt_point *xy = t->points.xy;
     const struct dt_point corner[4] = {b->lo, b->hi, {b->lo.x, b->hi.y}, {b->hi.x, b->lo.y}};
-    uint32_t h;
     for (int i = 0; i < 4; i++)
-        if (dt_find(m, xy, NULL, &t->hints, DT_NONE, corner[i], &h) != DT_OUTSIDE)
-            return h;
+        if (dt_find(m, xy, NULL, &t->hints, DT_NONE, corner[i], half) != DT_OUTSIDE)
+            return DT_OK;
+    enum dt_status s = DT_OK;
     uint32_t g = m->hull;
+    *half = DT_NONE;
     do {
         if (meets(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]))
-            return dt_twin(m, g);
+            *half = dt_twin(m, g);
         g = dt_hull_step(m, g, false);
-    } while (g != m->hull);
-    return DT_NONE;
-}
-
-static enum dt_status scan_box(const struct dt *t, const struct box *b, struct dt_ids *out)
-{
-    const struct dt_points *p = &t->points;
-    enum dt_status s = DT_OK;
-    for (uint32_t v = 0; v < p->end && s == DT_OK; v++)
-        if (contains(b, p->xy[v]) && p->id[v] != DT_NONE)
-            s = dt_ids_append(out, v);
+        s = dt_work(work, 1);
+    } while (s == DT_OK && *half == DT_NONE && g != m->hull);
     return s;
 }
 
-static enum dt_status flood_box(const struct dt *t, const struct box *b, struct dt_ids *out)
+static enum dt_status scan_box(const struct dt *t, const struct box *b, struct dt_work *work,
+                               struct dt_ids *out)
 {
-    uint32_t h = first_triangle(t, b);
+    const struct dt_points *p = &t->points;
+    enum dt_status s = DT_OK;
+    for (uint32_t v = 0; v < p->end && s == DT_OK; v++) {
+        if (contains(b, p->xy[v]) && p->id[v] != DT_NONE)
+            s = dt_ids_append(out, v);
+        if (s == DT_OK && (v & DT_WORK_MASK) == 0)
+            s = dt_work(work, DT_WORK_BLOCK);
+    }
+    return s;
+}
+
+static enum dt_status flood_box(const struct dt *t, const struct box *b, struct dt_work *work,
+                                struct dt_ids *out)
+{
+    uint32_t h;
     size_t n = out->n;
-    if (h == DT_NONE)
-        return DT_OK;
-    struct flood f = {.t = t, .box = *b, .out = out};
+    enum dt_status s = first_triangle(t, b, work, &h);
+    if (s != DT_OK || h == DT_NONE)
+        return s;
+    struct flood f = {.t = t, .box = *b, .work = work, .out = out};
     dt_visited_init(&f.vertices);
     dt_visited_init(&f.edges);
-    enum dt_status s = flood(&f, h);
+    s = flood(&f, h);
     dt_visited_clear(&f.vertices);
     dt_visited_clear(&f.edges);
     free(f.todo.v);
     if (s != DT_OK || !dt_scan_pays(t, out->n - n))
         return s;
     out->n = n;
-    return scan_box(t, b, out);
+    return scan_box(t, b, work, out);
 }
 
 /* How p lies to the box along the direction of walk: < 0 before it, 0 inside, > 0 past it. A walk
@@ -205,13 +219,15 @@ static int sign(double d)
 /* Appends the vertices in the box from that of g on, ahead; at_end: that one is the end of the
  * line. */
 static enum dt_status walk_line(const struct dt *t, const struct box *b, uint32_t g, bool at_end,
-                                int dx, int dy, struct dt_ids *out)
+                                int dx, int dy, struct dt_work *work, struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
     for (;;) {
         uint32_t v = dt_hull_vertex(m, g);
         int place = along(b, t->points.xy[v], dx, dy);
-        enum dt_status s = place == 0 ? dt_ids_append(out, v) : DT_OK;
+        enum dt_status s = dt_work(work, 1);
+        if (s == DT_OK && place == 0)
+            s = dt_ids_append(out, v);
         if (s != DT_OK || place > 0 || at_end)
             return s;
         at_end = dt_hull_turns(m, g);
@@ -219,7 +235,8 @@ static enum dt_status walk_line(const struct dt *t, const struct box *b, uint32_
     }
 }
 
-static enum dt_status walk_box(const struct dt *t, const struct box *b, struct dt_ids *out)
+static enum dt_status walk_box(const struct dt *t, const struct box *b, struct dt_work *work,
+                               struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
     const struct dt_point *xy = t->points.xy;
@@ -229,17 +246,19 @@ static enum dt_status walk_box(const struct dt *t, const struct box *b, struct d
                          entry(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]));
     struct dt_point p = xy[dt_hull_vertex(m, g)], ahead = xy[dt_hull_successor(m, g)];
     int dx = sign(ahead.x - p.x), dy = sign(ahead.y - p.y);
-    enum dt_status s = walk_line(t, b, g, false, dx, dy, out);
+    enum dt_status s = walk_line(t, b, g, false, dx, dy, work, out);
     uint32_t back = dt_twin(m, g); /* leads back to p */
     if (s != DT_OK || along(b, p, dx, dy) < 0 || dt_hull_turns(m, back))
         return s;
     back = dt_hull_step(m, back, false);
-    return walk_line(t, b, dt_hull_step(m, back, false), dt_hull_turns(m, back), -dx, -dy, out);
+    return walk_line(t, b, dt_hull_step(m, back, false), dt_hull_turns(m, back), -dx, -dy, work,
+                     out);
 }
 
 enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi,
-                             struct dt_ids *out)
+                             const struct dt_options *opt, struct dt_ids *out)
 {
+    struct dt_work work = dt_work_of(opt);
     enum dt_status s = dt_readable(t);
     struct box b = {lo, hi};
     if (s != DT_OK || t->mesh.vertices == 0 || lo.x > hi.x || lo.y > hi.y)
@@ -249,9 +268,9 @@ enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_p
         s = contains(&b, t->points.xy[dt_only_vertex(t)]) ? dt_ids_append(out, dt_only_vertex(t))
                                                           : DT_OK;
     else if (dt_mesh_is_line(&t->mesh))
-        s = walk_box(t, &b, out);
+        s = walk_box(t, &b, &work, out);
     else
-        s = flood_box(t, &b, out);
+        s = flood_box(t, &b, &work, out);
     if (s == DT_OK)
         dt_vertices_to_ids(t, out->v + n, out->n - n);
     else

@@ -29,6 +29,7 @@ void answer_status(struct answer *a, enum dt_status status)
         reply_err(a->out, ERR_UNTRIANGULATED, "TRIANGULATE the set first");
         break;
     case DT_CANCELLED:
+    case DT_TOOLONG: /* only where a limit was set */
         if (a->timed_out)
             reply_err(a->out, ERR_TIMEOUT, "it took too long; nothing has changed");
         else

@@ -11,17 +11,18 @@ struct query_job {
     struct query query;
 };
 
-static enum dt_status run(const struct dt *dt, struct query *q)
+/* opt: NULL on the I/O thread. */
+static enum dt_status run(const struct dt *dt, struct query *q, const struct dt_options *opt)
 {
     switch (q->kind) {
     case QUERY_LISTS:
-        return dt_lists_order(dt, q->cw, q->ids.v, q->ids.n, &q->ids.n, &q->interior);
+        return dt_lists_order(dt, q->cw, q->ids.v, q->ids.n, opt, &q->ids.n, &q->interior);
     case QUERY_NEAREST:
-        return dt_nearest_place(dt, &q->place, q->k, &q->ids);
+        return dt_nearest_place(dt, &q->place, q->k, opt, &q->ids);
     case QUERY_BOX:
-        return dt_within_box(dt, q->place.at, q->hi, &q->ids);
+        return dt_within_box(dt, q->place.at, q->hi, opt, &q->ids);
     case QUERY_DISC:
-        return dt_within_disc(dt, q->place.at, q->radius, &q->ids);
+        return dt_within_disc(dt, q->place.at, q->radius, opt, &q->ids);
     }
     return DT_OK;
 }
@@ -50,7 +51,7 @@ static void tell(struct answer *a, struct version *v, struct query *q, enum dt_s
 
 static void run_job(struct job *j)
 {
-    j->status = run(j->dt, &((struct query_job *)j)->query);
+    j->status = run(j->dt, &((struct query_job *)j)->query, &j->options);
 }
 
 static void job_done(struct server *s, struct job *j, struct answer *a)
@@ -88,7 +89,7 @@ static void answer_now(struct server *s, struct answer *a, struct dataset *set, 
         q->ids.n = 0;
         s->scratch = (struct dt_ids){0};
     }
-    enum dt_status status = run(set->current->dt, q);
+    enum dt_status status = run(set->current->dt, q, NULL);
     tell(a, set->current, q, status);
     if (borrows)
         s->scratch = q->ids; /* empty if a stream has taken them */

@@ -16,7 +16,7 @@ static uint64_t digest(const struct dt *t, const struct dt_place *p, const uint3
         bool boundary;
         struct dt_location at = {0};
         ids.n = 0;
-        sum = sum * 31 + dt_nearest_place(t, &p[i], 1 + (uint32_t)i % 2, &ids);
+        sum = sum * 31 + dt_nearest_place(t, &p[i], 1 + (uint32_t)i % 2, NULL, &ids);
         sum = sum * 31 + dt_locate_place(t, &p[i], &at);
         sum = sum * 31 + dt_ring(t, id[i], false, &ids, &rep, &boundary);
         for (size_t k = 0; k < ids.n; k++)

@@ -114,8 +114,8 @@ static void check_unprepared(const struct pair *pair)
         with.n = without.n = 0;
         CHECK(dt_nearest(pair->t, q, 3, &with) == DT_OK &&
               dt_nearest(bare, q, 3, &without) == DT_OK);
-        CHECK(dt_within_box(pair->t, lo, hi, &with) == DT_OK &&
-              dt_within_box(bare, lo, hi, &without) == DT_OK);
+        CHECK(dt_within_box(pair->t, lo, hi, NULL, &with) == DT_OK &&
+              dt_within_box(bare, lo, hi, NULL, &without) == DT_OK);
         CHECK(with.n == without.n && memcmp(with.v, without.v, with.n * sizeof *with.v) == 0);
     }
     CHECK(dt_prepare(bare, NULL) == DT_OK);

@@ -40,7 +40,7 @@ static void check_box(const struct pair *pair)
             hi.y = lo.y;
         struct dt_ids got = {0}, want = {0};
         brute_within_box(pair->b, lo, hi, &want);
-        CHECK(dt_within_box(pair->t, lo, hi, &got) == DT_OK);
+        CHECK(dt_within_box(pair->t, lo, hi, NULL, &got) == DT_OK);
         check_equal_ids("within a box", &got, &want);
         free(got.v);
         free(want.v);
@@ -63,7 +63,7 @@ static void check_disc(const struct pair *pair)
             continue;
         struct dt_ids got = {0}, want = {0};
         brute_within_disc(pair->b, c, r, &want);
-        CHECK(dt_within_disc(pair->t, c, r, &got) == DT_OK);
+        CHECK(dt_within_disc(pair->t, c, r, NULL, &got) == DT_OK);
         check_equal_ids("within a disc", &got, &want);
         free(got.v);
         free(want.v);
@@ -82,9 +82,11 @@ TEST(box_whose_corners_are_all_outside_still_finds_what_crosses_it)
     const struct dt_point p[] = {{-10, -10}, {10, 11}, {-1, 0.5}, {10, 10.5}};
     struct pair pair = pair_of(p, 4);
     struct dt_ids got = {0};
-    CHECK(dt_within_box(pair.t, (struct dt_point){-2, 0}, (struct dt_point){0, 2}, &got) == DT_OK);
+    CHECK(dt_within_box(pair.t, (struct dt_point){-2, 0}, (struct dt_point){0, 2}, NULL, &got) ==
+          DT_OK);
     CHECK(got.n == 1 && got.v[0] == 2);
-    CHECK(dt_within_box(pair.t, (struct dt_point){1, 0}, (struct dt_point){0, 2}, &got) == DT_OK &&
+    CHECK(dt_within_box(pair.t, (struct dt_point){1, 0}, (struct dt_point){0, 2}, NULL, &got) ==
+              DT_OK &&
           got.n == 1);
     free(got.v);
     pair_free(&pair);
@@ -125,8 +127,8 @@ TEST(parts_of_a_large_edited_set_equal_a_linear_scan)
         struct dt_ids box = {0}, disc = {0}, in_box = {0}, in_disc = {0};
         scan_set(t, N, lo, hi, 0, &in_box);
         scan_set(t, N, lo, hi, side, &in_disc);
-        CHECK(dt_within_box(t, lo, hi, &box) == DT_OK);
-        CHECK(dt_within_disc(t, lo, side, &disc) == DT_OK);
+        CHECK(dt_within_box(t, lo, hi, NULL, &box) == DT_OK);
+        CHECK(dt_within_disc(t, lo, side, NULL, &disc) == DT_OK);
         check_equal_ids("within a box", &box, &in_box);
         check_equal_ids("within a disc", &disc, &in_disc);
         free(box.v);
@@ -151,8 +153,8 @@ TEST(searches_out_of_memory_append_nothing)
             out.v[0] = 77;
             test_fail_alloc(n);
             enum dt_status s = query == 0   ? dt_nearest(t, p[0], 200, &out)
-                               : query == 1 ? dt_within_box(t, lo, hi, &out)
-                                            : dt_within_disc(t, p[0], 1e6, &out);
+                               : query == 1 ? dt_within_box(t, lo, hi, NULL, &out)
+                                            : dt_within_disc(t, p[0], 1e6, NULL, &out);
             bool failed = test_alloc_failed();
             test_fail_alloc(0);
             CHECK(s == (failed ? DT_NOMEM : DT_OK));

@@ -53,7 +53,7 @@ static void check_order(const struct pair *pair)
         want_interior += !brute_on_hull(pair->b, rows.v[want.n - 1]);
     }
     want.v = rows.v;
-    CHECK(dt_lists_order(pair->t, cw, ids, n, &kept, &interior) == DT_OK);
+    CHECK(dt_lists_order(pair->t, cw, ids, n, NULL, &kept, &interior) == DT_OK);
     struct dt_ids got = {.v = ids, .n = kept};
     check_equal_ids("order of lists", &got, &want);
     CHECK(interior == want_interior);
@@ -72,10 +72,10 @@ TEST(order_of_lists_with_a_missing_id_changes_nothing)
     uint32_t ids[] = {2, 1, 7};
     size_t kept, interior;
     struct dt *t = set_of(p, 3);
-    CHECK(dt_lists_order(t, false, ids, 3, &kept, &interior) == DT_NOPOINT);
+    CHECK(dt_lists_order(t, false, ids, 3, NULL, &kept, &interior) == DT_NOPOINT);
     CHECK(ids[0] == 2 && ids[1] == 1 && ids[2] == 7);
     test_fail_alloc(1);
-    CHECK(dt_lists_order(t, false, ids, 2, &kept, &interior) == DT_NOMEM);
+    CHECK(dt_lists_order(t, false, ids, 2, NULL, &kept, &interior) == DT_NOMEM);
     CHECK(ids[0] == 2 && ids[1] == 1);
     dt_free(t);
 }

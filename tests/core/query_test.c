@@ -155,14 +155,14 @@ TEST(queries_need_a_triangulation)
     size_t kept, interior;
     bool boundary;
     CHECK(dt_ring(t, 0, false, &out, &rep, &boundary) == DT_UNTRIANGULATED);
-    CHECK(dt_lists_order(t, false, &id, 1, &kept, &interior) == DT_UNTRIANGULATED);
+    CHECK(dt_lists_order(t, false, &id, 1, NULL, &kept, &interior) == DT_UNTRIANGULATED);
     CHECK(dt_triangles_at_point(t, 0, false, &out) == DT_UNTRIANGULATED);
     CHECK(dt_triangles_at_edge(t, 0, 1, false, &out) == DT_UNTRIANGULATED);
     CHECK(dt_triangles_at_triangle(t, 0, 1, 2, false, &out) == DT_UNTRIANGULATED);
     CHECK(dt_locate(t, q, &at) == DT_UNTRIANGULATED);
     CHECK(dt_nearest(t, q, 1, &out) == DT_UNTRIANGULATED);
-    CHECK(dt_within_box(t, q, q, &out) == DT_UNTRIANGULATED);
-    CHECK(dt_within_disc(t, q, 1, &out) == DT_UNTRIANGULATED);
+    CHECK(dt_within_box(t, q, q, NULL, &out) == DT_UNTRIANGULATED);
+    CHECK(dt_within_disc(t, q, 1, NULL, &out) == DT_UNTRIANGULATED);
     CHECK(dt_check(t, NULL, NULL) == DT_UNTRIANGULATED);
     CHECK(out.n == 0);
     dt_free(t);

@@ -126,7 +126,8 @@ static void compare_queries(const struct dt *a, const struct dt *b, struct dt_po
     compare_ids(&ia, &ib);
     require(dt_nearest(a, q, k, &ia) == DT_OK && dt_nearest(b, q, k, &ib) == DT_OK);
     compare_ids(&ia, &ib);
-    require(dt_within_disc(a, q, k, &ia) == DT_OK && dt_within_disc(b, q, k, &ib) == DT_OK);
+    require(dt_within_disc(a, q, k, NULL, &ia) == DT_OK &&
+            dt_within_disc(b, q, k, NULL, &ib) == DT_OK);
     compare_ids(&ia, &ib);
     free(ia.v);
     free(ib.v);
