@@ -47,7 +47,17 @@ struct arrivals {
     unsigned table_bits;
     uint32_t fresh[DT_MAX_THREADS]; /* first arrivals at their places, by slice */
     bool crowded[DT_MAX_THREADS];   /* a table has been too small */
+    struct dt_work *work;           /* the slices look at its flag only */
 };
+
+enum { LOOK = 4096 }; /* items between two looks at the flag */
+
+/* To be asked for every item i: whether the caller has cancelled; then nobody wants the results. */
+static bool is_cancelled(const struct arrivals *a, uint32_t i)
+{
+    return i % LOOK == 0 && a->work != NULL && a->work->cancel != NULL &&
+           atomic_load_explicit(a->work->cancel, memory_order_relaxed);
+}
 
 static uint32_t parts(const struct arrivals *a)
 {
@@ -89,8 +99,11 @@ static void count(void *arg, unsigned slice)
     uint32_t *at = a->at + (size_t)slice * parts(a);
     uint32_t last = dt_slice(a->end + a->n, slice + 1, a->slices);
     memset(at, 0, parts(a) * sizeof *at);
-    for (uint32_t i = dt_slice(a->end + a->n, slice, a->slices); i < last; i++)
+    for (uint32_t i = dt_slice(a->end + a->n, slice, a->slices); i < last; i++) {
+        if (is_cancelled(a, i))
+            return;
         at[part_of(a, hash(a, place(a, i)))]++;
+    }
 }
 
 /* Where each slice's entries of each part go. */
@@ -115,6 +128,8 @@ static void deal(void *arg, unsigned slice)
     uint32_t *at = a->at + (size_t)slice * parts(a);
     uint32_t last = dt_slice(a->end + a->n, slice + 1, a->slices);
     for (uint32_t i = dt_slice(a->end + a->n, slice, a->slices); i < last; i++) {
+        if (is_cancelled(a, i))
+            return;
         uint64_t h = hash(a, place(a, i));
         a->entry[at[part_of(a, h)]++] = (struct entry){tag_of(h), i};
     }
@@ -165,7 +180,9 @@ static void compare(void *arg, unsigned slice)
     uint32_t last = dt_slice(parts(a), slice + 1, a->slices);
     a->crowded[slice] = false;
     for (uint32_t part = dt_slice(parts(a), slice, a->slices); part < last; part++)
-        if (!compare_part(a, table, part))
+        if (is_cancelled(a, 0))
+            return;
+        else if (!compare_part(a, table, part))
             a->crowded[slice] = true;
 }
 
@@ -201,6 +218,8 @@ static void take_back(struct dt_points *p, uint32_t n, uint32_t end)
 {
     for (uint32_t id = p->next_id + n; id-- > p->next_id;) {
         uint32_t v = dt_idmap_get(&p->value, id);
+        if (v == DT_NONE)
+            continue;
         dt_idmap_unset(&p->value, id);
         if (v & DT_ALIAS_BIT)
             dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
@@ -239,15 +258,19 @@ static enum dt_status name(struct arrivals *a)
     p->end = a->end;
     for (unsigned slice = 0; slice < a->slices; slice++)
         p->end += a->fresh[slice];
-    for (uint32_t i = 0, v = a->end; i < a->n; i++) {
-        if (a->same[i] == DT_NONE) {
+    enum dt_status status = DT_OK;
+    uint32_t i = 0;
+    for (uint32_t v = a->end; i < a->n && status == DT_OK; i++) {
+        if (a->same[i] == DT_NONE)
             dt_idmap_set(&p->value, p->next_id + i, v++);
-        } else if (make_alias(a, i) != DT_OK) {
-            take_back(p, i, a->end);
-            return DT_NOMEM;
-        }
+        else
+            status = make_alias(a, i);
+        if (is_cancelled(a, i))
+            status = DT_CANCELLED;
     }
-    return DT_OK;
+    if (status != DT_OK)
+        take_back(p, i, a->end);
+    return status;
 }
 
 /* ---- all of it ---- */
@@ -278,12 +301,27 @@ static enum dt_status allocate(struct arrivals *a)
     return DT_OK;
 }
 
+/* A pass over all slices. What it leaves behind is of no use unless DT_OK. */
+static enum dt_status pass(struct arrivals *a, const struct dt_pool *pool,
+                           void (*job)(void *arg, unsigned slice))
+{
+    dt_run(pool, a->slices, job, a);
+    return dt_work(a->work, 0);
+}
+
 static enum dt_status find_same(struct arrivals *a, const struct dt_pool *pool)
 {
-    dt_run(pool, a->slices, count, a);
-    lay_out(a);
-    dt_run(pool, a->slices, deal, a);
-    dt_run(pool, a->slices, compare, a);
+    enum dt_status status = dt_work(a->work, 2 * ((uint64_t)a->end + a->n));
+    if (status == DT_OK)
+        status = pass(a, pool, count);
+    if (status == DT_OK) {
+        lay_out(a);
+        status = pass(a, pool, deal);
+    }
+    if (status == DT_OK)
+        status = pass(a, pool, compare);
+    if (status != DT_OK)
+        return status;
     for (unsigned slice = 0; slice < a->slices; slice++)
         if (a->crowded[slice])
             return DT_TOOSMALL;
@@ -291,9 +329,10 @@ static enum dt_status find_same(struct arrivals *a, const struct dt_pool *pool)
 }
 
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, uint32_t n,
-                               const struct dt_pool *pool, struct dt_added *out)
+                               const struct dt_pool *pool, struct dt_work *work,
+                               struct dt_added *out)
 {
-    struct arrivals a = {.p = p, .q = q, .end = p->end, .n = n, .bits = 1};
+    struct arrivals a = {.p = p, .q = q, .end = p->end, .n = n, .bits = 1, .work = work};
     a.slices = dt_threads_for(pool, n);
     enum dt_status status = allocate(&a);
     if (status == DT_OK)

@@ -12,8 +12,9 @@ bool dt_arrivals_suit(const struct dt_points *p, size_t n);
 /* Adds n points for which there is room (dt_points_reserve), all or none, with the result that one
  * after the other would have; the table of places must be empty. pool may be NULL. DT_TOOSMALL: not
  * possible in this way, which chance alone does not bring about. Cost: O(n + vertices), and 12 bytes
- * for each of them meanwhile. */
+ * for each of them meanwhile; taken off the work, which may be NULL. */
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, uint32_t n,
-                               const struct dt_pool *pool, struct dt_added *out);
+                               const struct dt_pool *pool, struct dt_work *work,
+                               struct dt_added *out);
 
 #endif

@@ -7,6 +7,7 @@
 #define DT_CAVITY_H
 
 #include "core/mesh.h"
+#include "core/work.h"
 
 struct dt_rim {
     uint32_t origin; /* where the rim edge starts, counterclockwise around the hole; DT_NONE at
@@ -22,6 +23,7 @@ struct dt_cavity {
     uint32_t *stack;    /* owns: half edges to be crossed */
     uint32_t records, rims, stacked;
     uint32_t record_cap, rim_cap, stack_cap;
+    struct dt_work *work; /* borrows: what the edit may still do; NULL: no end */
 };
 
 void dt_cavity_clear(struct dt_cavity *c);

@@ -91,15 +91,17 @@ enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct d
 }
 
 enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
-                           const struct dt_pool *pool, struct dt_added *out)
+                           const struct dt_options *opt, struct dt_added *out)
 {
+    struct dt_work work = dt_work_of(opt);
     for (size_t i = 0; i < n; i++)
         if (!point_ok(p[i]))
             return DT_RANGE;
     dt_views_edit_begin(t);
     if (dt_is_live(t) && !dt_update_is_bulk(t, n))
-        return dt_update_add(t, p, n, out);
-    enum dt_status status = dt_points_add(&t->points, p, n, pool, out);
+        return dt_update_add(t, p, n, &work, out);
+    const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
+    enum dt_status status = dt_points_add(&t->points, p, n, pool, &work, out);
     if (status == DT_OK && out->coincident < out->added)
         t->current = false;
     return status;
@@ -112,14 +114,17 @@ static int compare_ids(const void *a, const void *b)
 }
 
 /* Deletes ascending distinct live ids. */
-static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n)
+static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n, struct dt_work *work)
 {
     dt_views_edit_begin(t);
     if (dt_is_live(t) && !dt_update_is_bulk(t, n))
-        return dt_update_delete(t, ids, n);
+        return dt_update_delete(t, ids, n, work);
     struct dt_points *p = &t->points;
-    if (dt_points_delete_ready(p, ids, n) != DT_OK)
-        return DT_NOMEM;
+    enum dt_status status = dt_work(work, 2 * n);
+    if (status == DT_OK)
+        status = dt_points_delete_ready(p, ids, n, work);
+    if (status != DT_OK)
+        return status;
     size_t representatives = 0;
     for (size_t i = 0; i < n; i++) {
         if (dt_points_is_alias(p, ids[i]))
@@ -137,6 +142,13 @@ static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n)
 enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted,
                          uint32_t *missing)
 {
+    return dt_delete_many(t, ids, n, NULL, deleted, missing);
+}
+
+enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
+                              const struct dt_options *opt, uint32_t *deleted, uint32_t *missing)
+{
+    struct dt_work work = dt_work_of(opt);
     for (size_t i = 0; i < n; i++) {
         if (dt_points_vertex(&t->points, ids[i]) == DT_NONE) {
             *missing = ids[i];
@@ -153,7 +165,7 @@ enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *
     for (size_t i = 0; i < n; i++)
         if (i == 0 || sorted[i] != sorted[distinct - 1])
             sorted[distinct++] = sorted[i];
-    enum dt_status status = delete_sorted(t, sorted, distinct);
+    enum dt_status status = delete_sorted(t, sorted, distinct, &work);
     dt_array_free(sorted);
     if (status == DT_OK)
         *deleted = (uint32_t)distinct;
@@ -162,14 +174,24 @@ enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *
 
 enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to)
 {
+    return dt_move_to(t, id, to, NULL);
+}
+
+enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
+                          const struct dt_options *opt)
+{
+    struct dt_work work = dt_work_of(opt);
     if (dt_points_vertex(&t->points, id) == DT_NONE)
         return DT_NOPOINT;
     if (!point_ok(to))
         return DT_RANGE;
+    enum dt_status status = dt_work(&work, 1);
+    if (status != DT_OK)
+        return status;
     dt_views_edit_begin(t);
     if (dt_is_live(t))
-        return dt_update_move(t, id, to);
-    enum dt_status status = dt_points_move(&t->points, id, to);
+        return dt_update_move(t, id, to, &work);
+    status = dt_points_move(&t->points, id, to, &work);
     if (status == DT_OK)
         t->current = false;
     return status;

@@ -162,19 +162,24 @@ struct dt_added {
  * fine. */
 enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct dt_added *out);
 
-/* The same on the threads of a pool, if there are points enough. pool may be NULL. */
+/* The same within a limit, and on the threads of a pool if there are enough points. The flag must not
+ * be cleared during the call. */
 enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
-                           const struct dt_pool *pool, struct dt_added *out);
+                           const struct dt_options *opt, struct dt_added *out);
 
 /* Deletes n ids, all or none; an id named twice is deleted once, *deleted counts distinct ids.
  * DT_NOPOINT puts the first id that is missing in *missing. If a representative goes, its lowest
  * alias takes its place. */
 enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted,
                          uint32_t *missing);
+enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
+                              const struct dt_options *opt, uint32_t *deleted, uint32_t *missing);
 
 /* Moves a point; it keeps its id. Where it arrives it may become an alias, or the representative of
  * equal points with higher ids. */
 enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to);
+enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
+                          const struct dt_options *opt);
 
 /* Fills a set that is fresh from dt_new with n points as they were in another one: their ids, in
  * ascending order and below next_id, their places, and for each its representative's id (its own

@@ -45,27 +45,31 @@ static bool push_neighbours(const struct dt_mesh *m, struct dt_cavity *c, uint32
 
 /* The stack holds half edges still to be crossed, so that the rim comes in counterclockwise
  * order. */
-bool dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
-                    struct dt_point q, struct dt_cavity *c)
+enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+                              struct dt_point q, struct dt_cavity *c)
 {
+    enum dt_status status = DT_OK;
+    uint32_t steps = 0;
     dt_cavity_begin(c);
     if (!dt_cavity_add(c, t) || !dt_cavity_push(c, t + 2) || !push_neighbours(m, c, t, t + 1))
-        return false;
+        return DT_NOMEM;
     while (c->stacked > 0) {
+        if ((++steps & DT_WORK_MASK) == 0 && (status = dt_work(c->work, DT_WORK_BLOCK)) != DT_OK)
+            return status;
         uint32_t h = c->stack[--c->stacked], beyond = dt_twin(m, h);
         if (!dt_conflict(m, xy, dt_base(beyond), q)) {
             dt_fetch(&m->leaving[dt_origin(m, h)]); /* for fill_with_star */
             if (!dt_cavity_add_rim(c, dt_origin(m, h), beyond))
-                return false;
+                return DT_NOMEM;
         } else if (!dt_cavity_add(c, dt_base(beyond)) ||
                    !push_neighbours(m, c, dt_next(beyond), dt_prev(beyond))) {
-            return false;
+            return DT_NOMEM;
         }
     }
     while (c->record_cap < c->rims) /* the star has two triangles more than the hole */
         if (!dt_cavity_grow_records(c))
-            return false;
-    return true;
+            return DT_NOMEM;
+    return dt_work(c->work, steps & DT_WORK_MASK);
 }
 
 /* Makes record t the triangle of the rim edge from `origin` to `end` and v; returns its half edge
@@ -199,8 +203,9 @@ static enum dt_status insert_in_line(struct dt_mesh *m, const struct dt_point *x
     }
     if (side < 0)
         g = dt_base(dt_twin(m, g));
-    if (!dt_find_cavity(m, xy, g, xy[v], c))
-        return DT_NOMEM;
+    enum dt_status status = dt_find_cavity(m, xy, g, xy[v], c);
+    if (status != DT_OK)
+        return status;
     fill_with_star(m, c, v);
     dt_hull_settle_from(m, m->hull); /* the line's vertices lost the ghosts on one side */
     return DT_OK;
@@ -213,6 +218,7 @@ enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
         return DT_NOMEM;
     if (m->vertices == 0) {
         m->leaving[v] = DT_NONE;
+        m->alone = v;
         m->vertices = 1;
         return DT_OK;
     }
@@ -222,8 +228,8 @@ enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
     }
     if (dt_mesh_is_line(m))
         return insert_in_line(m, xy, v, where, half, scratch);
-    if (!dt_find_cavity(m, xy, dt_base(half), xy[v], scratch))
-        return DT_NOMEM;
-    fill_with_star(m, scratch, v);
-    return DT_OK;
+    enum dt_status status = dt_find_cavity(m, xy, dt_base(half), xy[v], scratch);
+    if (status == DT_OK)
+        fill_with_star(m, scratch, v);
+    return status;
 }

@@ -43,8 +43,9 @@ struct dt_mesh {
                            one */
     uint32_t ghosts;    /* how many of the live ones are ghosts */
     uint32_t vertices;  /* vertices that the triangulation has */
-    bool recycled; /* dead records have come back to life elsewhere since the hints were built */
-    uint32_t hull; /* a ghost, if there is one: see dt_hull_settle */
+    bool recycled;  /* dead records have come back to life elsewhere since the hints were built */
+    uint32_t hull;  /* a ghost, if there is one: see dt_hull_settle */
+    uint32_t alone; /* the vertex, if there is just one */
 };
 
 /* *m must be zeroed or cleared; it keeps its keeper of pages. */

@@ -173,7 +173,7 @@ static enum dt_status descend(const struct dt *t, const struct dt_place *q, stru
 {
     *tie = false;
     if (t->mesh.vertices == 1) {
-        *nearest = dt_only_vertex(t);
+        *nearest = t->mesh.alone;
         return DT_OK;
     }
     struct nearest n = {.t = t, .q = q->at, .work = work};
@@ -399,11 +399,12 @@ enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double
 {
     struct dt_work work = dt_work_of(opt);
     enum dt_status st = dt_readable(t);
-    uint32_t v;
+    if (st != DT_OK || t->mesh.vertices == 0)
+        return st;
     bool tie;
-    if (st == DT_OK && t->mesh.vertices > 0)
-        st = descend(t, &(struct dt_place){centre, DT_NONE}, &work, &v, &tie);
-    if (st != DT_OK || t->mesh.vertices == 0 || !in_disc(t, v, centre, r))
+    uint32_t v = DT_NONE;
+    st = descend(t, &(struct dt_place){centre, DT_NONE}, &work, &v, &tie);
+    if (st != DT_OK || !in_disc(t, v, centre, r))
         return st;
     struct dt_visited seen;
     bool fresh;

@@ -53,36 +53,46 @@ void dt_places_leave(struct dt_places *p, const struct dt_point *xy, uint32_t v)
     p->count--;
 }
 
-enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct dt_point *xy,
-                                 const uint32_t *id, uint32_t end, uint32_t verts)
+/* An empty table for `cap` vertices; DT_NOMEM: nothing to free. */
+static enum dt_status new_table(struct dt_places *p, size_t cap)
 {
-    if (p->bucket != NULL && verts <= p->cap)
-        return DT_OK;
-    size_t cap = dt_array_room(p->cap, verts, DT_MAX_POINTS);
     size_t buckets = 16;
     while (buckets < cap)
         buckets *= 2;
-    uint32_t *bucket = dt_array_new_in(p->pages, buckets, sizeof *bucket);
-    uint32_t *next = dt_array_new_in(p->pages, cap, sizeof *next);
-    if (bucket == NULL || next == NULL) {
-        dt_array_free(bucket);
-        dt_array_free(next);
+    p->bucket = dt_array_new_in(p->pages, buckets, sizeof *p->bucket);
+    p->next = dt_array_new_in(p->pages, cap, sizeof *p->next);
+    if (p->bucket == NULL || p->next == NULL) {
+        dt_places_clear(p);
         return DT_NOMEM;
     }
-    memset(bucket, 0xff, buckets * sizeof *bucket); /* all DT_NONE */
-    uint64_t seed = p->bucket != NULL ? p->seed : (uint64_t)(uintptr_t)bucket * 0xD1B54A32D192ED03u;
-    dt_places_clear(p);
-    *p = (struct dt_places){.pages = p->pages,
-                            .bucket = bucket,
-                            .next = next,
-                            .mask = (uint32_t)buckets - 1,
-                            .cap = (uint32_t)cap,
-                            .tol = tol,
-                            .seed = seed};
-    for (uint32_t v = 0; v < end; v++)
-        if (id[v] != DT_NONE)
-            dt_places_enter(p, xy, v);
+    memset(p->bucket, 0xff, buckets * sizeof *p->bucket); /* all DT_NONE */
+    p->mask = (uint32_t)buckets - 1;
+    p->cap = (uint32_t)cap;
     return DT_OK;
+}
+
+enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct dt_point *xy,
+                                 const uint32_t *id, uint32_t end, uint32_t verts,
+                                 struct dt_work *work)
+{
+    if (p->bucket != NULL && verts <= p->cap)
+        return DT_OK;
+    struct dt_places fresh = {.pages = p->pages, .tol = tol};
+    enum dt_status status = dt_work_allows(work, end) ? DT_OK : DT_TOOLONG;
+    if (status == DT_OK)
+        status = new_table(&fresh, dt_array_room(p->cap, verts, DT_MAX_POINTS));
+    fresh.seed =
+        p->bucket != NULL ? p->seed : (uint64_t)(uintptr_t)fresh.bucket * 0xD1B54A32D192ED03u;
+    for (uint32_t v = 0; status == DT_OK && v < end; v++) {
+        if (id[v] != DT_NONE)
+            dt_places_enter(&fresh, xy, v);
+        if ((v & DT_WORK_MASK) == DT_WORK_MASK)
+            status = dt_work(work, DT_WORK_BLOCK);
+    }
+    dt_places_clear(status == DT_OK ? p : &fresh);
+    if (status == DT_OK)
+        *p = fresh;
+    return status;
 }
 
 void dt_places_fetch_bucket(const struct dt_places *p, struct dt_point q)

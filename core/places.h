@@ -8,7 +8,7 @@
 #ifndef DT_PLACES_H
 #define DT_PLACES_H
 
-#include "core/delaunay.h"
+#include "core/work.h"
 
 struct dt_places {
     struct dt_pages *pages; /* borrows; where its arrays come from; NULL: the system */
@@ -21,10 +21,12 @@ struct dt_places {
 
 void dt_places_clear(struct dt_places *p);
 
-/* Makes room for vertices below `verts`, of which those with id != DT_NONE are entered if the table
- * was not built yet or has to grow. */
+/* Makes room for vertices below `verts`. If the table was not built yet or has to grow, those below
+ * `end` with id != DT_NONE are entered, which is what the work is for; it may be NULL. A failure
+ * changes nothing. */
 enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct dt_point *xy,
-                                 const uint32_t *id, uint32_t end, uint32_t verts);
+                                 const uint32_t *id, uint32_t end, uint32_t verts,
+                                 struct dt_work *work);
 
 /* The vertex nearest to q of those at most tol away, ties to the lowest id, `except` (a vertex or
  * DT_NONE) left out; DT_NONE if there is none. Cost: constant expected. */

@@ -82,7 +82,7 @@ static void trim(struct dt_points *p)
 /* ---- vertices ---- */
 
 /* Makes room for n more vertices in every array. */
-static enum dt_status reserve_vertices(struct dt_points *p, size_t n)
+static enum dt_status reserve_vertices(struct dt_points *p, size_t n, struct dt_work *work)
 {
     size_t need = p->end + (n > p->free_count ? n - p->free_count : 0);
     if (need > DT_MAX_POINTS)
@@ -102,12 +102,12 @@ static enum dt_status reserve_vertices(struct dt_points *p, size_t n)
     }
     return p->places.bucket == NULL
                ? DT_OK
-               : dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, (uint32_t)need);
+               : dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, (uint32_t)need, work);
 }
 
-enum dt_status dt_points_index(struct dt_points *p)
+enum dt_status dt_points_index(struct dt_points *p, struct dt_work *work)
 {
-    return dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, p->cap);
+    return dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, p->cap, work);
 }
 
 uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t except)
@@ -164,12 +164,12 @@ static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_po
 
 /* ---- adding ---- */
 
-enum dt_status dt_points_reserve(struct dt_points *p, size_t n)
+enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_work *work)
 {
     if (n > DT_MAX_POINTS - dt_points_live(p) || n > DT_NONE - p->next_id)
         return DT_TOOBIG;
     trim(p);
-    enum dt_status status = reserve_vertices(p, n);
+    enum dt_status status = reserve_vertices(p, n, work);
     return status == DT_OK ? dt_idmap_reserve(&p->value, p->next_id, n) : status;
 }
 
@@ -202,27 +202,29 @@ void dt_points_take_back(struct dt_points *p, uint32_t n)
 
 /* Adds points for which there is room, each looked up in the table of places. */
 static enum dt_status add_one_by_one(struct dt_points *p, const struct dt_point *q, size_t n,
-                                     struct dt_added *out)
+                                     struct dt_work *work, struct dt_added *out)
 {
     enum { AHEAD = 12 }; /* points; long enough for a cache miss, twice */
-    enum dt_status status = dt_points_index(p);
-    if (status != DT_OK)
-        return status;
+    enum dt_status status = dt_points_index(p, work);
     struct dt_added done = {.first = p->next_id, .added = (uint32_t)n};
-    for (uint32_t i = 0; i < n; i++) {
+    uint32_t i = 0;
+    for (; status == DT_OK && i < n; i++) {
         if (i + 2 * AHEAD < n)
             dt_places_fetch_bucket(&p->places, q[i + 2 * AHEAD]);
         if (i + AHEAD < n)
             dt_places_fetch_vertex(&p->places, p->xy, q[i + AHEAD]);
         struct dt_point at = {q[i].x + 0.0, q[i].y + 0.0}; /* -0 becomes 0 */
         uint32_t v = dt_points_find(p, at, DT_NONE);
-        if (v == DT_NONE) {
+        status = dt_work(work, 2);
+        if (status == DT_OK && v == DT_NONE)
             dt_points_enter(p, done.first + i, at);
-        } else if (dt_points_join(p, done.first + i, at, v) != DT_OK) {
-            dt_points_take_back(p, i);
-            return DT_NOMEM;
-        }
+        else if (status == DT_OK)
+            status = dt_points_join(p, done.first + i, at, v);
         done.coincident += v != DT_NONE;
+    }
+    if (status != DT_OK) {
+        dt_points_take_back(p, i);
+        return status;
     }
     dt_points_arrived(p, (uint32_t)n);
     *out = done;
@@ -230,20 +232,20 @@ static enum dt_status add_one_by_one(struct dt_points *p, const struct dt_point 
 }
 
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             const struct dt_pool *pool, struct dt_added *out)
+                             const struct dt_pool *pool, struct dt_work *work, struct dt_added *out)
 {
     bool together = dt_arrivals_suit(p, n);
     if (together)
         dt_places_clear(&p->places); /* built again when needed, which may be never */
-    enum dt_status status = dt_points_reserve(p, n);
+    enum dt_status status = dt_points_reserve(p, n, work);
     if (status != DT_OK)
         return status;
     if (together) {
-        status = dt_arrivals_add(p, q, (uint32_t)n, pool, out);
+        status = dt_arrivals_add(p, q, (uint32_t)n, pool, work, out);
         if (status != DT_TOOSMALL)
             return status;
     }
-    return add_one_by_one(p, q, n, out);
+    return add_one_by_one(p, q, n, work, out);
 }
 
 /* ---- deleting ---- */
@@ -254,24 +256,23 @@ static int compare_ids(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* The lowest alias of the representative that is not among the n ascending ids; DT_NONE if there is
- * none. */
-static uint32_t heir(const struct dt_points *p, uint32_t representative, const uint32_t *ids,
-                     size_t n)
+const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v, const uint32_t *ids,
+                                      size_t n)
 {
-    uint32_t i = dt_aliases_lowest(&p->aliases, representative);
+    uint32_t i = dt_aliases_lowest(&p->aliases, p->id[v]);
     while (i != DT_NONE && n > 0 &&
            bsearch(&p->aliases.alias[i].id, ids, n, sizeof *ids, compare_ids) != NULL)
         i = p->aliases.alias[i].next;
-    return i;
+    return i == DT_NONE ? NULL : &p->aliases.alias[i];
 }
 
 /* With a tolerance, an heir may find its own place taken: both families become one, so any of their
  * members may come to represent. */
-static enum dt_status reserve_families(struct dt_points *p, uint32_t representative)
+static enum dt_status reserve_families(struct dt_points *p, uint32_t representative,
+                                       struct dt_work *work)
 {
     uint32_t i = dt_aliases_lowest(&p->aliases, representative);
-    enum dt_status status = i == DT_NONE ? DT_OK : dt_points_index(p);
+    enum dt_status status = i == DT_NONE ? DT_OK : dt_points_index(p, work);
     for (; status == DT_OK && i != DT_NONE; i = p->aliases.alias[i].next) {
         struct dt_alias a = p->aliases.alias[i];
         uint32_t there = dt_points_find(p, a.xy, dt_idmap_get(&p->value, representative));
@@ -282,18 +283,19 @@ static enum dt_status reserve_families(struct dt_points *p, uint32_t representat
     return status;
 }
 
-enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n)
+enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n,
+                                      struct dt_work *work)
 {
     trim(p);
     enum dt_status status = DT_OK;
     for (size_t i = 0; p->aliases.count > 0 && status == DT_OK && i < n; i++) {
         if (dt_points_is_alias(p, ids[i]))
             continue;
-        uint32_t next = heir(p, ids[i], ids, n);
-        if (next != DT_NONE)
-            status = dt_aliases_reserve(&p->aliases, p->aliases.alias[next].id);
+        const struct dt_alias *heir = dt_points_heir(p, dt_idmap_get(&p->value, ids[i]), ids, n);
+        if (heir != NULL)
+            status = dt_aliases_reserve(&p->aliases, heir->id);
         if (status == DT_OK && p->tol > 0)
-            status = reserve_families(p, ids[i]);
+            status = reserve_families(p, ids[i], work);
     }
     return status;
 }
@@ -362,19 +364,14 @@ void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to)
     take_over(p, v, p->id[v], to);
 }
 
-const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v)
-{
-    uint32_t i = dt_aliases_lowest(&p->aliases, p->id[v]);
-    return i == DT_NONE ? NULL : &p->aliases.alias[i];
-}
-
 /* ---- moving ---- */
 
-enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t at)
+enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t at,
+                                    struct dt_work *work)
 {
-    enum dt_status status = dt_points_delete_ready(p, &id, 1);
+    enum dt_status status = dt_points_delete_ready(p, &id, 1, work);
     if (status == DT_OK)
-        status = reserve_vertices(p, 1);
+        status = reserve_vertices(p, 1, work);
     if (status == DT_OK && at != DT_NONE)
         status = dt_aliases_reserve(&p->aliases, p->id[at]);
     uint32_t heir = dt_aliases_lowest(&p->aliases, id);
@@ -401,16 +398,17 @@ uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, 
     return DT_NONE;
 }
 
-enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to)
+enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to,
+                              struct dt_work *work)
 {
     to = (struct dt_point){to.x + 0.0, to.y + 0.0};
     struct dt_point from = dt_points_xy(p, id);
     if (from.x == to.x && from.y == to.y)
         return DT_OK;
-    enum dt_status status = dt_points_index(p);
+    enum dt_status status = dt_points_index(p, work);
     uint32_t own = dt_idmap_get(&p->value, id); /* as a vertex, it will be free or its heir's */
     if (status == DT_OK)
-        status = dt_points_move_ready(p, id, dt_points_find(p, to, own));
+        status = dt_points_move_ready(p, id, dt_points_find(p, to, own), work);
     if (status != DT_OK)
         return status;
     dt_points_delete(p, id);

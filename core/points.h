@@ -84,15 +84,18 @@ static inline void dt_points_fetch(const struct dt_points *p, uint32_t id)
 /* The coordinates of a live id. */
 struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
 
+/* Where a function takes work (work.h), it is taken off that; NULL: no end. */
+
 /* Adds n valid points, all or none. pool may be NULL. */
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             const struct dt_pool *pool, struct dt_added *out);
+                             const struct dt_pool *pool, struct dt_work *work,
+                             struct dt_added *out);
 
 /* The same in steps, for a caller that finds coincident points in its own way: room for n arrivals;
  * then for each id from next_id on, in any order but with coincident points ascending, either
  * dt_points_enter or dt_points_join; then dt_points_arrived. dt_points_take_back undoes what was
  * done before dt_points_arrived; none of these points may have been taken over. */
-enum dt_status dt_points_reserve(struct dt_points *p, size_t n);
+enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_work *work);
 uint32_t dt_points_enter(struct dt_points *p, uint32_t id,
                          struct dt_point q); /* returns its vertex */
 enum dt_status dt_points_join(struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v);
@@ -102,7 +105,8 @@ void dt_points_take_back(struct dt_points *p, uint32_t n);
 /* Makes the deletion of n distinct live ids, in ascending order, certain to succeed; then
  * dt_points_delete must be called for those of them that are aliases first and for the others after
  * that. */
-enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n);
+enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n,
+                                      struct dt_work *work);
 
 /* Deletes a live id. If it is a representative that has aliases, the lowest one takes over its
  * vertex; but if, with a tolerance, another representative stands at that alias's very place, the
@@ -112,23 +116,27 @@ void dt_points_delete(struct dt_points *p, uint32_t id);
 /* Vertex v moves to a place where there is no other. */
 void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to);
 
-/* The alias that will take over vertex v if its representative goes, NULL if there is none. */
-const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v);
+/* The alias that will take over vertex v if its representative goes, and with it all of the n ids,
+ * which are ascending; NULL if there is none. */
+const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v, const uint32_t *ids,
+                                      size_t n);
 
 /* Moves a live id to a valid place. Changes nothing unless DT_OK. */
-enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to);
+enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to,
+                              struct dt_work *work);
 
 /* The same in steps: dt_points_move_ready makes the others certain to succeed, if `at` is the
  * vertex with which the point will coincide on its arrival, DT_NONE if there is none (of its own
  * vertex's heir it need not be told). Then the point leaves, by dt_points_delete, and arrives: at
  * vertex `at`, or, if that is DT_NONE, at a vertex of its own, which is returned; DT_NONE is
  * returned if no vertex came. */
-enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t at);
+enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t at,
+                                    struct dt_work *work);
 uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, uint32_t at);
 
 /* The vertex that a point at q coincides with, `except` left out; DT_NONE if there is none. The
  * first call after dt_points_renumber needs dt_points_index, O(n). */
-enum dt_status dt_points_index(struct dt_points *p);
+enum dt_status dt_points_index(struct dt_points *p, struct dt_work *work);
 uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t except);
 
 #endif

@@ -142,17 +142,12 @@ enum dt_status dt_triangles_at_triangle(const struct dt *t, uint32_t a, uint32_t
     return DT_OK;
 }
 
-uint32_t dt_only_vertex(const struct dt *t)
-{
-    return dt_points_vertex(&t->points, dt_points_next_live(&t->points, 0));
-}
-
 static void locate_few(const struct dt *t, struct dt_point q, struct dt_location *out)
 {
     out->where = DT_OUTSIDE;
     if (t->mesh.vertices == 0)
         return;
-    uint32_t v = dt_only_vertex(t);
+    uint32_t v = t->mesh.alone;
     if (dt_compare_xy(t->points.xy[v], q) == 0) {
         out->where = DT_ON_VERTEX;
         out->id[0] = t->points.id[v];

@@ -4,9 +4,6 @@
 
 #include "core/set.h"
 
-/* The vertex of a set that has just one. */
-uint32_t dt_only_vertex(const struct dt *t);
-
 /* The half edge from u to v, DT_NONE if there is none. Both stars are searched in step, so that a
  * vertex of high degree costs no more than its partner. */
 uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v);

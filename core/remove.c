@@ -34,9 +34,10 @@ struct hole {
 
 /* Collects the star of v counterclockwise; a hull vertex's from infinity on. The way round is a
  * chain of cache misses; a second one, clockwise, meets it half way. */
-static bool collect_star(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
-                         struct dt_cavity *c)
+static enum dt_status collect_star(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                                   struct dt_cavity *c)
 {
+    enum dt_status status = DT_OK;
     uint32_t first = m->leaving[v], h = first, other = first;
     dt_cavity_begin(c);
     do {
@@ -46,14 +47,16 @@ static bool collect_star(const struct dt_mesh *m, const struct dt_point *xy, uin
             dt_fetch(&m->leaving[u]);
         }
         if (!dt_cavity_add(c, dt_base(h)) || !dt_cavity_add_rim(c, u, dt_twin(m, dt_next(h))))
-            return false;
+            return DT_NOMEM;
+        if ((c->records & DT_WORK_MASK) == 0)
+            status = dt_work(c->work, DT_WORK_BLOCK);
         h = dt_turn_ccw(m, h);
         if (c->records < MET) {
             other = dt_turn_cw(m, other);
             dt_fetch(&m->half[other]);
         }
-    } while (h != first);
-    return true;
+    } while (status == DT_OK && h != first);
+    return status == DT_OK ? dt_work(c->work, c->records & DT_WORK_MASK) : status;
 }
 
 static void set_bounds(struct hole *w, uint32_t lo, uint32_t hi)
@@ -213,7 +216,8 @@ static void remove_from_line(struct dt_mesh *m, uint32_t v)
 static void remove_last_edge(struct dt_mesh *m, uint32_t v)
 {
     uint32_t g = m->leaving[v] - 1, h = dt_twin(m, g);
-    m->leaving[m->half[g]] = DT_NONE;
+    m->alone = m->half[g];
+    m->leaving[m->alone] = DT_NONE;
     dt_mesh_drop(m, g);
     dt_mesh_drop(m, dt_base(h));
     m->hull = DT_NONE;
@@ -228,12 +232,13 @@ enum dt_status dt_remove(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
     } else if (m->vertices > 2 && dt_mesh_is_line(m)) {
         remove_from_line(m, v);
     } else if (m->vertices > 2) {
-        if (!collect_star(m, xy, v, scratch))
-            return DT_NOMEM;
+        enum dt_status status = collect_star(m, xy, v, scratch);
+        if (status == DT_OK && scratch->rims > DT_STAR_SMALL)
+            status = dt_remove_large(m, xy, v, scratch);
+        if (status != DT_OK)
+            return status;
         if (scratch->rims <= DT_STAR_SMALL)
             remove_from_plane(m, xy, scratch);
-        else if (dt_remove_large(m, xy, v, scratch) != DT_OK)
-            return DT_NOMEM;
         else
             settle_rim(m, scratch);
     }

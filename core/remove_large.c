@@ -7,6 +7,8 @@
 #include "core/memory.h"
 #include "core/remove.h"
 
+enum { STEPS_EACH = 8 }; /* what a rim vertex costs in all */
+
 /* The triangulation of the rim's finite vertices. */
 struct patch {
     struct dt_point *in, *p; /* owns: by place in the rim, and by vertex of the patch */
@@ -40,7 +42,8 @@ static enum dt_status triangulate_rim(struct patch *w, const struct dt_point *xy
         return DT_NOMEM;
     for (uint32_t i = 0; i < w->n; i++)
         w->in[i] = xy[c->rim[i + w->skip].origin];
-    return dt_divide(w->in, w->n, w->p, w->from, &w->mesh, NULL);
+    struct dt_options opt = {.cancel = c->work == NULL ? NULL : c->work->cancel};
+    return dt_divide(w->in, w->n, w->p, w->from, &w->mesh, &opt);
 }
 
 /* Finds the triangles to be copied and gives each a record of the star, from the front of
@@ -54,8 +57,10 @@ static enum dt_status choose_triangles(struct patch *w, struct dt_point v,
     uint32_t t = 0;
     while (!dt_conflict(&w->mesh, w->p, 8 * t, v))
         t++;
-    if (!dt_find_cavity(&w->mesh, w->p, 8 * t, v, &w->hole))
-        return DT_NOMEM;
+    w->hole.work = c->work;
+    enum dt_status status = dt_find_cavity(&w->mesh, w->p, 8 * t, v, &w->hole);
+    if (status != DT_OK)
+        return status;
     for (uint32_t i = 0; i < w->mesh.tri_end; i++)
         w->copy[i] = DT_NONE;
     for (uint32_t i = 0; i < w->hole.records; i++)
@@ -93,7 +98,9 @@ enum dt_status dt_remove_large(struct dt_mesh *m, const struct dt_point *xy, uin
                                struct dt_cavity *c)
 {
     struct patch w = {0};
-    enum dt_status status = triangulate_rim(&w, xy, c);
+    enum dt_status status = dt_work(c->work, (uint64_t)STEPS_EACH * c->rims);
+    if (status == DT_OK)
+        status = triangulate_rim(&w, xy, c);
     if (status == DT_OK)
         status = choose_triangles(&w, xy[v], c);
     if (status == DT_OK) {

@@ -5,8 +5,8 @@
 
 #include "core/update.h"
 
-#define AT_ONCE 10000 /* vertices of a set whose grid an edit makes anew: half a millisecond */
-#define OVERDUE 4     /* times too old */
+#define AT_ONCE 4000 /* vertices of a set whose grid an edit rebuilds: a fifth of a millisecond */
+#define OVERDUE 4    /* times too old */
 
 struct dt_renewal {
     struct dt_hints hints;
@@ -41,9 +41,11 @@ static bool lacks_grid(const struct dt *t)
     return t->hints.grids == 0 && t->hinted == 0 && t->mesh.vertices >= 2;
 }
 
-void dt_tend(struct dt *t)
+void dt_tend(struct dt *t, const struct dt_work *work)
 {
     if (!lacks_grid(t) && !is_old(t, t->mesh.vertices > AT_ONCE ? OVERDUE : 1))
+        return;
+    if (!dt_work_allows(work, t->mesh.vertices))
         return;
     struct dt_hints fresh = {0};
     count_anew(t);

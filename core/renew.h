@@ -14,8 +14,9 @@
 
 #include "core/set.h"
 
-/* To be called after each edit of a mesh, and before one that would do better with a grid. */
-void dt_tend(struct dt *t);
+/* To be called after each edit of a mesh, and before one that would do better with a grid. A grid
+ * that takes more steps than are left is not made now. */
+void dt_tend(struct dt *t, const struct dt_work *work);
 
 /* Whether dt_prepare has nothing to do. */
 bool dt_is_searchable(const struct dt *t);

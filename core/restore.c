@@ -40,7 +40,7 @@ enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_poi
 {
     if (t->points.next_id != 0)
         return DT_CORRUPT;
-    enum dt_status status = dt_points_reserve(&t->points, n);
+    enum dt_status status = dt_points_reserve(&t->points, n, NULL);
     if (status == DT_OK)
         status = enter_representatives(&t->points, ids, p, representatives, n, next_id);
     if (status == DT_OK)

@@ -156,7 +156,7 @@ static uint32_t hull_vertex(const struct dt *t, const struct dt_cursor *c)
 {
     if (c->hull_at != DT_NONE)
         return dt_hull_vertex(&t->mesh, c->hull_at);
-    return dt_points_vertex(&t->points, dt_points_next_live(&t->points, 0));
+    return t->mesh.alone;
 }
 
 static void hull_advance(const struct dt *t, struct dt_cursor *c)

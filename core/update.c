@@ -1,9 +1,19 @@
 /* update.c - insert, delete, move, one point after the other, on points, mesh and grid.
  *
- * The points are the truth and the mesh follows. If the mesh cannot follow for want of memory, it
- * is given up (lose_mesh): the next dt_refresh builds it anew from the points, and the result is
- * the same, since the triangulation is canonical. */
+ * An edit may end early: no memory, the caller's flag, the caller's limit. Each of its changes of the
+ * mesh is all or nothing, and is undone by its inverse, the latest first: the triangulation is
+ * canonical, so the one before comes back. The points change when the mesh has, or where nothing can
+ * fail any more.
+ *
+ *     add      a point enters, its vertex is inserted, the next point ...     undo: remove, take back
+ *     delete   all vertices that go are removed, then their points            undo: insert
+ *     move     the vertex is removed, its point shifts, it is inserted        undo: the way back
+ *
+ * Where an inverse fails too, for lack of memory, or many would have to be done, the mesh is given up
+ * (lose_mesh): the next dt_refresh rebuilds it from the points. */
 #include "core/update.h"
+
+#include <stdlib.h>
 
 #include "core/batch.h"
 #include "core/hints_live.h"
@@ -14,8 +24,9 @@
 #include "core/remove.h"
 #include "core/renew.h"
 
-#define BULK_SHARE 8  /* a batch of more than 1 / BULK_SHARE of the set is left to a rebuild */
-#define USUAL_STEPS 4 /* triangles on the way of a walk from a good hint */
+#define BULK_SHARE 8    /* a batch of more than 1 / BULK_SHARE of the set is left to a rebuild */
+#define USUAL_STEPS 4   /* triangles on the way of a walk from a good hint */
+#define UNDO_MOST 65536 /* vertices whose edits are undone one by one: a tenth of a second */
 
 bool dt_update_is_bulk(const struct dt *t, size_t n)
 {
@@ -47,24 +58,13 @@ struct place {
     uint32_t at;   /* the vertex at that very place, DT_NONE if none */
 };
 
-/* The vertex of a mesh that has just one. The points may have `except` in addition, which is
- * between two places. */
-static uint32_t only_vertex(const struct dt *t, uint32_t except)
-{
-    const struct dt_points *p = &t->points;
-    uint32_t id = dt_points_next_live(p, 0);
-    while (dt_points_vertex(p, id) == except)
-        id = dt_points_next_live(p, id + 1);
-    return dt_points_vertex(p, id);
-}
-
-/* Where q is in the mesh; `except` is a vertex that the mesh has not, DT_NONE if there is none. */
-static struct place look_up(struct dt *t, struct dt_point q, uint32_t except)
+/* Where q is in the mesh. */
+static struct place look_up(struct dt *t, struct dt_point q)
 {
     struct place p = {.where = DT_OUTSIDE, .half = DT_NONE, .at = DT_NONE};
     const struct dt_point *xy = t->points.xy;
     if (t->mesh.vertices == 1) {
-        p.half = only_vertex(t, except);
+        p.half = t->mesh.alone;
         if (xy[p.half].x == q.x && xy[p.half].y == q.y)
             p.at = p.half;
     } else if (t->mesh.vertices > 1) {
@@ -79,7 +79,7 @@ static struct place look_up(struct dt *t, struct dt_point q, uint32_t except)
 static struct place look_up_from(struct dt *t, struct dt_point q, uint32_t near)
 {
     if (near == DT_NONE)
-        return look_up(t, q, DT_NONE);
+        return look_up(t, q);
     struct place p = {.at = DT_NONE};
     p.where = dt_walk(&t->mesh, t->points.xy, near, q, &p.half);
     if (p.where == DT_ON_VERTEX)
@@ -96,34 +96,42 @@ static uint32_t coincident(const struct dt *t, struct dt_point q, const struct p
     return t->points.tol > 0 ? dt_points_find(&t->points, q, except) : p->at;
 }
 
-static void insert_vertex(struct dt *t, uint32_t v, const struct place *p,
-                          struct dt_cavity *scratch)
+static enum dt_status insert_at(struct dt *t, uint32_t v, const struct place *p)
 {
-    if (!t->current)
-        return;
-    if (dt_insert(&t->mesh, t->points.xy, v, p->where, p->half, scratch) != DT_OK) {
-        lose_mesh(t);
-        return;
-    }
-    if (t->mesh.vertices >= 2)
+    enum dt_status status = dt_insert(&t->mesh, t->points.xy, v, p->where, p->half, &t->scratch);
+    if (status == DT_OK && t->mesh.vertices >= 2)
         dt_hint_put(&t->hints, t->points.xy[v], t->mesh.leaving[v]);
-    dt_tend(t);
+    return status;
 }
 
-static void remove_vertex(struct dt *t, uint32_t v, struct dt_cavity *scratch)
+static enum dt_status insert_vertex(struct dt *t, uint32_t v)
 {
-    if (!t->current)
-        return;
+    struct place p = look_up(t, t->points.xy[v]);
+    return insert_at(t, v, &p);
+}
+
+static enum dt_status remove_vertex(struct dt *t, uint32_t v)
+{
     uint32_t h = t->mesh.leaving[v], near = h == DT_NONE ? DT_NONE : dt_dest(&t->mesh, h);
     if (near == DT_NONE && h != DT_NONE)
         near = dt_dest(&t->mesh, dt_turn_ccw(&t->mesh, h));
-    if (dt_remove(&t->mesh, t->points.xy, v, scratch) != DT_OK) {
-        lose_mesh(t);
-        return;
-    }
-    if (t->mesh.vertices >= 2)
+    enum dt_status status = dt_remove(&t->mesh, t->points.xy, v, &t->scratch);
+    if (status == DT_OK && t->mesh.vertices >= 2)
         dt_hint_put(&t->hints, t->points.xy[v], t->mesh.leaving[near]);
-    dt_tend(t);
+    return status;
+}
+
+/* Insert a vertex, where the edit can no longer be undone. */
+static void settle_vertex(struct dt *t, uint32_t v)
+{
+    if (t->current && insert_vertex(t, v) != DT_OK)
+        lose_mesh(t);
+}
+
+/* From now on the edit has no end but its own. */
+static void commit(struct dt *t)
+{
+    t->scratch.work = NULL;
 }
 
 /* ---- adding ---- */
@@ -139,38 +147,59 @@ static enum dt_status add_one(struct dt *t, uint32_t id, struct dt_point q, uint
         done->coincident++;
         return dt_points_join(&t->points, id, q, at);
     }
-    insert_vertex(t, dt_points_enter(&t->points, id, q), &p, &t->scratch);
-    return DT_OK;
+    enum dt_status status = insert_at(t, dt_points_enter(&t->points, id, q), &p);
+    if (status == DT_OK)
+        dt_tend(t, t->scratch.work);
+    return status;
 }
 
-enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_added *out)
+/* Takes the vertices of the first `done` points of the batch out of the mesh again. */
+static void withdraw(struct dt *t, const struct dt_batch *b, uint32_t done)
 {
-    dt_tend(t); /* the batch wants a grid */
+    const struct dt_points *p = &t->points;
+    commit(t);
+    if (done > UNDO_MOST)
+        lose_mesh(t);
+    while (done-- > 0 && t->current) {
+        uint32_t id = p->next_id + dt_batch_index(b, done);
+        if (!dt_points_is_alias(p, id) && remove_vertex(t, dt_points_vertex(p, id)) != DT_OK)
+            lose_mesh(t);
+    }
+}
+
+enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_work *work,
+                             struct dt_added *out)
+{
+    dt_tend(t, work); /* the batch wants a grid */
     struct dt_batch b;
     struct dt_added done = {.first = t->points.next_id, .added = (uint32_t)n};
-    enum dt_status status = dt_points_reserve(&t->points, n);
+    enum dt_status status = dt_points_reserve(&t->points, n, work);
     if (status == DT_OK && t->points.tol > 0)
-        status = dt_points_index(&t->points);
+        status = dt_points_index(&t->points, work);
     if (status == DT_OK)
         status = dt_batch_begin(&b, t, q, (uint32_t)n);
     if (status != DT_OK)
         return status;
+    t->scratch.work = work;
     uint32_t i = 0;
-    for (; i < n && status == DT_OK && t->current; i++) {
+    for (; i < n; i++) {
         uint32_t near = dt_batch_turn(t, &b, i), k = dt_batch_index(&b, i);
-        status = add_one(t, done.first + k, q[k], near, &done);
+        status = dt_work(work, 4);
+        if (status == DT_OK)
+            status = add_one(t, done.first + k, q[k], near, &done);
+        if (status != DT_OK)
+            break;
     }
-    dt_batch_end(&b);
-    if (status == DT_OK && i == n) {
+    if (status != DT_OK) {
+        withdraw(t, &b, i);
+        dt_points_take_back(&t->points, (uint32_t)n);
+    } else {
         dt_points_arrived(&t->points, (uint32_t)n);
         *out = done;
-        return DT_OK;
     }
-    /* Out of memory. Without the mesh, the points are added, or not, in the way of a set that is
-     * not live. */
-    dt_points_take_back(&t->points, (uint32_t)n);
-    lose_mesh(t);
-    return dt_points_add(&t->points, q, n, NULL, out);
+    commit(t);
+    dt_batch_end(&b);
+    return status;
 }
 
 /* ---- deleting ---- */
@@ -184,42 +213,158 @@ static void fetch_star(const struct dt *t, uint32_t v)
     dt_hint_fetch(&t->mesh, t->points.xy, NULL, v << 4);
 }
 
-/* The point leaves its vertex, if it has one: to its heir, or it is removed. */
-static void leave(struct dt *t, uint32_t id)
+/* Whether vertex v stays where it is when the n ascending ids go, its representative among them.
+ * With a tolerance, families may become one meanwhile (dt_points_delete), so that of several ids
+ * nobody can say it beforehand; false then. */
+static bool keeps_place(const struct dt *t, uint32_t v, const uint32_t *ids, size_t n)
 {
-    struct dt_points *p = &t->points;
-    uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
-    if (v != DT_NONE)
-        fetch_star(t, v);
-    const struct dt_alias *heir = v == DT_NONE ? NULL : dt_points_heir(p, v);
-    bool moves = heir != NULL && (heir->xy.x != p->xy[v].x || heir->xy.y != p->xy[v].y);
-    uint32_t next = heir == NULL ? DT_NONE : heir->id;
-    if (v != DT_NONE && (heir == NULL || moves))
-        remove_vertex(t, v, &t->scratch);
-    dt_points_delete(p, id);
-    if (moves && t->current && p->id[v] == next) { /* else its place was taken already */
-        struct place place = look_up(t, p->xy[v], v);
-        insert_vertex(t, v, &place, &t->scratch);
-    }
+    const struct dt_points *p = &t->points;
+    const struct dt_alias *heir = n == 1 || p->tol == 0 ? dt_points_heir(p, v, ids, n) : NULL;
+    return heir != NULL && heir->xy.x == p->xy[v].x && heir->xy.y == p->xy[v].y;
 }
 
-enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n)
+/* Puts the vertices gone[n] back into the mesh, with the points as they were. */
+static void put_back(struct dt *t, const uint32_t *gone, size_t n)
 {
-    struct dt_points *p = &t->points;
-    if (dt_points_delete_ready(p, ids, n) != DT_OK)
-        return DT_NOMEM;
-    for (size_t i = 0; i < n; i++) /* aliases first, so that each group has one heir */
+    commit(t);
+    if (n > UNDO_MOST)
+        lose_mesh(t);
+    while (n-- > 0 && t->current)
+        if (insert_vertex(t, gone[n]) != DT_OK)
+            lose_mesh(t);
+}
+
+/* Takes the vertices of ids out of the mesh that do not keep their places, *k of them: gone[n]. */
+static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t n,
+                                      struct dt_work *work, uint32_t *gone, size_t *k)
+{
+    const struct dt_points *p = &t->points;
+    enum dt_status status = DT_OK;
+    *k = 0;
+    for (size_t i = 0; i < n && status == DT_OK; i++) {
+        if (dt_points_is_alias(p, ids[i]))
+            continue;
+        uint32_t v = dt_points_vertex(p, ids[i]);
+        fetch_star(t, v);
+        if (keeps_place(t, v, ids, n))
+            continue;
+        status = remove_vertex(t, v);
+        if (status == DT_OK) {
+            gone[(*k)++] = v;
+            dt_tend(t, work);
+        }
+    }
+    return status;
+}
+
+/* Deletes the ids from the points; aliases first, so that each group has one heir. */
+static void delete_points(struct dt_points *p, const uint32_t *ids, size_t n)
+{
+    for (size_t i = 0; i < n && p->aliases.count > 0; i++)
         if (dt_points_is_alias(p, ids[i]))
             dt_points_delete(p, ids[i]);
     for (size_t i = 0; i < n; i++)
         if (dt_points_vertex(p, ids[i]) != DT_NONE)
-            leave(t, ids[i]);
-    return DT_OK;
+            dt_points_delete(p, ids[i]);
+}
+
+enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_work *work)
+{
+    struct dt_points *p = &t->points;
+    uint32_t one = DT_NONE, *gone = n == 1 ? &one : dt_array_new(n, sizeof *gone);
+    size_t k = 0;
+    enum dt_status status = gone == NULL ? DT_NOMEM : dt_points_delete_ready(p, ids, n, work);
+    t->scratch.work = work;
+    if (status == DT_OK)
+        status = remove_vertices(t, ids, n, work, gone, &k);
+    if (status == DT_OK) {
+        commit(t);
+        delete_points(p, ids, n);
+        for (size_t i = 0; i < k; i++)
+            if (p->id[gone[i]] != DT_NONE) /* an heir has taken it over */
+                settle_vertex(t, gone[i]);
+    } else {
+        put_back(t, gone, k);
+    }
+    if (gone != &one)
+        dt_array_free(gone);
+    return status;
 }
 
 /* ---- moving ---- */
 
-enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to)
+/* Vertex v, which has no aliases, moves to a place where there is no other. */
+static enum dt_status move_vertex(struct dt *t, uint32_t v, struct dt_point to)
+{
+    struct dt_points *p = &t->points;
+    struct dt_point from = p->xy[v];
+    enum dt_status status = remove_vertex(t, v);
+    if (status != DT_OK)
+        return status;
+    dt_points_shift(p, v, to);
+    status = insert_vertex(t, v);
+    if (status == DT_OK)
+        return DT_OK;
+    dt_points_shift(p, v, from);
+    put_back(t, &v, 1);
+    return status;
+}
+
+/* Whether an insertion at the place is allowed: what it would replace is counted. */
+static enum dt_status count_conflicts(struct dt *t, struct dt_point to, const struct place *place,
+                                      const struct dt_work *work)
+{
+    if (!dt_work_is_limited(work) || dt_mesh_is_line(&t->mesh) || place->at != DT_NONE)
+        return DT_OK;
+    return dt_find_cavity(&t->mesh, t->points.xy, dt_base(place->half), to, &t->scratch);
+}
+
+/* The same where aliases stay behind or `at` takes the point in, or id is an alias: v is DT_NONE
+ * then. */
+static enum dt_status move_among_aliases(struct dt *t, uint32_t id, struct dt_point to, uint32_t v,
+                                         const struct place *place, uint32_t at,
+                                         struct dt_work *work)
+{
+    struct dt_points *p = &t->points;
+    enum dt_status status = dt_points_move_ready(p, id, at, work);
+    if (status == DT_OK)
+        status = count_conflicts(t, to, place, work);
+    bool goes = v != DT_NONE && !keeps_place(t, v, &id, 1);
+    if (status == DT_OK && goes)
+        status = remove_vertex(t, v);
+    if (status != DT_OK)
+        return status;
+    commit(t);
+    dt_points_delete(p, id);
+    if (goes && p->id[v] != DT_NONE)
+        settle_vertex(t, v);
+    if (p->tol > 0)
+        at = dt_points_find(p, to, DT_NONE);
+    uint32_t fresh = dt_points_arrive(p, id, to, at);
+    if (fresh != DT_NONE)
+        settle_vertex(t, fresh);
+    return DT_OK;
+}
+
+static enum dt_status move_anywhere(struct dt *t, uint32_t id, struct dt_point to, uint32_t v,
+                                    struct dt_work *work)
+{
+    struct dt_points *p = &t->points;
+    enum dt_status status = p->tol > 0 ? dt_points_index(p, work) : DT_OK;
+    if (status != DT_OK)
+        return status;
+    struct place place = look_up(t, to);
+    uint32_t at = coincident(t, to, &place, v);
+    if (v != DT_NONE && at == DT_NONE && dt_points_heir(p, v, NULL, 0) == NULL)
+        status = move_vertex(t, v, to);
+    else
+        status = move_among_aliases(t, id, to, v, &place, at, work);
+    if (status == DT_OK && t->current)
+        dt_tend(t, work);
+    return status;
+}
+
+enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_work *work)
 {
     struct dt_points *p = &t->points;
     to = (struct dt_point){to.x + 0.0, to.y + 0.0};
@@ -227,29 +372,21 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to)
     if (from.x == to.x && from.y == to.y)
         return DT_OK;
     uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
+    enum dt_status status = DT_OK;
+    bool stays = false;
     if (v != DT_NONE)
         fetch_star(t, v);
-    if (v != DT_NONE && p->tol == 0 && dt_points_heir(p, v) == NULL &&
-        dt_stays_delaunay(&t->mesh, p->xy, v, to)) {
+    if (v != DT_NONE && p->tol == 0 && dt_points_heir(p, v, NULL, 0) == NULL)
+        status = dt_stays_delaunay(&t->mesh, p->xy, v, to, work, &stays);
+    if (status != DT_OK)
+        return status;
+    if (stays) {
         dt_points_shift(p, v, to);
         dt_hint_put(&t->hints, to, t->mesh.leaving[v]);
         return DT_OK;
     }
-    enum dt_status status = p->tol > 0 ? dt_points_index(p) : DT_OK;
-    if (status != DT_OK)
-        return status;
-    struct place place = look_up(t, to, DT_NONE);
-    uint32_t at = coincident(t, to, &place, v);
-    status = dt_points_move_ready(p, id, at);
-    if (status != DT_OK)
-        return status;
-    leave(t, id);
-    if (t->current)
-        place = look_up(t, to, DT_NONE);
-    if (p->tol > 0)
-        at = dt_points_find(p, to, DT_NONE);
-    uint32_t fresh = dt_points_arrive(p, id, to, at);
-    if (fresh != DT_NONE)
-        insert_vertex(t, fresh, &place, &t->scratch);
-    return DT_OK;
+    t->scratch.work = work;
+    status = move_anywhere(t, id, to, v, work);
+    commit(t);
+    return status;
 }

@@ -265,8 +265,7 @@ enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_p
         return s;
     size_t n = out->n;
     if (t->mesh.vertices == 1)
-        s = contains(&b, t->points.xy[dt_only_vertex(t)]) ? dt_ids_append(out, dt_only_vertex(t))
-                                                          : DT_OK;
+        s = contains(&b, t->points.xy[t->mesh.alone]) ? dt_ids_append(out, t->mesh.alone) : DT_OK;
     else if (dt_mesh_is_line(&t->mesh))
         s = walk_box(t, &b, &work, out);
     else

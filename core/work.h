@@ -17,7 +17,7 @@
 
 struct dt_work {
     const atomic_bool *cancel; /* borrows; NULL: never set */
-    uint64_t left;             /* steps */
+    uint64_t left;             /* steps; more than UINT32_MAX: no limit */
 };
 
 /* opt may be NULL: no end. */
@@ -29,9 +29,23 @@ static inline struct dt_work dt_work_of(const struct dt_options *opt)
     return w;
 }
 
-/* Takes the steps off what is left. DT_CANCELLED, DT_TOOLONG: the call has to end. */
+/* Whether there is a limit of steps. w may be NULL. */
+static inline bool dt_work_is_limited(const struct dt_work *w)
+{
+    return w != NULL && w->left <= UINT32_MAX;
+}
+
+/* Whether so many steps are left. w may be NULL: no end. */
+static inline bool dt_work_allows(const struct dt_work *w, uint64_t steps)
+{
+    return w == NULL || steps <= w->left;
+}
+
+/* Takes the steps off what is left. DT_CANCELLED, DT_TOOLONG: the call has to end. w may be NULL. */
 static inline enum dt_status dt_work(struct dt_work *w, uint64_t steps)
 {
+    if (w == NULL)
+        return DT_OK;
     if (w->cancel != NULL && atomic_load_explicit(w->cancel, memory_order_relaxed))
         return DT_CANCELLED;
     if (steps > w->left)

@@ -55,7 +55,7 @@ struct dataset *edit_create(struct server *s, struct answer *a, const struct wor
 static void run_add(struct job *j)
 {
     struct edit *e = (struct edit *)j;
-    j->status = dt_add_many(j->dt, e->p, e->n, j->options.pool, &e->added);
+    j->status = dt_add_many(j->dt, e->p, e->n, &j->options, &e->added);
 }
 
 static uint64_t record_add(struct server *s, struct job *j)
@@ -127,7 +127,7 @@ void edit_add(struct server *s, struct answer *a, const struct word *name, struc
 static void run_delete(struct job *j)
 {
     struct edit *e = (struct edit *)j;
-    j->status = dt_delete(j->dt, e->ids, e->n, &e->deleted, &e->missing);
+    j->status = dt_delete_many(j->dt, e->ids, e->n, &j->options, &e->deleted, &e->missing);
 }
 
 static uint64_t record_delete(struct server *s, struct job *j)
@@ -172,7 +172,7 @@ void edit_delete(struct server *s, struct answer *a, struct dataset *set, uint32
 static void run_move(struct job *j)
 {
     struct edit *e = (struct edit *)j;
-    j->status = dt_move(j->dt, e->id, e->to);
+    j->status = dt_move_to(j->dt, e->id, e->to, &j->options);
 }
 
 static uint64_t record_move(struct server *s, struct job *j)

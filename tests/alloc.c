@@ -18,12 +18,19 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size);
 void *__wrap_mmap(void *at, size_t size, int protection, int flags, int fd, off_t offset);
 
 static atomic_long countdown;
-static atomic_bool failed;
+static atomic_bool failed, for_good;
 
 void test_fail_alloc(long n)
 {
     failed = false;
+    for_good = false;
     countdown = n;
+}
+
+void test_fail_alloc_from(long n)
+{
+    test_fail_alloc(n);
+    for_good = true;
 }
 
 bool test_alloc_failed(void)
@@ -33,6 +40,8 @@ bool test_alloc_failed(void)
 
 static bool must_fail(void)
 {
+    if (failed && for_good)
+        return true;
     if (countdown <= 0 || --countdown != 0)
         return false;
     failed = true;

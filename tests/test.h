@@ -65,8 +65,9 @@ uint32_t test_below(uint32_t n);
 
 /* Out-of-memory injection: the n-th allocation from now on fails (n = 1: the next), and only that
  * one; 0: none fails. test_alloc_failed tells whether one did. Works in the core, proto and server
- * test binaries. */
+ * test binaries. test_fail_alloc_from: it and all after it. */
 void test_fail_alloc(long n);
+void test_fail_alloc_from(long n);
 bool test_alloc_failed(void);
 
 #endif

@@ -17,7 +17,7 @@ static uint32_t add_in_steps(struct dt_points *p, const struct dt_point *q, size
         struct dt_added added;
         size_t k = n - at < step ? n - at : step;
         uint32_t first = p->next_id;
-        CHECK(dt_points_add(p, q + at, k, pool, &added) == DT_OK);
+        CHECK(dt_points_add(p, q + at, k, pool, NULL, &added) == DT_OK);
         CHECK(added.first == first && added.added == k);
         coincident += added.coincident;
     }
@@ -39,7 +39,7 @@ static void check_same(const struct dt_points *got, const struct dt_points *want
               dt_points_is_alias(got, id) == dt_points_is_alias(want, id));
         CHECK(a.x == b.x && a.y == b.y && 1 / a.x == 1 / b.x && 1 / a.y == 1 / b.y);
         CHECK(dt_aliases_lowest(&got->aliases, got->id[v]) == DT_NONE ||
-              dt_points_heir(got, v)->id == dt_points_heir(want, w)->id);
+              dt_points_heir(got, v, NULL, 0)->id == dt_points_heir(want, w, NULL, 0)->id);
     }
 }
 
@@ -83,7 +83,7 @@ TEST(points_added_at_once_get_the_ids_and_aliases_of_points_added_in_turn)
 static void delete_some(struct dt_points *p, uint32_t n)
 {
     for (uint32_t id = 0; id < n; id += 3) {
-        CHECK(dt_points_delete_ready(p, &id, 1) == DT_OK);
+        CHECK(dt_points_delete_ready(p, &id, 1, NULL) == DT_OK);
         dt_points_delete(p, id);
     }
 }
@@ -131,7 +131,7 @@ TEST(points_added_at_once_are_all_added_or_none)
     enum dt_status status = DT_NOMEM;
     for (long nth = 1; status != DT_OK; nth++) {
         test_fail_alloc(nth);
-        status = dt_points_add(&got, q, MANY, NULL, &added);
+        status = dt_points_add(&got, q, MANY, NULL, NULL, &added);
         test_fail_alloc(0);
         CHECK(status == DT_OK || status == DT_NOMEM);
         if (status == DT_NOMEM)

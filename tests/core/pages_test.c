@@ -355,7 +355,7 @@ static uint64_t build(struct dt_pages *pages, const struct dt_point *q, uint32_t
     struct dt_options opt = {.pool = pool};
     struct dt_added added;
     struct dt *t = dt_new_in(0, pages), *copy;
-    CHECK(t != NULL && dt_add_many(t, q, n, pool, &added) == DT_OK);
+    CHECK(t != NULL && dt_add_many(t, q, n, &(struct dt_options){.pool = pool}, &added) == DT_OK);
     CHECK(dt_clone(t, &copy) == DT_OK);
     CHECK(dt_triangulate(copy, &opt) == DT_OK && dt_prepare(copy, &opt) == DT_OK);
     uint64_t sum = digest(copy);
