@@ -18,12 +18,13 @@ struct dataset;
 struct load;
 
 struct answer {
-    struct buf *out;         /* borrows; the reply is appended to what it holds */
-    uint64_t mark;           /* of the reply's first byte in the output of whoever asks */
-    uint64_t lsn;            /* the reply must not leave before this change is durable; 0: it may */
-    uint64_t owner;          /* who asks: a connection's id, 0 for nobody */
-    enum role role;          /* what the asker may do; AUTH changes it */
-    unsigned command;        /* which one it is: its place in the table, else STATS_OTHER */
+    struct buf *out;  /* borrows; the reply is appended to what it holds */
+    uint64_t mark;    /* of the reply's first byte in the output of whoever asks */
+    uint64_t lsn;     /* it acknowledges this change, and waits until that is durable; 0: none */
+    uint64_t shown;   /* it shows what this change has done: likewise (hold.h) */
+    uint64_t owner;   /* who asks: a connection's id, 0 for nobody */
+    enum role role;   /* what the asker may do; AUTH changes it */
+    unsigned command; /* which one it is: its place in the table, else STATS_OTHER */
     struct stream *stream;   /* moves to the caller */
     struct job *job;         /* borrows: the job ends by itself */
     struct wait_queue *wait; /* borrows: begin to wait before anything else happens */

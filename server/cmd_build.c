@@ -40,9 +40,9 @@ static void run_triangulate(struct job *j)
     b->ms = (double)microseconds / 1000;
 }
 
-static uint64_t record_triangulate(struct server *s, struct job *j)
+static void record_triangulate(struct server *s, struct job *j)
 {
-    return journal_triangulate(s, j->set);
+    journal_triangulate(s, j->set);
 }
 
 static void tell_triangulation(struct answer *a, const struct version *v, double ms)

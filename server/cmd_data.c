@@ -38,6 +38,7 @@ void cmd_sets(struct server *s, struct dataset *set, const struct request *q, st
     }
     registry_each(&s->sets, enroll, &roll);
     qsort(roll.set, roll.n, sizeof(struct dataset *), by_name);
+    a->shown = journal_of_all(s);
     reply_ok(a->out, roll.n);
     reply_end(a->out);
     for (size_t i = 0; i < roll.n; i++) {
@@ -75,7 +76,8 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
     if (set == NULL)
         return;
     set->born = true;
-    a->lsn = journal_create(s, set, tolerance);
+    journal_create(s, set, tolerance);
+    a->lsn = journal_of(s, set);
     reply_ok(a->out, 0);
     reply_end(a->out);
 }
@@ -83,7 +85,8 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
 void cmd_drop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)q;
-    a->lsn = journal_drop(s, set);
+    journal_drop(s, set);
+    a->lsn = journal_of(s, NULL);
     registry_drop(&s->sets, set);
     reply_ok(a->out, 0);
     reply_end(a->out);

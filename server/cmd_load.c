@@ -6,6 +6,7 @@
 #include "server/command.h"
 #include "server/durable.h"
 #include "server/edit.h"
+#include "server/journal.h"
 #include "server/keep.h"
 
 #include <stdlib.h>
@@ -196,6 +197,7 @@ void load_commit(struct server *s, struct load *l, struct answer *a)
     struct dataset *set = registry_find(&s->sets, &name);
     if (l->refused)
         return;
+    a->lsn = journal_of(s, set);
     if (l->body.fault != BODY_GOOD)
         tell_fault(s, &l->body, a);
     else if (!durable_admits(s, a, set, true, false))

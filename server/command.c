@@ -5,6 +5,7 @@
 #include "server/cmd_load.h"
 #include "server/durable.h"
 #include "server/job.h"
+#include "server/journal.h"
 #include "server/renew.h"
 #include "server/stream.h"
 
@@ -114,6 +115,14 @@ static bool check_loaded(struct server *s, struct answer *a, const struct comman
     return (c->flags & (CMD_SET | CMD_ALL_SETS)) == 0 || durable_loaded(s, a);
 }
 
+/* The changes that are seen in what the reply will say of the set; NULL: that there is none. One that
+ * would have changed something and finds that done acknowledges the change that did it. */
+static void note_changes(const struct server *s, struct answer *a, const struct command *c,
+                         const struct dataset *set)
+{
+    *((c->flags & CMD_WRITE) != 0 ? &a->lsn : &a->shown) = journal_of(s, set);
+}
+
 /* The set that the request is about: in *set, NULL if it is not there. */
 static bool check_set(struct server *s, struct answer *a, const struct command *c,
                       const struct request *q, struct dataset **set)
@@ -132,6 +141,7 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
     if (!there)
         *set = NULL;
     if (!there && (c->flags & CMD_EXISTING) != 0) {
+        note_changes(s, a, c, NULL);
         reply_err(a->out, ERR_NOSET, "there is no set %.*s", QUOTED(&q->word[1]));
         return false;
     }
@@ -233,8 +243,12 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
             load_skip(s, q, a);
     } else if ((c->flags & CMD_BODY) != 0 || check_state(s, a, c, q, set)) {
         /* A request with a body waits for its set when the body is there. */
+        if ((c->flags & CMD_SET) != 0)
+            note_changes(s, a, c, set);
         c->handler(s, set, q, a);
     }
+    if (a->job != NULL && a->job->shown < a->shown)
+        a->job->shown = a->shown;
 }
 
 void command_take_timeout(struct request *q, int64_t *ms)

@@ -202,6 +202,7 @@ static bool end_reading(struct server *s)
     }
     recovery_clear(&d->recovery);
     log_status(d->log, &d->status);
+    s->held.durable = d->status.durable;
     rebuild_next(s);
     return true;
 }
@@ -279,6 +280,7 @@ static void watch_resumption(struct server *s)
     struct durable *d = s->durable;
     if (d->status.state != LOG_FAILED) {
         d->resuming = false;
+        holders_recover(&s->held);
         notice(NOTICE_INFO, "the log goes on");
     } else if (d->status.failures > d->failures) {
         put_off(s);

@@ -58,12 +58,12 @@ static void run_add(struct job *j)
     j->status = dt_add_many(j->dt, e->p, e->n, &j->options, &e->added);
 }
 
-static uint64_t record_add(struct server *s, struct job *j)
+static void record_add(struct server *s, struct job *j)
 {
     struct edit *e = (struct edit *)j;
     struct dt_point *p = e->p;
     e->p = NULL;
-    return journal_add(s, j->set, e->added.first, p, e->n);
+    journal_add(s, j->set, e->added.first, p, e->n);
 }
 
 static void add_done(struct server *s, struct job *j, struct answer *a)
@@ -130,10 +130,10 @@ static void run_delete(struct job *j)
     j->status = dt_delete_many(j->dt, e->ids, e->n, &j->options, &e->deleted, &e->missing);
 }
 
-static uint64_t record_delete(struct server *s, struct job *j)
+static void record_delete(struct server *s, struct job *j)
 {
     struct edit *e = (struct edit *)j;
-    return journal_delete(s, j->set, e->ids, e->n);
+    journal_delete(s, j->set, e->ids, e->n);
 }
 
 static void delete_done(struct server *s, struct job *j, struct answer *a)
@@ -175,10 +175,10 @@ static void run_move(struct job *j)
     j->status = dt_move_to(j->dt, e->id, e->to, &j->options);
 }
 
-static uint64_t record_move(struct server *s, struct job *j)
+static void record_move(struct server *s, struct job *j)
 {
     struct edit *e = (struct edit *)j;
-    return journal_move(s, j->set, e->id, e->to);
+    journal_move(s, j->set, e->id, e->to);
 }
 
 static void move_done(struct server *s, struct job *j, struct answer *a)

@@ -246,6 +246,8 @@ static void publish(struct server *s, struct job *j)
 void job_tell(struct server *s, struct job *j, struct answer *a)
 {
     a->lsn = j->lsn;
+    if (j->status != DT_CANCELLED && j->shown > a->shown)
+        a->shown = j->shown;
     j->done(s, j, a);
 }
 
@@ -260,7 +262,9 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     if (edits_in_place(j))
         version_leave(j->base);
     if (set != NULL && j->status == DT_OK && j->record != NULL)
-        j->lsn = j->record(s, j);
+        j->record(s, j);
+    if (set != NULL && j->status != DT_CANCELLED)
+        j->lsn = set->lsn;
     for (unsigned i = 0; i < j->also_n; i++)
         s->tell_joined(s, j->also[i], j);
     job_tell(s, j, a);

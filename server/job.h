@@ -6,8 +6,8 @@
  *            job->dt, nothing else.
  *     done   on the I/O thread: writes the reply, or the error for job->status.
  *     clear  frees the arguments; may be NULL.
- *     record on the I/O thread, once a writer has succeeded: appends the change to the journal and
- *            returns its lsn; may be NULL.
+ *     record on the I/O thread, once a writer has succeeded: appends the change to the journal; may
+ *            be NULL.
  *
  * A reading job pins the version it reads. A writing job is the set's only writer until it is done;
  * it edits in place, in turns with a snapshot, if nobody else pins the current version, else a copy
@@ -24,12 +24,13 @@ struct job {
     void (*run)(struct job *j);
     void (*done)(struct server *s, struct job *j, struct answer *a);
     void (*clear)(struct job *j);
-    uint64_t (*record)(struct server *s, struct job *j);
+    void (*record)(struct server *s, struct job *j);
     const char *what; /* for the progress line */
     uint64_t owner;   /* whom to answer: a connection's id */
     uint64_t *also;   /* owns: who else waits for the result, by id */
     unsigned also_n;
-    uint64_t lsn;      /* of what `record` has appended */
+    uint64_t lsn;      /* of a writer's set when it is done: what the reply acknowledges */
+    uint64_t shown;    /* of a reader's set when it was asked for: what the reply shows */
     int64_t queued_ns; /* when the workers got it, and when one of them began; 0: it ran at once */
     int64_t began_ns;
     struct dataset *set;   /* a writer's set; NULL for a reader */

@@ -30,6 +30,7 @@ struct server {
     struct registry sets;
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
     struct holders held;     /* replies that wait for the disk */
+    uint64_t dropped;        /* the lsn of the last DROP in the log */
     struct workers *workers; /* owns; NULL: every job runs at once, where it is asked for */
     struct job *jobs;        /* those that the workers have */
     /* Answers a connection that has joined a job (job_tell); it carries out nothing else then. */

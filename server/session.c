@@ -85,12 +85,23 @@ static void on_piece(void *ctx)
     conn_again(&((struct session *)ctx)->conn);
 }
 
+/* Has the reply wait for the disk; one that a job or a load leaves to come does so when it is
+ * there. */
+static void hold_reply(struct session *s, const struct answer *a)
+{
+    struct holders *in = &s->server->held;
+    if (s->conn.dead || a->job != NULL || a->load != NULL) /* the dead leave no trace */
+        return;
+    if (a->lsn != 0)
+        hold_acknowledgement(in, &s->conn.hold, a->lsn, a->mark);
+    if (a->shown != 0)
+        hold_view(in, &s->conn.hold, a->shown, a->mark);
+}
+
 bool session_take_over(struct session *s, struct answer *a)
 {
     account(s, a, is_error(s, a));
     deliver(s, a);
-    if (a->lsn != 0 && !s->conn.dead) /* the dead are sent nothing, and leave no trace */
-        hold_add(&s->server->held, &s->conn.hold, a->lsn, a->mark);
     s->role = a->role;
     s->stream = a->stream;
     if (s->stream != NULL)
@@ -107,6 +118,7 @@ bool session_take_over(struct session *s, struct answer *a)
     }
     if (a->again || a->retry) /* the request itself is still to be carried out */
         return a->retry;
+    hold_reply(s, a);
     wait_served(&s->waiter);
     consume_held(s);
     if (s->job == NULL)

@@ -6,7 +6,8 @@
  *     DISK_NTH     the first that fails, counted from 1
  *     DISK_TIMES   how many fail from there on
  *     DISK_ERRNO   with what
- *     DISK_FIRED   a file that is created when the first one has failed */
+ *     DISK_FIRED   a file that is created when the first one has failed
+ *     DISK_GATE    as long as a file of that name exists, syncs wait */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -69,15 +70,24 @@ ssize_t write(int fd, const void *bytes, size_t n)
     return call(fd, bytes, n > 1 && strikes("short", fd) ? n / 2 : n);
 }
 
+static void wait_at_gate(int fd)
+{
+    const char *gate = getenv("DISK_GATE");
+    while (gate != NULL && access(gate, F_OK) == 0 && is_below(fd))
+        usleep(1000);
+}
+
 int fdatasync(int fd)
 {
     int (*call)(int) = (int (*)(int))real("fdatasync");
+    wait_at_gate(fd);
     return strikes("sync", fd) ? -1 : call(fd);
 }
 
 int fsync(int fd)
 {
     int (*call)(int) = (int (*)(int))real("fsync");
+    wait_at_gate(fd);
     return strikes("sync", fd) ? -1 : call(fd);
 }
 

@@ -31,7 +31,7 @@ static size_t free_of(const struct hold *h)
 
 TEST(bytes_wait_until_their_own_change_is_durable)
 {
-    hold_add(&all, &hold[0], 5, 10);
+    hold_acknowledgement(&all, &hold[0], 5, 10);
     CHECK(free_of(&hold[0]) == 10);
     holders_release(&all, 4);
     CHECK(free_of(&hold[0]) == 10 && released[0] == 0);
@@ -43,14 +43,15 @@ TEST(bytes_wait_until_their_own_change_is_durable)
 
 TEST(second_group_of_a_connection_waits_for_its_latest_change)
 {
-    hold_add(&all, &hold[0], 5, 10);
-    hold_add(&all, &hold[0], 6, 20);
-    hold_add(&all, &hold[0], 7, 30);
+    hold_acknowledgement(&all, &hold[0], 5, 10);
+    hold_acknowledgement(&all, &hold[0], 6, 20);
+    hold_acknowledgement(&all, &hold[0], 7, 30);
     holders_release(&all, 5);
     CHECK(free_of(&hold[0]) == 20 && released[0] == 1);
     holders_release(&all, 6);
     CHECK(free_of(&hold[0]) == 20 && released[0] == 1);
-    hold_add(&all, &hold[0], 8, 40); /* behind the group that waits for 7, not with it */
+    hold_acknowledgement(&all, &hold[0], 8,
+                         40); /* behind the group that waits for 7, not with it */
     holders_release(&all, 7);
     CHECK(free_of(&hold[0]) == 40 && released[0] == 2);
     holders_release(&all, 8);
@@ -59,8 +60,8 @@ TEST(second_group_of_a_connection_waits_for_its_latest_change)
 
 TEST(one_release_may_end_both_groups)
 {
-    hold_add(&all, &hold[0], 5, 10);
-    hold_add(&all, &hold[0], 6, 20);
+    hold_acknowledgement(&all, &hold[0], 5, 10);
+    hold_acknowledgement(&all, &hold[0], 6, 20);
     holders_release(&all, 6);
     CHECK(free_of(&hold[0]) == 100 && released[0] == 1 && all.first == NULL);
 }
@@ -80,10 +81,10 @@ static unsigned count_held(void)
 TEST(connections_that_wait_again_stand_in_line_as_if_for_the_first_time)
 {
     for (int i = 0; i < 3; i++)
-        hold_add(&all, &hold[i], 1, 0);
+        hold_acknowledgement(&all, &hold[i], 1, 0);
     hold_clear(&hold[0]); /* its `prev` points to others now */
     CHECK(count_held() == 2);
-    hold_add(&all, &hold[0], 2, 0);
+    hold_acknowledgement(&all, &hold[0], 2, 0);
     CHECK(count_held() == 3 && all.first == &hold[0]);
     hold_clear(&hold[0]);
     CHECK(count_held() == 2 && all.first == &hold[2]);
@@ -94,17 +95,79 @@ TEST(connections_that_wait_again_stand_in_line_as_if_for_the_first_time)
 TEST(everybody_who_can_go_is_released_and_nobody_else)
 {
     for (unsigned i = 0; i < CONNECTIONS; i++)
-        hold_add(&all, &hold[i], i, 0);
-    holders_release(&all, 2);
+        hold_acknowledgement(&all, &hold[i], i + 1, 0);
+    holders_release(&all, 3);
     CHECK(released[0] == 1 && released[1] == 1 && released[2] == 1 && released[3] == 0);
     CHECK(count_held() == 1 && all.first == &hold[3]);
+}
+
+/* ---- what replies show ---- */
+
+TEST(nothing_waits_for_what_is_durable_already)
+{
+    holders_release(&all, 5);
+    hold_acknowledgement(&all, &hold[0], 5, 0);
+    hold_view(&all, &hold[1], 4, 0);
+    CHECK(all.first == NULL && free_of(&hold[0]) == 100 && free_of(&hold[1]) == 100);
+}
+
+TEST(reply_waits_for_the_latest_change_that_it_shows_or_acknowledges)
+{
+    hold_view(&all, &hold[0], 5, 10);
+    hold_acknowledgement(&all, &hold[0], 6, 10); /* the same reply: no group of its own */
+    hold_view(&all, &hold[0], 7, 20);
+    holders_release(&all, 5);
+    CHECK(free_of(&hold[0]) == 10);
+    holders_release(&all, 6);
+    CHECK(free_of(&hold[0]) == 20);
+    holders_release(&all, 7);
+    CHECK(free_of(&hold[0]) == 100);
+}
+
+/* What another set shows may be older than what the connection waits for. */
+TEST(older_change_takes_nothing_from_the_wait_for_a_later_one)
+{
+    hold_acknowledgement(&all, &hold[0], 7, 10);
+    hold_view(&all, &hold[0], 3, 20);
+    hold_acknowledgement(&all, &hold[0], 9, 30);
+    hold_view(&all, &hold[0], 8, 40);
+    holders_release(&all, 7);
+    CHECK(free_of(&hold[0]) == 30);
+    holders_release(&all, 8);
+    CHECK(free_of(&hold[0]) == 30);
+    holders_release(&all, 9);
+    CHECK(free_of(&hold[0]) == 100 && released[0] == 2);
+}
+
+TEST(failing_disk_lets_go_of_what_only_shows_changes)
+{
+    hold_view(&all, &hold[0], 5, 10);
+    hold_view(&all, &hold[1], 5, 10);
+    hold_acknowledgement(&all, &hold[1], 6, 20);
+    hold_acknowledgement(&all, &hold[2], 6, 10);
+    hold_view(&all, &hold[2], 7, 20);
+    hold_view(&all, &hold[3], 5, 10);
+    hold_acknowledgement(&all, &hold[3], 5, 20); /* one group for both */
+    holders_fail(&all);
+    CHECK(released[0] == 1 && not_saved[0] == 0 && free_of(&hold[0]) == 100);
+    CHECK(released[1] == 1 && not_saved[1] == 1);
+    CHECK(released[2] == 0 && not_saved[2] == 1 && not_saved[3] == 1);
+    hold_view(&all, &hold[0], 8, 10);
+    CHECK(free_of(&hold[0]) == 100);
+    hold_acknowledgement(&all, &hold[0], 8, 20);
+    CHECK(free_of(&hold[0]) == 20);
+    holders_recover(&all);
+    hold_view(&all, &hold[1], 8, 10);
+    CHECK(free_of(&hold[1]) == 10);
+    holders_release(&all, 8);
+    CHECK(free_of(&hold[0]) == 100 && free_of(&hold[1]) == 100);
 }
 
 TEST(everybody_who_waits_is_told_that_nothing_was_saved)
 {
     for (unsigned i = 0; i < CONNECTIONS; i++)
-        hold_add(&all, &hold[i], i, 0);
-    holders_release(&all, 1);
+        hold_acknowledgement(&all, &hold[i], i + 1, 0);
+    holders_release(&all, 2);
     holders_fail(&all);
     CHECK(not_saved[0] == 0 && not_saved[1] == 0 && not_saved[2] == 1 && not_saved[3] == 1);
     CHECK(count_held() == 0);
