@@ -2,16 +2,15 @@
 #include "server/config.h"
 
 #include "core/delaunay.h"
-#include "proto/number.h"
 #include "server/machine.h"
+#include "server/setting.h"
 
 #include <arpa/inet.h>
 #include <getopt.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-enum { DESCRIPTORS_APART = 32, MOST_CLIENTS = 10000, MOST_THREADS = 256 };
+enum { DESCRIPTORS_APART = 32, MOST_CLIENTS = 10000 };
 
 static const char usage[] =
     "usage: delaunayd [flags]\n"
@@ -47,15 +46,15 @@ static const char usage[] =
 static unsigned threads_here(void)
 {
     unsigned n = machine_processors();
-    return n < MOST_THREADS ? n : MOST_THREADS;
+    return n < CONFIG_MOST_THREADS ? n : CONFIG_MOST_THREADS;
 }
 
-static unsigned affordable_clients(void)
+unsigned config_affordable_clients(unsigned most)
 {
     unsigned n = machine_descriptors();
-    return n <= DESCRIPTORS_APART                  ? 1
-           : n - DESCRIPTORS_APART >= MOST_CLIENTS ? MOST_CLIENTS
-                                                   : n - DESCRIPTORS_APART;
+    return n <= DESCRIPTORS_APART          ? 1
+           : n - DESCRIPTORS_APART >= most ? most
+                                           : n - DESCRIPTORS_APART;
 }
 
 void config_init(struct config *c)
@@ -64,7 +63,7 @@ void config_init(struct config *c)
         .bind_address = "127.0.0.1",
         .port = DEFAULT_PORT,
         .threads = threads_here(),
-        .max_clients = affordable_clients(),
+        .max_clients = config_affordable_clients(MOST_CLIENTS),
         .max_points = DT_MAX_POINTS,
         .max_memory = machine_memory() / 5 * 4,
         .compact_at = (size_t)64 << 20,
@@ -72,38 +71,6 @@ void config_init(struct config *c)
         .slowlog_len = 128,
         .log_level = NOTICE_INFO,
     };
-}
-
-/* ---- values ---- */
-
-static bool parse_number(const char *text, uint32_t least, uint32_t most, uint32_t *v)
-{
-    return proto_read_u32(text, strlen(text), v) && *v >= least && *v <= most;
-}
-
-static bool parse_bytes(const char *text, size_t *bytes)
-{
-    char *end;
-    if (*text < '0' || *text > '9')
-        return false;
-    unsigned long long v = strtoull(text, &end, 10);
-    unsigned shift = *end == 'k' ? 10 : *end == 'm' ? 20 : *end == 'g' ? 30 : 0;
-    if (end[shift != 0] != '\0' || v == 0 || v > (SIZE_MAX >> shift))
-        return false;
-    *bytes = (size_t)v << shift;
-    return true;
-}
-
-static bool parse_policy(const char *text, enum log_policy *policy)
-{
-    static const char *const name[] = {"always", "everysec", "no"};
-    for (int i = LOG_ALWAYS; i <= LOG_NO; i++) {
-        if (strcmp(text, name[i]) == 0) {
-            *policy = (enum log_policy)i;
-            return true;
-        }
-    }
-    return false;
 }
 
 static bool is_loopback(const char *address, bool *loopback)
@@ -121,52 +88,26 @@ static bool is_loopback(const char *address, bool *loopback)
 
 /* ---- flags ---- */
 
-enum flag {
-    FLAG_BIND = 256,
-    FLAG_PORT,
-    FLAG_UNIX,
-    FLAG_AUTH_FILE,
-    FLAG_INSECURE,
-    FLAG_THREADS,
-    FLAG_MAX_CLIENTS,
-    FLAG_IDLE_TIMEOUT,
-    FLAG_MAX_POINTS,
-    FLAG_MAX_MEMORY,
-    FLAG_DATA,
-    FLAG_FSYNC,
-    FLAG_COMPACT_AT,
-    FLAG_CHECK,
-    FLAG_REPAIR,
-    FLAG_SLOWLOG_US,
-    FLAG_SLOWLOG_LEN,
-    FLAG_LOG_LEVEL,
-    FLAG_VERSION,
-    FLAG_HELP
-};
+enum flag { FLAG_CHECK = 256, FLAG_REPAIR, FLAG_VERSION, FLAG_HELP, FLAG_SETTING };
 
-static const struct option flags[] = {
-    {"bind", required_argument, NULL, FLAG_BIND},
-    {"port", required_argument, NULL, FLAG_PORT},
-    {"unix", required_argument, NULL, FLAG_UNIX},
-    {"auth-file", required_argument, NULL, FLAG_AUTH_FILE},
-    {"insecure", no_argument, NULL, FLAG_INSECURE},
-    {"threads", required_argument, NULL, FLAG_THREADS},
-    {"max-clients", required_argument, NULL, FLAG_MAX_CLIENTS},
-    {"idle-timeout", required_argument, NULL, FLAG_IDLE_TIMEOUT},
-    {"max-points", required_argument, NULL, FLAG_MAX_POINTS},
-    {"max-memory", required_argument, NULL, FLAG_MAX_MEMORY},
-    {"data", required_argument, NULL, FLAG_DATA},
-    {"fsync", required_argument, NULL, FLAG_FSYNC},
-    {"compact-at", required_argument, NULL, FLAG_COMPACT_AT},
+static const struct option others[] = {
     {"check", required_argument, NULL, FLAG_CHECK},
     {"repair", required_argument, NULL, FLAG_REPAIR},
-    {"slowlog-us", required_argument, NULL, FLAG_SLOWLOG_US},
-    {"slowlog-len", required_argument, NULL, FLAG_SLOWLOG_LEN},
-    {"log-level", required_argument, NULL, FLAG_LOG_LEVEL},
     {"version", no_argument, NULL, FLAG_VERSION},
     {"help", no_argument, NULL, FLAG_HELP},
     {0},
 };
+
+enum { OTHERS = sizeof others / sizeof others[0] };
+
+static void list_flags(struct option flag[SETTING_MOST + OTHERS])
+{
+    for (size_t i = 0; i < setting_count; i++)
+        flag[i] = (struct option){
+            settings[i].name, settings[i].kind == SETTING_SWITCH ? no_argument : required_argument,
+            NULL, FLAG_SETTING + (int)i};
+    memcpy(flag + setting_count, others, sizeof others);
+}
 
 static bool complain(const char *flag, const char *value, const char *wanted)
 {
@@ -174,79 +115,9 @@ static bool complain(const char *flag, const char *value, const char *wanted)
     return false;
 }
 
-/* A flag whose value is text, taken as it is. */
-static const char **text_of(struct config *c, int flag)
+static bool take_setting(struct config *c, const struct setting *of, const char *value)
 {
-    switch (flag) {
-    case FLAG_BIND:
-        return &c->bind_address;
-    case FLAG_UNIX:
-        return &c->unix_path;
-    case FLAG_AUTH_FILE:
-        return &c->auth_file;
-    case FLAG_DATA:
-        return &c->data;
-    case FLAG_CHECK:
-        return &c->check;
-    case FLAG_REPAIR:
-        return &c->repair;
-    default:
-        return NULL;
-    }
-}
-
-/* A flag whose value is a whole number: where it goes, its bounds, what to tell who misses them. */
-struct number_flag {
-    uint32_t *v;
-    uint32_t least, most;
-    const char *wanted;
-};
-
-static struct number_flag number_of(struct config *c, int flag)
-{
-    switch (flag) {
-    case FLAG_PORT:
-        return (struct number_flag){&c->port, 0, 65535, "a port is 0 to 65535"};
-    case FLAG_THREADS:
-        return (struct number_flag){&c->threads, 1, MOST_THREADS, "from 1 to 256"};
-    case FLAG_MAX_CLIENTS:
-        return (struct number_flag){&c->max_clients, 1, 1000000, "from 1 to 1000000"};
-    case FLAG_IDLE_TIMEOUT:
-        return (struct number_flag){&c->idle_timeout_s, 0, 1000000, "seconds, 0 to 1000000"};
-    case FLAG_MAX_POINTS:
-        return (struct number_flag){&c->max_points, 1, DT_MAX_POINTS, "from 1 to 268435455"};
-    case FLAG_SLOWLOG_US:
-        return (struct number_flag){&c->slowlog_us, 0, UINT32_MAX,
-                                    "microseconds, up to 4294967295"};
-    case FLAG_SLOWLOG_LEN:
-        return (struct number_flag){&c->slowlog_len, 0, 1000000, "from 0 to 1000000"};
-    default:
-        return (struct number_flag){0};
-    }
-}
-
-/* Sets one flag that takes a value, named for the complaint. */
-static bool set_value(struct config *c, int flag, const char *name, const char *value)
-{
-    const char **text = text_of(c, flag);
-    struct number_flag number = number_of(c, flag);
-    if (text != NULL)
-        *text = value;
-    else if (number.v != NULL)
-        return parse_number(value, number.least, number.most, number.v) ||
-               complain(name, value, number.wanted);
-    else if (flag == FLAG_MAX_MEMORY)
-        return parse_bytes(value, &c->max_memory) ||
-               complain(name, value, "bytes, as in 4096m or 2g");
-    else if (flag == FLAG_COMPACT_AT)
-        return parse_bytes(value, &c->compact_at) ||
-               complain(name, value, "bytes, as in 64m or 1g");
-    else if (flag == FLAG_FSYNC)
-        return parse_policy(value, &c->fsync) || complain(name, value, "always, everysec or no");
-    else if (flag == FLAG_LOG_LEVEL)
-        return notice_parse_level(value, &c->log_level) ||
-               complain(name, value, "error, warning, info or debug");
-    return true;
+    return setting_read(of, c, value) || complain(of->name, value, of->wanted);
 }
 
 static bool safe_to_bind(const struct config *c)
@@ -263,15 +134,18 @@ static bool safe_to_bind(const struct config *c)
 
 enum config_result config_parse(struct config *c, int argc, char **argv)
 {
-    int flag, index = 0;
-    while ((flag = getopt_long(argc, argv, "", flags, &index)) != -1) {
+    struct option flags[SETTING_MOST + OTHERS];
+    list_flags(flags);
+    for (int flag; (flag = getopt_long(argc, argv, "", flags, NULL)) != -1;) {
         if (flag == FLAG_HELP || flag == FLAG_VERSION) {
             fputs(flag == FLAG_HELP ? usage : "delaunayd " DELAUNAYD_VERSION "\n", stdout);
             return CONFIG_EXIT;
         }
-        if (flag == FLAG_INSECURE)
-            c->insecure = true;
-        else if (flag == '?' || !set_value(c, flag, flags[index].name, optarg))
+        if (flag == FLAG_CHECK)
+            c->check = optarg;
+        else if (flag == FLAG_REPAIR)
+            c->repair = optarg;
+        else if (flag == '?' || !take_setting(c, &settings[flag - FLAG_SETTING], optarg))
             return CONFIG_BAD;
     }
     if (optind < argc) {

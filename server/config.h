@@ -1,4 +1,4 @@
-/* config.h - what the command line says. */
+/* config.h - what the command line says, and CONFIG SET changes; setting.h has it by name. */
 #ifndef SERVER_CONFIG_H
 #define SERVER_CONFIG_H
 
@@ -12,6 +12,8 @@
 #define DELAUNAYD_VERSION "0.1.0"
 #define PROTOCOL_VERSION 1
 #define DEFAULT_PORT 6374 /* M-E-S-H on a telephone keypad */
+
+enum { CONFIG_MOST_THREADS = 256 };
 
 struct config {
     const char *bind_address; /* a numeric IPv4 or IPv6 address */
@@ -35,6 +37,9 @@ struct config {
 };
 
 enum config_result { CONFIG_RUN, CONFIG_EXIT, CONFIG_BAD };
+
+/* At most `most` clients, or as many as descriptors allow. */
+unsigned config_affordable_clients(unsigned most);
 
 /* The defaults for this machine. */
 void config_init(struct config *c);

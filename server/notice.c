@@ -30,6 +30,11 @@ bool notice_parse_level(const char *text, enum notice_level *level)
     return false;
 }
 
+const char *notice_level_name(enum notice_level level)
+{
+    return level_name[level];
+}
+
 void notice_set_level(enum notice_level level)
 {
     limit = (int)level;

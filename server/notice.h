@@ -17,6 +17,9 @@ enum notice_level { NOTICE_ERROR, NOTICE_WARNING, NOTICE_INFO, NOTICE_DEBUG };
 /* Reads a level's name. False if it is none. */
 bool notice_parse_level(const char *text, enum notice_level *level);
 
+/* Its name. */
+const char *notice_level_name(enum notice_level level);
+
 /* What is less urgent than this is left out from now on. */
 void notice_set_level(enum notice_level level);
 
