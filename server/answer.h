@@ -24,6 +24,7 @@ struct answer {
     uint64_t shown;   /* it shows what this change has done: likewise (hold.h) */
     uint64_t owner;   /* who asks: a connection's id, 0 for nobody */
     enum role role;   /* what the asker may do; AUTH changes it */
+    unsigned token;   /* the number of the token that gave the role; 0: none did */
     unsigned command; /* which one it is: its place in the table, else STATS_OTHER */
     struct stream *stream;   /* moves to the caller */
     struct job *job;         /* borrows: the job ends by itself */

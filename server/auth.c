@@ -63,7 +63,9 @@ bool auth_load(struct auth *a, const char *path)
         notice(NOTICE_ERROR, "%s:%u: not a line `ro TOKEN` or `rw TOKEN`", path, number);
     else if (a->n == 0)
         notice(NOTICE_ERROR, "%s: holds no token", path);
-    return good && a->n > 0;
+    if (!good)
+        auth_clear(a);
+    return a->n > 0;
 }
 
 void auth_clear(struct auth *a)
@@ -85,11 +87,19 @@ static bool equal(const struct token *t, const struct word *w)
     return differ == 0;
 }
 
-enum role auth_check(const struct auth *a, const struct word *token)
+enum role auth_check(const struct auth *a, const struct word *token, unsigned *number)
 {
-    enum role role = ROLE_NONE;
+    *number = 0;
     for (size_t i = 0; i < a->n; i++) /* every token is compared, whether or not one has matched */
         if (equal(&a->token[i], token))
-            role = a->token[i].role;
-    return role;
+            *number = (unsigned)i + 1;
+    return *number == 0 ? ROLE_NONE : a->token[*number - 1].role;
+}
+
+enum role auth_renew(const struct auth *now, const struct auth *before, unsigned *number)
+{
+    if (*number == 0)
+        return ROLE_NONE;
+    const struct token *t = &before->token[*number - 1];
+    return auth_check(now, &(struct word){t->text, t->len}, number);
 }

@@ -15,15 +15,18 @@ struct auth {
 
 /* Reads lines `ro TOKEN` and `rw TOKEN`; blank lines and those that start with # are skipped.
  * False, with the reason on standard error, if the file cannot be read, holds another line, or
- * holds no token. */
+ * holds no token; *a is empty then. */
 bool auth_load(struct auth *a, const char *path);
 void auth_clear(struct auth *a);
 
 /* The role that a connection starts with. */
 enum role auth_initial_role(const struct auth *a);
 
-/* The role that the token gives, ROLE_NONE if it is unknown. Takes the same time whichever byte
- * differs. */
-enum role auth_check(const struct auth *a, const struct word *token);
+/* The role that the token gives, and its number, from 1 on; ROLE_NONE and 0 if it is unknown. Takes
+ * the same time whichever byte differs. */
+enum role auth_check(const struct auth *a, const struct word *token, unsigned *number);
+
+/* The same for the token that had this number before the file was read again. */
+enum role auth_renew(const struct auth *now, const struct auth *before, unsigned *number);
 
 #endif

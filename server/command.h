@@ -93,6 +93,7 @@ command_handler cmd_snapshot;                                      /* durable.c 
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_quit; /* cmd_admin.c */
 command_handler cmd_info;                                          /* cmd_info.c */
 command_handler cmd_client, cmd_slowlog;                           /* cmd_client.c */
+command_handler cmd_config;                                        /* cmd_config.c */
 command_handler cmd_timeout;                                       /* command.c */
 
 #endif

@@ -8,6 +8,7 @@
 #include "server/loop.h"
 #include "server/notice.h"
 #include "server/priority.h"
+#include "server/reload.h"
 #include "server/server.h"
 #include "server/sock.h"
 #include "server/systemd.h"
@@ -251,8 +252,12 @@ static void on_signal(struct source *source, uint32_t events)
 {
     struct signalfd_siginfo info;
     (void)events;
-    while (read(source->fd, &info, sizeof info) == (ssize_t)sizeof info)
-        stop();
+    while (read(source->fd, &info, sizeof info) == (ssize_t)sizeof info) {
+        if (info.ssi_signo == SIGHUP)
+            reload_tokens(&d.server, 0);
+        else
+            stop();
+    }
 }
 
 /* ---- once a second ---- */
@@ -296,7 +301,7 @@ static void on_tick(struct loop *loop)
 
 /* ---- life ---- */
 
-/* The signals that stop the daemon become events. Blocked before any thread starts, so that all
+/* The signals for the daemon become events. Blocked before any thread starts, so that all
  * inherit it. */
 static int take_signals(void)
 {
@@ -306,6 +311,8 @@ static int take_signals(void)
     sigemptyset(&set);
     sigaddset(&set, SIGTERM);
     sigaddset(&set, SIGINT);
+    signal(SIGHUP, SIG_DFL); /* a shell may have had it ignored */
+    sigaddset(&set, SIGHUP);
     sigprocmask(SIG_BLOCK, &set, NULL);
     return signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
 }
@@ -344,7 +351,7 @@ static bool listen_to_all(const struct config *config)
            watch(&d.local, sock_listen_unix(config->unix_path), on_listener);
 }
 
-static bool start(const struct config *config)
+static bool start(struct config *config)
 {
     int signals = take_signals();
     d.reserve = -1;
@@ -376,7 +383,7 @@ static void close_client(struct session *s)
     conn_close(&s->conn);
 }
 
-int daemon_run(const struct config *config)
+int daemon_run(struct config *config)
 {
     if (!start(config))
         return 1;

@@ -7,6 +7,6 @@
 
 /* Serves until SIGTERM or SIGINT, then finishes what was received and returns the process's exit
  * status. */
-int daemon_run(const struct config *config);
+int daemon_run(struct config *config);
 
 #endif

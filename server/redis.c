@@ -3,6 +3,7 @@
 
 #include "proto/number.h"
 #include "proto/resp.h"
+#include "server/setting.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -58,21 +59,6 @@ static void select_db(struct server *s, const struct request *q, struct answer *
         simple(a, "+OK");
     else
         simple(a, "-RANGE there is only the database 0");
-}
-
-/* redis-benchmark asks for settings whose values it prints only. */
-static void config(struct server *s, const struct request *q, struct answer *a)
-{
-    (void)s;
-    if (q->n < 3 || !word_is(&q->word[1], "GET")) {
-        usage(a, "CONFIG GET name");
-        return;
-    }
-    resp_array(a->out, 2 * (q->n - 2));
-    for (size_t i = 2; i < q->n; i++) {
-        resp_bulk(a->out, q->word[i].text, q->word[i].len);
-        bulk_text(a, "");
-    }
 }
 
 /* A command as COMMAND tells it: name, number of words (negative: at least), flags, and the places
@@ -158,6 +144,8 @@ static bool ask(struct server *s, const struct request *q, struct answer *a, con
     plain.out = &t->lines;
     command_run(s, q, &plain);
     a->close = plain.close;
+    a->role = plain.role;
+    a->token = plain.token;
     if (sort_out(t, a, eol))
         return true;
     forget(t);
@@ -200,6 +188,51 @@ static void client(struct server *s, const struct request *q, struct answer *a)
     else
         simple(a, "+OK");
     forget(&t);
+}
+
+/* Redis's tools ask for settings that there are none of here, whose values they print only: they are
+ * empty. */
+static bool is_foreign(const struct word *name)
+{
+    return setting_find(name->text, name->len) == NULL &&
+           memchr(name->text, '*', name->len) == NULL && memchr(name->text, '?', name->len) == NULL;
+}
+
+/* The settings that are asked for, as an array of names and values. */
+static void get_settings(struct server *s, const struct request *q, struct answer *a)
+{
+    char text[SETTING_TEXT_ROOM];
+    const struct word *asked = q->word + 2;
+    size_t n = 0;
+    for (size_t i = 0; i < setting_count; i++)
+        n += setting_asked(&settings[i], asked, q->n - 2) != NULL;
+    for (size_t i = 2; i < q->n; i++)
+        n += is_foreign(&q->word[i]);
+    resp_array(a->out, 2 * n);
+    for (size_t i = 0; i < setting_count; i++) {
+        const char *name = setting_asked(&settings[i], asked, q->n - 2);
+        if (name != NULL) {
+            bulk_text(a, name);
+            bulk_text(a, setting_text(&settings[i], s->config, text));
+        }
+    }
+    for (size_t i = 2; i < q->n; i++) {
+        if (is_foreign(&q->word[i])) {
+            resp_bulk(a->out, q->word[i].text, q->word[i].len);
+            bulk_text(a, "");
+        }
+    }
+}
+
+static void config(struct server *s, const struct request *q, struct answer *a)
+{
+    struct told t;
+    if (q->n >= 3 && word_is(&q->word[1], "GET")) {
+        get_settings(s, q, a);
+    } else if (ask(s, q, a, "", &t)) {
+        simple(a, "+OK");
+        forget(&t);
+    }
 }
 
 /* An entry as Redis has it: id, time, microseconds, words, address, name. */
@@ -267,12 +300,14 @@ static void info(struct server *s, const struct request *q, struct answer *a)
 /* False if the token is wrong. */
 static bool show_token(struct server *s, const struct word *token, struct answer *a)
 {
-    enum role role = s->auth.n == 0 ? ROLE_WRITE : auth_check(&s->auth, token);
+    unsigned number = 0;
+    enum role role = s->auth.n == 0 ? ROLE_WRITE : auth_check(&s->auth, token, &number);
     if (role == ROLE_NONE) {
         simple(a, "-DENIED no such token");
         return false;
     }
     a->role = role;
+    a->token = number;
     return true;
 }
 

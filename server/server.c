@@ -16,7 +16,7 @@ static void discard(void *ctx, struct dt *dt)
     job_discard(ctx, dt);
 }
 
-bool server_init(struct server *s, const struct config *config)
+bool server_init(struct server *s, struct config *config)
 {
     *s = (struct server){.config = config, .started_ms = clock_ms()};
     registry_init(&s->sets);

@@ -26,7 +26,7 @@ struct counters {
 };
 
 struct server {
-    const struct config *config; /* borrows */
+    struct config *config; /* borrows; CONFIG SET changes it */
     struct registry sets;
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
     struct holders held;     /* replies that wait for the disk */
@@ -57,7 +57,7 @@ struct server {
 };
 
 /* Starts config->threads workers unless that is 0. False, with the reason on standard error. */
-bool server_init(struct server *s, const struct config *config);
+bool server_init(struct server *s, struct config *config);
 
 /* Cancels and waits for what the workers still do, then frees everything. */
 void server_clear(struct server *s);

@@ -33,6 +33,7 @@ struct answer session_answer(struct session *s)
                            .mark = conn_out_end(&s->conn),
                            .owner = s->id,
                            .role = s->role,
+                           .token = s->token,
                            .command = s->command,
                            .turn = wait_turn(&s->waiter),
                            .timed_out = s->timed_out};
@@ -103,6 +104,7 @@ bool session_take_over(struct session *s, struct answer *a)
     account(s, a, is_error(s, a));
     deliver(s, a);
     s->role = a->role;
+    s->token = a->token;
     s->stream = a->stream;
     if (s->stream != NULL)
         stream_tell(s->stream, on_piece, s);

@@ -18,6 +18,7 @@ struct session {
     struct server *server;
     uint64_t id;
     enum role role;
+    unsigned token;   /* the number of the token that gave it (auth.h); 0: none did */
     bool greeted;     /* the first line has been seen */
     int64_t since_ms; /* when it came */
     struct sock_peer peer;

@@ -170,3 +170,18 @@ bool setting_matches(const char *name, const char *pattern, size_t len)
         at++;
     return at == len;
 }
+
+static bool matches_any(const char *name, const struct word *pattern, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (setting_matches(name, pattern[i].text, pattern[i].len))
+            return true;
+    return false;
+}
+
+const char *setting_asked(const struct setting *of, const struct word *pattern, size_t n)
+{
+    if (matches_any(of->name, pattern, n))
+        return of->name;
+    return of->redis != NULL && matches_any(of->redis, pattern, n) ? of->redis : NULL;
+}

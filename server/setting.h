@@ -3,6 +3,7 @@
 #ifndef SERVER_SETTING_H
 #define SERVER_SETTING_H
 
+#include "proto/request.h"
 #include "server/config.h"
 
 enum setting_kind {
@@ -39,6 +40,10 @@ bool setting_read(const struct setting *of, struct config *c, const char *value)
  * and is not always used. */
 enum { SETTING_TEXT_ROOM = 24 };
 const char *setting_text(const struct setting *of, const struct config *c, char *buf);
+
+/* The name by which the setting is asked for by one of n patterns: its own, or else Redis's; NULL:
+ * it is not. */
+const char *setting_asked(const struct setting *of, const struct word *pattern, size_t n);
 
 /* Whether the name matches the pattern, in which `*` stands for any characters and `?` for one; small
  * and capital letters are the same. Cost: O(the product of the lengths). */

@@ -16,6 +16,21 @@ void slowlog_clear(struct slowlog *l)
     *l = (struct slowlog){0};
 }
 
+bool slowlog_resize(struct slowlog *l, unsigned cap)
+{
+    struct slowlog other;
+    unsigned n = slowlog_len(l);
+    if (!slowlog_init(&other, cap))
+        return false;
+    other.next = l->next;
+    other.first = l->next - (n < cap ? n : cap);
+    for (uint64_t id = other.first; id < other.next; id++)
+        other.entry[id % cap] = l->entry[id % l->cap];
+    slowlog_clear(l);
+    *l = other;
+    return true;
+}
+
 void slowlog_add(struct slowlog *l, const struct slow *entry)
 {
     if (l->cap == 0)

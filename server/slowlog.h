@@ -31,6 +31,9 @@ struct slowlog {
 bool slowlog_init(struct slowlog *l, unsigned cap);
 void slowlog_clear(struct slowlog *l);
 
+/* Makes room for `cap` entries instead, of which the latest stay. False when out of memory. */
+bool slowlog_resize(struct slowlog *l, unsigned cap);
+
 /* Takes the entry, whose id it sets; the oldest one makes room. Cost: O(1). */
 void slowlog_add(struct slowlog *l, const struct slow *entry);
 

@@ -1,0 +1,251 @@
+/* config_test.c - settings that change while the daemon runs, and tokens that are read again. */
+#include "server/setting.h"
+#include "tests/server/daemon.h"
+#include "tests/test.h"
+
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+static bool matches(const char *name, const char *pattern)
+{
+    return setting_matches(name, pattern, strlen(pattern));
+}
+
+TEST(patterns_of_settings_match_names)
+{
+    CHECK(matches("port", "port") && matches("port", "PORT") && !matches("port", "por"));
+    CHECK(!matches("port", "ports") && !matches("port", "") && matches("", ""));
+    CHECK(matches("max-memory", "*") && matches("max-memory", "max*") && matches("", "**"));
+    CHECK(matches("max-memory", "*mem*y") && !matches("max-memory", "*mem*x"));
+    CHECK(matches("max-memory", "m?x?mem*") && !matches("max", "????") && !matches("max", "max?"));
+    CHECK(matches("abab", "*ab") && matches("aab", "*ab") && !matches("aba", "*ab"));
+}
+
+TEST(pattern_of_many_stars_takes_no_time)
+{
+    static char pattern[60000];
+    for (size_t i = 0; i < sizeof pattern; i += 2)
+        memcpy(pattern + i, "*a", 2);
+    for (int i = 0; i < 100; i++)
+        CHECK(!setting_matches("aaaaaaaaaaaaaaaaaaaaaaaaaaaaab", pattern, sizeof pattern));
+}
+
+/* The name behind the two dashes of a line of --help; "" if it begins with none. */
+static const char *flag_of(const char *line)
+{
+    static char name[40];
+    size_t n = strncmp(line, "  --", 4) == 0 ? strcspn(line + 4, " \n") : 0;
+    snprintf(name, sizeof name, "%.*s", (int)n, line + 4);
+    return name;
+}
+
+TEST(every_flag_is_a_setting)
+{
+    char line[200];
+    size_t flags = 0;
+    FILE *f = popen("\"$DELAUNAYD\" --help", "r");
+    CHECK(f != NULL);
+    while (fgets(line, sizeof line, f) != NULL) {
+        const char *name = flag_of(line);
+        bool other = strcmp(name, "check") == 0 || strcmp(name, "repair") == 0 ||
+                     strcmp(name, "version") == 0 || strcmp(name, "help") == 0;
+        if (*name == '\0' || other)
+            continue;
+        CHECK_MSG(setting_find(name, strlen(name)) != NULL, "%s is no setting", name);
+        flags++;
+    }
+    CHECK(pclose(f) == 0 && flags == setting_count);
+}
+
+static void ask(int fd, const char *request, const char *want)
+{
+    say(fd, request);
+    CHECK_STR(hear_line(fd), want);
+}
+
+TEST(settings_that_change_take_effect_at_once)
+{
+    const char *arguments[] = {"--max-clients", "1", "--slowlog-us", "0", NULL};
+    struct daemon d = daemon_start(arguments);
+    int fd = daemon_connect(&d);
+    ask(fd, "PING\n", "OK 0");
+    int second = daemon_connect(&d);
+    CHECK_STR(hear_line(second), "ERR BUSY too many clients");
+    close(second);
+    ask(fd, "CONFIG SET max-clients 2\n", "OK 0");
+    second = daemon_connect(&d);
+    ask(second, "PING\n", "OK 0");
+
+    ask(fd, "ADD u 1 1\n", "OK 0 first=0 added=1 coincident=0");
+    ask(fd, "CONFIG SET max-memory 1k max-points 2\n", "OK 0");
+    ask(fd, "ADD t 1 1  2 2  3 3\n", "ERR TOOBIG a set holds at most 2 points (--max-points)");
+    CHECK(strncmp(hear_line((say(fd, "ADD t 1 1\n"), fd)), "ERR NOMEM ", 10) == 0);
+    ask(fd, "CONFIG SET max-memory 1g\n", "OK 0");
+    ask(fd, "ADD t 1 1\n", "OK 0 first=0 added=1 coincident=0");
+
+    ask(fd, "CONFIG SET slowlog-us 1 slowlog-len 2\n", "OK 0");
+    for (int i = 0; i < 5; i++)
+        ask(fd, "STAT t\n", hear_line((say(fd, "STAT t\n"), fd)));
+    ask(fd, "SLOWLOG LEN\n", "OK 0 len=2");
+    ask(fd, "CONFIG SET slowlog-len 100\n", "OK 0");
+    ask(fd, "SLOWLOG GET 1\n", "OK 1");
+    CHECK(strstr(hear_line(fd), " CONFIG SET slowlog-len 100") != NULL);
+    ask(fd, "CONFIG SET slowlog-len 1\n", "OK 0");
+    ask(fd, "SLOWLOG GET\n", "OK 1");
+    CHECK(strstr(hear_line(fd), " CONFIG SET slowlog-len 1") != NULL);
+
+    ask(second, "CONFIG SET idle-timeout 1\n", "OK 0");
+    CHECK_STR(hear_line(second), "ERR TIMEOUT nothing was heard for too long");
+}
+
+TEST(settings_are_changed_all_or_none)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    ask(fd, "CONFIG SET max-points 7 slowlog-len many\n",
+        "ERR RANGE slowlog-len many: from 0 to 1000000");
+    ask(fd, "CONFIG SET max-points 7 port 1\n",
+        "ERR SYNTAX port cannot change while the server runs");
+    ask(fd, "CONFIG SET max-points 7 speed high\n",
+        "ERR SYNTAX there is no setting speed; try CONFIG GET *");
+    ask(fd, "CONFIG GET max-points slowlog-len\n", "OK 2");
+    CHECK_STR(hear_line(fd), "max-points 268435455");
+    CHECK_STR(hear_line(fd), "slowlog-len 128");
+    ask(fd, "CONFIG SET max-points 7 slowlog-len 3\n", "OK 0");
+    ask(fd, "CONFIG GET max-points slowlog-len\n", "OK 2");
+    CHECK_STR(hear_line(fd), "max-points 7");
+    CHECK_STR(hear_line(fd), "slowlog-len 3");
+}
+
+TEST(limit_of_clients_is_not_raised_beyond_the_descriptors)
+{
+    struct daemon d = daemon_start(NULL);
+    struct rlimit few = {200, 200};
+    int fd = daemon_connect(&d);
+    CHECK(prlimit(d.pid, RLIMIT_NOFILE, &few, NULL) == 0);
+    ask(fd, "CONFIG SET max-clients 100\n", "OK 0");
+    ask(fd, "CONFIG SET max-clients 1000\n",
+        "ERR RANGE max-clients 1000: there are descriptors for 168");
+    ask(fd, "CONFIG SET max-clients 168\n", "OK 0");
+}
+
+TEST(settings_have_redis_shape_in_resp)
+{
+    struct daemon d = daemon_start(NULL);
+    converse(&d,
+             "*4\r\n$6\r\nCONFIG\r\n$3\r\nSET\r\n$9\r\nmaxmemory\r\n$2\r\n1g\r\n"
+             "*4\r\n$6\r\nconfig\r\n$3\r\nget\r\n$9\r\nmaxmemory\r\n$4\r\nsave\r\n"
+             "*3\r\n$6\r\nCONFIG\r\n$3\r\nGET\r\n$8\r\nMAX-MEM*\r\n"
+             "*3\r\n$6\r\nCONFIG\r\n$3\r\nGET\r\n$4\r\nno*e\r\n"
+             "*4\r\n$6\r\nCONFIG\r\n$3\r\nSET\r\n$4\r\nport\r\n$1\r\n7\r\n"
+             "*2\r\n$6\r\nCONFIG\r\n$6\r\nRELOAD\r\n",
+             "+OK\r\n"
+             "*4\r\n$9\r\nmaxmemory\r\n$10\r\n1073741824\r\n$4\r\nsave\r\n$0\r\n\r\n"
+             "*2\r\n$10\r\nmax-memory\r\n$10\r\n1073741824\r\n"
+             "*0\r\n"
+             "-SYNTAX port cannot change while the server runs\r\n"
+             "-SYNTAX there is no --auth-file to read again\r\n");
+}
+
+/* ---- tokens ---- */
+
+static char token_path[] = "/tmp/delaunayd-test-XXXXXX";
+
+static void write_tokens(const char *text)
+{
+    FILE *f = fopen(token_path, "w");
+    CHECK(f != NULL && fputs(text, f) >= 0 && fclose(f) == 0);
+}
+
+static struct daemon start_with_tokens(const char *text)
+{
+    const char *arguments[] = {"--auth-file", token_path, "--log-level", "info", NULL};
+    CHECK(close(mkstemp(token_path)) == 0);
+    write_tokens(text);
+    return daemon_start(arguments);
+}
+
+static int connect_as(const struct daemon *d, const char *token, const char *want)
+{
+    char request[100];
+    int fd = daemon_connect(d);
+    snprintf(request, sizeof request, "AUTH %s\n", token);
+    ask(fd, request, want);
+    return fd;
+}
+
+TEST(tokens_are_read_again_on_sighup)
+{
+    struct daemon d = start_with_tokens("rw one\nrw two\nro three\n");
+    int one = connect_as(&d, "one", "OK 0 role=rw"), two = connect_as(&d, "two", "OK 0 role=rw");
+    int three = connect_as(&d, "three", "OK 0 role=ro"), stranger = daemon_connect(&d);
+    write_tokens("# two is gone\nrw three\n\nro one\nrw four\n");
+    CHECK(kill(d.pid, SIGHUP) == 0);
+    expect_end(two);
+    ask(one, "CREATE t\n", "ERR DENIED your token is for reading only");
+    ask(three, "CREATE t\n", "OK 0");
+    ask(stranger, "AUTH two\n", "ERR DENIED no such token");
+    ask(stranger, "AUTH four\n", "OK 0 role=rw");
+    daemon_end(&d);
+    unlink(token_path);
+}
+
+TEST(tokens_stay_when_the_new_file_is_no_good)
+{
+    static const char *const bad[] = {"", "# none\n", "rw\n", "rw one\nwr two\n", "rw a b\n"};
+    char log[400];
+    FILE *f = tmpfile();
+    CHECK(f != NULL && dup2(fileno(f), STDERR_FILENO) >= 0);
+    struct daemon d = start_with_tokens("rw one\n");
+    int one = connect_as(&d, "one", "OK 0 role=rw");
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        write_tokens(bad[i]);
+        ask(one, "CONFIG RELOAD\n",
+            "ERR IO not a good file of tokens; the old ones stay: see the log");
+        close(connect_as(&d, "one", "OK 0 role=rw"));
+    }
+    unlink(token_path);
+    ask(one, "CONFIG RELOAD\n", "ERR IO not a good file of tokens; the old ones stay: see the log");
+    close(connect_as(&d, "one", "OK 0 role=rw"));
+    rewind(f);
+    unsigned told = 0;
+    while (fgets(log, sizeof log, f) != NULL)
+        told += strstr(log, "error: ") != NULL && strstr(log, ": the old ones stay") != NULL;
+    CHECK(told == sizeof bad / sizeof bad[0] + 1);
+}
+
+TEST(client_that_takes_its_own_token_away_gets_its_answer)
+{
+    struct daemon d = start_with_tokens("rw one\n");
+    int one = connect_as(&d, "one", "OK 0 role=rw");
+    write_tokens("ro two\nrw three\n");
+    ask(one, "CONFIG RELOAD\nCREATE t\n", "OK 0 tokens=2");
+    expect_end(one);
+    close(connect_as(&d, "two", "OK 0 role=ro"));
+    unlink(token_path);
+}
+
+TEST(readers_may_look_at_settings_and_change_none)
+{
+    struct daemon d = start_with_tokens("ro one\nrw two\n");
+    int one = connect_as(&d, "one", "OK 0 role=ro");
+    ask(one, "CONFIG GET log-level\n", "OK 1");
+    CHECK_STR(hear_line(one), "log-level info");
+    ask(one, "CONFIG SET log-level error\n", "ERR DENIED your token is for reading only");
+    ask(one, "CONFIG RELOAD\n", "ERR DENIED your token is for reading only");
+    int stranger = daemon_connect(&d);
+    ask(stranger, "CONFIG GET log-level\n", "ERR NOAUTH show a token first: AUTH token");
+    unlink(token_path);
+}
+
+TEST(sighup_of_a_daemon_without_tokens_changes_nothing)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    CHECK(kill(d.pid, SIGHUP) == 0);
+    ask(fd, "CREATE t\n", "OK 0");
+    daemon_end(&d);
+}
