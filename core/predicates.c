@@ -1,79 +1,193 @@
 /* predicates.c - what the inline filters of predicates.h leave open.
  *
- * Each predicate tries what is cheap and certain before it computes the polynomial as an expansion:
+ * Each predicate tries what is cheap and certain before it computes the polynomial as a bignum:
  *
  *     filter (inline)            decides all but one call in 10^4 on random points
  *     axis-parallel rectangle    incircle: exactly zero; most ties on lattices
  *     256-bit integers           incircle: differences on a common grid, 55 bits
+ *     doubles from a near base   where some points are much closer to each other than to the rest
  *     double words               about 100 bits: nearly all that is not a tie
- *     expansions                 exact whatever the input [Shewchuk 1997]
+ *     bignums                    exact whatever the input
  *
  * Why nothing overflows or underflows: a coordinate is 0 or of magnitude 2^-142 to 2^201, so it is
  * a multiple of 2^-194, and so are differences; every intermediate value of degree k is then a
  * multiple of 2^(-194 k), at least 2^-776, and below 2^(203 k + 4), at most 2^816.
  *
+ * The near base. A determinant is the same, up to its sign, from wherever it is computed, but what
+ * rounding takes from a difference to a far point cannot be recovered. In
+ *
+ *     orient2d  (q - p) x (s - p)
+ *     incircle  dt(q) cr(t) - dt(t) cr(q),  cr(v) = (s - p) x (v - p) = (s - p) x (v - s),
+ *                                           dt(v) = (v - p) . (v - s)              (see sight.h)
+ *
+ * p and q are the two points closest to each other, s and t the others, and v - p or v - s is taken in
+ * cr, whichever is smaller:
+ *
+ *      q                     t         No two large values that nearly cancel are subtracted: with d the
+ *       p - - - - - - - - - s          distance of p and q and e that of t to the nearer one of p and s,
+ *                                      each term is of the order of d e |s - p| max(|t - p|, |t - s|).
+ *
+ * From a point far away from the others, which is how the inline filters may see them, each difference to
+ * it is large and terms are larger by up to the square of that ratio, which is lost at once in doubles and
+ * soon in double words.
+ *
+ * Bounds in doubles, u = 2^-53: those of the close filter of sight.h, which hold for any base: with
+ * CR(v), DT(v) the sums of the magnitudes of the two products in cr, dt, |err det| <= 10 u S, S = DT(q)
+ * CR(t) + DT(t) CR(q); 1.2e-15 > 10.8 u is used. Those of orient2d are in predicates.h.
+ *
  * Bounds of the double words, relative errors in units of u^2 = 2^-106: a difference is exact, a
- * product 7, a sum 3.1 of its own result. A 2x2 minor is off by at most 7 + 3.1 < 10.2 times the
- * sum of its products' magnitudes, a lift by 10.2 times itself; their product by 27.5, and the two
- * sums of three of them by 6.3 more: 34 times the permanent, to first order. The permanent in
- * doubles is right to 1 part in 2^49, and the higher half of a double word has the sign of the
- * whole and is right to 1 part in 2^53. 64 u^2 and 16 u^2 leave room for all that. */
+ * product 7, a sum 3.1 of its own result [double2.h]. So cr errs by at most 7 + 3.1 < 10.2 times CR, and
+ * dt by 10.2 times DT. A product of both errs by 10.2 + 10.2 + 7 = 27.4 times DT CR, to first order, and
+ * their difference by 27.4 + 3.1 = 30.5 times S. S in doubles, from the higher halves, is right to 1 part
+ * in 2^49, and the higher half of a double word has the sign of the whole and is right to 1 part in 2^53.
+ * 64 u^2 and 16 u^2 leave room for all that. */
 #include "core/predicates.h"
 
 #include <string.h>
 
-#include "core/expansion.h"
+#include "core/bignum.h"
+#include "core/double2.h"
 
+#define INCIRCLE_BOUND 1.2e-15    /* > 10.8 u */
 #define ORIENT_BOUND_2 0x1p-102   /* 16 u^2 */
 #define INCIRCLE_BOUND_2 0x1p-100 /* 64 u^2 */
+#define NEAR                                                                                       \
+    0x1p-5 /* of two distances, below which another base is worth its cost: it wins a few bits */
 
 static int sign_of(double v)
 {
     return v > 0 ? 1 : v < 0 ? -1 : 0;
 }
 
-/* ---- orient2d ---- */
-
-/* h[16] = ux vy - vx uy for expansions of two components; returns the length. */
-static int minor(int nux, const double *ux, int nuy, const double *uy, int nvx, const double *vx,
-                 int nvy, const double *vy, double *h)
+static double distance(struct dt_point a, struct dt_point b)
 {
-    double left[8], right[8], work[12];
-    int nl = dt_expansion_product(nux, ux, nvy, vy, left, work);
-    int nr = dt_expansion_product(nvx, vx, nuy, uy, right, work);
-    dt_expansion_negate(nr, right);
-    return dt_expansion_sum(nl, left, nr, right, h);
+    return fabs(a.x - b.x) + fabs(a.y - b.y);
 }
 
-static int orient2d_expansion(struct dt_point a, struct dt_point b, struct dt_point c)
+/* ---- vectors between points ---- */
+
+struct double_vector {
+    double x, y;
+};
+
+struct double2_vector {
+    struct dt_double2 x, y;
+};
+
+/* All are b - a. */
+static struct double_vector vector(struct dt_point a, struct dt_point b)
 {
-    double ax[2], ay[2], bx[2], by[2], det[16];
-    int nax = dt_expansion_difference(a.x, c.x, ax), nay = dt_expansion_difference(a.y, c.y, ay);
-    int nbx = dt_expansion_difference(b.x, c.x, bx), nby = dt_expansion_difference(b.y, c.y, by);
-    return dt_expansion_sign(minor(nax, ax, nay, ay, nbx, bx, nby, by, det), det);
+    return (struct double_vector){b.x - a.x, b.y - a.y};
+}
+
+static struct double2_vector vector_2(struct dt_point a, struct dt_point b)
+{
+    return (struct double2_vector){dt_double2_difference(b.x, a.x),
+                                   dt_double2_difference(b.y, a.y)};
+}
+
+/* A value and the sum of the magnitudes of its terms. */
+struct bounded {
+    double value, size;
+};
+
+struct bounded_2 {
+    struct dt_double2 value;
+    double size;
+};
+
+static struct bounded cross(struct double_vector a, struct double_vector b)
+{
+    double left = a.x * b.y, right = a.y * b.x;
+    return (struct bounded){left - right, fabs(left) + fabs(right)};
+}
+
+static struct bounded dot(struct double_vector a, struct double_vector b)
+{
+    double left = a.x * b.x, right = a.y * b.y;
+    return (struct bounded){left + right, fabs(left) + fabs(right)};
+}
+
+static struct bounded_2 add_2(struct dt_double2 a, struct dt_double2 b)
+{
+    return (struct bounded_2){dt_double2_add(a, b), fabs(a.hi) + fabs(b.hi)};
+}
+
+static struct bounded_2 cross_2(struct double2_vector a, struct double2_vector b)
+{
+    return add_2(dt_double2_multiply(a.x, b.y), dt_double2_negate(dt_double2_multiply(a.y, b.x)));
+}
+
+static struct bounded_2 dot_2(struct double2_vector a, struct double2_vector b)
+{
+    return add_2(dt_double2_multiply(a.x, b.x), dt_double2_multiply(a.y, b.y));
+}
+
+static void cross_big(struct double2_vector a, struct double2_vector b, struct dt_big *r)
+{
+    dt_big_products(a.x, b.y, -1, a.y, b.x, r);
+}
+
+static void dot_big(struct double2_vector a, struct double2_vector b, struct dt_big *r)
+{
+    dt_big_products(a.x, b.x, 1, a.y, b.y, r);
+}
+
+/* ---- orient2d ---- */
+
+struct dt_near_corner dt_near_corner_of(struct dt_point a, struct dt_point b, struct dt_point c)
+{
+    double ab = distance(a, b), bc = distance(b, c), ca = distance(c, a);
+    if (ab <= bc && ab <= ca)
+        return (struct dt_near_corner){a, b, c};
+    return bc <= ca ? (struct dt_near_corner){b, c, a} : (struct dt_near_corner){c, a, b};
+}
+
+int dt_orient2d_near(const struct dt_near_corner *k)
+{
+    struct bounded det = cross(vector(k->p, k->q), vector(k->p, k->s));
+    return fabs(det.value) > DT_ORIENT_BOUND * det.size ? sign_of(det.value) : 0;
+}
+
+int dt_orient2d_double2(const struct dt_near_corner *k)
+{
+    struct bounded_2 det = cross_2(vector_2(k->p, k->q), vector_2(k->p, k->s));
+    return fabs(det.value.hi) > ORIENT_BOUND_2 * det.size ? sign_of(det.value.hi) : 0;
+}
+
+int dt_orient2d_big(const struct dt_near_corner *k)
+{
+    struct dt_big det;
+    cross_big(vector_2(k->p, k->q), vector_2(k->p, k->s), &det);
+    return det.sign;
+}
+
+/* If no difference has lost anything, two products decide: rounding is monotone. False: some has. */
+static bool orient2d_two_products(const struct dt_near_corner *k, int *sign)
+{
+    struct double2_vector q = vector_2(k->p, k->q), s = vector_2(k->p, k->s);
+    double left, left_tail, right, right_tail;
+    if (q.x.lo != 0 || q.y.lo != 0 || s.x.lo != 0 || s.y.lo != 0)
+        return false;
+    dt_two_product(q.x.hi, s.y.hi, &left, &left_tail);
+    dt_two_product(q.y.hi, s.x.hi, &right, &right_tail);
+    *sign = sign_of(left != right ? left - right : left_tail - right_tail);
+    return true;
 }
 
 int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c)
 {
     if ((a.x == c.x || b.y == c.y) && (a.y == c.y || b.x == c.x))
         return 0; /* as both products are: the usual case on lattices */
-    struct dt_double2 ax = dt_double2_difference(a.x, c.x), ay = dt_double2_difference(a.y, c.y);
-    struct dt_double2 bx = dt_double2_difference(b.x, c.x), by = dt_double2_difference(b.y, c.y);
-    if (ax.lo == 0 && ay.lo == 0 && bx.lo == 0 &&
-        by.lo == 0) { /* two products decide: rounding is monotone */
-        double left, left_tail, right, right_tail;
-        dt_two_product(ax.hi, by.hi, &left, &left_tail);
-        dt_two_product(ay.hi, bx.hi, &right, &right_tail);
-        return sign_of(left != right ? left - right : left_tail - right_tail);
-    }
-    struct dt_double2 left = dt_double2_multiply(ax, by), right = dt_double2_multiply(ay, bx);
-    struct dt_double2 det = dt_double2_add(left, dt_double2_negate(right));
-    if (fabs(det.hi) > ORIENT_BOUND_2 * (fabs(left.hi) + fabs(right.hi)))
-        return sign_of(det.hi);
-    return orient2d_expansion(a, b, c);
+    struct dt_near_corner k = dt_near_corner_of(a, b, c);
+    int sign;
+    if (orient2d_two_products(&k, &sign) || (sign = dt_orient2d_near(&k)) != 0 ||
+        (sign = dt_orient2d_double2(&k)) != 0)
+        return sign;
+    return dt_orient2d_big(&k);
 }
 
-/* ---- incircle ---- */
+/* ---- incircle: integers ---- */
 
 /* The differences of a, b, c to d: double words hi[i] + lo[i], 0 to 2 in x, 3 to 5 in y. */
 struct differences {
@@ -160,68 +274,71 @@ static int incircle_integers(const int64_t v[6])
     return (inside.low > outside.low) - (inside.low < outside.low);
 }
 
-static struct dt_double2 lift_2(struct dt_double2 x, struct dt_double2 y)
-{
-    return dt_double2_add(dt_double2_multiply(x, x), dt_double2_multiply(y, y));
-}
+/* ---- incircle: from a near base ---- */
 
-/* lift(x, y) * (ux vy - vx uy), and *permanent += the same with magnitudes. */
-static struct dt_double2 term_2(struct dt_double2 x, struct dt_double2 y, struct dt_double2 ux,
-                                struct dt_double2 uy, struct dt_double2 vx, struct dt_double2 vy,
-                                double *permanent)
-{
-    struct dt_double2 lift = lift_2(x, y);
-    struct dt_double2 left = dt_double2_multiply(ux, vy), right = dt_double2_multiply(vx, uy);
-    *permanent += lift.hi * (fabs(left.hi) + fabs(right.hi));
-    return dt_double2_multiply(lift, dt_double2_add(left, dt_double2_negate(right)));
-}
+/* The pairs of four points, p and q, and the two others, s and t; whether p, s, q, t, the order of base and
+ * candidates, is an even permutation of all or an odd one. */
+static const struct {
+    unsigned char p, q, s, t;
+    signed char sign;
+} pairs[6] = {{0, 1, 2, 3, -1}, {0, 2, 1, 3, 1}, {0, 3, 1, 2, -1},
+              {1, 2, 0, 3, -1}, {1, 3, 0, 2, 1}, {2, 3, 0, 1, -1}};
 
-/* The sign of the determinant if double words can tell, else 0. */
-static int incircle_double2(const struct differences *d)
+struct dt_near_base dt_near_base_of(struct dt_point a, struct dt_point b, struct dt_point c,
+                                    struct dt_point d)
 {
-    struct dt_double2 ax = {d->hi[0], d->lo[0]}, ay = {d->hi[3], d->lo[3]};
-    struct dt_double2 bx = {d->hi[1], d->lo[1]}, by = {d->hi[4], d->lo[4]};
-    struct dt_double2 cx = {d->hi[2], d->lo[2]}, cy = {d->hi[5], d->lo[5]};
-    double permanent = 0;
-    struct dt_double2 det = term_2(ax, ay, bx, by, cx, cy, &permanent);
-    det = dt_double2_add(det, term_2(bx, by, cx, cy, ax, ay, &permanent));
-    det = dt_double2_add(det, term_2(cx, cy, ax, ay, bx, by, &permanent));
-    return fabs(det.hi) > INCIRCLE_BOUND_2 * permanent ? sign_of(det.hi) : 0;
-}
-
-/* A difference as an expansion: zero components left out. */
-struct component {
-    double e[2];
-    int n;
-};
-
-/* h[512] = lift(x, y) * (ux vy - vx uy); returns the length. */
-static int term(const struct component *x, const struct component *y, const struct component *ux,
-                const struct component *uy, const struct component *vx, const struct component *vy,
-                double *h)
-{
-    double xx[8], yy[8], lift[16], cross[16], work[544];
-    int nxx = dt_expansion_product(x->n, x->e, x->n, x->e, xx, work);
-    int nyy = dt_expansion_product(y->n, y->e, y->n, y->e, yy, work);
-    int nl = dt_expansion_sum(nxx, xx, nyy, yy, lift);
-    int nc = minor(ux->n, ux->e, uy->n, uy->e, vx->n, vx->e, vy->n, vy->e, cross);
-    return dt_expansion_product(nl, lift, nc, cross, h, work);
-}
-
-static int incircle_expansion(const struct differences *d)
-{
-    struct component v[6];
-    double a[512], b[512], c[512], ab[1024], abc[1536];
-    for (int i = 0; i < 6; i++) {
-        v[i].n = dt_expansion_push(0, v[i].e, d->lo[i]);
-        v[i].n = dt_expansion_push(v[i].n, v[i].e, d->hi[i]);
+    const struct dt_point v[4] = {a, b, c, d};
+    double far[6] = {distance(a, b), distance(a, c), distance(a, d),
+                     distance(b, c), distance(b, d), distance(c, d)};
+    double least = far[0], most = far[0];
+    for (int i = 1; i < 6; i++) {
+        least = far[i] < least ? far[i] : least;
+        most = far[i] > most ? far[i] : most;
     }
-    const struct component *ax = v, *bx = v + 1, *cx = v + 2, *ay = v + 3, *by = v + 4, *cy = v + 5;
-    int na = term(ax, ay, bx, by, cx, cy, a);
-    int nb = term(bx, by, cx, cy, ax, ay, b);
-    int nc = term(cx, cy, ax, ay, bx, by, c);
-    int nab = dt_expansion_sum(na, a, nb, b, ab);
-    return dt_expansion_sign(dt_expansion_sum(nab, ab, nc, c, abc), abc);
+    if (least >= NEAR * most) /* any base will do */
+        return (struct dt_near_base){a, c, b, d, .nearer = a, .sign = 1};
+    int i = 0;
+    while (far[i] != least)
+        i++;
+    struct dt_near_base k = {v[pairs[i].p], v[pairs[i].q],         v[pairs[i].s],
+                             v[pairs[i].t], .sign = pairs[i].sign, .uneven = true};
+    k.nearer = distance(k.t, k.p) <= distance(k.t, k.s) ? k.p : k.s;
+    return k;
+}
+
+int dt_incircle_near(const struct dt_near_base *k)
+{
+    struct double_vector base = vector(k->p, k->s), q = vector(k->p, k->q);
+    struct bounded cr_q = cross(base, q), cr_t = cross(base, vector(k->nearer, k->t));
+    struct bounded dt_q = dot(q, vector(k->s, k->q));
+    struct bounded dt_t = dot(vector(k->p, k->t), vector(k->s, k->t));
+    double det = dt_q.value * cr_t.value - dt_t.value * cr_q.value;
+    double size = dt_q.size * cr_t.size + dt_t.size * cr_q.size;
+    return fabs(det) > INCIRCLE_BOUND * size ? k->sign * sign_of(det) : 0;
+}
+
+int dt_incircle_double2(const struct dt_near_base *k)
+{
+    struct double2_vector base = vector_2(k->p, k->s), q = vector_2(k->p, k->q);
+    struct bounded_2 cr_q = cross_2(base, q), cr_t = cross_2(base, vector_2(k->nearer, k->t));
+    struct bounded_2 dt_q = dot_2(q, vector_2(k->s, k->q));
+    struct bounded_2 dt_t = dot_2(vector_2(k->p, k->t), vector_2(k->s, k->t));
+    struct dt_double2 left = dt_double2_multiply(dt_q.value, cr_t.value);
+    struct dt_double2 right = dt_double2_multiply(dt_t.value, cr_q.value);
+    struct dt_double2 det = dt_double2_add(left, dt_double2_negate(right));
+    double size = dt_q.size * cr_t.size + dt_t.size * cr_q.size;
+    return fabs(det.hi) > INCIRCLE_BOUND_2 * size ? k->sign * sign_of(det.hi) : 0;
+}
+
+int dt_incircle_big(const struct dt_near_base *k)
+{
+    struct double2_vector base = vector_2(k->p, k->s), q = vector_2(k->p, k->q);
+    struct dt_big cr_q, cr_t, dt_q, dt_t;
+    cross_big(base, q, &cr_q);
+    cross_big(base, vector_2(k->nearer, k->t), &cr_t);
+    dot_big(q, vector_2(k->s, k->q), &dt_q);
+    dot_big(vector_2(k->p, k->t), vector_2(k->s, k->t), &dt_t);
+    return k->sign * dt_big_compare_products(&dt_q, &cr_t, &dt_t, &cr_q);
 }
 
 int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d)
@@ -233,8 +350,11 @@ int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, s
     differences_to(a, b, c, d, &v);
     if (to_integers(&v, integer))
         return incircle_integers(integer);
-    int sign = incircle_double2(&v);
-    return sign != 0 ? sign : incircle_expansion(&v);
+    struct dt_near_base k = dt_near_base_of(a, b, c, d);
+    int sign = k.uneven ? dt_incircle_near(&k) : 0;
+    if (sign == 0)
+        sign = dt_incircle_double2(&k);
+    return sign != 0 ? sign : dt_incircle_big(&k);
 }
 
 /* Raising the greatest point's height dominates. Raising d's own lifts it out of the circle;
@@ -262,14 +382,10 @@ int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, str
 
 /* ---- distances ---- */
 
-/* h[16] = |a - b|^2; returns the length. */
-static int squared_distance(struct dt_point a, struct dt_point b, double *h)
+static void squared_distance(struct dt_point a, struct dt_point b, struct dt_big *r)
 {
-    double x[2], y[2], xx[8], yy[8], work[12];
-    int nx = dt_expansion_difference(a.x, b.x, x), ny = dt_expansion_difference(a.y, b.y, y);
-    int nxx = dt_expansion_product(nx, x, nx, x, xx, work);
-    int nyy = dt_expansion_product(ny, y, ny, y, yy, work);
-    return dt_expansion_sum(nxx, xx, nyy, yy, h);
+    struct double2_vector v = vector_2(a, b);
+    dot_big(v, v, r);
 }
 
 /* The filter of both comparisons: a squared distance takes a difference, a square and a sum, so it
@@ -291,10 +407,10 @@ int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
     double da = rounded_distance(a, q), db = rounded_distance(b, q);
     if (far_apart(da, db))
         return da < db ? -1 : 1;
-    double ea[16], eb[16], sum[32];
-    int na = squared_distance(a, q, ea), nb = squared_distance(b, q, eb);
-    dt_expansion_negate(nb, eb);
-    return dt_expansion_sign(dt_expansion_sum(na, ea, nb, eb, sum), sum);
+    struct dt_big to_a, to_b;
+    squared_distance(q, a, &to_a);
+    squared_distance(q, b, &to_b);
+    return dt_big_compare(&to_a, &to_b);
 }
 
 int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
@@ -302,7 +418,9 @@ int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
     double d = rounded_distance(a, b), rr = r * r;
     if (far_apart(d, rr))
         return d < rr ? -1 : 1;
-    double ed[16], er[2], sum[18];
-    int nd = squared_distance(a, b, ed), nr = dt_expansion_scale(r != 0, &r, -r, er);
-    return dt_expansion_sign(dt_expansion_sum(nd, ed, nr, er, sum), sum);
+    struct dt_double2 radius = {r, 0}, zero = {0, 0};
+    struct dt_big exact_d, exact_rr;
+    squared_distance(a, b, &exact_d);
+    dt_big_products(radius, radius, 1, zero, zero, &exact_rr);
+    return dt_big_compare(&exact_d, &exact_rr);
 }

@@ -63,8 +63,8 @@ static void check_same_points(const struct dt_point *in, const struct dt_point *
 
 static void check_part(struct dt_point (*draw)(void), uint32_t n, unsigned axis)
 {
-    struct dt_point *in = malloc(n * sizeof *in), *p = malloc(n * sizeof *p);
-    uint32_t *from = malloc(n * sizeof *from);
+    struct dt_point *in = calloc(n, sizeof *in), *p = calloc(n, sizeof *p);
+    uint32_t *from = calloc(n, sizeof *from);
     struct dt_stop stop = {0};
     for (uint32_t i = 0; i < n; i++) {
         p[i] = in[i] = draw();

@@ -98,7 +98,7 @@ static struct dt_point mixed(void) /* any exponent at all */
     return (struct dt_point){test_below(2) ? x : -x, test_below(2) ? y : -y};
 }
 
-static struct dt_point mixed_ends(void) /* huge and tiny in one set: expansions at their longest */
+static struct dt_point mixed_ends(void) /* huge and tiny in one set: bignums at their longest */
 {
     switch (test_below(3)) {
     case 0:
@@ -110,9 +110,36 @@ static struct dt_point mixed_ends(void) /* huge and tiny in one set: expansions 
     }
 }
 
+static struct dt_point hyperbola(void) /* near both axes, and near each other on one */
+{
+    double x = ldexp(1 + (test_below(2) ? test_uniform() : test_below(3) * 0x1p-52),
+                     (int)(test_below(2) ? test_below(280) : test_below(4) * 60) - 141);
+    x = test_below(2) ? x : -x;
+    return (struct dt_point){x, 1 / x};
+}
+
+static struct dt_point far_apart_pairs(void) /* some closer to each other than any word is long */
+{
+    static const double at[] = {0x1p120, -0x1p60, 0, 1};
+    double size = ldexp(1, -(int)test_below(8) * 16);
+    return (struct dt_point){at[test_below(4)] + test_below(9) * size,
+                             at[test_below(4)] + test_below(9) * size};
+}
+
+static struct dt_point
+ray(void) /* on a line through the origin or an ulp beside it, on any scale */
+{
+    double size = ldexp(1, 20 * (int)test_below(15) - 138);
+    struct dt_point p = {3 * size, 5 * size};
+    if (test_below(3) == 0)
+        p.y = nextafter(p.y, test_below(2) ? 0 : HUGE_VAL);
+    return p;
+}
+
 static struct dt_point (*const kinds[])(void) = {
-    uniform,    lattice,       tenths,    ulps,     circle,  integer_circle, large_circle,
-    far_circle, wobbly_circle, near_line, smallest, largest, mixed,          mixed_ends};
+    uniform,    lattice,         tenths,    ulps,     circle,  integer_circle, large_circle,
+    far_circle, wobbly_circle,   near_line, smallest, largest, mixed,          mixed_ends,
+    hyperbola,  far_apart_pairs, ray};
 enum { FAMILIES = sizeof kinds / sizeof *kinds, ROUNDS = 600 };
 
 static bool distinct(const struct dt_point *p, int n)
@@ -171,6 +198,61 @@ TEST(incircle_equals_exact_arithmetic_in_every_order)
             CHECK(dt_incircle(b, a, c, d) == -want && dt_incircle(a, b, d, c) == -want);
             CHECK(dt_incircle(d, b, c, a) == -want && dt_incircle(d, a, b, c) == -want);
         }
+}
+
+/* Each stage is right or does not decide, and what is left to the last one is right. How often each
+ * decides does not matter here, but that each is reached does. */
+TEST(every_stage_of_orient2d_is_right_or_in_doubt)
+{
+    int near = 0, doubt = 0, last = 0;
+    for (int f = 0; f < FAMILIES; f++)
+        for (int i = 0; i < ROUNDS; i++) {
+            struct dt_point a = draw(f), b = draw(f), c = draw(f);
+            struct dt_near_corner k = dt_near_corner_of(a, b, c);
+            int want = exact_orient2d(a, b, c), n = dt_orient2d_near(&k),
+                d = dt_orient2d_double2(&k);
+            CHECK_MSG((n == 0 || n == want) && (d == 0 || d == want), "family %d", f);
+            CHECK_MSG(dt_orient2d_big(&k) == want, "family %d", f);
+            CHECK(n == 0 || d != 0); /* the longer words decide what the shorter do */
+            near += n != 0, doubt += n == 0 && d != 0, last += d == 0 && want != 0;
+        }
+    CHECK_MSG(near > 1000 && doubt > 100 && last > 10, "%d %d %d", near, doubt, last);
+}
+
+TEST(every_stage_of_incircle_is_right_or_in_doubt)
+{
+    int near = 0, doubt = 0, last = 0;
+    for (int f = 0; f < FAMILIES; f++)
+        for (int i = 0; i < ROUNDS; i++) {
+            struct dt_point a = draw(f), b = draw(f), c = draw(f), e = draw(f);
+            struct dt_near_base k = dt_near_base_of(a, b, c, e);
+            int want = exact_incircle(a, b, c, e), n = dt_incircle_near(&k),
+                d = dt_incircle_double2(&k);
+            CHECK_MSG((n == 0 || n == want) && (d == 0 || d == want), "family %d", f);
+            CHECK_MSG(dt_incircle_big(&k) == want, "family %d", f);
+            CHECK(n == 0 || d != 0);
+            near += n != 0, doubt += n == 0 && d != 0, last += d == 0 && want != 0;
+        }
+    CHECK_MSG(near > 1000 && doubt > 100 && last > 10, "%d %d %d", near, doubt, last);
+}
+
+/* Two pairs, 2^100 and more apart: from a point of the other pair all is lost to rounding, even in double
+ * words. */
+TEST(points_near_each_other_and_far_from_others_are_seen_from_nearby)
+{
+    for (int i = 0; i < 2000; i++) {
+        double far = ldexp(1 + test_uniform(), 100 + (int)test_below(40));
+        struct dt_point p[4] = {uniform(), uniform(), {far, far * test_uniform()}, {0, 0}};
+        p[3] = (struct dt_point){p[2].x * (1 + test_uniform()), -p[2].y};
+        for (int turn = 0; turn < 4; turn++) {
+            struct dt_point a = p[turn], b = p[(turn + 1) % 4], c = p[(turn + 2) % 4],
+                            d = p[(turn + 3) % 4];
+            struct dt_near_base k = dt_near_base_of(a, b, c, d);
+            CHECK(k.uneven && dt_incircle_near(&k) == exact_incircle(a, b, c, d));
+            struct dt_near_corner corner = dt_near_corner_of(a, b, c);
+            CHECK(dt_orient2d_near(&corner) == exact_orient2d(a, b, c));
+        }
+    }
 }
 
 TEST(perturbed_incircle_never_ties_and_obeys_the_rule)

@@ -1,10 +1,8 @@
-/* expansion.h - exact sums and products of doubles.
+/* double2.h - what a sum or product of two doubles loses by rounding, and double words.
  *
- * An expansion is an exact number written as a sum of doubles e[0] + ... + e[n-1] that do not
- * overlap, smallest first, none of them zero; n = 0 is zero. So its sign is the sign of its last
- * component. The operations are those of Shewchuk, "Adaptive Precision Floating-Point Arithmetic
- * and Fast Robust Geometric Predicates", Discrete & Computational Geometry 18, 1997 (sections 2.3
- * to 2.8). They keep expansions strongly nonoverlapping, which is what dt_expansion_sum needs.
+ * The error of one operation is a double itself, and can be computed [Dekker 1971; Knuth; Shewchuk,
+ * "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", Discrete &
+ * Computational Geometry 18, 1997, sections 2.3 to 2.5].
  *
  * A dt_double2 is a pair hi + lo with hi = the double nearest to hi + lo: about 106 bits, rounded.
  * Its operations and their error bounds are those of Joldes, Muller & Popescu, "Tight and rigorous
@@ -15,11 +13,10 @@
  * operation: the compiler gets -ffp-contract=off, and a test (two_product_is_exact...) fails where
  * it did not. Nothing overflows or underflows for what the predicates compute from coordinates that
  * are 0 or of magnitude 2^-142 to 2^201. */
-#ifndef DT_EXPANSION_H
-#define DT_EXPANSION_H
+#ifndef DT_DOUBLE2_H
+#define DT_DOUBLE2_H
 
 #include <float.h>
-#include <stdbool.h>
 
 #ifdef __FAST_MATH__
 #error "exact arithmetic needs IEEE semantics: build without -ffast-math"
@@ -47,14 +44,6 @@ static inline void dt_fast_two_sum(double a, double b, double *x, double *y)
     *x = sum;
 }
 
-/* What a - b lost by rounding: the exact difference is (a - b) + tail. */
-static inline double dt_difference_tail(double a, double b)
-{
-    double x, y;
-    dt_two_sum(a, -b, &x, &y);
-    return y;
-}
-
 /* a = *hi + *lo, each of at most 26 bits [Dekker 1971; Shewchuk 1997, fig. 6]. */
 static inline void dt_split(double a, double *hi, double *lo)
 {
@@ -73,82 +62,6 @@ static inline void dt_two_product(double a, double b, double *x, double *y)
     dt_split(b, &b_hi, &b_lo);
     *y = a_lo * b_lo - (((product - a_hi * b_hi) - a_lo * b_hi) - a_hi * b_lo);
     *x = product;
-}
-
-/* ---- expansions ---- */
-
-static inline int dt_expansion_sign(int n, const double *e)
-{
-    return n == 0 ? 0 : e[n - 1] > 0 ? 1 : -1;
-}
-
-static inline void dt_expansion_negate(int n, double *e)
-{
-    for (int i = 0; i < n; i++)
-        e[i] = -e[i];
-}
-
-/* Appends component v to h unless it is zero; returns the new length. */
-static inline int dt_expansion_push(int n, double *h, double v)
-{
-    h[n] = v;
-    return n + (v != 0);
-}
-
-/* h[2] = a - b; returns the length. */
-static inline int dt_expansion_difference(double a, double b, double *h)
-{
-    double x, y;
-    dt_two_sum(a, -b, &x, &y);
-    return dt_expansion_push(dt_expansion_push(0, h, y), h, x);
-}
-
-/* h[ne + nf] = e + f (room for one at least); returns the length. h may not overlap e or f.
- * [Shewchuk 1997, fig. 9: merges the components by magnitude, then sums them from the smallest] */
-static inline int dt_expansion_sum(int ne, const double *e, int nf, const double *f, double *h)
-{
-    int i = 0, j = 0, n = 0;
-    double sum = 0, rest;
-    while (i < ne || j < nf) {
-        bool take_e = j == nf || (i < ne && (e[i] < 0 ? -e[i] : e[i]) < (f[j] < 0 ? -f[j] : f[j]));
-        dt_two_sum(sum, take_e ? e[i] : f[j], &sum, &rest);
-        i += take_e;
-        j += !take_e;
-        n = dt_expansion_push(n, h, rest);
-    }
-    return dt_expansion_push(n, h, sum);
-}
-
-/* h[2 ne] = e * b (room for one at least); returns the length. h may not overlap e. [Shewchuk 1997,
- * fig. 13] */
-static inline int dt_expansion_scale(int ne, const double *e, double b, double *h)
-{
-    int n = 0;
-    double sum = 0, rest, product, product_rest;
-    for (int i = 0; i < ne; i++) {
-        dt_two_product(e[i], b, &product, &product_rest);
-        dt_two_sum(sum, product_rest, &sum, &rest);
-        n = dt_expansion_push(n, h, rest);
-        dt_fast_two_sum(product, sum, &sum, &rest);
-        n = dt_expansion_push(n, h, rest);
-    }
-    return dt_expansion_push(n, h, sum);
-}
-
-/* h[2 ne nf] = e * f; returns the length. work has room for 2 ne (nf + 1) doubles; nothing
- * overlaps. */
-static inline int dt_expansion_product(int ne, const double *e, int nf, const double *f, double *h,
-                                       double *work)
-{
-    double *scaled = work, *partial = work + 2 * ne;
-    int n = 0;
-    for (int j = 0; j < nf; j++) {
-        int ns = dt_expansion_scale(ne, e, f[j], scaled);
-        for (int i = 0; i < n; i++)
-            partial[i] = h[i];
-        n = dt_expansion_sum(n, partial, ns, scaled, h);
-    }
-    return n;
 }
 
 /* ---- double words ---- */

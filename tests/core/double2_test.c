@@ -1,5 +1,5 @@
-/* expansion_test.c - exact sums and products, against schoolbook big integers. */
-#include "core/expansion.h"
+/* double2_test.c - what operations lose by rounding, and double words, against schoolbook big integers. */
+#include "core/double2.h"
 
 #include "tests/oracle/exact.h"
 #include "tests/test.h"
@@ -28,30 +28,6 @@ static bool equal(const struct exact *a, const struct exact *b)
     return exact_subtract(a, b).sign == 0;
 }
 
-/* An expansion with up to four components, made by summing single doubles. */
-static int random_expansion(double *e)
-{
-    int n = 0;
-    for (int i = 0; i < 4; i++) {
-        double v = random_double(53, (int)test_below(80) - 20), old[4];
-        if (v == 0 || test_below(4) == 0)
-            continue;
-        for (int k = 0; k < n; k++)
-            old[k] = e[k];
-        n = dt_expansion_sum(n, old, 1, &v, e);
-    }
-    return n;
-}
-
-static void check_proper(int n, const double *e)
-{
-    for (int i = 0; i < n; i++) {
-        CHECK(e[i] != 0);
-        CHECK(i == 0 || fabs(e[i]) > fabs(e[i - 1]));
-    }
-    CHECK(dt_expansion_sign(n, e) == total(n, e).sign);
-}
-
 /* The canary: a compiler that fuses c - a with the product c = splitter * a breaks dt_split, and
  * most of these products with it. */
 TEST(two_product_is_exact_so_contraction_is_off)
@@ -78,56 +54,15 @@ TEST(products_are_rounded_before_they_are_subtracted)
     CHECK(x * y - z == 0); /* a fused multiply-add would see the 2^-60 that rounding drops */
 }
 
-TEST(two_sum_and_difference_tail_are_exact)
+TEST(two_sum_is_exact)
 {
     for (int i = 0; i < 20000; i++) {
         double a = random_double(53, (int)test_below(100)),
                b = random_double(53, (int)test_below(100)), e[2];
         dt_two_sum(a, b, &e[1], &e[0]);
-        double terms[2] = {a, b}, difference[2] = {a - b, dt_difference_tail(a, b)},
-               minus[2] = {a, -b};
-        struct exact got = total(2, e), want = total(2, terms);
+        struct exact got = total(2, e), want = total(2, (double[]){a, b});
         CHECK(equal(&got, &want));
         CHECK(e[1] == a + b);
-        got = total(2, difference), want = total(2, minus);
-        CHECK(equal(&got, &want));
-    }
-}
-
-TEST(expansion_sum_is_exact_and_proper)
-{
-    for (int i = 0; i < 5000; i++) {
-        double e[4], f[4], h[8];
-        int ne = random_expansion(e), nf = random_expansion(f),
-            n = dt_expansion_sum(ne, e, nf, f, h);
-        check_proper(n, h);
-        struct exact a = total(ne, e), b = total(nf, f), got = total(n, h),
-                     want = exact_add(&a, &b);
-        CHECK(equal(&got, &want));
-        dt_expansion_negate(ne, e);
-        double back[16];
-        int nb = dt_expansion_sum(n, h, ne, e, back);
-        got = total(nb, back);
-        CHECK(equal(&got, &b));
-    }
-}
-
-TEST(expansion_products_are_exact_and_proper)
-{
-    struct exact one = exact_from_double(1);
-    for (int i = 0; i < 5000; i++) {
-        double e[4], f[4], h[32], scaled[8], work[40];
-        int ne = random_expansion(e), nf = random_expansion(f);
-        int n = dt_expansion_product(ne, e, nf, f, h, work);
-        check_proper(n, h);
-        struct exact a = total(ne, e), b = total(nf, f), p = total(n, h);
-        struct exact got = exact_multiply(&p, &one), want = exact_multiply(&a, &b);
-        CHECK(equal(&got, &want));
-        n = dt_expansion_scale(ne, e, 0.1, scaled);
-        check_proper(n, scaled);
-        struct exact tenth = exact_from_double(0.1);
-        p = total(n, scaled), got = exact_multiply(&p, &one), want = exact_multiply(&a, &tenth);
-        CHECK(equal(&got, &want));
     }
 }
 
