@@ -5,7 +5,7 @@
 #   make demo       triangulates 171,075 real places over TCP, shows what comes back, draws build/cities.svg
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
 #   make lib, install: see clients/rules.mk
-#   make interop, bench, lint, fuzz: see tests/rules.mk
+#   make interop, bench, mutants, lint, fuzz: see tests/rules.mk
 #   make load: see tests/load/rules.mk
 
 V        ?=
@@ -37,7 +37,7 @@ WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all demo test faults clean asan tsan fmt
+.PHONY: all demo test test_binaries faults clean asan tsan fmt
 
 all: $(O)/delaunayd $(O)/delaunay
 
@@ -72,7 +72,9 @@ $(SHIMS): $(O)/%.so: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(BASE) $(WARNINGS) -fPIC -shared -o $@ $< -ldl
 
-test: all $(TEST_BINARIES) $(SHIMS)
+test_binaries: all $(TEST_BINARIES) $(SHIMS)
+
+test: test_binaries
 	@status=0; for s in $(SUITES); do echo "== $$s"; \
 	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
 

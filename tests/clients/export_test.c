@@ -141,6 +141,33 @@ TEST(export_to_a_full_disk_fails)
     daemon_end(&d);
 }
 
+/* A file that cannot grow beyond 1024 bytes, as on a disk that is full: with a small set closing it fails,
+ * with a large one a write before that. */
+TEST(export_to_a_file_that_cannot_be_written_leaves_none)
+{
+    struct daemon d = daemon_start(NULL);
+    int status;
+    char directory[] = "/tmp/delaunay_full_XXXXXX";
+    CHECK(mkdtemp(directory) != NULL);
+    for (int points = 100; points <= 30000; points *= 300) {
+        peer_shell(&status,
+                   "seq -f '%%g 0' %d | %s -h 127.0.0.1 -p %s load t - && %s -p %s add t 1 1",
+                   points, getenv("DELAUNAY"), d.port_text, getenv("DELAUNAY"), d.port_text);
+        CHECK(status == 0);
+        run(&d, &status, "triangulate t");
+        const char *got = peer_shell(
+            &status,
+            "cd %s && trap '' XFSZ && ulimit -f 1 && %s -h 127.0.0.1 -p %s export t a.svg 2>&1",
+            directory, realpath(getenv("DELAUNAY"), NULL), d.port_text);
+        CHECK_STR(got, "delaunay: a.svg: File too large\n");
+        CHECK(status == 1);
+        CHECK_STR(peer_shell(&status, "ls %s", directory), "");
+        run(&d, &status, "drop t");
+    }
+    peer_shell(&status, "rm -r %s", directory);
+    daemon_end(&d);
+}
+
 TEST(load_gives_each_line_its_number_as_id)
 {
     struct daemon d = daemon_start(NULL);

@@ -3,8 +3,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/clients/peer.h"
-#include "tests/daemon.h"
+#include "tests/clients/cli.h"
 #include "tests/test.h"
 
 enum { POINTS = 120, ROOM = 1000 };
@@ -15,74 +14,24 @@ struct mesh {
     size_t n, triangles;
 };
 
-static struct daemon the_daemon;
-static char directory[64];
-
-static const char *run(int *status, const char *arguments)
-{
-    return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"),
-                      the_daemon.port_text, arguments);
-}
-
-static void run_well(const char *arguments)
-{
-    int status;
-    const char *out = run(&status, arguments);
-    CHECK_MSG(status == 0, "%s: %s", arguments, out);
-}
-
-static void expect(const char *arguments, const char *want)
-{
-    int status;
-    CHECK_STR(run(&status, arguments), want);
-    CHECK(status == 0);
-}
-
-static char *path(const char *name)
-{
-    static char text[128];
-    snprintf(text, sizeof text, "%s/%s", directory, name);
-    return text;
-}
-
-static void write_file(const char *name, const char *text)
-{
-    FILE *f = fopen(path(name), "w");
-    CHECK(f != NULL && fputs(text, f) >= 0 && fclose(f) == 0);
-}
-
-static void begin(void)
-{
-    the_daemon = daemon_start(NULL);
-    snprintf(directory, sizeof directory, "/tmp/delaunay_formats_XXXXXX");
-    CHECK(mkdtemp(directory) != NULL);
-}
-
-static void finish(void)
-{
-    int status;
-    peer_shell(&status, "rm -rf %s", directory);
-    daemon_end(&the_daemon);
-}
-
 /* The set t of random points, triangulated, as the server tells it. */
 static void make_set(struct mesh *want)
 {
-    FILE *f = fopen(path("t.xy"), "w");
+    FILE *f = fopen(cli_path("t.xy"), "w");
     CHECK(f != NULL);
     for (int i = 0; i < POINTS; i++)
         fprintf(f, "%.17g %.17g\n", 100 * test_uniform() - 50, 1e-3 * test_uniform() + 7);
     fclose(f);
     char command[200];
-    snprintf(command, sizeof command, "load t %s", path("t.xy"));
-    run_well(command);
-    run_well("triangulate t");
+    snprintf(command, sizeof command, "load t %s", cli_path("t.xy"));
+    cli_run_well(command);
+    cli_run_well("triangulate t");
     int status;
     unsigned id;
-    const char *p = run(&status, "points t");
+    const char *p = cli_run(&status, "points t");
     for (want->n = 0; (p = strchr(p, '\n') + 1)[0] != 0; want->n++)
         CHECK(sscanf(p, "%u %lf %lf", &id, &want->xy[want->n][0], &want->xy[want->n][1]) == 3);
-    p = run(&status, "triangles t");
+    p = cli_run(&status, "triangles t");
     for (want->triangles = 0; (p = strchr(p, '\n') + 1)[0] != 0; want->triangles++) {
         unsigned *v = want->triangle[want->triangles];
         CHECK(sscanf(p, "%u %u %u", &v[0], &v[1], &v[2]) == 3);
@@ -94,9 +43,9 @@ static FILE *export(const char *format)
 {
     char command[300], name[32];
     snprintf(name, sizeof name, "out.%s", format);
-    snprintf(command, sizeof command, "export t %s --format %s", path(name), format);
-    run_well(command);
-    FILE *f = fopen(path(name), "r");
+    snprintf(command, sizeof command, "export t %s --format %s", cli_path(name), format);
+    cli_run_well(command);
+    FILE *f = fopen(cli_path(name), "r");
     CHECK(f != NULL);
     return f;
 }
@@ -148,7 +97,7 @@ TEST(export_meshes_are_read_back)
     static struct mesh want, got;
     size_t n = 0, faces = 0;
     char line[200];
-    begin();
+    cli_begin();
     make_set(&want);
     FILE *f = export("off");
     CHECK(fscanf(f, "OFF %zu %zu 0", &n, &faces) == 2);
@@ -176,7 +125,7 @@ TEST(export_meshes_are_read_back)
     close_at_end(f);
     check_points(&want, &got);
     check_triangles(&want, &got);
-    finish();
+    cli_finish();
 }
 
 TEST(export_2dm_is_read_back)
@@ -184,7 +133,7 @@ TEST(export_2dm_is_read_back)
     static struct mesh want, got;
     unsigned number, *v;
     double z;
-    begin();
+    cli_begin();
     make_set(&want);
     FILE *f = export("2dm");
     CHECK(fscanf(f, "MESH2D") == 0);
@@ -204,7 +153,7 @@ TEST(export_2dm_is_read_back)
     fclose(f);
     check_points(&want, &got);
     check_triangles(&want, &got);
-    finish();
+    cli_finish();
 }
 
 /* Whether the triangle has the edge a-b. */
@@ -226,7 +175,7 @@ TEST(export_files_of_triangle_are_read_back)
     static struct mesh want, got;
     size_t n = 0;
     unsigned number, a, b, boundary, hull = 0;
-    begin();
+    cli_begin();
     make_set(&want);
     FILE *f = export("node");
     CHECK(fscanf(f, "%zu 2 0 1", &n) == 1);
@@ -273,7 +222,7 @@ TEST(export_files_of_triangle_are_read_back)
     }
     CHECK(hull == 0); /* as many edges as points */
     close_at_end(f);
-    finish();
+    cli_finish();
 }
 
 TEST(export_lines_of_triangles_are_read_back)
@@ -283,7 +232,7 @@ TEST(export_lines_of_triangles_are_read_back)
     double x[4], y[4];
     char line[1000];
     size_t rows = 0;
-    begin();
+    cli_begin();
     make_set(&want);
     FILE *f = export("wkt");
     for (; fgets(line, sizeof line, f) != NULL; rows++) {
@@ -306,7 +255,7 @@ TEST(export_lines_of_triangles_are_read_back)
     }
     CHECK(rows == want.triangles);
     fclose(f);
-    finish();
+    cli_finish();
 }
 
 TEST(export_geojson_is_read_back)
@@ -316,7 +265,7 @@ TEST(export_geojson_is_read_back)
     double x[4], y[4];
     char line[1000];
     static const char *const formats[] = {"geojson", "ndjson"};
-    begin();
+    cli_begin();
     make_set(&want);
     for (int i = 0; i < 2; i++) {
         size_t rows = 0;
@@ -336,36 +285,36 @@ TEST(export_geojson_is_read_back)
         CHECK(rows == want.triangles);
         fclose(f);
     }
-    finish();
+    cli_finish();
 }
 
 TEST(export_ids_with_gaps_are_renumbered)
 {
-    begin();
-    run_well("ADD t 9 9  0 0  4 0  4 3");
-    run_well("DEL t 0");
-    run_well("triangulate t");
-    expect("export t - --format ele", "1 3 0\n0 0 1 2\n");
-    expect("export t - --format csv", "a,b,c,ax,ay,bx,by,cx,cy\n1,2,3,0,0,4,0,4,3\n");
-    finish();
+    cli_begin();
+    cli_run_well("ADD t 9 9  0 0  4 0  4 3");
+    cli_run_well("DEL t 0");
+    cli_run_well("triangulate t");
+    cli_expect("export t - --format ele", "1 3 0\n0 0 1 2\n");
+    cli_expect("export t - --format csv", "a,b,c,ax,ay,bx,by,cx,cy\n1,2,3,0,0,4,0,4,3\n");
+    cli_finish();
 }
 
 TEST(export_colours_numbers_and_viewport)
 {
     int status;
-    begin();
-    run_well("ADD t 0 0  4 0  4 4  0 4  2 2  100 2");
-    run_well("triangulate t");
-    const char *svg = run(&status, "export t - --colour quality --viewport=-1,-1,5,5");
+    cli_begin();
+    cli_run_well("ADD t 0 0  4 0  4 4  0 4  2 2  100 2");
+    cli_run_well("triangulate t");
+    const char *svg = cli_run(&status, "export t - --colour quality --viewport=-1,-1,5,5");
     CHECK(status == 0 && strstr(svg, "class=\"q8\"") != NULL && strstr(svg, "class=\"t\"") == NULL);
     CHECK(strstr(svg, ">4</text>") != NULL && strstr(svg, ">5</text>") == NULL);
-    svg = run(&status, "export t - --colour degree");
+    svg = cli_run(&status, "export t - --colour degree");
     CHECK(status == 0 && strstr(svg, "class=\"q") != NULL);
-    run(&status, "export t - --viewport 1,1,0,0");
+    cli_run(&status, "export t - --viewport 1,1,0,0");
     CHECK(status == 2);
-    run(&status, "export t x.dwg");
+    cli_run(&status, "export t x.dwg");
     CHECK(status == 2);
-    finish();
+    cli_finish();
 }
 
 /* ---- loading ---- */
@@ -373,26 +322,26 @@ TEST(export_colours_numbers_and_viewport)
 static void load_text(const char *name, const char *text, const char *options, const char *want)
 {
     char command[300];
-    write_file(name, text);
-    snprintf(command, sizeof command, "load t %s %s", path(name), options);
-    run_well(command);
-    expect("points t", want);
-    run_well("drop t");
+    cli_write(name, text);
+    snprintf(command, sizeof command, "load t %s %s", cli_path(name), options);
+    cli_run_well(command);
+    cli_expect("points t", want);
+    cli_run_well("drop t");
 }
 
 static void refuse_text(const char *name, const char *text, const char *options, const char *want)
 {
     char command[300];
     int status;
-    write_file(name, text);
-    snprintf(command, sizeof command, "load t %s %s", path(name), options);
-    const char *got = run(&status, command);
+    cli_write(name, text);
+    snprintf(command, sizeof command, "load t %s %s", cli_path(name), options);
+    const char *got = cli_run(&status, command);
     CHECK_MSG(status == 1 && strstr(got, want) != NULL, "%s", got);
 }
 
 TEST(load_reads_csv)
 {
-    begin();
+    cli_begin();
     load_text("a.csv", "1,2\n3,4\n", "", "OK 2\n0 1 2\n1 3 4\n");
     load_text("a.csv", "x,y,z\n1,2,9\n\n# c\n3,4,9\n", "", "OK 2\n0 1 2\n1 3 4\n");
     load_text("a.csv", "name;Latitude;Longitude\r\n\"a;b\";\"2\";1\r\n", "", "OK 1\n0 1 2\n");
@@ -401,20 +350,20 @@ TEST(load_reads_csv)
     refuse_text("a.csv", "x,y\n1\n", "", "a.csv:2: the row has too few columns");
     refuse_text("a.csv", "x,y\n1,b\n", "", "a.csv:2: not a number");
     refuse_text("a.csv", "x,y\n1,2\n", "-c x,z", "a.csv:1: no column");
-    finish();
+    cli_finish();
 }
 
 TEST(load_reads_node_files)
 {
-    begin();
+    cli_begin();
     load_text("a.node", "# made by hand\n2 2 1 1\n1 0.5 2 7 0\n2 3 4 7 1\n# end\n", "",
               "OK 2\n0 0.5 2\n1 3 4\n");
-    finish();
+    cli_finish();
 }
 
 TEST(load_reads_geojson)
 {
-    begin();
+    cli_begin();
     load_text("a.geojson",
               "{\"type\": \"FeatureCollection\", \"features\": [\n"
               "{\"type\":\"Feature\",\"properties\":{\"n\":\"a \\\"b\\\" }\",\"c\":[1,{}]},\n"
@@ -433,92 +382,66 @@ TEST(load_reads_geojson)
     refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1,2]", "", "not GeoJSON");
     refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1]}", "", "not GeoJSON");
     refuse_text("a.json", "[[[", "", "not GeoJSON");
-    finish();
+    cli_finish();
 }
 
-/* ---- the rest ---- */
-
-TEST(url_names_daemon_and_set)
+/* `n` arrays in one another. */
+static char *nested(char *to, int n)
 {
+    for (int i = 0; i < 2 * n; i++)
+        to[i] = i < n ? '[' : ']';
+    to[2 * n] = '\0';
+    return to;
+}
+
+TEST(load_of_geojson_bounds_the_depth_of_values_not_their_number)
+{
+    char text[20000], arrays[200];
+    size_t n = (size_t)sprintf(text, "{\"features\":[");
+    cli_begin();
+    for (int i = 0; i < 200; i++)
+        n += (size_t)sprintf(text + n,
+                             "%s{\"properties\":{\"n\":[]},\"geometry\":"
+                             "{\"type\":\"Point\",\"coordinates\":[%d,1]}}",
+                             i > 0 ? "," : "", i % 2);
+    sprintf(text + n, "]}");
+    cli_write("a.geojson", text);
+    snprintf(text, sizeof text, "load t %s", cli_path("a.geojson"));
+    cli_expect(text, "OK 0 first=0 added=200 coincident=198\n");
+    cli_run_well("drop t");
+    snprintf(text, sizeof text, "{\"a\":%s,\"type\":\"Point\",\"coordinates\":[1,2]}",
+             nested(arrays, 63));
+    load_text("a.json", text, "", "OK 1\n0 1 2\n");
+    snprintf(text, sizeof text, "{\"a\":%s,\"type\":\"Point\",\"coordinates\":[1,2]}",
+             nested(arrays, 64));
+    refuse_text("a.json", text, "", "not GeoJSON");
+    cli_finish();
+}
+
+TEST(load_takes_column_names_of_up_to_63_bytes)
+{
+    char name[100], text[300];
     int status;
-    begin();
-    const char *got = peer_shell(&status, "%s add delaunay://127.0.0.1:%s/t 1 2 2>&1",
-                                 getenv("DELAUNAY"), the_daemon.port_text);
-    CHECK_STR(got, "OK 0 first=0 added=1 coincident=0\n");
-    got = peer_shell(&status, "%s points delaunay://127.0.0.1:%s/t 2>&1", getenv("DELAUNAY"),
-                     the_daemon.port_text);
-    CHECK_STR(got, "OK 1\n0 1 2\n");
-    got = peer_shell(&status, "%s -u delaunay://:token@127.0.0.1:%s points t 2>&1",
-                     getenv("DELAUNAY"), the_daemon.port_text);
-    CHECK_STR(got, "OK 1\n0 1 2\n");
-    got = peer_shell(&status, "DELAUNAY_URL=delaunay://127.0.0.1:%s %s sets 2>&1",
-                     the_daemon.port_text, getenv("DELAUNAY"));
-    CHECK_STR(got, "OK 1\nt points=1 triangulated=no\n");
-    static const char *const bad[] = {"delaunay://",   "delaunay://h:x/t",  "delaunay://h:1/a/b",
-                                      "delaunay://h/", "delaunay://[::1/t", "delaunay://u@h/t"};
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        peer_shell(&status, "%s points %s 2>&1", getenv("DELAUNAY"), bad[i]);
-        CHECK_MSG(status == 2, "%s", bad[i]);
+    cli_begin();
+    memset(name, 'n', sizeof name);
+    name[63] = '\0';
+    snprintf(text, sizeof text, "y,%s\n2,1\n", name);
+    char options[200];
+    snprintf(options, sizeof options, "-c %s,y", name);
+    load_text("a.csv", text, options, "OK 1\n0 1 2\n");
+    name[63] = 'n';
+    name[64] = '\0';
+    snprintf(text, sizeof text, "load t %s -c %s,y", cli_path("a.csv"), name);
+    cli_run(&status, text);
+    CHECK(status == 2);
+    snprintf(text, sizeof text, "load t %s -c y,%s", cli_path("a.csv"), name);
+    cli_run(&status, text);
+    CHECK(status == 2);
+    static const char *const wrong[] = {"x", "x,", ",y", "0,1", "1,0"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        snprintf(text, sizeof text, "load t %s -c %s", cli_path("a.csv"), wrong[i]);
+        cli_run(&status, text);
+        CHECK_MSG(status == 2, "%s", wrong[i]);
     }
-    finish();
-}
-
-TEST(copy_keeps_ids_tolerance_and_triangulation)
-{
-    int status;
-    char from[64];
-    begin();
-    struct daemon first = the_daemon;
-    run_well("CREATE t TOL 0.5");
-    run_well("ADD t 0 0  4 0  4 4  0 4  0.25 0  9 9  2 2");
-    run_well("DEL t 0 5 2");
-    run_well("triangulate t");
-    snprintf(from, sizeof from, "delaunay://127.0.0.1:%s", first.port_text);
-    the_daemon = daemon_start(NULL);
-    const char *got = peer_shell(&status, "%s copy t %s delaunay://127.0.0.1:%s/u 2>&1",
-                                 getenv("DELAUNAY"), from, the_daemon.port_text);
-    CHECK_MSG(status == 0 && strstr(got, "t: 4 points copied") == got, "%s", got);
-    expect("points u", "OK 4\n1 4 0\n3 0 4\n4 0.25 0\n6 2 2\n");
-    CHECK(strstr(run(&status, "stat u"), "triangulated=yes") != NULL);
-    CHECK(strstr(run(&status, "stat u"), "tol=0.5") != NULL);
-    run_well("check u");
-    peer_shell(&status, "%s copy t %s delaunay://127.0.0.1:%s/u 2>&1", getenv("DELAUNAY"), from,
-               the_daemon.port_text);
-    CHECK(status == 1); /* it is there already */
-    daemon_end(&first);
-    finish();
-}
-
-TEST(show_draws_in_braille)
-{
-    begin();
-    run_well("ADD t 0 0  10 0  10 10  0 10");
-    run_well("triangulate t");
-    expect("show t --width 4 --height 2 --plain", "⡟⢍⠉⢹\n⣇⣀⣑⣼\n");
-    finish();
-}
-
-TEST(every_subcommand_has_help_and_completion)
-{
-    int status;
-    char all[8000], name[32];
-    begin();
-    snprintf(all, sizeof all, "%s", run(&status, "--help"));
-    const char *p = strstr(all, "\n\n  ");
-    CHECK(status == 0 && p != NULL);
-    for (p++; sscanf(p, "\n  %31[a-z]", name) == 1; p = strchr(p + 1, '\n')) {
-        char command[64];
-        snprintf(command, sizeof command, "%s --help", name);
-        CHECK(strncmp(run(&status, command), "usage: delaunay ", 16) == 0 && status == 0);
-    }
-    run(&status, "completion | bash -n");
-    CHECK(status == 0);
-    const char *got = peer_shell(
-        &status,
-        "bash -c 'source <(%s completion); COMP_WORDS=(delaunay tri); COMP_CWORD=1; _delaunay; "
-        "echo ${COMPREPLY[*]}'",
-        getenv("DELAUNAY"));
-    CHECK_STR(got, "triangulate triangles\n");
-    CHECK(strstr(run(&status, "top --once"), "uptime_s ") != NULL);
-    finish();
+    cli_finish();
 }

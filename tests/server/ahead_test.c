@@ -1,5 +1,6 @@
 /* ahead_test.c - a pipeline that is read ahead gets the replies that its requests get one by one. */
 #include "tests/server/daemon.h"
+#include "tests/server/local.h"
 #include "tests/test.h"
 
 #include <signal.h>
@@ -142,4 +143,27 @@ TEST(pipeline_gets_the_replies_that_its_requests_get_one_by_one)
         free(got);
     }
     free(want);
+}
+
+/* Whether the place of the first of some NEAREST is read ahead now, and so the set's arrays are looked at. */
+static bool looks_ahead(struct local *l)
+{
+    static const char requests[] = "NEAREST t 1 1\nNEAREST t 2 2\nNEAREST t 3 3\nNEAREST t 4 4\n";
+    ahead_forget(&l->server.ahead);
+    CHECK(ahead_take(&l->server, requests, sizeof requests - 1) > 0);
+    return l->server.ahead.place != NULL;
+}
+
+TEST(set_that_is_being_edited_is_not_looked_at_ahead)
+{
+    struct local l;
+    local_start(&l, 0);
+    local_ask(&l, "ADD t 0 0  9 0  9 9  0 9\nTRIANGULATE t\nNEAREST t 1 1\n");
+    struct dataset *set = registry_find(&l.server.sets, &(struct word){"t", 1});
+    CHECK(set != NULL && looks_ahead(&l));
+    set->exclusive = true;
+    CHECK(!looks_ahead(&l));
+    set->exclusive = false;
+    CHECK(looks_ahead(&l));
+    local_stop(&l);
 }

@@ -97,6 +97,29 @@ TEST(job_goes_on_for_those_who_joined_when_its_owner_goes)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
+/* The only worker is busy, so the job of whoever has gone waits, given up, when the next one asks. */
+TEST(check_that_was_given_up_is_not_joined)
+{
+    const char *arguments[] = {"--threads", "1", NULL};
+    struct daemon d = daemon_start(arguments);
+    int busy = daemon_connect(&d), goes = daemon_connect(&d), stays = daemon_connect(&d);
+    load_random(busy, "large", 400000);
+    load_random(busy, "t", 100000); /* large enough that a check asks whether it is given up */
+    say(busy, "TRIANGULATE t\nCHECK t\n"); /* the first one also makes the grid */
+    CHECK(strncmp(hear_line(busy), "OK 0 ", 5) == 0 && strncmp(hear_line(busy), "OK 0 ", 5) == 0);
+    await_info(&d, "clients", 4);      /* the fourth asks for INFO */
+    await_info(&d, "jobs_running", 0); /* the upkeep after the loads */
+    say(busy, "TRIANGULATE large METHOD shelling\n");
+    say(goes, "CHECK t\n");
+    converse(&d, "PING\n", "OK 0\n"); /* so these two have been read */
+    reset(goes);
+    await_info(&d, "clients", 3);
+    say(stays, "CHECK t\n");
+    CHECK(strncmp(hear_line(stays), "OK 0 delaunay=yes points=100000 ", 32) == 0);
+    CHECK(strncmp(hear_line(busy), "OK 0 points=400000 ", 19) == 0);
+    daemon_end(&d);
+}
+
 /* ---- who waits for a job ---- */
 
 static void run_nothing(struct job *j)

@@ -1,0 +1,26 @@
+/* cli.h - `delaunay` beside a daemon and a directory of the test's own. Whatever fails ends the test. */
+#ifndef TESTS_CLIENTS_CLI_H
+#define TESTS_CLIENTS_CLI_H
+
+#include "tests/daemon.h"
+
+/* The daemon that the functions below talk to. */
+extern struct daemon cli_daemon;
+
+/* Starts the daemon and makes the directory; ends and removes both. */
+void cli_begin(void);
+void cli_finish(void);
+
+/* The path of a file in the directory; lives until the next call. */
+char *cli_path(const char *name);
+
+/* Writes such a file. */
+void cli_write(const char *name, const char *text);
+
+/* Runs `delaunay ARGUMENTS` and returns its output, messages included, which lives until the next call;
+ * its exit status goes to *status. The second must succeed, the third succeed and write `want`. */
+const char *cli_run(int *status, const char *arguments);
+void cli_run_well(const char *arguments);
+void cli_expect(const char *arguments, const char *want);
+
+#endif

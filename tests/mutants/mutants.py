@@ -1,0 +1,259 @@
+#!/usr/bin/env python3
+"""mutants.py - changes the source in one place at a time, in a copy, and reports which changes no test notices.
+
+    mutants.py [--of FILE] [--sample N] [--seed S] [--jobs J] BUILD_DIR
+
+README.md beside this file describes the lists, *.txt. Every entry of every list must apply to the source, whichever of
+them are run. BUILD_DIR is the one of make, with everything up to date. The last line counts: N passed (caught), N failed.
+The exit status is 0 if every entry applies and at least 95 % of those that were run are caught.
+"""
+import argparse
+import concurrent.futures
+import glob
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+TREE = os.path.dirname(os.path.dirname(HERE))
+SUITES = ("core", "proto", "server", "clients")
+WANTED = 0.95  # the share that must be caught
+BUILD_S = 900  # the most a build may take
+
+
+# ---- the lists ----
+
+
+class Mutant:
+    """One entry of a list."""
+
+    def __init__(self, where, file, sentence):
+        self.where, self.file, self.sentence = where, file, sentence
+        self.old, self.new, self.suites, self.words = [], [], [], []
+        self.equivalent = None
+
+    def __str__(self):
+        return f"{self.file}: {self.sentence}"
+
+    def mutate(self, text):
+        """The file's text with the change. White space of the old text matches any other."""
+        pattern = r"\s+".join(re.escape(word) for word in " ".join(self.old).split())
+        found = list(re.finditer(pattern, text))
+        if len(found) != 1:
+            raise ValueError(f"the old text occurs {len(found)} times in the file")
+        return text[: found[0].start()] + "\n".join(self.new) + text[found[0].end() :]
+
+    def problem(self):
+        """Why the entry is of no use, None if it is."""
+        try:
+            if not "".join(self.old).strip():
+                return "it has no old text"
+            if not self.words and not self.equivalent:
+                return "it has no tests"
+            if not set(self.suites) <= set(SUITES):
+                return f"its tests are of {self.suites}, not of {SUITES}"
+            text = read(os.path.join(TREE, self.file))
+            if self.mutate(text).split() == text.split():
+                return "it changes nothing"
+        except (OSError, ValueError) as e:
+            return str(e)
+        return None
+
+
+def read(path):
+    with open(path, encoding="utf-8") as f:
+        return f.read()
+
+
+def read_list(path):
+    """The entries of one list. Ends the program at a line that is not part of one."""
+    mutants = []
+    for number, line in enumerate(read(path).split("\n"), 1):
+        where = f"{os.path.relpath(path, TREE)}:{number}"
+        kind, rest = line[:2].strip(), line[2:]
+        head = re.fullmatch(r"([a-z_/0-9]+\.[ch]): (.+)", line)
+        if not line or kind == "#":
+            continue
+        if head:
+            mutants.append(Mutant(where, *head.groups()))
+        elif not mutants or kind not in ("-", "+", "?", "="):
+            sys.exit(f"{where}: not a line of an entry: {line}")
+        elif kind == "-":
+            mutants[-1].old.append(rest)
+        elif kind == "+":
+            mutants[-1].new.append(rest)
+        elif kind == "?":
+            suite, *words = rest.split()
+            mutants[-1].suites.append(suite)
+            mutants[-1].words.extend(words)
+        else:
+            mutants[-1].equivalent = rest
+    return mutants
+
+
+# ---- running ----
+
+
+def end_session(leader):
+    """Ends every process of a session; tests and their daemons are in process groups of their own."""
+    for path in glob.glob("/proc/[0-9]*/stat"):
+        try:
+            if int(read(path).rpartition(")")[2].split()[3]) == leader:
+                os.kill(int(path.split("/")[2]), signal.SIGKILL)
+        except (OSError, ValueError, IndexError):
+            pass  # it has ended
+
+
+class Run:
+    """One run of make: its status, its output, which tests failed and how many passed. With a time limit it ends at the
+    first test that fails."""
+
+    def __init__(self, tree, build, suites, arguments, limit_s=None):
+        variant = [] if build == "build" else ["V=" + os.path.basename(build)]
+        command = ["make", "--no-print-directory", "SUITES=" + " ".join(sorted(set(suites))), *variant, *arguments]
+        self.output, self.failed, self.passed, self.too_slow = [], [], 0, False
+        started = time.monotonic()
+        process = subprocess.Popen(command, cwd=tree, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True)
+        alarm = threading.Timer(limit_s or BUILD_S, self.expire, [process])
+        alarm.start()
+        for line in process.stdout:
+            self.take(line.rstrip("\n"))
+            if limit_s and self.failed:
+                break
+        alarm.cancel()
+        end_session(process.pid)
+        process.stdout.close()
+        self.status = process.wait()
+        self.seconds = time.monotonic() - started
+
+    def expire(self, process):
+        self.too_slow = True
+        end_session(process.pid)
+
+    def take(self, line):
+        self.output.append(line)
+        counted = re.fullmatch(r"(\d+) passed, \d+ failed", line)
+        if counted:
+            self.passed += int(counted.group(1))
+        elif line.startswith("FAIL "):
+            self.failed.append(line.split()[1])
+
+
+def build_then_test(tree, build, suites, words, limit_s):
+    """The run of the tests, or that of the build if it fails."""
+    built = Run(tree, build, suites, ["test_binaries"])
+    return built if built.status else Run(tree, build, suites, ["test", "T=" + " ".join(words)], limit_s)
+
+
+def copy_tree(tree, build, to):
+    """Copies the source with its times and the build directory, without the other variants' build directories."""
+    shutil.copytree(tree, to, symlinks=True, ignore=shutil.ignore_patterns(".git", "build", "__pycache__"))
+    if os.path.isdir(os.path.join(tree, build)):
+        unused = () if build != "build" else ("asan", "tsan", "debug", "clang", "fuzz", "ci", "deb", "corpus")
+        shutil.copytree(os.path.join(tree, build), os.path.join(to, build), symlinks=True,
+                        ignore=lambda folder, names: set(unused) & set(names) if folder.endswith("/build") else ())
+
+
+def verdict(mutant, pristine, build, limit_s):
+    """(whether it is caught, by what or why not)"""
+    with tempfile.TemporaryDirectory(prefix="mutant-") as scratch:
+        tree = os.path.join(scratch, "tree")
+        copy_tree(pristine, build, tree)
+        path = os.path.join(tree, mutant.file)
+        text = mutant.mutate(read(path))
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text)
+        run = build_then_test(tree, build, mutant.suites, mutant.words, limit_s)
+    if run.failed:
+        return True, f"{run.failed[0]}, {run.seconds:.0f} s"
+    if run.too_slow:
+        return True, f"the time limit of {limit_s:.0f} s"
+    if any(": error: " in line or "undefined reference" in line for line in run.output):
+        return False, "it does not build: " + next(line for line in run.output if "error" in line or "undefined" in line)
+    if run.status or not run.passed:
+        return False, f"make ends with status {run.status} and {run.passed} tests passed: " + " | ".join(run.output[-3:])
+    return False, f"{run.passed} tests pass, {run.seconds:.0f} s"
+
+
+def pass_without_mutants(mutants, pristine, build):
+    """Runs the tests of all these mutants on the unchanged source. Returns how long they took, or ends the program."""
+    total = 0.0
+    for suite in SUITES:
+        words = sorted({w for m in mutants if suite in m.suites for w in m.words})
+        if words:
+            run = build_then_test(pristine, build, [suite], words, BUILD_S)
+            if run.status or run.failed or not run.passed:
+                sys.exit("\n".join(run.output[-30:]) + f"\nthe tests of {suite} must pass before anything is changed")
+            print(f"unchanged: {run.passed} tests of {suite} pass, {run.seconds:.0f} s", flush=True)
+            total = max(total, run.seconds)
+    return total
+
+
+# ---- the program ----
+
+
+def default_seed():
+    """The same for every run of one commit."""
+    git = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=TREE, capture_output=True, text=True, check=False)
+    return git.stdout.strip() or "1"
+
+
+def arguments():
+    p = argparse.ArgumentParser(description="which small changes of the source does no test notice?")
+    p.add_argument("build", metavar="BUILD_DIR")
+    p.add_argument("--of", default="", help="only the mutants of files whose path contains this")
+    p.add_argument("--sample", type=int, help="only so many, drawn at random; 0: none, which checks the lists")
+    p.add_argument("--seed", help="what the sample is drawn from (default: the commit)")
+    p.add_argument("--jobs", type=int, default=os.cpu_count())
+    return p.parse_args()
+
+
+def usable(mutants):
+    """Ends the program unless every entry can be used."""
+    problems = [f"FAIL {m.where}: {m}: {m.problem()}" for m in mutants if m.problem()]
+    if problems:
+        print("\n".join(problems))
+        print(f"0 passed, {len(problems)} failed")
+        sys.exit(1)
+
+
+def selection(mutants, args):
+    chosen = [m for m in mutants if args.of in m.file and not m.equivalent]
+    if args.sample is not None and args.sample < len(chosen):
+        seed = args.seed or default_seed()
+        print(f"a sample of {args.sample} of {len(chosen)}, seed {seed}")
+        chosen = random.Random(seed).sample(chosen, args.sample)
+    return chosen
+
+
+def main():
+    args = arguments()
+    mutants = [m for path in sorted(glob.glob(os.path.join(HERE, "*.txt"))) for m in read_list(path)]
+    usable(mutants)
+    print(f"{len(mutants)} entries apply, {sum(1 for m in mutants if m.equivalent)} of them are equivalent")
+    chosen = selection(mutants, args)
+    caught = []
+    with tempfile.TemporaryDirectory(prefix="mutants-") as scratch:
+        pristine = os.path.join(scratch, "tree")
+        copy_tree(TREE, args.build, pristine)
+        limit_s = 30 + 3 * pass_without_mutants(chosen, pristine, args.build)
+        with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+            running = {pool.submit(verdict, m, pristine, args.build, limit_s): m for m in chosen}
+            for done in concurrent.futures.as_completed(running):
+                is_caught, why = done.result()
+                caught.append(is_caught)
+                print(f"{'caught' if is_caught else 'FAIL not caught'}: {running[done]} ({why})", flush=True)
+    print(f"{sum(caught)} passed, {len(caught) - sum(caught)} failed")
+    return 0 if sum(caught) >= WANTED * len(caught) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
