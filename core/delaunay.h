@@ -239,8 +239,9 @@ size_t dt_build_memory(const struct dt *t, const struct dt_options *opt);
 /* dt_prepare and dt_renew. */
 size_t dt_prepare_memory(const struct dt *t);
 
-/* dt_add_many of n points, where they come from not included. */
-size_t dt_add_memory(const struct dt *t, size_t n);
+/* dt_add_many of n points, where they come from not included; and if that leaves the triangulation for
+ * dt_refresh, what both take. */
+size_t dt_add_memory(const struct dt *t, size_t n, const struct dt_options *opt);
 
 /* ---- the paper's algorithm, step by step ---- */
 

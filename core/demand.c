@@ -20,29 +20,44 @@
 
 #define THREAD_BYTES ((size_t)512 << 10) /* for each thread's arena */
 #define COPIED_BYTES ((size_t)12 << 20)  /* of arrays so small that they are copied to grow */
-#define SMALL_BYTES ((size_t)1 << 20)
+
+/* For what does not depend on the number of points. */
+static size_t slack(size_t n)
+{
+    return n < 4096 ? n * 256 : (size_t)1 << 20;
+}
+
+/* Of a build of n vertices. */
+static size_t build_memory(const struct dt *t, size_t n, const struct dt_options *opt)
+{
+    size_t more = dt_threads_for(opt == NULL ? NULL : opt->pool, (uint32_t)n) - 1;
+    size_t bytes = t->points.free_count > 0 ? BUILD_BYTES + BUILD_DENSE_BYTES : BUILD_BYTES;
+    return n * (bytes + more * BUILD_THREAD_BYTES) + more * THREAD_BYTES + slack(n);
+}
 
 size_t dt_build_memory(const struct dt *t, const struct dt_options *opt)
 {
-    size_t n = dt_points_vertices(&t->points), bytes = BUILD_BYTES;
-    size_t more = dt_threads_for(opt == NULL ? NULL : opt->pool, (uint32_t)n) - 1;
-    if (t->points.free_count > 0)
-        bytes += BUILD_DENSE_BYTES;
-    return n * (bytes + more * BUILD_THREAD_BYTES) + more * THREAD_BYTES + SMALL_BYTES;
+    return build_memory(t, dt_points_vertices(&t->points), opt);
 }
 
 size_t dt_prepare_memory(const struct dt *t)
 {
-    return (size_t)dt_points_vertices(&t->points) * PREPARE_BYTES + SMALL_BYTES;
+    size_t n = dt_points_vertices(&t->points);
+    return n * PREPARE_BYTES + slack(n);
 }
 
-size_t dt_add_memory(const struct dt *t, size_t n)
+size_t dt_add_memory(const struct dt *t, size_t n, const struct dt_options *opt)
 {
     struct dt_summary sum;
     dt_summary(t, &sum);
+    size_t vertices = dt_points_vertices(&t->points);
     size_t copied = sum.memory < COPIED_BYTES ? sum.memory : COPIED_BYTES;
-    bool looks_up = t->points.tol > 0 || !sum.current || dt_update_is_bulk(t, n);
-    size_t index = looks_up && t->points.places.bucket == NULL ? sum.points * INDEX_BYTES : 0;
-    size_t most = (SIZE_MAX / 2 - COPIED_BYTES * 2 - index) / ADD_BYTES;
-    return (n < most ? n : most) * ADD_BYTES + copied / 2 * 3 + index + SMALL_BYTES;
+    size_t bytes = copied / 2 * 3 + slack(vertices + n);
+    bool later = t->triangulated && (!t->current || dt_update_is_bulk(t, n));
+    n = n < DT_MAX_POINTS - vertices ? n : DT_MAX_POINTS - vertices;
+    if (t->points.places.bucket == NULL && (t->points.tol > 0 || later || !t->triangulated))
+        bytes += vertices * INDEX_BYTES;
+    if (later)
+        bytes += build_memory(t, vertices + n, opt);
+    return bytes + n * ADD_BYTES;
 }

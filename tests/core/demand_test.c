@@ -63,12 +63,12 @@ static void build(struct dt *t, const struct family *f, const struct dt_options 
 }
 
 static void add(struct dt *t, const struct family *f, const struct dt_point *p, size_t n,
-                const char *what)
+                const struct dt_options *opt, const char *what)
 {
     struct dt_added done;
     bool telling = begin();
-    size_t said = dt_add_memory(t, n);
-    CHECK(dt_add_many(t, p, n, NULL, &done) == DT_OK);
+    size_t said = dt_add_memory(t, n, opt);
+    CHECK(dt_add_many(t, p, n, opt, &done) == DT_OK && dt_refresh(t, opt) == DT_OK);
     if (telling)
         check_peak(what, f->name, said);
 }
@@ -103,13 +103,12 @@ static void live_through(const struct family *f, unsigned threads, size_t n, dou
     struct dt *t = dt_new_in(tol, NULL);
     CHECK(t != NULL);
     again.rebuild = true;
-    add(t, f, p, n, "a load");
+    add(t, f, p, n, &opt, "a load");
     build(t, f, &opt, "a build");
     prepare(t, f);
     build(t, f, &again, "a second build");
-    add(t, f, p + n, n / 10, "a batch");
-    add(t, f, p + n + n / 10, n / 2, "a large batch");
-    build(t, f, &opt, "a refresh");
+    add(t, f, p + n, n / 10, &opt, "a batch");
+    add(t, f, p + n + n / 10, n / 2, &opt, "a large batch");
     thin_out(t, (uint32_t)n);
     build(t, f, &opt, "a refresh with gaps");
     dt_free(t);
@@ -144,7 +143,7 @@ TEST_TIMEOUT(papers_engine_takes_no_more_memory_than_was_said, 60)
         struct dt *t = dt_new(0);
         CHECK(p != NULL && t != NULL);
         family_points(f, p, MANY, 1);
-        add(t, f, p, MANY, "a load");
+        add(t, f, p, MANY, &opt, "a load");
         build(t, f, &opt, "a build by shelling");
         dt_free(t);
         free(p);
