@@ -29,6 +29,8 @@ SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c))
 CLIENT   := $(patsubst %.c,$(O)/%.o,$(wildcard clients/*.c))
 HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o
 ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))
+# What a power cut may leave behind; what else is in that folder is loaded into a daemon.
+CRASH    := $(patsubst %.c,$(O)/%.o,$(filter-out %_shim.c,$(wildcard tests/faults/*.c)))
 tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c))
 SUITES   := $(foreach s,core proto server clients,$(if $(wildcard tests/$(s)/*_test.c),$(s)))
 WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=mmap
@@ -45,8 +47,8 @@ $(O)/delaunayd: $(SERVER) $(CORE) $(PROTO)
 $(O)/delaunay: $(CLIENT) $(PROTO)
 $(O)/tests/core_tests: $(call tests_of,core) $(O)/tests/bench/pivots.o $(HARNESS) $(ORACLE) $(CORE)
 $(O)/tests/proto_tests: $(call tests_of,proto) $(HARNESS) $(PROTO)
-$(O)/tests/server_tests: $(call tests_of,server) $(O)/tests/daemon.o $(HARNESS) $(ORACLE) $(filter-out $(O)/server/main.o,$(SERVER)) \
-  $(CORE) $(PROTO)
+$(O)/tests/server_tests: $(call tests_of,server) $(CRASH) $(O)/tests/daemon.o $(HARNESS) $(ORACLE) \
+  $(filter-out $(O)/server/main.o,$(SERVER)) $(CORE) $(PROTO)
 $(O)/tests/clients_tests: $(call tests_of,clients) $(O)/tests/daemon.o $(HARNESS) $(filter-out $(O)/clients/main.o,$(CLIENT)) $(PROTO)
 TEST_BINARIES := $(SUITES:%=$(O)/tests/%_tests)
 $(TEST_BINARIES): LDFLAGS += $(WRAP)
@@ -64,10 +66,12 @@ demo: all
 	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg
 
 # Tests that talk to a daemon find it through DELAUNAYD and DELAUNAY.
-# What is loaded into a daemon: a disk that fails on demand, a count of system calls.
+# What is loaded into a daemon: a disk that fails on demand, a count of system calls, a disk that writes down what it is given.
 DISK_SHIM := $(O)/tests/faults/disk_shim.so
 SYSCALL_SHIM := $(O)/tests/faults/syscall_shim.so
-SHIMS := $(DISK_SHIM) $(SYSCALL_SHIM)
+POWER_SHIM := $(O)/tests/faults/power_shim.so
+SHIMS := $(DISK_SHIM) $(SYSCALL_SHIM) $(POWER_SHIM)
+FIND_SHIMS := DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) POWER_SHIM=$(POWER_SHIM)
 $(SHIMS): $(O)/%.so: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(BASE) $(WARNINGS) -fPIC -shared -o $@ $< -ldl
@@ -76,11 +80,11 @@ test_binaries: all $(TEST_BINARIES) $(SHIMS)
 
 test: test_binaries
 	@status=0; for s in $(SUITES); do echo "== $$s"; \
-	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
+	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
 
 # What is left to chance with many more rounds, and what takes a multitude with all of it.
 faults: all $(O)/tests/server_tests $(SHIMS)
-	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd DISK_SHIM=$(DISK_SHIM) SYSCALL_SHIM=$(SYSCALL_SHIM) $(O)/tests/server_tests kill_test disk_test \
+	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd $(FIND_SHIMS) $(O)/tests/server_tests kill_test disk_test \
 	  thousand_readers ten_thousand
 
 asan tsan:

@@ -1,0 +1,50 @@
+/* tree.h - a directory with all that is in it, in memory: names, and the files that they stand for.
+ * Two names may stand for one file. */
+#ifndef TESTS_FAULTS_TREE_H
+#define TESTS_FAULTS_TREE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct tree_file {
+    bool dir;
+    char *bytes; /* owns */
+    size_t n;    /* behind these there are zeros only, up to the size */
+    uint64_t size;
+};
+
+struct tree_name {
+    char *path; /* owns; relative to the directory */
+    uint32_t file;
+};
+
+struct tree {
+    struct tree_name *name; /* owns; a directory comes before what is in it */
+    size_t names;
+    struct tree_file *file; /* owns */
+    size_t files;
+};
+
+/* Returns the number of the new file, a copy of *f. */
+uint32_t tree_add_file(struct tree *t, const struct tree_file *f);
+void tree_add_name(struct tree *t, const char *path, uint32_t file);
+void tree_free(struct tree *t);
+
+/* NULL: there is no such name. */
+const struct tree_file *tree_find(const struct tree *t, const char *path);
+
+struct tree tree_read(const char *path);
+
+/* Makes the directory hold what the tree holds, and nothing else. */
+void tree_write(const struct tree *t, const char *path);
+
+/* Removes a directory with all that is in it. */
+void tree_remove(const char *path);
+
+bool tree_file_equal(const struct tree_file *a, const struct tree_file *b);
+
+/* NULL: both hold the same; else a name that differs. */
+const char *tree_difference(const struct tree *a, const struct tree *b);
+
+#endif
