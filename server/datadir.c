@@ -15,6 +15,30 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* Makes the directory's own name durable. Where the parent cannot be opened there is nothing to be
+ * done about it. */
+static bool sync_parent(const struct datadir *d)
+{
+    int fd = openat(d->fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    bool ok = fd < 0 || fsync(fd) == 0;
+    int error = errno;
+    if (fd >= 0)
+        close(fd);
+    errno = error;
+    return ok;
+}
+
+static bool lock(struct datadir *d)
+{
+    if (flock(d->fd, LOCK_EX | LOCK_NB) == 0)
+        return true;
+    if (errno == EWOULDBLOCK)
+        notice(NOTICE_ERROR, "%s is in use by another process", d->path);
+    else
+        notice(NOTICE_ERROR, "cannot lock %s: %s", d->path, strerror(errno));
+    return false;
+}
+
 bool datadir_open(struct datadir *d, const char *path, bool create)
 {
     *d = (struct datadir){.fd = -1, .path = path};
@@ -27,12 +51,12 @@ bool datadir_open(struct datadir *d, const char *path, bool create)
         notice(NOTICE_ERROR, "cannot open %s: %s", path, strerror(errno));
         return false;
     }
-    if (flock(d->fd, LOCK_EX | LOCK_NB) == 0)
+    bool locked = lock(d);
+    /* Even if it was there: whoever made it may not have come to that. */
+    if (locked && (!create || sync_parent(d)))
         return true;
-    if (errno == EWOULDBLOCK)
-        notice(NOTICE_ERROR, "%s is in use by another process", path);
-    else
-        notice(NOTICE_ERROR, "cannot lock %s: %s", path, strerror(errno));
+    if (locked)
+        notice(NOTICE_ERROR, "cannot sync the parent of %s: %s", path, strerror(errno));
     datadir_close(d);
     return false;
 }
