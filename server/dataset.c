@@ -36,16 +36,16 @@ void version_unpin(struct registry *r, struct version *v)
 {
     if (--v->refs > 0)
         return;
-    reservation_set(&r->memory, r->memory.bytes - v->sum.memory);
+    r->memory -= v->sum.memory;
     r->discard(r->discard_ctx, v->dt);
     version_free(v);
 }
 
 void version_update(struct registry *r, struct version *v)
 {
-    size_t before = v->sum.memory;
+    r->memory -= v->sum.memory;
     dt_summary(v->dt, &v->sum);
-    reservation_set(&r->memory, r->memory.bytes - before + v->sum.memory);
+    r->memory += v->sum.memory;
 }
 
 bool version_is_read(const struct version *v)

@@ -3,7 +3,7 @@
 
 #include "tests/test.h"
 
-static uint64_t mix(uint64_t h, const void *bytes, size_t n)
+uint64_t digest_mix(uint64_t h, const void *bytes, size_t n)
 {
     const unsigned char *p = bytes;
     for (; n > 0; n--)
@@ -11,25 +11,30 @@ static uint64_t mix(uint64_t h, const void *bytes, size_t n)
     return h;
 }
 
-uint64_t digest_set(const struct dataset *set)
+uint64_t digest_dt(const struct dt *dt, bool triangulated)
 {
-    const struct dt *dt = set->current->dt;
     uint32_t next = dt_next_id(dt), rep;
     double tol = dt_tolerance(dt);
-    uint64_t h = mix(mix(mix(1, &next, sizeof next), &tol, sizeof tol), &set->triangulated, 1);
+    uint64_t h = digest_mix(digest_mix(digest_mix(1, &next, sizeof next), &tol, sizeof tol),
+                            &triangulated, 1);
     for (uint32_t id = 0; id < next; id++) {
         struct dt_point p;
         if (dt_get(dt, id, &p) != DT_OK)
             continue;
         CHECK(dt_representative(dt, id, &rep) == DT_OK);
-        h = mix(mix(mix(h, &id, sizeof id), &rep, sizeof rep), &p, sizeof p);
+        h = digest_mix(digest_mix(digest_mix(h, &id, sizeof id), &rep, sizeof rep), &p, sizeof p);
     }
     return h | 1;
 }
 
+uint64_t digest_set(const struct dataset *set)
+{
+    return digest_dt(set->current->dt, set->triangulated);
+}
+
 static void add(struct dataset *set, void *ctx)
 {
-    *(uint64_t *)ctx += mix(digest_set(set), set->name, set->name_len);
+    *(uint64_t *)ctx += digest_mix(digest_set(set), set->name, set->name_len);
 }
 
 uint64_t digest_sets(const struct registry *sets)

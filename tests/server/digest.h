@@ -7,6 +7,12 @@
 /* Points, ids, representatives, next id, tolerance, whether it is triangulated; never 0. */
 uint64_t digest_set(const struct dataset *set);
 
+/* The same of points that are no set of a server's. */
+uint64_t digest_dt(const struct dt *dt, bool triangulated);
+
+/* Goes on with a number of that kind. */
+uint64_t digest_mix(uint64_t h, const void *bytes, size_t n);
+
 /* All sets and their names, in whatever order they come. */
 uint64_t digest_sets(const struct registry *sets);
 

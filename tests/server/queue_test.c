@@ -1,4 +1,4 @@
-/* queue_test.c - the queue of those who wait for a set. */
+/* The queue of those who wait for a set. */
 #include "server/dataset.h"
 #include "tests/test.h"
 

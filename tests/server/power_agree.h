@@ -1,0 +1,13 @@
+/* power_agree.h - whether a daemon has the sets that it should have. */
+#ifndef TESTS_SERVER_POWER_AGREE_H
+#define TESTS_SERVER_POWER_AGREE_H
+
+#include "server/dataset.h"
+#include "tests/server/daemon.h"
+#include "tests/server/power_history.h"
+
+/* These sets and no others: every point, its representative, and a triangulation that is right. If
+ * not, why. */
+bool power_agrees(const struct daemon *d, const struct registry *sets, char why[WHY_BYTES]);
+
+#endif

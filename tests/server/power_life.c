@@ -1,0 +1,314 @@
+/* power_life.c - see power_life.h. In the story's directory there are
+ *
+ *     root/data    the daemon's, root/ being what is watched
+ *     ops          what the daemon has done to it
+ *     said         its standard error
+ *     crash/data   what a power cut may have left of it */
+#include "tests/server/power_life.h"
+
+#include "server/recover.h"
+#include "tests/faults/crash_fate.h"
+#include "tests/server/directory.h"
+#include "tests/server/power_agree.h"
+#include "tests/test.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { PATH_BYTES = 100, EXIT_CRASH = 99 };
+
+static const char *path_in(const struct story *s, const char *name, char path[PATH_BYTES])
+{
+    snprintf(path, PATH_BYTES, "%s/%s", s->dir, name);
+    return path;
+}
+
+void story_begin(struct story *s)
+{
+    struct directory dir = directory_quick();
+    *s = (struct story){0};
+    snprintf(s->dir, sizeof s->dir, "%s", dir.path);
+    history_init(&s->history);
+    s->work.history = &s->history;
+}
+
+void story_end(struct story *s)
+{
+    history_clear(&s->history);
+    tree_free(&s->before);
+    tree_remove(s->dir);
+}
+
+/* ---- the daemon ---- */
+
+static void set_number(const char *name, uint64_t v)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%" PRIu64, v);
+    setenv(name, text, 1);
+}
+
+/* In the child, whose environment is its own. */
+static void set_disk(const struct story *s, const struct circumstances *c, unsigned crash)
+{
+    char path[PATH_BYTES];
+    setenv("LD_PRELOAD", getenv("POWER_SHIM"), 1);
+    setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
+    setenv("POWER_ROOT", path_in(s, "root", path), 1);
+    setenv("POWER_LOG", path_in(s, "ops", path), 1);
+    set_number("POWER_CRASH", crash);
+    set_number("POWER_SEED", test_random());
+    set_number("POWER_SYNC_FAILS", c->sync_fails);
+    set_number("POWER_WRITE_FAILS", c->write_fails);
+    set_number("POWER_STALL_US", c->stall_us);
+    set_number("POWER_SPACE", c->space);
+}
+
+static void run_daemon(const struct story *s, const struct circumstances *c, const char *data)
+{
+    char path[PATH_BYTES], threads[8];
+    int said = open(path_in(s, "said", path), O_WRONLY | O_CREAT | O_APPEND, 0600);
+    dup2(said, STDERR_FILENO);
+    snprintf(threads, sizeof threads, "%u", 1 + test_below(3));
+    execl(getenv("DELAUNAYD"), "delaunayd", "--port", "0", "--data", path_in(s, data, path),
+          "--fsync", c->policy, "--threads", threads, "--compact-at",
+          c->compact_at == NULL ? "1g" : c->compact_at, (char *)NULL);
+    _exit(127);
+}
+
+/* Starts it; whether it is ready. If not, it ends by itself. */
+static bool start(const struct story *s, const struct circumstances *c, const char *data,
+                  unsigned crash, struct daemon *d)
+{
+    int out[2];
+    char line[128];
+    CHECK(pipe2(out, O_CLOEXEC) == 0);
+    test_random(); /* or else each child would draw the same numbers */
+    d->pid = fork();
+    CHECK(d->pid >= 0);
+    if (d->pid == 0) {
+        dup2(out[1], STDOUT_FILENO);
+        if (strncmp(data, "root", 4) == 0)
+            set_disk(s, c, crash);
+        run_daemon(s, c, data);
+    }
+    close(out[1]);
+    FILE *f = fdopen(out[0], "r");
+    CHECK(f != NULL);
+    bool ready =
+        fgets(line, sizeof line, f) != NULL && sscanf(line, "ready on 127.0.0.1:%u", &d->port) == 1;
+    fclose(f);
+    return ready;
+}
+
+/* Lets it live for a while; returns its status. */
+static int await_end(const struct daemon *d, unsigned ms, bool ready)
+{
+    int status;
+    for (unsigned waited = 0; waitpid(d->pid, &status, WNOHANG) == 0; waited++) {
+        if (waited == ms && ready)
+            kill(d->pid, test_below(4) == 0 ? SIGTERM : SIGKILL);
+        pause_ms(1);
+    }
+    return status;
+}
+
+/* A life; whether it has ended between two operations, so that all are written down. */
+static bool live(struct story *s, const struct circumstances *c)
+{
+    static const unsigned most[] = {20, 100, 500, 2000, 10000};
+    char path[PATH_BYTES];
+    struct daemon d;
+    unsigned crash = 1 + test_below(most[test_below(5)]);
+    tree_write(&s->before, path_in(s, "root", path));
+    bool ready = start(s, c, "root/data", crash, &d);
+    s->work.port = d.port;
+    s->work.large = c->large;
+    s->work.stop = false;
+    for (int i = 0; ready && i < CLIENTS; i++)
+        client_start(&s->client[i], &s->work, test_random());
+    int status = await_end(&d, 1 + test_below(c->ms), ready);
+    s->work.stop = true;
+    for (int i = 0; ready && i < CLIENTS; i++)
+        client_join(&s->client[i]);
+    return WIFEXITED(status) && (WEXITSTATUS(status) == EXIT_CRASH || WEXITSTATUS(status) == 0);
+}
+
+/* ---- the moment ---- */
+
+struct moment {
+    struct story *story;
+    const struct circumstances *given;
+    const struct power_log *log;
+    struct crash *crash;
+    size_t cut;
+    struct random_fate fate;
+    struct tree after;
+};
+
+__attribute__((format(printf, 2, 3), noreturn)) static void fail(const struct moment *m,
+                                                                 const char *format, ...)
+{
+    const struct story *s = m->story;
+    char what[600], path[PATH_BYTES];
+    va_list ap;
+    va_start(ap, format);
+    vsnprintf(what, sizeof what, format, ap);
+    va_end(ap);
+    tree_write(&s->before, path_in(s, "before", path));
+    tree_write(&m->after, path_in(s, "crash", path));
+    test_fail(__FILE__, __LINE__,
+              "life %u, --fsync %s, power cut after %zu of %zu operations: %s\nlost: %s\n%s has "
+              "before/, the operations (ops) and what was left of them (crash/)",
+              s->lives, m->given->policy, m->cut, m->log->n, what, m->fate.recipe, s->dir);
+}
+
+static bool is_rare(enum power_kind k)
+{
+    return k == POWER_RENAME || k == POWER_UNLINK || k == POWER_SIZE || k == POWER_MKDIR ||
+           k == POWER_LINK;
+}
+
+/* Anywhere; at the end; where most is not covered, before a sync; beside an operation that is rare. */
+static size_t choose_cut(const struct power_log *log)
+{
+    size_t n = log->n, cut = test_below((uint32_t)n + 1);
+    switch (test_below(5)) {
+    case 0:
+        return n;
+    case 1:
+    case 2:
+        while (cut < n && log->op[cut].kind != POWER_SYNC)
+            cut++;
+        return cut;
+    case 3:
+        while (cut < n && !is_rare(log->op[cut].kind))
+            cut++;
+        return cut + test_below(n - cut < 4 ? (uint32_t)(n - cut) + 1 : 5);
+    default:
+        return cut;
+    }
+}
+
+/* The operations that had been done when the last sync of the log began: what was acknowledged until
+ * then is on the disk, whatever the policy. */
+static size_t synced_at(const struct moment *m)
+{
+    for (size_t i = m->cut; i > 0; i--) {
+        const struct power_op *op = &m->log->op[i - 1];
+        const char *name =
+            op->kind == POWER_SYNC && op->error == 0 ? crash_subject(m->crash, i - 1) : "";
+        if (strncmp(name, "data/log.", 9) == 0)
+            return (size_t)op->a;
+    }
+    return 0;
+}
+
+static void look(struct moment *m)
+{
+    struct history *h = &m->story->history;
+    m->cut = choose_cut(m->log);
+    random_fate_init(&m->fate, test_random(), m->crash, m->log);
+    m->after = crash_state(m->crash, m->cut, &m->fate.fate);
+    bool always = strcmp(m->given->policy, "always") == 0;
+    history_look(h, m->log, always ? m->cut : synced_at(m), always && m->cut == m->log->n);
+}
+
+/* ---- what is there ---- */
+
+/* Reads the directory as the daemon would. */
+static struct recovery *read_back(const struct moment *m, struct datadir *dir)
+{
+    char path[PATH_BYTES];
+    struct recovery *r = calloc(1, sizeof *r);
+    CHECK(r != NULL);
+    dir->fd = -1;
+    recovery_init(r, dir);
+    if (tree_find(&m->after, "data") == NULL)
+        return r;
+    CHECK(datadir_open(dir, path_in(m->story, "crash/data", path), false));
+    recovery_run(r);
+    if (r->result != RECOVERY_OK)
+        fail(m, "the daemon would not start: %s", r->why);
+    return r;
+}
+
+/* The daemon itself says the same. */
+static void ask_daemon(const struct moment *m, const struct recovery *r)
+{
+    char why[WHY_BYTES];
+    struct daemon d;
+    if (!start(m->story, m->given, "crash/data", 0, &d))
+        fail(m, "the daemon did not start");
+    bool agrees = power_agrees(&d, &r->replay.sets, why);
+    daemon_stop(&d, SIGKILL);
+    if (!agrees)
+        fail(m, "%s", why);
+}
+
+/* Whether the next life is to begin with this: a torn end is what most can go wrong with. */
+static bool check(const struct moment *m, bool last)
+{
+    char path[PATH_BYTES], why[WHY_BYTES];
+    struct datadir dir;
+    tree_write(&m->after, path_in(m->story, "crash", path));
+    struct recovery *r = read_back(m, &dir);
+    if (!history_allows(&m->story->history, &r->replay.sets, why))
+        fail(m, "%s", why);
+    datadir_close(&dir);
+    bool chosen = last || (r->torn && test_below(8) == 0);
+    if (chosen) {
+        ask_daemon(m, r);
+        history_settle(&m->story->history, &r->replay.sets);
+    }
+    recovery_clear(r);
+    free(r);
+    return chosen;
+}
+
+/* ---- a life ---- */
+
+/* What was written down is what has happened. */
+static void check_log(const struct moment *m)
+{
+    char path[PATH_BYTES];
+    struct tree is = tree_read(path_in(m->story, "root", path));
+    struct tree told = crash_none(m->crash, m->log->n);
+    const char *name = tree_difference(&told, &is);
+    CHECK_MSG(name == NULL, "%s is not what the log of operations says (%s)", name, m->story->dir);
+    tree_free(&is);
+    tree_free(&told);
+}
+
+void story_live(struct story *s, const struct circumstances *c)
+{
+    char path[PATH_BYTES];
+    bool exact = live(s, c);
+    struct power_log log = power_log_read(path_in(s, "ops", path));
+    struct moment m = {.story = s, .given = c, .log = &log};
+    m.crash = crash_new(&s->before, &log);
+    if (exact)
+        check_log(&m);
+    history_close(&s->history);
+    s->history.shows_unsaved = c->sync_fails + c->write_fails > 0 || c->space > 0;
+    s->lives++;
+    s->operations += (unsigned)log.n;
+    look(&m);
+    for (unsigned i = 1; !check(&m, i == c->states); i++) {
+        tree_free(&m.after);
+        look(&m);
+        s->states++;
+    }
+    s->states++;
+    tree_free(&s->before);
+    s->before = m.after;
+    crash_free(m.crash);
+    power_log_free(&log);
+}
