@@ -15,17 +15,22 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Makes the directory's own name durable. Where the parent cannot be opened there is nothing to be
- * done about it. */
-static bool sync_parent(const struct datadir *d)
+/* `ok`, with its errno, once the descriptor is closed; there may be none. */
+static bool close_with(int fd, bool ok)
 {
-    int fd = openat(d->fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    bool ok = fd < 0 || fsync(fd) == 0;
     int error = errno;
     if (fd >= 0)
         close(fd);
     errno = error;
     return ok;
+}
+
+/* Makes the directory's own name durable. Where the parent cannot be opened there is nothing to be
+ * done about it. */
+static bool sync_parent(const struct datadir *d)
+{
+    int fd = openat(d->fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    return close_with(fd, fd < 0 || fsync(fd) == 0);
 }
 
 static bool lock(struct datadir *d)
@@ -162,18 +167,33 @@ bool datadir_sync(const struct datadir *d)
     return fsync(d->fd) == 0;
 }
 
-/* Opens a new file beside those that earlier repairs have put aside; -1 with errno. */
-static int create_aside(const struct datadir *d, const struct datafile *f)
+/* ---- putting aside ---- */
+
+/* Opens a new file beside those that were put aside earlier; -1 with errno. */
+static int create_aside(const struct datadir *d, const struct datafile *f, char name[DATADIR_ASIDE])
 {
     enum { REPAIRS = 100, FLAGS = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC };
-    char name[DATAFILE_NAME + 32];
-    snprintf(name, sizeof name, "damaged.%s", f->name);
+    snprintf(name, DATADIR_ASIDE, "damaged.%s", f->name);
     int fd = openat(d->fd, name, FLAGS, 0600);
     for (int i = 2; fd < 0 && errno == EEXIST && i < REPAIRS; i++) {
-        snprintf(name, sizeof name, "damaged.%s.%d", f->name, i);
+        snprintf(name, DATADIR_ASIDE, "damaged.%s.%d", f->name, i);
         fd = openat(d->fd, name, FLAGS, 0600);
     }
     return fd;
+}
+
+static bool write_all(int fd, const char *bytes, size_t n)
+{
+    while (n > 0) {
+        ssize_t wrote = write(fd, bytes, n);
+        if (wrote < 0 && errno != EINTR)
+            return false;
+        if (wrote > 0) {
+            bytes += wrote;
+            n -= (size_t)wrote;
+        }
+    }
+    return true;
 }
 
 static bool copy_rest(int from, int to, uint64_t at)
@@ -183,23 +203,53 @@ static bool copy_rest(int from, int to, uint64_t at)
     if (lseek(from, (off_t)at, SEEK_SET) < 0)
         return false;
     while ((n = read(from, block, sizeof block)) > 0)
-        if (write(to, block, (size_t)n) != n)
+        if (!write_all(to, block, (size_t)n))
             return false;
     return n == 0 && fsync(to) == 0;
 }
 
-bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at)
+bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at,
+                        char name[DATADIR_ASIDE])
 {
     int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
-    int to = from < 0 ? -1 : create_aside(d, f);
+    int to = from < 0 ? -1 : create_aside(d, f, name);
     bool ok = to >= 0 && copy_rest(from, to, at) && datadir_sync(d);
-    int error = errno;
-    if (from >= 0)
-        close(from);
-    if (to >= 0)
-        close(to);
-    errno = error;
+    close_with(from, ok);
+    close_with(to, ok);
+    if (!ok && to >= 0) {
+        int error = errno;
+        unlinkat(d->fd, name, 0);
+        errno = error;
+    }
     return ok;
+}
+
+bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at)
+{
+    int fd = openat(d->fd, f->name, O_WRONLY | O_CLOEXEC);
+    return close_with(fd, fd >= 0 && ftruncate(fd, (off_t)at) == 0 && fsync(fd) == 0);
+}
+
+/* ---- saving again ---- */
+
+/* A sync that has failed may have marked what it did not save as saved; written again it is not. */
+static bool write_again(int fd, uint64_t at)
+{
+    char block[1 << 16];
+    for (;;) {
+        ssize_t n = pread(fd, block, sizeof block, (off_t)at);
+        if (n == 0)
+            return true;
+        if (n < 0 || lseek(fd, (off_t)at, SEEK_SET) < 0 || !write_all(fd, block, (size_t)n))
+            return false;
+        at += (uint64_t)n;
+    }
+}
+
+bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint64_t at)
+{
+    int fd = openat(d->fd, f->name, O_RDWR | O_CLOEXEC);
+    return close_with(fd, fd >= 0 && write_again(fd, at) && fdatasync(fd) == 0);
 }
 
 void datadir_forget(const struct datadir *d, uint64_t lsn)

@@ -4,7 +4,7 @@
  *     snapshot.<lsn>    all sets, with every change up to that lsn
  *     *.tmp             a snapshot that was not finished; removed at the next start
  *     reserve           space kept back, so that DEL and DROP still work on a full disk
- *     damaged.*         what --repair took away
+ *     damaged.*         what --repair took away, or a start whose log was damaged at its end
  *
  * An lsn is written as 16 hexadecimal digits, so that names sort. */
 #ifndef SERVER_DATADIR_H
@@ -21,7 +21,7 @@ struct datadir {
 
 enum datafile_kind { DATAFILE_SNAPSHOT, DATAFILE_LOG, DATAFILE_TEMPORARY };
 
-enum { DATAFILE_NAME = 40 };
+enum { DATAFILE_NAME = 40, DATADIR_ASIDE = DATAFILE_NAME + 32 };
 
 struct datafile {
     enum datafile_kind kind;
@@ -50,8 +50,17 @@ void datafile_name(char name[DATAFILE_NAME], enum datafile_kind kind, uint64_t l
 bool datadir_sync(const struct datadir *d);
 
 /* Copies what follows byte `at` of the file into a new file, on the disk when that returns, under a
- * name that begins with `damaged.` and that no file has. False with errno. */
-bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at);
+ * name that begins with `damaged.` and that no file has. False with errno, and there is no new
+ * file. */
+bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at,
+                        char name[DATADIR_ASIDE]);
+
+/* Cuts off what follows byte `at`; that is on the disk when it returns. False with errno. */
+bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at);
+
+/* Makes what the file holds durable from byte `at` on, whatever became of earlier syncs. False with
+ * errno. */
+bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint64_t at);
 
 /* Removes the snapshots older than `lsn` and the log segments that it covers: those followed by a
  * segment that begins at lsn + 1 or before. A file that cannot be removed is left for the next

@@ -60,7 +60,7 @@ static void *read_directory(void *arg)
     recovery_run(r);
     if (r->result == RECOVERY_OK && recovery_tidy(r)) {
         if (r->why[0] != '\0')
-            notice(NOTICE_WARNING, "%s", r->why);
+            notice(r->later > 0 ? NOTICE_ERROR : NOTICE_WARNING, "%s", r->why);
         d->log = log_new(&d->dir, s->config->fsync, r->last + 1, d->event);
         if (d->log == NULL)
             r->result = RECOVERY_ERROR;

@@ -127,18 +127,24 @@ struct place {
     const struct datafile *file;
     bool last; /* no segment follows */
     uint64_t first;
+    uint64_t mark_at, mark_lsn; /* a record: as soon as a later one calls all before it synced */
     uint64_t load_at, load_lsn; /* where the LOAD began that is not complete */
 };
 
 static bool torn_at(struct recovery *r, const struct place *p, uint64_t at)
 {
+    int n;
     r->torn = true;
     r->file = *p->file;
     r->at = at;
-    snprintf(r->why, sizeof r->why,
-             "%s: the end of the log was torn off by a crash; %" PRIu64 " bytes after byte %" PRIu64
-             " do not count",
-             p->file->name, p->file->bytes - at, at);
+    n = snprintf(r->why, sizeof r->why,
+                 "%s: the end of the log was torn off by a crash; %" PRIu64
+                 " bytes after byte %" PRIu64 " do not count",
+                 p->file->name, p->file->bytes - at, at);
+    if (r->later > 0)
+        snprintf(r->why + n, sizeof r->why - (size_t)n,
+                 ", among them %" PRIu64 " whole records, which may have been acknowledged",
+                 r->later);
     return true;
 }
 
@@ -159,7 +165,7 @@ static bool judge_end(struct recovery *r, const struct place *p, struct segment_
                       const char *fault)
 {
     uint64_t at = in->at, bad = r->last + 1;
-    bool synced = false;
+    bool synced = false, half = in->half;
     struct record later;
     enum reader_result got;
     while ((got = reader_search(in, bad, &later)) == READER_OK) {
@@ -177,12 +183,27 @@ static bool judge_end(struct recovery *r, const struct place *p, struct segment_
     }
     if (synced || !p->last)
         return corrupt_at(r, p, at, fault);
+    r->aside = !half || r->later > 0;
     return torn_at(r, p, at);
+}
+
+/* A record says up to which lsn all is synced. Where that is in the file is remembered of one record
+ * only, the mark, so synced_at may be earlier than it could. */
+static void note_synced(struct recovery *r, struct place *p, uint64_t at,
+                        const struct record *record)
+{
+    if (record->synced + 1 < p->mark_lsn)
+        return;
+    r->synced_at = record->synced + 1 == record->lsn ? at : p->mark_at;
+    p->mark_at = at;
+    p->mark_lsn = record->lsn;
 }
 
 static bool read_log_records(struct recovery *r, struct place *p, struct segment_reader *in)
 {
     struct record record;
+    r->synced_at = p->mark_at = SEGMENT_HEADER;
+    p->mark_lsn = p->first;
     for (;;) {
         enum reader_result got = reader_next(in, &record);
         if (got == READER_ERROR)
@@ -194,8 +215,12 @@ static bool read_log_records(struct recovery *r, struct place *p, struct segment
             got = READER_BAD;
             in->last = 0;
         }
+        if (got == READER_END) {
+            in->half = true;
+            in->fault = "a LOAD is not complete";
+        }
         if (got != READER_OK)
-            return judge_end(r, p, in, got == READER_END ? "a LOAD is not complete" : in->fault);
+            return judge_end(r, p, in, in->fault);
         const char *fault = replay_log(&r->replay, &record);
         if (fault != NULL && r->mend && !r->replay.out_of_memory)
             return corrupt_at(r, p, in->at, fault);
@@ -207,6 +232,7 @@ static bool read_log_records(struct recovery *r, struct place *p, struct segment
         }
         if (!replay_in_load(&r->replay))
             p->load_at = 0;
+        note_synced(r, p, in->at, &record);
         r->last = record.lsn;
         r->done += in->last;
         if (cancelled(r))
@@ -224,8 +250,10 @@ static bool judge_header(struct recovery *r, const struct place *p, struct segme
         got = reader_search(in, 0, &later);
     if (got == READER_ERROR)
         return fail_to_read(r, p->file, in->error);
-    if (got == READER_END && p->last && p->file->lsn == r->last + 1)
+    if (got == READER_END && p->last && p->file->lsn == r->last + 1) {
+        r->aside = p->file->bytes > SEGMENT_HEADER;
         return torn_at(r, p, 0);
+    }
     if (r->mend)
         return corrupt_at(r, p, 0, in->fault);
     r->bad_log = true;
@@ -360,18 +388,6 @@ void recovery_log(struct recovery *r, const struct datafiles *files)
 
 /* ---- afterwards ---- */
 
-static bool cut(const struct datadir *dir, const struct datafile *f, uint64_t at)
-{
-    int fd = openat(dir->fd, f->name, O_WRONLY | O_CLOEXEC);
-    if (fd < 0)
-        return false;
-    bool ok = ftruncate(fd, (off_t)at) == 0 && fsync(fd) == 0;
-    int error = errno;
-    close(fd);
-    errno = error;
-    return ok;
-}
-
 static void remove_temporaries(const struct datadir *dir)
 {
     struct datafiles files;
@@ -383,13 +399,41 @@ static void remove_temporaries(const struct datadir *dir)
     datafiles_free(&files);
 }
 
+/* Cuts off what is torn, which is put aside before if it may hold changes. */
+static bool cut_torn_end(struct recovery *r)
+{
+    const struct datafile *f = &r->file;
+    char name[DATADIR_ASIDE];
+    size_t n = strlen(r->why);
+    if (r->aside && !datadir_copy_aside(r->dir, f, r->at, name))
+        return fail(r, RECOVERY_ERROR, "cannot put the damaged end of %s aside: %s", f->name,
+                    strerror(errno));
+    if (r->aside)
+        snprintf(r->why + n, sizeof r->why - n, "; they are kept in %s", name);
+    if (r->at == 0 ? unlinkat(r->dir->fd, f->name, 0) != 0 : !datadir_cut(r->dir, f, r->at))
+        return fail(r, RECOVERY_ERROR, "cannot cut the end off %s: %s", f->name, strerror(errno));
+    return true;
+}
+
+/* What was read is what the log builds on. If those who wrote it were killed, it need not be on the
+ * disk, and a power failure would leave a gap before the changes that come now. */
+static bool save_log(struct recovery *r)
+{
+    struct datafiles files;
+    bool ok = datadir_list(r->dir, &files);
+    for (size_t i = 0; ok && i < files.n; i++) {
+        const struct datafile *f = &files.v[i];
+        bool last = i + 1 == files.n || f[1].kind != DATAFILE_LOG;
+        if (f->kind == DATAFILE_LOG)
+            ok = datadir_save_again(r->dir, f, last ? r->synced_at : f->bytes);
+    }
+    int error = errno;
+    datafiles_free(&files);
+    return ok || fail(r, RECOVERY_ERROR, "cannot sync the log: %s", strerror(error));
+}
+
 bool recovery_tidy(struct recovery *r)
 {
     remove_temporaries(r->dir);
-    if (!r->torn)
-        return true;
-    if (r->at == 0 ? unlinkat(r->dir->fd, r->file.name, 0) != 0 : !cut(r->dir, &r->file, r->at))
-        return fail(r, RECOVERY_ERROR, "cannot cut the end off %s: %s", r->file.name,
-                    strerror(errno));
-    return true;
+    return (!r->torn || cut_torn_end(r)) && save_log(r);
 }

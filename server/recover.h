@@ -2,8 +2,9 @@
  *
  * Torn or corrupt? Where a record is damaged, whatever follows is searched for records that say it
  * was synced (record.h). If one does, acknowledged changes are damaged: that is corruption, and the
- * daemon does not start. If none does, it is the end that a crash has torn off, which nobody was
- * promised, and it is cut away. */
+ * daemon does not start. If none does, it is the end that a crash has torn off, and it is cut away.
+ * Only where the file ends within a record, or within a LOAD, is that certain. Anything else may
+ * hold changes that were acknowledged without being synced, and is put aside first. */
 #ifndef SERVER_RECOVER_H
 #define SERVER_RECOVER_H
 
@@ -37,9 +38,11 @@ struct recovery {
     struct datafile file; /* the segment that is torn or corrupt */
     uint64_t at;          /* from this offset on */
     bool torn;
-    bool bad_snapshot; /* RECOVERY_REFUSED for that; --repair may keep most of it */
-    bool bad_log;      /* for a segment's header, one that is missing, or a record that cannot be */
-    uint64_t later;    /* RECOVERY_CORRUPT: whole records that follow */
+    bool aside;         /* and may hold changes */
+    uint64_t synced_at; /* up to this offset the last segment was synced for certain */
+    bool bad_snapshot;  /* RECOVERY_REFUSED for that; --repair may keep most of it */
+    bool bad_log;   /* for a segment's header, one that is missing, or a record that cannot be */
+    uint64_t later; /* RECOVERY_CORRUPT, or torn: whole records that follow */
 };
 
 void recovery_init(struct recovery *r, const struct datadir *dir);
@@ -50,7 +53,9 @@ void recovery_run(struct recovery *r);
 /* Only the log among the files, from r->replay.snapshot on. */
 void recovery_log(struct recovery *r, const struct datafiles *files);
 
-/* Cuts off the torn end, and removes snapshots that were not finished. False: r->why tells. */
+/* Makes the directory what the log can go on from: cuts off the torn end, removes snapshots that were
+ * not finished, and syncs what was read, since those who wrote it may have been killed before they
+ * could. False: r->why tells; it does so as well if an end was torn off. */
 bool recovery_tidy(struct recovery *r);
 
 void recovery_clear(struct recovery *r);

@@ -53,20 +53,15 @@ int recovery_check(const char *path)
 
 static bool put_whole_aside(const struct datadir *dir, const struct datafile *f)
 {
-    return datadir_copy_aside(dir, f, 0) && unlinkat(dir->fd, f->name, 0) == 0;
+    char name[DATADIR_ASIDE];
+    return datadir_copy_aside(dir, f, 0, name) && unlinkat(dir->fd, f->name, 0) == 0;
 }
 
 /* Moves what follows byte `at` of the segment into a file of its own. */
 static bool put_rest_aside(const struct datadir *dir, const struct datafile *f, uint64_t at)
 {
-    int fd = openat(dir->fd, f->name, O_WRONLY | O_CLOEXEC);
-    bool ok = fd >= 0 && datadir_copy_aside(dir, f, at) && ftruncate(fd, (off_t)at) == 0 &&
-              fsync(fd) == 0;
-    int error = errno;
-    if (fd >= 0)
-        close(fd);
-    errno = error;
-    return ok;
+    char name[DATADIR_ASIDE];
+    return datadir_copy_aside(dir, f, at, name) && datadir_cut(dir, f, at);
 }
 
 static bool put_later_aside(const struct datadir *dir, const struct datafile *f)
@@ -135,6 +130,7 @@ static bool begin_log(const struct recovery *r)
 static bool mend_log(const struct recovery *r)
 {
     struct datafiles files;
+    char aside[DATADIR_ASIDE];
     size_t segments = 0;
     bool ok = datadir_list(r->dir, &files);
     for (size_t i = 0; ok && i < files.n; i++) {
@@ -142,7 +138,7 @@ static bool mend_log(const struct recovery *r)
         segments += f->kind == DATAFILE_LOG;
         if (f->kind != DATAFILE_LOG || has_good_header(r->dir, f))
             continue;
-        ok = datadir_copy_aside(r->dir, f, 0) && write_header(r->dir, f);
+        ok = datadir_copy_aside(r->dir, f, 0, aside) && write_header(r->dir, f);
         if (ok)
             printf("%s: its header was made anew; what was there is in damaged.*\n", f->name);
     }
@@ -162,10 +158,12 @@ static void repair(struct recovery *r)
     } else if (r->result == RECOVERY_REFUSED && r->bad_snapshot) {
         printf("%s\n", r->why);
         salvage(r->dir);
-    } else if (r->result == RECOVERY_OK && !recovery_tidy(r)) {
-        printf("%s\n", r->why);
     } else if (r->result == RECOVERY_OK) {
-        mend_log(r);
+        bool tidy = recovery_tidy(r);
+        if (r->why[0] != '\0')
+            printf("%s\n", r->why);
+        if (tidy)
+            mend_log(r);
     }
 }
 

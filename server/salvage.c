@@ -187,8 +187,9 @@ static bool write_anew(struct recovery *r)
  * copied; of all others a second name is enough. */
 static bool put_aside(const struct recovery *r, const struct datafile *f)
 {
+    char name[DATADIR_ASIDE];
     bool same = f->kind == DATAFILE_LOG && f->lsn == r->last + 1;
-    return same ? datadir_copy_aside(r->dir, f, 0) : link_aside(r->dir, f);
+    return same ? datadir_copy_aside(r->dir, f, 0, name) : link_aside(r->dir, f);
 }
 
 /* The log begins after the snapshot; earlier segments have their second names. */

@@ -90,6 +90,7 @@ enum reader_result reader_next(struct segment_reader *r, struct record *record)
         if (took != 0 || r->eof || want == RECORD_LIMIT)
             break;
     }
+    r->half = took == 0;
     if (took <= 0)
         return bad(r, took == 0 ? "it is cut off" : record->fault);
     r->last = (size_t)took;

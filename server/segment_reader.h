@@ -18,6 +18,7 @@ struct segment_reader {
     uint64_t at; /* the offset of the window, behind the last record that was read */
     size_t last; /* the length of that record, which is still in the window */
     bool eof;
+    bool half; /* READER_BAD: the file ends within a record, as far as there is one */
     int error;
     const char *fault;
 };

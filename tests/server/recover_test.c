@@ -1,0 +1,391 @@
+/* recover_test.c - what reading a directory makes of it, record by record and call by call. The files
+ * are composed here; no daemon. */
+#include "server/recover.h"
+
+#include "server/log_file.h"
+#include "tests/server/directory.h"
+#include "tests/server/file_calls.h"
+#include "tests/test.h"
+
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { RECORDS = 16 };
+
+/* ---- files to read ---- */
+
+struct bench {
+    struct directory directory;
+    struct datadir dir;
+    struct recovery r;
+    struct buf bytes;    /* of the file that is being composed */
+    size_t end[RECORDS]; /* of its records, by lsn */
+};
+
+static void begin(struct bench *b)
+{
+    *b = (struct bench){.directory = directory_quick()};
+    CHECK(datadir_open(&b->dir, b->directory.path, false));
+}
+
+static void end(struct bench *b)
+{
+    recovery_clear(&b->r);
+    datadir_close(&b->dir);
+    buf_free(&b->bytes);
+    directory_remove(&b->directory);
+}
+
+static void begin_file(struct bench *b, enum segment_kind kind, uint64_t lsn)
+{
+    struct segment header = {.version = RECORD_VERSION, .kind = kind, .lsn = lsn};
+    buf_free(&b->bytes);
+    segment_write(buf_reserve(&b->bytes, SEGMENT_HEADER), &header);
+    buf_commit(&b->bytes, SEGMENT_HEADER);
+}
+
+/* Appends a record about the set t. */
+static void put(struct bench *b, struct record r)
+{
+    CHECK(r.lsn < RECORDS);
+    if (r.type != RECORD_CHUNK && r.type != RECORD_END) {
+        r.name = "t";
+        r.name_len = 1;
+    }
+    record_write(&b->bytes, &r);
+    b->end[r.lsn] = buf_len(&b->bytes);
+}
+
+static void put_point(struct bench *b, uint64_t lsn, uint64_t synced, uint32_t id)
+{
+    double p[] = {id, 1};
+    put(b, (struct record){
+               .lsn = lsn, .synced = synced, .type = RECORD_ADD, .first = id, .n = 1, .items = p});
+}
+
+static void path_of(const struct bench *b, enum datafile_kind kind, uint64_t lsn, char path[128])
+{
+    char name[DATAFILE_NAME];
+    datafile_name(name, kind, lsn);
+    snprintf(path, 128, "%s/%s", b->directory.path, name);
+}
+
+static void end_file(const struct bench *b, enum datafile_kind kind, uint64_t lsn)
+{
+    char path[128];
+    path_of(b, kind, lsn, path);
+    file_write(path, buf_head(&b->bytes), buf_len(&b->bytes));
+}
+
+/* A log of so many points, of none of which it says that it was synced. */
+static void write_unsynced(struct bench *b, uint32_t points)
+{
+    begin_file(b, SEGMENT_LOG, 1);
+    for (uint32_t i = 0; i < points; i++)
+        put_point(b, i + 1, 0, i);
+    end_file(b, DATAFILE_LOG, 1);
+}
+
+static void read_all(struct bench *b)
+{
+    recovery_init(&b->r, &b->dir);
+    recovery_run(&b->r);
+}
+
+static uint32_t points_of_t(const struct bench *b)
+{
+    struct word name = {"t", 1};
+    struct dataset *set = registry_find(&b->r.replay.sets, &name);
+    return set == NULL ? 0 : dt_next_id(set->current->dt);
+}
+
+static bool file_is(const char *path, const char *bytes, size_t n)
+{
+    size_t there;
+    char *got = file_read(path, &there);
+    bool same = there == n && memcmp(got, bytes, n) == 0;
+    free(got);
+    return same;
+}
+
+/* ---- a damaged end ---- */
+
+static void flip_a_bit(struct bench *b, size_t at)
+{
+    buf_head(&b->bytes)[at] ^= 4;
+    end_file(b, DATAFILE_LOG, 1);
+}
+
+TEST(changes_behind_a_flipped_bit_are_put_aside_and_not_deleted)
+{
+    char path[128];
+    struct bench b;
+    begin(&b);
+    write_unsynced(&b, 10);
+    flip_a_bit(&b, b.end[4] + 20);
+    read_all(&b);
+    CHECK_MSG(b.r.result == RECOVERY_OK && b.r.torn && points_of_t(&b) == 4, "%s", b.r.why);
+    calls_watch(b.directory.path);
+    CHECK(recovery_tidy(&b.r));
+    CHECK_STR(calls_text(),
+              "create damaged.log.1\nwrite damaged.log.1\nsync damaged.log.1\nsync .\n"
+              "cut log.1\nsync log.1\nwrite log.1\nsync log.1\n");
+    CHECK_MSG(strstr(b.r.why, "damaged.log.0000000000000001") != NULL, "%s", b.r.why);
+    CHECK_MSG(strstr(b.r.why, "5 whole records") != NULL, "%s", b.r.why);
+    CHECK(directory_file(&b.directory, "damaged.", 0, path));
+    CHECK(file_is(path, buf_head(&b.bytes) + b.end[4], b.end[10] - b.end[4]));
+    CHECK(directory_file(&b.directory, "log.", 0, path));
+    CHECK(file_is(path, buf_head(&b.bytes), b.end[4]));
+    end(&b);
+}
+
+TEST(last_change_is_put_aside_when_it_is_damaged)
+{
+    char path[128];
+    struct bench b;
+    begin(&b);
+    write_unsynced(&b, 3);
+    flip_a_bit(&b, b.end[3] - 1);
+    read_all(&b);
+    CHECK(b.r.result == RECOVERY_OK && points_of_t(&b) == 2 && recovery_tidy(&b.r));
+    CHECK(directory_file(&b.directory, "damaged.", 0, path));
+    CHECK(file_is(path, buf_head(&b.bytes) + b.end[2], b.end[3] - b.end[2]));
+    end(&b);
+}
+
+/* Its length is damaged, and the number of its points to match: it looks as if the file ended in it. */
+TEST(change_behind_one_that_seems_to_be_cut_off_is_put_aside)
+{
+    static const char length[] = {0x41, 0x1f, 0, 0}, points[] = {(char)0xf4, 0x01, 0, 0};
+    char path[128];
+    struct bench b;
+    begin(&b);
+    write_unsynced(&b, 3);
+    memcpy(buf_head(&b.bytes) + b.end[1] + 4, length, sizeof length); /* 8001 = 1 + 16 * 500 */
+    memcpy(buf_head(&b.bytes) + b.end[1] + 32, points, sizeof points);
+    end_file(&b, DATAFILE_LOG, 1);
+    read_all(&b);
+    CHECK(b.r.result == RECOVERY_OK && points_of_t(&b) == 1 && recovery_tidy(&b.r));
+    CHECK(directory_file(&b.directory, "damaged.", 0, path));
+    CHECK(file_is(path, buf_head(&b.bytes) + b.end[1], b.end[3] - b.end[1]));
+    end(&b);
+}
+
+TEST(segment_with_a_damaged_header_and_a_damaged_change_is_put_aside)
+{
+    char path[128];
+    struct bench b;
+    begin(&b);
+    write_unsynced(&b, 1);
+    flip_a_bit(&b, b.end[1] - 1);
+    flip_a_bit(&b, 3);
+    read_all(&b);
+    CHECK(b.r.result == RECOVERY_OK && points_of_t(&b) == 0 && recovery_tidy(&b.r));
+    CHECK(directory_file(&b.directory, "damaged.", 0, path));
+    CHECK(file_is(path, buf_head(&b.bytes), b.end[1]));
+    CHECK(!directory_file(&b.directory, "log.", 0, path));
+    end(&b);
+}
+
+static void expect_cut(struct bench *b, size_t at, size_t n)
+{
+    char path[128];
+    path_of(b, DATAFILE_LOG, 1, path);
+    file_write(path, buf_head(&b->bytes), n);
+    read_all(b);
+    CHECK(b->r.result == RECOVERY_OK && b->r.torn && recovery_tidy(&b->r));
+    CHECK(file_is(path, buf_head(&b->bytes), at));
+    CHECK(!directory_file(&b->directory, "damaged.", 0, path));
+    recovery_clear(&b->r);
+}
+
+/* Nothing in it was ever acknowledged. */
+TEST(end_that_is_only_incomplete_is_cut_off_without_a_copy)
+{
+    double p[] = {1, 1, 2, 2};
+    struct bench b;
+    begin(&b);
+    write_unsynced(&b, 3);
+    expect_cut(&b, b.end[2], b.end[3] - 1);
+    expect_cut(&b, b.end[2], b.end[2] + 1);
+    put(&b, (struct record){.lsn = 4, .type = RECORD_LOAD, .first = 3});
+    expect_cut(&b, b.end[3], b.end[4]);
+    put(&b, (struct record){.lsn = 5, .type = RECORD_CHUNK, .n = 2, .items = p});
+    expect_cut(&b, b.end[3], b.end[5]);
+    expect_cut(&b, b.end[3], b.end[5] - 1);
+    end(&b);
+}
+
+/* A LOAD counts when it is complete; its last record may have been acknowledged. */
+TEST(load_whose_last_record_is_damaged_is_put_aside)
+{
+    char path[128];
+    double p[] = {1, 1, 2, 2};
+    struct bench b;
+    begin(&b);
+    write_unsynced(&b, 3);
+    put(&b, (struct record){.lsn = 4, .type = RECORD_LOAD, .first = 3});
+    put(&b, (struct record){.lsn = 5, .type = RECORD_CHUNK, .n = 2, .items = p});
+    put(&b, (struct record){.lsn = 6, .type = RECORD_LOADED, .n = 2});
+    flip_a_bit(&b, b.end[5] + 9);
+    read_all(&b);
+    CHECK(b.r.result == RECOVERY_OK && points_of_t(&b) == 3 && recovery_tidy(&b.r));
+    CHECK(directory_file(&b.directory, "damaged.", 0, path));
+    CHECK(file_is(path, buf_head(&b.bytes) + b.end[3], b.end[6] - b.end[3]));
+    end(&b);
+}
+
+TEST(damaged_end_stays_where_it_is_while_it_cannot_be_put_aside)
+{
+    static const char *const calls[] = {"create damaged.log.1", "write damaged.log.1",
+                                        "sync damaged.log.1", "sync ."};
+    char path[128];
+    struct bench b;
+    begin(&b);
+    write_unsynced(&b, 10);
+    flip_a_bit(&b, b.end[4] + 20);
+    for (size_t i = 0; i <= sizeof calls / sizeof calls[0]; i++) {
+        read_all(&b);
+        calls_watch(b.directory.path);
+        if (i == 0)
+            calls_limit_space(100); /* a piece of it */
+        else
+            calls_fail(calls[i - 1], 1, 1, EIO);
+        CHECK(!recovery_tidy(&b.r) && b.r.result == RECOVERY_ERROR);
+        CHECK_MSG(strstr(b.r.why, "aside") != NULL, "%s", b.r.why);
+        CHECK(!directory_file(&b.directory, "damaged.", 0, path));
+        path_of(&b, DATAFILE_LOG, 1, path);
+        CHECK(file_is(path, buf_head(&b.bytes), b.end[10]));
+        recovery_clear(&b.r);
+    }
+    end(&b);
+}
+
+/* ---- what is read is on the disk before anything is built on it ---- */
+
+/* Those who wrote it may have been killed before they could sync it. Of the segment that they wrote
+ * last, a sync that failed may have marked pages as saved that are not: they are written again. */
+TEST(log_that_was_read_is_saved_before_a_new_segment_begins)
+{
+    struct bench b;
+    begin(&b);
+    write_unsynced(&b, 3);
+    begin_file(&b, SEGMENT_LOG, 4);
+    put_point(&b, 4, 3, 3);
+    put_point(&b, 5, 4, 4);
+    put_point(&b, 6, 4, 5);
+    put_point(&b, 7, 4, 6);
+    end_file(&b, DATAFILE_LOG, 4);
+    read_all(&b);
+    CHECK_MSG(b.r.result == RECOVERY_OK && points_of_t(&b) == 7, "%s", b.r.why);
+    CHECK(b.r.synced_at == b.end[4]);
+    calls_watch(b.directory.path);
+    CHECK(recovery_tidy(&b.r));
+    CHECK_STR(calls_text(), "sync log.1\nwrite log.4\nsync log.4\n");
+    end(&b);
+}
+
+TEST(log_that_cannot_be_saved_again_is_not_built_on)
+{
+    static const char *const calls[] = {"write log.1", "sync log.1"};
+    for (size_t i = 0; i < 2; i++) {
+        struct bench b;
+        begin(&b);
+        write_unsynced(&b, 3);
+        read_all(&b);
+        calls_watch(b.directory.path);
+        calls_fail(calls[i], 1, 1, EIO);
+        CHECK(!recovery_tidy(&b.r) && b.r.result == RECOVERY_ERROR);
+        end(&b);
+    }
+}
+
+/* Never more than what was synced is taken for it, and hardly less. */
+TEST(what_was_synced_for_certain_is_followed_from_record_to_record)
+{
+    struct bench b;
+    begin(&b);
+    begin_file(&b, SEGMENT_LOG, 1);
+    static const uint64_t synced[] = {0, 0, 0, 2, 2, 5, 5, 5, 5};
+    for (uint32_t i = 0; i < 9; i++)
+        put_point(&b, i + 1, synced[i], i);
+    end_file(&b, DATAFILE_LOG, 1);
+    read_all(&b);
+    CHECK(b.r.synced_at <= b.end[5] && b.r.synced_at >= b.end[2]);
+    end(&b);
+}
+
+/* ---- which changes count ---- */
+
+static void expect_points(struct bench *b, uint64_t last, uint32_t points)
+{
+    read_all(b);
+    CHECK_MSG(b->r.result == RECOVERY_OK, "%s", b->r.why);
+    CHECK(b->r.last == last && points_of_t(b) == points);
+}
+
+/* Its DROP has the lsn of the snapshot: carried out a second time it would find no set. */
+TEST(change_that_the_snapshot_has_is_not_carried_out_again)
+{
+    struct bench b;
+    begin(&b);
+    begin_file(&b, SEGMENT_SNAPSHOT, 2);
+    put(&b, (struct record){.lsn = 1, .type = RECORD_END});
+    end_file(&b, DATAFILE_SNAPSHOT, 2);
+    begin_file(&b, SEGMENT_LOG, 1);
+    put(&b, (struct record){.lsn = 1, .type = RECORD_CREATE});
+    put(&b, (struct record){.lsn = 2, .type = RECORD_DROP});
+    put_point(&b, 3, 0, 0);
+    end_file(&b, DATAFILE_LOG, 1);
+    expect_points(&b, 3, 1);
+    end(&b);
+}
+
+/* The set was pinned for the snapshot when the change had been made that has lsn 2. */
+TEST(change_that_a_set_of_the_snapshot_has_is_not_carried_out_again)
+{
+    struct record_row row = {0, 0, 0, 1};
+    struct bench b;
+    begin(&b);
+    begin_file(&b, SEGMENT_SNAPSHOT, 1);
+    put(&b, (struct record){.lsn = 1, .synced = 2, .type = RECORD_SET, .first = 1, .n = 1});
+    put(&b, (struct record){.lsn = 2, .type = RECORD_ROWS, .n = 1, .items = &row});
+    put(&b, (struct record){.lsn = 3, .type = RECORD_END, .n = 1});
+    end_file(&b, DATAFILE_SNAPSHOT, 1);
+    begin_file(&b, SEGMENT_LOG, 2);
+    put_point(&b, 2, 0, 0);
+    put_point(&b, 3, 0, 1);
+    end_file(&b, DATAFILE_LOG, 2);
+    expect_points(&b, 3, 2);
+    end(&b);
+}
+
+TEST(log_that_lacks_one_change_behind_the_snapshot_is_refused)
+{
+    struct bench b;
+    begin(&b);
+    begin_file(&b, SEGMENT_SNAPSHOT, 5);
+    put(&b, (struct record){.lsn = 1, .type = RECORD_END});
+    end_file(&b, DATAFILE_SNAPSHOT, 5);
+    begin_file(&b, SEGMENT_LOG, 7);
+    put_point(&b, 7, 0, 0);
+    end_file(&b, DATAFILE_LOG, 7);
+    read_all(&b);
+    CHECK(b.r.result == RECOVERY_REFUSED && strstr(b.r.why, "change 6 is missing") != NULL);
+    end(&b);
+}
+
+TEST(log_that_begins_right_behind_the_snapshot_is_read)
+{
+    struct bench b;
+    begin(&b);
+    begin_file(&b, SEGMENT_SNAPSHOT, 5);
+    put(&b, (struct record){.lsn = 1, .type = RECORD_END});
+    end_file(&b, DATAFILE_SNAPSHOT, 5);
+    begin_file(&b, SEGMENT_LOG, 6);
+    put_point(&b, 6, 0, 0);
+    end_file(&b, DATAFILE_LOG, 6);
+    expect_points(&b, 6, 1);
+    end(&b);
+}
