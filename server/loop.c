@@ -25,6 +25,7 @@ bool loop_init(struct loop *loop)
 {
     *loop = (struct loop){.now_ms = clock_ms()};
     loop->next_tick_ms = loop->now_ms + TICK_MS;
+    timers_init(&loop->timers, loop->now_ms);
     loop->epoll = epoll_create1(EPOLL_CLOEXEC);
     return loop->epoll >= 0;
 }
@@ -112,7 +113,10 @@ static int wait_ms(const struct loop *loop)
 {
     if (loop->deferred.first != NULL)
         return 0;
-    int64_t left = loop->next_tick_ms - clock_ms();
+    int64_t first = loop->timers.earliest_ms;
+    if (first > loop->next_tick_ms)
+        first = loop->next_tick_ms;
+    int64_t left = first - clock_ms();
     return left < 0 ? 0 : (int)left;
 }
 
@@ -129,6 +133,7 @@ void loop_run(struct loop *loop)
             if (source->fd >= 0) /* not closed earlier in this batch */
                 source->ready(source, event[i].events);
         }
+        timers_run(&loop->timers, loop->now_ms);
         tick_if_due(loop);
         if (loop->turn_end != NULL)
             loop->turn_end(loop);

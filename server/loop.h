@@ -1,12 +1,13 @@
 /* loop.h - the event loop: epoll, level-triggered, one thread.
  *
- * A turn is: run what was deferred, wait for events, tell each source about its own, bury what was
- * closed. A source is never freed within a turn, only buried at its end, so that no event of the
+ * A turn is: run what was deferred, wait for events, tell each source about its own, run the timers
+ * that are due, bury what was closed. A source is never freed within a turn, only buried at its end, so that no event of the
  * batch points to freed memory. */
 #ifndef SERVER_LOOP_H
 #define SERVER_LOOP_H
 
 #include "proto/buf.h"
+#include "server/timer.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -31,6 +32,7 @@ struct loop {
     int epoll;
     bool stopped;
     struct task_list deferred, burials;
+    struct timers timers;
     int64_t now_ms; /* monotonic; of this turn's beginning */
     int64_t next_tick_ms;
     void (*tick)(struct loop *loop);     /* once a second; may be NULL */
@@ -57,6 +59,12 @@ void loop_defer(struct loop *loop, struct task *task);
 
 /* Runs the task at the end of this turn. */
 void loop_bury(struct loop *loop, struct task *task);
+
+/* Runs the timer when the moment of the monotonic clock has come; timer_clear takes that back. */
+static inline void loop_at(struct loop *loop, struct timer *t, int64_t at_ms)
+{
+    timers_set(&loop->timers, t, at_ms);
+}
 
 /* Milliseconds of the monotonic clock. */
 int64_t clock_ms(void);
