@@ -34,6 +34,8 @@ struct answer {
     struct load *load;             /* moves to the caller */
     bool retry;                    /* the job was a preparation: carry out the request now, again */
     bool again;                    /* with job: it is such a preparation, keep the request */
+    int64_t later_ms;              /* the request is to be carried out at this moment; 0: now */
+    bool waited;                   /* it has stood in line until such a moment */
     bool timed_out;                /* what is cancelled has taken longer than its TIMEOUT */
     bool close;                    /* no further request is carried out */
     bool broken;                   /* the reply cannot be completed: the connection must go */

@@ -54,21 +54,3 @@ void cmd_hello(struct server *s, struct dataset *set, const struct request *q, s
         reply_end(a->out);
     }
 }
-
-void cmd_auth(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
-{
-    (void)set;
-    /* Without --auth-file any token is welcome, so that a client need not know how its server was
-     * started. */
-    unsigned number = 0;
-    enum role role = s->auth.n == 0 ? ROLE_WRITE : auth_check(&s->auth, &q->word[1], &number);
-    if (role == ROLE_NONE) {
-        reply_err(a->out, ERR_DENIED, "no such token");
-        return;
-    }
-    a->role = role;
-    a->token = number;
-    reply_ok(a->out, 0);
-    reply_key_text(a->out, "role", role == ROLE_WRITE ? "rw" : "ro");
-    reply_end(a->out);
-}

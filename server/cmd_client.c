@@ -44,7 +44,7 @@ static const char *state_of(const struct session *s)
 {
     if (s->job != NULL)
         return "working";
-    if (s->waiter.queue != NULL)
+    if (s->waiter.queue != NULL || timer_is_set(&s->later))
         return "waiting";
     if (s->load != NULL)
         return "loading";

@@ -49,6 +49,8 @@ static void tell_clients(const struct server *s, struct facts *f)
     add(f, "connections", s->count.connections);
     add(f, "refused", s->count.refused);
     add(f, "killed", s->count.killed);
+    add(f, "wrong_tokens", s->count.wrong_tokens);
+    add(f, "delayed_tokens", s->count.delayed_tokens);
 }
 
 /* Bytes of this process that are in memory, 0 if the system does not say. */

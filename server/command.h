@@ -73,6 +73,11 @@ bool read_count(struct answer *a, const struct word *w, const char *what, uint32
  * 0. */
 uint32_t *read_ids(struct answer *a, const struct word *w, size_t n);
 
+/* The connection that asks shows a token, which may give it a role. SHOWN_LATER: nothing has been
+ * decided yet, and the answer says when to carry out the request. */
+enum shown { SHOWN_WRONG, SHOWN_GOOD, SHOWN_LATER };
+enum shown client_show_token(struct server *s, struct answer *a, const struct word *token);
+
 /* Names the connection that asks. False: that can be no name. */
 bool client_set_name(struct server *s, struct answer *a, const struct word *name);
 
@@ -86,14 +91,15 @@ command_handler cmd_triangulate, cmd_check;                                     
 bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,
                       struct answer *a);
 
-command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;     /* cmd_query.c */
-command_handler cmd_locate, cmd_nearest, cmd_within;               /* cmd_query.c */
-command_handler cmd_trace;                                         /* cmd_trace.c */
-command_handler cmd_snapshot;                                      /* durable.c */
-command_handler cmd_ping, cmd_help, cmd_hello, cmd_auth, cmd_quit; /* cmd_admin.c */
-command_handler cmd_info;                                          /* cmd_info.c */
-command_handler cmd_client, cmd_slowlog;                           /* cmd_client.c */
-command_handler cmd_config;                                        /* cmd_config.c */
-command_handler cmd_timeout;                                       /* command.c */
+command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull; /* cmd_query.c */
+command_handler cmd_locate, cmd_nearest, cmd_within;           /* cmd_query.c */
+command_handler cmd_trace;                                     /* cmd_trace.c */
+command_handler cmd_snapshot;                                  /* durable.c */
+command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit;       /* cmd_admin.c */
+command_handler cmd_auth;                                      /* cmd_auth.c */
+command_handler cmd_info;                                      /* cmd_info.c */
+command_handler cmd_client, cmd_slowlog;                       /* cmd_client.c */
+command_handler cmd_config;                                    /* cmd_config.c */
+command_handler cmd_timeout;                                   /* command.c */
 
 #endif

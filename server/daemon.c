@@ -42,6 +42,7 @@ static struct {
     int reserve; /* a descriptor kept back, to refuse politely when all others are used up */
     bool paused; /* the listeners are not watched until the next tick: accepting cannot succeed */
     struct notice_rarely refusals;
+    unsigned evicted; /* clients that have made room and are not buried yet */
     bool stopping;
     bool failed;    /* the data directory cannot be used */
     bool announced; /* the ready line is out */
@@ -73,24 +74,48 @@ static void on_client_closed(struct session *s)
 {
     notice_client(s, NOTICE_DEBUG, "has gone");
     clients_remove(&d.clients, s);
+    d.evicted -= s->evicted;
     refill_reserve();
     if (d.stopping && d.clients.n == 0)
         loop_stop(&d.loop);
 }
 
-static void refuse(int fd, const char *line)
+static void count_refusal(const char *why)
 {
     uint64_t more;
     d.server.count.refused++;
     if (notice_rarely(&d.refusals, d.loop.now_ms, &more))
-        notice(NOTICE_WARNING, "a client was refused: %.*s (%" PRIu64 " more since the last time)",
-               (int)strcspn(line, "\n"), line, more);
+        notice(NOTICE_WARNING, "a client was refused: %s (%" PRIu64 " more since the last time)",
+               why, more);
+}
+
+static void refuse(int fd, const char *line)
+{
+    char why[64];
+    snprintf(why, sizeof why, "%.*s", (int)strcspn(line, "\n"), line);
+    count_refusal(why);
     sock_refuse(fd, line);
+}
+
+/* Whether one more client may come. When there are too many, the one that has gone without showing a
+ * token for longest leaves: so strangers cannot keep those out who have one. */
+static bool has_room(void)
+{
+    if (d.clients.n - d.evicted < d.server.config->max_clients)
+        return true;
+    struct session *s = clients_oldest_stranger(&d.clients);
+    if (s == NULL)
+        return false;
+    count_refusal("too many clients; the oldest without a token made room");
+    d.evicted++;
+    s->evicted = true;
+    session_evict(s);
+    return true;
 }
 
 static void welcome(int fd, const struct sock_peer *peer)
 {
-    if (d.clients.n >= d.server.config->max_clients) {
+    if (!has_room()) {
         refuse(fd, "ERR BUSY too many clients\n");
         return;
     }

@@ -297,18 +297,13 @@ static void info(struct server *s, const struct request *q, struct answer *a)
     forget(&t);
 }
 
-/* False if the token is wrong. */
+/* False: it is wrong, which has been answered, or it is to be shown again later. */
 static bool show_token(struct server *s, const struct word *token, struct answer *a)
 {
-    unsigned number = 0;
-    enum role role = s->auth.n == 0 ? ROLE_WRITE : auth_check(&s->auth, token, &number);
-    if (role == ROLE_NONE) {
+    enum shown shown = client_show_token(s, a, token);
+    if (shown == SHOWN_WRONG)
         simple(a, "-DENIED no such token");
-        return false;
-    }
-    a->role = role;
-    a->token = number;
-    return true;
+    return shown == SHOWN_GOOD;
 }
 
 /* AUTH user token: the name plays no part. */

@@ -9,6 +9,7 @@
 #include "server/auth.h"
 #include "server/config.h"
 #include "server/dataset.h"
+#include "server/guard.h"
 #include "server/hold.h"
 #include "server/slowlog.h"
 #include "server/stats.h"
@@ -23,6 +24,8 @@ struct counters {
     uint64_t shared;      /* requests that got the result of another's job */
     uint64_t slow;        /* requests that went into the slow log */
     uint64_t killed;      /* clients, by CLIENT KILL */
+    uint64_t wrong_tokens;
+    uint64_t delayed_tokens; /* right and wrong ones that stood in line (guard.h) */
 };
 
 struct server {
@@ -48,6 +51,7 @@ struct server {
     const struct command *command; /* the last one; the next is often the same; NULL: none yet */
     struct buf lines;              /* owns; a reply in lines before it goes out as RESP */
     struct auth auth;
+    struct guard guard;
     struct counters count;
     struct stats stats;
     struct slowlog slowlog;

@@ -36,6 +36,7 @@ struct answer session_answer(struct session *s)
                            .token = s->token,
                            .command = s->command,
                            .turn = wait_turn(&s->waiter),
+                           .waited = s->waited,
                            .timed_out = s->timed_out};
 }
 
@@ -72,7 +73,7 @@ static void account(struct session *s, const struct answer *a, bool error)
     s->command = a->command;
     if (a->load != NULL)
         s->refused = error;
-    if (a->wait != NULL || a->job != NULL || a->load != NULL) {
+    if (a->wait != NULL || a->job != NULL || a->load != NULL || a->later_ms != 0) {
         account_pause(s, a);
     } else if (!a->retry) {
         account_end(s, a, error || s->refused);
@@ -113,6 +114,11 @@ bool session_take_over(struct session *s, struct answer *a)
         conn_close(&s->conn);
         return false;
     }
+    if (a->later_ms != 0) {
+        loop_at(s->conn.loop, &s->later, a->later_ms);
+        return false;
+    }
+    s->waited = false;
     if (a->wait != NULL) {
         s->waiter.writes = a->wait_writes;
         wait_enter(a->wait, &s->waiter);
@@ -123,8 +129,10 @@ bool session_take_over(struct session *s, struct answer *a)
     hold_reply(s, a);
     wait_served(&s->waiter);
     consume_held(s);
-    if (s->job == NULL)
+    if (s->job == NULL) {
         s->deadline_ms = 0;
+        timer_clear(&s->deadline);
+    }
     if (a->load != NULL)
         s->load = a->load;
     if (a->close)
@@ -170,6 +178,7 @@ static bool is_late(const struct session *s)
 static bool give_up(struct session *s)
 {
     s->timed_out = true;
+    timer_clear(&s->later);
     struct answer a = session_answer(s);
     s->job = NULL;
     answer_status(&a, DT_CANCELLED);
@@ -181,8 +190,10 @@ static void set_deadline(struct session *s, struct request *q)
 {
     int64_t ms;
     command_take_timeout(q, &ms);
-    if (ms > 0 && s->deadline_ms == 0)
+    if (ms > 0 && s->deadline_ms == 0) {
         s->deadline_ms = s->conn.loop->now_ms + ms;
+        loop_at(s->conn.loop, &s->deadline, s->deadline_ms + 1);
+    }
     s->timed_out = false;
 }
 
@@ -329,7 +340,7 @@ static bool is_queued(const struct session *s)
 
 static bool step(struct session *s)
 {
-    if (s->job != NULL || is_queued(s))
+    if (s->job != NULL || is_queued(s) || timer_is_set(&s->later))
         return false;
     if (conn_full(&s->conn)) { /* others go first: its client may not read for long */
         wait_served(&s->waiter);
@@ -363,6 +374,8 @@ static void on_closed(struct conn *c)
 {
     struct session *s = (struct session *)c;
     wait_served(&s->waiter);
+    timer_clear(&s->later);
+    timer_clear(&s->deadline);
     if (s->job != NULL)
         job_leave(s->job, s->id);
     if (s->stream != NULL)
@@ -381,6 +394,28 @@ static void on_wake(struct waiter *w)
     conn_again(&s->conn);
 }
 
+static void on_later(struct timer *t)
+{
+    struct session *s = (struct session *)((char *)t - offsetof(struct session, later));
+    s->waited = true;
+    conn_again(&s->conn);
+}
+
+/* The request has had its time: a job is cancelled and answers in its turn; one that waits for its
+ * set, or for a job that goes on for others, is answered now. */
+static void pass_deadline(struct timer *t)
+{
+    struct session *s = (struct session *)((char *)t - offsetof(struct session, deadline));
+    if (s->conn.dead)
+        return;
+    s->timed_out = true;
+    bool in_line = s->waiter.queue != NULL || timer_is_set(&s->later);
+    if (s->job != NULL ? job_leave(s->job, s->id) : in_line && s->load == NULL) {
+        give_up(s);
+        conn_again(&s->conn);
+    }
+}
+
 struct session *session_new(struct server *server, struct loop *loop, int fd,
                             const struct sock_peer *peer, void (*closed)(struct session *s))
 {
@@ -394,6 +429,8 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     s->peer = *peer;
     s->command = STATS_OTHER;
     s->waiter.wake = on_wake;
+    s->later.run = on_later;
+    s->deadline.run = pass_deadline;
     s->closed = closed;
     if (conn_init(&s->conn, loop, fd, &events))
         return s;
@@ -407,18 +444,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
 static bool is_listening(const struct session *s)
 {
     return s->job == NULL && s->stream == NULL && s->waiter.queue == NULL &&
-           buf_len(&s->conn.out) == 0;
-}
-
-/* The request has had its time: a job is cancelled and answers in its turn; one that waits for its
- * set, or for a job that goes on for others, is answered now. */
-static void pass_deadline(struct session *s)
-{
-    s->timed_out = true;
-    if (s->job != NULL ? job_leave(s->job, s->id) : s->waiter.queue != NULL && s->load == NULL) {
-        give_up(s);
-        conn_again(&s->conn);
-    }
+           !timer_is_set(&s->later) && buf_len(&s->conn.out) == 0;
 }
 
 void session_check_timeouts(struct session *s)
@@ -426,11 +452,9 @@ void session_check_timeouts(struct session *s)
     struct conn *c = &s->conn;
     int64_t now = c->loop->now_ms, idle_ms = (int64_t)s->server->config->idle_timeout_s * 1000;
     conn_check_timeouts(c);
-    if (!c->dead && s->deadline_ms != 0 && now > s->deadline_ms)
-        pass_deadline(s);
     if (c->dead || c->finishing)
         return;
-    if (s->role == ROLE_NONE && now - s->since_ms > STRANGER_MS) {
+    if (s->role == ROLE_NONE && !timer_is_set(&s->later) && now - s->since_ms > STRANGER_MS) {
         notice_client(s, NOTICE_INFO, "has shown no token in time: closed");
         session_refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
         conn_turn(c);
@@ -438,6 +462,14 @@ void session_check_timeouts(struct session *s)
         session_refuse(s, ERR_TIMEOUT, "nothing was heard for too long");
         conn_turn(c);
     }
+}
+
+void session_evict(struct session *s)
+{
+    if (!s->conn.finishing)
+        session_refuse(s, ERR_BUSY, "too many clients, and this one has shown no token");
+    conn_turn(&s->conn);
+    conn_close(&s->conn);
 }
 
 /* ---- what the log tells ---- */

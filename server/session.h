@@ -22,14 +22,19 @@ struct session {
     bool greeted;     /* the first line has been seen */
     int64_t since_ms; /* when it came */
     struct sock_peer peer;
-    char *name;        /* owns; by CLIENT SETNAME; NULL: none */
-    uint64_t requests; /* answered so far */
-    unsigned command;  /* the last one, or the one under way; as in struct answer */
+    char *name;            /* owns; by CLIENT SETNAME; NULL: none */
+    uint64_t requests;     /* answered so far */
+    unsigned command;      /* the last one, or the one under way; as in struct answer */
+    unsigned wrong_tokens; /* that it has shown */
+    struct timer later;    /* set: the request at hand is carried out when it runs */
+    bool waited;           /* it has run for the request at hand */
+    bool evicted;          /* it has made room for another client */
     struct stats_pause pause;
     bool noted; /* the request that has paused is in `note`, as words */
     char note[SLOW_TEXT];
     size_t held; /* bytes of the request that waits: kept in the input until it is answered */
     int64_t deadline_ms;        /* of the request that waits or that a worker has; 0: none */
+    struct timer deadline;      /* set: runs at that moment */
     bool timed_out;             /* it has passed */
     struct stream *stream;      /* owns: rows that are still to be sent */
     struct job *job;            /* borrows: what a worker does for it */
@@ -67,6 +72,9 @@ void session_not_saved(struct hold *h);
 /* To be called once a second: closes sessions that stall, that show no token in time, or that have
  * sent nothing for --idle-timeout. */
 void session_check_timeouts(struct session *s);
+
+/* Closes at once, with an error: a client that has shown no token makes room for another one. */
+void session_evict(struct session *s);
 
 /* Tells the client how far its job is. */
 void session_progress(struct session *s, const struct job *j);

@@ -75,8 +75,8 @@ TEST(info_tells_the_sections_that_are_asked_for)
 {
     struct daemon d = daemon_start(NULL);
     converse(&d, "INFO Clients\n",
-             "OK 5\nclients:1\nmax_clients:10000\nconnections:1\nrefused:0\n"
-             "killed:0\n");
+             "OK 7\nclients:1\nmax_clients:10000\nconnections:1\nrefused:0\n"
+             "killed:0\nwrong_tokens:0\ndelayed_tokens:0\n");
     char *all = reply_to(&d, "INFO all\n"), *plain = reply_to(&d, "INFO\n");
     static const char *const keys[] = {"version:",  "clients:", "memory:",     "resident:",
                                        "commands:", "sets:",    "durability:", "command_INFO:"};
