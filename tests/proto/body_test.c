@@ -20,6 +20,7 @@ static ptrdiff_t feed(struct body *b, const char *text, size_t n, size_t piece, 
         ptrdiff_t took = body_feed(b, text + taken, arrived - taken, ends && arrived == n);
         if (took < 0)
             return -1;
+        CHECK((size_t)took <= arrived - taken);
         taken += (size_t)took;
     }
     return (ptrdiff_t)taken;
@@ -156,6 +157,14 @@ TEST(body_that_ends_too_early_is_a_fault)
     CHECK(b.complete && b.fault == BODY_ENDED && b.fault_line == 2);
 }
 
+TEST(body_with_a_bad_line_keeps_that_fault_when_it_ends_too_early)
+{
+    struct body b;
+    body_init(&b, BODY_DOT, 0, 10, small_enough);
+    CHECK(feed_text(&b, "1 2\n3 x\n4 5\n", true) == 12);
+    CHECK(b.complete && b.fault == BODY_NUMBER && b.fault_line == 2);
+}
+
 TEST(body_may_end_with_a_line_without_its_lf)
 {
     static const double want[] = {1, 2};
@@ -179,6 +188,23 @@ TEST(body_with_a_nul_or_an_endless_line_breaks_the_framing)
     body_init(&b, BODY_DOT, 0, 10, small_enough);
     CHECK(body_feed(&b, text, sizeof text, false) == -1 && b.line_fault == LINE_TOO_LONG);
     body_free(&b);
+}
+
+/* Two numbers and the blanks between them, all at once. */
+TEST(body_with_a_plain_line_that_is_too_long_breaks_the_framing)
+{
+    static char text[LINE_LIMIT + 2];
+    for (size_t len = LINE_LIMIT; len <= LINE_LIMIT + 1; len++) {
+        struct body b;
+        memset(text, ' ', len);
+        text[0] = text[len - 1] = '1';
+        text[len] = '\n';
+        body_init(&b, BODY_LINES, 1, 10, small_enough);
+        ptrdiff_t took = body_feed(&b, text, len + 1, false);
+        CHECK(len == LINE_LIMIT ? took == (ptrdiff_t)len + 1 && b.n == 1
+                                : took == -1 && b.line_fault == LINE_TOO_LONG);
+        body_free(&b);
+    }
 }
 
 TEST(body_without_memory_is_read_on_and_dropped)

@@ -271,7 +271,7 @@ TEST(number_reads_a_tie_broken_far_behind)
 {
     char text[3000];
     for (int zeros = 0; zeros < 2500; zeros++) {
-        int n = snprintf(text, sizeof text, "9007199254740993.%0*d1", zeros, 0);
+        int n = snprintf(text, sizeof text, "9007199254740993.%0*d%d", zeros, 0, zeros % 9 + 1);
         CHECK(n > 0);
         check_reads_as(text, 9007199254740994.0);
     }
@@ -410,6 +410,15 @@ TEST(number_writes_javascript_layout)
     check_writes(9007199254740992, "9007199254740992");
     check_writes(0x1p201, "3.2138760885179806e+60");
     check_writes(0x1p-142, "1.793662034335766e-43");
+}
+
+/* Of two shortest decimals that are equally near the one that ends in an even digit. */
+TEST(number_writes_ties_as_the_even_decimal)
+{
+    check_writes(1125899906842624.25, "1125899906842624.2");
+    check_writes(1125899906842624.75, "1125899906842624.8");
+    check_writes(-1125899906842625.25, "-1125899906842625.2");
+    check_writes(562949953421313.125, "562949953421313.1"); /* no tie: nearer */
 }
 
 /* The significant digits of text as a number, and their count. */

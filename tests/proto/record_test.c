@@ -1,6 +1,7 @@
 /* record_test.c - records come back as they were written, and nothing else is taken for one. */
 #include "proto/record.h"
 
+#include "proto/crc32c.h"
 #include "tests/test.h"
 
 #include <string.h>
@@ -133,6 +134,89 @@ TEST(segment_of_a_later_version_is_refused_by_name)
     segment_write(bytes, &later);
     CHECK(segment_read(bytes, sizeof bytes, &got) == -1);
     CHECK(strstr(got.fault, "later version") != NULL);
+}
+
+/* Writes a number of `size` bytes. */
+static void put(char *at, uint64_t v, unsigned size)
+{
+    for (unsigned i = 0; i < size; i++)
+        at[i] = (char)(v >> 8 * i);
+}
+
+/* A header of a segment with a right checksum in which the bytes from `at` on have been changed. */
+static bool reads_segment(size_t at, uint64_t v, unsigned size)
+{
+    struct segment s = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = 0x123456789abcdef0u};
+    char bytes[SEGMENT_HEADER];
+    segment_write(bytes, &s);
+    put(bytes + at, v, size);
+    put(bytes + 28, crc32c(0, bytes, 28), 4);
+    ptrdiff_t took = segment_read(bytes, sizeof bytes, &s);
+    CHECK(took == -1 || (took == SEGMENT_HEADER && s.lsn == 0x123456789abcdef0u));
+    return took > 0;
+}
+
+TEST(segment_with_a_right_checksum_and_a_wrong_field_is_refused)
+{
+    CHECK(reads_segment(0, 'D', 1) && !reads_segment(0, 'd', 1) && !reads_segment(7, 'X', 1));
+    CHECK(reads_segment(8, RECORD_VERSION, 4) && !reads_segment(8, 0, 4));
+    CHECK(!reads_segment(8, RECORD_VERSION + 1, 4) && !reads_segment(8, UINT32_MAX, 4));
+    CHECK(reads_segment(12, SEGMENT_LOG, 4) && reads_segment(12, SEGMENT_SNAPSHOT, 4));
+    CHECK(!reads_segment(12, 0, 4) && !reads_segment(12, 3, 4));
+    CHECK(!reads_segment(12, 0x10000 | SEGMENT_LOG, 4));
+}
+
+/* Whether a record with a right checksum is read in which the bytes from `at` on have been changed. */
+static bool reads_record(enum record_type type, size_t at, uint64_t v, unsigned size)
+{
+    struct record r = sample(type), got;
+    struct buf b = {0};
+    record_write(&b, &r);
+    put(buf_head(&b) + at, v, size);
+    put(buf_head(&b), crc32c(0, buf_head(&b) + 4, buf_len(&b) - 4), 4);
+    ptrdiff_t took = record_read(buf_head(&b), buf_len(&b), &got);
+    CHECK(took == (ptrdiff_t)buf_len(&b) || (took == -1 && got.fault != NULL));
+    buf_free(&b);
+    return took > 0;
+}
+
+TEST(record_with_a_right_checksum_and_a_wrong_field_is_refused)
+{
+    CHECK(reads_record(RECORD_DROP, 24, RECORD_DROP, 1));
+    CHECK(!reads_record(RECORD_DROP, 24, 0, 1) && !reads_record(RECORD_DROP, 24, RECORD_TYPES, 1));
+    CHECK(!reads_record(RECORD_DROP, 24, 0xff, 1) && !reads_record(RECORD_DROP, 27, 1, 1));
+    CHECK(!reads_record(RECORD_DELETE, 26, 11, 1) && !reads_record(RECORD_DELETE, 26, 13, 1));
+    CHECK(!reads_record(RECORD_DELETE, 32, 2, 4) && !reads_record(RECORD_DELETE, 32, 4, 4));
+    /* 24 and 16 times these are 0 and 48 in 32 bits. */
+    CHECK(!reads_record(RECORD_ROWS, 32, (1u << 29) + 2, 4));
+    CHECK(!reads_record(RECORD_ADD, 32, (1u << 28) + 3, 4));
+}
+
+/* A record of rows with so long a name: what record_read says of the whole, and of its header. */
+static void check_length(size_t name_len, uint32_t n, bool good)
+{
+    static char name[256];
+    struct record_row *row = calloc(n, sizeof *row);
+    struct record r = {.type = RECORD_ROWS, .n = n, .items = row}, got;
+    struct buf b = {0};
+    memset(name, 'n', sizeof name);
+    r.name = name;
+    r.name_len = name_len;
+    record_write(&b, &r);
+    CHECK(row != NULL && !b.failed);
+    CHECK(record_read(buf_head(&b), buf_len(&b), &got) == (good ? (ptrdiff_t)buf_len(&b) : -1));
+    CHECK(record_read(buf_head(&b), RECORD_HEADER, &got) == (good ? 0 : -1));
+    buf_free(&b);
+    free(row);
+}
+
+TEST(record_may_be_as_long_as_the_limits_allow_and_no_longer)
+{
+    check_length(RECORD_NAME_LIMIT, 1, true);
+    check_length(RECORD_NAME_LIMIT + 1, 1, false);
+    check_length(255, 1, false);
+    check_length(RECORD_NAME_LIMIT, RECORD_POINTS, true);
+    check_length(0, RECORD_POINTS + 3, false);
 }
 
 /* The bytes that version 1 has for ever: a change here is a change of the format. */

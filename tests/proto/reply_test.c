@@ -38,6 +38,28 @@ TEST(reply_rows_are_ids_and_points)
     CHECK_STR(written(), "0 4294967295 7\n0\n5 -0.1 1e+21\n5 1 2 0.5\na b\n");
 }
 
+TEST(reply_rows_stay_within_the_buffer_at_every_fill)
+{
+    const double longest = -DBL_TRUE_MIN * 1.2345678901234567e15; /* of 24 characters */
+    const uint32_t id = UINT32_MAX;
+    for (size_t fill = 0; fill <= 256; fill++) {
+        for (int kind = 0; kind < 4; kind++) {
+            while (buf_len(&out) < fill)
+                buf_append_char(&out, 'x');
+            if (kind == 0)
+                reply_row_neighbour(&out, id, longest, longest, longest);
+            else if (kind == 1)
+                reply_row_point(&out, id, longest, longest);
+            else if (kind == 2)
+                reply_row_ids(&out, &id, 1);
+            else
+                reply_key_double(&out, "key", longest);
+            CHECK_MSG(out.end <= out.cap, "kind %d at %zu", kind, fill);
+            buf_free(&out);
+        }
+    }
+}
+
 TEST(reply_words_are_little_endian)
 {
     reply_word_u32(&out, 0x01020304);

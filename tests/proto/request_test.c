@@ -82,6 +82,11 @@ TEST(set_names_are_short_and_plain)
     request_free(&q);
 }
 
+TEST(set_names_are_not_empty)
+{
+    CHECK(!word_is_set_name(&(struct word){"t", 0}));
+}
+
 TEST(http_is_recognised_by_the_end_of_its_first_line)
 {
     CHECK(line_is_http("GET / HTTP/1.1", 14));

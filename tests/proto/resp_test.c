@@ -69,6 +69,9 @@ TEST(resp_refuses_what_is_no_array_of_bulk_strings)
         "*--1\r\n",
         "*99999999999999999999\r\n",
         "*1\r\n$\r\n",
+        "*00000000001\r\n$4\r\nPING\r\n",
+        "*1\r\n$4\r\nPING\r\r",
+        "*1\r\n$4\r\nPING\n\n",
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         expect_fault(bad[i], RESP_BROKEN);
