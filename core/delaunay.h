@@ -228,6 +228,21 @@ void dt_summary(const struct dt *t, struct dt_summary *out);
  * points *fault (may be NULL) to a static sentence. Cost: linear. */
 enum dt_status dt_check(const struct dt *t, const struct dt_options *opt, const char **fault);
 
+/* ---- how much memory work takes ----
+ *
+ * Bounds of the bytes that work on a set takes at its peak beyond dt_summary.memory, as far as it
+ * touches them: for a caller who decides whether to begin. Cost: constant. */
+
+/* dt_triangulate and dt_refresh with these options, whether or not there is something to do. */
+size_t dt_build_memory(const struct dt *t, const struct dt_options *opt);
+
+/* dt_prepare and dt_renew. */
+size_t dt_prepare_memory(const struct dt *t);
+
+/* dt_add_many of n points, where they come from not included; and if that leaves the triangulation for
+ * dt_refresh, what both take. */
+size_t dt_add_memory(const struct dt *t, size_t n, const struct dt_options *opt);
+
 /* ---- the paper's algorithm, step by step ---- */
 
 enum dt_event_kind {

@@ -8,8 +8,7 @@
 #include <stdlib.h>
 
 enum {
-    BUILD_AT_ONCE = 500,  /* points that the I/O thread itself triangulates or checks */
-    BYTES_PER_POINT = 150 /* what a triangulation is expected to take, with its workspace */
+    BUILD_AT_ONCE = 500 /* points that the I/O thread itself triangulates or checks */
 };
 
 struct build {
@@ -82,16 +81,6 @@ static bool read_method(struct answer *a, const struct request *q, enum dt_metho
     return false;
 }
 
-/* A large set is triangulated beside itself, so that those who read its points need not wait, as
- * long as there is memory for two. */
-static unsigned how_to_build(const struct server *s, const struct dt_summary *sum)
-{
-    if (sum->points <= BUILD_AT_ONCE)
-        return 0;
-    bool room = !server_lacks_memory(s, sum->memory + (size_t)sum->points * BYTES_PER_POINT);
-    return JOB_HEAVY | (room ? JOB_COPY : 0u);
-}
-
 bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,
                       struct answer *a)
 {
@@ -117,20 +106,23 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
         tell_triangulation(a, set->current, 0);
         return;
     }
-    if (!sum->triangulated && server_lacks_memory(s, (size_t)sum->points * BYTES_PER_POINT)) {
-        reply_err(a->out, ERR_NOMEM, "the memory for sets is used up (--max-memory)");
+    bool large = sum->points > BUILD_AT_ONCE;
+    struct reservation memory = server_reservation(s, BUDGET_BUILDS);
+    if (large && !job_reserve_build(s, a, set, &memory))
         return;
-    }
     struct build *b = job_new(sizeof *b, run_triangulate, triangulate_done);
     if (b == NULL) {
+        reservation_set(&memory, 0);
         answer_out_of_memory(a);
         return;
     }
+    b->job.memory = memory;
     b->job.record = record_triangulate;
     b->job.what = "triangulating";
     b->job.options.method = method;
     b->job.options.rebuild = named;
-    job_write(s, a, &b->job, set, how_to_build(s, sum));
+    /* A large set is triangulated beside itself, so that those who read its points need not wait. */
+    job_write(s, a, &b->job, set, large ? JOB_HEAVY | JOB_COPY : 0);
 }
 
 /* ---- CHECK ---- */

@@ -113,23 +113,23 @@ void cmd_stat(struct server *s, struct dataset *set, const struct request *q, st
 void cmd_add(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     size_t n = (q->n - 2) / 2;
-    (void)set;
+    struct arrival points = {.n = n};
     if (q->n % 2 != 0) {
         reply_err(a->out, ERR_SYNTAX, "an x without its y");
         return;
     }
-    struct dt_point *p = dt_pages_grow(s->pages, NULL, 0, n * sizeof *p);
-    if (p == NULL) {
+    points.p = dt_pages_grow(s->pages, NULL, 0, n * sizeof *points.p);
+    if (points.p == NULL) {
         answer_out_of_memory(a);
         return;
     }
-    for (size_t i = 0; i < n; i++) {
-        if (!read_point(a, &q->word[2 + 2 * i], &p[i])) {
-            dt_pages_release(p);
-            return;
-        }
-    }
-    edit_add(s, a, &q->word[1], p, n, 0);
+    bool good = true;
+    for (size_t i = 0; i < n && good; i++)
+        good = read_point(a, &q->word[2 + 2 * i], &points.p[i]);
+    if (good && edit_may_add(s, a, set, n, &points.memory))
+        edit_add(s, a, &q->word[1], &points);
+    else
+        dt_pages_release(points.p);
 }
 
 void cmd_del(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

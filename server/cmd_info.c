@@ -4,6 +4,7 @@
 #include "server/clients.h"
 #include "server/durable.h"
 #include "server/job.h"
+#include "server/keep.h"
 #include "server/loop.h"
 
 #include <inttypes.h>
@@ -53,28 +54,23 @@ static void tell_clients(const struct server *s, struct facts *f)
     add(f, "delayed_tokens", s->count.delayed_tokens);
 }
 
-/* Bytes of this process that are in memory, 0 if the system does not say. */
-static uint64_t resident(void)
-{
-    unsigned long long size, pages = 0;
-    FILE *statm = fopen("/proc/self/statm", "re");
-    if (statm == NULL)
-        return 0;
-    if (fscanf(statm, "%llu %llu", &size, &pages) != 2)
-        pages = 0;
-    fclose(statm);
-    return pages * (uint64_t)sysconf(_SC_PAGESIZE);
-}
-
 static void tell_memory(const struct server *s, struct facts *f)
 {
     struct dt_pages_summary pages;
     dt_pages_summary(s->pages, &pages);
-    add(f, "memory", s->sets.memory);
-    add(f, "loading", s->loading);
+    const struct budget *b = &s->budget;
+    add(f, "memory", budget_of(b, BUDGET_SETS));
+    add(f, "memory_builds", budget_of(b, BUDGET_BUILDS));
+    add(f, "memory_edits", budget_of(b, BUDGET_EDITS));
+    add(f, "loading", budget_of(b, BUDGET_LOADS));
+    add(f, "memory_log", budget_of(b, BUDGET_LOG));
+    add(f, "memory_replies", budget_of(b, BUDGET_REPLIES));
+    add(f, "memory_clients", budget_of(b, BUDGET_CLIENTS));
+    add(f, "memory_used", budget_used(b));
+    add(f, "memory_peak", b->peak);
     add(f, "memory_kept", pages.kept);
     add(f, "max_memory", s->config->max_memory);
-    add(f, "resident", resident());
+    add(f, "resident", keep_resident());
 }
 
 static void tell_stats(const struct server *s, struct facts *f)

@@ -22,9 +22,20 @@ _Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pai
 
 /* ---- the commands: they only prepare for what follows ---- */
 
-static void *grow_points(void *pages, void *p, size_t used, size_t bytes)
+static void *grow_points(void *ctx, void *p, size_t used, size_t bytes)
 {
-    return dt_pages_grow(pages, p, used, bytes);
+    struct load *l = ctx;
+    struct server *s = l->server;
+    size_t before = l->memory.bytes;
+    if (!reservation_resize(&l->memory, bytes)) {
+        l->shortage = budget_could_fit(&s->budget, bytes) ? ERR_BUSY : ERR_NOMEM;
+        return NULL;
+    }
+    void *larger = dt_pages_grow(s->pages, p, used, bytes);
+    if (larger == NULL)
+        reservation_set(&l->memory, before);
+    keep_account(s);
+    return larger;
 }
 
 static void start(struct server *s, struct answer *a, enum body_form form, uint32_t count)
@@ -36,7 +47,10 @@ static void start(struct server *s, struct answer *a, enum body_form form, uint3
         return;
     }
     body_init(&l->body, form, count, s->config->max_points, dt_coordinate_ok);
-    l->body.memory = (struct body_memory){grow_points, dt_pages_release, s->pages};
+    l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};
+    l->server = s;
+    l->memory = server_reservation(s, BUDGET_LOADS);
+    l->shortage = ERR_NOMEM;
     a->load = l;
 }
 
@@ -110,24 +124,15 @@ static void expect(struct server *s, struct load *l)
 ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t n, bool last)
 {
     ptrdiff_t took = body_feed(&l->body, bytes, n, last);
-    size_t memory = l->body.cap * sizeof(struct dt_point);
-    if (memory != l->memory) {
-        s->loading += memory - l->memory;
-        l->memory = memory;
-        keep_account(s);
-    }
+    if (l->body.fault != BODY_GOOD)
+        reservation_set(&l->memory, 0);
     expect(s, l);
-    if (memory > 0 && server_lacks_memory(s, 0)) {
-        body_fail(&l->body, BODY_NOMEM);
-        s->loading -= l->memory;
-        l->memory = 0;
-    }
     return took;
 }
 
 void load_free(struct server *s, struct load *l)
 {
-    s->loading -= l->memory;
+    reservation_set(&l->memory, 0);
     keep_expect(s, 0, l->expected);
     body_free(&l->body);
     free(l);
@@ -135,8 +140,9 @@ void load_free(struct server *s, struct load *l)
 
 /* ---- the end ---- */
 
-static void tell_fault(struct server *s, const struct body *b, struct answer *a)
+static void tell_fault(struct server *s, const struct load *l, struct answer *a)
 {
+    const struct body *b = &l->body;
     const char *unit = b->form == BODY_BINARY ? "point" : "line";
     unsigned long long line = b->fault_line;
     switch (b->fault) {
@@ -167,19 +173,9 @@ static void tell_fault(struct server *s, const struct body *b, struct answer *a)
                   line, s->config->max_points);
         break;
     case BODY_NOMEM:
-        reply_err(a->out, ERR_NOMEM, "%s %llu: out of memory; nothing was loaded", unit, line);
+        reply_err(a->out, l->shortage, "%s %llu: out of memory; nothing was loaded", unit, line);
         break;
     }
-}
-
-/* The points leave the body; its account goes with them. */
-static struct dt_point *take_points(struct server *s, struct load *l)
-{
-    double *xy = l->body.xy;
-    s->loading -= l->memory;
-    l->memory = 0;
-    l->body.xy = NULL;
-    return (struct dt_point *)(void *)xy;
 }
 
 /* What they are still going to take when they have been added. */
@@ -191,6 +187,21 @@ static size_t hand_on_expected(struct server *s, struct load *l)
     return rest;
 }
 
+/* Adds the points, if there is memory for them; else they stay. */
+static void add_points(struct server *s, struct load *l, struct answer *a,
+                       const struct dataset *set)
+{
+    struct word name = {l->name, l->name_len};
+    struct arrival points = {.n = l->body.n};
+    if (!edit_may_add(s, a, set, points.n, &points.memory))
+        return;
+    points.p = (struct dt_point *)(void *)l->body.xy;
+    points.expected = hand_on_expected(s, l);
+    l->body.xy = NULL;
+    reservation_move(&points.memory, &l->memory);
+    edit_add(s, a, &name, &points);
+}
+
 void load_commit(struct server *s, struct load *l, struct answer *a)
 {
     struct word name = {l->name, l->name_len};
@@ -199,11 +210,11 @@ void load_commit(struct server *s, struct load *l, struct answer *a)
         return;
     a->lsn = journal_of(s, set);
     if (l->body.fault != BODY_GOOD)
-        tell_fault(s, &l->body, a);
+        tell_fault(s, l, a);
     else if (!durable_admits(s, a, set, true, false))
         return;
     else if (set != NULL && !dataset_admits(set, true, a->turn))
         answer_wait(a, &set->queue, true);
     else
-        edit_add(s, a, &name, take_points(s, l), l->body.n, hand_on_expected(s, l));
+        add_points(s, l, a, set);
 }

@@ -3,13 +3,16 @@
 #define SERVER_CMD_LOAD_H
 
 #include "proto/body.h"
+#include "proto/reply.h"
 #include "server/server.h"
 
 struct load {
     struct body body;
-    size_t memory;   /* bytes that are accounted for it */
-    size_t expected; /* bytes that it will take beside */
-    bool refused;    /* that has been told already: the points are only to be read and dropped */
+    struct server *server;     /* borrows */
+    struct reservation memory; /* of the points that have come */
+    enum reply_code shortage;  /* what to say if there is no memory for more of them */
+    size_t expected;           /* bytes that it will take beside */
+    bool refused; /* that has been told already: the points are only to be read and dropped */
     size_t name_len;
     char name[SET_NAME_LIMIT];
 };

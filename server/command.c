@@ -176,13 +176,19 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
         answer_wait(a, &set->queue, true);
         return false;
     }
+    bool large = set->current->sum.points > REFRESH_AT_ONCE;
+    struct reservation memory = server_reservation(s, BUDGET_BUILDS);
+    if (large && !job_reserve_build(s, a, set, &memory))
+        return false;
     struct job *j = job_new(sizeof *j, run_refresh, refresh_done);
     if (j == NULL) {
+        reservation_set(&memory, 0);
         answer_out_of_memory(a);
         return false;
     }
+    j->memory = memory;
     j->what = "triangulating";
-    job_write(s, a, j, set, set->current->sum.points > REFRESH_AT_ONCE ? JOB_HEAVY : 0);
+    job_write(s, a, j, set, large ? JOB_HEAVY : 0);
     bool now = a->retry;
     a->retry = false;
     a->again = a->job != NULL;

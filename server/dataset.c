@@ -36,16 +36,16 @@ void version_unpin(struct registry *r, struct version *v)
 {
     if (--v->refs > 0)
         return;
-    r->memory -= v->sum.memory;
+    reservation_set(&r->memory, r->memory.bytes - v->sum.memory);
     r->discard(r->discard_ctx, v->dt);
     version_free(v);
 }
 
 void version_update(struct registry *r, struct version *v)
 {
-    r->memory -= v->sum.memory;
+    size_t before = v->sum.memory;
     dt_summary(v->dt, &v->sum);
-    r->memory += v->sum.memory;
+    reservation_set(&r->memory, r->memory.bytes - before + v->sum.memory);
 }
 
 bool version_is_read(const struct version *v)

@@ -19,6 +19,7 @@
 
 #include "core/delaunay.h"
 #include "proto/request.h"
+#include "server/budget.h"
 #include "server/wait.h"
 
 #include <semaphore.h>
@@ -50,8 +51,8 @@ struct dataset {
 struct registry {
     struct dataset **bucket; /* owns */
     size_t buckets, sets;
-    size_t memory;          /* bytes of all versions */
-    struct dt_pages *pages; /* borrows; where sets have their large arrays; NULL: the system */
+    struct reservation memory; /* of all versions */
+    struct dt_pages *pages;    /* borrows; where sets have their large arrays; NULL: the system */
     /* Takes a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;

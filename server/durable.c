@@ -174,7 +174,7 @@ static bool adopt_sets(struct server *s)
     s->sets.bucket = from->bucket;
     s->sets.buckets = from->buckets;
     s->sets.sets = from->sets;
-    s->sets.memory = from->memory;
+    reservation_set(&s->sets.memory, s->sets.memory.bytes + from->memory.bytes);
     *from = (struct registry){0};
     registry_each(&s->sets, count_set, s);
     d->rebuild = malloc((d->rebuilds + 1) * sizeof(struct dataset *));

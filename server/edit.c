@@ -8,8 +8,8 @@
 
 enum {
     SETS_LIMIT = 65536,
-    EDITS_AT_ONCE = 100, /* points that the I/O thread itself adds or deletes */
-    BYTES_PER_POINT = 64 /* what a new point is expected to take, for --max-memory */
+    EDITS_AT_ONCE = 100,  /* points that the I/O thread itself adds or deletes */
+    BYTES_PER_POINT = 104 /* what one of these takes, for --max-memory */
 };
 
 struct edit {
@@ -81,45 +81,63 @@ static void add_done(struct server *s, struct job *j, struct answer *a)
     reply_end(a->out);
 }
 
-/* Whether the set, NULL for a new one, may grow by n points. */
-static bool may_grow(struct server *s, struct answer *a, const struct dataset *set, size_t n)
+/* What adding n points to a set, NULL for a new one, takes at its peak; and what it takes to
+ * triangulate them, if they are so many that it is left for later. */
+static size_t memory_to_add(const struct server *s, const struct dataset *set, size_t n)
+{
+    struct dt_options options = job_options(s);
+    if (n <= EDITS_AT_ONCE || set == NULL)
+        return n * BYTES_PER_POINT;
+    return dt_add_memory(set->current->dt, n, &options);
+}
+
+bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set, size_t n,
+                  struct reservation *memory)
 {
     uint32_t points = set != NULL ? set->current->sum.points : 0, most = s->config->max_points;
-    if (points > most || n > most - points)
+    *memory = server_reservation(s, BUDGET_EDITS);
+    if (points > most || n > most - points) {
         reply_err(a->out, ERR_TOOBIG, "a set holds at most %u points (--max-points)", most);
-    else if (server_lacks_memory(s, n * BYTES_PER_POINT))
-        reply_err(a->out, ERR_NOMEM, "the memory for sets is used up (--max-memory)");
-    else
+        return false;
+    }
+    size_t bytes = memory_to_add(s, set, n);
+    if (n > EDITS_AT_ONCE)
+        return server_reserve(s, a, memory, bytes);
+    if (budget_fits(&s->budget, BUDGET_EDITS, bytes))
         return true;
+    server_refuse(s, a, bytes);
     return false;
 }
 
-void edit_add(struct server *s, struct answer *a, const struct word *name, struct dt_point *p,
-              size_t n, size_t expected)
+static void drop_arrival(struct server *s, struct arrival *points)
+{
+    dt_pages_release(points->p);
+    reservation_set(&points->memory, 0);
+    keep_expect(s, 0, points->expected);
+}
+
+void edit_add(struct server *s, struct answer *a, const struct word *name, struct arrival *points)
 {
     struct dataset *set = registry_find(&s->sets, name);
-    struct edit *e = NULL;
-    if (may_grow(s, a, set, n)) {
-        e = job_new(sizeof *e, run_add, add_done);
-        if (e == NULL)
-            answer_out_of_memory(a);
-    }
-    if (e != NULL && set == NULL)
+    struct edit *e = job_new(sizeof *e, run_add, add_done);
+    if (e == NULL)
+        answer_out_of_memory(a);
+    else if (set == NULL)
         set = edit_create(s, a, name, 0);
     if (e == NULL || set == NULL) {
         free(e);
-        dt_pages_release(p);
-        keep_expect(s, 0, expected);
+        drop_arrival(s, points);
         return;
     }
     e->job.clear = clear_edit;
     e->job.record = record_add;
     e->job.what = "adding points";
-    e->p = p;
-    e->n = n;
-    e->expected = expected;
+    e->job.memory = points->memory;
+    e->p = points->p;
+    e->n = points->n;
+    e->expected = points->expected;
     e->server = s;
-    job_write(s, a, &e->job, set, how(n));
+    job_write(s, a, &e->job, set, how(points->n));
 }
 
 /* ---- delete ---- */

@@ -31,6 +31,7 @@ void job_free(struct job *j)
 {
     if (j->clear != NULL)
         j->clear(j);
+    reservation_set(&j->memory, 0);
     free(j->also);
     free(j);
 }
@@ -58,6 +59,7 @@ static void run_later(struct work *w)
 {
     struct job *j = (struct job *)w;
     j->began_ns = clock_ns();
+    keep_heap_small(&j->memory);
     if (edits_in_place(j))
         version_wait(j->base);
     run(j);
@@ -142,31 +144,44 @@ static void drop_unborn(struct server *s, struct dataset *set)
         registry_drop(&s->sets, set);
 }
 
-/* Whether the set would have to be copied, because somebody reads it, and there is no memory for a
- * second one. */
-static bool cannot_copy(const struct server *s, struct answer *a, const struct dataset *set)
+struct dt_options job_options(const struct server *s)
 {
-    const struct dt_summary *sum = &set->current->sum;
-    if (sum->points <= CLONE_AT_ONCE || !server_lacks_memory(s, sum->memory))
-        return false;
-    reply_err(a->out, ERR_BUSY,
-              "the set is being read, and there is no memory for a copy of it; "
-              "try again");
-    return true;
+    return (struct dt_options){.pool = s->workers != NULL ? workers_pool(s->workers) : NULL};
+}
+
+bool job_reserve_build(struct server *s, struct answer *a, const struct dataset *set,
+                       struct reservation *r)
+{
+    struct dt_options options = job_options(s);
+    return server_reserve(s, a, r, dt_build_memory(set->current->dt, &options));
+}
+
+/* Whether a copy of the set, so that it can be read meanwhile, has its memory. */
+static bool reserve_copy(struct server *s, struct job *j, const struct dt_summary *sum)
+{
+    if (j->memory.budget == NULL)
+        j->memory = server_reservation(s, BUDGET_EDITS);
+    return sum->points <= CLONE_AT_ONCE ||
+           reservation_resize(&j->memory, j->memory.bytes + sum->memory);
 }
 
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
 {
     const struct dt_summary *sum = &set->current->sum;
-    bool copy = (how & JOB_COPY) != 0 || version_is_read(set->current);
+    bool read = version_is_read(set->current), copy = read || (how & JOB_COPY) != 0;
     if ((how & JOB_HEAVY) == 0 && sum->current && !sum->searchable && sum->points > GRID_AT_ONCE)
         how |= JOB_HEAVY | JOB_BRIEF; /* an edit makes the grid first */
+    bool room = !copy || reserve_copy(s, j, sum);
+    copy = copy && (room || read);
     if (copy && set->current->sum.points > CLONE_AT_ONCE)
         how |= JOB_HEAVY;
     struct version *fresh = copy ? version_new(NULL) : NULL;
     if (copy && fresh == NULL)
         answer_out_of_memory(a);
-    if ((copy && fresh == NULL) || (copy && cannot_copy(s, a, set)) || too_busy(s, a, how)) {
+    else if (copy && !room)
+        reply_err(a->out, ERR_BUSY,
+                  "the set is being read, and there is no memory for a copy of it; try again");
+    if ((copy && (fresh == NULL || !room)) || too_busy(s, a, how)) {
         version_free(fresh);
         job_free(j);
         drop_unborn(s, set);
@@ -254,6 +269,8 @@ void job_tell(struct server *s, struct job *j, struct answer *a)
 void job_finish(struct server *s, struct job *j, struct answer *a)
 {
     struct dataset *set = j->set;
+    bool reserved = j->memory.bytes > 0;
+    reservation_set(&j->memory, 0); /* what is left of it is measured */
     unlink_job(s, j);
     if (set != NULL) {
         publish(s, j);
@@ -271,6 +288,8 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     if (j->base != NULL)
         version_unpin(&s->sets, j->base);
     job_free(j);
+    if (reserved)
+        server_reserved_less(s);
     if (set != NULL) {
         renew_if_aged(s, set);
         wait_call(&set->queue);
@@ -309,5 +328,7 @@ void job_discard(struct server *s, struct dt *dt)
         return;
     }
     j->dt = dt;
+    j->memory = server_reservation(s, BUDGET_EDITS);
+    reservation_set(&j->memory, sum.memory); /* until it is free */
     job_aside(s, j);
 }

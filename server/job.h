@@ -42,12 +42,13 @@ struct job {
     atomic_bool cancel;
     atomic_uint progress;
     enum dt_status status;
+    struct reservation memory; /* that it takes beyond what the set holds; until it is freed */
 };
 
 /* How to carry out a job. */
 enum {
     JOB_HEAVY = 1, /* by a worker */
-    JOB_COPY = 2,  /* a writer should leave the current version to readers meanwhile */
+    JOB_COPY = 2,  /* a writer leaves the current version to readers, if there is memory for two */
     JOB_BRIEF = 4  /* heavy, but a matter of milliseconds: not to wait behind builds */
 };
 
@@ -64,6 +65,13 @@ void job_read(struct server *s, struct answer *a, struct job *j, struct version 
 /* The same for a job that edits the set, which has no other writer now. */
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                unsigned how);
+
+/* The options of a job that workers do, as far as its size goes. */
+struct dt_options job_options(const struct server *s);
+
+/* Reserves what a build of the set takes; false: a says why not, or to wait. */
+bool job_reserve_build(struct server *s, struct answer *a, const struct dataset *set,
+                       struct reservation *r);
 
 /* Gives a job to a worker that keeps edits of the set away and lets queries go on. Nobody is
  * answered. There are workers, and the set has no other writer now. */

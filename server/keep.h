@@ -1,7 +1,8 @@
 /* keep.h - the pages that large arrays of sets and of loads have left behind (dt_pages): how many the
  * server keeps to use them again, and when they go back to the system.
  *
- * What is kept and what is in use together stay below --max-memory; and when nothing has been taken or
+ * What is kept is free memory in the budget (budget.h): it goes back when it is reserved for something
+ * else; and when nothing has been taken or
  * given for a while, all that is kept goes back, by a worker, a piece at a time.
  *
  * A set that is being loaded will want pages as soon as it is there, and fresh ones are slow to come by.
@@ -11,7 +12,7 @@
 
 #include "server/server.h"
 
-/* To be called when s->sets.memory or s->loading has changed: sets the limit of what may be kept. */
+/* To be called when much has been reserved or given back: sets the limit of what may be kept. */
 void keep_account(struct server *s);
 
 /* What is being received will want `more` bytes of large arrays, or `less` than was told before: workers
@@ -20,5 +21,12 @@ void keep_expect(struct server *s, size_t more, size_t less);
 
 /* Once a second. */
 void keep_tick(struct server *s);
+
+/* Bytes of this process that are in memory, 0 if the system does not say. */
+size_t keep_resident(void);
+
+/* On a worker, before it takes what it has reserved: if the process would have more than the budget
+ * then, what malloc keeps of freed memory goes back to the system. */
+void keep_heap_small(const struct reservation *coming);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "server/durable.h"
 #include "server/job.h"
+#include "server/keep.h"
 #include "server/loop.h"
 #include "server/notice.h"
 #include "server/stream.h"
@@ -19,7 +20,9 @@ static void discard(void *ctx, struct dt *dt)
 bool server_init(struct server *s, struct config *config)
 {
     *s = (struct server){.config = config, .started_ms = clock_ms()};
+    budget_init(&s->budget, &config->max_memory);
     registry_init(&s->sets);
+    s->sets.memory = server_reservation(s, BUDGET_SETS);
     s->pages = dt_pages_new(config->max_memory);
     s->sets.pages = s->pages;
     s->sets.discard = discard;
@@ -89,8 +92,33 @@ void server_clear(struct server *s)
     free(s->scratch.v);
 }
 
-bool server_lacks_memory(const struct server *s, size_t more)
+/* ---- memory ---- */
+
+bool server_reserve(struct server *s, struct answer *a, struct reservation *r, size_t bytes)
 {
-    size_t used = s->sets.memory + s->loading;
-    return used > s->config->max_memory || more > s->config->max_memory - used;
+    bool first = wait_is_first(&s->memory, a->turn);
+    if (first && reservation_resize(r, bytes)) {
+        keep_account(s);
+        return true;
+    }
+    bool jobs = budget_of(&s->budget, BUDGET_BUILDS) + budget_of(&s->budget, BUDGET_EDITS) > 0;
+    if ((jobs || !first) && budget_could_fit(&s->budget, bytes))
+        answer_wait(a, &s->memory, false);
+    else
+        server_refuse(s, a, bytes);
+    return false;
+}
+
+void server_refuse(const struct server *s, struct answer *a, size_t bytes)
+{
+    if (budget_could_fit(&s->budget, bytes))
+        reply_err(a->out, ERR_BUSY, "others use the memory that this takes; try again");
+    else
+        reply_err(a->out, ERR_NOMEM, "the memory for sets is used up (--max-memory)");
+}
+
+void server_reserved_less(struct server *s)
+{
+    keep_account(s);
+    wait_call(&s->memory);
 }

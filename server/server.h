@@ -7,6 +7,7 @@
 #include "server/ahead.h"
 #include "server/answer.h"
 #include "server/auth.h"
+#include "server/budget.h"
 #include "server/config.h"
 #include "server/dataset.h"
 #include "server/guard.h"
@@ -30,6 +31,8 @@ struct counters {
 
 struct server {
     struct config *config; /* borrows; CONFIG SET changes it */
+    struct budget budget;
+    struct wait_queue memory; /* of requests that wait until a job has given its memory back */
     struct registry sets;
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
     struct holders held;     /* replies that wait for the disk */
@@ -44,7 +47,6 @@ struct server {
     bool releasing;                /* a job gives back what is kept */
     bool preparing;                /* a job makes pages ready */
     size_t expected;               /* bytes that are to be kept for what is being received */
-    size_t loading;                /* bytes of points that are being received */
     struct dt_ids scratch;         /* owns; the result of a query that is answered at once */
     struct request request;        /* owns; the words of the request that is carried out */
     struct ahead ahead;            /* those behind it in its connection's input */
@@ -72,7 +74,20 @@ void server_collect(struct server *s, void (*deliver)(void *ctx, struct job *j),
 /* Ends a job whose owner has gone. */
 void server_finish_unheard(struct server *s, struct job *j);
 
-/* Whether `more` bytes would exceed --max-memory. */
-bool server_lacks_memory(const struct server *s, size_t more);
+/* A reservation of that kind, of no bytes yet. */
+static inline struct reservation server_reservation(struct server *s, enum budget_kind kind)
+{
+    return (struct reservation){.budget = &s->budget, .kind = kind};
+}
+
+/* Resizes a reservation for a job. False: a says that there is not so much memory, or, if jobs that
+ * are under way will give theirs back, to wait for that. Who has come first is served first. */
+bool server_reserve(struct server *s, struct answer *a, struct reservation *r, size_t bytes);
+
+/* Answers that there is no memory for `bytes` more: BUSY if there may be later, else NOMEM. */
+void server_refuse(const struct server *s, struct answer *a, size_t bytes);
+
+/* A job has given its memory back: whoever waits for that is called. */
+void server_reserved_less(struct server *s);
 
 #endif

@@ -116,11 +116,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     start_once();
     converse(data + 1, size - 1, size > 1 ? data[0] % (size - 1) : 0);
-    require(f.clients.n == 0 && f.server.loading == 0);
+    require(f.clients.n == 0 && budget_of(&f.server.budget, BUDGET_LOADS) == 0);
     if (memchr(data + 1, '*', size - 1) == NULL)
         look_at_replies();
     buf_consume(&f.replies, buf_len(&f.replies));
     registry_clear(&f.server.sets);
-    require(f.server.sets.sets == 0 && f.server.sets.memory == 0);
+    require(f.server.sets.sets == 0 && f.server.sets.memory.bytes == 0);
     return 0;
 }

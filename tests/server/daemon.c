@@ -146,6 +146,20 @@ size_t daemon_resident(const struct daemon *d)
     return resident * (size_t)sysconf(_SC_PAGESIZE);
 }
 
+size_t daemon_peak_resident(const struct daemon *d)
+{
+    char path[64], line[256];
+    size_t kib = 0;
+    snprintf(path, sizeof path, "/proc/%d/status", (int)d->pid);
+    FILE *f = fopen(path, "r");
+    while (f != NULL && kib == 0 && fgets(line, sizeof line, f) != NULL)
+        if (strncmp(line, "VmHWM:", 6) == 0)
+            kib = strtoul(line + 6, NULL, 10);
+    CHECK(kib > 0);
+    fclose(f);
+    return kib * 1024;
+}
+
 bool costs_are_telling(void)
 {
 #ifdef __has_feature

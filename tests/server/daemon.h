@@ -37,8 +37,9 @@ void await_info(const struct daemon *d, const char *key, uint64_t want);
 /* Loads n points at random places of the unit square into the new set. */
 void load_random(int fd, const char *set, uint32_t n);
 
-/* Resident memory and consumed processor time of the daemon. */
+/* Resident memory of the daemon now, and the most that it has had; consumed processor time. */
 size_t daemon_resident(const struct daemon *d);
+size_t daemon_peak_resident(const struct daemon *d);
 double daemon_cpu_seconds(const struct daemon *d);
 
 /* Whether these say something about the daemon: a sanitizer keeps freed memory, and has threads of

@@ -87,7 +87,7 @@ TEST(version_that_is_pinned_is_not_edited)
     local_ask(&l, "DROP t");
     CHECK(dt_get(pinned->dt, 1, &p) == DT_OK && p.x == 4);
     version_unpin(&l.server.sets, pinned);
-    CHECK(l.server.sets.memory == 0);
+    CHECK(l.server.sets.memory.bytes == 0);
     local_stop(&l);
 }
 
@@ -126,7 +126,7 @@ TEST(set_that_a_failed_request_created_is_gone)
     local_start(&l, 0);
     local_ask(&l, "ADD t 1 2 3 x\nLOAD u\n1 1\n2\n.\nADD v 1 1e300\n");
     CHECK_STR(local_ask(&l, "SETS"), "OK 0\n");
-    CHECK(l.server.sets.sets == 0 && l.server.sets.memory == 0);
+    CHECK(l.server.sets.sets == 0 && l.server.sets.memory.bytes == 0);
     local_stop(&l);
 }
 
@@ -145,9 +145,9 @@ TEST(memory_of_sets_is_accounted_for)
     name.text = "u";
     dt_summary(registry_find(&l.server.sets, &name)->current->dt, &sum);
     total += sum.memory;
-    CHECK(l.server.sets.memory == total && l.server.loading == 0);
+    CHECK(l.server.sets.memory.bytes == total && budget_of(&l.server.budget, BUDGET_LOADS) == 0);
     local_ask(&l, "DROP t\nDROP u\n");
-    CHECK(l.server.sets.memory == 0);
+    CHECK(l.server.sets.memory.bytes == 0);
     free(load);
     local_stop(&l);
 }
@@ -160,7 +160,7 @@ TEST(set_that_is_read_is_not_copied_beyond_the_memory_for_sets)
     local_ask(&l, load);
     struct word name = {"t", 1};
     struct version *pinned = version_pin(registry_find(&l.server.sets, &name)->current);
-    l.config.max_memory = l.server.sets.memory + l.server.sets.memory / 2;
+    l.config.max_memory = l.server.sets.memory.bytes + l.server.sets.memory.bytes / 2;
     CHECK(strncmp(local_ask(&l, "MOVE t 0 9 9"), "ERR BUSY the set is being read", 30) == 0);
     CHECK_STR(local_ask(&l, "GET t 0"), "OK 1\n0 0 0\n");
     l.config.max_memory *= 2;

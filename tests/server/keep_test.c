@@ -113,7 +113,7 @@ TEST_TIMEOUT(what_is_kept_and_what_is_used_stay_below_max_memory, 60)
     char *load = load_of("t");
     local_start(&l, 0);
     local_ask(&l, load);
-    size_t used = l.server.sets.memory;
+    size_t used = l.server.sets.memory.bytes;
     local_ask(&l, "TRIANGULATE t\n");
     CHECK(facts(&l).kept > 0);
     l.config.max_memory = facts(&l).held - facts(&l).kept + (5 << 20);

@@ -1,4 +1,4 @@
-/* The queue of those who wait for a set. */
+/* queue_test.c - the queue of those who wait for a set. */
 #include "server/dataset.h"
 #include "tests/test.h"
 

@@ -105,7 +105,7 @@ TEST_TIMEOUT(rows_that_nobody_wants_any_more_are_forgotten, 60)
         CHECK(poll(&event, 1, 10000) == 1);
         server_collect(&l.server, end_unheard, &l.server);
     }
-    CHECK(l.server.sets.memory == 0);
+    CHECK(l.server.sets.memory.bytes == 0);
     free(load);
     local_stop(&l);
 }

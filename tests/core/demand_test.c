@@ -1,0 +1,151 @@
+/* demand_test.c - work takes no more memory than dt_build_memory and its like say, nor much less: the
+ * resident memory of this process at its peak is compared. */
+#include "core/delaunay.h"
+#include "tests/core/threads.h"
+#include "tests/oracle/families.h"
+#include "tests/test.h"
+
+#include <malloc.h>
+#include <string.h>
+
+enum { MANY = 150000, SLACK = 3 << 20 };
+
+/* Bytes of this process, by a key of its status; 0 if the system does not say. */
+static size_t bytes_of(const char *key)
+{
+    char line[256];
+    size_t kib = 0;
+    FILE *f = fopen("/proc/self/status", "r");
+    while (f != NULL && fgets(line, sizeof line, f) != NULL)
+        if (strncmp(line, key, strlen(key)) == 0)
+            kib = strtoul(line + strlen(key) + 1, NULL, 10);
+    if (f != NULL)
+        fclose(f);
+    return kib * 1024;
+}
+
+static size_t resident;
+
+/* From here on VmHWM is the peak of what comes. False: the system does not do that, or a sanitizer
+ * keeps freed memory. */
+static bool begin(void)
+{
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    return false;
+#else
+    malloc_trim(0);
+    FILE *f = fopen("/proc/self/clear_refs", "w");
+    bool ok = f != NULL && fputs("5", f) >= 0;
+    ok = f != NULL && fclose(f) == 0 && ok;
+    resident = bytes_of("VmRSS");
+    return ok && resident > 0;
+#endif
+}
+
+/* What has been taken since begin is at most `said`, and more than a fifth of it. */
+static void check_peak(const char *what, const char *family, size_t said)
+{
+    size_t peak = bytes_of("VmHWM"), took = peak > resident ? peak - resident : 0;
+    CHECK_MSG(took <= said + SLACK, "%s of %s takes %zu bytes, said: %zu", what, family, took,
+              said);
+    CHECK_MSG(took + SLACK >= said / 5, "%s of %s takes %zu bytes, said: %zu", what, family, took,
+              said);
+}
+
+static void build(struct dt *t, const struct family *f, const struct dt_options *opt,
+                  const char *what)
+{
+    bool telling = begin();
+    size_t said = dt_build_memory(t, opt);
+    CHECK(dt_triangulate(t, opt) == DT_OK && dt_refresh(t, opt) == DT_OK);
+    if (telling)
+        check_peak(what, f->name, said);
+}
+
+static void add(struct dt *t, const struct family *f, const struct dt_point *p, size_t n,
+                const struct dt_options *opt, const char *what)
+{
+    struct dt_added done;
+    bool telling = begin();
+    size_t said = dt_add_memory(t, n, opt);
+    CHECK(dt_add_many(t, p, n, opt, &done) == DT_OK && dt_refresh(t, opt) == DT_OK);
+    if (telling)
+        check_peak(what, f->name, said);
+}
+
+static void prepare(struct dt *t, const struct family *f)
+{
+    bool telling = begin();
+    size_t said = dt_prepare_memory(t);
+    CHECK(dt_prepare(t, NULL) == DT_OK);
+    if (telling)
+        check_peak("a grid", f->name, said);
+}
+
+/* Deletes every other of the first n points. */
+static void thin_out(struct dt *t, uint32_t n)
+{
+    uint32_t deleted, missing, *id = malloc((size_t)n * sizeof *id);
+    CHECK(id != NULL);
+    for (uint32_t i = 0; i < n; i++)
+        id[i] = i / 2 * 2;
+    CHECK(dt_delete(t, id, n, &deleted, &missing) == DT_OK);
+    free(id);
+}
+
+static void live_through(const struct family *f, unsigned threads, size_t n, double tol)
+{
+    struct dt_point *p = malloc(2 * n * sizeof *p);
+    struct dt_pool pool = threads_pool(threads);
+    struct dt_options opt = {.pool = threads > 1 ? &pool : NULL}, again = opt;
+    CHECK(p != NULL);
+    family_points(f, p, 2 * n, test_random());
+    struct dt *t = dt_new_in(tol, NULL);
+    CHECK(t != NULL);
+    again.rebuild = true;
+    add(t, f, p, n, &opt, "a load");
+    build(t, f, &opt, "a build");
+    prepare(t, f);
+    build(t, f, &again, "a second build");
+    add(t, f, p + n, n / 10, &opt, "a batch");
+    add(t, f, p + n + n / 10, n / 2, &opt, "a large batch");
+    thin_out(t, (uint32_t)n);
+    build(t, f, &opt, "a refresh with gaps");
+    dt_free(t);
+    free(p);
+}
+
+TEST_TIMEOUT(work_takes_no_more_memory_than_was_said_before, 120)
+{
+    static const char *const names[] = {"uniform", "kuzmin", "duplicates", "nested"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        for (unsigned threads = 1; threads <= 8; threads += 7)
+            live_through(family_find(names[i]), threads, MANY, 0);
+}
+
+TEST_TIMEOUT(small_sets_and_sets_with_a_tolerance_take_no_more_memory_than_was_said, 60)
+{
+    for (size_t n = 1000; n <= 20000; n *= 4) {
+        live_through(family_find("uniform"), 2, n, 0);
+        live_through(family_find("same_place"), 2, n, 0);
+    }
+    live_through(family_find("uniform"), 1, MANY, 1e-9);
+    live_through(family_find("lattice"), 1, MANY, 2);
+}
+
+TEST_TIMEOUT(papers_engine_takes_no_more_memory_than_was_said, 60)
+{
+    static const char *const names[] = {"uniform", "clusters"};
+    for (size_t i = 0; i < 2; i++) {
+        const struct family *f = family_find(names[i]);
+        struct dt_point *p = malloc(MANY * sizeof *p);
+        struct dt_options opt = {.method = DT_SHELLING};
+        struct dt *t = dt_new(0);
+        CHECK(p != NULL && t != NULL);
+        family_points(f, p, MANY, 1);
+        add(t, f, p, MANY, &opt, "a load");
+        build(t, f, &opt, "a build by shelling");
+        dt_free(t);
+        free(p);
+    }
+}
