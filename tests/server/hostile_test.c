@@ -111,6 +111,23 @@ TEST(client_that_sends_for_ever_delays_nobody)
     expect_no_delay(other);
 }
 
+TEST(client_that_sends_on_after_its_last_reply_is_closed_all_the_same)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "QUIT\n");
+    expect(fd, "OK 0\n");
+    expect_end(fd);
+    double start = seconds();
+    while (send(fd, "x", 1, MSG_NOSIGNAL) == 1) {
+        CHECK_MSG(seconds() - start < 10, "it may still send");
+        pause_ms(50);
+    }
+    CHECK(errno == EPIPE || errno == ECONNRESET);
+    CHECK(seconds() - start > 1); /* not at once, which could take the last reply with it */
+    CHECK(daemon_info(&d, "clients") == 1);
+}
+
 /* ---- TIMEOUT ---- */
 
 TEST_TIMEOUT(request_that_exceeds_its_timeout_is_given_up_and_others_are_not, 60)
