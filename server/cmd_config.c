@@ -4,7 +4,6 @@
 
 #include "server/account.h"
 #include "server/clients.h"
-#include "server/keep.h"
 #include "server/reload.h"
 #include "server/setting.h"
 
@@ -108,7 +107,7 @@ static void set(struct server *s, const struct request *q, struct answer *a)
     report(s, a, &next);
     *s->config = next;
     notice_set_level(next.log_level);
-    keep_account(s);
+    server_reserved_less(s); /* a higher limit is room, like memory that is given back */
     answer_ok(a);
 }
 
