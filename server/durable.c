@@ -16,7 +16,12 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-enum { RETRY_MS = 500 };
+enum {
+    RETRY_MS = 500,
+    QUEUE_SHARE = 8,         /* one part of --max-memory in so many is for the log's queue, */
+    QUEUE_LEAST = 64 * 1024, /* but no less */
+    QUEUE_MOST = 256 << 20   /* and no more than this */
+};
 
 struct durable {
     struct datadir dir;
@@ -378,11 +383,23 @@ void durable_tick(struct server *s)
     step(s);
 }
 
+/* Whether the log has so much to write that changes wait. */
+static bool is_behind(const struct server *s)
+{
+    size_t room = s->config->max_memory / QUEUE_SHARE;
+    room = room < QUEUE_LEAST ? QUEUE_LEAST : room > QUEUE_MOST ? QUEUE_MOST : room;
+    return s->queued.bytes > room;
+}
+
 void durable_turn_end(struct server *s)
 {
     struct durable *d = s->durable;
-    if (d != NULL && !d->reading && d->log != NULL)
-        log_push(d->log);
+    if (d == NULL || d->reading || d->log == NULL)
+        return;
+    log_push(d->log);
+    reservation_set(&s->queued, log_queued(d->log));
+    if (!is_behind(s) || d->status.state != LOG_GOOD)
+        wait_call(&s->log);
 }
 
 void durable_stop(struct server *s)
@@ -430,13 +447,17 @@ bool durable_admits(struct server *s, struct answer *a, const struct dataset *se
                   set->name, first ? d->job->progress : 0);
         return false;
     }
-    if (!write || d->status.state == LOG_GOOD)
+    if (!write)
         return true;
     bool full = d->status.error == ENOSPC || d->status.error == EDQUOT;
-    if (frees && full)
+    if (d->status.state != LOG_GOOD && !(frees && full)) {
+        reply_err(a->out, ERR_READONLY, "nothing can be saved now: %s%s", strerror(d->status.error),
+                  full ? "; DEL and DROP are possible" : "");
+        return false;
+    }
+    if (!is_behind(s) && wait_is_first(&s->log, a->turn))
         return true;
-    reply_err(a->out, ERR_READONLY, "nothing can be saved now: %s%s", strerror(d->status.error),
-              full ? "; DEL and DROP are possible" : "");
+    answer_wait(a, &s->log, false);
     return false;
 }
 

@@ -29,7 +29,8 @@ bool durable_is_complete(const struct server *s);
 bool durable_loaded(struct server *s, struct answer *a);
 
 /* Whether the set (NULL: none in particular) may be used now; to be changed, if `write`, in a way
- * that frees space, if `frees`. If not, the error has been told. */
+ * that frees space, if `frees`. If not, the error has been told, or the request waits: while the disk
+ * is slow, changes go on at its pace, so that what the log has to write stays small. */
 bool durable_admits(struct server *s, struct answer *a, const struct dataset *set, bool write,
                     bool frees);
 

@@ -11,6 +11,7 @@ static void append(struct server *s, struct dataset *set, struct record r)
     r.name = set->name;
     r.name_len = set->name_len;
     set->lsn = log_append(log, &r);
+    reservation_set(&s->queued, log_queued(log));
 }
 
 void journal_create(struct server *s, struct dataset *set, double tolerance)
@@ -36,6 +37,7 @@ void journal_add(struct server *s, struct dataset *set, uint32_t first, struct d
     r.name = set->name;
     r.name_len = set->name_len;
     set->lsn = log_append_points(log, &r, (double *)p);
+    reservation_set(&s->queued, log_queued(log));
 }
 
 void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n)

@@ -18,7 +18,9 @@
 
 enum {
     SYNC_EVERY_MS = 1000,
-    GATHER_LIMIT_NS = 2 * 1000 * 1000 /* how long a sync may be put off for company */
+    GATHER_LIMIT_NS = 2 * 1000 * 1000, /* how long a sync may be put off for company */
+    PIECE_FULL = 256 * 1024,           /* bytes of small records after which a piece is begun */
+    MUCH = 1 << 20                     /* bytes that are worth telling when they are written */
 };
 
 enum piece_kind { PIECE_BYTES, PIECE_POINTS, PIECE_ROTATE, PIECE_RESERVE };
@@ -29,6 +31,7 @@ struct piece {
     enum piece_kind kind;
     unsigned records;
     uint64_t last;        /* the lsn of its last record */
+    size_t size;          /* bytes that it takes */
     struct buf bytes;     /* owns; PIECE_BYTES: encoded records */
     double *xy;           /* owns; PIECE_POINTS */
     struct record record; /* PIECE_POINTS: the ADD; its name is in `name` */
@@ -42,9 +45,11 @@ struct queue {
 
 struct log {
     /* the I/O thread's own */
-    struct queue open; /* appended and not pushed yet */
-    uint64_t next;     /* the lsn of the next record */
-    bool lost;         /* one of these could not be kept: out of memory */
+    struct queue open;   /* appended and not pushed yet */
+    uint64_t next;       /* the lsn of the next record */
+    bool lost;           /* one of these could not be kept: out of memory */
+    size_t appended;     /* bytes of all pieces so far */
+    atomic_size_t freed; /* bytes of those that are gone */
     _Atomic uint64_t synced;
     /* shared */
     pthread_mutex_t mutex;
@@ -89,8 +94,16 @@ static struct piece *new_piece(struct log *log, enum piece_kind kind)
     return p;
 }
 
-static void free_piece(struct piece *p)
+/* A piece takes that many bytes. */
+static void measure(struct log *log, struct piece *p, size_t size)
 {
+    log->appended += size - p->size;
+    p->size = size;
+}
+
+static void free_piece(struct log *log, struct piece *p)
+{
+    atomic_fetch_add(&log->freed, p->size);
     buf_free(&p->bytes);
     dt_pages_release(p->xy);
     free(p);
@@ -101,11 +114,12 @@ uint64_t log_append(struct log *log, struct record *r)
     struct piece *p = log->open.last;
     r->lsn = log->next++;
     r->synced = atomic_load(&log->synced);
-    if (p == NULL || p->kind != PIECE_BYTES)
+    if (p == NULL || p->kind != PIECE_BYTES || buf_len(&p->bytes) >= PIECE_FULL)
         p = new_piece(log, PIECE_BYTES);
     if (p == NULL)
         return r->lsn;
     record_write(&p->bytes, r);
+    measure(log, p, p->bytes.cap);
     log->lost = log->lost || p->bytes.failed;
     p->last = r->lsn;
     p->records++;
@@ -135,6 +149,7 @@ uint64_t log_append_points(struct log *log, struct record *r, double *xy)
     p->record = *r;
     p->record.name = p->name;
     p->xy = xy;
+    measure(log, p, r->n * 2 * sizeof *xy);
     p->last = log->next - 1;
     p->records = 1;
     log->open.records++;
@@ -168,6 +183,11 @@ void log_push(struct log *log)
     pthread_mutex_unlock(&log->mutex);
     log->open = (struct queue){0};
     log->lost = false;
+}
+
+size_t log_queued(const struct log *log)
+{
+    return log->appended - atomic_load(&log->freed);
 }
 
 uint64_t log_last(const struct log *log)
@@ -268,7 +288,7 @@ static uint64_t write_pieces(struct log *log, struct piece *p, uint64_t last)
             carry_out(log, p);
         if (p->last > last)
             last = p->last;
-        free_piece(p);
+        free_piece(log, p);
         p = next;
     }
     return last;
@@ -344,7 +364,10 @@ static void write_queue(struct log *log, bool sync)
     pthread_mutex_unlock(&log->mutex);
     if (broken)
         log_file_fail(&log->file, ENOMEM);
+    size_t before = atomic_load(&log->freed);
     last = write_pieces(log, q.first, last);
+    if (atomic_load(&log->freed) - before >= MUCH) /* there is room, however long the sync takes */
+        tell(log);
     if (sync || log->policy == LOG_ALWAYS || sync_is_due(log))
         sync_file(log);
     pthread_mutex_lock(&log->mutex);
@@ -364,7 +387,7 @@ static void resume(struct log *log)
     for (struct piece *p = q.first, *next; p != NULL; p = next) {
         next = p->next;
         if (p->last < first || p->kind == PIECE_ROTATE)
-            free_piece(p);
+            free_piece(log, p);
         else
             push(&keep, p);
     }
@@ -469,7 +492,7 @@ void log_free(struct log *log)
     }
     for (struct piece *p = log->queue.first, *next; p != NULL; p = next) {
         next = p->next;
-        free_piece(p);
+        free_piece(log, p);
     }
     log_file_clear(&log->file);
     pthread_cond_destroy(&log->wake);

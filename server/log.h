@@ -60,6 +60,9 @@ void log_fill(struct log *log, uint64_t lsn);
 /* Passes what was appended on to the thread; to be called once a turn. */
 void log_push(struct log *log);
 
+/* Bytes of what has been appended and not been written yet. */
+size_t log_queued(const struct log *log);
+
 /* The lsn of the last record so far. */
 uint64_t log_last(const struct log *log);
 

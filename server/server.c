@@ -23,6 +23,7 @@ bool server_init(struct server *s, struct config *config)
     budget_init(&s->budget, &config->max_memory);
     registry_init(&s->sets);
     s->sets.memory = server_reservation(s, BUDGET_SETS);
+    s->queued = server_reservation(s, BUDGET_LOG);
     s->pages = dt_pages_new(config->max_memory);
     s->sets.pages = s->pages;
     s->sets.discard = discard;

@@ -32,7 +32,9 @@ struct counters {
 struct server {
     struct config *config; /* borrows; CONFIG SET changes it */
     struct budget budget;
-    struct wait_queue memory; /* of requests that wait until a job has given its memory back */
+    struct wait_queue memory;  /* of requests that wait until a job has given its memory back */
+    struct wait_queue log;     /* of changes that wait until the log has been written */
+    struct reservation queued; /* bytes that it has to write */
     struct registry sets;
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
     struct holders held;     /* replies that wait for the disk */

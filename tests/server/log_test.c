@@ -2,6 +2,7 @@
  * files are watched and made to fail in this process (file_calls.h). */
 #include "server/log.h"
 
+#include "core/delaunay.h"
 #include "server/log_file.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
@@ -301,4 +302,26 @@ TEST(segment_that_was_there_stays_when_its_beginning_fails)
     CHECK(directory_file(&d, "log.", 0, path));
     datadir_close(&dir);
     directory_remove(&d);
+}
+
+TEST(bytes_in_the_queue_are_counted_until_they_are_written)
+{
+    enum { RECORDS = 20000, POINTS = 50000 };
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    CHECK(log_queued(b.log) == 0);
+    uint64_t last = 0;
+    for (int i = 0; i < RECORDS; i++)
+        last = append(&b);
+    size_t small = log_queued(b.log);
+    CHECK(small >= RECORDS * 20 && small < RECORDS * 20 * 8);
+    double *xy = dt_pages_grow(NULL, NULL, 0, POINTS * 2 * sizeof *xy);
+    CHECK(xy != NULL);
+    memset(xy, 0, POINTS * 2 * sizeof *xy);
+    struct record r = {.name = "t", .name_len = 1, .n = POINTS};
+    last = log_append_points(b.log, &r, xy);
+    CHECK(log_queued(b.log) == small + POINTS * 16);
+    await_durable(&b, last);
+    CHECK(log_queued(b.log) == 0);
+    end(&b);
 }

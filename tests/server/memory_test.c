@@ -1,10 +1,12 @@
 /* memory_test.c - what clients can make a daemon take stays below --max-memory, and everybody is
  * answered. */
-#include "tests/server/daemon.h"
+#include "tests/server/directory.h"
 #include "tests/test.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define MB ((size_t)1000 * 1000)
@@ -100,4 +102,80 @@ TEST_TIMEOUT(client_that_leaves_while_its_build_waits_for_memory_holds_up_nobody
     say(fd[0], "DROP t1\nDROP t3\nDROP t5\nTRIANGULATE t4\n");
     expect(fd[0], "OK 0\nOK 0\nOK 0\n");
     CHECK(begins_with(hear_line(fd[0]), "OK 0 points=100000 "));
+}
+
+/* ---- the log's queue, while the disk stalls ---- */
+
+/* Sends LOADB and DROP of a set over and over, reads all replies, and leaves: 0 if all were OK. */
+static pid_t load_and_drop(const struct daemon *d, int rounds, uint32_t n)
+{
+    pid_t pid = fork();
+    CHECK(pid >= 0);
+    if (pid > 0)
+        return pid;
+    int fd = daemon_connect(d), bad = 0;
+    double *xy = calloc(n, 16);
+    for (int i = 0; i < rounds && xy != NULL; i++) {
+        char text[100];
+        for (uint32_t k = 0; k < 2 * n; k++)
+            xy[k] = k % 2 == 0 ? (double)k : (double)i;
+        snprintf(text, sizeof text, "LOADB t %u\n", n);
+        say(fd, text);
+        say_bytes(fd, xy, (size_t)n * 16);
+        snprintf(text, sizeof text, "ADD log %d 1\nDROP t\n", i);
+        say(fd, text);
+    }
+    for (int i = 0; i < 3 * rounds; i++)
+        bad += !begins_with(hear_line(fd), "OK 0");
+    _exit(bad > 0);
+}
+
+/* Waits until the daemon carries out no commands but ours for a while. */
+static void await_standstill(const struct daemon *d)
+{
+    uint64_t before = 0, now;
+    for (int still = 0, tries = 0; still < 20; tries++, pause_ms(20)) {
+        CHECK(tries < 1000);
+        now = daemon_info(d, "commands");
+        still = now == before + 2 ? still + 1 : 0; /* INFO and QUIT are ours */
+        before = now;
+    }
+}
+
+TEST_TIMEOUT(changes_wait_while_the_disk_stalls_and_the_logs_queue_stays_small, 120)
+{
+    enum { ROUNDS = 80, POINTS = 100000 };
+    struct directory dir = directory_new();
+    char gate[100];
+    int status;
+    snprintf(gate, sizeof gate, "%s.gate", dir.path);
+    setenv("LD_PRELOAD", getenv("DISK_SHIM"), 1);
+    setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
+    setenv("DISK_DIR", dir.path, 1);
+    setenv("DISK_GATE", gate, 1);
+    const char *arguments[] = {"--max-memory", "64m", "--compact-at", "4g", NULL};
+    struct daemon d = directory_daemon(&dir, arguments);
+    unsetenv("LD_PRELOAD");
+    carry_out(&d, "ADD other 0 0 1 0 0 1\nTRIANGULATE other\n");
+    file_write(gate, "", 0);
+    pid_t writer = load_and_drop(&d, ROUNDS, POINTS);
+    await_standstill(&d);
+    CHECK(daemon_info(&d, "memory_log") > 8 * MB && daemon_info(&d, "memory_log") < 12 * MB);
+    converse(&d, "PING\nNEAREST other 0.9 0\n", "OK 0\nOK 1\n1 1 0 0.09999999999999998\n");
+    check_peak(&d, 90 * MB);
+    CHECK(unlink(gate) == 0);
+    CHECK(waitpid(writer, &status, 0) == writer && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    check_peak(&d, 90 * MB);
+    CHECK(daemon_stop(&d, SIGKILL) == -1); /* and nothing is lost or in another order */
+    d = directory_daemon(&dir, arguments);
+    int fd = daemon_connect(&d);
+    char last[100];
+    say(fd, "SETS\nGET log 79\n");
+    snprintf(
+        last, sizeof last,
+        "OK 2\nlog points=%d triangulated=no\nother points=3 triangulated=yes\nOK 1\n79 79 1\n",
+        ROUNDS);
+    expect(fd, last);
+    daemon_end(&d);
+    directory_remove(&dir);
 }
