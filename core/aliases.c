@@ -1,9 +1,8 @@
-/* aliases.c - doubly linked groups in two arrays with free lists; see aliases.h. */
+/* aliases.c - see aliases.h. */
 #include "core/aliases.h"
 
+#include <stdlib.h>
 #include <string.h>
-
-#include "core/memory.h"
 
 void dt_aliases_init(struct dt_aliases *a, struct dt_pages *pages)
 {
@@ -14,7 +13,6 @@ void dt_aliases_clear(struct dt_aliases *a)
 {
     dt_array_free(a->alias);
     dt_array_free(a->group);
-    dt_idmap_clear(&a->group_of);
     dt_aliases_init(a, a->pages);
 }
 
@@ -24,9 +22,8 @@ enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *co
     if (a->cap == 0)
         return DT_OK;
     struct dt_alias *alias = dt_array_new_in(a->pages, a->cap, sizeof *alias);
-    struct dt_alias_group *group = dt_array_new_in(a->pages, a->cap, sizeof *group);
-    struct dt_idmap group_of = {0};
-    if (alias == NULL || group == NULL || dt_idmap_copy(&a->group_of, &group_of) != DT_OK) {
+    struct dt_alias_group *group = dt_array_new_in(a->pages, a->group_cap, sizeof *group);
+    if (alias == NULL || group == NULL) {
         dt_array_free(alias);
         dt_array_free(group);
         return DT_NOMEM;
@@ -36,110 +33,214 @@ enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *co
     *copy = *a;
     copy->alias = alias;
     copy->group = group;
-    copy->group_of = group_of;
     copy->changes = NULL;
     return DT_OK;
 }
 
 size_t dt_aliases_memory(const struct dt_aliases *a)
 {
-    return a->cap * (sizeof *a->alias + sizeof *a->group) + dt_idmap_memory(&a->group_of);
+    return a->cap * sizeof *a->alias + a->group_cap * sizeof *a->group;
 }
 
-enum dt_status dt_aliases_reserve(struct dt_aliases *a, uint32_t representative)
+/* Makes room for one item more in an array of which `end` are in use. */
+static enum dt_status grow(struct dt_aliases *a, void *array, uint32_t end, uint32_t *cap,
+                           size_t size)
 {
-    if (a->count == a->cap) {
-        size_t cap = dt_array_room(a->cap, (size_t)a->count + 1, DT_MAX_POINTS);
-        void *alias = dt_array_grow_in(a->pages, a->alias, a->end, cap, sizeof *a->alias);
-        if (alias == NULL)
-            return DT_NOMEM;
-        a->alias = alias;
-        void *group = dt_array_grow_in(a->pages, a->group, a->groups, cap, sizeof *a->group);
-        if (group == NULL)
-            return DT_NOMEM;
-        a->group = group;
-        a->cap = (uint32_t)cap;
-    }
-    return dt_idmap_reserve(&a->group_of, representative, 1);
+    void **p = array;
+    if (end < *cap)
+        return DT_OK;
+    size_t room = dt_array_room(*cap, (size_t)end + 1, UINT32_MAX);
+    void *larger = dt_array_grow_in(a->pages, *p, end, room, size);
+    if (larger == NULL)
+        return DT_NOMEM;
+    *p = larger;
+    *cap = (uint32_t)room;
+    return DT_OK;
 }
 
-static uint32_t new_group(struct dt_aliases *a, uint32_t representative)
+enum dt_status dt_aliases_reserve(struct dt_aliases *a)
+{
+    enum dt_status status = DT_OK;
+    if (a->free_alias == DT_NONE)
+        status = grow(a, &a->alias, a->end, &a->cap, sizeof *a->alias);
+    if (status == DT_OK && a->free_group == DT_NONE)
+        status = grow(a, &a->group, a->groups, &a->group_cap, sizeof *a->group);
+    return status;
+}
+
+/* ---- groups ---- */
+
+uint32_t dt_aliases_new_group(struct dt_aliases *a, uint32_t representative)
 {
     uint32_t g = a->free_group;
-    if (g != DT_NONE) {
-        a->free_group = a->group[g].head;
-        dt_changes_family(a->changes, g);
-    } else {
+    if (g != DT_NONE)
+        a->free_group = a->group[g].up;
+    else
         g = a->groups++;
-    }
-    a->group[g] = (struct dt_alias_group){representative, DT_NONE, DT_NONE};
-    dt_idmap_set(&a->group_of, representative, g);
+    a->group[g] =
+        (struct dt_alias_group){.up = DT_NONE, .representative = representative, .lowest = DT_NONE};
     return g;
 }
 
-/* Links alias i into its group behind `prev`, DT_NONE for the front. */
-static void link_behind(struct dt_aliases *a, uint32_t i, uint32_t prev)
+/* One who named the group does so no longer. If nobody else does, it is free, and so on upwards.
+ * Returns the representative of a root that is free, else DT_NONE. */
+static uint32_t unname(struct dt_aliases *a, uint32_t g)
 {
-    struct dt_alias_group *g = a->group + a->alias[i].group;
-    uint32_t next = prev == DT_NONE ? g->head : a->alias[prev].next;
-    a->alias[i].prev = prev;
-    a->alias[i].next = next;
-    *(prev == DT_NONE ? &g->head : &a->alias[prev].next) = i;
-    *(next == DT_NONE ? &g->tail : &a->alias[next].prev) = i;
+    uint32_t representative = DT_NONE;
+    while (g != DT_NONE && --a->group[g].named == 0) {
+        uint32_t up = a->group[g].up;
+        dt_changes_family(a->changes, g);
+        if (up == DT_NONE)
+            representative = a->group[g].representative;
+        a->group[g].up = a->free_group;
+        a->free_group = g;
+        g = up;
+    }
+    return representative;
 }
 
-uint32_t dt_aliases_join(struct dt_aliases *a, uint32_t representative, uint32_t id,
-                         struct dt_point xy)
+/* ---- heaps ---- */
+
+static uint32_t rank_of(const struct dt_aliases *a, uint32_t i)
 {
-    uint32_t g = dt_idmap_get(&a->group_of, representative);
-    if (g == DT_NONE)
-        g = new_group(a, representative);
+    return i == DT_NONE ? 0 : a->alias[i].rank;
+}
+
+/* Makes the child with the larger rank the left one; returns whether the rank of i has changed. */
+static bool balance(struct dt_aliases *a, uint32_t i)
+{
+    struct dt_alias *x = &a->alias[i];
+    uint32_t before = x->rank;
+    if (rank_of(a, x->left) < rank_of(a, x->right)) {
+        uint32_t left = x->left;
+        x->left = x->right;
+        x->right = left;
+    }
+    x->rank = rank_of(a, x->right) + 1;
+    return x->rank != before;
+}
+
+/* i, which may be DT_NONE, becomes the right child of `parent`; DT_NONE: a top. */
+static void hang_right(struct dt_aliases *a, uint32_t i, uint32_t parent)
+{
+    if (i != DT_NONE)
+        a->alias[i].parent = parent;
+    if (parent != DT_NONE)
+        a->alias[parent].right = i;
+}
+
+/* Merges the right spines of two heaps, whose ranks are at most logarithmic, and returns the top. */
+static uint32_t meld(struct dt_aliases *a, uint32_t x, uint32_t y)
+{
+    uint32_t top = DT_NONE, last = DT_NONE;
+    while (x != DT_NONE && y != DT_NONE) {
+        bool swap = a->alias[y].id < a->alias[x].id;
+        uint32_t next = swap ? y : x;
+        y = swap ? x : y;
+        hang_right(a, next, last);
+        top = top == DT_NONE ? next : top;
+        last = next;
+        x = a->alias[next].right;
+    }
+    x = x == DT_NONE ? y : x;
+    hang_right(a, x, last);
+    while (last != DT_NONE) {
+        balance(a, last);
+        last = a->alias[last].parent;
+    }
+    return top == DT_NONE ? x : top;
+}
+
+/* Takes i out of its heap, the top of which is *top. */
+static void take_out(struct dt_aliases *a, uint32_t i, uint32_t *top)
+{
+    uint32_t parent = a->alias[i].parent, rest = meld(a, a->alias[i].left, a->alias[i].right);
+    if (rest != DT_NONE)
+        a->alias[rest].parent = parent;
+    if (parent == DT_NONE)
+        *top = rest;
+    else if (a->alias[parent].left == i)
+        a->alias[parent].left = rest;
+    else
+        a->alias[parent].right = rest;
+    while (parent != DT_NONE && balance(a, parent))
+        parent = a->alias[parent].parent;
+}
+
+/* ---- both ---- */
+
+uint32_t dt_aliases_join(struct dt_aliases *a, uint32_t root, uint32_t id, struct dt_point xy)
+{
     uint32_t i = a->free_alias;
     if (i != DT_NONE)
-        a->free_alias = a->alias[i].next;
+        a->free_alias = a->alias[i].left;
     else
         i = a->end++;
+    a->alias[i] = (struct dt_alias){.xy = xy,
+                                    .id = id,
+                                    .group = root,
+                                    .parent = DT_NONE,
+                                    .left = DT_NONE,
+                                    .right = DT_NONE,
+                                    .rank = 1};
+    a->group[root].lowest = meld(a, a->group[root].lowest, i);
+    a->group[root].named++;
     a->count++;
-    a->alias[i] = (struct dt_alias){.xy = xy, .id = id, .group = g};
-
-    uint32_t head = a->group[g].head, prev = a->group[g].tail;
-    if (head != DT_NONE && id < a->alias[head].id)
-        prev = DT_NONE;
-    while (prev != DT_NONE && a->alias[prev].id > id)
-        prev = a->alias[prev].prev;
-    link_behind(a, i, prev);
     return i;
 }
 
-void dt_aliases_leave(struct dt_aliases *a, uint32_t index)
+uint32_t dt_aliases_leave(struct dt_aliases *a, uint32_t index)
 {
-    struct dt_alias *x = a->alias + index;
-    struct dt_alias_group *g = a->group + x->group;
-    *(x->prev == DT_NONE ? &g->head : &a->alias[x->prev].next) = x->next;
-    *(x->next == DT_NONE ? &g->tail : &a->alias[x->next].prev) = x->prev;
-    if (g->head == DT_NONE) {
-        dt_idmap_unset(&a->group_of, g->representative);
-        g->head = a->free_group;
-        a->free_group = x->group;
-    }
-    x->next = a->free_alias;
+    uint32_t group = a->alias[index].group;
+    take_out(a, index, &a->group[dt_aliases_root(a, group)].lowest);
+    a->alias[index].left = a->free_alias;
     a->free_alias = index;
     a->count--;
+    return unname(a, group);
 }
 
-uint32_t dt_aliases_lowest(const struct dt_aliases *a, uint32_t representative)
+uint32_t dt_aliases_unite(struct dt_aliases *a, uint32_t from, uint32_t into)
 {
-    uint32_t g = dt_idmap_get(&a->group_of, representative);
-    return g == DT_NONE ? DT_NONE : a->group[g].head;
+    struct dt_alias_group *f = &a->group[from], *t = &a->group[into];
+    uint32_t representative = t->representative, lowest = meld(a, f->lowest, t->lowest);
+    bool upwards = f->rank > t->rank; /* `into` becomes part of `from` */
+    uint32_t root = upwards ? from : into, part = upwards ? into : from;
+    dt_changes_family(a->changes, part);
+    if (upwards)
+        dt_changes_family(a->changes, root);
+    a->group[root].rank += f->rank == t->rank;
+    a->group[root].representative = representative;
+    a->group[root].lowest = lowest;
+    a->group[root].named++;
+    a->group[part].up = root;
+    return root;
 }
 
-void dt_aliases_rename(struct dt_aliases *a, uint32_t from, uint32_t to)
+static int compare_ids(const void *a, const void *b)
 {
-    uint32_t g = dt_idmap_get(&a->group_of, from);
-    if (g == DT_NONE)
-        return;
-    dt_changes_family(a->changes, g);
-    dt_idmap_unset(&a->group_of, from);
-    dt_idmap_set(&a->group_of, to, g);
-    a->group[g].representative = to;
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The next node of the heap in preorder that is not below i, DT_NONE if there is none. */
+static uint32_t beside(const struct dt_aliases *a, uint32_t i)
+{
+    for (uint32_t parent; (parent = a->alias[i].parent) != DT_NONE; i = parent)
+        if (a->alias[parent].left == i && a->alias[parent].right != DT_NONE)
+            return a->alias[parent].right;
+    return DT_NONE;
+}
+
+uint32_t dt_aliases_lowest_but(const struct dt_aliases *a, uint32_t root, const uint32_t *ids,
+                               size_t n)
+{
+    uint32_t best = DT_NONE, i = a->group[root].lowest;
+    while (i != DT_NONE) {
+        const struct dt_alias *x = &a->alias[i];
+        bool left_out = n > 0 && bsearch(&x->id, ids, n, sizeof *ids, compare_ids) != NULL;
+        if (!left_out && (best == DT_NONE || x->id < a->alias[best].id))
+            best = i;
+        i = left_out && x->left != DT_NONE ? x->left : beside(a, i);
+    }
+    return best;
 }

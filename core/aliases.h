@@ -1,33 +1,51 @@
-/* aliases.h - the points that coincide with a representative, grouped by it, each group in
- * ascending order of ids.
+/* aliases.h - the points that coincide with a representative, in groups.
  *
- * Knows ids and coordinates only; which id is an alias at all is the business of points.c. */
+ * Two questions are asked: who represents an alias, and which alias of a representative has the lowest
+ * id. A group answers both in logarithmic time, however large it is, while aliases join and leave in any
+ * order and groups become one:
+ *
+ *     group     5 <---- 2 <---- 7        a group that has become part of another one points to it; the
+ *               ^                        root, 5, has the representative. Union by rank without path
+ *               '------ 4                compression [Tarjan 1975], so that readers change nothing, and
+ *                                        a group that is no root never changes
+ *     aliases   each names the group that it joined: 5, 2, 7 or 4
+ *
+ *     heap      those of one root are a leftist heap by id [Crane 1972; Knuth, TAOCP 3, sec. 5.2.3], with
+ *               links to the parents, so that any of them can leave
+ *
+ * A group that nobody names any more is free. Knows ids and coordinates only: which id is an alias, and
+ * which representative has a group, is the business of points.c. */
 #ifndef DT_ALIASES_H
 #define DT_ALIASES_H
 
 #include "core/changes.h"
-#include "core/idmap.h"
+#include "core/delaunay.h"
+#include "core/memory.h"
 
 struct dt_alias {
     struct dt_point xy;
     uint32_t id;
-    uint32_t group;
-    uint32_t prev, next; /* in the group, by id; next also links the free ones */
+    uint32_t group;               /* that it joined */
+    uint32_t parent, left, right; /* in the heap, DT_NONE if none; left also links the free ones */
+    uint32_t rank; /* in the heap: how far away the nearest node with a child missing is */
 };
 
 struct dt_alias_group {
-    uint32_t representative; /* its id */
-    uint32_t head, tail;     /* lowest and highest alias; head also links the free groups */
+    uint32_t up; /* the group that it is part of; DT_NONE: it is a root; also links the free ones */
+    uint32_t representative; /* of a root: its id */
+    uint32_t lowest;         /* of a root: the top of the heap */
+    uint32_t named;          /* by how many aliases and groups; 0: it is free */
+    uint32_t rank;           /* at least the height of the tree below */
 };
 
 struct dt_aliases {
     struct dt_pages *pages;       /* borrows; where its arrays come from; NULL: the system */
     struct dt_alias *alias;       /* owns cap; 0 .. end - 1 are in use or free */
-    struct dt_alias_group *group; /* owns cap; 0 .. groups - 1 are in use or free */
-    uint32_t cap, end, groups, count;
+    struct dt_alias_group *group; /* owns group_cap; 0 .. groups - 1 are in use or free */
+    uint32_t cap, end, count;
+    uint32_t group_cap, groups;
     uint32_t free_alias, free_group;  /* heads of the free lists */
-    struct dt_idmap group_of;         /* id of a representative that has aliases -> group */
-    const struct dt_changes *changes; /* borrows: who is to know of a group's representative */
+    const struct dt_changes *changes; /* borrows: who is to know that a group changes */
 };
 
 void dt_aliases_init(struct dt_aliases *a, struct dt_pages *pages);
@@ -35,36 +53,52 @@ void dt_aliases_clear(struct dt_aliases *a);
 enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *copy);
 size_t dt_aliases_memory(const struct dt_aliases *a);
 
-/* Makes room for one more alias of `representative`, so that the next join or rename to it cannot
- * fail. */
-enum dt_status dt_aliases_reserve(struct dt_aliases *a, uint32_t representative);
+/* Makes room for one more alias and one more group. */
+enum dt_status dt_aliases_reserve(struct dt_aliases *a);
 
-/* Fetches what dt_aliases_join to `representative` will read. */
-static inline void dt_aliases_fetch(const struct dt_aliases *a, uint32_t representative)
+/* A new group, for which there is room. It is free again when its last alias has left. */
+uint32_t dt_aliases_new_group(struct dt_aliases *a, uint32_t representative);
+
+/* Whether the group, which may be a free one, is one and a root. */
+static inline bool dt_aliases_is_root(const struct dt_aliases *a, uint32_t group)
 {
-    uint32_t g = dt_idmap_get(&a->group_of, representative);
-    if (g != DT_NONE)
-        dt_fetch(&a->group[g]);
+    return a->group[group].up == DT_NONE && a->group[group].named > 0;
 }
 
-/* Adds an alias and returns its index. Cost: constant if id is higher or lower than all others of
- * the group, else linear in the group. */
-uint32_t dt_aliases_join(struct dt_aliases *a, uint32_t representative, uint32_t id,
-                         struct dt_point xy);
+/* The root of a group. Cost: at most logarithmic in the number of groups that it was made of. */
+static inline uint32_t dt_aliases_root(const struct dt_aliases *a, uint32_t group)
+{
+    while (a->group[group].up != DT_NONE)
+        group = a->group[group].up;
+    return group;
+}
 
-/* Removes the alias with that index. Cost: constant. */
-void dt_aliases_leave(struct dt_aliases *a, uint32_t index);
-
-/* The index of the representative's lowest alias; DT_NONE if it has none. */
-uint32_t dt_aliases_lowest(const struct dt_aliases *a, uint32_t representative);
-
-/* The aliases of `from`, if any, become those of `to`, for which room was reserved and which has
- * none. */
-void dt_aliases_rename(struct dt_aliases *a, uint32_t from, uint32_t to);
-
+/* The representative of the alias with that index. */
 static inline uint32_t dt_aliases_representative(const struct dt_aliases *a, uint32_t index)
 {
-    return a->group[a->alias[index].group].representative;
+    return a->group[dt_aliases_root(a, a->alias[index].group)].representative;
 }
+
+/* Another id represents the root. */
+static inline void dt_aliases_rename(struct dt_aliases *a, uint32_t root, uint32_t representative)
+{
+    dt_changes_family(a->changes, root);
+    a->group[root].representative = representative;
+}
+
+/* Adds an alias, for which there is room, to a root and returns its index. Cost: logarithmic. */
+uint32_t dt_aliases_join(struct dt_aliases *a, uint32_t root, uint32_t id, struct dt_point xy);
+
+/* Removes the alias with that index. If it was the last one of its group, that is free, and the
+ * representative that had it is returned, else DT_NONE. Cost: logarithmic. */
+uint32_t dt_aliases_leave(struct dt_aliases *a, uint32_t index);
+
+/* Two roots become one, which is returned; it is represented as `into` was. Cost: logarithmic. */
+uint32_t dt_aliases_unite(struct dt_aliases *a, uint32_t from, uint32_t into);
+
+/* The lowest alias of the root that is not among the n ascending ids; DT_NONE if there is none. Cost:
+ * O(1 + those of the root that are). */
+uint32_t dt_aliases_lowest_but(const struct dt_aliases *a, uint32_t root, const uint32_t *ids,
+                               size_t n);
 
 #endif

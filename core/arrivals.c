@@ -222,7 +222,7 @@ static void take_back(struct dt_points *p, uint32_t n, uint32_t end)
             continue;
         dt_idmap_unset(&p->value, id);
         if (v & DT_ALIAS_BIT)
-            dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
+            dt_points_leave_group(p, v & ~DT_ALIAS_BIT);
     }
     p->end = end;
 }
@@ -238,17 +238,16 @@ static enum dt_status make_alias(struct arrivals *a, uint32_t i)
 {
     enum { AHEAD = 16 }; /* arrivals; long enough for a cache miss */
     struct dt_points *p = a->p;
-    uint32_t id = representative(a, i), later = i + 2 * AHEAD, soon = i + AHEAD;
+    uint32_t later = i + 2 * AHEAD, soon = i + AHEAD;
     if (later < a->n && a->same[later] != DT_NONE)
-        dt_idmap_fetch(&p->aliases.group_of, representative(a, later));
-    if (soon < a->n && a->same[soon] != DT_NONE)
-        dt_aliases_fetch(&p->aliases, representative(a, soon));
-    if (dt_aliases_reserve(&p->aliases, id) != DT_OK)
-        return DT_NOMEM;
+        dt_idmap_fetch(&p->value, representative(a, later));
+    uint32_t v = soon < a->n && a->same[soon] != DT_NONE
+                     ? dt_idmap_get(&p->value, representative(a, soon))
+                     : DT_NONE;
+    if (v < p->group_cap)
+        dt_fetch(&p->group[v]);
     struct dt_point at = {a->q[i].x + 0.0, a->q[i].y + 0.0};
-    uint32_t alias = dt_aliases_join(&p->aliases, id, p->next_id + i, at);
-    dt_idmap_set(&p->value, p->next_id + i, DT_ALIAS_BIT | alias);
-    return DT_OK;
+    return dt_points_join(p, p->next_id + i, at, dt_idmap_get(&p->value, representative(a, i)));
 }
 
 /* Gives each arrival its vertex, or makes it an alias. */

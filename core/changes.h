@@ -11,7 +11,7 @@
 struct dt_changes {
     /* The row of a live id: its place, whether it is an alias, its life. */
     void (*row)(void *ctx, uint32_t id);
-    /* The representative of a group of aliases. */
+    /* The representative of a group of aliases, or the group that it is part of. */
     void (*family)(void *ctx, uint32_t group);
     /* The neighbours of a vertex of the mesh. */
     void (*star)(void *ctx, uint32_t v);

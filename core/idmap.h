@@ -57,11 +57,11 @@ enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n);
 /* Gives a reserved or live id a value other than DT_NONE. */
 void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value);
 
-/* Changes the value of a live id, to another than DT_NONE. Threads may do so at the same time for
- * different ids. */
-static inline void dt_idmap_change(struct dt_idmap *m, uint32_t id, uint32_t value)
+/* Where the value of a live id is, which may become another than DT_NONE. Threads may do so at the
+ * same time for different ids. */
+static inline uint32_t *dt_idmap_at(struct dt_idmap *m, uint32_t id)
 {
-    m->page[id / DT_ID_PAGE].value[id % DT_ID_PAGE] = value;
+    return &m->page[id / DT_ID_PAGE].value[id % DT_ID_PAGE];
 }
 
 /* Takes the value of a live id away. */

@@ -1,8 +1,8 @@
 /* points.c - arrival, coincidence and departure of points.
  *
  * Invariants: a live id has a value, a vertex or an alias; id[] of a vertex in use is its
- * representative, whose value is that vertex; with tolerance 0 a representative has the smallest id
- * of all points at its place. */
+ * representative, whose value is that vertex; group[] of a vertex is a root, and its representative is
+ * id[]; with tolerance 0 a representative has the smallest id of all points at its place. */
 #include "core/points.h"
 
 #include <stdlib.h>
@@ -30,10 +30,30 @@ void dt_points_clear(struct dt_points *p)
 {
     dt_array_free(p->xy);
     dt_array_free(p->id);
+    dt_array_free(p->group);
     dt_idmap_clear(&p->value);
     dt_aliases_clear(&p->aliases);
     dt_places_clear(&p->places);
     dt_points_init_in(p, p->tol, p->pages);
+}
+
+/* The root of the aliases that vertex v has, DT_NONE if it has none. */
+static uint32_t group_of(const struct dt_points *p, uint32_t v)
+{
+    return p->group == NULL ? DT_NONE : p->group[v];
+}
+
+/* Makes room in group[] for as many vertices as there is room for elsewhere. */
+static enum dt_status grow_groups(struct dt_points *p)
+{
+    uint32_t *group = dt_array_grow_in(p->pages, p->group, p->group_cap, p->cap, sizeof *group);
+    if (group == NULL)
+        return DT_NOMEM;
+    for (uint32_t v = p->group_cap; v < p->cap; v++)
+        group[v] = DT_NONE;
+    p->group = group;
+    p->group_cap = p->cap;
+    return DT_OK;
 }
 
 enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy)
@@ -46,11 +66,18 @@ enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy)
         dt_points_clear(copy);
         return DT_NOMEM;
     }
+    copy->cap = p->end;
+    if (p->group != NULL && p->end > 0 && grow_groups(copy) != DT_OK) {
+        dt_points_clear(copy);
+        return DT_NOMEM;
+    }
     if (p->end > 0) {
         memcpy(copy->xy, p->xy, p->end * sizeof *p->xy);
         memcpy(copy->id, p->id, p->end * sizeof *p->id);
     }
-    copy->end = copy->cap = p->end;
+    if (p->group != NULL && p->end > 0)
+        memcpy(copy->group, p->group, p->end * sizeof *p->group);
+    copy->end = p->end;
     copy->free_count = p->free_count;
     copy->free_list = p->free_list;
     copy->next_id = p->next_id;
@@ -62,21 +89,14 @@ size_t dt_points_memory(const struct dt_points *p)
     size_t places = p->places.bucket == NULL
                         ? 0
                         : ((size_t)p->places.mask + 1 + p->places.cap) * sizeof(uint32_t);
-    return p->cap * (sizeof *p->xy + sizeof *p->id) + dt_idmap_memory(&p->value) +
-           dt_aliases_memory(&p->aliases) + places;
+    return p->cap * (sizeof *p->xy + sizeof *p->id) + p->group_cap * sizeof *p->group +
+           dt_idmap_memory(&p->value) + dt_aliases_memory(&p->aliases) + places;
 }
 
 struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id)
 {
     uint32_t v = dt_idmap_get(&p->value, id);
     return v & DT_ALIAS_BIT ? p->aliases.alias[v & ~DT_ALIAS_BIT].xy : p->xy[v];
-}
-
-/* Frees what earlier edits left empty. To be called before anything is reserved. */
-static void trim(struct dt_points *p)
-{
-    dt_idmap_trim(&p->value);
-    dt_idmap_trim(&p->aliases.group_of);
 }
 
 /* ---- vertices ---- */
@@ -100,6 +120,8 @@ static enum dt_status reserve_vertices(struct dt_points *p, size_t n, struct dt_
         p->id = id;
         p->cap = (uint32_t)cap;
     }
+    if (p->group != NULL && p->group_cap < p->cap && grow_groups(p) != DT_OK)
+        return DT_NOMEM;
     return p->places.bucket == NULL
                ? DT_OK
                : dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, (uint32_t)need, work);
@@ -146,13 +168,15 @@ static void free_vertex(struct dt_points *p, uint32_t v)
     p->free_count++;
 }
 
-/* Vertex v becomes that of the point id at q. */
+/* Vertex v, and its group if it has one, become those of the point id at q. */
 static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_point q)
 {
     bool moves = p->xy[v].x != q.x || p->xy[v].y != q.y;
     bool entered = p->places.bucket != NULL;
     if (p->id[v] != id)
         dt_changes_name(p->changes, v);
+    if (p->id[v] != id && group_of(p, v) != DT_NONE)
+        dt_aliases_rename(&p->aliases, group_of(p, v), id);
     if (moves && entered)
         dt_places_leave(&p->places, p->xy, v);
     p->xy[v] = q;
@@ -162,23 +186,47 @@ static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_po
         dt_places_enter(&p->places, p->xy, v);
 }
 
+/* ---- aliases ---- */
+
+/* Makes room for one more alias of any vertex. */
+static enum dt_status reserve_alias(struct dt_points *p)
+{
+    enum dt_status status = dt_aliases_reserve(&p->aliases);
+    return status == DT_OK && p->group == NULL ? grow_groups(p) : status;
+}
+
+/* The point id at q becomes an alias of vertex v. There is room. */
+static void become_alias(struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v)
+{
+    if (p->group[v] == DT_NONE)
+        p->group[v] = dt_aliases_new_group(&p->aliases, p->id[v]);
+    dt_idmap_set(&p->value, id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, p->group[v], id, q));
+}
+
+void dt_points_leave_group(struct dt_points *p, uint32_t index)
+{
+    uint32_t representative = dt_aliases_leave(&p->aliases, index);
+    if (representative != DT_NONE)
+        p->group[dt_idmap_get(&p->value, representative)] = DT_NONE;
+}
+
 /* ---- adding ---- */
 
 enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_work *work)
 {
     if (n > DT_MAX_POINTS - dt_points_live(p) || n > DT_NONE - p->next_id)
         return DT_TOOBIG;
-    trim(p);
+    dt_idmap_trim(&p->value);
     enum dt_status status = reserve_vertices(p, n, work);
     return status == DT_OK ? dt_idmap_reserve(&p->value, p->next_id, n) : status;
 }
 
 enum dt_status dt_points_join(struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v)
 {
-    if (dt_aliases_reserve(&p->aliases, p->id[v]) != DT_OK)
-        return DT_NOMEM;
-    dt_idmap_set(&p->value, id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, p->id[v], id, q));
-    return DT_OK;
+    enum dt_status status = reserve_alias(p);
+    if (status == DT_OK)
+        become_alias(p, id, q, v);
+    return status;
 }
 
 void dt_points_arrived(struct dt_points *p, uint32_t n)
@@ -194,7 +242,7 @@ void dt_points_take_back(struct dt_points *p, uint32_t n)
             continue;
         dt_idmap_unset(&p->value, id);
         if (v & DT_ALIAS_BIT)
-            dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
+            dt_points_leave_group(p, v & ~DT_ALIAS_BIT);
         else
             free_vertex(p, v);
     }
@@ -250,100 +298,77 @@ enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size
 
 /* ---- deleting ---- */
 
-static int compare_ids(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return x < y ? -1 : x > y;
-}
-
 const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v, const uint32_t *ids,
                                       size_t n)
 {
-    uint32_t i = dt_aliases_lowest(&p->aliases, p->id[v]);
-    while (i != DT_NONE && n > 0 &&
-           bsearch(&p->aliases.alias[i].id, ids, n, sizeof *ids, compare_ids) != NULL)
-        i = p->aliases.alias[i].next;
+    uint32_t root = group_of(p, v);
+    uint32_t i = root == DT_NONE ? DT_NONE : dt_aliases_lowest_but(&p->aliases, root, ids, n);
     return i == DT_NONE ? NULL : &p->aliases.alias[i];
-}
-
-/* With a tolerance, an heir may find its own place taken: both families become one, so any of their
- * members may come to represent. */
-static enum dt_status reserve_families(struct dt_points *p, uint32_t representative,
-                                       struct dt_work *work)
-{
-    uint32_t i = dt_aliases_lowest(&p->aliases, representative);
-    enum dt_status status = i == DT_NONE ? DT_OK : dt_points_index(p, work);
-    for (; status == DT_OK && i != DT_NONE; i = p->aliases.alias[i].next) {
-        struct dt_alias a = p->aliases.alias[i];
-        uint32_t there = dt_points_find(p, a.xy, dt_idmap_get(&p->value, representative));
-        status = dt_aliases_reserve(&p->aliases, a.id);
-        if (status == DT_OK && there != DT_NONE)
-            status = dt_aliases_reserve(&p->aliases, p->id[there]);
-    }
-    return status;
 }
 
 enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n,
                                       struct dt_work *work)
 {
-    trim(p);
-    enum dt_status status = DT_OK;
-    for (size_t i = 0; p->aliases.count > 0 && status == DT_OK && i < n; i++) {
-        if (dt_points_is_alias(p, ids[i]))
-            continue;
-        const struct dt_alias *heir = dt_points_heir(p, dt_idmap_get(&p->value, ids[i]), ids, n);
-        if (heir != NULL)
-            status = dt_aliases_reserve(&p->aliases, heir->id);
-        if (status == DT_OK && p->tol > 0)
-            status = reserve_families(p, ids[i], work);
+    bool heirs = false;
+    dt_idmap_trim(&p->value);
+    for (size_t i = 0; p->tol > 0 && p->aliases.count > 0 && !heirs && i < n; i++) {
+        uint32_t v = dt_idmap_get(&p->value, ids[i]);
+        heirs = !(v & DT_ALIAS_BIT) && group_of(p, v) != DT_NONE;
     }
-    return status;
+    return heirs ? dt_points_index(p, work) : DT_OK; /* heirs look whether their place is taken */
 }
 
-/* The aliases of `from` become aliases of `to`. */
+/* The aliases of vertex `from`, which has some, become aliases of vertex `to`. */
 static void move_family(struct dt_points *p, uint32_t from, uint32_t to)
 {
-    for (uint32_t i; (i = dt_aliases_lowest(&p->aliases, from)) != DT_NONE;) {
-        struct dt_alias a = p->aliases.alias[i];
-        dt_changes_row(p->changes, a.id);
-        dt_aliases_leave(&p->aliases, i);
-        dt_idmap_set(&p->value, a.id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, to, a.id, a.xy));
+    if (p->group[to] == DT_NONE) {
+        dt_aliases_rename(&p->aliases, p->group[from], p->id[to]);
+        p->group[to] = p->group[from];
+    } else {
+        p->group[to] = dt_aliases_unite(&p->aliases, p->group[from], p->group[to]);
     }
+    p->group[from] = DT_NONE;
 }
 
-/* The heir of v's representative, the alias `next`, stands where vertex `at` is already: the
- * smaller id of the two represents both families. */
-static void unite(struct dt_points *p, uint32_t v, uint32_t at, struct dt_alias next)
+/* The alias `index` of vertex v, which stands at the same place, represents it from now on. */
+static void promote(struct dt_points *p, uint32_t v, uint32_t index)
 {
-    uint32_t old = p->id[v], there = p->id[at];
-    if (next.id < there) {
-        dt_changes_row(p->changes, next.id);
-        dt_aliases_leave(&p->aliases, dt_idmap_get(&p->value, next.id) & ~DT_ALIAS_BIT);
-        dt_points_arrive(p, next.id, next.xy, at);
-        there = next.id;
-    }
-    move_family(p, old, there);
+    struct dt_alias next = p->aliases.alias[index];
+    uint32_t old = p->id[v];
+    dt_changes_row(p->changes, next.id);
+    dt_changes_row(p->changes, old);
+    dt_points_leave_group(p, index);
+    take_over(p, v, next.id, next.xy);
+    become_alias(p, old, next.xy, v);
+}
+
+/* The heir of v's representative, the alias `index`, stands where vertex `at` is already: the smaller
+ * id of the two represents both families. */
+static void unite(struct dt_points *p, uint32_t v, uint32_t at, uint32_t index)
+{
+    move_family(p, v, at);
+    if (p->aliases.alias[index].id < p->id[at])
+        promote(p, at, index);
     free_vertex(p, v);
 }
 
 /* The vertex of a representative that goes: its lowest alias takes over, or it is free. */
 static void vacate(struct dt_points *p, uint32_t v)
 {
-    uint32_t i = dt_aliases_lowest(&p->aliases, p->id[v]);
-    if (i == DT_NONE) {
+    uint32_t root = group_of(p, v);
+    if (root == DT_NONE) {
         free_vertex(p, v);
         return;
     }
-    uint32_t old = p->id[v];
+    uint32_t i = p->aliases.group[root].lowest;
     struct dt_alias next = p->aliases.alias[i];
     uint32_t at = p->tol > 0 ? dt_points_find(p, next.xy, v) : DT_NONE;
     if (at != DT_NONE && p->xy[at].x == next.xy.x && p->xy[at].y == next.xy.y) {
-        unite(p, v, at, next);
+        unite(p, v, at, i);
         return;
     }
     dt_changes_row(p->changes, next.id);
-    dt_aliases_leave(&p->aliases, i);
-    dt_aliases_rename(&p->aliases, old, next.id);
+    dt_points_leave_group(p, i);
     take_over(p, v, next.id, next.xy);
 }
 
@@ -352,7 +377,7 @@ void dt_points_delete(struct dt_points *p, uint32_t id)
     uint32_t v = dt_idmap_get(&p->value, id);
     dt_changes_row(p->changes, id);
     if (v & DT_ALIAS_BIT)
-        dt_aliases_leave(&p->aliases, v & ~DT_ALIAS_BIT);
+        dt_points_leave_group(p, v & ~DT_ALIAS_BIT);
     else
         vacate(p, v);
     dt_idmap_unset(&p->value, id);
@@ -366,18 +391,12 @@ void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to)
 
 /* ---- moving ---- */
 
-enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t at,
-                                    struct dt_work *work)
+enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, struct dt_work *work)
 {
     enum dt_status status = dt_points_delete_ready(p, &id, 1, work);
     if (status == DT_OK)
         status = reserve_vertices(p, 1, work);
-    if (status == DT_OK && at != DT_NONE)
-        status = dt_aliases_reserve(&p->aliases, p->id[at]);
-    uint32_t heir = dt_aliases_lowest(&p->aliases, id);
-    if (status == DT_OK && heir != DT_NONE)
-        status = dt_aliases_reserve(&p->aliases, p->aliases.alias[heir].id);
-    return status == DT_OK ? dt_aliases_reserve(&p->aliases, id) : status;
+    return status == DT_OK ? reserve_alias(p) : status;
 }
 
 uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, uint32_t at)
@@ -388,12 +407,10 @@ uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, 
     if (p->xy[at].x == to.x && p->xy[at].y == to.y && id < there) {
         /* The smallest of equal points represents them. */
         dt_changes_row(p->changes, there);
-        dt_aliases_rename(&p->aliases, there, id);
-        dt_idmap_set(&p->value, there,
-                     DT_ALIAS_BIT | dt_aliases_join(&p->aliases, id, there, p->xy[at]));
         take_over(p, at, id, to);
+        become_alias(p, there, to, at);
     } else {
-        dt_idmap_set(&p->value, id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, there, id, to));
+        become_alias(p, id, to, at);
     }
     return DT_NONE;
 }
@@ -406,9 +423,8 @@ enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point 
     if (from.x == to.x && from.y == to.y)
         return DT_OK;
     enum dt_status status = dt_points_index(p, work);
-    uint32_t own = dt_idmap_get(&p->value, id); /* as a vertex, it will be free or its heir's */
     if (status == DT_OK)
-        status = dt_points_move_ready(p, id, dt_points_find(p, to, own), work);
+        status = dt_points_move_ready(p, id, work);
     if (status != DT_OK)
         return status;
     dt_points_delete(p, id);

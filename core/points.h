@@ -10,10 +10,11 @@
 
 #include "core/aliases.h"
 #include "core/changes.h"
+#include "core/idmap.h"
 #include "core/places.h"
 
-#define DT_ALIAS_BIT                                                                               \
-    (1u << 31) /* in a value of `value`: the rest is an index of aliases, not a vertex */
+/* In a value of `value`: the rest is an index of aliases, not a vertex. */
+#define DT_ALIAS_BIT (1u << 31)
 
 struct dt_points {
     struct dt_pages *pages; /* borrows; where large arrays come from; NULL: the system */
@@ -26,6 +27,9 @@ struct dt_points {
     double tol;
     struct dt_idmap value; /* id -> vertex, or DT_ALIAS_BIT | index */
     struct dt_aliases aliases;
+    uint32_t *group; /* owns group_cap, by vertex: the root of its aliases, DT_NONE if it has none;
+                           NULL: there has never been an alias */
+    uint32_t group_cap;      /* at least cap, or 0 */
     struct dt_places places; /* finds a representative by its place; built when first needed */
     const struct dt_changes *changes; /* borrows: who is to know what changes; NULL: nobody */
 };
@@ -53,7 +57,7 @@ static inline uint32_t dt_points_free_after(const struct dt_points *p, uint32_t 
     return (uint32_t)p->xy[v].x;
 }
 
-/* The vertex of id's representative; DT_NONE if there is no such id. Cost: constant. */
+/* The vertex of id's representative; DT_NONE if there is no such id. Cost: as dt_aliases_root. */
 static inline uint32_t dt_points_vertex(const struct dt_points *p, uint32_t id)
 {
     uint32_t v = dt_idmap_get(&p->value, id);
@@ -113,6 +117,9 @@ enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, 
  * two families become one, represented by the smaller id, and the vertex is free. */
 void dt_points_delete(struct dt_points *p, uint32_t id);
 
+/* The alias with that index leaves its group. */
+void dt_points_leave_group(struct dt_points *p, uint32_t index);
+
 /* Vertex v moves to a place where there is no other. */
 void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to);
 
@@ -125,13 +132,10 @@ const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v, con
 enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to,
                               struct dt_work *work);
 
-/* The same in steps: dt_points_move_ready makes the others certain to succeed, if `at` is the
- * vertex with which the point will coincide on its arrival, DT_NONE if there is none (of its own
- * vertex's heir it need not be told). Then the point leaves, by dt_points_delete, and arrives: at
- * vertex `at`, or, if that is DT_NONE, at a vertex of its own, which is returned; DT_NONE is
- * returned if no vertex came. */
-enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, uint32_t at,
-                                    struct dt_work *work);
+/* The same in steps: dt_points_move_ready makes the others certain to succeed. Then the point leaves,
+ * by dt_points_delete, and arrives: at vertex `at`, with which it coincides, or, if that is DT_NONE,
+ * at a vertex of its own, which is returned; DT_NONE is returned if no vertex came. */
+enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, struct dt_work *work);
 uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, uint32_t at);
 
 /* The vertex that a point at q coincides with, `except` left out; DT_NONE if there is none. The

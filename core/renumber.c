@@ -52,7 +52,7 @@ static void renumber(void *arg, unsigned slice)
     uint32_t end = dt_slice(r->n, slice + 1, r->slices);
     for (uint32_t v = dt_slice(r->n, slice, r->slices); v < end; v++) {
         r->from[v] = id[r->from[v]];
-        dt_idmap_change(&r->p->value, r->from[v], v);
+        *dt_idmap_at(&r->p->value, r->from[v]) = v;
     }
 }
 
@@ -114,7 +114,7 @@ static void settle(void *arg, unsigned part)
 {
     const struct renumbering *r = arg;
     for (uint32_t i = r->start[part]; i < r->start[part + 1]; i++)
-        dt_idmap_change(&r->p->value, r->pair[i].id, r->pair[i].v);
+        *dt_idmap_at(&r->p->value, r->pair[i].id) = r->pair[i].v;
 }
 
 static void renumber_in_parts(struct renumbering *r, const struct dt_pool *pool)
@@ -133,6 +133,24 @@ static void renumber_in_parts(struct renumbering *r, const struct dt_pool *pool)
     dt_run(pool, MOST_PARTS, settle, r);
 }
 
+/* The groups of aliases find the new vertices of their representatives. */
+static void settle_groups(struct dt_points *p)
+{
+    enum { AHEAD = 24 }; /* groups; long enough for a cache miss */
+    const struct dt_alias_group *g = p->aliases.group;
+    uint32_t n = p->group == NULL ? 0 : p->aliases.groups;
+    for (uint32_t v = 0; v < p->group_cap; v++)
+        p->group[v] = DT_NONE;
+    for (uint32_t i = 0; i < n; i++) {
+        if (i + 2 * AHEAD < n)
+            dt_idmap_fetch(&p->value, g[i + 2 * AHEAD].representative);
+        if (i + AHEAD < n && dt_aliases_is_root(&p->aliases, i + AHEAD))
+            dt_fetch(&p->group[dt_idmap_get(&p->value, g[i + AHEAD].representative)]);
+        if (dt_aliases_is_root(&p->aliases, i))
+            p->group[dt_idmap_get(&p->value, g[i].representative)] = i;
+    }
+}
+
 void dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from, uint32_t n,
                         const struct dt_pool *pool)
 {
@@ -145,6 +163,7 @@ void dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from
         renumber_in_parts(&r, pool);
     else
         dt_run(pool, r.slices, renumber, &r);
+    settle_groups(p);
     dt_array_free(p->xy);
     dt_array_free(p->id);
     p->xy = xy;

@@ -26,8 +26,8 @@ static enum dt_status join_aliases(struct dt_points *p, const uint32_t *ids,
     for (size_t i = 0; i < n; i++) {
         if (representatives[i] == ids[i])
             continue;
-        uint32_t v = dt_idmap_get(&p->value, representatives[i]);
-        if (v == DT_NONE || v & DT_ALIAS_BIT)
+        uint32_t v = dt_points_vertex(p, representatives[i]);
+        if (v == DT_NONE || dt_points_is_alias(p, representatives[i]))
             return DT_CORRUPT;
         if (dt_points_join(p, ids[i], (struct dt_point){xy[i].x + 0.0, xy[i].y + 0.0}, v) != DT_OK)
             return DT_NOMEM;

@@ -326,7 +326,7 @@ static enum dt_status move_among_aliases(struct dt *t, uint32_t id, struct dt_po
                                          struct dt_work *work)
 {
     struct dt_points *p = &t->points;
-    enum dt_status status = dt_points_move_ready(p, id, at, work);
+    enum dt_status status = dt_points_move_ready(p, id, work);
     if (status == DT_OK)
         status = count_conflicts(t, to, place, work);
     bool goes = v != DT_NONE && !keeps_place(t, v, &id, 1);

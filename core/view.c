@@ -13,7 +13,9 @@
 
 enum {
     ROW_WORDS = 5, /* of an image: group or DT_NONE, x, y */
-    AT_ONCE = 4    /* chunks that an edit frees */
+    FAMILY_WORDS =
+        2,      /* the group that it is part of, DT_NONE for a root; a root's representative */
+    AT_ONCE = 4 /* chunks that an edit frees */
 };
 
 /* ---- life ---- */
@@ -162,9 +164,9 @@ static void encode_row(const struct dt_points *p, uint32_t id, uint32_t *image)
 {
     uint32_t value = dt_idmap_get(&p->value, id);
     bool alias = (value & DT_ALIAS_BIT) != 0;
-    const struct dt_alias *a = &p->aliases.alias[value & ~DT_ALIAS_BIT];
-    image[0] = alias ? a->group : DT_NONE;
-    memcpy(image + 1, alias ? &a->xy : &p->xy[value], sizeof(struct dt_point));
+    struct dt_point at = dt_points_xy(p, id);
+    image[0] = alias ? p->aliases.alias[value & ~DT_ALIAS_BIT].group : DT_NONE;
+    memcpy(image + 1, &at, sizeof at);
 }
 
 /* Nobody can read any more. */
@@ -194,11 +196,14 @@ static void save_family(void *ctx, uint32_t group)
     struct dt_views *w = &t->views;
     if (w->ids == 0 || dt_images_has(&w->families, group, w->families_since))
         return;
-    uint32_t *image = dt_images_save(&w->families, group, 1);
-    if (image == NULL)
+    const struct dt_alias_group *g = &t->points.aliases.group[group];
+    uint32_t *image = dt_images_save(&w->families, group, FAMILY_WORDS);
+    if (image == NULL) {
         lose(t);
-    else
-        *image = t->points.aliases.group[group].representative;
+    } else {
+        image[0] = g->up;
+        image[1] = g->representative;
+    }
     w->saved = true;
 }
 
@@ -265,9 +270,15 @@ const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_vie
 
 static uint32_t representative_of(const struct dt *t, const struct dt_view *v, uint32_t group)
 {
-    const uint32_t *image =
-        v == NULL ? NULL : dt_images_get(&t->views.families, group, v->families, NULL);
-    return image != NULL ? *image : t->points.aliases.group[group].representative;
+    const uint32_t *image;
+    do {
+        const struct dt_alias_group *g = &t->points.aliases.group[group];
+        image = v == NULL ? NULL : dt_images_get(&t->views.families, group, v->families, NULL);
+        uint32_t up = image != NULL ? image[0] : g->up;
+        if (up == DT_NONE)
+            return image != NULL ? image[1] : g->representative;
+        group = up;
+    } while (true);
 }
 
 /* The row of an id that stands for `value` and has not changed since. */

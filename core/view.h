@@ -3,8 +3,8 @@
  * Three things are saved (core/images.h), each under its key:
  *
  *      rows       id -> its place, and of which group of aliases it is one
- *      families   group of aliases -> its representative: so that a family that gets another one is not many
- *                 rows, whose images name the group
+ *      families   group of aliases -> the group that it is part of, or its representative: so that a family
+ *                 that gets another one is not many rows, whose images name the group
  *
  * An edit learns from the views which moments are read (dt_views_edit) and is called back for what it is about
  * to change (core/changes.h). */

@@ -153,12 +153,20 @@ static void check(const struct script *s, uint32_t salt)
 
 /* ---- steps ---- */
 
+/* A limit that an edit may exceed. Then it must leave no trace, and is done again without. */
+static struct dt_options some_limit(const struct script *s)
+{
+    return (struct dt_options){.steps = 1 + (uint32_t)(s->end - s->at) * 5 % 64};
+}
+
 static void add(struct script *s, const struct dt_point *p, uint32_t n)
 {
     struct dt_added added;
     if (s->ids + n > MAX_IDS || s->live + n > MAX_LIVE)
         return;
-    require(dt_add(s->set, p, n, &added) == DT_OK);
+    struct dt_options opt = some_limit(s);
+    enum dt_status status = dt_add_many(s->set, p, n, &opt, &added);
+    require(status == DT_OK || (status == DT_TOOLONG && dt_add(s->set, p, n, &added) == DT_OK));
     require(added.first == s->ids && added.added == n);
     for (uint32_t i = 0; i < n; i++) {
         s->is_live[s->ids] = true;
@@ -185,7 +193,11 @@ static void delete_some(struct script *s, uint32_t n)
     for (uint32_t i = 0; i < n && i * step < s->live; i++)
         ids[k++] = live_id(s, first + i * step);
     ids[k++] = ids[0];
-    require(dt_delete(s->set, ids, k, &deleted, &missing) == DT_OK && deleted == k - 1);
+    struct dt_options opt = some_limit(s);
+    enum dt_status status = dt_delete_many(s->set, ids, k, &opt, &deleted, &missing);
+    require(status == DT_OK ||
+            (status == DT_TOOLONG && dt_delete(s->set, ids, k, &deleted, &missing) == DT_OK));
+    require(deleted == k - 1);
     for (uint32_t i = 0; i + 1 < k; i++)
         s->is_live[ids[i]] = false;
     s->live -= deleted;
@@ -198,12 +210,18 @@ static void delete_missing(const struct script *s)
     require(dt_move(s->set, s->ids, (struct dt_point){1, 1}) == DT_NOPOINT);
 }
 
+static void move_to(struct script *s, uint32_t id, struct dt_point to)
+{
+    struct dt_options opt = some_limit(s);
+    enum dt_status status = dt_move_to(s->set, id, to, &opt);
+    require(status == DT_OK || (status == DT_TOOLONG && dt_move(s->set, id, to) == DT_OK));
+    s->xy[id] = to;
+}
+
 static void move(struct script *s)
 {
     uint32_t id = live_id(s, byte(s));
-    struct dt_point to = read_place(s);
-    require(dt_move(s->set, id, to) == DT_OK);
-    s->xy[id] = to;
+    move_to(s, id, read_place(s));
 }
 
 /* A move by less than the lattice is wide, which the mesh may survive. */
@@ -212,8 +230,7 @@ static void move_slightly(struct script *s)
     uint32_t b = byte(s), id = live_id(s, byte(s));
     struct dt_point to = {s->xy[id].x + ((double)(b & 15) - 7) * 0.0625 * s->scale,
                           s->xy[id].y + ((double)(b >> 4) - 7) * 0.0625 * s->scale};
-    require(dt_move(s->set, id, to) == DT_OK);
-    s->xy[id] = to;
+    move_to(s, id, to);
 }
 
 static void rebuild_or_clone(struct script *s)
