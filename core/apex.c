@@ -28,24 +28,51 @@
 /* A segment of a larger cotangent is not told from the half plane. */
 #define FLAT 0x1p60
 
+/* Steps (effort.h) for cells within a cell, a line of cells and a trial; so many that are worth a look at what
+ * has been spent; and points that take about as many. */
+enum { CELLS_STEPS = 64, LINE_STEPS = 8, TRIAL_STEPS = 64, MANY_STEPS = 4096, PIECE = 1024 };
+
 struct search {
+    struct dt_effort *effort; /* borrows */
     struct dt_scan scan;
     struct dt_segment segment; /* where to look */
 };
 
-static void scan_cells(struct search *q, const struct dt_cells *c);
+/* Counts steps. True: the search has to stop. */
+static bool spend(struct search *q, unsigned steps)
+{
+    uint64_t all = q->scan.looked += steps;
+    if (all < MANY_STEPS)
+        return false;
+    q->scan.looked = 0;
+    return dt_effort_spend(q->effort, all);
+}
+
+/* Scans places i .. end - 1. This and all others of its kind return false if the search has to stop. */
+static bool scan_places(struct search *q, double reach, uint32_t i, uint32_t end)
+{
+    for (uint32_t next; i < end; i = next) {
+        next = end - i > PIECE ? i + PIECE : end;
+        dt_scan_run(&q->scan, reach, i, next);
+        if (spend(q, 0))
+            return false;
+    }
+    return true;
+}
+
+static bool scan_cells(struct search *q, const struct dt_cells *c);
 
 /* Scans cells first..last of c, some of which are crowded. */
-static void scan_crowded(struct search *q, double reach, const struct dt_cells *c, uint32_t first,
+static bool scan_crowded(struct search *q, double reach, const struct dt_cells *c, uint32_t first,
                          uint32_t last)
 {
     uint32_t i = c->start[first];
     for (uint32_t k = dt_cells_first_sub(c, first); k < c->subs && c->sub_cell[k] <= last; k++) {
-        dt_scan_run(&q->scan, reach, i, c->start[c->sub_cell[k]]);
-        scan_cells(q, &c->sub[k]);
+        if (!scan_places(q, reach, i, c->start[c->sub_cell[k]]) || !scan_cells(q, &c->sub[k]))
+            return false;
         i = c->start[c->sub_cell[k] + 1];
     }
-    dt_scan_run(&q->scan, reach, i, c->start[last + 1]);
+    return scan_places(q, reach, i, c->start[last + 1]);
 }
 
 /* Where there is much left to scan, goes on in the segment of the best point. False if that leaves
@@ -63,23 +90,27 @@ static bool narrow(struct search *q, const struct dt_cells *c, struct dt_window 
 }
 
 /* Scans the part of the segment that is in c. */
-static void scan_cells(struct search *q, const struct dt_cells *c)
+static bool scan_cells(struct search *q, const struct dt_cells *c)
 {
     struct dt_window w;
+    if (spend(q, CELLS_STEPS))
+        return false;
     if (!dt_window_set(&w, &q->scan.edge, &q->segment, c))
-        return;
+        return true;
     double reach = dt_segment_reach(&q->scan.edge, &q->segment, c);
     for (uint32_t j = w.first_line; j <= w.last_line; j++) {
         uint32_t first, last, line = j * c->length;
+        if (spend(q, LINE_STEPS))
+            return false;
         if (!dt_window_line(&w, j, &first, &last))
             continue;
-        if (c->subs == 0)
-            dt_scan_run(&q->scan, reach, c->start[line + first], c->start[line + last + 1]);
-        else
-            scan_crowded(q, reach, c, line + first, line + last);
+        if (c->subs == 0 ? !scan_places(q, reach, c->start[line + first], c->start[line + last + 1])
+                         : !scan_crowded(q, reach, c, line + first, line + last))
+            return false;
         if (!narrow(q, c, &w, w.last_line - j))
-            return;
+            return true;
     }
+    return true;
 }
 
 /* Tells the observer which circle the segment is a part of. */
@@ -97,18 +128,18 @@ static void tell(const struct search *q)
     o->see(o->ctx, &e);
 }
 
-static void scan_segment(struct search *q, struct dt_segment g, bool exact)
+static bool scan_segment(struct search *q, struct dt_segment g, bool exact)
 {
     q->segment = g;
     if (q->scan.grid->observer != NULL)
         tell(q);
     dt_scan_begin(&q->scan, exact);
-    scan_cells(q, &q->scan.grid->top);
+    return !spend(q, TRIAL_STEPS) && scan_cells(q, &q->scan.grid->top);
 }
 
 /* Finds some point: scans higher and higher segments, and those with points near the edge's line
- * exactly, until there is one. Returns the cotangent of what it has scanned. */
-static double find_some(struct search *q)
+ * exactly, until there is one. *scanned is the cotangent of what it has scanned. */
+static bool find_some(struct search *q, double *scanned)
 {
     const struct dt_grid *g = q->scan.grid;
     const struct dt_edge *e = &q->scan.edge;
@@ -117,11 +148,14 @@ static double find_some(struct search *q)
     for (;; height *= GROWTH) {
         struct dt_segment trial =
             height < all ? dt_segment_of_height(e, height) : dt_segment_all(e);
-        scan_segment(q, trial, false);
-        if (dt_scan_best(&q->scan) == DT_NONE && !dt_scan_is_certain(&q->scan))
-            scan_segment(q, trial, true);
+        if (!scan_segment(q, trial, false))
+            return false;
+        if (dt_scan_best(&q->scan) == DT_NONE && !dt_scan_is_certain(&q->scan) &&
+            !scan_segment(q, trial, true))
+            return false;
+        *scanned = trial.s;
         if (dt_scan_best(&q->scan) != DT_NONE || height >= all)
-            return trial.s;
+            return true;
     }
 }
 
@@ -133,27 +167,32 @@ static struct dt_segment segment_of(const struct dt_edge *e, double s)
 
 /* Finds the best point: if what is known of some point does not do, scans the segment of that
  * one. */
-static void find_best(struct search *q)
+static bool find_best(struct search *q)
 {
-    double scanned = find_some(q), s = dt_scan_bound(&q->scan);
+    double scanned;
+    if (!find_some(q, &scanned))
+        return false;
+    double s = dt_scan_bound(&q->scan);
     if (s > scanned && dt_scan_is_certain(&q->scan)) {
-        scan_segment(q, segment_of(&q->scan.edge, s), false);
+        if (!scan_segment(q, segment_of(&q->scan.edge, s), false))
+            return false;
         s = dt_scan_bound(&q->scan);
     }
-    if (!dt_scan_is_certain(&q->scan)) /* a tie, or nearly */
-        scan_segment(q, segment_of(&q->scan.edge, s), true);
+    return dt_scan_is_certain(&q->scan) || /* else a tie, or nearly */
+           scan_segment(q, segment_of(&q->scan.edge, s), true);
 }
 
 uint32_t dt_apex(struct dt_grid *g, uint32_t a, uint32_t b)
 {
     struct dt_point pa = g->xy[a], pb = g->xy[b], d = {pb.x - pa.x, pb.y - pa.y};
     struct search q;
+    q.effort = &g->effort;
     q.scan.grid = g;
     q.scan.a = a;
     q.scan.b = b;
     q.scan.looked = 0;
     q.scan.edge = (struct dt_edge){pa, pb, d, sqrt(d.x * d.x + d.y * d.y), fabs(d.x) + fabs(d.y)};
-    find_best(&q);
-    g->looked += q.scan.looked;
-    return dt_scan_best(&q.scan);
+    uint32_t apex = find_best(&q) ? dt_scan_best(&q.scan) : DT_NONE;
+    (void)dt_effort_spend(&g->effort, q.scan.looked);
+    return apex;
 }

@@ -274,8 +274,8 @@ struct dt_observer {
 };
 
 /* Triangulates the set by DT_SHELLING on the side, and tells the observer every step; the set is
- * left as it is. opt may be NULL; DT_TOOBIG: given up, which no set of a thousand points is. Cost:
- * as dt_triangulate, and the observer's. */
+ * left as it is. opt may be NULL. Cost: as of a triangulation by DT_SHELLING, which is not given up here
+ * however the points lie, about 0.2 s for a thousand of the worst; and the observer's. */
 enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
                         const struct dt_observer *observer);
 

@@ -150,7 +150,7 @@ static void finish_mesh(struct dt_division *d, const struct dt_part *all)
     if (d->n == 1)
         m->leaving[0] = DT_NONE;
     if (d->n > 1)
-        m->ghosts = dt_hull_settle_built(m, all->ghost, d->opt->pool);
+        m->ghosts = dt_hull_settle_built(m, all->ghost, d->opt->pool, &d->stop);
 }
 
 static void divide_all(struct dt_division *d, const struct dt_point *in, unsigned threads)

@@ -23,14 +23,15 @@
 
 #include "core/memory.h"
 
-enum dt_status dt_front_init(struct dt_front *f, uint32_t n)
+enum dt_status dt_front_init(struct dt_front *f, uint32_t n, struct dt_stop *stop)
 {
     f->current = DT_NONE;
     f->node = dt_array_new(n, sizeof *f->node);
     if (f->node == NULL)
         return DT_NOMEM;
-    memset(f->node, 0xff, n * sizeof *f->node); /* DT_NONE everywhere */
-    return DT_OK;
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, n, &at);)
+        memset(f->node + at.a, 0xff, (at.b - at.a) * sizeof *f->node); /* DT_NONE everywhere */
+    return stop == NULL ? DT_OK : dt_stop_status(stop);
 }
 
 void dt_front_clear(struct dt_front *f)

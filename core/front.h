@@ -16,7 +16,7 @@
 #ifndef DT_FRONT_H
 #define DT_FRONT_H
 
-#include "core/delaunay.h"
+#include "core/stop.h"
 
 #define DT_UNSEARCHED (UINT32_MAX - 1) /* an apex not known yet; DT_NONE is a boundary edge's */
 
@@ -43,8 +43,8 @@ enum dt_touch {
     DT_BOUNDARY     /* there is no apex: a hull edge */
 };
 
-/* A front of no edges for n points. *f must be zeroed or cleared. */
-enum dt_status dt_front_init(struct dt_front *f, uint32_t n);
+/* A front of no edges for n points. *f must be zeroed or cleared; stop may be NULL. */
+enum dt_status dt_front_init(struct dt_front *f, uint32_t n, struct dt_stop *stop);
 void dt_front_clear(struct dt_front *f);
 
 /* Starts the front with the counterclockwise triangle a b c, whose half edges a->b, b->c, c->a are

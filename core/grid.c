@@ -24,6 +24,10 @@
  * so cells are nested less than 28 + 400/2 deep, there being 2^400 places along an axis. */
 #define ZOOM 64
 
+/* Steps (effort.h) for each point or cell of a pass, and for a point that is compared by distance. */
+#define PASS_STEPS 4u
+#define COMPARE_STEPS 16u
+
 /* What building needs besides the grid itself. */
 struct builder {
     struct dt_grid *grid;
@@ -38,6 +42,12 @@ struct source {
     const uint32_t *from; /* NULL: they are the caller's array itself */
     uint32_t n;
 };
+
+/* Of a pass over n points or cells; false: it is over, or has to stop. */
+static bool next_piece(const struct builder *b, uint32_t n, struct dt_piece *at)
+{
+    return dt_effort_piece(&b->grid->effort, n, PASS_STEPS, at);
+}
 
 static void cells_clear(struct dt_cells *c)
 {
@@ -66,13 +76,15 @@ static struct dt_point greatest(struct dt_point a, struct dt_point b)
 }
 
 /* Box, side, lines and their length for points of which `share` are meant to be spread evenly. */
-static void cells_measure(struct dt_cells *c, struct source p, uint32_t share)
+static void cells_measure(struct dt_cells *c, const struct builder *b, struct source p,
+                          uint32_t share)
 {
     struct dt_point lo = p.xy[0], hi = p.xy[0];
-    for (uint32_t i = 1; i < p.n; i++) {
-        lo = least(lo, p.xy[i]);
-        hi = greatest(hi, p.xy[i]);
-    }
+    for (struct dt_piece at = dt_before_first(0); next_piece(b, p.n, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) {
+            lo = least(lo, p.xy[i]);
+            hi = greatest(hi, p.xy[i]);
+        }
     double width = hi.x - lo.x, height = hi.y - lo.y;
     c->lo = lo;
     c->side = fmax(sqrt(width * height / share) * 4 / 3, fmax(width, height) / share);
@@ -89,35 +101,39 @@ static void cells_measure(struct dt_cells *c, struct source p, uint32_t share)
 static enum dt_status cells_count(struct dt_cells *c, const struct builder *b, struct source p,
                                   uint32_t first, uint32_t *most)
 {
-    size_t cells = (size_t)c->lines * c->length;
+    uint32_t cells = c->lines * c->length;
     dt_array_free(c->start);
-    c->start = dt_array_new(cells + 2, sizeof *c->start);
+    c->start = dt_array_new((size_t)cells + 2, sizeof *c->start);
     if (c->start == NULL)
         return DT_NOMEM;
-    memset(c->start, 0, (cells + 2) * sizeof *c->start);
+    for (struct dt_piece at = dt_before_first(0); next_piece(b, cells + 2, &at);)
+        memset(c->start + at.a, 0, (at.b - at.a) * sizeof *c->start);
     uint32_t *begin = c->start + 1; /* begin[i] = start[i], until cells_fill moves it on */
-    for (uint32_t i = 0; i < p.n; i++) {
-        b->cell[i] = dt_cells_index(c, p.xy[i]);
-        begin[b->cell[i] + 1]++;
-    }
+    for (struct dt_piece at = dt_before_first(0); next_piece(b, p.n, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) {
+            b->cell[i] = dt_cells_index(c, p.xy[i]);
+            begin[b->cell[i] + 1]++;
+        }
     *most = 0;
     c->start[0] = begin[0] = first;
-    for (size_t i = 1; i <= cells; i++) {
-        *most = begin[i] > *most ? begin[i] : *most;
-        begin[i] += begin[i - 1];
-    }
-    return DT_OK;
+    for (struct dt_piece at = dt_before_first(0); next_piece(b, cells, &at);)
+        for (uint32_t i = at.a + 1; i <= at.b; i++) {
+            *most = begin[i] > *most ? begin[i] : *most;
+            begin[i] += begin[i - 1];
+        }
+    return dt_effort_status(&b->grid->effort);
 }
 
 /* Puts the points at their places. */
 static void cells_fill(struct dt_cells *c, const struct builder *b, struct source p)
 {
     uint32_t *end = c->start + 1; /* of each cell, in the end */
-    for (uint32_t i = 0; i < p.n; i++) {
-        uint32_t place = end[b->cell[i]]++;
-        b->grid->xy[place] = p.xy[i];
-        b->grid->from[place] = p.from == NULL ? i : p.from[i];
-    }
+    for (struct dt_piece at = dt_before_first(0); next_piece(b, p.n, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) {
+            uint32_t place = end[b->cell[i]]++;
+            b->grid->xy[place] = p.xy[i];
+            b->grid->from[place] = p.from == NULL ? i : p.from[i];
+        }
 }
 
 static enum dt_status cells_refine(struct dt_cells *c, struct builder *b);
@@ -127,16 +143,17 @@ static enum dt_status cells_build(struct dt_cells *c, struct builder *b, struct 
                                   uint32_t first)
 {
     uint32_t most;
-    cells_measure(c, p, p.n);
+    cells_measure(c, b, p, p.n);
     enum dt_status status = cells_count(c, b, p, first, &most);
     if (status == DT_OK && most > p.n / 2 && p.n > ZOOM) {
-        cells_measure(c, p, ZOOM);
+        cells_measure(c, b, p, ZOOM);
         status = cells_count(c, b, p, first, &most);
     }
     if (status != DT_OK)
         return status;
     cells_fill(c, b, p);
-    return most > CROWD ? cells_refine(c, b) : DT_OK;
+    status = dt_effort_status(&b->grid->effort);
+    return status == DT_OK && most > CROWD ? cells_refine(c, b) : status;
 }
 
 static uint32_t cell_points(const struct dt_cells *c, uint32_t cell)
@@ -149,8 +166,10 @@ static enum dt_status cell_refine(const struct dt_cells *c, uint32_t cell, struc
                                   struct builder *b)
 {
     uint32_t first = c->start[cell], n = cell_points(c, cell);
-    memcpy(b->xy, b->grid->xy + first, n * sizeof *b->xy);
-    memcpy(b->from, b->grid->from + first, n * sizeof *b->from);
+    for (struct dt_piece at = dt_before_first(0); next_piece(b, n, &at);) {
+        memcpy(b->xy + at.a, b->grid->xy + first + at.a, (at.b - at.a) * sizeof *b->xy);
+        memcpy(b->from + at.a, b->grid->from + first + at.a, (at.b - at.a) * sizeof *b->from);
+    }
     return cells_build(sub, b, (struct source){b->xy, b->from, n}, first);
 }
 
@@ -168,28 +187,32 @@ static bool make_room(struct builder *b)
 static enum dt_status cells_refine(struct dt_cells *c, struct builder *b)
 {
     uint32_t cells = c->lines * c->length, crowded = 0;
-    for (uint32_t i = 0; i < cells; i++)
-        crowded += cell_points(c, i) > CROWD;
+    for (struct dt_piece at = dt_before_first(0); next_piece(b, cells, &at);)
+        for (uint32_t i = at.a; i < at.b; i++)
+            crowded += cell_points(c, i) > CROWD;
+    if (dt_effort_status(&b->grid->effort) != DT_OK)
+        return dt_effort_status(&b->grid->effort);
     c->sub = calloc(crowded, sizeof *c->sub);
     c->sub_cell = malloc(crowded * sizeof *c->sub_cell);
     if (c->sub == NULL || c->sub_cell == NULL || !make_room(b))
         return DT_NOMEM;
-    for (uint32_t i = 0; i < cells; i++) {
-        if (cell_points(c, i) <= CROWD)
-            continue;
-        c->sub_cell[c->subs++] = i;
-        enum dt_status status = cell_refine(c, i, &c->sub[c->subs - 1], b);
-        if (status != DT_OK)
-            return status;
-    }
-    return DT_OK;
+    for (struct dt_piece at = dt_before_first(0); next_piece(b, cells, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) {
+            if (cell_points(c, i) <= CROWD)
+                continue;
+            c->sub_cell[c->subs++] = i;
+            enum dt_status status = cell_refine(c, i, &c->sub[c->subs - 1], b);
+            if (status != DT_OK)
+                return status;
+        }
+    return dt_effort_status(&b->grid->effort);
 }
 
 enum dt_status dt_grid_build(struct dt_grid *g, const struct dt_point *in, uint32_t n,
                              struct dt_point *xy, uint32_t *from)
 {
     struct builder b = {.grid = g, .cell = dt_array_new(n, sizeof *b.cell)};
-    *g = (struct dt_grid){.xy = xy, .from = from, .n = n};
+    *g = (struct dt_grid){.xy = xy, .from = from, .n = n, .effort = g->effort};
     enum dt_status status = DT_NOMEM;
     if (b.cell != NULL)
         status = cells_build(&g->top, &b, (struct source){in, NULL, n}, 0);
@@ -275,17 +298,26 @@ static void take_first(void *arg, uint32_t i, uint32_t end)
         *place = i;
 }
 
-uint32_t dt_grid_middle(const struct dt_grid *g)
+/* The steps that a ring at distance k costs, but for what is visited. */
+static uint64_t ring_steps(int64_t k)
+{
+    return 16 + 8 * (uint64_t)k;
+}
+
+uint32_t dt_grid_middle(struct dt_grid *g)
 {
     const struct dt_cells *c = &g->top;
     uint32_t place = DT_NONE;
-    for (int64_t k = 0; place == DT_NONE; k++) /* ends, as the grid holds points */
+    for (int64_t k = 0; place == DT_NONE; k++) { /* ends, as the grid holds points */
         visit_ring(c, c->length / 2, c->lines / 2, k, 15, take_first, &place);
+        if (dt_effort_spend(&g->effort, ring_steps(k)))
+            return 0;
+    }
     return place;
 }
 
 struct nearest {
-    const struct dt_grid *grid;
+    struct dt_grid *grid;
     uint32_t from, best;
     double distance; /* to the best one; rounded */
 };
@@ -294,7 +326,7 @@ static void take_nearest(void *arg, uint32_t i, uint32_t end)
 {
     struct nearest *s = arg;
     const struct dt_point *xy = s->grid->xy, from = xy[s->from];
-    for (; i < end; i++) {
+    for (; i < end && !dt_effort_spend(&s->grid->effort, COMPARE_STEPS); i++) {
         if (i == s->from || dt_grid_removed(s->grid, i))
             continue;
         if (s->best == DT_NONE || dt_compare_distance(from, xy[i], xy[s->best]) < 0) {
@@ -307,7 +339,7 @@ static void take_nearest(void *arg, uint32_t i, uint32_t end)
 /* Rows and columns around the point's cell, farther and farther; a direction is given up once the
  * perpendicular to its nearest side is longer than the distance found [the paper, fig. 3]. The
  * factor covers all rounding in there. */
-uint32_t dt_grid_nearest(const struct dt_grid *g, uint32_t place)
+uint32_t dt_grid_nearest(struct dt_grid *g, uint32_t place)
 {
     const struct dt_cells *c = &g->top;
     struct nearest s = {g, place, DT_NONE, HUGE_VAL};
@@ -324,6 +356,8 @@ uint32_t dt_grid_nearest(const struct dt_grid *g, uint32_t place)
             if (gap[side] > reach || outside[side])
                 sides &= ~(1u << side);
         visit_ring(c, i, j, k, sides, take_nearest, &s);
+        if (dt_effort_spend(&g->effort, ring_steps(k)))
+            break;
     }
     return s.best;
 }

@@ -8,12 +8,18 @@
 #define WALKS_PER_THREAD 16u
 #define MOST_WALKS (DT_MAX_THREADS * WALKS_PER_THREAD)
 
-/* The leftmost vertex. Every other vertex of a triangulation has a neighbour that is
+/* Whether a loop should take its next step: it polls every now and then. */
+static bool go_on(uint32_t step, struct dt_stop *stop)
+{
+    return step % DT_POLL != 0 || !dt_stopped(stop);
+}
+
+/* The leftmost vertex, if it is not stopped. Every other vertex of a triangulation has a neighbour that is
  * lexicographically smaller; vertex numbers follow the grid, so a low one is near the goal
  * already. */
-static uint32_t leftmost(const struct dt_mesh *m, const struct dt_point *xy)
+static uint32_t leftmost(const struct dt_mesh *m, const struct dt_point *xy, struct dt_stop *stop)
 {
-    uint32_t v = 0, best = 0;
+    uint32_t v = 0, best = 0, steps = 0;
     while (m->leaving[v] == DT_NONE)
         best = ++v;
     do {
@@ -24,20 +30,21 @@ static uint32_t leftmost(const struct dt_mesh *m, const struct dt_point *xy)
             if (d != DT_NONE && dt_compare_xy(xy[d], xy[best]) < 0)
                 best = d;
             h = dt_turn_ccw(m, h);
-        } while (h != m->leaving[v]);
-    } while (best != v);
+        } while (h != m->leaving[v] && go_on(++steps, stop));
+    } while (best != v && !dt_stopped(stop));
     return v;
 }
 
-void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy)
+void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy, struct dt_stop *stop)
 {
     m->hull = DT_NONE;
     if (m->vertices < 2)
         return;
-    uint32_t h = m->leaving[leftmost(m, xy)];
-    while (dt_dest(m, h) != DT_NONE)
+    uint32_t h = m->leaving[leftmost(m, xy, stop)], steps = 0;
+    while (dt_dest(m, h) != DT_NONE && go_on(++steps, stop))
         h = dt_turn_ccw(m, h);
-    dt_hull_settle_from(m, dt_base(h));
+    if (!dt_stopped(stop))
+        dt_hull_settle_from(m, dt_base(h), stop);
 }
 
 /* A large hull mostly runs through memory in one direction for a while, as the grid does, with
@@ -52,16 +59,15 @@ static void fetch_further_on(const struct dt_mesh *m, uint32_t g, uint32_t next)
     dt_fetch(&m->half[h + LINE]);
 }
 
-uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost)
+uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop)
 {
     uint32_t g = m->hull = ghost, ghosts = 0;
     do {
         uint32_t next = dt_hull_step(m, g, false);
         fetch_further_on(m, g, next);
-        ghosts++;
         m->leaving[dt_hull_vertex(m, g)] = g + 1;
         g = next;
-    } while (g != m->hull);
+    } while (go_on(++ghosts, stop) && g != m->hull);
     return ghosts;
 }
 
@@ -70,6 +76,7 @@ uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost)
 /* Walks that share a hull, each from a ghost of its own to where the next one began. */
 struct walks {
     struct dt_mesh *mesh;
+    struct dt_stop *stop;
     uint32_t start[MOST_WALKS];
     unsigned walks;
     atomic_uint ghosts;
@@ -93,10 +100,9 @@ static void walk(void *arg, unsigned i)
     struct walks *w = arg;
     struct dt_mesh *m = w->mesh;
     uint32_t g = w->start[i], ghosts = 0, v;
-    for (;;) {
+    while (go_on(++ghosts, w->stop)) {
         uint32_t next = dt_hull_step(m, g, false);
         fetch_further_on(m, g, next);
-        ghosts++;
         g = next;
         v = dt_hull_vertex(m, g);
         if (m->leaving[v] == g + 1)
@@ -106,15 +112,16 @@ static void walk(void *arg, unsigned i)
     atomic_fetch_add_explicit(&w->ghosts, ghosts, memory_order_relaxed);
 }
 
-uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool)
+uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool,
+                              struct dt_stop *stop)
 {
-    struct walks w = {.mesh = m};
+    struct walks w = {.mesh = m, .stop = stop};
     unsigned threads = dt_threads_for(pool, m->vertices), samples = threads * WALKS_PER_THREAD;
     bool line = m->half[dt_base(dt_twin(m, ghost)) + 2] == DT_NONE;
     if (threads > 1 && !line)
         find_starts(&w, samples);
     if (w.walks < samples / 4 || w.walks == 0) /* a small hull, or a vertex on it has two ghosts */
-        return dt_hull_settle_from(m, ghost);
+        return dt_hull_settle_from(m, ghost, stop);
     for (unsigned i = 0; i < w.walks; i++)
         m->leaving[dt_hull_vertex(m, w.start[i])] = w.start[i] + 1;
     m->hull = ghost;

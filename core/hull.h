@@ -13,19 +13,21 @@
 #define DT_HULL_H
 
 #include "core/mesh.h"
+#include "core/stop.h"
 
 /* Settles a mesh that was just built: leaving[] of every hull vertex becomes its half edge to
  * infinity, m->hull one of the ghosts. Vertices that are in no triangle must have DT_NONE in
- * leaving[]. Cost: O(hull), and a descent to the leftmost vertex. */
-void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy);
+ * leaving[]. stop may be NULL. Cost: O(hull), and a descent to the leftmost vertex. */
+void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy, struct dt_stop *stop);
 
 /* The same when a ghost is known. Returns the number of ghosts. Cost: O(hull). */
-uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost);
+uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop);
 
 /* The same by the threads of a pool, which may be NULL, where every leaving[v] is the first half edge
  * of its triangle, and that of most hull vertices the ghost that starts there: so the divide engine
  * leaves it. */
-uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool);
+uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool,
+                              struct dt_stop *stop);
 
 /* Whether the vertex v of a settled mesh lies on the hull. */
 static inline bool dt_on_hull(const struct dt_mesh *m, uint32_t v)

@@ -20,6 +20,10 @@
 
 #define U 0x1p-53
 
+/* Steps for a point: in the first scan; in one that looks closer; and where that asks a predicate, which
+ * mostly takes 30, but up to 1000 where it needs exact arithmetic. */
+enum { LOOK = 2, CLOSE_LOOK = 6, PREDICATE = 100 };
+
 void dt_scan_begin(struct dt_scan *q, bool exact)
 {
     q->exact = exact;
@@ -33,8 +37,9 @@ void dt_scan_begin(struct dt_scan *q, bool exact)
 }
 
 /* Whether a point near the edge's line is left of it. */
-static bool is_left(const struct dt_scan *q, uint32_t i)
+static bool is_left(struct dt_scan *q, uint32_t i)
 {
+    q->looked += PREDICATE;
     return i != q->a && i != q->b && dt_orient2d(q->edge.a, q->edge.b, q->grid->xy[i]) > 0;
 }
 
@@ -53,7 +58,7 @@ static inline dt_pair choose(dt_mask m, dt_pair a, dt_pair b)
 /* Whether a point of the run is left of the edge, but by no more than `sure`. */
 static bool has_doubtful(struct dt_scan *q, double sure, uint32_t i, uint32_t end)
 {
-    q->looked += (uint64_t)DT_EXACT_LOOK * (end - i);
+    q->looked += (uint64_t)CLOSE_LOOK * (end - i);
     for (; i < end; i++) {
         struct dt_point p = q->grid->xy[i], a = q->edge.a, d = q->edge.d;
         if (fabs(d.x * (p.y - a.y) - d.y * (p.x - a.x)) <= sure && is_left(q, i))
@@ -73,7 +78,7 @@ static void scan_rounded(struct dt_scan *q, double reach, uint32_t i, uint32_t e
     const dt_pair sure = both(0x1p-24 * e->span * reach), none = both(HUGE_VAL);
     dt_pair least = q->least, second = q->second, least_at = q->least_at, at = {i, i + 1.0};
     dt_mask near = {0, 0};
-    q->looked += end - i;
+    q->looked += (uint64_t)LOOK * (end - i);
     for (uint32_t k = i; k < end; k += 2, at += 2) {
         const struct dt_point *p = q->grid->xy + k, *r = k + 1 < end ? p + 1 : &nowhere;
         dt_pair px = {p->x, r->x}, py = {p->y, r->y};
@@ -129,8 +134,7 @@ static struct bounds bounds_of(const struct dt_scan *q, double reach)
 }
 
 /* Whether point i is the best so far: values decide if they are beyond their bounds. */
-static bool is_better(const struct dt_scan *q, struct bounds e, uint32_t i, double cross,
-                      double det)
+static bool is_better(struct dt_scan *q, struct bounds e, uint32_t i, double cross, double det)
 {
     const struct dt_point *xy = q->grid->xy;
     if (!(cross >= -e.cross) || (cross > e.cross && det > e.det) || i == q->best)
@@ -139,6 +143,7 @@ static bool is_better(const struct dt_scan *q, struct bounds e, uint32_t i, doub
         return false;
     if (q->best == DT_NONE || (cross > e.cross && det < -e.det))
         return true;
+    q->looked += PREDICATE;
     return dt_incircle_perturbed(q->edge.a, q->edge.b, xy[q->best], xy[i]) > 0;
 }
 
@@ -146,7 +151,7 @@ static void scan_exactly(struct dt_scan *q, double reach, uint32_t i, uint32_t e
 {
     const struct dt_point *xy = q->grid->xy, a = q->edge.a, b = q->edge.b, d = q->edge.d;
     struct bounds e = bounds_of(q, reach);
-    q->looked += (uint64_t)DT_EXACT_LOOK * (end - i);
+    q->looked += (uint64_t)CLOSE_LOOK * (end - i);
     for (; i < end; i++) {
         double x = xy[i].x - a.x, y = xy[i].y - a.y;
         double cross = d.x * y - d.y * x;

@@ -24,7 +24,7 @@ struct dt_scan {
     uint32_t a, b;              /* the edge, as places */
     struct dt_edge edge;
     bool exact;
-    uint64_t looked; /* what the scans since this was zeroed have cost, in points looked at */
+    uint64_t looked; /* what scans have cost since this was zeroed, in steps (effort.h) */
     double reach;    /* first scan: of all points scanned; exact: of the best point */
     /* the first scan: each half has every other point of a run */
     dt_pair least, second; /* the two smallest cotangents */
@@ -34,8 +34,6 @@ struct dt_scan {
     uint32_t best; /* DT_NONE if there is none */
     double dot, cross;
 };
-
-enum { DT_EXACT_LOOK = 16 }; /* an exact look costs up to so many rounded ones, and more */
 
 /* Begins a scan for the edge, of no points yet. */
 void dt_scan_begin(struct dt_scan *q, bool exact);

@@ -27,17 +27,20 @@
  * not argue this. */
 #include "core/shelling.h"
 
-#include <assert.h>
-#include <stdlib.h>
-
 #include "core/apex.h"
+#include "core/block.h"
 #include "core/hull.h"
+#include "core/median.h"
 #include "core/predicates.h"
+#include <assert.h>
 
-/* What searches may cost in all, in points looked at: so much, and so much more for each point of
- * the set. Evenly spread points take 30 each, Gaussian ones 110, lattices 600. */
-#define LOOKS 100000000
-#define LOOKS_A_POINT 4096
+/* What it may cost in all, in steps (effort.h): so much, and so much more for each point of the set. Evenly
+ * spread points take 600 each, Gaussian ones 700, lattices 2500, and 300 points nearly on a line 85,000:
+ * then what a point costs grows with their number. */
+#define STEPS (1u << 25)
+#define STEPS_A_POINT 8192u
+#define TURN_STEPS 64u  /* for an edge of the front, besides its search */
+#define CLOSE_STEPS 16u /* for a vertex of the hull */
 
 /* ---- the mesh ---- */
 
@@ -91,16 +94,13 @@ static void enclose(struct dt_shell *s, uint32_t place, uint32_t h)
     tell(s, DT_EVENT_REMOVE, place, DT_NONE, DT_NONE);
 }
 
-/* Looks at the current edge: one turn of the paper's loop. */
+/* Looks at the current edge, whose apex is known: one turn of the paper's loop. */
 static void step(struct dt_shell *s)
 {
     struct dt_front *f = &s->front;
     struct dt_front_node *node = f->node;
     struct dt_mesh *m = s->mesh;
-    uint32_t a = f->current, b = node[a].next, h;
-    if (node[a].apex == DT_UNSEARCHED)
-        node[a].apex = dt_apex(&s->grid, a, b);
-    uint32_t c = node[a].apex;
+    uint32_t a = f->current, b = node[a].next, c = node[a].apex, h;
     enum dt_touch touch = dt_front_touch(f, a);
     tell_touch(s, touch, a, b, c);
     switch (touch) {
@@ -137,10 +137,23 @@ static void step(struct dt_shell *s)
     }
 }
 
-/* The first triangle, on either side of the first edge. False if all points are on one line. */
+/* Looks for the apex of the current edge, if that has not been done yet. False: it has to stop. */
+static bool search(struct dt_shell *s)
+{
+    uint32_t a = s->front.current;
+    struct dt_front_node *node = &s->front.node[a];
+    if (node->apex == DT_UNSEARCHED)
+        node->apex = dt_apex(&s->grid, a, node->next);
+    return !dt_effort_spend(&s->grid.effort, TURN_STEPS);
+}
+
+/* The first triangle, on either side of the first edge. False if all points are on one line, or if it has
+ * to stop. */
 static bool open_front(struct dt_shell *s)
 {
     uint32_t a = dt_grid_middle(&s->grid), b = dt_grid_nearest(&s->grid, a);
+    if (dt_stop_status(&s->stop) != DT_OK)
+        return false;
     tell(s, DT_EVENT_START, a, b, DT_NONE);
     uint32_t c = dt_apex(&s->grid, a, b);
     if (c == DT_NONE) {
@@ -149,46 +162,47 @@ static bool open_front(struct dt_shell *s)
         b = swap;
         c = dt_apex(&s->grid, a, b);
     }
-    if (c == DT_NONE)
+    if (c == DT_NONE || dt_stop_status(&s->stop) != DT_OK)
         return false;
     dt_front_open(&s->front, a, b, c, add_triangle(s->mesh, a, b, c));
     tell(s, DT_EVENT_FIRST, a, b, c);
     return true;
 }
 
-/* Whether the caller wants no result any more; reports progress on the way. */
-static bool is_cancelled(const struct dt_options *opt, uint32_t done, uint32_t all)
+static void report(const struct dt_options *opt, uint32_t done, uint32_t all)
 {
-    if (opt == NULL)
-        return false;
-    if (opt->progress != NULL)
-        *opt->progress = (unsigned)((uint64_t)done * 100 / all);
-    return opt->cancel != NULL && *opt->cancel;
+    if (opt != NULL && opt->progress != NULL)
+        atomic_store_explicit(opt->progress, (unsigned)((uint64_t)done * 100 / all),
+                              memory_order_relaxed);
 }
 
 enum dt_status dt_shell_grow(struct dt_shell *s, const struct dt_point *in, uint32_t n,
                              struct dt_point *p, uint32_t *from, struct dt_mesh *m,
                              const struct dt_options *opt, bool *line)
 {
+    report(opt, 0, 1);
     s->mesh = m;
+    s->stop = dt_stop_of(opt);
+    s->grid.effort = (struct dt_effort){.stop = &s->stop, .limit = UINT64_MAX};
+    if (s->observer == NULL)
+        s->grid.effort.limit = STEPS + (uint64_t)STEPS_A_POINT * n;
     enum dt_status status = dt_grid_build(&s->grid, in, n, p, from);
     if (status == DT_OK)
-        status = dt_front_init(&s->front, n);
+        status = dt_front_init(&s->front, n, &s->stop);
     if (status != DT_OK)
         return status;
     s->grid.observer = s->observer;
     if (s->observer != NULL)
         tell_cells(s->observer, &s->grid.top);
     *line = !open_front(s);
-    for (uint32_t turn = 0; s->front.current != DT_NONE; turn++) {
-        if (turn % 16 == 0 && is_cancelled(opt, m->tri_end, 2 * n - 2))
-            return DT_CANCELLED;
-        if (s->grid.looked > LOOKS + (uint64_t)LOOKS_A_POINT * n)
-            return DT_TOOBIG;
+    for (uint32_t turn = 0; s->front.current != DT_NONE && search(s); turn++) {
+        if (turn % 16 == 0)
+            report(opt, m->tri_end, 2 * n - 2);
         step(s);
     }
-    assert(*line || m->tri_end == 2 * n - 2); /* Euler; and the front did not get stuck */
-    return DT_OK;
+    status = dt_stop_status(&s->stop);
+    assert(status != DT_OK || *line || m->tri_end == 2 * n - 2); /* Euler; the front is not stuck */
+    return status;
 }
 
 void dt_shell_clear(struct dt_shell *s)
@@ -215,14 +229,24 @@ void dt_shell_close(struct dt_shell *s)
         tell(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
         link_ghosts(s->mesh, node[v].outer, node[node[v].next].outer);
         v = node[v].next;
-    } while (v != first);
+    } while (v != first && !dt_effort_spend(&s->grid.effort, CLOSE_STEPS));
 }
 
 /* ---- points on one line ---- */
 
-static int compare_points(const void *a, const void *b)
+/* Polls all the time, which qsort cannot. */
+static void sort(struct dt_point *p, uint32_t *from, uint32_t n, struct dt_stop *stop)
 {
-    return dt_compare_xy(*(const struct dt_point *)a, *(const struct dt_point *)b);
+    enum { FEW = 64 };
+    if (n <= FEW) {
+        dt_insertion_sort(0, p, from, n);
+        return;
+    }
+    dt_median_part(p, from, n, 0, stop);
+    if (dt_stop_status(stop) != DT_OK)
+        return;
+    sort(p, from, n / 2, stop);
+    sort(p + n / 2, from + n / 2, n - n / 2, stop);
 }
 
 /* n >= 2 vertices in order along a line have two ghosts at each of the n - 1 edges between
@@ -232,60 +256,64 @@ static int compare_points(const void *a, const void *b)
  *      0 -------------- 1 -------------- 2   each lies on the left of its half edge
  *        <-- ghost 3 --   <-- ghost 2 --
  */
-static void chain_ghosts(struct dt_mesh *m, uint32_t n)
+static void chain_ghosts(struct dt_mesh *m, uint32_t n, struct dt_stop *stop)
 {
     uint32_t ghosts = 2 * n - 2;
     m->tri_end = m->ghosts = ghosts;
-    for (uint32_t g = 0; g < ghosts; g++) {
-        uint32_t a = g < n ? g : ghosts - g, b = g < n - 1 ? g + 1 : ghosts - g - 1;
-        dt_set_corners(m, 8 * g, a, b, DT_NONE);
-        m->half[8 * g + 4] = 8 * (ghosts - 1 - g);
-        link_ghosts(m, 8 * g, 8 * ((g + 1) % ghosts));
-        m->leaving[a] = 8 * g;
-    }
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, ghosts, &at);)
+        for (uint32_t g = at.a; g < at.b; g++) {
+            uint32_t a = g < n ? g : ghosts - g, b = g < n - 1 ? g + 1 : ghosts - g - 1;
+            dt_set_corners(m, 8 * g, a, b, DT_NONE);
+            m->half[8 * g + 4] = 8 * (ghosts - 1 - g);
+            link_ghosts(m, 8 * g, 8 * ((g + 1) % ghosts));
+            m->leaving[a] = 8 * g;
+        }
 }
 
-/* A point of the caller's and its index. */
-struct indexed {
-    struct dt_point p;
-    uint32_t from;
-};
-
-static enum dt_status triangulate_line(const struct dt_point *in, uint32_t n, struct dt_point *p,
-                                       uint32_t *from, struct dt_mesh *m)
+static void triangulate_line(struct dt_shell *s, const struct dt_point *in, uint32_t n,
+                             struct dt_point *p, uint32_t *from)
 {
-    struct indexed *on_line = malloc(n * sizeof *on_line);
-    if (on_line == NULL)
-        return DT_NOMEM;
-    for (uint32_t i = 0; i < n; i++)
-        on_line[i] = (struct indexed){in[i], i};
-    qsort(on_line, n, sizeof *on_line, compare_points); /* by the first member */
-    for (uint32_t i = 0; i < n; i++) {
-        p[i] = on_line[i].p;
-        from[i] = on_line[i].from;
-    }
-    free(on_line);
-    chain_ghosts(m, n);
-    return DT_OK;
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&s->stop, n, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) {
+            p[i] = in[i];
+            from[i] = i;
+        }
+    sort(p, from, n, &s->stop);
+    chain_ghosts(s->mesh, n, &s->stop);
+    for (uint32_t v = 0; v < n && s->observer != NULL; v++)
+        tell(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
 }
 
 /* ---- all together ---- */
 
+/* Fills p and the mesh, but for the points that have been removed from the grid. */
 static enum dt_status triangulate(struct dt_shell *s, const struct dt_point *in, uint32_t n,
                                   struct dt_point *p, uint32_t *from, const struct dt_options *opt)
 {
     bool line;
     enum dt_status status = dt_shell_grow(s, in, n, p, from, s->mesh, opt, &line);
-    if (status == DT_OK && line)
-        status = triangulate_line(in, n, p, from, s->mesh);
-    else if (status == DT_OK)
+    if (status != DT_OK)
+        return status;
+    if (line)
+        triangulate_line(s, in, n, p, from);
+    else
         dt_shell_close(s);
-    for (uint32_t v = 0; v < n && status == DT_OK && line; v++)
-        tell(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
+    return dt_stop_status(&s->stop);
+}
+
+static enum dt_status triangulate_many(struct dt_shell *s, const struct dt_point *in, uint32_t n,
+                                       struct dt_point *p, uint32_t *from,
+                                       const struct dt_options *opt)
+{
+    enum dt_status status = triangulate(s, in, n, p, from, opt);
     dt_shell_clear(s);
-    for (uint32_t i = 0; i < n && status == DT_OK; i++)
-        p[i] = in[from[i]]; /* those that were removed from the grid */
-    return status;
+    if (status != DT_OK)
+        return status;
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&s->stop, n, &at);)
+        for (uint32_t i = at.a; i < at.b; i++)
+            p[i] = in[from[i]];
+    dt_hull_settle(s->mesh, p, &s->stop);
+    return dt_stop_status(&s->stop);
 }
 
 enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struct dt_point *p,
@@ -297,6 +325,7 @@ enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struc
     m->tri_end = m->dead = m->ghosts = 0;
     m->free_list = DT_NONE;
     m->vertices = n;
+    m->hull = DT_NONE;
     if (n == 1 && status == DT_OK) {
         p[0] = in[0];
         from[0] = 0;
@@ -304,9 +333,7 @@ enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struc
         tell(&s, DT_EVENT_HULL, 0, DT_NONE, DT_NONE);
     }
     if (n >= 2 && status == DT_OK)
-        status = triangulate(&s, in, n, p, from, opt);
-    if (status == DT_OK)
-        dt_hull_settle(m, p);
+        status = triangulate_many(&s, in, n, p, from, opt);
     if (status != DT_OK)
         dt_mesh_clear(m);
     return status;

@@ -9,6 +9,8 @@ void dt_stop_because(struct dt_stop *s, enum dt_status why)
 
 bool dt_stopped(struct dt_stop *s)
 {
+    if (s == NULL)
+        return false;
     if (s->cancel != NULL && atomic_load_explicit(s->cancel, memory_order_relaxed))
         dt_stop_because(s, DT_CANCELLED);
     return dt_stop_status(s) != DT_OK;

@@ -20,7 +20,7 @@ static inline struct dt_stop dt_stop_of(const struct dt_options *opt)
     return (struct dt_stop){.cancel = opt == NULL ? NULL : opt->cancel};
 }
 
-/* Polls: whether there is a reason to stop. Once true, it stays true. */
+/* Polls: whether there is a reason to stop. Once true, it stays true. NULL: never. */
 bool dt_stopped(struct dt_stop *s);
 
 /* Records a reason, unless there is one already. */

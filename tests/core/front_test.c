@@ -35,7 +35,7 @@ static uint32_t check_front(const struct dt_front *f, uint32_t a)
 static struct dt_front triangle(void)
 {
     struct dt_front f = {.node = NULL};
-    CHECK(dt_front_init(&f, POINTS) == DT_OK);
+    CHECK(dt_front_init(&f, POINTS, NULL) == DT_OK);
     dt_front_open(&f, 0, 1, 2, 0);
     return f;
 }

@@ -1,10 +1,12 @@
 /* shelling_test.c - the paper's engine: against the definition, and on every family. */
 #include "core/shelling.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/predicates.h"
+#include "tests/core/polls.h"
 #include "tests/oracle/definition.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
@@ -216,5 +218,91 @@ TEST(shelling_stops_when_cancelled_and_reports_progress)
     cancel = false;
     CHECK(dt_shelling(b.in, b.n, b.p, b.from, &b.mesh, &opt) == DT_OK);
     CHECK(progress > 95 && progress <= 100);
+    built_free(&b);
+}
+
+/* Points on all scales that coordinates may have, near the axes and far out. */
+static struct built set_of_scales(uint32_t n, bool mirrored)
+{
+    struct built b = set_of(n);
+    for (uint32_t i = 0; i < n; i++) {
+        b.in[i] =
+            (struct dt_point){exp2(280 * test_uniform() - 140), exp2(280 * test_uniform() - 140)};
+        if (mirrored && i % 4 != 0)
+            b.in[i] = (struct dt_point){i % 4 == 1 ? -b.in[i - i % 4].x : b.in[i - i % 4].x,
+                                        i % 4 == 2 ? -b.in[i - i % 4].y : b.in[i - i % 4].y};
+        if (mirrored && i % 4 == 3)
+            b.in[i] = (struct dt_point){-b.in[i - 3].x, -b.in[i - 3].y};
+    }
+    b.n = keep_distinct(b.in, n);
+    return b;
+}
+
+/* Sets that defeat the grid, each in its own way; false: there are no more of them. */
+static bool hostile_set(int which, uint32_t n, struct built *b)
+{
+    static const char *const family[] = {"near_collinear", "circle_exact", "thin_line",
+                                         "tall",           "exponents",    "two_lines"};
+    if (which < 2)
+        *b = set_of_scales(n, which == 1);
+    else if (which < 8)
+        *b = set_of_family(family[which - 2], n, test_random());
+    return which < 8;
+}
+
+/* A poll at the end of each 2^19 steps. */
+TEST_TIMEOUT(shelling_of_any_set_is_given_up_when_it_has_cost_its_budget, 60)
+{
+    enum { N = 5000, STEPS = (1 << 25) + 8192 * N, PER_POLL = 1 << 19, PASSES = 1000 };
+    struct built b;
+    int given_up = 0;
+    for (int which = 0; hostile_set(which, N, &b); which++) {
+        polls_begin();
+        enum dt_status status = dt_shelling(b.in, b.n, b.p, b.from, &b.mesh, NULL);
+        polls_end();
+        CHECK(status == DT_OK || status == DT_TOOBIG);
+        CHECK((b.mesh.half == NULL) == (status == DT_TOOBIG));
+        CHECK_MSG(polls_count() < STEPS / PER_POLL + PASSES, "set %d: %d polls", which,
+                  (int)polls_count());
+        CHECK_MSG(polls_longest_ms() < 500, "set %d: %.1f ms without a poll", which,
+                  polls_longest_ms());
+        given_up += status == DT_TOOBIG;
+        built_free(&b);
+    }
+    CHECK(given_up >= 4);
+}
+
+/* One search alone looks at all points here. */
+TEST_TIMEOUT(shelling_stops_at_any_poll_on_every_kind_of_set, 60)
+{
+    struct built b;
+    for (int which = 0; hostile_set(which, 1500, &b); which++) {
+        enum dt_status status = DT_CANCELLED;
+        for (uint64_t nth = 1; status == DT_CANCELLED; nth += 1 + nth / 4) {
+            polls_begin();
+            polls_cancel_at(nth);
+            status = dt_shelling(b.in, b.n, b.p, b.from, &b.mesh, NULL);
+            CHECK_MSG(status != DT_CANCELLED || polls_count() < nth + 100, "set %d", which);
+            CHECK((b.mesh.half == NULL) == (status != DT_OK));
+        }
+        built_free(&b);
+    }
+    polls_begin();
+}
+
+TEST(shelling_of_points_on_a_line_stops_at_any_poll)
+{
+    enum { N = 70000 };
+    struct built b = set_of(N);
+    enum dt_status status = DT_CANCELLED;
+    for (uint32_t i = 0; i < N; i++)
+        b.in[i] = (struct dt_point){(i * 7919u) % N, 2.0 * ((i * 7919u) % N)};
+    for (uint64_t nth = 1; status == DT_CANCELLED; nth += 1 + nth) {
+        polls_begin();
+        polls_cancel_at(nth);
+        status = dt_shelling(b.in, N, b.p, b.from, &b.mesh, NULL);
+    }
+    CHECK(status == DT_OK && dt_mesh_is_line(&b.mesh) && mesh_fault(&b.mesh, b.p, N) == NULL);
+    polls_begin();
     built_free(&b);
 }
