@@ -93,7 +93,8 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
     t->mesh.recycled = false;
     t->hinted = 0;
     t->steps = 0;
-    dt_views_lose_rings(t);
+    if (!t->current)
+        dt_views_lose_rings(t);
     t->current = true;
     return DT_OK;
 }

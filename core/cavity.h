@@ -6,6 +6,7 @@
 #ifndef DT_CAVITY_H
 #define DT_CAVITY_H
 
+#include "core/changes.h"
 #include "core/mesh.h"
 #include "core/work.h"
 
@@ -23,7 +24,8 @@ struct dt_cavity {
     uint32_t *stack;    /* owns: half edges to be crossed */
     uint32_t records, rims, stacked;
     uint32_t record_cap, rim_cap, stack_cap;
-    struct dt_work *work; /* borrows: what the edit may still do; NULL: no end */
+    struct dt_work *work;             /* borrows: what the edit may still do; NULL: no end */
+    const struct dt_changes *changes; /* borrows: who is to know which stars change; NULL: nobody */
 };
 
 void dt_cavity_clear(struct dt_cavity *c);
@@ -54,6 +56,14 @@ static inline bool dt_cavity_add_rim(struct dt_cavity *c, uint32_t origin, uint3
         return false;
     c->rim[c->rims++] = (struct dt_rim){origin, beyond};
     return true;
+}
+
+/* Reports the stars of the vertices on the rim, which are going to change. */
+static inline void dt_cavity_report(const struct dt_cavity *c)
+{
+    for (uint32_t i = 0; c->changes != NULL && i < c->rims; i++)
+        if (c->rim[i].origin != DT_NONE)
+            dt_changes_star(c->changes, c->rim[i].origin);
 }
 
 static inline bool dt_cavity_push(struct dt_cavity *c, uint32_t half)

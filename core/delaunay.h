@@ -353,7 +353,7 @@ struct dt_cursor {
     uint32_t interior; /* DT_LISTS: how many of them are interior points */
     /* private from here on */
     const struct dt_view *view;
-    uint32_t id, end, sub, left, hull_at, hull_left;
+    uint32_t id, end, sub, left, hull_at, hull_before, hull_left;
 };
 
 enum dt_status dt_table_begin(const struct dt *t, const struct dt_view *v, enum dt_table table,

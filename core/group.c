@@ -3,6 +3,7 @@
 #include "core/group.h"
 
 #include "core/query.h"
+#include "core/star.h"
 
 static inline void set_row(const struct dt_group *g, size_t i, const uint32_t *from)
 {
@@ -114,6 +115,19 @@ static void walk_round(struct dt_group *g, const struct dt *t, uint32_t v)
     heap_sort(g);
 }
 
+/* The same round a star that was saved. */
+static void walk_saved(struct dt_group *g, const struct dt_star *s)
+{
+    for (uint32_t i = 0; i < s->saved_degree; i++) {
+        uint32_t next = i + 1 < s->saved_degree ? i + 1 : 0;
+        if (g->width == 3 && (next > 0 || !s->on_hull))
+            add_triangle(g, true, s->saved[i], s->saved[next]);
+        if (g->width == 2 && s->saved[i] > g->id)
+            add(g, true, s->saved[i], 0);
+    }
+    heap_sort(g);
+}
+
 /* Looks for neighbours of v among all points from g->from on, until there is no room. */
 static void walk_ids(struct dt_group *g, const struct dt *t, uint32_t v)
 {
@@ -136,6 +150,49 @@ static void walk_ids(struct dt_group *g, const struct dt *t, uint32_t v)
     g->more = true;
 }
 
+/* Whether a star has the point among its neighbours; if so, the neighbour counterclockwise or clockwise of
+ * it, 0 if the hull is there. */
+static bool find_in_star(const struct dt *t, const struct dt_star *s, uint32_t id, bool ccw,
+                         uint32_t *beside)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t last = s->saved_degree - 1;
+    for (uint32_t i = 0; i < s->saved_degree; i++) {
+        if (s->saved[i] != id)
+            continue;
+        bool gap = s->on_hull && i == (ccw ? last : 0);
+        *beside = gap ? 0 : s->saved[ccw ? (i < last ? i + 1 : 0) : (i > 0 ? i - 1 : last)];
+        return true;
+    }
+    uint32_t first = s->saved == NULL ? m->leaving[s->vertex] : DT_NONE, h = first;
+    for (uint32_t i = 0; h != DT_NONE && (i == 0 || h != first); i++, h = dt_turn_ccw(m, h)) {
+        if (dt_dest(m, h) == DT_NONE || t->points.id[dt_dest(m, h)] != id)
+            continue;
+        uint32_t d = dt_dest(m, ccw ? dt_turn_ccw(m, h) : dt_turn_cw(m, h));
+        *beside = d == DT_NONE ? 0 : t->points.id[d];
+        return true;
+    }
+    return false;
+}
+
+/* As walk_ids, at a star that was saved: the neighbours have it in their stars. */
+static void walk_ids_then(struct dt_group *g, const struct dt *t, const struct dt_view *v)
+{
+    uint32_t id = g->from > g->id ? g->from : g->id + 1, c;
+    struct dt_view_ids ids = dt_view_ids_begin(t, v, id);
+    for (; g->n < g->room; id++) {
+        id = dt_view_ids_next(&ids, id);
+        if (id == DT_NONE)
+            return;
+        if (dt_view_representative(t, v, id) != id)
+            continue;
+        struct dt_star star = dt_star_of(t, v, id);
+        if (find_in_star(t, &star, g->id, g->cw, &c) && (g->width == 2 || c > g->id))
+            add_sorted(g, (uint32_t[3]){g->id, id, c});
+    }
+    g->more = true;
+}
+
 /* Whether v has more than `limit` neighbours. */
 static bool has_more(const struct dt_mesh *m, uint32_t v, uint32_t limit)
 {
@@ -147,13 +204,17 @@ static bool has_more(const struct dt_mesh *m, uint32_t v, uint32_t limit)
     return n > limit;
 }
 
-void dt_group_of_many(struct dt_group *g, const struct dt *t, uint32_t v)
+/* A table is read in pieces, and each piece walks round the whole star again. A star with a good part of all
+ * points is better found by going through the points: a piece goes on where the last one stopped. */
+void dt_group_of_many(struct dt_group *g, const struct dt *t, const struct dt_view *v)
 {
-    /* A table is read in pieces, and each piece walks round the whole star again. A star with a
-     * good part of all points is better found by going through the points: a piece goes on where
-     * the last one stopped. */
-    if (has_more(&t->mesh, v, t->mesh.vertices / 16))
-        walk_ids(g, t, v);
+    struct dt_star star = dt_star_of(t, v, g->id);
+    if (star.saved != NULL && star.saved_degree > v->sum.points / 16)
+        walk_ids_then(g, t, v);
+    else if (star.saved != NULL)
+        walk_saved(g, &star);
+    else if (has_more(&t->mesh, star.vertex, t->mesh.vertices / 16))
+        walk_ids(g, t, star.vertex);
     else
-        walk_round(g, t, v);
+        walk_round(g, t, star.vertex);
 }

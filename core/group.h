@@ -18,8 +18,8 @@ struct dt_group {
 /* The rows of a vertex whose star (star.h) is given; n > 0. */
 void dt_group_of_ring(struct dt_group *g, const uint32_t *ring, uint32_t n, bool on_hull);
 
-/* Those of vertex v, which has many neighbours. Cost: O(degree log room), or where that is less, as
- * much as it takes to look for neighbours among all points. */
-void dt_group_of_many(struct dt_group *g, const struct dt *t, uint32_t v);
+/* Those of the representative g->id, which has many neighbours, now or at the moment of a view. Cost:
+ * O(degree log room), or where that is less, as much as it takes to look for neighbours among all points. */
+void dt_group_of_many(struct dt_group *g, const struct dt *t, const struct dt_view *v);
 
 #endif

@@ -150,9 +150,11 @@ static void insert_second(struct dt_mesh *m, uint32_t a, uint32_t b)
  *        infinity                    infinity
  *      ---- f ---- e        ->     ---- f ---- e ---- v          above: ghosts (v, e), (e, f), ...
  *        infinity                    infinity                    below: ghosts (f, e), (e, v) */
-static void extend_line(struct dt_mesh *m, uint32_t half, uint32_t v)
+static void extend_line(struct dt_mesh *m, uint32_t half, uint32_t v,
+                        const struct dt_changes *changes)
 {
     uint32_t above = dt_base(half), e = m->half[above], below = dt_base(dt_twin(m, above));
+    dt_changes_star(changes, e);
     uint32_t in = dt_mesh_take(m), out = dt_mesh_take(m);
     dt_set_corners(m, in, v, e, DT_NONE);
     dt_set_corners(m, out, e, v, DT_NONE);
@@ -167,10 +169,13 @@ static void extend_line(struct dt_mesh *m, uint32_t half, uint32_t v)
 }
 
 /* v splits the edge a-b of a line: (a, b) and (b, a) become (a, v), (v, b) and (b, v), (v, a). */
-static void split_line(struct dt_mesh *m, uint32_t half, uint32_t v)
+static void split_line(struct dt_mesh *m, uint32_t half, uint32_t v,
+                       const struct dt_changes *changes)
 {
     uint32_t there = dt_base(half), back = dt_base(dt_twin(m, there));
     uint32_t a = m->half[there], b = m->half[back];
+    dt_changes_star(changes, a);
+    dt_changes_star(changes, b);
     uint32_t there_on = dt_mesh_take(m), back_on = dt_mesh_take(m);
     dt_set_corners(m, there_on, v, b, DT_NONE);
     dt_set_corners(m, back_on, v, a, DT_NONE);
@@ -196,9 +201,9 @@ static enum dt_status insert_in_line(struct dt_mesh *m, const struct dt_point *x
     int side = dt_orient2d(xy[m->half[g]], xy[m->half[g + 1]], xy[v]);
     if (side == 0) {
         if (where == DT_ON_EDGE)
-            split_line(m, half, v);
+            split_line(m, half, v, c->changes);
         else
-            extend_line(m, half, v);
+            extend_line(m, half, v, c->changes);
         return DT_OK;
     }
     if (side < 0)
@@ -206,6 +211,7 @@ static enum dt_status insert_in_line(struct dt_mesh *m, const struct dt_point *x
     enum dt_status status = dt_find_cavity(m, xy, g, xy[v], c);
     if (status != DT_OK)
         return status;
+    dt_cavity_report(c);
     fill_with_star(m, c, v);
     dt_hull_settle_from(m, m->hull, NULL); /* the line's vertices lost the ghosts on one side */
     return DT_OK;
@@ -223,13 +229,16 @@ enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
         return DT_OK;
     }
     if (m->vertices == 1) {
+        dt_changes_star(scratch->changes, half);
         insert_second(m, half, v);
         return DT_OK;
     }
     if (dt_mesh_is_line(m))
         return insert_in_line(m, xy, v, where, half, scratch);
     enum dt_status status = dt_find_cavity(m, xy, dt_base(half), xy[v], scratch);
-    if (status == DT_OK)
-        fill_with_star(m, scratch, v);
-    return status;
+    if (status != DT_OK)
+        return status;
+    dt_cavity_report(scratch);
+    fill_with_star(m, scratch, v);
+    return DT_OK;
 }

@@ -2,6 +2,7 @@
 #include "core/pointlist.h"
 
 #include "core/hull.h"
+#include "core/hull_walk.h"
 #include "core/reader.h"
 #include "core/star.h"
 #include "core/work.h"
@@ -35,25 +36,14 @@ void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw)
     reverse(ring, n);
 }
 
-uint32_t dt_ring_on_line(const struct dt *t, uint32_t g, uint32_t *ring)
+/* The ring of a point on a line depends on where the line begins. */
+static uint32_t ring_on_line(const struct dt *t, const struct dt_view *v, uint32_t id, bool cw,
+                             uint32_t *ring)
 {
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t before = dt_hull_step(m, g, true);
-    ring[0] = t->points.id[dt_hull_successor(m, g)];
-    if (dt_hull_turns(m, before)) /* an end has one neighbour */
-        return 1;
-    ring[1] = t->points.id[dt_hull_vertex(m, before)];
-    return 2;
-}
-
-static void append_on_line(const struct dt *t, uint32_t v, bool cw, struct dt_ids *ring)
-{
-    uint32_t g = dt_hull_first(&t->mesh, t->points.id, cw);
-    if (g == DT_NONE)
-        return;
-    while (dt_hull_vertex(&t->mesh, g) != v)
-        g = dt_hull_step(&t->mesh, g, false);
-    ring->n += dt_ring_on_line(t, g, ring->v + ring->n);
+    struct dt_hull_walk w = dt_hull_walk_at(t, v, cw, dt_hull_start(t, v, cw), DT_NONE);
+    while (w.id != id)
+        dt_hull_walk_step(&w);
+    return dt_hull_walk_ring(&w, ring);
 }
 
 uint32_t dt_degree_up_to(const struct dt *t, uint32_t id, uint32_t limit)
@@ -65,25 +55,33 @@ uint32_t dt_degree_up_to(const struct dt *t, uint32_t id, uint32_t limit)
 enum dt_status dt_ring(const struct dt *t, uint32_t id, bool cw, struct dt_ids *ring, uint32_t *rep,
                        bool *boundary)
 {
-    uint32_t v;
-    enum dt_status s = dt_read_vertex(t, id, &v);
+    return dt_view_ring(t, NULL, id, cw, ring, rep, boundary);
+}
+
+enum dt_status dt_view_ring(const struct dt *t, const struct dt_view *v, uint32_t id, bool cw,
+                            struct dt_ids *ring, uint32_t *rep, bool *boundary)
+{
+    enum dt_status s = dt_view_readable(t, v, true);
     if (s != DT_OK)
         return s;
-    uint32_t degree = dt_star_degree(&t->mesh, v, DT_NONE);
-    s = dt_ids_reserve(ring, degree);
+    uint32_t centre = dt_view_representative(t, v, id);
+    if (centre == DT_NONE)
+        return DT_NOPOINT;
+    struct dt_star star = dt_star_of(t, v, centre);
+    uint32_t degree = dt_star_count(t, &star);
+    s = dt_ids_reserve(ring, degree < 2 ? 2 : degree);
     if (s != DT_OK)
         return s;
-    *rep = t->points.id[v];
-    *boundary = dt_on_hull(&t->mesh, v);
-    if (dt_mesh_is_line(&t->mesh)) {
-        append_on_line(t, v, cw, ring);
+    *rep = centre;
+    *boundary = star.on_hull;
+    uint32_t *to = ring->v + ring->n;
+    ring->n += degree;
+    if (v == NULL ? dt_mesh_is_line(&t->mesh) : v->line) {
+        ring_on_line(t, v, centre, cw, to);
         return DT_OK;
     }
-    if (degree > 0) {
-        dt_star_ring(t, v, ring->v + ring->n);
-        dt_ring_turn(ring->v + ring->n, degree, *boundary, cw);
-        ring->n += degree;
-    }
+    dt_star_copy(t, &star, to);
+    dt_ring_turn(to, degree, star.on_hull, cw);
     return DT_OK;
 }
 

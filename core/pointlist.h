@@ -9,8 +9,4 @@
  * its predecessor on. */
 void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw);
 
-/* All points on one line, walked so that the ghost g stands for its vertex: the ring of that vertex
- * into ring[2], successor before predecessor, and its length. */
-uint32_t dt_ring_on_line(const struct dt *t, uint32_t g, uint32_t *ring);
-
 #endif

@@ -182,11 +182,13 @@ static void remove_from_plane(struct dt_mesh *m, const struct dt_point *xy,
 
 /* A line loses an edge. v lies between a and b: (a, v) and (v, b) become (a, b), on both sides; or
  * it is an end next to e: the two ghosts of v-e go. */
-static void remove_from_line(struct dt_mesh *m, uint32_t v)
+static void remove_from_line(struct dt_mesh *m, uint32_t v, const struct dt_changes *changes)
 {
     uint32_t in = m->leaving[v] - 1,
              out = dt_base(dt_twin(m, in + 1)); /* (a, v) and (v, b), maybe a = b */
     uint32_t a = m->half[in], b = m->half[out + 1];
+    dt_changes_star(changes, a);
+    dt_changes_star(changes, b);
     if (a == b) {
         uint32_t before = dt_twin(m, in + 2),
                  after = dt_twin(m, out + 1); /* a->infinity, infinity->a */
@@ -213,9 +215,10 @@ static void remove_from_line(struct dt_mesh *m, uint32_t v)
 }
 
 /* The last but one vertex goes: the other one is alone. */
-static void remove_last_edge(struct dt_mesh *m, uint32_t v)
+static void remove_last_edge(struct dt_mesh *m, uint32_t v, const struct dt_changes *changes)
 {
     uint32_t g = m->leaving[v] - 1, h = dt_twin(m, g);
+    dt_changes_star(changes, m->half[g]);
     m->alone = m->half[g];
     m->leaving[m->alone] = DT_NONE;
     dt_mesh_drop(m, g);
@@ -227,12 +230,15 @@ static void remove_last_edge(struct dt_mesh *m, uint32_t v)
 enum dt_status dt_remove(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
                          struct dt_cavity *scratch)
 {
+    dt_changes_star(scratch->changes, v);
     if (m->vertices == 2) {
-        remove_last_edge(m, v);
+        remove_last_edge(m, v, scratch->changes);
     } else if (m->vertices > 2 && dt_mesh_is_line(m)) {
-        remove_from_line(m, v);
+        remove_from_line(m, v, scratch->changes);
     } else if (m->vertices > 2) {
         enum dt_status status = collect_star(m, xy, v, scratch);
+        if (status == DT_OK)
+            dt_cavity_report(scratch);
         if (status == DT_OK && scratch->rims > DT_STAR_SMALL)
             status = dt_remove_large(m, xy, v, scratch);
         if (status != DT_OK)

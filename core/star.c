@@ -8,6 +8,8 @@
 
 #include "core/hull.h"
 
+#include <string.h>
+
 uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit)
 {
     uint32_t h = m->leaving[v], degree = 0;
@@ -34,6 +36,34 @@ void dt_star_ring(const struct dt *t, uint32_t v, uint32_t *ring)
     } while (h != m->leaving[v]);
 }
 
+/* ---- saved ones: whether on the hull, then the ring ---- */
+
+void dt_star_save(const struct dt *t, uint32_t v, uint32_t *image)
+{
+    image[0] = dt_on_hull(&t->mesh, v);
+    dt_star_ring(t, v, image + 1);
+}
+
+struct dt_star dt_star_of(const struct dt *t, const struct dt_view *v, uint32_t id)
+{
+    uint32_t words;
+    const uint32_t *image = v == NULL ? NULL : dt_images_get(&t->views.rings, id, v->rings, &words);
+    if (image != NULL)
+        return (struct dt_star){DT_NONE, image + 1, words - 1, image[0] != 0};
+    uint32_t vertex = dt_points_vertex(&t->points, id);
+    return (struct dt_star){vertex, NULL, 0, dt_on_hull(&t->mesh, vertex)};
+}
+
+void dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *ring)
+{
+    if (s->saved == NULL)
+        dt_star_ring(t, s->vertex, ring);
+    else
+        memcpy(ring, s->saved, s->saved_degree * sizeof *ring);
+}
+
+/* ---- many at once ---- */
+
 /* The next representatives from id on, below end. */
 static void read_vertices(const struct dt *t, uint32_t id, uint32_t end, uint32_t max,
                           struct dt_stars *s)
@@ -50,6 +80,36 @@ static void read_vertices(const struct dt *t, uint32_t id, uint32_t end, uint32_
         }
         id++;
     }
+}
+
+/* The star i, of an id that was a representative: filled in, if it was saved. */
+static void read_representative(const struct dt *t, const struct dt_view *v, uint32_t id,
+                                struct dt_stars *s, uint32_t i)
+{
+    uint32_t words;
+    const uint32_t *image = dt_images_get(&t->views.rings, id, v->rings, &words);
+    s->id[i] = id;
+    if (image == NULL) {
+        s->vertex[i] = dt_points_vertex(&t->points, id);
+        __builtin_prefetch(&t->mesh.leaving[s->vertex[i]]);
+        return;
+    }
+    s->vertex[i] = DT_NONE;
+    s->on_hull[i] = image[0] != 0;
+    s->degree[i] = words - 1 <= DT_STAR_MAX ? words - 1 : DT_NONE;
+    if (s->degree[i] != DT_NONE)
+        memcpy(s->ring[i], image + 1, s->degree[i] * sizeof *image);
+}
+
+/* The same at the moment of a view since which something has changed. */
+static void read_vertices_then(const struct dt *t, const struct dt_view *v, uint32_t id,
+                               uint32_t end, uint32_t max, struct dt_stars *s)
+{
+    struct dt_view_ids ids = dt_view_ids_begin(t, v, id);
+    s->n = 0;
+    for (; s->n < max && (id = dt_view_ids_next(&ids, id)) < end; id++)
+        if (dt_view_representative(t, v, id) == id)
+            read_representative(t, v, id, s, s->n++);
 }
 
 /* One triangle further round star i, which stands at the half edge *at. False: the ring is closed,
@@ -72,11 +132,18 @@ static bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t fi
     return *at != first;
 }
 
-void dt_stars_read(const struct dt *t, uint32_t id, uint32_t end, uint32_t max, struct dt_stars *s)
+void dt_stars_read(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
+                   uint32_t max, struct dt_stars *s)
 {
     uint32_t first[DT_STARS], at[DT_STARS], turning[DT_STARS], active = 0;
-    read_vertices(t, id, end, max < DT_STARS ? max : DT_STARS, s);
+    max = max < DT_STARS ? max : DT_STARS;
+    if (v == NULL)
+        read_vertices(t, id, end, max, s);
+    else
+        read_vertices_then(t, v, id, end, max, s);
     for (uint32_t i = 0; i < s->n; i++) {
+        if (s->vertex[i] == DT_NONE)
+            continue;
         first[i] = at[i] = t->mesh.leaving[s->vertex[i]];
         s->degree[i] = 0;
         s->on_hull[i] = first[i] == DT_NONE; /* others: when infinity is met */
@@ -95,6 +162,7 @@ void dt_stars_read(const struct dt *t, uint32_t id, uint32_t end, uint32_t max, 
         active = left;
     }
     for (uint32_t i = 0; i < s->n; i++)
-        for (uint32_t k = 0; s->degree[i] != DT_NONE && k < s->degree[i]; k++)
-            s->ring[i][k] = t->points.id[s->ring[i][k]];
+        if (s->vertex[i] != DT_NONE && s->degree[i] != DT_NONE)
+            for (uint32_t k = 0; k < s->degree[i]; k++)
+                s->ring[i][k] = t->points.id[s->ring[i][k]];
 }

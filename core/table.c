@@ -8,9 +8,8 @@
  * `left` and `hull_left` are the rows still to come of either kind; 0 says that there are no more.
  * Of a part that was cut off nobody knows how many rows it has: there `left` is at least as many. */
 #include "core/group.h"
-#include "core/hull.h"
+#include "core/hull_walk.h"
 #include "core/pointlist.h"
-#include "core/reader.h"
 #include "core/star.h"
 
 #include <string.h>
@@ -54,20 +53,16 @@ static uint32_t count_rows(const struct dt_summary *sum, enum dt_table table)
     return 0;
 }
 
-/* DT_OK if the table can be read. */
-static enum dt_status readable(const struct dt *t, const struct dt_view *v, enum dt_table table)
+static bool needs_mesh(enum dt_table table)
 {
-    bool rings = table != DT_POINTS && table != DT_COINCIDENT;
-    if (v != NULL)
-        return dt_view_readable(t, v, rings);
-    return rings ? dt_readable(t) : DT_OK;
+    return table != DT_POINTS && table != DT_COINCIDENT;
 }
 
 enum dt_status dt_table_begin(const struct dt *t, const struct dt_view *v, enum dt_table table,
                               bool cw, struct dt_cursor *c)
 {
     struct dt_summary sum;
-    enum dt_status s = readable(t, v, table);
+    enum dt_status s = dt_view_readable(t, v, needs_mesh(table));
     if (s != DT_OK)
         return s;
     if (v != NULL)
@@ -79,10 +74,11 @@ enum dt_status dt_table_begin(const struct dt *t, const struct dt_view *v, enum 
                             .rows = count_rows(&sum, table),
                             .view = v,
                             .end = v == NULL ? DT_NONE : dt_view_next_id(v),
-                            .hull_at = DT_NONE};
+                            .hull_at = DT_NONE,
+                            .hull_before = DT_NONE};
     if (table == DT_LISTS || table == DT_HULL) {
         c->hull_left = sum.hull;
-        c->hull_at = dt_hull_first(&t->mesh, t->points.id, cw);
+        c->hull_at = sum.hull > 0 ? dt_hull_start(t, v, cw) : DT_NONE;
     }
     c->left = c->rows - c->hull_left;
     if (table == DT_LISTS)
@@ -111,7 +107,8 @@ bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct 
 /* The next id, DT_NONE and nothing left if the cursor has come to its end. */
 static uint32_t next_id(struct dt_view_ids *ids, struct dt_cursor *c)
 {
-    uint32_t id = dt_view_ids_next(ids, c->id);
+    uint32_t id =
+        ids->v == NULL ? dt_points_next_live(&ids->t->points, c->id) : dt_view_ids_next(ids, c->id);
     if (id < c->end)
         return id;
     c->left = 0;
@@ -138,11 +135,12 @@ static void read_coincident(const struct dt *t, struct dt_cursor *c, struct sink
 {
     struct dt_view_ids ids = dt_view_ids_begin(t, c->view, c->id);
     while (c->left > 0 && has_room(k, 2)) {
-        uint32_t id = next_id(&ids, c), representative;
+        uint32_t id = next_id(&ids, c);
         if (id == DT_NONE)
             return;
         c->id = id + 1;
-        if (!dt_view_is_alias(t, ids.v, id, &representative))
+        uint32_t representative = dt_view_representative(t, ids.v, id);
+        if (representative == id)
             continue;
         uint32_t *out = row(k, 2);
         out[0] = id;
@@ -151,45 +149,62 @@ static void read_coincident(const struct dt *t, struct dt_cursor *c, struct sink
     }
 }
 
-/* The vertex at which the cursor stands on the hull. A set of one point has a hull and no ghost. */
-static uint32_t hull_vertex(const struct dt *t, const struct dt_cursor *c)
+/* The hull from where the cursor stands on it, and what to do when the walk has gone a step further. */
+static struct dt_hull_walk hull_from(const struct dt *t, const struct dt_cursor *c)
 {
-    if (c->hull_at != DT_NONE)
-        return dt_hull_vertex(&t->mesh, c->hull_at);
-    return t->mesh.alone;
+    return dt_hull_walk_at(t, c->view, c->cw, c->hull_at, c->hull_before);
 }
 
-static void hull_advance(const struct dt *t, struct dt_cursor *c)
+static void hull_advance(struct dt_hull_walk *w, struct dt_cursor *c)
 {
-    if (c->hull_at != DT_NONE)
-        c->hull_at = dt_hull_step(&t->mesh, c->hull_at, c->cw && !dt_mesh_is_line(&t->mesh));
+    dt_hull_walk_step(w);
+    c->hull_at = w->id;
+    c->hull_before = w->before;
     c->hull_left--;
 }
 
 static void read_hull(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
+    if (c->hull_left == 0)
+        return;
+    struct dt_hull_walk w = hull_from(t, c);
     while (c->hull_left > 0 && has_room(k, 1)) {
-        *row(k, 1) = t->points.id[hull_vertex(t, c)];
-        hull_advance(t, c);
+        *row(k, 1) = w.id;
+        hull_advance(&w, c);
     }
 }
 
-/* Writes the point list's row of vertex v straight from the mesh; false if there is no room. */
-static bool write_list(const struct dt *t, const struct dt_cursor *c, struct sink *k, uint32_t v)
+/* Begins the point list's row of a star; NULL if there is no room. */
+static uint32_t *begin_list(struct sink *k, uint32_t id, uint32_t degree)
 {
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t degree = dt_star_degree(m, v, DT_NONE);
     if (!has_room(k, 2 + (size_t)degree))
-        return false;
+        return NULL;
     uint32_t *out = row(k, 2 + (size_t)degree);
-    out[0] = t->points.id[v];
+    out[0] = id;
     out[1] = degree;
-    if (degree > 0 && dt_mesh_is_line(m)) {
-        dt_ring_on_line(t, c->hull_at, out + 2);
-    } else {
-        dt_star_ring(t, v, out + 2);
-        dt_ring_turn(out + 2, degree, dt_on_hull(m, v), c->cw);
-    }
+    return out + 2;
+}
+
+/* Writes the row of an interior point, or one on the hull of a plane set; false if there is no room. */
+static bool write_list(const struct dt *t, const struct dt_cursor *c, struct sink *k, uint32_t id,
+                       struct dt_star star)
+{
+    uint32_t degree = dt_star_count(t, &star);
+    uint32_t *out = begin_list(k, id, degree);
+    if (out == NULL)
+        return false;
+    dt_star_copy(t, &star, out);
+    dt_ring_turn(out, degree, star.on_hull, c->cw);
+    return true;
+}
+
+static bool write_list_on_line(struct sink *k, const struct dt_hull_walk *w)
+{
+    uint32_t ring[2], degree = dt_hull_walk_ring(w, ring);
+    uint32_t *out = begin_list(k, w->id, degree);
+    if (out == NULL)
+        return false;
+    memcpy(out, ring, degree * sizeof *out);
     return true;
 }
 
@@ -198,14 +213,12 @@ static bool write_star(const struct dt *t, const struct dt_cursor *c, struct sin
 {
     uint32_t degree = s->degree[i];
     if (degree == DT_NONE)
-        return write_list(t, c, k, s->vertex[i]);
-    if (!has_room(k, 2 + (size_t)degree))
+        return write_list(t, c, k, s->id[i], dt_star_of(t, c->view, s->id[i]));
+    uint32_t *out = begin_list(k, s->id[i], degree);
+    if (out == NULL)
         return false;
-    uint32_t *out = row(k, 2 + (size_t)degree);
-    out[0] = s->id[i];
-    out[1] = degree;
-    memcpy(out + 2, s->ring[i], degree * sizeof *out);
-    dt_ring_turn(out + 2, degree, false, c->cw);
+    memcpy(out, s->ring[i], degree * sizeof *out);
+    dt_ring_turn(out, degree, false, c->cw);
     return true;
 }
 
@@ -219,9 +232,10 @@ static uint32_t stars_ahead(const struct sink *k, size_t words)
 
 static void read_interior_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
+    const struct dt_view *v = dt_view_if_changed(t, c->view);
     struct dt_stars stars;
     while (c->left > 0 && k->rows < k->max_rows) {
-        dt_stars_read(t, c->id, c->end, stars_ahead(k, 8), &stars);
+        dt_stars_read(t, v, c->id, c->end, stars_ahead(k, 8), &stars);
         if (stars.n == 0)
             c->left = 0;
         for (uint32_t i = 0; i < stars.n; i++) {
@@ -235,27 +249,37 @@ static void read_interior_lists(const struct dt *t, struct dt_cursor *c, struct 
     }
 }
 
+static void read_hull_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
+{
+    struct dt_hull_walk w = hull_from(t, c);
+    while (c->hull_left > 0) {
+        if (!(w.line ? write_list_on_line(k, &w)
+                     : write_list(t, c, k, w.id, dt_hull_walk_star(&w))))
+            return;
+        hull_advance(&w, c);
+    }
+}
+
 static void read_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
     read_interior_lists(t, c, k);
-    while (c->left == 0 && c->hull_left > 0) {
-        if (!write_list(t, c, k, hull_vertex(t, c)))
-            return;
-        hull_advance(t, c);
-    }
+    if (c->left == 0 && c->hull_left > 0)
+        read_hull_lists(t, c, k);
 }
 
 /* The words that the next row of the point list needs. */
 static size_t next_list_words(const struct dt *t, const struct dt_cursor *c)
 {
-    uint32_t id = c->id, v = c->left == 0 ? hull_vertex(t, c) : DT_NONE;
-    while (v == DT_NONE) {
-        id = dt_points_next_live(&t->points, id);
-        v = dt_points_vertex(&t->points, id++);
-        if (t->points.id[v] != id - 1 || dt_on_hull(&t->mesh, v))
-            v = DT_NONE;
+    struct dt_view_ids ids = dt_view_ids_begin(t, c->view, c->id);
+    uint32_t id = c->left == 0 ? c->hull_at : dt_view_ids_next(&ids, c->id);
+    struct dt_star star;
+    for (;; id = dt_view_ids_next(&ids, id + 1)) {
+        if (dt_view_representative(t, c->view, id) != id)
+            continue;
+        star = dt_star_of(t, c->view, id);
+        if (c->left == 0 || !star.on_hull)
+            return 2 + (size_t)dt_star_count(t, &star);
     }
-    return 2 + (size_t)dt_star_degree(&t->mesh, v, DT_NONE);
 }
 
 /* Writes what star i has for the cursor; false if there is more than fits. */
@@ -269,7 +293,7 @@ static bool write_group(const struct dt *t, struct dt_cursor *c, struct sink *k,
         return false;
     g.from = s->id[i] == c->id ? c->sub : 0;
     if (s->degree[i] == DT_NONE)
-        dt_group_of_many(&g, t, s->vertex[i]);
+        dt_group_of_many(&g, t, c->view);
     else if (s->degree[i] > 0)
         dt_group_of_ring(&g, s->ring[i], s->degree[i], s->on_hull[i]);
     k->words += g.n * width;
@@ -282,9 +306,10 @@ static bool write_group(const struct dt *t, struct dt_cursor *c, struct sink *k,
 
 static void read_groups(const struct dt *t, struct dt_cursor *c, struct sink *k, size_t width)
 {
+    const struct dt_view *v = dt_view_if_changed(t, c->view);
     struct dt_stars stars;
     while (c->left > 0 && has_room(k, width)) {
-        dt_stars_read(t, c->id, c->end, stars_ahead(k, 2 * width), &stars);
+        dt_stars_read(t, v, c->id, c->end, stars_ahead(k, 2 * width), &stars);
         if (stars.n == 0)
             c->left = 0;
         for (uint32_t i = 0; i < stars.n; i++)
@@ -299,7 +324,7 @@ enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *
     static const size_t width[] = {
         [DT_POINTS] = 1, [DT_COINCIDENT] = 2, [DT_TRIANGLES] = 3, [DT_EDGES] = 2, [DT_HULL] = 1};
     struct sink k = {.out = out, .cap = cap, .max_rows = max_rows};
-    enum dt_status s = c->view == NULL ? DT_OK : readable(t, c->view, c->table);
+    enum dt_status s = dt_view_readable(t, c->view, needs_mesh(c->table));
     *rows = *words = 0;
     if (s != DT_OK)
         return s;

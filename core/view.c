@@ -1,26 +1,21 @@
 /* view.c - views begin and end, and edits save what they change; see view.h.
  *
- * Views may end while an edit is under way, and begin beside each other, so they are in a list that is only
- * ever pushed to, and one that has ended is marked. Edits, which have the set for themselves but for views that
- * end, take the marked ones out. */
+ * Views may end while an edit is under way, and begin beside each other, so nobody waits for anybody: they
+ * are in a list that is only ever pushed to, and one that has ended is marked. Edits, which have the set for
+ * themselves but for views that end, take the marked ones out. */
 #include "core/view.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-#include "core/set.h"
+#include "core/hull.h"
+#include "core/star.h"
 #include "core/update.h"
 
-enum {
-    ROW_WORDS = 5, /* of an image: group or DT_NONE, x, y */
-    FAMILY_WORDS =
-        2,      /* the group that it is part of, DT_NONE for a root; a root's representative */
-    AT_ONCE = 4 /* chunks that an edit frees */
-};
+enum { AT_ONCE = 4 }; /* chunks that an edit frees */
 
 /* ---- life ---- */
 
-/* A view of the list that has ended, taken over by the caller; NULL: there is none. */
+/* A view of the list that has ended, taken over; NULL: there is none. */
 static struct dt_view *take_ended(struct dt_views *w)
 {
     for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = v->next) {
@@ -44,6 +39,14 @@ static struct dt_view *new_view(struct dt_views *w)
     return v;
 }
 
+static uint32_t some_hull_point(const struct dt *t)
+{
+    const struct dt_mesh *m = &t->mesh;
+    if (m->vertices == 0)
+        return DT_NONE;
+    return t->points.id[m->vertices == 1 ? m->alone : dt_hull_vertex(m, m->hull)];
+}
+
 struct dt_view *dt_view_begin(struct dt *t, bool rings)
 {
     struct dt_views *w = &t->views;
@@ -53,10 +56,13 @@ struct dt_view *dt_view_begin(struct dt *t, bool rings)
     if (v == NULL)
         return NULL;
     v->serial = atomic_fetch_add(&w->serial, 1) + 1;
-    v->rings = rings && dt_is_live(t);
+    v->with_rings = rings && dt_is_live(t);
+    v->line = v->with_rings && dt_mesh_is_line(&t->mesh);
+    v->on_hull = v->with_rings ? some_hull_point(t) : DT_NONE;
+    v->next_id = t->points.next_id;
     v->rows = dt_images_now(&w->rows);
     v->families = dt_images_now(&w->families);
-    v->next_id = t->points.next_id;
+    v->rings = dt_images_now(&w->rings);
     dt_summary(t, &v->sum);
     v->sum.memory = 0;
     return v;
@@ -77,11 +83,13 @@ void dt_views_clear(struct dt *t)
     }
     dt_images_clear(&w->rows);
     dt_images_clear(&w->families);
+    dt_images_clear(&w->rings);
 }
 
 size_t dt_views_memory(const struct dt_views *w)
 {
-    return dt_images_memory(&w->rows) + dt_images_memory(&w->families);
+    return dt_images_memory(&w->rows) + dt_images_memory(&w->families) +
+           dt_images_memory(&w->rings);
 }
 
 uint32_t dt_view_next_id(const struct dt_view *v)
@@ -94,31 +102,154 @@ void dt_view_summary(const struct dt_view *v, struct dt_summary *out)
     *out = v->sum;
 }
 
+/* ---- what is lost ---- */
+
+static bool reads_rows(const struct dt_views *w, const struct dt_view *v)
+{
+    return v->serial > w->lost;
+}
+
+static bool reads_rings(const struct dt_views *w, const struct dt_view *v)
+{
+    return v->with_rings && v->serial > w->rings_lost && reads_rows(w, v);
+}
+
+void dt_views_lose_rings(struct dt *t)
+{
+    t->views.rings_lost = atomic_load(&t->views.serial);
+    t->views.ring_ids = 0;
+}
+
+static void lose_rows(struct dt *t)
+{
+    t->views.lost = atomic_load(&t->views.serial);
+    t->views.row_ids = t->views.ring_ids = 0;
+}
+
+enum dt_status dt_view_readable(const struct dt *t, const struct dt_view *v, bool rings)
+{
+    if (v == NULL)
+        return !rings || dt_is_live(t) ? DT_OK : DT_UNTRIANGULATED;
+    if (!reads_rows(&t->views, v))
+        return DT_NOMEM;
+    if (!rings)
+        return DT_OK;
+    if (!v->with_rings)
+        return DT_UNTRIANGULATED;
+    return reads_rings(&t->views, v) && dt_is_live(t) ? DT_OK : DT_NOMEM;
+}
+
+bool dt_view_blocks(const struct dt *t, size_t n)
+{
+    bool read = false;
+    for (const struct dt_view *v = atomic_load(&t->views.list); v != NULL; v = v->next)
+        read = read || (atomic_load(&v->open) && reads_rings(&t->views, v));
+    return read && dt_is_live(t) && dt_update_is_bulk(t, n);
+}
+
+/* ---- saving ---- */
+
+static void save_row(void *ctx, uint32_t id)
+{
+    struct dt *t = ctx;
+    struct dt_views *w = &t->views;
+    if (id >= w->row_ids || dt_images_has(&w->rows, id, w->rows_since))
+        return;
+    uint32_t *image = dt_images_save(&w->rows, id, DT_ROW_WORDS);
+    if (image != NULL)
+        dt_view_save_row(t, id, image);
+    else
+        lose_rows(t);
+    w->saved = true;
+}
+
+static void save_family(void *ctx, uint32_t group)
+{
+    struct dt *t = ctx;
+    struct dt_views *w = &t->views;
+    if (w->row_ids == 0 || dt_images_has(&w->families, group, w->families_since))
+        return;
+    uint32_t *image = dt_images_save(&w->families, group, DT_FAMILY_WORDS);
+    if (image != NULL)
+        dt_view_save_family(t, group, image);
+    else
+        lose_rows(t);
+    w->saved = true;
+}
+
+static void save_star(void *ctx, uint32_t v)
+{
+    struct dt *t = ctx;
+    struct dt_views *w = &t->views;
+    uint32_t id = t->points.id[v];
+    if (id >= w->ring_ids || dt_images_has(&w->rings, id, w->rings_since))
+        return;
+    uint32_t *image = dt_images_save(&w->rings, id, dt_star_words(&t->mesh, v));
+    if (image != NULL)
+        dt_star_save(t, v, image);
+    else
+        dt_views_lose_rings(t);
+    w->saved = true;
+}
+
+/* The id of a vertex is the key of its star, and stands in those of its neighbours. */
+static void save_name(void *ctx, uint32_t v)
+{
+    const struct dt *t = ctx;
+    const struct dt_mesh *m = &t->mesh;
+    if (t->views.ring_ids == 0 || !t->current)
+        return;
+    save_star(ctx, v);
+    uint32_t h = m->leaving[v];
+    if (h == DT_NONE)
+        return;
+    do {
+        if (dt_dest(m, h) != DT_NONE)
+            save_star(ctx, dt_dest(m, h));
+        h = dt_turn_ccw(m, h);
+    } while (h != m->leaving[v]);
+}
+
 /* ---- edits ---- */
 
 /* From which places on images are read. */
 struct moment {
-    uint64_t rows, families;
+    uint64_t rows, families, rings;
 };
+
+static uint64_t earlier(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+static uint64_t later(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
 
 static void note(struct dt_views *w, const struct dt_view *v, struct moment *oldest)
 {
-    if (v->serial <= w->lost)
-        return;
-    w->ids = v->next_id > w->ids ? v->next_id : w->ids;
-    w->rows_since = v->rows > w->rows_since ? v->rows : w->rows_since;
-    w->families_since = v->families > w->families_since ? v->families : w->families_since;
-    oldest->rows = v->rows < oldest->rows ? v->rows : oldest->rows;
-    oldest->families = v->families < oldest->families ? v->families : oldest->families;
+    if (reads_rows(w, v)) {
+        w->row_ids = v->next_id > w->row_ids ? v->next_id : w->row_ids;
+        w->rows_since = later(w->rows_since, v->rows);
+        w->families_since = later(w->families_since, v->families);
+        oldest->rows = earlier(oldest->rows, v->rows);
+        oldest->families = earlier(oldest->families, v->families);
+    }
+    if (reads_rings(w, v)) {
+        w->ring_ids = v->next_id > w->ring_ids ? v->next_id : w->ring_ids;
+        w->rings_since = later(w->rings_since, v->rings);
+        oldest->rings = earlier(oldest->rings, v->rings);
+    }
 }
 
-/* Takes out what has ended and finds out which moments are read. */
+/* Takes out the views that have ended and finds out which moments the others read. */
 static struct moment look_round(struct dt_views *w)
 {
-    struct moment oldest = {UINT64_MAX, UINT64_MAX};
+    struct moment oldest = {UINT64_MAX, UINT64_MAX, UINT64_MAX};
     struct dt_view *last = NULL, *next;
-    w->ids = 0;
-    w->rows_since = w->families_since = 0;
+    w->row_ids = w->ring_ids = 0;
+    w->rows_since = w->families_since = w->rings_since = 0;
     for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = next) {
         next = v->next;
         if (atomic_load(&v->open)) {
@@ -135,7 +266,7 @@ static struct moment look_round(struct dt_views *w)
     return oldest;
 }
 
-/* Frees some chunks that lie before the oldest moment; if none is read, at the end all of it. */
+/* Frees some chunks that lie before the oldest moment; at the end, if none is read, all of it. */
 static bool trim(struct dt_images *s, uint64_t oldest)
 {
     int n = 0;
@@ -154,278 +285,24 @@ static bool look_after(struct dt *t)
     struct dt_views *w = &t->views;
     struct moment oldest = look_round(w);
     bool rows = trim(&w->rows, oldest.rows), families = trim(&w->families, oldest.families);
-    w->saved = !dt_images_is_empty(&w->rows) || !dt_images_is_empty(&w->families);
-    t->points.changes = t->points.aliases.changes = w->ids > 0 ? &w->changes : NULL;
-    return rows || families;
-}
-
-/* The row of a live id as an image has it. */
-static void encode_row(const struct dt_points *p, uint32_t id, uint32_t *image)
-{
-    uint32_t value = dt_idmap_get(&p->value, id);
-    bool alias = (value & DT_ALIAS_BIT) != 0;
-    struct dt_point at = dt_points_xy(p, id);
-    image[0] = alias ? p->aliases.alias[value & ~DT_ALIAS_BIT].group : DT_NONE;
-    memcpy(image + 1, &at, sizeof at);
-}
-
-/* Nobody can read any more. */
-static void lose(struct dt *t)
-{
-    t->views.lost = atomic_load(&t->views.serial);
-    t->views.ids = 0;
-}
-
-static void save_row(void *ctx, uint32_t id)
-{
-    struct dt *t = ctx;
-    struct dt_views *w = &t->views;
-    if (id >= w->ids || dt_images_has(&w->rows, id, w->rows_since))
-        return;
-    uint32_t *image = dt_images_save(&w->rows, id, ROW_WORDS);
-    if (image == NULL)
-        lose(t);
-    else
-        encode_row(&t->points, id, image);
-    w->saved = true;
-}
-
-static void save_family(void *ctx, uint32_t group)
-{
-    struct dt *t = ctx;
-    struct dt_views *w = &t->views;
-    if (w->ids == 0 || dt_images_has(&w->families, group, w->families_since))
-        return;
-    const struct dt_alias_group *g = &t->points.aliases.group[group];
-    uint32_t *image = dt_images_save(&w->families, group, FAMILY_WORDS);
-    if (image == NULL) {
-        lose(t);
-    } else {
-        image[0] = g->up;
-        image[1] = g->representative;
-    }
-    w->saved = true;
-}
-
-static void lose_star(void *ctx, uint32_t v)
-{
-    (void)v;
-    dt_views_lose_rings(ctx);
+    bool rings = trim(&w->rings, oldest.rings);
+    w->saved = !dt_images_is_empty(&w->rows) || !dt_images_is_empty(&w->families) ||
+               !dt_images_is_empty(&w->rings);
+    w->changes = (struct dt_changes){save_row, save_family, save_star, save_name, t};
+    t->points.changes = t->points.aliases.changes = w->row_ids > 0 ? &w->changes : NULL;
+    t->scratch.changes = w->ring_ids > 0 ? &w->changes : NULL;
+    return rows || families || rings;
 }
 
 void dt_views_edit_begin(struct dt *t)
 {
-    struct dt_views *w = &t->views;
-    if (dt_is_live(t))
-        dt_views_lose_rings(t);
-    if (atomic_load_explicit(&w->list, memory_order_relaxed) == NULL && !w->saved &&
-        t->points.changes == NULL)
-        return;
-    w->changes = (struct dt_changes){save_row, save_family, lose_star, lose_star, t};
-    look_after(t);
+    const struct dt_views *w = &t->views;
+    if (atomic_load_explicit(&w->list, memory_order_relaxed) != NULL || w->saved ||
+        t->points.changes != NULL)
+        look_after(t);
 }
 
 bool dt_view_tidy(struct dt *t)
 {
     return look_after(t);
-}
-
-void dt_views_lose_rings(struct dt *t)
-{
-    t->views.rings_lost = atomic_load(&t->views.serial);
-}
-
-bool dt_view_blocks(const struct dt *t, size_t n)
-{
-    const struct dt_views *w = &t->views;
-    bool read = false;
-    for (const struct dt_view *v = atomic_load(&w->list); v != NULL; v = v->next)
-        read = read || (atomic_load(&v->open) && v->rings && v->serial > w->rings_lost &&
-                        v->serial > w->lost);
-    return read && dt_is_live(t) && dt_update_is_bulk(t, n);
-}
-
-/* ---- reading rows ---- */
-
-enum dt_status dt_view_readable(const struct dt *t, const struct dt_view *v, bool rings)
-{
-    const struct dt_views *w = &t->views;
-    if (v->serial <= w->lost)
-        return DT_NOMEM;
-    if (!rings)
-        return DT_OK;
-    if (!v->rings)
-        return DT_UNTRIANGULATED;
-    return v->serial <= w->rings_lost || !dt_is_live(t) ? DT_NOMEM : DT_OK;
-}
-
-const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_view *v)
-{
-    const struct dt_views *w = &t->views;
-    if (v == NULL ||
-        (v->rows == dt_images_now(&w->rows) && v->families == dt_images_now(&w->families)))
-        return NULL;
-    return v;
-}
-
-static uint32_t representative_of(const struct dt *t, const struct dt_view *v, uint32_t group)
-{
-    const uint32_t *image;
-    do {
-        const struct dt_alias_group *g = &t->points.aliases.group[group];
-        image = v == NULL ? NULL : dt_images_get(&t->views.families, group, v->families, NULL);
-        uint32_t up = image != NULL ? image[0] : g->up;
-        if (up == DT_NONE)
-            return image != NULL ? image[1] : g->representative;
-        group = up;
-    } while (true);
-}
-
-/* The row of an id that stands for `value` and has not changed since. */
-static struct dt_row row_now(const struct dt *t, const struct dt_view *v, uint32_t id,
-                             uint32_t value)
-{
-    if (!(value & DT_ALIAS_BIT))
-        return (struct dt_row){id, id, t->points.xy[value]};
-    const struct dt_alias *a = &t->points.aliases.alias[value & ~DT_ALIAS_BIT];
-    return (struct dt_row){id, representative_of(t, v, a->group), a->xy};
-}
-
-static bool row_saved(const struct dt *t, const struct dt_view *v, uint32_t id, struct dt_row *row)
-{
-    const uint32_t *image = dt_images_get(&t->views.rows, id, v->rows, NULL);
-    if (image == NULL)
-        return false;
-    row->id = id;
-    row->representative = image[0] == DT_NONE ? id : representative_of(t, v, image[0]);
-    memcpy(&row->at, image + 1, sizeof row->at);
-    return true;
-}
-
-bool dt_view_row(const struct dt *t, const struct dt_view *v, uint32_t id, struct dt_row *row)
-{
-    if (v != NULL && id >= v->next_id)
-        return false;
-    v = dt_view_if_changed(t, v);
-    if (v != NULL && row_saved(t, v, id, row))
-        return true;
-    uint32_t value = dt_idmap_get(&t->points.value, id);
-    if (value == DT_NONE)
-        return false;
-    *row = row_now(t, v, id, value);
-    return true;
-}
-
-bool dt_view_is_alias(const struct dt *t, const struct dt_view *v, uint32_t id,
-                      uint32_t *representative)
-{
-    const struct dt_points *p = &t->points;
-    const uint32_t *image = v == NULL ? NULL : dt_images_get(&t->views.rows, id, v->rows, NULL);
-    uint32_t group = image == NULL ? DT_NONE : image[0];
-    if (image == NULL && dt_points_is_alias(p, id))
-        group = p->aliases.alias[dt_idmap_get(&p->value, id) & ~DT_ALIAS_BIT].group;
-    if (group != DT_NONE)
-        *representative = representative_of(t, v, group);
-    return group != DT_NONE;
-}
-
-enum dt_status dt_view_get(const struct dt *t, const struct dt_view *v, uint32_t id,
-                           struct dt_point *p)
-{
-    struct dt_row row;
-    enum dt_status status = v == NULL ? DT_OK : dt_view_readable(t, v, false);
-    if (status != DT_OK)
-        return status;
-    if (!dt_view_row(t, v, id, &row))
-        return DT_NOPOINT;
-    *p = row.at;
-    return DT_OK;
-}
-
-/* ---- walking ids ---- */
-
-struct dt_view_ids dt_view_ids_begin(const struct dt *t, const struct dt_view *v, uint32_t from)
-{
-    struct dt_view_ids w = {t, dt_view_if_changed(t, v), v == NULL ? DT_NONE : v->next_id, 0};
-    w.saved = w.v == NULL ? DT_NONE : dt_sparse_next(&t->views.rows.newest, from);
-    return w;
-}
-
-uint32_t dt_view_ids_next(struct dt_view_ids *w, uint32_t from)
-{
-    const struct dt_images *rows = &w->t->views.rows;
-    for (;; from++) {
-        if (w->saved < from)
-            w->saved = dt_sparse_next(&rows->newest, from);
-        uint32_t live = dt_points_next_live(&w->t->points, from);
-        from = live < w->saved ? live : w->saved;
-        if (from >= w->end)
-            return DT_NONE;
-        if (from == live || dt_images_has(rows, from, w->v->rows))
-            return from;
-    }
-}
-
-enum dt_status dt_view_ring(const struct dt *t, const struct dt_view *v, uint32_t id, bool cw,
-                            struct dt_ids *ring, uint32_t *rep, bool *boundary)
-{
-    enum dt_status status = v == NULL ? DT_OK : dt_view_readable(t, v, true);
-    if (status != DT_OK)
-        return status;
-    if (v != NULL && id >= v->next_id)
-        return DT_NOPOINT;
-    return dt_ring(t, id, cw, ring, rep, boundary);
-}
-
-uint32_t dt_view_ids_after(const struct dt *t, const struct dt_view *v, uint32_t from, uint32_t n)
-{
-    uint32_t live = dt_idmap_after(&t->points.value, from, n), saved = DT_NONE;
-    if (dt_view_if_changed(t, v) != NULL)
-        saved = dt_sparse_after(&t->views.rows.newest, from, n);
-    return live < saved ? live : saved;
-}
-
-/* ---- reading all rows ---- */
-
-enum { AHEAD = 64 }; /* rows whose places are fetched together: they lie anywhere */
-
-/* Lists the next ids, up to n, with what each stands for, DT_NONE if its row is filled in already, from an
- * image. Returns how many. */
-static size_t list_rows(struct dt_view_ids *w, uint32_t *from, struct dt_row *row, uint32_t *value,
-                        size_t n)
-{
-    const struct dt_points *p = &w->t->points;
-    for (size_t i = 0; i < n; i++) {
-        uint32_t id = dt_view_ids_next(w, *from);
-        if (id == DT_NONE)
-            return i;
-        *from = id + 1;
-        row[i].id = id;
-        value[i] = DT_NONE;
-        if (w->v != NULL && row_saved(w->t, w->v, id, &row[i]))
-            continue;
-        value[i] = dt_idmap_get(&p->value, id);
-        if (!(value[i] & DT_ALIAS_BIT))
-            dt_fetch(&p->xy[value[i]]);
-    }
-    return n;
-}
-
-enum dt_status dt_view_rows(const struct dt *t, const struct dt_view *v, uint32_t *from,
-                            struct dt_row *row, size_t room, size_t *n)
-{
-    enum dt_status status = dt_view_readable(t, v, false);
-    if (status != DT_OK)
-        return status;
-    struct dt_view_ids walk = dt_view_ids_begin(t, v, *from);
-    *n = 0;
-    for (size_t listed = 1; listed > 0 && *n < room; *n += listed) {
-        uint32_t value[AHEAD];
-        struct dt_row *r = row + *n;
-        listed = list_rows(&walk, from, r, value, room - *n < AHEAD ? room - *n : AHEAD);
-        for (size_t i = 0; i < listed; i++)
-            if (value[i] != DT_NONE)
-                r[i] = row_now(t, walk.v, r[i].id, value[i]);
-    }
-    return DT_OK;
 }
