@@ -10,6 +10,7 @@
 #include "core/memory.h"
 #include "core/renew.h"
 #include "core/update.h"
+#include "core/work.h"
 
 #ifdef __FAST_MATH__
 #error "the predicates need IEEE arithmetic: compile without -ffast-math"
@@ -63,6 +64,24 @@ enum dt_status dt_clone(const struct dt *t, struct dt **copy)
     c->current = t->current;
     c->hinted = t->hinted;
     c->steps = t->steps;
+    *copy = c;
+    return DT_OK;
+}
+
+enum dt_status dt_clone_points(const struct dt *t, const struct dt_options *opt, struct dt **copy)
+{
+    struct dt_work work = dt_work_of(opt);
+    struct dt *c = dt_new_in(t->points.tol, t->points.pages);
+    if (c == NULL)
+        return DT_NOMEM;
+    enum dt_status status = dt_points_copy(&t->points, &c->points);
+    if (status == DT_OK)
+        status = dt_work(&work, 0);
+    if (status != DT_OK) {
+        dt_free(c);
+        return status;
+    }
+    c->triangulated = t->triangulated;
     *copy = c;
     return DT_OK;
 }

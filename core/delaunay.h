@@ -99,6 +99,10 @@ struct dt *dt_new_in(double tol, struct dt_pages *pages);
  * set). */
 enum dt_status dt_clone(const struct dt *t, struct dt **copy);
 
+/* The same without the triangulation, which awaits dt_refresh if t has one: for a caller that is going
+ * to triangulate the copy again. opt, which may be NULL: its flag is polled. */
+enum dt_status dt_clone_points(const struct dt *t, const struct dt_options *opt, struct dt **copy);
+
 double dt_tolerance(const struct dt *t);
 
 /* Whether v is zero or 2^-142 <= |v| <= 2^201: the range in which all predicates are exact. */
@@ -466,5 +470,51 @@ enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_p
                              const struct dt_options *opt, struct dt_ids *out);
 enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r,
                               const struct dt_options *opt, struct dt_ids *out);
+
+/* ---- large results beside edits ----
+ *
+ * The results of dt_within_box, dt_within_disc and dt_nearest, found by a look at every row of a view,
+ * so that the set is needed for a piece at a time only:
+ *
+ *     struct dt_sweep s = {.kind = DT_SWEEP_DISC, .at = centre, .radius = r};
+ *     do
+ *         dt_sweep_read(t, view, &s, 4096);   under the caller's lock
+ *         dt_sweep_sift(&s, &ids, &done);     which this does not need
+ *     while (!done);
+ *     dt_sweep_end(&s, &ids);
+ *     dt_sweep_clear(&s);
+ *
+ * Cost: linear in the rows; the nearest k, a factor of up to log k more. */
+enum dt_sweep_kind { DT_SWEEP_BOX, DT_SWEEP_DISC, DT_SWEEP_NEAREST };
+
+struct dt_sweep_hit;
+
+struct dt_sweep {
+    enum dt_sweep_kind kind;
+    struct dt_point at, hi; /* the lower corner and the upper one; the centre; the place */
+    double radius;          /* of a disc, >= 0 */
+    uint32_t k;             /* nearest points */
+    /* private from here on */
+    uint32_t from;     /* the next id */
+    struct dt_row *row; /* owns `room`, holds `rows` */
+    size_t room, rows;
+    struct dt_sweep_hit *hit; /* owns cap: a heap of the nearest n */
+    size_t n, cap;
+};
+
+/* Reads the next rows; their number is that of the first call. May run beside functions that only
+ * read the set. */
+enum dt_status dt_sweep_read(const struct dt *t, const struct dt_view *v, struct dt_sweep *s,
+                             size_t rows);
+
+/* Takes what belongs to the result out of these rows. *done: there are no more. */
+enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done);
+
+/* Appends what has not been appended yet: the ids in *out are then those that the search of the same
+ * name gives, in the same order. */
+enum dt_status dt_sweep_end(struct dt_sweep *s, struct dt_ids *out);
+
+/* Frees what it owns. */
+void dt_sweep_clear(struct dt_sweep *s);
 
 #endif
