@@ -1,15 +1,12 @@
 /* cmd_build.c - TRIANGULATE and CHECK: the jobs that look at every point of a set. */
 #include "server/command.h"
 
+#include "server/cost.h"
 #include "server/job.h"
 #include "server/journal.h"
 #include "server/loop.h"
 
 #include <stdlib.h>
-
-enum {
-    BUILD_AT_ONCE = 500 /* points that the I/O thread itself triangulates or checks */
-};
 
 struct build {
     struct job job;
@@ -106,7 +103,7 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
         tell_triangulation(a, set->current, 0);
         return;
     }
-    bool large = sum->points > BUILD_AT_ONCE;
+    bool large = !cost_at_once(COST_BUILD, sum->points);
     struct reservation memory = server_reservation(s, BUDGET_BUILDS);
     if (large && !job_reserve_build(s, a, set, &memory))
         return;
@@ -125,7 +122,9 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
     job_write(s, a, &b->job, set, large ? JOB_HEAVY | JOB_COPY : 0);
 }
 
-/* ---- CHECK ---- */
+/* ---- CHECK ----
+ *
+ * It reads the whole set at one moment, so edits wait for it; queries do not. */
 
 static void run_check(struct job *j)
 {
@@ -153,14 +152,19 @@ static void check_done(struct server *s, struct job *j, struct answer *a)
 void cmd_check(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)q;
-    for (struct job *j = s->jobs; j != NULL; j = j->next)
-        if (j->run == run_check && j->base == set->current && !j->cancel && job_join(s, a, j))
-            return;
+    struct job *other = set->writer;
+    if (other != NULL && other->run == run_check && !other->cancel && job_join(s, a, other))
+        return;
+    if (!dataset_admits(set, true, a->turn)) {
+        answer_wait(a, &set->queue, true);
+        return;
+    }
     struct build *b = job_new(sizeof *b, run_check, check_done);
     if (b == NULL) {
         answer_out_of_memory(a);
         return;
     }
     b->job.what = "checking";
-    job_read(s, a, &b->job, set->current, set->current->sum.points > BUILD_AT_ONCE ? JOB_HEAVY : 0);
+    job_beside(s, a, &b->job, set,
+               cost_at_once(COST_BUILD, set->current->sum.points) ? 0 : JOB_HEAVY);
 }

@@ -165,7 +165,7 @@ void cmd_get(struct server *s, struct dataset *set, const struct request *q, str
     reply_ok(a->out, n);
     reply_end(a->out);
     struct rows rows = {.version = set->current, .form = ROW_POINT};
-    stream_answer(a, &rows, &ids);
+    stream_answer(s, a, &rows, &ids);
     free(ids.v);
 }
 
@@ -176,12 +176,12 @@ void cmd_points(struct server *s, struct dataset *set, const struct request *q, 
     if (q->n == 3 && !binary)
         reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
     else
-        stream_answer_table(a, set->current, DT_POINTS, false, binary);
+        stream_answer_table(s, a, set->current, DT_POINTS, false, binary);
 }
 
 void cmd_coincident(struct server *s, struct dataset *set, const struct request *q,
                     struct answer *a)
 {
     (void)s, (void)q;
-    stream_answer_table(a, set->current, DT_COINCIDENT, false, false);
+    stream_answer_table(s, a, set->current, DT_COINCIDENT, false, false);
 }

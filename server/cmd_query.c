@@ -6,14 +6,6 @@
 
 #include <stdlib.h>
 
-enum {
-    IDS_AT_ONCE = 200,     /* points that LISTS sorts on the I/O thread */
-    HULL_AT_ONCE = 20000,  /* points of a hull that LISTS may have to walk there */
-    NEAREST_AT_ONCE = 100, /* points that NEAREST finds there */
-    WITHIN_AT_ONCE =
-        50000 /* points of a set in which WITHIN searches there: it may find all of them */
-};
-
 /* The options that end a request, and what stands before them. */
 struct tail {
     size_t n; /* words without the options */
@@ -43,30 +35,6 @@ static bool check_tail(struct answer *a, const struct request *q, const struct t
     return false;
 }
 
-/* Takes the server's scratch, empty. */
-static struct dt_ids take_scratch(struct server *s)
-{
-    struct dt_ids ids = s->scratch;
-    ids.n = 0;
-    s->scratch = (struct dt_ids){0};
-    return ids;
-}
-
-/* Answers with rows of `width` ids, or with the error; gives the scratch back. */
-static void answer_ids(struct server *s, struct answer *a, struct dataset *set,
-                       enum dt_status status, struct dt_ids *ids, size_t width)
-{
-    if (status != DT_OK) {
-        answer_status(a, status);
-    } else {
-        struct rows rows = {.version = set->current, .form = ROW_IDS, .width = width};
-        reply_ok(a->out, ids->n / width);
-        reply_end(a->out);
-        stream_answer(a, &rows, ids);
-    }
-    s->scratch = *ids;
-}
-
 /* ---- LISTS ---- */
 
 static void lists_of_points(struct server *s, struct dataset *set, const struct request *q,
@@ -85,8 +53,7 @@ static void lists_of_points(struct server *s, struct dataset *set, const struct 
             return;
         }
     }
-    query_answer(s, a, set, &query,
-                 n > IDS_AT_ONCE || (n > 1 && set->current->sum.hull > HULL_AT_ONCE));
+    query_answer(s, a, set, &query);
 }
 
 void cmd_lists(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -95,7 +62,7 @@ void cmd_lists(struct server *s, struct dataset *set, const struct request *q, s
     if (!check_tail(a, q, &t, SIZE_MAX))
         return;
     if (t.n == 2)
-        stream_answer_table(a, set->current, DT_LISTS, t.cw, t.binary);
+        stream_answer_table(s, a, set->current, DT_LISTS, t.cw, t.binary);
     else
         lists_of_points(s, set, q, &t, a);
 }
@@ -105,60 +72,29 @@ void cmd_lists(struct server *s, struct dataset *set, const struct request *q, s
 void cmd_triangles(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct tail t = read_tail(q);
-    uint32_t id[3] = {0};
+    struct query query = {.kind = QUERY_TRIANGLES, .cw = t.cw};
     if (!check_tail(a, q, &t, 5))
         return;
     if (t.n == 2) {
-        stream_answer_table(a, set->current, DT_TRIANGLES, t.cw, t.binary);
+        stream_answer_table(s, a, set->current, DT_TRIANGLES, t.cw, t.binary);
         return;
     }
     for (size_t i = 2; i < t.n; i++)
-        if (!read_id(a, &q->word[i], &id[i - 2]))
+        if (!read_id(a, &q->word[i], &query.corner[query.corners++]))
             return;
-    const struct dt *dt = set->current->dt;
-    struct dt_ids ids = take_scratch(s);
-    enum dt_status status = t.n == 3 ? dt_triangles_at_point(dt, id[0], t.cw, &ids)
-                            : t.n == 4
-                                ? dt_triangles_at_edge(dt, id[0], id[1], t.cw, &ids)
-                                : dt_triangles_at_triangle(dt, id[0], id[1], id[2], t.cw, &ids);
-    answer_ids(s, a, set, status, &ids, 3);
-}
-
-/* Turns the ring of a point into the edges to its neighbours, a < b each. */
-static enum dt_status edges_at(const struct dt *dt, uint32_t id, bool cw, struct dt_ids *ids)
-{
-    uint32_t rep;
-    bool boundary;
-    enum dt_status status = dt_ring(dt, id, cw, ids, &rep, &boundary);
-    if (status != DT_OK)
-        return status;
-    size_t n = ids->n;
-    uint32_t *v = realloc(ids->v, (2 * n + 1) * sizeof *v);
-    if (v == NULL)
-        return DT_NOMEM;
-    for (size_t i = n;
-         i-- > 0;) { /* from the end: an edge is written where no neighbour is read any more */
-        uint32_t other = v[i];
-        v[2 * i] = rep < other ? rep : other;
-        v[2 * i + 1] = rep < other ? other : rep;
-    }
-    *ids = (struct dt_ids){v, 2 * n, 2 * n + 1};
-    return DT_OK;
+    query_answer(s, a, set, &query);
 }
 
 void cmd_edges(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct tail t = read_tail(q);
-    uint32_t id;
+    struct query query = {.kind = QUERY_EDGES, .corners = 1, .cw = t.cw};
     if (!check_tail(a, q, &t, 3))
         return;
-    if (t.n == 2) {
-        stream_answer_table(a, set->current, DT_EDGES, t.cw, t.binary);
-    } else if (read_id(a, &q->word[2], &id)) {
-        struct dt_ids ids = take_scratch(s);
-        enum dt_status status = edges_at(set->current->dt, id, t.cw, &ids);
-        answer_ids(s, a, set, status, &ids, 2);
-    }
+    if (t.n == 2)
+        stream_answer_table(s, a, set->current, DT_EDGES, t.cw, t.binary);
+    else if (read_id(a, &q->word[2], &query.corner[0]))
+        query_answer(s, a, set, &query);
 }
 
 void cmd_hull(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -168,7 +104,7 @@ void cmd_hull(struct server *s, struct dataset *set, const struct request *q, st
     if (t.n > 2 || t.binary)
         reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
     else
-        stream_answer_table(a, set->current, DT_HULL, t.cw, false);
+        stream_answer_table(s, a, set->current, DT_HULL, t.cw, false);
 }
 
 /* ---- LOCATE, NEAREST, WITHIN ---- */
@@ -204,7 +140,7 @@ void cmd_nearest(struct server *s, struct dataset *set, const struct request *q,
         return;
     if (q->n == 5 && !read_count(a, &q->word[4], "a number of points", &query.k))
         return;
-    query_answer(s, a, set, &query, query.k > NEAREST_AT_ONCE);
+    query_answer(s, a, set, &query);
 }
 
 static void put_in_order(double *a, double *b)
@@ -229,5 +165,5 @@ void cmd_within(struct server *s, struct dataset *set, const struct request *q, 
     } else if (!read_length(a, &q->word[4], "radius", &query.radius)) {
         return;
     }
-    query_answer(s, a, set, &query, set->current->sum.points > WITHIN_AT_ONCE);
+    query_answer(s, a, set, &query);
 }

@@ -3,6 +3,7 @@
 
 #include "proto/number.h"
 #include "server/cmd_load.h"
+#include "server/cost.h"
 #include "server/durable.h"
 #include "server/job.h"
 #include "server/journal.h"
@@ -17,8 +18,7 @@ enum {
     QUERIES = READS | CMD_FRESH | CMD_LIVE,
     SEARCHES = QUERIES | CMD_SEARCH,
     EDITS = CMD_SET | CMD_WRITE,
-    MOST_SECONDS = 1000000,
-    REFRESH_AT_ONCE = 500 /* points of a set that the I/O thread brings up to date itself */
+    MOST_SECONDS = 1000000
 };
 
 const struct command commands[] = {
@@ -176,7 +176,7 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
         answer_wait(a, &set->queue, true);
         return false;
     }
-    bool large = set->current->sum.points > REFRESH_AT_ONCE;
+    bool large = !cost_at_once(COST_BUILD, set->current->sum.points);
     struct reservation memory = server_reservation(s, BUDGET_BUILDS);
     if (large && !job_reserve_build(s, a, set, &memory))
         return false;

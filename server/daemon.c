@@ -318,6 +318,7 @@ static void on_tick(struct loop *loop)
     notice_tick();
     durable_tick(&d.server);
     keep_tick(&d.server);
+    registry_tidy(&d.server.sets);
     announce_if_ready();
     refill_reserve();
     if (d.stopping && loop->now_ms - d.stop_ms > GRACE_MS)

@@ -15,14 +15,19 @@ struct version *version_new(struct dt *dt)
     if (v == NULL)
         return NULL;
     *v = (struct version){.dt = dt, .refs = 1};
-    sem_init(&v->turn, 0, 1);
+    pthread_rwlockattr_t attr;
+    pthread_rwlockattr_init(&attr);
+    /* Else pieces that follow each other closely would keep an edit out for ever. */
+    pthread_rwlockattr_setkind_np(&attr, PTHREAD_RWLOCK_PREFER_WRITER_NONRECURSIVE_NP);
+    pthread_rwlock_init(&v->lock, &attr);
+    pthread_rwlockattr_destroy(&attr);
     return v;
 }
 
 void version_free(struct version *v)
 {
     if (v != NULL)
-        sem_destroy(&v->turn);
+        pthread_rwlock_destroy(&v->lock);
     free(v);
 }
 
@@ -32,10 +37,23 @@ struct version *version_pin(struct version *v)
     return v;
 }
 
+/* Takes v out of the list of those to be tidied, if it is there. */
+static void leave_untidy(struct registry *r, struct version *v)
+{
+    if (!v->untidy)
+        return;
+    struct version **at = &r->untidy;
+    while (*at != v)
+        at = &(*at)->next;
+    *at = v->next;
+    v->untidy = false;
+}
+
 void version_unpin(struct registry *r, struct version *v)
 {
     if (--v->refs > 0)
         return;
+    leave_untidy(r, v);
     reservation_set(&r->memory, r->memory.bytes - v->sum.memory);
     r->discard(r->discard_ctx, v->dt);
     version_free(v);
@@ -48,25 +66,63 @@ void version_update(struct registry *r, struct version *v)
     reservation_set(&r->memory, r->memory.bytes - before + v->sum.memory);
 }
 
-bool version_is_read(const struct version *v)
+void version_lock_read(struct version *v)
 {
-    return v->refs > (v->saved ? 2 : 1);
+    pthread_rwlock_rdlock(&v->lock);
 }
 
-bool version_try(struct version *v)
+bool version_try_read(struct version *v)
 {
-    return sem_trywait(&v->turn) == 0;
+    return pthread_rwlock_tryrdlock(&v->lock) == 0;
 }
 
-void version_wait(struct version *v)
+void version_lock_edit(struct version *v)
 {
-    while (sem_wait(&v->turn) != 0) /* a signal came */
-        ;
+    pthread_rwlock_wrlock(&v->lock);
 }
 
-void version_leave(struct version *v)
+bool version_try_edit(struct version *v)
 {
-    sem_post(&v->turn);
+    return pthread_rwlock_trywrlock(&v->lock) == 0;
+}
+
+void version_unlock(struct version *v)
+{
+    pthread_rwlock_unlock(&v->lock);
+}
+
+/* Whether nothing is left to be freed. */
+static bool tidy(struct registry *r, struct version *v)
+{
+    if (!version_try_edit(v))
+        return false;
+    bool more = dt_view_tidy(v->dt);
+    version_update(r, v);
+    version_unlock(v);
+    return !more;
+}
+
+void version_end_view(struct registry *r, struct version *v, struct dt_view *view)
+{
+    if (view == NULL)
+        return;
+    dt_view_end(view);
+    if (v->untidy || tidy(r, v))
+        return;
+    v->untidy = true;
+    v->next = r->untidy;
+    r->untidy = v;
+}
+
+void registry_tidy(struct registry *r)
+{
+    enum { MOST = 10 }; /* calls, of about 0.1 ms each */
+    int calls = 0;
+    for (struct version *v = r->untidy, *next; v != NULL && calls < MOST; v = next, calls++) {
+        next = v->next;
+        if (tidy(r, v))
+            leave_untidy(r, v);
+    }
 }
 
 bool version_is_stale(const struct version *v)

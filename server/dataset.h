@@ -1,15 +1,16 @@
 /* dataset.h - named sets, their versions, and who waits for them. The I/O thread alone touches what
  * is here.
  *
- * A version is one state of a set, counted by reference. The set refers to its current version; a
- * reply that is still being written and a job that reads pin the version they began with. Nobody
- * but the set referring to the current version, it may be edited in place; pinned, the writer edits
- * a copy, which then becomes the current one. So a reader never sees a half-edited set and never
- * delays a writer.
+ * A version is a set's points and triangulation, counted by reference: the set refers to its
+ * current version, jobs and replies to the one that they read. Edits change it in place. A build,
+ * and an edit so large that it ends in a rebuild while a long reply is being sent, make a new
+ * version beside it, which becomes the current one when it is complete.
  *
- * A snapshot pins versions, too, but reads a view (dt_view_begin) and so needs no copy: it and
- * an edit in place take turns, by the version's semaphore. Who edits holds it until the summary has
- * been brought up to date; the snapshot's thread, for some thousand rows at a time.
+ * Whoever reads for long, a reply that is still being sent or a snapshot, reads one moment of the
+ * version (dt_view_begin), piece by piece; edits go on in between. The lock keeps edits out while a
+ * worker or the snapshot's thread reads a piece, and pieces while an edit is at work: for about a
+ * millisecond either way. The I/O thread reads without it as long as no job edits in place, and
+ * never waits for it.
  *
  * One writer at a time: while a job edits the set, writer is set, and requests that must wait for
  * it stand in a queue (wait.h). If it edits in place, exclusive is set too, and readers wait as
@@ -22,15 +23,16 @@
 #include "server/budget.h"
 #include "server/wait.h"
 
-#include <semaphore.h>
+#include <pthread.h>
 
 struct version {
     struct dt *dt; /* owns; not to be looked at while a job edits it in place */
     unsigned refs;
-    bool saved; /* one of refs is a snapshot's */
-    sem_t turn; /* 1: it is nobody's turn */
+    pthread_rwlock_t lock; /* of dt, see above */
     struct dt_summary
-        sum; /* what dt holds, as of the last completed edit; sum.memory is accounted for */
+        sum;     /* what dt holds, as of the last completed edit; sum.memory is accounted for */
+    bool untidy; /* in the registry's list of versions to be tidied */
+    struct version *next; /* there */
 };
 
 struct dataset {
@@ -53,6 +55,7 @@ struct registry {
     size_t buckets, sets;
     struct reservation memory; /* of all versions */
     struct dt_pages *pages;    /* borrows; where sets have their large arrays; NULL: the system */
+    struct version *untidy;    /* that keep what was saved for readers who have finished */
     /* Takes a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;
@@ -68,6 +71,9 @@ struct dataset *registry_find(const struct registry *r, const struct word *name)
 struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance);
 /* Removes the set and frees it. Those who wait for it are all woken. Nobody may write it. */
 void registry_drop(struct registry *r, struct dataset *set);
+/* Goes on freeing what was saved for readers who have finished. Cost: about a millisecond at most.
+ * To be called once a second. */
+void registry_tidy(struct registry *r);
 /* Calls visit for every born set, in no particular order. */
 void registry_each(const struct registry *r, void (*visit)(struct dataset *set, void *ctx),
                    void *ctx);
@@ -80,14 +86,17 @@ void version_unpin(struct registry *r, struct version *v);
 /* Brings the summary and the accounting up to date after an edit. */
 void version_update(struct registry *r, struct version *v);
 
-/* Whether somebody reads it who must not see it change. */
-bool version_is_read(const struct version *v);
+/* The lock: shared for a piece that is read, exclusive for an edit. The try forms return false
+ * instead of waiting. Each ends with version_unlock on the thread that has locked. */
+void version_lock_read(struct version *v);
+bool version_try_read(struct version *v);
+void version_lock_edit(struct version *v);
+bool version_try_edit(struct version *v);
+void version_unlock(struct version *v);
 
-/* The turn at the version's set: false if it is another's; waits for it; gives it back, which any
- * thread may do. */
-bool version_try(struct version *v);
-void version_wait(struct version *v);
-void version_leave(struct version *v);
+/* A reader of a moment has finished: some of what was saved for it is freed at once, the rest by
+ * edits and by registry_tidy. NULL is fine. */
+void version_end_view(struct registry *r, struct version *v, struct dt_view *view);
 
 /* Whether the triangulation lags behind the points, so that queries must wait for dt_refresh. */
 bool version_is_stale(const struct version *v);

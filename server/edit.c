@@ -1,6 +1,7 @@
 /* edit.c - see edit.h. */
 #include "server/edit.h"
 
+#include "server/cost.h"
 #include "server/journal.h"
 #include "server/keep.h"
 
@@ -8,8 +9,7 @@
 
 enum {
     SETS_LIMIT = 65536,
-    EDITS_AT_ONCE = 100,  /* points that the I/O thread itself adds or deletes */
-    BYTES_PER_POINT = 104 /* what one of these takes, for --max-memory */
+    BYTES_PER_POINT = 104 /* what a point that is added takes, for --max-memory */
 };
 
 struct edit {
@@ -36,7 +36,7 @@ static void clear_edit(struct job *j)
 
 static unsigned how(size_t n)
 {
-    return n > EDITS_AT_ONCE ? JOB_HEAVY : 0;
+    return cost_at_once(COST_EDIT, n) ? 0 : JOB_HEAVY;
 }
 
 struct dataset *edit_create(struct server *s, struct answer *a, const struct word *name,
@@ -86,7 +86,7 @@ static void add_done(struct server *s, struct job *j, struct answer *a)
 static size_t memory_to_add(const struct server *s, const struct dataset *set, size_t n)
 {
     struct dt_options options = job_options(s);
-    if (n <= EDITS_AT_ONCE || set == NULL)
+    if (cost_at_once(COST_EDIT, n) || set == NULL)
         return n * BYTES_PER_POINT;
     return dt_add_memory(set->current->dt, n, &options);
 }
@@ -101,7 +101,7 @@ bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set,
         return false;
     }
     size_t bytes = memory_to_add(s, set, n);
-    if (n > EDITS_AT_ONCE)
+    if (!cost_at_once(COST_EDIT, n))
         return server_reserve(s, a, memory, bytes);
     if (budget_fits(&s->budget, BUDGET_EDITS, bytes))
         return true;
@@ -133,6 +133,7 @@ void edit_add(struct server *s, struct answer *a, const struct word *name, struc
     e->job.record = record_add;
     e->job.what = "adding points";
     e->job.memory = points->memory;
+    e->job.changes = points->n;
     e->p = points->p;
     e->n = points->n;
     e->expected = points->expected;
@@ -180,6 +181,7 @@ void edit_delete(struct server *s, struct answer *a, struct dataset *set, uint32
     e->job.clear = clear_edit;
     e->job.record = record_delete;
     e->job.what = "deleting points";
+    e->job.changes = n;
     e->ids = ids;
     e->n = n;
     job_write(s, a, &e->job, set, how(n));
@@ -223,6 +225,7 @@ void edit_move(struct server *s, struct answer *a, struct dataset *set, uint32_t
     }
     e->job.record = record_move;
     e->job.what = "moving a point";
+    e->job.changes = 1;
     e->id = id;
     e->to = to;
     job_write(s, a, &e->job, set, 0);

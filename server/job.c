@@ -1,6 +1,7 @@
 /* job.c - see job.h. */
 #include "server/job.h"
 
+#include "server/cost.h"
 #include "server/keep.h"
 #include "server/loop.h"
 #include "server/renew.h"
@@ -8,10 +9,7 @@
 #include <stdlib.h>
 
 enum {
-    BACKLOG_LIMIT = 64,    /* heavy jobs that may wait for a worker */
-    GRID_AT_ONCE = 2000,   /* points of a set whose grid for searches an edit makes there */
-    CLONE_AT_ONCE = 2000,  /* points of a set that is copied on the I/O thread */
-    FREE_AT_ONCE = 4 << 20 /* bytes of a set that is freed on the I/O thread */
+    BACKLOG_LIMIT = 64 /* heavy jobs that may wait for a worker */
 };
 
 void *job_new(size_t size, void (*run)(struct job *),
@@ -46,7 +44,7 @@ static bool edits_in_place(const struct job *j)
 static void run(struct job *j)
 {
     if (j->fresh != NULL) {
-        j->status = dt_clone(j->base->dt, &j->dt);
+        j->status = dt_clone_points(j->base->dt, &j->options, &j->dt);
         if (j->status != DT_OK) {
             j->dt = NULL;
             return;
@@ -55,14 +53,21 @@ static void run(struct job *j)
     j->run(j);
 }
 
+/* Those who edit or read for long are their set's writer, so that no other edit is at work; all but
+ * an edit in place only read. */
 static void run_later(struct work *w)
 {
     struct job *j = (struct job *)w;
     j->began_ns = clock_ns();
     keep_heap_small(&j->memory);
-    if (edits_in_place(j))
-        version_wait(j->base);
+    bool edits = edits_in_place(j), reads = j->set == NULL && j->base != NULL;
+    if (edits)
+        version_lock_edit(j->base);
+    else if (reads)
+        version_lock_read(j->base);
     run(j);
+    if (edits || reads)
+        version_unlock(j->base);
 }
 
 /* ---- on the I/O thread ---- */
@@ -85,24 +90,29 @@ static void unlink_job(struct server *s, struct job *j)
         j->next->prev = j->prev;
 }
 
-/* Whether the job can be done at once. If the thread of a snapshot reads the set just now, it cannot:
- * that is a matter of microseconds unless the processors are busy, and then the I/O thread would
- * wait with all its clients. */
-static bool take_turn(struct server *s, struct job *j)
+/* Runs the job on this thread. False, with nothing done, if that would hold up all clients: it takes
+ * more steps than this thread may do; or it edits in place, and a piece of the set is being read just
+ * now, which is a matter of microseconds unless the processors are busy. */
+static bool run_now(struct server *s, struct job *j)
 {
-    if (!edits_in_place(j))
+    if (!edits_in_place(j)) {
+        run(j);
         return true;
-    if (s->workers == NULL)
-        version_wait(j->base);
-    return s->workers == NULL || version_try(j->base);
+    }
+    if (!version_try_edit(j->base))
+        return false;
+    j->options.steps = s->workers == NULL ? 0 : COST_STEPS_AT_ONCE;
+    run(j);
+    j->options.steps = 0;
+    version_unlock(j->base);
+    return j->status != DT_TOOLONG;
 }
 
 static void start(struct server *s, struct answer *a, struct job *j, unsigned how)
 {
     j->owner = a->owner;
     if (s->workers == NULL || (how & JOB_HEAVY) == 0) {
-        if (take_turn(s, j)) {
-            run(j);
+        if (run_now(s, j)) {
             job_finish(s, j, a);
             return;
         }
@@ -156,24 +166,26 @@ bool job_reserve_build(struct server *s, struct answer *a, const struct dataset 
     return server_reserve(s, a, r, dt_build_memory(set->current->dt, &options));
 }
 
-/* Whether a copy of the set, so that it can be read meanwhile, has its memory. */
+/* Whether a copy of the set's points, so that the set can be read meanwhile, has its memory. */
 static bool reserve_copy(struct server *s, struct job *j, const struct dt_summary *sum)
 {
+    enum { BYTES_PER_POINT = 32 };
     if (j->memory.budget == NULL)
         j->memory = server_reservation(s, BUDGET_EDITS);
-    return sum->points <= CLONE_AT_ONCE ||
-           reservation_resize(&j->memory, j->memory.bytes + sum->memory);
+    return cost_at_once(COST_COPY, sum->points) ||
+           reservation_resize(&j->memory, j->memory.bytes + (size_t)sum->points * BYTES_PER_POINT);
 }
 
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
 {
     const struct dt_summary *sum = &set->current->sum;
-    bool read = version_is_read(set->current), copy = read || (how & JOB_COPY) != 0;
-    if ((how & JOB_HEAVY) == 0 && sum->current && !sum->searchable && sum->points > GRID_AT_ONCE)
+    bool must = dt_view_blocks(set->current->dt, j->changes), copy = must || (how & JOB_COPY) != 0;
+    if ((how & JOB_HEAVY) == 0 && j->changes > 0 && sum->current && !sum->searchable &&
+        !cost_at_once(COST_GRID, sum->points))
         how |= JOB_HEAVY | JOB_BRIEF; /* an edit makes the grid first */
     bool room = !copy || reserve_copy(s, j, sum);
-    copy = copy && (room || read);
-    if (copy && set->current->sum.points > CLONE_AT_ONCE)
+    copy = copy && (room || must);
+    if (copy && !cost_at_once(COST_COPY, sum->points))
         how |= JOB_HEAVY;
     struct version *fresh = copy ? version_new(NULL) : NULL;
     if (copy && fresh == NULL)
@@ -196,16 +208,19 @@ void job_write(struct server *s, struct answer *a, struct job *j, struct dataset
     start(s, a, j, how);
 }
 
-void job_beside(struct server *s, struct job *j, struct dataset *set)
+void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
+                unsigned how)
 {
-    struct buf out = {0};
-    struct answer nobody = {.out = &out};
+    if (too_busy(s, a, how)) {
+        job_free(j);
+        return;
+    }
     j->beside = true;
     j->set = set;
     j->base = version_pin(set->current);
     j->dt = j->base->dt;
     set->writer = j;
-    start(s, &nobody, j, JOB_HEAVY | JOB_BRIEF);
+    start(s, a, j, how);
 }
 
 /* ---- single flight ---- */
@@ -276,8 +291,6 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
         publish(s, j);
         keep_account(s);
     }
-    if (edits_in_place(j))
-        version_leave(j->base);
     if (set != NULL && j->status == DT_OK && j->record != NULL)
         j->record(s, j);
     if (set != NULL && j->status != DT_CANCELLED)
@@ -321,7 +334,7 @@ void job_discard(struct server *s, struct dt *dt)
     struct dt_summary sum;
     dt_summary(dt, &sum);
     struct job *j = NULL;
-    if (s->workers != NULL && !s->stopping && sum.memory > FREE_AT_ONCE)
+    if (s->workers != NULL && !s->stopping && !cost_at_once(COST_FREE, sum.memory / 1024))
         j = job_new(sizeof *j, run_discard, discarded);
     if (j == NULL) {
         dt_free(dt);

@@ -9,9 +9,11 @@
  *     record on the I/O thread, once a writer has succeeded: appends the change to the journal; may
  *            be NULL.
  *
- * A reading job pins the version it reads. A writing job is the set's only writer until it is done;
- * it edits in place, in turns with a snapshot, if nobody else pins the current version, else a copy
- * that becomes the current version once the job has succeeded. */
+ * A reading job pins the version it reads and holds its lock while it runs, so it must be short: it
+ * reads one piece, or searches for about a millisecond. A writing job is the set's only writer until
+ * it is done. It edits in place, or it edits or triangulates a copy of the points, which becomes the
+ * current version once the job has succeeded. A job beside the set only reads, for as long as it takes; queries go on meanwhile, edits
+ * wait. */
 #ifndef SERVER_JOB_H
 #define SERVER_JOB_H
 
@@ -36,7 +38,8 @@ struct job {
     struct dataset *set;   /* a writer's set; NULL for a reader */
     struct version *base;  /* pinned: what it reads or edits */
     struct version *fresh; /* a writer on a copy: becomes the current version */
-    bool beside;           /* a writer that only reads: `done` changes what it has worked out */
+    bool beside;           /* a writer that only reads */
+    size_t changes;        /* a writer's: points that it adds, deletes or moves */
     struct dt *dt;         /* base's set or the copy */
     struct dt_options options;
     atomic_bool cancel;
@@ -73,9 +76,10 @@ struct dt_options job_options(const struct server *s);
 bool job_reserve_build(struct server *s, struct answer *a, const struct dataset *set,
                        struct reservation *r);
 
-/* Gives a job to a worker that keeps edits of the set away and lets queries go on. Nobody is
- * answered. There are workers, and the set has no other writer now. */
-void job_beside(struct server *s, struct job *j, struct dataset *set);
+/* The same for a job that only reads the set, which has no writer now, but for long: edits of the set
+ * wait for it, queries do not. */
+void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
+                unsigned how);
 
 /* Single flight: whoever asks for what the job is doing already waits for its result, too; a->job is
  * set. False when out of memory. */

@@ -1,22 +1,99 @@
 /* query.c - see query.h. */
 #include "server/query.h"
 
+#include "server/cost.h"
 #include "server/job.h"
 #include "server/stream.h"
 
 #include <stdlib.h>
 
+enum {
+    STEPS_LOCKED = 20000, /* that a worker does while edits wait, */
+    SHARE_LOCKED = 64,    /* or this share of the points of a large set */
+    SWEEP_ROWS = 4096     /* that a sweep reads while edits wait */
+};
+
 struct query_job {
     struct job job;
     struct query query;
+    struct dt_view *view; /* owns until it is handed on: the moment of the result */
 };
 
-/* opt: NULL on the I/O thread. */
-static enum dt_status run(const struct dt *dt, struct query *q, const struct dt_options *opt)
+/* ---- searching ---- */
+
+/* As the core's searches that know a limit do. */
+static enum dt_status check_degree(const struct dt *dt, const struct query *q, uint32_t steps)
 {
+    uint32_t least = steps;
+    for (unsigned i = 0; i < q->corners && i < 2; i++) { /* two stars are searched in step */
+        uint32_t degree = dt_degree_up_to(dt, q->corner[i], least);
+        least = degree < least ? degree : least;
+    }
+    return steps > 0 && least >= steps ? DT_TOOLONG : DT_OK;
+}
+
+static enum dt_status find_triangles(const struct dt *dt, struct query *q)
+{
+    const uint32_t *id = q->corner;
+    switch (q->corners) {
+    case 1:
+        return dt_triangles_at_point(dt, id[0], q->cw, &q->ids);
+    case 2:
+        return dt_triangles_at_edge(dt, id[0], id[1], q->cw, &q->ids);
+    default:
+        return dt_triangles_at_triangle(dt, id[0], id[1], id[2], q->cw, &q->ids);
+    }
+}
+
+/* The edges to the neighbours of a point, a < b each, in the order of its ring. */
+static enum dt_status find_edges(const struct dt *dt, struct query *q)
+{
+    struct dt_ids *ids = &q->ids;
+    uint32_t rep;
+    bool boundary;
+    enum dt_status status = dt_ring(dt, q->corner[0], q->cw, ids, &rep, &boundary);
+    if (status != DT_OK)
+        return status;
+    size_t n = ids->n;
+    uint32_t *v = realloc(ids->v, (2 * n + 1) * sizeof *v);
+    if (v == NULL)
+        return DT_NOMEM;
+    for (size_t i = n; i-- > 0;) { /* from the end: what is overwritten has been read */
+        uint32_t other = v[i];
+        v[2 * i] = rep < other ? rep : other;
+        v[2 * i + 1] = rep < other ? other : rep;
+    }
+    *ids = (struct dt_ids){v, 2 * n, 2 * n + 1};
+    return DT_OK;
+}
+
+/* The rings of few points are written at once: they must not be long. */
+static enum dt_status order_lists(const struct dt *dt, struct query *q,
+                                  const struct dt_options *opt)
+{
+    uint32_t left = opt->steps;
+    for (size_t i = 0; opt->steps > 0 && i < q->ids.n; i++) {
+        uint32_t degree = dt_degree_up_to(dt, q->ids.v[i], left);
+        if (degree >= left)
+            return DT_TOOLONG;
+        left -= degree;
+    }
+    return dt_lists_order(dt, q->cw, q->ids.v, q->ids.n, opt, &q->ids.n, &q->interior);
+}
+
+/* DT_TOOLONG leaves the query as it was. */
+static enum dt_status search(const struct dt *dt, struct query *q, const struct dt_options *opt)
+{
+    enum dt_status status = DT_OK;
     switch (q->kind) {
     case QUERY_LISTS:
-        return dt_lists_order(dt, q->cw, q->ids.v, q->ids.n, opt, &q->ids.n, &q->interior);
+        return order_lists(dt, q, opt);
+    case QUERY_TRIANGLES:
+        status = check_degree(dt, q, opt->steps);
+        return status == DT_OK ? find_triangles(dt, q) : status;
+    case QUERY_EDGES:
+        status = check_degree(dt, q, opt->steps);
+        return status == DT_OK ? find_edges(dt, q) : status;
     case QUERY_NEAREST:
         return dt_nearest_place(dt, &q->place, q->k, opt, &q->ids);
     case QUERY_BOX:
@@ -24,40 +101,102 @@ static enum dt_status run(const struct dt *dt, struct query *q, const struct dt_
     case QUERY_DISC:
         return dt_within_disc(dt, q->place.at, q->radius, opt, &q->ids);
     }
-    return DT_OK;
+    return status;
 }
 
-/* Writes the reply, rows from version v. */
-static void tell(struct answer *a, struct version *v, struct query *q, enum dt_status status)
+/* ---- the reply ---- */
+
+static struct rows rows_of(const struct query *q, struct version *v)
 {
     struct rows rows = {.version = v, .form = ROW_POINT, .from = q->place.at, .cw = q->cw};
-    if (status != DT_OK) {
-        answer_status(a, status);
-        return;
-    }
-    reply_ok(a->out, q->ids.n);
-    if (q->kind == QUERY_LISTS) {
+    if (q->kind == QUERY_LISTS)
         rows.form = ROW_RING;
+    if (q->kind == QUERY_NEAREST)
+        rows.form = ROW_NEIGHBOUR;
+    if (q->kind == QUERY_TRIANGLES || q->kind == QUERY_EDGES) {
+        rows.form = ROW_IDS;
+        rows.width = q->kind == QUERY_EDGES ? 2 : 3;
+    }
+    return rows;
+}
+
+/* Writes the reply. *rows are of the query's result. */
+static void answer(struct server *s, struct answer *a, struct query *q, struct rows *rows)
+{
+    reply_ok(a->out, q->ids.n / (rows->form == ROW_IDS ? rows->width : 1));
+    if (q->kind == QUERY_LISTS) {
         reply_key_u64(a->out, "interior", q->interior);
         reply_key_u64(a->out, "boundary", q->ids.n - q->interior);
-    } else if (q->kind == QUERY_NEAREST) {
-        rows.form = ROW_NEIGHBOUR;
     }
     reply_end(a->out);
-    stream_answer(a, &rows, &q->ids);
+    stream_answer(s, a, rows, &q->ids);
 }
 
 /* ---- by a worker ---- */
 
-static void run_job(struct job *j)
+/* Finds the result by a sweep over the set as it is now. The lock is held on entry and on return,
+ * and given up between the pieces. */
+static enum dt_status sweep(struct query_job *j)
 {
-    j->status = run(j->dt, &((struct query_job *)j)->query, &j->options);
+    struct version *v = j->job.base;
+    struct query *q = &j->query;
+    struct dt_sweep sweep = {.kind = q->kind == QUERY_NEAREST ? DT_SWEEP_NEAREST
+                                     : q->kind == QUERY_BOX   ? DT_SWEEP_BOX
+                                                              : DT_SWEEP_DISC,
+                             .at = q->place.at,
+                             .hi = q->hi,
+                             .radius = q->radius,
+                             .k = q->k};
+    enum dt_status status = DT_OK;
+    for (bool done = false; !done && status == DT_OK;) {
+        status = dt_sweep_read(v->dt, j->view, &sweep, SWEEP_ROWS);
+        version_unlock(v);
+        if (status == DT_OK)
+            status = dt_sweep_sift(&sweep, &q->ids, &done);
+        if (status == DT_OK && atomic_load(&j->job.cancel))
+            status = DT_CANCELLED;
+        version_lock_read(v);
+    }
+    if (status == DT_OK)
+        status = dt_sweep_end(&sweep, &q->ids);
+    dt_sweep_clear(&sweep);
+    return status;
 }
 
-static void job_done(struct server *s, struct job *j, struct answer *a)
+static bool may_sweep(const struct query *q)
 {
-    (void)s;
-    tell(a, j->base, &((struct query_job *)j)->query, j->status);
+    return q->kind == QUERY_NEAREST || q->kind == QUERY_BOX || q->kind == QUERY_DISC;
+}
+
+static void run_job(struct job *job)
+{
+    struct query_job *j = (struct query_job *)job;
+    struct dt_options opt = job->options;
+    if (may_sweep(&j->query)) {
+        uint32_t share = job->base->sum.points / SHARE_LOCKED;
+        opt.steps = share > STEPS_LOCKED ? share : STEPS_LOCKED;
+    }
+    /* The rows of the result are read later, but for those that are ids only. */
+    bool reads = rows_of(&j->query, job->base).form != ROW_IDS;
+    if (reads)
+        j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS);
+    job->status = reads && j->view == NULL ? DT_NOMEM : search(job->dt, &j->query, &opt);
+    if (job->status == DT_TOOLONG)
+        job->status = sweep(j);
+}
+
+static void job_done(struct server *s, struct job *job, struct answer *a)
+{
+    struct query_job *j = (struct query_job *)job;
+    struct rows rows = rows_of(&j->query, job->base);
+    if (job->status != DT_OK) {
+        answer_status(a, job->status);
+        version_end_view(&s->sets, job->base, j->view);
+        return;
+    }
+    rows.view = j->view;
+    rows.heavy = true;
+    answer(s, a, &j->query, &rows);
 }
 
 static void clear_job(struct job *j)
@@ -76,32 +215,37 @@ static void answer_later(struct server *s, struct answer *a, struct dataset *set
     j->job.clear = clear_job;
     j->job.what = "searching";
     j->query = *q;
-    job_read(s, a, &j->job, set->current, JOB_HEAVY);
+    job_read(s, a, &j->job, set->current, JOB_HEAVY | JOB_BRIEF);
 }
 
 /* ---- at once ---- */
 
-static void answer_now(struct server *s, struct answer *a, struct dataset *set, struct query *q)
+void query_answer(struct server *s, struct answer *a, struct dataset *set, struct query *q)
 {
+    struct dt_options opt = {.steps = s->workers != NULL ? COST_STEPS_AT_ONCE : 0};
     bool borrows = q->ids.v == NULL;
     if (borrows) {
         q->ids = s->scratch;
         q->ids.n = 0;
         s->scratch = (struct dt_ids){0};
     }
-    enum dt_status status = run(set->current->dt, q, NULL);
-    tell(a, set->current, q, status);
+    enum dt_status status = search(set->current->dt, q, &opt);
+    if (status == DT_TOOLONG) {
+        if (borrows) {
+            s->scratch = q->ids;
+            q->ids = (struct dt_ids){0};
+        }
+        answer_later(s, a, set, q);
+        return;
+    }
+    if (status == DT_OK) {
+        struct rows rows = rows_of(q, set->current);
+        answer(s, a, q, &rows);
+    } else {
+        answer_status(a, status);
+    }
     if (borrows)
         s->scratch = q->ids; /* empty if a stream has taken them */
     else
         free(q->ids.v);
-}
-
-void query_answer(struct server *s, struct answer *a, struct dataset *set, struct query *q,
-                  bool heavy)
-{
-    if (heavy && s->workers != NULL)
-        answer_later(s, a, set, q);
-    else
-        answer_now(s, a, set, q);
 }

@@ -1,9 +1,8 @@
 /* renew.c - see renew.h. */
 #include "server/renew.h"
 
+#include "server/cost.h"
 #include "server/job.h"
-
-enum { AT_ONCE = 500 }; /* points of a set whose grid the I/O thread makes itself */
 
 struct renew {
     struct job job;
@@ -15,37 +14,53 @@ static void run_renew(struct job *j)
     j->status = dt_renew(j->dt, j->options.pool, &((struct renew *)j)->fresh);
 }
 
-/* Whether anybody but the set, the job and perhaps a snapshot refers to the version. */
-static bool is_read_by_others(const struct version *v)
-{
-    return v->refs > (v->saved ? 3u : 2u);
-}
-
-/* A worker that reads this version just now may be using its grid, if it has one; in that case the next
- * edit makes a copy of the set, which will ask again. */
-static void renew_done(struct server *s, struct job *j, struct answer *a)
-{
-    struct renew *r = (struct renew *)j;
-    (void)a;
-    if (j->base->sum.searchable && is_read_by_others(j->base))
-        return;
-    dt_renewed(j->dt, r->fresh);
-    r->fresh = NULL;
-    version_update(&s->sets, j->base);
-}
-
 static void clear_renew(struct job *j)
 {
     dt_renewal_free(((struct renew *)j)->fresh);
 }
 
+static struct renew *new_renew(void (*run)(struct job *),
+                               void (*done)(struct server *, struct job *, struct answer *))
+{
+    struct renew *r = job_new(sizeof *r, run, done);
+    if (r != NULL)
+        r->job.clear = clear_renew;
+    return r;
+}
+
+static void run_exchange(struct job *j)
+{
+    struct renew *r = (struct renew *)j;
+    dt_renewed(j->dt, r->fresh);
+    r->fresh = NULL;
+}
+
+static void exchanged(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s, (void)j, (void)a;
+}
+
+/* The set takes its new grid over in an edit in place: at once, unless a worker is reading a piece
+ * of the set. Out of memory: the set will ask again. */
+static void renewed(struct server *s, struct job *j, struct answer *a)
+{
+    struct renew *made = (struct renew *)j, *exchange = new_renew(run_exchange, exchanged);
+    struct answer nobody = {0};
+    (void)a;
+    if (exchange == NULL)
+        return;
+    exchange->fresh = made->fresh;
+    made->fresh = NULL;
+    job_write(s, &nobody, &exchange->job, j->set, 0);
+}
+
 static bool start(struct server *s, struct dataset *set)
 {
-    struct renew *r = job_new(sizeof *r, run_renew, renew_done);
+    struct renew *r = new_renew(run_renew, renewed);
+    struct answer nobody = {0};
     if (r == NULL)
         return false;
-    r->job.clear = clear_renew;
-    job_beside(s, &r->job, set);
+    job_beside(s, &nobody, &r->job, set, JOB_HEAVY | JOB_BRIEF);
     return true;
 }
 
@@ -56,17 +71,18 @@ bool renew_has_grid(struct server *s, struct dataset *set)
         return true;
     if (set->writer != NULL)
         return false;
-    if (s->workers != NULL && !s->stopping && v->sum.points > AT_ONCE)
+    bool later = s->workers != NULL && !s->stopping && !cost_at_once(COST_GRID, v->sum.points);
+    if (later || !version_try_edit(v))
         return !start(s, set);
     (void)dt_prepare(v->dt, NULL);
     version_update(&s->sets, v);
+    version_unlock(v);
     return true;
 }
 
 void renew_if_aged(struct server *s, struct dataset *set)
 {
-    if (s->workers == NULL || s->stopping || set->writer != NULL || version_is_read(set->current) ||
-        !dt_is_aged(set->current->dt))
+    if (s->workers == NULL || s->stopping || set->writer != NULL || !dt_is_aged(set->current->dt))
         return;
     (void)start(s, set);
 }

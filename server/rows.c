@@ -14,7 +14,7 @@ enum {
 static void write_point(struct rows *r, struct buf *out, uint32_t id)
 {
     struct dt_point p;
-    r->status = dt_get(r->version->dt, id, &p);
+    r->status = dt_view_get(r->version->dt, r->view, id, &p);
     if (r->status != DT_OK)
         return;
     if (r->form == ROW_NEIGHBOUR) {
@@ -34,7 +34,7 @@ static void write_ring(struct rows *r, struct buf *out, uint32_t id)
     uint32_t rep;
     bool boundary;
     r->ring.n = 0;
-    r->status = dt_ring(r->version->dt, id, r->cw, &r->ring, &rep, &boundary);
+    r->status = dt_view_ring(r->version->dt, r->view, id, r->cw, &r->ring, &rep, &boundary);
     if (r->status != DT_OK)
         return;
     reply_row_ids(out, &rep, 1);

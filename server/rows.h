@@ -17,6 +17,8 @@ enum row_form {
 
 struct rows {
     struct version *version; /* borrows: whoever has the rows pins it */
+    struct dt_view *view;    /* borrows: the moment whose rows they are; NULL: now */
+    bool heavy;              /* workers make them, however few they are */
     bool table;              /* rows of cursor's table, else rows made from ids */
     bool binary;             /* table only */
     struct dt_cursor cursor;
@@ -35,7 +37,8 @@ struct rows {
 size_t rows_count(const struct rows *r);
 
 /* Appends rows until out holds `limit` bytes or more, or r->done, or r->status is not DT_OK.
- * Touches nothing but *r, its version's set (const) and out, so that a worker may do it. */
+ * Touches nothing but *r, its version's set (const) and out, so that a worker may do it, under the
+ * version's lock. */
 void rows_fill(struct rows *r, struct buf *out, size_t limit);
 
 /* Cuts off a part, of about 30 KiB, but maybe empty, maybe (along the hull, or at points with many

@@ -76,9 +76,9 @@ static enum dt_status read_rows(const struct snapshot_source *s, uint32_t *from,
     enum dt_status status = DT_OK;
     size_t n = TURN_ROWS;
     for (*rows = 0; status == DT_OK && n == TURN_ROWS && *rows < RECORD_POINTS;) {
-        version_wait(s->version);
+        version_lock_read(s->version);
         status = dt_view_rows(s->version->dt, s->view, from, row + *rows, TURN_ROWS, &n);
-        version_leave(s->version);
+        version_unlock(s->version);
         *rows += (uint32_t)n;
     }
     return status;
@@ -120,12 +120,6 @@ static bool put_set(struct output *o, const struct snapshot_source *s)
     return ok;
 }
 
-static void end_view(struct snapshot_source *s)
-{
-    dt_view_end(s->view);
-    s->view = NULL;
-}
-
 static bool put_all(struct output *o)
 {
     struct snapshot *snap = o->snap;
@@ -139,7 +133,6 @@ static bool put_all(struct output *o)
     for (size_t i = 0; i < snap->n; i++) {
         if (!put_set(o, &snap->source[i]))
             return false;
-        end_view(&snap->source[i]);
         snap->written = i + 1;
     }
     return put(o, &end) && flush(o) && sync_output(o);
@@ -181,8 +174,6 @@ static void *serve(void *arg)
     int event = snap->event;
     setpriority(PRIO_PROCESS, 0, NICE); /* on Linux: of this thread */
     write_snapshot(snap);
-    for (size_t i = snap->written; i < snap->n; i++) /* it has failed */
-        end_view(&snap->source[i]);
     snap->done = true; /* from here on *snap may be gone */
     ssize_t ignored = write(event, &one, sizeof one);
     (void)ignored;
@@ -207,26 +198,16 @@ static void start(struct snapshot *snap)
 static void pin(struct snapshot_source *s, struct dataset *set)
 {
     struct version *v = version_pin(set->current);
-    v->saved = true;
     s->version = v;
     s->lsn = set->lsn;
     s->triangulated = set->triangulated;
     s->view = dt_view_begin(v->dt, false);
 }
 
-/* What was saved for the view is freed, or, should an edit be under way, is left to the next one. */
 static void unpin(struct registry *sets, struct snapshot_source *s)
 {
-    struct version *v = s->version;
-    end_view(s);
-    v->saved = false;
-    if (version_try(v)) {
-        while (dt_view_tidy(v->dt))
-            ;
-        version_update(sets, v);
-        version_leave(v);
-    }
-    version_unpin(sets, v);
+    version_end_view(sets, s->version, s->view);
+    version_unpin(sets, s->version);
 }
 
 static void on_free(struct waiter *w)

@@ -1,7 +1,7 @@
 /* snapshot.h - a file with all sets, written by a thread of its own from pinned versions.
  *
- * A version that is pinned here may be edited nevertheless: the thread reads a view, in turns with
- * the edits (dataset.h). So a snapshot takes little memory, whatever happens meanwhile.
+ * Edits go on meanwhile: the thread reads one moment of each version, in turns with the edits
+ * (dataset.h). So a snapshot takes little memory, whatever happens.
  *
  * The sets are not all pinned at one moment: one that is just being edited in place is pinned when
  * it is free. So the file says for each set up to which change it contains it, and the log goes on
@@ -26,8 +26,8 @@ struct snapshot_source {
     struct snapshot *snapshot;
     struct dataset *set;     /* borrows while it waits */
     struct version *version; /* pinned; NULL while it waits */
-    struct dt_view *view; /* owns; of its set at that time; NULL: out of memory, or it has ended */
-    uint64_t lsn;         /* of the set's last change in it */
+    struct dt_view *view;    /* owns: the moment that is written; NULL: out of memory */
+    uint64_t lsn;            /* of the set's last change in it */
     bool triangulated;
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];

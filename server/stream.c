@@ -7,7 +7,7 @@
 
 enum {
     AT_ONCE = 64,       /* rows that are written without a stream */
-    HEAVY_ROWS = 20000, /* more are made by workers */
+    HEAVY_ROWS = 20000, /* more, or of a table of more points, are made by workers */
     PIECE = 64 * 1024,  /* bytes of a refill, and what a piece may have */
     PIECES = 4          /* that are made or in work, for one stream */
 };
@@ -36,30 +36,55 @@ static bool answer_at_once(struct answer *a, struct rows *rows)
     enum { BYTES_AT_ONCE = 16 * 1024 };
     if (rows_count(rows) > AT_ONCE)
         return false;
-    rows_fill(rows, a->out, buf_len(a->out) + BYTES_AT_ONCE);
+    rows_fill(rows, a->out, rows->table ? SIZE_MAX : buf_len(a->out) + BYTES_AT_ONCE);
     return rows->done || rows->status != DT_OK;
 }
 
-void stream_answer(struct answer *a, struct rows *rows, struct dt_ids *ids)
+/* Whether rows of this form are read from the set; a list of ids is complete in itself. */
+static bool reads_set(const struct rows *rows)
+{
+    return rows->table || rows->form != ROW_IDS;
+}
+
+/* Whether their moment is of the triangulation, too. */
+static bool reads_rings(const struct rows *rows)
+{
+    return rows->table ? rows->cursor.table != DT_POINTS && rows->cursor.table != DT_COINCIDENT
+                       : rows->form == ROW_RING;
+}
+
+static struct stream *new_stream(struct rows *rows)
+{
+    struct stream *st = calloc(1, sizeof *st);
+    if (st != NULL && rows->view == NULL && reads_set(rows))
+        rows->view = dt_view_begin(rows->version->dt, reads_rings(rows));
+    if (st == NULL || (rows->view == NULL && reads_set(rows))) {
+        free(st);
+        return NULL;
+    }
+    st->rows = *rows;
+    version_pin(rows->version);
+    return st;
+}
+
+void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct dt_ids *ids)
 {
     if (ids != NULL)
         rows->ids = *ids;
-    if (answer_at_once(a, rows)) {
+    if (rows->view == NULL && answer_at_once(a, rows)) {
         if (rows->status != DT_OK)
             answer_out_of_memory(a);
         rows_clear(rows);
         return;
     }
-    a->stream = calloc(1, sizeof *a->stream);
+    a->stream = new_stream(rows);
     if (a->stream == NULL) {
         answer_out_of_memory(a);
+        version_end_view(&s->sets, rows->version, rows->view);
         rows_clear(rows);
-        return;
-    }
-    a->stream->rows = *rows;
-    version_pin(rows->version);
-    if (ids != NULL)
+    } else if (ids != NULL) {
         *ids = (struct dt_ids){0};
+    }
 }
 
 void stream_tell(struct stream *st, void (*ready)(void *ctx), void *ctx)
@@ -80,6 +105,7 @@ void stream_free(struct registry *r, struct stream *st)
         rows_clear(&st->piece[i].part);
         buf_free(&st->piece[i].text);
     }
+    version_end_view(r, st->rows.version, st->rows.view);
     version_unpin(r, st->rows.version);
     rows_clear(&st->rows);
     free(st->rows.ids.v);
@@ -104,12 +130,26 @@ static uint64_t table_bytes(const struct version *v, const struct dt_cursor *c)
     return 0;
 }
 
-void stream_answer_table(struct answer *a, struct version *v, enum dt_table table, bool cw,
-                         bool binary)
+/* How much there is to look at: COINCIDENT, for one, looks at every point for its few rows. */
+static uint32_t table_work(const struct version *v, enum dt_table table)
 {
-    struct rows rows = {.version = v, .table = true, .binary = binary};
-    enum dt_status status = dt_table_begin(v->dt, NULL, table, cw, &rows.cursor);
+    return table == DT_HULL ? v->sum.hull : v->sum.points;
+}
+
+void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
+                         bool cw, bool binary)
+{
+    struct rows rows = {.version = v, .table = true, .binary = binary, .cursor.table = table};
+    if (table_work(v, table) > AT_ONCE) {
+        rows.view = dt_view_begin(v->dt, reads_rings(&rows));
+        if (rows.view == NULL) {
+            answer_out_of_memory(a);
+            return;
+        }
+    }
+    enum dt_status status = dt_table_begin(v->dt, rows.view, table, cw, &rows.cursor);
     if (status != DT_OK) {
+        version_end_view(&s->sets, v, rows.view);
         answer_status(a, status);
         return;
     }
@@ -123,7 +163,7 @@ void stream_answer_table(struct answer *a, struct version *v, enum dt_table tabl
     if (binary)
         reply_key_u64(a->out, "bytes", table_bytes(v, &rows.cursor));
     reply_end(a->out);
-    stream_answer(a, &rows, NULL);
+    stream_answer(s, a, &rows, NULL);
 }
 
 /* ---- pieces ---- */
@@ -165,7 +205,9 @@ static void begin(struct server *s, struct stream *st, struct piece *p)
     struct answer nobody = {0};
     struct making *m = job_new(sizeof *m, run_making, making_done);
     if (m == NULL) {
+        version_lock_read(st->rows.version);
         make(p);
+        version_unlock(st->rows.version);
         return;
     }
     m->stream = st;
@@ -228,18 +270,34 @@ static enum dt_status go_on(struct server *s, struct stream *st, struct buf *out
     return status;
 }
 
+static bool is_heavy(const struct rows *rows)
+{
+    size_t work = rows->table ? table_work(rows->version, rows->cursor.table) : rows_count(rows);
+    return rows->heavy || work > HEAVY_ROWS;
+}
+
+/* Whether this thread may make the next piece itself, and then it has the lock: not while an edit is
+ * at work. */
+static bool may_fill(const struct server *s, struct stream *st)
+{
+    if (s->workers != NULL && (st->used > 0 || is_heavy(&st->rows)))
+        return false;
+    return version_try_read(st->rows.version);
+}
+
 void stream_refill(struct server *s, struct answer *a)
 {
     struct stream *st = a->stream;
     enum dt_status status;
     bool done;
-    if (s->workers != NULL && rows_count(&st->rows) > HEAVY_ROWS) {
-        status = go_on(s, st, a->out);
-        done = st->used == 0;
-    } else {
+    if (may_fill(s, st)) {
         rows_fill(&st->rows, a->out, buf_len(a->out) + PIECE);
+        version_unlock(st->rows.version);
         status = st->rows.status;
         done = st->rows.done;
+    } else {
+        status = go_on(s, st, a->out);
+        done = st->used == 0;
     }
     if (status == DT_OK && !done)
         return;

@@ -1,6 +1,6 @@
 /* stream.h - the rows of a reply, made as they are sent.
  *
- * A stream pins the version it reads and keeps a place in its rows. A few pieces of those of a large
+ * A stream pins the version it reads, at one moment of it, and keeps a place in its rows. A few pieces of those of a large
  * set are made ahead of the socket, side by side, by workers, and sent in order:
  *
  *      rows                   piece 3    piece 2    piece 1    piece 0     out
@@ -19,12 +19,13 @@ struct stream;
 
 /* Answers with *rows, whose version is not pinned yet: writes them at once if they are few, else
  * leaves a stream in a->stream, which takes *ids over (and leaves it empty). ids is NULL for a
- * table. The status line must have been written before. */
-void stream_answer(struct answer *a, struct rows *rows, struct dt_ids *ids);
+ * table. The status line must have been written before. rows->view, unless it is NULL, is ended
+ * when the rows have been sent; without one, the rows are those of this moment. */
+void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct dt_ids *ids);
 
 /* Answers with a whole table of the version: the status line, then its rows. */
-void stream_answer_table(struct answer *a, struct version *v, enum dt_table table, bool cw,
-                         bool binary);
+void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
+                         bool cw, bool binary);
 
 /* Appends what there is of the stream that a owns, about a piece, to a->out, and has more made; what
  * is left of the stream is in a->stream. If nothing was appended, workers are at it, and the stream

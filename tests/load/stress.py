@@ -274,8 +274,8 @@ def main():
     parser.add_argument('--large', type=int, default=10000000)
     parser.add_argument('--dump-seconds', type=float, default=60)
     parser.add_argument('--hub', type=int, default=200000)
-    parser.add_argument('scenario', nargs='*', choices=[[], *SCENARIOS], default=[])
-    args = parser.parse_args()
+    parser.add_argument('scenario', nargs='*', metavar="SCENARIO", default=[])
+    args = parser.parse_intermixed_args()
     print('| what | measured | bound |\n|---|---|---|', flush=True)
     for name in args.scenario or SCENARIOS:
         SCENARIOS[name](args)

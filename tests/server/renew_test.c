@@ -1,8 +1,11 @@
 /* renew_test.c - a worker makes the grid of a set anew; whoever queries it does not wait for that. */
 #include "server/dataset.h"
+#include "server/job.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
+#include <poll.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { POINTS = 10500, PIECE = 500 };
@@ -36,6 +39,13 @@ static void start_renewal(struct local *l)
     }
 }
 
+static void finish(void *ctx, struct job *j)
+{
+    struct local *l = ctx;
+    struct answer a = {.out = &l->out, .owner = j->owner, .role = ROLE_WRITE};
+    job_finish(&l->server, j, &a);
+}
+
 TEST(queries_go_on_while_a_worker_makes_the_grid_anew)
 {
     struct local l;
@@ -52,17 +62,26 @@ TEST(queries_go_on_while_a_worker_makes_the_grid_anew)
     local_stop(&l);
 }
 
-TEST(grid_that_is_in_use_is_not_exchanged)
+/* The exchange waits, on a worker, for the piece that is being read with the old grid. */
+TEST(grid_that_is_in_use_is_exchanged_when_its_reader_has_finished)
 {
     struct local l;
+    struct pollfd event;
     start_renewal(&l);
-    struct version *v = version_pin(set_named(&l, "t")->current); /* as a worker's query does */
+    struct dataset *set = set_named(&l, "t");
+    struct version *v = set->current;
+    struct job *renewal = set->writer;
+    version_lock_read(v); /* as a worker's query does */
+    event = (struct pollfd){.fd = workers_event(l.server.workers), .events = POLLIN};
+    CHECK(poll(&event, 1, 10000) == 1);
+    server_collect(&l.server, finish, &l);
+    CHECK(set->writer != NULL && set->writer != renewal && set->exclusive);
+    CHECK(dt_is_aged(v->dt));
+    version_unlock(v);
     CHECK(strncmp(local_ask(&l, "ADD t 0.25 0.25\n"), "OK 0 first=", 11) == 0);
-    CHECK(dt_is_aged(v->dt) && set_named(&l, "t")->current != v);
-    version_unpin(&l.server.sets, v);
+    CHECK(set->current == v && !dt_is_aged(v->dt));
     CHECK(strncmp(local_ask(&l, "DEL t 0\nCHECK t\n"), "OK 0 deleted=1\nOK 0 delaunay=yes", 32) ==
           0);
-    CHECK(!dt_is_aged(set_named(&l, "t")->current->dt));
     local_stop(&l);
 }
 

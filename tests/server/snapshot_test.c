@@ -170,22 +170,22 @@ TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
     local_start(&l, 1);
     local_ask(&l, "ADD t 0 0  1 1\nADD other 5 5\n");
     struct version *v = version_of(&l, "t");
-    CHECK(version_try(v)); /* the snapshot's thread reads */
+    CHECK(version_try_read(v)); /* the snapshot's thread reads */
     CHECK(request_split(q, "MOVE t 1 7 7", 12));
     buf_rewind(&l.out, 0);
     command_run(&l.server, q, &a);
     CHECK(a.job != NULL && buf_len(&l.out) == 0);
     CHECK_STR(local_ask(&l, "MOVE other 0 6 6\nPING\n"), "OK 0\nOK 0\n");
-    CHECK(!version_try(v));
-    version_leave(v);
+    CHECK(!version_try_edit(v));
+    version_unlock(v);
     struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
     CHECK(poll(&event, 1, 10000) == 1);
     buf_rewind(&l.out, 0);
     server_collect(&l.server, finish, &l);
     CHECK(buf_len(&l.out) == 5 && memcmp(buf_head(&l.out), "OK 0\n", 5) == 0);
     CHECK_STR(local_ask(&l, "GET t 1\n"), "OK 1\n1 7 7\n");
-    CHECK(version_of(&l, "t") == v && version_try(v));
-    version_leave(v);
+    CHECK(version_of(&l, "t") == v && version_try_edit(v));
+    version_unlock(v);
     local_stop(&l);
 }
 

@@ -96,7 +96,7 @@ TEST_TIMEOUT(rows_that_nobody_wants_any_more_are_forgotten, 60)
     local_ask(&l, load);
     local_ask(&l, "LOCATE t 0 0"); /* builds the grid for searches */
     for (int i = 0; i < 20; i++) {
-        struct answer a = begin(&l, i % 2 == 0 ? "LISTS t" : "WITHIN t 0 0 2000 2000");
+        struct answer a = begin(&l, i % 2 == 0 ? "LISTS t" : "POINTS t");
         stream_free(&l.server.sets, a.stream); /* while workers are at it */
     }
     local_ask(&l, "DROP t\n");

@@ -1,0 +1,38 @@
+/* cost.h - what the I/O thread does itself, and what is left to a worker: whatever takes longer than
+ * about 200 us, for all other clients wait meanwhile.
+ *
+ * Work whose size is known beforehand is estimated here, from measurements (tests/bench) with something
+ * in hand. The work of searches and of single edits depends on where they lie: they are tried with a
+ * limit on their steps (struct dt_options) and go to a worker if they exceed it. */
+#ifndef SERVER_COST_H
+#define SERVER_COST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum cost_kind {
+    COST_BUILD, /* per point: a triangulation, or its check */
+    COST_GRID,  /* per point: the grid for searches */
+    COST_COPY,  /* per point: a copy of the set */
+    COST_EDIT,  /* per point added or deleted */
+    COST_FREE   /* per KiB given back to the system */
+};
+
+enum {
+    COST_AT_ONCE_NS = 200 * 1000,
+    COST_STEPS_AT_ONCE = 2000 /* of a search or an edit; usually about 50 ns each */
+};
+
+/* Whether the I/O thread does n units itself. */
+static inline bool cost_at_once(enum cost_kind kind, size_t n)
+{
+    static const unsigned ns[] = {[COST_BUILD] = 400,
+                                  [COST_GRID] = 100,
+                                  [COST_COPY] = 100,
+                                  [COST_EDIT] = 2000,
+                                  [COST_FREE] = 50};
+    return n <= COST_AT_ONCE_NS / ns[kind];
+}
+
+#endif

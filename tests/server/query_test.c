@@ -1,0 +1,107 @@
+/* query_test.c - what is searched at once, what by a worker, and that both find the same. */
+#include "server/cost.h"
+#include "tests/server/local.h"
+#include "tests/test.h"
+
+#include <math.h>
+#include <string.h>
+
+#define TAU 6.283185307179586
+
+static char *uniform(unsigned n)
+{
+    char *text = malloc(n * 50 + 100), *to = text;
+    CHECK(text != NULL);
+    to += sprintf(to, "LOAD t %u\n", n);
+    for (unsigned i = 0; i < n; i++)
+        to += sprintf(to, "%.6f %.6f\n", test_uniform(), test_uniform());
+    strcpy(to, "TRIANGULATE t\nNEAREST t 0 0\n");
+    return text;
+}
+
+/* A hub, the point 0, amid n others. */
+static char *wheel(unsigned n)
+{
+    char *text = malloc(n * 60 + 100), *to = text;
+    CHECK(text != NULL);
+    to += sprintf(to, "LOAD t %u\n0 0\n", n + 1);
+    for (unsigned i = 0; i < n; i++)
+        to += sprintf(to, "%.17g %.17g\n", cos(i * TAU / n), sin(i * TAU / n));
+    strcpy(to, "TRIANGULATE t\nNEAREST t 0 0\n");
+    return text;
+}
+
+static uint64_t jobs_for(struct local *l, const char *request)
+{
+    uint64_t before = l->server.count.jobs;
+    local_ask(l, request);
+    CHECK_MSG(strncmp(buf_head(&l->out), "OK", 2) == 0, "%s", request);
+    return l->server.count.jobs - before;
+}
+
+TEST(searches_that_find_little_need_no_worker_however_large_the_set)
+{
+    struct local l;
+    char *load = uniform(100000), text[100];
+    local_start(&l, 2);
+    local_ask(&l, load);
+    for (int i = 0; i < 200; i++) {
+        double x = test_uniform(), y = test_uniform();
+        sprintf(text, "WITHIN t %.6f %.6f 0.005", x, y);
+        CHECK(jobs_for(&l, text) == 0);
+        sprintf(text, "WITHIN t %.6f %.6f %.6f %.6f", x, y, x + 0.01, y + 0.01);
+        CHECK(jobs_for(&l, text) == 0);
+        sprintf(text, "NEAREST t %.6f %.6f 10", x, y);
+        CHECK(jobs_for(&l, text) == 0);
+    }
+    CHECK(jobs_for(&l, "WITHIN t 0.2 0.2 0.8 0.8") > 0);
+    CHECK(jobs_for(&l, "NEAREST t 0.5 0.5 5000") > 0);
+    free(load);
+    local_stop(&l);
+}
+
+TEST(requests_about_a_hub_go_to_a_worker)
+{
+    static const char *const requests[] = {"LISTS t 0", "TRIANGLES t 0", "EDGES t 0", "DEL t 0"};
+    struct local l;
+    char *load = wheel(2 * COST_STEPS_AT_ONCE);
+    local_start(&l, 2);
+    local_ask(&l, load);
+    CHECK(jobs_for(&l, "LISTS t 5") == 0 && jobs_for(&l, "TRIANGLES t 5") == 0 &&
+          jobs_for(&l, "TRIANGLES t 0 5") == 0 && jobs_for(&l, "EDGES t 5") == 0 &&
+          jobs_for(&l, "LOCATE t 0.3 0.2") == 0);
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++)
+        CHECK_MSG(jobs_for(&l, requests[i]) > 0, "%s", requests[i]);
+    CHECK(strncmp(local_ask(&l, "CHECK t"), "OK 0 delaunay=yes", 17) == 0);
+    free(load);
+    local_stop(&l);
+}
+
+TEST_TIMEOUT(workers_find_what_is_found_without_them, 60)
+{
+    static const char *const requests[] = {
+        "WITHIN t 0.1 0.1 0.9 0.9",   "WITHIN t 0.5 0.5 0.45",    "NEAREST t 0.3 0.3 40000",
+        "NEAREST t 0.3 0.3 3000",     "WITHIN t 0.4 0.4 0.6 0.6", "NEAREST t 2 2 99999999",
+        "WITHIN t -1 -1 2 2",         "LISTS t 0 1 2 3 4 5 6 7",  "TRIANGLES t 0",
+        "WITHIN t 0.5 0.5 0.0000001",
+    };
+    char *loads[] = {uniform(100000), wheel(20000)};
+    for (int k = 0; k < 2; k++) {
+        struct local none, some;
+        local_start(&none, 0);
+        local_start(&some, 3);
+        local_ask(&none, loads[k]);
+        local_ask(&some, loads[k]);
+        for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
+            local_ask(&none, requests[i]);
+            local_ask(&some, requests[i]);
+            size_t n = buf_len(&none.out);
+            CHECK_MSG(n == buf_len(&some.out) &&
+                          memcmp(buf_head(&none.out), buf_head(&some.out), n) == 0,
+                      "%s", requests[i]);
+        }
+        local_stop(&none);
+        local_stop(&some);
+        free(loads[k]);
+    }
+}
