@@ -69,16 +69,9 @@ static struct dt_point place(const struct arrivals *a, uint32_t item)
     return item < a->end ? a->p->xy[item] : a->q[item - a->end];
 }
 
-/* Three rounds of multiply and fold, so that each bit of the upper half depends on all of q. */
 static uint64_t hash(const struct arrivals *a, struct dt_point q)
 {
-    double column = q.x + 0.0, row = q.y + 0.0; /* -0 as 0 */
-    uint64_t x, y;
-    memcpy(&x, &column, sizeof x);
-    memcpy(&y, &row, sizeof y);
-    uint64_t h = (x ^ a->seed) * 0x9E3779B97F4A7C15u;
-    h = (h ^ (h >> 32) ^ y) * 0xD6E8FEB86659FD93u;
-    return (h ^ (h >> 32)) * 0xD1B54A32D192ED03u;
+    return dt_place_hash(q.x, q.y, a->seed);
 }
 
 static uint32_t part_of(const struct arrivals *a, uint64_t h)
@@ -327,6 +320,15 @@ static enum dt_status find_same(struct arrivals *a, const struct dt_pool *pool)
     return DT_OK;
 }
 
+static void free_arrays(struct arrivals *a)
+{
+    dt_array_free(a->at);
+    dt_array_free(a->start);
+    dt_array_free(a->entry);
+    dt_array_free(a->same);
+    dt_array_free(a->table);
+}
+
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, uint32_t n,
                                const struct dt_pool *pool, struct dt_work *work,
                                struct dt_added *out)
@@ -345,10 +347,19 @@ enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, ui
         *out = (struct dt_added){p->next_id, n, n - (p->end - a.end)};
         dt_points_arrived(p, n);
     }
-    dt_array_free(a.at);
-    dt_array_free(a.start);
-    dt_array_free(a.entry);
-    dt_array_free(a.same);
-    dt_array_free(a.table);
+    free_arrays(&a);
+    return status;
+}
+
+enum dt_status dt_arrivals_distinct(struct dt_points *p)
+{
+    struct arrivals a = {.p = p, .q = p->xy, .n = p->end, .bits = 1, .slices = 1};
+    enum dt_status status = p->end < FEW ? DT_TOOSMALL : allocate(&a);
+    if (status == DT_OK)
+        status = find_same(&a, NULL);
+    for (uint32_t i = 0; status == DT_OK && i < a.n; i++)
+        if (a.same[i] != DT_NONE)
+            status = DT_CORRUPT;
+    free_arrays(&a);
     return status;
 }

@@ -2,7 +2,6 @@
 #include "core/places.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "core/memory.h"
 #include "core/predicates.h"
@@ -23,17 +22,12 @@ static double cell(const struct dt_places *p, double v)
 
 static uint32_t bucket_of(const struct dt_places *p, double column, double row)
 {
-    uint64_t x, y;
-    memcpy(&x, &column, sizeof x);
-    memcpy(&y, &row, sizeof y);
-    uint64_t h = (x ^ p->seed) * 0x9E3779B97F4A7C15u; /* two rounds of multiply and fold */
-    h = (h ^ (h >> 32) ^ y) * 0xD6E8FEB86659FD93u;
-    return (uint32_t)(h >> 32 ^ h >> 15) & p->mask;
+    return (uint32_t)dt_place_hash(column, row, p->seed) & p->mask;
 }
 
 static uint32_t home(const struct dt_places *p, struct dt_point q)
 {
-    return bucket_of(p, cell(p, q.x) + 0.0, cell(p, q.y) + 0.0); /* + 0.0: -0 hashes as 0 */
+    return bucket_of(p, cell(p, q.x), cell(p, q.y));
 }
 
 void dt_places_enter(struct dt_places *p, const struct dt_point *xy, uint32_t v)
@@ -152,6 +146,6 @@ uint32_t dt_places_find(const struct dt_places *p, const struct dt_point *xy, co
     uint32_t best = DT_NONE;
     for (double c = left; c <= right; c = cell_after(c))
         for (double r = bottom; r <= top; r = cell_after(r))
-            best = nearest_in(p, bucket_of(p, c + 0.0, r + 0.0), xy, id, q, except, best);
+            best = nearest_in(p, bucket_of(p, c, r), xy, id, q, except, best);
     return best;
 }

@@ -10,6 +10,8 @@
 
 #include "core/work.h"
 
+#include <string.h>
+
 struct dt_places {
     struct dt_pages *pages; /* borrows; where its arrays come from; NULL: the system */
     uint32_t *bucket;       /* owns mask + 1 heads of chains of vertices; NULL: not built */
@@ -18,6 +20,23 @@ struct dt_places {
     double tol;
     uint64_t seed; /* differs from process to process, so that nobody can aim at one bucket */
 };
+
+/* The hash of a place. Coordinates have structure, most of them many zeros at the end, and equal
+ * differences; of such a pair every bit must reach every bit of the result. So x is mixed before y
+ * joins it, and both by the finalizer of SplitMix64 [Steele, Lea & Flood 2014; its constants are
+ * Stafford's Mix13]. Zeros have two signs and are one place. */
+static inline uint64_t dt_place_hash(double column, double row, uint64_t seed)
+{
+    double c = column + 0.0, r = row + 0.0;
+    uint64_t x, y;
+    memcpy(&x, &c, sizeof x);
+    memcpy(&y, &r, sizeof y);
+    uint64_t h = (x ^ seed) * 0x9E3779B97F4A7C15u;
+    h ^= h >> 32 ^ y;
+    h = (h ^ h >> 30) * 0xBF58476D1CE4E5B9u;
+    h = (h ^ h >> 27) * 0x94D049BB133111EBu;
+    return h ^ h >> 31;
+}
 
 void dt_places_clear(struct dt_places *p);
 

@@ -1,4 +1,5 @@
 /* restore.c - a set from a list of its points, as it was when the list was made. */
+#include "core/arrivals.h"
 #include "core/set.h"
 
 static enum dt_status enter_representatives(struct dt_points *p, const uint32_t *ids,
@@ -19,6 +20,27 @@ static enum dt_status enter_representatives(struct dt_points *p, const uint32_t 
     return DT_OK;
 }
 
+/* DT_CORRUPT: two representatives are at one place. */
+static enum dt_status check_distinct(struct dt_points *p)
+{
+    enum dt_status status = dt_arrivals_distinct(p);
+    if (status != DT_TOOSMALL)
+        return status;
+    struct dt_places places = {.pages = p->pages};
+    status = dt_places_reserve(&places, 0, p->xy, p->id, p->end, p->end, NULL);
+    for (uint32_t v = 0; status == DT_OK && v < p->end; v++)
+        if (dt_places_find(&places, p->xy, p->id, p->xy[v], v) != DT_NONE)
+            status = DT_CORRUPT;
+    dt_places_clear(&places);
+    return status;
+}
+
+/* Whether an alias of id at q can have the representative of vertex v. */
+static bool may_join(const struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v)
+{
+    return p->tol > 0 || (id > p->id[v] && p->xy[v].x == q.x && p->xy[v].y == q.y);
+}
+
 static enum dt_status join_aliases(struct dt_points *p, const uint32_t *ids,
                                    const struct dt_point *xy, const uint32_t *representatives,
                                    size_t n)
@@ -27,7 +49,8 @@ static enum dt_status join_aliases(struct dt_points *p, const uint32_t *ids,
         if (representatives[i] == ids[i])
             continue;
         uint32_t v = dt_points_vertex(p, representatives[i]);
-        if (v == DT_NONE || dt_points_is_alias(p, representatives[i]))
+        if (v == DT_NONE || dt_points_is_alias(p, representatives[i]) ||
+            !may_join(p, ids[i], xy[i], v))
             return DT_CORRUPT;
         if (dt_points_join(p, ids[i], (struct dt_point){xy[i].x + 0.0, xy[i].y + 0.0}, v) != DT_OK)
             return DT_NOMEM;
@@ -43,6 +66,8 @@ enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_poi
     enum dt_status status = dt_points_reserve(&t->points, n, NULL);
     if (status == DT_OK)
         status = enter_representatives(&t->points, ids, p, representatives, n, next_id);
+    if (status == DT_OK)
+        status = check_distinct(&t->points);
     if (status == DT_OK)
         status = join_aliases(&t->points, ids, p, representatives, n);
     if (status == DT_OK)

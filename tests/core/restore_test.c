@@ -134,6 +134,43 @@ TEST(restore_refuses_what_no_set_could_be)
     dt_free(t);
 }
 
+TEST(restore_refuses_two_representatives_at_one_place_however_many_others_there_are)
+{
+    enum { MANY = 9000 };
+    static uint32_t ids[MANY];
+    static struct dt_point p[MANY];
+    for (unsigned round = 0; round < 16; round++) {
+        uint32_t n = round % 4 < 2 ? 2 + test_below(40) : MANY - test_below(4000);
+        uint32_t a = test_below(n), b = (a + 1 + test_below(n - 1)) % n;
+        struct dt *t = dt_new(round % 2 == 0 ? 0 : 0.25);
+        for (uint32_t i = 0; i < n; i++) {
+            ids[i] = i;
+            p[i] = (struct dt_point){i % 90, i / 90};
+        }
+        p[a] = p[b] = (struct dt_point){-7, 0};
+        p[b].y = -0.0;
+        CHECK_MSG(dt_restore(t, ids, p, ids, n, n) == DT_CORRUPT, "%u and %u of %u", a, b, n);
+        CHECK(dt_next_id(t) == 0);
+        p[a].x = -7.125; /* within the tolerance, which edits can bring about */
+        CHECK(dt_restore(t, ids, p, ids, n, n) == DT_OK);
+        dt_free(t);
+    }
+}
+
+TEST(restore_without_a_tolerance_refuses_an_alias_elsewhere_or_below_its_representative)
+{
+    const uint32_t ids[] = {1, 2}, first[] = {1, 1}, second[] = {2, 2};
+    const struct dt_point same[] = {{3, 4}, {3, 4}}, apart[] = {{3, 4}, {3, 4.5}};
+    for (unsigned tolerant = 0; tolerant < 2; tolerant++) {
+        enum dt_status want = tolerant ? DT_OK : DT_CORRUPT;
+        struct dt *a = dt_new(tolerant ? 1 : 0), *b = dt_new(tolerant ? 1 : 0);
+        CHECK(dt_restore(a, ids, apart, first, 2, 9) == want);
+        CHECK(dt_restore(b, ids, same, second, 2, 9) == want);
+        dt_free(a);
+        dt_free(b);
+    }
+}
+
 TEST(restore_out_of_memory_leaves_the_set_fresh)
 {
     const uint32_t ids[] = {1, 5000, 70000}, aliased[] = {1, 5000, 1};
