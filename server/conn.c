@@ -9,7 +9,6 @@
 
 enum {
     READ_SIZE = 64 * 1024,
-    KEEP_SMALL = 4 * 1024, /* a rest of input shorter than this moves out of the borrowed block */
     LINGER_MS = 2000,
     LINGER_BYTES = 64 * 1024 * 1024,
     STALL_MS = 60 * 1000
@@ -30,15 +29,21 @@ static void run_burial(struct task *task)
     }
     buf_free(&c->in);
     buf_free(&c->out);
+    reservation_set(&c->memory, 0);
     c->events->closed(c);
 }
 
 static void on_ready(struct source *source, uint32_t events);
 
-bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_events *events)
+bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_events *events,
+               const struct reservation *memory)
 {
-    *c = (struct conn){
-        .source = {fd, on_ready}, .loop = loop, .events = events, .interest = EPOLLIN};
+    *c = (struct conn){.source = {fd, on_ready},
+                       .loop = loop,
+                       .events = events,
+                       .memory = *memory,
+                       .owner_bytes = memory->bytes,
+                       .interest = EPOLLIN};
     c->turn.run = run_turn;
     c->burial.run = run_burial;
     c->progress_ms = c->heard_ms = loop->now_ms;
@@ -98,11 +103,12 @@ static void give_back(struct buf *mine, struct buf *spare)
     }
 }
 
-/* A short rest of input (a line that is not finished) moves into a block of its own. */
+/* A short rest of input (a line that is not finished) moves out of the borrowed block into one of its
+ * own. */
 static void keep_small(struct conn *c)
 {
     struct buf small = {0};
-    if (c->in.cap <= KEEP_SMALL || buf_len(&c->in) >= KEEP_SMALL)
+    if (c->in.cap <= CONN_SMALL || buf_len(&c->in) >= CONN_SMALL)
         return;
     buf_append(&small, buf_head(&c->in), buf_len(&c->in));
     if (small.failed)
@@ -118,7 +124,11 @@ static bool wants_input(const struct conn *c)
 {
     if (c->eof)
         return false;
-    return c->lingering || (!c->finishing && buf_len(&c->in) < CONN_IN_LIMIT && !conn_full(c));
+    if (c->lingering)
+        return true;
+    size_t n = buf_len(&c->in);
+    return !c->finishing && n < CONN_IN_LIMIT && !conn_full(c) &&
+           (n < CONN_SMALL || !conn_is_short(c));
 }
 
 static void on_read_error(struct conn *c)
@@ -144,13 +154,14 @@ static void drop_input(struct conn *c)
 
 static void read_input(struct conn *c)
 {
+    size_t most = conn_is_short(c) ? CONN_SMALL : READ_SIZE;
     borrow(&c->in, &c->loop->spare_in);
-    char *to = buf_reserve(&c->in, READ_SIZE);
+    char *to = buf_reserve(&c->in, most);
     if (to == NULL) {
         conn_close(c);
         return;
     }
-    ssize_t n = recv(c->source.fd, to, READ_SIZE, 0);
+    ssize_t n = recv(c->source.fd, to, most, 0);
     if (n < 0)
         on_read_error(c);
     else if (n == 0)
@@ -204,6 +215,7 @@ static void settle(struct conn *c)
     give_back(&c->in, &c->loop->spare_in);
     give_back(&c->out, &c->loop->spare_out);
     keep_small(c);
+    reservation_set(&c->memory, c->owner_bytes + c->in.cap + c->out.cap);
     uint32_t interest =
         (wants_input(c) ? (uint32_t)EPOLLIN : 0) | (conn_sendable(c) > 0 ? (uint32_t)EPOLLOUT : 0);
     if (interest != c->interest) {

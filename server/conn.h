@@ -3,7 +3,8 @@
  * A connection knows nothing of the protocol. It tells its owner three things: data (bytes arrived,
  * the input ended, the output drained, or the owner asked for another turn: do what you can, now),
  * and closed (the last call; the owner frees it). It reads no more while too much is unconsumed or
- * unsent, and it has no buffers while it is quiet.
+ * unsent, and it has no buffers while it is quiet. Those that it has are counted; when memory is
+ * short, it reads and produces only as much as needs no large ones.
  *
  * End of input is not disconnection: a client that closed its sending side still gets every reply.
  * Only an error, a hang-up or a failed write means that nobody is there any more. */
@@ -11,13 +12,15 @@
 #define SERVER_CONN_H
 
 #include "proto/buf.h"
+#include "server/budget.h"
 #include "server/hold.h"
 #include "server/loop.h"
 
 enum {
     CONN_IN_LIMIT =
         160 * 1024, /* unconsumed bytes beyond which nothing is read; more than a whole line */
-    CONN_OUT_LIMIT = 64 * 1024 /* unsent bytes beyond which the owner should produce no more */
+    CONN_OUT_LIMIT = 64 * 1024, /* unsent bytes beyond which the owner should produce no more */
+    CONN_SMALL = 4 * 1024       /* the same for either when memory is short */
 };
 
 struct conn;
@@ -32,7 +35,9 @@ struct conn {
     struct loop *loop;
     const struct conn_events *events;
     struct buf in, out;
-    uint64_t sent;    /* bytes that have left out so far */
+    struct reservation memory; /* what its owner has reserved, and the buffers */
+    size_t owner_bytes;        /* the former */
+    uint64_t sent;             /* bytes that have left out so far */
     struct hold hold; /* which bytes of out must wait for the disk; numbered as `sent` is */
     struct task turn, burial;
     uint32_t interest;   /* what epoll watches for */
@@ -47,9 +52,10 @@ struct conn {
     int64_t linger_ms; /* since when */
 };
 
-/* Takes over a connected non-blocking socket. False (and the socket is still the caller's) if it
- * cannot be watched. */
-bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_events *events);
+/* Takes over a connected non-blocking socket, and a reservation for its owner that lasts until
+ * `closed` is called. False (and both are still the caller's) if the socket cannot be watched. */
+bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_events *events,
+               const struct reservation *memory);
 
 /* Asks for another call of data in the next turn. */
 void conn_again(struct conn *c);
@@ -83,10 +89,18 @@ static inline size_t conn_sendable(const struct conn *c)
     return hold_free(&c->hold, c->sent, conn_out_end(c));
 }
 
+/* Whether there is no memory left for large buffers of clients; what there is, is for small ones. */
+static inline bool conn_is_short(const struct conn *c)
+{
+    const struct budget *b = c->memory.budget;
+    return b != NULL && !budget_fits(b, BUDGET_CLIENTS, CONN_OUT_LIMIT + *b->limit / 64);
+}
+
 /* Whether the owner should produce no more output for now; data is called when it has drained. */
 static inline bool conn_full(const struct conn *c)
 {
-    return buf_len(&c->out) >= CONN_OUT_LIMIT;
+    size_t n = buf_len(&c->out);
+    return n >= CONN_OUT_LIMIT || (n >= CONN_SMALL && conn_is_short(c));
 }
 
 #endif

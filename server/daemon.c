@@ -119,6 +119,10 @@ static void welcome(int fd, const struct sock_peer *peer)
         refuse(fd, "ERR BUSY too many clients\n");
         return;
     }
+    if (!budget_fits(&d.server.budget, BUDGET_CLIENTS, sizeof(struct session))) {
+        refuse(fd, "ERR BUSY no memory is left for one more client\n");
+        return;
+    }
     struct session *s = session_new(&d.server, &d.loop, fd, peer, on_client_closed);
     if (s == NULL) {
         refuse(fd, "ERR NOMEM out of memory\n");

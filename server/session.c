@@ -224,6 +224,8 @@ bool session_wait_for_input(struct session *s)
 {
     if (s->conn.eof)
         conn_finish(&s->conn);
+    else if (buf_len(&s->conn.in) >= CONN_SMALL && conn_is_short(&s->conn))
+        return session_refuse(s, ERR_BUSY, "no memory is left for so long a request; try again");
     return false;
 }
 
@@ -432,8 +434,11 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     s->later.run = on_later;
     s->deadline.run = pass_deadline;
     s->closed = closed;
-    if (conn_init(&s->conn, loop, fd, &events))
+    struct reservation memory = server_reservation(server, BUDGET_CLIENTS);
+    reservation_set(&memory, sizeof *s);
+    if (conn_init(&s->conn, loop, fd, &events, &memory))
         return s;
+    reservation_set(&memory, 0);
     free(s);
     return NULL;
 }

@@ -1,0 +1,160 @@
+/* memory_clients_test.c - what connections take is counted, and is bounded when memory is short: many
+ * clients, long requests, replies that nobody reads. Over a Unix socket, whose own buffers are small. */
+#include "tests/server/daemon.h"
+#include "tests/test.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#define MB ((size_t)1000 * 1000)
+
+struct place {
+    char path[64];
+    struct daemon d;
+};
+
+static struct place begin(const char *max_memory)
+{
+    struct place p;
+    snprintf(p.path, sizeof p.path, "/tmp/delaunayd-test-%d.sock", (int)getpid());
+    const char *arguments[] = {"--max-memory", max_memory, "--unix", p.path, NULL};
+    p.d = daemon_start(arguments);
+    return p;
+}
+
+static int local_connect(const struct place *p)
+{
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    memcpy(at.sun_path, p->path, strlen(p->path));
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    CHECK(fd >= 0 && connect(fd, (struct sockaddr *)&at, sizeof at) == 0);
+    struct timeval patience = {.tv_usec = 200 * 1000};
+    CHECK(setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience) == 0);
+    return fd;
+}
+
+/* Sends as much as the other side takes. */
+static void send_what_goes(int fd, const char *bytes, size_t n)
+{
+    ssize_t sent = send(fd, bytes, n, MSG_NOSIGNAL);
+    CHECK(sent >= 0 || errno == EAGAIN || errno == EPIPE || errno == ECONNRESET);
+}
+
+/* What INFO says on a connection that is there already: there may be no memory for another one. */
+static size_t info_of(int fd, const char *key)
+{
+    say(fd, "INFO memory clients\n");
+    size_t lines = 0, found = 0;
+    CHECK(sscanf(hear_line(fd), "OK %zu", &lines) == 1);
+    for (; lines > 0; lines--) {
+        const char *line = hear_line(fd);
+        if (strncmp(line, key, strlen(key)) == 0 && line[strlen(key)] == ':')
+            found = strtoul(line + strlen(key) + 1, NULL, 10);
+    }
+    return found;
+}
+
+static void check_memory(const struct place *p, int fd, size_t limit)
+{
+    size_t peak = info_of(fd, "memory_peak"), resident = daemon_peak_resident(&p->d);
+    CHECK_MSG(peak <= limit + limit / 16 + MB, "the budget was at %zu", peak);
+    CHECK_MSG(!costs_are_telling() || resident <= limit + 12 * MB, "%zu bytes", resident);
+    say(fd, "PING\nNEAREST small 0.9 0\n");
+    expect(fd, "OK 0\nOK 1\n1 1 0 0.09999999999999998\n");
+}
+
+/* Requests, over and over, of which a client sends `bytes`. */
+static char *repeated(const char *request, size_t bytes)
+{
+    size_t len = strlen(request);
+    char *text = malloc(bytes);
+    CHECK(text != NULL);
+    for (size_t at = 0; at < bytes; at++)
+        text[at] = request[at % len];
+    return text;
+}
+
+TEST_TIMEOUT(idle_clients_are_counted, 60)
+{
+    enum { CLIENTS = 500 };
+    struct place p = begin("64m");
+    int fd[CLIENTS];
+    uint64_t before = daemon_info(&p.d, "memory_clients");
+    for (int i = 0; i < CLIENTS; i++)
+        fd[i] = local_connect(&p);
+    await_info(&p.d, "clients", CLIENTS + 1);
+    uint64_t counted = daemon_info(&p.d, "memory_clients") - before;
+    CHECK_MSG(counted >= CLIENTS * 400 && counted <= CLIENTS * 4000, "%zu", (size_t)counted);
+    for (int i = 0; i < CLIENTS; i++)
+        close(fd[i]);
+    await_info(&p.d, "clients", 1);
+    CHECK(daemon_info(&p.d, "memory_clients") == before);
+}
+
+TEST_TIMEOUT(replies_that_pile_up_stay_within_the_budget, 60)
+{
+    enum { CLIENTS = 300, BYTES = 200 * 1000, LIMIT = 8 << 20 };
+    struct place p = begin("8m");
+    int other = daemon_connect(&p.d), fd[CLIENTS];
+    say(other, "ADD small 0 0 1 0 0 1\nTRIANGULATE small\n");
+    hear_line(other), hear_line(other);
+    load_random(other, "t", 60);
+    char *requests = repeated("POINTS t\n", BYTES);
+    for (int i = 0; i < CLIENTS; i++) {
+        fd[i] = local_connect(&p);
+        send_what_goes(fd[i], requests, BYTES);
+    }
+    CHECK(info_of(other, "memory_clients") > 1 * MB);
+    check_memory(&p, other, LIMIT);
+    for (int i = 1; i < CLIENTS; i++)
+        close(fd[i]);
+    for (int tries = 0; info_of(other, "clients") > 2; tries++, pause_ms(10))
+        CHECK(tries < 500);
+    size_t n = 0; /* what is left is answered as if nothing had been */
+    char line[100];
+    shutdown(fd[0], SHUT_WR);
+    char *all = hear_all(fd[0], &n);
+    for (const char *at = all; (at = strstr(at, "OK 60\n")) != NULL; at += 6)
+        CHECK(at == all || at[-1] == '\n');
+    snprintf(line, sizeof line, "%zu", n);
+    CHECK_MSG(n > 200 * 1000 && all[n - 1] == '\n', "%s", line);
+    free(all);
+    free(requests);
+}
+
+TEST_TIMEOUT(long_requests_that_do_not_end_stay_within_the_budget, 60)
+{
+    enum { CLIENTS = 400, BYTES = 60 * 1000, LIMIT = 8 << 20 };
+    struct place p = begin("8m");
+    int other = daemon_connect(&p.d), fd[CLIENTS], refused = 0;
+    say(other, "ADD small 0 0 1 0 0 1\nTRIANGULATE small\n");
+    hear_line(other), hear_line(other);
+    char *request = repeated("GET small 1 1 1 ", BYTES), line[100] = "";
+    for (int i = 0; i < CLIENTS; i++) {
+        fd[i] = local_connect(&p);
+        send_what_goes(fd[i], request, BYTES);
+    }
+    check_memory(&p, other, LIMIT);
+    for (int i = 0; i < CLIENTS; i++) {
+        errno = 0;
+        ssize_t got = recv(fd[i], line, sizeof line - 1, MSG_DONTWAIT);
+        refused += got > 0 || errno == ECONNRESET; /* reset: it was not even admitted */
+        if (got <= 0)
+            continue;
+        line[got] = '\0';
+        CHECK_MSG(strncmp(line, "ERR BUSY ", 9) == 0, "%s", line);
+    }
+    CHECK_MSG(refused > CLIENTS / 4 && refused < CLIENTS, "%d refused", refused);
+    for (int i = 0; i < CLIENTS; i++)
+        close(fd[i]);
+    for (int tries = 0; info_of(other, "clients") > 1; tries++, pause_ms(10))
+        CHECK(tries < 500);
+    request[BYTES - 1] = 0;
+    converse(&p.d, request, "ERR NUMBER GET is not an id\n"); /* there is room again */
+    free(request);
+}
