@@ -66,7 +66,7 @@ static void fit(struct canvas *v, const struct model *m)
     v->scale = fmin(x1 > x0 ? wide / (x1 - x0) : wide, y1 > y0 ? high / (y1 - y0) : high);
     v->x0 = x0;
     v->y1 = y1;
-    uint32_t lines = (uint32_t)((y1 - y0) * v->scale / 4) + 1;
+    uint32_t lines = (uint32_t)lround((y1 - y0) * v->scale) / 4 + 1;
     if (lines < v->lines)
         v->lines = lines;
 }

@@ -4,7 +4,10 @@
 #include "tests/clients/peer.h"
 #include "tests/test.h"
 
+#include <fcntl.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 struct daemon cli_daemon;
 static char directory[64];
@@ -54,4 +57,30 @@ void cli_expect(const char *arguments, const char *want)
     int status;
     CHECK_STR(cli_run(&status, arguments), want);
     CHECK(status == 0);
+}
+
+void cli_run_on_terminal(const char *port, const char *arguments, char *out, size_t room)
+{
+    char command[500];
+    int master = posix_openpt(O_RDWR | O_NOCTTY);
+    CHECK(master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0);
+    int terminal = open(ptsname(master), O_RDWR | O_NOCTTY);
+    CHECK(terminal >= 0);
+    snprintf(command, sizeof command, "exec %s -h 127.0.0.1 -p %s %s", getenv("DELAUNAY"), port,
+             arguments);
+    pid_t pid = fork();
+    if (pid == 0) {
+        dup2(terminal, STDOUT_FILENO);
+        dup2(terminal, STDERR_FILENO);
+        execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+        _exit(127);
+    }
+    close(terminal);
+    size_t n = 0;
+    ssize_t got;
+    while ((got = read(master, out + n, room - 1 - n)) > 0)
+        n += (size_t)got;
+    out[n] = 0;
+    waitpid(pid, NULL, 0);
+    close(master);
 }

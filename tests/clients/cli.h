@@ -2,6 +2,8 @@
 #ifndef TESTS_CLIENTS_CLI_H
 #define TESTS_CLIENTS_CLI_H
 
+#include <stddef.h>
+
 #include "tests/daemon.h"
 
 /* The daemon that the functions below talk to. */
@@ -22,5 +24,9 @@ void cli_write(const char *name, const char *text);
 const char *cli_run(int *status, const char *arguments);
 void cli_run_well(const char *arguments);
 void cli_expect(const char *arguments, const char *want);
+
+/* Runs `delaunay ARGUMENTS`, for the server at that port, on a terminal of its own; what it writes there
+ * goes to out[room]. */
+void cli_run_on_terminal(const char *port, const char *arguments, char *out, size_t room);
 
 #endif

@@ -1,10 +1,8 @@
 /* cli_test.c - the `delaunay` command line: output, exit status, messages. */
-#include <fcntl.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/clients/cli.h"
 #include "tests/clients/peer.h"
 #include "tests/test.h"
 
@@ -75,6 +73,8 @@ TEST(cli_exit_status_tells_usage_from_no_connection)
     CHECK(status == 2);
     peer_shell(&status, "%s -p %s load t 2>&1", client(), port);
     CHECK(status == 2);
+    out = peer_shell(&status, "%s -p %s triangulate 2>&1", client(), port);
+    CHECK(status == 2 && strstr(out, "the name of a set is missing") != NULL);
     peer_shell(&status, "%s -p %s load 'a b' /dev/null 2>&1", client(), port);
     CHECK(status == 2);
     peer_shell(&status, "%s -p %s LOADB t 5 2>&1", client(), port);
@@ -117,35 +117,10 @@ TEST(cli_names_the_bad_line_and_loads_nothing)
     CHECK(status == 1);
 }
 
-/* Runs the client on a terminal of its own and returns what it wrote there. */
-static size_t run_on_terminal(const char *port, const char *path, char *out, size_t room)
-{
-    int master = posix_openpt(O_RDWR | O_NOCTTY);
-    CHECK(master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0);
-    int terminal = open(ptsname(master), O_RDWR | O_NOCTTY);
-    CHECK(terminal >= 0);
-    pid_t pid = fork();
-    if (pid == 0) {
-        dup2(terminal, STDOUT_FILENO);
-        dup2(terminal, STDERR_FILENO);
-        execl(client(), "delaunay", "-h", "127.0.0.1", "-p", port, "load", "t", path, (char *)NULL);
-        _exit(127);
-    }
-    close(terminal);
-    size_t n = 0;
-    ssize_t got;
-    while ((got = read(master, out + n, room - 1 - n)) > 0)
-        n += (size_t)got;
-    out[n] = 0;
-    waitpid(pid, NULL, 0);
-    close(master);
-    return n;
-}
-
 TEST(cli_draws_a_progress_bar_on_a_terminal_only)
 {
     static char out[1 << 20];
-    char port[8], path[64];
+    char port[8], path[64], arguments[100];
     int status;
     snprintf(path, sizeof path, "/tmp/delaunay_cli_test.%d", getpid());
     FILE *f = fopen(path, "w");
@@ -154,7 +129,8 @@ TEST(cli_draws_a_progress_bar_on_a_terminal_only)
         fprintf(f, "%d %d\n", i, i / 7);
     CHECK(fclose(f) == 0);
     peer_start(port, answer);
-    run_on_terminal(port, path, out, sizeof out);
+    snprintf(arguments, sizeof arguments, "load t %s", path);
+    cli_run_on_terminal(port, arguments, out, sizeof out);
     const char *piped = peer_shell(&status, "%s -p %s load t %s 2>&1", client(), port, path);
     unlink(path);
     CHECK(strstr(out, "\rreading [") != NULL && strstr(out, " % ") != NULL &&

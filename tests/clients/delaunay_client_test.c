@@ -109,9 +109,11 @@ TEST(client_stops_when_its_caller_says_so)
 /* Reads no further while its own replies are not taken: what a server with back-pressure does. */
 static void echo_much(int fd)
 {
-    char line[200], reply[3000];
-    while (peer_hear(fd, line, sizeof line)) {
-        snprintf(reply, sizeof reply, "OK 1\n%s %02000d\n", line, 0);
+    char *line = NULL, reply[3000];
+    size_t room = 0;
+    FILE *in = fdopen(dup(fd), "r");
+    while (in != NULL && getline(&line, &room, in) > 0) {
+        snprintf(reply, sizeof reply, "OK 1\n%lu %02000d\n", strtoul(line, NULL, 10), 0);
         peer_say(fd, reply);
     }
 }
@@ -125,12 +127,14 @@ static bool check_echo(void *ctx, const struct reply_part *part)
 
 TEST_TIMEOUT(client_pipelines_without_deadlock_however_much, 60)
 {
-    char port[8], line[16];
-    const unsigned requests = 60000; /* 120 MB of replies, 400 KB of requests */
+    char port[8], line[512];
+    const unsigned requests =
+        40000; /* 80 MB of replies, 16 MB of requests: more than sockets hold */
     peer_start(port, echo_much);
     struct delaunay_client *c = connected(port);
     for (unsigned i = 0; i < requests; i++)
-        CHECK(delaunay_send(c, line, (size_t)snprintf(line, sizeof line, "%u", i)) == DELAUNAY_OK);
+        CHECK(delaunay_send(c, line, (size_t)snprintf(line, sizeof line, "%u %0400u", i, i)) ==
+              DELAUNAY_OK);
     for (unsigned i = 0; i < requests; i++)
         CHECK(delaunay_receive(c, check_echo, &i) == DELAUNAY_OK);
     delaunay_close(c);
@@ -253,6 +257,36 @@ TEST(client_sends_no_points_under_a_name_that_is_none)
     CHECK(delaunay_send_points(c, "", xy, 1, NULL, NULL) == DELAUNAY_BADNAME);
     CHECK(delaunay_request(c, "HULL t", NULL, NULL) ==
           DELAUNAY_OK); /* and the connection is as it was */
+    delaunay_close(c);
+}
+
+/* Every allocation fails once, for a binary reply and for points that are sent. */
+TEST(client_says_so_when_memory_runs_out)
+{
+    static const double xy[2 * 5000];
+    char port[8];
+    bool failed = true;
+    peer_start(port, answer);
+    for (long nth = 1; failed; nth++) {
+        void *bytes = NULL;
+        size_t n = 0;
+        struct delaunay_client *c = connected(port);
+        test_fail_alloc(nth);
+        enum delaunay_result r = delaunay_send(c, "RAW", 3);
+        if (r == DELAUNAY_OK)
+            r = delaunay_receive_bytes(c, &bytes, &n);
+        failed = test_alloc_failed();
+        test_fail_alloc(0);
+        CHECK_MSG(r == (failed ? DELAUNAY_NOMEM : DELAUNAY_OK), "allocation %ld: %s", nth,
+                  delaunay_result_text(r));
+        CHECK(failed ? bytes == NULL && n == 0 : n == 3 && memcmp(bytes, "abc", 3) == 0);
+        free(bytes);
+        delaunay_close(c);
+        CHECK(nth < 20);
+    }
+    struct delaunay_client *c = connected(port);
+    test_fail_alloc(1);
+    CHECK(delaunay_send_points(c, "s", xy, 5000, NULL, NULL) == DELAUNAY_NOMEM);
     delaunay_close(c);
 }
 

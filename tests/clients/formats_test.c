@@ -382,6 +382,8 @@ TEST(load_reads_geojson)
     refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1,2]", "", "not GeoJSON");
     refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1]}", "", "not GeoJSON");
     refuse_text("a.json", "[[[", "", "not GeoJSON");
+    refuse_text("a.json", "\"no end", "", "not GeoJSON");
+    refuse_text("a.json", "\"no end\\", "", "not GeoJSON");
     cli_finish();
 }
 

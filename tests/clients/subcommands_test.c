@@ -1,5 +1,6 @@
 /* subcommands_test.c - URLs, copy, show, top, help and completion, by way of a real daemon. */
 #include <string.h>
+#include <unistd.h>
 
 #include "tests/clients/cli.h"
 #include "tests/clients/peer.h"
@@ -30,6 +31,68 @@ TEST(url_names_daemon_and_set)
     cli_finish();
 }
 
+TEST(token_comes_from_the_url_or_the_environment)
+{
+    int status;
+    char path[100];
+    cli_begin();
+    cli_write("tokens", "rw let-me-in\n");
+    snprintf(path, sizeof path, "%s", cli_path("tokens"));
+    const char *arguments[] = {"--auth-file", path, NULL};
+    struct daemon d = daemon_start(arguments);
+    const char *client = getenv("DELAUNAY"), *port = d.port_text;
+    const char *got = peer_shell(&status, "%s -p %s sets 2>&1", client, port);
+    CHECK(status == 1 && strncmp(got, "ERR NOAUTH ", 11) == 0);
+    got = peer_shell(&status, "%s -u delaunay://:let-me-in@127.0.0.1:%s sets 2>&1", client, port);
+    CHECK_STR(got, "OK 0\n");
+    got = peer_shell(&status, "DELAUNAY_TOKEN=let-me-in %s -p %s sets 2>&1", client, port);
+    CHECK_STR(got, "OK 0\n");
+    got = peer_shell(&status, "DELAUNAY_TOKEN=open-sesame %s -p %s sets 2>&1", client, port);
+    CHECK_MSG(status == 3 && strncmp(got, "delaunay: ERR ", 14) == 0, "%s", got);
+    daemon_end(&d);
+    cli_finish();
+}
+
+/* A server whose binary replies are of a size that does not fit their rows. */
+static void answer_odd_sizes(int fd)
+{
+    char line[200], point[20] = {0};
+    bool odd_points = false;
+    while (peer_hear(fd, line, sizeof line)) {
+        if (strncmp(line, "POINTS odd", 10) == 0 || strncmp(line, "POINTS none", 11) == 0) {
+            peer_say(fd, line[7] == 'o' ? "OK 0 rows=1 bytes=16\n" : "OK 1\n0 0 0\n");
+            odd_points = line[7] == 'o';
+            CHECK(!odd_points || write(fd, point, 16) == 16);
+        } else if (strncmp(line, "POINTS", 6) == 0) {
+            peer_say(fd, "OK 0 rows=1 bytes=20\n");
+            CHECK(write(fd, point, 20) == 20);
+        } else if (strncmp(line, "TRIANGLES", 9) == 0) {
+            peer_say(fd, "OK 0 rows=1 bytes=8\n");
+            CHECK(write(fd, point, 8) == 8);
+        } else {
+            peer_say(fd, "OK 1\n0 0 0\n");
+        }
+    }
+}
+
+TEST(export_refuses_replies_of_another_size_than_their_rows)
+{
+    static const struct {
+        const char *set, *want;
+    } cases[] = {{"odd", "delaunay: a point of another size\n"},
+                 {"none", "delaunay: the server sends no binary replies\n"},
+                 {"t", "delaunay: a row of another size\n"}};
+    char port[8];
+    int status;
+    peer_start(port, answer_odd_sizes);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        CHECK_STR(peer_shell(&status, "%s -p %s export %s - 2>&1", getenv("DELAUNAY"), port,
+                             cases[i].set),
+                  cases[i].want);
+        CHECK(status == 1);
+    }
+}
+
 TEST(copy_keeps_ids_tolerance_and_triangulation)
 {
     int status;
@@ -51,7 +114,8 @@ TEST(copy_keeps_ids_tolerance_and_triangulation)
     cli_run_well("check u");
     peer_shell(&status, "%s copy t %s delaunay://127.0.0.1:%s/u 2>&1", getenv("DELAUNAY"), from,
                cli_daemon.port_text);
-    CHECK(status == 1); /* it is there already */
+    CHECK(status == 1); /* it is there already, and stays as it was */
+    cli_expect("points u", "OK 4\n1 4 0\n3 0 4\n4 0.25 0\n6 2 2\n");
     daemon_end(&first);
     cli_finish();
 }
@@ -139,8 +203,43 @@ TEST(show_fits_points_that_are_wide_high_or_at_one_place)
     show("0 3  7 3", "⠉⠉⠉⠉\n");
     show("3 0  3 70", "⡇   \n⡇   \n");
     show("0 0  7 0  7 1  0 1", "⠛⠛⠛⠛\n");
+    show("0 0  7 3.6", "⢀⡠⠔⠊\n⠁   \n");
     show("0 0  3 0  3 7  0 7", "⣯⢹  \n⣇⣻  \n");
     show("0 0  1 0  1 70  0 70", "⡇   \n⡇   \n");
+    cli_finish();
+}
+
+TEST(show_has_sizes_from_1_to_2000)
+{
+    static const char *const wrong[] = {"--width 0", "--width 2001", "--height 0", "--height x",
+                                        "--width -1"};
+    cli_begin();
+    cli_run_well("ADD t 0 0  1 0  0 1");
+    cli_run_well("triangulate t");
+    cli_run_well("show t --width 1 --height 1");
+    cli_run_well("show t --width 2000 --height 1");
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        char arguments[60];
+        int status;
+        snprintf(arguments, sizeof arguments, "show t %s", wrong[i]);
+        cli_run(&status, arguments);
+        CHECK_MSG(status == 2, "%s", wrong[i]);
+    }
+    cli_finish();
+}
+
+/* A cell has the colour of the hull before that of a point before that of an edge. */
+TEST(show_draws_the_hull_over_points_over_edges_in_colour)
+{
+    char out[4000];
+    cli_begin();
+    cli_run_well("ADD t 0 0  39 0  39 39  0 39  20 20");
+    cli_run_well("triangulate t");
+    cli_run_on_terminal(cli_daemon.port_text, "show t --width 20 --height 10", out, sizeof out);
+    CHECK(strncmp(out, "\033[0m\033[31m", 9) == 0);  /* the corner is on the hull, and a point */
+    CHECK(strstr(out, "\033[0m\033[2;34m") != NULL); /* edges */
+    const char *point = strstr(out, "\033[0m\033[1;33m");
+    CHECK(point != NULL && strstr(point + 1, "\033[0m\033[1;33m") == NULL); /* the one inside */
     cli_finish();
 }
 
@@ -167,6 +266,29 @@ TEST(every_subcommand_has_help_and_completion)
     CHECK_STR(got, "triangulate triangles\n");
     CHECK(strstr(cli_run(&status, "top --once"), "uptime_s ") != NULL);
     cli_finish();
+}
+
+/* Counts up by ten from INFO to INFO. */
+static void inform_of_progress(int fd)
+{
+    char line[100], reply[100];
+    for (int commands = 100; peer_hear(fd, line, sizeof line); commands += 10) {
+        snprintf(reply, sizeof reply, "OK 2\nuptime_s:5\ncommands:%d\n", commands);
+        peer_say(fd, reply);
+    }
+}
+
+TEST(top_shows_what_has_been_counted_in_the_last_second)
+{
+    char port[8];
+    int status;
+    peer_start(port, inform_of_progress);
+    const char *out =
+        peer_shell(&status, "timeout 2.6 %s -p %s top 2>&1", getenv("DELAUNAY"), port);
+    CHECK(strstr(out, "110   +10/s\n") != NULL && strstr(out, "120   +10/s\n") != NULL);
+    CHECK(strstr(out, " 100\n") != NULL);
+    peer_shell(&status, "%s -p %s top --always 2>&1", getenv("DELAUNAY"), port);
+    CHECK(status == 2);
 }
 
 /* Answers INFO with more facts than there is room for, some of them long. */

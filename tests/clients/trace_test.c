@@ -132,6 +132,22 @@ TEST(trace_that_is_refused_leaves_no_file)
     daemon_end(&d);
 }
 
+TEST(trace_to_a_file_that_cannot_be_written_leaves_none)
+{
+    struct daemon d = daemon_start(NULL);
+    int status;
+    char directory[] = "/tmp/delaunay_full_XXXXXX", client[PATH_MAX];
+    CHECK(mkdtemp(directory) != NULL && realpath(getenv("DELAUNAY"), client) != NULL);
+    run(&d, &status, "ADD t 0 0  4 0  4 3  0 3  2 1");
+    const char *got = peer_shell(
+        &status, "cd %s && trap '' XFSZ && ulimit -f 1 && %s -h 127.0.0.1 -p %s trace t a.svg 2>&1",
+        directory, client, d.port_text);
+    CHECK_STR(got, "delaunay: a.svg: File too large\n");
+    CHECK(status == 1);
+    CHECK_STR(peer_shell(&status, "ls %s && rm -r %s", directory, directory), "");
+    daemon_end(&d);
+}
+
 /* A server that tells no steps. */
 static void answer_nonsense(int fd)
 {
