@@ -1,7 +1,7 @@
 /* answer.h - what becomes of a request: bytes of a reply now, and what is still to come.
  *
  * A handler writes into out. Beyond that it may leave exactly one of: a stream (rows that are too
- * many to write at once), a job (a worker has it; the reply comes when it is done), a queue to wait
+ * many to write at once), a listing (the same for what is made a piece per turn), a job (a worker has it; the reply comes when it is done), a queue to wait
  * in (the request is to be tried again when its turn has come), a load (points follow the request).
  * Whoever called the handler takes over what is left. */
 #ifndef SERVER_ANSWER_H
@@ -13,6 +13,7 @@
 #include "server/wait.h"
 
 struct stream;
+struct listing;
 struct job;
 struct dataset;
 struct load;
@@ -27,6 +28,7 @@ struct answer {
     unsigned token;   /* the number of the token that gave the role; 0: none did */
     unsigned command; /* which one it is: its place in the table, else STATS_OTHER */
     struct stream *stream;   /* moves to the caller */
+    struct listing *listing; /* moves to the caller */
     struct job *job;         /* borrows: the job ends by itself */
     struct wait_queue *wait; /* borrows: begin to wait before anything else happens */
     bool wait_writes;        /* for a set, until it has no writer; else until it can be read */

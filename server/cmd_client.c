@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_LIMIT = 64, SLOW_ROWS = 10 };
+enum { NAME_LIMIT = 64, SLOW_ROWS = 10, SLOW_A_PIECE = 128 };
 
 static struct session *asker(const struct server *s, const struct answer *a)
 {
@@ -48,6 +48,8 @@ static const char *state_of(const struct session *s)
         return "waiting";
     if (s->load != NULL)
         return "loading";
+    if (s->listing != NULL)
+        return "working";
     return s->stream != NULL || buf_len(&s->conn.out) > 0 ? "sending" : "idle";
 }
 
@@ -88,26 +90,31 @@ static void fetch_session(const struct clients *c, uint32_t i)
             __builtin_prefetch((const char *)s + at * LINE);
 }
 
-static void list(struct server *s, struct answer *a)
+enum { CLIENTS_A_PIECE = 256, CLIENT_BYTES = 256 };
+
+static bool list_clients(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
 {
     enum { AHEAD = 4 };
     const struct clients *c = s->clients;
-    uint32_t n = 0;
-    struct buf rows = {0};
-    for (uint32_t i = 0; c != NULL && i < c->cap; i++) {
-        const struct session *one = clients_at(c, i);
-        fetch_session(c, i + AHEAD);
+    uint64_t until = *at + CLIENTS_A_PIECE < end ? *at + CLIENTS_A_PIECE : end;
+    for (; *at < until; ++*at) {
+        const struct session *one = clients_at(c, (uint32_t)*at);
+        fetch_session(c, (uint32_t)*at + AHEAD);
         if (one == NULL || one->conn.dead)
             continue;
-        tell_client(&rows, one);
-        n++;
+        tell_client(&rows->text, one);
+        rows->n++;
     }
-    reply_ok(a->out, n);
-    reply_end(a->out);
-    buf_append(a->out, buf_head(&rows), buf_len(&rows));
-    if (rows.failed)
-        answer_out_of_memory(a);
-    buf_free(&rows);
+    return *at < end;
+}
+
+void client_list(struct server *s, struct answer *a, enum listing_frame frame)
+{
+    uint64_t cap = s->clients != NULL ? s->clients->cap : 0, n = cap > 0 ? s->clients->n : 0;
+    if (frame == LISTING_BULK)
+        listing_answer_framed(s, a, list_clients, frame, 0, cap, n * CLIENT_BYTES);
+    else
+        listing_answer(s, a, list_clients, false, 0, cap, n * CLIENT_BYTES);
 }
 
 /* Which clients a KILL means: those of an id, or those of an address. */
@@ -225,7 +232,7 @@ void cmd_client(struct server *s, struct dataset *set, const struct request *q, 
     (void)set;
     if (q->n == 2 && word_is(what, "LIST")) {
         if (may_rule(a))
-            list(s, a);
+            client_list(s, a, LISTING_LINES);
     } else if (q->n >= 3 && word_is(what, "KILL")) {
         if (may_rule(a))
             kill_clients(s, q, a);
@@ -253,20 +260,44 @@ static void tell_slow(struct buf *out, const struct slow *e)
     reply_row_text(out, row);
 }
 
+bool slowlog_piece(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows,
+                   void (*tell)(struct buf *out, const struct slow *e))
+{
+    for (int i = 0; i<SLOW_A_PIECE && * at> end; i++) {
+        const struct slow *e = slowlog_find(&s->slowlog, --*at);
+        if (e == NULL)
+            return false;
+        tell(&rows->text, e);
+        rows->n++;
+    }
+    return *at > end;
+}
+
+static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
+{
+    return slowlog_piece(s, at, end, rows, tell_slow);
+}
+
+bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n)
+{
+    uint32_t there = slowlog_len(&s->slowlog);
+    *n = SLOW_ROWS;
+    if (q->n == 3 && word_is(&q->word[2], "-1"))
+        *n = there;
+    else if (q->n == 3 && !proto_read_u32(q->word[2].text, q->word[2].len, n))
+        return false;
+    *n = *n < there ? *n : there;
+    return true;
+}
+
 static void get_slow(struct server *s, const struct request *q, struct answer *a)
 {
-    uint32_t n = SLOW_ROWS, there = slowlog_len(&s->slowlog);
-    bool all = q->n == 3 && q->word[2].len == 2 && memcmp(q->word[2].text, "-1", 2) == 0;
-    if (q->n == 3 && !all && !proto_read_u32(q->word[2].text, q->word[2].len, &n)) {
+    uint32_t n;
+    uint64_t next = s->slowlog.next;
+    if (slowlog_wanted(s, q, &n))
+        listing_answer(s, a, list_slow, false, next, next - n, n * sizeof(struct slow));
+    else
         reply_err(a->out, ERR_NUMBER, "%.*s is not a number of requests", QUOTED(&q->word[2]));
-        return;
-    }
-    if (all || n > there)
-        n = there;
-    reply_ok(a->out, n);
-    reply_end(a->out);
-    for (uint32_t i = 0; i < n; i++)
-        tell_slow(a->out, slowlog_at(&s->slowlog, i));
 }
 
 void cmd_slowlog(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -3,6 +3,7 @@
 
 #include "server/edit.h"
 #include "server/journal.h"
+#include "server/listing.h"
 #include "server/stream.h"
 
 #include <stdio.h>
@@ -11,44 +12,35 @@
 
 /* ---- sets ---- */
 
-struct roll {
-    struct dataset **set; /* owns */
-    size_t n;
-};
+enum { SETS_A_PIECE = 256, ROW_BYTES = 96 };
 
-static void enroll(struct dataset *set, void *ctx)
+static void add_row(struct dataset *set, void *ctx)
 {
-    struct roll *roll = ctx;
-    roll->set[roll->n++] = set;
+    struct listing_rows *rows = ctx;
+    const struct dt_summary *sum = &set->current->sum;
+    bool triangulated = sum->triangulated || set->loading;
+    buf_append(&rows->text, set->name, set->name_len);
+    reply_key_u64(&rows->text, "points", sum->points);
+    reply_key_text(&rows->text, "triangulated", triangulated ? "yes" : "no");
+    reply_end(&rows->text);
+    rows->n++;
 }
 
-static int by_name(const void *a, const void *b)
+static bool list_sets(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
 {
-    const struct dataset *const *x = a, *const *y = b;
-    return strcmp((*x)->name, (*y)->name);
+    uint64_t most = rows->n + SETS_A_PIECE;
+    (void)end;
+    do
+        *at = registry_scan(&s->sets, (size_t)*at, add_row, rows);
+    while (*at != 0 && rows->n < most);
+    rows->shown = journal_of_all(s);
+    return *at != 0;
 }
 
 void cmd_sets(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)set, (void)q;
-    struct roll roll = {malloc((s->sets.sets + 1) * sizeof(struct dataset *)), 0};
-    if (roll.set == NULL) {
-        answer_out_of_memory(a);
-        return;
-    }
-    registry_each(&s->sets, enroll, &roll);
-    qsort(roll.set, roll.n, sizeof(struct dataset *), by_name);
-    a->shown = journal_of_all(s);
-    reply_ok(a->out, roll.n);
-    reply_end(a->out);
-    for (size_t i = 0; i < roll.n; i++) {
-        char row[SET_NAME_LIMIT + 64];
-        const struct dt_summary *sum = &roll.set[i]->current->sum;
-        snprintf(row, sizeof row, "%s points=%u triangulated=%s", roll.set[i]->name, sum->points,
-                 sum->triangulated || roll.set[i]->loading ? "yes" : "no");
-        reply_row_text(a->out, row);
-    }
-    free(roll.set);
+    listing_answer(s, a, list_sets, true, 0, 0, s->sets.sets * ROW_BYTES);
 }
 
 static bool read_tolerance(struct answer *a, const struct request *q, double *tolerance)

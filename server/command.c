@@ -289,6 +289,9 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
     if (a->stream != NULL)
         stream_free(&s->sets, a->stream);
     a->stream = NULL;
+    if (a->listing != NULL)
+        listing_free(a->listing);
+    a->listing = NULL;
     buf_rewind(a->out, mark);
     reply_err(a->out, ERR_NOMEM, "out of memory; nothing has changed");
 }

@@ -6,6 +6,7 @@
 #ifndef SERVER_COMMAND_H
 #define SERVER_COMMAND_H
 
+#include "server/listing.h"
 #include "server/server.h"
 
 /* set is NULL for a command without CMD_SET, or if there is none of that name and the command may
@@ -77,6 +78,17 @@ uint32_t *read_ids(struct answer *a, const struct word *w, size_t n);
  * decided yet, and the answer says when to carry out the request. */
 enum shown { SHOWN_WRONG, SHOWN_GOOD, SHOWN_LATER };
 enum shown client_show_token(struct server *s, struct answer *a, const struct word *token);
+
+/* CLIENT LIST, in lines or, for RESP, as one bulk string. */
+void client_list(struct server *s, struct answer *a, enum listing_frame frame);
+
+/* A piece of a listing of slow requests, from that whose id is *at - 1 back to that of the id `end`, or
+ * to what has been forgotten meanwhile, each written by `tell`. */
+bool slowlog_piece(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows,
+                   void (*tell)(struct buf *out, const struct slow *e));
+
+/* How many slow requests SLOWLOG GET asks for; false: that is no number. */
+bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n);
 
 /* Names the connection that asks. False: that can be no name. */
 bool client_set_name(struct server *s, struct answer *a, const struct word *name);

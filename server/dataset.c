@@ -266,6 +266,22 @@ void registry_each(const struct registry *r, void (*visit)(struct dataset *set, 
                 visit(set, ctx);
 }
 
+/* The bits of the cursor count from the highest one down. So when the number of buckets doubles, the
+ * two buckets that a visited one has become are both behind the cursor. [Redis, dictScan] */
+size_t registry_scan(const struct registry *r, size_t cursor,
+                     void (*visit)(struct dataset *set, void *ctx), void *ctx)
+{
+    if (r->buckets == 0)
+        return 0;
+    for (struct dataset *set = r->bucket[cursor]; set != NULL; set = set->next)
+        if (set->born)
+            visit(set, ctx);
+    size_t bit = r->buckets >> 1;
+    for (; (cursor & bit) != 0; bit >>= 1)
+        cursor ^= bit;
+    return cursor | bit;
+}
+
 void dataset_publish(struct registry *r, struct dataset *set, struct version *v)
 {
     version_unpin(r, set->current);

@@ -78,6 +78,12 @@ void registry_tidy(struct registry *r);
 void registry_each(const struct registry *r, void (*visit)(struct dataset *set, void *ctx),
                    void *ctx);
 
+/* Visits the born sets of the next bucket, and returns the cursor for the one after it; 0: that was
+ * the last. It begins with 0. A set that is there from the first call to the last is visited once,
+ * even if others come and go in between. */
+size_t registry_scan(const struct registry *r, size_t cursor,
+                     void (*visit)(struct dataset *set, void *ctx), void *ctx);
+
 struct version *version_new(struct dt *dt);
 /* Frees a version that was never part of a set; NULL is fine, and its set is not freed. */
 void version_free(struct version *v);

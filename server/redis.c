@@ -172,12 +172,14 @@ static void tell_name(struct answer *a, const struct told *t)
 static void client(struct server *s, const struct request *q, struct answer *a)
 {
     struct told t;
-    if (!ask(s, q, a, "\n", &t))
+    if (q->n == 2 && word_is(&q->word[1], "LIST") && a->role == ROLE_WRITE) {
+        client_list(s, a, LISTING_BULK);
+        return;
+    }
+    if (!ask(s, q, a, "", &t))
         return;
     const struct word *what = &q->word[1];
-    if (word_is(what, "LIST"))
-        resp_bulk(a->out, buf_head(&t.rows), buf_len(&t.rows));
-    else if (word_is(what, "ID"))
+    if (word_is(what, "ID"))
         integer(a, number_in(&t, "id"));
     else if (word_is(what, "GETNAME"))
         tell_name(a, &t);
@@ -236,8 +238,9 @@ static void config(struct server *s, const struct request *q, struct answer *a)
 }
 
 /* An entry as Redis has it: id, time, microseconds, words, address, name. */
-static void tell_slow(struct answer *a, const struct slow *e)
+static void tell_slow(struct buf *out, const struct slow *e)
 {
+    struct answer row = {.out = out}, *a = &row;
     char peer[SOCK_PEER_TEXT];
     size_t words = 1;
     for (const char *p = e->text; *p != '\0'; p++)
@@ -257,17 +260,25 @@ static void tell_slow(struct answer *a, const struct slow *e)
     bulk_text(a, "");
 }
 
+static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
+{
+    return slowlog_piece(s, at, end, rows, tell_slow);
+}
+
 static void slowlog(struct server *s, const struct request *q, struct answer *a)
 {
     struct told t;
+    uint32_t n;
+    uint64_t next = s->slowlog.next;
+    if (q->n >= 2 && q->n <= 3 && word_is(&q->word[1], "GET") && a->role == ROLE_WRITE &&
+        slowlog_wanted(s, q, &n)) {
+        listing_answer_framed(s, a, list_slow, LISTING_ARRAY, next, next - n,
+                              n * sizeof(struct slow));
+        return;
+    }
     if (!ask(s, q, a, "", &t))
         return;
-    if (word_is(&q->word[1], "GET")) {
-        size_t n = (size_t)reply_rows(&t.status);
-        resp_array(a->out, n);
-        for (size_t i = 0; i < n; i++)
-            tell_slow(a, slowlog_at(&s->slowlog, (unsigned)i));
-    } else if (word_is(&q->word[1], "LEN")) {
+    if (word_is(&q->word[1], "LEN")) {
         integer(a, number_in(&t, "len"));
     } else {
         simple(a, "+OK");

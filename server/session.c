@@ -8,6 +8,7 @@
 #include "server/ahead.h"
 #include "server/cmd_load.h"
 #include "server/command.h"
+#include "server/listing.h"
 #include "server/redis.h"
 #include "server/session_inside.h"
 #include "server/stream.h"
@@ -73,7 +74,8 @@ static void account(struct session *s, const struct answer *a, bool error)
     s->command = a->command;
     if (a->load != NULL)
         s->refused = error;
-    if (a->wait != NULL || a->job != NULL || a->load != NULL || a->later_ms != 0) {
+    if (a->wait != NULL || a->job != NULL || a->load != NULL || a->later_ms != 0 ||
+        a->listing != NULL) {
         account_pause(s, a);
     } else if (!a->retry) {
         account_end(s, a, error || s->refused);
@@ -81,7 +83,7 @@ static void account(struct session *s, const struct answer *a, bool error)
     }
 }
 
-/* A worker has made a piece of the stream. */
+/* A worker has made a piece of the stream, or the listing can go on. */
 static void on_piece(void *ctx)
 {
     conn_again(&((struct session *)ctx)->conn);
@@ -109,6 +111,11 @@ bool session_take_over(struct session *s, struct answer *a)
     s->stream = a->stream;
     if (s->stream != NULL)
         stream_tell(s->stream, on_piece, s);
+    s->listing = a->listing;
+    if (s->listing != NULL) {
+        listing_tell(s->listing, on_piece, s);
+        conn_again(&s->conn);
+    }
     s->job = a->job;
     if (a->broken) {
         conn_close(&s->conn);
@@ -218,6 +225,29 @@ static bool step_stream(struct session *s)
     if (s->stream != NULL && conn_out_end(&s->conn) > a.mark) /* go on when this piece is out */
         conn_again(&s->conn);
     return s->stream == NULL;
+}
+
+/* The request of a listing is answered when its first row has been made. */
+static bool step_listing(struct session *s)
+{
+    bool begun = listing_has_begun(s->listing);
+    struct answer a = session_answer(s);
+    if (listing_frame(s->listing) != LISTING_LINES)
+        a.out = &s->conn.out;
+    a.listing = s->listing;
+    listing_refill(s->server, &a);
+    if (!begun && (a.listing == NULL || listing_has_begun(a.listing)))
+        account_end(s, &a, is_error(s, &a));
+    deliver(s, &a);
+    hold_reply(s, &a);
+    s->listing = a.listing;
+    if (a.broken) {
+        conn_close(&s->conn);
+        return false;
+    }
+    if (s->listing != NULL && conn_out_end(&s->conn) > a.mark)
+        conn_again(&s->conn);
+    return s->listing == NULL;
 }
 
 bool session_wait_for_input(struct session *s)
@@ -351,6 +381,8 @@ static bool step(struct session *s)
     }
     if (s->stream != NULL)
         return step_stream(s);
+    if (s->listing != NULL)
+        return step_listing(s);
     return s->load != NULL ? session_step_load(s) : step_request(s);
 }
 
@@ -382,6 +414,8 @@ static void on_closed(struct conn *c)
         job_leave(s->job, s->id);
     if (s->stream != NULL)
         stream_free(&s->server->sets, s->stream);
+    if (s->listing != NULL)
+        listing_free(s->listing);
     if (s->load != NULL)
         load_free(s->server, s->load);
     if (s->closed != NULL)
@@ -448,7 +482,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
 /* Whether the session does nothing but wait for what its client sends next. */
 static bool is_listening(const struct session *s)
 {
-    return s->job == NULL && s->stream == NULL && s->waiter.queue == NULL &&
+    return s->job == NULL && s->stream == NULL && s->listing == NULL && s->waiter.queue == NULL &&
            !timer_is_set(&s->later) && buf_len(&s->conn.out) == 0;
 }
 
@@ -499,7 +533,7 @@ void session_not_saved(struct hold *h)
     struct answer a = session_answer(s);
     reply_err(a.out, ERR_IO, "the disk fails: whether the last changes were saved is not known");
     deliver(s, &a);
-    if (s->job != NULL || s->stream != NULL || a.broken || c->out.failed)
+    if (s->job != NULL || s->stream != NULL || s->listing != NULL || a.broken || c->out.failed)
         conn_close(c); /* nothing may follow that line */
     else
         conn_finish(c);

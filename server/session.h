@@ -37,6 +37,7 @@ struct session {
     struct timer deadline;      /* set: runs at that moment */
     bool timed_out;             /* it has passed */
     struct stream *stream;      /* owns: rows that are still to be sent */
+    struct listing *listing;    /* owns: the same, made piece by piece */
     struct job *job;            /* borrows: what a worker does for it */
     struct load *load;          /* owns: points that are being received */
     bool refused;               /* the load that is being received has been refused already */

@@ -51,6 +51,12 @@ const struct slow *slowlog_at(const struct slowlog *l, unsigned i)
     return &l->entry[(l->next - 1 - i) % l->cap];
 }
 
+const struct slow *slowlog_find(const struct slowlog *l, uint64_t id)
+{
+    bool there = id < l->next && l->next - id <= slowlog_len(l);
+    return there ? &l->entry[id % l->cap] : NULL;
+}
+
 void slowlog_reset(struct slowlog *l)
 {
     l->first = l->next;

@@ -66,6 +66,10 @@ static void refill(struct local *l, struct answer *a)
         stream_refill(&l->server, a);
     if (a->stream != NULL && buf_len(a->out) == before)
         collect(l, a);
+    if (a->listing != NULL)
+        listing_refill(&l->server, a);
+    if (a->listing != NULL && l->server.jobs != NULL) /* it is being sorted */
+        collect(l, a);
 }
 
 /* Everything that an answer leaves to come. True if the request is to be carried out again. */
@@ -78,7 +82,7 @@ static bool complete(struct local *l, struct answer *a)
     do {
         wait_for_job(l, a);
         refill(l, a);
-    } while (a->job != NULL || a->stream != NULL);
+    } while (a->job != NULL || a->stream != NULL || a->listing != NULL);
     l->closed = l->closed || a->close || a->broken;
     return a->retry;
 }
