@@ -52,7 +52,7 @@ $(O)/tests/server_tests: $(call tests_of,server) $(CRASH) $(O)/tests/daemon.o $(
 $(O)/tests/clients_tests: $(call tests_of,clients) $(O)/tests/daemon.o $(HARNESS) $(filter-out $(O)/clients/main.o,$(CLIENT)) $(PROTO)
 TEST_BINARIES := $(SUITES:%=$(O)/tests/%_tests)
 $(TEST_BINARIES): LDFLAGS += $(WRAP)
-$(O)/tests/core_tests: LDFLAGS += -Wl,--wrap=dt_stopped
+$(O)/tests/core_tests: LDFLAGS += -Wl,--wrap=dt_stopped,--wrap=mremap
 $(O)/tests/server_tests: LDFLAGS += $(WRAP_FILES)
 
 $(O)/delaunayd $(O)/delaunay $(TEST_BINARIES):

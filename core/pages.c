@@ -13,6 +13,7 @@
  * one that has been put off. Whoever has swapped a region out of its slot owns it. */
 #include "core/pages.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -60,26 +61,68 @@ static char *map_aligned(size_t bytes)
     if (start > all)
         munmap(all, (size_t)(start - all));
     munmap(start + bytes, (size_t)(all + DT_HUGE_PAGE - start));
-    (void)madvise(start, bytes,
-                  MADV_HUGEPAGE); /* a wish: without it everything works, only slower */
+    (void)madvise(start, bytes, MADV_HUGEPAGE); /* best effort: without it everything is slower */
     return start;
 }
 
-/* Moves the pages of a region to other addresses. The system does not move what it has in several
- * mappings, as parts of different origin are, so if it refuses the whole, it is asked for the halves;
- * if it refuses a single page, too, its bytes are copied. */
-static void move_pages(char *from, char *to, size_t bytes)
+/* Whether these addresses are one mapping for the system: asked to make it longer where it is, by what is no
+ * use, it answers EFAULT if they are several, and otherwise does it, or finds no room. */
+static bool is_one_mapping(char *start, size_t bytes)
 {
-    if (mremap(from, bytes, bytes, MREMAP_MAYMOVE | MREMAP_FIXED, to) != MAP_FAILED)
-        return;
-    if (bytes == DT_HUGE_PAGE) {
+    enum { LONGER = 1 };
+    if (mremap(start, bytes, bytes + LONGER, 0) == MAP_FAILED)
+        return errno == ENOMEM;
+    munmap(start + bytes, LONGER);
+    return true;
+}
+
+/* How far a move has come: the bytes before `done` are at their target. The system has refused the next
+ * `lost` bytes, if any, and these are still where they were. Whether their target is ours is then unknown:
+ * it may have been unmapped before the failure, and mapped by another thread since. So nobody may touch or
+ * unmap it any more. */
+struct moved {
+    size_t done, lost;
+};
+
+/* Moves the pages of a region to other addresses, which are ours and hold nothing. Linux before 6.17 cannot
+ * move several mappings at a time, and notices after it has unmapped the target; so they are moved one
+ * by one, where a huge page is the least that is ever cut off. */
+static struct moved move_pages(char *from, char *to, size_t bytes, int flags)
+{
+    size_t step = is_one_mapping(from, bytes) ? bytes : DT_HUGE_PAGE, done = 0;
+    flags |= MREMAP_MAYMOVE | MREMAP_FIXED;
+    for (; done < bytes; done += step)
+        if (mremap(from + done, step, step, flags, to + done) == MAP_FAILED)
+            return (struct moved){done, step};
+    return (struct moved){done, 0};
+}
+
+/* Unmaps addresses to which a move was refused, but for those that may be somebody else's. */
+static void unmap_target(char *to, size_t bytes, struct moved m)
+{
+    size_t end = m.done + m.lost;
+    if (m.done > 0)
+        munmap(to, m.done);
+    if (end < bytes)
+        munmap(to + end, bytes - end);
+}
+
+/* Moves the first `bytes` of a region, which it gives up, to `to`, where there is room for `want`. The region
+ * stays mapped until all has moved, so that it can be brought back. Returns where all of it is now: at
+ * `to`, or, if the system refuses to move it, in a copy. NULL: it is as before, and `to` given up. */
+static char *move_content(char *from, char *to, size_t bytes, size_t want)
+{
+    struct moved m = move_pages(from, to, bytes, MREMAP_DONTUNMAP);
+    if (m.lost > 0) {
+        memcpy(from, to, m.done);
+        unmap_target(to, want, m);
+        to = map_aligned(want);
+        if (to == NULL)
+            return NULL;
         memcpy(to, from, bytes);
-        munmap(from, bytes);
-        return;
     }
-    size_t half = dt_huge_pages(bytes / 2);
-    move_pages(from, to, half);
-    move_pages(from + half, to + half, bytes - half);
+    munmap(from, bytes);
+    return to;
 }
 
 /* ---- slots ---- */
@@ -173,16 +216,45 @@ static void hold(struct dt_pages *p, size_t bytes)
 
 /* ---- regions ---- */
 
-/* Moves kept pages to these addresses; as many as there are. Returns their bytes. */
-static size_t fill(struct dt_pages *p, char *to, size_t bytes)
+/* Keeps a region that is nobody's. */
+static void keep(struct dt_pages *p, char *start, size_t bytes)
+{
+    if (bytes > 0 && !put(p, start, bytes))
+        unmap(p, start, bytes);
+}
+
+/* Moves kept pages to these addresses, as many as there are. */
+static struct moved fill(struct dt_pages *p, char *to, size_t bytes)
 {
     size_t done = 0, got;
     char *from;
     while (done < bytes && (from = cut(p, bytes - done, &got)) != NULL) {
-        move_pages(from, to + done, got);
-        done += got;
+        struct moved m = move_pages(from, to + done, got, 0);
+        done += m.done;
+        if (m.lost > 0) {
+            keep(p, from + m.done, got - m.done);
+            return (struct moved){done, m.lost};
+        }
     }
-    return done;
+    return (struct moved){done, 0};
+}
+
+/* Addresses for a region, with kept pages, as many as there are, from `used` on: *filled bytes. p may be
+ * NULL. NULL: out of memory. */
+static char *map_filled(struct dt_pages *p, size_t used, size_t bytes, size_t *filled)
+{
+    char *to = map_aligned(bytes);
+    struct moved m = {0, 0};
+    if (to != NULL && p != NULL)
+        m = fill(p, to + used, bytes - used);
+    *filled = m.lost == 0 ? m.done : 0;
+    if (m.lost == 0)
+        return to;
+    keep(p, to + used, m.done);
+    if (used > 0)
+        munmap(to, used);
+    unmap_target(to + used + m.done, bytes - used - m.done, (struct moved){0, m.lost});
+    return map_aligned(bytes);
 }
 
 void *dt_region_take(struct dt_pages *p, size_t bytes)
@@ -194,30 +266,30 @@ void *dt_region_take(struct dt_pages *p, size_t bytes)
     char *kept = cut(p, bytes, &got);
     if (got == bytes)
         return kept;
-    char *to = map_aligned(bytes);
-    if (to == NULL) {
-        if (kept != NULL && !put(p, kept, got))
-            unmap(p, kept, got);
-        return NULL;
-    }
-    if (kept != NULL)
-        move_pages(kept, to, got);
-    filled = got + fill(p, to + got, bytes - got);
-    hold(p, bytes - filled);
+    keep(p, kept, got);
+    char *to = map_filled(p, 0, bytes, &filled);
+    if (to != NULL)
+        hold(p, bytes - filled);
     return to;
 }
 
 void *dt_region_grow(struct dt_pages *p, void *region, size_t bytes, size_t want)
 {
-    char *to = map_aligned(want);
+    size_t filled;
+    char *to = map_filled(p, bytes, want, &filled);
     if (to == NULL)
         return NULL;
-    move_pages(region, to, bytes);
-    if (p != NULL) {
-        atomic_fetch_add_explicit(&p->uses, 1, memory_order_relaxed);
-        hold(p, want - bytes - fill(p, to + bytes, want - bytes));
+    char *at = move_content(region, to, bytes, want);
+    if (at != to) { /* the kept pages that had come behind it are gone */
+        if (p != NULL)
+            atomic_fetch_sub(&p->held, filled);
+        filled = 0;
     }
-    return to;
+    if (at != NULL && p != NULL) {
+        atomic_fetch_add_explicit(&p->uses, 1, memory_order_relaxed);
+        hold(p, want - bytes - filled);
+    }
+    return at;
 }
 
 void dt_region_give(struct dt_pages *p, void *region, size_t bytes)
@@ -236,8 +308,7 @@ void dt_region_give(struct dt_pages *p, void *region, size_t bytes)
     if (bytes == 0)
         return;
     join(p, &start, &bytes);
-    if (!put(p, start, bytes))
-        unmap(p, start, bytes);
+    keep(p, start, bytes);
 }
 
 /* ---- the keeper ---- */

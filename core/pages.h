@@ -23,7 +23,7 @@ static inline size_t dt_huge_pages(size_t bytes)
 void *dt_region_take(struct dt_pages *p, size_t bytes);
 
 /* The first `bytes` of it are kept, and it may move, to be `want` > bytes long. NULL: out of memory,
- * it is as before. Cost: O(pages). */
+ * it is as before. Cost: O(pages), unless the system refuses to move them. */
 void *dt_region_grow(struct dt_pages *p, void *region, size_t bytes, size_t want);
 
 /* p: where it was taken. */

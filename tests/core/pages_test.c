@@ -5,6 +5,7 @@
 
 #include "core/memory.h"
 #include "core/pages.h"
+#include "tests/core/remap.h"
 #include "tests/core/sets.h"
 #include "tests/core/threads.h"
 #include "tests/oracle/families.h"
@@ -227,6 +228,123 @@ TEST(without_addresses_nothing_changes)
     dt_pages_free(p);
     test_fail_alloc(1);
     CHECK(dt_pages_new(0) == NULL);
+}
+
+/* ---- moving pages where the system does not like to ---- */
+
+/* Every other 2 MiB of a region that is kept, so that one of twice that must be put together. */
+static char *scatter(struct dt_pages *p, size_t pieces)
+{
+    char *all = take(p, 4 * pieces, 1);
+    for (size_t i = 0; i < pieces; i++)
+        dt_region_give(p, all + 4 * i * MIB, 2 * MIB);
+    return all;
+}
+
+static void gather(struct dt_pages *p, char *all, size_t pieces)
+{
+    for (size_t i = 0; i < pieces; i++) {
+        CHECK(is_marked(all + (4 * i + 2) * MIB, 2 * MIB, 1));
+        dt_region_give(p, all + (4 * i + 2) * MIB, 2 * MIB);
+    }
+}
+
+/* Different bytes on all pages. */
+static void write_down(char *region, size_t mib)
+{
+    for (size_t i = 0; i < mib * 256; i++)
+        region[i * 4096] = (char)(i * 7 + i / 256);
+}
+
+static bool is_as_written(const char *region, size_t mib)
+{
+    for (size_t i = 0; i < mib * 256; i++)
+        if (region[i * 4096] != (char)(i * 7 + i / 256))
+            return false;
+    return true;
+}
+
+/* A region of many mappings, and it has to move. */
+TEST(a_region_of_several_mappings_moves_where_the_system_moves_one_at_a_time)
+{
+    struct dt_pages *p = dt_pages_new(SIZE_MAX);
+    char *all = scatter(p, 8);
+    remap_one_mapping_only();
+    char *a = take(p, 20, 2); /* of eight pieces and a rest */
+    write_down(a, 20);
+    char *b = dt_region_grow(p, a, 20 * MIB, 30 * MIB);
+    CHECK(b != NULL && is_as_written(b, 20));
+    mark(b, 30 * MIB, 3);
+    dt_region_give(p, b, 30 * MIB);
+    gather(p, all, 8);
+    char *c = take(p, 46, 4);
+    check_facts(p, 46, 0, 46);
+    CHECK(is_marked(c, 46 * MIB, 4));
+    dt_region_give(p, c, 46 * MIB);
+    dt_pages_free(p);
+    CHECK_MSG(remap_end() == 0, "a move has hit what another thread has mapped");
+}
+
+TEST(regions_are_put_together_or_fresh_and_grow_or_stay_whichever_move_is_refused)
+{
+    for (long nth = 1;; nth++) {
+        struct dt_pages *p = dt_pages_new(SIZE_MAX);
+        char *all = scatter(p, 6);
+        remap_refuse(nth);
+        char *a = take(p, 10, 2);
+        write_down(a, 10);
+        char *b = dt_region_grow(p, a, 10 * MIB, 24 * MIB);
+        CHECK(b != NULL && is_as_written(b, 10));
+        mark(b, 24 * MIB, 3);
+        CHECK(is_marked(b, 24 * MIB, 3));
+        int failed = remap_end();
+        CHECK_MSG(failed >= 0, "move %ld has hit what another thread has mapped", nth);
+        gather(p, all, 6);
+        dt_region_give(p, b, 24 * MIB);
+        struct dt_pages_summary f = facts(p);
+        CHECK(f.held == f.kept && dt_pages_trim(p, SIZE_MAX) == f.held && facts(p).held == 0);
+        dt_pages_free(p);
+        if (failed == 0)
+            return;
+    }
+}
+
+TEST(a_region_is_as_before_if_it_can_neither_move_nor_be_copied)
+{
+    for (long at = 1; at <= 4; at++) {
+        struct dt_pages *p = dt_pages_new(SIZE_MAX);
+        char *all = scatter(p, 4), *a = take(p, 8, 2);
+        write_down(a, 8);
+        remap_one_mapping_only();
+        remap_refuse(at); /* one of the pages it consists of */
+        test_fail_alloc(2);
+        CHECK(dt_region_grow(p, a, 8 * MIB, 12 * MIB) == NULL && test_alloc_failed());
+        CHECK(remap_end() == 1 && is_as_written(a, 8));
+        mark(a, 8 * MIB, 5);
+        char *b = dt_region_grow(p, a, 8 * MIB, 12 * MIB);
+        CHECK(b != NULL && is_marked(b, 8 * MIB, 5));
+        dt_region_give(p, b, 12 * MIB);
+        gather(p, all, 4);
+        CHECK(facts(p).held == facts(p).kept);
+        dt_pages_free(p);
+    }
+}
+
+TEST(a_region_is_copied_where_the_system_cannot_move_it_and_keep_its_mapping)
+{
+    struct dt_pages *p = dt_pages_new(SIZE_MAX);
+    char *a = take(p, 6, 1);
+    write_down(a, 6);
+    remap_without_dontunmap();
+    char *b = dt_region_grow(p, a, 6 * MIB, 10 * MIB);
+    CHECK(b != NULL && is_as_written(b, 6));
+    check_facts(p, 10, 0, 10);
+    char *c = dt_region_grow(NULL, dt_region_take(NULL, 2 * MIB), 2 * MIB, 4 * MIB);
+    CHECK(c != NULL);
+    dt_region_give(NULL, c, 4 * MIB);
+    dt_region_give(p, b, 10 * MIB);
+    dt_pages_free(p);
+    CHECK(remap_end() == 0);
 }
 
 /* ---- arrays ---- */
