@@ -113,6 +113,8 @@ static void tell_durability(const struct server *s, struct facts *f)
     add(f, "snapshot_bytes", disk.snapshot_bytes);
     add(f, "snapshots", disk.snapshots);
     add(f, "snapshot_running", disk.snapshot_running);
+    add(f, "snapshot_failures", disk.snapshot_failures);
+    add(f, "snapshot_retry_s", disk.snapshot_retry_s);
 }
 
 /* Appends quantiles in microseconds: `,<prefix>p50_us=` and so on. */

@@ -1,5 +1,5 @@
-/* durable.c - see durable.h. Three stages: the directory is read (`reading`), then triangulations
- * are made again, smallest set first (`rebuild`), then there is only log and snapshots. */
+/* durable.c - see durable.h. The directory is read, then triangulations are made again, smallest set
+ * first; from then on there is only log and snapshots, which saver.h keeps in step. */
 #include "server/durable.h"
 
 #include "server/command.h"
@@ -7,7 +7,7 @@
 #include "server/loop.h"
 #include "server/notice.h"
 #include "server/recover.h"
-#include "server/snapshot.h"
+#include "server/saver.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -17,41 +17,42 @@
 #include <unistd.h>
 
 enum {
-    RETRY_MS = 500,
     QUEUE_SHARE = 8,         /* one part of --max-memory in so many is for the log's queue, */
     QUEUE_LEAST = 64 * 1024, /* but no less */
     QUEUE_MOST = 256 << 20   /* and no more than this */
 };
 
+enum stage {
+    STAGE_NONE,       /* nothing has begun, or the directory cannot be used */
+    STAGE_READING,    /* the reader has the directory and everything that it has read */
+    STAGE_REBUILDING, /* the sets are the server's, but not all are triangulated yet */
+    STAGE_COMPLETE
+};
+
 struct durable {
     struct datadir dir;
     int event;
+    enum stage stage;
     /* reading */
     struct recovery recovery;
     pthread_t reader;
-    bool reading;
     atomic_bool read; /* the reader is done */
-    struct log *log;  /* owns; NULL while reading */
+    struct log *log;  /* owns; from STAGE_REBUILDING on, or NULL */
     /* rebuilding */
     struct dataset **rebuild; /* owns; those that have no triangulation yet, from `rebuilt` on */
     size_t rebuilds, rebuilt;
-    struct job *job; /* borrows: what is at work on the first of them */
-    /* log and snapshots */
-    struct log_status status;
-    struct snapshot *snapshot; /* owns; NULL: none is being written */
-    bool rotating;             /* a new segment was asked for, then a snapshot begins */
-    bool mending;              /* that snapshot makes good for a failure of the log */
-    bool resuming;             /* and has done so: the log begins anew */
-    uint64_t cut;              /* the snapshot's lsn */
-    uint64_t failures;         /* of the log when it was told to resume */
-    uint64_t earlier_bytes;    /* of log in earlier segments that the snapshot in place has not */
-    uint64_t snapshot_lsn, snapshot_bytes, snapshots, full_lsn;
-    int64_t retry_ms;
+    struct job *job;    /* borrows: what is at work on the first of them */
+    struct saver saver; /* of log and snapshots */
 };
+
+static bool is_running(const struct durable *d)
+{
+    return d != NULL && d->stage >= STAGE_REBUILDING;
+}
 
 struct log *durable_log(const struct server *s)
 {
-    return s->durable == NULL || s->durable->reading ? NULL : s->durable->log;
+    return is_running(s->durable) ? s->durable->log : NULL;
 }
 
 /* ---- reading: on a thread of its own ---- */
@@ -95,7 +96,7 @@ bool durable_start(struct server *s)
         notice(NOTICE_ERROR, "cannot start a thread");
         return false;
     }
-    d->reading = true;
+    d->stage = STAGE_READING;
     return true;
 }
 
@@ -145,6 +146,7 @@ static void rebuild_next(struct server *s)
         for (; d->rebuilt < d->rebuilds; d->rebuilt++)
             d->rebuild[d->rebuilt]->loading = false;
     }
+    d->stage = STAGE_COMPLETE;
     ssize_t ignored = write(d->event, &one, sizeof one); /* all is there: somebody may wait */
     (void)ignored;
 }
@@ -196,18 +198,25 @@ static bool end_reading(struct server *s)
 {
     struct durable *d = s->durable;
     pthread_join(d->reader, NULL);
-    d->reading = false;
+    d->stage = STAGE_NONE;
     if (d->recovery.result != RECOVERY_OK)
         return false;
-    d->snapshot_lsn = d->recovery.replay.snapshot;
-    d->earlier_bytes = d->recovery.log_bytes;
+    d->saver = (struct saver){.dir = &d->dir,
+                              .sets = &s->sets,
+                              .held = &s->held,
+                              .log = d->log,
+                              .event = d->event,
+                              .compact_at = &s->config->compact_at,
+                              .read_bytes = d->recovery.log_bytes,
+                              .snapshot_lsn = d->recovery.replay.snapshot};
     if (!adopt_sets(s)) {
         notice(NOTICE_ERROR, "out of memory");
         return false;
     }
     recovery_clear(&d->recovery);
-    log_status(d->log, &d->status);
-    s->held.durable = d->status.durable;
+    log_status(d->log, &d->saver.status);
+    s->held.durable = d->saver.status.durable;
+    d->stage = STAGE_REBUILDING;
     rebuild_next(s);
     return true;
 }
@@ -215,126 +224,10 @@ static bool end_reading(struct server *s)
 bool durable_is_complete(const struct server *s)
 {
     const struct durable *d = s->durable;
-    return d == NULL || (!d->reading && d->rebuilt == d->rebuilds);
+    return d == NULL || d->stage == STAGE_COMPLETE;
 }
 
 /* ---- snapshots ---- */
-
-static void put_off(struct server *s)
-{
-    struct durable *d = s->durable;
-    d->rotating = d->resuming = false;
-    d->retry_ms = clock_ms() + RETRY_MS;
-    /* Those who wait have waited for this; they are told rather than left hanging. */
-    if (d->status.state == LOG_FAILED)
-        holders_fail(&s->held);
-}
-
-static void begin_snapshot(struct server *s)
-{
-    struct durable *d = s->durable;
-    d->mending = d->status.state == LOG_FAILED;
-    d->earlier_bytes += d->status.bytes;
-    d->cut = log_rotate(d->log);
-    d->snapshot = snapshot_begin(&d->dir, &s->sets, d->cut, d->event);
-    d->rotating = d->snapshot != NULL;
-    if (d->snapshot == NULL)
-        put_off(s);
-}
-
-/* Lets the snapshot go when the new segment is there; a failed log needs none now. */
-static void continue_rotation(struct server *s)
-{
-    struct durable *d = s->durable;
-    bool failed = d->status.state == LOG_FAILED;
-    if (failed && !d->mending) { /* it has failed on the way: from the beginning, for that */
-        d->rotating = false;
-        snapshot_end(d->snapshot, &s->sets);
-        d->snapshot = NULL;
-    } else if (failed || d->status.segment > d->cut) {
-        d->rotating = false;
-        snapshot_go(d->snapshot);
-    }
-}
-
-static void end_snapshot(struct server *s)
-{
-    struct durable *d = s->durable;
-    uint64_t bytes = d->snapshot->bytes;
-    int error = snapshot_end(d->snapshot, &s->sets);
-    d->snapshot = NULL;
-    if (error != 0) {
-        notice(NOTICE_ERROR, "a snapshot could not be written: %s", strerror(error));
-        put_off(s);
-        return;
-    }
-    d->snapshot_lsn = d->cut;
-    d->snapshot_bytes = bytes;
-    d->snapshots++;
-    d->earlier_bytes = 0;
-    notice(NOTICE_INFO, "a snapshot of %" PRIu64 " bytes was written", bytes);
-    if (d->status.state == LOG_FAILED && d->mending) {
-        d->resuming = true;
-        d->failures = d->status.failures;
-        log_resume(d->log, d->cut);
-    }
-}
-
-static void watch_resumption(struct server *s)
-{
-    struct durable *d = s->durable;
-    if (d->status.state != LOG_FAILED) {
-        d->resuming = false;
-        holders_recover(&s->held);
-        notice(NOTICE_INFO, "the log goes on");
-    } else if (d->status.failures > d->failures) {
-        put_off(s);
-    }
-}
-
-static bool wants_snapshot(const struct server *s)
-{
-    const struct durable *d = s->durable;
-    uint64_t limit = s->config->compact_at;
-    if (d->snapshot_bytes > limit) /* so that writing it costs no more than the log did */
-        limit = d->snapshot_bytes;
-    switch (d->status.state) {
-    case LOG_FAILED:
-        return true;
-    case LOG_FULL: /* what was freed meanwhile may be enough */
-        return log_last(d->log) != d->full_lsn;
-    default:
-        return d->earlier_bytes + d->status.bytes > limit;
-    }
-}
-
-/* One look at log and snapshot, and the next step of whatever is under way. */
-static void step(struct server *s)
-{
-    struct durable *d = s->durable;
-    uint64_t durable = d->status.durable;
-    log_status(d->log, &d->status);
-    if (d->status.durable > durable)
-        holders_release(&s->held, d->status.durable);
-    if (d->snapshot != NULL)
-        snapshot_release(d->snapshot, &s->sets);
-    if (d->snapshot != NULL && d->snapshot->done)
-        end_snapshot(s);
-    if (d->resuming)
-        watch_resumption(s);
-    if (d->rotating)
-        continue_rotation(s);
-    bool idle = d->snapshot == NULL && !d->rotating && !d->resuming;
-    if (!idle || s->stopping || clock_ms() < d->retry_ms || !wants_snapshot(s))
-        return;
-    if (d->status.state == LOG_FULL) {
-        d->full_lsn = log_last(d->log);
-        d->retry_ms = clock_ms() + RETRY_MS;
-    }
-    begin_snapshot(s);
-    if (d->rotating)
-        continue_rotation(s);
-}
 
 void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
@@ -344,17 +237,16 @@ void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q
         reply_err(a->out, ERR_IO, "there is no data directory (--data)");
         return;
     }
-    if (d->snapshot != NULL || d->resuming) {
+    if (d->saver.state != SAVER_IDLE) {
         reply_err(a->out, ERR_BUSY, "a snapshot is being written");
         return;
     }
-    begin_snapshot(s);
-    if (d->snapshot == NULL) {
+    if (!saver_begin(&d->saver, clock_ms())) {
         answer_out_of_memory(a);
         return;
     }
     reply_ok(a->out, 0);
-    reply_key_u64(a->out, "lsn", d->cut);
+    reply_key_u64(a->out, "lsn", d->saver.cut);
     reply_end(a->out);
 }
 
@@ -366,21 +258,21 @@ bool durable_on_event(struct server *s)
     uint64_t count;
     ssize_t ignored = read(d->event, &count, sizeof count);
     (void)ignored;
-    if (d->reading && d->read && !end_reading(s))
+    if (d->stage == STAGE_READING && d->read && !end_reading(s))
         return false;
-    if (d->log != NULL && !d->reading)
-        step(s);
+    if (is_running(d))
+        saver_step(&d->saver, clock_ms(), s->stopping);
     return true;
 }
 
 void durable_tick(struct server *s)
 {
     struct durable *d = s->durable;
-    if (d == NULL || d->reading || d->log == NULL)
+    if (!is_running(d))
         return;
-    if (d->status.state == LOG_FULL)
+    if (d->saver.status.state == LOG_FULL)
         log_refill_reserve(d->log);
-    step(s);
+    saver_step(&d->saver, clock_ms(), s->stopping);
 }
 
 /* Whether the log has so much to write that changes wait. */
@@ -394,11 +286,11 @@ static bool is_behind(const struct server *s)
 void durable_turn_end(struct server *s)
 {
     struct durable *d = s->durable;
-    if (d == NULL || d->reading || d->log == NULL)
+    if (!is_running(d))
         return;
     log_push(d->log);
     reservation_set(&s->queued, log_queued(d->log));
-    if (!is_behind(s) || d->status.state != LOG_GOOD)
+    if (!is_behind(s) || d->saver.status.state != LOG_GOOD)
         wait_call(&s->log);
 }
 
@@ -408,11 +300,10 @@ void durable_stop(struct server *s)
     if (d == NULL)
         return;
     d->recovery.cancel = true;
-    if (d->reading)
+    if (d->stage == STAGE_READING)
         pthread_join(d->reader, NULL);
     recovery_clear(&d->recovery);
-    if (d->snapshot != NULL)
-        snapshot_end(d->snapshot, &s->sets);
+    saver_clear(&d->saver);
     if (d->log != NULL)
         log_free(d->log);
     free(d->rebuild);
@@ -428,7 +319,7 @@ void durable_stop(struct server *s)
 bool durable_loaded(struct server *s, struct answer *a)
 {
     struct durable *d = s->durable;
-    if (d == NULL || !d->reading)
+    if (d == NULL || d->stage != STAGE_READING)
         return true;
     reply_err(a->out, ERR_LOADING, "the data directory is being read, %u %% so far; try again",
               recovery_percent(&d->recovery));
@@ -449,9 +340,10 @@ bool durable_admits(struct server *s, struct answer *a, const struct dataset *se
     }
     if (!write)
         return true;
-    bool full = d->status.error == ENOSPC || d->status.error == EDQUOT;
-    if (d->status.state != LOG_GOOD && !(frees && full)) {
-        reply_err(a->out, ERR_READONLY, "nothing can be saved now: %s%s", strerror(d->status.error),
+    const struct log_status *status = &d->saver.status;
+    bool full = saver_disk_is_full(&d->saver);
+    if (status->state != LOG_GOOD && !(frees && full)) {
+        reply_err(a->out, ERR_READONLY, "nothing can be saved now: %s%s", strerror(status->error),
                   full ? "; DEL and DROP are possible" : "");
         return false;
     }
@@ -472,19 +364,22 @@ void durable_facts(const struct server *s, struct durable_facts *f)
         return;
     f->state = "loading";
     f->loaded_percent = recovery_percent(&s->durable->recovery);
-    if (d->reading || d->log == NULL)
+    if (!is_running(d))
         return;
     f->loaded_percent = durable_is_complete(s) ? 100 : 99; /* triangulations are still made */
+    const struct saver *v = &d->saver;
     f->state =
-        durable_is_complete(s) || d->status.state != LOG_GOOD ? state[d->status.state] : "loading";
+        durable_is_complete(s) || v->status.state != LOG_GOOD ? state[v->status.state] : "loading";
     f->lsn = log_last(d->log);
-    f->durable_lsn = d->status.durable;
-    f->synced_lsn = d->status.synced;
-    f->log_bytes = d->earlier_bytes + d->status.bytes;
-    f->log_syncs = d->status.syncs;
-    f->log_failures = d->status.failures;
-    f->snapshot_lsn = d->snapshot_lsn;
-    f->snapshot_bytes = d->snapshot_bytes;
-    f->snapshots = d->snapshots;
-    f->snapshot_running = d->snapshot != NULL;
+    f->durable_lsn = v->status.durable;
+    f->synced_lsn = v->status.synced;
+    f->log_bytes = saver_log_bytes(v);
+    f->log_syncs = v->status.syncs;
+    f->log_failures = v->status.failures;
+    f->snapshot_lsn = v->snapshot_lsn;
+    f->snapshot_bytes = v->snapshot_bytes;
+    f->snapshots = v->snapshots;
+    f->snapshot_running = v->snapshot != NULL;
+    f->snapshot_failures = saver_failures(v);
+    f->snapshot_retry_s = (uint64_t)(saver_retry_ms(v, clock_ms()) + 999) / 1000;
 }

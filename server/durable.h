@@ -45,6 +45,7 @@ struct durable_facts {
     uint64_t log_bytes, log_syncs, log_failures;
     uint64_t snapshot_lsn, snapshot_bytes, snapshots;
     bool snapshot_running;
+    uint64_t snapshot_failures, snapshot_retry_s;
 };
 void durable_facts(const struct server *s, struct durable_facts *f);
 

@@ -349,6 +349,7 @@ static void publish(struct log *log, uint64_t last, unsigned records)
     }
     st->segment = f->first;
     st->bytes = f->bytes;
+    st->total = f->before + f->bytes;
     st->syncs = f->syncs;
     log->expected = records + log->queue.records;
     tell(log);
@@ -463,7 +464,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     log_file_reserve(&log->file);
     log->synced_ms = clock_ms();
     log->status.segment = first;
-    log->status.bytes = log->file.bytes;
+    log->status.bytes = log->status.total = log->file.bytes;
     log->status.state = log->file.reserved ? LOG_GOOD : LOG_FULL;
     log->status.error = log->file.full_error;
     if (start_thread(log))

@@ -31,6 +31,7 @@ struct log_status {
     uint64_t synced;  /* lsn up to which all is on the disk */
     uint64_t segment; /* first lsn of the current segment */
     uint64_t bytes;   /* of the current segment */
+    uint64_t total;   /* of this and all segments before it since the start */
     uint64_t syncs, failures;
 };
 

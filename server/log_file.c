@@ -145,6 +145,7 @@ void log_file_start(struct log_file *f, uint64_t first)
         return;
     }
     f->first = first;
+    f->before += f->bytes;
     f->bytes = 0;
     write_header(f);
     /* The next try must not find it there: the sync of the directory would have nothing to do, and

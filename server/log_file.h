@@ -14,6 +14,7 @@ struct log_file {
     bool unsynced;             /* something was written since the last sync */
     uint64_t first;            /* the lsn of its first record */
     uint64_t bytes, mark;
+    uint64_t before; /* bytes of the segments before it */
     uint64_t syncs;
 };
 

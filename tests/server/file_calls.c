@@ -41,10 +41,10 @@ static struct {
     char text[TEXT];
     size_t used;
     char to_fail[LINE];
-    unsigned first, times, seen;
+    unsigned first, times, seen, failed;
     int error;
     bool limited;
-    size_t space;
+    size_t space, reserve;
     char to_stop[LINE];
     bool stopped;
 } w;
@@ -91,16 +91,24 @@ void calls_fail(const char *line, unsigned n, unsigned times, int error)
     snprintf(w.to_fail, sizeof w.to_fail, "%s", line);
     w.first = n;
     w.times = times;
-    w.seen = 0;
+    w.seen = w.failed = 0;
     w.error = error;
     pthread_mutex_unlock(&mutex);
+}
+
+unsigned calls_failed(void)
+{
+    pthread_mutex_lock(&mutex);
+    unsigned n = w.failed;
+    pthread_mutex_unlock(&mutex);
+    return n;
 }
 
 void calls_limit_space(size_t bytes)
 {
     pthread_mutex_lock(&mutex);
     w.limited = true;
-    w.space = bytes;
+    w.space = w.reserve = bytes;
     pthread_mutex_unlock(&mutex);
 }
 
@@ -190,6 +198,7 @@ static bool admit(const char *line)
     if (strcmp(w.to_fail, line) == 0) {
         w.seen++;
         fails = w.seen >= w.first && w.seen - w.first < w.times;
+        w.failed += fails;
     }
     int error = w.error;
     pthread_mutex_unlock(&mutex);
@@ -209,6 +218,14 @@ static void record(const char *line)
         w.used += (size_t)snprintf(w.text + w.used, TEXT - w.used, "%s\n", line);
     pthread_mutex_unlock(&mutex);
     errno = error;
+}
+
+static void use_reserve(void)
+{
+    pthread_mutex_lock(&mutex);
+    w.space += w.reserve;
+    w.reserve = 0;
+    pthread_mutex_unlock(&mutex);
 }
 
 /* How many of n bytes the disk takes. */
@@ -329,5 +346,7 @@ int __wrap_unlinkat(int dir, const char *file, int flags)
     int result = admit(line) ? __real_unlinkat(dir, file, flags) : -1;
     if (result == 0)
         record(line);
+    if (result == 0 && strcmp(file, "reserve") == 0)
+        use_reserve();
     return result;
 }

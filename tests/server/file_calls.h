@@ -36,8 +36,11 @@ bool calls_end(const char *lines);
  * fail with this error. */
 void calls_fail(const char *line, unsigned n, unsigned times, int error);
 
+/* How many have. */
+unsigned calls_failed(void);
+
 /* From now on so many bytes can be written; a write beyond that writes what fits, the next one
- * fails with ENOSPC. */
+ * fails with ENOSPC. Removing the file `reserve` makes room for as many again. */
 void calls_limit_space(size_t bytes);
 
 /* Calls that are this line wait from now on, until calls_go_on. */

@@ -1,0 +1,34 @@
+/* backoff.h - when to try again what has failed: half a second later, then after twice as long each
+ * time, up to a minute. Times are in milliseconds, on any clock that does not go back. */
+#ifndef SERVER_BACKOFF_H
+#define SERVER_BACKOFF_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { BACKOFF_FIRST_MS = 500, BACKOFF_LIMIT_MS = 60 * 1000 };
+
+struct backoff {
+    unsigned failures; /* in a row */
+    int64_t next_ms;   /* not to be tried before */
+};
+
+static inline void backoff_failed(struct backoff *b, int64_t now_ms)
+{
+    unsigned doublings = b->failures < 7 ? b->failures : 7;
+    int64_t wait = (int64_t)BACKOFF_FIRST_MS << doublings;
+    b->failures++;
+    b->next_ms = now_ms + (wait < BACKOFF_LIMIT_MS ? wait : BACKOFF_LIMIT_MS);
+}
+
+static inline void backoff_succeeded(struct backoff *b)
+{
+    *b = (struct backoff){0};
+}
+
+static inline bool backoff_allows(const struct backoff *b, int64_t now_ms)
+{
+    return b->failures == 0 || now_ms >= b->next_ms;
+}
+
+#endif
