@@ -208,12 +208,12 @@ void load_commit(struct server *s, struct load *l, struct answer *a)
     struct dataset *set = registry_find(&s->sets, &name);
     if (l->refused)
         return;
-    a->lsn = journal_of(s, set);
     if (l->body.fault != BODY_GOOD)
         tell_fault(s, l, a);
-    else if (!durable_admits(s, a, set, true, false))
+    if (l->body.fault != BODY_GOOD || !durable_admits(s, a, set, true, false))
         return;
-    else if (set != NULL && !dataset_admits(set, true, a->turn))
+    a->lsn = journal_of(s, set);
+    if (set != NULL && !dataset_admits(set, true, a->turn))
         answer_wait(a, &set->queue, true);
     else
         add_points(s, l, a, set);

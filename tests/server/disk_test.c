@@ -324,6 +324,55 @@ TEST_TIMEOUT(load_that_fills_the_disk_is_not_acknowledged, 60)
     directory_remove(&dir);
 }
 
+/* A daemon whose log fails with its second ADD, as do all attempts to make up for that. */
+static struct daemon start_failing(const struct directory *dir, const char *op, long nth, int error)
+{
+    struct daemon d;
+    set_disk(dir, op, nth, 1000000, error);
+    CHECK(directory_try(dir, NULL, &d));
+    unsetenv("LD_PRELOAD");
+    carry_out(&d, "ADD t 0 0  1 1\n");
+    return d;
+}
+
+static void expect_refusals(struct daemon *d, const struct directory *dir, const char *want)
+{
+    char reply[300];
+    int loader = daemon_connect(d), fd = daemon_connect(d);
+    say(loader, "LOAD t\n3 3\n"); /* begun in good times */
+    say(fd, "ADD t 2 2\n");
+    hear_reply(fd, reply, sizeof reply);
+    CHECK_MSG(strncmp(reply, "ERR IO", 6) == 0, "%s", reply);
+    say(loader, "4 4\n.\n");
+    hear_reply(loader, reply, sizeof reply);
+    CHECK_MSG(strncmp(reply, "ERR READONLY", 12) == 0, "%s", reply);
+    converse(d, "GET t 0\n", "OK 1\n0 0 0\n");
+    close(fd);
+    fd = daemon_connect(d);
+    say(fd, want);
+    hear_reply(fd, reply, sizeof reply);
+    CHECK_MSG(strncmp(reply, "ERR READONLY", 12) == 0, "%s", reply);
+    CHECK(daemon_info(d, "snapshot_failures") > 0);
+    close(fd);
+    close(loader);
+    daemon_stop(d, SIGKILL);
+    directory_remove(dir);
+}
+
+TEST(failed_log_takes_no_change_not_even_one_that_frees_space)
+{
+    struct directory dir = directory_new();
+    struct daemon d = start_failing(&dir, "sync", 4, EIO);
+    expect_refusals(&d, &dir, "DEL t 0\n");
+}
+
+TEST(full_disk_takes_no_change_that_needs_space)
+{
+    struct directory dir = directory_new();
+    struct daemon d = start_failing(&dir, "write", 3, ENOSPC);
+    expect_refusals(&d, &dir, "MOVE t 0 5 5\n");
+}
+
 static int connect_local(const char *path)
 {
     struct sockaddr_un at = {.sun_family = AF_UNIX};

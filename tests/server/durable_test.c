@@ -3,6 +3,7 @@
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
+#include <inttypes.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -118,6 +119,28 @@ TEST(log_is_compacted_when_it_has_become_long)
     daemon_stop(&d, SIGKILL);
     d = directory_daemon(&dir, NULL);
     converse(&d, "SETS\n", "OK 0\n");
+    daemon_stop(&d, SIGKILL);
+    directory_remove(&dir);
+}
+
+TEST(memory_of_sets_is_accounted_for_after_a_restart)
+{
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 5000);
+    close(fd);
+    carry_out(&d, "SNAPSHOT\n");
+    await_info(&d, "snapshots", 1);
+    for (int i = 0; i < 2; i++) { /* from a snapshot, then from a log as well */
+        daemon_stop(&d, SIGKILL);
+        d = directory_daemon(&dir, NULL);
+        uint64_t memory = daemon_info(&d, "memory");
+        CHECK_MSG(memory > 5000 * 16 && memory < 5000 * 1000, "%" PRIu64, memory);
+        carry_out(&d, "ADD u 1 1\nDROP u\n");
+    }
+    carry_out(&d, "DROP t\n");
+    CHECK(daemon_info(&d, "memory") == 0);
     daemon_stop(&d, SIGKILL);
     directory_remove(&dir);
 }
