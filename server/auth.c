@@ -1,6 +1,7 @@
 /* auth.c - see auth.h. */
 #include "server/auth.h"
 
+#include "server/limits.h"
 #include "server/notice.h"
 
 #include <errno.h>
@@ -8,12 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TOKEN_LIMIT = 128 };
-
 struct token {
     enum role role;
     size_t len;
-    char text[TOKEN_LIMIT];
+    char text[LIMIT_TOKEN];
 };
 
 static bool add_token(struct auth *a, enum role role, const struct word *w)
@@ -34,7 +33,7 @@ static bool take_line(struct auth *a, struct request *words, const char *line)
         return false;
     if (words->n == 0 || words->word[0].text[0] == '#')
         return true;
-    if (words->n != 2 || words->word[1].len > TOKEN_LIMIT)
+    if (words->n != 2 || words->word[1].len > LIMIT_TOKEN)
         return false;
     if (word_is(&words->word[0], "RW"))
         return add_token(a, ROLE_WRITE, &words->word[1]);
@@ -82,7 +81,7 @@ enum role auth_initial_role(const struct auth *a)
 static bool equal(const struct token *t, const struct word *w)
 {
     unsigned differ = t->len != w->len;
-    for (size_t i = 0; i < w->len && i < TOKEN_LIMIT; i++)
+    for (size_t i = 0; i < w->len && i < LIMIT_TOKEN; i++)
         differ |= (unsigned char)t->text[i] ^ (unsigned char)w->text[i];
     return differ == 0;
 }

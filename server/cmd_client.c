@@ -4,6 +4,7 @@
 
 #include "proto/number.h"
 #include "server/clients.h"
+#include "server/limits.h"
 #include "server/notice.h"
 
 #include <inttypes.h>
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAME_LIMIT = 64, SLOW_ROWS = 10, SLOW_A_PIECE = 128 };
+enum { SLOW_ROWS = 10, SLOW_A_PIECE = 128 };
 
 static struct session *asker(const struct server *s, const struct answer *a)
 {
@@ -194,7 +195,7 @@ static void kill_clients(struct server *s, const struct request *q, struct answe
 bool client_set_name(struct server *s, struct answer *a, const struct word *name)
 {
     struct session *me = asker(s, a);
-    bool good = name->len <= NAME_LIMIT;
+    bool good = name->len <= LIMIT_CLIENT_NAME;
     for (size_t i = 0; good && i < name->len; i++)
         good = name->text[i] > ' ' && name->text[i] <= '~';
     char *copy = good && name->len > 0 ? strndup(name->text, name->len) : NULL;

@@ -6,13 +6,11 @@
 
 #include "proto/number.h"
 #include "server/job.h"
+#include "server/limits.h"
 
 #include <math.h>
 
-enum {
-    TRACE_POINTS = 1000, /* of the set, at most */
-    TRACE_AT_ONCE = 50   /* points that the I/O thread itself traces */
-};
+enum { TRACE_AT_ONCE = 50 }; /* points that the I/O thread itself traces */
 
 struct trace {
     struct job job;
@@ -100,8 +98,8 @@ static void clear(struct job *j)
 void cmd_trace(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)q;
-    if (set->current->sum.points > TRACE_POINTS) {
-        reply_err(a->out, ERR_TOOBIG, "TRACE is for sets of at most %d points", TRACE_POINTS);
+    if (set->current->sum.points > LIMIT_TRACE_POINTS) {
+        reply_err(a->out, ERR_TOOBIG, "TRACE is for sets of at most %d points", LIMIT_TRACE_POINTS);
         return;
     }
     struct trace *t = job_new(sizeof *t, run, done);

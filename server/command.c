@@ -7,6 +7,7 @@
 #include "server/durable.h"
 #include "server/job.h"
 #include "server/journal.h"
+#include "server/limits.h"
 #include "server/renew.h"
 #include "server/stream.h"
 
@@ -17,8 +18,7 @@ enum {
     READS = CMD_SET | CMD_EXISTING,
     QUERIES = READS | CMD_FRESH | CMD_LIVE,
     SEARCHES = QUERIES | CMD_SEARCH,
-    EDITS = CMD_SET | CMD_WRITE,
-    MOST_SECONDS = 1000000
+    EDITS = CMD_SET | CMD_WRITE
 };
 
 const struct command commands[] = {
@@ -266,7 +266,7 @@ void command_take_timeout(struct request *q, int64_t *ms)
     *ms = 0;
     if (q->n < 3 || !word_is(&q->word[0], "TIMEOUT") || word_is(&q->word[2], "TIMEOUT") ||
         !proto_read_double(q->word[1].text, q->word[1].len, &seconds) || !(seconds > 0) ||
-        seconds > MOST_SECONDS)
+        seconds > LIMIT_TIMEOUT_S)
         return;
     *ms = (int64_t)(seconds * 1000) + 1;
     q->n -= 2;
@@ -279,7 +279,7 @@ void cmd_timeout(struct server *s, struct dataset *set, const struct request *q,
     const struct command *inner = command_find(&q->word[2]);
     (void)s, (void)set;
     reply_err(a->out, ERR_SYNTAX, "usage: TIMEOUT seconds command, with more than 0 and at most %d",
-              MOST_SECONDS);
+              LIMIT_TIMEOUT_S);
     /* After a load that is refused nobody knows where the next request starts. */
     a->close = inner != NULL && (inner->flags & CMD_BODY) != 0;
 }

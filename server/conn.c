@@ -1,18 +1,15 @@
 /* conn.c - see conn.h. */
 #include "server/conn.h"
 
+#include "server/limits.h"
+
 #include <errno.h>
 #include <stddef.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum {
-    READ_SIZE = 64 * 1024,
-    LINGER_MS = 2000,
-    LINGER_BYTES = 64 * 1024 * 1024,
-    STALL_MS = 60 * 1000
-};
+enum { READ_SIZE = 64 * 1024, LINGER_MS = 2000, LINGER_BYTES = 64 * 1024 * 1024 };
 
 static void run_turn(struct task *task)
 {
@@ -264,6 +261,6 @@ void conn_check_timeouts(struct conn *c)
     int64_t now = c->loop->now_ms;
     if (c->lingering && now - c->linger_ms > LINGER_MS)
         conn_close(c);
-    else if (conn_sendable(c) > 0 && now - c->progress_ms > STALL_MS)
+    else if (conn_sendable(c) > 0 && now - c->progress_ms > LIMIT_STALL_S * 1000)
         conn_close(c);
 }

@@ -4,11 +4,11 @@
 #include "server/cost.h"
 #include "server/journal.h"
 #include "server/keep.h"
+#include "server/limits.h"
 
 #include <stdlib.h>
 
 enum {
-    SETS_LIMIT = 65536,
     BYTES_PER_POINT = 104 /* what a point that is added takes, for --max-memory */
 };
 
@@ -43,8 +43,8 @@ struct dataset *edit_create(struct server *s, struct answer *a, const struct wor
                             double tolerance)
 {
     struct dataset *set = NULL;
-    if (s->sets.sets >= SETS_LIMIT)
-        reply_err(a->out, ERR_TOOBIG, "a server holds at most %d sets", SETS_LIMIT);
+    if (s->sets.sets >= LIMIT_SETS)
+        reply_err(a->out, ERR_TOOBIG, "a server holds at most %d sets", LIMIT_SETS);
     else if ((set = registry_create(&s->sets, name, tolerance)) == NULL)
         answer_out_of_memory(a);
     return set;

@@ -3,14 +3,11 @@
 
 #include "server/cost.h"
 #include "server/keep.h"
+#include "server/limits.h"
 #include "server/loop.h"
 #include "server/renew.h"
 
 #include <stdlib.h>
-
-enum {
-    BACKLOG_LIMIT = 64 /* heavy jobs that may wait for a worker */
-};
 
 void *job_new(size_t size, void (*run)(struct job *),
               void (*done)(struct server *, struct job *, struct answer *))
@@ -130,7 +127,7 @@ static void start(struct server *s, struct answer *a, struct job *j, unsigned ho
 static bool too_busy(struct server *s, struct answer *a, unsigned how)
 {
     if (s->workers == NULL || (how & (JOB_HEAVY | JOB_BRIEF)) != JOB_HEAVY ||
-        workers_backlog(s->workers) < BACKLOG_LIMIT)
+        workers_backlog(s->workers) < LIMIT_QUEUED_JOBS)
         return false;
     reply_err(a->out, ERR_BUSY, "too many requests wait for a worker; try again");
     return true;

@@ -8,6 +8,7 @@
 #include "server/ahead.h"
 #include "server/cmd_load.h"
 #include "server/command.h"
+#include "server/limits.h"
 #include "server/listing.h"
 #include "server/redis.h"
 #include "server/session_inside.h"
@@ -18,11 +19,7 @@
 
 enum {
     TURN_NS = 500 * 1000, /* after this long it is somebody else's turn */
-    STEPS_PER_LOOK = 16,  /* requests between looks at the clock */
-    /* What those who have not shown a token may send, and how long they may take. */
-    STRANGER_BYTES = 16 * 1024, /* of a request */
-    STRANGER_WORDS = 10,
-    STRANGER_MS = 10 * 1000
+    STEPS_PER_LOOK = 16   /* requests between looks at the clock */
 };
 
 /* ---- what an answer leaves to do ---- */
@@ -166,7 +163,7 @@ bool session_refuse_line(struct session *s, enum line_fault fault)
 /* Whether a request of which `bytes` have come is too much before AUTH. */
 static bool is_too_much(const struct session *s, size_t bytes, size_t words)
 {
-    return s->role == ROLE_NONE && (bytes > STRANGER_BYTES || words > STRANGER_WORDS);
+    return s->role == ROLE_NONE && (bytes > LIMIT_STRANGER_BYTES || words > LIMIT_STRANGER_WORDS);
 }
 
 static bool refuse_stranger(struct session *s)
@@ -493,7 +490,8 @@ void session_check_timeouts(struct session *s)
     conn_check_timeouts(c);
     if (c->dead || c->finishing)
         return;
-    if (s->role == ROLE_NONE && !timer_is_set(&s->later) && now - s->since_ms > STRANGER_MS) {
+    if (s->role == ROLE_NONE && !timer_is_set(&s->later) &&
+        now - s->since_ms > LIMIT_STRANGER_S * 1000) {
         notice_client(s, NOTICE_INFO, "has shown no token in time: closed");
         session_refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
         conn_turn(c);

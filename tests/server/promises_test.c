@@ -1,0 +1,192 @@
+/* promises_test.c - what proto/PROTOCOL.md says of INFO and of limits is what the server has. */
+#include "core/delaunay.h"
+#include "proto/line.h"
+#include "proto/request.h"
+#include "proto/resp.h"
+#include "server/config.h"
+#include "server/limits.h"
+#include "tests/server/daemon.h"
+#include "tests/server/local.h"
+#include "tests/test.h"
+
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+/* The part of the document from the line that begins with `from` to that which begins with `to`; the
+ * caller frees it. */
+static char *part_of_document(const char *from, const char *to)
+{
+    char line[2048];
+    size_t n = 0;
+    bool within = false;
+    char *part = calloc(1, 1 << 16);
+    FILE *f = fopen("proto/PROTOCOL.md", "r");
+    CHECK_MSG(f != NULL && part != NULL, "tests run in the root of the repository");
+    while (fgets(line, sizeof line, f) != NULL) {
+        within =
+            within ? strncmp(line, to, strlen(to)) != 0 : strncmp(line, from, strlen(from)) == 0;
+        if (within && n + strlen(line) < 1 << 16)
+            n += strlen(strcpy(part + n, line));
+    }
+    fclose(f);
+    CHECK_MSG(n > 0, "PROTOCOL.md has no line `%s`", from);
+    return part;
+}
+
+/* ---- INFO ---- */
+
+/* Whether the text has the word between backticks. */
+static bool names(const char *text, const char *word)
+{
+    char quoted[100];
+    snprintf(quoted, sizeof quoted, "`%.90s`", word);
+    return strstr(text, quoted) != NULL;
+}
+
+/* Whether INFO prints a line `key:`. */
+static bool prints(const char *info, const char *key)
+{
+    char line[100];
+    snprintf(line, sizeof line, "\n%.90s:", key);
+    return strstr(info, line) != NULL;
+}
+
+static void expect_keys_in_document(const char *info, const char *document)
+{
+    char key[100];
+    int keys = 0;
+    for (const char *at = strchr(info, '\n'); at != NULL && at[1] != '\0';
+         at = strchr(at + 1, '\n')) {
+        CHECK(sscanf(at, "\n%99[^:]:", key) == 1);
+        CHECK_MSG(strncmp(key, "command_", 8) == 0 || names(document, key),
+                  "PROTOCOL.md does not name the key %s of INFO", key);
+        keys++;
+    }
+    CHECK(keys > 40);
+}
+
+/* Checks the words between backticks in one cell of a table. */
+static void expect_cell_in_info(const char *cell, size_t len, const char *info)
+{
+    char key[100];
+    const char *end = cell + len;
+    for (const char *at = cell; (at = memchr(at, '`', (size_t)(end - at))) != NULL;) {
+        int n = 0;
+        CHECK(sscanf(at, "`%99[^`]`%n", key, &n) == 1 && n > 0);
+        CHECK_MSG(prints(info, key), "INFO has no key %s, which PROTOCOL.md names", key);
+        at += n;
+    }
+}
+
+TEST(keys_of_info_are_those_of_the_document)
+{
+    size_t n;
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "INFO\nQUIT\n");
+    char *info = hear_all(fd, &n);
+    *strstr(info, "OK 0\n") = '\0';
+    char *document = part_of_document("### INFO", "```");
+    expect_keys_in_document(info, document);
+    bool durability = false;
+    for (char *row = strtok(document, "\n"); row != NULL; row = strtok(NULL, "\n")) {
+        durability |= strncmp(row, "| key of `durability`", 21) == 0;
+        if (strncmp(row, "| `", 3) != 0)
+            continue;
+        const char *first = row + 1, *second = strchr(first, '|') + 1;
+        bool keys = !durability && strncmp(row, "| `commands`", 12) != 0;
+        if (durability)
+            expect_cell_in_info(first, (size_t)(second - first), info);
+        else if (keys)
+            expect_cell_in_info(second, strlen(second), info);
+    }
+    CHECK(durability);
+    free(document);
+    free(info);
+}
+
+/* ---- limits ---- */
+
+TEST(limits_are_those_of_the_document)
+{
+    struct config c;
+    config_init(&c);
+    const struct {
+        const char *what;
+        uint64_t limit;
+    } limits[] = {
+        {"bytes of a line", LINE_LIMIT},
+        {"bytes of a request in RESP", RESP_LIMIT},
+        {"bytes of a body in RESP", RESP_BODY_LIMIT},
+        {"bytes of a set's name", SET_NAME_LIMIT},
+        {"bytes of a client's name", LIMIT_CLIENT_NAME},
+        {"bytes of a token", LIMIT_TOKEN},
+        {"sets", LIMIT_SETS},
+        {"points of a set", DT_MAX_POINTS},
+        {"points of a set for TRACE", LIMIT_TRACE_POINTS},
+        {"clients", 10000},
+        {"long requests that wait for a worker", LIMIT_QUEUED_JOBS},
+        {"seconds for TIMEOUT", LIMIT_TIMEOUT_S},
+        {"slow requests that are kept", c.slowlog_len},
+        {"seconds in which a client takes nothing of a reply", LIMIT_STALL_S},
+        {"seconds before AUTH", LIMIT_STRANGER_S},
+        {"bytes of a request before AUTH", LIMIT_STRANGER_BYTES},
+        {"words of a request before AUTH", LIMIT_STRANGER_WORDS},
+    };
+    enum { LIMITS = sizeof limits / sizeof limits[0] };
+    char *table = part_of_document("| what | limit", "- ");
+    size_t rows = 0;
+    strtok(table, "\n");
+    strtok(NULL, "\n");
+    for (char *row; (row = strtok(NULL, "\n")) != NULL; rows++) {
+        char what[100];
+        unsigned long long limit;
+        CHECK(sscanf(row, "| %99[^|]| %llu |", what, &limit) == 2 && rows < LIMITS);
+        what[strlen(what) - 1] = '\0';
+        CHECK_STR(what, limits[rows].what);
+        CHECK_MSG(limit == limits[rows].limit, "%s: %llu", what, limit);
+    }
+    CHECK(rows == LIMITS);
+    free(table);
+}
+
+TEST_TIMEOUT(server_holds_so_many_sets_and_no_more, 60)
+{
+    struct local l;
+    char line[80];
+    local_start(&l, 0);
+    for (unsigned i = 0; i < LIMIT_SETS; i++) {
+        snprintf(line, sizeof line, "CREATE s%u\n", i);
+        CHECK_STR(local_ask(&l, line), "OK 0\n");
+    }
+    static const char refused[] = "ERR TOOBIG a server holds at most 65536 sets\n";
+    CHECK_STR(local_ask(&l, "CREATE more\n"), refused);
+    CHECK_STR(local_ask(&l, "ADD more 1 1\n"), refused);
+    CHECK_STR(local_ask(&l, "LOAD more 1\n1 1\n"), refused);
+    CHECK_STR(local_ask(&l, "DROP s7\n"), "OK 0\n");
+    CHECK_STR(local_ask(&l, "ADD more 1 1\n"), "OK 0 first=0 added=1 coincident=0\n");
+    local_stop(&l);
+}
+
+TEST(token_has_128_bytes_and_no_more)
+{
+    char path[] = "/tmp/delaunayd-test-XXXXXX", token[140], request[160];
+    const char *arguments[] = {"--auth-file", path, NULL};
+    CHECK(close(mkstemp(path)) == 0);
+    memset(token, 'x', sizeof token);
+    token[LIMIT_TOKEN] = '\0';
+    FILE *f = fopen(path, "w");
+    CHECK(f != NULL && fprintf(f, "rw %s\n", token) > 0 && fclose(f) == 0);
+    struct daemon d = daemon_start(arguments);
+    snprintf(request, sizeof request, "AUTH %s\n", token);
+    converse(&d, request, "OK 0 role=rw\n");
+    snprintf(request, sizeof request, "AUTH %sx\n", token);
+    converse(&d, request, "ERR DENIED no such token\n");
+    f = fopen(path, "w");
+    CHECK(f != NULL && fprintf(f, "rw %sx\n", token) > 0 && fclose(f) == 0);
+    snprintf(request, sizeof request, "AUTH %s\nCONFIG RELOAD\n", token);
+    converse(&d, request,
+             "OK 0 role=rw\nERR IO not a good file of tokens; the old ones stay: see the log\n");
+    unlink(path);
+}
