@@ -79,7 +79,8 @@ static bool cut_log(const struct recovery *r)
 {
     const struct datafile *f = &r->file;
     bool ok = put_later_aside(r->dir, f) &&
-              (r->at > 0 ? put_rest_aside(r->dir, f, r->at) : put_whole_aside(r->dir, f));
+              (r->at > 0 ? put_rest_aside(r->dir, f, r->at)
+                         : put_whole_aside(r->dir, f) && datadir_sync(r->dir));
     if (!ok)
         printf("cannot put the damaged part aside: %s\n", strerror(errno));
     else if (r->at > 0)

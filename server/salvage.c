@@ -228,7 +228,7 @@ static bool do_without(const struct datadir *dir, const struct datafile *newest)
     r.pass_over = true;
     recovery_run(&r);
     bool ok = r.result == RECOVERY_OK && r.last >= newest->lsn && link_aside(dir, newest) &&
-              unlinkat(dir->fd, newest->name, 0) == 0 && datadir_sync(dir);
+              datadir_sync(dir) && unlinkat(dir->fd, newest->name, 0) == 0 && datadir_sync(dir);
     recovery_clear(&r);
     if (ok)
         printf("%s: put aside; nothing is lost, since what comes before it is still there\n",

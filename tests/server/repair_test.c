@@ -4,6 +4,7 @@
 #include "server/recover.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
+#include "tests/server/file_calls.h"
 #include "tests/test.h"
 
 #include <inttypes.h>
@@ -255,4 +256,64 @@ TEST_TIMEOUT(repair_of_a_log_that_fails_anywhere_can_be_repeated, 60)
         }
     CHECK_MSG(fired >= 8, "%u", fired);
     free_sample(&s);
+}
+
+/* ---- the order of its calls ---- */
+
+/* A segment of changes that each say that those before were synced; a bit of its byte `flip` is
+ * flipped, unless that is 0. */
+static void write_segment(const struct directory *d, uint64_t first, uint64_t last, size_t flip)
+{
+    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = first};
+    char path[128];
+    struct buf b = {0};
+    segment_write(buf_reserve(&b, SEGMENT_HEADER), &header);
+    buf_commit(&b, SEGMENT_HEADER);
+    for (uint64_t lsn = first; lsn <= last; lsn++) {
+        struct record r = {.lsn = lsn, .synced = lsn - 1, .type = RECORD_CLOSE};
+        record_write(&b, &r);
+    }
+    buf_head(&b)[flip] ^= flip > 0;
+    snprintf(path, sizeof path, "%s/log.%016" PRIx64, d->path, first);
+    file_write(path, buf_head(&b), buf_len(&b));
+    buf_free(&b);
+}
+
+TEST(repair_of_a_log_has_a_copy_on_the_disk_before_anything_is_cut_off)
+{
+    struct directory d = directory_quick();
+    write_segment(&d, 1, 3, SEGMENT_HEADER + RECORD_HEADER + 9);
+    write_segment(&d, 4, 4, SEGMENT_HEADER + 3);
+    calls_watch(d.path);
+    CHECK(recovery_repair(d.path) == 0);
+    CHECK_STR(calls_text(),
+              "create damaged.log.4\nwrite damaged.log.4\nsync damaged.log.4\nsync .\n"
+              "remove log.4\nsync .\n"
+              "create damaged.log.1\nwrite damaged.log.1\nsync damaged.log.1\nsync .\n"
+              "cut log.1\nsync log.1\n");
+    directory_remove(&d);
+}
+
+TEST(repair_of_a_header_has_a_copy_on_the_disk_before_it_is_made_again)
+{
+    struct directory d = directory_quick();
+    write_segment(&d, 1, 3, 9);
+    calls_watch(d.path);
+    CHECK(recovery_repair(d.path) == 0);
+    CHECK(strstr(calls_text(),
+                 "create damaged.log.1\nwrite damaged.log.1\nsync damaged.log.1\nsync .\n"
+                 "write log.1\nsync log.1\n") != NULL);
+    CHECK(calls_end("write log.1\nsync log.1\n"));
+    directory_remove(&d);
+}
+
+TEST(repair_that_puts_a_segment_aside_syncs_that_it_has_gone)
+{
+    struct directory d = directory_quick();
+    write_segment(&d, 1, 2, 0);
+    write_segment(&d, 5, 5, 0);
+    calls_watch(d.path);
+    CHECK(recovery_repair(d.path) == 0);
+    CHECK(calls_end("remove log.5\nsync .\n"));
+    directory_remove(&d);
 }

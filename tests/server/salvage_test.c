@@ -1,8 +1,10 @@
 /* salvage_test.c - --repair of a damaged snapshot: whole sets are kept as they were, what is lost is
  * named, and nothing is ever wrong, whichever byte is damaged and wherever the repair is cut off. */
 #include "server/recover.h"
+#include "server/salvage.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
+#include "tests/server/file_calls.h"
 #include "tests/test.h"
 
 #include <dirent.h>
@@ -388,4 +390,86 @@ TEST_TIMEOUT(repair_that_fails_anywhere_can_be_repeated, 120)
         }
     CHECK_MSG(fired >= 8, "%u", fired);
     free_sample(&s);
+}
+
+/* ---- the order of its calls ---- */
+
+static void write_file(const struct directory *d, enum datafile_kind kind, uint64_t lsn,
+                       const struct buf *b)
+{
+    char name[DATAFILE_NAME], path[128];
+    datafile_name(name, kind, lsn);
+    snprintf(path, sizeof path, "%s/%s", d->path, name);
+    file_write(path, buf_head(b), buf_len(b));
+}
+
+static void begin_file(struct buf *b, enum segment_kind kind, uint64_t lsn)
+{
+    struct segment header = {.version = RECORD_VERSION, .kind = kind, .lsn = lsn};
+    buf_rewind(b, 0);
+    segment_write(buf_reserve(b, SEGMENT_HEADER), &header);
+    buf_commit(b, SEGMENT_HEADER);
+}
+
+/* A snapshot with a damaged record. */
+static void write_damaged(const struct directory *d, uint64_t lsn)
+{
+    struct record set = {.lsn = 1, .type = RECORD_SET, .name = "a", .name_len = 1},
+                  damaged = {.lsn = 2, .type = RECORD_SET, .name = "b", .name_len = 1},
+                  last = {.lsn = 3, .type = RECORD_END, .n = 2};
+    struct buf b = {0};
+    begin_file(&b, SEGMENT_SNAPSHOT, lsn);
+    record_write(&b, &set);
+    size_t at = buf_len(&b);
+    record_write(&b, &damaged);
+    buf_head(&b)[at + 8] ^= 1;
+    record_write(&b, &last);
+    write_file(d, DATAFILE_SNAPSHOT, lsn, &b);
+    buf_free(&b);
+}
+
+/* One change. */
+static void write_log(const struct directory *d, uint64_t lsn)
+{
+    struct record change = {.lsn = lsn, .type = RECORD_CREATE, .name = "c", .name_len = 1};
+    struct buf b = {0};
+    begin_file(&b, SEGMENT_LOG, lsn);
+    record_write(&b, &change);
+    write_file(d, DATAFILE_LOG, lsn, &b);
+    buf_free(&b);
+}
+
+/* Nothing loses its first name before its second one and what replaces it are on the disk; and what
+ * has lost it does not come back. */
+TEST(repair_of_a_snapshot_is_on_the_disk_before_what_it_replaces_is_removed)
+{
+    struct datadir dir;
+    struct directory d = directory_quick();
+    write_damaged(&d, 5);
+    write_log(&d, 6);
+    CHECK(datadir_open(&dir, d.path, false));
+    calls_watch(d.path);
+    CHECK(salvage(&dir));
+    CHECK_STR(calls_text(),
+              "link snapshot.5 damaged.snapshot.5\nlink log.6 damaged.log.6\nsync .\n"
+              "create snapshot.6.tmp\nwrite snapshot.6.tmp\nsync snapshot.6.tmp\n"
+              "rename snapshot.6.tmp snapshot.6\nsync .\nremove snapshot.5\n"
+              "create log.7\nwrite log.7\nsync log.7\nsync .\nremove log.6\nsync .\n");
+    datadir_close(&dir);
+    directory_remove(&d);
+}
+
+TEST(snapshot_that_is_not_needed_has_its_second_name_on_the_disk_before_it_loses_the_first)
+{
+    struct datadir dir;
+    struct directory d = directory_quick();
+    write_damaged(&d, 1);
+    write_log(&d, 1);
+    CHECK(datadir_open(&dir, d.path, false));
+    calls_watch(d.path);
+    CHECK(salvage(&dir));
+    CHECK_STR(calls_text(), "link snapshot.1 damaged.snapshot.1\nsync .\n"
+                            "remove snapshot.1\nsync .\n");
+    datadir_close(&dir);
+    directory_remove(&d);
 }

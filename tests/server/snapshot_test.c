@@ -5,9 +5,11 @@
 #include "server/job.h"
 #include "server/replay.h"
 #include "tests/server/directory.h"
+#include "tests/server/file_calls.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
+#include <errno.h>
 #include <poll.h>
 #include <signal.h>
 #include <string.h>
@@ -45,6 +47,69 @@ TEST(snapshot_lets_go_of_the_sets_that_it_has_written)
     close(event);
     datadir_close(&dir);
     directory_remove(&d);
+}
+
+/* ---- the order of its calls ---- */
+
+static void leave_file(const struct directory *d, const char *name)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", d->path, name);
+    file_write(path, "", 0);
+}
+
+/* Writes a snapshot with the lsn 4 into a directory that has an older one; what snapshot_end
+ * returns. */
+static int write_one(struct directory *d, const char *call_that_fails)
+{
+    struct local l;
+    struct datadir dir;
+    uint64_t count;
+    int event = eventfd(0, EFD_CLOEXEC);
+    *d = directory_quick();
+    leave_file(d, "snapshot.0000000000000001");
+    leave_file(d, "log.0000000000000002");
+    leave_file(d, "log.0000000000000005");
+    local_start(&l, 0);
+    local_ask(&l, "ADD a 0 0  1 1\n");
+    CHECK(event >= 0 && datadir_open(&dir, d->path, false));
+    calls_watch(d->path);
+    calls_fail(call_that_fails, 1, 1, EIO);
+    struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, 4, event);
+    CHECK(snap != NULL);
+    snapshot_go(snap);
+    CHECK(read(event, &count, sizeof count) == sizeof count && snap->done);
+    int error = snapshot_end(snap, &l.server.sets);
+    local_stop(&l);
+    close(event);
+    datadir_close(&dir);
+    return error;
+}
+
+TEST(snapshot_is_on_the_disk_before_what_it_replaces_is_removed)
+{
+    struct directory d;
+    CHECK(write_one(&d, "") == 0);
+    CHECK_STR(calls_text(), "create snapshot.4.tmp\nwrite snapshot.4.tmp\nsync snapshot.4.tmp\n"
+                            "rename snapshot.4.tmp snapshot.4\nsync .\n"
+                            "remove snapshot.1\nremove log.2\n");
+    directory_remove(&d);
+}
+
+TEST(snapshot_that_fails_anywhere_leaves_what_was_there)
+{
+    static const char *const calls[] = {"create snapshot.4.tmp", "write snapshot.4.tmp",
+                                        "sync snapshot.4.tmp", "rename snapshot.4.tmp snapshot.4",
+                                        "sync ."};
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
+        char path[128];
+        struct directory d;
+        CHECK(write_one(&d, calls[i]) == EIO);
+        CHECK(calls_count("remove snapshot.1") == 0 && calls_count("remove log.2") == 0);
+        CHECK((calls_count("rename snapshot.4.tmp snapshot.4") == 1) == (i == 4));
+        CHECK(directory_file(&d, "snapshot.", 1, path) == (i == 4));
+        directory_remove(&d);
+    }
 }
 
 /* ---- edits while it is being written ---- */
