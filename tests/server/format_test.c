@@ -1,0 +1,59 @@
+/* format_test.c - what earlier releases wrote, this one reads. tests/data/README.md tells how each
+ * directory there was made. */
+#include "tests/server/directory.h"
+#include "tests/test.h"
+
+#include <dirent.h>
+#include <signal.h>
+#include <string.h>
+
+static const char *const names[] = {"a", "b", "t", "empty", NULL};
+
+/* Copies what is below `from` into a directory of its own, which a daemon may change. */
+static struct directory copy_of(const char *from)
+{
+    struct directory dir = directory_new();
+    struct dirent *e;
+    DIR *all = opendir(from);
+    CHECK_MSG(all != NULL, "there is no %s", from);
+    while ((e = readdir(all)) != NULL) {
+        char path[300], to[300];
+        size_t n;
+        if (e->d_name[0] == '.' || strcmp(e->d_name, "state") == 0)
+            continue;
+        snprintf(path, sizeof path, "%s/%.60s", from, e->d_name);
+        snprintf(to, sizeof to, "%s/%.60s", dir.path, e->d_name);
+        char *bytes = file_read(path, &n);
+        file_write(to, bytes, n);
+        free(bytes);
+    }
+    closedir(all);
+    return dir;
+}
+
+/* A snapshot, a log that was closed in good order, and one of a daemon that was killed. */
+TEST(directory_of_version_1_is_read_and_goes_on)
+{
+    size_t n;
+    char text[4000];
+    struct directory dir = copy_of("tests/data/version-1");
+    char *want = file_read("tests/data/version-1/state", &n);
+    want[n] = '\0';
+    CHECK_MSG(directory_run(&dir, "--check", text, sizeof text) == 0, "%s", text);
+    for (int i = 0; i < 2; i++) { /* its own files, then those that this release has written */
+        struct daemon d = directory_daemon(&dir, NULL);
+        char *got = directory_state(&d, names);
+        CHECK_STR(got, want);
+        free(got);
+        carry_out(&d, "SNAPSHOT\n");
+        await_info(&d, "snapshots", 1);
+        daemon_stop(&d, SIGKILL);
+    }
+    struct daemon d = directory_daemon(&dir, NULL);
+    converse(&d, "ADD a 8 8\nADD t 8 8\nADD gone 8 8\n",
+             "OK 0 first=7 added=1 coincident=0\nOK 0 first=9 added=1 coincident=0\n"
+             "OK 0 first=0 added=1 coincident=0\n");
+    daemon_stop(&d, SIGKILL);
+    free(want);
+    directory_remove(&dir);
+}
