@@ -75,12 +75,13 @@ static bool put_later_aside(const struct datadir *dir, const struct datafile *f)
     return ok && datadir_sync(dir);
 }
 
+/* The damage goes first: at the end of the last segment it would look like what a crash has torn
+ * off, should this be broken off. */
 static bool cut_log(const struct recovery *r)
 {
     const struct datafile *f = &r->file;
-    bool ok = put_later_aside(r->dir, f) &&
-              (r->at > 0 ? put_rest_aside(r->dir, f, r->at)
-                         : put_whole_aside(r->dir, f) && datadir_sync(r->dir));
+    bool ok = (r->at > 0 ? put_rest_aside(r->dir, f, r->at) : put_whole_aside(r->dir, f)) &&
+              put_later_aside(r->dir, f);
     if (!ok)
         printf("cannot put the damaged part aside: %s\n", strerror(errno));
     else if (r->at > 0)

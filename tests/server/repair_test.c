@@ -7,6 +7,7 @@
 #include "tests/server/file_calls.h"
 #include "tests/test.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <signal.h>
 #include <string.h>
@@ -238,6 +239,23 @@ TEST(repair_keeps_what_is_before_a_record_that_cannot_be)
 
 /* ---- a repair that breaks off ---- */
 
+/* A segment that ends within a record is damaged where others follow, and torn where none does. */
+TEST(repair_that_breaks_off_keeps_the_damaged_record)
+{
+    char path[128], text[4000];
+    struct sample s = make_sample(false);
+    s.size[0] -= 10;
+    lay_out(&s, LIVES);
+    calls_watch(s.dir.path);
+    calls_fail("create damaged.log.1", 1, 1, EIO);
+    fflush(stdout);
+    CHECK(recovery_repair(s.dir.path) == 1);
+    CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
+    CHECK_MSG(directory_file(&s.dir, "damaged.log.0000000000000001", 0, path), "%s", text);
+    CHECK(is_aside(&s, 1) && is_aside(&s, 2));
+    free_sample(&s);
+}
+
 TEST_TIMEOUT(repair_of_a_log_that_fails_anywhere_can_be_repeated, 60)
 {
     static const char *const op[] = {"write", "sync", "open"};
@@ -287,10 +305,10 @@ TEST(repair_of_a_log_has_a_copy_on_the_disk_before_anything_is_cut_off)
     calls_watch(d.path);
     CHECK(recovery_repair(d.path) == 0);
     CHECK_STR(calls_text(),
-              "create damaged.log.4\nwrite damaged.log.4\nsync damaged.log.4\nsync .\n"
-              "remove log.4\nsync .\n"
               "create damaged.log.1\nwrite damaged.log.1\nsync damaged.log.1\nsync .\n"
-              "cut log.1\nsync log.1\n");
+              "cut log.1\nsync log.1\n"
+              "create damaged.log.4\nwrite damaged.log.4\nsync damaged.log.4\nsync .\n"
+              "remove log.4\nsync .\n");
     directory_remove(&d);
 }
 
