@@ -43,8 +43,11 @@ static bool link_aside(const struct datadir *dir, const struct datafile *f)
             return true;
         if (errno != EEXIST)
             return false;
-        if (same_file(dir, f->name, name)) /* a repair that was broken off did that */
-            return true;
+        /* A repair that was broken off did that, maybe because this name could not be saved. It is
+         * made again, so that there is something to save. */
+        if (same_file(dir, f->name, name))
+            return unlinkat(dir->fd, name, 0) == 0 &&
+                   linkat(dir->fd, f->name, dir->fd, name, 0) == 0;
         snprintf(name, sizeof name, "damaged.%s.%d", f->name, i);
     }
     return false;
@@ -220,20 +223,26 @@ static bool replace(struct recovery *r, const struct datafiles *files)
 
 /* ---- both ways ---- */
 
-/* Whether all is there without the newest snapshot; then it is put aside. */
-static bool do_without(const struct datadir *dir, const struct datafile *newest)
+/* Whether all is there without the newest snapshot. */
+static bool is_dispensable(const struct datadir *dir, const struct datafile *newest)
 {
     struct recovery r;
     recovery_init(&r, dir);
     r.pass_over = true;
     recovery_run(&r);
-    bool ok = r.result == RECOVERY_OK && r.last >= newest->lsn && link_aside(dir, newest) &&
-              datadir_sync(dir) && unlinkat(dir->fd, newest->name, 0) == 0 && datadir_sync(dir);
+    bool yes = r.result == RECOVERY_OK && r.last >= newest->lsn;
     recovery_clear(&r);
-    if (ok)
-        printf("%s: put aside; nothing is lost, since what comes before it is still there\n",
-               newest->name);
-    return ok;
+    return yes;
+}
+
+static bool do_without(const struct datadir *dir, const struct datafile *newest)
+{
+    if (!link_aside(dir, newest) || !datadir_sync(dir) || unlinkat(dir->fd, newest->name, 0) != 0 ||
+        !datadir_sync(dir))
+        return complain("cannot put the damaged snapshot aside");
+    printf("%s: put aside; nothing is lost, since what comes before it is still there\n",
+           newest->name);
+    return true;
 }
 
 static bool keep_whole_sets(const struct datadir *dir, const struct datafiles *files,
@@ -276,7 +285,8 @@ bool salvage(const struct datadir *dir)
     bool ok = snapshots > 0;
     if (ok) {
         const struct datafile *newest = &files.v[snapshots - 1];
-        ok = do_without(dir, newest) || keep_whole_sets(dir, &files, newest);
+        ok = is_dispensable(dir, newest) ? do_without(dir, newest)
+                                         : keep_whole_sets(dir, &files, newest);
     }
     datafiles_free(&files);
     return ok;

@@ -8,6 +8,7 @@
 #include "tests/test.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <signal.h>
@@ -333,18 +334,44 @@ TEST(record_that_is_refused_changes_nothing)
     buf_free(&b);
 }
 
-TEST(repair_loses_nothing_where_the_log_from_the_beginning_is_there)
+/* ---- what comes before the snapshot is still there ---- */
+
+static struct sample make_dispensable(void)
 {
-    char text[FILE_LIMIT], path[128];
+    char path[128];
     struct sample s = make_sample();
     s.bytes[s.n / 2] ^= 1;
     lay_out(&s, s.bytes, s.n);
     snprintf(path, sizeof path, "%s/log.%016x", s.dir.path, 1);
     file_write(path, s.first_log, s.first_n);
+    calls_watch(s.dir.path);
+    return s;
+}
+
+TEST(repair_loses_nothing_where_the_log_from_the_beginning_is_there)
+{
+    char text[FILE_LIMIT], path[128];
+    struct sample s = make_dispensable();
     CHECK(repair(&s, text, sizeof text) == 0);
     CHECK_MSG(strstr(text, "nothing is lost") != NULL, "%s", text);
     CHECK(check_kept(&s, text, "log", 1) == 0);
     CHECK(directory_file(&s.dir, "damaged.snapshot.", 0, path));
+    free_sample(&s);
+}
+
+/* A second sync of the same name might report a success that is not one. */
+TEST(repair_that_could_not_put_a_snapshot_aside_loses_no_set_and_begins_again)
+{
+    char text[FILE_LIMIT];
+    struct sample s = make_dispensable();
+    calls_fail("sync .", 1, 1, EIO);
+    CHECK(repair(&s, text, sizeof text) == 1);
+    CHECK_MSG(strstr(text, "cannot put the damaged snapshot aside: Input/output error") != NULL,
+              "%s", text);
+    CHECK(repair(&s, text, sizeof text) == 0);
+    CHECK_MSG(calls_end("link snapshot.8 damaged.snapshot.8\nsync .\nremove snapshot.8\nsync .\n"),
+              "%s", calls_text());
+    CHECK(check_kept(&s, text, "log", 1) == 0);
     free_sample(&s);
 }
 
