@@ -4,7 +4,8 @@
  *
  *     POWER_ROOT         files below this directory count
  *     POWER_LOG          the file for the operations (power_log.h)
- *     POWER_CRASH        the daemon ends with so many operations, in the middle of what it is doing
+ *     POWER_FIRST        so many are there already, of processes before this one
+ *     POWER_CRASH        the daemon ends with so many of its own, in the middle of what it is doing
  *     POWER_SEED         for what is left to chance below
  *     POWER_SYNC_FAILS   so many syncs of a thousand fail
  *     POWER_WRITE_FAILS  so many writes, renames and openings of a thousand fail or are cut short
@@ -36,7 +37,7 @@ enum { PATH_LIMIT = 512, EXIT_CRASH = 99 };
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static int log_fd = -1;
-static uint64_t operations, chance;
+static uint64_t operations, last, chance; /* those in the file; it ends with that one */
 
 static void *real(const char *name)
 {
@@ -52,7 +53,10 @@ static uint64_t setting(const char *name)
 __attribute__((constructor)) static void start(void)
 {
     const char *path = getenv("POWER_LOG");
-    int fd = path == NULL ? -1 : open(path, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0600);
+    operations = setting("POWER_FIRST");
+    last = setting("POWER_CRASH") > 0 ? operations + setting("POWER_CRASH") : 0;
+    int flags = O_WRONLY | O_CREAT | O_APPEND | (operations == 0 ? O_TRUNC : 0);
+    int fd = path == NULL ? -1 : open(path, flags, 0600);
     log_fd = fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, 200);
     if (fd >= 0)
         close(fd);
@@ -124,7 +128,7 @@ static void note(struct power_head h, const char *name, const char *other, const
                            {(void *)(uintptr_t)data, n}};
     if (syscall(SYS_writev, log_fd, part, 4) != (long)h.bytes)
         abort();
-    if (++operations == setting("POWER_CRASH"))
+    if (++operations == last)
         _exit(EXIT_CRASH);
 }
 

@@ -145,18 +145,24 @@ void tree_write(const struct tree *t, const char *path)
 
 /* ---- comparing ---- */
 
+static char byte_at(const struct tree_file *f, uint64_t at)
+{
+    return at < f->n ? f->bytes[at] : '\0';
+}
+
+bool tree_bytes_equal(const struct tree_file *a, uint64_t at, const struct tree_file *b,
+                      uint64_t from, uint64_t n)
+{
+    if (at + n > a->size || from + n > b->size)
+        return false;
+    while (n > 0 && (at < a->n || from < b->n) && byte_at(a, at) == byte_at(b, from))
+        at++, from++, n--;
+    return n == 0 || (at >= a->n && from >= b->n);
+}
+
 bool tree_file_equal(const struct tree_file *a, const struct tree_file *b)
 {
-    size_t n = a->n < b->n ? a->n : b->n;
-    if (a->dir != b->dir || a->size != b->size || memcmp(a->bytes, b->bytes, n) != 0)
-        return false;
-    for (size_t i = n; i < a->n; i++)
-        if (a->bytes[i] != '\0')
-            return false;
-    for (size_t i = n; i < b->n; i++)
-        if (b->bytes[i] != '\0')
-            return false;
-    return true;
+    return a->dir == b->dir && a->size == b->size && tree_bytes_equal(a, 0, b, 0, a->size);
 }
 
 const char *tree_difference(const struct tree *a, const struct tree *b)

@@ -42,6 +42,10 @@ void tree_write(const struct tree *t, const char *path);
 /* Removes a directory with all that is in it. */
 void tree_remove(const char *path);
 
+/* Whether n bytes of a file are those of another from an offset on. */
+bool tree_bytes_equal(const struct tree_file *a, uint64_t at, const struct tree_file *b,
+                      uint64_t from, uint64_t n);
+
 bool tree_file_equal(const struct tree_file *a, const struct tree_file *b);
 
 /* NULL: both hold the same; else a name that differs. */

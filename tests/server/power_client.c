@@ -99,19 +99,35 @@ static struct change change_shared(struct client *c, const struct stream *s)
 
 /* ---- one connection ---- */
 
-static bool client_connect(struct client *c)
+/* A socket that is connected to the daemon, and its own port; -1: the daemon has gone. */
+static int reach(const struct workload *w, unsigned *port)
 {
-    struct sockaddr_in at = {.sin_family = AF_INET, .sin_port = htons((in_port_t)c->work->port)};
+    struct sockaddr_in at = {.sin_family = AF_INET, .sin_port = htons((in_port_t)w->port)};
     socklen_t n = sizeof at;
     at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    c->fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    CHECK(c->fd >= 0);
-    if (c->work->stop || connect(c->fd, (struct sockaddr *)&at, sizeof at) != 0) {
-        close(c->fd);
-        return false;
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    CHECK(fd >= 0);
+    if (w->stop || connect(fd, (struct sockaddr *)&at, sizeof at) != 0) {
+        close(fd);
+        return -1;
     }
-    CHECK(getsockname(c->fd, (struct sockaddr *)&at, &n) == 0);
-    c->connection = history_new_connection(c->work->history, ntohs(at.sin_port));
+    CHECK(getsockname(fd, (struct sockaddr *)&at, &n) == 0);
+    *port = ntohs(at.sin_port);
+    return fd;
+}
+
+static bool client_connect(struct client *c)
+{
+    unsigned port;
+    c->connection = NULL;
+    while (c->connection == NULL) {
+        c->fd = reach(c->work, &port);
+        if (c->fd < 0)
+            return false;
+        c->connection = history_new_connection(c->work->history, port);
+        if (c->connection == NULL)
+            close(c->fd);
+    }
     c->heard = 0;
     c->from = c->to = 0;
     return true;
@@ -239,12 +255,15 @@ static bool exchange(struct client *c, bool *refused)
     return ok;
 }
 
-/* As long as the daemon lives. What it was asked before in vain may still come to be, so whoever has
- * to connect again leaves these sets alone. */
+void client_leave_sets(struct client *c)
+{
+    c->own = c->shared = NULL;
+}
+
 static void *talk(void *arg)
 {
     struct client *c = arg;
-    for (; client_connect(c); c->own = c->shared = NULL) {
+    for (; client_connect(c); client_leave_sets(c)) {
         bool refused = false;
         while (exchange(c, &refused)) {
             if (below(c, 40) == 0)

@@ -34,4 +34,8 @@ struct client {
 void client_start(struct client *c, struct workload *w, uint64_t seed);
 void client_join(struct client *c);
 
+/* What a daemon was asked in vain may still come to be as long as the power is not cut: whoever goes
+ * on after that does so with other sets. */
+void client_leave_sets(struct client *c);
+
 #endif

@@ -51,12 +51,18 @@ struct stream *history_new_stream(struct history *h, const char *set)
 struct connection *history_new_connection(struct history *h, unsigned port)
 {
     struct connection *c = calloc(1, sizeof *c);
-    pthread_mutex_lock(&h->mutex);
-    for (int i = 0; i < h->connections; i++)
-        CHECK(h->connection[i]->port != port);
-    h->connection = listed(h->connection, h->connections++, c);
-    pthread_mutex_unlock(&h->mutex);
+    CHECK(c != NULL);
     c->port = port;
+    pthread_mutex_lock(&h->mutex);
+    for (int i = 0; i < h->connections && c != NULL; i++) {
+        if (h->connection[i]->port == port) {
+            free(c);
+            c = NULL;
+        }
+    }
+    if (c != NULL)
+        h->connection = listed(h->connection, h->connections++, c);
+    pthread_mutex_unlock(&h->mutex);
     return c;
 }
 

@@ -71,6 +71,7 @@ void history_forget_connections(struct history *h);
 
 /* NULL: of a set of its own; else of one that it shares. */
 struct stream *history_new_stream(struct history *h, const char *set);
+/* NULL: another connection has had that port. */
 struct connection *history_new_connection(struct history *h, unsigned port);
 
 /* Takes over the change; returns its index. */

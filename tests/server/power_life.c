@@ -6,10 +6,12 @@
  *     crash/data   what a power cut may have left of it */
 #include "tests/server/power_life.h"
 
+#include "proto/record.h"
 #include "server/recover.h"
 #include "tests/faults/crash_fate.h"
 #include "tests/server/directory.h"
 #include "tests/server/power_agree.h"
+#include "tests/server/power_disk.h"
 #include "tests/test.h"
 
 #include <errno.h>
@@ -22,7 +24,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { PATH_BYTES = 100, EXIT_CRASH = 99 };
+enum { PATH_BYTES = 100 };
 
 static const char *path_in(const struct story *s, const char *name, char path[PATH_BYTES])
 {
@@ -33,7 +35,7 @@ static const char *path_in(const struct story *s, const char *name, char path[PA
 void story_begin(struct story *s)
 {
     struct directory dir = directory_quick();
-    *s = (struct story){0};
+    *s = (struct story){.tally = s->tally};
     snprintf(s->dir, sizeof s->dir, "%s", dir.path);
     history_init(&s->history);
     s->work.history = &s->history;
@@ -48,27 +50,19 @@ void story_end(struct story *s)
 
 /* ---- the daemon ---- */
 
-static void set_number(const char *name, uint64_t v)
-{
-    char text[32];
-    snprintf(text, sizeof text, "%" PRIu64, v);
-    setenv(name, text, 1);
-}
-
 /* In the child, whose environment is its own. */
-static void set_disk(const struct story *s, const struct circumstances *c, unsigned crash)
+static void load_disk(const struct story *s, const struct circumstances *c, unsigned crash)
 {
-    char path[PATH_BYTES];
-    setenv("LD_PRELOAD", getenv("POWER_SHIM"), 1);
-    setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
-    setenv("POWER_ROOT", path_in(s, "root", path), 1);
-    setenv("POWER_LOG", path_in(s, "ops", path), 1);
-    set_number("POWER_CRASH", crash);
-    set_number("POWER_SEED", test_random());
-    set_number("POWER_SYNC_FAILS", c->sync_fails);
-    set_number("POWER_WRITE_FAILS", c->write_fails);
-    set_number("POWER_STALL_US", c->stall_us);
-    set_number("POWER_SPACE", c->space);
+    char root[PATH_BYTES], ops[PATH_BYTES];
+    power_disk_load(&(struct power_disk){.root = path_in(s, "root", root),
+                                         .ops = path_in(s, "ops", ops),
+                                         .first = s->first,
+                                         .crash = crash,
+                                         .sync_fails = c->sync_fails,
+                                         .write_fails = c->write_fails,
+                                         .stall_us = c->stall_us,
+                                         .space = c->space,
+                                         .seed = test_random()});
 }
 
 static void run_daemon(const struct story *s, const struct circumstances *c, const char *data)
@@ -96,7 +90,7 @@ static bool start(const struct story *s, const struct circumstances *c, const ch
     if (d->pid == 0) {
         dup2(out[1], STDOUT_FILENO);
         if (strncmp(data, "root", 4) == 0)
-            set_disk(s, c, crash);
+            load_disk(s, c, crash);
         run_daemon(s, c, data);
     }
     close(out[1]);
@@ -120,15 +114,13 @@ static int await_end(const struct daemon *d, unsigned ms, bool ready)
     return status;
 }
 
-/* A life; whether it has ended between two operations, so that all are written down. */
-static bool live(struct story *s, const struct circumstances *c)
+/* One daemon, from its start to its end; whether that was between two operations, so that all are
+ * written down. */
+static bool run(struct story *s, const struct circumstances *c)
 {
     static const unsigned most[] = {20, 100, 500, 2000, 10000};
-    char path[PATH_BYTES];
     struct daemon d;
-    unsigned crash = 1 + test_below(most[test_below(5)]);
-    tree_write(&s->before, path_in(s, "root", path));
-    bool ready = start(s, c, "root/data", crash, &d);
+    bool ready = start(s, c, "root/data", 1 + test_below(most[test_below(5)]), &d);
     s->work.port = d.port;
     s->work.large = c->large;
     s->work.stop = false;
@@ -138,7 +130,28 @@ static bool live(struct story *s, const struct circumstances *c)
     s->work.stop = true;
     for (int i = 0; ready && i < CLIENTS; i++)
         client_join(&s->client[i]);
-    return WIFEXITED(status) && (WEXITSTATUS(status) == EXIT_CRASH || WEXITSTATUS(status) == 0);
+    return WIFEXITED(status) && (WEXITSTATUS(status) == POWER_CRASHED || WEXITSTATUS(status) == 0);
+}
+
+/* Now and then one daemon after the other, before the power is cut: what the first one has written and
+ * not synced is there for the second, as long as it is known. */
+static struct power_log live(struct story *s, const struct circumstances *c, bool *exact)
+{
+    char path[PATH_BYTES];
+    unsigned more = test_below(3) == 0 ? test_below(3) : 0;
+    tree_write(&s->before, path_in(s, "root", path));
+    s->first = 0;
+    *exact = run(s, c);
+    struct power_log log = power_log_read(path_in(s, "ops", path));
+    for (; more > 0 && *exact; more--) {
+        for (int i = 0; i < CLIENTS; i++)
+            client_leave_sets(&s->client[i]);
+        s->first = log.n;
+        *exact = run(s, c);
+        power_log_free(&log);
+        log = power_log_read(path_in(s, "ops", path));
+    }
+    return log;
 }
 
 /* ---- the moment ---- */
@@ -167,7 +180,7 @@ __attribute__((format(printf, 2, 3), noreturn)) static void fail(const struct mo
     test_fail(__FILE__, __LINE__,
               "life %u, --fsync %s, power cut after %zu of %zu operations: %s\nlost: %s\n%s has "
               "before/, the operations (ops) and what was left of them (crash/)",
-              s->lives, m->given->policy, m->cut, m->log->n, what, m->fate.recipe, s->dir);
+              s->tally.lives, m->given->policy, m->cut, m->log->n, what, m->fate.recipe, s->dir);
 }
 
 static bool is_rare(enum power_kind k)
@@ -256,6 +269,7 @@ static void ask_daemon(const struct moment *m, const struct recovery *r)
 /* Whether the next life is to begin with this: a torn end is what most can go wrong with. */
 static bool check(const struct moment *m, bool last)
 {
+    struct tally *t = &m->story->tally;
     char path[PATH_BYTES], why[WHY_BYTES];
     struct datadir dir;
     tree_write(&m->after, path_in(m->story, "crash", path));
@@ -263,6 +277,8 @@ static bool check(const struct moment *m, bool last)
     if (!history_allows(&m->story->history, &r->replay.sets, why))
         fail(m, "%s", why);
     datadir_close(&dir);
+    t->cuts++;
+    t->torn += r->torn;
     bool chosen = last || (r->torn && test_below(8) == 0);
     if (chosen) {
         ask_daemon(m, r);
@@ -287,26 +303,48 @@ static void check_log(const struct moment *m)
     tree_free(&told);
 }
 
+static void count_changes(const struct stream *s, struct tally *t)
+{
+    for (int i = 0; i < s->n; i++) {
+        const struct sent_change *sent = &s->sent[i];
+        bool done = sent->reply[0] != '\0' && !sent->refused;
+        t->acknowledged += done;
+        t->refused += sent->refused;
+        t->unknown += sent->reply[0] == '\0';
+        t->loads += done && sent->change.n > RECORD_POINTS;
+    }
+}
+
+static void count(struct story *s, const struct power_log *log)
+{
+    struct tally *t = &s->tally;
+    t->lives++;
+    t->operations += (unsigned)log->n;
+    for (size_t i = 0; i < log->n; i++) {
+        t->snapshots += log->op[i].kind == POWER_RENAME;
+        t->removals += log->op[i].kind == POWER_UNLINK;
+        t->failed_syncs += log->op[i].kind == POWER_SYNC && log->op[i].error != 0;
+    }
+    for (int i = 0; i < s->history.streams; i++)
+        count_changes(s->history.stream[i], t);
+}
+
 void story_live(struct story *s, const struct circumstances *c)
 {
-    char path[PATH_BYTES];
-    bool exact = live(s, c);
-    struct power_log log = power_log_read(path_in(s, "ops", path));
+    bool exact;
+    struct power_log log = live(s, c, &exact);
     struct moment m = {.story = s, .given = c, .log = &log};
     m.crash = crash_new(&s->before, &log);
     if (exact)
         check_log(&m);
     history_close(&s->history);
     s->history.shows_unsaved = c->sync_fails + c->write_fails > 0 || c->space > 0;
-    s->lives++;
-    s->operations += (unsigned)log.n;
+    count(s, &log);
     look(&m);
     for (unsigned i = 1; !check(&m, i == c->states); i++) {
         tree_free(&m.after);
         look(&m);
-        s->states++;
     }
-    s->states++;
     tree_free(&s->before);
     s->before = m.after;
     crash_free(m.crash);

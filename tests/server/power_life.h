@@ -18,16 +18,24 @@ struct circumstances {
     unsigned states;     /* that are looked at after a life */
 };
 
+/* What has happened, for those who want to know whether a test tests anything. */
+struct tally {
+    unsigned lives, operations, snapshots, removals, failed_syncs;
+    unsigned acknowledged, refused, unknown, loads; /* changes; loads of several records */
+    unsigned cuts, torn;                            /* power cuts; those with a torn end */
+};
+
 struct story {
     struct history history;
     struct client client[CLIENTS];
     struct workload work;
     struct tree before; /* what the life begins with */
-    char dir[64];       /* for the files below */
-    unsigned lives, states, operations;
-    unsigned long changes; /* that were acknowledged */
+    char dir[64];       /* for its files */
+    size_t first;       /* operations of this life that earlier daemons have done */
+    struct tally tally;
 };
 
+/* The tally goes on. */
 void story_begin(struct story *s);
 
 /* One life and its end. */
