@@ -481,7 +481,7 @@ enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double
  *         dt_sweep_read(t, view, &s, 4096);   under the caller's lock
  *         dt_sweep_sift(&s, &ids, &done);     which this does not need
  *     while (!done);
- *     dt_sweep_end(&s, &ids);
+ *     dt_sweep_end(&s, NULL, &ids);
  *     dt_sweep_clear(&s);
  *
  * Cost: linear in the rows; the nearest k, a factor of up to log k more. */
@@ -511,8 +511,8 @@ enum dt_status dt_sweep_read(const struct dt *t, const struct dt_view *v, struct
 enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done);
 
 /* Appends what has not been appended yet: the ids in *out are then those that the search of the same
- * name gives, in the same order. */
-enum dt_status dt_sweep_end(struct dt_sweep *s, struct dt_ids *out);
+ * name gives, in the same order. opt may be NULL: its flag is polled. */
+enum dt_status dt_sweep_end(struct dt_sweep *s, const struct dt_options *opt, struct dt_ids *out);
 
 /* Frees what it owns. */
 void dt_sweep_clear(struct dt_sweep *s);

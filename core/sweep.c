@@ -9,6 +9,7 @@
 #include "core/delaunay.h"
 #include "core/predicates.h"
 #include "core/reader.h"
+#include "core/work.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -132,10 +133,13 @@ enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done)
 
 /* ---- the end ---- */
 
-enum dt_status dt_sweep_end(struct dt_sweep *s, struct dt_ids *out)
+enum dt_status dt_sweep_end(struct dt_sweep *s, const struct dt_options *opt, struct dt_ids *out)
 {
+    struct dt_work work = dt_work_of(opt);
     enum dt_status status = DT_OK;
-    for (size_t n = s->n; n > 1; n--) {
+    for (size_t n = s->n; n > 1 && status == DT_OK; n--) {
+        if ((n & DT_WORK_MASK) == 0)
+            status = dt_work(&work, DT_WORK_BLOCK);
         struct dt_sweep_hit last = s->hit[n - 1];
         s->hit[n - 1] = s->hit[0];
         sift_down(s, 0, n - 1, last);

@@ -28,7 +28,6 @@ enum {
     ACCEPTS_PER_TURN = 64,
     REFUSALS_PER_TURN = 8, /* each is a connection made and closed: 20 us, and nobody is served */
     GRACE_MS = 30 * 1000,  /* for what is under way when the daemon is told to stop */
-    PROGRESS_AFTER_MS = 1000,
     ANNOUNCE_MS = 1000 /* how long the ready line waits for sets that are being read from disk */
 };
 
@@ -274,6 +273,7 @@ static void stop(void)
     d.stopping = true;
     d.stop_ms = d.loop.now_ms;
     close_listeners();
+    server_drain(&d.server);
     clients_each(&d.clients, drain_client);
 }
 
@@ -307,7 +307,7 @@ static void tell_progress(void)
 {
     for (const struct job *j = d.server.jobs, *next; j != NULL; j = next) {
         next = j->next;
-        if (d.loop.now_ms - j->queued_ns / 1000000 <= PROGRESS_AFTER_MS)
+        if (d.loop.now_ms - j->queued_ns / 1000000 <= SESSION_PROGRESS_MS)
             continue;
         tell_progress_to(j->owner, j);
         for (unsigned i = 0; i < j->also_n; i++)

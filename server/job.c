@@ -118,6 +118,8 @@ static void start(struct server *s, struct answer *a, struct job *j, unsigned ho
     j->queued_ns = clock_ns();
     j->options.pool = workers_pool(s->workers);
     j->work.run = run_later;
+    if (s->draining)
+        job_drain(j);
     s->count.jobs++;
     link_job(s, j);
     a->job = j;
@@ -247,6 +249,12 @@ bool job_leave(struct job *j, uint64_t who)
         if (j->also[i] == who)
             j->also[i] = last;
     return true;
+}
+
+void job_drain(struct job *j)
+{
+    if (j->what != NULL && j->changes == 0)
+        j->cancel = true;
 }
 
 /* ---- the end ---- */

@@ -89,6 +89,10 @@ bool job_join(struct server *s, struct answer *a, struct job *j);
  * leaver no more; false: there are none, so it is cancelled. */
 bool job_leave(struct job *j, uint64_t who);
 
+/* Cancels the job when the server is about to stop, unless it changes points or makes a piece of a
+ * reply, which are finished. */
+void job_drain(struct job *j);
+
 /* Answers one of those who joined, as the owner is answered. */
 void job_tell(struct server *s, struct job *j, struct answer *a);
 

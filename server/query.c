@@ -158,7 +158,7 @@ static enum dt_status sweep(struct query_job *j)
         version_lock_read(v);
     }
     if (status == DT_OK)
-        status = dt_sweep_end(&sweep, &q->ids);
+        status = dt_sweep_end(&sweep, &j->job.options, &q->ids);
     dt_sweep_clear(&sweep);
     return status;
 }

@@ -70,6 +70,13 @@ static void deliver_unheard(void *ctx, struct job *j)
     server_finish_unheard(ctx, j);
 }
 
+void server_drain(struct server *s)
+{
+    s->draining = true;
+    for (struct job *j = s->jobs; j != NULL; j = j->next)
+        job_drain(j);
+}
+
 void server_clear(struct server *s)
 {
     s->stopping = true;

@@ -60,12 +60,17 @@ struct server {
     struct stats stats;
     struct slowlog slowlog;
     struct clients *clients; /* borrows; NULL: there are none, commands come from elsewhere */
+    bool draining; /* it is told to stop, and sends what it has to say */
     bool stopping;
     int64_t started_ms;
 };
 
 /* Starts config->threads workers unless that is 0. False, with the reason on standard error. */
 bool server_init(struct server *s, struct config *config);
+
+/* The server is about to stop: what may take long and changes no points, builds and searches, is
+ * cancelled from now on. */
+void server_drain(struct server *s);
 
 /* Cancels and waits for what the workers still do, then frees everything. */
 void server_clear(struct server *s);

@@ -385,9 +385,28 @@ static bool step(struct session *s)
 
 /* ---- what the connection tells ---- */
 
+/* The client has sent its last while a worker is at its request. Whether it still reads, or its
+ * connection is closed on its side, shows only when something is sent: the line about the job's
+ * progress, as soon as that may be. If it is closed, the answer is a reset, and the job ends. */
+static void probe_client(struct session *s)
+{
+    int64_t at = s->job->queued_ns / 1000000 + SESSION_PROGRESS_MS;
+    if (!timer_is_set(&s->probe))
+        timers_set(&s->conn.loop->timers, &s->probe, at);
+}
+
+static void on_probe(struct timer *t)
+{
+    struct session *s = (struct session *)((char *)t - offsetof(struct session, probe));
+    if (s->job != NULL && !s->conn.dead)
+        session_progress(s, s->job);
+}
+
 static void on_data(struct conn *c)
 {
     struct session *s = (struct session *)c;
+    if (c->eof && s->job != NULL)
+        probe_client(s);
     struct stats *stats = &s->server->stats;
     int64_t start = stats_look(stats);
     ahead_forget(&s->server->ahead);
@@ -407,6 +426,7 @@ static void on_closed(struct conn *c)
     wait_served(&s->waiter);
     timer_clear(&s->later);
     timer_clear(&s->deadline);
+    timer_clear(&s->probe);
     if (s->job != NULL)
         job_leave(s->job, s->id);
     if (s->stream != NULL)
@@ -462,6 +482,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     s->peer = *peer;
     s->command = STATS_OTHER;
     s->waiter.wake = on_wake;
+    s->probe.run = on_probe;
     s->later.run = on_later;
     s->deadline.run = pass_deadline;
     s->closed = closed;
@@ -548,6 +569,7 @@ static void end_job(struct session *s, struct job *j,
 {
     struct answer a = session_answer(s);
     size_t mark = buf_len(a.out);
+    timer_clear(&s->probe);
     s->job = NULL;
     a.broken = buf_reserve(a.out, REPLY_ERR_ROOM) == NULL;
     account_job(s, j);

@@ -26,6 +26,7 @@ struct session {
     uint64_t requests;     /* answered so far */
     unsigned command;      /* the last one, or the one under way; as in struct answer */
     unsigned wrong_tokens; /* that it has shown */
+    struct timer probe;    /* set: runs when a comment may show whether the client is still there */
     struct timer later;    /* set: the request at hand is carried out when it runs */
     bool waited;           /* it has run for the request at hand */
     bool evicted;          /* it has made room for another client */
@@ -76,6 +77,8 @@ void session_check_timeouts(struct session *s);
 
 /* Closes at once, with an error: a client that has shown no token makes room for another one. */
 void session_evict(struct session *s);
+
+enum { SESSION_PROGRESS_MS = 1000 }; /* a job that takes longer reports how far it is */
 
 /* Tells the client how far its job is. */
 void session_progress(struct session *s, const struct job *j);

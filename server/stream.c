@@ -14,6 +14,7 @@ enum {
 
 struct piece {
     struct rows part;
+    bool uncut;      /* the worker cuts it off first: the only one that the stream has begun */
     struct buf text; /* owns */
     struct job *job; /* borrows; not NULL: a worker has the piece */
 };
@@ -175,15 +176,19 @@ struct making {
 };
 
 /* A part is usually less than a piece may be; of one that turns out longer, another piece follows. */
-static void make(struct piece *p)
+static void make(struct stream *st, struct piece *p)
 {
-    rows_fill(&p->part, &p->text, PIECE);
+    if (p->uncut && !rows_cut(&st->rows, &p->part))
+        p->part.done = true;
+    else
+        rows_fill(&p->part, &p->text, PIECE);
 }
 
 static void run_making(struct job *j)
 {
+    struct making *m = (struct making *)j;
     if (!j->cancel)
-        make(((struct making *)j)->piece);
+        make(m->stream, m->piece);
 }
 
 static void making_done(struct server *s, struct job *j, struct answer *a)
@@ -192,6 +197,7 @@ static void making_done(struct server *s, struct job *j, struct answer *a)
     struct stream *st = m->stream;
     (void)a;
     m->piece->job = NULL;
+    m->piece->uncut = false;
     st->in_work--;
     if (st->gone)
         stream_free(&s->sets, st);
@@ -206,8 +212,9 @@ static void begin(struct server *s, struct stream *st, struct piece *p)
     struct making *m = job_new(sizeof *m, run_making, making_done);
     if (m == NULL) {
         version_lock_read(st->rows.version);
-        make(p);
+        make(st, p);
         version_unlock(st->rows.version);
+        p->uncut = false;
         return;
     }
     m->stream = st;
@@ -245,11 +252,24 @@ static enum dt_status send_made(struct server *s, struct stream *st, struct buf 
     return DT_OK;
 }
 
+/* Cuts the next piece off. False: there is none, or none yet, since an edit is at work and pieces that
+ * have been begun are still to be sent. If there are no such pieces, a worker cuts it. */
+static bool cut_next(struct stream *st, struct piece *p)
+{
+    if (version_try_read(st->rows.version)) {
+        bool cut = rows_cut(&st->rows, &p->part);
+        version_unlock(st->rows.version);
+        return cut;
+    }
+    p->uncut = st->used == 0;
+    return p->uncut;
+}
+
 static void begin_next(struct server *s, struct stream *st)
 {
-    while (st->used < PIECES) {
+    while (st->used < PIECES && !(st->used > 0 && st->piece[st->head].uncut)) {
         struct piece *p = &st->piece[(st->head + st->used) % PIECES];
-        if (!rows_cut(&st->rows, &p->part))
+        if (!cut_next(st, p))
             return;
         st->used++;
         begin(s, st, p);

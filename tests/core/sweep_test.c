@@ -14,7 +14,7 @@ static struct dt_ids sweep_all(const struct dt *t, const struct dt_view *v, stru
         CHECK(dt_sweep_read(t, v, &s, piece) == DT_OK);
         CHECK(dt_sweep_sift(&s, &ids, &done) == DT_OK);
     }
-    CHECK(dt_sweep_end(&s, &ids) == DT_OK);
+    CHECK(dt_sweep_end(&s, NULL, &ids) == DT_OK);
     dt_sweep_clear(&s);
     return ids;
 }
@@ -85,12 +85,32 @@ TEST(sweep_finds_the_points_of_its_moment_whatever_edits_come_meanwhile)
         (void)dt_delete(t, &id, 1, &deleted, &missing);
         (void)dt_move(t, test_below(N), (struct dt_point){test_uniform(), 0.5});
     }
-    CHECK(dt_sweep_end(&s, &got) == DT_OK && dt_nearest(then, s.at, s.k, &want) == DT_OK);
+    CHECK(dt_sweep_end(&s, NULL, &got) == DT_OK && dt_nearest(then, s.at, s.k, &want) == DT_OK);
     check_equal_ids("a sweep beside edits", &got, &want);
     dt_sweep_clear(&s);
     dt_view_end(v);
     free(got.v);
     free(want.v);
     dt_free(then);
+    dt_free(t);
+}
+
+TEST(sweep_whose_flag_is_set_ends_before_it_sorts)
+{
+    enum { N = 5000 };
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    for (int i = 0; i < N; i++)
+        CHECK(dt_add(t, &(struct dt_point){test_uniform(), test_uniform()}, 1, &added) == DT_OK);
+    struct dt_view *v = dt_view_begin(t, false);
+    struct dt_sweep s = {.kind = DT_SWEEP_NEAREST, .k = N};
+    struct dt_ids ids = {0};
+    bool done;
+    CHECK(dt_sweep_read(t, v, &s, N + 1) == DT_OK && dt_sweep_sift(&s, &ids, &done) == DT_OK);
+    atomic_bool flag = true;
+    CHECK(done && dt_sweep_end(&s, &(struct dt_options){.cancel = &flag}, &ids) == DT_CANCELLED);
+    dt_sweep_clear(&s);
+    dt_view_end(v);
+    free(ids.v);
     dt_free(t);
 }

@@ -264,7 +264,60 @@ def builds(args):
               'NOSET': sum(r.startswith('ERR NOSET') for r in replies), 'loads refused': refused}, 'peak 230 MB, all answered')
 
 
-SCENARIOS = {f.__name__: f for f in (tiny_withins, large_withins, slow_dump, hub, crowd, builds)}
+def info(client, key):
+    client.sock.sendall(b'INFO\n')
+    rows = int(client.status().split()[1])
+    values = dict(client.file.readline().decode().rstrip().split(':', 1) for _ in range(rows))
+    return int(values[key])
+
+
+def until_idle(client):
+    begin = time.perf_counter()
+    while info(client, 'jobs_running') > 0:
+        time.sleep(0.002)
+    return (time.perf_counter() - begin) * 1000
+
+
+def cancel(args):
+    """How long work goes on after its TIMEOUT, after its client has disconnected, after SIGTERM."""
+    n = args.points
+    ids = ' '.join(str(i) for i in range(0, 100000, 11))
+    points = ' '.join(f'{random.random():.6f} {random.random():.6f}' for _ in range(3000))
+    requests = {
+        'NEAREST': f'NEAREST t 0.5 0.5 {n - 1}', 'WITHIN': 'WITHIN t 0 0 1 1', 'LISTS of many': f'LISTS t {ids}'[:65000].rsplit(' ', 1)[0],
+        'shelling': 'TRIANGULATE u METHOD shelling', 'divide': 'TRIANGULATE u METHOD divide', 'CHECK': 'CHECK t',
+        'DEL of many': f'DEL t {ids}'[:65000].rsplit(' ', 1)[0], 'ADD of many': f'ADD t {points}',
+    }
+    limit = 0.02
+    with Daemon(args.daemon) as d:
+        c, other = Client(d.port), Client(d.port)
+        c.live('t', n)
+        c.load('u', n)
+        for name, request in requests.items():
+            c.ask('TRIANGULATE t')
+            begin = time.perf_counter()
+            status = c.ask(f'TIMEOUT {limit} {request}')
+            late = (time.perf_counter() - begin - limit) * 1000
+            leaver = Client(d.port)
+            leaver.sock.sendall(request.encode() + b'\n')
+            time.sleep(limit)
+            leaver.sock.close()
+            show(f'{name}: {status[:40]}', {'ms after TIMEOUT': late, 'ms after its client has gone': until_idle(other)}, '100')
+        for name in ('shelling', 'NEAREST', 'CHECK'):
+            with Daemon(args.daemon) as e:
+                k = Client(e.port)
+                k.live('t', n)
+                k.load('u', n)
+                k.sock.sendall(requests[name].encode() + b'\n')
+                time.sleep(0.05)
+                k.sock.close()
+                begin = time.perf_counter()
+                e.process.terminate()
+                e.process.wait()
+                show(f'SIGTERM during {name}', {'ms': (time.perf_counter() - begin) * 1000}, '100')
+
+
+SCENARIOS = {f.__name__: f for f in (tiny_withins, large_withins, slow_dump, hub, crowd, builds, cancel)}
 
 
 def main():

@@ -114,9 +114,10 @@ TEST(daemon_that_stops_finishes_what_it_has_received)
     int fd = daemon_connect(&d);
     load_random(fd, "t", 200000);
     char *text = malloc(REQUESTS * 10 + 100);
-    strcpy(text, "TRIANGULATE t\n");
+    say(fd, "TRIANGULATE t\n");
+    CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0);
     for (int i = 0; i < REQUESTS; i++)
-        strcpy(text + 14 + i * 8, "GET t 0\n");
+        strcpy(text + i * 8, "GET t 0\n");
     say(fd, text);
     say(fd, "LISTS t\nGET t 1"); /* and a line that may have been cut */
     free(text);
@@ -127,10 +128,50 @@ TEST(daemon_that_stops_finishes_what_it_has_received)
         lines += text[i] == '\n';
         lines -= comment;
     }
-    CHECK_MSG(lines == 1 + 2 * REQUESTS + 200001, "%zu lines", lines);
+    CHECK_MSG(lines == 2 * REQUESTS + 200001, "%zu lines", lines);
     free(text);
     int status;
     CHECK(waitpid(d.pid, &status, 0) == d.pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+TEST(daemon_that_stops_gives_builds_up_and_finishes_edits)
+{
+    size_t n;
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d), other = daemon_connect(&d);
+    load_random(fd, "t", 1000000);
+    say(other, "ADD other 0 0\n");
+    CHECK(strncmp(hear_line(other), "OK 0", 4) == 0);
+    say(fd, "TRIANGULATE t METHOD shelling\nTRIANGULATE t METHOD shelling\nGET t 0\n");
+    pause_ms(50);
+    say(other, "ADD other 1 1\nSTAT other\n");
+    CHECK(kill(d.pid, SIGTERM) == 0);
+    char *text = hear_all(fd, &n);
+    CHECK_MSG(strncmp(text, "ERR CANCELLED ", 14) == 0 && strstr(text + 1, "\nERR CANCELLED ") &&
+                  strstr(text, "\nOK 1\n0 "),
+              "%s", text);
+    free(text);
+    text = hear_all(other, &n);
+    CHECK_MSG(strncmp(text, "OK 0 first=1 ", 13) == 0 && strstr(text, "points=2 "), "%s", text);
+    free(text);
+    int status;
+    CHECK(waitpid(d.pid, &status, 0) == d.pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+/* Its end is noticed when the line about the job's progress cannot be delivered. */
+TEST(job_of_a_client_that_has_closed_its_connection_ends)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 3000000);
+    int gone = daemon_connect(&d);
+    say(gone, "TRIANGULATE t METHOD shelling\n");
+    pause_ms(20);
+    close(gone);
+    await_info(&d, "clients", 2);
+    await_info(&d, "jobs_running", 0);
+    say(fd, "STAT t\n");
+    CHECK(strstr(hear_line(fd), "triangulated=no") != NULL);
 }
 
 TEST(daemon_that_is_told_twice_stops_in_the_middle_of_work)
