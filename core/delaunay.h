@@ -495,7 +495,7 @@ struct dt_sweep {
     double radius;          /* of a disc, >= 0 */
     uint32_t k;             /* nearest points */
     /* private from here on */
-    uint32_t from;     /* the next id */
+    uint32_t from;      /* the next id */
     struct dt_row *row; /* owns `room`, holds `rows` */
     size_t room, rows;
     struct dt_sweep_hit *hit; /* owns cap: a heap of the nearest n */
@@ -506,6 +506,9 @@ struct dt_sweep {
  * read the set. */
 enum dt_status dt_sweep_read(const struct dt *t, const struct dt_view *v, struct dt_sweep *s,
                              size_t rows);
+
+/* Bytes that the sweep and its result will have at most after the next dt_sweep_sift or dt_sweep_end. */
+size_t dt_sweep_memory(const struct dt_sweep *s, const struct dt_ids *out);
 
 /* Takes what belongs to the result out of these rows. *done: there are no more. */
 enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done);

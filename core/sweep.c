@@ -92,11 +92,16 @@ static enum dt_status take_id(struct dt_ids *ids, uint32_t id)
     return status;
 }
 
+static size_t next_cap(size_t cap)
+{
+    return 2 * cap + 1024;
+}
+
 static enum dt_status make_room(struct dt_sweep *s)
 {
     if (s->n < s->cap)
         return DT_OK;
-    size_t cap = 2 * s->cap + 1024;
+    size_t cap = next_cap(s->cap);
     struct dt_sweep_hit *hit = realloc(s->hit, cap * sizeof *hit);
     if (hit == NULL)
         return DT_NOMEM;
@@ -129,6 +134,18 @@ enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done)
     }
     *done = s->rows < s->room;
     return status;
+}
+
+size_t dt_sweep_memory(const struct dt_sweep *s, const struct dt_ids *out)
+{
+    bool nearest = s->kind == DT_SWEEP_NEAREST;
+    size_t hits = s->cap, ids = out->cap, want = s->n + s->room;
+    want = want < s->k ? want : s->k;
+    while (nearest && hits < want)
+        hits = next_cap(hits);
+    while (ids - out->n < (nearest ? s->n : s->room))
+        ids = ids < 16 ? 16 : 2 * ids;
+    return s->room * sizeof *s->row + hits * sizeof *s->hit + ids * sizeof *out->v;
 }
 
 /* ---- the end ---- */

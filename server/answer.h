@@ -41,6 +41,7 @@ struct answer {
     bool timed_out;                /* what is cancelled has taken longer than its TIMEOUT */
     bool close;                    /* no further request is carried out */
     bool broken;                   /* the reply cannot be completed: the connection must go */
+    bool busy;                     /* there is no memory for it, because others use it */
 };
 
 /* The ERR line for a status of the core that is not DT_OK. */
@@ -57,6 +58,13 @@ static inline void answer_wait(struct answer *a, struct wait_queue *q, bool writ
 static inline void answer_out_of_memory(struct answer *a)
 {
     a->out->failed = true;
+}
+
+/* The same, and there will be memory when others give theirs back. */
+static inline void answer_busy(struct answer *a)
+{
+    a->busy = true;
+    answer_out_of_memory(a);
 }
 
 #endif

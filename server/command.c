@@ -293,7 +293,10 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
         listing_free(a->listing);
     a->listing = NULL;
     buf_rewind(a->out, mark);
-    reply_err(a->out, ERR_NOMEM, "out of memory; nothing has changed");
+    if (a->busy)
+        reply_err(a->out, ERR_BUSY, "others use the memory that the reply takes; try again");
+    else
+        reply_err(a->out, ERR_NOMEM, "out of memory; nothing has changed");
 }
 
 void command_run(struct server *s, const struct request *q, struct answer *a)

@@ -17,6 +17,7 @@ struct query_job {
     struct job job;
     struct query query;
     struct dt_view *view; /* owns until it is handed on: the moment of the result */
+    bool busy;            /* others use the memory that the result takes */
 };
 
 /* ---- searching ---- */
@@ -134,6 +135,13 @@ static void answer(struct server *s, struct answer *a, struct query *q, struct r
 
 /* ---- by a worker ---- */
 
+/* Reserves what the result may take after the next piece. */
+static enum dt_status reserve_result(struct query_job *j, const struct dt_sweep *sweep)
+{
+    j->busy = !reservation_resize(&j->job.memory, dt_sweep_memory(sweep, &j->query.ids));
+    return j->busy ? DT_NOMEM : DT_OK;
+}
+
 /* Finds the result by a sweep over the set as it is now. The lock is held on entry and on return,
  * and given up between the pieces. */
 static enum dt_status sweep(struct query_job *j)
@@ -152,11 +160,15 @@ static enum dt_status sweep(struct query_job *j)
         status = dt_sweep_read(v->dt, j->view, &sweep, SWEEP_ROWS);
         version_unlock(v);
         if (status == DT_OK)
+            status = reserve_result(j, &sweep);
+        if (status == DT_OK)
             status = dt_sweep_sift(&sweep, &q->ids, &done);
         if (status == DT_OK && atomic_load(&j->job.cancel))
             status = DT_CANCELLED;
         version_lock_read(v);
     }
+    if (status == DT_OK)
+        status = reserve_result(j, &sweep);
     if (status == DT_OK)
         status = dt_sweep_end(&sweep, &j->job.options, &q->ids);
     dt_sweep_clear(&sweep);
@@ -190,7 +202,10 @@ static void job_done(struct server *s, struct job *job, struct answer *a)
     struct query_job *j = (struct query_job *)job;
     struct rows rows = rows_of(&j->query, job->base);
     if (job->status != DT_OK) {
-        answer_status(a, job->status);
+        if (j->busy)
+            answer_busy(a);
+        else
+            answer_status(a, job->status);
         version_end_view(&s->sets, job->base, j->view);
         return;
     }
@@ -213,6 +228,7 @@ static void answer_later(struct server *s, struct answer *a, struct dataset *set
         return;
     }
     j->job.clear = clear_job;
+    j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->job.what = "searching";
     j->query = *q;
     job_read(s, a, &j->job, set->current, JOB_HEAVY | JOB_BRIEF);

@@ -27,7 +27,9 @@ struct stream {
         piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
     unsigned head, used;
     unsigned in_work;
-    bool gone; /* nobody wants the rows any more */
+    bool gone;                 /* nobody wants the rows any more */
+    bool heavy;                /* workers make them */
+    struct reservation memory; /* for ids and pieces */
 };
 
 /* ---- life ---- */
@@ -54,16 +56,62 @@ static bool reads_rings(const struct rows *rows)
                        : rows->form == ROW_RING;
 }
 
-static struct stream *new_stream(struct rows *rows)
+/* How much there is to look at: COINCIDENT, for one, looks at every point for its few rows. */
+static uint32_t table_work(const struct version *v, enum dt_table table)
+{
+    return table == DT_HULL ? v->sum.hull : v->sum.points;
+}
+
+static bool is_heavy(const struct rows *rows)
+{
+    size_t work = rows->table ? table_work(rows->version, rows->cursor.table) : rows_count(rows);
+    return rows->heavy || work > HEAVY_ROWS;
+}
+
+/* Bytes of its ids, which have been found, and of its pieces: as many as they may have, or, where a
+ * row is longer than that, as they have. */
+static size_t ids_bytes(const struct stream *st)
+{
+    return sizeof *st + st->rows.ids.cap * sizeof(uint32_t);
+}
+
+static size_t pieces_bytes(const struct stream *st)
+{
+    size_t bytes = 0, least = st->heavy ? PIECE : 0;
+    for (unsigned i = 0; i < PIECES; i++)
+        bytes += st->piece[i].text.cap > least ? st->piece[i].text.cap : least;
+    return bytes;
+}
+
+/* False: there is no memory for its pieces. */
+static bool reserve(struct server *s, struct stream *st)
+{
+    st->memory = server_reservation(s, BUDGET_REPLIES);
+    reservation_set(&st->memory, ids_bytes(st));
+    if (reservation_resize(&st->memory, ids_bytes(st) + pieces_bytes(st)))
+        return true;
+    reservation_set(&st->memory, 0);
+    return false;
+}
+
+/* NULL: a says why. */
+static struct stream *new_stream(struct server *s, struct answer *a, struct rows *rows)
 {
     struct stream *st = calloc(1, sizeof *st);
     if (st != NULL && rows->view == NULL && reads_set(rows))
         rows->view = dt_view_begin(rows->version->dt, reads_rings(rows));
     if (st == NULL || (rows->view == NULL && reads_set(rows))) {
         free(st);
+        answer_out_of_memory(a);
         return NULL;
     }
     st->rows = *rows;
+    st->heavy = s->workers != NULL && is_heavy(rows);
+    if (!reserve(s, st)) {
+        free(st);
+        answer_busy(a);
+        return NULL;
+    }
     version_pin(rows->version);
     return st;
 }
@@ -78,9 +126,8 @@ void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct
         rows_clear(rows);
         return;
     }
-    a->stream = new_stream(rows);
+    a->stream = new_stream(s, a, rows);
     if (a->stream == NULL) {
-        answer_out_of_memory(a);
         version_end_view(&s->sets, rows->version, rows->view);
         rows_clear(rows);
     } else if (ids != NULL) {
@@ -110,6 +157,7 @@ void stream_free(struct registry *r, struct stream *st)
     version_unpin(r, st->rows.version);
     rows_clear(&st->rows);
     free(st->rows.ids.v);
+    reservation_set(&st->memory, 0);
     free(st);
 }
 
@@ -129,12 +177,6 @@ static uint64_t table_bytes(const struct version *v, const struct dt_cursor *c)
         return (uint64_t)c->rows * 8 + (uint64_t)v->sum.edges * 8;
     }
     return 0;
-}
-
-/* How much there is to look at: COINCIDENT, for one, looks at every point for its few rows. */
-static uint32_t table_work(const struct version *v, enum dt_table table)
-{
-    return table == DT_HULL ? v->sum.hull : v->sum.points;
 }
 
 void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
@@ -199,6 +241,7 @@ static void making_done(struct server *s, struct job *j, struct answer *a)
     m->piece->job = NULL;
     m->piece->uncut = false;
     st->in_work--;
+    reservation_set(&st->memory, ids_bytes(st) + pieces_bytes(st));
     if (st->gone)
         stream_free(&s->sets, st);
     else if (st->ready != NULL)
@@ -290,19 +333,11 @@ static enum dt_status go_on(struct server *s, struct stream *st, struct buf *out
     return status;
 }
 
-static bool is_heavy(const struct rows *rows)
-{
-    size_t work = rows->table ? table_work(rows->version, rows->cursor.table) : rows_count(rows);
-    return rows->heavy || work > HEAVY_ROWS;
-}
-
 /* Whether this thread may make the next piece itself, and then it has the lock: not while an edit is
  * at work. */
-static bool may_fill(const struct server *s, struct stream *st)
+static bool may_fill(struct stream *st)
 {
-    if (s->workers != NULL && (st->used > 0 || is_heavy(&st->rows)))
-        return false;
-    return version_try_read(st->rows.version);
+    return st->used == 0 && !st->heavy && version_try_read(st->rows.version);
 }
 
 void stream_refill(struct server *s, struct answer *a)
@@ -310,7 +345,7 @@ void stream_refill(struct server *s, struct answer *a)
     struct stream *st = a->stream;
     enum dt_status status;
     bool done;
-    if (may_fill(s, st)) {
+    if (may_fill(st)) {
         rows_fill(&st->rows, a->out, buf_len(a->out) + PIECE);
         version_unlock(st->rows.version);
         status = st->rows.status;

@@ -7,7 +7,8 @@
  *      [ not cut yet ... ]    [ made ]   [in work]  [in work]  [ made ] -> [ being sent ] -> socket
  *
  * A piece is begun only when another one has gone to `out`, and that takes no more than the socket
- * does. So a reader who stops costs a few pieces of memory, whatever was asked for. */
+ * does. So a reader who stops costs a few pieces of memory, whatever was asked for. They are reserved,
+ * as are the ids of a list, which there may be many of. */
 #ifndef SERVER_STREAM_H
 #define SERVER_STREAM_H
 
@@ -20,7 +21,8 @@ struct stream;
 /* Answers with *rows, whose version is not pinned yet: writes them at once if they are few, else
  * leaves a stream in a->stream, which takes *ids over (and leaves it empty). ids is NULL for a
  * table. The status line must have been written before. rows->view, unless it is NULL, is ended
- * when the rows have been sent; without one, the rows are those of this moment. */
+ * when the rows have been sent; without one, the rows are those of this moment. If there is no memory
+ * for its pieces, the answer is undone (answer_busy). */
 void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct dt_ids *ids);
 
 /* Answers with a whole table of the version: the status line, then its rows. */

@@ -1,5 +1,6 @@
-/* memory_clients_test.c - what connections take is counted, and is bounded when memory is short: many
- * clients, long requests, replies that nobody reads. Over a Unix socket, whose own buffers are small. */
+/* memory_clients_test.c - what connections and replies take is counted, and is bounded when memory is
+ * short: many clients, long requests, replies that nobody reads. Over a Unix socket, whose own buffers
+ * are small. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -127,34 +128,125 @@ TEST_TIMEOUT(replies_that_pile_up_stay_within_the_budget, 60)
     free(requests);
 }
 
+/* Whether the daemon has refused the client's request, or not even admitted it. */
+static bool is_refused(int fd)
+{
+    char line[100];
+    ssize_t got = recv(fd, line, sizeof line - 1, MSG_DONTWAIT | MSG_PEEK);
+    if (got < 0)
+        return errno == ECONNRESET;
+    line[got] = '\0';
+    CHECK_MSG(got == 0 || strncmp(line, "ERR BUSY ", 9) == 0, "%s", line);
+    return true;
+}
+
 TEST_TIMEOUT(long_requests_that_do_not_end_stay_within_the_budget, 60)
 {
     enum { CLIENTS = 400, BYTES = 60 * 1000, LIMIT = 8 << 20 };
     struct place p = begin("8m");
-    int other = daemon_connect(&p.d), fd[CLIENTS], refused = 0;
+    int other = daemon_connect(&p.d), fd[CLIENTS], refused = 0, tries = 0;
+    bool gone[CLIENTS] = {false};
     say(other, "ADD small 0 0 1 0 0 1\nTRIANGULATE small\n");
     hear_line(other), hear_line(other);
-    char *request = repeated("GET small 1 1 1 ", BYTES), line[100] = "";
+    char *request = repeated("GET small 1 1 1 ", BYTES);
     for (int i = 0; i < CLIENTS; i++) {
         fd[i] = local_connect(&p);
         send_what_goes(fd[i], request, BYTES);
     }
     check_memory(&p, other, LIMIT);
-    for (int i = 0; i < CLIENTS; i++) {
-        errno = 0;
-        ssize_t got = recv(fd[i], line, sizeof line - 1, MSG_DONTWAIT);
-        refused += got > 0 || errno == ECONNRESET; /* reset: it was not even admitted */
-        if (got <= 0)
-            continue;
-        line[got] = '\0';
-        CHECK_MSG(strncmp(line, "ERR BUSY ", 9) == 0, "%s", line);
+    for (; refused <= CLIENTS / 4; tries++, pause_ms(10)) {
+        CHECK_MSG(tries < 1000, "%d refused", refused);
+        for (int i = 0; i < CLIENTS; i++) {
+            bool now = !gone[i] && is_refused(fd[i]);
+            gone[i] |= now;
+            refused += now;
+        }
     }
-    CHECK_MSG(refused > CLIENTS / 4 && refused < CLIENTS, "%d refused", refused);
+    CHECK_MSG(refused < CLIENTS, "%d refused", refused);
+    check_memory(&p, other, LIMIT);
     for (int i = 0; i < CLIENTS; i++)
         close(fd[i]);
-    for (int tries = 0; info_of(other, "clients") > 1; tries++, pause_ms(10))
+    for (tries = 0; info_of(other, "clients") > 1; tries++, pause_ms(10))
         CHECK(tries < 500);
     request[BYTES - 1] = 0;
     converse(&p.d, request, "ERR NUMBER GET is not an id\n"); /* there is room again */
     free(request);
+}
+
+/* ---- long replies ---- */
+
+/* So many clients send the request and read only the status line of the reply. Returns how many are
+ * being answered; the others have been told that there is no memory. */
+static int begin_to_read(const struct place *p, int *fd, int clients, const char *request)
+{
+    int answered = 0;
+    for (int i = 0; i < clients; i++) {
+        fd[i] = local_connect(p);
+        say(fd[i], request);
+    }
+    for (int i = 0; i < clients; i++) {
+        const char *line = hear_line(fd[i]);
+        bool refused = strncmp(line, "ERR BUSY ", 9) == 0;
+        CHECK_MSG(refused || strncmp(line, "OK ", 3) == 0, "%s", line);
+        answered += !refused;
+    }
+    return answered;
+}
+
+static void load_and_triangulate(int fd, uint32_t n)
+{
+    say(fd, "ADD small 0 0 1 0 0 1\nTRIANGULATE small\n");
+    hear_line(fd), hear_line(fd);
+    load_random(fd, "t", n);
+    say(fd, "TRIANGULATE t\nNEAREST t 0 0\n");
+    for (int i = 0; i < 3; i++)
+        CHECK(strncmp(hear_line(fd), "ERR", 3) != 0);
+}
+
+TEST_TIMEOUT(results_of_searches_that_are_read_slowly_are_counted_and_bounded, 120)
+{
+    enum { CLIENTS = 60, POINTS = 200000, LIMIT = 64 << 20 };
+    struct place p = begin("64m");
+    int other = daemon_connect(&p.d), fd[CLIENTS];
+    load_and_triangulate(other, POINTS);
+    size_t before = info_of(other, "memory_replies");
+    int answered = begin_to_read(&p, fd, CLIENTS, "WITHIN t -1 -1 2 2\n");
+    CHECK_MSG(answered >= 10 && answered < CLIENTS, "%d", answered);
+    CHECK(info_of(other, "memory_replies") - before >= (size_t)answered * POINTS * 4);
+    check_memory(&p, other, LIMIT);
+    for (int i = 0; i < CLIENTS; i++)
+        close(fd[i]);
+    for (int tries = 0; info_of(other, "memory_replies") > before; tries++, pause_ms(10))
+        CHECK(tries < 500);
+    say(other, "NEAREST t 0.5 0.5 200000\n");
+    CHECK_STR(hear_line(other), "OK 200000");
+}
+
+TEST_TIMEOUT(nearest_points_that_do_not_fit_are_refused_while_they_are_searched, 60)
+{
+    struct place p = begin("64m");
+    int fd = daemon_connect(&p.d);
+    load_and_triangulate(fd, 200000);
+    say(fd, "CONFIG SET max-memory 26m\nNEAREST t 0.5 0.5 200000\nPING\n");
+    expect(fd, "OK 0\n");
+    CHECK_STR(hear_line(fd), "ERR BUSY others use the memory that the reply takes; try again");
+    expect(fd, "OK 0\n");
+    CHECK(info_of(fd, "memory_replies") == 0);
+}
+
+TEST_TIMEOUT(many_readers_of_whole_sets_who_stall_stay_within_the_budget, 120)
+{
+    enum { CLIENTS = 300, POINTS = 100000, LIMIT = 64 << 20 };
+    struct place p = begin("64m");
+    int other = daemon_connect(&p.d), fd[CLIENTS];
+    load_and_triangulate(other, POINTS);
+    int answered = begin_to_read(&p, fd, CLIENTS, "LISTS t\n");
+    CHECK_MSG(answered >= 50 && answered < CLIENTS, "%d", answered);
+    check_memory(&p, other, LIMIT);
+    for (int i = 0; i < CLIENTS; i++)
+        close(fd[i]);
+    for (int tries = 0; info_of(other, "memory_replies") > 0; tries++, pause_ms(10))
+        CHECK(tries < 500);
+    say(other, "LISTS t\n");
+    CHECK(strncmp(hear_line(other), "OK 100000 ", 10) == 0);
 }
