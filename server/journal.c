@@ -3,26 +3,28 @@
 
 #include "server/durable.h"
 
-static void append(struct server *s, struct dataset *set, struct record r)
+/* The lsn of the record; 0 without --data. */
+static uint64_t append(struct server *s, const struct dataset *set, struct record r)
 {
     struct log *log = durable_log(s);
     if (log == NULL)
-        return;
+        return 0;
     r.name = set->name;
     r.name_len = set->name_len;
-    set->lsn = log_append(log, &r);
+    uint64_t lsn = log_append(log, &r);
     reservation_set(&s->queued, log_queued(log));
+    return lsn;
 }
 
 void journal_create(struct server *s, struct dataset *set, double tolerance)
 {
-    append(s, set, (struct record){.type = RECORD_CREATE, .a = tolerance});
+    set->lsn = append(s, set, (struct record){.type = RECORD_CREATE, .a = tolerance});
 }
 
 void journal_drop(struct server *s, struct dataset *set)
 {
-    append(s, set, (struct record){.type = RECORD_DROP});
-    s->dropped = set->lsn;
+    /* Not the set's own: a snapshot that pins the set now does not have this change. */
+    s->dropped = append(s, set, (struct record){.type = RECORD_DROP});
 }
 
 void journal_add(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
@@ -42,12 +44,14 @@ void journal_add(struct server *s, struct dataset *set, uint32_t first, struct d
 
 void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n)
 {
-    append(s, set, (struct record){.type = RECORD_DELETE, .n = (uint32_t)n, .items = ids});
+    set->lsn =
+        append(s, set, (struct record){.type = RECORD_DELETE, .n = (uint32_t)n, .items = ids});
 }
 
 void journal_move(struct server *s, struct dataset *set, uint32_t id, struct dt_point to)
 {
-    append(s, set, (struct record){.type = RECORD_MOVE, .first = id, .a = to.x, .b = to.y});
+    set->lsn =
+        append(s, set, (struct record){.type = RECORD_MOVE, .first = id, .a = to.x, .b = to.y});
 }
 
 void journal_triangulate(struct server *s, struct dataset *set)
@@ -55,7 +59,7 @@ void journal_triangulate(struct server *s, struct dataset *set)
     if (set->triangulated)
         return;
     set->triangulated = true;
-    append(s, set, (struct record){.type = RECORD_TRIANGULATE});
+    set->lsn = append(s, set, (struct record){.type = RECORD_TRIANGULATE});
 }
 
 uint64_t journal_of(const struct server *s, const struct dataset *set)
