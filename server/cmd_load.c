@@ -124,17 +124,34 @@ static void expect(struct server *s, struct load *l)
 ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t n, bool last)
 {
     ptrdiff_t took = body_feed(&l->body, bytes, n, last);
+    l->came += took > 0 ? (uint64_t)took : 0;
     if (l->body.fault != BODY_GOOD)
         reservation_set(&l->memory, 0);
     expect(s, l);
     return took;
 }
 
+bool load_stalls(struct load *l, int64_t now_ms)
+{
+    enum {
+        SHARE = 1024
+    }; /* of its memory has to come: a client cannot hold much by sending little */
+    int64_t limit_ms = (int64_t)l->server->config->load_timeout_s * 1000;
+    if (l->seen_ms == 0 || l->came - l->seen > l->memory.bytes / SHARE) {
+        l->seen = l->came;
+        l->seen_ms = now_ms;
+    }
+    return limit_ms > 0 && now_ms - l->seen_ms >= limit_ms;
+}
+
 void load_free(struct server *s, struct load *l)
 {
-    reservation_set(&l->memory, 0);
+    bool reserved = l->memory.bytes > 0;
     keep_expect(s, 0, l->expected);
     body_free(&l->body);
+    reservation_set(&l->memory, 0);
+    if (reserved)
+        server_reserved_less(s);
     free(l);
 }
 

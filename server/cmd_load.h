@@ -12,6 +12,8 @@ struct load {
     struct reservation memory; /* of the points that have come */
     enum reply_code shortage;  /* what to say if there is no memory for more of them */
     size_t expected;           /* bytes that it will take beside */
+    uint64_t came, seen; /* bytes that have come; as many had when load_stalls last saw progress */
+    int64_t seen_ms;     /* when that was; 0: not yet */
     bool refused; /* that has been told already: the points are only to be read and dropped */
     size_t name_len;
     char name[SET_NAME_LIMIT];
@@ -23,6 +25,10 @@ void load_skip(struct server *s, const struct request *q, struct answer *a);
 
 /* Feeds it bytes as body_feed does, which see. Gives it up when --max-memory is reached. */
 ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t n, bool last);
+
+/* Whether so little has come for --load-timeout that it holds its memory for nothing. To be asked
+ * once a second, while its body is being received. */
+bool load_stalls(struct load *l, int64_t now_ms);
 
 /* Carries out a load whose body is complete: adds the points, or tells what was wrong with them.
  * Afterwards the load is spent unless a->wait is set: then it is to be called again when its turn

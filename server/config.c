@@ -32,8 +32,10 @@ static const char usage[] =
     "  --max-clients N     connections at once (default 10000, or what descriptors allow)\n"
     "  --idle-timeout S    drop clients that have sent nothing for so many seconds (default: "
     "never)\n"
+    "  --load-timeout S    give a LOAD up whose points have stopped coming for so many seconds "
+    "(default 60; 0: never)\n"
     "  --max-points N      points of one set (default 268435455)\n"
-    "  --max-memory BYTES  memory of all sets, with k, m or g behind it (default: 80 % of the "
+    "  --max-memory BYTES  memory for everything, with k, m or g behind it (default: 80 % of the "
     "machine's)\n"
     "  --slowlog-us N      requests that take N microseconds go into the slow log, 0: none do "
     "(default 10000)\n"
@@ -64,6 +66,7 @@ void config_init(struct config *c)
         .port = DEFAULT_PORT,
         .threads = threads_here(),
         .max_clients = config_affordable_clients(MOST_CLIENTS),
+        .load_timeout_s = 60,
         .max_points = DT_MAX_POINTS,
         .max_memory = machine_memory() / 5 * 4,
         .compact_at = (size_t)64 << 20,

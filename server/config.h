@@ -27,11 +27,12 @@ struct config {
     const char *auth_file; /* NULL: everybody may do everything */
     unsigned threads;      /* that a job may use; the I/O thread not counted */
     unsigned max_clients;
-    unsigned idle_timeout_s;     /* after which a client that sends nothing is dropped; 0: never */
-    uint32_t max_points;         /* of one set */
-    size_t max_memory;           /* bytes, all sets together */
-    uint32_t slowlog_us;         /* what takes longer goes into the slow log; 0: nothing does */
-    uint32_t slowlog_len;        /* how many requests that keeps */
+    unsigned idle_timeout_s; /* after which a client that sends nothing is dropped; 0: never */
+    unsigned load_timeout_s; /* after which a load whose points stop coming is given up; 0: never */
+    uint32_t max_points;     /* of one set */
+    size_t max_memory;       /* bytes of the budget (budget.h) */
+    uint32_t slowlog_us;     /* what takes longer goes into the slow log; 0: nothing does */
+    uint32_t slowlog_len;    /* how many requests that keeps */
     enum notice_level log_level; /* what is told on standard error */
     bool insecure;               /* a bind beyond loopback is allowed without tokens */
 };

@@ -60,7 +60,7 @@ struct server {
     struct stats stats;
     struct slowlog slowlog;
     struct clients *clients; /* borrows; NULL: there are none, commands come from elsewhere */
-    bool draining; /* it is told to stop, and sends what it has to say */
+    bool draining;           /* it is told to stop, and sends what it has to say */
     bool stopping;
     int64_t started_ms;
 };

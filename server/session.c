@@ -504,6 +504,12 @@ static bool is_listening(const struct session *s)
            !timer_is_set(&s->later) && buf_len(&s->conn.out) == 0;
 }
 
+/* Whether it does nothing but wait for the points of its load. */
+static bool is_receiving(const struct session *s)
+{
+    return s->job == NULL && s->waiter.queue == NULL && (!s->load->body.complete || s->in_bulk);
+}
+
 void session_check_timeouts(struct session *s)
 {
     struct conn *c = &s->conn;
@@ -515,6 +521,11 @@ void session_check_timeouts(struct session *s)
         now - s->since_ms > LIMIT_STRANGER_S * 1000) {
         notice_client(s, NOTICE_INFO, "has shown no token in time: closed");
         session_refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
+        conn_turn(c);
+    } else if (s->load != NULL && is_receiving(s) && load_stalls(s->load, now)) {
+        session_refuse(s, ERR_TIMEOUT, "the points stopped coming; nothing was loaded");
+        load_free(s->server, s->load);
+        s->load = NULL;
         conn_turn(c);
     } else if (idle_ms > 0 && is_listening(s) && now - c->heard_ms > idle_ms) {
         session_refuse(s, ERR_TIMEOUT, "nothing was heard for too long");

@@ -30,6 +30,8 @@ const struct setting settings[] = {
      "from 1 to 1000000"},
     {"idle-timeout", "timeout", SETTING_NUMBER, LIVE, AT(idle_timeout_s), 0, 1000000,
      "seconds, 0 to 1000000"},
+    {"load-timeout", NULL, SETTING_NUMBER, LIVE, AT(load_timeout_s), 0, 1000000,
+     "seconds, 0 to 1000000"},
     {"max-points", NULL, SETTING_NUMBER, LIVE, AT(max_points), 1, DT_MAX_POINTS,
      "from 1 to 268435455"},
     {"max-memory", "maxmemory", SETTING_BYTES, LIVE, AT(max_memory), 0, 0, bytes_wanted},

@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -178,4 +179,88 @@ TEST_TIMEOUT(changes_wait_while_the_disk_stalls_and_the_logs_queue_stays_small, 
     expect(fd, last);
     daemon_end(&d);
     directory_remove(&dir);
+}
+
+/* ---- loads that stall ---- */
+
+/* Sends the points 0 0, 1 0 and so on up to n, of a LOADB that has announced `all`. */
+static void begin_load(int fd, uint32_t all, uint32_t n)
+{
+    char head[64];
+    double *xy = calloc(n, 16);
+    CHECK(xy != NULL);
+    for (uint32_t i = 0; i < n; i++)
+        xy[2 * i] = i;
+    snprintf(head, sizeof head, "LOADB t %u\n", all);
+    say(fd, head);
+    say_bytes(fd, xy, (size_t)n * 16);
+    free(xy);
+}
+
+TEST_TIMEOUT(load_whose_points_stop_coming_is_given_up_and_its_memory_is_free, 60)
+{
+    enum { POINTS = 200000 };
+    static const double one_point[2] = {0.5, 0.5};
+    const char *arguments[] = {"--load-timeout", "1", "--max-memory", "32m", NULL};
+    struct daemon d = daemon_start(arguments);
+    int silent = daemon_connect(&d), slow = daemon_connect(&d), typed = daemon_connect(&d);
+    begin_load(silent, POINTS, POINTS / 2);
+    begin_load(slow, POINTS, POINTS / 2);
+    say(typed, "LOAD typed\n");
+    for (int i = 0; i < 20;
+         i++, pause_ms(200)) { /* a point at a time is enough for a short one only */
+        say(typed, "1 1\n");
+        (void)send(slow, one_point, sizeof one_point, MSG_NOSIGNAL);
+    }
+    CHECK_STR(hear_line(silent), "ERR TIMEOUT the points stopped coming; nothing was loaded");
+    expect_end(silent);
+    CHECK_STR(hear_line(slow), "ERR TIMEOUT the points stopped coming; nothing was loaded");
+    say(typed, ".\n");
+    expect(typed, "OK 0 first=0 added=20 coincident=19\n");
+    CHECK(daemon_info(&d, "loading") == 0 && daemon_info(&d, "sets") == 1);
+    begin_load(typed, POINTS, POINTS);
+    expect(typed, "OK 0 first=0 added=200000 coincident=0\n");
+}
+
+TEST_TIMEOUT(loads_that_come_slowly_but_steadily_are_not_given_up, 60)
+{
+    enum { POINTS = 200000, STEPS = 20 };
+    const char *arguments[] = {"--load-timeout", "1", NULL};
+    struct daemon d = daemon_start(arguments);
+    int fd = daemon_connect(&d);
+    double *xy = calloc(POINTS / STEPS, 16);
+    CHECK(xy != NULL);
+    say(fd, "LOADB t 200000\n");
+    for (int i = 0; i < STEPS; i++, pause_ms(150))
+        say_bytes(fd, xy, POINTS / STEPS * 16);
+    expect(fd, "OK 0 first=0 added=200000 coincident=199999\n");
+    free(xy);
+}
+
+TEST_TIMEOUT(bodies_reserve_as_they_grow_and_what_does_not_fit_is_refused, 60)
+{
+    enum { POINTS = 400000, CLIENTS = 12 }; /* 6.4 MB each */
+    const char *arguments[] = {"--max-memory", "32m", NULL};
+    struct daemon d = daemon_start(arguments);
+    int fd[CLIENTS];
+    for (int i = 0; i < CLIENTS; i++) {
+        fd[i] = daemon_connect(&d);
+        begin_load(fd[i], POINTS, POINTS - 1);
+    }
+    pause_ms(300);
+    size_t loading = daemon_info(&d, "loading");
+    CHECK_MSG(loading > 12 * MB && loading < 32 * MB, "%zu", loading);
+    double last[2] = {-1, -1};
+    int refused = 0;
+    for (int i = 0; i < CLIENTS; i++)
+        say_bytes(fd[i], last, sizeof last);
+    for (int i = 0; i < CLIENTS; i++) {
+        const char *line = hear_line(fd[i]);
+        bool no = begins_with(line, "ERR BUSY ") || begins_with(line, "ERR NOMEM ");
+        CHECK_MSG(no || begins_with(line, "OK 0 "), "%s", line);
+        refused += no;
+    }
+    CHECK(refused > 0);
+    check_peak(&d, 46 * MB);
+    CHECK(daemon_info(&d, "loading") == 0);
 }
