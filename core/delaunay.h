@@ -310,7 +310,7 @@ void dt_view_end(struct dt_view *v);
 bool dt_view_tidy(struct dt *t);
 
 /* Whether an edit of n points at once would put an end to views that read the triangulation, since it leaves
- * that to be built again: the caller may prefer to edit a copy. (To build a triangulation again that is
+ * that to be built again: the caller may prefer to edit a copy. May run beside dt_view_begin. (To build a triangulation again that is
  * current changes nothing that views read.) */
 bool dt_view_blocks(const struct dt *t, size_t n);
 

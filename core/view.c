@@ -19,9 +19,9 @@ enum { AT_ONCE = 4 }; /* chunks that an edit frees */
 static struct dt_view *take_ended(struct dt_views *w)
 {
     for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = v->next) {
-        bool open = false;
-        if (!atomic_load_explicit(&v->open, memory_order_relaxed) &&
-            atomic_compare_exchange_strong(&v->open, &open, true))
+        int ended = DT_VIEW_ENDED;
+        if (atomic_load_explicit(&v->state, memory_order_relaxed) == DT_VIEW_ENDED &&
+            atomic_compare_exchange_strong(&v->state, &ended, DT_VIEW_BEGINNING))
             return v;
     }
     return NULL;
@@ -32,7 +32,7 @@ static struct dt_view *new_view(struct dt_views *w)
     struct dt_view *v = calloc(1, sizeof *v);
     if (v == NULL)
         return NULL;
-    atomic_init(&v->open, true);
+    atomic_init(&v->state, DT_VIEW_BEGINNING);
     v->next = atomic_load(&w->list);
     while (!atomic_compare_exchange_weak(&w->list, &v->next, v))
         ;
@@ -65,13 +65,14 @@ struct dt_view *dt_view_begin(struct dt *t, bool rings)
     v->rings = dt_images_now(&w->rings);
     dt_summary(t, &v->sum);
     v->sum.memory = 0;
+    atomic_store(&v->state, DT_VIEW_OPEN);
     return v;
 }
 
 void dt_view_end(struct dt_view *v)
 {
     if (v != NULL)
-        atomic_store(&v->open, false);
+        atomic_store(&v->state, DT_VIEW_ENDED);
 }
 
 void dt_views_clear(struct dt *t)
@@ -143,7 +144,7 @@ bool dt_view_blocks(const struct dt *t, size_t n)
 {
     bool read = false;
     for (const struct dt_view *v = atomic_load(&t->views.list); v != NULL; v = v->next)
-        read = read || (atomic_load(&v->open) && reads_rings(&t->views, v));
+        read = read || (atomic_load(&v->state) == DT_VIEW_OPEN && reads_rings(&t->views, v));
     return read && dt_is_live(t) && dt_update_is_bulk(t, n);
 }
 
@@ -252,7 +253,7 @@ static struct moment look_round(struct dt_views *w)
     w->rows_since = w->families_since = w->rings_since = 0;
     for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = next) {
         next = v->next;
-        if (atomic_load(&v->open)) {
+        if (atomic_load(&v->state) != DT_VIEW_ENDED) {
             note(w, v, &oldest);
             last = v;
             continue;

@@ -18,9 +18,13 @@
 #include "core/changes.h"
 #include "core/images.h"
 
+/* What has ended is freed by an edit, or another view begins in it. One that is about to begin is not
+ * yet to be looked at: its thread, which keeps edits out, fills it in. */
+enum dt_view_state { DT_VIEW_ENDED, DT_VIEW_BEGINNING, DT_VIEW_OPEN };
+
 struct dt_view {
     struct dt_view *next; /* in the list of its set */
-    atomic_bool open;     /* false: an edit frees it, or another view begins in it */
+    atomic_int state;     /* enum dt_view_state */
     bool with_rings;      /* it reads the triangulation */
     bool line;            /* all points are on one line, or there are fewer than three */
     uint32_t on_hull;     /* with rings: a point on the hull, DT_NONE if there is none */

@@ -41,7 +41,9 @@ static bool edits_in_place(const struct job *j)
 static void run(struct job *j)
 {
     if (j->fresh != NULL) {
+        version_lock_read(j->base);
         j->status = dt_clone_points(j->base->dt, &j->options, &j->dt);
+        version_unlock(j->base);
         if (j->status != DT_OK) {
             j->dt = NULL;
             return;
@@ -50,14 +52,13 @@ static void run(struct job *j)
     j->run(j);
 }
 
-/* Those who edit or read for long are their set's writer, so that no other edit is at work; all but
- * an edit in place only read. */
+/* Under the version's lock, but for a build of a copy, which needs it only while it copies. */
 static void run_later(struct work *w)
 {
     struct job *j = (struct job *)w;
     j->began_ns = clock_ns();
     keep_heap_small(&j->memory);
-    bool edits = edits_in_place(j), reads = j->set == NULL && j->base != NULL;
+    bool edits = edits_in_place(j), reads = !edits && j->base != NULL && j->fresh == NULL;
     if (edits)
         version_lock_edit(j->base);
     else if (reads)

@@ -16,8 +16,10 @@ enum {
 struct query_job {
     struct job job;
     struct query query;
-    struct dt_view *view; /* owns until it is handed on: the moment of the result */
-    bool busy;            /* others use the memory that the result takes */
+    uint32_t steps;        /* that the search may take under the lock; 0: any number */
+    struct dt_view *view;  /* owns until it is handed on: the moment of the result */
+    struct dt_view *keeps; /* owns: so that no edit leaves the triangulation to be built again */
+    bool busy;             /* others use the memory that the result takes */
 };
 
 /* ---- searching ---- */
@@ -184,10 +186,7 @@ static void run_job(struct job *job)
 {
     struct query_job *j = (struct query_job *)job;
     struct dt_options opt = job->options;
-    if (may_sweep(&j->query)) {
-        uint32_t share = job->base->sum.points / SHARE_LOCKED;
-        opt.steps = share > STEPS_LOCKED ? share : STEPS_LOCKED;
-    }
+    opt.steps = j->steps;
     /* The rows of the result are read later, but for those that are ids only. */
     bool reads = rows_of(&j->query, job->base).form != ROW_IDS;
     if (reads)
@@ -201,6 +200,7 @@ static void job_done(struct server *s, struct job *job, struct answer *a)
 {
     struct query_job *j = (struct query_job *)job;
     struct rows rows = rows_of(&j->query, job->base);
+    version_end_view(&s->sets, job->base, j->keeps);
     if (job->status != DT_OK) {
         if (j->busy)
             answer_busy(a);
@@ -219,10 +219,21 @@ static void clear_job(struct job *j)
     free(((struct query_job *)j)->query.ids.v);
 }
 
+/* The most steps that a search may take while edits of so many points wait. */
+static uint32_t steps_locked(uint32_t points)
+{
+    uint32_t share = points / SHARE_LOCKED;
+    return share > STEPS_LOCKED ? share : STEPS_LOCKED;
+}
+
 static void answer_later(struct server *s, struct answer *a, struct dataset *set, struct query *q)
 {
+    struct version *v = set->current;
     struct query_job *j = job_new(sizeof *j, run_job, job_done);
-    if (j == NULL) {
+    if (j != NULL)
+        j->keeps = dt_view_begin(v->dt, true);
+    if (j == NULL || j->keeps == NULL) {
+        free(j);
         free(q->ids.v);
         answer_out_of_memory(a);
         return;
@@ -230,8 +241,9 @@ static void answer_later(struct server *s, struct answer *a, struct dataset *set
     j->job.clear = clear_job;
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->job.what = "searching";
+    j->steps = may_sweep(q) ? steps_locked(v->sum.points) : 0;
     j->query = *q;
-    job_read(s, a, &j->job, set->current, JOB_HEAVY | JOB_BRIEF);
+    job_read(s, a, &j->job, v, JOB_HEAVY | JOB_BRIEF);
 }
 
 /* ---- at once ---- */
