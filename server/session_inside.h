@@ -1,5 +1,5 @@
 /* session_inside.h - what the files of a session share among themselves: session.c has the requests,
- * session_load.c the points that follow some of them. */
+ * session_load.c the points that follow some of them, session_time.c the time-outs. */
 #ifndef SERVER_SESSION_INSIDE_H
 #define SERVER_SESSION_INSIDE_H
 
