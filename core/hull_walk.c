@@ -22,8 +22,8 @@ static uint32_t onwards(const struct dt *t, const struct dt_view *v, uint32_t id
 {
     struct dt_star s = dt_star_of(t, v, id);
     uint32_t ring[2] = {id, id};
-    dt_star_copy(t, &s, ring);
-    return dt_star_count(t, &s) == 2 && ring[0] == before ? ring[1] : ring[0];
+    uint32_t n = dt_star_copy(t, &s, ring, 2);
+    return n == 2 && ring[0] == before ? ring[1] : ring[0];
 }
 
 static bool is_end(const struct dt *t, const struct dt_view *v, uint32_t id)
@@ -115,9 +115,11 @@ void dt_hull_walk_step(struct dt_hull_walk *w)
     if (w->v != NULL) {
         step_then(w);
     } else if (w->ghost != DT_NONE) {
+        const struct dt_mesh *m = &w->t->mesh;
         w->before = w->id;
-        w->ghost = dt_hull_step(&w->t->mesh, w->ghost, w->back);
-        w->id = w->t->points.id[dt_hull_vertex(&w->t->mesh, w->ghost)];
+        w->ghost = dt_hull_step(m, w->ghost, w->back);
+        w->id = w->t->points.id[dt_hull_vertex(m, w->ghost)];
+        dt_fetch(&m->half[dt_hull_step(m, w->ghost, w->back)]); /* for the next step */
     }
 }
 
@@ -142,7 +144,10 @@ uint32_t dt_hull_walk_ring(const struct dt_hull_walk *w, uint32_t *ring)
     if (w->ghost != DT_NONE)
         return ring_by_ghosts(w, ring);
     struct dt_star s = dt_star_of(w->t, w->v, w->id);
-    ring[0] = onwards(w->t, w->v, w->id, w->before);
-    ring[1] = w->before;
-    return dt_star_count(w->t, &s);
+    uint32_t n = dt_star_copy(w->t, &s, ring, 2);
+    if (n == 2 && ring[0] == w->before) {
+        ring[0] = ring[1];
+        ring[1] = w->before;
+    }
+    return n;
 }

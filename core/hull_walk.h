@@ -11,8 +11,9 @@ struct dt_hull_walk {
     const struct dt *t;
     const struct dt_view *v; /* NULL: it walks along the ghosts of the mesh */
     bool line, back;
-    uint32_t ghost;      /* of the point; DT_NONE: the hull is saved, or is a single point */
-    uint32_t id, before; /* the point, and on a line the one before, DT_NONE at the end */
+    uint32_t before; /* on a line: the point before; DT_NONE at the end */
+    uint32_t ghost;  /* of the point; DT_NONE: the hull is saved, or is a single point */
+    uint32_t id;     /* the point */
 };
 
 /* Where the hull begins in canonical order, cw or not: as dt_hull_first. DT_NONE if there is no point. v

@@ -80,7 +80,7 @@ enum dt_status dt_view_ring(const struct dt *t, const struct dt_view *v, uint32_
         ring_on_line(t, v, centre, cw, to);
         return DT_OK;
     }
-    dt_star_copy(t, &star, to);
+    dt_star_copy(t, &star, to, degree);
     dt_ring_turn(to, degree, star.on_hull, cw);
     return DT_OK;
 }

@@ -22,18 +22,22 @@ uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit)
     return degree;
 }
 
-void dt_star_ring(const struct dt *t, uint32_t v, uint32_t *ring)
+/* The ids of the neighbours of v into ring[room]. Returns how many they are, DT_NONE if more than room. */
+static uint32_t read_ring(const struct dt *t, uint32_t v, uint32_t *ring, size_t room)
 {
     const struct dt_mesh *m = &t->mesh;
-    uint32_t h = m->leaving[v];
+    uint32_t h = m->leaving[v], degree = 0;
     if (h == DT_NONE)
-        return;
+        return 0;
     do {
         uint32_t d = dt_dest(m, h);
+        if (d != DT_NONE && degree == room)
+            return DT_NONE;
         if (d != DT_NONE)
-            *ring++ = t->points.id[d];
+            ring[degree++] = t->points.id[d];
         h = dt_turn_ccw(m, h);
     } while (h != m->leaving[v]);
+    return degree;
 }
 
 /* ---- saved ones: whether on the hull, then the ring ---- */
@@ -41,7 +45,7 @@ void dt_star_ring(const struct dt *t, uint32_t v, uint32_t *ring)
 void dt_star_save(const struct dt *t, uint32_t v, uint32_t *image)
 {
     image[0] = dt_on_hull(&t->mesh, v);
-    dt_star_ring(t, v, image + 1);
+    read_ring(t, v, image + 1, DT_NONE);
 }
 
 struct dt_star dt_star_of(const struct dt *t, const struct dt_view *v, uint32_t id)
@@ -54,12 +58,14 @@ struct dt_star dt_star_of(const struct dt *t, const struct dt_view *v, uint32_t 
     return (struct dt_star){vertex, NULL, 0, dt_on_hull(&t->mesh, vertex)};
 }
 
-void dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *ring)
+uint32_t dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *ring, size_t room)
 {
     if (s->saved == NULL)
-        dt_star_ring(t, s->vertex, ring);
-    else
-        memcpy(ring, s->saved, s->saved_degree * sizeof *ring);
+        return read_ring(t, s->vertex, ring, room);
+    if (s->saved_degree > room)
+        return DT_NONE;
+    memcpy(ring, s->saved, s->saved_degree * sizeof *ring);
+    return s->saved_degree;
 }
 
 /* ---- many at once ---- */

@@ -29,9 +29,6 @@ void dt_stars_read(const struct dt *t, const struct dt_view *v, uint32_t id, uin
 /* How many neighbours v has, `limit` if it has more. */
 uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit);
 
-/* Their ids into ring[degree]. */
-void dt_star_ring(const struct dt *t, uint32_t v, uint32_t *ring);
-
 /* The star that a representative had. */
 struct dt_star {
     uint32_t vertex;       /* as it is now; DT_NONE: as it was saved */
@@ -49,8 +46,8 @@ static inline uint32_t dt_star_count(const struct dt *t, const struct dt_star *s
     return s->saved != NULL ? s->saved_degree : dt_star_degree(&t->mesh, s->vertex, DT_NONE);
 }
 
-/* Its ring into ring[degree]. */
-void dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *ring);
+/* Its ring into ring[room]. Returns its degree, DT_NONE if it is larger than room. */
+uint32_t dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *ring, size_t room);
 
 /* ---- how a star is saved ---- */
 

@@ -149,18 +149,16 @@ static void read_coincident(const struct dt *t, struct dt_cursor *c, struct sink
     }
 }
 
-/* The hull from where the cursor stands on it, and what to do when the walk has gone a step further. */
+/* The hull from where the cursor stands on it. */
 static struct dt_hull_walk hull_from(const struct dt *t, const struct dt_cursor *c)
 {
     return dt_hull_walk_at(t, c->view, c->cw, c->hull_at, c->hull_before);
 }
 
-static void hull_advance(struct dt_hull_walk *w, struct dt_cursor *c)
+static void hull_leave(const struct dt_hull_walk *w, struct dt_cursor *c)
 {
-    dt_hull_walk_step(w);
     c->hull_at = w->id;
     c->hull_before = w->before;
-    c->hull_left--;
 }
 
 static void read_hull(const struct dt *t, struct dt_cursor *c, struct sink *k)
@@ -168,43 +166,52 @@ static void read_hull(const struct dt *t, struct dt_cursor *c, struct sink *k)
     if (c->hull_left == 0)
         return;
     struct dt_hull_walk w = hull_from(t, c);
-    while (c->hull_left > 0 && has_room(k, 1)) {
+    for (; c->hull_left > 0 && has_room(k, 1); c->hull_left--) {
         *row(k, 1) = w.id;
-        hull_advance(&w, c);
+        dt_hull_walk_step(&w);
     }
+    hull_leave(&w, c);
 }
 
-/* Begins the point list's row of a star; NULL if there is no room. */
-static uint32_t *begin_list(struct sink *k, uint32_t id, uint32_t degree)
+/* Room for the point list's row of the id, the degree of which is yet to be known: *room is what there is for
+ * its ring. NULL: none for the id and the degree. */
+static uint32_t *begin_list(const struct sink *k, size_t *room)
 {
-    if (!has_room(k, 2 + (size_t)degree))
+    if (!has_room(k, 2))
         return NULL;
+    *room = k->cap - k->words - 2;
+    return k->out + k->words + 2;
+}
+
+static void end_list(struct sink *k, uint32_t id, uint32_t degree)
+{
     uint32_t *out = row(k, 2 + (size_t)degree);
     out[0] = id;
     out[1] = degree;
-    return out + 2;
 }
 
 /* Writes the row of an interior point, or one on the hull of a plane set; false if there is no room. */
 static bool write_list(const struct dt *t, const struct dt_cursor *c, struct sink *k, uint32_t id,
                        struct dt_star star)
 {
-    uint32_t degree = dt_star_count(t, &star);
-    uint32_t *out = begin_list(k, id, degree);
-    if (out == NULL)
+    size_t room;
+    uint32_t *ring = begin_list(k, &room);
+    uint32_t degree = ring == NULL ? DT_NONE : dt_star_copy(t, &star, ring, room);
+    if (degree == DT_NONE)
         return false;
-    dt_star_copy(t, &star, out);
-    dt_ring_turn(out, degree, star.on_hull, c->cw);
+    dt_ring_turn(ring, degree, star.on_hull, c->cw);
+    end_list(k, id, degree);
     return true;
 }
 
 static bool write_list_on_line(struct sink *k, const struct dt_hull_walk *w)
 {
-    uint32_t ring[2], degree = dt_hull_walk_ring(w, ring);
-    uint32_t *out = begin_list(k, w->id, degree);
-    if (out == NULL)
+    size_t room;
+    uint32_t two[2], degree = dt_hull_walk_ring(w, two), *ring = begin_list(k, &room);
+    if (ring == NULL || degree > room)
         return false;
-    memcpy(out, ring, degree * sizeof *out);
+    memcpy(ring, two, degree * sizeof *ring);
+    end_list(k, w->id, degree);
     return true;
 }
 
@@ -214,11 +221,12 @@ static bool write_star(const struct dt *t, const struct dt_cursor *c, struct sin
     uint32_t degree = s->degree[i];
     if (degree == DT_NONE)
         return write_list(t, c, k, s->id[i], dt_star_of(t, c->view, s->id[i]));
-    uint32_t *out = begin_list(k, s->id[i], degree);
-    if (out == NULL)
+    if (!has_room(k, 2 + (size_t)degree))
         return false;
-    memcpy(out, s->ring[i], degree * sizeof *out);
-    dt_ring_turn(out, degree, false, c->cw);
+    uint32_t *ring = k->out + k->words + 2;
+    memcpy(ring, s->ring[i], degree * sizeof *ring);
+    dt_ring_turn(ring, degree, false, c->cw);
+    end_list(k, s->id[i], degree);
     return true;
 }
 
@@ -252,12 +260,13 @@ static void read_interior_lists(const struct dt *t, struct dt_cursor *c, struct 
 static void read_hull_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
     struct dt_hull_walk w = hull_from(t, c);
-    while (c->hull_left > 0) {
-        if (!(w.line ? write_list_on_line(k, &w)
-                     : write_list(t, c, k, w.id, dt_hull_walk_star(&w))))
-            return;
-        hull_advance(&w, c);
+    for (bool fits = true; fits && c->hull_left > 0; c->hull_left -= fits) {
+        fits =
+            w.line ? write_list_on_line(k, &w) : write_list(t, c, k, w.id, dt_hull_walk_star(&w));
+        if (fits)
+            dt_hull_walk_step(&w);
     }
+    hull_leave(&w, c);
 }
 
 static void read_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
