@@ -141,17 +141,41 @@ static void forget_keys(struct dt_images *s)
     }
 }
 
-bool dt_images_trim(struct dt_images *s, uint64_t oldest)
+/* The first chunk, n times 4096 words. */
+static void free_first(struct dt_images *s, size_t n)
 {
-    size_t n = 1;
-    while (s->head + n < s->chunks && s->chunk[s->head + n] == NULL)
-        n++;
-    if (s->head == s->chunks || s->first + n * CHUNK > (oldest < s->end ? oldest : s->end))
-        return false;
-    forget_keys(s);
     free(s->chunk[s->head]);
     s->head += n;
     s->first += n * CHUNK;
     s->memory -= n * CHUNK * sizeof **s->chunk;
+}
+
+static size_t size_of_first(const struct dt_images *s)
+{
+    size_t n = 1;
+    while (s->head + n < s->chunks && s->chunk[s->head + n] == NULL)
+        n++;
+    return n;
+}
+
+bool dt_images_trim(struct dt_images *s, uint64_t oldest)
+{
+    size_t n = size_of_first(s);
+    if (s->head == s->chunks || s->first + n * CHUNK > (oldest < s->end ? oldest : s->end))
+        return false;
+    forget_keys(s);
+    free_first(s, n);
+    return true;
+}
+
+bool dt_images_forget(struct dt_images *s, uint32_t n)
+{
+    if (dt_images_is_empty(s))
+        return false;
+    n -= dt_sparse_drop(&s->newest, n);
+    for (; n > 0 && !dt_images_is_empty(s); n--)
+        free_first(s, size_of_first(s));
+    if (dt_images_is_empty(s))
+        dt_images_clear(s);
     return true;
 }

@@ -130,6 +130,18 @@ void dt_sparse_unset(struct dt_sparse *m, uint32_t id)
         p->before[w]--;
 }
 
+uint32_t dt_sparse_drop(struct dt_sparse *m, uint32_t n)
+{
+    uint32_t dropped = 0;
+    while (dropped < n && m->pages > 0) {
+        const struct dt_sparse_page *p = m->page[m->pages - 1];
+        m->n -= p == NULL ? 0 : p->n;
+        dropped += p != NULL;
+        free_page(m, --m->pages);
+    }
+    return dropped;
+}
+
 uint32_t dt_sparse_next(const struct dt_sparse *m, uint32_t from)
 {
     uint32_t word = from % DT_SPARSE_PAGE / 64;

@@ -54,6 +54,10 @@ enum dt_status dt_sparse_set(struct dt_sparse *m, uint32_t id, uint32_t value);
 /* Takes an id that is in the map out of it. Cost: as dt_sparse_set. */
 void dt_sparse_unset(struct dt_sparse *m, uint32_t id);
 
+/* Takes the largest ids out of the map, up to n pages of them. Returns how many pages: fewer than n when the map
+ * is empty. Cost: O(pages of the table that are passed). */
+uint32_t dt_sparse_drop(struct dt_sparse *m, uint32_t n);
+
 /* The smallest id >= from in the map, DT_NONE if there is none. Cost: O(pages between the two). */
 uint32_t dt_sparse_next(const struct dt_sparse *m, uint32_t from);
 

@@ -11,7 +11,10 @@
 #include "core/star.h"
 #include "core/update.h"
 
-enum { AT_ONCE = 4 }; /* chunks that an edit frees */
+enum {
+    AT_ONCE = 2,            /* chunks that an edit frees */
+    FORGOTTEN_AT_ONCE = 256 /* the same when no view is open */
+};
 
 /* ---- life ---- */
 
@@ -267,16 +270,14 @@ static struct moment look_round(struct dt_views *w)
     return oldest;
 }
 
-/* Frees some chunks that lie before the oldest moment; at the end, if none is read, all of it. */
+/* Frees some of what lies before the oldest moment, UINT64_MAX if none is read. */
 static bool trim(struct dt_images *s, uint64_t oldest)
 {
+    if (oldest == UINT64_MAX)
+        return dt_images_forget(s, FORGOTTEN_AT_ONCE);
     int n = 0;
     while (n < AT_ONCE && dt_images_trim(s, oldest))
         n++;
-    if (oldest == UINT64_MAX && n < AT_ONCE && !dt_images_is_empty(s)) {
-        dt_images_clear(s);
-        return true;
-    }
     return n > 0;
 }
 

@@ -45,7 +45,7 @@ static void look_round(struct world *w)
     while (test_below(2) && dt_images_trim(&w->s, oldest))
         ;
     if (!w->any && test_below(2))
-        dt_images_clear(&w->s);
+        dt_images_forget(&w->s, 1 + test_below(3));
 }
 
 static void change(struct world *w, uint32_t key)
@@ -127,6 +127,20 @@ TEST(images_that_nobody_reads_are_freed_chunk_by_chunk_from_the_oldest)
         ;
     CHECK(dt_images_memory(&s) < all / 10);
     dt_images_clear(&s);
+}
+
+TEST(images_that_are_forgotten_go_bit_by_bit_until_nothing_is_left)
+{
+    struct dt_images s = {0};
+    for (uint32_t key = 0; key < 50000; key++)
+        CHECK(dt_images_save(&s, key * 1000, 5) != NULL);
+    uint64_t now = dt_images_now(&s);
+    unsigned calls = 0;
+    for (size_t left = dt_images_memory(&s); dt_images_forget(&s, 100); calls++) {
+        CHECK(dt_images_memory(&s) < left && !dt_images_has(&s, 49999000, now));
+        left = dt_images_memory(&s);
+    }
+    CHECK(calls > 100 && dt_images_memory(&s) == 0 && dt_images_now(&s) >= now);
 }
 
 TEST(images_are_as_before_when_memory_runs_out)

@@ -62,6 +62,14 @@ TEST(sparse_map_has_what_was_put_and_not_taken_in_order)
     for (uint32_t id = 0; id < IDS; id++)
         put(&w, id, id + 1);
     check(&w);
+    CHECK(dt_sparse_drop(&w.m, 2) == 2);
+    for (uint32_t id = IDS - 2 * DT_SPARSE_PAGE; id < IDS; id++)
+        w.value[id] = GONE;
+    w.n -= 2 * DT_SPARSE_PAGE;
+    check(&w);
+    put(&w, IDS - 1, 7);
+    check(&w);
+    CHECK(dt_sparse_drop(&w.m, 9) == 4 && w.m.n == 0 && w.m.memory == 0);
     dt_sparse_clear(&w.m);
     CHECK(dt_sparse_memory(&w.m) == 0);
 }
