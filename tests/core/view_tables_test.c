@@ -218,27 +218,41 @@ static uint32_t some_id(const struct world *w)
     return rows == 0 ? DT_NONE : id[test_below((uint32_t)rows)];
 }
 
+/* Sometimes few steps are allowed, after which the edit is undone. */
+static struct dt_options some_limit(void)
+{
+    return (struct dt_options){.steps = test_below(5) == 0 ? 1 + test_below(200) : 0};
+}
+
+static void check_status(enum dt_status status, const struct dt_options *opt)
+{
+    CHECK(status == DT_OK || (status == DT_TOOLONG && opt->steps > 0));
+}
+
 static void add(const struct world *w, uint32_t n)
 {
+    struct dt_options opt = some_limit();
     struct dt_point p[64];
     struct dt_added added;
     for (uint32_t i = 0; i < n; i++)
         p[i] = some_place(w);
-    CHECK(dt_add(w->t, p, n, &added) == DT_OK);
+    check_status(dt_add_many(w->t, p, n, &opt, &added), &opt);
 }
 
 static void delete (const struct world *w, uint32_t n)
 {
+    struct dt_options opt = some_limit();
     uint32_t ids[64], k = 0, deleted, missing;
     for (uint32_t i = 0; i < n; i++) {
         ids[k] = some_id(w);
         k += ids[k] != DT_NONE;
     }
-    CHECK(dt_delete(w->t, ids, k, &deleted, &missing) == DT_OK);
+    check_status(dt_delete_many(w->t, ids, k, &opt, &deleted, &missing), &opt);
 }
 
 static void move(const struct world *w, bool slightly)
 {
+    struct dt_options opt = some_limit();
     uint32_t id = some_id(w);
     struct dt_point p, to = some_place(w);
     if (id == DT_NONE)
@@ -246,7 +260,7 @@ static void move(const struct world *w, bool slightly)
     CHECK(dt_get(w->t, id, &p) == DT_OK);
     if (slightly)
         to = (struct dt_point){valid(nextafter(p.x, to.x)), valid(p.y + (to.y - p.y) * 1e-3)};
-    CHECK(dt_move(w->t, id, to) == DT_OK);
+    check_status(dt_move_to(w->t, id, to, &opt), &opt);
 }
 
 static void edit(const struct world *w)

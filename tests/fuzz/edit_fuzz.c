@@ -1,6 +1,7 @@
 /* edit_fuzz.c - libFuzzer target: any bytes as a history of edits of a live set on a small lattice.
  * After every step the set proves its triangulation, and every table and query answers as a fresh
- * set with the same points and ids does.
+ * set with the same points and ids does; and views that began some steps ago have the tables of
+ * copies that were made then.
  *
  * The first byte chooses tolerance and scale, the second the lattice; then come steps: an opcode
  * and what it takes. What is missing at the end reads as 0. */
@@ -9,9 +10,17 @@
 
 #include "core/delaunay.h"
 
-enum { MAX_INPUT = 24, MAX_IDS = 400, MAX_LIVE = 90, WORDS = 4096 };
+enum { MAX_INPUT = 24, MAX_IDS = 400, MAX_LIVE = 90, WORDS = 4096, MOMENTS = 3 };
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* A moment of the set, and a copy made then. */
+struct moment {
+    struct dt_view *view; /* NULL: none */
+    struct dt *copy;
+    bool rings;   /* it reads the triangulation */
+    bool blocked; /* an edit was one that the view blocked */
+};
 
 /* The script, and what the set should hold. */
 struct script {
@@ -22,6 +31,7 @@ struct script {
     uint32_t ids, live;
     bool is_live[MAX_IDS];
     struct dt_point xy[MAX_IDS];
+    struct moment moment[MOMENTS];
 };
 
 static void require(bool ok)
@@ -110,6 +120,54 @@ static void compare_table(const struct dt *a, const struct dt *b, enum dt_table 
     require(memcmp(wa, wb, words_a * sizeof *wa) == 0);
 }
 
+static void compare_moment(const struct dt *set, const struct moment *m, enum dt_table table,
+                           bool cw)
+{
+    static uint32_t got[WORDS], want[WORDS];
+    size_t rows_got, rows_want, words_got, words_want;
+    struct dt_cursor a, b;
+    enum dt_status status = dt_table_begin(set, m->view, table, cw, &a);
+    if (table > DT_COINCIDENT && !m->rings)
+        require(status == DT_UNTRIANGULATED);
+    else
+        require(status == DT_OK || (status == DT_NOMEM && m->blocked && table > DT_COINCIDENT));
+    if (status != DT_OK)
+        return;
+    require(dt_table_begin(m->copy, NULL, table, cw, &b) == DT_OK);
+    require(a.rows == b.rows && a.interior == b.interior);
+    require(dt_table_read(set, &a, got, WORDS, WORDS, &rows_got, &words_got) == DT_OK);
+    require(dt_table_read(m->copy, &b, want, WORDS, WORDS, &rows_want, &words_want) == DT_OK);
+    require(rows_got == a.rows && rows_want == rows_got && words_got == words_want);
+    require(memcmp(got, want, words_got * sizeof *got) == 0);
+}
+
+static void end_moment(struct moment *m)
+{
+    dt_view_end(m->view);
+    dt_free(m->copy);
+    *m = (struct moment){0};
+}
+
+/* What the views have now, one of which begins again. */
+static void check_moments(struct script *s, uint32_t salt)
+{
+    for (uint32_t i = 0; i < MOMENTS; i++)
+        for (enum dt_table t = DT_POINTS; s->moment[i].view != NULL && t <= DT_HULL; t++)
+            compare_moment(s->set, &s->moment[i], t, salt >> t & 1);
+    struct moment *m = &s->moment[salt % (2 * MOMENTS) / 2];
+    end_moment(m);
+    m->rings = salt % 7 > 0;
+    m->view = dt_view_begin(s->set, m->rings);
+    require(m->view != NULL && dt_clone(s->set, &m->copy) == DT_OK);
+}
+
+/* An edit of n points is about to happen. */
+static void note_block(struct script *s, uint32_t n)
+{
+    for (uint32_t i = 0; i < MOMENTS; i++)
+        s->moment[i].blocked = s->moment[i].blocked || dt_view_blocks(s->set, n);
+}
+
 static void compare_ids(struct dt_ids *a, struct dt_ids *b)
 {
     require(a->n == b->n && (a->n == 0 || memcmp(a->v, b->v, a->n * sizeof *a->v) == 0));
@@ -165,6 +223,7 @@ static void add(struct script *s, const struct dt_point *p, uint32_t n)
     if (s->ids + n > MAX_IDS || s->live + n > MAX_LIVE)
         return;
     struct dt_options opt = some_limit(s);
+    note_block(s, n);
     enum dt_status status = dt_add_many(s->set, p, n, &opt, &added);
     require(status == DT_OK || (status == DT_TOOLONG && dt_add(s->set, p, n, &added) == DT_OK));
     require(added.first == s->ids && added.added == n);
@@ -194,6 +253,7 @@ static void delete_some(struct script *s, uint32_t n)
         ids[k++] = live_id(s, first + i * step);
     ids[k++] = ids[0];
     struct dt_options opt = some_limit(s);
+    note_block(s, k);
     enum dt_status status = dt_delete_many(s->set, ids, k, &opt, &deleted, &missing);
     require(status == DT_OK ||
             (status == DT_TOOLONG && dt_delete(s->set, ids, k, &deleted, &missing) == DT_OK));
@@ -242,6 +302,8 @@ static void rebuild_or_clone(struct script *s)
         return;
     }
     require(dt_clone(s->set, &copy) == DT_OK);
+    for (uint32_t i = 0; i < MOMENTS; i++)
+        end_moment(&s->moment[i]);
     dt_free(s->set);
     s->set = copy;
 }
@@ -294,7 +356,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     for (uint32_t i = kind; s.at < s.end; i++) {
         step(&s);
         check(&s, i);
+        check_moments(&s, i);
     }
+    for (uint32_t i = 0; i < MOMENTS; i++)
+        end_moment(&s.moment[i]);
     dt_free(s.set);
     return 0;
 }
