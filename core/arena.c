@@ -1,4 +1,5 @@
-/* arena.c - a list of chunks, each at least twice as large as what is asked of it; see arena.h. */
+/* arena.c - a list of chunks, each at least twice as large as what is asked of it unless that is large; see
+ * arena.h. */
 #include "core/arena.h"
 
 #include <stdint.h>
@@ -7,6 +8,7 @@
 #include "core/memory.h"
 
 #define MIN_CHUNK ((size_t)1 << 16)
+#define LARGE ((size_t)1 << 20)
 
 struct dt_arena_chunk {
     struct dt_arena_chunk *below;
@@ -17,6 +19,11 @@ struct dt_arena_chunk {
 void dt_arena_clear(struct dt_arena *a)
 {
     dt_arena_return(a, (struct dt_arena_mark){NULL, 0});
+    dt_arena_trim(a);
+}
+
+void dt_arena_trim(struct dt_arena *a)
+{
     dt_array_free(a->spare);
     a->spare = NULL;
 }
@@ -28,7 +35,7 @@ static struct dt_arena_chunk *new_chunk(struct dt_arena *a, size_t need)
         a->spare = NULL;
         return c;
     }
-    size_t size = need * 2 > MIN_CHUNK ? need * 2 : MIN_CHUNK;
+    size_t size = need > LARGE ? need : need * 2 > MIN_CHUNK ? need * 2 : MIN_CHUNK;
     c = dt_array_new_in(a->pages, sizeof *c + size, 1);
     if (c != NULL)
         c->size = size;

@@ -29,4 +29,7 @@ void *dt_arena_take(struct dt_arena *a, size_t n, size_t size);
 struct dt_arena_mark dt_arena_mark(const struct dt_arena *a);
 void dt_arena_return(struct dt_arena *a, struct dt_arena_mark mark);
 
+/* Gives back what is in use no more. */
+void dt_arena_trim(struct dt_arena *a);
+
 #endif

@@ -36,7 +36,8 @@ enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const stru
         return DT_OK;
     struct dt_arena arena = {0};
     struct dt_order grid;
-    enum dt_status status = dt_order_plan(&grid, &arena, dt_box_of(q, n), n, q, n);
+    dt_order_plan(&grid, dt_box_of(q, n), n, q, n);
+    enum dt_status status = dt_order_tables(&grid, &arena);
     uint32_t *key = dt_arena_take(&arena, n, sizeof *key);
     uint32_t *next =
         status == DT_OK ? dt_arena_take(&arena, (size_t)1 << grid.bits, sizeof *next) : NULL;

@@ -8,6 +8,7 @@
 
 #define MANY_CELLS (1u << 14)    /* are worth several threads */
 #define WORTH_SAMPLES (1u << 12) /* points */
+#define COUNTS_PER_POINT 2u      /* of all slices together: 8 bytes a point */
 #define OUTSKIRTS 4 /* a grid leaves them out if they take this many times its own width */
 
 /* ---- the sort, in slices of the source ---- */
@@ -16,9 +17,12 @@ struct sort {
     struct dt_division *d;
     struct dt_source src;
     uint32_t n;
-    unsigned slices;
+    unsigned threads;
+    unsigned slices; /* as many as threads, or fewer, as each has counts of all cells */
     struct dt_box box[DT_MAX_THREADS];
     const struct dt_order *order;
+    struct dt_arena *arena;         /* borrows */
+    struct dt_arena_mark scratch;   /* what is above it is of no use after the scatter */
     uint32_t *key;                  /* n */
     uint32_t *next[DT_MAX_THREADS]; /* per slice: counts of each cell, then the places of its next
                                        point */
@@ -31,13 +35,6 @@ struct sort {
     uint32_t most[DT_MAX_THREADS];      /* points in one cell */
 };
 
-static void find_box(void *arg, unsigned i)
-{
-    struct sort *s = arg;
-    uint32_t a = dt_slice(s->n, i, s->slices), b = dt_slice(s->n, i + 1, s->slices);
-    s->box[i] = dt_box_of(s->src.p + a, b - a);
-}
-
 /* Slices are worked on in pieces, so that a large sort can be stopped. */
 static struct dt_piece before_slice(const struct sort *s, unsigned i)
 {
@@ -47,6 +44,33 @@ static struct dt_piece before_slice(const struct sort *s, unsigned i)
 static bool next_piece(const struct sort *s, unsigned i, struct dt_piece *at)
 {
     return dt_next_piece(&s->d->stop, dt_slice(s->n, i + 1, s->slices), at);
+}
+
+static struct dt_box join_boxes(struct dt_box a, struct dt_box b)
+{
+    a.x0 = b.x0 < a.x0 ? b.x0 : a.x0;
+    a.x1 = b.x1 > a.x1 ? b.x1 : a.x1;
+    a.y0 = b.y0 < a.y0 ? b.y0 : a.y0;
+    a.y1 = b.y1 > a.y1 ? b.y1 : a.y1;
+    return a;
+}
+
+static void find_box(void *arg, unsigned i)
+{
+    struct sort *s = arg;
+    s->box[i] = dt_box_of(s->src.p + dt_slice(s->n, i, s->slices), 1);
+    for (struct dt_piece at = before_slice(s, i); next_piece(s, i, &at);)
+        s->box[i] = join_boxes(s->box[i], dt_box_of(s->src.p + at.a, at.b - at.a));
+}
+
+static struct dt_box box_of_all(struct sort *s)
+{
+    s->slices = s->threads;
+    dt_run(s->d->opt->pool, s->slices, find_box, s);
+    struct dt_box all = s->box[0];
+    for (unsigned i = 1; i < s->slices; i++)
+        all = join_boxes(all, s->box[i]);
+    return all;
 }
 
 static void count(void *arg, unsigned i)
@@ -79,19 +103,6 @@ static void copy(void *arg, unsigned i)
         memcpy(s->out + at.a, s->src.p + at.a, (at.b - at.a) * sizeof *s->out);
         memcpy(s->out_from + at.a, s->src.from + at.a, (at.b - at.a) * sizeof *s->out_from);
     }
-}
-
-static struct dt_box join_boxes(const struct sort *s)
-{
-    struct dt_box all = s->box[0];
-    for (unsigned i = 1; i < s->slices; i++) {
-        const struct dt_box *b = &s->box[i];
-        all.x0 = b->x0 < all.x0 ? b->x0 : all.x0;
-        all.x1 = b->x1 > all.x1 ? b->x1 : all.x1;
-        all.y0 = b->y0 < all.y0 ? b->y0 : all.y0;
-        all.y1 = b->y1 > all.y1 ? b->y1 : all.y1;
-    }
-    return all;
 }
 
 static void sort_numbers(double *a, uint32_t n)
@@ -133,14 +144,25 @@ static struct dt_box box_of_most(const struct sort *s, struct dt_box box, double
     return box;
 }
 
+static struct dt_piece before_share(const struct sort *s, unsigned i)
+{
+    return dt_before_first(dt_slice(s->cells, i, s->shares));
+}
+
+static bool next_cells(const struct sort *s, unsigned i, struct dt_piece *at)
+{
+    return dt_next_piece(&s->d->stop, dt_slice(s->cells, i + 1, s->shares), at);
+}
+
 /* Slice i of the cells: how many points it has. */
 static void sum_cells(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    uint32_t a = dt_slice(s->cells, i, s->shares), b = dt_slice(s->cells, i + 1, s->shares), n = 0;
-    for (unsigned k = 0; k < s->slices; k++)
-        for (uint32_t c = a; c < b; c++)
-            n += s->next[k][c];
+    uint32_t n = 0;
+    for (struct dt_piece at = before_share(s, i); next_cells(s, i, &at);)
+        for (unsigned k = 0; k < s->slices; k++)
+            for (uint32_t c = at.a; c < at.b; c++)
+                n += s->next[k][c];
     s->first[i + 1] = n;
 }
 
@@ -148,24 +170,25 @@ static void sum_cells(void *arg, unsigned i)
 static void place_cells(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    uint32_t b = dt_slice(s->cells, i + 1, s->shares), place = s->first[i], most = 0;
-    for (uint32_t c = dt_slice(s->cells, i, s->shares); c < b; c++) {
-        uint32_t before = place;
-        for (unsigned k = 0; k < s->slices; k++) {
-            uint32_t n = s->next[k][c];
-            s->next[k][c] = place;
-            place += n;
+    uint32_t place = s->first[i], most = 0;
+    for (struct dt_piece at = before_share(s, i); next_cells(s, i, &at);)
+        for (uint32_t c = at.a; c < at.b; c++) {
+            uint32_t before = place;
+            for (unsigned k = 0; k < s->slices; k++) {
+                uint32_t n = s->next[k][c];
+                s->next[k][c] = place;
+                place += n;
+            }
+            most = place - before > most ? place - before : most;
         }
-        most = place - before > most ? place - before : most;
-    }
     s->most[i] = most;
 }
 
 /* Turns the counts of all slices into places; returns the largest number of points in one cell. */
-static uint32_t counts_to_places(const struct dt_pool *pool, struct sort *s)
+static uint32_t counts_to_places(struct sort *s)
 {
-    s->cells = 1u << s->order->bits;
-    s->shares = s->cells < MANY_CELLS ? 1 : s->slices;
+    const struct dt_pool *pool = s->d->opt->pool;
+    s->shares = s->cells < MANY_CELLS ? 1 : s->threads;
     s->first[0] = 0;
     if (s->shares > 1)
         dt_run(pool, s->shares, sum_cells, s);
@@ -178,99 +201,120 @@ static uint32_t counts_to_places(const struct dt_pool *pool, struct sort *s)
     return most;
 }
 
-/* Plans the grid and counts its cells. Sets level->start. */
-static bool count_cells(struct dt_division *d, struct dt_arena *arena, struct sort *s,
-                        struct dt_box box, struct dt_level *level)
+/* Plans a grid of tiles or a fine one. */
+static bool plan_cells(struct sort *s, struct dt_box box, bool tiles, struct dt_level *level)
 {
-    double cells = level->tiles ? (double)s->n / DT_TILE : s->n / DT_POINTS_PER_CELL;
-    if (!level->tiles && s->n >= WORTH_SAMPLES)
+    double cells = tiles ? (double)s->n / DT_TILE : s->n / DT_POINTS_PER_CELL;
+    level->tiles = tiles;
+    if (!tiles && s->n >= WORTH_SAMPLES)
         box = box_of_most(s, box, cells);
-    if (dt_order_plan(&level->order, arena, box, cells, s->src.p, s->n) != DT_OK)
-        return false;
+    dt_order_plan(&level->order, box, cells, s->src.p, s->n);
     s->order = &level->order;
-    size_t n = (size_t)1 << level->order.bits;
-    for (unsigned i = 0; i < s->slices; i++) {
-        uint32_t *starts = dt_arena_take(arena, n + 1, sizeof *starts);
-        if (starts == NULL)
+    s->cells = 1u << level->order.bits;
+    level->start = dt_arena_take(s->arena, (size_t)s->cells + 1, sizeof *level->start);
+    return level->start != NULL;
+}
+
+/* Tables; keys, which go to `key`, or if it is NULL into the arena; and counts for each slice. After the scatter, the
+ * next place of the last slice in cell c is the end of c, which is the start of c + 1: so its counts are
+ * in start[] from the beginning. */
+static bool take_scratch(struct sort *s, uint32_t *key, struct dt_level *level)
+{
+    uint32_t most = (uint32_t)((uint64_t)COUNTS_PER_POINT * s->n / s->cells);
+    s->slices = most < 1 ? 1 : most < s->threads ? most : s->threads;
+    s->scratch = dt_arena_mark(s->arena);
+    level->start[0] = 0;
+    s->next[s->slices - 1] = level->start + 1;
+    for (unsigned i = 0; i + 1 < s->slices; i++) {
+        s->next[i] = dt_arena_take(s->arena, s->cells, sizeof *s->next[i]);
+        if (s->next[i] == NULL)
             return false;
-        /* After the scatter, the next place of the last slice in cell c is the end of c, which is
-         * the start of c + 1. */
-        starts[0] = 0;
-        s->next[i] = starts + 1;
-        level->start = starts;
     }
-    dt_run(d->opt->pool, s->slices, count, s);
-    return true;
+    s->key = key != NULL ? key : dt_arena_take(s->arena, s->n, sizeof *s->key);
+    return s->key != NULL && dt_order_tables(&level->order, s->arena) == DT_OK;
+}
+
+/* Counts by a grid of tiles or by a fine one. Returns the largest number of points in one cell; 0: the build
+ * has to stop. */
+static uint32_t count_by(struct sort *s, struct dt_box box, bool tiles, uint32_t *key,
+                         struct dt_level *level)
+{
+    if (!plan_cells(s, box, tiles, level) || !take_scratch(s, key, level))
+        dt_stop_because(&s->d->stop, DT_NOMEM);
+    if (dt_stopped(&s->d->stop))
+        return 0;
+    dt_run(s->d->opt->pool, s->slices, count, s);
+    return counts_to_places(s);
 }
 
 /* Places become those aside: dt_aside(d, lo + place of its first point, points) for each tile. */
-static bool shift_tiles(struct dt_division *d, struct dt_arena *arena, struct sort *s, uint32_t lo)
+static bool shift_tiles(struct sort *s, uint32_t lo)
 {
-    size_t cells = (size_t)1 << s->order->bits;
     const uint32_t *start = s->next[0];
-    s->shift = dt_arena_take(arena, cells, sizeof *s->shift);
+    s->shift = dt_arena_take(s->arena, s->cells, sizeof *s->shift);
     if (s->shift == NULL)
         return false;
-    for (size_t c = 0; c < cells; c++) {
-        uint32_t end = c + 1 < cells ? start[c + 1] : s->n;
+    for (uint32_t c = 0; c < s->cells; c++) {
+        uint32_t end = c + 1 < s->cells ? start[c + 1] : s->n;
         s->shift[c] = (struct dt_shift){3 * start[c], 15 * end};
     }
-    uint32_t *half = d->merging.mesh->half + 16 * (size_t)lo;
+    uint32_t *half = s->d->merging.mesh->half + 16 * (size_t)lo;
     s->out = (void *)half;
     s->out_from = half;
     return true;
 }
 
 /* Copies the source, which is among the vertices or aside, to where it is not in the way. */
-static void move_source(struct dt_division *d, struct sort *s, struct dt_point *p, uint32_t *from)
+static void move_source(struct sort *s, struct dt_point *p, uint32_t *from)
 {
     s->out = p;
     s->out_from = from;
-    dt_run(d->opt->pool, s->slices, copy, s);
+    dt_run(s->d->opt->pool, s->slices, copy, s);
     s->src = (struct dt_source){p, from};
 }
 
-/* Counts by a grid of tiles or by a fine one; the keys go to `key`, or if it is NULL into the arena.
- * Returns the largest number of points in one cell; 0: the build has to stop. */
-static uint32_t count_by(struct sort *s, struct dt_arena *arena, struct dt_box box, bool tiles,
-                         uint32_t *key, struct dt_level *level)
+/* Puts the points, which are counted, where they belong. */
+static void scatter_all(struct sort *s, uint32_t lo, bool tiles)
 {
-    level->tiles = tiles;
-    s->key = key != NULL ? key : dt_arena_take(arena, s->n, sizeof *s->key);
-    if (s->key == NULL || !count_cells(s->d, arena, s, box, level))
-        dt_stop_because(&s->d->stop, DT_NOMEM);
-    return dt_stopped(&s->d->stop) ? 0 : counts_to_places(s->d->opt->pool, s);
+    struct dt_division *d = s->d;
+    struct dt_aside aside = dt_aside(d, lo, s->n);
+    if (tiles && s->src.p == aside.p)
+        move_source(s, d->p + lo, d->from + lo);
+    else if (!tiles && s->src.p == d->p + lo)
+        move_source(s, aside.p, aside.from);
+    s->out = d->p + lo;
+    s->out_from = d->from + lo;
+    if (tiles && !shift_tiles(s, lo))
+        dt_stop_because(&d->stop, DT_NOMEM);
+    if (!dt_stopped(&d->stop))
+        dt_run(d->opt->pool, s->slices, scatter, s);
 }
 
-enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned slices,
+enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned threads,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level)
 {
-    struct dt_aside aside = dt_aside(d, lo, n);
-    bool in_place = src.p == d->p + lo, is_aside = src.p == aside.p;
-    uint32_t *key = in_place || is_aside ? NULL : d->from + lo, most = n;
-    struct sort s = {.d = d, .src = src, .n = n, .slices = slices};
+    bool elsewhere = src.p != d->p + lo && src.p != dt_aside(d, lo, n).p;
+    struct sort s = {.d = d, .src = src, .n = n, .threads = threads, .arena = arena};
+    struct dt_arena_mark before = dt_arena_mark(arena);
+    struct dt_box box = box_of_all(&s);
+    uint32_t most = n;
     *level = (struct dt_level){.lo = lo};
-    dt_run(d->opt->pool, slices, find_box, &s);
-    struct dt_box box = join_boxes(&s);
     if (n > DT_TILED)
-        most = count_by(&s, arena, box, true, key, level);
-    if (most > n / 2) /* too few points for tiles, or tiles do not part them */
-        most = count_by(&s, arena, box, false, NULL, level);
+        most = count_by(&s, box, true, elsewhere ? d->from + lo : NULL, level);
+    if (most > n / 2) { /* too few points for tiles, or tiles do not part them */
+        dt_arena_return(arena, before);
+        most = count_by(&s, box, false, NULL, level);
+    }
     if (dt_stopped(&d->stop))
         return DT_LEVEL_FAILED;
     level->skew = most > n / 2 ? skew + 1 : 0;
-    if (level->skew > DT_ZOOMS)
+    if (level->skew > DT_ZOOMS) {
+        dt_arena_return(arena, before);
         return DT_LEVEL_SKEWED;
-    if (level->tiles && is_aside)
-        move_source(d, &s, d->p + lo, d->from + lo);
-    else if (!level->tiles && in_place)
-        move_source(d, &s, aside.p, aside.from);
-    s.out = d->p + lo;
-    s.out_from = d->from + lo;
-    if (level->tiles && !shift_tiles(d, arena, &s, lo))
-        dt_stop_because(&d->stop, DT_NOMEM);
-    dt_run(d->opt->pool, slices, scatter, &s);
+    }
+    scatter_all(&s, lo, level->tiles);
+    dt_arena_return(arena, s.scratch);
     return dt_stopped(&d->stop) ? DT_LEVEL_FAILED : DT_LEVEL_OPEN;
 }
 
@@ -290,7 +334,9 @@ uint32_t dt_level_median(struct dt_division *d, struct dt_source src, uint32_t l
 {
     if (src.p != d->p + lo)
         bring(d, src, lo, n);
-    struct dt_box box = dt_box_of(d->p + lo, n);
+    struct dt_box box = dt_box_of(d->p + lo, 1);
+    for (struct dt_piece at = dt_before_first(lo); dt_next_piece(&d->stop, lo + n, &at);)
+        box = join_boxes(box, dt_box_of(d->p + at.a, at.b - at.a));
     *axis = box.x1 - box.x0 >= box.y1 - box.y0 ? 0 : 1;
     dt_median_part(d->p + lo, d->from + lo, n, *axis, &d->stop);
     return n / 2;

@@ -63,9 +63,9 @@ enum dt_opening {
 };
 
 /* Sorts the points src[0 .. n-1], n > DT_BLOCK, to vertices lo .. lo + n - 1 by a new grid. src may
- * be aside, p + lo (then it is copied first), or anything that overlaps with neither. `slices` threads
+ * be aside, p + lo (then it is copied first), or anything that overlaps with neither. Up to `threads` threads
  * of the pool share the work. The level lives in the arena. */
-enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned slices,
+enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned threads,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level);
 

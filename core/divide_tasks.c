@@ -142,6 +142,7 @@ static void open_range(struct tree *w, struct range *r, unsigned threads)
         dt_stop_because(&d->stop, DT_NOMEM);
     else
         r->opening = dt_level_open(d, &r->arena, threads, r->src, r->lo, r->n, r->skew, r->level);
+    dt_arena_trim(&r->arena);
     if (r->opening == DT_LEVEL_SKEWED)
         r->half = dt_level_median(d, r->src, r->lo, r->n, &r->axis);
 }

@@ -104,8 +104,8 @@ static double strips_of(struct dt_box box, double cells, const struct dt_point *
     return strips > 2 * side ? strips : 0;
 }
 
-enum dt_status dt_order_plan(struct dt_order *o, struct dt_arena *arena, struct dt_box box,
-                             double cells, const struct dt_point *p, uint32_t n)
+void dt_order_plan(struct dt_order *o, struct dt_box box, double cells, const struct dt_point *p,
+                   uint32_t n)
 {
     double width = box.x1 - box.x0, height = box.y1 - box.y0;
     double strips = strips_of(box, cells, p, n), parts = strips > 0 ? strips : cells;
@@ -121,6 +121,11 @@ enum dt_status dt_order_plan(struct dt_order *o, struct dt_arena *arena, struct 
     o->per_x = width > 0 ? o->columns / width : 0;
     o->per_y = height > 0 ? o->rows / height : 0;
     choose_axes(o, x_bits, width, height);
+    o->column = o->row = NULL;
+}
+
+enum dt_status dt_order_tables(struct dt_order *o, struct dt_arena *arena)
+{
     o->column = dt_arena_take(arena, o->columns, sizeof *o->column);
     o->row = dt_arena_take(arena, o->rows, sizeof *o->row);
     if (o->column == NULL || o->row == NULL)

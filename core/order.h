@@ -46,9 +46,12 @@ static inline uint32_t dt_random_below(uint64_t *state, uint32_t n)
 struct dt_box dt_box_of(const struct dt_point *p, uint32_t n);
 
 /* Plans a grid of about `cells` nearly square cells, at least 4, on the box of n > 0 points; or as many
- * strips, if the points, of which it looks at a few, lie along a curve. DT_NOMEM: nothing to undo. */
-enum dt_status dt_order_plan(struct dt_order *o, struct dt_arena *arena, struct dt_box box,
-                             double cells, const struct dt_point *p, uint32_t n);
+ * strips, if the points, of which it looks at a few, lie along a curve. */
+void dt_order_plan(struct dt_order *o, struct dt_box box, double cells, const struct dt_point *p,
+                   uint32_t n);
+
+/* Makes the tables that keys are looked up in. DT_NOMEM: nothing to undo. */
+enum dt_status dt_order_tables(struct dt_order *o, struct dt_arena *arena);
 
 /* Points beyond the grid belong to its outermost cells. No branch. */
 static inline uint32_t dt_order_place(double at, double per, uint32_t cells)

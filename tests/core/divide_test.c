@@ -129,6 +129,38 @@ TEST(divide_gives_the_same_mesh_where_the_most_threads_would_share_it)
         build_and_check(family[i], 20000, test_random(), &opt);
 }
 
+/* The bytes a point that a build takes at its peak besides its result, for arrays of 3 MiB or more. */
+static double scratch_of(const struct built *b, unsigned threads)
+{
+    struct dt_pages *pages = dt_pages_new(SIZE_MAX);
+    struct dt_mesh mesh = {.pages = pages};
+    struct dt_pool pool = {.threads = threads, .run = one_after_the_other};
+    struct dt_pages_summary f;
+    CHECK(dt_divide(b->in, b->n, b->p, b->from, &mesh, &(struct dt_options){.pool = &pool}) ==
+          DT_OK);
+    dt_pages_summary(pages, &f); /* nothing has been given back to the system */
+    dt_mesh_clear(&mesh);
+    dt_pages_free(pages);
+    return (double)f.held / b->n - 68;
+}
+
+TEST_TIMEOUT(scratch_memory_does_not_grow_with_the_number_of_threads, 60)
+{
+    static const char *const family[] = {"kuzmin", "exponents"};
+    enum { N = 2000000, ONE = 18, MOST = 24 }; /* bytes a point */
+    for (size_t i = 0; i < sizeof family / sizeof *family; i++) {
+        struct built b = {.in = malloc(N * sizeof *b.in),
+                          .p = malloc(N * sizeof *b.p),
+                          .from = malloc(N * sizeof *b.from),
+                          .n = N};
+        family_points(family_find(family[i]), b.in, N, 1); /* no two of these are the same */
+        double one = scratch_of(&b, 1), many = scratch_of(&b, DT_MAX_THREADS);
+        CHECK_MSG(one < ONE && many < MOST, "%s: %.1f and %.1f bytes a point", family[i], one,
+                  many);
+        built_free(&b);
+    }
+}
+
 TEST_TIMEOUT(divide_sorts_large_sets_into_tiles, 60)
 {
     struct dt_pool pool = threads_pool(2);
@@ -245,7 +277,8 @@ TEST(points_beyond_a_grid_belong_to_its_outermost_cells)
     struct dt_order o;
     struct dt_point middle = {4, 4};
     struct dt_box box = {0, 8, 0, 8};
-    CHECK(dt_order_plan(&o, &arena, box, 64, &middle, 1) == DT_OK);
+    dt_order_plan(&o, box, 64, &middle, 1);
+    CHECK(dt_order_tables(&o, &arena) == DT_OK);
     CHECK(dt_order_key(&o, (struct dt_point){-0x1p201, 3.5}) ==
           dt_order_key(&o, (struct dt_point){0.5, 3.5}));
     CHECK(dt_order_key(&o, (struct dt_point){0x1p201, 3.5}) ==
