@@ -38,7 +38,7 @@ may_include() { # FOLDER REGEX: every #include in FOLDER must match
 
 include_rules() {
     local pure='assert|cpuid|float|immintrin|limits|math|stdalign|stdarg|stdatomic|stdbool|stddef|stdint|stdlib|string'
-    may_include core "\"core/[a-z0-9_]+\.h\"|<($pure|sys/mman)\.h>"
+    may_include core "\"core/[a-z0-9_]+\.h\"|<($pure|sys/mman|errno)\.h>"
     may_include proto "\"proto/[a-z0-9_]+\.h\"|<($pure|ctype|errno|inttypes|stdio|time)\.h>"
     may_include server "\"(core/delaunay|(proto|server)/[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
     may_include clients "\"(proto|clients)/[a-z0-9_]+\.h\"|<[a-z0-9_/]+\.h>"
