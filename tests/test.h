@@ -70,4 +70,9 @@ void test_fail_alloc(long n);
 void test_fail_alloc_from(long n);
 bool test_alloc_failed(void);
 
+/* From now on, or no longer, a block of memory ends where a page ends and the next one cannot be touched,
+ * nor can a block that was freed: who does ends the test. A block costs system calls and address
+ * space, so this is for tests that need few. */
+void test_guard_alloc(bool on);
+
 #endif

@@ -130,6 +130,30 @@ TEST(groups_of_aliases_equal_a_model_while_they_join_leave_and_unite)
 
 /* ---- large families ---- */
 
+/* A family that grows by one alias after the other, always united into the smaller one. */
+TEST(no_alias_is_far_from_the_root_of_its_family_however_they_were_united)
+{
+    enum { FAMILIES = 1024, LOG = 10 };
+    struct dt_aliases a;
+    dt_aliases_init(&a, NULL);
+    CHECK(dt_aliases_reserve(&a) == DT_OK);
+    uint32_t root = dt_aliases_new_group(&a, 0),
+             first = dt_aliases_join(&a, root, 0, (struct dt_point){0, 0});
+    for (uint32_t v = 1; v < FAMILIES; v++) {
+        CHECK(dt_aliases_reserve(&a) == DT_OK);
+        uint32_t one = dt_aliases_new_group(&a, v);
+        dt_aliases_join(&a, one, v, (struct dt_point){v, 0});
+        root = dt_aliases_unite(&a, root, one);
+    }
+    for (uint32_t i = 0; i < FAMILIES; i++) {
+        unsigned up = 0;
+        for (uint32_t g = a.alias[i].group; g != root; g = a.group[g].up)
+            CHECK(++up <= LOG);
+    }
+    CHECK(dt_aliases_root(&a, a.alias[first].group) == root);
+    dt_aliases_clear(&a);
+}
+
 /* Counts what an edit of the points says that it changes. */
 struct counter {
     struct dt_changes changes;

@@ -72,16 +72,22 @@ TEST(what_is_given_back_is_cut_for_others_and_joined_again)
 
 TEST(the_smallest_region_that_is_large_enough_is_cut)
 {
-    struct dt_pages *p = dt_pages_new(SIZE_MAX);
-    char *all = take(p, 60, 1);
-    dt_region_give(p, all, 30 * MIB); /* 30 and 8 and 20, with gaps */
-    dt_region_give(p, all + 32 * MIB, 8 * MIB);
-    dt_region_give(p, all + 42 * MIB, 18 * MIB);
-    CHECK(take(p, 10, 2) == all + 42 * MIB && take(p, 8, 3) == all + 32 * MIB);
-    CHECK(take(p, 8, 4) == all + 52 * MIB && take(p, 30, 5) == all);
-    check_facts(p, 60, 0, 60);
-    dt_region_give(p, all, 60 * MIB);
-    dt_pages_free(p);
+    static const size_t at[] = {0, 32, 42}, size[] = {30, 8, 18}; /* with gaps */
+    for (unsigned order = 0; order < 6; order++) {                /* in which they are given */
+        unsigned first = order % 3, second = (first + 1 + order / 3) % 3;
+        unsigned turn[] = {first, second, 3 - first - second};
+        struct dt_pages *p = dt_pages_new(SIZE_MAX);
+        char *all = take(p, 60, 1);
+        for (unsigned k = 0; k < 3; k++)
+            dt_region_give(p, all + at[turn[k]] * MIB, size[turn[k]] * MIB);
+        CHECK(take(p, 10, 2) == all + 42 * MIB);
+        char *a = take(p, 8, 3), *b = take(p, 8, 4); /* 8 are left there, too */
+        CHECK((a < b ? a : b) == all + 32 * MIB && (a < b ? b : a) == all + 52 * MIB);
+        CHECK(take(p, 30, 5) == all);
+        check_facts(p, 60, 0, 60);
+        dt_region_give(p, all, 60 * MIB);
+        dt_pages_free(p);
+    }
 }
 
 TEST(a_large_region_is_put_together_from_small_ones_and_what_is_missing)

@@ -95,3 +95,20 @@ TEST(looking_up_a_place_passes_few_others_whatever_the_structure)
     free(xy);
     free(id);
 }
+
+TEST(table_of_places_has_room_for_every_vertex_that_it_was_asked_for)
+{
+    enum { VERTICES = 500 };
+    struct dt_point xy[VERTICES];
+    uint32_t id[VERTICES];
+    struct dt_places p = {0};
+    test_guard_alloc(true);
+    for (uint32_t v = 0; v < VERTICES; v++) {
+        xy[v] = place(13, v);
+        id[v] = v;
+        CHECK(dt_places_reserve(&p, 0, xy, id, v, v + 1, NULL) == DT_OK);
+        dt_places_enter(&p, xy, v);
+        CHECK(dt_places_find(&p, xy, id, xy[v], DT_NONE) == v);
+    }
+    dt_places_clear(&p);
+}

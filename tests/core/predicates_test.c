@@ -219,6 +219,25 @@ TEST(every_stage_of_orient2d_is_right_or_in_doubt)
     CHECK_MSG(near > 1000 && doubt > 100 && last > 10, "%d %d %d", near, doubt, last);
 }
 
+/* r and q lie on a line through the origin, p near the origin and, as far as its last bits allow, on that
+ * line: what is left of the products lies at the end of double words. */
+TEST(orient2d_in_double_words_is_in_doubt_where_its_last_bits_decide)
+{
+    int doubt = 0, decided = 0;
+    for (int i = 0; i < 20000; i++) {
+        struct dt_point r = {1 + test_uniform(), 1 + test_uniform()};
+        struct dt_point q = {r.x * 4, r.y * 4};
+        double share = ldexp(1 + test_uniform(), -40 - (int)test_below(25));
+        struct dt_point p = {r.x * share, r.y * share};
+        struct dt_near_corner k = dt_near_corner_of(p, q, r);
+        int want = exact_orient2d(k.p, k.q, k.s), got = dt_orient2d_double2(&k);
+        CHECK(got == 0 || got == want);
+        doubt += got == 0 && want != 0;
+        decided += got != 0;
+    }
+    CHECK_MSG(doubt > 1000 && decided > 1000, "%d in doubt, %d decided", doubt, decided);
+}
+
 TEST(every_stage_of_incircle_is_right_or_in_doubt)
 {
     int near = 0, doubt = 0, last = 0;

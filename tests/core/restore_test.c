@@ -117,20 +117,53 @@ TEST(restored_set_never_gives_an_id_again)
     dt_free(t);
 }
 
+/* What dt_restore says of three points with next id 9, in a fresh set. */
+static enum dt_status restore_three(const uint32_t *ids, const struct dt_point *p,
+                                    const uint32_t *representatives)
+{
+    struct dt *t = dt_new(0);
+    enum dt_status status = dt_restore(t, ids, p, representatives, 3, 9);
+    CHECK(dt_next_id(t) == (status == DT_OK ? 9 : 0));
+    dt_free(t);
+    return status;
+}
+
+TEST(set_whose_ids_have_run_out_takes_no_more_points)
+{
+    const uint32_t id = 7;
+    const struct dt_point p[] = {{0, 0}, {1, 1}, {2, 2}};
+    struct dt_added added;
+    for (unsigned live = 0; live < 2; live++) {
+        struct dt *t = dt_new(0);
+        CHECK(dt_restore(t, &id, p, &id, 1, UINT32_MAX - 2) == DT_OK);
+        CHECK(!live || dt_triangulate(t, NULL) == DT_OK);
+        CHECK(dt_add(t, p, 3, &added) == DT_TOOBIG && dt_next_id(t) == UINT32_MAX - 2);
+        CHECK(dt_add(t, p + 1, 2, &added) == DT_OK && added.first == UINT32_MAX - 2);
+        CHECK(dt_add(t, p, 1, &added) == DT_TOOBIG);
+        dt_free(t);
+    }
+}
+
 TEST(restore_refuses_what_no_set_could_be)
 {
-    const struct dt_point p[] = {{0, 0}, {1, 1}, {0, 0}}, wild[] = {{0, 0}, {1e300, 1}, {0, 0}};
-    const uint32_t good[] = {1, 2, 3}, twice[] = {1, 2, 2}, falling[] = {2, 1, 3};
-    const uint32_t chain[] = {1, 1, 2}, stranger[] = {1, 2, 9}, aliased[] = {1, 2, 1};
+    const struct dt_point apart[] = {{0, 0}, {1, 1}, {2, 2}}, same[] = {{0, 0}, {0, 0}, {0, 0}};
+    const struct dt_point wild_x[] = {{0, 0}, {1e300, 1}, {2, 2}};
+    const struct dt_point wild_y[] = {{0, 0}, {1, 1}, {2, -0x1p-143}};
+    const uint32_t good[] = {1, 2, 8}, twice[] = {1, 2, 2}, falling[] = {2, 1, 3};
+    const uint32_t next[] = {1, 2, 9}, chain[] = {1, 1, 2}, stranger[] = {1, 2, 7},
+                   aliased[] = {1, 1, 1};
+    CHECK(restore_three(good, apart, good) == DT_OK);
+    CHECK(restore_three(good, same, aliased) == DT_OK);
+    CHECK(restore_three(twice, apart, twice) == DT_CORRUPT);
+    CHECK(restore_three(falling, apart, falling) == DT_CORRUPT);
+    CHECK(restore_three(next, apart, next) == DT_CORRUPT);
+    CHECK(restore_three(good, same, chain) == DT_CORRUPT);
+    CHECK(restore_three(good, apart, stranger) == DT_CORRUPT);
+    CHECK(restore_three(good, wild_x, good) == DT_RANGE);
+    CHECK(restore_three(good, wild_y, good) == DT_RANGE);
     struct dt *t = dt_new(0);
-    CHECK(dt_restore(t, twice, p, twice, 3, 9) == DT_CORRUPT);
-    CHECK(dt_restore(t, falling, p, falling, 3, 9) == DT_CORRUPT);
-    CHECK(dt_restore(t, good, p, good, 3, 3) == DT_CORRUPT);
-    CHECK(dt_restore(t, good, p, chain, 3, 9) == DT_CORRUPT);
-    CHECK(dt_restore(t, good, p, stranger, 3, 9) == DT_CORRUPT);
-    CHECK(dt_restore(t, good, wild, good, 3, 9) == DT_RANGE);
-    CHECK(dt_restore(t, good, p, aliased, 3, 9) == DT_OK);
-    CHECK(dt_restore(t, good, p, aliased, 3, 9) == DT_CORRUPT);
+    CHECK(dt_restore(t, good, apart, good, 3, 9) == DT_OK);
+    CHECK(dt_restore(t, good, apart, good, 3, 9) == DT_CORRUPT);
     dt_free(t);
 }
 

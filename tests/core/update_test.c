@@ -370,3 +370,59 @@ TEST_TIMEOUT(live_edits_out_of_memory_leave_the_set_as_it_was, 60)
         dt_free(t);
     }
 }
+
+/* A set that is live takes out what it can bit by bit, one that is not takes all at once; then both have
+ * the same points, aliases and triangles. */
+TEST(edits_leave_the_same_points_whether_or_not_a_set_is_live)
+{
+    for (unsigned round = 0; round < 60; round++) {
+        double tol = round % 3 == 0 ? 0 : 0.6;
+        struct dt *live = dt_new(tol), *plain = dt_new(tol);
+        struct dt_added added;
+        CHECK(dt_triangulate(live, NULL) == DT_OK);
+        for (unsigned i = 0; i < 40; i++) {
+            struct dt_point p[12];
+            uint32_t ids[8], n = 1 + test_below(8), a, b, missing;
+            for (unsigned k = 0; k < 12; k++)
+                p[k] = (struct dt_point){test_below(9) * 0.25, test_below(9) * 0.25};
+            CHECK(dt_add(live, p, n, &added) == DT_OK && dt_add(plain, p, n, &added) == DT_OK);
+            for (unsigned k = 0; k < n; k++)
+                do
+                    ids[k] = test_below(dt_next_id(plain));
+                while (dt_points_vertex(&plain->points, ids[k]) == DT_NONE);
+            CHECK(dt_move(live, ids[0], p[11]) == DT_OK && dt_move(plain, ids[0], p[11]) == DT_OK);
+            CHECK(dt_delete(live, ids, n, &a, &missing) == DT_OK);
+            CHECK(dt_delete(plain, ids, n, &b, &missing) == DT_OK && a == b);
+            CHECK(live->current && dt_check(live, NULL, NULL) == DT_OK);
+            struct dt *copy;
+            CHECK(dt_clone(plain, &copy) == DT_OK && dt_triangulate(copy, NULL) == DT_OK);
+            check_equal(live, copy);
+            dt_free(copy);
+        }
+        dt_free(live);
+        dt_free(plain);
+    }
+}
+
+/* More than an eighth of the points at once: they are triangulated again, when that is asked for. */
+TEST(bulk_delete_from_a_live_set_equals_a_fresh_set)
+{
+    static struct expected e;
+    static struct dt_point p[1000];
+    for (unsigned round = 0; round < 5; round++) {
+        struct dt *t = dt_new(0);
+        uint32_t ids[300], deleted, missing;
+        memset(&e, 0, sizeof e);
+        family_points(family_find("uniform"), p, 1000, test_random());
+        add(t, &e, p, 1000);
+        CHECK(dt_triangulate(t, NULL) == DT_OK);
+        for (uint32_t k = 0; k < 300; k++) {
+            ids[k] = 3 * k + test_below(3);
+            e.live[ids[k]] = false;
+        }
+        CHECK(dt_delete(t, ids, 300, &deleted, &missing) == DT_OK && deleted == 300);
+        CHECK(!t->current && dt_refresh(t, NULL) == DT_OK);
+        check_current(t, &e);
+        dt_free(t);
+    }
+}
