@@ -34,14 +34,14 @@ interop: all
 # ---- bench: ns per point; beside CGAL where libcgal-dev is there ----
 #
 # Twenty minutes, of which ten are families; TABLES=paper or MIN=1000000 does less. TABLES=sizes MAX=10000000 takes five, and
-# TABLES=hostile MIN=10000, every family and order of input beside uniform points, seven. README shows a copy of the chart,
-# tests/bench/bench.svg.
+# TABLES=hostile MIN=10000, every family and order of input beside uniform points, and edits where they are hardest, eight;
+# TABLES=edits is the latter alone. README shows a copy of the chart, tests/bench/bench.svg.
 
 TABLES     ?= paper sizes families daemon live end_to_end
 MIN        ?= 1000
 MAX        ?= 1000000
 TEN        := uniform gaussian clusters kuzmin lattice lattice_shuffled duplicates near_collinear thin_line circle
-BENCH      := $(addprefix $(O)/tests/bench/,bench.o paper.o hostile.o orders.o measure.o pool.o)
+BENCH      := $(addprefix $(O)/tests/bench/,bench.o paper.o hostile.o hostile_edits.o orders.o measure.o pool.o)
 HAVE_CGAL   = $(shell echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ - >/dev/null 2>&1 && echo yes)
 
 $(O)/tests/bench/bench: $(BENCH) $(FAMILIES) $(CORE)
@@ -61,7 +61,7 @@ bench: all $(O)/tests/bench/bench $(O)/tests/bench/live $(O)/tests/bench/points
 	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(addprefix $(O)/tests/bench/,cgal_speed cgal_live cgal_text), \
 	  echo "no libcgal-dev, so nothing beside CGAL")
 	@{ $(O)/tests/bench/bench --min $(MIN) --max $(MAX) --cgal $(O)/tests/bench/cgal_speed \
-	    $(filter paper sizes families hostile,$(TABLES)) \
+	    $(filter paper sizes families hostile edits,$(TABLES:hostile=hostile edits)) \
 	  $(if $(filter daemon,$(TABLES)),&& tests/bench/daemon.sh $(O) 1000000 3 $(TEN)) \
 	  $(if $(filter live,$(TABLES)),&& $(O)/tests/bench/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_live)) \
 	  $(if $(filter end_to_end,$(TABLES)),&& tests/bench/end_to_end.sh $(O) 1000000); } | tee $(O)/bench.md

@@ -1,7 +1,7 @@
 /* bench.c - tables of what building a triangulation costs, in ns per point, for both engines and
  * beside CGAL.
  *
- *     bench [--min N] [--max N] [--cgal PROGRAM] paper|sizes|families|hostile ...
+ *     bench [--min N] [--max N] [--cgal PROGRAM] paper|sizes|families|hostile|edits ...
  *
  * The tables are Markdown, ready for the README; chart.awk draws them. Every figure is the best of
  * several processes, and those that are compared take turns; a process builds as many different
@@ -9,6 +9,7 @@
  * the process has used already. One thread is timed by its CPU clock, two by the clock on the
  * wall. */
 #include "tests/bench/hostile.h"
+#include "tests/bench/hostile_edits.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/paper.h"
 
@@ -197,6 +198,8 @@ int main(int argc, char **argv)
             families_tables();
         else if (strcmp(argv[i], "hostile") == 0)
             hostile_tables(min_n, max_n);
+        else if (strcmp(argv[i], "edits") == 0)
+            hostile_edits_table();
         else
             return 2;
     }
