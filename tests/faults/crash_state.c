@@ -306,9 +306,10 @@ static void write_data(struct crash *c, size_t i, struct crash_fate *fate)
     for (uint64_t s = op->a / CRASH_SECTOR; s * CRASH_SECTOR < end; s++)
         if (keeps(c, fate, i, PART_SECTOR, s))
             copy_sector(&node->disk, &node->seen, s);
-    if (end <= node->seen.size)
+    if (end < node->seen.size)
         return;
-    node->seen.size = end;
+    node->seen.size =
+        end; /* or again, if it was that: what is written up to there has to be found */
     if (keeps(c, fate, i, PART_SIZE, 0))
         node->disk.size = end;
 }

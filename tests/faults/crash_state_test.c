@@ -407,6 +407,23 @@ TEST(sector_that_is_written_again_after_a_failed_sync_is_covered_by_the_next)
     tree_free(&t);
 }
 
+TEST(size_that_a_failed_sync_has_lost_is_covered_once_the_end_is_written_again)
+{
+    has_file(A, "a", filled('1'), 512);
+    writes(A, 512, filled('2'), 100);
+    fails_to_sync(A);
+    writes(A, 512, filled('2'), 99);
+    syncs(A);
+    struct tree t = without_all();
+    CHECK(byte_at(&t, "a", 512) == -1);
+    tree_free(&t);
+    writes(A, 512, filled('2'), 100);
+    syncs(A);
+    t = without_all();
+    CHECK(byte_at(&t, "a", 512) == '2' && byte_at(&t, "a", 611) == '2');
+    tree_free(&t);
+}
+
 TEST(failed_sync_of_a_directory_covers_no_name_and_no_later_one_does)
 {
     has_file(A, "old", "one", 3);

@@ -210,15 +210,34 @@ static size_t choose_cut(const struct power_log *log)
     }
 }
 
+static bool is_segment(const char *name)
+{
+    return strncmp(name, "data/log.", 9) == 0;
+}
+
+/* The newest segment of the log after so many operations; "" if there is none. */
+static const char *newest_segment(const struct moment *m, size_t n)
+{
+    const struct tree *before = &m->story->before;
+    const char *newest = "";
+    for (size_t i = 0; i < before->names; i++)
+        if (is_segment(before->name[i].path) && strcmp(before->name[i].path, newest) > 0)
+            newest = before->name[i].path;
+    for (size_t i = 0; i < n; i++)
+        if (is_segment(m->log->op[i].name) && strcmp(m->log->op[i].name, newest) > 0)
+            newest = m->log->op[i].name;
+    return newest;
+}
+
 /* The operations that had been done when the last sync of the log began: what was acknowledged until
  * then is on the disk, whatever the policy. */
 static size_t synced_at(const struct moment *m)
 {
     for (size_t i = m->cut; i > 0; i--) {
         const struct power_op *op = &m->log->op[i - 1];
-        const char *name =
-            op->kind == POWER_SYNC && op->error == 0 ? crash_subject(m->crash, i - 1) : "";
-        if (strncmp(name, "data/log.", 9) == 0)
+        const char *name = crash_subject(m->crash, i - 1);
+        if (op->kind == POWER_SYNC && op->error == 0 && is_segment(name) &&
+            strcmp(name, newest_segment(m, i - 1)) == 0)
             return (size_t)op->a;
     }
     return 0;
