@@ -226,7 +226,7 @@ static bool take_reply(struct client *c, const struct asked *r, bool *refused)
 {
     char line[REPLY_BYTES];
     struct dt_point p;
-    if (!hear(c, line) || strncmp(line, "ERR IO", 6) == 0 || strncmp(line, "ERR CANC", 8) == 0)
+    if (!hear(c, line) || strncmp(line, "ERR IO", 6) == 0)
         return false;
     if (r->kind == ASKED_CHANGE) {
         connection_hear(c->connection, r->stream, r->index, c->heard, line);

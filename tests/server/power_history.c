@@ -106,8 +106,8 @@ void connection_hear(struct connection *c, struct stream *s, int index, uint64_t
     struct sent_change *sent = &s->sent[index];
     note(c, (struct heard){.stream = s, .index = index, .end = end});
     snprintf(sent->reply, sizeof sent->reply, "%s", reply);
-    sent->refused =
-        begins(reply, "ERR READONLY") || begins(reply, "ERR BUSY") || begins(reply, "ERR LOADING");
+    sent->refused = begins(reply, "ERR READONLY") || begins(reply, "ERR BUSY") ||
+                    begins(reply, "ERR LOADING") || begins(reply, "ERR CANCELLED");
     if (s->shared)
         learn_ids(s, &sent->change, reply);
 }

@@ -22,7 +22,7 @@ enum { WHY_BYTES = 400 };
 
 struct sent_change {
     struct change change;
-    bool refused; /* the reply says that it did nothing for now: READONLY, BUSY */
+    bool refused; /* the reply says that it did nothing for now: READONLY, BUSY, CANCELLED */
     char reply[REPLY_BYTES];
 };
 
