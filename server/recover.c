@@ -416,16 +416,18 @@ static bool cut_torn_end(struct recovery *r)
 }
 
 /* What was read is what the log builds on. If those who wrote it were killed, it need not be on the
- * disk, and a power failure would leave a gap before the changes that come now. */
+ * disk, and a power failure would leave a gap before the changes that come now. The last segment
+ * comes first, since with the others there is hardly ever anything left to do. */
 static bool save_log(struct recovery *r)
 {
     struct datafiles files;
-    bool ok = datadir_list(r->dir, &files);
-    for (size_t i = 0; ok && i < files.n; i++) {
+    bool last = true, ok = datadir_list(r->dir, &files);
+    for (size_t i = files.n; ok && i-- > 0;) {
         const struct datafile *f = &files.v[i];
-        bool last = i + 1 == files.n || f[1].kind != DATAFILE_LOG;
-        if (f->kind == DATAFILE_LOG)
-            ok = datadir_save_again(r->dir, f, last ? r->synced_at : f->bytes);
+        if (f->kind != DATAFILE_LOG)
+            continue;
+        ok = datadir_save_again(r->dir, f, last ? r->synced_at : f->bytes);
+        last = false;
     }
     int error = errno;
     datafiles_free(&files);

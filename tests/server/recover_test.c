@@ -282,7 +282,7 @@ TEST(log_that_was_read_is_saved_before_a_new_segment_begins)
     CHECK(b.r.synced_at == b.end[4]);
     calls_watch(b.directory.path);
     CHECK(recovery_tidy(&b.r));
-    CHECK_STR(calls_text(), "sync log.1\nwrite log.4\nsync log.4\n");
+    CHECK_STR(calls_text(), "write log.4\nsync log.4\nsync log.1\n");
     end(&b);
 }
 
