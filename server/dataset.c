@@ -284,6 +284,7 @@ size_t registry_scan(const struct registry *r, size_t cursor,
 
 void dataset_publish(struct registry *r, struct dataset *set, struct version *v)
 {
+    v->lsn = set->current->lsn;
     version_unpin(r, set->current);
     set->current = v;
 }

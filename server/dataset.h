@@ -30,8 +30,10 @@ struct version {
     unsigned refs;
     pthread_rwlock_t lock; /* of dt, see above */
     struct dt_summary
-        sum;     /* what dt holds, as of the last completed edit; sum.memory is accounted for */
-    bool untidy; /* in the registry's list of versions to be tidied */
+        sum;      /* what dt holds, as of the last completed edit; sum.memory is accounted for */
+    uint64_t lsn; /* of the last change that the log has of it */
+    bool edited;  /* a job edits it in place, or has done so, and the log does not have that yet */
+    bool untidy;  /* in the registry's list of versions to be tidied */
     struct version *next; /* there */
 };
 

@@ -2,6 +2,7 @@
 #include "server/job.h"
 
 #include "server/cost.h"
+#include "server/durable.h"
 #include "server/keep.h"
 #include "server/limits.h"
 #include "server/loop.h"
@@ -204,7 +205,7 @@ void job_write(struct server *s, struct answer *a, struct job *j, struct dataset
     j->fresh = fresh;
     j->dt = copy ? NULL : j->base->dt;
     set->writer = j;
-    set->exclusive = !copy;
+    set->exclusive = j->base->edited = !copy;
     start(s, a, j, how);
 }
 
@@ -279,6 +280,12 @@ static void publish(struct server *s, struct job *j)
         j->set->born = true;
 }
 
+bool job_is_early(const struct server *s, const struct job *j)
+{
+    return j->set == NULL && j->base != NULL && j->base->edited && j->owner != 0 &&
+           j->status != DT_CANCELLED && durable_log(s) != NULL;
+}
+
 void job_tell(struct server *s, struct job *j, struct answer *a)
 {
     a->lsn = j->lsn;
@@ -299,8 +306,12 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     }
     if (set != NULL && j->status == DT_OK && j->record != NULL)
         j->record(s, j);
-    if (set != NULL && j->status != DT_CANCELLED)
+    if (edits_in_place(j))
+        j->base->edited = false;
+    if (set != NULL && !j->beside && j->status != DT_CANCELLED)
         j->lsn = set->lsn;
+    else if (j->base != NULL && j->shown < j->base->lsn)
+        j->shown = j->base->lsn;
     for (unsigned i = 0; i < j->also_n; i++)
         s->tell_joined(s, j->also[i], j);
     job_tell(s, j, a);

@@ -32,7 +32,7 @@ struct job {
     uint64_t *also;   /* owns: who else waits for the result, by id */
     unsigned also_n;
     uint64_t lsn;      /* of a writer's set when it is done: what the reply acknowledges */
-    uint64_t shown;    /* of a reader's set when it was asked for: what the reply shows */
+    uint64_t shown;    /* of what a reader read: what the reply shows */
     int64_t queued_ns; /* when the workers got it, and when one of them began; 0: it ran at once */
     int64_t began_ns;
     struct dataset *set;   /* a writer's set; NULL for a reader */
@@ -92,6 +92,9 @@ bool job_leave(struct job *j, uint64_t who);
 /* Cancels the job when the server is about to stop, unless it changes points or makes a piece of a
  * reply, which are finished. */
 void job_drain(struct job *j);
+
+/* Whether a job that read a set may have seen what is not in the log yet: it ends when the edit has. */
+bool job_is_early(const struct server *s, const struct job *j);
 
 /* Answers one of those who joined, as the owner is answered. */
 void job_tell(struct server *s, struct job *j, struct answer *a);

@@ -55,14 +55,26 @@ void server_finish_unheard(struct server *s, struct job *j)
     buf_free(&out);
 }
 
+static void deliver_all(struct server *s, struct work *work,
+                        void (*deliver)(void *ctx, struct job *j), void *ctx)
+{
+    for (struct work *next; work != NULL; work = next) {
+        next = work->next;
+        if (job_is_early(s, (struct job *)work)) {
+            work->next = s->early;
+            s->early = work;
+        } else {
+            deliver(ctx, (struct job *)work);
+        }
+    }
+}
+
 void server_collect(struct server *s, void (*deliver)(void *ctx, struct job *j), void *ctx)
 {
-    struct work *work = workers_collect(s->workers);
-    while (work != NULL) {
-        struct work *next = work->next;
-        deliver(ctx, (struct job *)work);
-        work = next;
-    }
+    deliver_all(s, workers_collect(s->workers), deliver, ctx);
+    struct work *early = s->early;
+    s->early = NULL;
+    deliver_all(s, early, deliver, ctx);
 }
 
 static void deliver_unheard(void *ctx, struct job *j)

@@ -41,6 +41,7 @@ struct server {
     uint64_t dropped;        /* the lsn of the last DROP in the log */
     struct workers *workers; /* owns; NULL: every job runs at once, where it is asked for */
     struct job *jobs;        /* those that the workers have */
+    struct work *early;      /* of these, readers that have finished before an edit (job.h) */
     /* Answers a connection that has joined a job (job_tell); it carries out nothing else then. */
     void (*tell_joined)(struct server *s, uint64_t id, struct job *j);
     struct dt_pages *pages;        /* owns; large arrays come from there, see keep.h */

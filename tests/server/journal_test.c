@@ -4,12 +4,15 @@
 
 #include "server/command.h"
 #include "server/durable.h"
+#include "server/job.h"
 #include "server/recover.h"
+#include "server/stream.h"
 #include "tests/server/directory.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
 #include <poll.h>
+#include <semaphore.h>
 #include <string.h>
 
 struct bench {
@@ -25,10 +28,10 @@ static void await_durable_event(struct bench *b)
     CHECK(poll(&event, 1, 10000) == 1 && durable_on_event(&b->l.server));
 }
 
-static void begin(struct bench *b)
+static void begin(struct bench *b, unsigned threads)
 {
     *b = (struct bench){.dir = directory_quick()};
-    local_start(&b->l, 0);
+    local_start(&b->l, threads);
     b->l.config.data = b->dir.path;
     CHECK(durable_start(&b->l.server));
     while (!durable_is_complete(&b->l.server))
@@ -58,7 +61,7 @@ TEST(set_that_is_dropped_before_a_snapshot_gets_its_turn_stays_dropped)
     struct recovery r;
     struct durable_facts facts;
     struct bench b;
-    begin(&b);
+    begin(&b, 0);
     local_ask(&b.l, "ADD t 1 1\nADD u 2 2\n");
     struct dataset *set = set_t(&b);
     set->exclusive = true; /* as if a worker edited it */
@@ -82,4 +85,167 @@ TEST(set_that_is_dropped_before_a_snapshot_gets_its_turn_stays_dropped)
     recovery_clear(&r);
     datadir_close(&dir);
     directory_remove(&b.dir);
+}
+
+/* ---- what a query shows that a worker answers ---- */
+
+enum { POINTS = 30000 };
+
+static sem_t gate;
+
+static void run_at_gate(struct job *j)
+{
+    (void)j;
+    sem_wait(&gate);
+}
+
+static void ignore(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s, (void)j, (void)a;
+}
+
+/* Occupies both threads of a server with one worker, until open_gate. */
+static void shut_gate(struct bench *b)
+{
+    sem_init(&gate, 0, 0);
+    for (int i = 0; i < 2; i++)
+        job_aside(&b->l.server, job_new(sizeof(struct job), run_at_gate, ignore));
+}
+
+static void open_gate(void)
+{
+    sem_post(&gate);
+    sem_post(&gate);
+}
+
+/* A live set whose WITHIN of everything is a worker's. */
+static void begin_with_a_large_set(struct bench *b)
+{
+    static char text[POINTS * 40];
+    size_t at = (size_t)sprintf(text, "LOAD t %d\n", POINTS);
+    begin(b, 1);
+    for (unsigned i = 0; i < POINTS; i++)
+        at += (size_t)sprintf(text + at, "%.6f %.6f\n", test_uniform(), test_uniform());
+    CHECK(strncmp(local_ask(&b->l, text), "OK 0 ", 5) == 0);
+    CHECK(strncmp(local_ask(&b->l, "TRIANGULATE t\nNEAREST t 0 0\n"), "OK 0 ", 5) == 0);
+}
+
+/* Asks what a worker is to answer. */
+static struct job *ask(struct bench *b, const char *request)
+{
+    struct request *q = &b->l.server.request;
+    struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};
+    CHECK(request_split(q, request, strlen(request)));
+    command_run(&b->l.server, q, &a);
+    CHECK(a.job != NULL);
+    return a.job;
+}
+
+static struct answer told; /* of the job with an owner */
+static unsigned tellings;
+
+static void tell(void *ctx, struct job *j)
+{
+    struct bench *b = ctx;
+    if (j->owner == 0) {
+        server_finish_unheard(&b->l.server, j);
+        return;
+    }
+    told = (struct answer){.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};
+    tellings++;
+    job_finish(&b->l.server, j, &told);
+    if (told.stream != NULL)
+        stream_free(&b->l.server.sets, told.stream);
+}
+
+static void collect(struct bench *b)
+{
+    struct pollfd event = {.fd = workers_event(b->l.server.workers), .events = POLLIN};
+    CHECK(poll(&event, 1, 10000) == 1);
+    server_collect(&b->l.server, tell, b);
+}
+
+static void end(struct bench *b)
+{
+    while (b->l.server.jobs != NULL)
+        collect(b);
+    local_stop(&b->l);
+    directory_remove(&b->dir);
+}
+
+/* The worker begins when the edit has been made: the reply shows it. */
+TEST(query_by_a_worker_shows_the_last_change_before_it_was_answered)
+{
+    struct bench b;
+    begin_with_a_large_set(&b);
+    uint64_t before = set_t(&b)->lsn;
+    shut_gate(&b);
+    ask(&b, "WITHIN t 0 0 1 1");
+    CHECK_STR(local_ask(&b.l, "MOVE t 0 0.5 0.5\n"), "OK 0\n");
+    CHECK(set_t(&b)->lsn > before);
+    open_gate();
+    while (tellings == 0)
+        collect(&b);
+    CHECK(told.shown == set_t(&b)->lsn);
+    end(&b);
+}
+
+/* A worker has made the edit, but the log does not have it yet: who has seen it waits for that. */
+TEST(query_is_answered_when_the_edit_that_it_may_have_seen_is_in_the_log)
+{
+    struct bench b;
+    begin_with_a_large_set(&b);
+    struct job *j = ask(&b, "WITHIN t 0 0 1 1");
+    j->base->edited = true;
+    collect(&b);
+    CHECK(tellings == 0 && b.l.server.early == &j->work);
+    job_aside(&b.l.server, job_new(sizeof(struct job), run_at_gate, ignore));
+    sem_post(&gate);
+    j->base->edited = false;
+    collect(&b);
+    CHECK(tellings == 1 && b.l.server.early == NULL);
+    end(&b);
+}
+
+TEST(query_that_is_given_up_does_not_wait_for_an_edit)
+{
+    struct bench b;
+    begin_with_a_large_set(&b);
+    shut_gate(&b);
+    struct job *j = ask(&b, "WITHIN t 0 0 1 1");
+    j->base->edited = true;
+    j->cancel = true;
+    open_gate();
+    while (tellings == 0)
+        collect(&b);
+    CHECK(set_t(&b)->current->edited && told.shown == 0);
+    set_t(&b)->current->edited = false;
+    end(&b);
+}
+
+TEST(set_counts_as_edited_from_when_a_worker_gets_the_edit_until_the_log_has_it)
+{
+    char request[2000] = "DEL t";
+    struct bench b;
+    begin_with_a_large_set(&b);
+    for (int i = 0; i < 200; i++)
+        sprintf(request + strlen(request), " %d", i);
+    shut_gate(&b);
+    struct version *v = ask(&b, request)->base;
+    CHECK(v->edited);
+    open_gate();
+    while (tellings == 0)
+        collect(&b);
+    CHECK(!v->edited && v->lsn == told.lsn && told.lsn == set_t(&b)->lsn);
+    end(&b);
+}
+
+TEST(version_that_a_build_has_made_has_the_changes_of_the_one_before_it)
+{
+    struct bench b;
+    begin_with_a_large_set(&b);
+    struct version *before = set_t(&b)->current;
+    CHECK(strncmp(local_ask(&b.l, "TRIANGULATE t METHOD divide\n"), "OK 0 ", 5) == 0);
+    CHECK(set_t(&b)->current != before && set_t(&b)->current->lsn == set_t(&b)->lsn);
+    end(&b);
 }
