@@ -177,13 +177,23 @@ static bool reserve_copy(struct server *s, struct job *j, const struct dt_summar
            reservation_resize(&j->memory, j->memory.bytes + (size_t)sum->points * BYTES_PER_POINT);
 }
 
+/* The job makes a grid, for which it is not refused: it may be a deletion that is to free memory. */
+static void count_grid(struct server *s, struct job *j, const struct dt *dt)
+{
+    if (j->memory.budget == NULL)
+        j->memory = server_reservation(s, BUDGET_BUILDS);
+    reservation_set(&j->memory, j->memory.bytes + dt_prepare_memory(dt));
+}
+
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
 {
     const struct dt_summary *sum = &set->current->sum;
     bool must = dt_view_blocks(set->current->dt, j->changes), copy = must || (how & JOB_COPY) != 0;
     if ((how & JOB_HEAVY) == 0 && j->changes > 0 && sum->current && !sum->searchable &&
-        !cost_at_once(COST_GRID, sum->points))
+        !cost_at_once(COST_GRID, sum->points)) {
         how |= JOB_HEAVY | JOB_BRIEF; /* an edit makes the grid first */
+        count_grid(s, j, set->current->dt);
+    }
     bool room = !copy || reserve_copy(s, j, sum);
     copy = copy && (room || must);
     if (copy && !cost_at_once(COST_COPY, sum->points))

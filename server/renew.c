@@ -60,6 +60,11 @@ static bool start(struct server *s, struct dataset *set)
     struct answer nobody = {0};
     if (r == NULL)
         return false;
+    r->job.memory = server_reservation(s, BUDGET_BUILDS);
+    if (!reservation_resize(&r->job.memory, dt_prepare_memory(set->current->dt))) {
+        job_free(&r->job); /* searches do without, at the price of longer walks */
+        return false;
+    }
     job_beside(s, &nobody, &r->job, set, JOB_HEAVY | JOB_BRIEF);
     return true;
 }

@@ -94,3 +94,26 @@ TEST(set_may_go_while_its_grid_is_made_anew)
     start_renewal(&l);
     local_stop(&l);
 }
+
+TEST(searches_do_without_a_grid_for_which_there_is_no_memory)
+{
+    struct local l;
+    local_start(&l, 2);
+    for (unsigned n = 0; n < POINTS; n += PIECE)
+        add_points(&l, PIECE);
+    local_ask(&l, "ADD t 0.5 0.5\nTRIANGULATE t\n");
+    struct dataset *set = set_named(&l, "t");
+    size_t plenty = l.config.max_memory;
+    l.config.max_memory = l.server.sets.memory.bytes;
+    CHECK(!set->current->sum.searchable);
+    for (int i = 0; i < 3; i++)
+        CHECK_STR(local_ask(&l, "NEAREST t 0.5 0.5\n"), "OK 1\n10500 0.5 0.5 0\n");
+    CHECK(!set->current->sum.searchable);
+    CHECK(strncmp(local_ask(&l, "ADD t 0.6 0.6\n"), "ERR NOMEM ", 10) == 0);
+    CHECK_STR(local_ask(&l, "DEL t 0\n"),
+              "OK 0 deleted=1\n"); /* what frees memory is never refused */
+    CHECK(set->current->sum.searchable && budget_of(&l.server.budget, BUDGET_BUILDS) == 0);
+    l.config.max_memory = plenty;
+    CHECK(strncmp(local_ask(&l, "ADD t 0.6 0.6\n"), "OK 0 ", 5) == 0);
+    local_stop(&l);
+}
