@@ -44,12 +44,11 @@ static inline bool dt_hull_may_leave(uint32_t h)
 }
 
 /* For edits: vertex u may leave by the half edge h; leaving[u] is kept if it still goes to
- * infinity. */
+ * infinity. (If h does, it is the same one.) */
 static inline void dt_hull_keep(struct dt_mesh *m, uint32_t u, uint32_t h)
 {
     uint32_t old = m->leaving[u];
-    if (!dt_hull_may_leave(old) || m->half[old] != u || m->half[old + 1] != DT_NONE ||
-        m->half[dt_next(h)] == DT_NONE)
+    if (!dt_hull_may_leave(old) || m->half[old] != u || m->half[old + 1] != DT_NONE)
         m->leaving[u] = h;
 }
 

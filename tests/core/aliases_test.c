@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-#include "core/points.h"
+#include "core/set.h"
 #include "tests/test.h"
 
 enum { VERTICES = 12, IDS = 600, MOST_LOG = 20 };
@@ -235,5 +235,43 @@ TEST(edits_of_a_large_family_do_not_look_at_all_of_it)
         CHECK_MSG(most <= MOST_LOG, "a right spine of %u", most);
         CHECK(dt_points_live(&p) == LARGE);
         dt_points_clear(&p);
+    }
+}
+
+/* ---- representatives that go with their heirs ---- */
+
+/* Four points within 1 of one another in turn. x is an alias of c, and represents when c goes; then a,
+ * an alias of r, lies where x does.
+ *
+ *      b <--0.9--> r <--0.9--> a, x <--0.95--> c
+ */
+static struct dt *heir_at_another_representative(bool live)
+{
+    const struct dt_point p[] = {{1.85, 0}, {0.9, 0}, {0, 0}, {0.9, 0}, {-0.9, 0}};
+    struct dt *t = dt_new(1);
+    struct dt_added added;
+    uint32_t c = 0, deleted, missing;
+    CHECK(dt_add(t, p, 5, &added) == DT_OK && added.coincident == 3);
+    CHECK(!live || dt_triangulate(t, NULL) == DT_OK);
+    CHECK(dt_delete(t, &c, 1, &deleted, &missing) == DT_OK);
+    return t;
+}
+
+TEST(a_representative_that_goes_with_its_heir_does_not_join_the_heirs_neighbour)
+{
+    for (unsigned live = 0; live < 2; live++) {
+        struct dt *t = heir_at_another_representative(live == 1);
+        uint32_t r_and_a[] = {2, 3}, deleted, missing, rep;
+        CHECK(dt_representative(t, 3, &rep) == DT_OK && rep == 2);
+        CHECK(dt_delete(t, r_and_a, 2, &deleted, &missing) == DT_OK && deleted == 2);
+        CHECK(dt_representative(t, 4, &rep) == DT_OK && rep == 4);
+        CHECK(dt_refresh(t, NULL) == DT_OK);
+        CHECK(!t->triangulated || dt_check(t, NULL, NULL) == DT_OK);
+        dt_free(t);
+
+        t = heir_at_another_representative(live == 1);
+        CHECK(dt_delete(t, r_and_a, 1, &deleted, &missing) == DT_OK);
+        CHECK(dt_representative(t, 4, &rep) == DT_OK && rep == 1); /* its heir has joined x */
+        dt_free(t);
     }
 }
