@@ -143,7 +143,8 @@ static struct dt *crowded_set(double tol)
 
 static struct dt_point on_rim(double angle, double radius)
 {
-    return (struct dt_point){radius * cos(angle), radius * sin(angle)};
+    double x = radius * cos(angle), y = radius * sin(angle);
+    return (struct dt_point){x, y};
 }
 
 /* The hub is point 0. */
