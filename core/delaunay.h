@@ -306,7 +306,7 @@ struct dt_view *dt_view_begin(struct dt *t, bool rings);
 void dt_view_end(struct dt_view *v);
 
 /* Frees some of what was saved and is of no use to any view any more; true: there may be more. Needs the set
- * for itself. Cost: about 0.1 ms at most. */
+ * for itself. Cost: less than half a millisecond. */
 bool dt_view_tidy(struct dt *t);
 
 /* Whether an edit of n points at once would put an end to views that read the triangulation, since it leaves
