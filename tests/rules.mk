@@ -88,7 +88,7 @@ bench-clients: all $(O)/tests/bench/points
 # ---- SEED=s another one, N=0 none (it checks that every entry of the lists applies); see tests/mutants/README.md ----
 
 .PHONY: mutants
-mutants: test_binaries
+mutants: $(if $(filter 0,$(N)),,test_binaries)
 	@tests/mutants/mutants.py $(if $(M),--of $(M)) $(if $(N),--sample $(N)) $(if $(SEED),--seed $(SEED)) $(O)
 
 # ---- lint ----
