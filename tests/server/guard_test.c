@@ -142,9 +142,9 @@ static void say_often(int fd, const char *text, int n)
 
 TEST(guesses_on_one_connection_become_slow_in_both_framings)
 {
-    static const char *const guess[] = {"AUTH no\n", "*2\r\n$4\r\nAUTH\r\n$2\r\nno\r\n",
-                                        "*5\r\n$5\r\nHELLO\r\n$1\r\n2\r\n$4\r\nAUTH\r\n$1\r\n"
-                                        "u\r\n$2\r\nno\r\n"};
+    static const char hello[] = "*5\r\n$5\r\nHELLO\r\n$1\r\n2\r\n$4\r\nAUTH\r\n$1\r\n"
+                                "u\r\n$2\r\nno\r\n";
+    static const char *const guess[] = {"AUTH no\n", "*2\r\n$4\r\nAUTH\r\n$2\r\nno\r\n", hello};
     FILE *log;
     struct daemon d = start_with_token(&log);
     for (size_t i = 0; i < sizeof guess / sizeof guess[0]; i++) {
