@@ -28,8 +28,10 @@ enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *co
         dt_array_free(group);
         return DT_NOMEM;
     }
-    memcpy(alias, a->alias, a->end * sizeof *alias);
-    memcpy(group, a->group, a->groups * sizeof *group);
+    if (a->end > 0)
+        memcpy(alias, a->alias, a->end * sizeof *alias);
+    if (a->groups > 0) /* else there may be no array to copy from */
+        memcpy(group, a->group, a->groups * sizeof *group);
     *copy = *a;
     copy->alias = alias;
     copy->group = group;
