@@ -44,18 +44,20 @@ size_t dt_aliases_memory(const struct dt_aliases *a)
     return a->cap * sizeof *a->alias + a->group_cap * sizeof *a->group;
 }
 
-/* Makes room for one item more in an array of which `end` are in use. */
+/* Makes room for one item more in an array of which `end` are in use. array points to the pointer to
+ * it, of whatever type. */
 static enum dt_status grow(struct dt_aliases *a, void *array, uint32_t end, uint32_t *cap,
                            size_t size)
 {
-    void **p = array;
     if (end < *cap)
         return DT_OK;
+    void *items;
+    memcpy(&items, array, sizeof items);
     size_t room = dt_array_room(*cap, (size_t)end + 1, UINT32_MAX);
-    void *larger = dt_array_grow_in(a->pages, *p, end, room, size);
-    if (larger == NULL)
+    items = dt_array_grow_in(a->pages, items, end, room, size);
+    if (items == NULL)
         return DT_NOMEM;
-    *p = larger;
+    memcpy(array, &items, sizeof items);
     *cap = (uint32_t)room;
     return DT_OK;
 }
