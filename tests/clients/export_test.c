@@ -145,6 +145,8 @@ TEST(export_to_a_full_disk_fails)
  * with a large one a write before that. */
 TEST(export_to_a_file_that_cannot_be_written_leaves_none)
 {
+    char *client = realpath(getenv("DELAUNAY"), NULL);
+    CHECK(client != NULL);
     struct daemon d = daemon_start(NULL);
     int status;
     char directory[] = "/tmp/delaunay_full_XXXXXX";
@@ -158,12 +160,13 @@ TEST(export_to_a_file_that_cannot_be_written_leaves_none)
         const char *got = peer_shell(
             &status,
             "cd %s && trap '' XFSZ && ulimit -f 1 && %s -h 127.0.0.1 -p %s export t a.svg 2>&1",
-            directory, realpath(getenv("DELAUNAY"), NULL), d.port_text);
+            directory, client, d.port_text);
         CHECK_STR(got, "delaunay: a.svg: File too large\n");
         CHECK(status == 1);
         CHECK_STR(peer_shell(&status, "ls %s", directory), "");
         run(&d, &status, "drop t");
     }
+    free(client);
     peer_shell(&status, "rm -r %s", directory);
     daemon_end(&d);
 }

@@ -250,7 +250,8 @@ static void image_widen(struct image *m, size_t n)
 static void image_write(struct image *m, uint64_t at, const char *bytes, size_t n)
 {
     image_widen(m, (size_t)at + n);
-    memcpy(m->bytes + at, bytes, n);
+    if (n > 0) /* else there may be no image yet */
+        memcpy(m->bytes + at, bytes, n);
 }
 
 static void image_cut(struct image *m, uint64_t size)
