@@ -78,8 +78,11 @@ static size_t ids_bytes(const struct stream *st)
 static size_t pieces_bytes(const struct stream *st)
 {
     size_t bytes = 0, least = st->heavy ? PIECE : 0;
-    for (unsigned i = 0; i < PIECES; i++)
-        bytes += st->piece[i].text.cap > least ? st->piece[i].text.cap : least;
+    for (unsigned i = 0; i < PIECES; i++) { /* one that a worker has is not looked at */
+        const struct piece *p = &st->piece[i];
+        size_t cap = p->job != NULL ? PIECE : p->text.cap;
+        bytes += cap > least ? cap : least;
+    }
     return bytes;
 }
 

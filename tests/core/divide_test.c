@@ -144,7 +144,7 @@ static double scratch_of(const struct built *b, unsigned threads)
     return (double)f.held / b->n - 68;
 }
 
-TEST_TIMEOUT(scratch_memory_does_not_grow_with_the_number_of_threads, 60)
+TEST_TIMEOUT(scratch_memory_does_not_grow_with_the_number_of_threads, 300)
 {
     static const char *const family[] = {"kuzmin", "exponents"};
     enum { N = 2000000, ONE = 18, MOST = 24 }; /* bytes a point */
