@@ -20,7 +20,7 @@ static void serve_all(int listening, void (*serve)(int fd))
         close(listening);
         return;
     }
-    signal(SIGPIPE, SIG_DFL);
+    signal(SIGPIPE, SIG_IGN);
     for (;;) {
         int fd = accept(listening, NULL, NULL);
         if (fd < 0)
@@ -51,16 +51,19 @@ void peer_start_unix(const char *path, void (*serve)(int fd))
     serve_all(fd, serve);
 }
 
-void peer_say(int fd, const char *text)
+void peer_send(int fd, const void *bytes, size_t n)
 {
-    size_t n = strlen(text);
-    while (n > 0) {
-        ssize_t wrote = write(fd, text, n);
-        if (wrote <= 0)
-            _exit(1);
-        text += wrote;
+    const char *next = bytes;
+    ssize_t wrote;
+    while (n > 0 && (wrote = write(fd, next, n)) > 0) {
+        next += wrote;
         n -= (size_t)wrote;
     }
+}
+
+void peer_say(int fd, const char *text)
+{
+    peer_send(fd, text, strlen(text));
 }
 
 bool peer_hear(int fd, char *line, size_t room)

@@ -13,7 +13,10 @@ void peer_start(char *port, void (*serve)(int fd));
 /* The same on a Unix socket. */
 void peer_start_unix(const char *path, void (*serve)(int fd));
 
-/* Writes the text; ends the child if the other side has gone. */
+/* Writes n bytes, or as many as the other side takes before it has gone. */
+void peer_send(int fd, const void *bytes, size_t n);
+
+/* The same with a text. */
 void peer_say(int fd, const char *text);
 
 /* Reads a line into line[room], without its LF; false at the end of the input. */
