@@ -84,7 +84,7 @@ test: test_binaries
 
 # What is left to chance with many more rounds, and what takes a multitude with all of it.
 faults: all $(O)/tests/server_tests $(SHIMS)
-	KILL_ROUNDS=200 FAULTS=1 DELAUNAYD=$(O)/delaunayd $(FIND_SHIMS) $(O)/tests/server_tests kill_test disk_test \
+	KILL_ROUNDS=200 POWER_LIVES=8 FAULTS=1 DELAUNAYD=$(O)/delaunayd $(FIND_SHIMS) $(O)/tests/server_tests kill_test disk_test power_ \
 	  thousand_readers ten_thousand
 
 asan tsan:

@@ -17,7 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { PATH_BYTES = 100, NAMES_LIMIT = 16, FILE_LIMIT = 4096 };
+enum { PATH_BYTES = 100, NAMES_LIMIT = 16, FILE_LIMIT = 4096, ROUNDS = 40 };
 
 struct bench {
     char root[PATH_BYTES], data[PATH_BYTES], ops[PATH_BYTES], said[PATH_BYTES], dir[64];
@@ -296,7 +296,7 @@ static bool run_round(const struct bench *b, const struct tree *sample)
 TEST_TIMEOUT(power_cut_during_a_repair_loses_nothing, 300)
 {
     const char *text = getenv("POWER_LIVES");
-    unsigned n = text == NULL ? 60 : 60 * (unsigned)strtoul(text, NULL, 10), repaired = 0;
+    unsigned n = text == NULL ? ROUNDS : ROUNDS * (unsigned)strtoul(text, NULL, 10), repaired = 0;
     struct bench b = bench_new();
     struct tree sample[SAMPLE_KINDS];
     for (int i = 0; i < SAMPLE_KINDS; i++)

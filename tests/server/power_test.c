@@ -101,5 +101,5 @@ TEST_TIMEOUT(power_cut_while_large_loads_arrive, 300)
         {.policy = "always", .compact_at = "400k", .large = true, .ms = 300, .states = 12},
         {.policy = "everysec", .compact_at = "2m", .large = true, .ms = 300, .states = 12},
     };
-    tell(kind, 2, lives(5));
+    tell(kind, 2, lives(2));
 }
