@@ -67,10 +67,10 @@ void request_free(struct request *q)
 bool word_is_whole(const struct word *w, const char *upper)
 {
     for (size_t i = 0; i < w->len; i++) {
-        char c = w->text[i];
-        if (c >= 'a' && c <= 'z')
-            c = (char)(c - 'a' + 'A');
-        if (c != upper[i] || c == '\0') /* a word in RESP framing may hold a NUL */
+        char c = w->text[i], u = upper[i];
+        if (u == '\0') /* a word in RESP framing may hold a NUL, too */
+            return false;
+        if (c != u && (c < 'a' || c > 'z' || c - 'a' + 'A' != u))
             return false;
     }
     return upper[w->len] == '\0';

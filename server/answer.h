@@ -24,24 +24,24 @@ struct answer {
     uint64_t lsn;     /* it acknowledges this change, and waits until that is durable; 0: none */
     uint64_t shown;   /* it shows what this change has done: likewise (hold.h) */
     uint64_t owner;   /* who asks: a connection's id, 0 for nobody */
+    int64_t later_ms; /* the request is to be carried out at this moment; 0: now */
     enum role role;   /* what the asker may do; AUTH changes it */
     unsigned token;   /* the number of the token that gave the role; 0: none did */
     unsigned command; /* which one it is: its place in the table, else STATS_OTHER */
-    struct stream *stream;   /* moves to the caller */
-    struct listing *listing; /* moves to the caller */
-    struct job *job;         /* borrows: the job ends by itself */
-    struct wait_queue *wait; /* borrows: begin to wait before anything else happens */
-    bool wait_writes;        /* for a set, until it has no writer; else until it can be read */
+    bool waited;      /* it has stood in line until later_ms */
+    bool wait_writes; /* wait is for a set, until it has no writer; else until it can be read */
+    bool retry;       /* the job was a preparation: carry out the request now, again */
+    bool again;       /* with job: it is such a preparation, keep the request */
+    bool timed_out;   /* what is cancelled has taken longer than its TIMEOUT */
+    bool close;       /* no further request is carried out */
+    bool broken;      /* the reply cannot be completed: the connection must go */
+    bool busy;        /* there is no memory for it, because others use it */
+    struct stream *stream;         /* moves to the caller */
+    struct listing *listing;       /* moves to the caller */
+    struct job *job;               /* borrows: the job ends by itself */
+    struct wait_queue *wait;       /* borrows: begin to wait before anything else happens */
     const struct wait_queue *turn; /* the request has waited there, and its turn has come */
     struct load *load;             /* moves to the caller */
-    bool retry;                    /* the job was a preparation: carry out the request now, again */
-    bool again;                    /* with job: it is such a preparation, keep the request */
-    int64_t later_ms;              /* the request is to be carried out at this moment; 0: now */
-    bool waited;                   /* it has stood in line until such a moment */
-    bool timed_out;                /* what is cancelled has taken longer than its TIMEOUT */
-    bool close;                    /* no further request is carried out */
-    bool broken;                   /* the reply cannot be completed: the connection must go */
-    bool busy;                     /* there is no memory for it, because others use it */
 };
 
 /* The ERR line for a status of the core that is not DT_OK. */

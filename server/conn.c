@@ -9,11 +9,18 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { READ_SIZE = 64 * 1024, LINGER_MS = 2000, LINGER_BYTES = 64 * 1024 * 1024 };
+enum {
+    SMALL_INPUT = 4 * 1024, /* with more than this a connection yields in a long turn */
+    READ_SIZE = 64 * 1024,
+    LINGER_MS = 2000,
+    LINGER_BYTES = 64 * 1024 * 1024
+};
 
 static void run_turn(struct task *task)
 {
-    conn_turn((struct conn *)((char *)task - offsetof(struct conn, turn)));
+    struct conn *c = (struct conn *)((char *)task - offsetof(struct conn, turn));
+    c->yielded = false;
+    conn_turn(c);
 }
 
 static void run_burial(struct task *task)
@@ -51,6 +58,14 @@ void conn_again(struct conn *c)
 {
     if (!c->dead)
         loop_defer(c->loop, &c->turn);
+}
+
+void conn_yield(struct conn *c)
+{
+    if (c->dead || c->turn.queued)
+        return;
+    c->yielded = true;
+    loop_yield(c->loop, &c->turn);
 }
 
 void conn_close(struct conn *c)
@@ -240,6 +255,14 @@ void conn_turn(struct conn *c)
     settle(c);
 }
 
+/* The turn of a connection that has yielded: it sends and reads; its owner's data is called when the
+ * loop runs it. */
+static void send_and_settle(struct conn *c)
+{
+    send_output(c);
+    settle(c);
+}
+
 static void on_ready(struct source *source, uint32_t events)
 {
     struct conn *c = (struct conn *)source;
@@ -252,7 +275,14 @@ static void on_ready(struct source *source, uint32_t events)
         drop_input(c);
     else if (readable)
         read_input(c);
-    if (!c->dead)
+    if (c->dead)
+        return;
+    bool much = buf_len(&c->in) > SMALL_INPUT || (events & EPOLLOUT) != 0;
+    if (much && loop_is_late(c->loop, clock_ns()))
+        conn_yield(c);
+    if (c->yielded)
+        send_and_settle(c);
+    else
         conn_turn(c);
 }
 

@@ -43,6 +43,7 @@ struct conn {
     uint32_t interest;   /* what epoll watches for */
     int64_t heard_ms;    /* when bytes last came in */
     int64_t progress_ms; /* when bytes last went out, or out was empty */
+    bool yielded;        /* it is in the queue of those with much to do (loop_yield) */
     bool eof;            /* the input has ended */
     bool draining;       /* what has arrived is read, then the input counts as ended */
     bool finishing;      /* no more replies: send what there is, then close */
@@ -59,6 +60,10 @@ bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_even
 
 /* Asks for another call of data in the next turn. */
 void conn_again(struct conn *c);
+
+/* The same, behind the others that have much to do (loop_yield). Until then what arrives is read, and
+ * data is not called. */
+void conn_yield(struct conn *c);
 
 /* Runs a turn now: for an owner that has put something into c->out from outside of data. */
 void conn_turn(struct conn *c);

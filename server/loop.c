@@ -63,6 +63,11 @@ void loop_defer(struct loop *loop, struct task *task)
     push(&loop->deferred, task);
 }
 
+void loop_yield(struct loop *loop, struct task *task)
+{
+    push(&loop->yielded, task);
+}
+
 void loop_bury(struct loop *loop, struct task *task)
 {
     push(&loop->burials, task);
@@ -72,6 +77,7 @@ void loop_clear(struct loop *loop)
 {
     while (loop->burials.first != NULL) {
         run_all(&loop->deferred);
+        run_all(&loop->yielded);
         run_all(&loop->burials);
     }
     buf_free(&loop->spare_in);
@@ -111,7 +117,7 @@ static void tick_if_due(struct loop *loop)
 
 static int wait_ms(const struct loop *loop)
 {
-    if (loop->deferred.first != NULL)
+    if (loop->deferred.first != NULL || loop->yielded.first != NULL)
         return 0;
     int64_t first = loop->timers.earliest_ms;
     if (first > loop->next_tick_ms)
@@ -120,12 +126,31 @@ static int wait_ms(const struct loop *loop)
     return left < 0 ? 0 : (int)left;
 }
 
+/* Runs yielded tasks in order until their time is over; the next turn continues with those that are
+ * left. */
+static void run_yielded(struct loop *loop)
+{
+    struct task_list *list = &loop->yielded;
+    if (list->first == NULL)
+        return;
+    int64_t end = clock_ns() + LOOP_TURN_NS;
+    loop->in_yielded = true;
+    do {
+        struct task *task = list->first;
+        list->first = task->next;
+        task->queued = false;
+        task->run(task);
+    } while (list->first != NULL && clock_ns() < end);
+    loop->in_yielded = false;
+}
+
 void loop_run(struct loop *loop)
 {
     struct epoll_event event[EVENTS_PER_WAIT];
     while (!loop->stopped) {
         int n = epoll_wait(loop->epoll, event, EVENTS_PER_WAIT, wait_ms(loop));
-        loop->now_ms = clock_ms();
+        loop->turn_ns = clock_ns();
+        loop->now_ms = loop->turn_ns / 1000000;
         /* What was deferred comes before news: it has waited longer. */
         run_all(&loop->deferred);
         for (int i = 0; i < n; i++) {
@@ -133,6 +158,7 @@ void loop_run(struct loop *loop)
             if (source->fd >= 0) /* not closed earlier in this batch */
                 source->ready(source, event[i].events);
         }
+        run_yielded(loop);
         timers_run(&loop->timers, loop->now_ms);
         tick_if_due(loop);
         if (loop->turn_end != NULL)

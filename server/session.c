@@ -18,24 +18,34 @@
 #include <stdlib.h>
 
 enum {
-    TURN_NS = 500 * 1000, /* after this long it is somebody else's turn */
-    STEPS_PER_LOOK = 16   /* requests between looks at the clock */
+    TURN_NS = 250 * 1000,      /* of work; then the session yields */
+    LATE_TURN_NS = 100 * 1000, /* the same when the loop's turn has been long already */
+    STEPS_PER_LOOK = 16        /* of the quickest requests, between looks at the clock */
 };
 
 /* ---- what an answer leaves to do ---- */
 
+/* Copied from one that is empty, which compilers do with a few vector moves; they fill a structure of
+ * this size by an instruction that takes as long as everything else that becomes of a PING. */
+static inline struct answer new_answer(struct session *s)
+{
+    static const struct answer empty;
+    struct answer a = empty;
+    a.out = s->resp ? &s->server->lines : &s->conn.out;
+    a.mark = conn_out_end(&s->conn);
+    a.owner = s->id;
+    a.role = s->role;
+    a.token = s->token;
+    a.command = s->command;
+    a.turn = wait_turn(&s->waiter);
+    a.waited = s->waited;
+    a.timed_out = s->timed_out;
+    return a;
+}
+
 struct answer session_answer(struct session *s)
 {
-    struct buf *out = s->resp ? &s->server->lines : &s->conn.out;
-    return (struct answer){.out = out,
-                           .mark = conn_out_end(&s->conn),
-                           .owner = s->id,
-                           .role = s->role,
-                           .token = s->token,
-                           .command = s->command,
-                           .turn = wait_turn(&s->waiter),
-                           .waited = s->waited,
-                           .timed_out = s->timed_out};
+    return new_answer(s);
 }
 
 /* What the answer says goes on its way: a client that speaks RESP gets it in that framing. */
@@ -57,7 +67,7 @@ static void consume_held(struct session *s)
 }
 
 /* Whether the reply, of which not a byte has left yet, is an error. */
-static bool is_error(const struct session *s, const struct answer *a)
+static inline bool is_error(const struct session *s, const struct answer *a)
 {
     size_t at = a->out == &s->server->lines ? 0 : (size_t)(a->mark - s->conn.sent);
     if (buf_len(a->out) <= at)
@@ -83,7 +93,7 @@ static void account(struct session *s, const struct answer *a, bool error)
 /* A worker has made a piece of the stream, or the listing can go on. */
 static void on_piece(void *ctx)
 {
-    conn_again(&((struct session *)ctx)->conn);
+    conn_yield(&((struct session *)ctx)->conn);
 }
 
 /* Has the reply wait for the disk; one that a job or a load leaves to come does so when it is
@@ -111,7 +121,7 @@ bool session_take_over(struct session *s, struct answer *a)
     s->listing = a->listing;
     if (s->listing != NULL) {
         listing_tell(s->listing, on_piece, s);
-        conn_again(&s->conn);
+        conn_yield(&s->conn);
     }
     s->job = a->job;
     if (a->broken) {
@@ -130,7 +140,8 @@ bool session_take_over(struct session *s, struct answer *a)
     }
     if (a->again || a->retry) /* the request itself is still to be carried out */
         return a->retry;
-    hold_reply(s, a);
+    if ((a->lsn | a->shown) != 0)
+        hold_reply(s, a);
     wait_served(&s->waiter);
     consume_held(s);
     if (s->job == NULL) {
@@ -220,7 +231,7 @@ static bool step_stream(struct session *s)
         return false;
     }
     if (s->stream != NULL && conn_out_end(&s->conn) > a.mark) /* go on when this piece is out */
-        conn_again(&s->conn);
+        conn_yield(&s->conn);
     return s->stream == NULL;
 }
 
@@ -243,7 +254,7 @@ static bool step_listing(struct session *s)
         return false;
     }
     if (s->listing != NULL && conn_out_end(&s->conn) > a.mark)
-        conn_again(&s->conn);
+        conn_yield(&s->conn);
     return s->listing == NULL;
 }
 
@@ -274,7 +285,7 @@ static bool carry_out(struct session *s, bool http)
         return false;
     }
     set_deadline(s, q);
-    struct answer a = session_answer(s);
+    struct answer a = new_answer(s);
     command_run(s->server, q, &a);
     return session_take_over(s, &a);
 }
@@ -304,7 +315,7 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
     struct request *q = &s->server->request;
     s->greeted = true;
     set_deadline(s, q);
-    struct answer a = session_answer(s);
+    struct answer a = new_answer(s);
     if (q->n == 0) {
         consume_held(s);
         return true;
@@ -373,7 +384,7 @@ static bool step(struct session *s)
         return false;
     if (conn_full(&s->conn)) { /* others go first: its client may not read for long */
         wait_served(&s->waiter);
-        conn_again(&s->conn);
+        conn_yield(&s->conn);
         return false;
     }
     if (s->stream != NULL)
@@ -409,10 +420,13 @@ static void on_data(struct conn *c)
         probe_client(s);
     struct stats *stats = &s->server->stats;
     int64_t start = stats_look(stats);
+    int64_t end = start + (loop_is_late(c->loop, start) ? LATE_TURN_NS : TURN_NS);
     ahead_forget(&s->server->ahead);
     for (unsigned n = 1; step(s); n++) {
-        if (n % STEPS_PER_LOOK == 0 && stats_look(stats) - start > TURN_NS) {
-            conn_again(c);
+        if (n % STEPS_PER_LOOK == 0 || s->load != NULL)
+            stats_look(stats);
+        if (stats->mark_ns > end) { /* other requests than the quickest end with a look, too */
+            conn_yield(c);
             break;
         }
     }

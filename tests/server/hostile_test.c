@@ -4,10 +4,13 @@
 #include "tests/test.h"
 
 #include <errno.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 /* ---- what others notice ---- */
@@ -126,6 +129,50 @@ TEST(client_that_sends_on_after_its_last_reply_is_closed_all_the_same)
     CHECK(errno == EPIPE || errno == ECONNRESET);
     CHECK(seconds() - start > 1); /* not at once, which could take the last reply with it */
     CHECK(daemon_info(&d, "clients") == 1);
+}
+
+/* Sends requests on so many connections without ever waiting, and reads what comes; until killed. */
+static pid_t flood_on(const struct daemon *d, int connections, const char *request)
+{
+    enum { MOST = 64, BLOCK = 64 * 1024 };
+    static char block[BLOCK], sink[1 << 18];
+    struct pollfd p[MOST];
+    size_t len = strlen(request), whole = BLOCK / len * len, sent[MOST] = {0};
+    pid_t pid = fork();
+    CHECK(pid >= 0 && connections <= MOST);
+    if (pid > 0)
+        return pid;
+    for (size_t at = 0; at < whole; at += len)
+        memcpy(block + at, request, len);
+    for (int i = 0; i < connections; i++)
+        p[i] = (struct pollfd){.fd = daemon_connect(d), .events = POLLIN | POLLOUT};
+    while (poll(p, (nfds_t)connections, -1) > 0) {
+        for (int i = 0; i < connections; i++) {
+            ssize_t n = 0;
+            if ((p[i].revents & POLLIN) != 0 && recv(p[i].fd, sink, sizeof sink, MSG_DONTWAIT) <= 0)
+                _exit(0);
+            if ((p[i].revents & POLLOUT) != 0)
+                n = send(p[i].fd, block + sent[i], whole - sent[i], MSG_DONTWAIT | MSG_NOSIGNAL);
+            sent[i] = n > 0 ? (sent[i] + (size_t)n) % whole : sent[i];
+        }
+    }
+    _exit(0);
+}
+
+TEST_TIMEOUT(clients_with_pipelines_that_never_end_delay_nobody, 60)
+{
+    static const char *const request[] = {"PING\n", "INFO\n", "SETS\n",
+                                          "*2\r\n$4\r\nECHO\r\n$4\r\nnews\r\n"};
+    for (size_t i = 0; i < sizeof request / sizeof request[0]; i++) {
+        struct daemon d = daemon_start(NULL);
+        int other = daemon_connect(&d);
+        pid_t flood = flood_on(&d, 50, request[i]);
+        pause_ms(300);
+        expect_no_delay(other);
+        kill(flood, SIGKILL);
+        CHECK(waitpid(flood, NULL, 0) == flood);
+        daemon_end(&d);
+    }
 }
 
 /* ---- TIMEOUT ---- */

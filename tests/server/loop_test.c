@@ -1,0 +1,74 @@
+/* loop_test.c - turns of the loop: deferred tasks run in each, yielded ones take turns. */
+#include "server/loop.h"
+#include "tests/test.h"
+
+#include <stddef.h>
+
+enum { GREEDY = 100, TURNS = 60, WORK_NS = 200 * 1000 };
+
+static struct loop loop;
+static struct task deferred;
+static unsigned turns;
+
+struct greedy {
+    struct task task; /* first */
+    unsigned runs;
+} greedy[GREEDY];
+
+static void work(struct task *t)
+{
+    ((struct greedy *)t)->runs++;
+    for (int64_t end = clock_ns() + WORK_NS; clock_ns() < end;)
+        ;
+    loop_yield(&loop, t);
+}
+
+static void count_turn(struct task *t)
+{
+    if (++turns == TURNS)
+        loop_stop(&loop);
+    loop_defer(&loop, t);
+}
+
+TEST(tasks_with_much_work_take_turns_and_delay_no_deferred_task)
+{
+    unsigned least = UINT32_MAX, most = 0, all = 0;
+    CHECK(loop_init(&loop));
+    for (int i = 0; i < GREEDY; i++) {
+        greedy[i].task.run = work;
+        loop_yield(&loop, &greedy[i].task);
+    }
+    deferred.run = count_turn;
+    loop_defer(&loop, &deferred);
+    loop_run(&loop);
+    for (int i = 0; i < GREEDY; i++) {
+        least = greedy[i].runs < least ? greedy[i].runs : least;
+        most = greedy[i].runs > most ? greedy[i].runs : most;
+        all += greedy[i].runs;
+    }
+    CHECK_MSG(most - least <= 1, "from %u to %u runs", least, most);
+    CHECK(all >= TURNS && all <= TURNS * (LOOP_TURN_NS / WORK_NS + 1));
+}
+
+static void run_once(struct task *t)
+{
+    ((struct greedy *)t)->runs++;
+}
+
+TEST(yielded_task_runs_in_the_next_turn_when_it_is_alone)
+{
+    CHECK(loop_init(&loop));
+    greedy[0].task.run = run_once;
+    loop_yield(&loop, &greedy[0].task);
+    loop_yield(&loop, &greedy[0].task); /* is queued already */
+    deferred.run = count_turn;
+    turns = TURNS - 2;
+    loop_defer(&loop, &deferred);
+    loop_run(&loop);
+    CHECK(greedy[0].runs == 1 && !greedy[0].task.queued);
+    loop_bury(&loop, &greedy[1].task);
+    greedy[1].task.run = run_once;
+    loop_yield(&loop, &greedy[0].task);
+    loop_clear(&loop); /* leaves nothing undone that something is buried with */
+    CHECK(greedy[0].runs == 2 && greedy[1].runs == 1);
+}
