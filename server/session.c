@@ -20,6 +20,7 @@
 enum {
     TURN_NS = 250 * 1000,      /* of work; then the session yields */
     LATE_TURN_NS = 100 * 1000, /* the same when the loop's turn has been long already */
+    PROBE_MS = 50,             /* from the end of the input to the line that probes the client */
     STEPS_PER_LOOK = 16        /* of the quickest requests, between looks at the clock */
 };
 
@@ -64,6 +65,7 @@ static void consume_held(struct session *s)
 {
     buf_consume(&s->conn.in, s->held);
     s->held = 0;
+    s->probed = false;
 }
 
 /* Whether the reply, of which not a byte has left yet, is an error. */
@@ -396,28 +398,27 @@ static bool step(struct session *s)
 
 /* ---- what the connection tells ---- */
 
-/* The client has sent its last while a worker is at its request. Whether it still reads, or its
- * connection is closed on its side, shows only when something is sent: the line about the job's
- * progress, as soon as that may be. If it is closed, the answer is a reset, and the job ends. */
+/* The input has ended while a worker carries out the request. Over TCP, whether the client still reads
+ * or has closed the connection shows only when something is sent: the line about the job's progress.
+ * A closed connection answers with a reset, which ends the job. */
 static void probe_client(struct session *s)
 {
-    int64_t at = s->job->queued_ns / 1000000 + SESSION_PROGRESS_MS;
-    if (!timer_is_set(&s->probe))
-        timers_set(&s->conn.loop->timers, &s->probe, at);
+    if (!s->probed && !timer_is_set(&s->probe))
+        loop_at(s->conn.loop, &s->probe, s->conn.loop->now_ms + PROBE_MS);
 }
 
 static void on_probe(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, probe));
-    if (s->job != NULL && !s->conn.dead)
-        session_progress(s, s->job);
+    if (s->job == NULL || s->conn.dead)
+        return;
+    s->probed = true;
+    session_progress(s, s->job);
 }
 
 static void on_data(struct conn *c)
 {
     struct session *s = (struct session *)c;
-    if (c->eof && s->job != NULL)
-        probe_client(s);
     struct stats *stats = &s->server->stats;
     int64_t start = stats_look(stats);
     int64_t end = start + (loop_is_late(c->loop, start) ? LATE_TURN_NS : TURN_NS);
@@ -432,6 +433,8 @@ static void on_data(struct conn *c)
     }
     if (stats->run > 0)
         stats_look(stats);
+    if (c->eof && s->job != NULL)
+        probe_client(s);
 }
 
 static void on_closed(struct conn *c)

@@ -26,7 +26,8 @@ struct session {
     uint64_t requests;     /* answered so far */
     unsigned command;      /* the last one, or the one under way; as in struct answer */
     unsigned wrong_tokens; /* that it has shown */
-    struct timer probe;    /* set: runs when a comment may show whether the client is still there */
+    struct timer probe;    /* set: runs when a comment is to show whether the client is still there */
+    bool probed;           /* it has run for the request at hand */
     struct timer later;    /* set: the request at hand is carried out when it runs */
     bool waited;           /* it has run for the request at hand */
     bool evicted;          /* it has made room for another client */
