@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """mutants.py - changes the source in one place at a time, in a copy, and reports which changes no test notices.
 
-    mutants.py [--of FILE] [--sample N] [--seed S] [--jobs J] BUILD_DIR
+    mutants.py [--of FILE] [--list NAME] [--sample N] [--seed S] [--jobs J] BUILD_DIR
 
 README.md beside this file describes the lists, *.txt. Every entry of every list must apply to the source, whichever of
 them are run. BUILD_DIR is the one of make, with everything up to date. The last line counts: N passed (caught), N failed.
@@ -26,6 +26,7 @@ TREE = os.path.dirname(os.path.dirname(HERE))
 SUITES = ("core", "proto", "server", "clients")
 WANTED = 0.95  # the share that must be caught
 BUILD_S = 900  # the most a build may take
+INSIDE = "MUTANTS_INSIDE"  # set in the environment of a run that is isolated
 
 
 # ---- the lists ----
@@ -101,27 +102,60 @@ def read_list(path):
 # ---- running ----
 
 
-def end_session(leader):
-    """Ends every process of a session; tests and their daemons are in process groups of their own."""
-    for path in glob.glob("/proc/[0-9]*/stat"):
+def isolated(arguments):
+    """Runs this program again where its processes, /tmp and /dev/shm are its own and end with it, whatever tests leave
+    behind and however it is stopped. Returns the exit status; None if that is not possible here."""
+    mounts = "mount -t tmpfs mutants /tmp && mount -t tmpfs mutants /dev/shm"
+    unshare = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc", "sh", "-c"]
+    hidden = any(TREE.startswith(folder) for folder in ("/tmp/", "/dev/shm/"))
+    if INSIDE in os.environ or hidden or not shutil.which("unshare"):
+        return None
+    if subprocess.run([*unshare, mounts], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+        return None
+    command = [sys.executable, os.path.abspath(__file__), *arguments]
+    with subprocess.Popen([*unshare, mounts + ' && "$@"', "sh", *command], env={**os.environ, INSIDE: "1"}) as inner:
         try:
-            if int(read(path).rpartition(")")[2].split()[3]) == leader:
-                os.kill(int(path.split("/")[2]), signal.SIGKILL)
-        except (OSError, ValueError, IndexError):
-            pass  # it has ended
+            return inner.wait()
+        finally:
+            inner.kill()
+
+
+
+def end_session(leader):
+    """Ends every process of a session, and waits until they have ended: they may still write to files. Tests and their
+    daemons are in process groups of their own."""
+    for _ in range(500):
+        alive = False
+        for path in glob.glob("/proc/[0-9]*/stat"):
+            try:
+                state, _, _, session = read(path).rpartition(")")[2].split()[:4]
+                if int(session) == leader and state != "Z":
+                    alive = True
+                    os.kill(int(path.split("/")[2]), signal.SIGKILL)
+            except (OSError, ValueError, IndexError):
+                pass  # it has ended
+        if not alive:
+            return
+        time.sleep(0.01)
 
 
 class Run:
     """One run of make: its status, its output, which tests failed and how many passed. With a time limit it ends at the
-    first test that fails."""
+    first test that fails. Its temporary files are in the folder beside the tree."""
+
+    leaders = set()  # of the sessions that are running
 
     def __init__(self, tree, build, suites, arguments, limit_s=None):
         variant = [] if build == "build" else ["V=" + os.path.basename(build)]
         command = ["make", "--no-print-directory", "SUITES=" + " ".join(sorted(set(suites))), *variant, *arguments]
         self.output, self.failed, self.passed, self.too_slow = [], [], 0, False
         started = time.monotonic()
+        temporary = os.path.join(os.path.dirname(tree), "tmp")
+        os.makedirs(temporary, exist_ok=True)
         process = subprocess.Popen(command, cwd=tree, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                   stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True)
+                                   stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True,
+                                   env={**os.environ, "TMPDIR": temporary})
+        self.leaders.add(process.pid)
         alarm = threading.Timer(limit_s or BUILD_S, self.expire, [process])
         alarm.start()
         for line in process.stdout:
@@ -132,6 +166,7 @@ class Run:
         end_session(process.pid)
         process.stdout.close()
         self.status = process.wait()
+        self.leaders.discard(process.pid)
         self.seconds = time.monotonic() - started
 
     def expire(self, process):
@@ -148,9 +183,9 @@ class Run:
 
 
 def build_then_test(tree, build, suites, words, limit_s):
-    """The run of the tests, or that of the build if it fails."""
+    """(the run of the build, that of the tests or None if the build fails)"""
     built = Run(tree, build, suites, ["test_binaries"])
-    return built if built.status else Run(tree, build, suites, ["test", "T=" + " ".join(words)], limit_s)
+    return built, None if built.status else Run(tree, build, suites, ["test", "T=" + " ".join(words)], limit_s)
 
 
 def copy_tree(tree, build, to):
@@ -171,13 +206,14 @@ def verdict(mutant, pristine, build, limit_s):
         text = mutant.mutate(read(path))
         with open(path, "w", encoding="utf-8") as f:
             f.write(text)
-        run = build_then_test(tree, build, mutant.suites, mutant.words, limit_s)
+        built, run = build_then_test(tree, build, mutant.suites, mutant.words, limit_s)
+    if run is None:
+        said = [line for line in built.output if "error" in line or "undefined" in line] or built.output[-1:]
+        return False, "it does not build: " + "".join(said[:1])
     if run.failed:
         return True, f"{run.failed[0]}, {run.seconds:.0f} s"
     if run.too_slow:
         return True, f"the time limit of {limit_s:.0f} s"
-    if any(": error: " in line or "undefined reference" in line for line in run.output):
-        return False, "it does not build: " + next(line for line in run.output if "error" in line or "undefined" in line)
     if run.status or not run.passed:
         return False, f"make ends with status {run.status} and {run.passed} tests passed: " + " | ".join(run.output[-3:])
     return False, f"{run.passed} tests pass, {run.seconds:.0f} s"
@@ -189,9 +225,9 @@ def pass_without_mutants(mutants, pristine, build):
     for suite in SUITES:
         words = sorted({w for m in mutants if suite in m.suites for w in m.words})
         if words:
-            run = build_then_test(pristine, build, [suite], words, BUILD_S)
-            if run.status or run.failed or not run.passed:
-                sys.exit("\n".join(run.output[-30:]) + f"\nthe tests of {suite} must pass before anything is changed")
+            built, run = build_then_test(pristine, build, [suite], words, BUILD_S)
+            if run is None or run.status or run.failed or not run.passed:
+                sys.exit("\n".join((run or built).output[-30:]) + f"\nthe tests of {suite} must pass before anything is changed")
             print(f"unchanged: {run.passed} tests of {suite} pass, {run.seconds:.0f} s", flush=True)
             total = max(total, run.seconds)
     return total
@@ -209,7 +245,8 @@ def default_seed():
 def arguments():
     p = argparse.ArgumentParser(description="which small changes of the source does no test notice?")
     p.add_argument("build", metavar="BUILD_DIR")
-    p.add_argument("--of", default="", help="only the mutants of files whose path contains this")
+    p.add_argument("--of", default="", help="only the mutants whose file and sentence, as they are printed, contain this")
+    p.add_argument("--list", default="", help="only the mutants of lists whose name contains this")
     p.add_argument("--sample", type=int, help="only so many, drawn at random; 0: none, which checks the lists")
     p.add_argument("--seed", help="what the sample is drawn from (default: the commit)")
     p.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -226,7 +263,7 @@ def usable(mutants):
 
 
 def selection(mutants, args):
-    chosen = [m for m in mutants if args.of in m.file and not m.equivalent]
+    chosen = [m for m in mutants if args.of in str(m) and args.list in m.where and not m.equivalent]
     if args.sample is not None and args.sample < len(chosen):
         seed = args.seed or default_seed()
         print(f"a sample of {args.sample} of {len(chosen)}, seed {seed}")
@@ -234,23 +271,39 @@ def selection(mutants, args):
     return chosen
 
 
+def verdicts(chosen, pristine, args, limit_s):
+    """Whether each of them is caught, in the order in which that is known, and printed."""
+    caught = []
+    pool = concurrent.futures.ThreadPoolExecutor(args.jobs)
+    try:
+        running = {pool.submit(verdict, m, pristine, args.build, limit_s): m for m in chosen}
+        for done in concurrent.futures.as_completed(running):
+            is_caught, why = done.result()
+            caught.append(is_caught)
+            print(f"{'caught' if is_caught else 'FAIL not caught'}: {running[done]} ({why})", flush=True)
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for leader in list(Run.leaders):
+            end_session(leader)
+        pool.shutdown()
+    return caught
+
+
 def main():
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
+    status = isolated(sys.argv[1:])
+    if status is not None:
+        return status
     args = arguments()
     mutants = [m for path in sorted(glob.glob(os.path.join(HERE, "*.txt"))) for m in read_list(path)]
     usable(mutants)
     print(f"{len(mutants)} entries apply, {sum(1 for m in mutants if m.equivalent)} of them are equivalent")
     chosen = selection(mutants, args)
-    caught = []
     with tempfile.TemporaryDirectory(prefix="mutants-") as scratch:
         pristine = os.path.join(scratch, "tree")
         copy_tree(TREE, args.build, pristine)
         limit_s = 30 + 3 * pass_without_mutants(chosen, pristine, args.build)
-        with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
-            running = {pool.submit(verdict, m, pristine, args.build, limit_s): m for m in chosen}
-            for done in concurrent.futures.as_completed(running):
-                is_caught, why = done.result()
-                caught.append(is_caught)
-                print(f"{'caught' if is_caught else 'FAIL not caught'}: {running[done]} ({why})", flush=True)
+        caught = verdicts(chosen, pristine, args, limit_s)
     print(f"{sum(caught)} passed, {len(caught) - sum(caught)} failed")
     return 0 if sum(caught) >= WANTED * len(caught) else 1
 

@@ -6,6 +6,8 @@
 #include "tests/test.h"
 
 #include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Even where it was there already: whoever made it may have been killed before that. */
@@ -25,4 +27,99 @@ TEST(data_directory_is_synced_into_its_parent)
     CHECK(!datadir_open(&d, path, true) && d.fd < 0);
     CHECK(rmdir(path) == 0);
     directory_remove(&parent);
+}
+
+static void leave_file(const struct directory *d, const char *name)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", d->path, name);
+    file_write(path, "", 0);
+}
+
+/* The names of the files that are ours, in their order. */
+static const char *list(const struct datadir *d)
+{
+    static char text[400];
+    struct datafiles files;
+    CHECK(datadir_list(d, &files));
+    text[0] = '\0';
+    for (size_t i = 0; i < files.n; i++) {
+        strcat(text, files.v[i].name);
+        strcat(text, " ");
+    }
+    datafiles_free(&files);
+    return text;
+}
+
+TEST(what_a_snapshot_replaces_is_forgotten_and_no_segment_that_has_later_changes)
+{
+    struct directory directory = directory_quick();
+    struct datadir d;
+    leave_file(&directory, "snapshot.0000000000000001");
+    leave_file(&directory, "snapshot.0000000000000004");
+    leave_file(&directory, "log.0000000000000002");
+    leave_file(&directory, "log.0000000000000004"); /* has change 5, which the snapshot has not */
+    leave_file(&directory, "log.0000000000000006");
+    CHECK(datadir_open(&d, directory.path, false));
+    datadir_forget(&d, 4);
+    CHECK_STR(list(&d), "snapshot.0000000000000004 log.0000000000000004 log.0000000000000006 ");
+    datadir_close(&d);
+    directory_remove(&directory);
+}
+
+TEST(names_that_are_not_exactly_ours_are_left_alone)
+{
+    struct directory directory = directory_quick();
+    struct datadir d;
+    leave_file(&directory, "log.0000000000000000"); /* the first change is 1 */
+    leave_file(&directory, "log.0000000000000001");
+    leave_file(&directory, "log.0000000000000001.tmp");
+    leave_file(&directory, "log.1");
+    leave_file(&directory, "log.000000000000000A");
+    leave_file(&directory, "snapshot.0000000000000002.tmp");
+    leave_file(&directory, "snapshot.00000000000000020");
+    CHECK(datadir_open(&d, directory.path, false));
+    CHECK_STR(list(&d), "log.0000000000000001 snapshot.0000000000000002.tmp ");
+    datadir_close(&d);
+    directory_remove(&directory);
+}
+
+TEST(directory_without_memory_for_its_list_is_not_taken_for_an_empty_one)
+{
+    struct directory directory = directory_quick();
+    struct datadir d;
+    struct datafiles files;
+    leave_file(&directory, "log.0000000000000001");
+    CHECK(datadir_open(&d, directory.path, false));
+    for (long n = 1;; n++) {
+        test_fail_alloc(n);
+        bool ok = datadir_list(&d, &files);
+        bool failed = test_alloc_failed();
+        test_fail_alloc(0);
+        CHECK(ok == !failed && files.n == ok);
+        datafiles_free(&files);
+        if (!failed)
+            break;
+    }
+    datadir_close(&d);
+    directory_remove(&directory);
+}
+
+/* A folder can be opened like a file, and reading it is an error. */
+TEST(what_cannot_be_read_is_not_put_aside)
+{
+    struct directory directory = directory_quick();
+    struct datadir d;
+    struct datafiles files;
+    char path[128], name[DATADIR_ASIDE];
+    snprintf(path, sizeof path, "%s/log.%016x", directory.path, 1);
+    CHECK(mkdir(path, 0700) == 0 && datadir_open(&d, directory.path, false));
+    CHECK(datadir_list(&d, &files) && files.n == 1);
+    CHECK(!datadir_copy_aside(&d, &files.v[0], 0, name) && errno == EISDIR);
+    CHECK(!directory_file(&directory, "damaged", 0, path));
+    datafiles_free(&files);
+    datadir_close(&d);
+    snprintf(path, sizeof path, "%s/log.%016x", directory.path, 1);
+    CHECK(rmdir(path) == 0);
+    directory_remove(&directory);
 }

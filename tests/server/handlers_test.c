@@ -209,6 +209,34 @@ TEST(set_that_is_read_is_not_copied_beyond_the_memory_for_sets)
     local_stop(&l);
 }
 
+/* With memory for the points alone, and for a copy alone. */
+TEST(set_that_is_read_is_not_copied_beside_what_an_edit_takes)
+{
+    struct local l;
+    char *load = parabola(50000), *more = parabola(10000);
+    bool busy = false;
+    local_start(&l, 0);
+    local_ask(&l, load);
+    local_ask(&l, "TRIANGULATE t");
+    struct word name = {"t", 1};
+    struct version *v = version_pin(registry_find(&l.server.sets, &name)->current);
+    struct dt_view *view = dt_view_begin(v->dt, true);
+    l.config.max_memory = l.server.sets.memory.bytes;
+    for (int i = 0; i < 200 && !busy; i++) {
+        l.config.max_memory += 256 * 1024;
+        const char *reply = local_ask(&l, more);
+        CHECK(strncmp(reply, "ERR ", 4) == 0);
+        busy = strncmp(reply, "ERR BUSY the set is being read", 30) == 0;
+    }
+    CHECK(busy);
+    version_end_view(&l.server.sets, v, view);
+    CHECK(strncmp(local_ask(&l, more), "OK 0 first=50000 added=10000 ", 29) == 0); /* in place */
+    version_unpin(&l.server.sets, v);
+    free(load);
+    free(more);
+    local_stop(&l);
+}
+
 /* ---- memory runs out ---- */
 
 /* What can be seen of the server's sets. */
@@ -227,6 +255,7 @@ static bool survives(const char *before, const char *request, long n)
     local_start(&l, 0);
     local_ask(&l, before);
     char *was = state(&l);
+    size_t sets = l.server.sets.sets;
     local_ask(&l, ""); /* room for the reply, so that only the request's own allocations fail */
     test_fail_alloc(n);
     const char *reply = local_ask(&l, request);
@@ -238,6 +267,9 @@ static bool survives(const char *before, const char *request, long n)
     char *is = state(&l);
     if (refused)
         CHECK_STR(is, was);
+    CHECK(!refused || l.server.sets.sets == sets); /* not even one that nobody sees */
+    CHECK_MSG(budget_used(&l.server.budget) == l.server.sets.memory.bytes,
+              "%s, allocation %ld: it keeps memory", request, n);
     if (refused && !l.closed) /* and the next one finds everything in order */
         CHECK_MSG(strncmp(local_ask(&l, request), "OK", 2) == 0, "%s, again after allocation %ld",
                   request, n);

@@ -165,6 +165,18 @@ TEST(log_calls_nothing_synced_that_is_only_written)
     }
 }
 
+TEST(change_is_synced_within_seconds_by_the_policy_everysec)
+{
+    struct bench b;
+    begin(&b, LOG_EVERYSEC);
+    append(&b);
+    await_durable(&b, 1);
+    while (b.status.synced < 1) /* look() waits ten times as long at most */
+        look(&b);
+    CHECK(calls_end("write log.1\nsync log.1\n"));
+    end(&b);
+}
+
 TEST(log_syncs_before_it_calls_a_change_durable)
 {
     struct record r[3];
@@ -210,6 +222,27 @@ TEST(change_that_does_not_fit_into_memory_is_a_failed_log)
     CHECK(append(&b) == 1 && test_alloc_failed());
     await_failure(&b);
     CHECK(b.status.error == ENOMEM && b.status.durable == 0);
+    end(&b);
+}
+
+/* Points for log_append_points, which takes them over. */
+static double *points(size_t n)
+{
+    double *xy = dt_pages_grow(NULL, NULL, 0, n * 2 * sizeof *xy);
+    CHECK(xy != NULL);
+    memset(xy, 0, n * 2 * sizeof *xy);
+    return xy;
+}
+
+TEST(large_load_that_cannot_be_encoded_is_a_failed_log)
+{
+    struct record r = {.name = "t", .name_len = 1, .n = RECORD_POINTS + 1};
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    log_append_points(b.log, &r, points(r.n));
+    test_fail_alloc(1); /* on the log's thread, which encodes them */
+    await_failure(&b);
+    CHECK(test_alloc_failed() && b.status.error == ENOMEM && b.status.durable == 0);
     end(&b);
 }
 
@@ -315,11 +348,8 @@ TEST(bytes_in_the_queue_are_counted_until_they_are_written)
         last = append(&b);
     size_t small = log_queued(b.log);
     CHECK(small >= RECORDS * 20 && small < RECORDS * 20 * 8);
-    double *xy = dt_pages_grow(NULL, NULL, 0, POINTS * 2 * sizeof *xy);
-    CHECK(xy != NULL);
-    memset(xy, 0, POINTS * 2 * sizeof *xy);
     struct record r = {.name = "t", .name_len = 1, .n = POINTS};
-    last = log_append_points(b.log, &r, xy);
+    last = log_append_points(b.log, &r, points(POINTS));
     CHECK(log_queued(b.log) == small + POINTS * 16);
     await_durable(&b, last);
     CHECK(log_queued(b.log) == 0);

@@ -183,3 +183,16 @@ TEST(waiter_that_enters_another_queue_passes_its_turn_on)
     CHECK(wait_is_first(&log, NULL));
     registry_clear(&sets);
 }
+
+TEST(waiting_readers_are_not_called_while_the_set_is_edited)
+{
+    begin();
+    edit_begins(true);
+    line_up(&in_line[0].waiter, false);
+    wait_call(&set->queue); /* as when somebody leaves the queue */
+    CHECK(called_n == 0);
+    edit_ends();
+    CHECK(called_n == 1);
+    wait_served(&in_line[0].waiter);
+    registry_clear(&sets);
+}

@@ -389,3 +389,36 @@ TEST(log_that_begins_right_behind_the_snapshot_is_read)
     expect_points(&b, 6, 1);
     end(&b);
 }
+
+/* ---- numbers ---- */
+
+TEST(log_that_lacks_one_change_between_two_is_no_whole_log)
+{
+    struct bench b;
+    begin(&b);
+    begin_file(&b, SEGMENT_LOG, 1);
+    put_point(&b, 1, 0, 0);
+    put(&b, (struct record){.lsn = 3, .type = RECORD_TRIANGULATE}); /* makes sense without 2 */
+    end_file(&b, DATAFILE_LOG, 1);
+    read_all(&b);
+    CHECK(b.r.result == RECOVERY_OK && b.r.torn && b.r.aside && b.r.last == 1);
+    end(&b);
+}
+
+TEST(snapshot_with_a_record_of_another_number_is_refused)
+{
+    static const uint64_t numbers[][2] = {{1, 2}, {2, 3}, {1, 3}};
+    for (int i = 0; i < 3; i++) {
+        struct bench b;
+        begin(&b);
+        begin_file(&b, SEGMENT_SNAPSHOT, 4);
+        put(&b, (struct record){.lsn = numbers[i][0], .type = RECORD_SET});
+        put(&b, (struct record){.lsn = numbers[i][1], .type = RECORD_END, .n = 1});
+        end_file(&b, DATAFILE_SNAPSHOT, 4);
+        begin_file(&b, SEGMENT_LOG, 5);
+        end_file(&b, DATAFILE_LOG, 5);
+        read_all(&b);
+        CHECK(b.r.result == (i == 0 ? RECOVERY_OK : RECOVERY_REFUSED));
+        end(&b);
+    }
+}

@@ -3,6 +3,7 @@
 
 #include "server/command.h"
 #include "server/job.h"
+#include "server/recover.h"
 #include "server/replay.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
@@ -84,6 +85,36 @@ static int write_one(struct directory *d, const char *call_that_fails)
     close(event);
     datadir_close(&dir);
     return error;
+}
+
+/* A set may have been pinned after later changes than those up to which the snapshot has all. */
+TEST(set_of_a_snapshot_has_the_number_of_its_own_last_change)
+{
+    struct local l;
+    struct datadir dir;
+    struct recovery r;
+    uint64_t count;
+    int event = eventfd(0, EFD_CLOEXEC);
+    struct directory d = directory_quick();
+    struct word name = {"a", 1};
+    leave_file(&d, "log.0000000000000005");
+    local_start(&l, 0);
+    local_ask(&l, "ADD a 0 0  1 1\n");
+    registry_find(&l.server.sets, &name)->lsn = 7;
+    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
+    struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, 4, event);
+    CHECK(snap != NULL);
+    snapshot_go(snap);
+    CHECK(read(event, &count, sizeof count) == sizeof count);
+    CHECK(snapshot_end(snap, &l.server.sets) == 0);
+    recovery_init(&r, &dir);
+    recovery_run(&r);
+    CHECK(r.replay.snapshot == 4 && registry_find(&r.replay.sets, &name)->lsn == 7);
+    recovery_clear(&r);
+    local_stop(&l);
+    close(event);
+    datadir_close(&dir);
+    directory_remove(&d);
 }
 
 TEST(snapshot_is_on_the_disk_before_what_it_replaces_is_removed)

@@ -88,6 +88,15 @@ static void end_unheard(void *ctx, struct job *j)
     server_finish_unheard(ctx, j);
 }
 
+static void collect_all(struct local *l)
+{
+    while (l->server.jobs != NULL) {
+        struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
+        CHECK(poll(&event, 1, 10000) == 1);
+        server_collect(&l->server, end_unheard, &l->server);
+    }
+}
+
 TEST_TIMEOUT(rows_that_nobody_wants_any_more_are_forgotten, 60)
 {
     struct local l;
@@ -100,12 +109,25 @@ TEST_TIMEOUT(rows_that_nobody_wants_any_more_are_forgotten, 60)
         stream_free(&l.server.sets, a.stream); /* while workers are at it */
     }
     local_ask(&l, "DROP t\n");
-    while (l.server.jobs != NULL) {
-        struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
-        CHECK(poll(&event, 1, 10000) == 1);
-        server_collect(&l.server, end_unheard, &l.server);
-    }
+    collect_all(&l);
     CHECK(l.server.sets.memory.bytes == 0);
+    free(load);
+    local_stop(&l);
+}
+
+TEST(reply_whose_rows_do_not_fit_into_the_output_is_broken)
+{
+    struct local l;
+    char *load = set_of_many();
+    local_start(&l, 2);
+    local_ask(&l, load);
+    struct answer a = begin(&l, "POINTS t");
+    collect_all(&l); /* some rows are made */
+    buf_free(&l.out);
+    test_fail_alloc(1);
+    stream_refill(&l.server, &a);
+    CHECK(test_alloc_failed() && a.broken && a.stream == NULL);
+    collect_all(&l);
     free(load);
     local_stop(&l);
 }

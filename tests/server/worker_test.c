@@ -141,6 +141,27 @@ static long switches_so_far(void)
     return usage.ru_nvcsw;
 }
 
+/* Each of two jobs waits until the other one has begun. */
+static void meet(void *arg, unsigned i)
+{
+    atomic_uint *here = arg;
+    (void)i;
+    atomic_fetch_add(here, 1);
+    while (atomic_load(here) < 2)
+        sched_yield();
+}
+
+TEST(idle_worker_helps_with_a_call_of_the_pool)
+{
+    atomic_uint here = 0;
+    struct workers *w = workers_new(1);
+    CHECK(w != NULL);
+    const struct dt_pool *pool = workers_pool(w);
+    pool->run(pool->ctx, 2, meet, &here);
+    CHECK(here == 2);
+    workers_free(w);
+}
+
 TEST(one_piece_of_work_wakes_one_worker)
 {
     enum { THREADS = 32, PIECES = 300, PER_PIECE = 10 };

@@ -1,0 +1,118 @@
+/* dataset_test.c - the registry: which sets there are, for whom, and what is left to be tidied. */
+#include "server/dataset.h"
+#include "tests/test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static struct registry sets;
+
+static struct dataset *create(const char *name)
+{
+    struct dataset *set = registry_create(&sets, &(struct word){name, strlen(name)}, 0);
+    CHECK(set != NULL);
+    return set;
+}
+
+/* With so many names, each the beginning of the next one, some share a bucket. */
+TEST(names_that_begin_alike_are_different_sets)
+{
+    enum { MANY = 64 };
+    char name[MANY + 1];
+    struct dataset *set[MANY + 1];
+    memset(name, 'a', sizeof name);
+    registry_init(&sets);
+    for (size_t n = 1; n <= MANY; n++) {
+        set[n] = registry_create(&sets, &(struct word){name, n}, 0);
+        CHECK(set[n] != NULL);
+    }
+    for (size_t n = 1; n <= MANY; n++)
+        CHECK(registry_find(&sets, &(struct word){name, n}) == set[n]);
+    registry_clear(&sets);
+}
+
+static void count(struct dataset *set, void *ctx)
+{
+    (void)set;
+    ++*(unsigned *)ctx;
+}
+
+static unsigned scanned(void)
+{
+    unsigned n = 0;
+    size_t cursor = 0;
+    do
+        cursor = registry_scan(&sets, cursor, count, &n);
+    while (cursor != 0);
+    return n;
+}
+
+TEST(set_that_is_about_to_be_created_is_not_listed)
+{
+    unsigned n = 0;
+    registry_init(&sets);
+    struct dataset *set = create("t");
+    create("u")->born = true;
+    registry_each(&sets, count, &n);
+    CHECK(n == 1 && scanned() == 1);
+    set->born = true;
+    registry_each(&sets, count, &n);
+    CHECK(n == 3 && scanned() == 2);
+    registry_clear(&sets);
+}
+
+TEST(set_that_was_never_triangulated_lags_behind_nothing)
+{
+    struct dt_added added;
+    registry_init(&sets);
+    struct dataset *set = create("t");
+    CHECK(!version_is_stale(set->current));
+    CHECK(dt_add(set->current->dt, (struct dt_point[]){{0, 0}, {1, 0}, {0, 1}}, 3, &added) ==
+          DT_OK);
+    version_update(&sets, set->current);
+    CHECK(!version_is_stale(set->current));
+    registry_clear(&sets);
+}
+
+/* Readers have finished while an edit was at work; one call tidies so many sets at most. */
+TEST(versions_that_keep_what_was_saved_are_tidied_a_few_at_a_time)
+{
+    enum { MANY = 25, A_CALL = 10 };
+    registry_init(&sets);
+    for (unsigned i = 0; i < MANY; i++) {
+        char name[8];
+        snprintf(name, sizeof name, "t%u", i);
+        struct version *v = create(name)->current;
+        struct dt_view *view = dt_view_begin(v->dt, false);
+        CHECK(view != NULL);
+        version_lock_edit(v);
+        version_end_view(&sets, v, view);
+        CHECK(v->untidy);
+        version_unlock(v);
+    }
+    for (unsigned left = MANY; left > 0; left -= left < A_CALL ? left : A_CALL) {
+        unsigned n = 0;
+        for (struct version *v = sets.untidy; v != NULL; v = v->next)
+            n++;
+        CHECK(n == left);
+        registry_tidy(&sets);
+    }
+    CHECK(sets.untidy == NULL);
+    registry_clear(&sets);
+}
+
+TEST(version_that_goes_is_no_longer_to_be_tidied)
+{
+    registry_init(&sets);
+    struct dataset *set = create("t");
+    struct version *v = version_pin(set->current);
+    struct dt_view *view = dt_view_begin(v->dt, false);
+    version_lock_edit(v);
+    version_end_view(&sets, v, view);
+    version_unlock(v);
+    registry_drop(&sets, set);
+    CHECK(sets.untidy == v);
+    version_unpin(&sets, v);
+    CHECK(sets.untidy == NULL);
+    registry_clear(&sets);
+}
