@@ -286,6 +286,13 @@ static void on_ready(struct source *source, uint32_t events)
         conn_turn(c);
 }
 
+/* Whether it reads nothing although a request has begun: its output is full, or memory was short when
+ * its last turn ended. Of the latter nothing else may happen that would bring another turn. */
+static bool may_be_stuck(const struct conn *c)
+{
+    return (c->interest & EPOLLIN) == 0 && !c->eof && buf_len(&c->in) >= CONN_SMALL;
+}
+
 void conn_check_timeouts(struct conn *c)
 {
     int64_t now = c->loop->now_ms;
@@ -293,4 +300,6 @@ void conn_check_timeouts(struct conn *c)
         conn_close(c);
     else if (conn_sendable(c) > 0 && now - c->progress_ms > LIMIT_STALL_S * 1000)
         conn_close(c);
+    else if (may_be_stuck(c))
+        conn_again(c);
 }

@@ -79,7 +79,8 @@ void conn_drain(struct conn *c);
 /* Closes at once. The owner's closed is called at the end of the loop's turn. */
 void conn_close(struct conn *c);
 
-/* To be called once a second: closes those that linger or stall for too long. */
+/* To be called once a second: closes those that linger or stall for too long, and gives those a turn
+ * that read nothing because memory was short. */
 void conn_check_timeouts(struct conn *c);
 
 /* The number of the next byte that will be appended to out. */

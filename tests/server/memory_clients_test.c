@@ -178,6 +178,38 @@ TEST_TIMEOUT(long_requests_that_do_not_end_stay_within_the_budget, 60)
     free(request);
 }
 
+/* Reads what the daemon says until it closes; one that was refused with input unread is reset. */
+static void hear_to_the_end(int fd)
+{
+    char text[1000];
+    ssize_t got;
+    while ((got = recv(fd, text, sizeof text, 0)) > 0)
+        ;
+    CHECK_MSG(got == 0 || errno == ECONNRESET, "%s", strerror(errno));
+}
+
+/* One of them takes the last large buffer: when it was read there was room, afterwards there is none,
+ * and no event of its own follows. */
+TEST_TIMEOUT(a_long_request_that_takes_the_last_memory_is_heard_to_its_end, 60)
+{
+    enum { CLIENTS = 400, BYTES = 18 * 1000 };
+    struct place p = begin("8m");
+    int fd[CLIENTS];
+    char *request = repeated("GET small 1 1 1 ", BYTES);
+    for (int i = 0; i < CLIENTS; i++) {
+        fd[i] = daemon_connect(&p.d);
+        send_what_goes(fd[i], request, BYTES);
+    }
+    for (int i = 0; i < CLIENTS; i++)
+        shutdown(fd[i], SHUT_WR);
+    for (int i = 0; i < CLIENTS; i++) {
+        hear_to_the_end(fd[i]);
+        close(fd[i]);
+    }
+    await_info(&p.d, "clients", 1);
+    free(request);
+}
+
 /* ---- long replies ---- */
 
 /* So many clients send the request and read only the status line of the reply. Returns how many are
