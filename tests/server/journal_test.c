@@ -8,6 +8,7 @@
 #include "server/recover.h"
 #include "server/stream.h"
 #include "tests/server/directory.h"
+#include "tests/server/file_calls.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
@@ -247,5 +248,63 @@ TEST(version_that_a_build_has_made_has_the_changes_of_the_one_before_it)
     struct version *before = set_t(&b)->current;
     CHECK(strncmp(local_ask(&b.l, "TRIANGULATE t METHOD divide\n"), "OK 0 ", 5) == 0);
     CHECK(set_t(&b)->current != before && set_t(&b)->current->lsn == set_t(&b)->lsn);
+    end(&b);
+}
+
+TEST(triangulation_is_written_down_once)
+{
+    struct bench b;
+    begin(&b, 0);
+    local_ask(&b.l, "ADD t 0 0  1 0  0 1\nTRIANGULATE t\n");
+    uint64_t lsn = set_t(&b)->lsn;
+    CHECK(strncmp(local_ask(&b.l, "TRIANGULATE t METHOD shelling\n"), "OK 0 ", 5) == 0);
+    CHECK(lsn == 2 && set_t(&b)->lsn == 2);
+    end(&b);
+}
+
+/* ---- what is taken, and when ---- */
+
+TEST(full_disk_takes_what_frees_space_and_nothing_else)
+{
+    struct durable_facts facts;
+    struct bench b;
+    begin(&b, 0);
+    local_ask(&b.l, "ADD t 1 1  2 2\nADD u 3 3\n");
+    do {
+        await_durable_event(&b);
+        durable_facts(&b.l.server, &facts);
+    } while (facts.durable_lsn < 2);
+    calls_watch(b.dir.path);
+    calls_limit_space(0);
+    local_ask(&b.l, "ADD t 4 4\n");
+    do {
+        await_durable_event(&b);
+        durable_facts(&b.l.server, &facts);
+    } while (strcmp(facts.state, "good") == 0);
+    static const char refusal[] = "ERR READONLY nothing can be saved now: No space left on device; "
+                                  "DEL and DROP are possible\n";
+    CHECK_STR(local_ask(&b.l, "ADD t 5 5\n"), refusal);
+    CHECK_STR(local_ask(&b.l, "MOVE t 0 5 5\n"), refusal);
+    CHECK(strncmp(local_ask(&b.l, "DEL t 0\n"), "OK 0 deleted=1", 14) == 0);
+    CHECK_STR(local_ask(&b.l, "DROP u\n"), "OK 0\n");
+    end(&b);
+}
+
+TEST(set_is_not_read_until_it_is_triangulated_again)
+{
+    struct bench b;
+    begin(&b, 0);
+    local_ask(&b.l, "ADD t 0 0  1 0  0 1\nTRIANGULATE t\n");
+    local_stop(&b.l); /* the next start is of the same directory */
+    local_start(&b.l, 1);
+    b.l.config.data = b.dir.path;
+    CHECK(durable_start(&b.l.server));
+    while (b.l.server.jobs == NULL) /* which makes the triangulation; nobody has its result yet */
+        await_durable_event(&b);
+    static const char refusal[] = "ERR LOADING the set t is being triangulated, ";
+    CHECK(strncmp(local_ask(&b.l, "LISTS t 0\n"), refusal, strlen(refusal)) == 0);
+    while (b.l.server.jobs != NULL)
+        collect(&b);
+    CHECK_STR(local_ask(&b.l, "LISTS t 0\n"), "OK 1 interior=0 boundary=1\n0 1 2\n");
     end(&b);
 }

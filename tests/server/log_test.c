@@ -297,6 +297,112 @@ TEST(log_stays_failed_when_a_change_was_lost_that_the_snapshot_has_not)
     end(&b);
 }
 
+TEST(write_that_was_interrupted_is_made_again)
+{
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    calls_fail("write log.1", 1, 3, EINTR);
+    append(&b);
+    await_durable(&b, 1);
+    CHECK(calls_failed() == 3 && b.status.failures == 0);
+    end(&b);
+}
+
+/* It is a second file, which nothing of the log depends on. */
+TEST(log_keeps_its_reserve_for_a_full_disk)
+{
+    static const int errors[] = {EIO, ENOSPC, EDQUOT};
+    for (int i = 0; i < 3; i++) {
+        struct bench b;
+        begin(&b, LOG_ALWAYS);
+        calls_fail("write log.1", 1, 1, errors[i]);
+        append(&b);
+        log_push(b.log);
+        while (b.status.durable < 1 && b.status.state != LOG_FAILED)
+            look(&b);
+        CHECK(b.status.state == (i == 0 ? LOG_FAILED : LOG_FULL));
+        CHECK(calls_count("remove reserve") == (i > 0) && b.status.failures == (i == 0));
+        end(&b);
+    }
+}
+
+TEST(log_goes_without_a_reserve_where_there_cannot_be_one)
+{
+    static const int errors[] = {EROFS, ENOSPC};
+    for (int i = 0; i < 2; i++) {
+        struct directory d = directory_quick();
+        struct datadir dir;
+        struct log_status status;
+        CHECK(datadir_open(&dir, d.path, false));
+        calls_watch(d.path);
+        calls_fail("create reserve", 1, 1, errors[i]);
+        struct log *log = log_new(&dir, LOG_ALWAYS, 1, -1);
+        CHECK(log != NULL);
+        log_status(log, &status);
+        CHECK(status.state == (i == 0 ? LOG_GOOD : LOG_FULL));
+        log_free(log);
+        datadir_close(&dir);
+        directory_remove(&d);
+    }
+}
+
+TEST(log_that_cannot_begin_is_none)
+{
+    static const char *const calls[] = {"create log.1", "write log.1", "sync log.1", "sync ."};
+    struct directory d = directory_quick();
+    struct datadir dir;
+    CHECK(datadir_open(&dir, d.path, false));
+    calls_watch(d.path);
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
+        calls_fail(calls[i], 1, 1, EIO);
+        CHECK(log_new(&dir, LOG_ALWAYS, 1, -1) == NULL && calls_failed() == 1);
+    }
+    for (long n = 1;; n++) {
+        test_fail_alloc(n);
+        struct log *log = log_new(&dir, LOG_ALWAYS, 1, -1);
+        bool failed = test_alloc_failed();
+        test_fail_alloc(0);
+        CHECK(failed || log != NULL);
+        if (log != NULL) { /* what has failed is in the C library, which goes without it */
+            log_free(log);
+            if (!failed)
+                break;
+        }
+    }
+    datadir_close(&dir);
+    directory_remove(&d);
+}
+
+/* Its end is no end that it could vouch for. */
+TEST(log_that_has_failed_is_not_closed_with_a_record)
+{
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    calls_fail("sync log.1", 1, 1, EIO);
+    append(&b);
+    await_failure(&b);
+    CHECK(b.status.failures == 1);
+    unsigned writes = calls_count("write log.1");
+    log_free(b.log);
+    CHECK(calls_count("write log.1") == writes && calls_end("write log.1\n"));
+    datadir_close(&b.dir);
+    close(b.event);
+    directory_remove(&b.directory);
+}
+
+TEST(change_that_could_not_be_kept_at_all_is_noticed_at_once)
+{
+    struct bench b;
+    begin(&b, LOG_ALWAYS);
+    test_fail_alloc_from(1);
+    append(&b);
+    test_fail_alloc(0);
+    log_push(b.log); /* there is nothing to push but the news */
+    await_failure(&b);
+    CHECK(b.status.error == ENOMEM);
+    end(&b);
+}
+
 TEST(log_on_a_full_disk_ends_with_a_whole_record)
 {
     char name[DATAFILE_NAME], path[128];

@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { RECORDS = 16 };
@@ -419,6 +420,134 @@ TEST(snapshot_with_a_record_of_another_number_is_refused)
         end_file(&b, DATAFILE_LOG, 5);
         read_all(&b);
         CHECK(b.r.result == (i == 0 ? RECOVERY_OK : RECOVERY_REFUSED));
+        end(&b);
+    }
+}
+
+/* ---- what cannot be read is not damaged ---- */
+
+/* A folder can be opened like a file, and reading it is an error. */
+TEST(file_that_cannot_be_read_is_an_error_and_stays)
+{
+    for (int kind = DATAFILE_SNAPSHOT; kind <= DATAFILE_LOG; kind++) {
+        char path[128];
+        struct bench b;
+        begin(&b);
+        path_of(&b, (enum datafile_kind)kind, 1, path);
+        CHECK(mkdir(path, 0700) == 0);
+        read_all(&b);
+        CHECK_MSG(b.r.result == RECOVERY_ERROR && strstr(b.r.why, "cannot read") != NULL, "%s",
+                  b.r.why);
+        CHECK(rmdir(path) == 0);
+        end(&b);
+    }
+}
+
+TEST(file_that_cannot_be_opened_is_an_error_and_stays)
+{
+    for (int kind = DATAFILE_SNAPSHOT; kind <= DATAFILE_LOG; kind++) {
+        char path[128];
+        struct bench b;
+        begin(&b);
+        path_of(&b, (enum datafile_kind)kind, 1, path);
+        CHECK(symlink("nowhere", path) == 0);
+        read_all(&b);
+        CHECK_MSG(b.r.result == RECOVERY_ERROR && strstr(b.r.why, "cannot read") != NULL, "%s",
+                  b.r.why);
+        end(&b);
+    }
+}
+
+/* A snapshot and a log, whose end is damaged in one of three ways: a torn record with whole ones behind it,
+ * a load without its end, a damaged header. */
+static void write_sample(struct bench *b, int damage)
+{
+    enum { ROWS = 40 };
+    static struct record_row row[ROWS];
+    const double xy[] = {7, 7, 8, 8};
+    for (uint32_t i = 0; i < ROWS; i++)
+        row[i] = (struct record_row){.id = i, .representative = i, .x = i, .y = i * i};
+    begin_file(b, SEGMENT_SNAPSHOT, 4);
+    put(b, (struct record){.lsn = 1, .type = RECORD_SET, .first = ROWS, .n = ROWS, .synced = 4});
+    put(b, (struct record){.lsn = 2, .type = RECORD_ROWS, .n = ROWS, .items = row});
+    put(b, (struct record){.lsn = 3, .type = RECORD_END, .n = 1});
+    end_file(b, DATAFILE_SNAPSHOT, 4);
+    begin_file(b, SEGMENT_LOG, 5);
+    put_point(b, 5, 4, ROWS);
+    put(b, (struct record){.lsn = 6, .type = RECORD_DELETE, .n = 2, .items = (uint32_t[]){1, 2}});
+    put(b, (struct record){.lsn = 7, .type = RECORD_LOAD, .first = ROWS + 1, .n = 2});
+    put(b, (struct record){.lsn = 8, .type = RECORD_CHUNK, .n = 2, .items = xy});
+    if (damage != 1)
+        put(b, (struct record){.lsn = 9, .type = RECORD_LOADED, .n = 2});
+    if (damage == 0)
+        buf_head(&b->bytes)[b->end[5] + 3] ^= 1;
+    end_file(b, DATAFILE_LOG, 5);
+    if (damage != 2)
+        return;
+    begin_file(b, SEGMENT_LOG, 10);
+    buf_head(&b->bytes)[3] ^= 1;
+    end_file(b, DATAFILE_LOG, 10);
+}
+
+TEST(memory_that_runs_out_while_a_directory_is_read_is_no_damage)
+{
+    static const uint64_t last[] = {5, 6, 9};
+    for (int damage = 0; damage < 3; damage++) {
+        bool failed = true;
+        for (long n = 1; failed; n++) {
+            struct bench b;
+            begin(&b);
+            write_sample(&b, damage);
+            test_fail_alloc(n);
+            read_all(&b);
+            failed = test_alloc_failed();
+            test_fail_alloc(0);
+            if (b.r.result == RECOVERY_OK)
+                CHECK_MSG(b.r.last == last[damage] && b.r.torn, "damage %d, allocation %ld: %s",
+                          damage, n, b.r.why);
+            else
+                CHECK_MSG(failed && b.r.result == RECOVERY_ERROR && !b.r.bad_log &&
+                              !b.r.bad_snapshot,
+                          "damage %d, allocation %ld: %s", damage, n, b.r.why);
+            CHECK(n < 200);
+            end(&b);
+        }
+    }
+}
+
+TEST(reading_ends_when_it_is_given_up)
+{
+    for (int damage = 0; damage < 3; damage++) {
+        struct bench b;
+        begin(&b);
+        write_sample(&b, damage);
+        recovery_init(&b.r, &b.dir);
+        b.r.cancel = true;
+        recovery_run(&b.r);
+        CHECK(b.r.result == RECOVERY_CANCELLED);
+        end(&b);
+    }
+}
+
+/* ---- what cannot be cut off ---- */
+
+/* The end is half a record, or the whole of it half a header. */
+TEST(log_whose_end_cannot_be_cut_off_is_not_built_on)
+{
+    static const char *const calls[] = {"cut log.1", "sync log.1", "remove log.1"};
+    for (int i = 0; i < 3; i++) {
+        char path[128];
+        struct bench b;
+        begin(&b);
+        write_unsynced(&b, 3);
+        path_of(&b, DATAFILE_LOG, 1, path);
+        file_write(path, buf_head(&b.bytes), i < 2 ? b.end[3] - 5 : SEGMENT_HEADER - 5);
+        read_all(&b);
+        CHECK(b.r.result == RECOVERY_OK && b.r.torn && !b.r.aside);
+        calls_watch(b.directory.path);
+        calls_fail(calls[i], 1, 1, EIO);
+        CHECK(!recovery_tidy(&b.r) && b.r.result == RECOVERY_ERROR && calls_failed() == 1);
+        CHECK_MSG(strstr(b.r.why, "cannot cut the end off") != NULL, "%s", b.r.why);
         end(&b);
     }
 }

@@ -224,6 +224,57 @@ TEST(log_that_fails_while_a_snapshot_waits_for_its_segment_gets_one_of_its_own)
     end(&b);
 }
 
+TEST(snapshot_is_not_written_before_the_log_has_its_new_segment)
+{
+    struct bench b;
+    begin(&b);
+    calls_stop("create log.2");
+    change(&b);
+    CHECK(saver_begin(&b.saver, b.now_ms));
+    calls_await_stopped();
+    for (int i = 0; i < 3; i++)
+        step(&b);
+    CHECK(b.saver.state == SAVER_ROTATING && calls_count("create snapshot.1.tmp") == 0);
+    calls_go_on();
+    settle(&b);
+    CHECK(b.saver.snapshots == 1);
+    end(&b);
+}
+
+TEST(snapshot_without_memory_is_given_up_and_tried_again)
+{
+    struct bench b;
+    begin(&b);
+    change(&b);
+    struct record r = {.type = RECORD_CLOSE};
+    log_append(b.log, &r);
+    calls_stop("write log.1"); /* so that the log's thread takes no memory meanwhile */
+    log_push(b.log);
+    calls_await_stopped();
+    test_fail_alloc(2); /* the first one is for the log's new segment */
+    CHECK(!saver_begin(&b.saver, b.now_ms) && test_alloc_failed());
+    test_fail_alloc(0);
+    calls_go_on();
+    CHECK(b.saver.state == SAVER_IDLE && saver_failures(&b.saver) == 1);
+    CHECK(saver_begin(&b.saver, b.now_ms));
+    settle(&b);
+    CHECK(b.saver.snapshots == 1 && saver_failures(&b.saver) == 0);
+    end(&b);
+}
+
+TEST(no_snapshot_begins_while_the_server_stops)
+{
+    struct bench b;
+    begin(&b);
+    change(&b);
+    b.compact_at = 1;
+    saver_step(&b.saver, b.now_ms, true);
+    CHECK(b.saver.state == SAVER_IDLE);
+    step(&b);
+    CHECK(b.saver.state == SAVER_ROTATING);
+    end(&b);
+}
+
 TEST(log_that_cannot_begin_its_new_segment_is_tried_again)
 {
     struct bench b;
