@@ -21,5 +21,5 @@ load: all
 #   make stress SCENARIOS=hub LARGE=1000000
 .PHONY: stress
 LARGE ?= 10000000
-stress: all
+stress: all $(DISK_SHIM)
 	@python3 tests/load/stress.py --large $(LARGE) $(O)/delaunayd $(SCENARIOS)

@@ -10,6 +10,7 @@ one machine with the daemon and all clients on it; compare two daemons in altern
 import argparse
 import math
 import multiprocessing as mp
+import os
 import random
 import re
 import socket
@@ -21,9 +22,9 @@ import time
 
 
 class Daemon:
-    def __init__(self, binary, *flags):
+    def __init__(self, binary, *flags, environment=None):
         self.process = subprocess.Popen([binary, '--port', '0', *flags], stdout=subprocess.PIPE,
-                                        stderr=subprocess.DEVNULL, text=True)
+                                        stderr=subprocess.DEVNULL, text=True, env=environment)
         self.port = int(re.search(r':(\d+)$', self.process.stdout.readline().strip()).group(1))
 
     def __enter__(self):
@@ -271,6 +272,45 @@ def info(client, key):
     return int(values[key])
 
 
+def load_and_drop(port, name, rounds):
+    """Sends all at once; the replies are read by another process."""
+    c, n, rnd = Client(port), 100000, random.Random(1)
+    points = struct.pack(f'<{2 * n}d', *(rnd.random() for _ in range(2 * n)))
+    request = f'LOADB {name} {n}\n'.encode() + points + f'DROP {name}\n'.encode()
+    sender = mp.Process(target=lambda: [c.sock.sendall(request) for _ in range(rounds)])
+    sender.start()
+    replies = [c.status() for _ in range(2 * rounds)]
+    sender.join()
+    assert all(r.startswith(('OK', 'ERR BUSY', 'ERR NOMEM', 'ERR NOSET')) for r in replies), replies
+
+
+def stalled_disk(args):
+    """LOADB and DROP in a loop while no sync returns; then the disk is well again."""
+    shim = os.path.join(os.path.dirname(args.daemon), 'tests/faults/disk_shim.so')
+    with tempfile.TemporaryDirectory() as top:
+        data, gate = os.path.join(top, 'data'), os.path.join(top, 'gate')
+        environment = dict(os.environ, LD_PRELOAD=os.path.abspath(shim), DISK_DIR=data, DISK_GATE=gate)
+        with Daemon(args.daemon, '--max-memory', '64m', '--data', data, environment=environment) as d:
+            c = Client(d.port)
+            while not c.ask('CREATE t').startswith('OK'):
+                time.sleep(0.01)
+            open(gate, 'w').close()
+            loops = [mp.Process(target=load_and_drop, args=(d.port, f's{i}', 60)) for i in range(3)]
+            for p in loops:
+                p.start()
+            time.sleep(5)
+            stalled, log = d.memory('VmHWM'), info(c, 'memory_log')
+            os.unlink(gate)
+            for p in loops:
+                p.join()
+                assert p.exitcode == 0
+            time.sleep(1)
+            left = sum(info(c, k) for k in ('memory_builds', 'memory_edits', 'loading', 'memory_log', 'memory_replies'))
+            show('LOADB and DROP of 3 clients on a stalled disk, --max-memory 64m',
+                 {'peak MB': stalled / 1e6, 'queued MB': log / 1e6, 'peak MB afterwards': d.memory('VmHWM') / 1e6,
+                  'reserved at the end': left}, 'peak 90, 0 reserved')
+
+
 def until_idle(client):
     begin = time.perf_counter()
     while info(client, 'jobs_running') > 0:
@@ -317,7 +357,7 @@ def cancel(args):
                 show(f'SIGTERM during {name}', {'ms': (time.perf_counter() - begin) * 1000}, '100')
 
 
-SCENARIOS = {f.__name__: f for f in (tiny_withins, large_withins, slow_dump, hub, crowd, builds, cancel)}
+SCENARIOS = {f.__name__: f for f in (tiny_withins, large_withins, slow_dump, hub, crowd, builds, stalled_disk, cancel)}
 
 
 def main():
