@@ -128,6 +128,17 @@ static void rebuild_done(struct server *s, struct job *j, struct answer *a)
         rebuild_next(s);
 }
 
+/* What is on the disk is read whatever --max-memory says: nothing that was acknowledged is left out. */
+static void report_memory(const struct server *s)
+{
+    size_t taken = budget_of(&s->budget, BUDGET_SETS);
+    if (!budget_fits(&s->budget, BUDGET_SETS, 0))
+        notice(NOTICE_WARNING,
+               "the sets take %zu bytes, which is all that --max-memory allows: points can be "
+               "deleted, but not added",
+               taken);
+}
+
 static void rebuild_next(struct server *s)
 {
     struct durable *d = s->durable;
@@ -147,6 +158,7 @@ static void rebuild_next(struct server *s)
             d->rebuild[d->rebuilt]->loading = false;
     }
     d->stage = STAGE_COMPLETE;
+    report_memory(s);
     ssize_t ignored = write(d->event, &one, sizeof one); /* all is there: somebody may wait */
     (void)ignored;
 }

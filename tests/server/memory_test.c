@@ -264,3 +264,60 @@ TEST_TIMEOUT(bodies_reserve_as_they_grow_and_what_does_not_fit_is_refused, 60)
     check_peak(&d, 46 * MB);
     CHECK(daemon_info(&d, "loading") == 0);
 }
+
+/* ---- a restart with less memory than before ---- */
+
+/* A daemon on the directory whose standard error goes to a file, which is returned. */
+static FILE *begin_noted(const struct directory *dir, const char *max_memory, struct daemon *d)
+{
+    const char *arguments[] = {"--max-memory", max_memory, NULL};
+    int before = dup(STDERR_FILENO);
+    FILE *notes = tmpfile();
+    CHECK(notes != NULL && before >= 0 && dup2(fileno(notes), STDERR_FILENO) >= 0);
+    *d = directory_daemon(dir, arguments);
+    CHECK(dup2(before, STDERR_FILENO) >= 0);
+    close(before);
+    return notes;
+}
+
+static bool file_has(FILE *f, const char *text)
+{
+    char line[400];
+    bool found = false;
+    rewind(f);
+    while (!found && fgets(line, sizeof line, f) != NULL)
+        found = strstr(line, text) != NULL;
+    fclose(f);
+    return found;
+}
+
+TEST_TIMEOUT(sets_larger_than_max_memory_are_all_there_after_a_restart_and_can_shrink, 60)
+{
+    enum { POINTS = 20000 };
+    static const char warning[] = "points can be deleted, but not added";
+    struct directory dir = directory_new();
+    struct daemon d;
+    FILE *notes = begin_noted(&dir, "64m", &d);
+    load_random(daemon_connect(&d), "a", POINTS);
+    load_random(daemon_connect(&d), "b", POINTS);
+    carry_out(&d, "TRIANGULATE a\nDEL a 7\n");
+    CHECK(daemon_stop(&d, SIGKILL) == -1);
+    CHECK(!file_has(notes, warning));
+    notes = begin_noted(&dir, "1m", &d);
+    await_info(&d, "loaded_percent", 100);
+    CHECK(file_has(notes, warning));
+    int fd = daemon_connect(&d);
+    say(fd, "SETS\nADD a 2 2\nDEL a 8\nSNAPSHOT\nDROP b\n");
+    expect(fd, "OK 2\na points=19999 triangulated=yes\nb points=20000 triangulated=no\n");
+    CHECK(begins_with(hear_line(fd), "ERR NOMEM "));
+    expect(fd, "OK 0 deleted=1\n");
+    CHECK(begins_with(hear_line(fd), "OK 0 lsn="));
+    expect(fd, "OK 0\n");
+    await_info(&d, "snapshot_running", 0);
+    CHECK(daemon_stop(&d, SIGKILL) == -1);
+    fclose(begin_noted(&dir, "64m", &d));
+    await_info(&d, "loaded_percent", 100);
+    converse(&d, "SETS\nADD a 2 2\n",
+             "OK 1\na points=19998 triangulated=yes\nOK 0 first=20000 added=1 coincident=0\n");
+    directory_remove(&dir);
+}
