@@ -160,22 +160,31 @@ enum { SECTIONS = sizeof sections / sizeof sections[0] };
 
 /* ---- the command ---- */
 
-static void tell_all(const struct server *s, struct facts *f)
+/* Adds section i unless the reply has it already: told[i]. */
+static void tell_once(const struct server *s, struct facts *f, bool *told, size_t i)
 {
-    for (size_t i = 0; i < SECTIONS; i++)
+    if (!told[i])
         sections[i].tell(s, f);
+    told[i] = true;
 }
 
-/* Tells the section of that name. False: there is none. */
-static bool tell_section(const struct server *s, struct facts *f, const struct word *name)
+static void tell_all(const struct server *s, struct facts *f, bool *told)
+{
+    for (size_t i = 0; i < SECTIONS; i++)
+        tell_once(s, f, told, i);
+}
+
+/* Adds the section of that name. False: there is none. */
+static bool tell_section(const struct server *s, struct facts *f, bool *told,
+                         const struct word *name)
 {
     if (word_is(name, "ALL")) {
-        tell_all(s, f);
+        tell_all(s, f, told);
         return true;
     }
     for (size_t i = 0; i < SECTIONS; i++) {
         if (word_is(name, sections[i].name)) {
-            sections[i].tell(s, f);
+            tell_once(s, f, told, i);
             return true;
         }
     }
@@ -185,12 +194,12 @@ static bool tell_section(const struct server *s, struct facts *f, const struct w
 void cmd_info(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct facts f = {0};
-    bool known = true;
+    bool known = true, told[SECTIONS] = {false};
     (void)set;
     if (q->n == 1)
-        tell_all(s, &f);
+        tell_all(s, &f, told);
     for (size_t i = 1; i < q->n && known; i++) {
-        known = tell_section(s, &f, &q->word[i]);
+        known = tell_section(s, &f, told, &q->word[i]);
         if (!known)
             reply_err(a->out, ERR_SYNTAX,
                       "INFO has no section %.*s; it has server clients memory stats sets "

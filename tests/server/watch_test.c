@@ -90,6 +90,24 @@ TEST(info_tells_the_sections_that_are_asked_for)
     free(plain);
 }
 
+TEST(info_shows_a_section_once_however_often_it_is_asked_for)
+{
+    enum { TIMES = 16000 };
+    static char request[4 * TIMES + 16] = "INFO";
+    struct daemon d = daemon_start(NULL);
+    for (int i = 0; i < TIMES; i++)
+        strcpy(request + 4 + 4 * i, " all");
+    strcat(request, " clients\n");
+    free(reply_to(&d, "INFO\n")); /* INFO shows the calls of INFO from then on */
+    char *once = reply_to(&d, "INFO all\n"), *often = reply_to(&d, request);
+    CHECK_MSG(strtol(often + 3, NULL, 10) == strtol(once + 3, NULL, 10), "%.40s", often);
+    free(often);
+    often = reply_to(&d, "INFO sets sets clients sets\n");
+    CHECK_MSG(strncmp(often, "OK 10\nsets:", 11) == 0, "%s", often);
+    free(often);
+    free(once);
+}
+
 TEST(info_of_a_section_that_is_not_there_is_refused_in_both_framings)
 {
     struct daemon d = daemon_start(NULL);
