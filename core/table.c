@@ -76,10 +76,8 @@ enum dt_status dt_table_begin(const struct dt *t, const struct dt_view *v, enum 
                             .end = v == NULL ? DT_NONE : dt_view_next_id(v),
                             .hull_at = DT_NONE,
                             .hull_before = DT_NONE};
-    if (table == DT_LISTS || table == DT_HULL) {
+    if (table == DT_LISTS || table == DT_HULL)
         c->hull_left = sum.hull;
-        c->hull_at = sum.hull > 0 ? dt_hull_start(t, v, cw) : DT_NONE;
-    }
     c->left = c->rows - c->hull_left;
     if (table == DT_LISTS)
         c->interior = c->left;
@@ -149,9 +147,12 @@ static void read_coincident(const struct dt *t, struct dt_cursor *c, struct sink
     }
 }
 
-/* The hull from where the cursor stands on it. */
-static struct dt_hull_walk hull_from(const struct dt *t, const struct dt_cursor *c)
+/* The hull from where the cursor stands on it. Its first point is searched for when the first row is
+ * read, not when the cursor is made: that takes a walk along the whole hull. */
+static struct dt_hull_walk hull_from(const struct dt *t, struct dt_cursor *c)
 {
+    if (c->hull_at == DT_NONE)
+        c->hull_at = dt_hull_start(t, c->view, c->cw);
     return dt_hull_walk_at(t, c->view, c->cw, c->hull_at, c->hull_before);
 }
 

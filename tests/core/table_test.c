@@ -56,6 +56,7 @@ static void read_table(const struct dt *t, enum dt_table table, bool cw, size_t 
 {
     struct dt_cursor c;
     CHECK(dt_table_begin(t, NULL, table, cw, &c) == DT_OK);
+    CHECK(c.hull_at == DT_NONE); /* no walk along the hull yet */
     CHECK(read_cursor(t, &c, cap, max_rows, out) == c.rows);
 }
 
