@@ -21,12 +21,17 @@ static bool grow(struct request *q, size_t need)
     return true;
 }
 
-bool request_add(struct request *q, const char *text, size_t len)
+static inline bool append(struct request *q, const char *text, size_t len)
 {
     if (q->n == q->cap && !grow(q, q->n + 1))
         return false;
     q->word[q->n++] = (struct word){text, len};
     return true;
+}
+
+bool request_add(struct request *q, const char *text, size_t len)
+{
+    return append(q, text, len);
 }
 
 bool request_set(struct request *q, const struct word *word, size_t n)
@@ -51,7 +56,7 @@ bool request_split(struct request *q, const char *text, size_t len)
         const char *word = p;
         while (p < end && !is_blank(*p))
             p++;
-        if (!request_add(q, word, (size_t)(p - word))) {
+        if (!append(q, word, (size_t)(p - word))) {
             q->n = 0;
             return false;
         }

@@ -49,16 +49,21 @@ struct answer session_answer(struct session *s)
     return new_answer(s);
 }
 
-/* What the answer says goes on its way: a client that speaks RESP gets it in that framing. */
-static void deliver(struct session *s, struct answer *a)
+/* Frames the reply for a client that speaks RESP. */
+static void reframe(struct session *s, struct answer *a)
 {
     struct buf *lines = &s->server->lines;
-    if (a->out != lines)
-        return;
     if (!resp_reframe(&s->reader, buf_head(lines), buf_len(lines), &s->conn.out) ||
         s->conn.out.failed)
         a->broken = true;
     buf_rewind(lines, 0);
+}
+
+/* What the answer says goes on its way. */
+static inline void deliver(struct session *s, struct answer *a)
+{
+    if (a->out == &s->server->lines)
+        reframe(s, a);
 }
 
 static void consume_held(struct session *s)

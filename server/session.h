@@ -26,11 +26,11 @@ struct session {
     uint64_t requests;     /* answered so far */
     unsigned command;      /* the last one, or the one under way; as in struct answer */
     unsigned wrong_tokens; /* that it has shown */
-    struct timer probe;    /* set: runs when a comment is to show whether the client is still there */
-    bool probed;           /* it has run for the request at hand */
-    struct timer later;    /* set: the request at hand is carried out when it runs */
-    bool waited;           /* it has run for the request at hand */
-    bool evicted;          /* it has made room for another client */
+    struct timer probe; /* set: runs when a comment is to show whether the client is still there */
+    bool probed;        /* it has run for the request at hand */
+    struct timer later; /* set: the request at hand is carried out when it runs */
+    bool waited;        /* it has run for the request at hand */
+    bool evicted;       /* it has made room for another client */
     struct stats_pause pause;
     bool noted; /* the request that has paused is in `note`, as words */
     char note[SLOW_TEXT];

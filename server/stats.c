@@ -27,12 +27,6 @@ int64_t stats_look(struct stats *st)
     return now;
 }
 
-void stats_begin(struct stats *st, unsigned command)
-{
-    if (st->run > 0 && st->quick != command)
-        stats_look(st);
-}
-
 void stats_pause(struct stats *st, struct stats_pause *p, bool in_line)
 {
     if (p->began_ns == 0)

@@ -50,7 +50,11 @@ void stats_clear(struct stats *st);
 int64_t stats_look(struct stats *st);
 
 /* A request of this command is about to be carried out: ends a run of others. */
-void stats_begin(struct stats *st, unsigned command);
+static inline void stats_begin(struct stats *st, unsigned command)
+{
+    if (st->run > 0 && st->quick != command)
+        stats_look(st);
+}
 
 /* The request at hand pauses, in line for a set (in_line) or with a worker. */
 void stats_pause(struct stats *st, struct stats_pause *p, bool in_line);
