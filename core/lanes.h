@@ -1,5 +1,5 @@
 /* lanes.h - two doubles side by side, in one register where the machine has such: the vectors of gcc
- * and clang, and the one instruction that they have no words for. */
+ * and clang, and the one instruction that they have no words for. All vectors of core/ are these. */
 #ifndef DT_LANES_H
 #define DT_LANES_H
 
@@ -13,6 +13,12 @@ static inline dt_lanes dt_lanes_load(const double *p)
 {
     typedef double unaligned __attribute__((vector_size(16), aligned(8), may_alias));
     return *(const unaligned *)p;
+}
+
+/* The same value in both lanes. */
+static inline dt_lanes dt_lanes_both(double v)
+{
+    return (dt_lanes){v, v};
 }
 
 /* The first lanes of a and b, and the second ones. */
@@ -31,6 +37,12 @@ static inline dt_lanes dt_lanes_abs(dt_lanes a)
 {
     const dt_lanes_holds magnitude = {INT64_MAX, INT64_MAX};
     return (dt_lanes)((dt_lanes_holds)a & magnitude);
+}
+
+/* a in the lanes where the comparison holds, b in the others. */
+static inline dt_lanes dt_lanes_choose(dt_lanes_holds holds, dt_lanes a, dt_lanes b)
+{
+    return (dt_lanes)((holds & (dt_lanes_holds)a) | (~holds & (dt_lanes_holds)b));
 }
 
 /* Bit i is set where the comparison, such as a > b, holds in lane i. */

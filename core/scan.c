@@ -28,8 +28,8 @@ void dt_scan_begin(struct dt_scan *q, bool exact)
 {
     q->exact = exact;
     q->reach = 0;
-    q->least = q->second = (dt_pair){HUGE_VAL, HUGE_VAL};
-    q->least_at = (dt_pair){-1, -1};
+    q->least = q->second = (dt_lanes){HUGE_VAL, HUGE_VAL};
+    q->least_at = (dt_lanes){-1, -1};
     q->doubt = false;
     q->best = DT_NONE;
     q->dot = DBL_MAX; /* with cross = 0, a cotangent greater than any */
@@ -44,16 +44,6 @@ static bool is_left(struct dt_scan *q, uint32_t i)
 }
 
 /* ---- the first scan ---- */
-
-static inline dt_pair both(double v)
-{
-    return (dt_pair){v, v};
-}
-
-static inline dt_pair choose(dt_mask m, dt_pair a, dt_pair b)
-{
-    return (dt_pair)((m & (dt_mask)a) | (~m & (dt_mask)b));
-}
 
 /* Whether a point of the run is left of the edge, but by no more than `sure`. */
 static bool has_doubtful(struct dt_scan *q, double sure, uint32_t i, uint32_t end)
@@ -73,22 +63,24 @@ static void scan_rounded(struct dt_scan *q, double reach, uint32_t i, uint32_t e
 {
     static const struct dt_point nowhere = {DT_REMOVED, DT_REMOVED};
     const struct dt_edge *e = &q->edge;
-    const dt_pair ax = both(e->a.x), ay = both(e->a.y), bx = both(e->b.x), by = both(e->b.y);
-    const dt_pair dx = both(e->d.x), dy = both(e->d.y), a = both(q->a), b = both(q->b);
-    const dt_pair sure = both(0x1p-24 * e->span * reach), none = both(HUGE_VAL);
-    dt_pair least = q->least, second = q->second, least_at = q->least_at, at = {i, i + 1.0};
-    dt_mask near = {0, 0};
+    const dt_lanes ax = dt_lanes_both(e->a.x), ay = dt_lanes_both(e->a.y),
+                   bx = dt_lanes_both(e->b.x), by = dt_lanes_both(e->b.y);
+    const dt_lanes dx = dt_lanes_both(e->d.x), dy = dt_lanes_both(e->d.y), a = dt_lanes_both(q->a),
+                   b = dt_lanes_both(q->b);
+    const dt_lanes sure = dt_lanes_both(0x1p-24 * e->span * reach), none = dt_lanes_both(HUGE_VAL);
+    dt_lanes least = q->least, second = q->second, least_at = q->least_at, at = {i, i + 1.0};
+    dt_lanes_holds near = {0, 0};
     q->looked += (uint64_t)LOOK * (end - i);
     for (uint32_t k = i; k < end; k += 2, at += 2) {
         const struct dt_point *p = q->grid->xy + k, *r = k + 1 < end ? p + 1 : &nowhere;
-        dt_pair px = {p->x, r->x}, py = {p->y, r->y};
-        dt_pair x = px - ax, y = py - ay, cross = dx * y - dy * x;
-        dt_pair s = choose(cross > sure, (x * (px - bx) + y * (py - by)) / cross, none);
-        dt_mask less = s < least;
-        dt_pair other = choose(less, least, s);
-        second = choose(other < second, other, second);
-        least_at = choose(less, at, least_at);
-        least = choose(less, s, least);
+        dt_lanes px = {p->x, r->x}, py = {p->y, r->y};
+        dt_lanes x = px - ax, y = py - ay, cross = dx * y - dy * x;
+        dt_lanes s = dt_lanes_choose(cross > sure, (x * (px - bx) + y * (py - by)) / cross, none);
+        dt_lanes_holds less = s < least;
+        dt_lanes other = dt_lanes_choose(less, least, s);
+        second = dt_lanes_choose(other < second, other, second);
+        least_at = dt_lanes_choose(less, at, least_at);
+        least = dt_lanes_choose(less, s, least);
         near |= (cross <= sure) & (cross >= -sure) & (at != a) & (at != b);
     }
     q->least = least;
@@ -99,8 +91,8 @@ static void scan_rounded(struct dt_scan *q, double reach, uint32_t i, uint32_t e
         q->doubt |= has_doubtful(q, sure[0], i, end);
 }
 
-/* Which half has the least cotangent. */
-static int least_half(const struct dt_scan *q)
+/* Which lane has the least cotangent. */
+static int least_lane(const struct dt_scan *q)
 {
     return q->least[1] < q->least[0];
 }
@@ -108,16 +100,16 @@ static int least_half(const struct dt_scan *q)
 /* How far another cotangent must be from the least one to be greater with certainty. */
 static double margin(const struct dt_scan *q)
 {
-    return 0x1p-24 * (2 * q->reach / q->edge.span + fabs(q->least[least_half(q)]));
+    return 0x1p-24 * (2 * q->reach / q->edge.span + fabs(q->least[least_lane(q)]));
 }
 
 bool dt_scan_is_certain(const struct dt_scan *q)
 {
-    int half = least_half(q);
-    double sure = q->least[half] + margin(q);
-    if (q->exact || q->least[half] == HUGE_VAL)
+    int lane = least_lane(q);
+    double sure = q->least[lane] + margin(q);
+    if (q->exact || q->least[lane] == HUGE_VAL)
         return !q->doubt;
-    return !q->doubt && q->least[!half] >= sure && q->second[0] >= sure && q->second[1] >= sure;
+    return !q->doubt && q->least[!lane] >= sure && q->second[0] >= sure && q->second[1] >= sure;
 }
 
 /* ---- the exact scan ---- */
@@ -180,7 +172,7 @@ void dt_scan_run(struct dt_scan *q, double reach, uint32_t i, uint32_t end)
 
 uint32_t dt_scan_best(const struct dt_scan *q)
 {
-    double at = q->least_at[least_half(q)];
+    double at = q->least_at[least_lane(q)];
     if (q->exact)
         return q->best;
     return at < 0 ? DT_NONE : (uint32_t)at;
@@ -189,7 +181,7 @@ uint32_t dt_scan_best(const struct dt_scan *q)
 double dt_scan_bound(const struct dt_scan *q)
 {
     if (!q->exact)
-        return q->least[least_half(q)] + margin(q);
+        return q->least[least_lane(q)] + margin(q);
     double error = 8 * U * q->edge.span * q->reach, dot = q->dot + 12 * U * q->reach * q->reach;
     if (q->best == DT_NONE || q->cross <= 2 * error)
         return HUGE_VAL;

@@ -13,11 +13,8 @@
 #ifndef DT_SCAN_H
 #define DT_SCAN_H
 
+#include "core/lanes.h"
 #include "core/segment.h"
-
-/* Two doubles that are computed with at once; comparisons give all ones or zeros. */
-typedef double dt_pair __attribute__((vector_size(16)));
-typedef int64_t dt_mask __attribute__((vector_size(16)));
 
 struct dt_scan {
     const struct dt_grid *grid; /* borrows */
@@ -26,10 +23,10 @@ struct dt_scan {
     bool exact;
     uint64_t looked; /* what scans have cost since this was zeroed, in steps (effort.h) */
     double reach;    /* first scan: of all points scanned; exact: of the best point */
-    /* the first scan: each half has every other point of a run */
-    dt_pair least, second; /* the two smallest cotangents */
-    dt_pair least_at;      /* the place of the smallest one; -1 if there is none */
-    bool doubt;            /* a point is left of the edge, but hardly */
+    /* the first scan: each lane has every other point of a run */
+    dt_lanes least, second; /* the two smallest cotangents */
+    dt_lanes least_at;      /* the place of the smallest one; -1 if there is none */
+    bool doubt;             /* a point is left of the edge, but hardly */
     /* the exact scan */
     uint32_t best; /* DT_NONE if there is none */
     double dot, cross;

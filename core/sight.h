@@ -110,17 +110,12 @@ INLINE struct sight sight_of(const struct dt_point *p, const struct sight_base *
     return c;
 }
 
-INLINE dt_lanes sight_both(double a)
-{
-    return (dt_lanes){a, a};
-}
-
 /* Which of the points in view lie above, strictly on the left of, the line from l to r. */
 INLINE int sight_above(const struct knitting *w, uint32_t l, uint32_t r, uint32_t u, uint32_t v,
                        const struct sight *c)
 {
-    int above = dt_lanes_bits(c->cr > sight_both(w->cr_bound));
-    int not_above = dt_lanes_bits(c->cr < sight_both(-w->cr_bound));
+    int above = dt_lanes_bits(c->cr > dt_lanes_both(w->cr_bound));
+    int not_above = dt_lanes_bits(c->cr < dt_lanes_both(-w->cr_bound));
     if (__builtin_expect((above | not_above) != (SIGHT_LEFT | SIGHT_RIGHT), 0))
         return dt_sight_above(w->p, l, r, u, v);
     return above;
@@ -129,8 +124,8 @@ INLINE int sight_above(const struct knitting *w, uint32_t l, uint32_t r, uint32_
 INLINE int sight_below(const struct knitting *w, uint32_t l, uint32_t r, uint32_t u, uint32_t v,
                        const struct sight *c)
 {
-    int below = dt_lanes_bits(c->cr < sight_both(-w->cr_bound));
-    int not_below = dt_lanes_bits(c->cr > sight_both(w->cr_bound));
+    int below = dt_lanes_bits(c->cr < dt_lanes_both(-w->cr_bound));
+    int not_below = dt_lanes_bits(c->cr > dt_lanes_both(w->cr_bound));
     if (__builtin_expect((below | not_below) != (SIGHT_LEFT | SIGHT_RIGHT), 0))
         return dt_sight_below(w->p, l, r, u, v);
     return below;
@@ -139,7 +134,7 @@ INLINE int sight_below(const struct knitting *w, uint32_t l, uint32_t r, uint32_
 /* The close filter's bound of det(c, x). */
 INLINE dt_lanes sight_close(const struct sight *c, const struct sight *x)
 {
-    return sight_both(1.2e-15) * (c->dt_size * x->cr_size + x->dt_size * c->cr_size);
+    return dt_lanes_both(1.2e-15) * (c->dt_size * x->cr_size + x->dt_size * c->cr_size);
 }
 
 /* The same of det(u, v) for the two points that *c has in view. */
@@ -162,7 +157,7 @@ INLINE int sight_better(const struct knitting *w, struct sight_filter *f, uint32
                         const struct sight *in_c, const struct sight *in_x)
 {
     dt_lanes det = in_c->dt * in_x->cr - in_x->dt * in_c->cr;
-    dt_lanes bound = f->close ? sight_close(in_c, in_x) : sight_both(w->det_bound);
+    dt_lanes bound = f->close ? sight_close(in_c, in_x) : dt_lanes_both(w->det_bound);
     int better = sides & dt_lanes_bits(det > bound);
     int not_better = sides & dt_lanes_bits(det < -bound);
     if (__builtin_expect((better | not_better) != sides, 0))

@@ -20,8 +20,10 @@ TEST(lanes_are_loaded_picked_and_compared_one_by_one)
     for (int first = -1; first <= 1; first++)
         for (int second = -1; second <= 1; second++) {
             dt_lanes v = {first, second};
-            CHECK(((first > 0) | (second > 0) << 1) == dt_lanes_bits(v > sight_both(0)));
-            CHECK(((first < 0) | (second < 0) << 1) == dt_lanes_bits(v < sight_both(0)));
+            CHECK(((first > 0) | (second > 0) << 1) == dt_lanes_bits(v > dt_lanes_both(0)));
+            CHECK(((first < 0) | (second < 0) << 1) == dt_lanes_bits(v < dt_lanes_both(0)));
+            dt_lanes most = dt_lanes_choose(v > dt_lanes_both(0), v, dt_lanes_both(0));
+            CHECK(same(most, first > 0 ? first : 0, second > 0 ? second : 0));
         }
 }
 
