@@ -46,21 +46,12 @@ static bool next_piece(const struct sort *s, unsigned i, struct dt_piece *at)
     return dt_next_piece(&s->d->stop, dt_slice(s->n, i + 1, s->slices), at);
 }
 
-static struct dt_box join_boxes(struct dt_box a, struct dt_box b)
-{
-    a.x0 = b.x0 < a.x0 ? b.x0 : a.x0;
-    a.x1 = b.x1 > a.x1 ? b.x1 : a.x1;
-    a.y0 = b.y0 < a.y0 ? b.y0 : a.y0;
-    a.y1 = b.y1 > a.y1 ? b.y1 : a.y1;
-    return a;
-}
-
 static void find_box(void *arg, unsigned i)
 {
     struct sort *s = arg;
     s->box[i] = dt_box_of(s->src.p + dt_slice(s->n, i, s->slices), 1);
     for (struct dt_piece at = before_slice(s, i); next_piece(s, i, &at);)
-        s->box[i] = join_boxes(s->box[i], dt_box_of(s->src.p + at.a, at.b - at.a));
+        s->box[i] = dt_box_join(s->box[i], dt_box_of(s->src.p + at.a, at.b - at.a));
 }
 
 static struct dt_box box_of_all(struct sort *s)
@@ -69,7 +60,7 @@ static struct dt_box box_of_all(struct sort *s)
     dt_run(s->d->opt->pool, s->slices, find_box, s);
     struct dt_box all = s->box[0];
     for (unsigned i = 1; i < s->slices; i++)
-        all = join_boxes(all, s->box[i]);
+        all = dt_box_join(all, s->box[i]);
     return all;
 }
 
@@ -139,8 +130,8 @@ static struct dt_box box_of_most(const struct sort *s, struct dt_box box, double
         y[i] = p.y;
     }
     double margin = sqrt(cells) / 32 > 1 ? sqrt(cells) / 32 : 1;
-    leave_outskirts(x, SAMPLES, margin, &box.x0, &box.x1);
-    leave_outskirts(y, SAMPLES, margin, &box.y0, &box.y1);
+    leave_outskirts(x, SAMPLES, margin, &box.lo.x, &box.hi.x);
+    leave_outskirts(y, SAMPLES, margin, &box.lo.y, &box.hi.y);
     return box;
 }
 
@@ -336,8 +327,8 @@ uint32_t dt_level_median(struct dt_division *d, struct dt_source src, uint32_t l
         bring(d, src, lo, n);
     struct dt_box box = dt_box_of(d->p + lo, 1);
     for (struct dt_piece at = dt_before_first(lo); dt_next_piece(&d->stop, lo + n, &at);)
-        box = join_boxes(box, dt_box_of(d->p + at.a, at.b - at.a));
-    *axis = box.x1 - box.x0 >= box.y1 - box.y0 ? 0 : 1;
+        box = dt_box_join(box, dt_box_of(d->p + at.a, at.b - at.a));
+    *axis = dt_box_axis(&box);
     dt_median_part(d->p + lo, d->from + lo, n, *axis, &d->stop);
     return n / 2;
 }

@@ -5,7 +5,7 @@
  * To plan a grid for them costs more than all the rest. */
 #include "core/few.h"
 
-#include "core/order.h"
+#include "core/box.h"
 #include "core/rank.h"
 
 /* Those that share a coordinate are put right by a second sort. */
@@ -37,7 +37,7 @@ struct dt_part dt_few(const struct dt_merging *w, struct dt_point *p, uint32_t *
     if (n <= DT_BLOCK)
         return dt_block(w, p, from, lo, n);
     struct dt_box box = dt_box_of(p + lo, n);
-    unsigned axis = box.x1 - box.x0 >= box.y1 - box.y0 ? 0 : 1;
+    unsigned axis = dt_box_axis(&box);
     sort(axis, p + lo, from + lo, n);
     uint32_t half = n / 2;
     struct dt_part a = dt_block(w, p, from, lo, half);

@@ -65,35 +65,23 @@ void dt_grid_clear(struct dt_grid *g)
     *g = (struct dt_grid){.n = 0};
 }
 
-static struct dt_point least(struct dt_point a, struct dt_point b)
-{
-    return (struct dt_point){a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y};
-}
-
-static struct dt_point greatest(struct dt_point a, struct dt_point b)
-{
-    return (struct dt_point){a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y};
-}
-
 /* Box, side, lines and their length for points of which `share` are meant to be spread evenly. */
 static void cells_measure(struct dt_cells *c, const struct builder *b, struct source p,
                           uint32_t share)
 {
-    struct dt_point lo = p.xy[0], hi = p.xy[0];
+    struct dt_box box = dt_box_of(p.xy, 1);
     for (struct dt_piece at = dt_before_first(0); next_piece(b, p.n, &at);)
-        for (uint32_t i = at.a; i < at.b; i++) {
-            lo = least(lo, p.xy[i]);
-            hi = greatest(hi, p.xy[i]);
-        }
-    double width = hi.x - lo.x, height = hi.y - lo.y;
-    c->lo = lo;
+        for (uint32_t i = at.a; i < at.b; i++)
+            dt_box_add(&box, p.xy[i]);
+    double width = dt_box_width(&box), height = dt_box_height(&box);
+    c->lo = box.lo;
     c->side = fmax(sqrt(width * height / share) * 4 / 3, fmax(width, height) / share);
     if (c->side == 0)
         c->side = 1; /* a single point */
     c->per_unit = 1 / c->side;
     c->upright = height > width;
-    c->lines = (uint32_t)dt_cells_across(c, hi) + 1;
-    c->length = (uint32_t)dt_cells_along(c, hi) + 1;
+    c->lines = (uint32_t)dt_cells_across(c, box.hi) + 1;
+    c->length = (uint32_t)dt_cells_along(c, box.hi) + 1;
 }
 
 /* Finds the cell of each point, and makes the places in `start`, which begin at `first`. *most is
@@ -344,7 +332,7 @@ uint32_t dt_grid_nearest(struct dt_grid *g, uint32_t place)
     const struct dt_cells *c = &g->top;
     struct nearest s = {g, place, DT_NONE, HUGE_VAL};
     double u = dt_cells_along(c, g->xy[place]), v = dt_cells_across(c, g->xy[place]);
-    uint32_t i = dt_cells_clamp(u, c->length), j = dt_cells_clamp(v, c->lines);
+    uint32_t i = dt_cell(u, c->length), j = dt_cell(v, c->lines);
     unsigned sides = 15;
     visit_ring(c, i, j, 0, sides, take_nearest, &s);
     for (int64_t k = 1; sides != 0; k++) {

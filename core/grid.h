@@ -17,6 +17,7 @@
 #ifndef DT_GRID_H
 #define DT_GRID_H
 
+#include "core/box.h"
 #include "core/effort.h"
 
 struct dt_cells {
@@ -72,7 +73,7 @@ static inline bool dt_grid_removed(const struct dt_grid *g, uint32_t place)
 /* The side of the smallest cell that p falls into: about the distance between points there. */
 double dt_grid_spacing(const struct dt_grid *g, struct dt_point p);
 
-/* ---- coordinates in cells ---- */
+/* ---- coordinates in cells: monotone, as dt_cell is ---- */
 
 static inline double dt_cells_along(const struct dt_cells *c, struct dt_point p)
 {
@@ -84,18 +85,10 @@ static inline double dt_cells_across(const struct dt_cells *c, struct dt_point p
     return c->upright ? (p.x - c->lo.x) * c->per_unit : (p.y - c->lo.y) * c->per_unit;
 }
 
-/* The cell number of a coordinate in cells, clamped to 0 .. n - 1. Monotone, as the two functions
- * above are, and used for points and for the limits of searches alike: so a search misses no point,
- * however the arithmetic rounds. */
-static inline uint32_t dt_cells_clamp(double v, uint32_t n)
-{
-    return v > 0 ? (v < n ? (uint32_t)v : n - 1) : 0;
-}
-
 static inline uint32_t dt_cells_index(const struct dt_cells *c, struct dt_point p)
 {
-    return dt_cells_clamp(dt_cells_across(c, p), c->lines) * c->length +
-           dt_cells_clamp(dt_cells_along(c, p), c->length);
+    return dt_cell(dt_cells_across(c, p), c->lines) * c->length +
+           dt_cell(dt_cells_along(c, p), c->length);
 }
 
 /* The first of the crowded cells numbered >= cell, as an index into sub and sub_cell. */

@@ -17,6 +17,7 @@
 #ifndef DT_HINTS_H
 #define DT_HINTS_H
 
+#include "core/box.h"
 #include "core/memory.h"
 #include "core/mesh.h"
 
@@ -53,19 +54,19 @@ enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy);
 /* Bytes that the grid holds. */
 size_t dt_hints_memory(const struct dt_hints *g);
 
-/* The column or row of v: monotone in v, and places beyond the grid belong to its outermost
- * cells. */
-static inline uint32_t dt_hint_index(double v, double lo, double per, uint32_t n)
+static inline uint32_t dt_hint_column(const struct dt_hint_grid *g, double x)
 {
-    double at = (v - lo) * per, last = (double)(n - 1);
-    at = at > 0 ? at : 0;
-    return (uint32_t)(at < last ? at : last);
+    return dt_cell((x - g->lo.x) * g->per_x, g->nx);
+}
+
+static inline uint32_t dt_hint_row(const struct dt_hint_grid *g, double y)
+{
+    return dt_cell((y - g->lo.y) * g->per_y, g->ny);
 }
 
 static inline uint32_t dt_hint_cell(const struct dt_hint_grid *g, struct dt_point q)
 {
-    uint32_t row = dt_hint_index(q.y, g->lo.y, g->per_y, g->ny);
-    return g->first + row * g->nx + dt_hint_index(q.x, g->lo.x, g->per_x, g->nx);
+    return g->first + dt_hint_row(g, q.y) * g->nx + dt_hint_column(g, q.x);
 }
 
 #define DT_HINT_GRID 4u /* the cell holds a grid, whose number is in the other bits */

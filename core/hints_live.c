@@ -25,10 +25,8 @@ static bool is_near(const struct dt_hint_grid *at, const struct dt_mesh *m,
                     const struct dt_point *xy, uint32_t h, struct dt_point q)
 {
     struct dt_point p = xy[m->half[h]];
-    return within_few(dt_hint_index(p.x, at->lo.x, at->per_x, at->nx),
-                      dt_hint_index(q.x, at->lo.x, at->per_x, at->nx)) &&
-           within_few(dt_hint_index(p.y, at->lo.y, at->per_y, at->ny),
-                      dt_hint_index(q.y, at->lo.y, at->per_y, at->ny));
+    return within_few(dt_hint_column(at, p.x), dt_hint_column(at, q.x)) &&
+           within_few(dt_hint_row(at, p.y), dt_hint_row(at, q.y));
 }
 
 /* The good hint of a cell around q's, or at least a live one: its own if that is. */

@@ -47,24 +47,10 @@ struct planner {
     uint32_t span_cap;
 };
 
-struct box {
-    struct dt_point lo, hi;
-};
-
-static void box_add(struct box *b, struct dt_point p)
-{
-    b->lo.x = p.x < b->lo.x ? p.x : b->lo.x;
-    b->lo.y = p.y < b->lo.y ? p.y : b->lo.y;
-    b->hi.x = p.x > b->hi.x ? p.x : b->hi.x;
-    b->hi.y = p.y > b->hi.y ? p.y : b->hi.y;
-}
-
-static const struct box no_box = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
-
 /* Square cells, about `cells` of them; at least one row and one column whatever the box. */
-static void grid_shape(struct dt_hint_grid *g, const struct box *b, double cells)
+static void grid_shape(struct dt_hint_grid *g, const struct dt_box *b, double cells)
 {
-    double w = b->hi.x - b->lo.x, h = b->hi.y - b->lo.y;
+    double w = dt_box_width(b), h = dt_box_height(b);
     double nx = w == 0 ? 1 : h == 0 ? cells : ceil(sqrt(cells * (w / h)));
     nx = nx < cells ? nx : ceil(cells);
     double ny = h == 0 ? 1 : ceil(cells / nx);
@@ -120,7 +106,7 @@ static uint32_t cell_of(const struct planner *p, const struct dt_hint_grid *g, u
 }
 
 /* Shapes grid k for the box and counts its samples. */
-static void shape_and_count(struct planner *p, uint32_t k, const struct box *box, double cells)
+static void shape_and_count(struct planner *p, uint32_t k, const struct dt_box *box, double cells)
 {
     struct dt_hint_grid *g = &p->hints->grid[k];
     grid_shape(g, box, cells);
@@ -191,15 +177,15 @@ static enum dt_status divide_crowd(struct planner *p, uint32_t k, uint32_t n)
 }
 
 /* The box of the samples of grid k, and as much around it as other points are likely to reach. */
-static struct box box_of_samples(const struct planner *p, uint32_t k)
+static struct dt_box box_of_samples(const struct planner *p, uint32_t k)
 {
-    struct box box = no_box;
-    uint32_t n = p->span[k].to - p->span[k].from;
-    for (uint32_t i = p->span[k].from; i < p->span[k].to; i++)
-        box_add(&box, p->xy[p->list[i]]);
+    uint32_t from = p->span[k].from, n = p->span[k].to - from;
+    struct dt_box box = dt_box_of(&p->xy[p->list[from]], 1);
+    for (uint32_t i = from + 1; i < from + n; i++)
+        dt_box_add(&box, p->xy[p->list[i]]);
     if (p->stride > 1) {
-        double w = (box.hi.x - box.lo.x) * 2 / n, h = (box.hi.y - box.lo.y) * 2 / n;
-        box = (struct box){{box.lo.x - w, box.lo.y - h}, {box.hi.x + w, box.hi.y + h}};
+        double w = dt_box_width(&box) * 2 / n, h = dt_box_height(&box) * 2 / n;
+        box = (struct dt_box){{box.lo.x - w, box.lo.y - h}, {box.hi.x + w, box.hi.y + h}};
     }
     return box;
 }
@@ -207,7 +193,7 @@ static struct box box_of_samples(const struct planner *p, uint32_t k)
 static enum dt_status plan_grid(struct planner *p, uint32_t k)
 {
     struct dt_hints *hints = p->hints;
-    struct box box = box_of_samples(p, k);
+    struct dt_box box = box_of_samples(p, k);
     double n = (double)(p->span[k].to - p->span[k].from) * p->stride;
     shape_and_count(p, k, &box, n * CELLS_PER_POINT_COARSE);
     if (!most_are_crowded(p, k, FEW))

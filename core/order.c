@@ -9,18 +9,6 @@
 #define SAMPLE 16  /* points, of a range of */
 #define SAMPLED 64 /* points at least */
 
-struct dt_box dt_box_of(const struct dt_point *p, uint32_t n)
-{
-    struct dt_box b = {p[0].x, p[0].x, p[0].y, p[0].y};
-    for (uint32_t i = 1; i < n; i++) {
-        b.x0 = p[i].x < b.x0 ? p[i].x : b.x0;
-        b.x1 = p[i].x > b.x1 ? p[i].x : b.x1;
-        b.y0 = p[i].y < b.y0 ? p[i].y : b.y0;
-        b.y1 = p[i].y > b.y1 ? p[i].y : b.y1;
-    }
-    return b;
-}
-
 /* How many of `bits` bits go to x so that cells are nearly square. */
 static uint32_t bits_of_x(uint32_t bits, double width, double height)
 {
@@ -97,7 +85,7 @@ static double strips_of(struct dt_box box, double cells, const struct dt_point *
 {
     if (n < SAMPLED)
         return 0;
-    double width = box.x1 - box.x0, height = box.y1 - box.y0;
+    double width = dt_box_width(&box), height = dt_box_height(&box);
     double length = fmax(width, height), thickness = 2 * roughness(p, n, width >= height);
     double strips = thickness * cells > length ? length / thickness : cells;
     double side = sqrt(cells * length / fmin(width, height)); /* of a grid, in cells */
@@ -107,7 +95,7 @@ static double strips_of(struct dt_box box, double cells, const struct dt_point *
 void dt_order_plan(struct dt_order *o, struct dt_box box, double cells, const struct dt_point *p,
                    uint32_t n)
 {
-    double width = box.x1 - box.x0, height = box.y1 - box.y0;
+    double width = dt_box_width(&box), height = dt_box_height(&box);
     double strips = strips_of(box, cells, p, n), parts = strips > 0 ? strips : cells;
     double bits = floor(log2(parts < 4 ? 4 : parts) + 0.5);
     o->bits = bits > MAX_BITS ? MAX_BITS : (uint32_t)bits;
@@ -116,8 +104,7 @@ void dt_order_plan(struct dt_order *o, struct dt_box box, double cells, const st
         x_bits = width >= height ? o->bits : 0;
     o->columns = 1u << x_bits;
     o->rows = 1u << (o->bits - x_bits);
-    o->x0 = box.x0;
-    o->y0 = box.y0;
+    o->lo = box.lo;
     o->per_x = width > 0 ? o->columns / width : 0;
     o->per_y = height > 0 ? o->rows / height : 0;
     choose_axes(o, x_bits, width, height);

@@ -11,7 +11,7 @@
  *        | 000 | 001 | 100 | 101
  *        +-----+-----+-----+----
  *
- * The cell of a coordinate is a monotone function of it, so each cut is strict: everything on one
+ * The cell of a coordinate is a monotone function of it (box.h), so each cut is strict: everything on one
  * side has a smaller x (or y) than everything on the other. That is all that divide and conquer
  * needs of an order; no coordinates are compared.
  *
@@ -20,17 +20,13 @@
 #define DT_ORDER_H
 
 #include "core/arena.h"
-#include "core/delaunay.h"
-
-struct dt_box {
-    double x0, x1, y0, y1;
-};
+#include "core/box.h"
 
 struct dt_order {
     uint32_t bits;          /* of a key; there are 1 << bits cells */
     uint32_t columns, rows; /* powers of two; columns * rows = cells */
     unsigned char axis[32]; /* what bit s of a key cuts: 0 = x, 1 = y */
-    double x0, y0;          /* the corner of the grid */
+    struct dt_point lo;     /* the corner of the grid */
     double per_x, per_y;    /* columns and rows per unit; 0 for a side of no length */
     uint32_t *column, *row; /* borrow from the arena: a column's and a row's part of the key */
 };
@@ -42,9 +38,6 @@ static inline uint32_t dt_random_below(uint64_t *state, uint32_t n)
     return (uint32_t)((*state >> 32) * n >> 32);
 }
 
-/* The tight box of n > 0 points. */
-struct dt_box dt_box_of(const struct dt_point *p, uint32_t n);
-
 /* Plans a grid of about `cells` nearly square cells, at least 4, on the box of n > 0 points; or as many
  * strips, if the points, of which it looks at a few, lie along a curve. */
 void dt_order_plan(struct dt_order *o, struct dt_box box, double cells, const struct dt_point *p,
@@ -53,18 +46,10 @@ void dt_order_plan(struct dt_order *o, struct dt_box box, double cells, const st
 /* Makes the tables that keys are looked up in. DT_NOMEM: nothing to undo. */
 enum dt_status dt_order_tables(struct dt_order *o, struct dt_arena *arena);
 
-/* Points beyond the grid belong to its outermost cells. No branch. */
-static inline uint32_t dt_order_place(double at, double per, uint32_t cells)
-{
-    double place = at * per, last = cells - 1;
-    place = place < last ? place : last;
-    return (uint32_t)(place > 0 ? place : 0);
-}
-
 static inline uint32_t dt_order_key(const struct dt_order *o, struct dt_point p)
 {
-    return o->column[dt_order_place(p.x - o->x0, o->per_x, o->columns)] |
-           o->row[dt_order_place(p.y - o->y0, o->per_y, o->rows)];
+    return o->column[dt_cell((p.x - o->lo.x) * o->per_x, o->columns)] |
+           o->row[dt_cell((p.y - o->lo.y) * o->per_y, o->rows)];
 }
 
 /* Writes n keys and adds to the counts[cells]. */

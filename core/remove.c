@@ -16,6 +16,7 @@
 
 #include <math.h>
 
+#include "core/box.h"
 #include "core/hull.h"
 #include "core/memory.h"
 #include "core/predicates.h"
@@ -61,16 +62,10 @@ static enum dt_status collect_star(const struct dt_mesh *m, const struct dt_poin
 
 static void set_bounds(struct hole *w, uint32_t lo, uint32_t hi)
 {
-    struct dt_point p = w->xy[w->rim[lo].origin];
-    double x0 = p.x, x1 = p.x, y0 = p.y, y1 = p.y;
-    for (uint32_t i = lo + 1; i <= hi; i++) {
-        p = w->xy[w->rim[i].origin];
-        x0 = p.x < x0 ? p.x : x0;
-        x1 = p.x > x1 ? p.x : x1;
-        y0 = p.y < y0 ? p.y : y0;
-        y1 = p.y > y1 ? p.y : y1;
-    }
-    double side = x1 - x0 > y1 - y0 ? x1 - x0 : y1 - y0, area = side * side;
+    struct dt_box box = dt_box_of(&w->xy[w->rim[lo].origin], 1);
+    for (uint32_t i = lo + 1; i <= hi; i++)
+        dt_box_add(&box, w->xy[w->rim[i].origin]);
+    double side = dt_box_side(&box), area = side * side;
     w->cr_bound = 1e-15 * area;
     w->det_bound = 1e-14 * area * area;
 }

@@ -31,10 +31,10 @@ static struct dt_segment segment(const struct dt_edge *edge, double s, double ro
     double left = s * edge->length + 0x1p-40 * size;
     double pad_x = 0x1p-47 * size + 2 * U * fabs(a.x), pad_y = 0x1p-47 * size + 2 * U * fabs(a.y);
     struct dt_segment g = {.s = s, .height = height * (1 + 0x1p-40)};
-    g.hi.x = a.x + ((left > d.y * root ? cx + r : larger(d.x, 0)) + pad_x);
-    g.lo.x = a.x + ((left > -d.y * root ? cx - r : smaller(d.x, 0)) - pad_x);
-    g.hi.y = a.y + ((left > -d.x * root ? cy + r : larger(d.y, 0)) + pad_y);
-    g.lo.y = a.y + ((left > d.x * root ? cy - r : smaller(d.y, 0)) - pad_y);
+    g.box.hi.x = a.x + ((left > d.y * root ? cx + r : larger(d.x, 0)) + pad_x);
+    g.box.lo.x = a.x + ((left > -d.y * root ? cx - r : smaller(d.x, 0)) - pad_x);
+    g.box.hi.y = a.y + ((left > -d.x * root ? cy + r : larger(d.y, 0)) + pad_y);
+    g.box.lo.y = a.y + ((left > d.x * root ? cy - r : smaller(d.y, 0)) - pad_y);
     return g;
 }
 
@@ -54,15 +54,15 @@ struct dt_segment dt_segment_of_cotangent(const struct dt_edge *e, double s)
 struct dt_segment dt_segment_all(const struct dt_edge *e)
 {
     struct dt_point d = e->d, a = e->a;
-    struct dt_segment g = {HUGE_VAL, HUGE_VAL, {-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}};
+    struct dt_segment g = {HUGE_VAL, HUGE_VAL, {{-HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, HUGE_VAL}}};
     if (d.x == 0 && d.y > 0)
-        g.hi.x = a.x;
+        g.box.hi.x = a.x;
     if (d.x == 0 && d.y < 0)
-        g.lo.x = a.x;
+        g.box.lo.x = a.x;
     if (d.y == 0 && d.x > 0)
-        g.lo.y = a.y;
+        g.box.lo.y = a.y;
     if (d.y == 0 && d.x < 0)
-        g.hi.y = a.y;
+        g.box.hi.y = a.y;
     return g;
 }
 
@@ -89,12 +89,12 @@ static void set_strip(struct dt_window *w, const struct dt_edge *e, double heigh
 bool dt_window_set(struct dt_window *w, const struct dt_edge *e, const struct dt_segment *g,
                    const struct dt_cells *c)
 {
-    double v0 = dt_cells_across(c, g->lo), v1 = dt_cells_across(c, g->hi);
-    double u0 = dt_cells_along(c, g->lo), u1 = dt_cells_along(c, g->hi);
-    w->first_line = dt_cells_clamp(v0, c->lines);
-    w->last_line = dt_cells_clamp(v1, c->lines);
-    w->first = dt_cells_clamp(u0, c->length);
-    w->last = dt_cells_clamp(u1, c->length);
+    double v0 = dt_cells_across(c, g->box.lo), v1 = dt_cells_across(c, g->box.hi);
+    double u0 = dt_cells_along(c, g->box.lo), u1 = dt_cells_along(c, g->box.hi);
+    w->first_line = dt_cell(v0, c->lines);
+    w->last_line = dt_cell(v1, c->lines);
+    w->first = dt_cell(u0, c->length);
+    w->last = dt_cell(u1, c->length);
     set_strip(w, e, g->height, c);
     return v0 < c->lines && v1 >= 0 && u0 < c->length && u1 >= 0;
 }
@@ -103,9 +103,9 @@ double dt_segment_reach(const struct dt_edge *e, const struct dt_segment *g,
                         const struct dt_cells *c)
 {
     double along = c->side * c->length, across = c->side * c->lines;
-    double x1 = smaller(g->hi.x, c->lo.x + (c->upright ? across : along));
-    double y1 = smaller(g->hi.y, c->lo.y + (c->upright ? along : across));
-    double x = larger(x1 - e->a.x, e->a.x - larger(g->lo.x, c->lo.x));
-    double y = larger(y1 - e->a.y, e->a.y - larger(g->lo.y, c->lo.y));
+    double x1 = smaller(g->box.hi.x, c->lo.x + (c->upright ? across : along));
+    double y1 = smaller(g->box.hi.y, c->lo.y + (c->upright ? along : across));
+    double x = larger(x1 - e->a.x, e->a.x - larger(g->box.lo.x, c->lo.x));
+    double y = larger(y1 - e->a.y, e->a.y - larger(g->box.lo.y, c->lo.y));
     return (larger(larger(x, y), 0) + c->side + e->span) * (1 + 0x1p-20);
 }

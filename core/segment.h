@@ -14,11 +14,12 @@ struct dt_edge {
  * of the edge's middle.
  *
  *            .---.
- *          /       \        the box of the segment, lo to hi, and its height above the edge, both
- * rounded outward |         | a-------b */
+ *          /       \       the box of the segment and its height above the edge, both
+ *         |         |      rounded outward
+ *          a-------b */
 struct dt_segment {
     double s, height;
-    struct dt_point lo, hi;
+    struct dt_box box;
 };
 
 struct dt_segment dt_segment_of_height(const struct dt_edge *e, double height);

@@ -7,6 +7,7 @@
  * turns out to hold a good part of the set, a scan of all vertices takes the flood's place.
  *
  * On a line there are no triangles: what lies in the box are neighbours along the line. */
+#include "core/box.h"
 #include "core/hints_live.h"
 #include "core/hull.h"
 #include "core/locate.h"
@@ -19,23 +20,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-struct box {
-    struct dt_point lo, hi;
-};
-
-static bool contains(const struct box *b, struct dt_point p)
-{
-    return b->lo.x <= p.x && p.x <= b->hi.x && b->lo.y <= p.y && p.y <= b->hi.y;
-}
-
 /* Whether the closed segment p-q meets the box: no axis and not the segment's normal separates
  * them. */
-static bool meets(const struct box *b, struct dt_point p, struct dt_point q)
+static bool meets(const struct dt_box *b, struct dt_point p, struct dt_point q)
 {
-    if (contains(b, p) || contains(b, q))
+    if (dt_box_contains(b, p) || dt_box_contains(b, q))
         return true;
-    if ((p.x < b->lo.x && q.x < b->lo.x) || (p.x > b->hi.x && q.x > b->hi.x) ||
-        (p.y < b->lo.y && q.y < b->lo.y) || (p.y > b->hi.y && q.y > b->hi.y))
+    struct dt_box around = dt_box_of((const struct dt_point[]){p, q}, 2);
+    if (!dt_box_overlaps(&around, b))
         return false;
     bool rising = (p.x < q.x) == (p.y < q.y);
     struct dt_point left = {b->lo.x, rising ? b->hi.y : b->lo.y},
@@ -47,7 +39,7 @@ static bool meets(const struct box *b, struct dt_point p, struct dt_point q)
  * that corner; only edges that cross the box from outside to outside need a list of their own. */
 struct flood {
     const struct dt *t;
-    struct box box;
+    struct dt_box box;
     struct dt_work *work;
     struct dt_visited vertices, edges; /* seen; an edge by its lower half edge */
     struct dt_ids todo;                /* edges across the box, to be looked at from both sides */
@@ -58,7 +50,7 @@ struct flood {
 static enum dt_status take(struct flood *f, uint32_t v)
 {
     bool fresh;
-    if (!contains(&f->box, f->t->points.xy[v]))
+    if (!dt_box_contains(&f->box, f->t->points.xy[v]))
         return DT_OK;
     enum dt_status s = dt_visited_add(&f->vertices, v, &fresh);
     return s == DT_OK && fresh ? dt_ids_append(f->out, v) : s;
@@ -71,7 +63,7 @@ static enum dt_status cross(struct flood *f, uint32_t h)
     struct dt_point p = f->t->points.xy[dt_origin(m, h)], q = f->t->points.xy[dt_dest(m, h)];
     uint32_t twin = dt_twin(m, h);
     bool fresh;
-    if (contains(&f->box, p) || contains(&f->box, q) || !meets(&f->box, p, q))
+    if (dt_box_contains(&f->box, p) || dt_box_contains(&f->box, q) || !meets(&f->box, p, q))
         return DT_OK;
     enum dt_status s = dt_visited_add(&f->edges, h < twin ? h : twin, &fresh);
     return s == DT_OK && fresh ? dt_ids_append(&f->todo, h) : s;
@@ -134,8 +126,8 @@ static enum dt_status flood(struct flood *f, uint32_t h)
 }
 
 /* *half becomes a half edge of a triangle that meets the box, DT_NONE if there is none. */
-static enum dt_status first_triangle(const struct dt *t, const struct box *b, struct dt_work *work,
-                                     uint32_t *half)
+static enum dt_status first_triangle(const struct dt *t, const struct dt_box *b,
+                                     struct dt_work *work, uint32_t *half)
 {
     const struct dt_mesh *m = &t->mesh;
     const struct dt_point *xy = t->points.xy;
@@ -155,13 +147,13 @@ static enum dt_status first_triangle(const struct dt *t, const struct box *b, st
     return s;
 }
 
-static enum dt_status scan_box(const struct dt *t, const struct box *b, struct dt_work *work,
+static enum dt_status scan_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
                                struct dt_ids *out)
 {
     const struct dt_points *p = &t->points;
     enum dt_status s = DT_OK;
     for (uint32_t v = 0; v < p->end && s == DT_OK; v++) {
-        if (contains(b, p->xy[v]) && p->id[v] != DT_NONE)
+        if (dt_box_contains(b, p->xy[v]) && p->id[v] != DT_NONE)
             s = dt_ids_append(out, v);
         if (s == DT_OK && (v & DT_WORK_MASK) == 0)
             s = dt_work(work, DT_WORK_BLOCK);
@@ -169,7 +161,7 @@ static enum dt_status scan_box(const struct dt *t, const struct box *b, struct d
     return s;
 }
 
-static enum dt_status flood_box(const struct dt *t, const struct box *b, struct dt_work *work,
+static enum dt_status flood_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
                                 struct dt_ids *out)
 {
     uint32_t h;
@@ -192,7 +184,7 @@ static enum dt_status flood_box(const struct dt *t, const struct box *b, struct 
 
 /* How p lies to the box along the direction of walk: < 0 before it, 0 inside, > 0 past it. A walk
  * that does not reach the box is past it. dx and dy are the signs of the direction. */
-static int along(const struct box *b, struct dt_point p, int dx, int dy)
+static int along(const struct dt_box *b, struct dt_point p, int dx, int dy)
 {
     int x = p.x < b->lo.x ? -1 : p.x > b->hi.x, y = p.y < b->lo.y ? -1 : p.y > b->hi.y;
     if (x == 0 && y == 0)
@@ -201,7 +193,7 @@ static int along(const struct box *b, struct dt_point p, int dx, int dy)
 }
 
 /* A place near which the line through p and q enters the box, roughly. */
-static struct dt_point entry(const struct box *b, struct dt_point p, struct dt_point q)
+static struct dt_point entry(const struct dt_box *b, struct dt_point p, struct dt_point q)
 {
     double dx = q.x - p.x, dy = q.y - p.y;
     double x0 = dy == 0 ? -(double)INFINITY : p.x + (b->lo.y - p.y) * (dx / dy);
@@ -218,7 +210,7 @@ static int sign(double d)
 
 /* Appends the vertices in the box from that of g on, ahead; at_end: that one is the end of the
  * line. */
-static enum dt_status walk_line(const struct dt *t, const struct box *b, uint32_t g, bool at_end,
+static enum dt_status walk_line(const struct dt *t, const struct dt_box *b, uint32_t g, bool at_end,
                                 int dx, int dy, struct dt_work *work, struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
@@ -235,7 +227,7 @@ static enum dt_status walk_line(const struct dt *t, const struct box *b, uint32_
     }
 }
 
-static enum dt_status walk_box(const struct dt *t, const struct box *b, struct dt_work *work,
+static enum dt_status walk_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
                                struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
@@ -260,12 +252,13 @@ enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_p
 {
     struct dt_work work = dt_work_of(opt);
     enum dt_status s = dt_readable(t);
-    struct box b = {lo, hi};
+    struct dt_box b = {lo, hi};
     if (s != DT_OK || t->mesh.vertices == 0 || lo.x > hi.x || lo.y > hi.y)
         return s;
     size_t n = out->n;
     if (t->mesh.vertices == 1)
-        s = contains(&b, t->points.xy[t->mesh.alone]) ? dt_ids_append(out, t->mesh.alone) : DT_OK;
+        s = dt_box_contains(&b, t->points.xy[t->mesh.alone]) ? dt_ids_append(out, t->mesh.alone)
+                                                             : DT_OK;
     else if (dt_mesh_is_line(&t->mesh))
         s = walk_box(t, &b, &work, out);
     else

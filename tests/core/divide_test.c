@@ -276,7 +276,7 @@ TEST(points_beyond_a_grid_belong_to_its_outermost_cells)
     struct dt_arena arena = {0};
     struct dt_order o;
     struct dt_point middle = {4, 4};
-    struct dt_box box = {0, 8, 0, 8};
+    struct dt_box box = {{0, 0}, {8, 8}};
     dt_order_plan(&o, box, 64, &middle, 1);
     CHECK(dt_order_tables(&o, &arena) == DT_OK);
     CHECK(dt_order_key(&o, (struct dt_point){-0x1p201, 3.5}) ==

@@ -92,14 +92,14 @@ TEST(the_box_of_a_segment_is_tight)
 {
     struct dt_edge e = edge_of((struct dt_point){0, 0}, (struct dt_point){2, 0});
     struct dt_segment half_circle = dt_segment_of_cotangent(&e, 0);
-    CHECK(fabs(half_circle.lo.x) < 1e-9 && fabs(half_circle.hi.x - 2) < 1e-9);
-    CHECK(fabs(half_circle.lo.y) < 1e-9 && fabs(half_circle.hi.y - 1) < 1e-9);
+    CHECK(fabs(half_circle.box.lo.x) < 1e-9 && fabs(half_circle.box.hi.x - 2) < 1e-9);
+    CHECK(fabs(half_circle.box.lo.y) < 1e-9 && fabs(half_circle.box.hi.y - 1) < 1e-9);
     CHECK(fabs(half_circle.height - 1) < 1e-9);
     struct dt_segment flat = dt_segment_of_height(&e, 0.5); /* a circle of radius 1.25 */
-    CHECK(fabs(flat.s - -0.75) < 1e-9 && fabs(flat.hi.y - 0.5) < 1e-9 &&
-          fabs(flat.hi.x - 2) < 1e-9);
+    CHECK(fabs(flat.s - -0.75) < 1e-9 && fabs(flat.box.hi.y - 0.5) < 1e-9 &&
+          fabs(flat.box.hi.x - 2) < 1e-9);
     struct dt_segment large = dt_segment_of_height(&e, 2); /* also of radius 1.25 */
-    CHECK(fabs(large.s - 0.75) < 1e-9 && fabs(large.hi.y - 2) < 1e-9 &&
-          fabs(large.hi.x - 2.25) < 1e-9);
-    CHECK(fabs(large.lo.x - -0.25) < 1e-9 && fabs(large.lo.y) < 1e-9);
+    CHECK(fabs(large.s - 0.75) < 1e-9 && fabs(large.box.hi.y - 2) < 1e-9 &&
+          fabs(large.box.hi.x - 2.25) < 1e-9);
+    CHECK(fabs(large.box.lo.x - -0.25) < 1e-9 && fabs(large.box.lo.y) < 1e-9);
 }
