@@ -9,6 +9,7 @@
  * had been, and find what they read in the caches. */
 #include "core/hints.h"
 #include "core/memory.h"
+#include "core/predicates.h"
 #include "core/reader.h"
 
 enum {
@@ -22,12 +23,6 @@ enum {
 static double side(struct dt_point a, struct dt_point b, struct dt_point q)
 {
     return (a.x - q.x) * (b.y - q.y) - (a.y - q.y) * (b.x - q.x);
-}
-
-static double square_distance(struct dt_point a, struct dt_point b)
-{
-    double dx = a.x - b.x, dy = a.y - b.y;
-    return dx * dx + dy * dy;
 }
 
 /* Fetches what a step from the triangle at h needs: its corners, and the triangles that may be next.
@@ -70,8 +65,8 @@ static void arrive(const struct dt *t, uint32_t h, struct dt_place *p)
         if (beyond != DT_NONE)
             dt_fetch(&xy[beyond]);
         dt_fetch(&t->points.id[dt_origin(m, k)]);
-        if (square_distance(xy[dt_origin(m, k)], p->at) <
-            square_distance(xy[dt_origin(m, p->near)], p->at))
+        if (dt_square_distance(xy[dt_origin(m, k)], p->at) <
+            dt_square_distance(xy[dt_origin(m, p->near)], p->at))
             p->near = k;
     }
     dt_fetch(&m->half[dt_base(dt_twin(m, dt_turn_cw(m, p->near)))]);

@@ -18,6 +18,7 @@
 
 #include <math.h>
 
+#include "core/predicates.h"
 #include "core/scan.h"
 
 /* The first trial segment is as high as this many cells, the next ones GROWTH times as high each.
@@ -191,7 +192,8 @@ uint32_t dt_apex(struct dt_grid *g, uint32_t a, uint32_t b)
     q.scan.a = a;
     q.scan.b = b;
     q.scan.looked = 0;
-    q.scan.edge = (struct dt_edge){pa, pb, d, sqrt(d.x * d.x + d.y * d.y), fabs(d.x) + fabs(d.y)};
+    q.scan.edge =
+        (struct dt_edge){pa, pb, d, sqrt(dt_square_distance(pb, pa)), fabs(d.x) + fabs(d.y)};
     uint32_t apex = find_best(&q) ? dt_scan_best(&q.scan) : DT_NONE;
     (void)dt_effort_spend(&g->effort, q.scan.looked);
     return apex;

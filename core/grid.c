@@ -319,7 +319,7 @@ static void take_nearest(void *arg, uint32_t i, uint32_t end)
             continue;
         if (s->best == DT_NONE || dt_compare_distance(from, xy[i], xy[s->best]) < 0) {
             s->best = i;
-            s->distance = hypot(xy[i].x - from.x, xy[i].y - from.y);
+            s->distance = sqrt(dt_square_distance(xy[i], from));
         }
     }
 }

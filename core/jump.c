@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "core/predicates.h"
+
 /* Rounding errors of depth(), in relation to the sums of magnitudes, are below these. */
 #define AREA_ERROR 1e-15
 #define DEPTH_ERROR 2e-15
@@ -50,22 +52,16 @@ uint32_t dt_jump_triangle(const struct dt_mesh *m, const struct dt_point *xy, ui
     return best;
 }
 
-static double square_distance(struct dt_point a, struct dt_point b)
-{
-    double dx = a.x - b.x, dy = a.y - b.y;
-    return dx * dx + dy * dy;
-}
-
 uint32_t dt_jump_vertex(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
                         struct dt_point q)
 {
     uint32_t best = from, samples = dt_jump_samples(m->vert_cap);
-    double nearest = square_distance(xy[from], q);
+    double nearest = dt_square_distance(xy[from], q);
     for (uint32_t i = 0; i < samples; i++) {
         uint32_t v = (uint32_t)((uint64_t)m->vert_cap * i / samples);
         if (m->leaving[v] == DT_NONE)
             continue;
-        double d = square_distance(xy[v], q);
+        double d = dt_square_distance(xy[v], q);
         best = d < nearest ? v : best;
         nearest = d < nearest ? d : nearest;
     }

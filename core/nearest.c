@@ -61,7 +61,8 @@ static struct reach reach(const struct nearest *n, uint32_t v, uint32_t w)
     if (w == DT_NONE)
         return (struct reach){0, 0};
     double wx = xy[w].x - xy[v].x, wy = xy[w].y - xy[v].y;
-    double x = wx * (n->q.x - xy[v].x), y = wy * (n->q.y - xy[v].y), square = wx * wx + wy * wy;
+    double x = wx * (n->q.x - xy[v].x), y = wy * (n->q.y - xy[v].y),
+           square = dt_square_distance(xy[w], xy[v]);
     return (struct reach){(x + y) / square, 0x1p-49 * (fabs(x) + fabs(y)) / square};
 }
 

@@ -16,24 +16,22 @@
 
 #include <math.h>
 
-/* A vertex at squared distance d (rounded) from the place of the search. */
+/* A vertex, and the rounded square of its distance from the place of the search. */
 struct dt_candidate {
     double d;
     uint32_t v;
 };
 
-/* The relative error of d is below 2^-50: four roundings. */
 static inline struct dt_candidate dt_candidate(const struct dt *t, struct dt_point q, uint32_t v)
 {
-    double dx = t->points.xy[v].x - q.x, dy = t->points.xy[v].y - q.y;
-    return (struct dt_candidate){dx * dx + dy * dy, v};
+    return (struct dt_candidate){dt_square_distance(t->points.xy[v], q), v};
 }
 
 /* < 0 if a is nearer to q than b, exactly. */
 static inline int dt_compare_candidates(const struct dt *t, struct dt_point q,
                                         struct dt_candidate a, struct dt_candidate b)
 {
-    if (fabs(a.d - b.d) > 0x1p-48 * (a.d + b.d))
+    if (dt_squares_decide(a.d, b.d))
         return a.d < b.d ? -1 : 1;
     return dt_compare_distance(q, t->points.xy[a.v], t->points.xy[b.v]);
 }

@@ -22,7 +22,7 @@ struct search {
     struct dt_candidate *heap; /* owned */
     size_t n, cap;
     size_t wanted;  /* results still to come */
-    double nothing; /* beyond this squared distance nothing is wanted */
+    double nothing; /* beyond this square of a distance, rounded, nothing is wanted */
 };
 
 static bool before(const struct search *s, struct dt_candidate a, struct dt_candidate b)
@@ -61,7 +61,7 @@ static enum dt_status cut(struct search *s)
     for (size_t i = 0; st == DT_OK && i < keep; i++)
         s->heap[i] = s->heap[n - 1 - i];
     s->n = keep;
-    s->nothing = s->heap[keep - 1].d * (1 + 0x1p-46);
+    s->nothing = s->heap[keep - 1].d * (1 + 4 * DT_DISTANCE_BOUND);
     return st;
 }
 

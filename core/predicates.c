@@ -59,7 +59,8 @@ static int sign_of(double v)
     return v > 0 ? 1 : v < 0 ? -1 : 0;
 }
 
-static double distance(struct dt_point a, struct dt_point b)
+/* How far apart they are, for orders of magnitude. */
+static double spread(struct dt_point a, struct dt_point b)
 {
     return fabs(a.x - b.x) + fabs(a.y - b.y);
 }
@@ -137,7 +138,7 @@ static void dot_big(struct double2_vector a, struct double2_vector b, struct dt_
 
 struct dt_near_corner dt_near_corner_of(struct dt_point a, struct dt_point b, struct dt_point c)
 {
-    double ab = distance(a, b), bc = distance(b, c), ca = distance(c, a);
+    double ab = spread(a, b), bc = spread(b, c), ca = spread(c, a);
     if (ab <= bc && ab <= ca)
         return (struct dt_near_corner){a, b, c};
     return bc <= ca ? (struct dt_near_corner){b, c, a} : (struct dt_near_corner){c, a, b};
@@ -288,8 +289,8 @@ struct dt_near_base dt_near_base_of(struct dt_point a, struct dt_point b, struct
                                     struct dt_point d)
 {
     const struct dt_point v[4] = {a, b, c, d};
-    double far[6] = {distance(a, b), distance(a, c), distance(a, d),
-                     distance(b, c), distance(b, d), distance(c, d)};
+    double far[6] = {spread(a, b), spread(a, c), spread(a, d),
+                     spread(b, c), spread(b, d), spread(c, d)};
     double least = far[0], most = far[0];
     for (int i = 1; i < 6; i++) {
         least = far[i] < least ? far[i] : least;
@@ -302,7 +303,7 @@ struct dt_near_base dt_near_base_of(struct dt_point a, struct dt_point b, struct
         i++;
     struct dt_near_base k = {v[pairs[i].p], v[pairs[i].q],         v[pairs[i].s],
                              v[pairs[i].t], .sign = pairs[i].sign, .uneven = true};
-    k.nearer = distance(k.t, k.p) <= distance(k.t, k.s) ? k.p : k.s;
+    k.nearer = spread(k.t, k.p) <= spread(k.t, k.s) ? k.p : k.s;
     return k;
 }
 
@@ -382,45 +383,31 @@ int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, str
 
 /* ---- distances ---- */
 
-static void squared_distance(struct dt_point a, struct dt_point b, struct dt_big *r)
+static void square_distance_big(struct dt_point a, struct dt_point b, struct dt_big *r)
 {
     struct double2_vector v = vector_2(a, b);
     dot_big(v, v, r);
 }
 
-/* The filter of both comparisons: a squared distance takes a difference, a square and a sum, so it
- * is right to a factor of (1 +- u)^4, and a comparison of two is certain beyond 4 u (1 + 10 u)
- * times their sum; 8 u is used. */
-static bool far_apart(double da, double db)
-{
-    return fabs(da - db) > 0x1p-50 * (da + db);
-}
-
-static double rounded_distance(struct dt_point a, struct dt_point b)
-{
-    double x = a.x - b.x, y = a.y - b.y;
-    return x * x + y * y;
-}
-
 int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
 {
-    double da = rounded_distance(a, q), db = rounded_distance(b, q);
-    if (far_apart(da, db))
+    double da = dt_square_distance(a, q), db = dt_square_distance(b, q);
+    if (dt_squares_decide(da, db))
         return da < db ? -1 : 1;
     struct dt_big to_a, to_b;
-    squared_distance(q, a, &to_a);
-    squared_distance(q, b, &to_b);
+    square_distance_big(q, a, &to_a);
+    square_distance_big(q, b, &to_b);
     return dt_big_compare(&to_a, &to_b);
 }
 
 int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
 {
-    double d = rounded_distance(a, b), rr = r * r;
-    if (far_apart(d, rr))
+    double d = dt_square_distance(a, b), rr = r * r;
+    if (dt_squares_decide(d, rr))
         return d < rr ? -1 : 1;
     struct dt_double2 radius = {r, 0}, zero = {0, 0};
     struct dt_big exact_d, exact_rr;
-    squared_distance(a, b, &exact_d);
+    square_distance_big(a, b, &exact_d);
     dt_big_products(radius, radius, 1, zero, zero, &exact_rr);
     return dt_big_compare(&exact_d, &exact_rr);
 }

@@ -15,6 +15,10 @@
 #define DT_ORIENT_BOUND ((3 + 16 * 0x1p-53) * 0x1p-53)
 #define DT_INCIRCLE_BOUND ((10 + 96 * 0x1p-53) * 0x1p-53)
 
+/* A comparison of two rounded squares of distances is certain beyond 4 u (1 + 10 u) times their sum; 8 u is
+ * used. */
+#define DT_DISTANCE_BOUND 0x1p-50
+
 /* The same signs without the filter, and the sign of a tie; for the inline functions below. */
 int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c);
 int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
@@ -62,7 +66,21 @@ static inline int dt_incircle_perturbed(struct dt_point a, struct dt_point b, st
     return sign != 0 ? sign : dt_incircle_tie(a, b, c, d);
 }
 
-/* The sign of |a - q|^2 - |b - q|^2: < 0 if a is nearer to q than b. */
+/* The square of the distance of a and b, rounded: a difference, a square and a sum, so it is right to a
+ * factor of (1 +- u)^4, and 0 only for equal points. */
+static inline double dt_square_distance(struct dt_point a, struct dt_point b)
+{
+    double x = a.x - b.x, y = a.y - b.y;
+    return x * x + y * y;
+}
+
+/* Whether rounded squares of distances, da and db, compare as the distances do. */
+static inline bool dt_squares_decide(double da, double db)
+{
+    return fabs(da - db) > DT_DISTANCE_BOUND * (da + db);
+}
+
+/* The sign of |a - q|^2 - |b - q|^2: < 0 if a is nearer to q than b. Exact, as is the next one. */
 int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b);
 
 /* The sign of |a - b|^2 - r^2, r >= 0: <= 0 if a and b are at most r apart. */

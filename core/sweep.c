@@ -22,17 +22,10 @@ struct dt_sweep_hit {
 
 /* ---- the order of the nearest ---- */
 
-static double square_distance(struct dt_point a, struct dt_point b)
-{
-    double dx = a.x - b.x, dy = a.y - b.y;
-    return dx * dx + dy * dy;
-}
-
-/* Whether a comes before b: nearer or, as near, of the smaller id. The relative error of d is below
- * 2^-50, four roundings. */
+/* Whether a comes before b: nearer or, as near, of the smaller id. */
 static bool before(struct dt_point q, const struct dt_sweep_hit *a, const struct dt_sweep_hit *b)
 {
-    if (fabs(a->d - b->d) > 0x1p-48 * (a->d + b->d))
+    if (dt_squares_decide(a->d, b->d))
         return a->d < b->d;
     int sign = dt_compare_distance(q, a->at, b->at);
     return sign != 0 ? sign < 0 : a->id < b->id;
@@ -112,7 +105,7 @@ static enum dt_status make_room(struct dt_sweep *s)
 
 static enum dt_status take_near(struct dt_sweep *s, const struct dt_row *r)
 {
-    struct dt_sweep_hit h = {square_distance(r->at, s->at), r->at, r->id};
+    struct dt_sweep_hit h = {dt_square_distance(r->at, s->at), r->at, r->id};
     if (s->n == s->k) {
         if (before(s->at, &h, &s->hit[0]))
             sift_down(s, 0, s->n, h);
