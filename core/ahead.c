@@ -19,12 +19,6 @@ enum {
 
 /* ---- places ---- */
 
-/* > 0: q is left of a -> b, as far as rounding tells. */
-static double side(struct dt_point a, struct dt_point b, struct dt_point q)
-{
-    return (a.x - q.x) * (b.y - q.y) - (a.y - q.y) * (b.x - q.x);
-}
-
 /* Fetches what a step from the triangle at h needs: its corners, and the triangles that may be next.
  * False: it is none. */
 static bool fetch_step(const struct dt *t, uint32_t h)
@@ -45,7 +39,9 @@ static uint32_t step(const struct dt *t, uint32_t h, struct dt_point q)
     const uint32_t *half = t->mesh.half;
     const struct dt_point *xy = t->points.xy;
     struct dt_point a = xy[half[h]], b = xy[half[h + 1]], c = xy[half[h + 2]];
-    double s0 = side(a, b, q), s1 = side(b, c, q), s2 = side(c, a, q);
+    double any; /* a hint needs no bound */
+    double s0 = dt_orient2d_rounded(a, b, q, &any), s1 = dt_orient2d_rounded(b, c, q, &any),
+           s2 = dt_orient2d_rounded(c, a, q, &any);
     uint32_t k = s1 < s0 ? 1 : 0;
     double least = s1 < s0 ? s1 : s0;
     k = s2 < least ? 2 : k;

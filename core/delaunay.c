@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/bounds.h"
 #include "core/bulk.h"
 #include "core/memory.h"
 #include "core/renew.h"
@@ -94,7 +95,7 @@ double dt_tolerance(const struct dt *t)
 bool dt_coordinate_ok(double v)
 {
     double size = fabs(v);
-    return size == 0 || (size >= 0x1p-142 && size <= 0x1p201);
+    return size == 0 || (size >= DT_COORDINATE_LEAST && size <= DT_COORDINATE_MOST);
 }
 
 static bool point_ok(struct dt_point p)

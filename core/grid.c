@@ -336,7 +336,7 @@ uint32_t dt_grid_nearest(struct dt_grid *g, uint32_t place)
     unsigned sides = 15;
     visit_ring(c, i, j, 0, sides, take_nearest, &s);
     for (int64_t k = 1; sides != 0; k++) {
-        double reach = s.distance * c->per_unit * (1 + 0x1p-20) + 0x1p-20;
+        double reach = s.distance * c->per_unit * (1 + DT_RING_ROOM) + DT_RING_ROOM;
         double gap[4] = {(double)(j + k) - v, v - (double)(j - k + 1), u - (double)(i - k + 1),
                          (double)(i + k) - u};
         bool outside[4] = {j + k >= c->lines, k > j, k > i, i + k >= c->length};

@@ -6,10 +6,6 @@
 
 #include "core/predicates.h"
 
-/* Rounding errors of depth(), in relation to the sums of magnitudes, are below these. */
-#define AREA_ERROR 1e-15
-#define DEPTH_ERROR 2e-15
-
 uint32_t dt_jump_samples(uint32_t n)
 {
     return (uint32_t)sqrt((double)n);
@@ -24,17 +20,10 @@ static double depth(const struct dt_mesh *m, const struct dt_point *xy, uint32_t
     if (m->half[t + 2] >= DT_DEAD)
         return -HUGE_VAL;
     struct dt_point a = xy[m->half[t]], b = xy[m->half[t + 1]], c = xy[m->half[t + 2]];
-    double left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
-    double ax = a.x - q.x, ay = a.y - q.y, bx = b.x - q.x, by = b.y - q.y;
-    double cx = c.x - q.x, cy = c.y - q.y;
-    double lift_a = ax * ax + ay * ay, lift_b = bx * bx + by * by, lift_c = cx * cx + cy * cy;
-    double det =
-        lift_a * (bx * cy - cx * by) + lift_b * (cx * ay - ax * cy) + lift_c * (ax * by - bx * ay);
-    double size = lift_a * (fabs(bx * cy) + fabs(cx * by)) +
-                  lift_b * (fabs(cx * ay) + fabs(ax * cy)) +
-                  lift_c * (fabs(ax * by) + fabs(bx * ay));
-    double least = det - DEPTH_ERROR * size, error = AREA_ERROR * (fabs(left) + fabs(right));
-    double area = left - right + (least > 0 ? error : -error);
+    double area_size, area = dt_orient2d_rounded(b, c, a, &area_size);
+    double det_size, det = dt_incircle_rounded(a, b, c, q, &det_size);
+    double least = det - DT_INCIRCLE_BOUND * det_size, error = DT_ORIENT_BOUND * area_size;
+    area += least > 0 ? error : -error;
     return area > 0 ? least / area : -HUGE_VAL;
 }
 

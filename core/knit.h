@@ -2,6 +2,7 @@
 #ifndef DT_KNIT_H
 #define DT_KNIT_H
 
+#include "core/bounds.h"
 #include "core/merge.h"
 
 #define INLINE static inline __attribute__((always_inline))
@@ -10,15 +11,13 @@
 struct knitting {
     const struct dt_point *p;
     uint32_t *half, *leaving;
-    double cr_bound, det_bound; /* below these, signs are uncertain: see merge.c */
+    struct dt_wide_bounds bound; /* below these, signs are uncertain */
 };
 
 /* `side` is the longer side of the box of all points concerned. */
 INLINE struct knitting knitting_of(const struct dt_merging *w, double side)
 {
-    double area = side * side;
-    return (struct knitting){w->p, w->mesh->half, w->mesh->leaving, 1e-15 * area,
-                             1e-14 * area * area};
+    return (struct knitting){w->p, w->mesh->half, w->mesh->leaving, dt_wide_bounds_of(side)};
 }
 
 /* Half edges are size_t in here, although they have 32 bits: h + 4 is then part of an address, and

@@ -32,15 +32,6 @@ static enum dt_where classify(uint32_t t, const int side[3], uint32_t *half)
     return DT_ON_VERTEX;
 }
 
-/* The orientation of a, b, q, rounded, and what it may be wrong by: the filter of dt_orient2d, for
- * three edges at a time. */
-static double rounded_side(struct dt_point a, struct dt_point b, struct dt_point q, double *error)
-{
-    double left = (a.x - q.x) * (b.y - q.y), right = (a.y - q.y) * (b.x - q.x);
-    *error += DT_ORIENT_BOUND * (fabs(left) + fabs(right));
-    return left - right;
-}
-
 enum { ARRIVED = 3 };
 
 /* Fetches the three neighbours of the triangle at t: one of them is next, and which one is known
@@ -61,9 +52,10 @@ static uint32_t exit_edge(const struct dt_mesh *m, const struct dt_point *xy, ui
                           struct dt_point q, enum dt_where *where, uint32_t *half)
 {
     struct dt_point a = xy[m->half[t]], b = xy[m->half[t + 1]], c = xy[m->half[t + 2]];
-    double error = 0;
-    double s0 = rounded_side(a, b, q, &error), s1 = rounded_side(b, c, q, &error),
-           s2 = rounded_side(c, a, q, &error);
+    double size[3];
+    double s0 = dt_orient2d_rounded(a, b, q, &size[0]), s1 = dt_orient2d_rounded(b, c, q, &size[1]),
+           s2 = dt_orient2d_rounded(c, a, q, &size[2]);
+    double error = DT_ORIENT_BOUND * (size[0] + size[1] + size[2]);
     uint32_t k = s1 < s0 ? 1 : 0;
     double least = s1 < s0 ? s1 : s0;
     k = s2 < least ? 2 : k;

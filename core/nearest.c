@@ -50,7 +50,7 @@ static void consider(struct nearest *n, uint32_t w)
 
 /* ---- around a vertex of high degree ---- */
 
-/* q.w* for the neighbour w of v, and what it may be wrong by: nine roundings at most. */
+/* q.w* for the neighbour w of v, and what it may be wrong by. */
 struct reach {
     double to, error;
 };
@@ -63,7 +63,7 @@ static struct reach reach(const struct nearest *n, uint32_t v, uint32_t w)
     double wx = xy[w].x - xy[v].x, wy = xy[w].y - xy[v].y;
     double x = wx * (n->q.x - xy[v].x), y = wy * (n->q.y - xy[v].y),
            square = dt_square_distance(xy[w], xy[v]);
-    return (struct reach){(x + y) / square, 0x1p-49 * (fabs(x) + fabs(y)) / square};
+    return (struct reach){(x + y) / square, DT_INVERSE_BOUND * (fabs(x) + fabs(y)) / square};
 }
 
 /* Considers the neighbour at the end of h, if it may be as near as the vertex. */
@@ -173,7 +173,7 @@ static bool consider_ahead(struct nearest *n, uint32_t v, uint32_t w)
         return false;
     double x = (xy[w].x - xy[v].x) * (n->q.x - xy[v].x),
            y = (xy[w].y - xy[v].y) * (n->q.y - xy[v].y);
-    if (x + y < -0x1p-50 * (fabs(x) + fabs(y)))
+    if (x + y < -DT_DOT_BOUND * (fabs(x) + fabs(y)))
         return false;
     consider(n, w);
     return true;

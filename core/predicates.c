@@ -9,10 +9,6 @@
  *     double words               about 100 bits: nearly all that is not a tie
  *     bignums                    exact whatever the input
  *
- * Why nothing overflows or underflows: a coordinate is 0 or of magnitude 2^-142 to 2^201, so it is
- * a multiple of 2^-194, and so are differences; every intermediate value of degree k is then a
- * multiple of 2^(-194 k), at least 2^-776, and below 2^(203 k + 4), at most 2^816.
- *
  * The near base. A determinant is the same, up to its sign, from wherever it is computed, but what
  * rounding takes from a difference to a far point cannot be recovered. In
  *
@@ -31,16 +27,8 @@
  * it is large and terms are larger by up to the square of that ratio, which is lost at once in doubles and
  * soon in double words.
  *
- * Bounds in doubles, u = 2^-53: those of the close filter of sight.h, which hold for any base: with
- * CR(v), DT(v) the sums of the magnitudes of the two products in cr, dt, |err det| <= 10 u S, S = DT(q)
- * CR(t) + DT(t) CR(q); 1.2e-15 > 10.8 u is used. Those of orient2d are in predicates.h.
- *
- * Bounds of the double words, relative errors in units of u^2 = 2^-106: a difference is exact, a
- * product 7, a sum 3.1 of its own result [double2.h]. So cr errs by at most 7 + 3.1 < 10.2 times CR, and
- * dt by 10.2 times DT. A product of both errs by 10.2 + 10.2 + 7 = 27.4 times DT CR, to first order, and
- * their difference by 27.4 + 3.1 = 30.5 times S. S in doubles, from the higher halves, is right to 1 part
- * in 2^49, and the higher half of a double word has the sign of the whole and is right to 1 part in 2^53.
- * 64 u^2 and 16 u^2 leave room for all that. */
+ * The error bounds of what is computed in doubles and in double words, and why nothing overflows or
+ * underflows, are in bounds.h. */
 #include "core/predicates.h"
 
 #include <string.h>
@@ -48,11 +36,8 @@
 #include "core/bignum.h"
 #include "core/double2.h"
 
-#define INCIRCLE_BOUND 1.2e-15    /* > 10.8 u */
-#define ORIENT_BOUND_2 0x1p-102   /* 16 u^2 */
-#define INCIRCLE_BOUND_2 0x1p-100 /* 64 u^2 */
-#define NEAR                                                                                       \
-    0x1p-5 /* of two distances, below which another base is worth its cost: it wins a few bits */
+/* Of two distances, below which another base is worth its cost: it wins a few bits. */
+#define NEAR 0x1p-5
 
 static int sign_of(double v)
 {
@@ -146,14 +131,14 @@ struct dt_near_corner dt_near_corner_of(struct dt_point a, struct dt_point b, st
 
 int dt_orient2d_near(const struct dt_near_corner *k)
 {
-    struct bounded det = cross(vector(k->p, k->q), vector(k->p, k->s));
-    return fabs(det.value) > DT_ORIENT_BOUND * det.size ? sign_of(det.value) : 0;
+    double size, det = dt_orient2d_rounded(k->q, k->s, k->p, &size);
+    return fabs(det) > DT_ORIENT_BOUND * size ? sign_of(det) : 0;
 }
 
 int dt_orient2d_double2(const struct dt_near_corner *k)
 {
     struct bounded_2 det = cross_2(vector_2(k->p, k->q), vector_2(k->p, k->s));
-    return fabs(det.value.hi) > ORIENT_BOUND_2 * det.size ? sign_of(det.value.hi) : 0;
+    return fabs(det.value.hi) > DT_ORIENT_BOUND_2 * det.size ? sign_of(det.value.hi) : 0;
 }
 
 int dt_orient2d_big(const struct dt_near_corner *k)
@@ -315,7 +300,7 @@ int dt_incircle_near(const struct dt_near_base *k)
     struct bounded dt_t = dot(vector(k->p, k->t), vector(k->s, k->t));
     double det = dt_q.value * cr_t.value - dt_t.value * cr_q.value;
     double size = dt_q.size * cr_t.size + dt_t.size * cr_q.size;
-    return fabs(det) > INCIRCLE_BOUND * size ? k->sign * sign_of(det) : 0;
+    return fabs(det) > DT_CLOSE_DET_BOUND * size ? k->sign * sign_of(det) : 0;
 }
 
 int dt_incircle_double2(const struct dt_near_base *k)
@@ -328,7 +313,7 @@ int dt_incircle_double2(const struct dt_near_base *k)
     struct dt_double2 right = dt_double2_multiply(dt_t.value, cr_q.value);
     struct dt_double2 det = dt_double2_add(left, dt_double2_negate(right));
     double size = dt_q.size * cr_t.size + dt_t.size * cr_q.size;
-    return fabs(det.hi) > INCIRCLE_BOUND_2 * size ? k->sign * sign_of(det.hi) : 0;
+    return fabs(det.hi) > DT_INCIRCLE_BOUND_2 * size ? k->sign * sign_of(det.hi) : 0;
 }
 
 int dt_incircle_big(const struct dt_near_base *k)

@@ -7,39 +7,39 @@
 #ifndef DT_PREDICATES_H
 #define DT_PREDICATES_H
 
+#include "core/bounds.h"
 #include "core/delaunay.h"
 
 #include <math.h>
-
-/* Relative error bounds of the filters, with u = 2^-53 [Shewchuk 1997, sections 4.2 and 4.3]. */
-#define DT_ORIENT_BOUND ((3 + 16 * 0x1p-53) * 0x1p-53)
-#define DT_INCIRCLE_BOUND ((10 + 96 * 0x1p-53) * 0x1p-53)
-
-/* A comparison of two rounded squares of distances is certain beyond 4 u (1 + 10 u) times their sum; 8 u is
- * used. */
-#define DT_DISTANCE_BOUND 0x1p-50
 
 /* The same signs without the filter, and the sign of a tie; for the inline functions below. */
 int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c);
 int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
 int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
 
+/* Twice the area of the triangle a b c, rounded. Beyond DT_ORIENT_BOUND of *size it has the right sign. */
+static inline double dt_orient2d_rounded(struct dt_point a, struct dt_point b, struct dt_point c,
+                                         double *size)
+{
+    double left = (a.x - c.x) * (b.y - c.y);
+    double right = (a.y - c.y) * (b.x - c.x);
+    *size = fabs(left) + fabs(right);
+    return left - right;
+}
+
 /* > 0 if a, b, c turn counterclockwise (c left of a->b), 0 if they are collinear, < 0 if
  * clockwise. */
 static inline int dt_orient2d(struct dt_point a, struct dt_point b, struct dt_point c)
 {
-    double left = (a.x - c.x) * (b.y - c.y);
-    double right = (a.y - c.y) * (b.x - c.x);
-    double det = left - right;
-    double bound = DT_ORIENT_BOUND * (fabs(left) + fabs(right));
-    if (fabs(det) > bound)
+    double size, det = dt_orient2d_rounded(a, b, c, &size);
+    if (fabs(det) > DT_ORIENT_BOUND * size)
         return det > 0 ? 1 : -1;
     return dt_orient2d_exact(a, b, c);
 }
 
-/* a, b, c counterclockwise: > 0 if d lies inside their circumcircle, 0 if on it, < 0 if outside. */
-static inline int dt_incircle(struct dt_point a, struct dt_point b, struct dt_point c,
-                              struct dt_point d)
+/* The determinant of the next one, rounded. Beyond DT_INCIRCLE_BOUND of *size it has the right sign. */
+static inline double dt_incircle_rounded(struct dt_point a, struct dt_point b, struct dt_point c,
+                                         struct dt_point d, double *size)
 {
     double ax = a.x - d.x, ay = a.y - d.y;
     double bx = b.x - d.x, by = b.y - d.y;
@@ -48,9 +48,17 @@ static inline int dt_incircle(struct dt_point a, struct dt_point b, struct dt_po
     double cxay = cx * ay, axcy = ax * cy, b_lift = bx * bx + by * by;
     double axby = ax * by, bxay = bx * ay, c_lift = cx * cx + cy * cy;
     double det = a_lift * (bxcy - cxby) + b_lift * (cxay - axcy) + c_lift * (axby - bxay);
-    double permanent = (fabs(bxcy) + fabs(cxby)) * a_lift + (fabs(cxay) + fabs(axcy)) * b_lift +
-                       (fabs(axby) + fabs(bxay)) * c_lift;
-    if (fabs(det) > DT_INCIRCLE_BOUND * permanent)
+    *size = (fabs(bxcy) + fabs(cxby)) * a_lift + (fabs(cxay) + fabs(axcy)) * b_lift +
+            (fabs(axby) + fabs(bxay)) * c_lift;
+    return det;
+}
+
+/* a, b, c counterclockwise: > 0 if d lies inside their circumcircle, 0 if on it, < 0 if outside. */
+static inline int dt_incircle(struct dt_point a, struct dt_point b, struct dt_point c,
+                              struct dt_point d)
+{
+    double size, det = dt_incircle_rounded(a, b, c, d, &size);
+    if (fabs(det) > DT_INCIRCLE_BOUND * size)
         return det > 0 ? 1 : -1;
     return dt_incircle_exact(a, b, c, d);
 }
@@ -66,8 +74,7 @@ static inline int dt_incircle_perturbed(struct dt_point a, struct dt_point b, st
     return sign != 0 ? sign : dt_incircle_tie(a, b, c, d);
 }
 
-/* The square of the distance of a and b, rounded: a difference, a square and a sum, so it is right to a
- * factor of (1 +- u)^4, and 0 only for equal points. */
+/* The square of the distance of a and b, rounded (DT_DISTANCE_BOUND); 0 only for equal points. */
 static inline double dt_square_distance(struct dt_point a, struct dt_point b)
 {
     double x = a.x - b.x, y = a.y - b.y;

@@ -30,7 +30,7 @@ struct hole {
     const struct dt_rim *rim; /* P[i] = rim[i].origin, all finite in a pocket */
     const uint32_t *spare;    /* records to be used, from the end */
     uint32_t spares;
-    double cr_bound, det_bound; /* as in merge.c */
+    struct dt_wide_bounds bound; /* below these, signs are uncertain */
 };
 
 /* Collects the star of v counterclockwise; a hull vertex's from infinity on. The way round is a
@@ -65,9 +65,7 @@ static void set_bounds(struct hole *w, uint32_t lo, uint32_t hi)
     struct dt_box box = dt_box_of(&w->xy[w->rim[lo].origin], 1);
     for (uint32_t i = lo + 1; i <= hi; i++)
         dt_box_add(&box, w->xy[w->rim[i].origin]);
-    double side = dt_box_side(&box), area = side * side;
-    w->cr_bound = 1e-15 * area;
-    w->det_bound = 1e-14 * area * area;
+    w->bound = dt_wide_bounds_of(dt_box_side(&box));
 }
 
 /* The apex, among P[lo + 1 .. hi - 1], of the triangle left of a->b = P[hi]->P[lo]. Predicates as
@@ -81,11 +79,11 @@ static uint32_t find_apex(const struct hole *w, uint32_t lo, uint32_t hi)
         struct dt_point c = w->xy[w->rim[i].origin];
         double ux = c.x - a.x, uy = c.y - a.y;
         double cr = (b.x - a.x) * uy - (b.y - a.y) * ux, dt = ux * (c.x - b.x) + uy * (c.y - b.y);
-        if (cr <= w->cr_bound && (cr < -w->cr_bound || dt_orient2d(a, b, c) <= 0))
+        if (cr <= w->bound.cr && (cr < -w->bound.cr || dt_orient2d(a, b, c) <= 0))
             continue;
         if (best != DT_NONE) {
             double det = best_dt * cr - dt * best_cr;
-            if (fabs(det) <= w->det_bound)
+            if (fabs(det) <= w->bound.det)
                 det = dt_incircle_perturbed(a, b, best_p, c);
             if (det <= 0)
                 continue;

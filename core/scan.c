@@ -1,24 +1,10 @@
-/* scan.c - the two scans of scan.h, and how far their values can be trusted.
- *
- * Bounds, with u = 2^-53; R at least every coordinate of p - a and p - b; d = b - a rounded, and
- * K = |d.x| + |d.y|. All differences are rounded once.
- *
- *     cross   4 u (|d.x y| + |d.y x|) < 4.1 u K R, taken as 8 u K R
- *     dot     4 u (R^2 + R^2) < 8.1 u R^2, taken as 12 u R^2
- *     det = dot cross' - dot' cross, with dot <= 2 R^2 and cross <= K R
- *             each product 2 R^2 * 4.1 u K R + K R * 8.1 u R^2 + 2 u K R^3 < 18.5 u K R^3; with the
- *             rounding of the difference 41 u K R^3, taken as 48 u K R^3
- *     s       where cross > 2^-24 K R, which is 2^26 times the bound of cross: less than
- *             2^-26 (1.5 R / K + |s|). So two of them that are 2^-24 (2 R / K + |s|) apart, s the
- *             smaller one, are in the right order. */
+/* scan.c - the two scans of scan.h; how far their values can be trusted is in bounds.h. */
 #include "core/scan.h"
 
 #include <float.h>
 #include <math.h>
 
 #include "core/predicates.h"
-
-#define U 0x1p-53
 
 /* Steps for a point: in the first scan; in one that looks closer; and where that asks a predicate, which
  * mostly takes 30, but up to 1000 where it needs exact arithmetic. */
@@ -67,7 +53,8 @@ static void scan_rounded(struct dt_scan *q, double reach, uint32_t i, uint32_t e
                    bx = dt_lanes_both(e->b.x), by = dt_lanes_both(e->b.y);
     const dt_lanes dx = dt_lanes_both(e->d.x), dy = dt_lanes_both(e->d.y), a = dt_lanes_both(q->a),
                    b = dt_lanes_both(q->b);
-    const dt_lanes sure = dt_lanes_both(0x1p-24 * e->span * reach), none = dt_lanes_both(HUGE_VAL);
+    const dt_lanes sure = dt_lanes_both(DT_SCAN_SURE * e->span * reach),
+                   none = dt_lanes_both(HUGE_VAL);
     dt_lanes least = q->least, second = q->second, least_at = q->least_at, at = {i, i + 1.0};
     dt_lanes_holds near = {0, 0};
     q->looked += (uint64_t)LOOK * (end - i);
@@ -100,7 +87,7 @@ static int least_lane(const struct dt_scan *q)
 /* How far another cotangent must be from the least one to be greater with certainty. */
 static double margin(const struct dt_scan *q)
 {
-    return 0x1p-24 * (2 * q->reach / q->edge.span + fabs(q->least[least_lane(q)]));
+    return DT_SCAN_SURE * (2 * q->reach / q->edge.span + fabs(q->least[least_lane(q)]));
 }
 
 bool dt_scan_is_certain(const struct dt_scan *q)
@@ -122,7 +109,7 @@ struct bounds {
 static struct bounds bounds_of(const struct dt_scan *q, double reach)
 {
     double k = q->edge.span, r = reach > q->reach ? reach : q->reach;
-    return (struct bounds){8 * U * k * reach, 48 * U * k * r * r * r};
+    return (struct bounds){DT_SCAN_CROSS_BOUND * k * reach, DT_SCAN_DET_BOUND * k * r * r * r};
 }
 
 /* Whether point i is the best so far: values decide if they are beyond their bounds. */
@@ -182,9 +169,10 @@ double dt_scan_bound(const struct dt_scan *q)
 {
     if (!q->exact)
         return q->least[least_lane(q)] + margin(q);
-    double error = 8 * U * q->edge.span * q->reach, dot = q->dot + 12 * U * q->reach * q->reach;
+    double error = DT_SCAN_CROSS_BOUND * q->edge.span * q->reach,
+           dot = q->dot + DT_SCAN_DOT_BOUND * q->reach * q->reach;
     if (q->best == DT_NONE || q->cross <= 2 * error)
         return HUGE_VAL;
     double s = dot / (dot > 0 ? q->cross - error : q->cross + error);
-    return s + 0x1p-50 * fabs(s);
+    return s + DT_SCAN_COTANGENT_BOUND * fabs(s);
 }

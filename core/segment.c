@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-#define U 0x1p-53
+#include "core/bounds.h"
 
 static double smaller(double a, double b)
 {
@@ -28,9 +28,10 @@ static struct dt_segment segment(const struct dt_edge *edge, double s, double ro
     struct dt_point d = edge->d, a = edge->a;
     double size = edge->length * root, r = size / 2;
     double cx = (d.x - s * d.y) / 2, cy = (d.y + s * d.x) / 2;
-    double left = s * edge->length + 0x1p-40 * size;
-    double pad_x = 0x1p-47 * size + 2 * U * fabs(a.x), pad_y = 0x1p-47 * size + 2 * U * fabs(a.y);
-    struct dt_segment g = {.s = s, .height = height * (1 + 0x1p-40)};
+    double left = s * edge->length + DT_SEGMENT_ROOM * size;
+    double pad_x = DT_SEGMENT_PAD * size + 2 * DT_U * fabs(a.x),
+           pad_y = DT_SEGMENT_PAD * size + 2 * DT_U * fabs(a.y);
+    struct dt_segment g = {.s = s, .height = height * (1 + DT_SEGMENT_ROOM)};
     g.box.hi.x = a.x + ((left > d.y * root ? cx + r : larger(d.x, 0)) + pad_x);
     g.box.lo.x = a.x + ((left > -d.y * root ? cx - r : smaller(d.x, 0)) - pad_x);
     g.box.hi.y = a.y + ((left > -d.x * root ? cy + r : larger(d.y, 0)) + pad_y);
@@ -79,7 +80,7 @@ static void set_strip(struct dt_window *w, const struct dt_edge *e, double heigh
     double inverse = 1 / across, slope = (c->upright ? e->d.y : e->d.x) * inverse;
     double u = dt_cells_along(c, e->a), v = dt_cells_across(c, e->a), at = u - v * slope;
     double width = height * c->per_unit * e->length * fabs(inverse);
-    double pad = 0x1p-47 * (fabs(u) + (fabs(v) + c->lines) * fabs(slope) + c->length);
+    double pad = DT_STRIP_PAD * (fabs(u) + (fabs(v) + c->lines) * fabs(slope) + c->length);
     bool left_is_lower = (across > 0) != c->upright; /* upright lines see the mirror image */
     w->lo = at + smaller(slope, 0) - pad - (left_is_lower ? width : 0);
     w->hi = at + larger(slope, 0) + pad + (left_is_lower ? 0 : width);
@@ -107,5 +108,5 @@ double dt_segment_reach(const struct dt_edge *e, const struct dt_segment *g,
     double y1 = smaller(g->box.hi.y, c->lo.y + (c->upright ? along : across));
     double x = larger(x1 - e->a.x, e->a.x - larger(g->box.lo.x, c->lo.x));
     double y = larger(y1 - e->a.y, e->a.y - larger(g->box.lo.y, c->lo.y));
-    return (larger(larger(x, y), 0) + c->side + e->span) * (1 + 0x1p-20);
+    return (larger(larger(x, y), 0) + c->side + e->span) * (1 + DT_REACH_ROOM);
 }

@@ -10,36 +10,12 @@
  * the work of testing anew. (cr / dt is the tangent of the angle at which c sees l-r; the test
  * compares these angles.)
  *
- * Filters. Let u = 2^-53. All differences of coordinates have a relative error of u.
- *
- * The wide one knows only the longer side D of the box of both parts. No difference is larger, so each
- * product of two carries an error of at most 3 u D^2 (+ O(u^2)), and with the final rounding
- *
- *     |err cr| <= 2 * 3 u D^2 + 2 u D^2 = 8 u D^2 < 8.9e-16 D^2,    |err dt| the same.
- *
- * With |cr| <= D^2 (twice the area of a triangle in a square) and |dt| <= 2 D^2
- *
- *     |err det| <= 2 (2 * 8 u + 8 u + 2 u) D^4 + 4 u D^4 = 56 u D^4 < 6.3e-15 D^4.
- *
- * The bounds used are 1e-15 D^2 and 1e-14 D^4, which leaves room for the rounding of D itself.
- *
- * On circles and thin strips, and at the last merges of many points, the box says little about the
- * four at hand. The close filter of det looks at them: let
- *
- *     CR(c) = |(r - l).x (c - l).y| + |(r - l).y (c - l).x|,
- *     DT(c) = |(c - l).x (c - r).x| + |(c - l).y (c - r).y|
- *
- * be the sums of magnitudes in cr and dt. A product of two rounded differences has a relative error of
- * at most 3 u, so |err cr| <= 4 u CR and |err dt| <= 4 u DT (+ O(u^2)), hence each product of a cr and
- * a dt errs by at most 9 u CR DT, and with S = DT(c) CR(x) + DT(x) CR(c)
- *
- *     |err det| <= 9 u S + u S = 10 u S.
- *
- * S itself is computed with a relative error of a few u; the bound used is 1.2e-15 S > 10.8 u S.
+ * Filters (bounds.h). The wide one knows only the longer side of the box of both parts. On circles and
+ * thin strips, and at the last merges of many points, that says little about the four at hand. The close
+ * one looks at them: at the sums CR and DT of the magnitudes of the products in cr and dt.
  *
  * A merge asks one of the two, and sight.c what that leaves open. It tells how often the close one would
- * have spared it the way there; so the next merge, of a part with a larger box, knows better. No product
- * under- or overflows for the coordinates that dt_coordinate_ok accepts. */
+ * have spared it the way there; so the next merge, of a part with a larger box, knows better. */
 #ifndef DT_SIGHT_H
 #define DT_SIGHT_H
 
@@ -114,8 +90,8 @@ INLINE struct sight sight_of(const struct dt_point *p, const struct sight_base *
 INLINE int sight_above(const struct knitting *w, uint32_t l, uint32_t r, uint32_t u, uint32_t v,
                        const struct sight *c)
 {
-    int above = dt_lanes_bits(c->cr > dt_lanes_both(w->cr_bound));
-    int not_above = dt_lanes_bits(c->cr < dt_lanes_both(-w->cr_bound));
+    int above = dt_lanes_bits(c->cr > dt_lanes_both(w->bound.cr));
+    int not_above = dt_lanes_bits(c->cr < dt_lanes_both(-w->bound.cr));
     if (__builtin_expect((above | not_above) != (SIGHT_LEFT | SIGHT_RIGHT), 0))
         return dt_sight_above(w->p, l, r, u, v);
     return above;
@@ -124,8 +100,8 @@ INLINE int sight_above(const struct knitting *w, uint32_t l, uint32_t r, uint32_
 INLINE int sight_below(const struct knitting *w, uint32_t l, uint32_t r, uint32_t u, uint32_t v,
                        const struct sight *c)
 {
-    int below = dt_lanes_bits(c->cr < dt_lanes_both(-w->cr_bound));
-    int not_below = dt_lanes_bits(c->cr > dt_lanes_both(w->cr_bound));
+    int below = dt_lanes_bits(c->cr < dt_lanes_both(-w->bound.cr));
+    int not_below = dt_lanes_bits(c->cr > dt_lanes_both(w->bound.cr));
     if (__builtin_expect((below | not_below) != (SIGHT_LEFT | SIGHT_RIGHT), 0))
         return dt_sight_below(w->p, l, r, u, v);
     return below;
@@ -134,13 +110,13 @@ INLINE int sight_below(const struct knitting *w, uint32_t l, uint32_t r, uint32_
 /* The close filter's bound of det(c, x). */
 INLINE dt_lanes sight_close(const struct sight *c, const struct sight *x)
 {
-    return dt_lanes_both(1.2e-15) * (c->dt_size * x->cr_size + x->dt_size * c->cr_size);
+    return dt_lanes_both(DT_CLOSE_DET_BOUND) * (c->dt_size * x->cr_size + x->dt_size * c->cr_size);
 }
 
 /* The same of det(u, v) for the two points that *c has in view. */
 INLINE double sight_close_of_pair(const struct sight *c)
 {
-    return 1.2e-15 * (c->dt_size[0] * c->cr_size[1] + c->dt_size[1] * c->cr_size[0]);
+    return DT_CLOSE_DET_BOUND * (c->dt_size[0] * c->cr_size[1] + c->dt_size[1] * c->cr_size[0]);
 }
 
 /* What sight.c answers, and the filter takes notice. */
@@ -157,7 +133,7 @@ INLINE int sight_better(const struct knitting *w, struct sight_filter *f, uint32
                         const struct sight *in_c, const struct sight *in_x)
 {
     dt_lanes det = in_c->dt * in_x->cr - in_x->dt * in_c->cr;
-    dt_lanes bound = f->close ? sight_close(in_c, in_x) : dt_lanes_both(w->det_bound);
+    dt_lanes bound = f->close ? sight_close(in_c, in_x) : dt_lanes_both(w->bound.det);
     int better = sides & dt_lanes_bits(det > bound);
     int not_better = sides & dt_lanes_bits(det < -bound);
     if (__builtin_expect((better | not_better) != sides, 0))
@@ -171,7 +147,7 @@ INLINE bool sight_left_wins(const struct knitting *w, struct sight_filter *f, ui
                             uint32_t r, int above, uint32_t u, uint32_t v, const struct sight *c)
 {
     double det = c->dt[0] * c->cr[1] - c->dt[1] * c->cr[0];
-    double bound = f->close ? sight_close_of_pair(c) : w->det_bound;
+    double bound = f->close ? sight_close_of_pair(c) : w->bound.det;
     if (__builtin_expect((above == SIGHT_BOTH) & (fabs(det) <= bound), 0))
         return sight_learn(f, dt_sight_left_wins(w->p, l, r, u, v));
     return above & SIGHT_LEFT &

@@ -85,10 +85,15 @@ struct exact exact_multiply(const struct exact *a, const struct exact *b)
 
 struct exact exact_from_double(double v)
 {
+    return exact_scaled(v, 194);
+}
+
+struct exact exact_scaled(double v, int power)
+{
     struct exact r = {(v > 0) - (v < 0), {0}};
     int exponent;
     uint64_t mantissa = (uint64_t)ldexp(frexp(fabs(v), &exponent), 53);
-    int shift = exponent - 53 + 194;
+    int shift = exponent - 53 + power;
     if (v == 0)
         return r;
     for (; shift < 0; shift++) {
@@ -103,6 +108,26 @@ struct exact exact_from_double(double v)
         }
     }
     return r;
+}
+
+/* The three highest limbs that are not all zero, as a fraction of 2^(32 * *limbs). */
+static double leading(const struct exact *a, int *limbs)
+{
+    int top = EXACT_LIMBS;
+    double v = 0;
+    while (top > 0 && a->limb[top - 1] == 0)
+        top--;
+    for (int i = top - 3 > 0 ? top - 3 : 0; i < top; i++)
+        v = (v + a->limb[i]) * 0x1p-32;
+    *limbs = top;
+    return v;
+}
+
+double exact_ratio(const struct exact *a, const struct exact *b)
+{
+    int limbs_a, limbs_b;
+    double high_a = leading(a, &limbs_a), high_b = leading(b, &limbs_b);
+    return ldexp(high_a / high_b, 32 * (limbs_a - limbs_b));
 }
 
 /* ---- predicates ---- */

@@ -18,6 +18,12 @@ struct exact {
 
 /* v * 2^194, which must be an integer. */
 struct exact exact_from_double(double v);
+
+/* v * 2^power, the same. */
+struct exact exact_scaled(double v, int power);
+
+/* |a| / |b| for b != 0, to 1 part in 2^50. */
+double exact_ratio(const struct exact *a, const struct exact *b);
 struct exact exact_add(const struct exact *a, const struct exact *b);
 struct exact exact_subtract(const struct exact *a, const struct exact *b);
 struct exact exact_multiply(const struct exact *a, const struct exact *b);
