@@ -70,7 +70,6 @@ static void consume_held(struct session *s)
 {
     buf_consume(&s->conn.in, s->held);
     s->held = 0;
-    s->probed = false;
 }
 
 /* Whether the reply, of which not a byte has left yet, is an error. */
@@ -417,7 +416,7 @@ static void on_probe(struct timer *t)
     struct session *s = (struct session *)((char *)t - offsetof(struct session, probe));
     if (s->job == NULL || s->conn.dead)
         return;
-    s->probed = true;
+    s->probed = s->job->what != NULL;
     session_progress(s, s->job);
 }
 

@@ -27,7 +27,7 @@ struct session {
     unsigned command;      /* the last one, or the one under way; as in struct answer */
     unsigned wrong_tokens; /* that it has shown */
     struct timer probe; /* set: runs when a comment is to show whether the client is still there */
-    bool probed;        /* it has run for the request at hand */
+    bool probed;        /* it has run while a worker could report progress: once is enough */
     struct timer later; /* set: the request at hand is carried out when it runs */
     bool waited;        /* it has run for the request at hand */
     bool evicted;       /* it has made room for another client */

@@ -268,7 +268,7 @@ TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_ma
     }
     for (int i = 0; i < CLIENTS; i++) {
         size_t n;
-        char *reply = hear_all(fd[i], &n), *at = reply;
+        char *reply = hear_all_and_comments(fd[i], &n), *at = reply;
         for (; strncmp(at, "# progress ", 11) == 0; at = strchr(at, '\n') + 1)
             comments++;
         fine += strncmp(at, "OK ", 3) == 0;

@@ -56,7 +56,7 @@ const char *hear_line(int fd)
     return line[0] == '#' ? hear_line(fd) : line;
 }
 
-char *hear_all(int fd, size_t *n)
+char *hear_all_and_comments(int fd, size_t *n)
 {
     size_t cap = 1 << 16;
     char *text = malloc(cap);
@@ -72,6 +72,31 @@ char *hear_all(int fd, size_t *n)
             text = realloc(text, cap *= 2);
     }
     text[*n] = '\0';
+    return text;
+}
+
+/* Takes the comments about progress out of text[n]; returns how many bytes are left. */
+static size_t drop_comments(char *text, size_t n)
+{
+    static const char mark[] = "# progress ";
+    size_t kept = 0;
+    for (size_t at = 0; at < n;) {
+        const char *lf = memchr(text + at, '\n', n - at);
+        size_t len = lf == NULL ? n - at : (size_t)(lf - (text + at)) + 1;
+        if (strncmp(text + at, mark, sizeof mark - 1) != 0) {
+            memmove(text + kept, text + at, len);
+            kept += len;
+        }
+        at += len;
+    }
+    text[kept] = '\0';
+    return kept;
+}
+
+char *hear_all(int fd, size_t *n)
+{
+    char *text = hear_all_and_comments(fd, n);
+    *n = drop_comments(text, *n);
     return text;
 }
 

@@ -18,8 +18,12 @@ void expect(int fd, const char *want);
 /* Reads one line that is no comment, its LF removed; the text lives until the next call. */
 const char *hear_line(int fd);
 
-/* Reads to the end of input; the caller frees it. It is NUL-terminated. */
+/* Reads to the end of input and leaves out comments about progress, which a client that has closed its
+ * sending side may get; the caller frees it. It is NUL-terminated. */
 char *hear_all(int fd, size_t *n);
+
+/* The same with the comments. */
+char *hear_all_and_comments(int fd, size_t *n);
 
 /* The daemon has closed the connection, with nothing left to read. */
 void expect_end(int fd);

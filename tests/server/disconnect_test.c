@@ -93,7 +93,7 @@ static char *hear_half_closed(int fd, const char *request)
     size_t n;
     say(fd, request);
     CHECK(shutdown(fd, SHUT_WR) == 0);
-    char *text = hear_all(fd, &n);
+    char *text = hear_all_and_comments(fd, &n);
     close(fd);
     return text;
 }
