@@ -1,6 +1,8 @@
 /* job_test.c - which jobs may wait for a worker, and what is done with the result of one. */
 #include "server/job.h"
 
+#include "server/cmd_load.h"
+#include "server/command.h"
 #include "server/limits.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
@@ -112,5 +114,60 @@ TEST(edit_that_fails_is_not_written_down)
     CHECK(records == 0);
     edit(&l, run_well);
     CHECK(records == 1);
+    local_stop(&l);
+}
+
+/* ---- requests for a set that somebody else is about to create, or edits ---- */
+
+TEST(set_that_is_about_to_be_created_is_there_for_nobody_who_reads)
+{
+    struct local l;
+    local_start(&l, 0);
+    CHECK(registry_create(&l.server.sets, &(struct word){"t", 1}, 0) != NULL);
+    CHECK_STR(local_ask(&l, "POINTS t\n"), "ERR NOSET there is no set t\n");
+    CHECK_STR(local_ask(&l, "DROP u\n"), "ERR NOSET there is no set u\n");
+    local_stop(&l);
+}
+
+static struct load *begin_load(struct local *l, const char *line)
+{
+    struct request *q = &l->server.request;
+    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    CHECK(request_split(q, line, strlen(line)));
+    command_run(&l->server, q, &a);
+    CHECK(a.load != NULL);
+    return a.load;
+}
+
+TEST(load_whose_points_are_there_waits_for_its_turn)
+{
+    struct local l;
+    local_start(&l, 0);
+    local_ask(&l, "ADD t 1 1\n");
+    struct dataset *set = set_of(&l);
+    set->writer = (struct job *)(void *)&l; /* only compared with NULL */
+    struct load *load = begin_load(&l, "LOAD t 1");
+    struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
+    CHECK(load_feed(&l.server, load, "2 2\n", 4, false) == 4 && load->body.complete);
+    load_commit(&l.server, load, &a);
+    CHECK(a.wait == &set->queue && set->current->sum.points == 1);
+    set->writer = NULL;
+    a.wait = NULL;
+    load_commit(&l.server, load, &a);
+    CHECK(a.wait == NULL && set->current->sum.points == 2);
+    load_free(&l.server, load);
+    local_stop(&l);
+}
+
+TEST(load_that_is_refused_gives_its_memory_back_at_once)
+{
+    struct local l;
+    local_start(&l, 0);
+    struct load *load = begin_load(&l, "LOAD t 3");
+    CHECK(load_feed(&l.server, load, "2 2\n", 4, false) == 4);
+    CHECK(budget_of(&l.server.budget, BUDGET_LOADS) > 0);
+    CHECK(load_feed(&l.server, load, "2 x\n", 4, false) == 4 && !load->body.complete);
+    CHECK(budget_of(&l.server.budget, BUDGET_LOADS) == 0);
+    load_free(&l.server, load);
     local_stop(&l);
 }

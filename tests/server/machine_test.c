@@ -103,5 +103,8 @@ TEST(memory_limit_of_a_container_that_sees_a_part_of_the_tree_is_honoured)
     put(&dir, "groups", "0::/../../x\n");
     put(&dir, "mount/memory.max", "1000000000\n");
     CHECK(limit_in(&dir) == 1000000000);
+    put(&dir, "groups", "0::/../x\n");
+    put(&dir, "x/memory.max", "1\n"); /* beyond the mount */
+    CHECK(limit_in(&dir) == 1000000000);
     remove_all(&dir);
 }

@@ -196,3 +196,19 @@ TEST(waiting_readers_are_not_called_while_the_set_is_edited)
     wait_served(&in_line[0].waiter);
     registry_clear(&sets);
 }
+
+TEST(one_waiter_is_called_at_a_time)
+{
+    begin();
+    edit_begins(true);
+    line_up(&in_line[0].waiter, false);
+    line_up(&in_line[1].waiter, false);
+    edit_ends();
+    wait_call(&set->queue);
+    CHECK(called_n == 1);
+    wait_served(&in_line[0].waiter);
+    wait_call(&set->queue);
+    CHECK(called_n == 2);
+    wait_served(&in_line[1].waiter);
+    registry_clear(&sets);
+}

@@ -22,6 +22,20 @@ TEST(slowlog_keeps_the_last_ones)
     slowlog_clear(&l);
 }
 
+TEST(slowlog_that_changes_its_length_keeps_the_last_ones)
+{
+    struct slowlog l;
+    CHECK(slowlog_init(&l, 3));
+    for (int i = 0; i < 5; i++)
+        slowlog_add(&l, &(struct slow){.work_us = i});
+    CHECK(slowlog_resize(&l, 2) && slowlog_len(&l) == 2);
+    CHECK(slowlog_at(&l, 0)->work_us == 4 && slowlog_at(&l, 1)->work_us == 3);
+    CHECK(slowlog_resize(&l, 4) && slowlog_len(&l) == 2);
+    CHECK(slowlog_at(&l, 0)->work_us == 4 && slowlog_at(&l, 1)->work_us == 3);
+    CHECK(slowlog_resize(&l, 0) && slowlog_len(&l) == 0);
+    slowlog_clear(&l);
+}
+
 TEST(slowlog_of_no_length_keeps_nothing)
 {
     struct slowlog l;
@@ -45,14 +59,16 @@ TEST(slowlog_cuts_what_is_long)
 {
     enum { N = 80 };
     static char big[2 * SLOW_TEXT];
-    char text[SLOW_TEXT];
+    char room[SLOW_TEXT + 16], *text = room;
     struct word word[N];
     memset(big, 'x', sizeof big);
+    memset(room, 'y', sizeof room);
     for (size_t len = SLOW_TEXT - 8; len < SLOW_TEXT + 8; len++) {
         struct word one = {big, len};
         slowlog_quote(text, &one, 1);
         CHECK(strlen(text) == (len < SLOW_TEXT ? len : SLOW_TEXT - 1));
         CHECK((strstr(text, "...") != NULL) == (len >= SLOW_TEXT));
+        CHECK(text[SLOW_TEXT] == 'y');
     }
     for (int i = 0; i < N; i++)
         word[i] = (struct word){big, 3};

@@ -68,6 +68,42 @@ TEST(unix_socket_is_for_its_owner_and_group_whatever_the_umask)
     }
 }
 
+TEST(path_of_a_unix_socket_has_107_bytes_and_no_more)
+{
+    char path[200] = "/tmp/delaunayd-XXXXXX";
+    CHECK(mkdtemp(path) != NULL);
+    size_t n = strlen(path);
+    memset(path + n, 'x', 108 - n);
+    path[n] = '/';
+    path[108] = '\0';
+    CHECK(sock_listen_unix(path) < 0 && errno == ENAMETOOLONG);
+    path[107] = '\0';
+    int fd = sock_listen_unix(path);
+    CHECK(fd >= 0);
+    close(fd);
+    unlink(path);
+    path[n] = '\0';
+    rmdir(path);
+}
+
+TEST(only_a_socket_that_nobody_listens_on_is_replaced)
+{
+    char path[] = "/tmp/delaunayd-socket-XXXXXX";
+    int file = mkstemp(path);
+    CHECK(file >= 0 && sock_listen_unix(path) < 0); /* it is a file */
+    struct stat st;
+    CHECK(stat(path, &st) == 0 && S_ISREG(st.st_mode));
+    close(file);
+    unlink(path);
+    int first = sock_listen_unix(path);
+    CHECK(first >= 0 && sock_listen_unix(path) < 0 && errno == EADDRINUSE);
+    close(first);
+    int second = sock_listen_unix(path);
+    CHECK(second >= 0);
+    close(second);
+    unlink(path);
+}
+
 TEST(refusal_reaches_a_client_that_has_sent_its_first_request)
 {
     static const char line[] = "ERR BUSY not now\n";

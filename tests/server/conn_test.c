@@ -1,0 +1,181 @@
+/* conn_test.c - one connection, its loop's turns one by one, in a time of the test's own. */
+#include "server/conn.h"
+
+#include "server/limits.h"
+#include "tests/test.h"
+
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum { LINGER_MS = 2000, LINGER_BYTES = 64 * 1024 * 1024 };
+
+struct bench {
+    struct loop loop;
+    struct conn conn;
+    int client;
+    unsigned closed, calls; /* of closed and data */
+    size_t answer;          /* bytes that the next data appends */
+};
+
+static struct bench b;
+
+static void on_data(struct conn *c)
+{
+    static const char zeros[CONN_OUT_LIMIT];
+    b.calls++;
+    if (b.answer > 0)
+        buf_append(&c->out, zeros, b.answer);
+    b.answer = 0;
+}
+
+static void on_closed(struct conn *c)
+{
+    (void)c;
+    b.closed++;
+}
+
+static void end_of_turn(struct loop *loop)
+{
+    loop_stop(loop);
+}
+
+static void begin(void)
+{
+    static const struct conn_events events = {.data = on_data, .closed = on_closed};
+    int fd[2];
+    struct reservation memory = {0};
+    b = (struct bench){0};
+    CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fd) == 0 && loop_init(&b.loop));
+    b.loop.turn_end = end_of_turn;
+    b.client = fd[1];
+    CHECK(conn_init(&b.conn, &b.loop, fd[0], &events, &memory));
+}
+
+static void turn(void)
+{
+    b.loop.stopped = false;
+    loop_run(&b.loop);
+}
+
+static void end(void)
+{
+    conn_close(&b.conn);
+    loop_clear(&b.loop);
+    CHECK(b.closed == 1);
+    close(b.client);
+}
+
+static void send_some(size_t n)
+{
+    static const char zeros[1 << 16];
+    CHECK(n <= sizeof zeros && send(b.client, zeros, n, 0) == (ssize_t)n);
+}
+
+/* Appends to the output until the client's side takes no more. */
+static void stall(void)
+{
+    while (conn_sendable(&b.conn) == 0) {
+        b.answer = CONN_OUT_LIMIT;
+        conn_turn(&b.conn);
+    }
+}
+
+TEST(client_that_takes_nothing_is_closed_after_a_while)
+{
+    begin();
+    stall();
+    b.loop.now_ms += LIMIT_STALL_S * 1000;
+    conn_check_timeouts(&b.conn);
+    CHECK(!b.conn.dead);
+    b.loop.now_ms += 1;
+    conn_check_timeouts(&b.conn);
+    CHECK(b.conn.dead);
+    end();
+}
+
+TEST(nothing_is_read_from_a_client_that_takes_no_replies)
+{
+    begin();
+    stall();
+    while (!conn_full(&b.conn)) {
+        b.answer = CONN_OUT_LIMIT;
+        conn_turn(&b.conn);
+    }
+    send_some(1000);
+    for (int i = 0; i < 3; i++) {
+        conn_again(&b.conn); /* so that the loop does not wait */
+        turn();
+    }
+    CHECK(buf_len(&b.conn.in) == 0 && (b.conn.interest & EPOLLIN) == 0);
+    end();
+}
+
+TEST(connection_that_is_deferred_and_closed_in_one_turn_is_freed_in_the_next)
+{
+    begin();
+    conn_again(&b.conn);
+    conn_close(&b.conn);
+    CHECK(b.conn.turn.queued && b.conn.burial.queued);
+    b.conn.burial.queued = false; /* as the loop does at the end of its turn */
+    b.loop.burials = (struct task_list){0};
+    b.conn.burial.run(&b.conn.burial);
+    CHECK(b.closed == 0);
+    turn();
+    CHECK(b.closed == 1 && b.calls == 0);
+    loop_clear(&b.loop);
+    close(b.client);
+}
+
+TEST(short_rest_of_input_is_kept_in_a_small_block)
+{
+    begin();
+    send_some(10);
+    turn();
+    CHECK(b.calls == 1 && buf_len(&b.conn.in) == 10 && b.conn.in.cap <= CONN_SMALL);
+    CHECK(b.loop.spare_in.cap > CONN_SMALL);
+    end();
+}
+
+TEST(last_reply_is_followed_by_the_end_and_what_the_client_still_sends_is_dropped)
+{
+    char bytes[16];
+    begin();
+    b.answer = 3;
+    conn_turn(&b.conn);
+    conn_finish(&b.conn);
+    conn_turn(&b.conn);
+    CHECK(recv(b.client, bytes, sizeof bytes, 0) == 3 && recv(b.client, bytes, 3, 0) == 0);
+    CHECK(b.conn.lingering && !b.conn.dead);
+    send_some(1000);
+    turn();
+    CHECK(!b.conn.dead && b.conn.dropped == 1000 && buf_len(&b.conn.in) == 0);
+    end();
+}
+
+TEST(client_that_sends_on_after_its_last_reply_is_closed_after_so_many_bytes_or_seconds)
+{
+    for (int i = 0; i < 2; i++) {
+        begin();
+        conn_finish(&b.conn);
+        conn_turn(&b.conn);
+        CHECK(b.conn.lingering);
+        b.conn.dropped = LINGER_BYTES - 1;
+        b.loop.now_ms = b.conn.linger_ms + LINGER_MS;
+        conn_check_timeouts(&b.conn);
+        CHECK(!b.conn.dead);
+        if (i == 0) {
+            send_some(2);
+            turn();
+            CHECK(b.closed == 1);
+            loop_clear(&b.loop);
+            close(b.client);
+        } else {
+            b.loop.now_ms += 1;
+            conn_check_timeouts(&b.conn);
+            CHECK(b.conn.dead);
+            end();
+        }
+    }
+}
