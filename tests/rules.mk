@@ -35,7 +35,7 @@ interop: all
 #
 # Twenty minutes, of which ten are families; TABLES=paper or MIN=1000000 does less. TABLES=sizes MAX=10000000 takes five, and
 # TABLES=hostile MIN=10000, every family and order of input beside uniform points, and edits where they are hardest, eight;
-# TABLES=edits is the latter alone. README shows a copy of the chart, tests/bench/bench.svg.
+# TABLES=edits is the latter alone. The tables of a quiet run are in tests/bench/README.md, its chart is tests/bench/bench.svg.
 
 TABLES     ?= paper sizes families daemon live end_to_end
 MIN        ?= 1000
