@@ -208,6 +208,14 @@ static bool copy_rest(int from, int to, uint64_t at)
     return n == 0 && fsync(to) == 0;
 }
 
+/* Removes a file that could not be completed; errno stays. */
+static void discard(const struct datadir *d, const char *name)
+{
+    int error = errno;
+    unlinkat(d->fd, name, 0);
+    errno = error;
+}
+
 bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at,
                         char name[DATADIR_ASIDE])
 {
@@ -216,11 +224,8 @@ bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint6
     bool ok = to >= 0 && copy_rest(from, to, at) && datadir_sync(d);
     close_with(from, ok);
     close_with(to, ok);
-    if (!ok && to >= 0) {
-        int error = errno;
-        unlinkat(d->fd, name, 0);
-        errno = error;
-    }
+    if (to >= 0 && !ok)
+        discard(d, name);
     return ok;
 }
 
@@ -250,6 +255,21 @@ bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint6
 {
     int fd = openat(d->fd, f->name, O_RDWR | O_CLOEXEC);
     return close_with(fd, fd >= 0 && write_again(fd, at) && fdatasync(fd) == 0);
+}
+
+bool datadir_copy_again(const struct datadir *d, const struct datafile *f)
+{
+    char temporary[DATAFILE_NAME];
+    datafile_name(temporary, DATAFILE_TEMPORARY, f->lsn);
+    int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
+    int to =
+        from < 0 ? -1 : openat(d->fd, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    bool ok = to >= 0 && copy_rest(from, to, 0);
+    close_with(from, ok);
+    ok = close_with(to, ok) && renameat(d->fd, temporary, d->fd, f->name) == 0;
+    if (!ok && to >= 0)
+        discard(d, temporary);
+    return ok && datadir_sync(d);
 }
 
 void datadir_forget(const struct datadir *d, uint64_t lsn)

@@ -62,6 +62,10 @@ bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at)
  * errno. */
 bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint64_t at);
 
+/* Puts a copy of the file into its place, durable with its name. False with errno: it is as it was, or
+ * the sync of the name has failed. */
+bool datadir_copy_again(const struct datadir *d, const struct datafile *f);
+
 /* Removes the snapshots older than `lsn` and the log segments that it covers: those followed by a
  * segment that begins at lsn + 1 or before. A file that cannot be removed is left for the next
  * time. */

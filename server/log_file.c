@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <unistd.h>
 
 enum { RESERVE_BYTES = 4 << 20 };
@@ -119,13 +120,26 @@ static void write_header(struct log_file *f)
     buf_free(&b);
 }
 
-/* Opens the segment's file, empty. *created: it was not there before. */
-static int open_segment(const struct log_file *f, const char *name, bool *created)
+/* Opens the segment's file, empty. *created: it was not there before. One that is there may have a name
+ * that a failed sync of the directory has lost for good, so that a new file takes its place: then the
+ * next sync has something to do. */
+static int open_segment(const struct datadir *dir, const char *name, uint64_t first, bool *created)
 {
     enum { FLAGS = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC };
-    int fd = openat(f->dir->fd, name, FLAGS | O_EXCL, 0600);
+    char temporary[DATAFILE_NAME];
+    int fd = openat(dir->fd, name, FLAGS | O_EXCL, 0600);
     *created = fd >= 0;
-    return fd < 0 && errno == EEXIST ? openat(f->dir->fd, name, FLAGS | O_TRUNC, 0600) : fd;
+    if (fd >= 0 || errno != EEXIST)
+        return fd;
+    datafile_name(temporary, DATAFILE_TEMPORARY, first);
+    fd = openat(dir->fd, temporary, FLAGS | O_TRUNC, 0600);
+    if (fd < 0 || renameat(dir->fd, temporary, dir->fd, name) == 0)
+        return fd;
+    int error = errno;
+    close(fd);
+    unlinkat(dir->fd, temporary, 0);
+    errno = error;
+    return -1;
 }
 
 void log_file_start(struct log_file *f, uint64_t first)
@@ -139,7 +153,7 @@ void log_file_start(struct log_file *f, uint64_t first)
         return;
     log_file_clear(f);
     datafile_name(name, DATAFILE_LOG, first);
-    f->fd = open_segment(f, name, &created);
+    f->fd = open_segment(f->dir, name, first, &created);
     if (f->fd < 0) {
         log_file_fail(f, errno);
         return;

@@ -434,8 +434,40 @@ static bool save_log(struct recovery *r)
     return ok || fail(r, RECOVERY_ERROR, "cannot sync the log: %s", strerror(error));
 }
 
+/* The snapshot that was read, if there are files beside it that it covers: its daemon would have removed
+ * them, had its name been synced. NULL: there is none, or it is alone. */
+static const struct datafile *unproven_snapshot(const struct recovery *r,
+                                                const struct datafiles *files)
+{
+    const struct datafile *snapshot = NULL;
+    bool covers = false;
+    for (size_t i = 0; i < files->n; i++) {
+        const struct datafile *f = &files->v[i];
+        if (f->kind == DATAFILE_SNAPSHOT && f->lsn == r->replay.snapshot)
+            snapshot = f;
+        covers = covers || (f->kind == DATAFILE_LOG && f->lsn <= r->replay.snapshot) ||
+                 (f->kind == DATAFILE_SNAPSHOT && f->lsn < r->replay.snapshot);
+    }
+    return covers ? snapshot : NULL;
+}
+
+/* Whoever made the snapshot may have been killed after the sync of its name had failed. Such a name may
+ * never get to the disk, whatever a later sync reports; that of a copy does. Where there is no space
+ * for a copy, what is there has to do. */
+static bool save_snapshot(struct recovery *r)
+{
+    struct datafiles files;
+    bool ok = datadir_list(r->dir, &files);
+    const struct datafile *f = ok ? unproven_snapshot(r, &files) : NULL;
+    if (f != NULL)
+        ok = datadir_copy_again(r->dir, f) || errno == ENOSPC || errno == EDQUOT;
+    int error = errno;
+    datafiles_free(&files);
+    return ok || fail(r, RECOVERY_ERROR, "cannot save the snapshot: %s", strerror(error));
+}
+
 bool recovery_tidy(struct recovery *r)
 {
     remove_temporaries(r->dir);
-    return (!r->torn || cut_torn_end(r)) && save_log(r);
+    return (!r->torn || cut_torn_end(r)) && save_log(r) && save_snapshot(r);
 }

@@ -3,10 +3,13 @@
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
+#include <fcntl.h>
 #include <inttypes.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const char *const names[] = {"a", "b", "t", NULL};
@@ -227,5 +230,64 @@ TEST(changes_come_back_behind_a_snapshot_that_is_ahead_of_its_log)
         daemon_stop(&d, i == 1 ? SIGTERM : SIGKILL);
     }
     buf_free(&b);
+    directory_remove(&dir);
+}
+
+/* ---- names that may never get to the disk, since the sync of the directory has failed ---- */
+
+static ino_t inode_of(const char *path)
+{
+    struct stat st;
+    CHECK_MSG(stat(path, &st) == 0, "%s", path);
+    return st.st_ino;
+}
+
+TEST(a_log_segment_that_is_there_already_is_replaced_so_that_its_name_is_synced)
+{
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL);
+    char path[128];
+    CHECK(daemon_stop(&d, SIGKILL) == -1);
+    CHECK(directory_file(&dir, "log.", 0, path));
+    int old = open(path, O_RDONLY); /* so that its number is not used again */
+    ino_t before = inode_of(path);
+    d = directory_daemon(&dir, NULL);
+    CHECK(inode_of(path) != before);
+    carry_out(&d, "ADD t 1 2\n");
+    CHECK(daemon_stop(&d, SIGKILL) == -1);
+    before = inode_of(path);
+    d = directory_daemon(&dir, NULL);
+    CHECK(inode_of(path) == before); /* its name was synced before the change */
+    converse(&d, "GET t 0\n", "OK 1\n0 1 2\n");
+    close(old);
+    directory_remove(&dir);
+}
+
+TEST(a_snapshot_beside_files_that_it_covers_is_replaced_so_that_its_name_is_synced)
+{
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL);
+    char snapshot[128], log[128];
+    carry_out(&d, "ADD t 1 2\n");
+    CHECK(directory_file(&dir, "log.", 0, log));
+    size_t n;
+    char *bytes = file_read(log, &n);
+    carry_out(&d, "SNAPSHOT\n");
+    await_info(&d, "snapshots", 1);
+    await_info(&d, "snapshot_running", 0);
+    carry_out(&d, "ADD t 3 4\n");
+    CHECK(directory_file(&dir, "snapshot.", 0, snapshot));
+    int old = open(snapshot, O_RDONLY);
+    ino_t before = inode_of(snapshot);
+    for (int covers = 0; covers < 2; covers++) {
+        CHECK(daemon_stop(&d, SIGKILL) == -1);
+        if (covers == 1)
+            file_write(log, bytes, n);
+        d = directory_daemon(&dir, NULL);
+        CHECK((inode_of(snapshot) != before) == (covers == 1));
+        converse(&d, "POINTS t\n", "OK 2\n0 1 2\n1 3 4\n");
+    }
+    close(old);
+    free(bytes);
     directory_remove(&dir);
 }
