@@ -37,6 +37,12 @@ static inline void ahead_forget(struct ahead *a)
     a->place = NULL;
 }
 
+/* Whether requests that have been read are still to be taken. */
+static inline bool ahead_has_more(const struct ahead *a)
+{
+    return a->next < a->n;
+}
+
 /* Takes the request at the front of bytes[n] into s->request and returns its length; 0, with the
  * words undefined, if it is not among those that can be read ahead. Between two calls without
  * ahead_forget the input may only lose bytes at its front. Cost: amortised linear in the request. */

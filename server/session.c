@@ -20,6 +20,7 @@
 enum {
     TURN_NS = 250 * 1000,      /* of work; then the session yields */
     LATE_TURN_NS = 100 * 1000, /* the same when the loop's turn has been long already */
+    BATCH_NS = 1000 * 1000,    /* the same while requests are left that have been read ahead */
     PROBE_MS = 50,             /* from the end of the input to the line that probes the client */
     STEPS_PER_LOOK = 16        /* of the quickest requests, between looks at the clock */
 };
@@ -420,17 +421,26 @@ static void on_probe(struct timer *t)
     session_progress(s, s->job);
 }
 
+/* Whether the session has worked for long enough. Requests that have been read ahead are carried out
+ * first, because what has been read and fetched for them is lost when the session yields. */
+static bool has_had_its_turn(const struct session *s, int64_t start, bool late)
+{
+    int64_t spent = s->server->stats.mark_ns - start;
+    return spent > (late ? LATE_TURN_NS : TURN_NS) &&
+           (spent > BATCH_NS || !ahead_has_more(&s->server->ahead));
+}
+
 static void on_data(struct conn *c)
 {
     struct session *s = (struct session *)c;
     struct stats *stats = &s->server->stats;
     int64_t start = stats_look(stats);
-    int64_t end = start + (loop_is_late(c->loop, start) ? LATE_TURN_NS : TURN_NS);
+    bool late = loop_is_late(c->loop, start);
     ahead_forget(&s->server->ahead);
     for (unsigned n = 1; step(s); n++) {
         if (n % STEPS_PER_LOOK == 0 || s->load != NULL)
             stats_look(stats);
-        if (stats->mark_ns > end) { /* other requests than the quickest end with a look, too */
+        if (has_had_its_turn(s, start, late)) { /* slower requests end with a look, too */
             conn_yield(c);
             break;
         }
