@@ -389,9 +389,10 @@ enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt);
  * time. Cost: constant. */
 bool dt_is_aged(const struct dt *t);
 
-/* Makes a new grid, which the caller owns. It only reads, so queries may go on meanwhile. */
+/* Makes a new grid, which the caller owns. It only reads, so queries may go on meanwhile. opt, which may
+ * be NULL: its pool shares the work, and its flag is polled. */
 struct dt_renewal;
-enum dt_status dt_renew(const struct dt *t, const struct dt_pool *pool, struct dt_renewal **out);
+enum dt_status dt_renew(const struct dt *t, const struct dt_options *opt, struct dt_renewal **out);
 void dt_renewal_free(struct dt_renewal *r);
 
 /* Takes it over, if t has not been edited since. NULL: there is no memory for one; the set will ask

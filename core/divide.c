@@ -171,12 +171,13 @@ enum dt_status dt_divide(const struct dt_point *in, uint32_t n, struct dt_point 
                          struct dt_mesh *m, const struct dt_options *opt)
 {
     static const struct dt_options none;
-    struct dt_division d = {.merging = {p, m},
+    struct dt_division d = {.merging = {.p = p, .mesh = m},
                             .p = p,
                             .from = from,
                             .n = n,
                             .opt = opt == NULL ? &none : opt,
                             .stop = dt_stop_of(opt)};
+    d.merging.stop = &d.stop;
     if (dt_mesh_reserve(m, n, 2 * n) != DT_OK)
         dt_stop_because(&d.stop, DT_NOMEM);
     else

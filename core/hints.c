@@ -11,6 +11,7 @@
 #include "core/hints_plan.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "core/stop.h"
 
 #include <string.h>
 
@@ -69,6 +70,7 @@ struct drop {
     struct dt_hints *hints;
     const struct dt_mesh *mesh;
     const struct dt_point *xy;
+    struct dt_stop *stop;
     unsigned slices;
 };
 
@@ -84,14 +86,13 @@ static void drop_one(const struct drop *d, uint32_t c, uint32_t v)
 
 /* After many edits the vertices are in no order, so the cells of some are fetched before the first
  * of them is dropped. */
-static void drop_slice(void *arg, unsigned i)
+static void drop_piece(const struct drop *d, struct dt_piece at)
 {
     enum { AT_ONCE = 32 };
-    const struct drop *d = arg;
     const struct dt_hint_grid top = *d->hints->grid;
-    uint32_t end = dt_slice(d->mesh->vert_cap, i + 1, d->slices), c[AT_ONCE];
-    for (uint32_t v = dt_slice(d->mesh->vert_cap, i, d->slices), k; v < end; v += k) {
-        uint32_t n = end - v < AT_ONCE ? end - v : AT_ONCE;
+    uint32_t c[AT_ONCE];
+    for (uint32_t v = at.a, k; v < at.b; v += k) {
+        uint32_t n = at.b - v < AT_ONCE ? at.b - v : AT_ONCE;
         for (k = 0; k < n; k++) {
             c[k] = d->mesh->leaving[v + k] == DT_NONE ? 0 : dt_hint_cell(&top, d->xy[v + k]);
             dt_fetch(&d->hints->cell[c[k]]);
@@ -100,6 +101,15 @@ static void drop_slice(void *arg, unsigned i)
             if (d->mesh->leaving[v + k] != DT_NONE)
                 drop_one(d, c[k], v + k);
     }
+}
+
+static void drop_slice(void *arg, unsigned i)
+{
+    const struct drop *d = arg;
+    uint32_t n = d->mesh->vert_cap, end = dt_slice(n, i + 1, d->slices);
+    struct dt_piece at = dt_before_first(dt_slice(n, i, d->slices));
+    while (dt_next_piece(d->stop, end, &at))
+        drop_piece(d, at);
 }
 
 /* ---- filling empty cells ---- */
@@ -118,11 +128,12 @@ static inline struct content nearer(struct content own, struct content next)
     return (struct content){take ? next.h | DT_HINT_LENT : own.h, take ? far : own.far};
 }
 
-/* From left to right along a row and from the row below. */
-static void sweep_up(uint32_t *cell, uint8_t *far, size_t nx, bool has_below)
+/* From left to right along a row of nx cells, at.a to at.b - 1, and from the row below. `left` is what the
+ * cell before has. */
+static struct content sweep_up(uint32_t *cell, uint8_t *far, size_t nx, bool has_below,
+                               struct dt_piece at, struct content left)
 {
-    struct content left = {0, FARTHEST + 1};
-    for (size_t i = 0; i < nx; i++) {
+    for (size_t i = at.a; i < at.b; i++) {
         struct content own = {cell[i], far[i]};
         if (has_below)
             own = nearer(own, (struct content){(cell - nx)[i], (far - nx)[i]});
@@ -130,12 +141,14 @@ static void sweep_up(uint32_t *cell, uint8_t *far, size_t nx, bool has_below)
         cell[i] = left.h;
         far[i] = (uint8_t)left.far;
     }
+    return left;
 }
 
-/* From right to left and from the row above, only for cells whose content is not near already. */
-static void sweep_down(uint32_t *cell, uint8_t *far, size_t nx, bool has_above)
+/* From right to left and from the row above, only for cells whose content is not near already. at counts
+ * from the right. */
+static void sweep_down(uint32_t *cell, uint8_t *far, size_t nx, bool has_above, struct dt_piece at)
 {
-    for (size_t i = nx; i-- > 0;) {
+    for (size_t i = nx - at.a; i-- > nx - at.b;) {
         struct content own = {cell[i], far[i]};
         if (own.far <= NEAR)
             continue;
@@ -151,24 +164,57 @@ static void sweep_down(uint32_t *cell, uint8_t *far, size_t nx, bool has_above)
 /* Grid 0 in bands of rows, then the others in batches. */
 struct fill {
     const struct dt_hints *hints;
+    struct dt_stop *stop;
     uint8_t *far; /* of every cell */
     unsigned bands, batches;
     atomic_bool bare; /* some band has no content at all */
 };
 
+/* Polls after each so many cells: rows may be long, or many and short. False: it is stopped. */
+static bool next_part_of_row(const struct fill *f, uint32_t nx, struct dt_piece *at,
+                             uint32_t *cells)
+{
+    at->a = at->b;
+    at->b = nx - at->a < DT_POLL ? nx : at->a + DT_POLL;
+    *cells += at->b - at->a;
+    if (*cells < DT_POLL)
+        return at->a < nx;
+    *cells = 0;
+    return at->a < nx && !dt_stopped(f->stop);
+}
+
+static void fill_row_up(const struct fill *f, const struct dt_hint_grid *g, size_t row,
+                        bool has_below, uint32_t *cells)
+{
+    uint32_t *cell = f->hints->cell + g->first + row * g->nx;
+    uint8_t *far = f->far + g->first + row * g->nx;
+    struct content left = {0, FARTHEST + 1};
+    for (struct dt_piece at = {0, 0}; next_part_of_row(f, g->nx, &at, cells);) {
+        for (uint32_t i = at.a; i < at.b; i++)
+            far[i] = (cell[i] & DT_HINT_LENT) == DT_HINT_LENT ? FARTHEST + 1 : 0;
+        left = sweep_up(cell, far, g->nx, has_below, at, left);
+    }
+}
+
+static void fill_row_down(const struct fill *f, const struct dt_hint_grid *g, size_t row,
+                          bool has_above, uint32_t *cells)
+{
+    uint32_t *cell = f->hints->cell + g->first + row * g->nx;
+    uint8_t *far = f->far + g->first + row * g->nx;
+    for (struct dt_piece at = {0, 0}; next_part_of_row(f, g->nx, &at, cells);)
+        sweep_down(cell, far, g->nx, has_above, at);
+}
+
 /* Fills the cells of rows lo .. hi - 1 of a grid among themselves. Returns whether any had content. */
 static bool fill_rows(const struct fill *f, const struct dt_hint_grid *g, uint32_t lo, uint32_t hi)
 {
-    size_t nx = g->nx, begin = lo * nx, end = hi * nx;
-    uint32_t *cell = f->hints->cell + g->first;
-    uint8_t *far = f->far + g->first;
-    for (size_t c = begin; c < end; c++)
-        far[c] = (cell[c] & DT_HINT_LENT) == DT_HINT_LENT ? FARTHEST + 1 : 0;
-    for (size_t row = begin; row < end; row += nx)
-        sweep_up(cell + row, far + row, nx, row > begin);
-    for (size_t row = end; row > begin; row -= nx)
-        sweep_down(cell + row - nx, far + row - nx, nx, row < end);
-    return begin == end || far[begin] <= FARTHEST;
+    uint32_t cells = 0;
+    for (uint32_t row = lo; row < hi && dt_stop_status(f->stop) == DT_OK; row++)
+        fill_row_up(f, g, row, row > lo, &cells);
+    for (uint32_t row = hi; row-- > lo && dt_stop_status(f->stop) == DT_OK;)
+        fill_row_down(f, g, row, row + 1 < hi, &cells);
+    return lo == hi || dt_stop_status(f->stop) != DT_OK ||
+           f->far[g->first + (size_t)lo * g->nx] <= FARTHEST;
 }
 
 static void fill_job(void *arg, unsigned i)
@@ -189,37 +235,42 @@ static void fill_job(void *arg, unsigned i)
 /* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
  * transform in two sweeps [Rosenfeld & Pfaltz 1966]. If some band of grid 0 has no point, all of it
  * is filled once more, in one piece. */
-static enum dt_status fill_empty(const struct dt_hints *g, const struct dt_pool *pool,
-                                 unsigned threads)
+static void fill_empty(const struct dt_hints *g, const struct dt_pool *pool, unsigned threads,
+                       struct dt_stop *stop)
 {
     struct fill f = {.hints = g,
+                     .stop = stop,
                      .far = dt_array_new_in(g->pages, g->cells, 1),
                      .bands = threads,
                      .batches = threads * BATCHES};
-    if (f.far == NULL)
-        return DT_NOMEM;
+    if (f.far == NULL) {
+        dt_stop_because(stop, DT_NOMEM);
+        return;
+    }
     dt_run(threads > 1 ? pool : NULL, f.bands + f.batches, fill_job, &f);
-    if (atomic_load_explicit(&f.bare, memory_order_relaxed))
+    if (atomic_load_explicit(&f.bare, memory_order_relaxed) && !dt_stopped(stop))
         (void)fill_rows(&f, g->grid, 0, g->grid->ny);
     dt_array_free(f.far);
-    return DT_OK;
 }
 
 enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
-                              const struct dt_point *xy, const struct dt_pool *pool)
+                              const struct dt_point *xy, const struct dt_options *opt)
 {
+    const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
+    struct dt_stop stop = dt_stop_of(opt);
     dt_hints_clear(g);
     g->pages = m->pages;
     if (m->vertices < 2)
         return DT_OK;
     unsigned threads = dt_threads_for(pool, m->vertices);
-    enum dt_status s = dt_hints_plan(g, m, xy);
-    if (s == DT_OK) {
-        struct drop d = {.hints = g, .mesh = m, .xy = xy, .slices = threads};
+    dt_hints_plan(g, m, xy, &stop);
+    if (!dt_stopped(&stop)) {
+        struct drop d = {.hints = g, .mesh = m, .xy = xy, .stop = &stop, .slices = threads};
         dt_run(pool, threads, drop_slice, &d);
-        s = fill_empty(g, pool, threads);
     }
-    if (s != DT_OK)
+    if (!dt_stopped(&stop))
+        fill_empty(g, pool, threads, &stop);
+    if (dt_stop_status(&stop) != DT_OK)
         dt_hints_clear(g);
-    return s;
+    return dt_stop_status(&stop);
 }

@@ -37,6 +37,7 @@ struct planner {
     struct dt_hints *hints;
     const struct dt_mesh *mesh;
     const struct dt_point *xy;
+    struct dt_stop *stop;
     uint32_t stride, crowd; /* points that a sample stands for; samples that may share a cell */
     double density;         /* cells per point in one grid */
     uint8_t *count;         /* samples in each cell of the grid at hand, 255 for more */
@@ -190,25 +191,27 @@ static struct dt_box box_of_samples(const struct planner *p, uint32_t k)
     return box;
 }
 
+/* Its passes over the samples, a sixteenth of the vertices, do not poll; what lies between them does. */
 static enum dt_status plan_grid(struct planner *p, uint32_t k)
 {
     struct dt_hints *hints = p->hints;
     struct dt_box box = box_of_samples(p, k);
     double n = (double)(p->span[k].to - p->span[k].from) * p->stride;
     shape_and_count(p, k, &box, n * CELLS_PER_POINT_COARSE);
-    if (!most_are_crowded(p, k, FEW))
+    if (!dt_stopped(p->stop) && !most_are_crowded(p, k, FEW))
         shape_and_count(p, k, &box, n * p->density);
     struct dt_hint_grid g = hints->grid[k];
     uint32_t end = g.first + g.nx * g.ny, crowd = 0;
     enum dt_status s = reserve_cells(hints, end);
     if (s != DT_OK)
         return s;
-    for (uint32_t c = g.first; c < end; c++)
-        hints->cell[c] = DT_HINT_LENT;
-    if (end < MAX_CELLS * p->mesh->vertices)
-        crowd = gather_crowd(p, k);
+    for (struct dt_piece at = dt_before_first(g.first); dt_next_piece(p->stop, end, &at);)
+        for (uint32_t c = at.a; c < at.b; c++)
+            hints->cell[c] = DT_HINT_LENT;
     hints->cells = end;
-    return crowd > 0 ? divide_crowd(p, k, crowd) : DT_OK;
+    if (end < MAX_CELLS * p->mesh->vertices && !dt_stopped(p->stop))
+        crowd = gather_crowd(p, k);
+    return crowd > 0 ? divide_crowd(p, k, crowd) : dt_stop_status(p->stop);
 }
 
 /* Takes the samples; there is room for them. */
@@ -216,19 +219,20 @@ static void take_samples(struct planner *p)
 {
     const struct dt_mesh *m = p->mesh;
     uint32_t wait = 0;
-    for (uint32_t v = 0; v < m->vert_cap; v++) {
-        if (m->leaving[v] == DT_NONE || wait-- > 0)
-            continue;
-        p->list[p->samples++] = v;
-        wait = p->stride - 1;
-    }
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(p->stop, m->vert_cap, &at);)
+        for (uint32_t v = at.a; v < at.b; v++) {
+            if (m->leaving[v] == DT_NONE || wait-- > 0)
+                continue;
+            p->list[p->samples++] = v;
+            wait = p->stride - 1;
+        }
 }
 
 /* Lays out all grids for the samples. */
 static enum dt_status plan_grids(struct planner *p)
 {
     p->hints->cells = p->hints->grids = 0;
-    enum dt_status s = reserve_grid(p);
+    enum dt_status s = dt_stopped(p->stop) ? dt_stop_status(p->stop) : reserve_grid(p);
     if (s == DT_OK)
         p->span[p->hints->grids++] = (struct span){0, p->samples};
     for (uint32_t k = 0; s == DT_OK && k < p->hints->grids; k++)
@@ -261,11 +265,13 @@ static void trim(struct dt_hints *g)
     g->grid = shrink(g->grid, g->grids, &g->grid_cap, sizeof *g->grid);
 }
 
-enum dt_status dt_hints_plan(struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy)
+void dt_hints_plan(struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy,
+                   struct dt_stop *stop)
 {
     struct planner p = {.hints = g,
                         .mesh = m,
                         .xy = xy,
+                        .stop = stop,
                         .stride = m->vertices / SAMPLES,
                         .density = CELLS_PER_POINT};
     p.stride = p.stride < 1 ? 1 : p.stride > STRIDE ? STRIDE : p.stride;
@@ -289,5 +295,6 @@ enum dt_status dt_hints_plan(struct dt_hints *g, const struct dt_mesh *m, const 
     dt_array_free(p.span);
     if (s == DT_OK)
         trim(g);
-    return s;
+    else
+        dt_stop_because(stop, s);
 }

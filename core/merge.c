@@ -37,7 +37,9 @@
 #include "core/knit.h"
 #include "core/sight.h"
 
-#define FEW_DOUBTS 1 /* of a merge for which the wide filter is good enough */
+#define FEW_DOUBTS 1            /* of a merge for which the wide filter is good enough */
+#define LONG (1u << 15)         /* points of a merge that polls: few have so many */
+#define STEPS_BETWEEN_POLLS 512 /* of a long merge: each takes up to ten microseconds */
 
 /* One merge on its way up. A part of a single point has no ghosts, hence no lc or rc. */
 struct seam {
@@ -72,12 +74,19 @@ INLINE size_t ghost_from(const struct knitting *w, uint32_t v, size_t some)
     return g;
 }
 
+/* Whether a loop goes on to its next step. */
+INLINE bool go_on(const struct knitting *w, bool polls, uint32_t *steps)
+{
+    return !polls || ++*steps % STEPS_BETWEEN_POLLS != 0 || !dt_stopped(w->stop);
+}
+
 /* Finds the lower common tangent: moves l and r down their hulls, with *gl the ghost that starts at
  * l and *gr the one that ends at r. Both sides may move at once: a vertex below the line from l to r
  * is also below the one from where l will be. */
-INLINE void descend(const struct knitting *w, int sides, struct seam *s, size_t *gl, size_t *gr)
+INLINE void descend(const struct knitting *w, bool polls, int sides, struct seam *s, size_t *gl,
+                    size_t *gr)
 {
-    for (;;) {
+    for (uint32_t steps = 0; go_on(w, polls, &steps);) {
         uint32_t u = w->half[sides & SIGHT_LEFT ? *gl + 1 : *gr];
         uint32_t v = w->half[sides & SIGHT_RIGHT ? *gr : *gl + 1];
         struct sight c = sight_of(w->p, &s->at, u, v);
@@ -181,14 +190,14 @@ INLINE void knit_right(const struct knitting *w, struct seam *s, uint32_t v, con
 }
 
 /* From the lower common tangent, whose ghost gets the record bot. */
-INLINE struct seam start(const struct knitting *w, int sides, uint32_t l, uint32_t r, size_t some_l,
-                         size_t some_r, size_t bot)
+INLINE struct seam start(const struct knitting *w, bool polls, int sides, uint32_t l, uint32_t r,
+                         size_t some_l, size_t some_r, size_t bot)
 {
     struct seam s = {.l = l, .r = r, .at = sight_base_of(w->p[l], w->p[r]), .base = bot};
     size_t gl = sides & SIGHT_LEFT ? ghost_from(w, l, some_l) : 0;
     size_t gr = sides & SIGHT_RIGHT ? ghost_before(w, ghost_from(w, r, some_r)) : 0;
     if (sides != 0)
-        descend(w, sides, &s, &gl, &gr);
+        descend(w, polls, sides, &s, &gl, &gr);
     s.lc = sides & SIGHT_LEFT ? ghost_before(w, gl) : 0;
     s.rc = sides & SIGHT_RIGHT ? ghost_after(w, gr) : 0;
     knit_ghost(w, bot, s.r, s.l);
@@ -203,12 +212,13 @@ INLINE struct seam start(const struct knitting *w, int sides, uint32_t l, uint32
 
 /* The merge proper; l and r are the last vertex of the left part and the first one of the right,
  * `sides` those that have more than one. Whether the close filter would have paid, or has been asked. */
-INLINE bool knit(const struct knitting *w, bool close, int sides, uint32_t l, uint32_t r,
-                 size_t some_l, size_t some_r, size_t bot, size_t top)
+INLINE bool knit(const struct knitting *w, bool close, bool polls, int sides, uint32_t l,
+                 uint32_t r, size_t some_l, size_t some_r, size_t bot, size_t top)
 {
-    struct seam s = start(w, sides, l, r, some_l, some_r, bot);
+    struct seam s = start(w, polls, sides, l, r, some_l, some_r, bot);
+    uint32_t steps = 0;
     s.filter.close = close;
-    while (sides != 0) {
+    while (sides != 0 && go_on(w, polls, &steps)) {
         size_t lc = sides & SIGHT_LEFT ? s.lc : s.rc, rc = sides & SIGHT_RIGHT ? s.rc : s.lc;
         uint32_t u = w->half[sides & SIGHT_LEFT ? lc : lc + 1];
         uint32_t v = w->half[sides & SIGHT_RIGHT ? rc + 1 : rc];
@@ -237,7 +247,7 @@ static __attribute__((noinline)) bool knit_both(const struct knitting *w, uint32
                                                 uint32_t top)
 {
     const struct knitting local = *w;
-    return knit(&local, false, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
+    return knit(&local, false, false, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
 }
 
 static __attribute__((noinline)) bool knit_close(const struct knitting *w, uint32_t l, uint32_t r,
@@ -245,7 +255,15 @@ static __attribute__((noinline)) bool knit_close(const struct knitting *w, uint3
                                                  uint32_t top)
 {
     const struct knitting local = *w;
-    return knit(&local, true, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
+    return knit(&local, true, false, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
+}
+
+static __attribute__((noinline)) bool knit_long(const struct knitting *w, bool close, uint32_t l,
+                                                uint32_t r, uint32_t some_l, uint32_t some_r,
+                                                uint32_t bot, uint32_t top)
+{
+    const struct knitting local = *w;
+    return knit(&local, close, true, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
 }
 
 static __attribute__((noinline)) bool knit_single(const struct knitting *w, int sides, uint32_t l,
@@ -253,10 +271,10 @@ static __attribute__((noinline)) bool knit_single(const struct knitting *w, int 
                                                   uint32_t bot, uint32_t top)
 {
     if (sides == SIGHT_LEFT)
-        return knit(w, false, SIGHT_LEFT, l, r, some_l, some_r, bot, top);
+        return knit(w, false, true, SIGHT_LEFT, l, r, some_l, some_r, bot, top);
     if (sides == SIGHT_RIGHT)
-        return knit(w, false, SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
-    return knit(w, false, 0, l, r, some_l, some_r, bot, top);
+        return knit(w, false, true, SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
+    return knit(w, false, false, 0, l, r, some_l, some_r, bot, top);
 }
 
 bool dt_knit(const struct knitting *w, bool close, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
@@ -266,6 +284,8 @@ bool dt_knit(const struct knitting *w, bool close, uint32_t l, uint32_t r, uint3
     int sides = (nl > 1 ? SIGHT_LEFT : 0) | (nr > 1 ? SIGHT_RIGHT : 0);
     if (__builtin_expect(sides != SIGHT_BOTH, 0))
         return knit_single(w, sides, l, r, some_l, some_r, bot, top);
+    if (__builtin_expect(nl + nr > LONG, 0))
+        return knit_long(w, close, l, r, some_l, some_r, bot, top);
     if (close)
         return knit_close(w, l, r, some_l, some_r, bot, top);
     return knit_both(w, l, r, some_l, some_r, bot, top);
@@ -294,5 +314,7 @@ struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *
         c.close = dt_knit(&k, close, a->right, b->left, a->n, b->n, a->ghost, b->ghost, mid);
     else
         c.close = dt_knit(&k, close, a->top, b->bottom, a->n, b->n, a->ghost, b->ghost, mid);
+    if (__builtin_expect(c.n > LONG, 0) && w->stop != NULL && dt_stop_status(w->stop) != DT_OK)
+        return (struct dt_part){0};
     return c;
 }

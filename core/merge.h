@@ -8,6 +8,7 @@
 #define DT_MERGE_H
 
 #include "core/mesh.h"
+#include "core/stop.h"
 
 /* What merges work on. The mesh's records 2 lo .. 2 hi - 1 and leaving[lo .. hi) belong to whoever
  * works on the range [lo, hi), so that ranges that do not overlap may be worked on at the same
@@ -16,6 +17,7 @@
 struct dt_merging {
     const struct dt_point *p; /* borrowed, by vertex */
     struct dt_mesh *mesh;     /* borrowed; only half[] and leaving[] are used */
+    struct dt_stop *stop;     /* borrowed; asked during long merges; NULL: never stopped */
 };
 
 /* The triangulation of a range of n > 0 points, or n = 0. */
@@ -28,7 +30,8 @@ struct dt_part {
 };
 
 /* Joins a and b, the parts of [lo, mid) and [mid, hi). Every point of a precedes every point of b,
- * by (x, y) if axis is 0, by (y, -x) if it is 1. */
+ * by (x, y) if axis is 0, by (y, -x) if it is 1. A merge that is stopped returns no points, and leaves
+ * what is no triangulation. */
 struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *a,
                               const struct dt_part *b, unsigned axis, uint32_t mid);
 

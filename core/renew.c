@@ -48,8 +48,12 @@ void dt_tend(struct dt *t, const struct dt_work *work)
     if (!dt_work_allows(work, t->mesh.vertices))
         return;
     struct dt_hints fresh = {0};
+    struct dt_options opt = {.cancel = work == NULL ? NULL : work->cancel};
+    enum dt_status status = dt_hints_build(&fresh, &t->mesh, t->points.xy, &opt);
+    if (status == DT_CANCELLED)
+        return;
     count_anew(t);
-    if (dt_hints_build(&fresh, &t->mesh, t->points.xy, NULL) == DT_OK)
+    if (status == DT_OK)
         take(t, &fresh);
 }
 
@@ -63,8 +67,9 @@ enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt)
     struct dt_renewal *r;
     if (!dt_is_live(t) || !lacks_grid(t))
         return DT_OK;
-    enum dt_status status = dt_renew(t, opt == NULL ? NULL : opt->pool, &r);
-    dt_renewed(t, r);
+    enum dt_status status = dt_renew(t, opt, &r);
+    if (status != DT_CANCELLED)
+        dt_renewed(t, r);
     return status;
 }
 
@@ -74,12 +79,12 @@ bool dt_is_aged(const struct dt *t)
            is_old(t, 1);
 }
 
-enum dt_status dt_renew(const struct dt *t, const struct dt_pool *pool, struct dt_renewal **out)
+enum dt_status dt_renew(const struct dt *t, const struct dt_options *opt, struct dt_renewal **out)
 {
     struct dt_renewal *r = calloc(1, sizeof *r);
     enum dt_status status = DT_NOMEM;
     if (r != NULL)
-        status = dt_hints_build(&r->hints, &t->mesh, t->points.xy, pool);
+        status = dt_hints_build(&r->hints, &t->mesh, t->points.xy, opt);
     if (status != DT_OK) {
         free(r);
         r = NULL;

@@ -11,7 +11,7 @@ struct renew {
 
 static void run_renew(struct job *j)
 {
-    j->status = dt_renew(j->dt, j->options.pool, &((struct renew *)j)->fresh);
+    j->status = dt_renew(j->dt, &j->options, &((struct renew *)j)->fresh);
 }
 
 static void clear_renew(struct job *j)
@@ -41,12 +41,14 @@ static void exchanged(struct server *s, struct job *j, struct answer *a)
 }
 
 /* The set takes its new grid over in an edit in place: at once, unless a worker is reading a piece
- * of the set. Out of memory: the set will ask again. */
+ * of the set. Out of memory: the set will ask again later. Cancelled: whoever wants one makes it. */
 static void renewed(struct server *s, struct job *j, struct answer *a)
 {
-    struct renew *made = (struct renew *)j, *exchange = new_renew(run_exchange, exchanged);
+    struct renew *made = (struct renew *)j, *exchange = NULL;
     struct answer nobody = {0};
     (void)a;
+    if (j->status != DT_CANCELLED)
+        exchange = new_renew(run_exchange, exchanged);
     if (exchange == NULL)
         return;
     exchange->fresh = made->fresh;
