@@ -16,7 +16,8 @@ void dt_aliases_clear(struct dt_aliases *a)
     dt_aliases_init(a, a->pages);
 }
 
-enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *copy)
+enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *copy,
+                               struct dt_stop *stop)
 {
     dt_aliases_init(copy, a->pages);
     if (a->cap == 0)
@@ -28,10 +29,8 @@ enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *co
         dt_array_free(group);
         return DT_NOMEM;
     }
-    if (a->end > 0)
-        memcpy(alias, a->alias, a->end * sizeof *alias);
-    if (a->groups > 0) /* else there may be no array to copy from */
-        memcpy(group, a->group, a->groups * sizeof *group);
+    dt_copy(alias, a->alias, a->end, sizeof *alias, stop);
+    dt_copy(group, a->group, a->groups, sizeof *group, stop);
     *copy = *a;
     copy->alias = alias;
     copy->group = group;

@@ -21,6 +21,7 @@
 #include "core/changes.h"
 #include "core/delaunay.h"
 #include "core/memory.h"
+#include "core/stop.h"
 
 struct dt_alias {
     struct dt_point xy;
@@ -50,7 +51,8 @@ struct dt_aliases {
 
 void dt_aliases_init(struct dt_aliases *a, struct dt_pages *pages);
 void dt_aliases_clear(struct dt_aliases *a);
-enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *copy);
+enum dt_status dt_aliases_copy(const struct dt_aliases *a, struct dt_aliases *copy,
+                               struct dt_stop *stop);
 size_t dt_aliases_memory(const struct dt_aliases *a);
 
 /* Makes room for one more alias and one more group. */

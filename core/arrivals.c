@@ -185,7 +185,7 @@ static void count_fresh(void *arg, unsigned slice)
 {
     struct arrivals *a = arg;
     uint32_t last = dt_slice(a->n, slice + 1, a->slices), fresh = 0;
-    for (uint32_t i = dt_slice(a->n, slice, a->slices); i < last; i++)
+    for (uint32_t i = dt_slice(a->n, slice, a->slices); i < last && !is_cancelled(a, i); i++)
         fresh += a->same[i] == DT_NONE;
     a->fresh[slice] = fresh;
 }
@@ -197,7 +197,7 @@ static void enter(void *arg, unsigned slice)
     uint32_t last = dt_slice(a->n, slice + 1, a->slices), v = a->end;
     for (unsigned before = 0; before < slice; before++)
         v += a->fresh[before];
-    for (uint32_t i = dt_slice(a->n, slice, a->slices); i < last; i++) {
+    for (uint32_t i = dt_slice(a->n, slice, a->slices); i < last && !is_cancelled(a, i); i++) {
         if (a->same[i] == DT_NONE) {
             p->xy[v] = (struct dt_point){a->q[i].x + 0.0, a->q[i].y + 0.0}; /* -0 becomes 0 */
             p->id[v++] = p->next_id + i;
@@ -338,11 +338,12 @@ enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, ui
     enum dt_status status = allocate(&a);
     if (status == DT_OK)
         status = find_same(&a, pool);
-    if (status == DT_OK) {
-        dt_run(pool, a.slices, count_fresh, &a);
-        dt_run(pool, a.slices, enter, &a);
+    if (status == DT_OK)
+        status = pass(&a, pool, count_fresh);
+    if (status == DT_OK)
+        status = pass(&a, pool, enter);
+    if (status == DT_OK)
         status = name(&a);
-    }
     if (status == DT_OK) {
         *out = (struct dt_added){p->next_id, n, n - (p->end - a.end)};
         dt_points_arrived(p, n);
@@ -351,9 +352,9 @@ enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, ui
     return status;
 }
 
-enum dt_status dt_arrivals_distinct(struct dt_points *p)
+enum dt_status dt_arrivals_distinct(struct dt_points *p, struct dt_work *work)
 {
-    struct arrivals a = {.p = p, .q = p->xy, .n = p->end, .bits = 1, .slices = 1};
+    struct arrivals a = {.p = p, .q = p->xy, .n = p->end, .bits = 1, .slices = 1, .work = work};
     enum dt_status status = p->end < FEW ? DT_TOOSMALL : allocate(&a);
     if (status == DT_OK)
         status = find_same(&a, NULL);

@@ -19,6 +19,6 @@ enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, ui
 
 /* DT_CORRUPT if two of the set's vertices, none of which is free, are at one place; DT_TOOSMALL as
  * above. Cost: O(vertices), and 12 bytes for each of them meanwhile. */
-enum dt_status dt_arrivals_distinct(struct dt_points *p);
+enum dt_status dt_arrivals_distinct(struct dt_points *p, struct dt_work *work);
 
 #endif

@@ -10,23 +10,26 @@ enum { SORTED = 16 }; /* batches of at least so many points are sorted */
 enum { POINT = 13, CELL = 10, HINT = 7, FIND = 4, AROUND = 2 }; /* stages: turns before */
 
 /* Counts the points in the cells and puts them into b->order. */
-static void sort(struct dt_batch *b, const struct dt_order *grid, uint32_t *key, uint32_t *next)
+static void sort(struct dt_batch *b, const struct dt_order *grid, uint32_t *key, uint32_t *next,
+                 struct dt_stop *stop)
 {
     uint32_t cells = 1u << grid->bits, place = 0;
     for (uint32_t c = 0; c < cells; c++)
         next[c] = 0;
-    dt_order_count(grid, b->q, b->n, key, next);
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, b->n, &at);)
+        dt_order_count(grid, b->q + at.a, at.b - at.a, key + at.a, next);
     for (uint32_t c = 0; c < cells; c++) {
         uint32_t n = next[c];
         next[c] = place;
         place += n;
     }
-    for (uint32_t i = 0; i < b->n; i++)
-        b->order[next[key[i]]++] = i;
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, b->n, &at);)
+        for (uint32_t i = at.a; i < at.b; i++)
+            b->order[next[key[i]]++] = i;
 }
 
 enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const struct dt_point *q,
-                              uint32_t n)
+                              uint32_t n, struct dt_stop *stop)
 {
     *b = (struct dt_batch){
         .q = q, .n = n, .vertex = t->points.free_list, .record = t->mesh.free_list};
@@ -43,11 +46,13 @@ enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const stru
         status == DT_OK ? dt_arena_take(&arena, (size_t)1 << grid.bits, sizeof *next) : NULL;
     b->order = dt_array_new(n, sizeof *b->order);
     if (key != NULL && next != NULL && b->order != NULL) {
-        sort(b, &grid, key, next);
+        sort(b, &grid, key, next, stop);
+        status = dt_stop_status(stop);
     } else {
-        dt_batch_end(b);
         status = DT_NOMEM;
     }
+    if (status != DT_OK)
+        dt_batch_end(b);
     dt_arena_clear(&arena);
     return status;
 }

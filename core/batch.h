@@ -16,6 +16,7 @@
 #define DT_BATCH_H
 
 #include "core/set.h"
+#include "core/stop.h"
 
 enum { DT_BATCH_RING = 16 };
 
@@ -29,9 +30,9 @@ struct dt_batch {
 
 /* Chooses the order for n points to be added to t: by the cells of a grid, but points at the same
  * place as they come, so that the smallest id represents them; with a tolerance the order of
- * arrival matters, so nothing is sorted. DT_NOMEM: nothing to undo. */
+ * arrival matters, so nothing is sorted. DT_NOMEM, DT_CANCELLED: nothing to undo. */
 enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const struct dt_point *q,
-                              uint32_t n);
+                              uint32_t n, struct dt_stop *stop);
 void dt_batch_end(struct dt_batch *b);
 
 /* Which point has turn i. */

@@ -5,6 +5,7 @@
 #include "core/memory.h"
 #include "core/renumber.h"
 #include "core/shelling.h"
+#include "core/stop.h"
 
 /* What a build makes before it may touch the set. */
 struct draft {
@@ -31,15 +32,16 @@ static void draft_clear(struct draft *b)
 }
 
 /* The vertices in use, in their present order, become the draft's. */
-static void copy_vertices(struct draft *b, const struct dt_points *p)
+static void copy_vertices(struct draft *b, const struct dt_points *p, struct dt_stop *stop)
 {
     uint32_t n = 0;
-    for (uint32_t v = 0; v < p->end; v++) {
-        if (p->id[v] == DT_NONE)
-            continue;
-        b->xy[n] = p->xy[v];
-        b->from[n++] = v;
-    }
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, p->end, &at);)
+        for (uint32_t v = at.a; v < at.b; v++) {
+            if (p->id[v] == DT_NONE)
+                continue;
+            b->xy[n] = p->xy[v];
+            b->from[n++] = v;
+        }
 }
 
 /* Divide is faster on every set; the paper's engine comes when it is asked for, and gives way if
@@ -63,12 +65,19 @@ static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
         return run_engine(b, p->xy, opt);
 
     struct draft dense;
+    struct dt_stop stop = dt_stop_of(opt);
     enum dt_status status = DT_NOMEM;
     if (draft_begin(&dense, b->n, p->pages)) {
-        copy_vertices(&dense, p);
-        status = run_engine(b, dense.xy, opt);
-        for (uint32_t v = 0; status == DT_OK && v < b->n; v++)
-            b->from[v] = dense.from[b->from[v]];
+        copy_vertices(&dense, p, &stop);
+        status = dt_stop_status(&stop);
+        if (status == DT_OK)
+            status = run_engine(b, dense.xy, opt);
+        for (struct dt_piece at = dt_before_first(0);
+             status == DT_OK && dt_next_piece(&stop, b->n, &at);)
+            for (uint32_t v = at.a; v < at.b; v++)
+                b->from[v] = dense.from[b->from[v]];
+        if (status == DT_OK)
+            status = dt_stop_status(&stop);
     }
     draft_clear(&dense);
     return status;
@@ -78,15 +87,15 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
 {
     dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the room */
     struct draft b;
-    const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
     enum dt_status status = DT_NOMEM;
     if (draft_begin(&b, dt_points_vertices(&t->points), t->points.pages))
         status = triangulate(&b, &t->points, opt);
+    if (status == DT_OK)
+        status = dt_points_renumber(&t->points, b.xy, b.from, b.n, opt);
     if (status != DT_OK) {
         draft_clear(&b);
         return status;
     }
-    dt_points_renumber(&t->points, b.xy, b.from, b.n, pool);
     dt_mesh_clear(&t->mesh);
     dt_hints_clear(&t->hints);
     t->mesh = b.mesh;

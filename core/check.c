@@ -207,7 +207,7 @@ static void check_ids(struct check *c)
     const struct dt_points *p = &c->t->points;
     uint32_t aliases = 0, vertices = 0, i = 0;
     for (uint32_t id = 0;
-         (id = dt_points_next_live(p, id)) != DT_NONE && go_on(c, i, p->next_id, 90, 10);
+         (id = dt_points_next_live(p, id)) != DT_NONE && go_on(c, i, p->next_id, 90, 9);
          id++, i++) {
         uint32_t v = dt_points_vertex(p, id);
         expect(c, is_vertex(c, v), "an id leads to no point");
@@ -228,11 +228,12 @@ static void check_ids(struct check *c)
 static void check_hints(struct check *c)
 {
     const struct dt_hints *g = &c->t->hints;
-    for (uint32_t k = 0; k < g->grids && c->fault == NULL; k++) {
+    for (uint32_t k = 0; k < g->grids && c->fault == NULL && !c->cancelled; k++) {
         uint64_t end = g->grid[k].first + (uint64_t)g->grid[k].nx * g->grid[k].ny;
         expect(c, g->grid[k].nx > 0 && g->grid[k].ny > 0 && end <= g->cells,
                "a grid is not where its cells are");
-        for (uint64_t i = g->grid[k].first; i < end && c->fault == NULL; i++) {
+        for (uint64_t i = g->grid[k].first; i < end && go_on(c, (uint32_t)i, g->cells, 99, 1);
+             i++) {
             uint32_t h = g->cell[i];
             bool grid = (h & 4) != 0;
             expect(c, grid ? h >> 3 > k && h >> 3 < g->grids : h >> 3 < c->m->tri_end,

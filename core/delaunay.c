@@ -10,6 +10,7 @@
 #include "core/bulk.h"
 #include "core/memory.h"
 #include "core/renew.h"
+#include "core/sort.h"
 #include "core/update.h"
 #include "core/work.h"
 
@@ -52,7 +53,7 @@ enum dt_status dt_clone(const struct dt *t, struct dt **copy)
     struct dt *c = dt_new_in(t->points.tol, t->points.pages);
     if (c == NULL)
         return DT_NOMEM;
-    enum dt_status status = dt_points_copy(&t->points, &c->points);
+    enum dt_status status = dt_points_copy(&t->points, &c->points, NULL);
     if (status == DT_OK)
         status = dt_mesh_copy(&t->mesh, &c->mesh);
     if (status == DT_OK)
@@ -71,13 +72,13 @@ enum dt_status dt_clone(const struct dt *t, struct dt **copy)
 
 enum dt_status dt_clone_points(const struct dt *t, const struct dt_options *opt, struct dt **copy)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop stop = dt_stop_of(opt);
     struct dt *c = dt_new_in(t->points.tol, t->points.pages);
     if (c == NULL)
         return DT_NOMEM;
-    enum dt_status status = dt_points_copy(&t->points, &c->points);
+    enum dt_status status = dt_points_copy(&t->points, &c->points, &stop);
     if (status == DT_OK)
-        status = dt_work(&work, 0);
+        status = dt_stop_status(&stop);
     if (status != DT_OK) {
         dt_free(c);
         return status;
@@ -114,9 +115,13 @@ enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
                            const struct dt_options *opt, struct dt_added *out)
 {
     struct dt_work work = dt_work_of(opt);
-    for (size_t i = 0; i < n; i++)
+    struct dt_stop stop = dt_stop_of(opt);
+    for (size_t i = 0; i < n; i++) {
         if (!point_ok(p[i]))
             return DT_RANGE;
+        if (i % DT_POLL == DT_POLL - 1 && dt_stopped(&stop))
+            return dt_stop_status(&stop);
+    }
     dt_views_edit_begin(t);
     if (dt_is_live(t) && !dt_update_is_bulk(t, n))
         return dt_update_add(t, p, n, &work, out);
@@ -127,36 +132,28 @@ enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
     return status;
 }
 
-static int compare_ids(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* Deletes ascending distinct live ids. */
-static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n, struct dt_work *work)
+static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n,
+                                    const struct dt_options *opt)
 {
+    struct dt_work work = dt_work_of(opt);
+    struct dt_stop stop = dt_stop_of(opt);
     dt_views_edit_begin(t);
     if (dt_is_live(t) && !dt_update_is_bulk(t, n))
-        return dt_update_delete(t, ids, n, work);
+        return dt_update_delete(t, ids, n, &work);
     struct dt_points *p = &t->points;
-    enum dt_status status = dt_work(work, 2 * n);
+    bool only_aliases = true;
+    enum dt_status status = dt_work(&work, 2 * n);
     if (status == DT_OK)
-        status = dt_points_delete_ready(p, ids, n, work);
+        status = dt_points_delete_ready(p, ids, n, &work);
     if (status != DT_OK)
         return status;
-    size_t representatives = 0;
-    for (size_t i = 0; i < n; i++) {
-        if (dt_points_is_alias(p, ids[i]))
-            dt_points_delete(p, ids[i]);
-        else
-            ids[representatives++] = ids[i];
-    }
-    for (size_t i = 0; i < representatives; i++)
-        dt_points_delete(p, ids[i]);
-    if (representatives > 0)
+    for (size_t i = 0; only_aliases && i < n; i++)
+        only_aliases = dt_points_is_alias(p, ids[i]);
+    if (!only_aliases)
         t->current = false;
-    return DT_OK;
+    dt_points_delete_all(p, ids, n, opt != NULL && opt->disposable ? &stop : NULL);
+    return dt_stop_status(&stop);
 }
 
 enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted,
@@ -168,24 +165,26 @@ enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *
 enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
                               const struct dt_options *opt, uint32_t *deleted, uint32_t *missing)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop stop = dt_stop_of(opt);
     for (size_t i = 0; i < n; i++) {
         if (dt_points_vertex(&t->points, ids[i]) == DT_NONE) {
             *missing = ids[i];
             return DT_NOPOINT;
         }
+        if (i % DT_POLL == DT_POLL - 1 && dt_stopped(&stop))
+            return dt_stop_status(&stop);
     }
     uint32_t *sorted = dt_array_new_in(t->points.pages, n, sizeof *sorted);
     if (sorted == NULL)
         return DT_NOMEM;
     size_t distinct = 0;
-    if (n > 0)
-        memcpy(sorted, ids, n * sizeof *sorted);
-    qsort(sorted, n, sizeof *sorted, compare_ids);
-    for (size_t i = 0; i < n; i++)
+    dt_copy(sorted, ids, n, sizeof *sorted, NULL);
+    enum dt_status status = dt_sort_ids(sorted, n, t->points.pages, &stop);
+    for (size_t i = 0; status == DT_OK && i < n; i++)
         if (i == 0 || sorted[i] != sorted[distinct - 1])
             sorted[distinct++] = sorted[i];
-    enum dt_status status = delete_sorted(t, sorted, distinct, &work);
+    if (status == DT_OK)
+        status = delete_sorted(t, sorted, distinct, opt);
     dt_array_free(sorted);
     if (status == DT_OK)
         *deleted = (uint32_t)distinct;

@@ -70,7 +70,8 @@ enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
 /* All fields may be zero: automatic choice, no rebuild, one thread, never cancelled, no limit.
  *
  * Where a function takes a struct dt_options, NULL stands for that. A flag that is set makes it
- * return DT_CANCELLED within about a millisecond of work, and `steps` makes it return DT_TOOLONG
+ * return DT_CANCELLED within some milliseconds of work, or, of ten million points, within 100: an edit
+ * is undone, and what a build has found is taken over to the end. `steps` makes it return DT_TOOLONG
  * before it has done much more than so many steps. Either leaves the set as it was. A step is a look
  * at a neighbour, a triangle or a point, 10 to 200 ns; usual edits and searches of a point take
  * about twenty. So a thread that must not be held up for long can try with a limit, and leave what
@@ -82,6 +83,9 @@ struct dt_options {
     const atomic_bool *cancel;  /* borrowed during the call; polled; NULL: never cancelled */
     atomic_uint *progress;      /* borrowed during the call; per cent done; NULL: not reported */
     uint32_t steps;             /* the most it may take; 0: no limit */
+    bool
+        disposable; /* unless DT_OK the caller frees the set: it need not be as it was, and the flag
+                        is polled to the end, also while what is done is taken over */
 };
 
 /* ---- life ---- */
@@ -188,9 +192,11 @@ enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
 /* Fills a set that is fresh from dt_new with n points as they were in another one: their ids, in
  * ascending order and below next_id, their places, and for each its representative's id (its own
  * unless it is an alias). next_id is the id that the next point will get. DT_CORRUPT: these cannot
- * come from a set, or t is not fresh; the set is as it was. Cost: linear. */
+ * come from a set, or t is not fresh; the set is as it was. opt may be NULL: its flag is polled. Cost:
+ * linear. */
 enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_point *p,
-                          const uint32_t *representatives, size_t n, uint32_t next_id);
+                          const uint32_t *representatives, size_t n, uint32_t next_id,
+                          const struct dt_options *opt);
 
 /* The id that the next point will get: one more than the largest ever given. */
 uint32_t dt_next_id(const struct dt *t);

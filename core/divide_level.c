@@ -72,10 +72,13 @@ static void count(void *arg, unsigned i)
         dt_order_count(s->order, s->src.p + at.a, at.b - at.a, s->key + at.a, s->next[i]);
 }
 
+/* Polls often: the first points that reach a tile touch pages that are fresh, perhaps huge ones. */
 static void scatter(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    for (struct dt_piece at = before_slice(s, i); next_piece(s, i, &at);) {
+    uint32_t end = dt_slice(s->n, i + 1, s->slices);
+    for (struct dt_piece at = before_slice(s, i);
+         dt_next_piece_of(&s->d->stop, end, DT_POLL_FAULTS, &at);) {
         uint32_t n = at.b - at.a, *key = s->key + at.a;
         const struct dt_point *p = s->src.p + at.a;
         const uint32_t *from = s->src.from == NULL ? NULL : s->src.from + at.a;

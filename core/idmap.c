@@ -209,14 +209,14 @@ static uint32_t copy_pages(const struct dt_idmap *m, struct dt_idmap *copy, uint
     return i + n;
 }
 
-enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy)
+enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy, struct dt_stop *stop)
 {
     *copy = (struct dt_idmap){.keeper = m->keeper};
     if (m->pages == 0)
         return DT_OK;
     if (reserve_table(copy, m->pages) != DT_OK)
         return DT_NOMEM;
-    for (uint32_t i = 0; i < m->pages;) {
+    for (uint32_t i = 0; i < m->pages && !dt_stopped(stop);) {
         i = copy_pages(m, copy, i);
         if (i == 0) {
             dt_idmap_clear(copy);

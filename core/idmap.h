@@ -10,6 +10,7 @@
 
 #include "core/delaunay.h"
 #include "core/memory.h"
+#include "core/stop.h"
 
 #define DT_ID_PAGE 4096u
 
@@ -77,7 +78,8 @@ uint32_t dt_idmap_next(const struct dt_idmap *m, uint32_t from);
  * were spread evenly over it; DT_NONE if there are fewer. Cost: O(pages between the two). */
 uint32_t dt_idmap_after(const struct dt_idmap *m, uint32_t from, uint32_t n);
 
-enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy);
+/* DT_OK, or DT_NOMEM, and *copy is cleared. If it is stopped, values are missing; stop may be NULL. */
+enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy, struct dt_stop *stop);
 size_t dt_idmap_memory(const struct dt_idmap *m);
 
 #endif

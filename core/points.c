@@ -56,13 +56,15 @@ static enum dt_status grow_groups(struct dt_points *p)
     return DT_OK;
 }
 
-enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy)
+enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
+                              struct dt_stop *stop)
 {
     dt_points_init_in(copy, p->tol, p->pages);
     copy->xy = dt_array_new_in(p->pages, p->end, sizeof *p->xy);
     copy->id = dt_array_new_in(p->pages, p->end, sizeof *p->id);
-    if (copy->xy == NULL || copy->id == NULL || dt_idmap_copy(&p->value, &copy->value) != DT_OK ||
-        dt_aliases_copy(&p->aliases, &copy->aliases) != DT_OK) {
+    if (copy->xy == NULL || copy->id == NULL ||
+        dt_idmap_copy(&p->value, &copy->value, stop) != DT_OK ||
+        dt_aliases_copy(&p->aliases, &copy->aliases, stop) != DT_OK) {
         dt_points_clear(copy);
         return DT_NOMEM;
     }
@@ -71,12 +73,10 @@ enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy)
         dt_points_clear(copy);
         return DT_NOMEM;
     }
-    if (p->end > 0) {
-        memcpy(copy->xy, p->xy, p->end * sizeof *p->xy);
-        memcpy(copy->id, p->id, p->end * sizeof *p->id);
-    }
-    if (p->group != NULL && p->end > 0)
-        memcpy(copy->group, p->group, p->end * sizeof *p->group);
+    dt_copy(copy->xy, p->xy, p->end, sizeof *p->xy, stop);
+    dt_copy(copy->id, p->id, p->end, sizeof *p->id, stop);
+    if (p->group != NULL)
+        dt_copy(copy->group, p->group, p->end, sizeof *p->group, stop);
     copy->end = p->end;
     copy->free_count = p->free_count;
     copy->free_list = p->free_list;
@@ -381,6 +381,36 @@ void dt_points_delete(struct dt_points *p, uint32_t id)
     else
         vacate(p, v);
     dt_idmap_unset(&p->value, id);
+}
+
+/* Fetches what the deletion of a point some ids later begins with. */
+static void fetch_later(const struct dt_points *p, const uint32_t *ids, size_t n, size_t i)
+{
+    enum { AHEAD = 16 }; /* points; long enough for a cache miss */
+    if (i + 2 * AHEAD < n)
+        dt_idmap_fetch(&p->value, ids[i + 2 * AHEAD]);
+    uint32_t v = i + AHEAD < n ? dt_idmap_get(&p->value, ids[i + AHEAD]) : DT_NONE;
+    if (v == DT_NONE)
+        return;
+    if (v & DT_ALIAS_BIT) {
+        dt_fetch(&p->aliases.alias[v & ~DT_ALIAS_BIT]);
+        return;
+    }
+    dt_fetch(&p->xy[v]);
+    dt_fetch(&p->id[v]);
+    if (p->group != NULL)
+        dt_fetch(&p->group[v]);
+}
+
+void dt_points_delete_all(struct dt_points *p, const uint32_t *ids, size_t n, struct dt_stop *stop)
+{
+    for (int aliases = p->aliases.count > 0; aliases >= 0; aliases--)
+        for (size_t i = 0; i < n && (i % DT_POLL_MISSES != 0 || !dt_stopped(stop)); i++) {
+            uint32_t v = dt_idmap_get(&p->value, ids[i]);
+            fetch_later(p, ids, n, i);
+            if (v != DT_NONE && (!aliases || (v & DT_ALIAS_BIT)))
+                dt_points_delete(p, ids[i]);
+        }
 }
 
 void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to)

@@ -12,6 +12,7 @@
 #include "core/changes.h"
 #include "core/idmap.h"
 #include "core/places.h"
+#include "core/stop.h"
 
 /* In a value of `value`: the rest is an index of aliases, not a vertex. */
 #define DT_ALIAS_BIT (1u << 31)
@@ -37,7 +38,8 @@ struct dt_points {
 void dt_points_init(struct dt_points *p, double tol);
 void dt_points_init_in(struct dt_points *p, double tol, struct dt_pages *pages);
 void dt_points_clear(struct dt_points *p);
-enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy);
+enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
+                              struct dt_stop *stop);
 size_t dt_points_memory(const struct dt_points *p);
 
 /* Representatives = vertices in use. */
@@ -106,9 +108,8 @@ enum dt_status dt_points_join(struct dt_points *p, uint32_t id, struct dt_point 
 void dt_points_arrived(struct dt_points *p, uint32_t n);
 void dt_points_take_back(struct dt_points *p, uint32_t n);
 
-/* Makes the deletion of n distinct live ids, in ascending order, certain to succeed; then
- * dt_points_delete must be called for those of them that are aliases first and for the others after
- * that. */
+/* Makes the deletion of n distinct live ids, in ascending order, by dt_points_delete_all certain to
+ * succeed. */
 enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n,
                                       struct dt_work *work);
 
@@ -116,6 +117,10 @@ enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, 
  * vertex; but if, with a tolerance, another representative stands at that alias's very place, the
  * two families become one, represented by the smaller id, and the vertex is free. */
 void dt_points_delete(struct dt_points *p, uint32_t id);
+
+/* Deletes n distinct live ids, in ascending order: aliases first, so that each group has one heir. If it
+ * is stopped, only some of them; stop may be NULL. */
+void dt_points_delete_all(struct dt_points *p, const uint32_t *ids, size_t n, struct dt_stop *stop);
 
 /* The alias with that index leaves its group. */
 void dt_points_leave_group(struct dt_points *p, uint32_t index);

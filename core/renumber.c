@@ -10,13 +10,15 @@
  *      value    id: 0 1 2 ...
  *
  * and the part of the map that one of the parts writes to stays in the cache. The pairs lie where the
- * old coordinates were, which nobody wants any more, so nothing can fail. */
+ * old coordinates were, so from step 2 on nothing can fail, and only a set that is disposable can be given up.
+ * Up to a few million vertices all steps are one. */
 #include "core/renumber.h"
 
 #include <string.h>
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "core/stop.h"
 
 enum {
     MANY = 1 << 21,     /* vertices that are worth dealing */
@@ -32,7 +34,9 @@ _Static_assert(sizeof(struct pair) <= sizeof(struct dt_point), "pairs fit where 
 
 struct renumbering {
     struct dt_points *p;
-    uint32_t *from; /* becomes the ids */
+    struct dt_stop stop;
+    struct dt_stop *late; /* the same, if it may still be asked when *p changes; else NULL */
+    uint32_t *from;       /* becomes the ids */
     uint32_t n;
     unsigned slices;
     bool differs[DT_MAX_THREADS]; /* by slice: an old vertex's id is not its number */
@@ -45,15 +49,27 @@ struct renumbering {
 
 /* ---- all in one ---- */
 
+/* The next piece of a slice of vertices. */
+static bool next_piece(const struct renumbering *r, struct dt_stop *stop, unsigned slice,
+                       struct dt_piece *at)
+{
+    return dt_next_piece(stop, dt_slice(r->n, slice + 1, r->slices), at);
+}
+
+static struct dt_piece before_slice(const struct renumbering *r, unsigned slice)
+{
+    return dt_before_first(dt_slice(r->n, slice, r->slices));
+}
+
 static void renumber(void *arg, unsigned slice)
 {
     const struct renumbering *r = arg;
     const uint32_t *id = r->p->id;
-    uint32_t end = dt_slice(r->n, slice + 1, r->slices);
-    for (uint32_t v = dt_slice(r->n, slice, r->slices); v < end; v++) {
-        r->from[v] = id[r->from[v]];
-        *dt_idmap_at(&r->p->value, r->from[v]) = v;
-    }
+    for (struct dt_piece at = before_slice(r, slice); next_piece(r, r->late, slice, &at);)
+        for (uint32_t v = at.a; v < at.b; v++) {
+            r->from[v] = id[r->from[v]];
+            *dt_idmap_at(&r->p->value, r->from[v]) = v;
+        }
 }
 
 /* ---- in parts ---- */
@@ -63,27 +79,36 @@ static void compare(void *arg, unsigned slice)
 {
     struct renumbering *r = arg;
     const uint32_t *id = r->p->id;
-    uint32_t end = dt_slice(r->n, slice + 1, r->slices), other = 0;
-    for (uint32_t v = dt_slice(r->n, slice, r->slices); v < end; v++)
-        other |= id[v] ^ v;
+    uint32_t other = 0;
+    for (struct dt_piece at = before_slice(r, slice); next_piece(r, &r->stop, slice, &at);)
+        for (uint32_t v = at.a; v < at.b; v++)
+            other |= id[v] ^ v;
     r->differs[slice] = other != 0;
+}
+
+static void name_piece(const struct renumbering *r, struct dt_piece at)
+{
+    enum { AHEAD = 24 }; /* vertices; long enough for a cache miss */
+    const uint32_t *id = r->p->id;
+    uint32_t *from = r->from;
+    for (uint32_t v = at.a; v < at.b; v++) {
+        if (v + AHEAD < at.b)
+            dt_fetch(&id[from[v + AHEAD]]);
+        from[v] = id[from[v]];
+    }
 }
 
 static void name(void *arg, unsigned slice)
 {
-    enum { AHEAD = 24 }; /* vertices; long enough for a cache miss */
     struct renumbering *r = arg;
-    const uint32_t *id = r->p->id;
-    uint32_t *from = r->from, *at = r->at[slice];
-    uint32_t begin = dt_slice(r->n, slice, r->slices), end = dt_slice(r->n, slice + 1, r->slices);
-    memset(at, 0, sizeof r->at[slice]);
-    for (uint32_t v = begin; !r->as_arrived && v < end; v++) {
-        if (v + AHEAD < end)
-            dt_fetch(&id[from[v + AHEAD]]);
-        from[v] = id[from[v]];
+    uint32_t *pairs = r->at[slice];
+    memset(pairs, 0, sizeof r->at[slice]);
+    for (struct dt_piece at = before_slice(r, slice); next_piece(r, &r->stop, slice, &at);) {
+        if (!r->as_arrived)
+            name_piece(r, at);
+        for (uint32_t v = at.a; v < at.b; v++)
+            pairs[r->from[v] >> r->shift]++;
     }
-    for (uint32_t v = begin; v < end; v++)
-        at[from[v] >> r->shift]++;
 }
 
 /* Where each slice's pairs of each part go. */
@@ -105,14 +130,17 @@ static void deal(void *arg, unsigned slice)
 {
     struct renumbering *r = arg;
     struct pair *pair = r->pair;
-    uint32_t *at = r->at[slice], end = dt_slice(r->n, slice + 1, r->slices);
-    for (uint32_t v = dt_slice(r->n, slice, r->slices); v < end; v++)
-        pair[at[r->from[v] >> r->shift]++] = (struct pair){r->from[v], v};
+    uint32_t *next = r->at[slice];
+    for (struct dt_piece at = before_slice(r, slice); next_piece(r, r->late, slice, &at);)
+        for (uint32_t v = at.a; v < at.b; v++)
+            pair[next[r->from[v] >> r->shift]++] = (struct pair){r->from[v], v};
 }
 
 static void settle(void *arg, unsigned part)
 {
     const struct renumbering *r = arg;
+    if (dt_stopped(r->late))
+        return;
     for (uint32_t i = r->start[part]; i < r->start[part + 1]; i++)
         *dt_idmap_at(&r->p->value, r->pair[i].id) = r->pair[i].v;
 }
@@ -128,20 +156,23 @@ static void renumber_in_parts(struct renumbering *r, const struct dt_pool *pool)
     for (unsigned slice = 0; slice < r->slices; slice++)
         r->as_arrived = r->as_arrived && !r->differs[slice];
     dt_run(pool, r->slices, name, r);
+    if (dt_stopped(&r->stop))
+        return;
     lay_out(r);
     dt_run(pool, r->slices, deal, r);
-    dt_run(pool, MOST_PARTS, settle, r);
+    if (!dt_stopped(r->late))
+        dt_run(pool, MOST_PARTS, settle, r);
 }
 
 /* The groups of aliases find the new vertices of their representatives. */
-static void settle_groups(struct dt_points *p)
+static void settle_groups(struct dt_points *p, struct dt_stop *stop)
 {
     enum { AHEAD = 24 }; /* groups; long enough for a cache miss */
     const struct dt_alias_group *g = p->aliases.group;
     uint32_t n = p->group == NULL ? 0 : p->aliases.groups;
     for (uint32_t v = 0; v < p->group_cap; v++)
         p->group[v] = DT_NONE;
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n && (i % DT_POLL_MISSES != 0 || !dt_stopped(stop)); i++) {
         if (i + 2 * AHEAD < n)
             dt_idmap_fetch(&p->value, g[i + 2 * AHEAD].representative);
         if (i + AHEAD < n && dt_aliases_is_root(&p->aliases, i + AHEAD))
@@ -151,11 +182,14 @@ static void settle_groups(struct dt_points *p)
     }
 }
 
-void dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from, uint32_t n,
-                        const struct dt_pool *pool)
+enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from,
+                                  uint32_t n, const struct dt_options *opt)
 {
+    const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
     struct renumbering r;
     r.p = p;
+    r.stop = dt_stop_of(opt);
+    r.late = opt != NULL && opt->disposable ? &r.stop : NULL;
     r.from = from;
     r.n = n;
     r.slices = dt_threads_for(pool, n);
@@ -163,7 +197,10 @@ void dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from
         renumber_in_parts(&r, pool);
     else
         dt_run(pool, r.slices, renumber, &r);
-    settle_groups(p);
+    if (dt_stop_status(&r.stop) == DT_OK)
+        settle_groups(p, r.late);
+    if (dt_stop_status(&r.stop) != DT_OK)
+        return dt_stop_status(&r.stop);
     dt_array_free(p->xy);
     dt_array_free(p->id);
     p->xy = xy;
@@ -172,4 +209,5 @@ void dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from
     p->free_count = 0;
     p->free_list = DT_NONE;
     dt_places_clear(&p->places);
+    return DT_OK;
 }

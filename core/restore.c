@@ -1,13 +1,15 @@
 /* restore.c - a set from a list of its points, as it was when the list was made. */
 #include "core/arrivals.h"
 #include "core/set.h"
+#include "core/stop.h"
+#include "core/work.h"
 
 static enum dt_status enter_representatives(struct dt_points *p, const uint32_t *ids,
                                             const struct dt_point *xy,
                                             const uint32_t *representatives, size_t n,
-                                            uint32_t next_id)
+                                            uint32_t next_id, struct dt_stop *stop)
 {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n && (i % DT_POLL_MISSES != 0 || !dt_stopped(stop)); i++) {
         if (ids[i] >= next_id || (i > 0 && ids[i] <= ids[i - 1]))
             return DT_CORRUPT;
         if (!dt_coordinate_ok(xy[i].x) || !dt_coordinate_ok(xy[i].y))
@@ -17,20 +19,22 @@ static enum dt_status enter_representatives(struct dt_points *p, const uint32_t 
         if (representatives[i] == ids[i])
             dt_points_enter(p, ids[i], (struct dt_point){xy[i].x + 0.0, xy[i].y + 0.0});
     }
-    return DT_OK;
+    return dt_stop_status(stop);
 }
 
 /* DT_CORRUPT: two representatives are at one place. */
-static enum dt_status check_distinct(struct dt_points *p)
+static enum dt_status check_distinct(struct dt_points *p, struct dt_work *work)
 {
-    enum dt_status status = dt_arrivals_distinct(p);
+    enum dt_status status = dt_arrivals_distinct(p, work);
     if (status != DT_TOOSMALL)
         return status;
     struct dt_places places = {.pages = p->pages};
-    status = dt_places_reserve(&places, 0, p->xy, p->id, p->end, p->end, NULL);
-    for (uint32_t v = 0; status == DT_OK && v < p->end; v++)
+    status = dt_places_reserve(&places, 0, p->xy, p->id, p->end, p->end, work);
+    for (uint32_t v = 0; status == DT_OK && v < p->end; v++) {
+        status = dt_work(work, 1);
         if (dt_places_find(&places, p->xy, p->id, p->xy[v], v) != DT_NONE)
             status = DT_CORRUPT;
+    }
     dt_places_clear(&places);
     return status;
 }
@@ -43,9 +47,9 @@ static bool may_join(const struct dt_points *p, uint32_t id, struct dt_point q, 
 
 static enum dt_status join_aliases(struct dt_points *p, const uint32_t *ids,
                                    const struct dt_point *xy, const uint32_t *representatives,
-                                   size_t n)
+                                   size_t n, struct dt_stop *stop)
 {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n && (i % DT_POLL_MISSES != 0 || !dt_stopped(stop)); i++) {
         if (representatives[i] == ids[i])
             continue;
         uint32_t v = dt_points_vertex(p, representatives[i]);
@@ -55,21 +59,24 @@ static enum dt_status join_aliases(struct dt_points *p, const uint32_t *ids,
         if (dt_points_join(p, ids[i], (struct dt_point){xy[i].x + 0.0, xy[i].y + 0.0}, v) != DT_OK)
             return DT_NOMEM;
     }
-    return DT_OK;
+    return dt_stop_status(stop);
 }
 
 enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_point *p,
-                          const uint32_t *representatives, size_t n, uint32_t next_id)
+                          const uint32_t *representatives, size_t n, uint32_t next_id,
+                          const struct dt_options *opt)
 {
+    struct dt_work work = dt_work_of(opt);
+    struct dt_stop stop = dt_stop_of(opt);
     if (t->points.next_id != 0)
         return DT_CORRUPT;
     enum dt_status status = dt_points_reserve(&t->points, n, NULL);
     if (status == DT_OK)
-        status = enter_representatives(&t->points, ids, p, representatives, n, next_id);
+        status = enter_representatives(&t->points, ids, p, representatives, n, next_id, &stop);
     if (status == DT_OK)
-        status = check_distinct(&t->points);
+        status = check_distinct(&t->points, &work);
     if (status == DT_OK)
-        status = join_aliases(&t->points, ids, p, representatives, n);
+        status = join_aliases(&t->points, ids, p, representatives, n, &stop);
     if (status == DT_OK)
         t->points.next_id = next_id;
     else

@@ -9,6 +9,10 @@
 #define DT_POLL                                                                                    \
     (1u << 16) /* cheap steps, such as points of a pass, between two polls: below a millisecond */
 
+#define DT_POLL_MISSES (1u << 12) /* the same of steps that wait for memory, 100 to 500 ns */
+#define DT_POLL_FAULTS                                                                             \
+    128u /* of steps each of which may be the first to touch a page, 0.3 ms if huge */
+
 struct dt_stop {
     const atomic_bool *cancel; /* borrowed; NULL: never cancelled */
     atomic_int status; /* enum dt_status: the first reason to stop, DT_OK while there is none */
@@ -34,6 +38,9 @@ static inline enum dt_status dt_stop_status(const struct dt_stop *s)
 
 /* ---- a pass in pieces ---- */
 
+/* Copies n items of `size` bytes, and polls. from and to may be NULL if n is 0. */
+void dt_copy(void *to, const void *from, size_t n, size_t size, struct dt_stop *stop);
+
 /* The items a .. b - 1 of a pass over a range. */
 struct dt_piece {
     uint32_t a, b;
@@ -44,12 +51,19 @@ static inline struct dt_piece dt_before_first(uint32_t begin)
     return (struct dt_piece){begin, begin};
 }
 
-/* Polls and goes on to the next piece of a pass that ends before `end`; false: it is over, or stopped. */
-static inline bool dt_next_piece(struct dt_stop *s, uint32_t end, struct dt_piece *at)
+/* Polls and goes on to the next piece, of so many items, of a pass that ends before `end`; false: it is over,
+ * or stopped. */
+static inline bool dt_next_piece_of(struct dt_stop *s, uint32_t end, uint32_t items,
+                                    struct dt_piece *at)
 {
     at->a = at->b;
-    at->b = end - at->a < DT_POLL ? end : at->a + DT_POLL;
+    at->b = end - at->a < items ? end : at->a + items;
     return at->a < end && !dt_stopped(s);
+}
+
+static inline bool dt_next_piece(struct dt_stop *s, uint32_t end, struct dt_piece *at)
+{
+    return dt_next_piece_of(s, end, DT_POLL, at);
 }
 
 #endif

@@ -172,12 +172,13 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 {
     dt_tend(t, work); /* the batch wants a grid */
     struct dt_batch b;
+    struct dt_stop stop = {.cancel = work == NULL ? NULL : work->cancel};
     struct dt_added done = {.first = t->points.next_id, .added = (uint32_t)n};
     enum dt_status status = dt_points_reserve(&t->points, n, work);
     if (status == DT_OK && t->points.tol > 0)
         status = dt_points_index(&t->points, work);
     if (status == DT_OK)
-        status = dt_batch_begin(&b, t, q, (uint32_t)n);
+        status = dt_batch_begin(&b, t, q, (uint32_t)n, &stop);
     if (status != DT_OK)
         return status;
     t->scratch.work = work;
@@ -257,17 +258,6 @@ static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t 
     return status;
 }
 
-/* Deletes the ids from the points; aliases first, so that each group has one heir. */
-static void delete_points(struct dt_points *p, const uint32_t *ids, size_t n)
-{
-    for (size_t i = 0; i < n && p->aliases.count > 0; i++)
-        if (dt_points_is_alias(p, ids[i]))
-            dt_points_delete(p, ids[i]);
-    for (size_t i = 0; i < n; i++)
-        if (dt_points_vertex(p, ids[i]) != DT_NONE)
-            dt_points_delete(p, ids[i]);
-}
-
 enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_work *work)
 {
     struct dt_points *p = &t->points;
@@ -279,7 +269,7 @@ enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, str
         status = remove_vertices(t, ids, n, work, gone, &k);
     if (status == DT_OK) {
         commit(t);
-        delete_points(p, ids, n);
+        dt_points_delete_all(p, ids, n, NULL);
         for (size_t i = 0; i < k; i++)
             if (p->id[gone[i]] != DT_NONE) /* an heir has taken it over */
                 settle_vertex(t, gone[i]);

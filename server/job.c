@@ -49,6 +49,7 @@ static void run(struct job *j)
             j->dt = NULL;
             return;
         }
+        j->options.disposable = true;
     }
     j->run(j);
 }

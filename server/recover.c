@@ -14,6 +14,7 @@ void recovery_init(struct recovery *r, const struct datadir *dir)
 {
     *r = (struct recovery){.dir = dir};
     replay_init(&r->replay);
+    r->replay.cancel = &r->cancel;
 }
 
 void recovery_clear(struct recovery *r)
@@ -68,6 +69,8 @@ static const char mends[] = "; --repair DIR would keep the changes before that";
 static bool fail_record(struct recovery *r, const struct datafile *f, uint64_t at,
                         const char *fault)
 {
+    if (cancelled(r))
+        return false;
     if (r->replay.out_of_memory)
         return fail(r, RECOVERY_ERROR, "out of memory while reading %s", f->name);
     r->bad_snapshot = f->kind == DATAFILE_SNAPSHOT;
@@ -222,7 +225,7 @@ static bool read_log_records(struct recovery *r, struct place *p, struct segment
         if (got != READER_OK)
             return judge_end(r, p, in, in->fault);
         const char *fault = replay_log(&r->replay, &record);
-        if (fault != NULL && r->mend && !r->replay.out_of_memory)
+        if (fault != NULL && r->mend && !r->replay.out_of_memory && !r->cancel)
             return corrupt_at(r, p, in->at, fault);
         if (fault != NULL)
             return fail_record(r, p->file, in->at, fault);

@@ -89,13 +89,14 @@ static const char *add_collected(struct replay *p, struct dataset *set, const st
 {
     struct dataset *fresh = NULL;
     struct dt_added added;
+    struct dt_options opt = {.cancel = p->cancel};
     if ((set == NULL ? 0 : dt_next_id(set->current->dt)) != first)
         return contradiction;
     if (set == NULL)
         set = fresh = create(p, r, 0);
     if (set == NULL)
         return p->out_of_memory ? no_memory : contradiction;
-    enum dt_status status = dt_add(set->current->dt, p->points, p->n, &added);
+    enum dt_status status = dt_add_many(set->current->dt, p->points, p->n, &opt, &added);
     p->n = 0;
     if (status == DT_OK)
         set->lsn = r->lsn;
@@ -270,8 +271,9 @@ static const char *restore_if_complete(struct replay *p)
     if (p->restoring == NULL || p->n < p->rows)
         return NULL;
     struct dt *dt = p->restoring->current->dt;
+    struct dt_options opt = {.cancel = p->cancel};
     p->restoring = NULL;
-    return told(p, dt_restore(dt, p->id, p->points, p->representative, p->n, p->next_id));
+    return told(p, dt_restore(dt, p->id, p->points, p->representative, p->n, p->next_id, &opt));
 }
 
 const char *replay_snapshot(struct replay *p, const struct record *r)

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/set.h"
+#include "core/sort.h"
 #include "tests/core/polls.h"
 #include "tests/core/threads.h"
 #include "tests/oracle/families.h"
@@ -139,4 +140,170 @@ TEST_TIMEOUT(long_merges_poll_and_are_given_up, 60)
     }
     CHECK_MSG(polls[1] > polls[0] + MANY / 1024, "%llu and %llu polls",
               (unsigned long long)polls[0], (unsigned long long)polls[1]);
+}
+
+static enum dt_status clone_points(struct dt *t, const struct dt_options *opt)
+{
+    struct dt *copy = NULL;
+    enum dt_status status = dt_clone_points(t, opt, &copy);
+    CHECK((copy != NULL) == (status == DT_OK));
+    dt_free(copy);
+    return status;
+}
+
+TEST_TIMEOUT(a_copy_is_given_up_at_every_poll, 60)
+{
+    struct dt *t = set_of("duplicates", MANY, true);
+    cancel_everywhere(t, clone_points, &(struct dt_options){.cancel = &flag});
+    dt_free(t);
+}
+
+/* Every other id of a set, the last one first, so that they have to be sorted. */
+static enum dt_status delete_half(struct dt *t, const struct dt_options *opt)
+{
+    uint32_t n = dt_next_id(t) / 2, deleted, missing, *ids = malloc(n * sizeof *ids);
+    CHECK(ids != NULL);
+    for (uint32_t i = 0; i < n; i++)
+        ids[i] = 2 * (n - 1 - i);
+    enum dt_status status = dt_delete_many(t, ids, n, opt, &deleted, &missing);
+    CHECK(status != DT_OK || deleted == n);
+    free(ids);
+    return status;
+}
+
+TEST_TIMEOUT(a_deletion_of_many_is_given_up_until_it_begins, 60)
+{
+    struct dt *t = set_of("duplicates", MANY, true);
+    cancel_everywhere(t, delete_half, &(struct dt_options){.cancel = &flag});
+    dt_free(t);
+}
+
+/* A set of so many vertices that they are renumbered in parts, with gaps and families. */
+static struct dt *set_with_gaps(void)
+{
+    enum { N = (1 << 21) + 100000, EVERY = 50 };
+    struct dt *t = set_of("uniform", N, false);
+    struct dt_added added;
+    static struct dt_point again[N / EVERY];
+    static uint32_t ids[N / EVERY];
+    uint32_t deleted, missing;
+    for (uint32_t i = 0; i < N / EVERY; i++) {
+        ids[i] = i * EVERY;
+        CHECK(dt_get(t, ids[i] + 1, &again[i]) == DT_OK);
+    }
+    CHECK(dt_add(t, again, N / EVERY, &added) == DT_OK && added.coincident == N / EVERY);
+    CHECK(dt_delete(t, ids, N / EVERY, &deleted, &missing) == DT_OK && deleted == N / EVERY);
+    return t;
+}
+
+/* Cancels a build at its last polls, and some before. */
+static void cancel_at_the_end(struct dt *t, const struct dt_options *opt, bool disposable)
+{
+    enum { LAST = 40, STEP = 13 };
+    struct dt_options now = *opt;
+    uint64_t before = sum_of(t);
+    struct dt *whole;
+    CHECK(dt_clone(t, &whole) == DT_OK);
+    now.disposable = disposable;
+    polls_begin();
+    CHECK(dt_triangulate(whole, &now) == DT_OK);
+    uint64_t polls = polls_count();
+    dt_free(whole);
+    for (uint64_t i = 0; i < LAST; i += STEP) {
+        struct dt *copy = t;
+        CHECK(!disposable || dt_clone(t, &copy) == DT_OK);
+        polls_cancel_at(polls - i);
+        enum dt_status status = dt_triangulate(copy, &now);
+        polls_cancel_at(0);
+        CHECK(status == DT_CANCELLED);
+        if (disposable)
+            dt_free(copy);
+        else
+            CHECK(sum_of(t) == before);
+    }
+}
+
+TEST_TIMEOUT(a_build_is_given_up_until_it_is_taken_over_and_of_a_disposable_set_to_the_end, 120)
+{
+    struct dt_pool pool = threads_pool(2);
+    struct dt_options opt = {.cancel = &flag, .pool = &pool};
+    struct dt *t = set_with_gaps();
+    cancel_at_the_end(t, &opt, false);
+    cancel_at_the_end(t, &opt, true);
+    CHECK(dt_triangulate(t, &opt) == DT_OK && dt_check(t, NULL, NULL) == DT_OK);
+    dt_free(t);
+}
+
+TEST_TIMEOUT(a_disposable_set_is_deleted_from_with_polls, 60)
+{
+    struct dt *t = set_of("duplicates", MANY, true), *copy;
+    struct dt_options opt = {.cancel = &flag}, disposable = {.cancel = &flag, .disposable = true};
+    uint64_t polls[2];
+    for (int i = 0; i < 2; i++) {
+        CHECK(dt_clone(t, &copy) == DT_OK);
+        polls_begin();
+        CHECK(delete_half(copy, i == 0 ? &opt : &disposable) == DT_OK);
+        polls[i] = polls_count();
+        dt_free(copy);
+    }
+    CHECK(polls[1] > polls[0] + MANY / 2 / DT_POLL_MISSES);
+    for (uint64_t nth = polls[0]; nth <= polls[1]; nth += 5) {
+        CHECK(dt_clone(t, &copy) == DT_OK);
+        polls_cancel_at(nth);
+        CHECK(delete_half(copy, &disposable) == DT_CANCELLED);
+        polls_cancel_at(0);
+        dt_free(copy);
+    }
+    dt_free(t);
+}
+
+/* What a set is made of, and a fresh one made of it. */
+static enum dt_status restore(struct dt *t, const struct dt_options *opt)
+{
+    uint32_t n = dt_next_id(t), *ids = malloc(n * sizeof *ids), *rep = malloc(n * sizeof *rep);
+    struct dt_point *p = malloc(n * sizeof *p);
+    struct dt *fresh = dt_new(0);
+    CHECK(ids != NULL && rep != NULL && p != NULL && fresh != NULL);
+    for (uint32_t i = 0; i < n; i++) {
+        ids[i] = i;
+        CHECK(dt_get(t, i, &p[i]) == DT_OK && dt_representative(t, i, &rep[i]) == DT_OK);
+    }
+    enum dt_status status = dt_restore(fresh, ids, p, rep, n, n, opt);
+    CHECK(dt_next_id(fresh) == (status == DT_OK ? n : 0));
+    dt_free(fresh);
+    free(ids);
+    free(rep);
+    free(p);
+    return status;
+}
+
+TEST_TIMEOUT(a_restoration_is_given_up_at_every_poll, 60)
+{
+    struct dt *t = set_of("duplicates", MANY, false);
+    cancel_everywhere(t, restore, &(struct dt_options){.cancel = &flag});
+    dt_free(t);
+}
+
+TEST(ids_are_sorted_whatever_their_order)
+{
+    enum { N = 200000 };
+    uint32_t *ids = malloc(N * sizeof *ids), mask[] = {UINT32_MAX, 1, 0x7ff, 0x3ff800, 0xffc00000};
+    struct dt_stop stop = dt_stop_of(NULL);
+    uint64_t random = test_random() | 1;
+    for (size_t k = 0; k < sizeof mask / sizeof mask[0]; k++)
+        for (size_t n = 0; n <= N; n = n * 7 + 1) {
+            uint32_t sum = 0;
+            for (size_t i = 0; i < n; i++) {
+                random = random * 6364136223846793005u + 1442695040888963407u;
+                ids[i] = (uint32_t)(random >> 32) & mask[k];
+                sum += ids[i];
+            }
+            CHECK(dt_sort_ids(ids, n, NULL, &stop) == DT_OK);
+            for (size_t i = 0; i < n; i++) {
+                CHECK(i == 0 || ids[i - 1] <= ids[i]);
+                sum -= ids[i];
+            }
+            CHECK(sum == 0);
+        }
+    free(ids);
 }

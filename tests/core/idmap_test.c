@@ -50,7 +50,7 @@ TEST(ids_that_come_at_once_live_in_blocks_that_go_when_the_last_one_dies)
     dt_idmap_trim(&m);
     CHECK(bytes(&m) == (size_t)2 * BLOCK * 4);
     check_live(&m, 2 * BLOCK - 1, IDS);
-    CHECK(dt_idmap_copy(&m, &copy) == DT_OK && bytes(&copy) == bytes(&m));
+    CHECK(dt_idmap_copy(&m, &copy, NULL) == DT_OK && bytes(&copy) == bytes(&m));
     put(&m, 2 * BLOCK - 1, 2 * BLOCK, false);
     dt_idmap_trim(&m);
     CHECK(bytes(&m) == (size_t)BLOCK * 4);
@@ -124,7 +124,7 @@ TEST(without_memory_the_map_stays_as_it_was)
     status = DT_NOMEM;
     for (long n = 1; status == DT_NOMEM; n++) {
         test_fail_alloc(n);
-        status = dt_idmap_copy(&m, &copy);
+        status = dt_idmap_copy(&m, &copy, NULL);
         CHECK(test_alloc_failed() == (status == DT_NOMEM));
     }
     test_fail_alloc(0);

@@ -55,6 +55,8 @@ void polls_cancel_at(uint64_t n)
 
 bool __wrap_dt_stopped(struct dt_stop *s)
 {
+    if (s == NULL)
+        return false;
     uint64_t nth = ++count;
     note();
     if (cancel_at != 0 && nth >= cancel_at)

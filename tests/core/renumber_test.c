@@ -31,7 +31,7 @@ static void renumber_and_check(struct dt_points *p, const struct dt_pool *pool)
     CHECK(xy != NULL);
     for (uint32_t v = 0; v < N; v++)
         xy[v] = p->xy[from[v]];
-    dt_points_renumber(p, xy, from, N, pool);
+    CHECK(dt_points_renumber(p, xy, from, N, &(struct dt_options){.pool = pool}) == DT_OK);
     CHECK(p->end == N && p->xy == xy && p->id == from);
     for (uint32_t v = 0; v < N; v++)
         CHECK(p->xy[v].x == p->id[v] && dt_points_vertex(p, p->id[v]) == v);

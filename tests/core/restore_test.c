@@ -80,7 +80,7 @@ static struct dt *restored(const struct dt *t)
 {
     struct list l = list_of(t);
     struct dt *copy = dt_new(dt_tolerance(t));
-    CHECK(dt_restore(copy, l.id, l.p, l.representative, l.n, dt_next_id(t)) == DT_OK);
+    CHECK(dt_restore(copy, l.id, l.p, l.representative, l.n, dt_next_id(t), NULL) == DT_OK);
     free_list(&l);
     return copy;
 }
@@ -112,7 +112,7 @@ TEST(restored_set_never_gives_an_id_again)
     const struct dt_point p[] = {{0, 0}, {1, 1}};
     struct dt_added added;
     struct dt *t = dt_new(0);
-    CHECK(dt_restore(t, ids, p, ids, 2, 1000000) == DT_OK);
+    CHECK(dt_restore(t, ids, p, ids, 2, 1000000, NULL) == DT_OK);
     CHECK(dt_add(t, p, 1, &added) == DT_OK && added.first == 1000000 && added.coincident == 1);
     dt_free(t);
 }
@@ -122,7 +122,7 @@ static enum dt_status restore_three(const uint32_t *ids, const struct dt_point *
                                     const uint32_t *representatives)
 {
     struct dt *t = dt_new(0);
-    enum dt_status status = dt_restore(t, ids, p, representatives, 3, 9);
+    enum dt_status status = dt_restore(t, ids, p, representatives, 3, 9, NULL);
     CHECK(dt_next_id(t) == (status == DT_OK ? 9 : 0));
     dt_free(t);
     return status;
@@ -135,7 +135,7 @@ TEST(set_whose_ids_have_run_out_takes_no_more_points)
     struct dt_added added;
     for (unsigned live = 0; live < 2; live++) {
         struct dt *t = dt_new(0);
-        CHECK(dt_restore(t, &id, p, &id, 1, UINT32_MAX - 2) == DT_OK);
+        CHECK(dt_restore(t, &id, p, &id, 1, UINT32_MAX - 2, NULL) == DT_OK);
         CHECK(!live || dt_triangulate(t, NULL) == DT_OK);
         CHECK(dt_add(t, p, 3, &added) == DT_TOOBIG && dt_next_id(t) == UINT32_MAX - 2);
         CHECK(dt_add(t, p + 1, 2, &added) == DT_OK && added.first == UINT32_MAX - 2);
@@ -162,8 +162,8 @@ TEST(restore_refuses_what_no_set_could_be)
     CHECK(restore_three(good, wild_x, good) == DT_RANGE);
     CHECK(restore_three(good, wild_y, good) == DT_RANGE);
     struct dt *t = dt_new(0);
-    CHECK(dt_restore(t, good, apart, good, 3, 9) == DT_OK);
-    CHECK(dt_restore(t, good, apart, good, 3, 9) == DT_CORRUPT);
+    CHECK(dt_restore(t, good, apart, good, 3, 9, NULL) == DT_OK);
+    CHECK(dt_restore(t, good, apart, good, 3, 9, NULL) == DT_CORRUPT);
     dt_free(t);
 }
 
@@ -182,10 +182,10 @@ TEST(restore_refuses_two_representatives_at_one_place_however_many_others_there_
         }
         p[a] = p[b] = (struct dt_point){-7, 0};
         p[b].y = -0.0;
-        CHECK_MSG(dt_restore(t, ids, p, ids, n, n) == DT_CORRUPT, "%u and %u of %u", a, b, n);
+        CHECK_MSG(dt_restore(t, ids, p, ids, n, n, NULL) == DT_CORRUPT, "%u and %u of %u", a, b, n);
         CHECK(dt_next_id(t) == 0);
         p[a].x = -7.125; /* within the tolerance, which edits can bring about */
-        CHECK(dt_restore(t, ids, p, ids, n, n) == DT_OK);
+        CHECK(dt_restore(t, ids, p, ids, n, n, NULL) == DT_OK);
         dt_free(t);
     }
 }
@@ -197,8 +197,8 @@ TEST(restore_without_a_tolerance_refuses_an_alias_elsewhere_or_below_its_represe
     for (unsigned tolerant = 0; tolerant < 2; tolerant++) {
         enum dt_status want = tolerant ? DT_OK : DT_CORRUPT;
         struct dt *a = dt_new(tolerant ? 1 : 0), *b = dt_new(tolerant ? 1 : 0);
-        CHECK(dt_restore(a, ids, apart, first, 2, 9) == want);
-        CHECK(dt_restore(b, ids, same, second, 2, 9) == want);
+        CHECK(dt_restore(a, ids, apart, first, 2, 9, NULL) == want);
+        CHECK(dt_restore(b, ids, same, second, 2, 9, NULL) == want);
         dt_free(a);
         dt_free(b);
     }
@@ -211,7 +211,7 @@ TEST(restore_out_of_memory_leaves_the_set_fresh)
     struct dt *t = dt_new(0);
     for (long n = 1;; n++) {
         test_fail_alloc(n);
-        enum dt_status status = dt_restore(t, ids, p, aliased, 3, 70001);
+        enum dt_status status = dt_restore(t, ids, p, aliased, 3, 70001, NULL);
         bool failed = test_alloc_failed();
         test_fail_alloc(0);
         if (!failed) {

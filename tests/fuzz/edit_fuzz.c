@@ -99,7 +99,7 @@ static struct dt *fresh_set(const struct script *s, enum dt_method method)
         reps[n++] = representative(s, id);
     }
     require(fresh != NULL && n == s->live && dt_next_id(s->set) == s->ids);
-    require(dt_restore(fresh, ids, xy, reps, n, s->ids) == DT_OK);
+    require(dt_restore(fresh, ids, xy, reps, n, s->ids, NULL) == DT_OK);
     require(dt_triangulate(fresh, &opt) == DT_OK);
     return fresh;
 }

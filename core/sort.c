@@ -1,0 +1,68 @@
+/* sort.c - by digits, from the last [Knuth, TAOCP 3, sec. 5.2.5]; a few by qsort, which cannot poll. */
+#include "core/sort.h"
+
+#include <stdlib.h>
+
+#include "core/memory.h"
+
+enum { FEW = 4096, BITS = 11, DIGITS = 1 << BITS };
+
+static int compare_ids(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The next piece of n ids; false: it is over, or stopped. */
+static bool next(struct dt_stop *stop, size_t n, size_t *from, size_t *to)
+{
+    *from = *to;
+    *to = n - *from < DT_POLL ? n : *from + DT_POLL;
+    return *from < n && !dt_stopped(stop);
+}
+
+static bool is_sorted(const uint32_t *ids, size_t n, struct dt_stop *stop)
+{
+    bool sorted = true;
+    for (size_t a, b = 0; sorted && next(stop, n, &a, &b);)
+        for (size_t i = a > 0 ? a : 1; i < b; i++)
+            sorted = sorted && ids[i - 1] <= ids[i];
+    return sorted;
+}
+
+/* Sorts by the digit at `shift`, into `out`. */
+static void by_digit(const uint32_t *ids, size_t n, unsigned shift, uint32_t *out,
+                     struct dt_stop *stop)
+{
+    size_t at[DIGITS] = {0}, place = 0;
+    for (size_t a, b = 0; next(stop, n, &a, &b);)
+        for (size_t i = a; i < b; i++)
+            at[ids[i] >> shift & (DIGITS - 1)]++;
+    for (size_t d = 0; d < DIGITS; d++) {
+        size_t here = at[d];
+        at[d] = place;
+        place += here;
+    }
+    for (size_t a, b = 0; !dt_stopped(stop) && next(stop, n, &a, &b);)
+        for (size_t i = a; i < b; i++)
+            out[at[ids[i] >> shift & (DIGITS - 1)]++] = ids[i];
+}
+
+enum dt_status dt_sort_ids(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop)
+{
+    if (n < FEW) {
+        qsort(ids, n, sizeof *ids, compare_ids);
+        return DT_OK;
+    }
+    if (is_sorted(ids, n, stop))
+        return dt_stop_status(stop);
+    uint32_t *other = dt_array_new_in(pages, n, sizeof *other);
+    if (other == NULL)
+        return DT_NOMEM;
+    by_digit(ids, n, 0, other, stop);
+    by_digit(other, n, BITS, ids, stop);
+    by_digit(ids, n, 2 * BITS, other, stop);
+    dt_copy(ids, other, n, sizeof *ids, stop);
+    dt_array_free(other);
+    return dt_stop_status(stop);
+}
