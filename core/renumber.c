@@ -9,9 +9,9 @@
  *                  |       |              3. settle: by parts
  *      value    id: 0 1 2 ...
  *
- * and the part of the map that one of the parts writes to stays in the cache. The pairs lie where the
- * old coordinates were, so from step 2 on nothing can fail, and only a set that is disposable can be given up.
- * Up to a few million vertices all steps are one. */
+ * and the part of the map that one of the parts writes to stays in the cache. Steps 1 and 2 can be given up;
+ * step 3 changes the set, so only one that is disposable can be given up then. Up to a few million vertices
+ * all steps are one. */
 #include "core/renumber.h"
 
 #include <string.h>
@@ -29,8 +29,6 @@ enum {
 struct pair {
     uint32_t id, v;
 };
-
-_Static_assert(sizeof(struct pair) <= sizeof(struct dt_point), "pairs fit where points were");
 
 struct renumbering {
     struct dt_points *p;
@@ -131,7 +129,7 @@ static void deal(void *arg, unsigned slice)
     struct renumbering *r = arg;
     struct pair *pair = r->pair;
     uint32_t *next = r->at[slice];
-    for (struct dt_piece at = before_slice(r, slice); next_piece(r, r->late, slice, &at);)
+    for (struct dt_piece at = before_slice(r, slice); next_piece(r, &r->stop, slice, &at);)
         for (uint32_t v = at.a; v < at.b; v++)
             pair[next[r->from[v] >> r->shift]++] = (struct pair){r->from[v], v};
 }
@@ -147,7 +145,11 @@ static void settle(void *arg, unsigned part)
 
 static void renumber_in_parts(struct renumbering *r, const struct dt_pool *pool)
 {
-    r->pair = (void *)r->p->xy;
+    r->pair = dt_array_new_in(r->p->pages, r->n, sizeof *r->pair);
+    if (r->pair == NULL) {
+        dt_stop_because(&r->stop, DT_NOMEM);
+        return;
+    }
     r->shift = PART_BITS;
     while (r->p->next_id > 0 && (r->p->next_id - 1) >> r->shift >= MOST_PARTS)
         r->shift++;
@@ -156,12 +158,13 @@ static void renumber_in_parts(struct renumbering *r, const struct dt_pool *pool)
     for (unsigned slice = 0; slice < r->slices; slice++)
         r->as_arrived = r->as_arrived && !r->differs[slice];
     dt_run(pool, r->slices, name, r);
-    if (dt_stopped(&r->stop))
-        return;
-    lay_out(r);
-    dt_run(pool, r->slices, deal, r);
-    if (!dt_stopped(r->late))
+    if (!dt_stopped(&r->stop)) {
+        lay_out(r);
+        dt_run(pool, r->slices, deal, r);
+    }
+    if (!dt_stopped(&r->stop))
         dt_run(pool, MOST_PARTS, settle, r);
+    dt_array_free(r->pair);
 }
 
 /* The groups of aliases find the new vertices of their representatives. */
