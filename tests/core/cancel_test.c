@@ -199,7 +199,7 @@ static struct dt *set_with_gaps(void)
 /* Cancels a build at its last polls, and some before. */
 static void cancel_at_the_end(struct dt *t, const struct dt_options *opt, bool disposable)
 {
-    enum { LAST = 40, STEP = 13 };
+    enum { LAST = 40, STEP = 30 };
     struct dt_options now = *opt;
     uint64_t before = sum_of(t);
     struct dt *whole;
