@@ -10,7 +10,11 @@
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+enum { MANY = 100000, TRIALS = 4 };
+#else
 enum { MANY = 250000, TRIALS = 12 };
+#endif
 
 static atomic_bool flag; /* never set: polls_cancel_at is */
 
