@@ -12,6 +12,7 @@
 #include "tests/server/local.h"
 #include "tests/test.h"
 
+#include <errno.h>
 #include <poll.h>
 #include <semaphore.h>
 #include <string.h>
@@ -306,5 +307,56 @@ TEST(set_is_not_read_until_it_is_triangulated_again)
     while (b.l.server.jobs != NULL)
         collect(&b);
     CHECK_STR(local_ask(&b.l, "LISTS t 0\n"), "OK 1 interior=0 boundary=1\n0 1 2\n");
+    end(&b);
+}
+
+/* ---- a directory that cannot be used ---- */
+
+static bool starts(struct bench *b)
+{
+    local_start(&b->l, 0);
+    b->l.config.data = b->dir.path;
+    if (!durable_start(&b->l.server))
+        return false;
+    bool good = true;
+    while (good && !durable_is_complete(&b->l.server)) {
+        struct pollfd event = {.fd = durable_event(&b->l.server), .events = POLLIN};
+        CHECK(poll(&event, 1, 10000) == 1);
+        good = durable_on_event(&b->l.server);
+    }
+    return good;
+}
+
+TEST(directory_that_cannot_be_written_is_not_served)
+{
+    static const char *const calls[] = {"create log.1", "sync log.1"};
+    struct bench b = {.dir = directory_quick()};
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
+        calls_watch(b.dir.path);
+        calls_fail(calls[i], 1, 1, EIO);
+        CHECK_MSG(!starts(&b), "%s", calls[i]);
+        local_stop(&b.l);
+        calls_watch(b.dir.path);
+        CHECK(starts(&b)); /* the next try finds everything in order */
+        local_ask(&b.l, i == 0 ? "ADD t 1 1\n" : "POINTS t\n");
+        local_stop(&b.l);
+    }
+    directory_remove(&b.dir);
+}
+
+TEST(directory_that_is_not_there_is_not_served)
+{
+    struct bench b = {0};
+    strcpy(b.dir.path, "/nonexistent/directory");
+    CHECK(!starts(&b) && b.l.server.durable == NULL);
+    local_stop(&b.l);
+}
+
+TEST(one_snapshot_is_written_at_a_time)
+{
+    struct bench b;
+    begin(&b, 0);
+    CHECK(strncmp(local_ask(&b.l, "SNAPSHOT\n"), "OK 0 lsn=0", 10) == 0);
+    CHECK_STR(local_ask(&b.l, "SNAPSHOT\n"), "ERR BUSY a snapshot is being written\n");
     end(&b);
 }

@@ -346,6 +346,21 @@ TEST(log_goes_without_a_reserve_where_there_cannot_be_one)
     }
 }
 
+TEST(segment_whose_header_does_not_fit_into_memory_is_a_failure)
+{
+    struct directory d = directory_quick();
+    struct datadir dir;
+    struct log_file f;
+    CHECK(datadir_open(&dir, d.path, false));
+    log_file_init(&f, &dir);
+    test_fail_alloc(1);
+    log_file_start(&f, 1);
+    CHECK(test_alloc_failed() && f.error == ENOMEM);
+    log_file_clear(&f);
+    datadir_close(&dir);
+    directory_remove(&d);
+}
+
 TEST(log_that_cannot_begin_is_none)
 {
     static const char *const calls[] = {"create log.1", "write log.1", "sync log.1", "sync ."};

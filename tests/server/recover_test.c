@@ -1,105 +1,14 @@
 /* recover_test.c - what reading a directory makes of it, record by record and call by call. The files
  * are composed here; no daemon. */
-#include "server/recover.h"
+#include "tests/server/recover_files.h"
 
 #include "server/log_file.h"
-#include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
 #include "tests/test.h"
 
 #include <errno.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
-
-enum { RECORDS = 16 };
-
-/* ---- files to read ---- */
-
-struct bench {
-    struct directory directory;
-    struct datadir dir;
-    struct recovery r;
-    struct buf bytes;    /* of the file that is being composed */
-    size_t end[RECORDS]; /* of its records, by lsn */
-};
-
-static void begin(struct bench *b)
-{
-    *b = (struct bench){.directory = directory_quick()};
-    CHECK(datadir_open(&b->dir, b->directory.path, false));
-}
-
-static void end(struct bench *b)
-{
-    recovery_clear(&b->r);
-    datadir_close(&b->dir);
-    buf_free(&b->bytes);
-    directory_remove(&b->directory);
-}
-
-static void begin_file(struct bench *b, enum segment_kind kind, uint64_t lsn)
-{
-    struct segment header = {.version = RECORD_VERSION, .kind = kind, .lsn = lsn};
-    buf_free(&b->bytes);
-    segment_write(buf_reserve(&b->bytes, SEGMENT_HEADER), &header);
-    buf_commit(&b->bytes, SEGMENT_HEADER);
-}
-
-/* Appends a record about the set t. */
-static void put(struct bench *b, struct record r)
-{
-    CHECK(r.lsn < RECORDS);
-    if (r.type != RECORD_CHUNK && r.type != RECORD_END) {
-        r.name = "t";
-        r.name_len = 1;
-    }
-    record_write(&b->bytes, &r);
-    b->end[r.lsn] = buf_len(&b->bytes);
-}
-
-static void put_point(struct bench *b, uint64_t lsn, uint64_t synced, uint32_t id)
-{
-    double p[] = {id, 1};
-    put(b, (struct record){
-               .lsn = lsn, .synced = synced, .type = RECORD_ADD, .first = id, .n = 1, .items = p});
-}
-
-static void path_of(const struct bench *b, enum datafile_kind kind, uint64_t lsn, char path[128])
-{
-    char name[DATAFILE_NAME];
-    datafile_name(name, kind, lsn);
-    snprintf(path, 128, "%s/%s", b->directory.path, name);
-}
-
-static void end_file(const struct bench *b, enum datafile_kind kind, uint64_t lsn)
-{
-    char path[128];
-    path_of(b, kind, lsn, path);
-    file_write(path, buf_head(&b->bytes), buf_len(&b->bytes));
-}
-
-/* A log of so many points, of none of which it says that it was synced. */
-static void write_unsynced(struct bench *b, uint32_t points)
-{
-    begin_file(b, SEGMENT_LOG, 1);
-    for (uint32_t i = 0; i < points; i++)
-        put_point(b, i + 1, 0, i);
-    end_file(b, DATAFILE_LOG, 1);
-}
-
-static void read_all(struct bench *b)
-{
-    recovery_init(&b->r, &b->dir);
-    recovery_run(&b->r);
-}
-
-static uint32_t points_of_t(const struct bench *b)
-{
-    struct word name = {"t", 1};
-    struct dataset *set = registry_find(&b->r.replay.sets, &name);
-    return set == NULL ? 0 : dt_next_id(set->current->dt);
-}
 
 static bool file_is(const char *path, const char *bytes, size_t n)
 {
@@ -420,111 +329,6 @@ TEST(snapshot_with_a_record_of_another_number_is_refused)
         end_file(&b, DATAFILE_LOG, 5);
         read_all(&b);
         CHECK(b.r.result == (i == 0 ? RECOVERY_OK : RECOVERY_REFUSED));
-        end(&b);
-    }
-}
-
-/* ---- what cannot be read is not damaged ---- */
-
-/* A folder can be opened like a file, and reading it is an error. */
-TEST(file_that_cannot_be_read_is_an_error_and_stays)
-{
-    for (int kind = DATAFILE_SNAPSHOT; kind <= DATAFILE_LOG; kind++) {
-        char path[128];
-        struct bench b;
-        begin(&b);
-        path_of(&b, (enum datafile_kind)kind, 1, path);
-        CHECK(mkdir(path, 0700) == 0);
-        read_all(&b);
-        CHECK_MSG(b.r.result == RECOVERY_ERROR && strstr(b.r.why, "cannot read") != NULL, "%s",
-                  b.r.why);
-        CHECK(rmdir(path) == 0);
-        end(&b);
-    }
-}
-
-TEST(file_that_cannot_be_opened_is_an_error_and_stays)
-{
-    for (int kind = DATAFILE_SNAPSHOT; kind <= DATAFILE_LOG; kind++) {
-        char path[128];
-        struct bench b;
-        begin(&b);
-        path_of(&b, (enum datafile_kind)kind, 1, path);
-        CHECK(symlink("nowhere", path) == 0);
-        read_all(&b);
-        CHECK_MSG(b.r.result == RECOVERY_ERROR && strstr(b.r.why, "cannot read") != NULL, "%s",
-                  b.r.why);
-        end(&b);
-    }
-}
-
-/* A snapshot and a log, whose end is damaged in one of three ways: a torn record with whole ones behind it,
- * a load without its end, a damaged header. */
-static void write_sample(struct bench *b, int damage)
-{
-    enum { ROWS = 40 };
-    static struct record_row row[ROWS];
-    const double xy[] = {7, 7, 8, 8};
-    for (uint32_t i = 0; i < ROWS; i++)
-        row[i] = (struct record_row){.id = i, .representative = i, .x = i, .y = i * i};
-    begin_file(b, SEGMENT_SNAPSHOT, 4);
-    put(b, (struct record){.lsn = 1, .type = RECORD_SET, .first = ROWS, .n = ROWS, .synced = 4});
-    put(b, (struct record){.lsn = 2, .type = RECORD_ROWS, .n = ROWS, .items = row});
-    put(b, (struct record){.lsn = 3, .type = RECORD_END, .n = 1});
-    end_file(b, DATAFILE_SNAPSHOT, 4);
-    begin_file(b, SEGMENT_LOG, 5);
-    put_point(b, 5, 4, ROWS);
-    put(b, (struct record){.lsn = 6, .type = RECORD_DELETE, .n = 2, .items = (uint32_t[]){1, 2}});
-    put(b, (struct record){.lsn = 7, .type = RECORD_LOAD, .first = ROWS + 1, .n = 2});
-    put(b, (struct record){.lsn = 8, .type = RECORD_CHUNK, .n = 2, .items = xy});
-    if (damage != 1)
-        put(b, (struct record){.lsn = 9, .type = RECORD_LOADED, .n = 2});
-    if (damage == 0)
-        buf_head(&b->bytes)[b->end[5] + 3] ^= 1;
-    end_file(b, DATAFILE_LOG, 5);
-    if (damage != 2)
-        return;
-    begin_file(b, SEGMENT_LOG, 10);
-    buf_head(&b->bytes)[3] ^= 1;
-    end_file(b, DATAFILE_LOG, 10);
-}
-
-TEST(memory_that_runs_out_while_a_directory_is_read_is_no_damage)
-{
-    static const uint64_t last[] = {5, 6, 9};
-    for (int damage = 0; damage < 3; damage++) {
-        bool failed = true;
-        for (long n = 1; failed; n++) {
-            struct bench b;
-            begin(&b);
-            write_sample(&b, damage);
-            test_fail_alloc(n);
-            read_all(&b);
-            failed = test_alloc_failed();
-            test_fail_alloc(0);
-            if (b.r.result == RECOVERY_OK)
-                CHECK_MSG(b.r.last == last[damage] && b.r.torn, "damage %d, allocation %ld: %s",
-                          damage, n, b.r.why);
-            else
-                CHECK_MSG(failed && b.r.result == RECOVERY_ERROR && !b.r.bad_log &&
-                              !b.r.bad_snapshot,
-                          "damage %d, allocation %ld: %s", damage, n, b.r.why);
-            CHECK(n < 200);
-            end(&b);
-        }
-    }
-}
-
-TEST(reading_ends_when_it_is_given_up)
-{
-    for (int damage = 0; damage < 3; damage++) {
-        struct bench b;
-        begin(&b);
-        write_sample(&b, damage);
-        recovery_init(&b.r, &b.dir);
-        b.r.cancel = true;
-        recovery_run(&b.r);
-        CHECK(b.r.result == RECOVERY_CANCELLED);
         end(&b);
     }
 }

@@ -144,6 +144,101 @@ TEST(snapshot_that_fails_anywhere_leaves_what_was_there)
     }
 }
 
+TEST(write_of_a_snapshot_that_was_interrupted_is_made_again)
+{
+    struct directory d;
+    struct datadir dir;
+    struct registry none;
+    uint64_t count;
+    int event = eventfd(0, EFD_CLOEXEC);
+    d = directory_quick();
+    registry_init(&none);
+    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
+    calls_watch(d.path);
+    calls_fail("write snapshot.4.tmp", 1, 3, EINTR);
+    struct snapshot *snap = snapshot_begin(&dir, &none, 4, event);
+    CHECK(snap != NULL);
+    snapshot_go(snap);
+    CHECK(read(event, &count, sizeof count) == sizeof count);
+    CHECK(snapshot_end(snap, &none) == 0 && calls_failed() == 3);
+    datadir_close(&dir);
+    close(event);
+    registry_clear(&none);
+    directory_remove(&d);
+}
+
+TEST(snapshot_that_is_given_up_is_none)
+{
+    struct directory d = directory_quick();
+    struct datadir dir;
+    struct registry none;
+    char path[128];
+    uint64_t count;
+    int event = eventfd(0, EFD_CLOEXEC);
+    registry_init(&none);
+    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
+    struct snapshot *snap = snapshot_begin(&dir, &none, 4, event);
+    CHECK(snap != NULL && snapshot_end(snap, &none) == ECANCELED); /* it has not begun */
+    snap = snapshot_begin(&dir, &none, 4, event);
+    CHECK(snap != NULL);
+    snap->cancel = true;
+    snapshot_go(snap);
+    CHECK(read(event, &count, sizeof count) == sizeof count);
+    CHECK(snapshot_end(snap, &none) == ECANCELED && !directory_file(&d, "snapshot.", 0, path));
+    datadir_close(&dir);
+    close(event);
+    registry_clear(&none);
+    directory_remove(&d);
+}
+
+/* Writes the server's sets with the n-th allocation failing; whether one did. */
+static bool survives(struct local *l, long n)
+{
+    struct directory d = directory_quick();
+    struct datadir dir;
+    char path[128];
+    uint64_t count;
+    int event = eventfd(0, EFD_CLOEXEC);
+    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
+    test_fail_alloc(n);
+    struct snapshot *snap = snapshot_begin(&dir, &l->server.sets, 4, event);
+    if (snap != NULL) {
+        snapshot_go(snap);
+        CHECK(read(event, &count, sizeof count) == sizeof count);
+        int error = snapshot_end(snap, &l->server.sets);
+        CHECK_MSG(error == 0 || error == ENOMEM || error == EAGAIN, "%s", strerror(error));
+        CHECK((error == 0) == directory_file(&d, "snapshot.", 0, path));
+    }
+    bool failed = test_alloc_failed();
+    test_fail_alloc(0);
+    if (directory_file(&d, "snapshot.", 0, path)) {
+        struct recovery r;
+        leave_file(&d, "log.0000000000000005");
+        recovery_init(&r, &dir);
+        recovery_run(&r);
+        CHECK_MSG(r.result == RECOVERY_OK, "allocation %ld: %s", n, r.why);
+        const struct dataset *set = registry_find(&r.replay.sets, &(struct word){"a", 1});
+        CHECK(r.replay.sets.sets == 2 && dt_next_id(set->current->dt) == 2);
+        recovery_clear(&r);
+    }
+    close(event);
+    datadir_close(&dir);
+    directory_remove(&d);
+    return failed;
+}
+
+TEST(snapshot_for_which_there_is_no_memory_is_none)
+{
+    struct local l;
+    long n = 1;
+    local_start(&l, 0);
+    local_ask(&l, "ADD a 0 0  1 1\nADD b 2 2\n");
+    while (survives(&l, n))
+        CHECK(++n < 100);
+    CHECK(n > 5);
+    local_stop(&l);
+}
+
 /* It has replaced one of the same name, without which the log has a gap. */
 TEST(snapshot_whose_new_name_cannot_be_synced_stays_if_there_was_one_of_that_name)
 {
