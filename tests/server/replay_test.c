@@ -9,8 +9,10 @@
 /* A record as it is read from a file; they live until the process ends. */
 static struct record read_back(struct record r)
 {
-    struct buf *b = calloc(1, sizeof *b);
-    CHECK(b != NULL);
+    static struct buf kept[100];
+    static unsigned n;
+    CHECK(n < sizeof kept / sizeof kept[0]);
+    struct buf *b = &kept[n++];
     r.name_len = r.name != NULL ? (unsigned)strlen(r.name) : 0;
     record_write(b, &r);
     CHECK(record_read(buf_head(b), buf_len(b), &r) > 0);
