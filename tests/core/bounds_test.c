@@ -407,7 +407,7 @@ static double climb(const struct expression *e, int exponent)
     return best;
 }
 
-TEST(no_error_exceeds_its_bound_and_some_come_near_it)
+TEST_TIMEOUT(no_error_exceeds_its_bound_and_some_come_near_it, 60)
 {
     static const int exponents[] = {-81, 0, 199};
     for (const struct expression *e = expressions; e < expressions + EXPRESSIONS; e++) {
@@ -425,7 +425,7 @@ static double wild(void)
     return test_below(2) ? v : -v;
 }
 
-TEST(no_error_exceeds_its_bound_whatever_the_exponents)
+TEST_TIMEOUT(no_error_exceeds_its_bound_whatever_the_exponents, 60)
 {
     for (int i = 0; i < 400; i++) {
         struct dt_point p[POINTS];
@@ -439,7 +439,7 @@ TEST(no_error_exceeds_its_bound_whatever_the_exponents)
 
 /* ---- limits of searches ---- */
 
-TEST(an_upper_bound_of_a_cotangent_is_no_less_than_it)
+TEST_TIMEOUT(an_upper_bound_of_a_cotangent_is_no_less_than_it, 60)
 {
     unsigned bounded = 0;
     for (int i = 0; i < 20000; i++) {
@@ -507,7 +507,7 @@ static struct exact negative(struct exact a)
     return a;
 }
 
-TEST(the_box_of_a_segment_contains_it)
+TEST_TIMEOUT(the_box_of_a_segment_contains_it, 60)
 {
     unsigned far = 0;
     for (int i = 0; i < 4000; i++) {
