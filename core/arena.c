@@ -35,7 +35,9 @@ static struct dt_arena_chunk *new_chunk(struct dt_arena *a, size_t need)
         a->spare = NULL;
         return c;
     }
-    size_t size = need > LARGE ? need : need * 2 > MIN_CHUNK ? need * 2 : MIN_CHUNK;
+    size_t size = need > LARGE ? need : need * 2;
+    if (size < MIN_CHUNK && !a->tight)
+        size = MIN_CHUNK;
     c = dt_array_new_in(a->pages, sizeof *c + size, 1);
     if (c != NULL)
         c->size = size;

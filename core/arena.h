@@ -3,6 +3,7 @@
 #ifndef DT_ARENA_H
 #define DT_ARENA_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 struct dt_arena_chunk;
@@ -12,6 +13,7 @@ struct dt_arena {
     struct dt_pages *pages;       /* borrows; where large chunks come from; NULL: the system */
     struct dt_arena_chunk *chunk; /* owns a list, the one in use first */
     struct dt_arena_chunk *spare; /* owns one that was given back, or NULL */
+    bool tight; /* one of many, of which little is asked: no more is taken than twice that */
 };
 
 struct dt_arena_mark {
@@ -19,7 +21,7 @@ struct dt_arena_mark {
     size_t used;
 };
 
-/* *a must be zeroed but for its keeper of pages. */
+/* *a must be zeroed but for its keeper of pages and `tight`. */
 void dt_arena_clear(struct dt_arena *a);
 
 /* n items of size bytes, aligned to 16, not initialised, valid until a mark taken before is

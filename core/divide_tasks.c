@@ -85,12 +85,13 @@ static void wait_for_grid(struct tree *w, uint32_t node, struct dt_source src, u
     if (range == NULL)
         return;
     w->range = range;
-    range[w->ranges++] = (struct range){.src = src,
-                                        .lo = lo,
-                                        .n = n,
-                                        .skew = skew,
-                                        .node = node,
-                                        .arena = {.pages = w->d->merging.mesh->pages}};
+    range[w->ranges++] =
+        (struct range){.src = src,
+                       .lo = lo,
+                       .n = n,
+                       .skew = skew,
+                       .node = node,
+                       .arena = {.pages = w->d->merging.mesh->pages, .tight = true}};
 }
 
 /* The node becomes a join; returns the first of its two children, 0 if there is no memory. */

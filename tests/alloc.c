@@ -6,6 +6,7 @@
 #include "tests/test.h"
 
 #include <errno.h>
+#include <malloc.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -118,20 +119,57 @@ static void guarded_free(char *p)
     madvise(page, bytes, MADV_DONTNEED);
 }
 
+/* ---- bytes in use ---- */
+
+static atomic_llong in_use, most;
+
+void test_watch_alloc(void)
+{
+    most = in_use;
+}
+
+size_t test_alloc_most(size_t before)
+{
+    return most > (long long)before ? (size_t)most - before : 0;
+}
+
+size_t test_alloc_in_use(void)
+{
+    return (size_t)in_use;
+}
+
+/* A block that malloc has made; NULL: none. */
+static void *count(void *p)
+{
+    if (p == NULL)
+        return p;
+    long long now = (in_use += (long long)malloc_usable_size(p)), known = most;
+    while (now > known && !atomic_compare_exchange_weak(&most, &known, now))
+        continue;
+    return p;
+}
+
+static void discount(void *p)
+{
+    if (p != NULL)
+        in_use -= (long long)malloc_usable_size(p);
+}
+
 /* ---- what the linker puts in place of malloc and friends ---- */
 
 void *__wrap_malloc(size_t size)
 {
     if (must_fail())
         return NULL;
-    return guarding ? guarded_new(size) : __real_malloc(size);
+    return guarding ? guarded_new(size) : count(__real_malloc(size));
 }
 
 void *__wrap_calloc(size_t n, size_t size)
 {
     if (must_fail())
         return NULL;
-    return guarding && n <= RANGE / (size + 1) ? guarded_new(n * size) : __real_calloc(n, size);
+    return guarding && n <= RANGE / (size + 1) ? guarded_new(n * size)
+                                               : count(__real_calloc(n, size));
 }
 
 void *__wrap_realloc(void *p, size_t size)
@@ -141,10 +179,14 @@ void *__wrap_realloc(void *p, size_t size)
         return NULL;
     if (p == NULL && guarding)
         return guarded_new(size);
-    if (!is_guarded(p))
-        return __real_realloc(p, size);
+    if (!is_guarded(p)) {
+        long long was = p == NULL ? 0 : (long long)malloc_usable_size(p);
+        void *grown = __real_realloc(p, size);
+        in_use -= grown == NULL ? 0 : was;
+        return count(grown);
+    }
     size_t before = guarded_size(p, &page);
-    void *moved = guarding ? guarded_new(size) : __real_malloc(size);
+    void *moved = guarding ? guarded_new(size) : count(__real_malloc(size));
     if (moved == NULL)
         return NULL;
     memcpy(moved, p, before < size ? before : size);
@@ -154,15 +196,17 @@ void *__wrap_realloc(void *p, size_t size)
 
 void *__wrap_aligned_alloc(size_t alignment, size_t size)
 {
-    return must_fail() ? NULL : __real_aligned_alloc(alignment, size);
+    return must_fail() ? NULL : count(__real_aligned_alloc(alignment, size));
 }
 
 void __wrap_free(void *p)
 {
-    if (is_guarded(p))
+    if (is_guarded(p)) {
         guarded_free(p);
-    else
-        __real_free(p);
+        return;
+    }
+    discount(p);
+    __real_free(p);
 }
 
 void *__wrap_mmap(void *at, size_t size, int protection, int flags, int fd, off_t offset)

@@ -75,4 +75,10 @@ bool test_alloc_failed(void);
  * space, so this is for tests that need few. */
 void test_guard_alloc(bool on);
 
+/* Bytes of malloc's that are in use; and, from test_watch_alloc on, the most that were at once beyond so
+ * many. */
+size_t test_alloc_in_use(void);
+void test_watch_alloc(void);
+size_t test_alloc_most(size_t before);
+
 #endif

@@ -133,6 +133,64 @@ TEST_TIMEOUT(small_sets_and_sets_with_a_tolerance_take_no_more_memory_than_was_s
     live_through(family_find("lattice"), 1, MANY, 2);
 }
 
+/* ---- small sets, to the byte ---- */
+
+static size_t said_most, before;
+
+static void watch(size_t said)
+{
+    said_most = said;
+    before = test_alloc_in_use();
+    test_watch_alloc();
+}
+
+static void check_most(const char *what, const struct family *f, size_t n, unsigned threads)
+{
+    size_t took = test_alloc_most(before);
+    CHECK_MSG(took <= said_most, "%s of %zu points of %s by %u threads takes %zu bytes, said: %zu",
+              what, n, f->name, threads, took, said_most);
+}
+
+static void live_small(const struct family *f, unsigned threads, size_t n)
+{
+    struct dt_pool pool = threads_pool(threads);
+    struct dt_options opt = {.pool = threads > 1 ? &pool : NULL}, again = opt;
+    struct dt_point *p = malloc(2 * n * sizeof *p);
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    CHECK(p != NULL && t != NULL);
+    again.rebuild = true;
+    family_points(f, p, 2 * n, test_random());
+    watch(dt_add_memory(t, n, &opt));
+    CHECK(dt_add_many(t, p, n, &opt, &added) == DT_OK);
+    check_most("a load", f, n, threads);
+    watch(dt_build_memory(t, &opt));
+    CHECK(dt_triangulate(t, &opt) == DT_OK);
+    check_most("a build", f, n, threads);
+    watch(dt_add_memory(t, n / 9, &opt) + dt_prepare_memory(t));
+    CHECK(dt_add_many(t, p, n / 9, &opt, &added) == DT_OK && added.coincident == n / 9);
+    check_most("a batch of coincident points that makes the grid", f, n, threads);
+    watch(dt_build_memory(t, &again));
+    CHECK(dt_triangulate(t, &again) == DT_OK);
+    check_most("a second build", f, n, threads);
+    watch(dt_prepare_memory(t));
+    CHECK(dt_prepare(t, &opt) == DT_OK);
+    check_most("a grid", f, n, threads);
+    watch(dt_add_memory(t, n / 2, &opt));
+    CHECK(dt_add_many(t, p + n, n / 2, &opt, &added) == DT_OK && dt_refresh(t, &opt) == DT_OK);
+    check_most("a large batch", f, n, threads);
+    dt_free(t);
+    free(p);
+}
+
+TEST_TIMEOUT(small_sets_ask_malloc_for_no_more_than_was_said_on_any_number_of_threads, 120)
+{
+    for (const struct family *f = families; f->name != NULL; f++)
+        for (unsigned threads = 1; threads <= 8; threads += threads == 1 ? 1 : 6)
+            for (size_t n = 500; n <= 8000; n *= 4)
+                live_small(f, threads, n);
+}
+
 TEST_TIMEOUT(papers_engine_takes_no_more_memory_than_was_said, 60)
 {
     static const char *const names[] = {"uniform", "clusters"};
