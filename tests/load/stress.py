@@ -45,6 +45,10 @@ class Client:
         self.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.file = self.sock.makefile('rb', buffering=1 << 16)
 
+    def close(self):
+        self.file.close()  # it holds the socket open
+        self.sock.close()
+
     def status(self):
         """The next status line."""
         while True:
@@ -232,7 +236,7 @@ def crowd_seconds(port, n):
 
 def crowd(args):
     with Daemon(args.daemon) as d:
-        few, many = min(crowd_seconds(d.port, 100) for _ in range(3)), crowd_seconds(d.port, 800)
+        few, many = (min(crowd_seconds(d.port, n) for _ in range(3)) for n in (100, 800))
         show('clients with one ADD of 120 points each', {'100 take s': few, '800 take s': many, 'ratio': many / few},
              'ratio 10')
 
@@ -341,7 +345,7 @@ def cancel(args):
             leaver = Client(d.port)
             leaver.sock.sendall(request.encode() + b'\n')
             time.sleep(limit)
-            leaver.sock.close()
+            leaver.close()
             show(f'{name}: {status[:40]}', {'ms after TIMEOUT': late, 'ms after its client has gone': until_idle(other)}, '100')
         for name in ('shelling', 'NEAREST', 'CHECK'):
             with Daemon(args.daemon) as e:
@@ -350,7 +354,7 @@ def cancel(args):
                 k.load('u', n)
                 k.sock.sendall(requests[name].encode() + b'\n')
                 time.sleep(0.05)
-                k.sock.close()
+                k.close()
                 begin = time.perf_counter()
                 e.process.terminate()
                 e.process.wait()
