@@ -500,3 +500,67 @@ TEST(snapshot_that_is_not_needed_has_its_second_name_on_the_disk_before_it_loses
     datadir_close(&dir);
     directory_remove(&d);
 }
+
+/* Which of the calls above it is, and which of several that are alike. `remove snapshot.5` is done by
+ * the snapshot that replaces it, for which that is no failure: it is newer. */
+TEST(repair_of_a_snapshot_that_fails_anywhere_says_so)
+{
+    static const struct {
+        const char *line;
+        unsigned n;
+    } calls[] = {
+        {"link snapshot.5 damaged.snapshot.5", 1},
+        {"link log.6 damaged.log.6", 1},
+        {"sync .", 1},
+        {"create snapshot.6.tmp", 1},
+        {"write snapshot.6.tmp", 1},
+        {"sync snapshot.6.tmp", 1},
+        {"rename snapshot.6.tmp snapshot.6", 1},
+        {"sync .", 2},
+        {"create log.7", 1},
+        {"write log.7", 1},
+        {"sync log.7", 1},
+        {"sync .", 3},
+        {"remove log.6", 1},
+        {"sync .", 4},
+    };
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
+        struct datadir dir;
+        struct directory d = directory_quick();
+        write_damaged(&d, 5);
+        write_log(&d, 6);
+        CHECK(datadir_open(&dir, d.path, false));
+        calls_watch(d.path);
+        calls_fail(calls[i].line, calls[i].n, 1, EIO);
+        CHECK_MSG(!salvage(&dir) && calls_failed() == 1, "%s %u", calls[i].line, calls[i].n);
+        datadir_close(&dir);
+        directory_remove(&d);
+    }
+}
+
+TEST(repair_of_a_snapshot_without_memory_keeps_everything)
+{
+    bool failed = true;
+    for (long n = 1; failed; n++) {
+        struct datadir dir;
+        struct directory d = directory_quick();
+        write_damaged(&d, 5);
+        write_log(&d, 6);
+        CHECK(n < 300 && datadir_open(&dir, d.path, false));
+        calls_watch(d.path);
+        test_fail_alloc(n);
+        bool good = salvage(&dir);
+        failed = test_alloc_failed();
+        test_fail_alloc(0);
+        bool replaced = calls_count("rename snapshot.6.tmp snapshot.6") > 0;
+        CHECK_MSG(good || failed, "allocation %ld", n);
+        CHECK_MSG(replaced || calls_count("remove snapshot.5") == 0, "allocation %ld", n);
+        datadir_close(&dir);
+        if (good && replaced) {
+            struct state s = look(d.path);
+            CHECK_MSG(s.result == RECOVERY_OK && s.sets == 2 && s.set[0] != 0,
+                      "allocation %ld: %zu sets", n, s.sets);
+        }
+        directory_remove(&d);
+    }
+}
