@@ -7,7 +7,11 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ID_ROOM = 11, DOUBLE_ROOM = 33 }; /* a number and the character that follows it */
+enum {
+    ID_ROOM = 11,
+    U64_ROOM = 20,
+    DOUBLE_ROOM = 33
+}; /* a number and, but for U64, the character after it */
 
 static const char *const code_name[] = {
     [ERR_SYNTAX] = "SYNTAX",
@@ -39,15 +43,24 @@ const char *reply_code_name(enum reply_code code)
     return code_name[code];
 }
 
+/* Writes at most U64_ROOM bytes; returns how many. Most numbers in replies are small. */
+static size_t write_u64(char *to, uint64_t v)
+{
+    if (v <= UINT32_MAX)
+        return proto_write_u32(to, (uint32_t)v);
+    char digits[U64_ROOM];
+    size_t at = sizeof digits;
+    for (; v != 0; v /= 10)
+        digits[--at] = (char)('0' + v % 10);
+    memcpy(to, digits + at, sizeof digits - at);
+    return sizeof digits - at;
+}
+
 void reply_u64(struct buf *out, uint64_t v)
 {
-    char digits[20];
-    size_t at = sizeof digits;
-    do {
-        digits[--at] = (char)('0' + v % 10);
-        v /= 10;
-    } while (v != 0);
-    buf_append(out, digits + at, sizeof digits - at);
+    char *to = buf_reserve(out, U64_ROOM);
+    if (to != NULL)
+        buf_commit(out, write_u64(to, v));
 }
 
 static void append_key(struct buf *out, const char *key)
@@ -59,14 +72,23 @@ static void append_key(struct buf *out, const char *key)
 
 void reply_ok(struct buf *out, uint64_t rows)
 {
-    buf_append(out, "OK ", 3);
-    reply_u64(out, rows);
+    char *to = buf_reserve(out, 3 + U64_ROOM);
+    if (to == NULL)
+        return;
+    memcpy(to, "OK ", 3);
+    buf_commit(out, 3 + write_u64(to + 3, rows));
 }
 
 void reply_key_u64(struct buf *out, const char *key, uint64_t value)
 {
-    append_key(out, key);
-    reply_u64(out, value);
+    size_t len = strlen(key);
+    char *to = buf_reserve(out, len + 2 + U64_ROOM);
+    if (to == NULL)
+        return;
+    *to++ = ' ';
+    memcpy(to, key, len);
+    to[len] = '=';
+    buf_commit(out, len + 2 + write_u64(to + len + 1, value));
 }
 
 void reply_key_double(struct buf *out, const char *key, double value)
