@@ -9,15 +9,16 @@
 #include "server/renew.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 void *job_new(size_t size, void (*run)(struct job *),
               void (*done)(struct server *, struct job *, struct answer *))
 {
-    struct job *j = calloc(1, size);
+    struct job *j = malloc(size); /* calloc would not reuse blocks that were freed lately */
     if (j == NULL)
         return NULL;
-    j->run = run;
-    j->done = done;
+    *j = (struct job){.run = run, .done = done};
+    memset(j + 1, 0, size - sizeof *j);
     j->options.cancel = &j->cancel;
     j->options.progress = &j->progress;
     return j;
