@@ -102,6 +102,8 @@ uint32_t dt_view_representative(const struct dt *t, const struct dt_view *v, uin
 enum dt_status dt_view_get(const struct dt *t, const struct dt_view *v, uint32_t id,
                            struct dt_point *p)
 {
+    if (v == NULL)
+        return dt_get(t, id, p);
     struct dt_row row;
     enum dt_status status = dt_view_readable(t, v, false);
     if (status != DT_OK)

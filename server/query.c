@@ -109,7 +109,7 @@ static enum dt_status search(const struct dt *dt, struct query *q, const struct 
 
 /* ---- the reply ---- */
 
-static struct rows rows_of(const struct query *q, struct version *v)
+static inline struct rows rows_of(const struct query *q, struct version *v)
 {
     struct rows rows = {.version = v, .form = ROW_POINT, .from = q->place.at, .cw = q->cw};
     if (q->kind == QUERY_LISTS)
@@ -124,7 +124,7 @@ static struct rows rows_of(const struct query *q, struct version *v)
 }
 
 /* Writes the reply. *rows are of the query's result. */
-static void answer(struct server *s, struct answer *a, struct query *q, struct rows *rows)
+static inline void answer(struct server *s, struct answer *a, struct query *q, struct rows *rows)
 {
     reply_ok(a->out, q->ids.n / (rows->form == ROW_IDS ? rows->width : 1));
     if (q->kind == QUERY_LISTS) {
