@@ -16,6 +16,13 @@ load: all
 	@tests/load/standard.sh $(O) $(LOAD_POINTS) | tee $(O)/load.md
 	@echo "the tables are in $(O)/load.md, drawings in $(O)/load-*.svg"
 
+# Throughput beside another daemon, such as that of an earlier version, in alternating runs: three minutes.
+#
+#   make load-beside OTHER=../before/build/delaunayd
+.PHONY: load-beside
+load-beside: all
+	@tests/load/beside.sh $(O) $(OTHER)
+
 # What single innocent requests do to other clients, and what stress does to memory: four minutes.
 #
 #   make stress SCENARIOS=hub LARGE=1000000
