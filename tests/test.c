@@ -101,6 +101,18 @@ static bool passes(const struct test *t)
     return ok;
 }
 
+bool test_is_sanitized(void)
+{
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    return true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+    return true;
+#endif
+#endif
+    return false;
+}
+
 int main(int argc, char **argv)
 {
     int opt;

@@ -63,6 +63,9 @@ uint64_t test_random(void);
 double test_uniform(void);
 uint32_t test_below(uint32_t n);
 
+/* Whether a sanitizer was compiled in: times and memory then say nothing about the program. */
+bool test_is_sanitized(void);
+
 /* Out-of-memory injection: the n-th allocation from now on fails (n = 1: the next), and only that
  * one; 0: none fails. test_alloc_failed tells whether one did. Works in the core, proto and server
  * test binaries. test_fail_alloc_from: it and all after it. */

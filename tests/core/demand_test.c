@@ -30,16 +30,14 @@ static size_t resident;
  * keeps freed memory. */
 static bool begin(void)
 {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    return false;
-#else
+    if (test_is_sanitized())
+        return false;
     malloc_trim(0);
     FILE *f = fopen("/proc/self/clear_refs", "w");
     bool ok = f != NULL && fputs("5", f) >= 0;
     ok = f != NULL && fclose(f) == 0 && ok;
     resident = bytes_of("VmRSS");
     return ok && resident > 0;
-#endif
 }
 
 /* What has been taken since begin is at most `said`, and more than a fifth of it. */

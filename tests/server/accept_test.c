@@ -56,7 +56,7 @@ TEST(accepting_that_fails_for_a_while_costs_nothing_and_goes_on)
 {
     static const int errors[] = {ENOMEM, ENOBUFS, ENFILE, EMFILE};
     struct shared *shared;
-    if (!costs_are_telling()) /* sanitizers stand between a program and its calls */
+    if (test_is_sanitized()) /* sanitizers stand between a program and its calls */
         return;
     struct daemon d = start_with_shim(&shared);
     int known = daemon_connect(&d);

@@ -41,7 +41,7 @@ TEST(ping_is_answered_while_a_large_set_is_triangulated)
         expect(idle, "OK 0\n");
         answered += !has_answered(busy);
     }
-    CHECK_MSG(answered >= (costs_are_telling() ? 10 : 1), "only %u answers", answered);
+    CHECK_MSG(answered >= (!test_is_sanitized() ? 10 : 1), "only %u answers", answered);
     CHECK(strncmp(hear_line(busy), "OK 0 points=400000 coincident=0 ", 32) == 0);
 }
 
@@ -162,7 +162,7 @@ TEST(reply_after_half_close_arrives_whole_at_a_slow_reader)
     double cpu = daemon_cpu_seconds(&d);
     pause_ms(1500);
     cpu = daemon_cpu_seconds(&d) - cpu;
-    if (costs_are_telling())
+    if (!test_is_sanitized())
         CHECK_MSG(cpu < 0.1, "%.2f s of work for a reader that sleeps", cpu);
     char *text = hear_all(fd, &n);
     size_t lines = 0;
@@ -178,7 +178,7 @@ static void wait_until_quiet(const struct daemon *d)
     for (int i = 0; i < 150; i++) {
         double cpu = daemon_cpu_seconds(d);
         pause_ms(300);
-        if (daemon_cpu_seconds(d) - cpu < 0.02 || !costs_are_telling())
+        if (daemon_cpu_seconds(d) - cpu < 0.02 || test_is_sanitized())
             return;
     }
     test_fail(__FILE__, __LINE__, "the daemon is busy for readers that stall");
@@ -200,7 +200,7 @@ TEST_TIMEOUT(readers_that_stall_cost_little_memory, 60)
     }
     wait_until_quiet(&d);
     size_t after = daemon_resident(&d);
-    if (costs_are_telling())
+    if (!test_is_sanitized())
         CHECK_MSG(after < before + (size_t)READERS * 300 * 1024, "%zu KiB more",
                   (after - before) / 1024);
     say(first, "PING\n");
@@ -259,7 +259,8 @@ TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_ma
         sprintf(text, "s%d", i);
         load_random(fd[i], text, 1000);
     }
-    load_random(fd[0], "t", costs_are_telling() ? 1000000 : 50000); /* a sanitizer takes its time */
+    load_random(fd[0], "t",
+                !test_is_sanitized() ? 1000000 : 50000); /* a sanitizer takes its time */
     double start = seconds();
     for (int i = 0; i < CLIENTS; i++) { /* the only worker has the first one to do */
         sprintf(text, i == 0 ? "TRIANGULATE t METHOD shelling\n" : "TRIANGULATE s%d\n", i);
@@ -350,7 +351,7 @@ TEST(client_that_sends_and_never_reads_costs_little_memory)
             pause_ms(20);
     }
     CHECK_MSG(sent < 100u << 20, "%zu MiB were taken", sent >> 20);
-    if (costs_are_telling())
+    if (!test_is_sanitized())
         CHECK(daemon_resident(&d) < before + (4 << 20));
     converse(&d, "PING\n", "OK 0\n");
 }

@@ -185,20 +185,6 @@ size_t daemon_peak_resident(const struct daemon *d)
     return kib * 1024;
 }
 
-bool costs_are_telling(void)
-{
-#ifdef __has_feature
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-    return false;
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    return false;
-#else
-    return true;
-#endif
-}
-
 double daemon_cpu_seconds(const struct daemon *d)
 {
     char path[64];

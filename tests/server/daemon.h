@@ -46,10 +46,6 @@ size_t daemon_resident(const struct daemon *d);
 size_t daemon_peak_resident(const struct daemon *d);
 double daemon_cpu_seconds(const struct daemon *d);
 
-/* Whether these say something about the daemon: a sanitizer keeps freed memory, and has threads of
- * its own. */
-bool costs_are_telling(void);
-
 double seconds(void);
 void pause_ms(unsigned ms);
 

@@ -40,7 +40,7 @@ static double median_ping_ms(int fd)
 static void expect_no_delay(int fd)
 {
     double ms = median_ping_ms(fd);
-    if (costs_are_telling())
+    if (!test_is_sanitized())
         CHECK_MSG(ms < 5, "a PING takes %.2f ms", ms);
 }
 
@@ -301,7 +301,7 @@ static bool allow_descriptors(rlim_t n)
 
 static bool many_are_wanted(void)
 {
-    return getenv("FAULTS") != NULL && costs_are_telling();
+    return getenv("FAULTS") != NULL && !test_is_sanitized();
 }
 
 TEST_TIMEOUT(thousand_readers_that_stall_cost_300_mib_and_no_time, 300)

@@ -304,7 +304,7 @@ TEST(daemon_without_descriptors_refuses_politely_and_rests)
     CHECK(welcome > 40 && welcome < 64);
     double cpu = daemon_cpu_seconds(&d);
     pause_ms(500);
-    CHECK(daemon_cpu_seconds(&d) - cpu < 0.1 || !costs_are_telling());
+    CHECK(daemon_cpu_seconds(&d) - cpu < 0.1 || test_is_sanitized());
     for (int i = 0; i < CLIENTS; i++)
         close(fd[i]);
     pause_ms(50);
@@ -332,9 +332,9 @@ TEST(thousands_of_idle_clients_cost_little)
         expect(fd[i], "OK 0\n");
     }
     size_t each = (daemon_resident(&d) - before) / CLIENTS;
-    if (costs_are_telling())
+    if (!test_is_sanitized())
         CHECK_MSG(each < 2048, "%zu bytes each", each);
     double cpu = daemon_cpu_seconds(&d);
     pause_ms(500);
-    CHECK(daemon_cpu_seconds(&d) - cpu < 0.05 || !costs_are_telling());
+    CHECK(daemon_cpu_seconds(&d) - cpu < 0.05 || test_is_sanitized());
 }

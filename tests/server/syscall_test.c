@@ -57,7 +57,7 @@ static double calls_per_request(const struct daemon *d, const volatile uint64_t 
 TEST(requests_cost_few_system_calls)
 {
     const volatile uint64_t *calls;
-    if (!costs_are_telling()) /* sanitizers stand between a program and its calls */
+    if (test_is_sanitized()) /* sanitizers stand between a program and its calls */
         return;
     struct daemon d = start_counting(&calls);
     converse(&d, "ADD t 1 2\n", "OK 0 first=0 added=1 coincident=0\n");
