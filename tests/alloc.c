@@ -125,12 +125,13 @@ static atomic_llong in_use, most;
 
 void test_watch_alloc(void)
 {
-    most = in_use;
+    most = atomic_load(&in_use);
 }
 
 size_t test_alloc_most(size_t before)
 {
-    return most > (long long)before ? (size_t)most - before : 0;
+    long long bytes = atomic_load(&most);
+    return bytes > (long long)before ? (size_t)bytes - before : 0;
 }
 
 size_t test_alloc_in_use(void)
@@ -143,7 +144,8 @@ static void *count(void *p)
 {
     if (p == NULL)
         return p;
-    long long now = (in_use += (long long)malloc_usable_size(p)), known = most;
+    long long bytes = (long long)malloc_usable_size(p);
+    long long now = atomic_fetch_add(&in_use, bytes) + bytes, known = atomic_load(&most);
     while (now > known && !atomic_compare_exchange_weak(&most, &known, now))
         continue;
     return p;
