@@ -35,7 +35,7 @@ tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c))
 SUITES   := $(foreach s,core proto server clients,$(if $(wildcard tests/$(s)/*_test.c),$(s)))
 WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free,--wrap=mmap
 # The calls by which the server changes files go through tests/server/file_calls.c.
-WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--wrap=openat,--wrap=renameat,--wrap=linkat,--wrap=unlinkat
+WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--wrap=openat,--wrap=renameat,--wrap=linkat,--wrap=unlinkat,--wrap=read,--wrap=readdir,--wrap=posix_fallocate
 
 .DELETE_ON_ERROR:
 .SECONDARY:

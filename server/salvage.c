@@ -107,11 +107,10 @@ static uint32_t word_at(const char *p)
     return u[0] | (uint32_t)u[1] << 8 | (uint32_t)u[2] << 16 | (uint32_t)u[3] << 24;
 }
 
-/* Whether RECORD_END, which may be damaged elsewhere, has as many sets as were seen. */
+/* Whether RECORD_END, which may be damaged elsewhere but is all there, has as many sets as were seen. */
 static bool end_counts(const struct reading *s)
 {
-    return buf_len(&s->in.window) >= RECORD_HEADER &&
-           word_at(buf_head(&s->in.window) + 32) == s->losses->sets;
+    return word_at(buf_head(&s->in.window) + 32) == s->losses->sets;
 }
 
 /* Whether the damaged record is RECORD_END: as long as that, the last one, and like it in two of
@@ -127,12 +126,13 @@ static bool is_damaged_end(const struct reading *s)
  * may have been an empty set, unless it was one record and rows follow: then these were its own. */
 static bool pass_damage(struct reading *s, enum reader_result got, struct record *record)
 {
-    bool last = got == READER_BAD && is_damaged_end(s), counted = !s->damaged || end_counts(s);
+    bool last = got == READER_BAD && is_damaged_end(s);
+    bool counted = last && (!s->damaged || end_counts(s));
     lose_set(s);
     s->damaged = true;
     if (reader_search(&s->in, s->number, record) != READER_OK) {
         s->losses->empty |= !last;
-        if (last && counted)
+        if (counted)
             s->losses->announced = s->losses->sets;
         return false;
     }
@@ -158,10 +158,11 @@ static bool read_what_is_whole(struct reading *s, const struct datafile *f)
         take_record(s, &record);
     }
     lose_set(s);
-    int error = s->in.error;
+    bool no_memory = s->r->replay.out_of_memory || s->losses->failed;
+    int error = s->in.error != 0 || !no_memory ? s->in.error : ENOMEM;
     reader_close(&s->in);
     errno = error;
-    return error == 0 && !s->r->replay.out_of_memory && !s->losses->failed;
+    return error == 0;
 }
 
 /* ---- the directory anew ---- */

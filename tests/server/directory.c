@@ -1,6 +1,7 @@
 /* directory.c - see directory.h. */
 #include "tests/server/directory.h"
 
+#include "server/recover.h"
 #include "tests/test.h"
 
 #include <dirent.h>
@@ -141,6 +142,24 @@ bool directory_repair_badly(const struct directory *dir, const char *op, unsigne
     directory_run(dir, "--repair", text, sizeof text);
     unsetenv("LD_PRELOAD");
     return unlink(fired) == 0;
+}
+
+int directory_repair(const struct directory *dir, char *text, size_t size)
+{
+    char path[100];
+    snprintf(path, sizeof path, "%s.said", dir->path);
+    fflush(stdout);
+    int was = dup(STDOUT_FILENO), to = open(path, O_RDWR | O_CREAT | O_TRUNC, 0600);
+    CHECK(was >= 0 && to >= 0 && dup2(to, STDOUT_FILENO) >= 0);
+    int status = recovery_repair(dir->path);
+    fflush(stdout);
+    dup2(was, STDOUT_FILENO);
+    ssize_t n = pread(to, text, size - 1, 0);
+    text[n > 0 ? n : 0] = '\0';
+    close(was);
+    close(to);
+    unlink(path);
+    return status;
 }
 
 char *file_read(const char *path, size_t *n)

@@ -23,6 +23,9 @@ bool directory_try(const struct directory *dir, const char *const *arguments, st
 /* Runs delaunayd FLAG DIR; what it prints, up to `size`, goes to text. Returns the exit status. */
 int directory_run(const struct directory *dir, const char *flag, char *text, size_t size);
 
+/* Repairs it in this process; what that prints, up to `size`, goes to text. Returns the exit status. */
+int directory_repair(const struct directory *dir, char *text, size_t size);
+
 /* Runs delaunayd --repair DIR with a disk of which the n-th call of a kind fails ("write", "sync",
  * "rename", "open"). Whether one did. */
 bool directory_repair_badly(const struct directory *dir, const char *op, unsigned nth);

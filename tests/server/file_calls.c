@@ -3,6 +3,7 @@
 
 #include "tests/test.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -20,6 +21,9 @@ int __real_openat(int dir, const char *name, int flags, ...);
 int __real_renameat(int from, const char *name, int to, const char *new_name);
 int __real_linkat(int from, const char *name, int to, const char *new_name, int flags);
 int __real_unlinkat(int dir, const char *name, int flags);
+ssize_t __real_read(int fd, void *bytes, size_t n);
+struct dirent *__real_readdir(DIR *dir);
+int __real_posix_fallocate(int fd, off_t at, off_t length);
 ssize_t __wrap_write(int fd, const void *bytes, size_t n);
 int __wrap_fdatasync(int fd);
 int __wrap_fsync(int fd);
@@ -28,6 +32,9 @@ int __wrap_openat(int dir, const char *name, int flags, ...);
 int __wrap_renameat(int from, const char *name, int to, const char *new_name);
 int __wrap_linkat(int from, const char *name, int to, const char *new_name, int flags);
 int __wrap_unlinkat(int dir, const char *name, int flags);
+ssize_t __wrap_read(int fd, void *bytes, size_t n);
+struct dirent *__wrap_readdir(DIR *dir);
+int __wrap_posix_fallocate(int fd, off_t at, off_t length);
 
 enum { LINE = 200, TEXT = 1 << 16 };
 
@@ -349,4 +356,33 @@ int __wrap_unlinkat(int dir, const char *file, int flags)
     if (result == 0 && strcmp(file, "reserve") == 0)
         use_reserve();
     return result;
+}
+
+/* ---- calls that change no file: not recorded ---- */
+
+ssize_t __wrap_read(int fd, void *bytes, size_t n)
+{
+    char name[LINE], line[LINE + 16];
+    if (!name_of(fd, name, sizeof name))
+        return __real_read(fd, bytes, n);
+    snprintf(line, sizeof line, "read %s", name);
+    return admit(line) ? __real_read(fd, bytes, n) : -1;
+}
+
+struct dirent *__wrap_readdir(DIR *dir)
+{
+    char name[LINE], line[LINE + 16];
+    if (!name_of(dirfd(dir), name, sizeof name))
+        return __real_readdir(dir);
+    snprintf(line, sizeof line, "list %s", name);
+    return admit(line) ? __real_readdir(dir) : NULL;
+}
+
+int __wrap_posix_fallocate(int fd, off_t at, off_t length)
+{
+    char name[LINE], line[LINE + 16];
+    if (!name_of(fd, name, sizeof name))
+        return __real_posix_fallocate(fd, at, length);
+    snprintf(line, sizeof line, "allocate %s", name);
+    return admit(line) ? __real_posix_fallocate(fd, at, length) : errno;
 }

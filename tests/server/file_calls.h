@@ -13,7 +13,13 @@
  *     link log.1 damaged.log.1
  *     remove log.1
  *
- * The zeros in front of a log sequence number are left out. Calls that fail are not kept. */
+ * The zeros in front of a log sequence number are left out. Calls that fail are not kept, and of these, which can be made
+ * to fail as well, none is:
+ *
+ *     read log.1
+ *     list .            readdir
+ *     allocate reserve  posix_fallocate
+ */
 #ifndef TESTS_SERVER_FILE_CALLS_H
 #define TESTS_SERVER_FILE_CALLS_H
 

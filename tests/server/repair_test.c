@@ -335,3 +335,65 @@ TEST(repair_that_puts_a_segment_aside_syncs_that_it_has_gone)
     CHECK(calls_end("remove log.5\nsync .\n"));
     directory_remove(&d);
 }
+
+/* ---- calls that fail ---- */
+
+/* Repairs in this process while the n-th such call fails; what it prints goes to text. */
+static void repair_while(const struct directory *d, const char *call, unsigned n, char *text,
+                         size_t size)
+{
+    calls_watch(d->path);
+    calls_fail(call, n, 1, EIO);
+    CHECK(directory_repair(d, text, size) == 1 && calls_failed() == 1);
+}
+
+TEST(repair_stops_at_a_later_segment_that_cannot_be_put_aside)
+{
+    char text[4000];
+    struct directory d = directory_quick();
+    write_segment(&d, 1, 2, 0);
+    write_segment(&d, 5, 5, 0);
+    write_segment(&d, 6, 6, 0);
+    repair_while(&d, "create damaged.log.5", 1, text, sizeof text);
+    CHECK_MSG(strstr(text, "cannot put the damaged part aside: Input/output error") != NULL &&
+                  strstr(text, "in damaged.*") == NULL,
+              "%s", text);
+    CHECK(calls_count("remove log.6") == 0);
+    directory_remove(&d);
+}
+
+/* What was read is written again first. */
+TEST(repair_leaves_a_header_of_which_there_is_no_copy)
+{
+    char text[4000];
+    struct directory d = directory_quick();
+    write_segment(&d, 1, 3, 9);
+    repair_while(&d, "create damaged.log.1", 1, text, sizeof text);
+    CHECK_MSG(strstr(text, "cannot mend the log: Input/output error") != NULL, "%s", text);
+    CHECK_STR(calls_text(), "write log.1\nsync log.1\n");
+    directory_remove(&d);
+}
+
+TEST(repair_that_cannot_write_a_header_says_so)
+{
+    char text[4000];
+    struct directory d = directory_quick();
+    write_segment(&d, 1, 3, 9);
+    repair_while(&d, "write log.1", 2, text, sizeof text);
+    CHECK_MSG(strstr(text, "cannot mend the log: Input/output error") != NULL &&
+                  strstr(text, "was made anew") == NULL,
+              "%s", text);
+    directory_remove(&d);
+}
+
+TEST(repair_that_cannot_begin_a_log_says_so)
+{
+    char text[4000];
+    struct sample s = make_sample(true);
+    s.n = 0;
+    lay_out(&s, 0);
+    repair_while(&s.dir, "write log.4", 1, text, sizeof text);
+    CHECK_MSG(strstr(text, "cannot mend the log: Input/output error") != NULL, "%s", text);
+    s.n = 2;
+    free_sample(&s);
+}

@@ -114,26 +114,7 @@ static void free_sample(struct sample *s)
     directory_remove(&s->dir);
 }
 
-/* ---- repairs, in this process ---- */
-
-/* What it prints goes to text. */
-static int repair(const struct sample *s, char *text, size_t size)
-{
-    char path[100];
-    snprintf(path, sizeof path, "%s.said", s->dir.path);
-    fflush(stdout);
-    int was = dup(STDOUT_FILENO), to = open(path, O_RDWR | O_CREAT | O_TRUNC, 0600);
-    CHECK(was >= 0 && to >= 0 && dup2(to, STDOUT_FILENO) >= 0);
-    int status = recovery_repair(s->dir.path);
-    fflush(stdout);
-    dup2(was, STDOUT_FILENO);
-    ssize_t n = pread(to, text, size - 1, 0);
-    text[n > 0 ? n : 0] = '\0';
-    close(was);
-    close(to);
-    unlink(path);
-    return status;
-}
+/* ---- repairs ---- */
 
 static bool is_named(const char *text, const char *name)
 {
@@ -177,7 +158,7 @@ TEST_TIMEOUT(repair_of_a_snapshot_with_any_byte_flipped_keeps_the_other_sets, 12
         s.bytes[i] ^= (char)(1 << bit);
         lay_out(&s, s.bytes, s.n);
         s.bytes[i] ^= (char)(1 << bit);
-        CHECK_MSG(repair(&s, text, sizeof text) == 0, "byte %zu: %s", i, text);
+        CHECK_MSG(directory_repair(&s.dir, text, sizeof text) == 0, "byte %zu: %s", i, text);
         unsigned lost = check_kept(&s, text, "byte", i);
         /* One of the snapshot, and perhaps one that could be it. */
         CHECK_MSG(lost <= 2, "byte %zu: %u sets lost: %s", i, lost, text);
@@ -196,7 +177,7 @@ TEST_TIMEOUT(repair_of_a_snapshot_cut_anywhere_keeps_what_is_before, 120)
     unsigned before_that = SETS;
     for (size_t n = 0; n < s.n; n += 3) {
         lay_out(&s, s.bytes, n);
-        CHECK_MSG(repair(&s, text, sizeof text) == 0, "cut at %zu: %s", n, text);
+        CHECK_MSG(directory_repair(&s.dir, text, sizeof text) == 0, "cut at %zu: %s", n, text);
         unsigned lost = check_kept(&s, text, "cut at", n);
         CHECK_MSG(lost <= before_that, "cut at %zu: %s", n, text);
         before_that = lost;
@@ -262,7 +243,7 @@ TEST(repair_of_a_snapshot_passes_a_damaged_header_of_the_log)
     s.bytes[at] ^= 4;
     s.log_bytes[3] ^= 4;
     lay_out(&s, s.bytes, s.n);
-    CHECK_MSG(repair(&s, text, sizeof text) == 0, "%s", text);
+    CHECK_MSG(directory_repair(&s.dir, text, sizeof text) == 0, "%s", text);
     CHECK(check_kept(&s, text, "byte", at) == 1);
     free_sample(&s);
 }
@@ -274,7 +255,7 @@ TEST(repair_of_a_snapshot_believes_its_header_more_than_its_name)
     lay_out(&s, s.bytes, s.n);
     snprintf(path, sizeof path, "%s/snapshot.%016x", s.dir.path, 12); /* not 8 */
     CHECK(rename(s.snapshot, path) == 0);
-    CHECK_MSG(repair(&s, text, sizeof text) == 0, "%s", text);
+    CHECK_MSG(directory_repair(&s.dir, text, sizeof text) == 0, "%s", text);
     CHECK(check_kept(&s, text, "name", 12) == 0);
     free_sample(&s);
 }
@@ -288,7 +269,7 @@ TEST(repair_of_a_snapshot_counts_on_no_end_that_is_damaged_as_well)
     memset(s.bytes + at, 0, RECORD_HEADER + 1);
     s.bytes[s.n - RECORD_HEADER + 8] ^= 1;
     lay_out(&s, s.bytes, s.n);
-    CHECK_MSG(repair(&s, text, sizeof text) == 0, "%s", text);
+    CHECK_MSG(directory_repair(&s.dir, text, sizeof text) == 0, "%s", text);
     CHECK(check_kept(&s, text, "byte", at) > 0);
     free_sample(&s);
 }
@@ -305,7 +286,7 @@ TEST(repair_takes_a_log_in_place_of_a_snapshot_for_no_empty_snapshot)
     buf_commit(&b, SEGMENT_HEADER);
     record_write(&b, &close);
     lay_out(&s, buf_head(&b), buf_len(&b));
-    CHECK_MSG(repair(&s, text, sizeof text) == 0, "%s", text);
+    CHECK_MSG(directory_repair(&s.dir, text, sizeof text) == 0, "%s", text);
     CHECK(check_kept(&s, text, "all", 0) > 0);
     buf_free(&b);
     free_sample(&s);
@@ -352,7 +333,7 @@ TEST(repair_loses_nothing_where_the_log_from_the_beginning_is_there)
 {
     char text[FILE_LIMIT], path[128];
     struct sample s = make_dispensable();
-    CHECK(repair(&s, text, sizeof text) == 0);
+    CHECK(directory_repair(&s.dir, text, sizeof text) == 0);
     CHECK_MSG(strstr(text, "nothing is lost") != NULL, "%s", text);
     CHECK(check_kept(&s, text, "log", 1) == 0);
     CHECK(directory_file(&s.dir, "damaged.snapshot.", 0, path));
@@ -365,11 +346,12 @@ TEST(repair_that_could_not_put_a_snapshot_aside_loses_no_set_and_begins_again)
     char text[FILE_LIMIT];
     struct sample s = make_dispensable();
     calls_fail("sync .", 1, 1, EIO);
-    CHECK(repair(&s, text, sizeof text) == 1);
+    CHECK(directory_repair(&s.dir, text, sizeof text) == 1);
     CHECK_MSG(strstr(text, "cannot put the damaged snapshot aside: Input/output error") != NULL,
               "%s", text);
-    CHECK(repair(&s, text, sizeof text) == 0);
-    CHECK_MSG(calls_end("link snapshot.8 damaged.snapshot.8\nsync .\nremove snapshot.8\nsync .\n"),
+    CHECK(directory_repair(&s.dir, text, sizeof text) == 0);
+    CHECK_MSG(calls_end("remove damaged.snapshot.8\nlink snapshot.8 damaged.snapshot.8\nsync .\n"
+                        "remove snapshot.8\nsync .\n"),
               "%s", calls_text());
     CHECK(check_kept(&s, text, "log", 1) == 0);
     free_sample(&s);
@@ -384,7 +366,7 @@ TEST(repair_leaves_a_snapshot_of_a_later_version_alone)
     segment_write(bytes, &later);
     memcpy(s.bytes, bytes, sizeof bytes);
     lay_out(&s, s.bytes, s.n);
-    CHECK(repair(&s, text, sizeof text) == 1);
+    CHECK(directory_repair(&s.dir, text, sizeof text) == 1);
     CHECK_MSG(strstr(text, "later version") != NULL, "%s", text);
     char *kept = file_read(s.snapshot, &n);
     CHECK(n == s.n && memcmp(kept, s.bytes, n) == 0);
@@ -407,7 +389,7 @@ TEST_TIMEOUT(repair_that_fails_anywhere_can_be_repeated, 120)
             if (!directory_repair_badly(&s.dir, op[k], i))
                 break;
             fired++;
-            repair(&s, text, sizeof text);
+            directory_repair(&s.dir, text, sizeof text);
             struct state is = look(s.dir.path);
             CHECK_MSG(is.result == RECOVERY_OK && is.last == s.whole.last, "%s %u: %s", op[k], i,
                       text);
@@ -563,4 +545,54 @@ TEST(repair_of_a_snapshot_without_memory_keeps_everything)
         }
         directory_remove(&d);
     }
+}
+
+/* The set b has lost its row. */
+static void write_lost(const struct directory *d, uint64_t lsn)
+{
+    struct record a = {.lsn = 1, .type = RECORD_SET, .name = "a", .name_len = 1},
+                  b = {.lsn = 2, .type = RECORD_SET, .first = 1, .n = 1, .name = "b"},
+                  last = {.lsn = 4, .type = RECORD_END, .n = 2};
+    struct buf bytes = {0};
+    b.name_len = 1;
+    begin_file(&bytes, SEGMENT_SNAPSHOT, lsn);
+    record_write(&bytes, &a);
+    record_write(&bytes, &b);
+    record_write(&bytes, &last);
+    write_file(d, DATAFILE_SNAPSHOT, lsn, &bytes);
+    buf_free(&bytes);
+}
+
+TEST(repair_without_memory_for_a_loss_replaces_nothing)
+{
+    bool failed = true;
+    char text[FILE_LIMIT];
+    for (long n = 1; failed; n++) {
+        struct directory d = directory_quick();
+        write_lost(&d, 5);
+        write_log(&d, 6);
+        CHECK(n < 300);
+        test_fail_alloc(n);
+        directory_repair(&d, text, sizeof text);
+        failed = test_alloc_failed();
+        test_fail_alloc(0);
+        bool replaced = strstr(text, "all that was there is in damaged.*") != NULL;
+        CHECK_MSG((failed || replaced) && strstr(text, "Success") == NULL, "%s", text);
+        CHECK_MSG(!replaced || is_named(text, "b"), "allocation %ld: %s", n, text);
+        directory_remove(&d);
+    }
+}
+
+TEST(snapshot_is_needed_where_a_change_before_it_is_missing)
+{
+    struct datadir dir;
+    struct directory d = directory_quick();
+    write_damaged(&d, 5);
+    write_log(&d, 1);
+    CHECK(datadir_open(&dir, d.path, false));
+    CHECK(salvage(&dir));
+    datadir_close(&dir);
+    struct state s = look(d.path);
+    CHECK(s.result == RECOVERY_OK && s.last == 5 && s.set[0] != 0);
+    directory_remove(&d);
 }
