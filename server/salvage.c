@@ -187,15 +187,6 @@ static bool write_anew(struct recovery *r)
     return error == 0;
 }
 
-/* Before the log begins anew: a segment of the new one's name is about to be overwritten, so it is
- * copied; of all others a second name is enough. */
-static bool put_aside(const struct recovery *r, const struct datafile *f)
-{
-    char name[DATADIR_ASIDE];
-    bool same = f->kind == DATAFILE_LOG && f->lsn == r->last + 1;
-    return same ? datadir_copy_aside(r->dir, f, 0, name) : link_aside(r->dir, f);
-}
-
 /* The log begins after the snapshot; earlier segments have their second names. */
 static bool begin_log(const struct recovery *r, const struct datafiles *files)
 {
@@ -215,7 +206,7 @@ static bool begin_log(const struct recovery *r, const struct datafiles *files)
 static bool replace(struct recovery *r, const struct datafiles *files)
 {
     for (size_t i = 0; i < files->n; i++)
-        if (files->v[i].kind != DATAFILE_TEMPORARY && !put_aside(r, &files->v[i]))
+        if (files->v[i].kind != DATAFILE_TEMPORARY && !link_aside(r->dir, &files->v[i]))
             return complain("cannot put the damaged files aside");
     if (!datadir_sync(r->dir) || !write_anew(r) || !begin_log(r, files))
         return complain("cannot write a new snapshot");

@@ -105,6 +105,22 @@ TEST(directory_without_memory_for_its_list_is_not_taken_for_an_empty_one)
     directory_remove(&directory);
 }
 
+TEST(directory_whose_names_cannot_all_be_read_is_not_taken_for_one_with_fewer)
+{
+    struct directory directory = directory_quick();
+    struct datadir d;
+    struct datafiles files;
+    leave_file(&directory, "log.0000000000000001");
+    CHECK(datadir_open(&d, directory.path, false));
+    for (unsigned n = 1; n <= 4; n++) { /* with `.` and `..`, and the end */
+        calls_watch(directory.path);
+        calls_fail("list .", n, 1, EIO);
+        CHECK(!datadir_list(&d, &files) && errno == EIO && files.n == 0);
+    }
+    datadir_close(&d);
+    directory_remove(&directory);
+}
+
 /* A folder can be opened like a file, and reading it is an error. */
 TEST(what_cannot_be_read_is_not_put_aside)
 {

@@ -326,6 +326,22 @@ TEST(log_keeps_its_reserve_for_a_full_disk)
     }
 }
 
+TEST(half_a_reserve_is_removed)
+{
+    struct log_file f;
+    struct datadir dir;
+    struct directory d = directory_quick();
+    CHECK(datadir_open(&dir, d.path, false));
+    log_file_init(&f, &dir);
+    calls_watch(d.path);
+    calls_fail("allocate reserve", 1, 1, ENOSPC);
+    log_file_reserve(&f);
+    CHECK(!f.reserved && calls_failed() == 1);
+    CHECK_STR(calls_text(), "create reserve\nremove reserve\n");
+    datadir_close(&dir);
+    directory_remove(&d);
+}
+
 TEST(log_goes_without_a_reserve_where_there_cannot_be_one)
 {
     static const int errors[] = {EROFS, ENOSPC};

@@ -161,3 +161,126 @@ TEST_TIMEOUT(large_replies_survive_failed_allocations, 60)
     free(load);
     local_stop(&l);
 }
+
+/* ---- how much at once ---- */
+
+/* Of four pieces of about 30 KB three are sent. */
+TEST(pieces_that_are_all_made_are_sent_a_few_at_a_time)
+{
+    enum { POINTS = 21000, PIECE = 64 * 1024 };
+    struct local l;
+    char *text = malloc(POINTS * 50 + 100), *to = text;
+    CHECK(text != NULL);
+    to += sprintf(to, "LOAD t\n");
+    for (int i = 0; i < POINTS; i++)
+        to += sprintf(to, "%.17g %.17g\n", -1 + i / 30000.0, -1 + i / 30001.0);
+    strcpy(to, ".\n");
+    local_start(&l, 2);
+    local_ask(&l, text);
+    struct answer a = begin(&l, "POINTS t");
+    collect_all(&l);
+    buf_consume(&l.out, buf_len(&l.out));
+    stream_refill(&l.server, &a);
+    CHECK_MSG(buf_len(&l.out) > PIECE && buf_len(&l.out) < PIECE * 3 / 2, "%zu", buf_len(&l.out));
+    stream_free(&l.server.sets, a.stream);
+    collect_all(&l);
+    free(text);
+    local_stop(&l);
+}
+
+/* ---- without memory ---- */
+
+/* A hundred points in two rows, and two that coincide. */
+static void start_ladder(struct local *l)
+{
+    char text[2000], *to = text + sprintf(text, "ADD t 0 0");
+    for (int i = 0; i < 100; i++)
+        to += sprintf(to, " %d %d", i / 2, i % 2);
+    strcpy(to, "\nTRIANGULATE t\n");
+    local_start(l, 0);
+    local_ask(l, text);
+    local_ask(l, "LISTS t 0 1 2 3\n"); /* room for words and replies */
+    local_ask(l, "");
+}
+
+TEST(few_rows_for_which_memory_runs_out_are_refused_and_the_client_stays)
+{
+    bool failed = true;
+    for (long n = 1; failed; n++) {
+        struct local l;
+        start_ladder(&l);
+        CHECK(n < 100);
+        test_fail_alloc(n);
+        const char *reply = local_ask(&l, "LISTS t 0 1 2 3\n");
+        failed = test_alloc_failed();
+        test_fail_alloc(0);
+        bool refused = strncmp(reply, "ERR NOMEM", 9) == 0;
+        CHECK_MSG(!l.closed && (failed || !refused), "allocation %ld", n);
+        CHECK_MSG(refused || strncmp(reply, "OK 3 ", 5) == 0, "allocation %ld: %s", n, reply);
+        local_stop(&l);
+    }
+}
+
+/* All rows of an answer after its first line. */
+static struct text rest_of(struct local *l, struct answer *a)
+{
+    buf_consume(&l->out, buf_len(&l->out));
+    while (a->stream != NULL)
+        stream_refill(&l->server, a);
+    struct text t = {malloc(buf_len(&l->out) + 1), buf_len(&l->out)};
+    CHECK(t.bytes != NULL);
+    memcpy(t.bytes, buf_head(&l->out), t.n);
+    t.bytes[t.n] = '\0';
+    return t;
+}
+
+/* Asks for the rows of 100 points, one of which moves before they are read. */
+static bool reads_its_moment(long n, struct text *rows)
+{
+    struct local l;
+    char text[1000], *to = text + sprintf(text, "GET t");
+    for (int i = 0; i < 100; i++)
+        to += sprintf(to, " %d", i);
+    start_ladder(&l);
+    local_ask(&l, text);
+    local_ask(&l, "");
+    struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
+    CHECK(request_split(&l.server.request, text, strlen(text)));
+    test_fail_alloc(n);
+    command_run(&l.server, &l.server.request, &a);
+    bool failed = test_alloc_failed();
+    test_fail_alloc(0);
+    CHECK(failed == (n > 0 && a.stream == NULL));
+    CHECK_STR(local_ask(&l, "MOVE t 50 7 7\n"), "OK 0\n");
+    *rows = rest_of(&l, &a);
+    local_stop(&l);
+    return failed;
+}
+
+TEST(rows_without_memory_for_their_moment_are_refused)
+{
+    struct text want, rows;
+    reads_its_moment(0, &want);
+    CHECK(strstr(want.bytes, "50 24 1\n") != NULL);
+    for (long n = 1; reads_its_moment(n, &rows); n++) {
+        CHECK(n < 100 && rows.n == 0);
+        free(rows.bytes);
+    }
+    CHECK(rows.n == want.n && memcmp(rows.bytes, want.bytes, want.n) == 0);
+    free(rows.bytes);
+    free(want.bytes);
+}
+
+/* One row, for which every point is looked at. */
+TEST(table_of_few_rows_and_many_points_is_not_read_at_once_when_memory_is_out)
+{
+    struct local l;
+    start_ladder(&l);
+    CHECK(strncmp(local_ask(&l, "COINCIDENT t\n"), "OK 1\n", 5) == 0);
+    local_ask(&l, "");
+    test_fail_alloc(1); /* the view */
+    const char *reply = local_ask(&l, "COINCIDENT t\n");
+    CHECK_MSG(test_alloc_failed() && strncmp(reply, "ERR NOMEM", 9) == 0, "%s", reply);
+    test_fail_alloc(0);
+    local_stop(&l);
+}

@@ -1,7 +1,9 @@
 /* unread_test.c - what cannot be read, and memory that runs out while a directory is read, are not taken for
  * damage; and what is no part of a log does not count. */
+#include "tests/server/file_calls.h"
 #include "tests/server/recover_files.h"
 
+#include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -36,6 +38,20 @@ TEST(file_that_cannot_be_opened_is_an_error_and_stays)
                   b.r.why);
         end(&b);
     }
+}
+
+TEST(read_that_was_interrupted_is_made_again)
+{
+    struct bench b;
+    begin(&b);
+    begin_file(&b, SEGMENT_LOG, 1);
+    put_point(&b, 1, 0, 0);
+    end_file(&b, DATAFILE_LOG, 1);
+    calls_watch(b.directory.path);
+    calls_fail("read log.1", 1, 3, EINTR);
+    read_all(&b);
+    CHECK_MSG(b.r.result == RECOVERY_OK && b.r.last == 1 && calls_failed() == 3, "%s", b.r.why);
+    end(&b);
 }
 
 /* A snapshot and a log, whose end is damaged in one of three ways: a torn record with whole ones behind it,
