@@ -1,9 +1,13 @@
 /* keep_test.c - pages of sets that are gone: used again, within --max-memory, and given back. */
 #include "server/keep.h"
+
+#include "core/pages.h"
+#include "server/job.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
 #include <poll.h>
+#include <semaphore.h>
 #include <string.h>
 
 enum { POINTS = 200000, ROW = 16 }; /* so many that their coordinates take more than 3 MiB */
@@ -85,6 +89,44 @@ TEST_TIMEOUT(pages_that_nobody_uses_for_ten_seconds_go_back, 60)
     CHECK(facts(&l).kept == 0 && facts(&l).held == 0);
     tick(&l, 30); /* there is nothing to give back */
     CHECK(l.server.jobs == NULL);
+    free(load);
+    local_stop(&l);
+}
+
+static sem_t go_on;
+
+static void wait_to_go_on(struct job *j)
+{
+    (void)j;
+    CHECK(sem_wait(&go_on) == 0);
+}
+
+static void nothing(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s, (void)j, (void)a;
+}
+
+/* The worker has something else to do first. */
+TEST_TIMEOUT(pages_that_are_used_again_before_they_go_back_are_kept, 60)
+{
+    struct local l;
+    char *load = load_of("t");
+    struct job *before = job_new(sizeof *before, wait_to_go_on, nothing);
+    CHECK(before != NULL && sem_init(&go_on, 0, 0) == 0);
+    local_start(&l, 1);
+    local_ask(&l, load);
+    local_ask(&l, "DROP t\n");
+    finish_jobs(&l);
+    tick(&l, 10);
+    CHECK(facts(&l).kept > 0 && l.server.jobs == NULL);
+    job_aside(&l.server, before);
+    tick(&l, 1);
+    void *region = dt_region_take(l.server.pages, DT_HUGE_PAGE);
+    CHECK(region != NULL && l.server.releasing);
+    dt_region_give(l.server.pages, region, DT_HUGE_PAGE);
+    CHECK(sem_post(&go_on) == 0);
+    finish_jobs(&l);
+    CHECK(facts(&l).kept > 0 && !l.server.releasing);
     free(load);
     local_stop(&l);
 }

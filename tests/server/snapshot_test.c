@@ -291,6 +291,47 @@ TEST(snapshot_for_which_there_is_no_memory_is_none)
     local_stop(&l);
 }
 
+/* Writes a set whose points have moved meanwhile, with the n-th allocation of that failing; whether one did. *error is
+ * what snapshot_end returns. */
+static bool write_after_edit(long n, int *error)
+{
+    struct local l;
+    struct directory d = directory_quick();
+    struct datadir dir;
+    char path[128];
+    uint64_t count;
+    int event = eventfd(0, EFD_CLOEXEC);
+    local_start(&l, 0);
+    local_ask(&l, "ADD a 0 0  1 1\n");
+    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
+    struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, 4, event);
+    CHECK(snap != NULL);
+    test_fail_alloc(n);
+    local_ask(&l, "MOVE a 0 9 9\n");
+    bool failed = test_alloc_failed();
+    test_fail_alloc(0);
+    snapshot_go(snap);
+    CHECK(read(event, &count, sizeof count) == sizeof count);
+    *error = snapshot_end(snap, &l.server.sets);
+    CHECK((*error == 0) == directory_file(&d, "snapshot.", 0, path));
+    local_stop(&l);
+    close(event);
+    datadir_close(&dir);
+    directory_remove(&d);
+    return failed;
+}
+
+TEST(snapshot_whose_rows_were_lost_by_an_edit_without_memory_is_none)
+{
+    unsigned lost = 0;
+    int error = 0;
+    for (long n = 1; write_after_edit(n, &error); n++) {
+        CHECK(n < 100 && (error == 0 || error == ENOMEM));
+        lost += error == ENOMEM;
+    }
+    CHECK(error == 0 && lost > 0);
+}
+
 /* It has replaced one of the same name, without which the log has a gap. */
 TEST(snapshot_whose_new_name_cannot_be_synced_stays_if_there_was_one_of_that_name)
 {
