@@ -15,7 +15,7 @@ static char *parabola(int n)
     CHECK(text != NULL);
     size_t at = (size_t)sprintf(text, "LOAD t\n");
     for (int i = 0; i < n; i++)
-        at += (size_t)sprintf(text + at, "%d %d\n", i, i * i);
+        at += (size_t)sprintf(text + at, "%d %lld\n", i, (long long)i * i);
     strcpy(text + at, ".\n");
     return text;
 }
