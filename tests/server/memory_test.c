@@ -143,20 +143,54 @@ static void await_standstill(const struct daemon *d)
     }
 }
 
+/* A daemon whose disk stalls while the file `gate` is there. */
+static struct daemon daemon_with_gate(const struct directory *dir, const char *const *arguments,
+                                      char gate[100])
+{
+    snprintf(gate, 100, "%s.gate", dir->path);
+    setenv("LD_PRELOAD", getenv("DISK_SHIM"), 1);
+    setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
+    setenv("DISK_DIR", dir->path, 1);
+    setenv("DISK_GATE", gate, 1);
+    struct daemon d = directory_daemon(dir, arguments);
+    unsetenv("LD_PRELOAD");
+    return d;
+}
+
+TEST_TIMEOUT(queue_of_the_log_has_64_KiB_however_little_memory_there_is, 60)
+{
+    enum { CHANGES = 2000 }; /* more than that */
+    struct directory dir = directory_new();
+    char gate[100];
+    const char *arguments[] = {"--max-memory", "256k", NULL};
+    struct daemon d = daemon_with_gate(&dir, arguments, gate);
+    carry_out(&d, "ADD t 1 1\n");
+    file_write(gate, "", 0);
+    int fd = daemon_connect(&d);
+    for (int i = 0; i < CHANGES; i++) {
+        say(fd, "MOVE t 0 1 1\n");
+        if (i % 50 == 0) /* so that they come in many turns */
+            daemon_info(&d, "memory_log");
+    }
+    await_standstill(&d);
+    uint64_t queued = daemon_info(&d, "memory_log");
+    CHECK_MSG(queued > 64 * 1024 && queued < 72 * 1024, "%llu", (unsigned long long)queued);
+    CHECK(unlink(gate) == 0);
+    for (int i = 0; i < CHANGES; i++)
+        CHECK_STR(hear_line(fd), "OK 0");
+    close(fd);
+    daemon_end(&d);
+    directory_remove(&dir);
+}
+
 TEST_TIMEOUT(changes_wait_while_the_disk_stalls_and_the_logs_queue_stays_small, 120)
 {
     enum { ROUNDS = 80, POINTS = 100000 };
     struct directory dir = directory_new();
     char gate[100];
     int status;
-    snprintf(gate, sizeof gate, "%s.gate", dir.path);
-    setenv("LD_PRELOAD", getenv("DISK_SHIM"), 1);
-    setenv("ASAN_OPTIONS", "verify_asan_link_order=0", 1);
-    setenv("DISK_DIR", dir.path, 1);
-    setenv("DISK_GATE", gate, 1);
     const char *arguments[] = {"--max-memory", "64m", "--compact-at", "4g", NULL};
-    struct daemon d = directory_daemon(&dir, arguments);
-    unsetenv("LD_PRELOAD");
+    struct daemon d = daemon_with_gate(&dir, arguments, gate);
     carry_out(&d, "ADD other 0 0 1 0 0 1\nTRIANGULATE other\n");
     file_write(gate, "", 0);
     pid_t writer = load_and_drop(&d, ROUNDS, POINTS);
