@@ -70,12 +70,14 @@ enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
 /* All fields may be zero: automatic choice, no rebuild, one thread, never cancelled, no limit.
  *
  * Where a function takes a struct dt_options, NULL stands for that. A flag that is set makes it
- * return DT_CANCELLED within some milliseconds of work, or, of ten million points, within 100: an edit
- * is undone, and what a build has found is taken over to the end. `steps` makes it return DT_TOOLONG
- * before it has done much more than so many steps. Either leaves the set as it was. A step is a look
- * at a neighbour, a triangle or a point, 10 to 200 ns; usual edits and searches of a point take
- * about twenty. So a thread that must not be held up for long can try with a limit, and leave what
- * exceeds it to another one. dt_triangulate, dt_refresh, dt_check and dt_trace know no limit. */
+ * return DT_CANCELLED within some milliseconds of work; of ten million points within 100, or 200
+ * for dt_delete_many and dt_refresh where millions of them coincide. Until then an edit is undone,
+ * and what a build has found is taken over to the end; with `disposable` the call returns sooner,
+ * and the set can only be freed. `steps` makes it return DT_TOOLONG before it has done much more
+ * than so many steps. Either leaves the set as it was. A step is a look at a neighbour, a triangle
+ * or a point, 10 to 200 ns; usual edits and searches of a point take about twenty. So a thread that
+ * must not be held up for long can try with a limit, and leave what exceeds it to another one.
+ * dt_triangulate, dt_refresh, dt_check and dt_trace know no limit. */
 struct dt_options {
     enum dt_method method;
     bool rebuild;               /* rebuild a triangulation that exists already */
@@ -83,9 +85,7 @@ struct dt_options {
     const atomic_bool *cancel;  /* borrowed during the call; polled; NULL: never cancelled */
     atomic_uint *progress;      /* borrowed during the call; per cent done; NULL: not reported */
     uint32_t steps;             /* the most it may take; 0: no limit */
-    bool
-        disposable; /* unless DT_OK the caller frees the set: it need not be as it was, and the flag
-                        is polled to the end, also while what is done is taken over */
+    bool disposable;            /* the caller frees the set unless the call returns DT_OK */
 };
 
 /* ---- life ---- */
