@@ -21,7 +21,6 @@ enum {
     TURN_NS = 250 * 1000,      /* of work; then the session yields */
     LATE_TURN_NS = 100 * 1000, /* the same when the loop's turn has been long already */
     BATCH_NS = 1000 * 1000,    /* the same while requests are left that have been read ahead */
-    PROBE_MS = 50,             /* from the end of the input to the line that probes the client */
     STEPS_PER_LOOK = 16        /* of the quickest requests, between looks at the clock */
 };
 
@@ -149,7 +148,8 @@ bool session_take_over(struct session *s, struct answer *a)
         return a->retry;
     if ((a->lsn | a->shown) != 0)
         hold_reply(s, a);
-    wait_served(&s->waiter);
+    if (!s->waiter.called || a->job != NULL || a->load != NULL) /* else see end_turn */
+        wait_served(&s->waiter);
     consume_held(s);
     if (s->job == NULL) {
         s->deadline_ms = 0;
@@ -196,6 +196,15 @@ static bool is_late(const struct session *s)
     return s->deadline_ms != 0 && s->held > 0 && s->conn.loop->now_ms > s->deadline_ms;
 }
 
+/* A session that a queue has called has its turn for all the requests that it carries out at once, since one
+ * turn for each of a pipeline's would cost as much again; then the next waiter is called. A
+ * request that is still to be carried out keeps its turn. */
+static void end_turn(struct session *s)
+{
+    if (s->waiter.called && s->held == 0 && s->load == NULL)
+        wait_served(&s->waiter);
+}
+
 /* Answers that it took too long. */
 static bool give_up(struct session *s)
 {
@@ -204,7 +213,9 @@ static bool give_up(struct session *s)
     struct answer a = session_answer(s);
     s->job = NULL;
     answer_status(&a, DT_CANCELLED);
-    return session_take_over(s, &a);
+    bool next = session_take_over(s, &a);
+    end_turn(s);
+    return next;
 }
 
 /* The deadline of a request counts from when it was first looked at. */
@@ -403,24 +414,6 @@ static bool step(struct session *s)
 
 /* ---- what the connection tells ---- */
 
-/* The input has ended while a worker carries out the request. Over TCP, whether the client still reads
- * or has closed the connection shows only when something is sent: the line about the job's progress.
- * A closed connection answers with a reset, which ends the job. */
-static void probe_client(struct session *s)
-{
-    if (!s->probed && !timer_is_set(&s->probe))
-        loop_at(s->conn.loop, &s->probe, s->conn.loop->now_ms + PROBE_MS);
-}
-
-static void on_probe(struct timer *t)
-{
-    struct session *s = (struct session *)((char *)t - offsetof(struct session, probe));
-    if (s->job == NULL || s->conn.dead)
-        return;
-    s->probed = s->job->what != NULL;
-    session_progress(s, s->job);
-}
-
 /* Whether the session has worked for long enough. Requests that have been read ahead are carried out
  * first, because what has been read and fetched for them is lost when the session yields. */
 static bool has_had_its_turn(const struct session *s, int64_t start, bool late)
@@ -447,8 +440,9 @@ static void on_data(struct conn *c)
     }
     if (stats->run > 0)
         stats_look(stats);
+    end_turn(s);
     if (c->eof && s->job != NULL)
-        probe_client(s);
+        session_probe(s);
 }
 
 static void on_closed(struct conn *c)
@@ -513,7 +507,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     s->peer = *peer;
     s->command = STATS_OTHER;
     s->waiter.wake = on_wake;
-    s->probe.run = on_probe;
+    s->probe.run = session_on_probe;
     s->later.run = on_later;
     s->deadline.run = pass_deadline;
     s->closed = closed;
@@ -573,6 +567,7 @@ static void end_job(struct session *s, struct job *j,
     if (a.out->failed && !a.broken)
         command_out_of_memory(s->server, &a, mark);
     session_take_over(s, &a);
+    end_turn(s);
     conn_again(&s->conn);
 }
 

@@ -29,4 +29,10 @@ bool session_wait_for_input(struct session *s);
 /* Reads a piece of the points that the session is receiving, or adds them; true: go on. */
 bool session_step_load(struct session *s);
 
+/* The input has ended while a worker carries out the request. Over TCP, whether the client still reads
+ * or has closed the connection shows only when something is sent: the line about the job's progress,
+ * soon, once. A closed connection answers with a reset, which ends the job. */
+void session_probe(struct session *s);
+void session_on_probe(struct timer *t); /* sends it */
+
 #endif

@@ -1,9 +1,12 @@
 /* session_time.c - when a session ends although its client has not asked for it: those that stall, that
- * show no token in time, whose points stop coming, or that make room for others. */
+ * show no token in time, whose points stop coming, or that make room for others; and how it
+ * notices that its client has closed. */
 #include "server/account.h"
 #include "server/cmd_load.h"
 #include "server/limits.h"
 #include "server/session_inside.h"
+
+enum { PROBE_MS = 50 }; /* from the end of the input to the line that probes the client */
 
 /* Whether the session does nothing but wait for what its client sends next. */
 static bool is_listening(const struct session *s)
@@ -47,4 +50,19 @@ void session_evict(struct session *s)
         session_refuse(s, ERR_BUSY, "too many clients, and this one has shown no token");
     conn_turn(&s->conn);
     conn_close(&s->conn);
+}
+
+void session_probe(struct session *s)
+{
+    if (!s->probed && !timer_is_set(&s->probe))
+        loop_at(s->conn.loop, &s->probe, s->conn.loop->now_ms + PROBE_MS);
+}
+
+void session_on_probe(struct timer *t)
+{
+    struct session *s = (struct session *)((char *)t - offsetof(struct session, probe));
+    if (s->job == NULL || s->conn.dead)
+        return;
+    s->probed = s->job->what != NULL;
+    session_progress(s, s->job);
 }

@@ -7,6 +7,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -59,6 +60,42 @@ TEST(points_are_read_while_their_set_is_triangulated)
         during = during || !has_answered(busy);
     }
     CHECK(during);
+}
+
+/* How many ADD requests have had to wait. */
+static unsigned adds_that_waited(int fd)
+{
+    unsigned rows, waits = 0;
+    say(fd, "INFO commands\n");
+    CHECK(sscanf(hear_line(fd), "OK %u", &rows) == 1);
+    for (unsigned i = 0; i < rows; i++) {
+        const char *line = hear_line(fd), *at = strstr(line, "waits=");
+        if (strncmp(line, "command_ADD:", 12) == 0 && at != NULL)
+            waits = (unsigned)strtoul(at + 6, NULL, 10);
+    }
+    return waits;
+}
+
+TEST(pipelines_that_wait_for_a_set_wait_once_and_not_for_each_request)
+{
+    enum { CLIENTS = 8, ADDS = 200 };
+    struct daemon d = daemon_start(NULL);
+    int busy = daemon_connect(&d), fd[CLIENTS];
+    load_random(busy, "t", 100000);
+    say(busy, "TRIANGULATE t METHOD shelling\n");
+    for (int i = 0; i < CLIENTS; i++) {
+        char text[ADDS * 20], *to = text;
+        fd[i] = daemon_connect(&d);
+        for (int n = 0; n < ADDS; n++)
+            to += snprintf(to, 20, "ADD t %d %d\n", i + 2, n);
+        say(fd[i], text);
+    }
+    CHECK(strncmp(hear_line(busy), "OK 0 points=100000 ", 19) == 0);
+    for (int i = 0; i < CLIENTS; i++)
+        for (int n = 0; n < ADDS; n++)
+            CHECK(strncmp(hear_line(fd[i]), "OK 0 first=", 11) == 0);
+    unsigned waited = adds_that_waited(busy);
+    CHECK_MSG(waited < CLIENTS * ADDS / 4, "%u of %d", waited, CLIENTS * ADDS);
 }
 
 TEST(requests_behind_a_heavy_one_are_answered_in_order)
