@@ -15,6 +15,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { MODE = 0700 }; /* of a directory that is made */
+
 /* `ok`, with its errno, once the descriptor is closed; there may be none. */
 static bool close_with(int fd, bool ok)
 {
@@ -44,24 +46,48 @@ static bool lock(struct datadir *d)
     return false;
 }
 
+static bool open_locked(struct datadir *d)
+{
+    d->fd = open(d->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (d->fd < 0)
+        notice(NOTICE_ERROR, "cannot open %s: %s", d->path, strerror(errno));
+    if (d->fd >= 0 && lock(d))
+        return true;
+    datadir_close(d);
+    return false;
+}
+
+/* Whether the directory is gone and has to be made again. If an earlier start could not sync the
+ * parent, no later sync need cover the name; and a directory is empty until that sync has been
+ * done. So an empty one is removed here, unless its owner or mode shows that somebody else made it.
+ * One that has no link was removed by another process before this one had the lock. */
+static bool remove_unused(const struct datadir *d, bool made)
+{
+    struct stat st;
+    if (fstat(d->fd, &st) != 0)
+        return false;
+    bool ours = st.st_uid == geteuid() && (st.st_mode & 07777) == MODE;
+    return st.st_nlink == 0 || (!made && ours && unlinkat(AT_FDCWD, d->path, AT_REMOVEDIR) == 0);
+}
+
 bool datadir_open(struct datadir *d, const char *path, bool create)
 {
     *d = (struct datadir){.fd = -1, .path = path};
-    if (create && mkdir(path, 0700) != 0 && errno != EEXIST) {
-        notice(NOTICE_ERROR, "cannot create %s: %s", path, strerror(errno));
-        return false;
+    for (;;) {
+        bool made = create && mkdir(path, MODE) == 0;
+        if (create && !made && errno != EEXIST) {
+            notice(NOTICE_ERROR, "cannot create %s: %s", path, strerror(errno));
+            return false;
+        }
+        if (!open_locked(d))
+            return false;
+        if (!create || !remove_unused(d, made))
+            break;
+        datadir_close(d);
     }
-    d->fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (d->fd < 0) {
-        notice(NOTICE_ERROR, "cannot open %s: %s", path, strerror(errno));
-        return false;
-    }
-    bool locked = lock(d);
-    /* Even if it was there: whoever made it may not have come to that. */
-    if (locked && (!create || sync_parent(d)))
+    if (!create || sync_parent(d))
         return true;
-    if (locked)
-        notice(NOTICE_ERROR, "cannot sync the parent of %s: %s", path, strerror(errno));
+    notice(NOTICE_ERROR, "cannot sync the parent of %s: %s", path, strerror(errno));
     datadir_close(d);
     return false;
 }

@@ -35,8 +35,8 @@ struct datafiles {
     size_t n;
 };
 
-/* Opens and locks the directory; creates it if it is missing and `create` is set. One process at a
- * time has it. False: the reason is on standard error. */
+/* Opens and locks the directory; with `create` it is made if it is missing, and its name is on the
+ * disk when that returns. One process at a time has it. False: the reason is on standard error. */
 bool datadir_open(struct datadir *d, const char *path, bool create);
 void datadir_close(struct datadir *d);
 

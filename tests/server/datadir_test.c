@@ -6,6 +6,7 @@
 #include "tests/test.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -34,6 +35,52 @@ static void leave_file(const struct directory *d, const char *name)
     char path[128];
     snprintf(path, sizeof path, "%s/%s", d->path, name);
     file_write(path, "", 0);
+}
+
+/* Whether the directory is the one that the descriptor has, which keeps its number from being used
+ * again. */
+static bool is_same(const char *path, int fd)
+{
+    struct stat a, b;
+    CHECK(stat(path, &a) == 0 && fstat(fd, &b) == 0);
+    return a.st_ino == b.st_ino;
+}
+
+TEST(an_empty_data_directory_is_made_again_so_that_its_name_is_synced)
+{
+    struct directory parent = directory_new();
+    struct datadir d;
+    char path[100];
+    snprintf(path, sizeof path, "%s/data", parent.path);
+    calls_watch(path);
+    calls_fail("sync ..", 1, 1, EIO);
+    CHECK(!datadir_open(&d, path, true));
+    int failed = open(path, O_RDONLY);
+    CHECK(datadir_open(&d, path, true) && !is_same(path, failed));
+    CHECK(is_same(path, d.fd));
+    datadir_close(&d);
+    close(failed);
+    CHECK(rmdir(path) == 0);
+    directory_remove(&parent);
+}
+
+TEST(a_data_directory_that_has_a_file_or_was_made_by_an_operator_or_is_in_use_stays)
+{
+    struct directory directory = directory_quick();
+    struct datadir d, other;
+    int fd = open(directory.path, O_RDONLY);
+    CHECK(chmod(directory.path, 0750) == 0);
+    CHECK(datadir_open(&d, directory.path, true) && is_same(directory.path, fd));
+    datadir_close(&d);
+    CHECK(chmod(directory.path, 0700) == 0);
+    CHECK(datadir_open(&d, directory.path, false) && is_same(directory.path, fd));
+    CHECK(!datadir_open(&other, directory.path, true) && is_same(directory.path, fd));
+    datadir_close(&d);
+    leave_file(&directory, "log.0000000000000001");
+    CHECK(datadir_open(&d, directory.path, true) && is_same(directory.path, fd));
+    datadir_close(&d);
+    close(fd);
+    directory_remove(&directory);
 }
 
 /* The names of the files that are ours, in their order. */
