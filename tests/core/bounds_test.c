@@ -167,25 +167,27 @@ struct words {
     double size;
 };
 
+/* (b - a) (d - c) */
+static struct dt_double2 product_2(double a, double b, double c, double d)
+{
+    return dt_double2_multiply(dt_double2_difference(b, a), dt_double2_difference(d, c));
+}
+
+static struct words sum_2(struct dt_double2 a, struct dt_double2 b)
+{
+    return (struct words){dt_double2_add(a, b), fabs(a.hi) + fabs(b.hi)};
+}
+
 static struct words cross_2(struct dt_point a, struct dt_point b, struct dt_point c,
                             struct dt_point d)
 {
-    struct dt_double2 left =
-        dt_double2_multiply(dt_double2_difference(b.x, a.x), dt_double2_difference(d.y, c.y));
-    struct dt_double2 right =
-        dt_double2_multiply(dt_double2_difference(b.y, a.y), dt_double2_difference(d.x, c.x));
-    return (struct words){dt_double2_add(left, dt_double2_negate(right)),
-                          fabs(left.hi) + fabs(right.hi)};
+    return sum_2(product_2(a.x, b.x, c.y, d.y), dt_double2_negate(product_2(a.y, b.y, c.x, d.x)));
 }
 
 static struct words dot_2(struct dt_point a, struct dt_point b, struct dt_point c,
                           struct dt_point d)
 {
-    struct dt_double2 left =
-        dt_double2_multiply(dt_double2_difference(b.x, a.x), dt_double2_difference(d.x, c.x));
-    struct dt_double2 right =
-        dt_double2_multiply(dt_double2_difference(b.y, a.y), dt_double2_difference(d.y, c.y));
-    return (struct words){dt_double2_add(left, right), fabs(left.hi) + fabs(right.hi)};
+    return sum_2(product_2(a.x, b.x, c.x, d.x), product_2(a.y, b.y, c.y, d.y));
 }
 
 static struct error error_of_words(int degree, struct exact want, struct dt_double2 value,
@@ -302,8 +304,7 @@ static struct error scan_cotangent(const struct dt_point *p)
 
 /* ---- points that lose much ---- */
 
-/* Just above a power of two, where rounding takes most; or so small that it is rounded off; or any.
- * */
+/* Just above a power of two, where rounding takes most; so small that it is rounded off; or any. */
 static double fresh(void)
 {
     double v = 1 + test_below(64) * 0x1p-52;
@@ -347,9 +348,8 @@ static struct dt_point scaled(struct dt_point p, int exponent)
 struct expression {
     const char *name;
     struct error (*error)(const struct dt_point *p);
-    double seen; /* a share of the bound that climbs reach */
-    bool
-        quotient; /* of values of different orders of magnitude it may be beyond what exact.h holds */
+    double seen;   /* a share of the bound that climbs reach */
+    bool quotient; /* of values of very different size it may be beyond what exact.h holds */
 };
 
 static const struct expression expressions[] = {
@@ -491,8 +491,7 @@ static bool is_beyond_circle(struct exact limit, struct exact d, struct exact ac
     return x.sign * g >= 0 && minus(times(x, x), square).sign >= 0;
 }
 
-/* Whether the circle's extreme point in a direction is left of the edge: s |d| > t sqrt(1 + s^2).
- * */
+/* Whether the circle's extreme point in a direction is left of the edge: s |d| > t sqrt(1 + s^2). */
 static bool reaches(struct exact dx, struct exact dy, struct exact s, struct exact t)
 {
     struct exact one = exact_scaled(1, 20);
