@@ -2,6 +2,7 @@
 #include "tests/core/sets.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "tests/oracle/families.h"
@@ -56,6 +57,21 @@ void for_each_pair(void (*test)(const struct pair *pair))
             pair_free(&holes);
         }
     }
+}
+
+const char *const table_names[6] = {"POINTS", "COINCIDENT", "LISTS", "TRIANGLES", "EDGES", "HULL"};
+
+void append_ids(struct dt_ids *ids, const uint32_t *v, size_t n)
+{
+    if (n == 0)
+        return;
+    if (ids->n + n > ids->cap) {
+        ids->cap = 2 * (ids->n + n);
+        ids->v = realloc(ids->v, ids->cap * sizeof *ids->v);
+        CHECK(ids->v != NULL);
+    }
+    memcpy(ids->v + ids->n, v, n * sizeof *v);
+    ids->n += n;
 }
 
 static void print_ids(const char *what, const struct dt_ids *ids)

@@ -20,6 +20,12 @@ void pair_free(struct pair *pair);
 /* Calls test for small sets of every family, with and without deleted ids. */
 void for_each_pair(void (*test)(const struct pair *pair));
 
+/* By enum dt_table. */
+extern const char *const table_names[6];
+
+/* Appends n words. */
+void append_ids(struct dt_ids *ids, const uint32_t *v, size_t n);
+
 /* Fails with both rows in the message unless the arrays are equal. */
 void check_equal_ids(const char *what, const struct dt_ids *got, const struct dt_ids *want);
 

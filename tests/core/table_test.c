@@ -1,7 +1,6 @@
 /* table_test.c - whole-set tables against brute force, whatever the buffer. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "tests/core/sets.h"
 #include "tests/test.h"
@@ -10,19 +9,6 @@
 
 static const enum dt_table tables[] = {DT_POINTS,    DT_COINCIDENT, DT_LISTS,
                                        DT_TRIANGLES, DT_EDGES,      DT_HULL};
-static const char *const names[] = {"POINTS", "COINCIDENT", "LISTS", "TRIANGLES", "EDGES", "HULL"};
-
-static void append(struct dt_ids *ids, const uint32_t *v, size_t n)
-{
-    if (n == 0)
-        return;
-    if (ids->n + n > ids->cap) {
-        ids->cap = 2 * (ids->n + n);
-        ids->v = realloc(ids->v, ids->cap * sizeof *ids->v);
-    }
-    memcpy(ids->v + ids->n, v, n * sizeof *v);
-    ids->n += n;
-}
 
 /* Reads the cursor to its end through a buffer of cap words, at most max_rows rows at a time; a row
  * that does not fit gets the buffer it asks for. Returns how many there were. */
@@ -43,7 +29,7 @@ static size_t read_cursor(const struct dt *t, struct dt_cursor *c, size_t cap, s
             CHECK(rows == 1 && words == need);
         }
         CHECK(s == DT_OK && rows <= max_rows);
-        append(out, buffer, words);
+        append_ids(out, buffer, words);
         free(buffer);
         total += rows;
         if (rows == 0)
@@ -70,7 +56,7 @@ static void read_in_parts(const struct dt *t, enum dt_table table, bool cw, uint
     CHECK(dt_table_begin(t, NULL, table, cw, &c) == DT_OK);
     enum dt_status s = dt_table_read(t, &c, buffer, 100, test_below(4), &total, &words);
     CHECK(s == DT_OK || s == DT_TOOSMALL);
-    append(out, buffer, s == DT_OK ? words : 0);
+    append_ids(out, buffer, s == DT_OK ? words : 0);
     while (dt_table_cut(t, &c, 1 + test_below(2 * ids - 1), &part))
         total += read_cursor(t, &part, 8 + test_below(200), 1000000, out);
     CHECK(total == c.rows);
@@ -88,10 +74,10 @@ static void check_tables(const struct pair *pair)
                 struct dt_ids got = {0};
                 read_table(pair->t, tables[i], cw, caps[k],
                            k % 2 == 0 ? 1000000 : 1 + test_below(5), &got);
-                check_equal_ids(names[i], &got, &want);
+                check_equal_ids(table_names[i], &got, &want);
                 got.n = 0;
                 read_in_parts(pair->t, tables[i], cw, k == 0 ? 1000000 : 1 + test_below(30), &got);
-                check_equal_ids(names[i], &got, &want);
+                check_equal_ids(table_names[i], &got, &want);
                 free(got.v);
             }
             free(want.v);
@@ -185,7 +171,7 @@ TEST(parts_make_up_the_table_where_most_ids_have_been_deleted)
         for (int k = 0; k < 4; k++) {
             struct dt_ids got = {0};
             read_in_parts(t, tables[i], i % 2, sizes[k], &got);
-            check_equal_ids(names[i], &got, &want);
+            check_equal_ids(table_names[i], &got, &want);
             free(got.v);
         }
         free(want.v);

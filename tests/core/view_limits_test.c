@@ -9,8 +9,6 @@
 
 enum { N = 60, WORDS = 2000 };
 
-static const char *const names[] = {"POINTS", "COINCIDENT", "LISTS", "TRIANGLES", "EDGES", "HULL"};
-
 /* Points on a lattice, some of which coincide. */
 static struct dt *lattice(double tolerance)
 {
@@ -43,7 +41,7 @@ static bool check_table(const struct dt *t, const struct dt_view *v, const struc
     CHECK(s == DT_OK || s == DT_NOMEM);
     CHECK(read_table(copy, NULL, table, &want) == DT_OK);
     if (s == DT_OK)
-        check_equal_ids(names[table], &got, &want);
+        check_equal_ids(table_names[table], &got, &want);
     free(got.v);
     free(want.v);
     return s == DT_OK;

@@ -10,20 +10,6 @@
 
 enum { VIEWS = 5, PARTS = 40, TABLES = 6 };
 
-static const char *const names[] = {"POINTS", "COINCIDENT", "LISTS", "TRIANGLES", "EDGES", "HULL"};
-
-static void append(struct dt_ids *ids, const uint32_t *v, size_t n)
-{
-    if (n == 0)
-        return;
-    if (ids->n + n > ids->cap) {
-        ids->cap = 2 * (ids->n + n);
-        ids->v = realloc(ids->v, ids->cap * sizeof *ids->v);
-    }
-    memcpy(ids->v + ids->n, v, n * sizeof *v);
-    ids->n += n;
-}
-
 /* Reads a piece of up to `room` words and max_rows rows, or one row if that does not fit; false at the
  * end. */
 static bool read_piece(const struct dt *t, struct dt_cursor *c, size_t room, size_t max_rows,
@@ -38,7 +24,7 @@ static bool read_piece(const struct dt *t, struct dt_cursor *c, size_t room, siz
         s = dt_table_read(t, c, buffer, room, 1, &rows, &words);
     }
     CHECK_MSG(s == DT_OK, "status %d", s);
-    append(out, buffer, words);
+    append_ids(out, buffer, words);
     free(buffer);
     return rows > 0;
 }
@@ -94,10 +80,10 @@ static void table_end(struct reader *r)
     while (read_piece(r->copy, &c, 1000, 1000, &want))
         ;
     for (unsigned i = 0; i <= r->parts; i++) {
-        append(&got, r->out[i].v, r->out[i].n);
+        append_ids(&got, r->out[i].v, r->out[i].n);
         r->out[i].n = 0;
     }
-    check_equal_ids(names[r->whole.table], &got, &want);
+    check_equal_ids(table_names[r->whole.table], &got, &want);
     free(want.v);
     free(got.v);
     r->busy = false;
@@ -374,7 +360,7 @@ static void check_all(struct reader *r, const struct dt *t, size_t rows)
         CHECK(dt_table_begin(r->copy, NULL, (enum dt_table)(k / 2), k % 2, &c) == DT_OK);
         while (read_piece(r->copy, &c, 4096, 4096, &want))
             ;
-        check_equal_ids(names[k / 2], &got, &want);
+        check_equal_ids(table_names[k / 2], &got, &want);
         free(got.v);
         free(want.v);
     }

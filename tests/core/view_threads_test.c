@@ -2,7 +2,6 @@
  * set: a lock keeps edits apart from everything but the end of a view. */
 #include <pthread.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "tests/core/sets.h"
 #include "tests/test.h"
@@ -97,24 +96,12 @@ struct dump {
     atomic_uint next; /* part that nobody has taken yet */
 };
 
-static void append(struct dt_ids *ids, const uint32_t *v, size_t n)
-{
-    if (n == 0)
-        return;
-    if (ids->n + n > ids->cap) {
-        ids->cap = 2 * (ids->n + n);
-        ids->v = realloc(ids->v, ids->cap * sizeof *ids->v);
-    }
-    memcpy(ids->v + ids->n, v, n * sizeof *v);
-    ids->n += n;
-}
-
 static bool read_piece(const struct dt *t, struct dt_cursor *c, struct dt_ids *out)
 {
     uint32_t piece[PIECE];
     size_t rows, words;
     CHECK(dt_table_read(t, c, piece, PIECE, PIECE, &rows, &words) == DT_OK);
-    append(out, piece, words);
+    append_ids(out, piece, words);
     return rows > 0;
 }
 
@@ -152,7 +139,7 @@ static void compare(struct dump *d, const struct dt *copy, enum dt_table table)
     while (read_piece(copy, &c, &want))
         ;
     for (unsigned i = 0; i < d->parts; i++) {
-        append(&got, d->out[i].v, d->out[i].n);
+        append_ids(&got, d->out[i].v, d->out[i].n);
         free(d->out[i].v);
     }
     check_equal_ids("table", &got, &want);
