@@ -10,11 +10,15 @@
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-enum { MANY = 100000, TRIALS = 4 };
-#else
-enum { MANY = 250000, TRIALS = 12 };
-#endif
+static uint32_t points(void)
+{
+    return test_is_sanitized() ? 100000 : 250000;
+}
+
+static uint64_t trials(void)
+{
+    return test_is_sanitized() ? 4 : 12;
+}
 
 static atomic_bool flag; /* never set: polls_cancel_at is */
 
@@ -49,7 +53,7 @@ static uint64_t sum_of(const struct dt *t)
 /* Work that may be given up. DT_CANCELLED: what it was for is not there. */
 typedef enum dt_status work(struct dt *t, const struct dt_options *opt);
 
-/* Lets the work be cancelled at TRIALS of its polls, and then end; returns how often it polls. */
+/* Lets the work be cancelled at trials() of its polls, and then end; returns how often it polls. */
 static uint64_t cancel_everywhere(struct dt *t, work *run, const struct dt_options *opt)
 {
     uint64_t before = sum_of(t);
@@ -59,9 +63,9 @@ static uint64_t cancel_everywhere(struct dt *t, work *run, const struct dt_optio
     CHECK(run(whole, opt) == DT_OK);
     uint64_t polls = polls_count();
     dt_free(whole);
-    CHECK_MSG(polls >= TRIALS, "it polls %llu times", (unsigned long long)polls);
-    for (uint64_t i = 0; i < TRIALS; i++) {
-        uint64_t nth = 1 + i * (polls - 1) / (TRIALS - 1);
+    CHECK_MSG(polls >= trials(), "it polls %llu times", (unsigned long long)polls);
+    for (uint64_t i = 0; i < trials(); i++) {
+        uint64_t nth = 1 + i * (polls - 1) / (trials() - 1);
         polls_cancel_at(nth);
         enum dt_status status = run(t, opt);
         polls_cancel_at(0);
@@ -100,7 +104,7 @@ TEST_TIMEOUT(a_grid_for_searches_is_given_up_at_every_poll, 60)
     static const char *const names[] = {"uniform", "kuzmin", "line_axis", "thin_line"};
     struct dt_pool pool = threads_pool(2);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        struct dt *t = set_of(names[i], MANY, true);
+        struct dt *t = set_of(names[i], points(), true);
         struct dt_options opt = {.cancel = &flag, .pool = i % 2 == 0 ? NULL : &pool};
         cancel_everywhere(t, prepare, &opt);
         cancel_everywhere(t, renew, &opt);
@@ -113,7 +117,7 @@ TEST_TIMEOUT(a_grid_for_searches_is_given_up_at_every_poll, 60)
 TEST_TIMEOUT(polls_grow_with_the_points, 60)
 {
     enum { BETWEEN = 1 << 16 };
-    for (size_t n = MANY; n <= 4 * MANY; n *= 4) {
+    for (size_t n = points(); n <= (size_t)4 * points(); n *= 4) {
         struct dt *t = set_of("uniform", n, false);
         struct dt_options opt = {.cancel = &flag};
         polls_begin();
@@ -133,16 +137,16 @@ TEST_TIMEOUT(long_merges_poll_and_are_given_up, 60)
     static const char *const names[2] = {"uniform", "cross"};
     struct dt_pool pool = threads_pool(2);
     for (int i = 0; i < 2; i++) {
-        struct dt *t = set_of(names[i], MANY, false);
+        struct dt *t = set_of(names[i], points(), false);
         struct dt_options opt = {.cancel = &flag};
         polls[i] = cancel_everywhere(t, triangulate, &opt);
         dt_free(t);
-        t = set_of(names[i], MANY, false);
+        t = set_of(names[i], points(), false);
         opt.pool = &pool;
         cancel_everywhere(t, triangulate, &opt);
         dt_free(t);
     }
-    CHECK_MSG(polls[1] > polls[0] + MANY / 1024, "%llu and %llu polls",
+    CHECK_MSG(polls[1] > polls[0] + points() / 1024, "%llu and %llu polls",
               (unsigned long long)polls[0], (unsigned long long)polls[1]);
 }
 
@@ -157,7 +161,7 @@ static enum dt_status clone_points(struct dt *t, const struct dt_options *opt)
 
 TEST_TIMEOUT(a_copy_is_given_up_at_every_poll, 60)
 {
-    struct dt *t = set_of("duplicates", MANY, true);
+    struct dt *t = set_of("duplicates", points(), true);
     cancel_everywhere(t, clone_points, &(struct dt_options){.cancel = &flag});
     dt_free(t);
 }
@@ -177,7 +181,7 @@ static enum dt_status delete_half(struct dt *t, const struct dt_options *opt)
 
 TEST_TIMEOUT(a_deletion_of_many_is_given_up_until_it_begins, 60)
 {
-    struct dt *t = set_of("duplicates", MANY, true);
+    struct dt *t = set_of("duplicates", points(), true);
     cancel_everywhere(t, delete_half, &(struct dt_options){.cancel = &flag});
     dt_free(t);
 }
@@ -240,7 +244,7 @@ TEST_TIMEOUT(a_build_is_given_up_until_it_is_taken_over_and_of_a_disposable_set_
 
 TEST_TIMEOUT(a_disposable_set_is_deleted_from_with_polls, 60)
 {
-    struct dt *t = set_of("duplicates", MANY, true), *copy;
+    struct dt *t = set_of("duplicates", points(), true), *copy;
     struct dt_options opt = {.cancel = &flag}, disposable = {.cancel = &flag, .disposable = true};
     uint64_t polls[2];
     for (int i = 0; i < 2; i++) {
@@ -250,7 +254,7 @@ TEST_TIMEOUT(a_disposable_set_is_deleted_from_with_polls, 60)
         polls[i] = polls_count();
         dt_free(copy);
     }
-    CHECK(polls[1] > polls[0] + MANY / 2 / DT_POLL_MISSES);
+    CHECK(polls[1] > polls[0] + points() / 2 / DT_POLL_MISSES);
     for (uint64_t nth = polls[0]; nth <= polls[1]; nth += 5) {
         CHECK(dt_clone(t, &copy) == DT_OK);
         polls_cancel_at(nth);
@@ -283,7 +287,7 @@ static enum dt_status restore(struct dt *t, const struct dt_options *opt)
 
 TEST_TIMEOUT(a_restoration_is_given_up_at_every_poll, 60)
 {
-    struct dt *t = set_of("duplicates", MANY, false);
+    struct dt *t = set_of("duplicates", points(), false);
     cancel_everywhere(t, restore, &(struct dt_options){.cancel = &flag});
     dt_free(t);
 }
