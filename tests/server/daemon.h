@@ -32,6 +32,9 @@ void expect_end(int fd);
  * comes back. */
 void converse(const struct daemon *d, const char *request, const char *want);
 
+/* A connection to a Unix socket; -1: nobody listens there. */
+int connect_unix(const char *path);
+
 /* The value of an INFO key. */
 uint64_t daemon_info(const struct daemon *d, const char *key);
 

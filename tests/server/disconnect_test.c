@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 enum { POINTS = 200000 }; /* shelling takes less than a second for them, but much more than 50 ms */
@@ -34,15 +33,6 @@ static struct service start(void)
     return s;
 }
 
-static int connect_unix(const struct service *s)
-{
-    struct sockaddr_un at = {.sun_family = AF_UNIX};
-    strcpy(at.sun_path, s->path);
-    int fd = socket(AF_UNIX, SOCK_STREAM, 0);
-    CHECK(fd >= 0 && connect(fd, (struct sockaddr *)&at, sizeof at) == 0);
-    return fd;
-}
-
 /* Starts a build by a client that closes its connection; the build must end without a result. */
 static void expect_cancelled(const struct service *s, int leaver, const char *request)
 {
@@ -68,8 +58,8 @@ TEST(build_of_a_client_that_closes_its_connection_is_cancelled_before_it_is_a_se
 TEST(client_that_closes_a_unix_socket_cancels_its_build_in_either_framing)
 {
     struct service s = start();
-    expect_cancelled(&s, connect_unix(&s), build);
-    expect_cancelled(&s, connect_unix(&s), build_in_resp);
+    expect_cancelled(&s, connect_unix(s.path), build);
+    expect_cancelled(&s, connect_unix(s.path), build_in_resp);
     daemon_end(&s.d);
 }
 
@@ -114,7 +104,7 @@ TEST(client_that_closes_its_sending_side_gets_its_reply_in_resp_and_from_a_unix_
     char *text = hear_half_closed(daemon_connect(&s.d), build_in_resp);
     CHECK_MSG(strncmp(text, "+OK points=", 11) == 0, "%s", text);
     free(text);
-    text = hear_half_closed(connect_unix(&s), build);
+    text = hear_half_closed(connect_unix(s.path), build);
     CHECK_MSG(strstr(text, "OK 0 points=") != NULL, "%s", text);
     free(text);
     daemon_end(&s.d);

@@ -10,7 +10,6 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -373,12 +372,11 @@ TEST(full_disk_takes_no_change_that_needs_space)
     expect_refusals(&d, &dir, "MOVE t 0 5 5\n");
 }
 
-static int connect_local(const char *path)
+/* Waits until somebody listens there. */
+static int await_unix(const char *path)
 {
-    struct sockaddr_un at = {.sun_family = AF_UNIX};
-    snprintf(at.sun_path, sizeof at.sun_path, "%s", path);
-    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    for (int tries = 0; connect(fd, (struct sockaddr *)&at, sizeof at) != 0; tries++) {
+    int fd;
+    for (int tries = 0; (fd = connect_unix(path)) < 0; tries++) {
         CHECK(tries < 1000);
         pause_ms(2);
     }
@@ -405,7 +403,7 @@ TEST_TIMEOUT(clients_are_told_that_the_directory_is_being_read, 60)
         _exit(127);
     }
     unsetenv("LD_PRELOAD");
-    int fd = connect_local(path);
+    int fd = await_unix(path);
     say(fd, "PING\nPOINTS t\nSETS\nADD t 3 3\nPING\n");
     expect(fd, "OK 0\nERR LOADING the data directory is being read");
     hear_line(fd);
@@ -416,7 +414,7 @@ TEST_TIMEOUT(clients_are_told_that_the_directory_is_being_read, 60)
     while (strcmp(hear_line(fd), "durability:loading") != 0)
         ;
     close(fd);
-    fd = connect_local(path);
+    fd = await_unix(path);
     const char *reply;
     do {
         say(fd, "NEAREST t 0 0\n");

@@ -9,7 +9,6 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -75,13 +74,10 @@ TEST(unix_socket_serves_too)
     char path[64];
     snprintf(path, sizeof path, "/tmp/delaunayd-test-%d.sock", (int)getpid());
     const char *arguments[] = {"--unix", path, NULL};
-    for (int round = 0; round < 2;
-         round++) { /* the second finds the socket of one that was killed */
+    for (int round = 0; round < 2; round++) { /* the second finds a socket that was left behind */
         struct daemon d = daemon_start(arguments);
-        struct sockaddr_un at = {.sun_family = AF_UNIX};
-        strcpy(at.sun_path, path);
-        int fd = socket(AF_UNIX, SOCK_STREAM, 0);
-        CHECK(connect(fd, (struct sockaddr *)&at, sizeof at) == 0);
+        int fd = connect_unix(path);
+        CHECK(fd >= 0);
         say(fd, "ADD t 1 1\n");
         expect(fd, "OK 0 first=0 added=1 coincident=0\n");
         say(fd, "LISTS t\nGET t 0");
