@@ -159,7 +159,7 @@ TEST(set_that_is_being_edited_is_not_looked_at_ahead)
     struct local l;
     local_start(&l, 0);
     local_ask(&l, "ADD t 0 0  9 0  9 9  0 9\nTRIANGULATE t\nNEAREST t 1 1\n");
-    struct dataset *set = registry_find(&l.server.sets, &(struct word){"t", 1});
+    struct dataset *set = local_set(&l, "t");
     CHECK(set != NULL && looks_ahead(&l));
     set->exclusive = true;
     CHECK(!looks_ahead(&l));

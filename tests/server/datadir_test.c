@@ -30,13 +30,6 @@ TEST(data_directory_is_synced_into_its_parent)
     directory_remove(&parent);
 }
 
-static void leave_file(const struct directory *d, const char *name)
-{
-    char path[128];
-    snprintf(path, sizeof path, "%s/%s", d->path, name);
-    file_write(path, "", 0);
-}
-
 /* Whether the directory is the one that the descriptor has, which keeps its number from being used
  * again. */
 static bool is_same(const char *path, int fd)
@@ -76,7 +69,7 @@ TEST(a_data_directory_that_has_a_file_or_was_made_by_an_operator_or_is_in_use_st
     CHECK(datadir_open(&d, directory.path, false) && is_same(directory.path, fd));
     CHECK(!datadir_open(&other, directory.path, true) && is_same(directory.path, fd));
     datadir_close(&d);
-    leave_file(&directory, "log.0000000000000001");
+    directory_touch(&directory, "log.0000000000000001");
     CHECK(datadir_open(&d, directory.path, true) && is_same(directory.path, fd));
     datadir_close(&d);
     close(fd);
@@ -102,11 +95,12 @@ TEST(what_a_snapshot_replaces_is_forgotten_and_no_segment_that_has_later_changes
 {
     struct directory directory = directory_quick();
     struct datadir d;
-    leave_file(&directory, "snapshot.0000000000000001");
-    leave_file(&directory, "snapshot.0000000000000004");
-    leave_file(&directory, "log.0000000000000002");
-    leave_file(&directory, "log.0000000000000004"); /* has change 5, which the snapshot has not */
-    leave_file(&directory, "log.0000000000000006");
+    directory_touch(&directory, "snapshot.0000000000000001");
+    directory_touch(&directory, "snapshot.0000000000000004");
+    directory_touch(&directory, "log.0000000000000002");
+    directory_touch(&directory,
+                    "log.0000000000000004"); /* has change 5, which the snapshot has not */
+    directory_touch(&directory, "log.0000000000000006");
     CHECK(datadir_open(&d, directory.path, false));
     datadir_forget(&d, 4);
     CHECK_STR(list(&d), "snapshot.0000000000000004 log.0000000000000004 log.0000000000000006 ");
@@ -118,13 +112,13 @@ TEST(names_that_are_not_exactly_ours_are_left_alone)
 {
     struct directory directory = directory_quick();
     struct datadir d;
-    leave_file(&directory, "log.0000000000000000"); /* the first change is 1 */
-    leave_file(&directory, "log.0000000000000001");
-    leave_file(&directory, "log.0000000000000001.tmp");
-    leave_file(&directory, "log.1");
-    leave_file(&directory, "log.000000000000000A");
-    leave_file(&directory, "snapshot.0000000000000002.tmp");
-    leave_file(&directory, "snapshot.00000000000000020");
+    directory_touch(&directory, "log.0000000000000000"); /* the first change is 1 */
+    directory_touch(&directory, "log.0000000000000001");
+    directory_touch(&directory, "log.0000000000000001.tmp");
+    directory_touch(&directory, "log.1");
+    directory_touch(&directory, "log.000000000000000A");
+    directory_touch(&directory, "snapshot.0000000000000002.tmp");
+    directory_touch(&directory, "snapshot.00000000000000020");
     CHECK(datadir_open(&d, directory.path, false));
     CHECK_STR(list(&d), "log.0000000000000001 snapshot.0000000000000002.tmp ");
     datadir_close(&d);
@@ -136,7 +130,7 @@ TEST(directory_without_memory_for_its_list_is_not_taken_for_an_empty_one)
     struct directory directory = directory_quick();
     struct datadir d;
     struct datafiles files;
-    leave_file(&directory, "log.0000000000000001");
+    directory_touch(&directory, "log.0000000000000001");
     CHECK(datadir_open(&d, directory.path, false));
     for (long n = 1;; n++) {
         test_fail_alloc(n);
@@ -157,7 +151,7 @@ TEST(directory_whose_names_cannot_all_be_read_is_not_taken_for_one_with_fewer)
     struct directory directory = directory_quick();
     struct datadir d;
     struct datafiles files;
-    leave_file(&directory, "log.0000000000000001");
+    directory_touch(&directory, "log.0000000000000001");
     CHECK(datadir_open(&d, directory.path, false));
     for (unsigned n = 1; n <= 4; n++) { /* with `.` and `..`, and the end */
         calls_watch(directory.path);

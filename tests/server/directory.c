@@ -162,6 +162,13 @@ int directory_repair(const struct directory *dir, char *text, size_t size)
     return status;
 }
 
+void directory_touch(const struct directory *dir, const char *name)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", dir->path, name);
+    file_write(path, "", 0);
+}
+
 char *file_read(const char *path, size_t *n)
 {
     struct stat st;

@@ -33,6 +33,9 @@ bool directory_repair_badly(const struct directory *dir, const char *op, unsigne
 /* The n-th (from 0) name that begins with `prefix`, in order; false if there are fewer. */
 bool directory_file(const struct directory *dir, const char *prefix, unsigned n, char path[128]);
 
+/* Makes an empty file. */
+void directory_touch(const struct directory *dir, const char *name);
+
 /* A file's content, which the caller frees; and back. */
 char *file_read(const char *path, size_t *n);
 void file_write(const char *path, const char *bytes, size_t n);

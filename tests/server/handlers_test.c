@@ -74,8 +74,7 @@ TEST(set_that_is_read_is_edited_in_place)
     struct local l;
     local_start(&l, 0);
     local_ask(&l, SQUARE);
-    struct word name = {"t", 1};
-    struct dataset *set = registry_find(&l.server.sets, &name);
+    struct dataset *set = local_set(&l, "t");
     struct version *v = version_pin(set->current);
     struct dt_view *view = dt_view_begin(v->dt, false);
     CHECK(view != NULL);
@@ -106,8 +105,7 @@ TEST(edit_that_ends_in_a_rebuild_makes_a_version_of_its_own_while_triangles_are_
     struct local l;
     local_start(&l, 0);
     local_ask(&l, SQUARE "TRIANGULATE t");
-    struct word name = {"t", 1};
-    struct dataset *set = registry_find(&l.server.sets, &name);
+    struct dataset *set = local_set(&l, "t");
     struct version *v = version_pin(set->current);
     struct dt_view *view = dt_view_begin(v->dt, true);
     CHECK(view != NULL);
@@ -133,14 +131,13 @@ TEST(grid_for_searches_is_built_when_the_first_one_asks)
     local_start(&l, 2);
     local_ask(&l, load);
     local_ask(&l, "TRIANGULATE t\nLISTS t 5");
-    struct word name = {"t", 1};
-    struct version *read = version_pin(registry_find(&l.server.sets, &name)->current);
+    struct version *read = version_pin(local_set(&l, "t")->current);
     size_t without = read->sum.memory;
     uint64_t jobs = l.server.count.jobs;
     CHECK(!read->sum.searchable);
     CHECK(strncmp(local_ask(&l, "NEAREST t 3 9"), "OK 1\n3 ", 7) == 0);
     CHECK(l.server.count.jobs == jobs + 1 && read->sum.searchable && read->sum.memory > without);
-    CHECK(registry_find(&l.server.sets, &name)->current == read);
+    CHECK(local_set(&l, "t")->current == read);
     local_ask(&l, "LOCATE t 3 9\nNEAREST t 4 16");
     CHECK(l.server.count.jobs == jobs + 1);
     version_unpin(&l.server.sets, read);
@@ -172,13 +169,11 @@ TEST(memory_of_sets_is_accounted_for)
     local_start(&l, 2);
     local_ask(&l, load);
     local_ask(&l, "TRIANGULATE t\nADD u 1 1\nDEL t 1 2 3\nLISTS t\n");
-    struct word name = {"t", 1};
     size_t total = 0;
-    dt_summary(registry_find(&l.server.sets, &name)->current->dt, &sum);
-    total += sum.memory;
-    name.text = "u";
-    dt_summary(registry_find(&l.server.sets, &name)->current->dt, &sum);
-    total += sum.memory;
+    for (int i = 0; i < 2; i++) {
+        dt_summary(local_set(&l, i == 0 ? "t" : "u")->current->dt, &sum);
+        total += sum.memory;
+    }
     CHECK(l.server.sets.memory.bytes == total && budget_of(&l.server.budget, BUDGET_LOADS) == 0);
     local_ask(&l, "DROP t\nDROP u\n");
     CHECK(l.server.sets.memory.bytes == 0);
@@ -193,8 +188,7 @@ TEST(set_that_is_read_is_not_copied_beyond_the_memory_for_sets)
     local_start(&l, 0);
     local_ask(&l, load);
     local_ask(&l, "TRIANGULATE t");
-    struct word name = {"t", 1};
-    struct version *v = version_pin(registry_find(&l.server.sets, &name)->current);
+    struct version *v = version_pin(local_set(&l, "t")->current);
     struct dt_view *view = dt_view_begin(v->dt, true);
     size_t all = l.config.max_memory;
     l.config.max_memory = l.server.sets.memory.bytes + 1;
@@ -218,8 +212,7 @@ TEST(set_that_is_read_is_not_copied_beside_what_an_edit_takes)
     local_start(&l, 0);
     local_ask(&l, load);
     local_ask(&l, "TRIANGULATE t");
-    struct word name = {"t", 1};
-    struct version *v = version_pin(registry_find(&l.server.sets, &name)->current);
+    struct version *v = version_pin(local_set(&l, "t")->current);
     struct dt_view *view = dt_view_begin(v->dt, true);
     l.config.max_memory = l.server.sets.memory.bytes;
     for (int i = 0; i < 200 && !busy; i++) {
@@ -335,8 +328,7 @@ TEST(copies_survive_every_failed_allocation)
         struct local l;
         local_start(&l, 0);
         local_ask(&l, SQUARE "TRIANGULATE t");
-        struct word name = {"t", 1};
-        struct version *v = version_pin(registry_find(&l.server.sets, &name)->current);
+        struct version *v = version_pin(local_set(&l, "t")->current);
         struct dt_view *view = dt_view_begin(v->dt, true);
         local_ask(&l, many_points("u")); /* room for the words */
         local_ask(&l, "");
@@ -346,7 +338,7 @@ TEST(copies_survive_every_failed_allocation)
         test_fail_alloc(0);
         bool added = strncmp(reply, "OK 0", 4) == 0;
         CHECK(added || (failed && strncmp(reply, "ERR NOMEM", 9) == 0));
-        CHECK((registry_find(&l.server.sets, &name)->current != v) == added);
+        CHECK((local_set(&l, "t")->current != v) == added);
         CHECK(strncmp(local_ask(&l, "CHECK t"), "OK 0 delaunay=yes", 17) == 0);
         version_end_view(&l.server.sets, v, view);
         version_unpin(&l.server.sets, v);

@@ -27,11 +27,6 @@ static void finished(struct server *s, struct job *j, struct answer *a)
     (void)s, (void)j, (void)a;
 }
 
-static struct dataset *set_of(struct local *l)
-{
-    return registry_find(&l->server.sets, &(struct word){"t", 1});
-}
-
 /* What a job that reads the set is answered when it begins; empty: nothing yet. */
 static const char *begin(struct local *l, unsigned how)
 {
@@ -41,7 +36,7 @@ static const char *begin(struct local *l, unsigned how)
     j->memory = server_reservation(&l->server, BUDGET_BUILDS);
     reservation_set(&j->memory, 1000);
     buf_consume(&l->out, buf_len(&l->out));
-    job_read(&l->server, &a, j, set_of(l)->current, how);
+    job_read(&l->server, &a, j, local_set(l, "t")->current, how);
     buf_append_char(&l->out, '\0');
     return buf_head(&l->out);
 }
@@ -102,7 +97,7 @@ static void edit(struct local *l, void (*run)(struct job *))
     struct job *j = job_new(sizeof *j, run, finished);
     CHECK(j != NULL);
     j->record = note_record;
-    job_write(&l->server, &a, j, set_of(l), 0);
+    job_write(&l->server, &a, j, local_set(l, "t"), 0);
 }
 
 TEST(edit_that_fails_is_not_written_down)
@@ -144,7 +139,7 @@ TEST(load_whose_points_are_there_waits_for_its_turn)
     struct local l;
     local_start(&l, 0);
     local_ask(&l, "ADD t 1 1\n");
-    struct dataset *set = set_of(&l);
+    struct dataset *set = local_set(&l, "t");
     set->writer = (struct job *)(void *)&l; /* only compared with NULL */
     struct load *load = begin_load(&l, "LOAD t 1");
     struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};

@@ -40,9 +40,9 @@ static void begin(struct bench *b, unsigned threads)
         await_durable_event(b);
 }
 
-static struct dataset *set_t(struct bench *b)
+static struct dataset *set_t(const struct bench *b)
 {
-    return registry_find(&b->l.server.sets, &(struct word){"t", 1});
+    return local_set(&b->l, "t");
 }
 
 static void drop_t(struct waiter *w)

@@ -130,3 +130,8 @@ const char *local_ask(struct local *l, const char *lines)
     buf_append_char(&l->out, '\0');
     return buf_head(&l->out);
 }
+
+struct dataset *local_set(const struct local *l, const char *name)
+{
+    return registry_find(&l->server.sets, &(struct word){name, strlen(name)});
+}

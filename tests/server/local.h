@@ -19,4 +19,7 @@ void local_stop(struct local *l);
  * replies, which live until the next call. */
 const char *local_ask(struct local *l, const char *lines);
 
+/* The set of that name; NULL: there is none. */
+struct dataset *local_set(const struct local *l, const char *name);
+
 #endif

@@ -463,8 +463,7 @@ TEST(segment_that_was_there_stays_when_its_beginning_fails)
     char path[128];
     struct datadir dir;
     struct directory d = directory_quick();
-    snprintf(path, sizeof path, "%s/log.%016x", d.path, 5);
-    file_write(path, "", 0);
+    directory_touch(&d, "log.0000000000000005");
     CHECK(datadir_open(&dir, d.path, false));
     calls_watch(d.path);
     calls_fail("sync log.5", 1, 1, EIO);

@@ -10,11 +10,6 @@
 
 enum { POINTS = 10500, PIECE = 500 };
 
-static struct dataset *set_named(struct local *l, const char *name)
-{
-    return registry_find(&l->server.sets, &(struct word){name, strlen(name)});
-}
-
 /* Adds n points, each by a request of its own. */
 static void add_points(struct local *l, unsigned n)
 {
@@ -32,8 +27,8 @@ static void start_renewal(struct local *l)
     for (unsigned n = 0; n < POINTS; n += PIECE)
         add_points(l, PIECE);
     local_ask(l, "TRIANGULATE t\n");
-    CHECK(set_named(l, "t")->writer == NULL);
-    for (unsigned n = 0; set_named(l, "t")->writer == NULL; n++) {
+    CHECK(local_set(l, "t")->writer == NULL);
+    for (unsigned n = 0; local_set(l, "t")->writer == NULL; n++) {
         CHECK(n < 2 * POINTS);
         add_points(l, 1);
     }
@@ -50,7 +45,7 @@ TEST(queries_go_on_while_a_worker_makes_the_grid_anew)
 {
     struct local l;
     start_renewal(&l);
-    struct dataset *set = set_named(&l, "t");
+    struct dataset *set = local_set(&l, "t");
     struct job *j = set->writer;
     CHECK(!set->exclusive && dt_is_aged(set->current->dt));
     for (int i = 0; i < 50; i++)
@@ -68,7 +63,7 @@ TEST(grid_that_is_in_use_is_exchanged_when_its_reader_has_finished)
     struct local l;
     struct pollfd event;
     start_renewal(&l);
-    struct dataset *set = set_named(&l, "t");
+    struct dataset *set = local_set(&l, "t");
     struct version *v = set->current;
     struct job *renewal = set->writer;
     version_lock_read(v); /* as a worker's query does */
@@ -102,7 +97,7 @@ TEST(searches_do_without_a_grid_for_which_there_is_no_memory)
     for (unsigned n = 0; n < POINTS; n += PIECE)
         add_points(&l, PIECE);
     local_ask(&l, "ADD t 0.5 0.5\nTRIANGULATE t\n");
-    struct dataset *set = set_named(&l, "t");
+    struct dataset *set = local_set(&l, "t");
     size_t plenty = l.config.max_memory;
     l.config.max_memory = l.server.sets.memory.bytes;
     CHECK(!set->current->sum.searchable);

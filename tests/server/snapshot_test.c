@@ -17,10 +17,9 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-static struct version *version_of(struct local *l, const char *name)
+static struct version *version_of(const struct local *l, const char *name)
 {
-    struct word w = {name, strlen(name)};
-    return registry_find(&l->server.sets, &w)->current;
+    return local_set(l, name)->current;
 }
 
 TEST(snapshot_lets_go_of_the_sets_that_it_has_written)
@@ -52,13 +51,6 @@ TEST(snapshot_lets_go_of_the_sets_that_it_has_written)
 
 /* ---- the order of its calls ---- */
 
-static void leave_file(const struct directory *d, const char *name)
-{
-    char path[128];
-    snprintf(path, sizeof path, "%s/%s", d->path, name);
-    file_write(path, "", 0);
-}
-
 /* Writes a snapshot with the lsn 4 into a directory that has an older one; what snapshot_end
  * returns. */
 static int write_one(struct directory *d, const char *call_that_fails)
@@ -68,9 +60,9 @@ static int write_one(struct directory *d, const char *call_that_fails)
     uint64_t count;
     int event = eventfd(0, EFD_CLOEXEC);
     *d = directory_quick();
-    leave_file(d, "snapshot.0000000000000001");
-    leave_file(d, "log.0000000000000002");
-    leave_file(d, "log.0000000000000005");
+    directory_touch(d, "snapshot.0000000000000001");
+    directory_touch(d, "log.0000000000000002");
+    directory_touch(d, "log.0000000000000005");
     local_start(&l, 0);
     local_ask(&l, "ADD a 0 0  1 1\n");
     CHECK(event >= 0 && datadir_open(&dir, d->path, false));
@@ -97,10 +89,10 @@ TEST(set_of_a_snapshot_has_the_number_of_its_own_last_change)
     int event = eventfd(0, EFD_CLOEXEC);
     struct directory d = directory_quick();
     struct word name = {"a", 1};
-    leave_file(&d, "log.0000000000000005");
+    directory_touch(&d, "log.0000000000000005");
     local_start(&l, 0);
     local_ask(&l, "ADD a 0 0  1 1\n");
-    registry_find(&l.server.sets, &name)->lsn = 7;
+    local_set(&l, "a")->lsn = 7;
     CHECK(event >= 0 && datadir_open(&dir, d.path, false));
     struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, 4, event);
     CHECK(snap != NULL);
@@ -265,7 +257,7 @@ static bool survives(struct local *l, long n)
     test_fail_alloc(0);
     if (directory_file(&d, "snapshot.", 0, path)) {
         struct recovery r;
-        leave_file(&d, "log.0000000000000005");
+        directory_touch(&d, "log.0000000000000005");
         recovery_init(&r, &dir);
         recovery_run(&r);
         CHECK_MSG(r.result == RECOVERY_OK, "allocation %ld: %s", n, r.why);
@@ -342,7 +334,7 @@ TEST(snapshot_whose_new_name_cannot_be_synced_stays_if_there_was_one_of_that_nam
     uint64_t count;
     int event = eventfd(0, EFD_CLOEXEC);
     d = directory_quick();
-    leave_file(&d, "snapshot.0000000000000004");
+    directory_touch(&d, "snapshot.0000000000000004");
     registry_init(&none);
     CHECK(event >= 0 && datadir_open(&dir, d.path, false));
     calls_watch(d.path);
