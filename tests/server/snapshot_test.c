@@ -22,101 +22,129 @@ static struct version *version_of(const struct local *l, const char *name)
     return local_set(l, name)->current;
 }
 
-TEST(snapshot_lets_go_of_the_sets_that_it_has_written)
-{
+/* ---- a server, and a directory for its snapshots ---- */
+
+struct bench {
     struct local l;
+    struct directory directory;
     struct datadir dir;
-    struct directory d = directory_new();
-    uint64_t count;
-    int event = eventfd(0, EFD_CLOEXEC);
-    local_start(&l, 0);
-    local_ask(&l, "ADD a 0 0  1 1\nADD b 2 2\n");
-    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
-    struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, 2, event);
-    CHECK(snap != NULL && version_of(&l, "a")->refs == 2 && version_of(&l, "b")->refs == 2);
-    snapshot_release(snap, &l.server.sets);
-    CHECK(version_of(&l, "a")->refs == 2);
-    snapshot_go(snap);
-    CHECK(read(event, &count, sizeof count) == sizeof count && snap->done);
-    snapshot_release(snap, &l.server.sets);
-    CHECK(version_of(&l, "a")->refs == 1 && version_of(&l, "b")->refs == 1);
-    /* In place again; and what is gone is not let go of twice. */
-    CHECK_STR(local_ask(&l, "MOVE a 0 7 7\nDROP b\nGET a 0\n"), "OK 0\nOK 0\nOK 1\n0 7 7\n");
-    CHECK(snapshot_end(snap, &l.server.sets) == 0 && version_of(&l, "a")->refs == 1);
-    local_stop(&l);
-    close(event);
-    datadir_close(&dir);
-    directory_remove(&d);
+    int event; /* of the snapshot's thread */
+};
+
+static void begin(struct bench *b, const char *requests)
+{
+    b->directory = directory_quick();
+    b->event = eventfd(0, EFD_CLOEXEC);
+    local_start(&b->l, 0);
+    local_ask(&b->l, requests);
+    CHECK(b->event >= 0 && datadir_open(&b->dir, b->directory.path, false));
 }
 
-/* ---- the order of its calls ---- */
-
-/* Writes a snapshot with the lsn 4 into a directory that has an older one; what snapshot_end
- * returns. */
-static int write_one(struct directory *d, const char *call_that_fails)
+static void end(struct bench *b)
 {
-    struct local l;
-    struct datadir dir;
-    uint64_t count;
-    int event = eventfd(0, EFD_CLOEXEC);
-    *d = directory_quick();
-    directory_touch(d, "snapshot.0000000000000001");
-    directory_touch(d, "log.0000000000000002");
-    directory_touch(d, "log.0000000000000005");
-    local_start(&l, 0);
-    local_ask(&l, "ADD a 0 0  1 1\n");
-    CHECK(event >= 0 && datadir_open(&dir, d->path, false));
-    calls_watch(d->path);
-    calls_fail(call_that_fails, 1, 1, EIO);
-    struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, 4, event);
+    local_stop(&b->l);
+    close(b->event);
+    datadir_close(&b->dir);
+    directory_remove(&b->directory);
+}
+
+/* Pins the sets, for a snapshot of the first four changes. */
+static struct snapshot *pin(struct bench *b)
+{
+    struct snapshot *snap = snapshot_begin(&b->dir, &b->l.server.sets, 4, b->event);
     CHECK(snap != NULL);
+    return snap;
+}
+
+static void write_rows(const struct bench *b, struct snapshot *snap)
+{
+    uint64_t count;
     snapshot_go(snap);
-    CHECK(read(event, &count, sizeof count) == sizeof count && snap->done);
-    int error = snapshot_end(snap, &l.server.sets);
-    local_stop(&l);
-    close(event);
-    datadir_close(&dir);
-    return error;
+    CHECK(read(b->event, &count, sizeof count) == sizeof count && snap->done);
+}
+
+/* Writes it; returns what snapshot_end does. */
+static int finish(struct bench *b, struct snapshot *snap)
+{
+    write_rows(b, snap);
+    return snapshot_end(snap, &b->l.server.sets);
+}
+
+static bool has_snapshot(const struct bench *b)
+{
+    char path[128];
+    return directory_file(&b->directory, "snapshot.", 0, path);
+}
+
+TEST(snapshot_lets_go_of_the_sets_that_it_has_written)
+{
+    struct bench b;
+    struct local *l = &b.l;
+    begin(&b, "ADD a 0 0  1 1\nADD b 2 2\n");
+    struct snapshot *snap = pin(&b);
+    CHECK(version_of(l, "a")->refs == 2 && version_of(l, "b")->refs == 2);
+    snapshot_release(snap, &l->server.sets);
+    CHECK(version_of(l, "a")->refs == 2);
+    write_rows(&b, snap);
+    snapshot_release(snap, &l->server.sets);
+    CHECK(version_of(l, "a")->refs == 1 && version_of(l, "b")->refs == 1);
+    /* In place again; and what is gone is not let go of twice. */
+    CHECK_STR(local_ask(l, "MOVE a 0 7 7\nDROP b\nGET a 0\n"), "OK 0\nOK 0\nOK 1\n0 7 7\n");
+    CHECK(snapshot_end(snap, &l->server.sets) == 0 && version_of(l, "a")->refs == 1);
+    end(&b);
 }
 
 /* A set may have been pinned after later changes than those up to which the snapshot has all. */
 TEST(set_of_a_snapshot_has_the_number_of_its_own_last_change)
 {
-    struct local l;
-    struct datadir dir;
+    struct bench b;
     struct recovery r;
-    uint64_t count;
-    int event = eventfd(0, EFD_CLOEXEC);
-    struct directory d = directory_quick();
-    struct word name = {"a", 1};
-    directory_touch(&d, "log.0000000000000005");
-    local_start(&l, 0);
-    local_ask(&l, "ADD a 0 0  1 1\n");
-    local_set(&l, "a")->lsn = 7;
-    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
-    struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, 4, event);
-    CHECK(snap != NULL);
-    snapshot_go(snap);
-    CHECK(read(event, &count, sizeof count) == sizeof count);
-    CHECK(snapshot_end(snap, &l.server.sets) == 0);
-    recovery_init(&r, &dir);
+    begin(&b, "ADD a 0 0  1 1\n");
+    directory_touch(&b.directory, "log.0000000000000005");
+    local_set(&b.l, "a")->lsn = 7;
+    CHECK(finish(&b, pin(&b)) == 0);
+    recovery_init(&r, &b.dir);
     recovery_run(&r);
-    CHECK(r.replay.snapshot == 4 && registry_find(&r.replay.sets, &name)->lsn == 7);
+    CHECK(r.replay.snapshot == 4);
+    CHECK(registry_find(&r.replay.sets, &(struct word){"a", 1})->lsn == 7);
     recovery_clear(&r);
-    local_stop(&l);
-    close(event);
-    datadir_close(&dir);
-    directory_remove(&d);
+    end(&b);
+}
+
+TEST(snapshot_that_is_given_up_is_none)
+{
+    struct bench b;
+    begin(&b, "");
+    CHECK(snapshot_end(pin(&b), &b.l.server.sets) == ECANCELED); /* it has not begun */
+    struct snapshot *snap = pin(&b);
+    snap->cancel = true;
+    CHECK(finish(&b, snap) == ECANCELED && !has_snapshot(&b));
+    end(&b);
+}
+
+/* ---- its calls: their order, and what happens where one fails ---- */
+
+/* Writes a snapshot of one set into a directory that has an older one, while the first such call
+ * fails; what snapshot_end returns. */
+static int write_while(struct bench *b, const char *call)
+{
+    begin(b, "ADD a 0 0  1 1\n");
+    directory_touch(&b->directory, "snapshot.0000000000000001");
+    directory_touch(&b->directory, "log.0000000000000002");
+    directory_touch(&b->directory, "log.0000000000000005");
+    calls_watch(b->directory.path);
+    calls_fail(call, 1, 1, EIO);
+    return finish(b, pin(b));
 }
 
 TEST(snapshot_is_on_the_disk_before_what_it_replaces_is_removed)
 {
-    struct directory d;
-    CHECK(write_one(&d, "") == 0);
+    struct bench b;
+    CHECK(write_while(&b, "") == 0);
     CHECK_STR(calls_text(), "create snapshot.4.tmp\nwrite snapshot.4.tmp\nsync snapshot.4.tmp\n"
                             "rename snapshot.4.tmp snapshot.4\nsync .\n"
                             "remove snapshot.1\nremove log.2\n");
-    directory_remove(&d);
+    end(&b);
 }
 
 TEST(snapshot_that_fails_anywhere_leaves_what_was_there)
@@ -126,190 +154,135 @@ TEST(snapshot_that_fails_anywhere_leaves_what_was_there)
                                         "sync ."};
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
         char path[128];
-        struct directory d;
-        CHECK(write_one(&d, calls[i]) == EIO);
+        struct bench b;
+        CHECK(write_while(&b, calls[i]) == EIO);
         CHECK(calls_count("remove snapshot.1") == 0 && calls_count("remove log.2") == 0);
         CHECK((calls_count("rename snapshot.4.tmp snapshot.4") == 1) == (i == 4));
         CHECK((calls_count("remove snapshot.4") == 1) == (i == 4));
-        CHECK(!directory_file(&d, "snapshot.", 1, path)); /* not even one whose name may get lost */
-        directory_remove(&d);
+        /* Not even one whose name may get lost. */
+        CHECK(!directory_file(&b.directory, "snapshot.", 1, path));
+        end(&b);
     }
 }
 
 /* 9.6 MB of rows. Between two syncs the disk has no more than 8 MiB to write, for the log waits for it. */
-static int write_large(struct directory *d, const char *call_that_fails)
+static int write_large_while(struct bench *b, const char *call)
 {
     enum { POINTS = 400000 };
-    struct local l;
-    struct datadir dir;
-    uint64_t count;
-    int event = eventfd(0, EFD_CLOEXEC);
     char *load = malloc(POINTS * 16 + 100), *to = load;
     CHECK(load != NULL);
     to += sprintf(to, "LOAD t\n");
     for (int i = 0; i < POINTS; i++)
         to += sprintf(to, "%d %d\n", i % 1000, i / 1000);
     strcpy(to, ".\n");
-    *d = directory_quick();
-    local_start(&l, 0);
-    local_ask(&l, load);
+    begin(b, load);
     free(load);
-    CHECK(event >= 0 && datadir_open(&dir, d->path, false));
-    calls_watch(d->path);
-    calls_fail(call_that_fails, 1, 1, EIO);
-    struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, 4, event);
-    CHECK(snap != NULL);
-    snapshot_go(snap);
-    CHECK(read(event, &count, sizeof count) == sizeof count);
+    calls_watch(b->directory.path);
+    calls_fail(call, 1, 1, EIO);
+    struct snapshot *snap = pin(b);
+    write_rows(b, snap);
     CHECK(snap->bytes > 8 << 20 || snap->error != 0);
-    int error = snapshot_end(snap, &l.server.sets);
-    local_stop(&l);
-    close(event);
-    datadir_close(&dir);
-    return error;
+    return snapshot_end(snap, &b->l.server.sets);
 }
 
 TEST(snapshot_is_synced_every_8_MiB)
 {
-    struct directory d;
-    CHECK(write_large(&d, "") == 0);
+    struct bench b;
+    CHECK(write_large_while(&b, "") == 0);
     CHECK_STR(calls_text(), "create snapshot.4.tmp\nwrite snapshot.4.tmp\nsync snapshot.4.tmp\n"
                             "write snapshot.4.tmp\nsync snapshot.4.tmp\n"
                             "rename snapshot.4.tmp snapshot.4\nsync .\n");
-    directory_remove(&d);
+    end(&b);
 }
 
 /* A later sync may succeed although the disk lacks what this one did not write. */
 TEST(snapshot_ends_with_the_first_sync_that_fails)
 {
-    struct directory d;
-    CHECK(write_large(&d, "sync snapshot.4.tmp") == EIO);
+    struct bench b;
+    CHECK(write_large_while(&b, "sync snapshot.4.tmp") == EIO);
     CHECK_STR(calls_text(), "create snapshot.4.tmp\nwrite snapshot.4.tmp\nremove snapshot.4.tmp\n");
-    directory_remove(&d);
+    end(&b);
 }
 
 TEST(write_of_a_snapshot_that_was_interrupted_is_made_again)
 {
-    struct directory d;
-    struct datadir dir;
-    struct registry none;
-    uint64_t count;
-    int event = eventfd(0, EFD_CLOEXEC);
-    d = directory_quick();
-    registry_init(&none);
-    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
-    calls_watch(d.path);
+    struct bench b;
+    begin(&b, "");
+    calls_watch(b.directory.path);
     calls_fail("write snapshot.4.tmp", 1, 3, EINTR);
-    struct snapshot *snap = snapshot_begin(&dir, &none, 4, event);
-    CHECK(snap != NULL);
-    snapshot_go(snap);
-    CHECK(read(event, &count, sizeof count) == sizeof count);
-    CHECK(snapshot_end(snap, &none) == 0 && calls_failed() == 3);
-    datadir_close(&dir);
-    close(event);
-    registry_clear(&none);
-    directory_remove(&d);
+    CHECK(finish(&b, pin(&b)) == 0 && calls_failed() == 3);
+    end(&b);
 }
 
-TEST(snapshot_that_is_given_up_is_none)
+/* It has replaced one of the same name, without which the log has a gap. */
+TEST(snapshot_whose_new_name_cannot_be_synced_stays_if_there_was_one_of_that_name)
 {
-    struct directory d = directory_quick();
-    struct datadir dir;
-    struct registry none;
-    char path[128];
-    uint64_t count;
-    int event = eventfd(0, EFD_CLOEXEC);
-    registry_init(&none);
-    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
-    struct snapshot *snap = snapshot_begin(&dir, &none, 4, event);
-    CHECK(snap != NULL && snapshot_end(snap, &none) == ECANCELED); /* it has not begun */
-    snap = snapshot_begin(&dir, &none, 4, event);
-    CHECK(snap != NULL);
-    snap->cancel = true;
-    snapshot_go(snap);
-    CHECK(read(event, &count, sizeof count) == sizeof count);
-    CHECK(snapshot_end(snap, &none) == ECANCELED && !directory_file(&d, "snapshot.", 0, path));
-    datadir_close(&dir);
-    close(event);
-    registry_clear(&none);
-    directory_remove(&d);
+    struct bench b;
+    begin(&b, "");
+    directory_touch(&b.directory, "snapshot.0000000000000004");
+    calls_watch(b.directory.path);
+    calls_fail("sync .", 1, 1, EIO);
+    CHECK(finish(&b, pin(&b)) == EIO && has_snapshot(&b));
+    end(&b);
 }
 
-/* Writes the server's sets with the n-th allocation failing; whether one did. */
-static bool survives(struct local *l, long n)
+/* ---- without memory ---- */
+
+/* What was written can be read again, and is the two sets. */
+static void check_readable(struct bench *b)
 {
-    struct directory d = directory_quick();
-    struct datadir dir;
-    char path[128];
-    uint64_t count;
-    int event = eventfd(0, EFD_CLOEXEC);
-    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
+    struct recovery r;
+    directory_touch(&b->directory, "log.0000000000000005");
+    recovery_init(&r, &b->dir);
+    recovery_run(&r);
+    CHECK_MSG(r.result == RECOVERY_OK, "%s", r.why);
+    const struct dataset *set = registry_find(&r.replay.sets, &(struct word){"a", 1});
+    CHECK(r.replay.sets.sets == 2 && dt_next_id(set->current->dt) == 2);
+    recovery_clear(&r);
+}
+
+/* Writes two sets with the n-th allocation failing; whether one did. */
+static bool survives(long n)
+{
+    struct bench b;
+    begin(&b, "ADD a 0 0  1 1\nADD b 2 2\n");
     test_fail_alloc(n);
-    struct snapshot *snap = snapshot_begin(&dir, &l->server.sets, 4, event);
+    struct snapshot *snap = snapshot_begin(&b.dir, &b.l.server.sets, 4, b.event);
     if (snap != NULL) {
-        snapshot_go(snap);
-        CHECK(read(event, &count, sizeof count) == sizeof count);
-        int error = snapshot_end(snap, &l->server.sets);
+        int error = finish(&b, snap);
         CHECK_MSG(error == 0 || error == ENOMEM || error == EAGAIN, "%s", strerror(error));
-        CHECK((error == 0) == directory_file(&d, "snapshot.", 0, path));
+        CHECK((error == 0) == has_snapshot(&b));
     }
     bool failed = test_alloc_failed();
     test_fail_alloc(0);
-    if (directory_file(&d, "snapshot.", 0, path)) {
-        struct recovery r;
-        directory_touch(&d, "log.0000000000000005");
-        recovery_init(&r, &dir);
-        recovery_run(&r);
-        CHECK_MSG(r.result == RECOVERY_OK, "allocation %ld: %s", n, r.why);
-        const struct dataset *set = registry_find(&r.replay.sets, &(struct word){"a", 1});
-        CHECK(r.replay.sets.sets == 2 && dt_next_id(set->current->dt) == 2);
-        recovery_clear(&r);
-    }
-    close(event);
-    datadir_close(&dir);
-    directory_remove(&d);
+    if (has_snapshot(&b))
+        check_readable(&b);
+    end(&b);
     return failed;
 }
 
 TEST(snapshot_for_which_there_is_no_memory_is_none)
 {
-    struct local l;
     long n = 1;
-    local_start(&l, 0);
-    local_ask(&l, "ADD a 0 0  1 1\nADD b 2 2\n");
-    while (survives(&l, n))
+    while (survives(n))
         CHECK(++n < 100);
     CHECK(n > 5);
-    local_stop(&l);
 }
 
 /* Writes a set whose points have moved meanwhile, with the n-th allocation of that failing; whether one did. *error is
  * what snapshot_end returns. */
 static bool write_after_edit(long n, int *error)
 {
-    struct local l;
-    struct directory d = directory_quick();
-    struct datadir dir;
-    char path[128];
-    uint64_t count;
-    int event = eventfd(0, EFD_CLOEXEC);
-    local_start(&l, 0);
-    local_ask(&l, "ADD a 0 0  1 1\n");
-    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
-    struct snapshot *snap = snapshot_begin(&dir, &l.server.sets, 4, event);
-    CHECK(snap != NULL);
+    struct bench b;
+    begin(&b, "ADD a 0 0  1 1\n");
+    struct snapshot *snap = pin(&b);
     test_fail_alloc(n);
-    local_ask(&l, "MOVE a 0 9 9\n");
+    local_ask(&b.l, "MOVE a 0 9 9\n");
     bool failed = test_alloc_failed();
     test_fail_alloc(0);
-    snapshot_go(snap);
-    CHECK(read(event, &count, sizeof count) == sizeof count);
-    *error = snapshot_end(snap, &l.server.sets);
-    CHECK((*error == 0) == directory_file(&d, "snapshot.", 0, path));
-    local_stop(&l);
-    close(event);
-    datadir_close(&dir);
-    directory_remove(&d);
+    *error = finish(&b, snap);
+    CHECK((*error == 0) == has_snapshot(&b));
+    end(&b);
     return failed;
 }
 
@@ -322,32 +295,6 @@ TEST(snapshot_whose_rows_were_lost_by_an_edit_without_memory_is_none)
         lost += error == ENOMEM;
     }
     CHECK(error == 0 && lost > 0);
-}
-
-/* It has replaced one of the same name, without which the log has a gap. */
-TEST(snapshot_whose_new_name_cannot_be_synced_stays_if_there_was_one_of_that_name)
-{
-    struct directory d;
-    struct datadir dir;
-    struct registry none;
-    char path[128];
-    uint64_t count;
-    int event = eventfd(0, EFD_CLOEXEC);
-    d = directory_quick();
-    directory_touch(&d, "snapshot.0000000000000004");
-    registry_init(&none);
-    CHECK(event >= 0 && datadir_open(&dir, d.path, false));
-    calls_watch(d.path);
-    calls_fail("sync .", 1, 1, EIO);
-    struct snapshot *snap = snapshot_begin(&dir, &none, 4, event);
-    CHECK(snap != NULL);
-    snapshot_go(snap);
-    CHECK(read(event, &count, sizeof count) == sizeof count);
-    CHECK(snapshot_end(snap, &none) == EIO && directory_file(&d, "snapshot.", 0, path));
-    datadir_close(&dir);
-    close(event);
-    registry_clear(&none);
-    directory_remove(&d);
 }
 
 /* ---- edits while it is being written ---- */
@@ -457,7 +404,7 @@ TEST(snapshot_holds_the_set_as_it_was_whatever_edits_come_meanwhile)
     directory_remove(&d);
 }
 
-static void finish(void *ctx, struct job *j)
+static void deliver(void *ctx, struct job *j)
 {
     struct local *l = ctx;
     struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
@@ -484,7 +431,7 @@ TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
     struct pollfd event = {.fd = workers_event(l.server.workers), .events = POLLIN};
     CHECK(poll(&event, 1, 10000) == 1);
     buf_rewind(&l.out, 0);
-    server_collect(&l.server, finish, &l);
+    server_collect(&l.server, deliver, &l);
     CHECK(buf_len(&l.out) == 5 && memcmp(buf_head(&l.out), "OK 0\n", 5) == 0);
     CHECK_STR(local_ask(&l, "GET t 1\n"), "OK 1\n1 7 7\n");
     CHECK(version_of(&l, "t") == v && version_try_edit(v));
