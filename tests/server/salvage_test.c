@@ -448,39 +448,59 @@ static void write_log(const struct directory *d, uint64_t lsn)
     buf_free(&b);
 }
 
+struct bench {
+    struct directory directory;
+    struct datadir dir;
+};
+
+/* A directory with a damaged snapshot and a log that begins with the change `log`; its calls are watched. */
+static void begin(struct bench *b, uint64_t snapshot, uint64_t log)
+{
+    b->directory = directory_quick();
+    write_damaged(&b->directory, snapshot);
+    write_log(&b->directory, log);
+    CHECK(datadir_open(&b->dir, b->directory.path, false));
+    calls_watch(b->directory.path);
+}
+
+static void end(struct bench *b)
+{
+    datadir_close(&b->dir);
+    directory_remove(&b->directory);
+}
+
+/* As it is when it is read again. */
+static struct state look_again(struct bench *b)
+{
+    datadir_close(&b->dir);
+    struct state s = look(b->directory.path);
+    CHECK(datadir_open(&b->dir, b->directory.path, false));
+    return s;
+}
+
 /* Nothing loses its first name before its second one and what replaces it are on the disk; and what
  * has lost it does not come back. */
 TEST(repair_of_a_snapshot_is_on_the_disk_before_what_it_replaces_is_removed)
 {
-    struct datadir dir;
-    struct directory d = directory_quick();
-    write_damaged(&d, 5);
-    write_log(&d, 6);
-    CHECK(datadir_open(&dir, d.path, false));
-    calls_watch(d.path);
-    CHECK(salvage(&dir));
+    struct bench b;
+    begin(&b, 5, 6);
+    CHECK(salvage(&b.dir));
     CHECK_STR(calls_text(),
               "link snapshot.5 damaged.snapshot.5\nlink log.6 damaged.log.6\nsync .\n"
               "create snapshot.6.tmp\nwrite snapshot.6.tmp\nsync snapshot.6.tmp\n"
               "rename snapshot.6.tmp snapshot.6\nsync .\nremove snapshot.5\n"
               "create log.7\nwrite log.7\nsync log.7\nsync .\nremove log.6\nsync .\n");
-    datadir_close(&dir);
-    directory_remove(&d);
+    end(&b);
 }
 
 TEST(snapshot_that_is_not_needed_has_its_second_name_on_the_disk_before_it_loses_the_first)
 {
-    struct datadir dir;
-    struct directory d = directory_quick();
-    write_damaged(&d, 1);
-    write_log(&d, 1);
-    CHECK(datadir_open(&dir, d.path, false));
-    calls_watch(d.path);
-    CHECK(salvage(&dir));
+    struct bench b;
+    begin(&b, 1, 1);
+    CHECK(salvage(&b.dir));
     CHECK_STR(calls_text(), "link snapshot.1 damaged.snapshot.1\nsync .\n"
                             "remove snapshot.1\nsync .\n");
-    datadir_close(&dir);
-    directory_remove(&d);
+    end(&b);
 }
 
 /* Which of the calls above it is, and which of several that are alike. `remove snapshot.5` is done by
@@ -507,16 +527,11 @@ TEST(repair_of_a_snapshot_that_fails_anywhere_says_so)
         {"sync .", 4},
     };
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
-        struct datadir dir;
-        struct directory d = directory_quick();
-        write_damaged(&d, 5);
-        write_log(&d, 6);
-        CHECK(datadir_open(&dir, d.path, false));
-        calls_watch(d.path);
+        struct bench b;
+        begin(&b, 5, 6);
         calls_fail(calls[i].line, calls[i].n, 1, EIO);
-        CHECK_MSG(!salvage(&dir) && calls_failed() == 1, "%s %u", calls[i].line, calls[i].n);
-        datadir_close(&dir);
-        directory_remove(&d);
+        CHECK_MSG(!salvage(&b.dir) && calls_failed() == 1, "%s %u", calls[i].line, calls[i].n);
+        end(&b);
     }
 }
 
@@ -524,26 +539,22 @@ TEST(repair_of_a_snapshot_without_memory_keeps_everything)
 {
     bool failed = true;
     for (long n = 1; failed; n++) {
-        struct datadir dir;
-        struct directory d = directory_quick();
-        write_damaged(&d, 5);
-        write_log(&d, 6);
-        CHECK(n < 300 && datadir_open(&dir, d.path, false));
-        calls_watch(d.path);
+        struct bench b;
+        begin(&b, 5, 6);
+        CHECK(n < 300);
         test_fail_alloc(n);
-        bool good = salvage(&dir);
+        bool good = salvage(&b.dir);
         failed = test_alloc_failed();
         test_fail_alloc(0);
         bool replaced = calls_count("rename snapshot.6.tmp snapshot.6") > 0;
         CHECK_MSG(good || failed, "allocation %ld", n);
         CHECK_MSG(replaced || calls_count("remove snapshot.5") == 0, "allocation %ld", n);
-        datadir_close(&dir);
         if (good && replaced) {
-            struct state s = look(d.path);
+            struct state s = look_again(&b);
             CHECK_MSG(s.result == RECOVERY_OK && s.sets == 2 && s.set[0] != 0,
                       "allocation %ld: %zu sets", n, s.sets);
         }
-        directory_remove(&d);
+        end(&b);
     }
 }
 
@@ -585,14 +596,10 @@ TEST(repair_without_memory_for_a_loss_replaces_nothing)
 
 TEST(snapshot_is_needed_where_a_change_before_it_is_missing)
 {
-    struct datadir dir;
-    struct directory d = directory_quick();
-    write_damaged(&d, 5);
-    write_log(&d, 1);
-    CHECK(datadir_open(&dir, d.path, false));
-    CHECK(salvage(&dir));
-    datadir_close(&dir);
-    struct state s = look(d.path);
+    struct bench b;
+    begin(&b, 5, 1);
+    CHECK(salvage(&b.dir));
+    struct state s = look_again(&b);
     CHECK(s.result == RECOVERY_OK && s.last == 5 && s.set[0] != 0);
-    directory_remove(&d);
+    end(&b);
 }
