@@ -24,18 +24,25 @@ struct bench {
     struct log_status status; /* as of the last look */
 };
 
-static void begin(struct bench *b, enum log_policy policy)
+/* Without a log yet. */
+static void begin_empty(struct bench *b)
 {
     *b = (struct bench){.directory = directory_quick(), .event = eventfd(0, EFD_CLOEXEC)};
     CHECK(b->event >= 0 && datadir_open(&b->dir, b->directory.path, false));
     calls_watch(b->directory.path);
+}
+
+static void begin(struct bench *b, enum log_policy policy)
+{
+    begin_empty(b);
     b->log = log_new(&b->dir, policy, 1, b->event);
     CHECK(b->log != NULL);
 }
 
 static void end(struct bench *b)
 {
-    log_free(b->log);
+    if (b->log != NULL)
+        log_free(b->log);
     datadir_close(&b->dir);
     close(b->event);
     directory_remove(&b->directory);
@@ -203,13 +210,11 @@ TEST(log_that_is_closed_says_that_everything_before_was_synced)
     struct bench b;
     begin(&b, LOG_NO);
     append(&b);
-    struct bench closed = b;
     log_free(b.log);
-    CHECK(read_segment(&closed, 1, r, 3) == 2 && r[1].type == RECORD_CLOSE && r[1].synced == 1);
+    b.log = NULL;
+    CHECK(read_segment(&b, 1, r, 3) == 2 && r[1].type == RECORD_CLOSE && r[1].synced == 1);
     CHECK(calls_end("write log.1\nsync log.1\n"));
-    datadir_close(&b.dir);
-    close(b.event);
-    directory_remove(&b.directory);
+    end(&b);
 }
 
 /* ---- failures ---- */
@@ -329,68 +334,56 @@ TEST(log_keeps_its_reserve_for_a_full_disk)
 TEST(half_a_reserve_is_removed)
 {
     struct log_file f;
-    struct datadir dir;
-    struct directory d = directory_quick();
-    CHECK(datadir_open(&dir, d.path, false));
-    log_file_init(&f, &dir);
-    calls_watch(d.path);
+    struct bench b;
+    begin_empty(&b);
+    log_file_init(&f, &b.dir);
     calls_fail("allocate reserve", 1, 1, ENOSPC);
     log_file_reserve(&f);
     CHECK(!f.reserved && calls_failed() == 1);
     CHECK_STR(calls_text(), "create reserve\nremove reserve\n");
-    datadir_close(&dir);
-    directory_remove(&d);
+    end(&b);
 }
 
 TEST(log_goes_without_a_reserve_where_there_cannot_be_one)
 {
     static const int errors[] = {EROFS, ENOSPC};
     for (int i = 0; i < 2; i++) {
-        struct directory d = directory_quick();
-        struct datadir dir;
-        struct log_status status;
-        CHECK(datadir_open(&dir, d.path, false));
-        calls_watch(d.path);
+        struct bench b;
+        begin_empty(&b);
         calls_fail("create reserve", 1, 1, errors[i]);
-        struct log *log = log_new(&dir, LOG_ALWAYS, 1, -1);
-        CHECK(log != NULL);
-        log_status(log, &status);
-        CHECK(status.state == (i == 0 ? LOG_GOOD : LOG_FULL));
-        log_free(log);
-        datadir_close(&dir);
-        directory_remove(&d);
+        b.log = log_new(&b.dir, LOG_ALWAYS, 1, b.event);
+        CHECK(b.log != NULL);
+        log_status(b.log, &b.status);
+        CHECK(b.status.state == (i == 0 ? LOG_GOOD : LOG_FULL));
+        end(&b);
     }
 }
 
 TEST(segment_whose_header_does_not_fit_into_memory_is_a_failure)
 {
-    struct directory d = directory_quick();
-    struct datadir dir;
     struct log_file f;
-    CHECK(datadir_open(&dir, d.path, false));
-    log_file_init(&f, &dir);
+    struct bench b;
+    begin_empty(&b);
+    log_file_init(&f, &b.dir);
     test_fail_alloc(1);
     log_file_start(&f, 1);
     CHECK(test_alloc_failed() && f.error == ENOMEM);
     log_file_clear(&f);
-    datadir_close(&dir);
-    directory_remove(&d);
+    end(&b);
 }
 
 TEST(log_that_cannot_begin_is_none)
 {
     static const char *const calls[] = {"create log.1", "write log.1", "sync log.1", "sync ."};
-    struct directory d = directory_quick();
-    struct datadir dir;
-    CHECK(datadir_open(&dir, d.path, false));
-    calls_watch(d.path);
+    struct bench b;
+    begin_empty(&b);
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
         calls_fail(calls[i], 1, 1, EIO);
-        CHECK(log_new(&dir, LOG_ALWAYS, 1, -1) == NULL && calls_failed() == 1);
+        CHECK(log_new(&b.dir, LOG_ALWAYS, 1, -1) == NULL && calls_failed() == 1);
     }
     for (long n = 1;; n++) {
         test_fail_alloc(n);
-        struct log *log = log_new(&dir, LOG_ALWAYS, 1, -1);
+        struct log *log = log_new(&b.dir, LOG_ALWAYS, 1, -1);
         bool failed = test_alloc_failed();
         test_fail_alloc(0);
         CHECK(failed || log != NULL);
@@ -400,8 +393,7 @@ TEST(log_that_cannot_begin_is_none)
                 break;
         }
     }
-    datadir_close(&dir);
-    directory_remove(&d);
+    end(&b);
 }
 
 /* Its end is no end that it could vouch for. */
@@ -415,10 +407,9 @@ TEST(log_that_has_failed_is_not_closed_with_a_record)
     CHECK(b.status.failures == 1);
     unsigned writes = calls_count("write log.1");
     log_free(b.log);
+    b.log = NULL;
     CHECK(calls_count("write log.1") == writes && calls_end("write log.1\n"));
-    datadir_close(&b.dir);
-    close(b.event);
-    directory_remove(&b.directory);
+    end(&b);
 }
 
 TEST(change_that_could_not_be_kept_at_all_is_noticed_at_once)
@@ -461,16 +452,13 @@ TEST(log_on_a_full_disk_ends_with_a_whole_record)
 TEST(segment_that_was_there_stays_when_its_beginning_fails)
 {
     char path[128];
-    struct datadir dir;
-    struct directory d = directory_quick();
-    directory_touch(&d, "log.0000000000000005");
-    CHECK(datadir_open(&dir, d.path, false));
-    calls_watch(d.path);
+    struct bench b;
+    begin_empty(&b);
+    directory_touch(&b.directory, "log.0000000000000005");
     calls_fail("sync log.5", 1, 1, EIO);
-    CHECK(log_new(&dir, LOG_ALWAYS, 5, -1) == NULL);
-    CHECK(directory_file(&d, "log.", 0, path));
-    datadir_close(&dir);
-    directory_remove(&d);
+    CHECK(log_new(&b.dir, LOG_ALWAYS, 5, -1) == NULL);
+    CHECK(directory_file(&b.directory, "log.", 0, path));
+    end(&b);
 }
 
 TEST(bytes_in_the_queue_are_counted_until_they_are_written)
