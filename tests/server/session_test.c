@@ -9,51 +9,60 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-TEST(change_whose_client_was_killed_in_the_same_turn_holds_no_reply)
-{
-    int pair[2];
+struct bench {
     struct local l;
     struct loop loop;
+    struct session *session;
+    int client; /* the other end */
+};
+
+static void begin(struct bench *b)
+{
+    int pair[2];
     struct sock_peer peer = {.kind = SOCK_UNIX};
-    local_start(&l, 0);
-    CHECK(loop_init(&loop));
+    local_start(&b->l, 0);
+    CHECK(loop_init(&b->loop));
     CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, pair) == 0);
-    struct session *s = session_new(&l.server, &loop, pair[1], &peer, NULL);
-    CHECK(s != NULL);
-    conn_close(&s->conn);
-    struct answer a = session_answer(s);
+    b->client = pair[0];
+    b->session = session_new(&b->l.server, &b->loop, pair[1], &peer, NULL);
+    CHECK(b->session != NULL);
+}
+
+static void end(struct bench *b)
+{
+    conn_close(&b->session->conn);
+    loop_clear(&b->loop);
+    local_stop(&b->l);
+    close(b->client);
+}
+
+TEST(change_whose_client_was_killed_in_the_same_turn_holds_no_reply)
+{
+    struct bench b;
+    begin(&b);
+    conn_close(&b.session->conn);
+    struct answer a = session_answer(b.session);
     a.lsn = 1;
-    session_take_over(s, &a);
-    CHECK(l.server.held.first == NULL);
-    loop_clear(&loop);
-    local_stop(&l);
-    close(pair[0]);
+    session_take_over(b.session, &a);
+    CHECK(b.l.server.held.first == NULL);
+    end(&b);
 }
 
 /* It was to be carried out again, for which the deadline itself answers nothing. */
 TEST(request_whose_turn_comes_after_its_deadline_is_not_carried_out)
 {
-    int pair[2];
     char reply[100] = "";
-    struct local l;
-    struct loop loop;
-    struct sock_peer peer = {.kind = SOCK_UNIX};
-    local_start(&l, 0);
-    CHECK(loop_init(&loop));
-    CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, pair) == 0);
-    struct session *s = session_new(&l.server, &loop, pair[1], &peer, NULL);
-    CHECK(s != NULL);
-    loop.now_ms = 1000;
+    struct bench b;
+    begin(&b);
+    struct session *s = b.session;
+    b.loop.now_ms = 1000;
     s->deadline_ms = 999;
     buf_append(&s->conn.in, "ADD t 1 1\n", 10);
     s->held = 10;
     conn_turn(&s->conn);
     conn_turn(&s->conn); /* sends */
-    CHECK(read(pair[0], reply, sizeof reply - 1) > 0);
+    CHECK(read(b.client, reply, sizeof reply - 1) > 0);
     CHECK_MSG(strncmp(reply, "ERR TIMEOUT ", 12) == 0, "%s", reply);
-    CHECK(l.server.sets.sets == 0 && buf_len(&s->conn.in) == 0 && s->deadline_ms == 0);
-    conn_close(&s->conn);
-    loop_clear(&loop);
-    local_stop(&l);
-    close(pair[0]);
+    CHECK(b.l.server.sets.sets == 0 && buf_len(&s->conn.in) == 0 && s->deadline_ms == 0);
+    end(&b);
 }
