@@ -23,6 +23,27 @@ static void check_peak(const struct daemon *d, size_t most)
     CHECK_MSG(test_is_sanitized() || peak <= most, "the daemon has had %zu bytes", peak);
 }
 
+/* Loads sets t0, t1, ... of random points, each on a connection of its own. */
+static void load_sets(const struct daemon *d, int *fd, int sets, uint32_t points)
+{
+    char name[16];
+    for (int i = 0; i < sets; i++) {
+        fd[i] = daemon_connect(d);
+        snprintf(name, sizeof name, "t%d", i);
+        load_random(fd[i], name, points);
+    }
+}
+
+/* Asks for their triangulations, all at once. */
+static void triangulate_sets(const int *fd, int sets, const char *how)
+{
+    char text[64];
+    for (int i = 0; i < sets; i++) {
+        snprintf(text, sizeof text, "TRIANGULATE t%d%s\n", i, how);
+        say(fd[i], text);
+    }
+}
+
 TEST_TIMEOUT(eight_builds_at_once_stay_below_max_memory_and_all_are_answered, 120)
 {
     enum { SETS = 8, POINTS = 400000 };
@@ -30,16 +51,8 @@ TEST_TIMEOUT(eight_builds_at_once_stay_below_max_memory_and_all_are_answered, 12
     struct daemon d = daemon_start(arguments);
     int fd[SETS];
     unsigned done = 0;
-    char text[64];
-    for (int i = 0; i < SETS; i++) {
-        fd[i] = daemon_connect(&d);
-        snprintf(text, sizeof text, "t%d", i);
-        load_random(fd[i], text, POINTS);
-    }
-    for (int i = 0; i < SETS; i++) {
-        snprintf(text, sizeof text, "TRIANGULATE t%d\n", i);
-        say(fd[i], text);
-    }
+    load_sets(&d, fd, SETS, POINTS);
+    triangulate_sets(fd, SETS, "");
     for (int i = 0; i < SETS; i++) {
         const char *line = hear_line(fd[i]);
         bool refused = begins_with(line, "ERR BUSY ") || begins_with(line, "ERR NOMEM ");
@@ -58,17 +71,9 @@ TEST_TIMEOUT(builds_that_do_not_fit_together_wait_for_each_other_in_order, 120)
     const char *arguments[] = {"--max-memory", "100m", "--threads", "4", NULL};
     struct daemon d = daemon_start(arguments);
     int fd[SETS];
-    char text[64];
-    for (int i = 0; i < SETS; i++) {
-        fd[i] = daemon_connect(&d);
-        snprintf(text, sizeof text, "t%d", i);
-        load_random(fd[i], text, POINTS);
-    }
+    load_sets(&d, fd, SETS, POINTS);
     for (int round = 0; round < 3; round++) { /* METHOD: each is a build */
-        for (int i = 0; i < SETS; i++) {
-            snprintf(text, sizeof text, "TRIANGULATE t%d METHOD divide\n", i);
-            say(fd[i], text);
-        }
+        triangulate_sets(fd, SETS, " METHOD divide");
         for (int i = 0; i < SETS; i++)
             CHECK(begins_with(hear_line(fd[i]), "OK 0 points=100000 "));
     }
@@ -82,16 +87,8 @@ TEST_TIMEOUT(client_that_leaves_while_its_build_waits_for_memory_holds_up_nobody
     const char *arguments[] = {"--max-memory", "64m", "--threads", "2", NULL};
     struct daemon d = daemon_start(arguments);
     int fd[SETS];
-    char text[64];
-    for (int i = 0; i < SETS; i++) {
-        fd[i] = daemon_connect(&d);
-        snprintf(text, sizeof text, "t%d", i);
-        load_random(fd[i], text, POINTS);
-    }
-    for (int i = 0; i < SETS; i++) {
-        snprintf(text, sizeof text, "TRIANGULATE t%d METHOD shelling\n", i);
-        say(fd[i], text);
-    }
+    load_sets(&d, fd, SETS, POINTS);
+    triangulate_sets(fd, SETS, " METHOD shelling");
     for (int i = 1; i < SETS; i += 2)
         close(fd[i]);
     unsigned done = 0;
