@@ -24,10 +24,10 @@ start() {
 
 cpu_ticks() { awk '{print $14 + $15}' "/proc/${pid[$1]}/stat"; }
 
-# measure NAME TITLE FLAG...: appends `replies/s` and `processor time per reply in ns` to NAME's file.
+# measure NAME FLAG...: appends `replies/s` and `processor time per reply in ns` to NAME's file.
 measure() {
     local name=$1 before rate seconds=2
-    shift 2
+    shift
     before=$(cpu_ticks "$name")
     rate=$("$build/load" --port "${port[$name]}" --seconds $seconds "$@" | awk -F'|' '{gsub(/ /, "", $3); print $3}')
     echo "$rate $(((($(cpu_ticks "$name") - before) * 10000000) / (rate * seconds)))" >>"$scratch/$name.figures"
@@ -40,7 +40,7 @@ row() { # TITLE FLAG...
     shift
     rm -f "$scratch"/*.figures
     for _ in $(seq "$rounds"); do
-        for name in ours other; do measure $name "$title" "$@"; done
+        for name in ours other; do measure $name "$@"; done
     done
     for name in ours other; do
         rate+=("$(cut -d' ' -f1 "$scratch/$name.figures" | median)")
@@ -50,7 +50,7 @@ row() { # TITLE FLAG...
         'BEGIN {printf "| %s | %d | %d | %.2f | %d | %d | %.2f |\n", t, a, b, a / b, c, d, c / d}'
 }
 
-head() {
+table() { # TITLE
     echo "| $1 | replies/s | the other's | ratio | processor time, ns | the other's | ratio |"
     echo "|---|---|---|---|---|---|---|"
 }
@@ -60,7 +60,7 @@ start other "$other"
 for name in ours other; do
     "$build/load" --port "${port[$name]}" --mix nearest --count 1 --points $keys --set live >"$scratch/load"
 done
-head "in memory, 50 connections, 16 requests on their way on each"
+table "in memory, 50 connections, 16 requests on their way on each"
 row "PING" --mix ping --pipeline 16
 row "NEAREST of 1e6" --mix nearest --pipeline 16 --held $keys --set live
 row "ADD" --mix add --pipeline 16 --set new
@@ -70,7 +70,7 @@ wait
 echo
 start ours "$build/delaunayd" --data "$scratch/ours.data" --fsync always
 start other "$other" --data "$scratch/other.data" --fsync always
-head "--fsync always, in $(df --output=fstype "$scratch" | tail -1)"
+table "--fsync always, in $(df --output=fstype "$scratch" | tail -1)"
 row "ADD, 50 connections" --mix add --set t
 row "ADD x 16" --mix add --pipeline 16 --set u
 row "PING x 16" --mix ping --pipeline 16

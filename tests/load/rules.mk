@@ -21,7 +21,7 @@ load: all
 #   make load-beside OTHER=../before/build/delaunayd
 .PHONY: load-beside
 load-beside: all
-	@tests/load/beside.sh $(O) $(OTHER)
+	@tests/load/beside.sh $(O) $(or $(OTHER),$(error OTHER=PROGRAM is missing))
 
 # What single innocent requests do to other clients, and what stress does to memory: four minutes.
 #
