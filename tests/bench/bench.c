@@ -3,11 +3,11 @@
  *
  *     bench [--min N] [--max N] [--cgal PROGRAM] paper|sizes|families|hostile|edits ...
  *
- * The tables are Markdown, ready for README.md beside this file; chart.awk draws them. Every figure is the best of
- * several processes, and those that are compared take turns; a process builds as many different
- * sets as make a million points. "fresh" builds in memory never touched before, "warm" in pages that
- * the process has used already. One thread is timed by its CPU clock, two by the clock on the
- * wall. */
+ * The tables are Markdown, ready for README.md beside this file; chart.awk draws them. Every figure
+ * but those of edits is the best of several processes, and runs alternate between the programs that
+ * are compared; a process builds as many different sets as make a million points. "fresh" builds in
+ * memory never touched before, "warm" in pages that the process has used already. One thread is timed
+ * by its CPU clock, two by the clock on the wall. */
 #include "tests/bench/hostile.h"
 #include "tests/bench/hostile_edits.h"
 #include "tests/bench/measure.h"
