@@ -5,6 +5,7 @@
 #define CLIENTS_COMMAND_H
 
 #include "clients/delaunay_client.h"
+#include "clients/points_file.h"
 
 enum exit_status { EXIT_DONE = 0, EXIT_REFUSED = 1, EXIT_USAGE = 2, EXIT_NO_CONNECTION = 3 };
 
@@ -35,6 +36,10 @@ int command_copy(struct delaunay_client *c, int argc, char **argv);
 
 /* completion: prints a completion script for bash. c is NULL. */
 int command_completion(struct delaunay_client *c, int argc, char **argv);
+
+/* Sends the points of a file into a set, with a progress bar, and receives the reply. */
+enum delaunay_result command_send_points(struct delaunay_client *c, const char *set,
+                                         const struct points_file *f);
 
 /* Reports the outcome of a request on the standard error, unless it is DELAUNAY_OK; returns the
  * exit status. */

@@ -18,7 +18,7 @@ struct json {
 
 static bool bad(struct json *j)
 {
-    return points_file_fault(j->f, "not GeoJSON");
+    return points_file_stop(j->f, "not GeoJSON");
 }
 
 /* The next character that is no blank, 0 at the end. */
@@ -89,7 +89,8 @@ static bool read_position(struct json *j)
             return false;
     if (!take(j, ']'))
         return bad(j);
-    return points_file_add(j->f, x, x_len, y, y_len);
+    return points_file_add(j->f, x, x_len, y, y_len) ||
+           points_file_skip(j->f, x, (size_t)(j->p - x) - 1);
 }
 
 static bool read_coordinates(struct json *j, bool many)
@@ -131,8 +132,10 @@ static bool read_geometry(struct json *j, const char *type, size_t len, const st
                                          "MultiPolygon"};
     bool many = is_text(type, len, "MultiPoint");
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
-        if (is_text(type, len, others[i]))
-            return points_file_fault(j->f, "a geometry that is neither Point nor MultiPoint");
+        if (is_text(type, len, others[i])) {
+            points_file_fault(j->f, "a geometry that is neither Point nor MultiPoint");
+            return points_file_skip(j->f, type, len);
+        }
     if (!many && !is_text(type, len, "Point"))
         return true;
     struct json back = *at;
@@ -199,12 +202,12 @@ static bool read_all(struct points_file *f, int fd, char **text, size_t *n)
             cap = cap == 0 ? 1 << 16 : 2 * cap;
             char *more = realloc(*text, cap);
             if (more == NULL)
-                return points_file_fault(f, "out of memory");
+                return points_file_stop(f, "out of memory");
             *text = more;
         }
         got = read(fd, *text + *n, cap - *n);
         if (got < 0 && errno != EINTR)
-            return points_file_fault(f, strerror(errno));
+            return points_file_stop(f, "%s", strerror(errno));
         if (got > 0)
             *n += (size_t)got;
     }
@@ -219,6 +222,8 @@ bool points_file_read_geojson(struct points_file *f, int fd)
     if (ok) {
         struct json j = {.f = f, .p = text, .end = text + n};
         f->line = 1;
+        if (n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0)
+            j.p += 3; /* the byte order mark of UTF-8 */
         while (ok && peek(&j) != 0) {
             take(&j, 0x1E); /* RFC 8142 puts one before each value */
             ok = read_value(&j);

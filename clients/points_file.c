@@ -3,6 +3,8 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -18,6 +20,38 @@ bool points_file_fault(struct points_file *f, const char *what)
     return false;
 }
 
+bool points_file_stop(struct points_file *f, const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vsnprintf(f->text, sizeof f->text, format, values);
+    va_end(values);
+    f->fault = f->text;
+    f->fatal = true;
+    return false;
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r';
+}
+
+bool points_file_skip(struct points_file *f, const char *s, size_t len)
+{
+    if (!f->skip_bad || f->fatal)
+        return false;
+    if (f->skipped < SKIPPED_SHOWN) {
+        f->skip[f->skipped].line = f->line;
+        snprintf(f->skip[f->skipped].fault, sizeof f->skip[0].fault, "%s", f->fault);
+        while (len > 0 && is_blank(s[len - 1]))
+            len--;
+        snprintf(f->skip[f->skipped].text, sizeof f->skip[0].text, "%.*s", len < 59 ? (int)len : 59,
+                 s);
+    }
+    f->skipped++;
+    return true;
+}
+
 static bool append(struct points_file *f, double x, double y)
 {
     if (f->n == f->cap) {
@@ -25,7 +59,7 @@ static bool append(struct points_file *f, double x, double y)
         double *xy = realloc(f->xy, cap * 2 * sizeof xy[0]);
         if (xy == NULL) {
             f->line = 0;
-            return points_file_fault(f, "out of memory");
+            return points_file_stop(f, "out of memory");
         }
         f->xy = xy;
         f->cap = cap;
@@ -34,11 +68,6 @@ static bool append(struct points_file *f, double x, double y)
     f->xy[2 * f->n + 1] = y;
     f->n++;
     return true;
-}
-
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r';
 }
 
 /* The next word of *s .. end, moved behind it; its length is 0 at the end of the line. */
@@ -84,20 +113,41 @@ static bool read_xy(struct points_file *f, const char *s, const char *end)
         return points_file_fault(f, proto_read_double(x, x_len, &v) ? "a point needs x and y"
                                                                     : "not a number");
     return points_file_add(f, x, x_len, y, y_len) &&
-           (next_word(&s, end, &rest) == 0 || points_file_fault(f, "more than x and y"));
+           (next_word(&s, end, &rest) == 0 ||
+            points_file_fault(f, "more than x and y; --columns 1,2 takes the first two"));
 }
 
 static bool read_line(struct points_file *f, const char *s, const char *end)
 {
     f->line++;
-    return f->parse_line != NULL ? f->parse_line(f, s, end) : read_xy(f, s, end);
+    if (f->line == 1 && end - s >= 3 && memcmp(s, "\xEF\xBB\xBF", 3) == 0)
+        s += 3; /* the byte order mark of UTF-8 */
+    uint64_t first = f->line;
+    for (const char *lf = s; f->find_end != NULL && lf < end; lf++) {
+        lf = memchr(lf, '\n', (size_t)(end - lf));
+        if (lf == NULL)
+            break;
+        f->line++; /* a line break in quotes */
+    }
+    uint64_t last = f->line;
+    f->line = first;
+    bool ok = f->parse_line != NULL ? f->parse_line(f, s, end) : read_xy(f, s, end);
+    if (!ok && !points_file_skip(f, s, (size_t)(end - s)))
+        return false;
+    f->line += last - first;
+    return true;
+}
+
+static const char *find_end(const struct points_file *f, const char *s, const char *end)
+{
+    return f->find_end != NULL ? f->find_end(f, s, end) : memchr(s, '\n', (size_t)(end - s));
 }
 
 /* Reads the whole lines of block[n]; *used is where the rest begins. */
 static bool read_lines(struct points_file *f, const char *block, size_t n, size_t *used)
 {
     const char *s = block, *end = block + n, *lf;
-    while (s < end && (lf = memchr(s, '\n', (size_t)(end - s))) != NULL) {
+    while (s < end && (lf = find_end(f, s, end)) != NULL) {
         if (!read_line(f, s, lf))
             return false;
         s = lf + 1;
@@ -106,7 +156,9 @@ static bool read_lines(struct points_file *f, const char *block, size_t n, size_
     if (n - *used <= LINE_MAX_BYTES)
         return true;
     f->line++;
-    return points_file_fault(f, "the line is too long");
+    return points_file_stop(f, memchr(s, '"', (size_t)(end - s)) != NULL
+                                   ? "the line is too long, or a quote is not closed"
+                                   : "the line is too long");
 }
 
 static bool read_blocks(struct points_file *f, int fd, char *block,
@@ -120,7 +172,7 @@ static bool read_blocks(struct points_file *f, int fd, char *block,
             continue;
         if (n < 0) {
             f->line = 0;
-            return points_file_fault(f, strerror(errno));
+            return points_file_stop(f, "%s", strerror(errno));
         }
         have += (size_t)n;
         total += (uint64_t)n;
@@ -131,6 +183,10 @@ static bool read_blocks(struct points_file *f, int fd, char *block,
         if (progress != NULL)
             progress(ctx, total, f->n);
     }
+    if (f->find_end != NULL && memchr(block, '\n', have) != NULL) {
+        f->line++;
+        return points_file_stop(f, "a quote is not closed");
+    }
     return have == 0 || read_line(f, block, block + have);
 }
 
@@ -138,7 +194,7 @@ bool points_file_read(struct points_file *f, int fd, points_file_progress_fn *pr
 {
     char *block = malloc(LINE_MAX_BYTES + BLOCK);
     if (block == NULL)
-        return points_file_fault(f, "out of memory");
+        return points_file_stop(f, "out of memory");
     bool ok = read_blocks(f, fd, block, progress, ctx);
     free(block);
     return ok;

@@ -7,17 +7,25 @@
 #include "clients/formats.h"
 
 const struct subcommand subcommands[] = {
-    {"load", command_load, false, true, "load SET FILE [--format F] [--columns X,Y]",
+    {"load", command_load, false, true, "load SET FILE [--format F] [--columns X,Y] [--skip-bad]",
      "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
      "line\n"
      "loads nothing and is named.\n\n"
-     "  -f, --format xy       lines `x y`; blank ones and those that start with # are skipped\n"
-     "  -f, --format csv      a table; columns x,y or lon,lat by name, or else the first two\n"
+     "  -f, --format csv      a table: values between commas, semicolons, tabs, bars or blanks\n"
+     "  -f, --format xyz      the same; what follows x and y does not count\n"
+     "  -f, --format xy       lines `x y` and nothing else; # begins a comment\n"
      "  -f, --format geojson  every Point and MultiPoint\n"
      "  -f, --format node     Triangle's .node file\n"
-     "  -c, --columns X,Y     columns of a CSV file, by name or by number from 1\n\n"
-     "Without --format the file's ending decides: .csv .geojson .json .ndjson .node; else xy.\n",
-     "--format --columns --help"},
+     "  -c, --columns X,Y     columns of a table, by name or by number from 1\n"
+     "      --skip-bad        leave bad lines out; shows the first ones and counts them\n\n"
+     "Without --format the file's ending decides: .xy .xyz .geojson .json .ndjson .node; else the\n"
+     "first character: { is GeoJSON, anything else a table. The headings of a table choose the "
+     "columns,\n"
+     "among them x,y  lon,lat  easting,northing  POINT_X,POINT_Y  Longitude (deg),...; others are\n"
+     "refused. Beside semicolons numbers may have decimal commas. Compressed files (.gz .bz2 .xz "
+     ".zst)\n"
+     "and UTF-16 are read by way of gzip, bzip2, xz, zstd, iconv.\n",
+     "--format --columns --skip-bad --help"},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--colour quality|degree] [--numbers] [--viewport X0,Y0,X1,Y1]",
      "Writes the triangulated set to a file (- for the standard output).\n\n"

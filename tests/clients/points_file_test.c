@@ -62,7 +62,7 @@ TEST(points_file_names_the_bad_line)
 {
     const char *range = "a coordinate must be 0 or from 2^-142 to 2^201 in magnitude";
     check_fault("1 2\n# x\n3\n4 5\n", 3, "a point needs x and y");
-    check_fault("1 2\n1 2 3\n", 2, "more than x and y");
+    check_fault("1 2\n1 2 3\n", 2, "more than x and y; --columns 1,2 takes the first two");
     check_fault("1 two\n", 1, "not a number");
     check_fault("1,2\n", 1, "not a number");
     check_fault("nan 1\n", 1, "not a number");

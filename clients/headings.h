@@ -1,0 +1,36 @@
+/* headings.h - which of two coordinates a column's heading names: `x`, `POINT_Y`, `Longitude (deg)`. */
+#ifndef CLIENTS_HEADINGS_H
+#define CLIENTS_HEADINGS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum axis { AXIS_X, AXIS_Y, AXIS_NONE };
+
+/* The pairs of names; x of one pair does not go with y of another. */
+enum heading_pair { PAIR_XY, PAIR_LON_LAT, PAIR_EAST_NORTH, PAIR_COUNT };
+
+struct heading {
+    enum axis axis;
+    enum heading_pair pair;
+    bool plain; /* the name alone, in capitals or not, with nothing around it */
+};
+
+/* Reads a heading of `len` bytes (UTF-8). Units in brackets, words such as coord, point, utm or deg, and
+ * separators between words do not count; a heading with any other word names no coordinate. */
+struct heading heading_read(const char *text, size_t len);
+
+/* The columns of x and y among headings of a table, found one after the other. */
+struct heading_search {
+    size_t column[PAIR_COUNT][2], plain_column[PAIR_COUNT][2];
+    unsigned found[PAIR_COUNT][2], plain[PAIR_COUNT][2];
+    size_t columns;
+};
+
+void heading_search_add(struct heading_search *s, const char *text, size_t len);
+
+/* False if no pair is there exactly once. A pair of plain names precedes others; among several of these the
+ * order of enum heading_pair decides. *obvious: there was nothing to choose from, and the names are plain. */
+bool heading_search_end(const struct heading_search *s, size_t column[2], bool *obvious);
+
+#endif

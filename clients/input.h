@@ -1,0 +1,26 @@
+/* input.h - opens a file, or the standard input, for reading; what is compressed or UTF-16 is read by way of
+ * another program. */
+#ifndef CLIENTS_INPUT_H
+#define CLIENTS_INPUT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+struct input {
+    int fd;
+    bool standard;       /* fd is not ours to close */
+    pid_t child;         /* the program that converts, 0 if none does */
+    const char *program; /* its name */
+    char first;          /* the first character that is no blank, 0 if it is not known */
+    uint64_t size;       /* bytes to read, 0 if unknown */
+};
+
+/* Opens the path, "-" for the standard input. False with a sentence in why[room] on failure. */
+bool input_open(struct input *in, const char *path, char *why, size_t room);
+
+/* Closes it; false with a sentence in why[room] if a converting program failed. `all`: everything was read. */
+bool input_close(struct input *in, bool all, char *why, size_t room);
+
+#endif
