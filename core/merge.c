@@ -38,7 +38,7 @@
 #include "core/sight.h"
 
 #define FEW_DOUBTS 1            /* of a merge for which the wide filter is good enough */
-#define LONG (1u << 15)         /* points of a merge that polls: few have so many */
+#define LONG (1u << 15)         /* points beyond which a merge polls, and may end early */
 #define STEPS_BETWEEN_POLLS 512 /* of a long merge: each takes up to ten microseconds */
 
 /* One merge on its way up. A part of a single point has no ghosts, hence no lc or rc. */
@@ -266,14 +266,14 @@ static __attribute__((noinline)) bool knit_long(const struct knitting *w, bool c
     return knit(&local, close, true, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
 }
 
-static __attribute__((noinline)) bool knit_single(const struct knitting *w, int sides, uint32_t l,
-                                                  uint32_t r, uint32_t some_l, uint32_t some_r,
-                                                  uint32_t bot, uint32_t top)
+static __attribute__((noinline)) bool knit_single(const struct knitting *w, bool polls, int sides,
+                                                  uint32_t l, uint32_t r, uint32_t some_l,
+                                                  uint32_t some_r, uint32_t bot, uint32_t top)
 {
     if (sides == SIGHT_LEFT)
-        return knit(w, false, true, SIGHT_LEFT, l, r, some_l, some_r, bot, top);
+        return knit(w, false, polls, SIGHT_LEFT, l, r, some_l, some_r, bot, top);
     if (sides == SIGHT_RIGHT)
-        return knit(w, false, true, SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
+        return knit(w, false, polls, SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
     return knit(w, false, false, 0, l, r, some_l, some_r, bot, top);
 }
 
@@ -282,9 +282,10 @@ bool dt_knit(const struct knitting *w, bool close, uint32_t l, uint32_t r, uint3
 {
     uint32_t bot = 16 * mid - 16, top = 16 * mid - 8;
     int sides = (nl > 1 ? SIGHT_LEFT : 0) | (nr > 1 ? SIGHT_RIGHT : 0);
+    bool polls = nl + nr > LONG;
     if (__builtin_expect(sides != SIGHT_BOTH, 0))
-        return knit_single(w, sides, l, r, some_l, some_r, bot, top);
-    if (__builtin_expect(nl + nr > LONG, 0))
+        return knit_single(w, polls, sides, l, r, some_l, some_r, bot, top);
+    if (__builtin_expect(polls, 0))
         return knit_long(w, close, l, r, some_l, some_r, bot, top);
     if (close)
         return knit_close(w, l, r, some_l, some_r, bot, top);
@@ -315,6 +316,6 @@ struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *
     else
         c.close = dt_knit(&k, close, a->top, b->bottom, a->n, b->n, a->ghost, b->ghost, mid);
     if (__builtin_expect(c.n > LONG, 0) && w->stop != NULL && dt_stop_status(w->stop) != DT_OK)
-        return (struct dt_part){0};
+        return (struct dt_part){0}; /* it may have ended early */
     return c;
 }
