@@ -9,11 +9,11 @@
  * the recursion; beside vertices that were deleted, dense copies of coordinates and order. */
 #define BUILD_BYTES 136
 #define BUILD_DENSE_BYTES 24
-#define BUILD_THREAD_BYTES 4
 #define PREPARE_BYTES 48
 
-/* Bytes per point that is added: as a vertex, or, what is more, as an alias. */
+/* Bytes per point that is added: as a vertex, or, what is more, as an alias; and of each thread's table. */
 #define ADD_BYTES 104
+#define ADD_THREAD_BYTES ((size_t)64 << 10)
 
 /* Bytes per point that is there, if an index of their places must be made first. */
 #define INDEX_BYTES (size_t)16
@@ -27,12 +27,17 @@ static size_t slack(size_t n)
     return n < 4096 ? n * 256 : (size_t)1 << 20;
 }
 
+/* How many threads beside the caller's work on n points. */
+static size_t more_threads(const struct dt_options *opt, size_t n)
+{
+    return dt_threads_for(opt == NULL ? NULL : opt->pool, (uint32_t)n) - 1;
+}
+
 /* Of a build of n vertices. */
 static size_t build_memory(const struct dt *t, size_t n, const struct dt_options *opt)
 {
-    size_t more = dt_threads_for(opt == NULL ? NULL : opt->pool, (uint32_t)n) - 1;
     size_t bytes = t->points.free_count > 0 ? BUILD_BYTES + BUILD_DENSE_BYTES : BUILD_BYTES;
-    return n * (bytes + more * BUILD_THREAD_BYTES) + more * THREAD_BYTES + slack(n);
+    return n * bytes + more_threads(opt, n) * THREAD_BYTES + slack(n);
 }
 
 size_t dt_build_memory(const struct dt *t, const struct dt_options *opt)
@@ -59,5 +64,5 @@ size_t dt_add_memory(const struct dt *t, size_t n, const struct dt_options *opt)
         bytes += vertices * INDEX_BYTES;
     if (later)
         bytes += build_memory(t, vertices + n, opt);
-    return bytes + n * ADD_BYTES;
+    return bytes + n * ADD_BYTES + more_threads(opt, n) * ADD_THREAD_BYTES;
 }

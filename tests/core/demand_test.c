@@ -117,7 +117,7 @@ TEST_TIMEOUT(work_takes_no_more_memory_than_was_said_before, 120)
 {
     static const char *const names[] = {"uniform", "kuzmin", "duplicates", "nested"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-        for (unsigned threads = 1; threads <= 8; threads += 7)
+        for (unsigned threads = 1; threads <= 64; threads *= 8)
             live_through(family_find(names[i]), threads, MANY, 0);
 }
 
@@ -187,6 +187,8 @@ TEST_TIMEOUT(small_sets_ask_malloc_for_no_more_than_was_said_on_any_number_of_th
         for (unsigned threads = 1; threads <= 8; threads += threads == 1 ? 1 : 6)
             for (size_t n = 500; n <= 8000; n *= 4)
                 live_small(f, threads, n);
+    live_small(family_find("uniform"), 64, 8000);
+    live_small(family_find("kuzmin"), 64, 8000);
 }
 
 TEST_TIMEOUT(papers_engine_takes_no_more_memory_than_was_said, 60)
