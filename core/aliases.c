@@ -1,8 +1,9 @@
 /* aliases.c - see aliases.h. */
 #include "core/aliases.h"
 
-#include <stdlib.h>
 #include <string.h>
+
+#include "core/sort.h"
 
 void dt_aliases_init(struct dt_aliases *a, struct dt_pages *pages)
 {
@@ -219,12 +220,6 @@ uint32_t dt_aliases_unite(struct dt_aliases *a, uint32_t from, uint32_t into)
     return root;
 }
 
-static int compare_ids(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* The next node of the heap in preorder that is not below i, DT_NONE if there is none. */
 static uint32_t beside(const struct dt_aliases *a, uint32_t i)
 {
@@ -240,7 +235,7 @@ uint32_t dt_aliases_lowest_but(const struct dt_aliases *a, uint32_t root, const 
     uint32_t best = DT_NONE, i = a->group[root].lowest;
     while (i != DT_NONE) {
         const struct dt_alias *x = &a->alias[i];
-        bool left_out = n > 0 && bsearch(&x->id, ids, n, sizeof *ids, compare_ids) != NULL;
+        bool left_out = dt_sorted_have(ids, n, x->id);
         if (!left_out && (best == DT_NONE || x->id < a->alias[best].id))
             best = i;
         i = left_out && x->left != DT_NONE ? x->left : beside(a, i);

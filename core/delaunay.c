@@ -177,12 +177,9 @@ enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
     uint32_t *sorted = dt_array_new_in(t->points.pages, n, sizeof *sorted);
     if (sorted == NULL)
         return DT_NOMEM;
-    size_t distinct = 0;
     dt_copy(sorted, ids, n, sizeof *sorted, NULL);
-    enum dt_status status = dt_sort_ids(sorted, n, t->points.pages, &stop);
-    for (size_t i = 0; status == DT_OK && i < n; i++)
-        if (i == 0 || sorted[i] != sorted[distinct - 1])
-            sorted[distinct++] = sorted[i];
+    size_t distinct = dt_sort_unique(sorted, n, t->points.pages, &stop);
+    enum dt_status status = dt_stop_status(&stop);
     if (status == DT_OK)
         status = delete_sorted(t, sorted, distinct, opt);
     dt_array_free(sorted);

@@ -4,6 +4,7 @@
 #include "core/hull.h"
 #include "core/hull_walk.h"
 #include "core/reader.h"
+#include "core/sort.h"
 #include "core/star.h"
 #include "core/work.h"
 
@@ -85,24 +86,6 @@ enum dt_status dt_view_ring(const struct dt *t, const struct dt_view *v, uint32_
     return DT_OK;
 }
 
-static int compare_ids(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return x < y ? -1 : x > y;
-}
-
-/* Sorts ids and leaves each once; returns how many are left. */
-static size_t sort_unique(uint32_t *ids, size_t n)
-{
-    size_t kept = 0;
-    if (n > 1)
-        qsort(ids, n, sizeof *ids, compare_ids);
-    for (size_t i = 0; i < n; i++)
-        if (kept == 0 || ids[kept - 1] != ids[i])
-            ids[kept++] = ids[i];
-    return kept;
-}
-
 /* Copies the n sorted ids of hull points to `to` in hull order. */
 static enum dt_status hull_order(const struct dt *t, bool cw, uint32_t *to, const uint32_t *ids,
                                  size_t n, struct dt_work *work)
@@ -112,9 +95,9 @@ static enum dt_status hull_order(const struct dt *t, bool cw, uint32_t *to, cons
     enum dt_status s = dt_work(work, dt_mesh_hull(m)); /* what dt_hull_first looks at */
     uint32_t g = s == DT_OK ? dt_hull_first(m, t->points.id, cw) : DT_NONE;
     for (size_t found = 0; s == DT_OK && found < n; g = dt_hull_step(m, g, back)) {
-        const uint32_t *id = &t->points.id[dt_hull_vertex(m, g)];
-        if (bsearch(id, ids, n, sizeof *ids, compare_ids) != NULL)
-            to[found++] = *id;
+        uint32_t id = t->points.id[dt_hull_vertex(m, g)];
+        if (dt_sorted_have(ids, n, id))
+            to[found++] = id;
         s = dt_work(work, 1);
     }
     return s;
@@ -139,7 +122,7 @@ enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t
     uint32_t *ordered = sorted + n;
     for (size_t i = 0; i < n; i++)
         sorted[i] = t->points.id[dt_points_vertex(&t->points, ids[i])];
-    size_t distinct = sort_unique(sorted, n), inside = 0, on_hull = 0;
+    size_t distinct = dt_sort_unique(sorted, n, NULL, NULL), inside = 0, on_hull = 0;
     for (size_t i = 0; i < distinct; i++) {
         if (dt_on_hull(&t->mesh, dt_points_vertex(&t->points, sorted[i])))
             sorted[on_hull++] = sorted[i];

@@ -5,6 +5,7 @@
 #include "core/locate.h"
 #include "core/predicates.h"
 #include "core/reader.h"
+#include "core/sort.h"
 #include "core/star.h"
 
 #include <stdlib.h>
@@ -188,12 +189,6 @@ enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
     return DT_OK;
 }
 
-static int compare_ids(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* Sorts by a bitmap of the numbers from the least to the largest, if that has few words for its
  * bits: linear, and hardly any work beside reading and writing the result. */
 static bool sort_dense(uint32_t *v, size_t n)
@@ -220,6 +215,6 @@ void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n)
 {
     for (size_t i = 0; i < n; i++)
         v[i] = t->points.id[v[i]];
-    if (n > 1 && (n < DENSE_LEAST || !sort_dense(v, n)))
-        qsort(v, n, sizeof *v, compare_ids);
+    if (n < DENSE_LEAST || !sort_dense(v, n))
+        dt_sort_ids(v, n, t->points.pages, NULL);
 }

@@ -5,7 +5,7 @@
 
 #include "core/memory.h"
 
-enum { FEW = 4096, BITS = 11, DIGITS = 1 << BITS };
+enum { FEW = 1000, BITS = 11, DIGITS = 1 << BITS };
 
 static int compare_ids(const void *a, const void *b)
 {
@@ -43,26 +43,42 @@ static void by_digit(const uint32_t *ids, size_t n, unsigned shift, uint32_t *ou
         at[d] = place;
         place += here;
     }
-    for (size_t a, b = 0; !dt_stopped(stop) && next(stop, n, &a, &b);)
+    for (size_t a, b = 0; next(stop, n, &a, &b);)
         for (size_t i = a; i < b; i++)
             out[at[ids[i] >> shift & (DIGITS - 1)]++] = ids[i];
 }
 
-enum dt_status dt_sort_ids(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop)
+static void by_digits(uint32_t *ids, size_t n, uint32_t *other, struct dt_stop *stop)
 {
-    if (n < FEW) {
-        qsort(ids, n, sizeof *ids, compare_ids);
-        return DT_OK;
-    }
-    if (is_sorted(ids, n, stop))
-        return dt_stop_status(stop);
-    uint32_t *other = dt_array_new_in(pages, n, sizeof *other);
-    if (other == NULL)
-        return DT_NOMEM;
     by_digit(ids, n, 0, other, stop);
     by_digit(other, n, BITS, ids, stop);
     by_digit(ids, n, 2 * BITS, other, stop);
     dt_copy(ids, other, n, sizeof *ids, stop);
+}
+
+void dt_sort_ids(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop)
+{
+    if (is_sorted(ids, n, stop))
+        return;
+    uint32_t *other = n < FEW ? NULL : dt_array_new_in(pages, n, sizeof *other);
+    if (other != NULL)
+        by_digits(ids, n, other, stop);
+    else
+        qsort(ids, n, sizeof *ids, compare_ids);
     dt_array_free(other);
-    return dt_stop_status(stop);
+}
+
+size_t dt_sort_unique(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop)
+{
+    size_t kept = 0;
+    dt_sort_ids(ids, n, pages, stop);
+    for (size_t i = 0; i < n; i++)
+        if (kept == 0 || ids[kept - 1] != ids[i])
+            ids[kept++] = ids[i];
+    return kept;
+}
+
+bool dt_sorted_have(const uint32_t *ids, size_t n, uint32_t id)
+{
+    return n > 0 && bsearch(&id, ids, n, sizeof *ids, compare_ids) != NULL;
 }

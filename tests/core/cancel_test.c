@@ -306,7 +306,7 @@ TEST(ids_are_sorted_whatever_their_order)
                 ids[i] = (uint32_t)(random >> 32) & mask[k];
                 sum += ids[i];
             }
-            CHECK(dt_sort_ids(ids, n, NULL, &stop) == DT_OK);
+            dt_sort_ids(ids, n, NULL, &stop);
             for (size_t i = 0; i < n; i++) {
                 CHECK(i == 0 || ids[i - 1] <= ids[i]);
                 sum -= ids[i];
