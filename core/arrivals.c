@@ -47,16 +47,18 @@ struct arrivals {
     unsigned table_bits;
     uint32_t fresh[DT_MAX_THREADS]; /* first arrivals at their places, by slice */
     bool crowded[DT_MAX_THREADS];   /* a table has been too small */
-    struct dt_work *work;           /* the slices look at its flag only */
+    struct dt_stop *stop;
 };
 
-enum { LOOK = 4096 }; /* items between two looks at the flag */
-
-/* To be asked for every item i: whether the caller has cancelled; then nobody wants the results. */
-static bool is_cancelled(const struct arrivals *a, uint32_t i)
+/* A slice of n items, in pieces between which it polls. */
+static struct dt_piece before_slice(const struct arrivals *a, uint32_t n, unsigned slice)
 {
-    return i % LOOK == 0 && a->work != NULL && a->work->cancel != NULL &&
-           atomic_load_explicit(a->work->cancel, memory_order_relaxed);
+    return dt_before_first(dt_slice(n, slice, a->slices));
+}
+
+static bool next_piece(const struct arrivals *a, uint32_t n, unsigned slice, struct dt_piece *at)
+{
+    return dt_next_piece(a->stop, dt_slice(n, slice + 1, a->slices), at);
 }
 
 static uint32_t parts(const struct arrivals *a)
@@ -89,14 +91,11 @@ static uint32_t tag_of(uint64_t h)
 static void count(void *arg, unsigned slice)
 {
     struct arrivals *a = arg;
-    uint32_t *at = a->at + (size_t)slice * parts(a);
-    uint32_t last = dt_slice(a->end + a->n, slice + 1, a->slices);
-    memset(at, 0, parts(a) * sizeof *at);
-    for (uint32_t i = dt_slice(a->end + a->n, slice, a->slices); i < last; i++) {
-        if (is_cancelled(a, i))
-            return;
-        at[part_of(a, hash(a, place(a, i)))]++;
-    }
+    uint32_t *next = a->at + (size_t)slice * parts(a), items = a->end + a->n;
+    memset(next, 0, parts(a) * sizeof *next);
+    for (struct dt_piece at = before_slice(a, items, slice); next_piece(a, items, slice, &at);)
+        for (uint32_t i = at.a; i < at.b; i++)
+            next[part_of(a, hash(a, place(a, i)))]++;
 }
 
 /* Where each slice's entries of each part go. */
@@ -118,14 +117,12 @@ static void lay_out(struct arrivals *a)
 static void deal(void *arg, unsigned slice)
 {
     struct arrivals *a = arg;
-    uint32_t *at = a->at + (size_t)slice * parts(a);
-    uint32_t last = dt_slice(a->end + a->n, slice + 1, a->slices);
-    for (uint32_t i = dt_slice(a->end + a->n, slice, a->slices); i < last; i++) {
-        if (is_cancelled(a, i))
-            return;
-        uint64_t h = hash(a, place(a, i));
-        a->entry[at[part_of(a, h)]++] = (struct entry){tag_of(h), i};
-    }
+    uint32_t *next = a->at + (size_t)slice * parts(a), items = a->end + a->n;
+    for (struct dt_piece at = before_slice(a, items, slice); next_piece(a, items, slice, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) {
+            uint64_t h = hash(a, place(a, i));
+            a->entry[next[part_of(a, h)]++] = (struct entry){tag_of(h), i};
+        }
 }
 
 /* ---- by parts ---- */
@@ -172,10 +169,9 @@ static void compare(void *arg, unsigned slice)
     uint32_t *table = a->table + ((size_t)slice << a->table_bits);
     uint32_t last = dt_slice(parts(a), slice + 1, a->slices);
     a->crowded[slice] = false;
-    for (uint32_t part = dt_slice(parts(a), slice, a->slices); part < last; part++)
-        if (is_cancelled(a, 0))
-            return;
-        else if (!compare_part(a, table, part))
+    for (uint32_t part = dt_slice(parts(a), slice, a->slices); part < last && !dt_stopped(a->stop);
+         part++)
+        if (!compare_part(a, table, part))
             a->crowded[slice] = true;
 }
 
@@ -184,9 +180,10 @@ static void compare(void *arg, unsigned slice)
 static void count_fresh(void *arg, unsigned slice)
 {
     struct arrivals *a = arg;
-    uint32_t last = dt_slice(a->n, slice + 1, a->slices), fresh = 0;
-    for (uint32_t i = dt_slice(a->n, slice, a->slices); i < last && !is_cancelled(a, i); i++)
-        fresh += a->same[i] == DT_NONE;
+    uint32_t fresh = 0;
+    for (struct dt_piece at = before_slice(a, a->n, slice); next_piece(a, a->n, slice, &at);)
+        for (uint32_t i = at.a; i < at.b; i++)
+            fresh += a->same[i] == DT_NONE;
     a->fresh[slice] = fresh;
 }
 
@@ -194,15 +191,16 @@ static void enter(void *arg, unsigned slice)
 {
     const struct arrivals *a = arg;
     struct dt_points *p = a->p;
-    uint32_t last = dt_slice(a->n, slice + 1, a->slices), v = a->end;
+    uint32_t v = a->end;
     for (unsigned before = 0; before < slice; before++)
         v += a->fresh[before];
-    for (uint32_t i = dt_slice(a->n, slice, a->slices); i < last && !is_cancelled(a, i); i++) {
-        if (a->same[i] == DT_NONE) {
+    for (struct dt_piece at = before_slice(a, a->n, slice); next_piece(a, a->n, slice, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) {
+            if (a->same[i] != DT_NONE)
+                continue;
             p->xy[v] = (struct dt_point){a->q[i].x + 0.0, a->q[i].y + 0.0}; /* -0 becomes 0 */
             p->id[v++] = p->next_id + i;
         }
-    }
 }
 
 /* ---- ids and aliases ---- */
@@ -257,8 +255,8 @@ static enum dt_status name(struct arrivals *a)
             dt_idmap_set(&p->value, p->next_id + i, v++);
         else
             status = make_alias(a, i);
-        if (is_cancelled(a, i))
-            status = DT_CANCELLED;
+        if (i % DT_POLL_MISSES == 0 && dt_stopped(a->stop))
+            status = dt_stop_status(a->stop);
     }
     if (status != DT_OK)
         take_back(p, i, a->end);
@@ -298,12 +296,13 @@ static enum dt_status pass(struct arrivals *a, const struct dt_pool *pool,
                            void (*job)(void *arg, unsigned slice))
 {
     dt_run(pool, a->slices, job, a);
-    return dt_work(a->work, 0);
+    return dt_stop_status(a->stop);
 }
 
-static enum dt_status find_same(struct arrivals *a, const struct dt_pool *pool)
+static enum dt_status find_same(struct arrivals *a, const struct dt_pool *pool,
+                                struct dt_work *work)
 {
-    enum dt_status status = dt_work(a->work, 2 * ((uint64_t)a->end + a->n));
+    enum dt_status status = dt_work(work, 2 * ((uint64_t)a->end + a->n));
     if (status == DT_OK)
         status = pass(a, pool, count);
     if (status == DT_OK) {
@@ -333,11 +332,12 @@ enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, ui
                                const struct dt_pool *pool, struct dt_work *work,
                                struct dt_added *out)
 {
-    struct arrivals a = {.p = p, .q = q, .end = p->end, .n = n, .bits = 1, .work = work};
+    struct dt_stop stop = dt_work_stop(work);
+    struct arrivals a = {.p = p, .q = q, .end = p->end, .n = n, .bits = 1, .stop = &stop};
     a.slices = dt_threads_for(pool, n);
     enum dt_status status = allocate(&a);
     if (status == DT_OK)
-        status = find_same(&a, pool);
+        status = find_same(&a, pool, work);
     if (status == DT_OK)
         status = pass(&a, pool, count_fresh);
     if (status == DT_OK)
@@ -354,10 +354,11 @@ enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, ui
 
 enum dt_status dt_arrivals_distinct(struct dt_points *p, struct dt_work *work)
 {
-    struct arrivals a = {.p = p, .q = p->xy, .n = p->end, .bits = 1, .slices = 1, .work = work};
+    struct dt_stop stop = dt_work_stop(work);
+    struct arrivals a = {.p = p, .q = p->xy, .n = p->end, .bits = 1, .slices = 1, .stop = &stop};
     enum dt_status status = p->end < FEW ? DT_TOOSMALL : allocate(&a);
     if (status == DT_OK)
-        status = find_same(&a, NULL);
+        status = find_same(&a, NULL, work);
     for (uint32_t i = 0; status == DT_OK && i < a.n; i++)
         if (a.same[i] != DT_NONE)
             status = DT_CORRUPT;

@@ -172,7 +172,7 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 {
     dt_tend(t, work); /* the batch wants a grid */
     struct dt_batch b;
-    struct dt_stop stop = {.cancel = work == NULL ? NULL : work->cancel};
+    struct dt_stop stop = dt_work_stop(work);
     struct dt_added done = {.first = t->points.next_id, .added = (uint32_t)n};
     enum dt_status status = dt_points_reserve(&t->points, n, work);
     if (status == DT_OK && t->points.tol > 0)

@@ -9,7 +9,7 @@
 #ifndef DT_WORK_H
 #define DT_WORK_H
 
-#include "core/delaunay.h"
+#include "core/stop.h"
 
 /* Steps between two looks at the flag: at most about 50 us. */
 #define DT_WORK_BLOCK 256u
@@ -27,6 +27,12 @@ static inline struct dt_work dt_work_of(const struct dt_options *opt)
     if (opt != NULL)
         w = (struct dt_work){opt->cancel, opt->steps == 0 ? UINT64_MAX : opt->steps};
     return w;
+}
+
+/* For passes that look at the flag only. w may be NULL. */
+static inline struct dt_stop dt_work_stop(const struct dt_work *w)
+{
+    return (struct dt_stop){.cancel = w == NULL ? NULL : w->cancel};
 }
 
 /* Whether there is a limit of steps. w may be NULL. */

@@ -150,6 +150,31 @@ TEST_TIMEOUT(long_merges_poll_and_are_given_up, 60)
               (unsigned long long)polls[0], (unsigned long long)polls[1]);
 }
 
+/* Loads points into an empty set. */
+static enum dt_status load(struct dt *t, const struct dt_options *opt)
+{
+    uint32_t n = points();
+    struct dt_point *p = malloc(n * sizeof *p);
+    struct dt_added added;
+    CHECK(p != NULL);
+    family_points(family_find("duplicates"), p, n, 1);
+    enum dt_status status = dt_add_many(t, p, n, opt, &added);
+    CHECK(dt_next_id(t) == (status == DT_OK ? n : 0));
+    free(p);
+    return status;
+}
+
+TEST_TIMEOUT(a_load_is_given_up_at_every_poll, 60)
+{
+    struct dt_pool pool = threads_pool(2);
+    for (int i = 0; i < 2; i++) {
+        struct dt *t = dt_new(0);
+        struct dt_options opt = {.cancel = &flag, .pool = i == 0 ? NULL : &pool};
+        CHECK(t != NULL && cancel_everywhere(t, load, &opt) > points() / DT_POLL_MISSES);
+        dt_free(t);
+    }
+}
+
 static enum dt_status clone_points(struct dt *t, const struct dt_options *opt)
 {
     struct dt *copy = NULL;
