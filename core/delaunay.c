@@ -177,7 +177,8 @@ enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
     uint32_t *sorted = dt_array_new_in(t->points.pages, n, sizeof *sorted);
     if (sorted == NULL)
         return DT_NOMEM;
-    dt_copy(sorted, ids, n, sizeof *sorted, NULL);
+    if (n > 0)
+        memcpy(sorted, ids, n * sizeof *sorted);
     size_t distinct = dt_sort_unique(sorted, n, t->points.pages, &stop);
     enum dt_status status = dt_stop_status(&stop);
     if (status == DT_OK)
