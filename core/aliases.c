@@ -86,7 +86,7 @@ uint32_t dt_aliases_new_group(struct dt_aliases *a, uint32_t representative)
     return g;
 }
 
-/* One who named the group does so no longer. If nobody else does, it is free, and so on upwards.
+/* The group has one reference less. Without any it is free, and so on upwards.
  * Returns the representative of a root that is free, else DT_NONE. */
 static uint32_t unname(struct dt_aliases *a, uint32_t g)
 {

@@ -13,7 +13,7 @@
  *     heap      those of one root are a leftist heap by id [Crane 1972; Knuth, TAOCP 3, sec. 5.2.3], with
  *               links to the parents, so that any of them can leave
  *
- * A group that nobody names any more is free. Knows ids and coordinates only: which id is an alias, and
+ * A group without references is free. Knows ids and coordinates only: which id is an alias, and
  * which representative has a group, is the business of points.c. */
 #ifndef DT_ALIASES_H
 #define DT_ALIASES_H

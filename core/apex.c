@@ -26,7 +26,7 @@
 #define FIRST_HEIGHT 1.5
 #define GROWTH 3.0
 
-/* A segment of a larger cotangent is not told from the half plane. */
+/* A segment of a larger cotangent counts as the half plane. */
 #define FLAT 0x1p60
 
 /* Steps (effort.h) for cells within a cell, a line of cells and a trial; so many that are worth a look at what
@@ -114,8 +114,8 @@ static bool scan_cells(struct search *q, const struct dt_cells *c)
     return true;
 }
 
-/* Tells the observer which circle the segment is a part of. */
-static void tell(const struct search *q)
+/* Reports to the observer which circle the segment is a part of. */
+static void observe(const struct search *q)
 {
     const struct dt_observer *o = q->scan.grid->observer;
     struct dt_event e = {.kind = DT_EVENT_SEARCH, .a = q->scan.a, .b = q->scan.b};
@@ -133,7 +133,7 @@ static bool scan_segment(struct search *q, struct dt_segment g, bool exact)
 {
     q->segment = g;
     if (q->scan.grid->observer != NULL)
-        tell(q);
+        observe(q);
     dt_scan_begin(&q->scan, exact);
     return !spend(q, TRIAL_STEPS) && scan_cells(q, &q->scan.grid->top);
 }

@@ -13,7 +13,7 @@ struct dt_arena {
     struct dt_pages *pages;       /* borrows; where large chunks come from; NULL: the system */
     struct dt_arena_chunk *chunk; /* owns a list, the one in use first */
     struct dt_arena_chunk *spare; /* owns one that was given back, or NULL */
-    bool tight; /* one of many, of which little is asked: no more is taken than twice that */
+    bool tight; /* one of many that serve little each: no chunk is more than twice what was asked */
 };
 
 struct dt_arena_mark {
@@ -21,7 +21,7 @@ struct dt_arena_mark {
     size_t used;
 };
 
-/* *a must be zeroed but for its keeper of pages and `tight`. */
+/* Start with {0}, or set only `pages` and `tight`. */
 void dt_arena_clear(struct dt_arena *a);
 
 /* n items of size bytes, aligned to 16, not initialised, valid until a mark taken before is
@@ -31,7 +31,7 @@ void *dt_arena_take(struct dt_arena *a, size_t n, size_t size);
 struct dt_arena_mark dt_arena_mark(const struct dt_arena *a);
 void dt_arena_return(struct dt_arena *a, struct dt_arena_mark mark);
 
-/* Gives back what is in use no more. */
+/* Frees the chunk that is kept for the next take. */
 void dt_arena_trim(struct dt_arena *a);
 
 #endif

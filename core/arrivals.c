@@ -11,7 +11,7 @@
  *      same     for each arrival the item it equals, DT_NONE if it is the first at its place
  *                                                      4. enter: by slices of arrivals
  *
- * Whoever comes first in a part is the representative: a vertex of the set, or else the smallest id.
+ * The first of a place in its part is the representative: a vertex of the set, or else the smallest id.
  * The threads write to places of their own, so their number does not show in the result. */
 #include "core/arrivals.h"
 
@@ -38,8 +38,8 @@ struct arrivals {
     uint32_t end, n; /* vertices and arrivals */
     unsigned bits;   /* 2^bits parts */
     unsigned slices;
-    uint64_t seed;   /* differs from process to process, so that nobody can aim at one part */
-    uint32_t *at;    /* [slice][part]: how many entries it has, then where the next one goes */
+    uint64_t seed; /* differs from process to process, so that no input can be aimed at one part */
+    uint32_t *at;  /* [slice][part]: how many entries it has, then where the next one goes */
     uint32_t *start; /* [part], and one more: its first entry */
     struct entry *entry;
     uint32_t *same;

@@ -1,11 +1,11 @@
 /* block.c - blocks of up to six points: sorted, triangulated by halves (knit.h), down to an edge
  * between two ghosts or a triangle.
  *
- * How many points a block has nobody can predict, nor their order: so the work on n points is
+ * The number of points of a block and their order are unpredictable: so the work on n points is
  * compiled for every n, with loops of a known length, and they are sorted without a branch, by
  * counting for each how many precede it.
  *
- * Tried and left out: four points at once, by a table of the twenty cases that five signs tell apart.
+ * Tried and left out: four points at once, by a table of the twenty cases of five signs.
  * It gained nothing on uniform points and lost 15 % on lattices. */
 #include "core/block.h"
 

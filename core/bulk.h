@@ -1,4 +1,4 @@
-/* bulk.h - triangulates a whole set anew, by either engine. */
+/* bulk.h - triangulates a whole set, by either engine. */
 #ifndef DT_BULK_H
 #define DT_BULK_H
 

@@ -25,7 +25,7 @@ struct dt_cavity {
     uint32_t records, rims, stacked;
     uint32_t record_cap, rim_cap, stack_cap;
     struct dt_work *work;             /* borrows: what the edit may still do; NULL: no end */
-    const struct dt_changes *changes; /* borrows: who is to know which stars change; NULL: nobody */
+    const struct dt_changes *changes; /* borrows; told which stars change; NULL: not needed */
 };
 
 void dt_cavity_clear(struct dt_cavity *c);

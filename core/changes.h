@@ -1,7 +1,7 @@
 /* changes.h - what an edit is about to change, reported just before it does.
  *
- * Whoever keeps earlier states of a set, or wants to know what an edit has touched, is called for each thing
- * that changes, maybe more than once in an edit. The set is still as it was, as far as that thing goes. */
+ * For those who keep earlier states of a set, or need to know what an edit touches: the callbacks are called for each
+ * thing that changes, possibly more than once in an edit. That thing is then still as it was. */
 #ifndef DT_CHANGES_H
 #define DT_CHANGES_H
 
@@ -20,7 +20,7 @@ struct dt_changes {
     void *ctx;
 };
 
-/* NULL: nobody wants to know. */
+/* NULL: not needed. */
 static inline void dt_changes_row(const struct dt_changes *w, uint32_t id)
 {
     if (w != NULL)

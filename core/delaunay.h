@@ -50,7 +50,7 @@ enum dt_status {
     DT_UNTRIANGULATED, /* dt_triangulate has not been called yet */
     DT_CANCELLED,      /* the caller's cancel flag was seen */
     DT_CORRUPT,        /* dt_check found a fault */
-    DT_TOOSMALL,       /* the caller's buffer does not hold one row; the size it needs is told */
+    DT_TOOSMALL,       /* the caller's buffer does not hold one row; the size it needs is set */
     DT_TOOLONG         /* it takes more steps than the caller allows (struct dt_options) */
 };
 
@@ -70,14 +70,15 @@ enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
 /* All fields may be zero: automatic choice, no rebuild, one thread, never cancelled, no limit.
  *
  * Where a function takes a struct dt_options, NULL stands for that. A flag that is set makes it
- * return DT_CANCELLED within some milliseconds of work; of ten million points within 100, or 200
- * for dt_delete_many and dt_refresh where millions of them coincide. Until then an edit is undone,
- * and what a build has found is taken over to the end; with `disposable` the call returns sooner,
- * and the set can only be freed. `steps` makes it return DT_TOOLONG before it has done much more
- * than so many steps. Either leaves the set as it was. A step is a look at a neighbour, a triangle
- * or a point, 10 to 200 ns; usual edits and searches of a point take about twenty. So a thread that
- * must not be held up for long can try with a limit, and leave what exceeds it to another one.
- * dt_triangulate, dt_refresh, dt_check and dt_trace know no limit. */
+ * return DT_CANCELLED within some milliseconds of work; on ten million points within 100, or 200 for
+ * dt_delete_many and dt_refresh where millions of them coincide. In that time an edit is undone, and a
+ * build that has begun to change the set is completed; with `disposable` the call may return in the
+ * middle instead, and the set can then only be freed. `steps` makes it return DT_TOOLONG before it has
+ * done much more than so many steps. In both cases the set is otherwise as it was.
+ *
+ * A step is a look at a neighbour, a triangle or a point, 10 to 200 ns; usual edits and searches of a
+ * point take about twenty. So a thread that must not be held up for long can try with a limit, and leave
+ * what exceeds it to another one. dt_triangulate, dt_refresh, dt_check and dt_trace know no limit. */
 struct dt_options {
     enum dt_method method;
     bool rebuild;               /* rebuild a triangulation that exists already */
@@ -115,7 +116,7 @@ bool dt_coordinate_ok(double v);
 /* ---- memory that is used again ----
  *
  * A keeper of pages: what large arrays of sets give back is kept there for the next ones, because
- * pages that are fresh from the system are dear: up to as much as a triangulation. Any number of
+ * fresh pages are expensive: up to as much as a triangulation. Any number of
  * sets and threads may use one at the same time. It is the caller's, and must outlive all that was
  * taken from it.
  *
@@ -283,7 +284,7 @@ struct dt_observer {
     void *ctx;
 };
 
-/* Triangulates the set by DT_SHELLING on the side, and tells the observer every step; the set is
+/* Triangulates the set by DT_SHELLING on the side, and reports every step to the observer; the set is
  * left as it is. opt may be NULL. Cost: as of a triangulation by DT_SHELLING, which is not given up here
  * however the points lie, about 0.2 s for a thousand of the worst; and the observer's. */
 enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
@@ -291,7 +292,7 @@ enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
 
 /* ---- views: a set as it was at one moment ----
  *
- * Whoever needs longer to read a set than edits may wait begins a view, and reads the set as it was at that
+ * A reader that takes longer than edits may wait begins a view, and reads the set as it was at that
  * moment, a piece at a time, while edits of the set go on between the pieces. An edit saves what it is about
  * to change, once for all views that were open by then: about 40 bytes for each point changed and, if a view
  * is open that reads the triangulation, for each of their neighbours. Nothing is saved while no view is open,
@@ -369,14 +370,14 @@ struct dt_cursor {
 enum dt_status dt_table_begin(const struct dt *t, const struct dt_view *v, enum dt_table table,
                               bool cw, struct dt_cursor *c);
 
-/* Writes as many whole rows as fit into out[cap], at most max_rows. *rows and *words tell what was
+/* Writes as many whole rows as fit into out[cap], at most max_rows. *rows and *words say what was
  * written; *rows is 0 at the end of the table. DT_TOOSMALL: the next row alone needs *words words
  * (at most the number of points + 2; 8 are enough for all tables but DT_LISTS). DT_NOMEM may occur
  * at vertices of very high degree. */
 enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *out, size_t cap,
                              size_t max_rows, size_t *rows, size_t *words);
 
-/* Cuts off the first part of what *c has not read yet: the rows of about `ids` ids, maybe none, or
+/* Cuts off the first part of what *c has not read yet: the rows of about `ids` ids, possibly none, or
  * all those along the hull. *c goes on behind them; *part is read on its own. Several threads may
  * read a part each, and their rows in the order of the cuts are those of *c. False: nothing is left.
  * Cost: O(ids / 4096) where few points have been deleted. */
@@ -385,7 +386,7 @@ bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct 
 /* ---- upkeep ---- */
 
 /* Makes the grid by which searches of a triangulated set begin near their place, if there is none yet:
- * so sets of which nobody asks for places do not pay for it. Without it dt_locate, dt_nearest and
+ * so sets that are never searched do not pay for it. Without it dt_locate, dt_nearest and
  * dt_within_* answer after a walk across the set, also when this returned DT_NOMEM; edits make it
  * themselves. Cost: linear, about an eighth of dt_triangulate's. */
 enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt);
@@ -402,7 +403,7 @@ enum dt_status dt_renew(const struct dt *t, const struct dt_options *opt, struct
 void dt_renewal_free(struct dt_renewal *r);
 
 /* Takes it over, if t has not been edited since. NULL: there is no memory for one; the set will ask
- * again when it has aged once more. Cost: constant, and freeing the old one. */
+ * again when it has aged further. Cost: constant, and freeing the old one. */
 void dt_renewed(struct dt *t, struct dt_renewal *r);
 
 /* ---- queries; all answer DT_UNTRIANGULATED before dt_triangulate ---- */

@@ -15,7 +15,7 @@
  *
  * A range of the sorted points [lo, hi) owns the vertices lo .. hi - 1 and the records 2 lo .. 2 hi -
  * 1 of the mesh, so parts need no allocator and no locks (merge.h). Until blocks fill them, the
- * records are where points are put aside: fresh memory is too dear to use it once.
+ * records are where points are put aside: fresh memory is too expensive to be used once.
  *
  * The recursion goes down the bits of the key; where one grid ends, the next one begins: a tile gets
  * its own cells, a crowded cell a grid on its own tight box (a zoom), or, if it holds a dozen points
@@ -28,7 +28,7 @@
  * points, where all of them together need 138 (gcc 12, Zen 3 at 3.4 GHz; best of five runs, which
  * differ by some per cent).
  *
- *     two products a candidate, not an in-circle test anew       196
+ *     two products a candidate, not a new in-circle test         196
  *     blocks of up to 6 points instead of 3                      175
  *     cuts that alternate instead of all columns first           171
  *     2 points a cell instead of 8                               169

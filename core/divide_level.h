@@ -16,7 +16,7 @@
 #define DT_TILED (1u << 18) /* ranges of more points than this are sorted into tiles first */
 #define DT_ZOOMS 3u         /* useless grids in a row before a range is cut at its median */
 
-/* A whole build. A range [lo, hi) of p and from, which are the result, belongs to whoever works on
+/* A whole build. A range [lo, hi) of p and from, which are the result, belongs to the thread that works on
  * that range, as do the mesh's records 2 lo .. 2 hi - 1. */
 struct dt_division {
     struct dt_merging merging; /* p and the mesh */

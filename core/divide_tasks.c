@@ -13,8 +13,8 @@
  *                      |             The tasks on the right are smaller than the others, so that
  *                     ...            all threads have something to do until the end.
  *
- * Then threads take tasks, from left to right; whoever finishes the second child of a join does the
- * join and goes on upwards. The ranges are disjoint (divide_level.h), so no two threads ever touch
+ * Then threads take tasks, from left to right; the thread that finishes the second child of a join does
+ * the join and goes on upwards. The ranges are disjoint (divide_level.h), so no two threads ever touch
  * the same record, and the result is the same as on one thread. */
 #include "core/divide_level.h"
 #include "core/memory.h"

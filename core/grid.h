@@ -38,7 +38,7 @@ struct dt_grid {
     struct dt_effort effort; /* of building it and of searches; the caller sets it before */
     struct dt_cells top;     /* owns */
     const struct dt_observer
-        *observer; /* borrows: is told of searches, in places; NULL: nobody is */
+        *observer; /* borrows; searches are reported to it, in places; may be NULL */
 };
 
 /* Builds the grid of n >= 1 distinct points. *g must be zeroed or cleared, but for its effort; xy[n] and

@@ -234,7 +234,7 @@ static void fill_job(void *arg, unsigned i)
 
 /* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
  * transform in two sweeps [Rosenfeld & Pfaltz 1966]. If some band of grid 0 has no point, all of it
- * is filled once more, in one piece. */
+ * is filled again, in one piece. */
 static void fill_empty(const struct dt_hints *g, const struct dt_pool *pool, unsigned threads,
                        struct dt_stop *stop)
 {

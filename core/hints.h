@@ -42,7 +42,8 @@ void dt_hints_clear(struct dt_hints *g);
 /* Builds the grid for a settled mesh of which every vertex v has coordinates xy[v]. *g is cleared
  * first, and left so unless DT_OK. Vertices that are in no triangle must have DT_NONE in leaving[].
  * opt, which may be NULL: its pool shares the work, and which of a cell's half edges is its hint may
- * then differ from time to time; its flag is polled. Whoever takes the grid for this mesh sets m->recycled to false.
+ * then differ from time to time; its flag is polled. A caller that takes the grid for this mesh sets m->recycled to
+ * false.
  * Cost: linear. */
 enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
                               const struct dt_point *xy, const struct dt_options *opt);
@@ -89,7 +90,7 @@ static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
 /* Fetches what a walk from the triangle at h will want: it and its neighbours, and the corners of
  * all those. After a build vertices and, two for each, triangles are in the same spatial order, so
  * these are probably the triangles near h / 8 and the vertices near h / 16. `id`, by vertex, may be
- * NULL; then nobody will ask for the corners' ids. */
+ * NULL; then the corners' ids will not be needed. */
 static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point *xy,
                                  const uint32_t *id, uint32_t h)
 {

@@ -1,9 +1,9 @@
 /* hints_live.h - the grid of hints while the mesh changes beneath it.
  *
- * Edits tell the grid only about the cell at their place, so any other cell may point to a record
- * that has died or that is used elsewhere now. Whoever reads a hint therefore looks whether it is
+ * Edits update only the cell at their place, so any other cell may point to a record
+ * that has died or that is used elsewhere now. A reader of a hint therefore checks whether it is
  * good; if it is not, a cell nearby has a better one. When walks have grown long, or the set has,
- * the grid is built anew: amortised constant cost. */
+ * the grid is rebuilt: amortised constant cost. */
 #ifndef DT_HINTS_LIVE_H
 #define DT_HINTS_LIVE_H
 

@@ -1,14 +1,14 @@
 /* hints_plan.c - lays out the grids of hints, on a sample of the vertices.
  *
- * Where points crowd, and on which scales, a sixteenth of them tells well enough; it may be wrong
+ * Where points crowd, and on which scales, a sixteenth of them shows well enough; it may be wrong
  * about single cells, whose searches then take a step more. So the layout costs a fraction of a
  * pass over all vertices, however many grids lie within one another.
  *
  * Breadth first: a grid of CELLS_PER_POINT cells for each point that its samples stand for, then a
  * grid for each cell in which samples crowd, on their box, and so on. A grid most of whose samples
- * are in crowded cells was wasted on them, so it is made anew with few cells: the next level will
+ * are in crowded cells was wasted on them, so it is remade with few cells: the next level will
  * fit better. If all grids together take more memory than a set may have for them, they are laid out
- * once more with fewer cells. */
+ * again with fewer cells. */
 #include "core/hints_plan.h"
 
 #include <math.h>
@@ -129,8 +129,8 @@ static bool most_are_crowded(const struct planner *p, uint32_t k, uint32_t limit
     return crowded > (to - from) / 2;
 }
 
-/* Moves the samples of grid k that are in crowded cells to the front of its span and tells how many
- * they are. */
+/* Moves the samples of grid k that are in crowded cells to the front of its span. Returns how many
+ * there are. */
 static uint32_t gather_crowd(struct planner *p, uint32_t k)
 {
     const struct dt_hint_grid *g = &p->hints->grid[k];

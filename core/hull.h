@@ -36,7 +36,7 @@ static inline bool dt_on_hull(const struct dt_mesh *m, uint32_t v)
     return h == DT_NONE || dt_is_ghost(m, h);
 }
 
-/* Whether the half edge h may be one to infinity, as its number tells: corner 2 is the only one at
+/* Whether the half edge h may be one to infinity, by its number: corner 2 is the only one at
  * infinity, so these are the second ones of their triangles. */
 static inline bool dt_hull_may_leave(uint32_t h)
 {

@@ -12,7 +12,7 @@ uint32_t dt_jump_samples(uint32_t n)
 }
 
 /* How deep q lies at least in the circumcircle of the triangle at t: minus its power. Triangles so
- * thin that doubles cannot tell do not seem deep, so nobody is led astray by them. Less than anything
+ * thin that doubles are not precise enough do not seem deep, so they mislead no search. Less than anything
  * else for ghosts and dead records. */
 static double depth(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
                     struct dt_point q)

@@ -1,4 +1,4 @@
-/* jump.h - where a search had better go on that has walked too long already.
+/* jump.h - where a search that has walked too long already should continue.
  *
  * Walks are short where the grid of hints leads close to the place, but not where thin triangles lie
  * across the way: inside a circle or between two far lines of points with nothing in between, a

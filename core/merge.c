@@ -30,8 +30,8 @@
  *
  * Predicates. Both sides ask the same of two points at every step, so u and v, and then the apexes x
  * of both sides, are looked at together, in two lanes (sight.h, which has the filters as well). What
- * is wrong with an edge is acted upon and the step begun anew: so a step has few branches, those
- * that nobody can predict being dear. */
+ * is wrong with an edge is acted upon and the step begins again: so a step has few branches, because
+ * unpredictable ones are expensive. */
 #include "core/merge.h"
 
 #include "core/knit.h"
@@ -155,7 +155,7 @@ INLINE int to_delete(const struct knitting *w, struct seam *s, size_t lc, size_t
     uint32_t xu = w->half[dt_prev((uint32_t)knit_twin(w, lc))];
     uint32_t xv = w->half[dt_prev((uint32_t)knit_twin(w, rc))];
     /* Beyond a line lies another ghost, which has no apex. No vertex but DT_NONE has its top bit set,
-     * so no branch is needed to look at u or v once more instead. */
+     * so no branch is needed to look at u or v again instead. */
     uint32_t none_u = 0 - (xu >> 31), none_v = 0 - (xv >> 31);
     xu ^= (xu ^ u) & none_u;
     xv ^= (xv ^ v) & none_v;

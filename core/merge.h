@@ -10,10 +10,10 @@
 #include "core/mesh.h"
 #include "core/stop.h"
 
-/* What merges work on. The mesh's records 2 lo .. 2 hi - 1 and leaving[lo .. hi) belong to whoever
+/* What merges work on. The mesh's records 2 lo .. 2 hi - 1 and leaving[lo .. hi) belong to the thread that
  * works on the range [lo, hi), so that ranges that do not overlap may be worked on at the same
  * time. leaving[v] is always a half edge that leaves v; of a hull vertex it is mostly the ghost that
- * starts there, on a line maybe a triangle that was once. */
+ * starts there, on a line possibly a former triangle. */
 struct dt_merging {
     const struct dt_point *p; /* borrowed, by vertex */
     struct dt_mesh *mesh;     /* borrowed; only half[] and leaving[] are used */
@@ -26,7 +26,7 @@ struct dt_part {
     uint32_t left, right; /* lexicographically smallest and greatest vertex */
     uint32_t bottom, top; /* smallest and greatest by (y, -x) */
     uint32_t ghost;       /* some ghost; unset if n = 1 */
-    bool close;           /* merges with it had better use the close filter (sight.h) */
+    bool close;           /* merges with it should use the close filter (sight.h) */
 };
 
 /* Joins a and b, the parts of [lo, mid) and [mid, hi). Every point of a precedes every point of b,
@@ -36,7 +36,7 @@ struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *
                               const struct dt_part *b, unsigned axis, uint32_t mid);
 
 /* The orders that axes 0 and 1 stand for; the second is the first with the plane turned by a right
- * angle. No branch, since nobody can predict it. */
+ * angle. No branch, since it would be unpredictable. */
 static inline bool dt_before_x(struct dt_point a, struct dt_point b)
 {
     return (a.x < b.x) | ((a.x == b.x) & (a.y < b.y));

@@ -20,7 +20,7 @@
  * two for each edge. One vertex has no triangle at all.
  *
  * In a settled mesh (core/hull.h: every mesh that queries see) the half edge leaving[v] of a hull
- * vertex v is the one to infinity, so that one look tells hull vertices from interior ones.
+ * vertex v is the one to infinity, so that one look distinguishes hull vertices from interior ones.
  *
  * A dead record (a hole to be used again) has DT_DEAD in corner 2. */
 #ifndef DT_MESH_H
@@ -75,8 +75,8 @@ static inline uint32_t dt_twin(const struct dt_mesh *m, uint32_t h)
     return m->half[h + 4];
 }
 
-/* The next half edge of the triangle, and the one before: in arithmetic, since which of its
- * triangle's edges h is nobody can predict. */
+/* The next half edge of the triangle, and the one before: in arithmetic, since a branch on
+ * which of its triangle's edges h is would be unpredictable. */
 static inline uint32_t dt_next(uint32_t h)
 {
     return h + 1 - 3 * (h >> 1 & 1);

@@ -42,7 +42,7 @@ static inline int dt_compare_candidates(const struct dt *t, struct dt_point q,
 enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, struct dt_work *work,
                                  uint32_t *nearest, bool *tie);
 
-/* Appends the neighbours of v, a vertex nearest to q, that are as near, maybe some of them twice. */
+/* Appends the neighbours of v, a vertex nearest to q, that are as near, possibly some of them twice. */
 enum dt_status dt_nearest_ties(const struct dt *t, struct dt_point q, uint32_t v,
                                struct dt_work *work, struct dt_ids *ties);
 

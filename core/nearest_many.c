@@ -82,7 +82,7 @@ static enum dt_status push(struct search *s, struct dt_candidate c)
     return DT_OK;
 }
 
-/* Pushes v unless it was seen before, which *fresh tells, or is too far away. */
+/* Pushes v if it is neither too far away nor seen before; *fresh says whether. */
 static enum dt_status push_fresh(struct search *s, uint32_t v, bool *fresh)
 {
     struct dt_candidate c = dt_candidate(s->t, s->q, v);

@@ -10,7 +10,7 @@
  *     give     joined with the kept regions right before and behind it, into an empty slot
  *
  * A slot's word says all about its region, so threads need no lock, and none of them ever waits for
- * one that has been put off. Whoever has swapped a region out of its slot owns it. */
+ * one that has been put off. A successful swap of a region out of its slot transfers ownership. */
 #include "core/pages.h"
 
 #include <errno.h>
@@ -78,8 +78,8 @@ static bool is_one_mapping(char *start, size_t bytes)
 
 /* How far a move has come: the bytes before `done` are at their target. The system has refused the next
  * `lost` bytes, if any, and these are still where they were. Whether their target is ours is then unknown:
- * it may have been unmapped before the failure, and mapped by another thread since. So nobody may touch or
- * unmap it any more. */
+ * it may have been unmapped before the failure, and mapped by another thread since. So it must not be touched or
+ * unmapped any more. */
 struct moved {
     size_t done, lost;
 };
@@ -216,7 +216,7 @@ static void hold(struct dt_pages *p, size_t bytes)
 
 /* ---- regions ---- */
 
-/* Keeps a region that is nobody's. */
+/* Keeps a region that has no owner. */
 static void keep(struct dt_pages *p, char *start, size_t bytes)
 {
     if (bytes > 0 && !put(p, start, bytes))

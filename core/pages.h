@@ -1,7 +1,7 @@
 /* pages.h - regions of whole huge pages for large arrays, taken from a keeper (dt_pages) that has kept
  * some, or from the system.
  *
- * Fresh pages are dear: the system clears them, and under a hypervisor it may have to find them first.
+ * Fresh pages are expensive: the system clears them, and under a hypervisor it may have to find them first.
  * So what one array gives back is kept for the next one, in pieces of any size: a region can be cut
  * at every huge page, and a large one is put together from small ones by moving their pages. */
 #ifndef DT_PAGES_H

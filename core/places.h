@@ -18,7 +18,8 @@ struct dt_places {
     uint32_t *next;         /* owns cap words, by vertex */
     uint32_t mask, cap, count;
     double tol;
-    uint64_t seed; /* differs from process to process, so that nobody can aim at one bucket */
+    uint64_t
+        seed; /* differs from process to process, so that no input can be aimed at one bucket */
 };
 
 /* The hash of a place. Coordinates have structure, most of them many zeros at the end, and equal

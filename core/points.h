@@ -32,7 +32,7 @@ struct dt_points {
                            NULL: there has never been an alias */
     uint32_t group_cap;      /* at least cap, or 0 */
     struct dt_places places; /* finds a representative by its place; built when first needed */
-    const struct dt_changes *changes; /* borrows: who is to know what changes; NULL: nobody */
+    const struct dt_changes *changes; /* borrows; told what changes; NULL: not needed */
 };
 
 void dt_points_init(struct dt_points *p, double tol);

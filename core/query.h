@@ -8,7 +8,7 @@
  * vertex of high degree costs no more than its partner. */
 uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v);
 
-/* Whether a search that has found so many of its results had better stop and look at all vertices
+/* Whether a search that has found so many of its results should stop and look at all vertices
  * of the set one after the other, which costs about a nanosecond each. */
 static inline bool dt_scan_pays(const struct dt *t, size_t found)
 {
@@ -16,7 +16,7 @@ static inline bool dt_scan_pays(const struct dt *t, size_t found)
 }
 
 /* Replaces the vertices v[0 .. n - 1], which are distinct, by their ids in ascending order. Cost:
- * linear if these are a fair part of the ids, else n log n. */
+ * linear. */
 void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n);
 
 #endif

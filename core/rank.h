@@ -1,5 +1,5 @@
-/* rank.h - a few numbers in order: by counting for each how many precede it, since nobody can
- * predict how they compare, and a branch that is mispredicted costs more than all the rest. */
+/* rank.h - a few numbers in order: by counting for each how many precede it. Comparisons are unpredictable,
+ * and a branch that is mispredicted costs more than all the rest. */
 #ifndef DT_RANK_H
 #define DT_RANK_H
 

@@ -1,4 +1,4 @@
-/* remove.c - deletion: the star of the vertex becomes a hole, and the hole is triangulated anew
+/* remove.c - deletion: the star of the vertex becomes a hole, and the hole is retriangulated
  * [Devillers 1999; Devillers & Teillaud 2003 for ties].
  *
  *         P3-----P2               P3-----P2
@@ -178,7 +178,7 @@ static void remove_from_plane(struct dt_mesh *m, const struct dt_point *xy,
 static void remove_from_line(struct dt_mesh *m, uint32_t v, const struct dt_changes *changes)
 {
     uint32_t in = m->leaving[v] - 1,
-             out = dt_base(dt_twin(m, in + 1)); /* (a, v) and (v, b), maybe a = b */
+             out = dt_base(dt_twin(m, in + 1)); /* (a, v) and (v, b), possibly a = b */
     uint32_t a = m->half[in], b = m->half[out + 1];
     dt_changes_star(changes, a);
     dt_changes_star(changes, b);

@@ -1,7 +1,7 @@
 /* renumber.c - see renumber.h.
  *
- * The vertices in their new order have their ids in any order, so to tell each id its new vertex is to
- * write all over the map of ids: a cache miss for each. For large sets the ids are dealt first,
+ * The vertices in their new order have their ids in any order, so entering the new vertices into the
+ * map of ids writes all over it: a cache miss for each. For large sets the ids are dealt first,
  *
  *      from     v: 0 1 2 3 ... n-1        becomes the ids of the vertices
  *                   \   \ /   \           1. name, 2. deal: by slices of vertices

@@ -7,7 +7,7 @@
  *
  * the cotangent of the angle at p is s(p) = dot / cross, to be minimised.
  *
- * There are two kinds of scan. The first takes values as they are rounded, and can tell afterwards
+ * There are two kinds of scan. The first takes values as they are rounded, and can say afterwards
  * whether they were enough: no other point came near the best one, and none was near the edge's
  * line. The exact one settles with exact predicates what rounded values leave open. */
 #ifndef DT_SCAN_H

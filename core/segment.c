@@ -21,7 +21,7 @@ static double larger(double a, double b)
 
 /* The segment of cotangent s, where root = sqrt(1 + s^2). With the circle's centre c and radius r,
  * the box reaches to c + r e in a direction e along an axis if that point is left of the edge,
- * which d x (c + r e - a) > 0 tells; else to an end of the edge. All is padded by more than
+ * which d x (c + r e - a) > 0 says; else to an end of the edge. All is padded by more than
  * rounding can take: relative to a first, then for the sum with a. */
 static struct dt_segment segment(const struct dt_edge *edge, double s, double root, double height)
 {

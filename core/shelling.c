@@ -52,36 +52,36 @@ static uint32_t add_triangle(struct dt_mesh *m, uint32_t a, uint32_t b, uint32_t
     return h;
 }
 
-/* ---- what an observer is told ---- */
+/* ---- what an observer sees ---- */
 
-static void tell(const struct dt_shell *s, enum dt_event_kind kind, uint32_t a, uint32_t b,
-                 uint32_t c)
+static void observe(const struct dt_shell *s, enum dt_event_kind kind, uint32_t a, uint32_t b,
+                    uint32_t c)
 {
     const struct dt_observer *o = s->observer;
     if (o != NULL)
         o->see(o->ctx, &(struct dt_event){.kind = kind, .a = a, .b = b, .c = c});
 }
 
-static void tell_touch(const struct dt_shell *s, enum dt_touch touch, uint32_t a, uint32_t b,
-                       uint32_t c)
+static void observe_touch(const struct dt_shell *s, enum dt_touch touch, uint32_t a, uint32_t b,
+                          uint32_t c)
 {
     static const enum dt_event_kind kind[] = {[DT_NEW_POINT] = DT_EVENT_POINT,
                                               [DT_RIGHT_TOUCH] = DT_EVENT_RIGHT,
                                               [DT_LEFT_TOUCH] = DT_EVENT_LEFT,
                                               [DT_NO_TOUCH] = DT_EVENT_CAVE,
                                               [DT_BOUNDARY] = DT_EVENT_BORDER};
-    tell(s, kind[touch], a, b, c);
+    observe(s, kind[touch], a, b, c);
 }
 
 /* Cells and the cells of crowded ones. */
-static void tell_cells(const struct dt_observer *o, const struct dt_cells *c)
+static void observe_cells(const struct dt_observer *o, const struct dt_cells *c)
 {
     struct dt_event e = {.kind = DT_EVENT_GRID, .p = c->lo, .size = c->side};
     e.a = c->upright ? c->lines : c->length;
     e.b = c->upright ? c->length : c->lines;
     o->see(o->ctx, &e);
     for (uint32_t i = 0; i < c->subs; i++)
-        tell_cells(o, &c->sub[i]);
+        observe_cells(o, &c->sub[i]);
 }
 
 /* ---- the loop ---- */
@@ -91,7 +91,7 @@ static void enclose(struct dt_shell *s, uint32_t place, uint32_t h)
 {
     s->mesh->leaving[place] = h;
     dt_grid_remove(&s->grid, place);
-    tell(s, DT_EVENT_REMOVE, place, DT_NONE, DT_NONE);
+    observe(s, DT_EVENT_REMOVE, place, DT_NONE, DT_NONE);
 }
 
 /* Looks at the current edge, whose apex is known: one turn of the paper's loop. */
@@ -102,7 +102,7 @@ static void step(struct dt_shell *s)
     struct dt_mesh *m = s->mesh;
     uint32_t a = f->current, b = node[a].next, c = node[a].apex, h;
     enum dt_touch touch = dt_front_touch(f, a);
-    tell_touch(s, touch, a, b, c);
+    observe_touch(s, touch, a, b, c);
     switch (touch) {
     case DT_NEW_POINT:
         h = add_triangle(m, a, b, c);
@@ -154,7 +154,7 @@ static bool open_front(struct dt_shell *s)
     uint32_t a = dt_grid_middle(&s->grid), b = dt_grid_nearest(&s->grid, a);
     if (dt_stop_status(&s->stop) != DT_OK)
         return false;
-    tell(s, DT_EVENT_START, a, b, DT_NONE);
+    observe(s, DT_EVENT_START, a, b, DT_NONE);
     uint32_t c = dt_apex(&s->grid, a, b);
     if (c == DT_NONE) {
         uint32_t swap = a;
@@ -165,7 +165,7 @@ static bool open_front(struct dt_shell *s)
     if (c == DT_NONE || dt_stop_status(&s->stop) != DT_OK)
         return false;
     dt_front_open(&s->front, a, b, c, add_triangle(s->mesh, a, b, c));
-    tell(s, DT_EVENT_FIRST, a, b, c);
+    observe(s, DT_EVENT_FIRST, a, b, c);
     return true;
 }
 
@@ -193,7 +193,7 @@ enum dt_status dt_shell_grow(struct dt_shell *s, const struct dt_point *in, uint
         return status;
     s->grid.observer = s->observer;
     if (s->observer != NULL)
-        tell_cells(s->observer, &s->grid.top);
+        observe_cells(s->observer, &s->grid.top);
     *line = !open_front(s);
     for (uint32_t turn = 0; s->front.current != DT_NONE && search(s); turn++) {
         if (turn % 16 == 0)
@@ -226,7 +226,7 @@ void dt_shell_close(struct dt_shell *s)
         first++;
     uint32_t v = first;
     do {
-        tell(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
+        observe(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
         link_ghosts(s->mesh, node[v].outer, node[node[v].next].outer);
         v = node[v].next;
     } while (v != first && !dt_effort_spend(&s->grid.effort, CLOSE_STEPS));
@@ -281,7 +281,7 @@ static void triangulate_line(struct dt_shell *s, const struct dt_point *in, uint
     sort(p, from, n, &s->stop);
     chain_ghosts(s->mesh, n, &s->stop);
     for (uint32_t v = 0; v < n && s->observer != NULL; v++)
-        tell(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
+        observe(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
 }
 
 /* ---- all together ---- */
@@ -330,7 +330,7 @@ enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struc
         p[0] = in[0];
         from[0] = 0;
         m->leaving[0] = DT_NONE;
-        tell(&s, DT_EVENT_HULL, 0, DT_NONE, DT_NONE);
+        observe(&s, DT_EVENT_HULL, 0, DT_NONE, DT_NONE);
     }
     if (n >= 2 && status == DT_OK)
         status = triangulate_many(&s, in, n, p, from, opt);

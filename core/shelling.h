@@ -18,7 +18,7 @@
 enum dt_status dt_shelling(const struct dt_point *in, uint32_t n, struct dt_point *p,
                            uint32_t *from, struct dt_mesh *m, const struct dt_options *opt);
 
-/* The same before an observer, who is told places: the index of a point in in[] is from[place]. It is never
+/* The same before an observer, to whom places are reported: the index of a point in in[] is from[place]. It is never
  * given up. */
 enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struct dt_point *p,
                                     uint32_t *from, struct dt_mesh *m, const struct dt_options *opt,
@@ -31,11 +31,11 @@ struct dt_shell {
     struct dt_grid grid;                /* owns */
     struct dt_front front;              /* owns */
     struct dt_mesh *mesh;               /* borrows */
-    const struct dt_observer *observer; /* borrows; NULL: nobody watches */
+    const struct dt_observer *observer; /* borrows; NULL: none */
 };
 
 /* All of the above but the links between ghosts, for n >= 2 points; in p[], those that no longer
- * remain in the grid are NaN. *line tells that all points are on one line, in which case the mesh
+ * remain in the grid are NaN. *line: all points are on one line, in which case the mesh
  * has no records yet. *s must be zeroed; dt_shell_clear it in any case. */
 enum dt_status dt_shell_grow(struct dt_shell *s, const struct dt_point *in, uint32_t n,
                              struct dt_point *p, uint32_t *from, struct dt_mesh *m,

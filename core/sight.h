@@ -7,14 +7,14 @@
  *     det(c, x) = dt(c) cr(x) - dt(x) cr(c),  cr(c) = (r - l) x (c - l),  dt(c) = (c - l).(c - r)
  *
  * cr(c) is the orientation of l, r, c as well, and cr and dt are computed once per candidate: half
- * the work of testing anew. (cr / dt is the tangent of the angle at which c sees l-r; the test
+ * the work of a new test. (cr / dt is the tangent of the angle at which c sees l-r; the test
  * compares these angles.)
  *
  * Filters (bounds.h). The wide one knows only the longer side of the box of both parts. On circles and
  * thin strips, and at the last merges of many points, that says little about the four at hand. The close
  * one looks at them: at the sums CR and DT of the magnitudes of the products in cr and dt.
  *
- * A merge asks one of the two, and sight.c what that leaves open. It tells how often the close one would
+ * A merge asks one of the two, and sight.c what that leaves open. It reports how often the close one would
  * have spared it the way there; so the next merge, of a part with a larger box, knows better. */
 #ifndef DT_SIGHT_H
 #define DT_SIGHT_H

@@ -22,7 +22,7 @@ uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit)
     return degree;
 }
 
-/* The ids of the neighbours of v into ring[room]. Returns how many they are, DT_NONE if more than room. */
+/* The ids of the neighbours of v into ring[room]. Returns their number, DT_NONE if it is more than room. */
 static uint32_t read_ring(const struct dt *t, uint32_t v, uint32_t *ring, size_t room)
 {
     const struct dt_mesh *m = &t->mesh;

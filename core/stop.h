@@ -6,12 +6,12 @@
 
 #include "core/delaunay.h"
 
-#define DT_POLL                                                                                    \
-    (1u << 16) /* cheap steps, such as points of a pass, between two polls: below a millisecond */
-
-#define DT_POLL_MISSES (1u << 12) /* the same of steps that wait for memory, 100 to 500 ns */
-#define DT_POLL_FAULTS                                                                             \
-    128u /* of steps each of which may be the first to touch a page, 0.3 ms if huge */
+/* How much is done between two polls: cheap steps, such as points of a pass, less than a millisecond of them;
+ * steps that wait for memory, 100 to 500 ns each; and steps each of which may be the first to touch a page,
+ * 0.3 ms if it is huge. */
+#define DT_POLL (1u << 16)
+#define DT_POLL_MISSES (1u << 12)
+#define DT_POLL_FAULTS 128u
 
 struct dt_stop {
     const atomic_bool *cancel; /* borrowed; NULL: never cancelled */

@@ -6,7 +6,7 @@
  * the hull comes after that.
  *
  * `left` and `hull_left` are the rows still to come of either kind; 0 says that there are no more.
- * Of a part that was cut off nobody knows how many rows it has: there `left` is at least as many. */
+ * The number of rows of a part that was cut off is unknown: there `left` is an upper bound. */
 #include "core/group.h"
 #include "core/hull_walk.h"
 #include "core/pointlist.h"
@@ -113,7 +113,7 @@ static uint32_t next_id(struct dt_view_ids *ids, struct dt_cursor *c)
     return DT_NONE;
 }
 
-/* Whoever reads the ids of all points asks for their coordinates next: those are fetched. */
+/* A reader of the ids of all points asks for their coordinates next: those are prefetched. */
 static void read_points(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
     struct dt_view_ids ids = dt_view_ids_begin(t, c->view, c->id);

@@ -23,13 +23,13 @@ static uint32_t id_of(const struct trace *t, uint32_t place)
 static void translate(void *ctx, const struct dt_event *e)
 {
     const struct trace *t = ctx;
-    struct dt_event told = *e;
+    struct dt_event seen = *e;
     if (e->kind != DT_EVENT_GRID) {
-        told.a = id_of(t, e->a);
-        told.b = id_of(t, e->b);
-        told.c = id_of(t, e->c);
+        seen.a = id_of(t, e->a);
+        seen.b = id_of(t, e->b);
+        seen.c = id_of(t, e->c);
     }
-    t->observer->see(t->observer->ctx, &told);
+    t->observer->see(t->observer->ctx, &seen);
 }
 
 /* Copies the vertices in use; returns their number. */

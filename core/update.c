@@ -215,8 +215,8 @@ static void fetch_star(const struct dt *t, uint32_t v)
 }
 
 /* Whether vertex v stays where it is when the n ascending ids go, its representative among them.
- * With a tolerance, families may become one meanwhile (dt_points_delete), so that of several ids
- * nobody can say it beforehand; false then. */
+ * With a tolerance, families may become one meanwhile (dt_points_delete), so that it is unknown
+ * beforehand for several ids; false then. */
 static bool keeps_place(const struct dt *t, uint32_t v, const uint32_t *ids, size_t n)
 {
     const struct dt_points *p = &t->points;

@@ -1,6 +1,6 @@
 /* view.c - views begin and end, and edits save what they change; see view.h.
  *
- * Views may end while an edit is under way, and begin beside each other, so nobody waits for anybody: they
+ * Views may end while an edit is under way, and begin beside each other, so no thread waits for another: they
  * are in a list that is only ever pushed to, and one that has ended is marked. Edits, which have the set for
  * themselves but for views that end, take the marked ones out. */
 #include "core/view.h"

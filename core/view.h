@@ -44,7 +44,7 @@ struct dt_views {
     struct dt_changes changes; /* calls back here */
     /* For the edit under way: the latest moments that are read, and the ids that there were by then. */
     uint64_t rows_since, families_since, rings_since;
-    uint32_t row_ids, ring_ids; /* 0: nobody reads */
+    uint32_t row_ids, ring_ids; /* 0: none is read */
 };
 
 /* All views have ended. */

@@ -17,7 +17,7 @@ struct dt_visited {
 void dt_visited_init(struct dt_visited *s);
 void dt_visited_clear(struct dt_visited *s);
 
-/* Adds key (not DT_NONE); *fresh tells whether it is new. DT_NOMEM leaves the set as it was. */
+/* Adds key (not DT_NONE); *fresh says whether it is new. DT_NOMEM leaves the set as it was. */
 enum dt_status dt_visited_add(struct dt_visited *s, uint32_t key, bool *fresh);
 
 #endif
