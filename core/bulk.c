@@ -44,6 +44,14 @@ static void copy_vertices(struct draft *b, const struct dt_points *p, struct dt_
         }
 }
 
+/* from[] of the draft, which was built from dense, leads to the vertices of the set. */
+static void name_vertices(struct draft *b, const struct draft *dense, struct dt_stop *stop)
+{
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, b->n, &at);)
+        for (uint32_t v = at.a; v < at.b; v++)
+            b->from[v] = dense->from[b->from[v]];
+}
+
 /* Divide is faster on every set; the paper's engine comes when it is asked for, and gives way if
  * the set defeats it. */
 static enum dt_status run_engine(struct draft *b, const struct dt_point *xy,
@@ -70,14 +78,12 @@ static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
     if (draft_begin(&dense, b->n, p->pages)) {
         copy_vertices(&dense, p, &stop);
         status = dt_stop_status(&stop);
-        if (status == DT_OK)
-            status = run_engine(b, dense.xy, opt);
-        for (struct dt_piece at = dt_before_first(0);
-             status == DT_OK && dt_next_piece(&stop, b->n, &at);)
-            for (uint32_t v = at.a; v < at.b; v++)
-                b->from[v] = dense.from[b->from[v]];
-        if (status == DT_OK)
-            status = dt_stop_status(&stop);
+    }
+    if (status == DT_OK)
+        status = run_engine(b, dense.xy, opt);
+    if (status == DT_OK) {
+        name_vertices(b, &dense, &stop);
+        status = dt_stop_status(&stop);
     }
     draft_clear(&dense);
     return status;
