@@ -257,8 +257,6 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
             note_changes(s, a, c, set);
         c->handler(s, set, q, a);
     }
-    if (a->job != NULL && a->job->shown < a->shown)
-        a->job->shown = a->shown;
 }
 
 void command_take_timeout(struct request *q, int64_t *ms)

@@ -301,9 +301,21 @@ bool job_is_early(const struct server *s, const struct job *j)
 void job_tell(struct server *s, struct job *j, struct answer *a)
 {
     a->lsn = j->lsn;
-    if (j->status != DT_CANCELLED && j->shown > a->shown)
+    if (j->shown > a->shown)
         a->shown = j->shown;
     j->done(s, j, a);
+}
+
+/* The changes that the reply acknowledges or shows. A writer that records none, such as one that
+ * brings the triangulation up to date before a query, only shows those of others. */
+static void note_changes(struct job *j)
+{
+    if (j->base == NULL || j->status == DT_CANCELLED)
+        return;
+    if (j->record != NULL)
+        j->lsn = j->set->lsn;
+    else
+        j->shown = j->base->lsn;
 }
 
 void job_finish(struct server *s, struct job *j, struct answer *a)
@@ -320,10 +332,7 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
         j->record(s, j);
     if (edits_in_place(j))
         j->base->edited = false;
-    if (set != NULL && !j->beside && j->status != DT_CANCELLED)
-        j->lsn = set->lsn;
-    else if (j->base != NULL && j->shown < j->base->lsn)
-        j->shown = j->base->lsn;
+    note_changes(j);
     for (unsigned i = 0; i < j->also_n; i++)
         s->tell_joined(s, j->also[i], j);
     job_tell(s, j, a);

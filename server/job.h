@@ -31,8 +31,8 @@ struct job {
     uint64_t owner;   /* whom to answer: a connection's id */
     uint64_t *also;   /* owns: who else waits for the result, by id */
     unsigned also_n;
-    uint64_t lsn;      /* of a writer's set when it is done: what the reply acknowledges */
-    uint64_t shown;    /* of what a reader read: what the reply shows */
+    uint64_t lsn;      /* when it is done: of the last change that the reply acknowledges, */
+    uint64_t shown;    /* and of the last one that it shows; 0: none */
     int64_t queued_ns; /* when the workers got it, and when one of them began; 0: it ran at once */
     int64_t began_ns;
     struct dataset *set;   /* a writer's set; NULL for a reader */

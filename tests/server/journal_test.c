@@ -132,15 +132,21 @@ static void begin_with_a_large_set(struct bench *b)
     CHECK(strncmp(local_ask(&b->l, "TRIANGULATE t\nNEAREST t 0 0\n"), "OK 0 ", 5) == 0);
 }
 
-/* Asks what a worker is to answer. */
-static struct job *ask(struct bench *b, const char *request)
+static struct answer run(struct bench *b, const char *request)
 {
     struct request *q = &b->l.server.request;
     struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};
     CHECK(request_split(q, request, strlen(request)));
     command_run(&b->l.server, q, &a);
-    CHECK(a.job != NULL);
-    return a.job;
+    return a;
+}
+
+/* Asks what a worker is to answer. */
+static struct job *ask(struct bench *b, const char *request)
+{
+    struct job *j = run(b, request).job;
+    CHECK(j != NULL);
+    return j;
 }
 
 static struct answer told; /* of the job with an owner */
@@ -189,6 +195,23 @@ TEST(query_by_a_worker_shows_the_last_change_before_it_was_answered)
     while (tellings == 0)
         collect(&b);
     CHECK(told.shown == set_t(&b)->lsn);
+    end(&b);
+}
+
+/* If it did, the failure of somebody else's change would end the reader's connection. */
+TEST(query_that_brings_the_triangulation_up_to_date_acknowledges_nothing)
+{
+    char request[2000] = "ADD t";
+    struct bench b;
+    begin(&b, 0);
+    local_ask(&b.l, "ADD t 0 0  4 0  0 4\nTRIANGULATE t\n");
+    for (int i = 0; i < 100; i++)
+        sprintf(request + strlen(request), " %d %d", i % 10, 10 + i / 10);
+    CHECK(run(&b, request).lsn == set_t(&b)->lsn);
+    CHECK(version_is_stale(set_t(&b)->current));
+    struct answer a = run(&b, "NEAREST t 5 5");
+    CHECK(!version_is_stale(set_t(&b)->current));
+    CHECK(a.lsn == 0 && a.shown == set_t(&b)->lsn);
     end(&b);
 }
 
