@@ -29,9 +29,9 @@ struct version {
     struct dt *dt; /* owns; not to be looked at while a job edits it in place */
     unsigned refs;
     pthread_rwlock_t lock; /* of dt, see above */
-    struct dt_summary
-        sum;      /* what dt holds, as of the last completed edit; sum.memory is accounted for */
-    uint64_t lsn; /* of the last change that the log has of it */
+    /* What dt holds, as of the last completed edit; sum.memory is accounted for. */
+    struct dt_summary sum;
+    uint64_t lsn; /* of the last change that the log has of it; 0: none, or without --data */
     bool edited;  /* a job edits it in place, or has done so, and the log does not have that yet */
     bool untidy;  /* in the registry's list of versions to be tidied */
     struct version *next; /* there */
@@ -46,7 +46,6 @@ struct dataset {
                   others, but its name is taken */
     bool triangulated;       /* TRIANGULATE has been asked for (with --data) */
     bool loading;            /* it was read from disk and its triangulation is not there yet */
-    uint64_t lsn;            /* of its last change in the log */
     struct wait_queue queue; /* of requests that wait until it is free */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];

@@ -174,7 +174,6 @@ static void count_set(struct dataset *set, void *ctx)
 {
     struct server *s = ctx;
     version_update(&s->sets, set->current);
-    set->current->lsn = set->lsn;
     s->durable->rebuilds += set->triangulated;
 }
 

@@ -313,7 +313,7 @@ static void note_changes(struct job *j)
     if (j->base == NULL || j->status == DT_CANCELLED)
         return;
     if (j->record != NULL)
-        j->lsn = j->set->lsn;
+        j->lsn = j->set->current->lsn;
     else
         j->shown = j->base->lsn;
 }

@@ -3,12 +3,6 @@
 
 #include "server/durable.h"
 
-/* The change with this lsn is in the set as it is now. */
-static void note(struct dataset *set, uint64_t lsn)
-{
-    set->lsn = set->current->lsn = lsn;
-}
-
 /* The lsn of the record; 0 without --data. */
 static uint64_t append(struct server *s, const struct dataset *set, struct record r)
 {
@@ -24,7 +18,8 @@ static uint64_t append(struct server *s, const struct dataset *set, struct recor
 
 void journal_create(struct server *s, struct dataset *set, double tolerance)
 {
-    note(set, append(s, set, (struct record){.type = RECORD_CREATE, .a = tolerance}));
+    struct record r = {.type = RECORD_CREATE, .a = tolerance};
+    set->current->lsn = append(s, set, r);
 }
 
 void journal_drop(struct server *s, struct dataset *set)
@@ -44,20 +39,20 @@ void journal_add(struct server *s, struct dataset *set, uint32_t first, struct d
     }
     r.name = set->name;
     r.name_len = set->name_len;
-    note(set, log_append_points(log, &r, (double *)p));
+    set->current->lsn = log_append_points(log, &r, (double *)p);
     reservation_set(&s->queued, log_queued(log));
 }
 
 void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n)
 {
     struct record r = {.type = RECORD_DELETE, .n = (uint32_t)n, .items = ids};
-    note(set, append(s, set, r));
+    set->current->lsn = append(s, set, r);
 }
 
 void journal_move(struct server *s, struct dataset *set, uint32_t id, struct dt_point to)
 {
     struct record r = {.type = RECORD_MOVE, .first = id, .a = to.x, .b = to.y};
-    note(set, append(s, set, r));
+    set->current->lsn = append(s, set, r);
 }
 
 void journal_triangulate(struct server *s, struct dataset *set)
@@ -65,12 +60,12 @@ void journal_triangulate(struct server *s, struct dataset *set)
     if (set->triangulated)
         return;
     set->triangulated = true;
-    note(set, append(s, set, (struct record){.type = RECORD_TRIANGULATE}));
+    set->current->lsn = append(s, set, (struct record){.type = RECORD_TRIANGULATE});
 }
 
 uint64_t journal_of(const struct server *s, const struct dataset *set)
 {
-    return set != NULL ? set->lsn : s->dropped;
+    return set != NULL ? set->current->lsn : s->dropped;
 }
 
 uint64_t journal_of_all(const struct server *s)

@@ -321,8 +321,8 @@ static bool miss_segment(struct recovery *r, const struct datafile *then)
 static void look_ahead(struct dataset *set, void *ctx)
 {
     struct recovery *r = ctx;
-    if (set->lsn > r->ahead)
-        r->ahead = set->lsn;
+    if (set->current->lsn > r->ahead)
+        r->ahead = set->current->lsn;
 }
 
 /* Reads the segments from the first one that has changes after the snapshot. */

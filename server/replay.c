@@ -99,7 +99,7 @@ static const char *add_collected(struct replay *p, struct dataset *set, const st
     enum dt_status status = dt_add_many(set->current->dt, p->points, p->n, &opt, &added);
     p->n = 0;
     if (status == DT_OK)
-        set->lsn = r->lsn;
+        set->current->lsn = r->lsn;
     else if (fresh != NULL)
         registry_drop(&p->sets, fresh);
     return told(p, status);
@@ -151,7 +151,7 @@ static const char *apply_existing(struct replay *p, struct dataset *set, const s
         fault = told(p, dt_move(set->current->dt, r->first, (struct dt_point){r->a, r->b}));
     }
     if (fault == NULL)
-        set->lsn = r->lsn;
+        set->current->lsn = r->lsn;
     return fault;
 }
 
@@ -180,7 +180,7 @@ static const char *apply_load(struct replay *p, const struct record *r, bool ski
 const char *replay_log(struct replay *p, const struct record *r)
 {
     struct dataset *set = r->name_len > 0 ? find(p, r) : NULL;
-    bool skip = r->lsn <= p->snapshot || (set != NULL && r->lsn <= set->lsn);
+    bool skip = r->lsn <= p->snapshot || (set != NULL && r->lsn <= set->current->lsn);
     bool lost = p->losses != NULL && set == NULL && !skip && !p->in_load && r->name_len > 0;
     if (lost && losses_take(p->losses, r)) {
         if (r->type != RECORD_LOAD)
@@ -201,7 +201,7 @@ const char *replay_log(struct replay *p, const struct record *r)
     set = set == NULL ? create(p, r, r->a) : NULL;
     if (set == NULL)
         return p->out_of_memory ? no_memory : contradiction;
-    set->lsn = r->lsn;
+    set->current->lsn = r->lsn;
     return NULL;
 }
 
@@ -223,7 +223,7 @@ static const char *begin_set(struct replay *p, const struct record *r)
     struct dataset *set = find(p, r) == NULL ? create(p, r, r->a) : NULL;
     if (set == NULL)
         return p->out_of_memory ? no_memory : contradiction;
-    set->lsn = r->synced;
+    set->current->lsn = r->synced;
     set->triangulated = (r->flags & RECORD_TRIANGULATED) != 0;
     p->sets_seen++;
     p->restoring = set;

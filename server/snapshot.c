@@ -205,7 +205,7 @@ static void pin(struct snapshot_source *s, struct dataset *set)
 {
     struct version *v = version_pin(set->current);
     s->version = v;
-    s->lsn = set->lsn;
+    s->lsn = v->lsn;
     s->triangulated = set->triangulated;
     s->view = dt_view_begin(v->dt, false);
 }

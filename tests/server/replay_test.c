@@ -109,7 +109,7 @@ TEST(edit_that_the_core_refuses_is_refused)
     r.name = "u"; /* which is not created for that */
     r.first = 0;
     CHECK(!takes(&p, r) && p.sets.sets == 1);
-    CHECK(find(&p, "t")->lsn == 1);
+    CHECK(find(&p, "t")->current->lsn == 1);
     replay_clear(&p);
 }
 
@@ -135,7 +135,7 @@ TEST(load_is_taken_as_a_whole)
     CHECK(takes(&p, points(NULL, RECORD_CHUNK, 4, 4, 1)) && replay_in_load(&p));
     CHECK(dt_next_id(find(&p, "t")->current->dt) == 3);
     CHECK(takes(&p, loaded(5, 2)) && !replay_in_load(&p));
-    CHECK(dt_next_id(find(&p, "t")->current->dt) == 5 && find(&p, "t")->lsn == 5);
+    CHECK(dt_next_id(find(&p, "t")->current->dt) == 5 && find(&p, "t")->current->lsn == 5);
     replay_clear(&p);
 }
 

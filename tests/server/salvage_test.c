@@ -309,7 +309,7 @@ TEST(record_that_is_refused_changes_nothing)
     CHECK(replay_log(&p, &r) != NULL);
     struct word name = {"t", 1};
     const struct dataset *set = registry_find(&p.sets, &name);
-    CHECK(set->lsn == 1 && dt_next_id(set->current->dt) == 2);
+    CHECK(set->current->lsn == 1 && dt_next_id(set->current->dt) == 2);
     replay_clear(&p);
     buf_free(&b);
 }

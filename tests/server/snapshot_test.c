@@ -101,12 +101,12 @@ TEST(set_of_a_snapshot_has_the_number_of_its_own_last_change)
     struct recovery r;
     begin(&b, "ADD a 0 0  1 1\n");
     directory_touch(&b.directory, "log.0000000000000005");
-    local_set(&b.l, "a")->lsn = 7;
+    local_set(&b.l, "a")->current->lsn = 7;
     CHECK(finish(&b, pin(&b)) == 0);
     recovery_init(&r, &b.dir);
     recovery_run(&r);
     CHECK(r.replay.snapshot == 4);
-    CHECK(registry_find(&r.replay.sets, &(struct word){"a", 1})->lsn == 7);
+    CHECK(registry_find(&r.replay.sets, &(struct word){"a", 1})->current->lsn == 7);
     recovery_clear(&r);
     end(&b);
 }
