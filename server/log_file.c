@@ -162,8 +162,8 @@ void log_file_start(struct log_file *f, uint64_t first)
     f->before += f->bytes;
     f->bytes = 0;
     write_header(f);
-    /* The next try must not find it there: the sync of the directory would have nothing to do, and
-     * could report a success that is not one. */
+    /* Its name may never get to the disk. If it stayed, a snapshot would take the segments before it for
+     * replaced and remove them, and a power failure could leave no segment at all. */
     if (f->error != 0 && created)
         unlinkat(f->dir->fd, name, 0);
 }
