@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -176,13 +177,12 @@ static void write_snapshot(struct snapshot *snap)
 static void *serve(void *arg)
 {
     struct snapshot *snap = arg;
-    uint64_t one = 1;
     int event = snap->event;
     setpriority(PRIO_PROCESS, 0, NICE); /* on Linux: of this thread */
     write_snapshot(snap);
     snap->done = true; /* from here on *snap may be gone */
-    ssize_t ignored = write(event, &one, sizeof one);
-    (void)ignored;
+    eventfd_write(event, 1);
+    close(event);
     return NULL;
 }
 
@@ -191,14 +191,12 @@ static void *serve(void *arg)
 static void start(struct snapshot *snap)
 {
     int error = pthread_create(&snap->thread, NULL, serve, snap);
-    uint64_t one = 1;
     snap->started = error == 0;
     if (error == 0)
         return;
     snap->error = error;
     snap->done = true;
-    ssize_t ignored = write(snap->event, &one, sizeof one);
-    (void)ignored;
+    eventfd_write(snap->event, 1);
 }
 
 static void pin(struct snapshot_source *s, struct dataset *set)
@@ -259,7 +257,11 @@ struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets
         return NULL;
     snap->dir = dir;
     snap->lsn = lsn;
-    snap->event = event;
+    snap->event = fcntl(event, F_DUPFD_CLOEXEC, 0);
+    if (snap->event < 0) {
+        free(snap);
+        return NULL;
+    }
     snap->waiting = 1;
     registry_each(sets, enrol, snap);
     return snap;
@@ -281,11 +283,13 @@ void snapshot_release(struct snapshot *snap, struct registry *sets)
 int snapshot_end(struct snapshot *snap, struct registry *sets)
 {
     snap->cancel = true;
-    /* Once it is done the thread has only to end; to wait for one that is low in priority, on a busy
-     * machine, would hold up all clients. */
-    if (snap->started && snap->done)
+    /* Once it is done the thread has only to report that and to end; to wait for one that is low in
+     * priority, on a busy machine, would hold up all clients. */
+    if (!snap->started)
+        close(snap->event);
+    else if (snap->done)
         pthread_detach(snap->thread);
-    else if (snap->started)
+    else
         pthread_join(snap->thread, NULL);
     int error = snap->done ? snap->error : ECANCELED;
     for (size_t i = snap->released; i < snap->n; i++) {

@@ -36,7 +36,7 @@ struct snapshot_source {
 struct snapshot {
     const struct datadir *dir; /* borrows */
     uint64_t lsn;
-    int event; /* borrows: an eventfd, written when done */
+    int event; /* an eventfd, written when done; the thread's own, which may outlive the struct */
     size_t n;
     size_t waiting; /* for so many sets, and for snapshot_go */
     int error;      /* errno; 0: it is in place */
@@ -51,7 +51,8 @@ struct snapshot {
 
 /* Pins all born sets, some of them later. To be called when lsn is the last change: a set that is
  * dropped after that must still be in the file, because the log from lsn on begins with its last
- * changes. NULL: out of memory. The caller ends it with snapshot_end. */
+ * changes. When it is done, the eventfd is written. NULL: out of memory or descriptors. The caller ends
+ * it with snapshot_end. */
 struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets, uint64_t lsn,
                                 int event);
 

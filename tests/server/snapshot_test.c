@@ -226,6 +226,26 @@ TEST(snapshot_whose_new_name_cannot_be_synced_stays_if_there_was_one_of_that_nam
     end(&b);
 }
 
+/* Its thread may report its end only after the server has stopped and closed its own descriptor. */
+TEST(snapshot_reports_its_end_through_a_descriptor_of_its_own)
+{
+    int ends[2];
+    uint64_t count;
+    struct bench b;
+    begin(&b, "");
+    int kept = dup(b.event);
+    struct snapshot *snap = pin(&b);
+    CHECK(kept >= 0 && pipe(ends) == 0 && dup2(ends[1], b.event) == b.event);
+    snapshot_go(snap);
+    struct pollfd told = {.fd = kept, .events = POLLIN}, other = {.fd = ends[0], .events = POLLIN};
+    CHECK(poll(&told, 1, 10000) == 1 && read(kept, &count, sizeof count) == sizeof count);
+    CHECK(poll(&other, 1, 0) == 0 && snapshot_end(snap, &b.l.server.sets) == 0);
+    close(kept);
+    close(ends[0]);
+    close(ends[1]);
+    end(&b);
+}
+
 /* ---- without memory ---- */
 
 /* What was written can be read again, and is the two sets. */
