@@ -62,7 +62,6 @@ static void *read_directory(void *arg)
     struct server *s = arg;
     struct durable *d = s->durable;
     struct recovery *r = &d->recovery;
-    uint64_t one = 1;
     recovery_run(r);
     if (r->result == RECOVERY_OK && recovery_tidy(r)) {
         if (r->why[0] != '\0')
@@ -76,8 +75,7 @@ static void *read_directory(void *arg)
         notice(NOTICE_ERROR, "%s: %s", d->dir.path, r->why);
     }
     d->read = true;
-    ssize_t ignored = write(d->event, &one, sizeof one);
-    (void)ignored;
+    eventfd_write(d->event, 1);
     return NULL;
 }
 
@@ -144,7 +142,6 @@ static void rebuild_next(struct server *s)
     struct durable *d = s->durable;
     struct buf out = {0};
     struct answer nobody = {.out = &out};
-    uint64_t one = 1;
     if (d->rebuilt < d->rebuilds) {
         struct job *j = job_new(sizeof *j, run_rebuild, rebuild_done);
         d->job = j;
@@ -159,8 +156,7 @@ static void rebuild_next(struct server *s)
     }
     d->stage = STAGE_COMPLETE;
     report_memory(s);
-    ssize_t ignored = write(d->event, &one, sizeof one); /* all is there: somebody may wait */
-    (void)ignored;
+    eventfd_write(d->event, 1); /* all is there: somebody may wait */
 }
 
 static int by_size(const void *a, const void *b)
@@ -267,9 +263,8 @@ void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q
 bool durable_on_event(struct server *s)
 {
     struct durable *d = s->durable;
-    uint64_t count;
-    ssize_t ignored = read(d->event, &count, sizeof count);
-    (void)ignored;
+    eventfd_t count;
+    eventfd_read(d->event, &count);
     if (d->stage == STAGE_READING && d->read && !end_reading(s))
         return false;
     if (is_running(d))

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 enum {
@@ -228,10 +229,8 @@ void log_status(struct log *log, struct log_status *status)
 
 static void tell(struct log *log)
 {
-    uint64_t one = 1;
     /* Nothing to do about a full counter: then the other side has not looked yet, and will. */
-    ssize_t ignored = write(log->event, &one, sizeof one);
-    (void)ignored;
+    eventfd_write(log->event, 1);
 }
 
 static void encode_points(struct log *log, struct piece *p, struct buf *out)

@@ -180,10 +180,8 @@ static void do_work(struct workers *w, struct work *work)
     pthread_mutex_lock(&w->mutex);
     bool first = w->done.first == NULL;
     push(&w->done, work);
-    uint64_t one = 1;
-    /* An eventfd takes eight bytes or fails for a reason that cannot occur: its counter is near
-     * zero. */
-    if (first && write(w->event, &one, sizeof one) != (ssize_t)sizeof one)
+    /* It could fail only if the counter were full, which is near zero. */
+    if (first && eventfd_write(w->event, 1) != 0)
         abort();
 }
 
@@ -298,12 +296,11 @@ void workers_submit(struct workers *w, enum work_kind kind, struct work *work)
 
 struct work *workers_collect(struct workers *w)
 {
-    uint64_t count;
+    eventfd_t count;
     pthread_mutex_lock(&w->mutex);
     /* Emptying the counter under the mutex keeps it in step with the list; nothing to read is no
      * error. */
-    ssize_t ignored = read(w->event, &count, sizeof count);
-    (void)ignored;
+    eventfd_read(w->event, &count);
     struct work *first = w->done.first;
     w->done = (struct queue){0};
     pthread_mutex_unlock(&w->mutex);
