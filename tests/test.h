@@ -67,19 +67,19 @@ uint32_t test_below(uint32_t n);
 bool test_is_sanitized(void);
 
 /* Out-of-memory injection: the n-th allocation from now on fails (n = 1: the next), and only that
- * one; 0: none fails. test_alloc_failed tells whether one did. Works in the core, proto and server
- * test binaries. test_fail_alloc_from: it and all after it. */
+ * one; 0: none fails. test_alloc_failed: whether one did. test_fail_alloc_from: it and all after
+ * it. */
 void test_fail_alloc(long n);
 void test_fail_alloc_from(long n);
 bool test_alloc_failed(void);
 
-/* From now on, or no longer, a block of memory ends where a page ends and the next one cannot be touched,
- * nor can a block that was freed: who does ends the test. A block costs system calls and address
- * space, so this is for tests that need few. */
+/* Guarded blocks, on or off: a block that is allocated while they are on ends where a page ends. To touch
+ * the page behind it, or the block when it has been freed, ends the test. A block costs system calls
+ * and address space, so this is for tests that need few. */
 void test_guard_alloc(bool on);
 
-/* Bytes of malloc's that are in use; and, from test_watch_alloc on, the most that were at once beyond so
- * many. */
+/* Bytes in use that malloc has given out; and by how much they have exceeded `before` at most since
+ * test_watch_alloc. */
 size_t test_alloc_in_use(void);
 void test_watch_alloc(void);
 size_t test_alloc_most(size_t before);
