@@ -150,12 +150,13 @@ uint64_t daemon_info(const struct daemon *d, const char *key)
 
 void await_info(const struct daemon *d, const char *key, uint64_t want)
 {
-    for (int i = 0; i < 500; i++) {
-        if (daemon_info(d, key) == want)
-            return;
+    uint64_t now = daemon_info(d, key), before = now;
+    for (int still = 0; now != want; before = now, now = daemon_info(d, key)) {
+        still = now == before ? still + 1 : 0;
+        if (still == 500)
+            test_fail(__FILE__, __LINE__, "%s stays %" PRIu64, key, now);
         pause_ms(10);
     }
-    test_fail(__FILE__, __LINE__, "%s stays %" PRIu64, key, daemon_info(d, key));
 }
 
 void load_random(int fd, const char *set, uint32_t n)

@@ -38,7 +38,7 @@ int connect_unix(const char *path);
 /* The value of an INFO key. */
 uint64_t daemon_info(const struct daemon *d, const char *key);
 
-/* Waits until an INFO key has this value; gives up after some seconds. */
+/* Waits until an INFO key has this value; gives up when it has not changed for some seconds. */
 void await_info(const struct daemon *d, const char *key, uint64_t want);
 
 /* Loads n points at random places of the unit square into the new set. */
