@@ -89,7 +89,7 @@ bench-clients: all $(O)/tests/bench/points
 
 .PHONY: mutants
 mutants: $(if $(filter 0,$(N)),,test_binaries)
-	@tests/mutants/mutants.py $(if $(M),--of $(M)) $(if $(LIST),--list $(LIST)) $(if $(N),--sample $(N)) $(if $(SEED),--seed $(SEED)) $(O)
+	@tests/mutants/mutants.py $(if $(M),--of '$(M)') $(if $(LIST),--list $(LIST)) $(if $(N),--sample $(N)) $(if $(SEED),--seed $(SEED)) $(O)
 
 # ---- lint ----
 
