@@ -7,7 +7,8 @@
  *
  *     add      a point enters, its vertex is inserted, the next point ...     undo: remove, take back
  *     delete   all vertices that go are removed, then their points            undo: insert
- *     move     the vertex is removed, its point shifts, it is inserted        undo: the way back
+ *     move     the vertex shifts within its star, and edges are flipped       undo: flip back, shift back
+ *              or it is removed, its point shifts, it is inserted             undo: the way back
  *
  * Where an inverse fails too, for lack of memory, or many would have to be done, the mesh is given up
  * (lose_mesh): the next dt_refresh rebuilds it from the points. */
@@ -16,9 +17,9 @@
 #include <stdlib.h>
 
 #include "core/batch.h"
+#include "core/flip.h"
 #include "core/hints_live.h"
 #include "core/insert.h"
-#include "core/local_move.h"
 #include "core/memory.h"
 #include "core/query.h"
 #include "core/remove.h"
@@ -283,21 +284,50 @@ enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, str
 
 /* ---- moving ---- */
 
+/* Whether the triangle of half edge h stays in the mesh, as it is, when v is removed. */
+static bool outlives(const struct dt_mesh *m, uint32_t h, uint32_t v)
+{
+    const uint32_t *corner = &m->half[dt_base(h)];
+    return corner[0] != v && corner[1] != v && corner[2] != v;
+}
+
 /* Vertex v, which has no aliases, moves to a place where there is no other. */
-static enum dt_status move_vertex(struct dt *t, uint32_t v, struct dt_point to)
+static enum dt_status move_vertex(struct dt *t, uint32_t v, struct dt_point to,
+                                  const struct place *place)
 {
     struct dt_points *p = &t->points;
     struct dt_point from = p->xy[v];
+    bool found = t->mesh.vertices > 2 && outlives(&t->mesh, place->half, v);
     enum dt_status status = remove_vertex(t, v);
     if (status != DT_OK)
         return status;
     dt_points_shift(p, v, to);
-    status = insert_vertex(t, v);
+    found = found && !dt_mesh_is_line(&t->mesh);
+    status = found ? insert_at(t, v, place) : insert_vertex(t, v);
     if (status == DT_OK)
         return DT_OK;
     dt_points_shift(p, v, from);
     put_back(t, &v, 1);
     return status;
+}
+
+/* The same within the star of v, if that allows it. */
+static enum dt_status move_by_flips(struct dt *t, uint32_t v, struct dt_point to,
+                                    struct dt_work *work, bool *moved)
+{
+    struct dt_point from = t->points.xy[v];
+    struct dt_flips f;
+    enum dt_status status = dt_star_allows(&t->mesh, t->points.xy, v, to, work, &f, moved);
+    if (status != DT_OK || !*moved)
+        return status;
+    dt_points_shift(&t->points, v, to);
+    status = dt_flip_all(&t->mesh, t->points.xy, &f, &t->scratch);
+    *moved = status == DT_OK;
+    if (*moved)
+        dt_hint_put(&t->hints, to, t->mesh.leaving[v]);
+    else
+        dt_points_shift(&t->points, v, from);
+    return status == DT_TOOBIG ? DT_OK : status;
 }
 
 /* Whether an insertion at the place is allowed: what it would replace is counted. */
@@ -339,14 +369,11 @@ static enum dt_status move_among_aliases(struct dt *t, uint32_t id, struct dt_po
 static enum dt_status move_anywhere(struct dt *t, uint32_t id, struct dt_point to, uint32_t v,
                                     struct dt_work *work)
 {
-    struct dt_points *p = &t->points;
-    enum dt_status status = p->tol > 0 ? dt_points_index(p, work) : DT_OK;
-    if (status != DT_OK)
-        return status;
     struct place place = look_up(t, to);
     uint32_t at = coincident(t, to, &place, v);
-    if (v != DT_NONE && at == DT_NONE && dt_points_heir(p, v, NULL, 0) == NULL)
-        status = move_vertex(t, v, to);
+    enum dt_status status;
+    if (v != DT_NONE && at == DT_NONE && dt_points_heir(&t->points, v, NULL, 0) == NULL)
+        status = move_vertex(t, v, to, &place);
     else
         status = move_among_aliases(t, id, to, v, &place, at, work);
     if (status == DT_OK && t->current)
@@ -354,29 +381,33 @@ static enum dt_status move_anywhere(struct dt *t, uint32_t id, struct dt_point t
     return status;
 }
 
+/* Whether vertex v has no aliases and becomes none at the place. Within its star there is no other
+ * vertex, but with a tolerance there may be one near by. */
+static bool stays_alone(const struct dt_points *p, uint32_t v, struct dt_point to)
+{
+    return dt_points_heir(p, v, NULL, 0) == NULL &&
+           (p->tol == 0 || dt_points_find(p, to, v) == DT_NONE);
+}
+
 enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_work *work)
 {
     struct dt_points *p = &t->points;
+    uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
+    if (v != DT_NONE)
+        fetch_star(t, v);
     to = (struct dt_point){to.x + 0.0, to.y + 0.0};
+    if (t->hints.grids > 0)
+        dt_fetch(&t->hints.cell[dt_hint_cell(t->hints.grid, to)]);
     struct dt_point from = dt_points_xy(p, id);
     if (from.x == to.x && from.y == to.y)
         return DT_OK;
-    uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
-    enum dt_status status = DT_OK;
-    bool stays = false;
-    if (v != DT_NONE)
-        fetch_star(t, v);
-    if (v != DT_NONE && p->tol == 0 && dt_points_heir(p, v, NULL, 0) == NULL)
-        status = dt_stays_delaunay(&t->mesh, p->xy, v, to, work, &stays);
-    if (status != DT_OK)
-        return status;
-    if (stays) {
-        dt_points_shift(p, v, to);
-        dt_hint_put(&t->hints, to, t->mesh.leaving[v]);
-        return DT_OK;
-    }
+    enum dt_status status = p->tol > 0 ? dt_points_index(p, work) : DT_OK;
+    bool moved = false;
     t->scratch.work = work;
-    status = move_anywhere(t, id, to, v, work);
+    if (status == DT_OK && v != DT_NONE && stays_alone(p, v, to))
+        status = move_by_flips(t, v, to, work, &moved);
+    if (status == DT_OK && !moved)
+        status = move_anywhere(t, id, to, v, work);
     commit(t);
     return status;
 }

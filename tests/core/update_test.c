@@ -155,7 +155,36 @@ TEST_TIMEOUT(edits_on_every_family_equal_a_fresh_set, 60)
     }
 }
 
-TEST(small_moves_keep_the_mesh_and_equal_a_fresh_set)
+/* Most are within the star of the vertex, some are across the set. */
+TEST_TIMEOUT(moves_of_every_size_equal_a_fresh_set_on_every_family, 60)
+{
+    enum { N = 200, MOVES = 60 };
+    static struct expected e;
+    static struct dt_point p[N];
+    for (const struct family *f = families; f->name != NULL; f++) {
+        struct dt *t = dt_new(0);
+        memset(&e, 0, sizeof e);
+        family_points(f, p, N, test_random());
+        add(t, &e, p, N);
+        CHECK(dt_triangulate(t, NULL) == DT_OK);
+        for (unsigned i = 0; i < MOVES; i++) {
+            uint32_t id = test_below(N), there = test_below(N);
+            double part = ldexp(1, -(int)test_below(50));
+            struct dt_point to = {e.xy[id].x + part * (e.xy[there].x - e.xy[id].x),
+                                  e.xy[id].y + part * (e.xy[there].y - e.xy[id].y)};
+            if (!dt_coordinate_ok(to.x) || !dt_coordinate_ok(to.y))
+                continue;
+            move(t, &e, id, to);
+            CHECK(t->current);
+            if (i % 4 == 0)
+                check_current(t, &e);
+        }
+        check_current(t, &e);
+        dt_free(t);
+    }
+}
+
+TEST(small_moves_equal_a_fresh_set)
 {
     static struct expected e;
     static struct dt_point p[1000];
@@ -173,6 +202,24 @@ TEST(small_moves_keep_the_mesh_and_equal_a_fresh_set)
     }
     CHECK(t->current);
     check_current(t, &e);
+    dt_free(t);
+}
+
+TEST(a_small_move_with_a_tolerance_stays_apart_or_becomes_an_alias)
+{
+    struct dt_point p[] = {{0, 0}, {8, 0}, {8, 8}, {0, 8}, {4, 4}, {4, 6}};
+    struct dt *t = dt_new(1);
+    struct dt_added added;
+    struct dt_summary sum;
+    uint32_t rep;
+    CHECK(dt_add(t, p, 6, &added) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    CHECK(dt_move(t, 4, (struct dt_point){4, 4.5}) == DT_OK);
+    dt_summary(t, &sum);
+    CHECK(sum.coincident == 0 && t->mesh.dead == 0);
+    CHECK(dt_move(t, 4, (struct dt_point){4, 5.5}) == DT_OK);
+    dt_summary(t, &sum);
+    CHECK(sum.coincident == 1);
+    CHECK(dt_representative(t, 4, &rep) == DT_OK && rep == 5);
     dt_free(t);
 }
 
