@@ -10,6 +10,7 @@
 
 #include "clients/command.h"
 #include "clients/model.h"
+#include "clients/options.h"
 #include "clients/url.h"
 #include "proto/buf.h"
 #include "proto/number.h"
@@ -147,10 +148,8 @@ int command_copy(struct delaunay_client *c, int argc, char **argv)
     struct copy y = {.from = argc == 4 ? argv[1] : "", .to = ""};
     (void)c;
     if (argc != 4 || !url_read(argv[2], &y.url[0]) || !url_read(argv[3], &y.url[1]) ||
-        !word_is_set_name(&(struct word){y.from, strlen(y.from)})) {
-        fprintf(stderr, "delaunay: copy takes a set and two URLs\nTry 'delaunay copy --help'.\n");
-        return EXIT_USAGE;
-    }
+        !word_is_set_name(&(struct word){y.from, strlen(y.from)}))
+        return options_wrong(argv[0], "copy takes a set and two URLs");
     y.to = y.url[1].set[0] != '\0' ? y.url[1].set : y.from;
     int status = connect_both(&y);
     if (status == EXIT_DONE)

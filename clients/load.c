@@ -34,16 +34,16 @@ static int read_arguments(struct source *s, const char **set, int argc, char **a
         if (option == 's')
             s->skip_bad = true;
         else if (option == 'f' && !source_read_form(optarg, s))
-            return options_wrong(argv, "unknown format %s; there are xy, csv, geojson, node, xyz",
-                                 optarg);
+            return options_wrong(
+                argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz", optarg);
         else if (option == 'c' && !table_choose_columns(&s->table, optarg))
-            return options_wrong(argv, "--columns %s is no X,Y: two names, or numbers from 1",
+            return options_wrong(argv[0], "--columns %s is no X,Y: two names, or numbers from 1",
                                  optarg);
         else if (option != 'f' && option != 'c')
-            return options_unknown(argv, option);
+            return options_unknown(argv[0], argv, option);
     }
     if (argc - optind != 2)
-        return options_wrong(argv, "load takes a set and a file");
+        return options_wrong(argv[0], "load takes a set and a file");
     *set = argv[optind];
     s->path = argv[optind + 1];
     return EXIT_DONE;

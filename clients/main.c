@@ -1,12 +1,16 @@
 /* main.c - the `delaunay` command line: options, the connection, then the subcommand. */
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+#include "clients/options.h"
 #include "clients/subcommand.h"
 #include "clients/url.h"
+
+#ifndef DELAUNAY_VERSION /* the Makefile knows it */
+#define DELAUNAY_VERSION "unknown"
+#endif
 
 static const char help_head[] =
     "usage: delaunay [-h HOST] [-p PORT] [-u URL] COMMAND...\n"
@@ -25,16 +29,11 @@ static const char help_tail[] =
     "  -p, --port PORT   default $DELAUNAY_PORT, or else 6374\n"
     "  -u, --url URL     both at once: delaunay://[:TOKEN@]HOST[:PORT]; default $DELAUNAY_URL\n"
     "      --help        this text\n"
+    "      --version     which version this is\n"
     "\n"
     "A token of the server's --auth-file may also be in $DELAUNAY_TOKEN.\n"
     "\n"
     "Exit status: 0 done, 1 refused (ERR) or not possible, 2 wrong usage, 3 no connection.\n";
-
-static int usage(const char *what)
-{
-    fprintf(stderr, "delaunay: %s\nTry 'delaunay --help'.\n", what);
-    return EXIT_USAGE;
-}
 
 static int print_help(void)
 {
@@ -121,26 +120,27 @@ static bool asks_for_help(int words, char **word)
 
 int main(int argc, char **argv)
 {
-    static const struct option options[] = {{"host", required_argument, NULL, 'h'},
-                                            {"port", required_argument, NULL, 'p'},
-                                            {"url", required_argument, NULL, 'u'},
-                                            {"help", no_argument, NULL, 'H'},
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"host", required_argument, NULL, 'h'}, {"port", required_argument, NULL, 'p'},
+        {"url", required_argument, NULL, 'u'},  {"help", no_argument, NULL, 'H'},
+        {"version", no_argument, NULL, 'V'},    {NULL, 0, NULL, 0}};
     struct url where;
     int option;
     if (!read_environment(&where))
-        return usage("DELAUNAY_URL is not of the form delaunay://host:port");
-    while ((option = getopt_long(argc, argv, "+h:p:u:", options, NULL)) != -1) {
+        return options_wrong("", "DELAUNAY_URL is not of the form delaunay://host:port");
+    while ((option = options_next(argc, argv, "+h:p:u:", options)) != -1) {
         if (option == 'H')
             return print_help();
+        if (option == 'V')
+            return puts("delaunay " DELAUNAY_VERSION) < 0;
         if (option == 'h')
             set_text(where.host, sizeof where.host, optarg);
         else if (option == 'p')
             set_text(where.port, sizeof where.port, optarg);
         else if (option != 'u')
-            return usage("unknown option");
+            return options_unknown("", argv, option);
         else if (!url_read(optarg, &where))
-            return usage("a URL is delaunay://host:port");
+            return options_wrong("", "%s is no URL delaunay://host:port", optarg);
     }
     int words = argc - optind;
     char **word = argv + optind;
@@ -151,7 +151,7 @@ int main(int argc, char **argv)
     }
     const char *fault = find_fault(s, words, word, &where);
     if (fault != NULL)
-        return usage(fault);
+        return options_wrong("", "%s", fault);
     int status = run(s, words, word, &where);
     if (fflush(stdout) != 0 && status == EXIT_DONE)
         status = EXIT_REFUSED;

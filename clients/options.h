@@ -4,14 +4,15 @@
 
 #include <getopt.h>
 
-/* getopt_long without messages of its own, and with options and other words in any order. */
+/* getopt_long without messages of its own. */
 int options_next(int argc, char **argv, const char *letters, const struct option *options);
 
-/* Says that something is wrong with the arguments of the command argv[0] (its name); returns the exit
+/* Says that something is wrong with the arguments of the command, "" for `delaunay` itself; returns the exit
  * status. */
-__attribute__((format(printf, 2, 3))) int options_wrong(char **argv, const char *format, ...);
+__attribute__((format(printf, 2, 3))) int options_wrong(const char *command, const char *format,
+                                                        ...);
 
-/* The same for what options_next returned: an unknown option or one without a value, '?' or ':'. */
-int options_unknown(char **argv, int option);
+/* The same for what options_next has just returned: an unknown option or one without a value. */
+int options_unknown(const char *command, char **argv, int option);
 
 #endif

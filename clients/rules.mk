@@ -10,6 +10,8 @@ VERSION     := $(shell sed -n 's/.*DELAUNAYD_VERSION "\(.*\)".*/\1/p' server/*.h
 LIB_SOURCES := clients/delaunay_client.c proto/buf.c proto/reply_read.c proto/request.c
 PIC         := $(LIB_SOURCES:%.c=$(O)/pic/%.o)
 
+$(O)/clients/main.o: COMPILE += -DDELAUNAY_VERSION='"$(VERSION)"'
+
 lib: $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0 $(O)/include/delaunay_client.h $(O)/lib/pkgconfig/delaunay.pc
 
 $(O)/pic/%.o: %.c

@@ -1,6 +1,5 @@
 /* show.c - `delaunay show SET`: a drawing in the terminal. A braille character is a cell of 2 x 4
  * dots, which makes dots about square. */
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +9,7 @@
 
 #include "clients/command.h"
 #include "clients/model.h"
+#include "clients/options.h"
 #include "proto/number.h"
 
 enum ink { INK_NONE, INK_EDGE, INK_POINT, INK_HULL };
@@ -105,12 +105,6 @@ static void print(const struct canvas *v)
     }
 }
 
-static int wrong(void)
-{
-    fprintf(stderr, "delaunay: wrong arguments\nTry 'delaunay show --help'.\n");
-    return EXIT_USAGE;
-}
-
 static bool read_size(const char *text, uint32_t *v)
 {
     return proto_read_u32(text, strlen(text), v) && *v >= 1 && *v <= 2000;
@@ -128,16 +122,18 @@ static int read_arguments(struct canvas *v, int argc, char **argv)
         v->columns = size.ws_col;
         v->lines = size.ws_row - 1u;
     }
-    v->plain = !isatty(STDOUT_FILENO);
+    const char *no_color = getenv("NO_COLOR"); /* no-color.org */
+    v->plain = !isatty(STDOUT_FILENO) || (no_color != NULL && no_color[0] != '\0');
     optind = 0;
-    while ((option = getopt_long(argc, argv, "", options, NULL)) != -1) {
+    while ((option = options_next(argc, argv, "", options)) != -1) {
         if (option == 'p')
             v->plain = true;
-        else if (!(option == 'w' && read_size(optarg, &v->columns)) &&
-                 !(option == 'h' && read_size(optarg, &v->lines)))
-            return wrong();
+        else if (option != 'w' && option != 'h')
+            return options_unknown(argv[0], argv, option);
+        else if (!read_size(optarg, option == 'w' ? &v->columns : &v->lines))
+            return options_wrong(argv[0], "a width or height is from 1 to 2000, not %s", optarg);
     }
-    return argc - optind == 1 ? EXIT_DONE : wrong();
+    return argc - optind == 1 ? EXIT_DONE : options_wrong(argv[0], "show takes a set");
 }
 
 int command_show(struct delaunay_client *c, int argc, char **argv)

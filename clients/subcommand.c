@@ -28,27 +28,31 @@ const struct subcommand subcommands[] = {
      "--format --columns --skip-bad --help"},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--colour quality|degree] [--numbers] [--viewport X0,Y0,X1,Y1]",
-     "Writes the triangulated set to a file (- for the standard output).\n\n"
+     "Writes the triangulated set to a file (- for the standard output). One that is there and was "
+     "not\n"
+     "written by delaunay, or was changed since, is replaced only with --force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "--format --colour --numbers --viewport --help"},
+     "--format --colour --numbers --viewport --force --help"},
     {"show", command_show, false, true, "show SET [--width COLUMNS] [--height LINES] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red. Without\n"
-     "--width and --height it fills the terminal; --plain leaves colours out.\n",
+     "--width and --height it fills the terminal; --plain leaves colours out, as\n"
+     "$NO_COLOR does.\n",
      "--width --height --plain --help"},
-    {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers]",
+    {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
      "Writes an SVG that plays in a browser (- for the standard output): how the shelling "
      "algorithm\n"
      "triangulates the set, which has at most 1000 points; some 30 are good to follow.\n"
      "Without a file the steps are printed as the server tells them.\n\n"
      "      --seconds S       how long the film is, from 1; else each step takes about a third\n"
-     "      --numbers         ids beside the points\n\n"
+     "      --numbers         ids beside the points\n"
+     "      --force           replace any file, not only one that delaunay has written\n\n"
      "Orange: the front, and where the third point of an edge (the arrow) is looked for. A "
      "triangle\n"
      "is green where it takes in a new point, yellow for a right touch, blue for a left touch; an\n"
      "edge is purple while it waits before a cave, brown once it is known to be on the hull. A "
      "point\n"
      "turns red when it is enclosed and leaves the grid, then pale.\n",
-     "--seconds --numbers --help"},
+     "--seconds --numbers --force --help"},
     {"top", command_top, false, false, "top [--once]",
      "Shows what the server is doing, every second, until interrupted; with --once one time.\n",
      "--once --help"},
@@ -121,7 +125,8 @@ void subcommand_print_help(const struct subcommand *s)
     fputs("      --colour quality  dark red: flat triangles; dark blue: equilateral ones\n"
           "      --colour degree   by the mean number of triangles at the corners\n"
           "      --numbers         ids beside the points, however many there are\n"
-          "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n\n"
+          "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
+          "      --force           replace any file\n\n"
           "Without --format the file's ending decides. Points are numbered 0, 1, 2, ... by id (OBJ "
           "and\n"
           "2DM: from 1), which is the id itself unless points have been deleted.\n",

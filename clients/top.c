@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "clients/command.h"
+#include "clients/options.h"
 
 enum { FACTS = 64, KEY_ROOM = 32 };
 
@@ -51,10 +52,8 @@ int command_top(struct delaunay_client *c, int argc, char **argv)
 {
     static struct facts now, before;
     bool once = argc == 2 && strcmp(argv[1], "--once") == 0;
-    if (argc > 1 && !once) {
-        fprintf(stderr, "delaunay: wrong arguments\nTry 'delaunay top --help'.\n");
-        return EXIT_USAGE;
-    }
+    if (argc > 1 && !once)
+        return options_wrong(argv[0], "top takes no argument %s", argv[1]);
     for (;; sleep(1)) {
         now.n = 0;
         enum delaunay_result r = delaunay_request(c, "INFO", take_fact, &now);

@@ -3,12 +3,12 @@
 #include "clients/trace.h"
 
 #include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "clients/command.h"
+#include "clients/options.h"
 #include "clients/part_file.h"
 #include "proto/number.h"
 
@@ -117,31 +117,34 @@ struct arguments {
     struct film_options film;
 };
 
-static int wrong(void)
-{
-    fprintf(stderr, "delaunay: wrong arguments\nTry 'delaunay trace --help'.\n");
-    return EXIT_USAGE;
-}
-
 static int read_arguments(struct arguments *a, int argc, char **argv)
 {
     static const struct option options[] = {{"seconds", required_argument, NULL, 's'},
                                             {"numbers", no_argument, NULL, 'n'},
+                                            {"force", no_argument, NULL, 'F'},
                                             {NULL, 0, NULL, 0}};
     int option;
+    bool force = false;
     optind = 0;
-    while ((option = getopt_long(argc, argv, "", options, NULL)) != -1) {
+    while ((option = options_next(argc, argv, "", options)) != -1) {
         if (option == 'n')
             a->film.numbers = true;
-        else if (option != 's' || !proto_read_double(optarg, strlen(optarg), &a->film.seconds) ||
+        else if (option == 'F')
+            force = true;
+        else if (option != 's')
+            return options_unknown(argv[0], argv, option);
+        else if (!proto_read_double(optarg, strlen(optarg), &a->film.seconds) ||
                  !(a->film.seconds >= 1 && a->film.seconds <= 36000))
-            return wrong();
+            return options_wrong(argv[0], "--seconds is from 1 to 36000, not %s", optarg);
     }
     if (argc - optind != 2)
-        return wrong();
+        return options_wrong(argv[0], "trace takes a set and a file");
     a->set = argv[optind];
     a->path = argv[optind + 1];
-    return EXIT_DONE;
+    if (force || strcmp(a->path, "-") == 0 || !part_file_is_foreign(a->path))
+        return EXIT_DONE;
+    part_file_refuse(a->path);
+    return EXIT_REFUSED;
 }
 
 static bool take_row(void *ctx, const struct reply_part *part)

@@ -322,3 +322,80 @@ TEST(top_shows_as_many_facts_as_it_has_room_for)
     CHECK(strstr(out, "key0 ") == out && strstr(out, "\nkey61 ") != NULL);
     CHECK(strstr(out, "key62") == NULL);
 }
+
+TEST(files_of_others_are_replaced_only_by_force)
+{
+    static const char *const commands[] = {"export", "trace"};
+    char file[100], command[200], forced[220];
+    int status;
+    cli_begin();
+    snprintf(file, sizeof file, "%s", cli_path("a.svg"));
+    cli_run_well("ADD t 0 0  1 0  0 1");
+    cli_run_well("triangulate t");
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        cli_write("a.svg", "my drawing");
+        snprintf(command, sizeof command, "%s t %s", commands[i], file);
+        const char *got = cli_run(&status, command);
+        CHECK_MSG(status == 1 && strstr(got, "--force replaces it") != NULL, "%s", got);
+        CHECK_STR(peer_shell(&status, "cat %s", file), "my drawing");
+        snprintf(forced, sizeof forced, "%s --force", command);
+        cli_run_well(forced);
+        peer_shell(&status, "grep -q svg %s", file);
+        CHECK(status == 0);
+    }
+    cli_finish();
+}
+
+TEST(version_is_that_of_the_daemon)
+{
+    int status;
+    char version[100];
+    snprintf(version, sizeof version, "%s",
+             peer_shell(&status, "%s --version", getenv("DELAUNAYD")));
+    CHECK(status == 0);
+    const char *got = peer_shell(&status, "%s --version", getenv("DELAUNAY"));
+    CHECK_MSG(status == 0 && strncmp(got, "delaunay ", 9) == 0 &&
+                  strcmp(strrchr(got, ' '), strrchr(version, ' ')) == 0,
+              "%s", got);
+}
+
+TEST(no_color_leaves_colours_out)
+{
+    char out[4000];
+    cli_begin();
+    cli_run_well("ADD t 0 0  9 0  0 9");
+    cli_run_well("triangulate t");
+    CHECK(setenv("NO_COLOR", "1", 1) == 0);
+    cli_run_on_terminal(cli_daemon.port_text, "show t", out, sizeof out);
+    CHECK(out[0] != 0 && strchr(out, '\033') == NULL);
+    CHECK(setenv("NO_COLOR", "", 1) == 0); /* as if it were not set */
+    cli_run_on_terminal(cli_daemon.port_text, "show t", out, sizeof out);
+    CHECK(strchr(out, '\033') != NULL);
+    cli_finish();
+}
+
+TEST(every_command_names_the_option_that_is_wrong)
+{
+    static const char *const wrong[][2] = {
+        {"--nonsense sets", "delaunay: unknown option --nonsense\nTry 'delaunay --help'.\n"},
+        {"-p", "delaunay: the option -p needs a value\nTry 'delaunay --help'.\n"},
+        {"-u here sets", "delaunay: here is no URL delaunay://host:port\n"},
+        {"export t - --box 1", "delaunay: unknown option --box\nTry 'delaunay export --help'.\n"},
+        {"export t - --colour red", "delaunay: unknown colour red; there are quality and degree\n"},
+        {"export t - --viewport 1,1,0,0", "delaunay: the viewport 1,1,0,0 is no X0,Y0,X1,Y1"},
+        {"export t - -f dwg", "delaunay: unknown format dwg\n"},
+        {"show t --wide", "delaunay: unknown option --wide\nTry 'delaunay show --help'.\n"},
+        {"show t --width 0", "delaunay: a width or height is from 1 to 2000, not 0\n"},
+        {"trace t a --slow", "delaunay: unknown option --slow\n"},
+        {"trace t a --seconds 0", "delaunay: --seconds is from 1 to 36000, not 0\n"},
+        {"top --always", "delaunay: top takes no argument --always\n"},
+    };
+    cli_begin();
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        int status;
+        const char *got = cli_run(&status, wrong[i][0]);
+        CHECK_MSG(status == 2 && strncmp(got, wrong[i][1], strlen(wrong[i][1])) == 0, "%s: %s",
+                  wrong[i][0], got);
+    }
+    cli_finish();
+}
