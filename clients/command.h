@@ -19,6 +19,9 @@ int command_prompt(struct delaunay_client *c);
 /* load SET FILE: all of a file into a set, or nothing. */
 int command_load(struct delaunay_client *c, int argc, char **argv);
 
+/* draw FILE OUT, run FILE OUT: from a file to a picture or a mesh. c is NULL: they start a daemon. */
+int command_draw(struct delaunay_client *c, int argc, char **argv);
+
 /* export SET FILE: a triangulated set as a drawing or in another program's format. */
 int command_export(struct delaunay_client *c, int argc, char **argv);
 

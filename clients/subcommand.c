@@ -7,6 +7,23 @@
 #include "clients/formats.h"
 
 const struct subcommand subcommands[] = {
+    {"draw", command_draw, true, false, "draw FILE [PICTURE] [OPTION ...]",
+     "Draws the Delaunay triangulation of a file of points, as PICTURE.svg or PICTURE.png, or in "
+     "the\n"
+     "terminal. Needs no running server: it starts one for itself and ends it. A PNG is made by\n"
+     "rsvg-convert or inkscape.\n\n"
+     "  -f, --format F           svg or png; else the picture's ending decides\n"
+     "      --input-format F     of the points; as load's --format\n"
+     "  -c, --columns X,Y        as load's\n"
+     "      --skip-bad           as load's\n"
+     "      --colour C, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n",
+     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help"},
+    {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
+     "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
+     "running server, as draw, and has its options.\n\n"
+     "  -f, --format F           of the mesh; else its ending decides\n"
+     "      --input-format F, --columns X,Y, --skip-bad, --force\n",
+     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help"},
     {"load", command_load, false, true, "load SET FILE [--format F] [--columns X,Y] [--skip-bad]",
      "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
      "line\n"

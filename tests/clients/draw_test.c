@@ -1,0 +1,137 @@
+/* draw_test.c - `delaunay draw` and `run`: from a file to a picture or a mesh without a server. */
+#include <signal.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/clients/cli.h"
+#include "tests/clients/peer.h"
+#include "tests/test.h"
+
+static char directory[64];
+
+static void begin(void)
+{
+    CHECK(getenv("DELAUNAY") != NULL);
+    snprintf(directory, sizeof directory, "/tmp/delaunay_draw_XXXXXX");
+    CHECK(mkdtemp(directory) != NULL);
+}
+
+static void finish(void)
+{
+    int status;
+    peer_shell(&status, "rm -r %s", directory);
+}
+
+/* Runs a shell command there, in which $D is `delaunay`; nothing listens at its default address. */
+static const char *run(int *status, const char *command)
+{
+    return peer_shell(status,
+                      "D=$(realpath %s) DELAUNAYD=$(realpath %s) DELAUNAY_PORT=1 && "
+                      "export D DELAUNAYD DELAUNAY_PORT && cd %s && { %s; } 2>&1",
+                      getenv("DELAUNAY"), getenv("DELAUNAYD"), directory, command);
+}
+
+static void expect(const char *command, const char *want)
+{
+    int status;
+    const char *got = run(&status, command);
+    CHECK_STR(got, want);
+    CHECK_MSG(status == 0, "%s: status %d", command, status);
+}
+
+TEST(draw_makes_a_picture_of_a_file_without_a_server)
+{
+    begin();
+    expect(
+        "printf 'id,X_COORD,Y_COORD\\n1,0,0\\n2,4,0\\n3,4,4\\n4,0,4\\n5,2,2\\n' > a.csv && "
+        "$D draw a.csv a.svg && grep -c '<title>a.csv: Delaunay triangulation of 5 points' a.svg",
+        "delaunay: a.csv: using columns x=X_COORD y=Y_COORD\n"
+        "a.svg: 5 points, 4 triangles, hull of 4\n1\n");
+    expect("ls", "a.csv\na.svg\n");
+    finish();
+}
+
+TEST(draw_without_a_picture_draws_in_the_terminal)
+{
+    int status;
+    begin();
+    const char *got = run(&status, "printf '0 0\\n10 0\\n10 10\\n0 10\\n' | $D draw -");
+    CHECK_MSG(status == 0 && strstr(got, "\xE2\xA1") != NULL, "%s", got);
+    finish();
+}
+
+TEST(run_writes_a_mesh_of_a_file_without_a_server)
+{
+    begin();
+    expect("printf '0 0\\nbad\\n4 0\\n0 4\\n' | $D run - - --format off --skip-bad 2>/dev/null",
+           "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
+    expect("printf '7,0,0\\n8,4,0\\n9,0,4\\n' > a.csv; $D run a.csv b.ele -c 2,3 && cat b.ele",
+           "b.ele: 3 points, 1 triangles, hull of 3\n1 3 0\n0 0 1 2\n");
+    finish();
+}
+
+TEST(draw_says_what_is_wrong_and_leaves_nothing)
+{
+    static const struct {
+        const char *command, *want;
+        int status;
+    } cases[] = {
+        {"$D draw none.csv a.svg", "delaunay: none.csv: No such file or directory\n", 1},
+        {"$D draw empty.csv a.svg", "delaunay: empty.csv: there are no points in it\n", 1},
+        {"$D draw p.xy mine.svg", "delaunay: mine.svg: there is such a file, not written", 1},
+        {"$D draw p.xy a.obj", "delaunay: a picture is SVG or PNG; for other formats use", 2},
+        {"$D draw p.xy a.dwg", "delaunay: unknown format dwg\nTry 'delaunay draw --help'.\n", 2},
+        {"$D draw", "delaunay: draw takes a file of points and that of the picture\n", 2},
+        {"$D run p.xy", "delaunay: run takes a file of points and that of the mesh\n", 2},
+        {"$D run p.xy a.obj --quick", "delaunay: unknown option --quick\n", 2},
+        {"DELAUNAYD=/none $D draw p.xy a.svg", "delaunay: /none: No such file or directory\n", 3},
+        {"DELAUNAYD=/bin/true $D draw p.xy a.svg", "delaunay: the connection was lost\n", 3},
+    };
+    int status;
+    begin();
+    run(&status, ": > empty.csv; echo '1 2' > p.xy; echo mine > mine.svg");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *got = run(&status, cases[i].command);
+        CHECK_MSG(status == cases[i].status &&
+                      strncmp(got, cases[i].want, strlen(cases[i].want)) == 0,
+                  "%s: %d: %s", cases[i].command, status, got);
+    }
+    expect("ls; cat mine.svg", "empty.csv\nmine.svg\np.xy\nmine\n");
+    finish();
+}
+
+/* The process id that the file has, 0 if there is none yet. */
+static pid_t read_pid(const char *name)
+{
+    int status;
+    return (pid_t)atol(peer_shell(&status, "cat %s/%s 2>/dev/null", directory, name));
+}
+
+TEST(draw_that_is_killed_takes_its_daemon_with_it_and_leaves_no_socket)
+{
+    int status;
+    pid_t own, daemon;
+    begin();
+    /* A daemon that never answers. */
+    run(&status, "printf '#!/bin/sh\\necho $$ > daemon\\nexec sleep 60\\n' > d; chmod +x d; "
+                 "echo '1 2' > p.xy; DELAUNAYD=./d; "
+                 "(sh -c 'echo $$ > own; exec $D draw p.xy a.svg' >/dev/null 2>&1 &)");
+    for (int i = 0; i < 1000 && (read_pid("daemon") == 0 || read_pid("own") == 0); i++)
+        usleep(10000);
+    own = read_pid("own");
+    daemon = read_pid("daemon");
+    CHECK(own > 0 && daemon > 0 && kill(daemon, 0) == 0);
+    CHECK_STR(peer_shell(&status, "ls -l /proc/%d/fd | grep -c delaunay_ || true", (int)daemon),
+              "0\n");
+    CHECK(kill(own, SIGKILL) == 0);
+    for (int i = 0; i < 1000 && kill(daemon, 0) == 0; i++) {
+        const char *state =
+            peer_shell(&status, "sed 's/.*) //; s/ .*//' /proc/%d/stat 2>/dev/null", (int)daemon);
+        if (state[0] == 'Z') /* whoever inherits it may not look */
+            break;
+        usleep(10000);
+        CHECK(i < 999);
+    }
+    finish();
+}
