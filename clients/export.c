@@ -74,6 +74,8 @@ static int write_file(struct export *e, const char *name, struct model *m)
         status = file_failed(e->path);
     if (status != EXIT_DONE)
         part_file_drop(&f);
+    else if (e->format == NULL && e->picture.shown < points)
+        printf("%s: %zu of %zu points\n", e->path, e->picture.shown, points);
     else
         printf("%s: %zu points, %zu triangles, hull of %zu\n", e->path, points, m->triangles,
                m->hull_n);

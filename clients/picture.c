@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "clients/svg.h"
 
@@ -39,20 +40,6 @@ static unsigned char *shades(const struct model *m, enum picture_colour colour)
     return degree != NULL ? shade : NULL;
 }
 
-/* Whether some part of the triangle may be seen. */
-static bool in_view(const struct picture *e, const struct model *m, const uint32_t *v)
-{
-    bool out[4] = {true, true, true, true};
-    for (int k = 0; k < 3; k++) {
-        const double *p = point(m, v[k]);
-        out[0] &= p[0] < e->box[0];
-        out[1] &= p[1] < e->box[1];
-        out[2] &= p[0] > e->box[2];
-        out[3] &= p[1] > e->box[3];
-    }
-    return !e->has_box || !(out[0] || out[1] || out[2] || out[3]);
-}
-
 static bool draw_triangles(struct svg *s, const struct picture *e, const struct model *m)
 {
     unsigned char *shade = e->colour != COLOUR_NONE ? shades(m, e->colour) : NULL;
@@ -61,7 +48,7 @@ static bool draw_triangles(struct svg *s, const struct picture *e, const struct 
     for (unsigned pass = 0; pass < (shade != NULL ? SVG_SHADES : 1); pass++) {
         for (size_t t = 0; t < m->triangles; t++) {
             const uint32_t *v = m->triangle + 3 * t;
-            if (!in_view(e, m, v) || (shade != NULL && shade[t] != pass))
+            if (shade != NULL && shade[t] != pass)
                 continue;
             if (shade != NULL)
                 svg_shaded_triangle(s, pass, point(m, v[0]), point(m, v[1]), point(m, v[2]));
@@ -73,31 +60,62 @@ static bool draw_triangles(struct svg *s, const struct picture *e, const struct 
     return true;
 }
 
-/* Moves the points that are seen to the front; returns their number. */
-static size_t cut_points(const struct picture *e, struct model *m)
+static bool is_shown(const struct picture *e, const double *p)
+{
+    return !e->has_box ||
+           (p[0] >= e->box[0] && p[1] >= e->box[1] && p[0] <= e->box[2] && p[1] <= e->box[3]);
+}
+
+static size_t count_shown(const struct picture *e, const struct model *m)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < m->n; i++)
+        n += is_shown(e, point(m, i));
+    return n;
+}
+
+/* Moves the points that are shown to the front. */
+static void cut_points(const struct picture *e, struct model *m)
 {
     size_t n = 0;
     for (size_t i = 0; i < m->n; i++) {
         const double *p = point(m, i);
-        if (e->has_box &&
-            (p[0] < e->box[0] || p[1] < e->box[1] || p[0] > e->box[2] || p[1] > e->box[3]))
+        if (!is_shown(e, p))
             continue;
         m->xy[2 * n] = p[0];
         m->xy[2 * n + 1] = p[1];
         m->id[n++] = m->id[i];
     }
-    return n;
 }
 
-bool picture_write(FILE *out, const struct picture *e, const char *name, struct model *m)
+/* Everything, or what the box holds. */
+static void choose_box(const struct picture *e, const struct model *m, double *box)
 {
-    char title[160];
+    memcpy(box, e->has_box ? e->box : (const double[4]){m->xy[0], m->xy[1], m->xy[0], m->xy[1]},
+           sizeof e->box);
+    for (size_t i = 0; !e->has_box && i < m->n; i++) {
+        box[0] = fmin(box[0], m->xy[2 * i]);
+        box[1] = fmin(box[1], m->xy[2 * i + 1]);
+        box[2] = fmax(box[2], m->xy[2 * i]);
+        box[3] = fmax(box[3], m->xy[2 * i + 1]);
+    }
+}
+
+bool picture_write(FILE *out, struct picture *e, const char *name, struct model *m)
+{
+    static const struct svg_legend legends[] = {
+        [COLOUR_QUALITY] = {"flat", "equilateral"}, [COLOUR_DEGREE] = {"degree 1", "10 or more"}};
+    char title[200], part[40] = "";
+    double box[4];
     struct svg s;
-    snprintf(title, sizeof title, "%.100s: Delaunay triangulation of %zu points", name, m->n);
-    if (e->has_box)
-        svg_begin_box(&s, out, title, e->box, m->n);
-    else
-        svg_begin(&s, out, title, m->xy, m->n);
+    e->shown = count_shown(e, m);
+    if (e->shown < m->n)
+        snprintf(part, sizeof part, "%zu of ", e->shown);
+    snprintf(title, sizeof title, "%.100s: Delaunay triangulation of %s%zu points", name, part,
+             m->n);
+    choose_box(e, m, box);
+    svg_begin_box(&s, out, title, box, e->shown, e->has_box,
+                  e->colour != COLOUR_NONE ? &legends[e->colour] : NULL);
     s.numbers = e->numbers;
     if (!draw_triangles(&s, e, m))
         return false;
@@ -105,7 +123,8 @@ bool picture_write(FILE *out, const struct picture *e, const char *name, struct 
     for (size_t i = 0; i < m->hull_n; i++)
         svg_hull_point(&s, point(m, m->hull[i]));
     svg_hull_end(&s);
-    svg_points(&s, m->xy, m->id, cut_points(e, m));
+    cut_points(e, m);
+    svg_points(&s, m->xy, m->id, e->shown);
     svg_end(&s);
     return true;
 }

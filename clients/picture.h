@@ -12,9 +12,10 @@ struct picture {
     enum picture_colour colour;
     bool numbers, has_box;
     double box[4]; /* left, lower, right, upper */
+    size_t shown;  /* picture_write: the points that are in the picture */
 };
 
 /* Writes the model, whose points are put in another order. False when out of memory; ferror() tells the rest. */
-bool picture_write(FILE *out, const struct picture *p, const char *name, struct model *m);
+bool picture_write(FILE *out, struct picture *p, const char *name, struct model *m);
 
 #endif

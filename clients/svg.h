@@ -1,4 +1,5 @@
-/* svg.h - draws a triangulation: triangles, hull, points, and ids while there are few.
+/* svg.h - draws a triangulation: triangles, hull, points, and ids while there are few; below it a scale and, if
+ * wanted, what the colours mean. Nothing lies outside of the frame.
  *
  * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull_begin, svg_hull_point for
  * each hull point in order, svg_hull_end, svg_points, svg_end. Everything goes straight to the
@@ -14,11 +15,15 @@
 struct svg {
     FILE *out;            /* borrows until svg_end */
     double x0, y1, scale; /* left edge, upper edge, and drawing units per unit */
-    double width, height; /* drawing units */
+    double left;          /* where the left edge is drawn */
+    double width, height; /* of the frame, in drawing units */
+    double wide, high;    /* of what is drawn within its margin */
+    const double *clip;   /* borrows the box that is shown; NULL: all of the plane */
     double line, dot;     /* width of a line and diameter of a point, in drawing units */
     size_t in_path, triangles;
     char class[4]; /* of the path that is open */
     uint64_t hull;
+    double hull_first[2], hull_last[2];
     bool numbers; /* ids are drawn, however many there are */
 };
 
@@ -27,9 +32,16 @@ enum { SVG_SHADES = 10 };
 /* Starts the drawing of the n points xy[2n], n > 0, with a title for people (no markup in it). */
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *xy, size_t n);
 
-/* The same, but only the part box = {left, lower, right, upper} of the plane is shown, in which
- * about n points lie. What lies outside may be drawn or left out. */
-void svg_begin_box(struct svg *s, FILE *out, const char *title, const double *box, size_t n);
+/* What the shades mean, from the first to the last. */
+struct svg_legend {
+    const char *low, *high;
+};
+
+/* The same, but only the part box = {left, lower, right, upper} of the plane is shown, in which about n
+ * points lie; the rest is cut off at its edges. clip: the box (borrowed until svg_end) is smaller than
+ * what will be drawn. legend: NULL if there are no shades. */
+void svg_begin_box(struct svg *s, FILE *out, const char *title, const double *box, size_t n,
+                   bool clip, const struct svg_legend *legend);
 
 /* A triangle in shade 0 (dark) .. SVG_SHADES - 1 (light). */
 void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const double *b,

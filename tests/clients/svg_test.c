@@ -68,7 +68,7 @@ TEST(svg_draws_triangles_hull_points_and_ids)
     check_sound(text);
     CHECK(closed(text) == 5); /* four triangles and the hull */
     CHECK(count(text, "h0") == 5);
-    CHECK(count(text, "<text") == 5 && strstr(text, ">4</text>") != NULL);
+    CHECK(count(text, "<text") == 6 && strstr(text, ">4</text>") != NULL);
     /* y points up: the point 0 4 is in the upper left corner of the frame, 0 0 in the lower left
      * one */
     CHECK(strstr(text, "M400 400h0") != NULL && strstr(text, "M400 16400h0") != NULL);
@@ -120,6 +120,96 @@ TEST(svg_shares_paths_between_many_triangles)
     char *text = drawing(xy, 1000, tri, 998);
     check_sound(text);
     CHECK(count(text, "class=\"t\"") == 2 && closed(text) == 999);
-    CHECK(count(text, "<text") == 0);
+    CHECK(count(text, "<text") == 1); /* the scale's */
     free(text);
+}
+
+TEST(svg_has_a_scale_of_a_round_length)
+{
+    static const struct {
+        double side;
+        const char *label;
+    } cases[] = {{4, ">1</text>"},        {10, ">2</text>"},      {16, ">5</text>"},
+                 {1e-9, ">2e-10</text>"}, {3000, ">1000</text>"}, {0x1p201, ">1e+60</text>"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        double a = cases[i].side;
+        double xy[] = {0, 0, a, 0, a, a, 0, a};
+        char *text = drawing(xy, 4, NULL, 0);
+        CHECK_MSG(strstr(text, cases[i].label) != NULL, "%g: %s", a, text);
+        free(text);
+    }
+}
+
+/* Every text lies within the frame, if a letter is no wider than 0.58 of its height. */
+static void check_texts(const char *text)
+{
+    double width, height, size = 0, x, y;
+    CHECK(sscanf(strstr(text, "viewBox"), "viewBox=\"0 0 %lf %lf\"", &width, &height) == 2);
+    for (const char *p = text; (p = strchr(p, '<')) != NULL; p++) {
+        sscanf(p, "<g font-size=\"%lf\"", &size);
+        if (strncmp(p, "<text", 5) != 0)
+            continue;
+        sscanf(p, "<text font-size=\"%lf\"", &size);
+        CHECK(sscanf(strstr(p, " x="), " x=\"%lf\" y=\"%lf\"", &x, &y) == 2);
+        const char *words = strchr(p, '>') + 1;
+        double end = x + 0.58 * size * (double)strcspn(words, "<");
+        CHECK_MSG(x >= 0 && end <= width + 1 && y >= 0.7 * size && y <= height, "%.60s", p);
+    }
+}
+
+TEST(svg_keeps_labels_scale_and_legend_within_the_frame)
+{
+    static const struct svg_legend legend = {"flat", "equilateral"};
+    static const double shapes[][8] = {{0, 0, 1, 0, 1, 1, 0, 1},
+                                       {0, 0, 0, 0, 0, 9, 0, 9},
+                                       {0, 0, 9, 0, 9, 0, 0, 0},
+                                       {5, 5, 5, 5, 5, 5, 5, 5},
+                                       {0, 0, 1, 0, 1, 30, 0, 30}};
+    uint32_t id[4] = {4294967295u, 1000000000, 123456, 7};
+    for (size_t i = 0; i < sizeof shapes / sizeof shapes[0]; i++) {
+        char *text;
+        size_t size;
+        struct svg s;
+        const double *xy = shapes[i];
+        double box[4] = {xy[0], xy[1], xy[4], xy[5]};
+        FILE *out = open_memstream(&text, &size);
+        svg_begin_box(&s, out, "title", box, 4, false, &legend);
+        svg_points(&s, xy, id, 4);
+        svg_end(&s);
+        fclose(out);
+        check_texts(text);
+        CHECK(strstr(text, ">flat</text>") != NULL && count(text, "class=\"q") == SVG_SHADES);
+        free(text);
+    }
+}
+
+TEST(svg_draws_what_meets_the_box_and_cuts_it_off)
+{
+    static const double box[4] = {0, 0, 1, 1};
+    static const double around[] = {-1e9, -1e9, 1e9, -1e9, 0, 1e9}, beside[] = {2, 0, 3, 0, 2, 1},
+                        across[] = {-5, 0.4, 6, 0.5, -5, 0.6};
+    static const double *const triangles[] = {around, beside, across};
+    for (size_t i = 0; i < 3; i++) {
+        char *text;
+        size_t size;
+        struct svg s;
+        const double *xy = triangles[i];
+        FILE *out = open_memstream(&text, &size);
+        svg_begin_box(&s, out, "title", box, 1, true, NULL);
+        svg_triangle(&s, xy, xy + 2, xy + 4);
+        svg_hull_begin(&s);
+        for (int k = 0; k < 3; k++)
+            svg_hull_point(&s, xy + 2 * k);
+        svg_hull_end(&s);
+        svg_points(&s, xy, NULL, 0);
+        svg_end(&s);
+        fclose(out);
+        CHECK(s.triangles == (i == 1 ? 0 : 1) && strstr(text, "clip-path=\"url(#box)\"") != NULL);
+        CHECK(count(text, "class=\"h\"") == (i == 2 ? 1 : 0));
+        for (const char *m = text; (m = strchr(m, 'M')) != NULL; m++) {
+            double x, y; /* nothing is far outside, whatever the triangle's size */
+            CHECK(sscanf(m, "M%lf %lf", &x, &y) == 2 && x >= -1700 && x <= 18500 && y >= -1700);
+        }
+        free(text);
+    }
 }
