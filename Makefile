@@ -82,7 +82,7 @@ test: test_binaries
 	@status=0; for s in $(SUITES); do echo "== $$s"; \
 	DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(O)/tests/$${s}_tests $(T) || status=1; done; exit $$status
 
-# What is left to chance with many more rounds, and what takes a multitude with all of it.
+# Random tests with many more rounds, and tests of many clients with all of them.
 faults: all $(O)/tests/server_tests $(SHIMS)
 	KILL_ROUNDS=200 POWER_LIVES=8 FAULTS=1 DELAUNAYD=$(O)/delaunayd $(FIND_SHIMS) $(O)/tests/server_tests kill_test disk_test power_ \
 	  thousand_readers ten_thousand

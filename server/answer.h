@@ -1,9 +1,10 @@
 /* answer.h - what becomes of a request: bytes of a reply now, and what is still to come.
  *
  * A handler writes into out. Beyond that it may leave exactly one of: a stream (rows that are too
- * many to write at once), a listing (the same for what is made a piece per turn), a job (a worker has it; the reply comes when it is done), a queue to wait
- * in (the request is to be tried again when its turn has come), a load (points follow the request).
- * Whoever called the handler takes over what is left. */
+ * many to write at once), a listing (the same for what is made a piece per turn), a job (a worker has
+ * it; the reply comes when it is done), a queue to wait in (the request is to be tried again when its
+ * turn has come), a load (points follow the request). Whoever called the handler takes over what is
+ * left. */
 #ifndef SERVER_ANSWER_H
 #define SERVER_ANSWER_H
 

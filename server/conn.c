@@ -26,8 +26,7 @@ static void run_turn(struct task *task)
 static void run_burial(struct task *task)
 {
     struct conn *c = (struct conn *)((char *)task - offsetof(struct conn, burial));
-    if (c->turn.queued) { /* it was deferred and closed in one turn: the next turn finds it dead,
-                             then it goes */
+    if (c->turn.queued) { /* since before it was closed: it is freed when that has run */
         loop_bury(c->loop, task);
         return;
     }

@@ -12,8 +12,8 @@
  * A reading job pins the version it reads and holds its lock while it runs, so it must be short: it
  * reads one piece, or searches for about a millisecond. A writing job is the set's only writer until
  * it is done. It edits in place, or it edits or triangulates a copy of the points, which becomes the
- * current version once the job has succeeded. A job beside the set only reads, for as long as it takes; queries go on meanwhile, edits
- * wait. */
+ * current version once the job has succeeded. A job beside the set only reads, for as long as it takes;
+ * queries go on meanwhile, edits wait. */
 #ifndef SERVER_JOB_H
 #define SERVER_JOB_H
 

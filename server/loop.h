@@ -16,9 +16,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum {
-    LOOP_TURN_NS = 1000 * 1000
-}; /* for deferred tasks and events; the same again for yielded tasks */
+/* For deferred tasks and events; the same again for yielded tasks. */
+enum { LOOP_TURN_NS = 1000 * 1000 };
 
 struct source {
     int fd;

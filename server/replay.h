@@ -9,11 +9,10 @@
 #include <stdatomic.h>
 
 struct replay {
-    struct registry sets; /* owns; each set's lsn and triangulated are what its records say */
-    uint64_t snapshot;    /* changes up to this lsn are in the snapshot */
-    bool out_of_memory;   /* what stopped it is no fault of the data */
-    const atomic_bool
-        *cancel; /* borrows; NULL; else, when it is set, a record may fail, whatever it holds */
+    struct registry sets;      /* owns; each set's lsn and triangulated are what its records say */
+    uint64_t snapshot;         /* changes up to this lsn are in the snapshot */
+    bool out_of_memory;        /* what stopped it is no fault of the data */
+    const atomic_bool *cancel; /* borrows; once it is set, any record may fail. NULL: never */
     struct losses *losses; /* borrows: records of these sets are passed over; NULL: none is lost */
     /* private */
     bool in_load;   /* a LOAD has begun */

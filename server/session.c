@@ -26,8 +26,8 @@ enum {
 
 /* ---- what an answer leaves to do ---- */
 
-/* Copied from one that is empty, which compilers do with a few vector moves; they fill a structure of
- * this size by an instruction that takes as long as everything else that becomes of a PING. */
+/* Copied from an empty one, which compilers do with a few vector moves. To clear a structure of this
+ * size they use `rep stos`, which is slow for so few bytes. */
 static inline struct answer new_answer(struct session *s)
 {
     static const struct answer empty;
@@ -196,8 +196,8 @@ static bool is_late(const struct session *s)
     return s->deadline_ms != 0 && s->held > 0 && s->conn.loop->now_ms > s->deadline_ms;
 }
 
-/* A session that a queue has called has its turn for all the requests that it carries out at once, since one
- * turn for each of a pipeline's would cost as much again; then the next waiter is called. A
+/* A session that a queue has called has its turn for all the requests that it carries out at once, since
+ * a turn for each request of a pipeline would double the cost; then the next waiter is called. A
  * request that is still to be carried out keeps its turn. */
 static void end_turn(struct session *s)
 {

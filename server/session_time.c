@@ -1,6 +1,6 @@
-/* session_time.c - when a session ends although its client has not asked for it: those that stall, that
- * show no token in time, whose points stop coming, or that make room for others; and how it
- * notices that its client has closed. */
+/* session_time.c - sessions that end although their clients have not asked for it: those that stall, that
+ * show no token in time, whose points stop coming, or that make room for others; and how a session
+ * notices that its client has closed the connection. */
 #include "server/account.h"
 #include "server/cmd_load.h"
 #include "server/limits.h"

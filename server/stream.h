@@ -1,7 +1,7 @@
 /* stream.h - the rows of a reply, made as they are sent.
  *
- * A stream pins the version it reads, at one moment of it, and keeps a place in its rows. A few pieces of those of a large
- * set are made ahead of the socket, side by side, by workers, and sent in order:
+ * A stream pins the version it reads, at one moment of it, and keeps a place in its rows. A few pieces of
+ * those of a large set are made ahead of the socket, side by side, by workers, and sent in order:
  *
  *      rows                   piece 3    piece 2    piece 1    piece 0     out
  *      [ not cut yet ... ]    [ made ]   [in work]  [in work]  [ made ] -> [ being sent ] -> socket
