@@ -222,15 +222,21 @@ static bool write_all(int fd, const char *bytes, size_t n)
     return true;
 }
 
-static bool copy_rest(int from, int to, uint64_t at)
+/* cancel: NULL, or gives up, with ECANCELED, once it is set. */
+static bool copy_rest(int from, int to, uint64_t at, const atomic_bool *cancel)
 {
     char block[1 << 16];
     ssize_t n;
     if (lseek(from, (off_t)at, SEEK_SET) < 0)
         return false;
-    while ((n = read(from, block, sizeof block)) > 0)
+    while ((n = read(from, block, sizeof block)) > 0) {
+        if (cancel != NULL && *cancel) {
+            errno = ECANCELED;
+            return false;
+        }
         if (!write_all(to, block, (size_t)n))
             return false;
+    }
     return n == 0 && fsync(to) == 0;
 }
 
@@ -247,7 +253,7 @@ bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint6
 {
     int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
     int to = from < 0 ? -1 : create_aside(d, f, name);
-    bool ok = to >= 0 && copy_rest(from, to, at) && datadir_sync(d);
+    bool ok = to >= 0 && copy_rest(from, to, at, NULL) && datadir_sync(d);
     close_with(from, ok);
     close_with(to, ok);
     if (to >= 0 && !ok)
@@ -283,14 +289,15 @@ bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint6
     return close_with(fd, fd >= 0 && write_again(fd, at) && fdatasync(fd) == 0);
 }
 
-bool datadir_copy_again(const struct datadir *d, const struct datafile *f)
+bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
+                        const atomic_bool *cancel)
 {
     char temporary[DATAFILE_NAME];
     datafile_name(temporary, DATAFILE_TEMPORARY, f->lsn);
     int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
     int to =
         from < 0 ? -1 : openat(d->fd, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    bool ok = to >= 0 && copy_rest(from, to, 0);
+    bool ok = to >= 0 && copy_rest(from, to, 0, cancel);
     close_with(from, ok);
     ok = close_with(to, ok) && renameat(d->fd, temporary, d->fd, f->name) == 0;
     if (!ok && to >= 0)

@@ -10,6 +10,7 @@
 #ifndef SERVER_DATADIR_H
 #define SERVER_DATADIR_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -62,9 +63,10 @@ bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at)
  * errno. */
 bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint64_t at);
 
-/* Puts a copy of the file into its place, durable with its name. False with errno: it is as it was, or
- * the sync of the name has failed. */
-bool datadir_copy_again(const struct datadir *d, const struct datafile *f);
+/* Puts a copy of the file into its place, durable with its name, unless *cancel is set meanwhile. False
+ * with errno: it is as it was, or the sync of the name has failed. */
+bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
+                        const atomic_bool *cancel);
 
 /* Removes the snapshots older than `lsn` and the log segments that it covers: those followed by a
  * segment that begins at lsn + 1 or before. A file that cannot be removed is left for the next

@@ -463,10 +463,12 @@ static bool save_snapshot(struct recovery *r)
     bool ok = datadir_list(r->dir, &files);
     const struct datafile *f = ok ? unproven_snapshot(r, &files) : NULL;
     if (f != NULL)
-        ok = datadir_copy_again(r->dir, f) || errno == ENOSPC || errno == EDQUOT;
+        ok = datadir_copy_again(r->dir, f, &r->cancel) || errno == ENOSPC || errno == EDQUOT;
     int error = errno;
     datafiles_free(&files);
-    return ok || fail(r, RECOVERY_ERROR, "cannot save the snapshot: %s", strerror(error));
+    if (ok || cancelled(r))
+        return ok;
+    return fail(r, RECOVERY_ERROR, "cannot save the snapshot: %s", strerror(error));
 }
 
 bool recovery_tidy(struct recovery *r)

@@ -211,6 +211,31 @@ TEST(log_that_cannot_be_saved_again_is_not_built_on)
     }
 }
 
+/* A snapshot beside a log that it covers is copied, which takes long if it is large. */
+TEST(copy_of_a_snapshot_is_given_up_when_the_server_stops)
+{
+    char path[128];
+    struct bench b;
+    begin(&b);
+    begin_file(&b, SEGMENT_LOG, 1);
+    put_point(&b, 1, 0, 0);
+    end_file(&b, DATAFILE_LOG, 1);
+    begin_file(&b, SEGMENT_LOG, 2);
+    end_file(&b, DATAFILE_LOG, 2);
+    begin_file(&b, SEGMENT_SNAPSHOT, 1);
+    put(&b, (struct record){.lsn = 1, .type = RECORD_END});
+    end_file(&b, DATAFILE_SNAPSHOT, 1);
+    read_all(&b);
+    CHECK_MSG(b.r.result == RECOVERY_OK, "%s", b.r.why);
+    b.r.cancel = true;
+    calls_watch(b.directory.path);
+    CHECK(!recovery_tidy(&b.r) && b.r.result == RECOVERY_CANCELLED);
+    CHECK(calls_end("create snapshot.1.tmp\nremove snapshot.1.tmp\n"));
+    path_of(&b, DATAFILE_SNAPSHOT, 1, path);
+    CHECK(access(path, F_OK) == 0);
+    end(&b);
+}
+
 /* Never more than what was synced is taken for it, and hardly less. */
 TEST(what_was_synced_for_certain_is_followed_from_record_to_record)
 {
