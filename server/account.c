@@ -58,7 +58,7 @@ void account_end(struct session *s, const struct answer *a, bool error)
 
 void account_pause(struct session *s, const struct answer *a)
 {
-    stats_pause(&s->server->stats, &s->pause, a->wait != NULL || a->later_ms != 0);
+    stats_pause(&s->server->stats, &s->pause, a->next == ANSWER_WAIT || a->next == ANSWER_LATER);
     if (!s->noted)
         quote(s, s->note);
     s->noted = true;

@@ -8,7 +8,7 @@
 /* The request at hand has been answered, as a tells. `error`: by an ERR line. */
 void account_end(struct session *s, const struct answer *a, bool error);
 
-/* It pauses: in line for a set, in the hands of a worker (a->job), or for its points (a->load). */
+/* It pauses: it waits in a queue or for a moment, for a worker, for its points or for a listing. */
 void account_pause(struct session *s, const struct answer *a);
 
 /* A load whose points are there begins its work. */

@@ -13,7 +13,7 @@ void cmd_ping(struct server *s, struct dataset *set, const struct request *q, st
 void cmd_quit(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     cmd_ping(s, set, q, a);
-    a->close = true;
+    a->next = ANSWER_CLOSING;
 }
 
 static void help_row(struct answer *a, const struct command *c)

@@ -43,15 +43,21 @@ static void usage(struct answer *a, const struct request *q)
 
 static const char *state_of(const struct session *s)
 {
-    if (s->job != NULL)
+    switch (s->state) {
+    case SESSION_WORKING:
+    case SESSION_LISTING:
         return "working";
-    if (s->waiter.queue != NULL || timer_is_set(&s->later))
+    case SESSION_WAITING:
+    case SESSION_DELAYED:
         return "waiting";
+    case SESSION_STREAMING:
+        return "sending";
+    case SESSION_READING:
+        break;
+    }
     if (s->load != NULL)
         return "loading";
-    if (s->listing != NULL)
-        return "working";
-    return s->stream != NULL || buf_len(&s->conn.out) > 0 ? "sending" : "idle";
+    return buf_len(&s->conn.out) > 0 ? "sending" : "idle";
 }
 
 /* There may be ten thousand rows, and everybody waits for them: they are not made by printf. */
@@ -166,7 +172,7 @@ static void kill_one(struct server *s, struct answer *a, struct session *victim)
     notice(NOTICE_INFO, "the client %s was killed by another one", peer);
     s->count.killed++;
     if (victim->id == a->owner)
-        a->close = true; /* when this reply is out */
+        a->next = ANSWER_CLOSING; /* when this reply is out */
     else
         conn_close(&victim->conn);
 }

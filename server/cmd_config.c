@@ -127,7 +127,8 @@ static void reload(struct server *s, struct answer *a)
     if (who != NULL) { /* the answer must not give back what the new tokens have taken */
         a->role = who->role;
         a->token = who->token;
-        a->close = who->role == ROLE_NONE;
+        if (who->role == ROLE_NONE)
+            a->next = ANSWER_CLOSING;
     }
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "tokens", s->auth.n);

@@ -43,7 +43,7 @@ static void start(struct server *s, struct answer *a, enum body_form form, uint3
     struct load *l = calloc(1, sizeof *l);
     if (l == NULL) {
         answer_out_of_memory(a);
-        a->close = true; /* what follows could not be told from requests */
+        a->next = ANSWER_CLOSING; /* what follows could not be told from requests */
         return;
     }
     body_init(&l->body, form, count, s->config->max_points, dt_coordinate_ok);
@@ -51,6 +51,7 @@ static void start(struct server *s, struct answer *a, enum body_form form, uint3
     l->server = s;
     l->memory = server_reservation(s, BUDGET_LOADS);
     l->shortage = ERR_NOMEM;
+    a->next = ANSWER_BODY;
     a->load = l;
 }
 
@@ -66,12 +67,12 @@ static void start_counted(struct server *s, const struct request *q, struct answ
     uint32_t count;
     if (proto_read_u32(q->word[2].text, q->word[2].len, &count)) {
         start(s, a, form, count);
-        if (a->load != NULL)
+        if (a->next == ANSWER_BODY)
             keep_name(a->load, &q->word[1]);
         return;
     }
     reply_err(a->out, ERR_NUMBER, "%.*s does not tell how much follows", QUOTED(&q->word[2]));
-    a->close = true;
+    a->next = ANSWER_CLOSING;
 }
 
 void cmd_load(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -82,7 +83,7 @@ void cmd_load(struct server *s, struct dataset *set, const struct request *q, st
         return;
     }
     start(s, a, BODY_DOT, 0);
-    if (a->load != NULL)
+    if (a->next == ANSWER_BODY)
         keep_name(a->load, &q->word[1]);
 }
 
@@ -99,11 +100,11 @@ void load_skip(struct server *s, const struct request *q, struct answer *a)
     /* Those who have shown no token may not keep the server reading. */
     if (a->role == ROLE_NONE || (!dot && q->n != 3) ||
         (!dot && !proto_read_u32(q->word[2].text, q->word[2].len, &count))) {
-        a->close = true;
+        a->next = ANSWER_CLOSING;
         return;
     }
     start(s, a, binary ? BODY_BINARY : dot ? BODY_DOT : BODY_LINES, count);
-    if (a->load == NULL)
+    if (a->next != ANSWER_BODY)
         return;
     a->load->refused = true;
     body_fail(&a->load->body, BODY_SYNTAX); /* so that no point is kept */

@@ -31,7 +31,7 @@ ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t 
 bool load_stalls(struct load *l, int64_t now_ms);
 
 /* Carries out a load whose body is complete: adds the points, or tells what was wrong with them.
- * Afterwards the load is spent unless a->wait is set: then it is to be called again when its turn
+ * Afterwards the load is spent unless a->next is ANSWER_WAIT: then it is to be called again when its turn
  * comes. */
 void load_commit(struct server *s, struct load *l, struct answer *a);
 

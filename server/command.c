@@ -162,7 +162,7 @@ static void refresh_done(struct server *s, struct job *j, struct answer *a)
 {
     (void)s;
     if (j->status == DT_OK)
-        a->retry = true;
+        a->next = ANSWER_AGAIN;
     else
         answer_status(a, j->status);
 }
@@ -189,10 +189,12 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
     j->memory = memory;
     j->what = "triangulating";
     job_write(s, a, j, set, large ? JOB_HEAVY : 0);
-    bool now = a->retry;
-    a->retry = false;
-    a->again = a->job != NULL;
-    return now;
+    if (a->next == ANSWER_JOB)
+        a->next = ANSWER_PREPARING;
+    if (a->next != ANSWER_AGAIN)
+        return false;
+    a->next = ANSWER_WHOLE; /* it was done at once */
+    return true;
 }
 
 /* The same for what looks at the grid for searches. Nothing else does, so it is made beside those who
@@ -280,17 +282,18 @@ void cmd_timeout(struct server *s, struct dataset *set, const struct request *q,
     reply_err(a->out, ERR_SYNTAX, "usage: TIMEOUT seconds command, with more than 0 and at most %d",
               LIMIT_TIMEOUT_S);
     /* After a load that is refused nobody knows where the next request starts. */
-    a->close = inner != NULL && (inner->flags & CMD_BODY) != 0;
+    if (inner != NULL && (inner->flags & CMD_BODY) != 0)
+        a->next = ANSWER_CLOSING;
 }
 
 void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
 {
-    if (a->stream != NULL)
+    if (a->next == ANSWER_STREAM)
         stream_free(&s->sets, a->stream);
-    a->stream = NULL;
-    if (a->listing != NULL)
+    if (a->next == ANSWER_LISTING)
         listing_free(a->listing);
-    a->listing = NULL;
+    if (a->next == ANSWER_STREAM || a->next == ANSWER_LISTING)
+        a->next = ANSWER_WHOLE;
     buf_rewind(a->out, mark);
     if (a->busy)
         reply_err(a->out, ERR_BUSY, "others use the memory that the reply takes; try again");
@@ -302,7 +305,7 @@ void command_run(struct server *s, const struct request *q, struct answer *a)
 {
     size_t mark = buf_len(a->out);
     if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) { /* not even room to say so */
-        a->broken = true;
+        a->next = ANSWER_BROKEN;
         return;
     }
     dispatch(s, q, a);

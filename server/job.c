@@ -126,6 +126,7 @@ static void start(struct server *s, struct answer *a, struct job *j, unsigned ho
         job_drain(j);
     s->count.jobs++;
     link_job(s, j);
+    a->next = ANSWER_JOB;
     a->job = j;
     workers_submit(s->workers, (how & JOB_BRIEF) != 0 ? WORK_SHORT : WORK_LONG, &j->work);
 }
@@ -245,6 +246,7 @@ bool job_join(struct server *s, struct answer *a, struct job *j)
         return false;
     also[j->also_n++] = a->owner;
     j->also = also;
+    a->next = ANSWER_JOB;
     a->job = j;
     s->count.shared++;
     return true;

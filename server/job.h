@@ -62,7 +62,7 @@ void *job_new(size_t size, void (*run)(struct job *),
 void job_free(struct job *j);
 
 /* Carries out a job that reads version v (job->dt must not be edited). Without JOB_HEAVY the reply
- * is there on return, else a->job is set. ERR BUSY if too many heavy jobs wait already. */
+ * is there on return, else a->next is ANSWER_JOB. ERR BUSY if too many heavy jobs wait already. */
 void job_read(struct server *s, struct answer *a, struct job *j, struct version *v, unsigned how);
 
 /* The same for a job that edits the set, which has no other writer now. */
@@ -81,8 +81,8 @@ bool job_reserve_build(struct server *s, struct answer *a, const struct dataset 
 void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                 unsigned how);
 
-/* Single flight: whoever asks for what the job is doing already waits for its result, too; a->job is
- * set. False when out of memory. */
+/* Single flight: whoever asks for what the job is doing already waits for its result, too: ANSWER_JOB.
+ * False when out of memory. */
 bool job_join(struct server *s, struct answer *a, struct job *j);
 
 /* One of those who wait does so no longer. True: the job goes on for the others, and knows the

@@ -223,8 +223,7 @@ void listing_refill(struct server *s, struct answer *a)
     }
     if (l->phase != SENDING || !send_rows(l, a))
         return;
-    a->listing = NULL;
-    a->broken = a->out->failed;
+    a->next = a->out->failed ? ANSWER_BROKEN : ANSWER_WHOLE;
     listing_free(l);
 }
 
@@ -259,6 +258,7 @@ static void begin(struct server *s, struct answer *a, const struct listing *what
         listing_free(l);
         return;
     }
+    a->next = ANSWER_LISTING;
     a->listing = l;
 }
 

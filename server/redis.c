@@ -143,7 +143,8 @@ static bool ask(struct server *s, const struct request *q, struct answer *a, con
     *t = (struct told){0};
     plain.out = &t->lines;
     command_run(s, q, &plain);
-    a->close = plain.close;
+    if (plain.next == ANSWER_CLOSING)
+        a->next = ANSWER_CLOSING;
     a->role = plain.role;
     a->token = plain.token;
     if (sort_out(t, a, eol))
@@ -415,7 +416,7 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
     a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
     stats_begin(&s->stats, a->command);
     if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) {
-        a->broken = true;
+        a->next = ANSWER_BROKEN;
         return true;
     }
     if (a->role == ROLE_NONE && !open)

@@ -50,7 +50,7 @@ void server_finish_unheard(struct server *s, struct job *j)
     struct buf out = {0};
     struct answer a = {.out = &out};
     job_finish(s, j, &a);
-    if (a.stream != NULL)
+    if (a.next == ANSWER_STREAM)
         stream_free(&s->sets, a.stream);
     buf_free(&out);
 }

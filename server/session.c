@@ -24,160 +24,6 @@ enum {
     STEPS_PER_LOOK = 16        /* of the quickest requests, between looks at the clock */
 };
 
-/* ---- what an answer leaves to do ---- */
-
-/* Copied from an empty one, which compilers do with a few vector moves. To clear a structure of this
- * size they use `rep stos`, which is slow for so few bytes. */
-static inline struct answer new_answer(struct session *s)
-{
-    static const struct answer empty;
-    struct answer a = empty;
-    a.out = s->resp ? &s->server->lines : &s->conn.out;
-    a.mark = conn_out_end(&s->conn);
-    a.owner = s->id;
-    a.role = s->role;
-    a.token = s->token;
-    a.command = s->command;
-    a.turn = wait_turn(&s->waiter);
-    a.waited = s->waited;
-    a.timed_out = s->timed_out;
-    return a;
-}
-
-struct answer session_answer(struct session *s)
-{
-    return new_answer(s);
-}
-
-/* Frames the reply for a client that speaks RESP. */
-static void reframe(struct session *s, struct answer *a)
-{
-    struct buf *lines = &s->server->lines;
-    if (!resp_reframe(&s->reader, buf_head(lines), buf_len(lines), &s->conn.out) ||
-        s->conn.out.failed)
-        a->broken = true;
-    buf_rewind(lines, 0);
-}
-
-/* What the answer says goes on its way. */
-static inline void deliver(struct session *s, struct answer *a)
-{
-    if (a->out == &s->server->lines)
-        reframe(s, a);
-}
-
-static void consume_held(struct session *s)
-{
-    buf_consume(&s->conn.in, s->held);
-    s->held = 0;
-}
-
-/* Whether the reply, of which not a byte has left yet, is an error. */
-static inline bool is_error(const struct session *s, const struct answer *a)
-{
-    size_t at = a->out == &s->server->lines ? 0 : (size_t)(a->mark - s->conn.sent);
-    if (buf_len(a->out) <= at)
-        return false;
-    char first = buf_head(a->out)[at];
-    return first == 'E' || first == '-';
-}
-
-static void account(struct session *s, const struct answer *a, bool error)
-{
-    s->command = a->command;
-    if (a->load != NULL)
-        s->refused = error;
-    if (a->wait != NULL || a->job != NULL || a->load != NULL || a->later_ms != 0 ||
-        a->listing != NULL) {
-        account_pause(s, a);
-    } else if (!a->retry) {
-        account_end(s, a, error || s->refused);
-        s->refused = false;
-    }
-}
-
-/* A worker has made a piece of the stream, or the listing can go on. */
-static void on_piece(void *ctx)
-{
-    conn_yield(&((struct session *)ctx)->conn);
-}
-
-/* Has the reply wait for the disk; one that a job or a load leaves to come does so when it is
- * there. */
-static void hold_reply(struct session *s, const struct answer *a)
-{
-    struct holders *in = &s->server->held;
-    if (s->conn.dead || a->job != NULL || a->load != NULL) /* the dead leave no trace */
-        return;
-    if (a->lsn != 0)
-        hold_acknowledgement(in, &s->conn.hold, a->lsn, a->mark);
-    if (a->shown != 0)
-        hold_view(in, &s->conn.hold, a->shown, a->mark);
-}
-
-bool session_take_over(struct session *s, struct answer *a)
-{
-    account(s, a, is_error(s, a));
-    deliver(s, a);
-    s->role = a->role;
-    s->token = a->token;
-    s->stream = a->stream;
-    if (s->stream != NULL)
-        stream_tell(s->stream, on_piece, s);
-    s->listing = a->listing;
-    if (s->listing != NULL) {
-        listing_tell(s->listing, on_piece, s);
-        conn_yield(&s->conn);
-    }
-    s->job = a->job;
-    if (a->broken) {
-        conn_close(&s->conn);
-        return false;
-    }
-    if (a->later_ms != 0) {
-        loop_at(s->conn.loop, &s->later, a->later_ms);
-        return false;
-    }
-    s->waited = false;
-    if (a->wait != NULL) {
-        s->waiter.writes = a->wait_writes;
-        wait_enter(a->wait, &s->waiter);
-        return false;
-    }
-    if (a->again || a->retry) /* the request itself is still to be carried out */
-        return a->retry;
-    if ((a->lsn | a->shown) != 0)
-        hold_reply(s, a);
-    if (!s->waiter.called || a->job != NULL || a->load != NULL) /* else see end_turn */
-        wait_served(&s->waiter);
-    consume_held(s);
-    if (s->job == NULL) {
-        s->deadline_ms = 0;
-        timer_clear(&s->deadline);
-    }
-    if (a->load != NULL)
-        s->load = a->load;
-    if (a->close)
-        conn_finish(&s->conn);
-    return !a->close && s->job == NULL;
-}
-
-bool session_refuse(struct session *s, enum reply_code code, const char *why)
-{
-    struct answer a = session_answer(s);
-    reply_err(a.out, code, "%s", why);
-    deliver(s, &a);
-    wait_served(&s->waiter);
-    conn_finish(&s->conn);
-    return false;
-}
-
-bool session_refuse_line(struct session *s, enum line_fault fault)
-{
-    return session_refuse(s, fault == LINE_TOO_LONG ? ERR_TOOLONG : ERR_SYNTAX,
-                          line_fault_text(fault));
-}
-
 /* Whether a request of which `bytes` have come is too much before AUTH. */
 static bool is_too_much(const struct session *s, size_t bytes, size_t words)
 {
@@ -211,7 +57,6 @@ static bool give_up(struct session *s)
     s->timed_out = true;
     timer_clear(&s->later);
     struct answer a = session_answer(s);
-    s->job = NULL;
     answer_status(&a, DT_CANCELLED);
     bool next = session_take_over(s, &a);
     end_turn(s);
@@ -237,45 +82,6 @@ bool session_input_ended(const struct session *s)
     return s->conn.eof && !s->conn.draining;
 }
 
-static bool step_stream(struct session *s)
-{
-    struct answer a = session_answer(s);
-    a.stream = s->stream;
-    stream_refill(s->server, &a);
-    deliver(s, &a);
-    s->stream = a.stream;
-    if (a.broken) {
-        conn_close(&s->conn);
-        return false;
-    }
-    if (s->stream != NULL && conn_out_end(&s->conn) > a.mark) /* go on when this piece is out */
-        conn_yield(&s->conn);
-    return s->stream == NULL;
-}
-
-/* The request of a listing is answered when its first row has been made. */
-static bool step_listing(struct session *s)
-{
-    bool begun = listing_has_begun(s->listing);
-    struct answer a = session_answer(s);
-    if (listing_frame(s->listing) != LISTING_LINES)
-        a.out = &s->conn.out;
-    a.listing = s->listing;
-    listing_refill(s->server, &a);
-    if (!begun && (a.listing == NULL || listing_has_begun(a.listing)))
-        account_end(s, &a, is_error(s, &a));
-    deliver(s, &a);
-    hold_reply(s, &a);
-    s->listing = a.listing;
-    if (a.broken) {
-        conn_close(&s->conn);
-        return false;
-    }
-    if (s->listing != NULL && conn_out_end(&s->conn) > a.mark)
-        conn_yield(&s->conn);
-    return s->listing == NULL;
-}
-
 bool session_wait_for_input(struct session *s)
 {
     if (s->conn.eof)
@@ -290,7 +96,7 @@ static bool carry_out(struct session *s, bool http)
 {
     struct request *q = &s->server->request;
     if (q->n == 0) {
-        consume_held(s);
+        session_consume(s);
         return true;
     }
     if (is_too_much(s, s->held, q->n))
@@ -303,7 +109,7 @@ static bool carry_out(struct session *s, bool http)
         return false;
     }
     set_deadline(s, q);
-    struct answer a = new_answer(s);
+    struct answer a = session_answer(s);
     command_run(s->server, q, &a);
     return session_take_over(s, &a);
 }
@@ -333,9 +139,9 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
     struct request *q = &s->server->request;
     s->greeted = true;
     set_deadline(s, q);
-    struct answer a = new_answer(s);
+    struct answer a = session_answer(s);
     if (q->n == 0) {
-        consume_held(s);
+        session_consume(s);
         return true;
     }
     if (is_too_much(s, s->held, q->n))
@@ -344,9 +150,10 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
     if (!redis_answer(s->server, q, &a)) {
         a.out = &s->server->lines;
         command_run(s->server, q, &a);
-        s->in_bulk = a.load != NULL && resp->has_body;
+        s->in_bulk = a.next == ANSWER_BODY && resp->has_body;
         s->bulk_left = resp->body;
-        a.close |= a.load == NULL && resp->has_body;
+        if (resp->has_body && a.next == ANSWER_WHOLE)
+            a.next = ANSWER_CLOSING;
     }
     return session_take_over(s, &a);
 }
@@ -390,25 +197,17 @@ static bool step_request(struct session *s)
     return s->resp ? step_resp(s) : step_line(s);
 }
 
-/* Whether its request stands in a queue. */
-static bool is_queued(const struct session *s)
-{
-    return s->waiter.queue != NULL && !s->waiter.called;
-}
-
 static bool step(struct session *s)
 {
-    if (s->job != NULL || is_queued(s) || timer_is_set(&s->later))
+    if (s->state == SESSION_WAITING || s->state == SESSION_DELAYED || s->state == SESSION_WORKING)
         return false;
     if (conn_full(&s->conn)) { /* others go first: its client may not read for long */
         wait_served(&s->waiter);
         conn_yield(&s->conn);
         return false;
     }
-    if (s->stream != NULL)
-        return step_stream(s);
-    if (s->listing != NULL)
-        return step_listing(s);
+    if (s->state == SESSION_STREAMING || s->state == SESSION_LISTING)
+        return session_step_rows(s);
     return s->load != NULL ? session_step_load(s) : step_request(s);
 }
 
@@ -441,7 +240,7 @@ static void on_data(struct conn *c)
     if (stats->run > 0)
         stats_look(stats);
     end_turn(s);
-    if (c->eof && s->job != NULL)
+    if (c->eof && s->state == SESSION_WORKING)
         session_probe(s);
 }
 
@@ -452,11 +251,11 @@ static void on_closed(struct conn *c)
     timer_clear(&s->later);
     timer_clear(&s->deadline);
     timer_clear(&s->probe);
-    if (s->job != NULL)
+    if (s->state == SESSION_WORKING)
         job_leave(s->job, s->id);
-    if (s->stream != NULL)
+    if (s->state == SESSION_STREAMING)
         stream_free(&s->server->sets, s->stream);
-    if (s->listing != NULL)
+    if (s->state == SESSION_LISTING)
         listing_free(s->listing);
     if (s->load != NULL)
         load_free(s->server, s->load);
@@ -469,6 +268,7 @@ static void on_closed(struct conn *c)
 static void on_wake(struct waiter *w)
 {
     struct session *s = (struct session *)((char *)w - offsetof(struct session, waiter));
+    s->state = SESSION_READING;
     conn_again(&s->conn);
 }
 
@@ -476,6 +276,7 @@ static void on_later(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, later));
     s->waited = true;
+    s->state = SESSION_READING;
     conn_again(&s->conn);
 }
 
@@ -487,8 +288,8 @@ static void pass_deadline(struct timer *t)
     if (s->conn.dead)
         return;
     s->timed_out = true;
-    bool in_line = s->waiter.queue != NULL || timer_is_set(&s->later);
-    if (s->job != NULL ? job_leave(s->job, s->id) : in_line && s->load == NULL) {
+    bool in_line = s->waiter.queue != NULL || s->state == SESSION_DELAYED;
+    if (s->state == SESSION_WORKING ? job_leave(s->job, s->id) : in_line && s->load == NULL) {
         give_up(s);
         conn_again(&s->conn);
     }
@@ -541,8 +342,9 @@ void session_not_saved(struct hold *h)
     wait_served(&s->waiter);
     struct answer a = session_answer(s);
     reply_err(a.out, ERR_IO, "the disk fails: whether the last changes were saved is not known");
-    deliver(s, &a);
-    if (s->job != NULL || s->stream != NULL || s->listing != NULL || a.broken || c->out.failed)
+    bool delivered = session_deliver(s, &a);
+    if (s->state == SESSION_WORKING || s->state == SESSION_STREAMING ||
+        s->state == SESSION_LISTING || !delivered || c->out.failed)
         conn_close(c); /* nothing may follow that line */
     else
         conn_finish(c);
@@ -560,13 +362,15 @@ static void end_job(struct session *s, struct job *j,
     struct answer a = session_answer(s);
     size_t mark = buf_len(a.out);
     timer_clear(&s->probe);
-    s->job = NULL;
-    a.broken = buf_reserve(a.out, REPLY_ERR_ROOM) == NULL;
+    s->state = SESSION_READING;
+    bool room = buf_reserve(a.out, REPLY_ERR_ROOM) != NULL;
     account_job(s, j);
     tell(s->server, j, &a);
-    if (a.out->failed && !a.broken)
+    if (a.out->failed && room)
         command_out_of_memory(s->server, &a, mark);
     session_take_over(s, &a);
+    if (!room)
+        conn_close(&s->conn);
     end_turn(s);
     conn_again(&s->conn);
 }

@@ -13,6 +13,16 @@
 #include "server/job.h"
 #include "server/sock.h"
 
+/* What it does. */
+enum session_state {
+    SESSION_READING,   /* takes requests, or the points of `load`, from its connection */
+    SESSION_WAITING,   /* its request waits in a queue (waiter) */
+    SESSION_DELAYED,   /* its request waits for a moment (later) */
+    SESSION_WORKING,   /* a worker has `job` */
+    SESSION_STREAMING, /* sends the rows of `stream` */
+    SESSION_LISTING    /* sends those of `listing` */
+};
+
 struct session {
     struct conn conn; /* first: the connection's view */
     struct server *server;
@@ -28,19 +38,22 @@ struct session {
     unsigned wrong_tokens; /* that it has shown */
     struct timer probe; /* set: runs when a comment is to show whether the client is still there */
     bool probed;        /* it has run while a worker could report progress: once is enough */
-    struct timer later; /* set: the request at hand is carried out when it runs */
     bool waited;        /* it has run for the request at hand */
     bool evicted;       /* it has made room for another client */
     struct stats_pause pause;
     bool noted; /* the request that has paused is in `note`, as words */
     char note[SLOW_TEXT];
     size_t held; /* bytes of the request that waits: kept in the input until it is answered */
-    int64_t deadline_ms;        /* of the request that waits or that a worker has; 0: none */
-    struct timer deadline;      /* set: runs at that moment */
-    bool timed_out;             /* it has passed */
-    struct stream *stream;      /* owns: rows that are still to be sent */
-    struct listing *listing;    /* owns: the same, made piece by piece */
-    struct job *job;            /* borrows: what a worker does for it */
+    struct timer later;    /* SESSION_DELAYED: ends that */
+    int64_t deadline_ms;   /* of the request that waits or that a worker has; 0: none */
+    struct timer deadline; /* set: runs at that moment */
+    bool timed_out;        /* it has passed */
+    enum session_state state;
+    union {
+        struct job *job;         /* borrows */
+        struct stream *stream;   /* owns */
+        struct listing *listing; /* owns */
+    };
     struct load *load;          /* owns: points that are being received */
     bool refused;               /* the load that is being received has been refused already */
     bool resp;                  /* the request under way came in RESP framing (proto/resp.h) */

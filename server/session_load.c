@@ -20,7 +20,7 @@ static bool commit_load(struct session *s)
     load_commit(s->server, s->load, &a);
     if (a.out->failed)
         command_out_of_memory(s->server, &a, mark);
-    if (a.wait == NULL) {
+    if (a.next != ANSWER_WAIT) {
         load_free(s->server, s->load);
         s->load = NULL;
     }

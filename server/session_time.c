@@ -11,14 +11,14 @@ enum { PROBE_MS = 50 }; /* from the end of the input to the line that probes the
 /* Whether the session does nothing but wait for what its client sends next. */
 static bool is_listening(const struct session *s)
 {
-    return s->job == NULL && s->stream == NULL && s->listing == NULL && s->waiter.queue == NULL &&
-           !timer_is_set(&s->later) && buf_len(&s->conn.out) == 0;
+    return s->state == SESSION_READING && s->waiter.queue == NULL && buf_len(&s->conn.out) == 0;
 }
 
 /* Whether it does nothing but wait for the points of its load. */
 static bool is_receiving(const struct session *s)
 {
-    return s->job == NULL && s->waiter.queue == NULL && (!s->load->body.complete || s->in_bulk);
+    return s->state == SESSION_READING && s->load != NULL && s->waiter.queue == NULL &&
+           (!s->load->body.complete || s->in_bulk);
 }
 
 void session_check_timeouts(struct session *s)
@@ -28,12 +28,12 @@ void session_check_timeouts(struct session *s)
     conn_check_timeouts(c);
     if (c->dead || c->finishing)
         return;
-    if (s->role == ROLE_NONE && !timer_is_set(&s->later) &&
+    if (s->role == ROLE_NONE && s->state != SESSION_DELAYED &&
         now - s->since_ms > LIMIT_STRANGER_S * 1000) {
         notice_client(s, NOTICE_INFO, "has shown no token in time: closed");
         session_refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
         conn_turn(c);
-    } else if (s->load != NULL && is_receiving(s) && load_stalls(s->load, now)) {
+    } else if (is_receiving(s) && load_stalls(s->load, now)) {
         session_refuse(s, ERR_TIMEOUT, "the points stopped coming; nothing was loaded");
         load_free(s->server, s->load);
         s->load = NULL;
@@ -61,7 +61,7 @@ void session_probe(struct session *s)
 void session_on_probe(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, probe));
-    if (s->job == NULL || s->conn.dead)
+    if (s->state != SESSION_WORKING || s->conn.dead)
         return;
     s->probed = s->job->what != NULL;
     session_progress(s, s->job);

@@ -129,13 +129,16 @@ void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct
         rows_clear(rows);
         return;
     }
-    a->stream = new_stream(s, a, rows);
-    if (a->stream == NULL) {
+    struct stream *st = new_stream(s, a, rows);
+    if (st == NULL) {
         version_end_view(&s->sets, rows->version, rows->view);
         rows_clear(rows);
-    } else if (ids != NULL) {
-        *ids = (struct dt_ids){0};
+        return;
     }
+    a->next = ANSWER_STREAM;
+    a->stream = st;
+    if (ids != NULL)
+        *ids = (struct dt_ids){0};
 }
 
 void stream_tell(struct stream *st, void (*ready)(void *ctx), void *ctx)
@@ -359,7 +362,6 @@ void stream_refill(struct server *s, struct answer *a)
     }
     if (status == DT_OK && !done)
         return;
-    a->stream = NULL;
-    a->broken = status != DT_OK;
+    a->next = status == DT_OK ? ANSWER_WHOLE : ANSWER_BROKEN;
     stream_free(&s->sets, st);
 }

@@ -19,7 +19,7 @@
 struct stream;
 
 /* Answers with *rows, whose version is not pinned yet: writes them at once if they are few, else
- * leaves a stream in a->stream, which takes *ids over (and leaves it empty). ids is NULL for a
+ * leaves ANSWER_STREAM, whose stream takes *ids over (and leaves it empty). ids is NULL for a
  * table. The status line must have been written before. rows->view, unless it is NULL, is ended
  * when the rows have been sent; without one, the rows are those of this moment. If there is no memory
  * for its pieces, the answer is undone (answer_busy). */

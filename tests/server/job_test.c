@@ -130,7 +130,7 @@ static struct load *begin_load(struct local *l, const char *line)
     struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
     CHECK(request_split(q, line, strlen(line)));
     command_run(&l->server, q, &a);
-    CHECK(a.load != NULL);
+    CHECK(a.next == ANSWER_BODY);
     return a.load;
 }
 
@@ -145,11 +145,11 @@ TEST(load_whose_points_are_there_waits_for_its_turn)
     struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
     CHECK(load_feed(&l.server, load, "2 2\n", 4, false) == 4 && load->body.complete);
     load_commit(&l.server, load, &a);
-    CHECK(a.wait == &set->queue && set->current->sum.points == 1);
+    CHECK(a.next == ANSWER_WAIT && a.wait == &set->queue && set->current->sum.points == 1);
     set->writer = NULL;
-    a.wait = NULL;
+    a.next = ANSWER_WHOLE;
     load_commit(&l.server, load, &a);
-    CHECK(a.wait == NULL && set->current->sum.points == 2);
+    CHECK(a.next == ANSWER_WHOLE && set->current->sum.points == 2);
     load_free(&l.server, load);
     local_stop(&l);
 }

@@ -52,7 +52,7 @@ static void drop_t(struct waiter *w)
     struct answer a = {.out = &b->l.out, .owner = 1, .role = ROLE_WRITE, .turn = wait_turn(w)};
     CHECK(request_split(q, "DROP t", 6));
     command_run(&b->l.server, q, &a);
-    CHECK(a.wait == NULL && set_t(b) == NULL);
+    CHECK(a.next == ANSWER_WHOLE && set_t(b) == NULL);
 }
 
 /* The snapshot pins the set while it is being dropped. Were it to say that the set has the change
@@ -144,9 +144,9 @@ static struct answer run(struct bench *b, const char *request)
 /* Asks what a worker is to answer. */
 static struct job *ask(struct bench *b, const char *request)
 {
-    struct job *j = run(b, request).job;
-    CHECK(j != NULL);
-    return j;
+    struct answer a = run(b, request);
+    CHECK(a.next == ANSWER_JOB);
+    return a.job;
 }
 
 static struct answer told; /* of the job with an owner */
@@ -162,7 +162,7 @@ static void tell(void *ctx, struct job *j)
     told = (struct answer){.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};
     tellings++;
     job_finish(&b->l.server, j, &told);
-    if (told.stream != NULL)
+    if (told.next == ANSWER_STREAM)
         stream_free(&b->l.server.sets, told.stream);
 }
 

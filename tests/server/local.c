@@ -33,12 +33,11 @@ struct delivery {
 static void deliver(void *ctx, struct job *j)
 {
     struct delivery *to = ctx;
-    if (j != to->answer->job) {
+    if (!answer_has_job(to->answer) || j != to->answer->job) {
         server_finish_unheard(to->server, j);
         return;
     }
-    to->answer->job = NULL;
-    to->answer->again = false;
+    to->answer->next = ANSWER_WHOLE;
     job_finish(to->server, j, to->answer);
 }
 
@@ -54,7 +53,7 @@ static void collect(struct local *l, struct answer *a)
 /* Waits until the answer's job has come back. */
 static void wait_for_job(struct local *l, struct answer *a)
 {
-    while (a->job != NULL)
+    while (answer_has_job(a))
         collect(l, a);
 }
 
@@ -62,29 +61,29 @@ static void wait_for_job(struct local *l, struct answer *a)
 static void refill(struct local *l, struct answer *a)
 {
     size_t before = buf_len(a->out);
-    if (a->stream != NULL)
+    if (a->next == ANSWER_STREAM)
         stream_refill(&l->server, a);
-    if (a->stream != NULL && buf_len(a->out) == before)
+    if (a->next == ANSWER_STREAM && buf_len(a->out) == before)
         collect(l, a);
-    if (a->listing != NULL)
+    if (a->next == ANSWER_LISTING)
         listing_refill(&l->server, a);
-    if (a->listing != NULL && l->server.jobs != NULL) /* it is being sorted */
+    if (a->next == ANSWER_LISTING && l->server.jobs != NULL) /* it is being sorted */
         collect(l, a);
 }
 
 /* Everything that an answer leaves to come. True if the request is to be carried out again. */
 static bool complete(struct local *l, struct answer *a)
 {
-    if (a->wait != NULL) { /* its grid is being made anew: nobody else is there */
+    if (a->next == ANSWER_WAIT) { /* its grid is being made anew: nobody else is there */
         collect(l, a);
         return true;
     }
     do {
         wait_for_job(l, a);
         refill(l, a);
-    } while (a->job != NULL || a->stream != NULL || a->listing != NULL);
-    l->closed = l->closed || a->close || a->broken;
-    return a->retry;
+    } while (answer_has_job(a) || a->next == ANSWER_STREAM || a->next == ANSWER_LISTING);
+    l->closed = l->closed || a->next == ANSWER_CLOSING || a->next == ANSWER_BROKEN;
+    return a->next == ANSWER_AGAIN;
 }
 
 static struct answer new_answer(struct local *l)
@@ -124,7 +123,7 @@ const char *local_ask(struct local *l, const char *lines)
             a = new_answer(l);
             command_run(&l->server, q, &a);
         }
-        if (a.load != NULL)
+        if (a.next == ANSWER_BODY)
             at += load(l, a.load, lines + at, n - at);
     }
     buf_append_char(&l->out, '\0');

@@ -141,7 +141,7 @@ TEST(job_is_cancelled_when_the_last_who_waits_leaves)
         j->owner = 1;
         for (uint64_t id = 2; id <= 3; id++) {
             struct answer a = {.owner = id};
-            CHECK(job_join(&s, &a, j) && a.job == j);
+            CHECK(job_join(&s, &a, j) && a.next == ANSWER_JOB && a.job == j);
         }
         CHECK(job_leave(j, first) && j->owner != first);
         uint64_t second = j->also[0];
@@ -160,7 +160,7 @@ TEST(join_without_memory_leaves_the_job_as_it_was)
     struct job *j = job_new(sizeof *j, run_nothing, done_nothing);
     CHECK(j != NULL);
     test_fail_alloc(1);
-    CHECK(!job_join(&s, &a, j) && j->also_n == 0 && a.job == NULL && s.count.shared == 0);
+    CHECK(!job_join(&s, &a, j) && j->also_n == 0 && a.next == ANSWER_WHOLE && s.count.shared == 0);
     test_fail_alloc(0);
     job_free(j);
 }

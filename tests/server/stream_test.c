@@ -78,7 +78,7 @@ static struct answer begin(struct local *l, const char *request)
     buf_consume(&l->out, buf_len(&l->out));
     CHECK(request_split(&l->server.request, request, strlen(request)));
     command_run(&l->server, &l->server.request, &a);
-    CHECK(a.stream != NULL);
+    CHECK(a.next == ANSWER_STREAM);
     stream_refill(&l->server, &a);
     return a;
 }
@@ -126,7 +126,7 @@ TEST(reply_whose_rows_do_not_fit_into_the_output_is_broken)
     buf_free(&l.out);
     test_fail_alloc(1);
     stream_refill(&l.server, &a);
-    CHECK(test_alloc_failed() && a.broken && a.stream == NULL);
+    CHECK(test_alloc_failed() && a.next == ANSWER_BROKEN);
     collect_all(&l);
     free(load);
     local_stop(&l);
@@ -225,7 +225,7 @@ TEST(few_rows_for_which_memory_runs_out_are_refused_and_the_client_stays)
 static struct text rest_of(struct local *l, struct answer *a)
 {
     buf_consume(&l->out, buf_len(&l->out));
-    while (a->stream != NULL)
+    while (a->next == ANSWER_STREAM)
         stream_refill(&l->server, a);
     struct text t = {malloc(buf_len(&l->out) + 1), buf_len(&l->out)};
     CHECK(t.bytes != NULL);
@@ -250,7 +250,7 @@ static bool reads_its_moment(long n, struct text *rows)
     command_run(&l.server, &l.server.request, &a);
     bool failed = test_alloc_failed();
     test_fail_alloc(0);
-    CHECK(failed == (n > 0 && a.stream == NULL));
+    CHECK(failed == (n > 0 && a.next != ANSWER_STREAM));
     CHECK_STR(local_ask(&l, "MOVE t 50 7 7\n"), "OK 0\n");
     *rows = rest_of(&l, &a);
     local_stop(&l);
