@@ -111,8 +111,10 @@ static void prepare(struct dt *t, struct dt_batch *b, uint32_t now)
 {
     const struct dt_hints *hints = &t->hints;
     uint32_t i = now; /* the point that is POINT turns ahead */
-    if (i < b->n)
+    if (i < b->n) {
         dt_fetch(&b->q[dt_batch_index(b, i)]);
+        dt_idmap_fetch(&t->points.value, t->points.next_id + dt_batch_index(b, i));
+    }
     i = now + CELL - POINT;
     if (i < b->n)
         dt_fetch(&hints->cell[dt_hint_cell(hints->grid, b->q[dt_batch_index(b, i)])]);

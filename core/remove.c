@@ -42,12 +42,13 @@ static enum dt_status collect_star(const struct dt_mesh *m, const struct dt_poin
     uint32_t first = m->leaving[v], h = first, other = first;
     dt_cavity_begin(c);
     do {
-        uint32_t u = dt_dest(m, h);
+        uint32_t u = dt_dest(m, h), beyond = dt_twin(m, dt_next(h));
+        dt_fetch(&m->half[beyond]);
         if (u != DT_NONE) {
             dt_fetch(&xy[u]);
             dt_fetch(&m->leaving[u]);
         }
-        if (!dt_cavity_add(c, dt_base(h)) || !dt_cavity_add_rim(c, u, dt_twin(m, dt_next(h))))
+        if (!dt_cavity_add(c, dt_base(h)) || !dt_cavity_add_rim(c, u, beyond))
             return DT_NOMEM;
         if ((c->records & DT_WORK_MASK) == 0)
             status = dt_work(c->work, DT_WORK_BLOCK);
