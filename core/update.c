@@ -24,6 +24,8 @@
 #include "core/query.h"
 #include "core/remove.h"
 #include "core/renew.h"
+#include "core/sort.h"
+#include "core/stop.h"
 
 #define BULK_SHARE 8    /* a batch of more than 1 / BULK_SHARE of the set is left to a rebuild */
 #define USUAL_STEPS 4   /* triangles on the way of a walk from a good hint */
@@ -48,6 +50,13 @@ enum dt_where dt_update_find(struct dt *t, struct dt_point q, uint32_t *half)
     if (steps > USUAL_STEPS)
         t->steps += steps - USUAL_STEPS;
     return where;
+}
+
+/* Fetches what dt_hint_put at q will look at. */
+static void fetch_cell(const struct dt *t, struct dt_point q)
+{
+    if (t->hints.grids > 0)
+        dt_fetch(&t->hints.cell[dt_hint_cell(t->hints.grid, q)]);
 }
 
 /* ---- one vertex ---- */
@@ -116,6 +125,7 @@ static enum dt_status remove_vertex(struct dt *t, uint32_t v)
     uint32_t h = t->mesh.leaving[v], near = h == DT_NONE ? DT_NONE : dt_dest(&t->mesh, h);
     if (near == DT_NONE && h != DT_NONE)
         near = dt_dest(&t->mesh, dt_turn_ccw(&t->mesh, h));
+    fetch_cell(t, t->points.xy[v]);
     enum dt_status status = dt_remove(&t->mesh, t->points.xy, v, &t->scratch);
     if (status == DT_OK && t->mesh.vertices >= 2)
         dt_hint_put(&t->hints, t->points.xy[v], t->mesh.leaving[near]);
@@ -206,6 +216,8 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 
 /* ---- deleting ---- */
 
+enum { AHEAD = 4 }; /* deletions: what is fetched so much earlier has come */
+
 /* Fetches what the removal of v begins with; its triangles are probably where they are after a
  * build. */
 static void fetch_star(const struct dt *t, uint32_t v)
@@ -236,25 +248,40 @@ static void put_back(struct dt *t, const uint32_t *gone, size_t n)
             lose_mesh(t);
 }
 
+/* Lists the vertices of ids that do not keep their places, in the order of the plane, so that the stars
+ * that are in the way of one removal are in the cache for the next. Returns how many. */
+static size_t list_vertices(const struct dt *t, const uint32_t *ids, size_t n, struct dt_stop *stop,
+                            uint32_t *v)
+{
+    const struct dt_points *p = &t->points;
+    size_t k = 0;
+    for (size_t i = 0; i < n && (i % DT_POLL_MISSES != 0 || !dt_stopped(stop)); i++) {
+        if (i + AHEAD < n)
+            dt_idmap_fetch(&p->value, ids[i + AHEAD]);
+        if (dt_points_is_alias(p, ids[i]))
+            continue;
+        v[k] = dt_points_vertex(p, ids[i]);
+        k += !keeps_place(t, v[k], ids, n);
+    }
+    dt_sort_ids(v, k, p->pages, stop);
+    return k;
+}
+
 /* Takes the vertices of ids out of the mesh that do not keep their places, *k of them: gone[n]. */
 static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t n,
                                       struct dt_work *work, uint32_t *gone, size_t *k)
 {
-    const struct dt_points *p = &t->points;
-    enum dt_status status = DT_OK;
-    *k = 0;
-    for (size_t i = 0; i < n && status == DT_OK; i++) {
-        if (dt_points_is_alias(p, ids[i]))
-            continue;
-        uint32_t v = dt_points_vertex(p, ids[i]);
-        fetch_star(t, v);
-        if (keeps_place(t, v, ids, n))
-            continue;
-        status = remove_vertex(t, v);
-        if (status == DT_OK) {
-            gone[(*k)++] = v;
+    struct dt_stop stop = {.cancel = work == NULL ? NULL : work->cancel};
+    size_t all = list_vertices(t, ids, n, &stop, gone);
+    enum dt_status status = dt_stop_status(&stop);
+    for (size_t i = 0; i < all && i < AHEAD && status == DT_OK; i++)
+        fetch_star(t, gone[i]);
+    for (*k = 0; *k < all && status == DT_OK; *k += status == DT_OK) {
+        if (*k + AHEAD < all)
+            fetch_star(t, gone[*k + AHEAD]);
+        status = remove_vertex(t, gone[*k]);
+        if (status == DT_OK)
             dt_tend(t, work);
-        }
     }
     return status;
 }
@@ -396,8 +423,7 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, str
     if (v != DT_NONE)
         fetch_star(t, v);
     to = (struct dt_point){to.x + 0.0, to.y + 0.0};
-    if (t->hints.grids > 0)
-        dt_fetch(&t->hints.cell[dt_hint_cell(t->hints.grid, to)]);
+    fetch_cell(t, to);
     struct dt_point from = dt_points_xy(p, id);
     if (from.x == to.x && from.y == to.y)
         return DT_OK;
