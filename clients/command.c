@@ -3,8 +3,10 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
+#include "clients/json.h"
 #include "proto/buf.h"
 
 bool command_show_comment(void *ctx, const struct reply_part *part)
@@ -19,16 +21,33 @@ static bool print_part(void *ctx, const struct reply_part *part)
 {
     if (part->kind == REPLY_COMMENT)
         return command_show_comment(ctx, part);
+    if (json_chosen())
+        return json_part(ctx, part);
     fwrite(part->text, 1, part->len, stdout);
     if (part->kind != REPLY_BYTES)
         putchar('\n');
     return !ferror(stdout);
 }
 
+void command_print_status(const struct delaunay_client *c)
+{
+    struct json_reply j = {.rows = 0};
+    if (!json_chosen()) {
+        puts(delaunay_status(c)->text);
+        return;
+    }
+    json_part(&j, delaunay_status(c));
+    json_end(&j);
+}
+
 int command_outcome(const struct delaunay_client *c, enum delaunay_result r)
 {
     if (r == DELAUNAY_OK)
         return EXIT_DONE;
+    if (r == DELAUNAY_REFUSED && json_chosen()) {
+        command_print_status(c);
+        return EXIT_REFUSED;
+    }
     if (r == DELAUNAY_REFUSED) {
         fprintf(stderr, "delaunay: %s\n", delaunay_status(c)->text);
         return EXIT_REFUSED;
@@ -46,9 +65,20 @@ static bool is_one_line(int words, char **word)
     return true;
 }
 
+static bool asks_for_bytes(int words, char **word)
+{
+    size_t n = strlen(word[words - 1]);
+    return n >= 6 && strcasecmp(word[words - 1] + n - 6, "binary") == 0;
+}
+
 int command_any(struct delaunay_client *c, int words, char **word)
 {
     struct buf line = {0};
+    struct json_reply j = {.text = strncasecmp(word[0], "help", 4) == 0};
+    if (json_chosen() && asks_for_bytes(words, word)) {
+        fprintf(stderr, "delaunay: a binary reply cannot be JSON\n");
+        return EXIT_USAGE;
+    }
     if (!is_one_line(words, word)) {
         fprintf(stderr, "delaunay: a line break in the command\n");
         return EXIT_USAGE;
@@ -62,7 +92,9 @@ int command_any(struct delaunay_client *c, int words, char **word)
         line.failed ? DELAUNAY_NOMEM : delaunay_send(c, buf_head(&line), buf_len(&line));
     buf_free(&line);
     if (r == DELAUNAY_OK)
-        r = delaunay_receive(c, print_part, NULL);
+        r = delaunay_receive(c, print_part, &j);
+    if (json_chosen())
+        json_end(&j);
     if (r == DELAUNAY_REFUSED) /* the ERR line is printed: it is the reply */
         return EXIT_REFUSED;
     return command_outcome(c, r);

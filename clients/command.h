@@ -44,6 +44,9 @@ int command_completion(struct delaunay_client *c, int argc, char **argv);
 enum delaunay_result command_send_points(struct delaunay_client *c, const char *set,
                                          const struct points_file *f);
 
+/* Prints the status line of the last reply, or it as JSON. */
+void command_print_status(const struct delaunay_client *c);
+
 /* Reports the outcome of a request on the standard error, unless it is DELAUNAY_OK; returns the
  * exit status. */
 int command_outcome(const struct delaunay_client *c, enum delaunay_result r);

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "clients/command.h"
+#include "clients/json.h"
 #include "clients/model.h"
 #include "clients/options.h"
 #include "clients/url.h"
@@ -110,6 +111,20 @@ static int fetch(struct copy *y)
     return EXIT_REFUSED;
 }
 
+static void report(const struct copy *y)
+{
+    if (!json_chosen()) {
+        printf("%s: %zu points copied to %s:%s as %s\n", y->from, y->m.n, y->url[1].host,
+               y->url[1].port, y->to);
+        return;
+    }
+    json_begin(true);
+    json_text("from", y->from);
+    json_text("to", y->to);
+    json_number("points", y->m.n);
+    json_finish();
+}
+
 static int store(struct copy *y)
 {
     char line[200];
@@ -125,8 +140,7 @@ static int store(struct copy *y)
     if (r == DELAUNAY_OK && y->triangulated)
         r = delaunay_request(y->c[1], line, command_show_comment, NULL);
     if (r == DELAUNAY_OK)
-        printf("%s: %zu points copied to %s:%s as %s\n", y->from, y->m.n, y->url[1].host,
-               y->url[1].port, y->to);
+        report(y);
     return command_outcome(y->c[1], r);
 }
 

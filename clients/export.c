@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "clients/command.h"
+#include "clients/json.h"
 #include "clients/part_file.h"
 #include "proto/number.h"
 
@@ -56,6 +57,25 @@ static bool make_png(struct part_file *f)
     return status == 0;
 }
 
+static void report(const struct export *e, size_t points, const struct model *m)
+{
+    size_t shown = e->format == NULL ? e->picture.shown : points;
+    if (json_chosen()) {
+        json_begin(true);
+        json_text("file", e->path);
+        json_number("points", points);
+        json_number("shown", shown);
+        json_number("triangles", m->triangles);
+        json_number("hull", m->hull_n);
+        json_finish();
+    } else if (shown < points) {
+        printf("%s: %zu of %zu points\n", e->path, shown, points);
+    } else {
+        printf("%s: %zu points, %zu triangles, hull of %zu\n", e->path, points, m->triangles,
+               m->hull_n);
+    }
+}
+
 static int write_file(struct export *e, const char *name, struct model *m)
 {
     struct part_file f;
@@ -74,11 +94,8 @@ static int write_file(struct export *e, const char *name, struct model *m)
         status = file_failed(e->path);
     if (status != EXIT_DONE)
         part_file_drop(&f);
-    else if (e->format == NULL && e->picture.shown < points)
-        printf("%s: %zu of %zu points\n", e->path, e->picture.shown, points);
     else
-        printf("%s: %zu points, %zu triangles, hull of %zu\n", e->path, points, m->triangles,
-               m->hull_n);
+        report(e, points, m);
     return status;
 }
 

@@ -64,6 +64,6 @@ int command_load(struct delaunay_client *c, int argc, char **argv)
     enum delaunay_result r = command_send_points(c, set, &f);
     points_file_free(&f);
     if (r == DELAUNAY_OK)
-        puts(delaunay_status(c)->text);
+        command_print_status(c);
     return command_outcome(c, r);
 }

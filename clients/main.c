@@ -1,9 +1,10 @@
-/* main.c - the `delaunay` command line: options, the connection, then the subcommand. */
+/* main.c - the `delaunay` command line: the options before the subcommand. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
+#include "clients/dispatch.h"
+#include "clients/json.h"
 #include "clients/options.h"
 #include "clients/subcommand.h"
 #include "clients/url.h"
@@ -21,13 +22,16 @@ static const char help_head[] =
 static const char help_tail[] =
     "\n"
     "Any other words are sent as one request line, and the reply is printed: delaunay HELP\n"
-    "Without a command, lines from the standard input are sent one by one.\n"
+    "Without a command, lines of the standard input are carried out one by one; on a terminal "
+    "with\n"
+    "history and completion where the program was built with libedit or readline.\n"
     "In place of SET a URL may stand, and it is sent there: delaunay://host:port/set\n"
     "\n"
     "  -h, --host HOST   default $DELAUNAY_HOST, or else localhost; a path with a '/' is a Unix "
     "socket\n"
     "  -p, --port PORT   default $DELAUNAY_PORT, or else 6374\n"
     "  -u, --url URL     both at once: delaunay://[:TOKEN@]HOST[:PORT]; default $DELAUNAY_URL\n"
+    "      --json        print replies and results as JSON, an object on a line each\n"
     "      --help        this text\n"
     "      --version     which version this is\n"
     "\n"
@@ -68,54 +72,29 @@ static bool read_environment(struct url *where)
     return true;
 }
 
-/* A set's name at that place, or the URL of one: then *where becomes what it says. */
-static const char *find_set_fault(char **word, struct url *where)
+/* Takes --json out of the arguments, wherever it stands; returns how many are left. */
+static int take_json(int argc, char **argv)
 {
-    if (url_is(*word)) {
-        if (!url_read(*word, where) || where->set[0] == '\0')
-            return "a set's URL is delaunay://host:port/set";
-        *word = where->set;
-    }
-    if (!word_is_set_name(&(struct word){*word, strlen(*word)}))
-        return "a set's name is 1 to 64 of the characters A-Z a-z 0-9 _ . : -";
-    return NULL;
+    int n = 0;
+    for (int i = 0; i < argc; i++)
+        if (strcmp(argv[i], "--json") == 0)
+            json_choose();
+        else
+            argv[n++] = argv[i];
+    argv[n] = NULL;
+    return n;
 }
 
-/* What is wrong with the command, before anybody is bothered with it; NULL if nothing is. */
-static const char *find_fault(const struct subcommand *s, int words, char **word, struct url *where)
+/* With --json there is an object even if all that could be said is on the standard error. */
+static void finish_json(int status)
 {
-    if (s != NULL && s->set && words < 2)
-        return "the name of a set is missing";
-    if (s != NULL && s->set && (s->run == NULL || word[1][0] != '-'))
-        return find_set_fault(&word[1], where);
-    if (words > 0 && strcasecmp(word[0], "loadb") == 0)
-        return "for binary loads use load, which sends points in binary form";
-    return NULL;
-}
-
-static int run(const struct subcommand *s, int words, char **word, const struct url *where)
-{
-    char why[256];
-    if (s != NULL && s->alone)
-        return s->run(NULL, words, word);
-    struct delaunay_client *c = url_connect(where, why, sizeof why);
-    if (c == NULL) {
-        fprintf(stderr, "delaunay: %s\n", why);
-        return EXIT_NO_CONNECTION;
-    }
-    int status = words == 0                    ? command_prompt(c)
-                 : s != NULL && s->run != NULL ? s->run(c, words, word)
-                                               : command_any(c, words, word);
-    delaunay_close(c);
-    return status;
-}
-
-static bool asks_for_help(int words, char **word)
-{
-    for (int i = 1; i < words; i++)
-        if (strcmp(word[i], "--help") == 0)
-            return true;
-    return false;
+    static const char *const error[] = {
+        [EXIT_REFUSED] = "REFUSED", [EXIT_USAGE] = "USAGE", [EXIT_NO_CONNECTION] = "CONNECTION"};
+    if (!json_chosen() || json_written() || status == EXIT_DONE)
+        return;
+    json_begin(false);
+    json_text("error", error[status]);
+    json_finish();
 }
 
 int main(int argc, char **argv)
@@ -126,6 +105,7 @@ int main(int argc, char **argv)
         {"version", no_argument, NULL, 'V'},    {NULL, 0, NULL, 0}};
     struct url where;
     int option;
+    argc = take_json(argc, argv);
     if (!read_environment(&where))
         return options_wrong("", "DELAUNAY_URL is not of the form delaunay://host:port");
     while ((option = options_next(argc, argv, "+h:p:u:", options)) != -1) {
@@ -142,17 +122,8 @@ int main(int argc, char **argv)
         else if (!url_read(optarg, &where))
             return options_wrong("", "%s is no URL delaunay://host:port", optarg);
     }
-    int words = argc - optind;
-    char **word = argv + optind;
-    const struct subcommand *s = words > 0 ? subcommand_find(word[0]) : NULL;
-    if (s != NULL && asks_for_help(words, word)) {
-        subcommand_print_help(s);
-        return EXIT_DONE;
-    }
-    const char *fault = find_fault(s, words, word, &where);
-    if (fault != NULL)
-        return options_wrong("", "%s", fault);
-    int status = run(s, words, word, &where);
+    int status = dispatch(NULL, argc - optind, argv + optind, &where);
+    finish_json(status);
     if (fflush(stdout) != 0 && status == EXIT_DONE)
         status = EXIT_REFUSED;
     return status;

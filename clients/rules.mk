@@ -12,6 +12,16 @@ PIC         := $(LIB_SOURCES:%.c=$(O)/pic/%.o)
 
 $(O)/clients/main.o: COMPILE += -DDELAUNAY_VERSION='"$(VERSION)"'
 
+# Line editing at the prompt, with whichever library is there; LINE_EDITING= builds without. Neither is needed.
+can_link = $(shell echo 'int main(void) { return readline("") == 0; }' | \
+             $(CC) -include stdio.h -include $(1) -x c - -o /dev/null $(2) >/dev/null 2>&1 && echo yes)
+LINE_EDITING ?= $(if $(call can_link,editline/readline.h,-ledit),edit,$(if $(call can_link,readline/readline.h,-lreadline),readline))
+EDIT_DEFINE   = $(if $(filter edit,$(CHOSEN_EDITING)),-DHAVE_EDITLINE,$(if $(filter readline,$(CHOSEN_EDITING)),-DHAVE_READLINE))
+# Found out once, and only when something is compiled or linked that asks for it.
+CHOSEN_EDITING = $(eval CHOSEN_EDITING := $(LINE_EDITING))$(CHOSEN_EDITING)
+$(O)/clients/edit.o: COMPILE += $(EDIT_DEFINE)
+$(O)/delaunay $(O)/tests/clients_tests: LDLIBS += $(if $(CHOSEN_EDITING),-l$(CHOSEN_EDITING))
+
 lib: $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0 $(O)/include/delaunay_client.h $(O)/lib/pkgconfig/delaunay.pc
 
 $(O)/pic/%.o: %.c

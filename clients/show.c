@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "clients/command.h"
+#include "clients/json.h"
 #include "clients/model.h"
 #include "clients/options.h"
 #include "proto/number.h"
@@ -86,23 +87,42 @@ static void draw(struct canvas *v, const struct model *m)
     }
 }
 
+static void print_cell(unsigned char dots)
+{
+    if (dots == 0)
+        putchar(' ');
+    else /* U+2800 + dots */
+        printf("\xE2%c%c", 0xA0 + (dots >> 6), 0x80 + (dots & 0x3F));
+}
+
 static void print(const struct canvas *v)
 {
     static const char *const colour[] = {"", "\033[2;34m", "\033[1;33m", "\033[31m"};
     for (size_t y = 0; y < v->lines; y++) {
         unsigned char last = INK_NONE;
         for (size_t x = 0; x < v->columns; x++) {
-            unsigned char dots = v->dots[y * v->columns + x], ink = v->ink[y * v->columns + x];
+            unsigned char ink = v->ink[y * v->columns + x];
             if (!v->plain && ink != last)
                 printf("\033[0m%s", colour[ink]);
             last = ink;
-            if (dots == 0)
-                putchar(' ');
-            else /* U+2800 + dots */
-                printf("\xE2%c%c", 0xA0 + (dots >> 6), 0x80 + (dots & 0x3F));
+            print_cell(v->dots[y * v->columns + x]);
         }
         fputs(v->plain || last == INK_NONE ? "\n" : "\033[0m\n", stdout);
     }
+}
+
+static void print_json(const struct canvas *v)
+{
+    json_begin(true);
+    json_key("lines");
+    for (size_t y = 0; y < v->lines; y++) {
+        fputs(y == 0 ? "[\"" : ",\"", stdout);
+        for (size_t x = 0; x < v->columns; x++)
+            print_cell(v->dots[y * v->columns + x]);
+        putchar('"');
+    }
+    putchar(']');
+    json_finish();
 }
 
 static bool read_size(const char *text, uint32_t *v)
@@ -150,7 +170,7 @@ int command_show(struct delaunay_client *c, int argc, char **argv)
         v.ink = calloc((size_t)v.columns * v.lines, 1);
         if (v.dots != NULL && v.ink != NULL) {
             draw(&v, &m);
-            print(&v);
+            json_chosen() ? print_json(&v) : print(&v);
         } else {
             r = DELAUNAY_NOMEM;
         }

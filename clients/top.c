@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "clients/command.h"
+#include "clients/json.h"
 #include "clients/options.h"
 
 enum { FACTS = 64, KEY_ROOM = 32 };
@@ -54,6 +55,12 @@ int command_top(struct delaunay_client *c, int argc, char **argv)
     bool once = argc == 2 && strcmp(argv[1], "--once") == 0;
     if (argc > 1 && !once)
         return options_wrong(argv[0], "top takes no argument %s", argv[1]);
+    for (; json_chosen(); sleep(1)) {
+        char *words[] = {(char[]){"INFO"}};
+        int status = command_any(c, 1, words);
+        if (status != EXIT_DONE || fflush(stdout) != 0 || once)
+            return status;
+    }
     for (;; sleep(1)) {
         now.n = 0;
         enum delaunay_result r = delaunay_request(c, "INFO", take_fact, &now);

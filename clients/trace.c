@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "clients/command.h"
+#include "clients/json.h"
 #include "clients/options.h"
 #include "clients/part_file.h"
 #include "proto/number.h"
@@ -186,6 +187,19 @@ static int write_film(FILE *out, const struct trace *t, const struct arguments *
     return EXIT_REFUSED;
 }
 
+static void report(const struct trace *t, const struct arguments *a)
+{
+    if (!json_chosen()) {
+        printf("%s: %zu points, %zu steps\n", a->path, t->m->n, t->n);
+        return;
+    }
+    json_begin(true);
+    json_text("file", a->path);
+    json_number("points", t->m->n);
+    json_number("steps", t->n);
+    json_finish();
+}
+
 static int write_file(const struct trace *t, const struct arguments *a)
 {
     struct part_file f;
@@ -199,7 +213,7 @@ static int write_file(const struct trace *t, const struct arguments *a)
     if (status != EXIT_DONE)
         part_file_drop(&f);
     else
-        printf("%s: %zu points, %zu steps\n", a->path, t->m->n, t->n);
+        report(t, a);
     return status;
 }
 
