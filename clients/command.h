@@ -37,7 +37,7 @@ int command_top(struct delaunay_client *c, int argc, char **argv);
 /* copy SET URL URL: a set from one daemon to another. c is NULL: it connects by itself. */
 int command_copy(struct delaunay_client *c, int argc, char **argv);
 
-/* completion: prints a completion script for bash. c is NULL. */
+/* completion SHELL: prints a completion script. c is NULL. */
 int command_completion(struct delaunay_client *c, int argc, char **argv);
 
 /* Sends the points of a file into a set, with a progress bar, and receives the reply. */

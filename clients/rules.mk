@@ -57,7 +57,10 @@ install: all lib
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/share/man/,man1 man8)
 	install -m 644 man/delaunay.1 $(DESTDIR)$(PREFIX)/share/man/man1
 	install -m 644 man/delaunayd.8 $(DESTDIR)$(PREFIX)/share/man/man8
-	$(O)/delaunay completion >$(DESTDIR)$(PREFIX)/share/bash-completion/completions/delaunay
+	install -d $(addprefix $(DESTDIR)$(PREFIX)/share/,zsh/site-functions fish/vendor_completions.d)
+	$(O)/delaunay completion bash >$(DESTDIR)$(PREFIX)/share/bash-completion/completions/delaunay
+	$(O)/delaunay completion zsh >$(DESTDIR)$(PREFIX)/share/zsh/site-functions/_delaunay
+	$(O)/delaunay completion fish >$(DESTDIR)$(PREFIX)/share/fish/vendor_completions.d/delaunay.fish
 
 # ---- interop: other people's clients, and ours in other languages ----
 

@@ -17,13 +17,15 @@ const struct subcommand subcommands[] = {
      "  -c, --columns X,Y        as load's\n"
      "      --skip-bad           as load's\n"
      "      --colour C, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n",
-     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help"},
+     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help",
+     true},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
      "running server, as draw, and has its options.\n\n"
      "  -f, --format F           of the mesh; else its ending decides\n"
      "      --input-format F, --columns X,Y, --skip-bad, --force\n",
-     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help"},
+     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help",
+     true},
     {"load", command_load, false, true, "load SET FILE [--format F] [--columns X,Y] [--skip-bad]",
      "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
      "line\n"
@@ -42,19 +44,19 @@ const struct subcommand subcommands[] = {
      "refused. Beside semicolons numbers may have decimal commas. Compressed files (.gz .bz2 .xz "
      ".zst)\n"
      "and UTF-16 are read by way of gzip, bzip2, xz, zstd, iconv.\n",
-     "--format --columns --skip-bad --help"},
+     "--format --columns --skip-bad --help", true},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--colour quality|degree] [--numbers] [--viewport X0,Y0,X1,Y1]",
      "Writes the triangulated set to a file (- for the standard output). One that is there and was "
      "not\n"
      "written by delaunay, or was changed since, is replaced only with --force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "--format --colour --numbers --viewport --force --help"},
+     "--format --colour --numbers --viewport --force --help", true},
     {"show", command_show, false, true, "show SET [--width COLUMNS] [--height LINES] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red. Without\n"
      "--width and --height it fills the terminal; --plain leaves colours out, as\n"
      "$NO_COLOR does.\n",
-     "--width --height --plain --help"},
+     "--width --height --plain --help", false},
     {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
      "Writes an SVG that plays in a browser (- for the standard output): how the shelling "
      "algorithm\n"
@@ -69,57 +71,63 @@ const struct subcommand subcommands[] = {
      "edge is purple while it waits before a cave, brown once it is known to be on the hull. A "
      "point\n"
      "turns red when it is enclosed and leaves the grid, then pale.\n",
-     "--seconds --numbers --force --help"},
+     "--seconds --numbers --force --help", true},
     {"top", command_top, false, false, "top [--once]",
      "Shows what the server is doing, every second, until interrupted; with --once one time.\n",
-     "--once --help"},
+     "--once --help", false},
     {"copy", command_copy, true, false, "copy SET URL URL",
      "Copies a set, its tolerance and its ids from the first daemon to the second, where there "
      "must be\n"
      "none of that name, and triangulates it there if it is triangulated here. A URL is\n"
      "delaunay://[:TOKEN@]HOST[:PORT][/NAME]; a NAME in the second one is the copy's.\n",
-     "--help"},
-    {"completion", command_completion, true, false, "completion",
-     "Prints a script that completes this command in bash: source <(delaunay completion)\n",
-     "--help"},
+     "--help", false},
+    {"completion", command_completion, true, false, "completion [bash|zsh|fish]",
+     "Prints a script that completes commands, options, sets and files in that shell, bash if none "
+     "is\n"
+     "named: source <(delaunay completion bash), or in fish: delaunay completion fish | source\n",
+     "--help", false},
     {"triangulate", NULL, false, true, "triangulate SET [METHOD auto|shelling|divide]",
-     "Computes the Delaunay triangulation; shows progress while it takes long.\n", "--help"},
+     "Computes the Delaunay triangulation; shows progress while it takes long.\n", "--help", false},
     {"lists", NULL, false, true, "lists SET [ID ...] [CW]",
      "Each point with the ring of its neighbours, interior points first, then along the hull.\n",
-     "--help"},
+     "--help", false},
     {"triangles", NULL, false, true, "triangles SET [A [B [C]]] [CW]",
-     "Every triangle, or those at a point, at an edge, next to a triangle.\n", "--help"},
+     "Every triangle, or those at a point, at an edge, next to a triangle.\n", "--help", false},
     {"edges", NULL, false, true, "edges SET [A] [CW]", "Every edge, or those at a point.\n",
-     "--help"},
-    {"hull", NULL, false, true, "hull SET [CW]", "The points of the convex hull.\n", "--help"},
+     "--help", false},
+    {"hull", NULL, false, true, "hull SET [CW]", "The points of the convex hull.\n", "--help",
+     false},
     {"nearest", NULL, false, true, "nearest SET X Y [K]", "The K nearest points, nearest first.\n",
-     "--help"},
+     "--help", false},
     {"within", NULL, false, true, "within SET X0 Y0 X1 Y1 | within SET X Y R",
-     "The points in a closed box or disc.\n", "--help"},
+     "The points in a closed box or disc.\n", "--help", false},
     {"locate", NULL, false, true, "locate SET X Y", "The triangle, edge or point where X Y lies.\n",
-     "--help"},
+     "--help", false},
     {"create", NULL, false, true, "create SET [TOL T]",
-     "A new, empty set with coincidence tolerance T.\n", "--help"},
-    {"add", NULL, false, true, "add SET X Y [X Y ...]", "Adds points.\n", "--help"},
-    {"move", NULL, false, true, "move SET ID X Y", "Moves a point, which keeps its id.\n",
-     "--help"},
-    {"del", NULL, false, true, "del SET ID [ID ...]", "Deletes points.\n", "--help"},
-    {"get", NULL, false, true, "get SET ID [ID ...]", "The coordinates of points.\n", "--help"},
+     "A new, empty set with coincidence tolerance T.\n", "--help", false},
+    {"add", NULL, false, true, "add SET X Y [X Y ...]", "Adds points.\n", "--help", false},
+    {"move", NULL, false, true, "move SET ID X Y", "Moves a point, which keeps its id.\n", "--help",
+     false},
+    {"del", NULL, false, true, "del SET ID [ID ...]", "Deletes points.\n", "--help", false},
+    {"get", NULL, false, true, "get SET ID [ID ...]", "The coordinates of points.\n", "--help",
+     false},
     {"coincident", NULL, false, true, "coincident SET", "Every alias and its representative.\n",
-     "--help"},
-    {"points", NULL, false, true, "points SET", "Every point: id, x, y.\n", "--help"},
-    {"stat", NULL, false, true, "stat SET", "Counts and memory of a set.\n", "--help"},
-    {"check", NULL, false, true, "check SET", "Proves the triangulation exactly.\n", "--help"},
-    {"drop", NULL, false, true, "drop SET", "Deletes a set.\n", "--help"},
-    {"sets", NULL, false, false, "sets", "The sets, with their number of points.\n", "--help"},
+     "--help", false},
+    {"points", NULL, false, true, "points SET", "Every point: id, x, y.\n", "--help", false},
+    {"stat", NULL, false, true, "stat SET", "Counts and memory of a set.\n", "--help", false},
+    {"check", NULL, false, true, "check SET", "Proves the triangulation exactly.\n", "--help",
+     false},
+    {"drop", NULL, false, true, "drop SET", "Deletes a set.\n", "--help", false},
+    {"sets", NULL, false, false, "sets", "The sets, with their number of points.\n", "--help",
+     false},
     {"info", NULL, false, false, "info [SECTION ...]",
      "Facts about the server; with sections (server, clients, memory, stats, sets, durability,\n"
      "commands) those of these only.\n",
-     "server clients memory stats sets durability commands --help"},
+     "server clients memory stats sets durability commands --help", false},
     {"client", NULL, false, false, "client LIST | client KILL ID | client KILL ADDRESS",
-     "Who is connected to the server; ends connections.\n", "LIST KILL --help"},
+     "Who is connected to the server; ends connections.\n", "LIST KILL --help", false},
     {"slowlog", NULL, false, false, "slowlog GET [N] | slowlog LEN | slowlog RESET",
-     "The last requests that took long.\n", "GET LEN RESET --help"},
+     "The last requests that took long.\n", "GET LEN RESET --help", false},
 };
 
 const size_t subcommand_count = sizeof subcommands / sizeof subcommands[0];
@@ -148,35 +156,4 @@ void subcommand_print_help(const struct subcommand *s)
           "and\n"
           "2DM: from 1), which is the id itself unless points have been deleted.\n",
           stdout);
-}
-
-/* ---- completion ---- */
-
-int command_completion(struct delaunay_client *c, int argc, char **argv)
-{
-    (void)c, (void)argc, (void)argv;
-    fputs("# bash completion for delaunay\n_delaunay()\n{\n"
-          "    local word=${COMP_WORDS[COMP_CWORD]} command= i\n"
-          "    for ((i = 1; i < COMP_CWORD; i++)); do\n"
-          "        case ${COMP_WORDS[i]} in\n"
-          "        -h | -p | -u | --host | --port | --url) ((i++)) ;;\n"
-          "        -*) ;;\n"
-          "        *) command=${COMP_WORDS[i]}; break ;;\n"
-          "        esac\n    done\n    case $command in\n"
-          "    '') COMPREPLY=($(compgen -W \"",
-          stdout);
-    for (size_t i = 0; i < subcommand_count; i++)
-        printf("%s ", subcommands[i].name);
-    fputs("--host --port --url --help\" -- \"$word\")) ;;\n", stdout);
-    for (size_t i = 0; i < subcommand_count; i++)
-        printf("    %s) COMPREPLY=($(compgen -W \"%s\" -- \"$word\")) ;;\n", subcommands[i].name,
-               subcommands[i].options);
-    fputs("    esac\n"
-          "    if [[ $command && $word != -* ]]; then\n"
-          "        COMPREPLY=($(compgen -W \"$(delaunay sets 2>/dev/null | sed -n '2,$s/ .*//p')\" "
-          "-- "
-          "\"$word\") $(compgen -f -- \"$word\"))\n    fi\n}\n"
-          "complete -F _delaunay delaunay\n",
-          stdout);
-    return EXIT_DONE;
 }

@@ -11,6 +11,7 @@ struct subcommand {
     bool alone;                                                   /* it needs no connection */
     bool set; /* the first argument names a set */
     const char *usage, *help, *options;
+    bool files; /* it takes names of files */
 };
 
 extern const struct subcommand subcommands[];
