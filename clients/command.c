@@ -2,12 +2,19 @@
 #include "clients/command.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>
 
 #include "clients/json.h"
 #include "proto/buf.h"
+
+bool command_is_plain(void)
+{
+    const char *no_color = getenv("NO_COLOR"); /* no-color.org */
+    return !isatty(STDOUT_FILENO) || (no_color != NULL && no_color[0] != '\0');
+}
 
 bool command_show_comment(void *ctx, const struct reply_part *part)
 {

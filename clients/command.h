@@ -51,6 +51,9 @@ void command_print_status(const struct delaunay_client *c);
  * exit status. */
 int command_outcome(const struct delaunay_client *c, enum delaunay_result r);
 
+/* Whether the output is to have no colours: it is no terminal, or NO_COLOR is set. */
+bool command_is_plain(void);
+
 /* A delaunay_part_fn that shows the server's progress comments on a terminal and ignores the
  * rest. */
 bool command_show_comment(void *ctx, const struct reply_part *part);

@@ -142,8 +142,7 @@ static int read_arguments(struct canvas *v, int argc, char **argv)
         v->columns = size.ws_col;
         v->lines = size.ws_row - 1u;
     }
-    const char *no_color = getenv("NO_COLOR"); /* no-color.org */
-    v->plain = !isatty(STDOUT_FILENO) || (no_color != NULL && no_color[0] != '\0');
+    v->plain = command_is_plain();
     optind = 0;
     while ((option = options_next(argc, argv, "", options)) != -1) {
         if (option == 'p')

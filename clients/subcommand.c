@@ -73,7 +73,9 @@ const struct subcommand subcommands[] = {
      "turns red when it is enclosed and leaves the grid, then pale.\n",
      "--seconds --numbers --force --help", true},
     {"top", command_top, false, false, "top [--once]",
-     "Shows what the server is doing, every second, until interrupted; with --once one time.\n",
+     "Shows what the server is doing, every second, until q is pressed; p pauses, s sorts the "
+     "commands\n"
+     "by calls or by time. With --once, or where there is no terminal, it prints lines.\n",
      "--once --help", false},
     {"copy", command_copy, true, false, "copy SET URL URL",
      "Copies a set, its tolerance and its ids from the first daemon to the second, where there "
