@@ -7,6 +7,8 @@
  * they are what takes the time: only what is certain or likely to be read is fetched. What is computed
  * on the way is rounded, and no more than a hint: the questions are answered afterwards, as if nothing
  * had been, and find what they read in the caches. */
+#include "core/ahead.h"
+
 #include "core/hints.h"
 #include "core/memory.h"
 #include "core/predicates.h"
@@ -84,12 +86,10 @@ static size_t go_on(const struct dt *t, struct dt_place *p, uint32_t *at, uint32
     return left;
 }
 
-void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
+void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n)
 {
     uint32_t at[DT_AHEAD], way[DT_AHEAD];
     size_t left = 0;
-    if (n > DT_AHEAD)
-        return;
     for (size_t i = 0; i < n; i++)
         p[i].near = DT_NONE;
     if (dt_readable(t) != DT_OK || t->hints.grids == 0)
@@ -103,6 +103,13 @@ void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
             way[left++] = (uint32_t)i;
     for (int round = 0; round < STEPS && left > 0; round++)
         left = go_on(t, p, at, way, left);
+}
+
+void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
+{
+    if (n > DT_AHEAD)
+        return;
+    dt_walk_to_places(t, p, n);
     for (size_t i = 0; i < n; i++)
         if (p[i].near != DT_NONE)
             dt_idmap_fetch(&t->points.value, t->points.id[dt_origin(&t->mesh, p[i].near)]);

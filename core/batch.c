@@ -2,12 +2,14 @@
  * is still one, and near the point. */
 #include "core/batch.h"
 
+#include "core/ahead.h"
 #include "core/memory.h"
 #include "core/order.h"
-#include "core/update.h"
 
-enum { SORTED = 16 }; /* batches of at least so many points are sorted */
-enum { POINT = 13, CELL = 10, HINT = 7, FIND = 4, AROUND = 2 }; /* stages: turns before */
+enum {
+    SORTED = 16, /* batches of at least so many points are sorted */
+    LEAD = 8     /* points, by which what is free is fetched earlier than it is used */
+};
 
 /* Counts the points in the cells and puts them into b->order. */
 static void sort(struct dt_batch *b, const struct dt_order *grid, uint32_t *key, uint32_t *next,
@@ -33,7 +35,7 @@ enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const stru
 {
     *b = (struct dt_batch){
         .q = q, .n = n, .vertex = t->points.free_list, .record = t->mesh.free_list};
-    for (uint32_t k = 0; k < DT_BATCH_RING; k++)
+    for (uint32_t k = 0; k < DT_AHEAD; k++)
         b->near[k] = DT_NONE;
     if (n < SORTED || t->points.tol > 0)
         return DT_OK;
@@ -63,12 +65,7 @@ void dt_batch_end(struct dt_batch *b)
     b->order = NULL;
 }
 
-/* Whether the mesh and its grid are such that points can be looked for. */
-static bool can_look(const struct dt *t)
-{
-    return t->hints.grids > 0 && !dt_mesh_is_line(&t->mesh);
-}
-
+/* Fetches what an insertion into the triangle of h will look at besides. */
 static void fetch_around(const struct dt *t, uint32_t h)
 {
     const struct dt_mesh *m = &t->mesh;
@@ -105,42 +102,32 @@ static void fetch_free(const struct dt *t, struct dt_batch *b)
     }
 }
 
-/* What is to be done at turn `now`, which may be before the first, for the points that come later
- * (turns are counted from POINT on, to be positive). */
-static void prepare(struct dt *t, struct dt_batch *b, uint32_t now)
+/* Looks for the points from turn i on side by side. */
+static void look_ahead(struct dt *t, struct dt_batch *b, uint32_t i)
 {
-    const struct dt_hints *hints = &t->hints;
-    uint32_t i = now; /* the point that is POINT turns ahead */
-    if (i < b->n) {
-        dt_fetch(&b->q[dt_batch_index(b, i)]);
-        dt_idmap_fetch(&t->points.value, t->points.next_id + dt_batch_index(b, i));
+    struct dt_place place[DT_AHEAD];
+    uint32_t n = b->n - i < DT_AHEAD ? b->n - i : DT_AHEAD;
+    for (uint32_t k = 0; k < n; k++)
+        dt_fetch(&b->q[dt_batch_index(b, i + k)]);
+    for (uint32_t k = 0; k < n; k++) {
+        place[k].at = b->q[dt_batch_index(b, i + k)];
+        dt_idmap_fetch(&t->points.value, t->points.next_id + dt_batch_index(b, i + k));
     }
-    i = now + CELL - POINT;
-    if (i < b->n)
-        dt_fetch(&hints->cell[dt_hint_cell(hints->grid, b->q[dt_batch_index(b, i)])]);
-    i = now + HINT - POINT;
-    if (i < b->n) {
-        uint32_t h = dt_hint(hints, b->q[dt_batch_index(b, i)]);
-        dt_hint_fetch(&t->mesh, t->points.xy, NULL, h);
+    dt_walk_to_places(t, place, n);
+    for (uint32_t k = 0; k < n; k++) {
+        b->near[k] = place[k].near;
+        if (place[k].near != DT_NONE)
+            fetch_around(t, place[k].near);
     }
-    i = now + FIND - POINT;
-    if (i < b->n)
-        dt_update_find(t, b->q[dt_batch_index(b, i)], &b->near[i % DT_BATCH_RING]);
-    i = now + AROUND - POINT;
-    if (i < b->n && b->near[i % DT_BATCH_RING] != DT_NONE)
-        fetch_around(t, b->near[i % DT_BATCH_RING]);
 }
 
 uint32_t dt_batch_turn(struct dt *t, struct dt_batch *b, uint32_t i)
 {
     if (b->n == 1)
         return DT_NONE;
-    for (uint32_t now = i == 0 ? 0 : i + POINT; now <= i + POINT; now++) {
+    if (i % DT_AHEAD == 0)
+        look_ahead(t, b, i);
+    for (uint32_t k = i == 0 ? LEAD : 1; k > 0; k--)
         fetch_free(t, b);
-        if (can_look(t))
-            prepare(t, b, now);
-    }
-    uint32_t near = b->near[i % DT_BATCH_RING];
-    b->near[i % DT_BATCH_RING] = DT_NONE;
-    return near;
+    return b->near[i % DT_AHEAD];
 }
