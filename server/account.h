@@ -3,7 +3,7 @@
 #define SERVER_ACCOUNT_H
 
 #include "server/notice.h"
-#include "server/session.h"
+#include "server/session_state.h"
 
 /* The request at hand has been answered, as a tells. `error`: by an ERR line. */
 void account_end(struct session *s, const struct answer *a, bool error);

@@ -111,7 +111,7 @@ static struct ahead_request *keep(struct ahead *a, const char *text, size_t len,
 /* Reads what is at the front of bytes[n]. */
 static void look(struct server *s, const char *bytes, size_t n)
 {
-    struct ahead *a = &s->ahead;
+    struct ahead *a = s->ahead;
     struct request *q = &s->request;
     struct questions all;
     all.set = NULL;
@@ -130,7 +130,7 @@ static void look(struct server *s, const char *bytes, size_t n)
 
 size_t ahead_take(struct server *s, const char *bytes, size_t n)
 {
-    struct ahead *a = &s->ahead;
+    struct ahead *a = s->ahead;
     if (a->next == a->n || a->of[a->next].text != bytes)
         look(s, bytes, n);
     if (a->n == 0)

@@ -1,7 +1,10 @@
 /* budget.c - see budget.h. */
 #include "server/budget.h"
 
+#include "server/machine.h"
+
 #include <assert.h>
+#include <malloc.h>
 
 enum { ANSWERS_SHARE = 16 }; /* one part in so many is for replies and clients alone */
 
@@ -99,4 +102,13 @@ void reservation_move(struct reservation *to, struct reservation *from)
     size_t bytes = from->bytes;
     reservation_set(from, 0);
     reservation_set(to, to->bytes + bytes);
+}
+
+void reservation_trim_heap(const struct reservation *coming)
+{
+    if (coming->bytes == 0)
+        return;
+    size_t resident = machine_resident(), limit = *coming->budget->limit;
+    if (resident > limit || coming->bytes > limit - resident)
+        malloc_trim(0);
 }

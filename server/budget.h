@@ -72,4 +72,8 @@ void reservation_set(struct reservation *r, size_t bytes);
 /* The bytes of `from` become part of `to`. */
 void reservation_move(struct reservation *to, struct reservation *from);
 
+/* On a worker, before it takes what it has reserved: if the process would have more than the budget
+ * then, what malloc keeps of freed memory goes back to the system. */
+void reservation_trim_heap(const struct reservation *coming);
+
 #endif

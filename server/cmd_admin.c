@@ -2,6 +2,7 @@
 #include "server/command.h"
 
 #include "proto/number.h"
+#include "server/durable.h"
 
 void cmd_ping(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
@@ -51,6 +52,27 @@ void cmd_hello(struct server *s, struct dataset *set, const struct request *q, s
         reply_key_text(a->out, "server", "delaunayd");
         reply_key_text(a->out, "version", DELAUNAYD_VERSION);
         reply_key_u64(a->out, "protocol", PROTOCOL_VERSION);
+        reply_end(a->out);
+    }
+}
+
+void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    uint64_t lsn;
+    (void)set, (void)q;
+    switch (durable_begin_snapshot(s, &lsn)) {
+    case DURABLE_OFF:
+        reply_err(a->out, ERR_IO, "there is no data directory (--data)");
+        break;
+    case DURABLE_BUSY:
+        reply_err(a->out, ERR_BUSY, "a snapshot is being written");
+        break;
+    case DURABLE_NOMEM:
+        answer_out_of_memory(a);
+        break;
+    case DURABLE_BEGUN:
+        reply_ok(a->out, 0);
+        reply_key_u64(a->out, "lsn", lsn);
         reply_end(a->out);
     }
 }

@@ -4,8 +4,8 @@
 #include "server/clients.h"
 #include "server/durable.h"
 #include "server/job.h"
-#include "server/keep.h"
 #include "server/loop.h"
+#include "server/machine.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -70,7 +70,7 @@ static void tell_memory(const struct server *s, struct facts *f)
     add(f, "memory_peak", b->peak);
     add(f, "memory_kept", pages.kept);
     add(f, "max_memory", s->config->max_memory);
-    add(f, "resident", keep_resident());
+    add(f, "resident", machine_resident());
 }
 
 static void tell_stats(const struct server *s, struct facts *f)

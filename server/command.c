@@ -2,12 +2,14 @@
 #include "server/command.h"
 
 #include "proto/number.h"
-#include "server/cmd_load.h"
+#include "server/ahead.h"
 #include "server/cost.h"
 #include "server/durable.h"
 #include "server/job.h"
 #include "server/journal.h"
 #include "server/limits.h"
+#include "server/load.h"
+#include "server/rebuild.h"
 #include "server/renew.h"
 #include "server/stream.h"
 
@@ -211,12 +213,15 @@ static bool prepare(struct server *s, struct answer *a, struct dataset *set)
 static bool check_state(struct server *s, struct answer *a, const struct command *c,
                         const struct request *q, struct dataset *set)
 {
-    if (s->durable != NULL &&
-        !durable_admits(s, a, set, (c->flags & CMD_WRITE) != 0, (c->flags & CMD_FREES) != 0))
+    bool writes = (c->flags & CMD_WRITE) != 0;
+    if (set != NULL && set->loading) {
+        rebuild_refuse(s, a, set);
+        return false;
+    }
+    if (writes && !durable_admits_change(s, a, (c->flags & CMD_FREES) != 0))
         return false;
     if (set == NULL)
         return true;
-    bool writes = (c->flags & CMD_WRITE) != 0;
     if (!dataset_admits(set, writes, a->turn)) {
         if (c->handler != cmd_triangulate || !triangulate_join(s, set, q, a))
             answer_wait(a, &set->queue, writes);
@@ -348,8 +353,8 @@ bool read_point(struct answer *a, const struct word *w, struct dt_point *p)
 
 bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p)
 {
-    if (s->ahead.place != NULL) {
-        *p = *s->ahead.place;
+    if (s->ahead->place != NULL) {
+        *p = *s->ahead->place;
         return true;
     }
     p->near = UINT32_MAX;

@@ -95,8 +95,13 @@ bool client_set_name(struct server *s, struct answer *a, const struct word *name
 
 command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                        /* cmd_data.c */
 command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
-command_handler cmd_load, cmd_loadb;                                             /* cmd_load.c */
-command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
+/* Carries out a load whose body is complete: adds the points, or tells what was wrong with them.
+ * Afterwards the load is spent unless a->next is ANSWER_WAIT: then it is to be called again when its
+ * turn comes. */
+void load_commit(struct server *s, struct load *l, struct answer *a);
+
+command_handler cmd_load, cmd_loadb;        /* cmd_load.c */
+command_handler cmd_triangulate, cmd_check; /* cmd_build.c */
 
 /* Whether a TRIANGULATE that finds the set being edited has been seen to: it waits for the result of
  * a job that does the same, or its error has been told. */
@@ -106,8 +111,8 @@ bool triangulate_join(struct server *s, struct dataset *set, const struct reques
 command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull; /* cmd_query.c */
 command_handler cmd_locate, cmd_nearest, cmd_within;           /* cmd_query.c */
 command_handler cmd_trace;                                     /* cmd_trace.c */
-command_handler cmd_snapshot;                                  /* durable.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit;       /* cmd_admin.c */
+command_handler cmd_snapshot;                                  /* cmd_admin.c */
 command_handler cmd_auth;                                      /* cmd_auth.c */
 command_handler cmd_info;                                      /* cmd_info.c */
 command_handler cmd_client, cmd_slowlog;                       /* cmd_client.c */

@@ -37,16 +37,10 @@ struct config {
     bool insecure;               /* a bind beyond loopback is allowed without tokens */
 };
 
-enum config_result { CONFIG_RUN, CONFIG_EXIT, CONFIG_BAD };
-
 /* At most `most` clients, or as many as descriptors allow. */
 unsigned config_affordable_clients(unsigned most);
 
 /* The defaults for this machine. */
 void config_init(struct config *c);
-
-/* Reads the command line; strings are borrowed from argv. CONFIG_EXIT: --help or --version has been
- * answered on standard output. CONFIG_BAD: the reason is on standard error. */
-enum config_result config_parse(struct config *c, int argc, char **argv);
 
 #endif

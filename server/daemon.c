@@ -5,9 +5,11 @@
 #include "server/clients.h"
 #include "server/durable.h"
 #include "server/keep.h"
+#include "server/lifecycle.h"
 #include "server/loop.h"
 #include "server/notice.h"
 #include "server/priority.h"
+#include "server/rebuild.h"
 #include "server/reload.h"
 #include "server/server.h"
 #include "server/sock.h"
@@ -225,7 +227,7 @@ static void announce_if_ready(void)
 static void on_durable(struct source *source, uint32_t events)
 {
     (void)source, (void)events;
-    if (!durable_on_event(&d.server)) {
+    if (!rebuild_on_durable_event(&d.server)) {
         d.failed = true;
         loop_stop(&d.loop);
         return;
@@ -237,6 +239,7 @@ static void on_turn_end(struct loop *loop)
 {
     (void)loop;
     durable_turn_end(&d.server);
+    keep_turn_end(&d.server);
 }
 
 /* ---- stopping ---- */

@@ -1,9 +1,7 @@
-/* durable.c - see durable.h. The directory is read, then triangulations are made again, smallest set
- * first; from then on there is only log and snapshots, which saver.h keeps in step. */
+/* durable.c - see durable.h. The directory is read; from then on there is only log and snapshots, which
+ * saver.h keeps in step. */
 #include "server/durable.h"
 
-#include "server/command.h"
-#include "server/job.h"
 #include "server/loop.h"
 #include "server/notice.h"
 #include "server/recover.h"
@@ -23,9 +21,9 @@ enum {
 };
 
 enum stage {
-    STAGE_NONE,       /* nothing has begun, or the directory cannot be used */
-    STAGE_READING,    /* the reader has the directory and everything that it has read */
-    STAGE_REBUILDING, /* the sets are the server's, but not all are triangulated yet */
+    STAGE_NONE,    /* nothing has begun, or the directory cannot be used */
+    STAGE_READING, /* the reader has the directory and everything that it has read */
+    STAGE_READ,    /* the sets are the server's, but not all are triangulated yet (rebuild.h) */
     STAGE_COMPLETE
 };
 
@@ -36,18 +34,14 @@ struct durable {
     /* reading */
     struct recovery recovery;
     pthread_t reader;
-    atomic_bool read; /* the reader is done */
-    struct log *log;  /* owns; from STAGE_REBUILDING on, or NULL */
-    /* rebuilding */
-    struct dataset **rebuild; /* owns; those that have no triangulation yet, from `rebuilt` on */
-    size_t rebuilds, rebuilt;
-    struct job *job;    /* borrows: what is at work on the first of them */
+    atomic_bool read;   /* the reader is done */
+    struct log *log;    /* owns; from STAGE_READ on, or NULL */
     struct saver saver; /* of log and snapshots */
 };
 
 static bool is_running(const struct durable *d)
 {
-    return d != NULL && d->stage >= STAGE_REBUILDING;
+    return d != NULL && d->stage >= STAGE_READ;
 }
 
 struct log *durable_log(const struct server *s)
@@ -103,102 +97,21 @@ int durable_event(const struct server *s)
     return s->durable->event;
 }
 
-/* ---- making triangulations again ---- */
-
-static void rebuild_next(struct server *s);
-
-static void run_rebuild(struct job *j)
+static void measure(struct dataset *set, void *ctx)
 {
-    j->status = dt_triangulate(j->dt, &j->options);
-}
-
-static void rebuild_done(struct server *s, struct job *j, struct answer *a)
-{
-    struct durable *d = s->durable;
-    (void)a;
-    j->set->loading = false;
-    d->job = NULL;
-    if (j->status != DT_OK && !s->stopping)
-        notice(NOTICE_ERROR, "the set %s could not be triangulated again: out of memory",
-               j->set->name);
-    d->rebuilt++;
-    if (!s->stopping)
-        rebuild_next(s);
-}
-
-/* What is on the disk is read whatever --max-memory says: nothing that was acknowledged is left out. */
-static void report_memory(const struct server *s)
-{
-    size_t taken = budget_of(&s->budget, BUDGET_SETS);
-    if (!budget_fits(&s->budget, BUDGET_SETS, 0))
-        notice(NOTICE_WARNING,
-               "the sets take %zu bytes, which is all that --max-memory allows: points can be "
-               "deleted, but not added",
-               taken);
-}
-
-static void rebuild_next(struct server *s)
-{
-    struct durable *d = s->durable;
-    struct buf out = {0};
-    struct answer nobody = {.out = &out};
-    if (d->rebuilt < d->rebuilds) {
-        struct job *j = job_new(sizeof *j, run_rebuild, rebuild_done);
-        d->job = j;
-        if (j != NULL)
-            job_write(s, &nobody, j, d->rebuild[d->rebuilt], JOB_HEAVY | JOB_BRIEF);
-        buf_free(&out);
-        if (j != NULL)
-            return;
-        notice(NOTICE_ERROR, "out of memory; some sets are not triangulated");
-        for (; d->rebuilt < d->rebuilds; d->rebuilt++)
-            d->rebuild[d->rebuilt]->loading = false;
-    }
-    d->stage = STAGE_COMPLETE;
-    report_memory(s);
-    eventfd_write(d->event, 1); /* all is there: somebody may wait */
-}
-
-static int by_size(const void *a, const void *b)
-{
-    const struct dataset *const *x = a, *const *y = b;
-    uint32_t m = (*x)->current->sum.points, n = (*y)->current->sum.points;
-    return m < n ? -1 : m > n;
-}
-
-static void count_set(struct dataset *set, void *ctx)
-{
-    struct server *s = ctx;
-    version_update(&s->sets, set->current);
-    s->durable->rebuilds += set->triangulated;
-}
-
-static void note_set(struct dataset *set, void *ctx)
-{
-    struct durable *d = ((struct server *)ctx)->durable;
-    set->loading = set->triangulated;
-    if (set->triangulated)
-        d->rebuild[d->rebuilt++] = set;
+    version_update(&((struct server *)ctx)->sets, set->current);
 }
 
 /* The sets that were read become the server's. */
-static bool adopt_sets(struct server *s)
+static void adopt_sets(struct server *s)
 {
-    struct durable *d = s->durable;
-    struct registry *from = &d->recovery.replay.sets;
+    struct registry *from = &s->durable->recovery.replay.sets;
     s->sets.bucket = from->bucket;
     s->sets.buckets = from->buckets;
     s->sets.sets = from->sets;
     reservation_set(&s->sets.memory, s->sets.memory.bytes + from->memory.bytes);
     *from = (struct registry){0};
-    registry_each(&s->sets, count_set, s);
-    d->rebuild = malloc((d->rebuilds + 1) * sizeof(struct dataset *));
-    if (d->rebuild == NULL)
-        return false;
-    registry_each(&s->sets, note_set, s);
-    d->rebuilt = 0;
-    qsort(d->rebuild, d->rebuilds, sizeof(struct dataset *), by_size);
-    return true;
+    registry_each(&s->sets, measure, s);
 }
 
 /* The reader is done. False: it has failed. */
@@ -217,15 +130,11 @@ static bool end_reading(struct server *s)
                               .compact_at = &s->config->compact_at,
                               .read_bytes = d->recovery.log_bytes,
                               .snapshot_lsn = d->recovery.replay.snapshot};
-    if (!adopt_sets(s)) {
-        notice(NOTICE_ERROR, "out of memory");
-        return false;
-    }
+    adopt_sets(s);
     recovery_clear(&d->recovery);
     log_status(d->log, &d->saver.status);
     s->held.durable = d->saver.status.durable;
-    d->stage = STAGE_REBUILDING;
-    rebuild_next(s);
+    d->stage = STAGE_READ;
     return true;
 }
 
@@ -235,41 +144,40 @@ bool durable_is_complete(const struct server *s)
     return d == NULL || d->stage == STAGE_COMPLETE;
 }
 
+void durable_complete(struct server *s)
+{
+    s->durable->stage = STAGE_COMPLETE;
+    eventfd_write(s->durable->event, 1); /* somebody may wait for that */
+}
+
 /* ---- snapshots ---- */
 
-void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn)
 {
     struct durable *d = s->durable;
-    (void)set, (void)q;
-    if (d == NULL) {
-        reply_err(a->out, ERR_IO, "there is no data directory (--data)");
-        return;
-    }
-    if (d->saver.state != SAVER_IDLE) {
-        reply_err(a->out, ERR_BUSY, "a snapshot is being written");
-        return;
-    }
-    if (!saver_begin(&d->saver, clock_ms())) {
-        answer_out_of_memory(a);
-        return;
-    }
-    reply_ok(a->out, 0);
-    reply_key_u64(a->out, "lsn", d->saver.cut);
-    reply_end(a->out);
+    if (d == NULL)
+        return DURABLE_OFF;
+    if (d->saver.state != SAVER_IDLE)
+        return DURABLE_BUSY;
+    if (!saver_begin(&d->saver, clock_ms()))
+        return DURABLE_NOMEM;
+    *lsn = d->saver.cut;
+    return DURABLE_BEGUN;
 }
 
 /* ---- events ---- */
 
-bool durable_on_event(struct server *s)
+enum durable_news durable_on_event(struct server *s)
 {
     struct durable *d = s->durable;
+    bool read = d->stage == STAGE_READING && d->read;
     eventfd_t count;
     eventfd_read(d->event, &count);
-    if (d->stage == STAGE_READING && d->read && !end_reading(s))
-        return false;
+    if (read && !end_reading(s))
+        return DURABLE_FAILED;
     if (is_running(d))
         saver_step(&d->saver, clock_ms(), s->stopping);
-    return true;
+    return read ? DURABLE_READ : DURABLE_NO_NEWS;
 }
 
 void durable_tick(struct server *s)
@@ -313,7 +221,6 @@ void durable_stop(struct server *s)
     saver_clear(&d->saver);
     if (d->log != NULL)
         log_free(d->log);
-    free(d->rebuild);
     if (d->event >= 0)
         close(d->event);
     datadir_close(&d->dir);
@@ -333,19 +240,10 @@ bool durable_loaded(struct server *s, struct answer *a)
     return false;
 }
 
-bool durable_admits(struct server *s, struct answer *a, const struct dataset *set, bool write,
-                    bool frees)
+bool durable_admits_change(struct server *s, struct answer *a, bool frees)
 {
     const struct durable *d = s->durable;
     if (d == NULL)
-        return true;
-    if (set != NULL && set->loading) {
-        bool first = d->job != NULL && d->rebuild[d->rebuilt] == set;
-        reply_err(a->out, ERR_LOADING, "the set %s is being triangulated, %u %% so far; try again",
-                  set->name, first ? d->job->progress : 0);
-        return false;
-    }
-    if (!write)
         return true;
     const struct log_status *status = &d->saver.status;
     bool full = saver_disk_is_full(&d->saver);

@@ -16,8 +16,13 @@ void durable_stop(struct server *s);
 /* Becomes readable when durable_on_event has something to do. */
 int durable_event(const struct server *s);
 
-/* False: the directory cannot be used; the reason is on standard error. */
-bool durable_on_event(struct server *s);
+/* DURABLE_READ, once: the sets that were read are the server's, without triangulations (rebuild.h).
+ * DURABLE_FAILED: the directory cannot be used; the reason is on standard error. */
+enum durable_news { DURABLE_NO_NEWS, DURABLE_READ, DURABLE_FAILED };
+enum durable_news durable_on_event(struct server *s);
+
+/* All sets that were read have their triangulations. */
+void durable_complete(struct server *s);
 
 void durable_tick(struct server *s); /* once a second */
 void durable_turn_end(struct server *s);
@@ -28,11 +33,14 @@ bool durable_is_complete(const struct server *s);
 /* Whether the directory has been read. If not, the error has been told. */
 bool durable_loaded(struct server *s, struct answer *a);
 
-/* Whether the set (NULL: none in particular) may be used now; to be changed, if `write`, in a way
- * that frees space, if `frees`. If not, the error has been told, or the request waits: while the disk
- * is slow, changes go on at its pace, so that what the log has to write stays small. */
-bool durable_admits(struct server *s, struct answer *a, const struct dataset *set, bool write,
-                    bool frees);
+/* Whether a set may be changed now; `frees`: in a way that frees space. If not, the error has been
+ * told, or the request waits: while the disk is slow, changes go on at its pace, so that what the log
+ * has to write stays small. */
+bool durable_admits_change(struct server *s, struct answer *a, bool frees);
+
+/* Begins a snapshot, in which the last change has that lsn. */
+enum durable_begun { DURABLE_BEGUN, DURABLE_OFF, DURABLE_BUSY, DURABLE_NOMEM };
+enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn);
 
 /* NULL without --data, and as long as the directory is being read. */
 struct log *durable_log(const struct server *s);

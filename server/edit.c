@@ -5,6 +5,7 @@
 #include "server/journal.h"
 #include "server/keep.h"
 #include "server/limits.h"
+#include "server/renew.h"
 
 #include <stdlib.h>
 
@@ -69,7 +70,6 @@ static void record_add(struct server *s, struct job *j)
 static void add_done(struct server *s, struct job *j, struct answer *a)
 {
     struct edit *e = (struct edit *)j;
-    (void)s;
     if (j->status != DT_OK) {
         answer_status(a, j->status);
         return;
@@ -79,6 +79,7 @@ static void add_done(struct server *s, struct job *j, struct answer *a)
     reply_key_u64(a->out, "added", e->added.added);
     reply_key_u64(a->out, "coincident", e->added.coincident);
     reply_end(a->out);
+    renew_if_aged(s, j->set);
 }
 
 /* What adding n points to a set, NULL for a new one, takes at its peak; and what it takes to
@@ -158,7 +159,6 @@ static void record_delete(struct server *s, struct job *j)
 static void delete_done(struct server *s, struct job *j, struct answer *a)
 {
     struct edit *e = (struct edit *)j;
-    (void)s;
     if (j->status == DT_NOPOINT) {
         reply_err(a->out, ERR_NOPOINT, "there is no point %u; nothing was deleted", e->missing);
     } else if (j->status != DT_OK) {
@@ -167,6 +167,7 @@ static void delete_done(struct server *s, struct job *j, struct answer *a)
         reply_ok(a->out, 0);
         reply_key_u64(a->out, "deleted", e->deleted);
         reply_end(a->out);
+        renew_if_aged(s, j->set);
     }
 }
 
@@ -204,7 +205,6 @@ static void record_move(struct server *s, struct job *j)
 static void move_done(struct server *s, struct job *j, struct answer *a)
 {
     struct edit *e = (struct edit *)j;
-    (void)s;
     if (j->status == DT_NOPOINT) {
         reply_err(a->out, ERR_NOPOINT, "there is no point %u", e->id);
     } else if (j->status != DT_OK) {
@@ -212,6 +212,7 @@ static void move_done(struct server *s, struct job *j, struct answer *a)
     } else {
         reply_ok(a->out, 0);
         reply_end(a->out);
+        renew_if_aged(s, j->set);
     }
 }
 

@@ -3,10 +3,8 @@
 
 #include "server/cost.h"
 #include "server/durable.h"
-#include "server/keep.h"
 #include "server/limits.h"
 #include "server/loop.h"
-#include "server/renew.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -60,7 +58,7 @@ static void run_later(struct work *w)
 {
     struct job *j = (struct job *)w;
     j->began_ns = clock_ns();
-    keep_heap_small(&j->memory);
+    reservation_trim_heap(&j->memory);
     bool edits = edits_in_place(j), reads = !edits && j->base != NULL && j->fresh == NULL;
     if (edits)
         version_lock_edit(j->base);
@@ -328,7 +326,7 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     unlink_job(s, j);
     if (set != NULL) {
         publish(s, j);
-        keep_account(s);
+        server_limit_pages(s);
     }
     if (set != NULL && j->status == DT_OK && j->record != NULL)
         j->record(s, j);
@@ -344,7 +342,6 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
     if (reserved)
         server_reserved_less(s);
     if (set != NULL) {
-        renew_if_aged(s, set);
         wait_call(&set->queue);
         drop_unborn(s, set);
     }

@@ -3,10 +3,6 @@
 
 #include "server/job.h"
 
-#include <malloc.h>
-#include <stdio.h>
-#include <unistd.h>
-
 enum {
     IDLE_TICKS = 10,       /* seconds without use after which nothing is kept any more */
     PIECE_BYTES = 16 << 20 /* that are given back at a time: less than a millisecond; or made ready:
@@ -102,14 +98,14 @@ void keep_expect(struct server *s, size_t more, size_t less)
 
 /* ---- the limit ---- */
 
-void keep_account(struct server *s)
+void keep_turn_end(struct server *s)
 {
     struct dt_pages_summary now;
-    size_t used = budget_used(&s->budget), most = s->config->max_memory;
+    if (!s->excess)
+        return;
+    s->excess = false;
     dt_pages_summary(s->pages, &now);
-    size_t large = now.held - now.kept, small = used > large ? used - large : 0;
-    size_t limit = most > small ? most - small : 0;
-    dt_pages_limit(s->pages, limit);
+    size_t large = now.held - now.kept, limit = server_pages_limit(s, large);
     if (now.held > limit && now.kept > 0)
         release(s, &now, false, limit > large ? limit - large : 0);
 }
@@ -117,33 +113,11 @@ void keep_account(struct server *s)
 void keep_tick(struct server *s)
 {
     struct dt_pages_summary now;
-    keep_account(s);
+    server_limit_pages(s);
+    keep_turn_end(s);
     dt_pages_summary(s->pages, &now);
     s->idle_ticks = now.uses == s->uses ? s->idle_ticks + 1 : 0;
     s->uses = now.uses;
     if (s->idle_ticks >= IDLE_TICKS && now.kept > 0)
         release(s, &now, true, 0);
-}
-
-/* ---- what malloc keeps ---- */
-
-size_t keep_resident(void)
-{
-    unsigned long long size, pages = 0;
-    FILE *statm = fopen("/proc/self/statm", "re");
-    if (statm == NULL)
-        return 0;
-    if (fscanf(statm, "%llu %llu", &size, &pages) != 2)
-        pages = 0;
-    fclose(statm);
-    return (size_t)pages * (size_t)sysconf(_SC_PAGESIZE);
-}
-
-void keep_heap_small(const struct reservation *coming)
-{
-    if (coming->bytes == 0)
-        return;
-    size_t resident = keep_resident(), limit = *coming->budget->limit;
-    if (resident > limit || coming->bytes > limit - resident)
-        malloc_trim(0);
 }

@@ -12,9 +12,6 @@
 
 #include "server/server.h"
 
-/* To be called when much has been reserved or given back: sets the limit of what may be kept. */
-void keep_account(struct server *s);
-
 /* What is being received will want `more` bytes of large arrays, or `less` than was told before: workers
  * make pages ready meanwhile. */
 void keep_expect(struct server *s, size_t more, size_t less);
@@ -22,11 +19,7 @@ void keep_expect(struct server *s, size_t more, size_t less);
 /* Once a second. */
 void keep_tick(struct server *s);
 
-/* Bytes of this process that are in memory, 0 if the system does not say. */
-size_t keep_resident(void);
-
-/* On a worker, before it takes what it has reserved: if the process would have more than the budget
- * then, what malloc keeps of freed memory goes back to the system. */
-void keep_heap_small(const struct reservation *coming);
+/* At the end of each turn of the loop: gives back what is kept beyond its limit. */
+void keep_turn_end(struct server *s);
 
 #endif

@@ -125,3 +125,15 @@ size_t machine_memory(void)
     size_t all = pages > 0 && page > 0 ? (size_t)pages * (size_t)page : (size_t)1 << 30;
     return least(all, machine_group_memory("/proc/self/cgroup", "/sys/fs/cgroup"));
 }
+
+size_t machine_resident(void)
+{
+    unsigned long long size, pages = 0;
+    FILE *statm = fopen("/proc/self/statm", "re");
+    if (statm == NULL)
+        return 0;
+    if (fscanf(statm, "%llu %llu", &size, &pages) != 2)
+        pages = 0;
+    fclose(statm);
+    return (size_t)pages * (size_t)sysconf(_SC_PAGESIZE);
+}

@@ -16,6 +16,9 @@ unsigned machine_descriptors(void);
 /* Bytes of memory: those of the machine, or those that the control groups leave of it. */
 size_t machine_memory(void);
 
+/* Bytes of this process that are in memory; 0 if the system does not say. */
+size_t machine_resident(void);
+
 /* The least memory limit of the control groups that `groups` (/proc/self/cgroup) names and of their
  * parents, versions 1 and 2, below `mount` (/sys/fs/cgroup); SIZE_MAX: there is none. */
 size_t machine_group_memory(const char *groups, const char *mount);

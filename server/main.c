@@ -1,5 +1,5 @@
 /* main.c - delaunayd: reads the command line and runs the daemon. */
-#include "server/config.h"
+#include "server/command_line.h"
 #include "server/daemon.h"
 #include "server/machine.h"
 #include "server/recover.h"
@@ -9,12 +9,12 @@ int main(int argc, char **argv)
     struct config config;
     machine_raise_descriptors(); /* first: the default of --max-clients depends on it */
     config_init(&config);
-    switch (config_parse(&config, argc, argv)) {
-    case CONFIG_EXIT:
+    switch (command_line_read(&config, argc, argv)) {
+    case COMMAND_LINE_ANSWERED:
         return 0;
-    case CONFIG_BAD:
+    case COMMAND_LINE_BAD:
         return 2;
-    case CONFIG_RUN:
+    case COMMAND_LINE_GOOD:
         break;
     }
     if (config.check != NULL)

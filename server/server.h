@@ -4,7 +4,6 @@
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
-#include "server/ahead.h"
 #include "server/answer.h"
 #include "server/auth.h"
 #include "server/budget.h"
@@ -37,6 +36,7 @@ struct server {
     struct reservation queued; /* bytes that it has to write */
     struct registry sets;
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
+    struct rebuild *rebuild; /* owns; of the sets that were read; NULL: none were */
     struct holders held;     /* replies that wait for the disk */
     uint64_t dropped;        /* the lsn of the last DROP in the log */
     struct workers *workers; /* owns; NULL: every job runs at once, where it is asked for */
@@ -47,12 +47,13 @@ struct server {
     struct dt_pages *pages;        /* owns; large arrays come from there, see keep.h */
     uint64_t uses;                 /* of them, at the last tick */
     unsigned idle_ticks;           /* in a row without any */
+    bool excess;                   /* more is kept than may be (keep_turn_end) */
     bool releasing;                /* a job gives back what is kept */
     bool preparing;                /* a job makes pages ready */
     size_t expected;               /* bytes that are to be kept for what is being received */
     struct dt_ids scratch;         /* owns; the result of a query that is answered at once */
     struct request request;        /* owns; the words of the request that is carried out */
-    struct ahead ahead;            /* those behind it in its connection's input */
+    struct ahead *ahead;           /* owns; those behind it in its connection's input */
     const struct command *command; /* the last one; the next is often the same; NULL: none yet */
     struct buf lines;              /* owns; a reply in lines before it goes out as RESP */
     struct auth auth;
@@ -66,22 +67,6 @@ struct server {
     int64_t started_ms;
 };
 
-/* Starts config->threads workers unless that is 0. False, with the reason on standard error. */
-bool server_init(struct server *s, struct config *config);
-
-/* The server is about to stop: what may take long and changes no points, builds and searches, is
- * cancelled from now on. */
-void server_drain(struct server *s);
-
-/* Cancels and waits for what the workers still do, then frees everything. */
-void server_clear(struct server *s);
-
-/* Hands every job that the workers have finished to deliver, which ends it with job_finish. */
-void server_collect(struct server *s, void (*deliver)(void *ctx, struct job *j), void *ctx);
-
-/* Ends a job whose owner has gone. */
-void server_finish_unheard(struct server *s, struct job *j);
-
 /* A reservation of that kind, of no bytes yet. */
 static inline struct reservation server_reservation(struct server *s, enum budget_kind kind)
 {
@@ -94,6 +79,13 @@ bool server_reserve(struct server *s, struct answer *a, struct reservation *r, s
 
 /* Answers that there is no memory for `bytes` more: BUSY if there may be later, else NOMEM. */
 void server_refuse(const struct server *s, struct answer *a, size_t bytes);
+
+/* To be called when much has been reserved or given back: sets the limit of the pages that are held,
+ * those of large arrays and those that are kept to be used again (keep.h). */
+void server_limit_pages(struct server *s);
+
+/* That limit, while large arrays take so many bytes. */
+size_t server_pages_limit(const struct server *s, size_t large);
 
 /* A job has given its memory back: whoever waits for that is called. */
 void server_reserved_less(struct server *s);

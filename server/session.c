@@ -6,10 +6,10 @@
 #include "proto/resp.h"
 #include "server/account.h"
 #include "server/ahead.h"
-#include "server/cmd_load.h"
 #include "server/command.h"
 #include "server/limits.h"
 #include "server/listing.h"
+#include "server/load.h"
 #include "server/redis.h"
 #include "server/session_inside.h"
 #include "server/stream.h"
@@ -219,7 +219,7 @@ static bool has_had_its_turn(const struct session *s, int64_t start, bool late)
 {
     int64_t spent = s->server->stats.mark_ns - start;
     return spent > (late ? LATE_TURN_NS : TURN_NS) &&
-           (spent > BATCH_NS || !ahead_has_more(&s->server->ahead));
+           (spent > BATCH_NS || !ahead_has_more(s->server->ahead));
 }
 
 static void on_data(struct conn *c)
@@ -228,7 +228,7 @@ static void on_data(struct conn *c)
     struct stats *stats = &s->server->stats;
     int64_t start = stats_look(stats);
     bool late = loop_is_late(c->loop, start);
-    ahead_forget(&s->server->ahead);
+    ahead_forget(s->server->ahead);
     for (unsigned n = 1; step(s); n++) {
         if (n % STEPS_PER_LOOK == 0 || s->load != NULL)
             stats_look(stats);

@@ -2,8 +2,9 @@
  * to what is still to come. */
 #include "proto/resp.h"
 #include "server/account.h"
-#include "server/cmd_load.h"
 #include "server/listing.h"
+#include "server/load.h"
+#include "server/session.h"
 #include "server/session_inside.h"
 #include "server/stream.h"
 

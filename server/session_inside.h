@@ -6,7 +6,7 @@
 
 #include "proto/line.h"
 #include "proto/reply.h"
-#include "server/session.h"
+#include "server/session_state.h"
 
 /* An answer to fill for whatever the session asks next. It is copied from an empty one, which
  * compilers do with a few vector moves. To clear a structure of this size they use `rep stos`, which

@@ -2,8 +2,8 @@
  * end of the body. */
 #include "proto/resp.h"
 #include "server/account.h"
-#include "server/cmd_load.h"
 #include "server/command.h"
+#include "server/load.h"
 #include "server/session_inside.h"
 
 enum { FEED_BYTES = 8 * 1024 }; /* in one step: about 0.2 ms of numbers */

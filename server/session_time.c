@@ -2,8 +2,9 @@
  * show no token in time, whose points stop coming, or that make room for others; and how a session
  * notices that its client has closed the connection. */
 #include "server/account.h"
-#include "server/cmd_load.h"
 #include "server/limits.h"
+#include "server/load.h"
+#include "server/session.h"
 #include "server/session_inside.h"
 
 enum { PROBE_MS = 50 }; /* from the end of the input to the line that probes the client */

@@ -4,6 +4,7 @@
  * replies. */
 #include "proto/reply_read.h"
 #include "server/clients.h"
+#include "server/lifecycle.h"
 #include "server/loop.h"
 #include "server/notice.h"
 #include "server/server.h"

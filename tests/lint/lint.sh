@@ -53,6 +53,12 @@ own_header_first() {
     done
 }
 
+# A module is a .c file and its header. One that includes another one is above it.
+no_include_cycles() { # FOLDER
+    code "$1" | xargs -r grep -HE '^#include "' | sed -E 's|^([^:]*)\.[ch]:#include "(.*)\.h".*|\1 \2|' |
+        awk '$1 != $2' | tsort 2>&1 >/dev/null | sed "s|^tsort: *|$1: includes in a circle: |"
+}
+
 core_is_pure() {
     code core | xargs -r grep -HnE '(^|[^a-z_])(v?f?s?n?printf|puts|abort|exit|_Exit|signal|setlocale)[[:space:]]*\(' |
         sed 's|$|    (not in core/)|'
@@ -121,6 +127,7 @@ check() {
 {
     include_rules
     own_header_first
+    for folder in proto server clients; do no_include_cycles "$folder"; done
     core_is_pure
     [ -z "$build" ] || core_has_no_globals
     file_rules

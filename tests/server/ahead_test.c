@@ -1,4 +1,5 @@
 /* ahead_test.c - a pipeline that is read ahead gets the replies that its requests get one by one. */
+#include "server/ahead.h"
 #include "tests/server/daemon.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
@@ -149,9 +150,9 @@ TEST(pipeline_gets_the_replies_that_its_requests_get_one_by_one)
 static bool looks_ahead(struct local *l)
 {
     static const char requests[] = "NEAREST t 1 1\nNEAREST t 2 2\nNEAREST t 3 3\nNEAREST t 4 4\n";
-    ahead_forget(&l->server.ahead);
+    ahead_forget(l->server.ahead);
     CHECK(ahead_take(&l->server, requests, sizeof requests - 1) > 0);
-    return l->server.ahead.place != NULL;
+    return l->server.ahead->place != NULL;
 }
 
 TEST(set_that_is_being_edited_is_not_looked_at_ahead)

@@ -1,9 +1,10 @@
 /* job_test.c - which jobs may wait for a worker, and what is done with the result of one. */
 #include "server/job.h"
 
-#include "server/cmd_load.h"
 #include "server/command.h"
+#include "server/lifecycle.h"
 #include "server/limits.h"
+#include "server/load.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

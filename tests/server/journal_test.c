@@ -5,6 +5,8 @@
 #include "server/command.h"
 #include "server/durable.h"
 #include "server/job.h"
+#include "server/lifecycle.h"
+#include "server/rebuild.h"
 #include "server/recover.h"
 #include "server/stream.h"
 #include "tests/server/directory.h"
@@ -27,7 +29,7 @@ static void await_durable_event(struct bench *b)
 {
     struct pollfd event = {.fd = durable_event(&b->l.server), .events = POLLIN};
     durable_turn_end(&b->l.server);
-    CHECK(poll(&event, 1, 10000) == 1 && durable_on_event(&b->l.server));
+    CHECK(poll(&event, 1, 10000) == 1 && rebuild_on_durable_event(&b->l.server));
 }
 
 static void begin(struct bench *b, unsigned threads)
@@ -346,7 +348,7 @@ static bool starts(struct bench *b)
     while (good && !durable_is_complete(&b->l.server)) {
         struct pollfd event = {.fd = durable_event(&b->l.server), .events = POLLIN};
         CHECK(poll(&event, 1, 10000) == 1);
-        good = durable_on_event(&b->l.server);
+        good = rebuild_on_durable_event(&b->l.server);
     }
     return good;
 }

@@ -3,6 +3,7 @@
 
 #include "core/pages.h"
 #include "server/job.h"
+#include "server/lifecycle.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 
@@ -138,7 +139,7 @@ TEST_TIMEOUT(pages_are_made_ready_while_points_arrive, 60)
     for (int room = 1; room >= 0; room--) {
         local_start(&l, 1);
         l.config.max_memory = room ? l.config.max_memory : 12 << 20;
-        keep_account(&l.server);
+        server_limit_pages(&l.server);
         bool loaded = strstr(local_ask(&l, load), "added=200000") != NULL;
         finish_jobs(&l);
         CHECK(loaded == (room == 1) && l.server.count.jobs >= 1u + loaded);

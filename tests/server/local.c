@@ -2,9 +2,11 @@
 #include "tests/server/local.h"
 
 #include "proto/line.h"
-#include "server/cmd_load.h"
 #include "server/command.h"
 #include "server/job.h"
+#include "server/keep.h"
+#include "server/lifecycle.h"
+#include "server/load.h"
 #include "server/stream.h"
 #include "tests/test.h"
 
@@ -125,6 +127,7 @@ const char *local_ask(struct local *l, const char *lines)
         }
         if (a.next == ANSWER_BODY)
             at += load(l, a.load, lines + at, n - at);
+        keep_turn_end(&l->server);
     }
     buf_append_char(&l->out, '\0');
     return buf_head(&l->out);

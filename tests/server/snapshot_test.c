@@ -3,6 +3,7 @@
 
 #include "server/command.h"
 #include "server/job.h"
+#include "server/lifecycle.h"
 #include "server/recover.h"
 #include "server/replay.h"
 #include "tests/server/directory.h"

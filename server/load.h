@@ -1,9 +1,10 @@
-/* cmd_load.h - a load in progress: points that follow a LOAD or LOADB line. */
-#ifndef SERVER_CMD_LOAD_H
-#define SERVER_CMD_LOAD_H
+/* load.h - a load in progress: points that follow a LOAD or LOADB line. */
+#ifndef SERVER_LOAD_H
+#define SERVER_LOAD_H
 
 #include "proto/body.h"
 #include "proto/reply.h"
+#include "server/answer.h"
 #include "server/server.h"
 
 struct load {
@@ -19,6 +20,11 @@ struct load {
     char name[SET_NAME_LIMIT];
 };
 
+/* Begins a load: a->load, of `count` points or lines. The name is that of the set, and valid; NULL if the
+ * points are only read and dropped. */
+void load_start(struct server *s, struct answer *a, const struct word *name, enum body_form form,
+                uint32_t count);
+
 /* The LOAD or LOADB line q has been refused, as a tells. Its points are to be skipped if the line
  * says how many they are, else nobody knows where the next request starts: closes. */
 void load_skip(struct server *s, const struct request *q, struct answer *a);
@@ -30,10 +36,9 @@ ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t 
  * once a second, while its body is being received. */
 bool load_stalls(struct load *l, int64_t now_ms);
 
-/* Carries out a load whose body is complete: adds the points, or tells what was wrong with them.
- * Afterwards the load is spent unless a->next is ANSWER_WAIT: then it is to be called again when its turn
- * comes. */
-void load_commit(struct server *s, struct load *l, struct answer *a);
+/* The points are being handed on: the bytes that they will take beside when they have been added. They
+ * are no longer the load's to tell (keep_expect). */
+size_t load_hand_on_expected(struct server *s, struct load *l);
 
 void load_free(struct server *s, struct load *l);
 
