@@ -115,6 +115,49 @@ void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
             dt_idmap_fetch(&t->points.value, t->points.id[dt_origin(&t->mesh, p[i].near)]);
 }
 
+/* ---- stars ---- */
+
+/* Fetches what a neighbour is wanted for, at the end of the spoke h. */
+static void fetch_neighbour(const struct dt *t, uint32_t h, enum dt_star_use use)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t u = dt_dest(m, h);
+    if (u != DT_NONE && use == DT_STAR_READ)
+        dt_fetch(&t->points.id[u]);
+    if (u == DT_NONE || use == DT_STAR_READ)
+        return;
+    dt_fetch(&t->points.xy[u]);
+    dt_fetch(&m->leaving[u]);
+    dt_fetch(&m->half[dt_twin(m, dt_next(h))]);
+}
+
+void dt_walk_stars(const struct dt *t, const uint32_t *v, size_t n, enum dt_star_use use)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t at[DT_AHEAD];
+    for (size_t i = 0; i < n; i++) {
+        if (v[i] == DT_NONE)
+            continue;
+        dt_fetch(&m->leaving[v[i]]);
+        dt_fetch(&t->points.id[v[i]]);
+        dt_fetch(&t->points.xy[v[i]]);
+    }
+    for (size_t i = 0; i < n; i++) {
+        at[i] = v[i] == DT_NONE ? DT_NONE : m->leaving[v[i]];
+        if (at[i] != DT_NONE)
+            dt_fetch(&m->half[at[i]]);
+    }
+    for (int round = 0; round < DEGREE; round++) {
+        for (size_t i = 0; i < n; i++) {
+            if (at[i] == DT_NONE)
+                continue;
+            fetch_neighbour(t, at[i], use);
+            at[i] = dt_turn_ccw(m, at[i]);
+            dt_fetch(&m->half[at[i]]);
+        }
+    }
+}
+
 /* ---- ids ---- */
 
 void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n)
@@ -130,33 +173,12 @@ void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n)
 
 void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n)
 {
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t at[DT_AHEAD];
+    uint32_t v[DT_AHEAD];
     if (dt_readable(t) != DT_OK || n > DT_AHEAD)
         return;
     for (size_t i = 0; i < n; i++)
         dt_idmap_fetch(&t->points.value, id[i]);
-    for (size_t i = 0; i < n; i++) {
-        at[i] = dt_points_vertex(&t->points, id[i]);
-        if (at[i] == DT_NONE)
-            continue;
-        dt_fetch(&m->leaving[at[i]]);
-        dt_fetch(&t->points.id[at[i]]);
-        dt_fetch(&t->points.xy[at[i]]);
-    }
-    for (size_t i = 0; i < n; i++) {
-        at[i] = at[i] == DT_NONE ? DT_NONE : m->leaving[at[i]];
-        if (at[i] != DT_NONE)
-            dt_fetch(&m->half[at[i]]);
-    }
-    for (int round = 0; round < DEGREE; round++) {
-        for (size_t i = 0; i < n; i++) {
-            if (at[i] == DT_NONE)
-                continue;
-            if (dt_dest(m, at[i]) != DT_NONE)
-                dt_fetch(&t->points.id[dt_dest(m, at[i])]);
-            at[i] = dt_turn_ccw(m, at[i]);
-            dt_fetch(&m->half[at[i]]);
-        }
-    }
+    for (size_t i = 0; i < n; i++)
+        v[i] = dt_points_vertex(&t->points, id[i]);
+    dt_walk_stars(t, v, n, DT_STAR_READ);
 }

@@ -16,6 +16,7 @@
 
 #include <stdlib.h>
 
+#include "core/ahead.h"
 #include "core/batch.h"
 #include "core/flip.h"
 #include "core/hints_live.h"
@@ -216,8 +217,6 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 
 /* ---- deleting ---- */
 
-enum { AHEAD = 4 }; /* deletions: what is fetched so much earlier has come */
-
 /* Fetches what the removal of v begins with; its triangles are probably where they are after a
  * build. */
 static void fetch_star(const struct dt *t, uint32_t v)
@@ -256,8 +255,8 @@ static size_t list_vertices(const struct dt *t, const uint32_t *ids, size_t n, s
     const struct dt_points *p = &t->points;
     size_t k = 0;
     for (size_t i = 0; i < n && (i % DT_POLL_MISSES != 0 || !dt_stopped(stop)); i++) {
-        if (i + AHEAD < n)
-            dt_idmap_fetch(&p->value, ids[i + AHEAD]);
+        if (i + DT_AHEAD < n)
+            dt_idmap_fetch(&p->value, ids[i + DT_AHEAD]);
         if (dt_points_is_alias(p, ids[i]))
             continue;
         v[k] = dt_points_vertex(p, ids[i]);
@@ -274,11 +273,11 @@ static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t 
     struct dt_stop stop = {.cancel = work == NULL ? NULL : work->cancel};
     size_t all = list_vertices(t, ids, n, &stop, gone);
     enum dt_status status = dt_stop_status(&stop);
-    for (size_t i = 0; i < all && i < AHEAD && status == DT_OK; i++)
-        fetch_star(t, gone[i]);
+    if (all == 1)
+        fetch_star(t, gone[0]);
     for (*k = 0; *k < all && status == DT_OK; *k += status == DT_OK) {
-        if (*k + AHEAD < all)
-            fetch_star(t, gone[*k + AHEAD]);
+        if (*k % DT_AHEAD == 0 && all > 1)
+            dt_walk_stars(t, gone + *k, all - *k < DT_AHEAD ? all - *k : DT_AHEAD, DT_STAR_REMOVE);
         status = remove_vertex(t, gone[*k]);
         if (status == DT_OK)
             dt_tend(t, work);
