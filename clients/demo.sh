@@ -3,6 +3,8 @@
 # triangulates, asks, proves, draws, stops. Exit status 0 only if every step worked. For `make demo`.
 set -eu
 daemon=$1 client=$2 places=$3 svg=$4
+names=$(dirname "$places")/names.tsv # `id TAB name TAB country`, of the places below; without it there are ids
+[ -f "$names" ] || names=/dev/null
 tmp=$(mktemp -d)
 pid=
 
@@ -48,6 +50,25 @@ show()
     [ "$more" -le 0 ] || echo "... $more more lines"
 }
 
+# show_named LINES COMMAND...: the same with names in place of ids; of NEAREST's rows the distance, of HULL's the coordinates.
+show_named()
+{
+    lines=$1
+    shift
+    printf '%s$ delaunay %s%s\n' "$bold" "$*" "$plain"
+    "$client" -h "$host" -p "$port" "$@" >"$tmp/reply"
+    awk -v "command=$1" -v "lines=$lines" -v "names=$names" '
+        BEGIN { FS = "\t"; while ((getline <names) > 0) name[$1] = $2 " (" $3 ")"; FS = " " }
+        function named(id) { return id in name ? name[id] : id }
+        NR == 1 { print; next }
+        NR > lines { more++; next }
+        { $0 = $0 }
+        command == "NEAREST" { printf "%-34s %6.2f km\n", named($1), $4; next }
+        command == "HULL" { printf "%-34s %10.4f %9.4f\n", named($1), $2, $3; next }
+        { line = named($1); for (i = 2; i <= NF; i++) line = line (i == 2 && command == "LISTS" ? ": " : ", ") named($i); print line }
+        END { if (more) print "... " more " more lines" }' "$tmp/reply"
+}
+
 # start_daemon: on a free port; sets $pid, $host and $port when it is ready.
 start_daemon()
 {
@@ -80,15 +101,25 @@ say "The Delaunay triangulation of them all"
 show 1 TRIANGULATE cities
 show 1 STAT cities
 
+say "The map of it, in the terminal"
+show 40 show cities --width 78 --height 22
+
 say "Point lists: who surrounds Paris (56987), Rome (87257), Tokyo (95017), each ring counterclockwise"
-show 9 LISTS cities 56987 87257 95017
+show_named 9 LISTS cities 56987 87257 95017
 
 say "The convex hull, from its smallest id"
-show 8 HULL cities
+show_named 8 HULL cities
 
-say "The Eiffel Tower: the triangle it stands in, the five nearest places"
-show 9 LOCATE cities 2.2945 48.8584
-show 9 NEAREST cities 2.2945 48.8584 5
+say "The Eiffel Tower: the triangle it stands in"
+show_named 9 LOCATE cities 2.2945 48.8584
+
+say "The places nearest to it. Degrees are no distances, so they go to a plane around the tower, in kilometres: the ids stay"
+printf '%s$ awk "{ ... }" cities.xy | delaunay load around -%s\n' "$bold" "$plain"
+awk -v lon=2.2945 -v lat=48.8584 'BEGIN { r = 6371.0088 * atan2(0, -1) / 180; c = cos(lat * atan2(0, -1) / 180) }
+    { printf "%.9g %.9g\n", r * c * ($1 - lon), r * ($2 - lat) }' "$places" |
+    "$client" -h "$host" -p "$port" load around -
+show 1 TRIANGULATE around
+show_named 9 NEAREST around 0 0 5
 
 say "Proof: every edge locally Delaunay, in exact arithmetic"
 show 1 CHECK cities
@@ -101,8 +132,8 @@ printf '%s$ kill -KILL %s%s\n' "$bold" "$pid" "$plain"
 kill -KILL "$pid"
 wait "$pid" 2>/dev/null || true
 start_daemon
-until show 9 LISTS cities 56987 87257 95017 2>/dev/null >"$tmp/again"; do
-    grep -q LOADING "$tmp/again" || exit 1
+until show_named 9 LISTS cities 56987 87257 95017 2>/dev/null >"$tmp/again"; do
+    grep -q LOADING "$tmp/reply" || exit 1
     sleep 0.1
 done
 cat "$tmp/again"

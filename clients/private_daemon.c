@@ -98,8 +98,12 @@ static struct delaunay_client *spawn(int listener, const char *path, pid_t *pid,
 struct delaunay_client *private_daemon_start(pid_t *pid, char *why, size_t room)
 {
     struct sockaddr_un at = {.sun_family = AF_UNIX};
-    char directory[] = "/tmp/delaunay_XXXXXX"; /* of ours alone: mode 0700 */
+    const char *tmp = getenv("TMPDIR");
+    char directory[80]; /* of ours alone: mode 0700 */
     struct delaunay_client *c = NULL;
+    if (tmp == NULL || tmp[0] != '/' || strlen(tmp) > 50) /* the path of a socket is short */
+        tmp = "/tmp";
+    snprintf(directory, sizeof directory, "%s/delaunay_XXXXXX", tmp);
     if (mkdtemp(directory) == NULL)
         return fail(why, room, directory);
     snprintf(at.sun_path, sizeof at.sun_path, "%s/socket", directory);

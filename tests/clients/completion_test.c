@@ -1,7 +1,9 @@
-/* completion_test.c - what the shells' completion offers. */
+/* completion_test.c - what the shells' completion offers, and that the manual page knows all of it. */
 #include <string.h>
 #include <unistd.h>
 
+#include "clients/formats.h"
+#include "clients/subcommand.h"
 #include "tests/clients/cli.h"
 #include "tests/clients/peer.h"
 #include "tests/test.h"
@@ -73,4 +75,47 @@ TEST(completion_is_for_bash_zsh_and_fish)
     }
     const char *out = peer_shell(&status, "%s completion tcsh 2>&1", getenv("DELAUNAY"));
     CHECK(status == 2 && strstr(out, "bash, zsh and fish, not for tcsh") != NULL);
+}
+
+/* The page's text, without the backslashes before hyphens. */
+static char *read_page(void)
+{
+    static char page[20000];
+    FILE *f = fopen("man/delaunay.1", "r");
+    CHECK(f != NULL);
+    size_t n = 0;
+    for (int c; (c = getc(f)) != EOF && n + 1 < sizeof page;)
+        if (c != '\\')
+            page[n++] = (char)c;
+    fclose(f);
+    page[n] = '\0';
+    return page;
+}
+
+static void expect_in(const char *page, const char *word, size_t len)
+{
+    char text[40];
+    snprintf(text, sizeof text, "%.*s", (int)len, word);
+    CHECK_MSG(strstr(page, text) != NULL, "the manual page does not know %s", text);
+}
+
+TEST(manual_page_has_every_option_and_format)
+{
+    static const char *const more[] = {"--host",    "--port",   "--url",          "--json",
+                                       "--version", "NO_COLOR", "DELAUNAY_TOKEN", "DELAUNAYD"};
+    const char *page = read_page();
+    for (size_t i = 0; i < subcommand_count; i++) {
+        const struct subcommand *s = &subcommands[i];
+        if (s->run != NULL)
+            expect_in(page, s->name, strlen(s->name));
+        for (const char *p = s->options; p != NULL; p = strchr(p, ' ')) {
+            p += *p == ' ';
+            if (strncmp(p, "--", 2) == 0)
+                expect_in(page, p, strcspn(p, " "));
+        }
+    }
+    for (size_t i = 0; i < format_count; i++)
+        expect_in(page, formats[i].name, strlen(formats[i].name));
+    for (size_t i = 0; i < sizeof more / sizeof more[0]; i++)
+        expect_in(page, more[i], strlen(more[i]));
 }

@@ -194,7 +194,13 @@ TEST_TIMEOUT(demo_shows_the_whole_service, 60)
     CHECK_MSG(status == 0, "%s", out);
     CHECK(strstr(out, "OK 0 first=0 added=171075 coincident=37\n") != NULL);
     CHECK(strstr(out, "OK 0 delaunay=yes points=171075 coincident=37 triangles=") != NULL);
-    CHECK(strstr(out, "\n56987 ") != NULL && access(svg, F_OK) == 0);
+    CHECK(strstr(out, "\nParis (FR): Paris 03 Temple (FR), ") != NULL && access(svg, F_OK) == 0);
+    /* true distances, as on a sphere, not those of degrees */
+    const char *near = strstr(out, "delaunay NEAREST around 0 0 5\nOK 5\nParis 16 Passy (FR) ");
+    double km = 0;
+    CHECK(near != NULL && sscanf(strstr(near, "(FR)") + 4, "%lf km", &km) == 1);
+    CHECK(km > 1.41 && km < 1.43 && strstr(near, "Paris 07 Palais-Bourbon (FR)") != NULL);
+    CHECK(strstr(out, "\xE2\xA3\xBF\xE2\xA3\xBF") != NULL); /* the map */
     unlink(svg);
 }
 
