@@ -49,6 +49,9 @@ static int run(const struct subcommand *s, int words, char **word, const struct 
     struct delaunay_client *c = url_connect(where, why, sizeof why);
     if (c == NULL) {
         fprintf(stderr, "delaunay: %s\n", why);
+        if (strcmp(where->host, DELAUNAY_HOST) == 0 && strcmp(where->port, DELAUNAY_PORT) == 0)
+            fprintf(stderr,
+                    "Start a server with 'delaunayd &'; 'delaunay draw FILE' needs none.\n");
         return EXIT_NO_CONNECTION;
     }
     int status = run_connected(c, s, words, word);
