@@ -56,9 +56,22 @@ static bool is_ours(const char *line)
     return (s != NULL && s->run != NULL) || strstr(line, " --help") != NULL;
 }
 
+/* What an arrow key leaves behind where nothing edits the line. */
+static bool has_control_characters(const char *line)
+{
+    for (; *line != '\0'; line++)
+        if (iscntrl((unsigned char)*line) && *line != '\t')
+            return true;
+    return false;
+}
+
 static int carry_out(struct delaunay_client *c, char *line)
 {
     char *word[MOST_WORDS + 1];
+    if (has_control_characters(line)) {
+        fprintf(stderr, "delaunay: a control character in the line; nothing was sent\n");
+        return EXIT_USAGE;
+    }
     if (is_first_word(line, "loadb")) { /* its points would be taken for requests */
         fprintf(stderr, "delaunay: to load points use load SET FILE\n");
         return EXIT_USAGE;

@@ -187,13 +187,13 @@ static void path_item(struct svg *s, const char *class, double width)
 
 /* ---- cutting off: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17(1), 1974 ---- */
 
-enum { MOST_CORNERS = 8 };
+enum { MOST_CORNERS = 16 }; /* 7, but for what rounding may do to nearly equal corners */
 
 /* What lies on one side of a vertical (axis 0) or horizontal line: v >= limit, or with sign -1 v <= limit. */
 static size_t cut(double (*to)[2], double (*from)[2], size_t n, int axis, double limit, double sign)
 {
     size_t kept = 0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n && kept + 2 <= MOST_CORNERS; i++) {
         const double *p = from[i], *q = from[(i + 1) % n];
         double dp = sign * (p[axis] - limit), dq = sign * (q[axis] - limit);
         if (dp >= 0) {

@@ -96,6 +96,9 @@ TEST(prompt_takes_lines_of_a_pipe_with_subcommands)
     CHECK_MSG(status == 0 && strstr(got, "added=3") != NULL &&
                   strstr(got, "\n1 3 0\n0 0 1 2\nusage: ") != NULL,
               "%s", got);
+    got = peer_shell(&status, "printf '\\033[Aping\\n' | %s -p %s 2>&1", getenv("DELAUNAY"),
+                     cli_daemon.port_text);
+    CHECK_STR(got, "delaunay: a control character in the line; nothing was sent\n");
     got = peer_shell(&status, "printf 'load t \"a\\nLOADB t 1\\n' | %s -p %s 2>&1",
                      getenv("DELAUNAY"), cli_daemon.port_text);
     CHECK_STR(got, "delaunay: a quote is open, or too many words\n"
