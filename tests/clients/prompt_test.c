@@ -62,6 +62,7 @@ TEST(prompt_has_history_and_editing)
         terminal_wait_for("OK 0");
         terminal_wait_for("delaunay> ");
         terminal_type("auth secret\r");
+        terminal_wait_for("OK 0 role");
         terminal_wait_for("delaunay> ");
         terminal_type("poi\t t\r"); /* completes the command */
         terminal_wait_for("OK 2");
@@ -73,7 +74,7 @@ TEST(prompt_has_history_and_editing)
         terminal_type("\033[A\033[A\r"); /* the one before quit, of the last time */
         terminal_wait_for("OK 2");
         terminal_wait_for("delaunay> ");
-        terminal_type("\004"); /* end of the input */
+        terminal_type("exit\r");
         terminal_finish();
         int status;
         struct stat st;
