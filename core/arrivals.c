@@ -1,209 +1,228 @@
 /* arrivals.c - see arrivals.h.
  *
- * A hash table of a million points answers each question with cache misses. So the points are first
- * dealt into parts by their hash, equal places into one part, and each part gets a small table of
- * its own, which stays in the cache:
+ *     items    0 1 2 ... end-1 | end ... end+n-1      the vertices, then the arrivals in order
+ *     sorted   as for a build (divide.h), so that equal points are neighbours
+ *     place    of each item among the sorted, or DT_COINCIDENT and the smallest item that it coincides with
  *
- *      items    0 1 2 ... end-1 | end ... end+n-1      the vertices, then the arrivals in order
- *                    \  \   /  /                       1. count, 2. deal: by slices of items
- *      entries  part 0 | part 1 | part 2 | ...         of a part in order of items
- *                  |       |        |                  3. compare: by parts
- *      same     for each arrival the item it equals, DT_NONE if it is the first at its place
- *                                                      4. enter: by slices of arrivals
- *
- * The first of a place in its part is the representative: a vertex of the set, or else the smallest id.
- * The threads write to places of their own, so their number does not show in the result. */
+ * An arrival that coincides with none before it becomes a vertex: in the sorted order if there have been no
+ * vertices, with the plan of the build, else in order of arrival. The result does not depend on the number of
+ * threads. */
 #include "core/arrivals.h"
 
-#include <stdlib.h>
 #include <string.h>
 
+#include "core/divide.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "core/renumber.h"
 
 enum {
-    FEW = 4096,    /* arrivals that are looked up one by one */
-    PART = 4096,   /* items of a part at most, while there are not more than MOST_BITS bits */
-    MOST_BITS = 11 /* of a part's number: cache lines that are written to in turn */
-};
-
-struct entry {
-    uint32_t tag; /* another piece of the hash */
-    uint32_t item;
+    FEW = 4096,    /* arrivals that are looked up one by one beside others */
+    FEW_FIRST = 64 /* the same in an empty set */
 };
 
 struct arrivals {
     struct dt_points *p;
     const struct dt_point *q;
-    uint32_t end, n; /* vertices and arrivals */
-    unsigned bits;   /* 2^bits parts */
+    uint32_t end, n;        /* vertices and arrivals */
+    struct dt_named sorted; /* the set's own arrays if end = 0 */
+    struct dt_named spare;
+    uint32_t *place; /* by item; the sort writes those of items that coincide */
+    struct dt_plan plan;
+    uint32_t fresh[DT_MAX_THREADS]; /* arrivals that become vertices, by slice */
     unsigned slices;
-    uint64_t seed; /* differs from process to process, so that no input can be aimed at one part */
-    uint32_t *at;  /* [slice][part]: how many entries it has, then where the next one goes */
-    uint32_t *start; /* [part], and one more: its first entry */
-    struct entry *entry;
-    uint32_t *same;
-    uint32_t *table; /* [slice][2^table_bits]: indices of entries, for one part at a time */
-    unsigned table_bits;
-    uint32_t fresh[DT_MAX_THREADS]; /* first arrivals at their places, by slice */
-    bool crowded[DT_MAX_THREADS];   /* a table has been too small */
-    struct dt_stop *stop;
+    struct dt_options opt;
+    struct dt_stop stop;
 };
 
-/* A slice of n items, in pieces between which it polls. */
-static struct dt_piece before_slice(const struct arrivals *a, uint32_t n, unsigned slice)
+static bool next_piece(struct arrivals *a, unsigned slice, struct dt_piece *at)
 {
-    return dt_before_first(dt_slice(n, slice, a->slices));
+    return dt_next_piece(&a->stop, dt_slice(a->n, slice + 1, a->slices), at);
 }
 
-static bool next_piece(const struct arrivals *a, uint32_t n, unsigned slice, struct dt_piece *at)
+static struct dt_piece before_slice(const struct arrivals *a, unsigned slice)
 {
-    return dt_next_piece(a->stop, dt_slice(n, slice + 1, a->slices), at);
+    return dt_before_first(dt_slice(a->n, slice, a->slices));
 }
 
-static uint32_t parts(const struct arrivals *a)
+/* A pass over all slices. What it leaves behind is of no use unless DT_OK. */
+static enum dt_status pass(struct arrivals *a, void (*job)(void *arg, unsigned slice))
 {
-    return 1u << a->bits;
+    dt_run(a->opt.pool, a->slices, job, a);
+    return dt_stop_status(&a->stop);
 }
 
-static struct dt_point place(const struct arrivals *a, uint32_t item)
-{
-    return item < a->end ? a->p->xy[item] : a->q[item - a->end];
-}
+/* ---- which coincide ---- */
 
-static uint64_t hash(const struct arrivals *a, struct dt_point q)
+/* The vertices and the arrivals become the spare points. */
+static struct dt_source gather(struct arrivals *a)
 {
-    return dt_place_hash(q.x, q.y, a->seed);
-}
-
-static uint32_t part_of(const struct arrivals *a, uint64_t h)
-{
-    return (uint32_t)(h >> 32) >> (32 - a->bits);
-}
-
-static uint32_t tag_of(uint64_t h)
-{
-    return (uint32_t)(h >> (32 - MOST_BITS)); /* the bits after those of the part */
-}
-
-/* ---- by slices of items ---- */
-
-static void count(void *arg, unsigned slice)
-{
-    struct arrivals *a = arg;
-    uint32_t *next = a->at + (size_t)slice * parts(a), items = a->end + a->n;
-    memset(next, 0, parts(a) * sizeof *next);
-    for (struct dt_piece at = before_slice(a, items, slice); next_piece(a, items, slice, &at);)
+    dt_copy(a->spare.p, a->p->xy, a->end, sizeof *a->q, &a->stop);
+    dt_copy(a->spare.p + a->end, a->q, a->n, sizeof *a->q, &a->stop);
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a->stop, a->end + a->n, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
-            next[part_of(a, hash(a, place(a, i)))]++;
+            a->spare.from[i] = i;
+    return (struct dt_source){a->spare.p, a->spare.from};
 }
 
-/* Where each slice's entries of each part go. */
-static void lay_out(struct arrivals *a)
+static enum dt_status allocate(struct arrivals *a)
 {
-    uint32_t at = 0;
-    for (uint32_t part = 0; part < parts(a); part++) {
-        a->start[part] = at;
-        for (unsigned slice = 0; slice < a->slices; slice++) {
-            uint32_t *here = &a->at[(size_t)slice * parts(a) + part];
-            uint32_t entries = *here;
-            *here = at;
-            at += entries;
-        }
+    struct dt_pages *pages = a->p->pages;
+    size_t items = (size_t)a->end + a->n;
+    a->spare.p = dt_array_new_in(pages, items, sizeof *a->spare.p);
+    a->spare.from = dt_array_new_in(pages, items, sizeof *a->spare.from);
+    a->place = dt_array_new_in(pages, items, sizeof *a->place);
+    a->plan.step = dt_array_new_in(pages, items, sizeof *a->plan.step);
+    if (a->sorted.p == NULL) {
+        a->sorted.p = dt_array_new_in(pages, items, sizeof *a->sorted.p);
+        a->sorted.from = dt_array_new_in(pages, items, sizeof *a->sorted.from);
     }
-    a->start[parts(a)] = at;
+    bool ok = a->spare.p != NULL && a->spare.from != NULL && a->place != NULL &&
+              a->plan.step != NULL && a->sorted.p != NULL && a->sorted.from != NULL;
+    return ok ? DT_OK : DT_NOMEM;
 }
 
-static void deal(void *arg, unsigned slice)
+static void free_arrays(struct arrivals *a)
+{
+    if (a->sorted.p != a->p->xy)
+        dt_array_free(a->sorted.p);
+    if (a->sorted.from != a->p->id)
+        dt_array_free(a->sorted.from);
+    dt_array_free(a->spare.p);
+    dt_array_free(a->spare.from);
+    dt_array_free(a->place);
+    dt_array_free(a->plan.step);
+}
+
+/* Sorts the items and finds out which coincide. */
+static enum dt_status sort(struct arrivals *a)
+{
+    uint32_t items = a->end + a->n;
+    struct dt_source in = {a->q, NULL};
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a->stop, items, &at);)
+        memset(a->plan.step + at.a, 0, (at.b - at.a) * sizeof *a->plan.step);
+    if (a->end > 0)
+        in = gather(a);
+    if (dt_stopped(&a->stop))
+        return dt_stop_status(&a->stop);
+    a->plan.same = a->place;
+    return dt_divide_sort(in, items, a->sorted, a->spare, a->plan, a->p->pages, &a->opt);
+}
+
+/* A pass of its own: among the stores of a sort, those that miss the cache would hold up the others. */
+static void note_places(void *arg, unsigned slice)
 {
     struct arrivals *a = arg;
-    uint32_t *next = a->at + (size_t)slice * parts(a), items = a->end + a->n;
-    for (struct dt_piece at = before_slice(a, items, slice); next_piece(a, items, slice, &at);)
-        for (uint32_t i = at.a; i < at.b; i++) {
-            uint64_t h = hash(a, place(a, i));
-            a->entry[next[part_of(a, h)]++] = (struct entry){tag_of(h), i};
+    uint32_t items = a->end + a->n, last = dt_slice(items, slice + 1, a->slices);
+    const uint32_t *from = a->sorted.from;
+    for (struct dt_piece at = dt_before_first(dt_slice(items, slice, a->slices));
+         dt_next_piece(&a->stop, last, &at);)
+        for (uint32_t v = at.a; v < at.b; v++) {
+            uint32_t item = from[v] & ~DT_COINCIDENT;
+            if (item == from[v])
+                a->place[item] = v;
+            else
+                a->place[item] |= DT_COINCIDENT;
         }
 }
 
-/* ---- by parts ---- */
-
-static bool coincide(const struct arrivals *a, struct entry e, struct entry f)
+/* The item that item i coincides with, DT_NONE if there is none before it. */
+static uint32_t same(const struct arrivals *a, uint32_t i)
 {
-    if (e.tag != f.tag)
-        return false;
-    struct dt_point p = place(a, e.item), q = place(a, f.item);
-    return p.x == q.x && p.y == q.y;
+    uint32_t place = a->place[i];
+    return place & DT_COINCIDENT ? place & ~DT_COINCIDENT : DT_NONE;
 }
-
-/* The entry of the table that coincides with e, or the place where there is none. */
-static uint32_t *look_up(const struct arrivals *a, uint32_t *table, struct entry e)
-{
-    uint32_t mask = (1u << a->table_bits) - 1, at = e.tag >> (32 - a->table_bits);
-    while (table[at] != DT_NONE && !coincide(a, a->entry[table[at]], e))
-        at = (at + 1) & mask;
-    return &table[at];
-}
-
-/* False: more places than the table has room for. */
-static bool compare_part(const struct arrivals *a, uint32_t *table, uint32_t part)
-{
-    uint32_t room = (1u << a->table_bits) / 4 * 3;
-    memset(table, 0xff, sizeof *table << a->table_bits); /* all DT_NONE */
-    for (uint32_t i = a->start[part]; i < a->start[part + 1]; i++) {
-        uint32_t item = a->entry[i].item, *at = look_up(a, table, a->entry[i]);
-        uint32_t first = *at == DT_NONE ? DT_NONE : a->entry[*at].item;
-        if (item >= a->end)
-            a->same[item - a->end] = first;
-        if (first == DT_NONE) {
-            if (room-- == 0)
-                return false;
-            *at = i;
-        }
-    }
-    return true;
-}
-
-static void compare(void *arg, unsigned slice)
-{
-    struct arrivals *a = arg;
-    uint32_t *table = a->table + ((size_t)slice << a->table_bits);
-    uint32_t last = dt_slice(parts(a), slice + 1, a->slices);
-    a->crowded[slice] = false;
-    for (uint32_t part = dt_slice(parts(a), slice, a->slices); part < last && !dt_stopped(a->stop);
-         part++)
-        if (!compare_part(a, table, part))
-            a->crowded[slice] = true;
-}
-
-/* ---- by slices of arrivals ---- */
 
 static void count_fresh(void *arg, unsigned slice)
 {
     struct arrivals *a = arg;
     uint32_t fresh = 0;
-    for (struct dt_piece at = before_slice(a, a->n, slice); next_piece(a, a->n, slice, &at);)
+    for (struct dt_piece at = before_slice(a, slice); next_piece(a, slice, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
-            fresh += a->same[i] == DT_NONE;
+            fresh += same(a, a->end + i) == DT_NONE;
     a->fresh[slice] = fresh;
 }
 
+/* ---- vertices ---- */
+
+/* In order of arrival. */
 static void enter(void *arg, unsigned slice)
 {
-    const struct arrivals *a = arg;
+    struct arrivals *a = arg;
     struct dt_points *p = a->p;
     uint32_t v = a->end;
     for (unsigned before = 0; before < slice; before++)
         v += a->fresh[before];
-    for (struct dt_piece at = before_slice(a, a->n, slice); next_piece(a, a->n, slice, &at);)
+    for (struct dt_piece at = before_slice(a, slice); next_piece(a, slice, &at);)
         for (uint32_t i = at.a; i < at.b; i++) {
-            if (a->same[i] != DT_NONE)
+            if (same(a, a->end + i) != DT_NONE)
                 continue;
             p->xy[v] = (struct dt_point){a->q[i].x + 0.0, a->q[i].y + 0.0}; /* -0 becomes 0 */
-            p->id[v++] = p->next_id + i;
+            p->id[v] = p->next_id + i;
+            a->place[a->end + i] = v++;
         }
 }
 
+/* As they are sorted: those that coincide with others are left out. */
+static void close_ranks(struct arrivals *a)
+{
+    struct dt_points *p = a->p;
+    uint32_t v = 0;
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a->stop, a->n, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) {
+            uint32_t item = p->id[i];
+            uint16_t step = a->plan.step[i];
+            a->plan.step[i] = 0;
+            if (step != 0)
+                a->plan.step[v] = step;
+            if (item & DT_COINCIDENT)
+                continue;
+            p->xy[v] = p->xy[i];
+            p->id[v] = p->next_id + item;
+            a->place[item] = v++;
+        }
+}
+
+static enum dt_status make_vertices(struct arrivals *a)
+{
+    struct dt_points *p = a->p;
+    p->end = a->end;
+    for (unsigned slice = 0; slice < a->slices; slice++)
+        p->end += a->fresh[slice];
+    if (a->end > 0)
+        return pass(a, enter);
+    if (p->end < a->n || p->next_id > 0)
+        close_ranks(a);
+    return dt_stop_status(&a->stop);
+}
+
 /* ---- ids and aliases ---- */
+
+/* The id of the representative with which arrival i coincides. */
+static uint32_t representative(const struct arrivals *a, uint32_t i)
+{
+    uint32_t first = same(a, a->end + i);
+    return first < a->end ? a->p->id[first] : a->p->next_id + (first - a->end);
+}
+
+static bool is_alias(const struct arrivals *a, uint32_t i)
+{
+    return i < a->n && same(a, a->end + i) != DT_NONE;
+}
+
+static enum dt_status make_alias(struct arrivals *a, uint32_t i)
+{
+    enum { AHEAD = 16 }; /* arrivals; long enough for a cache miss */
+    struct dt_points *p = a->p;
+    uint32_t later = i + 2 * AHEAD, soon = i + AHEAD;
+    if (is_alias(a, later))
+        dt_idmap_fetch(&p->value, representative(a, later));
+    uint32_t v = is_alias(a, soon) ? dt_idmap_get(&p->value, representative(a, soon)) : DT_NONE;
+    if (v < p->group_cap)
+        dt_fetch(&p->group[v]);
+    struct dt_point at = {a->q[i].x + 0.0, a->q[i].y + 0.0};
+    return dt_points_join(p, p->next_id + i, at, dt_idmap_get(&p->value, representative(a, i)));
+}
 
 static void take_back(struct dt_points *p, uint32_t n, uint32_t end)
 {
@@ -218,48 +237,25 @@ static void take_back(struct dt_points *p, uint32_t n, uint32_t end)
     p->end = end;
 }
 
-/* The id of the representative with which arrival i coincides. */
-static uint32_t representative(const struct arrivals *a, uint32_t i)
-{
-    uint32_t first = a->same[i];
-    return first < a->end ? a->p->id[first] : a->p->next_id + (first - a->end);
-}
-
-static enum dt_status make_alias(struct arrivals *a, uint32_t i)
-{
-    enum { AHEAD = 16 }; /* arrivals; long enough for a cache miss */
-    struct dt_points *p = a->p;
-    uint32_t later = i + 2 * AHEAD, soon = i + AHEAD;
-    if (later < a->n && a->same[later] != DT_NONE)
-        dt_idmap_fetch(&p->value, representative(a, later));
-    uint32_t v = soon < a->n && a->same[soon] != DT_NONE
-                     ? dt_idmap_get(&p->value, representative(a, soon))
-                     : DT_NONE;
-    if (v < p->group_cap)
-        dt_fetch(&p->group[v]);
-    struct dt_point at = {a->q[i].x + 0.0, a->q[i].y + 0.0};
-    return dt_points_join(p, p->next_id + i, at, dt_idmap_get(&p->value, representative(a, i)));
-}
-
 /* Gives each arrival its vertex, or makes it an alias. */
 static enum dt_status name(struct arrivals *a)
 {
     struct dt_points *p = a->p;
-    p->end = a->end;
-    for (unsigned slice = 0; slice < a->slices; slice++)
-        p->end += a->fresh[slice];
     enum dt_status status = DT_OK;
-    uint32_t i = 0;
-    for (uint32_t v = a->end; i < a->n && status == DT_OK; i++) {
-        if (a->same[i] == DT_NONE)
-            dt_idmap_set(&p->value, p->next_id + i, v++);
-        else
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a->stop, a->n, &at);)
+        for (uint32_t i = at.a; i < at.b; i++)
+            if (!is_alias(a, i))
+                dt_idmap_set(&p->value, p->next_id + i, a->place[a->end + i]);
+    for (uint32_t i = 0; p->end - a->end < a->n && i < a->n && status == DT_OK; i++) {
+        if (is_alias(a, i))
             status = make_alias(a, i);
-        if (i % DT_POLL_MISSES == 0 && dt_stopped(a->stop))
-            status = dt_stop_status(a->stop);
+        if (i % DT_POLL_MISSES == 0 && dt_stopped(&a->stop))
+            status = dt_stop_status(&a->stop);
     }
+    if (status == DT_OK)
+        status = dt_stop_status(&a->stop);
     if (status != DT_OK)
-        take_back(p, i, a->end);
+        take_back(p, a->n, a->end);
     return status;
 }
 
@@ -267,101 +263,75 @@ static enum dt_status name(struct arrivals *a)
 
 bool dt_arrivals_suit(const struct dt_points *p, size_t n)
 {
-    return p->tol == 0 && p->free_count == 0 && n >= FEW && n >= p->end;
+    return p->tol == 0 && p->free_count == 0 && n >= (p->end == 0 ? FEW_FIRST : FEW) && n >= p->end;
 }
 
-static enum dt_status allocate(struct arrivals *a)
+/* The set gets the plan if its vertices are in that order. */
+static void keep_plan(struct arrivals *a)
 {
-    struct dt_pages *pages = a->p->pages;
-    uint32_t items = a->end + a->n;
-    while (a->bits < MOST_BITS && items >> a->bits > PART)
-        a->bits++;
-    a->table_bits = 1;
-    while (1u << a->table_bits < 2 * (items >> a->bits))
-        a->table_bits++;
-    a->at = dt_array_new_in(pages, (size_t)a->slices << a->bits, sizeof *a->at);
-    a->start = dt_array_new_in(pages, parts(a) + (size_t)1, sizeof *a->start);
-    a->entry = dt_array_new_in(pages, items, sizeof *a->entry);
-    a->same = dt_array_new_in(pages, a->n, sizeof *a->same);
-    a->table = dt_array_new_in(pages, (size_t)a->slices << a->table_bits, sizeof *a->table);
-    if (a->at == NULL || a->start == NULL || a->entry == NULL || a->same == NULL ||
-        a->table == NULL)
-        return DT_NOMEM;
-    a->seed = (uint64_t)(uintptr_t)a->entry * 0xD1B54A32D192ED03u;
-    return DT_OK;
-}
-
-/* A pass over all slices. What it leaves behind is of no use unless DT_OK. */
-static enum dt_status pass(struct arrivals *a, const struct dt_pool *pool,
-                           void (*job)(void *arg, unsigned slice))
-{
-    dt_run(pool, a->slices, job, a);
-    return dt_stop_status(a->stop);
-}
-
-static enum dt_status find_same(struct arrivals *a, const struct dt_pool *pool,
-                                struct dt_work *work)
-{
-    enum dt_status status = dt_work(work, 2 * ((uint64_t)a->end + a->n));
-    if (status == DT_OK)
-        status = pass(a, pool, count);
-    if (status == DT_OK) {
-        lay_out(a);
-        status = pass(a, pool, deal);
-    }
-    if (status == DT_OK)
-        status = pass(a, pool, compare);
-    if (status != DT_OK)
-        return status;
-    for (unsigned slice = 0; slice < a->slices; slice++)
-        if (a->crowded[slice])
-            return DT_TOOSMALL;
-    return DT_OK;
-}
-
-static void free_arrays(struct arrivals *a)
-{
-    dt_array_free(a->at);
-    dt_array_free(a->start);
-    dt_array_free(a->entry);
-    dt_array_free(a->same);
-    dt_array_free(a->table);
+    if (a->end > 0)
+        return;
+    a->p->plan = a->plan.step;
+    a->plan.step = NULL;
 }
 
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, uint32_t n,
                                const struct dt_pool *pool, struct dt_work *work,
                                struct dt_added *out)
 {
-    struct dt_stop stop = dt_work_stop(work);
-    struct arrivals a = {.p = p, .q = q, .end = p->end, .n = n, .bits = 1, .stop = &stop};
+    struct arrivals a = {.p = p, .q = q, .end = p->end, .n = n};
+    a.opt = (struct dt_options){.pool = pool, .cancel = work == NULL ? NULL : work->cancel};
+    a.stop = dt_stop_of(&a.opt);
     a.slices = dt_threads_for(pool, n);
-    enum dt_status status = allocate(&a);
+    if (p->end == 0)
+        a.sorted = (struct dt_named){p->xy, p->id};
+    enum dt_status status = dt_work(work, 2 * ((uint64_t)a.end + n));
     if (status == DT_OK)
-        status = find_same(&a, pool, work);
+        status = allocate(&a);
     if (status == DT_OK)
-        status = pass(&a, pool, count_fresh);
+        status = sort(&a);
     if (status == DT_OK)
-        status = pass(&a, pool, enter);
+        status = pass(&a, note_places);
+    if (status == DT_OK)
+        status = pass(&a, count_fresh);
+    if (status == DT_OK)
+        status = make_vertices(&a);
     if (status == DT_OK)
         status = name(&a);
     if (status == DT_OK) {
         *out = (struct dt_added){p->next_id, n, n - (p->end - a.end)};
         dt_points_arrived(p, n);
+        dt_points_unplan(p);
+        keep_plan(&a);
+    } else {
+        p->end = a.end;
     }
     free_arrays(&a);
     return status;
 }
 
-enum dt_status dt_arrivals_distinct(struct dt_points *p, struct dt_work *work)
+enum dt_status dt_arrivals_sort(struct dt_points *p, const struct dt_options *opt)
 {
-    struct dt_stop stop = dt_work_stop(work);
-    struct arrivals a = {.p = p, .q = p->xy, .n = p->end, .bits = 1, .slices = 1, .stop = &stop};
-    enum dt_status status = p->end < FEW ? DT_TOOSMALL : allocate(&a);
+    struct arrivals a = {.p = p, .q = p->xy, .n = p->end};
+    a.opt = (struct dt_options){.pool = opt == NULL ? NULL : opt->pool,
+                                .cancel = opt == NULL ? NULL : opt->cancel};
+    a.stop = dt_stop_of(&a.opt);
+    a.slices = dt_threads_for(a.opt.pool, a.n);
+    enum dt_status status = a.n == 0 ? DT_OK : allocate(&a);
+    if (status == DT_OK && a.n > 0)
+        status = sort(&a);
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a.stop, a.n, &at);)
+        for (uint32_t v = at.a; v < at.b && status == DT_OK; v++)
+            if (a.sorted.from[v] & DT_COINCIDENT)
+                status = DT_CORRUPT;
+            else
+                a.sorted.from[v] = p->id[a.sorted.from[v]];
     if (status == DT_OK)
-        status = find_same(&a, NULL, work);
-    for (uint32_t i = 0; status == DT_OK && i < a.n; i++)
-        if (a.same[i] != DT_NONE)
-            status = DT_CORRUPT;
+        status = dt_stop_status(&a.stop);
+    if (status == DT_OK && a.n > 0)
+        status = dt_points_renumber(p, a.sorted.p, a.sorted.from, a.n, &a.opt);
+    if (status == DT_OK && a.n > 0)
+        keep_plan(&a);
     free_arrays(&a);
     return status;
 }

@@ -1,5 +1,6 @@
-/* arrivals.h - many points at once: which of them coincide with one another, or with those that are
- * there already, found without the table of places (core/places.h). */
+/* arrivals.h - many points at once: which of them coincide with one another, or with those that are there already,
+ * is found by sorting all of them (divide.h), without the table of places (core/places.h). The vertices of a set that
+ * gets its points so are in the order in which a build wants them. */
 #ifndef DT_ARRIVALS_H
 #define DT_ARRIVALS_H
 
@@ -9,16 +10,15 @@
  * those of the set. */
 bool dt_arrivals_suit(const struct dt_points *p, size_t n);
 
-/* Adds n points for which there is room (dt_points_reserve), all or none, with the result that one
- * after the other would have; the table of places must be empty. pool may be NULL. DT_TOOSMALL: not
- * possible in this way, which chance alone does not bring about. Cost: O(n + vertices), and 12 bytes
- * for each of them meanwhile; taken off the work, which may be NULL. */
+/* Adds n > 0 points for which there is room (dt_points_reserve), all or none, with the result that one
+ * after the other would have; the table of places must be empty. pool may be NULL. Cost: O(n + vertices), and 24
+ * bytes for each of them meanwhile, or 44 if the set has vertices; taken off the work, which may be NULL. */
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, uint32_t n,
                                const struct dt_pool *pool, struct dt_work *work,
                                struct dt_added *out);
 
-/* DT_CORRUPT if two of the set's vertices, none of which is free, are at one place; DT_TOOSMALL as
- * above. Cost: O(vertices), and 12 bytes for each of them meanwhile. */
-enum dt_status dt_arrivals_distinct(struct dt_points *p, struct dt_work *work);
+/* Renumbers the set's vertices, none of which is free, in that order. DT_CORRUPT: two of them are at one place; as for
+ * DT_NOMEM and DT_CANCELLED, the set can only be freed. Cost: O(vertices), and 44 bytes for each of them meanwhile. */
+enum dt_status dt_arrivals_sort(struct dt_points *p, const struct dt_options *opt);
 
 #endif

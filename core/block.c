@@ -50,6 +50,41 @@ INLINE void sort(struct dt_point *p, uint32_t *from, const uint32_t n)
         dt_insertion_sort(0, p, from, n);
 }
 
+/* Whether points in order of (x, y) are all at different places. */
+INLINE bool distinct(const struct dt_point *p, const uint32_t n)
+{
+    bool differ = true;
+    for (uint32_t i = 1; i < n; i++)
+        differ &= (p[i - 1].x != p[i].x) | (p[i - 1].y != p[i].y);
+    return differ;
+}
+
+INLINE bool sort_distinct(struct dt_point *p, uint32_t *from, const uint32_t n)
+{
+    sort(p, from, n);
+    for (uint32_t i = 0; i < n; i++)
+        p[i] = (struct dt_point){p[i].x + 0.0, p[i].y + 0.0};
+    return distinct(p, n);
+}
+
+bool dt_block_sort(struct dt_point *p, uint32_t *from, uint32_t n)
+{
+    switch (n) {
+    case 1:
+        return sort_distinct(p, from, 1);
+    case 2:
+        return sort_distinct(p, from, 2);
+    case 3:
+        return sort_distinct(p, from, 3);
+    case 4:
+        return sort_distinct(p, from, 4);
+    case 5:
+        return sort_distinct(p, from, 5);
+    default:
+        return sort_distinct(p, from, DT_BLOCK);
+    }
+}
+
 /* Two points: one edge, a ghost on either side. Returns a ghost, as do the next ones. */
 static uint32_t base_of_two(const struct knitting *w, uint32_t a)
 {
@@ -120,7 +155,8 @@ INLINE struct dt_part block_of(const struct dt_merging *w, struct dt_point *poin
                                uint32_t lo, const uint32_t n)
 {
     const struct dt_point *p = w->p;
-    sort(points + lo, from + lo, n);
+    if (points != NULL)
+        sort(points + lo, from + lo, n);
     struct dt_part c = {.n = n, .left = lo, .right = lo + n - 1, .bottom = lo, .top = lo};
     for (uint32_t v = lo + 1; v < lo + n; v++) {
         c.bottom = dt_before_y(p[v], p[c.bottom]) ? v : c.bottom;

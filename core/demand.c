@@ -1,6 +1,7 @@
 /* demand.c - how much memory work on a set takes at its peak: bounds on what families of point sets
  * were seen to take, which a test repeats (tests/core/demand_test.c). They count memory that is
  * touched: the room that a large array has beyond what it holds costs nothing until it is used. */
+#include "core/arrivals.h"
 #include "core/parallel.h"
 #include "core/set.h"
 #include "core/update.h"
@@ -11,20 +12,23 @@
 #define BUILD_DENSE_BYTES 24
 #define PREPARE_BYTES 48
 
-/* Bytes per point that is added: as a vertex, or, what is more, as an alias; and of each thread's table. */
+/* Bytes per point that is added: as a vertex, or, what is more, as an alias. */
 #define ADD_BYTES 104
-#define ADD_THREAD_BYTES ((size_t)64 << 10)
 
 /* Bytes per point that is there, if an index of their places must be made first. */
 #define INDEX_BYTES (size_t)16
 
-#define THREAD_BYTES ((size_t)512 << 10) /* for each thread's arena */
-#define COPIED_BYTES ((size_t)12 << 20)  /* of arrays so small that they are copied to grow */
+/* Bytes per point that is there, if it is sorted along with so many that are added (arrivals.c). */
+#define SORT_BYTES (size_t)48
+
+#define THREAD_BYTES ((size_t)512 << 10)    /* for each thread's arena */
+#define ADD_THREAD_BYTES ((size_t)64 << 10) /* the same while points are sorted */
+#define COPIED_BYTES ((size_t)12 << 20)     /* of arrays so small that they are copied to grow */
 
 /* For what does not depend on the number of points. */
 static size_t slack(size_t n)
 {
-    return n < 4096 ? n * 256 : (size_t)1 << 20;
+    return n < 4096 ? 1024 + n * 256 : (size_t)1 << 20;
 }
 
 /* How many threads beside the caller's work on n points. */
@@ -62,6 +66,8 @@ size_t dt_add_memory(const struct dt *t, size_t n, const struct dt_options *opt)
     n = n < DT_MAX_POINTS - vertices ? n : DT_MAX_POINTS - vertices;
     if (t->points.places.bucket == NULL && (t->points.tol > 0 || later || !t->triangulated))
         bytes += vertices * INDEX_BYTES;
+    if (dt_arrivals_suit(&t->points, n) && t->points.end > 0)
+        bytes += vertices * SORT_BYTES;
     if (later)
         bytes += build_memory(t, vertices + n, opt);
     return bytes + n * ADD_BYTES + more_threads(opt, n) * ADD_THREAD_BYTES;

@@ -242,9 +242,14 @@ static uint32_t count_by(struct sort *s, struct dt_box box, bool tiles, uint32_t
 }
 
 /* Places become those aside: dt_aside(d, lo + place of its first point, points) for each tile. */
-static bool shift_tiles(struct sort *s, uint32_t lo)
+static bool shift_tiles(struct sort *s, struct dt_named aside, uint32_t lo)
 {
     const uint32_t *start = s->next[0];
+    s->out = aside.p;
+    s->out_from = aside.from;
+    if (s->d->plan.step != NULL)
+        return true; /* as they are */
+    s->out_from = s->d->merging.mesh->half + 16 * (size_t)lo;
     s->shift = dt_arena_take(s->arena, s->cells, sizeof *s->shift);
     if (s->shift == NULL)
         return false;
@@ -252,9 +257,6 @@ static bool shift_tiles(struct sort *s, uint32_t lo)
         uint32_t end = c + 1 < s->cells ? start[c + 1] : s->n;
         s->shift[c] = (struct dt_shift){3 * start[c], 15 * end};
     }
-    uint32_t *half = s->d->merging.mesh->half + 16 * (size_t)lo;
-    s->out = (void *)half;
-    s->out_from = half;
     return true;
 }
 
@@ -271,45 +273,17 @@ static void move_source(struct sort *s, struct dt_point *p, uint32_t *from)
 static void scatter_all(struct sort *s, uint32_t lo, bool tiles)
 {
     struct dt_division *d = s->d;
-    struct dt_aside aside = dt_aside(d, lo, s->n);
+    struct dt_named aside = dt_aside(d, lo, s->n);
     if (tiles && s->src.p == aside.p)
         move_source(s, d->p + lo, d->from + lo);
     else if (!tiles && s->src.p == d->p + lo)
         move_source(s, aside.p, aside.from);
     s->out = d->p + lo;
     s->out_from = d->from + lo;
-    if (tiles && !shift_tiles(s, lo))
+    if (tiles && !shift_tiles(s, aside, lo))
         dt_stop_because(&d->stop, DT_NOMEM);
     if (!dt_stopped(&d->stop))
         dt_run(d->opt->pool, s->slices, scatter, s);
-}
-
-enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned threads,
-                              struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
-                              struct dt_level *level)
-{
-    bool elsewhere = src.p != d->p + lo && src.p != dt_aside(d, lo, n).p;
-    struct sort s = {.d = d, .src = src, .n = n, .threads = threads, .arena = arena};
-    struct dt_arena_mark before = dt_arena_mark(arena);
-    struct dt_box box = box_of_all(&s);
-    uint32_t most = n;
-    *level = (struct dt_level){.lo = lo};
-    if (n > DT_TILED)
-        most = count_by(&s, box, true, elsewhere ? d->from + lo : NULL, level);
-    if (most > n / 2) { /* too few points for tiles, or tiles do not part them */
-        dt_arena_return(arena, before);
-        most = count_by(&s, box, false, NULL, level);
-    }
-    if (dt_stopped(&d->stop))
-        return DT_LEVEL_FAILED;
-    level->skew = most > n / 2 ? skew + 1 : 0;
-    if (level->skew > DT_ZOOMS) {
-        dt_arena_return(arena, before);
-        return DT_LEVEL_SKEWED;
-    }
-    scatter_all(&s, lo, level->tiles);
-    dt_arena_return(arena, s.scratch);
-    return dt_stopped(&d->stop) ? DT_LEVEL_FAILED : DT_LEVEL_OPEN;
 }
 
 /* ---- the median ---- */
@@ -323,8 +297,8 @@ static void bring(struct dt_division *d, struct dt_source src, uint32_t lo, uint
     }
 }
 
-uint32_t dt_level_median(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n,
-                         unsigned *axis)
+struct dt_piece dt_level_median(struct dt_division *d, struct dt_source src, uint32_t lo,
+                                uint32_t n, unsigned *axis)
 {
     if (src.p != d->p + lo)
         bring(d, src, lo, n);
@@ -332,6 +306,81 @@ uint32_t dt_level_median(struct dt_division *d, struct dt_source src, uint32_t l
     for (struct dt_piece at = dt_before_first(lo); dt_next_piece(&d->stop, lo + n, &at);)
         box = dt_box_join(box, dt_box_of(d->p + at.a, at.b - at.a));
     *axis = dt_box_axis(&box);
-    dt_median_part(d->p + lo, d->from + lo, n, *axis, &d->stop);
-    return n / 2;
+    return dt_median_part(d->p + lo, d->from + lo, n, *axis, &d->stop);
+}
+
+/* ---- the order alone ---- */
+
+/* The level has no points but those of the part. */
+static enum dt_opening leave_empty(struct dt_division *d, struct dt_arena *arena,
+                                   struct dt_part part, struct dt_level *level)
+{
+    *level = (struct dt_level){.lo = level->lo, .done = part};
+    level->start = dt_arena_take(arena, 2, sizeof *level->start);
+    if (level->start == NULL)
+        dt_stop_because(&d->stop, DT_NOMEM);
+    else
+        level->start[0] = level->start[1] = 0;
+    return dt_stopped(&d->stop) ? DT_LEVEL_FAILED : DT_LEVEL_OPEN;
+}
+
+static enum dt_opening sort_one_place(struct dt_division *d, struct dt_arena *arena,
+                                      struct dt_source src, struct dt_level *level, uint32_t n)
+{
+    uint32_t lo = level->lo;
+    if (src.p != d->p + lo)
+        bring(d, src, lo, n);
+    return leave_empty(d, arena, dt_plan_place(&d->plan, d->p, d->from, lo, n), level);
+}
+
+/* Cuts the points at their median and all that coincides with it. */
+static enum dt_opening sort_by_halves(struct dt_division *d, struct dt_arena *arena,
+                                      struct dt_source src, struct dt_level *level, uint32_t n)
+{
+    uint32_t lo = level->lo;
+    unsigned axis;
+    struct dt_piece run = dt_level_median(d, src, lo, n, &axis);
+    struct dt_part all = dt_plan_place(&d->plan, d->p, d->from, lo + run.a, run.b - run.a);
+    for (int after = 0; after < 2; after++) {
+        uint32_t a = after ? lo + run.b : lo, b = after ? lo + n : lo + run.a;
+        if (a == b || dt_stopped(&d->stop))
+            continue;
+        struct dt_part part =
+            dt_divide_range(d, arena, (struct dt_source){d->p + a, d->from + a}, a, b - a, 0);
+        all = after ? dt_plan_join(&d->plan, &all, &part, axis)
+                    : dt_plan_join(&d->plan, &part, &all, axis);
+    }
+    return leave_empty(d, arena, all, level);
+}
+
+/* ---- opening ---- */
+
+enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned threads,
+                              struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
+                              struct dt_level *level)
+{
+    bool elsewhere = src.p != d->p + lo && src.p != dt_aside(d, lo, n).p;
+    struct sort s = {.d = d, .src = src, .n = n, .threads = threads, .arena = arena};
+    struct dt_arena_mark before = dt_arena_mark(arena);
+    struct dt_box box = box_of_all(&s);
+    uint32_t most = n;
+    *level = (struct dt_level){.lo = lo};
+    if (d->plan.step != NULL && box.lo.x == box.hi.x && box.lo.y == box.hi.y)
+        return sort_one_place(d, arena, src, level, n);
+    if (n > DT_TILED)
+        most = count_by(&s, box, true, elsewhere ? d->from + lo : NULL, level);
+    if (most > n / 2) { /* too few points for tiles, or tiles do not part them */
+        dt_arena_return(arena, before);
+        most = count_by(&s, box, false, NULL, level);
+    }
+    if (dt_stopped(&d->stop))
+        return DT_LEVEL_FAILED;
+    level->skew = most > n / 2 ? skew + 1 : 0;
+    if (level->skew > DT_ZOOMS) {
+        dt_arena_return(arena, before);
+        return d->plan.step == NULL ? DT_LEVEL_SKEWED : sort_by_halves(d, arena, src, level, n);
+    }
+    scatter_all(&s, lo, level->tiles);
+    dt_arena_return(arena, s.scratch);
+    return dt_stopped(&d->stop) ? DT_LEVEL_FAILED : DT_LEVEL_OPEN;
 }

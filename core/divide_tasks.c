@@ -43,8 +43,7 @@ struct range {
     struct dt_arena arena; /* owns the level */
     struct dt_level *level;
     enum dt_opening opening;
-    uint32_t half; /* if it is cut */
-    unsigned axis;
+    unsigned axis; /* if it is cut */
 };
 
 struct tree {
@@ -120,10 +119,7 @@ static void plan_cells(struct tree *w, uint32_t at, const struct dt_level *level
         w->node[at].key = key;
         w->node[at].s = s;
     } else if (s == 0) {
-        struct dt_aside aside = dt_aside(w->d, lo, n);
-        struct dt_source src = level->tiles ? (struct dt_source){aside.p, aside.from}
-                                            : (struct dt_source){w->d->p + lo, w->d->from + lo};
-        wait_for_grid(w, at, src, lo, n, level->skew);
+        wait_for_grid(w, at, dt_level_source(w->d, level, lo, n), lo, n, level->skew);
     } else {
         uint32_t mid = level->lo + level->start[(2 * (size_t)key + 1) << (s - 1)];
         uint32_t child = make_join(w, at, level->order.axis[s - 1], mid);
@@ -145,7 +141,7 @@ static void open_range(struct tree *w, struct range *r, unsigned threads)
         r->opening = dt_level_open(d, &r->arena, threads, r->src, r->lo, r->n, r->skew, r->level);
     dt_arena_trim(&r->arena);
     if (r->opening == DT_LEVEL_SKEWED)
-        r->half = dt_level_median(d, r->src, r->lo, r->n, &r->axis);
+        dt_level_median(d, r->src, r->lo, r->n, &r->axis);
 }
 
 /* A range that is worth all threads. */
@@ -170,12 +166,11 @@ static void plan_range(struct tree *w, struct range r)
         plan_cells(w, r.node, r.level, 0, r.level->order.bits);
     if (r.opening != DT_LEVEL_SKEWED)
         return;
-    uint32_t mid = r.lo + r.half, child = make_join(w, r.node, r.axis, mid);
+    uint32_t half = r.n / 2, mid = r.lo + half, child = make_join(w, r.node, r.axis, mid);
     if (child == 0)
         return;
-    wait_for_grid(w, child, (struct dt_source){d->p + r.lo, d->from + r.lo}, r.lo, r.half, 0);
-    wait_for_grid(w, child + 1, (struct dt_source){d->p + mid, d->from + mid}, mid, r.n - r.half,
-                  0);
+    wait_for_grid(w, child, (struct dt_source){d->p + r.lo, d->from + r.lo}, r.lo, half, 0);
+    wait_for_grid(w, child + 1, (struct dt_source){d->p + mid, d->from + mid}, mid, r.n - half, 0);
 }
 
 static void open_round(struct tree *w, uint32_t end)
@@ -198,13 +193,13 @@ static bool good(const struct tree *w)
     return dt_stop_status(&w->d->stop) == DT_OK;
 }
 
-static void grow(struct tree *w, const struct dt_point *in)
+static void grow(struct tree *w, struct dt_source in)
 {
     w->node = room_for(w, NULL, 0, 1, &w->node_cap, sizeof *w->node);
     if (w->node == NULL)
         return;
     w->node[w->nodes++] = (struct node){.parent = 0};
-    wait_for_grid(w, 0, (struct dt_source){in, NULL}, 0, w->d->n, 0);
+    wait_for_grid(w, 0, in, 0, w->d->n, 0);
     for (uint32_t end; good(w) && w->first < w->ranges; w->first = end) {
         end = w->ranges;
         open_round(w, end);
@@ -239,12 +234,12 @@ static void run_task(void *arg, unsigned i)
         if (atomic_fetch_add(&node->finished, 1) == 0)
             return; /* the sibling's thread will join them */
         if (good(w))
-            node->part = dt_merge_parts(&w->d->merging, &w->node[node->child].part,
+            node->part = dt_divide_join(w->d, &w->node[node->child].part,
                                         &w->node[node->child + 1].part, node->axis, node->mid);
     }
 }
 
-struct dt_part dt_divide_tasks(struct dt_division *d, const struct dt_point *in, unsigned threads)
+struct dt_part dt_divide_tasks(struct dt_division *d, struct dt_source in, unsigned threads)
 {
     struct tree w = {.d = d, .threads = threads, .limit = d->n / (threads * TASKS_PER_THREAD)};
     struct dt_part all = {0};

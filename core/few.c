@@ -31,14 +31,20 @@ static void sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32_t n)
         dt_insertion_sort(axis, p, from, n);
 }
 
+unsigned dt_few_sort(struct dt_point *p, uint32_t *from, uint32_t n)
+{
+    struct dt_box box = dt_box_of(p, n);
+    unsigned axis = dt_box_axis(&box);
+    sort(axis, p, from, n);
+    return axis;
+}
+
 struct dt_part dt_few(const struct dt_merging *w, struct dt_point *p, uint32_t *from, uint32_t lo,
                       uint32_t n)
 {
     if (n <= DT_BLOCK)
         return dt_block(w, p, from, lo, n);
-    struct dt_box box = dt_box_of(p + lo, n);
-    unsigned axis = dt_box_axis(&box);
-    sort(axis, p + lo, from + lo, n);
+    unsigned axis = dt_few_sort(p + lo, from + lo, n);
     uint32_t half = n / 2;
     struct dt_part a = dt_block(w, p, from, lo, half);
     struct dt_part b = dt_block(w, p, from, lo + half, n - half);

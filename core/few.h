@@ -11,4 +11,8 @@
 struct dt_part dt_few(const struct dt_merging *w, struct dt_point *p, uint32_t *from, uint32_t lo,
                       uint32_t n);
 
+/* Sorts DT_BLOCK < n <= DT_FEW points, and where they come from, for a cut along an axis, which it returns. Equal points
+ * become neighbours. */
+unsigned dt_few_sort(struct dt_point *p, uint32_t *from, uint32_t n);
+
 #endif

@@ -107,8 +107,8 @@ static void part(struct selection *s, uint32_t digit)
     s->hi = greater;
 }
 
-void dt_median_part(struct dt_point *p, uint32_t *from, uint32_t n, unsigned axis,
-                    struct dt_stop *stop)
+struct dt_piece dt_median_part(struct dt_point *p, uint32_t *from, uint32_t n, unsigned axis,
+                               struct dt_stop *stop)
 {
     struct selection s;
     s.p = p;
@@ -121,4 +121,5 @@ void dt_median_part(struct dt_point *p, uint32_t *from, uint32_t n, unsigned axi
         while (!dt_stopped(stop) && find_digit(&s))
             part(&s, digit_at(&s, n / 2));
     }
+    return (struct dt_piece){s.lo, s.hi};
 }

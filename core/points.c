@@ -26,8 +26,15 @@ void dt_points_init(struct dt_points *p, double tol)
     dt_points_init_in(p, tol, NULL);
 }
 
+void dt_points_unplan(struct dt_points *p)
+{
+    dt_array_free(p->plan);
+    p->plan = NULL;
+}
+
 void dt_points_clear(struct dt_points *p)
 {
+    dt_points_unplan(p);
     dt_array_free(p->xy);
     dt_array_free(p->id);
     dt_array_free(p->group);
@@ -62,7 +69,9 @@ enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
     dt_points_init_in(copy, p->tol, p->pages);
     copy->xy = dt_array_new_in(p->pages, p->end, sizeof *p->xy);
     copy->id = dt_array_new_in(p->pages, p->end, sizeof *p->id);
-    if (copy->xy == NULL || copy->id == NULL ||
+    if (p->plan != NULL)
+        copy->plan = dt_array_new_in(p->pages, p->end, sizeof *p->plan);
+    if (copy->xy == NULL || copy->id == NULL || (p->plan != NULL && copy->plan == NULL) ||
         dt_idmap_copy(&p->value, &copy->value, stop) != DT_OK ||
         dt_aliases_copy(&p->aliases, &copy->aliases, stop) != DT_OK) {
         dt_points_clear(copy);
@@ -75,6 +84,8 @@ enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
     }
     dt_copy(copy->xy, p->xy, p->end, sizeof *p->xy, stop);
     dt_copy(copy->id, p->id, p->end, sizeof *p->id, stop);
+    if (p->plan != NULL)
+        dt_copy(copy->plan, p->plan, p->end, sizeof *p->plan, stop);
     if (p->group != NULL)
         dt_copy(copy->group, p->group, p->end, sizeof *p->group, stop);
     copy->end = p->end;
@@ -90,7 +101,8 @@ size_t dt_points_memory(const struct dt_points *p)
                         ? 0
                         : ((size_t)p->places.mask + 1 + p->places.cap) * sizeof(uint32_t);
     return p->cap * (sizeof *p->xy + sizeof *p->id) + p->group_cap * sizeof *p->group +
-           dt_idmap_memory(&p->value) + dt_aliases_memory(&p->aliases) + places;
+           (p->plan == NULL ? 0 : p->end * sizeof *p->plan) + dt_idmap_memory(&p->value) +
+           dt_aliases_memory(&p->aliases) + places;
 }
 
 struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id)
@@ -139,6 +151,7 @@ uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t e
 
 uint32_t dt_points_enter(struct dt_points *p, uint32_t id, struct dt_point q)
 {
+    dt_points_unplan(p);
     uint32_t v = p->free_list;
     if (v != DT_NONE) {
         p->free_list = dt_points_free_after(p, v);
@@ -160,6 +173,7 @@ uint32_t dt_points_enter(struct dt_points *p, uint32_t id, struct dt_point q)
 
 static void free_vertex(struct dt_points *p, uint32_t v)
 {
+    dt_points_unplan(p);
     if (p->places.bucket != NULL)
         dt_places_leave(&p->places, p->xy, v);
     p->id[v] = DT_NONE;
@@ -177,6 +191,8 @@ static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_po
         dt_changes_name(p->changes, v);
     if (p->id[v] != id && group_of(p, v) != DT_NONE)
         dt_aliases_rename(&p->aliases, group_of(p, v), id);
+    if (moves)
+        dt_points_unplan(p);
     if (moves && entered)
         dt_places_leave(&p->places, p->xy, v);
     p->xy[v] = q;
@@ -288,12 +304,8 @@ enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size
     enum dt_status status = dt_points_reserve(p, n, work);
     if (status != DT_OK)
         return status;
-    if (together) {
-        status = dt_arrivals_add(p, q, (uint32_t)n, pool, work, out);
-        if (status != DT_TOOSMALL)
-            return status;
-    }
-    return add_one_by_one(p, q, n, work, out);
+    return together ? dt_arrivals_add(p, q, (uint32_t)n, pool, work, out)
+                    : add_one_by_one(p, q, n, work, out);
 }
 
 /* ---- deleting ---- */

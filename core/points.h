@@ -32,6 +32,9 @@ struct dt_points {
                            NULL: there has never been an alias */
     uint32_t group_cap;      /* at least cap, or 0 */
     struct dt_places places; /* finds a representative by its place; built when first needed */
+    uint16_t *
+        plan; /* owns one for each vertex: the steps of a build (plan.h), for which the vertices are sorted;
+                       NULL: none */
     const struct dt_changes *changes; /* borrows; told what changes; NULL: not needed */
 };
 
@@ -41,6 +44,9 @@ void dt_points_clear(struct dt_points *p);
 enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
                               struct dt_stop *stop);
 size_t dt_points_memory(const struct dt_points *p);
+
+/* To be called before a vertex comes, goes or moves: the plan is out of date. */
+void dt_points_unplan(struct dt_points *p);
 
 /* Representatives = vertices in use. */
 static inline uint32_t dt_points_vertices(const struct dt_points *p)

@@ -43,7 +43,7 @@ static enum dt_status triangulate_rim(struct patch *w, const struct dt_point *xy
     for (uint32_t i = 0; i < w->n; i++)
         w->in[i] = xy[c->rim[i + w->skip].origin];
     struct dt_options opt = {.cancel = c->work == NULL ? NULL : c->work->cancel};
-    return dt_divide(w->in, w->n, w->p, w->from, &w->mesh, &opt);
+    return dt_divide(w->in, NULL, w->n, w->p, w->from, &w->mesh, &opt);
 }
 
 /* Finds the triangles to be copied and gives each a record of the star, from the front of

@@ -1,10 +1,10 @@
 /* renumber.c - see renumber.h.
  *
- * The vertices in their new order have their ids in any order, so entering the new vertices into the
- * map of ids writes all over it: a cache miss for each. For large sets the ids are dealt first,
+ * The vertices in their new order have their ids in any order, so entering the new vertices into the map
+ * of ids writes all over it: a cache miss for each. For large sets the ids are dealt first,
  *
- *      from     v: 0 1 2 3 ... n-1        becomes the ids of the vertices
- *                   \   \ /   \           1. name, 2. deal: by slices of vertices
+ *      id       v: 0 1 2 3 ... n-1        the ids of the vertices
+ *                   \   \ /   \           1. count, 2. deal: by slices of vertices
  *      pairs    part 0 | part 1 | ...     (id, v), by ids: those of a part are neighbours
  *                  |       |              3. settle: by parts
  *      value    id: 0 1 2 ...
@@ -34,11 +34,9 @@ struct renumbering {
     struct dt_points *p;
     struct dt_stop stop;
     struct dt_stop *late; /* the same, if it may still be asked when *p changes; else NULL */
-    uint32_t *from;       /* becomes the ids */
+    const uint32_t *id;
     uint32_t n;
     unsigned slices;
-    bool differs[DT_MAX_THREADS]; /* by slice: an old vertex's id is not its number */
-    bool as_arrived;              /* none does */
     struct pair *pair;
     unsigned shift; /* of an id, to its part */
     uint32_t start[MOST_PARTS + 1];
@@ -59,54 +57,24 @@ static struct dt_piece before_slice(const struct renumbering *r, unsigned slice)
     return dt_before_first(dt_slice(r->n, slice, r->slices));
 }
 
-static void renumber(void *arg, unsigned slice)
+static void settle_slice(void *arg, unsigned slice)
 {
     const struct renumbering *r = arg;
-    const uint32_t *id = r->p->id;
     for (struct dt_piece at = before_slice(r, slice); next_piece(r, r->late, slice, &at);)
-        for (uint32_t v = at.a; v < at.b; v++) {
-            r->from[v] = id[r->from[v]];
-            *dt_idmap_at(&r->p->value, r->from[v]) = v;
-        }
+        for (uint32_t v = at.a; v < at.b; v++)
+            *dt_idmap_at(&r->p->value, r->id[v]) = v;
 }
 
 /* ---- in parts ---- */
 
-/* Whether the old vertices are in order of arrival, and none is missing. */
-static void compare(void *arg, unsigned slice)
-{
-    struct renumbering *r = arg;
-    const uint32_t *id = r->p->id;
-    uint32_t other = 0;
-    for (struct dt_piece at = before_slice(r, slice); next_piece(r, &r->stop, slice, &at);)
-        for (uint32_t v = at.a; v < at.b; v++)
-            other |= id[v] ^ v;
-    r->differs[slice] = other != 0;
-}
-
-static void name_piece(const struct renumbering *r, struct dt_piece at)
-{
-    enum { AHEAD = 24 }; /* vertices; long enough for a cache miss */
-    const uint32_t *id = r->p->id;
-    uint32_t *from = r->from;
-    for (uint32_t v = at.a; v < at.b; v++) {
-        if (v + AHEAD < at.b)
-            dt_fetch(&id[from[v + AHEAD]]);
-        from[v] = id[from[v]];
-    }
-}
-
-static void name(void *arg, unsigned slice)
+static void count(void *arg, unsigned slice)
 {
     struct renumbering *r = arg;
     uint32_t *pairs = r->at[slice];
     memset(pairs, 0, sizeof r->at[slice]);
-    for (struct dt_piece at = before_slice(r, slice); next_piece(r, &r->stop, slice, &at);) {
-        if (!r->as_arrived)
-            name_piece(r, at);
+    for (struct dt_piece at = before_slice(r, slice); next_piece(r, &r->stop, slice, &at);)
         for (uint32_t v = at.a; v < at.b; v++)
-            pairs[r->from[v] >> r->shift]++;
-    }
+            pairs[r->id[v] >> r->shift]++;
 }
 
 /* Where each slice's pairs of each part go. */
@@ -131,10 +99,10 @@ static void deal(void *arg, unsigned slice)
     uint32_t *next = r->at[slice];
     for (struct dt_piece at = before_slice(r, slice); next_piece(r, &r->stop, slice, &at);)
         for (uint32_t v = at.a; v < at.b; v++)
-            pair[next[r->from[v] >> r->shift]++] = (struct pair){r->from[v], v};
+            pair[next[r->id[v] >> r->shift]++] = (struct pair){r->id[v], v};
 }
 
-static void settle(void *arg, unsigned part)
+static void settle_part(void *arg, unsigned part)
 {
     const struct renumbering *r = arg;
     if (dt_stopped(r->late))
@@ -143,7 +111,7 @@ static void settle(void *arg, unsigned part)
         *dt_idmap_at(&r->p->value, r->pair[i].id) = r->pair[i].v;
 }
 
-static void renumber_in_parts(struct renumbering *r, const struct dt_pool *pool)
+static void settle_in_parts(struct renumbering *r, const struct dt_pool *pool)
 {
     r->pair = dt_array_new_in(r->p->pages, r->n, sizeof *r->pair);
     if (r->pair == NULL) {
@@ -151,19 +119,15 @@ static void renumber_in_parts(struct renumbering *r, const struct dt_pool *pool)
         return;
     }
     r->shift = PART_BITS;
-    while (r->p->next_id > 0 && (r->p->next_id - 1) >> r->shift >= MOST_PARTS)
+    while ((r->p->value.pages * (uint64_t)DT_ID_PAGE - 1) >> r->shift >= MOST_PARTS)
         r->shift++;
-    dt_run(pool, r->slices, compare, r);
-    r->as_arrived = r->p->end == r->n;
-    for (unsigned slice = 0; slice < r->slices; slice++)
-        r->as_arrived = r->as_arrived && !r->differs[slice];
-    dt_run(pool, r->slices, name, r);
+    dt_run(pool, r->slices, count, r);
     if (!dt_stopped(&r->stop)) {
         lay_out(r);
         dt_run(pool, r->slices, deal, r);
     }
     if (!dt_stopped(&r->stop))
-        dt_run(pool, MOST_PARTS, settle, r);
+        dt_run(pool, MOST_PARTS, settle_part, r);
     dt_array_free(r->pair);
 }
 
@@ -185,7 +149,7 @@ static void settle_groups(struct dt_points *p, struct dt_stop *stop)
     }
 }
 
-enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *from,
+enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *id,
                                   uint32_t n, const struct dt_options *opt)
 {
     const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
@@ -193,13 +157,13 @@ enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint
     r.p = p;
     r.stop = dt_stop_of(opt);
     r.late = opt != NULL && opt->disposable ? &r.stop : NULL;
-    r.from = from;
+    r.id = id;
     r.n = n;
     r.slices = dt_threads_for(pool, n);
     if (n >= MANY)
-        renumber_in_parts(&r, pool);
+        settle_in_parts(&r, pool);
     else
-        dt_run(pool, r.slices, renumber, &r);
+        dt_run(pool, r.slices, settle_slice, &r);
     if (dt_stop_status(&r.stop) == DT_OK)
         settle_groups(p, r.late);
     if (dt_stop_status(&r.stop) != DT_OK)
@@ -207,10 +171,11 @@ enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint
     dt_array_free(p->xy);
     dt_array_free(p->id);
     p->xy = xy;
-    p->id = from;
+    p->id = id;
     p->end = p->cap = n;
     p->free_count = 0;
     p->free_list = DT_NONE;
+    dt_points_unplan(p);
     dt_places_clear(&p->places);
     return DT_OK;
 }

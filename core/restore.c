@@ -2,7 +2,6 @@
 #include "core/arrivals.h"
 #include "core/set.h"
 #include "core/stop.h"
-#include "core/work.h"
 
 static enum dt_status enter_representatives(struct dt_points *p, const uint32_t *ids,
                                             const struct dt_point *xy,
@@ -20,23 +19,6 @@ static enum dt_status enter_representatives(struct dt_points *p, const uint32_t 
             dt_points_enter(p, ids[i], (struct dt_point){xy[i].x + 0.0, xy[i].y + 0.0});
     }
     return dt_stop_status(stop);
-}
-
-/* DT_CORRUPT: two representatives are at one place. */
-static enum dt_status check_distinct(struct dt_points *p, struct dt_work *work)
-{
-    enum dt_status status = dt_arrivals_distinct(p, work);
-    if (status != DT_TOOSMALL)
-        return status;
-    struct dt_places places = {.pages = p->pages};
-    status = dt_places_reserve(&places, 0, p->xy, p->id, p->end, p->end, work);
-    for (uint32_t v = 0; status == DT_OK && v < p->end; v++) {
-        status = dt_work(work, 1);
-        if (dt_places_find(&places, p->xy, p->id, p->xy[v], v) != DT_NONE)
-            status = DT_CORRUPT;
-    }
-    dt_places_clear(&places);
-    return status;
 }
 
 /* Whether an alias of id at q can have the representative of vertex v. */
@@ -66,7 +48,6 @@ enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_poi
                           const uint32_t *representatives, size_t n, uint32_t next_id,
                           const struct dt_options *opt)
 {
-    struct dt_work work = dt_work_of(opt);
     struct dt_stop stop = dt_stop_of(opt);
     if (t->points.next_id != 0)
         return DT_CORRUPT;
@@ -74,7 +55,7 @@ enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_poi
     if (status == DT_OK)
         status = enter_representatives(&t->points, ids, p, representatives, n, next_id, &stop);
     if (status == DT_OK)
-        status = check_distinct(&t->points, &work);
+        status = dt_arrivals_sort(&t->points, opt);
     if (status == DT_OK)
         status = join_aliases(&t->points, ids, p, representatives, n, &stop);
     if (status == DT_OK)

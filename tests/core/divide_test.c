@@ -63,7 +63,7 @@ static void build_and_check(const char *family, uint32_t n, uint64_t seed,
                             const struct dt_options *opt)
 {
     struct built b = distinct_points(family, n, seed);
-    CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, opt) == DT_OK);
+    CHECK(dt_divide(b.in, NULL, b.n, b.p, b.from, &b.mesh, opt) == DT_OK);
     check_built(&b);
     built_free(&b);
 }
@@ -95,7 +95,7 @@ TEST(divide_triangulates_dense_integer_lattices_in_any_order)
             if (n == 0 || compare_points(&b.in[i], &b.in[n - 1]) != 0)
                 b.in[n++] = b.in[i];
         b.n = n;
-        CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, NULL) == DT_OK);
+        CHECK(dt_divide(b.in, NULL, b.n, b.p, b.from, &b.mesh, NULL) == DT_OK);
         check_built(&b);
         built_free(&b);
     }
@@ -136,7 +136,7 @@ static double scratch_of(const struct built *b, unsigned threads)
     struct dt_mesh mesh = {.pages = pages};
     struct dt_pool pool = {.threads = threads, .run = one_after_the_other};
     struct dt_pages_summary f;
-    CHECK(dt_divide(b->in, b->n, b->p, b->from, &mesh, &(struct dt_options){.pool = &pool}) ==
+    CHECK(dt_divide(b->in, NULL, b->n, b->p, b->from, &mesh, &(struct dt_options){.pool = &pool}) ==
           DT_OK);
     dt_pages_summary(pages, &f); /* nothing has been given back to the system */
     dt_mesh_clear(&mesh);
@@ -178,7 +178,7 @@ static void fail_cleanly(uint32_t n, const struct dt_options *opt)
     for (long nth = 1;; nth++) {
         struct built b = distinct_points("nested", n, 5);
         test_fail_alloc(nth);
-        enum dt_status status = dt_divide(b.in, b.n, b.p, b.from, &b.mesh, opt);
+        enum dt_status status = dt_divide(b.in, NULL, b.n, b.p, b.from, &b.mesh, opt);
         bool failed = test_alloc_failed();
         test_fail_alloc(0);
         if (failed)
@@ -198,7 +198,7 @@ TEST_TIMEOUT(divide_finds_single_points_in_neighbouring_tiles, 60)
     for (uint32_t i = 0; i < b.n; i++)
         b.in[i].x = 0.5 + b.in[i].x / 2;
     memcpy(b.in, lonely, sizeof lonely);
-    CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, NULL) == DT_OK);
+    CHECK(dt_divide(b.in, NULL, b.n, b.p, b.from, &b.mesh, NULL) == DT_OK);
     check_built(&b);
     built_free(&b);
 }
@@ -219,7 +219,7 @@ TEST(divide_stops_when_cancelled)
     atomic_bool cancel = true;
     struct dt_options opt = {.cancel = &cancel};
     struct built b = distinct_points("uniform", 1000, 5);
-    CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, &opt) == DT_CANCELLED);
+    CHECK(dt_divide(b.in, NULL, b.n, b.p, b.from, &b.mesh, &opt) == DT_CANCELLED);
     CHECK(b.mesh.half == NULL);
     built_free(&b);
 }
@@ -231,9 +231,9 @@ TEST(divide_settles_large_hulls_the_same_way_on_several_threads)
     for (size_t i = 0; i < sizeof family / sizeof *family; i++) {
         struct built a = distinct_points(family[i], 20000, i),
                      b = distinct_points(family[i], 20000, i);
-        CHECK(dt_divide(a.in, a.n, a.p, a.from, &a.mesh, NULL) == DT_OK);
-        CHECK(dt_divide(b.in, b.n, b.p, b.from, &b.mesh, &(struct dt_options){.pool = &pool}) ==
-              DT_OK);
+        CHECK(dt_divide(a.in, NULL, a.n, a.p, a.from, &a.mesh, NULL) == DT_OK);
+        CHECK(dt_divide(b.in, NULL, b.n, b.p, b.from, &b.mesh,
+                        &(struct dt_options){.pool = &pool}) == DT_OK);
         CHECK(a.mesh.hull == b.mesh.hull && a.mesh.ghosts == b.mesh.ghosts);
         CHECK(memcmp(a.mesh.leaving, b.mesh.leaving, a.n * sizeof *a.mesh.leaving) == 0);
         built_free(&a);
@@ -265,7 +265,7 @@ TEST(divide_stops_when_cancelled_before_any_pass)
         struct built b = distinct_points("nested", DT_PARALLEL + 100, 5);
         atomic_store(&c.cancel, false);
         c.passes = 0;
-        status = dt_divide(b.in, b.n, b.p, b.from, &b.mesh, &opt);
+        status = dt_divide(b.in, NULL, b.n, b.p, b.from, &b.mesh, &opt);
         CHECK(status == (c.passes < c.last ? DT_OK : DT_CANCELLED));
         CHECK((b.mesh.half == NULL) == (status == DT_CANCELLED));
         built_free(&b);

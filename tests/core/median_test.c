@@ -157,7 +157,7 @@ TEST(divide_takes_no_longer_where_the_order_defeats_known_pivots)
     uint32_t *from = malloc(N * sizeof *from);
     struct dt_mesh mesh = {0};
     pivots_fill(in, N);
-    CHECK(dt_divide(in, N, p, from, &mesh, NULL) == DT_OK);
+    CHECK(dt_divide(in, NULL, N, p, from, &mesh, NULL) == DT_OK);
     dt_mesh_clear(&mesh);
     free(in);
     free(p);

@@ -285,11 +285,11 @@ TEST(points_keep_their_ids_when_vertices_are_renumbered)
     struct dt_point q[] = {{5, 5}, {1, 1}, {5, 5}, {3, 3}};
     dt_points_init(&p, 0);
     CHECK(dt_points_add(&p, q, 4, NULL, NULL, &added) == DT_OK);
-    uint32_t *from = dt_array_new(3, sizeof *from);
+    uint32_t *id = dt_array_new(3, sizeof *id);
     struct dt_point *xy = dt_array_new(3, sizeof *xy);
-    memcpy(from, (uint32_t[]){1, 2, 0}, 3 * sizeof *from);
+    memcpy(id, (uint32_t[]){1, 3, 0}, 3 * sizeof *id);
     memcpy(xy, (struct dt_point[]){{1, 1}, {3, 3}, {5, 5}}, 3 * sizeof *xy);
-    CHECK(dt_points_renumber(&p, xy, from, 3, NULL) == DT_OK);
+    CHECK(dt_points_renumber(&p, xy, id, 3, NULL) == DT_OK);
     CHECK(dt_points_vertex(&p, 0) == 2 && dt_points_vertex(&p, 2) == 2 &&
           dt_points_vertex(&p, 3) == 1);
     CHECK(dt_points_xy(&p, 2).x == 5 && dt_points_is_alias(&p, 2));
