@@ -56,7 +56,8 @@ own_header_first() {
 # A module is a .c file and its header. One that includes another one is above it.
 no_include_cycles() { # FOLDER
     code "$1" | xargs -r grep -HE '^#include "' | sed -E 's|^([^:]*)\.[ch]:#include "(.*)\.h".*|\1 \2|' |
-        awk '$1 != $2' | tsort 2>&1 >/dev/null | sed "s|^tsort: *|$1: includes in a circle: |"
+        awk '$1 != $2' | tsort 2>&1 >/dev/null | awk '/loop/ && n++ { exit } 1' |
+        sed "s|^tsort: *|$1: includes in a circle: |"
 }
 
 core_is_pure() {
