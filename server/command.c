@@ -20,6 +20,7 @@ enum {
     READS = CMD_SET | CMD_EXISTING,
     QUERIES = READS | CMD_FRESH | CMD_LIVE,
     SEARCHES = QUERIES | CMD_SEARCH,
+    POINT_SEARCHES = SEARCHES & ~CMD_LIVE, /* that do without a triangulation, if there is none */
     EDITS = CMD_SET | CMD_WRITE
 };
 
@@ -56,9 +57,9 @@ const struct command commands[] = {
     {"HULL", 2, 3, QUERIES, cmd_hull, "HULL set [CW]", "the points of the convex hull"},
     {"LOCATE", 4, 4, SEARCHES, cmd_locate, "LOCATE set x y",
      "the triangle, edge or point where x y lies"},
-    {"NEAREST", 4, 5, SEARCHES, cmd_nearest, "NEAREST set x y [k]",
+    {"NEAREST", 4, 5, POINT_SEARCHES, cmd_nearest, "NEAREST set x y [k]",
      "the k nearest points, nearest first"},
-    {"WITHIN", 5, 6, SEARCHES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
+    {"WITHIN", 5, 6, POINT_SEARCHES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
      "the points in a closed box or disc"},
     {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
      "the steps of the shelling algorithm, for sets of up to 1000 points"},
@@ -233,7 +234,7 @@ static bool check_state(struct server *s, struct answer *a, const struct command
     }
     if ((c->flags & CMD_FRESH) != 0 && !refresh(s, a, set))
         return false;
-    return (c->flags & CMD_SEARCH) == 0 || prepare(s, a, set);
+    return (c->flags & CMD_SEARCH) == 0 || !set->current->sum.triangulated || prepare(s, a, set);
 }
 
 /* ---- running ---- */

@@ -16,6 +16,7 @@ enum cost_kind {
     COST_GRID,  /* per point: the grid for searches */
     COST_COPY,  /* per point: a copy of the set */
     COST_EDIT,  /* per point added or deleted */
+    COST_SWEEP, /* per point that a sweep looks at */
     COST_FREE   /* per KiB given back to the system */
 };
 
@@ -27,11 +28,8 @@ enum {
 /* Whether the I/O thread does n units itself. */
 static inline bool cost_at_once(enum cost_kind kind, size_t n)
 {
-    static const unsigned ns[] = {[COST_BUILD] = 400,
-                                  [COST_GRID] = 100,
-                                  [COST_COPY] = 100,
-                                  [COST_EDIT] = 2000,
-                                  [COST_FREE] = 50};
+    static const unsigned ns[] = {[COST_BUILD] = 400, [COST_GRID] = 100, [COST_COPY] = 100,
+                                  [COST_EDIT] = 2000, [COST_SWEEP] = 50, [COST_FREE] = 50};
     return n <= COST_AT_ONCE_NS / ns[kind];
 }
 

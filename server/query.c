@@ -144,11 +144,12 @@ static enum dt_status reserve_result(struct query_job *j, const struct dt_sweep 
     return j->busy ? DT_NOMEM : DT_OK;
 }
 
-/* Finds the result by a sweep over the set as it is now. The lock is held on entry and on return,
- * and given up between the pieces. */
+/* Finds the result by a sweep over the set as it is now. A worker has the lock on entry and on return,
+ * and gives it up between the pieces. */
 static enum dt_status sweep(struct query_job *j)
 {
     struct version *v = j->job.base;
+    bool worker = j->job.queued_ns > 0;
     struct query *q = &j->query;
     struct dt_sweep sweep = {.kind = q->kind == QUERY_NEAREST ? DT_SWEEP_NEAREST
                                      : q->kind == QUERY_BOX   ? DT_SWEEP_BOX
@@ -160,14 +161,16 @@ static enum dt_status sweep(struct query_job *j)
     enum dt_status status = DT_OK;
     for (bool done = false; !done && status == DT_OK;) {
         status = dt_sweep_read(v->dt, j->view, &sweep, SWEEP_ROWS);
-        version_unlock(v);
+        if (worker)
+            version_unlock(v);
         if (status == DT_OK)
             status = reserve_result(j, &sweep);
         if (status == DT_OK)
             status = dt_sweep_sift(&sweep, &q->ids, &done);
         if (status == DT_OK && atomic_load(&j->job.cancel))
             status = DT_CANCELLED;
-        version_lock_read(v);
+        if (worker)
+            version_lock_read(v);
     }
     if (status == DT_OK)
         status = reserve_result(j, &sweep);
@@ -192,7 +195,7 @@ static void run_job(struct job *job)
     if (reads)
         j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS);
     job->status = reads && j->view == NULL ? DT_NOMEM : search(job->dt, &j->query, &opt);
-    if (job->status == DT_TOOLONG)
+    if (job->status == DT_TOOLONG || (job->status == DT_UNTRIANGULATED && may_sweep(&j->query)))
         job->status = sweep(j);
 }
 
@@ -209,8 +212,12 @@ static void job_done(struct server *s, struct job *job, struct answer *a)
         version_end_view(&s->sets, job->base, j->view);
         return;
     }
-    rows.view = j->view;
-    rows.heavy = true;
+    if (job->queued_ns > 0) {
+        rows.view = j->view;
+        rows.heavy = true;
+    } else { /* the set is still as it was */
+        version_end_view(&s->sets, job->base, j->view);
+    }
     answer(s, a, &j->query, &rows);
 }
 
@@ -226,13 +233,15 @@ static uint32_t steps_locked(uint32_t points)
     return share > STEPS_LOCKED ? share : STEPS_LOCKED;
 }
 
-static void answer_later(struct server *s, struct answer *a, struct dataset *set, struct query *q)
+/* Has a worker answer it; of a small set without a triangulation, this thread. */
+static void answer_by_job(struct server *s, struct answer *a, struct dataset *set, struct query *q)
 {
     struct version *v = set->current;
+    bool sweeps = !v->sum.triangulated, light = sweeps && cost_at_once(COST_SWEEP, v->sum.points);
     struct query_job *j = job_new(sizeof *j, run_job, job_done);
-    if (j != NULL)
+    if (j != NULL && !sweeps)
         j->keeps = dt_view_begin(v->dt, true);
-    if (j == NULL || j->keeps == NULL) {
+    if (j == NULL || (j->keeps == NULL && !sweeps)) {
         free(j);
         free(q->ids.v);
         answer_out_of_memory(a);
@@ -243,7 +252,7 @@ static void answer_later(struct server *s, struct answer *a, struct dataset *set
     j->job.what = "searching";
     j->steps = may_sweep(q) ? steps_locked(v->sum.points) : 0;
     j->query = *q;
-    job_read(s, a, &j->job, v, JOB_HEAVY | JOB_BRIEF);
+    job_read(s, a, &j->job, v, light ? 0 : JOB_HEAVY | JOB_BRIEF);
 }
 
 /* ---- at once ---- */
@@ -252,6 +261,10 @@ void query_answer(struct server *s, struct answer *a, struct dataset *set, struc
 {
     struct dt_options opt = {.steps = s->workers != NULL ? COST_STEPS_AT_ONCE : 0};
     bool borrows = q->ids.v == NULL;
+    if (!set->current->sum.triangulated) {
+        answer_by_job(s, a, set, q);
+        return;
+    }
     if (borrows) {
         q->ids = s->scratch;
         q->ids.n = 0;
@@ -263,7 +276,7 @@ void query_answer(struct server *s, struct answer *a, struct dataset *set, struc
             s->scratch = q->ids;
             q->ids = (struct dt_ids){0};
         }
-        answer_later(s, a, set, q);
+        answer_by_job(s, a, set, q);
         return;
     }
     if (status == DT_OK) {

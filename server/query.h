@@ -3,7 +3,8 @@
  * A query is tried on the I/O thread with a limit on its work (struct dt_options). What exceeds it
  * goes to a worker, whose search holds the set's lock for a few milliseconds at most: a result that
  * takes longer is found by a sweep over one moment of the set, piece by piece (core/sweep), so
- * that edits go on in between. */
+ * that edits go on in between. So are the places and the discs and boxes of a set that has no
+ * triangulation. */
 #ifndef SERVER_QUERY_H
 #define SERVER_QUERY_H
 

@@ -315,12 +315,11 @@ TEST(errors_of_other_commands_leave_the_connection_usable)
 
 #define UNTRIANGULATED "ERR UNTRIANGULATED TRIANGULATE the set first\n"
 
-TEST(queries_before_triangulate_are_refused)
+TEST(queries_of_the_triangulation_before_triangulate_are_refused)
 {
-    converse_alone(SQUARE "LISTS t\nTRIANGLES t\nEDGES t 0\nHULL t\nLOCATE t 1 1\nNEAREST t 1 "
-                          "1\nWITHIN t 0 0 1\nCHECK t\n",
+    converse_alone(SQUARE "LISTS t\nTRIANGLES t\nEDGES t 0\nHULL t\nLOCATE t 1 1\nCHECK t\n",
                    SQUARE_ADDED UNTRIANGULATED UNTRIANGULATED UNTRIANGULATED UNTRIANGULATED
-                       UNTRIANGULATED UNTRIANGULATED UNTRIANGULATED UNTRIANGULATED);
+                       UNTRIANGULATED UNTRIANGULATED);
 }
 
 TEST(a_triangulated_set_that_shrinks_to_nothing_and_grows_again_stays_live)

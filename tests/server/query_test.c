@@ -105,3 +105,50 @@ TEST_TIMEOUT(workers_find_what_is_found_without_them, 60)
         free(loads[k]);
     }
 }
+
+/* The replies to places, boxes and discs among points of a lattice, some of which coincide. */
+static char *searches(struct local *l)
+{
+    struct buf all = {0};
+    for (int i = 0; i < 12; i++) {
+        char text[300];
+        snprintf(text, sizeof text,
+                 "NEAREST t %d.5 %d\nNEAREST t %d %d.5 9\nNEAREST t %d 0 100000\n"
+                 "WITHIN t %d %d 2.5\nWITHIN t %d %d 70 3\n",
+                 i, i, 5 * i, 3 * i, i, 4 * i, i, i, 2 * i);
+        buf_append_text(&all, local_ask(l, text));
+    }
+    buf_append_char(&all, '\0');
+    CHECK(!all.failed);
+    return buf_head(&all);
+}
+
+TEST(places_and_ranges_are_answered_alike_before_and_after_triangulate)
+{
+    for (int large = 0; large < 2; large++) {
+        struct local l;
+        uint64_t jobs;
+        int side = large ? 80 : 40; /* more points than the I/O thread looks at, or fewer */
+        char *load = malloc(64 + 6400 * 2 * 12), *to = load;
+        CHECK(load != NULL);
+        to += sprintf(to, "CREATE t TOL 0.25\nLOAD t\n");
+        for (int i = 0; i < side * side; i++)
+            to += sprintf(to, i % 7 == 0 ? "%d %d\n%d.125 %d\n" : "%d %d\n", i % side, i / side,
+                          i % side, i / side);
+        strcpy(to, ".\nDEL t 1 5 100\n");
+        local_start(&l, 2);
+        local_ask(&l, load);
+        char *before = searches(&l);
+        jobs = l.server.count.jobs;
+        local_ask(&l, "NEAREST t 1 1");
+        CHECK((l.server.count.jobs > jobs) == (large == 1));
+        local_ask(&l, "TRIANGULATE t");
+        char *after = searches(&l);
+        CHECK_STR(before, after);
+        CHECK(strstr(before, "ERR") == NULL);
+        free(before);
+        free(after);
+        free(load);
+        local_stop(&l);
+    }
+}
