@@ -25,7 +25,7 @@ LDLIBS   := -lm
 
 CORE     := $(patsubst %.c,$(O)/%.o,$(wildcard core/*.c))
 PROTO    := $(patsubst %.c,$(O)/%.o,$(wildcard proto/*.c))
-SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c))
+SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c server/*/*.c))
 CLIENT   := $(patsubst %.c,$(O)/%.o,$(wildcard clients/*.c))
 HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o
 ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))

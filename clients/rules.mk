@@ -6,7 +6,7 @@
 .PHONY: lib install
 
 PREFIX      ?= /usr/local
-VERSION     := $(shell sed -n 's/.*DELAUNAYD_VERSION "\(.*\)".*/\1/p' server/*.h)
+VERSION     := $(shell sed -n 's/.*DELAUNAYD_VERSION "\(.*\)".*/\1/p' server/ops/config.h)
 LIB_SOURCES := clients/delaunay_client.c proto/buf.c proto/reply_read.c proto/request.c
 PIC         := $(LIB_SOURCES:%.c=$(O)/pic/%.o)
 

@@ -1,19 +1,20 @@
 /* daemon.c - see daemon.h. */
 #include "server/daemon.h"
 
-#include "server/account.h"
-#include "server/clients.h"
-#include "server/durable.h"
-#include "server/keep.h"
+#include "server/clients/clients.h"
+#include "server/command/account.h"
+#include "server/command/reload.h"
+#include "server/jobs/durable.h"
+#include "server/jobs/keep.h"
+#include "server/jobs/rebuild.h"
+#include "server/jobs/server.h"
 #include "server/lifecycle.h"
-#include "server/loop.h"
-#include "server/notice.h"
-#include "server/priority.h"
-#include "server/rebuild.h"
-#include "server/reload.h"
-#include "server/server.h"
-#include "server/sock.h"
-#include "server/systemd.h"
+#include "server/session/session.h"
+#include "server/system/loop.h"
+#include "server/system/notice.h"
+#include "server/system/priority.h"
+#include "server/system/sock.h"
+#include "server/system/systemd.h"
 
 #include <errno.h>
 #include <fcntl.h>

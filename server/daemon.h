@@ -3,7 +3,7 @@
 #ifndef SERVER_DAEMON_H
 #define SERVER_DAEMON_H
 
-#include "server/config.h"
+#include "server/ops/config.h"
 
 /* Serves until SIGTERM or SIGINT, then finishes what was received and returns the process's exit
  * status. */

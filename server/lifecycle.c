@@ -1,13 +1,13 @@
 /* lifecycle.c - see lifecycle.h. */
 #include "server/lifecycle.h"
 
-#include "server/ahead.h"
-#include "server/durable.h"
-#include "server/job.h"
-#include "server/loop.h"
-#include "server/notice.h"
-#include "server/rebuild.h"
-#include "server/stream.h"
+#include "server/command/ahead.h"
+#include "server/jobs/durable.h"
+#include "server/jobs/job.h"
+#include "server/jobs/rebuild.h"
+#include "server/jobs/stream.h"
+#include "server/system/loop.h"
+#include "server/system/notice.h"
 
 #include <poll.h>
 #include <stdlib.h>

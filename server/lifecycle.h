@@ -2,7 +2,7 @@
 #ifndef SERVER_LIFECYCLE_H
 #define SERVER_LIFECYCLE_H
 
-#include "server/server.h"
+#include "server/jobs/server.h"
 
 /* Starts config->threads workers unless that is 0. False, with the reason on standard error. */
 bool server_init(struct server *s, struct config *config);

@@ -1,8 +1,8 @@
 /* main.c - delaunayd: reads the command line and runs the daemon. */
-#include "server/command_line.h"
 #include "server/daemon.h"
-#include "server/machine.h"
-#include "server/recover.h"
+#include "server/disk/recover.h"
+#include "server/ops/command_line.h"
+#include "server/system/machine.h"
 
 int main(int argc, char **argv)
 {

@@ -84,7 +84,7 @@ bench-durable: all $(O)/tests/bench/durable
 bench-clients: all $(O)/tests/bench/points
 	@TABLES="$(filter files arrays framings,$(TABLES))" tests/bench/clients.sh $(O) $(or $(POINTS),1000000) | tee $(O)/bench-clients.md
 
-# ---- mutants: which small changes of the source does no test notice? M=server/log.c takes those of a file, LIST=disk those of a list,
+# ---- mutants: which small changes of the source does no test notice? M=server/disk/log.c takes those of a file, LIST=disk those of a list,
 # ---- N=20 a sample, SEED=s another one, N=0 none (it checks that every entry of the lists applies); see tests/mutants/README.md ----
 
 .PHONY: mutants

@@ -3,11 +3,11 @@
  * cut in two. The session must end when the input has ended, and what comes back must be
  * replies. */
 #include "proto/reply_read.h"
-#include "server/clients.h"
+#include "server/clients/clients.h"
+#include "server/jobs/server.h"
 #include "server/lifecycle.h"
-#include "server/loop.h"
-#include "server/notice.h"
-#include "server/server.h"
+#include "server/system/loop.h"
+#include "server/system/notice.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -10,15 +10,18 @@ build=${1:-}
 found=$(mktemp)
 trap 'rm -f "$found"' EXIT
 
+# The rooms of server/, from the bottom up: what is in one may include what is in those before it.
+rooms='system ops sets disk jobs clients command session'
+
 # ---- which files ----
 
 files() { # REGEX: the repository's files whose path matches, new ones included
     git ls-files -co --exclude-standard | grep -E "$1" | while IFS= read -r f; do [ -f "$f" ] && echo "$f"; done
 }
 
-code() { # FOLDER...
+code() { # FOLDER...: with the rooms of server/
     local folder
-    for folder in "$@"; do files "^$folder/[^/]*\.[ch]\$"; done
+    for folder in "$@"; do files "^$folder/([^/]*|(${rooms// /|})/[^/]*)\.[ch]\$"; done
 }
 
 all_code() {
@@ -40,7 +43,12 @@ include_rules() {
     local pure='assert|cpuid|float|immintrin|limits|math|stdalign|stdarg|stdatomic|stdbool|stddef|stdint|stdlib|string'
     may_include core "\"core/[a-z0-9_]+\.h\"|<($pure|sys/mman|errno)\.h>"
     may_include proto "\"proto/[a-z0-9_]+\.h\"|<($pure|ctype|errno|inttypes|stdio|time)\.h>"
-    may_include server "\"(core/delaunay|(proto|server)/[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
+    may_include server "\"(core/delaunay|proto/[a-z0-9_]+|server/([a-z]+/)?[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
+    local room below=''
+    for room in $rooms; do
+        below+=${below:+|}$room
+        may_include "server/$room" "\"(core/delaunay|proto/[a-z0-9_]+|server/($below)/[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
+    done
     may_include clients "\"(proto|clients)/[a-z0-9_]+\.h\"|<[a-z0-9_/]+\.h>"
 }
 

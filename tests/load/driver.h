@@ -8,7 +8,7 @@
 #ifndef TESTS_LOAD_DRIVER_H
 #define TESTS_LOAD_DRIVER_H
 
-#include "server/histogram.h"
+#include "server/ops/histogram.h"
 #include "tests/load/mix.h"
 
 struct plan {

@@ -2,7 +2,7 @@
 #ifndef TESTS_LOAD_PLOT_H
 #define TESTS_LOAD_PLOT_H
 
-#include "server/histogram.h"
+#include "server/ops/histogram.h"
 
 #include <stdbool.h>
 

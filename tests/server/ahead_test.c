@@ -1,5 +1,5 @@
 /* ahead_test.c - a pipeline that is read ahead gets the replies that its requests get one by one. */
-#include "server/ahead.h"
+#include "server/command/ahead.h"
 #include "tests/server/daemon.h"
 #include "tests/server/local.h"
 #include "tests/test.h"

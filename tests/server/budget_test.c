@@ -1,5 +1,5 @@
 /* budget_test.c - the one budget of memory: nothing is given twice, and replies have their share. */
-#include "server/budget.h"
+#include "server/sets/budget.h"
 #include "tests/test.h"
 
 #include <pthread.h>

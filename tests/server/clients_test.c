@@ -1,5 +1,5 @@
 /* clients_test.c - which session an id means. */
-#include "server/clients.h"
+#include "server/clients/clients.h"
 #include "tests/test.h"
 
 #include <string.h>

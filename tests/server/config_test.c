@@ -1,5 +1,5 @@
 /* config_test.c - settings that change while the daemon runs, and tokens that are read again. */
-#include "server/setting.h"
+#include "server/ops/setting.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 

@@ -1,7 +1,7 @@
 /* conn_test.c - one connection, its loop's turns one by one, in a time of the test's own. */
-#include "server/conn.h"
+#include "server/clients/conn.h"
 
-#include "server/limits.h"
+#include "server/ops/limits.h"
 #include "tests/test.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* damage_test.c - data directories that were cut, flipped, mixed up: read back right, or refused
  * with a reason; never wrong data. In one process, so that thousands of cases take no time. */
-#include "server/recover.h"
+#include "server/disk/recover.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"

@@ -1,5 +1,5 @@
 /* datadir_test.c - the data directory itself. */
-#include "server/datadir.h"
+#include "server/disk/datadir.h"
 
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"

@@ -1,5 +1,5 @@
 /* dataset_test.c - the registry: which sets there are, for whom, and what is left to be tidied. */
-#include "server/dataset.h"
+#include "server/sets/dataset.h"
 #include "tests/test.h"
 
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #ifndef TESTS_SERVER_DIGEST_H
 #define TESTS_SERVER_DIGEST_H
 
-#include "server/dataset.h"
+#include "server/sets/dataset.h"
 
 /* Points, ids, representatives, next id, tolerance, whether it is triangulated; never 0. */
 uint64_t digest_set(const struct dataset *set);

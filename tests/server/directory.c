@@ -1,7 +1,7 @@
 /* directory.c - see directory.h. */
 #include "tests/server/directory.h"
 
-#include "server/recover.h"
+#include "server/disk/recover.h"
 #include "tests/test.h"
 
 #include <dirent.h>

@@ -1,5 +1,5 @@
 /* guard_test.c - who guesses tokens is slow, however he goes about it, and others are not. */
-#include "server/guard.h"
+#include "server/ops/guard.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 

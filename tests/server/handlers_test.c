@@ -1,6 +1,6 @@
 /* handlers_test.c - the commands without sockets: with and without workers, and with memory that
  * runs out. */
-#include "server/command.h"
+#include "server/command/command.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

@@ -1,5 +1,5 @@
 /* histogram_test.c - quantiles against a sorted list. */
-#include "server/histogram.h"
+#include "server/ops/histogram.h"
 #include "tests/test.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* hold_test.c - which bytes wait for which change, and who is told when. */
-#include "server/hold.h"
+#include "server/disk/hold.h"
 
 #include "tests/test.h"
 

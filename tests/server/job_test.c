@@ -1,10 +1,10 @@
 /* job_test.c - which jobs may wait for a worker, and what is done with the result of one. */
-#include "server/job.h"
+#include "server/jobs/job.h"
 
-#include "server/command.h"
+#include "server/command/command.h"
+#include "server/command/load.h"
 #include "server/lifecycle.h"
-#include "server/limits.h"
-#include "server/load.h"
+#include "server/ops/limits.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

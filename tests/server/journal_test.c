@@ -1,14 +1,14 @@
 /* journal_test.c - what edits write into the log is what comes back, whoever stands in line. A server
  * with a data directory, in this process. */
-#include "server/journal.h"
+#include "server/jobs/journal.h"
 
-#include "server/command.h"
-#include "server/durable.h"
-#include "server/job.h"
+#include "server/command/command.h"
+#include "server/disk/recover.h"
+#include "server/jobs/durable.h"
+#include "server/jobs/job.h"
+#include "server/jobs/rebuild.h"
+#include "server/jobs/stream.h"
 #include "server/lifecycle.h"
-#include "server/rebuild.h"
-#include "server/recover.h"
-#include "server/stream.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
 #include "tests/server/local.h"

@@ -1,8 +1,8 @@
 /* keep_test.c - pages of sets that are gone: used again, within --max-memory, and given back. */
-#include "server/keep.h"
+#include "server/jobs/keep.h"
 
 #include "core/pages.h"
-#include "server/job.h"
+#include "server/jobs/job.h"
 #include "server/lifecycle.h"
 #include "tests/server/local.h"
 #include "tests/test.h"

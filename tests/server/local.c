@@ -2,12 +2,12 @@
 #include "tests/server/local.h"
 
 #include "proto/line.h"
-#include "server/command.h"
-#include "server/job.h"
-#include "server/keep.h"
+#include "server/command/command.h"
+#include "server/command/load.h"
+#include "server/jobs/job.h"
+#include "server/jobs/keep.h"
+#include "server/jobs/stream.h"
 #include "server/lifecycle.h"
-#include "server/load.h"
-#include "server/stream.h"
 #include "tests/test.h"
 
 #include <poll.h>

@@ -2,7 +2,7 @@
 #ifndef TESTS_SERVER_LOCAL_H
 #define TESTS_SERVER_LOCAL_H
 
-#include "server/server.h"
+#include "server/jobs/server.h"
 
 struct local {
     struct config config;

@@ -1,9 +1,9 @@
 /* log_test.c - what the log says is durable is durable, call by call. No daemon: the calls that change
  * files are watched and made to fail in this process (file_calls.h). */
-#include "server/log.h"
+#include "server/disk/log.h"
 
 #include "core/delaunay.h"
-#include "server/log_file.h"
+#include "server/disk/log_file.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
 #include "tests/test.h"

@@ -1,5 +1,5 @@
 /* loop_test.c - turns of the loop: deferred tasks run in each, yielded ones take turns. */
-#include "server/loop.h"
+#include "server/system/loop.h"
 #include "tests/test.h"
 
 #include <stddef.h>

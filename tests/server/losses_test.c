@@ -1,5 +1,5 @@
 /* losses_test.c - the sets that a repair could not keep. */
-#include "server/losses.h"
+#include "server/disk/losses.h"
 #include "tests/test.h"
 
 #include <string.h>

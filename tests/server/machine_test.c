@@ -1,5 +1,5 @@
 /* machine_test.c - what the machine allows: descriptors, and memory limits of control groups. */
-#include "server/machine.h"
+#include "server/system/machine.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"
 

@@ -2,8 +2,8 @@
  * before or after a repair, is what there was at some time, never anything else.
  *
  * A few cases, always the same ones; MIX_ROUNDS=100000 tries so many others. */
-#include "server/recover.h"
-#include "server/segment_reader.h"
+#include "server/disk/recover.h"
+#include "server/disk/segment_reader.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"

@@ -1,5 +1,5 @@
 /* notice_test.c - lines for the operator: levels, a limit, nothing unprintable. */
-#include "server/notice.h"
+#include "server/system/notice.h"
 #include "tests/test.h"
 
 #include <string.h>

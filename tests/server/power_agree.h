@@ -2,7 +2,7 @@
 #ifndef TESTS_SERVER_POWER_AGREE_H
 #define TESTS_SERVER_POWER_AGREE_H
 
-#include "server/dataset.h"
+#include "server/sets/dataset.h"
 #include "tests/server/daemon.h"
 #include "tests/server/power_history.h"
 

@@ -12,7 +12,7 @@
 #ifndef TESTS_SERVER_POWER_HISTORY_H
 #define TESTS_SERVER_POWER_HISTORY_H
 
-#include "server/dataset.h"
+#include "server/sets/dataset.h"
 #include "tests/faults/power_log.h"
 #include "tests/server/power_change.h"
 

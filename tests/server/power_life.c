@@ -7,7 +7,7 @@
 #include "tests/server/power_life.h"
 
 #include "proto/record.h"
-#include "server/recover.h"
+#include "server/disk/recover.h"
 #include "tests/faults/crash_fate.h"
 #include "tests/server/directory.h"
 #include "tests/server/power_agree.h"

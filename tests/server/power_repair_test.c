@@ -3,7 +3,7 @@
  * again during the repair of what that has left; the last repair must keep as much, and all that was
  * there before must be there still, in damaged.* if not under its own name. */
 #include "proto/record.h"
-#include "server/recover.h"
+#include "server/disk/recover.h"
 #include "tests/faults/crash_fate.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"

@@ -1,5 +1,5 @@
 /* query_test.c - what is searched at once, what by a worker, and that both find the same. */
-#include "server/cost.h"
+#include "server/ops/cost.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

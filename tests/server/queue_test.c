@@ -1,5 +1,5 @@
 /* queue_test.c - the queue of those who wait for a set. */
-#include "server/dataset.h"
+#include "server/sets/dataset.h"
 #include "tests/test.h"
 
 #include <string.h>

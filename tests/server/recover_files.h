@@ -2,7 +2,7 @@
 #ifndef TESTS_SERVER_RECOVER_FILES_H
 #define TESTS_SERVER_RECOVER_FILES_H
 
-#include "server/recover.h"
+#include "server/disk/recover.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"
 

@@ -2,7 +2,7 @@
  * are composed here; no daemon. */
 #include "tests/server/recover_files.h"
 
-#include "server/log_file.h"
+#include "server/disk/log_file.h"
 #include "tests/server/file_calls.h"
 #include "tests/test.h"
 

@@ -1,7 +1,7 @@
 /* renew_test.c - a worker makes the grid of a set anew; whoever queries it does not wait for that. */
-#include "server/dataset.h"
-#include "server/job.h"
+#include "server/jobs/job.h"
 #include "server/lifecycle.h"
+#include "server/sets/dataset.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

@@ -1,7 +1,7 @@
 /* repair_test.c - --repair of a log whose segments have damaged headers, or are not all there: what
  * is before the damage is kept as it was, all that was there is in damaged.*, and nothing is ever
  * wrong. */
-#include "server/recover.h"
+#include "server/disk/recover.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"

@@ -1,6 +1,6 @@
 /* replay_test.c - records that make no sense behind those before them: each is refused, and memory that
  * runs out is not taken for that. */
-#include "server/replay.h"
+#include "server/disk/replay.h"
 
 #include "tests/test.h"
 

@@ -1,6 +1,6 @@
 /* salvage_calls_test.c - --repair of a damaged snapshot call by call: in which order it changes files, and
  * what is left where a call or an allocation fails. The files are composed here. */
-#include "server/salvage.h"
+#include "server/disk/salvage.h"
 
 #include "tests/server/file_calls.h"
 #include "tests/server/recover_files.h"

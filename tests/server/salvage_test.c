@@ -1,7 +1,7 @@
 /* salvage_test.c - --repair of a damaged snapshot: whole sets are kept as they were, what is lost is
  * named, and nothing is ever wrong, whichever byte is damaged and wherever the repair is cut off. */
-#include "server/recover.h"
-#include "server/salvage.h"
+#include "server/disk/recover.h"
+#include "server/disk/salvage.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"

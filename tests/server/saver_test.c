@@ -1,6 +1,6 @@
 /* saver_test.c - when snapshots are written, in a time of the test's own: a disk that stays broken is
  * tried ever more rarely, and one that is good again at once makes up for what was lost. */
-#include "server/saver.h"
+#include "server/disk/saver.h"
 
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"

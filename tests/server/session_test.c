@@ -1,7 +1,8 @@
 /* session_test.c - a session at one end of a pair of sockets, with a server that has no threads. */
-#include "server/clients.h"
-#include "server/loop.h"
-#include "server/session_inside.h"
+#include "server/clients/clients.h"
+#include "server/session/session.h"
+#include "server/session/session_inside.h"
+#include "server/system/loop.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

@@ -1,5 +1,5 @@
 /* single_flight_test.c - requests that ask for what a job is doing already wait for its result. */
-#include "server/job.h"
+#include "server/jobs/job.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 

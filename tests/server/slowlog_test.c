@@ -1,5 +1,5 @@
 /* slowlog_test.c - the ring of slow requests, and what is kept of a request. */
-#include "server/slowlog.h"
+#include "server/ops/slowlog.h"
 #include "tests/test.h"
 
 #include <string.h>

@@ -1,11 +1,11 @@
 /* snapshot_test.c - what a snapshot holds of the sets while it is being written. */
-#include "server/snapshot.h"
+#include "server/disk/snapshot.h"
 
-#include "server/command.h"
-#include "server/job.h"
+#include "server/command/command.h"
+#include "server/disk/recover.h"
+#include "server/disk/replay.h"
+#include "server/jobs/job.h"
 #include "server/lifecycle.h"
-#include "server/recover.h"
-#include "server/replay.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
 #include "tests/server/local.h"

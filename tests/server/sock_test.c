@@ -1,5 +1,5 @@
 /* sock_test.c - sockets that listen, what their connections inherit, and refusals. */
-#include "server/sock.h"
+#include "server/system/sock.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 

@@ -1,8 +1,8 @@
 /* stream_test.c - replies that workers make in pieces: the same bytes as without them, and nothing
  * left behind by those that nobody wants any more, or for which there is no memory. */
-#include "server/command.h"
+#include "server/command/command.h"
+#include "server/jobs/stream.h"
 #include "server/lifecycle.h"
-#include "server/stream.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
 

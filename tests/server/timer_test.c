@@ -1,5 +1,5 @@
 /* timer_test.c - the wheel of timers: nothing too early, nothing lost. */
-#include "server/timer.h"
+#include "server/system/timer.h"
 #include "tests/test.h"
 
 #include <stddef.h>

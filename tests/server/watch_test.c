@@ -1,5 +1,5 @@
 /* watch_test.c - what an operator sees: INFO's sections, the slow log, who is connected. */
-#include "server/stats.h"
+#include "server/ops/stats.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 

@@ -1,7 +1,7 @@
 /* worker_test.c - the threads: every piece of work is done once, and the core's pool never waits
  * for a free thread. */
-#include "server/priority.h"
-#include "server/worker.h"
+#include "server/sets/worker.h"
+#include "server/system/priority.h"
 #include "tests/test.h"
 
 #include <poll.h>

@@ -1,0 +1,125 @@
+/* clients.c - see clients.h. An id is a slot's number and, above it, how often that slot has been
+ * used. */
+#include "server/clients/clients.h"
+
+#include <stdlib.h>
+
+enum { FIRST_CAPACITY = 64 };
+
+struct client_slot {
+    struct session *session; /* NULL: free */
+    uint32_t used;         /* by how many sessions so far; at least 1 while in use, so no id is 0 */
+    uint32_t next_free;    /* plus 1; 0: none */
+    uint32_t older, newer; /* in the list of those that came without a role; plus 1, 0: none */
+    bool listed;
+};
+
+/* ---- strangers: in the order in which they came; those that have got a role leave when they are
+ * met ---- */
+
+static void list_stranger(struct clients *c, uint32_t i)
+{
+    struct client_slot *slot = &c->slot[i];
+    slot->older = c->newest;
+    slot->newer = 0;
+    slot->listed = true;
+    if (c->newest != 0)
+        c->slot[c->newest - 1].newer = i + 1;
+    else
+        c->oldest = i + 1;
+    c->newest = i + 1;
+}
+
+static void unlist_stranger(struct clients *c, uint32_t i)
+{
+    struct client_slot *slot = &c->slot[i];
+    if (!slot->listed)
+        return;
+    slot->listed = false;
+    if (slot->older != 0)
+        c->slot[slot->older - 1].newer = slot->newer;
+    else
+        c->oldest = slot->newer;
+    if (slot->newer != 0)
+        c->slot[slot->newer - 1].older = slot->older;
+    else
+        c->newest = slot->older;
+}
+
+struct session *clients_oldest_stranger(struct clients *c)
+{
+    while (c->oldest != 0) {
+        struct session *s = c->slot[c->oldest - 1].session;
+        if (s->role == ROLE_NONE && !s->conn.dead)
+            return s;
+        unlist_stranger(c, c->oldest - 1);
+    }
+    return NULL;
+}
+
+/* ---- sessions ---- */
+
+static bool grow(struct clients *c)
+{
+    uint32_t cap = c->cap == 0 ? FIRST_CAPACITY : 2 * c->cap;
+    struct client_slot *slot = realloc(c->slot, cap * sizeof *slot);
+    if (slot == NULL)
+        return false;
+    c->slot = slot;
+    for (uint32_t i = cap; i-- > c->cap;) {
+        slot[i] = (struct client_slot){.next_free = c->free_slot};
+        c->free_slot = i + 1;
+    }
+    c->cap = cap;
+    return true;
+}
+
+bool clients_add(struct clients *c, struct session *s)
+{
+    if (c->free_slot == 0 && !grow(c))
+        return false;
+    uint32_t i = c->free_slot - 1;
+    c->free_slot = c->slot[i].next_free;
+    c->slot[i].session = s;
+    c->slot[i].used++;
+    s->id = (uint64_t)c->slot[i].used << 32 | i;
+    if (s->role == ROLE_NONE)
+        list_stranger(c, i);
+    c->n++;
+    return true;
+}
+
+void clients_remove(struct clients *c, struct session *s)
+{
+    uint32_t i = (uint32_t)s->id;
+    unlist_stranger(c, i);
+    c->slot[i].session = NULL;
+    c->slot[i].next_free = c->free_slot;
+    c->free_slot = i + 1;
+    c->n--;
+}
+
+struct session *clients_find(const struct clients *c, uint64_t id)
+{
+    uint32_t i = (uint32_t)id;
+    bool there = i < c->cap && c->slot[i].session != NULL && c->slot[i].session->id == id;
+    return there ? c->slot[i].session : NULL;
+}
+
+struct session *clients_at(const struct clients *c, uint32_t i)
+{
+    return c->slot[i].session;
+}
+
+void clients_each(const struct clients *c, void (*visit)(struct session *s))
+{
+    for (uint32_t i = 0; i < c->cap; i++)
+        if (c->slot[i].session != NULL)
+            visit(c->slot[i].session);
+}
+
+void clients_clear(struct clients *c)
+{
+    free(c->slot);
+    *c = (struct clients){0};
+}

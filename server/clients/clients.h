@@ -1,0 +1,32 @@
+/* clients.h - the sessions that are there, by id. An id is never used twice, so whoever kept one
+ * may ask whether its session is still there. */
+#ifndef SERVER_CLIENTS_H
+#define SERVER_CLIENTS_H
+
+#include "server/clients/session_state.h"
+
+struct clients {
+    struct client_slot *slot; /* owns */
+    uint32_t n, cap, free_slot;
+    uint32_t oldest, newest; /* slots, plus 1, of those that came without a role; 0: none */
+};
+
+/* Gives the session its id. False when out of memory. */
+bool clients_add(struct clients *c, struct session *s);
+void clients_remove(struct clients *c, struct session *s);
+
+/* NULL if it has gone; one whose connection is closed is there until the end of the turn. */
+struct session *clients_find(const struct clients *c, uint64_t id);
+
+/* The session in the slot i < cap, NULL for a free one. */
+struct session *clients_at(const struct clients *c, uint32_t i);
+
+/* The session without a role that came first; NULL: there is none. Cost: O(1) amortised. */
+struct session *clients_oldest_stranger(struct clients *c);
+
+/* Calls visit for every session; it may close them. */
+void clients_each(const struct clients *c, void (*visit)(struct session *s));
+
+void clients_clear(struct clients *c);
+
+#endif

@@ -1,0 +1,304 @@
+/* conn.c - see conn.h. */
+#include "server/clients/conn.h"
+
+#include "server/ops/limits.h"
+
+#include <errno.h>
+#include <stddef.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum {
+    SMALL_INPUT = 4 * 1024, /* with more than this a connection yields in a long turn */
+    READ_SIZE = 64 * 1024,
+    LINGER_MS = 2000,
+    LINGER_BYTES = 64 * 1024 * 1024
+};
+
+static void run_turn(struct task *task)
+{
+    struct conn *c = (struct conn *)((char *)task - offsetof(struct conn, turn));
+    c->yielded = false;
+    conn_turn(c);
+}
+
+static void run_burial(struct task *task)
+{
+    struct conn *c = (struct conn *)((char *)task - offsetof(struct conn, burial));
+    if (c->turn.queued) { /* since before it was closed: it is freed when that has run */
+        loop_bury(c->loop, task);
+        return;
+    }
+    buf_free(&c->in);
+    buf_free(&c->out);
+    reservation_set(&c->memory, 0);
+    c->events->closed(c);
+}
+
+static void on_ready(struct source *source, uint32_t events);
+
+bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_events *events,
+               const struct reservation *memory)
+{
+    *c = (struct conn){.source = {fd, on_ready},
+                       .loop = loop,
+                       .events = events,
+                       .memory = *memory,
+                       .owner_bytes = memory->bytes,
+                       .interest = EPOLLIN};
+    c->turn.run = run_turn;
+    c->burial.run = run_burial;
+    c->progress_ms = c->heard_ms = loop->now_ms;
+    return loop_watch(loop, &c->source, c->interest);
+}
+
+void conn_again(struct conn *c)
+{
+    if (!c->dead)
+        loop_defer(c->loop, &c->turn);
+}
+
+void conn_yield(struct conn *c)
+{
+    if (c->dead || c->turn.queued)
+        return;
+    c->yielded = true;
+    loop_yield(c->loop, &c->turn);
+}
+
+void conn_close(struct conn *c)
+{
+    if (c->dead)
+        return;
+    c->dead = true;
+    hold_clear(&c->hold);
+    loop_forget(c->loop, &c->source);
+    close(c->source.fd);
+    c->source.fd = -1;
+    loop_bury(c->loop, &c->burial);
+}
+
+void conn_finish(struct conn *c)
+{
+    c->finishing = true;
+}
+
+void conn_drain(struct conn *c)
+{
+    c->draining = true;
+    conn_again(c);
+}
+
+/* ---- buffers: borrowed from the loop while there is something in hand ---- */
+
+static void borrow(struct buf *mine, struct buf *spare)
+{
+    if (mine->cap == 0) {
+        *mine = *spare;
+        *spare = (struct buf){0};
+    }
+}
+
+static void give_back(struct buf *mine, struct buf *spare)
+{
+    if (buf_len(mine) == 0 && mine->cap > 0) {
+        if (spare->cap == 0 && mine->cap <= 2 * CONN_IN_LIMIT) {
+            *spare = *mine;
+            spare->start = spare->end = 0;
+            spare->failed = false;
+            *mine = (struct buf){0};
+        } else {
+            buf_free(mine);
+        }
+    }
+}
+
+/* A short rest of input (a line that is not finished) moves out of the borrowed block into one of its
+ * own. */
+static void keep_small(struct conn *c)
+{
+    struct buf small = {0};
+    if (c->in.cap <= CONN_SMALL || buf_len(&c->in) >= CONN_SMALL)
+        return;
+    buf_append(&small, buf_head(&c->in), buf_len(&c->in));
+    if (small.failed)
+        return;
+    buf_consume(&c->in, buf_len(&c->in));
+    give_back(&c->in, &c->loop->spare_in);
+    c->in = small;
+}
+
+/* ---- input ---- */
+
+static bool wants_input(const struct conn *c)
+{
+    if (c->eof)
+        return false;
+    if (c->lingering)
+        return true;
+    size_t n = buf_len(&c->in);
+    return !c->finishing && n < CONN_IN_LIMIT && !conn_full(c) &&
+           (n < CONN_SMALL || !conn_is_short(c));
+}
+
+static void on_read_error(struct conn *c)
+{
+    if (errno == EAGAIN || errno == EWOULDBLOCK)
+        c->eof = c->draining;
+    else if (errno != EINTR)
+        conn_close(c);
+}
+
+static void drop_input(struct conn *c)
+{
+    char scratch[16 * 1024];
+    ssize_t n = recv(c->source.fd, scratch, sizeof scratch, 0);
+    if (n < 0) {
+        on_read_error(c);
+        return;
+    }
+    c->dropped += (size_t)n;
+    if (n == 0 || c->dropped > LINGER_BYTES)
+        conn_close(c);
+}
+
+static void read_input(struct conn *c)
+{
+    size_t most = conn_is_short(c) ? CONN_SMALL : READ_SIZE;
+    borrow(&c->in, &c->loop->spare_in);
+    char *to = buf_reserve(&c->in, most);
+    if (to == NULL) {
+        conn_close(c);
+        return;
+    }
+    ssize_t n = recv(c->source.fd, to, most, 0);
+    if (n < 0)
+        on_read_error(c);
+    else if (n == 0)
+        c->eof = true;
+    else
+        buf_commit(&c->in, (size_t)n);
+    c->heard_ms = c->loop->now_ms;
+}
+
+/* ---- output ---- */
+
+static void send_output(struct conn *c)
+{
+    for (size_t most; (most = conn_sendable(c)) > 0;) {
+        ssize_t n = send(c->source.fd, buf_head(&c->out), most, MSG_NOSIGNAL);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0) {
+            if (errno != EAGAIN && errno != EWOULDBLOCK)
+                conn_close(c);
+            return;
+        }
+        buf_consume(&c->out, (size_t)n);
+        c->sent += (uint64_t)n;
+        c->progress_ms = c->loop->now_ms;
+    }
+    c->progress_ms = c->loop->now_ms;
+}
+
+static void finish_if_sent(struct conn *c)
+{
+    if (c->dead || !c->finishing || c->lingering || buf_len(&c->out) > 0)
+        return;
+    if (c->eof) {
+        conn_close(c);
+        return;
+    }
+    shutdown(c->source.fd, SHUT_WR);
+    c->lingering = true;
+    c->linger_ms = c->loop->now_ms;
+}
+
+/* ---- turns ---- */
+
+static void settle(struct conn *c)
+{
+    if (c->dead)
+        return;
+    if (c->finishing)
+        buf_consume(&c->in, buf_len(&c->in));
+    give_back(&c->in, &c->loop->spare_in);
+    give_back(&c->out, &c->loop->spare_out);
+    keep_small(c);
+    reservation_set(&c->memory, c->owner_bytes + c->in.cap + c->out.cap);
+    uint32_t interest =
+        (wants_input(c) ? (uint32_t)EPOLLIN : 0) | (conn_sendable(c) > 0 ? (uint32_t)EPOLLOUT : 0);
+    if (interest != c->interest) {
+        c->interest = interest;
+        loop_change(c->loop, &c->source, interest);
+    }
+}
+
+void conn_turn(struct conn *c)
+{
+    if (c->dead)
+        return;
+    if (c->draining && !c->lingering && wants_input(c)) {
+        read_input(c);
+        conn_again(c);
+    }
+    send_output(c);
+    if (!c->dead && !c->finishing && !conn_full(c)) {
+        borrow(&c->out, &c->loop->spare_out);
+        c->events->data(c);
+        if (!c->dead)
+            send_output(c);
+    }
+    finish_if_sent(c);
+    settle(c);
+}
+
+/* The turn of a connection that has yielded: it sends and reads; its owner's data is called when the
+ * loop runs it. */
+static void send_and_settle(struct conn *c)
+{
+    send_output(c);
+    settle(c);
+}
+
+static void on_ready(struct source *source, uint32_t events)
+{
+    struct conn *c = (struct conn *)source;
+    bool readable = (events & EPOLLIN) != 0 && wants_input(c);
+    if ((events & EPOLLERR) != 0 || ((events & EPOLLHUP) != 0 && !readable)) {
+        conn_close(c);
+        return;
+    }
+    if (readable && c->lingering)
+        drop_input(c);
+    else if (readable)
+        read_input(c);
+    if (c->dead)
+        return;
+    bool much = buf_len(&c->in) > SMALL_INPUT || (events & EPOLLOUT) != 0;
+    if (much && loop_is_late(c->loop, clock_ns()))
+        conn_yield(c);
+    if (c->yielded)
+        send_and_settle(c);
+    else
+        conn_turn(c);
+}
+
+/* Whether it reads nothing although a request has begun: its output is full, or memory was short when
+ * its last turn ended. Of the latter nothing else may happen that would bring another turn. */
+static bool may_be_stuck(const struct conn *c)
+{
+    return (c->interest & EPOLLIN) == 0 && !c->eof && buf_len(&c->in) >= CONN_SMALL;
+}
+
+void conn_check_timeouts(struct conn *c)
+{
+    int64_t now = c->loop->now_ms;
+    if (c->lingering && now - c->linger_ms > LINGER_MS)
+        conn_close(c);
+    else if (conn_sendable(c) > 0 && now - c->progress_ms > LIMIT_STALL_S * 1000)
+        conn_close(c);
+    else if (may_be_stuck(c))
+        conn_again(c);
+}

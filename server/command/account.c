@@ -1,0 +1,88 @@
+/* account.c - see account.h. */
+#include "server/command/account.h"
+
+#include "server/command/command.h"
+
+#include <inttypes.h>
+#include <string.h>
+#include <time.h>
+
+/* How many words of a request may be told: behind AUTH, a command (maybe behind TIMEOUT) or a word
+ * of HELLO's, comes a secret. */
+static size_t open_words(const struct request *q)
+{
+    if (q->n == 0 || !(word_is(&q->word[0], "AUTH") || word_is(&q->word[0], "HELLO") ||
+                       word_is(&q->word[0], "TIMEOUT")))
+        return q->n;
+    for (size_t i = 0; i < q->n; i++)
+        if (word_is(&q->word[i], "AUTH"))
+            return i + 1;
+    return q->n;
+}
+
+/* The request in words: it is still there unless it has paused, and then it was noted. */
+static void quote(const struct session *s, char *text)
+{
+    const struct request *q = &s->server->request;
+    if (s->noted)
+        memcpy(text, s->note, sizeof s->note);
+    else
+        slowlog_quote(text, q->word, open_words(q));
+}
+
+static void note_slow(struct session *s, const struct stats_outcome *took)
+{
+    struct slow entry = {.at_s = (int64_t)time(NULL),
+                         .work_us = took->work_ns / 1000,
+                         .wait_us = took->wait_ns / 1000,
+                         .client = s->id,
+                         .peer = s->peer};
+    quote(s, entry.text);
+    slowlog_add(&s->server->slowlog, &entry);
+    s->server->count.slow++;
+}
+
+void account_end(struct session *s, const struct answer *a, bool error)
+{
+    struct server *server = s->server;
+    int64_t limit_us = server->config->slowlog_us;
+    bool quick = a->command < command_count && (commands[a->command].flags & CMD_QUICK) != 0;
+    struct stats_outcome took = stats_end(&server->stats, &s->pause, a->command, quick, error);
+    s->requests++;
+    server->count.commands++;
+    server->count.errors += error;
+    if (limit_us > 0 && took.work_ns + took.wait_ns >= limit_us * 1000)
+        note_slow(s, &took);
+    s->noted = false;
+}
+
+void account_pause(struct session *s, const struct answer *a)
+{
+    stats_pause(&s->server->stats, &s->pause, a->next == ANSWER_WAIT || a->next == ANSWER_LATER);
+    if (!s->noted)
+        quote(s, s->note);
+    s->noted = true;
+}
+
+void account_load(struct session *s)
+{
+    stats_look(&s->server->stats);
+    if (s->pause.since_ns == 0)
+        s->pause = (struct stats_pause){.began_ns = s->server->stats.mark_ns};
+    stats_resume(&s->server->stats, &s->pause);
+}
+
+void account_job(struct session *s, const struct job *j)
+{
+    if (j->began_ns > j->queued_ns)
+        s->pause.waited_ns += j->began_ns - j->queued_ns;
+}
+
+void notice_client(const struct session *s, enum notice_level level, const char *what)
+{
+    char peer[SOCK_PEER_TEXT];
+    if (!notice_wanted(level))
+        return;
+    sock_peer_text(&s->peer, peer);
+    notice(level, "client %" PRIu64 " of %s %s", s->id, peer, what);
+}

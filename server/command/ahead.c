@@ -1,0 +1,143 @@
+/* ahead.c - see ahead.h. */
+#include "server/command/ahead.h"
+
+#include "proto/line.h"
+#include "proto/number.h"
+#include "proto/resp.h"
+#include "server/jobs/server.h"
+
+#include <string.h>
+
+enum { LEAST = 4 }; /* requests for which it is worth while */
+
+/* The questions of a pipeline about one set. */
+struct questions {
+    struct dataset *set;
+    struct dt_place place[DT_AHEAD];
+    struct ahead_request *asks[DT_AHEAD]; /* about place[i] */
+    uint32_t id[DT_AHEAD];
+    size_t places, ids;
+};
+
+/* The next request of bytes[n] as words of q; returns its length, 0 if there is none that can be
+ * passed over. */
+static size_t next_request(const char *bytes, size_t n, struct request *q)
+{
+    struct line line;
+    struct resp resp;
+    if (n > 0 && bytes[0] == '*') {
+        ptrdiff_t took = resp_read(bytes, n, q, &resp);
+        return took > 0 && !resp.has_body ? (size_t)took : 0;
+    }
+    ptrdiff_t took = line_read(bytes, n, false, &line);
+    return took > 0 && request_split(q, line.text, line.len) ? (size_t)took : 0;
+}
+
+/* The set that the request is about, as long as it is the same as that of the others and may be
+ * looked at now. */
+static bool is_ours(struct server *s, struct questions *all, const struct word *name)
+{
+    if (all->set != NULL)
+        return all->set->name_len == name->len &&
+               memcmp(all->set->name, name->text, name->len) == 0;
+    if (!word_is_set_name(name))
+        return false;
+    struct dataset *set = registry_find(&s->sets, name);
+    if (set == NULL || !set->born || set->exclusive || set->loading)
+        return false;
+    all->set = set;
+    return true;
+}
+
+static void take_place(struct questions *all, struct ahead_request *r)
+{
+    struct dt_place *p = &all->place[all->places];
+    if (!proto_read_double(r->word[2].text, r->word[2].len, &p->at.x) ||
+        !proto_read_double(r->word[3].text, r->word[3].len, &p->at.y) ||
+        !dt_coordinate_ok(p->at.x) || !dt_coordinate_ok(p->at.y))
+        return;
+    p->near = UINT32_MAX;
+    all->asks[all->places++] = r;
+}
+
+static void take_question(struct server *s, struct questions *all, struct ahead_request *r)
+{
+    char first = (char)(r->word[0].text[0] & ~0x20);
+    bool place = r->n >= 4 && (first == 'N' || ((first == 'L' || first == 'A') && r->n == 4));
+    bool id = !place && r->n >= 3 && memchr("LGTEDM", first, 6) != NULL;
+    if ((!place && !id) || !is_ours(s, all, &r->word[1]))
+        return;
+    if (place)
+        take_place(all, r);
+    else
+        all->ids += proto_read_u32(r->word[2].text, r->word[2].len, &all->id[all->ids]);
+}
+
+static void fetch(struct questions *all)
+{
+    if (all->places >= LEAST && all->set->current->sum.searchable)
+        dt_fetch_places(all->set->current->dt, all->place, all->places);
+    if (all->ids >= LEAST)
+        dt_fetch_ids(all->set->current->dt, all->id, all->ids);
+    for (size_t i = 0; i < all->places; i++) {
+        all->asks[i]->place = all->place[i];
+        all->asks[i]->placed = true;
+    }
+}
+
+/* Whether the words could begin a load, whose points are no requests. */
+static bool may_load(const struct request *q)
+{
+    return q->n > 0 && q->n <= 3 && q->word[0].len >= 4 && q->word[0].len <= 5 &&
+           (q->word[0].text[0] & ~0x20) == 'L' && (q->word[0].text[2] & ~0x20) == 'A';
+}
+
+/* Keeps a request that has been read; NULL: it is none of those that are kept. */
+static struct ahead_request *keep(struct ahead *a, const char *text, size_t len,
+                                  const struct request *q)
+{
+    if (q->n > AHEAD_WORDS || may_load(q))
+        return NULL;
+    struct ahead_request *r = &a->of[a->n++];
+    r->text = text;
+    r->len = len;
+    r->n = q->n;
+    r->placed = false;
+    for (size_t i = 0; i < q->n; i++)
+        r->word[i] = q->word[i];
+    return r;
+}
+
+/* Reads what is at the front of bytes[n]. */
+static void look(struct server *s, const char *bytes, size_t n)
+{
+    struct ahead *a = s->ahead;
+    struct request *q = &s->request;
+    struct questions all;
+    all.set = NULL;
+    all.places = all.ids = 0;
+    ahead_forget(a);
+    for (size_t at = 0, took; a->n < DT_AHEAD; at += took) {
+        struct ahead_request *r;
+        took = next_request(bytes + at, n - at, q);
+        if (took == 0 || (r = keep(a, bytes + at, took, q)) == NULL)
+            break;
+        if (r->n > 1 && r->word[0].len > 0)
+            take_question(s, &all, r);
+    }
+    fetch(&all);
+}
+
+size_t ahead_take(struct server *s, const char *bytes, size_t n)
+{
+    struct ahead *a = s->ahead;
+    if (a->next == a->n || a->of[a->next].text != bytes)
+        look(s, bytes, n);
+    if (a->n == 0)
+        return 0;
+    const struct ahead_request *r = &a->of[a->next++];
+    if (!request_set(&s->request, r->word, r->n))
+        return 0;
+    a->place = r->placed ? &r->place : NULL;
+    return r->len;
+}

@@ -1,0 +1,86 @@
+/* cmd_auth.c - AUTH, in both framings: a token is shown, stands in line (guard.h) and gives a role. */
+#include "server/command/command.h"
+
+#include "server/clients/clients.h"
+#include "server/command/account.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+static void accept_token(struct answer *a, enum role role, unsigned number)
+{
+    a->role = role;
+    a->token = number;
+}
+
+/* What happens to wrong tokens beyond the error. */
+static void note_wrong(struct server *s, struct session *who)
+{
+    char what[100];
+    uint64_t more;
+    s->count.wrong_tokens++;
+    if (who == NULL)
+        return;
+    who->wrong_tokens++;
+    if (!guard_tells(&s->guard, &who->peer, who->conn.loop->now_ms, &more))
+        return;
+    snprintf(what, sizeof what,
+             "has shown a wrong token (%" PRIu64 " more from its address since the last time)",
+             more);
+    notice_client(who, NOTICE_WARNING, what);
+}
+
+/* Whether the token has to stand in line first; then the answer says until when. */
+static bool must_wait(struct server *s, struct answer *a, const struct session *who)
+{
+    if (who == NULL || a->waited)
+        return false;
+    int64_t now = who->conn.loop->now_ms;
+    int64_t at = guard_charge(&s->guard, &who->peer, who->wrong_tokens, now);
+    if (at <= now)
+        return false;
+    s->count.delayed_tokens++;
+    a->next = ANSWER_LATER;
+    a->later_ms = at;
+    return true;
+}
+
+enum shown client_show_token(struct server *s, struct answer *a, const struct word *token)
+{
+    struct session *who = s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
+    unsigned number;
+    /* Without --auth-file any token is welcome, so that a client need not know how its server was
+     * started. */
+    if (s->auth.n == 0) {
+        accept_token(a, ROLE_WRITE, 0);
+        return SHOWN_GOOD;
+    }
+    if (must_wait(s, a, who))
+        return SHOWN_LATER;
+    enum role role = auth_check(&s->auth, token, &number);
+    if (role == ROLE_NONE) {
+        note_wrong(s, who);
+        return SHOWN_WRONG;
+    }
+    if (who != NULL)
+        guard_refund(&s->guard, &who->peer, who->conn.loop->now_ms);
+    accept_token(a, role, number);
+    return SHOWN_GOOD;
+}
+
+void cmd_auth(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)set;
+    switch (client_show_token(s, a, &q->word[1])) {
+    case SHOWN_LATER:
+        break;
+    case SHOWN_WRONG:
+        reply_err(a->out, ERR_DENIED, "no such token");
+        break;
+    case SHOWN_GOOD:
+        reply_ok(a->out, 0);
+        reply_key_text(a->out, "role", a->role == ROLE_WRITE ? "rw" : "ro");
+        reply_end(a->out);
+        break;
+    }
+}

@@ -1,0 +1,170 @@
+/* cmd_build.c - TRIANGULATE and CHECK: the jobs that look at every point of a set. */
+#include "server/command/command.h"
+
+#include "server/jobs/job.h"
+#include "server/jobs/journal.h"
+#include "server/ops/cost.h"
+#include "server/system/loop.h"
+
+#include <stdlib.h>
+
+struct build {
+    struct job job;
+    double ms;
+    const char *fault;
+};
+
+static void append_counts(struct answer *a, const struct dt_summary *sum)
+{
+    reply_key_u64(a->out, "points", sum->points);
+    reply_key_u64(a->out, "coincident", sum->coincident);
+    reply_key_u64(a->out, "triangles", sum->triangles);
+    reply_key_u64(a->out, "edges", sum->edges);
+    reply_key_u64(a->out, "hull", sum->hull);
+}
+
+/* ---- TRIANGULATE ---- */
+
+static void run_triangulate(struct job *j)
+{
+    struct build *b = (struct build *)j;
+    int64_t start = clock_ns();
+    j->status = dt_triangulate(j->dt, &j->options);
+    if (j->status == DT_OK)
+        j->status = dt_refresh(j->dt, &j->options);
+    int64_t microseconds = (clock_ns() - start) / 1000;
+    b->ms = (double)microseconds / 1000;
+}
+
+static void record_triangulate(struct server *s, struct job *j)
+{
+    journal_triangulate(s, j->set);
+}
+
+static void tell_triangulation(struct answer *a, const struct version *v, double ms)
+{
+    reply_ok(a->out, 0);
+    append_counts(a, &v->sum);
+    reply_key_double(a->out, "ms", ms);
+    reply_end(a->out);
+}
+
+static void triangulate_done(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s;
+    if (j->status == DT_OK)
+        tell_triangulation(a, j->set->current, ((struct build *)j)->ms);
+    else
+        answer_status(a, j->status);
+}
+
+static bool read_method(struct answer *a, const struct request *q, enum dt_method *method)
+{
+    const struct word *name = &q->word[3];
+    *method = DT_AUTO;
+    if (q->n == 2)
+        return true;
+    if (q->n == 4 && word_is(&q->word[2], "METHOD")) {
+        if (word_is(name, "AUTO"))
+            return true;
+        *method = DT_SHELLING;
+        if (word_is(name, "SHELLING"))
+            return true;
+        *method = DT_DIVIDE;
+        if (word_is(name, "DIVIDE"))
+            return true;
+    }
+    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    return false;
+}
+
+bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,
+                      struct answer *a)
+{
+    enum dt_method method;
+    struct job *j = set->writer;
+    if (j == NULL || j->run != run_triangulate || j->cancel)
+        return false;
+    if (!read_method(a, q, &method))
+        return true;
+    bool same = q->n == 2 || (j->options.rebuild && j->options.method == method);
+    return same && job_join(s, a, j);
+}
+
+void cmd_triangulate(struct server *s, struct dataset *set, const struct request *q,
+                     struct answer *a)
+{
+    enum dt_method method;
+    const struct dt_summary *sum = &set->current->sum;
+    if (!read_method(a, q, &method))
+        return;
+    bool named = q->n > 2; /* METHOD: made anew whether or not it is there */
+    if (!named && sum->triangulated && !version_is_stale(set->current)) {
+        tell_triangulation(a, set->current, 0);
+        return;
+    }
+    bool large = !cost_at_once(COST_BUILD, sum->points);
+    struct reservation memory = server_reservation(s, BUDGET_BUILDS);
+    if (large && !job_reserve_build(s, a, set, &memory))
+        return;
+    struct build *b = job_new(sizeof *b, run_triangulate, triangulate_done);
+    if (b == NULL) {
+        reservation_set(&memory, 0);
+        answer_out_of_memory(a);
+        return;
+    }
+    b->job.memory = memory;
+    b->job.record = record_triangulate;
+    b->job.what = "triangulating";
+    b->job.options.method = method;
+    b->job.options.rebuild = named;
+    /* A large set is triangulated beside itself, so that those who read its points need not wait. */
+    job_write(s, a, &b->job, set, large ? JOB_HEAVY | JOB_COPY : 0);
+}
+
+/* ---- CHECK ----
+ *
+ * It reads the whole set at one moment, so edits wait for it; queries do not. */
+
+static void run_check(struct job *j)
+{
+    j->status = dt_check(j->dt, &j->options, &((struct build *)j)->fault);
+}
+
+static void check_done(struct server *s, struct job *j, struct answer *a)
+{
+    const char *fault = ((struct build *)j)->fault;
+    (void)s;
+    if (j->status == DT_CORRUPT && fault != NULL) {
+        reply_err(a->out, ERR_CORRUPT, "%s", fault);
+        return;
+    }
+    if (j->status != DT_OK) {
+        answer_status(a, j->status);
+        return;
+    }
+    reply_ok(a->out, 0);
+    reply_key_text(a->out, "delaunay", "yes");
+    append_counts(a, &j->base->sum);
+    reply_end(a->out);
+}
+
+void cmd_check(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)q;
+    struct job *other = set->writer;
+    if (other != NULL && other->run == run_check && !other->cancel && job_join(s, a, other))
+        return;
+    if (!dataset_admits(set, true, a->turn)) {
+        answer_wait(a, &set->queue, true);
+        return;
+    }
+    struct build *b = job_new(sizeof *b, run_check, check_done);
+    if (b == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    b->job.what = "checking";
+    job_beside(s, a, &b->job, set,
+               cost_at_once(COST_BUILD, set->current->sum.points) ? 0 : JOB_HEAVY);
+}

@@ -1,0 +1,326 @@
+/* cmd_client.c - CLIENT: who is connected, and SLOWLOG: what took long. The only commands that look
+ * at connections; without any (server.clients is NULL) there is nobody to tell about. */
+#include "server/command/command.h"
+
+#include "proto/number.h"
+#include "server/clients/clients.h"
+#include "server/ops/limits.h"
+#include "server/system/notice.h"
+
+#include <inttypes.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SLOW_ROWS = 10, SLOW_A_PIECE = 128 };
+
+static struct session *asker(const struct server *s, const struct answer *a)
+{
+    return s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
+}
+
+static void answer_ok(struct answer *a)
+{
+    reply_ok(a->out, 0);
+    reply_end(a->out);
+}
+
+static bool may_rule(struct answer *a)
+{
+    if (a->role == ROLE_WRITE)
+        return true;
+    reply_err(a->out, ERR_DENIED, "your token is for reading only");
+    return false;
+}
+
+static void usage(struct answer *a, const struct request *q)
+{
+    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+}
+
+/* ---- CLIENT ---- */
+
+static const char *state_of(const struct session *s)
+{
+    switch (s->state) {
+    case SESSION_WORKING:
+    case SESSION_LISTING:
+        return "working";
+    case SESSION_WAITING:
+    case SESSION_DELAYED:
+        return "waiting";
+    case SESSION_STREAMING:
+        return "sending";
+    case SESSION_READING:
+        break;
+    }
+    if (s->load != NULL)
+        return "loading";
+    return buf_len(&s->conn.out) > 0 ? "sending" : "idle";
+}
+
+/* There may be ten thousand rows, and everybody waits for them: they are not made by printf. */
+static void tell_client(struct buf *out, const struct session *s)
+{
+    static const char *const role[] = {
+        [ROLE_NONE] = "none", [ROLE_READ] = "ro", [ROLE_WRITE] = "rw"};
+    char peer[SOCK_PEER_TEXT];
+    const struct conn *c = &s->conn;
+    int64_t now = c->loop->now_ms;
+    sock_peer_text(&s->peer, peer);
+    buf_append(out, "id=", 3);
+    reply_u64(out, s->id);
+    reply_key_text(out, "addr", peer);
+    reply_key_text(out, "name", s->name != NULL ? s->name : "");
+    reply_key_u64(out, "age", (uint64_t)((now - s->since_ms) / 1000));
+    reply_key_u64(out, "idle", (uint64_t)((now - c->heard_ms) / 1000));
+    reply_key_text(out, "role", role[s->role]);
+    reply_key_text(out, "framing", s->resp ? "resp" : "lines");
+    reply_key_text(out, "state", state_of(s));
+    reply_key_u64(out, "in", buf_len(&c->in));
+    reply_key_u64(out, "out", buf_len(&c->out));
+    reply_key_u64(out, "requests", s->requests);
+    reply_key_text(out, "command",
+                   s->command < command_count ? commands[s->command].name : "OTHER");
+    reply_end(out);
+}
+
+/* Fetches into the caches what a row tells of the session in slot i, if there is one: each session
+ * lies somewhere else. */
+static void fetch_session(const struct clients *c, uint32_t i)
+{
+    enum { LINE = 64, NOTE = offsetof(struct session, note) / LINE + 1 };
+    const struct session *s = i < c->cap ? clients_at(c, i) : NULL;
+    for (size_t at = 0; s != NULL && at * LINE < sizeof *s; at++)
+        if (at < NOTE || at * LINE >= offsetof(struct session, held))
+            __builtin_prefetch((const char *)s + at * LINE);
+}
+
+enum { CLIENTS_A_PIECE = 256, CLIENT_BYTES = 256 };
+
+static bool list_clients(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
+{
+    enum { AHEAD = 4 };
+    const struct clients *c = s->clients;
+    uint64_t until = *at + CLIENTS_A_PIECE < end ? *at + CLIENTS_A_PIECE : end;
+    for (; *at < until; ++*at) {
+        const struct session *one = clients_at(c, (uint32_t)*at);
+        fetch_session(c, (uint32_t)*at + AHEAD);
+        if (one == NULL || one->conn.dead)
+            continue;
+        tell_client(&rows->text, one);
+        rows->n++;
+    }
+    return *at < end;
+}
+
+void client_list(struct server *s, struct answer *a, enum listing_frame frame)
+{
+    uint64_t cap = s->clients != NULL ? s->clients->cap : 0, n = cap > 0 ? s->clients->n : 0;
+    if (frame == LISTING_BULK)
+        listing_answer_framed(s, a, list_clients, frame, 0, cap, n * CLIENT_BYTES);
+    else
+        listing_answer(s, a, list_clients, false, 0, cap, n * CLIENT_BYTES);
+}
+
+/* Which clients a KILL means: those of an id, or those of an address. */
+struct target {
+    bool by_id;
+    uint64_t id;
+    const struct word *address;
+};
+
+/* False: it is no number of at most 64 bits. */
+static bool read_client_id(const struct word *w, uint64_t *id)
+{
+    *id = 0;
+    for (size_t i = 0; i < w->len; i++) {
+        unsigned digit = (unsigned char)w->text[i] - '0';
+        if (digit > 9 || *id > (UINT64_MAX - digit) / 10)
+            return false;
+        *id = *id * 10 + digit;
+    }
+    return w->len > 0;
+}
+
+static bool read_target(const struct request *q, struct target *t)
+{
+    const struct word *last = &q->word[q->n - 1];
+    bool id = q->n == 4 && word_is(&q->word[2], "ID");
+    bool address = q->n == 4 && word_is(&q->word[2], "ADDR");
+    if (q->n != 3 && !id && !address)
+        return false;
+    t->address = last;
+    t->by_id = !address && read_client_id(last, &t->id);
+    return t->by_id || !id;
+}
+
+static bool is_meant(const struct target *t, const struct session *s)
+{
+    char peer[SOCK_PEER_TEXT];
+    if (t->by_id)
+        return s->id == t->id;
+    sock_peer_text(&s->peer, peer);
+    return t->address->len == strlen(peer) && memcmp(peer, t->address->text, strlen(peer)) == 0;
+}
+
+static void kill_one(struct server *s, struct answer *a, struct session *victim)
+{
+    char peer[SOCK_PEER_TEXT];
+    sock_peer_text(&victim->peer, peer);
+    notice(NOTICE_INFO, "the client %s was killed by another one", peer);
+    s->count.killed++;
+    if (victim->id == a->owner)
+        a->next = ANSWER_CLOSING; /* when this reply is out */
+    else
+        conn_close(&victim->conn);
+}
+
+static void kill_clients(struct server *s, const struct request *q, struct answer *a)
+{
+    const struct clients *c = s->clients;
+    struct target target = {0};
+    uint64_t n = 0;
+    if (!read_target(q, &target)) {
+        usage(a, q);
+        return;
+    }
+    for (uint32_t i = 0; c != NULL && i < c->cap; i++) {
+        struct session *one = clients_at(c, i);
+        if (one == NULL || one->conn.dead || !is_meant(&target, one))
+            continue;
+        kill_one(s, a, one);
+        n++;
+    }
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, "killed", n);
+    reply_end(a->out);
+}
+
+bool client_set_name(struct server *s, struct answer *a, const struct word *name)
+{
+    struct session *me = asker(s, a);
+    bool good = name->len <= LIMIT_CLIENT_NAME;
+    for (size_t i = 0; good && i < name->len; i++)
+        good = name->text[i] > ' ' && name->text[i] <= '~';
+    char *copy = good && name->len > 0 ? strndup(name->text, name->len) : NULL;
+    if (!good || me == NULL || (copy == NULL && name->len > 0)) {
+        free(copy);
+        return good;
+    }
+    free(me->name);
+    me->name = copy;
+    return true;
+}
+
+static void set_name(struct server *s, const struct request *q, struct answer *a)
+{
+    if (client_set_name(s, a, &q->word[2]))
+        answer_ok(a);
+    else
+        reply_err(a->out, ERR_SYNTAX, "a client's name is up to 64 printable characters, no blank");
+}
+
+static void tell_self(struct server *s, struct answer *a, bool name)
+{
+    const struct session *me = asker(s, a);
+    reply_ok(a->out, 0);
+    if (name)
+        reply_key_text(a->out, "name", me != NULL && me->name != NULL ? me->name : "");
+    else
+        reply_key_u64(a->out, "id", a->owner);
+    reply_end(a->out);
+}
+
+void cmd_client(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct word *what = &q->word[1];
+    (void)set;
+    if (q->n == 2 && word_is(what, "LIST")) {
+        if (may_rule(a))
+            client_list(s, a, LISTING_LINES);
+    } else if (q->n >= 3 && word_is(what, "KILL")) {
+        if (may_rule(a))
+            kill_clients(s, q, a);
+    } else if (q->n == 3 && word_is(what, "SETNAME")) {
+        set_name(s, q, a);
+    } else if (q->n == 4 && word_is(what, "SETINFO")) {
+        answer_ok(a); /* which library a client uses plays no part here */
+    } else if (q->n == 2 && (word_is(what, "ID") || word_is(what, "GETNAME"))) {
+        tell_self(s, a, what->len > 2);
+    } else {
+        usage(a, q);
+    }
+}
+
+/* ---- SLOWLOG ---- */
+
+static void tell_slow(struct buf *out, const struct slow *e)
+{
+    char row[SLOW_TEXT + SOCK_PEER_TEXT + 128], peer[SOCK_PEER_TEXT];
+    sock_peer_text(&e->peer, peer);
+    snprintf(row, sizeof row,
+             "%" PRIu64 " at=%" PRId64 " us=%" PRId64 " wait_us=%" PRId64 " client=%" PRIu64
+             " addr=%s %s",
+             e->id, e->at_s, e->work_us, e->wait_us, e->client, peer, e->text);
+    reply_row_text(out, row);
+}
+
+bool slowlog_piece(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows,
+                   void (*tell)(struct buf *out, const struct slow *e))
+{
+    for (int i = 0; i<SLOW_A_PIECE && * at> end; i++) {
+        const struct slow *e = slowlog_find(&s->slowlog, --*at);
+        if (e == NULL)
+            return false;
+        tell(&rows->text, e);
+        rows->n++;
+    }
+    return *at > end;
+}
+
+static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
+{
+    return slowlog_piece(s, at, end, rows, tell_slow);
+}
+
+bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n)
+{
+    uint32_t there = slowlog_len(&s->slowlog);
+    *n = SLOW_ROWS;
+    if (q->n == 3 && word_is(&q->word[2], "-1"))
+        *n = there;
+    else if (q->n == 3 && !proto_read_u32(q->word[2].text, q->word[2].len, n))
+        return false;
+    *n = *n < there ? *n : there;
+    return true;
+}
+
+static void get_slow(struct server *s, const struct request *q, struct answer *a)
+{
+    uint32_t n;
+    uint64_t next = s->slowlog.next;
+    if (slowlog_wanted(s, q, &n))
+        listing_answer(s, a, list_slow, false, next, next - n, n * sizeof(struct slow));
+    else
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number of requests", QUOTED(&q->word[2]));
+}
+
+void cmd_slowlog(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct word *what = &q->word[1];
+    (void)set;
+    if (word_is(what, "GET")) {
+        get_slow(s, q, a);
+    } else if (q->n == 2 && word_is(what, "LEN")) {
+        reply_ok(a->out, 0);
+        reply_key_u64(a->out, "len", slowlog_len(&s->slowlog));
+        reply_end(a->out);
+    } else if (q->n == 2 && word_is(what, "RESET")) {
+        slowlog_reset(&s->slowlog);
+        answer_ok(a);
+    } else {
+        usage(a, q);
+    }
+}

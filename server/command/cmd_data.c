@@ -1,0 +1,179 @@
+/* cmd_data.c - the commands about sets and their points. */
+#include "server/command/command.h"
+
+#include "server/jobs/edit.h"
+#include "server/jobs/journal.h"
+#include "server/jobs/listing.h"
+#include "server/jobs/stream.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- sets ---- */
+
+enum { SETS_A_PIECE = 256, ROW_BYTES = 96 };
+
+static void add_row(struct dataset *set, void *ctx)
+{
+    struct listing_rows *rows = ctx;
+    const struct dt_summary *sum = &set->current->sum;
+    bool triangulated = sum->triangulated || set->loading;
+    buf_append(&rows->text, set->name, set->name_len);
+    reply_key_u64(&rows->text, "points", sum->points);
+    reply_key_text(&rows->text, "triangulated", triangulated ? "yes" : "no");
+    reply_end(&rows->text);
+    rows->n++;
+}
+
+static bool list_sets(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
+{
+    uint64_t most = rows->n + SETS_A_PIECE;
+    (void)end;
+    do
+        *at = registry_scan(&s->sets, (size_t)*at, add_row, rows);
+    while (*at != 0 && rows->n < most);
+    rows->shown = journal_of_all(s);
+    return *at != 0;
+}
+
+void cmd_sets(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)set, (void)q;
+    listing_answer(s, a, list_sets, true, 0, 0, s->sets.sets * ROW_BYTES);
+}
+
+static bool read_tolerance(struct answer *a, const struct request *q, double *tolerance)
+{
+    *tolerance = 0;
+    if (q->n == 2)
+        return true;
+    if (q->n != 4 || !word_is(&q->word[2], "TOL")) {
+        reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+        return false;
+    }
+    return read_length(a, &q->word[3], "tolerance", tolerance);
+}
+
+void cmd_create(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    double tolerance;
+    if (!read_tolerance(a, q, &tolerance))
+        return;
+    if (set != NULL) {
+        reply_err(a->out, ERR_EXISTS, "the set %s is there already", set->name);
+        return;
+    }
+    set = edit_create(s, a, &q->word[1], tolerance);
+    if (set == NULL)
+        return;
+    set->born = true;
+    journal_create(s, set, tolerance);
+    a->lsn = journal_of(s, set);
+    reply_ok(a->out, 0);
+    reply_end(a->out);
+}
+
+void cmd_drop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)q;
+    journal_drop(s, set);
+    a->lsn = journal_of(s, NULL);
+    registry_drop(&s->sets, set);
+    reply_ok(a->out, 0);
+    reply_end(a->out);
+}
+
+void cmd_stat(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct dt_summary *sum = &set->current->sum;
+    (void)s, (void)q;
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, "points", sum->points);
+    reply_key_u64(a->out, "coincident", sum->coincident);
+    reply_key_text(a->out, "triangulated", sum->triangulated ? "yes" : "no");
+    reply_key_u64(a->out, "triangles", sum->triangles);
+    reply_key_u64(a->out, "edges", sum->edges);
+    reply_key_u64(a->out, "hull", sum->hull);
+    reply_key_u64(a->out, "memory", sum->memory);
+    reply_key_double(a->out, "tol", dt_tolerance(set->current->dt));
+    reply_end(a->out);
+}
+
+/* ---- points ---- */
+
+void cmd_add(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    size_t n = (q->n - 2) / 2;
+    struct arrival points = {.n = n};
+    if (q->n % 2 != 0) {
+        reply_err(a->out, ERR_SYNTAX, "an x without its y");
+        return;
+    }
+    points.p = dt_pages_grow(s->pages, NULL, 0, n * sizeof *points.p);
+    if (points.p == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    bool good = true;
+    for (size_t i = 0; i < n && good; i++)
+        good = read_point(a, &q->word[2 + 2 * i], &points.p[i]);
+    if (good && edit_may_add(s, a, set, n, &points.memory))
+        edit_add(s, a, &q->word[1], &points);
+    else
+        dt_pages_release(points.p);
+}
+
+void cmd_del(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    uint32_t *ids = read_ids(a, &q->word[2], q->n - 2);
+    if (ids != NULL)
+        edit_delete(s, a, set, ids, q->n - 2);
+}
+
+void cmd_move(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    uint32_t id;
+    struct dt_point to;
+    if (read_id(a, &q->word[2], &id) && read_point(a, &q->word[3], &to))
+        edit_move(s, a, set, id, to);
+}
+
+void cmd_get(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct dt_point p;
+    (void)s;
+    size_t n = q->n - 2;
+    struct dt_ids ids = {read_ids(a, &q->word[2], n), n, n};
+    if (ids.v == NULL)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        if (dt_get(set->current->dt, ids.v[i], &p) != DT_OK) {
+            reply_err(a->out, ERR_NOPOINT, "there is no point %u", ids.v[i]);
+            free(ids.v);
+            return;
+        }
+    }
+    reply_ok(a->out, n);
+    reply_end(a->out);
+    struct rows rows = {.version = set->current, .form = ROW_POINT};
+    stream_answer(s, a, &rows, &ids);
+    free(ids.v);
+}
+
+void cmd_points(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)s;
+    bool binary = q->n == 3 && word_is(&q->word[2], "BINARY");
+    if (q->n == 3 && !binary)
+        reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    else
+        stream_answer_table(s, a, set->current, DT_POINTS, false, binary);
+}
+
+void cmd_coincident(struct server *s, struct dataset *set, const struct request *q,
+                    struct answer *a)
+{
+    (void)s, (void)q;
+    stream_answer_table(s, a, set->current, DT_COINCIDENT, false, false);
+}

@@ -1,0 +1,217 @@
+/* cmd_info.c - INFO: facts about the server in sections, lines `key:value`. */
+#include "server/command/command.h"
+
+#include "server/clients/clients.h"
+#include "server/jobs/durable.h"
+#include "server/jobs/job.h"
+#include "server/system/loop.h"
+#include "server/system/machine.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+struct facts {
+    struct buf text; /* owns: the lines */
+    uint64_t n;      /* how many */
+};
+
+static void add_text(struct facts *f, const char *key, const char *value)
+{
+    buf_append_text(&f->text, key);
+    buf_append_char(&f->text, ':');
+    reply_row_text(&f->text, value);
+    f->n++;
+}
+
+static void add(struct facts *f, const char *key, uint64_t value)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%" PRIu64, value);
+    add_text(f, key, text);
+}
+
+/* ---- sections ---- */
+
+static void tell_server(const struct server *s, struct facts *f)
+{
+    add_text(f, "version", DELAUNAYD_VERSION);
+    add(f, "protocol", PROTOCOL_VERSION);
+    add(f, "pid", (uint64_t)getpid());
+    add(f, "uptime_s", (uint64_t)(clock_ms() - s->started_ms) / 1000);
+    add(f, "threads", s->config->threads);
+}
+
+static void tell_clients(const struct server *s, struct facts *f)
+{
+    add(f, "clients", s->clients != NULL ? s->clients->n : 0);
+    add(f, "max_clients", s->config->max_clients);
+    add(f, "connections", s->count.connections);
+    add(f, "refused", s->count.refused);
+    add(f, "killed", s->count.killed);
+    add(f, "wrong_tokens", s->count.wrong_tokens);
+    add(f, "delayed_tokens", s->count.delayed_tokens);
+}
+
+static void tell_memory(const struct server *s, struct facts *f)
+{
+    struct dt_pages_summary pages;
+    dt_pages_summary(s->pages, &pages);
+    const struct budget *b = &s->budget;
+    add(f, "memory", budget_of(b, BUDGET_SETS));
+    add(f, "memory_builds", budget_of(b, BUDGET_BUILDS));
+    add(f, "memory_edits", budget_of(b, BUDGET_EDITS));
+    add(f, "loading", budget_of(b, BUDGET_LOADS));
+    add(f, "memory_log", budget_of(b, BUDGET_LOG));
+    add(f, "memory_replies", budget_of(b, BUDGET_REPLIES));
+    add(f, "memory_clients", budget_of(b, BUDGET_CLIENTS));
+    add(f, "memory_used", budget_used(b));
+    add(f, "memory_peak", b->peak);
+    add(f, "memory_kept", pages.kept);
+    add(f, "max_memory", s->config->max_memory);
+    add(f, "resident", machine_resident());
+}
+
+static void tell_stats(const struct server *s, struct facts *f)
+{
+    uint64_t running = 0;
+    for (const struct job *j = s->jobs; j != NULL; j = j->next)
+        running++;
+    add(f, "commands", s->count.commands);
+    add(f, "errors", s->count.errors);
+    add(f, "jobs", s->count.jobs);
+    add(f, "jobs_running", running);
+    add(f, "jobs_waiting", s->workers != NULL ? workers_backlog(s->workers) : 0);
+    add(f, "jobs_shared", s->count.shared);
+    add(f, "slow", s->count.slow);
+}
+
+static void tell_sets(const struct server *s, struct facts *f)
+{
+    uint64_t edited = 0;
+    for (const struct job *j = s->jobs; j != NULL; j = j->next)
+        edited += j->set != NULL;
+    add(f, "sets", s->sets.sets);
+    add(f, "sets_edited", edited);
+    add(f, "max_points", s->config->max_points);
+}
+
+static void tell_durability(const struct server *s, struct facts *f)
+{
+    struct durable_facts disk;
+    durable_facts(s, &disk);
+    add_text(f, "durability", disk.state);
+    add(f, "loaded_percent", disk.loaded_percent);
+    add(f, "log_lsn", disk.lsn);
+    add(f, "log_durable_lsn", disk.durable_lsn);
+    add(f, "log_synced_lsn", disk.synced_lsn);
+    add(f, "log_bytes", disk.log_bytes);
+    add(f, "log_syncs", disk.log_syncs);
+    add(f, "log_failures", disk.log_failures);
+    add(f, "snapshot_lsn", disk.snapshot_lsn);
+    add(f, "snapshot_bytes", disk.snapshot_bytes);
+    add(f, "snapshots", disk.snapshots);
+    add(f, "snapshot_running", disk.snapshot_running);
+    add(f, "snapshot_failures", disk.snapshot_failures);
+    add(f, "snapshot_retry_s", disk.snapshot_retry_s);
+}
+
+/* Appends quantiles in microseconds: `,<prefix>p50_us=` and so on. */
+static void add_quantiles(char *text, size_t size, const char *prefix, const struct histogram *h)
+{
+    size_t at = strlen(text);
+    snprintf(text + at, size - at, ",%sp50_us=%.3f,%sp99_us=%.3f,%smax_us=%.3f", prefix,
+             (double)histogram_quantile(h, 0.5) / 1000, prefix,
+             (double)histogram_quantile(h, 0.99) / 1000, prefix, (double)h->max / 1000);
+}
+
+static void tell_command(struct facts *f, const char *name, const struct command_stats *of)
+{
+    char key[32], value[320];
+    if (of->calls == 0)
+        return;
+    snprintf(key, sizeof key, "command_%s", name);
+    snprintf(value, sizeof value, "calls=%" PRIu64 ",errors=%" PRIu64, of->calls, of->errors);
+    add_quantiles(value, sizeof value, "", &of->work);
+    size_t at = strlen(value);
+    snprintf(value + at, sizeof value - at, ",waits=%" PRIu64, of->wait.total);
+    add_quantiles(value, sizeof value, "wait_", &of->wait);
+    add_text(f, key, value);
+}
+
+static void tell_commands(const struct server *s, struct facts *f)
+{
+    for (size_t i = 0; i < command_count; i++)
+        tell_command(f, commands[i].name, &s->stats.of[i]);
+    tell_command(f, "OTHER", &s->stats.of[STATS_OTHER]);
+}
+
+static const struct section {
+    const char *name;
+    void (*tell)(const struct server *s, struct facts *f);
+} sections[] = {
+    {"SERVER", tell_server},     {"CLIENTS", tell_clients}, {"MEMORY", tell_memory},
+    {"STATS", tell_stats},       {"SETS", tell_sets},       {"DURABILITY", tell_durability},
+    {"COMMANDS", tell_commands},
+};
+
+enum { SECTIONS = sizeof sections / sizeof sections[0] };
+
+/* ---- the command ---- */
+
+/* Adds section i unless the reply has it already: told[i]. */
+static void tell_once(const struct server *s, struct facts *f, bool *told, size_t i)
+{
+    if (!told[i])
+        sections[i].tell(s, f);
+    told[i] = true;
+}
+
+static void tell_all(const struct server *s, struct facts *f, bool *told)
+{
+    for (size_t i = 0; i < SECTIONS; i++)
+        tell_once(s, f, told, i);
+}
+
+/* Adds the section of that name. False: there is none. */
+static bool tell_section(const struct server *s, struct facts *f, bool *told,
+                         const struct word *name)
+{
+    if (word_is(name, "ALL")) {
+        tell_all(s, f, told);
+        return true;
+    }
+    for (size_t i = 0; i < SECTIONS; i++) {
+        if (word_is(name, sections[i].name)) {
+            tell_once(s, f, told, i);
+            return true;
+        }
+    }
+    return false;
+}
+
+void cmd_info(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct facts f = {0};
+    bool known = true, told[SECTIONS] = {false};
+    (void)set;
+    if (q->n == 1)
+        tell_all(s, &f, told);
+    for (size_t i = 1; i < q->n && known; i++) {
+        known = tell_section(s, &f, told, &q->word[i]);
+        if (!known)
+            reply_err(a->out, ERR_SYNTAX,
+                      "INFO has no section %.*s; it has server clients memory stats sets "
+                      "durability commands all",
+                      QUOTED(&q->word[i]));
+    }
+    if (known) {
+        reply_ok(a->out, f.n);
+        reply_end(a->out);
+        buf_append(a->out, buf_head(&f.text), buf_len(&f.text));
+    }
+    if (f.text.failed)
+        answer_out_of_memory(a);
+    buf_free(&f.text);
+}

@@ -1,0 +1,169 @@
+/* cmd_query.c - the commands that read a triangulation. */
+#include "server/command/command.h"
+
+#include "server/jobs/query.h"
+#include "server/jobs/stream.h"
+
+#include <stdlib.h>
+
+/* The options that end a request, and what stands before them. */
+struct tail {
+    size_t n; /* words without the options */
+    bool cw, binary;
+};
+
+static struct tail read_tail(const struct request *q)
+{
+    struct tail t = {.n = q->n};
+    for (; t.n > 2; t.n--) {
+        if (!t.cw && word_is(&q->word[t.n - 1], "CW"))
+            t.cw = true;
+        else if (!t.binary && word_is(&q->word[t.n - 1], "BINARY"))
+            t.binary = true;
+        else
+            break;
+    }
+    return t;
+}
+
+/* Whether n words and these options make sense for the command; else the error has been told. */
+static bool check_tail(struct answer *a, const struct request *q, const struct tail *t, size_t most)
+{
+    if (t->n <= most && (!t->binary || t->n == 2))
+        return true;
+    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    return false;
+}
+
+/* ---- LISTS ---- */
+
+static void lists_of_points(struct server *s, struct dataset *set, const struct request *q,
+                            const struct tail *t, struct answer *a)
+{
+    struct query query = {.kind = QUERY_LISTS, .cw = t->cw};
+    uint32_t rep;
+    size_t n = t->n - 2;
+    query.ids = (struct dt_ids){read_ids(a, &q->word[2], n), n, n};
+    if (query.ids.v == NULL)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        if (dt_representative(set->current->dt, query.ids.v[i], &rep) != DT_OK) {
+            reply_err(a->out, ERR_NOPOINT, "there is no point %u", query.ids.v[i]);
+            free(query.ids.v);
+            return;
+        }
+    }
+    query_answer(s, a, set, &query);
+}
+
+void cmd_lists(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct tail t = read_tail(q);
+    if (!check_tail(a, q, &t, SIZE_MAX))
+        return;
+    if (t.n == 2)
+        stream_answer_table(s, a, set->current, DT_LISTS, t.cw, t.binary);
+    else
+        lists_of_points(s, set, q, &t, a);
+}
+
+/* ---- TRIANGLES, EDGES, HULL ---- */
+
+void cmd_triangles(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct tail t = read_tail(q);
+    struct query query = {.kind = QUERY_TRIANGLES, .cw = t.cw};
+    if (!check_tail(a, q, &t, 5))
+        return;
+    if (t.n == 2) {
+        stream_answer_table(s, a, set->current, DT_TRIANGLES, t.cw, t.binary);
+        return;
+    }
+    for (size_t i = 2; i < t.n; i++)
+        if (!read_id(a, &q->word[i], &query.corner[query.corners++]))
+            return;
+    query_answer(s, a, set, &query);
+}
+
+void cmd_edges(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct tail t = read_tail(q);
+    struct query query = {.kind = QUERY_EDGES, .corners = 1, .cw = t.cw};
+    if (!check_tail(a, q, &t, 3))
+        return;
+    if (t.n == 2)
+        stream_answer_table(s, a, set->current, DT_EDGES, t.cw, t.binary);
+    else if (read_id(a, &q->word[2], &query.corner[0]))
+        query_answer(s, a, set, &query);
+}
+
+void cmd_hull(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct tail t = read_tail(q);
+    (void)s;
+    if (t.n > 2 || t.binary)
+        reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    else
+        stream_answer_table(s, a, set->current, DT_HULL, t.cw, false);
+}
+
+/* ---- LOCATE, NEAREST, WITHIN ---- */
+
+void cmd_locate(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    static const char *const where[] = {[DT_OUTSIDE] = "outside",
+                                        [DT_ON_VERTEX] = "vertex",
+                                        [DT_ON_EDGE] = "edge",
+                                        [DT_INSIDE] = "inside"};
+    static const size_t ids[] = {
+        [DT_OUTSIDE] = 0, [DT_ON_VERTEX] = 1, [DT_ON_EDGE] = 2, [DT_INSIDE] = 3};
+    struct dt_location at;
+    struct dt_place p;
+    if (!read_place(s, a, q, &p))
+        return;
+    enum dt_status status = dt_locate_place(set->current->dt, &p, &at);
+    if (status != DT_OK) {
+        answer_status(a, status);
+        return;
+    }
+    reply_ok(a->out, at.where != DT_OUTSIDE);
+    reply_key_text(a->out, "where", where[at.where]);
+    reply_end(a->out);
+    if (at.where != DT_OUTSIDE)
+        reply_row_ids(a->out, at.id, ids[at.where]);
+}
+
+void cmd_nearest(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct query query = {.kind = QUERY_NEAREST, .k = 1};
+    if (!read_place(s, a, q, &query.place))
+        return;
+    if (q->n == 5 && !read_count(a, &q->word[4], "a number of points", &query.k))
+        return;
+    query_answer(s, a, set, &query);
+}
+
+static void put_in_order(double *a, double *b)
+{
+    double t = *a;
+    if (*a > *b) {
+        *a = *b;
+        *b = t;
+    }
+}
+
+void cmd_within(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct query query = {.kind = q->n == 6 ? QUERY_BOX : QUERY_DISC};
+    if (!read_point(a, &q->word[2], &query.place.at))
+        return;
+    if (query.kind == QUERY_BOX) {
+        if (!read_point(a, &q->word[4], &query.hi))
+            return;
+        put_in_order(&query.place.at.x, &query.hi.x);
+        put_in_order(&query.place.at.y, &query.hi.y);
+    } else if (!read_length(a, &q->word[4], "radius", &query.radius)) {
+        return;
+    }
+    query_answer(s, a, set, &query);
+}

@@ -1,0 +1,114 @@
+/* cmd_trace.c - TRACE: the steps of the paper's algorithm, a row each.
+ *
+ * The rows are made before the first one is sent, since their number comes first. That is why sets
+ * are limited here: a thousand evenly spread points take about 350 KB. */
+#include "server/command/command.h"
+
+#include "proto/number.h"
+#include "server/jobs/job.h"
+#include "server/ops/limits.h"
+
+#include <math.h>
+
+enum { TRACE_AT_ONCE = 50 }; /* points that the I/O thread itself traces */
+
+struct trace {
+    struct job job;
+    struct buf rows;
+    uint64_t count;
+};
+
+/* Every kind of row: its name, then so many ids. */
+static const struct {
+    const char *name;
+    unsigned ids;
+} kinds[] = {
+    [DT_EVENT_GRID] = {"grid", 0},     [DT_EVENT_START] = {"start", 2},
+    [DT_EVENT_SEARCH] = {"search", 2}, [DT_EVENT_FIRST] = {"first", 3},
+    [DT_EVENT_POINT] = {"point", 3},   [DT_EVENT_RIGHT] = {"right", 3},
+    [DT_EVENT_LEFT] = {"left", 3},     [DT_EVENT_CAVE] = {"cave", 3},
+    [DT_EVENT_BORDER] = {"border", 2}, [DT_EVENT_REMOVE] = {"remove", 1},
+    [DT_EVENT_HULL] = {"hull", 1},
+};
+
+static void append_id(struct buf *out, uint32_t id)
+{
+    char *to = buf_reserve(out, 1 + PROTO_NUMBER_MAX);
+    if (to == NULL)
+        return;
+    to[0] = ' ';
+    buf_commit(out, 1 + proto_write_u32(to + 1, id));
+}
+
+static void append_number(struct buf *out, double v)
+{
+    char *to = buf_reserve(out, 1 + PROTO_NUMBER_MAX);
+    if (to == NULL)
+        return;
+    to[0] = ' ';
+    buf_commit(out, 1 + proto_write_double(to + 1, v));
+}
+
+static void see(void *ctx, const struct dt_event *e)
+{
+    struct trace *t = ctx;
+    const uint32_t id[] = {e->a, e->b, e->c};
+    buf_append_text(&t->rows, kinds[e->kind].name);
+    for (unsigned i = 0; i < kinds[e->kind].ids; i++)
+        append_id(&t->rows, id[i]);
+    if (e->kind == DT_EVENT_GRID || (e->kind == DT_EVENT_SEARCH && e->size < HUGE_VAL)) {
+        append_number(&t->rows, e->p.x);
+        append_number(&t->rows, e->p.y);
+        append_number(&t->rows, e->size);
+    }
+    if (e->kind == DT_EVENT_GRID) {
+        append_id(&t->rows, e->a);
+        append_id(&t->rows, e->b);
+    }
+    buf_append_char(&t->rows, '\n');
+    t->count++;
+}
+
+static void run(struct job *j)
+{
+    struct trace *t = (struct trace *)j;
+    j->status = dt_trace(j->dt, &j->options, &(struct dt_observer){see, t});
+    if (t->rows.failed)
+        j->status = DT_NOMEM;
+}
+
+static void done(struct server *s, struct job *j, struct answer *a)
+{
+    struct trace *t = (struct trace *)j;
+    (void)s;
+    if (j->status != DT_OK) {
+        answer_status(a, j->status);
+        return;
+    }
+    reply_ok(a->out, t->count);
+    reply_end(a->out);
+    buf_append(a->out, buf_head(&t->rows), buf_len(&t->rows));
+}
+
+static void clear(struct job *j)
+{
+    buf_free(&((struct trace *)j)->rows);
+}
+
+void cmd_trace(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)q;
+    if (set->current->sum.points > LIMIT_TRACE_POINTS) {
+        reply_err(a->out, ERR_TOOBIG, "TRACE is for sets of at most %d points", LIMIT_TRACE_POINTS);
+        return;
+    }
+    struct trace *t = job_new(sizeof *t, run, done);
+    if (t == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    t->job.what = "tracing";
+    t->job.clear = clear;
+    job_read(s, a, &t->job, set->current,
+             set->current->sum.points > TRACE_AT_ONCE ? JOB_HEAVY | JOB_BRIEF : 0);
+}

@@ -1,0 +1,390 @@
+/* command.c - see command.h. */
+#include "server/command/command.h"
+
+#include "proto/number.h"
+#include "server/command/ahead.h"
+#include "server/command/load.h"
+#include "server/jobs/durable.h"
+#include "server/jobs/job.h"
+#include "server/jobs/journal.h"
+#include "server/jobs/rebuild.h"
+#include "server/jobs/renew.h"
+#include "server/jobs/stream.h"
+#include "server/ops/cost.h"
+#include "server/ops/limits.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    READS = CMD_SET | CMD_EXISTING,
+    QUERIES = READS | CMD_FRESH | CMD_LIVE,
+    SEARCHES = QUERIES | CMD_SEARCH,
+    POINT_SEARCHES = SEARCHES & ~CMD_LIVE, /* that do without a triangulation, if there is none */
+    EDITS = CMD_SET | CMD_WRITE
+};
+
+const struct command commands[] = {
+    {"SETS", 1, 1, CMD_ALL_SETS, cmd_sets, "SETS", "the sets, with their number of points"},
+    {"CREATE", 2, 4, EDITS, cmd_create, "CREATE set [TOL t]",
+     "a new, empty set with coincidence tolerance t"},
+    {"DROP", 2, 2, EDITS | CMD_EXISTING | CMD_FREES, cmd_drop, "DROP set", "deletes a set"},
+    {"STAT", 2, 2, READS | CMD_FRESH, cmd_stat, "STAT set", "counts and memory of a set"},
+    {"ADD", 4, 0, EDITS, cmd_add, "ADD set x y [x y ...]", "adds points"},
+    {"LOAD", 2, 3, EDITS | CMD_BODY, cmd_load, "LOAD set [n]",
+     "adds points: n lines `x y` follow, or lines up to a single `.`"},
+    {"LOADB", 3, 3, EDITS | CMD_BODY, cmd_loadb, "LOADB set n",
+     "adds points: n pairs of little-endian doubles follow"},
+    {"DEL", 3, 0, EDITS | CMD_EXISTING | CMD_FREES, cmd_del, "DEL set id [id ...]",
+     "deletes points"},
+    {"MOVE", 5, 5, EDITS | CMD_EXISTING, cmd_move, "MOVE set id x y",
+     "moves a point, which keeps its id"},
+    {"GET", 3, 0, READS, cmd_get, "GET set id [id ...]", "the coordinates of points"},
+    {"POINTS", 2, 3, READS, cmd_points, "POINTS set [BINARY]", "every point, by id"},
+    {"COINCIDENT", 2, 2, READS, cmd_coincident, "COINCIDENT set",
+     "every alias and its representative"},
+    {"TRIANGULATE", 2, 4, EDITS | CMD_EXISTING, cmd_triangulate,
+     "TRIANGULATE set [METHOD auto|shelling|divide]",
+     "computes the Delaunay triangulation, which edits then keep current"},
+    {"CHECK", 2, 2, SEARCHES, cmd_check, "CHECK set", "proves the triangulation exactly"},
+    {"LISTS", 2, 0, QUERIES, cmd_lists, "LISTS set [CW] [BINARY] | LISTS set id [id ...] [CW]",
+     "each point with the ring of its neighbours, interior points first, then along the hull"},
+    {"TRIANGLES", 2, 6, QUERIES, cmd_triangles,
+     "TRIANGLES set [CW] [BINARY] | TRIANGLES set a [b [c]] [CW]",
+     "every triangle, or those at a point, at an edge, next to a triangle"},
+    {"EDGES", 2, 4, QUERIES, cmd_edges, "EDGES set [CW] [BINARY] | EDGES set a [CW]",
+     "every edge, or those at a point"},
+    {"HULL", 2, 3, QUERIES, cmd_hull, "HULL set [CW]", "the points of the convex hull"},
+    {"LOCATE", 4, 4, SEARCHES, cmd_locate, "LOCATE set x y",
+     "the triangle, edge or point where x y lies"},
+    {"NEAREST", 4, 5, POINT_SEARCHES, cmd_nearest, "NEAREST set x y [k]",
+     "the k nearest points, nearest first"},
+    {"WITHIN", 5, 6, POINT_SEARCHES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
+     "the points in a closed box or disc"},
+    {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
+     "the steps of the shelling algorithm, for sets of up to 1000 points"},
+    {"PING", 1, 1, CMD_OPEN | CMD_QUICK, cmd_ping, "PING", "answers OK 0"},
+    {"HELP", 1, 2, CMD_OPEN, cmd_help, "HELP [command]", "the commands"},
+    {"HELLO", 1, 2, CMD_OPEN, cmd_hello, "HELLO [version]",
+     "who is there, and which protocol it speaks"},
+    {"AUTH", 2, 2, CMD_OPEN, cmd_auth, "AUTH token", "shows a token of --auth-file"},
+    {"INFO", 1, 0, 0, cmd_info, "INFO [section ...]", "facts about the server"},
+    {"CLIENT", 2, 4, 0, cmd_client,
+     "CLIENT LIST | KILL id | KILL address | SETNAME name | SETINFO key value | GETNAME | ID",
+     "who is connected; ends a connection; names one's own"},
+    {"SLOWLOG", 2, 3, CMD_ADMIN, cmd_slowlog, "SLOWLOG GET [n] | LEN | RESET",
+     "the last requests that took long"},
+    {"CONFIG", 2, 0, 0, cmd_config,
+     "CONFIG GET pattern [pattern ...] | SET name value [name value ...] | RELOAD",
+     "the settings; changes some of them; reads the tokens again"},
+    {"SNAPSHOT", 1, 1, CMD_ALL_SETS | CMD_WRITE | CMD_FREES, cmd_snapshot, "SNAPSHOT",
+     "begins to write all sets to the data directory, after which the log starts anew"},
+    {"TIMEOUT", 3, 0, CMD_OPEN, cmd_timeout, "TIMEOUT seconds command",
+     "carries out the command, or gives it up after so many seconds"},
+    {"QUIT", 1, 1, CMD_OPEN, cmd_quit, "QUIT", "closes the connection when all replies are out"},
+};
+
+const size_t command_count = sizeof commands / sizeof commands[0];
+
+const struct command *command_find(const struct word *name)
+{
+    for (size_t i = 0; i < command_count; i++)
+        if (word_is(name, commands[i].name))
+            return &commands[i];
+    return NULL;
+}
+
+/* ---- what must hold before a handler runs ---- */
+
+static bool check_words(struct answer *a, const struct command *c, const struct request *q)
+{
+    if (q->n >= c->least && (c->most == 0 || q->n <= c->most))
+        return true;
+    reply_err(a->out, ERR_SYNTAX, "usage: %s", c->usage);
+    return false;
+}
+
+static bool check_role(struct answer *a, const struct command *c)
+{
+    if (a->role == ROLE_NONE && (c->flags & CMD_OPEN) == 0)
+        reply_err(a->out, ERR_NOAUTH, "show a token first: AUTH token");
+    else if (a->role == ROLE_READ && (c->flags & (CMD_WRITE | CMD_ADMIN)) != 0)
+        reply_err(a->out, ERR_DENIED, "your token is for reading only");
+    else
+        return true;
+    return false;
+}
+
+/* At the start, sets are there only when all that is on disk has been read. */
+static bool check_loaded(struct server *s, struct answer *a, const struct command *c)
+{
+    return (c->flags & (CMD_SET | CMD_ALL_SETS)) == 0 || durable_loaded(s, a);
+}
+
+/* The changes that are seen in what the reply will say of the set; NULL: that there is none. One that
+ * would have changed something and finds that done acknowledges the change that did it. */
+static void note_changes(const struct server *s, struct answer *a, const struct command *c,
+                         const struct dataset *set)
+{
+    *((c->flags & CMD_WRITE) != 0 ? &a->lsn : &a->shown) = journal_of(s, set);
+}
+
+/* The set that the request is about: in *set, NULL if it is not there. */
+static bool check_set(struct server *s, struct answer *a, const struct command *c,
+                      const struct request *q, struct dataset **set)
+{
+    *set = NULL;
+    if ((c->flags & CMD_SET) == 0)
+        return true;
+    if (!word_is_set_name(&q->word[1])) {
+        reply_err(a->out, ERR_SYNTAX, "a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -");
+        return false;
+    }
+    *set = registry_find(&s->sets, &q->word[1]);
+    /* A set that is about to be created is there for those who would create it, and for nobody
+     * else. */
+    bool there = *set != NULL && ((*set)->born || (c->flags & CMD_WRITE) != 0);
+    if (!there)
+        *set = NULL;
+    if (!there && (c->flags & CMD_EXISTING) != 0) {
+        note_changes(s, a, c, NULL);
+        reply_err(a->out, ERR_NOSET, "there is no set %.*s", QUOTED(&q->word[1]));
+        return false;
+    }
+    return true;
+}
+
+/* ---- bringing a triangulation up to date before a query ---- */
+
+static void run_refresh(struct job *j)
+{
+    j->status = dt_refresh(j->dt, &j->options);
+}
+
+static void refresh_done(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s;
+    if (j->status == DT_OK)
+        a->next = ANSWER_AGAIN;
+    else
+        answer_status(a, j->status);
+}
+
+/* Whether the set can be queried now. If not, a tells what comes first. */
+static bool refresh(struct server *s, struct answer *a, struct dataset *set)
+{
+    if (!version_is_stale(set->current))
+        return true;
+    if (!dataset_admits(set, true, a->turn)) {
+        answer_wait(a, &set->queue, true);
+        return false;
+    }
+    bool large = !cost_at_once(COST_BUILD, set->current->sum.points);
+    struct reservation memory = server_reservation(s, BUDGET_BUILDS);
+    if (large && !job_reserve_build(s, a, set, &memory))
+        return false;
+    struct job *j = job_new(sizeof *j, run_refresh, refresh_done);
+    if (j == NULL) {
+        reservation_set(&memory, 0);
+        answer_out_of_memory(a);
+        return false;
+    }
+    j->memory = memory;
+    j->what = "triangulating";
+    job_write(s, a, j, set, large ? JOB_HEAVY : 0);
+    if (a->next == ANSWER_JOB)
+        a->next = ANSWER_PREPARING;
+    if (a->next != ANSWER_AGAIN)
+        return false;
+    a->next = ANSWER_WHOLE; /* it was done at once */
+    return true;
+}
+
+/* The same for what looks at the grid for searches. Nothing else does, so it is made beside those who
+ * read the set. */
+static bool prepare(struct server *s, struct answer *a, struct dataset *set)
+{
+    if (renew_has_grid(s, set))
+        return true;
+    answer_wait(a, &set->queue, true);
+    return false;
+}
+
+/* Whether the set's state allows the command now. */
+static bool check_state(struct server *s, struct answer *a, const struct command *c,
+                        const struct request *q, struct dataset *set)
+{
+    bool writes = (c->flags & CMD_WRITE) != 0;
+    if (set != NULL && set->loading) {
+        rebuild_refuse(s, a, set);
+        return false;
+    }
+    if (writes && !durable_admits_change(s, a, (c->flags & CMD_FREES) != 0))
+        return false;
+    if (set == NULL)
+        return true;
+    if (!dataset_admits(set, writes, a->turn)) {
+        if (c->handler != cmd_triangulate || !triangulate_join(s, set, q, a))
+            answer_wait(a, &set->queue, writes);
+        return false;
+    }
+    if ((c->flags & CMD_LIVE) != 0 && !set->current->sum.triangulated) {
+        answer_status(a, DT_UNTRIANGULATED);
+        return false;
+    }
+    if ((c->flags & CMD_FRESH) != 0 && !refresh(s, a, set))
+        return false;
+    return (c->flags & CMD_SEARCH) == 0 || !set->current->sum.triangulated || prepare(s, a, set);
+}
+
+/* ---- running ---- */
+
+/* As command_find; where one command follows after the other, it is most often the same. */
+static const struct command *find_again(struct server *s, const struct word *name)
+{
+    if (s->command == NULL || !word_is(name, s->command->name))
+        s->command = command_find(name);
+    return s->command;
+}
+
+static void dispatch(struct server *s, const struct request *q, struct answer *a)
+{
+    const struct command *c = find_again(s, &q->word[0]);
+    struct dataset *set;
+    a->command = c != NULL ? (unsigned)(c - commands) : STATS_OTHER;
+    stats_begin(&s->stats, a->command);
+    if (c == NULL) {
+        reply_err(a->out, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
+    } else if (!check_words(a, c, q) || !check_role(a, c) || !check_loaded(s, a, c) ||
+               !check_set(s, a, c, q, &set)) {
+        if ((c->flags & CMD_BODY) != 0)
+            load_skip(s, q, a);
+    } else if ((c->flags & CMD_BODY) != 0 || check_state(s, a, c, q, set)) {
+        /* A request with a body waits for its set when the body is there. */
+        if ((c->flags & CMD_SET) != 0)
+            note_changes(s, a, c, set);
+        c->handler(s, set, q, a);
+    }
+}
+
+void command_take_timeout(struct request *q, int64_t *ms)
+{
+    double seconds;
+    *ms = 0;
+    if (q->n < 3 || !word_is(&q->word[0], "TIMEOUT") || word_is(&q->word[2], "TIMEOUT") ||
+        !proto_read_double(q->word[1].text, q->word[1].len, &seconds) || !(seconds > 0) ||
+        seconds > LIMIT_TIMEOUT_S)
+        return;
+    *ms = (int64_t)(seconds * 1000) + 1;
+    q->n -= 2;
+    memmove(q->word, q->word + 2, q->n * sizeof *q->word);
+}
+
+/* Comes here only if its prefix is no valid one. */
+void cmd_timeout(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct command *inner = command_find(&q->word[2]);
+    (void)s, (void)set;
+    reply_err(a->out, ERR_SYNTAX, "usage: TIMEOUT seconds command, with more than 0 and at most %d",
+              LIMIT_TIMEOUT_S);
+    /* After a load that is refused nobody knows where the next request starts. */
+    if (inner != NULL && (inner->flags & CMD_BODY) != 0)
+        a->next = ANSWER_CLOSING;
+}
+
+void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
+{
+    if (a->next == ANSWER_STREAM)
+        stream_free(&s->sets, a->stream);
+    if (a->next == ANSWER_LISTING)
+        listing_free(a->listing);
+    if (a->next == ANSWER_STREAM || a->next == ANSWER_LISTING)
+        a->next = ANSWER_WHOLE;
+    buf_rewind(a->out, mark);
+    if (a->busy)
+        reply_err(a->out, ERR_BUSY, "others use the memory that the reply takes; try again");
+    else
+        reply_err(a->out, ERR_NOMEM, "out of memory; nothing has changed");
+}
+
+void command_run(struct server *s, const struct request *q, struct answer *a)
+{
+    size_t mark = buf_len(a->out);
+    if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) { /* not even room to say so */
+        a->next = ANSWER_BROKEN;
+        return;
+    }
+    dispatch(s, q, a);
+    if (a->out->failed)
+        command_out_of_memory(s, a, mark);
+}
+
+/* ---- arguments ---- */
+
+bool read_coordinate(struct answer *a, const struct word *w, double *v)
+{
+    if (!proto_read_double(w->text, w->len, v)) {
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+        return false;
+    }
+    if (!dt_coordinate_ok(*v)) {
+        answer_status(a, DT_RANGE);
+        return false;
+    }
+    return true;
+}
+
+bool read_length(struct answer *a, const struct word *w, const char *what, double *v)
+{
+    if (!proto_read_double(w->text, w->len, v))
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    else if (*v < 0)
+        reply_err(a->out, ERR_RANGE, "a %s is not negative", what);
+    else if (!dt_coordinate_ok(*v))
+        reply_err(a->out, ERR_RANGE, "a %s is 0 or has a magnitude from 2^-142 to 2^201", what);
+    else
+        return true;
+    return false;
+}
+
+bool read_point(struct answer *a, const struct word *w, struct dt_point *p)
+{
+    return read_coordinate(a, &w[0], &p->x) && read_coordinate(a, &w[1], &p->y);
+}
+
+bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p)
+{
+    if (s->ahead->place != NULL) {
+        *p = *s->ahead->place;
+        return true;
+    }
+    p->near = UINT32_MAX;
+    return read_point(a, &q->word[2], &p->at);
+}
+
+bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n)
+{
+    if (proto_read_u32(w->text, w->len, n))
+        return true;
+    reply_err(a->out, ERR_NUMBER, "%.*s is not %s", QUOTED(w), what);
+    return false;
+}
+
+bool read_id(struct answer *a, const struct word *w, uint32_t *id)
+{
+    return read_count(a, w, "an id", id);
+}
+
+uint32_t *read_ids(struct answer *a, const struct word *w, size_t n)
+{
+    uint32_t *id = malloc(n * sizeof *id);
+    if (id == NULL)
+        answer_out_of_memory(a);
+    for (size_t i = 0; id != NULL && i < n; i++) {
+        if (!read_id(a, &w[i], &id[i])) {
+            free(id);
+            return NULL;
+        }
+    }
+    return id;
+}

@@ -1,0 +1,12 @@
+/* redis.h - what Redis's tools and client libraries ask for that is no command of ours, or that
+ * they want answered in their own way: HELLO 2 and 3, PING, ECHO, SELECT, CLIENT, CONFIG GET,
+ * COMMAND, INFO, AUTH with a user's name. Only in RESP framing (proto/resp.h). */
+#ifndef SERVER_REDIS_H
+#define SERVER_REDIS_H
+
+#include "server/command/command.h"
+
+/* Whether q is one of these requests; then the reply, in RESP, has been appended to a->out. */
+bool redis_answer(struct server *s, const struct request *q, struct answer *a);
+
+#endif

@@ -1,0 +1,320 @@
+/* datadir.c - see datadir.h. The lock is flock on the directory itself: it goes with the process,
+ * however that ends, and leaves no file behind. */
+#include "server/disk/datadir.h"
+
+#include "server/system/notice.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MODE = 0700 }; /* of a directory that is made */
+
+/* `ok`, with its errno, once the descriptor is closed; there may be none. */
+static bool close_with(int fd, bool ok)
+{
+    int error = errno;
+    if (fd >= 0)
+        close(fd);
+    errno = error;
+    return ok;
+}
+
+/* Makes the directory's own name durable. Where the parent cannot be opened there is nothing to be
+ * done about it. */
+static bool sync_parent(const struct datadir *d)
+{
+    int fd = openat(d->fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    return close_with(fd, fd < 0 || fsync(fd) == 0);
+}
+
+static bool lock(struct datadir *d)
+{
+    if (flock(d->fd, LOCK_EX | LOCK_NB) == 0)
+        return true;
+    if (errno == EWOULDBLOCK)
+        notice(NOTICE_ERROR, "%s is in use by another process", d->path);
+    else
+        notice(NOTICE_ERROR, "cannot lock %s: %s", d->path, strerror(errno));
+    return false;
+}
+
+static bool open_locked(struct datadir *d)
+{
+    d->fd = open(d->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (d->fd < 0)
+        notice(NOTICE_ERROR, "cannot open %s: %s", d->path, strerror(errno));
+    if (d->fd >= 0 && lock(d))
+        return true;
+    datadir_close(d);
+    return false;
+}
+
+/* Whether the directory is gone and has to be made again. If an earlier start could not sync the
+ * parent, no later sync need cover the name; and a directory is empty until that sync has been
+ * done. So an empty one is removed here, unless its owner or mode shows that somebody else made it.
+ * One that has no link was removed by another process before this one had the lock. */
+static bool remove_unused(const struct datadir *d, bool made)
+{
+    struct stat st;
+    if (fstat(d->fd, &st) != 0)
+        return false;
+    bool ours = st.st_uid == geteuid() && (st.st_mode & 07777) == MODE;
+    return st.st_nlink == 0 || (!made && ours && unlinkat(AT_FDCWD, d->path, AT_REMOVEDIR) == 0);
+}
+
+bool datadir_open(struct datadir *d, const char *path, bool create)
+{
+    *d = (struct datadir){.fd = -1, .path = path};
+    for (;;) {
+        bool made = create && mkdir(path, MODE) == 0;
+        if (create && !made && errno != EEXIST) {
+            notice(NOTICE_ERROR, "cannot create %s: %s", path, strerror(errno));
+            return false;
+        }
+        if (!open_locked(d))
+            return false;
+        if (!create || !remove_unused(d, made))
+            break;
+        datadir_close(d);
+    }
+    if (!create || sync_parent(d))
+        return true;
+    notice(NOTICE_ERROR, "cannot sync the parent of %s: %s", path, strerror(errno));
+    datadir_close(d);
+    return false;
+}
+
+void datadir_close(struct datadir *d)
+{
+    if (d->fd >= 0)
+        close(d->fd);
+    d->fd = -1;
+}
+
+/* ---- names ---- */
+
+static const char *const prefix[] = {"snapshot.", "log."};
+
+void datafile_name(char name[DATAFILE_NAME], enum datafile_kind kind, uint64_t lsn)
+{
+    snprintf(name, DATAFILE_NAME, "%s%016" PRIx64 "%s",
+             prefix[kind == DATAFILE_LOG ? DATAFILE_LOG : DATAFILE_SNAPSHOT], lsn,
+             kind == DATAFILE_TEMPORARY ? ".tmp" : "");
+}
+
+/* Whether the name is one of ours: it must be what datafile_name makes of its own parts. */
+static bool parse_name(const char *name, struct datafile *f)
+{
+    for (int kind = DATAFILE_SNAPSHOT; kind <= DATAFILE_TEMPORARY; kind++) {
+        const char *start = prefix[kind == DATAFILE_LOG];
+        if (strncmp(name, start, strlen(start)) != 0)
+            continue;
+        f->kind = (enum datafile_kind)kind;
+        f->lsn = strtoull(name + strlen(start), NULL, 16);
+        datafile_name(f->name, f->kind, f->lsn);
+        if (strcmp(f->name, name) == 0)
+            return f->kind != DATAFILE_LOG || f->lsn > 0;
+    }
+    return false;
+}
+
+static int by_kind_and_lsn(const void *a, const void *b)
+{
+    const struct datafile *x = a, *y = b;
+    if (x->kind != y->kind)
+        return x->kind < y->kind ? -1 : 1;
+    return x->lsn < y->lsn ? -1 : x->lsn > y->lsn;
+}
+
+static bool append(struct datafiles *files, size_t *cap, const struct datafile *f)
+{
+    if (files->n == *cap) {
+        size_t larger = *cap == 0 ? 16 : 2 * *cap;
+        struct datafile *v = realloc(files->v, larger * sizeof *v);
+        if (v == NULL)
+            return false;
+        files->v = v;
+        *cap = larger;
+    }
+    files->v[files->n++] = *f;
+    return true;
+}
+
+bool datadir_list(const struct datadir *d, struct datafiles *files)
+{
+    size_t cap = 0;
+    bool ok = true;
+    *files = (struct datafiles){0};
+    int fd = openat(d->fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
+    if (dir == NULL) {
+        if (fd >= 0)
+            close(fd);
+        return false;
+    }
+    errno = 0;
+    for (struct dirent *e; ok && (e = readdir(dir)) != NULL;) {
+        struct datafile f;
+        struct stat st;
+        if (!parse_name(e->d_name, &f))
+            continue;
+        f.bytes = fstatat(d->fd, f.name, &st, 0) == 0 ? (uint64_t)st.st_size : 0;
+        ok = append(files, &cap, &f);
+        errno = ok ? 0 : ENOMEM;
+    }
+    int error = errno;
+    closedir(dir);
+    if (error == 0) {
+        if (files->n > 0)
+            qsort(files->v, files->n, sizeof *files->v, by_kind_and_lsn);
+        return true;
+    }
+    datafiles_free(files);
+    errno = error;
+    return false;
+}
+
+void datafiles_free(struct datafiles *files)
+{
+    free(files->v);
+    *files = (struct datafiles){0};
+}
+
+bool datadir_sync(const struct datadir *d)
+{
+    return fsync(d->fd) == 0;
+}
+
+/* ---- putting aside ---- */
+
+/* Opens a new file beside those that were put aside earlier; -1 with errno. */
+static int create_aside(const struct datadir *d, const struct datafile *f, char name[DATADIR_ASIDE])
+{
+    enum { REPAIRS = 100, FLAGS = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC };
+    snprintf(name, DATADIR_ASIDE, "damaged.%s", f->name);
+    int fd = openat(d->fd, name, FLAGS, 0600);
+    for (int i = 2; fd < 0 && errno == EEXIST && i < REPAIRS; i++) {
+        snprintf(name, DATADIR_ASIDE, "damaged.%s.%d", f->name, i);
+        fd = openat(d->fd, name, FLAGS, 0600);
+    }
+    return fd;
+}
+
+static bool write_all(int fd, const char *bytes, size_t n)
+{
+    while (n > 0) {
+        ssize_t wrote = write(fd, bytes, n);
+        if (wrote < 0 && errno != EINTR)
+            return false;
+        if (wrote > 0) {
+            bytes += wrote;
+            n -= (size_t)wrote;
+        }
+    }
+    return true;
+}
+
+/* cancel: NULL, or gives up, with ECANCELED, once it is set. */
+static bool copy_rest(int from, int to, uint64_t at, const atomic_bool *cancel)
+{
+    char block[1 << 16];
+    ssize_t n;
+    if (lseek(from, (off_t)at, SEEK_SET) < 0)
+        return false;
+    while ((n = read(from, block, sizeof block)) > 0) {
+        if (cancel != NULL && *cancel) {
+            errno = ECANCELED;
+            return false;
+        }
+        if (!write_all(to, block, (size_t)n))
+            return false;
+    }
+    return n == 0 && fsync(to) == 0;
+}
+
+/* Removes a file that could not be completed; errno stays. */
+static void discard(const struct datadir *d, const char *name)
+{
+    int error = errno;
+    unlinkat(d->fd, name, 0);
+    errno = error;
+}
+
+bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at,
+                        char name[DATADIR_ASIDE])
+{
+    int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
+    int to = from < 0 ? -1 : create_aside(d, f, name);
+    bool ok = to >= 0 && copy_rest(from, to, at, NULL) && datadir_sync(d);
+    close_with(from, ok);
+    close_with(to, ok);
+    if (to >= 0 && !ok)
+        discard(d, name);
+    return ok;
+}
+
+bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at)
+{
+    int fd = openat(d->fd, f->name, O_WRONLY | O_CLOEXEC);
+    return close_with(fd, fd >= 0 && ftruncate(fd, (off_t)at) == 0 && fsync(fd) == 0);
+}
+
+/* ---- saving again ---- */
+
+/* A sync that has failed may have marked what it did not save as saved; written again it is not. */
+static bool write_again(int fd, uint64_t at)
+{
+    char block[1 << 16];
+    for (;;) {
+        ssize_t n = pread(fd, block, sizeof block, (off_t)at);
+        if (n == 0)
+            return true;
+        if (n < 0 || lseek(fd, (off_t)at, SEEK_SET) < 0 || !write_all(fd, block, (size_t)n))
+            return false;
+        at += (uint64_t)n;
+    }
+}
+
+bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint64_t at)
+{
+    int fd = openat(d->fd, f->name, O_RDWR | O_CLOEXEC);
+    return close_with(fd, fd >= 0 && write_again(fd, at) && fdatasync(fd) == 0);
+}
+
+bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
+                        const atomic_bool *cancel)
+{
+    char temporary[DATAFILE_NAME];
+    datafile_name(temporary, DATAFILE_TEMPORARY, f->lsn);
+    int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
+    int to =
+        from < 0 ? -1 : openat(d->fd, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    bool ok = to >= 0 && copy_rest(from, to, 0, cancel);
+    close_with(from, ok);
+    ok = close_with(to, ok) && renameat(d->fd, temporary, d->fd, f->name) == 0;
+    if (!ok && to >= 0)
+        discard(d, temporary);
+    return ok && datadir_sync(d);
+}
+
+void datadir_forget(const struct datadir *d, uint64_t lsn)
+{
+    struct datafiles files;
+    if (!datadir_list(d, &files))
+        return;
+    for (size_t i = 0; i < files.n; i++) {
+        const struct datafile *f = &files.v[i], *next = f + 1;
+        bool followed = i + 1 < files.n && next->kind == DATAFILE_LOG && next->lsn <= lsn + 1;
+        if (f->kind == DATAFILE_LOG ? followed : f->lsn < lsn)
+            unlinkat(d->fd, f->name, 0);
+    }
+    datafiles_free(&files);
+}

@@ -1,0 +1,98 @@
+/* hold.c - see hold.h. */
+#include "server/disk/hold.h"
+
+static void enter(struct holders *in, struct hold *h)
+{
+    if (h->in != NULL)
+        return;
+    h->in = in;
+    h->prev = NULL;
+    h->next = in->first;
+    if (h->next != NULL)
+        h->next->prev = h;
+    in->first = h;
+}
+
+static void add(struct holders *in, struct hold *h, struct hold_group g)
+{
+    if (g.lsn <= in->durable)
+        return;
+    struct hold_group *last = h->groups > 0 ? &h->group[h->groups - 1] : NULL;
+    /* It waits with the last group if that waits for as long, or is the same reply, or if there is
+     * no room for a third one. */
+    if (last != NULL && (g.lsn <= last->lsn || g.from == last->from || h->groups == 2)) {
+        last->lsn = g.lsn > last->lsn ? g.lsn : last->lsn;
+        last->acknowledges = last->acknowledges || g.acknowledges;
+    } else {
+        h->group[h->groups++] = g;
+    }
+    enter(in, h);
+}
+
+void hold_acknowledgement(struct holders *in, struct hold *h, uint64_t lsn, uint64_t from)
+{
+    add(in, h, (struct hold_group){.lsn = lsn, .from = from, .acknowledges = true});
+}
+
+void hold_view(struct holders *in, struct hold *h, uint64_t lsn, uint64_t from)
+{
+    if (!in->failing)
+        add(in, h, (struct hold_group){.lsn = lsn, .from = from});
+}
+
+void hold_clear(struct hold *h)
+{
+    h->groups = 0;
+    if (h->in == NULL)
+        return;
+    if (h->prev == NULL)
+        h->in->first = h->next;
+    else
+        h->prev->next = h->next;
+    if (h->next != NULL)
+        h->next->prev = h->prev;
+    h->in = NULL;
+}
+
+static bool may_go(const struct holders *in, const struct hold_group *g)
+{
+    return g->lsn <= in->durable || (in->failing && !g->acknowledges);
+}
+
+static void release(struct holders *in, struct hold *h)
+{
+    unsigned before = h->groups;
+    while (h->groups > 0 && may_go(in, &h->group[0])) {
+        h->group[0] = h->group[1];
+        h->groups--;
+    }
+    if (h->groups == 0)
+        hold_clear(h);
+    if (h->groups < before)
+        in->released(h);
+}
+
+void holders_release(struct holders *in, uint64_t lsn)
+{
+    in->durable = lsn;
+    for (struct hold *h = in->first, *next; h != NULL; h = next) {
+        next = h->next;
+        release(in, h);
+    }
+}
+
+void holders_fail(struct holders *in)
+{
+    in->failing = true;
+    for (struct hold *h = in->first, *next; h != NULL; h = next) {
+        next = h->next;
+        release(in, h);
+        if (h->groups > 0)
+            in->not_saved(h);
+    }
+}
+
+void holders_recover(struct holders *in)
+{
+    in->failing = false;
+}

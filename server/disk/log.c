@@ -1,0 +1,501 @@
+/* log.c - the queue between the I/O thread and the log thread, and the thread's turns. What happens
+ * to files is in log_file.c. One mutex guards the queue and the status; nothing slow is done under
+ * it. */
+#include "server/disk/log.h"
+
+#include "core/delaunay.h"
+#include "server/disk/log_file.h"
+#include "server/system/loop.h"
+#include "server/system/notice.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+enum {
+    SYNC_EVERY_MS = 1000,
+    GATHER_LIMIT_NS = 2 * 1000 * 1000, /* how long a sync may be put off for company */
+    PIECE_FULL = 256 * 1024,           /* bytes of small records after which a piece is begun */
+    MUCH = 1 << 20                     /* bytes that are worth telling when they are written */
+};
+
+enum piece_kind { PIECE_BYTES, PIECE_POINTS, PIECE_ROTATE, PIECE_RESERVE };
+
+/* What is written in one go: many small records, or the points of one large one. */
+struct piece {
+    struct piece *next;
+    enum piece_kind kind;
+    unsigned records;
+    uint64_t last;        /* the lsn of its last record */
+    size_t size;          /* bytes that it takes */
+    struct buf bytes;     /* owns; PIECE_BYTES: encoded records */
+    double *xy;           /* owns; PIECE_POINTS */
+    struct record record; /* PIECE_POINTS: the ADD; its name is in `name` */
+    char name[RECORD_NAME_LIMIT];
+};
+
+struct queue {
+    struct piece *first, *last;
+    unsigned records;
+};
+
+struct log {
+    /* the I/O thread's own */
+    struct queue open;   /* appended and not pushed yet */
+    uint64_t next;       /* the lsn of the next record */
+    bool lost;           /* one of these could not be kept: out of memory */
+    size_t appended;     /* bytes of all pieces so far */
+    atomic_size_t freed; /* bytes of those that are gone */
+    _Atomic uint64_t synced;
+    /* shared */
+    pthread_mutex_t mutex;
+    pthread_cond_t wake;
+    struct queue queue;
+    struct log_status status;
+    uint64_t resume; /* not 0: the argument of log_resume, plus 1 */
+    uint64_t broken; /* a record up to this lsn is missing from the queue; 0: none */
+    bool stopping;
+    /* the log thread's own */
+    struct log_file file;
+    enum log_policy policy;
+    int event;
+    int64_t synced_ms, sync_ns;
+    unsigned expected; /* records that are likely to come before the next sync */
+    pthread_t thread;
+};
+
+/* ---- the I/O thread's side ---- */
+
+static void push(struct queue *q, struct piece *p)
+{
+    p->next = NULL;
+    if (q->first == NULL)
+        q->first = p;
+    else
+        q->last->next = p;
+    q->last = p;
+    q->records += p->records;
+}
+
+static struct piece *new_piece(struct log *log, enum piece_kind kind)
+{
+    struct piece *p = calloc(1, sizeof *p);
+    if (p == NULL) {
+        log->lost = true;
+        return NULL;
+    }
+    p->kind = kind;
+    p->last = log->next - 1;
+    push(&log->open, p);
+    return p;
+}
+
+/* A piece takes that many bytes. */
+static void measure(struct log *log, struct piece *p, size_t size)
+{
+    log->appended += size - p->size;
+    p->size = size;
+}
+
+static void free_piece(struct log *log, struct piece *p)
+{
+    atomic_fetch_add(&log->freed, p->size);
+    buf_free(&p->bytes);
+    dt_pages_release(p->xy);
+    free(p);
+}
+
+uint64_t log_append(struct log *log, struct record *r)
+{
+    struct piece *p = log->open.last;
+    r->lsn = log->next++;
+    r->synced = atomic_load(&log->synced);
+    if (p == NULL || p->kind != PIECE_BYTES || buf_len(&p->bytes) >= PIECE_FULL)
+        p = new_piece(log, PIECE_BYTES);
+    if (p == NULL)
+        return r->lsn;
+    record_write(&p->bytes, r);
+    measure(log, p, p->bytes.cap);
+    log->lost = log->lost || p->bytes.failed;
+    p->last = r->lsn;
+    p->records++;
+    log->open.records++;
+    return r->lsn;
+}
+
+uint64_t log_append_points(struct log *log, struct record *r, double *xy)
+{
+    if (r->n <= RECORD_POINTS) {
+        r->type = RECORD_ADD;
+        r->items = xy;
+        uint64_t lsn = log_append(log, r);
+        dt_pages_release(xy);
+        return lsn;
+    }
+    struct piece *p = new_piece(log, PIECE_POINTS);
+    r->type = RECORD_LOAD;
+    r->lsn = log->next;
+    r->synced = atomic_load(&log->synced);
+    log->next += 2 + (r->n + RECORD_POINTS - 1) / RECORD_POINTS;
+    if (p == NULL) {
+        dt_pages_release(xy);
+        return log->next - 1;
+    }
+    memcpy(p->name, r->name, r->name_len);
+    p->record = *r;
+    p->record.name = p->name;
+    p->xy = xy;
+    measure(log, p, r->n * 2 * sizeof *xy);
+    p->last = log->next - 1;
+    p->records = 1;
+    log->open.records++;
+    return p->last;
+}
+
+void log_fill(struct log *log, uint64_t lsn)
+{
+    struct record nothing = {.type = RECORD_CLOSE};
+    while (log->next <= lsn)
+        log_append(log, &nothing);
+    log_push(log);
+}
+
+void log_push(struct log *log)
+{
+    if (log->open.first == NULL && !log->lost)
+        return;
+    pthread_mutex_lock(&log->mutex);
+    if (log->open.first != NULL) {
+        if (log->queue.first == NULL)
+            log->queue.first = log->open.first;
+        else
+            log->queue.last->next = log->open.first;
+        log->queue.last = log->open.last;
+        log->queue.records += log->open.records;
+    }
+    if (log->lost)
+        log->broken = log->next - 1;
+    pthread_cond_signal(&log->wake);
+    pthread_mutex_unlock(&log->mutex);
+    log->open = (struct queue){0};
+    log->lost = false;
+}
+
+size_t log_queued(const struct log *log)
+{
+    return log->appended - atomic_load(&log->freed);
+}
+
+uint64_t log_last(const struct log *log)
+{
+    return log->next - 1;
+}
+
+uint64_t log_rotate(struct log *log)
+{
+    new_piece(log, PIECE_ROTATE);
+    log_push(log);
+    return log->next - 1;
+}
+
+void log_refill_reserve(struct log *log)
+{
+    new_piece(log, PIECE_RESERVE);
+    log_push(log);
+}
+
+void log_resume(struct log *log, uint64_t lsn)
+{
+    log_push(log);
+    pthread_mutex_lock(&log->mutex);
+    log->resume = lsn + 1;
+    pthread_cond_signal(&log->wake);
+    pthread_mutex_unlock(&log->mutex);
+}
+
+void log_status(struct log *log, struct log_status *status)
+{
+    pthread_mutex_lock(&log->mutex);
+    *status = log->status;
+    pthread_mutex_unlock(&log->mutex);
+}
+
+/* ---- the log thread ---- */
+
+static void tell(struct log *log)
+{
+    /* Nothing to do about a full counter: then the other side has not looked yet, and will. */
+    eventfd_write(log->event, 1);
+}
+
+static void encode_points(struct log *log, struct piece *p, struct buf *out)
+{
+    struct record r = p->record;
+    uint32_t total = r.n;
+    r.n = 0;
+    record_write(out, &r);
+    r.type = RECORD_CHUNK;
+    r.name_len = 0;
+    for (uint32_t at = 0; at < total && log->file.error == 0; at += r.n) {
+        r.lsn++;
+        r.n = total - at < RECORD_POINTS ? total - at : RECORD_POINTS;
+        r.items = p->xy + 2 * (size_t)at;
+        record_write(out, &r);
+        log_file_write(&log->file, out);
+    }
+    r.lsn++;
+    r.type = RECORD_LOADED;
+    r.name_len = p->record.name_len;
+    r.n = total;
+    record_write(out, &r);
+    log_file_write(&log->file, out);
+}
+
+static void carry_out(struct log *log, struct piece *p)
+{
+    struct buf out = {0};
+    switch (p->kind) {
+    case PIECE_BYTES:
+        log_file_write(&log->file, &p->bytes);
+        break;
+    case PIECE_POINTS:
+        encode_points(log, p, &out);
+        break;
+    case PIECE_ROTATE:
+        log_file_start(&log->file, p->last + 1);
+        break;
+    case PIECE_RESERVE:
+        log_file_reserve(&log->file);
+        break;
+    }
+    buf_free(&out);
+}
+
+/* Writes a list of pieces and frees them; after a failure the rest is only freed: a snapshot will
+ * have it. Returns the last lsn. */
+static uint64_t write_pieces(struct log *log, struct piece *p, uint64_t last)
+{
+    log_file_mark(&log->file);
+    while (p != NULL) {
+        struct piece *next = p->next;
+        if (log->file.error == 0)
+            carry_out(log, p);
+        if (p->last > last)
+            last = p->last;
+        free_piece(log, p);
+        p = next;
+    }
+    return last;
+}
+
+static void sync_file(struct log *log)
+{
+    int64_t start = clock_ns();
+    log_file_sync(&log->file);
+    log->sync_ns = clock_ns() - start;
+    log->synced_ms = (start + log->sync_ns) / 1000000;
+}
+
+static bool sync_is_due(const struct log *log)
+{
+    return log->policy == LOG_EVERYSEC && log->file.unsynced &&
+           clock_ms() - log->synced_ms >= SYNC_EVERY_MS;
+}
+
+static void wait_until(struct log *log, int64_t ns)
+{
+    struct timespec t = {ns / 1000000000, ns % 1000000000};
+    pthread_cond_timedwait(&log->wake, &log->mutex, &t);
+}
+
+/* Clients whose replies have just been released send their next edits in no time. Syncing before
+ * they have come would split them from those who came meanwhile, for ever: two groups that take
+ * turns at half the pace. So the sync waits for as many as are to be expected, for a fraction of
+ * what it costs. */
+static void gather(struct log *log)
+{
+    int64_t patience = log->sync_ns / 4;
+    int64_t until = clock_ns() + (patience < GATHER_LIMIT_NS ? patience : GATHER_LIMIT_NS);
+    if (log->policy != LOG_ALWAYS)
+        return;
+    while (log->queue.records < log->expected && !log->stopping && clock_ns() < until)
+        wait_until(log, until);
+}
+
+/* Publishes what has become of the file. The mutex is held. */
+static void publish(struct log *log, uint64_t last, unsigned records)
+{
+    struct log_status *st = &log->status;
+    const struct log_file *f = &log->file;
+    if (f->error != 0) {
+        st->state = LOG_FAILED;
+        st->error = f->error;
+        st->failures++;
+        notice(NOTICE_ERROR, "the log cannot be written: %s", strerror(f->error));
+    } else {
+        st->state = f->reserved ? LOG_GOOD : LOG_FULL;
+        st->error = f->reserved ? 0 : f->full_error;
+        st->durable = last;
+        if (!f->unsynced) {
+            st->synced = last;
+            atomic_store(&log->synced, last);
+        }
+    }
+    st->segment = f->first;
+    st->bytes = f->bytes;
+    st->total = f->before + f->bytes;
+    st->syncs = f->syncs;
+    log->expected = records + log->queue.records;
+    tell(log);
+}
+
+/* One turn in good order. The mutex is held on entry and on return, not in between. */
+static void write_queue(struct log *log, bool sync)
+{
+    struct queue q = log->queue;
+    uint64_t last = log->status.durable;
+    log->queue = (struct queue){0};
+    bool broken = log->broken != 0;
+    pthread_mutex_unlock(&log->mutex);
+    if (broken)
+        log_file_fail(&log->file, ENOMEM);
+    size_t before = atomic_load(&log->freed);
+    last = write_pieces(log, q.first, last);
+    if (atomic_load(&log->freed) - before >= MUCH) /* there is room, however long the sync takes */
+        tell(log);
+    if (sync || log->policy == LOG_ALWAYS || sync_is_due(log))
+        sync_file(log);
+    pthread_mutex_lock(&log->mutex);
+    publish(log, last, q.records);
+}
+
+/* Drops what the snapshot has, and goes on with the rest. */
+static void resume(struct log *log)
+{
+    uint64_t first = log->resume;
+    struct queue q = log->queue, keep = {0};
+    log->resume = 0;
+    bool broken = log->broken >= first;
+    log->broken = broken ? log->broken : 0;
+    log->queue = (struct queue){0};
+    pthread_mutex_unlock(&log->mutex);
+    for (struct piece *p = q.first, *next; p != NULL; p = next) {
+        next = p->next;
+        if (p->last < first || p->kind == PIECE_ROTATE)
+            free_piece(log, p);
+        else
+            push(&keep, p);
+    }
+    if (broken)
+        log_file_fail(&log->file, ENOMEM);
+    else
+        log_file_restart(&log->file, first);
+    if (log->file.error == 0)
+        log_file_reserve(&log->file);
+    uint64_t last = write_pieces(log, keep.first, first - 1);
+    sync_file(log);
+    pthread_mutex_lock(&log->mutex);
+    publish(log, last, 0);
+}
+
+static void *serve(void *arg)
+{
+    struct log *log = arg;
+    pthread_mutex_lock(&log->mutex);
+    for (;;) {
+        bool failed = log->status.state == LOG_FAILED;
+        if (failed && log->resume != 0)
+            resume(log);
+        else if (!failed && (log->queue.first != NULL || log->broken != 0)) {
+            gather(log);
+            write_queue(log, false);
+        } else if (!failed && (sync_is_due(log) || (log->stopping && log->file.unsynced))) {
+            write_queue(log, true);
+        } else if (log->stopping) {
+            break;
+        } else if (log->policy == LOG_EVERYSEC && log->file.unsynced) {
+            wait_until(log, (log->synced_ms + SYNC_EVERY_MS) * 1000000);
+        } else {
+            pthread_cond_wait(&log->wake, &log->mutex);
+        }
+    }
+    pthread_mutex_unlock(&log->mutex);
+    return NULL;
+}
+
+/* ---- life ---- */
+
+static bool start_thread(struct log *log)
+{
+    pthread_condattr_t attr;
+    pthread_condattr_init(&attr);
+    pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
+    pthread_mutex_init(&log->mutex, NULL);
+    pthread_cond_init(&log->wake, &attr);
+    pthread_condattr_destroy(&attr);
+    return pthread_create(&log->thread, NULL, serve, log) == 0;
+}
+
+struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t first, int event)
+{
+    struct log *log = calloc(1, sizeof *log);
+    if (log == NULL) {
+        notice(NOTICE_ERROR, "out of memory");
+        return NULL;
+    }
+    log->next = first;
+    log->policy = policy;
+    log->event = event;
+    log->synced = first - 1;
+    log->status.durable = log->status.synced = first - 1;
+    log_file_init(&log->file, dir);
+    log_file_start(&log->file, first);
+    if (log->file.error != 0) {
+        notice(NOTICE_ERROR, "cannot write in %s: %s", dir->path, strerror(log->file.error));
+        free(log);
+        return NULL;
+    }
+    log_file_reserve(&log->file);
+    log->synced_ms = clock_ms();
+    log->status.segment = first;
+    log->status.bytes = log->status.total = log->file.bytes;
+    log->status.state = log->file.reserved ? LOG_GOOD : LOG_FULL;
+    log->status.error = log->file.full_error;
+    if (start_thread(log))
+        return log;
+    notice(NOTICE_ERROR, "cannot start a thread");
+    log_file_clear(&log->file);
+    free(log);
+    return NULL;
+}
+
+void log_free(struct log *log)
+{
+    struct record close = {.type = RECORD_CLOSE};
+    log_push(log);
+    pthread_mutex_lock(&log->mutex);
+    log->stopping = true;
+    pthread_cond_signal(&log->wake);
+    pthread_mutex_unlock(&log->mutex);
+    pthread_join(log->thread, NULL);
+    if (log->status.state != LOG_FAILED) {
+        /* Says of everything before it that it was synced: what is damaged later cannot pass for a
+         * torn end. */
+        log_append(log, &close);
+        write_pieces(log, log->open.first, 0);
+        log_file_sync(&log->file);
+    }
+    for (struct piece *p = log->queue.first, *next; p != NULL; p = next) {
+        next = p->next;
+        free_piece(log, p);
+    }
+    log_file_clear(&log->file);
+    pthread_cond_destroy(&log->wake);
+    pthread_mutex_destroy(&log->mutex);
+    free(log);
+}

@@ -1,0 +1,175 @@
+/* log_file.c - see log_file.h. */
+#include "server/disk/log_file.h"
+
+#include "proto/record.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <unistd.h>
+
+enum { RESERVE_BYTES = 4 << 20 };
+
+static const char reserve_name[] = "reserve";
+
+void log_file_init(struct log_file *f, const struct datadir *dir)
+{
+    *f = (struct log_file){.dir = dir, .fd = -1};
+}
+
+void log_file_clear(struct log_file *f)
+{
+    if (f->fd >= 0)
+        close(f->fd);
+    f->fd = -1;
+}
+
+void log_file_fail(struct log_file *f, int error)
+{
+    log_file_clear(f);
+    f->error = error;
+    f->unsynced = false;
+}
+
+/* ---- the reserve ---- */
+
+static bool is_lack_of_space(int error)
+{
+    return error == ENOSPC || error == EDQUOT;
+}
+
+void log_file_reserve(struct log_file *f)
+{
+    if (f->reserved)
+        return;
+    int fd = openat(f->dir->fd, reserve_name, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    int error = fd < 0 ? errno : posix_fallocate(fd, 0, RESERVE_BYTES);
+    if (fd >= 0)
+        close(fd);
+    f->reserved = !is_lack_of_space(error); /* where there cannot be one, it goes without */
+    f->full_error = error;
+    if (error != 0)
+        unlinkat(f->dir->fd, reserve_name, 0);
+}
+
+/* Gives the reserve up; whether that makes it worth another try. */
+static bool use_reserve(struct log_file *f, int error)
+{
+    if (!is_lack_of_space(error) || !f->reserved)
+        return false;
+    f->reserved = false;
+    f->full_error = error;
+    return unlinkat(f->dir->fd, reserve_name, 0) == 0;
+}
+
+/* ---- writing ---- */
+
+void log_file_mark(struct log_file *f)
+{
+    f->mark = f->bytes;
+}
+
+void log_file_write(struct log_file *f, struct buf *b)
+{
+    if (b->failed && f->error == 0)
+        log_file_fail(f, ENOMEM);
+    while (f->error == 0 && buf_len(b) > 0) {
+        ssize_t n = write(f->fd, buf_head(b), buf_len(b));
+        if (n >= 0) {
+            buf_consume(b, (size_t)n);
+            f->bytes += (uint64_t)n;
+            f->unsynced = true;
+        } else if (errno != EINTR && !use_reserve(f, errno)) {
+            int error = errno;
+            /* Space for the snapshot that comes now; what is cut off was told to nobody. */
+            if (is_lack_of_space(error) && ftruncate(f->fd, (off_t)f->mark) == 0)
+                f->bytes = f->mark;
+            log_file_fail(f, error);
+        }
+    }
+}
+
+void log_file_sync(struct log_file *f)
+{
+    if (f->error != 0 || !f->unsynced)
+        return;
+    if (fdatasync(f->fd) != 0) {
+        log_file_fail(f, errno);
+        return;
+    }
+    f->unsynced = false;
+    f->syncs++;
+}
+
+/* Writes what a new segment begins with; its name and header are durable, or the file has failed. */
+static void write_header(struct log_file *f)
+{
+    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = f->first};
+    struct buf b = {0};
+    char *to = buf_reserve(&b, SEGMENT_HEADER);
+    if (to != NULL) {
+        segment_write(to, &header);
+        buf_commit(&b, SEGMENT_HEADER);
+    }
+    log_file_mark(f);
+    log_file_write(f, &b);
+    log_file_sync(f);
+    if (f->error == 0 && !datadir_sync(f->dir))
+        log_file_fail(f, errno);
+    log_file_mark(f);
+    buf_free(&b);
+}
+
+/* Opens the segment's file, empty. *created: it was not there before. One that is there may have a name
+ * that a failed sync of the directory has lost for good, so that a new file takes its place: then the
+ * next sync has something to do. */
+static int open_segment(const struct datadir *dir, const char *name, uint64_t first, bool *created)
+{
+    enum { FLAGS = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC };
+    char temporary[DATAFILE_NAME];
+    int fd = openat(dir->fd, name, FLAGS | O_EXCL, 0600);
+    *created = fd >= 0;
+    if (fd >= 0 || errno != EEXIST)
+        return fd;
+    datafile_name(temporary, DATAFILE_TEMPORARY, first);
+    fd = openat(dir->fd, temporary, FLAGS | O_TRUNC, 0600);
+    if (fd < 0 || renameat(dir->fd, temporary, dir->fd, name) == 0)
+        return fd;
+    int error = errno;
+    close(fd);
+    unlinkat(dir->fd, temporary, 0);
+    errno = error;
+    return -1;
+}
+
+void log_file_start(struct log_file *f, uint64_t first)
+{
+    char name[DATAFILE_NAME];
+    bool created;
+    if (f->fd >= 0 && f->first == first && f->bytes == SEGMENT_HEADER)
+        return; /* it is fresh already */
+    log_file_sync(f);
+    if (f->error != 0)
+        return;
+    log_file_clear(f);
+    datafile_name(name, DATAFILE_LOG, first);
+    f->fd = open_segment(f->dir, name, first, &created);
+    if (f->fd < 0) {
+        log_file_fail(f, errno);
+        return;
+    }
+    f->first = first;
+    f->before += f->bytes;
+    f->bytes = 0;
+    write_header(f);
+    /* Its name may never get to the disk. If it stayed, a snapshot would take the segments before it for
+     * replaced and remove them, and a power failure could leave no segment at all. */
+    if (f->error != 0 && created)
+        unlinkat(f->dir->fd, name, 0);
+}
+
+void log_file_restart(struct log_file *f, uint64_t first)
+{
+    f->error = 0;
+    log_file_start(f, first);
+}

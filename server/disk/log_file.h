@@ -1,0 +1,49 @@
+/* log_file.h - the segment that the log thread is writing, and the reserve. */
+#ifndef SERVER_LOG_FILE_H
+#define SERVER_LOG_FILE_H
+
+#include "proto/buf.h"
+#include "server/disk/datadir.h"
+
+struct log_file {
+    const struct datadir *dir; /* borrows */
+    int fd;                    /* -1 after a failure */
+    int error;                 /* errno of the failure; 0: all is well */
+    int full_error;            /* why there is no reserve */
+    bool reserved;             /* the reserve is there */
+    bool unsynced;             /* something was written since the last sync */
+    uint64_t first;            /* the lsn of its first record */
+    uint64_t bytes, mark;
+    uint64_t before; /* bytes of the segments before it */
+    uint64_t syncs;
+};
+
+void log_file_init(struct log_file *f, const struct datadir *dir);
+void log_file_clear(struct log_file *f);
+
+/* Gives up the descriptor: nothing is written to it any more. */
+void log_file_fail(struct log_file *f, int error);
+
+/* Syncs and closes the segment, and begins one whose first record will have the lsn `first`. Without
+ * an error its name and header are durable when this returns. Does nothing after a failure. */
+void log_file_start(struct log_file *f, uint64_t first);
+
+/* The same after a failure, which is forgotten together with the segment in which it happened: for
+ * a caller who knows that everything before `first` is safe elsewhere. */
+void log_file_restart(struct log_file *f, uint64_t first);
+
+/* From here on until the next mark nothing counts as written before it is complete: if the disk is
+ * full half way, the segment is cut back to here. */
+void log_file_mark(struct log_file *f);
+
+/* Writes and consumes all of b. */
+void log_file_write(struct log_file *f, struct buf *b);
+
+/* A failure is final: on Linux a second fsync on the same descriptor reports success for pages that
+ * were thrown away [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */
+void log_file_sync(struct log_file *f);
+
+/* Makes the reserve if it is not there. */
+void log_file_reserve(struct log_file *f);
+
+#endif

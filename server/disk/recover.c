@@ -1,0 +1,478 @@
+/* recover.c - see recover.h. */
+#include "server/disk/recover.h"
+
+#include "server/disk/segment_reader.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <string.h>
+#include <unistd.h>
+
+void recovery_init(struct recovery *r, const struct datadir *dir)
+{
+    *r = (struct recovery){.dir = dir};
+    replay_init(&r->replay);
+    r->replay.cancel = &r->cancel;
+}
+
+void recovery_clear(struct recovery *r)
+{
+    replay_clear(&r->replay);
+}
+
+unsigned recovery_percent(struct recovery *r)
+{
+    uint64_t total = r->total, done = r->done;
+    return total == 0 ? 0 : (unsigned)(done * 100 / total);
+}
+
+__attribute__((format(printf, 3, 4))) static bool
+fail(struct recovery *r, enum recovery_result result, const char *format, ...)
+{
+    va_list ap;
+    va_start(ap, format);
+    vsnprintf(r->why, sizeof r->why, format, ap);
+    va_end(ap);
+    r->result = result;
+    return false;
+}
+
+static bool fail_to_read(struct recovery *r, const struct datafile *f, int error)
+{
+    return fail(r, RECOVERY_ERROR, "cannot read %s: %s", f->name, strerror(error));
+}
+
+__attribute__((format(printf, 2, 3))) static void report(struct recovery *r, const char *format,
+                                                         ...)
+{
+    va_list ap;
+    if (r->report == NULL)
+        return;
+    va_start(ap, format);
+    vfprintf(r->report, format, ap);
+    va_end(ap);
+}
+
+static bool cancelled(struct recovery *r)
+{
+    if (r->cancel)
+        fail(r, RECOVERY_CANCELLED, "given up");
+    return r->cancel;
+}
+
+static const char keeps[] = "; --repair DIR would keep every set that is whole";
+static const char mends[] = "; --repair DIR would keep the changes before that";
+
+/* What a record was refused for: out of memory is not the record's fault. */
+static bool fail_record(struct recovery *r, const struct datafile *f, uint64_t at,
+                        const char *fault)
+{
+    if (cancelled(r))
+        return false;
+    if (r->replay.out_of_memory)
+        return fail(r, RECOVERY_ERROR, "out of memory while reading %s", f->name);
+    r->bad_snapshot = f->kind == DATAFILE_SNAPSHOT;
+    r->bad_log = !r->bad_snapshot;
+    return fail(r, RECOVERY_REFUSED, "%s: the record at byte %" PRIu64 " is damaged: %s%s", f->name,
+                at, fault, r->bad_snapshot ? keeps : mends);
+}
+
+/* ---- the snapshot ---- */
+
+static bool read_snapshot_records(struct recovery *r, const struct datafile *f,
+                                  struct segment_reader *in)
+{
+    struct record record;
+    for (uint64_t number = 1;; number++) {
+        enum reader_result got = reader_next(in, &record);
+        if (got == READER_ERROR)
+            return fail_to_read(r, f, in->error);
+        if (got == READER_END && r->replay.ended)
+            return true;
+        const char *fault = got == READER_END ? "the file ends too early" : in->fault;
+        if (got == READER_OK)
+            fault = record.lsn == number ? replay_snapshot(&r->replay, &record) : "it is misplaced";
+        if (got != READER_OK || fault != NULL)
+            return fail_record(r, f, in->at, fault);
+        r->done += in->last;
+        if (cancelled(r))
+            return false;
+    }
+}
+
+static bool read_snapshot(struct recovery *r, const struct datafile *f)
+{
+    struct segment_reader in;
+    struct segment header = {0};
+    enum reader_result got = reader_open(&in, r->dir, f, &header);
+    bool ok = false;
+    if (got == READER_ERROR)
+        fail_to_read(r, f, in.error);
+    else if (got == READER_BAD && reader_is_later(&in, &header))
+        fail(r, RECOVERY_REFUSED, "%s: %s", f->name, in.fault);
+    else if (got == READER_BAD)
+        r->bad_snapshot = !fail(r, RECOVERY_REFUSED, "%s: %s%s", f->name, in.fault, keeps);
+    else
+        ok = read_snapshot_records(r, f, &in);
+    reader_close(&in);
+    r->last = r->replay.snapshot = f->lsn;
+    if (ok)
+        report(r, "%s: %zu sets, all changes up to %" PRIu64 "\n", f->name, r->replay.sets.sets,
+               f->lsn);
+    return ok;
+}
+
+/* ---- a segment of the log ---- */
+
+struct place {
+    const struct datafile *file;
+    bool last; /* no segment follows */
+    uint64_t first;
+    uint64_t mark_at, mark_lsn; /* a record: as soon as a later one calls all before it synced */
+    uint64_t load_at, load_lsn; /* where the LOAD began that is not complete */
+};
+
+static bool torn_at(struct recovery *r, const struct place *p, uint64_t at)
+{
+    int n;
+    r->torn = true;
+    r->file = *p->file;
+    r->at = at;
+    n = snprintf(r->why, sizeof r->why,
+                 "%s: the end of the log was torn off by a crash; %" PRIu64
+                 " bytes after byte %" PRIu64 " do not count",
+                 p->file->name, p->file->bytes - at, at);
+    if (r->later > 0)
+        snprintf(r->why + n, sizeof r->why - (size_t)n,
+                 ", among them %" PRIu64 " whole records, which may have been acknowledged",
+                 r->later);
+    return true;
+}
+
+static bool corrupt_at(struct recovery *r, const struct place *p, uint64_t at, const char *fault)
+{
+    r->file = *p->file;
+    r->at = at;
+    return fail(r, RECOVERY_CORRUPT,
+                "%s: the record at byte %" PRIu64
+                " is damaged (%s), and changes that were acknowledged follow. --repair DIR would "
+                "keep all changes up to %" PRIu64
+                " and put everything after these aside: %s%" PRIu64 " whole records",
+                p->file->name, at, fault, r->last, p->last ? "" : "later segments and ", r->later);
+}
+
+/* What begins at the reader's place is no record: is it a torn end? */
+static bool judge_end(struct recovery *r, const struct place *p, struct segment_reader *in,
+                      const char *fault)
+{
+    uint64_t at = in->at, bad = r->last + 1;
+    bool synced = false, half = in->half;
+    struct record later;
+    enum reader_result got;
+    while ((got = reader_search(in, bad, &later)) == READER_OK) {
+        r->later++;
+        synced = synced || later.synced >= bad;
+        if (cancelled(r))
+            return false;
+    }
+    if (got == READER_ERROR)
+        return fail_to_read(r, p->file, in->error);
+    if (p->load_at > 0) { /* the whole LOAD goes with its end */
+        at = p->load_at;
+        r->last = p->load_lsn - 1;
+        replay_abandon_load(&r->replay);
+    }
+    if (synced || !p->last)
+        return corrupt_at(r, p, at, fault);
+    r->aside = !half || r->later > 0;
+    return torn_at(r, p, at);
+}
+
+/* A record says up to which lsn all is synced. Where that is in the file is remembered of one record
+ * only, the mark, so synced_at may be earlier than it could. */
+static void note_synced(struct recovery *r, struct place *p, uint64_t at,
+                        const struct record *record)
+{
+    if (record->synced + 1 < p->mark_lsn)
+        return;
+    r->synced_at = record->synced + 1 == record->lsn ? at : p->mark_at;
+    p->mark_at = at;
+    p->mark_lsn = record->lsn;
+}
+
+static bool read_log_records(struct recovery *r, struct place *p, struct segment_reader *in)
+{
+    struct record record;
+    r->synced_at = p->mark_at = SEGMENT_HEADER;
+    p->mark_lsn = p->first;
+    for (;;) {
+        enum reader_result got = reader_next(in, &record);
+        if (got == READER_ERROR)
+            return fail_to_read(r, p->file, in->error);
+        if (got == READER_END && p->load_at == 0)
+            return true;
+        if (got == READER_OK && record.lsn != r->last + 1) {
+            in->fault = "its number is not the next one";
+            got = READER_BAD;
+            in->last = 0;
+        }
+        if (got == READER_END) {
+            in->half = true;
+            in->fault = "a LOAD is not complete";
+        }
+        if (got != READER_OK)
+            return judge_end(r, p, in, in->fault);
+        const char *fault = replay_log(&r->replay, &record);
+        if (fault != NULL && r->mend && !r->replay.out_of_memory && !r->cancel)
+            return corrupt_at(r, p, in->at, fault);
+        if (fault != NULL)
+            return fail_record(r, p->file, in->at, fault);
+        if (record.type == RECORD_LOAD) {
+            p->load_at = in->at;
+            p->load_lsn = record.lsn;
+        }
+        if (!replay_in_load(&r->replay))
+            p->load_at = 0;
+        note_synced(r, p, in->at, &record);
+        r->last = record.lsn;
+        r->done += in->last;
+        if (cancelled(r))
+            return false;
+    }
+}
+
+/* Nothing was acknowledged before a segment's header was synced: without a single record behind
+ * it, a damaged header is that of a segment that was about to begin. */
+static bool judge_header(struct recovery *r, const struct place *p, struct segment_reader *in)
+{
+    struct record later;
+    enum reader_result got = READER_END;
+    if (buf_len(&in->window) > 0)
+        got = reader_search(in, 0, &later);
+    if (got == READER_ERROR)
+        return fail_to_read(r, p->file, in->error);
+    if (got == READER_END && p->last && p->file->lsn == r->last + 1) {
+        r->aside = p->file->bytes > SEGMENT_HEADER;
+        return torn_at(r, p, 0);
+    }
+    if (r->mend)
+        return corrupt_at(r, p, 0, in->fault);
+    r->bad_log = true;
+    return fail(r, RECOVERY_REFUSED, "%s: %s; --repair DIR would make its header anew",
+                p->file->name, in->fault);
+}
+
+/* To mend a log, its records are read behind a damaged header. The file's name says the same, and
+ * their numbers tell whether that is right. */
+static bool can_pass_header(const struct recovery *r, struct segment_reader *in)
+{
+    if (!r->mend || buf_len(&in->window) < SEGMENT_HEADER)
+        return false;
+    in->last = SEGMENT_HEADER;
+    return true;
+}
+
+static bool read_segment(struct recovery *r, struct place *p)
+{
+    const struct datafile *f = p->file;
+    struct segment_reader in;
+    struct segment header = {0};
+    bool ok = false;
+    enum reader_result got = reader_open(&in, r->dir, f, &header);
+    if (got == READER_ERROR) {
+        fail_to_read(r, f, in.error);
+    } else if (got == READER_BAD && reader_is_later(&in, &header)) {
+        fail(r, RECOVERY_REFUSED, "%s: %s", f->name, in.fault);
+    } else if (got == READER_BAD && !can_pass_header(r, &in)) {
+        ok = judge_header(r, p, &in);
+    } else {
+        p->first = r->last + 1;
+        ok = read_log_records(r, p, &in);
+        if (ok && r->last < p->first)
+            report(r, "%s: no changes yet\n", f->name);
+        else if (ok)
+            report(r, "%s: changes %" PRIu64 " to %" PRIu64 "\n", f->name, p->first, r->last);
+    }
+    reader_close(&in);
+    return ok;
+}
+
+/* What comes next is not there; `then` is what follows, NULL if there is nothing. */
+static bool miss_segment(struct recovery *r, const struct datafile *then)
+{
+    if (r->last < r->replay.snapshot)
+        r->last = r->replay.snapshot;
+    if (r->mend && then == NULL)
+        return true;
+    if (r->mend) {
+        r->file = *then;
+        r->at = 0;
+    }
+    r->bad_log = true;
+    return fail(r, r->mend ? RECOVERY_CORRUPT : RECOVERY_REFUSED,
+                "%s%sthe log segment with change %" PRIu64 " is missing%s",
+                then == NULL ? "" : then->name, then == NULL ? "" : ": ", r->last + 1, mends);
+}
+
+/* A set may have been pinned for the snapshot after later changes than those up to which the file
+ * contains all; if the log has lost these in a crash, their numbers are taken nevertheless. */
+static void look_ahead(struct dataset *set, void *ctx)
+{
+    struct recovery *r = ctx;
+    if (set->current->lsn > r->ahead)
+        r->ahead = set->current->lsn;
+}
+
+/* Reads the segments from the first one that has changes after the snapshot. */
+static bool read_segments(struct recovery *r, const struct datafile *f, size_t n)
+{
+    while (n > 1 && f[1].lsn <= r->replay.snapshot + 1) {
+        r->done += f->bytes;
+        f++;
+        n--;
+    }
+    if (n == 0 ? r->replay.snapshot > 0 : f->lsn > r->replay.snapshot + 1)
+        return miss_segment(r, n == 0 ? NULL : f);
+    for (size_t i = 0; i < n; i++) {
+        struct place p = {.file = &f[i], .last = i + 1 == n};
+        if (i > 0 && f[i].lsn != r->last + 1)
+            return miss_segment(r, &f[i]);
+        /* The first one may begin before the snapshot. */
+        r->last = i == 0 ? f[i].lsn - 1 : r->last;
+        if (!read_segment(r, &p))
+            return false;
+        r->log_bytes += f[i].bytes;
+    }
+    if (r->last < r->replay.snapshot)
+        r->last = r->replay.snapshot;
+    return true;
+}
+
+static void read_log(struct recovery *r, const struct datafile *f, size_t n)
+{
+    if (read_segments(r, f, n))
+        r->result = RECOVERY_OK;
+    r->ahead = r->last > r->replay.snapshot ? r->last : r->replay.snapshot;
+    registry_each(&r->replay.sets, look_ahead, r);
+}
+
+void recovery_run(struct recovery *r)
+{
+    struct datafiles files;
+    size_t snapshots = 0, logs = 0;
+    if (!datadir_list(r->dir, &files)) {
+        fail(r, RECOVERY_ERROR, "cannot list %s: %s", r->dir->path, strerror(errno));
+        return;
+    }
+    for (size_t i = 0; i < files.n; i++) {
+        snapshots += files.v[i].kind == DATAFILE_SNAPSHOT;
+        logs += files.v[i].kind == DATAFILE_LOG;
+        r->total += files.v[i].bytes;
+    }
+    size_t read = snapshots - (r->pass_over && snapshots > 0);
+    bool ok = read == 0 || read_snapshot(r, &files.v[read - 1]);
+    if (ok)
+        read_log(r, files.v + snapshots, logs);
+    datafiles_free(&files);
+}
+
+void recovery_log(struct recovery *r, const struct datafiles *files)
+{
+    const struct datafile *f = files->v;
+    size_t snapshots = 0, logs = 0;
+    while (snapshots < files->n && f[snapshots].kind == DATAFILE_SNAPSHOT)
+        snapshots++;
+    while (snapshots + logs < files->n && f[snapshots + logs].kind == DATAFILE_LOG)
+        logs++;
+    read_log(r, f + snapshots, logs);
+}
+
+/* ---- afterwards ---- */
+
+static void remove_temporaries(const struct datadir *dir)
+{
+    struct datafiles files;
+    if (!datadir_list(dir, &files))
+        return;
+    for (size_t i = 0; i < files.n; i++)
+        if (files.v[i].kind == DATAFILE_TEMPORARY)
+            unlinkat(dir->fd, files.v[i].name, 0);
+    datafiles_free(&files);
+}
+
+/* Cuts off what is torn, which is put aside before if it may hold changes. */
+static bool cut_torn_end(struct recovery *r)
+{
+    const struct datafile *f = &r->file;
+    char name[DATADIR_ASIDE];
+    size_t n = strlen(r->why);
+    if (r->aside && !datadir_copy_aside(r->dir, f, r->at, name))
+        return fail(r, RECOVERY_ERROR, "cannot put the damaged end of %s aside: %s", f->name,
+                    strerror(errno));
+    if (r->aside)
+        snprintf(r->why + n, sizeof r->why - n, "; they are kept in %s", name);
+    if (r->at == 0 ? unlinkat(r->dir->fd, f->name, 0) != 0 : !datadir_cut(r->dir, f, r->at))
+        return fail(r, RECOVERY_ERROR, "cannot cut the end off %s: %s", f->name, strerror(errno));
+    return true;
+}
+
+/* What was read is what the log builds on. If those who wrote it were killed, it need not be on the
+ * disk, and a power failure would leave a gap before the changes that come now. The last segment
+ * comes first, since with the others there is hardly ever anything left to do. */
+static bool save_log(struct recovery *r)
+{
+    struct datafiles files;
+    bool last = true, ok = datadir_list(r->dir, &files);
+    for (size_t i = files.n; ok && i-- > 0;) {
+        const struct datafile *f = &files.v[i];
+        if (f->kind != DATAFILE_LOG)
+            continue;
+        ok = datadir_save_again(r->dir, f, last ? r->synced_at : f->bytes);
+        last = false;
+    }
+    int error = errno;
+    datafiles_free(&files);
+    return ok || fail(r, RECOVERY_ERROR, "cannot sync the log: %s", strerror(error));
+}
+
+/* The snapshot that was read, if there are files beside it that it covers: its daemon would have removed
+ * them, had its name been synced. NULL: there is none, or it is alone. */
+static const struct datafile *unproven_snapshot(const struct recovery *r,
+                                                const struct datafiles *files)
+{
+    const struct datafile *snapshot = NULL;
+    bool covers = false;
+    for (size_t i = 0; i < files->n; i++) {
+        const struct datafile *f = &files->v[i];
+        if (f->kind == DATAFILE_SNAPSHOT && f->lsn == r->replay.snapshot)
+            snapshot = f;
+        covers = covers || (f->kind == DATAFILE_LOG && f->lsn <= r->replay.snapshot) ||
+                 (f->kind == DATAFILE_SNAPSHOT && f->lsn < r->replay.snapshot);
+    }
+    return covers ? snapshot : NULL;
+}
+
+/* Whoever made the snapshot may have been killed after the sync of its name had failed. Such a name may
+ * never get to the disk, whatever a later sync reports; that of a copy does. Where there is no space
+ * for a copy, what is there has to do. */
+static bool save_snapshot(struct recovery *r)
+{
+    struct datafiles files;
+    bool ok = datadir_list(r->dir, &files);
+    const struct datafile *f = ok ? unproven_snapshot(r, &files) : NULL;
+    if (f != NULL)
+        ok = datadir_copy_again(r->dir, f, &r->cancel) || errno == ENOSPC || errno == EDQUOT;
+    int error = errno;
+    datafiles_free(&files);
+    if (ok || cancelled(r))
+        return ok;
+    return fail(r, RECOVERY_ERROR, "cannot save the snapshot: %s", strerror(error));
+}
+
+bool recovery_tidy(struct recovery *r)
+{
+    remove_temporaries(r->dir);
+    return (!r->torn || cut_torn_end(r)) && save_log(r) && save_snapshot(r);
+}

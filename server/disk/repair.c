@@ -1,0 +1,191 @@
+/* repair.c - delaunayd --check DIR and --repair DIR. */
+#include "server/disk/recover.h"
+
+#include "server/disk/log_file.h"
+#include "server/disk/salvage.h"
+#include "server/disk/segment_reader.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <string.h>
+#include <unistd.h>
+
+static void summarize(struct recovery *r)
+{
+    uint64_t points = 0;
+    for (size_t i = 0; i < r->replay.sets.buckets; i++) {
+        for (struct dataset *set = r->replay.sets.bucket[i]; set != NULL; set = set->next) {
+            version_update(&r->replay.sets, set->current);
+            points += set->current->sum.points;
+        }
+    }
+    printf("%zu sets, %" PRIu64 " points, %" PRIu64 " changes\n", r->replay.sets.sets, points,
+           r->last);
+}
+
+static int tell(struct recovery *r)
+{
+    if (r->why[0] != '\0')
+        printf("%s\n", r->why);
+    if (r->result == RECOVERY_OK)
+        summarize(r);
+    printf("%s\n", r->result == RECOVERY_OK ? "good" : "not good");
+    return r->result == RECOVERY_OK ? 0 : 1;
+}
+
+int recovery_check(const char *path)
+{
+    struct datadir dir;
+    struct recovery r;
+    if (!datadir_open(&dir, path, false))
+        return 1;
+    recovery_init(&r, &dir);
+    r.report = stdout;
+    recovery_run(&r);
+    int status = tell(&r);
+    recovery_clear(&r);
+    datadir_close(&dir);
+    return status;
+}
+
+/* ---- repair: nothing is thrown away, it only moves to files called damaged.* ---- */
+
+static bool put_whole_aside(const struct datadir *dir, const struct datafile *f)
+{
+    char name[DATADIR_ASIDE];
+    return datadir_copy_aside(dir, f, 0, name) && unlinkat(dir->fd, f->name, 0) == 0;
+}
+
+/* Moves what follows byte `at` of the segment into a file of its own. */
+static bool put_rest_aside(const struct datadir *dir, const struct datafile *f, uint64_t at)
+{
+    char name[DATADIR_ASIDE];
+    return datadir_copy_aside(dir, f, at, name) && datadir_cut(dir, f, at);
+}
+
+static bool put_later_aside(const struct datadir *dir, const struct datafile *f)
+{
+    struct datafiles files;
+    bool ok = datadir_list(dir, &files);
+    for (size_t i = 0; ok && i < files.n; i++)
+        if (files.v[i].kind == DATAFILE_LOG && files.v[i].lsn > f->lsn)
+            ok = put_whole_aside(dir, &files.v[i]);
+    datafiles_free(&files);
+    return ok && datadir_sync(dir);
+}
+
+/* The damage goes first: at the end of the last segment it would look like what a crash has torn
+ * off, should this be broken off. */
+static bool cut_log(const struct recovery *r)
+{
+    const struct datafile *f = &r->file;
+    bool ok = (r->at > 0 ? put_rest_aside(r->dir, f, r->at) : put_whole_aside(r->dir, f)) &&
+              put_later_aside(r->dir, f);
+    if (!ok)
+        printf("cannot put the damaged part aside: %s\n", strerror(errno));
+    else if (r->at > 0)
+        printf("%s: cut off at byte %" PRIu64 "; what was there is in damaged.*\n", f->name, r->at);
+    else
+        printf("%s: put aside, with all that follows, as damaged.*\n", f->name);
+    return ok;
+}
+
+/* ---- what lies about a log, its records being whole ---- */
+
+static bool has_good_header(const struct datadir *dir, const struct datafile *f)
+{
+    struct segment_reader in;
+    struct segment header = {0};
+    bool bad = reader_open(&in, dir, f, &header) == READER_BAD && !reader_is_later(&in, &header);
+    reader_close(&in);
+    return !bad;
+}
+
+static bool write_header(const struct datadir *dir, const struct datafile *f)
+{
+    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = f->lsn};
+    char bytes[SEGMENT_HEADER];
+    int fd = openat(dir->fd, f->name, O_WRONLY | O_CLOEXEC);
+    segment_write(bytes, &header);
+    bool ok = fd >= 0 && write(fd, bytes, sizeof bytes) == sizeof bytes && fsync(fd) == 0;
+    int error = errno;
+    if (fd >= 0)
+        close(fd);
+    errno = error;
+    return ok;
+}
+
+/* A log needs a segment, be it empty. */
+static bool begin_log(const struct recovery *r)
+{
+    struct log_file log;
+    log_file_init(&log, r->dir);
+    log_file_start(&log, r->last + 1);
+    int error = log.error;
+    log_file_clear(&log);
+    errno = error;
+    return error == 0;
+}
+
+/* Makes the headers of segments anew that are damaged, and a segment if none is left. */
+static bool mend_log(const struct recovery *r)
+{
+    struct datafiles files;
+    char aside[DATADIR_ASIDE];
+    size_t segments = 0;
+    bool ok = datadir_list(r->dir, &files);
+    for (size_t i = 0; ok && i < files.n; i++) {
+        const struct datafile *f = &files.v[i];
+        segments += f->kind == DATAFILE_LOG;
+        if (f->kind != DATAFILE_LOG || has_good_header(r->dir, f))
+            continue;
+        ok = datadir_copy_aside(r->dir, f, 0, aside) && write_header(r->dir, f);
+        if (ok)
+            printf("%s: its header was made anew; what was there is in damaged.*\n", f->name);
+    }
+    datafiles_free(&files);
+    if (ok && segments == 0 && r->last > 0)
+        ok = begin_log(r);
+    if (!ok)
+        printf("cannot mend the log: %s\n", strerror(errno));
+    return ok;
+}
+
+static void repair(struct recovery *r)
+{
+    if (r->result == RECOVERY_CORRUPT) {
+        if (cut_log(r))
+            mend_log(r);
+    } else if (r->result == RECOVERY_REFUSED && r->bad_snapshot) {
+        printf("%s\n", r->why);
+        salvage(r->dir);
+    } else if (r->result == RECOVERY_OK) {
+        bool tidy = recovery_tidy(r);
+        if (r->why[0] != '\0')
+            printf("%s\n", r->why);
+        if (tidy)
+            mend_log(r);
+    }
+}
+
+int recovery_repair(const char *path)
+{
+    struct datadir dir;
+    struct recovery r;
+    if (!datadir_open(&dir, path, false))
+        return 1;
+    recovery_init(&r, &dir);
+    recovery_run(&r);
+    if (r.result == RECOVERY_REFUSED && r.bad_log) {
+        printf("%s\n", r.why);
+        recovery_clear(&r);
+        recovery_init(&r, &dir);
+        r.mend = true;
+        recovery_run(&r);
+    }
+    repair(&r);
+    recovery_clear(&r);
+    datadir_close(&dir);
+    return recovery_check(path);
+}

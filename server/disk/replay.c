@@ -1,0 +1,304 @@
+/* replay.c - see replay.h. The core is deterministic: the same edits in the same order give the
+ * same ids and the same representatives, which is checked where a record tells them. */
+#include "server/disk/replay.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char contradiction[] = "it contradicts what comes before it";
+static const char no_memory[] = "out of memory";
+
+void replay_init(struct replay *p)
+{
+    *p = (struct replay){0};
+    registry_init(&p->sets);
+}
+
+void replay_clear(struct replay *p)
+{
+    registry_clear(&p->sets);
+    dt_pages_release(p->points);
+    free(p->id);
+    free(p->representative);
+    p->points = NULL;
+    p->id = p->representative = NULL;
+    p->n = p->cap = 0;
+}
+
+static const char *fail_memory(struct replay *p)
+{
+    p->out_of_memory = true;
+    return no_memory;
+}
+
+static const char *told(struct replay *p, enum dt_status status)
+{
+    if (status == DT_OK)
+        return NULL;
+    return status == DT_NOMEM ? fail_memory(p) : contradiction;
+}
+
+/* ---- points, collected ---- */
+
+static bool reserve_points(struct replay *p, size_t n)
+{
+    if (n <= p->cap - p->n)
+        return true;
+    size_t cap = p->n + n > 2 * p->cap ? p->n + n : 2 * p->cap;
+    struct dt_point *points =
+        dt_pages_grow(p->sets.pages, p->points, p->n * sizeof *points, cap * sizeof *points);
+    if (points == NULL)
+        return false;
+    p->points = points;
+    p->cap = cap;
+    return true;
+}
+
+static bool collect(struct replay *p, const struct record *r)
+{
+    if (!reserve_points(p, r->n))
+        return false;
+    record_points(r, &p->points[p->n].x);
+    p->n += r->n;
+    return true;
+}
+
+/* ---- the log ---- */
+
+static struct dataset *find(struct replay *p, const struct record *r)
+{
+    struct word name = {r->name, r->name_len};
+    return registry_find(&p->sets, &name);
+}
+
+static struct dataset *create(struct replay *p, const struct record *r, double tolerance)
+{
+    struct word name = {r->name, r->name_len};
+    if (!word_is_set_name(&name) || !dt_coordinate_ok(tolerance) || tolerance < 0)
+        return NULL;
+    struct dataset *set = registry_create(&p->sets, &name, tolerance);
+    p->out_of_memory = set == NULL;
+    if (set != NULL)
+        set->born = true;
+    return set;
+}
+
+/* Adds the points that were collected; `first` is the id that the first one got. */
+static const char *add_collected(struct replay *p, struct dataset *set, const struct record *r,
+                                 uint32_t first)
+{
+    struct dataset *fresh = NULL;
+    struct dt_added added;
+    struct dt_options opt = {.cancel = p->cancel};
+    if ((set == NULL ? 0 : dt_next_id(set->current->dt)) != first)
+        return contradiction;
+    if (set == NULL)
+        set = fresh = create(p, r, 0);
+    if (set == NULL)
+        return p->out_of_memory ? no_memory : contradiction;
+    enum dt_status status = dt_add_many(set->current->dt, p->points, p->n, &opt, &added);
+    p->n = 0;
+    if (status == DT_OK)
+        set->current->lsn = r->lsn;
+    else if (fresh != NULL)
+        registry_drop(&p->sets, fresh);
+    return told(p, status);
+}
+
+static const char *apply_add(struct replay *p, struct dataset *set, const struct record *r)
+{
+    p->n = 0;
+    return collect(p, r) ? add_collected(p, set, r, r->first) : fail_memory(p);
+}
+
+static const char *apply_loaded(struct replay *p, struct dataset *set, const struct record *r)
+{
+    p->in_load = false;
+    if (r->n != p->n)
+        return contradiction;
+    const char *fault = add_collected(p, set, r, p->load_first);
+    dt_pages_release(p->points); /* a load may be large, and another one may not come */
+    p->points = NULL;
+    p->cap = 0;
+    return fault;
+}
+
+static const char *apply_delete(struct replay *p, struct dataset *set, const struct record *r)
+{
+    uint32_t deleted, missing, *ids = malloc((r->n + 1) * sizeof *ids);
+    if (ids == NULL)
+        return fail_memory(p);
+    record_ids(r, ids);
+    enum dt_status status = dt_delete(set->current->dt, ids, r->n, &deleted, &missing);
+    free(ids);
+    return told(p, status);
+}
+
+/* A record about a set that is there. */
+static const char *apply_existing(struct replay *p, struct dataset *set, const struct record *r)
+{
+    const char *fault = contradiction;
+    if (set != NULL && r->type == RECORD_DROP) {
+        registry_drop(&p->sets, set);
+        return NULL;
+    }
+    if (set != NULL && r->type == RECORD_TRIANGULATE) {
+        set->triangulated = true;
+        fault = NULL;
+    } else if (set != NULL && r->type == RECORD_DELETE) {
+        fault = apply_delete(p, set, r);
+    } else if (set != NULL && r->type == RECORD_MOVE) {
+        fault = told(p, dt_move(set->current->dt, r->first, (struct dt_point){r->a, r->b}));
+    }
+    if (fault == NULL)
+        set->current->lsn = r->lsn;
+    return fault;
+}
+
+static const char *apply_load(struct replay *p, const struct record *r, bool skip)
+{
+    if (r->type == RECORD_LOAD) {
+        if (p->in_load)
+            return contradiction;
+        p->in_load = true;
+        p->skip_load = skip;
+        p->load_first = r->first;
+        p->n = 0;
+        return NULL;
+    }
+    if (!p->in_load)
+        return contradiction;
+    if (r->type == RECORD_CHUNK)
+        return p->skip_load || collect(p, r) ? NULL : fail_memory(p);
+    if (p->skip_load) {
+        p->in_load = false;
+        return NULL;
+    }
+    return apply_loaded(p, find(p, r), r);
+}
+
+const char *replay_log(struct replay *p, const struct record *r)
+{
+    struct dataset *set = r->name_len > 0 ? find(p, r) : NULL;
+    bool skip = r->lsn <= p->snapshot || (set != NULL && r->lsn <= set->current->lsn);
+    bool lost = p->losses != NULL && set == NULL && !skip && !p->in_load && r->name_len > 0;
+    if (lost && losses_take(p->losses, r)) {
+        if (r->type != RECORD_LOAD)
+            return NULL;
+        skip = true;
+    }
+    bool of_load = r->type == RECORD_LOAD || r->type == RECORD_CHUNK || r->type == RECORD_LOADED;
+    if (p->in_load && !of_load)
+        return contradiction;
+    if (of_load)
+        return apply_load(p, r, skip);
+    if (skip || r->type == RECORD_CLOSE)
+        return NULL;
+    if (r->type == RECORD_ADD)
+        return apply_add(p, set, r);
+    if (r->type != RECORD_CREATE)
+        return apply_existing(p, set, r);
+    set = set == NULL ? create(p, r, r->a) : NULL;
+    if (set == NULL)
+        return p->out_of_memory ? no_memory : contradiction;
+    set->current->lsn = r->lsn;
+    return NULL;
+}
+
+bool replay_in_load(const struct replay *p)
+{
+    return p->in_load;
+}
+
+void replay_abandon_load(struct replay *p)
+{
+    p->in_load = false;
+    p->n = 0;
+}
+
+/* ---- the snapshot ---- */
+
+static const char *begin_set(struct replay *p, const struct record *r)
+{
+    struct dataset *set = find(p, r) == NULL ? create(p, r, r->a) : NULL;
+    if (set == NULL)
+        return p->out_of_memory ? no_memory : contradiction;
+    set->current->lsn = r->synced;
+    set->triangulated = (r->flags & RECORD_TRIANGULATED) != 0;
+    p->sets_seen++;
+    p->restoring = set;
+    p->rows = r->n;
+    p->next_id = r->first;
+    p->n = 0;
+    return NULL;
+}
+
+/* Room for n more rows; ids lie beside points. */
+static bool reserve_rows(struct replay *p, size_t n)
+{
+    size_t cap = p->cap;
+    if (!reserve_points(p, n))
+        return false;
+    if (p->id != NULL && p->representative != NULL && p->cap == cap)
+        return true;
+    uint32_t *id = realloc(p->id, p->cap * sizeof *id);
+    if (id != NULL)
+        p->id = id;
+    uint32_t *representative = realloc(p->representative, p->cap * sizeof *representative);
+    if (representative != NULL)
+        p->representative = representative;
+    return id != NULL && representative != NULL;
+}
+
+static const char *collect_rows(struct replay *p, const struct record *r)
+{
+    if (p->restoring == NULL || r->n > p->rows - p->n)
+        return contradiction;
+    if (!reserve_rows(p, r->n))
+        return fail_memory(p);
+    for (uint32_t i = 0; i < r->n; i++, p->n++) {
+        struct record_row row;
+        record_row_at(r, i, &row);
+        p->id[p->n] = row.id;
+        p->representative[p->n] = row.representative;
+        p->points[p->n] = (struct dt_point){row.x, row.y};
+    }
+    return NULL;
+}
+
+static const char *restore_if_complete(struct replay *p)
+{
+    if (p->restoring == NULL || p->n < p->rows)
+        return NULL;
+    struct dt *dt = p->restoring->current->dt;
+    struct dt_options opt = {.cancel = p->cancel};
+    p->restoring = NULL;
+    return told(p, dt_restore(dt, p->id, p->points, p->representative, p->n, p->next_id, &opt));
+}
+
+const char *replay_snapshot(struct replay *p, const struct record *r)
+{
+    const char *fault = contradiction;
+    if (p->ended)
+        return contradiction;
+    if (r->type == RECORD_SET && p->restoring == NULL)
+        fault = begin_set(p, r);
+    else if (r->type == RECORD_ROWS)
+        fault = collect_rows(p, r);
+    else if (r->type == RECORD_END && p->restoring == NULL && r->n == p->sets_seen) {
+        p->ended = true;
+        free(p->id);
+        free(p->representative);
+        p->id = p->representative = NULL;
+        return NULL;
+    }
+    return fault == NULL ? restore_if_complete(p) : fault;
+}
+
+void replay_abandon_set(struct replay *p)
+{
+    if (p->restoring != NULL)
+        registry_drop(&p->sets, p->restoring);
+    p->restoring = NULL;
+    p->n = 0;
+}

@@ -1,0 +1,285 @@
+/* salvage.c - a damaged snapshot: nothing is lost where an older snapshot, or the log from its
+ * beginning, is still there; else every set is kept of which all records are whole.
+ *
+ * The checksums tell which records are whole, their numbers whether any is missing between two. A
+ * set that has lost a record is lost as a whole: half a set would be wrong data. Its later changes
+ * in the log are passed over, those of other sets count. Then all sets are written as a new
+ * snapshot, after which a new log begins. What was there before stays, as damaged.*, and every
+ * loss is named. A crash at any point leaves the directory as it was, or good. */
+#include "server/disk/salvage.h"
+
+#include "server/disk/log_file.h"
+#include "server/disk/recover.h"
+#include "server/disk/segment_reader.h"
+#include "server/disk/snapshot.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- putting aside ---- */
+
+static bool same_file(const struct datadir *dir, const char *a, const char *b)
+{
+    struct stat x, y;
+    return fstatat(dir->fd, a, &x, 0) == 0 && fstatat(dir->fd, b, &y, 0) == 0 &&
+           x.st_ino == y.st_ino && x.st_dev == y.st_dev;
+}
+
+/* Gives the file a second name; those who replace or remove it take only the first. */
+static bool link_aside(const struct datadir *dir, const struct datafile *f)
+{
+    enum { REPAIRS = 100 };
+    char name[DATAFILE_NAME + 32];
+    snprintf(name, sizeof name, "damaged.%s", f->name);
+    for (int i = 2; i < REPAIRS; i++) {
+        if (linkat(dir->fd, f->name, dir->fd, name, 0) == 0)
+            return true;
+        if (errno != EEXIST)
+            return false;
+        /* A repair that was broken off did that, maybe because this name could not be saved. It is
+         * made again, so that there is something to save. */
+        if (same_file(dir, f->name, name))
+            return unlinkat(dir->fd, name, 0) == 0 &&
+                   linkat(dir->fd, f->name, dir->fd, name, 0) == 0;
+        snprintf(name, sizeof name, "damaged.%s.%d", f->name, i);
+    }
+    return false;
+}
+
+static bool complain(const char *what)
+{
+    printf("%s: %s\n", what, strerror(errno));
+    return false;
+}
+
+/* ---- what a snapshot still tells ---- */
+
+struct reading {
+    struct recovery *r;
+    struct losses *losses;
+    struct segment_reader in;
+    uint64_t bytes;  /* of the file */
+    uint64_t lsn;    /* all changes up to this one were in it */
+    uint64_t number; /* of the record that comes next */
+    bool damaged;    /* not all before that was whole */
+    bool ended;
+};
+
+/* The set whose rows are being read is lost. */
+static void lose_set(struct reading *s)
+{
+    struct replay *p = &s->r->replay;
+    struct dataset *set = p->restoring;
+    if (set != NULL)
+        losses_add(s->losses, set->name, set->name_len, p->rows);
+    replay_abandon_set(p);
+}
+
+static void take_record(struct reading *s, const struct record *record)
+{
+    struct replay *p = &s->r->replay;
+    if (record->type == RECORD_END) {
+        s->losses->announced = record->n;
+        s->ended = true;
+        lose_set(s);
+        return;
+    }
+    if (record->type == RECORD_SET) {
+        lose_set(s);
+        s->losses->sets++;
+    } else if (p->restoring == NULL) {
+        return; /* rows of a set that is lost */
+    }
+    if (replay_snapshot(p, record) != NULL && !p->out_of_memory)
+        lose_set(s);
+}
+
+static uint32_t word_at(const char *p)
+{
+    const unsigned char *u = (const unsigned char *)p;
+    return u[0] | (uint32_t)u[1] << 8 | (uint32_t)u[2] << 16 | (uint32_t)u[3] << 24;
+}
+
+/* Whether RECORD_END, which may be damaged elsewhere but is all there, has as many sets as were seen. */
+static bool end_counts(const struct reading *s)
+{
+    return word_at(buf_head(&s->in.window) + 32) == s->losses->sets;
+}
+
+/* Whether the damaged record is RECORD_END: as long as that, the last one, and like it in two of
+ * three respects. */
+static bool is_damaged_end(const struct reading *s)
+{
+    const char *p = buf_head(&s->in.window);
+    return s->bytes - s->in.at == RECORD_HEADER && buf_len(&s->in.window) == RECORD_HEADER &&
+           (p[24] == RECORD_END) + (word_at(p + 4) == 0) + end_counts(s) >= 2;
+}
+
+/* Behind a damaged record goes to the next whole one. False at the end. What is missing between
+ * may have been an empty set, unless it was one record and rows follow: then these were its own. */
+static bool pass_damage(struct reading *s, enum reader_result got, struct record *record)
+{
+    bool last = got == READER_BAD && is_damaged_end(s);
+    bool counted = last && (!s->damaged || end_counts(s));
+    lose_set(s);
+    s->damaged = true;
+    if (reader_search(&s->in, s->number, record) != READER_OK) {
+        s->losses->empty |= !last;
+        if (counted)
+            s->losses->announced = s->losses->sets;
+        return false;
+    }
+    s->losses->empty |= record->lsn != s->number + 1 || record->type != RECORD_ROWS;
+    return true;
+}
+
+static bool read_what_is_whole(struct reading *s, const struct datafile *f)
+{
+    struct segment header = {0};
+    struct record record;
+    enum reader_result got = reader_open(&s->in, s->r->dir, f, &header);
+    if (got == READER_BAD && buf_len(&s->in.window) >= SEGMENT_HEADER)
+        s->in.last = SEGMENT_HEADER;
+    /* Where the header cannot be read, the file's name says the same. */
+    s->lsn = got == READER_BAD && header.kind == SEGMENT_SNAPSHOT ? header.lsn : f->lsn;
+    for (s->number = 1; got != READER_ERROR && !s->ended; s->number = record.lsn + 1) {
+        got = reader_next(&s->in, &record);
+        if (got == READER_ERROR)
+            break;
+        if ((got != READER_OK || record.lsn != s->number) && !pass_damage(s, got, &record))
+            break;
+        take_record(s, &record);
+    }
+    lose_set(s);
+    bool no_memory = s->r->replay.out_of_memory || s->losses->failed;
+    int error = s->in.error != 0 || !no_memory ? s->in.error : ENOMEM;
+    reader_close(&s->in);
+    errno = error;
+    return error == 0;
+}
+
+/* ---- the directory anew ---- */
+
+static bool write_anew(struct recovery *r)
+{
+    int event = eventfd(0, EFD_CLOEXEC);
+    uint64_t count;
+    struct snapshot *snap =
+        event >= 0 ? snapshot_begin(r->dir, &r->replay.sets, r->last, event) : NULL;
+    errno = ENOMEM;
+    if (snap != NULL) {
+        snapshot_go(snap);
+        while (read(event, &count, sizeof count) < 0 && errno == EINTR)
+            ;
+        errno = snapshot_end(snap, &r->replay.sets);
+    }
+    int error = errno;
+    if (event >= 0)
+        close(event);
+    errno = error;
+    return error == 0;
+}
+
+/* The log begins after the snapshot; earlier segments have their second names. */
+static bool begin_log(const struct recovery *r, const struct datafiles *files)
+{
+    struct log_file log;
+    log_file_init(&log, r->dir);
+    log_file_start(&log, r->last + 1);
+    int error = log.error;
+    log_file_clear(&log);
+    for (size_t i = 0; error == 0 && i < files->n; i++)
+        if (files->v[i].kind == DATAFILE_LOG && files->v[i].lsn != r->last + 1 &&
+            unlinkat(r->dir->fd, files->v[i].name, 0) != 0 && errno != ENOENT)
+            error = errno;
+    errno = error;
+    return error == 0 && datadir_sync(r->dir);
+}
+
+static bool replace(struct recovery *r, const struct datafiles *files)
+{
+    for (size_t i = 0; i < files->n; i++)
+        if (files->v[i].kind != DATAFILE_TEMPORARY && !link_aside(r->dir, &files->v[i]))
+            return complain("cannot put the damaged files aside");
+    if (!datadir_sync(r->dir) || !write_anew(r) || !begin_log(r, files))
+        return complain("cannot write a new snapshot");
+    return true;
+}
+
+/* ---- both ways ---- */
+
+/* Whether all is there without the newest snapshot. */
+static bool is_dispensable(const struct datadir *dir, const struct datafile *newest)
+{
+    struct recovery r;
+    recovery_init(&r, dir);
+    r.pass_over = true;
+    recovery_run(&r);
+    bool yes = r.result == RECOVERY_OK && r.last >= newest->lsn;
+    recovery_clear(&r);
+    return yes;
+}
+
+static bool do_without(const struct datadir *dir, const struct datafile *newest)
+{
+    if (!link_aside(dir, newest) || !datadir_sync(dir) || unlinkat(dir->fd, newest->name, 0) != 0 ||
+        !datadir_sync(dir))
+        return complain("cannot put the damaged snapshot aside");
+    printf("%s: put aside; nothing is lost, since what comes before it is still there\n",
+           newest->name);
+    return true;
+}
+
+static bool keep_whole_sets(const struct datadir *dir, const struct datafiles *files,
+                            const struct datafile *newest)
+{
+    struct losses losses = {.announced = SIZE_MAX};
+    struct recovery r;
+    recovery_init(&r, dir);
+    struct reading s = {.r = &r, .losses = &losses, .bytes = newest->bytes};
+    bool ok = read_what_is_whole(&s, newest) || complain("cannot read the snapshot");
+    if (ok) {
+        r.last = r.replay.snapshot = s.lsn;
+        r.replay.losses = &losses;
+        r.mend = true;
+        recovery_log(&r, files);
+        r.last = r.ahead;
+        ok = r.result == RECOVERY_OK || r.result == RECOVERY_CORRUPT;
+        if (r.why[0] != '\0')
+            printf("%s\n", r.why);
+    }
+    ok = ok && replace(&r, files);
+    if (ok) {
+        losses_tell(&losses, stdout);
+        printf("%s: %zu sets were whole or are newer; all that was there is in damaged.*\n",
+               newest->name, r.replay.sets.sets);
+    }
+    losses_clear(&losses);
+    recovery_clear(&r);
+    return ok;
+}
+
+bool salvage(const struct datadir *dir)
+{
+    struct datafiles files;
+    size_t snapshots = 0;
+    if (!datadir_list(dir, &files))
+        return complain("cannot list the directory");
+    while (snapshots < files.n && files.v[snapshots].kind == DATAFILE_SNAPSHOT)
+        snapshots++;
+    bool ok = snapshots > 0;
+    if (ok) {
+        const struct datafile *newest = &files.v[snapshots - 1];
+        ok = is_dispensable(dir, newest) ? do_without(dir, newest)
+                                         : keep_whole_sets(dir, &files, newest);
+    }
+    datafiles_free(&files);
+    return ok;
+}

@@ -1,0 +1,302 @@
+/* snapshot.c - see snapshot.h. */
+#include "server/disk/snapshot.h"
+
+#include "proto/record.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+enum {
+    FLUSH_BYTES = 1 << 20,
+    SYNC_BYTES = 8 << 20, /* so that the disk's queue stays short for the log */
+    TURN_ROWS = 4096,     /* that are read while edits of the set wait */
+    NICE = 10
+};
+
+_Static_assert(sizeof(struct record_row) == sizeof(struct dt_row) &&
+                   offsetof(struct record_row, x) == offsetof(struct dt_row, at),
+               "the rows of a set are written as they are");
+
+/* ---- on its thread ---- */
+
+struct output {
+    struct snapshot *snap;
+    int fd;
+    struct buf out;
+    uint64_t number, unsynced;
+};
+
+static bool fail(struct output *o, int error)
+{
+    o->snap->error = error;
+    return false;
+}
+
+static bool sync_output(struct output *o)
+{
+    o->unsynced = 0;
+    return fdatasync(o->fd) == 0 || fail(o, errno);
+}
+
+static bool flush(struct output *o)
+{
+    if (o->out.failed)
+        return fail(o, ENOMEM);
+    while (buf_len(&o->out) > 0) {
+        ssize_t n = write(o->fd, buf_head(&o->out), buf_len(&o->out));
+        if (n < 0 && errno != EINTR)
+            return fail(o, errno);
+        if (n > 0) {
+            buf_consume(&o->out, (size_t)n);
+            o->snap->bytes += (uint64_t)n;
+            o->unsynced += (uint64_t)n;
+        }
+    }
+    if (o->snap->cancel)
+        return fail(o, ECANCELED);
+    return o->unsynced < SYNC_BYTES || sync_output(o);
+}
+
+static bool put(struct output *o, struct record *r)
+{
+    r->lsn = ++o->number;
+    record_write(&o->out, r);
+    return !o->out.failed ? buf_len(&o->out) < FLUSH_BYTES || flush(o) : fail(o, ENOMEM);
+}
+
+/* Reads up to RECORD_POINTS rows, in turns with those who edit the set; fewer only at the end. */
+static enum dt_status read_rows(const struct snapshot_source *s, uint32_t *from, struct dt_row *row,
+                                uint32_t *rows)
+{
+    enum dt_status status = DT_OK;
+    size_t n = TURN_ROWS;
+    for (*rows = 0; status == DT_OK && n == TURN_ROWS && *rows < RECORD_POINTS;) {
+        version_lock_read(s->version);
+        status = dt_view_rows(s->version->dt, s->view, from, row + *rows, TURN_ROWS, &n);
+        version_unlock(s->version);
+        *rows += (uint32_t)n;
+    }
+    return status;
+}
+
+static bool put_rows(struct output *o, const struct snapshot_source *s, struct dt_row *row)
+{
+    struct record r = {.type = RECORD_ROWS, .items = row};
+    uint32_t from = 0;
+    do {
+        if (read_rows(s, &from, row, &r.n) != DT_OK)
+            return fail(o, ENOMEM);
+        if (r.n > 0 && !put(o, &r))
+            return false;
+    } while (r.n == RECORD_POINTS);
+    return true;
+}
+
+static bool put_set(struct output *o, const struct snapshot_source *s)
+{
+    struct dt_row *row = malloc(RECORD_POINTS * sizeof *row);
+    struct dt_summary sum = {0};
+    if (s->view != NULL)
+        dt_view_summary(s->view, &sum);
+    struct record r = {.type = RECORD_SET,
+                       .synced = s->lsn,
+                       .flags = s->triangulated ? RECORD_TRIANGULATED : 0,
+                       .first = s->view == NULL ? 0 : dt_view_next_id(s->view),
+                       .n = sum.points,
+                       .a = dt_tolerance(s->version->dt),
+                       .name = s->name,
+                       .name_len = s->name_len};
+    if (row == NULL || s->view == NULL) {
+        free(row);
+        return fail(o, ENOMEM);
+    }
+    bool ok = put(o, &r) && put_rows(o, s, row);
+    free(row);
+    return ok;
+}
+
+static bool put_all(struct output *o)
+{
+    struct snapshot *snap = o->snap;
+    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_SNAPSHOT, .lsn = snap->lsn};
+    struct record end = {.type = RECORD_END, .n = (uint32_t)snap->n};
+    char *to = buf_reserve(&o->out, SEGMENT_HEADER);
+    if (to == NULL)
+        return fail(o, ENOMEM);
+    segment_write(to, &header);
+    buf_commit(&o->out, SEGMENT_HEADER);
+    for (size_t i = 0; i < snap->n; i++) {
+        if (!put_set(o, &snap->source[i]))
+            return false;
+        snap->written = i + 1;
+    }
+    return put(o, &end) && flush(o) && sync_output(o);
+}
+
+/* Whether the file is complete and has its name. */
+static void write_snapshot(struct snapshot *snap)
+{
+    struct output o = {.snap = snap};
+    char temporary[DATAFILE_NAME], name[DATAFILE_NAME];
+    int dir = snap->dir->fd;
+    datafile_name(temporary, DATAFILE_TEMPORARY, snap->lsn);
+    datafile_name(name, DATAFILE_SNAPSHOT, snap->lsn);
+    bool first = faccessat(dir, name, F_OK, 0) != 0;
+    o.fd = openat(dir, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (o.fd < 0) {
+        fail(&o, errno);
+        return;
+    }
+    bool ok = put_all(&o);
+    buf_free(&o.out);
+    if (close(o.fd) != 0 && ok)
+        ok = fail(&o, errno);
+    if (ok && renameat(dir, temporary, dir, name) != 0)
+        ok = fail(&o, errno);
+    if (!ok) {
+        unlinkat(dir, temporary, 0);
+        return;
+    }
+    if (datadir_sync(snap->dir)) {
+        datadir_forget(snap->dir, snap->lsn);
+        return;
+    }
+    fail(&o, errno);
+    /* This name may never get to the disk, whatever a later sync reports. After a restart a log would
+     * be built on it. */
+    if (first)
+        unlinkat(dir, name, 0);
+}
+
+static void *serve(void *arg)
+{
+    struct snapshot *snap = arg;
+    int event = snap->event;
+    setpriority(PRIO_PROCESS, 0, NICE); /* on Linux: of this thread */
+    write_snapshot(snap);
+    snap->done = true; /* from here on *snap may be gone */
+    eventfd_write(event, 1);
+    close(event);
+    return NULL;
+}
+
+/* ---- on the I/O thread ---- */
+
+static void start(struct snapshot *snap)
+{
+    int error = pthread_create(&snap->thread, NULL, serve, snap);
+    snap->started = error == 0;
+    if (error == 0)
+        return;
+    snap->error = error;
+    snap->done = true;
+    eventfd_write(snap->event, 1);
+}
+
+static void pin(struct snapshot_source *s, struct dataset *set)
+{
+    struct version *v = version_pin(set->current);
+    s->version = v;
+    s->lsn = v->lsn;
+    s->triangulated = set->triangulated;
+    s->view = dt_view_begin(v->dt, false);
+}
+
+static void unpin(struct registry *sets, struct snapshot_source *s)
+{
+    version_end_view(sets, s->version, s->view);
+    version_unpin(sets, s->version);
+}
+
+static void on_free(struct waiter *w)
+{
+    struct snapshot_source *s =
+        (struct snapshot_source *)(void *)((char *)w - offsetof(struct snapshot_source, waiter));
+    pin(s, s->set);
+    wait_served(w);
+    if (--s->snapshot->waiting == 0)
+        start(s->snapshot);
+}
+
+static void count(struct dataset *set, void *ctx)
+{
+    (void)set;
+    ++*(size_t *)ctx;
+}
+
+static void enrol(struct dataset *set, void *ctx)
+{
+    struct snapshot *snap = ctx;
+    struct snapshot_source *s = &snap->source[snap->n++];
+    s->snapshot = snap;
+    s->name_len = set->name_len;
+    memcpy(s->name, set->name, set->name_len);
+    if (!set->exclusive) {
+        pin(s, set);
+        return;
+    }
+    s->set = set;
+    s->waiter.wake = on_free;
+    wait_enter(&set->queue, &s->waiter);
+    snap->waiting++;
+}
+
+struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets, uint64_t lsn,
+                                int event)
+{
+    size_t n = 0;
+    registry_each(sets, count, &n);
+    struct snapshot *snap = calloc(1, sizeof *snap + n * sizeof snap->source[0]);
+    if (snap == NULL)
+        return NULL;
+    snap->dir = dir;
+    snap->lsn = lsn;
+    snap->event = fcntl(event, F_DUPFD_CLOEXEC, 0);
+    if (snap->event < 0) {
+        free(snap);
+        return NULL;
+    }
+    snap->waiting = 1;
+    registry_each(sets, enrol, snap);
+    return snap;
+}
+
+void snapshot_go(struct snapshot *snap)
+{
+    if (--snap->waiting == 0)
+        start(snap);
+}
+
+void snapshot_release(struct snapshot *snap, struct registry *sets)
+{
+    size_t written = snap->written;
+    for (; snap->released < written; snap->released++)
+        unpin(sets, &snap->source[snap->released]);
+}
+
+int snapshot_end(struct snapshot *snap, struct registry *sets)
+{
+    snap->cancel = true;
+    /* Once it is done the thread has only to report that and to end; to wait for one that is low in
+     * priority, on a busy machine, would hold up all clients. */
+    if (!snap->started)
+        close(snap->event);
+    else if (snap->done)
+        pthread_detach(snap->thread);
+    else
+        pthread_join(snap->thread, NULL);
+    int error = snap->done ? snap->error : ECANCELED;
+    for (size_t i = snap->released; i < snap->n; i++) {
+        wait_served(&snap->source[i].waiter);
+        if (snap->source[i].version != NULL)
+            unpin(sets, &snap->source[i]);
+    }
+    free(snap);
+    return error;
+}

@@ -1,0 +1,290 @@
+/* durable.c - see durable.h. The directory is read; from then on there is only log and snapshots, which
+ * saver.h keeps in step. */
+#include "server/jobs/durable.h"
+
+#include "server/disk/recover.h"
+#include "server/disk/saver.h"
+#include "server/system/loop.h"
+#include "server/system/notice.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+enum {
+    QUEUE_SHARE = 8,         /* one part of --max-memory in so many is for the log's queue, */
+    QUEUE_LEAST = 64 * 1024, /* but no less */
+    QUEUE_MOST = 256 << 20   /* and no more than this */
+};
+
+enum stage {
+    STAGE_NONE,    /* nothing has begun, or the directory cannot be used */
+    STAGE_READING, /* the reader has the directory and everything that it has read */
+    STAGE_READ,    /* the sets are the server's, but not all are triangulated yet (rebuild.h) */
+    STAGE_COMPLETE
+};
+
+struct durable {
+    struct datadir dir;
+    int event;
+    enum stage stage;
+    /* reading */
+    struct recovery recovery;
+    pthread_t reader;
+    atomic_bool read;   /* the reader is done */
+    struct log *log;    /* owns; from STAGE_READ on, or NULL */
+    struct saver saver; /* of log and snapshots */
+};
+
+static bool is_running(const struct durable *d)
+{
+    return d != NULL && d->stage >= STAGE_READ;
+}
+
+struct log *durable_log(const struct server *s)
+{
+    return is_running(s->durable) ? s->durable->log : NULL;
+}
+
+/* ---- reading: on a thread of its own ---- */
+
+static void *read_directory(void *arg)
+{
+    struct server *s = arg;
+    struct durable *d = s->durable;
+    struct recovery *r = &d->recovery;
+    recovery_run(r);
+    if (r->result == RECOVERY_OK && recovery_tidy(r)) {
+        if (r->why[0] != '\0')
+            notice(r->later > 0 ? NOTICE_ERROR : NOTICE_WARNING, "%s", r->why);
+        d->log = log_new(&d->dir, s->config->fsync, r->last + 1, d->event);
+        if (d->log == NULL)
+            r->result = RECOVERY_ERROR;
+        else
+            log_fill(d->log, r->ahead);
+    } else if (r->result != RECOVERY_CANCELLED) {
+        notice(NOTICE_ERROR, "%s: %s", d->dir.path, r->why);
+    }
+    d->read = true;
+    eventfd_write(d->event, 1);
+    return NULL;
+}
+
+bool durable_start(struct server *s)
+{
+    struct durable *d = calloc(1, sizeof *d);
+    if (d == NULL || !datadir_open(&d->dir, s->config->data, true)) {
+        free(d);
+        return false;
+    }
+    d->event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    recovery_init(&d->recovery, &d->dir);
+    d->recovery.replay.sets.pages = s->pages;
+    s->durable = d;
+    if (d->event < 0 || pthread_create(&d->reader, NULL, read_directory, s) != 0) {
+        notice(NOTICE_ERROR, "cannot start a thread");
+        return false;
+    }
+    d->stage = STAGE_READING;
+    return true;
+}
+
+int durable_event(const struct server *s)
+{
+    return s->durable->event;
+}
+
+static void measure(struct dataset *set, void *ctx)
+{
+    version_update(&((struct server *)ctx)->sets, set->current);
+}
+
+/* The sets that were read become the server's. */
+static void adopt_sets(struct server *s)
+{
+    struct registry *from = &s->durable->recovery.replay.sets;
+    s->sets.bucket = from->bucket;
+    s->sets.buckets = from->buckets;
+    s->sets.sets = from->sets;
+    reservation_set(&s->sets.memory, s->sets.memory.bytes + from->memory.bytes);
+    *from = (struct registry){0};
+    registry_each(&s->sets, measure, s);
+}
+
+/* The reader is done. False: it has failed. */
+static bool end_reading(struct server *s)
+{
+    struct durable *d = s->durable;
+    pthread_join(d->reader, NULL);
+    d->stage = STAGE_NONE;
+    if (d->recovery.result != RECOVERY_OK)
+        return false;
+    d->saver = (struct saver){.dir = &d->dir,
+                              .sets = &s->sets,
+                              .held = &s->held,
+                              .log = d->log,
+                              .event = d->event,
+                              .compact_at = &s->config->compact_at,
+                              .read_bytes = d->recovery.log_bytes,
+                              .snapshot_lsn = d->recovery.replay.snapshot};
+    adopt_sets(s);
+    recovery_clear(&d->recovery);
+    log_status(d->log, &d->saver.status);
+    s->held.durable = d->saver.status.durable;
+    d->stage = STAGE_READ;
+    return true;
+}
+
+bool durable_is_complete(const struct server *s)
+{
+    const struct durable *d = s->durable;
+    return d == NULL || d->stage == STAGE_COMPLETE;
+}
+
+void durable_complete(struct server *s)
+{
+    s->durable->stage = STAGE_COMPLETE;
+    eventfd_write(s->durable->event, 1); /* somebody may wait for that */
+}
+
+/* ---- snapshots ---- */
+
+enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn)
+{
+    struct durable *d = s->durable;
+    if (d == NULL)
+        return DURABLE_OFF;
+    if (d->saver.state != SAVER_IDLE)
+        return DURABLE_BUSY;
+    if (!saver_begin(&d->saver, clock_ms()))
+        return DURABLE_NOMEM;
+    *lsn = d->saver.cut;
+    return DURABLE_BEGUN;
+}
+
+/* ---- events ---- */
+
+enum durable_news durable_on_event(struct server *s)
+{
+    struct durable *d = s->durable;
+    bool read = d->stage == STAGE_READING && d->read;
+    eventfd_t count;
+    eventfd_read(d->event, &count);
+    if (read && !end_reading(s))
+        return DURABLE_FAILED;
+    if (is_running(d))
+        saver_step(&d->saver, clock_ms(), s->stopping);
+    return read ? DURABLE_READ : DURABLE_NO_NEWS;
+}
+
+void durable_tick(struct server *s)
+{
+    struct durable *d = s->durable;
+    if (!is_running(d))
+        return;
+    if (d->saver.status.state == LOG_FULL)
+        log_refill_reserve(d->log);
+    saver_step(&d->saver, clock_ms(), s->stopping);
+}
+
+/* Whether the log has so much to write that changes wait. */
+static bool is_behind(const struct server *s)
+{
+    size_t room = s->config->max_memory / QUEUE_SHARE;
+    room = room < QUEUE_LEAST ? QUEUE_LEAST : room > QUEUE_MOST ? QUEUE_MOST : room;
+    return s->queued.bytes > room;
+}
+
+void durable_turn_end(struct server *s)
+{
+    struct durable *d = s->durable;
+    if (!is_running(d))
+        return;
+    log_push(d->log);
+    reservation_set(&s->queued, log_queued(d->log));
+    if (!is_behind(s) || d->saver.status.state != LOG_GOOD)
+        wait_call(&s->log);
+}
+
+void durable_stop(struct server *s)
+{
+    struct durable *d = s->durable;
+    if (d == NULL)
+        return;
+    d->recovery.cancel = true;
+    if (d->stage == STAGE_READING)
+        pthread_join(d->reader, NULL);
+    recovery_clear(&d->recovery);
+    saver_clear(&d->saver);
+    if (d->log != NULL)
+        log_free(d->log);
+    if (d->event >= 0)
+        close(d->event);
+    datadir_close(&d->dir);
+    free(d);
+    s->durable = NULL;
+}
+
+/* ---- what clients may do ---- */
+
+bool durable_loaded(struct server *s, struct answer *a)
+{
+    struct durable *d = s->durable;
+    if (d == NULL || d->stage != STAGE_READING)
+        return true;
+    reply_err(a->out, ERR_LOADING, "the data directory is being read, %u %% so far; try again",
+              recovery_percent(&d->recovery));
+    return false;
+}
+
+bool durable_admits_change(struct server *s, struct answer *a, bool frees)
+{
+    const struct durable *d = s->durable;
+    if (d == NULL)
+        return true;
+    const struct log_status *status = &d->saver.status;
+    bool full = saver_disk_is_full(&d->saver);
+    if (status->state != LOG_GOOD && !(frees && full)) {
+        reply_err(a->out, ERR_READONLY, "nothing can be saved now: %s%s", strerror(status->error),
+                  full ? "; DEL and DROP are possible" : "");
+        return false;
+    }
+    if (!is_behind(s) && wait_is_first(&s->log, a->turn))
+        return true;
+    answer_wait(a, &s->log, false);
+    return false;
+}
+
+/* ---- INFO ---- */
+
+void durable_facts(const struct server *s, struct durable_facts *f)
+{
+    static const char *const state[] = {"good", "full", "readonly"};
+    const struct durable *d = s->durable;
+    *f = (struct durable_facts){.state = "off", .loaded_percent = 100};
+    if (d == NULL)
+        return;
+    f->state = "loading";
+    f->loaded_percent = recovery_percent(&s->durable->recovery);
+    if (!is_running(d))
+        return;
+    f->loaded_percent = durable_is_complete(s) ? 100 : 99; /* triangulations are still made */
+    const struct saver *v = &d->saver;
+    f->state =
+        durable_is_complete(s) || v->status.state != LOG_GOOD ? state[v->status.state] : "loading";
+    f->lsn = log_last(d->log);
+    f->durable_lsn = v->status.durable;
+    f->synced_lsn = v->status.synced;
+    f->log_bytes = saver_log_bytes(v);
+    f->log_syncs = v->status.syncs;
+    f->log_failures = v->status.failures;
+    f->snapshot_lsn = v->snapshot_lsn;
+    f->snapshot_bytes = v->snapshot_bytes;
+    f->snapshots = v->snapshots;
+    f->snapshot_running = v->snapshot != NULL;
+    f->snapshot_failures = saver_failures(v);
+    f->snapshot_retry_s = (uint64_t)(saver_retry_ms(v, clock_ms()) + 999) / 1000;
+}

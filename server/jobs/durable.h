@@ -1,0 +1,60 @@
+/* durable.h - a server with a data directory: reads it at the start, and keeps log and snapshots in
+ * step with the sets. This is the I/O thread's side; the disk is touched by the log's thread and by
+ * threads that come and go, one that reads at the start and one for each snapshot. */
+#ifndef SERVER_DURABLE_H
+#define SERVER_DURABLE_H
+
+#include "server/disk/log.h"
+#include "server/jobs/server.h"
+
+/* Locks the directory and begins to read it. False: the reason is on standard error. */
+bool durable_start(struct server *s);
+
+/* Writes and syncs what there is, ends all threads. Does nothing without --data. */
+void durable_stop(struct server *s);
+
+/* Becomes readable when durable_on_event has something to do. */
+int durable_event(const struct server *s);
+
+/* DURABLE_READ, once: the sets that were read are the server's, without triangulations (rebuild.h).
+ * DURABLE_FAILED: the directory cannot be used; the reason is on standard error. */
+enum durable_news { DURABLE_NO_NEWS, DURABLE_READ, DURABLE_FAILED };
+enum durable_news durable_on_event(struct server *s);
+
+/* All sets that were read have their triangulations. */
+void durable_complete(struct server *s);
+
+void durable_tick(struct server *s); /* once a second */
+void durable_turn_end(struct server *s);
+
+/* Whether all sets are there, with their triangulations. */
+bool durable_is_complete(const struct server *s);
+
+/* Whether the directory has been read. If not, the error has been told. */
+bool durable_loaded(struct server *s, struct answer *a);
+
+/* Whether a set may be changed now; `frees`: in a way that frees space. If not, the error has been
+ * told, or the request waits: while the disk is slow, changes go on at its pace, so that what the log
+ * has to write stays small. */
+bool durable_admits_change(struct server *s, struct answer *a, bool frees);
+
+/* Begins a snapshot, in which the last change has that lsn. */
+enum durable_begun { DURABLE_BEGUN, DURABLE_OFF, DURABLE_BUSY, DURABLE_NOMEM };
+enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn);
+
+/* NULL without --data, and as long as the directory is being read. */
+struct log *durable_log(const struct server *s);
+
+/* What INFO tells. */
+struct durable_facts {
+    const char *state; /* off, loading, good, full, readonly */
+    uint64_t loaded_percent;
+    uint64_t lsn, durable_lsn, synced_lsn;
+    uint64_t log_bytes, log_syncs, log_failures;
+    uint64_t snapshot_lsn, snapshot_bytes, snapshots;
+    bool snapshot_running;
+    uint64_t snapshot_failures, snapshot_retry_s;
+};
+void durable_facts(const struct server *s, struct durable_facts *f);
+
+#endif

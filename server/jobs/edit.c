@@ -1,0 +1,233 @@
+/* edit.c - see edit.h. */
+#include "server/jobs/edit.h"
+
+#include "server/jobs/journal.h"
+#include "server/jobs/keep.h"
+#include "server/jobs/renew.h"
+#include "server/ops/cost.h"
+#include "server/ops/limits.h"
+
+#include <stdlib.h>
+
+enum {
+    BYTES_PER_POINT = 104 /* what a point that is added takes, for --max-memory */
+};
+
+struct edit {
+    struct job job;
+    struct dt_point *p; /* owns: the points to add */
+    uint32_t *ids;      /* owns: the ids to delete */
+    size_t n;
+    size_t expected;       /* bytes that are expected to be wanted after it (keep.h) */
+    struct server *server; /* borrows; to be told when that is over */
+    uint32_t id;           /* the point to move */
+    struct dt_point to;
+    struct dt_added added;
+    uint32_t deleted, missing;
+};
+
+static void clear_edit(struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    dt_pages_release(e->p);
+    free(e->ids);
+    if (e->expected > 0)
+        keep_expect(e->server, 0, e->expected);
+}
+
+static unsigned how(size_t n)
+{
+    return cost_at_once(COST_EDIT, n) ? 0 : JOB_HEAVY;
+}
+
+struct dataset *edit_create(struct server *s, struct answer *a, const struct word *name,
+                            double tolerance)
+{
+    struct dataset *set = NULL;
+    if (s->sets.sets >= LIMIT_SETS)
+        reply_err(a->out, ERR_TOOBIG, "a server holds at most %d sets", LIMIT_SETS);
+    else if ((set = registry_create(&s->sets, name, tolerance)) == NULL)
+        answer_out_of_memory(a);
+    return set;
+}
+
+/* ---- add ---- */
+
+static void run_add(struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    j->status = dt_add_many(j->dt, e->p, e->n, &j->options, &e->added);
+}
+
+static void record_add(struct server *s, struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    struct dt_point *p = e->p;
+    e->p = NULL;
+    journal_add(s, j->set, e->added.first, p, e->n);
+}
+
+static void add_done(struct server *s, struct job *j, struct answer *a)
+{
+    struct edit *e = (struct edit *)j;
+    if (j->status != DT_OK) {
+        answer_status(a, j->status);
+        return;
+    }
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, "first", e->added.first);
+    reply_key_u64(a->out, "added", e->added.added);
+    reply_key_u64(a->out, "coincident", e->added.coincident);
+    reply_end(a->out);
+    renew_if_aged(s, j->set);
+}
+
+/* What adding n points to a set, NULL for a new one, takes at its peak; and what it takes to
+ * triangulate them, if they are so many that it is left for later. */
+static size_t memory_to_add(const struct server *s, const struct dataset *set, size_t n)
+{
+    struct dt_options options = job_options(s);
+    if (cost_at_once(COST_EDIT, n) || set == NULL)
+        return n * BYTES_PER_POINT;
+    return dt_add_memory(set->current->dt, n, &options);
+}
+
+bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set, size_t n,
+                  struct reservation *memory)
+{
+    uint32_t points = set != NULL ? set->current->sum.points : 0, most = s->config->max_points;
+    *memory = server_reservation(s, BUDGET_EDITS);
+    if (points > most || n > most - points) {
+        reply_err(a->out, ERR_TOOBIG, "a set holds at most %u points (--max-points)", most);
+        return false;
+    }
+    size_t bytes = memory_to_add(s, set, n);
+    if (!cost_at_once(COST_EDIT, n))
+        return server_reserve(s, a, memory, bytes);
+    if (budget_fits(&s->budget, BUDGET_EDITS, bytes))
+        return true;
+    server_refuse(s, a, bytes);
+    return false;
+}
+
+static void drop_arrival(struct server *s, struct arrival *points)
+{
+    dt_pages_release(points->p);
+    reservation_set(&points->memory, 0);
+    keep_expect(s, 0, points->expected);
+}
+
+void edit_add(struct server *s, struct answer *a, const struct word *name, struct arrival *points)
+{
+    struct dataset *set = registry_find(&s->sets, name);
+    struct edit *e = job_new(sizeof *e, run_add, add_done);
+    if (e == NULL)
+        answer_out_of_memory(a);
+    else if (set == NULL)
+        set = edit_create(s, a, name, 0);
+    if (e == NULL || set == NULL) {
+        free(e);
+        drop_arrival(s, points);
+        return;
+    }
+    e->job.clear = clear_edit;
+    e->job.record = record_add;
+    e->job.what = "adding points";
+    e->job.memory = points->memory;
+    e->job.changes = points->n;
+    e->p = points->p;
+    e->n = points->n;
+    e->expected = points->expected;
+    e->server = s;
+    job_write(s, a, &e->job, set, how(points->n));
+}
+
+/* ---- delete ---- */
+
+static void run_delete(struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    j->status = dt_delete_many(j->dt, e->ids, e->n, &j->options, &e->deleted, &e->missing);
+}
+
+static void record_delete(struct server *s, struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    journal_delete(s, j->set, e->ids, e->n);
+}
+
+static void delete_done(struct server *s, struct job *j, struct answer *a)
+{
+    struct edit *e = (struct edit *)j;
+    if (j->status == DT_NOPOINT) {
+        reply_err(a->out, ERR_NOPOINT, "there is no point %u; nothing was deleted", e->missing);
+    } else if (j->status != DT_OK) {
+        answer_status(a, j->status);
+    } else {
+        reply_ok(a->out, 0);
+        reply_key_u64(a->out, "deleted", e->deleted);
+        reply_end(a->out);
+        renew_if_aged(s, j->set);
+    }
+}
+
+void edit_delete(struct server *s, struct answer *a, struct dataset *set, uint32_t *ids, size_t n)
+{
+    struct edit *e = job_new(sizeof *e, run_delete, delete_done);
+    if (e == NULL) {
+        free(ids);
+        answer_out_of_memory(a);
+        return;
+    }
+    e->job.clear = clear_edit;
+    e->job.record = record_delete;
+    e->job.what = "deleting points";
+    e->job.changes = n;
+    e->ids = ids;
+    e->n = n;
+    job_write(s, a, &e->job, set, how(n));
+}
+
+/* ---- move ---- */
+
+static void run_move(struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    j->status = dt_move_to(j->dt, e->id, e->to, &j->options);
+}
+
+static void record_move(struct server *s, struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    journal_move(s, j->set, e->id, e->to);
+}
+
+static void move_done(struct server *s, struct job *j, struct answer *a)
+{
+    struct edit *e = (struct edit *)j;
+    if (j->status == DT_NOPOINT) {
+        reply_err(a->out, ERR_NOPOINT, "there is no point %u", e->id);
+    } else if (j->status != DT_OK) {
+        answer_status(a, j->status);
+    } else {
+        reply_ok(a->out, 0);
+        reply_end(a->out);
+        renew_if_aged(s, j->set);
+    }
+}
+
+void edit_move(struct server *s, struct answer *a, struct dataset *set, uint32_t id,
+               struct dt_point to)
+{
+    struct edit *e = job_new(sizeof *e, run_move, move_done);
+    if (e == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    e->job.record = record_move;
+    e->job.what = "moving a point";
+    e->job.changes = 1;
+    e->id = id;
+    e->to = to;
+    job_write(s, a, &e->job, set, 0);
+}

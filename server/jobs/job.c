@@ -1,0 +1,384 @@
+/* job.c - see job.h. */
+#include "server/jobs/job.h"
+
+#include "server/jobs/durable.h"
+#include "server/ops/cost.h"
+#include "server/ops/limits.h"
+#include "server/system/loop.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void *job_new(size_t size, void (*run)(struct job *),
+              void (*done)(struct server *, struct job *, struct answer *))
+{
+    struct job *j = malloc(size); /* calloc would not reuse blocks that were freed lately */
+    if (j == NULL)
+        return NULL;
+    *j = (struct job){.run = run, .done = done};
+    memset(j + 1, 0, size - sizeof *j);
+    j->options.cancel = &j->cancel;
+    j->options.progress = &j->progress;
+    return j;
+}
+
+void job_free(struct job *j)
+{
+    if (j->clear != NULL)
+        j->clear(j);
+    reservation_set(&j->memory, 0);
+    free(j->also);
+    free(j);
+}
+
+static bool edits_in_place(const struct job *j)
+{
+    return j->set != NULL && j->fresh == NULL && !j->beside;
+}
+
+/* ---- on a worker, or at once ---- */
+
+static void run(struct job *j)
+{
+    if (j->fresh != NULL) {
+        version_lock_read(j->base);
+        j->status = dt_clone_points(j->base->dt, &j->options, &j->dt);
+        version_unlock(j->base);
+        if (j->status != DT_OK) {
+            j->dt = NULL;
+            return;
+        }
+        j->options.disposable = true;
+    }
+    j->run(j);
+}
+
+/* Under the version's lock, but for a build of a copy, which needs it only while it copies. */
+static void run_later(struct work *w)
+{
+    struct job *j = (struct job *)w;
+    j->began_ns = clock_ns();
+    reservation_trim_heap(&j->memory);
+    bool edits = edits_in_place(j), reads = !edits && j->base != NULL && j->fresh == NULL;
+    if (edits)
+        version_lock_edit(j->base);
+    else if (reads)
+        version_lock_read(j->base);
+    run(j);
+    if (edits || reads)
+        version_unlock(j->base);
+}
+
+/* ---- on the I/O thread ---- */
+
+static void link_job(struct server *s, struct job *j)
+{
+    j->next = s->jobs;
+    if (j->next != NULL)
+        j->next->prev = j;
+    s->jobs = j;
+}
+
+static void unlink_job(struct server *s, struct job *j)
+{
+    if (j->prev != NULL)
+        j->prev->next = j->next;
+    else if (s->jobs == j)
+        s->jobs = j->next;
+    if (j->next != NULL)
+        j->next->prev = j->prev;
+}
+
+/* Runs the job on this thread. False, with nothing done, if that would hold up all clients: it takes
+ * more steps than this thread may do; or it edits in place, and a piece of the set is being read just
+ * now, which is a matter of microseconds unless the processors are busy. */
+static bool run_now(struct server *s, struct job *j)
+{
+    if (!edits_in_place(j)) {
+        run(j);
+        return true;
+    }
+    if (!version_try_edit(j->base))
+        return false;
+    j->options.steps = s->workers == NULL ? 0 : COST_STEPS_AT_ONCE;
+    run(j);
+    j->options.steps = 0;
+    version_unlock(j->base);
+    return j->status != DT_TOOLONG;
+}
+
+static void start(struct server *s, struct answer *a, struct job *j, unsigned how)
+{
+    j->owner = a->owner;
+    if (s->workers == NULL || (how & JOB_HEAVY) == 0) {
+        if (run_now(s, j)) {
+            job_finish(s, j, a);
+            return;
+        }
+        how = JOB_HEAVY | JOB_BRIEF;
+    }
+    j->queued_ns = clock_ns();
+    j->options.pool = workers_pool(s->workers);
+    j->work.run = run_later;
+    if (s->draining)
+        job_drain(j);
+    s->count.jobs++;
+    link_job(s, j);
+    a->next = ANSWER_JOB;
+    a->job = j;
+    workers_submit(s->workers, (how & JOB_BRIEF) != 0 ? WORK_SHORT : WORK_LONG, &j->work);
+}
+
+static bool too_busy(struct server *s, struct answer *a, unsigned how)
+{
+    if (s->workers == NULL || (how & (JOB_HEAVY | JOB_BRIEF)) != JOB_HEAVY ||
+        workers_backlog(s->workers) < LIMIT_QUEUED_JOBS)
+        return false;
+    reply_err(a->out, ERR_BUSY, "too many requests wait for a worker; try again");
+    return true;
+}
+
+void job_read(struct server *s, struct answer *a, struct job *j, struct version *v, unsigned how)
+{
+    if (too_busy(s, a, how)) {
+        job_free(j);
+        return;
+    }
+    j->base = version_pin(v);
+    j->dt = v->dt;
+    start(s, a, j, how);
+}
+
+/* Drops a set that the failed request had created. */
+static void drop_unborn(struct server *s, struct dataset *set)
+{
+    if (!set->born)
+        registry_drop(&s->sets, set);
+}
+
+struct dt_options job_options(const struct server *s)
+{
+    return (struct dt_options){.pool = s->workers != NULL ? workers_pool(s->workers) : NULL};
+}
+
+bool job_reserve_build(struct server *s, struct answer *a, const struct dataset *set,
+                       struct reservation *r)
+{
+    struct dt_options options = job_options(s);
+    return server_reserve(s, a, r, dt_build_memory(set->current->dt, &options));
+}
+
+/* Whether a copy of the set's points, so that the set can be read meanwhile, has its memory. */
+static bool reserve_copy(struct server *s, struct job *j, const struct dt_summary *sum)
+{
+    enum { BYTES_PER_POINT = 32 };
+    if (j->memory.budget == NULL)
+        j->memory = server_reservation(s, BUDGET_EDITS);
+    return cost_at_once(COST_COPY, sum->points) ||
+           reservation_resize(&j->memory, j->memory.bytes + (size_t)sum->points * BYTES_PER_POINT);
+}
+
+/* The job makes a grid, for which it is not refused: it may be a deletion that is to free memory. */
+static void count_grid(struct server *s, struct job *j, const struct dt *dt)
+{
+    if (j->memory.budget == NULL)
+        j->memory = server_reservation(s, BUDGET_BUILDS);
+    reservation_set(&j->memory, j->memory.bytes + dt_prepare_memory(dt));
+}
+
+void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
+{
+    const struct dt_summary *sum = &set->current->sum;
+    bool must = dt_view_blocks(set->current->dt, j->changes), copy = must || (how & JOB_COPY) != 0;
+    if ((how & JOB_HEAVY) == 0 && j->changes > 0 && sum->current && !sum->searchable &&
+        !cost_at_once(COST_GRID, sum->points)) {
+        how |= JOB_HEAVY | JOB_BRIEF; /* an edit makes the grid first */
+        count_grid(s, j, set->current->dt);
+    }
+    bool room = !copy || reserve_copy(s, j, sum);
+    copy = copy && (room || must);
+    if (copy && !cost_at_once(COST_COPY, sum->points))
+        how |= JOB_HEAVY;
+    struct version *fresh = copy ? version_new(NULL) : NULL;
+    if (copy && fresh == NULL)
+        answer_out_of_memory(a);
+    else if (copy && !room)
+        reply_err(a->out, ERR_BUSY,
+                  "the set is being read, and there is no memory for a copy of it; try again");
+    if ((copy && (fresh == NULL || !room)) || too_busy(s, a, how)) {
+        version_free(fresh);
+        job_free(j);
+        drop_unborn(s, set);
+        return;
+    }
+    j->set = set;
+    j->base = version_pin(set->current);
+    j->fresh = fresh;
+    j->dt = copy ? NULL : j->base->dt;
+    set->writer = j;
+    set->exclusive = j->base->edited = !copy;
+    start(s, a, j, how);
+}
+
+void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
+                unsigned how)
+{
+    if (too_busy(s, a, how)) {
+        job_free(j);
+        return;
+    }
+    j->beside = true;
+    j->set = set;
+    j->base = version_pin(set->current);
+    j->dt = j->base->dt;
+    set->writer = j;
+    start(s, a, j, how);
+}
+
+/* ---- single flight ---- */
+
+bool job_join(struct server *s, struct answer *a, struct job *j)
+{
+    uint64_t *also = realloc(j->also, (j->also_n + 1) * sizeof *also);
+    if (also == NULL)
+        return false;
+    also[j->also_n++] = a->owner;
+    j->also = also;
+    a->next = ANSWER_JOB;
+    a->job = j;
+    s->count.shared++;
+    return true;
+}
+
+bool job_leave(struct job *j, uint64_t who)
+{
+    if (j->also_n == 0) {
+        j->cancel = true;
+        return false;
+    }
+    uint64_t last = j->also[--j->also_n];
+    if (j->owner == who)
+        j->owner = last;
+    for (unsigned i = 0; i < j->also_n; i++)
+        if (j->also[i] == who)
+            j->also[i] = last;
+    return true;
+}
+
+void job_drain(struct job *j)
+{
+    if (j->what != NULL && j->changes == 0)
+        j->cancel = true;
+}
+
+/* ---- the end ---- */
+
+static void publish(struct server *s, struct job *j)
+{
+    if (j->fresh == NULL) {
+        version_update(&s->sets, j->base);
+    } else if (j->status == DT_OK) {
+        j->fresh->dt = j->dt;
+        version_update(&s->sets, j->fresh);
+        dataset_publish(&s->sets, j->set, j->fresh);
+    } else {
+        if (j->dt != NULL)
+            s->sets.discard(s->sets.discard_ctx, j->dt);
+        version_free(j->fresh);
+    }
+    j->set->writer = NULL;
+    j->set->exclusive = false;
+    if (j->status == DT_OK)
+        j->set->born = true;
+}
+
+bool job_is_early(const struct server *s, const struct job *j)
+{
+    return j->set == NULL && j->base != NULL && j->base->edited && j->owner != 0 &&
+           j->status != DT_CANCELLED && durable_log(s) != NULL;
+}
+
+void job_tell(struct server *s, struct job *j, struct answer *a)
+{
+    a->lsn = j->lsn;
+    if (j->shown > a->shown)
+        a->shown = j->shown;
+    j->done(s, j, a);
+}
+
+/* The changes that the reply acknowledges or shows. A writer that records none, such as one that
+ * brings the triangulation up to date before a query, only shows those of others. */
+static void note_changes(struct job *j)
+{
+    if (j->base == NULL || j->status == DT_CANCELLED)
+        return;
+    if (j->record != NULL)
+        j->lsn = j->set->current->lsn;
+    else
+        j->shown = j->base->lsn;
+}
+
+void job_finish(struct server *s, struct job *j, struct answer *a)
+{
+    struct dataset *set = j->set;
+    bool reserved = j->memory.bytes > 0;
+    reservation_set(&j->memory, 0); /* what is left of it is measured */
+    unlink_job(s, j);
+    if (set != NULL) {
+        publish(s, j);
+        server_limit_pages(s);
+    }
+    if (set != NULL && j->status == DT_OK && j->record != NULL)
+        j->record(s, j);
+    if (edits_in_place(j))
+        j->base->edited = false;
+    note_changes(j);
+    for (unsigned i = 0; i < j->also_n; i++)
+        s->tell_joined(s, j->also[i], j);
+    job_tell(s, j, a);
+    if (j->base != NULL)
+        version_unpin(&s->sets, j->base);
+    job_free(j);
+    if (reserved)
+        server_reserved_less(s);
+    if (set != NULL) {
+        wait_call(&set->queue);
+        drop_unborn(s, set);
+    }
+}
+
+/* ---- freeing ---- */
+
+void job_aside(struct server *s, struct job *j)
+{
+    struct buf out = {0};
+    struct answer nobody = {.out = &out};
+    start(s, &nobody, j, JOB_HEAVY | JOB_BRIEF);
+}
+
+static void run_discard(struct job *j)
+{
+    dt_free(j->dt);
+}
+
+static void discarded(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s, (void)j, (void)a;
+}
+
+void job_discard(struct server *s, struct dt *dt)
+{
+    struct dt_summary sum;
+    dt_summary(dt, &sum);
+    struct job *j = NULL;
+    if (s->workers != NULL && !s->stopping && !cost_at_once(COST_FREE, sum.memory / 1024))
+        j = job_new(sizeof *j, run_discard, discarded);
+    if (j == NULL) {
+        dt_free(dt);
+        return;
+    }
+    j->dt = dt;
+    j->memory = server_reservation(s, BUDGET_EDITS);
+    reservation_set(&j->memory, sum.memory); /* until it is free */
+    job_aside(s, j);
+}

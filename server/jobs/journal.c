@@ -1,0 +1,75 @@
+/* journal.c - see journal.h. */
+#include "server/jobs/journal.h"
+
+#include "server/jobs/durable.h"
+
+/* The lsn of the record; 0 without --data. */
+static uint64_t append(struct server *s, const struct dataset *set, struct record r)
+{
+    struct log *log = durable_log(s);
+    if (log == NULL)
+        return 0;
+    r.name = set->name;
+    r.name_len = set->name_len;
+    uint64_t lsn = log_append(log, &r);
+    reservation_set(&s->queued, log_queued(log));
+    return lsn;
+}
+
+void journal_create(struct server *s, struct dataset *set, double tolerance)
+{
+    struct record r = {.type = RECORD_CREATE, .a = tolerance};
+    set->current->lsn = append(s, set, r);
+}
+
+void journal_drop(struct server *s, struct dataset *set)
+{
+    /* Not the set's own: a snapshot that pins the set now does not have this change. */
+    s->dropped = append(s, set, (struct record){.type = RECORD_DROP});
+}
+
+void journal_add(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
+                 size_t n)
+{
+    struct log *log = durable_log(s);
+    struct record r = {.first = first, .n = (uint32_t)n};
+    if (log == NULL) {
+        dt_pages_release(p);
+        return;
+    }
+    r.name = set->name;
+    r.name_len = set->name_len;
+    set->current->lsn = log_append_points(log, &r, (double *)p);
+    reservation_set(&s->queued, log_queued(log));
+}
+
+void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n)
+{
+    struct record r = {.type = RECORD_DELETE, .n = (uint32_t)n, .items = ids};
+    set->current->lsn = append(s, set, r);
+}
+
+void journal_move(struct server *s, struct dataset *set, uint32_t id, struct dt_point to)
+{
+    struct record r = {.type = RECORD_MOVE, .first = id, .a = to.x, .b = to.y};
+    set->current->lsn = append(s, set, r);
+}
+
+void journal_triangulate(struct server *s, struct dataset *set)
+{
+    if (set->triangulated)
+        return;
+    set->triangulated = true;
+    set->current->lsn = append(s, set, (struct record){.type = RECORD_TRIANGULATE});
+}
+
+uint64_t journal_of(const struct server *s, const struct dataset *set)
+{
+    return set != NULL ? set->current->lsn : s->dropped;
+}
+
+uint64_t journal_of_all(const struct server *s)
+{
+    const struct log *log = durable_log(s);
+    return log != NULL ? log_last(log) : 0;
+}

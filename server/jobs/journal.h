@@ -1,0 +1,23 @@
+/* journal.h - what an edit writes into the log. Each function is called once the edit has
+ * succeeded, in the order of the edits of its set; without --data it does nothing. */
+#ifndef SERVER_JOURNAL_H
+#define SERVER_JOURNAL_H
+
+#include "server/jobs/server.h"
+
+void journal_create(struct server *s, struct dataset *set, double tolerance);
+void journal_drop(struct server *s, struct dataset *set);
+
+/* Takes over p (from malloc), whose n points got the ids from `first` on. */
+void journal_add(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
+                 size_t n);
+void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n);
+void journal_move(struct server *s, struct dataset *set, uint32_t id, struct dt_point to);
+void journal_triangulate(struct server *s, struct dataset *set);
+
+/* The lsn of the last change that is seen in the set, in there being none of a name (NULL), or in
+ * all sets: a reply that acknowledges or shows it waits until that is durable. 0: there was none. */
+uint64_t journal_of(const struct server *s, const struct dataset *set);
+uint64_t journal_of_all(const struct server *s);
+
+#endif

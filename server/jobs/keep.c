@@ -1,0 +1,123 @@
+/* keep.c - see keep.h. */
+#include "server/jobs/keep.h"
+
+#include "server/jobs/job.h"
+
+enum {
+    IDLE_TICKS = 10,       /* seconds without use after which nothing is kept any more */
+    PIECE_BYTES = 16 << 20 /* that are given back at a time: less than a millisecond; or made ready:
+                              2 to 60 of them */
+};
+
+/* A job that gives back what is kept beyond some bytes. */
+struct release {
+    struct job job;
+    struct dt_pages *pages;
+    size_t leave;
+    bool idle;     /* it is given back because nobody has used it: to stop if somebody does */
+    uint64_t uses; /* up to then */
+};
+
+static void run_release(struct job *j)
+{
+    const struct release *r = (struct release *)j;
+    struct dt_pages_summary now;
+    size_t more;
+    do {
+        dt_pages_summary(r->pages, &now);
+        if (j->cancel || now.kept <= r->leave || (r->idle && now.uses != r->uses))
+            return;
+        more = now.kept - r->leave;
+    } while (dt_pages_trim(r->pages, more < PIECE_BYTES ? more : PIECE_BYTES) > 0);
+}
+
+static void released(struct server *s, struct job *j, struct answer *a)
+{
+    (void)j, (void)a;
+    s->releasing = false;
+}
+
+/* All that is kept goes back, if that is because it is idle, else all beyond what may be left. */
+static void release(struct server *s, const struct dt_pages_summary *now, bool idle, size_t leave)
+{
+    struct release *r = s->releasing ? NULL : job_new(sizeof *r, run_release, released);
+    if (r == NULL)
+        return;
+    r->pages = s->pages;
+    r->idle = idle;
+    r->leave = leave;
+    r->uses = now->uses;
+    s->releasing = true;
+    job_aside(s, &r->job);
+}
+
+/* ---- what is being received ---- */
+
+struct prepare {
+    struct job job;
+    struct dt_pages *pages;
+    size_t done;
+};
+
+static void run_prepare(struct job *j)
+{
+    struct prepare *p = (struct prepare *)j;
+    p->done = dt_pages_prepare(p->pages, PIECE_BYTES);
+}
+
+static void prepare_next(struct server *s);
+
+static void prepared(struct server *s, struct job *j, struct answer *a)
+{
+    (void)a;
+    s->preparing = false;
+    if (((struct prepare *)j)->done > 0 && !s->stopping)
+        prepare_next(s);
+}
+
+static void prepare_next(struct server *s)
+{
+    struct dt_pages_summary now;
+    dt_pages_summary(s->pages, &now);
+    if (s->preparing || s->workers == NULL || now.kept >= s->expected)
+        return;
+    struct prepare *p = job_new(sizeof *p, run_prepare, prepared);
+    if (p == NULL)
+        return;
+    p->pages = s->pages;
+    s->preparing = true;
+    job_aside(s, &p->job);
+}
+
+void keep_expect(struct server *s, size_t more, size_t less)
+{
+    s->expected += more - less;
+    if (more > 0)
+        prepare_next(s);
+}
+
+/* ---- the limit ---- */
+
+void keep_turn_end(struct server *s)
+{
+    struct dt_pages_summary now;
+    if (!s->excess)
+        return;
+    s->excess = false;
+    dt_pages_summary(s->pages, &now);
+    size_t large = now.held - now.kept, limit = server_pages_limit(s, large);
+    if (now.held > limit && now.kept > 0)
+        release(s, &now, false, limit > large ? limit - large : 0);
+}
+
+void keep_tick(struct server *s)
+{
+    struct dt_pages_summary now;
+    server_limit_pages(s);
+    keep_turn_end(s);
+    dt_pages_summary(s->pages, &now);
+    s->idle_ticks = now.uses == s->uses ? s->idle_ticks + 1 : 0;
+    s->uses = now.uses;
+    if (s->idle_ticks >= IDLE_TICKS && now.kept > 0)
+        release(s, &now, true, 0);
+}

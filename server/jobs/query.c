@@ -1,0 +1,292 @@
+/* query.c - see query.h. */
+#include "server/jobs/query.h"
+
+#include "server/jobs/job.h"
+#include "server/jobs/stream.h"
+#include "server/ops/cost.h"
+
+#include <stdlib.h>
+
+enum {
+    STEPS_LOCKED = 20000, /* that a worker does while edits wait, */
+    SHARE_LOCKED = 64,    /* or this share of the points of a large set */
+    SWEEP_ROWS = 4096     /* that a sweep reads while edits wait */
+};
+
+struct query_job {
+    struct job job;
+    struct query query;
+    uint32_t steps;        /* that the search may take under the lock; 0: any number */
+    struct dt_view *view;  /* owns until it is handed on: the moment of the result */
+    struct dt_view *keeps; /* owns: so that no edit leaves the triangulation to be built again */
+    bool busy;             /* others use the memory that the result takes */
+};
+
+/* ---- searching ---- */
+
+/* As the core's searches that know a limit do. */
+static enum dt_status check_degree(const struct dt *dt, const struct query *q, uint32_t steps)
+{
+    uint32_t least = steps;
+    for (unsigned i = 0; i < q->corners && i < 2; i++) { /* two stars are searched in step */
+        uint32_t degree = dt_degree_up_to(dt, q->corner[i], least);
+        least = degree < least ? degree : least;
+    }
+    return steps > 0 && least >= steps ? DT_TOOLONG : DT_OK;
+}
+
+static enum dt_status find_triangles(const struct dt *dt, struct query *q)
+{
+    const uint32_t *id = q->corner;
+    switch (q->corners) {
+    case 1:
+        return dt_triangles_at_point(dt, id[0], q->cw, &q->ids);
+    case 2:
+        return dt_triangles_at_edge(dt, id[0], id[1], q->cw, &q->ids);
+    default:
+        return dt_triangles_at_triangle(dt, id[0], id[1], id[2], q->cw, &q->ids);
+    }
+}
+
+/* The edges to the neighbours of a point, a < b each, in the order of its ring. */
+static enum dt_status find_edges(const struct dt *dt, struct query *q)
+{
+    struct dt_ids *ids = &q->ids;
+    uint32_t rep;
+    bool boundary;
+    enum dt_status status = dt_ring(dt, q->corner[0], q->cw, ids, &rep, &boundary);
+    if (status != DT_OK)
+        return status;
+    size_t n = ids->n;
+    uint32_t *v = realloc(ids->v, (2 * n + 1) * sizeof *v);
+    if (v == NULL)
+        return DT_NOMEM;
+    for (size_t i = n; i-- > 0;) { /* from the end: what is overwritten has been read */
+        uint32_t other = v[i];
+        v[2 * i] = rep < other ? rep : other;
+        v[2 * i + 1] = rep < other ? other : rep;
+    }
+    *ids = (struct dt_ids){v, 2 * n, 2 * n + 1};
+    return DT_OK;
+}
+
+/* The rings of few points are written at once: they must not be long. */
+static enum dt_status order_lists(const struct dt *dt, struct query *q,
+                                  const struct dt_options *opt)
+{
+    uint32_t left = opt->steps;
+    for (size_t i = 0; opt->steps > 0 && i < q->ids.n; i++) {
+        uint32_t degree = dt_degree_up_to(dt, q->ids.v[i], left);
+        if (degree >= left)
+            return DT_TOOLONG;
+        left -= degree;
+    }
+    return dt_lists_order(dt, q->cw, q->ids.v, q->ids.n, opt, &q->ids.n, &q->interior);
+}
+
+/* DT_TOOLONG leaves the query as it was. */
+static enum dt_status search(const struct dt *dt, struct query *q, const struct dt_options *opt)
+{
+    enum dt_status status = DT_OK;
+    switch (q->kind) {
+    case QUERY_LISTS:
+        return order_lists(dt, q, opt);
+    case QUERY_TRIANGLES:
+        status = check_degree(dt, q, opt->steps);
+        return status == DT_OK ? find_triangles(dt, q) : status;
+    case QUERY_EDGES:
+        status = check_degree(dt, q, opt->steps);
+        return status == DT_OK ? find_edges(dt, q) : status;
+    case QUERY_NEAREST:
+        return dt_nearest_place(dt, &q->place, q->k, opt, &q->ids);
+    case QUERY_BOX:
+        return dt_within_box(dt, q->place.at, q->hi, opt, &q->ids);
+    case QUERY_DISC:
+        return dt_within_disc(dt, q->place.at, q->radius, opt, &q->ids);
+    }
+    return status;
+}
+
+/* ---- the reply ---- */
+
+static inline struct rows rows_of(const struct query *q, struct version *v)
+{
+    struct rows rows = {.version = v, .form = ROW_POINT, .from = q->place.at, .cw = q->cw};
+    if (q->kind == QUERY_LISTS)
+        rows.form = ROW_RING;
+    if (q->kind == QUERY_NEAREST)
+        rows.form = ROW_NEIGHBOUR;
+    if (q->kind == QUERY_TRIANGLES || q->kind == QUERY_EDGES) {
+        rows.form = ROW_IDS;
+        rows.width = q->kind == QUERY_EDGES ? 2 : 3;
+    }
+    return rows;
+}
+
+/* Writes the reply. *rows are of the query's result. */
+static inline void answer(struct server *s, struct answer *a, struct query *q, struct rows *rows)
+{
+    reply_ok(a->out, q->ids.n / (rows->form == ROW_IDS ? rows->width : 1));
+    if (q->kind == QUERY_LISTS) {
+        reply_key_u64(a->out, "interior", q->interior);
+        reply_key_u64(a->out, "boundary", q->ids.n - q->interior);
+    }
+    reply_end(a->out);
+    stream_answer(s, a, rows, &q->ids);
+}
+
+/* ---- by a worker ---- */
+
+/* Reserves what the result may take after the next piece. */
+static enum dt_status reserve_result(struct query_job *j, const struct dt_sweep *sweep)
+{
+    j->busy = !reservation_resize(&j->job.memory, dt_sweep_memory(sweep, &j->query.ids));
+    return j->busy ? DT_NOMEM : DT_OK;
+}
+
+/* Finds the result by a sweep over the set as it is now. A worker has the lock on entry and on return,
+ * and gives it up between the pieces. */
+static enum dt_status sweep(struct query_job *j)
+{
+    struct version *v = j->job.base;
+    bool worker = j->job.queued_ns > 0;
+    struct query *q = &j->query;
+    struct dt_sweep sweep = {.kind = q->kind == QUERY_NEAREST ? DT_SWEEP_NEAREST
+                                     : q->kind == QUERY_BOX   ? DT_SWEEP_BOX
+                                                              : DT_SWEEP_DISC,
+                             .at = q->place.at,
+                             .hi = q->hi,
+                             .radius = q->radius,
+                             .k = q->k};
+    enum dt_status status = DT_OK;
+    for (bool done = false; !done && status == DT_OK;) {
+        status = dt_sweep_read(v->dt, j->view, &sweep, SWEEP_ROWS);
+        if (worker)
+            version_unlock(v);
+        if (status == DT_OK)
+            status = reserve_result(j, &sweep);
+        if (status == DT_OK)
+            status = dt_sweep_sift(&sweep, &q->ids, &done);
+        if (status == DT_OK && atomic_load(&j->job.cancel))
+            status = DT_CANCELLED;
+        if (worker)
+            version_lock_read(v);
+    }
+    if (status == DT_OK)
+        status = reserve_result(j, &sweep);
+    if (status == DT_OK)
+        status = dt_sweep_end(&sweep, &j->job.options, &q->ids);
+    dt_sweep_clear(&sweep);
+    return status;
+}
+
+static bool may_sweep(const struct query *q)
+{
+    return q->kind == QUERY_NEAREST || q->kind == QUERY_BOX || q->kind == QUERY_DISC;
+}
+
+static void run_job(struct job *job)
+{
+    struct query_job *j = (struct query_job *)job;
+    struct dt_options opt = job->options;
+    opt.steps = j->steps;
+    /* The rows of the result are read later, but for those that are ids only. */
+    bool reads = rows_of(&j->query, job->base).form != ROW_IDS;
+    if (reads)
+        j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS);
+    job->status = reads && j->view == NULL ? DT_NOMEM : search(job->dt, &j->query, &opt);
+    if (job->status == DT_TOOLONG || (job->status == DT_UNTRIANGULATED && may_sweep(&j->query)))
+        job->status = sweep(j);
+}
+
+static void job_done(struct server *s, struct job *job, struct answer *a)
+{
+    struct query_job *j = (struct query_job *)job;
+    struct rows rows = rows_of(&j->query, job->base);
+    version_end_view(&s->sets, job->base, j->keeps);
+    if (job->status != DT_OK) {
+        if (j->busy)
+            answer_busy(a);
+        else
+            answer_status(a, job->status);
+        version_end_view(&s->sets, job->base, j->view);
+        return;
+    }
+    if (job->queued_ns > 0) {
+        rows.view = j->view;
+        rows.heavy = true;
+    } else { /* the set is still as it was */
+        version_end_view(&s->sets, job->base, j->view);
+    }
+    answer(s, a, &j->query, &rows);
+}
+
+static void clear_job(struct job *j)
+{
+    free(((struct query_job *)j)->query.ids.v);
+}
+
+/* The most steps that a search may take while edits of so many points wait. */
+static uint32_t steps_locked(uint32_t points)
+{
+    uint32_t share = points / SHARE_LOCKED;
+    return share > STEPS_LOCKED ? share : STEPS_LOCKED;
+}
+
+/* Has a worker answer it; of a small set without a triangulation, this thread. */
+static void answer_by_job(struct server *s, struct answer *a, struct dataset *set, struct query *q)
+{
+    struct version *v = set->current;
+    bool sweeps = !v->sum.triangulated, light = sweeps && cost_at_once(COST_SWEEP, v->sum.points);
+    struct query_job *j = job_new(sizeof *j, run_job, job_done);
+    if (j != NULL && !sweeps)
+        j->keeps = dt_view_begin(v->dt, true);
+    if (j == NULL || (j->keeps == NULL && !sweeps)) {
+        free(j);
+        free(q->ids.v);
+        answer_out_of_memory(a);
+        return;
+    }
+    j->job.clear = clear_job;
+    j->job.memory = server_reservation(s, BUDGET_REPLIES);
+    j->job.what = "searching";
+    j->steps = may_sweep(q) ? steps_locked(v->sum.points) : 0;
+    j->query = *q;
+    job_read(s, a, &j->job, v, light ? 0 : JOB_HEAVY | JOB_BRIEF);
+}
+
+/* ---- at once ---- */
+
+void query_answer(struct server *s, struct answer *a, struct dataset *set, struct query *q)
+{
+    struct dt_options opt = {.steps = s->workers != NULL ? COST_STEPS_AT_ONCE : 0};
+    bool borrows = q->ids.v == NULL;
+    if (!set->current->sum.triangulated) {
+        answer_by_job(s, a, set, q);
+        return;
+    }
+    if (borrows) {
+        q->ids = s->scratch;
+        q->ids.n = 0;
+        s->scratch = (struct dt_ids){0};
+    }
+    enum dt_status status = search(set->current->dt, q, &opt);
+    if (status == DT_TOOLONG) {
+        if (borrows) {
+            s->scratch = q->ids;
+            q->ids = (struct dt_ids){0};
+        }
+        answer_by_job(s, a, set, q);
+        return;
+    }
+    if (status == DT_OK) {
+        struct rows rows = rows_of(q, set->current);
+        answer(s, a, q, &rows);
+    } else {
+        answer_status(a, status);
+    }
+    if (borrows)
+        s->scratch = q->ids; /* empty if a stream has taken them */
+    else
+        free(q->ids.v);
+}

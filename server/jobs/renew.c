@@ -1,0 +1,95 @@
+/* renew.c - see renew.h. */
+#include "server/jobs/renew.h"
+
+#include "server/jobs/job.h"
+#include "server/ops/cost.h"
+
+struct renew {
+    struct job job;
+    struct dt_renewal *fresh; /* owns */
+};
+
+static void run_renew(struct job *j)
+{
+    j->status = dt_renew(j->dt, &j->options, &((struct renew *)j)->fresh);
+}
+
+static void clear_renew(struct job *j)
+{
+    dt_renewal_free(((struct renew *)j)->fresh);
+}
+
+static struct renew *new_renew(void (*run)(struct job *),
+                               void (*done)(struct server *, struct job *, struct answer *))
+{
+    struct renew *r = job_new(sizeof *r, run, done);
+    if (r != NULL)
+        r->job.clear = clear_renew;
+    return r;
+}
+
+static void run_exchange(struct job *j)
+{
+    struct renew *r = (struct renew *)j;
+    dt_renewed(j->dt, r->fresh);
+    r->fresh = NULL;
+}
+
+static void exchanged(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s, (void)j, (void)a;
+}
+
+/* The set takes its new grid over in an edit in place: at once, unless a worker is reading a piece
+ * of the set. Out of memory: the set will ask again later. Cancelled: whoever wants one makes it. */
+static void renewed(struct server *s, struct job *j, struct answer *a)
+{
+    struct renew *made = (struct renew *)j, *exchange = NULL;
+    struct answer nobody = {0};
+    (void)a;
+    if (j->status != DT_CANCELLED)
+        exchange = new_renew(run_exchange, exchanged);
+    if (exchange == NULL)
+        return;
+    exchange->fresh = made->fresh;
+    made->fresh = NULL;
+    job_write(s, &nobody, &exchange->job, j->set, 0);
+}
+
+static bool start(struct server *s, struct dataset *set)
+{
+    struct renew *r = new_renew(run_renew, renewed);
+    struct answer nobody = {0};
+    if (r == NULL)
+        return false;
+    r->job.memory = server_reservation(s, BUDGET_BUILDS);
+    if (!reservation_resize(&r->job.memory, dt_prepare_memory(set->current->dt))) {
+        job_free(&r->job); /* searches do without, at the price of longer walks */
+        return false;
+    }
+    job_beside(s, &nobody, &r->job, set, JOB_HEAVY | JOB_BRIEF);
+    return true;
+}
+
+bool renew_has_grid(struct server *s, struct dataset *set)
+{
+    struct version *v = set->current;
+    if (v->sum.searchable)
+        return true;
+    if (set->writer != NULL)
+        return false;
+    bool later = s->workers != NULL && !s->stopping && !cost_at_once(COST_GRID, v->sum.points);
+    if (later || !version_try_edit(v))
+        return !start(s, set);
+    (void)dt_prepare(v->dt, NULL);
+    version_update(&s->sets, v);
+    version_unlock(v);
+    return true;
+}
+
+void renew_if_aged(struct server *s, struct dataset *set)
+{
+    if (s->workers == NULL || s->stopping || set->writer != NULL || !dt_is_aged(set->current->dt))
+        return;
+    (void)start(s, set);
+}

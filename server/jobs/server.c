@@ -1,0 +1,47 @@
+/* server.c - see server.h. */
+#include "server/jobs/server.h"
+
+bool server_reserve(struct server *s, struct answer *a, struct reservation *r, size_t bytes)
+{
+    bool first = wait_is_first(&s->memory, a->turn);
+    if (first && reservation_resize(r, bytes)) {
+        server_limit_pages(s);
+        return true;
+    }
+    bool jobs = budget_of(&s->budget, BUDGET_BUILDS) + budget_of(&s->budget, BUDGET_EDITS) > 0;
+    if ((jobs || !first) && budget_could_fit(&s->budget, bytes))
+        answer_wait(a, &s->memory, false);
+    else
+        server_refuse(s, a, bytes);
+    return false;
+}
+
+void server_refuse(const struct server *s, struct answer *a, size_t bytes)
+{
+    if (budget_could_fit(&s->budget, bytes))
+        reply_err(a->out, ERR_BUSY, "others use the memory that this takes; try again");
+    else
+        reply_err(a->out, ERR_NOMEM, "the memory for sets is used up (--max-memory)");
+}
+
+void server_reserved_less(struct server *s)
+{
+    server_limit_pages(s);
+    wait_call(&s->memory);
+}
+
+size_t server_pages_limit(const struct server *s, size_t large)
+{
+    size_t used = budget_used(&s->budget), most = s->config->max_memory;
+    size_t small = used > large ? used - large : 0;
+    return most > small ? most - small : 0;
+}
+
+void server_limit_pages(struct server *s)
+{
+    struct dt_pages_summary now;
+    dt_pages_summary(s->pages, &now);
+    size_t limit = server_pages_limit(s, now.held - now.kept);
+    dt_pages_limit(s->pages, limit);
+    s->excess = now.held > limit && now.kept > 0;
+}

@@ -1,0 +1,367 @@
+/* stream.c - see stream.h. */
+#include "server/jobs/stream.h"
+
+#include "server/jobs/job.h"
+
+#include <stdlib.h>
+
+enum {
+    AT_ONCE = 64,       /* rows that are written without a stream */
+    HEAVY_ROWS = 20000, /* more, or of a table of more points, are made by workers */
+    PIECE = 64 * 1024,  /* bytes of a refill, and what a piece may have */
+    PIECES = 4          /* that are made or in work, for one stream */
+};
+
+struct piece {
+    struct rows part;
+    bool uncut;      /* the worker cuts it off first: the only one that the stream has begun */
+    struct buf text; /* owns */
+    struct job *job; /* borrows; not NULL: a worker has the piece */
+};
+
+struct stream {
+    struct rows rows; /* owns their ids; what has not been cut into parts yet */
+    void (*ready)(void *ctx);
+    void *ctx;
+    struct piece
+        piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
+    unsigned head, used;
+    unsigned in_work;
+    bool gone;                 /* nobody wants the rows any more */
+    bool heavy;                /* workers make them */
+    struct reservation memory; /* for ids and pieces */
+};
+
+/* ---- life ---- */
+
+static bool answer_at_once(struct answer *a, struct rows *rows)
+{
+    enum { BYTES_AT_ONCE = 16 * 1024 };
+    if (rows_count(rows) > AT_ONCE)
+        return false;
+    rows_fill(rows, a->out, rows->table ? SIZE_MAX : buf_len(a->out) + BYTES_AT_ONCE);
+    return rows->done || rows->status != DT_OK;
+}
+
+/* Whether rows of this form are read from the set; a list of ids is complete in itself. */
+static bool reads_set(const struct rows *rows)
+{
+    return rows->table || rows->form != ROW_IDS;
+}
+
+/* Whether their moment is of the triangulation, too. */
+static bool reads_rings(const struct rows *rows)
+{
+    return rows->table ? rows->cursor.table != DT_POINTS && rows->cursor.table != DT_COINCIDENT
+                       : rows->form == ROW_RING;
+}
+
+/* How much there is to look at: COINCIDENT, for one, looks at every point for its few rows. */
+static uint32_t table_work(const struct version *v, enum dt_table table)
+{
+    return table == DT_HULL ? v->sum.hull : v->sum.points;
+}
+
+static bool is_heavy(const struct rows *rows)
+{
+    size_t work = rows->table ? table_work(rows->version, rows->cursor.table) : rows_count(rows);
+    return rows->heavy || work > HEAVY_ROWS;
+}
+
+/* Bytes of its ids, which have been found, and of its pieces: as many as they may have, or, where a
+ * row is longer than that, as they have. */
+static size_t ids_bytes(const struct stream *st)
+{
+    return sizeof *st + st->rows.ids.cap * sizeof(uint32_t);
+}
+
+static size_t pieces_bytes(const struct stream *st)
+{
+    size_t bytes = 0, least = st->heavy ? PIECE : 0;
+    for (unsigned i = 0; i < PIECES; i++) { /* one that a worker has is not looked at */
+        const struct piece *p = &st->piece[i];
+        size_t cap = p->job != NULL ? PIECE : p->text.cap;
+        bytes += cap > least ? cap : least;
+    }
+    return bytes;
+}
+
+/* False: there is no memory for its pieces. */
+static bool reserve(struct server *s, struct stream *st)
+{
+    st->memory = server_reservation(s, BUDGET_REPLIES);
+    reservation_set(&st->memory, ids_bytes(st));
+    if (reservation_resize(&st->memory, ids_bytes(st) + pieces_bytes(st)))
+        return true;
+    reservation_set(&st->memory, 0);
+    return false;
+}
+
+/* NULL: a says why. */
+static struct stream *new_stream(struct server *s, struct answer *a, struct rows *rows)
+{
+    struct stream *st = calloc(1, sizeof *st);
+    if (st != NULL && rows->view == NULL && reads_set(rows))
+        rows->view = dt_view_begin(rows->version->dt, reads_rings(rows));
+    if (st == NULL || (rows->view == NULL && reads_set(rows))) {
+        free(st);
+        answer_out_of_memory(a);
+        return NULL;
+    }
+    st->rows = *rows;
+    st->heavy = s->workers != NULL && is_heavy(rows);
+    if (!reserve(s, st)) {
+        free(st);
+        answer_busy(a);
+        return NULL;
+    }
+    version_pin(rows->version);
+    return st;
+}
+
+void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct dt_ids *ids)
+{
+    if (ids != NULL)
+        rows->ids = *ids;
+    if (rows->view == NULL && answer_at_once(a, rows)) {
+        if (rows->status != DT_OK)
+            answer_out_of_memory(a);
+        rows_clear(rows);
+        return;
+    }
+    struct stream *st = new_stream(s, a, rows);
+    if (st == NULL) {
+        version_end_view(&s->sets, rows->version, rows->view);
+        rows_clear(rows);
+        return;
+    }
+    a->next = ANSWER_STREAM;
+    a->stream = st;
+    if (ids != NULL)
+        *ids = (struct dt_ids){0};
+}
+
+void stream_tell(struct stream *st, void (*ready)(void *ctx), void *ctx)
+{
+    st->ready = ready;
+    st->ctx = ctx;
+}
+
+void stream_free(struct registry *r, struct stream *st)
+{
+    st->gone = true;
+    for (unsigned i = 0; i < PIECES; i++)
+        if (st->piece[i].job != NULL)
+            st->piece[i].job->cancel = true;
+    if (st->in_work > 0)
+        return;
+    for (unsigned i = 0; i < PIECES; i++) {
+        rows_clear(&st->piece[i].part);
+        buf_free(&st->piece[i].text);
+    }
+    version_end_view(r, st->rows.version, st->rows.view);
+    version_unpin(r, st->rows.version);
+    rows_clear(&st->rows);
+    free(st->rows.ids.v);
+    reservation_set(&st->memory, 0);
+    free(st);
+}
+
+/* The length of a binary table: four bytes a word, a point's coordinates sixteen more. */
+static uint64_t table_bytes(const struct version *v, const struct dt_cursor *c)
+{
+    switch (c->table) {
+    case DT_POINTS:
+    case DT_HULL:
+        return (uint64_t)c->rows * 20;
+    case DT_COINCIDENT:
+    case DT_EDGES:
+        return (uint64_t)c->rows * 8;
+    case DT_TRIANGLES:
+        return (uint64_t)c->rows * 12;
+    case DT_LISTS: /* id, degree, and every edge from both its ends */
+        return (uint64_t)c->rows * 8 + (uint64_t)v->sum.edges * 8;
+    }
+    return 0;
+}
+
+void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
+                         bool cw, bool binary)
+{
+    struct rows rows = {.version = v, .table = true, .binary = binary, .cursor.table = table};
+    if (table_work(v, table) > AT_ONCE) {
+        rows.view = dt_view_begin(v->dt, reads_rings(&rows));
+        if (rows.view == NULL) {
+            answer_out_of_memory(a);
+            return;
+        }
+    }
+    enum dt_status status = dt_table_begin(v->dt, rows.view, table, cw, &rows.cursor);
+    if (status != DT_OK) {
+        version_end_view(&s->sets, v, rows.view);
+        answer_status(a, status);
+        return;
+    }
+    reply_ok(a->out, binary ? 0 : rows.cursor.rows);
+    if (table == DT_LISTS) {
+        reply_key_u64(a->out, "interior", rows.cursor.interior);
+        reply_key_u64(a->out, "boundary", rows.cursor.rows - rows.cursor.interior);
+    } else if (binary) {
+        reply_key_u64(a->out, "rows", rows.cursor.rows);
+    }
+    if (binary)
+        reply_key_u64(a->out, "bytes", table_bytes(v, &rows.cursor));
+    reply_end(a->out);
+    stream_answer(s, a, &rows, NULL);
+}
+
+/* ---- pieces ---- */
+
+struct making {
+    struct job job;
+    struct stream *stream; /* borrows: it waits for the job */
+    struct piece *piece;
+};
+
+/* A part is usually less than a piece may be; of one that turns out longer, another piece follows. */
+static void make(struct stream *st, struct piece *p)
+{
+    if (p->uncut && !rows_cut(&st->rows, &p->part))
+        p->part.done = true;
+    else
+        rows_fill(&p->part, &p->text, PIECE);
+}
+
+static void run_making(struct job *j)
+{
+    struct making *m = (struct making *)j;
+    if (!j->cancel)
+        make(m->stream, m->piece);
+}
+
+static void making_done(struct server *s, struct job *j, struct answer *a)
+{
+    struct making *m = (struct making *)j;
+    struct stream *st = m->stream;
+    (void)a;
+    m->piece->job = NULL;
+    m->piece->uncut = false;
+    st->in_work--;
+    reservation_set(&st->memory, ids_bytes(st) + pieces_bytes(st));
+    if (st->gone)
+        stream_free(&s->sets, st);
+    else if (st->ready != NULL)
+        st->ready(st->ctx);
+}
+
+/* Has a worker make the piece, or its continuation. */
+static void begin(struct server *s, struct stream *st, struct piece *p)
+{
+    struct answer nobody = {0};
+    struct making *m = job_new(sizeof *m, run_making, making_done);
+    if (m == NULL) {
+        version_lock_read(st->rows.version);
+        make(st, p);
+        version_unlock(st->rows.version);
+        p->uncut = false;
+        return;
+    }
+    m->stream = st;
+    m->piece = p;
+    p->job = &m->job;
+    st->in_work++;
+    job_read(s, &nobody, &m->job, st->rows.version, JOB_HEAVY | JOB_BRIEF);
+}
+
+/* Whether the next rows have been made. */
+static bool is_made(const struct stream *st)
+{
+    return st->used > 0 && st->piece[st->head].job == NULL;
+}
+
+static enum dt_status send_made(struct server *s, struct stream *st, struct buf *out, size_t most)
+{
+    while (is_made(st) && buf_len(out) < most) {
+        struct piece *p = &st->piece[st->head];
+        if (p->part.status != DT_OK)
+            return p->part.status;
+        /* Copied, so that a piece's memory stays as small as a piece. */
+        buf_append(out, buf_head(&p->text), buf_len(&p->text));
+        buf_rewind(&p->text, 0);
+        if (out->failed)
+            return DT_NOMEM;
+        if (!p->part.done) {
+            begin(s, st, p);
+        } else {
+            rows_clear(&p->part);
+            st->head = (st->head + 1) % PIECES;
+            st->used--;
+        }
+    }
+    return DT_OK;
+}
+
+/* Cuts the next piece off. False: there is none, or none yet, since an edit is at work and pieces that
+ * have been begun are still to be sent. If there are no such pieces, a worker cuts it. */
+static bool cut_next(struct stream *st, struct piece *p)
+{
+    if (version_try_read(st->rows.version)) {
+        bool cut = rows_cut(&st->rows, &p->part);
+        version_unlock(st->rows.version);
+        return cut;
+    }
+    p->uncut = st->used == 0;
+    return p->uncut;
+}
+
+static void begin_next(struct server *s, struct stream *st)
+{
+    while (st->used < PIECES && !(st->used > 0 && st->piece[st->head].uncut)) {
+        struct piece *p = &st->piece[(st->head + st->used) % PIECES];
+        if (!cut_next(st, p))
+            return;
+        st->used++;
+        begin(s, st, p);
+    }
+}
+
+/* Sends and begins; what had to be made here, for want of memory for a job, is sent at once, since
+ * nobody would tell of it. */
+static enum dt_status go_on(struct server *s, struct stream *st, struct buf *out)
+{
+    size_t most = buf_len(out) + PIECE;
+    enum dt_status status;
+    do {
+        status = send_made(s, st, out, most);
+        if (status == DT_OK)
+            begin_next(s, st);
+    } while (status == DT_OK && is_made(st) && buf_len(out) < most);
+    return status;
+}
+
+/* Whether this thread may make the next piece itself, and then it has the lock: not while an edit is
+ * at work. */
+static bool may_fill(struct stream *st)
+{
+    return st->used == 0 && !st->heavy && version_try_read(st->rows.version);
+}
+
+void stream_refill(struct server *s, struct answer *a)
+{
+    struct stream *st = a->stream;
+    enum dt_status status;
+    bool done;
+    if (may_fill(st)) {
+        rows_fill(&st->rows, a->out, buf_len(a->out) + PIECE);
+        version_unlock(st->rows.version);
+        status = st->rows.status;
+        done = st->rows.done;
+    } else {
+        status = go_on(s, st, a->out);
+        done = st->used == 0;
+    }
+    if (status == DT_OK && !done)
+        return;
+    a->next = status == DT_OK ? ANSWER_WHOLE : ANSWER_BROKEN;
+    stream_free(&s->sets, st);
+}

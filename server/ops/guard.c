@@ -1,0 +1,85 @@
+/* guard.c - see guard.h. The line of an address is the generic cell rate algorithm: one moment for
+ * each address, when it will have paid for everything, moves on by 100 ms with every charge. */
+#include "server/ops/guard.h"
+
+#include <string.h>
+
+enum { HALF_IPV6 = 8, CREDIT_MS = GUARD_BURST * GUARD_EACH_MS };
+
+static int64_t later(int64_t a, int64_t b)
+{
+    return a > b ? a : b;
+}
+
+static int64_t sooner(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Who has one IPv6 address usually has all that share its first half. An IPv4 address that a socket
+ * for both kinds shows as an IPv6 one is still that of one client. */
+static void key_of(const struct sock_peer *peer, uint8_t key[17])
+{
+    static const uint8_t mapped[12] = {[10] = 0xFF, [11] = 0xFF};
+    enum sock_kind kind = peer->kind;
+    const uint8_t *address = peer->address;
+    if (kind == SOCK_V6 && memcmp(address, mapped, sizeof mapped) == 0) {
+        kind = SOCK_V4;
+        address += sizeof mapped;
+    }
+    memset(key, 0, 17);
+    key[0] = (uint8_t)kind;
+    if (kind != SOCK_UNIX)
+        memcpy(key + 1, address, kind == SOCK_V4 ? 4 : HALF_IPV6);
+}
+
+static uint32_t hash(const uint8_t key[17]) /* FNV-1a */
+{
+    uint32_t h = 2166136261u;
+    for (int i = 0; i < 17; i++)
+        h = (h ^ key[i]) * 16777619u;
+    return h ^ h >> 15;
+}
+
+/* The entry of the address, which takes the place of the one that owes least if there is none. */
+static struct guard_entry *entry_of(struct guard *g, const struct sock_peer *peer)
+{
+    uint8_t key[17];
+    key_of(peer, key);
+    struct guard_entry *set = g->entry[hash(key) % GUARD_SETS], *least = set;
+    for (int i = 0; i < GUARD_WAYS; i++) {
+        if (memcmp(set[i].key, key, sizeof key) == 0)
+            return &set[i];
+        if (set[i].paid_ms < least->paid_ms)
+            least = &set[i];
+    }
+    *least = (struct guard_entry){0};
+    memcpy(least->key, key, sizeof key);
+    return least;
+}
+
+/* 100 ms after the first wrong token, twice as long after each further one. */
+static int64_t wait_of_connection(unsigned wrong)
+{
+    return wrong == 0 ? 0 : wrong > 6 ? GUARD_LONGEST_MS : GUARD_EACH_MS << (wrong - 1);
+}
+
+int64_t guard_charge(struct guard *g, const struct sock_peer *peer, unsigned wrong, int64_t now_ms)
+{
+    struct guard_entry *e = entry_of(g, peer);
+    e->paid_ms =
+        sooner(later(e->paid_ms, now_ms) + GUARD_EACH_MS, now_ms + CREDIT_MS + GUARD_LONGEST_MS);
+    return sooner(later(now_ms + wait_of_connection(wrong), e->paid_ms - CREDIT_MS),
+                  now_ms + GUARD_LONGEST_MS);
+}
+
+void guard_refund(struct guard *g, const struct sock_peer *peer, int64_t now_ms)
+{
+    struct guard_entry *e = entry_of(g, peer);
+    e->paid_ms = later(e->paid_ms - GUARD_EACH_MS, now_ms);
+}
+
+bool guard_tells(struct guard *g, const struct sock_peer *peer, int64_t now_ms, uint64_t *more)
+{
+    return notice_rarely(&entry_of(g, peer)->told, now_ms, more);
+}

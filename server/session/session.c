@@ -1,0 +1,396 @@
+/* session.c - see session.h. */
+#include "server/session/session.h"
+
+#include "proto/line.h"
+#include "proto/request.h"
+#include "proto/resp.h"
+#include "server/command/account.h"
+#include "server/command/ahead.h"
+#include "server/command/command.h"
+#include "server/command/load.h"
+#include "server/command/redis.h"
+#include "server/jobs/listing.h"
+#include "server/jobs/stream.h"
+#include "server/ops/limits.h"
+#include "server/session/session_inside.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+
+enum {
+    TURN_NS = 250 * 1000,      /* of work; then the session yields */
+    LATE_TURN_NS = 100 * 1000, /* the same when the loop's turn has been long already */
+    BATCH_NS = 1000 * 1000,    /* the same while requests are left that have been read ahead */
+    STEPS_PER_LOOK = 16        /* of the quickest requests, between looks at the clock */
+};
+
+/* Whether a request of which `bytes` have come is too much before AUTH. */
+static bool is_too_much(const struct session *s, size_t bytes, size_t words)
+{
+    return s->role == ROLE_NONE && (bytes > LIMIT_STRANGER_BYTES || words > LIMIT_STRANGER_WORDS);
+}
+
+static bool refuse_stranger(struct session *s)
+{
+    return session_refuse(s, ERR_TOOLONG,
+                          "before AUTH a request has at most 10 words and 16384 bytes");
+}
+
+/* The request has waited for longer than it may take. */
+static bool is_late(const struct session *s)
+{
+    return s->deadline_ms != 0 && s->held > 0 && s->conn.loop->now_ms > s->deadline_ms;
+}
+
+/* A session that a queue has called has its turn for all the requests that it carries out at once, since
+ * a turn for each request of a pipeline would double the cost; then the next waiter is called. A
+ * request that is still to be carried out keeps its turn. */
+static void end_turn(struct session *s)
+{
+    if (s->waiter.called && s->held == 0 && s->load == NULL)
+        wait_served(&s->waiter);
+}
+
+/* Answers that it took too long. */
+static bool give_up(struct session *s)
+{
+    s->timed_out = true;
+    timer_clear(&s->later);
+    struct answer a = session_answer(s);
+    answer_status(&a, DT_CANCELLED);
+    bool next = session_take_over(s, &a);
+    end_turn(s);
+    return next;
+}
+
+/* The deadline of a request counts from when it was first looked at. */
+static void set_deadline(struct session *s, struct request *q)
+{
+    int64_t ms;
+    command_take_timeout(q, &ms);
+    if (ms > 0 && s->deadline_ms == 0) {
+        s->deadline_ms = s->conn.loop->now_ms + ms;
+        loop_at(s->conn.loop, &s->deadline, s->deadline_ms + 1);
+    }
+    s->timed_out = false;
+}
+
+/* ---- steps: each carries out one request, or a piece of one; true: go on ---- */
+
+bool session_input_ended(const struct session *s)
+{
+    return s->conn.eof && !s->conn.draining;
+}
+
+bool session_wait_for_input(struct session *s)
+{
+    if (s->conn.eof)
+        conn_finish(&s->conn);
+    else if (buf_len(&s->conn.in) >= CONN_SMALL && conn_is_short(&s->conn))
+        return session_refuse(s, ERR_BUSY, "no memory is left for so long a request; try again");
+    return false;
+}
+
+/* The words are a line's; http: the first line, which is that of a browser. */
+static bool carry_out(struct session *s, bool http)
+{
+    struct request *q = &s->server->request;
+    if (q->n == 0) {
+        session_consume(s);
+        return true;
+    }
+    if (is_too_much(s, s->held, q->n))
+        return refuse_stranger(s);
+    const struct word *name = &q->word[0];
+    s->greeted = true;
+    if (http || name->text[name->len - 1] == ':') { /* a browser was made to send it */
+        notice_client(s, NOTICE_WARNING, "speaks something else, such as HTTP: closed");
+        conn_finish(&s->conn);
+        return false;
+    }
+    set_deadline(s, q);
+    struct answer a = session_answer(s);
+    command_run(s->server, q, &a);
+    return session_take_over(s, &a);
+}
+
+static bool step_line(struct session *s)
+{
+    struct line line;
+    ptrdiff_t took =
+        line_read(buf_head(&s->conn.in), buf_len(&s->conn.in), session_input_ended(s), &line);
+    if (took < 0)
+        return session_refuse_line(s, line.fault);
+    if (took > 0) {
+        s->held = (size_t)took;
+        if (!request_split(&s->server->request, line.text, line.len))
+            return session_refuse(s, ERR_NOMEM, "out of memory; nothing has changed");
+        return carry_out(s, !s->greeted && line_is_http(line.text, line.len));
+    }
+    if (is_too_much(s, buf_len(&s->conn.in), 0))
+        return refuse_stranger(s);
+    return session_wait_for_input(s);
+}
+
+/* ---- the same in RESP framing ---- */
+
+static bool carry_out_resp(struct session *s, const struct resp *resp)
+{
+    struct request *q = &s->server->request;
+    s->greeted = true;
+    set_deadline(s, q);
+    struct answer a = session_answer(s);
+    if (q->n == 0) {
+        session_consume(s);
+        return true;
+    }
+    if (is_too_much(s, s->held, q->n))
+        return refuse_stranger(s);
+    a.out = &s->conn.out;
+    if (!redis_answer(s->server, q, &a)) {
+        a.out = &s->server->lines;
+        command_run(s->server, q, &a);
+        s->in_bulk = a.next == ANSWER_BODY && resp->has_body;
+        s->bulk_left = resp->body;
+        if (resp->has_body && a.next == ANSWER_WHOLE)
+            a.next = ANSWER_CLOSING;
+    }
+    return session_take_over(s, &a);
+}
+
+static bool step_resp(struct session *s)
+{
+    struct resp resp;
+    struct buf *in = &s->conn.in;
+    ptrdiff_t took = resp_read(buf_head(in), buf_len(in), &s->server->request, &resp);
+    s->need = resp.need;
+    if (took == 0 && is_too_much(s, buf_len(in) > s->need ? buf_len(in) : s->need, 0))
+        return refuse_stranger(s);
+    if (took == 0)
+        return session_wait_for_input(s);
+    if (took > 0) {
+        s->held = (size_t)took;
+        return carry_out_resp(s, &resp);
+    }
+    static const enum reply_code code[] = {
+        [RESP_BROKEN] = ERR_SYNTAX, [RESP_TOO_LONG] = ERR_TOOLONG, [RESP_NOMEM] = ERR_NOMEM};
+    return session_refuse(s, code[resp.fault], resp_fault_text(resp.fault));
+}
+
+static bool step_request(struct session *s)
+{
+    stats_resume(&s->server->stats, &s->pause);
+    if (is_late(s))
+        return give_up(s);
+    struct buf *in = &s->conn.in;
+    if (buf_len(in) == 0 || buf_len(in) < s->need)
+        return session_wait_for_input(s);
+    s->resp = buf_head(in)[0] == '*';
+    if (s->resp || s->greeted) {
+        size_t took = ahead_take(s->server, buf_head(in), buf_len(in));
+        if (took > 0) {
+            s->held = took;
+            s->need = 0;
+            return s->resp ? carry_out_resp(s, &(struct resp){0}) : carry_out(s, false);
+        }
+    }
+    return s->resp ? step_resp(s) : step_line(s);
+}
+
+static bool step(struct session *s)
+{
+    if (s->state == SESSION_WAITING || s->state == SESSION_DELAYED || s->state == SESSION_WORKING)
+        return false;
+    if (conn_full(&s->conn)) { /* others go first: its client may not read for long */
+        wait_served(&s->waiter);
+        conn_yield(&s->conn);
+        return false;
+    }
+    if (s->state == SESSION_STREAMING || s->state == SESSION_LISTING)
+        return session_step_rows(s);
+    return s->load != NULL ? session_step_load(s) : step_request(s);
+}
+
+/* ---- what the connection tells ---- */
+
+/* Whether the session has worked for long enough. Requests that have been read ahead are carried out
+ * first, because what has been read and fetched for them is lost when the session yields. */
+static bool has_had_its_turn(const struct session *s, int64_t start, bool late)
+{
+    int64_t spent = s->server->stats.mark_ns - start;
+    return spent > (late ? LATE_TURN_NS : TURN_NS) &&
+           (spent > BATCH_NS || !ahead_has_more(s->server->ahead));
+}
+
+static void on_data(struct conn *c)
+{
+    struct session *s = (struct session *)c;
+    struct stats *stats = &s->server->stats;
+    int64_t start = stats_look(stats);
+    bool late = loop_is_late(c->loop, start);
+    ahead_forget(s->server->ahead);
+    for (unsigned n = 1; step(s); n++) {
+        if (n % STEPS_PER_LOOK == 0 || s->load != NULL)
+            stats_look(stats);
+        if (has_had_its_turn(s, start, late)) { /* slower requests end with a look, too */
+            conn_yield(c);
+            break;
+        }
+    }
+    if (stats->run > 0)
+        stats_look(stats);
+    end_turn(s);
+    if (c->eof && s->state == SESSION_WORKING)
+        session_probe(s);
+}
+
+static void on_closed(struct conn *c)
+{
+    struct session *s = (struct session *)c;
+    wait_served(&s->waiter);
+    timer_clear(&s->later);
+    timer_clear(&s->deadline);
+    timer_clear(&s->probe);
+    if (s->state == SESSION_WORKING)
+        job_leave(s->job, s->id);
+    if (s->state == SESSION_STREAMING)
+        stream_free(&s->server->sets, s->stream);
+    if (s->state == SESSION_LISTING)
+        listing_free(s->listing);
+    if (s->load != NULL)
+        load_free(s->server, s->load);
+    if (s->closed != NULL)
+        s->closed(s);
+    free(s->name);
+    free(s);
+}
+
+static void on_wake(struct waiter *w)
+{
+    struct session *s = (struct session *)((char *)w - offsetof(struct session, waiter));
+    s->state = SESSION_READING;
+    conn_again(&s->conn);
+}
+
+static void on_later(struct timer *t)
+{
+    struct session *s = (struct session *)((char *)t - offsetof(struct session, later));
+    s->waited = true;
+    s->state = SESSION_READING;
+    conn_again(&s->conn);
+}
+
+/* The request has had its time: a job is cancelled and answers in its turn; one that waits for its
+ * set, or for a job that goes on for others, is answered now. */
+static void pass_deadline(struct timer *t)
+{
+    struct session *s = (struct session *)((char *)t - offsetof(struct session, deadline));
+    if (s->conn.dead)
+        return;
+    s->timed_out = true;
+    bool in_line = s->waiter.queue != NULL || s->state == SESSION_DELAYED;
+    if (s->state == SESSION_WORKING ? job_leave(s->job, s->id) : in_line && s->load == NULL) {
+        give_up(s);
+        conn_again(&s->conn);
+    }
+}
+
+struct session *session_new(struct server *server, struct loop *loop, int fd,
+                            const struct sock_peer *peer, void (*closed)(struct session *s))
+{
+    static const struct conn_events events = {.data = on_data, .closed = on_closed};
+    struct session *s = calloc(1, sizeof *s);
+    if (s == NULL)
+        return NULL;
+    s->server = server;
+    s->role = auth_initial_role(&server->auth);
+    s->since_ms = loop->now_ms;
+    s->peer = *peer;
+    s->command = STATS_OTHER;
+    s->waiter.wake = on_wake;
+    s->probe.run = session_on_probe;
+    s->later.run = on_later;
+    s->deadline.run = pass_deadline;
+    s->closed = closed;
+    struct reservation memory = server_reservation(server, BUDGET_CLIENTS);
+    reservation_set(&memory, sizeof *s);
+    if (conn_init(&s->conn, loop, fd, &events, &memory))
+        return s;
+    reservation_set(&memory, 0);
+    free(s);
+    return NULL;
+}
+
+/* ---- what the log tells ---- */
+
+static struct session *session_of(struct hold *h)
+{
+    return (struct session *)(void *)((char *)h - offsetof(struct session, conn.hold));
+}
+
+void session_released(struct hold *h)
+{
+    conn_again(&session_of(h)->conn);
+}
+
+void session_not_saved(struct hold *h)
+{
+    struct session *s = session_of(h);
+    struct conn *c = &s->conn;
+    buf_rewind(&c->out, conn_sendable(c));
+    hold_clear(h);
+    wait_served(&s->waiter);
+    struct answer a = session_answer(s);
+    reply_err(a.out, ERR_IO, "the disk fails: whether the last changes were saved is not known");
+    bool delivered = session_deliver(s, &a);
+    if (s->state == SESSION_WORKING || s->state == SESSION_STREAMING ||
+        s->state == SESSION_LISTING || !delivered || c->out.failed)
+        conn_close(c); /* nothing may follow that line */
+    else
+        conn_finish(c);
+    conn_again(c);
+}
+
+/* ---- what the workers tell ---- */
+
+/* Answers by `tell`. What follows comes in the next turn, behind those who were in line for the set:
+ * a client that pipelines would push in before them, and a follower must not touch the set while
+ * its job is being ended. */
+static void end_job(struct session *s, struct job *j,
+                    void (*tell)(struct server *, struct job *, struct answer *))
+{
+    struct answer a = session_answer(s);
+    size_t mark = buf_len(a.out);
+    timer_clear(&s->probe);
+    s->state = SESSION_READING;
+    bool room = buf_reserve(a.out, REPLY_ERR_ROOM) != NULL;
+    account_job(s, j);
+    tell(s->server, j, &a);
+    if (a.out->failed && room)
+        command_out_of_memory(s->server, &a, mark);
+    session_take_over(s, &a);
+    if (!room)
+        conn_close(&s->conn);
+    end_turn(s);
+    conn_again(&s->conn);
+}
+
+void session_job_done(struct session *s, struct job *j)
+{
+    end_job(s, j, job_finish);
+}
+
+void session_job_shared(struct session *s, struct job *j)
+{
+    end_job(s, j, job_tell);
+}
+
+void session_progress(struct session *s, const struct job *j)
+{
+    if (j->what == NULL || s->resp || buf_len(&s->conn.out) > 0)
+        return;
+    reply_comment(&s->conn.out, "progress %u %s", j->progress, j->what);
+    if (s->conn.out.failed)
+        buf_free(&s->conn.out);
+    conn_turn(&s->conn);
+}

@@ -1,0 +1,231 @@
+/* session_answer.c - what becomes of an answer: its bytes go to the connection, and the session sees
+ * to what is still to come. */
+#include "proto/resp.h"
+#include "server/command/account.h"
+#include "server/command/load.h"
+#include "server/jobs/listing.h"
+#include "server/jobs/stream.h"
+#include "server/session/session.h"
+#include "server/session/session_inside.h"
+
+/* Frames the reply for a client that speaks RESP. */
+static bool reframe(struct session *s)
+{
+    struct buf *lines = &s->server->lines, *out = &s->conn.out;
+    bool ok = resp_reframe(&s->reader, buf_head(lines), buf_len(lines), out) && !out->failed;
+    buf_rewind(lines, 0);
+    return ok;
+}
+
+bool session_deliver(struct session *s, const struct answer *a)
+{
+    bool framed = a->out != &s->server->lines || reframe(s);
+    return framed && a->next != ANSWER_BROKEN;
+}
+
+void session_consume(struct session *s)
+{
+    buf_consume(&s->conn.in, s->held);
+    s->held = 0;
+}
+
+/* Whether the reply, of which not a byte has left yet, is an error. */
+static inline bool is_error(const struct session *s, const struct answer *a)
+{
+    size_t at = a->out == &s->server->lines ? 0 : (size_t)(a->mark - s->conn.sent);
+    if (buf_len(a->out) <= at)
+        return false;
+    char first = buf_head(a->out)[at];
+    return first == 'E' || first == '-';
+}
+
+static void account(struct session *s, const struct answer *a, bool error)
+{
+    s->command = a->command;
+    switch (a->next) {
+    case ANSWER_AGAIN:
+        break;
+    case ANSWER_BODY:
+        s->refused = error;
+        account_pause(s, a);
+        break;
+    case ANSWER_LISTING:
+    case ANSWER_JOB:
+    case ANSWER_PREPARING:
+    case ANSWER_WAIT:
+    case ANSWER_LATER:
+        account_pause(s, a);
+        break;
+    case ANSWER_WHOLE:
+    case ANSWER_CLOSING:
+    case ANSWER_STREAM:
+    case ANSWER_BROKEN:
+        account_end(s, a, error || s->refused);
+        s->refused = false;
+    }
+}
+
+/* A worker has made a piece of the stream, or the listing can go on. */
+static void on_piece(void *ctx)
+{
+    conn_yield(&((struct session *)ctx)->conn);
+}
+
+/* Has the reply wait for the disk; one that a job or a load leaves to come does so when it is
+ * there. */
+static void hold_reply(struct session *s, const struct answer *a)
+{
+    struct holders *in = &s->server->held;
+    if (s->conn.dead || a->next == ANSWER_JOB || a->next == ANSWER_BODY)
+        return; /* the dead leave no trace */
+    if (a->lsn != 0)
+        hold_acknowledgement(in, &s->conn.hold, a->lsn, a->mark);
+    if (a->shown != 0)
+        hold_view(in, &s->conn.hold, a->shown, a->mark);
+}
+
+/* Begins what is to come of the answer. */
+static void enter_state(struct session *s, const struct answer *a)
+{
+    s->state = SESSION_READING;
+    switch (a->next) {
+    case ANSWER_STREAM:
+        s->state = SESSION_STREAMING;
+        s->stream = a->stream;
+        stream_tell(s->stream, on_piece, s);
+        break;
+    case ANSWER_LISTING:
+        s->state = SESSION_LISTING;
+        s->listing = a->listing;
+        listing_tell(s->listing, on_piece, s);
+        conn_yield(&s->conn);
+        break;
+    case ANSWER_JOB:
+    case ANSWER_PREPARING:
+        s->state = SESSION_WORKING;
+        s->job = a->job;
+        break;
+    case ANSWER_WAIT:
+        s->state = SESSION_WAITING;
+        s->waiter.writes = a->wait_writes;
+        wait_enter(a->wait, &s->waiter);
+        break;
+    case ANSWER_LATER:
+        s->state = SESSION_DELAYED;
+        loop_at(s->conn.loop, &s->later, a->later_ms);
+        break;
+    case ANSWER_BODY:
+        s->load = a->load;
+        break;
+    case ANSWER_WHOLE:
+    case ANSWER_CLOSING:
+    case ANSWER_AGAIN:
+    case ANSWER_BROKEN:
+        break;
+    }
+}
+
+/* Whether the request is still to be carried out. */
+static bool keeps_request(const struct answer *a)
+{
+    return a->next == ANSWER_PREPARING || a->next == ANSWER_AGAIN || a->next == ANSWER_WAIT ||
+           a->next == ANSWER_LATER;
+}
+
+/* The request has been carried out, or a worker does so. */
+static void end_request(struct session *s, const struct answer *a)
+{
+    if ((a->lsn | a->shown) != 0)
+        hold_reply(s, a);
+    if (!s->waiter.called || a->next == ANSWER_JOB ||
+        a->next == ANSWER_BODY) /* else see end_turn */
+        wait_served(&s->waiter);
+    session_consume(s);
+    if (a->next != ANSWER_JOB) {
+        s->deadline_ms = 0;
+        timer_clear(&s->deadline);
+    }
+    if (a->next == ANSWER_CLOSING)
+        conn_finish(&s->conn);
+}
+
+bool session_take_over(struct session *s, struct answer *a)
+{
+    account(s, a, is_error(s, a));
+    bool delivered = session_deliver(s, a);
+    s->role = a->role;
+    s->token = a->token;
+    s->waited = s->waited && a->next == ANSWER_LATER;
+    enter_state(s, a);
+    if (!delivered) {
+        conn_close(&s->conn);
+        return false;
+    }
+    if (!keeps_request(a))
+        end_request(s, a);
+    return a->next != ANSWER_CLOSING &&
+           (s->state == SESSION_READING || s->state == SESSION_STREAMING ||
+            s->state == SESSION_LISTING);
+}
+
+bool session_refuse(struct session *s, enum reply_code code, const char *why)
+{
+    struct answer a = session_answer(s);
+    reply_err(a.out, code, "%s", why);
+    session_deliver(s, &a);
+    wait_served(&s->waiter);
+    conn_finish(&s->conn);
+    return false;
+}
+
+bool session_refuse_line(struct session *s, enum line_fault fault)
+{
+    return session_refuse(s, fault == LINE_TOO_LONG ? ERR_TOOLONG : ERR_SYNTAX,
+                          line_fault_text(fault));
+}
+
+/* ---- rows that are still to come ---- */
+
+/* The next rows of a stream or a listing have been made, maybe the last ones. */
+static bool go_on_sending(struct session *s, const struct answer *a)
+{
+    bool delivered = session_deliver(s, a),
+         more = a->next == ANSWER_STREAM || a->next == ANSWER_LISTING;
+    if (!more)
+        s->state = SESSION_READING;
+    if (!delivered)
+        conn_close(&s->conn);
+    else if (more && conn_out_end(&s->conn) > a->mark) /* go on when this piece is out */
+        conn_yield(&s->conn);
+    return delivered && !more;
+}
+
+static bool step_stream(struct session *s)
+{
+    struct answer a = session_answer(s);
+    a.next = ANSWER_STREAM;
+    a.stream = s->stream;
+    stream_refill(s->server, &a);
+    return go_on_sending(s, &a);
+}
+
+/* The request of a listing is answered when its first row has been made. */
+static bool step_listing(struct session *s)
+{
+    bool begun = listing_has_begun(s->listing);
+    struct answer a = session_answer(s);
+    if (listing_frame(s->listing) != LISTING_LINES)
+        a.out = &s->conn.out;
+    a.next = ANSWER_LISTING;
+    a.listing = s->listing;
+    listing_refill(s->server, &a);
+    if (!begun && (a.next != ANSWER_LISTING || listing_has_begun(a.listing)))
+        account_end(s, &a, is_error(s, &a));
+    hold_reply(s, &a);
+    return go_on_sending(s, &a);
+}
+
+bool session_step_rows(struct session *s)
+{
+    return s->state == SESSION_STREAMING ? step_stream(s) : step_listing(s);
+}

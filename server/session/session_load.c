@@ -1,0 +1,76 @@
+/* session_load.c - the points that follow a LOAD or LOADB: a session's steps from the request to the
+ * end of the body. */
+#include "proto/resp.h"
+#include "server/command/account.h"
+#include "server/command/command.h"
+#include "server/command/load.h"
+#include "server/session/session_inside.h"
+
+enum { FEED_BYTES = 8 * 1024 }; /* in one step: about 0.2 ms of numbers */
+
+static bool commit_load(struct session *s)
+{
+    struct answer a = session_answer(s);
+    size_t mark = buf_len(a.out);
+    if (buf_reserve(a.out, REPLY_ERR_ROOM) == NULL) {
+        conn_close(&s->conn);
+        return false;
+    }
+    account_load(s);
+    load_commit(s->server, s->load, &a);
+    if (a.out->failed)
+        command_out_of_memory(s->server, &a, mark);
+    if (a.next != ANSWER_WAIT) {
+        load_free(s->server, s->load);
+        s->load = NULL;
+    }
+    return session_take_over(s, &a);
+}
+
+/* Feeds the load; true: go on. */
+static bool feed_load(struct session *s)
+{
+    struct buf *in = &s->conn.in;
+    size_t all = buf_len(in);
+    bool ended = session_input_ended(s);
+    if (s->in_bulk && all >= s->bulk_left) {
+        all = s->bulk_left;
+        ended = true;
+    }
+    size_t n = all < FEED_BYTES ? all : FEED_BYTES;
+    ptrdiff_t took = load_feed(s->server, s->load, buf_head(in), n, ended && n == all);
+    /* A line longer than a step's bytes: once more with all there is. */
+    if (took == 0 && n < all)
+        took = load_feed(s->server, s->load, buf_head(in), all, ended);
+    if (took < 0)
+        return session_refuse_line(s, s->load->body.line_fault);
+    buf_consume(in, (size_t)took);
+    if (s->in_bulk)
+        s->bulk_left -= (size_t)took;
+    return took > 0 || s->load->body.complete || session_wait_for_input(s);
+}
+
+/* Reads what the bulk string holds beyond its points, which is too much, and its end. */
+static bool end_bulk(struct session *s)
+{
+    struct buf *in = &s->conn.in;
+    size_t n = buf_len(in) < s->bulk_left ? buf_len(in) : s->bulk_left;
+    if (n > 0)
+        body_fail(&s->load->body, BODY_LONGER);
+    buf_consume(in, n);
+    s->bulk_left -= n;
+    if (s->bulk_left > 0 || buf_len(in) < 2)
+        return session_wait_for_input(s);
+    if (buf_head(in)[0] != '\r' || buf_head(in)[1] != '\n')
+        return session_refuse(s, ERR_SYNTAX, resp_fault_text(RESP_BROKEN));
+    buf_consume(in, 2);
+    s->in_bulk = false;
+    return true;
+}
+
+bool session_step_load(struct session *s)
+{
+    if (!s->load->body.complete)
+        return feed_load(s);
+    return s->in_bulk ? end_bulk(s) : commit_load(s);
+}

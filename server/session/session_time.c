@@ -1,0 +1,69 @@
+/* session_time.c - sessions that end although their clients have not asked for it: those that stall, that
+ * show no token in time, whose points stop coming, or that make room for others; and how a session
+ * notices that its client has closed the connection. */
+#include "server/command/account.h"
+#include "server/command/load.h"
+#include "server/ops/limits.h"
+#include "server/session/session.h"
+#include "server/session/session_inside.h"
+
+enum { PROBE_MS = 50 }; /* from the end of the input to the line that probes the client */
+
+/* Whether the session does nothing but wait for what its client sends next. */
+static bool is_listening(const struct session *s)
+{
+    return s->state == SESSION_READING && s->waiter.queue == NULL && buf_len(&s->conn.out) == 0;
+}
+
+/* Whether it does nothing but wait for the points of its load. */
+static bool is_receiving(const struct session *s)
+{
+    return s->state == SESSION_READING && s->load != NULL && s->waiter.queue == NULL &&
+           (!s->load->body.complete || s->in_bulk);
+}
+
+void session_check_timeouts(struct session *s)
+{
+    struct conn *c = &s->conn;
+    int64_t now = c->loop->now_ms, idle_ms = (int64_t)s->server->config->idle_timeout_s * 1000;
+    conn_check_timeouts(c);
+    if (c->dead || c->finishing)
+        return;
+    if (s->role == ROLE_NONE && s->state != SESSION_DELAYED &&
+        now - s->since_ms > LIMIT_STRANGER_S * 1000) {
+        notice_client(s, NOTICE_INFO, "has shown no token in time: closed");
+        session_refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
+        conn_turn(c);
+    } else if (is_receiving(s) && load_stalls(s->load, now)) {
+        session_refuse(s, ERR_TIMEOUT, "the points stopped coming; nothing was loaded");
+        load_free(s->server, s->load);
+        s->load = NULL;
+        conn_turn(c);
+    } else if (idle_ms > 0 && is_listening(s) && now - c->heard_ms > idle_ms) {
+        session_refuse(s, ERR_TIMEOUT, "nothing was heard for too long");
+        conn_turn(c);
+    }
+}
+
+void session_evict(struct session *s)
+{
+    if (!s->conn.finishing)
+        session_refuse(s, ERR_BUSY, "too many clients, and this one has shown no token");
+    conn_turn(&s->conn);
+    conn_close(&s->conn);
+}
+
+void session_probe(struct session *s)
+{
+    if (!s->probed && !timer_is_set(&s->probe))
+        loop_at(s->conn.loop, &s->probe, s->conn.loop->now_ms + PROBE_MS);
+}
+
+void session_on_probe(struct timer *t)
+{
+    struct session *s = (struct session *)((char *)t - offsetof(struct session, probe));
+    if (s->state != SESSION_WORKING || s->conn.dead)
+        return;
+    s->probed = s->job->what != NULL;
+    session_progress(s, s->job);
+}

@@ -1,0 +1,114 @@
+/* budget.c - see budget.h. */
+#include "server/sets/budget.h"
+
+#include "server/system/machine.h"
+
+#include <assert.h>
+#include <malloc.h>
+
+enum { ANSWERS_SHARE = 16 }; /* one part in so many is for replies and clients alone */
+
+void budget_init(struct budget *b, const size_t *limit)
+{
+    *b = (struct budget){.limit = limit};
+}
+
+static bool is_for_answers(enum budget_kind kind)
+{
+    return kind == BUDGET_REPLIES || kind == BUDGET_CLIENTS;
+}
+
+/* What replies and clients have not taken of their share. */
+static size_t answers_left(const struct budget *b)
+{
+    size_t share = *b->limit / ANSWERS_SHARE;
+    size_t taken = budget_of(b, BUDGET_REPLIES) + budget_of(b, BUDGET_CLIENTS);
+    return share > taken ? share - taken : 0;
+}
+
+static bool fits(const struct budget *b, enum budget_kind kind, size_t used, size_t more)
+{
+    size_t limit = *b->limit, left = answers_left(b);
+    size_t room = limit > used ? limit - used : 0;
+    if (is_for_answers(kind))
+        return more <= room || more <= left;
+    return room > left && more <= room - left;
+}
+
+bool budget_fits(const struct budget *b, enum budget_kind kind, size_t more)
+{
+    return fits(b, kind, budget_used(b), more);
+}
+
+bool budget_could_fit(const struct budget *b, size_t more)
+{
+    size_t limit = *b->limit - *b->limit / ANSWERS_SHARE, sets = budget_of(b, BUDGET_SETS);
+    return sets < limit && more <= limit - sets;
+}
+
+/* `used` has become that much. */
+static void note_peak(struct budget *b, size_t used)
+{
+    size_t peak = atomic_load_explicit(&b->peak, memory_order_relaxed);
+    while (used > peak && !atomic_compare_exchange_weak(&b->peak, &peak, used))
+        ;
+}
+
+static void grow(struct reservation *r, size_t more)
+{
+    atomic_fetch_add(&r->budget->of[r->kind], more);
+    r->bytes += more;
+}
+
+bool reservation_resize(struct reservation *r, size_t bytes)
+{
+    struct budget *b = r->budget;
+    if (b == NULL || bytes <= r->bytes) {
+        reservation_set(r, bytes);
+        return true;
+    }
+    size_t more = bytes - r->bytes, used = budget_used(b);
+    do {
+        if (!fits(b, r->kind, used, more))
+            return false;
+    } while (!atomic_compare_exchange_weak(&b->used, &used, used + more));
+    note_peak(b, used + more);
+    grow(r, more);
+    return true;
+}
+
+void reservation_set(struct reservation *r, size_t bytes)
+{
+    struct budget *b = r->budget;
+    if (bytes == r->bytes)
+        return;
+    if (b == NULL) {
+        r->bytes = bytes;
+    } else if (bytes > r->bytes) {
+        size_t more = bytes - r->bytes;
+        note_peak(b, atomic_fetch_add(&b->used, more) + more);
+        grow(r, more);
+    } else {
+        size_t less = r->bytes - bytes;
+        assert(budget_of(b, r->kind) >= less);
+        atomic_fetch_sub(&b->of[r->kind], less);
+        atomic_fetch_sub(&b->used, less);
+        r->bytes = bytes;
+    }
+}
+
+void reservation_move(struct reservation *to, struct reservation *from)
+{
+    size_t bytes = from->bytes;
+    reservation_set(from, 0);
+    reservation_set(to, to->bytes + bytes);
+}
+
+void reservation_trim_heap(const struct reservation *coming)
+{
+    if (coming->bytes == 0)
+        return;
+    size_t resident = machine_resident(), limit = *coming->budget->limit;
+    if (resident > limit || coming->bytes > limit - resident)
+        malloc_trim(0);
+}

@@ -1,0 +1,290 @@
+/* dataset.c - see dataset.h. */
+#include "server/sets/dataset.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FIRST_BUCKETS = 64 };
+
+/* ---- versions ---- */
+
+struct version *version_new(struct dt *dt)
+{
+    struct version *v = malloc(sizeof *v);
+    if (v == NULL)
+        return NULL;
+    *v = (struct version){.dt = dt, .refs = 1};
+    pthread_rwlockattr_t attr;
+    pthread_rwlockattr_init(&attr);
+    /* Else pieces that follow each other closely would keep an edit out for ever. */
+    pthread_rwlockattr_setkind_np(&attr, PTHREAD_RWLOCK_PREFER_WRITER_NONRECURSIVE_NP);
+    pthread_rwlock_init(&v->lock, &attr);
+    pthread_rwlockattr_destroy(&attr);
+    return v;
+}
+
+void version_free(struct version *v)
+{
+    if (v != NULL)
+        pthread_rwlock_destroy(&v->lock);
+    free(v);
+}
+
+struct version *version_pin(struct version *v)
+{
+    v->refs++;
+    return v;
+}
+
+/* Takes v out of the list of those to be tidied, if it is there. */
+static void leave_untidy(struct registry *r, struct version *v)
+{
+    if (!v->untidy)
+        return;
+    struct version **at = &r->untidy;
+    while (*at != v)
+        at = &(*at)->next;
+    *at = v->next;
+    v->untidy = false;
+}
+
+void version_unpin(struct registry *r, struct version *v)
+{
+    if (--v->refs > 0)
+        return;
+    leave_untidy(r, v);
+    reservation_set(&r->memory, r->memory.bytes - v->sum.memory);
+    r->discard(r->discard_ctx, v->dt);
+    version_free(v);
+}
+
+void version_update(struct registry *r, struct version *v)
+{
+    size_t before = v->sum.memory;
+    dt_summary(v->dt, &v->sum);
+    reservation_set(&r->memory, r->memory.bytes - before + v->sum.memory);
+}
+
+void version_lock_read(struct version *v)
+{
+    pthread_rwlock_rdlock(&v->lock);
+}
+
+bool version_try_read(struct version *v)
+{
+    return pthread_rwlock_tryrdlock(&v->lock) == 0;
+}
+
+void version_lock_edit(struct version *v)
+{
+    pthread_rwlock_wrlock(&v->lock);
+}
+
+bool version_try_edit(struct version *v)
+{
+    return pthread_rwlock_trywrlock(&v->lock) == 0;
+}
+
+void version_unlock(struct version *v)
+{
+    pthread_rwlock_unlock(&v->lock);
+}
+
+/* Whether nothing is left to be freed. */
+static bool tidy(struct registry *r, struct version *v)
+{
+    if (!version_try_edit(v))
+        return false;
+    bool more = dt_view_tidy(v->dt);
+    version_update(r, v);
+    version_unlock(v);
+    return !more;
+}
+
+void version_end_view(struct registry *r, struct version *v, struct dt_view *view)
+{
+    if (view == NULL)
+        return;
+    dt_view_end(view);
+    if (v->untidy || tidy(r, v))
+        return;
+    v->untidy = true;
+    v->next = r->untidy;
+    r->untidy = v;
+}
+
+void registry_tidy(struct registry *r)
+{
+    enum { MOST = 10 }; /* calls, mostly of about 0.1 ms each */
+    int calls = 0;
+    for (struct version *v = r->untidy, *next; v != NULL && calls < MOST; v = next, calls++) {
+        next = v->next;
+        if (tidy(r, v))
+            leave_untidy(r, v);
+    }
+}
+
+bool version_is_stale(const struct version *v)
+{
+    return v->sum.triangulated && !v->sum.current;
+}
+
+/* ---- waiting ---- */
+
+bool dataset_admits(const struct dataset *set, bool writes, const struct wait_queue *turn)
+{
+    if (!writes)
+        return !set->exclusive;
+    return set->writer == NULL && wait_is_first(&set->queue, turn);
+}
+
+static bool admits_waiter(const struct wait_queue *q, const struct waiter *w)
+{
+    const struct dataset *set =
+        (const struct dataset *)((const char *)q - offsetof(struct dataset, queue));
+    return !set->exclusive && (!w->writes || set->writer == NULL);
+}
+
+/* ---- the registry ---- */
+
+static void discard_now(void *ctx, struct dt *dt)
+{
+    (void)ctx;
+    dt_free(dt);
+}
+
+void registry_init(struct registry *r)
+{
+    *r = (struct registry){.discard = discard_now};
+}
+
+static size_t hash(const char *name, size_t len) /* FNV-1a */
+{
+    uint64_t h = 0xcbf29ce484222325u;
+    for (size_t i = 0; i < len; i++)
+        h = (h ^ (unsigned char)name[i]) * 0x100000001b3u;
+    return (size_t)(h ^ h >> 32);
+}
+
+static struct dataset **bucket_of(const struct registry *r, const char *name, size_t len)
+{
+    return &r->bucket[hash(name, len) & (r->buckets - 1)];
+}
+
+struct dataset *registry_find(const struct registry *r, const struct word *name)
+{
+    if (r->buckets == 0)
+        return NULL;
+    for (struct dataset *set = *bucket_of(r, name->text, name->len); set != NULL; set = set->next)
+        if (set->name_len == name->len && memcmp(set->name, name->text, name->len) == 0)
+            return set;
+    return NULL;
+}
+
+static bool rehash(struct registry *r)
+{
+    struct registry larger = *r;
+    larger.buckets = r->buckets == 0 ? FIRST_BUCKETS : 2 * r->buckets;
+    larger.bucket = calloc(larger.buckets, sizeof(struct dataset *));
+    if (larger.bucket == NULL)
+        return false;
+    for (size_t i = 0; i < r->buckets; i++) {
+        for (struct dataset *set = r->bucket[i], *next; set != NULL; set = next) {
+            struct dataset **to = bucket_of(&larger, set->name, set->name_len);
+            next = set->next;
+            set->next = *to;
+            *to = set;
+        }
+    }
+    free(r->bucket);
+    *r = larger;
+    return true;
+}
+
+struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance)
+{
+    if (r->sets >= r->buckets && !rehash(r))
+        return NULL;
+    struct dataset *set = calloc(1, sizeof *set);
+    struct dt *dt = dt_new_in(tolerance, r->pages);
+    struct version *v = dt != NULL ? version_new(dt) : NULL;
+    if (set == NULL || v == NULL) {
+        free(set);
+        version_free(v);
+        dt_free(dt);
+        return NULL;
+    }
+    set->current = v;
+    set->queue.admits = admits_waiter;
+    set->name_len = name->len;
+    memcpy(set->name, name->text, name->len);
+    struct dataset **bucket = bucket_of(r, set->name, set->name_len);
+    set->next = *bucket;
+    *bucket = set;
+    r->sets++;
+    version_update(r, v);
+    return set;
+}
+
+static void free_set(struct registry *r, struct dataset *set)
+{
+    r->sets--;
+    version_unpin(r, set->current);
+    free(set);
+}
+
+void registry_drop(struct registry *r, struct dataset *set)
+{
+    struct dataset **at = bucket_of(r, set->name, set->name_len);
+    while (*at != set)
+        at = &(*at)->next;
+    *at = set->next;
+    wait_wake_all(&set->queue);
+    free_set(r, set);
+}
+
+void registry_clear(struct registry *r)
+{
+    for (size_t i = 0; i < r->buckets; i++) {
+        for (struct dataset *set = r->bucket[i], *next; set != NULL; set = next) {
+            next = set->next;
+            free_set(r, set);
+        }
+    }
+    free(r->bucket);
+    r->bucket = NULL;
+    r->buckets = 0;
+}
+
+void registry_each(const struct registry *r, void (*visit)(struct dataset *set, void *ctx),
+                   void *ctx)
+{
+    for (size_t i = 0; i < r->buckets; i++)
+        for (struct dataset *set = r->bucket[i]; set != NULL; set = set->next)
+            if (set->born)
+                visit(set, ctx);
+}
+
+/* The bits of the cursor count from the highest one down. So when the number of buckets doubles, the
+ * two buckets that a visited one has become are both behind the cursor. [Redis, dictScan] */
+size_t registry_scan(const struct registry *r, size_t cursor,
+                     void (*visit)(struct dataset *set, void *ctx), void *ctx)
+{
+    if (r->buckets == 0)
+        return 0;
+    for (struct dataset *set = r->bucket[cursor]; set != NULL; set = set->next)
+        if (set->born)
+            visit(set, ctx);
+    size_t bit = r->buckets >> 1;
+    for (; (cursor & bit) != 0; bit >>= 1)
+        cursor ^= bit;
+    return cursor | bit;
+}
+
+void dataset_publish(struct registry *r, struct dataset *set, struct version *v)
+{
+    v->lsn = set->current->lsn;
+    version_unpin(r, set->current);
+    set->current = v;
+}

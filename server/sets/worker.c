@@ -1,0 +1,313 @@
+/* worker.c - see worker.h. One mutex guards everything; what is done under it is a few pointer
+ * moves.
+ *
+ * A thread that has nothing to do sleeps with its crew: the crew for short work, or the crew for
+ * all work. Work wakes one thread, not all of them. Which thread takes which work is not decided
+ * when it is woken, because a busy thread may be free again sooner: the short crew's thread may find
+ * that the short work it was woken for is gone, and what is left is long work that it may not do.
+ * So wake_enough compares the work with the threads that are on their way, not only when work is
+ * submitted but also whenever a thread has taken some. This invariant follows: work that waits has a
+ * thread on its way to it, or every thread that may do it is busy and looks for more before it
+ * sleeps. */
+#include "server/sets/worker.h"
+
+#include "server/system/priority.h"
+
+#include <pthread.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+struct queue {
+    struct work *first, *last;
+    unsigned n;
+};
+
+/* One call of the core's pool: n jobs, taken by number. Lives on the caller's stack. */
+struct batch {
+    struct batch *next;
+    void (*job)(void *arg, unsigned i);
+    void *arg;
+    unsigned n;
+    atomic_uint taken;
+    unsigned helpers; /* workers inside, guarded by the mutex */
+};
+
+struct crew {
+    pthread_cond_t wake;
+    unsigned asleep; /* threads that wait for `wake`, including those that have been signalled */
+    unsigned coming; /* of these, signalled and not awake yet; at most `asleep` */
+};
+
+struct workers {
+    pthread_mutex_t mutex;
+    struct crew crew[2];   /* by enum work_kind: what its threads do besides short work */
+    pthread_cond_t helped; /* a helper has left its batch */
+    struct queue queue[2]; /* by enum work_kind */
+    struct queue done;
+    struct batch *batches; /* those that may still have jobs to take */
+    bool stopping;
+    int event;
+    struct dt_pool pool;
+    unsigned threads;
+    pthread_t thread[];
+};
+
+static void push(struct queue *q, struct work *work)
+{
+    work->next = NULL;
+    if (q->first == NULL)
+        q->first = work;
+    else
+        q->last->next = work;
+    q->last = work;
+    q->n++;
+}
+
+static struct work *pop(struct queue *q)
+{
+    struct work *work = q->first;
+    if (work != NULL) {
+        q->first = work->next;
+        q->n--;
+    }
+    return work;
+}
+
+/* ---- sleeping and waking ---- */
+
+/* How many more threads the batches could use. */
+static unsigned jobs_left(const struct workers *w)
+{
+    unsigned n = 0;
+    for (struct batch *b = w->batches; b != NULL; b = b->next) {
+        unsigned taken = atomic_load(&b->taken);
+        n += taken < b->n ? b->n - taken : 0;
+    }
+    return n;
+}
+
+/* Signals threads of the crew until `wanted` are on their way, or all. */
+static void wake_up_to(struct crew *c, unsigned wanted)
+{
+    for (; c->coming < wanted && c->coming < c->asleep; c->coming++)
+        pthread_cond_signal(&c->wake);
+}
+
+static unsigned less(unsigned a, unsigned b)
+{
+    return a > b ? a - b : 0;
+}
+
+/* The short crew comes first, so that the others stay free for what it may not do. */
+static void wake_enough(struct workers *w)
+{
+    struct crew *brief = &w->crew[WORK_SHORT], *all = &w->crew[WORK_LONG];
+    unsigned n_brief = w->queue[WORK_SHORT].n, n_long = w->queue[WORK_LONG].n + jobs_left(w);
+    wake_up_to(brief, less(n_brief, less(all->coming, n_long)));
+    wake_up_to(all, n_long + less(n_brief, brief->coming));
+}
+
+/* A wake-up that nobody asked for may use up another thread's `coming`. That other thread looks for
+ * work when it comes, all the same; the count stays a lower bound of those who will. */
+static void sleep_with(struct workers *w, struct crew *c)
+{
+    c->asleep++;
+    pthread_cond_wait(&c->wake, &w->mutex);
+    c->asleep--;
+    if (c->coming > 0)
+        c->coming--;
+}
+
+/* ---- the core's pool ---- */
+
+static void take_jobs(struct batch *b)
+{
+    for (;;) {
+        unsigned i = atomic_fetch_add(&b->taken, 1);
+        if (i >= b->n)
+            return;
+        b->job(b->arg, i);
+    }
+}
+
+static bool has_jobs(struct batch *b)
+{
+    return atomic_load(&b->taken) < b->n;
+}
+
+static struct batch *batch_to_help(struct workers *w)
+{
+    for (struct batch *b = w->batches; b != NULL; b = b->next)
+        if (has_jobs(b))
+            return b;
+    return NULL;
+}
+
+static void unlink_batch(struct workers *w, struct batch *b)
+{
+    struct batch **at = &w->batches;
+    while (*at != b)
+        at = &(*at)->next;
+    *at = b->next;
+}
+
+static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), void *arg)
+{
+    struct workers *w = ctx;
+    struct batch b = {.job = job, .arg = arg, .n = n};
+    pthread_mutex_lock(&w->mutex);
+    b.next = w->batches;
+    w->batches = &b;
+    wake_enough(w);
+    pthread_mutex_unlock(&w->mutex);
+    take_jobs(&b);
+    pthread_mutex_lock(&w->mutex);
+    unlink_batch(w, &b); /* nobody enters any more; b may go when the last helper has left */
+    while (b.helpers > 0)
+        pthread_cond_wait(&w->helped, &w->mutex);
+    pthread_mutex_unlock(&w->mutex);
+}
+
+/* ---- threads ---- */
+
+/* The mutex is held on entry and on return, not in between. */
+static void do_work(struct workers *w, struct work *work)
+{
+    pthread_mutex_unlock(&w->mutex);
+    work->run(work);
+    pthread_mutex_lock(&w->mutex);
+    bool first = w->done.first == NULL;
+    push(&w->done, work);
+    /* It could fail only if the counter were full, which is near zero. */
+    if (first && eventfd_write(w->event, 1) != 0)
+        abort();
+}
+
+static void help(struct workers *w, struct batch *b)
+{
+    b->helpers++;
+    pthread_mutex_unlock(&w->mutex);
+    take_jobs(b);
+    pthread_mutex_lock(&w->mutex);
+    if (--b->helpers == 0)
+        pthread_cond_broadcast(&w->helped);
+}
+
+/* Runs until the workers stop and what this thread may do is done. */
+static void *serve(struct workers *w, enum work_kind crew)
+{
+    bool all = crew == WORK_LONG;
+    pthread_mutex_lock(&w->mutex);
+    for (;;) {
+        struct work *work = pop(&w->queue[WORK_SHORT]);
+        if (work == NULL && all)
+            work = pop(&w->queue[WORK_LONG]);
+        struct batch *b = work == NULL && all ? batch_to_help(w) : NULL;
+        if (work != NULL || b != NULL)
+            wake_enough(w); /* for what is left */
+        if (work != NULL)
+            do_work(w, work);
+        else if (b != NULL)
+            help(w, b);
+        else if (w->stopping)
+            break;
+        else
+            sleep_with(w, &w->crew[crew]);
+    }
+    pthread_mutex_unlock(&w->mutex);
+    return NULL;
+}
+
+static void *serve_all(void *arg)
+{
+    priority_patient();
+    return serve(arg, WORK_LONG);
+}
+
+static void *serve_short(void *arg)
+{
+    return serve(arg, WORK_SHORT);
+}
+
+/* ---- life ---- */
+
+struct workers *workers_new(unsigned threads)
+{
+    struct workers *w = calloc(1, sizeof *w + (threads + 1) * sizeof w->thread[0]);
+    if (w == NULL)
+        return NULL;
+    w->pool = (struct dt_pool){.threads = threads, .run = pool_run, .ctx = w};
+    w->event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    pthread_mutex_init(&w->mutex, NULL);
+    for (int i = WORK_SHORT; i <= WORK_LONG; i++)
+        pthread_cond_init(&w->crew[i].wake, NULL);
+    pthread_cond_init(&w->helped, NULL);
+    for (; w->event >= 0 && w->threads <= threads; w->threads++)
+        if (pthread_create(&w->thread[w->threads], NULL, w->threads == 0 ? serve_short : serve_all,
+                           w) != 0)
+            break;
+    if (w->threads < threads + 1) {
+        workers_free(w);
+        return NULL;
+    }
+    return w;
+}
+
+void workers_free(struct workers *w)
+{
+    pthread_mutex_lock(&w->mutex);
+    w->stopping = true;
+    for (int i = WORK_SHORT; i <= WORK_LONG; i++)
+        pthread_cond_broadcast(&w->crew[i].wake);
+    pthread_mutex_unlock(&w->mutex);
+    for (unsigned i = 0; i < w->threads; i++)
+        pthread_join(w->thread[i], NULL);
+    if (w->event >= 0)
+        close(w->event);
+    pthread_cond_destroy(&w->helped);
+    for (int i = WORK_SHORT; i <= WORK_LONG; i++)
+        pthread_cond_destroy(&w->crew[i].wake);
+    pthread_mutex_destroy(&w->mutex);
+    free(w);
+}
+
+int workers_event(const struct workers *w)
+{
+    return w->event;
+}
+
+unsigned workers_backlog(struct workers *w)
+{
+    pthread_mutex_lock(&w->mutex);
+    unsigned n = w->queue[WORK_LONG].n;
+    pthread_mutex_unlock(&w->mutex);
+    return n;
+}
+
+void workers_submit(struct workers *w, enum work_kind kind, struct work *work)
+{
+    pthread_mutex_lock(&w->mutex);
+    push(&w->queue[kind], work);
+    wake_enough(w);
+    pthread_mutex_unlock(&w->mutex);
+}
+
+struct work *workers_collect(struct workers *w)
+{
+    eventfd_t count;
+    pthread_mutex_lock(&w->mutex);
+    /* Emptying the counter under the mutex keeps it in step with the list; nothing to read is no
+     * error. */
+    eventfd_read(w->event, &count);
+    struct work *first = w->done.first;
+    w->done = (struct queue){0};
+    pthread_mutex_unlock(&w->mutex);
+    return first;
+}
+
+const struct dt_pool *workers_pool(const struct workers *w)
+{
+    return &w->pool;
+}

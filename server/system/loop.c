@@ -1,0 +1,173 @@
+/* loop.c - see loop.h. */
+#include "server/system/loop.h"
+
+#include <errno.h>
+#include <stddef.h>
+#include <sys/epoll.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { EVENTS_PER_WAIT = 512, TICK_MS = 1000 };
+
+int64_t clock_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+int64_t clock_ms(void)
+{
+    return clock_ns() / 1000000;
+}
+
+bool loop_init(struct loop *loop)
+{
+    *loop = (struct loop){.now_ms = clock_ms()};
+    loop->next_tick_ms = loop->now_ms + TICK_MS;
+    timers_init(&loop->timers, loop->now_ms);
+    loop->epoll = epoll_create1(EPOLL_CLOEXEC);
+    return loop->epoll >= 0;
+}
+
+/* ---- tasks ---- */
+
+static void push(struct task_list *list, struct task *task)
+{
+    if (task->queued)
+        return;
+    task->queued = true;
+    task->next = NULL;
+    if (list->first == NULL)
+        list->first = task;
+    else
+        list->last->next = task;
+    list->last = task;
+}
+
+/* Runs the tasks that are in the list now; those that they add wait for the next time. */
+static void run_all(struct task_list *list)
+{
+    struct task *task = list->first;
+    *list = (struct task_list){0};
+    while (task != NULL) {
+        struct task *next = task->next;
+        task->queued = false;
+        task->run(task);
+        task = next;
+    }
+}
+
+void loop_defer(struct loop *loop, struct task *task)
+{
+    push(&loop->deferred, task);
+}
+
+void loop_yield(struct loop *loop, struct task *task)
+{
+    push(&loop->yielded, task);
+}
+
+void loop_bury(struct loop *loop, struct task *task)
+{
+    push(&loop->burials, task);
+}
+
+void loop_clear(struct loop *loop)
+{
+    while (loop->burials.first != NULL) {
+        run_all(&loop->deferred);
+        run_all(&loop->yielded);
+        run_all(&loop->burials);
+    }
+    buf_free(&loop->spare_in);
+    buf_free(&loop->spare_out);
+    close(loop->epoll);
+}
+
+/* ---- sources ---- */
+
+bool loop_watch(struct loop *loop, struct source *source, uint32_t events)
+{
+    struct epoll_event e = {.events = events, .data.ptr = source};
+    return epoll_ctl(loop->epoll, EPOLL_CTL_ADD, source->fd, &e) == 0;
+}
+
+void loop_change(struct loop *loop, struct source *source, uint32_t events)
+{
+    struct epoll_event e = {.events = events, .data.ptr = source};
+    epoll_ctl(loop->epoll, EPOLL_CTL_MOD, source->fd, &e);
+}
+
+void loop_forget(struct loop *loop, struct source *source)
+{
+    epoll_ctl(loop->epoll, EPOLL_CTL_DEL, source->fd, NULL);
+}
+
+/* ---- turns ---- */
+
+static void tick_if_due(struct loop *loop)
+{
+    if (loop->now_ms < loop->next_tick_ms)
+        return;
+    loop->next_tick_ms = loop->now_ms + TICK_MS;
+    if (loop->tick != NULL)
+        loop->tick(loop);
+}
+
+static int wait_ms(const struct loop *loop)
+{
+    if (loop->deferred.first != NULL || loop->yielded.first != NULL)
+        return 0;
+    int64_t first = loop->timers.earliest_ms;
+    if (first > loop->next_tick_ms)
+        first = loop->next_tick_ms;
+    int64_t left = first - clock_ms();
+    return left < 0 ? 0 : (int)left;
+}
+
+/* Runs yielded tasks in order until their time is over; the next turn continues with those that are
+ * left. */
+static void run_yielded(struct loop *loop)
+{
+    struct task_list *list = &loop->yielded;
+    if (list->first == NULL)
+        return;
+    int64_t end = clock_ns() + LOOP_TURN_NS;
+    loop->in_yielded = true;
+    do {
+        struct task *task = list->first;
+        list->first = task->next;
+        task->queued = false;
+        task->run(task);
+    } while (list->first != NULL && clock_ns() < end);
+    loop->in_yielded = false;
+}
+
+void loop_run(struct loop *loop)
+{
+    struct epoll_event event[EVENTS_PER_WAIT];
+    while (!loop->stopped) {
+        int n = epoll_wait(loop->epoll, event, EVENTS_PER_WAIT, wait_ms(loop));
+        loop->turn_ns = clock_ns();
+        loop->now_ms = loop->turn_ns / 1000000;
+        /* What was deferred comes before news: it has waited longer. */
+        run_all(&loop->deferred);
+        for (int i = 0; i < n; i++) {
+            struct source *source = event[i].data.ptr;
+            if (source->fd >= 0) /* not closed earlier in this batch */
+                source->ready(source, event[i].events);
+        }
+        run_yielded(loop);
+        timers_run(&loop->timers, loop->now_ms);
+        tick_if_due(loop);
+        if (loop->turn_end != NULL)
+            loop->turn_end(loop);
+        run_all(&loop->burials);
+    }
+}
+
+void loop_stop(struct loop *loop)
+{
+    loop->stopped = true;
+}

@@ -1,0 +1,52 @@
+/* priority.c - see priority.h. A scheduler that gives each thread a deadline by the length of its slice
+ * (EEVDF) lets the thread with the shortest one run first, so the clients of the I/O thread do not
+ * wait for the end of a worker's slice of three milliseconds.
+ *
+ * Its slice alone is not enough. Where two workers share a processor, the one that waits falls behind
+ * its share, and once its slice is due the woken I/O thread is not the next in turn any more: the
+ * worker that runs is not interrupted then, until the clock ticks, which may be four milliseconds
+ * later. A worker's slice of several ticks is rarely due so soon; it takes nothing off a worker's
+ * share of the processor, and a worker that has little to do on a busy machine still gets there. */
+#include "server/system/priority.h"
+
+#include <sched.h>
+#include <stdint.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+enum {
+    SHORT_NS = 100 * 1000, /* the shortest slice that the kernel grants */
+    LONG_NS = 20 * 1000 * 1000
+};
+
+/* The kernel's struct sched_attr, of which libc has none yet; see sched_setattr(2). */
+struct attributes {
+    uint32_t size, policy;
+    uint64_t flags;
+    int32_t nice;
+    uint32_t priority;
+    uint64_t runtime, deadline, period;
+};
+
+/* Nothing happens if whoever started the daemon has chosen a policy of his own. A kernel that knows
+ * no slices takes the policy only. */
+static void choose(uint32_t policy, uint64_t slice_ns)
+{
+    struct attributes a = {.size = sizeof a};
+    if (syscall(SYS_sched_getattr, 0, &a, (unsigned)sizeof a, 0u) != 0 || a.policy != SCHED_OTHER)
+        return;
+    a.policy = policy;
+    a.runtime = slice_ns;
+    a.flags = 0;
+    syscall(SYS_sched_setattr, 0, &a, 0u);
+}
+
+void priority_prompt(void)
+{
+    choose(SCHED_OTHER, SHORT_NS);
+}
+
+void priority_patient(void)
+{
+    choose(SCHED_BATCH, LONG_NS);
+}

@@ -1,0 +1,94 @@
+/* timer.c - see timer.h. [Varghese & Lauck 1987, scheme 6] */
+#include "server/system/timer.h"
+
+static void init_list(struct timer *head)
+{
+    head->prev = head->next = head;
+}
+
+static bool is_empty(const struct timer *head)
+{
+    return head->next == head;
+}
+
+static void append(struct timer *head, struct timer *t)
+{
+    t->prev = head->prev;
+    t->next = head;
+    t->prev->next = t;
+    head->prev = t;
+}
+
+void timer_clear(struct timer *t)
+{
+    if (t->next == NULL)
+        return;
+    t->prev->next = t->next;
+    t->next->prev = t->prev;
+    t->prev = t->next = NULL;
+}
+
+void timers_init(struct timers *w, int64_t now_ms)
+{
+    for (int i = 0; i < TIMER_SLOTS; i++)
+        init_list(&w->slot[i]);
+    w->passed = now_ms / TIMER_GRAIN_MS;
+    w->earliest_ms = INT64_MAX;
+}
+
+/* The grain at whose end everything of moment at_ms is due, and that is still to come. */
+static int64_t grain_of(const struct timers *w, int64_t at_ms)
+{
+    int64_t grain = (at_ms + TIMER_GRAIN_MS - 1) / TIMER_GRAIN_MS;
+    return grain > w->passed ? grain : w->passed + 1;
+}
+
+void timers_set(struct timers *w, struct timer *t, int64_t at_ms)
+{
+    int64_t grain = grain_of(w, at_ms);
+    timer_clear(t);
+    t->at_ms = at_ms;
+    append(&w->slot[grain % TIMER_SLOTS], t);
+    if (grain * TIMER_GRAIN_MS < w->earliest_ms)
+        w->earliest_ms = grain * TIMER_GRAIN_MS;
+}
+
+/* Moves what is due from a slot to the list. */
+static void take_due(struct timer *slot, struct timer *due, int64_t now_ms)
+{
+    for (struct timer *t = slot->next, *next; t != slot; t = next) {
+        next = t->next;
+        if (t->at_ms <= now_ms) {
+            timer_clear(t);
+            append(due, t);
+        }
+    }
+}
+
+/* When the next slot that holds anything is passed: what it holds may be for a later round. */
+static int64_t next_ms(const struct timers *w)
+{
+    for (int64_t grain = w->passed + 1; grain <= w->passed + TIMER_SLOTS; grain++)
+        if (!is_empty(&w->slot[grain % TIMER_SLOTS]))
+            return grain * TIMER_GRAIN_MS;
+    return INT64_MAX;
+}
+
+void timers_run(struct timers *w, int64_t now_ms)
+{
+    struct timer due;
+    int64_t now = now_ms / TIMER_GRAIN_MS;
+    if (now_ms < w->earliest_ms)
+        return;
+    init_list(&due);
+    int64_t from = now - w->passed > TIMER_SLOTS ? now - TIMER_SLOTS : w->passed;
+    for (int64_t grain = from + 1; grain <= now; grain++)
+        take_due(&w->slot[grain % TIMER_SLOTS], &due, now_ms);
+    w->passed = now;
+    while (!is_empty(&due)) {
+        struct timer *t = due.next;
+        timer_clear(t);
+        t->run(t);
+    }
+    w->earliest_ms = next_ms(w);
+}
