@@ -9,7 +9,7 @@
 LOAD_POINTS ?= 1000000
 
 all: $(O)/load
-$(O)/load: $(patsubst %.c,$(O)/%.o,$(wildcard tests/load/*.c)) $(O)/server/histogram.o $(PROTO)
+$(O)/load: $(patsubst %.c,$(O)/%.o,$(wildcard tests/load/*.c)) $(O)/server/ops/histogram.o $(PROTO)
 	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 load: all
