@@ -6,6 +6,7 @@
 #include "server/clients/clients.h"
 #include "server/jobs/server.h"
 #include "server/lifecycle.h"
+#include "server/session/session.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
 

@@ -30,7 +30,7 @@ static void converse(redisContext *c)
     expect(c, redisCommand(c, "PING"), REDIS_REPLY_STATUS, "PONG", "PING");
     expect(c, redisCommand(c, "LOADB h 5 %b", xy, sizeof xy), REDIS_REPLY_STATUS,
            "OK first=0 added=5 coincident=0", "LOADB with its points as a word");
-    expect(c, redisCommand(c, "NEAREST h 1 1"), REDIS_REPLY_ERROR,
+    expect(c, redisCommand(c, "LOCATE h 1 1"), REDIS_REPLY_ERROR,
            "UNTRIANGULATED TRIANGULATE the set first", "an error");
     expect(c, redisCommand(c, "TRIANGULATE h"), REDIS_REPLY_STATUS, NULL, "TRIANGULATE");
     redisReply *r = redisCommand(c, "LISTS h");
