@@ -413,7 +413,8 @@ static bool cut_torn_end(struct recovery *r)
                     strerror(errno));
     if (r->aside)
         snprintf(r->why + n, sizeof r->why - n, "; they are kept in %s", name);
-    if (r->at == 0 ? unlinkat(r->dir->fd, f->name, 0) != 0 : !datadir_cut(r->dir, f, r->at))
+    /* Even if nothing of it is left: as long as the segment is there, nobody can think that it was lost. */
+    if (!datadir_cut(r->dir, f, r->at))
         return fail(r, RECOVERY_ERROR, "cannot cut the end off %s: %s", f->name, strerror(errno));
     return true;
 }

@@ -336,6 +336,18 @@ TEST(set_is_not_read_until_it_is_triangulated_again)
     end(&b);
 }
 
+/* No record is written of it, since the set was triangulated before. If the set lost its lsn, a snapshot would
+ * have it without one, and its changes would be carried out once more at the next start. */
+TEST(a_triangulation_that_is_made_again_beside_the_set_keeps_the_lsn_of_the_set)
+{
+    struct bench b;
+    begin_with_a_large_set(&b);
+    uint64_t lsn = set_t(&b)->current->lsn;
+    CHECK(lsn > 0 && strncmp(local_ask(&b.l, "TRIANGULATE t METHOD divide\n"), "OK 0 ", 5) == 0);
+    CHECK(set_t(&b)->current->lsn == lsn);
+    end(&b);
+}
+
 /* ---- a directory that cannot be used ---- */
 
 static bool starts(struct bench *b)
