@@ -279,7 +279,6 @@ static void publish(struct server *s, struct job *j)
         version_update(&s->sets, j->base);
     } else if (j->status == DT_OK) {
         j->fresh->dt = j->dt;
-        j->fresh->lsn = j->set->current->lsn; /* as long as no record says otherwise */
         version_update(&s->sets, j->fresh);
         dataset_publish(&s->sets, j->set, j->fresh);
     } else {
