@@ -9,7 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { BURST = 8, LARGE = 33000, GROUND = 9 };
+enum { LARGE = 33000, GROUND = 9 };
 
 /* ---- changes ---- */
 

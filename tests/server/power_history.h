@@ -7,6 +7,10 @@
  * what these changes make of it; or clients share it, and each stream's points, which have its
  * number for x, are what its changes make of them.
  *
+ * A full disk makes an exception. The daemon then refuses what needs space and carries out what frees
+ * some. Its replies come in order, each when the change is on the disk, so a client whose daemon ends
+ * has not heard which of its last changes were refused: any of those that need space may be missing.
+ *
  * When a client does not know what has become of a change although the daemon lives (the disk has
  * failed), it goes on with another stream. */
 #ifndef TESTS_SERVER_POWER_HISTORY_H
@@ -18,7 +22,10 @@
 
 #include <pthread.h>
 
-enum { WHY_BYTES = 400 };
+enum {
+    WHY_BYTES = 400,
+    BURST = 8 /* a client sends at most so many requests before it takes the replies */
+};
 
 struct sent_change {
     struct change change;
@@ -32,9 +39,10 @@ struct stream {
     unsigned number;
     struct sent_change *sent; /* owns */
     int n, cap;
-    int acknowledged; /* at the moment that is looked at */
-    int found;        /* so many were there */
-    uint32_t own;     /* points of it were in a shared set */
+    int acknowledged;  /* at the moment that is looked at */
+    int found;         /* so many were there */
+    unsigned supposed; /* which of the changes without a reply are taken for refused */
+    uint32_t own;      /* points of it were in a shared set */
     struct model before;
     uint64_t *digest; /* owns; after the first 0, 1, ... n changes */
     uint32_t *id; /* owns; of a shared set: which id a point of the stream has; DT_NONE: unknown */
@@ -63,6 +71,7 @@ struct history {
     struct connection **connection;
     int streams, connections;
     bool shows_unsaved; /* what a reply shows may be lost: the disk fails */
+    bool disk_is_full;  /* now and then */
 };
 
 void history_init(struct history *h);

@@ -140,15 +140,59 @@ static uint64_t digest_found(struct stream *s, const struct dataset *set)
     return set == NULL ? 0 : digest_set(set);
 }
 
-static bool allows_stream(struct stream *s, const struct registry *sets, char why[WHY_BYTES])
+static bool find_state(struct stream *s, uint64_t digest)
 {
-    uint64_t digest = digest_found(s, set_of(sets, s));
     for (int i = s->acknowledged; i <= s->n; i++) {
         if (s->digest[i] == digest) {
             s->found = i;
             return true;
         }
     }
+    return false;
+}
+
+/* Whether a full disk may have refused the change, and its reply was not heard. */
+static bool may_be_refused(const struct sent_change *sent)
+{
+    return sent->reply[0] == '\0' && sent->change.kind != CHANGE_DELETE &&
+           sent->change.kind != CHANGE_DROP;
+}
+
+/* Takes those of the changes that may have been refused for refused of which the bit in `which` is
+ * set. Returns how many there are. */
+static unsigned suppose_refused(struct stream *s, unsigned which)
+{
+    unsigned n = 0;
+    for (int i = 0; i < s->n; i++)
+        if (may_be_refused(&s->sent[i]))
+            s->sent[i].refused = which >> n++ & 1;
+    CHECK(n <= BURST);
+    compute_states(s);
+    s->supposed = which;
+    return n;
+}
+
+/* Finds a state with some of the changes refused that may have been. */
+static bool find_state_after_refusals(struct stream *s, uint64_t digest)
+{
+    unsigned n = suppose_refused(s, 0);
+    for (unsigned which = 1; which < 1u << n; which++) {
+        suppose_refused(s, which);
+        if (find_state(s, digest))
+            return true;
+    }
+    suppose_refused(s, 0);
+    return false;
+}
+
+static bool allows_stream(const struct history *h, struct stream *s, const struct registry *sets,
+                          char why[WHY_BYTES])
+{
+    uint64_t digest = digest_found(s, set_of(sets, s));
+    if (s->supposed != 0)
+        suppose_refused(s, 0); /* for an earlier moment */
+    if (find_state(s, digest) || (h->disk_is_full && find_state_after_refusals(s, digest)))
+        return true;
     for (int i = s->acknowledged - 1; i >= 0; i--)
         if (s->digest[i] == digest)
             return refuse(why, "%s (stream %u) has %d changes of %d that were acknowledged", s->set,
@@ -229,7 +273,7 @@ bool history_allows(struct history *h, const struct registry *sets, char why[WHY
 {
     size_t there = 0;
     for (int i = 0; i < h->streams; i++)
-        if (!allows_stream(h->stream[i], sets, why))
+        if (!allows_stream(h, h->stream[i], sets, why))
             return false;
     for (int i = 0; i < h->streams; i++) {
         const struct stream *s = h->stream[i];
@@ -269,6 +313,7 @@ static void settle(struct stream *s, const struct dataset *set)
     for (int i = 0; i < s->n; i++)
         change_clear(&s->sent[i].change);
     s->n = s->found = s->acknowledged = 0;
+    s->supposed = 0;
     s->before.triangulated = set != NULL && set->triangulated;
     if (s->shared)
         take_ids(s, set == NULL ? NULL : set->current->dt);
