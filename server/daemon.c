@@ -13,6 +13,7 @@
 #include "server/system/loop.h"
 #include "server/system/notice.h"
 #include "server/system/priority.h"
+#include "server/system/private.h"
 #include "server/system/sock.h"
 #include "server/system/systemd.h"
 
@@ -39,7 +40,7 @@ static struct {
     struct loop loop;
     struct server server;
     struct clients clients;
-    struct source tcp, local, signals, workers, durable;
+    struct source tcp, local, signals, workers, durable, owner;
     int handed;  /* a listening socket from the service manager; -1: none */
     int reserve; /* a descriptor kept back, to refuse politely when all others are used up */
     bool paused; /* the listeners are not watched until the next tick: accepting cannot succeed */
@@ -219,7 +220,10 @@ static void announce_if_ready(void)
         (!durable_is_complete(&d.server) && clock_ms() - d.server.started_ms < ANNOUNCE_MS))
         return;
     d.announced = true;
-    printf("ready on %s%s%s:%u\n", v6 ? "[" : "", config->bind_address, v6 ? "]" : "", d.port);
+    if (config->private)
+        printf("ready on %s\n", config->unix_path);
+    else
+        printf("ready on %s%s%s:%u\n", v6 ? "[" : "", config->bind_address, v6 ? "]" : "", d.port);
     fflush(stdout);
     notice(NOTICE_DEBUG, "ready, with %zu sets", d.server.sets.sets);
     systemd_notify("READY=1");
@@ -257,6 +261,8 @@ static void close_listeners(void)
     }
     if (d.server.config->unix_path != NULL)
         unlink(d.server.config->unix_path);
+    if (d.server.config->private && d.server.config->unix_path != NULL)
+        private_remove(d.server.config->unix_path);
 }
 
 static void drain_client(struct session *s)
@@ -288,9 +294,17 @@ static void on_signal(struct source *source, uint32_t events)
     while (read(source->fd, &info, sizeof info) == (ssize_t)sizeof info) {
         if (info.ssi_signo == SIGHUP)
             reload_tokens(&d.server, 0);
-        else
+        else if (info.ssi_signo != SIGINT || !d.server.config->private) /* which is for the owner */
             stop();
     }
+}
+
+/* The owner of a private daemon: nobody is left to wait for. */
+static void on_owner(struct source *source, uint32_t events)
+{
+    (void)events;
+    if (private_owner_is_gone(source->fd))
+        loop_stop(&d.loop);
 }
 
 /* ---- once a second ---- */
@@ -373,10 +387,28 @@ static bool listen_to_handed(const struct config *config)
             watch(&d.local, sock_listen_unix(config->unix_path), on_listener));
 }
 
-static bool listen_to_all(const struct config *config)
+static bool listen_to_owner(struct config *config)
+{
+    static char path[PRIVATE_PATH];
+    if (!watch(&d.owner, STDIN_FILENO, on_owner)) {
+        notice(NOTICE_ERROR, "--private needs a pipe from its owner as standard input");
+        return false;
+    }
+    if (!private_make(path))
+        return false;
+    config->unix_path = path;
+    if (watch(&d.local, sock_listen_unix(path), on_listener))
+        return true;
+    close_listeners();
+    return false;
+}
+
+static bool listen_to_all(struct config *config)
 {
     d.port = config->port;
     d.tcp.fd = d.local.fd = -1;
+    if (config->private)
+        return listen_to_owner(config);
     if (d.handed >= 0)
         return listen_to_handed(config);
     if (!watch(&d.tcp, sock_listen(config->bind_address, &d.port), on_listener))

@@ -15,6 +15,8 @@ static const char usage[] =
     "  --bind ADDR         numeric address to listen on (default 127.0.0.1)\n"
     "  --port N            TCP port, 0 for any free one (default 6374)\n"
     "  --unix PATH         listen on this Unix socket too\n"
+    "  --private           listen on a Unix socket in a new directory alone, until standard input "
+    "ends\n"
     "  --data DIR          keep everything in this directory as well, so that it survives\n"
     "  --fsync WHEN        always: a change is acknowledged when it is on the disk (default);\n"
     "                      everysec: when it is written, synced once a second; no: never synced\n"
@@ -92,6 +94,8 @@ static bool take_setting(struct config *c, const struct setting *of, const char 
 static bool safe_to_bind(const struct config *c)
 {
     bool loopback;
+    if (c->private && (c->unix_path != NULL || c->data != NULL))
+        return complain("private", "", "it excludes --unix and --data");
     if (!is_loopback(c->bind_address, &loopback))
         return complain("bind", c->bind_address, "not a numeric IPv4 or IPv6 address");
     if (!loopback && c->auth_file == NULL && !c->insecure)

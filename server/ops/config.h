@@ -27,6 +27,7 @@ struct config {
     const char *check;     /* a data directory that is to be checked, and nothing else */
     const char *repair;    /* the same, to be repaired */
     const char *unix_path; /* NULL: no Unix socket */
+    bool private; /* for the process that holds the other end of standard input (private.h) */
     const char *auth_file; /* NULL: everybody may do everything */
     unsigned threads;      /* that a job may use; the I/O thread not counted */
     unsigned max_clients;

@@ -20,6 +20,7 @@ const struct setting settings[] = {
     {"bind", NULL, SETTING_TEXT, FIXED, AT(bind_address), 0, 0, NULL},
     {"port", NULL, SETTING_NUMBER, FIXED, AT(port), 0, 65535, "a port is 0 to 65535"},
     {"unix", "unixsocket", SETTING_TEXT, FIXED, AT(unix_path), 0, 0, NULL},
+    {"private", NULL, SETTING_SWITCH, FIXED, AT(private), 0, 0, NULL},
     {"data", "dir", SETTING_TEXT, FIXED, AT(data), 0, 0, NULL},
     {"fsync", "appendfsync", SETTING_FSYNC, FIXED, AT(fsync), 0, 0, "always, everysec or no"},
     {"compact-at", NULL, SETTING_BYTES, LIVE, AT(compact_at), 0, 0, bytes_wanted},

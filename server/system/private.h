@@ -1,0 +1,20 @@
+/* private.h - what a daemon of one process alone has instead of an address: a Unix socket in a new
+ * directory that only this user may enter. */
+#ifndef SERVER_PRIVATE_H
+#define SERVER_PRIVATE_H
+
+#include <stdbool.h>
+
+enum { PRIVATE_PATH = 108 }; /* bytes, the NUL included: what the path of a Unix socket may have */
+
+/* Makes the directory, in $TMPDIR or /tmp, and names a socket in it. False: the reason is on standard
+ * error. */
+bool private_make(char path[PRIVATE_PATH]);
+
+/* Removes the directory of that socket, which has been removed. */
+void private_remove(const char *path);
+
+/* Whether the owner, who holds the other end of this pipe or socket, is gone. What it sends is ignored. */
+bool private_owner_is_gone(int fd);
+
+#endif
