@@ -73,11 +73,22 @@ static void refill_reserve(void)
         watch_listeners(true);
 }
 
+/* Temporary sets go with their connection, if they are many, some at a time. Those that somebody writes
+ * just now are left to the next second. */
+static void drop_orphans(struct task *task)
+{
+    if (registry_drop_orphans(&d.server.sets))
+        loop_yield(&d.loop, task);
+}
+
 static void on_client_closed(struct session *s)
 {
+    static struct task orphans = {.run = drop_orphans};
     notice_client(s, NOTICE_DEBUG, "has gone");
     clients_remove(&d.clients, s);
     d.evicted -= s->evicted;
+    if (d.server.sets.orphans != NULL)
+        loop_yield(&d.loop, &orphans);
     refill_reserve();
     if (d.stopping && d.clients.n == 0)
         loop_stop(&d.loop);
@@ -341,6 +352,7 @@ static void on_tick(struct loop *loop)
     durable_tick(&d.server);
     keep_tick(&d.server);
     registry_tidy(&d.server.sets);
+    registry_drop_orphans(&d.server.sets);
     announce_if_ready();
     refill_reserve();
     if (d.stopping && loop->now_ms - d.stop_ms > GRACE_MS)

@@ -49,14 +49,15 @@ struct session {
         struct stream *stream;   /* owns */
         struct listing *listing; /* owns */
     };
-    struct load *load;          /* owns: points that are being received */
-    bool refused;               /* the load that is being received has been refused already */
-    bool resp;                  /* the request under way came in RESP framing (proto/resp.h) */
-    bool in_bulk;               /* the load's points come as one bulk string */
-    size_t bulk_left;           /* bytes of it that have not been read */
-    size_t need;                /* input shorter than this holds no whole RESP request */
-    struct reply_reader reader; /* the place in a reply that goes out as RESP */
-    struct waiter waiter;       /* of the request under way */
+    struct temporaries *temporary; /* owns; NULL: it has no temporary sets */
+    struct load *load;             /* owns: points that are being received */
+    bool refused;                  /* the load that is being received has been refused already */
+    bool resp;                     /* the request under way came in RESP framing (proto/resp.h) */
+    bool in_bulk;                  /* the load's points come as one bulk string */
+    size_t bulk_left;              /* bytes of it that have not been read */
+    size_t need;                   /* input shorter than this holds no whole RESP request */
+    struct reply_reader reader;    /* the place in a reply that goes out as RESP */
+    struct waiter waiter;          /* of the request under way */
     void (*closed)(
         struct session *s); /* tells whoever keeps the session, which is freed afterwards */
 };

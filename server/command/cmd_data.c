@@ -1,6 +1,7 @@
 /* cmd_data.c - the commands about sets and their points. */
 #include "server/command/command.h"
 
+#include "server/clients/clients.h"
 #include "server/jobs/edit.h"
 #include "server/jobs/journal.h"
 #include "server/jobs/listing.h"
@@ -43,32 +44,49 @@ void cmd_sets(struct server *s, struct dataset *set, const struct request *q, st
     listing_answer(s, a, list_sets, true, 0, 0, s->sets.sets * ROW_BYTES);
 }
 
-static bool read_tolerance(struct answer *a, const struct request *q, double *tolerance)
+/* How a set is to be created. */
+struct making {
+    double tolerance;
+    bool temporary;
+};
+
+static bool read_making(struct answer *a, const struct request *q, struct making *m)
 {
-    *tolerance = 0;
-    if (q->n == 2)
-        return true;
-    if (q->n != 4 || !word_is(&q->word[2], "TOL")) {
-        reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
-        return false;
+    *m = (struct making){0};
+    for (size_t i = 2; i < q->n; i++) {
+        if (word_is(&q->word[i], "TEMPORARY")) {
+            m->temporary = true;
+        } else if (word_is(&q->word[i], "TOL") && i + 1 < q->n) {
+            if (!read_length(a, &q->word[++i], "tolerance", &m->tolerance))
+                return false;
+        } else {
+            reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+            return false;
+        }
     }
-    return read_length(a, &q->word[3], "tolerance", tolerance);
+    return true;
 }
 
 void cmd_create(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    double tolerance;
-    if (!read_tolerance(a, q, &tolerance))
+    struct making m;
+    struct session *who = s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
+    if (!read_making(a, q, &m))
         return;
     if (set != NULL) {
         reply_err(a->out, ERR_EXISTS, "the set %s is there already", set->name);
         return;
     }
-    set = edit_create(s, a, &q->word[1], tolerance);
+    set = edit_create(s, a, &q->word[1], m.tolerance);
     if (set == NULL)
         return;
+    if (m.temporary && who != NULL && !dataset_make_temporary(set, &who->temporary)) {
+        registry_drop(&s->sets, set);
+        answer_out_of_memory(a);
+        return;
+    }
     set->born = true;
-    journal_create(s, set, tolerance);
+    journal_create(s, set, m.tolerance);
     a->lsn = journal_of(s, set);
     reply_ok(a->out, 0);
     reply_end(a->out);
@@ -97,6 +115,8 @@ void cmd_stat(struct server *s, struct dataset *set, const struct request *q, st
     reply_key_u64(a->out, "hull", sum->hull);
     reply_key_u64(a->out, "memory", sum->memory);
     reply_key_double(a->out, "tol", dt_tolerance(set->current->dt));
+    if (set->temporary)
+        reply_key_text(a->out, "temporary", "yes");
     reply_end(a->out);
 }
 

@@ -26,8 +26,8 @@ enum {
 
 const struct command commands[] = {
     {"SETS", 1, 1, CMD_ALL_SETS, cmd_sets, "SETS", "the sets, with their number of points"},
-    {"CREATE", 2, 4, EDITS, cmd_create, "CREATE set [TOL t]",
-     "a new, empty set with coincidence tolerance t"},
+    {"CREATE", 2, 5, EDITS, cmd_create, "CREATE set [TOL t] [TEMPORARY]",
+     "a new, empty set with coincidence tolerance t, for good or as long as the connection"},
     {"DROP", 2, 2, EDITS | CMD_EXISTING | CMD_FREES, cmd_drop, "DROP set", "deletes a set"},
     {"STAT", 2, 2, READS | CMD_FRESH, cmd_stat, "STAT set", "counts and memory of a set"},
     {"ADD", 4, 0, EDITS, cmd_add, "ADD set x y [x y ...]", "adds points"},
@@ -219,7 +219,8 @@ static bool check_state(struct server *s, struct answer *a, const struct command
         rebuild_refuse(s, a, set);
         return false;
     }
-    if (writes && !durable_admits_change(s, a, (c->flags & CMD_FREES) != 0))
+    bool kept = set == NULL || !set->temporary;
+    if (writes && kept && !durable_admits_change(s, a, (c->flags & CMD_FREES) != 0))
         return false;
     if (set == NULL)
         return true;

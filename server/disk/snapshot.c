@@ -226,13 +226,14 @@ static void on_free(struct waiter *w)
 
 static void count(struct dataset *set, void *ctx)
 {
-    (void)set;
-    ++*(size_t *)ctx;
+    *(size_t *)ctx += !set->temporary;
 }
 
 static void enrol(struct dataset *set, void *ctx)
 {
     struct snapshot *snap = ctx;
+    if (set->temporary)
+        return;
     struct snapshot_source *s = &snap->source[snap->n++];
     s->snapshot = snap;
     s->name_len = set->name_len;

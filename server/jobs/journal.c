@@ -3,10 +3,16 @@
 
 #include "server/jobs/durable.h"
 
-/* The lsn of the record; 0 without --data. */
+/* Where the set's changes go; NULL: nowhere. */
+static struct log *log_of(const struct server *s, const struct dataset *set)
+{
+    return set->temporary ? NULL : durable_log(s);
+}
+
+/* The lsn of the record; 0 if there is none. */
 static uint64_t append(struct server *s, const struct dataset *set, struct record r)
 {
-    struct log *log = durable_log(s);
+    struct log *log = log_of(s, set);
     if (log == NULL)
         return 0;
     r.name = set->name;
@@ -25,13 +31,14 @@ void journal_create(struct server *s, struct dataset *set, double tolerance)
 void journal_drop(struct server *s, struct dataset *set)
 {
     /* Not the set's own: a snapshot that pins the set now does not have this change. */
-    s->dropped = append(s, set, (struct record){.type = RECORD_DROP});
+    if (!set->temporary)
+        s->dropped = append(s, set, (struct record){.type = RECORD_DROP});
 }
 
 void journal_add(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
                  size_t n)
 {
-    struct log *log = durable_log(s);
+    struct log *log = log_of(s, set);
     struct record r = {.first = first, .n = (uint32_t)n};
     if (log == NULL) {
         dt_pages_release(p);

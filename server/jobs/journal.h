@@ -1,5 +1,6 @@
 /* journal.h - what an edit writes into the log. Each function is called once the edit has
- * succeeded, in the order of the edits of its set; without --data it does nothing. */
+ * succeeded, in the order of the edits of its set; without --data, and for a temporary set, it does
+ * nothing. */
 #ifndef SERVER_JOURNAL_H
 #define SERVER_JOURNAL_H
 

@@ -259,6 +259,7 @@ static void on_closed(struct conn *c)
         listing_free(s->listing);
     if (s->load != NULL)
         load_free(s->server, s->load);
+    registry_orphan(&s->server->sets, s->temporary);
     if (s->closed != NULL)
         s->closed(s);
     free(s->name);

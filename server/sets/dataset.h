@@ -44,19 +44,28 @@ struct dataset {
     bool exclusive;     /* the writer edits in place */
     bool born; /* false while the request that creates it has not succeeded yet: it is not there for
                   others, but its name is taken */
-    bool triangulated;       /* TRIANGULATE has been asked for (with --data) */
-    bool loading;            /* it was read from disk and its triangulation is not there yet */
-    struct wait_queue queue; /* of requests that wait until it is free */
+    bool triangulated; /* TRIANGULATE has been asked for (with --data) */
+    bool loading;      /* it was read from disk and its triangulation is not there yet */
+    bool temporary;    /* dropped when its connection ends, and never on disk */
+    struct dataset *temporary_next, **temporary_link; /* in the list of that connection's */
+    struct wait_queue queue;                          /* of requests that wait until it is free */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
+};
+
+/* The temporary sets of a connection. */
+struct temporaries {
+    struct dataset *first;
+    struct temporaries *next; /* in the registry's list of orphans */
 };
 
 struct registry {
     struct dataset **bucket; /* owns */
     size_t buckets, sets;
-    struct reservation memory; /* of all versions */
-    struct dt_pages *pages;    /* borrows; where sets have their large arrays; NULL: the system */
-    struct version *untidy;    /* that keep what was saved for readers who have finished */
+    struct temporaries *orphans; /* owns; of connections that have ended */
+    struct reservation memory;   /* of all versions */
+    struct dt_pages *pages;      /* borrows; where sets have their large arrays; NULL: the system */
+    struct version *untidy;      /* that keep what was saved for readers who have finished */
     /* Takes a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;
@@ -72,6 +81,14 @@ struct dataset *registry_find(const struct registry *r, const struct word *name)
 struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance);
 /* Removes the set and frees it. Those who wait for it are all woken. Nobody may write it. */
 void registry_drop(struct registry *r, struct dataset *set);
+/* Adds a set to a connection's temporary ones, *of, which is made for the first of them (NULL). False when
+ * out of memory. registry_drop takes it out. */
+bool dataset_make_temporary(struct dataset *set, struct temporaries **of);
+/* Their connection has ended: takes them over, to be dropped by registry_drop_orphans; NULL is fine. */
+void registry_orphan(struct registry *r, struct temporaries *of);
+/* Drops some of them; those that somebody writes come later. Cost: less than a millisecond. Whether there
+ * are more that could be dropped now. */
+bool registry_drop_orphans(struct registry *r);
 /* Goes on freeing what was saved for readers who have finished. Cost: about a millisecond at most.
  * To be called once a second. */
 void registry_tidy(struct registry *r);

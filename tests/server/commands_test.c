@@ -297,7 +297,7 @@ TEST(errors_of_other_commands_leave_the_connection_usable)
         "CREATE s TOL\nCREATE s TOL -1\nCREATE s TOL x\nCREATE s TOL 1e300\nTRIANGULATE t METHOD\n"
         "TRIANGULATE t METHOD magic\nTRIANGULATE u\nDROP u\nHELP foo\nHELLO 9\nHELLO x\nPING "
         "x\nSETS x\nSETS\n",
-        "ERR SYNTAX usage: CREATE set [TOL t]\n"
+        "ERR SYNTAX usage: CREATE set [TOL t] [TEMPORARY]\n"
         "ERR RANGE a tolerance is not negative\n"
         "ERR NUMBER x is not a number\n"
         "ERR RANGE a tolerance is 0 or has a magnitude from 2^-142 to 2^201\n"
