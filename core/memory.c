@@ -83,3 +83,15 @@ size_t dt_array_room(size_t cap, size_t need, size_t limit)
         room = 16;
     return room > limit ? limit : room;
 }
+
+/* ---- arrays of callers of the core ---- */
+
+void *dt_pages_grow(struct dt_pages *p, void *array, size_t used, size_t bytes)
+{
+    return dt_array_grow_in(p, array, used, bytes, 1);
+}
+
+void dt_pages_release(void *array)
+{
+    dt_array_free(array);
+}

@@ -18,8 +18,6 @@
 #include <string.h>
 #include <sys/mman.h>
 
-#include "core/memory.h"
-
 enum { SLOTS = 256 }; /* a region for which there is none goes back to the system */
 
 struct dt_pages {
@@ -368,14 +366,4 @@ void dt_pages_summary(const struct dt_pages *p, struct dt_pages_summary *out)
                                      .kept = atomic_load(&p->kept),
                                      .fresh = atomic_load(&p->fresh),
                                      .uses = atomic_load(&p->uses)};
-}
-
-void *dt_pages_grow(struct dt_pages *p, void *array, size_t used, size_t bytes)
-{
-    return dt_array_grow_in(p, array, used, bytes, 1);
-}
-
-void dt_pages_release(void *array)
-{
-    dt_array_free(array);
 }
