@@ -10,6 +10,7 @@
 #include "core/block.h"
 
 #include "core/knit.h"
+#include "core/merge.h"
 #include "core/predicates.h"
 #include "core/rank.h"
 

@@ -2,7 +2,7 @@
 #ifndef DT_BLOCK_H
 #define DT_BLOCK_H
 
-#include "core/merge.h"
+#include "core/part.h"
 
 #define DT_BLOCK 6u /* points of the largest block */
 
@@ -15,7 +15,7 @@ struct dt_part dt_block(const struct dt_merging *w, struct dt_point *p, uint32_t
  * 0. Returns whether all are at different places. */
 bool dt_block_sort(struct dt_point *p, uint32_t *from, uint32_t n);
 
-/* Sorts n points, and where they come from, as cuts of the axis want them (merge.h). Cost: O(n) where
+/* Sorts n points, and where they come from, as cuts of the axis want them (part.h). Cost: O(n) where
  * they are nearly in order, else O(n^2). */
 void dt_insertion_sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32_t n);
 

@@ -2,19 +2,8 @@
 #ifndef DT_DIVIDE_H
 #define DT_DIVIDE_H
 
+#include "core/order.h"
 #include "core/plan.h"
-
-/* Some points in some order and their names. */
-struct dt_named {
-    struct dt_point *p;
-    uint32_t *from;
-};
-
-/* The same, only to be read. from == NULL: the input, whose points are named by their numbers. */
-struct dt_source {
-    const struct dt_point *p;
-    const uint32_t *from;
-};
 
 /* Triangulates n distinct points. p[n] and from[n] are the caller's and are filled: vertex v of the
  * mesh is p[v], in grid order, so that neighbours in the plane are neighbours in memory. from[v] is

@@ -5,8 +5,8 @@
 #ifndef DT_DIVIDE_LEVEL_H
 #define DT_DIVIDE_LEVEL_H
 
-#include "core/divide.h"
 #include "core/few.h"
+#include "core/merge.h"
 #include "core/order.h"
 #include "core/parallel.h"
 #include "core/plan.h"

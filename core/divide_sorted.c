@@ -8,6 +8,7 @@
 #include "core/divide.h"
 #include "core/hull.h"
 #include "core/memory.h"
+#include "core/merge.h"
 #include "core/parallel.h"
 
 #define TASKS_PER_THREAD 32u

@@ -6,6 +6,7 @@
 #include "core/few.h"
 
 #include "core/box.h"
+#include "core/merge.h"
 #include "core/rank.h"
 
 /* Those that share a coordinate are put right by a second sort. */

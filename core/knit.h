@@ -3,7 +3,7 @@
 #define DT_KNIT_H
 
 #include "core/bounds.h"
-#include "core/merge.h"
+#include "core/part.h"
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -49,13 +49,5 @@ INLINE void knit_ghost(const struct knitting *w, size_t t, uint32_t a, uint32_t 
     knit_triangle(w, t, a, b, DT_NONE);
     w->leaving[a] = (uint32_t)t;
 }
-
-/* Joins the nl vertices before mid, of which l is the last one along the cut, with the nr vertices
- * from mid on, of which r is the first one. some_l and some_r are ghosts of theirs; one vertex
- * alone has none. The ghosts of the two new hull edges are the records 2 mid - 2 and 2 mid - 1.
- * `close`: use the close filter. Returns whether the next merge of these should use it. A merge of
- * many points polls, and ends early if it is stopped. */
-bool dt_knit(const struct knitting *w, bool close, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
-             uint32_t some_l, uint32_t some_r, uint32_t mid);
 
 #endif

@@ -1,33 +1,11 @@
 /* merge.h - joins the triangulations of two neighbouring sets of points into one: the conquest in
- * divide and conquer.
- *
- * Nothing is allocated: n points always have 2n - 2 triangles, ghosts included (mesh.h), so a range
- * [lo, hi) of the points owns the records 2 lo .. 2 hi - 3 when it is triangulated, and a merge of
- * [lo, mid) and [mid, hi) adds the two records 2 mid - 2 and 2 mid - 1. */
+ * divide and conquer. */
 #ifndef DT_MERGE_H
 #define DT_MERGE_H
 
-#include "core/mesh.h"
-#include "core/stop.h"
+#include "core/part.h"
 
-/* What merges work on. The mesh's records 2 lo .. 2 hi - 1 and leaving[lo .. hi) belong to the thread that
- * works on the range [lo, hi), so that ranges that do not overlap may be worked on at the same
- * time. leaving[v] is always a half edge that leaves v; of a hull vertex it is mostly the ghost that
- * starts there, on a line possibly a former triangle. */
-struct dt_merging {
-    const struct dt_point *p; /* borrowed, by vertex */
-    struct dt_mesh *mesh;     /* borrowed; only half[] and leaving[] are used */
-    struct dt_stop *stop;     /* borrowed; asked during long merges; NULL: never stopped */
-};
-
-/* The triangulation of a range of n > 0 points, or n = 0. */
-struct dt_part {
-    uint32_t n;
-    uint32_t left, right; /* lexicographically smallest and greatest vertex */
-    uint32_t bottom, top; /* smallest and greatest by (y, -x) */
-    uint32_t ghost;       /* some ghost; unset if n = 1 */
-    bool close;           /* merges with it should use the close filter (sight.h) */
-};
+struct knitting; /* knit.h */
 
 /* Joins a and b, the parts of [lo, mid) and [mid, hi). Every point of a precedes every point of b,
  * by (x, y) if axis is 0, by (y, -x) if it is 1. A merge that is stopped returns no points, and leaves
@@ -35,16 +13,12 @@ struct dt_part {
 struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *a,
                               const struct dt_part *b, unsigned axis, uint32_t mid);
 
-/* The orders that axes 0 and 1 stand for; the second is the first with the plane turned by a right
- * angle. No branch, since it would be unpredictable. */
-static inline bool dt_before_x(struct dt_point a, struct dt_point b)
-{
-    return (a.x < b.x) | ((a.x == b.x) & (a.y < b.y));
-}
-
-static inline bool dt_before_y(struct dt_point a, struct dt_point b)
-{
-    return (a.y < b.y) | ((a.y == b.y) & (a.x > b.x));
-}
+/* Joins the nl vertices before mid, of which l is the last one along the cut, with the nr vertices
+ * from mid on, of which r is the first one. some_l and some_r are ghosts of theirs; one vertex
+ * alone has none. The ghosts of the two new hull edges are the records 2 mid - 2 and 2 mid - 1.
+ * `close`: use the close filter. Returns whether the next merge of these should use it. A merge of
+ * many points polls, and ends early if it is stopped. */
+bool dt_knit(const struct knitting *w, bool close, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
+             uint32_t some_l, uint32_t some_r, uint32_t mid);
 
 #endif

@@ -22,6 +22,18 @@
 #include "core/arena.h"
 #include "core/box.h"
 
+/* Some points in some order and their names. */
+struct dt_named {
+    struct dt_point *p;
+    uint32_t *from;
+};
+
+/* The same, only to be read. from == NULL: the input, whose points are named by their numbers. */
+struct dt_source {
+    const struct dt_point *p;
+    const uint32_t *from;
+};
+
 struct dt_order {
     uint32_t bits;          /* of a key; there are 1 << bits cells */
     uint32_t columns, rows; /* powers of two; columns * rows = cells */

@@ -11,7 +11,7 @@
 #ifndef DT_PLAN_H
 #define DT_PLAN_H
 
-#include "core/merge.h"
+#include "core/part.h"
 
 /* In the name of a point: there is another one at its place, with a smaller name. */
 #define DT_COINCIDENT (1u << 31)

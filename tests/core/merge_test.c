@@ -1,5 +1,6 @@
 /* merge_test.c - a merge that is to stop. */
 #include "core/block.h"
+#include "core/merge.h"
 #include "tests/test.h"
 
 #include <stdlib.h>
