@@ -275,9 +275,10 @@ static void keep_plan(struct arrivals *a)
     a->plan.step = NULL;
 }
 
-enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, uint32_t n,
-                               const struct dt_pool *pool, struct dt_work *work,
-                               struct dt_added *out)
+/* Adds n > 0 points for which there is room; the table of places must be empty. */
+static enum dt_status add_sorted(struct dt_points *p, const struct dt_point *q, uint32_t n,
+                                 const struct dt_pool *pool, struct dt_work *work,
+                                 struct dt_added *out)
 {
     struct arrivals a = {.p = p, .q = q, .end = p->end, .n = n};
     a.opt = (struct dt_options){.pool = pool, .cancel = work == NULL ? NULL : work->cancel};
@@ -308,6 +309,17 @@ enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, ui
     }
     free_arrays(&a);
     return status;
+}
+
+enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, size_t n,
+                               const struct dt_pool *pool, struct dt_work *work,
+                               struct dt_added *out)
+{
+    if (!dt_arrivals_suit(p, n))
+        return dt_points_add(p, q, n, work, out);
+    dt_places_clear(&p->places); /* built again when needed, which may be never */
+    enum dt_status status = dt_points_reserve(p, n, work);
+    return status == DT_OK ? add_sorted(p, q, (uint32_t)n, pool, work, out) : status;
 }
 
 enum dt_status dt_arrivals_sort(struct dt_points *p, const struct dt_options *opt)

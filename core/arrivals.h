@@ -6,14 +6,14 @@
 
 #include "core/points.h"
 
-/* Whether n points are better added by dt_arrivals_add: with tolerance 0, if they are many beside
- * those of the set. */
+/* Whether n points are better sorted than looked up one after the other: with tolerance 0, if they are many
+ * beside those of the set. */
 bool dt_arrivals_suit(const struct dt_points *p, size_t n);
 
-/* Adds n > 0 points for which there is room (dt_points_reserve), all or none, with the result that one
- * after the other would have; the table of places must be empty. pool may be NULL. Cost: O(n + vertices), and 24
- * bytes for each of them meanwhile, or 44 if the set has vertices; taken off the work, which may be NULL. */
-enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, uint32_t n,
+/* Adds n valid points, all or none, with the result that dt_points_add has, by it or by sorting. pool may be NULL.
+ * Cost of sorting: O(n + vertices), and 24 bytes for each of them meanwhile, or 44 if the set has vertices; taken
+ * off the work, which may be NULL. */
+enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, size_t n,
                                const struct dt_pool *pool, struct dt_work *work,
                                struct dt_added *out);
 

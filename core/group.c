@@ -3,7 +3,8 @@
 #include "core/group.h"
 
 #include "core/query.h"
-#include "core/star.h"
+#include "core/view_rows.h"
+#include "core/view_stars.h"
 
 static inline void set_row(const struct dt_group *g, size_t i, const uint32_t *from)
 {

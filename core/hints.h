@@ -39,15 +39,6 @@ struct dt_hints {
 /* *g must be zeroed or cleared. */
 void dt_hints_clear(struct dt_hints *g);
 
-/* Builds the grid for a settled mesh of which every vertex v has coordinates xy[v]. *g is cleared
- * first, and left so unless DT_OK. Vertices that are in no triangle must have DT_NONE in leaving[].
- * opt, which may be NULL: its pool shares the work, and which of a cell's half edges is its hint may
- * then differ from time to time; its flag is polled. A caller that takes the grid for this mesh sets m->recycled to
- * false.
- * Cost: linear. */
-enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
-                              const struct dt_point *xy, const struct dt_options *opt);
-
 /* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is
  * cleared. */
 enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy);

@@ -3,6 +3,7 @@
 #include "core/hull_walk.h"
 
 #include "core/hull.h"
+#include "core/view_rows.h"
 
 /* ---- by rings ---- */
 

@@ -5,7 +5,7 @@
 #ifndef DT_HULL_WALK_H
 #define DT_HULL_WALK_H
 
-#include "core/star.h"
+#include "core/view_stars.h"
 
 struct dt_hull_walk {
     const struct dt *t;

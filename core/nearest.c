@@ -10,6 +10,7 @@
 
 #include "core/hull.h"
 #include "core/jump.h"
+#include "core/locate.h"
 #include "core/reader.h"
 #include "core/work.h"
 

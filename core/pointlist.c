@@ -5,7 +5,8 @@
 #include "core/hull_walk.h"
 #include "core/reader.h"
 #include "core/sort.h"
-#include "core/star.h"
+#include "core/view_rows.h"
+#include "core/view_stars.h"
 #include "core/work.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include "core/set.h"
 
-/* Turns a star (core/star.h) of n ids into a canonical ring: an interior point's begins at the
+/* Turns a star (core/view_stars.h) of n ids into a canonical ring: an interior point's begins at the
  * smallest id, a hull point's at its successor; clockwise the same backwards, a hull point's from
  * its predecessor on. */
 void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw);

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/arrivals.h"
 #include "core/memory.h"
 
 void dt_points_init_in(struct dt_points *p, double tol, struct dt_pages *pages)
@@ -264,12 +263,15 @@ void dt_points_take_back(struct dt_points *p, uint32_t n)
     }
 }
 
-/* Adds points for which there is room, each looked up in the table of places. */
-static enum dt_status add_one_by_one(struct dt_points *p, const struct dt_point *q, size_t n,
-                                     struct dt_work *work, struct dt_added *out)
+enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
+                             struct dt_work *work, struct dt_added *out)
 {
     enum { AHEAD = 12 }; /* points; long enough for a cache miss, twice */
-    enum dt_status status = dt_points_index(p, work);
+    enum dt_status status = dt_points_reserve(p, n, work);
+    if (status == DT_OK)
+        status = dt_points_index(p, work);
+    if (status != DT_OK)
+        return status;
     struct dt_added done = {.first = p->next_id, .added = (uint32_t)n};
     uint32_t i = 0;
     for (; status == DT_OK && i < n; i++) {
@@ -293,19 +295,6 @@ static enum dt_status add_one_by_one(struct dt_points *p, const struct dt_point 
     dt_points_arrived(p, (uint32_t)n);
     *out = done;
     return DT_OK;
-}
-
-enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             const struct dt_pool *pool, struct dt_work *work, struct dt_added *out)
-{
-    bool together = dt_arrivals_suit(p, n);
-    if (together)
-        dt_places_clear(&p->places); /* built again when needed, which may be never */
-    enum dt_status status = dt_points_reserve(p, n, work);
-    if (status != DT_OK)
-        return status;
-    return together ? dt_arrivals_add(p, q, (uint32_t)n, pool, work, out)
-                    : add_one_by_one(p, q, n, work, out);
 }
 
 /* ---- deleting ---- */

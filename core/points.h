@@ -98,10 +98,9 @@ struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
 
 /* Where a function takes work (work.h), it is taken off that; NULL: no end. */
 
-/* Adds n valid points, all or none. pool may be NULL. */
+/* Adds n valid points one after the other, all or none (many at once: arrivals.h). */
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             const struct dt_pool *pool, struct dt_work *work,
-                             struct dt_added *out);
+                             struct dt_work *work, struct dt_added *out);
 
 /* The same in steps, for a caller that finds coincident points in its own way: room for n arrivals;
  * then for each id from next_id on, in any order but with coincident points ascending, either

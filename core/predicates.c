@@ -36,6 +36,10 @@
 #include "core/bignum.h"
 #include "core/double2.h"
 
+#ifdef __FAST_MATH__
+#error "the predicates need IEEE arithmetic: compile without -ffast-math"
+#endif
+
 /* Of two distances, below which another base is worth its cost: it wins a few bits. */
 #define NEAR 0x1p-5
 

@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-#include "core/update.h"
+#include "core/hints_build.h"
+#include "core/work.h"
 
 #define AT_ONCE 4000 /* vertices of a set whose grid an edit rebuilds: a fifth of a millisecond */
 #define OVERDUE 4    /* times too old */
@@ -35,15 +36,9 @@ static void count_anew(struct dt *t)
     t->steps = 0;
 }
 
-/* Whether there is no grid, and it has not been tried to make one. */
-static bool lacks_grid(const struct dt *t)
-{
-    return t->hints.grids == 0 && t->hinted == 0 && t->mesh.vertices >= 2;
-}
-
 void dt_tend(struct dt *t, const struct dt_work *work)
 {
-    if (!lacks_grid(t) && !is_old(t, t->mesh.vertices > AT_ONCE ? OVERDUE : 1))
+    if (!dt_lacks_grid(t) && !is_old(t, t->mesh.vertices > AT_ONCE ? OVERDUE : 1))
         return;
     if (!dt_work_allows(work, t->mesh.vertices))
         return;
@@ -57,15 +52,10 @@ void dt_tend(struct dt *t, const struct dt_work *work)
         take(t, &fresh);
 }
 
-bool dt_is_searchable(const struct dt *t)
-{
-    return dt_is_live(t) && !lacks_grid(t);
-}
-
 enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt)
 {
     struct dt_renewal *r;
-    if (!dt_is_live(t) || !lacks_grid(t))
+    if (!dt_is_live(t) || !dt_lacks_grid(t))
         return DT_OK;
     enum dt_status status = dt_renew(t, opt, &r);
     if (status != DT_CANCELLED)

@@ -18,7 +18,4 @@
  * that takes more steps than are left is not made now. */
 void dt_tend(struct dt *t, const struct dt_work *work);
 
-/* Whether dt_prepare has nothing to do. */
-bool dt_is_searchable(const struct dt *t);
-
 #endif

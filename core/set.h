@@ -3,7 +3,7 @@
 #define DT_SET_H
 
 #include "core/cavity.h"
-#include "core/locate.h"
+#include "core/hints.h"
 #include "core/mesh.h"
 #include "core/points.h"
 #include "core/view.h"
@@ -20,5 +20,18 @@ struct dt {
     uint64_t steps;           /* that walks have taken since then beyond the usual ones */
     struct dt_views views;    /* readers of earlier moments, and what has been saved for them */
 };
+
+/* Whether it is triangulated, and no rebuild is pending: queries see the triangulation, and edits change it
+ * (update.h). */
+static inline bool dt_is_live(const struct dt *t)
+{
+    return t->triangulated && t->current;
+}
+
+/* Whether it has no grid for searches, and none has been tried to be made (renew.h). */
+static inline bool dt_lacks_grid(const struct dt *t)
+{
+    return t->hints.grids == 0 && t->hinted == 0 && t->mesh.vertices >= 2;
+}
 
 #endif

@@ -1,53 +1,18 @@
-/* star.h - the neighbours of vertices, as ids, one by one or many at once, now or at the moment of a view.
+/* star.h - the neighbours of a vertex of a settled mesh (hull.h), as ids: id[v] is that of vertex v.
  *
  * A star is read counterclockwise: that of an interior vertex from anywhere, that of a hull vertex
- * from its successor on the hull to its predecessor. The mesh must be settled (core/hull.h).
- *
- * Where a function takes a view, NULL stands for now; the view must be readable, and to be one by
- * dt_view_if_changed makes it faster. */
+ * from its successor on the hull to its predecessor. */
 #ifndef DT_STAR_H
 #define DT_STAR_H
 
-#include "core/set.h"
-
-enum { DT_STARS = 64, DT_STAR_MAX = 20 };
-
-/* Stars of consecutive representatives. */
-struct dt_stars {
-    uint32_t n;
-    uint32_t id[DT_STARS], vertex[DT_STARS]; /* vertex DT_NONE: the star was saved */
-    uint32_t degree[DT_STARS]; /* DT_NONE: more than DT_STAR_MAX, the ring was not read */
-    bool on_hull[DT_STARS];
-    uint32_t ring[DT_STARS][DT_STAR_MAX];
-};
-
-/* Reads the stars of the first representatives whose ids are >= id and < end, at most max of them.
- * Far faster than one by one, because the cache misses of all of them run at once. */
-void dt_stars_read(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
-                   uint32_t max, struct dt_stars *s);
+#include "core/mesh.h"
 
 /* How many neighbours v has, `limit` if it has more. */
 uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit);
 
-/* The star that a representative had. */
-struct dt_star {
-    uint32_t vertex;       /* as it is now; DT_NONE: as it was saved */
-    const uint32_t *saved; /* its ring; borrowed until the next edit */
-    uint32_t saved_degree;
-    bool on_hull;
-};
-
-/* That of an id that was a representative. Cost: constant. */
-struct dt_star dt_star_of(const struct dt *t, const struct dt_view *v, uint32_t id);
-
-/* How many neighbours it has. */
-static inline uint32_t dt_star_count(const struct dt *t, const struct dt_star *s)
-{
-    return s->saved != NULL ? s->saved_degree : dt_star_degree(&t->mesh, s->vertex, DT_NONE);
-}
-
 /* Its ring into ring[room]. Returns its degree, DT_NONE if it is larger than room. */
-uint32_t dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *ring, size_t room);
+uint32_t dt_star_ring(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint32_t *ring,
+                      size_t room);
 
 /* ---- how a star is saved ---- */
 
@@ -57,6 +22,6 @@ static inline uint32_t dt_star_words(const struct dt_mesh *m, uint32_t v)
     return 1 + dt_star_degree(m, v, DT_NONE);
 }
 
-void dt_star_save(const struct dt *t, uint32_t v, uint32_t *image);
+void dt_star_save(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint32_t *image);
 
 #endif

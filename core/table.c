@@ -10,7 +10,8 @@
 #include "core/group.h"
 #include "core/hull_walk.h"
 #include "core/pointlist.h"
-#include "core/star.h"
+#include "core/view_rows.h"
+#include "core/view_stars.h"
 
 #include <string.h>
 

@@ -21,6 +21,7 @@
 #include "core/flip.h"
 #include "core/hints_live.h"
 #include "core/insert.h"
+#include "core/locate.h"
 #include "core/memory.h"
 #include "core/query.h"
 #include "core/remove.h"
@@ -35,6 +36,11 @@
 bool dt_update_is_bulk(const struct dt *t, size_t n)
 {
     return n > 64 && n > dt_points_vertices(&t->points) / BULK_SHARE;
+}
+
+bool dt_view_blocks(const struct dt *t, size_t n)
+{
+    return dt_is_live(t) && dt_update_is_bulk(t, n) && dt_views_read_rings(&t->views);
 }
 
 static void lose_mesh(struct dt *t)

@@ -4,13 +4,6 @@
 
 #include "core/set.h"
 
-/* Whether edits of t go through the functions below: it is triangulated and no rebuild is
- * pending. */
-static inline bool dt_is_live(const struct dt *t)
-{
-    return t->triangulated && t->current;
-}
-
 /* Whether n edits at once are so many that a rebuild is cheaper (measured: tests/bench). */
 bool dt_update_is_bulk(const struct dt *t, size_t n);
 

@@ -1,4 +1,5 @@
-/* view.h - readers of earlier moments of a set, and what edits save for them; for the files of core/ only.
+/* view.h - the views of a set: readers of earlier moments, and what edits have saved for them; for the files of
+ * core/ only.
  *
  * Three things are saved (core/images.h), each under its key:
  *
@@ -10,12 +11,12 @@
  * What has no image is as it is now. Whether an id was a representative is a matter of its row; only then may
  * its ring be asked for.
  *
- * An edit learns from the views which moments are read (dt_views_edit_begin) and is called back for what it is
- * about to change (core/changes.h). */
+ * Views are read by view_rows.h and view_stars.h, and edits save by view_save.h. */
 #ifndef DT_VIEW_H
 #define DT_VIEW_H
 
 #include "core/changes.h"
+#include "core/delaunay.h"
 #include "core/images.h"
 
 /* What has ended is freed by an edit, or another view begins in it. One that is about to begin is not
@@ -48,55 +49,31 @@ struct dt_views {
 };
 
 /* All views have ended. */
-void dt_views_clear(struct dt *t);
+void dt_views_clear(struct dt_views *w);
 size_t dt_views_memory(const struct dt_views *w);
 
-/* To be called at the beginning of every edit. */
-void dt_views_edit_begin(struct dt *t);
+/* A view that is beginning, to be filled in and opened; NULL: out of memory. */
+struct dt_view *dt_views_begin(struct dt_views *w);
 
-/* The triangulation has changed, and the stars have not been saved. */
-void dt_views_lose_rings(struct dt *t);
+static inline bool dt_view_reads_rows(const struct dt_views *w, const struct dt_view *v)
+{
+    return v->serial > w->lost;
+}
 
-/* ---- reading; v may be NULL: now ---- */
+static inline bool dt_view_reads_rings(const struct dt_views *w, const struct dt_view *v)
+{
+    return v->with_rings && v->serial > w->rings_lost && dt_view_reads_rows(w, v);
+}
 
-/* DT_OK if the view can be read, with its triangulation if rings. */
-enum dt_status dt_view_readable(const struct dt *t, const struct dt_view *v, bool rings);
+/* Whether the triangulation is read through an open view. */
+bool dt_views_read_rings(const struct dt_views *w);
 
-/* v, or NULL if all that it reads is as it is now. */
-const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_view *v);
+/* No view that is open now can be read any more, or none that reads the triangulation. */
+void dt_views_lose_rows(struct dt_views *w);
+void dt_views_lose_rings(struct dt_views *w);
 
-/* The row that the id had; false: there was no such id. */
-bool dt_view_row(const struct dt *t, const struct dt_view *v, uint32_t id, struct dt_row *row);
-
-/* The representative of the id; DT_NONE if there was no such id. */
-uint32_t dt_view_representative(const struct dt *t, const struct dt_view *v, uint32_t id);
-
-/* Walks the ids that there were, ascending. */
-struct dt_view_ids {
-    const struct dt *t;
-    const struct dt_view *v; /* NULL: they are those of now, below `end` */
-    uint32_t end;
-    uint32_t saved; /* the next id of which there is an image */
-};
-
-/* From the id `from` on. */
-struct dt_view_ids dt_view_ids_begin(const struct dt *t, const struct dt_view *v, uint32_t from);
-
-/* The smallest id >= from, which does not decrease from call to call; DT_NONE if there is none. */
-uint32_t dt_view_ids_next(struct dt_view_ids *w, uint32_t from);
-
-/* As dt_idmap_after: about n ids from `from` on. */
-uint32_t dt_view_ids_after(const struct dt *t, const struct dt_view *v, uint32_t from, uint32_t n);
-
-/* ---- how rows and families are saved ---- */
-
-enum {
-    DT_ROW_WORDS = 5, /* of an image: group of aliases or DT_NONE, x, y */
-    DT_FAMILY_WORDS =
-        2 /* the group that it is part of, DT_NONE for a root; a root's representative */
-};
-
-void dt_view_save_row(const struct dt *t, uint32_t id, uint32_t *image);
-void dt_view_save_family(const struct dt *t, uint32_t group, uint32_t *image);
+/* Takes out the views that have ended, finds out which moments the others read, and frees some of what was saved
+ * for nobody else. Returns whether something was freed. */
+bool dt_views_review(struct dt_views *w);
 
 #endif

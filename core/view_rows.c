@@ -1,7 +1,45 @@
-/* view_rows.c - the rows that points had; see view.h. */
+/* view_rows.c - views begin, and the rows that points had are read; see view_rows.h. */
+#include "core/view_rows.h"
+
+#include "core/hull.h"
+
 #include <string.h>
 
-#include "core/set.h"
+static uint32_t some_hull_point(const struct dt *t)
+{
+    const struct dt_mesh *m = &t->mesh;
+    if (m->vertices == 0)
+        return DT_NONE;
+    return t->points.id[m->vertices == 1 ? m->alone : dt_hull_vertex(m, m->hull)];
+}
+
+struct dt_view *dt_view_begin(struct dt *t, bool rings)
+{
+    struct dt_view *v = dt_views_begin(&t->views);
+    if (v == NULL)
+        return NULL;
+    v->with_rings = rings && dt_is_live(t);
+    v->line = v->with_rings && dt_mesh_is_line(&t->mesh);
+    v->on_hull = v->with_rings ? some_hull_point(t) : DT_NONE;
+    v->next_id = t->points.next_id;
+    dt_summary(t, &v->sum);
+    v->sum.memory = 0;
+    atomic_store(&v->state, DT_VIEW_OPEN);
+    return v;
+}
+
+enum dt_status dt_view_readable(const struct dt *t, const struct dt_view *v, bool rings)
+{
+    if (v == NULL)
+        return !rings || dt_is_live(t) ? DT_OK : DT_UNTRIANGULATED;
+    if (!dt_view_reads_rows(&t->views, v))
+        return DT_NOMEM;
+    if (!rings)
+        return DT_OK;
+    if (!v->with_rings)
+        return DT_UNTRIANGULATED;
+    return dt_view_reads_rings(&t->views, v) && dt_is_live(t) ? DT_OK : DT_NOMEM;
+}
 
 const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_view *v)
 {

@@ -178,7 +178,7 @@ static void add_at(struct dt_points *p, double x, uint32_t n)
     struct dt_added added;
     for (uint32_t i = 0; i < n; i++)
         q[i] = (struct dt_point){x, 0};
-    CHECK(dt_points_add(p, q, n, NULL, NULL, &added) == DT_OK);
+    CHECK(dt_points_add(p, q, n, NULL, &added) == DT_OK);
     free(q);
 }
 

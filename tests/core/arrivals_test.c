@@ -17,7 +17,7 @@ static uint32_t add_in_steps(struct dt_points *p, const struct dt_point *q, size
         struct dt_added added;
         size_t k = n - at < step ? n - at : step;
         uint32_t first = p->next_id;
-        CHECK(dt_points_add(p, q + at, k, pool, NULL, &added) == DT_OK);
+        CHECK(dt_arrivals_add(p, q + at, k, pool, NULL, &added) == DT_OK);
         CHECK(added.first == first && added.added == k);
         coincident += added.coincident;
     }
@@ -131,7 +131,7 @@ TEST(points_added_at_once_are_all_added_or_none)
     enum dt_status status = DT_NOMEM;
     for (long nth = 1; status != DT_OK; nth++) {
         test_fail_alloc(nth);
-        status = dt_points_add(&got, q, MANY, NULL, NULL, &added);
+        status = dt_arrivals_add(&got, q, MANY, NULL, NULL, &added);
         test_fail_alloc(0);
         CHECK(status == DT_OK || status == DT_NOMEM);
         if (status == DT_NOMEM)

@@ -1,6 +1,6 @@
 /* hints_test.c - the grid of hints: near every place, small, whatever the distribution; and walks
  * from anywhere. */
-#include "core/hints.h"
+#include "core/hints_build.h"
 
 #include <math.h>
 #include <stdlib.h>

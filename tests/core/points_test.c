@@ -123,7 +123,7 @@ static bool edit(struct dt_points *p, struct model *m, double spacing)
         struct dt_added added;
         if (m->ids == MAX_IDS)
             return true;
-        if (dt_points_add(p, &q, 1, NULL, NULL, &added) != DT_OK)
+        if (dt_points_add(p, &q, 1, NULL, &added) != DT_OK)
             return false;
         CHECK(added.first == m->ids && added.added == 1);
         model_arrive(m, m->ids, q);
@@ -192,7 +192,7 @@ TEST(an_heir_whose_place_is_taken_joins_the_one_that_is_there)
     struct dt_point q[] = {{0, 0}, {1.2, 0}, {2, 0}, {1.2, 0}};
     uint32_t ids[] = {0, 2};
     dt_points_init(&p, 1.5);
-    CHECK(dt_points_add(&p, q, 4, NULL, NULL, &added) == DT_OK && added.coincident == 2);
+    CHECK(dt_points_add(&p, q, 4, NULL, &added) == DT_OK && added.coincident == 2);
     CHECK(dt_points_delete_ready(&p, ids, 2, NULL) == DT_OK);
     dt_points_delete(&p, 0);
     dt_points_delete(&p, 2);
@@ -208,7 +208,7 @@ TEST(points_coincide_across_the_border_of_cells)
     /* Cells are two tolerances wide: the border at 2 lies between the two. */
     struct dt_point q[] = {{1.75, 0}, {2.25, 0}, {2.75, 0}};
     dt_points_init(&p, 1);
-    CHECK(dt_points_add(&p, q, 3, NULL, NULL, &added) == DT_OK && added.coincident == 2);
+    CHECK(dt_points_add(&p, q, 3, NULL, &added) == DT_OK && added.coincident == 2);
     dt_points_clear(&p);
 }
 
@@ -222,7 +222,7 @@ TEST(points_far_out_coincide_although_cells_are_finer_than_doubles_there)
                            {0x1p201, 0x1p-142},
                            {0x1p201, 0}};
     dt_points_init(&p, 0x1p-100);
-    CHECK(dt_points_add(&p, q, 5, NULL, NULL, &added) == DT_OK);
+    CHECK(dt_points_add(&p, q, 5, NULL, &added) == DT_OK);
     CHECK(added.coincident == 2); /* the second of the first, the last of the one before */
     dt_points_clear(&p);
 }
@@ -233,7 +233,7 @@ TEST(points_take_minus_zero_for_zero)
     struct dt_added added;
     struct dt_point q[] = {{0.0, 1}, {-0.0, 1}};
     dt_points_init(&p, 0);
-    CHECK(dt_points_add(&p, q, 2, NULL, NULL, &added) == DT_OK && added.coincident == 1);
+    CHECK(dt_points_add(&p, q, 2, NULL, &added) == DT_OK && added.coincident == 1);
     CHECK(!signbit(dt_points_xy(&p, 1).x));
     dt_points_clear(&p);
 }
@@ -246,7 +246,7 @@ TEST(points_free_the_memory_of_ids_that_are_gone)
     size_t most = 0;
     for (uint32_t i = 0; i < 300000; i++) {
         struct dt_point q = {i, 0};
-        CHECK(dt_points_add(&p, &q, 1, NULL, NULL, &added) == DT_OK);
+        CHECK(dt_points_add(&p, &q, 1, NULL, &added) == DT_OK);
         if (i >= 100) {
             uint32_t id = i - 100;
             CHECK(dt_points_delete_ready(&p, &id, 1, NULL) == DT_OK);
@@ -268,7 +268,7 @@ TEST(points_in_one_batch_are_all_added_or_none)
         struct dt_points p;
         dt_points_init(&p, 0);
         test_fail_alloc(nth);
-        enum dt_status status = dt_points_add(&p, q, 50, NULL, NULL, &added);
+        enum dt_status status = dt_points_add(&p, q, 50, NULL, &added);
         bool failed = test_alloc_failed();
         test_fail_alloc(0);
         CHECK(status == (failed ? DT_NOMEM : DT_OK));
@@ -284,7 +284,7 @@ TEST(points_keep_their_ids_when_vertices_are_renumbered)
     struct dt_added added;
     struct dt_point q[] = {{5, 5}, {1, 1}, {5, 5}, {3, 3}};
     dt_points_init(&p, 0);
-    CHECK(dt_points_add(&p, q, 4, NULL, NULL, &added) == DT_OK);
+    CHECK(dt_points_add(&p, q, 4, NULL, &added) == DT_OK);
     uint32_t *id = dt_array_new(3, sizeof *id);
     struct dt_point *xy = dt_array_new(3, sizeof *xy);
     memcpy(id, (uint32_t[]){1, 3, 0}, 3 * sizeof *id);
@@ -293,6 +293,6 @@ TEST(points_keep_their_ids_when_vertices_are_renumbered)
     CHECK(dt_points_vertex(&p, 0) == 2 && dt_points_vertex(&p, 2) == 2 &&
           dt_points_vertex(&p, 3) == 1);
     CHECK(dt_points_xy(&p, 2).x == 5 && dt_points_is_alias(&p, 2));
-    CHECK(dt_points_add(&p, &q[3], 1, NULL, NULL, &added) == DT_OK && added.coincident == 1);
+    CHECK(dt_points_add(&p, &q[3], 1, NULL, &added) == DT_OK && added.coincident == 1);
     dt_points_clear(&p);
 }

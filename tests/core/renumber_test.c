@@ -46,7 +46,7 @@ TEST_TIMEOUT(ids_of_many_vertices_are_dealt_and_find_their_new_ones, 60)
     for (uint32_t i = 0; i < N; i++)
         q[i] = (struct dt_point){i, 0};
     dt_points_init(&p, 0);
-    CHECK(dt_points_add(&p, q, N, NULL, NULL, &added) == DT_OK);
+    CHECK(dt_points_add(&p, q, N, NULL, &added) == DT_OK);
     renumber_and_check(&p, &pool); /* as they arrived */
     renumber_and_check(&p, NULL);
     dt_points_clear(&p);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/locate.h"
 #include "core/set.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"

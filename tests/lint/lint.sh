@@ -136,7 +136,7 @@ check() {
 {
     include_rules
     own_header_first
-    for folder in proto server clients; do no_include_cycles "$folder"; done
+    for folder in core proto server clients; do no_include_cycles "$folder"; done
     core_is_pure
     [ -z "$build" ] || core_has_no_globals
     file_rules

@@ -1,9 +1,10 @@
-/* bulk.c - both engines behind one door; see bulk.h. */
-#include "core/bulk.h"
+/* triangulate.c - the triangulation of a whole set, by either engine. */
+#include "core/delaunay.h"
 
 #include "core/divide.h"
 #include "core/memory.h"
 #include "core/renumber.h"
+#include "core/set.h"
 #include "core/shelling.h"
 #include "core/stop.h"
 
@@ -118,7 +119,10 @@ static enum dt_status build_sorting(struct dt *t, struct dt_mesh *mesh,
     return status;
 }
 
-enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
+/* Builds the mesh of t for its present points; vertices are renumbered into grid order, and there is no grid for
+ * searches. On success t is current. Else (DT_NOMEM, DT_CANCELLED) t is as before, or to be freed
+ * (opt->disposable). */
+static enum dt_status build(struct dt *t, const struct dt_options *opt)
 {
     dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the room */
     struct dt_mesh mesh = {.pages = t->points.pages};
@@ -133,7 +137,27 @@ enum dt_status dt_bulk_build(struct dt *t, const struct dt_options *opt)
     t->hinted = 0;
     t->steps = 0;
     if (!t->current)
-        dt_views_lose_rings(t);
+        dt_views_lose_rings(&t->views);
     t->current = true;
     return DT_OK;
+}
+
+enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt)
+{
+    bool rebuild = opt != NULL && (opt->rebuild || opt->method != DT_AUTO);
+    if (t->triangulated && t->current && !rebuild)
+        return DT_OK;
+    enum dt_status status = build(t, opt);
+    if (status == DT_OK)
+        t->triangulated = true;
+    return status;
+}
+
+enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt)
+{
+    if (!t->triangulated || t->current)
+        return DT_OK;
+    struct dt_options automatic = opt == NULL ? (struct dt_options){0} : *opt;
+    automatic.method = DT_AUTO;
+    return build(t, &automatic);
 }
