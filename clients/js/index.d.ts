@@ -1,16 +1,46 @@
-/** Points: x, y one after the other, or pairs. */
-export type Points = Float64Array | Iterable<readonly [number, number]>;
+import Delaunator = require('./delaunator');
+import { Delaunay } from './d3-delaunay';
+
+export { Delaunator, Delaunay };
+
+/** Flat coordinates (x, y, x, y ...) or pairs. */
+export type Points = ArrayLike<number> | Iterable<readonly [number, number]> | Iterable<ArrayLike<number>>;
+
+/** For points that are something else. */
+export interface Accessors<P> {
+  getX?: (p: P) => number;
+  getY?: (p: P) => number;
+}
 
 export interface Reply {
+  /** The status line's keys, as text. */
   keys: Record<string, string>;
   rows: string[];
+  /** What followed in binary form. */
   data: Uint8Array | null;
 }
 
-export interface Neighbour {
+export interface Summary {
+  points: number;
+  coincident: number;
+  triangles: number;
+  edges: number;
+  hull: number;
+}
+
+export interface Stat extends Summary {
+  triangulated: boolean;
+  memory: number;
+  tol: number;
+}
+
+export interface Point {
   id: number;
   x: number;
   y: number;
+}
+
+export interface Neighbour extends Point {
   distance: number;
 }
 
@@ -19,51 +49,90 @@ export interface Located {
   ids: number[];
 }
 
+export interface RequestOptions {
+  /** Milliseconds after which the server gives the request up (code TIMEOUT); 0: no limit. */
+  timeout?: number;
+  progress?: (text: string) => void;
+}
+
+export interface ClientOptions {
+  /** Of every request that has none of its own, in milliseconds; 0, the default: no limit. */
+  timeout?: number;
+  /** In milliseconds; 10000 by default. */
+  connectTimeout?: number;
+  /** Whether the process may end while this client is connected and no request is under way. */
+  unref?: boolean;
+}
+
 /** The server answered ERR; the connection goes on. */
 export class Refused extends Error {
+  /** The word after ERR: NOSET, RANGE, TIMEOUT ... */
   code: string;
 }
 
-/** A connection to a daemon; made by connect(). Requests need not wait for one another. */
+/** The connection ended before the reply arrived: an edit may have been carried out or not. */
+export class Disconnected extends Error {
+  code: string;
+}
+
+/** Made by connect(). Requests may be made without waiting for one another. */
 export class Client {
+  private constructor();
   close(): void;
-  request(line: string, options?: { body?: Uint8Array; progress?: (text: string) => void }): Promise<Reply>;
+  request(line: string, options?: RequestOptions & { body?: Uint8Array }): Promise<Reply>;
   sets(): Promise<string[]>;
-  create(set: string, tolerance?: number): Promise<void>;
+  create(set: string, tolerance?: number, options?: { temporary?: boolean }): Promise<void>;
   drop(set: string): Promise<void>;
-  stat(set: string): Promise<Record<string, string>>;
-  load(set: string, points: Points): Promise<number>;
+  stat(set: string): Promise<Stat>;
+  load(set: string, points: Points, options?: { timeout?: number }): Promise<number>;
+  load<P>(set: string, points: Iterable<P>, options: Accessors<P> & { timeout?: number }): Promise<number>;
   add(set: string, x: number, y: number): Promise<number>;
   delete(set: string, ids: Iterable<number>): Promise<number>;
   move(set: string, id: number, x: number, y: number): Promise<void>;
+  get(set: string, ids: Iterable<number>): Promise<Point[]>;
   points(set: string): Promise<{ ids: Uint32Array; coords: Float64Array }>;
+  coincident(set: string): Promise<Map<number, number>>;
   triangulate(
     set: string,
-    options?: { method?: 'auto' | 'shelling' | 'divide'; progress?: (text: string) => void },
-  ): Promise<Record<string, string>>;
-  check(set: string): Promise<Record<string, string>>;
+    options?: RequestOptions & { method?: 'auto' | 'shelling' | 'divide' },
+  ): Promise<Summary & { ms: number }>;
+  check(set: string): Promise<Summary & { delaunay: boolean }>;
   triangles(set: string, options?: { clockwise?: boolean }): Promise<Uint32Array>;
   edges(set: string): Promise<Uint32Array>;
   lists(set: string): Promise<Map<number, Uint32Array>>;
   hull(set: string, options?: { clockwise?: boolean }): Promise<Uint32Array>;
   locate(set: string, x: number, y: number): Promise<Located>;
   nearest(set: string, x: number, y: number, k?: number): Promise<Neighbour[]>;
-  within(set: string, ...where: number[]): Promise<number[]>;
-  info(): Promise<Record<string, string>>;
+  within(set: string, x0: number, y0: number, x1: number, y1: number): Promise<number[]>;
+  within(set: string, x: number, y: number, r: number): Promise<number[]>;
+  info(): Promise<Record<string, string | number | boolean>>;
 }
 
-/** Connects; the URL is delaunay://[:token@]host[:port], by default $DELAUNAY_URL or localhost. */
-export function connect(url?: string): Promise<Client>;
+/**
+ * Connects. The URL is delaunay://[:token@]host[:port], unix://[:token@]/path, or private: for a daemon of this process. Without
+ * one: $DELAUNAY_URL, or else localhost:6374, or else, where nobody listens there, private.
+ */
+export function connect(url?: string, options?: ClientOptions): Promise<Client>;
 
-/** Shaped like Delaunator's result. */
+/** The server of Delaunator and Delaunay from now on; a URL as in connect(). */
+export function useServer(url?: string, options?: { timeout?: number }): void;
+
+export interface TriangulationOptions {
+  /** By default one that all share, connected as connect() without a URL. */
+  client?: Client;
+  /** In a plane whose y axis points up. */
+  clockwise?: boolean;
+}
+
+/** A triangulation with the fields of Delaunator's, made without blocking. */
 export class Triangulation {
+  private constructor();
   coords: Float64Array;
   triangles: Uint32Array;
   halfedges: Int32Array;
   hull: Uint32Array;
-  static from(points: Float64Array, options: { client: Client; clockwise?: boolean }): Promise<Triangulation>;
-  static from<P = readonly [number, number]>(
-    points: readonly P[],
-    options: { client: Client; clockwise?: boolean; getX?: (p: P) => number; getY?: (p: P) => number },
-  ): Promise<Triangulation>;
+  static from(points: Points, options?: TriangulationOptions): Promise<Triangulation>;
+  static from<P>(points: Iterable<P>, options: TriangulationOptions & Accessors<P>): Promise<Triangulation>;
+  /** After a change of coords. */
+  update(): Promise<this>;
 }

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import net from 'node:net';
 import { after, before, beforeEach, describe, it as test } from 'node:test';
-import { connect, Refused, Triangulation } from '../index.js';
+import { connect, Disconnected, Refused, Triangulation } from '../index.mjs';
 
 let daemon;
 let url;
@@ -32,7 +32,7 @@ describe('a client', () => {
 
   test('a session', async () => {
     assert.equal(await client.load('t', square), 0);
-    assert.equal((await client.triangulate('t', { method: 'divide' })).triangles, '4');
+    assert.equal((await client.triangulate('t', { method: 'divide' })).triangles, 4);
     assert.deepEqual([...(await client.triangles('t'))], [0, 1, 4, 0, 4, 3, 1, 2, 4, 2, 3, 4]);
     assert.equal((await client.edges('t')).length, 16);
     const rings = await client.lists('t');
@@ -49,8 +49,26 @@ describe('a client', () => {
     const { ids, coords } = await client.points('t');
     assert.deepEqual([...ids], [2, 3, 4, 5]);
     assert.deepEqual([...coords], [5, 5, 0, 4, 2, 2, 1e-7, 3]);
-    assert.equal((await client.check('t')).delaunay, 'yes');
-    assert.ok('uptime_s' in (await client.info()));
+    assert.equal((await client.check('t')).delaunay, true);
+    const { points, triangulated, tol } = await client.stat('t');
+    assert.deepEqual([points, triangulated, tol], [4, true, 0]);
+    const { uptime_s, version } = await client.info();
+    assert.deepEqual([typeof uptime_s, typeof version], ['number', 'string']);
+    await client.create('tolerant', 0.5);
+    await client.load('tolerant', [0, 0, 0.25, 0]);
+    assert.deepEqual([...(await client.coincident('tolerant'))], [[1, 0]]);
+    assert.deepEqual(await client.get('tolerant', [1, 0]), [{ id: 1, x: 0.25, y: 0 }, { id: 0, x: 0, y: 0 }]);
+  });
+
+  test('points come in arrays of any kind', async () => {
+    const kinds = [square, Float32Array.from(square), [...square], [[0, 0], [4, 0], [4, 4], [0, 4], [2, 2]], new Set([[0, 0], [4, 0], [4, 4], [0, 4], [2, 2]])];
+    for (const points of kinds) {
+      await client.load('k', points);
+      assert.deepEqual((await client.points('k')).coords, square);
+      await client.drop('k');
+    }
+    await client.load('k', [{ lon: 1, lat: 2 }], { getX: (p) => p.lon, getY: (p) => p.lat });
+    assert.deepEqual(await client.get('k', [0]), [{ id: 0, x: 1, y: 2 }]);
   });
 
   test('errors leave the connection', async () => {
@@ -89,14 +107,17 @@ describe('a client', () => {
       assert.equal(done[2].reason.code, 'NOSET');
       assert.equal(done[3].status, 'fulfilled');
       assert.match(done[4].reason.message, /lost/);
-      await assert.rejects(c.request('F'), /lost/);
+      assert.ok(done[4].reason instanceof Disconnected);
+      c.close();
       server.close();
     }
   });
 
   test('bad URLs and silent ports are told', async () => {
     await assert.rejects(connect('http://localhost'), TypeError);
+    for (const url of ['delaunay://', 'unix://host/path', 'unix://', 'nonsense', '']) await assert.rejects(connect(url), TypeError);
     await assert.rejects(connect('delaunay://127.0.0.1:1'), { code: 'ECONNREFUSED' });
+    await assert.rejects(connect('unix:///nowhere/socket'), { code: 'ENOENT' });
   });
 
   function checkSound(t) {
@@ -126,6 +147,11 @@ describe('a client', () => {
         (t.coords[2 * j + 1] - t.coords[2 * i + 1]) * (t.coords[2 * k] - t.coords[2 * i]);
       assert.ok(clockwise ? area(a, b, c) < 0 : area(a, b, c) > 0);
     }
+    const flat = await Triangulation.from([0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { client });
+    assert.deepEqual([flat.triangles.length, ...flat.hull], [12, 0, 1, 2, 3]);
+    flat.coords.set([3, 3], 8);
+    assert.equal(await flat.update(), flat);
+    checkSound(flat);
     const line = await Triangulation.from([[0, 0], [1, 1], [2, 2]], { client });
     assert.deepEqual([line.triangles.length, ...line.hull], [0, 0, 1, 2]);
     await assert.rejects(Triangulation.from([[0, Infinity]], { client }), { code: 'RANGE' });

@@ -1,0 +1,3 @@
+import Delaunator from './delaunator.js';
+
+export { Delaunator as default };

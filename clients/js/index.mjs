@@ -1,0 +1,3 @@
+import delaunayd from './index.js';
+
+export const { Client, Delaunator, Delaunay, Disconnected, Refused, Triangulation, connect, useServer } = delaunayd;

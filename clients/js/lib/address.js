@@ -1,0 +1,124 @@
+// Where a daemon is: a URL, or else $DELAUNAY_URL, or else localhost:6374, or else, where nobody listens there, a private
+// daemon of this process.
+'use strict';
+
+const { spawn } = require('node:child_process');
+const { existsSync } = require('node:fs');
+const net = require('node:net');
+const path = require('node:path');
+
+const { Disconnected } = require('./errors.js');
+
+const PORT = 6374;
+
+const UNIX = /^unix:\/\/(?:[^@/:]*:([^@/]*)@)?(\/.+)$/;
+
+/** {where: options of net.connect, token} of delaunay://[:token@]host[:port], unix://[:token@]/path, or /path. */
+function parseUrl(url) {
+  const unix = UNIX.exec(url.startsWith('/') ? `unix://${url}` : url);
+  if (unix) return { where: { path: unix[2] }, token: decodeURIComponent(unix[1] ?? '') };
+  const at = URL.canParse?.(url) === false || !url.startsWith('delaunay://') ? null : new URL(url);
+  if (!at?.hostname) throw new TypeError('a URL is delaunay://[:token@]host[:port], unix://[:token@]/path or private:');
+  return {
+    where: { host: at.hostname.replace(/^\[|\]$/g, ''), port: Number(at.port || PORT) },
+    token: decodeURIComponent(at.password),
+  };
+}
+
+/** A connected socket. */
+function open(where, timeout) {
+  return new Promise((resolve, reject) => {
+    const socket = net.connect({ ...where, noDelay: true });
+    const name = where.path ?? `${where.host}:${where.port}`;
+    const timer = setTimeout(() => fail(new Error(`no answer within ${timeout} ms`)), timeout);
+    const fail = (error) => {
+      clearTimeout(timer);
+      socket.destroy();
+      reject(new Disconnected(`cannot connect to ${name}: ${error.message || error.code}`, error.code ?? 'TIMEOUT', error));
+    };
+    socket.once('error', fail);
+    socket.once('connect', () => {
+      clearTimeout(timer);
+      socket.removeListener('error', fail);
+      resolve(socket);
+    });
+  });
+}
+
+/** $DELAUNAYD, or the program in this package, or that of $PATH. */
+function findProgram() {
+  const packed = path.join(__dirname, '..', 'bin', 'delaunayd');
+  return process.env.DELAUNAYD || (existsSync(packed) ? packed : 'delaunayd');
+}
+
+/** Starts a daemon that nobody else can reach, and that ends when this process does, however it ends: the system closes
+ * the daemon's standard input then. Its socket's path. */
+function startPrivate() {
+  const program = findProgram();
+  return new Promise((resolve, reject) => {
+    const child = spawn(program, ['--private', '--log-level', 'error'], { stdio: ['pipe', 'pipe', 'inherit'], detached: true });
+    let said = '';
+    const fail = (why) => reject(new Disconnected(`cannot start ${program}: ${why}`, 'NODAEMON'));
+    child.on('error', (error) => fail(error.code === 'ENOENT' ? 'not found; $DELAUNAYD may name it' : error.message));
+    child.on('exit', (status, signal) => {
+      own = null;
+      fail(`it ended with ${signal ?? `status ${status}`}`);
+    });
+    child.stdin.on('error', () => {});
+    child.stdin.unref?.();
+    child.stdout.on('data', (piece) => {
+      said += piece;
+      const ready = /^ready on (.+)\n/.exec(said);
+      if (!ready) return;
+      child.stdout.destroy();
+      child.unref();
+      resolve(ready[1]);
+    });
+  });
+}
+
+let own = null; // of all clients of this thread: a promise of the private daemon's path
+
+async function openPrivate(timeout) {
+  own ??= startPrivate();
+  try {
+    return await open({ path: await own }, timeout);
+  } catch (error) {
+    own = null;
+    throw error;
+  }
+}
+
+const NOBODY = ['ECONNREFUSED', 'ENETUNREACH', 'EADDRNOTAVAIL'];
+
+/** A function that opens a socket to the same place every time, and the token to show there. */
+function chooseAddress(url = process.env.DELAUNAY_URL || undefined) {
+  if (url === 'private:') return { token: '', open: openPrivate };
+  if (url !== undefined) {
+    const { where, token } = parseUrl(url);
+    return { token, open: (timeout) => open(where, timeout) };
+  }
+  const where = { host: 'localhost', port: PORT };
+  let chosen = null; // by the first success
+  return {
+    token: '',
+    async open(timeout) {
+      if (chosen) return chosen(timeout);
+      let socket;
+      try {
+        socket = await open(where, timeout);
+        chosen = (limit) => open(where, limit);
+      } catch (error) {
+        if (!NOBODY.includes(error.code)) throw error;
+        socket = await openPrivate(timeout).catch((why) => {
+          why.message = `no server at localhost:${PORT}, and ${why.message}`;
+          throw why;
+        });
+        chosen = openPrivate;
+      }
+      return socket;
+    },
+  };
+}
+
+module.exports = { chooseAddress, parseUrl };

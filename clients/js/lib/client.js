@@ -1,0 +1,248 @@
+// A client: commands as methods. It connects again when its connection has been lost.
+'use strict';
+
+const { chooseAddress } = require('./address.js');
+const { Connection } = require('./connection.js');
+const { Disconnected } = require('./errors.js');
+const { flatten, pointBytes, typed, typedKeys, words } = require('./framing.js');
+
+const CONNECT_MS = 10000;
+
+function checkSet(name) {
+  if (!/^[A-Za-z0-9_.:-]{1,64}$/.test(name)) throw new TypeError('a set\'s name is 1 to 64 of A-Z a-z 0-9 _ . : -');
+  return name;
+}
+
+const numbersOf = (row) => row.split(' ').map(Number);
+
+/** {id, x, y} and in replies to NEAREST the distance. */
+function pointOf(row) {
+  const [id, x, y, distance] = numbersOf(row);
+  return distance === undefined ? { id, x, y } : { id, x, y, distance };
+}
+
+/** Made by connect(). Requests may be made without waiting for one another. */
+class Client {
+  #address;
+  #options;
+  #connection = null;
+  #opening = null;
+  #queued = []; // requests made while it connects
+  #closed = false;
+
+  constructor(address, { timeout = 0, connectTimeout = CONNECT_MS, unref = false } = {}) {
+    this.#address = address;
+    this.#options = { timeout, connectTimeout, unref };
+  }
+
+  /** Gives up what is under way, and further requests. */
+  close() {
+    const error = new Disconnected('closed', 'CLOSED');
+    this.#closed = true;
+    this.#connection?.fail(error);
+    for (const request of this.#queued.splice(0)) request.reject(error);
+  }
+
+  /** Connects if there is no connection; all who ask meanwhile wait for the same one. */
+  open() {
+    this.#opening ??= this.#open().finally(() => {
+      this.#opening = null;
+    });
+    return this.#opening;
+  }
+
+  async #open() {
+    const { connectTimeout, unref } = this.#options;
+    try {
+      const socket = await this.#address.open(connectTimeout);
+      const connection = new Connection(socket, { unref });
+      if (this.#closed) connection.fail(new Disconnected('closed', 'CLOSED'));
+      await this.#introduce(connection, connectTimeout);
+      this.#connection = connection;
+      for (const request of this.#queued.splice(0)) connection.send(request);
+    } catch (error) {
+      for (const request of this.#queued.splice(0)) request.reject(error);
+      throw error;
+    }
+  }
+
+  /** Shows the token. A connection that is not used is closed. */
+  async #introduce(connection, timeout) {
+    if (!this.#address.token) return;
+    try {
+      await new Promise((resolve, reject) => {
+        connection.send({ line: `AUTH ${this.#address.token}`, timeout, resolve, reject });
+      });
+    } catch (error) {
+      connection.fail(error);
+      throw error;
+    }
+  }
+
+  /** Sends a request, and bytes that belong to it; resolves with {keys, rows, data}. timeout: in ms, 0 for none. */
+  request(line, { body, progress, timeout = this.#options.timeout } = {}) {
+    if (/[\r\n]/.test(line)) return Promise.reject(new TypeError('a line break in a request'));
+    if (this.#closed) return Promise.reject(new Disconnected('closed', 'CLOSED'));
+    return new Promise((resolve, reject) => {
+      const request = { line, body, progress, timeout, resolve, reject };
+      if (this.#opening === null && this.#connection !== null && !this.#connection.failed) {
+        this.#connection.send(request);
+        return;
+      }
+      this.#queued.push(request);
+      this.open().catch(() => {}); // all that are queued are rejected
+    });
+  }
+
+  async #ids(line) {
+    return words(Uint32Array, (await this.request(line)).data);
+  }
+
+  async #keys(line, options) {
+    return typedKeys((await this.request(line, options)).keys);
+  }
+
+  async #points(line) {
+    return (await this.request(line)).rows.map(pointOf);
+  }
+
+  // ---- sets ----
+
+  async sets() {
+    return (await this.request('SETS')).rows.map((row) => row.split(' ', 1)[0]);
+  }
+
+  /** A temporary set is dropped when this client's connection ends. */
+  async create(set, tolerance = 0, { temporary = false } = {}) {
+    await this.request(`CREATE ${checkSet(set)} TOL ${tolerance}${temporary ? ' TEMPORARY' : ''}`);
+  }
+
+  async drop(set) {
+    await this.request(`DROP ${checkSet(set)}`);
+  }
+
+  async stat(set) {
+    return this.#keys(`STAT ${checkSet(set)}`);
+  }
+
+  // ---- points ----
+
+  /** Adds points, all or none; the first one's id. A Float64Array must not change until then. */
+  async load(set, points, { getX, getY, timeout } = {}) {
+    const body = pointBytes(flatten(points, getX, getY));
+    return Number((await this.request(`LOADB ${checkSet(set)} ${body.length / 16}`, { body, timeout })).keys.first);
+  }
+
+  async add(set, x, y) {
+    return Number((await this.request(`ADD ${checkSet(set)} ${x} ${y}`)).keys.first);
+  }
+
+  async delete(set, ids) {
+    return Number((await this.request(`DEL ${checkSet(set)} ${[...ids].join(' ')}`)).keys.deleted);
+  }
+
+  async move(set, id, x, y) {
+    await this.request(`MOVE ${checkSet(set)} ${id} ${x} ${y}`);
+  }
+
+  /** {id, x, y} of each id, in the order asked for. */
+  async get(set, ids) {
+    return this.#points(`GET ${checkSet(set)} ${[...ids].join(' ')}`);
+  }
+
+  /** {ids: Uint32Array, coords: Float64Array of x, y} */
+  async points(set) {
+    const { data } = await this.request(`POINTS ${checkSet(set)} BINARY`);
+    const n = data.length / 20;
+    const ids = new Uint32Array(n);
+    const coords = new Float64Array(2 * n);
+    for (let i = 0; i < n; i++) {
+      ids[i] = data.readUInt32LE(20 * i);
+      coords[2 * i] = data.readDoubleLE(20 * i + 4);
+      coords[2 * i + 1] = data.readDoubleLE(20 * i + 12);
+    }
+    return { ids, coords };
+  }
+
+  /** A Map from each alias to its representative. */
+  async coincident(set) {
+    return new Map((await this.request(`COINCIDENT ${checkSet(set)}`)).rows.map(numbersOf));
+  }
+
+  // ---- the triangulation ----
+
+  async triangulate(set, { method, progress, timeout } = {}) {
+    return this.#keys(`TRIANGULATE ${checkSet(set)}${method ? ` METHOD ${method}` : ''}`, { progress, timeout });
+  }
+
+  async check(set) {
+    return this.#keys(`CHECK ${checkSet(set)}`);
+  }
+
+  /** Three ids a triangle, counterclockwise. */
+  async triangles(set, { clockwise = false } = {}) {
+    return this.#ids(`TRIANGLES ${checkSet(set)} ${clockwise ? 'CW ' : ''}BINARY`);
+  }
+
+  /** Two ids an edge. */
+  async edges(set) {
+    return this.#ids(`EDGES ${checkSet(set)} BINARY`);
+  }
+
+  /** A Map from each point's id to its ring of neighbours, in the order of LISTS. */
+  async lists(set) {
+    const list = await this.#ids(`LISTS ${checkSet(set)} BINARY`);
+    const rings = new Map();
+    for (let at = 0; at < list.length; at += 2 + list[at + 1]) {
+      rings.set(list[at], list.subarray(at + 2, at + 2 + list[at + 1]));
+    }
+    return rings;
+  }
+
+  async hull(set, { clockwise = false } = {}) {
+    const { rows } = await this.request(`HULL ${checkSet(set)}${clockwise ? ' CW' : ''}`);
+    return Uint32Array.from(rows, (row) => Number.parseInt(row, 10));
+  }
+
+  // ---- queries ----
+
+  async locate(set, x, y) {
+    const { keys, rows } = await this.request(`LOCATE ${checkSet(set)} ${x} ${y}`);
+    return { where: keys.where, ids: rows.length > 0 ? numbersOf(rows[0]) : [] };
+  }
+
+  /** The k nearest points, nearest first, as {id, x, y, distance}. */
+  async nearest(set, x, y, k = 1) {
+    return this.#points(`NEAREST ${checkSet(set)} ${x} ${y} ${k}`);
+  }
+
+  /** The ids in a box (x0, y0, x1, y1) or a disc (x, y, r). */
+  async within(set, ...where) {
+    const { rows } = await this.request(`WITHIN ${checkSet(set)} ${where.join(' ')}`);
+    return rows.map((row) => Number.parseInt(row, 10));
+  }
+
+  // ---- the server ----
+
+  async info() {
+    const { rows } = await this.request('INFO');
+    return Object.fromEntries(rows.map((row) => [row.slice(0, row.indexOf(':')), typed(row.slice(row.indexOf(':') + 1))]));
+  }
+}
+
+/** Connects; resolves with a Client. Without a URL: $DELAUNAY_URL, or else localhost:6374, or else a private daemon. */
+async function connect(url, options) {
+  const client = new Client(chooseAddress(url), options);
+  await client.open();
+  return client;
+}
+
+let common = null;
+
+/** The client of all who name none. It does not keep the process from ending. */
+function commonClient() {
+  common ??= new Client(chooseAddress(), { unref: true });
+  return common;
+}
+
+module.exports = { Client, commonClient, connect };
