@@ -62,6 +62,16 @@ install: all lib
 	$(O)/delaunay completion zsh >$(DESTDIR)$(PREFIX)/share/zsh/site-functions/_delaunay
 	$(O)/delaunay completion fish >$(DESTDIR)$(PREFIX)/share/fish/vendor_completions.d/delaunay.fish
 
+# ---- the npm package, with the daemon's binary: build/npm/delaunayd-VERSION.tgz ----
+
+.PHONY: npm
+npm: all
+	$(call need,nodejs npm,command -v npm)
+	@rm -rf $(O)/npm && mkdir -p $(O)/npm/package/bin
+	@cp -r clients/js/*.js clients/js/*.mjs clients/js/*.ts clients/js/*.mts clients/js/*.json clients/js/README.md clients/js/lib LICENSE $(O)/npm/package
+	@install $(O)/delaunayd $(O)/npm/package/bin
+	@cd $(O)/npm/package && npm pack --silent --pack-destination ..
+
 # ---- interop: other people's clients, and ours in other languages ----
 
 $(O)/interop/hiredis_talk: tests/interop/hiredis_talk.c
@@ -76,3 +86,4 @@ interop_clients: all lib
 	  /usr/bin/python3 -c 'import redis; import numpy; import scipy')
 	@$(MAKE) --no-print-directory $(O)/interop/hiredis_talk
 	tests/interop/clients.sh $(O)
+	$(if $(shell command -v npm),$(MAKE) --no-print-directory npm && tests/interop/node/package.sh $(O),@echo "no npm, so no test of the npm package")

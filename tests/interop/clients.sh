@@ -119,7 +119,7 @@ except ConnectionError as error:
 }
 load_by_node() {
     node --input-type=module -e '
-import { connect } from "./clients/js/index.js";
+import { connect } from "./clients/js/index.mjs";
 const client = await connect("delaunay://127.0.0.1:" + process.argv[1]);
 client.load("m", Float64Array.from({ length: 2000000 }, Math.random)).then(
     () => process.exit(0), (error) => { console.log("lost:", error.message); process.exit(1); });' "$1"
@@ -193,7 +193,7 @@ count "redis-py" "$python" tests/interop/redis_py.py "$port"
 count "the Python package" env DELAUNAYD="$build/delaunayd" "$python" -m unittest discover \
     -s clients/python/tests -t clients/python
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
-count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test
+count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test/*.test.mjs
 millions
 count "a million points by the command line" by_command_line
 count "a million points by the C library" by_c

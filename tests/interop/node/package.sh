@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# The npm package: made, installed from its tarball into an empty folder, imported and required there, its types checked; beside
+# the published delaunator and d3-delaunay where npm can fetch them.
+#
+#     package.sh BUILD_DIR        prints what failed, and in the end one line: N passed, N failed
+set -u
+cd "$(dirname "$0")/../../.."
+build=$PWD/$1
+here=$PWD/tests/interop/node
+tests=$PWD/clients/js/test
+peers=$build/interop/npm
+scratch=$(mktemp -d)
+passed=0
+failed=0
+trap 'rm -rf "$scratch"' EXIT
+export npm_config_update_notifier=false npm_config_fund=false npm_config_audit=false npm_config_loglevel=error
+
+count() { # NAME COMMAND...
+    local name=$1
+    shift
+    if "$@" >"$scratch/out" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $name"
+        tail -n 40 "$scratch/out"
+    fi
+}
+
+# The published packages, of fixed versions, kept in the build folder.
+fetch_peers() {
+    [ -e "$peers/node_modules/typescript" ] ||
+        timeout 120 npm install --prefix "$peers" --no-save --no-package-lock --ignore-scripts \
+            delaunator@5.1.0 d3-delaunay@6.0.6 typescript@5.9.3 @types/node@20.19.0 >"$scratch/npm" 2>&1
+}
+
+installs_offline() {
+    local tarball
+    tarball=$(ls "$build"/npm/delaunayd-*.tgz) && [ "$(wc -l <<<"$tarball")" -eq 1 ] &&
+        mkdir "$scratch/app" && cd "$scratch/app" && npm init -y >/dev/null &&
+        npm install --offline --ignore-scripts "$tarball" && [ "$(ls node_modules)" = delaunayd ]
+}
+
+# Neither $DELAUNAYD nor $PATH: the package has a daemon of its own.
+runs() { (cd "$scratch/app" && cp "$here/$1" . && env -u DELAUNAYD DELAUNAY_URL=private: node "$1"); }
+
+has_version_of_daemon() {
+    local version
+    version=$("$build/delaunayd" --version) && [ "delaunayd $(node -p 'require("./clients/js/package.json").version')" = "$version" ]
+}
+
+holds_no_tests() { ! tar -tzf "$build"/npm/delaunayd-*.tgz | grep -v '^package/\(bin/delaunayd\|lib/[a-z0-9]*\.js\|[a-zA-Z0-9-]*\.\(js\|mjs\|d\.ts\|d\.mts\|json\|md\)\|LICENSE\)$'; }
+
+# As an ES module and as CommonJS.
+types_are_right() {
+    cp "$here/types.mts" "$scratch/app/types.mts" && cp "$here/types.mts" "$scratch/app/types.cts" && cd "$scratch/app" &&
+        "$peers/node_modules/.bin/tsc" --noEmit --strict --target es2022 --module node16 --typeRoots "$peers/node_modules/@types" \
+            --types node types.mts types.cts
+}
+
+beside_peers() { (cd "$peers" && DELAUNAYD="$build/delaunayd" node --test "$1"); }
+
+count "the npm package has the version of the daemon" has_version_of_daemon
+count "the npm package holds what it should" holds_no_tests
+count "the npm package installs from its tarball into an empty folder" installs_offline
+count "the installed package can be imported" runs imported.mjs
+count "the installed package can be required" runs required.cjs
+if fetch_peers; then
+    count "the types are right in ES modules and in CommonJS" types_are_right
+    count "d3-delaunay beside ours" beside_peers "$tests/d3.test.mjs"
+    count "published scripts run with another import" beside_peers "$here/published.test.mjs"
+else
+    echo "npm cannot fetch packages here: nothing is compared with the published ones, and types are not checked"
+    cat "$scratch/npm"
+fi
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,33 @@
+// Compiled, not run: what users write has the types that they expect.
+import { Client, connect, Refused, Triangulation } from 'delaunayd';
+import Delaunator from 'delaunayd/delaunator';
+import { Delaunay, type Polygon } from 'delaunayd/d3-delaunay';
+
+export async function asynchronous(): Promise<number> {
+  const client: Client = await connect('private:', { timeout: 100 });
+  await client.load('t', [[0, 0], [1, 0], [0, 1]]);
+  await client.load('t', [{ lon: 1, lat: 2 }], { getX: (p) => p.lon, getY: (p) => p.lat });
+  const { triangles, ms } = await client.triangulate('t', { method: 'divide' });
+  const delaunay: boolean = (await client.check('t')).delaunay;
+  const ids: Uint32Array = await client.triangles('t', { clockwise: true });
+  const [{ id, distance }] = await client.nearest('t', 0, 0);
+  const t: Triangulation = await Triangulation.from(new Float32Array(6), { client });
+  await client.stat('none').catch((e: unknown) => e instanceof Refused && e.code.length);
+  client.close();
+  return triangles + ms + Number(delaunay) + ids.length + id + distance + t.halfedges.length;
+}
+
+export function synchronous(): Polygon {
+  const d: Delaunator<Float64Array> = Delaunator.from([[0, 0], [1, 0], [0, 1]]);
+  const named = Delaunator.from([{ x: 1, y: 2 }], (p) => p.x, (p) => p.y);
+  const flat = new Delaunator([0, 0, 1, 0, 0, 1]);
+  flat.coords[0] = 2;
+  flat.update();
+  const delaunay = Delaunay.from(new Set([{ x: 1, y: 2 }]), (p) => p.x, (p, i) => p.y + i);
+  const found: number = delaunay.find(1, 2, 0) + [...delaunay.neighbors(0)].length + d.hull.length + named.triangles.length;
+  const path: string = delaunay.render() + delaunay.voronoi([0, 0, found, 1]).renderCell(0);
+  return path === '' ? [] : delaunay.hullPolygon();
+}
+
+// @ts-expect-error: a set's name comes first
+export const wrong = (client: Client) => client.nearest(1, 2);
