@@ -472,6 +472,23 @@ void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n);
 void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n);
 void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n);
 
+/* ---- many places at once, as of the moment of a view or, if v is NULL, now ----
+ *
+ * Every place gets a row of the answer. DT_TOOLONG and DT_CANCELLED: *done of them have one, and the call
+ * may be repeated for the others; all n have one if DT_OK. out has room for n rows. The view must be one
+ * that reads rings. Cost: a third of that of single questions, because they wait for memory together; where
+ * an edit has changed the set since the view began, up to ten times as much. */
+
+/* Three ids: of the triangles that contain the place, their sides included, the first in DT_TRIANGLES;
+ * DT_NONE three times if there is none. */
+enum dt_status dt_locate_many(const struct dt *t, const struct dt_view *v, const struct dt_point *p,
+                              size_t n, const struct dt_options *opt, uint32_t *out, size_t *done);
+
+/* k ids: those of dt_nearest, and DT_NONE for what there is too little of. */
+enum dt_status dt_nearest_many(const struct dt *t, const struct dt_view *v,
+                               const struct dt_point *p, size_t n, uint32_t k,
+                               const struct dt_options *opt, uint32_t *out, size_t *done);
+
 /* Append the representatives in the closed box, or the closed disc of radius r >= 0, by id. Exact.
  * Cost: O(k log k) for k results, expected, and their degrees. */
 enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi,

@@ -42,6 +42,10 @@ static inline int dt_compare_candidates(const struct dt *t, struct dt_point q,
 enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, struct dt_work *work,
                                  uint32_t *nearest, bool *tie);
 
+/* dt_nearest_place, whose steps are taken off the work. */
+enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place *q, uint32_t k,
+                                      struct dt_work *work, struct dt_ids *out);
+
 /* Appends the neighbours of v, a vertex nearest to q, that are as near, possibly some of them twice. */
 enum dt_status dt_nearest_ties(const struct dt *t, struct dt_point q, uint32_t v,
                                struct dt_work *work, struct dt_ids *ties);

@@ -159,25 +159,31 @@ static enum dt_status append_nearest(const struct dt *t, struct dt_point q, uint
     return st;
 }
 
-enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, uint32_t k,
-                                const struct dt_options *opt, struct dt_ids *out)
+enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place *q, uint32_t k,
+                                      struct dt_work *work, struct dt_ids *out)
 {
-    struct dt_work work = dt_work_of(opt);
     enum dt_status st = dt_readable(t);
     k = k < t->mesh.vertices ? k : t->mesh.vertices;
     if (st != DT_OK || k == 0)
         return st;
     bool tie;
     uint32_t v;
-    st = dt_nearest_vertex(t, q, &work, &v, &tie);
+    st = dt_nearest_vertex(t, q, work, &v, &tie);
     if (st == DT_OK)
         st = dt_ids_reserve(out, k);
     if (st != DT_OK)
         return st;
     if (k > 1 || tie)
-        return append_nearest(t, q->at, v, tie, k, &work, out);
+        return append_nearest(t, q->at, v, tie, k, work, out);
     out->v[out->n++] = t->points.id[v];
     return DT_OK;
+}
+
+enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, uint32_t k,
+                                const struct dt_options *opt, struct dt_ids *out)
+{
+    struct dt_work work = dt_work_of(opt);
+    return dt_nearest_within_work(t, q, k, &work, out);
 }
 
 enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out)

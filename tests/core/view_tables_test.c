@@ -269,6 +269,25 @@ static void edit(const struct world *w)
         CHECK(dt_triangulate(w->t, &again) == DT_OK); /* other vertices; the same triangulation */
 }
 
+/* What places have is what they have in the copy, which lookup_test compares with brute force. */
+static void check_places(const struct world *w, const struct reader *r)
+{
+    enum { PLACES = 40, MOST = 9 };
+    struct dt_point p[PLACES];
+    uint32_t got[PLACES * MOST], want[PLACES * MOST], k = 1 + test_below(MOST);
+    size_t done;
+    for (unsigned i = 0; i < PLACES; i++)
+        p[i] = some_place(w);
+    CHECK(dt_locate_many(r->copy, NULL, p, PLACES, NULL, want, &done) == DT_OK && done == PLACES);
+    CHECK(dt_locate_many(w->t, r->view, p, PLACES, NULL, got, &done) == DT_OK && done == PLACES);
+    check_equal_ids("triangles", &(struct dt_ids){got, 3 * PLACES, 0},
+                    &(struct dt_ids){want, 3 * PLACES, 0});
+    CHECK(dt_nearest_many(r->copy, NULL, p, PLACES, k, NULL, want, &done) == DT_OK);
+    CHECK(dt_nearest_many(w->t, r->view, p, PLACES, k, NULL, got, &done) == DT_OK);
+    check_equal_ids("nearest", &(struct dt_ids){got, (size_t)k * PLACES, 0},
+                    &(struct dt_ids){want, (size_t)k * PLACES, 0});
+}
+
 /* ---- histories ---- */
 
 static void step(struct world *w)
@@ -286,6 +305,8 @@ static void step(struct world *w)
         check_rows(r, w->t);
     } else if (kind < 26) {
         check_one_id(r, w->t);
+    } else if (kind < 28) {
+        check_places(w, r);
     } else if (!r->busy) {
         table_begin(r, w->t, (enum dt_table)test_below(TABLES));
     } else {
