@@ -40,6 +40,7 @@ struct session {
     char note[SLOW_TEXT];
     size_t held; /* bytes of the request that waits: kept in the input until it is answered */
     struct timer later;    /* SESSION_DELAYED: ends that */
+    int64_t limit_ms;      /* that the request may take; 0: any time */
     int64_t deadline_ms;   /* of the request that waits or that a worker has; 0: none */
     struct timer deadline; /* set: runs at that moment */
     bool timed_out;        /* it has passed */
@@ -50,14 +51,14 @@ struct session {
         struct listing *listing; /* owns */
     };
     struct temporaries *temporary; /* owns; NULL: it has no temporary sets */
-    struct load *load;             /* owns: points that are being received */
-    bool refused;                  /* the load that is being received has been refused already */
-    bool resp;                     /* the request under way came in RESP framing (proto/resp.h) */
-    bool in_bulk;                  /* the load's points come as one bulk string */
-    size_t bulk_left;              /* bytes of it that have not been read */
-    size_t need;                   /* input shorter than this holds no whole RESP request */
-    struct reply_reader reader;    /* the place in a reply that goes out as RESP */
-    struct waiter waiter;          /* of the request under way */
+    struct load *load; /* owns: the body that is being received, or whose request is under way */
+    bool refused;      /* the request whose body is being received has been refused already */
+    bool resp;         /* the request under way came in RESP framing (proto/resp.h) */
+    bool in_bulk;      /* the load's points come as one bulk string */
+    size_t bulk_left;  /* bytes of it that have not been read */
+    size_t need;       /* input shorter than this holds no whole RESP request */
+    struct reply_reader reader; /* the place in a reply that goes out as RESP */
+    struct waiter waiter;       /* of the request under way */
     void (*closed)(
         struct session *s); /* tells whoever keeps the session, which is freed afterwards */
 };

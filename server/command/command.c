@@ -33,7 +33,7 @@ const struct command commands[] = {
     {"ADD", 4, 0, EDITS, cmd_add, "ADD set x y [x y ...]", "adds points"},
     {"LOAD", 2, 3, EDITS | CMD_BODY, cmd_load, "LOAD set [n]",
      "adds points: n lines `x y` follow, or lines up to a single `.`"},
-    {"LOADB", 3, 3, EDITS | CMD_BODY, cmd_loadb, "LOADB set n",
+    {"LOADB", 3, 3, EDITS | CMD_BODY, cmd_load, "LOADB set n",
      "adds points: n pairs of little-endian doubles follow"},
     {"DEL", 3, 0, EDITS | CMD_EXISTING | CMD_FREES, cmd_del, "DEL set id [id ...]",
      "deletes points"},
@@ -258,10 +258,11 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
         reply_err(a->out, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
     } else if (!check_words(a, c, q) || !check_role(a, c) || !check_loaded(s, a, c) ||
                !check_set(s, a, c, q, &set)) {
-        if ((c->flags & CMD_BODY) != 0)
+        if ((c->flags & CMD_BODY) != 0 && a->body == NULL)
             load_skip(s, q, a);
-    } else if ((c->flags & CMD_BODY) != 0 || check_state(s, a, c, q, set)) {
-        /* A request with a body waits for its set when the body is there. */
+    } else if ((c->flags & CMD_BODY) != 0 && a->body == NULL) {
+        load_start(s, q, a, (c->flags & CMD_WRITE) != 0);
+    } else if (check_state(s, a, c, q, set)) {
         if ((c->flags & CMD_SET) != 0)
             note_changes(s, a, c, set);
         c->handler(s, set, q, a);
@@ -317,6 +318,22 @@ void command_run(struct server *s, const struct request *q, struct answer *a)
     }
     dispatch(s, q, a);
     if (a->out->failed)
+        command_out_of_memory(s, a, mark);
+}
+
+void command_run_body(struct server *s, struct load *l, struct answer *a)
+{
+    size_t mark = buf_len(a->out);
+    if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) {
+        a->next = ANSWER_BROKEN;
+        return;
+    }
+    if (l->refused || load_refuse(s, l, a))
+        return;
+    a->body = l;
+    if (request_split(&s->request, buf_head(&l->line), buf_len(&l->line)))
+        command_run(s, &s->request, a);
+    else
         command_out_of_memory(s, a, mark);
 }
 

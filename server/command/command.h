@@ -22,8 +22,7 @@ enum {
     CMD_SEARCH = 2048, /* and has the grid by which searches begin near their place */
     CMD_LIVE = 16,     /* it has a triangulation */
     CMD_OPEN = 32,     /* allowed before AUTH */
-    CMD_BODY =
-        64, /* points follow the line: after an error nobody knows where the next request starts */
+    CMD_BODY = 64, /* a body follows the line, and the handler runs when it is there (a->body) */
     CMD_ALL_SETS = 128, /* it is about all sets */
     CMD_FREES = 256, /* it makes sets smaller: possible as long as there is any space on the disk */
     CMD_ADMIN = 1024, /* it is about other clients: not for those who may only read */
@@ -49,6 +48,10 @@ void command_take_timeout(struct request *q, int64_t *ms);
 
 /* Carries out the request q, or begins to. Whatever happens, a tells (answer.h). */
 void command_run(struct server *s, const struct request *q, struct answer *a);
+
+/* The same for a request whose body is complete, or says what is wrong with the body. As long as the request
+ * is to be carried out again (a->next), the load is needed; then it is spent. */
+void command_run_body(struct server *s, struct load *l, struct answer *a);
 
 /* Memory ran out while a reply was written: cuts the reply off at `mark` and says so. */
 void command_out_of_memory(struct server *s, struct answer *a, size_t mark);
@@ -95,13 +98,8 @@ bool client_set_name(struct server *s, struct answer *a, const struct word *name
 
 command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                        /* cmd_data.c */
 command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
-/* Carries out a load whose body is complete: adds the points, or tells what was wrong with them.
- * Afterwards the load is spent unless a->next is ANSWER_WAIT: then it is to be called again when its
- * turn comes. */
-void load_commit(struct server *s, struct load *l, struct answer *a);
-
-command_handler cmd_load, cmd_loadb;        /* cmd_load.c */
-command_handler cmd_triangulate, cmd_check; /* cmd_build.c */
+command_handler cmd_load;                                                        /* cmd_load.c */
+command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
 
 /* Whether a TRIANGULATE that finds the set being edited has been seen to: it waits for the result of
  * a job that does the same, or its error has been told. */

@@ -4,8 +4,10 @@
 #include "proto/number.h"
 #include "server/jobs/keep.h"
 
+#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
+
+_Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pairs are points");
 
 enum {
     MANY = 1 << 17,        /* points for which pages are made ready as they arrive */
@@ -29,49 +31,146 @@ static void *grow_points(void *ctx, void *p, size_t used, size_t bytes)
     return larger;
 }
 
-void load_start(struct server *s, struct answer *a, const struct word *name, enum body_form form,
-                uint32_t count)
+/* NULL: out of memory. */
+static struct load *new_load(struct server *s, const struct request *q, bool adds)
 {
     struct load *l = calloc(1, sizeof *l);
+    if (l == NULL)
+        return NULL;
+    for (size_t i = 0; i < q->n; i++) {
+        buf_append(&l->line, q->word[i].text, q->word[i].len);
+        buf_append_char(&l->line, ' ');
+    }
+    if (l->line.failed) {
+        buf_free(&l->line);
+        free(l);
+        return NULL;
+    }
+    l->server = s;
+    l->memory = server_reservation(s, BUDGET_LOADS);
+    l->shortage = ERR_NOMEM;
+    l->adds = adds;
+    return l;
+}
+
+static void begin(struct server *s, const struct request *q, struct answer *a, bool adds,
+                  enum body_form form, uint32_t count)
+{
+    struct load *l = new_load(s, q, adds);
     if (l == NULL) {
         answer_out_of_memory(a);
         a->next = ANSWER_CLOSING; /* what follows could not be told from requests */
         return;
     }
-    body_init(&l->body, form, count, s->config->max_points, dt_coordinate_ok);
+    size_t most = adds ? s->config->max_points : DT_MAX_POINTS;
+    body_init(&l->body, form, count, most, dt_coordinate_ok);
     l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};
-    l->server = s;
-    l->memory = server_reservation(s, BUDGET_LOADS);
-    l->shortage = ERR_NOMEM;
-    if (name != NULL) {
-        l->name_len = name->len;
-        memcpy(l->name, name->text, name->len);
-    }
     a->next = ANSWER_BODY;
     a->load = l;
 }
 
+/* The form of the body that follows q, which has as many words as its command takes, and its count. False:
+ * the line does not tell. */
+static bool read_form(const struct request *q, enum body_form *form, uint32_t *count)
+{
+    bool lines = word_is(&q->word[0], "LOAD");
+    *count = 0;
+    *form = !lines ? BODY_BINARY : q->n == 2 ? BODY_DOT : BODY_LINES;
+    return *form == BODY_DOT ||
+           (q->n > 2 && proto_read_u32(q->word[2].text, q->word[2].len, count));
+}
+
+void load_start(struct server *s, const struct request *q, struct answer *a, bool adds)
+{
+    enum body_form form;
+    uint32_t count;
+    if (read_form(q, &form, &count)) {
+        begin(s, q, a, adds, form, count);
+        return;
+    }
+    const struct word *w = &q->word[2];
+    reply_err(a->out, ERR_NUMBER, "%.*s does not tell how much follows",
+              (int)(w->len < 32 ? w->len : 32), w->text);
+    a->next = ANSWER_CLOSING;
+}
+
 void load_skip(struct server *s, const struct request *q, struct answer *a)
 {
-    bool binary = word_is(&q->word[0], "LOADB"), dot = !binary && q->n == 2;
-    uint32_t count = 0;
+    enum body_form form;
+    uint32_t count;
+    bool words = q->n > 1 && q->n <= (word_is(&q->word[0], "NEARESTB") ? 4 : 3);
     /* Those who have shown no token may not keep the server reading. */
-    if (a->role == ROLE_NONE || (!dot && q->n != 3) ||
-        (!dot && !proto_read_u32(q->word[2].text, q->word[2].len, &count))) {
+    if (a->role == ROLE_NONE || !words || !read_form(q, &form, &count)) {
         a->next = ANSWER_CLOSING;
         return;
     }
-    load_start(s, a, NULL, binary ? BODY_BINARY : dot ? BODY_DOT : BODY_LINES, count);
+    begin(s, q, a, false, form, count);
     if (a->next != ANSWER_BODY)
         return;
     a->load->refused = true;
     body_fail(&a->load->body, BODY_SYNTAX); /* so that no point is kept */
 }
 
+static void say(struct answer *a, const struct load *l, enum reply_code code, const char *what)
+{
+    bool points = l->body.form == BODY_BINARY;
+    reply_err(a->out, code, "%s %llu: %s%s",
+              !points   ? "line"
+              : l->adds ? "point"
+                        : "place",
+              (unsigned long long)l->body.fault_line, what, l->adds ? "; nothing was loaded" : "");
+}
+
+static void say_too_big(struct server *s, struct answer *a, const struct load *l)
+{
+    char what[80];
+    if (l->adds)
+        snprintf(what, sizeof what, "a set holds at most %u points (--max-points)",
+                 s->config->max_points);
+    else
+        snprintf(what, sizeof what, "a request has at most %u places", DT_MAX_POINTS);
+    say(a, l, ERR_TOOBIG, what);
+}
+
+bool load_refuse(struct server *s, const struct load *l, struct answer *a)
+{
+    const struct body *b = &l->body;
+    switch (b->fault) {
+    case BODY_GOOD:
+        return false;
+    case BODY_SYNTAX:
+        say(a, l, ERR_SYNTAX, "not `x y`");
+        break;
+    case BODY_ENDED:
+        say(a, l, ERR_SYNTAX, "the input ended too early");
+        break;
+    case BODY_LONGER:
+        reply_err(a->out, ERR_SYNTAX, "more than %llu %ss%s", (unsigned long long)b->fault_line,
+                  b->form != BODY_BINARY ? "line"
+                  : l->adds              ? "point"
+                                         : "place",
+                  l->adds ? "; nothing was loaded" : "");
+        break;
+    case BODY_NUMBER:
+        say(a, l, ERR_NUMBER, "not a number");
+        break;
+    case BODY_RANGE:
+        say(a, l, ERR_RANGE, "a coordinate is 0 or has a magnitude from 2^-142 to 2^201");
+        break;
+    case BODY_TOOBIG:
+        say_too_big(s, a, l);
+        break;
+    case BODY_NOMEM:
+        say(a, l, l->shortage, "out of memory");
+        break;
+    }
+    return true;
+}
+
 /* Tells what the points that have come will take when they are added and triangulated. */
 static void expect(struct server *s, struct load *l)
 {
-    size_t expected = l->body.n < MANY ? 0 : l->body.n * BYTES_PER_POINT;
+    size_t expected = l->body.n < MANY || !l->adds ? 0 : l->body.n * BYTES_PER_POINT;
     if (expected == l->expected)
         return;
     keep_expect(s, expected, l->expected);
@@ -109,7 +208,18 @@ void load_free(struct server *s, struct load *l)
     reservation_set(&l->memory, 0);
     if (reserved)
         server_reserved_less(s);
+    buf_free(&l->line);
     free(l);
+}
+
+struct dt_point *load_take(struct load *l, struct reservation *memory)
+{
+    struct dt_point *p = (struct dt_point *)(void *)l->body.xy;
+    l->body.xy = NULL;
+    if (memory->budget == NULL)
+        *memory = (struct reservation){l->memory.budget, l->memory.kind, 0};
+    reservation_move(memory, &l->memory);
+    return p;
 }
 
 size_t load_hand_on_expected(struct server *s, struct load *l)

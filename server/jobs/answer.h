@@ -26,7 +26,7 @@ enum answer_next {
     ANSWER_AGAIN,     /* the set has been prepared: the request is to be carried out now */
     ANSWER_WAIT,      /* the request is to be carried out when the queue calls it */
     ANSWER_LATER,     /* it is to be carried out at the moment later_ms */
-    ANSWER_BODY,      /* the points of a load, which follow the request */
+    ANSWER_BODY,      /* the body, which follows the request */
     ANSWER_BROKEN     /* the reply cannot be completed: the connection must go */
 };
 
@@ -42,6 +42,9 @@ struct answer {
     bool waited;      /* it has waited until later_ms */
     bool timed_out;   /* what is cancelled has taken longer than its TIMEOUT */
     bool busy;        /* there is no memory for it, because others use it */
+    struct load
+        *body; /* borrows: the body of the request, which is complete; NULL: it has none, or it
+                          has not come yet */
     const struct wait_queue *turn; /* the request has waited there, and its turn has come */
     enum answer_next next;
     bool wait_writes; /* ANSWER_WAIT for a set: until it has no writer; else until it can be read */

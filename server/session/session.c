@@ -63,16 +63,20 @@ static bool give_up(struct session *s)
     return next;
 }
 
-/* The deadline of a request counts from when it was first looked at. */
-static void set_deadline(struct session *s, struct request *q)
+void session_set_deadline(struct session *s)
 {
-    int64_t ms;
-    command_take_timeout(q, &ms);
-    if (ms > 0 && s->deadline_ms == 0) {
-        s->deadline_ms = s->conn.loop->now_ms + ms;
+    if (s->limit_ms > 0 && s->deadline_ms == 0) {
+        s->deadline_ms = s->conn.loop->now_ms + s->limit_ms;
         loop_at(s->conn.loop, &s->deadline, s->deadline_ms + 1);
     }
     s->timed_out = false;
+}
+
+/* The deadline of a request counts from when it was first looked at. */
+static void take_timeout(struct session *s, struct request *q)
+{
+    command_take_timeout(q, &s->limit_ms);
+    session_set_deadline(s);
 }
 
 /* ---- steps: each carries out one request, or a piece of one; true: go on ---- */
@@ -108,7 +112,7 @@ static bool carry_out(struct session *s, bool http)
         conn_finish(&s->conn);
         return false;
     }
-    set_deadline(s, q);
+    take_timeout(s, q);
     struct answer a = session_answer(s);
     command_run(s->server, q, &a);
     return session_take_over(s, &a);
@@ -138,7 +142,7 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
 {
     struct request *q = &s->server->request;
     s->greeted = true;
-    set_deadline(s, q);
+    take_timeout(s, q);
     struct answer a = session_answer(s);
     if (q->n == 0) {
         session_consume(s);
@@ -290,7 +294,7 @@ static void pass_deadline(struct timer *t)
         return;
     s->timed_out = true;
     bool in_line = s->waiter.queue != NULL || s->state == SESSION_DELAYED;
-    if (s->state == SESSION_WORKING ? job_leave(s->job, s->id) : in_line && s->load == NULL) {
+    if (s->state == SESSION_WORKING ? job_leave(s->job, s->id) : in_line) {
         give_up(s);
         conn_again(&s->conn);
     }

@@ -141,6 +141,10 @@ static void end_request(struct session *s, const struct answer *a)
         a->next == ANSWER_BODY) /* else see end_turn */
         wait_served(&s->waiter);
     session_consume(s);
+    if (s->load != NULL && a->next != ANSWER_BODY) {
+        load_free(s->server, s->load);
+        s->load = NULL;
+    }
     if (a->next != ANSWER_JOB) {
         s->deadline_ms = 0;
         timer_clear(&s->deadline);

@@ -52,7 +52,10 @@ bool session_input_ended(const struct session *s);
  * ends: what has not arrived whole is not carried out. Always false. */
 bool session_wait_for_input(struct session *s);
 
-/* Reads a piece of the points that the session is receiving, or adds them; true: go on. */
+/* The time that the request at hand may take, if it has a limit, begins, unless it has begun. */
+void session_set_deadline(struct session *s);
+
+/* Reads a piece of the body that the session is receiving, or carries out its request; true: go on. */
 bool session_step_load(struct session *s);
 
 /* The input has ended while a worker carries out the request. Over TCP, whether the client still reads

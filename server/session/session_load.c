@@ -1,5 +1,5 @@
-/* session_load.c - the points that follow a LOAD or LOADB: a session's steps from the request to the
- * end of the body. */
+/* session_load.c - the bodies of requests: a session's steps from the request to the end of its body,
+ * and then to its answer. */
 #include "proto/resp.h"
 #include "server/command/account.h"
 #include "server/command/command.h"
@@ -8,22 +8,13 @@
 
 enum { FEED_BYTES = 8 * 1024 }; /* in one step: about 0.2 ms of numbers */
 
-static bool commit_load(struct session *s)
+static bool carry_out_load(struct session *s)
 {
-    struct answer a = session_answer(s);
-    size_t mark = buf_len(a.out);
-    if (buf_reserve(a.out, REPLY_ERR_ROOM) == NULL) {
-        conn_close(&s->conn);
-        return false;
-    }
     account_load(s);
-    load_commit(s->server, s->load, &a);
-    if (a.out->failed)
-        command_out_of_memory(s->server, &a, mark);
-    if (a.next != ANSWER_WAIT) {
-        load_free(s->server, s->load);
-        s->load = NULL;
-    }
+    if (!s->load->adds)
+        session_set_deadline(s);
+    struct answer a = session_answer(s);
+    command_run_body(s->server, s->load, &a);
     return session_take_over(s, &a);
 }
 
@@ -72,5 +63,5 @@ bool session_step_load(struct session *s)
 {
     if (!s->load->body.complete)
         return feed_load(s);
-    return s->in_bulk ? end_bulk(s) : commit_load(s);
+    return s->in_bulk ? end_bulk(s) : carry_out_load(s);
 }

@@ -145,11 +145,11 @@ TEST(load_whose_points_are_there_waits_for_its_turn)
     struct load *load = begin_load(&l, "LOAD t 1");
     struct answer a = {.out = &l.out, .owner = 1, .role = ROLE_WRITE};
     CHECK(load_feed(&l.server, load, "2 2\n", 4, false) == 4 && load->body.complete);
-    load_commit(&l.server, load, &a);
+    command_run_body(&l.server, load, &a);
     CHECK(a.next == ANSWER_WAIT && a.wait == &set->queue && set->current->sum.points == 1);
     set->writer = NULL;
     a.next = ANSWER_WHOLE;
-    load_commit(&l.server, load, &a);
+    command_run_body(&l.server, load, &a);
     CHECK(a.next == ANSWER_WHOLE && set->current->sum.points == 2);
     load_free(&l.server, load);
     local_stop(&l);

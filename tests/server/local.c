@@ -96,14 +96,12 @@ static struct answer new_answer(struct local *l)
 static size_t load(struct local *l, struct load *load, const char *text, size_t n)
 {
     ptrdiff_t took = load->body.complete ? 0 : load_feed(&l->server, load, text, n, true);
-    struct answer a = new_answer(l);
-    size_t mark = buf_len(a.out);
+    struct answer a;
     CHECK(took >= 0 && load->body.complete);
-    CHECK(buf_reserve(a.out, REPLY_ERR_ROOM) != NULL);
-    load_commit(&l->server, load, &a);
-    if (a.out->failed)
-        command_out_of_memory(&l->server, &a, mark);
-    complete(l, &a);
+    do {
+        a = new_answer(l);
+        command_run_body(&l->server, load, &a);
+    } while (complete(l, &a));
     load_free(&l->server, load);
     return (size_t)took;
 }
