@@ -1,6 +1,9 @@
-"""Client of delaunayd, the Delaunay triangulation daemon."""
+"""Client of delaunayd, the Delaunay triangulation daemon.
 
-from .client import Client, ConnectionLost, Located, Neighbour, Refused, Reply
+`Client` for threads; `delaunayd.aio.Client` for asyncio; `delaunayd.spatial.Delaunay` with the interface of SciPy's.
+"""
 
-__all__ = ["Client", "ConnectionLost", "Located", "Neighbour", "Refused", "Reply"]
+from .client import Client, ConnectionLost, Located, Neighbour, Pipeline, Refused, Reply
+
+__all__ = ["Client", "ConnectionLost", "Located", "Neighbour", "Pipeline", "Refused", "Reply"]
 __version__ = "0.1.0"

@@ -1,118 +1,104 @@
-"""The connection: requests in lines, replies read part by part, large tables in binary form.
-
-Tables come as NumPy arrays if NumPy is there, else as array.array; no Python object is made for a
-single point or triangle.
-"""
+"""The client for threads. Tables come as NumPy arrays if NumPy is there, else as array.array; no Python object is made for a single
+point or triangle."""
 
 from __future__ import annotations
 
 import os
+import select
 import socket
-import sys
-from array import array
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple, Union
-from urllib.parse import urlsplit
+import threading
+import weakref
+from collections import deque
+from typing import Any, Callable, Deque, Generator, List, Optional, Sequence, Union
 
-try:
-    import numpy
-except ImportError:  # the standard library alone will do
-    numpy = None  # type: ignore[assignment]
+from . import _address, _protocol as protocol
+from ._commands import Commands
+from ._protocol import LINE, ConnectionLost, Located, Neighbour, Progress, Refused, Reply, Request, Word
 
-DEFAULT_URL = "delaunay://localhost:6374"
+__all__ = ["Client", "ConnectionLost", "Located", "Neighbour", "Pipeline", "Refused", "Reply"]
+
+_AT_ONCE = 1000  # requests that are sent before their replies are read
 _PIECE = 1 << 20
-
-Progress = Callable[[str], None]
-Word = Union[str, int, float]
-
-
-class Refused(Exception):
-    """The server answered ERR; `code` is its code, the connection goes on."""
-
-    def __init__(self, line: str):
-        super().__init__(line)
-        self.code = line.split(" ", 2)[1]
+# Requests that may be sent again when the connection was lost before they were answered.
+_HARMLESS = frozenset(
+    b"PING INFO SETS STAT GET POINTS COINCIDENT CHECK LISTS TRIANGLES EDGES HULL LOCATE NEAREST WITHIN".split()
+)
 
 
-class ConnectionLost(ConnectionError):
-    """The connection ended before the reply did, or what came is no reply."""
+class _Connection:
+    """A socket, and what has come from it."""
 
-
-class Reply(NamedTuple):
-    keys: Dict[str, str]
-    rows: List[str]
-    data: bytes  # of a binary reply
-
-
-class Neighbour(NamedTuple):
-    id: int
-    x: float
-    y: float
-    distance: float
-
-
-class Located(NamedTuple):
-    where: str  # inside, edge, vertex, outside
-    ids: Tuple[int, ...]
-
-
-def _number(word: Word) -> str:
-    return repr(float(word)) if isinstance(word, float) else str(word)
-
-
-def _uint32s(data: bytes, width: int) -> Any:
-    """Little-endian words as rows of `width`: an array of shape (n, width), or a flat array.array."""
-    if numpy is not None:
-        return numpy.frombuffer(data, dtype="<u4").reshape(-1, width)
-    words = array("I")
-    words.frombytes(data)
-    if sys.byteorder == "big":
-        words.byteswap()
-    return words
-
-
-def _pairs(points: Any) -> Tuple[memoryview, int]:
-    """Points as little-endian doubles x, y, and their number."""
-    if numpy is not None:
-        a = numpy.ascontiguousarray(points, dtype="<f8")
-        if a.size == 0:
-            a = a.reshape(0, 2)
-        if a.ndim != 2 or a.shape[1] != 2:
-            raise ValueError("points must have the shape (n, 2)")
-        return memoryview(a).cast("B") if a.size else memoryview(b""), len(a)
-    if isinstance(points, array) and points.typecode == "d":
-        flat = array("d", points)
-    else:
-        flat = array("d")
-        for x, y in points:
-            flat.append(x)
-            flat.append(y)
-    if len(flat) % 2 != 0:
-        raise ValueError("an x without its y")
-    if sys.byteorder == "big":
-        flat.byteswap()
-    return memoryview(flat).cast("B"), len(flat) // 2
-
-
-class Client:
-    """A connection to a daemon. Not for two threads at once."""
-
-    def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None):
-        parts = urlsplit(url or os.environ.get("DELAUNAY_URL") or DEFAULT_URL)
-        if parts.scheme != "delaunay" or not parts.hostname:
-            raise ValueError("a URL is delaunay://[:token@]host[:port]")
-        self._socket = socket.create_connection((parts.hostname, parts.port or 6374), timeout)
-        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._in = self._socket.makefile("rb", buffering=1 << 18)
-        if parts.password:
-            try:
-                self.command("AUTH", parts.password)
-            except BaseException:
-                self.close()
-                raise
+    def __init__(self, address: _address.Address, timeout: Optional[float]):
+        self.pid = os.getpid()
+        self.socket = _address.connect(address, timeout)
+        self.input = self.socket.makefile("rb", buffering=1 << 18)
+        self.poll = select.poll()
+        self.poll.register(self.socket, select.POLLIN)
+        self.used = False  # a reply has come
+        self.silent = False  # nothing has come since the last requests were sent
 
     def close(self) -> None:
-        self._in.close()
-        self._socket.close()
+        self.input.close()
+        self.socket.close()
+
+    def is_good(self) -> bool:
+        """Nothing has come that nobody asked for, such as its end; and it is not that of the process we were forked from."""
+        return self.pid == os.getpid() and not self.poll.poll(0)
+
+    def send(self, requests: Sequence[Request]) -> None:
+        self.silent = True
+        lines: List[bytes] = []
+        for line, body in requests:
+            lines.append(line)
+            if len(body) > 0:
+                self.socket.sendall(b"".join(lines))
+                lines.clear()
+                for at in range(0, len(body), _PIECE):
+                    self.socket.sendall(body[at : at + _PIECE])
+        self.socket.sendall(b"".join(lines))
+
+    def receive(self, progress: Optional[Progress]) -> Reply:
+        reader: Generator[int, bytes, Reply] = protocol.read_reply(progress)
+        want = next(reader)
+        try:
+            while True:
+                data = self.input.readline() if want == LINE else self.input.read(want)
+                self.silent = self.silent and len(data) == 0
+                want = reader.send(data)
+        except StopIteration as end:
+            self.used = True
+            return end.value
+
+
+class Client(Commands):
+    """A connection to a daemon, which several threads may use: each request and its reply are one step, and other threads wait
+    meanwhile. Threads that should not wait for each other's long requests have clients of their own.
+
+    `url` is delaunay://[:token@]host[:port], unix://[:token@]/path (or the path alone), or private: for a daemon of this process
+    alone. Without one, $DELAUNAY_URL; without that, localhost:6374, or the private daemon if nobody listens there.
+
+    `timeout` is in seconds, for connecting and for each wait for the server; then TimeoutError is raised. None: no limit.
+
+    A connection that was lost is made again by the next request. A request whose reply did not come raises ConnectionLost:
+    whether a change was carried out is not known then. Requests that change nothing are tried once more instead."""
+
+    def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None):
+        self._address = _address.parse(url)
+        self._timeout = timeout
+        self._lock = threading.RLock()
+        self._connection: Optional[_Connection] = None
+        self._closed = False
+        self._busy = False  # a request is under way
+        self._sent = 0  # requests of send() whose replies are to be received
+        self._garbage: Deque[str] = deque()  # sets that are to be dropped
+        _clients.add(self)
+        self._connect()
+
+    def close(self) -> None:
+        """Ends the connection. Closing twice does no harm."""
+        with self._lock:
+            self._closed = True
+            self._disconnect()
 
     def __enter__(self) -> "Client":
         return self
@@ -120,178 +106,224 @@ class Client:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    # ---- any request ----
+    def __repr__(self) -> str:
+        return "<delaunayd.Client of %s>" % (self._address,)
 
-    def send(self, *words: Word) -> None:
-        """Sends a request; its reply is to be received, in the order of requests."""
-        line = " ".join(_number(w) for w in words)
-        if "\n" in line or "\r" in line:
-            raise ValueError("a line break in a request")
-        self._socket.sendall(line.encode() + b"\n")
+    # ---- the connection; with the lock ----
 
-    def receive(self, progress: Optional[Progress] = None) -> Reply:
-        """Reads the oldest reply that has not been read. Raises Refused if it is ERR."""
-        while True:
-            status = self._line()
-            if not status.startswith("#"):
-                break
-            if progress is not None:
-                progress(status[1:].strip())
-        if status.startswith("ERR "):
-            raise Refused(status)
-        words = status.split(" ")
-        if words[0] != "OK" or len(words) < 2 or not words[1].isdigit():
-            raise ConnectionLost("not a reply of this protocol: " + status[:80])
-        keys = dict(w.split("=", 1) for w in words[2:] if "=" in w)
-        rows = [self._line() for _ in range(int(words[1]))]
-        data = b""
-        if words[1] == "0" and "bytes" in keys:
-            size = int(keys["bytes"])
-            data = self._in.read(size)
-            if len(data) < size:
-                raise ConnectionLost("the connection was lost")
-        return Reply(keys, rows, data)
+    def _connect(self) -> None:
+        self._connection = _Connection(self._address, self._timeout)
+        if self._address.token:
+            try:
+                self._connection.send([protocol.request("AUTH", self._address.token)])
+                self._connection.receive(None)
+            except BaseException:
+                self._disconnect()
+                raise
 
-    def command(self, *words: Word, progress: Optional[Progress] = None) -> Reply:
-        self.send(*words)
-        return self.receive(progress)
+    def _disconnect(self) -> None:
+        connection, self._connection = self._connection, None
+        for _ in range(self._sent):
+            self._lock.release()
+        self._sent = 0
+        if connection is not None:
+            connection.close()
 
-    def _line(self) -> str:
-        line = self._in.readline()
-        if not line.endswith(b"\n"):
-            raise ConnectionLost("the connection was lost")
-        return line.rstrip(b"\r\n").decode()
+    def _live(self) -> _Connection:
+        """The connection, made again if it was lost."""
+        if self._closed:
+            raise ConnectionLost("the client is closed")
+        if self._connection is not None and self._sent == 0 and not self._connection.is_good():
+            self._disconnect()
+        if self._connection is None:
+            self._connect()
+        assert self._connection is not None
+        return self._connection
 
-    # ---- sets ----
+    def _receive(self, connection: _Connection, progress: Optional[Progress]) -> Union[Reply, Refused]:
+        try:
+            return connection.receive(progress)
+        except Refused as refusal:
+            if refusal.code == "TOOLONG":  # the server closes
+                self._disconnect()
+            return refusal
 
-    def sets(self) -> List[str]:
-        return [row.split(" ")[0] for row in self.command("SETS").rows]
+    def _exchange(self, requests: Sequence[Request], progress: Optional[Progress]) -> List[Union[Reply, Refused]]:
+        """Whatever interrupts it leaves a connection where replies and requests would no longer match, so it is closed."""
+        connection = self._live()
+        try:
+            try:
+                connection.send(requests)
+            except (BrokenPipeError, ConnectionResetError):
+                pass  # what the server said before it closed may be there
+            return [self._receive(connection, progress) for _ in requests]
+        except ConnectionLost:
+            self._disconnect()
+            raise
+        except ConnectionError as error:
+            self._disconnect()
+            raise ConnectionLost("the connection was lost") from error
+        except BaseException:
+            self._disconnect()
+            raise
 
-    def create(self, name: str, tolerance: float = 0.0) -> None:
-        self.command("CREATE", name, "TOL", tolerance)
+    def _exchange_again(self, requests: Sequence[Request], progress: Optional[Progress]) -> List[Union[Reply, Refused]]:
+        """A connection that has ended while nobody looked is made again, where no request could be carried out twice."""
+        connection = self._live()
+        try:
+            return self._exchange(requests, progress)
+        except ConnectionLost:
+            fresh_start = connection.used and connection.silent
+            if not fresh_start or not all(r.line.split(None, 1)[0] in _HARMLESS for r in requests):
+                raise
+        return self._exchange(requests, progress)
 
-    def drop(self, name: str) -> None:
-        self.command("DROP", name)
+    # ---- requests ----
 
-    def stat(self, name: str) -> Dict[str, str]:
-        return self.command("STAT", name).keys
+    def _settle(self, requests: Sequence[Request], progress: Optional[Progress] = None) -> List[Union[Reply, Refused]]:
+        """Replies and refusals, in the order of the requests."""
+        replies: List[Union[Reply, Refused]] = []
+        with self._lock:
+            if self._busy or self._sent > 0:
+                raise RuntimeError("the replies to earlier requests have not been received yet")
+            self._busy = True
+            try:
+                for at in range(0, len(requests), _AT_ONCE):
+                    replies += self._exchange_again(requests[at : at + _AT_ONCE], progress)
+            finally:
+                self._busy = False
+        if self._garbage:
+            self._drop_garbage()
+        return replies
 
-    # ---- points ----
-
-    def load(self, name: str, points: Any) -> int:
-        """Adds points of shape (n, 2), all or none; the first one's id."""
-        data, n = _pairs(points)
-        self.send("LOADB", name, n)
-        for at in range(0, len(data), _PIECE):
-            self._socket.sendall(data[at : at + _PIECE])
-        return int(self.receive().keys["first"])
-
-    def add(self, name: str, x: float, y: float) -> int:
-        return int(self.command("ADD", name, float(x), float(y)).keys["first"])
-
-    def delete(self, name: str, ids: Iterable[int]) -> int:
-        return int(self.command("DEL", name, *(int(i) for i in ids)).keys["deleted"])
-
-    def move(self, name: str, id: int, x: float, y: float) -> None:
-        self.command("MOVE", name, int(id), float(x), float(y))
-
-    def points(self, name: str) -> Tuple[Any, Any]:
-        """Every point: the ids, and the coordinates with shape (n, 2)."""
-        data = self.command("POINTS", name, "BINARY").data
-        if numpy is not None:
-            table = numpy.frombuffer(data, dtype=[("id", "<u4"), ("xy", "<f8", 2)])
-            return table["id"].copy(), table["xy"].copy()
-        ids, xy = array("I"), array("d")
-        for at in range(0, len(data), 20):
-            ids.frombytes(data[at : at + 4])
-            xy.frombytes(data[at + 4 : at + 20])
-        if sys.byteorder == "big":
-            ids.byteswap()
-            xy.byteswap()
-        return ids, xy
-
-    def coincident(self, name: str) -> List[Tuple[int, int]]:
-        """Every alias and its representative."""
-        rows = self.command("COINCIDENT", name).rows
-        return [(int(a), int(b)) for a, b in (row.split(" ") for row in rows)]
-
-    # ---- the triangulation ----
-
-    def triangulate(
-        self, name: str, method: Optional[str] = None, progress: Optional[Progress] = None
-    ) -> Dict[str, str]:
-        words: Sequence[str] = ("METHOD", method) if method is not None else ()
-        return self.command("TRIANGULATE", name, *words, progress=progress).keys
-
-    def check(self, name: str) -> Dict[str, str]:
-        return self.command("CHECK", name).keys
-
-    def triangles(self, name: str) -> Any:
-        """Every triangle, counterclockwise: ids with shape (n, 3)."""
-        return _uint32s(self.command("TRIANGLES", name, "BINARY").data, 3)
-
-    def edges(self, name: str) -> Any:
-        """Every edge, a < b: ids with shape (n, 2)."""
-        return _uint32s(self.command("EDGES", name, "BINARY").data, 2)
-
-    def lists(self, name: str) -> Dict[int, Any]:
-        """Each point's ring of neighbours, counterclockwise, in the order of LISTS: interior points
-        first, then along the hull."""
-        words = _uint32s(self.command("LISTS", name, "BINARY").data, 1)
-        if numpy is not None:
-            words = words.reshape(-1)
-        rings: Dict[int, Any] = {}
-        at = 0
-        while at < len(words):
-            degree = int(words[at + 1])
-            rings[int(words[at])] = words[at + 2 : at + 2 + degree]
-            at += 2 + degree
-        return rings
-
-    def hull(self, name: str) -> List[int]:
-        return [int(row.split(" ", 1)[0]) for row in self.command("HULL", name).rows]
-
-    def locate(self, name: str, x: float, y: float) -> Located:
-        return _located(self.command("LOCATE", name, float(x), float(y)))
-
-    def locate_all(self, name: str, places: Iterable[Sequence[float]]) -> List[Located]:
-        """The same for many places, pipelined."""
-        found: List[Located] = []
-        batch: List[str] = []
-        for x, y in places:
-            batch.append("LOCATE %s %r %r\n" % (name, float(x), float(y)))
-            if len(batch) == 1000:
-                found += self._flush(batch)
-        return found + self._flush(batch)
-
-    def _flush(self, batch: List[str]) -> List[Located]:
-        self._socket.sendall("".join(batch).encode())
-        replies = [self._settle() for _ in batch]
-        batch.clear()
+    def _run(
+        self, requests: Sequence[Request], read: Callable[[Any], Any], progress: Optional[Progress] = None
+    ) -> Any:
+        replies = self._settle(requests, progress)
         for reply in replies:
             if isinstance(reply, Refused):
                 raise reply
-        return [_located(reply) for reply in replies if isinstance(reply, Reply)]
+        return read(replies)
 
-    def _settle(self) -> Union[Reply, Refused]:
+    def pipeline(self) -> "Pipeline":
+        """Requests that are sent together: see Pipeline."""
+        return Pipeline(self)
+
+    def send(self, *words: Word) -> None:
+        """Sends a request whose reply is to be received by receive(), in the order of requests. Until then other threads
+        wait."""
+        one = protocol.request(*words)
+        self._lock.acquire()
         try:
-            return self.receive()
-        except Refused as refusal:
-            return refusal
+            self._live().send([one])
+            self._sent += 1
+        except BaseException:
+            self._disconnect()
+            self._lock.release()
+            raise
 
-    def nearest(self, name: str, x: float, y: float, k: int = 1) -> List[Neighbour]:
-        rows = self.command("NEAREST", name, float(x), float(y), k).rows
-        return [Neighbour(int(i), float(a), float(b), float(d)) for i, a, b, d in map(str.split, rows)]
+    def receive(self, progress: Optional[Progress] = None) -> Reply:
+        """The reply to the oldest request of send() that has none yet. Raises Refused if it is ERR."""
+        with self._lock:
+            if self._sent == 0 or self._connection is None:
+                raise RuntimeError("there is no request whose reply is to be received")
+            try:
+                reply = self._receive(self._connection, progress)
+            except BaseException:
+                self._disconnect()
+                raise
+            if self._sent > 0:
+                self._sent -= 1
+                self._lock.release()
+        if isinstance(reply, Refused):
+            raise reply
+        return reply
 
-    def within(self, name: str, *where: float) -> List[int]:
-        """The points in a box (x0, y0, x1, y1) or a disc (x, y, r)."""
-        rows = self.command("WITHIN", name, *(float(v) for v in where)).rows
-        return [int(row.split(" ", 1)[0]) for row in rows]
+    # ---- sets that nothing refers to any more ----
 
-    def info(self) -> Dict[str, str]:
-        return dict(row.split(":", 1) for row in self.command("INFO").rows)
+    def _discard(self, name: str) -> None:
+        """Drops a temporary set, now or with the next request. For finalizers, which may run in the midst of anything."""
+        self._garbage.append(name)
+        if self._lock.acquire(blocking=False):
+            try:
+                if not self._busy and self._sent == 0:
+                    self._drop_garbage()
+            finally:
+                self._lock.release()
+
+    def _drop_garbage(self) -> None:
+        requests = []
+        try:
+            while True:
+                requests.append(protocol.request("DROP", self._garbage.popleft()))
+        except IndexError:
+            pass
+        if not requests or self._closed or self._connection is None or not self._connection.is_good():
+            return  # they have ended with the connection
+        try:
+            self._settle(requests)
+        except OSError:
+            pass
 
 
-def _located(reply: Reply) -> Located:
-    ids = tuple(map(int, reply.rows[0].split())) if reply.rows else ()
-    return Located(reply.keys["where"], ids)
+class Pipeline(Commands):
+    """Requests that are sent together, without waiting for each other's replies:
+
+        with client.pipeline() as p:
+            p.add("t", 1, 2)
+            p.nearest("t", 0, 0)
+        first, near = p.results
+
+    A method returns None; what it would have returned is in `results` after the `with`, in order. Every request is carried out;
+    then the first that was Refused is raised. Other clients' requests may come in between."""
+
+    def __init__(self, client: Client):
+        self.results: List[Any] = []
+        self._client = client
+        self._requests: List[Request] = []
+        self._reads: List[Any] = []
+
+    def _run(
+        self, requests: Sequence[Request], read: Callable[[Any], Any], progress: Optional[Progress] = None
+    ) -> None:
+        self._requests += requests
+        self._reads.append((len(requests), read))
+
+    def execute(self) -> List[Any]:
+        """Sends what has been asked for; the results, where a refused one is the exception Refused."""
+        requests, reads = self._requests, self._reads
+        self._requests, self._reads, self.results = [], [], []
+        replies = self._client._settle(requests)
+        at = 0
+        for n, read in reads:
+            part = replies[at : at + n]
+            refused = [reply for reply in part if isinstance(reply, Refused)]
+            self.results.append(refused[0] if refused else read(part))
+            at += n
+        return self.results
+
+    def __enter__(self) -> "Pipeline":
+        return self
+
+    def __exit__(self, kind: Any, *_: object) -> None:
+        if kind is not None:
+            return
+        for result in self.execute():
+            if isinstance(result, Refused):
+                raise result
+
+
+_clients: "weakref.WeakSet[Client]" = weakref.WeakSet()
+
+
+def _after_fork() -> None:
+    """In the child another thread of the parent may have held the lock."""
+    for client in list(_clients):
+        client._lock = threading.RLock()
+        client._busy = False
+        client._sent = 0
+        client._garbage.clear()
+        client._disconnect()
+
+
+os.register_at_fork(after_in_child=_after_fork)

@@ -1,16 +1,14 @@
 """Against a real daemon, $DELAUNAYD; with NumPy and SciPy what they give is compared."""
 
-import os
-import random
 import socket
-import subprocess
-import sys
 import threading
 import unittest
 from array import array
 
 from delaunayd import Client, ConnectionLost, Refused
-from delaunayd import client as module
+from delaunayd import _protocol as module
+
+from .common import WithDaemon
 
 try:
     import numpy
@@ -20,28 +18,6 @@ try:
     from scipy import spatial as scipy_spatial
 except ImportError:
     scipy_spatial = None
-
-
-class WithDaemon(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.daemon = subprocess.Popen(
-            [os.environ["DELAUNAYD"], "--port", "0"], stdout=subprocess.PIPE, text=True
-        )
-        cls.url = "delaunay://" + cls.daemon.stdout.readline().split()[-1]
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.terminate()
-        if cls.daemon.wait(10) != 0:
-            raise AssertionError("the daemon did not stop cleanly")
-        cls.daemon.stdout.close()
-
-    def setUp(self):
-        self.client = Client(self.url, timeout=60)
-        self.addCleanup(self.client.close)
-        for name in self.client.sets():
-            self.client.drop(name)
 
 
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4), (2, 2)]
@@ -56,7 +32,7 @@ class Commands(WithDaemon):
     def test_a_session(self):
         c = self.client
         self.assertEqual(c.load("t", SQUARE), 0)
-        self.assertEqual(c.triangulate("t")["triangles"], "4")
+        self.assertEqual(c.triangulate("t")["triangles"], 4)
         self.assertEqual(as_lists(c.triangles("t"), 3), [[0, 1, 4], [0, 4, 3], [1, 2, 4], [2, 3, 4]])
         self.assertEqual(len(as_lists(c.edges("t"), 2)), 8)
         rings = c.lists("t")
@@ -77,7 +53,7 @@ class Commands(WithDaemon):
         self.assertEqual(as_lists(ids, 1)[-1], [5])
         flat = xy.ravel() if numpy is not None and module.numpy is not None else xy
         self.assertEqual(list(flat)[-2:], [1e-7, 3.0])
-        self.assertEqual(c.check("t")["delaunay"], "yes")
+        self.assertEqual(c.check("t")["delaunay"], True)
         self.assertIn("uptime_s", c.info())
 
     def test_errors_leave_the_connection(self):
@@ -107,7 +83,7 @@ class Commands(WithDaemon):
             self.client.load("t", array("d", [0, 0, 1, 0, 0, 1]))
         finally:
             module.numpy = with_numpy
-        self.assertEqual(self.client.stat("t")["points"], "3")
+        self.assertEqual(self.client.stat("t")["points"], 3)
 
 
 class WithoutNumPy(Commands):

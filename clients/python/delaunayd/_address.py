@@ -1,0 +1,78 @@
+"""Where a daemon is: a URL, else $DELAUNAY_URL, else localhost:6374, else, if nobody listens there, a private daemon."""
+
+from __future__ import annotations
+
+import os
+import socket
+from typing import NamedTuple, Optional
+from urllib.parse import unquote, urlsplit
+
+from . import _private
+
+PORT = 6374
+_FORMS = "a URL is delaunay://[:token@]host[:port], unix://[:token@]/path or private:"
+
+
+class Address(NamedTuple):
+    host: str = "localhost"
+    port: int = PORT
+    path: str = ""  # of a Unix socket
+    token: str = ""
+    private: bool = False  # the private daemon
+    default: bool = False  # or else the private daemon
+
+    def __str__(self) -> str:
+        return self.path or "%s:%d" % (self.host, self.port)
+
+
+def parse(url: Optional[str]) -> Address:
+    """Raises ValueError if that is no URL."""
+    url = url or os.environ.get("DELAUNAY_URL")
+    if not url:
+        return Address(default=True)
+    if url == "private:":
+        return Address(private=True)
+    if url.startswith("/"):
+        return Address(path=url)
+    parts = urlsplit(url)
+    token = unquote(parts.password or "")
+    if parts.scheme == "unix" and parts.path.startswith("/") and not parts.hostname:
+        return Address(path=unquote(parts.path), token=token)
+    if parts.scheme != "delaunay" or not parts.hostname:
+        raise ValueError(_FORMS)
+    return Address(parts.hostname, parts.port or PORT, "", token)
+
+
+def _connect_to(address: Address, timeout: Optional[float]) -> socket.socket:
+    if not address.path:
+        s = socket.create_connection((address.host, address.port), timeout)
+        s.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return s
+    s = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        s.settimeout(timeout)
+        s.connect(address.path)
+    except BaseException:
+        s.close()
+        raise
+    return s
+
+
+def _connect_to_private(timeout: Optional[float]) -> socket.socket:
+    path = _private.socket_path()
+    try:
+        return _connect_to(Address(path=path), timeout)
+    except (ConnectionRefusedError, FileNotFoundError):  # it was killed
+        return _connect_to(Address(path=_private.socket_path(instead_of=path)), timeout)
+
+
+def connect(address: Address, timeout: Optional[float]) -> socket.socket:
+    """A connected socket."""
+    if address.private:
+        return _connect_to_private(timeout)
+    try:
+        return _connect_to(address, timeout)
+    except ConnectionRefusedError:
+        if not address.default:
+            raise
+    return _connect_to_private(timeout)

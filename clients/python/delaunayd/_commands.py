@@ -1,0 +1,160 @@
+"""The commands as methods, for every kind of client.
+
+A method says which requests are to be sent and how their replies are read; `_run` of the client does the rest. With the clients
+of `delaunayd.aio` each method returns an awaitable of what is described here.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple
+
+from . import _protocol as protocol
+from ._protocol import Located, Neighbour, Progress, Reply, Request, Value, Word, set_name
+
+
+class Commands:
+    """The commands, one method each, in the order of PROTOCOL.md."""
+
+    def _run(
+        self, requests: Sequence[Request], read: Callable[[Any], Any], progress: Optional[Progress] = None
+    ) -> Any:
+        """Sends the requests; what `read` makes of the list of their replies. Raises the first that is Refused."""
+        raise NotImplementedError
+
+    def _ask(
+        self, read: Callable[[Reply], Any], *words: Word, body: Any = b"", progress: Optional[Progress] = None
+    ) -> Any:
+        return self._run([protocol.request(*words, body=body)], lambda replies: read(replies[0]), progress)
+
+    def command(self, *words: Word, progress: Optional[Progress] = None) -> Reply:
+        """Any request, as words; its reply as it came. `progress` is called with the lines by which a long request says how
+        far it is."""
+        return self._ask(lambda reply: reply, *words, progress=progress)
+
+    def ping(self) -> None:
+        """Does nothing, if the server answers."""
+        return self._ask(lambda _: None, "PING")
+
+    def info(self, *sections: str) -> Dict[str, Value]:
+        """Facts about the server, or those of the sections named."""
+        return self._ask(_info, "INFO", *sections)
+
+    # ---- sets ----
+
+    def sets(self) -> List[str]:
+        """The names of all sets, sorted."""
+        return self._ask(lambda reply: [row.split(" ")[0] for row in reply.rows], "SETS")
+
+    def create(self, name: str, tolerance: float = 0.0, temporary: bool = False) -> None:
+        """Makes an empty set. Points within `tolerance` of another one coincide with it. A temporary set is dropped when the
+        connection ends."""
+        last = ("TEMPORARY",) if temporary else ()
+        return self._ask(lambda _: None, "CREATE", set_name(name), "TOL", tolerance, *last)
+
+    def drop(self, name: str) -> None:
+        """Deletes a set with all that is in it."""
+        return self._ask(lambda _: None, "DROP", set_name(name))
+
+    def stat(self, name: str) -> Dict[str, Value]:
+        """Counts (points, coincident, triangles, edges, hull), memory in bytes, tol, and whether it is triangulated."""
+        return self._ask(protocol.values, "STAT", set_name(name))
+
+    # ---- points ----
+
+    def load(self, name: str, points: Any) -> int:
+        """Adds points of shape (n, 2), all or none, to a set, which is created if need be. The first one's id; the others
+        follow it."""
+        data, n = protocol.pairs(points)
+        return self._ask(lambda reply: int(reply.keys["first"]), "LOADB", set_name(name), n, body=data)
+
+    def add(self, name: str, x: float, y: float) -> int:
+        """Adds a point; its id."""
+        return self._ask(lambda reply: int(reply.keys["first"]), "ADD", set_name(name), float(x), float(y))
+
+    def delete(self, name: str, ids: Iterable[int]) -> int:
+        """Deletes points, all or none; how many."""
+        words = [int(i) for i in ids]
+        return self._ask(lambda reply: int(reply.keys["deleted"]), "DEL", set_name(name), *words)
+
+    def move(self, name: str, id: int, x: float, y: float) -> None:
+        """Moves a point, which keeps its id."""
+        return self._ask(lambda _: None, "MOVE", set_name(name), int(id), float(x), float(y))
+
+    def get(self, name: str, ids: Iterable[int]) -> List[Tuple[float, float]]:
+        """The coordinates of points."""
+        return self._ask(_coordinates, "GET", set_name(name), *(int(i) for i in ids))
+
+    def points(self, name: str) -> Tuple[Any, Any]:
+        """Every point, ascending: the ids, and the coordinates with shape (n, 2)."""
+        return self._ask(lambda reply: protocol.points_table(reply.data), "POINTS", set_name(name), "BINARY")
+
+    def coincident(self, name: str) -> List[Tuple[int, int]]:
+        """Every point that coincides with another one, and the one that stands for both in the triangulation."""
+        return self._ask(_pairs_of_ids, "COINCIDENT", set_name(name))
+
+    # ---- the triangulation ----
+
+    def triangulate(
+        self, name: str, method: Optional[str] = None, progress: Optional[Progress] = None
+    ) -> Dict[str, Value]:
+        """Triangulates a set, whose triangulation then follows every edit. The counts of points, coincident ones, triangles,
+        edges and hull, and ms, how long it took. `method` is auto, divide or shelling; the result is the same."""
+        words = ("METHOD", method) if method is not None else ()
+        return self._ask(protocol.values, "TRIANGULATE", set_name(name), *words, progress=progress)
+
+    def check(self, name: str) -> Dict[str, Value]:
+        """Proves the triangulation, exactly."""
+        return self._ask(protocol.values, "CHECK", set_name(name))
+
+    def triangles(self, name: str) -> Any:
+        """Every triangle, counterclockwise and in a canonical order: ids with shape (n, 3)."""
+        return self._ask(lambda reply: protocol.uint32s(reply.data, 3), "TRIANGLES", set_name(name), "BINARY")
+
+    def edges(self, name: str) -> Any:
+        """Every edge a, b, with a < b, sorted: ids with shape (n, 2)."""
+        return self._ask(lambda reply: protocol.uint32s(reply.data, 2), "EDGES", set_name(name), "BINARY")
+
+    def lists(self, name: str) -> Dict[int, Any]:
+        """Each point's neighbours, counterclockwise; interior points come first, then the hull in its order."""
+        return self._ask(lambda reply: protocol.rings(reply.data), "LISTS", set_name(name), "BINARY")
+
+    def neighbors(self, name: str, id: int) -> List[int]:
+        """The neighbours of one point, counterclockwise."""
+        return self._ask(lambda reply: [int(i) for i in reply.rows[0].split()[1:]], "LISTS", set_name(name), int(id))
+
+    def hull(self, name: str) -> List[int]:
+        """The points of the convex hull, counterclockwise."""
+        return self._ask(protocol.first_words, "HULL", set_name(name))
+
+    # ---- searches ----
+
+    def locate(self, name: str, x: float, y: float) -> Located:
+        """The triangle, edge or point where a place lies."""
+        return self._ask(protocol.located, "LOCATE", set_name(name), float(x), float(y))
+
+    def locate_all(self, name: str, places: Iterable[Sequence[float]]) -> List[Located]:
+        """The same for many places at once."""
+        set_name(name)
+        requests = [protocol.request("LOCATE", name, float(x), float(y)) for x, y in places]
+        return self._run(requests, lambda replies: [protocol.located(reply) for reply in replies])
+
+    def nearest(self, name: str, x: float, y: float, k: int = 1) -> List[Neighbour]:
+        """The k points nearest to a place, nearest first."""
+        return self._ask(protocol.neighbours, "NEAREST", set_name(name), float(x), float(y), int(k))
+
+    def within(self, name: str, *where: float) -> List[int]:
+        """The points in a closed box (x0, y0, x1, y1) or disc (x, y, r), by id."""
+        return self._ask(protocol.first_words, "WITHIN", set_name(name), *(float(v) for v in where))
+
+
+def _info(reply: Reply) -> Dict[str, Value]:
+    split = (row.split(":", 1) for row in reply.rows)
+    return {key: protocol.value(text) for key, text in split}
+
+
+def _coordinates(reply: Reply) -> List[Tuple[float, float]]:
+    return [(float(x), float(y)) for _, x, y in map(str.split, reply.rows)]
+
+
+def _pairs_of_ids(reply: Reply) -> List[Tuple[int, int]]:
+    return [(int(a), int(b)) for a, b in map(str.split, reply.rows)]

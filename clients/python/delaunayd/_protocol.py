@@ -1,0 +1,209 @@
+"""Requests and replies as bytes, without a connection (proto/PROTOCOL.md in the repository)."""
+
+from __future__ import annotations
+
+import re
+import sys
+from array import array
+from typing import Any, Callable, Dict, Generator, List, NamedTuple, Optional, Tuple, Union
+
+try:
+    import numpy
+except ImportError:  # the standard library alone is enough
+    numpy = None  # type: ignore[assignment]
+
+Progress = Callable[[str], None]
+Word = Union[str, int, float]
+Value = Union[bool, int, float, str]
+
+LINE = -1  # what read_reply asks for: a line
+_SET_NAME = re.compile(r"[A-Za-z0-9_.:-]{1,64}\Z")
+_INTEGER = re.compile(r"-?[0-9]+\Z")
+_FLOAT = re.compile(r"-?[0-9]+(\.[0-9]*)?(e[-+]?[0-9]+)?\Z")
+
+
+class Refused(Exception):
+    """The server answered ERR. `code` is the code, such as NOSET; the connection is still good."""
+
+    def __init__(self, line: str):
+        super().__init__(line)
+        self.code = line.split(" ", 2)[1]
+
+
+class ConnectionLost(ConnectionError):
+    """The connection ended before the reply did, or what came is no reply. The next request connects again."""
+
+
+class Reply(NamedTuple):
+    """A reply as it came: the words key=value of its first line, its rows, and the bytes of a binary reply."""
+
+    keys: Dict[str, str]
+    rows: List[str]
+    data: bytes
+
+
+class Request(NamedTuple):
+    """A line, and the bytes that follow it."""
+
+    line: bytes
+    body: Any = b""
+
+
+class Neighbour(NamedTuple):
+    """A point and its distance from the place asked about."""
+
+    id: int
+    x: float
+    y: float
+    distance: float
+
+
+class Located(NamedTuple):
+    """Where a place lies: `where` is inside, edge, vertex or outside; `ids` are the points of that triangle, edge or vertex."""
+
+    where: str
+    ids: Tuple[int, ...]
+
+
+def _text(word: Word) -> str:
+    return repr(float(word)) if isinstance(word, float) else str(word)
+
+
+def request(*words: Word, body: Any = b"") -> Request:
+    """The request of these words. Numbers are written so that they read back as the same number."""
+    line = " ".join(_text(w) for w in words)
+    if "\n" in line or "\r" in line:
+        raise ValueError("a line break in a request")
+    return Request(line.encode() + b"\n", body)
+
+
+def set_name(name: str) -> str:
+    """The name, if a set can have it; the error is what the server would answer. A name with a blank would be two words."""
+    if not _SET_NAME.match(name):
+        raise Refused("ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -")
+    return name
+
+
+def read_reply(progress: Optional[Progress] = None) -> Generator[int, bytes, Reply]:
+    """Yields what it needs next, LINE or a number of bytes, and is sent that. Returns the reply; raises Refused if it is ERR."""
+    while True:
+        status = decode_line((yield LINE))
+        if not status.startswith("#"):
+            break
+        if progress is not None:
+            progress(status[1:].strip())
+    if status.startswith("ERR "):
+        raise Refused(status)
+    words = status.split(" ")
+    if words[0] != "OK" or len(words) < 2 or not words[1].isdigit():
+        raise ConnectionLost("not a reply of this protocol: " + status[:80])
+    keys = dict(w.split("=", 1) for w in words[2:] if "=" in w)
+    rows = []
+    for _ in range(int(words[1])):
+        rows.append(decode_line((yield LINE)))
+    data = b""
+    if words[1] == "0" and "bytes" in keys:
+        data = yield int(keys["bytes"])
+        if len(data) < int(keys["bytes"]):
+            raise ConnectionLost("the connection was lost")
+    return Reply(keys, rows, data)
+
+
+def decode_line(line: bytes) -> str:
+    if not line.endswith(b"\n"):
+        raise ConnectionLost("the connection was lost")
+    return line.rstrip(b"\r\n").decode()
+
+
+# ---- values ----
+
+
+def value(text: str) -> Value:
+    """A value of a reply: numbers as int or float, yes and no as bool, others as they are."""
+    if _INTEGER.match(text):
+        return int(text)
+    if _FLOAT.match(text):
+        return float(text)
+    return text == "yes" if text in ("yes", "no") else text
+
+
+def values(reply: Reply) -> Dict[str, Value]:
+    return {key: value(text) for key, text in reply.keys.items()}
+
+
+def uint32s(data: bytes, width: int) -> Any:
+    """Little-endian words as rows of `width`: an array of shape (n, width), or a flat array.array without NumPy."""
+    if numpy is not None:
+        return numpy.frombuffer(data, dtype="<u4").reshape(-1, width)
+    words = array("I")
+    words.frombytes(data)
+    if sys.byteorder == "big":
+        words.byteswap()
+    return words
+
+
+def pairs(points: Any) -> Tuple[memoryview, int]:
+    """Points as little-endian doubles x, y, and their number."""
+    if numpy is not None:
+        a = numpy.ascontiguousarray(points, dtype="<f8")
+        if a.size == 0:
+            a = a.reshape(0, 2)
+        elif a.ndim == 1 and isinstance(points, array) and a.size % 2 == 0:
+            a = a.reshape(-1, 2)
+        if a.ndim != 2 or a.shape[1] != 2:
+            raise ValueError("points must have the shape (n, 2)")
+        return memoryview(a).cast("B") if a.size else memoryview(b""), len(a)
+    if isinstance(points, array) and points.typecode == "d":
+        flat = array("d", points)
+    else:
+        flat = array("d")
+        for x, y in points:
+            flat.append(x)
+            flat.append(y)
+    if len(flat) % 2 != 0:
+        raise ValueError("an x without its y")
+    if sys.byteorder == "big":
+        flat.byteswap()
+    return memoryview(flat).cast("B"), len(flat) // 2
+
+
+def points_table(data: bytes) -> Tuple[Any, Any]:
+    """The rows of POINTS BINARY: ids, and coordinates with shape (n, 2)."""
+    if numpy is not None:
+        table = numpy.frombuffer(data, dtype=[("id", "<u4"), ("xy", "<f8", 2)])
+        return table["id"].copy(), table["xy"].copy()
+    ids, xy = array("I"), array("d")
+    for at in range(0, len(data), 20):
+        ids.frombytes(data[at : at + 4])
+        xy.frombytes(data[at + 4 : at + 20])
+    if sys.byteorder == "big":
+        ids.byteswap()
+        xy.byteswap()
+    return ids, xy
+
+
+def rings(data: bytes) -> Dict[int, Any]:
+    """The rows of LISTS BINARY."""
+    words = uint32s(data, 1)
+    if numpy is not None:
+        words = words.reshape(-1)
+    found: Dict[int, Any] = {}
+    at = 0
+    while at < len(words):
+        degree = int(words[at + 1])
+        found[int(words[at])] = words[at + 2 : at + 2 + degree]
+        at += 2 + degree
+    return found
+
+
+def located(reply: Reply) -> Located:
+    ids = tuple(map(int, reply.rows[0].split())) if reply.rows else ()
+    return Located(reply.keys["where"], ids)
+
+
+def neighbours(reply: Reply) -> List[Neighbour]:
+    return [Neighbour(int(i), float(a), float(b), float(d)) for i, a, b, d in map(str.split, reply.rows)]
+
+
+def first_words(reply: Reply) -> List[int]:
+    return [int(row.split(" ", 1)[0]) for row in reply.rows]

@@ -1,0 +1,29 @@
+"""A daemon for tests, $DELAUNAYD."""
+
+import os
+import subprocess
+import unittest
+
+from delaunayd import Client
+
+
+class WithDaemon(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = subprocess.Popen(
+            [os.environ["DELAUNAYD"], "--port", "0"], stdout=subprocess.PIPE, text=True
+        )
+        cls.url = "delaunay://" + cls.daemon.stdout.readline().split()[-1]
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.terminate()
+        if cls.daemon.wait(10) != 0:
+            raise AssertionError("the daemon did not stop cleanly")
+        cls.daemon.stdout.close()
+
+    def setUp(self):
+        self.client = Client(self.url, timeout=60)
+        self.addCleanup(self.client.close)
+        for name in self.client.sets():
+            self.client.drop(name)

@@ -1,0 +1,136 @@
+"""The private daemon: without a URL, and with nobody at the default address."""
+
+import os
+import subprocess
+import sys
+import textwrap
+import time
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from delaunayd import Client, _address, _private
+
+HERE = str(Path(__file__).parent.parent)
+
+
+def script(text):
+    """A Python program, started."""
+    return subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(text)],
+        env={**os.environ, "PYTHONPATH": HERE},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+class Private(unittest.TestCase):
+    def test_clients_of_a_process_share_it(self):
+        with Client("private:") as one, Client("private:") as two:
+            one.load("t", [(0, 0), (1, 0), (0, 1)])
+            self.assertEqual(two.sets(), ["t"])
+            one.drop("t")
+
+    def test_it_is_started_where_nobody_listens_at_the_default_address(self):
+        nobody = _address.Address(host="127.0.0.1", port=1, default=True)
+        with mock.patch.object(_address, "parse", lambda url: nobody), Client() as c:
+            self.assertEqual(c.command("CONFIG", "GET", "private").rows, ["private yes"])
+
+    def test_a_url_is_never_replaced_by_it(self):
+        with self.assertRaises(ConnectionRefusedError):
+            Client("delaunay://127.0.0.1:1")
+
+    def test_one_that_was_killed_is_replaced(self):
+        with Client("private:") as c:
+            c.ping()
+            _private._process.kill()
+            _private._process.wait()
+            c.ping()
+
+    def expect_ended(self, path):
+        for _ in range(500):
+            if not os.path.exists(os.path.dirname(path)):
+                return
+            time.sleep(0.02)
+        raise AssertionError("the daemon has not ended")
+
+    def test_it_ends_with_its_owner_however_that_ends(self):
+        text = """
+            import sys, time, os
+            from delaunayd import Client, _private
+            c = Client("private:")
+            c.add("t", 1, 2)
+            print(_private._path, flush=True)
+            %s
+            """
+        for last in ("", "sys.exit(0)", "os._exit(0)", "os.kill(os.getpid(), 9)", "os.kill(os.getpid(), 15)"):
+            with script(text % last) as owner:
+                path = owner.stdout.readline().strip()
+                self.assertTrue(path.startswith("/"), owner.stderr.read() if not path else path)
+                owner.wait()
+                self.expect_ended(path)
+                self.assertEqual(owner.stderr.read(), "")
+
+    def test_it_outlives_the_thread_that_started_it(self):
+        with script(
+            """
+            import threading, time
+            from delaunayd import Client
+            made = []
+            t = threading.Thread(target=lambda: made.append(Client("private:")))
+            t.start(); t.join(); time.sleep(0.1)
+            made[0].ping()
+            print("good")
+            """
+        ) as owner:
+            self.assertEqual(owner.communicate(), ("good\n", ""))
+
+    def test_an_interrupt_of_the_terminal_does_not_end_it(self):
+        with script(
+            """
+            import os, signal
+            from delaunayd import Client
+            os.setpgid(0, 0)
+            c = Client("private:")
+            try:
+                os.killpg(0, signal.SIGINT)
+                signal.pause()
+            except KeyboardInterrupt:
+                c.ping()
+                print("good")
+            """
+        ) as owner:
+            self.assertEqual(owner.communicate(), ("good\n", ""))
+
+    def test_who_has_no_daemon_learns_what_to_do(self):
+        with mock.patch.dict(os.environ, {"PATH": "/nowhere"}):
+            del os.environ["DELAUNAYD"]
+            with self.assertRaisesRegex(ConnectionError, "DELAUNAYD"):
+                _private.find_program()
+
+
+class Addresses(unittest.TestCase):
+    def test_urls(self):
+        A = _address.Address
+        for url, want in (
+            ("delaunay://host", A("host")),
+            ("delaunay://:se%2Fcret@host:7", A("host", 7, "", "se/cret")),
+            ("delaunay://[::1]:7", A("::1", 7)),
+            ("unix:///run/d.sock", A(path="/run/d.sock")),
+            ("unix://:t@/run/d.sock", A(path="/run/d.sock", token="t")),
+            ("/run/d.sock", A(path="/run/d.sock")),
+            ("private:", A(private=True)),
+        ):
+            self.assertEqual(_address.parse(url), want)
+        for url in ("http://localhost", "delaunay://", "localhost:6374", "unix://host/path", "unix://"):
+            with self.assertRaises(ValueError):
+                _address.parse(url)
+
+    def test_the_environment_has_the_url(self):
+        with mock.patch.dict(os.environ, {"DELAUNAY_URL": "delaunay://there:9"}):
+            self.assertEqual(_address.parse(None), _address.Address("there", 9))
+
+
+if __name__ == "__main__":
+    unittest.main()
