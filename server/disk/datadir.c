@@ -195,17 +195,57 @@ bool datadir_sync(const struct datadir *d)
 
 /* ---- putting aside ---- */
 
-/* Opens a new file beside those that were put aside earlier; -1 with errno. */
-static int create_aside(const struct datadir *d, const struct datafile *f, char name[DATADIR_ASIDE])
+/* Has `make` make a file under the first name that is free; returns what it returns, or -1 with errno.
+ * EEXIST: the name is not free. */
+static int make_aside(const struct datadir *d, const struct datafile *f, char name[DATADIR_ASIDE],
+                      int (*make)(const struct datadir *, const struct datafile *, const char *))
 {
-    enum { REPAIRS = 100, FLAGS = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC };
+    enum { REPAIRS = 100 };
     snprintf(name, DATADIR_ASIDE, "damaged.%s", f->name);
-    int fd = openat(d->fd, name, FLAGS, 0600);
-    for (int i = 2; fd < 0 && errno == EEXIST && i < REPAIRS; i++) {
+    int made = make(d, f, name);
+    for (int i = 2; made < 0 && errno == EEXIST && i < REPAIRS; i++) {
         snprintf(name, DATADIR_ASIDE, "damaged.%s.%d", f->name, i);
-        fd = openat(d->fd, name, FLAGS, 0600);
+        made = make(d, f, name);
     }
-    return fd;
+    return made;
+}
+
+static int make_file(const struct datadir *d, const struct datafile *f, const char *name)
+{
+    enum { FLAGS = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC };
+    (void)f;
+    return openat(d->fd, name, FLAGS, 0600);
+}
+
+static bool is_same_file(const struct datadir *d, const char *a, const char *b)
+{
+    struct stat x, y;
+    return fstatat(d->fd, a, &x, 0) == 0 && fstatat(d->fd, b, &y, 0) == 0 && x.st_ino == y.st_ino &&
+           x.st_dev == y.st_dev;
+}
+
+/* If the file has that name already, a repair that broke off gave it, and its sync may have failed. It
+ * is made again, so that there is something to sync. */
+static int make_link(const struct datadir *d, const struct datafile *f, const char *name)
+{
+    int made = linkat(d->fd, f->name, d->fd, name, 0);
+    if (made == 0 || errno != EEXIST)
+        return made;
+    if (is_same_file(d, f->name, name))
+        return unlinkat(d->fd, name, 0) == 0 ? linkat(d->fd, f->name, d->fd, name, 0) : -1;
+    errno = EEXIST;
+    return -1;
+}
+
+bool datadir_link_aside(const struct datadir *d, const struct datafile *f)
+{
+    char name[DATADIR_ASIDE];
+    return make_aside(d, f, name, make_link) == 0;
+}
+
+bool datadir_put_aside(const struct datadir *d, const struct datafile *f)
+{
+    return datadir_link_aside(d, f) && datadir_sync(d) && unlinkat(d->fd, f->name, 0) == 0;
 }
 
 static bool write_all(int fd, const char *bytes, size_t n)
@@ -252,7 +292,7 @@ bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint6
                         char name[DATADIR_ASIDE])
 {
     int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
-    int to = from < 0 ? -1 : create_aside(d, f, name);
+    int to = from < 0 ? -1 : make_aside(d, f, name, make_file);
     bool ok = to >= 0 && copy_rest(from, to, at, NULL) && datadir_sync(d);
     close_with(from, ok);
     close_with(to, ok);

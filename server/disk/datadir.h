@@ -56,6 +56,13 @@ bool datadir_sync(const struct datadir *d);
 bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at,
                         char name[DATADIR_ASIDE]);
 
+/* Gives the whole file a second name of that kind, which is durable after datadir_sync. False with
+ * errno. */
+bool datadir_link_aside(const struct datadir *d, const struct datafile *f);
+
+/* The same, and removes its first name when the second one is durable. False with errno. */
+bool datadir_put_aside(const struct datadir *d, const struct datafile *f);
+
 /* Cuts off what follows byte `at`; that is on the disk when it returns. False with errno. */
 bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at);
 

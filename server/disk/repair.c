@@ -51,12 +51,6 @@ int recovery_check(const char *path)
 
 /* ---- repair: nothing is thrown away, it only moves to files called damaged.* ---- */
 
-static bool put_whole_aside(const struct datadir *dir, const struct datafile *f)
-{
-    char name[DATADIR_ASIDE];
-    return datadir_copy_aside(dir, f, 0, name) && unlinkat(dir->fd, f->name, 0) == 0;
-}
-
 /* Moves what follows byte `at` of the segment into a file of its own. */
 static bool put_rest_aside(const struct datadir *dir, const struct datafile *f, uint64_t at)
 {
@@ -70,7 +64,7 @@ static bool put_later_aside(const struct datadir *dir, const struct datafile *f)
     bool ok = datadir_list(dir, &files);
     for (size_t i = 0; ok && i < files.n; i++)
         if (files.v[i].kind == DATAFILE_LOG && files.v[i].lsn > f->lsn)
-            ok = put_whole_aside(dir, &files.v[i]);
+            ok = datadir_put_aside(dir, &files.v[i]);
     datafiles_free(&files);
     return ok && datadir_sync(dir);
 }
@@ -80,7 +74,7 @@ static bool put_later_aside(const struct datadir *dir, const struct datafile *f)
 static bool cut_log(const struct recovery *r)
 {
     const struct datafile *f = &r->file;
-    bool ok = (r->at > 0 ? put_rest_aside(r->dir, f, r->at) : put_whole_aside(r->dir, f)) &&
+    bool ok = (r->at > 0 ? put_rest_aside(r->dir, f, r->at) : datadir_put_aside(r->dir, f)) &&
               put_later_aside(r->dir, f);
     if (!ok)
         printf("cannot put the damaged part aside: %s\n", strerror(errno));

@@ -20,38 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
-#include <sys/stat.h>
 #include <unistd.h>
-
-/* ---- putting aside ---- */
-
-static bool same_file(const struct datadir *dir, const char *a, const char *b)
-{
-    struct stat x, y;
-    return fstatat(dir->fd, a, &x, 0) == 0 && fstatat(dir->fd, b, &y, 0) == 0 &&
-           x.st_ino == y.st_ino && x.st_dev == y.st_dev;
-}
-
-/* Gives the file a second name; those who replace or remove it take only the first. */
-static bool link_aside(const struct datadir *dir, const struct datafile *f)
-{
-    enum { REPAIRS = 100 };
-    char name[DATAFILE_NAME + 32];
-    snprintf(name, sizeof name, "damaged.%s", f->name);
-    for (int i = 2; i < REPAIRS; i++) {
-        if (linkat(dir->fd, f->name, dir->fd, name, 0) == 0)
-            return true;
-        if (errno != EEXIST)
-            return false;
-        /* A repair that was broken off did that, maybe because this name could not be saved. It is
-         * made again, so that there is something to save. */
-        if (same_file(dir, f->name, name))
-            return unlinkat(dir->fd, name, 0) == 0 &&
-                   linkat(dir->fd, f->name, dir->fd, name, 0) == 0;
-        snprintf(name, sizeof name, "damaged.%s.%d", f->name, i);
-    }
-    return false;
-}
 
 static bool complain(const char *what)
 {
@@ -206,7 +175,7 @@ static bool begin_log(const struct recovery *r, const struct datafiles *files)
 static bool replace(struct recovery *r, const struct datafiles *files)
 {
     for (size_t i = 0; i < files->n; i++)
-        if (files->v[i].kind != DATAFILE_TEMPORARY && !link_aside(r->dir, &files->v[i]))
+        if (files->v[i].kind != DATAFILE_TEMPORARY && !datadir_link_aside(r->dir, &files->v[i]))
             return complain("cannot put the damaged files aside");
     if (!datadir_sync(r->dir) || !write_anew(r) || !begin_log(r, files))
         return complain("cannot write a new snapshot");
@@ -229,8 +198,7 @@ static bool is_dispensable(const struct datadir *dir, const struct datafile *new
 
 static bool do_without(const struct datadir *dir, const struct datafile *newest)
 {
-    if (!link_aside(dir, newest) || !datadir_sync(dir) || unlinkat(dir->fd, newest->name, 0) != 0 ||
-        !datadir_sync(dir))
+    if (!datadir_put_aside(dir, newest) || !datadir_sync(dir))
         return complain("cannot put the damaged snapshot aside");
     printf("%s: put aside; nothing is lost, since what comes before it is still there\n",
            newest->name);

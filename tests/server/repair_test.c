@@ -307,8 +307,7 @@ TEST(repair_of_a_log_has_a_copy_on_the_disk_before_anything_is_cut_off)
     CHECK_STR(calls_text(),
               "create damaged.log.1\nwrite damaged.log.1\nsync damaged.log.1\nsync .\n"
               "cut log.1\nsync log.1\n"
-              "create damaged.log.4\nwrite damaged.log.4\nsync damaged.log.4\nsync .\n"
-              "remove log.4\nsync .\n");
+              "link log.4 damaged.log.4\nsync .\nremove log.4\nsync .\n");
     directory_remove(&d);
 }
 
@@ -336,6 +335,20 @@ TEST(repair_that_puts_a_segment_aside_syncs_that_it_has_gone)
     directory_remove(&d);
 }
 
+TEST(repair_that_only_puts_segments_aside_needs_no_space)
+{
+    struct directory d = directory_quick();
+    write_segment(&d, 1, 2, 0);
+    write_segment(&d, 5, 5, 0);
+    write_segment(&d, 6, 6, 0);
+    calls_watch(d.path);
+    calls_limit_space(0);
+    CHECK(recovery_repair(d.path) == 0);
+    CHECK_STR(calls_text(), "link log.5 damaged.log.5\nsync .\nremove log.5\n"
+                            "link log.6 damaged.log.6\nsync .\nremove log.6\nsync .\n");
+    directory_remove(&d);
+}
+
 /* ---- calls that fail ---- */
 
 /* Repairs in this process while the n-th such call fails; what it prints goes to text. */
@@ -354,7 +367,7 @@ TEST(repair_stops_at_a_later_segment_that_cannot_be_put_aside)
     write_segment(&d, 1, 3, SEGMENT_HEADER + RECORD_HEADER + 9);
     write_segment(&d, 4, 4, 0);
     write_segment(&d, 5, 5, 0);
-    repair_while(&d, "create damaged.log.4", 1, text, sizeof text);
+    repair_while(&d, "link log.4 damaged.log.4", 1, text, sizeof text);
     CHECK_MSG(strstr(text, "cannot put the damaged part aside: Input/output error") != NULL &&
                   strstr(text, "in damaged.*") == NULL,
               "%s", text);
