@@ -173,3 +173,13 @@ void log_file_restart(struct log_file *f, uint64_t first)
     f->error = 0;
     log_file_start(f, first);
 }
+
+bool log_file_begin(const struct datadir *dir, uint64_t first)
+{
+    struct log_file f;
+    log_file_init(&f, dir);
+    log_file_start(&f, first);
+    log_file_clear(&f);
+    errno = f.error;
+    return f.error == 0;
+}

@@ -32,6 +32,9 @@ void log_file_start(struct log_file *f, uint64_t first);
  * a caller who knows that everything before `first` is safe elsewhere. */
 void log_file_restart(struct log_file *f, uint64_t first);
 
+/* Makes a segment without records, whose first one will have the lsn `first`, durable. False with errno. */
+bool log_file_begin(const struct datadir *dir, uint64_t first);
+
 /* From here on until the next mark nothing counts as written before it is complete: if the disk is
  * full half way, the segment is cut back to here. */
 void log_file_mark(struct log_file *f);

@@ -110,18 +110,6 @@ static bool write_header(const struct datadir *dir, const struct datafile *f)
     return ok;
 }
 
-/* A log needs a segment, be it empty. */
-static bool begin_log(const struct recovery *r)
-{
-    struct log_file log;
-    log_file_init(&log, r->dir);
-    log_file_start(&log, r->last + 1);
-    int error = log.error;
-    log_file_clear(&log);
-    errno = error;
-    return error == 0;
-}
-
 /* Makes the headers of segments anew that are damaged, and a segment if none is left. */
 static bool mend_log(const struct recovery *r)
 {
@@ -140,7 +128,7 @@ static bool mend_log(const struct recovery *r)
     }
     datafiles_free(&files);
     if (ok && segments == 0 && r->last > 0)
-        ok = begin_log(r);
+        ok = log_file_begin(r->dir, r->last + 1); /* a log needs a segment, even an empty one */
     if (!ok)
         printf("cannot mend the log: %s\n", strerror(errno));
     return ok;

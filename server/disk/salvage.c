@@ -14,7 +14,6 @@
 #include "server/disk/snapshot.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -159,17 +158,11 @@ static bool write_anew(struct recovery *r)
 /* The log begins after the snapshot; earlier segments have their second names. */
 static bool begin_log(const struct recovery *r, const struct datafiles *files)
 {
-    struct log_file log;
-    log_file_init(&log, r->dir);
-    log_file_start(&log, r->last + 1);
-    int error = log.error;
-    log_file_clear(&log);
-    for (size_t i = 0; error == 0 && i < files->n; i++)
-        if (files->v[i].kind == DATAFILE_LOG && files->v[i].lsn != r->last + 1 &&
-            unlinkat(r->dir->fd, files->v[i].name, 0) != 0 && errno != ENOENT)
-            error = errno;
-    errno = error;
-    return error == 0 && datadir_sync(r->dir);
+    bool ok = log_file_begin(r->dir, r->last + 1);
+    for (size_t i = 0; ok && i < files->n; i++)
+        if (files->v[i].kind == DATAFILE_LOG && files->v[i].lsn != r->last + 1)
+            ok = unlinkat(r->dir->fd, files->v[i].name, 0) == 0 || errno == ENOENT;
+    return ok && datadir_sync(r->dir);
 }
 
 static bool replace(struct recovery *r, const struct datafiles *files)
