@@ -192,6 +192,12 @@ ptrdiff_t record_read(const char *bytes, size_t n, struct record *r)
     return (ptrdiff_t)(RECORD_HEADER + (size_t)rest);
 }
 
+struct record_outline record_outline(const char bytes[RECORD_HEADER])
+{
+    return (struct record_outline){(unsigned char)bytes[24], get_u32(bytes + 4),
+                                   get_u32(bytes + 32)};
+}
+
 void record_points(const struct record *r, double *xy)
 {
     const char *from = r->items;

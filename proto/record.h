@@ -102,6 +102,13 @@ void record_write(struct buf *out, const struct record *r);
  * r->fault tells. Never reads beyond n, never trusts a length before the limits hold. */
 ptrdiff_t record_read(const char *bytes, size_t n, struct record *r);
 
+/* What the header of a damaged record says, whether or not it is right. */
+struct record_outline {
+    unsigned type;
+    uint32_t length, n; /* of all that follows the header; and record.n */
+};
+struct record_outline record_outline(const char bytes[RECORD_HEADER]);
+
 /* Decode the items of a record that was read, r->n of them. */
 void record_points(const struct record *r, double *xy);
 void record_ids(const struct record *r, uint32_t *ids);

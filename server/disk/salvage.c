@@ -69,25 +69,20 @@ static void take_record(struct reading *s, const struct record *record)
         lose_set(s);
 }
 
-static uint32_t word_at(const char *p)
-{
-    const unsigned char *u = (const unsigned char *)p;
-    return u[0] | (uint32_t)u[1] << 8 | (uint32_t)u[2] << 16 | (uint32_t)u[3] << 24;
-}
-
 /* Whether RECORD_END, which may be damaged elsewhere but is all there, has as many sets as were seen. */
 static bool end_counts(const struct reading *s)
 {
-    return word_at(buf_head(&s->in.window) + 32) == s->losses->sets;
+    return record_outline(buf_head(&s->in.window)).n == s->losses->sets;
 }
 
 /* Whether the damaged record is RECORD_END: as long as that, the last one, and like it in two of
  * three respects. */
 static bool is_damaged_end(const struct reading *s)
 {
-    const char *p = buf_head(&s->in.window);
-    return s->bytes - s->in.at == RECORD_HEADER && buf_len(&s->in.window) == RECORD_HEADER &&
-           (p[24] == RECORD_END) + (word_at(p + 4) == 0) + end_counts(s) >= 2;
+    if (s->bytes - s->in.at != RECORD_HEADER || buf_len(&s->in.window) != RECORD_HEADER)
+        return false;
+    struct record_outline o = record_outline(buf_head(&s->in.window));
+    return (o.type == RECORD_END) + (o.length == 0) + end_counts(s) >= 2;
 }
 
 /* Behind a damaged record goes to the next whole one. False at the end. What is missing between

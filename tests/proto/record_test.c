@@ -104,6 +104,18 @@ TEST(record_cut_anywhere_needs_more_and_flipped_anywhere_is_refused)
     }
 }
 
+TEST(outline_of_a_damaged_record_is_what_its_header_says)
+{
+    struct buf b = {0};
+    struct record got, r = sample(RECORD_DELETE);
+    record_write(&b, &r);
+    buf_head(&b)[8] ^= 1;
+    CHECK(record_read(buf_head(&b), buf_len(&b), &got) < 0);
+    struct record_outline o = record_outline(buf_head(&b));
+    CHECK(o.type == RECORD_DELETE && o.length == buf_len(&b) - RECORD_HEADER && o.n == r.n);
+    buf_free(&b);
+}
+
 TEST(record_is_not_seen_in_zeros)
 {
     char zeros[4096] = {0};
