@@ -298,6 +298,18 @@ bool job_is_early(const struct server *s, const struct job *j)
            j->status != DT_CANCELLED && durable_log(s) != NULL;
 }
 
+bool job_give_up_early(struct server *s, struct job *j)
+{
+    struct work **at = &s->early;
+    while (*at != NULL && *at != &j->work)
+        at = &(*at)->next;
+    if (*at == NULL)
+        return false;
+    *at = j->work.next;
+    j->status = DT_CANCELLED;
+    return true;
+}
+
 void job_tell(struct server *s, struct job *j, struct answer *a)
 {
     a->lsn = j->lsn;

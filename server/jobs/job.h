@@ -96,6 +96,9 @@ void job_drain(struct job *j);
 /* Whether a job that read a set may have seen what is not in the log yet: it ends when the edit has. */
 bool job_is_early(const struct server *s, const struct job *j);
 
+/* If the job is one of those (server.early), takes it from them, to be ended now, as cancelled. */
+bool job_give_up_early(struct server *s, struct job *j);
+
 /* Answers one of those who joined, as the owner is answered. */
 void job_tell(struct server *s, struct job *j, struct answer *a);
 

@@ -285,18 +285,21 @@ static void on_later(struct timer *t)
     conn_again(&s->conn);
 }
 
-/* The request has had its time: a job is cancelled and answers in its turn; one that waits for its
- * set, or for a job that goes on for others, is answered now. */
+/* The request has had its time. A job that goes on for others, or that has a result but waits for an
+ * edit, is answered now, as is a request that waits in a queue; any other job is cancelled, and its
+ * end brings the answer. */
 static void pass_deadline(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, deadline));
+    bool in_line = s->waiter.queue != NULL || s->state == SESSION_DELAYED;
     if (s->conn.dead)
         return;
     s->timed_out = true;
-    bool in_line = s->waiter.queue != NULL || s->state == SESSION_DELAYED;
     if (s->state == SESSION_WORKING ? job_leave(s->job, s->id) : in_line) {
         give_up(s);
         conn_again(&s->conn);
+    } else if (s->state == SESSION_WORKING && job_give_up_early(s->server, s->job)) {
+        session_job_done(s, s->job);
     }
 }
 
