@@ -106,6 +106,11 @@ struct session *clients_find(const struct clients *c, uint64_t id)
     return there ? c->slot[i].session : NULL;
 }
 
+struct session *clients_asker(const struct server *s, const struct answer *a)
+{
+    return s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
+}
+
 struct session *clients_at(const struct clients *c, uint32_t i)
 {
     return c->slot[i].session;

@@ -18,6 +18,9 @@ void clients_remove(struct clients *c, struct session *s);
 /* NULL if it has gone; one whose connection is closed is there until the end of the turn. */
 struct session *clients_find(const struct clients *c, uint64_t id);
 
+/* The session whose request is answered; NULL: it has gone, or the request came from elsewhere. */
+struct session *clients_asker(const struct server *s, const struct answer *a);
+
 /* The session in the slot i < cap, NULL for a free one. */
 struct session *clients_at(const struct clients *c, uint32_t i);
 

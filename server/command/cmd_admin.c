@@ -7,8 +7,7 @@
 void cmd_ping(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     (void)s, (void)set, (void)q;
-    reply_ok(a->out, 0);
-    reply_end(a->out);
+    answer_ok(a);
 }
 
 void cmd_quit(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -47,7 +47,7 @@ static bool must_wait(struct server *s, struct answer *a, const struct session *
 
 enum shown client_show_token(struct server *s, struct answer *a, const struct word *token)
 {
-    struct session *who = s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
+    struct session *who = clients_asker(s, a);
     unsigned number;
     /* Without --auth-file any token is welcome, so that a client need not know how its server was
      * started. */

@@ -74,7 +74,7 @@ static bool read_method(struct answer *a, const struct request *q, enum dt_metho
         if (word_is(name, "DIVIDE"))
             return true;
     }
-    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    answer_usage(a, q);
     return false;
 }
 

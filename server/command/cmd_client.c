@@ -15,30 +15,6 @@
 
 enum { SLOW_ROWS = 10, SLOW_A_PIECE = 128 };
 
-static struct session *asker(const struct server *s, const struct answer *a)
-{
-    return s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
-}
-
-static void answer_ok(struct answer *a)
-{
-    reply_ok(a->out, 0);
-    reply_end(a->out);
-}
-
-static bool may_rule(struct answer *a)
-{
-    if (a->role == ROLE_WRITE)
-        return true;
-    reply_err(a->out, ERR_DENIED, "your token is for reading only");
-    return false;
-}
-
-static void usage(struct answer *a, const struct request *q)
-{
-    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
-}
-
 /* ---- CLIENT ---- */
 
 static const char *state_of(const struct session *s)
@@ -183,7 +159,7 @@ static void kill_clients(struct server *s, const struct request *q, struct answe
     struct target target = {0};
     uint64_t n = 0;
     if (!read_target(q, &target)) {
-        usage(a, q);
+        answer_usage(a, q);
         return;
     }
     for (uint32_t i = 0; c != NULL && i < c->cap; i++) {
@@ -200,7 +176,7 @@ static void kill_clients(struct server *s, const struct request *q, struct answe
 
 bool client_set_name(struct server *s, struct answer *a, const struct word *name)
 {
-    struct session *me = asker(s, a);
+    struct session *me = clients_asker(s, a);
     bool good = name->len <= LIMIT_CLIENT_NAME;
     for (size_t i = 0; good && i < name->len; i++)
         good = name->text[i] > ' ' && name->text[i] <= '~';
@@ -224,7 +200,7 @@ static void set_name(struct server *s, const struct request *q, struct answer *a
 
 static void tell_self(struct server *s, struct answer *a, bool name)
 {
-    const struct session *me = asker(s, a);
+    const struct session *me = clients_asker(s, a);
     reply_ok(a->out, 0);
     if (name)
         reply_key_text(a->out, "name", me != NULL && me->name != NULL ? me->name : "");
@@ -238,10 +214,10 @@ void cmd_client(struct server *s, struct dataset *set, const struct request *q, 
     const struct word *what = &q->word[1];
     (void)set;
     if (q->n == 2 && word_is(what, "LIST")) {
-        if (may_rule(a))
+        if (check_write_role(a))
             client_list(s, a, LISTING_LINES);
     } else if (q->n >= 3 && word_is(what, "KILL")) {
-        if (may_rule(a))
+        if (check_write_role(a))
             kill_clients(s, q, a);
     } else if (q->n == 3 && word_is(what, "SETNAME")) {
         set_name(s, q, a);
@@ -250,7 +226,7 @@ void cmd_client(struct server *s, struct dataset *set, const struct request *q, 
     } else if (q->n == 2 && (word_is(what, "ID") || word_is(what, "GETNAME"))) {
         tell_self(s, a, what->len > 2);
     } else {
-        usage(a, q);
+        answer_usage(a, q);
     }
 }
 
@@ -321,6 +297,6 @@ void cmd_slowlog(struct server *s, struct dataset *set, const struct request *q,
         slowlog_reset(&s->slowlog);
         answer_ok(a);
     } else {
-        usage(a, q);
+        answer_usage(a, q);
     }
 }

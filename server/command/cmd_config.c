@@ -10,17 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void usage(struct answer *a, const struct request *q)
-{
-    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
-}
-
-static void answer_ok(struct answer *a)
-{
-    reply_ok(a->out, 0);
-    reply_end(a->out);
-}
-
 /* ---- GET ---- */
 
 static void get(struct server *s, const struct request *q, struct answer *a)
@@ -81,7 +70,7 @@ static bool affordable(struct server *s, struct answer *a, const struct config *
 static void report(const struct server *s, const struct answer *a, const struct config *next)
 {
     char was[SETTING_TEXT_ROOM], now[SETTING_TEXT_ROOM], what[160];
-    const struct session *who = s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
+    const struct session *who = clients_asker(s, a);
     for (size_t i = 0; i < setting_count && who != NULL; i++) {
         const char *before = setting_text(&settings[i], s->config, was);
         const char *after = setting_text(&settings[i], next, now);
@@ -123,7 +112,7 @@ static void reload(struct server *s, struct answer *a)
         reply_err(a->out, ERR_IO, "not a good file of tokens; the old ones stay: see the log");
         return;
     }
-    const struct session *who = s->clients != NULL ? clients_find(s->clients, a->owner) : NULL;
+    const struct session *who = clients_asker(s, a);
     if (who != NULL) { /* the answer must not give back what the new tokens have taken */
         a->role = who->role;
         a->token = who->token;
@@ -144,11 +133,7 @@ void cmd_config(struct server *s, struct dataset *none, const struct request *q,
     if (q->n >= 3 && word_is(what, "GET"))
         get(s, q, a);
     else if (!sets && !reloads)
-        usage(a, q);
-    else if (a->role != ROLE_WRITE)
-        reply_err(a->out, ERR_DENIED, "your token is for reading only");
-    else if (sets)
-        set(s, q, a);
-    else
-        reload(s, a);
+        answer_usage(a, q);
+    else if (check_write_role(a))
+        sets ? set(s, q, a) : reload(s, a);
 }

@@ -60,7 +60,7 @@ static bool read_making(struct answer *a, const struct request *q, struct making
             if (!read_length(a, &q->word[++i], "tolerance", &m->tolerance))
                 return false;
         } else {
-            reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+            answer_usage(a, q);
             return false;
         }
     }
@@ -88,8 +88,7 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
     set->born = true;
     journal_create(s, set, m.tolerance);
     a->lsn = journal_of(s, set);
-    reply_ok(a->out, 0);
-    reply_end(a->out);
+    answer_ok(a);
 }
 
 void cmd_drop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -98,8 +97,7 @@ void cmd_drop(struct server *s, struct dataset *set, const struct request *q, st
     journal_drop(s, set);
     a->lsn = journal_of(s, NULL);
     registry_drop(&s->sets, set);
-    reply_ok(a->out, 0);
-    reply_end(a->out);
+    answer_ok(a);
 }
 
 void cmd_stat(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -186,7 +184,7 @@ void cmd_points(struct server *s, struct dataset *set, const struct request *q, 
     (void)s;
     bool binary = q->n == 3 && word_is(&q->word[2], "BINARY");
     if (q->n == 3 && !binary)
-        reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+        answer_usage(a, q);
     else
         stream_answer_table(s, a, set->current, DT_POINTS, false, binary);
 }

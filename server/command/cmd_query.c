@@ -31,7 +31,7 @@ static bool check_tail(struct answer *a, const struct request *q, const struct t
 {
     if (t->n <= most && (!t->binary || t->n == 2))
         return true;
-    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    answer_usage(a, q);
     return false;
 }
 
@@ -102,7 +102,7 @@ void cmd_hull(struct server *s, struct dataset *set, const struct request *q, st
     struct tail t = read_tail(q);
     (void)s;
     if (t.n > 2 || t.binary)
-        reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+        answer_usage(a, q);
     else
         stream_answer_table(s, a, set->current, DT_HULL, t.cw, false);
 }

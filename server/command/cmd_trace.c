@@ -33,11 +33,8 @@ static const struct {
 
 static void append_id(struct buf *out, uint32_t id)
 {
-    char *to = buf_reserve(out, 1 + PROTO_NUMBER_MAX);
-    if (to == NULL)
-        return;
-    to[0] = ' ';
-    buf_commit(out, 1 + proto_write_u32(to + 1, id));
+    buf_append_char(out, ' ');
+    reply_u64(out, id);
 }
 
 static void append_number(struct buf *out, double v)

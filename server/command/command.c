@@ -96,22 +96,34 @@ const struct command *command_find(const struct word *name)
 
 /* ---- what must hold before a handler runs ---- */
 
+void answer_usage(struct answer *a, const struct request *q)
+{
+    reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+}
+
 static bool check_words(struct answer *a, const struct command *c, const struct request *q)
 {
     if (q->n >= c->least && (c->most == 0 || q->n <= c->most))
         return true;
-    reply_err(a->out, ERR_SYNTAX, "usage: %s", c->usage);
+    answer_usage(a, q);
+    return false;
+}
+
+bool check_write_role(struct answer *a)
+{
+    if (a->role == ROLE_WRITE)
+        return true;
+    reply_err(a->out, ERR_DENIED, "your token is for reading only");
     return false;
 }
 
 static bool check_role(struct answer *a, const struct command *c)
 {
-    if (a->role == ROLE_NONE && (c->flags & CMD_OPEN) == 0)
-        reply_err(a->out, ERR_NOAUTH, "show a token first: AUTH token");
-    else if (a->role == ROLE_READ && (c->flags & (CMD_WRITE | CMD_ADMIN)) != 0)
-        reply_err(a->out, ERR_DENIED, "your token is for reading only");
-    else
+    if (a->role != ROLE_NONE)
+        return (c->flags & (CMD_WRITE | CMD_ADMIN)) == 0 || check_write_role(a);
+    if ((c->flags & CMD_OPEN) != 0)
         return true;
+    reply_err(a->out, ERR_NOAUTH, "show a token first: AUTH token");
     return false;
 }
 

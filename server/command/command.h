@@ -59,6 +59,12 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark);
 /* How a word of the client's is quoted in an error: at most 32 bytes of it. Use with %.*s. */
 #define QUOTED(W) (int)((W)->len < 32 ? (W)->len : 32), (W)->text
 
+/* The error of a request whose words are not those that its command takes. */
+void answer_usage(struct answer *a, const struct request *q);
+
+/* Whether the asker's role lets it write; if not, the ERR line has been written. */
+bool check_write_role(struct answer *a);
+
 /* ---- reading arguments; false: the ERR line has been written ---- */
 
 bool read_coordinate(struct answer *a, const struct word *w, double *v);

@@ -68,6 +68,13 @@ static inline bool answer_has_job(const struct answer *a)
 /* The ERR line for a status of the core that is not DT_OK. */
 void answer_status(struct answer *a, enum dt_status status);
 
+/* The whole reply of a command that has no facts to add. */
+static inline void answer_ok(struct answer *a)
+{
+    reply_ok(a->out, 0);
+    reply_end(a->out);
+}
+
 /* The request is to be carried out when that queue calls it. */
 static inline void answer_wait(struct answer *a, struct wait_queue *q, bool writes)
 {

@@ -210,8 +210,7 @@ static void move_done(struct server *s, struct job *j, struct answer *a)
     } else if (j->status != DT_OK) {
         answer_status(a, j->status);
     } else {
-        reply_ok(a->out, 0);
-        reply_end(a->out);
+        answer_ok(a);
         renew_if_aged(s, j->set);
     }
 }
