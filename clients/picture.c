@@ -114,8 +114,8 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
     snprintf(title, sizeof title, "%.100s: Delaunay triangulation of %s%zu points", name, part,
              m->n);
     choose_box(e, m, box);
-    svg_begin_box(&s, out, title, box, e->shown, e->has_box,
-                  e->colour != COLOUR_NONE ? &legends[e->colour] : NULL);
+    svg_begin(&s, out, title, box, e->shown, e->has_box,
+              e->colour != COLOUR_NONE ? &legends[e->colour] : NULL);
     s.numbers = e->numbers;
     if (!draw_triangles(&s, e, m))
         return false;

@@ -34,34 +34,12 @@ static double clamp(double v, double lo, double hi)
     return v < lo ? lo : v > hi ? hi : v;
 }
 
-struct box {
-    double x0, y0, x1, y1;
-};
-
-static struct box box_of(const double *xy, size_t n)
-{
-    struct box b = {xy[0], xy[1], xy[0], xy[1]};
-    for (size_t i = 1; i < n; i++) {
-        b.x0 = fmin(b.x0, xy[2 * i]);
-        b.x1 = fmax(b.x1, xy[2 * i]);
-        b.y0 = fmin(b.y0, xy[2 * i + 1]);
-        b.y1 = fmax(b.y1, xy[2 * i + 1]);
-    }
-    return b;
-}
-
 /* Lines and dots are as wide as suits the distance that n points evenly spread would have. */
 static void choose_widths(struct svg *s, double w, double h, size_t n)
 {
     double spacing = sqrt((w + MARGIN) * (h + MARGIN) / (double)n);
     s->line = clamp(0.02 * spacing, 1.2, 24);
     s->dot = clamp(0.12 * spacing, 4, 180);
-}
-
-void svg_begin(struct svg *s, FILE *out, const char *title, const double *xy, size_t n)
-{
-    struct box b = box_of(xy, n);
-    svg_begin_box(s, out, title, (const double[4]){b.x0, b.y0, b.x1, b.y1}, n, false, NULL);
 }
 
 /* The width of a text, about: digits and small letters of a sans-serif font. */
@@ -133,8 +111,8 @@ static void end_clip(const struct svg *s)
             s->left, MARGIN, s->wide, s->high, s->wide);
 }
 
-void svg_begin_box(struct svg *s, FILE *out, const char *title, const double *box, size_t n,
-                   bool clip, const struct svg_legend *legend)
+void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
+               const struct svg_legend *legend)
 {
     double side = fmax(box[2] - box[0], box[3] - box[1]);
     double scale = side > 0 ? SIDE / side : 1;

@@ -29,19 +29,16 @@ struct svg {
 
 enum { SVG_SHADES = 10 };
 
-/* Starts the drawing of the n points xy[2n], n > 0, with a title for people (no markup in it). */
-void svg_begin(struct svg *s, FILE *out, const char *title, const double *xy, size_t n);
-
 /* What the shades mean, from the first to the last. */
 struct svg_legend {
     const char *low, *high;
 };
 
-/* The same, but only the part box = {left, lower, right, upper} of the plane is shown, in which about n
- * points lie; the rest is cut off at its edges. clip: the box (borrowed until svg_end) is smaller than
- * what will be drawn. legend: NULL if there are no shades. */
-void svg_begin_box(struct svg *s, FILE *out, const char *title, const double *box, size_t n,
-                   bool clip, const struct svg_legend *legend);
+/* Starts the drawing, with a title that is plain text (no markup), of box = {left, lower, right, upper}, in
+ * which about n points lie. clip: the box (borrowed until svg_end) is smaller than what will be drawn,
+ * which is cut off at its edges. legend: NULL if there are no shades. */
+void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
+               const struct svg_legend *legend);
 
 /* A triangle in shade 0 (dark) .. SVG_SHADES - 1 (light). */
 void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const double *b,

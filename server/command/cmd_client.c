@@ -246,7 +246,7 @@ static void tell_slow(struct buf *out, const struct slow *e)
 bool slowlog_piece(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows,
                    void (*tell)(struct buf *out, const struct slow *e))
 {
-    for (int i = 0; i<SLOW_A_PIECE && * at> end; i++) {
+    for (int i = 0; *at > end && i < SLOW_A_PIECE; i++) {
         const struct slow *e = slowlog_find(&s->slowlog, --*at);
         if (e == NULL)
             return false;

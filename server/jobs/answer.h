@@ -59,12 +59,6 @@ struct answer {
     };
 };
 
-/* Whether a worker has the answer's job. */
-static inline bool answer_has_job(const struct answer *a)
-{
-    return a->next == ANSWER_JOB || a->next == ANSWER_PREPARING;
-}
-
 /* The ERR line for a status of the core that is not DT_OK. */
 void answer_status(struct answer *a, enum dt_status status);
 

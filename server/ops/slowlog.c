@@ -46,11 +46,6 @@ unsigned slowlog_len(const struct slowlog *l)
     return n < l->cap ? (unsigned)n : l->cap;
 }
 
-const struct slow *slowlog_at(const struct slowlog *l, unsigned i)
-{
-    return &l->entry[(l->next - 1 - i) % l->cap];
-}
-
 const struct slow *slowlog_find(const struct slowlog *l, uint64_t id)
 {
     bool there = id < l->next && l->next - id <= slowlog_len(l);

@@ -40,9 +40,6 @@ void slowlog_add(struct slowlog *l, const struct slow *entry);
 /* How many there are. */
 unsigned slowlog_len(const struct slowlog *l);
 
-/* The i-th latest one, i < slowlog_len. */
-const struct slow *slowlog_at(const struct slowlog *l, unsigned i);
-
 /* The one of that id; NULL: it has been forgotten, or there is none yet. */
 const struct slow *slowlog_find(const struct slowlog *l, uint64_t id);
 

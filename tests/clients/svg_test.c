@@ -1,9 +1,21 @@
 /* svg_test.c - drawings are well-formed and lie within their frame, whatever the points. */
 #include "clients/svg.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "tests/test.h"
+
+static void find_box(const double *xy, size_t n, double box[4])
+{
+    memcpy(box, (const double[]){xy[0], xy[1], xy[0], xy[1]}, 4 * sizeof *box);
+    for (size_t i = 1; i < n; i++) {
+        box[0] = fmin(box[0], xy[2 * i]);
+        box[1] = fmin(box[1], xy[2 * i + 1]);
+        box[2] = fmax(box[2], xy[2 * i]);
+        box[3] = fmax(box[3], xy[2 * i + 1]);
+    }
+}
 
 /* Draws the points and the triangles a b c of tri[3 * triangles] along with all points as hull; the
  * file's text. */
@@ -13,10 +25,12 @@ static char *drawing(const double *xy, size_t n, const uint32_t *tri, size_t tri
     size_t size;
     uint32_t id[1000];
     struct svg s;
+    double box[4];
     FILE *out = open_memstream(&text, &size);
+    find_box(xy, n, box);
     for (uint32_t i = 0; i < n; i++)
         id[i] = i;
-    svg_begin(&s, out, "title", xy, n);
+    svg_begin(&s, out, "title", box, n, false, NULL);
     for (size_t i = 0; i < triangles; i++)
         svg_triangle(&s, xy + 2 * tri[3 * i], xy + 2 * tri[3 * i + 1], xy + 2 * tri[3 * i + 2]);
     svg_hull_begin(&s);
@@ -173,7 +187,7 @@ TEST(svg_keeps_labels_scale_and_legend_within_the_frame)
         const double *xy = shapes[i];
         double box[4] = {xy[0], xy[1], xy[4], xy[5]};
         FILE *out = open_memstream(&text, &size);
-        svg_begin_box(&s, out, "title", box, 4, false, &legend);
+        svg_begin(&s, out, "title", box, 4, false, &legend);
         svg_points(&s, xy, id, 4);
         svg_end(&s);
         fclose(out);
@@ -195,7 +209,7 @@ TEST(svg_draws_what_meets_the_box_and_cuts_it_off)
         struct svg s;
         const double *xy = triangles[i];
         FILE *out = open_memstream(&text, &size);
-        svg_begin_box(&s, out, "title", box, 1, true, NULL);
+        svg_begin(&s, out, "title", box, 1, true, NULL);
         svg_triangle(&s, xy, xy + 2, xy + 4);
         svg_hull_begin(&s);
         for (int k = 0; k < 3; k++)

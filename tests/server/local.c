@@ -32,10 +32,15 @@ struct delivery {
     struct answer *answer;
 };
 
+static bool has_job(const struct answer *a)
+{
+    return a->next == ANSWER_JOB || a->next == ANSWER_PREPARING;
+}
+
 static void deliver(void *ctx, struct job *j)
 {
     struct delivery *to = ctx;
-    if (!answer_has_job(to->answer) || j != to->answer->job) {
+    if (!has_job(to->answer) || j != to->answer->job) {
         server_finish_unheard(to->server, j);
         return;
     }
@@ -55,7 +60,7 @@ static void collect(struct local *l, struct answer *a)
 /* Waits until the answer's job has come back. */
 static void wait_for_job(struct local *l, struct answer *a)
 {
-    while (answer_has_job(a))
+    while (has_job(a))
         collect(l, a);
 }
 
@@ -83,7 +88,7 @@ static bool complete(struct local *l, struct answer *a)
     do {
         wait_for_job(l, a);
         refill(l, a);
-    } while (answer_has_job(a) || a->next == ANSWER_STREAM || a->next == ANSWER_LISTING);
+    } while (has_job(a) || a->next == ANSWER_STREAM || a->next == ANSWER_LISTING);
     l->closed = l->closed || a->next == ANSWER_CLOSING || a->next == ANSWER_BROKEN;
     return a->next == ANSWER_AGAIN;
 }

@@ -4,6 +4,12 @@
 
 #include <string.h>
 
+/* The i-th latest entry. */
+static const struct slow *latest(const struct slowlog *l, unsigned i)
+{
+    return slowlog_find(l, l->next - 1 - i);
+}
+
 TEST(slowlog_keeps_the_last_ones)
 {
     struct slowlog l;
@@ -12,13 +18,13 @@ TEST(slowlog_keeps_the_last_ones)
         slowlog_add(&l, &(struct slow){.work_us = 10 * i});
     CHECK(slowlog_len(&l) == 3);
     for (unsigned i = 0; i < 3; i++) {
-        const struct slow *e = slowlog_at(&l, i);
+        const struct slow *e = latest(&l, i);
         CHECK(e->id == 4 - i && e->work_us == 10 * (4 - (int)i));
     }
     slowlog_reset(&l);
     CHECK(slowlog_len(&l) == 0);
     slowlog_add(&l, &(struct slow){.work_us = 7});
-    CHECK(slowlog_len(&l) == 1 && slowlog_at(&l, 0)->id == 5 && slowlog_at(&l, 0)->work_us == 7);
+    CHECK(slowlog_len(&l) == 1 && latest(&l, 0)->id == 5 && latest(&l, 0)->work_us == 7);
     slowlog_clear(&l);
 }
 
@@ -29,9 +35,9 @@ TEST(slowlog_that_changes_its_length_keeps_the_last_ones)
     for (int i = 0; i < 5; i++)
         slowlog_add(&l, &(struct slow){.work_us = i});
     CHECK(slowlog_resize(&l, 2) && slowlog_len(&l) == 2);
-    CHECK(slowlog_at(&l, 0)->work_us == 4 && slowlog_at(&l, 1)->work_us == 3);
+    CHECK(latest(&l, 0)->work_us == 4 && latest(&l, 1)->work_us == 3);
     CHECK(slowlog_resize(&l, 4) && slowlog_len(&l) == 2);
-    CHECK(slowlog_at(&l, 0)->work_us == 4 && slowlog_at(&l, 1)->work_us == 3);
+    CHECK(latest(&l, 0)->work_us == 4 && latest(&l, 1)->work_us == 3);
     CHECK(slowlog_resize(&l, 0) && slowlog_len(&l) == 0);
     slowlog_clear(&l);
 }
