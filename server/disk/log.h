@@ -50,7 +50,7 @@ void log_free(struct log *log);
  * as a failed write: the state becomes LOG_FAILED. */
 uint64_t log_append(struct log *log, struct record *r);
 
-/* The same for an ADD of n points at xy (x, y each; from malloc, now the log's). */
+/* The same for an ADD of n points at xy (x, y each; from dt_pages_grow, now the log's). */
 uint64_t log_append_points(struct log *log, struct record *r, double *xy);
 
 /* Appends records that say nothing, up to that lsn: these numbers have been given to changes that a

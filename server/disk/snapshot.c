@@ -139,7 +139,7 @@ static bool put_all(struct output *o)
     return put(o, &end) && flush(o) && sync_output(o);
 }
 
-/* Whether the file is complete and has its name. */
+/* If it fails, snap->error is the errno. */
 static void write_snapshot(struct snapshot *snap)
 {
     struct output o = {.snap = snap};

@@ -9,7 +9,7 @@
 void journal_create(struct server *s, struct dataset *set, double tolerance);
 void journal_drop(struct server *s, struct dataset *set);
 
-/* Takes over p (from malloc), whose n points got the ids from `first` on. */
+/* Takes over p (from dt_pages_grow), whose n points got the ids from `first` on. */
 void journal_add(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
                  size_t n);
 void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n);

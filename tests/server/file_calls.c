@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <string.h>
 #include <sys/types.h>
@@ -41,9 +42,10 @@ enum { LINE = 200, TEXT = 1 << 16 };
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t change = PTHREAD_COND_INITIALIZER;
 
-/* All of it under the mutex, but for `watching`, which is set before there are other threads. */
+static atomic_bool watching;
+
+/* All of it under the mutex. */
 static struct {
-    bool watching;
     char directory[128];
     char text[TEXT];
     size_t used;
@@ -63,7 +65,7 @@ void calls_watch(const char *directory)
     pthread_mutex_lock(&mutex);
     memset(&w, 0, sizeof w);
     snprintf(w.directory, sizeof w.directory, "%s", directory);
-    w.watching = true;
+    watching = true;
     pthread_mutex_unlock(&mutex);
 }
 
@@ -148,14 +150,18 @@ void calls_go_on(void)
 /* The name of a path as the lines have it: relative, without the zeros. False: it lies elsewhere. */
 static bool shorten(const char *path, char *name, size_t size)
 {
-    size_t length = strlen(w.directory);
-    const char *last = strrchr(w.directory, '/');
-    if (strcmp(path, w.directory) == 0)
+    char directory[sizeof w.directory];
+    pthread_mutex_lock(&mutex);
+    memcpy(directory, w.directory, sizeof directory);
+    pthread_mutex_unlock(&mutex);
+    size_t length = strlen(directory);
+    const char *last = strrchr(directory, '/');
+    if (strcmp(path, directory) == 0)
         return snprintf(name, size, ".") > 0;
-    if (last != NULL && strlen(path) == (size_t)(last - w.directory) &&
-        strncmp(path, w.directory, strlen(path)) == 0)
+    if (last != NULL && strlen(path) == (size_t)(last - directory) &&
+        strncmp(path, directory, strlen(path)) == 0)
         return snprintf(name, size, "..") > 0;
-    if (strncmp(path, w.directory, length) != 0 || path[length] != '/')
+    if (strncmp(path, directory, length) != 0 || path[length] != '/')
         return false;
     size_t n = 0;
     for (const char *at = path + length + 1; *at != '\0' && n + 1 < size; at++)
@@ -177,13 +183,13 @@ static bool path_of(int fd, char *path, size_t size)
 static bool name_of(int fd, char *name, size_t size)
 {
     char path[256];
-    return w.watching && path_of(fd, path, sizeof path) && shorten(path, name, size);
+    return watching && path_of(fd, path, sizeof path) && shorten(path, name, size);
 }
 
 static bool name_in(int dir, const char *file, char *name, size_t size)
 {
     char path[256];
-    if (!w.watching || !path_of(dir, path, sizeof path))
+    if (!watching || !path_of(dir, path, sizeof path))
         return false;
     size_t n = strlen(path);
     snprintf(path + n, sizeof path - n, "/%s", file);
