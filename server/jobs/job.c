@@ -168,17 +168,45 @@ bool job_reserve_build(struct server *s, struct answer *a, const struct dataset 
     return server_reserve(s, a, r, dt_build_memory(set->current->dt, &options));
 }
 
-/* Whether a copy of the set's points, so that the set can be read meanwhile, has its memory. */
-static bool reserve_copy(struct server *s, struct job *j, const struct dt_summary *sum)
+/* Whether there is memory for a copy of so many points. */
+static bool reserve_copy(struct server *s, struct job *j, uint32_t points)
 {
     enum { BYTES_PER_POINT = 32 };
     if (j->memory.budget == NULL)
         j->memory = server_reservation(s, BUDGET_EDITS);
-    return cost_at_once(COST_COPY, sum->points) ||
-           reservation_resize(&j->memory, j->memory.bytes + (size_t)sum->points * BYTES_PER_POINT);
+    return cost_at_once(COST_COPY, points) ||
+           reservation_resize(&j->memory, j->memory.bytes + (size_t)points * BYTES_PER_POINT);
 }
 
-/* The job makes a grid, for which it is not refused: it may be a deletion that is to free memory. */
+/* Has the job work on a copy of the set's points, if it asks for that and there is memory, or if it
+ * must. False: it must, and cannot; a says why. */
+static bool choose_copy(struct server *s, struct answer *a, struct job *j, struct dataset *set,
+                        unsigned how)
+{
+    bool must = dt_view_blocks(set->current->dt, j->changes);
+    if (!must && (how & JOB_COPY) == 0)
+        return true;
+    if (reserve_copy(s, j, set->current->sum.points)) {
+        j->fresh = version_new(NULL);
+        if (j->fresh == NULL)
+            answer_out_of_memory(a);
+        return j->fresh != NULL;
+    }
+    if (must)
+        reply_err(a->out, ERR_BUSY,
+                  "the set is being read, and there is no memory for a copy of it; try again");
+    return !must;
+}
+
+/* Whether the job is an edit that first makes the grid for searches, which takes a worker. */
+static bool makes_grid(const struct job *j, const struct dt_summary *sum)
+{
+    return j->changes > 0 && sum->current && !sum->searchable &&
+           !cost_at_once(COST_GRID, sum->points);
+}
+
+/* The memory of that grid, for want of which the job is not refused: it may be a deletion that is to
+ * free memory. */
 static void count_grid(struct server *s, struct job *j, const struct dt *dt)
 {
     if (j->memory.budget == NULL)
@@ -189,34 +217,24 @@ static void count_grid(struct server *s, struct job *j, const struct dt *dt)
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set, unsigned how)
 {
     const struct dt_summary *sum = &set->current->sum;
-    bool must = dt_view_blocks(set->current->dt, j->changes), copy = must || (how & JOB_COPY) != 0;
-    if ((how & JOB_HEAVY) == 0 && j->changes > 0 && sum->current && !sum->searchable &&
-        !cost_at_once(COST_GRID, sum->points)) {
-        how |= JOB_HEAVY | JOB_BRIEF; /* an edit makes the grid first */
+    if ((how & JOB_HEAVY) == 0 && makes_grid(j, sum)) {
+        how |= JOB_HEAVY | JOB_BRIEF;
         count_grid(s, j, set->current->dt);
     }
-    bool room = !copy || reserve_copy(s, j, sum);
-    copy = copy && (room || must);
-    if (copy && !cost_at_once(COST_COPY, sum->points))
+    bool good = choose_copy(s, a, j, set, how), in_place = j->fresh == NULL;
+    if (!in_place && !cost_at_once(COST_COPY, sum->points))
         how |= JOB_HEAVY;
-    struct version *fresh = copy ? version_new(NULL) : NULL;
-    if (copy && fresh == NULL)
-        answer_out_of_memory(a);
-    else if (copy && !room)
-        reply_err(a->out, ERR_BUSY,
-                  "the set is being read, and there is no memory for a copy of it; try again");
-    if ((copy && (fresh == NULL || !room)) || too_busy(s, a, how)) {
-        version_free(fresh);
+    if (!good || too_busy(s, a, how)) {
+        version_free(j->fresh);
         job_free(j);
         drop_unborn(s, set);
         return;
     }
     j->set = set;
     j->base = version_pin(set->current);
-    j->fresh = fresh;
-    j->dt = copy ? NULL : j->base->dt;
+    j->dt = in_place ? j->base->dt : NULL;
     set->writer = j;
-    set->exclusive = j->base->edited = !copy;
+    set->exclusive = j->base->edited = in_place;
     start(s, a, j, how);
 }
 
