@@ -49,6 +49,34 @@ static bool is_ours(struct server *s, struct questions *all, const struct word *
     return true;
 }
 
+/* What the words behind a set's name are. */
+enum subject { SUBJECT_OTHER, SUBJECT_PLACE, SUBJECT_ID };
+
+/* Guessed from the first letter and the number of words: if the guess is wrong, what is fetched is not
+ * needed, and nothing else happens. */
+static enum subject subject_of(const struct ahead_request *r)
+{
+    switch (r->word[0].text[0] & ~0x20) {
+    case 'N': /* NEAREST set x y [k] */
+        return r->n >= 4 ? SUBJECT_PLACE : SUBJECT_OTHER;
+    case 'A': /* ADD set x y */
+        return r->n == 4 ? SUBJECT_PLACE : SUBJECT_OTHER;
+    case 'L': /* LOCATE set x y, LISTS set id ... */
+        if (r->n == 4)
+            return SUBJECT_PLACE;
+        break;
+    case 'G': /* GET set id ... */
+    case 'T': /* TRIANGLES set a ... */
+    case 'E': /* EDGES set a */
+    case 'D': /* DEL set id ... */
+    case 'M': /* MOVE set id x y */
+        break;
+    default:
+        return SUBJECT_OTHER;
+    }
+    return r->n >= 3 ? SUBJECT_ID : SUBJECT_OTHER;
+}
+
 static void take_place(struct questions *all, struct ahead_request *r)
 {
     struct dt_place *p = &all->place[all->places];
@@ -60,17 +88,20 @@ static void take_place(struct questions *all, struct ahead_request *r)
     all->asks[all->places++] = r;
 }
 
+static void take_id(struct questions *all, const struct ahead_request *r)
+{
+    all->ids += proto_read_u32(r->word[2].text, r->word[2].len, &all->id[all->ids]);
+}
+
 static void take_question(struct server *s, struct questions *all, struct ahead_request *r)
 {
-    char first = (char)(r->word[0].text[0] & ~0x20);
-    bool place = r->n >= 4 && (first == 'N' || ((first == 'L' || first == 'A') && r->n == 4));
-    bool id = !place && r->n >= 3 && memchr("LGTEDM", first, 6) != NULL;
-    if ((!place && !id) || !is_ours(s, all, &r->word[1]))
+    enum subject subject = subject_of(r);
+    if (subject == SUBJECT_OTHER || !is_ours(s, all, &r->word[1]))
         return;
-    if (place)
+    if (subject == SUBJECT_PLACE)
         take_place(all, r);
     else
-        all->ids += proto_read_u32(r->word[2].text, r->word[2].len, &all->id[all->ids]);
+        take_id(all, r);
 }
 
 static void fetch(struct questions *all)
