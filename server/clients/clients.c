@@ -1,5 +1,5 @@
-/* clients.c - see clients.h. An id is a slot's number and, above it, how often that slot has been
- * used. */
+/* clients.c - see clients.h. The low half of an id is the number of a slot, the high half how often that
+ * slot has been used. */
 #include "server/clients/clients.h"
 
 #include <stdlib.h>
@@ -8,14 +8,14 @@ enum { FIRST_CAPACITY = 64 };
 
 struct client_slot {
     struct session *session; /* NULL: free */
-    uint32_t used;         /* by how many sessions so far; at least 1 while in use, so no id is 0 */
-    uint32_t next_free;    /* plus 1; 0: none */
-    uint32_t older, newer; /* in the list of those that came without a role; plus 1, 0: none */
+    uint32_t used;           /* sessions so far; at least 1 while in use, so no id is 0 */
+    uint32_t next_free;      /* plus 1; 0: none */
+    uint32_t older, newer; /* in the list of sessions that began without a role; plus 1, 0: none */
     bool listed;
 };
 
-/* ---- strangers: in the order in which they came; those that have got a role leave when they are
- * met ---- */
+/* ---- strangers: sessions without a role, in order of age; one that has acquired a role is removed from
+ * the list when it is found there ---- */
 
 static void list_stranger(struct clients *c, uint32_t i)
 {
@@ -50,7 +50,7 @@ struct session *clients_oldest_stranger(struct clients *c)
 {
     while (c->oldest != 0) {
         struct session *s = c->slot[c->oldest - 1].session;
-        if (s->role == ROLE_NONE && !s->conn.dead)
+        if (s->role == ROLE_NONE && !s->conn.closed)
             return s;
         unlist_stranger(c, c->oldest - 1);
     }

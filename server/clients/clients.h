@@ -1,5 +1,5 @@
-/* clients.h - the sessions that are there, by id. An id is never used twice, so whoever kept one
- * may ask whether its session is still there. */
+/* clients.h - the sessions by id. An id is never used twice, so code that holds one can check whether its
+ * session still exists. */
 #ifndef SERVER_CLIENTS_H
 #define SERVER_CLIENTS_H
 
@@ -8,23 +8,24 @@
 struct clients {
     struct client_slot *slot; /* owns */
     uint32_t n, cap, free_slot;
-    uint32_t oldest, newest; /* slots, plus 1, of those that came without a role; 0: none */
+    uint32_t oldest, newest; /* slots, plus 1, of sessions that began without a role; 0: none */
 };
 
 /* Gives the session its id. False when out of memory. */
 bool clients_add(struct clients *c, struct session *s);
 void clients_remove(struct clients *c, struct session *s);
 
-/* NULL if it has gone; one whose connection is closed is there until the end of the turn. */
+/* NULL if it does not exist any more; a session whose connection is closed exists until the end of the
+ * turn. */
 struct session *clients_find(const struct clients *c, uint64_t id);
 
-/* The session whose request is answered; NULL: it has gone, or the request came from elsewhere. */
+/* The session whose request is being answered; NULL: it does not exist any more, or there never was one. */
 struct session *clients_asker(const struct server *s, const struct answer *a);
 
-/* The session in the slot i < cap, NULL for a free one. */
+/* The session in slot i < cap; NULL if the slot is free. */
 struct session *clients_at(const struct clients *c, uint32_t i);
 
-/* The session without a role that came first; NULL: there is none. Cost: O(1) amortised. */
+/* The oldest session without a role; NULL: there is none. Cost: O(1) amortised. */
 struct session *clients_oldest_stranger(struct clients *c);
 
 /* Calls visit for every session; it may close them. */

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 enum {
-    SMALL_INPUT = 4 * 1024, /* with more than this a connection yields in a long turn */
+    SMALL_INPUT = 4 * 1024, /* with more input than this a connection yields in a long turn */
     READ_SIZE = 64 * 1024,
     LINGER_MS = 2000,
     LINGER_BYTES = 64 * 1024 * 1024
@@ -23,11 +23,11 @@ static void run_turn(struct task *task)
     conn_turn(c);
 }
 
-static void run_burial(struct task *task)
+static void run_disposal(struct task *task)
 {
-    struct conn *c = (struct conn *)((char *)task - offsetof(struct conn, burial));
-    if (c->turn.queued) { /* since before it was closed: it is freed when that has run */
-        loop_bury(c->loop, task);
+    struct conn *c = (struct conn *)((char *)task - offsetof(struct conn, disposal));
+    if (c->turn.queued) { /* since before it was closed: freed after that has run */
+        loop_dispose(c->loop, task);
         return;
     }
     buf_free(&c->in);
@@ -48,20 +48,20 @@ bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_even
                        .owner_bytes = memory->bytes,
                        .interest = EPOLLIN};
     c->turn.run = run_turn;
-    c->burial.run = run_burial;
+    c->disposal.run = run_disposal;
     c->progress_ms = c->heard_ms = loop->now_ms;
     return loop_watch(loop, &c->source, c->interest);
 }
 
 void conn_again(struct conn *c)
 {
-    if (!c->dead)
+    if (!c->closed)
         loop_defer(c->loop, &c->turn);
 }
 
 void conn_yield(struct conn *c)
 {
-    if (c->dead || c->turn.queued)
+    if (c->closed || c->turn.queued)
         return;
     c->yielded = true;
     loop_yield(c->loop, &c->turn);
@@ -69,14 +69,14 @@ void conn_yield(struct conn *c)
 
 void conn_close(struct conn *c)
 {
-    if (c->dead)
+    if (c->closed)
         return;
-    c->dead = true;
+    c->closed = true;
     hold_clear(&c->hold);
     loop_forget(c->loop, &c->source);
     close(c->source.fd);
     c->source.fd = -1;
-    loop_bury(c->loop, &c->burial);
+    loop_dispose(c->loop, &c->disposal);
 }
 
 void conn_finish(struct conn *c)
@@ -90,7 +90,7 @@ void conn_drain(struct conn *c)
     conn_again(c);
 }
 
-/* ---- buffers: borrowed from the loop while there is something in hand ---- */
+/* ---- buffers: borrowed from the loop while there is data to process ---- */
 
 static void borrow(struct buf *mine, struct buf *spare)
 {
@@ -114,8 +114,7 @@ static void give_back(struct buf *mine, struct buf *spare)
     }
 }
 
-/* A short rest of input (a line that is not finished) moves out of the borrowed block into one of its
- * own. */
+/* Moves a short rest of input (an incomplete line) from the borrowed block into one of its own. */
 static void keep_small(struct conn *c)
 {
     struct buf small = {0};
@@ -204,7 +203,7 @@ static void send_output(struct conn *c)
 
 static void finish_if_sent(struct conn *c)
 {
-    if (c->dead || !c->finishing || c->lingering || buf_len(&c->out) > 0)
+    if (c->closed || !c->finishing || c->lingering || buf_len(&c->out) > 0)
         return;
     if (c->eof) {
         conn_close(c);
@@ -219,7 +218,7 @@ static void finish_if_sent(struct conn *c)
 
 static void settle(struct conn *c)
 {
-    if (c->dead)
+    if (c->closed)
         return;
     if (c->finishing)
         buf_consume(&c->in, buf_len(&c->in));
@@ -237,25 +236,24 @@ static void settle(struct conn *c)
 
 void conn_turn(struct conn *c)
 {
-    if (c->dead)
+    if (c->closed)
         return;
     if (c->draining && !c->lingering && wants_input(c)) {
         read_input(c);
         conn_again(c);
     }
     send_output(c);
-    if (!c->dead && !c->finishing && !conn_full(c)) {
+    if (!c->closed && !c->finishing && !conn_full(c)) {
         borrow(&c->out, &c->loop->spare_out);
         c->events->data(c);
-        if (!c->dead)
+        if (!c->closed)
             send_output(c);
     }
     finish_if_sent(c);
     settle(c);
 }
 
-/* The turn of a connection that has yielded: it sends and reads; its owner's data is called when the
- * loop runs it. */
+/* The turn of a connection that has yielded: it sends and reads, without a call of `data`. */
 static void send_and_settle(struct conn *c)
 {
     send_output(c);
@@ -274,7 +272,7 @@ static void on_ready(struct source *source, uint32_t events)
         drop_input(c);
     else if (readable)
         read_input(c);
-    if (c->dead)
+    if (c->closed)
         return;
     bool much = buf_len(&c->in) > SMALL_INPUT || (events & EPOLLOUT) != 0;
     if (much && loop_is_late(c->loop, clock_ns()))
@@ -285,8 +283,8 @@ static void on_ready(struct source *source, uint32_t events)
         conn_turn(c);
 }
 
-/* Whether it reads nothing although a request has begun: its output is full, or memory was short when
- * its last turn ended. Of the latter nothing else may happen that would bring another turn. */
+/* Whether it does not read although a request has begun: its output is full, or memory was short when
+ * its last turn ended. In the latter case there may be no other event that leads to a turn. */
 static bool may_be_stuck(const struct conn *c)
 {
     return (c->interest & EPOLLIN) == 0 && !c->eof && buf_len(&c->in) >= CONN_SMALL;

@@ -1,13 +1,13 @@
-/* conn.h - one client's byte streams: what arrived and is not consumed yet, what waits to be sent.
+/* conn.h - one client's byte streams: input that is not consumed yet, and output that is not sent yet.
  *
- * A connection knows nothing of the protocol. It tells its owner three things: data (bytes arrived,
- * the input ended, the output drained, or the owner asked for another turn: do what you can, now),
- * and closed (the last call; the owner frees it). It reads no more while too much is unconsumed or
- * unsent, and it has no buffers while it is quiet. Those that it has are counted; when memory is
- * short, it reads and produces only as much as needs no large ones.
+ * A connection does not know the protocol. It calls its owner back: `data` when bytes have arrived, the
+ * input has ended, the output has drained, or the owner asked for another turn; `closed` as the last
+ * call, in which the owner frees it. It stops reading while too much is unconsumed or unsent, and has
+ * no buffers while it is idle. Its buffers count as memory of clients; when memory is short, it reads
+ * and produces only as much as fits into small ones.
  *
  * End of input is not disconnection: a client that closed its sending side still gets every reply.
- * Only an error, a hang-up or a failed write means that nobody is there any more. */
+ * Only an error, a hang-up or a failed write means that the client is gone. */
 #ifndef SERVER_CONN_H
 #define SERVER_CONN_H
 
@@ -18,9 +18,9 @@
 
 enum {
     CONN_IN_LIMIT =
-        160 * 1024, /* unconsumed bytes beyond which nothing is read; more than a whole line */
-    CONN_OUT_LIMIT = 64 * 1024, /* unsent bytes beyond which the owner should produce no more */
-    CONN_SMALL = 4 * 1024       /* the same for either when memory is short */
+        160 * 1024, /* unconsumed bytes from which on nothing is read; more than the longest line */
+    CONN_OUT_LIMIT = 64 * 1024, /* unsent bytes from which on the owner should produce no more */
+    CONN_SMALL = 4 * 1024       /* both limits when memory is short */
 };
 
 struct conn;
@@ -35,20 +35,21 @@ struct conn {
     struct loop *loop;
     const struct conn_events *events;
     struct buf in, out;
-    struct reservation memory; /* what its owner has reserved, and the buffers */
-    size_t owner_bytes;        /* the former */
-    uint64_t sent;             /* bytes that have left out so far */
-    struct hold hold; /* which bytes of out must wait for the disk; numbered as `sent` is */
-    struct task turn, burial;
-    uint32_t interest;   /* what epoll watches for */
+    struct reservation memory; /* of its owner, and of the buffers */
+    size_t owner_bytes;        /* the owner's share */
+    uint64_t sent;             /* bytes sent so far */
+    struct hold
+        hold; /* bytes of `out` that must not be sent before the log is durable; see hold.h */
+    struct task turn, disposal;
+    uint32_t interest;   /* the events that epoll watches */
     int64_t heard_ms;    /* when bytes last came in */
     int64_t progress_ms; /* when bytes last went out, or out was empty */
-    bool yielded;        /* it is in the queue of those with much to do (loop_yield) */
+    bool yielded;        /* `turn` is queued behind other tasks with much work (loop_yield) */
     bool eof;            /* the input has ended */
-    bool draining;       /* what has arrived is read, then the input counts as ended */
-    bool finishing;      /* no more replies: send what there is, then close */
+    bool draining;       /* input that has arrived is read, then the input counts as ended */
+    bool finishing;      /* no more replies: send what is in `out`, then close */
     bool lingering;      /* all is sent; input is read and dropped until the client closes */
-    bool dead;
+    bool closed;
     size_t dropped;    /* bytes read while lingering */
     int64_t linger_ms; /* since when */
 };
@@ -61,26 +62,26 @@ bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_even
 /* Asks for another call of data in the next turn. */
 void conn_again(struct conn *c);
 
-/* The same, behind the others that have much to do (loop_yield). Until then what arrives is read, and
- * data is not called. */
+/* The same, behind other tasks with much work (loop_yield). Until then input is read, and `data` is not
+ * called. */
 void conn_yield(struct conn *c);
 
-/* Runs a turn now: for an owner that has put something into c->out from outside of data. */
+/* Runs a turn now: for an owner that has appended to c->out outside of `data`. */
 void conn_turn(struct conn *c);
 
 /* Sends what is in c->out, then closes. Input that still arrives is read and dropped for a while,
- * because closing with unread input would make the system throw away what the client has not
- * received yet. */
+ * because closing with unread input resets the connection, and the client would lose output that it has
+ * not received yet. */
 void conn_finish(struct conn *c);
 
-/* The daemon stops: reads what has arrived, and no more. */
+/* The daemon is stopping: reads what has arrived, and no more. */
 void conn_drain(struct conn *c);
 
-/* Closes at once. The owner's closed is called at the end of the loop's turn. */
+/* Closes at once. The owner's `closed` is called at the end of the loop's turn. */
 void conn_close(struct conn *c);
 
-/* To be called once a second: closes those that linger or stall for too long, and gives those a turn
- * that read nothing because memory was short. */
+/* To be called once a second: closes the connection if it lingers or stalls for too long, and runs a turn
+ * if it stopped reading because memory was short. */
 void conn_check_timeouts(struct conn *c);
 
 /* The number of the next byte that will be appended to out. */
@@ -95,14 +96,14 @@ static inline size_t conn_sendable(const struct conn *c)
     return hold_free(&c->hold, c->sent, conn_out_end(c));
 }
 
-/* Whether there is no memory left for large buffers of clients; what there is, is for small ones. */
+/* Whether memory is short: the rest is kept for small buffers. */
 static inline bool conn_is_short(const struct conn *c)
 {
     const struct budget *b = c->memory.budget;
     return b != NULL && !budget_fits(b, BUDGET_CLIENTS, CONN_OUT_LIMIT + *b->limit / 64);
 }
 
-/* Whether the owner should produce no more output for now; data is called when it has drained. */
+/* Whether the owner should produce no more output for now; `data` is called when `out` has drained. */
 static inline bool conn_full(const struct conn *c)
 {
     size_t n = buf_len(&c->out);

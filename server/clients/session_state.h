@@ -1,5 +1,4 @@
-/* session_state.h - what a session consists of; for those who look into one (session.h has what it can
- * do). */
+/* session_state.h - the fields of a session, for code that reads them; session.h has its functions. */
 #ifndef SERVER_SESSION_STATE_H
 #define SERVER_SESSION_STATE_H
 
@@ -8,11 +7,11 @@
 #include "server/jobs/job.h"
 #include "server/system/sock.h"
 
-/* What it does. */
+/* What the session is doing. */
 enum session_state {
     SESSION_READING,   /* takes requests, or the points of `load`, from its connection */
     SESSION_WAITING,   /* its request waits in a queue (waiter) */
-    SESSION_DELAYED,   /* its request waits for a moment (later) */
+    SESSION_DELAYED,   /* its request waits until a time (later) */
     SESSION_WORKING,   /* a worker has `job` */
     SESSION_STREAMING, /* sends the rows of `stream` */
     SESSION_LISTING    /* sends those of `listing` */
@@ -23,27 +22,27 @@ struct session {
     struct server *server;
     uint64_t id;
     enum role role;
-    unsigned token;   /* the number of the token that gave it (auth.h); 0: none did */
+    unsigned token;   /* the number of the token that gave the role (auth.h); 0: none */
     bool greeted;     /* the first line has been seen */
-    int64_t since_ms; /* when it came */
+    int64_t since_ms; /* when it connected */
     struct sock_peer peer;
-    char *name;            /* owns; by CLIENT SETNAME; NULL: none */
+    char *name;            /* owns; from CLIENT SETNAME; NULL: none */
     uint64_t requests;     /* answered so far */
-    unsigned command;      /* the last one, or the one under way; as in struct answer */
-    unsigned wrong_tokens; /* that it has shown */
-    struct timer probe; /* set: runs when a comment is to show whether the client is still there */
-    bool probed;        /* it has run while a worker could report progress: once is enough */
-    bool waited;        /* it has run for the request at hand */
-    bool evicted;       /* it has made room for another client */
+    unsigned command;      /* the last or the current one; as in struct answer */
+    unsigned wrong_tokens; /* AUTH failures so far */
+    struct timer probe;    /* sends a comment that shows whether the client is still connected */
+    bool probed;           /* a comment has been sent: one is enough */
+    bool waited;           /* `later` has run for the current request */
+    bool evicted;          /* closed to make room for another client */
     struct stats_pause pause;
-    bool noted; /* the request that has paused is in `note`, as words */
+    bool noted; /* `note` has the words of the request that has paused */
     char note[SLOW_TEXT];
-    size_t held; /* bytes of the request that waits: kept in the input until it is answered */
-    struct timer later;    /* SESSION_DELAYED: ends that */
-    int64_t limit_ms;      /* that the request may take; 0: any time */
-    int64_t deadline_ms;   /* of the request that waits or that a worker has; 0: none */
-    struct timer deadline; /* set: runs at that moment */
-    bool timed_out;        /* it has passed */
+    size_t held; /* bytes of the current request, which stay in the input until it is answered */
+    struct timer later;    /* ends SESSION_DELAYED */
+    int64_t limit_ms;      /* TIMEOUT of the current request; 0: none */
+    int64_t deadline_ms;   /* when that is over; 0: none */
+    struct timer deadline; /* runs at that time */
+    bool timed_out;        /* the deadline has passed */
     enum session_state state;
     union {
         struct job *job;         /* borrows */
@@ -51,16 +50,15 @@ struct session {
         struct listing *listing; /* owns */
     };
     struct temporaries *temporary; /* owns; NULL: it has no temporary sets */
-    struct load *load; /* owns: the body that is being received, or whose request is under way */
-    bool refused;      /* the request whose body is being received has been refused already */
-    bool resp;         /* the request under way came in RESP framing (proto/resp.h) */
-    bool in_bulk;      /* the load's points come as one bulk string */
+    struct load *load; /* owns: the body that is being received, or that of the current request */
+    bool refused;      /* the request whose body is being received has already been refused */
+    bool resp;         /* the current request came in RESP framing (proto/resp.h) */
+    bool in_bulk;      /* the body is one bulk string */
     size_t bulk_left;  /* bytes of it that have not been read */
-    size_t need;       /* input shorter than this holds no whole RESP request */
-    struct reply_reader reader; /* the place in a reply that goes out as RESP */
-    struct waiter waiter;       /* of the request under way */
-    void (*closed)(
-        struct session *s); /* tells whoever keeps the session, which is freed afterwards */
+    size_t need;       /* shorter input has no whole RESP request */
+    struct reply_reader reader;        /* the position in a reply that is sent as RESP */
+    struct waiter waiter;              /* of the current request */
+    void (*closed)(struct session *s); /* called before the session is freed; may be NULL */
 };
 
 #endif

@@ -22,7 +22,7 @@ static void note_wrong(struct server *s, struct session *who)
     if (who == NULL)
         return;
     who->wrong_tokens++;
-    if (!guard_tells(&s->guard, &who->peer, who->conn.loop->now_ms, &more))
+    if (!guard_should_report(&s->guard, &who->peer, who->conn.loop->now_ms, &more))
         return;
     snprintf(what, sizeof what,
              "has shown a wrong token (%" PRIu64 " more from its address since the last time)",

@@ -83,7 +83,7 @@ static bool list_clients(struct server *s, uint64_t *at, uint64_t end, struct li
     for (; *at < until; ++*at) {
         const struct session *one = clients_at(c, (uint32_t)*at);
         fetch_session(c, (uint32_t)*at + AHEAD);
-        if (one == NULL || one->conn.dead)
+        if (one == NULL || one->conn.closed)
             continue;
         tell_client(&rows->text, one);
         rows->n++;
@@ -164,7 +164,7 @@ static void kill_clients(struct server *s, const struct request *q, struct answe
     }
     for (uint32_t i = 0; c != NULL && i < c->cap; i++) {
         struct session *one = clients_at(c, i);
-        if (one == NULL || one->conn.dead || !is_meant(&target, one))
+        if (one == NULL || one->conn.closed || !is_meant(&target, one))
             continue;
         kill_one(s, a, one);
         n++;

@@ -30,7 +30,7 @@ bool reload_tokens(struct server *s, uint64_t asker)
     }
     for (uint32_t i = 0; s->clients != NULL && i < s->clients->cap; i++) {
         struct session *one = clients_at(s->clients, i);
-        if (one != NULL && !one->conn.dead)
+        if (one != NULL && !one->conn.closed)
             renew_client(one, &now, &before, asker);
     }
     notice(NOTICE_INFO, "%zu tokens have been read from %s", now.n, path);

@@ -19,14 +19,14 @@ struct auth {
 bool auth_load(struct auth *a, const char *path);
 void auth_clear(struct auth *a);
 
-/* The role that a connection starts with. */
+/* The role of a new connection. */
 enum role auth_initial_role(const struct auth *a);
 
-/* The role that the token gives, and its number, from 1 on; ROLE_NONE and 0 if it is unknown. Takes
- * the same time whichever byte differs. */
+/* The role and the number (from 1) of the token; ROLE_NONE and 0 if it is unknown. The time that this takes
+ * does not depend on which byte differs. */
 enum role auth_check(const struct auth *a, const struct word *token, unsigned *number);
 
-/* The same for the token that had this number before the file was read again. */
+/* The same for the token with the number *number in `before`, the tokens before a reload. */
 enum role auth_renew(const struct auth *now, const struct auth *before, unsigned *number);
 
 #endif

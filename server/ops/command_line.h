@@ -1,5 +1,5 @@
-/* command_line.h - the command line of the daemon: settings by name (setting.h), and what it is to do
- * instead of serving. */
+/* command_line.h - the command line of the daemon: settings by name (setting.h), and --check, --repair,
+ * --help and --version, with which it does not serve. */
 #ifndef SERVER_COMMAND_LINE_H
 #define SERVER_COMMAND_LINE_H
 

@@ -1,4 +1,4 @@
-/* config.h - what the command line says, and CONFIG SET changes; setting.h has it by name. */
+/* config.h - the configuration: set by the command line, changed by CONFIG SET; setting.h has it by name. */
 #ifndef SERVER_CONFIG_H
 #define SERVER_CONFIG_H
 
@@ -14,8 +14,8 @@
 
 enum { CONFIG_MOST_THREADS = 256 };
 
-/* When a change is durable, and so acknowledged: when it has been synced; or written, and synced once a
- * second, or never. */
+/* When a change counts as durable and is acknowledged: after it has been synced (LOG_ALWAYS), or after it
+ * has been written, with a sync every second (LOG_EVERYSEC) or none (LOG_NO). */
 enum log_policy { LOG_ALWAYS, LOG_EVERYSEC, LOG_NO };
 
 struct config {
@@ -24,24 +24,24 @@ struct config {
     const char *data;         /* the data directory; NULL: everything is in memory only */
     enum log_policy fsync;
     size_t compact_at;     /* bytes of log after which a snapshot is made */
-    const char *check;     /* a data directory that is to be checked, and nothing else */
-    const char *repair;    /* the same, to be repaired */
+    const char *check;     /* the data directory of --check; NULL: none */
+    const char *repair;    /* the data directory of --repair; NULL: none */
     const char *unix_path; /* NULL: no Unix socket */
-    bool private; /* for the process that holds the other end of standard input (private.h) */
-    const char *auth_file; /* NULL: everybody may do everything */
-    unsigned threads;      /* that a job may use; the I/O thread not counted */
+    bool private; /* --private: serves the process at the other end of standard input (private.h) */
+    const char *auth_file; /* NULL: every client may do everything */
+    unsigned threads;      /* of workers, which a job may use; without the I/O thread */
     unsigned max_clients;
-    unsigned idle_timeout_s; /* after which a client that sends nothing is dropped; 0: never */
-    unsigned load_timeout_s; /* after which a load whose points stop coming is given up; 0: never */
-    uint32_t max_points;     /* of one set */
-    size_t max_memory;       /* bytes of the budget (budget.h) */
-    uint32_t slowlog_us;     /* what takes longer goes into the slow log; 0: nothing does */
-    uint32_t slowlog_len;    /* how many requests that keeps */
-    enum notice_level log_level; /* what is told on standard error */
+    unsigned idle_timeout_s;     /* after which an idle client is disconnected; 0: never */
+    unsigned load_timeout_s;     /* after which a stalled load is abandoned; 0: never */
+    uint32_t max_points;         /* of one set */
+    size_t max_memory;           /* bytes of the budget (budget.h) */
+    uint32_t slowlog_us;         /* requests that take longer go into the slow log; 0: none */
+    uint32_t slowlog_len;        /* requests that the slow log keeps */
+    enum notice_level log_level; /* of messages on standard error */
     bool insecure;               /* a bind beyond loopback is allowed without tokens */
 };
 
-/* At most `most` clients, or as many as descriptors allow. */
+/* `most`, or the number of clients that descriptors allow if that is lower. */
 unsigned config_affordable_clients(unsigned most);
 
 /* The defaults for this machine. */

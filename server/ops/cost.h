@@ -1,8 +1,8 @@
-/* cost.h - what the I/O thread does itself, and what is left to a worker: whatever takes longer than
- * about 200 us, for all other clients wait meanwhile.
+/* cost.h - which work the I/O thread does itself. Work that takes longer than about 200 us goes to a worker,
+ * because all other clients would wait meanwhile.
  *
- * Work whose size is known beforehand is estimated here, from measurements (tests/bench) with something
- * in hand. The work of searches and of single edits depends on where they lie: they are tried with a
+ * Where the amount of work is known in advance, it is estimated here, from measurements (tests/bench) with
+ * a safety margin. The cost of searches and of single edits depends on the place: they are tried with a
  * limit on their steps (struct dt_options) and go to a worker if they exceed it. */
 #ifndef SERVER_COST_H
 #define SERVER_COST_H
@@ -16,8 +16,8 @@ enum cost_kind {
     COST_GRID,  /* per point: the grid for searches */
     COST_COPY,  /* per point: a copy of the set */
     COST_EDIT,  /* per point added or deleted */
-    COST_SWEEP, /* per point that a sweep looks at */
-    COST_FREE   /* per KiB given back to the system */
+    COST_SWEEP, /* per point that a sweep reads */
+    COST_FREE   /* per KiB returned to the system */
 };
 
 enum {

@@ -1,5 +1,5 @@
-/* guard.c - see guard.h. The line of an address is the generic cell rate algorithm: one moment for
- * each address, when it will have paid for everything, moves on by 100 ms with every charge. */
+/* guard.c - see guard.h. For addresses this is the generic cell rate algorithm: each address has one time
+ * value, when its charges will be paid off, and every charge advances it by 100 ms. */
 #include "server/ops/guard.h"
 
 #include <string.h>
@@ -16,8 +16,8 @@ static int64_t sooner(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-/* Who has one IPv6 address usually has all that share its first half. An IPv4 address that a socket
- * for both kinds shows as an IPv6 one is still that of one client. */
+/* An IPv6 network is identified by the first half of its addresses. An IPv4 address that is mapped into
+ * IPv6 counts as the IPv4 address. */
 static void key_of(const struct sock_peer *peer, uint8_t key[17])
 {
     static const uint8_t mapped[12] = {[10] = 0xFF, [11] = 0xFF};
@@ -41,7 +41,7 @@ static uint32_t hash(const uint8_t key[17]) /* FNV-1a */
     return h ^ h >> 15;
 }
 
-/* The entry of the address, which takes the place of the one that owes least if there is none. */
+/* The entry of the address; a new one replaces the entry with the lowest debt of its set. */
 static struct guard_entry *entry_of(struct guard *g, const struct sock_peer *peer)
 {
     uint8_t key[17];
@@ -58,7 +58,7 @@ static struct guard_entry *entry_of(struct guard *g, const struct sock_peer *pee
     return least;
 }
 
-/* 100 ms after the first wrong token, twice as long after each further one. */
+/* 100 ms after the first wrong token, doubled with each further one. */
 static int64_t wait_of_connection(unsigned wrong)
 {
     return wrong == 0 ? 0 : wrong > 6 ? GUARD_LONGEST_MS : GUARD_EACH_MS << (wrong - 1);
@@ -79,7 +79,8 @@ void guard_refund(struct guard *g, const struct sock_peer *peer, int64_t now_ms)
     e->paid_ms = later(e->paid_ms - GUARD_EACH_MS, now_ms);
 }
 
-bool guard_tells(struct guard *g, const struct sock_peer *peer, int64_t now_ms, uint64_t *more)
+bool guard_should_report(struct guard *g, const struct sock_peer *peer, int64_t now_ms,
+                         uint64_t *more)
 {
-    return notice_rarely(&entry_of(g, peer)->told, now_ms, more);
+    return notice_rarely(&entry_of(g, peer)->messages, now_ms, more);
 }

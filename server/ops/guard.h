@@ -1,18 +1,18 @@
-/* guard.h - slows down those who guess tokens, by the address that they come from.
+/* guard.h - rate limiting of AUTH by address, against guessed tokens.
  *
- * Whoever shows a token stands in line before it is looked at, the right one like a wrong one: else a
- * stranger could tell them apart by the delay, give up the slow ones, and go on at full speed. The
- * line has two reasons, of which the longer one counts:
+ * The check of a token is delayed, whether the token is right or wrong: otherwise an attacker could
+ * recognise a wrong token by its delay, abandon the attempt and continue at full speed. The delay is the
+ * longer one of two:
  *
- *   - earlier wrong tokens of the same connection: 100 ms, 200, 400, ...
- *   - wrong tokens from the same address. It may show BURST of them at once, then one each 100 ms; the
- *     tokens that it shows meanwhile get a place in line, each 100 ms behind the one before. A right
- *     token gives its place back, so that any number of good clients costs nothing.
+ *   - for earlier wrong tokens of the same connection: 100 ms, 200, 400, ...
+ *   - for tokens from the same address: GUARD_BURST of them are checked at once, then one every 100 ms;
+ *     further tokens queue up 100 ms apart. A right token returns its charge, so that any number of
+ *     legitimate clients is not delayed.
  *
- * Nobody stands in line for more than GUARD_LONGEST_MS: a good client whose address is shared with
- * somebody who guesses, behind a proxy say, is delayed by so much, and all other clients not at all.
- * So an address can try 10 tokens a second, or a third of the number of its connections if these are
- * more than 30. */
+ * No delay exceeds GUARD_LONGEST_MS: so much is a legitimate client delayed whose address is shared with
+ * an attacker, for instance behind a proxy; clients from other addresses are not delayed at all. So an
+ * address can try 10 tokens a second, or a third of the number of its connections if it has more than
+ * 30. */
 #ifndef SERVER_GUARD_H
 #define SERVER_GUARD_H
 
@@ -29,24 +29,25 @@ enum {
 
 struct guard_entry {
     uint8_t key[17]; /* kind and address; the first half of an IPv6 address */
-    int64_t paid_ms; /* when all that the address has been charged for will be paid off */
-    struct notice_rarely told;
+    int64_t paid_ms; /* when all charges of the address will be paid off */
+    struct notice_rarely messages;
 };
 
-/* A cache of a fixed size: an address that owes more replaces one that owes less. All zero: empty. */
+/* A cache of fixed size: a new address replaces the one with the lowest debt. All zero: empty. */
 struct guard {
     struct guard_entry entry[GUARD_SETS][GUARD_WAYS];
 };
 
-/* A client at the address, which has shown `wrong` wrong tokens on its connection, shows a token. The
- * moment when that may be looked at: now_ms, or later. The address is charged for it. */
+/* Charges the address for a token and returns when the token may be checked: now_ms, or later. `wrong`: the
+ * number of wrong tokens on this connection so far. */
 int64_t guard_charge(struct guard *g, const struct sock_peer *peer, unsigned wrong, int64_t now_ms);
 
-/* The token was right: the charge is returned. */
+/* The token was right: returns the charge. */
 void guard_refund(struct guard *g, const struct sock_peer *peer, int64_t now_ms);
 
-/* The token was wrong: whether to say so to the operator; then *more is how many wrong tokens from
- * that address were not mentioned before this one. */
-bool guard_tells(struct guard *g, const struct sock_peer *peer, int64_t now_ms, uint64_t *more);
+/* The token was wrong: whether to write a message; then *more is the number of wrong tokens from that
+ * address without a message since the last one. */
+bool guard_should_report(struct guard *g, const struct sock_peer *peer, int64_t now_ms,
+                         uint64_t *more);
 
 #endif

@@ -1,15 +1,14 @@
 /* histogram.h - counts of durations in buckets whose width is a 32nd of their value, so that every
- * quantile is right to 3 per cent, whatever its size, in memory that does not grow (after G. Tene's
- * HdrHistogram). */
+ * quantile is accurate to 3 per cent, in constant memory (after G. Tene's HdrHistogram). */
 #ifndef SERVER_HISTOGRAM_H
 #define SERVER_HISTOGRAM_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-enum { HISTOGRAM_BUCKETS = 38 * 32 }; /* beyond 2^42 ns, 73 minutes, only max tells them apart */
+enum { HISTOGRAM_BUCKETS = 38 * 32 }; /* values beyond 2^42 ns, 73 minutes, share one bucket */
 
-/* Zero it to start. */
+/* All zero: empty. */
 struct histogram {
     uint64_t count[HISTOGRAM_BUCKETS];
     uint64_t total, max;

@@ -150,7 +150,7 @@ static char lower(char c)
     return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
 }
 
-/* After a mismatch the last `*` takes one character more: an earlier one never needs to. */
+/* After a mismatch only the last `*` is extended by a character; earlier ones need not be. */
 bool setting_matches(const char *name, const char *pattern, size_t len)
 {
     const char *retry = NULL;

@@ -57,7 +57,7 @@ void slowlog_reset(struct slowlog *l)
     l->first = l->next;
 }
 
-/* Appends up to the last byte of text, which stays free for the NUL; returns the new length. */
+/* Appends as much as fits, with the last byte left for the NUL; returns the new length. */
 static size_t append(char *text, size_t at, const char *from, size_t len)
 {
     for (size_t i = 0; i < len && at < SLOW_TEXT - 1; i++)

@@ -1,9 +1,9 @@
-/* stats.h - how often each command was carried out and how long it took: the time at work and,
- * apart from it, the time in line for a set or for a worker.
+/* stats.h - how often each command was carried out and how long it took: the time at work, and separately
+ * the time in queues for a set or a worker.
  *
- * The clock is not free beside requests that take half a microsecond. It is read once when a
- * request ends, which is when the next one of the batch begins; and of a run of the quickest ones
- * (PING) only once for all, which then share the time equally. */
+ * Reading the clock is expensive compared with requests that take half a microsecond. It is read once when
+ * a request ends, which is when the next one of the batch begins; and for a run of the quickest requests
+ * (PING) only once, and they share the time equally. */
 #ifndef SERVER_STATS_H
 #define SERVER_STATS_H
 
@@ -13,27 +13,28 @@
 #include <stdint.h>
 
 enum {
-    STATS_COMMANDS = 48,             /* more than the table of commands has rows */
-    STATS_OTHER = STATS_COMMANDS - 1 /* what is none of ours */
+    STATS_COMMANDS = 48,             /* more than the number of commands */
+    STATS_OTHER = STATS_COMMANDS - 1 /* all unknown commands */
 };
 
 struct command_stats {
     uint64_t calls, errors;
-    struct histogram work; /* ns from when a request was looked at until its reply began */
-    struct histogram wait; /* ns in line, which `work` leaves out; only of those that had to */
+    struct histogram
+        work; /* ns from the start of a request to the start of its reply, without `wait` */
+    struct histogram wait; /* ns in queues; only of requests that had to wait */
 };
 
 struct stats {
-    struct command_stats *of; /* owns; by place in the table of commands */
-    int64_t mark_ns;          /* the last look at the clock: when the request at hand began */
-    unsigned quick;           /* of which command the run of quick ones is */
-    uint64_t run;             /* how many these are, not counted yet */
+    struct command_stats *of; /* owns; by index in the table of commands */
+    int64_t mark_ns;          /* when the clock was last read: when the current request began */
+    unsigned quick;           /* the command of the run of quick requests */
+    uint64_t run;             /* the length of that run; its time is not counted yet */
 };
 
-/* A request that is not answered at once; part of whoever waits for it. All zero: there is none. */
+/* A request that is not answered at once; part of its session. All zero: there is none. */
 struct stats_pause {
-    int64_t began_ns; /* when it was first looked at; 0: it has not paused */
-    int64_t since_ns; /* in line since then; 0: it is not */
+    int64_t began_ns; /* when the request began; 0: it has not paused */
+    int64_t since_ns; /* in a queue since then; 0: it is not in one */
     int64_t waited_ns;
 };
 
@@ -46,23 +47,23 @@ struct stats_outcome {
 bool stats_init(struct stats *st);
 void stats_clear(struct stats *st);
 
-/* Looks at the clock, counts the run of quick requests that ends with it, and returns the time. */
+/* Reads the clock, counts the time of the run of quick requests, and returns the clock. */
 int64_t stats_look(struct stats *st);
 
-/* A request of this command is about to be carried out: ends a run of others. */
+/* A request of this command is about to be carried out: ends a run of another command. */
 static inline void stats_begin(struct stats *st, unsigned command)
 {
     if (st->run > 0 && st->quick != command)
         stats_look(st);
 }
 
-/* The request at hand pauses, in line for a set (in_line) or with a worker. */
+/* The current request pauses, in a queue (in_line) or with a worker. */
 void stats_pause(struct stats *st, struct stats_pause *p, bool in_line);
 
-/* It goes on. */
+/* It continues. */
 void stats_resume(struct stats *st, struct stats_pause *p);
 
-/* It has been answered; `quick`: the clock need not be looked at. *p is empty afterwards. */
+/* It has been answered; `quick`: the clock need not be read. *p is empty afterwards. */
 struct stats_outcome stats_end(struct stats *st, struct stats_pause *p, unsigned command,
                                bool quick, bool error);
 

@@ -292,7 +292,7 @@ static void pass_deadline(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, deadline));
     bool in_line = s->waiter.queue != NULL || s->state == SESSION_DELAYED;
-    if (s->conn.dead)
+    if (s->conn.closed)
         return;
     s->timed_out = true;
     if (s->state == SESSION_WORKING ? job_leave(s->job, s->id) : in_line) {

@@ -76,7 +76,7 @@ static void on_piece(void *ctx)
 static void hold_reply(struct session *s, const struct answer *a)
 {
     struct holders *in = &s->server->held;
-    if (s->conn.dead || a->next == ANSWER_JOB || a->next == ANSWER_BODY)
+    if (s->conn.closed || a->next == ANSWER_JOB || a->next == ANSWER_BODY)
         return; /* the dead leave no trace */
     if (a->lsn != 0)
         hold_acknowledgement(in, &s->conn.hold, a->lsn, a->mark);

@@ -27,7 +27,7 @@ void session_check_timeouts(struct session *s)
     struct conn *c = &s->conn;
     int64_t now = c->loop->now_ms, idle_ms = (int64_t)s->server->config->idle_timeout_s * 1000;
     conn_check_timeouts(c);
-    if (c->dead || c->finishing)
+    if (c->closed || c->finishing)
         return;
     if (s->role == ROLE_NONE && s->state != SESSION_DELAYED &&
         now - s->since_ms > LIMIT_STRANGER_S * 1000) {
@@ -62,7 +62,7 @@ void session_probe(struct session *s)
 void session_on_probe(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, probe));
-    if (s->state != SESSION_WORKING || s->conn.dead)
+    if (s->state != SESSION_WORKING || s->conn.closed)
         return;
     s->probed = s->job->what != NULL;
     session_progress(s, s->job);

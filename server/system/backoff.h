@@ -1,5 +1,5 @@
-/* backoff.h - when to try again what has failed: half a second later, then after twice as long each
- * time, up to a minute. Times are in milliseconds, on any clock that does not go back. */
+/* backoff.h - exponential backoff: the first retry comes after half a second, and the interval doubles
+ * with each failure, up to a minute. Times are in milliseconds of any monotonic clock. */
 #ifndef SERVER_BACKOFF_H
 #define SERVER_BACKOFF_H
 
@@ -10,7 +10,7 @@ enum { BACKOFF_FIRST_MS = 500, BACKOFF_LIMIT_MS = 60 * 1000 };
 
 struct backoff {
     unsigned failures; /* in a row */
-    int64_t next_ms;   /* not to be tried before */
+    int64_t next_ms;   /* no retry before this time */
 };
 
 static inline void backoff_failed(struct backoff *b, int64_t now_ms)

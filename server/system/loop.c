@@ -68,17 +68,17 @@ void loop_yield(struct loop *loop, struct task *task)
     push(&loop->yielded, task);
 }
 
-void loop_bury(struct loop *loop, struct task *task)
+void loop_dispose(struct loop *loop, struct task *task)
 {
-    push(&loop->burials, task);
+    push(&loop->disposals, task);
 }
 
 void loop_clear(struct loop *loop)
 {
-    while (loop->burials.first != NULL) {
+    while (loop->disposals.first != NULL) {
         run_all(&loop->deferred);
         run_all(&loop->yielded);
-        run_all(&loop->burials);
+        run_all(&loop->disposals);
     }
     buf_free(&loop->spare_in);
     buf_free(&loop->spare_out);
@@ -126,8 +126,7 @@ static int wait_ms(const struct loop *loop)
     return left < 0 ? 0 : (int)left;
 }
 
-/* Runs yielded tasks in order until their time is over; the next turn continues with those that are
- * left. */
+/* Runs yielded tasks in order until their time is over; the rest run in the next turn. */
 static void run_yielded(struct loop *loop)
 {
     struct task_list *list = &loop->yielded;
@@ -151,7 +150,7 @@ void loop_run(struct loop *loop)
         int n = epoll_wait(loop->epoll, event, EVENTS_PER_WAIT, wait_ms(loop));
         loop->turn_ns = clock_ns();
         loop->now_ms = loop->turn_ns / 1000000;
-        /* What was deferred comes before news: it has waited longer. */
+        /* Deferred tasks come before new events: they have waited longer. */
         run_all(&loop->deferred);
         for (int i = 0; i < n; i++) {
             struct source *source = event[i].data.ptr;
@@ -163,7 +162,7 @@ void loop_run(struct loop *loop)
         tick_if_due(loop);
         if (loop->turn_end != NULL)
             loop->turn_end(loop);
-        run_all(&loop->burials);
+        run_all(&loop->disposals);
     }
 }
 

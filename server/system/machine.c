@@ -41,7 +41,7 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* The number in a file of a control group; SIZE_MAX for `max`, or if there is no such file. */
+/* The limit in a file of a control group; SIZE_MAX for `max`, or if there is no such file. */
 static size_t read_limit(const char *directory, const char *name)
 {
     char path[PATH_ROOM + 64];
@@ -55,9 +55,9 @@ static size_t read_limit(const char *directory, const char *name)
     return is_number && v < SIZE_MAX ? (size_t)v : SIZE_MAX;
 }
 
-/* The least limit of the group and all its parents. A limit of a parent, such as a slice of systemd,
- * binds its children although their own files do not show it. In a container the mount may hold a
- * part of the tree only: then the path leads nowhere, and the mount itself has the limit. */
+/* The lowest limit of the group and all its parents. The limit of a parent, such as a systemd slice,
+ * applies to its children although their own files do not show it. In a container the mount may
+ * contain only a part of the tree: then the path does not exist, and the mount itself has the limit. */
 static size_t least_of_parents(const char *mount, const char *group)
 {
     char directory[PATH_ROOM];
@@ -76,7 +76,7 @@ static size_t least_of_parents(const char *mount, const char *group)
     return limit;
 }
 
-/* Whether the list of controllers, separated by commas, has the one for memory. */
+/* Whether the comma-separated list of controllers includes memory. */
 static bool has_memory(const char *controllers, size_t len)
 {
     static const char memory[] = "memory";

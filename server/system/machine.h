@@ -10,17 +10,17 @@ unsigned machine_processors(void);
 /* Raises the soft limit of open descriptors to the hard one: best effort. */
 void machine_raise_descriptors(void);
 
-/* How many descriptors this process may have; UINT_MAX: any number. */
+/* How many descriptors this process may have; UINT_MAX: no limit. */
 unsigned machine_descriptors(void);
 
-/* Bytes of memory: those of the machine, or those that the control groups leave of it. */
+/* Bytes of memory: the machine's, or the limit of the control groups if that is lower. */
 size_t machine_memory(void);
 
-/* Bytes of this process that are in memory; 0 if the system does not say. */
+/* Resident bytes of this process; 0 if the system does not report them. */
 size_t machine_resident(void);
 
-/* The least memory limit of the control groups that `groups` (/proc/self/cgroup) names and of their
- * parents, versions 1 and 2, below `mount` (/sys/fs/cgroup); SIZE_MAX: there is none. */
+/* The lowest memory limit of the control groups in the file `groups` (/proc/self/cgroup) and of their
+ * parents, versions 1 and 2, below `mount` (/sys/fs/cgroup); SIZE_MAX: none. */
 size_t machine_group_memory(const char *groups, const char *mount);
 
 #endif

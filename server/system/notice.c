@@ -16,8 +16,8 @@ static const char *const level_name[] = {"error", "warning", "info", "debug"};
 static const int priority[] = {3, 4, 6, 7}; /* syslog's */
 
 static atomic_int limit = NOTICE_INFO;
-static _Atomic int64_t second; /* to which `told` belongs */
-static atomic_uint told, left_out;
+static _Atomic int64_t second; /* in which `written` lines were written */
+static atomic_uint written, left_out;
 
 bool notice_parse_level(const char *text, enum notice_level *level)
 {
@@ -45,7 +45,7 @@ bool notice_wanted(enum notice_level level)
     return (int)level <= limit;
 }
 
-/* What stands before the text; returns its length. */
+/* Writes the date and the level; returns their length. */
 static size_t write_head(char *line, enum notice_level level, time_t now)
 {
     struct tm t;
@@ -58,8 +58,8 @@ static size_t write_head(char *line, enum notice_level level, time_t now)
     return n > 0 ? (size_t)n : 0;
 }
 
-__attribute__((format(printf, 2, 0))) static void vtell(enum notice_level level, const char *format,
-                                                        va_list ap)
+__attribute__((format(printf, 2, 0))) static void vwrite_line(enum notice_level level,
+                                                              const char *format, va_list ap)
 {
     char line[LINE + 1];
     size_t at = write_head(line, level, time(NULL));
@@ -69,28 +69,28 @@ __attribute__((format(printf, 2, 0))) static void vtell(enum notice_level level,
         if (line[i] < ' ' || line[i] > '~')
             line[i] = '?';
     line[end++] = '\n';
-    ssize_t ignored = write(STDERR_FILENO, line, end); /* there is nobody else to tell */
+    ssize_t ignored = write(STDERR_FILENO, line, end); /* there is no other place to report it */
     (void)ignored;
 }
 
-__attribute__((format(printf, 2, 3))) static void tell(enum notice_level level, const char *format,
-                                                       ...)
+__attribute__((format(printf, 2, 3))) static void write_line(enum notice_level level,
+                                                             const char *format, ...)
 {
     va_list ap;
     va_start(ap, format);
-    vtell(level, format, ap);
+    vwrite_line(level, format, ap);
     va_end(ap);
 }
 
 /* Whether this second has room for one more line. */
-static bool may_tell(void)
+static bool may_write(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     int64_t now = (int64_t)t.tv_sec;
     if (atomic_exchange(&second, now) != now)
-        told = 0;
-    return atomic_fetch_add(&told, 1) < PER_SECOND;
+        written = 0;
+    return atomic_fetch_add(&written, 1) < PER_SECOND;
 }
 
 void notice(enum notice_level level, const char *format, ...)
@@ -98,23 +98,23 @@ void notice(enum notice_level level, const char *format, ...)
     va_list ap;
     if (!notice_wanted(level))
         return;
-    if (!may_tell() && level != NOTICE_ERROR) {
+    if (!may_write() && level != NOTICE_ERROR) {
         left_out++;
         return;
     }
     va_start(ap, format);
-    vtell(level, format, ap);
+    vwrite_line(level, format, ap);
     va_end(ap);
 }
 
 bool notice_rarely(struct notice_rarely *r, int64_t now_ms, uint64_t *more)
 {
-    if (r->told_ms != 0 && now_ms - r->told_ms < RARELY_MS) {
+    if (r->last_ms != 0 && now_ms - r->last_ms < RARELY_MS) {
         r->left_out++;
         return false;
     }
     *more = r->left_out;
-    *r = (struct notice_rarely){.told_ms = now_ms};
+    *r = (struct notice_rarely){.last_ms = now_ms};
     return true;
 }
 
@@ -122,5 +122,5 @@ void notice_tick(void)
 {
     unsigned n = atomic_exchange(&left_out, 0);
     if (n > 0)
-        tell(NOTICE_WARNING, "%u lines were left out", n);
+        write_line(NOTICE_WARNING, "%u lines were left out", n);
 }

@@ -1,11 +1,10 @@
-/* notice.h - lines for the operator, on standard error: one place for all of them, with levels and
- * a limit on how many a second, so that no client can fill a disk by misbehaving.
+/* notice.h - messages to the operator, on standard error, with levels and a limit on how many a
+ * second, so that no client can fill a disk by misbehaving.
  *
  *     2026-11-21 12:00:00 delaunayd: warning: a client was refused: too many clients
  *
- * With the journal at the other end (JOURNAL_STREAM) the date is left out, and the level comes
- * first as <3>, which the journal understands (sd-daemon(3)). Any thread may call; nothing locks.
- */
+ * If standard error is the journal (JOURNAL_STREAM), the date is left out and the level comes first, as
+ * <3> (sd-daemon(3)). Any thread may call; nothing locks. */
 #ifndef SERVER_NOTICE_H
 #define SERVER_NOTICE_H
 
@@ -14,33 +13,33 @@
 
 enum notice_level { NOTICE_ERROR, NOTICE_WARNING, NOTICE_INFO, NOTICE_DEBUG };
 
-/* Reads a level's name. False if it is none. */
+/* Parses a level's name. False: it is none. */
 bool notice_parse_level(const char *text, enum notice_level *level);
 
 /* Its name. */
 const char *notice_level_name(enum notice_level level);
 
-/* What is less urgent than this is left out from now on. */
+/* Less urgent messages are left out from now on. */
 void notice_set_level(enum notice_level level);
 
-/* Whether it would be told; for what is costly to prepare. */
+/* Whether a message of this level is written; for messages that are expensive to prepare. */
 bool notice_wanted(enum notice_level level);
 
-/* Tells one line. What is not printable in it becomes '?', and a long one is cut. Beyond 50 a
- * second they are left out and counted, errors excepted. */
+/* Writes one line. Characters that are not printable become '?', and a long line is cut. Beyond 50
+ * lines a second, all but errors are left out and counted. */
 __attribute__((format(printf, 2, 3))) void notice(enum notice_level level, const char *format, ...);
 
-/* For a line that strangers can provoke as often as they like: of each kind one in ten seconds. */
+/* For a message that clients can provoke as often as they like: at most one in ten seconds. */
 struct notice_rarely {
-    int64_t told_ms;   /* when the last one was told; 0: none was */
+    int64_t last_ms;   /* when the last one was written; 0: never */
     uint64_t left_out; /* since then */
 };
 
-/* Whether such a line may be told now, a moment of the monotonic clock; then *more is how many were
- * not told before it. One thread's. */
+/* Whether such a message may be written at now_ms (monotonic); then *more is how many were left out
+ * before it. Not for several threads. */
 bool notice_rarely(struct notice_rarely *r, int64_t now_ms, uint64_t *more);
 
-/* Once a second: tells how many were left out since. */
+/* To be called once a second: reports how many lines were left out. */
 void notice_tick(void);
 
 #endif

@@ -2,11 +2,11 @@
  * (EEVDF) lets the thread with the shortest one run first, so the clients of the I/O thread do not
  * wait for the end of a worker's slice of three milliseconds.
  *
- * Its slice alone is not enough. Where two workers share a processor, the one that waits falls behind
- * its share, and once its slice is due the woken I/O thread is not the next in turn any more: the
- * worker that runs is not interrupted then, until the clock ticks, which may be four milliseconds
- * later. A worker's slice of several ticks is rarely due so soon; it takes nothing off a worker's
- * share of the processor, and a worker that has little to do on a busy machine still gets there. */
+ * A short slice for the I/O thread is not enough. Where two workers share a processor, the one that
+ * waits falls behind its share, and once its slice is due, the I/O thread is not the next to run: then
+ * the running worker is not interrupted until the next clock tick, which may be four milliseconds
+ * later. The slice of a worker is therefore several ticks long, so that it is rarely due so soon. That
+ * does not reduce a worker's share of the processor. */
 #include "server/system/priority.h"
 
 #include <sched.h>
@@ -28,8 +28,8 @@ struct attributes {
     uint64_t runtime, deadline, period;
 };
 
-/* Nothing happens if whoever started the daemon has chosen a policy of his own. A kernel that knows
- * no slices takes the policy only. */
+/* Does nothing if the daemon was started with a policy other than the default. A kernel without
+ * slices takes only the policy. */
 static void choose(uint32_t policy, uint64_t slice_ns)
 {
     struct attributes a = {.size = sizeof a};

@@ -1,13 +1,13 @@
-/* priority.h - what the system's scheduler is told about a thread. No privilege is needed, no share of
- * the processor is given up, and a kernel that does not know the wish ignores it. */
+/* priority.h - hints about threads for the scheduler. They need no privilege, do not change a thread's share
+ * of the processor, and are ignored by kernels that do not know them. */
 #ifndef SERVER_PRIORITY_H
 #define SERVER_PRIORITY_H
 
-/* The calling thread works in short pieces and somebody waits for each: it asks for short slices,
- * which come sooner after it wakes (Linux 6.12 and later). */
+/* The calling thread works in short pieces, and clients wait for each: it requests short time slices,
+ * so that it runs sooner after it wakes up (Linux 6.12 and later). */
 void priority_prompt(void);
 
-/* The calling thread computes for long: it pushes nobody aside when it wakes. */
+/* The calling thread computes for a long time: it does not preempt others when it wakes up. */
 void priority_patient(void);
 
 #endif

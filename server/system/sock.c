@@ -18,7 +18,7 @@
 
 enum {
     BACKLOG = 1024,
-    /* A client whose machine is gone is noticed after IDLE + PROBES * INTERVAL seconds of silence. */
+    /* An unreachable client is detected after IDLE + PROBES * INTERVAL seconds of silence. */
     KEEPALIVE_IDLE_S = 60,
     KEEPALIVE_INTERVAL_S = 15,
     KEEPALIVE_PROBES = 4
@@ -32,7 +32,7 @@ static int fail(int fd, const char *what)
     return -1;
 }
 
-/* Turns text into a socket address; returns its length, 0 if it is none. */
+/* Parses a numeric address; returns the length of the socket address, 0 on failure. */
 static socklen_t parse_address(const char *text, unsigned port, struct sockaddr_storage *at)
 {
     struct sockaddr_in *v4 = (struct sockaddr_in *)at;
@@ -88,7 +88,7 @@ int sock_listen(const char *address, unsigned *port)
     return fd;
 }
 
-/* Removes a socket file if connecting to it shows that nobody listens. */
+/* Removes a socket file if a connection to it is refused. */
 static void remove_stale(const struct sockaddr_un *at)
 {
     struct stat st;
@@ -163,7 +163,7 @@ static void read_peer(const struct sockaddr_storage *at, struct sock_peer *peer)
         peer->port = (uint16_t)port_of(at);
 }
 
-/* By hand: lists of thousands of clients are made of these. */
+/* Faster than inet_ntop: CLIENT LIST writes thousands of these. */
 static char *write_v4(char *to, const uint8_t *address)
 {
     for (int i = 0; i < 4; i++) {

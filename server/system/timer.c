@@ -36,7 +36,7 @@ void timers_init(struct timers *w, int64_t now_ms)
     w->earliest_ms = INT64_MAX;
 }
 
-/* The grain at whose end everything of moment at_ms is due, and that is still to come. */
+/* The grain at whose end a timer for at_ms is due; one that has not passed yet. */
 static int64_t grain_of(const struct timers *w, int64_t at_ms)
 {
     int64_t grain = (at_ms + TIMER_GRAIN_MS - 1) / TIMER_GRAIN_MS;
@@ -65,7 +65,7 @@ static void take_due(struct timer *slot, struct timer *due, int64_t now_ms)
     }
 }
 
-/* When the next slot that holds anything is passed: what it holds may be for a later round. */
+/* When the next non-empty slot is passed; its timers may be for a later round. */
 static int64_t next_ms(const struct timers *w)
 {
     for (int64_t grain = w->passed + 1; grain <= w->passed + TIMER_SLOTS; grain++)

@@ -1,8 +1,8 @@
-/* timer.h - things to do at a moment, for the loop: a wheel of slots, each a list of timers.
+/* timer.h - timers of the event loop: a wheel of slots, each a list of timers.
  *
- * The moment of a timer, in grains of GRAIN ms, is its slot modulo their number; when the clock
- * passes a slot, the timers in it run whose moment has come, and those of later rounds stay. So
- * setting and clearing cost O(1) and allocate nothing. A timer runs up to a grain late. */
+ * The slot of a timer is its time, in grains of GRAIN ms, modulo the number of slots. When the clock
+ * passes a slot, the timers in it that are due run, and those of later rounds stay. So setting and
+ * clearing cost O(1) and allocate nothing. A timer runs up to one grain late. */
 #ifndef SERVER_TIMER_H
 #define SERVER_TIMER_H
 
@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Part of whatever it is about. All zero: it is not set. */
+/* Embedded in the object that it works on. All zero: not set. */
 struct timer {
     struct timer *prev, *next;
     int64_t at_ms;
@@ -21,16 +21,16 @@ enum { TIMER_SLOTS = 256, TIMER_GRAIN_MS = 8 };
 
 struct timers {
     struct timer slot[TIMER_SLOTS]; /* heads of circular lists */
-    int64_t passed;                 /* the last grain that has been looked at */
-    int64_t earliest_ms;            /* no timer is due before; INT64_MAX: none is set */
+    int64_t passed;                 /* the last grain that has been processed */
+    int64_t earliest_ms;            /* no timer is due before this; INT64_MAX: none is set */
 };
 
 void timers_init(struct timers *w, int64_t now_ms);
 
-/* Has t run once the clock has reached at_ms; if it is set already, instead of then. */
+/* Runs t once the clock has reached at_ms. If t is set already, this replaces its time. */
 void timers_set(struct timers *w, struct timer *t, int64_t at_ms);
 
-/* Does nothing if it is not set. */
+/* Does nothing if t is not set. */
 void timer_clear(struct timer *t);
 
 static inline bool timer_is_set(const struct timer *t)
@@ -38,7 +38,7 @@ static inline bool timer_is_set(const struct timer *t)
     return t->next != NULL;
 }
 
-/* Runs what is due. A timer that runs may set and clear itself and others. */
+/* Runs the timers that are due. A timer that runs may set and clear itself and others. */
 void timers_run(struct timers *w, int64_t now_ms);
 
 #endif

@@ -88,10 +88,10 @@ TEST(client_that_takes_nothing_is_closed_after_a_while)
     stall();
     b.loop.now_ms += LIMIT_STALL_S * 1000;
     conn_check_timeouts(&b.conn);
-    CHECK(!b.conn.dead);
+    CHECK(!b.conn.closed);
     b.loop.now_ms += 1;
     conn_check_timeouts(&b.conn);
-    CHECK(b.conn.dead);
+    CHECK(b.conn.closed);
     end();
 }
 
@@ -117,10 +117,10 @@ TEST(connection_that_is_deferred_and_closed_in_one_turn_is_freed_in_the_next)
     begin();
     conn_again(&b.conn);
     conn_close(&b.conn);
-    CHECK(b.conn.turn.queued && b.conn.burial.queued);
-    b.conn.burial.queued = false; /* as the loop does at the end of its turn */
-    b.loop.burials = (struct task_list){0};
-    b.conn.burial.run(&b.conn.burial);
+    CHECK(b.conn.turn.queued && b.conn.disposal.queued);
+    b.conn.disposal.queued = false; /* as the loop does at the end of its turn */
+    b.loop.disposals = (struct task_list){0};
+    b.conn.disposal.run(&b.conn.disposal);
     CHECK(b.closed == 0);
     turn();
     CHECK(b.closed == 1 && b.calls == 0);
@@ -147,10 +147,10 @@ TEST(last_reply_is_followed_by_the_end_and_what_the_client_still_sends_is_droppe
     conn_finish(&b.conn);
     conn_turn(&b.conn);
     CHECK(recv(b.client, bytes, sizeof bytes, 0) == 3 && recv(b.client, bytes, 3, 0) == 0);
-    CHECK(b.conn.lingering && !b.conn.dead);
+    CHECK(b.conn.lingering && !b.conn.closed);
     send_some(1000);
     turn();
-    CHECK(!b.conn.dead && b.conn.dropped == 1000 && buf_len(&b.conn.in) == 0);
+    CHECK(!b.conn.closed && b.conn.dropped == 1000 && buf_len(&b.conn.in) == 0);
     end();
 }
 
@@ -164,7 +164,7 @@ TEST(client_that_sends_on_after_its_last_reply_is_closed_after_so_many_bytes_or_
         b.conn.dropped = LINGER_BYTES - 1;
         b.loop.now_ms = b.conn.linger_ms + LINGER_MS;
         conn_check_timeouts(&b.conn);
-        CHECK(!b.conn.dead);
+        CHECK(!b.conn.closed);
         if (i == 0) {
             send_some(2);
             turn();
@@ -174,7 +174,7 @@ TEST(client_that_sends_on_after_its_last_reply_is_closed_after_so_many_bytes_or_
         } else {
             b.loop.now_ms += 1;
             conn_check_timeouts(&b.conn);
-            CHECK(b.conn.dead);
+            CHECK(b.conn.closed);
             end();
         }
     }

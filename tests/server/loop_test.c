@@ -66,7 +66,7 @@ TEST(yielded_task_runs_in_the_next_turn_when_it_is_alone)
     loop_defer(&loop, &deferred);
     loop_run(&loop);
     CHECK(greedy[0].runs == 1 && !greedy[0].task.queued);
-    loop_bury(&loop, &greedy[1].task);
+    loop_dispose(&loop, &greedy[1].task);
     greedy[1].task.run = run_once;
     loop_yield(&loop, &greedy[0].task);
     loop_clear(&loop); /* leaves nothing undone that something is buried with */
