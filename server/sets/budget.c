@@ -6,7 +6,7 @@
 #include <assert.h>
 #include <malloc.h>
 
-enum { ANSWERS_SHARE = 16 }; /* one part in so many is for replies and clients alone */
+enum { ANSWERS_SHARE = 16 }; /* this fraction of the limit is for replies and clients alone */
 
 void budget_init(struct budget *b, const size_t *limit)
 {
@@ -18,7 +18,7 @@ static bool is_for_answers(enum budget_kind kind)
     return kind == BUDGET_REPLIES || kind == BUDGET_CLIENTS;
 }
 
-/* What replies and clients have not taken of their share. */
+/* What is left of the share of replies and clients. */
 static size_t answers_left(const struct budget *b)
 {
     size_t share = *b->limit / ANSWERS_SHARE;
@@ -46,7 +46,6 @@ bool budget_could_fit(const struct budget *b, size_t more)
     return sets < limit && more <= limit - sets;
 }
 
-/* `used` has become that much. */
 static void note_peak(struct budget *b, size_t used)
 {
     size_t peak = atomic_load_explicit(&b->peak, memory_order_relaxed);
@@ -104,11 +103,11 @@ void reservation_move(struct reservation *to, struct reservation *from)
     reservation_set(to, to->bytes + bytes);
 }
 
-void reservation_trim_heap(const struct reservation *coming)
+void reservation_trim_heap(const struct reservation *r)
 {
-    if (coming->bytes == 0)
+    if (r->bytes == 0)
         return;
-    size_t resident = machine_resident(), limit = *coming->budget->limit;
-    if (resident > limit || coming->bytes > limit - resident)
+    size_t resident = machine_resident(), limit = *r->budget->limit;
+    if (resident > limit || r->bytes > limit - resident)
         malloc_trim(0);
 }

@@ -1,19 +1,20 @@
-/* budget.h - the one budget of memory (--max-memory): whatever is large reserves its bytes here before
- * it takes them, and gives them back when it is gone.
+/* budget.h - the memory budget (--max-memory): everything large reserves its bytes here before it allocates
+ * them, and returns them when it is freed.
  *
  *      limit  +-----------------------------------------------------------------------+
  *             | sets | builds | edits | loads | log | replies | clients |   free      |
  *             +-----------------------------------------------------------------------+
  *
- * A reservation is a number of bytes of one kind, part of whatever it is for. What is known before it
- * is taken asks (reservation_resize) and may be refused. What is known only afterwards is measured
- * (reservation_set): that cannot fail, and if it takes more than there is, nothing else gets any.
+ * A reservation is a number of bytes of one kind, embedded in the object that uses them. A size that is
+ * known before the allocation is requested (reservation_resize), and may be refused. A size that is known
+ * only afterwards is recorded (reservation_set): that cannot fail, and if it exceeds the limit, other
+ * requests are refused.
  *
  * A sixteenth of the limit is for replies and clients alone, so that a server full of sets still
- * answers. Free bytes may be pages that are kept to be used again (keep.h), which go back to the
- * system when somebody else reserves them.
+ * answers. Free bytes may be pages in the page cache (keep.h), which are returned to the system when
+ * they are reserved for something else.
  *
- * Any thread may use it; one reservation belongs to one thread at a time. */
+ * Any thread may use a budget; a reservation belongs to one thread at a time. */
 #ifndef SERVER_BUDGET_H
 #define SERVER_BUDGET_H
 
@@ -23,10 +24,10 @@
 
 enum budget_kind {
     BUDGET_SETS,    /* all versions of all sets */
-    BUDGET_BUILDS,  /* triangulations and grids that are being made */
-    BUDGET_EDITS,   /* batches that are being added, copies made for edits, sets being freed */
+    BUDGET_BUILDS,  /* triangulations and grids that are being built */
+    BUDGET_EDITS,   /* batches that are being added, copies for edits, sets that are being freed */
     BUDGET_LOADS,   /* points that are being received */
-    BUDGET_LOG,     /* changes that the log thread has not written yet */
+    BUDGET_LOG,     /* changes that are not written to the log yet */
     BUDGET_REPLIES, /* results and rows of replies that are being sent */
     BUDGET_CLIENTS, /* connections and their buffers */
     BUDGET_KINDS
@@ -38,7 +39,7 @@ struct budget {
     atomic_size_t of[BUDGET_KINDS]; /* their sum is `used` */
 };
 
-/* All zero but for the kind: one that is in no budget, which only counts. */
+/* budget NULL: it only counts. */
 struct reservation {
     struct budget *budget; /* borrows */
     enum budget_kind kind;
@@ -57,23 +58,22 @@ static inline size_t budget_of(const struct budget *b, enum budget_kind kind)
     return atomic_load_explicit(&b->of[kind], memory_order_relaxed);
 }
 
-/* Whether there are so many bytes more for that kind now; whether there could be, if only the sets
- * that are there had any. */
+/* Whether `more` bytes of that kind are available now; whether they would be if only sets had any. */
 bool budget_fits(const struct budget *b, enum budget_kind kind, size_t more);
 bool budget_could_fit(const struct budget *b, size_t more);
 
-/* It is `bytes` in all from now on, unless that is more than before and does not fit: false, and it
- * is as it was. */
+/* Changes the reservation to `bytes` in all. False if that is more than before and does not fit; then it is
+ * unchanged. */
 bool reservation_resize(struct reservation *r, size_t bytes);
 
-/* It has turned out to be `bytes` in all. */
+/* Sets the reservation to `bytes` in all, whether or not that fits. */
 void reservation_set(struct reservation *r, size_t bytes);
 
-/* The bytes of `from` become part of `to`. */
+/* Moves the bytes of `from` to `to`. */
 void reservation_move(struct reservation *to, struct reservation *from);
 
-/* On a worker, before it takes what it has reserved: if the process would have more than the budget
- * then, what malloc keeps of freed memory goes back to the system. */
-void reservation_trim_heap(const struct reservation *coming);
+/* To be called by a worker before it allocates what it has reserved: if the resident memory of the process
+ * would exceed the budget, the free memory of malloc's heap is returned to the system. */
+void reservation_trim_heap(const struct reservation *r);
 
 #endif

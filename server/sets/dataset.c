@@ -17,7 +17,7 @@ struct version *version_new(struct dt *dt)
     *v = (struct version){.dt = dt, .refs = 1};
     pthread_rwlockattr_t attr;
     pthread_rwlockattr_init(&attr);
-    /* Else pieces that follow each other closely would keep an edit out for ever. */
+    /* Otherwise a close succession of readers would starve an edit. */
     pthread_rwlockattr_setkind_np(&attr, PTHREAD_RWLOCK_PREFER_WRITER_NONRECURSIVE_NP);
     pthread_rwlock_init(&v->lock, &attr);
     pthread_rwlockattr_destroy(&attr);
@@ -37,7 +37,7 @@ struct version *version_pin(struct version *v)
     return v;
 }
 
-/* Takes v out of the list of those to be tidied, if it is there. */
+/* Removes v from the list of untidy versions, if it is there. */
 static void leave_untidy(struct registry *r, struct version *v)
 {
     if (!v->untidy)
@@ -91,7 +91,7 @@ void version_unlock(struct version *v)
     pthread_rwlock_unlock(&v->lock);
 }
 
-/* Whether nothing is left to be freed. */
+/* Frees some of what was saved. True: nothing is left. */
 static bool tidy(struct registry *r, struct version *v)
 {
     if (!version_try_edit(v))
@@ -330,8 +330,8 @@ void registry_each(const struct registry *r, void (*visit)(struct dataset *set, 
                 visit(set, ctx);
 }
 
-/* The bits of the cursor count from the highest one down. So when the number of buckets doubles, the
- * two buckets that a visited one has become are both behind the cursor. [Redis, dictScan] */
+/* The cursor is incremented from its highest bit down. So when the number of buckets doubles, both halves of
+ * a visited bucket are behind the cursor. [Redis, dictScan] */
 size_t registry_scan(const struct registry *r, size_t cursor,
                      void (*visit)(struct dataset *set, void *ctx), void *ctx)
 {

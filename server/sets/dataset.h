@@ -1,20 +1,18 @@
-/* dataset.h - named sets, their versions, and who waits for them. The I/O thread alone touches what
- * is here.
+/* dataset.h - named sets, their versions, and the queues of requests that wait for them. Only the I/O
+ * thread uses them, apart from the lock.
  *
- * A version is a set's points and triangulation, counted by reference: the set refers to its
- * current version, jobs and replies to the one that they read. Edits change it in place. A build,
- * and an edit so large that it ends in a rebuild while a long reply is being sent, make a new
- * version beside it, which becomes the current one when it is complete.
+ * A version is a set's points and triangulation, with a reference count: the set refers to its current
+ * version, jobs and replies to the version that they read. Edits change it in place. A build, and an
+ * edit that ends in a rebuild while triangles are being sent, create a new version, which becomes the
+ * current one when it is complete.
  *
- * Whoever reads for long, a reply that is still being sent or a snapshot, reads one moment of the
- * version (dt_view_begin), piece by piece; edits go on in between. The lock keeps edits out while a
- * worker or the snapshot's thread reads a piece, and pieces while an edit is at work: for about a
- * millisecond either way. The I/O thread reads without it as long as no job edits in place, and
- * never waits for it.
+ * A long reader, such as a reply that is being sent or a snapshot, reads the version as it was at one
+ * moment (dt_view_begin), piece by piece; edits go on in between. The lock separates the pieces that
+ * workers and the snapshot thread read from edits; either holds it for about a millisecond. The I/O
+ * thread reads without the lock while no job edits in place, and never waits for it.
  *
- * One writer at a time: while a job edits the set, writer is set, and requests that must wait for
- * it stand in a queue (wait.h). If it edits in place, exclusive is set too, and readers wait as
- * well. */
+ * A set has one writer at a time: while a job edits it, `writer` is set, and requests that must wait are
+ * in a queue (wait.h). If the job edits in place, `exclusive` is set too, and readers also wait. */
 #ifndef SERVER_DATASET_H
 #define SERVER_DATASET_H
 
@@ -26,14 +24,14 @@
 #include <pthread.h>
 
 struct version {
-    struct dt *dt; /* owns; not to be looked at while a job edits it in place */
+    struct dt *dt; /* owns; not to be read while a job edits it in place */
     unsigned refs;
     pthread_rwlock_t lock; /* of dt, see above */
-    /* What dt holds, as of the last completed edit; sum.memory is accounted for. */
-    struct dt_summary sum;
-    uint64_t lsn; /* of the last change that the log has of it; 0: none, or without --data */
-    bool edited;  /* a job edits it in place, or has done so, and the log does not have that yet */
-    bool untidy;  /* in the registry's list of versions to be tidied */
+    struct dt_summary sum; /* of dt after the last completed edit; sum.memory is in the budget */
+    uint64_t lsn;          /* of its last change in the log; 0: none, or without --data */
+    bool
+        edited; /* a job edits it in place, or has done so and the log does not have the edit yet */
+    bool untidy;          /* in the registry's list of versions to be tidied */
     struct version *next; /* there */
 };
 
@@ -42,13 +40,13 @@ struct dataset {
     struct version *current;
     struct job *writer; /* the job that edits it; NULL: none */
     bool exclusive;     /* the writer edits in place */
-    bool born; /* false while the request that creates it has not succeeded yet: it is not there for
-                  others, but its name is taken */
-    bool triangulated; /* TRIANGULATE has been asked for (with --data) */
-    bool loading;      /* it was read from disk and its triangulation is not there yet */
+    bool born; /* false until the request that creates it has succeeded: its name is taken, but
+                  other requests do not see it */
+    bool triangulated; /* the log has a TRIANGULATE of it (with --data) */
+    bool loading;      /* it was read from disk and is not triangulated yet */
     bool temporary;    /* dropped when its connection ends, and never on disk */
-    struct dataset *temporary_next, **temporary_link; /* in the list of that connection's */
-    struct wait_queue queue;                          /* of requests that wait until it is free */
+    struct dataset *temporary_next, **temporary_link; /* in the list of that connection's sets */
+    struct wait_queue queue;                          /* of requests that wait for it */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };
@@ -62,73 +60,73 @@ struct temporaries {
 struct registry {
     struct dataset **bucket; /* owns */
     size_t buckets, sets;
-    struct temporaries *orphans; /* owns; of connections that have ended */
+    struct temporaries *orphans; /* owns; the temporary sets of connections that have ended */
     struct reservation memory;   /* of all versions */
-    struct dt_pages *pages;      /* borrows; where sets have their large arrays; NULL: the system */
-    struct version *untidy;      /* that keep what was saved for readers who have finished */
-    /* Takes a set that nothing refers to any more; freeing a large one is a job. */
+    struct dt_pages *pages;      /* borrows; for the large arrays of sets; NULL: none */
+    struct version *untidy;      /* those with data that was saved for readers that have finished */
+    /* Frees a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;
 };
 
 void registry_init(struct registry *r);
-/* Frees all sets; nobody may wait or pin any more. */
+/* Frees all sets; no request may wait for one and no version may be pinned. */
 void registry_clear(struct registry *r);
 
-/* The set of that name, born or not; NULL. */
+/* The set of that name, born or not; NULL: there is none. */
 struct dataset *registry_find(const struct registry *r, const struct word *name);
 /* A new unborn set; NULL when out of memory. */
 struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance);
-/* Removes the set and frees it. Those who wait for it are all woken. Nobody may write it. */
+/* Removes the set and frees it; all requests that wait for it are woken. It must have no writer. */
 void registry_drop(struct registry *r, struct dataset *set);
-/* Adds a set to a connection's temporary ones, *of, which is made for the first of them (NULL). False when
- * out of memory. registry_drop takes it out. */
+/* Adds a set to a connection's temporary sets *of, whose list is created with the first one (NULL before). False
+ * when out of memory. registry_drop removes it. */
 bool dataset_make_temporary(struct dataset *set, struct temporaries **of);
-/* Their connection has ended: takes them over, to be dropped by registry_drop_orphans; NULL is fine. */
+/* Their connection has ended: the sets move to the registry, for registry_drop_orphans. NULL is allowed. */
 void registry_orphan(struct registry *r, struct temporaries *of);
-/* Drops some of them; those that somebody writes come later. Cost: less than a millisecond. Whether there
- * are more that could be dropped now. */
+/* Drops some orphans, in less than a millisecond; those that have a writer are dropped later. Whether there are
+ * more that could be dropped now. */
 bool registry_drop_orphans(struct registry *r);
-/* Goes on freeing what was saved for readers who have finished. Cost: about a millisecond at most.
- * To be called once a second. */
+/* Frees more of the data that was saved for readers that have finished, in about a millisecond at most. To
+ * be called once a second. */
 void registry_tidy(struct registry *r);
 /* Calls visit for every born set, in no particular order. */
 void registry_each(const struct registry *r, void (*visit)(struct dataset *set, void *ctx),
                    void *ctx);
 
-/* Visits the born sets of the next bucket, and returns the cursor for the one after it; 0: that was
- * the last. It begins with 0. A set that is there from the first call to the last is visited once,
- * even if others come and go in between. */
+/* Visits the born sets of the next bucket and returns the cursor of the bucket after it; 0: that was the
+ * last. The first cursor is 0. A set that exists from the first call to the last is visited exactly once,
+ * even if others are created and dropped in between. */
 size_t registry_scan(const struct registry *r, size_t cursor,
                      void (*visit)(struct dataset *set, void *ctx), void *ctx);
 
 struct version *version_new(struct dt *dt);
-/* Frees a version that was never part of a set; NULL is fine, and its set is not freed. */
+/* Frees a version that never became part of a set, but not its dt; NULL is allowed. */
 void version_free(struct version *v);
 struct version *version_pin(struct version *v);
 void version_unpin(struct registry *r, struct version *v);
-/* Brings the summary and the accounting up to date after an edit. */
+/* Updates the summary and the budget after an edit. */
 void version_update(struct registry *r, struct version *v);
 
-/* The lock: shared for a piece that is read, exclusive for an edit. The try forms return false
- * instead of waiting. Each ends with version_unlock on the thread that has locked. */
+/* The lock: shared to read a piece, exclusive to edit. The try forms return false instead of waiting. Each
+ * ends with version_unlock on the same thread. */
 void version_lock_read(struct version *v);
 bool version_try_read(struct version *v);
 void version_lock_edit(struct version *v);
 bool version_try_edit(struct version *v);
 void version_unlock(struct version *v);
 
-/* A reader of a moment has finished: some of what was saved for it is freed at once, the rest by
- * edits and by registry_tidy. NULL is fine. */
+/* Ends a view: some of what was saved for it is freed at once, the rest by edits and by registry_tidy. NULL
+ * is allowed. */
 void version_end_view(struct registry *r, struct version *v, struct dt_view *view);
 
-/* Whether the triangulation lags behind the points, so that queries must wait for dt_refresh. */
+/* Whether the triangulation is older than the points, so that queries must wait for dt_refresh. */
 bool version_is_stale(const struct version *v);
 
-/* Whether a request may use the set now; turn: the queue that has called it, NULL: none has. */
+/* Whether a request may use the set now; turn: the queue that has called the request, NULL: none. */
 bool dataset_admits(const struct dataset *set, bool writes, const struct wait_queue *turn);
 
-/* Makes v the current version; takes over the caller's reference. */
+/* Makes v the current version; the caller's reference moves to the set. */
 void dataset_publish(struct registry *r, struct dataset *set, struct version *v);
 
 #endif

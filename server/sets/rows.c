@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 enum {
-    TABLE_WORDS = 4096, /* read from a table in one go */
-    PART_IDS = 600      /* or rows of a list; about 30 KiB of text */
+    TABLE_WORDS = 4096, /* read from a table at a time */
+    PART_IDS = 600      /* of a part: ids of a table or rows of a list, about 30 KiB of text */
 };
 
 /* ---- rows from ids ---- */
@@ -44,7 +44,7 @@ static void write_ring(struct rows *r, struct buf *out, uint32_t id)
     }
 }
 
-/* Fetches what the next rows will read. */
+/* Prefetches the data of the next rows. */
 static void fetch_next(const struct rows *r)
 {
     const uint32_t *id = r->ids.v + r->at;
@@ -74,7 +74,7 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
 
 /* ---- rows from tables ---- */
 
-/* How many words the row that starts at w has. */
+/* The number of words of the row that starts at w. */
 static size_t row_words(enum dt_table table, const uint32_t *w)
 {
     switch (table) {
@@ -108,7 +108,7 @@ static void write_table_row(struct rows *r, struct buf *out, uint32_t *w, size_t
     }
 }
 
-/* Reads the one row that is longer than the usual buffer. */
+/* Writes one row that is longer than the usual buffer. */
 static void write_long_row(struct rows *r, struct buf *out, size_t words)
 {
     size_t rows;
@@ -127,8 +127,8 @@ static void fill_from_table(struct rows *r, struct buf *out, size_t limit)
 {
     uint32_t v[TABLE_WORDS];
     while (!r->done && r->status == DT_OK && !out->failed && buf_len(out) < limit) {
-        /* A word takes up to 11 bytes of text, a point that an id stands for about four times that;
-         * in binary form it is four bytes, and the rows of a table are what is sent. */
+        /* A word takes up to 11 bytes of text, and the row of a point about four times that. In binary
+         * form a word takes four bytes, and most tables are sent as they are. */
         bool as_it_is = r->binary && r->cursor.table != DT_POINTS && r->cursor.table != DT_HULL;
         size_t cap = (limit - buf_len(out)) / (as_it_is ? 4 : 40) + 64;
         size_t rows = 0, words = 0;

@@ -1,14 +1,12 @@
-/* worker.c - see worker.h. One mutex guards everything; what is done under it is a few pointer
- * moves.
+/* worker.c - see worker.h. One mutex guards everything; it is held only for a few pointer operations.
  *
- * A thread that has nothing to do sleeps with its crew: the crew for short work, or the crew for
- * all work. Work wakes one thread, not all of them. Which thread takes which work is not decided
- * when it is woken, because a busy thread may be free again sooner: the short crew's thread may find
- * that the short work it was woken for is gone, and what is left is long work that it may not do.
- * So wake_enough compares the work with the threads that are on their way, not only when work is
- * submitted but also whenever a thread has taken some. This invariant follows: work that waits has a
- * thread on its way to it, or every thread that may do it is busy and looks for more before it
- * sleeps. */
+ * Idle threads sleep in two crews: one for short work, one for all work. New work wakes one thread, not
+ * all of them. A thread chooses its work when it runs, not when it is woken, because a busy thread may
+ * become free sooner: the thread of the short crew may find that the short work has been taken and only
+ * long work is left, which it may not do. So wake_enough compares the work with the number of threads
+ * that have been signalled, both when work is submitted and whenever a thread has taken some. Invariant:
+ * for all waiting work a thread has been signalled, or every thread that may do it is busy and looks for
+ * more work before it sleeps. */
 #include "server/sets/worker.h"
 
 #include "server/system/priority.h"
@@ -42,11 +40,11 @@ struct crew {
 
 struct workers {
     pthread_mutex_t mutex;
-    struct crew crew[2];   /* by enum work_kind: what its threads do besides short work */
+    struct crew crew[2];   /* by enum work_kind: the longest work that its threads do */
     pthread_cond_t helped; /* a helper has left its batch */
     struct queue queue[2]; /* by enum work_kind */
     struct queue done;
-    struct batch *batches; /* those that may still have jobs to take */
+    struct batch *batches; /* those that may have jobs left */
     bool stopping;
     int event;
     struct dt_pool pool;
@@ -88,7 +86,7 @@ static unsigned jobs_left(const struct workers *w)
     return n;
 }
 
-/* Signals threads of the crew until `wanted` are on their way, or all. */
+/* Signals threads of the crew until `wanted` have been signalled, or all. */
 static void wake_up_to(struct crew *c, unsigned wanted)
 {
     for (; c->coming < wanted && c->coming < c->asleep; c->coming++)
@@ -100,7 +98,7 @@ static unsigned less(unsigned a, unsigned b)
     return a > b ? a - b : 0;
 }
 
-/* The short crew comes first, so that the others stay free for what it may not do. */
+/* The short crew comes first, so that the other threads stay free for long work. */
 static void wake_enough(struct workers *w)
 {
     struct crew *brief = &w->crew[WORK_SHORT], *all = &w->crew[WORK_LONG];
@@ -109,8 +107,8 @@ static void wake_enough(struct workers *w)
     wake_up_to(all, n_long + less(n_brief, brief->coming));
 }
 
-/* A wake-up that nobody asked for may use up another thread's `coming`. That other thread looks for
- * work when it comes, all the same; the count stays a lower bound of those who will. */
+/* A spurious wake-up may decrement `coming` on behalf of another thread. That thread still looks for work when
+ * it wakes up; `coming` is a lower bound. */
 static void sleep_with(struct workers *w, struct crew *c)
 {
     c->asleep++;
@@ -164,7 +162,8 @@ static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), 
     pthread_mutex_unlock(&w->mutex);
     take_jobs(&b);
     pthread_mutex_lock(&w->mutex);
-    unlink_batch(w, &b); /* nobody enters any more; b may go when the last helper has left */
+    unlink_batch(w,
+                 &b); /* no helper can enter any more; b may be freed when the last one has left */
     while (b.helpers > 0)
         pthread_cond_wait(&w->helped, &w->mutex);
     pthread_mutex_unlock(&w->mutex);
@@ -180,7 +179,7 @@ static void do_work(struct workers *w, struct work *work)
     pthread_mutex_lock(&w->mutex);
     bool first = w->done.first == NULL;
     push(&w->done, work);
-    /* It could fail only if the counter were full, which is near zero. */
+    /* It could fail only if the counter were full, but it is near zero. */
     if (first && eventfd_write(w->event, 1) != 0)
         abort();
 }
@@ -195,7 +194,7 @@ static void help(struct workers *w, struct batch *b)
         pthread_cond_broadcast(&w->helped);
 }
 
-/* Runs until the workers stop and what this thread may do is done. */
+/* Runs until the workers are stopping and no work is left that this thread may do. */
 static void *serve(struct workers *w, enum work_kind crew)
 {
     bool all = crew == WORK_LONG;
@@ -298,7 +297,7 @@ struct work *workers_collect(struct workers *w)
 {
     eventfd_t count;
     pthread_mutex_lock(&w->mutex);
-    /* Emptying the counter under the mutex keeps it in step with the list; nothing to read is no
+    /* Resetting the counter under the mutex keeps it consistent with the list; an empty counter is no
      * error. */
     eventfd_read(w->event, &count);
     struct work *first = w->done.first;

@@ -1,12 +1,10 @@
-/* worker.h - threads that do what would hold up the I/O thread.
+/* worker.h - threads for work that would block the I/O thread.
  *
- * Work goes in through a queue and comes out through a list; an eventfd says that the list is not
- * empty. Between workers_submit and workers_collect a piece of work belongs to the workers. This
- * and the core's pool below are the only places of the server that lock.
+ * Work is submitted to a queue and collected from a list; an eventfd signals that the list is not empty.
+ * Between workers_submit and workers_collect a piece of work belongs to the workers.
  *
- * Long work (a build) and short work (a piece of a dump) wait in queues of their own, and one
- * thread does short work only, so that a dump of one set does not stand still while builds of
- * others occupy every other thread. */
+ * Long work (a build) and short work (a piece of a reply) have separate queues, and one thread does only
+ * short work, so that replies make progress while builds occupy all other threads. */
 #ifndef SERVER_WORKER_H
 #define SERVER_WORKER_H
 
@@ -23,17 +21,16 @@ struct work {
 
 struct workers;
 
-/* Starts `threads` threads for all work and one for short work. NULL if the system refuses. */
+/* Starts `threads` threads for all work and one for short work. NULL: the system refuses. */
 struct workers *workers_new(unsigned threads);
 
-/* Waits for the work that is running, drops none: what is queued is run too. Collected or not, no
- * work is freed. */
+/* Runs all queued work, then ends the threads. Does not free any work. */
 void workers_free(struct workers *w);
 
-/* Becomes readable when there is something to collect. */
+/* Becomes readable when there is work to collect. */
 int workers_event(const struct workers *w);
 
-/* Long work that is queued and not running yet. */
+/* The number of long works that are queued and not running yet. */
 unsigned workers_backlog(struct workers *w);
 
 void workers_submit(struct workers *w, enum work_kind kind, struct work *work);
@@ -41,8 +38,8 @@ void workers_submit(struct workers *w, enum work_kind kind, struct work *work);
 /* Takes all finished work, in order of completion; NULL if there is none. */
 struct work *workers_collect(struct workers *w);
 
-/* The core's threads: whoever calls run takes part, and idle workers help. So it ends even if all
- * others are busy. Valid as long as the workers. */
+/* The core's thread pool: the caller of run does the jobs itself, and idle workers help. So it terminates
+ * even if all workers are busy. Valid as long as the workers. */
 const struct dt_pool *workers_pool(const struct workers *w);
 
 #endif
