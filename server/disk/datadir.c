@@ -1,5 +1,5 @@
-/* datadir.c - see datadir.h. The lock is flock on the directory itself: it goes with the process,
- * however that ends, and leaves no file behind. */
+/* datadir.c - see datadir.h. The lock is flock on the directory itself: it ends with the process and leaves
+ * no file behind. */
 #include "server/disk/datadir.h"
 
 #include "server/system/notice.h"
@@ -15,9 +15,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { MODE = 0700 }; /* of a directory that is made */
+enum { MODE = 0700 }; /* of a directory that is created */
 
-/* `ok`, with its errno, once the descriptor is closed; there may be none. */
+/* Closes the descriptor, unless it is -1; returns `ok` and preserves errno. */
 static bool close_with(int fd, bool ok)
 {
     int error = errno;
@@ -27,8 +27,8 @@ static bool close_with(int fd, bool ok)
     return ok;
 }
 
-/* Makes the directory's own name durable. Where the parent cannot be opened there is nothing to be
- * done about it. */
+/* Makes the directory's own name durable. If the parent cannot be opened, that is not possible, and no
+ * error. */
 static bool sync_parent(const struct datadir *d)
 {
     int fd = openat(d->fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -57,10 +57,10 @@ static bool open_locked(struct datadir *d)
     return false;
 }
 
-/* Whether the directory is gone and has to be made again. If an earlier start could not sync the
- * parent, no later sync need cover the name; and a directory is empty until that sync has been
- * done. So an empty one is removed here, unless its owner or mode shows that somebody else made it.
- * One that has no link was removed by another process before this one had the lock. */
+/* Whether the directory is gone and has to be created again. If an earlier start could not sync the
+ * parent, a later sync need not cover the name; and the directory stays empty until that sync has
+ * succeeded. So an empty one is removed here, unless its owner or mode shows that an operator created it.
+ * A directory without a link was removed by another process before this one had the lock. */
 static bool remove_unused(const struct datadir *d, bool made)
 {
     struct stat st;
@@ -110,7 +110,7 @@ void datafile_name(char name[DATAFILE_NAME], enum datafile_kind kind, uint64_t l
              kind == DATAFILE_TEMPORARY ? ".tmp" : "");
 }
 
-/* Whether the name is one of ours: it must be what datafile_name makes of its own parts. */
+/* Whether the name is exactly one that datafile_name makes. */
 static bool parse_name(const char *name, struct datafile *f)
 {
     for (int kind = DATAFILE_SNAPSHOT; kind <= DATAFILE_TEMPORARY; kind++) {
@@ -195,8 +195,8 @@ bool datadir_sync(const struct datadir *d)
 
 /* ---- putting aside ---- */
 
-/* Has `make` make a file under the first name that is free; returns what it returns, or -1 with errno.
- * EEXIST: the name is not free. */
+/* Calls `make` with the first free name; returns its result, or -1 with errno. `make` fails with EEXIST if
+ * the name is not free. */
 static int make_aside(const struct datadir *d, const struct datafile *f, char name[DATADIR_ASIDE],
                       int (*make)(const struct datadir *, const struct datafile *, const char *))
 {
@@ -224,8 +224,8 @@ static bool is_same_file(const struct datadir *d, const char *a, const char *b)
            x.st_dev == y.st_dev;
 }
 
-/* If the file has that name already, a repair that broke off gave it, and its sync may have failed. It
- * is made again, so that there is something to sync. */
+/* If the file has that name already, it is from an interrupted repair, whose sync may have failed. The
+ * link is made again, so that there is something to sync. */
 static int make_link(const struct datadir *d, const struct datafile *f, const char *name)
 {
     int made = linkat(d->fd, f->name, d->fd, name, 0);
@@ -262,7 +262,7 @@ static bool write_all(int fd, const char *bytes, size_t n)
     return true;
 }
 
-/* cancel: NULL, or gives up, with ECANCELED, once it is set. */
+/* Fails with ECANCELED once *cancel is set; cancel may be NULL. */
 static bool copy_rest(int from, int to, uint64_t at, const atomic_bool *cancel)
 {
     char block[1 << 16];
@@ -280,7 +280,7 @@ static bool copy_rest(int from, int to, uint64_t at, const atomic_bool *cancel)
     return n == 0 && fsync(to) == 0;
 }
 
-/* Removes a file that could not be completed; errno stays. */
+/* Removes an incomplete file; preserves errno. */
 static void discard(const struct datadir *d, const char *name)
 {
     int error = errno;
@@ -307,9 +307,9 @@ bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at)
     return close_with(fd, fd >= 0 && ftruncate(fd, (off_t)at) == 0 && fsync(fd) == 0);
 }
 
-/* ---- saving again ---- */
+/* ---- after failed syncs ---- */
 
-/* A sync that has failed may have marked what it did not save as saved; written again it is not. */
+/* A failed sync may have marked pages as clean that are not on the disk; writing marks them as dirty. */
 static bool write_again(int fd, uint64_t at)
 {
     char block[1 << 16];

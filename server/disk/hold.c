@@ -18,8 +18,8 @@ static void add(struct holders *in, struct hold *h, struct hold_group g)
     if (g.lsn <= in->durable)
         return;
     struct hold_group *last = h->groups > 0 ? &h->group[h->groups - 1] : NULL;
-    /* It waits with the last group if that waits for as long, or is the same reply, or if there is
-     * no room for a third one. */
+    /* It joins the last group if that waits for as long or is the same reply, or if there are already
+     * two groups. */
     if (last != NULL && (g.lsn <= last->lsn || g.from == last->from || h->groups == 2)) {
         last->lsn = g.lsn > last->lsn ? g.lsn : last->lsn;
         last->acknowledges = last->acknowledges || g.acknowledges;

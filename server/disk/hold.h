@@ -1,17 +1,17 @@
-/* hold.h - replies that wait until the log is on the disk.
+/* hold.h - the ack gate: delays replies until the log is durable.
  *
- * Two kinds of replies do. One acknowledges a change: sent too early it would promise what may be
- * lost. The other shows what a change of any client has done: sent too early, another client could
- * act on what may never have been.
+ * Two kinds of replies are delayed. A reply that acknowledges a change would, if sent too early, promise
+ * something that may be lost. A reply that shows the result of a change, of any client, could lead another
+ * client to act on a change that is lost later.
  *
- * The bytes of a connection's output are numbered from 0. A hold says: bytes from this number on
- * must not be sent before that lsn is durable. There are at most two of them, one behind the other:
- * while the first waits, all later requests of the connection move the second one's lsn. So the
- * first is never put off by a client that goes on editing, and a connection needs no memory for it.
+ * The bytes of a connection's output are numbered from 0. A group of a hold says: bytes from this number
+ * on must not be sent before that lsn is durable. A connection has at most two groups, one behind the
+ * other: while the first one waits, later requests raise the lsn of the second one. So a client that goes
+ * on editing never postpones the first group, and a hold has a fixed size.
  *
- * When the disk fails and stays so, nobody knows what becomes of the changes. Who waits for an
- * acknowledgement is told so; what replies show is not held back any more, since it is what there
- * is, and all there will be until the disk is good again. */
+ * When the disk fails permanently, the fate of the changes is unknown. Clients that wait for an
+ * acknowledgement get an error; replies that only show changes are released, because there will be
+ * no other state until the disk works again. */
 #ifndef SERVER_HOLD_H
 #define SERVER_HOLD_H
 
@@ -29,38 +29,37 @@ struct hold {
     } group[2];
 };
 
-/* Everyone who waits, in no particular order. */
+/* All holds that wait, in no particular order. */
 struct holders {
     struct hold *first;
-    uint64_t durable;                  /* everything up to this lsn is */
-    bool failing;                      /* the disk stays broken: only acknowledgements wait */
-    void (*released)(struct hold *h);  /* it may send more than before */
-    void (*not_saved)(struct hold *h); /* what it waits for may be lost: clear it */
+    uint64_t durable;                  /* changes up to this lsn are durable */
+    bool failing;                      /* the disk has failed: only acknowledgements wait */
+    void (*released)(struct hold *h);  /* more output may be sent than before */
+    void (*not_saved)(struct hold *h); /* the changes may be lost: must call hold_clear */
 };
 
-/* Output from byte `from` on waits for lsn, if that is not durable yet: it acknowledges that change,
- * or shows what it has done. Never earlier than the output of the call before. */
+/* Delays output from byte `from` on until lsn is durable, because it acknowledges that change, or shows it.
+ * `from` must not be less than in the previous call. */
 void hold_acknowledgement(struct holders *in, struct hold *h, uint64_t lsn, uint64_t from);
 void hold_view(struct holders *in, struct hold *h, uint64_t lsn, uint64_t from);
 
-/* Waits no more, whatever is durable. */
+/* Removes the hold. */
 void hold_clear(struct hold *h);
 
-/* How many of the bytes from..to may be sent. */
+/* How many of the bytes from..to may be sent now. */
 static inline size_t hold_free(const struct hold *h, uint64_t from, uint64_t to)
 {
     uint64_t end = h->groups > 0 && h->group[0].from < to ? h->group[0].from : to;
     return end > from ? (size_t)(end - from) : 0;
 }
 
-/* Everything up to lsn is durable. */
+/* Changes up to lsn are durable now. */
 void holders_release(struct holders *in, uint64_t lsn);
 
-/* The disk stays broken: lets go of what only shows changes, and calls not_saved for everybody else
- * who waits. */
+/* The disk has failed: releases the replies that only show changes, and calls not_saved for all others. */
 void holders_fail(struct holders *in);
 
-/* It is good again. */
+/* The disk works again. */
 void holders_recover(struct holders *in);
 
 #endif

@@ -1,6 +1,5 @@
-/* log.c - the queue between the I/O thread and the log thread, and the thread's turns. What happens
- * to files is in log_file.c. One mutex guards the queue and the status; nothing slow is done under
- * it. */
+/* log.c - the queue between the I/O thread and the log thread, and the loop of that thread; files are in
+ * log_file.c. One mutex guards the queue and the status; nothing slow is done under it. */
 #include "server/disk/log.h"
 
 #include "core/delaunay.h"
@@ -19,20 +18,20 @@
 
 enum {
     SYNC_EVERY_MS = 1000,
-    GATHER_LIMIT_NS = 2 * 1000 * 1000, /* how long a sync may be put off for company */
-    PIECE_FULL = 256 * 1024,           /* bytes of small records after which a piece is begun */
-    MUCH = 1 << 20                     /* bytes that are worth telling when they are written */
+    GATHER_LIMIT_NS = 2 * 1000 * 1000, /* how long a sync may wait for more records */
+    PIECE_FULL = 256 * 1024,           /* bytes of small records after which a new piece begins */
+    MUCH = 1 << 20 /* bytes whose end in the queue is reported before the sync */
 };
 
 enum piece_kind { PIECE_BYTES, PIECE_POINTS, PIECE_ROTATE, PIECE_RESERVE };
 
-/* What is written in one go: many small records, or the points of one large one. */
+/* An element of the queue: many small records, the points of a large one, or a command. */
 struct piece {
     struct piece *next;
     enum piece_kind kind;
     unsigned records;
     uint64_t last;        /* the lsn of its last record */
-    size_t size;          /* bytes that it takes */
+    size_t size;          /* bytes of memory */
     struct buf bytes;     /* owns; PIECE_BYTES: encoded records */
     double *xy;           /* owns; PIECE_POINTS */
     struct record record; /* PIECE_POINTS: the ADD; its name is in `name` */
@@ -45,12 +44,12 @@ struct queue {
 };
 
 struct log {
-    /* the I/O thread's own */
+    /* the I/O thread's */
     struct queue open;   /* appended and not pushed yet */
     uint64_t next;       /* the lsn of the next record */
-    bool lost;           /* one of these could not be kept: out of memory */
+    bool lost;           /* a record is missing in `open`: out of memory */
     size_t appended;     /* bytes of all pieces so far */
-    atomic_size_t freed; /* bytes of those that are gone */
+    atomic_size_t freed; /* bytes of the pieces that have been freed */
     _Atomic uint64_t synced;
     /* shared */
     pthread_mutex_t mutex;
@@ -60,12 +59,12 @@ struct log {
     uint64_t resume; /* not 0: the argument of log_resume, plus 1 */
     uint64_t broken; /* a record up to this lsn is missing from the queue; 0: none */
     bool stopping;
-    /* the log thread's own */
+    /* the log thread's */
     struct log_file file;
     enum log_policy policy;
     int event;
     int64_t synced_ms, sync_ns;
-    unsigned expected; /* records that are likely to come before the next sync */
+    unsigned expected; /* records that will probably be appended before the next sync */
     pthread_t thread;
 };
 
@@ -95,7 +94,7 @@ static struct piece *new_piece(struct log *log, enum piece_kind kind)
     return p;
 }
 
-/* A piece takes that many bytes. */
+/* Records that a piece takes `size` bytes now. */
 static void measure(struct log *log, struct piece *p, size_t size)
 {
     log->appended += size - p->size;
@@ -227,9 +226,9 @@ void log_status(struct log *log, struct log_status *status)
 
 /* ---- the log thread ---- */
 
-static void tell(struct log *log)
+static void notify(struct log *log)
 {
-    /* Nothing to do about a full counter: then the other side has not looked yet, and will. */
+    /* If the counter is full, the I/O thread has a notification that it has not read yet. */
     eventfd_write(log->event, 1);
 }
 
@@ -276,8 +275,8 @@ static void carry_out(struct log *log, struct piece *p)
     buf_free(&out);
 }
 
-/* Writes a list of pieces and frees them; after a failure the rest is only freed: a snapshot will
- * have it. Returns the last lsn. */
+/* Writes a list of pieces and frees them. After a failure the rest is only freed: a snapshot will have those
+ * changes. Returns the last lsn. */
 static uint64_t write_pieces(struct log *log, struct piece *p, uint64_t last)
 {
     log_file_mark(&log->file);
@@ -313,10 +312,9 @@ static void wait_until(struct log *log, int64_t ns)
     pthread_cond_timedwait(&log->wake, &log->mutex, &t);
 }
 
-/* Clients whose replies have just been released send their next edits in no time. Syncing before
- * they have come would split them from those who came meanwhile, for ever: two groups that take
- * turns at half the pace. So the sync waits for as many as are to be expected, for a fraction of
- * what it costs. */
+/* Clients whose replies have just been released send their next edits at once. A sync before these have
+ * arrived would split the clients into two groups that alternate, each at half the rate. So the sync waits
+ * for the expected number of records, at most for a fraction of its own duration. */
 static void gather(struct log *log)
 {
     int64_t patience = log->sync_ns / 4;
@@ -327,7 +325,7 @@ static void gather(struct log *log)
         wait_until(log, until);
 }
 
-/* Publishes what has become of the file. The mutex is held. */
+/* Publishes the state of the file. The mutex is held. */
 static void publish(struct log *log, uint64_t last, unsigned records)
 {
     struct log_status *st = &log->status;
@@ -351,10 +349,10 @@ static void publish(struct log *log, uint64_t last, unsigned records)
     st->total = f->before + f->bytes;
     st->syncs = f->syncs;
     log->expected = records + log->queue.records;
-    tell(log);
+    notify(log);
 }
 
-/* One turn in good order. The mutex is held on entry and on return, not in between. */
+/* One turn without a failure before it. The mutex is held on entry and on return, not in between. */
 static void write_queue(struct log *log, bool sync)
 {
     struct queue q = log->queue;
@@ -366,15 +364,15 @@ static void write_queue(struct log *log, bool sync)
         log_file_fail(&log->file, ENOMEM);
     size_t before = atomic_load(&log->freed);
     last = write_pieces(log, q.first, last);
-    if (atomic_load(&log->freed) - before >= MUCH) /* there is room, however long the sync takes */
-        tell(log);
+    if (atomic_load(&log->freed) - before >= MUCH) /* there is room before the sync ends */
+        notify(log);
     if (sync || log->policy == LOG_ALWAYS || sync_is_due(log))
         sync_file(log);
     pthread_mutex_lock(&log->mutex);
     publish(log, last, q.records);
 }
 
-/* Drops what the snapshot has, and goes on with the rest. */
+/* Drops what the snapshot has, and continues with the rest. */
 static void resume(struct log *log)
 {
     uint64_t first = log->resume;
@@ -484,8 +482,8 @@ void log_free(struct log *log)
     pthread_mutex_unlock(&log->mutex);
     pthread_join(log->thread, NULL);
     if (log->status.state != LOG_FAILED) {
-        /* Says of everything before it that it was synced: what is damaged later cannot pass for a
-         * torn end. */
+        /* It says that everything before it was synced, so that later damage is not taken for a torn
+         * end. */
         log_append(log, &close);
         write_pieces(log, log->open.first, 0);
         log_file_sync(&log->file);

@@ -1,15 +1,15 @@
-/* log.h - the log of all changes: appended by the I/O thread, written and synced by a thread of its
- * own, so that the disk holds nobody up but those who wait for it.
+/* log.h - the log of all changes: appended by the I/O thread, written and synced by a thread of its own, so
+ * that only replies that depend on the disk wait for it.
  *
- * Group commit: what has been appended while the disk was busy is written and synced together. A
- * record is durable when it has been synced (LOG_ALWAYS) or written (otherwise: it survives the
- * process, and the machine only once synced: within a second or so with LOG_EVERYSEC, whenever the
- * system likes with LOG_NO).
+ * Group commit: records that have been appended while the disk was busy are written and synced together.
+ * A record counts as durable when it has been synced (LOG_ALWAYS) or written (otherwise: it survives a crash
+ * of the process, and a power failure only once it is synced, which takes about a second with
+ * LOG_EVERYSEC, and any time with LOG_NO).
  *
- * After a failed write or sync nobody knows what is on the disk, and a sync that is tried again on
- * the same descriptor may lie. So the descriptor is given up (LOG_FAILED) and what is appended from
- * then on waits in memory, until log_resume tells that a snapshot has everything up to some lsn:
- * from there a new segment goes on. */
+ * After a failed write or sync the state of the disk is unknown, and a second sync of the same descriptor
+ * may wrongly succeed. So the descriptor is closed (LOG_FAILED), and new records stay in memory until
+ * log_resume is called, when a snapshot has every change up to some lsn: the log continues from there in a
+ * new segment. */
 #ifndef SERVER_LOG_H
 #define SERVER_LOG_H
 
@@ -19,15 +19,15 @@
 
 enum log_state {
     LOG_GOOD,
-    LOG_FULL,  /* the disk is full: the reserve is in use, for what frees space */
+    LOG_FULL,  /* the disk is full: the reserve is in use, for changes that free space */
     LOG_FAILED /* nothing is written any more */
 };
 
 struct log_status {
     enum log_state state;
     int error;        /* errno of the failure that led to LOG_FULL or LOG_FAILED */
-    uint64_t durable; /* lsn up to which replies may be sent */
-    uint64_t synced;  /* lsn up to which all is on the disk */
+    uint64_t durable; /* changes up to this lsn are durable: replies may be sent */
+    uint64_t synced;  /* changes up to this lsn are synced */
     uint64_t segment; /* first lsn of the current segment */
     uint64_t bytes;   /* of the current segment */
     uint64_t total;   /* of this and all segments before it since the start */
@@ -36,45 +36,44 @@ struct log_status {
 
 struct log;
 
-/* Starts a segment whose first record will have the lsn `first`, and the thread. `event` is an
- * eventfd (borrowed) that is written when the status has changed. NULL: the reason is on standard
- * error. */
+/* Starts the thread, and a segment whose first record will have the lsn `first`. `event` is an eventfd
+ * (borrowed) that is written when the status has changed. NULL: the reason is on standard error. */
 struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t first, int event);
 
-/* Writes and syncs everything, ends the thread. */
+/* Writes and syncs everything, then ends the thread. */
 void log_free(struct log *log);
 
 /* ---- the I/O thread's side ---- */
 
-/* Gives the record the next lsn, which is returned, and takes a copy. Running out of memory counts
- * as a failed write: the state becomes LOG_FAILED. */
+/* Appends a copy of the record with the next lsn, which is returned. Running out of memory counts as a failed
+ * write: the state becomes LOG_FAILED. */
 uint64_t log_append(struct log *log, struct record *r);
 
-/* The same for an ADD of n points at xy (x, y each; from dt_pages_grow, now the log's). */
+/* The same for an ADD of n points xy[2n], which move to the log (from dt_pages_grow). */
 uint64_t log_append_points(struct log *log, struct record *r, double *xy);
 
-/* Appends records that say nothing, up to that lsn: these numbers have been given to changes that a
- * snapshot has, and the log has lost. */
+/* Appends empty records up to that lsn: these numbers belong to changes that a snapshot has but the log has
+ * lost. */
 void log_fill(struct log *log, uint64_t lsn);
 
-/* Passes what was appended on to the thread; to be called once a turn. */
+/* Passes the appended records to the thread; to be called once a turn. */
 void log_push(struct log *log);
 
-/* Bytes of what has been appended and not been written yet. */
+/* Bytes that have been appended but not written yet. */
 size_t log_queued(const struct log *log);
 
 /* The lsn of the last record so far. */
 uint64_t log_last(const struct log *log);
 
-/* Asks for a new segment that begins after the records so far; returns the lsn of the last of
- * these. When it is there, status.segment is one more. */
+/* Requests a new segment, which begins after the records so far; returns the lsn of the last of them. When
+ * the segment exists, status.segment is one more. */
 uint64_t log_rotate(struct log *log);
 
-/* After LOG_FAILED: every change up to lsn is safe in a snapshot; goes on in a new segment from
- * lsn + 1. lsn is what log_rotate has returned. */
+/* After LOG_FAILED: every change up to lsn is in a durable snapshot; continues in a new segment from lsn + 1.
+ * lsn is from log_rotate. */
 void log_resume(struct log *log, uint64_t lsn);
 
-/* In LOG_FULL: looks whether the reserve can be had again. */
+/* In LOG_FULL: tries to allocate the reserve again. */
 void log_refill_reserve(struct log *log);
 
 void log_status(struct log *log, struct log_status *status);

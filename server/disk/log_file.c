@@ -46,13 +46,13 @@ void log_file_reserve(struct log_file *f)
     int error = fd < 0 ? errno : posix_fallocate(fd, 0, RESERVE_BYTES);
     if (fd >= 0)
         close(fd);
-    f->reserved = !is_lack_of_space(error); /* where there cannot be one, it goes without */
+    f->reserved = !is_lack_of_space(error); /* a file system without fallocate: no reserve */
     f->full_error = error;
     if (error != 0)
         unlinkat(f->dir->fd, reserve_name, 0);
 }
 
-/* Gives the reserve up; whether that makes it worth another try. */
+/* Frees the reserve; whether another attempt makes sense. */
 static bool use_reserve(struct log_file *f, int error)
 {
     if (!is_lack_of_space(error) || !f->reserved)
@@ -81,7 +81,7 @@ void log_file_write(struct log_file *f, struct buf *b)
             f->unsynced = true;
         } else if (errno != EINTR && !use_reserve(f, errno)) {
             int error = errno;
-            /* Space for the snapshot that comes now; what is cut off was told to nobody. */
+            /* This makes space for the snapshot that follows; what is cut off was not acknowledged. */
             if (is_lack_of_space(error) && ftruncate(f->fd, (off_t)f->mark) == 0)
                 f->bytes = f->mark;
             log_file_fail(f, error);
@@ -101,7 +101,7 @@ void log_file_sync(struct log_file *f)
     f->syncs++;
 }
 
-/* Writes what a new segment begins with; its name and header are durable, or the file has failed. */
+/* Writes the header of a new segment; name and header are durable then, or the file has failed. */
 static void write_header(struct log_file *f)
 {
     struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = f->first};
@@ -120,9 +120,9 @@ static void write_header(struct log_file *f)
     buf_free(&b);
 }
 
-/* Opens the segment's file, empty. *created: it was not there before. One that is there may have a name
- * that a failed sync of the directory has lost for good, so that a new file takes its place: then the
- * next sync has something to do. */
+/* Opens the segment's file, empty. *created: it did not exist before. If it exists, an earlier sync of its name
+ * may have failed, and a later sync need not cover the name; so a new file replaces it, whose name the
+ * next sync does cover. */
 static int open_segment(const struct datadir *dir, const char *name, uint64_t first, bool *created)
 {
     enum { FLAGS = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC };
@@ -147,7 +147,7 @@ void log_file_start(struct log_file *f, uint64_t first)
     char name[DATAFILE_NAME];
     bool created;
     if (f->fd >= 0 && f->first == first && f->bytes == SEGMENT_HEADER)
-        return; /* it is fresh already */
+        return; /* it is new already */
     log_file_sync(f);
     if (f->error != 0)
         return;
@@ -162,8 +162,8 @@ void log_file_start(struct log_file *f, uint64_t first)
     f->before += f->bytes;
     f->bytes = 0;
     write_header(f);
-    /* Its name may never get to the disk. If it stayed, a snapshot would take the segments before it for
-     * replaced and remove them, and a power failure could leave no segment at all. */
+    /* Its name may never become durable. If the file stayed, a snapshot would remove the segments before
+     * it, and a power failure could leave no segment at all. */
     if (f->error != 0 && created)
         unlinkat(f->dir->fd, name, 0);
 }

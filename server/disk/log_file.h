@@ -8,9 +8,9 @@
 struct log_file {
     const struct datadir *dir; /* borrows */
     int fd;                    /* -1 after a failure */
-    int error;                 /* errno of the failure; 0: all is well */
-    int full_error;            /* why there is no reserve */
-    bool reserved;             /* the reserve is there */
+    int error;                 /* errno of the failure; 0: none */
+    int full_error;            /* errno: why there is no reserve */
+    bool reserved;             /* the reserve exists */
     bool unsynced;             /* something was written since the last sync */
     uint64_t first;            /* the lsn of its first record */
     uint64_t bytes, mark;
@@ -21,32 +21,31 @@ struct log_file {
 void log_file_init(struct log_file *f, const struct datadir *dir);
 void log_file_clear(struct log_file *f);
 
-/* Gives up the descriptor: nothing is written to it any more. */
+/* Closes the descriptor: nothing is written any more. */
 void log_file_fail(struct log_file *f, int error);
 
 /* Syncs and closes the segment, and begins one whose first record will have the lsn `first`. Without
  * an error its name and header are durable when this returns. Does nothing after a failure. */
 void log_file_start(struct log_file *f, uint64_t first);
 
-/* The same after a failure, which is forgotten together with the segment in which it happened: for
- * a caller who knows that everything before `first` is safe elsewhere. */
+/* The same after a failure, which is cleared: the caller knows that every change before `first` is durable
+ * elsewhere. */
 void log_file_restart(struct log_file *f, uint64_t first);
 
 /* Makes a segment without records, whose first one will have the lsn `first`, durable. False with errno. */
 bool log_file_begin(const struct datadir *dir, uint64_t first);
 
-/* From here on until the next mark nothing counts as written before it is complete: if the disk is
- * full half way, the segment is cut back to here. */
+/* Marks this position: if the disk is full before the next mark, the segment is truncated to it. */
 void log_file_mark(struct log_file *f);
 
 /* Writes and consumes all of b. */
 void log_file_write(struct log_file *f, struct buf *b);
 
-/* A failure is final: on Linux a second fsync on the same descriptor reports success for pages that
- * were thrown away [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */
+/* A failure is final: on Linux a second fsync of the same descriptor reports success for pages that were
+ * dropped [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */
 void log_file_sync(struct log_file *f);
 
-/* Makes the reserve if it is not there. */
+/* Allocates the reserve if it does not exist. */
 void log_file_reserve(struct log_file *f);
 
 #endif

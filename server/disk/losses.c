@@ -46,14 +46,14 @@ void losses_add(struct losses *l, const char *name, size_t name_len, uint32_t po
     loss->known = true;
 }
 
-/* Whether some set's name is lost. */
+/* Whether the name of a set is lost. */
 static bool some_are_nameless(const struct losses *l)
 {
     return l->announced > l->sets;
 }
 
-/* An ADD of the first point may create a set. Only an empty one whose name is lost could have been
- * there before. */
+/* Whether the record may create a set. An ADD of the first point does, unless the set was an empty one whose
+ * name is lost. */
 static bool may_create(const struct losses *l, const struct record *r)
 {
     return r->type == RECORD_CREATE || r->type == RECORD_CLOSE ||
@@ -81,7 +81,7 @@ bool losses_take(struct losses *l, const struct record *r)
     return true;
 }
 
-void losses_tell(const struct losses *l, FILE *out)
+void losses_print(const struct losses *l, FILE *out)
 {
     size_t unknown = 0;
     for (size_t i = 0; i < l->n; i++) {
@@ -97,7 +97,7 @@ void losses_tell(const struct losses *l, FILE *out)
     if (!some_are_nameless(l))
         return;
     if (l->announced == SIZE_MAX)
-        fputs("lost: perhaps further sets, whose names cannot be read", out);
+        fputs("lost: possibly more sets, whose names cannot be read", out);
     else
         fprintf(out, "lost: %zu sets whose names cannot be read", l->announced - l->sets);
     fputs(unknown > 0 ? "; those above without a number of points may be among them\n" : "\n", out);

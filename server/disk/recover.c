@@ -58,14 +58,14 @@ __attribute__((format(printf, 2, 3))) static void report(struct recovery *r, con
 static bool cancelled(struct recovery *r)
 {
     if (r->cancel)
-        fail(r, RECOVERY_CANCELLED, "given up");
+        fail(r, RECOVERY_CANCELLED, "cancelled");
     return r->cancel;
 }
 
-static const char keeps[] = "; --repair DIR would keep every set that is whole";
+static const char keeps[] = "; --repair DIR would keep every intact set";
 static const char mends[] = "; --repair DIR would keep the changes before that";
 
-/* What a record was refused for: out of memory is not the record's fault. */
+/* Reports a record that was refused, or that memory ran out. */
 static bool fail_record(struct recovery *r, const struct datafile *f, uint64_t at,
                         const char *fault)
 {
@@ -130,8 +130,8 @@ struct place {
     const struct datafile *file;
     bool last; /* no segment follows */
     uint64_t first;
-    uint64_t mark_at, mark_lsn; /* a record: as soon as a later one calls all before it synced */
-    uint64_t load_at, load_lsn; /* where the LOAD began that is not complete */
+    uint64_t mark_at, mark_lsn; /* a record; see note_synced */
+    uint64_t load_at, load_lsn; /* where an incomplete LOAD begins; 0: there is none */
 };
 
 static bool torn_at(struct recovery *r, const struct place *p, uint64_t at)
@@ -146,7 +146,7 @@ static bool torn_at(struct recovery *r, const struct place *p, uint64_t at)
                  p->file->name, p->file->bytes - at, at);
     if (r->later > 0)
         snprintf(r->why + n, sizeof r->why - (size_t)n,
-                 ", among them %" PRIu64 " whole records, which may have been acknowledged",
+                 ", including %" PRIu64 " intact records, which may have been acknowledged",
                  r->later);
     return true;
 }
@@ -158,12 +158,12 @@ static bool corrupt_at(struct recovery *r, const struct place *p, uint64_t at, c
     return fail(r, RECOVERY_CORRUPT,
                 "%s: the record at byte %" PRIu64
                 " is damaged (%s), and changes that were acknowledged follow. --repair DIR would "
-                "keep all changes up to %" PRIu64
-                " and put everything after these aside: %s%" PRIu64 " whole records",
+                "keep all changes up to %" PRIu64 " and put everything after them aside: %s%" PRIu64
+                " intact records",
                 p->file->name, at, fault, r->last, p->last ? "" : "later segments and ", r->later);
 }
 
-/* What begins at the reader's place is no record: is it a torn end? */
+/* The reader's position has no valid record: is it a torn end? */
 static bool judge_end(struct recovery *r, const struct place *p, struct segment_reader *in,
                       const char *fault)
 {
@@ -190,8 +190,8 @@ static bool judge_end(struct recovery *r, const struct place *p, struct segment_
     return torn_at(r, p, at);
 }
 
-/* A record says up to which lsn all is synced. Where that is in the file is remembered of one record
- * only, the mark, so synced_at may be earlier than it could. */
+/* A record says up to which lsn everything was synced. The offset is known for one record only, the mark, so
+ * synced_at may be earlier than possible. */
 static void note_synced(struct recovery *r, struct place *p, uint64_t at,
                         const struct record *record)
 {
@@ -243,8 +243,8 @@ static bool read_log_records(struct recovery *r, struct place *p, struct segment
     }
 }
 
-/* Nothing was acknowledged before a segment's header was synced: without a single record behind
- * it, a damaged header is that of a segment that was about to begin. */
+/* Nothing is acknowledged before a segment's header is synced. So a damaged header without a record behind it
+ * is that of a segment that was being created. */
 static bool judge_header(struct recovery *r, const struct place *p, struct segment_reader *in)
 {
     struct record later;
@@ -260,12 +260,12 @@ static bool judge_header(struct recovery *r, const struct place *p, struct segme
     if (r->mend)
         return corrupt_at(r, p, 0, in->fault);
     r->bad_log = true;
-    return fail(r, RECOVERY_REFUSED, "%s: %s; --repair DIR would make its header anew",
+    return fail(r, RECOVERY_REFUSED, "%s: %s; --repair DIR would write its header again",
                 p->file->name, in->fault);
 }
 
-/* To mend a log, its records are read behind a damaged header. The file's name says the same, and
- * their numbers tell whether that is right. */
+/* To repair a log, the records behind a damaged header are read: the file's name says what the header said, and
+ * the numbers of the records show whether it is right. */
 static bool can_pass_header(const struct recovery *r, struct segment_reader *in)
 {
     if (!r->mend || buf_len(&in->window) < SEGMENT_HEADER)
@@ -299,7 +299,7 @@ static bool read_segment(struct recovery *r, struct place *p)
     return ok;
 }
 
-/* What comes next is not there; `then` is what follows, NULL if there is nothing. */
+/* The next segment is missing; `then` is the one that follows, NULL if there is none. */
 static bool miss_segment(struct recovery *r, const struct datafile *then)
 {
     if (r->last < r->replay.snapshot)
@@ -316,8 +316,8 @@ static bool miss_segment(struct recovery *r, const struct datafile *then)
                 then == NULL ? "" : then->name, then == NULL ? "" : ": ", r->last + 1, mends);
 }
 
-/* A set may have been pinned for the snapshot after later changes than those up to which the file
- * contains all; if the log has lost these in a crash, their numbers are taken nevertheless. */
+/* A set in a snapshot may have later changes than the snapshot's lsn. If the log has lost these in a crash,
+ * their numbers must not be used again. */
 static void look_ahead(struct dataset *set, void *ctx)
 {
     struct recovery *r = ctx;
@@ -402,7 +402,7 @@ static void remove_temporaries(const struct datadir *dir)
     datafiles_free(&files);
 }
 
-/* Cuts off what is torn, which is put aside before if it may hold changes. */
+/* Cuts off the torn end, after putting it aside if it may have changes. */
 static bool cut_torn_end(struct recovery *r)
 {
     const struct datafile *f = &r->file;
@@ -413,15 +413,15 @@ static bool cut_torn_end(struct recovery *r)
                     strerror(errno));
     if (r->aside)
         snprintf(r->why + n, sizeof r->why - n, "; they are kept in %s", name);
-    /* Even if nothing of it is left: as long as the segment is there, nobody can think that it was lost. */
+    /* Even an empty segment stays, because a missing one would look like a loss. */
     if (!datadir_cut(r->dir, f, r->at))
         return fail(r, RECOVERY_ERROR, "cannot cut the end off %s: %s", f->name, strerror(errno));
     return true;
 }
 
-/* What was read is what the log builds on. If those who wrote it were killed, it need not be on the
- * disk, and a power failure would leave a gap before the changes that come now. The last segment
- * comes first, since with the others there is hardly ever anything left to do. */
+/* Makes durable what was read, because new changes build on it. If the process that wrote it was killed,
+ * it need not be on the disk, and a power failure would leave a gap before the new changes. The last
+ * segment comes first: the others are nearly always durable already. */
 static bool save_log(struct recovery *r)
 {
     struct datafiles files;
@@ -438,8 +438,8 @@ static bool save_log(struct recovery *r)
     return ok || fail(r, RECOVERY_ERROR, "cannot sync the log: %s", strerror(error));
 }
 
-/* The snapshot that was read, if there are files beside it that it covers: its daemon would have removed
- * them, had its name been synced. NULL: there is none, or it is alone. */
+/* The snapshot that was read, if there are also files that it covers: they would have been removed after a
+ * sync of its name. NULL: there is no snapshot, or no such file. */
 static const struct datafile *unproven_snapshot(const struct recovery *r,
                                                 const struct datafiles *files)
 {
@@ -455,9 +455,9 @@ static const struct datafile *unproven_snapshot(const struct recovery *r,
     return covers ? snapshot : NULL;
 }
 
-/* Whoever made the snapshot may have been killed after the sync of its name had failed. Such a name may
- * never get to the disk, whatever a later sync reports; that of a copy does. Where there is no space
- * for a copy, what is there has to do. */
+/* The process that wrote the snapshot may have been killed after the sync of its name had failed. Such a name
+ * may never become durable, whatever a later sync reports; the name of a copy does. If there is no space
+ * for a copy, the original is used. */
 static bool save_snapshot(struct recovery *r)
 {
     struct datafiles files;

@@ -24,7 +24,7 @@ static void summarize(struct recovery *r)
            r->last);
 }
 
-static int tell(struct recovery *r)
+static int print_result(struct recovery *r)
 {
     if (r->why[0] != '\0')
         printf("%s\n", r->why);
@@ -43,15 +43,15 @@ int recovery_check(const char *path)
     recovery_init(&r, &dir);
     r.report = stdout;
     recovery_run(&r);
-    int status = tell(&r);
+    int status = print_result(&r);
     recovery_clear(&r);
     datadir_close(&dir);
     return status;
 }
 
-/* ---- repair: nothing is thrown away, it only moves to files called damaged.* ---- */
+/* ---- repair: nothing is deleted, only moved to files named damaged.* ---- */
 
-/* Moves what follows byte `at` of the segment into a file of its own. */
+/* Moves the segment from byte `at` on into a file of its own. */
 static bool put_rest_aside(const struct datadir *dir, const struct datafile *f, uint64_t at)
 {
     char name[DATADIR_ASIDE];
@@ -69,8 +69,8 @@ static bool put_later_aside(const struct datadir *dir, const struct datafile *f)
     return ok && datadir_sync(dir);
 }
 
-/* The damage goes first: at the end of the last segment it would look like what a crash has torn
- * off, should this be broken off. */
+/* The damaged part comes first: if the repair were interrupted when the later segments are gone, it would
+ * look like a torn end. */
 static bool cut_log(const struct recovery *r)
 {
     const struct datafile *f = &r->file;
@@ -79,13 +79,13 @@ static bool cut_log(const struct recovery *r)
     if (!ok)
         printf("cannot put the damaged part aside: %s\n", strerror(errno));
     else if (r->at > 0)
-        printf("%s: cut off at byte %" PRIu64 "; what was there is in damaged.*\n", f->name, r->at);
+        printf("%s: cut off at byte %" PRIu64 "; the rest is in damaged.*\n", f->name, r->at);
     else
-        printf("%s: put aside, with all that follows, as damaged.*\n", f->name);
+        printf("%s: put aside as damaged.*, with everything that follows\n", f->name);
     return ok;
 }
 
-/* ---- what lies about a log, its records being whole ---- */
+/* ---- headers and segments of a log whose records are intact ---- */
 
 static bool has_good_header(const struct datadir *dir, const struct datafile *f)
 {
@@ -110,7 +110,7 @@ static bool write_header(const struct datadir *dir, const struct datafile *f)
     return ok;
 }
 
-/* Makes the headers of segments anew that are damaged, and a segment if none is left. */
+/* Writes damaged headers of segments again, and a segment if none is left. */
 static bool mend_log(const struct recovery *r)
 {
     struct datafiles files;
@@ -124,13 +124,13 @@ static bool mend_log(const struct recovery *r)
             continue;
         ok = datadir_copy_aside(r->dir, f, 0, aside) && write_header(r->dir, f);
         if (ok)
-            printf("%s: its header was made anew; what was there is in damaged.*\n", f->name);
+            printf("%s: its header was written again; the old file is in damaged.*\n", f->name);
     }
     datafiles_free(&files);
     if (ok && segments == 0 && r->last > 0)
         ok = log_file_begin(r->dir, r->last + 1); /* a log needs a segment, even an empty one */
     if (!ok)
-        printf("cannot mend the log: %s\n", strerror(errno));
+        printf("cannot repair the log: %s\n", strerror(errno));
     return ok;
 }
 

@@ -1,5 +1,5 @@
-/* replay.c - see replay.h. The core is deterministic: the same edits in the same order give the
- * same ids and the same representatives, which is checked where a record tells them. */
+/* replay.c - see replay.h. The core is deterministic: the same edits in the same order give the same ids and
+ * representatives; where a record contains them, they are checked. */
 #include "server/disk/replay.h"
 
 #include <stdlib.h>
@@ -31,14 +31,14 @@ static const char *fail_memory(struct replay *p)
     return no_memory;
 }
 
-static const char *told(struct replay *p, enum dt_status status)
+static const char *fault_of(struct replay *p, enum dt_status status)
 {
     if (status == DT_OK)
         return NULL;
     return status == DT_NOMEM ? fail_memory(p) : contradiction;
 }
 
-/* ---- points, collected ---- */
+/* ---- collected points ---- */
 
 static bool reserve_points(struct replay *p, size_t n)
 {
@@ -83,7 +83,7 @@ static struct dataset *create(struct replay *p, const struct record *r, double t
     return set;
 }
 
-/* Adds the points that were collected; `first` is the id that the first one got. */
+/* Adds the collected points; `first` is the id of the first one. */
 static const char *add_collected(struct replay *p, struct dataset *set, const struct record *r,
                                  uint32_t first)
 {
@@ -102,7 +102,7 @@ static const char *add_collected(struct replay *p, struct dataset *set, const st
         set->current->lsn = r->lsn;
     else if (fresh != NULL)
         registry_drop(&p->sets, fresh);
-    return told(p, status);
+    return fault_of(p, status);
 }
 
 static const char *apply_add(struct replay *p, struct dataset *set, const struct record *r)
@@ -117,7 +117,7 @@ static const char *apply_loaded(struct replay *p, struct dataset *set, const str
     if (r->n != p->n)
         return contradiction;
     const char *fault = add_collected(p, set, r, p->load_first);
-    dt_pages_release(p->points); /* a load may be large, and another one may not come */
+    dt_pages_release(p->points); /* it may be large, and there may be no other load */
     p->points = NULL;
     p->cap = 0;
     return fault;
@@ -131,10 +131,10 @@ static const char *apply_delete(struct replay *p, struct dataset *set, const str
     record_ids(r, ids);
     enum dt_status status = dt_delete(set->current->dt, ids, r->n, &deleted, &missing);
     free(ids);
-    return told(p, status);
+    return fault_of(p, status);
 }
 
-/* A record about a set that is there. */
+/* Applies a record that needs an existing set. */
 static const char *apply_existing(struct replay *p, struct dataset *set, const struct record *r)
 {
     const char *fault = contradiction;
@@ -148,7 +148,7 @@ static const char *apply_existing(struct replay *p, struct dataset *set, const s
     } else if (set != NULL && r->type == RECORD_DELETE) {
         fault = apply_delete(p, set, r);
     } else if (set != NULL && r->type == RECORD_MOVE) {
-        fault = told(p, dt_move(set->current->dt, r->first, (struct dt_point){r->a, r->b}));
+        fault = fault_of(p, dt_move(set->current->dt, r->first, (struct dt_point){r->a, r->b}));
     }
     if (fault == NULL)
         set->current->lsn = r->lsn;
@@ -233,7 +233,7 @@ static const char *begin_set(struct replay *p, const struct record *r)
     return NULL;
 }
 
-/* Room for n more rows; ids lie beside points. */
+/* Makes room for n more rows: ids, representatives and points have the same capacity. */
 static bool reserve_rows(struct replay *p, size_t n)
 {
     size_t cap = p->cap;
@@ -273,7 +273,7 @@ static const char *restore_if_complete(struct replay *p)
     struct dt *dt = p->restoring->current->dt;
     struct dt_options opt = {.cancel = p->cancel};
     p->restoring = NULL;
-    return told(p, dt_restore(dt, p->id, p->points, p->representative, p->n, p->next_id, &opt));
+    return fault_of(p, dt_restore(dt, p->id, p->points, p->representative, p->n, p->next_id, &opt));
 }
 
 const char *replay_snapshot(struct replay *p, const struct record *r)

@@ -1,4 +1,4 @@
-/* replay.h - turns records back into sets. */
+/* replay.h - applies records to sets. */
 #ifndef SERVER_REPLAY_H
 #define SERVER_REPLAY_H
 
@@ -9,19 +9,19 @@
 #include <stdatomic.h>
 
 struct replay {
-    struct registry sets;      /* owns; each set's lsn and triangulated are what its records say */
+    struct registry sets;      /* owns; each set's lsn and triangulated are those of its records */
     uint64_t snapshot;         /* changes up to this lsn are in the snapshot */
-    bool out_of_memory;        /* what stopped it is no fault of the data */
-    const atomic_bool *cancel; /* borrows; once it is set, any record may fail. NULL: never */
-    struct losses *losses; /* borrows: records of these sets are passed over; NULL: none is lost */
+    bool out_of_memory;        /* a record was refused for this reason; the data may be good */
+    const atomic_bool *cancel; /* borrows; when it is set, any record may fail; NULL: never */
+    struct losses *losses;     /* borrows: records of these sets are skipped; NULL: none */
     /* private */
-    bool in_load;   /* a LOAD has begun */
-    bool skip_load; /* and the snapshot has it already */
+    bool in_load;   /* a LOAD has begun and is not complete */
+    bool skip_load; /* the snapshot has it already */
     uint32_t load_first;
     struct dt_point *points; /* owns */
     size_t n, cap;
     struct dataset *restoring;     /* the set whose rows are being read */
-    uint32_t rows, next_id;        /* that it has in all; and the next id */
+    uint32_t rows, next_id;        /* the number of its rows, and its next id */
     uint32_t *id, *representative; /* own; beside points */
     uint32_t sets_seen;
     bool ended;
@@ -30,18 +30,18 @@ struct replay {
 void replay_init(struct replay *p);
 void replay_clear(struct replay *p);
 
-/* Applies one record of the log, or one of a snapshot. Returns NULL, or what is wrong with it; then a
- * record of the log has changed nothing. */
+/* Applies one record of the log, or of a snapshot. Returns NULL, or what is wrong with the record; then a record
+ * of the log has changed nothing. */
 const char *replay_log(struct replay *p, const struct record *r);
 const char *replay_snapshot(struct replay *p, const struct record *r);
 
-/* Whether a LOAD has begun that is not complete. */
+/* Whether a LOAD has begun and is not complete. */
 bool replay_in_load(const struct replay *p);
 
-/* Forgets such a LOAD. */
+/* Drops such a LOAD. */
 void replay_abandon_load(struct replay *p);
 
-/* Forgets the set of a snapshot whose rows are not complete, if there is one. */
+/* Drops the set of a snapshot whose rows are incomplete, if there is one. */
 void replay_abandon_set(struct replay *p);
 
 #endif

@@ -1,11 +1,11 @@
-/* salvage.c - a damaged snapshot: nothing is lost where an older snapshot, or the log from its
- * beginning, is still there; else every set is kept of which all records are whole.
+/* salvage.c - repair of a damaged snapshot. Nothing is lost if an older snapshot, or the log from its beginning,
+ * still exists; otherwise every set is kept whose records are all intact.
  *
- * The checksums tell which records are whole, their numbers whether any is missing between two. A
- * set that has lost a record is lost as a whole: half a set would be wrong data. Its later changes
- * in the log are passed over, those of other sets count. Then all sets are written as a new
- * snapshot, after which a new log begins. What was there before stays, as damaged.*, and every
- * loss is named. A crash at any point leaves the directory as it was, or good. */
+ * The checksums show which records are intact, and their numbers whether one is missing. A set that has lost
+ * a record is lost as a whole: a part of a set would be wrong data. Its later changes in the log are
+ * skipped; those of other sets are applied. Then all sets are written as a new snapshot, and a new log
+ * begins after it. The old files stay as damaged.*, and every loss is reported. A crash at any point leaves
+ * the directory as it was before, or repaired. */
 #include "server/disk/salvage.h"
 
 #include "server/disk/log_file.h"
@@ -21,22 +21,22 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-static bool complain(const char *what)
+static bool report_failure(const char *what)
 {
     printf("%s: %s\n", what, strerror(errno));
     return false;
 }
 
-/* ---- what a snapshot still tells ---- */
+/* ---- reading what is intact ---- */
 
 struct reading {
     struct recovery *r;
     struct losses *losses;
     struct segment_reader in;
     uint64_t bytes;  /* of the file */
-    uint64_t lsn;    /* all changes up to this one were in it */
-    uint64_t number; /* of the record that comes next */
-    bool damaged;    /* not all before that was whole */
+    uint64_t lsn;    /* of the snapshot: it has all changes up to this one */
+    uint64_t number; /* of the next record */
+    bool damaged;    /* some record before that was damaged or missing */
     bool ended;
 };
 
@@ -69,14 +69,14 @@ static void take_record(struct reading *s, const struct record *record)
         lose_set(s);
 }
 
-/* Whether RECORD_END, which may be damaged elsewhere but is all there, has as many sets as were seen. */
+/* Whether a damaged RECORD_END has the number of sets that were seen. */
 static bool end_counts(const struct reading *s)
 {
     return record_outline(buf_head(&s->in.window)).n == s->losses->sets;
 }
 
-/* Whether the damaged record is RECORD_END: as long as that, the last one, and like it in two of
- * three respects. */
+/* Whether the damaged record is RECORD_END: the last one, of that length, and like it in two of three
+ * fields. */
 static bool is_damaged_end(const struct reading *s)
 {
     if (s->bytes - s->in.at != RECORD_HEADER || buf_len(&s->in.window) != RECORD_HEADER)
@@ -85,8 +85,8 @@ static bool is_damaged_end(const struct reading *s)
     return (o.type == RECORD_END) + (o.length == 0) + end_counts(s) >= 2;
 }
 
-/* Behind a damaged record goes to the next whole one. False at the end. What is missing between
- * may have been an empty set, unless it was one record and rows follow: then these were its own. */
+/* Skips a damaged record and goes to the next intact one. False at the end. The missing records may have been
+ * an empty set, unless only one is missing and rows follow: then these were its rows. */
 static bool pass_damage(struct reading *s, enum reader_result got, struct record *record)
 {
     bool last = got == READER_BAD && is_damaged_end(s);
@@ -103,14 +103,14 @@ static bool pass_damage(struct reading *s, enum reader_result got, struct record
     return true;
 }
 
-static bool read_what_is_whole(struct reading *s, const struct datafile *f)
+static bool read_intact_records(struct reading *s, const struct datafile *f)
 {
     struct segment header = {0};
     struct record record;
     enum reader_result got = reader_open(&s->in, s->r->dir, f, &header);
     if (got == READER_BAD && buf_len(&s->in.window) >= SEGMENT_HEADER)
         s->in.last = SEGMENT_HEADER;
-    /* Where the header cannot be read, the file's name says the same. */
+    /* If the header cannot be read, the file's name says the same. */
     s->lsn = got == READER_BAD && header.kind == SEGMENT_SNAPSHOT ? header.lsn : f->lsn;
     for (s->number = 1; got != READER_ERROR && !s->ended; s->number = record.lsn + 1) {
         got = reader_next(&s->in, &record);
@@ -128,9 +128,9 @@ static bool read_what_is_whole(struct reading *s, const struct datafile *f)
     return error == 0;
 }
 
-/* ---- the directory anew ---- */
+/* ---- the new directory ---- */
 
-static bool write_anew(struct recovery *r)
+static bool write_snapshot(struct recovery *r)
 {
     int event = eventfd(0, EFD_CLOEXEC);
     uint64_t count;
@@ -150,7 +150,7 @@ static bool write_anew(struct recovery *r)
     return error == 0;
 }
 
-/* The log begins after the snapshot; earlier segments have their second names. */
+/* Begins the log after the snapshot; the earlier segments already have their second names. */
 static bool begin_log(const struct recovery *r, const struct datafiles *files)
 {
     bool ok = log_file_begin(r->dir, r->last + 1);
@@ -164,15 +164,15 @@ static bool replace(struct recovery *r, const struct datafiles *files)
 {
     for (size_t i = 0; i < files->n; i++)
         if (files->v[i].kind != DATAFILE_TEMPORARY && !datadir_link_aside(r->dir, &files->v[i]))
-            return complain("cannot put the damaged files aside");
-    if (!datadir_sync(r->dir) || !write_anew(r) || !begin_log(r, files))
-        return complain("cannot write a new snapshot");
+            return report_failure("cannot put the damaged files aside");
+    if (!datadir_sync(r->dir) || !write_snapshot(r) || !begin_log(r, files))
+        return report_failure("cannot write a new snapshot");
     return true;
 }
 
-/* ---- both ways ---- */
+/* ---- with and without the newest snapshot ---- */
 
-/* Whether all is there without the newest snapshot. */
+/* Whether nothing is lost without the newest snapshot. */
 static bool is_dispensable(const struct datadir *dir, const struct datafile *newest)
 {
     struct recovery r;
@@ -187,20 +187,20 @@ static bool is_dispensable(const struct datadir *dir, const struct datafile *new
 static bool do_without(const struct datadir *dir, const struct datafile *newest)
 {
     if (!datadir_put_aside(dir, newest) || !datadir_sync(dir))
-        return complain("cannot put the damaged snapshot aside");
-    printf("%s: put aside; nothing is lost, since what comes before it is still there\n",
+        return report_failure("cannot put the damaged snapshot aside");
+    printf("%s: put aside; nothing is lost, because the files before it are complete\n",
            newest->name);
     return true;
 }
 
-static bool keep_whole_sets(const struct datadir *dir, const struct datafiles *files,
-                            const struct datafile *newest)
+static bool keep_intact_sets(const struct datadir *dir, const struct datafiles *files,
+                             const struct datafile *newest)
 {
     struct losses losses = {.announced = SIZE_MAX};
     struct recovery r;
     recovery_init(&r, dir);
     struct reading s = {.r = &r, .losses = &losses, .bytes = newest->bytes};
-    bool ok = read_what_is_whole(&s, newest) || complain("cannot read the snapshot");
+    bool ok = read_intact_records(&s, newest) || report_failure("cannot read the snapshot");
     if (ok) {
         r.last = r.replay.snapshot = s.lsn;
         r.replay.losses = &losses;
@@ -213,8 +213,8 @@ static bool keep_whole_sets(const struct datadir *dir, const struct datafiles *f
     }
     ok = ok && replace(&r, files);
     if (ok) {
-        losses_tell(&losses, stdout);
-        printf("%s: %zu sets were whole or are newer; all that was there is in damaged.*\n",
+        losses_print(&losses, stdout);
+        printf("%s: %zu sets were intact or are newer; the old files are in damaged.*\n",
                newest->name, r.replay.sets.sets);
     }
     losses_clear(&losses);
@@ -227,14 +227,14 @@ bool salvage(const struct datadir *dir)
     struct datafiles files;
     size_t snapshots = 0;
     if (!datadir_list(dir, &files))
-        return complain("cannot list the directory");
+        return report_failure("cannot list the directory");
     while (snapshots < files.n && files.v[snapshots].kind == DATAFILE_SNAPSHOT)
         snapshots++;
     bool ok = snapshots > 0;
     if (ok) {
         const struct datafile *newest = &files.v[snapshots - 1];
         ok = is_dispensable(dir, newest) ? do_without(dir, newest)
-                                         : keep_whole_sets(dir, &files, newest);
+                                         : keep_intact_sets(dir, &files, newest);
     }
     datafiles_free(&files);
     return ok;

@@ -1,11 +1,11 @@
-/* salvage.h - what --repair does about a damaged snapshot. See salvage.c. */
+/* salvage.h - repair of a damaged snapshot for --repair. See salvage.c. */
 #ifndef SERVER_SALVAGE_H
 #define SERVER_SALVAGE_H
 
 #include "server/disk/datadir.h"
 
-/* Makes the directory good again, whose newest snapshot is damaged, and tells on standard output
- * what was lost. False, with a sentence there: it cannot. */
+/* Repairs the directory, whose newest snapshot is damaged, and reports on standard output what was lost. False:
+ * it cannot; the reason is there. */
 bool salvage(const struct datadir *dir);
 
 #endif

@@ -22,14 +22,14 @@ uint64_t saver_log_bytes(const struct saver *v)
     return v->read_bytes + v->status.total - v->base_bytes;
 }
 
-/* ---- what the log tells ---- */
+/* ---- the state of the log ---- */
 
-/* The log takes changes again. Whether that lasts, the next change shows. */
+/* The log accepts changes again; the next change shows whether that lasts. */
 static void note_recovery(struct saver *v)
 {
     v->unproven = true;
     holders_recover(v->held);
-    notice(NOTICE_INFO, "the log goes on");
+    notice(NOTICE_INFO, "the log continues");
 }
 
 static void look_at_log(struct saver *v, int64_t now_ms)
@@ -41,7 +41,7 @@ static void look_at_log(struct saver *v, int64_t now_ms)
         holders_release(v->held, v->status.durable);
     if (failed && !log_has_failed(v))
         note_recovery(v);
-    else if (!failed && log_has_failed(v) && v->unproven) /* it was no recovery */
+    else if (!failed && log_has_failed(v) && v->unproven) /* it had not recovered */
         backoff_failed(&v->mending, now_ms);
     if (v->unproven && !log_has_failed(v) && v->status.durable > v->cut) {
         v->unproven = false;
@@ -57,7 +57,7 @@ static void end_snapshot(struct saver *v)
     v->snapshot = NULL;
 }
 
-/* What was under way has failed. */
+/* The snapshot, or the log after it, has failed. */
 static void give_up(struct saver *v, int64_t now_ms)
 {
     backoff_failed(v->state == SAVER_MENDING || v->state == SAVER_RESUMING ? &v->mending
@@ -82,7 +82,7 @@ bool saver_begin(struct saver *v, int64_t now_ms)
 
 static void step_rotating(struct saver *v)
 {
-    if (log_has_failed(v)) { /* a snapshot for that begins at once, without a new segment */
+    if (log_has_failed(v)) { /* another snapshot begins at once, without a new segment */
         end_snapshot(v);
         v->state = SAVER_IDLE;
     } else if (v->status.segment > v->cut) {
@@ -158,7 +158,7 @@ static bool may_mend(const struct saver *v, int64_t now_ms)
 static bool is_due(const struct saver *v, int64_t now_ms)
 {
     uint64_t limit = *v->compact_at;
-    if (v->snapshot_bytes > limit) /* so that writing it costs no more than the log did */
+    if (v->snapshot_bytes > limit) /* so that snapshots cost no more than the log */
         limit = v->snapshot_bytes;
     switch (v->status.state) {
     case LOG_FAILED:
@@ -189,7 +189,7 @@ void saver_step(struct saver *v, int64_t now_ms, bool stopping)
     }
     if (v->state == SAVER_IDLE && !stopping && is_due(v, now_ms))
         saver_begin(v, now_ms);
-    /* Nothing is done for those who wait, so they are told rather than left hanging. */
+    /* No attempt is under way: replies that wait for the log get an error. */
     if (v->state == SAVER_IDLE && log_has_failed(v) && !may_have_space(v))
         holders_fail(v->held);
 }
@@ -200,7 +200,7 @@ void saver_clear(struct saver *v)
         end_snapshot(v);
 }
 
-/* ---- what an operator sees ---- */
+/* ---- for INFO ---- */
 
 static const struct backoff *backoff_of(const struct saver *v)
 {

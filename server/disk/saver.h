@@ -1,5 +1,5 @@
-/* saver.h - decides when a snapshot is written, and what follows a failure of the log. The I/O thread
- * calls it whenever the log or the snapshot's thread has something to tell, and once a second.
+/* saver.h - decides when a snapshot is written, and what happens after a failure of the log. The I/O thread
+ * calls it on every notification of the log or of the snapshot's thread, and once a second.
  *
  *            the log is good            its new segment is there
  *     IDLE --------------------> ROTATING ---------------------> WRITING --> IDLE
@@ -7,10 +7,9 @@
  *        \   the log has failed              in place             the log goes on
  *         +--------------------> MENDING --------------> RESUMING --------------> IDLE
  *
- * A snapshot in good times makes the log shorter. After a failure of the log it is the only way for
- * the changes since to become durable, since nobody knows what is in the log: then it begins at
- * once, and the log goes on behind it. Whatever fails leads back to IDLE, and is tried again later,
- * at longer and longer intervals (backoff.h). */
+ * While the log works, a snapshot makes it shorter. After a failure of the log, whose contents are unknown
+ * then, a snapshot is the only way to make later changes durable: it begins at once, and the log continues
+ * behind it. Any failure leads back to IDLE, with a retry at growing intervals (backoff.h). */
 #ifndef SERVER_SAVER_H
 #define SERVER_SAVER_H
 
@@ -25,43 +24,43 @@ enum saver_state { SAVER_IDLE, SAVER_ROTATING, SAVER_WRITING, SAVER_MENDING, SAV
 struct saver {
     const struct datadir *dir; /* borrows, as all up to `event` */
     struct registry *sets;
-    struct holders *held; /* replies that wait for the log */
+    struct holders *held; /* replies that wait for the log (hold.h) */
     struct log *log;
     const size_t *compact_at; /* bytes of log after which a snapshot is due */
     int event;                /* an eventfd */
     enum saver_state state;
-    struct log_status status;  /* at the last look */
+    struct log_status status;  /* when it was last read */
     struct snapshot *snapshot; /* owns; from ROTATING or MENDING on, until it is in place */
-    uint64_t cut;              /* its lsn; of the last one, when there is none */
-    uint64_t cut_bytes;        /* of log up to there */
-    uint64_t base_bytes;       /* of log that the snapshot in place has */
-    uint64_t read_bytes;       /* of log that was read at the start, and is in no snapshot yet */
-    uint64_t failures;         /* of the log when it was told to go on */
-    bool unproven;             /* it has gone on, and has saved nothing since */
+    uint64_t cut;              /* the lsn of `snapshot`, or of the last one */
+    uint64_t cut_bytes;        /* bytes of log up to there */
+    uint64_t base_bytes;       /* bytes of log that the snapshot in place covers */
+    uint64_t read_bytes;       /* bytes of log that were read at the start and are in no snapshot */
+    uint64_t failures;         /* of the log, when log_resume was called */
+    bool unproven;             /* the log has resumed, and nothing has been durable since */
     struct backoff compaction, mending;
-    int64_t ended_ms; /* when the last snapshot was in place, or given up */
+    int64_t ended_ms; /* when the last snapshot was complete or failed */
     /* of the snapshot in place */
     uint64_t snapshot_lsn, snapshot_bytes;
     uint64_t snapshots; /* so far */
 };
 
-/* Looks at the log and the snapshot, and does the next step of what is under way; begins something
- * unless `stopping`. */
+/* Checks the log and the snapshot, and does the next step; begins a snapshot if one is due, unless
+ * `stopping`. */
 void saver_step(struct saver *v, int64_t now_ms, bool stopping);
 
 /* Begins a snapshot now, in state IDLE; its lsn is v->cut. False: out of memory. */
 bool saver_begin(struct saver *v, int64_t now_ms);
 
-/* Gives up what is under way. */
+/* Cancels a snapshot that is being written. */
 void saver_clear(struct saver *v);
 
-/* Bytes of log that the snapshot in place does not have. */
+/* Bytes of log that the snapshot in place does not cover. */
 uint64_t saver_log_bytes(const struct saver *v);
 
-/* Whether the log takes no changes but those that free space, because the disk is full. */
+/* Whether the disk is full, so that only changes that free space are possible. */
 bool saver_disk_is_full(const struct saver *v);
 
-/* Attempts in a row that have failed, and milliseconds until the next one. */
+/* Failed attempts in a row, and milliseconds until the next attempt. */
 unsigned saver_failures(const struct saver *v);
 int64_t saver_retry_ms(const struct saver *v, int64_t now_ms);
 

@@ -1,4 +1,4 @@
-/* segment_reader.h - reads the records of one file, one after the other, through a window. */
+/* segment_reader.h - reads the records of one file in order, through a window. */
 #ifndef SERVER_SEGMENT_READER_H
 #define SERVER_SEGMENT_READER_H
 
@@ -7,36 +7,36 @@
 
 enum reader_result {
     READER_OK,
-    READER_END,  /* the file ends here, behind a whole record */
-    READER_BAD,  /* what is here is no record, or half of one; reader->fault tells */
+    READER_END,  /* the file ends here, behind an intact record */
+    READER_BAD,  /* no valid record here; the reason is in reader->fault */
     READER_ERROR /* the file cannot be read: reader->error is an errno */
 };
 
 struct segment_reader {
     int fd;
     struct buf window;
-    uint64_t at; /* the offset of the window, behind the last record that was read */
-    size_t last; /* the length of that record, which is still in the window */
+    uint64_t at; /* the offset of the window, where the last record begins */
+    size_t last; /* the length of that record; 0: none */
     bool eof;
-    bool half; /* READER_BAD: the file ends within a record, as far as there is one */
+    bool half; /* READER_BAD: the file ends within the record */
     int error;
     const char *fault;
 };
 
-/* Opens the file and reads its header. READER_BAD: it is not what its name says. */
+/* Opens the file and reads its header. READER_BAD: the header is invalid or does not match the name. */
 enum reader_result reader_open(struct segment_reader *r, const struct datadir *dir,
                                const struct datafile *file, struct segment *header);
 
-/* After READER_BAD from reader_open: whether a later version has written the file. */
+/* After READER_BAD from reader_open: whether the file is of a later version. */
 bool reader_is_later(const struct segment_reader *r, const struct segment *header);
 
 void reader_close(struct segment_reader *r);
 
-/* The next record, which borrows from the reader until the next call. */
+/* Reads the next record, which borrows from the reader until the next call. */
 enum reader_result reader_next(struct segment_reader *r, struct record *record);
 
-/* After READER_BAD: looks at every byte that follows for a whole record with an lsn from `least`
- * on. READER_OK or READER_END. */
+/* After READER_BAD: searches every following byte offset for an intact record whose lsn is at least `least`.
+ * READER_OK, READER_END or READER_ERROR. */
 enum reader_result reader_search(struct segment_reader *r, uint64_t least, struct record *record);
 
 #endif

@@ -14,8 +14,9 @@
 
 enum {
     FLUSH_BYTES = 1 << 20,
-    SYNC_BYTES = 8 << 20, /* so that the disk's queue stays short for the log */
-    TURN_ROWS = 4096,     /* that are read while edits of the set wait */
+    SYNC_BYTES =
+        8 << 20,      /* after which it syncs, so that the disk's queue stays short for the log */
+    TURN_ROWS = 4096, /* rows that are read under the lock at a time */
     NICE = 10
 };
 
@@ -70,7 +71,7 @@ static bool put(struct output *o, struct record *r)
     return !o->out.failed ? buf_len(&o->out) < FLUSH_BYTES || flush(o) : fail(o, ENOMEM);
 }
 
-/* Reads up to RECORD_POINTS rows, in turns with those who edit the set; fewer only at the end. */
+/* Reads up to RECORD_POINTS rows, fewer only at the end; edits of the set may run in between. */
 static enum dt_status read_rows(const struct snapshot_source *s, uint32_t *from, struct dt_row *row,
                                 uint32_t *rows)
 {
@@ -168,8 +169,8 @@ static void write_snapshot(struct snapshot *snap)
         return;
     }
     fail(&o, errno);
-    /* This name may never get to the disk, whatever a later sync reports. After a restart a log would
-     * be built on it. */
+    /* This name may never become durable, whatever a later sync reports; but after a restart, new changes
+     * would build on it. */
     if (first)
         unlinkat(dir, name, 0);
 }
@@ -180,7 +181,7 @@ static void *serve(void *arg)
     int event = snap->event;
     setpriority(PRIO_PROCESS, 0, NICE); /* on Linux: of this thread */
     write_snapshot(snap);
-    snap->done = true; /* from here on *snap may be gone */
+    snap->done = true; /* from here on *snap may be freed */
     eventfd_write(event, 1);
     close(event);
     return NULL;
@@ -284,8 +285,8 @@ void snapshot_release(struct snapshot *snap, struct registry *sets)
 int snapshot_end(struct snapshot *snap, struct registry *sets)
 {
     snap->cancel = true;
-    /* Once it is done the thread has only to report that and to end; to wait for one that is low in
-     * priority, on a busy machine, would hold up all clients. */
+    /* A thread that is done has only to write the eventfd and end. It has a low priority, so on a busy machine
+     * waiting for it would block all clients. */
     if (!snap->started)
         close(snap->event);
     else if (snap->done)

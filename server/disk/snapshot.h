@@ -1,15 +1,14 @@
 /* snapshot.h - a file with all sets, written by a thread of its own from pinned versions.
  *
- * Edits go on meanwhile: the thread reads one moment of each version, in turns with the edits
- * (dataset.h). So a snapshot takes little memory, whatever happens.
+ * Edits go on meanwhile: the thread reads each version as it was at one moment, alternating with edits
+ * (dataset.h). So a snapshot takes little memory.
  *
- * The sets are not all pinned at one moment: one that is just being edited in place is pinned when
- * it is free. So the file says for each set up to which change it contains it, and the log goes on
- * from there, set by set. What the file's own lsn promises is that every change up to it is
- * contained.
+ * The sets are not all pinned at the same time: a set that is being edited in place is pinned when the edit
+ * has ended. So the file records for each set up to which change it is contained, and the log continues
+ * from there, set by set. The file's own lsn guarantees that every change up to it is contained.
  *
- * The steps: write to a temporary file, sync it, rename it, sync the directory; only then remove
- * what it replaces. A crash at any point leaves the old state or the new one. */
+ * The steps: write a temporary file, sync it, rename it, sync the directory; only then remove the files
+ * that it replaces. A crash at any point leaves the old state or the new one. */
 #ifndef SERVER_SNAPSHOT_H
 #define SERVER_SNAPSHOT_H
 
@@ -36,34 +35,33 @@ struct snapshot_source {
 struct snapshot {
     const struct datadir *dir; /* borrows */
     uint64_t lsn;
-    int event; /* an eventfd, written when done; the thread's own, which may outlive the struct */
+    int event; /* an eventfd, written when done; the thread's, which may outlive the struct */
     size_t n;
-    size_t waiting; /* for so many sets, and for snapshot_go */
-    int error;      /* errno; 0: it is in place */
+    size_t waiting; /* sets that are not pinned yet, plus 1 until snapshot_go */
+    int error;      /* errno; 0: none */
     uint64_t bytes; /* of the file */
     bool started;
     atomic_size_t written; /* sets that are in the file */
-    size_t released;       /* and are pinned no more */
+    size_t released;       /* sets that are unpinned again */
     atomic_bool cancel, done;
     pthread_t thread;
     struct snapshot_source source[];
 };
 
-/* Pins all born sets, some of them later. To be called when lsn is the last change: a set that is
- * dropped after that must still be in the file, because the log from lsn on begins with its last
- * changes. When it is done, the eventfd is written. NULL: out of memory or descriptors. The caller ends
- * it with snapshot_end. */
+/* Pins all born sets, some of them later. To be called when lsn is the last change: a set that is dropped later
+ * must still be in the file, because the log after lsn begins with its last changes. The eventfd is written
+ * when the snapshot is done. NULL: out of memory or descriptors. Ends with snapshot_end. */
 struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets, uint64_t lsn,
                                 int event);
 
 /* Starts the thread as soon as the last set is pinned. */
 void snapshot_go(struct snapshot *snap);
 
-/* Unpins the sets that have been written meanwhile, so that they can be edited in place again. */
+/* Unpins the sets that have been written. */
 void snapshot_release(struct snapshot *snap, struct registry *sets);
 
-/* Waits for the thread, unpins, frees. Returns the errno of what failed, 0 if the snapshot is in
- * place. Before it is done: gives it up (ECANCELED). */
+/* Ends the thread, unpins, frees. Returns an errno, 0 if the snapshot is in place; ECANCELED if it was not done
+ * yet. */
 int snapshot_end(struct snapshot *snap, struct registry *sets);
 
 #endif

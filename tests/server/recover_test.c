@@ -42,7 +42,7 @@ TEST(changes_behind_a_flipped_bit_are_put_aside_and_not_deleted)
               "create damaged.log.1\nwrite damaged.log.1\nsync damaged.log.1\nsync .\n"
               "cut log.1\nsync log.1\nwrite log.1\nsync log.1\n");
     CHECK_MSG(strstr(b.r.why, "damaged.log.0000000000000001") != NULL, "%s", b.r.why);
-    CHECK_MSG(strstr(b.r.why, "5 whole records") != NULL, "%s", b.r.why);
+    CHECK_MSG(strstr(b.r.why, "5 intact records") != NULL, "%s", b.r.why);
     CHECK(directory_file(&b.directory, "damaged.", 0, path));
     CHECK(file_is(path, buf_head(&b.bytes) + b.end[4], b.end[10] - b.end[4]));
     CHECK(directory_file(&b.directory, "log.", 0, path));

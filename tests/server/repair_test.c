@@ -1,5 +1,5 @@
 /* repair_test.c - --repair of a log whose segments have damaged headers, or are not all there: what
- * is before the damage is kept as it was, all that was there is in damaged.*, and nothing is ever
+ * is before the damage is kept as it was, the old files are in damaged.*, and nothing is ever
  * wrong. */
 #include "server/disk/recover.h"
 #include "tests/server/digest.h"
@@ -134,7 +134,7 @@ static bool is_aside(const struct sample *s, unsigned segment)
 
 /* ---- headers ---- */
 
-TEST_TIMEOUT(repair_makes_a_damaged_header_anew_whichever_byte_it_is, 60)
+TEST_TIMEOUT(repair_writes_a_damaged_header_again_whichever_byte_it_is, 60)
 {
     char text[4000];
     struct sample s = make_sample(false);
@@ -146,7 +146,7 @@ TEST_TIMEOUT(repair_makes_a_damaged_header_anew_whichever_byte_it_is, 60)
         struct outcome o = look(&s);
         CHECK_MSG(o.result == RECOVERY_REFUSED && strstr(o.why, "--repair") != NULL, "%s", o.why);
         CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
-        CHECK_MSG(is_kept(&s, LIVES) && strstr(text, "header was made anew") != NULL, "byte %u: %s",
+        CHECK_MSG(is_kept(&s, LIVES) && strstr(text, "header was written again") != NULL, "byte %u: %s",
                   i, text);
         CHECK(is_aside(&s, segment));
         s.bytes[segment][i] = was;
@@ -154,7 +154,7 @@ TEST_TIMEOUT(repair_makes_a_damaged_header_anew_whichever_byte_it_is, 60)
     free_sample(&s);
 }
 
-TEST(repair_makes_headers_anew_and_cuts_the_log_where_a_record_is_damaged)
+TEST(repair_writes_headers_again_and_cuts_the_log_where_a_record_is_damaged)
 {
     struct sample s = make_sample(false);
     s.bytes[0][3] ^= 1;

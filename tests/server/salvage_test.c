@@ -194,7 +194,7 @@ TEST(repair_names_what_is_lost_and_keeps_the_damaged_files)
     s.bytes[at] ^= 4;
     lay_out(&s, s.bytes, s.n);
     CHECK(directory_run(&s.dir, "--data", text, sizeof text) == 1);
-    CHECK_MSG(strstr(text, "--repair DIR would keep every set that is whole") != NULL, "%s", text);
+    CHECK_MSG(strstr(text, "--repair DIR would keep every intact set") != NULL, "%s", text);
     CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
     CHECK_MSG(strstr(text, "\nlost: the set a of 4 points, 1 later changes to it\n") != NULL &&
                   strstr(text, "\n5 sets, 7 points, ") != NULL && strstr(text, "\ngood\n") != NULL,
