@@ -146,8 +146,8 @@ TEST_TIMEOUT(repair_writes_a_damaged_header_again_whichever_byte_it_is, 60)
         struct outcome o = look(&s);
         CHECK_MSG(o.result == RECOVERY_REFUSED && strstr(o.why, "--repair") != NULL, "%s", o.why);
         CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
-        CHECK_MSG(is_kept(&s, LIVES) && strstr(text, "header was written again") != NULL, "byte %u: %s",
-                  i, text);
+        CHECK_MSG(is_kept(&s, LIVES) && strstr(text, "header was written again") != NULL,
+                  "byte %u: %s", i, text);
         CHECK(is_aside(&s, segment));
         s.bytes[segment][i] = was;
     }
@@ -382,7 +382,7 @@ TEST(repair_leaves_a_header_of_which_there_is_no_copy)
     struct directory d = directory_quick();
     write_segment(&d, 1, 3, 9);
     repair_while(&d, "create damaged.log.1", 1, text, sizeof text);
-    CHECK_MSG(strstr(text, "cannot mend the log: Input/output error") != NULL, "%s", text);
+    CHECK_MSG(strstr(text, "cannot repair the log: Input/output error") != NULL, "%s", text);
     CHECK_STR(calls_text(), "write log.1\nsync log.1\n");
     directory_remove(&d);
 }
@@ -393,8 +393,8 @@ TEST(repair_that_cannot_write_a_header_says_so)
     struct directory d = directory_quick();
     write_segment(&d, 1, 3, 9);
     repair_while(&d, "write log.1", 2, text, sizeof text);
-    CHECK_MSG(strstr(text, "cannot mend the log: Input/output error") != NULL &&
-                  strstr(text, "was made anew") == NULL,
+    CHECK_MSG(strstr(text, "cannot repair the log: Input/output error") != NULL &&
+                  strstr(text, "was written again") == NULL,
               "%s", text);
     directory_remove(&d);
 }
@@ -406,7 +406,7 @@ TEST(repair_that_cannot_begin_a_log_says_so)
     s.n = 0;
     lay_out(&s, 0);
     repair_while(&s.dir, "write log.4", 1, text, sizeof text);
-    CHECK_MSG(strstr(text, "cannot mend the log: Input/output error") != NULL, "%s", text);
+    CHECK_MSG(strstr(text, "cannot repair the log: Input/output error") != NULL, "%s", text);
     s.n = 2;
     free_sample(&s);
 }
