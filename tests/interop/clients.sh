@@ -192,6 +192,8 @@ count "hiredis" "$build/interop/hiredis_talk" "$port"
 count "redis-py" "$python" tests/interop/redis_py.py "$port"
 count "the Python package" env DELAUNAYD="$build/delaunayd" "$python" -m unittest discover \
     -s clients/python/tests -t clients/python
+count "SciPy's own tests of Delaunay, with ours" env DELAUNAYD="$build/delaunayd" PYTHONPATH=clients/python \
+    "$python" clients/python/tests/scipy_tests.py
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test/*.test.mjs
 millions

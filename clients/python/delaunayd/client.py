@@ -57,12 +57,18 @@ class _Connection:
                     self.socket.sendall(body[at : at + _PIECE])
         self.socket.sendall(b"".join(lines))
 
+    def _read(self, size: int) -> Any:
+        """So many bytes, fewer at the end; what is made of them may be written to."""
+        data = bytearray(size)
+        got = self.input.readinto(data)
+        return data if got == size else data[:got]
+
     def receive(self, progress: Optional[Progress]) -> Reply:
         reader: Generator[int, bytes, Reply] = protocol.read_reply(progress)
         want = next(reader)
         try:
             while True:
-                data = self.input.readline() if want == LINE else self.input.read(want)
+                data = self.input.readline() if want == LINE else self._read(want)
                 self.silent = self.silent and len(data) == 0
                 want = reader.send(data)
         except StopIteration as end:
@@ -105,6 +111,11 @@ class Client(Commands):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def __del__(self) -> None:
+        connection = getattr(self, "_connection", None)
+        if connection is not None:
+            connection.close()
 
     def __repr__(self) -> str:
         return "<delaunayd.Client of %s>" % (self._address,)

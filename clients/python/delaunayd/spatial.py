@@ -1,139 +1,288 @@
-"""A view like scipy.spatial.Delaunay of a triangulation in the plane. Needs NumPy.
+"""The interface of scipy.spatial.Delaunay for points of the plane. Needs NumPy.
 
     from delaunayd.spatial import Delaunay
 
-Triangles are counterclockwise and exact; ties are broken in the daemon's canonical way. Points that
-coincide with others are in no triangle and are listed in `coplanar`, as with SciPy.
+What is different from SciPy's:
+
+- Triangles are exact, canonical and sorted, each counterclockwise from its smallest point. Where more than three points lie on a
+  circle, the choice among the possible triangles is CGAL's. A thin triangle that Qhull would drop is there.
+- Collinear points are no error: they have no triangles.
+- `qhull_options` that concern how Qhull computes have no effect. Others, QJ for coincident points, and `furthest_site` are refused
+  with NotImplementedError; more than two dimensions with ValueError.
+
+clients/python/tests/scipy_tests.py in the repository lists the tests of SciPy that fail for these reasons.
 """
 
 from __future__ import annotations
 
+import os
+import sys
+import threading
 import uuid
+import warnings
 import weakref
-from typing import Any, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
 
+from . import _planes, _protocol as protocol
 from ._neighbors import neighbors_of
-from .client import Client, Refused
+from .client import Client, ConnectionLost, Located, Refused
+
+__all__ = ["Delaunay"]
+
+_HARMLESS_OPTIONS = frozenset("Qbb Qc Qz Qx Qt Q12 QJ Pp".split())
+_threads = threading.local()  # .clients: of each thread, by URL
 
 
-def _drop(client: Client, name: str, owned: bool) -> None:
-    try:
-        client.drop(name)
-    except (OSError, ValueError, Refused):
-        pass  # the connection has gone, or the set has
-    if owned:
-        client.close()
+def _client_of_thread(url: Optional[str]) -> Client:
+    key = (url or os.environ.get("DELAUNAY_URL"), os.getpid())
+    clients: Dict[Any, Client] = _threads.__dict__.setdefault("clients", {})
+    if key not in clients:
+        clients[key] = Client(url)
+    return clients[key]
+
+
+def _drop(client: Client, name: str, pid: int) -> None:
+    if pid == os.getpid():  # a forked child has a copy of the object, but the set is its parent's
+        client._discard(name)
+
+
+def _checked(points: Any) -> Any:
+    if np.ma.isMaskedArray(points):
+        raise ValueError("Input points cannot be a masked array")
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise ValueError("points must have the shape (n, 2): delaunayd knows the plane alone")
+    if len(points) == 0:
+        raise ValueError("No points given")
+    if not np.isfinite(points).all():
+        raise ValueError("Points cannot contain NaN or infinity")
+    return points
+
+
+def _check_options(furthest_site: bool, options: Any) -> List[str]:
+    if furthest_site:
+        raise NotImplementedError("delaunayd has no furthest-site triangulations")
+    if isinstance(options, bytes):
+        options = options.decode()
+    words = (options or "").split()
+    for option in words:
+        if option not in _HARMLESS_OPTIONS:
+            raise NotImplementedError("%s: delaunayd has no such option of Qhull's" % option)
+    return words
 
 
 class Delaunay:
-    """Triangulates points of shape (n, 2) in a set of its own, which goes with this object."""
+    """The Delaunay triangulation of points of shape (n, 2).
+
+    The first arguments are SciPy's. `client` is a delaunayd.Client to use; else `url` says where the daemon is, else it is
+    $DELAUNAY_URL, localhost:6374 or a private daemon of this process. The points are in a temporary set there, which goes with
+    this object or its connection, and is made again where it is needed after that.
+
+    Attributes, as for SciPy: points, simplices, neighbors, convex_hull, coplanar, equations, good, transform, vertex_to_simplex,
+    vertex_neighbor_vertices, npoints, nsimplex, ndim, min_bound, max_bound, paraboloid_scale, paraboloid_shift."""
 
     ndim = 2
+    furthest_site = False
 
-    def __init__(self, points: Any, url: Optional[str] = None, client: Optional[Client] = None):
-        self.points = np.ascontiguousarray(points, dtype=np.float64)
-        if self.points.ndim != 2 or self.points.shape[1] != 2:
-            raise ValueError("points must have the shape (n, 2)")
-        self._client = client if client is not None else Client(url)
-        self._name = "py." + uuid.uuid4().hex
-        self._edge_table: Optional[Tuple[Any, ...]] = None
-        self.close = weakref.finalize(self, _drop, self._client, self._name, client is None)
+    def __init__(
+        self,
+        points: Any,
+        furthest_site: bool = False,
+        incremental: bool = False,
+        qhull_options: Any = None,
+        *,
+        url: Optional[str] = None,
+        client: Optional[Client] = None,
+    ):
+        options = _check_options(furthest_site, qhull_options)
+        self._given = client
+        self._url = url
+        self._begin()
+        self._incremental = incremental
+        self._points = _checked(points)
+        self.simplices = self._make_set(True)
+        if "QJ" in options and len(self._coincident) > 0:
+            raise NotImplementedError("QJ would move coincident points apart; delaunayd lists them in `coplanar`")
+
+    def _begin(self) -> None:
+        self._lock = threading.RLock()
+        self._cache: Dict[str, Any] = {}
+        self._client: Optional[Client] = None
+        self._name: Optional[str] = None
+        self._finalizer: Any = None
+
+    @property
+    def __class__(self) -> Any:
+        """SciPy's interpolators take a triangulation only if isinstance says that it is SciPy's; they look at the same attributes
+        then. So, where SciPy is loaded, isinstance says it."""
+        theirs = sys.modules.get("scipy.spatial._qhull")
+        return type(self) if theirs is None else _also(type(self), theirs.Delaunay)
+
+    def __repr__(self) -> str:
+        return "<delaunayd.spatial.Delaunay of %d points, %d triangles>" % (self.npoints, self.nsimplex)
+
+    # ---- the set ----
+
+    def _make_set(self, with_triangles: bool) -> Any:
+        """Makes a set of the points and triangulates it; the triangles, if they are wanted."""
+        client = self._given if self._given is not None else _client_of_thread(self._url)
+        name = "py." + uuid.uuid4().hex
+        data, n = protocol.pairs(self._points)
+        requests = [
+            protocol.request("CREATE", name, "TEMPORARY"),
+            protocol.request("LOADB", name, n, body=data),
+            protocol.request("TRIANGULATE", name),
+        ]
+        if with_triangles:
+            requests.append(protocol.request("TRIANGLES", name, "BINARY"))
         try:
-            self._client.load(self._name, self.points)
-            self._client.triangulate(self._name)
-            self.simplices = self._client.triangles(self._name).view(np.int32)
+            simplices = client._run(requests, _last_triangles if with_triangles else lambda _: None)
         except BaseException:
-            self.close()
+            client._discard(name)
             raise
+        self._client, self._name = client, name
+        self._finalizer = weakref.finalize(self, _drop, client, name, os.getpid())
+        self._finalizer.atexit = False  # the connection ends then
+        return simplices
+
+    def _forget_set(self) -> None:
+        finalizer, self._finalizer, self._name = self._finalizer, None, None
+        if finalizer is not None:
+            finalizer()
+
+    def _ask(self, ask: Callable[[Client, str], Any]) -> Any:
+        """What ask(client, name) returns. The set is made first if there is none, or none any more."""
+        with self._lock:
+            for tries in (1, 0):
+                if self._name is None or self._client is None:
+                    self._make_set(False)
+                assert self._client is not None and self._name is not None
+                try:
+                    return ask(self._client, self._name)
+                except (ConnectionLost, Refused) as error:
+                    if tries == 0 or (isinstance(error, Refused) and error.code != "NOSET"):
+                        raise
+                    self._forget_set()
+
+    def add_points(self, points: Any, restart: bool = False) -> None:
+        """Adds points; their numbers follow those that are there. For an object that was made with incremental=True. With
+        `restart` all points are triangulated again, which gives the same triangles."""
+        if not self._incremental:
+            raise RuntimeError("incremental mode not enabled or already closed")
+        points = np.asarray(points, dtype=np.float64)
+        if points.size == 0 and points.ndim == 2:
+            return
+        points = _checked(points)
+        with self._lock:
+            if restart:
+                self._forget_set()
+            everything = np.concatenate([self._points, points])
+            simplices = self._add_to_set(points) if self._name is not None else None
+            self._points = everything
+            if simplices is None:
+                self._forget_set()
+                simplices = self._make_set(True)
+            self.simplices = simplices
+            self._cache = {}
+
+    def _add_to_set(self, points: Any) -> Any:
+        """The triangles after that; None: the set is not there any more."""
+        assert self._client is not None and self._name is not None
+        data, n = protocol.pairs(points)
+        requests = [
+            protocol.request("LOADB", self._name, n, body=data),
+            protocol.request("TRIANGLES", self._name, "BINARY"),
+        ]
+        try:
+            # A set that has ended with its connection would be made by LOADB, and have no triangles.
+            return self._client._run([protocol.request("STAT", self._name)] + requests, _last_triangles)
+        except (ConnectionLost, Refused):
+            return None
+
+    def close(self) -> None:
+        """Ends the incremental mode and drops the set in the daemon. What has been computed stays."""
+        self._incremental = False
+        with self._lock:
+            self._forget_set()
+
+    def __enter__(self) -> "Delaunay":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __reduce__(self) -> Any:
+        return _restore, (type(self), self._points, self.simplices, self._incremental, self._url)
+
+    # ---- tables; each is computed when it is first asked for ----
+
+    def _cached(self, key: str, compute: Callable[[], Any]) -> Any:
+        if key not in self._cache:
+            self._cache[key] = compute()
+        return self._cache[key]
+
+    @property
+    def points(self) -> Any:
+        """The points, shape (npoints, 2)."""
+        return self._points
 
     @property
     def npoints(self) -> int:
-        return len(self.points)
+        """The number of points."""
+        return len(self._points)
 
     @property
     def nsimplex(self) -> int:
+        """The number of triangles."""
         return len(self.simplices)
 
     @property
+    def vertices(self) -> Any:
+        """The old name of `simplices`."""
+        warnings.warn("Delaunay attribute 'vertices' is deprecated in favour of 'simplices'", DeprecationWarning, 2)
+        return self.simplices
+
+    @property
     def min_bound(self) -> Any:
-        return self.points.min(axis=0)
+        """The least x and y."""
+        return self._cached("min_bound", lambda: self._points.min(axis=0))
 
     @property
     def max_bound(self) -> Any:
-        return self.points.max(axis=0)
+        """The greatest x and y."""
+        return self._cached("max_bound", lambda: self._points.max(axis=0))
 
-    # ---- edges: every half edge of the simplices finds its edge's number ----
-    # Fresh memory is what costs most here, so results go into arrays that are there already.
-
-    def _edges(self) -> Tuple[Any, Any, Any]:
-        """The edges, sorted; where those with a lower end k start; their upper ends."""
-        if self._edge_table is None:
-            edges = self._client.edges(self._name).view(np.int32)
-            start = np.zeros(self.npoints + 1, dtype=np.int32)
-            np.cumsum(np.bincount(edges[:, 0], minlength=self.npoints), out=start[1:])
-            beyond = np.full(16, -1, dtype=np.int32)  # room for the steps beyond the last
-            self._edge_table = (edges, start, np.concatenate([edges[:, 1], beyond]))
-        return self._edge_table
-
-    def _find_edges(self, low: Any, high: Any) -> Any:
-        """The numbers of the edges low-high. Edges with the same lower end lie together, and most
-        are found there within a few steps, the rest by bisection."""
-        edges, start, far = self._edges()
-        at = start[low]
-        todo = np.flatnonzero(far[at] != high)
-        for _ in range(12):
-            if len(todo) == 0:
-                return at
-            next_at = at[todo] + 1
-            at[todo] = next_at
-            todo = todo[far[next_at] != high[todo]]
-        key = (edges[:, 0].astype(np.int64) << 32) | edges[:, 1]
-        at[todo] = np.searchsorted(key, (low[todo].astype(np.int64) << 32) | high[todo])
-        return at
-
-    def _sides(self) -> Tuple[Any, Any]:
-        """Each edge has two sides, 2e (walking upwards, what lies to the left) and 2e + 1: the side
-        on which the simplex lies, for the edge opposite each corner; and the simplex on each side,
-        -1: none."""
-        if not hasattr(self, "_side_table"):
-            s = self.simplices
-            a, b = np.empty((2, s.size), dtype=np.int32)
-            for k in range(3):
-                a[k::3] = s[:, (k + 1) % 3]
-                b[k::3] = s[:, (k + 2) % 3]
-            down = a > b
-            high = np.maximum(a, b)
-            side = self._find_edges(np.minimum(a, b, out=a), high)
-            side *= 2
-            side += down
-            for k in range(3):
-                high[k::3] = np.arange(len(s), dtype=np.int32)  # has served its purpose
-            simplex = np.full(2 * len(self._edges()[0]), -1, dtype=np.int32)
-            simplex[side] = high
-            self._side_table = (side, simplex)
-        return self._side_table
+    @property
+    def good(self) -> Any:
+        """1 for each triangle: all are good."""
+        return self._cached("good", lambda: np.ones(self.nsimplex, dtype=np.int32))
 
     @property
     def neighbors(self) -> Any:
-        """neighbors[i, k] is the simplex opposite corner k of simplex i, -1 at the hull."""
-        if not hasattr(self, "_neighbors"):
-            self._neighbors = neighbors_of(self.simplices, self.npoints)
-        return self._neighbors
+        """neighbors[i, k] is the triangle opposite corner k of triangle i, -1 at the hull."""
+        return self._cached("neighbors", lambda: neighbors_of(self.simplices, self.npoints))
 
     @property
     def convex_hull(self) -> Any:
-        """The edges of the hull, shape (n, 2)."""
-        hull = np.array(self._client.hull(self._name), dtype=np.int32)
+        """The edges of the hull, shape (n, 2); of collinear points, the edges between them."""
+        return self._cached("convex_hull", self._find_hull)
+
+    def _find_hull(self) -> Any:
         if self.nsimplex == 0:
-            return np.column_stack([hull[:-1], hull[1:]])
-        return np.column_stack([hull, np.roll(hull, -1)])
+            line = np.array(self._ask(Client.hull), dtype=np.int32)
+            return np.column_stack([line[:-1], line[1:]])
+        row, corner = np.nonzero(self.neighbors < 0)
+        return np.column_stack([self.simplices[row, (corner + 1) % 3], self.simplices[row, (corner + 2) % 3]])
 
     @property
     def vertex_neighbor_vertices(self) -> Tuple[Any, Any]:
         """(indptr, indices): the neighbours of k are indices[indptr[k]:indptr[k + 1]], ascending."""
-        edges = self._edges()[0]
+        return self._cached("vertex_neighbor_vertices", self._find_vertex_neighbors)
+
+    def _find_vertex_neighbors(self) -> Tuple[Any, Any]:
+        edges = self._ask(Client.edges).view(np.int32)
         near = np.concatenate([edges[:, 0], edges[:, 1]])
         far = np.concatenate([edges[:, 1], edges[:, 0]])
         order = np.lexsort((far, near))
@@ -143,40 +292,121 @@ class Delaunay:
 
     @property
     def vertex_to_simplex(self) -> Any:
-        """A simplex of each vertex, -1 for a point that is in none."""
+        """A triangle of each point, for one that coincides with another a triangle of that; -1 if there is none."""
+        return self._cached("vertex_to_simplex", self._find_vertex_simplices)
+
+    def _find_vertex_simplices(self) -> Any:
         some = np.full(self.npoints, -1, dtype=np.int32)
-        some[self.simplices.ravel()] = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 3)
+        # The last assignment wins: the first triangle of each point.
+        some[self.simplices[::-1].ravel()] = np.repeat(np.arange(self.nsimplex, dtype=np.int32)[::-1], 3)
+        pairs = self._coincident
+        some[pairs[:, 0]] = some[pairs[:, 1]]
         return some
 
     @property
+    def _coincident(self) -> Any:
+        def find() -> Any:
+            return np.array(self._ask(Client.coincident), dtype=np.int32).reshape(-1, 2)
+
+        return self._cached("coincident", find)
+
+    @property
     def coplanar(self) -> Any:
-        """Points in no triangle because they coincide with another: rows (point, simplex, vertex)."""
-        pairs = np.array(self._client.coincident(self._name), dtype=np.int32).reshape(-1, 2)
+        """Points in no triangle because they coincide with another: rows (point, triangle of that, that)."""
+        pairs = self._coincident
         return np.column_stack([pairs[:, 0], self.vertex_to_simplex[pairs[:, 1]], pairs[:, 1]])
+
+    @property
+    def transform(self) -> Any:
+        """Barycentric coordinates: those of x in triangle i are c = transform[i, :2].dot(x - transform[i, 2]) and 1 - c.sum(). NaN
+        for a triangle that is too thin. Shape (nsimplex, 3, 2)."""
+        return self._cached("transform", lambda: _planes.transforms(self._points, self.simplices))
+
+    # ---- the paraboloid ----
+
+    @property
+    def paraboloid_scale(self) -> float:
+        """Of the heights z = scale (x^2 + y^2) + shift."""
+        return self._cached("paraboloid", lambda: _planes.paraboloid(self._points))[0]
+
+    @property
+    def paraboloid_shift(self) -> float:
+        """Of the heights z = scale (x^2 + y^2) + shift."""
+        return self._cached("paraboloid", lambda: _planes.paraboloid(self._points))[1]
+
+    @property
+    def equations(self) -> Any:
+        """The plane of each lifted triangle: (normal, offset), shape (nsimplex, 4)."""
+        scale, shift = self.paraboloid_scale, self.paraboloid_shift
+        return self._cached("equations", lambda: _planes.planes(self._points, self.simplices, scale, shift))
+
+    def lift_points(self, x: Any) -> Any:
+        """Places of shape (..., 2) lifted to the paraboloid, shape (..., 3)."""
+        return _planes.lift(np.asarray(x, dtype=np.float64), self.paraboloid_scale, self.paraboloid_shift)
+
+    def plane_distance(self, xi: Any) -> Any:
+        """How far each place, lifted, is below the plane of each triangle: shape (..., nsimplex)."""
+        lifted = self.lift_points(xi)
+        return np.dot(lifted, self.equations[:, :3].T) + self.equations[:, 3]
 
     # ---- location, exact, by the daemon ----
 
     def find_simplex(self, xi: Any, bruteforce: bool = False, tol: Optional[float] = None) -> Any:
-        """The simplex that contains each place, -1 outside. On an edge or a point it is one of those
-        that meet there. The other arguments are SciPy's and have no effect: the answer is exact."""
+        """The triangle that contains each place of shape (..., 2), -1 outside and for NaN. On an edge or a point it is one of
+        those that meet there. The other arguments are SciPy's and have no effect: the answer is exact."""
         places = np.asarray(xi, dtype=np.float64)
         if places.shape[-1:] != (2,):
-            raise ValueError("places must have 2 coordinates")
-        found = self._client.locate_all(self._name, places.reshape(-1, 2))
-        return np.array([self._simplex_of(f.ids) for f in found], dtype=np.int32).reshape(
-            places.shape[:-1]
-        )
+            raise ValueError("wrong dimensionality in xi: places must have 2 coordinates")
+        flat = places.reshape(-1, 2)
+        out = np.full(len(flat), -1, dtype=np.int32)
+        inside = np.flatnonzero(((flat >= self.min_bound) & (flat <= self.max_bound)).all(axis=1))
+        if len(inside) > 0 and self.nsimplex > 0:
+            out[inside] = self._locate(flat[inside])
+        return out.reshape(places.shape[:-1])
 
-    def _simplex_of(self, ids: Tuple[int, ...]) -> int:
-        if not ids or self.nsimplex == 0:
+    def _locate(self, places: Any) -> List[int]:
+        return [self._row_of(found) for found in self._ask(lambda client, name: client.locate_all(name, places))]
+
+    def _row_of(self, found: Located) -> int:
+        if not found.ids:
             return -1
-        if not hasattr(self, "_some_simplex"):
-            self._some_simplex = self.vertex_to_simplex
-        if len(ids) == 1:
-            return int(self._some_simplex[ids[0]])
-        low, high = np.array([min(ids[:2])], np.int32), np.array([max(ids[:2])], np.int32)
-        edge = int(self._find_edges(low, high)[0])
-        for simplex in self._sides()[1][2 * edge : 2 * edge + 2].tolist():
-            if simplex >= 0 and (len(ids) == 2 or set(ids) == set(self.simplices[simplex].tolist())):
-                return simplex
-        return -1
+        if len(found.ids) == 1:
+            return int(self.vertex_to_simplex[found.ids[0]])
+        row = self._row_left_of(found.ids[0], found.ids[1])
+        return row if row >= 0 else self._row_left_of(found.ids[1], found.ids[0])
+
+    def _row_left_of(self, a: int, b: int) -> int:
+        """The triangle to the left of the edge from a to b, -1 if there is none."""
+        keys, rows = self._cached("half_edges", self._find_half_edges)
+        key = (a << 32) | b
+        at = int(np.searchsorted(keys, key))
+        return int(rows[at]) if at < len(keys) and keys[at] == key else -1
+
+    def _find_half_edges(self) -> Tuple[Any, Any]:
+        a = self.simplices.astype(np.int64)
+        keys = ((a << 32) | np.roll(a, -1, axis=1)).ravel()
+        order = np.argsort(keys)
+        return keys[order], order // 3
+
+
+def _last_triangles(replies: Any) -> Any:
+    return protocol.uint32s(replies[-1].data, 3).view(np.int32)
+
+
+def _restore(kind: Any, points: Any, simplices: Any, incremental: bool, url: Optional[str]) -> Delaunay:
+    """From a pickle: the set is made when something is asked that needs it."""
+    d: Delaunay = kind.__new__(kind)
+    d._given, d._url = None, url
+    d._begin()
+    d._incremental, d._points, d.simplices = incremental, points, simplices
+    return d
+
+
+_both: Dict[Any, Any] = {}
+
+
+def _also(ours: Any, theirs: Any) -> Any:
+    """A class that is both, for isinstance; no object is made of it."""
+    if (ours, theirs) not in _both:
+        _both[ours, theirs] = type(ours.__name__, (ours, theirs), {"__module__": ours.__module__})
+    return _both[ours, theirs]

@@ -6,6 +6,8 @@ import unittest
 
 from delaunayd import Client
 
+SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4), (2, 2)]
+
 
 class WithDaemon(unittest.TestCase):
     @classmethod

@@ -1,4 +1,4 @@
-"""Against a real daemon, $DELAUNAYD; with NumPy and SciPy what they give is compared."""
+"""The methods of a client, with NumPy and without."""
 
 import socket
 import threading
@@ -8,19 +8,12 @@ from array import array
 from delaunayd import Client, ConnectionLost, Refused
 from delaunayd import _protocol as module
 
-from .common import WithDaemon
+from .common import SQUARE, WithDaemon
 
 try:
     import numpy
 except ImportError:
     numpy = None
-try:
-    from scipy import spatial as scipy_spatial
-except ImportError:
-    scipy_spatial = None
-
-
-SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4), (2, 2)]
 
 
 def as_lists(table, width):
@@ -118,103 +111,6 @@ class Connections(unittest.TestCase):
         for url in ("http://localhost", "delaunay://", "localhost:6374"):
             with self.assertRaises(ValueError):
                 Client(url)
-
-
-@unittest.skipIf(numpy is None, "NumPy is missing")
-class Spatial(WithDaemon):
-    def make(self, points):
-        from delaunayd.spatial import Delaunay
-
-        return Delaunay(points, client=self.client)
-
-    def check_against_scipy(self, points):
-        mine, theirs = self.make(points), scipy_spatial.Delaunay(points)
-        self.assertEqual(mine.simplices.dtype, theirs.simplices.dtype)
-        names = {tuple(sorted(s)): i for i, s in enumerate(mine.simplices.tolist())}
-        number = [names[tuple(sorted(s))] for s in theirs.simplices.tolist()]
-        self.assertEqual(sorted(number), list(range(mine.nsimplex)))
-        for i, (s, n) in enumerate(zip(theirs.simplices.tolist(), theirs.neighbors.tolist())):
-            own = mine.simplices[number[i]].tolist()
-            for corner, neighbour in zip(s, n):
-                want = -1 if neighbour < 0 else number[neighbour]
-                self.assertEqual(mine.neighbors[number[i], own.index(corner)], want)
-        self.assertEqual(
-            {frozenset(e) for e in mine.convex_hull.tolist()},
-            {frozenset(e) for e in theirs.convex_hull.tolist()},
-        )
-        for (indptr, indices), (indptr2, indices2) in [
-            (mine.vertex_neighbor_vertices, theirs.vertex_neighbor_vertices)
-        ]:
-            for k in range(len(points)):
-                self.assertEqual(
-                    indices[indptr[k] : indptr[k + 1]].tolist(),
-                    sorted(indices2[indptr2[k] : indptr2[k + 1]].tolist()),
-                )
-        places = numpy.random.default_rng(2).normal(size=(20, 10, 2))
-        found, theirs_found = mine.find_simplex(places), theirs.find_simplex(places)
-        self.assertEqual(found.shape, (20, 10))
-        want = [-1 if f < 0 else number[f] for f in theirs_found.ravel().tolist()]
-        self.assertEqual(found.ravel().tolist(), want)
-
-    @unittest.skipIf(scipy_spatial is None, "SciPy is missing")
-    def test_equals_scipy(self):
-        rng = numpy.random.default_rng(1)
-        self.check_against_scipy(rng.normal(size=(500, 2)))
-        around = numpy.linspace(0, 6.2, 300)
-        wheel = numpy.column_stack([numpy.cos(around), numpy.sin(around)])
-        wheel *= rng.uniform(0.99, 1.01, size=(300, 1))
-        self.check_against_scipy(numpy.vstack([wheel, [[0.01, 0.003]]]))
-
-    def test_neighbors_share_the_edge_opposite_each_corner(self):
-        rng = numpy.random.default_rng(4)
-        around = numpy.linspace(0, 6.28, 400)
-        wheel = numpy.column_stack([numpy.cos(around), numpy.sin(around)])
-        wheel *= rng.uniform(0.9, 1.1, size=(400, 1))
-        lattice = numpy.stack(numpy.meshgrid(numpy.arange(20.0), numpy.arange(15.0)), 2).reshape(-1, 2)
-        sets = [numpy.insert(wheel, hub, (0.01, 0), axis=0) for hub in (0, 200, 400)]
-        sets += [lattice, rng.permutation(lattice), rng.normal(size=(3000, 2)), SQUARE, SQUARE[:3], SQUARE[:4]]
-        for points in sets:
-            d = self.make(points)
-            beyond = {}
-            for i, s in enumerate(d.simplices.tolist()):
-                for k in range(3):
-                    beyond[s[(k + 1) % 3], s[(k + 2) % 3]] = i
-            want = [
-                [beyond.get((s[(k + 2) % 3], s[(k + 1) % 3]), -1) for k in range(3)]
-                for s in d.simplices.tolist()
-            ]
-            self.assertEqual(d.neighbors.tolist(), want)
-
-    def test_places_on_edges_and_points(self):
-        d = self.make(SQUARE)
-        for place, corners in (((2, 0), {0, 1}), ((1, 1), {0, 4}), ((4, 4), {2}), ((2, 2), {4})):
-            simplex = int(d.find_simplex(place))
-            self.assertTrue(corners <= set(d.simplices[simplex].tolist()))
-        self.assertEqual(int(d.find_simplex((5, 5))), -1)
-
-    def test_degenerate_sets(self):
-        d = self.make([(0, 0), (1, 1), (2, 2), (1, 1)])
-        self.assertEqual((d.nsimplex, d.npoints), (0, 4))
-        self.assertEqual(d.convex_hull.tolist(), [[0, 1], [1, 2]])
-        self.assertEqual(d.neighbors.shape, (0, 3))
-        self.assertEqual(d.coplanar.tolist(), [[3, -1, 1]])
-        self.assertEqual(int(d.find_simplex((1, 1))), -1)
-
-    def test_the_set_goes_with_the_object(self):
-        d = self.make(SQUARE)
-        self.assertEqual(len(self.client.sets()), 1)
-        del d
-        self.assertEqual(self.client.sets(), [])
-
-    def test_a_million_points(self):
-        d = self.make(numpy.random.default_rng(3).random((1000000, 2)))
-        n = d.neighbors
-        self.assertEqual(d.nsimplex, 2 * d.npoints - 2 - len(d.convex_hull))
-        self.assertEqual(int((n == -1).sum()), len(d.convex_hull))
-        i = numpy.arange(0, d.nsimplex, 997)
-        for k in range(3):
-            inner = i[n[i, k] >= 0]
-            self.assertTrue((n[n[inner, k]] == inner[:, None]).any(axis=1).all())
 
 
 if __name__ == "__main__":
