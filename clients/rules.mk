@@ -81,9 +81,9 @@ $(O)/interop/hiredis_talk: tests/interop/hiredis_talk.c
 .PHONY: interop_clients
 interop: interop_clients
 interop_clients: all lib
-	$(call need,redis-tools libhiredis-dev python3-redis python3-numpy python3-scipy python3-matplotlib python3-pytest nodejs haproxy netcat-openbsd, \
+	$(call need,redis-tools libhiredis-dev python3-redis python3-numpy python3-scipy python3-matplotlib python3-pytest python3-pip nodejs haproxy netcat-openbsd, \
 	  command -v redis-cli && command -v node && command -v haproxy && command -v nc && \
-	  /usr/bin/python3 -c 'import redis, numpy, scipy, matplotlib, pytest')
+	  /usr/bin/python3 -c 'import redis, numpy, scipy, matplotlib, pip, pytest')
 	@$(MAKE) --no-print-directory $(O)/interop/hiredis_talk
 	tests/interop/clients.sh $(O)
 	$(if $(shell command -v npm),$(MAKE) --no-print-directory npm && tests/interop/node/package.sh $(O),@echo "no npm, so no test of the npm package")

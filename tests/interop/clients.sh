@@ -127,6 +127,23 @@ client.load("m", Float64Array.from({ length: 2000000 }, Math.random)).then(
 export build scratch python
 export -f load_by_cli load_by_c load_by_python load_by_node
 
+# ---- the Python package, installed ----
+
+# From a copy of the repository, in which nothing is left behind; the daemon comes with it.
+python_package_installs() {
+    local copy=$scratch/copy before
+    mkdir -p "$copy" && cp -r --parents clients/python "$copy" && find "$copy" -name __pycache__ -exec rm -r {} + &&
+        before=$(find "$copy" | sort) &&
+        DELAUNAYD=$build/delaunayd "$python" -m pip install -q --no-cache-dir --no-index --no-deps --target "$scratch/site" \
+            "$copy/clients/python" && [ "$(find "$copy" | sort)" = "$before" ] &&
+        env -u DELAUNAYD -u DELAUNAY_URL PYTHONPATH="$scratch/site" "$python" -c '
+import delaunayd, os
+with delaunayd.Client("private:") as c:
+    c.load("t", [(0, 0), (4, 0), (0, 4)])
+    assert c.triangulate("t")["triangles"] == 1
+assert delaunayd._private.find_program().startswith(os.path.dirname(delaunayd.__file__))'
+}
+
 # ---- haproxy ----
 
 through() { printf '%s\n' "$1" | timeout 10 nc -N 127.0.0.1 "$front"; }
@@ -194,6 +211,7 @@ count "the Python package" env DELAUNAYD="$build/delaunayd" "$python" -m unittes
     -s clients/python/tests -t clients/python
 count "SciPy's own tests of Delaunay, with ours" env DELAUNAYD="$build/delaunayd" PYTHONPATH=clients/python \
     "$python" clients/python/tests/scipy_tests.py
+count "the Python package can be installed, with the daemon" python_package_installs
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test/*.test.mjs
 millions
