@@ -156,7 +156,7 @@ const struct change *film_changes(const struct film *f, size_t item, size_t *n)
     return f->change + lo;
 }
 
-bool film_write(FILE *out, const struct trace *t, const char *title,
+bool film_write(FILE *out, const struct steps *t, const char *title,
                 const struct film_options *options)
 {
     struct film f = {.out = out, .t = t, .m = t->m};

@@ -5,7 +5,22 @@
 #ifndef CLIENTS_FILM_H
 #define CLIENTS_FILM_H
 
-#include "clients/trace.h"
+#include <stdio.h>
+
+#include "clients/steps.h"
+
+struct film_options {
+    double seconds; /* 0: as long as it takes to follow */
+    bool numbers;   /* ids beside the points */
+};
+
+/* Writes the trace as an SVG that plays by itself, over and over, without a script; where
+ * animations are not played, it shows the triangulation. `title` holds no markup. False when out of
+ * memory; ferror() tells the rest. */
+bool film_write(FILE *out, const struct steps *t, const char *title,
+                const struct film_options *options);
+
+/* ---- for film.c and film_draw.c ---- */
 
 enum ink {
     INK_NONE,
@@ -33,7 +48,7 @@ struct change {
 
 struct film {
     FILE *out;
-    const struct trace *t;
+    const struct steps *t;
     const struct model *m;
     double *start, *end;   /* own; of each step, in beats */
     double beats, seconds; /* of the whole */
