@@ -31,8 +31,8 @@ HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o
 ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))
 # What a power cut may leave behind; what else is in that folder is loaded into a daemon.
 CRASH    := $(patsubst %.c,$(O)/%.o,$(filter-out %_shim.c,$(wildcard tests/faults/*.c)))
-tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c))
-SUITES   := $(foreach s,core proto server clients,$(if $(wildcard tests/$(s)/*_test.c),$(s)))
+tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c tests/$(1)/*/*.c))
+SUITES   := $(foreach s,core proto server clients,$(if $(call tests_of,$(s)),$(s)))
 WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free,--wrap=mmap
 # The calls by which the server changes files go through tests/server/file_calls.c.
 WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--wrap=openat,--wrap=renameat,--wrap=linkat,--wrap=unlinkat,--wrap=read,--wrap=readdir,--wrap=posix_fallocate

@@ -10,8 +10,10 @@ build=${1:-}
 found=$(mktemp)
 trap 'rm -f "$found"' EXIT
 
-# The rooms of server/, from the bottom up: what is in one may include what is in those before it.
-rooms='system ops sets disk jobs clients command session'
+# The rooms of a folder, from the bottom up: what is in one may include what is in those before it.
+declare -A rooms=(
+    [server]='system ops sets disk jobs clients command session'
+)
 
 # ---- which files ----
 
@@ -19,9 +21,12 @@ files() { # REGEX: the repository's files whose path matches, new ones included
     git ls-files -co --exclude-standard | grep -E "$1" | while IFS= read -r f; do [ -f "$f" ] && echo "$f"; done
 }
 
-code() { # FOLDER...: with the rooms of server/
-    local folder
-    for folder in "$@"; do files "^$folder/([^/]*|(${rooms// /|})/[^/]*)\.[ch]\$"; done
+code() { # FOLDER...: with their rooms
+    local folder inside
+    for folder in "$@"; do
+        inside=${rooms[$folder]:-}
+        files "^$folder/(${inside:+(${inside// /|})/})?[^/]*\.[ch]\$"
+    done
 }
 
 all_code() {
@@ -39,17 +44,22 @@ may_include() { # FOLDER REGEX: every #include in FOLDER must match
         sed "s|\$|    (not for $1/)|"
 }
 
+# What is in a room may include that room, those below it, and what matches REGEX.
+room_order() { # FOLDER REGEX
+    local room below=''
+    may_include "$1" "\"$1/([a-z]+/)?[a-z0-9_]+\.h\"|$2"
+    for room in ${rooms[$1]:-}; do
+        below+=${below:+|}$room
+        may_include "$1/$room" "\"$1/($below)/[a-z0-9_]+\.h\"|$2"
+    done
+}
+
 include_rules() {
     local pure='assert|cpuid|float|immintrin|limits|math|stdalign|stdarg|stdatomic|stdbool|stddef|stdint|stdlib|string'
-    may_include core "\"core/[a-z0-9_]+\.h\"|<($pure|sys/mman|errno)\.h>"
+    room_order core "\"core/delaunay\.h\"|<($pure|sys/mman|errno)\.h>"
     may_include proto "\"proto/[a-z0-9_]+\.h\"|<($pure|ctype|errno|inttypes|stdio|time)\.h>"
-    may_include server "\"(core/delaunay|proto/[a-z0-9_]+|server/([a-z]+/)?[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
-    local room below=''
-    for room in $rooms; do
-        below+=${below:+|}$room
-        may_include "server/$room" "\"(core/delaunay|proto/[a-z0-9_]+|server/($below)/[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
-    done
-    may_include clients "\"(proto|clients)/[a-z0-9_]+\.h\"|<[a-z0-9_/]+\.h>"
+    room_order server "\"(core/delaunay|proto/[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
+    room_order clients "\"proto/[a-z0-9_]+\.h\"|<[a-z0-9_/]+\.h>"
 }
 
 # A file's own header comes first, which proves that the header stands on its own.
