@@ -26,7 +26,7 @@ LDLIBS   := -lm
 CORE     := $(patsubst %.c,$(O)/%.o,$(wildcard core/*.c))
 PROTO    := $(patsubst %.c,$(O)/%.o,$(wildcard proto/*.c))
 SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c server/*/*.c))
-CLIENT   := $(patsubst %.c,$(O)/%.o,$(wildcard clients/*.c))
+CLIENT   := $(patsubst %.c,$(O)/%.o,$(filter-out clients/examples/%,$(wildcard clients/*.c clients/*/*.c)))
 HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o
 ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))
 # What a power cut may leave behind; what else is in that folder is loaded into a daemon.

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/dispatch.h"
-#include "clients/json.h"
-#include "clients/options.h"
-#include "clients/subcommand.h"
-#include "clients/url.h"
+#include "clients/cli/json.h"
+#include "clients/cli/options.h"
+#include "clients/cli/subcommand.h"
+#include "clients/cli/url.h"
+#include "clients/commands/dispatch.h"
 
 #ifndef DELAUNAY_VERSION /* the Makefile knows it */
 #define DELAUNAY_VERSION "unknown"

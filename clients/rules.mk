@@ -7,7 +7,7 @@
 
 PREFIX      ?= /usr/local
 VERSION     := $(shell sed -n 's/.*DELAUNAYD_VERSION "\(.*\)".*/\1/p' server/ops/config.h)
-LIB_SOURCES := clients/delaunay_client.c proto/buf.c proto/reply_read.c proto/request.c
+LIB_SOURCES := clients/lib/delaunay_client.c proto/buf.c proto/reply_read.c proto/request.c
 PIC         := $(LIB_SOURCES:%.c=$(O)/pic/%.o)
 
 $(O)/clients/main.o: COMPILE += -DDELAUNAY_VERSION='"$(VERSION)"'
@@ -19,7 +19,7 @@ LINE_EDITING ?= $(if $(call can_link,editline/readline.h,-ledit),edit,$(if $(cal
 EDIT_DEFINE   = $(if $(filter edit,$(CHOSEN_EDITING)),-DHAVE_EDITLINE,$(if $(filter readline,$(CHOSEN_EDITING)),-DHAVE_READLINE))
 # Found out once, and only when something is compiled or linked that asks for it.
 CHOSEN_EDITING = $(eval CHOSEN_EDITING := $(LINE_EDITING))$(CHOSEN_EDITING)
-$(O)/clients/edit.o: COMPILE += $(EDIT_DEFINE)
+$(O)/clients/cli/edit.o: COMPILE += $(EDIT_DEFINE)
 $(O)/delaunay $(O)/tests/clients_tests: LDLIBS += $(if $(CHOSEN_EDITING),-l$(CHOSEN_EDITING))
 
 lib: $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0 $(O)/include/delaunay_client.h $(O)/lib/pkgconfig/delaunay.pc
@@ -32,17 +32,17 @@ $(O)/lib/libdelaunay.a: $(PIC)
 	@mkdir -p $(@D)
 	rm -f $@ && ar rcs $@ $^
 
-$(O)/lib/libdelaunay.so.0: $(PIC) clients/delaunay.map
+$(O)/lib/libdelaunay.so.0: $(PIC) clients/lib/delaunay.map
 	@mkdir -p $(@D)
-	$(COMPILE) -shared -Wl,-soname,libdelaunay.so.0 -Wl,--version-script,clients/delaunay.map -o $@ $(PIC)
+	$(COMPILE) -shared -Wl,-soname,libdelaunay.so.0 -Wl,--version-script,clients/lib/delaunay.map -o $@ $(PIC)
 	ln -sf libdelaunay.so.0 $(O)/lib/libdelaunay.so
 
 # One header: that of the replies is put in place of its #include.
-$(O)/include/delaunay_client.h: clients/delaunay_client.h proto/reply_read.h
+$(O)/include/delaunay_client.h: clients/lib/delaunay_client.h proto/reply_read.h
 	@mkdir -p $(@D)
-	sed -e '/#include "proto\/reply_read.h"/{r proto/reply_read.h' -e 'd}' clients/delaunay_client.h >$@
+	sed -e '/#include "proto\/reply_read.h"/{r proto/reply_read.h' -e 'd}' clients/lib/delaunay_client.h >$@
 
-$(O)/lib/pkgconfig/delaunay.pc: clients/delaunay.pc.in Makefile
+$(O)/lib/pkgconfig/delaunay.pc: clients/lib/delaunay.pc.in Makefile
 	@mkdir -p $(@D)
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' $< >$@
 
@@ -52,7 +52,7 @@ install: all lib
 	install -m 644 $(O)/include/delaunay_client.h $(DESTDIR)$(PREFIX)/include
 	install -m 644 $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0 $(DESTDIR)$(PREFIX)/lib
 	ln -sf libdelaunay.so.0 $(DESTDIR)$(PREFIX)/lib/libdelaunay.so
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' clients/delaunay.pc.in \
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' clients/lib/delaunay.pc.in \
 	  >$(DESTDIR)$(PREFIX)/lib/pkgconfig/delaunay.pc
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/share/man/,man1 man8)
 	install -m 644 man/delaunay.1 $(DESTDIR)$(PREFIX)/share/man/man1

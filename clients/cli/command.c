@@ -1,0 +1,108 @@
+/* command.c - any command of the protocol, as it is. */
+#include "clients/cli/command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "clients/cli/json.h"
+#include "proto/buf.h"
+
+bool command_is_plain(void)
+{
+    const char *no_color = getenv("NO_COLOR"); /* no-color.org */
+    return !isatty(STDOUT_FILENO) || (no_color != NULL && no_color[0] != '\0');
+}
+
+bool command_show_comment(void *ctx, const struct reply_part *part)
+{
+    (void)ctx;
+    if (part->kind == REPLY_COMMENT && isatty(STDERR_FILENO))
+        fprintf(stderr, "\r%.*s\033[K%s", (int)part->len, part->text, "\r");
+    return true;
+}
+
+static bool print_part(void *ctx, const struct reply_part *part)
+{
+    if (part->kind == REPLY_COMMENT)
+        return command_show_comment(ctx, part);
+    if (json_chosen())
+        return json_part(ctx, part);
+    fwrite(part->text, 1, part->len, stdout);
+    if (part->kind != REPLY_BYTES)
+        putchar('\n');
+    return !ferror(stdout);
+}
+
+void command_print_status(const struct delaunay_client *c)
+{
+    struct json_reply j = {.rows = 0};
+    if (!json_chosen()) {
+        puts(delaunay_status(c)->text);
+        return;
+    }
+    json_part(&j, delaunay_status(c));
+    json_end(&j);
+}
+
+int command_outcome(const struct delaunay_client *c, enum delaunay_result r)
+{
+    if (r == DELAUNAY_OK)
+        return EXIT_DONE;
+    if (r == DELAUNAY_REFUSED && json_chosen()) {
+        command_print_status(c);
+        return EXIT_REFUSED;
+    }
+    if (r == DELAUNAY_REFUSED) {
+        fprintf(stderr, "delaunay: %s\n", delaunay_status(c)->text);
+        return EXIT_REFUSED;
+    }
+    fprintf(stderr, "delaunay: %s\n", delaunay_result_text(r));
+    return r == DELAUNAY_LOST || r == DELAUNAY_BROKEN ? EXIT_NO_CONNECTION : EXIT_REFUSED;
+}
+
+/* A line break within an argument would be a second request, whose reply nobody reads. */
+static bool is_one_line(int words, char **word)
+{
+    for (int i = 0; i < words; i++)
+        if (strpbrk(word[i], "\r\n") != NULL)
+            return false;
+    return true;
+}
+
+static bool asks_for_bytes(int words, char **word)
+{
+    size_t n = strlen(word[words - 1]);
+    return n >= 6 && strcasecmp(word[words - 1] + n - 6, "binary") == 0;
+}
+
+int command_any(struct delaunay_client *c, int words, char **word)
+{
+    struct buf line = {0};
+    struct json_reply j = {.text = strncasecmp(word[0], "help", 4) == 0};
+    if (json_chosen() && asks_for_bytes(words, word)) {
+        fprintf(stderr, "delaunay: a binary reply cannot be JSON\n");
+        return EXIT_USAGE;
+    }
+    if (!is_one_line(words, word)) {
+        fprintf(stderr, "delaunay: a line break in the command\n");
+        return EXIT_USAGE;
+    }
+    for (int i = 0; i < words; i++) {
+        if (i > 0)
+            buf_append_char(&line, ' ');
+        buf_append_text(&line, word[i]);
+    }
+    enum delaunay_result r =
+        line.failed ? DELAUNAY_NOMEM : delaunay_send(c, buf_head(&line), buf_len(&line));
+    buf_free(&line);
+    if (r == DELAUNAY_OK)
+        r = delaunay_receive(c, print_part, &j);
+    if (json_chosen())
+        json_end(&j);
+    if (r == DELAUNAY_REFUSED) /* the ERR line is printed: it is the reply */
+        return EXIT_REFUSED;
+    return command_outcome(c, r);
+}

@@ -1,0 +1,61 @@
+/* command.h - the subcommands of the `delaunay` command line. Each returns the exit status. Those
+ * that take argc and argv are given their own name as argv[0], and options may be among the
+ * arguments. */
+#ifndef CLIENTS_COMMAND_H
+#define CLIENTS_COMMAND_H
+
+#include "clients/files/points_file.h"
+#include "clients/lib/delaunay_client.h"
+
+enum exit_status { EXIT_DONE = 0, EXIT_REFUSED = 1, EXIT_USAGE = 2, EXIT_NO_CONNECTION = 3 };
+
+/* Sends the words as one request line and prints the reply. */
+int command_any(struct delaunay_client *c, int words, char **word);
+
+/* Sends the lines of the standard input one by one and prints the replies; the status of the last
+ * one that failed. */
+int command_prompt(struct delaunay_client *c);
+
+/* load SET FILE: all of a file into a set, or nothing. */
+int command_load(struct delaunay_client *c, int argc, char **argv);
+
+/* draw FILE OUT, run FILE OUT: from a file to a picture or a mesh. c is NULL: they start a daemon. */
+int command_draw(struct delaunay_client *c, int argc, char **argv);
+
+/* export SET FILE: a triangulated set as a drawing or in another program's format. */
+int command_export(struct delaunay_client *c, int argc, char **argv);
+
+/* show SET: draws a triangulated set in the terminal. */
+int command_show(struct delaunay_client *c, int argc, char **argv);
+
+/* trace SET FILE: a film of the paper's algorithm at work on a small set. */
+int command_trace(struct delaunay_client *c, int argc, char **argv);
+
+/* top: a live view of INFO until interrupted. */
+int command_top(struct delaunay_client *c, int argc, char **argv);
+
+/* copy SET URL URL: a set from one daemon to another. c is NULL: it connects by itself. */
+int command_copy(struct delaunay_client *c, int argc, char **argv);
+
+/* completion SHELL: prints a completion script. c is NULL. */
+int command_completion(struct delaunay_client *c, int argc, char **argv);
+
+/* Sends the points of a file into a set, with a progress bar, and receives the reply. */
+enum delaunay_result command_send_points(struct delaunay_client *c, const char *set,
+                                         const struct points_file *f);
+
+/* Prints the status line of the last reply, or it as JSON. */
+void command_print_status(const struct delaunay_client *c);
+
+/* Reports the outcome of a request on the standard error, unless it is DELAUNAY_OK; returns the
+ * exit status. */
+int command_outcome(const struct delaunay_client *c, enum delaunay_result r);
+
+/* Whether the output is to have no colours: it is no terminal, or NO_COLOR is set. */
+bool command_is_plain(void);
+
+/* A delaunay_part_fn that shows the server's progress comments on a terminal and ignores the
+ * rest. */
+bool command_show_comment(void *ctx, const struct reply_part *part);
+
+#endif

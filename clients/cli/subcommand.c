@@ -1,0 +1,161 @@
+/* subcommand.c - see subcommand.h. */
+#include "clients/cli/subcommand.h"
+
+#include <stdio.h>
+#include <strings.h>
+
+#include "clients/files/formats.h"
+
+const struct subcommand subcommands[] = {
+    {"draw", command_draw, true, false, "draw FILE [PICTURE] [OPTION ...]",
+     "Draws the Delaunay triangulation of a file of points, as PICTURE.svg or PICTURE.png, or in "
+     "the\n"
+     "terminal. Needs no running server: it starts one for itself and ends it. A PNG is made by\n"
+     "rsvg-convert or inkscape.\n\n"
+     "  -f, --format F           svg or png; else the picture's ending decides\n"
+     "      --input-format F     of the points; as load's --format\n"
+     "  -c, --columns X,Y        as load's\n"
+     "      --skip-bad           as load's\n"
+     "      --colour C, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n",
+     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help",
+     true},
+    {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
+     "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
+     "running server, as draw, and has its options.\n\n"
+     "  -f, --format F           of the mesh; else its ending decides\n"
+     "      --input-format F, --columns X,Y, --skip-bad, --force\n",
+     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help",
+     true},
+    {"load", command_load, false, true, "load SET FILE [--format F] [--columns X,Y] [--skip-bad]",
+     "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
+     "line\n"
+     "loads nothing and is named.\n\n"
+     "  -f, --format csv      a table: values between commas, semicolons, tabs, bars or blanks\n"
+     "  -f, --format xyz      the same; what follows x and y does not count\n"
+     "  -f, --format xy       lines `x y` and nothing else; # begins a comment\n"
+     "  -f, --format geojson  every Point and MultiPoint\n"
+     "  -f, --format node     Triangle's .node file\n"
+     "  -c, --columns X,Y     columns of a table, by name or by number from 1\n"
+     "      --skip-bad        leave bad lines out; shows the first ones and counts them\n\n"
+     "Without --format the file's ending decides: .xy .xyz .geojson .json .ndjson .node; else the\n"
+     "first character: { is GeoJSON, anything else a table. The headings of a table choose the "
+     "columns,\n"
+     "among them x,y  lon,lat  easting,northing  POINT_X,POINT_Y  Longitude (deg),...; others are\n"
+     "refused. Beside semicolons numbers may have decimal commas. Compressed files (.gz .bz2 .xz "
+     ".zst)\n"
+     "and UTF-16 are read by way of gzip, bzip2, xz, zstd, iconv.\n",
+     "--format --columns --skip-bad --help", true},
+    {"export", command_export, false, true,
+     "export SET FILE [--format F] [--colour quality|degree] [--numbers] [--viewport X0,Y0,X1,Y1]",
+     "Writes the triangulated set to a file (- for the standard output). One that is there and was "
+     "not\n"
+     "written by delaunay, or was changed since, is replaced only with --force.\n\n"
+     "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
+     "--format --colour --numbers --viewport --force --help", true},
+    {"show", command_show, false, true, "show SET [--width COLUMNS] [--height LINES] [--plain]",
+     "Draws the triangulated set in the terminal, in braille characters; the hull in red. Without\n"
+     "--width and --height it fills the terminal; --plain leaves colours out, as\n"
+     "$NO_COLOR does.\n",
+     "--width --height --plain --help", false},
+    {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
+     "Writes an SVG that plays in a browser (- for the standard output): how the shelling "
+     "algorithm\n"
+     "triangulates the set, which has at most 1000 points; some 30 are good to follow.\n"
+     "Without a file the steps are printed as the server tells them.\n\n"
+     "      --seconds S       how long the film is, from 1; else each step takes about a third\n"
+     "      --numbers         ids beside the points\n"
+     "      --force           replace any file, not only one that delaunay has written\n\n"
+     "Orange: the front, and where the third point of an edge (the arrow) is looked for. A "
+     "triangle\n"
+     "is green where it takes in a new point, yellow for a right touch, blue for a left touch; an\n"
+     "edge is purple while it waits before a cave, brown once it is known to be on the hull. A "
+     "point\n"
+     "turns red when it is enclosed and leaves the grid, then pale.\n",
+     "--seconds --numbers --force --help", true},
+    {"top", command_top, false, false, "top [--once]",
+     "Shows what the server is doing, every second, until q is pressed; p pauses, s sorts the "
+     "commands\n"
+     "by calls or by time. With --once, or where there is no terminal, it prints lines.\n",
+     "--once --help", false},
+    {"copy", command_copy, true, false, "copy SET URL URL",
+     "Copies a set, its tolerance and its ids from the first daemon to the second, where there "
+     "must be\n"
+     "none of that name, and triangulates it there if it is triangulated here. A URL is\n"
+     "delaunay://[:TOKEN@]HOST[:PORT][/NAME]; a NAME in the second one is the copy's.\n",
+     "--help", false},
+    {"completion", command_completion, true, false, "completion [bash|zsh|fish]",
+     "Prints a script that completes commands, options, sets and files in that shell, bash if none "
+     "is\n"
+     "named: source <(delaunay completion bash), or in fish: delaunay completion fish | source\n",
+     "--help", false},
+    {"triangulate", NULL, false, true, "triangulate SET [METHOD auto|shelling|divide]",
+     "Computes the Delaunay triangulation; shows progress while it takes long.\n", "--help", false},
+    {"lists", NULL, false, true, "lists SET [ID ...] [CW]",
+     "Each point with the ring of its neighbours, interior points first, then along the hull.\n",
+     "--help", false},
+    {"triangles", NULL, false, true, "triangles SET [A [B [C]]] [CW]",
+     "Every triangle, or those at a point, at an edge, next to a triangle.\n", "--help", false},
+    {"edges", NULL, false, true, "edges SET [A] [CW]", "Every edge, or those at a point.\n",
+     "--help", false},
+    {"hull", NULL, false, true, "hull SET [CW]", "The points of the convex hull.\n", "--help",
+     false},
+    {"nearest", NULL, false, true, "nearest SET X Y [K]", "The K nearest points, nearest first.\n",
+     "--help", false},
+    {"within", NULL, false, true, "within SET X0 Y0 X1 Y1 | within SET X Y R",
+     "The points in a closed box or disc.\n", "--help", false},
+    {"locate", NULL, false, true, "locate SET X Y", "The triangle, edge or point where X Y lies.\n",
+     "--help", false},
+    {"create", NULL, false, true, "create SET [TOL T]",
+     "A new, empty set with coincidence tolerance T.\n", "--help", false},
+    {"add", NULL, false, true, "add SET X Y [X Y ...]", "Adds points.\n", "--help", false},
+    {"move", NULL, false, true, "move SET ID X Y", "Moves a point, which keeps its id.\n", "--help",
+     false},
+    {"del", NULL, false, true, "del SET ID [ID ...]", "Deletes points.\n", "--help", false},
+    {"get", NULL, false, true, "get SET ID [ID ...]", "The coordinates of points.\n", "--help",
+     false},
+    {"coincident", NULL, false, true, "coincident SET", "Every alias and its representative.\n",
+     "--help", false},
+    {"points", NULL, false, true, "points SET", "Every point: id, x, y.\n", "--help", false},
+    {"stat", NULL, false, true, "stat SET", "Counts and memory of a set.\n", "--help", false},
+    {"check", NULL, false, true, "check SET", "Proves the triangulation exactly.\n", "--help",
+     false},
+    {"drop", NULL, false, true, "drop SET", "Deletes a set.\n", "--help", false},
+    {"sets", NULL, false, false, "sets", "The sets, with their number of points.\n", "--help",
+     false},
+    {"info", NULL, false, false, "info [SECTION ...]",
+     "Facts about the server; with sections (server, clients, memory, stats, sets, durability,\n"
+     "commands) those of these only.\n",
+     "server clients memory stats sets durability commands --help", false},
+    {"client", NULL, false, false, "client LIST | client KILL ID | client KILL ADDRESS",
+     "Who is connected to the server; ends connections.\n", "LIST KILL --help", false},
+    {"slowlog", NULL, false, false, "slowlog GET [N] | slowlog LEN | slowlog RESET",
+     "The last requests that took long.\n", "GET LEN RESET --help", false},
+};
+
+const size_t subcommand_count = sizeof subcommands / sizeof subcommands[0];
+
+const struct subcommand *subcommand_find(const char *name)
+{
+    for (size_t i = 0; i < subcommand_count; i++)
+        if (strcasecmp(subcommands[i].name, name) == 0)
+            return &subcommands[i];
+    return NULL;
+}
+
+void subcommand_print_help(const struct subcommand *s)
+{
+    printf("usage: delaunay [-h HOST] [-p PORT] [-u URL] %s\n\n%s", s->usage, s->help);
+    if (s->run != command_export)
+        return;
+    for (size_t i = 0; i < format_count; i++)
+        printf("  -f, --format %-8s %s\n", formats[i].name, formats[i].what);
+    fputs("      --colour quality  dark red: flat triangles; dark blue: equilateral ones\n"
+          "      --colour degree   by the mean number of triangles at the corners\n"
+          "      --numbers         ids beside the points, however many there are\n"
+          "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
+          "      --force           replace any file\n\n"
+          "Without --format the file's ending decides. Points are numbered 0, 1, 2, ... by id (OBJ "
+          "and\n"
+          "2DM: from 1), which is the id itself unless points have been deleted.\n",
+          stdout);
+}

@@ -1,0 +1,26 @@
+/* subcommand.h - the table of what `delaunay` can do: one row each, for dispatch, --help and
+ * completion. */
+#ifndef CLIENTS_SUBCOMMAND_H
+#define CLIENTS_SUBCOMMAND_H
+
+#include "clients/cli/command.h"
+
+struct subcommand {
+    const char *name;
+    int (*run)(struct delaunay_client *c, int argc, char **argv); /* NULL: sent as a request line */
+    bool alone;                                                   /* it needs no connection */
+    bool set; /* the first argument names a set */
+    const char *usage, *help, *options;
+    bool files; /* it takes names of files */
+};
+
+extern const struct subcommand subcommands[];
+extern const size_t subcommand_count;
+
+/* The row of that name, in capitals or not; NULL if there is none. */
+const struct subcommand *subcommand_find(const char *name);
+
+/* Prints its help. */
+void subcommand_print_help(const struct subcommand *s);
+
+#endif

@@ -1,0 +1,220 @@
+/* completion.c - `delaunay completion SHELL`: completion of commands, options, sets and files, for bash, zsh and fish,
+ * from the table of subcommands. */
+#include <stdio.h>
+#include <string.h>
+
+#include "clients/cli/command.h"
+#include "clients/cli/options.h"
+#include "clients/cli/subcommand.h"
+#include "clients/files/formats.h"
+
+static const char read_sets[] = "sets 2>/dev/null | sed -n '2,$s/ .*//p'";
+static const char global_options[] = "--host --port --url --json --help --version";
+static const char inputs[] = "xy csv geojson node xyz";
+
+static void put_formats(void)
+{
+    fputs("svg png", stdout);
+    for (size_t i = 0; i < format_count; i++)
+        printf(" %s", formats[i].name);
+}
+
+/* The names of subcommands, of all or of those that take sets or files, with the text between. */
+enum kind { KIND_ALL, KIND_SETS, KIND_FILES };
+
+static void put_names(enum kind kind, const char *between)
+{
+    bool first = true;
+    for (size_t i = 0; i < subcommand_count; i++) {
+        const struct subcommand *s = &subcommands[i];
+        if ((kind == KIND_SETS && !s->set && s->run != command_copy) ||
+            (kind == KIND_FILES && !s->files))
+            continue;
+        printf("%s%s", first ? "" : between, s->name);
+        first = false;
+    }
+}
+
+/* The part that bash and zsh share: which command it is and how many of its words stand before the one that is
+ * completed; `where` gets the options for the server. */
+static void put_shell_scan(const char *word, const char *from, const char *to)
+{
+    printf("    local command= at=0 i w\n"
+           "    local -a where\n"
+           "    for ((i = %s; i < %s; i++)); do\n"
+           "        w=${%s[i]}\n"
+           "        case $w in\n"
+           "        -h | -p | -u | --host | --port | --url)\n"
+           "            where+=(\"$w\" \"${%s[i + 1]}\"); ((i++)) ;;\n"
+           "        -f | -c | --format | --input-format | --columns | --colour | --viewport | "
+           "--seconds | "
+           "--width | --height)\n"
+           "            ((i++)) ;;\n"
+           "        -*) ;;\n"
+           "        *) if [[ -z $command ]]; then command=$w; else ((at += 1)); fi ;;\n"
+           "        esac\n"
+           "    done\n",
+           from, to, word, word);
+}
+
+/* A case for each subcommand's options, which are words of `before` ... `after`. */
+static void put_option_cases(const char *before, const char *after)
+{
+    printf("        '') %s%s%s ;;\n", before, global_options, after);
+    for (size_t i = 0; i < subcommand_count; i++)
+        printf("        %s) %s%s --json%s ;;\n", subcommands[i].name, before,
+               subcommands[i].options, after);
+}
+
+/* ---- bash ---- */
+
+static void put_bash(void)
+{
+    static const char reply[] = "COMPREPLY=($(compgen -W \"", end[] = "\" -- \"$word\"))";
+    puts("# bash completion for delaunay\n_delaunay()\n{\n"
+         "    local word=${COMP_WORDS[COMP_CWORD]} last=${COMP_WORDS[COMP_CWORD - 1]}");
+    put_shell_scan("COMP_WORDS", "1", "COMP_CWORD");
+    fputs("    case $last in\n    -f | --format)\n        if [[ $command == load ]]; then ",
+          stdout);
+    printf("%s%s%s; else %s", reply, inputs, end, reply);
+    put_formats();
+    printf("%s; fi\n        return ;;\n    --input-format) %s%s%s; return ;;\n", end, reply, inputs,
+           end);
+    printf("    --colour) %squality degree%s; return ;;\n"
+           "    -h | -p | -u | -c | --host | --port | --url | --columns | --viewport | --seconds | "
+           "--width | --height) return ;;\n    esac\n",
+           reply, end);
+    puts("    if [[ $word == -* ]]; then\n        case $command in");
+    put_option_cases(reply, end);
+    fputs("        esac\n        return\n    fi\n    case $command in\n", stdout);
+    printf("    '') %s", reply);
+    put_names(KIND_ALL, " ");
+    printf("%s; return ;;\n    ", end);
+    put_names(KIND_SETS, " | ");
+    printf(")\n        if ((at == 0)); then %s$(\"${COMP_WORDS[0]}\" \"${where[@]}\" %s)%s; "
+           "return; fi ;;\n"
+           "    esac\n    case $command in\n    ",
+           reply, read_sets, end);
+    put_names(KIND_FILES, " | ");
+    puts(") compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- \"$word\")) ;;\n"
+         "    client) COMPREPLY=($(compgen -W \"LIST KILL\" -- \"$word\")) ;;\n"
+         "    slowlog) COMPREPLY=($(compgen -W \"GET LEN RESET\" -- \"$word\")) ;;\n"
+         "    completion) COMPREPLY=($(compgen -W \"bash zsh fish\" -- \"$word\")) ;;\n"
+         "    esac\n}\ncomplete -F _delaunay delaunay");
+}
+
+/* ---- zsh ---- */
+
+static void put_zsh(void)
+{
+    puts("#compdef delaunay\n_delaunay()\n{\n    local last=${words[CURRENT - 1]}");
+    put_shell_scan("words", "2", "CURRENT");
+    fputs("    case $last in\n    -f | --format)\n        if [[ $command == load ]]; then compadd ",
+          stdout);
+    printf("%s; else compadd ", inputs);
+    put_formats();
+    printf("; fi\n        return ;;\n    --input-format) compadd %s; return ;;\n"
+           "    --colour) compadd quality degree; return ;;\n"
+           "    -h | -p | -u | -c | --host | --port | --url | --columns | --viewport | --seconds | "
+           "--width | --height) return ;;\n    esac\n"
+           "    if [[ ${words[CURRENT]} == -* ]]; then\n        case $command in\n",
+           inputs);
+    put_option_cases("compadd -- ", "");
+    fputs("        esac\n        return\n    fi\n    case $command in\n    '') compadd ", stdout);
+    put_names(KIND_ALL, " ");
+    fputs("; return ;;\n    ", stdout);
+    put_names(KIND_SETS, " | ");
+    printf(")\n        if ((at == 0)); then compadd -- ${(f)\"$(${words[1]} $where %s)\"}; return; "
+           "fi ;;\n"
+           "    esac\n    case $command in\n    ",
+           read_sets);
+    put_names(KIND_FILES, " | ");
+    puts(") _files ;;\n    client) compadd LIST KILL ;;\n    slowlog) compadd GET LEN RESET ;;\n"
+         "    completion) compadd bash zsh fish ;;\n    esac\n}\n"
+         "if [[ ${zsh_eval_context[-1]} == loadautofunc ]]; then _delaunay \"$@\"; else compdef "
+         "_delaunay "
+         "delaunay; fi");
+}
+
+/* ---- fish ---- */
+
+/* A rule for each word that begins with "--". */
+static void put_fish_options(const struct subcommand *s)
+{
+    static const char *const valued = " --columns --viewport --seconds --width --height ";
+    for (const char *p = s->options; p != NULL; p = strchr(p, ' ')) {
+        char word[32];
+        p += *p == ' ';
+        snprintf(word, sizeof word, " %.*s ", (int)strcspn(p, " "), p);
+        if (strncmp(p, "--", 2) != 0)
+            continue;
+        printf("complete -c delaunay -n '__fish_seen_subcommand_from %s' -l %.*s", s->name,
+               (int)strcspn(p + 2, " "), p + 2);
+        if (strcmp(word, " --colour ") == 0) {
+            fputs(" -x -a 'quality degree'", stdout);
+        } else if (strcmp(word, " --input-format ") == 0 ||
+                   (strcmp(word, " --format ") == 0 && s->run == command_load)) {
+            printf(" -x -a '%s'", inputs);
+        } else if (strcmp(word, " --format ") == 0) {
+            fputs(" -x -a '", stdout);
+            put_formats();
+            putchar('\'');
+        } else if (strstr(valued, word) != NULL) {
+            fputs(" -x", stdout);
+        }
+        putchar('\n');
+    }
+}
+
+/* The help's first sentence, or as much of it as is on its first line, within single quotes. */
+static void put_fish_help(const char *help)
+{
+    size_t n = strcspn(help, "\n.;");
+    for (size_t i = 0; i < n; i++)
+        if (help[i] != '\'')
+            putchar(help[i]);
+}
+
+static void put_fish(void)
+{
+    puts("# fish completion for delaunay\ncomplete -c delaunay -f\n"
+         "function __delaunay_at; test (count (commandline -opc | string match -v -- '-*')) -eq "
+         "$argv[1]; end\n"
+         "complete -c delaunay -s h -l host -x\ncomplete -c delaunay -s p -l port -x\n"
+         "complete -c delaunay -s u -l url -x\ncomplete -c delaunay -l json\n"
+         "complete -c delaunay -l version\ncomplete -c delaunay -l help");
+    for (size_t i = 0; i < subcommand_count; i++) {
+        printf("complete -c delaunay -n __fish_use_subcommand -a %s -d '", subcommands[i].name);
+        put_fish_help(subcommands[i].help);
+        puts("'");
+        put_fish_options(&subcommands[i]);
+    }
+    fputs("complete -c delaunay -n '__fish_seen_subcommand_from ", stdout);
+    put_names(KIND_SETS, " ");
+    printf("; and __delaunay_at 2' -a \"(delaunay %s)\"\n",
+           "sets 2>/dev/null | sed -n '2,\\$s/ .*//p'");
+    fputs("complete -c delaunay -n '__fish_seen_subcommand_from draw run' -F\n"
+          "complete -c delaunay -n '__fish_seen_subcommand_from load export trace; and not "
+          "__delaunay_at "
+          "2' -F\n"
+          "complete -c delaunay -n '__fish_seen_subcommand_from client' -a 'LIST KILL'\n"
+          "complete -c delaunay -n '__fish_seen_subcommand_from slowlog' -a 'GET LEN RESET'\n"
+          "complete -c delaunay -n '__fish_seen_subcommand_from completion' -a 'bash zsh fish'\n",
+          stdout);
+}
+
+int command_completion(struct delaunay_client *c, int argc, char **argv)
+{
+    const char *shell = argc > 1 ? argv[1] : "bash";
+    (void)c;
+    if (strcmp(shell, "bash") == 0)
+        put_bash();
+    else if (strcmp(shell, "zsh") == 0)
+        put_zsh();
+    else if (strcmp(shell, "fish") == 0)
+        put_fish();
+    else
+        return options_wrong(argv[0], "there is completion for bash, zsh and fish, not for %s",
+                             shell);
+    return EXIT_DONE;
+}

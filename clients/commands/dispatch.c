@@ -1,0 +1,83 @@
+/* dispatch.c - see dispatch.h. */
+#include "clients/commands/dispatch.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "clients/cli/options.h"
+#include "clients/cli/subcommand.h"
+
+/* A set's name at that place, or the URL of one: then *where becomes what it says. */
+static const char *find_set_fault(char **word, struct url *where)
+{
+    if (where == NULL && url_is(*word))
+        return "a set of another server needs a command of its own, outside of the prompt";
+    if (url_is(*word)) {
+        if (!url_read(*word, where) || where->set[0] == '\0')
+            return "a set's URL is delaunay://host:port/set";
+        *word = where->set;
+    }
+    if (!word_is_set_name(&(struct word){*word, strlen(*word)}))
+        return "a set's name is 1 to 64 of the characters A-Z a-z 0-9 _ . : -";
+    return NULL;
+}
+
+/* What is wrong with the command, before anybody is bothered with it; NULL if nothing is. */
+static const char *find_fault(const struct subcommand *s, int words, char **word, struct url *where)
+{
+    if (s != NULL && s->set && words < 2)
+        return "the name of a set is missing";
+    if (s != NULL && s->set && (s->run == NULL || word[1][0] != '-'))
+        return find_set_fault(&word[1], where);
+    if (words > 0 && strcasecmp(word[0], "loadb") == 0)
+        return "for binary loads use load, which sends points in binary form";
+    return NULL;
+}
+
+static int run_connected(struct delaunay_client *c, const struct subcommand *s, int words,
+                         char **word)
+{
+    if (words == 0)
+        return command_prompt(c);
+    return s != NULL && s->run != NULL ? s->run(c, words, word) : command_any(c, words, word);
+}
+
+static int run(const struct subcommand *s, int words, char **word, const struct url *where)
+{
+    char why[256];
+    struct delaunay_client *c = url_connect(where, why, sizeof why);
+    if (c == NULL) {
+        fprintf(stderr, "delaunay: %s\n", why);
+        if (strcmp(where->host, DELAUNAY_HOST) == 0 && strcmp(where->port, DELAUNAY_PORT) == 0)
+            fprintf(stderr,
+                    "Start a server with 'delaunayd &'; 'delaunay draw FILE' needs none.\n");
+        return EXIT_NO_CONNECTION;
+    }
+    int status = run_connected(c, s, words, word);
+    delaunay_close(c);
+    return status;
+}
+
+static bool asks_for_help(int words, char **word)
+{
+    for (int i = 1; i < words; i++)
+        if (strcmp(word[i], "--help") == 0)
+            return true;
+    return false;
+}
+
+int dispatch(struct delaunay_client *c, int words, char **word, struct url *where)
+{
+    const struct subcommand *s = words > 0 ? subcommand_find(word[0]) : NULL;
+    if (s != NULL && asks_for_help(words, word)) {
+        subcommand_print_help(s);
+        return EXIT_DONE;
+    }
+    const char *fault = find_fault(s, words, word, where);
+    if (fault != NULL)
+        return options_wrong("", "%s", fault);
+    if (s != NULL && s->alone)
+        return s->run(NULL, words, word);
+    return c != NULL ? run_connected(c, s, words, word) : run(s, words, word, where);
+}

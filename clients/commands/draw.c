@@ -1,0 +1,118 @@
+/* draw.c - `delaunay draw FILE OUT` and `delaunay run FILE OUT`: from a file of points to a picture or a mesh, by
+ * way of a daemon of our own. */
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "clients/cli/command.h"
+#include "clients/cli/private_daemon.h"
+#include "clients/commands/export.h"
+#include "clients/files/source.h"
+
+static const char set[] = "points";
+
+struct drawing {
+    struct source from;
+    struct export to;
+    bool on_terminal;
+    char name[100]; /* the file's, as a title */
+};
+
+static int read_option(struct drawing *d, int option, char **argv)
+{
+    if (option == 's')
+        d->from.skip_bad = true;
+    else if (option == 'i' && !source_read_form(optarg, &d->from))
+        return options_wrong(argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz",
+                             optarg);
+    else if (option == 'c' && !table_choose_columns(&d->from.table, optarg))
+        return options_wrong(argv[0], "--columns %s is no X,Y: two names, or numbers from 1",
+                             optarg);
+    else if (option != 'i' && option != 'c')
+        return export_option(&d->to, option, argv);
+    return EXIT_DONE;
+}
+
+/* The last part of the path, without what would be markup. */
+static void choose_name(struct drawing *d)
+{
+    const char *slash = strrchr(d->from.path, '/');
+    snprintf(d->name, sizeof d->name, "%s", slash != NULL ? slash + 1 : d->from.path);
+    for (char *p = d->name; *p != '\0'; p++)
+        if (strchr("<>&", *p) != NULL || iscntrl((unsigned char)*p))
+            *p = '_';
+}
+
+static int read_arguments(struct drawing *d, int argc, char **argv)
+{
+    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
+                                            {"input-format", required_argument, NULL, 'i'},
+                                            {"columns", required_argument, NULL, 'c'},
+                                            {"skip-bad", no_argument, NULL, 's'},
+                                            EXPORT_OPTIONS,
+                                            {NULL, 0, NULL, 0}};
+    bool draws = strcmp(argv[0], "draw") == 0;
+    int option, status = EXIT_DONE;
+    optind = 0;
+    while (status == EXIT_DONE && (option = options_next(argc, argv, "f:c:", options)) != -1)
+        status = read_option(d, option, argv);
+    if (status != EXIT_DONE)
+        return status;
+    d->on_terminal = draws && argc - optind == 1;
+    if (argc - optind != 2 && !d->on_terminal)
+        return options_wrong(argv[0], draws ? "draw takes a file of points and that of the picture"
+                                            : "run takes a file of points and that of the mesh");
+    d->from.path = argv[optind];
+    choose_name(d);
+    if (d->on_terminal)
+        return EXIT_DONE;
+    d->to.path = argv[optind + 1];
+    status = export_prepare(&d->to, argv);
+    if (status == EXIT_DONE && draws && d->to.format != NULL)
+        return options_wrong(argv[0],
+                             "a picture is SVG or PNG; for other formats use delaunay run");
+    return status;
+}
+
+static int write_result(struct delaunay_client *c, struct drawing *d)
+{
+    char line[40];
+    char show[] = "show", name[] = "points", *words[] = {show, name, NULL};
+    snprintf(line, sizeof line, "TRIANGULATE %s", set);
+    enum delaunay_result r = delaunay_request(c, line, command_show_comment, NULL);
+    if (r != DELAUNAY_OK)
+        return command_outcome(c, r);
+    return d->on_terminal ? command_show(c, 2, words) : export_set(c, &d->to, set, d->name);
+}
+
+static int carry_out(struct drawing *d, const struct points_file *f)
+{
+    char why[300];
+    pid_t pid;
+    if (f->n == 0) {
+        fprintf(stderr, "delaunay: %s: there are no points in it\n", d->from.path);
+        return EXIT_REFUSED;
+    }
+    struct delaunay_client *c = private_daemon_start(&pid, why, sizeof why);
+    if (c == NULL) {
+        fprintf(stderr, "delaunay: %s\n", why);
+        return EXIT_NO_CONNECTION;
+    }
+    enum delaunay_result r = command_send_points(c, set, f);
+    int status = r == DELAUNAY_OK ? write_result(c, d) : command_outcome(c, r);
+    private_daemon_end(c, pid);
+    return status;
+}
+
+int command_draw(struct delaunay_client *c, int argc, char **argv)
+{
+    struct drawing d = {.from = {.form = SOURCE_GUESS}};
+    struct points_file f = {0};
+    (void)c;
+    int status = read_arguments(&d, argc, argv);
+    if (status != EXIT_DONE)
+        return status;
+    status = source_read(&d.from, &f) ? carry_out(&d, &f) : EXIT_REFUSED;
+    points_file_free(&f);
+    return status;
+}

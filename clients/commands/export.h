@@ -1,0 +1,36 @@
+/* export.h - writes a triangulated set as a picture or in another program's format: what `export`, `draw` and
+ * `run` share. */
+#ifndef CLIENTS_EXPORT_H
+#define CLIENTS_EXPORT_H
+
+#include "clients/cli/options.h"
+#include "clients/files/formats.h"
+#include "clients/lib/delaunay_client.h"
+#include "clients/pictures/picture.h"
+
+struct export
+{
+    const char *path, *form;     /* "-": the standard output; form NULL: what the ending says */
+    const struct format *format; /* NULL: a picture */
+    bool png, force;
+    struct picture picture;
+};
+
+#define EXPORT_OPTIONS                                                                             \
+    {"numbers", no_argument, NULL, 'n'}, {"colour", required_argument, NULL, 'o'},                 \
+        {"color", required_argument, NULL, 'o'}, {"viewport", required_argument, NULL, 'v'},       \
+    {                                                                                              \
+        "force", no_argument, NULL, 'F'                                                            \
+    }
+
+/* Takes one of these options; a usage error's status, or EXIT_DONE. */
+int export_option(struct export *e, int option, char **argv);
+
+/* When all options have been read and e->path is known: chooses the format, and refuses to replace a file of
+ * somebody else. Returns the exit status. */
+int export_prepare(struct export *e, char **argv);
+
+/* Fetches the set and writes it; returns the exit status. `name` is the picture's title. */
+int export_set(struct delaunay_client *c, struct export *e, const char *set, const char *name);
+
+#endif

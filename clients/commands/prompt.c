@@ -1,0 +1,129 @@
+/* prompt.c - `delaunay` without a command: lines from the standard input are carried out one by one: what the
+ * protocol knows is sent as it is, and subcommands that read or write files work as from a shell. */
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "clients/cli/edit.h"
+#include "clients/cli/subcommand.h"
+#include "clients/commands/dispatch.h"
+
+enum { MOST_WORDS = 64 };
+
+/* Splits the line in place into words, which may be within quotes, single or double. Returns how many; -1 if there
+ * are too many or a quote is open. */
+static int split(char *line, char **word)
+{
+    int n = 0;
+    for (char *from = line;;) {
+        while (isspace((unsigned char)*from))
+            from++;
+        if (*from == '\0')
+            return n;
+        if (n == MOST_WORDS)
+            return -1;
+        char *to = word[n++] = from, quote = '\0';
+        for (; *from != '\0' && (quote != '\0' || !isspace((unsigned char)*from)); from++)
+            if (quote == '\0' && (*from == '"' || *from == '\''))
+                quote = *from;
+            else if (quote != '\0' && *from == quote)
+                quote = '\0';
+            else
+                *to++ = *from;
+        if (quote != '\0')
+            return -1;
+        from += *from != '\0';
+        *to = '\0';
+    }
+}
+
+static bool is_first_word(const char *line, const char *word)
+{
+    size_t n = strcspn(line, " \t");
+    return n == strlen(word) && strncasecmp(line, word, n) == 0;
+}
+
+/* Whether the line is for this program instead of the server. */
+static bool is_ours(const char *line)
+{
+    char name[24];
+    size_t n = strcspn(line, " \t");
+    snprintf(name, sizeof name, "%.*s", n < sizeof name ? (int)n : 0, line);
+    const struct subcommand *s = subcommand_find(name);
+    return (s != NULL && s->run != NULL) || strstr(line, " --help") != NULL;
+}
+
+/* What an arrow key leaves behind where nothing edits the line. */
+static bool has_control_characters(const char *line)
+{
+    for (; *line != '\0'; line++)
+        if (iscntrl((unsigned char)*line) && *line != '\t')
+            return true;
+    return false;
+}
+
+static int carry_out(struct delaunay_client *c, char *line)
+{
+    char *word[MOST_WORDS + 1];
+    if (has_control_characters(line)) {
+        fprintf(stderr, "delaunay: a control character in the line; nothing was sent\n");
+        return EXIT_USAGE;
+    }
+    if (is_first_word(line, "loadb")) { /* its points would be taken for requests */
+        fprintf(stderr, "delaunay: to load points use load SET FILE\n");
+        return EXIT_USAGE;
+    }
+    if (!is_ours(line))
+        return command_any(c, 1, &line);
+    int words = split(line, word);
+    if (words < 0) {
+        fprintf(stderr, "delaunay: a quote is open, or too many words\n");
+        return EXIT_USAGE;
+    }
+    word[words] = NULL;
+    return dispatch(c, words, word, NULL);
+}
+
+/* The next line of a file or pipe. */
+static char *read_line(void)
+{
+    char *line = NULL;
+    size_t room = 0;
+    ssize_t n = getline(&line, &room, stdin);
+    if (n < 0) {
+        free(line);
+        return NULL;
+    }
+    while (n > 0 && (line[n - 1] == '\n' || line[n - 1] == '\r'))
+        line[--n] = '\0';
+    return line;
+}
+
+int command_prompt(struct delaunay_client *c)
+{
+    bool terminal = isatty(STDIN_FILENO), ended = false;
+    int status = EXIT_DONE, outcome;
+    char *line;
+    if (terminal)
+        edit_begin(c);
+    while (!ended && (line = terminal ? edit_line("delaunay> ") : read_line()) != NULL) {
+        char *first = line + strspn(line, " \t");
+        bool leaves = is_first_word(first, "exit"); /* QUIT is a request, too */
+        ended = leaves || is_first_word(first, "quit");
+        if (*first != '\0' && !leaves) {
+            outcome = carry_out(c, first);
+            status = outcome != EXIT_DONE ? outcome : status;
+            ended |= outcome == EXIT_NO_CONNECTION && !terminal;
+        }
+        edit_free(line);
+        fflush(stdout);
+    }
+    if (terminal) {
+        putchar('\n');
+        edit_end();
+    }
+    return status;
+}

@@ -1,0 +1,187 @@
+/* show.c - `delaunay show SET`: a drawing in the terminal. A braille character is a cell of 2 x 4
+ * dots, which makes dots about square. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "clients/cli/command.h"
+#include "clients/cli/json.h"
+#include "clients/cli/options.h"
+#include "clients/files/model.h"
+#include "proto/number.h"
+
+enum ink { INK_NONE, INK_EDGE, INK_POINT, INK_HULL };
+
+struct canvas {
+    uint32_t columns, lines;
+    bool plain;
+    unsigned char *dots, *ink; /* own; a byte for each cell */
+    double x0, y1, scale;      /* left, upper edge; dots per unit */
+};
+
+static void plot(struct canvas *v, long x, long y, enum ink ink)
+{
+    /* The bit of each dot of a cell, as Unicode numbers them. */
+    static const unsigned char bit[4][2] = {{0x01, 0x08}, {0x02, 0x10}, {0x04, 0x20}, {0x40, 0x80}};
+    if (x < 0 || y < 0 || x >= 2 * (long)v->columns || y >= 4 * (long)v->lines)
+        return;
+    size_t cell = (size_t)(y / 4) * v->columns + (size_t)(x / 2);
+    v->dots[cell] |= bit[y % 4][x % 2];
+    if (ink > v->ink[cell])
+        v->ink[cell] = (unsigned char)ink;
+}
+
+static long dot_x(const struct canvas *v, const double *p)
+{
+    return lround((p[0] - v->x0) * v->scale);
+}
+
+static long dot_y(const struct canvas *v, const double *p)
+{
+    return lround((v->y1 - p[1]) * v->scale);
+}
+
+static void draw_line(struct canvas *v, const double *p, const double *q, enum ink ink)
+{
+    long x = dot_x(v, p), y = dot_y(v, p), dx = dot_x(v, q) - x, dy = dot_y(v, q) - y;
+    long steps = labs(dx) > labs(dy) ? labs(dx) : labs(dy);
+    for (long i = 0; i <= steps; i++)
+        plot(v, x + lround((double)(dx * i) / (double)(steps > 0 ? steps : 1)),
+             y + lround((double)(dy * i) / (double)(steps > 0 ? steps : 1)), ink);
+}
+
+/* Chooses the scale so that all points fit, and cuts the lines that stay empty. */
+static void fit(struct canvas *v, const struct model *m)
+{
+    double x0 = m->xy[0], x1 = x0, y0 = m->xy[1], y1 = y0;
+    for (size_t i = 1; i < m->n; i++) {
+        x0 = fmin(x0, m->xy[2 * i]);
+        x1 = fmax(x1, m->xy[2 * i]);
+        y0 = fmin(y0, m->xy[2 * i + 1]);
+        y1 = fmax(y1, m->xy[2 * i + 1]);
+    }
+    double wide = 2.0 * v->columns - 1, high = 4.0 * v->lines - 1;
+    v->scale = fmin(x1 > x0 ? wide / (x1 - x0) : wide, y1 > y0 ? high / (y1 - y0) : high);
+    v->x0 = x0;
+    v->y1 = y1;
+    uint32_t lines = (uint32_t)lround((y1 - y0) * v->scale) / 4 + 1;
+    if (lines < v->lines)
+        v->lines = lines;
+}
+
+static void draw(struct canvas *v, const struct model *m)
+{
+    /* With more edges than this a cell would only be full. */
+    size_t readable = (size_t)v->columns * v->lines;
+    for (size_t i = 0; m->edges <= 3 * readable && i < m->edges; i++)
+        draw_line(v, m->xy + 2 * (size_t)m->edge[2 * i], m->xy + 2 * (size_t)m->edge[2 * i + 1],
+                  INK_EDGE);
+    for (size_t i = 0; i < m->n; i++)
+        plot(v, dot_x(v, m->xy + 2 * i), dot_y(v, m->xy + 2 * i), INK_POINT);
+    for (size_t i = 0; i < m->hull_n; i++) {
+        size_t next = i + 1 < m->hull_n ? i + 1 : m->edges < m->hull_n ? i : 0;
+        draw_line(v, m->xy + 2 * (size_t)m->hull[i], m->xy + 2 * (size_t)m->hull[next], INK_HULL);
+    }
+}
+
+static void print_cell(unsigned char dots)
+{
+    if (dots == 0)
+        putchar(' ');
+    else /* U+2800 + dots */
+        printf("\xE2%c%c", 0xA0 + (dots >> 6), 0x80 + (dots & 0x3F));
+}
+
+static void print(const struct canvas *v)
+{
+    static const char *const colour[] = {"", "\033[2;34m", "\033[1;33m", "\033[31m"};
+    for (size_t y = 0; y < v->lines; y++) {
+        unsigned char last = INK_NONE;
+        for (size_t x = 0; x < v->columns; x++) {
+            unsigned char ink = v->ink[y * v->columns + x];
+            if (!v->plain && ink != last)
+                printf("\033[0m%s", colour[ink]);
+            last = ink;
+            print_cell(v->dots[y * v->columns + x]);
+        }
+        fputs(v->plain || last == INK_NONE ? "\n" : "\033[0m\n", stdout);
+    }
+}
+
+static void print_json(const struct canvas *v)
+{
+    json_begin(true);
+    json_key("lines");
+    for (size_t y = 0; y < v->lines; y++) {
+        fputs(y == 0 ? "[\"" : ",\"", stdout);
+        for (size_t x = 0; x < v->columns; x++)
+            print_cell(v->dots[y * v->columns + x]);
+        putchar('"');
+    }
+    putchar(']');
+    json_finish();
+}
+
+static bool read_size(const char *text, uint32_t *v)
+{
+    return proto_read_u32(text, strlen(text), v) && *v >= 1 && *v <= 2000;
+}
+
+static int read_arguments(struct canvas *v, int argc, char **argv)
+{
+    static const struct option options[] = {{"width", required_argument, NULL, 'w'},
+                                            {"height", required_argument, NULL, 'h'},
+                                            {"plain", no_argument, NULL, 'p'},
+                                            {NULL, 0, NULL, 0}};
+    int option;
+    struct winsize size;
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 1) {
+        v->columns = size.ws_col;
+        v->lines = size.ws_row - 1u;
+    }
+    v->plain = command_is_plain();
+    optind = 0;
+    while ((option = options_next(argc, argv, "", options)) != -1) {
+        if (option == 'p')
+            v->plain = true;
+        else if (option != 'w' && option != 'h')
+            return options_unknown(argv[0], argv, option);
+        else if (!read_size(optarg, option == 'w' ? &v->columns : &v->lines))
+            return options_wrong(argv[0], "a width or height is from 1 to 2000, not %s", optarg);
+    }
+    return argc - optind == 1 ? EXIT_DONE : options_wrong(argv[0], "show takes a set");
+}
+
+int command_show(struct delaunay_client *c, int argc, char **argv)
+{
+    struct canvas v = {.columns = 80, .lines = 23};
+    struct model m = {0};
+    int status = read_arguments(&v, argc, argv);
+    if (status != EXIT_DONE)
+        return status;
+    enum delaunay_result r = model_fetch(c, argv[optind], MODEL_EDGES | MODEL_HULL, &m);
+    if (r == DELAUNAY_OK) {
+        fit(&v, &m);
+        v.dots = calloc((size_t)v.columns * v.lines, 1);
+        v.ink = calloc((size_t)v.columns * v.lines, 1);
+        if (v.dots != NULL && v.ink != NULL) {
+            draw(&v, &m);
+            json_chosen() ? print_json(&v) : print(&v);
+        } else {
+            r = DELAUNAY_NOMEM;
+        }
+        free(v.dots);
+        free(v.ink);
+    }
+    if (r == DELAUNAY_STOPPED) {
+        fprintf(stderr, "delaunay: %s\n", m.fault);
+        status = EXIT_REFUSED;
+    } else {
+        status = command_outcome(c, r);
+    }
+    model_free(&m);
+    return status;
+}

@@ -1,0 +1,26 @@
+/* formats.h - writes a triangulation in the formats of other programs.
+ *
+ * Points are numbered by their place: 0, 1, 2, ... in the order of their ids (in OBJ and 2DM, whose
+ * readers expect it, from 1), and that is the id itself as long as nothing has been deleted.
+ * Aliases are points without a triangle. */
+#ifndef CLIENTS_FORMATS_H
+#define CLIENTS_FORMATS_H
+
+#include "clients/files/model.h"
+
+#include <stdio.h>
+
+struct format {
+    const char *name; /* also the ending of file names */
+    unsigned parts;   /* of the model that it needs (enum model_parts) */
+    bool (*write)(FILE *out, const struct model *m); /* false when out of memory */
+    const char *what;
+};
+
+extern const struct format formats[];
+extern const size_t format_count;
+
+/* The format of that name, NULL if there is none. */
+const struct format *format_find(const char *name);
+
+#endif

@@ -1,0 +1,128 @@
+/* input.c - see input.h. A file is recognised by its first bytes. Those of a pipe are looked at by tee(2), which
+ * leaves them there. */
+#include "clients/files/input.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+enum { PEEK = 64 };
+
+static const struct {
+    const char *magic;
+    size_t len;
+    const char *argument[6];
+} converters[] = {
+    {"\x1F\x8B", 2, {"gzip", "-dc", NULL}},
+    {"\xFF\xFE", 2, {"iconv", "-f", "UTF-16", "-t", "UTF-8", NULL}},
+    {"\xFE\xFF", 2, {"iconv", "-f", "UTF-16", "-t", "UTF-8", NULL}},
+    {"BZh", 3, {"bzip2", "-dc", NULL}},
+    {"\xFD"
+     "7zXZ",
+     5,
+     {"xz", "-dc", NULL}},
+    {"\x28\xB5\x2F\xFD", 4, {"zstd", "-dc", NULL}},
+};
+
+static size_t peek(int fd, char *to)
+{
+    int pipes[2];
+    ssize_t n = pread(fd, to, PEEK, 0);
+    if (n >= 0 || errno != ESPIPE)
+        return n > 0 ? (size_t)n : 0;
+    if (pipe2(pipes, O_CLOEXEC) != 0)
+        return 0;
+    n = tee(fd, pipes[1], PEEK, 0);
+    if (n > 0)
+        n = read(pipes[0], to, PEEK);
+    close(pipes[0]);
+    close(pipes[1]);
+    return n > 0 ? (size_t)n : 0;
+}
+
+/* Starts the program with fd as its input; its output takes fd's place. */
+static bool convert(struct input *in, const char *const *argument)
+{
+    int pipes[2], failed;
+    char *words[6];
+    posix_spawn_file_actions_t actions;
+    memcpy(words, argument, sizeof words);
+    if (pipe2(pipes, O_CLOEXEC) != 0)
+        return false;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, in->fd, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, pipes[1], STDOUT_FILENO);
+    failed = posix_spawnp(&in->child, words[0], &actions, NULL, words, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    close(pipes[1]);
+    if (failed != 0) {
+        close(pipes[0]);
+        in->child = 0;
+        errno = failed;
+        return false;
+    }
+    if (!in->standard)
+        close(in->fd);
+    in->standard = false;
+    in->fd = pipes[0];
+    return true;
+}
+
+static char first_character(const char *text, size_t n)
+{
+    size_t i = n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    while (i < n && strchr(" \t\r\n", text[i]) != NULL)
+        i++;
+    return i < n ? text[i] : '\0';
+}
+
+bool input_open(struct input *in, const char *path, char *why, size_t room)
+{
+    char head[PEEK];
+    struct stat st;
+    *in = (struct input){.standard = strcmp(path, "-") == 0};
+    in->fd = in->standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    if (in->fd < 0) {
+        snprintf(why, room, "%s", strerror(errno));
+        return false;
+    }
+    if (fstat(in->fd, &st) == 0 && S_ISREG(st.st_mode))
+        in->size = (uint64_t)st.st_size;
+    size_t n = peek(in->fd, head);
+    in->first = first_character(head, n);
+    for (size_t i = 0; i < sizeof converters / sizeof converters[0]; i++) {
+        if (n < converters[i].len || memcmp(head, converters[i].magic, converters[i].len) != 0)
+            continue;
+        in->program = converters[i].argument[0];
+        in->size = 0;
+        in->first = '\0';
+        if (convert(in, converters[i].argument))
+            return true;
+        snprintf(why, room, "to read this file the program %s is needed: %s", in->program,
+                 strerror(errno));
+        input_close(in, false, head, sizeof head);
+        return false;
+    }
+    return true;
+}
+
+bool input_close(struct input *in, bool all, char *why, size_t room)
+{
+    int status = 0;
+    if (!in->standard)
+        close(in->fd);
+    if (in->child == 0)
+        return true;
+    while (waitpid(in->child, &status, 0) < 0 && errno == EINTR)
+        continue;
+    if (status != 0 && all)
+        snprintf(why, room, "%s could not read all of it", in->program);
+    return status == 0 || !all;
+}

@@ -1,0 +1,245 @@
+/* model.c - see model.h. Raw bytes arrive in pieces of any size and are gathered into one block for
+ * each reply, whose size the status line announces. */
+#include "clients/files/model.h"
+
+#include "proto/number.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- replies ---- */
+
+struct block {
+    struct model *m;
+    char *bytes; /* owns */
+    size_t n, at;
+    uint64_t rows;
+};
+
+static bool fault(struct model *m, const char *what)
+{
+    m->fault = what;
+    return false;
+}
+
+static bool gather(void *ctx, const struct reply_part *part)
+{
+    struct block *b = ctx;
+    uint64_t n = 0;
+    if (part->kind == REPLY_OK) {
+        if (!reply_key_number(part, "rows", &b->rows) || !reply_key_number(part, "bytes", &n))
+            return fault(b->m, "the server sends no binary replies");
+        b->n = (size_t)n;
+        b->bytes = malloc(b->n + 1);
+        return b->bytes != NULL || fault(b->m, "out of memory");
+    }
+    if (part->kind == REPLY_BYTES) {
+        if (part->len > b->n - b->at)
+            return fault(b->m, "more bytes than announced");
+        memcpy(b->bytes + b->at, part->text, part->len);
+        b->at += part->len;
+    }
+    return true;
+}
+
+static uint32_t word(const char *at)
+{
+    const unsigned char *b = (const unsigned char *)at;
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+static double number(const char *at)
+{
+    uint64_t bits = (uint64_t)word(at + 4) << 32 | word(at);
+    double v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static bool take_points(struct model *m, const struct block *b)
+{
+    if (b->n != b->rows * 20)
+        return fault(m, "a point of another size");
+    m->n = (size_t)b->rows;
+    m->id = malloc((m->n + 1) * sizeof m->id[0]);
+    m->xy = malloc((m->n + 1) * 2 * sizeof m->xy[0]);
+    if (m->id == NULL || m->xy == NULL)
+        return fault(m, "out of memory");
+    for (size_t i = 0; i < m->n; i++) {
+        m->id[i] = word(b->bytes + 20 * i);
+        m->xy[2 * i] = number(b->bytes + 20 * i + 4);
+        m->xy[2 * i + 1] = number(b->bytes + 20 * i + 12);
+    }
+    return true;
+}
+
+/* Ids are mostly 0 .. n - 1, so it looks there first. */
+bool model_find(const struct model *m, uint32_t id, uint32_t *place)
+{
+    size_t lo = 0, hi = m->n;
+    if (id < m->n && m->id[id] == id) {
+        *place = id;
+        return true;
+    }
+    while (lo < hi) {
+        size_t mid = lo + (hi - lo) / 2;
+        if (m->id[mid] < id)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    *place = (uint32_t)lo;
+    return lo < m->n && m->id[lo] == id;
+}
+
+/* Rows of `width` ids, as places. */
+static bool take_ids(struct model *m, const struct block *b, size_t width, uint32_t **v, size_t *n)
+{
+    if (b->n != b->rows * width * 4)
+        return fault(m, "a row of another size");
+    size_t words = (size_t)b->rows * width;
+    *n = (size_t)b->rows;
+    *v = malloc((words + 1) * sizeof **v);
+    if (*v == NULL)
+        return fault(m, "out of memory");
+    for (size_t i = 0; i < words; i++)
+        if (!model_find(m, word(b->bytes + 4 * i), &(*v)[i]))
+            return fault(m, "the set was edited meanwhile; try again");
+    return true;
+}
+
+static bool take_hull_point(void *ctx, const struct reply_part *part)
+{
+    struct model *m = ctx;
+    uint32_t id;
+    if (part->kind == REPLY_OK) {
+        m->hull = malloc((size_t)(reply_rows(part) + 1) * sizeof m->hull[0]);
+        return m->hull != NULL || fault(m, "out of memory");
+    }
+    if (part->kind != REPLY_ROW)
+        return true;
+    const char *space = memchr(part->text, ' ', part->len);
+    if (space == NULL || !proto_read_u32(part->text, (size_t)(space - part->text), &id))
+        return fault(m, "a row is no point");
+    return model_find(m, id, &m->hull[m->hull_n++]) ||
+           fault(m, "the set was edited meanwhile; try again");
+}
+
+/* ---- requests ---- */
+
+static enum delaunay_result send_table(struct delaunay_client *c, const char *command,
+                                       const char *set, const char *form)
+{
+    char line[160];
+    int n = snprintf(line, sizeof line, "%s %.100s%s", command, set, form);
+    return delaunay_send(c, line, (size_t)n);
+}
+
+static enum delaunay_result receive_points(struct delaunay_client *c, struct model *m)
+{
+    struct block b = {.m = m};
+    enum delaunay_result r = delaunay_receive(c, gather, &b);
+    if (r == DELAUNAY_OK && !take_points(m, &b))
+        r = DELAUNAY_STOPPED;
+    free(b.bytes);
+    return r;
+}
+
+static enum delaunay_result receive_ids(struct delaunay_client *c, struct model *m, size_t width,
+                                        uint32_t **v, size_t *n)
+{
+    struct block b = {.m = m};
+    enum delaunay_result r = delaunay_receive(c, gather, &b);
+    if (r == DELAUNAY_OK && !take_ids(m, &b, width, v, n))
+        r = DELAUNAY_STOPPED;
+    free(b.bytes);
+    return r;
+}
+
+enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
+                                 struct model *m)
+{
+    enum delaunay_result r = send_table(c, "POINTS", set, " BINARY");
+    if (r == DELAUNAY_OK && (parts & MODEL_TRIANGLES) != 0)
+        r = send_table(c, "TRIANGLES", set, " BINARY");
+    if (r == DELAUNAY_OK && (parts & MODEL_EDGES) != 0)
+        r = send_table(c, "EDGES", set, " BINARY");
+    if (r == DELAUNAY_OK && (parts & MODEL_HULL) != 0)
+        r = send_table(c, "HULL", set, "");
+    if (r == DELAUNAY_OK)
+        r = receive_points(c, m);
+    if (r == DELAUNAY_OK && m->n == 0 && parts != 0) {
+        fault(m, "the set is empty");
+        r = DELAUNAY_STOPPED;
+    }
+    if (r == DELAUNAY_OK && (parts & MODEL_TRIANGLES) != 0)
+        r = receive_ids(c, m, 3, &m->triangle, &m->triangles);
+    if (r == DELAUNAY_OK && (parts & MODEL_EDGES) != 0)
+        r = receive_ids(c, m, 2, &m->edge, &m->edges);
+    if (r == DELAUNAY_OK && (parts & MODEL_HULL) != 0)
+        r = delaunay_receive(c, take_hull_point, m);
+    return r;
+}
+
+void model_free(struct model *m)
+{
+    free(m->id);
+    free(m->xy);
+    free(m->triangle);
+    free(m->edge);
+    free(m->hull);
+    *m = (struct model){0};
+}
+
+/* ---- sides: a hash table with linear probing, from a directed edge to its triangle ---- */
+
+#define NO_KEY UINT64_MAX /* no edge joins a point with itself */
+
+static size_t home(const struct sides *s, uint64_t key)
+{
+    return (size_t)((key * 0x9E3779B97F4A7C15u) >> 20) & (s->cap - 1);
+}
+
+static size_t slot(const struct sides *s, uint64_t key)
+{
+    size_t at = home(s, key);
+    while (s->key[at] != NO_KEY && s->key[at] != key)
+        at = (at + 1) & (s->cap - 1);
+    return at;
+}
+
+bool sides_init(struct sides *s, const struct model *m)
+{
+    *s = (struct sides){.cap = 16};
+    while (s->cap < 5 * m->triangles)
+        s->cap *= 2;
+    s->key = malloc(s->cap * sizeof s->key[0]);
+    s->triangle = malloc(s->cap * sizeof s->triangle[0]);
+    if (s->key == NULL || s->triangle == NULL) {
+        sides_free(s);
+        return false;
+    }
+    memset(s->key, 0xFF, s->cap * sizeof s->key[0]);
+    for (size_t i = 0; i < 3 * m->triangles; i++) {
+        uint32_t a = m->triangle[i], b = m->triangle[i % 3 == 2 ? i - 2 : i + 1];
+        size_t at = slot(s, (uint64_t)a << 32 | b);
+        s->key[at] = (uint64_t)a << 32 | b;
+        s->triangle[at] = (uint32_t)(i / 3);
+    }
+    return true;
+}
+
+void sides_free(struct sides *s)
+{
+    free(s->key);
+    free(s->triangle);
+    *s = (struct sides){0};
+}
+
+int64_t sides_find(const struct sides *s, uint32_t a, uint32_t b)
+{
+    uint64_t key = (uint64_t)a << 32 | b;
+    size_t at = slot(s, key);
+    return s->key[at] == key ? (int64_t)s->triangle[at] : NO_TRIANGLE;
+}

@@ -1,0 +1,50 @@
+/* model.h - a triangulated set as arrays, fetched from a daemon with binary replies. */
+#ifndef CLIENTS_MODEL_H
+#define CLIENTS_MODEL_H
+
+#include "clients/lib/delaunay_client.h"
+
+#include <stdint.h>
+
+struct model {
+    uint32_t *id; /* owns n, ascending */
+    double *xy;   /* owns 2n */
+    size_t n;
+    uint32_t *triangle; /* owns 3 * triangles: places in id and xy, counterclockwise */
+    size_t triangles;
+    uint32_t *edge; /* owns 2 * edges: places */
+    size_t edges;
+    uint32_t *hull; /* owns hull_n places, counterclockwise */
+    size_t hull_n;
+    const char *fault; /* why a call returned DELAUNAY_STOPPED: a static sentence */
+};
+
+enum model_parts { MODEL_TRIANGLES = 1, MODEL_EDGES = 2, MODEL_HULL = 4 };
+
+/* Fetches the points of the set and, of its triangulation, the parts asked for; *m must be zeroed.
+ * The requests are pipelined. DELAUNAY_STOPPED: m->fault tells. The caller frees *m whatever the
+ * outcome. */
+enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
+                                 struct model *m);
+void model_free(struct model *m);
+
+/* The place of an id; false if it is not there. */
+bool model_find(const struct model *m, uint32_t id, uint32_t *place);
+
+/* A directed edge's triangle, for all triangles of a model. */
+struct sides {
+    uint64_t *key; /* owns cap */
+    uint32_t *triangle;
+    size_t cap;
+};
+
+enum { NO_TRIANGLE = -1 };
+
+/* False when out of memory. Cost: O(triangles). */
+bool sides_init(struct sides *s, const struct model *m);
+void sides_free(struct sides *s);
+
+/* The triangle on the left of a->b (places), or NO_TRIANGLE. */
+int64_t sides_find(const struct sides *s, uint32_t a, uint32_t b);
+
+#endif

@@ -1,0 +1,131 @@
+/* source.c - see source.h. */
+#include "clients/files/source.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "clients/files/input.h"
+#include "clients/files/progress.h"
+
+static const struct {
+    const char *name;
+    enum source_form form;
+    bool xyz;
+} endings[] = {{"xy", SOURCE_XY, false},           {"csv", SOURCE_TABLE, false},
+               {"geojson", SOURCE_GEOJSON, false}, {"node", SOURCE_NODE, false},
+               {"xyz", SOURCE_TABLE, true},        {"json", SOURCE_GEOJSON, false},
+               {"ndjson", SOURCE_GEOJSON, false},  {"geojsonl", SOURCE_GEOJSON, false},
+               {"jsonl", SOURCE_GEOJSON, false},   {"pts", SOURCE_TABLE, false}};
+
+bool source_read_form(const char *name, struct source *s)
+{
+    for (size_t i = 0; i < 5; i++) /* the names of formats come first */
+        if (strcmp(endings[i].name, name) == 0) {
+            s->form = endings[i].form;
+            s->table.xyz = endings[i].xyz;
+            return true;
+        }
+    return false;
+}
+
+/* The ending's length and place, before that of a compressed file. */
+static size_t find_ending(const char *path, const char **ending)
+{
+    static const char *const packed[] = {".gz", ".bz2", ".xz", ".zst"};
+    size_t n = strlen(path), dot;
+    for (size_t i = 0; i < sizeof packed / sizeof packed[0]; i++) {
+        size_t len = strlen(packed[i]);
+        if (n > len && strcasecmp(path + n - len, packed[i]) == 0) {
+            n -= len;
+            break;
+        }
+    }
+    for (dot = n; dot > 0 && path[dot - 1] != '.' && path[dot - 1] != '/';)
+        dot--;
+    *ending = path + dot;
+    return dot > 0 && path[dot - 1] == '.' ? n - dot : 0;
+}
+
+static void guess_form(struct source *s, const struct input *in)
+{
+    const char *ending;
+    size_t len = find_ending(s->path, &ending);
+    s->form = SOURCE_TABLE;
+    if (s->table.chosen)
+        return;
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++)
+        if (len == strlen(endings[i].name) && strncasecmp(ending, endings[i].name, len) == 0) {
+            s->form = endings[i].form;
+            s->table.xyz = endings[i].xyz;
+            return;
+        }
+    if (in->first == '{' || in->first == '[' || in->first == 0x1E)
+        s->form = SOURCE_GEOJSON;
+}
+
+struct reading {
+    struct progress bar;
+    uint64_t size; /* bytes of the file, 0 if unknown */
+};
+
+static void show_reading(void *ctx, uint64_t bytes, size_t points)
+{
+    struct reading *r = ctx;
+    progress_update(&r->bar, bytes, r->size, points);
+}
+
+static bool read_points(struct source *s, struct points_file *f, const struct input *in)
+{
+    struct reading r = {.size = in->size};
+    s->table.node = s->form == SOURCE_NODE;
+    f->skip_bad = s->skip_bad;
+    if (s->form == SOURCE_GEOJSON)
+        return points_file_read_geojson(f, in->fd);
+    if (s->form != SOURCE_XY)
+        table_file_init(&s->table, f);
+    progress_start(&r.bar, "reading");
+    bool ok = points_file_read(f, in->fd, show_reading, &r);
+    progress_end(&r.bar);
+    return ok;
+}
+
+static void show_skipped(const char *name, const struct points_file *f)
+{
+    size_t shown = f->skipped < SKIPPED_SHOWN ? (size_t)f->skipped : SKIPPED_SHOWN;
+    for (size_t i = 0; i < shown; i++)
+        fprintf(stderr, "delaunay: %s:%ju: skipped, %s: %s\n", name, (uintmax_t)f->skip[i].line,
+                f->skip[i].fault, f->skip[i].text);
+    if (f->skipped > 0)
+        fprintf(stderr, "delaunay: %ju skipped%s, %zu points read\n", (uintmax_t)f->skipped,
+                f->skipped > shown ? " in all" : "", f->n);
+}
+
+bool source_read(struct source *s, struct points_file *f)
+{
+    char why[300];
+    struct input in;
+    const char *name = strcmp(s->path, "-") == 0 ? "standard input" : s->path;
+    if (!input_open(&in, s->path, why, sizeof why)) {
+        fprintf(stderr, "delaunay: %s: %s\n", name, why);
+        return false;
+    }
+    if (s->form == SOURCE_GUESS)
+        guess_form(s, &in);
+    bool ok = read_points(s, f, &in);
+    if (!input_close(&in, ok, why, sizeof why)) {
+        f->line = 0;
+        ok = points_file_stop(f, "%s", why);
+    }
+    const char *hint = !ok && !f->fatal && !s->skip_bad ? " (--skip-bad leaves such out)" : "";
+    if (!ok && f->line > 0)
+        fprintf(stderr, "delaunay: %s:%ju: %s; nothing was loaded%s\n", name, (uintmax_t)f->line,
+                f->fault, hint);
+    else if (!ok)
+        fprintf(stderr, "delaunay: %s: %s; nothing was loaded\n", name, f->fault);
+    if (ok && s->table.using[0] != '\0')
+        fprintf(stderr, "delaunay: %s: using columns %s\n", name, s->table.using);
+    if (ok)
+        show_skipped(name, f);
+    return ok;
+}

@@ -1,0 +1,24 @@
+/* source.h - a file of points as the user named it: its format, its columns, what to do with bad lines. */
+#ifndef CLIENTS_SOURCE_H
+#define CLIENTS_SOURCE_H
+
+#include "clients/files/points_file.h"
+#include "clients/files/table_file.h"
+
+enum source_form { SOURCE_XY, SOURCE_TABLE, SOURCE_GEOJSON, SOURCE_NODE, SOURCE_GUESS };
+
+struct source {
+    const char *path;
+    enum source_form form; /* SOURCE_GUESS: the ending and the first bytes decide */
+    struct table_file table;
+    bool skip_bad;
+};
+
+/* Reads a format's name. */
+bool source_read_form(const char *name, struct source *s);
+
+/* Reads the file into *f, which must be zeroed and is the caller's to free. Says on the standard error which
+ * columns were used if that is not obvious, what was skipped, and what is wrong if it returns false. */
+bool source_read(struct source *s, struct points_file *f);
+
+#endif

@@ -1,0 +1,322 @@
+/* delaunay_client.c - the client library: one socket, a queue each way, and poll to serve both.
+ *
+ * The socket does not block; pump() waits until it can send or receive anything and does so. So a
+ * server that stops reading because its replies are not taken away is no deadlock: while requests
+ * wait to be sent, replies move into the queue of what has arrived.
+ *
+ * When sending fails the server has gone, but its last words may still be there to read: the queue
+ * is dropped and reading goes on until the end of the input. */
+#include "clients/lib/delaunay_client.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "proto/buf.h"
+#include "proto/request.h"
+
+#define SEND_AT (64 * 1024)    /* queued bytes that are worth a system call */
+#define READ_ROOM (256 * 1024) /* bytes asked for at once */
+#define POINTS_AT_ONCE 4096
+
+struct delaunay_client {
+    int fd;
+    bool mute, ended;   /* the server takes, or sends, nothing more */
+    struct buf out, in; /* own; requests not yet sent, replies not yet taken */
+    struct reply_reader reader;
+    struct buf status_text; /* owns the last status line */
+    struct reply_part status;
+};
+
+const char *delaunay_result_text(enum delaunay_result r)
+{
+    static const char *const text[] = {
+        "done",
+        "the server refused the request",
+        "a set's name is 1 to 64 of the characters A-Z a-z 0-9 _ . : -",
+        "the connection was lost",
+        "the server's answer is not of this protocol",
+        "out of memory",
+        "stopped",
+    };
+    return text[r];
+}
+
+/* ---- connecting ---- */
+
+static int connect_unix(const char *path, char *why, size_t room)
+{
+    struct sockaddr_un addr = {.sun_family = AF_UNIX};
+    if (strlen(path) >= sizeof addr.sun_path) {
+        snprintf(why, room, "too long for the path of a socket: %s", path);
+        return -1;
+    }
+    memcpy(addr.sun_path, path, strlen(path));
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd >= 0 && connect(fd, (struct sockaddr *)&addr, sizeof addr) == 0)
+        return fd;
+    snprintf(why, room, "%s: %s", path, strerror(errno));
+    if (fd >= 0)
+        close(fd);
+    return -1;
+}
+
+/* Tries every address of the host: "localhost" may be ::1 first, and the server on 127.0.0.1. */
+static int connect_tcp(const char *host, const char *port, char *why, size_t room)
+{
+    struct addrinfo hints = {.ai_socktype = SOCK_STREAM}, *list;
+    int failed = getaddrinfo(host, port, &hints, &list);
+    if (failed != 0) {
+        snprintf(why, room, "%s:%s: %s", host, port, gai_strerror(failed));
+        return -1;
+    }
+    int fd = -1;
+    for (struct addrinfo *a = list; a != NULL && fd < 0; a = a->ai_next) {
+        fd = socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
+        if (fd < 0 || connect(fd, a->ai_addr, a->ai_addrlen) == 0)
+            continue;
+        snprintf(why, room, "%s:%s: %s", host, port, strerror(errno));
+        close(fd);
+        fd = -1;
+    }
+    freeaddrinfo(list);
+    if (fd >= 0)
+        setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &(int){1}, sizeof(int));
+    return fd;
+}
+
+struct delaunay_client *delaunay_connect(const char *host, const char *port, char *why, size_t room)
+{
+    snprintf(why, room, "%s:%s: no address", host, port);
+    int fd = strchr(host, '/') != NULL ? connect_unix(host, why, room)
+                                       : connect_tcp(host, port, why, room);
+    if (fd < 0)
+        return NULL;
+    struct delaunay_client *c = calloc(1, sizeof *c);
+    if (c == NULL || fcntl(fd, F_SETFL, O_NONBLOCK) != 0) {
+        snprintf(why, room, "%s", strerror(errno));
+        close(fd);
+        free(c);
+        return NULL;
+    }
+    c->fd = fd;
+    c->status.text = "";
+    return c;
+}
+
+void delaunay_close(struct delaunay_client *c)
+{
+    if (c == NULL)
+        return;
+    close(c->fd);
+    buf_free(&c->out);
+    buf_free(&c->in);
+    buf_free(&c->status_text);
+    free(c);
+}
+
+/* ---- moving bytes ---- */
+
+static bool would_block(void)
+{
+    return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+}
+
+static void send_some(struct delaunay_client *c)
+{
+    ssize_t n = send(c->fd, buf_head(&c->out), buf_len(&c->out), MSG_NOSIGNAL);
+    if (n >= 0) {
+        buf_consume(&c->out, (size_t)n);
+    } else if (!would_block()) {
+        c->mute = true;
+        buf_consume(&c->out, buf_len(&c->out));
+    }
+}
+
+static void receive_some(struct delaunay_client *c)
+{
+    char *room = buf_reserve(&c->in, READ_ROOM);
+    if (room == NULL)
+        return;
+    ssize_t n = recv(c->fd, room, READ_ROOM, 0);
+    if (n > 0)
+        buf_commit(&c->in, (size_t)n);
+    else if (n == 0 || !would_block())
+        c->ended = true;
+}
+
+/* Waits until something can be sent or received, and does it. */
+static enum delaunay_result pump(struct delaunay_client *c)
+{
+    bool sending = buf_len(&c->out) > 0;
+    struct pollfd p = {c->fd, (short)((c->ended ? 0 : POLLIN) | (sending ? POLLOUT : 0)), 0};
+    if (poll(&p, 1, -1) < 0 && errno != EINTR)
+        return DELAUNAY_LOST;
+    if (!c->ended && (p.revents & (POLLIN | POLLHUP | POLLERR)) != 0)
+        receive_some(c);
+    if (sending && (p.revents & (POLLOUT | POLLHUP | POLLERR)) != 0)
+        send_some(c);
+    return c->in.failed ? DELAUNAY_NOMEM : DELAUNAY_OK;
+}
+
+/* Sends until at most `left` bytes are queued. */
+static enum delaunay_result drain(struct delaunay_client *c, size_t left)
+{
+    enum delaunay_result r = c->out.failed ? DELAUNAY_NOMEM : DELAUNAY_OK;
+    while (r == DELAUNAY_OK && buf_len(&c->out) > left)
+        r = pump(c);
+    return r;
+}
+
+/* ---- requests ---- */
+
+/* Appends to the queue, unless nobody is there to take it. */
+static void queue(struct delaunay_client *c, const void *bytes, size_t n)
+{
+    if (!c->mute)
+        buf_append(&c->out, bytes, n);
+}
+
+/* Doubles travel little-endian. */
+static void queue_doubles(struct delaunay_client *c, const double *v, size_t n)
+{
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    queue(c, v, n * sizeof v[0]);
+#else
+    for (size_t i = 0; i < n; i++) {
+        uint64_t bits;
+        memcpy(&bits, v + i, sizeof bits);
+        bits = __builtin_bswap64(bits);
+        queue(c, &bits, sizeof bits);
+    }
+#endif
+}
+
+enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, size_t len)
+{
+    queue(c, line, len);
+    queue(c, "\n", 1);
+    return drain(c, SEND_AT);
+}
+
+enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char *set,
+                                          const double *xy, size_t n,
+                                          delaunay_progress_fn *progress, void *ctx)
+{
+    char head[128];
+    if (!word_is_set_name(
+            &(struct word){set, strlen(set)})) /* else the points could be taken for commands */
+        return DELAUNAY_BADNAME;
+    int len = snprintf(head, sizeof head, "LOADB %s %zu", set, n);
+    enum delaunay_result r = delaunay_send(c, head, (size_t)len);
+    for (size_t done = 0; r == DELAUNAY_OK && done < n && !c->mute;) {
+        size_t some = n - done < POINTS_AT_ONCE ? n - done : POINTS_AT_ONCE;
+        queue_doubles(c, xy + 2 * done, 2 * some);
+        r = drain(c, SEND_AT);
+        done += some;
+        if (progress != NULL)
+            progress(ctx, done, n);
+    }
+    return r;
+}
+
+/* ---- replies ---- */
+
+static enum delaunay_result keep_status(struct delaunay_client *c, const struct reply_part *part)
+{
+    buf_rewind(&c->status_text, 0);
+    buf_append(&c->status_text, part->text, part->len);
+    buf_append_char(&c->status_text, '\0');
+    if (c->status_text.failed)
+        return DELAUNAY_NOMEM;
+    c->status = *part;
+    c->status.text = buf_head(&c->status_text);
+    return DELAUNAY_OK;
+}
+
+/* Takes one part from what has arrived; *last tells whether the reply is whole. */
+static enum delaunay_result take_part(struct delaunay_client *c, delaunay_part_fn *fn, void *ctx,
+                                      bool *last)
+{
+    struct reply_part part;
+    ptrdiff_t used =
+        buf_len(&c->in) == 0 ? 0 : reply_read(&c->reader, buf_head(&c->in), buf_len(&c->in), &part);
+    if (used < 0)
+        return DELAUNAY_BROKEN;
+    if (used == 0)
+        return c->ended ? DELAUNAY_LOST : pump(c);
+    enum delaunay_result r = DELAUNAY_OK;
+    if (part.kind == REPLY_OK || part.kind == REPLY_ERR)
+        r = keep_status(c, &part);
+    if (r == DELAUNAY_OK && fn != NULL && !fn(ctx, &part))
+        r = DELAUNAY_STOPPED;
+    *last = part.last;
+    buf_consume(&c->in, (size_t)used);
+    return r;
+}
+
+enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_fn *part, void *ctx)
+{
+    bool last = false;
+    while (!last) {
+        enum delaunay_result r = take_part(c, part, ctx, &last);
+        if (r != DELAUNAY_OK)
+            return r;
+    }
+    return c->status.kind == REPLY_OK ? DELAUNAY_OK : DELAUNAY_REFUSED;
+}
+
+struct gathering {
+    char *bytes;
+    uint64_t n, at;
+    bool failed;
+};
+
+static bool gather(void *ctx, const struct reply_part *part)
+{
+    struct gathering *g = ctx;
+    if (part->kind == REPLY_OK && reply_key_number(part, "bytes", &g->n)) {
+        g->bytes = g->n < SIZE_MAX ? malloc((size_t)g->n + 1) : NULL;
+        g->failed = g->bytes == NULL;
+    } else if (part->kind == REPLY_BYTES) {
+        memcpy(g->bytes + g->at, part->text, part->len); /* no more than announced: reply_read */
+        g->at += part->len;
+    }
+    return !g->failed;
+}
+
+enum delaunay_result delaunay_receive_bytes(struct delaunay_client *c, void **bytes, size_t *n)
+{
+    struct gathering g = {0};
+    enum delaunay_result r = delaunay_receive(c, gather, &g);
+    if (r == DELAUNAY_STOPPED && g.failed)
+        r = DELAUNAY_NOMEM;
+    if (r != DELAUNAY_OK) {
+        free(g.bytes);
+        g = (struct gathering){0};
+    }
+    *bytes = g.bytes;
+    *n = (size_t)g.n;
+    return r;
+}
+
+enum delaunay_result delaunay_request(struct delaunay_client *c, const char *line,
+                                      delaunay_part_fn *part, void *ctx)
+{
+    enum delaunay_result r = delaunay_send(c, line, strlen(line));
+    return r == DELAUNAY_OK ? delaunay_receive(c, part, ctx) : r;
+}
+
+const struct reply_part *delaunay_status(const struct delaunay_client *c)
+{
+    return &c->status;
+}

@@ -1,0 +1,130 @@
+/* picture.c - see picture.h. */
+#include "clients/pictures/picture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "clients/pictures/svg.h"
+
+static const double *point(const struct model *m, size_t place)
+{
+    return m->xy + 2 * place;
+}
+
+/* Twice the inscribed by the circumscribed circle's radius: 1 for an equilateral triangle, near 0
+ * for a flat one. */
+static double quality(const double *p, const double *q, const double *r)
+{
+    double a = hypot(p[0] - q[0], p[1] - q[1]), b = hypot(q[0] - r[0], q[1] - r[1]),
+           c = hypot(r[0] - p[0], r[1] - p[1]);
+    double product = a * b * c;
+    return product > 0 ? (b + c - a) * (c + a - b) * (a + b - c) / product : 0;
+}
+
+/* The shade of every triangle, from 0; NULL when out of memory. */
+static unsigned char *shades(const struct model *m, enum picture_colour colour)
+{
+    unsigned char *shade = malloc(m->triangles + 1);
+    uint32_t *degree = calloc(m->n + 1, sizeof *degree);
+    for (size_t i = 0; degree != NULL && i < 3 * m->triangles; i++)
+        degree[m->triangle[i]]++;
+    for (size_t t = 0; shade != NULL && degree != NULL && t < m->triangles; t++) {
+        const uint32_t *v = m->triangle + 3 * t;
+        double s = colour == COLOUR_QUALITY
+                       ? SVG_SHADES * quality(point(m, v[0]), point(m, v[1]), point(m, v[2]))
+                       : (degree[v[0]] + degree[v[1]] + degree[v[2]]) / 3.0 - 1;
+        shade[t] = (unsigned char)(s < 0 ? 0 : s >= SVG_SHADES ? SVG_SHADES - 1 : s);
+    }
+    free(degree);
+    return degree != NULL ? shade : NULL;
+}
+
+static bool draw_triangles(struct svg *s, const struct picture *e, const struct model *m)
+{
+    unsigned char *shade = e->colour != COLOUR_NONE ? shades(m, e->colour) : NULL;
+    if (e->colour != COLOUR_NONE && shade == NULL)
+        return false;
+    for (unsigned pass = 0; pass < (shade != NULL ? SVG_SHADES : 1); pass++) {
+        for (size_t t = 0; t < m->triangles; t++) {
+            const uint32_t *v = m->triangle + 3 * t;
+            if (shade != NULL && shade[t] != pass)
+                continue;
+            if (shade != NULL)
+                svg_shaded_triangle(s, pass, point(m, v[0]), point(m, v[1]), point(m, v[2]));
+            else
+                svg_triangle(s, point(m, v[0]), point(m, v[1]), point(m, v[2]));
+        }
+    }
+    free(shade);
+    return true;
+}
+
+static bool is_shown(const struct picture *e, const double *p)
+{
+    return !e->has_box ||
+           (p[0] >= e->box[0] && p[1] >= e->box[1] && p[0] <= e->box[2] && p[1] <= e->box[3]);
+}
+
+static size_t count_shown(const struct picture *e, const struct model *m)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < m->n; i++)
+        n += is_shown(e, point(m, i));
+    return n;
+}
+
+/* Moves the points that are shown to the front. */
+static void cut_points(const struct picture *e, struct model *m)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < m->n; i++) {
+        const double *p = point(m, i);
+        if (!is_shown(e, p))
+            continue;
+        m->xy[2 * n] = p[0];
+        m->xy[2 * n + 1] = p[1];
+        m->id[n++] = m->id[i];
+    }
+}
+
+/* Everything, or what the box holds. */
+static void choose_box(const struct picture *e, const struct model *m, double *box)
+{
+    memcpy(box, e->has_box ? e->box : (const double[4]){m->xy[0], m->xy[1], m->xy[0], m->xy[1]},
+           sizeof e->box);
+    for (size_t i = 0; !e->has_box && i < m->n; i++) {
+        box[0] = fmin(box[0], m->xy[2 * i]);
+        box[1] = fmin(box[1], m->xy[2 * i + 1]);
+        box[2] = fmax(box[2], m->xy[2 * i]);
+        box[3] = fmax(box[3], m->xy[2 * i + 1]);
+    }
+}
+
+bool picture_write(FILE *out, struct picture *e, const char *name, struct model *m)
+{
+    static const struct svg_legend legends[] = {
+        [COLOUR_QUALITY] = {"flat", "equilateral"}, [COLOUR_DEGREE] = {"degree 1", "10 or more"}};
+    char title[200], part[40] = "";
+    double box[4];
+    struct svg s;
+    e->shown = count_shown(e, m);
+    if (e->shown < m->n)
+        snprintf(part, sizeof part, "%zu of ", e->shown);
+    snprintf(title, sizeof title, "%.100s: Delaunay triangulation of %s%zu points", name, part,
+             m->n);
+    choose_box(e, m, box);
+    svg_begin(&s, out, title, box, e->shown, e->has_box,
+              e->colour != COLOUR_NONE ? &legends[e->colour] : NULL);
+    s.numbers = e->numbers;
+    if (!draw_triangles(&s, e, m))
+        return false;
+    svg_hull_begin(&s);
+    for (size_t i = 0; i < m->hull_n; i++)
+        svg_hull_point(&s, point(m, m->hull[i]));
+    svg_hull_end(&s);
+    cut_points(e, m);
+    svg_points(&s, m->xy, m->id, e->shown);
+    svg_end(&s);
+    return true;
+}

@@ -1,0 +1,21 @@
+/* picture.h - a triangulated set as an SVG: what is drawn, and in which colours. */
+#ifndef CLIENTS_PICTURE_H
+#define CLIENTS_PICTURE_H
+
+#include "clients/files/model.h"
+
+#include <stdio.h>
+
+enum picture_colour { COLOUR_NONE, COLOUR_QUALITY, COLOUR_DEGREE };
+
+struct picture {
+    enum picture_colour colour;
+    bool numbers, has_box;
+    double box[4]; /* left, lower, right, upper */
+    size_t shown;  /* picture_write: the points that are in the picture */
+};
+
+/* Writes the model, whose points are put in another order. False when out of memory; ferror() tells the rest. */
+bool picture_write(FILE *out, struct picture *p, const char *name, struct model *m);
+
+#endif

@@ -1,0 +1,319 @@
+/* svg.c - the drawing. The longer side of the points' box is 16,000 units, so that whole numbers
+ * are fine enough and a triangle takes some 20 bytes. Triangles and points share paths, a few
+ * hundred at a time: an element for each would make viewers slow, and one path for all of them
+ * slower still. */
+#include "clients/pictures/svg.h"
+
+#include <math.h>
+#include <string.h>
+
+#define SIDE 16000.0
+#define MARGIN 400.0
+#define FOOTER 700.0 /* a row below the drawing */
+#define TEXT 320.0   /* height of its letters */
+#define SWATCH 300.0
+#define PATH_MAX_ITEMS 500
+#define LABELS_MAX 100
+
+static const char style[] = "<style>\n"
+                            "path { fill: none; stroke-linejoin: round; stroke-linecap: round }\n"
+                            ".t { fill: #e9f1fa; stroke: #6d94bf }\n"
+                            ".h { stroke: #d1495b }\n"
+                            ".p { stroke: #17324f }\n"
+                            ".q0 { fill: #67001f } .q1 { fill: #b2182b } .q2 { fill: #d6604d }\n"
+                            ".q3 { fill: #f4a582 } .q4 { fill: #fddbc7 } .q5 { fill: #e8eef2 }\n"
+                            ".q6 { fill: #d1e5f0 } .q7 { fill: #92c5de } .q8 { fill: #4393c3 }\n"
+                            ".q9 { fill: #2166ac }\n"
+                            ".q0, .q1, .q2, .q3, .q4, .q5, .q6, .q7, .q8, .q9 { stroke: #fff }\n"
+                            ".f { stroke: #b5c7d9 } .s { stroke: #17324f }\n"
+                            "text { font-family: sans-serif; fill: #17324f }\n"
+                            "</style>\n";
+
+static double clamp(double v, double lo, double hi)
+{
+    return v < lo ? lo : v > hi ? hi : v;
+}
+
+/* Lines and dots are as wide as suits the distance that n points evenly spread would have. */
+static void choose_widths(struct svg *s, double w, double h, size_t n)
+{
+    double spacing = sqrt((w + MARGIN) * (h + MARGIN) / (double)n);
+    s->line = clamp(0.02 * spacing, 1.2, 24);
+    s->dot = clamp(0.12 * spacing, 4, 180);
+}
+
+/* The width of a text, about: digits and small letters of a sans-serif font. */
+static double text_width(size_t letters, double size)
+{
+    return 0.58 * size * (double)letters;
+}
+
+/* A round length of at most a third of what is seen, but not of a narrow drawing. */
+static double scale_length(const struct svg *s)
+{
+    double most = fmax(s->wide, 0.3 * s->high) / 3 / s->scale, step = pow(10, floor(log10(most)));
+    return most >= 5 * step ? 5 * step : most >= 2 * step ? 2 * step : step;
+}
+
+static void draw_scale(const struct svg *s)
+{
+    double length = scale_length(s), y = s->high + 2 * MARGIN + 0.4 * FOOTER;
+    fprintf(s->out,
+            "<path class=\"s\" stroke-width=\"24\" d=\"M%.0f %.0fv120h%.0fv-120\"/>\n"
+            "<text font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%g</text>\n",
+            MARGIN, y - 120, length * s->scale, TEXT, 1.4 * MARGIN + length * s->scale, y, length);
+}
+
+static void draw_legend(const struct svg *s, const struct svg_legend *legend)
+{
+    double y = s->height - 0.5 * FOOTER, x = 1.3 * MARGIN + text_width(strlen(legend->low), TEXT);
+    fprintf(s->out, "<text font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n", TEXT, MARGIN, y,
+            legend->low);
+    for (unsigned i = 0; i < SVG_SHADES; i++)
+        fprintf(s->out,
+                "<path class=\"q%u\" stroke-width=\"12\" d=\"M%.0f %.0fh%.0fv-%.0fh-%.0f\"/>\n", i,
+                x + i * SWATCH, y + 30, SWATCH, SWATCH, SWATCH);
+    fprintf(s->out, "<text font-size=\"%.0f\" x=\"%.0f\" y=\"%.0f\">%s</text>\n", TEXT,
+            x + SVG_SHADES * SWATCH + 0.3 * MARGIN, y, legend->high);
+}
+
+static double legend_width(const struct svg_legend *legend)
+{
+    return text_width(strlen(legend->low) + strlen(legend->high), TEXT) + SVG_SHADES * SWATCH +
+           1.6 * MARGIN;
+}
+
+/* The frame around what is drawn: wide enough for the scale, the longest id and the legend. */
+static void choose_frame(struct svg *s, bool scale, const struct svg_legend *legend)
+{
+    double least = fmax(scale ? 0.3 * s->high / 3 + 8 * TEXT : 0, text_width(10, 400));
+    if (legend != NULL)
+        least = fmax(least, legend_width(legend));
+    double inner = fmax(s->wide, least);
+    s->width = inner + 2 * MARGIN;
+    s->left = MARGIN + (inner - s->wide) / 2;
+    s->height = s->high + 2 * MARGIN + (scale ? FOOTER : 0) + (legend != NULL ? FOOTER : 0);
+}
+
+/* What is drawn from here on is cut off at the edges of the box. */
+static void begin_clip(const struct svg *s)
+{
+    fprintf(s->out,
+            "<clipPath id=\"box\"><path d=\"M%.0f %.0fh%.0fv%.0fh-%.0fz\"/></clipPath>\n"
+            "<g clip-path=\"url(#box)\">\n",
+            s->left, MARGIN, s->wide, s->high, s->wide);
+}
+
+static void end_clip(const struct svg *s)
+{
+    fprintf(s->out,
+            "</g>\n<path class=\"f\" stroke-width=\"16\" d=\"M%.0f %.0fh%.0fv%.0fh-%.0fz\"/>\n",
+            s->left, MARGIN, s->wide, s->high, s->wide);
+}
+
+void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
+               const struct svg_legend *legend)
+{
+    double side = fmax(box[2] - box[0], box[3] - box[1]);
+    double scale = side > 0 ? SIDE / side : 1;
+    *s = (struct svg){.out = out, .x0 = box[0], .y1 = box[3], .scale = scale};
+    s->wide = (box[2] - box[0]) * scale;
+    s->high = (box[3] - box[1]) * scale;
+    choose_frame(s, side > 0, legend);
+    choose_widths(s, s->wide, s->high, n > 0 ? n : 1);
+    fprintf(out,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" "
+            "height=\"%.0f\">\n"
+            "<title>%s</title>\n%s"
+            "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
+            s->width, s->height, ceil(s->width / 10), ceil(s->height / 10), title, style);
+    if (side > 0)
+        draw_scale(s);
+    if (legend != NULL)
+        draw_legend(s, legend);
+    s->clip = clip ? box : NULL;
+    if (clip)
+        begin_clip(s);
+}
+
+static long place_x(const struct svg *s, const double *p)
+{
+    return lround((p[0] - s->x0) * s->scale + s->left);
+}
+
+static long place_y(const struct svg *s, const double *p)
+{
+    return lround((s->y1 - p[1]) * s->scale + MARGIN);
+}
+
+static void path_end(struct svg *s)
+{
+    if (s->in_path > 0)
+        fputs("\"/>\n", s->out);
+    s->in_path = 0;
+}
+
+/* Opens a path of the given class unless one is open, and ends it every few hundred items. */
+static void path_item(struct svg *s, const char *class, double width)
+{
+    if (s->in_path == PATH_MAX_ITEMS || strcmp(s->class, class) != 0)
+        path_end(s);
+    snprintf(s->class, sizeof s->class, "%s", class);
+    if (s->in_path++ == 0)
+        fprintf(s->out, "<path class=\"%s\" stroke-width=\"%.4g\" d=\"", class, width);
+}
+
+/* ---- cutting off: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17(1), 1974 ---- */
+
+enum { MOST_CORNERS = 16 }; /* 7, but for what rounding may do to nearly equal corners */
+
+/* What lies on one side of a vertical (axis 0) or horizontal line: v >= limit, or with sign -1 v <= limit. */
+static size_t cut(double (*to)[2], double (*from)[2], size_t n, int axis, double limit, double sign)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < n && kept + 2 <= MOST_CORNERS; i++) {
+        const double *p = from[i], *q = from[(i + 1) % n];
+        double dp = sign * (p[axis] - limit), dq = sign * (q[axis] - limit);
+        if (dp >= 0) {
+            to[kept][0] = p[0];
+            to[kept++][1] = p[1];
+        }
+        if ((dp >= 0) != (dq >= 0)) {
+            double t = dp / (dp - dq);
+            to[kept][axis] = limit;
+            to[kept][1 - axis] = p[1 - axis] + t * (q[1 - axis] - p[1 - axis]);
+            kept++;
+        }
+    }
+    return kept;
+}
+
+/* Cuts a polygon of n corners at a box that is somewhat larger than the one shown, so that the new edges are
+ * not seen. Returns the number of corners left. */
+static size_t cut_polygon(const struct svg *s, double (*polygon)[2], size_t n)
+{
+    double other[MOST_CORNERS][2],
+        wide = 0.1 * fmax(s->clip[2] - s->clip[0], s->clip[3] - s->clip[1]);
+    n = cut(other, polygon, n, 0, s->clip[0] - wide, 1);
+    n = cut(polygon, other, n, 1, s->clip[1] - wide, 1);
+    n = cut(other, polygon, n, 0, s->clip[2] + wide, -1);
+    return cut(polygon, other, n, 1, s->clip[3] + wide, -1);
+}
+
+static void draw_triangle(struct svg *s, const char *class, const double *a, const double *b,
+                          const double *c)
+{
+    double polygon[MOST_CORNERS][2] = {{a[0], a[1]}, {b[0], b[1]}, {c[0], c[1]}};
+    size_t n = s->clip != NULL ? cut_polygon(s, polygon, 3) : 3;
+    if (n == 0)
+        return;
+    path_item(s, class, s->line);
+    long x = place_x(s, polygon[0]), y = place_y(s, polygon[0]);
+    fprintf(s->out, "M%ld %ld", x, y);
+    for (size_t i = 1; i < n; i++) {
+        long next_x = place_x(s, polygon[i]), next_y = place_y(s, polygon[i]);
+        fprintf(s->out, "%s%ld %ld", i == 1 ? "l" : " ", next_x - x, next_y - y);
+        x = next_x;
+        y = next_y;
+    }
+    fputs("z", s->out);
+    s->triangles++;
+}
+
+void svg_triangle(struct svg *s, const double *a, const double *b, const double *c)
+{
+    draw_triangle(s, "t", a, b, c);
+}
+
+void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const double *b,
+                         const double *c)
+{
+    draw_triangle(s, (const char[]){'q', (char)('0' + shade % SVG_SHADES), 0}, a, b, c);
+}
+
+void svg_hull_begin(struct svg *s)
+{
+    path_end(s);
+}
+
+/* An edge of the hull, as much of it as is near the box. */
+static void draw_hull_edge(struct svg *s, const double *p, const double *q)
+{
+    double line[MOST_CORNERS][2] = {{p[0], p[1]}, {q[0], q[1]}};
+    if (cut_polygon(s, line, 2) < 2)
+        return;
+    path_item(s, "h", clamp(3 * s->line, 14, 60));
+    fprintf(s->out, "M%ld %ldL%ld %ld", place_x(s, line[0]), place_y(s, line[0]),
+            place_x(s, line[1]), place_y(s, line[1]));
+}
+
+void svg_hull_point(struct svg *s, const double *p)
+{
+    if (s->clip != NULL) {
+        if (s->hull++ > 0)
+            draw_hull_edge(s, s->hull_last, p);
+        else
+            memcpy(s->hull_first, p, sizeof s->hull_first);
+        memcpy(s->hull_last, p, sizeof s->hull_last);
+        return;
+    }
+    if (s->hull == 0)
+        fprintf(s->out, "<path class=\"h\" stroke-width=\"%.4g\" d=\"M",
+                clamp(3 * s->line, 14, 60));
+    fprintf(s->out, "%s%ld %ld",
+            s->hull == 0        ? ""
+            : s->hull % 12 == 0 ? "\n"
+                                : " ",
+            place_x(s, p), place_y(s, p));
+    s->hull++;
+}
+
+/* A hull without a triangle runs along a line and does not come back. */
+void svg_hull_end(struct svg *s)
+{
+    if (s->hull > 2 && s->clip != NULL)
+        draw_hull_edge(s, s->hull_last, s->hull_first);
+    if (s->hull > 0 && s->clip == NULL)
+        fputs(s->triangles > 0 ? "z\"/>\n" : "\"/>\n", s->out);
+    path_end(s);
+}
+
+/* An id stands on the right above its point, or on the left, or below, wherever it is within the frame. */
+static void draw_label(const struct svg *s, const double *p, uint32_t id, double size)
+{
+    char text[16];
+    double x = (double)place_x(s, p), y = (double)place_y(s, p), away = 0.7 * s->dot;
+    double width = text_width((size_t)snprintf(text, sizeof text, "%u", id), size);
+    double at = x + away + width <= s->width ? x + away : x - away - width;
+    fprintf(s->out, "<text x=\"%.0f\" y=\"%.0f\">%s</text>\n", fmax(at, 0),
+            y - away - size >= 0 ? y - away : y + away + 0.75 * size, text);
+}
+
+static void labels(struct svg *s, const double *xy, const uint32_t *id, size_t n)
+{
+    double size = clamp(2.2 * s->dot, 150, 400);
+    fprintf(s->out, "<g font-size=\"%.0f\">\n", size);
+    for (size_t i = 0; i < n; i++)
+        draw_label(s, xy + 2 * i, id[i], size);
+    fputs("</g>\n", s->out);
+}
+
+void svg_points(struct svg *s, const double *xy, const uint32_t *id, size_t n)
+{
+    path_end(s);
+    for (size_t i = 0; i < n; i++) {
+        path_item(s, "p", s->dot); /* a line of no length with round caps is a dot */
+        fprintf(s->out, "M%ld %ldh0", place_x(s, xy + 2 * i), place_y(s, xy + 2 * i));
+    }
+    path_end(s);
+    if (s->clip != NULL)
+        end_clip(s);
+    if (n <= LABELS_MAX || s->numbers)
+        labels(s, xy, id, n);
+}
+
+void svg_end(struct svg *s)
+{
+    path_end(s);
+    fputs("</svg>\n", s->out);
+}

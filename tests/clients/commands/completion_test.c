@@ -1,0 +1,121 @@
+/* completion_test.c - what the shells' completion offers, and that the manual page knows all of it. */
+#include <string.h>
+#include <unistd.h>
+
+#include "clients/cli/subcommand.h"
+#include "clients/files/formats.h"
+#include "tests/clients/cli.h"
+#include "tests/clients/peer.h"
+#include "tests/test.h"
+
+/* What bash completes the words to, in a directory with the file cities.csv. */
+static void expect(const char *words, const char *want)
+{
+    char command[400];
+    int status;
+    const char *slash = strrchr(getenv("DELAUNAY"), '/');
+    snprintf(command, sizeof command,
+             "PATH=$(realpath %.*s):$PATH DELAUNAY_PORT=%s; export PATH DELAUNAY_PORT; cd %s; "
+             "bash -c 'source <(delaunay completion bash); COMP_WORDS=(%s); "
+             "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _delaunay; echo ${COMPREPLY[*]}'",
+             (int)(slash - getenv("DELAUNAY")), getenv("DELAUNAY"), cli_daemon.port_text,
+             cli_path(""), words);
+    const char *got = peer_shell(&status, "%s", command);
+    CHECK_MSG(strncmp(got, want, strlen(want)) == 0 && strcmp(got + strlen(want), "\n") == 0,
+              "%s: %s", words, got);
+}
+
+TEST(completion_offers_sets_where_sets_are_named_and_files_where_files_are)
+{
+    cli_begin();
+    cli_write("cities.csv", "");
+    cli_run_well("add cities 0 0");
+    cli_run_well("add boats 0 0");
+    expect("delaunay load \"\"", "boats cities");
+    expect("delaunay load c", "cities");
+    expect("delaunay load boats c", "cities.csv");
+    expect("delaunay load -c x,y boats c", "cities.csv");
+    expect("delaunay hull b", "boats");
+    expect("delaunay hull boats c", "");
+    expect("delaunay draw c", "cities.csv");
+    expect("delaunay copy b", "boats");
+    cli_finish();
+}
+
+TEST(completion_offers_commands_options_and_their_values)
+{
+    cli_begin();
+    expect("delaunay tri", "triangulate triangles");
+    expect("delaunay -p 1 tri", "triangulate triangles");
+    expect("delaunay --v", "--version");
+    expect("delaunay load cities --s", "--skip-bad");
+    expect("delaunay load -f n", "node");
+    expect("delaunay export -f n", "node neigh ndjson");
+    expect("delaunay export t x.svg --colour q", "quality");
+    expect("delaunay completion f", "fish");
+    expect("delaunay slowlog L", "LEN");
+    cli_finish();
+}
+
+TEST(completion_is_for_bash_zsh_and_fish)
+{
+    static const char *const shells[] = {"bash", "zsh", "fish"};
+    int status;
+    for (size_t i = 0; i < sizeof shells / sizeof shells[0]; i++) {
+        const char *out = peer_shell(&status, "%s completion %s", getenv("DELAUNAY"), shells[i]);
+        CHECK_MSG(status == 0 && strstr(out, "triangulate") != NULL, "%s", shells[i]);
+        peer_shell(&status, "command -v %s", shells[i]);
+        if (status != 0) {
+            printf("skipped: %s is not here\n", shells[i]);
+            continue;
+        }
+        out = peer_shell(&status, "%s completion %s | %s -n 2>&1", getenv("DELAUNAY"), shells[i],
+                         shells[i]);
+        CHECK_MSG(status == 0, "%s", out);
+    }
+    const char *out = peer_shell(&status, "%s completion tcsh 2>&1", getenv("DELAUNAY"));
+    CHECK(status == 2 && strstr(out, "bash, zsh and fish, not for tcsh") != NULL);
+}
+
+/* The page's text, without the backslashes before hyphens. */
+static char *read_page(void)
+{
+    static char page[20000];
+    FILE *f = fopen("man/delaunay.1", "r");
+    CHECK(f != NULL);
+    size_t n = 0;
+    for (int c; (c = getc(f)) != EOF && n + 1 < sizeof page;)
+        if (c != '\\')
+            page[n++] = (char)c;
+    fclose(f);
+    page[n] = '\0';
+    return page;
+}
+
+static void expect_in(const char *page, const char *word, size_t len)
+{
+    char text[40];
+    snprintf(text, sizeof text, "%.*s", (int)len, word);
+    CHECK_MSG(strstr(page, text) != NULL, "the manual page does not know %s", text);
+}
+
+TEST(manual_page_has_every_option_and_format)
+{
+    static const char *const more[] = {"--host",    "--port",   "--url",          "--json",
+                                       "--version", "NO_COLOR", "DELAUNAY_TOKEN", "DELAUNAYD"};
+    const char *page = read_page();
+    for (size_t i = 0; i < subcommand_count; i++) {
+        const struct subcommand *s = &subcommands[i];
+        if (s->run != NULL)
+            expect_in(page, s->name, strlen(s->name));
+        for (const char *p = s->options; p != NULL; p = strchr(p, ' ')) {
+            p += *p == ' ';
+            if (strncmp(p, "--", 2) == 0)
+                expect_in(page, p, strcspn(p, " "));
+        }
+    }
+    for (size_t i = 0; i < format_count; i++)
+        expect_in(page, formats[i].name, strlen(formats[i].name));
+    for (size_t i = 0; i < sizeof more / sizeof more[0]; i++)
+        expect_in(page, more[i], strlen(more[i]));
+}

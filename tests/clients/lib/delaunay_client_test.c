@@ -1,0 +1,316 @@
+/* delaunay_client_test.c - the client library against servers that behave, and others. */
+#include "clients/lib/delaunay_client.h"
+
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "tests/clients/peer.h"
+#include "tests/test.h"
+
+static struct delaunay_client *connected(const char *port)
+{
+    char why[200];
+    struct delaunay_client *c = delaunay_connect("127.0.0.1", port, why, sizeof why);
+    CHECK_MSG(c != NULL, "%s", why);
+    return c;
+}
+
+/* Appends "kind:text;" to the transcript ctx[1000]. */
+static bool transcribe(void *ctx, const struct reply_part *part)
+{
+    char *out = ctx;
+    size_t n = strlen(out);
+    snprintf(out + n, 1000 - n, "%c:%.*s;", "oerb#"[part->kind], (int)part -> len, part -> text);
+    return true;
+}
+
+/* Answers a few known lines. */
+static void answer(int fd)
+{
+    char line[200];
+    while (peer_hear(fd, line, sizeof line)) {
+        if (strcmp(line, "HULL t") == 0)
+            peer_say(fd, "# progress 50 hull\nOK 2 boundary=2\n0 1 2\n1 3 4\n");
+        else if (strcmp(line, "RAW") == 0)
+            peer_say(fd, "OK 0 bytes=3\nabc");
+        else if (strcmp(line, "CUT") == 0) {
+            peer_say(fd, "OK 2\nonly one\n");
+            return;
+        } else if (strcmp(line, "JUNK") == 0)
+            peer_say(fd, "HTTP/1.1 200 OK\n");
+        else
+            peer_say(fd, "ERR UNKNOWN what\n");
+    }
+}
+
+TEST(client_passes_every_part_of_a_reply)
+{
+    char port[8], got[1000] = "";
+    peer_start(port, answer);
+    struct delaunay_client *c = connected(port);
+    CHECK(delaunay_request(c, "HULL t", transcribe, got) == DELAUNAY_OK);
+    CHECK_STR(got, "#:# progress 50 hull;o:OK 2 boundary=2;r:0 1 2;r:1 3 4;");
+    uint64_t boundary;
+    CHECK(reply_key_number(delaunay_status(c), "boundary", &boundary) && boundary == 2);
+    got[0] = 0;
+    CHECK(delaunay_request(c, "RAW", transcribe, got) == DELAUNAY_OK);
+    CHECK_STR(got, "o:OK 0 bytes=3;b:abc;");
+    delaunay_close(c);
+}
+
+TEST(client_goes_on_after_a_refusal)
+{
+    char port[8];
+    peer_start(port, answer);
+    struct delaunay_client *c = connected(port);
+    CHECK(delaunay_request(c, "NONSENSE", NULL, NULL) == DELAUNAY_REFUSED);
+    CHECK_STR(delaunay_status(c)->text, "ERR UNKNOWN what");
+    CHECK(delaunay_request(c, "HULL t", NULL, NULL) == DELAUNAY_OK);
+    CHECK_STR(delaunay_status(c)->text, "OK 2 boundary=2");
+    delaunay_close(c);
+}
+
+TEST(client_notices_a_reply_that_is_cut)
+{
+    char port[8], got[1000] = "";
+    peer_start(port, answer);
+    struct delaunay_client *c = connected(port);
+    CHECK(delaunay_request(c, "CUT", transcribe, got) == DELAUNAY_LOST);
+    CHECK_STR(got, "o:OK 2;r:only one;");
+    CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_LOST);
+    delaunay_close(c);
+}
+
+TEST(client_notices_another_protocol)
+{
+    char port[8];
+    peer_start(port, answer);
+    struct delaunay_client *c = connected(port);
+    CHECK(delaunay_request(c, "JUNK", NULL, NULL) == DELAUNAY_BROKEN);
+    delaunay_close(c);
+}
+
+static bool stop(void *ctx, const struct reply_part *part)
+{
+    (void)ctx;
+    return part->kind != REPLY_ROW;
+}
+
+TEST(client_stops_when_its_caller_says_so)
+{
+    char port[8];
+    peer_start(port, answer);
+    struct delaunay_client *c = connected(port);
+    CHECK(delaunay_request(c, "HULL t", stop, NULL) == DELAUNAY_STOPPED);
+    delaunay_close(c);
+}
+
+/* Reads no further while its own replies are not taken: what a server with back-pressure does. */
+static void echo_much(int fd)
+{
+    char *line = NULL, reply[3000];
+    size_t room = 0;
+    FILE *in = fdopen(dup(fd), "r");
+    while (in != NULL && getline(&line, &room, in) > 0) {
+        snprintf(reply, sizeof reply, "OK 1\n%lu %02000d\n", strtoul(line, NULL, 10), 0);
+        peer_say(fd, reply);
+    }
+}
+
+static bool check_echo(void *ctx, const struct reply_part *part)
+{
+    if (part->kind == REPLY_ROW)
+        CHECK(strtoul(part->text, NULL, 10) == *(unsigned *)ctx && part->len > 2000);
+    return true;
+}
+
+TEST_TIMEOUT(client_pipelines_without_deadlock_however_much, 60)
+{
+    char port[8], line[512];
+    const unsigned requests =
+        40000; /* 80 MB of replies, 16 MB of requests: more than sockets hold */
+    peer_start(port, echo_much);
+    struct delaunay_client *c = connected(port);
+    for (unsigned i = 0; i < requests; i++)
+        CHECK(delaunay_send(c, line, (size_t)snprintf(line, sizeof line, "%u %0400u", i, i)) ==
+              DELAUNAY_OK);
+    for (unsigned i = 0; i < requests; i++)
+        CHECK(delaunay_receive(c, check_echo, &i) == DELAUNAY_OK);
+    delaunay_close(c);
+}
+
+/* Takes a LOADB and answers with its head and a checksum of its body. */
+static void take_points(int fd)
+{
+    char line[200], reply[300];
+    unsigned char byte[65536];
+    unsigned long n, sum = 0;
+    if (!peer_hear(fd, line, sizeof line) || sscanf(line, "LOADB s %lu", &n) != 1)
+        return;
+    for (size_t left = 16 * n; left > 0;) {
+        ssize_t got = read(fd, byte, left < sizeof byte ? left : sizeof byte);
+        if (got <= 0)
+            return;
+        for (ssize_t i = 0; i < got; i++)
+            sum = sum * 31 + byte[i];
+        left -= (size_t)got;
+    }
+    snprintf(reply, sizeof reply, "OK 0 added=%lu sum=%lu\n", n, sum);
+    peer_say(fd, reply);
+}
+
+struct progress_seen {
+    size_t calls, last, total;
+};
+
+static void see_progress(void *ctx, size_t done, size_t total)
+{
+    struct progress_seen *p = ctx;
+    CHECK(done > p->last && done <= total);
+    p->calls++;
+    p->last = done;
+    p->total = total;
+}
+
+TEST(client_sends_points_in_binary_and_tells_how_far_it_is)
+{
+    const size_t n = 300001;
+    char port[8];
+    unsigned long sum = 0;
+    double *xy = malloc(2 * n * sizeof *xy);
+    for (size_t i = 0; i < 2 * n; i++) {
+        xy[i] = test_uniform() - 0.5;
+        uint64_t bits;
+        memcpy(&bits, &xy[i], sizeof bits);
+        for (int k = 0; k < 64; k += 8)
+            sum = sum * 31 + (bits >> k & 255);
+    }
+    peer_start(port, take_points);
+    struct delaunay_client *c = connected(port);
+    struct progress_seen seen = {0};
+    CHECK(delaunay_send_points(c, "s", xy, n, see_progress, &seen) == DELAUNAY_OK);
+    CHECK(seen.calls > 10 && seen.last == n && seen.total == n);
+    CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_OK);
+    uint64_t got;
+    CHECK(reply_key_number(delaunay_status(c), "added", &got) && got == n);
+    CHECK(reply_key_number(delaunay_status(c), "sum", &got) && got == sum);
+    delaunay_close(c);
+    free(xy);
+}
+
+/* Refuses at once, then takes what still comes. */
+static void refuse_early(int fd)
+{
+    char bytes[65536];
+    peer_say(fd, "ERR BUSY later\n");
+    shutdown(fd, SHUT_WR);
+    while (read(fd, bytes, sizeof bytes) > 0)
+        continue;
+}
+
+static void close_early(int fd)
+{
+    char byte;
+    if (read(fd, &byte, 1) < 0)
+        return;
+}
+
+TEST(client_reads_a_refusal_that_comes_while_it_sends)
+{
+    const size_t n = 1000000;
+    char port[8];
+    double *xy = calloc(2 * n, sizeof *xy);
+    peer_start(port, refuse_early);
+    struct delaunay_client *c = connected(port);
+    CHECK(delaunay_send_points(c, "s", xy, n, NULL, NULL) == DELAUNAY_OK);
+    CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_REFUSED);
+    CHECK_STR(delaunay_status(c)->text, "ERR BUSY later");
+    delaunay_close(c);
+    free(xy);
+}
+
+TEST(client_survives_a_server_that_hangs_up_on_a_load)
+{
+    const size_t n = 1000000;
+    char port[8];
+    double *xy = calloc(2 * n, sizeof *xy);
+    peer_start(port, close_early);
+    struct delaunay_client *c = connected(port);
+    enum delaunay_result r = delaunay_send_points(c, "s", xy, n, NULL, NULL);
+    if (r == DELAUNAY_OK)
+        r = delaunay_receive(c, NULL, NULL);
+    CHECK(r == DELAUNAY_LOST);
+    CHECK_STR(delaunay_status(c)->text, ""); /* no reply has come */
+    delaunay_close(c);
+    free(xy);
+}
+
+TEST(client_sends_no_points_under_a_name_that_is_none)
+{
+    char port[8];
+    double xy[2] = {0};
+    peer_start(port, answer);
+    struct delaunay_client *c = connected(port);
+    CHECK(delaunay_send_points(c, "a b", xy, 1, NULL, NULL) == DELAUNAY_BADNAME);
+    CHECK(delaunay_send_points(c, "a\nDROP a", xy, 1, NULL, NULL) == DELAUNAY_BADNAME);
+    CHECK(delaunay_send_points(c, "", xy, 1, NULL, NULL) == DELAUNAY_BADNAME);
+    CHECK(delaunay_request(c, "HULL t", NULL, NULL) ==
+          DELAUNAY_OK); /* and the connection is as it was */
+    delaunay_close(c);
+}
+
+/* Every allocation fails once, for a binary reply and for points that are sent. */
+TEST(client_says_so_when_memory_runs_out)
+{
+    static const double xy[2 * 5000];
+    char port[8];
+    bool failed = true;
+    peer_start(port, answer);
+    for (long nth = 1; failed; nth++) {
+        void *bytes = NULL;
+        size_t n = 0;
+        struct delaunay_client *c = connected(port);
+        test_fail_alloc(nth);
+        enum delaunay_result r = delaunay_send(c, "RAW", 3);
+        if (r == DELAUNAY_OK)
+            r = delaunay_receive_bytes(c, &bytes, &n);
+        failed = test_alloc_failed();
+        test_fail_alloc(0);
+        CHECK_MSG(r == (failed ? DELAUNAY_NOMEM : DELAUNAY_OK), "allocation %ld: %s", nth,
+                  delaunay_result_text(r));
+        CHECK(failed ? bytes == NULL && n == 0 : n == 3 && memcmp(bytes, "abc", 3) == 0);
+        free(bytes);
+        delaunay_close(c);
+        CHECK(nth < 20);
+    }
+    struct delaunay_client *c = connected(port);
+    test_fail_alloc(1);
+    CHECK(delaunay_send_points(c, "s", xy, 5000, NULL, NULL) == DELAUNAY_NOMEM);
+    delaunay_close(c);
+}
+
+TEST(client_says_why_it_cannot_connect)
+{
+    char why[200], path[300];
+    CHECK(delaunay_connect("127.0.0.1", "1", why, sizeof why) == NULL);
+    CHECK(strstr(why, "127.0.0.1:1: ") == why);
+    CHECK(delaunay_connect("127.0.0.1", "no such port", why, sizeof why) == NULL && why[0] != 0);
+    CHECK(delaunay_connect("/nonexistent/socket", "1", why, sizeof why) == NULL);
+    CHECK(strstr(why, "/nonexistent/socket: ") == why);
+    memset(path, '/', sizeof path);
+    path[sizeof path - 1] = 0;
+    CHECK(delaunay_connect(path, "1", why, sizeof why) == NULL && strstr(why, "too long") != NULL);
+}
+
+TEST(client_connects_to_a_unix_socket)
+{
+    char path[64], why[200];
+    snprintf(path, sizeof path, "/tmp/delaunay_client_test.%d", getpid());
+    peer_start_unix(path, answer);
+    struct delaunay_client *c = delaunay_connect(path, "ignored", why, sizeof why);
+    unlink(path);
+    CHECK_MSG(c != NULL, "%s", why);
+    CHECK(delaunay_request(c, "HULL t", NULL, NULL) == DELAUNAY_OK);
+    delaunay_close(c);
+}
