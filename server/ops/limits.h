@@ -1,5 +1,5 @@
 /* limits.h - the fixed limits of a server, as stated in section 8 of PROTOCOL.md
- * (tests/server/promises_test.c compares them). The limits of lines and names are in proto/. */
+ * (tests/server/ops/promises_test.c compares them). The limits of lines and names are in proto/. */
 #ifndef SERVER_LIMITS_H
 #define SERVER_LIMITS_H
 

@@ -1,5 +1,5 @@
 /* power_client.c - see power_client.h. */
-#include "tests/server/power_client.h"
+#include "tests/server/power/power_client.h"
 
 #include "tests/server/daemon.h"
 #include "tests/test.h"

@@ -1,6 +1,6 @@
 /* recover_test.c - what reading a directory makes of it, record by record and call by call. The files
  * are composed here; no daemon. */
-#include "tests/server/recover_files.h"
+#include "tests/server/disk/recover_files.h"
 
 #include "server/disk/log_file.h"
 #include "tests/server/file_calls.h"

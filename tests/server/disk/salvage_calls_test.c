@@ -2,8 +2,8 @@
  * what is left where a call or an allocation fails. The files are composed here. */
 #include "server/disk/salvage.h"
 
+#include "tests/server/disk/recover_files.h"
 #include "tests/server/file_calls.h"
-#include "tests/server/recover_files.h"
 
 #include <errno.h>
 

@@ -1,5 +1,5 @@
 /* power_change.c - see power_change.h. */
-#include "tests/server/power_change.h"
+#include "tests/server/power/power_change.h"
 
 #include "tests/server/digest.h"
 #include "tests/test.h"

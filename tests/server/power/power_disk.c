@@ -1,5 +1,5 @@
 /* power_disk.c - see power_disk.h. */
-#include "tests/server/power_disk.h"
+#include "tests/server/power/power_disk.h"
 
 #include <inttypes.h>
 #include <stdio.h>

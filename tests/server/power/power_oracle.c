@@ -1,5 +1,5 @@
 /* power_oracle.c - what power_history.h says of the moment of a power cut. */
-#include "tests/server/power_history.h"
+#include "tests/server/power/power_history.h"
 
 #include "tests/server/digest.h"
 #include "tests/test.h"

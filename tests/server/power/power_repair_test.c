@@ -7,7 +7,7 @@
 #include "tests/faults/crash_fate.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
-#include "tests/server/power_disk.h"
+#include "tests/server/power/power_disk.h"
 #include "tests/test.h"
 
 #include <fcntl.h>

@@ -18,7 +18,7 @@
 
 #include "server/sets/dataset.h"
 #include "tests/faults/power_log.h"
-#include "tests/server/power_change.h"
+#include "tests/server/power/power_change.h"
 
 #include <pthread.h>
 

@@ -4,7 +4,7 @@
 
 #include "server/sets/dataset.h"
 #include "tests/server/daemon.h"
-#include "tests/server/power_history.h"
+#include "tests/server/power/power_history.h"
 
 /* These sets and no others: every point, its representative, and a triangulation that is right. If
  * not, why. */

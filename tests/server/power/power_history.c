@@ -1,5 +1,5 @@
 /* power_history.c - see power_history.h. */
-#include "tests/server/power_history.h"
+#include "tests/server/power/power_history.h"
 
 #include "tests/test.h"
 

@@ -1,5 +1,5 @@
 /* power_agree.c - see power_agree.h. */
-#include "tests/server/power_agree.h"
+#include "tests/server/power/power_agree.h"
 
 #include "tests/test.h"
 

@@ -5,7 +5,7 @@
 #define TESTS_SERVER_POWER_LIFE_H
 
 #include "tests/faults/tree.h"
-#include "tests/server/power_client.h"
+#include "tests/server/power/power_client.h"
 
 /* A kind of disk, and how a daemon lives with it. Shares are per mille. */
 struct circumstances {

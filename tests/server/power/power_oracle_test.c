@@ -1,6 +1,6 @@
 /* power_oracle_test.c - what may be there after a power cut, by hand: a stream of three changes, of
  * which the reply to the first was heard, and sets that some of them have made. */
-#include "tests/server/power_history.h"
+#include "tests/server/power/power_history.h"
 #include "tests/test.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 /* unread_test.c - what cannot be read, and memory that runs out while a directory is read, are not taken for
  * damage; and what is no part of a log does not count. */
+#include "tests/server/disk/recover_files.h"
 #include "tests/server/file_calls.h"
-#include "tests/server/recover_files.h"
 
 #include <errno.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #define TESTS_SERVER_POWER_CLIENT_H
 
 #include "tests/faults/chance.h"
-#include "tests/server/power_history.h"
+#include "tests/server/power/power_history.h"
 
 #include <stdatomic.h>
 

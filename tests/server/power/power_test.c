@@ -1,7 +1,7 @@
 /* power_test.c - power cuts at any moment: whatever of the operations that no sync has covered gets
  * to the disk, all that was acknowledged is there, nothing is there by half, and nothing that was
  * never sent. POWER_LIVES says how many lives each test takes (make faults: more). */
-#include "tests/server/power_life.h"
+#include "tests/server/power/power_life.h"
 #include "tests/test.h"
 
 static unsigned lives(unsigned few)

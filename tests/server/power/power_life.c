@@ -4,14 +4,14 @@
  *     ops          what the daemon has done to it
  *     said         its standard error
  *     crash/data   what a power cut may have left of it */
-#include "tests/server/power_life.h"
+#include "tests/server/power/power_life.h"
 
 #include "proto/record.h"
 #include "server/disk/recover.h"
 #include "tests/faults/crash_fate.h"
 #include "tests/server/directory.h"
-#include "tests/server/power_agree.h"
-#include "tests/server/power_disk.h"
+#include "tests/server/power/power_agree.h"
+#include "tests/server/power/power_disk.h"
 #include "tests/test.h"
 
 #include <errno.h>
