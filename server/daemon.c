@@ -206,7 +206,7 @@ static void deliver(void *ctx, struct job *j)
         server_finish_unheard(&d.server, j);
 }
 
-static void tell_joined(struct server *server, uint64_t id, struct job *j)
+static void answer_joined(struct server *server, uint64_t id, struct job *j)
 {
     struct session *s = clients_find(server->clients, id);
     if (s != NULL)
@@ -446,7 +446,7 @@ static bool start(struct config *config)
         !watch(&d.workers, workers_event(d.server.workers), on_workers))
         return false;
     d.server.clients = &d.clients;
-    d.server.tell_joined = tell_joined;
+    d.server.answer_joined = answer_joined;
     d.server.held.released = session_released;
     d.server.held.not_saved = session_not_saved;
     if (config->data != NULL &&

@@ -96,7 +96,7 @@ static void set(struct server *s, const struct request *q, struct answer *a)
     report(s, a, &next);
     *s->config = next;
     notice_set_level(next.log_level);
-    server_reserved_less(s); /* a higher limit is room, like memory that is given back */
+    server_memory_freed(s); /* a higher limit is like freed memory */
     answer_ok(a);
 }
 

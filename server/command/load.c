@@ -207,7 +207,7 @@ void load_free(struct server *s, struct load *l)
     body_free(&l->body);
     reservation_set(&l->memory, 0);
     if (reserved)
-        server_reserved_less(s);
+        server_memory_freed(s);
     buf_free(&l->line);
     free(l);
 }

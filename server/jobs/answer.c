@@ -7,7 +7,7 @@ void answer_status(struct answer *a, enum dt_status status)
     case DT_OK:
         break;
     case DT_NOMEM:
-    case DT_TOOSMALL: /* asked for and given enough: only memory can have failed */
+    case DT_TOOSMALL: /* buffers are large enough, so this does not happen */
         answer_out_of_memory(a);
         break;
     case DT_TOOBIG:
@@ -29,14 +29,14 @@ void answer_status(struct answer *a, enum dt_status status)
         reply_err(a->out, ERR_UNTRIANGULATED, "TRIANGULATE the set first");
         break;
     case DT_CANCELLED:
-    case DT_TOOLONG: /* only where a limit was set */
+    case DT_TOOLONG: /* only if there is a limit */
         if (a->timed_out)
-            reply_err(a->out, ERR_TIMEOUT, "it took too long; nothing has changed");
+            reply_err(a->out, ERR_TIMEOUT, "the request took too long; nothing has changed");
         else
-            reply_err(a->out, ERR_CANCELLED, "given up; nothing has changed");
+            reply_err(a->out, ERR_CANCELLED, "cancelled; nothing has changed");
         break;
     case DT_CORRUPT:
-        reply_err(a->out, ERR_CORRUPT, "the triangulation is not what it should be");
+        reply_err(a->out, ERR_CORRUPT, "the triangulation is inconsistent");
         break;
     }
 }

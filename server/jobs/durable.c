@@ -1,5 +1,5 @@
-/* durable.c - see durable.h. The directory is read; from then on there is only log and snapshots, which
- * saver.h keeps in step. */
+/* durable.c - see durable.h. Once the directory has been read, the saver (saver.h) controls log and
+ * snapshots. */
 #include "server/jobs/durable.h"
 
 #include "server/disk/recover.h"
@@ -15,14 +15,14 @@
 #include <unistd.h>
 
 enum {
-    QUEUE_SHARE = 8,         /* one part of --max-memory in so many is for the log's queue, */
-    QUEUE_LEAST = 64 * 1024, /* but no less */
-    QUEUE_MOST = 256 << 20   /* and no more than this */
+    QUEUE_SHARE = 8,         /* this fraction of --max-memory is for the log's queue, */
+    QUEUE_LEAST = 64 * 1024, /* at least this */
+    QUEUE_MOST = 256 << 20   /* and at most this */
 };
 
 enum stage {
-    STAGE_NONE,    /* nothing has begun, or the directory cannot be used */
-    STAGE_READING, /* the reader has the directory and everything that it has read */
+    STAGE_NONE,    /* not begun, or the directory cannot be used */
+    STAGE_READING, /* a thread is reading, and owns what it has read */
     STAGE_READ,    /* the sets are the server's, but not all are triangulated yet (rebuild.h) */
     STAGE_COMPLETE
 };
@@ -34,9 +34,9 @@ struct durable {
     /* reading */
     struct recovery recovery;
     pthread_t reader;
-    atomic_bool read;   /* the reader is done */
-    struct log *log;    /* owns; from STAGE_READ on, or NULL */
-    struct saver saver; /* of log and snapshots */
+    atomic_bool read; /* the thread is done */
+    struct log *log;  /* owns; NULL before STAGE_READ */
+    struct saver saver;
 };
 
 static bool is_running(const struct durable *d)
@@ -49,7 +49,7 @@ struct log *durable_log(const struct server *s)
     return is_running(s->durable) ? s->durable->log : NULL;
 }
 
-/* ---- reading: on a thread of its own ---- */
+/* ---- reading, on a thread of its own ---- */
 
 static void *read_directory(void *arg)
 {
@@ -102,7 +102,7 @@ static void measure(struct dataset *set, void *ctx)
     version_update(&((struct server *)ctx)->sets, set->current);
 }
 
-/* The sets that were read become the server's. */
+/* Moves the sets to the server. */
 static void adopt_sets(struct server *s)
 {
     struct registry *from = &s->durable->recovery.replay.sets;
@@ -114,7 +114,7 @@ static void adopt_sets(struct server *s)
     registry_each(&s->sets, measure, s);
 }
 
-/* The reader is done. False: it has failed. */
+/* The thread is done. False: it has failed. */
 static bool end_reading(struct server *s)
 {
     struct durable *d = s->durable;
@@ -147,7 +147,7 @@ bool durable_is_complete(const struct server *s)
 void durable_complete(struct server *s)
 {
     s->durable->stage = STAGE_COMPLETE;
-    eventfd_write(s->durable->event, 1); /* somebody may wait for that */
+    eventfd_write(s->durable->event, 1); /* the ready line may wait for this */
 }
 
 /* ---- snapshots ---- */
@@ -190,7 +190,7 @@ void durable_tick(struct server *s)
     saver_step(&d->saver, clock_ms(), s->stopping);
 }
 
-/* Whether the log has so much to write that changes wait. */
+/* Whether the queue of the log is full, so that changes wait. */
 static bool is_behind(const struct server *s)
 {
     size_t room = s->config->max_memory / QUEUE_SHARE;
@@ -228,7 +228,7 @@ void durable_stop(struct server *s)
     s->durable = NULL;
 }
 
-/* ---- what clients may do ---- */
+/* ---- requests ---- */
 
 bool durable_loaded(struct server *s, struct answer *a)
 {
@@ -248,7 +248,7 @@ bool durable_admits_change(struct server *s, struct answer *a, bool frees)
     const struct log_status *status = &d->saver.status;
     bool full = saver_disk_is_full(&d->saver);
     if (status->state != LOG_GOOD && !(frees && full)) {
-        reply_err(a->out, ERR_READONLY, "nothing can be saved now: %s%s", strerror(status->error),
+        reply_err(a->out, ERR_READONLY, "changes cannot be saved: %s%s", strerror(status->error),
                   full ? "; DEL and DROP are possible" : "");
         return false;
     }
@@ -271,7 +271,7 @@ void durable_facts(const struct server *s, struct durable_facts *f)
     f->loaded_percent = recovery_percent(&s->durable->recovery);
     if (!is_running(d))
         return;
-    f->loaded_percent = durable_is_complete(s) ? 100 : 99; /* triangulations are still made */
+    f->loaded_percent = durable_is_complete(s) ? 100 : 99; /* sets are still being triangulated */
     const struct saver *v = &d->saver;
     f->state =
         durable_is_complete(s) || v->status.state != LOG_GOOD ? state[v->status.state] : "loading";

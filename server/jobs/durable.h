@@ -1,6 +1,6 @@
-/* durable.h - a server with a data directory: reads it at the start, and keeps log and snapshots in
- * step with the sets. This is the I/O thread's side; the disk is touched by the log's thread and by
- * threads that come and go, one that reads at the start and one for each snapshot. */
+/* durable.h - a server with a data directory: reads the directory at the start, and keeps log and snapshots
+ * up to date. This is the I/O thread's side; files are used by the log's thread and by temporary threads, one
+ * for reading at the start and one for each snapshot. */
 #ifndef SERVER_DURABLE_H
 #define SERVER_DURABLE_H
 
@@ -10,42 +10,41 @@
 /* Locks the directory and begins to read it. False: the reason is on standard error. */
 bool durable_start(struct server *s);
 
-/* Writes and syncs what there is, ends all threads. Does nothing without --data. */
+/* Writes and syncs everything, then ends all threads. Does nothing without --data. */
 void durable_stop(struct server *s);
 
 /* Becomes readable when durable_on_event has something to do. */
 int durable_event(const struct server *s);
 
-/* DURABLE_READ, once: the sets that were read are the server's, without triangulations (rebuild.h).
+/* DURABLE_READ, once: the sets have been read and are the server's, not triangulated yet (rebuild.h).
  * DURABLE_FAILED: the directory cannot be used; the reason is on standard error. */
 enum durable_news { DURABLE_NO_NEWS, DURABLE_READ, DURABLE_FAILED };
 enum durable_news durable_on_event(struct server *s);
 
-/* All sets that were read have their triangulations. */
+/* To be called when all sets have been triangulated. */
 void durable_complete(struct server *s);
 
 void durable_tick(struct server *s); /* once a second */
 void durable_turn_end(struct server *s);
 
-/* Whether all sets are there, with their triangulations. */
+/* Whether all sets have been read and triangulated. */
 bool durable_is_complete(const struct server *s);
 
-/* Whether the directory has been read. If not, the error has been told. */
+/* Whether the directory has been read. If not, the ERR line has been written. */
 bool durable_loaded(struct server *s, struct answer *a);
 
-/* Whether a set may be changed now; `frees`: in a way that frees space. If not, the error has been
- * told, or the request waits: while the disk is slow, changes go on at its pace, so that what the log
- * has to write stays small. */
+/* Whether a change is possible now; `frees`: one that frees space. If not, the ERR line has been written, or the
+ * request waits, because the queue of the log is full: so changes are no faster than the disk. */
 bool durable_admits_change(struct server *s, struct answer *a, bool frees);
 
-/* Begins a snapshot, in which the last change has that lsn. */
+/* Begins a snapshot of all changes up to *lsn. */
 enum durable_begun { DURABLE_BEGUN, DURABLE_OFF, DURABLE_BUSY, DURABLE_NOMEM };
 enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn);
 
-/* NULL without --data, and as long as the directory is being read. */
+/* NULL without --data, and while the directory is being read. */
 struct log *durable_log(const struct server *s);
 
-/* What INFO tells. */
+/* For INFO. */
 struct durable_facts {
     const char *state; /* off, loading, good, full, readonly */
     uint64_t loaded_percent;

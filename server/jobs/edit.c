@@ -10,7 +10,7 @@
 #include <stdlib.h>
 
 enum {
-    BYTES_PER_POINT = 104 /* what a point that is added takes, for --max-memory */
+    BYTES_PER_POINT = 104 /* of memory for an added point */
 };
 
 struct edit {
@@ -18,8 +18,8 @@ struct edit {
     struct dt_point *p; /* owns: the points to add */
     uint32_t *ids;      /* owns: the ids to delete */
     size_t n;
-    size_t expected;       /* bytes that are expected to be wanted after it (keep.h) */
-    struct server *server; /* borrows; to be told when that is over */
+    size_t expected;       /* bytes that are prepared for it (keep.h), until it ends */
+    struct server *server; /* borrows */
     uint32_t id;           /* the point to move */
     struct dt_point to;
     struct dt_added added;
@@ -82,8 +82,8 @@ static void add_done(struct server *s, struct job *j, struct answer *a)
     renew_if_aged(s, j->set);
 }
 
-/* What adding n points to a set, NULL for a new one, takes at its peak; and what it takes to
- * triangulate them, if they are so many that it is left for later. */
+/* Peak memory to add n points to a set, NULL for a new one; if the triangulation is left for later, that
+ * includes it. */
 static size_t memory_to_add(const struct server *s, const struct dataset *set, size_t n)
 {
     struct dt_options options = job_options(s);

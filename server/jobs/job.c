@@ -12,7 +12,7 @@
 void *job_new(size_t size, void (*run)(struct job *),
               void (*done)(struct server *, struct job *, struct answer *))
 {
-    struct job *j = malloc(size); /* calloc would not reuse blocks that were freed lately */
+    struct job *j = malloc(size); /* calloc would not reuse recently freed blocks */
     if (j == NULL)
         return NULL;
     *j = (struct job){.run = run, .done = done};
@@ -53,7 +53,7 @@ static void run(struct job *j)
     j->run(j);
 }
 
-/* Under the version's lock, but for a build of a copy, which needs it only while it copies. */
+/* Under the version's lock, except for a build of a copy, which needs it only for copying. */
 static void run_later(struct work *w)
 {
     struct job *j = (struct job *)w;
@@ -89,9 +89,9 @@ static void unlink_job(struct server *s, struct job *j)
         j->next->prev = j->prev;
 }
 
-/* Runs the job on this thread. False, with nothing done, if that would hold up all clients: it takes
- * more steps than this thread may do; or it edits in place, and a piece of the set is being read just
- * now, which is a matter of microseconds unless the processors are busy. */
+/* Runs the job on this thread. False, with nothing done, if that would block all clients: it takes more steps
+ * than this thread may do; or it edits in place while a piece of the set is being read, which takes
+ * microseconds unless the processors are busy. */
 static bool run_now(struct server *s, struct job *j)
 {
     if (!edits_in_place(j)) {
@@ -134,7 +134,7 @@ static bool too_busy(struct server *s, struct answer *a, unsigned how)
     if (s->workers == NULL || (how & (JOB_HEAVY | JOB_BRIEF)) != JOB_HEAVY ||
         workers_backlog(s->workers) < LIMIT_QUEUED_JOBS)
         return false;
-    reply_err(a->out, ERR_BUSY, "too many requests wait for a worker; try again");
+    reply_err(a->out, ERR_BUSY, "too many requests are waiting for a worker; try again");
     return true;
 }
 
@@ -149,7 +149,7 @@ void job_read(struct server *s, struct answer *a, struct job *j, struct version 
     start(s, a, j, how);
 }
 
-/* Drops a set that the failed request had created. */
+/* Drops a set that a failed request has created. */
 static void drop_unborn(struct server *s, struct dataset *set)
 {
     if (!set->born)
@@ -178,8 +178,8 @@ static bool reserve_copy(struct server *s, struct job *j, uint32_t points)
            reservation_resize(&j->memory, j->memory.bytes + (size_t)points * BYTES_PER_POINT);
 }
 
-/* Has the job work on a copy of the set's points, if it asks for that and there is memory, or if it
- * must. False: it must, and cannot; a says why. */
+/* Decides whether the job works on a copy of the set's points: because it must, or because it requests that and
+ * there is memory. False: it must, but there is no memory; the error has been set. */
 static bool choose_copy(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                         unsigned how)
 {
@@ -198,15 +198,15 @@ static bool choose_copy(struct server *s, struct answer *a, struct job *j, struc
     return !must;
 }
 
-/* Whether the job is an edit that first makes the grid for searches, which takes a worker. */
+/* Whether the job is an edit that builds the grid for searches first, and needs a worker for that. */
 static bool makes_grid(const struct job *j, const struct dt_summary *sum)
 {
     return j->changes > 0 && sum->current && !sum->searchable &&
            !cost_at_once(COST_GRID, sum->points);
 }
 
-/* The memory of that grid, for want of which the job is not refused: it may be a deletion that is to
- * free memory. */
+/* Counts the memory of that grid. The job is not refused for lack of it, because it may be a deletion that frees
+ * memory. */
 static void count_grid(struct server *s, struct job *j, const struct dt *dt)
 {
     if (j->memory.budget == NULL)
@@ -328,7 +328,7 @@ bool job_give_up_early(struct server *s, struct job *j)
     return true;
 }
 
-void job_tell(struct server *s, struct job *j, struct answer *a)
+void job_answer(struct server *s, struct job *j, struct answer *a)
 {
     a->lsn = j->lsn;
     if (j->shown > a->shown)
@@ -336,8 +336,8 @@ void job_tell(struct server *s, struct job *j, struct answer *a)
     j->done(s, j, a);
 }
 
-/* The changes that the reply acknowledges or shows. A writer that records none, such as one that
- * brings the triangulation up to date before a query, only shows those of others. */
+/* Sets the changes that the reply acknowledges or shows. A writer without a record, such as an update of the
+ * triangulation before a query, only shows changes of others. */
 static void note_changes(struct job *j)
 {
     if (j->base == NULL || j->status == DT_CANCELLED)
@@ -352,7 +352,7 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
 {
     struct dataset *set = j->set;
     bool reserved = j->memory.bytes > 0;
-    reservation_set(&j->memory, 0); /* what is left of it is measured */
+    reservation_set(&j->memory, 0); /* what the set has grown by is recorded by version_update */
     unlink_job(s, j);
     if (set != NULL) {
         publish(s, j);
@@ -364,13 +364,13 @@ void job_finish(struct server *s, struct job *j, struct answer *a)
         j->base->edited = false;
     note_changes(j);
     for (unsigned i = 0; i < j->also_n; i++)
-        s->tell_joined(s, j->also[i], j);
-    job_tell(s, j, a);
+        s->answer_joined(s, j->also[i], j);
+    job_answer(s, j, a);
     if (j->base != NULL)
         version_unpin(&s->sets, j->base);
     job_free(j);
     if (reserved)
-        server_reserved_less(s);
+        server_memory_freed(s);
     if (set != NULL) {
         wait_call(&set->queue);
         drop_unborn(s, set);
@@ -409,6 +409,6 @@ void job_discard(struct server *s, struct dt *dt)
     }
     j->dt = dt;
     j->memory = server_reservation(s, BUDGET_EDITS);
-    reservation_set(&j->memory, sum.memory); /* until it is free */
+    reservation_set(&j->memory, sum.memory); /* until it is freed */
     job_aside(s, j);
 }

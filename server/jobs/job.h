@@ -1,19 +1,19 @@
-/* job.h - a piece of work on one set, done at once if it is light, by a worker if it is heavy.
+/* job.h - a piece of work on one set: done at once if it is light, by a worker if it is heavy.
  *
  * A command's job begins with a struct job, followed by its own arguments and results:
  *
- *     run    computes with job->dt and sets job->status. On a worker: it touches the job and
- *            job->dt, nothing else.
+ *     run    computes with job->dt and sets job->status. It may run on a worker, so it uses only the job
+ *            and job->dt.
  *     done   on the I/O thread: writes the reply, or the error for job->status.
  *     clear  frees the arguments; may be NULL.
- *     record on the I/O thread, once a writer has succeeded: appends the change to the journal; may
- *            be NULL.
+ *     record on the I/O thread, after a writer has succeeded: appends the change to the journal; may be
+ *            NULL.
  *
- * A reading job pins the version it reads and holds its lock while it runs, so it must be short: it
- * reads one piece, or searches for about a millisecond. A writing job is the set's only writer until
- * it is done. It edits in place, or it edits or triangulates a copy of the points, which becomes the
- * current version once the job has succeeded. A job beside the set only reads, for as long as it takes;
- * queries go on meanwhile, edits wait. */
+ * A reading job pins a version and holds its lock while it runs, so it must be short: it reads one piece, or
+ * searches for about a millisecond. A writing job is the set's only writer until it is done. It edits in
+ * place, or it edits or triangulates a copy of the points, which becomes the current version when the job
+ * has succeeded. A job beside the set (job_beside) only reads, but for long: queries go on meanwhile, edits
+ * wait. */
 #ifndef SERVER_JOB_H
 #define SERVER_JOB_H
 
@@ -27,89 +27,89 @@ struct job {
     void (*done)(struct server *s, struct job *j, struct answer *a);
     void (*clear)(struct job *j);
     void (*record)(struct server *s, struct job *j);
-    const char *what; /* for the progress line */
-    uint64_t owner;   /* whom to answer: a connection's id */
-    uint64_t *also;   /* owns: who else waits for the result, by id */
+    const char *what; /* for the progress line; NULL: none */
+    uint64_t owner;   /* the id of the connection that gets the reply */
+    uint64_t *also;   /* owns: ids of other connections that get it (job_join) */
     unsigned also_n;
-    uint64_t lsn;      /* when it is done: of the last change that the reply acknowledges, */
-    uint64_t shown;    /* and of the last one that it shows; 0: none */
-    int64_t queued_ns; /* when the workers got it, and when one of them began; 0: it ran at once */
-    int64_t began_ns;
-    struct dataset *set;   /* a writer's set; NULL for a reader */
-    struct version *base;  /* pinned: what it reads or edits */
-    struct version *fresh; /* a writer on a copy: becomes the current version */
-    bool beside;           /* a writer that only reads */
-    size_t changes;        /* a writer's: points that it adds, deletes or moves */
-    struct dt *dt;         /* base's set or the copy */
+    uint64_t lsn;          /* when it is done: the change that the reply acknowledges; 0: none */
+    uint64_t shown;        /* when it is done: the last change that the reply shows; 0: none */
+    int64_t queued_ns;     /* when it was submitted to the workers; 0: it ran at once */
+    int64_t began_ns;      /* when a worker began */
+    struct dataset *set;   /* of a writer; NULL for a reader */
+    struct version *base;  /* pinned: the version that it reads or edits */
+    struct version *fresh; /* of a writer on a copy: the version to be */
+    bool beside;           /* it only reads, but counts as the writer (job_beside) */
+    size_t changes;        /* points that it adds, deletes or moves */
+    struct dt *dt;         /* of base, or the copy */
     struct dt_options options;
     atomic_bool cancel;
     atomic_uint progress;
     enum dt_status status;
-    struct reservation memory; /* that it takes beyond what the set holds; until it is freed */
+    struct reservation memory; /* beyond that of the set, until the job ends */
 };
 
 /* How to carry out a job. */
 enum {
     JOB_HEAVY = 1, /* by a worker */
-    JOB_COPY = 2,  /* a writer leaves the current version to readers, if there is memory for two */
-    JOB_BRIEF = 4  /* heavy, but a matter of milliseconds: not to wait behind builds */
+    JOB_COPY = 2,  /* on a copy, if there is memory, so that the set can be read meanwhile */
+    JOB_BRIEF = 4  /* heavy, but it takes only milliseconds: it does not wait behind builds */
 };
 
-/* A job of size bytes, all zero but for the callbacks; NULL when out of memory. job_read or
- * job_write takes it over, else free it with job_free. */
+/* A job of `size` bytes, all zero except the callbacks; NULL when out of memory. It moves to job_read,
+ * job_write, job_beside or job_aside; without one of these, free it with job_free. */
 void *job_new(size_t size, void (*run)(struct job *),
               void (*done)(struct server *, struct job *, struct answer *));
 void job_free(struct job *j);
 
-/* Carries out a job that reads version v (job->dt must not be edited). Without JOB_HEAVY the reply
- * is there on return, else a->next is ANSWER_JOB. ERR BUSY if too many heavy jobs wait already. */
+/* Carries out a job that reads version v (job->dt must not be edited). Without JOB_HEAVY the reply is
+ * complete on return, else a->next is ANSWER_JOB. ERR BUSY if too many long jobs are queued already. */
 void job_read(struct server *s, struct answer *a, struct job *j, struct version *v, unsigned how);
 
-/* The same for a job that edits the set, which has no other writer now. */
+/* The same for a job that edits the set, which must have no writer. */
 void job_write(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                unsigned how);
 
-/* The options of a job that workers do, as far as its size goes. */
+/* The options of a job of the workers, for estimates of its memory. */
 struct dt_options job_options(const struct server *s);
 
-/* Reserves what a build of the set takes; false: a says why not, or to wait. */
+/* Reserves the memory of a build of the set. False: the ERR line has been written, or the request waits. */
 bool job_reserve_build(struct server *s, struct answer *a, const struct dataset *set,
                        struct reservation *r);
 
-/* The same for a job that only reads the set, which has no writer now, but for long: edits of the set
- * wait for it, queries do not. */
+/* As job_write, for a job that only reads the set, but for long: edits of the set wait for it, queries do
+ * not. */
 void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                 unsigned how);
 
-/* Single flight: whoever asks for what the job is doing already waits for its result, too: ANSWER_JOB.
- * False when out of memory. */
+/* Single flight: the request gets the result of a job that is already under way: ANSWER_JOB. False when out of
+ * memory. */
 bool job_join(struct server *s, struct answer *a, struct job *j);
 
-/* One of those who wait does so no longer. True: the job goes on for the others, and knows the
- * leaver no more; false: there are none, so it is cancelled. */
+/* The connection `who` does not wait for the job any more. True: the job continues for others. False: there are
+ * none, so it is cancelled. */
 bool job_leave(struct job *j, uint64_t who);
 
-/* Cancels the job when the server is about to stop, unless it changes points or makes a piece of a
- * reply, which are finished. */
+/* Cancels the job because the server is stopping, unless it changes points or makes a piece of a reply. */
 void job_drain(struct job *j);
 
-/* Whether a job that read a set may have seen what is not in the log yet: it ends when the edit has. */
+/* Whether a finished job may have read an edit that is not in the log yet: then it is kept in server.early
+ * until the edit ends. */
 bool job_is_early(const struct server *s, const struct job *j);
 
-/* If the job is one of those (server.early), takes it from them, to be ended now, as cancelled. */
+/* Removes the job from server.early, if it is there, to be ended now as cancelled. */
 bool job_give_up_early(struct server *s, struct job *j);
 
-/* Answers one of those who joined, as the owner is answered. */
-void job_tell(struct server *s, struct job *j, struct answer *a);
+/* Writes the reply for one of the connections that wait for the job. */
+void job_answer(struct server *s, struct job *j, struct answer *a);
 
-/* Ends a job that the workers have done: publishes what it wrote, answers through a, frees it;
- * those who joined have been told by server.tell_joined before. */
+/* Ends a job that the workers have done: publishes its result, answers the connections that have joined it
+ * (server.answer_joined) and then its owner through a, and frees it. */
 void job_finish(struct server *s, struct job *j, struct answer *a);
 
-/* Gives a job that is about no set to a worker. Nobody is answered. */
+/* Submits a job without a set and without a reply to the workers. */
 void job_aside(struct server *s, struct job *j);
 
-/* Frees a set that nothing refers to any more, by a worker if it is large. */
+/* Frees a set that nothing refers to any more; a worker does that if it is large. */
 void job_discard(struct server *s, struct dt *dt);
 
 #endif

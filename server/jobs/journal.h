@@ -1,5 +1,5 @@
-/* journal.h - what an edit writes into the log. Each function is called once the edit has
- * succeeded, in the order of the edits of its set; without --data, and for a temporary set, it does
+/* journal.h - the records of edits in the log. Each function is called after the edit has succeeded,
+ * in the order of the edits of its set; without --data, and for a temporary set, it does
  * nothing. */
 #ifndef SERVER_JOURNAL_H
 #define SERVER_JOURNAL_H
@@ -9,15 +9,15 @@
 void journal_create(struct server *s, struct dataset *set, double tolerance);
 void journal_drop(struct server *s, struct dataset *set);
 
-/* Takes over p (from dt_pages_grow), whose n points got the ids from `first` on. */
+/* p, from dt_pages_grow, moves here; its n points have the ids from `first` on. */
 void journal_add(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
                  size_t n);
 void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n);
 void journal_move(struct server *s, struct dataset *set, uint32_t id, struct dt_point to);
 void journal_triangulate(struct server *s, struct dataset *set);
 
-/* The lsn of the last change that is seen in the set, in there being none of a name (NULL), or in
- * all sets: a reply that acknowledges or shows it waits until that is durable. 0: there was none. */
+/* The lsn of the last change of the set, of the last DROP (set NULL), or of the last change of all: a reply that
+ * acknowledges or shows it waits until it is durable. 0: none. */
 uint64_t journal_of(const struct server *s, const struct dataset *set);
 uint64_t journal_of_all(const struct server *s);
 

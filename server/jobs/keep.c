@@ -4,18 +4,17 @@
 #include "server/jobs/job.h"
 
 enum {
-    IDLE_TICKS = 10,       /* seconds without use after which nothing is kept any more */
-    PIECE_BYTES = 16 << 20 /* that are given back at a time: less than a millisecond; or made ready:
-                              2 to 60 of them */
+    IDLE_TICKS = 10,       /* seconds without use after which the cache is emptied */
+    PIECE_BYTES = 16 << 20 /* returned at a time, in less than 1 ms; or prefaulted, in 2 to 60 ms */
 };
 
-/* A job that gives back what is kept beyond some bytes. */
+/* A job that returns the pages beyond `leave` bytes. */
 struct release {
     struct job job;
     struct dt_pages *pages;
     size_t leave;
-    bool idle;     /* it is given back because nobody has used it: to stop if somebody does */
-    uint64_t uses; /* up to then */
+    bool idle;     /* because the cache is not used: it stops when it is */
+    uint64_t uses; /* of the cache when the job began */
 };
 
 static void run_release(struct job *j)
@@ -37,7 +36,7 @@ static void released(struct server *s, struct job *j, struct answer *a)
     s->releasing = false;
 }
 
-/* All that is kept goes back, if that is because it is idle, else all beyond what may be left. */
+/* Returns all pages if the cache is idle, else those beyond `leave` bytes. */
 static void release(struct server *s, const struct dt_pages_summary *now, bool idle, size_t leave)
 {
     struct release *r = s->releasing ? NULL : job_new(sizeof *r, run_release, released);
@@ -51,7 +50,7 @@ static void release(struct server *s, const struct dt_pages_summary *now, bool i
     job_aside(s, &r->job);
 }
 
-/* ---- what is being received ---- */
+/* ---- prefaulting ---- */
 
 struct prepare {
     struct job job;

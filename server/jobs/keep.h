@@ -1,25 +1,25 @@
-/* keep.h - the pages that large arrays of sets and of loads have left behind (dt_pages): how many the
- * server keeps to use them again, and when they go back to the system.
+/* keep.h - the page cache (dt_pages): freed pages of large arrays that the server keeps for reuse, and when
+ * they are returned to the system.
  *
- * What is kept is free memory in the budget (budget.h): it goes back when it is reserved for something
- * else; and when nothing has been taken or
- * given for a while, all that is kept goes back, by a worker, a piece at a time.
+ * Kept pages count as free memory in the budget (budget.h): they are returned when that memory is reserved for
+ * something else. When the cache has not been used for a while, a worker returns all of it, a piece at a
+ * time.
  *
- * A set that is being loaded will want pages as soon as it is there, and fresh ones are slow to come by.
- * So while its points arrive, a worker has them made ready, as many as what has arrived will take. */
+ * A set needs pages as soon as its points have been loaded, and new pages are expensive. So while points
+ * arrive, a worker prefaults pages, as many as the points so far will need. */
 #ifndef SERVER_KEEP_H
 #define SERVER_KEEP_H
 
 #include "server/jobs/server.h"
 
-/* What is being received will want `more` bytes of large arrays, or `less` than was told before: workers
- * make pages ready meanwhile. */
+/* Points that are being received will need `more` bytes of large arrays, and `less` of those that were announced
+ * before: workers prefault pages meanwhile. */
 void keep_expect(struct server *s, size_t more, size_t less);
 
-/* Once a second. */
+/* To be called once a second. */
 void keep_tick(struct server *s);
 
-/* At the end of each turn of the loop: gives back what is kept beyond its limit. */
+/* To be called at the end of each turn of the loop: returns the pages that exceed the limit. */
 void keep_turn_end(struct server *s);
 
 #endif

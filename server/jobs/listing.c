@@ -16,20 +16,20 @@ struct listing {
     listing_piece *piece;
     uint64_t at, end;
     struct listing_rows rows;
-    bool sorted; /* the rows are to be sorted, by their first words */
+    bool sorted; /* the rows are sorted by their first words */
     enum listing_frame frame;
     enum phase phase;
     bool begun;                /* the first byte has been appended */
     struct reservation memory; /* for the rows */
     void (*ready)(void *ctx);
     void *ctx;
-    struct job *job; /* borrows: sorts the rows; NULL: none does */
-    bool gone;       /* nobody wants the rows any more */
+    struct job *job; /* borrows: sorts the rows; NULL: none */
+    bool abandoned;  /* freed while the job runs */
 };
 
 void listing_free(struct listing *l)
 {
-    l->gone = true;
+    l->abandoned = true;
     if (l->job != NULL)
         return;
     buf_free(&l->rows.text);
@@ -37,7 +37,7 @@ void listing_free(struct listing *l)
     free(l);
 }
 
-void listing_tell(struct listing *l, void (*ready)(void *ctx), void *ctx)
+void listing_notify(struct listing *l, void (*ready)(void *ctx), void *ctx)
 {
     l->ready = ready;
     l->ctx = ctx;
@@ -61,8 +61,8 @@ bool listing_has_begun(const struct listing *l)
 
 /* ---- sorting ---- */
 
-/* Rows differ before either of them ends: their first words, which nothing smaller than a letter
- * follows, are different. */
+/* The first words of rows are different, and the blank behind them is smaller than any letter, so rows differ
+ * before either of them ends. */
 static int compare_rows(const void *a, const void *b)
 {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
@@ -101,8 +101,8 @@ static bool sort(struct listing_rows *rows)
 
 struct sorting {
     struct job job;
-    struct listing *listing;  /* borrows: it waits for the job */
-    struct listing_rows rows; /* that of the listing, which has none meanwhile */
+    struct listing *listing;  /* borrows: not freed before the job ends */
+    struct listing_rows rows; /* of the listing, which has none meanwhile */
 };
 
 static void run_sorting(struct job *j)
@@ -120,7 +120,7 @@ static void sorting_done(struct server *s, struct job *j, struct answer *a)
     l->rows.text.failed |= j->status != DT_OK;
     l->job = NULL;
     l->phase = SENDING;
-    if (l->gone)
+    if (l->abandoned)
         listing_free(l);
     else
         call_ready(l);
@@ -165,14 +165,13 @@ static void append_head(const struct listing *l, struct buf *out)
 
 static void append_error(const struct listing *l, struct buf *out)
 {
-    static const char why[] = "out of memory; nothing has changed";
     if (l->frame == LISTING_LINES)
-        reply_err(out, ERR_NOMEM, "%s", why);
+        reply_err(out, ERR_NOMEM, "out of memory; nothing has changed");
     else
         buf_append_text(out, "-NOMEM out of memory; nothing has changed\r\n");
 }
 
-/* As many bytes as are sent at once: whole rows, unless they are framed. */
+/* The number of bytes to send next: whole rows, unless they are framed. */
 static size_t next_bytes(const struct listing *l)
 {
     const char *text = buf_head(&l->rows.text);
@@ -183,7 +182,7 @@ static size_t next_bytes(const struct listing *l)
     return end != NULL ? (size_t)(end - text) + 1 : SEND;
 }
 
-/* True: that was the end. */
+/* True: the listing is complete. */
 static bool send_rows(struct listing *l, struct answer *a)
 {
     struct buf *out = a->out;
@@ -227,7 +226,7 @@ void listing_refill(struct server *s, struct answer *a)
     listing_free(l);
 }
 
-/* All rows are there: they are few. */
+/* All rows have been made: they are few. */
 static void answer_at_once(struct answer *a, struct listing *l)
 {
     if (l->sorted && !sort(&l->rows))
@@ -254,7 +253,7 @@ static void begin(struct server *s, struct answer *a, const struct listing *what
         if (l->frame == LISTING_LINES)
             server_refuse(s, a, bytes);
         else
-            buf_append_text(a->out, "-BUSY others use the memory that this takes; try again\r\n");
+            buf_append_text(a->out, "-BUSY not enough free memory at the moment; try again\r\n");
         listing_free(l);
         return;
     }

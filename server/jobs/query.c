@@ -8,27 +8,27 @@
 #include <stdlib.h>
 
 enum {
-    STEPS_LOCKED = 20000, /* that a worker does while edits wait, */
-    SHARE_LOCKED = 64,    /* or this share of the points of a large set */
-    SWEEP_ROWS = 4096     /* that a sweep reads while edits wait */
+    STEPS_LOCKED = 20000, /* steps of a worker under the lock, */
+    SHARE_LOCKED = 64,    /* or the number of points divided by this, if that is more */
+    SWEEP_ROWS = 4096     /* rows that a sweep reads under the lock at a time */
 };
 
 struct query_job {
     struct job job;
     struct query query;
-    uint32_t steps;        /* that the search may take under the lock; 0: any number */
-    struct dt_view *view;  /* owns until it is handed on: the moment of the result */
-    struct dt_view *keeps; /* owns: so that no edit leaves the triangulation to be built again */
-    bool busy;             /* others use the memory that the result takes */
+    uint32_t steps;        /* limit of the search under the lock; 0: none */
+    struct dt_view *view;  /* owns, until it moves to a stream: the moment of the result */
+    struct dt_view *keeps; /* owns: while it is open, edits keep the triangulation */
+    bool busy;             /* no memory for the result because of other requests */
 };
 
 /* ---- searching ---- */
 
-/* As the core's searches that know a limit do. */
+/* The limit on steps for searches of the core that have none of their own. */
 static enum dt_status check_degree(const struct dt *dt, const struct query *q, uint32_t steps)
 {
     uint32_t least = steps;
-    for (unsigned i = 0; i < q->corners && i < 2; i++) { /* two stars are searched in step */
+    for (unsigned i = 0; i < q->corners && i < 2; i++) { /* the smaller of two stars counts */
         uint32_t degree = dt_degree_up_to(dt, q->corner[i], least);
         least = degree < least ? degree : least;
     }
@@ -61,7 +61,7 @@ static enum dt_status find_edges(const struct dt *dt, struct query *q)
     uint32_t *v = realloc(ids->v, (2 * n + 1) * sizeof *v);
     if (v == NULL)
         return DT_NOMEM;
-    for (size_t i = n; i-- > 0;) { /* from the end: what is overwritten has been read */
+    for (size_t i = n; i-- > 0;) { /* from the end, so that nothing is overwritten unread */
         uint32_t other = v[i];
         v[2 * i] = rep < other ? rep : other;
         v[2 * i + 1] = rep < other ? other : rep;
@@ -70,7 +70,7 @@ static enum dt_status find_edges(const struct dt *dt, struct query *q)
     return DT_OK;
 }
 
-/* The rings of few points are written at once: they must not be long. */
+/* The rings of a few points are written at once, so they must not be long. */
 static enum dt_status order_lists(const struct dt *dt, struct query *q,
                                   const struct dt_options *opt)
 {
@@ -84,7 +84,7 @@ static enum dt_status order_lists(const struct dt *dt, struct query *q,
     return dt_lists_order(dt, q->cw, q->ids.v, q->ids.n, opt, &q->ids.n, &q->interior);
 }
 
-/* DT_TOOLONG leaves the query as it was. */
+/* DT_TOOLONG leaves the query unchanged. */
 static enum dt_status search(const struct dt *dt, struct query *q, const struct dt_options *opt)
 {
     enum dt_status status = DT_OK;
@@ -123,7 +123,7 @@ static inline struct rows rows_of(const struct query *q, struct version *v)
     return rows;
 }
 
-/* Writes the reply. *rows are of the query's result. */
+/* Writes the reply; *rows are those of the result. */
 static inline void answer(struct server *s, struct answer *a, struct query *q, struct rows *rows)
 {
     reply_ok(a->out, q->ids.n / (rows->form == ROW_IDS ? rows->width : 1));
@@ -137,15 +137,15 @@ static inline void answer(struct server *s, struct answer *a, struct query *q, s
 
 /* ---- by a worker ---- */
 
-/* Reserves what the result may take after the next piece. */
+/* Reserves the memory of the result after the next piece. */
 static enum dt_status reserve_result(struct query_job *j, const struct dt_sweep *sweep)
 {
     j->busy = !reservation_resize(&j->job.memory, dt_sweep_memory(sweep, &j->query.ids));
     return j->busy ? DT_NOMEM : DT_OK;
 }
 
-/* Finds the result by a sweep over the set as it is now. A worker has the lock on entry and on return,
- * and gives it up between the pieces. */
+/* Finds the result by a sweep over the set at the moment of j->view. A worker has the lock on entry and on return,
+ * and releases it between the pieces. */
 static enum dt_status sweep(struct query_job *j)
 {
     struct version *v = j->job.base;
@@ -190,7 +190,7 @@ static void run_job(struct job *job)
     struct query_job *j = (struct query_job *)job;
     struct dt_options opt = job->options;
     opt.steps = j->steps;
-    /* The rows of the result are read later, but for those that are ids only. */
+    /* The rows of the result are read later, unless they are only ids. */
     bool reads = rows_of(&j->query, job->base).form != ROW_IDS;
     if (reads)
         j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS);
@@ -215,7 +215,7 @@ static void job_done(struct server *s, struct job *job, struct answer *a)
     if (job->queued_ns > 0) {
         rows.view = j->view;
         rows.heavy = true;
-    } else { /* the set is still as it was */
+    } else { /* the set has not changed since */
         version_end_view(&s->sets, job->base, j->view);
     }
     answer(s, a, &j->query, &rows);
@@ -226,14 +226,14 @@ static void clear_job(struct job *j)
     free(((struct query_job *)j)->query.ids.v);
 }
 
-/* The most steps that a search may take while edits of so many points wait. */
+/* The limit on steps of a worker's search under the lock. */
 static uint32_t steps_locked(uint32_t points)
 {
     uint32_t share = points / SHARE_LOCKED;
     return share > STEPS_LOCKED ? share : STEPS_LOCKED;
 }
 
-/* Has a worker answer it; of a small set without a triangulation, this thread. */
+/* Submits the query to a worker; a sweep over a small set runs on this thread. */
 static void answer_by_job(struct server *s, struct answer *a, struct dataset *set, struct query *q)
 {
     struct version *v = set->current;
@@ -286,7 +286,7 @@ void query_answer(struct server *s, struct answer *a, struct dataset *set, struc
         answer_status(a, status);
     }
     if (borrows)
-        s->scratch = q->ids; /* empty if a stream has taken them */
+        s->scratch = q->ids; /* empty if they have moved to a stream */
     else
         free(q->ids.v);
 }

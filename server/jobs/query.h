@@ -1,10 +1,9 @@
 /* query.h - queries whose result is a list, found at once or, if that takes long, by a worker.
  *
- * A query is tried on the I/O thread with a limit on its work (struct dt_options). What exceeds it
- * goes to a worker, whose search holds the set's lock for a few milliseconds at most: a result that
- * takes longer is found by a sweep over one moment of the set, piece by piece (core/sweep), so
- * that edits go on in between. So are the places and the discs and boxes of a set that has no
- * triangulation. */
+ * A query is tried on the I/O thread with a limit on its steps (struct dt_options). If it exceeds the limit,
+ * it goes to a worker, whose search holds the set's lock for a few milliseconds at most. A search that
+ * takes longer is replaced by a sweep over the set at one moment, piece by piece (core/sweep), so that
+ * edits go on in between. NEAREST and WITHIN of a set without a triangulation are sweeps, too. */
 #ifndef SERVER_QUERY_H
 #define SERVER_QUERY_H
 
@@ -15,18 +14,18 @@ enum query_kind { QUERY_LISTS, QUERY_TRIANGLES, QUERY_EDGES, QUERY_NEAREST, QUER
 
 struct query {
     enum query_kind kind;
-    struct dt_place place; /* that is asked for; QUERY_BOX: one corner, */
-    struct dt_point hi;    /* and the other */
+    struct dt_place place; /* QUERY_NEAREST, QUERY_DISC; QUERY_BOX: its lower left corner */
+    struct dt_point hi;    /* QUERY_BOX: its upper right corner */
     double radius;         /* QUERY_DISC */
     uint32_t k;            /* QUERY_NEAREST */
     uint32_t corner[3];    /* QUERY_TRIANGLES and QUERY_EDGES: ids, the first `corners` of them */
     unsigned corners;
     bool cw;           /* QUERY_LISTS, QUERY_TRIANGLES */
-    struct dt_ids ids; /* owns: the result; QUERY_LISTS starts from the ids that are asked for */
-    size_t interior;   /* QUERY_LISTS, when done: how many ids are interior points */
+    struct dt_ids ids; /* owns: the result; of QUERY_LISTS first the ids of the request */
+    size_t interior;   /* QUERY_LISTS: the number of interior points in the result */
 };
 
-/* Answers the query of the set; takes over q->ids. */
+/* Answers the query; q->ids moves here. */
 void query_answer(struct server *s, struct answer *a, struct dataset *set, struct query *q);
 
 #endif

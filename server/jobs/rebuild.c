@@ -8,9 +8,9 @@
 #include <stdlib.h>
 
 struct rebuild {
-    struct dataset **set; /* owns n; from `at` on they have no triangulation yet */
+    struct dataset **set; /* owns n; those from `at` on are not triangulated yet */
     size_t n, at;
-    struct job *job; /* borrows: what is at work on the first of them */
+    struct job *job; /* borrows: triangulates set[at] */
 };
 
 static void rebuild_next(struct server *s);
@@ -33,14 +33,14 @@ static void rebuild_done(struct server *s, struct job *j, struct answer *a)
         rebuild_next(s);
 }
 
-/* What is on the disk is read whatever --max-memory says: nothing that was acknowledged is left out. */
+/* Everything on the disk is read, whatever --max-memory is, because it was acknowledged. */
 static void report_memory(const struct server *s)
 {
     size_t taken = budget_of(&s->budget, BUDGET_SETS);
     if (!budget_fits(&s->budget, BUDGET_SETS, 0))
         notice(NOTICE_WARNING,
-               "the sets take %zu bytes, which is all that --max-memory allows: points can be "
-               "deleted, but not added",
+               "the sets take %zu bytes, all that --max-memory allows: points can be deleted, "
+               "but not added",
                taken);
 }
 

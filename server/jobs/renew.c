@@ -40,8 +40,8 @@ static void exchanged(struct server *s, struct job *j, struct answer *a)
     (void)s, (void)j, (void)a;
 }
 
-/* The set takes its new grid over in an edit in place: at once, unless a worker is reading a piece
- * of the set. Out of memory: the set will ask again later. Cancelled: whoever wants one makes it. */
+/* The new grid is installed by an edit in place: at once, unless a worker is reading a piece of the set. Out of
+ * memory: it is tried again later. Cancelled: the next search that needs a grid builds it. */
 static void renewed(struct server *s, struct job *j, struct answer *a)
 {
     struct renew *made = (struct renew *)j, *exchange = NULL;
@@ -64,7 +64,7 @@ static bool start(struct server *s, struct dataset *set)
         return false;
     r->job.memory = server_reservation(s, BUDGET_BUILDS);
     if (!reservation_resize(&r->job.memory, dt_prepare_memory(set->current->dt))) {
-        job_free(&r->job); /* searches do without, at the price of longer walks */
+        job_free(&r->job); /* searches work without a grid, with longer walks */
         return false;
     }
     job_beside(s, &nobody, &r->job, set, JOB_HEAVY | JOB_BRIEF);

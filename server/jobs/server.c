@@ -19,12 +19,12 @@ bool server_reserve(struct server *s, struct answer *a, struct reservation *r, s
 void server_refuse(const struct server *s, struct answer *a, size_t bytes)
 {
     if (budget_could_fit(&s->budget, bytes))
-        reply_err(a->out, ERR_BUSY, "others use the memory that this takes; try again");
+        reply_err(a->out, ERR_BUSY, "not enough free memory at the moment; try again");
     else
-        reply_err(a->out, ERR_NOMEM, "the memory for sets is used up (--max-memory)");
+        reply_err(a->out, ERR_NOMEM, "not enough memory (--max-memory)");
 }
 
-void server_reserved_less(struct server *s)
+void server_memory_freed(struct server *s)
 {
     server_limit_pages(s);
     wait_call(&s->memory);

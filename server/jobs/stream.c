@@ -7,28 +7,28 @@
 
 enum {
     AT_ONCE = 64,       /* rows that are written without a stream */
-    HEAVY_ROWS = 20000, /* more, or of a table of more points, are made by workers */
-    PIECE = 64 * 1024,  /* bytes of a refill, and what a piece may have */
-    PIECES = 4          /* that are made or in work, for one stream */
+    HEAVY_ROWS = 20000, /* more rows, or tables of more points, are made by workers */
+    PIECE = 64 * 1024,  /* bytes of a piece and of a refill, about */
+    PIECES = 4          /* of one stream, made or in work */
 };
 
 struct piece {
     struct rows part;
-    bool uncut;      /* the worker cuts it off first: the only one that the stream has begun */
+    bool uncut;      /* the worker cuts it off first; then it is the only piece in work */
     struct buf text; /* owns */
     struct job *job; /* borrows; not NULL: a worker has the piece */
 };
 
 struct stream {
-    struct rows rows; /* owns their ids; what has not been cut into parts yet */
+    struct rows rows; /* owns their ids; those that have not been cut into parts yet */
     void (*ready)(void *ctx);
     void *ctx;
     struct piece
         piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
     unsigned head, used;
     unsigned in_work;
-    bool gone;                 /* nobody wants the rows any more */
-    bool heavy;                /* workers make them */
+    bool abandoned;            /* freed while workers are making pieces */
+    bool heavy;                /* workers make the pieces */
     struct reservation memory; /* for ids and pieces */
 };
 
@@ -43,20 +43,20 @@ static bool answer_at_once(struct answer *a, struct rows *rows)
     return rows->done || rows->status != DT_OK;
 }
 
-/* Whether rows of this form are read from the set; a list of ids is complete in itself. */
+/* Whether the rows are read from the set; rows of ids are not. */
 static bool reads_set(const struct rows *rows)
 {
     return rows->table || rows->form != ROW_IDS;
 }
 
-/* Whether their moment is of the triangulation, too. */
+/* Whether the view must include the triangulation. */
 static bool reads_rings(const struct rows *rows)
 {
     return rows->table ? rows->cursor.table != DT_POINTS && rows->cursor.table != DT_COINCIDENT
                        : rows->form == ROW_RING;
 }
 
-/* How much there is to look at: COINCIDENT, for one, looks at every point for its few rows. */
+/* The number of points that are read: COINCIDENT, for instance, reads all for its few rows. */
 static uint32_t table_work(const struct version *v, enum dt_table table)
 {
     return table == DT_HULL ? v->sum.hull : v->sum.points;
@@ -68,17 +68,16 @@ static bool is_heavy(const struct rows *rows)
     return rows->heavy || work > HEAVY_ROWS;
 }
 
-/* Bytes of its ids, which have been found, and of its pieces: as many as they may have, or, where a
- * row is longer than that, as they have. */
 static size_t ids_bytes(const struct stream *st)
 {
     return sizeof *st + st->rows.ids.cap * sizeof(uint32_t);
 }
 
+/* Of pieces that workers make, at least the usual size counts. */
 static size_t pieces_bytes(const struct stream *st)
 {
     size_t bytes = 0, least = st->heavy ? PIECE : 0;
-    for (unsigned i = 0; i < PIECES; i++) { /* one that a worker has is not looked at */
+    for (unsigned i = 0; i < PIECES; i++) { /* the text of one in work must not be read */
         const struct piece *p = &st->piece[i];
         size_t cap = p->job != NULL ? PIECE : p->text.cap;
         bytes += cap > least ? cap : least;
@@ -86,7 +85,7 @@ static size_t pieces_bytes(const struct stream *st)
     return bytes;
 }
 
-/* False: there is no memory for its pieces. */
+/* False: there is no memory for the pieces. */
 static bool reserve(struct server *s, struct stream *st)
 {
     st->memory = server_reservation(s, BUDGET_REPLIES);
@@ -97,7 +96,7 @@ static bool reserve(struct server *s, struct stream *st)
     return false;
 }
 
-/* NULL: a says why. */
+/* NULL: out of memory, or answer_busy. */
 static struct stream *new_stream(struct server *s, struct answer *a, struct rows *rows)
 {
     struct stream *st = calloc(1, sizeof *st);
@@ -141,7 +140,7 @@ void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct
         *ids = (struct dt_ids){0};
 }
 
-void stream_tell(struct stream *st, void (*ready)(void *ctx), void *ctx)
+void stream_notify(struct stream *st, void (*ready)(void *ctx), void *ctx)
 {
     st->ready = ready;
     st->ctx = ctx;
@@ -149,7 +148,7 @@ void stream_tell(struct stream *st, void (*ready)(void *ctx), void *ctx)
 
 void stream_free(struct registry *r, struct stream *st)
 {
-    st->gone = true;
+    st->abandoned = true;
     for (unsigned i = 0; i < PIECES; i++)
         if (st->piece[i].job != NULL)
             st->piece[i].job->cancel = true;
@@ -167,7 +166,7 @@ void stream_free(struct registry *r, struct stream *st)
     free(st);
 }
 
-/* The length of a binary table: four bytes a word, a point's coordinates sixteen more. */
+/* The length of a binary table: 4 bytes a word, and 16 for the coordinates of a point. */
 static uint64_t table_bytes(const struct version *v, const struct dt_cursor *c)
 {
     switch (c->table) {
@@ -219,11 +218,11 @@ void stream_answer_table(struct server *s, struct answer *a, struct version *v, 
 
 struct making {
     struct job job;
-    struct stream *stream; /* borrows: it waits for the job */
+    struct stream *stream; /* borrows: not freed before the job ends */
     struct piece *piece;
 };
 
-/* A part is usually less than a piece may be; of one that turns out longer, another piece follows. */
+/* A part usually fits into a piece; if it is longer, the piece is continued after it has been sent. */
 static void make(struct stream *st, struct piece *p)
 {
     if (p->uncut && !rows_cut(&st->rows, &p->part))
@@ -248,13 +247,13 @@ static void making_done(struct server *s, struct job *j, struct answer *a)
     m->piece->uncut = false;
     st->in_work--;
     reservation_set(&st->memory, ids_bytes(st) + pieces_bytes(st));
-    if (st->gone)
+    if (st->abandoned)
         stream_free(&s->sets, st);
     else if (st->ready != NULL)
         st->ready(st->ctx);
 }
 
-/* Has a worker make the piece, or its continuation. */
+/* Submits the piece, or its continuation, to a worker. */
 static void begin(struct server *s, struct stream *st, struct piece *p)
 {
     struct answer nobody = {0};
@@ -285,7 +284,7 @@ static enum dt_status send_made(struct server *s, struct stream *st, struct buf 
         struct piece *p = &st->piece[st->head];
         if (p->part.status != DT_OK)
             return p->part.status;
-        /* Copied, so that a piece's memory stays as small as a piece. */
+        /* Copied, so that the memory of a piece stays small. */
         buf_append(out, buf_head(&p->text), buf_len(&p->text));
         buf_rewind(&p->text, 0);
         if (out->failed)
@@ -301,8 +300,8 @@ static enum dt_status send_made(struct server *s, struct stream *st, struct buf 
     return DT_OK;
 }
 
-/* Cuts the next piece off. False: there is none, or none yet, since an edit is at work and pieces that
- * have been begun are still to be sent. If there are no such pieces, a worker cuts it. */
+/* Cuts off the next piece. False: there is none, or an edit has the lock and other pieces are still to be sent.
+ * If there are no other pieces then, a worker cuts it off (uncut). */
 static bool cut_next(struct stream *st, struct piece *p)
 {
     if (version_try_read(st->rows.version)) {
@@ -325,8 +324,8 @@ static void begin_next(struct server *s, struct stream *st)
     }
 }
 
-/* Sends and begins; what had to be made here, for want of memory for a job, is sent at once, since
- * nobody would tell of it. */
+/* Sends finished pieces and begins others. If there was no memory for a job, the piece was made on this thread and
+ * must be sent at once, because `ready` is not called for it. */
 static enum dt_status go_on(struct server *s, struct stream *st, struct buf *out)
 {
     size_t most = buf_len(out) + PIECE;
@@ -339,8 +338,7 @@ static enum dt_status go_on(struct server *s, struct stream *st, struct buf *out
     return status;
 }
 
-/* Whether this thread may make the next piece itself, and then it has the lock: not while an edit is
- * at work. */
+/* Whether this thread makes the next piece itself; then it holds the lock. Not while an edit has it. */
 static bool may_fill(struct stream *st)
 {
     return st->used == 0 && !st->heavy && version_try_read(st->rows.version);

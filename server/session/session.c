@@ -390,7 +390,7 @@ void session_job_done(struct session *s, struct job *j)
 
 void session_job_shared(struct session *s, struct job *j)
 {
-    end_job(s, j, job_tell);
+    end_job(s, j, job_answer);
 }
 
 void session_progress(struct session *s, const struct job *j)

@@ -92,12 +92,12 @@ static void enter_state(struct session *s, const struct answer *a)
     case ANSWER_STREAM:
         s->state = SESSION_STREAMING;
         s->stream = a->stream;
-        stream_tell(s->stream, on_piece, s);
+        stream_notify(s->stream, on_piece, s);
         break;
     case ANSWER_LISTING:
         s->state = SESSION_LISTING;
         s->listing = a->listing;
-        listing_tell(s->listing, on_piece, s);
+        listing_notify(s->listing, on_piece, s);
         conn_yield(&s->conn);
         break;
     case ANSWER_JOB:

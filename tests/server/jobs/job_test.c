@@ -58,7 +58,8 @@ TEST(so_many_long_jobs_wait_for_a_worker_and_short_ones_in_any_number)
         poll(&none, 1, 1);
     for (int i = 0; i < LIMIT_QUEUED_JOBS; i++)
         CHECK_STR(begin(&l, JOB_HEAVY), "");
-    CHECK_STR(begin(&l, JOB_HEAVY), "ERR BUSY too many requests wait for a worker; try again\n");
+    CHECK_STR(begin(&l, JOB_HEAVY),
+              "ERR BUSY too many requests are waiting for a worker; try again\n");
     /* What was refused gives back what it had reserved. */
     CHECK(budget_of(&l.server.budget, BUDGET_BUILDS) == 1000 * (LIMIT_QUEUED_JOBS + 1));
     CHECK_STR(begin(&l, JOB_HEAVY | JOB_BRIEF), "");

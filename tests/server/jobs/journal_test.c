@@ -308,7 +308,7 @@ TEST(full_disk_takes_what_frees_space_and_nothing_else)
         await_durable_event(&b);
         durable_facts(&b.l.server, &facts);
     } while (strcmp(facts.state, "good") == 0);
-    static const char refusal[] = "ERR READONLY nothing can be saved now: No space left on device; "
+    static const char refusal[] = "ERR READONLY changes cannot be saved: No space left on device; "
                                   "DEL and DROP are possible\n";
     CHECK_STR(local_ask(&b.l, "ADD t 5 5\n"), refusal);
     CHECK_STR(local_ask(&b.l, "MOVE t 0 5 5\n"), refusal);

@@ -334,7 +334,7 @@ TEST(token_that_stands_in_line_is_given_up_with_its_request)
     for (int i = 0; i < 4; i++)
         CHECK_STR(hear_line(fd), "ERR DENIED no such token");
     say(fd, "TIMEOUT 0.1 AUTH secret\nPING\n");
-    CHECK_STR(hear_line(fd), "ERR TIMEOUT it took too long; nothing has changed");
+    CHECK_STR(hear_line(fd), "ERR TIMEOUT the request took too long; nothing has changed");
     CHECK_STR(hear_line(fd), "OK 0");
     say(fd, "AUTH secret\n"); /* and is answered, when the line is over, after half-close */
     shutdown(fd, SHUT_WR);

@@ -190,7 +190,7 @@ TEST_TIMEOUT(request_that_exceeds_its_timeout_is_given_up_and_others_are_not, 60
         CHECK(strncmp(hear_line(fd), "ERR SYNTAX ", 11) == 0);
     say(fd, "TRIANGULATE t METHOD shelling\n");
     say(waiting, "TIMEOUT 0.001 TRIANGULATE t METHOD divide\nPING\n");
-    CHECK_STR(hear_line(waiting), "ERR TIMEOUT it took too long; nothing has changed");
+    CHECK_STR(hear_line(waiting), "ERR TIMEOUT the request took too long; nothing has changed");
     CHECK_STR(hear_line(waiting), "OK 0");
     CHECK(strncmp(hear_line(fd), "OK 0 points=300000 ", 19) == 0);
 }
