@@ -1,15 +1,14 @@
-# rules.mk - the client library, static and shared, with its one header; `make install`.
+# rules.mk - two libraries, static and shared, each with one header: the client's, and the core for programs that triangulate in
+# process; `make install`.
 #
-#   make lib             build/lib/libdelaunay.a, build/lib/libdelaunay.so.0, build/include/delaunay_client.h
+#   make lib             build/lib and build/include
 #   make install         PREFIX=/usr/local DESTDIR=
+#   make uninstall       the same; removes what install has put there
 
-.PHONY: lib install
+.PHONY: lib install uninstall
 
 PREFIX      ?= /usr/local
 VERSION     := $(shell sed -n 's/.*DELAUNAYD_VERSION "\(.*\)".*/\1/p' server/ops/config.h)
-LIB_SOURCES := clients/lib/delaunay_client.c proto/buf.c proto/reply_read.c proto/request.c
-PIC         := $(LIB_SOURCES:%.c=$(O)/pic/%.o)
-
 $(O)/clients/main.o: COMPILE += -DDELAUNAY_VERSION='"$(VERSION)"'
 
 # Line editing at the prompt, with whichever library is there; LINE_EDITING= builds without. Neither is needed.
@@ -22,45 +21,70 @@ CHOSEN_EDITING = $(eval CHOSEN_EDITING := $(LINE_EDITING))$(CHOSEN_EDITING)
 $(O)/clients/cli/edit.o: COMPILE += $(EDIT_DEFINE)
 $(O)/delaunay $(O)/tests/clients_tests: LDLIBS += $(if $(CHOSEN_EDITING),-l$(CHOSEN_EDITING))
 
-lib: $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0 $(O)/include/delaunay_client.h $(O)/lib/pkgconfig/delaunay.pc
+LIBRARIES := delaunay delaunay-core
+HEADERS   := delaunay_client.h delaunay_core.h
+LIB_FILES := $(LIBRARIES:%=lib%.a) $(LIBRARIES:%=lib%.so.0)
+
+lib: $(LIB_FILES:%=$(O)/lib/%) $(HEADERS:%=$(O)/include/%) $(LIBRARIES:%=$(O)/lib/pkgconfig/%.pc)
 
 $(O)/pic/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -fPIC -MMD -MP -c -o $@ $<
 
-$(O)/lib/libdelaunay.a: $(PIC)
+$(O)/include/delaunay_client.h: clients/lib/delaunay_client.h
+$(O)/include/delaunay_core.h: core/delaunay.h
+$(HEADERS:%=$(O)/include/%):
 	@mkdir -p $(@D)
-	rm -f $@ && ar rcs $@ $^
+	cp $< $@
 
-$(O)/lib/libdelaunay.so.0: $(PIC) clients/lib/delaunay.map
+# A library exports the functions of its header, and no other name.
+$(O)/lib/libdelaunay.names: clients/lib/delaunay_client.h
+$(O)/lib/libdelaunay-core.names: core/delaunay.h
+$(LIBRARIES:%=$(O)/lib/lib%.names):
 	@mkdir -p $(@D)
-	$(COMPILE) -shared -Wl,-soname,libdelaunay.so.0 -Wl,--version-script,clients/lib/delaunay.map -o $@ $(PIC)
-	ln -sf libdelaunay.so.0 $(O)/lib/libdelaunay.so
+	grep -oE '\b(delaunay|dt)_[a-z0-9_]+\(' $< | tr -d '(' | sort -u >$@
 
-# One header: that of the replies is put in place of its #include.
-$(O)/include/delaunay_client.h: clients/lib/delaunay_client.h proto/reply_read.h
-	@mkdir -p $(@D)
-	sed -e '/#include "proto\/reply_read.h"/{r proto/reply_read.h' -e 'd}' clients/lib/delaunay_client.h >$@
+$(O)/lib/lib%.map: $(O)/lib/lib%.names
+	{ echo 'DELAUNAY_0 { global:'; sed 's/$$/;/' $<; echo 'local: *; };'; } >$@
 
-$(O)/lib/pkgconfig/delaunay.pc: clients/lib/delaunay.pc.in Makefile
+$(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0: $(addprefix $(O)/pic/,clients/lib/delaunay_client.o proto/buf.o proto/reply_read.o proto/request.o)
+$(O)/lib/libdelaunay-core.a $(O)/lib/libdelaunay-core.so.0: $(CORE:$(O)/%=$(O)/pic/%)
+
+$(O)/lib/lib%.a: $(O)/lib/lib%.names
+	$(LD) -r -o $(O)/lib/$*.o $(filter %.o,$^)
+	objcopy --keep-global-symbols=$< $(O)/lib/$*.o
+	rm -f $@ && ar rcs $@ $(O)/lib/$*.o
+
+$(O)/lib/lib%.so.0: $(O)/lib/lib%.map
+	$(COMPILE) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script,$< -o $@ $(filter %.o,$^) $(LDLIBS)
+	ln -sf $(@F) $(@:.0=)
+
+pc_of = sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' clients/lib/$(1).pc.in
+
+$(O)/lib/pkgconfig/%.pc: clients/lib/%.pc.in Makefile
 	@mkdir -p $(@D)
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' $< >$@
+	$(call pc_of,$*) >$@
+
+# ---- what is installed, and where ----
+
+INTO       = $(DESTDIR)$(PREFIX)
+COMPLETION = bash:bash-completion/completions/delaunay zsh:zsh/site-functions/_delaunay fish:fish/vendor_completions.d/delaunay.fish
+INSTALLED := bin/delaunayd bin/delaunay $(HEADERS:%=include/%) $(LIB_FILES:%=lib/%) $(LIBRARIES:%=lib/lib%.so) \
+             $(LIBRARIES:%=lib/pkgconfig/%.pc) share/man/man1/delaunay.1 share/man/man8/delaunayd.8 \
+             $(foreach c,$(COMPLETION),share/$(lastword $(subst :, ,$(c))))
 
 install: all lib
-	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin include lib/pkgconfig share/bash-completion/completions)
-	install $(O)/delaunayd $(O)/delaunay $(DESTDIR)$(PREFIX)/bin
-	install -m 644 $(O)/include/delaunay_client.h $(DESTDIR)$(PREFIX)/include
-	install -m 644 $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0 $(DESTDIR)$(PREFIX)/lib
-	ln -sf libdelaunay.so.0 $(DESTDIR)$(PREFIX)/lib/libdelaunay.so
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' clients/lib/delaunay.pc.in \
-	  >$(DESTDIR)$(PREFIX)/lib/pkgconfig/delaunay.pc
-	install -d $(addprefix $(DESTDIR)$(PREFIX)/share/man/,man1 man8)
-	install -m 644 man/delaunay.1 $(DESTDIR)$(PREFIX)/share/man/man1
-	install -m 644 man/delaunayd.8 $(DESTDIR)$(PREFIX)/share/man/man8
-	install -d $(addprefix $(DESTDIR)$(PREFIX)/share/,zsh/site-functions fish/vendor_completions.d)
-	$(O)/delaunay completion bash >$(DESTDIR)$(PREFIX)/share/bash-completion/completions/delaunay
-	$(O)/delaunay completion zsh >$(DESTDIR)$(PREFIX)/share/zsh/site-functions/_delaunay
-	$(O)/delaunay completion fish >$(DESTDIR)$(PREFIX)/share/fish/vendor_completions.d/delaunay.fish
+	install -d $(sort $(dir $(INSTALLED:%=$(INTO)/%)))
+	install $(O)/delaunayd $(O)/delaunay $(INTO)/bin
+	install -m 644 $(HEADERS:%=$(O)/include/%) $(INTO)/include
+	install -m 644 $(LIB_FILES:%=$(O)/lib/%) $(INTO)/lib
+	$(foreach l,$(LIBRARIES),ln -sf lib$(l).so.0 $(INTO)/lib/lib$(l).so && $(call pc_of,$(l)) >$(INTO)/lib/pkgconfig/$(l).pc &&) true
+	install -m 644 man/delaunay.1 $(INTO)/share/man/man1
+	install -m 644 man/delaunayd.8 $(INTO)/share/man/man8
+	$(foreach c,$(COMPLETION),$(O)/delaunay completion $(subst :, >$(INTO)/share/,$(c)) &&) true
+
+uninstall:
+	rm -f $(INSTALLED:%=$(INTO)/%)
 
 # ---- the npm package, with the daemon's binary: build/npm/delaunayd-VERSION.tgz ----
 

@@ -17,10 +17,20 @@
 #ifndef DT_DELAUNAY_H
 #define DT_DELAUNAY_H
 
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#ifdef __cplusplus
+#include <atomic>
+typedef std::atomic_bool dt_atomic_bool;
+typedef std::atomic_uint dt_atomic_uint;
+extern "C" {
+#else
+#include <stdatomic.h>
+typedef atomic_bool dt_atomic_bool;
+typedef atomic_uint dt_atomic_uint;
+#endif
 
 #define DT_NONE UINT32_MAX             /* no id, no vertex, no half edge */
 #define DT_MAX_POINTS ((1u << 28) - 1) /* live points of one set */
@@ -81,12 +91,12 @@ enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
  * what exceeds it to another one. dt_triangulate, dt_refresh, dt_check and dt_trace know no limit. */
 struct dt_options {
     enum dt_method method;
-    bool rebuild;               /* rebuild a triangulation that exists already */
-    const struct dt_pool *pool; /* borrowed during the call; NULL: the caller's thread alone */
-    const atomic_bool *cancel;  /* borrowed during the call; polled; NULL: never cancelled */
-    atomic_uint *progress;      /* borrowed during the call; per cent done; NULL: not reported */
-    uint32_t steps;             /* the most it may take; 0: no limit */
-    bool disposable;            /* the caller frees the set unless the call returns DT_OK */
+    bool rebuild;                 /* rebuild a triangulation that exists already */
+    const struct dt_pool *pool;   /* borrowed during the call; NULL: the caller's thread alone */
+    const dt_atomic_bool *cancel; /* borrowed during the call; polled; NULL: never cancelled */
+    dt_atomic_uint *progress;     /* borrowed during the call; per cent done; NULL: not reported */
+    uint32_t steps;               /* the most it may take; 0: no limit */
+    bool disposable;              /* the caller frees the set unless the call returns DT_OK */
 };
 
 /* ---- life ---- */
@@ -544,5 +554,9 @@ enum dt_status dt_sweep_end(struct dt_sweep *s, const struct dt_options *opt, st
 
 /* Frees what it owns. */
 void dt_sweep_clear(struct dt_sweep *s);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -16,22 +16,22 @@ bool command_is_plain(void)
     return !isatty(STDOUT_FILENO) || (no_color != NULL && no_color[0] != '\0');
 }
 
-bool command_show_comment(void *ctx, const struct reply_part *part)
+bool command_show_comment(void *ctx, const struct delaunay_part *part)
 {
     (void)ctx;
-    if (part->kind == REPLY_COMMENT && isatty(STDERR_FILENO))
+    if (part->kind == DELAUNAY_PART_COMMENT && isatty(STDERR_FILENO))
         fprintf(stderr, "\r%.*s\033[K%s", (int)part->len, part->text, "\r");
     return true;
 }
 
-static bool print_part(void *ctx, const struct reply_part *part)
+static bool print_part(void *ctx, const struct delaunay_part *part)
 {
-    if (part->kind == REPLY_COMMENT)
+    if (part->kind == DELAUNAY_PART_COMMENT)
         return command_show_comment(ctx, part);
     if (json_chosen())
         return json_part(ctx, part);
     fwrite(part->text, 1, part->len, stdout);
-    if (part->kind != REPLY_BYTES)
+    if (part->kind != DELAUNAY_PART_BYTES)
         putchar('\n');
     return !ferror(stdout);
 }

@@ -56,6 +56,6 @@ bool command_is_plain(void);
 
 /* A delaunay_part_fn that shows the server's progress comments on a terminal and ignores the
  * rest. */
-bool command_show_comment(void *ctx, const struct reply_part *part);
+bool command_show_comment(void *ctx, const struct delaunay_part *part);
 
 #endif

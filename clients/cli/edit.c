@@ -35,10 +35,10 @@ static void forget_sets(void)
         free(prompt.set[--prompt.sets]);
 }
 
-static bool take_set(void *ctx, const struct reply_part *part)
+static bool take_set(void *ctx, const struct delaunay_part *part)
 {
     (void)ctx;
-    const char *end = part->kind == REPLY_ROW ? memchr(part->text, ' ', part->len) : NULL;
+    const char *end = part->kind == DELAUNAY_PART_ROW ? memchr(part->text, ' ', part->len) : NULL;
     if (end != NULL && prompt.sets < MOST_SETS) {
         prompt.set[prompt.sets] = strndup(part->text, (size_t)(end - part->text));
         prompt.sets += prompt.set[prompt.sets] != NULL;

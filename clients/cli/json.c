@@ -213,12 +213,12 @@ static void put_row(const struct json_reply *j, struct piece row)
     }
 }
 
-bool json_part(void *ctx, const struct reply_part *part)
+bool json_part(void *ctx, const struct delaunay_part *part)
 {
     struct json_reply *j = ctx;
     struct piece text = {part->text, part->len};
     written = true;
-    if (part->kind == REPLY_ROW) {
+    if (part->kind == DELAUNAY_PART_ROW) {
         if (j->rows++ == 0) {
             j->map = find_colon(text) != NULL && !j->text;
             fputs(j->map ? ",\"info\":{" : ",\"rows\":[", stdout);
@@ -226,9 +226,9 @@ bool json_part(void *ctx, const struct reply_part *part)
             putchar(',');
         }
         put_row(j, text);
-    } else if (part->kind != REPLY_COMMENT && part->kind != REPLY_BYTES) {
+    } else if (part->kind != DELAUNAY_PART_COMMENT && part->kind != DELAUNAY_PART_BYTES) {
         j->started = true;
-        j->refused = part->kind == REPLY_ERR;
+        j->refused = part->kind == DELAUNAY_PART_ERR;
         if (j->refused)
             put_error(text);
         else

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "proto/reply_read.h"
+#include "clients/lib/delaunay_client.h"
 
 /* Whether --json was given, and whether anything has been written. */
 void json_choose(void);
@@ -26,7 +26,7 @@ struct json_reply {
 
 /* Writes a part of a reply to the standard output; a delaunay_part_fn. json_end writes the rest, when the
  * reply is whole; it does nothing if no part came. */
-bool json_part(void *ctx, const struct reply_part *part);
+bool json_part(void *ctx, const struct delaunay_part *part);
 void json_end(struct json_reply *j);
 
 /* An object without a reply: {"ok":true, then a pair for each call, then }. */

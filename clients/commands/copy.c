@@ -29,13 +29,13 @@ struct copy {
 
 static bool read_stat(struct copy *y)
 {
-    const struct reply_part *status = delaunay_status(y->c[0]);
+    const struct delaunay_part *status = delaunay_status(y->c[0]);
     const char *value;
     size_t len;
-    if (!reply_key(status, "tol", &value, &len) || len >= sizeof y->tol)
+    if (!delaunay_key(status, "tol", &value, &len) || len >= sizeof y->tol)
         return false;
     snprintf(y->tol, sizeof y->tol, "%.*s", (int)len, value);
-    y->triangulated = reply_key(status, "triangulated", &value, &len) && len == 3;
+    y->triangulated = delaunay_key(status, "triangulated", &value, &len) && len == 3;
     return true;
 }
 

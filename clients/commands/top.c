@@ -16,9 +16,9 @@
 #include "clients/cli/options.h"
 #include "clients/commands/top_screen.h"
 
-static bool take_fact(void *ctx, const struct reply_part *part)
+static bool take_fact(void *ctx, const struct delaunay_part *part)
 {
-    if (part->kind == REPLY_ROW)
+    if (part->kind == DELAUNAY_PART_ROW)
         top_take(ctx, part->text, part->len);
     return true;
 }

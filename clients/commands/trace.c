@@ -46,11 +46,11 @@ static int read_arguments(struct arguments *a, int argc, char **argv)
     return EXIT_REFUSED;
 }
 
-static bool take_row(void *ctx, const struct reply_part *part)
+static bool take_row(void *ctx, const struct delaunay_part *part)
 {
-    if (part->kind == REPLY_COMMENT)
+    if (part->kind == DELAUNAY_PART_COMMENT)
         return command_show_comment(NULL, part);
-    return part->kind != REPLY_ROW || steps_take(ctx, part->text, part->len);
+    return part->kind != DELAUNAY_PART_ROW || steps_take(ctx, part->text, part->len);
 }
 
 static enum delaunay_result fetch(struct delaunay_client *c, const char *set, struct model *m,

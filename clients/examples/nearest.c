@@ -5,9 +5,9 @@
 
 #include <delaunay_client.h>
 
-static bool print(void *ctx, const struct reply_part *part)
+static bool print(void *ctx, const struct delaunay_part *part)
 {
-    if (part->kind != REPLY_COMMENT)
+    if (part->kind != DELAUNAY_PART_COMMENT)
         fprintf(ctx, "%.*s\n", (int)part->len, part->text);
     return true;
 }

@@ -23,18 +23,18 @@ static bool fault(struct model *m, const char *what)
     return false;
 }
 
-static bool gather(void *ctx, const struct reply_part *part)
+static bool gather(void *ctx, const struct delaunay_part *part)
 {
     struct block *b = ctx;
     uint64_t n = 0;
-    if (part->kind == REPLY_OK) {
-        if (!reply_key_number(part, "rows", &b->rows) || !reply_key_number(part, "bytes", &n))
+    if (part->kind == DELAUNAY_PART_OK) {
+        if (!delaunay_key_number(part, "rows", &b->rows) || !delaunay_key_number(part, "bytes", &n))
             return fault(b->m, "the server sends no binary replies");
         b->n = (size_t)n;
         b->bytes = malloc(b->n + 1);
         return b->bytes != NULL || fault(b->m, "out of memory");
     }
-    if (part->kind == REPLY_BYTES) {
+    if (part->kind == DELAUNAY_PART_BYTES) {
         if (part->len > b->n - b->at)
             return fault(b->m, "more bytes than announced");
         memcpy(b->bytes + b->at, part->text, part->len);
@@ -109,15 +109,15 @@ static bool take_ids(struct model *m, const struct block *b, size_t width, uint3
     return true;
 }
 
-static bool take_hull_point(void *ctx, const struct reply_part *part)
+static bool take_hull_point(void *ctx, const struct delaunay_part *part)
 {
     struct model *m = ctx;
     uint32_t id;
-    if (part->kind == REPLY_OK) {
-        m->hull = malloc((size_t)(reply_rows(part) + 1) * sizeof m->hull[0]);
+    if (part->kind == DELAUNAY_PART_OK) {
+        m->hull = malloc((size_t)(delaunay_rows(part) + 1) * sizeof m->hull[0]);
         return m->hull != NULL || fault(m, "out of memory");
     }
-    if (part->kind != REPLY_ROW)
+    if (part->kind != DELAUNAY_PART_ROW)
         return true;
     const char *space = memchr(part->text, ' ', part->len);
     if (space == NULL || !proto_read_u32(part->text, (size_t)(space - part->text), &id))

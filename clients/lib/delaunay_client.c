@@ -22,6 +22,7 @@
 #include <unistd.h>
 
 #include "proto/buf.h"
+#include "proto/reply_read.h"
 #include "proto/request.h"
 
 #define SEND_AT (64 * 1024)    /* queued bytes that are worth a system call */
@@ -34,7 +35,7 @@ struct delaunay_client {
     struct buf out, in; /* own; requests not yet sent, replies not yet taken */
     struct reply_reader reader;
     struct buf status_text; /* owns the last status line */
-    struct reply_part status;
+    struct delaunay_part status;
 };
 
 const char *delaunay_result_text(enum delaunay_result r)
@@ -231,7 +232,7 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
 
 /* ---- replies ---- */
 
-static enum delaunay_result keep_status(struct delaunay_client *c, const struct reply_part *part)
+static enum delaunay_result keep_status(struct delaunay_client *c, const struct delaunay_part *part)
 {
     buf_rewind(&c->status_text, 0);
     buf_append(&c->status_text, part->text, part->len);
@@ -243,19 +244,26 @@ static enum delaunay_result keep_status(struct delaunay_client *c, const struct 
     return DELAUNAY_OK;
 }
 
+static const enum delaunay_part_kind kind_of[] = {
+    [REPLY_OK] = DELAUNAY_PART_OK,           [REPLY_ERR] = DELAUNAY_PART_ERR,
+    [REPLY_ROW] = DELAUNAY_PART_ROW,         [REPLY_BYTES] = DELAUNAY_PART_BYTES,
+    [REPLY_COMMENT] = DELAUNAY_PART_COMMENT,
+};
+
 /* Takes one part from what has arrived; *last tells whether the reply is whole. */
 static enum delaunay_result take_part(struct delaunay_client *c, delaunay_part_fn *fn, void *ctx,
                                       bool *last)
 {
-    struct reply_part part;
+    struct reply_part read;
     ptrdiff_t used =
-        buf_len(&c->in) == 0 ? 0 : reply_read(&c->reader, buf_head(&c->in), buf_len(&c->in), &part);
+        buf_len(&c->in) == 0 ? 0 : reply_read(&c->reader, buf_head(&c->in), buf_len(&c->in), &read);
     if (used < 0)
         return DELAUNAY_BROKEN;
     if (used == 0)
         return c->ended ? DELAUNAY_LOST : pump(c);
     enum delaunay_result r = DELAUNAY_OK;
-    if (part.kind == REPLY_OK || part.kind == REPLY_ERR)
+    struct delaunay_part part = {kind_of[read.kind], read.text, read.len, read.last};
+    if (part.kind == DELAUNAY_PART_OK || part.kind == DELAUNAY_PART_ERR)
         r = keep_status(c, &part);
     if (r == DELAUNAY_OK && fn != NULL && !fn(ctx, &part))
         r = DELAUNAY_STOPPED;
@@ -272,7 +280,7 @@ enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_f
         if (r != DELAUNAY_OK)
             return r;
     }
-    return c->status.kind == REPLY_OK ? DELAUNAY_OK : DELAUNAY_REFUSED;
+    return c->status.kind == DELAUNAY_PART_OK ? DELAUNAY_OK : DELAUNAY_REFUSED;
 }
 
 struct gathering {
@@ -281,13 +289,13 @@ struct gathering {
     bool failed;
 };
 
-static bool gather(void *ctx, const struct reply_part *part)
+static bool gather(void *ctx, const struct delaunay_part *part)
 {
     struct gathering *g = ctx;
-    if (part->kind == REPLY_OK && reply_key_number(part, "bytes", &g->n)) {
+    if (part->kind == DELAUNAY_PART_OK && delaunay_key_number(part, "bytes", &g->n)) {
         g->bytes = g->n < SIZE_MAX ? malloc((size_t)g->n + 1) : NULL;
         g->failed = g->bytes == NULL;
-    } else if (part->kind == REPLY_BYTES) {
+    } else if (part->kind == DELAUNAY_PART_BYTES) {
         memcpy(g->bytes + g->at, part->text, part->len); /* no more than announced: reply_read */
         g->at += part->len;
     }
@@ -316,7 +324,36 @@ enum delaunay_result delaunay_request(struct delaunay_client *c, const char *lin
     return r == DELAUNAY_OK ? delaunay_receive(c, part, ctx) : r;
 }
 
-const struct reply_part *delaunay_status(const struct delaunay_client *c)
+const struct delaunay_part *delaunay_status(const struct delaunay_client *c)
 {
     return &c->status;
+}
+
+/* As proto/ has it; the kind is of no account to those who read a status line. */
+static struct reply_part in_proto(const struct delaunay_part *status)
+{
+    return (struct reply_part){
+        .kind = status->kind == DELAUNAY_PART_OK ? REPLY_OK : REPLY_ERR,
+        .text = status->text,
+        .len = status->len,
+    };
+}
+
+bool delaunay_key(const struct delaunay_part *status, const char *key, const char **value,
+                  size_t *len)
+{
+    struct reply_part part = in_proto(status);
+    return reply_key(&part, key, value, len);
+}
+
+bool delaunay_key_number(const struct delaunay_part *status, const char *key, uint64_t *value)
+{
+    struct reply_part part = in_proto(status);
+    return reply_key_number(&part, key, value);
+}
+
+uint64_t delaunay_rows(const struct delaunay_part *status)
+{
+    struct reply_part part = in_proto(status);
+    return reply_rows(&part);
 }

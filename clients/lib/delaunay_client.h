@@ -6,13 +6,18 @@
  *
  * Requests may be pipelined: send as many as you like, then receive their replies in order. Sending
  * never deadlocks against a server that waits for its replies to be read: what arrives meanwhile is
- * kept. A client is not for two threads at once. Nothing here prints, exits or raises SIGPIPE. */
+ * kept. A client is not for two threads at once. Nothing here prints, exits or raises SIGPIPE. C++ can
+ * include this header. All names begin with delaunay_ or DELAUNAY_. */
 #ifndef DELAUNAY_CLIENT_H
 #define DELAUNAY_CLIENT_H
 
+#include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
-#include "proto/reply_read.h"
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 #define DELAUNAY_HOST "localhost"
 #define DELAUNAY_PORT "6374"
@@ -31,12 +36,27 @@ enum delaunay_result {
 };
 /* After LOST, BROKEN, NOMEM and STOPPED the connection is of no more use: close it. */
 
+enum delaunay_part_kind {
+    DELAUNAY_PART_OK,     /* the status line of a request that was carried out */
+    DELAUNAY_PART_ERR,    /* the status line of one that was refused */
+    DELAUNAY_PART_ROW,    /* one of the lines announced */
+    DELAUNAY_PART_BYTES,  /* some of the raw bytes announced */
+    DELAUNAY_PART_COMMENT /* a line that starts with '#', before a status line */
+};
+
+struct delaunay_part {
+    enum delaunay_part_kind kind;
+    const char *text; /* borrowed; a line comes without its LF, and only a status line with a NUL */
+    size_t len;
+    bool last; /* the reply ends here */
+};
+
 /* A sentence for people. */
 const char *delaunay_result_text(enum delaunay_result r);
 
 /* Called with every part of a reply (status line, row, raw bytes, comment), which it borrows during
  * the call. False stops. */
-typedef bool delaunay_part_fn(void *ctx, const struct reply_part *part);
+typedef bool delaunay_part_fn(void *ctx, const struct delaunay_part *part);
 
 /* Called with the points sent so far, of how many. */
 typedef void delaunay_progress_fn(void *ctx, size_t done, size_t total);
@@ -73,6 +93,20 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
 
 /* The status line of the last reply received, a NUL-terminated string, empty before the first one;
  * valid until the next receive. */
-const struct reply_part *delaunay_status(const struct delaunay_client *c);
+const struct delaunay_part *delaunay_status(const struct delaunay_client *c);
+
+/* The value of ` key=value` in a status line; false if it has none. *value borrows the line. */
+bool delaunay_key(const struct delaunay_part *status, const char *key, const char **value,
+                  size_t *len);
+
+/* The same for a whole number; false also if the value is none. */
+bool delaunay_key_number(const struct delaunay_part *status, const char *key, uint64_t *value);
+
+/* The number of rows that an OK line announces. */
+uint64_t delaunay_rows(const struct delaunay_part *status);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

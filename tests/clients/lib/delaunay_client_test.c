@@ -17,7 +17,7 @@ static struct delaunay_client *connected(const char *port)
 }
 
 /* Appends "kind:text;" to the transcript ctx[1000]. */
-static bool transcribe(void *ctx, const struct reply_part *part)
+static bool transcribe(void *ctx, const struct delaunay_part *part)
 {
     char *out = ctx;
     size_t n = strlen(out);
@@ -52,7 +52,7 @@ TEST(client_passes_every_part_of_a_reply)
     CHECK(delaunay_request(c, "HULL t", transcribe, got) == DELAUNAY_OK);
     CHECK_STR(got, "#:# progress 50 hull;o:OK 2 boundary=2;r:0 1 2;r:1 3 4;");
     uint64_t boundary;
-    CHECK(reply_key_number(delaunay_status(c), "boundary", &boundary) && boundary == 2);
+    CHECK(delaunay_key_number(delaunay_status(c), "boundary", &boundary) && boundary == 2);
     got[0] = 0;
     CHECK(delaunay_request(c, "RAW", transcribe, got) == DELAUNAY_OK);
     CHECK_STR(got, "o:OK 0 bytes=3;b:abc;");
@@ -91,10 +91,10 @@ TEST(client_notices_another_protocol)
     delaunay_close(c);
 }
 
-static bool stop(void *ctx, const struct reply_part *part)
+static bool stop(void *ctx, const struct delaunay_part *part)
 {
     (void)ctx;
-    return part->kind != REPLY_ROW;
+    return part->kind != DELAUNAY_PART_ROW;
 }
 
 TEST(client_stops_when_its_caller_says_so)
@@ -118,9 +118,9 @@ static void echo_much(int fd)
     }
 }
 
-static bool check_echo(void *ctx, const struct reply_part *part)
+static bool check_echo(void *ctx, const struct delaunay_part *part)
 {
-    if (part->kind == REPLY_ROW)
+    if (part->kind == DELAUNAY_PART_ROW)
         CHECK(strtoul(part->text, NULL, 10) == *(unsigned *)ctx && part->len > 2000);
     return true;
 }
@@ -193,8 +193,8 @@ TEST(client_sends_points_in_binary_and_tells_how_far_it_is)
     CHECK(seen.calls > 10 && seen.last == n && seen.total == n);
     CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_OK);
     uint64_t got;
-    CHECK(reply_key_number(delaunay_status(c), "added", &got) && got == n);
-    CHECK(reply_key_number(delaunay_status(c), "sum", &got) && got == sum);
+    CHECK(delaunay_key_number(delaunay_status(c), "added", &got) && got == n);
+    CHECK(delaunay_key_number(delaunay_status(c), "sum", &got) && got == sum);
     delaunay_close(c);
     free(xy);
 }
