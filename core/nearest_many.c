@@ -4,6 +4,7 @@
  * then, and from then on what is farther than its last one is not taken in. So a vertex of high degree
  * costs a look at each of its neighbours, and not much more. */
 #include "core/nearest.h"
+#include "core/query.h"
 #include "core/reader.h"
 #include "core/visited.h"
 #include "core/work.h"
@@ -90,8 +91,10 @@ static enum dt_status push_fresh(struct search *s, uint32_t v, bool *fresh)
     if (c.d > s->nothing)
         return DT_OK;
     enum dt_status st = dt_visited_add(&s->seen, v, fresh);
-    if (st == DT_OK && *fresh)
+    if (st == DT_OK && *fresh) {
+        dt_fetch(&s->t->mesh.leaving[v]);
         st = push(s, c);
+    }
     return st == DT_OK && s->n > 2 * s->wanted + SPARE ? cut(s) : st;
 }
 
@@ -105,6 +108,7 @@ static enum dt_status push_neighbours(struct search *s, uint32_t v)
         return DT_OK;
     do {
         uint32_t w = dt_dest(m, h);
+        dt_fetch_beyond_star(m, h);
         if (w != DT_NONE)
             st = push_fresh(s, w, &fresh);
         h = dt_turn_ccw(m, h);

@@ -15,6 +15,13 @@ static inline bool dt_scan_pays(const struct dt *t, size_t found)
     return found > 256 && found > t->points.end / 64;
 }
 
+/* For a search from star to star that walks round the origin of h: fetches the triangle beyond the edge
+ * opposite to it, which the stars of two neighbours share. */
+static inline void dt_fetch_beyond_star(const struct dt_mesh *m, uint32_t h)
+{
+    dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(h)))]);
+}
+
 /* Replaces the vertices v[0 .. n - 1], which are distinct, by their ids in ascending order. Cost:
  * linear. */
 void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n);

@@ -53,7 +53,11 @@ static enum dt_status take(struct flood *f, uint32_t v)
     if (!dt_box_contains(&f->box, f->t->points.xy[v]))
         return DT_OK;
     enum dt_status s = dt_visited_add(&f->vertices, v, &fresh);
-    return s == DT_OK && fresh ? dt_ids_append(f->out, v) : s;
+    if (s == DT_OK && fresh) {
+        dt_fetch(&f->t->mesh.leaving[v]);
+        s = dt_ids_append(f->out, v);
+    }
+    return s;
 }
 
 /* Takes the edge of h if it crosses the box and neither end is in it. */
@@ -89,6 +93,7 @@ static enum dt_status look_around(struct flood *f, uint32_t v)
     uint32_t h = m->leaving[v];
     do {
         s = dt_work(f->work, 1);
+        dt_fetch_beyond_star(m, h);
         if (s == DT_OK && dt_dest(m, h) != DT_NONE)
             s = take(f, dt_dest(m, h));
         if (s == DT_OK && !dt_is_ghost(m, h))
@@ -112,6 +117,8 @@ static enum dt_status flood(struct flood *f, uint32_t h)
         if (dt_scan_pays(f->t, f->out->n - first))
             return DT_OK;
         if (f->todo.n == 0) {
+            if (at + 1 < f->out->n)
+                dt_fetch(&f->t->mesh.half[f->t->mesh.leaving[f->out->v[at + 1]]]);
             s = look_around(f, f->out->v[at++]);
             continue;
         }

@@ -33,14 +33,19 @@ static enum dt_status flood_disc(const struct dt *t, struct dt_point centre, dou
     const struct dt_mesh *m = &t->mesh;
     for (size_t i = n; i < out->n && m->vertices > 1 && !dt_scan_pays(t, out->n - n); i++) {
         uint32_t first = m->leaving[out->v[i]], h = first;
+        if (i + 1 < out->n)
+            dt_fetch(&m->half[m->leaving[out->v[i + 1]]]);
         do {
             uint32_t w = dt_dest(m, h);
+            dt_fetch_beyond_star(m, h);
             bool fresh = false;
             enum dt_status st = dt_work(work, 1);
             if (st == DT_OK && w != DT_NONE && in_disc(t, w, centre, r))
                 st = dt_visited_add(seen, w, &fresh);
-            if (st == DT_OK && fresh)
+            if (st == DT_OK && fresh) {
+                dt_fetch(&m->leaving[w]);
                 st = dt_ids_append(out, w);
+            }
             if (st != DT_OK)
                 return st;
             h = dt_turn_ccw(m, h);
