@@ -4,11 +4,16 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char scheme[] = "delaunay://";
+static const char scheme[] = "delaunay://", private[] = "private:";
 
 bool url_is(const char *text)
 {
     return strncmp(text, scheme, sizeof scheme - 1) == 0;
+}
+
+bool url_is_private(const struct url *url)
+{
+    return strcmp(url->host, private) == 0;
 }
 
 static bool copy(char *to, size_t room, const char *from, size_t len)
@@ -48,6 +53,8 @@ static bool read_place(struct url *url, const char *at, size_t len)
 bool url_read(const char *text, struct url *url)
 {
     *url = (struct url){.host = ""};
+    if (strcmp(text, private) == 0)
+        return copy(url->host, sizeof url->host, text, strlen(text));
     if (!url_is(text))
         return false;
     const char *at = text + sizeof scheme - 1;

@@ -10,10 +10,13 @@ struct url {
     char set[SET_NAME_LIMIT + 1];        /* "" if none is named */
 };
 
+/* Whether it is `private:`, a server of one's own (private_daemon.h). */
+bool url_is_private(const struct url *url);
+
 /* Whether the text claims to be such a URL. */
 bool url_is(const char *text);
 
-/* Reads it; the port is DELAUNAY_PORT unless given. False if it is malformed. */
+/* Reads it, or `private:`; the port is DELAUNAY_PORT unless given. False if it is malformed. */
 bool url_read(const char *text, struct url *url);
 
 /* Connects and shows the token, if there is one. NULL, with a sentence in why[room], on failure. */

@@ -4,8 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "clients/cli/options.h"
+#include "clients/cli/private_daemon.h"
 #include "clients/cli/subcommand.h"
 
 /* A set's name at that place, or the URL of one: then *where becomes what it says. */
@@ -43,15 +45,50 @@ static int run_connected(struct delaunay_client *c, const struct subcommand *s, 
     return s != NULL && s->run != NULL ? s->run(c, words, word) : command_any(c, words, word);
 }
 
+/* With a server of our own, which ends with us. */
+static int run_alone(const struct subcommand *s, int words, char **word)
+{
+    char why[300];
+    pid_t pid;
+    struct delaunay_client *c = private_daemon_start(&pid, why, sizeof why);
+    if (c == NULL) {
+        fprintf(stderr, "delaunay: %s\n", why);
+        return EXIT_NO_CONNECTION;
+    }
+    int status = run_connected(c, s, words, word);
+    private_daemon_end(c, pid);
+    return status;
+}
+
+static bool is_default(const struct url *where)
+{
+    return strcmp(where->host, DELAUNAY_HOST) == 0 && strcmp(where->port, DELAUNAY_PORT) == 0;
+}
+
+/* Whether that makes sense without the sets of a server: a person at a prompt sees the notice, but a script
+ * would lose what it adds. */
+static bool needs_no_sets(int words, char **word)
+{
+    return words == 0 ? isatty(STDIN_FILENO) : strcasecmp(word[0], "help") == 0;
+}
+
 static int run(const struct subcommand *s, int words, char **word, const struct url *where)
 {
     char why[256];
+    if (url_is_private(where))
+        return run_alone(s, words, word);
     struct delaunay_client *c = url_connect(where, why, sizeof why);
+    if (c == NULL && is_default(where) && needs_no_sets(words, word)) {
+        if (words == 0)
+            fprintf(stderr, "%s. This is a private server; its sets end with this prompt.\n", why);
+        return run_alone(s, words, word);
+    }
     if (c == NULL) {
         fprintf(stderr, "delaunay: %s\n", why);
-        if (strcmp(where->host, DELAUNAY_HOST) == 0 && strcmp(where->port, DELAUNAY_PORT) == 0)
+        if (is_default(where))
             fprintf(stderr,
-                    "Start a server with 'delaunayd &'; 'delaunay draw FILE' needs none.\n");
+                    "Start a server with 'delaunayd &'. 'delaunay draw FILE' and the prompt "
+                    "('delaunay' alone) need none.\n");
         return EXIT_NO_CONNECTION;
     }
     int status = run_connected(c, s, words, word);

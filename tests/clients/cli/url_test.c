@@ -27,6 +27,14 @@ TEST(url_parts_that_are_left_out_are_empty_or_the_usual_port)
     check_url("delaunay://[::1]:80/t", "", "::1", "80", "t");
 }
 
+TEST(url_of_a_private_server_is_a_word)
+{
+    struct url url;
+    CHECK(url_read("private:", &url) && url_is_private(&url) && !url_is("private:"));
+    CHECK(!url_read("private:x", &url));
+    CHECK(url_read("delaunay://h", &url) && !url_is_private(&url));
+}
+
 TEST(url_with_anything_out_of_place_is_refused)
 {
     static const char *const bad[] = {"h:1/t",
