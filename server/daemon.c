@@ -30,9 +30,9 @@
 
 enum {
     ACCEPTS_PER_TURN = 64,
-    REFUSALS_PER_TURN = 8, /* each is a connection made and closed: 20 us, and nobody is served */
-    GRACE_MS = 30 * 1000,  /* for what is under way when the daemon is told to stop */
-    ANNOUNCE_MS = 1000 /* how long the ready line waits for sets that are being read from disk */
+    REFUSALS_PER_TURN = 8, /* each takes about 20 us to accept and close */
+    GRACE_MS = 30 * 1000,  /* for requests under way when the daemon is stopped */
+    ANNOUNCE_MS = 1000     /* the longest time that the ready line waits for sets to be read */
 };
 
 /* One daemon is one process; the callbacks below find it here. */
@@ -42,13 +42,13 @@ static struct {
     struct clients clients;
     struct source tcp, local, signals, workers, durable, owner;
     int handed;  /* a listening socket from the service manager; -1: none */
-    int reserve; /* a descriptor kept back, to refuse politely when all others are used up */
-    bool paused; /* the listeners are not watched until the next tick: accepting cannot succeed */
+    int reserve; /* a spare descriptor, to accept and refuse a client when there are no others */
+    bool paused; /* the listeners are not watched until the next tick, because accept would fail */
     struct notice_rarely refusals;
-    unsigned evicted; /* clients that have made room and are not buried yet */
+    unsigned evicted; /* clients that were closed to make room and are not freed yet */
     bool stopping;
     bool failed;    /* the data directory cannot be used */
-    bool announced; /* the ready line is out */
+    bool announced; /* the ready line has been printed */
     int64_t stop_ms;
     unsigned port;
 } d;
@@ -73,8 +73,8 @@ static void refill_reserve(void)
         watch_listeners(true);
 }
 
-/* Temporary sets go with their connection, if they are many, some at a time. Those that somebody writes
- * just now are left to the next second. */
+/* Drops the temporary sets of connections that have ended, a few at a time. Sets with a writer are dropped in a later
+ * second. */
 static void drop_orphans(struct task *task)
 {
     if (registry_drop_orphans(&d.server.sets))
@@ -84,7 +84,7 @@ static void drop_orphans(struct task *task)
 static void on_client_closed(struct session *s)
 {
     static struct task orphans = {.run = drop_orphans};
-    notice_client(s, NOTICE_DEBUG, "has gone");
+    notice_client(s, NOTICE_DEBUG, "disconnected");
     clients_remove(&d.clients, s);
     d.evicted -= s->evicted;
     if (d.server.sets.orphans != NULL)
@@ -111,8 +111,8 @@ static void refuse(int fd, const char *line)
     sock_refuse(fd, line);
 }
 
-/* Whether one more client may come. When there are too many, the one that has gone without showing a
- * token for longest leaves: so strangers cannot keep those out who have one. */
+/* Whether another client may connect. If there are too many, the oldest one that has not authenticated is closed, so
+ * that such clients cannot lock out others. */
 static bool has_room(void)
 {
     if (d.clients.n - d.evicted < d.server.config->max_clients)
@@ -120,7 +120,7 @@ static bool has_room(void)
     struct session *s = clients_oldest_stranger(&d.clients);
     if (s == NULL)
         return false;
-    count_refusal("too many clients; the oldest without a token made room");
+    count_refusal("too many clients; the oldest unauthenticated one was closed");
     d.evicted++;
     s->evicted = true;
     session_evict(s);
@@ -134,7 +134,7 @@ static void welcome(int fd, const struct sock_peer *peer)
         return;
     }
     if (!budget_fits(&d.server.budget, BUDGET_CLIENTS, sizeof(struct session))) {
-        refuse(fd, "ERR BUSY no memory is left for one more client\n");
+        refuse(fd, "ERR BUSY not enough memory for another client\n");
         return;
     }
     struct session *s = session_new(&d.server, &d.loop, fd, peer, on_client_closed);
@@ -145,13 +145,12 @@ static void welcome(int fd, const struct sock_peer *peer)
         conn_close(&s->conn);
     } else {
         d.server.count.connections++;
-        notice_client(s, NOTICE_DEBUG, "is here");
+        notice_client(s, NOTICE_DEBUG, "connected");
     }
 }
 
-/* No descriptor is left: gives up the reserve for a moment to accept one client and tell it. Left
- * waiting in the backlog, clients would keep the listener readable and the loop turning. Returns 0,
- * or why it could not accept. */
+/* There are no descriptors: uses the spare one to accept one client and refuse it. Clients in the backlog would
+ * keep the listener readable and the loop busy. Returns 0, or the errno of accept. */
 static int refuse_one(int listener)
 {
     struct sock_peer peer;
@@ -174,8 +173,8 @@ static bool after_failure(int listener, int error)
     if (error == EAGAIN)
         return false;
     if (error != EMFILE && error != ENFILE && error != ENOMEM && error != ENOBUFS)
-        return true; /* none, or one of the connection, which is gone (accept(2)) */
-    /* The connection stays where it is, and the listener readable. */
+        return true; /* no error, or one of the connection (accept(2)) */
+    /* The connection stays in the backlog, and the listener stays readable. */
     watch_listeners(false);
     return false;
 }
@@ -203,7 +202,7 @@ static void deliver(void *ctx, struct job *j)
     if (s != NULL)
         session_job_done(s, j);
     else
-        server_finish_unheard(&d.server, j);
+        server_finish_abandoned(&d.server, j);
 }
 
 static void answer_joined(struct server *server, uint64_t id, struct job *j)
@@ -221,8 +220,8 @@ static void on_workers(struct source *source, uint32_t events)
 
 /* ---- durability ---- */
 
-/* Clients that wait for the ready line find everything there, unless that takes long: then they may
- * meet ERR LOADING. */
+/* Prints the ready line when all sets have been read and triangulated, or after ANNOUNCE_MS: then clients may get
+ * ERR LOADING. */
 static void announce_if_ready(void)
 {
     const struct config *config = d.server.config;
@@ -288,7 +287,7 @@ static void stop(void)
         systemd_notify("STOPPING=1");
     }
     if (d.stopping || d.clients.n == 0) {
-        loop_stop(&d.loop); /* asked twice, or nobody to wait for */
+        loop_stop(&d.loop); /* the second signal, or there are no clients */
         return;
     }
     d.stopping = true;
@@ -310,7 +309,7 @@ static void on_signal(struct source *source, uint32_t events)
     }
 }
 
-/* The owner of a private daemon: nobody is left to wait for. */
+/* The owner of a private daemon has ended: the daemon stops. */
 static void on_owner(struct source *source, uint32_t events)
 {
     (void)events;
@@ -325,29 +324,29 @@ static void check_client(struct session *s)
     session_check_timeouts(s);
 }
 
-static void tell_progress_to(uint64_t id, const struct job *j)
+static void send_progress_to(uint64_t id, const struct job *j)
 {
     struct session *s = clients_find(&d.clients, id);
     if (s != NULL)
         session_progress(s, j);
 }
 
-static void tell_progress(void)
+static void send_progress(void)
 {
     for (const struct job *j = d.server.jobs, *next; j != NULL; j = next) {
         next = j->next;
         if (d.loop.now_ms - j->queued_ns / 1000000 <= SESSION_PROGRESS_MS)
             continue;
-        tell_progress_to(j->owner, j);
+        send_progress_to(j->owner, j);
         for (unsigned i = 0; i < j->also_n; i++)
-            tell_progress_to(j->also[i], j);
+            send_progress_to(j->also[i], j);
     }
 }
 
 static void on_tick(struct loop *loop)
 {
     clients_each(&d.clients, check_client);
-    tell_progress();
+    send_progress();
     notice_tick();
     durable_tick(&d.server);
     keep_tick(&d.server);
@@ -367,11 +366,11 @@ static int take_signals(void)
 {
     sigset_t set;
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error of write, no reason to die */
+    signal(SIGXFSZ, SIG_IGN); /* a file that must not grow is an error of write */
     sigemptyset(&set);
     sigaddset(&set, SIGTERM);
     sigaddset(&set, SIGINT);
-    signal(SIGHUP, SIG_DFL); /* a shell may have had it ignored */
+    signal(SIGHUP, SIG_DFL); /* a shell may have set it to be ignored */
     sigaddset(&set, SIGHUP);
     sigprocmask(SIG_BLOCK, &set, NULL);
     return signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
@@ -383,13 +382,13 @@ static bool watch(struct source *source, int fd, void (*ready)(struct source *, 
     return fd >= 0 && loop_watch(&d.loop, source, EPOLLIN);
 }
 
-/* A service manager has opened the socket; what is true of --bind is true of it. */
+/* The socket comes from a service manager; the rules of --bind apply to it. */
 static bool listen_to_handed(const struct config *config)
 {
     if (!sock_is_local(d.handed) && config->auth_file == NULL && !config->insecure) {
         notice(NOTICE_ERROR,
-               "others could reach the socket that was handed over: give --auth-file, or "
-               "--insecure if you mean it");
+               "the socket of the service manager is not local: this needs --auth-file or "
+               "--insecure");
         return false;
     }
     d.port = sock_port(d.handed);

@@ -1,5 +1,4 @@
-/* daemon.h - the running daemon: listeners, signals, clients, workers, tied together by one event
- * loop. */
+/* daemon.h - the running daemon: listeners, signals, clients and workers in one event loop. */
 #ifndef SERVER_DAEMON_H
 #define SERVER_DAEMON_H
 

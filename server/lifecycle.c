@@ -46,7 +46,7 @@ bool server_init(struct server *s, struct config *config)
     return s->workers != NULL;
 }
 
-void server_finish_unheard(struct server *s, struct job *j)
+void server_finish_abandoned(struct server *s, struct job *j)
 {
     struct buf out = {0};
     struct answer a = {.out = &out};
@@ -78,9 +78,9 @@ void server_collect(struct server *s, void (*deliver)(void *ctx, struct job *j),
     deliver_all(s, early, deliver, ctx);
 }
 
-static void deliver_unheard(void *ctx, struct job *j)
+static void deliver_abandoned(void *ctx, struct job *j)
 {
-    server_finish_unheard(ctx, j);
+    server_finish_abandoned(ctx, j);
 }
 
 void server_drain(struct server *s)
@@ -98,7 +98,7 @@ void server_clear(struct server *s)
     while (s->jobs != NULL) {
         struct pollfd event = {.fd = workers_event(s->workers), .events = POLLIN};
         poll(&event, 1, -1);
-        server_collect(s, deliver_unheard, s);
+        server_collect(s, deliver_abandoned, s);
     }
     if (s->workers != NULL)
         workers_free(s->workers);

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <time.h>
 
-/* How many words of a request may be told: behind AUTH, a command (maybe behind TIMEOUT) or a word
- * of HELLO's, comes a secret. */
+/* How many words of a request may be shown. A secret follows AUTH, which is a command, possibly behind TIMEOUT, or
+ * a word of HELLO. */
 static size_t open_words(const struct request *q)
 {
     if (q->n == 0 || !(word_is(&q->word[0], "AUTH") || word_is(&q->word[0], "HELLO") ||
@@ -20,7 +20,7 @@ static size_t open_words(const struct request *q)
     return q->n;
 }
 
-/* The request in words: it is still there unless it has paused, and then it was noted. */
+/* Copies the words of the request: from the note if it has paused, else from the request itself. */
 static void quote(const struct session *s, char *text)
 {
     const struct request *q = &s->server->request;

@@ -1,23 +1,23 @@
-/* account.h - what is remembered of a session's requests: how often, how long, the slow ones. */
+/* account.h - accounting of requests: statistics, the slow log, and messages about a session. */
 #ifndef SERVER_ACCOUNT_H
 #define SERVER_ACCOUNT_H
 
 #include "server/clients/session_state.h"
 #include "server/system/notice.h"
 
-/* The request at hand has been answered, as a tells. `error`: by an ERR line. */
+/* The current request has been answered by *a. `error`: with an ERR line. */
 void account_end(struct session *s, const struct answer *a, bool error);
 
-/* It pauses: it waits in a queue or for a moment, for a worker, for its points or for a listing. */
+/* It pauses: it waits in a queue, until a time, for a worker, for its body or for a listing. */
 void account_pause(struct session *s, const struct answer *a);
 
-/* A load whose points are there begins its work. */
+/* The work of a request begins whose body is complete. */
 void account_load(struct session *s);
 
-/* The job that the session waited for has come back. */
+/* The job that the session waits for has finished. */
 void account_job(struct session *s, const struct job *j);
 
-/* Tells the operator something about the session. */
+/* Writes a message about the session for the operator. */
 void notice_client(const struct session *s, enum notice_level level, const char *what);
 
 #endif

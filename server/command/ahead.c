@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { LEAST = 4 }; /* requests for which it is worth while */
+enum { LEAST = 4 }; /* requests from which on prefetching pays */
 
 /* The questions of a pipeline about one set. */
 struct questions {
@@ -19,8 +19,7 @@ struct questions {
     size_t places, ids;
 };
 
-/* The next request of bytes[n] as words of q; returns its length, 0 if there is none that can be
- * passed over. */
+/* Parses the next request of bytes[n] into words of q; returns its length, 0 if it is not complete or not valid. */
 static size_t next_request(const char *bytes, size_t n, struct request *q)
 {
     struct line line;
@@ -33,8 +32,7 @@ static size_t next_request(const char *bytes, size_t n, struct request *q)
     return took > 0 && request_split(q, line.text, line.len) ? (size_t)took : 0;
 }
 
-/* The set that the request is about, as long as it is the same as that of the others and may be
- * looked at now. */
+/* Whether the request is about the same set as the others, and the set may be read now. */
 static bool is_ours(struct server *s, struct questions *all, const struct word *name)
 {
     if (all->set != NULL)
@@ -116,14 +114,14 @@ static void fetch(struct questions *all)
     }
 }
 
-/* Whether the words could begin a load, whose points are no requests. */
+/* Whether the words may begin a load, behind which there are points and no requests. */
 static bool may_load(const struct request *q)
 {
     return q->n > 0 && q->n <= 3 && q->word[0].len >= 4 && q->word[0].len <= 5 &&
            (q->word[0].text[0] & ~0x20) == 'L' && (q->word[0].text[2] & ~0x20) == 'A';
 }
 
-/* Keeps a request that has been read; NULL: it is none of those that are kept. */
+/* Appends a request that has been parsed; NULL: it is too long, or may be a load. */
 static struct ahead_request *keep(struct ahead *a, const char *text, size_t len,
                                   const struct request *q)
 {
@@ -139,7 +137,7 @@ static struct ahead_request *keep(struct ahead *a, const char *text, size_t len,
     return r;
 }
 
-/* Reads what is at the front of bytes[n]. */
+/* Parses the requests at the front of bytes[n], and prefetches for them. */
 static void look(struct server *s, const char *bytes, size_t n)
 {
     struct ahead *a = s->ahead;

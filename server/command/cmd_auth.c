@@ -1,4 +1,4 @@
-/* cmd_auth.c - AUTH, in both framings: a token is shown, stands in line (guard.h) and gives a role. */
+/* cmd_auth.c - AUTH, in both framings: a token is checked, after a delay if necessary (guard.h), and gives a role. */
 #include "server/command/command.h"
 
 #include "server/clients/clients.h"
@@ -13,7 +13,7 @@ static void accept_token(struct answer *a, enum role role, unsigned number)
     a->token = number;
 }
 
-/* What happens to wrong tokens beyond the error. */
+/* Counts a wrong token, and writes a message. */
 static void note_wrong(struct server *s, struct session *who)
 {
     char what[100];
@@ -25,12 +25,11 @@ static void note_wrong(struct server *s, struct session *who)
     if (!guard_should_report(&s->guard, &who->peer, who->conn.loop->now_ms, &more))
         return;
     snprintf(what, sizeof what,
-             "has shown a wrong token (%" PRIu64 " more from its address since the last time)",
-             more);
+             "sent a wrong token (%" PRIu64 " more from its address since the last message)", more);
     notice_client(who, NOTICE_WARNING, what);
 }
 
-/* Whether the token has to stand in line first; then the answer says until when. */
+/* Whether the check of the token is delayed; then the answer has the time. */
 static bool must_wait(struct server *s, struct answer *a, const struct session *who)
 {
     if (who == NULL || a->waited)
@@ -49,8 +48,7 @@ enum shown client_show_token(struct server *s, struct answer *a, const struct wo
 {
     struct session *who = clients_asker(s, a);
     unsigned number;
-    /* Without --auth-file any token is welcome, so that a client need not know how its server was
-     * started. */
+    /* Without --auth-file any token is accepted, so that clients need not know the server's options. */
     if (s->auth.n == 0) {
         accept_token(a, ROLE_WRITE, 0);
         return SHOWN_GOOD;

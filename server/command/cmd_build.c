@@ -1,4 +1,4 @@
-/* cmd_build.c - TRIANGULATE and CHECK: the jobs that look at every point of a set. */
+/* cmd_build.c - TRIANGULATE and CHECK: jobs that read every point of a set. */
 #include "server/command/command.h"
 
 #include "server/jobs/job.h"
@@ -41,7 +41,7 @@ static void record_triangulate(struct server *s, struct job *j)
     journal_triangulate(s, j->set);
 }
 
-static void tell_triangulation(struct answer *a, const struct version *v, double ms)
+static void answer_triangulation(struct answer *a, const struct version *v, double ms)
 {
     reply_ok(a->out, 0);
     append_counts(a, &v->sum);
@@ -53,7 +53,7 @@ static void triangulate_done(struct server *s, struct job *j, struct answer *a)
 {
     (void)s;
     if (j->status == DT_OK)
-        tell_triangulation(a, j->set->current, ((struct build *)j)->ms);
+        answer_triangulation(a, j->set->current, ((struct build *)j)->ms);
     else
         answer_status(a, j->status);
 }
@@ -98,9 +98,9 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
     const struct dt_summary *sum = &set->current->sum;
     if (!read_method(a, q, &method))
         return;
-    bool named = q->n > 2; /* METHOD: made anew whether or not it is there */
+    bool named = q->n > 2; /* METHOD: rebuilt even if it is current */
     if (!named && sum->triangulated && !version_is_stale(set->current)) {
-        tell_triangulation(a, set->current, 0);
+        answer_triangulation(a, set->current, 0);
         return;
     }
     bool large = !cost_at_once(COST_BUILD, sum->points);
@@ -118,13 +118,13 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
     b->job.what = "triangulating";
     b->job.options.method = method;
     b->job.options.rebuild = named;
-    /* A large set is triangulated beside itself, so that those who read its points need not wait. */
+    /* A copy of a large set is triangulated, so that readers of its points do not wait. */
     job_write(s, a, &b->job, set, large ? JOB_HEAVY | JOB_COPY : 0);
 }
 
 /* ---- CHECK ----
  *
- * It reads the whole set at one moment, so edits wait for it; queries do not. */
+ * It reads the whole set at one moment, so edits wait; queries do not. */
 
 static void run_check(struct job *j)
 {

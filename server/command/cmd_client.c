@@ -1,5 +1,5 @@
-/* cmd_client.c - CLIENT: who is connected, and SLOWLOG: what took long. The only commands that look
- * at connections; without any (server.clients is NULL) there is nobody to tell about. */
+/* cmd_client.c - CLIENT, about connections, and SLOWLOG, the slow log. Without connections (server.clients is NULL)
+ * the lists are empty. */
 #include "server/command/command.h"
 
 #include "proto/number.h"
@@ -36,8 +36,8 @@ static const char *state_of(const struct session *s)
     return buf_len(&s->conn.out) > 0 ? "sending" : "idle";
 }
 
-/* There may be ten thousand rows, and everybody waits for them: they are not made by printf. */
-static void tell_client(struct buf *out, const struct session *s)
+/* Without printf, because there may be ten thousand rows, made on the I/O thread. */
+static void append_client(struct buf *out, const struct session *s)
 {
     static const char *const role[] = {
         [ROLE_NONE] = "none", [ROLE_READ] = "ro", [ROLE_WRITE] = "rw"};
@@ -62,8 +62,7 @@ static void tell_client(struct buf *out, const struct session *s)
     reply_end(out);
 }
 
-/* Fetches into the caches what a row tells of the session in slot i, if there is one: each session
- * lies somewhere else. */
+/* Prefetches the fields of the session in slot i that its row shows: sessions are scattered in memory. */
 static void fetch_session(const struct clients *c, uint32_t i)
 {
     enum { LINE = 64, NOTE = offsetof(struct session, note) / LINE + 1 };
@@ -85,7 +84,7 @@ static bool list_clients(struct server *s, uint64_t *at, uint64_t end, struct li
         fetch_session(c, (uint32_t)*at + AHEAD);
         if (one == NULL || one->conn.closed)
             continue;
-        tell_client(&rows->text, one);
+        append_client(&rows->text, one);
         rows->n++;
     }
     return *at < end;
@@ -100,14 +99,14 @@ void client_list(struct server *s, struct answer *a, enum listing_frame frame)
         listing_answer(s, a, list_clients, false, 0, cap, n * CLIENT_BYTES);
 }
 
-/* Which clients a KILL means: those of an id, or those of an address. */
+/* The clients that a KILL names: by id, or by address. */
 struct target {
     bool by_id;
     uint64_t id;
     const struct word *address;
 };
 
-/* False: it is no number of at most 64 bits. */
+/* False: not a number of at most 64 bits. */
 static bool read_client_id(const struct word *w, uint64_t *id)
 {
     *id = 0;
@@ -145,10 +144,10 @@ static void kill_one(struct server *s, struct answer *a, struct session *victim)
 {
     char peer[SOCK_PEER_TEXT];
     sock_peer_text(&victim->peer, peer);
-    notice(NOTICE_INFO, "the client %s was killed by another one", peer);
+    notice(NOTICE_INFO, "the client %s was killed by another client", peer);
     s->count.killed++;
     if (victim->id == a->owner)
-        a->next = ANSWER_CLOSING; /* when this reply is out */
+        a->next = ANSWER_CLOSING; /* after this reply */
     else
         conn_close(&victim->conn);
 }
@@ -195,10 +194,11 @@ static void set_name(struct server *s, const struct request *q, struct answer *a
     if (client_set_name(s, a, &q->word[2]))
         answer_ok(a);
     else
-        reply_err(a->out, ERR_SYNTAX, "a client's name is up to 64 printable characters, no blank");
+        reply_err(a->out, ERR_SYNTAX,
+                  "a client name has at most 64 printable characters and no blank");
 }
 
-static void tell_self(struct server *s, struct answer *a, bool name)
+static void answer_self(struct server *s, struct answer *a, bool name)
 {
     const struct session *me = clients_asker(s, a);
     reply_ok(a->out, 0);
@@ -222,9 +222,9 @@ void cmd_client(struct server *s, struct dataset *set, const struct request *q, 
     } else if (q->n == 3 && word_is(what, "SETNAME")) {
         set_name(s, q, a);
     } else if (q->n == 4 && word_is(what, "SETINFO")) {
-        answer_ok(a); /* which library a client uses plays no part here */
+        answer_ok(a); /* the client library is not recorded */
     } else if (q->n == 2 && (word_is(what, "ID") || word_is(what, "GETNAME"))) {
-        tell_self(s, a, what->len > 2);
+        answer_self(s, a, what->len > 2);
     } else {
         answer_usage(a, q);
     }
@@ -232,7 +232,7 @@ void cmd_client(struct server *s, struct dataset *set, const struct request *q, 
 
 /* ---- SLOWLOG ---- */
 
-static void tell_slow(struct buf *out, const struct slow *e)
+static void append_slow(struct buf *out, const struct slow *e)
 {
     char row[SLOW_TEXT + SOCK_PEER_TEXT + 128], peer[SOCK_PEER_TEXT];
     sock_peer_text(&e->peer, peer);
@@ -244,13 +244,13 @@ static void tell_slow(struct buf *out, const struct slow *e)
 }
 
 bool slowlog_piece(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows,
-                   void (*tell)(struct buf *out, const struct slow *e))
+                   void (*append)(struct buf *out, const struct slow *e))
 {
     for (int i = 0; *at > end && i < SLOW_A_PIECE; i++) {
         const struct slow *e = slowlog_find(&s->slowlog, --*at);
         if (e == NULL)
             return false;
-        tell(&rows->text, e);
+        append(&rows->text, e);
         rows->n++;
     }
     return *at > end;
@@ -258,7 +258,7 @@ bool slowlog_piece(struct server *s, uint64_t *at, uint64_t end, struct listing_
 
 static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
 {
-    return slowlog_piece(s, at, end, rows, tell_slow);
+    return slowlog_piece(s, at, end, rows, append_slow);
 }
 
 bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n)

@@ -1,5 +1,4 @@
-/* cmd_config.c - CONFIG: the settings, some of which change while the server runs; and the tokens,
- * which are read again. */
+/* cmd_config.c - CONFIG: shows and changes settings, and reloads the tokens. */
 #include "server/command/command.h"
 
 #include "server/clients/clients.h"
@@ -34,7 +33,7 @@ static void get(struct server *s, const struct request *q, struct answer *a)
 
 /* ---- SET ---- */
 
-/* Reads one name and its value into *next. */
+/* Parses one name and its value into *next. */
 static bool read_pair(struct answer *a, const struct word *w, struct config *next)
 {
     char value[64];
@@ -45,7 +44,7 @@ static bool read_pair(struct answer *a, const struct word *w, struct config *nex
         return false;
     }
     if (!of->live) {
-        reply_err(a->out, ERR_SYNTAX, "%s cannot change while the server runs", of->name);
+        reply_err(a->out, ERR_SYNTAX, "%s cannot be changed while the server runs", of->name);
         return false;
     }
     memcpy(value, w[1].text, len);
@@ -66,7 +65,7 @@ static bool affordable(struct server *s, struct answer *a, const struct config *
     return false;
 }
 
-/* Tells the operator what has changed. */
+/* Writes messages about what has changed. */
 static void report(const struct server *s, const struct answer *a, const struct config *next)
 {
     char was[SETTING_TEXT_ROOM], now[SETTING_TEXT_ROOM], what[160];
@@ -76,7 +75,8 @@ static void report(const struct server *s, const struct answer *a, const struct 
         const char *after = setting_text(&settings[i], next, now);
         if (strcmp(before, after) == 0)
             continue;
-        snprintf(what, sizeof what, "has set %s to %s; it was %s", settings[i].name, after, before);
+        snprintf(what, sizeof what, "has changed %s to %s; it was %s", settings[i].name, after,
+                 before);
         notice_client(who, NOTICE_INFO, what);
     }
 }
@@ -105,15 +105,15 @@ static void set(struct server *s, const struct request *q, struct answer *a)
 static void reload(struct server *s, struct answer *a)
 {
     if (s->config->auth_file == NULL) {
-        reply_err(a->out, ERR_SYNTAX, "there is no --auth-file to read again");
+        reply_err(a->out, ERR_SYNTAX, "there is no --auth-file to reload");
         return;
     }
     if (!reload_tokens(s, a->owner)) {
-        reply_err(a->out, ERR_IO, "not a good file of tokens; the old ones stay: see the log");
+        reply_err(a->out, ERR_IO, "the token file is not valid; the old tokens stay: see the log");
         return;
     }
     const struct session *who = clients_asker(s, a);
-    if (who != NULL) { /* the answer must not give back what the new tokens have taken */
+    if (who != NULL) { /* the new role of the connection; *a still has the old one */
         a->role = who->role;
         a->token = who->token;
         if (who->role == ROLE_NONE)

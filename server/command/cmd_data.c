@@ -74,7 +74,7 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
     if (!read_making(a, q, &m))
         return;
     if (set != NULL) {
-        reply_err(a->out, ERR_EXISTS, "the set %s is there already", set->name);
+        reply_err(a->out, ERR_EXISTS, "the set %s already exists", set->name);
         return;
     }
     set = edit_create(s, a, &q->word[1], m.tolerance);
@@ -125,7 +125,7 @@ void cmd_add(struct server *s, struct dataset *set, const struct request *q, str
     size_t n = (q->n - 2) / 2;
     struct arrival points = {.n = n};
     if (q->n % 2 != 0) {
-        reply_err(a->out, ERR_SYNTAX, "an x without its y");
+        reply_err(a->out, ERR_SYNTAX, "odd number of coordinates");
         return;
     }
     points.p = dt_pages_grow(s->pages, NULL, 0, n * sizeof *points.p);

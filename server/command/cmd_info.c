@@ -14,7 +14,7 @@
 
 struct facts {
     struct buf text; /* owns: the lines */
-    uint64_t n;      /* how many */
+    uint64_t n;      /* their number */
 };
 
 static void add_text(struct facts *f, const char *key, const char *value)
@@ -34,7 +34,7 @@ static void add(struct facts *f, const char *key, uint64_t value)
 
 /* ---- sections ---- */
 
-static void tell_server(const struct server *s, struct facts *f)
+static void add_server(const struct server *s, struct facts *f)
 {
     add_text(f, "version", DELAUNAYD_VERSION);
     add(f, "protocol", PROTOCOL_VERSION);
@@ -43,7 +43,7 @@ static void tell_server(const struct server *s, struct facts *f)
     add(f, "threads", s->config->threads);
 }
 
-static void tell_clients(const struct server *s, struct facts *f)
+static void add_clients(const struct server *s, struct facts *f)
 {
     add(f, "clients", s->clients != NULL ? s->clients->n : 0);
     add(f, "max_clients", s->config->max_clients);
@@ -54,7 +54,7 @@ static void tell_clients(const struct server *s, struct facts *f)
     add(f, "delayed_tokens", s->count.delayed_tokens);
 }
 
-static void tell_memory(const struct server *s, struct facts *f)
+static void add_memory(const struct server *s, struct facts *f)
 {
     struct dt_pages_summary pages;
     dt_pages_summary(s->pages, &pages);
@@ -73,7 +73,7 @@ static void tell_memory(const struct server *s, struct facts *f)
     add(f, "resident", machine_resident());
 }
 
-static void tell_stats(const struct server *s, struct facts *f)
+static void add_stats(const struct server *s, struct facts *f)
 {
     uint64_t running = 0;
     for (const struct job *j = s->jobs; j != NULL; j = j->next)
@@ -87,7 +87,7 @@ static void tell_stats(const struct server *s, struct facts *f)
     add(f, "slow", s->count.slow);
 }
 
-static void tell_sets(const struct server *s, struct facts *f)
+static void add_sets(const struct server *s, struct facts *f)
 {
     uint64_t edited = 0;
     for (const struct job *j = s->jobs; j != NULL; j = j->next)
@@ -97,7 +97,7 @@ static void tell_sets(const struct server *s, struct facts *f)
     add(f, "max_points", s->config->max_points);
 }
 
-static void tell_durability(const struct server *s, struct facts *f)
+static void add_durability(const struct server *s, struct facts *f)
 {
     struct durable_facts disk;
     durable_facts(s, &disk);
@@ -126,7 +126,7 @@ static void add_quantiles(char *text, size_t size, const char *prefix, const str
              (double)histogram_quantile(h, 0.99) / 1000, prefix, (double)h->max / 1000);
 }
 
-static void tell_command(struct facts *f, const char *name, const struct command_stats *of)
+static void add_command(struct facts *f, const char *name, const struct command_stats *of)
 {
     char key[32], value[320];
     if (of->calls == 0)
@@ -140,51 +140,51 @@ static void tell_command(struct facts *f, const char *name, const struct command
     add_text(f, key, value);
 }
 
-static void tell_commands(const struct server *s, struct facts *f)
+static void add_commands(const struct server *s, struct facts *f)
 {
     for (size_t i = 0; i < command_count; i++)
-        tell_command(f, commands[i].name, &s->stats.of[i]);
-    tell_command(f, "OTHER", &s->stats.of[STATS_OTHER]);
+        add_command(f, commands[i].name, &s->stats.of[i]);
+    add_command(f, "OTHER", &s->stats.of[STATS_OTHER]);
 }
 
 static const struct section {
     const char *name;
-    void (*tell)(const struct server *s, struct facts *f);
+    void (*add)(const struct server *s, struct facts *f);
 } sections[] = {
-    {"SERVER", tell_server},     {"CLIENTS", tell_clients}, {"MEMORY", tell_memory},
-    {"STATS", tell_stats},       {"SETS", tell_sets},       {"DURABILITY", tell_durability},
-    {"COMMANDS", tell_commands},
+    {"SERVER", add_server},     {"CLIENTS", add_clients}, {"MEMORY", add_memory},
+    {"STATS", add_stats},       {"SETS", add_sets},       {"DURABILITY", add_durability},
+    {"COMMANDS", add_commands},
 };
 
 enum { SECTIONS = sizeof sections / sizeof sections[0] };
 
 /* ---- the command ---- */
 
-/* Adds section i unless the reply has it already: told[i]. */
-static void tell_once(const struct server *s, struct facts *f, bool *told, size_t i)
+/* Adds section i unless the reply has it already: added[i]. */
+static void add_once(const struct server *s, struct facts *f, bool *added, size_t i)
 {
-    if (!told[i])
-        sections[i].tell(s, f);
-    told[i] = true;
+    if (!added[i])
+        sections[i].add(s, f);
+    added[i] = true;
 }
 
-static void tell_all(const struct server *s, struct facts *f, bool *told)
+static void add_all(const struct server *s, struct facts *f, bool *added)
 {
     for (size_t i = 0; i < SECTIONS; i++)
-        tell_once(s, f, told, i);
+        add_once(s, f, added, i);
 }
 
 /* Adds the section of that name. False: there is none. */
-static bool tell_section(const struct server *s, struct facts *f, bool *told,
-                         const struct word *name)
+static bool add_section(const struct server *s, struct facts *f, bool *added,
+                        const struct word *name)
 {
     if (word_is(name, "ALL")) {
-        tell_all(s, f, told);
+        add_all(s, f, added);
         return true;
     }
     for (size_t i = 0; i < SECTIONS; i++) {
         if (word_is(name, sections[i].name)) {
-            tell_once(s, f, told, i);
+            add_once(s, f, added, i);
             return true;
         }
     }
@@ -194,12 +194,12 @@ static bool tell_section(const struct server *s, struct facts *f, bool *told,
 void cmd_info(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct facts f = {0};
-    bool known = true, told[SECTIONS] = {false};
+    bool known = true, added[SECTIONS] = {false};
     (void)set;
     if (q->n == 1)
-        tell_all(s, &f, told);
+        add_all(s, &f, added);
     for (size_t i = 1; i < q->n && known; i++) {
-        known = tell_section(s, &f, told, &q->word[i]);
+        known = add_section(s, &f, added, &q->word[i]);
         if (!known)
             reply_err(a->out, ERR_SYNTAX,
                       "INFO has no section %.*s; it has server clients memory stats sets "

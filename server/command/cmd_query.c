@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-/* The options that end a request, and what stands before them. */
+/* The options at the end of a request. */
 struct tail {
     size_t n; /* words without the options */
     bool cw, binary;
@@ -26,7 +26,7 @@ static struct tail read_tail(const struct request *q)
     return t;
 }
 
-/* Whether n words and these options make sense for the command; else the error has been told. */
+/* Whether the number of words and the options are valid for the command; else the ERR line has been written. */
 static bool check_tail(struct answer *a, const struct request *q, const struct tail *t, size_t most)
 {
     if (t->n <= most && (!t->binary || t->n == 2))

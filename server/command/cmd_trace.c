@@ -1,7 +1,7 @@
 /* cmd_trace.c - TRACE: the steps of the paper's algorithm, a row each.
  *
- * The rows are made before the first one is sent, since their number comes first. That is why sets
- * are limited here: a thousand evenly spread points take about 350 KB. */
+ * All rows are made before the first one is sent, because their number comes first. That is why the number of
+ * points is limited: the rows of a thousand uniform points take about 350 KB. */
 #include "server/command/command.h"
 
 #include "proto/number.h"
@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-enum { TRACE_AT_ONCE = 50 }; /* points that the I/O thread itself traces */
+enum { TRACE_AT_ONCE = 50 }; /* points up to which the I/O thread does it */
 
 struct trace {
     struct job job;
@@ -18,7 +18,7 @@ struct trace {
     uint64_t count;
 };
 
-/* Every kind of row: its name, then so many ids. */
+/* The kinds of rows: a name, then a number of ids. */
 static const struct {
     const char *name;
     unsigned ids;

@@ -20,7 +20,7 @@ enum {
     READS = CMD_SET | CMD_EXISTING,
     QUERIES = READS | CMD_FRESH | CMD_LIVE,
     SEARCHES = QUERIES | CMD_SEARCH,
-    POINT_SEARCHES = SEARCHES & ~CMD_LIVE, /* that do without a triangulation, if there is none */
+    POINT_SEARCHES = SEARCHES & ~CMD_LIVE, /* these need no triangulation */
     EDITS = CMD_SET | CMD_WRITE
 };
 
@@ -94,7 +94,7 @@ const struct command *command_find(const struct word *name)
     return NULL;
 }
 
-/* ---- what must hold before a handler runs ---- */
+/* ---- checks before a handler runs ---- */
 
 void answer_usage(struct answer *a, const struct request *q)
 {
@@ -123,25 +123,28 @@ static bool check_role(struct answer *a, const struct command *c)
         return (c->flags & (CMD_WRITE | CMD_ADMIN)) == 0 || check_write_role(a);
     if ((c->flags & CMD_OPEN) != 0)
         return true;
-    reply_err(a->out, ERR_NOAUTH, "show a token first: AUTH token");
+    reply_err(a->out, ERR_NOAUTH, "authenticate first: AUTH token");
     return false;
 }
 
-/* At the start, sets are there only when all that is on disk has been read. */
+/* At the start there are no sets until the data directory has been read. */
 static bool check_loaded(struct server *s, struct answer *a, const struct command *c)
 {
     return (c->flags & (CMD_SET | CMD_ALL_SETS)) == 0 || durable_loaded(s, a);
 }
 
-/* The changes that are seen in what the reply will say of the set; NULL: that there is none. One that
- * would have changed something and finds that done acknowledges the change that did it. */
+/* Sets the change that the reply will show: the last one of the set; NULL: there is no set. A command for writing
+ * acknowledges it, even if it finds nothing left to change. */
 static void note_changes(const struct server *s, struct answer *a, const struct command *c,
                          const struct dataset *set)
 {
-    *((c->flags & CMD_WRITE) != 0 ? &a->lsn : &a->shown) = journal_of(s, set);
+    if ((c->flags & CMD_WRITE) != 0)
+        a->lsn = journal_of(s, set);
+    else
+        a->shown = journal_of(s, set);
 }
 
-/* The set that the request is about: in *set, NULL if it is not there. */
+/* Finds the set of the request: *set, NULL if there is none. */
 static bool check_set(struct server *s, struct answer *a, const struct command *c,
                       const struct request *q, struct dataset **set)
 {
@@ -153,8 +156,7 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
         return false;
     }
     *set = registry_find(&s->sets, &q->word[1]);
-    /* A set that is about to be created is there for those who would create it, and for nobody
-     * else. */
+    /* Only commands for writing see a set whose creation has not succeeded yet. */
     bool there = *set != NULL && ((*set)->born || (c->flags & CMD_WRITE) != 0);
     if (!there)
         *set = NULL;
@@ -166,7 +168,7 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
     return true;
 }
 
-/* ---- bringing a triangulation up to date before a query ---- */
+/* ---- updating a triangulation before a query ---- */
 
 static void run_refresh(struct job *j)
 {
@@ -182,7 +184,7 @@ static void refresh_done(struct server *s, struct job *j, struct answer *a)
         answer_status(a, j->status);
 }
 
-/* Whether the set can be queried now. If not, a tells what comes first. */
+/* Whether the triangulation is current. If not, a job updates it first, or the request waits. */
 static bool refresh(struct server *s, struct answer *a, struct dataset *set)
 {
     if (!version_is_stale(set->current))
@@ -208,12 +210,11 @@ static bool refresh(struct server *s, struct answer *a, struct dataset *set)
         a->next = ANSWER_PREPARING;
     if (a->next != ANSWER_AGAIN)
         return false;
-    a->next = ANSWER_WHOLE; /* it was done at once */
+    a->next = ANSWER_WHOLE; /* the job was done at once */
     return true;
 }
 
-/* The same for what looks at the grid for searches. Nothing else does, so it is made beside those who
- * read the set. */
+/* The same for the grid for searches. It is built while others read the set, which do not use it. */
 static bool prepare(struct server *s, struct answer *a, struct dataset *set)
 {
     if (renew_has_grid(s, set))
@@ -222,7 +223,7 @@ static bool prepare(struct server *s, struct answer *a, struct dataset *set)
     return false;
 }
 
-/* Whether the set's state allows the command now. */
+/* Whether the state of the set allows the command now. If not, the request waits, or the ERR line has been written. */
 static bool check_state(struct server *s, struct answer *a, const struct command *c,
                         const struct request *q, struct dataset *set)
 {
@@ -252,7 +253,7 @@ static bool check_state(struct server *s, struct answer *a, const struct command
 
 /* ---- running ---- */
 
-/* As command_find; where one command follows after the other, it is most often the same. */
+/* As command_find, but tries the last command first: pipelines often repeat a command. */
 static const struct command *find_again(struct server *s, const struct word *name)
 {
     if (s->command == NULL || !word_is(name, s->command->name))
@@ -294,14 +295,14 @@ void command_take_timeout(struct request *q, int64_t *ms)
     memmove(q->word, q->word + 2, q->n * sizeof *q->word);
 }
 
-/* Comes here only if its prefix is no valid one. */
+/* Runs only if the prefix is not valid; see command_take_timeout. */
 void cmd_timeout(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     const struct command *inner = command_find(&q->word[2]);
     (void)s, (void)set;
     reply_err(a->out, ERR_SYNTAX, "usage: TIMEOUT seconds command, with more than 0 and at most %d",
               LIMIT_TIMEOUT_S);
-    /* After a load that is refused nobody knows where the next request starts. */
+    /* After a refused load it is unknown where the next request begins. */
     if (inner != NULL && (inner->flags & CMD_BODY) != 0)
         a->next = ANSWER_CLOSING;
 }
@@ -316,7 +317,8 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
         a->next = ANSWER_WHOLE;
     buf_rewind(a->out, mark);
     if (a->busy)
-        reply_err(a->out, ERR_BUSY, "others use the memory that the reply takes; try again");
+        reply_err(a->out, ERR_BUSY,
+                  "not enough free memory for the reply at the moment; try again");
     else
         reply_err(a->out, ERR_NOMEM, "out of memory; nothing has changed");
 }
@@ -324,7 +326,7 @@ void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
 void command_run(struct server *s, const struct request *q, struct answer *a)
 {
     size_t mark = buf_len(a->out);
-    if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) { /* not even room to say so */
+    if (buf_reserve(a->out, REPLY_ERR_ROOM) == NULL) { /* no memory for an error line */
         a->next = ANSWER_BROKEN;
         return;
     }

@@ -1,16 +1,15 @@
-/* command.h - the table of commands, and how a request line becomes a handler's call.
+/* command.h - the table of commands, and the dispatch of requests.
  *
- * A command is one row: its name, how many words it takes, what it needs, its handler, its help.
- * Before the handler runs, the set named by the second word has been looked up and is in the state
- * that the flags ask for. */
+ * A command is one row: its name, the number of its words, its flags, its handler, its help. Before the handler
+ * runs, the set named by the second word has been looked up and is in the state that the flags require. */
 #ifndef SERVER_COMMAND_H
 #define SERVER_COMMAND_H
 
 #include "server/jobs/listing.h"
 #include "server/jobs/server.h"
 
-/* set is NULL for a command without CMD_SET, or if there is none of that name and the command may
- * do without. */
+/* set is NULL for a command without CMD_SET, or if there is no set of that name and the command does not require
+ * one. */
 typedef void command_handler(struct server *s, struct dataset *set, const struct request *q,
                              struct answer *a);
 
@@ -46,17 +45,17 @@ const struct command *command_find(const struct word *name);
  * more than 0; without one 0, and the request is as it was. */
 void command_take_timeout(struct request *q, int64_t *ms);
 
-/* Carries out the request q, or begins to. Whatever happens, a tells (answer.h). */
+/* Carries out the request q, or begins to; the outcome is in *a (answer.h). */
 void command_run(struct server *s, const struct request *q, struct answer *a);
 
 /* The same for a request whose body is complete, or says what is wrong with the body. As long as the request
  * is to be carried out again (a->next), the load is needed; then it is spent. */
 void command_run_body(struct server *s, struct load *l, struct answer *a);
 
-/* Memory ran out while a reply was written: cuts the reply off at `mark` and says so. */
+/* Out of memory while a reply was written: replaces what follows `mark` by the error. */
 void command_out_of_memory(struct server *s, struct answer *a, size_t mark);
 
-/* How a word of the client's is quoted in an error: at most 32 bytes of it. Use with %.*s. */
+/* A word of the client in an error, at most 32 bytes of it; for %.*s. */
 #define QUOTED(W) (int)((W)->len < 32 ? (W)->len : 32), (W)->text
 
 /* The error of a request whose words are not those that its command takes. */
@@ -68,38 +67,37 @@ bool check_write_role(struct answer *a);
 /* ---- reading arguments; false: the ERR line has been written ---- */
 
 bool read_coordinate(struct answer *a, const struct word *w, double *v);
-/* The same for a length, named for the error: a coordinate's magnitude, and not negative. */
+/* The same for a length, which is not negative; `what` names it in the error. */
 bool read_length(struct answer *a, const struct word *w, const char *what, double *v);
 bool read_point(struct answer *a, const struct word *w, struct dt_point *p);
 bool read_id(struct answer *a, const struct word *w, uint32_t *id);
 
-/* The place that the third and the fourth word tell, with what is known about it already. */
+/* The place in the third and fourth word, with a hint if it has been prefetched. */
 bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p);
 
-/* A whole number, named for the error. */
+/* A whole number; `what` names it in the error. */
 bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n);
 
-/* Reads n words as ids into a new array, which the caller owns; NULL: the error has been told. n >
- * 0. */
+/* Parses n > 0 words as ids into a new array of the caller's; NULL: the ERR line has been written. */
 uint32_t *read_ids(struct answer *a, const struct word *w, size_t n);
 
-/* The connection that asks shows a token, which may give it a role. SHOWN_LATER: nothing has been
- * decided yet, and the answer says when to carry out the request. */
+/* Checks a token of the connection, which may give it a role. SHOWN_LATER: the check is delayed; the answer has the
+ * time. */
 enum shown { SHOWN_WRONG, SHOWN_GOOD, SHOWN_LATER };
 enum shown client_show_token(struct server *s, struct answer *a, const struct word *token);
 
 /* CLIENT LIST, in lines or, for RESP, as one bulk string. */
 void client_list(struct server *s, struct answer *a, enum listing_frame frame);
 
-/* A piece of a listing of slow requests, from that whose id is *at - 1 back to that of the id `end`, or
- * to what has been forgotten meanwhile, each written by `tell`. */
+/* A piece of a listing of slow requests, from id *at - 1 down to `end` or to the oldest one that still exists, each
+ * written by `append`. */
 bool slowlog_piece(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows,
-                   void (*tell)(struct buf *out, const struct slow *e));
+                   void (*append)(struct buf *out, const struct slow *e));
 
-/* How many slow requests SLOWLOG GET asks for; false: that is no number. */
+/* The number of entries that SLOWLOG GET requests; false: not a number. */
 bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n);
 
-/* Names the connection that asks. False: that can be no name. */
+/* Sets the name of the connection. False: the name is not valid. */
 bool client_set_name(struct server *s, struct answer *a, const struct word *name);
 
 command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                        /* cmd_data.c */
@@ -107,8 +105,8 @@ command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident;
 command_handler cmd_load;                                                        /* cmd_load.c */
 command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
 
-/* Whether a TRIANGULATE that finds the set being edited has been seen to: it waits for the result of
- * a job that does the same, or its error has been told. */
+/* Whether a TRIANGULATE of a set with a writer is done with: it waits for the result of a job that does the same, or
+ * its ERR line has been written. */
 bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,
                       struct answer *a);
 

@@ -10,9 +10,9 @@
 _Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pairs are points");
 
 enum {
-    MANY = 1 << 17,        /* points for which pages are made ready as they arrive */
-    BYTES_PER_POINT = 120, /* what they take until they are triangulated, at the peak */
-    BYTES_WHEN_ADDED = 84  /* of these, when they have been added */
+    MANY = 1 << 17,        /* points from which on pages are prefaulted */
+    BYTES_PER_POINT = 120, /* peak memory until they are triangulated */
+    BYTES_WHEN_ADDED = 84  /* of these, after they have been added */
 };
 
 static void *grow_points(void *ctx, void *p, size_t used, size_t bytes)
@@ -59,7 +59,7 @@ static void begin(struct server *s, const struct request *q, struct answer *a, b
     struct load *l = new_load(s, q, adds);
     if (l == NULL) {
         answer_out_of_memory(a);
-        a->next = ANSWER_CLOSING; /* what follows could not be told from requests */
+        a->next = ANSWER_CLOSING; /* the body could not be distinguished from requests */
         return;
     }
     size_t most = adds ? s->config->max_points : DT_MAX_POINTS;
@@ -89,7 +89,7 @@ void load_start(struct server *s, const struct request *q, struct answer *a, boo
         return;
     }
     const struct word *w = &q->word[2];
-    reply_err(a->out, ERR_NUMBER, "%.*s does not tell how much follows",
+    reply_err(a->out, ERR_NUMBER, "%.*s is not a number of points",
               (int)(w->len < 32 ? w->len : 32), w->text);
     a->next = ANSWER_CLOSING;
 }

@@ -1,4 +1,4 @@
-/* redis.c - see redis.h. Nothing here does more than tools need in order to start. */
+/* redis.c - see redis.h. This does no more than tools need in order to start. */
 #include "server/command/redis.h"
 
 #include "proto/number.h"
@@ -61,7 +61,7 @@ static void select_db(struct server *s, const struct request *q, struct answer *
         simple(a, "-RANGE there is only the database 0");
 }
 
-/* A command as COMMAND tells it: name, number of words (negative: at least), flags, and the places
+/* A command as COMMAND lists it: name, number of words (negative: at least), flags, and the places
  * of the first and the last key and the step between keys, a set's name being the key. */
 static void describe(struct answer *a, const struct command *c)
 {
@@ -94,23 +94,23 @@ static void command(struct server *s, const struct request *q, struct answer *a)
     }
 }
 
-/* ---- what our own commands answer, in Redis's shape ---- */
+/* ---- replies of our own commands in Redis's form ---- */
 
 /* A reply in lines. */
-struct told {
+struct line_reply {
     struct buf lines;         /* owns */
     struct reply_part status; /* borrows lines */
-    struct buf rows;          /* owns: each row with an end of line */
+    struct buf rows;          /* owns; each row with an end of line */
 };
 
-static void forget(struct told *t)
+static void clear_reply(struct line_reply *t)
 {
     buf_free(&t->lines);
     buf_free(&t->rows);
 }
 
-/* Sorts the lines into status and rows; an error is passed on. False: there is no more to say. */
-static bool sort_out(struct told *t, struct answer *a, const char *eol)
+/* Splits the lines into status and rows; an error is copied to the reply. False: that is all. */
+static bool sort_out(struct line_reply *t, struct answer *a, const char *eol)
 {
     struct reply_reader reader = {0};
     struct reply_part part;
@@ -135,12 +135,12 @@ static bool sort_out(struct told *t, struct answer *a, const char *eol)
     return !a->out->failed;
 }
 
-/* Carries out q as if it had come in a line. False: it has been answered, by an error. */
+/* Carries out q as a line. False: it has been answered with an error. */
 static bool ask(struct server *s, const struct request *q, struct answer *a, const char *eol,
-                struct told *t)
+                struct line_reply *t)
 {
     struct answer plain = *a;
-    *t = (struct told){0};
+    *t = (struct line_reply){0};
     plain.out = &t->lines;
     command_run(s, q, &plain);
     if (plain.next == ANSWER_CLOSING)
@@ -149,18 +149,18 @@ static bool ask(struct server *s, const struct request *q, struct answer *a, con
     a->token = plain.token;
     if (sort_out(t, a, eol))
         return true;
-    forget(t);
+    clear_reply(t);
     return false;
 }
 
-static uint64_t number_in(const struct told *t, const char *key)
+static uint64_t number_in(const struct line_reply *t, const char *key)
 {
     uint64_t v = 0;
     reply_key_number(&t->status, key, &v);
     return v;
 }
 
-static void tell_name(struct answer *a, const struct told *t)
+static void answer_name(struct answer *a, const struct line_reply *t)
 {
     const char *name;
     size_t len = 0;
@@ -172,7 +172,7 @@ static void tell_name(struct answer *a, const struct told *t)
 
 static void client(struct server *s, const struct request *q, struct answer *a)
 {
-    struct told t;
+    struct line_reply t;
     if (q->n == 2 && word_is(&q->word[1], "LIST") && a->role == ROLE_WRITE) {
         client_list(s, a, LISTING_BULK);
         return;
@@ -183,25 +183,24 @@ static void client(struct server *s, const struct request *q, struct answer *a)
     if (word_is(what, "ID"))
         integer(a, number_in(&t, "id"));
     else if (word_is(what, "GETNAME"))
-        tell_name(a, &t);
+        answer_name(a, &t);
     else if (word_is(what, "KILL") && q->n == 4)
         integer(a, number_in(&t, "killed"));
     else if (word_is(what, "KILL") && number_in(&t, "killed") == 0)
         simple(a, "-ERR No such client");
     else
         simple(a, "+OK");
-    forget(&t);
+    clear_reply(&t);
 }
 
-/* Redis's tools ask for settings that there are none of here, whose values they print only: they are
- * empty. */
+/* Redis tools ask for settings that do not exist here, and only print their values: these are empty. */
 static bool is_foreign(const struct word *name)
 {
     return setting_find(name->text, name->len) == NULL &&
            memchr(name->text, '*', name->len) == NULL && memchr(name->text, '?', name->len) == NULL;
 }
 
-/* The settings that are asked for, as an array of names and values. */
+/* The matching settings, as an array of names and values. */
 static void get_settings(struct server *s, const struct request *q, struct answer *a)
 {
     char text[SETTING_TEXT_ROOM];
@@ -229,17 +228,17 @@ static void get_settings(struct server *s, const struct request *q, struct answe
 
 static void config(struct server *s, const struct request *q, struct answer *a)
 {
-    struct told t;
+    struct line_reply t;
     if (q->n >= 3 && word_is(&q->word[1], "GET")) {
         get_settings(s, q, a);
     } else if (ask(s, q, a, "", &t)) {
         simple(a, "+OK");
-        forget(&t);
+        clear_reply(&t);
     }
 }
 
 /* An entry as Redis has it: id, time, microseconds, words, address, name. */
-static void tell_slow(struct buf *out, const struct slow *e)
+static void append_slow(struct buf *out, const struct slow *e)
 {
     struct answer row = {.out = out}, *a = &row;
     char peer[SOCK_PEER_TEXT];
@@ -263,12 +262,12 @@ static void tell_slow(struct buf *out, const struct slow *e)
 
 static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
 {
-    return slowlog_piece(s, at, end, rows, tell_slow);
+    return slowlog_piece(s, at, end, rows, append_slow);
 }
 
 static void slowlog(struct server *s, const struct request *q, struct answer *a)
 {
-    struct told t;
+    struct line_reply t;
     uint32_t n;
     uint64_t next = s->slowlog.next;
     if (q->n >= 2 && q->n <= 3 && word_is(&q->word[1], "GET") && a->role == ROLE_WRITE &&
@@ -284,7 +283,7 @@ static void slowlog(struct server *s, const struct request *q, struct answer *a)
     } else {
         simple(a, "+OK");
     }
-    forget(&t);
+    clear_reply(&t);
 }
 
 /* Redis's names of sections, and what is nearest to them here. */
@@ -295,10 +294,10 @@ static const struct {
     {"KEYSPACE", "SETS"}, {"COMMANDSTATS", "COMMANDS"}, {"LATENCYSTATS", "COMMANDS"},
 };
 
-/* INFO's rows as the one text that Redis answers with. */
+/* The rows of INFO as one text, as in Redis. */
 static void info(struct server *s, const struct request *q, struct answer *a)
 {
-    struct told t;
+    struct line_reply t;
     for (size_t i = 1; i < q->n; i++)
         for (size_t k = 0; k < sizeof renamed / sizeof renamed[0]; k++)
             if (word_is(&q->word[i], renamed[k].theirs))
@@ -306,10 +305,10 @@ static void info(struct server *s, const struct request *q, struct answer *a)
     if (!ask(s, q, a, "\r\n", &t))
         return;
     resp_bulk(a->out, buf_head(&t.rows), buf_len(&t.rows));
-    forget(&t);
+    clear_reply(&t);
 }
 
-/* False: it is wrong, which has been answered, or it is to be shown again later. */
+/* False: the token is wrong, and the error has been written; or the check is delayed. */
 static bool show_token(struct server *s, const struct word *token, struct answer *a)
 {
     enum shown shown = client_show_token(s, a, token);
@@ -318,7 +317,7 @@ static bool show_token(struct server *s, const struct word *token, struct answer
     return shown == SHOWN_GOOD;
 }
 
-/* AUTH user token: the name plays no part. */
+/* AUTH user token: the name is ignored. */
 static void auth(struct server *s, const struct request *q, struct answer *a)
 {
     if (q->n != 2 && q->n != 3)
@@ -373,7 +372,7 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
         }
     }
     if (a->role == ROLE_NONE)
-        simple(a, "-NOAUTH show a token first: AUTH token");
+        simple(a, "-NOAUTH authenticate first: AUTH token");
     else
         greet(a, version);
 }
@@ -420,7 +419,7 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
         return true;
     }
     if (a->role == ROLE_NONE && !open)
-        simple(a, "-NOAUTH show a token first: AUTH token");
+        simple(a, "-NOAUTH authenticate first: AUTH token");
     else
         handler(s, q, a);
     if (a->out->failed) {

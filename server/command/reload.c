@@ -11,7 +11,7 @@ static void renew_client(struct session *s, const struct auth *now, const struct
     s->role = auth_renew(now, before, &s->token);
     if (stranger || s->token != 0)
         return;
-    notice_client(s, NOTICE_INFO, "has a token that is gone: closed");
+    notice_client(s, NOTICE_INFO, "has a token that was removed: closed");
     if (s->id != asker)
         conn_close(&s->conn);
 }
@@ -21,11 +21,11 @@ bool reload_tokens(struct server *s, uint64_t asker)
     struct auth now, before = s->auth;
     const char *path = s->config->auth_file;
     if (path == NULL) {
-        notice(NOTICE_WARNING, "there are no tokens to read again: no --auth-file");
+        notice(NOTICE_WARNING, "there are no tokens to reload: no --auth-file");
         return false;
     }
     if (!auth_load(&now, path)) {
-        notice(NOTICE_ERROR, "%s is not a good file of tokens: the old ones stay", path);
+        notice(NOTICE_ERROR, "%s is not a valid token file: the old tokens stay", path);
         return false;
     }
     for (uint32_t i = 0; s->clients != NULL && i < s->clients->cap; i++) {

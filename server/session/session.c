@@ -18,13 +18,13 @@
 #include <stdlib.h>
 
 enum {
-    TURN_NS = 250 * 1000,      /* of work; then the session yields */
-    LATE_TURN_NS = 100 * 1000, /* the same when the loop's turn has been long already */
-    BATCH_NS = 1000 * 1000,    /* the same while requests are left that have been read ahead */
-    STEPS_PER_LOOK = 16        /* of the quickest requests, between looks at the clock */
+    TURN_NS = 250 * 1000,      /* after which the session yields */
+    LATE_TURN_NS = 100 * 1000, /* the same if the loop's turn is already long */
+    BATCH_NS = 1000 * 1000,    /* the same while there are prefetched requests */
+    STEPS_PER_LOOK = 16        /* the clock is read after so many of the quickest requests */
 };
 
-/* Whether a request of which `bytes` have come is too much before AUTH. */
+/* Whether a request is too long before AUTH. */
 static bool is_too_much(const struct session *s, size_t bytes, size_t words)
 {
     return s->role == ROLE_NONE && (bytes > LIMIT_STRANGER_BYTES || words > LIMIT_STRANGER_WORDS);
@@ -36,22 +36,22 @@ static bool refuse_stranger(struct session *s)
                           "before AUTH a request has at most 10 words and 16384 bytes");
 }
 
-/* The request has waited for longer than it may take. */
+/* Whether the request has waited beyond its deadline. */
 static bool is_late(const struct session *s)
 {
     return s->deadline_ms != 0 && s->held > 0 && s->conn.loop->now_ms > s->deadline_ms;
 }
 
-/* A session that a queue has called has its turn for all the requests that it carries out at once, since
- * a turn for each request of a pipeline would double the cost; then the next waiter is called. A
- * request that is still to be carried out keeps its turn. */
+/* A session that a queue has called keeps its turn for all requests that it carries out at once, because a turn
+ * for each request of a pipeline would double the cost; then the next waiter is called. The turn is also kept
+ * while a request is still to be carried out. */
 static void end_turn(struct session *s)
 {
     if (s->waiter.called && s->held == 0 && s->load == NULL)
         wait_served(&s->waiter);
 }
 
-/* Answers that it took too long. */
+/* Answers with ERR TIMEOUT. */
 static bool give_up(struct session *s)
 {
     s->timed_out = true;
@@ -72,14 +72,14 @@ void session_set_deadline(struct session *s)
     s->timed_out = false;
 }
 
-/* The deadline of a request counts from when it was first looked at. */
+/* The deadline counts from the first attempt to carry out the request. */
 static void take_timeout(struct session *s, struct request *q)
 {
     command_take_timeout(q, &s->limit_ms);
     session_set_deadline(s);
 }
 
-/* ---- steps: each carries out one request, or a piece of one; true: go on ---- */
+/* ---- steps: each carries out one request, or a piece of one; true: continue ---- */
 
 bool session_input_ended(const struct session *s)
 {
@@ -91,11 +91,11 @@ bool session_wait_for_input(struct session *s)
     if (s->conn.eof)
         conn_finish(&s->conn);
     else if (buf_len(&s->conn.in) >= CONN_SMALL && conn_is_short(&s->conn))
-        return session_refuse(s, ERR_BUSY, "no memory is left for so long a request; try again");
+        return session_refuse(s, ERR_BUSY, "not enough memory for such a long request; try again");
     return false;
 }
 
-/* The words are a line's; http: the first line, which is that of a browser. */
+/* The request is a line; http: it looks like the first line of an HTTP request. */
 static bool carry_out(struct session *s, bool http)
 {
     struct request *q = &s->server->request;
@@ -107,8 +107,9 @@ static bool carry_out(struct session *s, bool http)
         return refuse_stranger(s);
     const struct word *name = &q->word[0];
     s->greeted = true;
-    if (http || name->text[name->len - 1] == ':') { /* a browser was made to send it */
-        notice_client(s, NOTICE_WARNING, "speaks something else, such as HTTP: closed");
+    if (http || name->text[name->len - 1] == ':') { /* sent by a browser, against its user's will */
+        notice_client(s, NOTICE_WARNING,
+                      "does not speak the protocol, but HTTP, for instance: closed");
         conn_finish(&s->conn);
         return false;
     }
@@ -205,7 +206,7 @@ static bool step(struct session *s)
 {
     if (s->state == SESSION_WAITING || s->state == SESSION_DELAYED || s->state == SESSION_WORKING)
         return false;
-    if (conn_full(&s->conn)) { /* others go first: its client may not read for long */
+    if (conn_full(&s->conn)) { /* gives up its turn: the client may not read for long */
         wait_served(&s->waiter);
         conn_yield(&s->conn);
         return false;
@@ -215,10 +216,10 @@ static bool step(struct session *s)
     return s->load != NULL ? session_step_load(s) : step_request(s);
 }
 
-/* ---- what the connection tells ---- */
+/* ---- events of the connection ---- */
 
-/* Whether the session has worked for long enough. Requests that have been read ahead are carried out
- * first, because what has been read and fetched for them is lost when the session yields. */
+/* Whether the session has used up its time. Prefetched requests are still carried out, because the prefetched data
+ * is lost when the session yields. */
 static bool has_had_its_turn(const struct session *s, int64_t start, bool late)
 {
     int64_t spent = s->server->stats.mark_ns - start;
@@ -236,7 +237,7 @@ static void on_data(struct conn *c)
     for (unsigned n = 1; step(s); n++) {
         if (n % STEPS_PER_LOOK == 0 || s->load != NULL)
             stats_look(stats);
-        if (has_had_its_turn(s, start, late)) { /* slower requests end with a look, too */
+        if (has_had_its_turn(s, start, late)) { /* slower requests read the clock, too */
             conn_yield(c);
             break;
         }
@@ -285,9 +286,9 @@ static void on_later(struct timer *t)
     conn_again(&s->conn);
 }
 
-/* The request has had its time. A job that goes on for others, or that has a result but waits for an
- * edit, is answered now, as is a request that waits in a queue; any other job is cancelled, and its
- * end brings the answer. */
+/* The deadline has passed. The request is answered now if it waits in a queue, if its job continues for other
+ * sessions, or if its job has finished but waits for an edit. Any other job is cancelled, and its end brings the
+ * answer. */
 static void pass_deadline(struct timer *t)
 {
     struct session *s = (struct session *)((char *)t - offsetof(struct session, deadline));
@@ -329,7 +330,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     return NULL;
 }
 
-/* ---- what the log tells ---- */
+/* ---- events of the log ---- */
 
 static struct session *session_of(struct hold *h)
 {
@@ -349,7 +350,8 @@ void session_not_saved(struct hold *h)
     hold_clear(h);
     wait_served(&s->waiter);
     struct answer a = session_answer(s);
-    reply_err(a.out, ERR_IO, "the disk fails: whether the last changes were saved is not known");
+    reply_err(a.out, ERR_IO,
+              "the disk has failed: it is unknown whether the last changes were saved");
     bool delivered = session_deliver(s, &a);
     if (s->state == SESSION_WORKING || s->state == SESSION_STREAMING ||
         s->state == SESSION_LISTING || !delivered || c->out.failed)
@@ -359,13 +361,13 @@ void session_not_saved(struct hold *h)
     conn_again(c);
 }
 
-/* ---- what the workers tell ---- */
+/* ---- events of the workers ---- */
 
-/* Answers by `tell`. What follows comes in the next turn, behind those who were in line for the set:
- * a client that pipelines would push in before them, and a follower must not touch the set while
- * its job is being ended. */
+/* Ends the job by `answer`. The next request is carried out in the next turn of the loop: otherwise a client with a
+ * pipeline would overtake requests that already wait for the set, and a session that has joined the job could use
+ * the set while the job is being ended. */
 static void end_job(struct session *s, struct job *j,
-                    void (*tell)(struct server *, struct job *, struct answer *))
+                    void (*answer)(struct server *, struct job *, struct answer *))
 {
     struct answer a = session_answer(s);
     size_t mark = buf_len(a.out);
@@ -373,7 +375,7 @@ static void end_job(struct session *s, struct job *j,
     s->state = SESSION_READING;
     bool room = buf_reserve(a.out, REPLY_ERR_ROOM) != NULL;
     account_job(s, j);
-    tell(s->server, j, &a);
+    answer(s->server, j, &a);
     if (a.out->failed && room)
         command_out_of_memory(s->server, &a, mark);
     session_take_over(s, &a);

@@ -1,44 +1,40 @@
-/* session.h - one client's conversation: takes requests from its connection one after the other,
- * hands them to the commands, and sees to what an answer leaves to come: streams, jobs, waiting,
- * loads.
+/* session.h - the conversation with one client: takes requests from its connection one after the other, passes
+ * them to the commands, and does what their answers require: streams, jobs, waiting, loads.
  *
- * At most one request of a client is under way, so replies come in the order of requests; those
- * behind it wait in the connection's input. A turn is bounded in time and in output, so that no
- * client holds up the others. */
+ * At most one request of a client is under way, so replies are in the order of requests; later requests wait in
+ * the connection's input. A turn is bounded in time and in output, so that no client blocks the others. */
 #ifndef SERVER_SESSION_H
 #define SERVER_SESSION_H
 
 #include "server/clients/session_state.h"
 
-/* A session on a connected non-blocking socket, whose other end is *peer; NULL, with the socket
- * still the caller's, when out of memory or descriptors. It frees itself when its connection has
- * closed. */
+/* A session on a connected non-blocking socket of *peer. NULL when out of memory or descriptors; then the socket
+ * is still the caller's. The session frees itself when its connection has closed. */
 struct session *session_new(struct server *server, struct loop *loop, int fd,
                             const struct sock_peer *peer, void (*closed)(struct session *s));
 
-/* Ends a job of this session. */
+/* Ends a finished job of this session. */
 void session_job_done(struct session *s, struct job *j);
 
-/* Answers the session, which has joined another one's job. */
+/* Answers the session with the result of a job of another session, which it has joined. */
 void session_job_shared(struct session *s, struct job *j);
 
-/* The hold of this session's connection lets more of its output go. */
+/* More output of this session's connection may be sent. */
 void session_released(struct hold *h);
 
-/* What the replies that are held would have acknowledged may be lost: ends the session with an
- * error instead of them. */
+/* Changes may be lost that replies in the output acknowledge: replaces these by an error and ends the session. */
 void session_not_saved(struct hold *h);
 
-/* To be called once a second: closes sessions that stall, that show no token in time, or that have
- * sent nothing for --idle-timeout. */
+/* To be called once a second: closes a session that stalls, that does not authenticate in time, or that has sent
+ * nothing for --idle-timeout. */
 void session_check_timeouts(struct session *s);
 
-/* Closes at once, with an error: a client that has shown no token makes room for another one. */
+/* Closes at once, with an error, to make room: the client has not authenticated. */
 void session_evict(struct session *s);
 
-enum { SESSION_PROGRESS_MS = 1000 }; /* a job that takes longer reports how far it is */
+enum { SESSION_PROGRESS_MS = 1000 }; /* jobs that take longer report their progress */
 
-/* Tells the client how far its job is. */
+/* Sends a progress comment to the client. */
 void session_progress(struct session *s, const struct job *j);
 
 #endif

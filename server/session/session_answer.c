@@ -1,5 +1,5 @@
-/* session_answer.c - what becomes of an answer: its bytes go to the connection, and the session sees
- * to what is still to come. */
+/* session_answer.c - processes answers: their bytes go to the connection, and the session enters the state that
+ * they require. */
 #include "proto/resp.h"
 #include "server/command/account.h"
 #include "server/command/load.h"
@@ -8,7 +8,7 @@
 #include "server/session/session.h"
 #include "server/session/session_inside.h"
 
-/* Frames the reply for a client that speaks RESP. */
+/* Converts the reply to RESP. */
 static bool reframe(struct session *s)
 {
     struct buf *lines = &s->server->lines, *out = &s->conn.out;
@@ -29,7 +29,7 @@ void session_consume(struct session *s)
     s->held = 0;
 }
 
-/* Whether the reply, of which not a byte has left yet, is an error. */
+/* Whether the reply, no byte of which has been sent, is an error. */
 static inline bool is_error(const struct session *s, const struct answer *a)
 {
     size_t at = a->out == &s->server->lines ? 0 : (size_t)(a->mark - s->conn.sent);
@@ -65,26 +65,25 @@ static void account(struct session *s, const struct answer *a, bool error)
     }
 }
 
-/* A worker has made a piece of the stream, or the listing can go on. */
+/* A piece of the stream has been made, or the listing can continue. */
 static void on_piece(void *ctx)
 {
     conn_yield(&((struct session *)ctx)->conn);
 }
 
-/* Has the reply wait for the disk; one that a job or a load leaves to come does so when it is
- * there. */
+/* Delays the reply until the log is durable. The reply of a job or a load does not exist yet. */
 static void hold_reply(struct session *s, const struct answer *a)
 {
     struct holders *in = &s->server->held;
     if (s->conn.closed || a->next == ANSWER_JOB || a->next == ANSWER_BODY)
-        return; /* the dead leave no trace */
+        return;
     if (a->lsn != 0)
         hold_acknowledgement(in, &s->conn.hold, a->lsn, a->mark);
     if (a->shown != 0)
         hold_view(in, &s->conn.hold, a->shown, a->mark);
 }
 
-/* Begins what is to come of the answer. */
+/* Enters the state that the answer requires. */
 static void enter_state(struct session *s, const struct answer *a)
 {
     s->state = SESSION_READING;
@@ -132,7 +131,7 @@ static bool keeps_request(const struct answer *a)
            a->next == ANSWER_LATER;
 }
 
-/* The request has been carried out, or a worker does so. */
+/* The request has been carried out, or a worker has it. */
 static void end_request(struct session *s, const struct answer *a)
 {
     if ((a->lsn | a->shown) != 0)
@@ -188,9 +187,9 @@ bool session_refuse_line(struct session *s, enum line_fault fault)
                           line_fault_text(fault));
 }
 
-/* ---- rows that are still to come ---- */
+/* ---- rows ---- */
 
-/* The next rows of a stream or a listing have been made, maybe the last ones. */
+/* Delivers the next rows of a stream or a listing. */
 static bool go_on_sending(struct session *s, const struct answer *a)
 {
     bool delivered = session_deliver(s, a),
@@ -199,7 +198,7 @@ static bool go_on_sending(struct session *s, const struct answer *a)
         s->state = SESSION_READING;
     if (!delivered)
         conn_close(&s->conn);
-    else if (more && conn_out_end(&s->conn) > a->mark) /* go on when this piece is out */
+    else if (more && conn_out_end(&s->conn) > a->mark) /* continue when this piece has been sent */
         conn_yield(&s->conn);
     return delivered && !more;
 }
@@ -213,7 +212,7 @@ static bool step_stream(struct session *s)
     return go_on_sending(s, &a);
 }
 
-/* The request of a listing is answered when its first row has been made. */
+/* A listing counts as answered when its first row has been made. */
 static bool step_listing(struct session *s)
 {
     bool begun = listing_has_begun(s->listing);

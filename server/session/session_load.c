@@ -18,7 +18,7 @@ static bool carry_out_load(struct session *s)
     return session_take_over(s, &a);
 }
 
-/* Feeds the load; true: go on. */
+/* Feeds the load; true: continue. */
 static bool feed_load(struct session *s)
 {
     struct buf *in = &s->conn.in;
@@ -30,7 +30,7 @@ static bool feed_load(struct session *s)
     }
     size_t n = all < FEED_BYTES ? all : FEED_BYTES;
     ptrdiff_t took = load_feed(s->server, s->load, buf_head(in), n, ended && n == all);
-    /* A line longer than a step's bytes: once more with all there is. */
+    /* A line longer than a step: again, with all the input. */
     if (took == 0 && n < all)
         took = load_feed(s->server, s->load, buf_head(in), all, ended);
     if (took < 0)
@@ -41,7 +41,7 @@ static bool feed_load(struct session *s)
     return took > 0 || s->load->body.complete || session_wait_for_input(s);
 }
 
-/* Reads what the bulk string holds beyond its points, which is too much, and its end. */
+/* Reads the rest of the bulk string, which should be empty, and its end. */
 static bool end_bulk(struct session *s)
 {
     struct buf *in = &s->conn.in;

@@ -1,6 +1,5 @@
-/* session_time.c - sessions that end although their clients have not asked for it: those that stall, that
- * show no token in time, whose points stop coming, or that make room for others; and how a session
- * notices that its client has closed the connection. */
+/* session_time.c - time limits: sessions that stall, that do not authenticate in time, or whose load stalls are
+ * ended; and a probe detects closed connections. */
 #include "server/command/account.h"
 #include "server/command/load.h"
 #include "server/ops/limits.h"
@@ -9,13 +8,13 @@
 
 enum { PROBE_MS = 50 }; /* from the end of the input to the line that probes the client */
 
-/* Whether the session does nothing but wait for what its client sends next. */
+/* Whether the session only waits for the next request. */
 static bool is_listening(const struct session *s)
 {
     return s->state == SESSION_READING && s->waiter.queue == NULL && buf_len(&s->conn.out) == 0;
 }
 
-/* Whether it does nothing but wait for the points of its load. */
+/* Whether it only waits for the rest of a body. */
 static bool is_receiving(const struct session *s)
 {
     return s->state == SESSION_READING && s->load != NULL && s->waiter.queue == NULL &&
@@ -31,8 +30,8 @@ void session_check_timeouts(struct session *s)
         return;
     if (s->role == ROLE_NONE && s->state != SESSION_DELAYED &&
         now - s->since_ms > LIMIT_STRANGER_S * 1000) {
-        notice_client(s, NOTICE_INFO, "has shown no token in time: closed");
-        session_refuse(s, ERR_TIMEOUT, "no token was shown within 10 seconds");
+        notice_client(s, NOTICE_INFO, "has not authenticated in time: closed");
+        session_refuse(s, ERR_TIMEOUT, "not authenticated within 10 seconds");
         conn_turn(c);
     } else if (is_receiving(s) && load_stalls(s->load, now)) {
         session_refuse(s, ERR_TIMEOUT, "the points stopped coming; nothing was loaded");
@@ -40,7 +39,7 @@ void session_check_timeouts(struct session *s)
         s->load = NULL;
         conn_turn(c);
     } else if (idle_ms > 0 && is_listening(s) && now - c->heard_ms > idle_ms) {
-        session_refuse(s, ERR_TIMEOUT, "nothing was heard for too long");
+        session_refuse(s, ERR_TIMEOUT, "idle for too long");
         conn_turn(c);
     }
 }
@@ -48,7 +47,7 @@ void session_check_timeouts(struct session *s)
 void session_evict(struct session *s)
 {
     if (!s->conn.finishing)
-        session_refuse(s, ERR_BUSY, "too many clients, and this one has shown no token");
+        session_refuse(s, ERR_BUSY, "too many clients, and this one has not authenticated");
     conn_turn(&s->conn);
     conn_close(&s->conn);
 }

@@ -41,7 +41,7 @@ static void deliver(void *ctx, struct job *j)
 {
     struct delivery *to = ctx;
     if (!has_job(to->answer) || j != to->answer->job) {
-        server_finish_unheard(to->server, j);
+        server_finish_abandoned(to->server, j);
         return;
     }
     to->answer->next = ANSWER_WHOLE;

@@ -161,7 +161,7 @@ def pairs(points: Any) -> Tuple[memoryview, int]:
             flat.append(x)
             flat.append(y)
     if len(flat) % 2 != 0:
-        raise ValueError("an x without its y")
+        raise ValueError("odd number of coordinates")
     if sys.byteorder == "big":
         flat.byteswap()
     return memoryview(flat).cast("B"), len(flat) // 2

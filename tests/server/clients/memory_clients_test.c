@@ -262,7 +262,8 @@ TEST_TIMEOUT(nearest_points_that_do_not_fit_are_refused_while_they_are_searched,
     load_and_triangulate(fd, 200000);
     say(fd, "CONFIG SET max-memory 26m\nNEAREST t 0.5 0.5 200000\nPING\n");
     expect(fd, "OK 0\n");
-    CHECK_STR(hear_line(fd), "ERR BUSY others use the memory that the reply takes; try again");
+    CHECK_STR(hear_line(fd),
+              "ERR BUSY not enough free memory for the reply at the moment; try again");
     expect(fd, "OK 0\n");
     CHECK(info_of(fd, "memory_replies") == 0);
 }

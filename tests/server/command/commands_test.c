@@ -42,7 +42,7 @@ TEST(commands_about_sets)
                    "OK 0\n"
                    "OK 0\n"
                    "OK 0\n"
-                   "ERR EXISTS the set b is there already\n"
+                   "ERR EXISTS the set b already exists\n"
                    "OK 0 first=0 added=1 coincident=0\n"
                    "OK 0 first=0 added=2 coincident=1\n"
                    "OK 2\na points=2 triangulated=no\nb points=1 triangulated=no\n"
@@ -233,7 +233,7 @@ TEST(errors_of_points_leave_the_connection_usable)
                "GET t 9\nGET t -1\nDEL t 1 9\nMOVE t 9 1 1\nGET t 4\n",
                "ERR UNKNOWN there is no command FOO; try HELP\n"
                "ERR SYNTAX usage: ADD set x y [x y ...]\n"
-               "ERR SYNTAX an x without its y\n"
+               "ERR SYNTAX odd number of coordinates\n"
                "ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\n"
                "ERR NUMBER x is not a number\n"
                "ERR NUMBER nan is not a number\n"
@@ -359,7 +359,7 @@ TEST(load_that_the_input_ends_within_is_refused)
 
 TEST(load_without_a_clear_head_closes_the_connection)
 {
-    converse_alone("LOAD t x\nDROP t\n", "ERR NUMBER x does not tell how much follows\n");
+    converse_alone("LOAD t x\nDROP t\n", "ERR NUMBER x is not a number of points\n");
     converse_alone("LOADB t\nDROP t\n", "ERR SYNTAX usage: LOADB set n\n");
     converse_alone("LOAD\n1 1\n.\n", "ERR SYNTAX usage: LOAD set [n]\n");
     converse_alone("LOAD t 1 1\n1 1\n", "ERR SYNTAX usage: LOAD set [n]\n");
@@ -453,13 +453,13 @@ TEST(tokens_give_roles)
         &d,
         "PING\nSETS\nADD t 1 1\nAUTH secre\nAUTH public\nSETS\nADD t 1 1\nAUTH secret\nADD t 1 1\n",
         "OK 0\n"
-        "ERR NOAUTH show a token first: AUTH token\n"
-        "ERR NOAUTH show a token first: AUTH token\n"
+        "ERR NOAUTH authenticate first: AUTH token\n"
+        "ERR NOAUTH authenticate first: AUTH token\n"
         "ERR DENIED no such token\n"
         "OK 0 role=ro\n"
         "OK 0\n"
         "ERR DENIED your token is for reading only\n"
         "OK 0 role=rw\n"
         "OK 0 first=0 added=1 coincident=0\n");
-    converse(&d, "LOAD t\n1 1\n.\nPING\n", "ERR NOAUTH show a token first: AUTH token\n");
+    converse(&d, "LOAD t\n1 1\n.\nPING\n", "ERR NOAUTH authenticate first: AUTH token\n");
 }

@@ -44,7 +44,7 @@ static const char *begin(struct local *l, unsigned how)
 
 static void deliver(void *ctx, struct job *j)
 {
-    server_finish_unheard(ctx, j);
+    server_finish_abandoned(ctx, j);
 }
 
 TEST(so_many_long_jobs_wait_for_a_worker_and_short_ones_in_any_number)

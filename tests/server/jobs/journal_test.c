@@ -158,7 +158,7 @@ static void tell(void *ctx, struct job *j)
 {
     struct bench *b = ctx;
     if (j->owner == 0) {
-        server_finish_unheard(&b->l.server, j);
+        server_finish_abandoned(&b->l.server, j);
         return;
     }
     told = (struct answer){.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};

@@ -60,7 +60,7 @@ TEST_TIMEOUT(sets_and_loads_use_the_pages_of_those_before, 60)
 
 static void deliver(void *ctx, struct job *j)
 {
-    server_finish_unheard(ctx, j);
+    server_finish_abandoned(ctx, j);
 }
 
 /* Waits for all that workers do. */

@@ -86,7 +86,7 @@ static struct answer begin(struct local *l, const char *request)
 
 static void end_unheard(void *ctx, struct job *j)
 {
-    server_finish_unheard(ctx, j);
+    server_finish_abandoned(ctx, j);
 }
 
 static void collect_all(struct local *l)

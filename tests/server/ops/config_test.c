@@ -98,7 +98,7 @@ TEST(settings_that_change_take_effect_at_once)
     CHECK(strstr(hear_line(fd), " CONFIG SET slowlog-len 1") != NULL);
 
     ask(second, "CONFIG SET idle-timeout 1\n", "OK 0");
-    CHECK_STR(hear_line(second), "ERR TIMEOUT nothing was heard for too long");
+    CHECK_STR(hear_line(second), "ERR TIMEOUT idle for too long");
 }
 
 TEST(settings_are_changed_all_or_none)
@@ -108,7 +108,7 @@ TEST(settings_are_changed_all_or_none)
     ask(fd, "CONFIG SET max-points 7 slowlog-len many\n",
         "ERR RANGE slowlog-len many: from 0 to 1000000");
     ask(fd, "CONFIG SET max-points 7 port 1\n",
-        "ERR SYNTAX port cannot change while the server runs");
+        "ERR SYNTAX port cannot be changed while the server runs");
     ask(fd, "CONFIG SET max-points 7 speed high\n",
         "ERR SYNTAX there is no setting speed; try CONFIG GET *");
     ask(fd, "CONFIG GET max-points slowlog-len\n", "OK 2");
@@ -146,8 +146,8 @@ TEST(settings_have_redis_shape_in_resp)
              "*4\r\n$9\r\nmaxmemory\r\n$10\r\n1073741824\r\n$4\r\nsave\r\n$0\r\n\r\n"
              "*2\r\n$10\r\nmax-memory\r\n$10\r\n1073741824\r\n"
              "*0\r\n"
-             "-SYNTAX port cannot change while the server runs\r\n"
-             "-SYNTAX there is no --auth-file to read again\r\n");
+             "-SYNTAX port cannot be changed while the server runs\r\n"
+             "-SYNTAX there is no --auth-file to reload\r\n");
 }
 
 /* ---- tokens ---- */
@@ -204,16 +204,17 @@ TEST(tokens_stay_when_the_new_file_is_no_good)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         write_tokens(bad[i]);
         ask(one, "CONFIG RELOAD\n",
-            "ERR IO not a good file of tokens; the old ones stay: see the log");
+            "ERR IO the token file is not valid; the old tokens stay: see the log");
         close(connect_as(&d, "one", "OK 0 role=rw"));
     }
     unlink(token_path);
-    ask(one, "CONFIG RELOAD\n", "ERR IO not a good file of tokens; the old ones stay: see the log");
+    ask(one, "CONFIG RELOAD\n",
+        "ERR IO the token file is not valid; the old tokens stay: see the log");
     close(connect_as(&d, "one", "OK 0 role=rw"));
     rewind(f);
     unsigned told = 0;
     while (fgets(log, sizeof log, f) != NULL)
-        told += strstr(log, "error: ") != NULL && strstr(log, ": the old ones stay") != NULL;
+        told += strstr(log, "error: ") != NULL && strstr(log, ": the old tokens stay") != NULL;
     CHECK(told == sizeof bad / sizeof bad[0] + 1);
 }
 
@@ -237,7 +238,7 @@ TEST(readers_may_look_at_settings_and_change_none)
     ask(one, "CONFIG SET log-level error\n", "ERR DENIED your token is for reading only");
     ask(one, "CONFIG RELOAD\n", "ERR DENIED your token is for reading only");
     int stranger = daemon_connect(&d);
-    ask(stranger, "CONFIG GET log-level\n", "ERR NOAUTH show a token first: AUTH token");
+    ask(stranger, "CONFIG GET log-level\n", "ERR NOAUTH authenticate first: AUTH token");
     unlink(token_path);
 }
 

@@ -267,7 +267,7 @@ TEST(good_clients_get_in_while_strangers_guess)
 TEST(strangers_make_room_for_others_and_clients_with_a_token_do_not)
 {
     enum { MOST = 4 };
-    static const char evicted[] = "ERR BUSY too many clients, and this one has shown no token\n";
+    static const char evicted[] = "ERR BUSY too many clients, and this one has not authenticated\n";
     int stranger[MOST], known[MOST];
     FILE *log;
     struct daemon d = start_with_token(&log);
@@ -280,7 +280,7 @@ TEST(strangers_make_room_for_others_and_clients_with_a_token_do_not)
         expect(stranger[i], i == 1 ? "+PONG\r\n" : "OK 0\n");
     }
     known[1] = known_client(&d);
-    expect(stranger[1], "-BUSY too many clients, and this one has shown no token\r\n");
+    expect(stranger[1], "-BUSY too many clients, and this one has not authenticated\r\n");
     expect_end(stranger[1]);
     say(stranger[2], "AUTH reader\nPING\n"); /* is a stranger no longer, though it came first */
     expect(stranger[2], "OK 0 role=ro\nOK 0\n");
@@ -318,7 +318,7 @@ TEST(wrong_tokens_are_reported_with_their_address_and_fill_no_log)
     rewind(log);
     while (fgets(line, sizeof line, log) != NULL) {
         CHECK(strstr(line, "warning: client ") != NULL && strstr(line, " of 127.0.0.1:") != NULL);
-        CHECK(strstr(line, " has shown a wrong token ") != NULL && strstr(line, "no ") == NULL);
+        CHECK(strstr(line, " sent a wrong token ") != NULL && strstr(line, "no ") == NULL);
         lines++;
     }
     CHECK(lines == 1);

@@ -186,7 +186,8 @@ TEST(token_has_128_bytes_and_no_more)
     f = fopen(path, "w");
     CHECK(f != NULL && fprintf(f, "rw %sx\n", token) > 0 && fclose(f) == 0);
     snprintf(request, sizeof request, "AUTH %s\nCONFIG RELOAD\n", token);
-    converse(&d, request,
-             "OK 0 role=rw\nERR IO not a good file of tokens; the old ones stay: see the log\n");
+    converse(
+        &d, request,
+        "OK 0 role=rw\nERR IO the token file is not valid; the old tokens stay: see the log\n");
     unlink(path);
 }

@@ -290,7 +290,7 @@ TEST(clients_are_listed_with_their_names)
     say(b, "*2\r\n$6\r\nCLIENT\r\n$7\r\nGETNAME\r\n");
     expect(b, "$5\r\nright\r\n");
     say(b, "*3\r\n$6\r\nCLIENT\r\n$7\r\nSETNAME\r\n$3\r\na b\r\n");
-    expect(b, "-SYNTAX a client's name is up to 64 printable characters, no blank\r\n");
+    expect(b, "-SYNTAX a client name has at most 64 printable characters and no blank\r\n");
     say(b, "*2\r\n$6\r\nCLIENT\r\n$4\r\nLIST\r\n");
     expect(b, "$");
     hear_line(b);
@@ -377,7 +377,7 @@ TEST(readers_may_not_look_at_others)
         &d,
         "CLIENT LIST\nAUTH secret\nCLIENT LIST\nCLIENT KILL 1\nSLOWLOG LEN\n"
         "CLIENT SETNAME x\n*2\r\n$7\r\nSLOWLOG\r\n$3\r\nLEN\r\n",
-        "ERR NOAUTH show a token first: AUTH token\nOK 0 role=ro\n"
+        "ERR NOAUTH authenticate first: AUTH token\nOK 0 role=ro\n"
         "ERR DENIED your token is for reading only\nERR DENIED your token is for reading only\n"
         "ERR DENIED your token is for reading only\nOK 0\n"
         "-DENIED your token is for reading only\r\n");

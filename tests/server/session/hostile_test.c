@@ -216,7 +216,7 @@ TEST(strangers_may_send_ten_words)
 {
     struct daemon d = start_with_token("rw secret\n");
     converse(&d, "GET t 1 2 3 4 5 6 7 8\nPING\n",
-             "ERR NOAUTH show a token first: AUTH token\nOK 0\n");
+             "ERR NOAUTH authenticate first: AUTH token\nOK 0\n");
     converse(&d, "GET t 1 2 3 4 5 6 7 8 9\nPING\n", too_much);
     converse(&d, "AUTH secret\nGET t 1 2 3 4 5 6 7 8 9\n",
              "OK 0 role=rw\nERR NOSET there is no set t\n");
@@ -258,7 +258,7 @@ TEST_TIMEOUT(strangers_have_ten_seconds, 40)
     expect(known, "OK 0 role=rw\n");
     double start = seconds();
     say(stranger, "PING\nAUTH secr");
-    expect(stranger, "OK 0\nERR TIMEOUT no token was shown within 10 seconds\n");
+    expect(stranger, "OK 0\nERR TIMEOUT not authenticated within 10 seconds\n");
     CHECK(seconds() - start > 9);
     expect_end(stranger);
     say(known, "PING\n");
@@ -276,9 +276,9 @@ TEST_TIMEOUT(silent_clients_are_dropped_if_asked_and_busy_ones_are_not, 40)
         expect(busy, "OK 0\n");
         pause_ms(500);
     }
-    expect(silent, "ERR TIMEOUT nothing was heard for too long\n");
+    expect(silent, "ERR TIMEOUT idle for too long\n");
     expect_end(silent);
-    expect(loading, "ERR TIMEOUT nothing was heard for too long\n");
+    expect(loading, "ERR TIMEOUT idle for too long\n");
     expect_end(loading);
     close(silent);
     close(loading);

@@ -90,7 +90,7 @@ TEST(resp_needs_a_token_where_lines_do)
              "*1\r\n$4\r\nSETS\r\n*1\r\n$4\r\nINFO\r\n*1\r\n$4\r\nPING\r\n"
              "*3\r\n$4\r\nAUTH\r\n$1\r\nu\r\n$5\r\nwrong\r\n*3\r\n$4\r\nAUTH\r\n$1\r\nu\r\n$6\r\n"
              "secret\r\n*1\r\n$4\r\nSETS\r\n",
-             "-NOAUTH show a token first: AUTH token\r\n-NOAUTH show a token first: AUTH token\r\n"
+             "-NOAUTH authenticate first: AUTH token\r\n-NOAUTH authenticate first: AUTH token\r\n"
              "+PONG\r\n-DENIED no such token\r\n+OK role=rw\r\n+OK\r\n");
     unlink(path);
 }

@@ -22,7 +22,7 @@ TEST(temporary_set_ends_with_its_connection_and_others_stay)
     converse(&d, "ADD a 2 2\nSETS\nCREATE a\n",
              "OK 0 first=1 added=1 coincident=0\nOK 3\na points=2 triangulated=no\n"
              "b points=0 triangulated=no\nc points=0 triangulated=no\n"
-             "ERR EXISTS the set a is there already\n");
+             "ERR EXISTS the set a already exists\n");
     close(fd);
     await_sets(&d, 1);
     converse(&d, "SETS\nCREATE a\n", "OK 1\nc points=0 triangulated=no\nOK 0\n");
