@@ -330,6 +330,8 @@ static enum dt_opening sort_one_place(struct dt_division *d, struct dt_arena *ar
     uint32_t lo = level->lo;
     if (src.p != d->p + lo)
         bring(d, src, lo, n);
+    if (dt_stopped(&d->stop))
+        return DT_LEVEL_FAILED;
     return leave_empty(d, arena, dt_plan_place(&d->plan, d->p, d->from, lo, n), level);
 }
 
@@ -340,6 +342,8 @@ static enum dt_opening sort_by_halves(struct dt_division *d, struct dt_arena *ar
     uint32_t lo = level->lo;
     unsigned axis;
     struct dt_piece run = dt_level_median(d, src, lo, n, &axis);
+    if (dt_stopped(&d->stop))
+        return DT_LEVEL_FAILED;
     struct dt_part all = dt_plan_place(&d->plan, d->p, d->from, lo + run.a, run.b - run.a);
     for (int after = 0; after < 2; after++) {
         uint32_t a = after ? lo + run.b : lo, b = after ? lo + n : lo + run.a;
@@ -365,6 +369,8 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
     struct dt_box box = box_of_all(&s);
     uint32_t most = n;
     *level = (struct dt_level){.lo = lo};
+    if (dt_stopped(&d->stop))
+        return DT_LEVEL_FAILED;
     if (d->plan.step != NULL && box.lo.x == box.hi.x && box.lo.y == box.hi.y)
         return sort_one_place(d, arena, src, level, n);
     if (n > DT_TILED)

@@ -151,15 +151,32 @@ TEST_TIMEOUT(long_merges_poll_and_are_given_up, 60)
 }
 
 /* Loads points into an empty set. */
+static enum dt_status load_points(struct dt *t, const struct dt_point *p, uint32_t n,
+                                  const struct dt_options *opt)
+{
+    struct dt_added added;
+    enum dt_status status = dt_add_many(t, p, n, opt, &added);
+    CHECK(dt_next_id(t) == (status == DT_OK ? n : 0));
+    return status;
+}
+
 static enum dt_status load(struct dt *t, const struct dt_options *opt)
 {
     uint32_t n = points();
     struct dt_point *p = malloc(n * sizeof *p);
-    struct dt_added added;
     CHECK(p != NULL);
     family_points(family_find("duplicates"), p, n, 1);
-    enum dt_status status = dt_add_many(t, p, n, opt, &added);
-    CHECK(dt_next_id(t) == (status == DT_OK ? n : 0));
+    enum dt_status status = load_points(t, p, n, opt);
+    free(p);
+    return status;
+}
+
+static enum dt_status load_one_place(struct dt *t, const struct dt_options *opt)
+{
+    uint32_t n = 250000; /* some polls of each pass */
+    struct dt_point *p = calloc(n, sizeof *p);
+    CHECK(p != NULL);
+    enum dt_status status = load_points(t, p, n, opt);
     free(p);
     return status;
 }
@@ -171,6 +188,20 @@ TEST_TIMEOUT(a_load_is_given_up_at_every_poll, 60)
         struct dt *t = dt_new(0);
         struct dt_options opt = {.cancel = &flag, .pool = i == 0 ? NULL : &pool};
         CHECK(t != NULL && cancel_everywhere(t, load, &opt) > points() / DT_POLL_MISSES);
+        dt_free(t);
+    }
+}
+
+/* Names that were never written must not be used. */
+TEST_TIMEOUT(a_load_of_points_at_one_place_is_given_up_at_its_first_polls, 60)
+{
+    polls_begin();
+    for (uint64_t nth = 1; nth <= 24; nth++) {
+        struct dt *t = dt_new(0);
+        polls_cancel_at(nth);
+        CHECK(t != NULL &&
+              load_one_place(t, &(struct dt_options){.cancel = &flag}) == DT_CANCELLED);
+        polls_cancel_at(0);
         dt_free(t);
     }
 }
