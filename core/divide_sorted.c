@@ -97,9 +97,10 @@ static struct dt_part run_range(struct build *b, uint32_t lo, uint32_t hi)
     struct stack s = {0};
     struct dt_part all = {0};
     uint32_t reported = lo;
-    for (uint32_t v = lo; v < hi && good(b); v += DT_STEP_POINTS(b->step[v])) {
+    for (uint32_t v = lo; v < hi && good(b);) {
         run_step(b, &s, v);
-        if (v - reported >= REPORT) {
+        v += DT_STEP_POINTS(b->step[v]);
+        if (v - reported >= REPORT || v == hi) {
             report(b, v - reported);
             reported = v;
             dt_stopped(&b->stop);

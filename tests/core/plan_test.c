@@ -145,6 +145,27 @@ TEST(a_build_by_a_plan_that_runs_out_of_memory_can_be_tried_again)
     }
 }
 
+static void one_after_the_other(void *ctx, unsigned n, void (*job)(void *arg, unsigned i),
+                                void *arg)
+{
+    (void)ctx;
+    for (unsigned i = 0; i < n; i++)
+        job(arg, i);
+}
+
+TEST(a_build_by_a_plan_reports_its_progress_to_the_end_on_any_number_of_threads)
+{
+    for (unsigned threads = 1; threads <= 4; threads++) {
+        struct dt_pool pool = {.threads = threads, .run = one_after_the_other};
+        atomic_uint progress = 0;
+        struct dt_options opt = {.pool = &pool, .progress = &progress};
+        struct dt *t = loaded("uniform", 20000, 1, NULL);
+        CHECK(dt_triangulate(t, &opt) == DT_OK);
+        CHECK_MSG(progress == 99, "%u on %u threads", progress, threads);
+        dt_free(t);
+    }
+}
+
 TEST(a_restored_set_is_sorted_for_its_build)
 {
     enum { N = 500 };
