@@ -1,9 +1,8 @@
-/* block.c - blocks of up to six points: sorted, triangulated by halves (knit.h), down to an edge
- * between two ghosts or a triangle.
+/* block.c - blocks of up to six points, triangulated by halves (knit.h), down to an edge between two ghosts
+ * or a triangle.
  *
- * The number of points of a block and their order are unpredictable: so the work on n points is
- * compiled for every n, with loops of a known length, and they are sorted without a branch, by
- * counting for each how many precede it.
+ * The number of points of a block is unpredictable: so the work on n points is compiled for every n, with
+ * loops of a known length.
  *
  * Tried and left out: four points at once, by a table of the twenty cases of five signs.
  * It gained nothing on uniform points and lost 15 % on lattices. */
@@ -12,79 +11,6 @@
 #include "core/knit.h"
 #include "core/merge.h"
 #include "core/predicates.h"
-#include "core/rank.h"
-
-void dt_insertion_sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32_t n)
-{
-    for (uint32_t i = 1; i < n; i++) {
-        struct dt_point q = p[i];
-        uint32_t f = from[i], j = i;
-        for (; j > 0 && (axis == 0 ? dt_before_x(q, p[j - 1]) : dt_before_y(q, p[j - 1])); j--) {
-            p[j] = p[j - 1];
-            from[j] = from[j - 1];
-        }
-        p[j] = q;
-        from[j] = f;
-    }
-}
-
-/* Sorts by x; points that share an x, as in lattices, are put right by a second sort. */
-INLINE void sort(struct dt_point *p, uint32_t *from, const uint32_t n)
-{
-    struct dt_point q[DT_BLOCK];
-    double x[DT_BLOCK];
-    uint32_t f[DT_BLOCK], rank[DT_BLOCK];
-    for (uint32_t i = 0; i < n; i++) {
-        q[i] = p[i];
-        f[i] = from[i];
-        x[i] = p[i].x;
-    }
-    dt_rank(x, n, rank);
-    for (uint32_t i = 0; i < n; i++) {
-        p[rank[i]] = q[i];
-        from[rank[i]] = f[i];
-    }
-    bool ascending = true;
-    for (uint32_t i = 1; i < n; i++)
-        ascending &= p[i - 1].x < p[i].x;
-    if (__builtin_expect(!ascending, 0))
-        dt_insertion_sort(0, p, from, n);
-}
-
-/* Whether points in order of (x, y) are all at different places. */
-INLINE bool distinct(const struct dt_point *p, const uint32_t n)
-{
-    bool differ = true;
-    for (uint32_t i = 1; i < n; i++)
-        differ &= (p[i - 1].x != p[i].x) | (p[i - 1].y != p[i].y);
-    return differ;
-}
-
-INLINE bool sort_distinct(struct dt_point *p, uint32_t *from, const uint32_t n)
-{
-    sort(p, from, n);
-    for (uint32_t i = 0; i < n; i++)
-        p[i] = (struct dt_point){p[i].x + 0.0, p[i].y + 0.0};
-    return distinct(p, n);
-}
-
-bool dt_block_sort(struct dt_point *p, uint32_t *from, uint32_t n)
-{
-    switch (n) {
-    case 1:
-        return sort_distinct(p, from, 1);
-    case 2:
-        return sort_distinct(p, from, 2);
-    case 3:
-        return sort_distinct(p, from, 3);
-    case 4:
-        return sort_distinct(p, from, 4);
-    case 5:
-        return sort_distinct(p, from, 5);
-    default:
-        return sort_distinct(p, from, DT_BLOCK);
-    }
-}
 
 /* Two points: one edge, a ghost on either side. Returns a ghost, as do the next ones. */
 static uint32_t base_of_two(const struct knitting *w, uint32_t a)
@@ -152,12 +78,9 @@ INLINE uint32_t triangulate(const struct knitting *w, uint32_t lo, const uint32_
     return 16 * mid - 8;
 }
 
-INLINE struct dt_part block_of(const struct dt_merging *w, struct dt_point *points, uint32_t *from,
-                               uint32_t lo, const uint32_t n)
+INLINE struct dt_part block_of(const struct dt_merging *w, uint32_t lo, const uint32_t n)
 {
     const struct dt_point *p = w->p;
-    if (points != NULL)
-        sort(points + lo, from + lo, n);
     struct dt_part c = {.n = n, .left = lo, .right = lo + n - 1, .bottom = lo, .top = lo};
     for (uint32_t v = lo + 1; v < lo + n; v++) {
         c.bottom = dt_before_y(p[v], p[c.bottom]) ? v : c.bottom;
@@ -169,21 +92,20 @@ INLINE struct dt_part block_of(const struct dt_merging *w, struct dt_point *poin
     return c;
 }
 
-struct dt_part dt_block(const struct dt_merging *w, struct dt_point *points, uint32_t *from,
-                        uint32_t lo, uint32_t n)
+struct dt_part dt_block(const struct dt_merging *w, uint32_t lo, uint32_t n)
 {
     switch (n) {
     case 1:
-        return block_of(w, points, from, lo, 1);
+        return block_of(w, lo, 1);
     case 2:
-        return block_of(w, points, from, lo, 2);
+        return block_of(w, lo, 2);
     case 3:
-        return block_of(w, points, from, lo, 3);
+        return block_of(w, lo, 3);
     case 4:
-        return block_of(w, points, from, lo, 4);
+        return block_of(w, lo, 4);
     case 5:
-        return block_of(w, points, from, lo, 5);
+        return block_of(w, lo, 5);
     default:
-        return block_of(w, points, from, lo, DT_BLOCK);
+        return block_of(w, lo, DT_BLOCK);
     }
 }

@@ -28,7 +28,6 @@ struct sort {
                                        point */
     struct dt_point *out;
     uint32_t *out_from;
-    struct dt_shift *shift; /* of each cell, if it is a tile; NULL: none */
     uint32_t cells;
     unsigned shares;                    /* slices of the cells */
     uint32_t first[DT_MAX_THREADS + 1]; /* place of the first point of each slice of the cells */
@@ -82,11 +81,7 @@ static void scatter(void *arg, unsigned i)
         uint32_t n = at.b - at.a, *key = s->key + at.a;
         const struct dt_point *p = s->src.p + at.a;
         const uint32_t *from = s->src.from == NULL ? NULL : s->src.from + at.a;
-        if (s->shift == NULL)
-            dt_order_scatter(key, n, s->next[i], p, from, at.a, s->out, s->out_from);
-        else
-            dt_order_scatter_apart(key, n, s->next[i], s->shift, p, from, at.a, s->out,
-                                   s->out_from);
+        dt_order_scatter(key, n, s->next[i], p, from, at.a, s->out, s->out_from);
     }
 }
 
@@ -241,47 +236,25 @@ static uint32_t count_by(struct sort *s, struct dt_box box, bool tiles, uint32_t
     return counts_to_places(s);
 }
 
-/* Places become those aside: dt_aside(d, lo + place of its first point, points) for each tile. */
-static bool shift_tiles(struct sort *s, struct dt_named aside, uint32_t lo)
+/* Copies the source, which is where the points are to go, out of the way. */
+static void move_source(struct sort *s, struct dt_named to)
 {
-    const uint32_t *start = s->next[0];
-    s->out = aside.p;
-    s->out_from = aside.from;
-    if (s->d->plan.step != NULL)
-        return true; /* as they are */
-    s->out_from = s->d->merging.mesh->half + 16 * (size_t)lo;
-    s->shift = dt_arena_take(s->arena, s->cells, sizeof *s->shift);
-    if (s->shift == NULL)
-        return false;
-    for (uint32_t c = 0; c < s->cells; c++) {
-        uint32_t end = c + 1 < s->cells ? start[c + 1] : s->n;
-        s->shift[c] = (struct dt_shift){3 * start[c], 15 * end};
-    }
-    return true;
-}
-
-/* Copies the source, which is among the vertices or aside, to where it is not in the way. */
-static void move_source(struct sort *s, struct dt_point *p, uint32_t *from)
-{
-    s->out = p;
-    s->out_from = from;
+    s->out = to.p;
+    s->out_from = to.from;
     dt_run(s->d->opt->pool, s->slices, copy, s);
-    s->src = (struct dt_source){p, from};
+    s->src = (struct dt_source){to.p, to.from};
 }
 
-/* Puts the points, which are counted, where they belong. */
+/* Puts the points, which are counted, where they belong: tiles into the spare arrays. */
 static void scatter_all(struct sort *s, uint32_t lo, bool tiles)
 {
     struct dt_division *d = s->d;
-    struct dt_named aside = dt_aside(d, lo, s->n);
-    if (tiles && s->src.p == aside.p)
-        move_source(s, d->p + lo, d->from + lo);
-    else if (!tiles && s->src.p == d->p + lo)
-        move_source(s, aside.p, aside.from);
-    s->out = d->p + lo;
-    s->out_from = d->from + lo;
-    if (tiles && !shift_tiles(s, aside, lo))
-        dt_stop_because(&d->stop, DT_NOMEM);
+    struct dt_named spare = {d->spare.p + lo, d->spare.from + lo}, p = {d->p + lo, d->from + lo};
+    struct dt_named to = tiles ? spare : p, other = tiles ? p : spare;
+    if (s->src.p == to.p)
+        move_source(s, other);
+    s->out = to.p;
+    s->out_from = to.from;
     if (!dt_stopped(&d->stop))
         dt_run(d->opt->pool, s->slices, scatter, s);
 }
@@ -297,8 +270,8 @@ static void bring(struct dt_division *d, struct dt_source src, uint32_t lo, uint
     }
 }
 
-struct dt_piece dt_level_median(struct dt_division *d, struct dt_source src, uint32_t lo,
-                                uint32_t n, unsigned *axis)
+uint32_t dt_level_halve(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n,
+                        unsigned *axis)
 {
     if (src.p != d->p + lo)
         bring(d, src, lo, n);
@@ -306,55 +279,27 @@ struct dt_piece dt_level_median(struct dt_division *d, struct dt_source src, uin
     for (struct dt_piece at = dt_before_first(lo); dt_next_piece(&d->stop, lo + n, &at);)
         box = dt_box_join(box, dt_box_of(d->p + at.a, at.b - at.a));
     *axis = dt_box_axis(&box);
-    return dt_median_part(d->p + lo, d->from + lo, n, *axis, &d->stop);
+    struct dt_piece same = dt_median_part(d->p + lo, d->from + lo, n, *axis, &d->stop);
+    return same.a > 0 ? same.a : same.b;
 }
 
-/* ---- the order alone ---- */
+/* ---- points at one place ---- */
 
-/* The level has no points but those of the part. */
-static enum dt_opening leave_empty(struct dt_division *d, struct dt_arena *arena,
-                                   struct dt_part part, struct dt_level *level)
-{
-    *level = (struct dt_level){.lo = level->lo, .done = part};
-    level->start = dt_arena_take(arena, 2, sizeof *level->start);
-    if (level->start == NULL)
-        dt_stop_because(&d->stop, DT_NOMEM);
-    else
-        level->start[0] = level->start[1] = 0;
-    return dt_stopped(&d->stop) ? DT_LEVEL_FAILED : DT_LEVEL_OPEN;
-}
-
+/* They become the part of a level without cells. */
 static enum dt_opening sort_one_place(struct dt_division *d, struct dt_arena *arena,
                                       struct dt_source src, struct dt_level *level, uint32_t n)
 {
     uint32_t lo = level->lo;
     if (src.p != d->p + lo)
         bring(d, src, lo, n);
+    level->start = dt_arena_take(arena, 2, sizeof *level->start);
+    if (level->start == NULL)
+        dt_stop_because(&d->stop, DT_NOMEM);
     if (dt_stopped(&d->stop))
         return DT_LEVEL_FAILED;
-    return leave_empty(d, arena, dt_plan_place(&d->plan, d->p, d->from, lo, n), level);
-}
-
-/* Cuts the points at their median and all that coincides with it. */
-static enum dt_opening sort_by_halves(struct dt_division *d, struct dt_arena *arena,
-                                      struct dt_source src, struct dt_level *level, uint32_t n)
-{
-    uint32_t lo = level->lo;
-    unsigned axis;
-    struct dt_piece run = dt_level_median(d, src, lo, n, &axis);
-    if (dt_stopped(&d->stop))
-        return DT_LEVEL_FAILED;
-    struct dt_part all = dt_plan_place(&d->plan, d->p, d->from, lo + run.a, run.b - run.a);
-    for (int after = 0; after < 2; after++) {
-        uint32_t a = after ? lo + run.b : lo, b = after ? lo + n : lo + run.a;
-        if (a == b || dt_stopped(&d->stop))
-            continue;
-        struct dt_part part =
-            dt_divide_range(d, arena, (struct dt_source){d->p + a, d->from + a}, a, b - a, 0);
-        all = after ? dt_plan_join(&d->plan, &all, &part, axis)
-                    : dt_plan_join(&d->plan, &part, &all, axis);
-    }
-    return leave_empty(d, arena, all, level);
+    level->start[0] = level->start[1] = 0;
+    level->done = dt_plan_place(&d->plan, d->p, d->from, lo, n);
+    return DT_LEVEL_OPEN;
 }
 
 /* ---- opening ---- */
@@ -363,7 +308,7 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level)
 {
-    bool elsewhere = src.p != d->p + lo && src.p != dt_aside(d, lo, n).p;
+    bool elsewhere = src.p != d->p + lo && src.p != d->spare.p + lo;
     struct sort s = {.d = d, .src = src, .n = n, .threads = threads, .arena = arena};
     struct dt_arena_mark before = dt_arena_mark(arena);
     struct dt_box box = box_of_all(&s);
@@ -371,7 +316,7 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
     *level = (struct dt_level){.lo = lo};
     if (dt_stopped(&d->stop))
         return DT_LEVEL_FAILED;
-    if (d->plan.step != NULL && box.lo.x == box.hi.x && box.lo.y == box.hi.y)
+    if (box.lo.x == box.hi.x && box.lo.y == box.hi.y)
         return sort_one_place(d, arena, src, level, n);
     if (n > DT_TILED)
         most = count_by(&s, box, true, elsewhere ? d->from + lo : NULL, level);
@@ -384,7 +329,7 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
     level->skew = most > n / 2 ? skew + 1 : 0;
     if (level->skew > DT_ZOOMS) {
         dt_arena_return(arena, before);
-        return d->plan.step == NULL ? DT_LEVEL_SKEWED : sort_by_halves(d, arena, src, level, n);
+        return DT_LEVEL_SKEWED;
     }
     scatter_all(&s, lo, level->tiles);
     dt_arena_return(arena, s.scratch);

@@ -72,23 +72,23 @@ struct stack {
     uint32_t parts, cap;
 };
 
-/* The block at vertex v, and the merges after it, but for those that join the range with what is before. */
-static void run_step(struct build *b, struct stack *s, uint32_t v)
+/* The block at vertex v, and the merges after it, but for those that join the range with what is before. Returns where
+ * it ends. */
+static uint32_t run_step(struct build *b, struct stack *s, uint32_t v)
 {
+    uint32_t step = b->step[v], end = v + DT_STEP_POINTS(step);
     struct dt_part *part = room_for_one(b, s->part, s->parts, &s->cap, sizeof *part);
     if (part == NULL)
-        return;
+        return end;
     s->part = part;
-    part[s->parts++] = dt_block(&b->merging, NULL, NULL, v, DT_STEP_POINTS(b->step[v]));
-    uint32_t end = v + DT_STEP_POINTS(b->step[v]);
-    for (uint32_t k = DT_STEP_MERGES(b->step[v]); k > 0 && s->parts > 1; k--) {
-        struct dt_part *l = &part[s->parts - 2], *r = &part[s->parts - 1];
-        uint32_t mid = end - r->n;
-        *l = dt_merge_parts(&b->merging, l, r, DT_STEP_AXIS(b->step[mid]), mid);
+    part += s->parts++;
+    *part = dt_block(&b->merging, v, DT_STEP_POINTS(step));
+    for (uint32_t k = DT_STEP_MERGES(step); k > 0 && s->parts > 1 && part->n > 0; k--, part--) {
+        uint32_t mid = end - part->n;
+        part[-1] = dt_merge_parts(&b->merging, part - 1, part, DT_STEP_AXIS(b->step[mid]), mid);
         s->parts--;
-        if (l->n == 0)
-            return; /* stopped */
     }
+    return end;
 }
 
 static struct dt_part run_range(struct build *b, uint32_t lo, uint32_t hi)
@@ -98,8 +98,7 @@ static struct dt_part run_range(struct build *b, uint32_t lo, uint32_t hi)
     struct dt_part all = {0};
     uint32_t reported = lo;
     for (uint32_t v = lo; v < hi && good(b);) {
-        run_step(b, &s, v);
-        v += DT_STEP_POINTS(b->step[v]);
+        v = run_step(b, &s, v);
         if (v - reported >= REPORT || v == hi) {
             report(b, v - reported);
             reported = v;
@@ -208,6 +207,21 @@ static struct dt_part run_tasks(struct build *b, unsigned threads)
     return all;
 }
 
+/* The records of the whole mesh are there. Joins keep leaving[] of every vertex right, so only the hull is left to be
+ * settled. */
+static void finish(struct build *b, const struct dt_part *all)
+{
+    struct dt_mesh *m = b->merging.mesh;
+    m->vertices = b->n;
+    m->tri_end = b->n > 1 ? 2 * b->n - 2 : 0;
+    m->dead = m->ghosts = 0;
+    m->free_list = m->hull = DT_NONE;
+    if (b->n == 1)
+        m->leaving[0] = DT_NONE;
+    if (b->n > 1)
+        m->ghosts = dt_hull_settle_built(m, all->ghost, b->opt->pool, &b->stop);
+}
+
 enum dt_status dt_divide_sorted(const struct dt_point *p, uint32_t n, const uint16_t *step,
                                 struct dt_mesh *m, const struct dt_options *opt)
 {
@@ -225,7 +239,7 @@ enum dt_status dt_divide_sorted(const struct dt_point *p, uint32_t n, const uint
     if (good(&b) && n > 0)
         all = threads > 1 ? run_tasks(&b, threads) : run_range(&b, 0, n);
     if (good(&b))
-        dt_divide_finish(m, n, &all, b.opt->pool, &b.stop);
+        finish(&b, &all);
     if (!good(&b))
         dt_mesh_clear(m);
     return dt_stop_status(&b.stop);

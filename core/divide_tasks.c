@@ -1,4 +1,4 @@
-/* divide_tasks.c - the divide engine on several threads.
+/* divide_tasks.c - the sort of the divide engine on several threads.
  *
  * The top of the recursion is written down as a tree, from its root down, in rounds: a range of too
  * many points gets a grid (divide_level.h), whose cells are joined in pairs, and so on up; a cell
@@ -13,9 +13,8 @@
  *                      |             The tasks on the right are smaller than the others, so that
  *                     ...            all threads have something to do until the end.
  *
- * Then threads take tasks, from left to right; the thread that finishes the second child of a join does
- * the join and goes on upwards. The ranges are disjoint (divide_level.h), so no two threads ever touch
- * the same record, and the result is the same as on one thread. */
+ * Then threads take tasks, from left to right, and at the end the joins are recorded. The ranges are disjoint
+ * (divide_level.h), so no two threads ever touch the same place, and the result is the same as on one thread. */
 #include "core/divide_level.h"
 #include "core/memory.h"
 
@@ -27,11 +26,9 @@
 struct node {
     const struct dt_level *level;
     uint32_t key, s;
-    uint32_t child, mid;
+    uint32_t child;
     unsigned axis;
-    uint32_t parent;
-    atomic_uint finished; /* children of a join */
-    struct dt_part part;
+    struct dt_blocks part; /* of a task that is done */
 };
 
 /* Some points that get a grid, or are cut at their median. */
@@ -43,7 +40,8 @@ struct range {
     struct dt_arena arena; /* owns the level */
     struct dt_level *level;
     enum dt_opening opening;
-    unsigned axis; /* if it is cut */
+    uint32_t half; /* if it is cut: the points of the first part */
+    unsigned axis;
 };
 
 struct tree {
@@ -58,6 +56,11 @@ struct tree {
     uint32_t *task; /* owns: the leaves from left to right */
     uint32_t tasks, task_cap;
 };
+
+static bool good(const struct tree *w)
+{
+    return dt_stop_status(&w->d->stop) == DT_OK;
+}
 
 /* ---- the tree grows ---- */
 
@@ -84,27 +87,25 @@ static void wait_for_grid(struct tree *w, uint32_t node, struct dt_source src, u
     if (range == NULL)
         return;
     w->range = range;
-    range[w->ranges++] =
-        (struct range){.src = src,
-                       .lo = lo,
-                       .n = n,
-                       .skew = skew,
-                       .node = node,
-                       .arena = {.pages = w->d->merging.mesh->pages, .tight = true}};
+    range[w->ranges++] = (struct range){.src = src,
+                                        .lo = lo,
+                                        .n = n,
+                                        .skew = skew,
+                                        .node = node,
+                                        .arena = {.pages = w->d->pages, .tight = true}};
 }
 
 /* The node becomes a join; returns the first of its two children, 0 if there is no memory. */
-static uint32_t make_join(struct tree *w, uint32_t at, unsigned axis, uint32_t mid)
+static uint32_t make_join(struct tree *w, uint32_t at, unsigned axis)
 {
     struct node *node = room_for(w, w->node, w->nodes, 2, &w->node_cap, sizeof *node);
     if (node == NULL)
         return 0;
     w->node = node;
     node[at].axis = axis;
-    node[at].mid = mid;
     node[at].child = w->nodes;
     for (int i = 0; i < 2; i++)
-        node[w->nodes++] = (struct node){.parent = at};
+        node[w->nodes++] = (struct node){0};
     return node[at].child;
 }
 
@@ -119,10 +120,9 @@ static void plan_cells(struct tree *w, uint32_t at, const struct dt_level *level
         w->node[at].key = key;
         w->node[at].s = s;
     } else if (s == 0) {
-        wait_for_grid(w, at, dt_level_source(w->d, level, lo, n), lo, n, level->skew);
+        wait_for_grid(w, at, dt_level_source(w->d, level, lo), lo, n, level->skew);
     } else {
-        uint32_t mid = level->lo + level->start[(2 * (size_t)key + 1) << (s - 1)];
-        uint32_t child = make_join(w, at, level->order.axis[s - 1], mid);
+        uint32_t child = make_join(w, at, level->order.axis[s - 1]);
         if (child == 0)
             return;
         plan_cells(w, child, level, 2 * key, s - 1);
@@ -141,7 +141,7 @@ static void open_range(struct tree *w, struct range *r, unsigned threads)
         r->opening = dt_level_open(d, &r->arena, threads, r->src, r->lo, r->n, r->skew, r->level);
     dt_arena_trim(&r->arena);
     if (r->opening == DT_LEVEL_SKEWED)
-        dt_level_median(d, r->src, r->lo, r->n, &r->axis);
+        r->half = dt_level_halve(d, r->src, r->lo, r->n, &r->axis);
 }
 
 /* A range that is worth all threads. */
@@ -166,11 +166,12 @@ static void plan_range(struct tree *w, struct range r)
         plan_cells(w, r.node, r.level, 0, r.level->order.bits);
     if (r.opening != DT_LEVEL_SKEWED)
         return;
-    uint32_t half = r.n / 2, mid = r.lo + half, child = make_join(w, r.node, r.axis, mid);
+    uint32_t mid = r.lo + r.half, child = make_join(w, r.node, r.axis);
     if (child == 0)
         return;
-    wait_for_grid(w, child, (struct dt_source){d->p + r.lo, d->from + r.lo}, r.lo, half, 0);
-    wait_for_grid(w, child + 1, (struct dt_source){d->p + mid, d->from + mid}, mid, r.n - half, 0);
+    wait_for_grid(w, child, (struct dt_source){d->p + r.lo, d->from + r.lo}, r.lo, r.half, 0);
+    wait_for_grid(w, child + 1, (struct dt_source){d->p + mid, d->from + mid}, mid, r.n - r.half,
+                  0);
 }
 
 static void open_round(struct tree *w, uint32_t end)
@@ -184,13 +185,8 @@ static void open_round(struct tree *w, uint32_t end)
     }
     if (alone > 0)
         dt_run(w->d->opt->pool, end - w->first, open_alone, w);
-    for (uint32_t i = w->first; i < end; i++)
+    for (uint32_t i = w->first; i < end && good(w); i++)
         plan_range(w, w->range[i]);
-}
-
-static bool good(const struct tree *w)
-{
-    return dt_stop_status(&w->d->stop) == DT_OK;
 }
 
 static void grow(struct tree *w, struct dt_source in)
@@ -198,7 +194,7 @@ static void grow(struct tree *w, struct dt_source in)
     w->node = room_for(w, NULL, 0, 1, &w->node_cap, sizeof *w->node);
     if (w->node == NULL)
         return;
-    w->node[w->nodes++] = (struct node){.parent = 0};
+    w->node[w->nodes++] = (struct node){0};
     wait_for_grid(w, 0, in, 0, w->d->n, 0);
     for (uint32_t end; good(w) && w->first < w->ranges; w->first = end) {
         end = w->ranges;
@@ -219,45 +215,41 @@ static void list_tasks(struct tree *w, uint32_t at)
     }
 }
 
-/* Task i, and all joins for which it brings the second part. */
 static void run_task(void *arg, unsigned i)
 {
     struct tree *w = arg;
-    struct dt_arena arena = {.pages = w->d->merging.mesh->pages};
-    uint32_t at = w->task[i];
-    struct node *node = &w->node[at];
+    struct dt_arena arena = {.pages = w->d->pages};
+    struct node *node = &w->node[w->task[i]];
     node->part = dt_divide_cells(w->d, &arena, node->level, node->key, node->s);
     dt_arena_clear(&arena);
-    while (at != 0) {
-        at = node->parent;
-        node = &w->node[at];
-        if (atomic_fetch_add(&node->finished, 1) == 0)
-            return; /* the sibling's thread will join them */
-        if (good(w))
-            node->part = dt_divide_join(w->d, &w->node[node->child].part,
-                                        &w->node[node->child + 1].part, node->axis, node->mid);
-    }
 }
 
-struct dt_part dt_divide_tasks(struct dt_division *d, struct dt_source in, unsigned threads)
+/* Records the joins below a node, whose tasks are done. */
+static struct dt_blocks join_all(struct tree *w, uint32_t at)
+{
+    const struct node *node = &w->node[at];
+    if (node->level != NULL)
+        return node->part;
+    struct dt_blocks a = join_all(w, node->child), b = join_all(w, node->child + 1);
+    return dt_plan_join(&w->d->plan, a, b, node->axis);
+}
+
+void dt_divide_tasks(struct dt_division *d, struct dt_source in, unsigned threads)
 {
     struct tree w = {.d = d, .threads = threads, .limit = d->n / (threads * TASKS_PER_THREAD)};
-    struct dt_part all = {0};
     if (w.limit < DT_BLOCK)
         w.limit = DT_BLOCK;
     grow(&w, in);
-    if (good(&w)) {
+    if (good(&w))
         w.task = room_for(&w, NULL, 0, w.nodes, &w.task_cap, sizeof *w.task);
-        if (w.task != NULL) {
-            list_tasks(&w, 0);
-            d->opt->pool->run(d->opt->pool->ctx, w.tasks, run_task, &w);
-            all = w.node[0].part;
-        }
+    if (good(&w)) {
+        list_tasks(&w, 0);
+        d->opt->pool->run(d->opt->pool->ctx, w.tasks, run_task, &w);
+        join_all(&w, 0);
     }
     for (uint32_t i = 0; i < w.ranges; i++)
         dt_arena_clear(&w.range[i].arena);
     dt_array_free(w.range);
     dt_array_free(w.task);
     dt_array_free(w.node);
-    return all;
 }

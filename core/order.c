@@ -151,16 +151,3 @@ void dt_order_scatter(const uint32_t *key, uint32_t n, uint32_t *next, const str
         out_from[to] = from[i];
     }
 }
-
-void dt_order_scatter_apart(const uint32_t *key, uint32_t n, uint32_t *next,
-                            const struct dt_shift *shift, const struct dt_point *p,
-                            const uint32_t *from, uint32_t first, struct dt_point *out,
-                            uint32_t *out_from)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t to = next[key[i]]++;
-        struct dt_shift by = shift[key[i]];
-        out[to + by.point] = p[i];
-        out_from[to + by.from] = from == NULL ? first + i : from[i];
-    }
-}

@@ -74,14 +74,4 @@ void dt_order_scatter(const uint32_t *key, uint32_t n, uint32_t *next, const str
                       const uint32_t *from, uint32_t first, struct dt_point *out,
                       uint32_t *out_from);
 
-/* The same where the places of different cells lie apart: what is for *next[c] goes shift[c] further
- * on. */
-struct dt_shift {
-    uint32_t point, from;
-};
-void dt_order_scatter_apart(const uint32_t *key, uint32_t n, uint32_t *next,
-                            const struct dt_shift *shift, const struct dt_point *p,
-                            const uint32_t *from, uint32_t first, struct dt_point *out,
-                            uint32_t *out_from);
-
 #endif

@@ -11,7 +11,7 @@
 #ifndef DT_PLAN_H
 #define DT_PLAN_H
 
-#include "core/part.h"
+#include "core/delaunay.h"
 
 /* In the name of a point: there is another one at its place, with a smaller name. */
 #define DT_COINCIDENT (1u << 31)
@@ -28,19 +28,23 @@ struct dt_plan {
 #define DT_STEP_AXIS(step) ((step) >> 3 & 1u)
 #define DT_STEP_MERGES(step) ((uint32_t)(step) >> 4)
 
-/* What records takes and returns parts of which n is the number of places, left the first block and right the last
- * one; in from[], the names of points that coincide with others get DT_COINCIDENT. */
+/* Neighbouring blocks that will be joined to one part: the number of their places, where the first one begins, and the
+ * last one. */
+struct dt_blocks {
+    uint32_t n, first, last;
+};
 
-/* At most DT_FEW points become one block, or two. */
-struct dt_part dt_plan_few(const struct dt_plan *w, struct dt_point *p, uint32_t *from, uint32_t lo,
-                           uint32_t n);
-
-/* n > 0 points at one place become a block of one. */
-struct dt_part dt_plan_place(const struct dt_plan *w, struct dt_point *p, uint32_t *from,
+/* At most DT_FEW points become one block, or two. Here as in dt_plan_place, the names in from[] of points that coincide
+ * with others get DT_COINCIDENT, and -0 becomes 0. */
+struct dt_blocks dt_plan_few(const struct dt_plan *w, struct dt_point *p, uint32_t *from,
                              uint32_t lo, uint32_t n);
 
-/* The parts will be joined. */
-struct dt_part dt_plan_join(const struct dt_plan *w, const struct dt_part *a,
-                            const struct dt_part *b, unsigned axis);
+/* n > 0 points at one place become a block of one. */
+struct dt_blocks dt_plan_place(const struct dt_plan *w, struct dt_point *p, uint32_t *from,
+                               uint32_t lo, uint32_t n);
+
+/* They will be joined. */
+struct dt_blocks dt_plan_join(const struct dt_plan *w, struct dt_blocks a, struct dt_blocks b,
+                              unsigned axis);
 
 #endif

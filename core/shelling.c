@@ -28,7 +28,7 @@
 #include "core/shelling.h"
 
 #include "core/apex.h"
-#include "core/block.h"
+#include "core/few.h"
 #include "core/hull.h"
 #include "core/median.h"
 #include "core/predicates.h"

@@ -26,9 +26,9 @@ static struct dt_part arch_begin(struct arch *a, uint32_t n)
         a->from[i] = i;
     }
     struct dt_merging w = {.p = a->p, .mesh = &a->mesh};
-    struct dt_part all = dt_block(&w, a->p, a->from, 0, 1);
+    struct dt_part all = dt_block(&w, 0, 1);
     for (uint32_t i = 1; i < n; i++) {
-        struct dt_part one = dt_block(&w, a->p, a->from, i, 1);
+        struct dt_part one = dt_block(&w, i, 1);
         all = dt_merge_parts(&w, &all, &one, 0, i);
     }
     return all;
@@ -37,7 +37,7 @@ static struct dt_part arch_begin(struct arch *a, uint32_t n)
 static struct dt_part merge_last(struct arch *a, const struct dt_part *all, struct dt_stop *stop)
 {
     struct dt_merging w = {.p = a->p, .mesh = &a->mesh, .stop = stop};
-    struct dt_part one = dt_block(&w, a->p, a->from, a->n, 1);
+    struct dt_part one = dt_block(&w, a->n, 1);
     return dt_merge_parts(&w, all, &one, 0, a->n);
 }
 
