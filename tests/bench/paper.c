@@ -3,7 +3,7 @@
  * each size averaged. */
 #include "tests/bench/paper.h"
 
-#include "core/shelling.h"
+#include "core/shelling/shelling.h"
 #include "tests/bench/measure.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/divide.h"
-#include "core/shelling.h"
+#include "core/divide/divide.h"
+#include "core/shelling/shelling.h"
 #include "tests/oracle/definition.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"

@@ -1,8 +1,8 @@
 /* mesh_check.c - see mesh_check.h. */
 #include "tests/core/mesh_check.h"
 
-#include "core/hull.h"
-#include "core/predicates.h"
+#include "core/exact/predicates.h"
+#include "core/mesh/hull.h"
 #include "tests/test.h"
 
 /* Mutual twins that agree on their ends, and locally Delaunay. */

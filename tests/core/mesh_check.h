@@ -1,13 +1,13 @@
 /* mesh_check.h - a plain proof that a mesh is the canonical triangulation, independent of
- * core/check.c. */
+ * core/set/check.c. */
 #ifndef MESH_CHECK_H
 #define MESH_CHECK_H
 
-#include "core/mesh.h"
+#include "core/mesh/mesh.h"
 
 /* Fails the test unless m is a closed surface of the right size over its vertices (those with
  * leaving[] set, or one alone), Delaunay everywhere under the tie rule, with a convex hull, and
- * settled (core/hull.h). */
+ * settled (core/mesh/hull.h). */
 void mesh_check(const struct dt_mesh *m, const struct dt_point *xy);
 
 #endif

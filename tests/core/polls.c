@@ -4,7 +4,7 @@
 #include <stdatomic.h>
 #include <time.h>
 
-#include "core/stop.h"
+#include "core/control/stop.h"
 
 bool __real_dt_stopped(struct dt_stop *s);
 bool __wrap_dt_stopped(struct dt_stop *s);

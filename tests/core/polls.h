@@ -1,4 +1,4 @@
-/* polls.h - how often, and after how much work, a computation asks whether to stop (core/stop.h): the test
+/* polls.h - how often, and after how much work, a computation asks whether to stop (core/control/stop.h): the test
  * binary has dt_stopped come through here. */
 #ifndef POLLS_H
 #define POLLS_H

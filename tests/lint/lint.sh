@@ -12,6 +12,7 @@ trap 'rm -f "$found"' EXIT
 
 # The rooms of a folder, from the bottom up: what is in one may include what is in those before it.
 declare -A rooms=(
+    [core]='exact control memory points mesh grid set divide shelling query edit'
     [clients]='lib files pictures cli commands'
     [server]='system ops sets disk jobs clients command session'
 )
@@ -84,10 +85,25 @@ core_is_pure() {
         sed 's|$|    (not in core/)|'
 }
 
+core_objects() {
+    code core | sed -n "s|^\(.*\)\.c\$|$build/\1.o|p"
+}
+
+# delaunay.h declares functions of all rooms, so includes alone do not show who calls whom.
+core_calls_no_room_above() {
+    core_objects | xargs nm -A --format=posix | awk -v order="${rooms[core]}" '
+        BEGIN { for (n = split(order, room, " "); n > 0; n--) level[room[n]] = n }
+        { split($1, path, "/core/"); split(path[2], name, "/"); at = level[name[1]] }
+        $3 ~ /^[TDRB]$/ { home[$2] = name[1] }
+        $3 == "U" { file[++calls] = "core/" path[2]; from[calls] = at; called[calls] = $2 }
+        END { for (i = 1; i <= calls; i++) if (level[home[called[i]]] > from[i]) {
+            sub(/\.o:$/, ".c", file[i]); print file[i] ": calls " called[i] " of core/" home[called[i]] } }'
+}
+
 # No variable of core/ outlives a call. Tables of constants lie in read-only sections.
 core_has_no_globals() {
     local o
-    for o in "$build"/core/*.o; do
+    for o in $(core_objects); do
         objdump -t "$o" | awk -v o="$o" '/ O (\.data|\.bss|\.tdata|\.tbss|\*COM\*)/ && !/\.data\.rel\.ro/ {
             print o ": the variable " $NF " outlives a call" }'
     done
@@ -97,6 +113,8 @@ core_has_no_globals() {
 
 file_rules() {
     local f lines
+    files '\.(c|h|cpp|py|js)$' | sed 's|/[^/]*$||' | sort | uniq -c |
+        awk '$1 > 25 { print $2 ": " $1 " source files: it needs rooms" }'
     for f in $(files '\.(c|h|cpp|py|sh)$'); do
         lines=$(wc -l <"$f")
         [ "$lines" -le 600 ] || echo "$f:$lines: more than 600 lines: what should leave it?"
@@ -150,6 +168,7 @@ check() {
     for folder in core proto server clients; do no_include_cycles "$folder"; done
     core_is_pure
     [ -z "$build" ] || core_has_no_globals
+    [ -z "$build" ] || core_calls_no_room_above
     file_rules
     format
     check

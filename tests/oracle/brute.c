@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/predicates.h"
+#include "core/exact/predicates.h"
 
 #define UNKNOWN (DT_NONE - 1)
 

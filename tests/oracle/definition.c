@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "core/predicates.h"
+#include "core/exact/predicates.h"
 #include "tests/test.h"
 
 static bool is_delaunay(const struct dt_point *p, uint32_t n, uint32_t a, uint32_t b, uint32_t c)

@@ -3,7 +3,7 @@
 #ifndef DEFINITION_H
 #define DEFINITION_H
 
-#include "core/mesh.h"
+#include "core/mesh/mesh.h"
 
 struct triangle {
     uint32_t v[3];

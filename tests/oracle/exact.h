@@ -28,7 +28,7 @@ struct exact exact_add(const struct exact *a, const struct exact *b);
 struct exact exact_subtract(const struct exact *a, const struct exact *b);
 struct exact exact_multiply(const struct exact *a, const struct exact *b);
 
-/* The signs that core/predicates.h describes. */
+/* The signs that core/exact/predicates.h describes. */
 int exact_orient2d(struct dt_point a, struct dt_point b, struct dt_point c);
 int exact_incircle(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
 int exact_incircle_perturbed(struct dt_point a, struct dt_point b, struct dt_point c,

@@ -1,7 +1,7 @@
 /* keep_test.c - pages of sets that are gone: used again, within --max-memory, and given back. */
 #include "server/jobs/keep.h"
 
-#include "core/pages.h"
+#include "core/memory/pages.h"
 #include "server/jobs/job.h"
 #include "server/lifecycle.h"
 #include "tests/server/local.h"

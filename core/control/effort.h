@@ -1,0 +1,43 @@
+/* effort.h - what a computation has cost so far, counted in cheap steps of about a nanosecond: so that it can
+ * be given up when it costs too much, and polls by work done rather than by rounds, of which one may be
+ * very long. */
+#ifndef DT_EFFORT_H
+#define DT_EFFORT_H
+
+#include "core/control/stop.h"
+
+/* All zero: it may cost anything, and is never stopped. */
+struct dt_effort {
+    struct dt_stop *stop; /* borrows */
+    uint64_t limit;       /* of spent, beyond which the reason to stop is DT_TOOBIG */
+    uint64_t spent;
+    uint64_t next; /* spent, when the next poll is due */
+};
+
+/* For dt_effort_spend. */
+bool dt_effort_poll(struct dt_effort *e);
+
+/* Adds steps. True: it has to stop, now and whenever it is asked again. */
+static inline bool dt_effort_spend(struct dt_effort *e, uint64_t steps)
+{
+    e->spent += steps;
+    return e->spent >= e->next && dt_effort_poll(e);
+}
+
+/* Goes on to the next piece of a pass over n items, with so many steps for each; false: it is over, or
+ * has to stop. */
+static inline bool dt_effort_piece(struct dt_effort *e, uint32_t n, unsigned steps,
+                                   struct dt_piece *at)
+{
+    at->a = at->b;
+    at->b = n - at->a < DT_POLL ? n : at->a + DT_POLL;
+    return at->a < n && !dt_effort_spend(e, (uint64_t)steps * (at->b - at->a));
+}
+
+/* The reason to stop that is known so far. */
+static inline enum dt_status dt_effort_status(const struct dt_effort *e)
+{
+    return e->stop == NULL ? DT_OK : dt_stop_status(e->stop);
+}
+
+#endif

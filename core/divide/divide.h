@@ -1,0 +1,34 @@
+/* divide.h - the fast engine: divide and conquer over the order of a uniform grid. */
+#ifndef DT_DIVIDE_H
+#define DT_DIVIDE_H
+
+#include "core/divide/order.h"
+#include "core/divide/plan.h"
+#include "core/mesh/mesh.h"
+
+/* Brings n points, with names below DT_COINCIDENT unless all are distinct, into grid order, so that neighbours in the plane
+ * are neighbours in memory, and records in the plan (plan.h) which of them coincide and what a build has to do. spare
+ * has room for n points; in may be the same. -0 becomes 0. opt may be NULL. DT_NOMEM, DT_CANCELLED: what is left is of no
+ * use. The result is the same whatever the number of threads.
+ *
+ * Cost: O(n log n), about linear in practice; 2 bytes a point of scratch memory where points are spread evenly, up to
+ * 24 where they are not, however many threads there are. */
+enum dt_status dt_divide_sort(struct dt_source in, uint32_t n, struct dt_named out,
+                              struct dt_named spare, struct dt_plan plan, struct dt_pages *pages,
+                              const struct dt_options *opt);
+
+/* Triangulates n points that are sorted, with the steps of their plan: vertex v of the mesh is p[v]. *m must be zeroed
+ * or cleared; it is complete on return, and cleared on failure (DT_NOMEM, DT_CANCELLED). It is settled (hull.h), and
+ * the same whatever the number of threads. opt may be NULL. Cost: O(n log n), about linear in practice; no memory but that of
+ * the mesh. */
+enum dt_status dt_divide_sorted(const struct dt_point *p, uint32_t n, const uint16_t *step,
+                                struct dt_mesh *m, const struct dt_options *opt);
+
+/* Both, for n distinct points, where point in[i] has the name names[i], or i if names is NULL. p[n] and from[n] are the
+ * caller's and get the sorted points and their names. Cost: of both, and 2 bytes a point; the mesh is the scratch memory
+ * that a sort wants. */
+enum dt_status dt_divide(const struct dt_point *in, const uint32_t *names, uint32_t n,
+                         struct dt_point *p, uint32_t *from, struct dt_mesh *m,
+                         const struct dt_options *opt);
+
+#endif

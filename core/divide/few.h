@@ -1,0 +1,21 @@
+/* few.h - the order of a few points: of a block (block.h), or of twice as many, which are cut into two. */
+#ifndef DT_FEW_H
+#define DT_FEW_H
+
+#include "core/divide/block.h"
+
+#define DT_FEW 12u /* points that are not worth a grid */
+
+/* Sorts 0 < n <= DT_BLOCK points, and their names in from[], by (x, y); equal points stay in their order. -0 becomes
+ * 0. Returns whether all are at different places. Cost: O(n^2), without branches. */
+bool dt_block_sort(struct dt_point *p, uint32_t *from, uint32_t n);
+
+/* Sorts DT_BLOCK < n <= DT_FEW points, and their names, for a cut along an axis, which it returns. Equal points become
+ * neighbours. Cost: O(n^2), without branches. */
+unsigned dt_few_sort(struct dt_point *p, uint32_t *from, uint32_t n);
+
+/* Sorts n points, and their names, as cuts of the axis want them (part.h). Cost: O(n) where they are nearly in order,
+ * else O(n^2). */
+void dt_insertion_sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32_t n);
+
+#endif

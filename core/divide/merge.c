@@ -1,0 +1,321 @@
+/* merge.c - the merge of two triangulations along a line, on triangles with ghosts [Guibas & Stolfi
+ * 1985, sec. 9, who do it on edges].
+ *
+ * Let L lie left of R. The merge starts at the lower common tangent l-r, whose ghost is `bot`, and
+ * rises like a bubble:
+ *
+ *        top ghost
+ *       - - - - - -
+ *      .           .         u = the next hull vertex above l in L, by the ghost lc (u, l, none)
+ *      u    gap    v         v = the next one above r in R, by the ghost rc (r, v, none)
+ *     /|           |\
+ *    x | lc     rc | x       Each of u and v is wanted only above the base l-r; and while the
+ *     \|           |/        triangle beyond its edge has its apex x inside the circle l r u (or
+ *      l --------- r         l r v), that edge has to go: it is DELETED. Then the better one of u
+ *          base              and v is KNITTED to the base.
+ *        bot ghost
+ *
+ * Both moves happen in place. Deleting the edge l-u between the ghost lc and the triangle
+ * t = (l, u, x) leaves two ghosts in the same two records:
+ *
+ *          u                   u            lc: (u, l, none)  ->  (x, l, none)
+ *         /|                  /             t:  (l, u, x)     ->  (u, x, none)
+ *        x | lc      ->      x
+ *         \|                  \             and u becomes x, to be tested again.
+ *          l                   l
+ *
+ * Knitting u to the base turns the ghost lc into a real triangle by one store, (u, l, none) ->
+ * (u, l, r), whose new edge u-r is the next base. At the upper tangent, a last ghost closes the
+ * hull. So exactly two records are added: bot and top.
+ *
+ * Predicates. Both sides ask the same of two points at every step, so u and v, and then the apexes x
+ * of both sides, are looked at together, in two lanes (sight.h, which has the filters as well). What
+ * is wrong with an edge is acted upon and the step begins again: so a step has few branches, because
+ * unpredictable ones are expensive. */
+#include "core/divide/merge.h"
+
+#include "core/divide/knit.h"
+#include "core/divide/sight.h"
+
+#define FEW_DOUBTS 1            /* of a merge for which the wide filter is good enough */
+#define LONG (1u << 15)         /* points beyond which a merge polls, and may end early */
+#define STEPS_BETWEEN_POLLS 512 /* of a long merge: each takes up to ten microseconds */
+
+/* One merge on its way up. A part of a single point has no ghosts, hence no lc or rc. */
+struct seam {
+    uint32_t l, r;        /* the base */
+    struct sight_base at; /* its points */
+    size_t base;          /* its half edge r->l below the gap */
+    size_t lc, rc;        /* the ghosts next to the gap: (u, l, none) and (r, v, none) */
+    struct sight_filter filter;
+};
+
+/* The ghosts of the hull form a ring: the one that ends where g starts, and the one that starts
+ * where it ends. */
+INLINE size_t ghost_before(const struct knitting *w, size_t g)
+{
+    return knit_twin(w, g + 2) - 1;
+}
+
+INLINE size_t ghost_after(const struct knitting *w, size_t g)
+{
+    return knit_twin(w, g + 1) - 2;
+}
+
+/* The ghost that starts at hull vertex v; some ghost of the same hull helps if leaving[v] is out of
+ * date. */
+INLINE size_t ghost_from(const struct knitting *w, uint32_t v, size_t some)
+{
+    size_t g = w->leaving[v];
+    if (__builtin_expect(w->half[g] == v && w->half[g + 2] == DT_NONE, 1))
+        return g;
+    for (g = some; w->half[g] != v;)
+        g = ghost_before(w, g);
+    return g;
+}
+
+/* Whether a loop goes on to its next step. */
+INLINE bool go_on(const struct knitting *w, bool polls, uint32_t *steps)
+{
+    return !polls || ++*steps % STEPS_BETWEEN_POLLS != 0 || !dt_stopped(w->stop);
+}
+
+/* Finds the lower common tangent: moves l and r down their hulls, with *gl the ghost that starts at
+ * l and *gr the one that ends at r. Both sides may move at once: a vertex below the line from l to r
+ * is also below the one from where l will be. */
+INLINE void descend(const struct knitting *w, bool polls, int sides, struct seam *s, size_t *gl,
+                    size_t *gr)
+{
+    for (uint32_t steps = 0; go_on(w, polls, &steps);) {
+        uint32_t u = w->half[sides & SIGHT_LEFT ? *gl + 1 : *gr];
+        uint32_t v = w->half[sides & SIGHT_RIGHT ? *gr : *gl + 1];
+        struct sight c = sight_of(w->p, &s->at, u, v);
+        int below = sides & sight_below(w, s->l, s->r, u, v, &c);
+        if (below == 0)
+            return;
+        if (below & SIGHT_LEFT) {
+            s->l = u;
+            sight_from_left(&s->at, &c);
+            *gl = ghost_after(w, *gl);
+        }
+        if (below & SIGHT_RIGHT) {
+            s->r = v;
+            sight_from_right(&s->at, &c);
+            *gr = ghost_before(w, *gr);
+        }
+    }
+}
+
+/* Deletes the edge l-u of L beyond the ghost lc = (u, l, none). */
+INLINE void delete_left(const struct knitting *w, size_t lc)
+{
+    uint32_t edge = (uint32_t)knit_twin(w, lc); /* l->u, in the triangle (l, u, x) */
+    uint32_t u = w->half[lc], x = w->half[dt_prev(edge)];
+    size_t t = dt_base(edge), beyond_side = knit_twin(w, dt_prev(edge)),
+           beyond_top = knit_twin(w, dt_next(edge)), out = knit_twin(w, lc + 2);
+    w->half[lc] = x;
+    knit_link(w, lc, beyond_side);
+    knit_ghost(w, t, u, x);
+    knit_link(w, t, beyond_top);
+    knit_link(w, t + 1, lc + 2);
+    knit_link(w, t + 2, out);
+    w->leaving[x] = (uint32_t)lc;
+}
+
+/* The mirror image: the edge r-v of R beyond the ghost rc = (r, v, none). */
+INLINE void delete_right(const struct knitting *w, size_t rc)
+{
+    uint32_t edge = (uint32_t)knit_twin(w, rc); /* v->r, in the triangle (v, r, x) */
+    uint32_t v = w->half[rc + 1], x = w->half[dt_prev(edge)];
+    size_t t = dt_base(edge), beyond_side = knit_twin(w, dt_next(edge)),
+           beyond_top = knit_twin(w, dt_prev(edge)), out = knit_twin(w, rc + 1);
+    w->half[rc + 1] = x;
+    knit_link(w, rc, beyond_side);
+    knit_ghost(w, t, x, v);
+    knit_link(w, t, beyond_top);
+    knit_link(w, t + 1, out);
+    knit_link(w, t + 2, rc + 1);
+    w->leaving[v] = (uint32_t)out - 2;
+}
+
+/* Not inlined, so that the loop in knit keeps the registers for itself. */
+static __attribute__((noinline)) void delete_edges(const struct knitting *w, size_t lc, size_t rc,
+                                                   int sides)
+{
+    if (sides & SIGHT_LEFT)
+        delete_left(w, lc);
+    if (sides & SIGHT_RIGHT)
+        delete_right(w, rc);
+}
+
+/* On which of the sides in `above` the edge below the candidate c has to go. */
+INLINE int to_delete(const struct knitting *w, struct seam *s, size_t lc, size_t rc, int above,
+                     uint32_t u, uint32_t v, const struct sight *c)
+{
+    uint32_t xu = w->half[dt_prev((uint32_t)knit_twin(w, lc))];
+    uint32_t xv = w->half[dt_prev((uint32_t)knit_twin(w, rc))];
+    /* Beyond a line lies another ghost, which has no apex. No vertex but DT_NONE has its top bit set,
+     * so no branch is needed to look at u or v again instead. */
+    uint32_t none_u = 0 - (xu >> 31), none_v = 0 - (xv >> 31);
+    xu ^= (xu ^ u) & none_u;
+    xv ^= (xv ^ v) & none_v;
+    above &= ~(int)((none_u & SIGHT_LEFT) | (none_v & SIGHT_RIGHT));
+    struct sight x = sight_of(w->p, &s->at, xu, xv);
+    return sight_better(w, &s->filter, s->l, s->r, above, (const uint32_t[]){u, v},
+                        (const uint32_t[]){xu, xv}, c, &x);
+}
+
+INLINE void knit_left(const struct knitting *w, struct seam *s, uint32_t u, const struct sight *c)
+{
+    size_t lc = s->lc, next = ghost_before(w, lc);
+    w->half[lc + 2] = s->r;
+    knit_link(w, lc + 1, s->base);
+    w->leaving[u] = (uint32_t)lc;
+    s->base = lc + 2;
+    s->l = u;
+    sight_from_left(&s->at, c);
+    s->lc = next;
+}
+
+INLINE void knit_right(const struct knitting *w, struct seam *s, uint32_t v, const struct sight *c)
+{
+    size_t rc = s->rc, next = ghost_after(w, rc);
+    w->half[rc + 2] = s->l;
+    knit_link(w, rc + 2, s->base);
+    w->leaving[v] = (uint32_t)next;
+    s->base = rc + 1;
+    s->r = v;
+    sight_from_right(&s->at, c);
+    s->rc = next;
+}
+
+/* From the lower common tangent, whose ghost gets the record bot. */
+INLINE struct seam start(const struct knitting *w, bool polls, int sides, uint32_t l, uint32_t r,
+                         size_t some_l, size_t some_r, size_t bot)
+{
+    struct seam s = {.l = l, .r = r, .at = sight_base_of(w->p[l], w->p[r]), .base = bot};
+    size_t gl = sides & SIGHT_LEFT ? ghost_from(w, l, some_l) : 0;
+    size_t gr = sides & SIGHT_RIGHT ? ghost_before(w, ghost_from(w, r, some_r)) : 0;
+    if (sides != 0)
+        descend(w, polls, sides, &s, &gl, &gr);
+    s.lc = sides & SIGHT_LEFT ? ghost_before(w, gl) : 0;
+    s.rc = sides & SIGHT_RIGHT ? ghost_after(w, gr) : 0;
+    knit_ghost(w, bot, s.r, s.l);
+    if (sides & SIGHT_LEFT) {
+        knit_link(w, bot + 1, gl + 2);
+        w->leaving[s.l] = (uint32_t)gl;
+    }
+    if (sides & SIGHT_RIGHT)
+        knit_link(w, bot + 2, gr + 1);
+    return s;
+}
+
+/* The merge proper; l and r are the last vertex of the left part and the first one of the right,
+ * `sides` those that have more than one. Whether the close filter would have paid, or has been asked. */
+INLINE bool knit(const struct knitting *w, bool close, bool polls, int sides, uint32_t l,
+                 uint32_t r, size_t some_l, size_t some_r, size_t bot, size_t top)
+{
+    struct seam s = start(w, polls, sides, l, r, some_l, some_r, bot);
+    uint32_t steps = 0;
+    s.filter.close = close;
+    while (sides != 0 && go_on(w, polls, &steps)) {
+        size_t lc = sides & SIGHT_LEFT ? s.lc : s.rc, rc = sides & SIGHT_RIGHT ? s.rc : s.lc;
+        uint32_t u = w->half[sides & SIGHT_LEFT ? lc : lc + 1];
+        uint32_t v = w->half[sides & SIGHT_RIGHT ? rc + 1 : rc];
+        struct sight c = sight_of(w->p, &s.at, u, v);
+        int above = sides & sight_above(w, s.l, s.r, u, v, &c);
+        if (above == 0)
+            break;
+        int worse = to_delete(w, &s, lc, rc, above, u, v, &c);
+        if (worse != 0)
+            delete_edges(w, s.lc, s.rc, worse);
+        else if (sight_left_wins(w, &s.filter, s.l, s.r, above, u, v, &c))
+            knit_left(w, &s, u, &c);
+        else
+            knit_right(w, &s, v, &c);
+    }
+    knit_ghost(w, top, s.l, s.r);
+    knit_link(w, top, s.base);
+    knit_link(w, top + 1, sides & SIGHT_RIGHT ? s.rc + 2 : bot + 2);
+    knit_link(w, top + 2, sides & SIGHT_LEFT ? s.lc + 1 : bot + 1);
+    return close | (s.filter.settled > FEW_DOUBTS);
+}
+
+/* The common cases and the others, each compiled on its own with its conditions decided. */
+static __attribute__((noinline)) bool knit_both(const struct knitting *w, uint32_t l, uint32_t r,
+                                                uint32_t some_l, uint32_t some_r, uint32_t bot,
+                                                uint32_t top)
+{
+    const struct knitting local = *w;
+    return knit(&local, false, false, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
+}
+
+static __attribute__((noinline)) bool knit_close(const struct knitting *w, uint32_t l, uint32_t r,
+                                                 uint32_t some_l, uint32_t some_r, uint32_t bot,
+                                                 uint32_t top)
+{
+    const struct knitting local = *w;
+    return knit(&local, true, false, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
+}
+
+static __attribute__((noinline)) bool knit_long(const struct knitting *w, bool close, uint32_t l,
+                                                uint32_t r, uint32_t some_l, uint32_t some_r,
+                                                uint32_t bot, uint32_t top)
+{
+    const struct knitting local = *w;
+    return knit(&local, close, true, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
+}
+
+static __attribute__((noinline)) bool knit_single(const struct knitting *w, bool polls, int sides,
+                                                  uint32_t l, uint32_t r, uint32_t some_l,
+                                                  uint32_t some_r, uint32_t bot, uint32_t top)
+{
+    if (sides == SIGHT_LEFT)
+        return knit(w, false, polls, SIGHT_LEFT, l, r, some_l, some_r, bot, top);
+    if (sides == SIGHT_RIGHT)
+        return knit(w, false, polls, SIGHT_RIGHT, l, r, some_l, some_r, bot, top);
+    return knit(w, false, false, 0, l, r, some_l, some_r, bot, top);
+}
+
+bool dt_knit(const struct knitting *w, bool close, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
+             uint32_t some_l, uint32_t some_r, uint32_t mid)
+{
+    uint32_t bot = 16 * mid - 16, top = 16 * mid - 8;
+    int sides = (nl > 1 ? SIGHT_LEFT : 0) | (nr > 1 ? SIGHT_RIGHT : 0);
+    bool polls = nl + nr > LONG;
+    if (__builtin_expect(sides != SIGHT_BOTH, 0))
+        return knit_single(w, polls, sides, l, r, some_l, some_r, bot, top);
+    if (__builtin_expect(polls, 0))
+        return knit_long(w, close, l, r, some_l, some_r, bot, top);
+    if (close)
+        return knit_close(w, l, r, some_l, some_r, bot, top);
+    return knit_both(w, l, r, some_l, some_r, bot, top);
+}
+
+struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *a,
+                              const struct dt_part *b, unsigned axis, uint32_t mid)
+{
+    const struct dt_point *p = w->p;
+    if (a->n == 0)
+        return *b;
+    if (b->n == 0)
+        return *a;
+    struct dt_part c = {
+        .n = a->n + b->n,
+        .left = dt_before_x(p[b->left], p[a->left]) ? b->left : a->left,
+        .right = dt_before_x(p[a->right], p[b->right]) ? b->right : a->right,
+        .bottom = dt_before_y(p[b->bottom], p[a->bottom]) ? b->bottom : a->bottom,
+        .top = dt_before_y(p[a->top], p[b->top]) ? b->top : a->top,
+        .ghost = 16 * mid - 8,
+    };
+    double width = p[c.right].x - p[c.left].x, height = p[c.top].y - p[c.bottom].y;
+    struct knitting k = knitting_of(w, width > height ? width : height);
+    bool close = a->close | b->close;
+    if (axis == 0)
+        c.close = dt_knit(&k, close, a->right, b->left, a->n, b->n, a->ghost, b->ghost, mid);
+    else
+        c.close = dt_knit(&k, close, a->top, b->bottom, a->n, b->n, a->ghost, b->ghost, mid);
+    if (__builtin_expect(c.n > LONG, 0) && w->stop != NULL && dt_stop_status(w->stop) != DT_OK)
+        return (struct dt_part){0}; /* it may have ended early */
+    return c;
+}

@@ -1,0 +1,24 @@
+/* arrivals.h - many points at once: which of them coincide with one another, or with those that are there already,
+ * is found by sorting all of them (divide.h), without the table of places (core/points/places.h). The vertices of a set that
+ * gets its points so are in the order in which a build wants them. */
+#ifndef DT_ARRIVALS_H
+#define DT_ARRIVALS_H
+
+#include "core/points/points.h"
+
+/* Whether n points are better sorted than looked up one after the other: with tolerance 0, if they are many
+ * beside those of the set. */
+bool dt_arrivals_suit(const struct dt_points *p, size_t n);
+
+/* Adds n valid points, all or none, with the result that dt_points_add has, by it or by sorting. pool may be NULL.
+ * Cost of sorting: O(n + vertices), and 24 bytes for each of them meanwhile, or 44 if the set has vertices; taken
+ * off the work, which may be NULL. */
+enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, size_t n,
+                               const struct dt_pool *pool, struct dt_work *work,
+                               struct dt_added *out);
+
+/* Renumbers the set's vertices, none of which is free, in that order. DT_CORRUPT: two of them are at one place; as for
+ * DT_NOMEM and DT_CANCELLED, the set can only be freed. Cost: O(vertices), and 44 bytes for each of them meanwhile. */
+enum dt_status dt_arrivals_sort(struct dt_points *p, const struct dt_options *opt);
+
+#endif

@@ -1,0 +1,133 @@
+/* batch.c - see batch.h. Insertions let no record die, so a triangle that was found some turns ago
+ * is still one, and near the point. */
+#include "core/edit/batch.h"
+
+#include "core/divide/order.h"
+#include "core/memory/memory.h"
+#include "core/query/ahead.h"
+
+enum {
+    SORTED = 16, /* batches of at least so many points are sorted */
+    LEAD = 8     /* points, by which what is free is fetched earlier than it is used */
+};
+
+/* Counts the points in the cells and puts them into b->order. */
+static void sort(struct dt_batch *b, const struct dt_order *grid, uint32_t *key, uint32_t *next,
+                 struct dt_stop *stop)
+{
+    uint32_t cells = 1u << grid->bits, place = 0;
+    for (uint32_t c = 0; c < cells; c++)
+        next[c] = 0;
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, b->n, &at);)
+        dt_order_count(grid, b->q + at.a, at.b - at.a, key + at.a, next);
+    for (uint32_t c = 0; c < cells; c++) {
+        uint32_t n = next[c];
+        next[c] = place;
+        place += n;
+    }
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, b->n, &at);)
+        for (uint32_t i = at.a; i < at.b; i++)
+            b->order[next[key[i]]++] = i;
+}
+
+enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const struct dt_point *q,
+                              uint32_t n, struct dt_stop *stop)
+{
+    *b = (struct dt_batch){
+        .q = q, .n = n, .vertex = t->points.free_list, .record = t->mesh.free_list};
+    for (uint32_t k = 0; k < DT_AHEAD; k++)
+        b->near[k] = DT_NONE;
+    if (n < SORTED || t->points.tol > 0)
+        return DT_OK;
+    struct dt_arena arena = {0};
+    struct dt_order grid;
+    dt_order_plan(&grid, dt_box_of(q, n), n, q, n);
+    enum dt_status status = dt_order_tables(&grid, &arena);
+    uint32_t *key = dt_arena_take(&arena, n, sizeof *key);
+    uint32_t *next =
+        status == DT_OK ? dt_arena_take(&arena, (size_t)1 << grid.bits, sizeof *next) : NULL;
+    b->order = dt_array_new(n, sizeof *b->order);
+    if (key != NULL && next != NULL && b->order != NULL) {
+        sort(b, &grid, key, next, stop);
+        status = dt_stop_status(stop);
+    } else {
+        status = DT_NOMEM;
+    }
+    if (status != DT_OK)
+        dt_batch_end(b);
+    dt_arena_clear(&arena);
+    return status;
+}
+
+void dt_batch_end(struct dt_batch *b)
+{
+    dt_array_free(b->order);
+    b->order = NULL;
+}
+
+/* Fetches what an insertion into the triangle of h will look at besides. */
+static void fetch_around(const struct dt *t, uint32_t h)
+{
+    const struct dt_mesh *m = &t->mesh;
+    for (uint32_t k = dt_base(h); k < dt_base(h) + 3; k++) {
+        uint32_t twin = dt_twin(m, k), apex = dt_apex_of(m, twin);
+        dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(twin)))]);
+        dt_fetch(&m->half[dt_base(dt_twin(m, dt_prev(twin)))]);
+        if (dt_origin(m, k) != DT_NONE)
+            dt_fetch(&m->leaving[dt_origin(m, k)]);
+        if (apex != DT_NONE) {
+            dt_fetch(&t->points.xy[apex]);
+            dt_fetch(&m->leaving[apex]);
+        }
+    }
+}
+
+/* One vertex and two records further in the lists of what earlier deletions have left free: as much
+ * as an insertion takes at most, so that this stays ahead. */
+static void fetch_free(const struct dt *t, struct dt_batch *b)
+{
+    const struct dt_points *p = &t->points;
+    if (b->vertex != DT_NONE)
+        b->vertex = dt_points_free_after(p, b->vertex);
+    if (b->vertex != DT_NONE) {
+        dt_fetch(&p->xy[b->vertex]);
+        dt_fetch(&p->id[b->vertex]);
+        if (b->vertex < t->mesh.vert_cap)
+            dt_fetch(&t->mesh.leaving[b->vertex]);
+    }
+    for (int k = 0; k < 2 && b->record != DT_NONE; k++) {
+        b->record = t->mesh.half[b->record];
+        if (b->record != DT_NONE)
+            dt_fetch(&t->mesh.half[b->record]);
+    }
+}
+
+/* Looks for the points from turn i on side by side. */
+static void look_ahead(struct dt *t, struct dt_batch *b, uint32_t i)
+{
+    struct dt_place place[DT_AHEAD];
+    uint32_t n = b->n - i < DT_AHEAD ? b->n - i : DT_AHEAD;
+    for (uint32_t k = 0; k < n; k++)
+        dt_fetch(&b->q[dt_batch_index(b, i + k)]);
+    for (uint32_t k = 0; k < n; k++) {
+        place[k].at = b->q[dt_batch_index(b, i + k)];
+        dt_idmap_fetch(&t->points.value, t->points.next_id + dt_batch_index(b, i + k));
+    }
+    dt_walk_to_places(t, place, n);
+    for (uint32_t k = 0; k < n; k++) {
+        b->near[k] = place[k].near;
+        if (place[k].near != DT_NONE)
+            fetch_around(t, place[k].near);
+    }
+}
+
+uint32_t dt_batch_turn(struct dt *t, struct dt_batch *b, uint32_t i)
+{
+    if (b->n == 1)
+        return DT_NONE;
+    if (i % DT_AHEAD == 0)
+        look_ahead(t, b, i);
+    for (uint32_t k = i == 0 ? LEAD : 1; k > 0; k--)
+        fetch_free(t, b);
+    return b->near[i % DT_AHEAD];
+}

@@ -1,0 +1,39 @@
+/* batch.h - many points on their way into a live set, in an order and side by side, so that memory is busy.
+ *
+ * An insertion waits for memory most of its time: for a cell of the grid, the triangle that is in it, its
+ * corners, and so on. So the points of a batch are put in the order of the plane, and the next DT_AHEAD of
+ * them are looked for side by side, as the questions of a pipeline are (core/query/ahead.h); then each is
+ * inserted from the triangle that it was found in or one nearby. */
+#ifndef DT_BATCH_H
+#define DT_BATCH_H
+
+#include "core/control/stop.h"
+#include "core/set/set.h"
+
+struct dt_batch {
+    const struct dt_point *q; /* borrows until dt_batch_end */
+    uint32_t *order;          /* owns: which point comes when; NULL: as they are */
+    uint32_t n;
+    uint32_t near[DT_AHEAD]; /* by turn: a half edge near the point, DT_NONE: not known */
+    uint32_t vertex, record; /* what is free and will be used some points later */
+};
+
+/* Chooses the order for n points to be added to t: by the cells of a grid, but points at the same
+ * place as they come, so that the smallest id represents them; with a tolerance the order of
+ * arrival matters, so nothing is sorted. DT_NOMEM, DT_CANCELLED: nothing to undo. */
+enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const struct dt_point *q,
+                              uint32_t n, struct dt_stop *stop);
+void dt_batch_end(struct dt_batch *b);
+
+/* Which point has turn i. */
+static inline uint32_t dt_batch_index(const struct dt_batch *b, uint32_t i)
+{
+    return b->order == NULL ? i : b->order[i];
+}
+
+/* To be called for every turn, 0, 1, ..., before its point is inserted; nothing but these points
+ * may be inserted, and nothing deleted, in between. Returns a half edge near the point, DT_NONE if
+ * none is known. */
+uint32_t dt_batch_turn(struct dt *t, struct dt_batch *b, uint32_t i);
+
+#endif

@@ -1,0 +1,74 @@
+/* demand.c - how much memory work on a set takes at its peak: bounds on what families of point sets
+ * were seen to take, which a test repeats (tests/core/edit/demand_test.c). They count memory that is
+ * touched: the room that a large array has beyond what it holds costs nothing until it is used. */
+#include "core/control/parallel.h"
+#include "core/edit/arrivals.h"
+#include "core/edit/update.h"
+#include "core/set/set.h"
+
+/* Bytes per vertex. A build makes coordinates and order (20), mesh (68) and a grid on every level of
+ * the recursion; beside vertices that were deleted, dense copies of coordinates and order. */
+#define BUILD_BYTES 136
+#define BUILD_DENSE_BYTES 24
+#define PREPARE_BYTES 48
+
+/* Bytes per point that is added: as a vertex, or, what is more, as an alias. */
+#define ADD_BYTES 104
+
+/* Bytes per point that is there, if an index of their places must be made first. */
+#define INDEX_BYTES (size_t)16
+
+/* Bytes per point that is there, if it is sorted along with so many that are added (arrivals.c). */
+#define SORT_BYTES (size_t)48
+
+#define THREAD_BYTES ((size_t)512 << 10)    /* for each thread's arena */
+#define ADD_THREAD_BYTES ((size_t)64 << 10) /* the same while points are sorted */
+#define COPIED_BYTES ((size_t)12 << 20)     /* of arrays so small that they are copied to grow */
+
+/* For what does not depend on the number of points. */
+static size_t slack(size_t n)
+{
+    return n < 4096 ? 1024 + n * 256 : (size_t)1 << 20;
+}
+
+/* How many threads beside the caller's work on n points. */
+static size_t more_threads(const struct dt_options *opt, size_t n)
+{
+    return dt_threads_for(opt == NULL ? NULL : opt->pool, (uint32_t)n) - 1;
+}
+
+/* Of a build of n vertices. */
+static size_t build_memory(const struct dt *t, size_t n, const struct dt_options *opt)
+{
+    size_t bytes = t->points.free_count > 0 ? BUILD_BYTES + BUILD_DENSE_BYTES : BUILD_BYTES;
+    return n * bytes + more_threads(opt, n) * THREAD_BYTES + slack(n);
+}
+
+size_t dt_build_memory(const struct dt *t, const struct dt_options *opt)
+{
+    return build_memory(t, dt_points_vertices(&t->points), opt);
+}
+
+size_t dt_prepare_memory(const struct dt *t)
+{
+    size_t n = dt_points_vertices(&t->points);
+    return n * PREPARE_BYTES + slack(n);
+}
+
+size_t dt_add_memory(const struct dt *t, size_t n, const struct dt_options *opt)
+{
+    struct dt_summary sum;
+    dt_summary(t, &sum);
+    size_t vertices = dt_points_vertices(&t->points);
+    size_t copied = sum.memory < COPIED_BYTES ? sum.memory : COPIED_BYTES;
+    size_t bytes = copied / 2 * 3 + slack(vertices + n);
+    bool later = t->triangulated && (!t->current || dt_update_is_bulk(t, n));
+    n = n < DT_MAX_POINTS - vertices ? n : DT_MAX_POINTS - vertices;
+    if (t->points.places.bucket == NULL && (t->points.tol > 0 || later || !t->triangulated))
+        bytes += vertices * INDEX_BYTES;
+    if (dt_arrivals_suit(&t->points, n) && t->points.end > 0)
+        bytes += vertices * SORT_BYTES;
+    if (later)
+        bytes += build_memory(t, vertices + n, opt);
+    return bytes + n * ADD_BYTES + more_threads(opt, n) * ADD_THREAD_BYTES;
+}

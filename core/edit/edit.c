@@ -1,0 +1,132 @@
+/* edit.c - a set gets points, loses and moves them: together with its triangulation (update.h), or, if that is to
+ * be built again anyway, alone. */
+#include "core/delaunay.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "core/edit/arrivals.h"
+#include "core/edit/update.h"
+#include "core/exact/bounds.h"
+#include "core/memory/memory.h"
+#include "core/memory/sort.h"
+#include "core/set/view_save.h"
+
+bool dt_coordinate_ok(double v)
+{
+    double size = fabs(v);
+    return size == 0 || (size >= DT_COORDINATE_LEAST && size <= DT_COORDINATE_MOST);
+}
+
+static bool point_ok(struct dt_point p)
+{
+    return dt_coordinate_ok(p.x) && dt_coordinate_ok(p.y);
+}
+
+enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct dt_added *out)
+{
+    return dt_add_many(t, p, n, NULL, out);
+}
+
+enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
+                           const struct dt_options *opt, struct dt_added *out)
+{
+    struct dt_work work = dt_work_of(opt);
+    struct dt_stop stop = dt_stop_of(opt);
+    for (size_t i = 0; i < n; i++) {
+        if (!point_ok(p[i]))
+            return DT_RANGE;
+        if (i % DT_POLL == DT_POLL - 1 && dt_stopped(&stop))
+            return dt_stop_status(&stop);
+    }
+    dt_views_edit_begin(t);
+    if (dt_is_live(t) && !dt_update_is_bulk(t, n))
+        return dt_update_add(t, p, n, &work, out);
+    const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
+    enum dt_status status = dt_arrivals_add(&t->points, p, n, pool, &work, out);
+    if (status == DT_OK && out->coincident < out->added)
+        t->current = false;
+    return status;
+}
+
+/* Deletes ascending distinct live ids. */
+static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n,
+                                    const struct dt_options *opt)
+{
+    struct dt_work work = dt_work_of(opt);
+    struct dt_stop stop = dt_stop_of(opt);
+    dt_views_edit_begin(t);
+    if (dt_is_live(t) && !dt_update_is_bulk(t, n))
+        return dt_update_delete(t, ids, n, &work);
+    struct dt_points *p = &t->points;
+    bool only_aliases = true;
+    enum dt_status status = dt_work(&work, 2 * n);
+    if (status == DT_OK)
+        status = dt_points_delete_ready(p, ids, n, &work);
+    if (status != DT_OK)
+        return status;
+    for (size_t i = 0; only_aliases && i < n; i++)
+        only_aliases = dt_points_is_alias(p, ids[i]);
+    if (!only_aliases)
+        t->current = false;
+    dt_points_delete_all(p, ids, n, opt != NULL && opt->disposable ? &stop : NULL);
+    return dt_stop_status(&stop);
+}
+
+enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted,
+                         uint32_t *missing)
+{
+    return dt_delete_many(t, ids, n, NULL, deleted, missing);
+}
+
+enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
+                              const struct dt_options *opt, uint32_t *deleted, uint32_t *missing)
+{
+    struct dt_stop stop = dt_stop_of(opt);
+    for (size_t i = 0; i < n; i++) {
+        if (dt_points_vertex(&t->points, ids[i]) == DT_NONE) {
+            *missing = ids[i];
+            return DT_NOPOINT;
+        }
+        if (i % DT_POLL == DT_POLL - 1 && dt_stopped(&stop))
+            return dt_stop_status(&stop);
+    }
+    uint32_t *sorted = dt_array_new_in(t->points.pages, n, sizeof *sorted);
+    if (sorted == NULL)
+        return DT_NOMEM;
+    if (n > 0)
+        memcpy(sorted, ids, n * sizeof *sorted);
+    size_t distinct = dt_sort_unique(sorted, n, t->points.pages, &stop);
+    enum dt_status status = dt_stop_status(&stop);
+    if (status == DT_OK)
+        status = delete_sorted(t, sorted, distinct, opt);
+    dt_array_free(sorted);
+    if (status == DT_OK)
+        *deleted = (uint32_t)distinct;
+    return status;
+}
+
+enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to)
+{
+    return dt_move_to(t, id, to, NULL);
+}
+
+enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
+                          const struct dt_options *opt)
+{
+    struct dt_work work = dt_work_of(opt);
+    if (dt_points_vertex(&t->points, id) == DT_NONE)
+        return DT_NOPOINT;
+    if (!point_ok(to))
+        return DT_RANGE;
+    enum dt_status status = dt_work(&work, 1);
+    if (status != DT_OK)
+        return status;
+    dt_views_edit_begin(t);
+    if (dt_is_live(t))
+        return dt_update_move(t, id, to, &work);
+    status = dt_points_move(&t->points, id, to, &work);
+    if (status == DT_OK)
+        t->current = false;
+    return status;
+}

@@ -1,0 +1,244 @@
+/* insert.c - insertion by cavity [Bowyer 1981; Watson 1981], exact and with ties broken as
+ * everywhere.
+ *
+ * All triangles in conflict with the new vertex q are replaced by the star of q:
+ *
+ *        +-------+                +-------+
+ *       / \     / \              / \  .  / \        a real triangle is in conflict if its circle
+ *      /   \   /   \            /   . . .   \       has q inside,
+ *     +-----\-/-----+    ->    + . . .q. . . +
+ *      \   q \     /            \   . . .   /       a ghost if q lies beyond its hull edge, or on
+ *       \  /  \   /              \  . . .  /        it between its ends
+ *        +------+                 +-------+
+ *
+ * In the lifted, perturbed picture the conflicts are the faces of a convex surface that q sees, so
+ * they are a disc, and the star is again the canonical triangulation, on the hull and for points on
+ * one line, too. */
+#include "core/edit/insert.h"
+
+#include "core/exact/predicates.h"
+#include "core/memory/memory.h"
+#include "core/mesh/hull.h"
+
+/* Whether q lies strictly between a and b on their line. */
+static bool between(struct dt_point a, struct dt_point b, struct dt_point q)
+{
+    return dt_compare_xy(a, q) == dt_compare_xy(q, b);
+}
+
+bool dt_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t, struct dt_point q)
+{
+    struct dt_point a = xy[m->half[t]], b = xy[m->half[t + 1]];
+    if (m->half[t + 2] != DT_NONE)
+        return dt_incircle_perturbed(a, b, xy[m->half[t + 2]], q) > 0;
+    int side = dt_orient2d(a, b, q);
+    return side > 0 || (side == 0 && between(a, b, q));
+}
+
+static bool push_neighbours(const struct dt_mesh *m, struct dt_cavity *c, uint32_t first,
+                            uint32_t second)
+{
+    dt_fetch(&m->half[dt_twin(m, first)]);
+    dt_fetch(&m->half[dt_twin(m, second)]);
+    return dt_cavity_push(c, second) && dt_cavity_push(c, first);
+}
+
+/* The stack holds half edges still to be crossed, so that the rim comes in counterclockwise
+ * order. */
+enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+                              struct dt_point q, struct dt_cavity *c)
+{
+    enum dt_status status = DT_OK;
+    uint32_t steps = 0;
+    dt_cavity_begin(c);
+    if (!dt_cavity_add(c, t) || !dt_cavity_push(c, t + 2) || !push_neighbours(m, c, t, t + 1))
+        return DT_NOMEM;
+    while (c->stacked > 0) {
+        if ((++steps & DT_WORK_MASK) == 0 && (status = dt_work(c->work, DT_WORK_BLOCK)) != DT_OK)
+            return status;
+        uint32_t h = c->stack[--c->stacked], beyond = dt_twin(m, h);
+        if (!dt_conflict(m, xy, dt_base(beyond), q)) {
+            dt_fetch(&m->leaving[dt_origin(m, h)]); /* for fill_with_star */
+            if (!dt_cavity_add_rim(c, dt_origin(m, h), beyond))
+                return DT_NOMEM;
+        } else if (!dt_cavity_add(c, dt_base(beyond)) ||
+                   !push_neighbours(m, c, dt_next(beyond), dt_prev(beyond))) {
+            return DT_NOMEM;
+        }
+    }
+    while (c->record_cap < c->rims) /* the star has two triangles more than the hole */
+        if (!dt_cavity_grow_records(c))
+            return DT_NOMEM;
+    return dt_work(c->work, steps & DT_WORK_MASK);
+}
+
+/* Makes record t the triangle of the rim edge from `origin` to `end` and v; returns its half edge
+ * on the rim. */
+static uint32_t set_star_triangle(struct dt_mesh *m, uint32_t t, uint32_t origin, uint32_t end,
+                                  uint32_t v)
+{
+    if (origin == DT_NONE) {
+        dt_set_corners(m, t, end, v, DT_NONE);
+        return t + 2;
+    }
+    if (end == DT_NONE) {
+        dt_set_corners(m, t, v, origin, DT_NONE);
+        return t + 1;
+    }
+    dt_set_corners(m, t, origin, end, v);
+    return t;
+}
+
+/* Replaces the triangles of the cavity, and two records more, by the star of v. */
+static void fill_with_star(struct dt_mesh *m, struct dt_cavity *c, uint32_t v)
+{
+    for (uint32_t i = 0; i < c->records; i++)
+        m->ghosts -= m->half[c->record[i] + 2] == DT_NONE;
+    while (c->records < c->rims)
+        c->record[c->records++] = dt_mesh_take(m);
+
+    uint32_t first = 0, last = 0;
+    bool on_hull = false;
+    for (uint32_t i = 0; i < c->rims; i++) {
+        uint32_t origin = c->rim[i].origin, end = c->rim[i + 1 < c->rims ? i + 1 : 0].origin;
+        uint32_t h = set_star_triangle(m, c->record[i], origin, end, v);
+        if (origin != DT_NONE && dt_hull_may_leave(m->leaving[origin]))
+            dt_fetch(&m->half[m->leaving[origin]]); /* for dt_hull_keep */
+        dt_link(m, h, c->rim[i].beyond);
+        if (i == 0)
+            first = h;
+        else
+            dt_link(m, dt_next(last), dt_prev(h));
+        last = h;
+    }
+    dt_link(m, dt_next(last), dt_prev(first));
+
+    for (uint32_t i = 0; i < c->rims; i++) {
+        uint32_t t = c->record[i], h = dt_twin(m, c->rim[i].beyond), u = c->rim[i].origin;
+        if (u != DT_NONE)
+            dt_hull_keep(m, u, h);
+        if (m->half[t + 2] == DT_NONE) {
+            m->ghosts++;
+            m->hull = t;
+            on_hull |= m->half[t + 1] == v;
+        }
+        if (m->half[t + 2] == DT_NONE && m->half[t + 1] == v)
+            m->leaving[v] = t + 1;
+    }
+    if (!on_hull)
+        m->leaving[v] = dt_prev(first);
+    m->vertices++;
+}
+
+/* The first edge: a and b, a ghost on either side. */
+static void insert_second(struct dt_mesh *m, uint32_t a, uint32_t b)
+{
+    uint32_t g = dt_mesh_take(m), h = dt_mesh_take(m);
+    dt_set_corners(m, g, a, b, DT_NONE);
+    dt_set_corners(m, h, b, a, DT_NONE);
+    dt_link(m, g, h);
+    dt_link(m, g + 1, h + 2);
+    dt_link(m, g + 2, h + 1);
+    m->leaving[b] = g + 1;
+    m->leaving[a] = h + 1;
+    m->hull = g;
+    m->ghosts = m->vertices = 2;
+}
+
+/* v continues a line beyond its end e, corner 0 of the ghost `half`: an edge and two ghosts more.
+ *
+ *        infinity                    infinity
+ *      ---- f ---- e        ->     ---- f ---- e ---- v          above: ghosts (v, e), (e, f), ...
+ *        infinity                    infinity                    below: ghosts (f, e), (e, v) */
+static void extend_line(struct dt_mesh *m, uint32_t half, uint32_t v,
+                        const struct dt_changes *changes)
+{
+    uint32_t above = dt_base(half), e = m->half[above], below = dt_base(dt_twin(m, above));
+    dt_changes_star(changes, e);
+    uint32_t in = dt_mesh_take(m), out = dt_mesh_take(m);
+    dt_set_corners(m, in, v, e, DT_NONE);
+    dt_set_corners(m, out, e, v, DT_NONE);
+    dt_link(m, in, out);
+    dt_link(m, in + 1, above + 2);
+    dt_link(m, in + 2, out + 1);
+    dt_link(m, out + 2, below + 1);
+    m->leaving[v] = out + 1;
+    m->leaving[e] = in + 1;
+    m->ghosts += 2;
+    m->vertices++;
+}
+
+/* v splits the edge a-b of a line: (a, b) and (b, a) become (a, v), (v, b) and (b, v), (v, a). */
+static void split_line(struct dt_mesh *m, uint32_t half, uint32_t v,
+                       const struct dt_changes *changes)
+{
+    uint32_t there = dt_base(half), back = dt_base(dt_twin(m, there));
+    uint32_t a = m->half[there], b = m->half[back];
+    dt_changes_star(changes, a);
+    dt_changes_star(changes, b);
+    uint32_t there_on = dt_mesh_take(m), back_on = dt_mesh_take(m);
+    dt_set_corners(m, there_on, v, b, DT_NONE);
+    dt_set_corners(m, back_on, v, a, DT_NONE);
+    dt_link(m, there_on + 1, dt_twin(m, there + 1));
+    dt_link(m, back_on + 1, dt_twin(m, back + 1));
+    m->half[there + 1] = m->half[back + 1] = v;
+    dt_link(m, there, back_on);
+    dt_link(m, there_on, back);
+    dt_link(m, there + 1, there_on + 2);
+    dt_link(m, back + 1, back_on + 2);
+    m->leaving[v] = there + 1;
+    m->leaving[b] = there_on + 1;
+    m->leaving[a] = back_on + 1;
+    m->ghosts += 2;
+    m->vertices++;
+}
+
+/* Insertion among points on one line. */
+static enum dt_status insert_in_line(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                                     enum dt_where where, uint32_t half, struct dt_cavity *c)
+{
+    uint32_t g = dt_base(half);
+    int side = dt_orient2d(xy[m->half[g]], xy[m->half[g + 1]], xy[v]);
+    if (side == 0) {
+        if (where == DT_ON_EDGE)
+            split_line(m, half, v, c->changes);
+        else
+            extend_line(m, half, v, c->changes);
+        return DT_OK;
+    }
+    if (side < 0)
+        g = dt_base(dt_twin(m, g));
+    enum dt_status status = dt_find_cavity(m, xy, g, xy[v], c);
+    if (status != DT_OK)
+        return status;
+    dt_cavity_report(c);
+    fill_with_star(m, c, v);
+    dt_hull_settle_from(m, m->hull, NULL); /* the line's vertices lost the ghosts on one side */
+    return DT_OK;
+}
+
+enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                         enum dt_where where, uint32_t half, struct dt_cavity *scratch)
+{
+    if (dt_mesh_make_room(m, v, 2) != DT_OK)
+        return DT_NOMEM;
+    if (m->vertices == 0) {
+        m->leaving[v] = DT_NONE;
+        m->alone = v;
+        m->vertices = 1;
+        return DT_OK;
+    }
+    if (m->vertices == 1) {
+        dt_changes_star(scratch->changes, half);
+        insert_second(m, half, v);
+        return DT_OK;
+    }
+    if (dt_mesh_is_line(m))
+        return insert_in_line(m, xy, v, where, half, scratch);
+    enum dt_status status = dt_find_cavity(m, xy, dt_base(half), xy[v], scratch);
+    if (status != DT_OK)
+        return status;
+    dt_cavity_report(scratch);
+    fill_with_star(m, scratch, v);
+    return DT_OK;
+}

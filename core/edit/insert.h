@@ -1,0 +1,24 @@
+/* insert.h - one more vertex in a finished mesh. */
+#ifndef DT_INSERT_H
+#define DT_INSERT_H
+
+#include "core/mesh/cavity.h"
+
+/* Adds vertex v, which is in no triangle yet, to the triangulation; xy[v] is its place, `where` and
+ * `half` what dt_find or dt_walk found there ; it must not be DT_ON_VERTEX. If the mesh has one
+ * vertex only, `half` is that vertex instead. The mesh stays settled (hull.h). scratch is the
+ * caller's, see cavity.h. A failure (DT_NOMEM, and what its work says) leaves the mesh as it was.
+ * Cost: the number of triangles replaced, about 4 on average. */
+enum dt_status dt_insert(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                         enum dt_where where, uint32_t half, struct dt_cavity *scratch);
+
+/* For remove_large.c: whether a new point at q would replace the triangle or ghost with base half
+ * edge t, */
+bool dt_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t, struct dt_point q);
+
+/* and all that it would replace, t among them, into *c with the rim counterclockwise; c->record has
+ * room for a triangle at each rim edge. */
+enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+                              struct dt_point q, struct dt_cavity *c);
+
+#endif

@@ -1,0 +1,248 @@
+/* remove.c - deletion: the star of the vertex becomes a hole, and the hole is retriangulated
+ * [Devillers 1999; Devillers & Teillaud 2003 for ties].
+ *
+ *         P3-----P2               P3-----P2
+ *        / \    / \              / \ '.   \       The triangle on the left of P[hi]->P[lo] has
+ *       /   \  /   \            /   \  '.  \      that P[m], lo < m < hi, as its apex whose circle
+ *     P4-----v-----P1    ->   P4     \   '. P1    holds no other vertex of the hole: the apex rule
+ *       \   /  \   /            \     \   ./      of the paper among a handful of points. The rest
+ *        \ /    \ /              \     \ ./       are two smaller holes.
+ *         P5-----P0               P5-----P0
+ *
+ * The hole of a hull vertex is open to infinity. Its new hull edges come first: the chain P0 ... Pk
+ * without the vertices that lie in a bay. Each new hull edge gets a ghost, and closes a pocket of
+ * the kind above. */
+#include "core/edit/remove.h"
+
+#include <math.h>
+
+#include "core/exact/box.h"
+#include "core/exact/predicates.h"
+#include "core/memory/memory.h"
+#include "core/mesh/hull.h"
+
+enum { MET = 4 }; /* triangles each way, after which most stars have been seen */
+
+/* The hole, while it is being filled. */
+struct hole {
+    struct dt_mesh *m;
+    const struct dt_point *xy;
+    const struct dt_rim *rim; /* P[i] = rim[i].origin, all finite in a pocket */
+    const uint32_t *spare;    /* records to be used, from the end */
+    uint32_t spares;
+    struct dt_wide_bounds bound; /* below these, signs are uncertain */
+};
+
+/* Collects the star of v counterclockwise; a hull vertex's from infinity on. The way round is a
+ * chain of cache misses; a second one, clockwise, meets it half way. */
+static enum dt_status collect_star(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                                   struct dt_cavity *c)
+{
+    enum dt_status status = DT_OK;
+    uint32_t first = m->leaving[v], h = first, other = first;
+    dt_cavity_begin(c);
+    do {
+        uint32_t u = dt_dest(m, h), beyond = dt_twin(m, dt_next(h));
+        dt_fetch(&m->half[beyond]);
+        if (u != DT_NONE) {
+            dt_fetch(&xy[u]);
+            dt_fetch(&m->leaving[u]);
+        }
+        if (!dt_cavity_add(c, dt_base(h)) || !dt_cavity_add_rim(c, u, beyond))
+            return DT_NOMEM;
+        if ((c->records & DT_WORK_MASK) == 0)
+            status = dt_work(c->work, DT_WORK_BLOCK);
+        h = dt_turn_ccw(m, h);
+        if (c->records < MET) {
+            other = dt_turn_cw(m, other);
+            dt_fetch(&m->half[other]);
+        }
+    } while (status == DT_OK && h != first);
+    return status == DT_OK ? dt_work(c->work, c->records & DT_WORK_MASK) : status;
+}
+
+static void set_bounds(struct hole *w, uint32_t lo, uint32_t hi)
+{
+    struct dt_box box = dt_box_of(&w->xy[w->rim[lo].origin], 1);
+    for (uint32_t i = lo + 1; i <= hi; i++)
+        dt_box_add(&box, w->xy[w->rim[i].origin]);
+    w->bound = dt_wide_bounds_of(dt_box_side(&box));
+}
+
+/* The apex, among P[lo + 1 .. hi - 1], of the triangle left of a->b = P[hi]->P[lo]. Predicates as
+ * in merge.c: cr is the orientation of a, b, c, and dt cr' - dt' cr the in-circle determinant. */
+static uint32_t find_apex(const struct hole *w, uint32_t lo, uint32_t hi)
+{
+    struct dt_point a = w->xy[w->rim[hi].origin], b = w->xy[w->rim[lo].origin], best_p = a;
+    uint32_t best = DT_NONE;
+    double best_cr = 0, best_dt = 0;
+    for (uint32_t i = lo + 1; i < hi; i++) {
+        struct dt_point c = w->xy[w->rim[i].origin];
+        double ux = c.x - a.x, uy = c.y - a.y;
+        double cr = (b.x - a.x) * uy - (b.y - a.y) * ux, dt = ux * (c.x - b.x) + uy * (c.y - b.y);
+        if (cr <= w->bound.cr && (cr < -w->bound.cr || dt_orient2d(a, b, c) <= 0))
+            continue;
+        if (best != DT_NONE) {
+            double det = best_dt * cr - dt * best_cr;
+            if (fabs(det) <= w->bound.det)
+                det = dt_incircle_perturbed(a, b, best_p, c);
+            if (det <= 0)
+                continue;
+        }
+        best = i;
+        best_p = c;
+        best_cr = cr;
+        best_dt = dt;
+    }
+    return best;
+}
+
+/* Fills the pocket P[lo], ..., P[hi]; returns the half edge P[hi]->P[lo] that closes it. */
+static uint32_t fill_pocket(struct hole *w, uint32_t lo, uint32_t hi)
+{
+    if (hi == lo + 1)
+        return w->rim[lo].beyond;
+    uint32_t mid = hi == lo + 2 ? lo + 1 : find_apex(w, lo, hi);
+    uint32_t t = w->spare[--w->spares];
+    dt_set_corners(w->m, t, w->rim[hi].origin, w->rim[lo].origin, w->rim[mid].origin);
+    dt_link(w->m, t + 1, fill_pocket(w, lo, mid));
+    dt_link(w->m, t + 2, fill_pocket(w, mid, hi));
+    return t;
+}
+
+static void fill_inside(struct hole *w, uint32_t n)
+{
+    uint32_t closing = w->rim[n - 1].beyond;
+    set_bounds(w, 0, n - 1);
+    dt_link(w->m, fill_pocket(w, 0, n - 1), closing);
+}
+
+/* Finds the hull of the chain rim[1 .. n-1] from the side of infinity; hull[] lists it. Vertices on
+ * a straight edge are kept. */
+static uint32_t hull_of_chain(const struct hole *w, uint32_t n, uint32_t *hull)
+{
+    uint32_t k = 0;
+    for (uint32_t i = 1; i < n; i++) {
+        while (k >= 2 &&
+               dt_orient2d(w->xy[w->rim[hull[k - 2]].origin], w->xy[w->rim[hull[k - 1]].origin],
+                           w->xy[w->rim[i].origin]) > 0)
+            k--;
+        hull[k++] = i;
+    }
+    return k;
+}
+
+/* rim[0] runs from infinity to P0, rim[n - 1] from the last vertex of the chain to infinity. */
+static void fill_at_hull(struct hole *w, uint32_t n)
+{
+    uint32_t hull[DT_STAR_SMALL], k = hull_of_chain(w, n, hull);
+    uint32_t before = w->rim[0].beyond; /* P0->infinity */
+    for (uint32_t i = 0; i + 1 < k; i++) {
+        uint32_t lo = hull[i], hi = hull[i + 1];
+        set_bounds(w, lo, hi);
+        uint32_t inner = fill_pocket(w, lo, hi), g = w->spare[--w->spares];
+        dt_set_corners(w->m, g, w->rim[lo].origin, w->rim[hi].origin, DT_NONE);
+        dt_link(w->m, g, inner);
+        dt_link(w->m, g + 2, before);
+        w->m->leaving[w->rim[hi].origin] = before = g + 1;
+        w->m->hull = g;
+        w->m->ghosts++;
+    }
+    dt_link(w->m, before, w->rim[n - 1].beyond);
+}
+
+/* leaving[] of the rim vertices, which may have pointed into the star. */
+static void settle_rim(struct dt_mesh *m, const struct dt_cavity *c)
+{
+    for (uint32_t i = 0; i < c->rims; i++)
+        if (c->rim[i].origin != DT_NONE)
+            dt_hull_keep(m, c->rim[i].origin, dt_twin(m, c->rim[i].beyond));
+}
+
+static void remove_from_plane(struct dt_mesh *m, const struct dt_point *xy,
+                              const struct dt_cavity *c)
+{
+    struct hole w = {.m = m, .xy = xy, .rim = c->rim, .spare = c->record, .spares = c->records};
+    if (c->rim[0].origin == DT_NONE) {
+        m->ghosts -= 2;
+        fill_at_hull(&w, c->rims);
+    } else {
+        fill_inside(&w, c->rims);
+    }
+    while (w.spares > 0)
+        dt_mesh_drop(m, w.spare[--w.spares]);
+    settle_rim(m, c);
+}
+
+/* A line loses an edge. v lies between a and b: (a, v) and (v, b) become (a, b), on both sides; or
+ * it is an end next to e: the two ghosts of v-e go. */
+static void remove_from_line(struct dt_mesh *m, uint32_t v, const struct dt_changes *changes)
+{
+    uint32_t in = m->leaving[v] - 1,
+             out = dt_base(dt_twin(m, in + 1)); /* (a, v) and (v, b), possibly a = b */
+    uint32_t a = m->half[in], b = m->half[out + 1];
+    dt_changes_star(changes, a);
+    dt_changes_star(changes, b);
+    if (a == b) {
+        uint32_t before = dt_twin(m, in + 2),
+                 after = dt_twin(m, out + 1); /* a->infinity, infinity->a */
+        dt_link(m, before, after);
+        m->leaving[a] = before;
+        m->hull = dt_base(before);
+    } else {
+        uint32_t back_in = dt_base(dt_twin(m, out)),
+                 back_out = dt_base(dt_twin(m, in)); /* (b, v), (v, a) */
+        uint32_t after = dt_twin(m, out + 1), back_after = dt_twin(m, back_out + 1);
+        m->half[in + 1] = b;
+        m->half[back_in + 1] = a;
+        dt_link(m, in, back_in);
+        dt_link(m, in + 1, after);
+        dt_link(m, back_in + 1, back_after);
+        m->leaving[b] = in + 1;
+        m->leaving[a] = back_in + 1;
+        m->hull = in;
+        in = back_out;
+    }
+    dt_mesh_drop(m, in);
+    dt_mesh_drop(m, out);
+    m->ghosts -= 2;
+}
+
+/* The last but one vertex goes: the other one is alone. */
+static void remove_last_edge(struct dt_mesh *m, uint32_t v, const struct dt_changes *changes)
+{
+    uint32_t g = m->leaving[v] - 1, h = dt_twin(m, g);
+    dt_changes_star(changes, m->half[g]);
+    m->alone = m->half[g];
+    m->leaving[m->alone] = DT_NONE;
+    dt_mesh_drop(m, g);
+    dt_mesh_drop(m, dt_base(h));
+    m->hull = DT_NONE;
+    m->ghosts = 0;
+}
+
+enum dt_status dt_remove(struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
+                         struct dt_cavity *scratch)
+{
+    dt_changes_star(scratch->changes, v);
+    if (m->vertices == 2) {
+        remove_last_edge(m, v, scratch->changes);
+    } else if (m->vertices > 2 && dt_mesh_is_line(m)) {
+        remove_from_line(m, v, scratch->changes);
+    } else if (m->vertices > 2) {
+        enum dt_status status = collect_star(m, xy, v, scratch);
+        if (status == DT_OK)
+            dt_cavity_report(scratch);
+        if (status == DT_OK && scratch->rims > DT_STAR_SMALL)
+            status = dt_remove_large(m, xy, v, scratch);
+        if (status != DT_OK)
+            return status;
+        if (scratch->rims <= DT_STAR_SMALL)
+            remove_from_plane(m, xy, scratch);
+        else
+            settle_rim(m, scratch);
+    }
+    m->leaving[v] = DT_NONE;
+    m->vertices--;
+    return DT_OK;
+}

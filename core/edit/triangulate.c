@@ -1,0 +1,163 @@
+/* triangulate.c - the triangulation of a whole set, by either engine. */
+#include "core/delaunay.h"
+
+#include "core/control/stop.h"
+#include "core/divide/divide.h"
+#include "core/memory/memory.h"
+#include "core/points/renumber.h"
+#include "core/set/set.h"
+#include "core/shelling/shelling.h"
+
+/* What a build makes before it may touch the set. */
+struct draft {
+    struct dt_point *xy; /* the vertices in their new order */
+    uint32_t *id;        /* of each, its representative's id */
+    uint32_t n;
+    struct dt_mesh mesh;
+};
+
+/* False: out of memory; it must be cleared all the same. */
+static bool draft_begin(struct draft *b, uint32_t n, struct dt_pages *pages)
+{
+    *b = (struct draft){.n = n, .mesh = {.pages = pages}};
+    b->xy = dt_array_new_in(pages, n, sizeof *b->xy);
+    b->id = dt_array_new_in(pages, n, sizeof *b->id);
+    return b->xy != NULL && b->id != NULL;
+}
+
+static void draft_clear(struct draft *b)
+{
+    dt_array_free(b->xy);
+    dt_array_free(b->id);
+    dt_mesh_clear(&b->mesh);
+}
+
+/* The vertices in use, in their present order, become the draft's. */
+static void copy_vertices(struct draft *b, const struct dt_points *p, struct dt_stop *stop)
+{
+    uint32_t n = 0;
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, p->end, &at);)
+        for (uint32_t v = at.a; v < at.b; v++) {
+            if (p->id[v] == DT_NONE)
+                continue;
+            b->xy[n] = p->xy[v];
+            b->id[n++] = p->id[v];
+        }
+}
+
+/* The paper's engine, on points with these ids. */
+static enum dt_status run_shelling(struct draft *b, const struct dt_point *xy, const uint32_t *id,
+                                   const struct dt_options *opt)
+{
+    struct dt_stop stop = dt_stop_of(opt);
+    enum dt_status status = dt_shelling(xy, b->n, b->xy, b->id, &b->mesh, opt);
+    if (status != DT_OK)
+        return status;
+    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&stop, b->n, &at);)
+        for (uint32_t v = at.a; v < at.b; v++)
+            b->id[v] = id[b->id[v]];
+    return dt_stop_status(&stop);
+}
+
+/* Divide is faster on every set; the paper's engine comes when it is asked for, and gives way if
+ * the set defeats it. */
+static enum dt_status run_engine(struct draft *b, const struct dt_point *xy, const uint32_t *id,
+                                 const struct dt_options *opt)
+{
+    if (opt != NULL && opt->method == DT_SHELLING) {
+        enum dt_status status = run_shelling(b, xy, id, opt);
+        if (status != DT_TOOBIG)
+            return status;
+    }
+    return dt_divide(xy, id, b->n, b->xy, b->id, &b->mesh, opt);
+}
+
+/* The engine takes the points as they are, or without the gaps that edits have left. */
+static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
+                                  const struct dt_options *opt)
+{
+    if (p->free_count == 0)
+        return run_engine(b, p->xy, p->id, opt);
+
+    struct draft dense;
+    struct dt_stop stop = dt_stop_of(opt);
+    enum dt_status status = DT_NOMEM;
+    if (draft_begin(&dense, b->n, p->pages)) {
+        copy_vertices(&dense, p, &stop);
+        status = dt_stop_status(&stop);
+    }
+    if (status == DT_OK)
+        status = run_engine(b, dense.xy, dense.id, opt);
+    draft_clear(&dense);
+    return status;
+}
+
+/* Vertices that are in the order of a plan keep their numbers. */
+static enum dt_status build_planned(struct dt *t, struct dt_mesh *mesh,
+                                    const struct dt_options *opt)
+{
+    enum dt_status status =
+        dt_divide_sorted(t->points.xy, t->points.end, t->points.plan, mesh, opt);
+    if (status == DT_OK)
+        dt_points_unplan(&t->points);
+    return status;
+}
+
+static enum dt_status build_sorting(struct dt *t, struct dt_mesh *mesh,
+                                    const struct dt_options *opt)
+{
+    struct draft b;
+    enum dt_status status = DT_NOMEM;
+    if (draft_begin(&b, dt_points_vertices(&t->points), t->points.pages))
+        status = triangulate(&b, &t->points, opt);
+    if (status == DT_OK)
+        status = dt_points_renumber(&t->points, b.xy, b.id, b.n, opt);
+    if (status != DT_OK)
+        draft_clear(&b);
+    else
+        *mesh = b.mesh;
+    return status;
+}
+
+/* Builds the mesh of t for its present points; vertices are renumbered into grid order, and there is no grid for
+ * searches. On success t is current. Else (DT_NOMEM, DT_CANCELLED) t is as before, or to be freed
+ * (opt->disposable). */
+static enum dt_status build(struct dt *t, const struct dt_options *opt)
+{
+    dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the room */
+    struct dt_mesh mesh = {.pages = t->points.pages};
+    bool planned = t->points.plan != NULL && (opt == NULL || opt->method != DT_SHELLING);
+    enum dt_status status = planned ? build_planned(t, &mesh, opt) : build_sorting(t, &mesh, opt);
+    if (status != DT_OK)
+        return status;
+    dt_mesh_clear(&t->mesh);
+    dt_hints_clear(&t->hints);
+    t->mesh = mesh;
+    t->mesh.recycled = false;
+    t->hinted = 0;
+    t->steps = 0;
+    if (!t->current)
+        dt_views_lose_rings(&t->views);
+    t->current = true;
+    return DT_OK;
+}
+
+enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt)
+{
+    bool rebuild = opt != NULL && (opt->rebuild || opt->method != DT_AUTO);
+    if (t->triangulated && t->current && !rebuild)
+        return DT_OK;
+    enum dt_status status = build(t, opt);
+    if (status == DT_OK)
+        t->triangulated = true;
+    return status;
+}
+
+enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt)
+{
+    if (!t->triangulated || t->current)
+        return DT_OK;
+    struct dt_options automatic = opt == NULL ? (struct dt_options){0} : *opt;
+    automatic.method = DT_AUTO;
+    return build(t, &automatic);
+}

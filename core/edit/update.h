@@ -1,0 +1,22 @@
+/* update.h - edits of a live set: its points and its triangulation change together. */
+#ifndef DT_UPDATE_H
+#define DT_UPDATE_H
+
+#include "core/set/set.h"
+
+/* Whether n edits at once are so many that a rebuild is cheaper (measured: tests/bench). */
+bool dt_update_is_bulk(const struct dt *t, size_t n);
+
+/* As dt_add_many, dt_delete_many (of ascending distinct live ids) and dt_move_to, for a live set. A
+ * failure leaves the set as it was, up to one thing: where a batch that has come far, or is out of
+ * memory, cannot be undone vertex by vertex at a reasonable price, the points are as they were and the
+ * set awaits a rebuild (t->current is false). Cost: a small constant per point, expected. */
+enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_work *work,
+                             struct dt_added *out);
+enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_work *work);
+enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_work *work);
+
+/* As dt_find, for edits: counts how far walks go, which shows that the grid has aged. */
+enum dt_where dt_update_find(struct dt *t, struct dt_point q, uint32_t *half);
+
+#endif

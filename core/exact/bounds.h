@@ -1,0 +1,152 @@
+/* bounds.h - every static error bound of core/: what rounding may take from a value that is
+ * computed in doubles, so that the rest still has the right sign.
+ *
+ * The model. u = 2^-53. Doubles are IEEE's, rounded to nearest, and nothing is contracted
+ * (double2.h): an operation whose exact result is r gives r (1 + d), |d| <= u. It gives a value of
+ * the sign of r, and 0 only for 0. So the last sum or difference of an expression never spoils the
+ * sign of what it adds up, and what counts is the error before it. Rounding is monotone: a rounded
+ * sum of magnitudes is no less than any of them, and no rounded difference of two points of a box
+ * exceeds the rounded side of the box.
+ *
+ * The range. The model holds as long as nothing overflows or underflows. A coordinate that
+ * dt_coordinate_ok accepts is 0 or of magnitude 2^-142 to 2^201, so it is a multiple of 2^-194, and
+ * so is a difference of two, rounded or not. A product or sum of multiples of 2^-a and 2^-b is a
+ * multiple of 2^-(a + b), or of the smaller unit, also as it is rounded. So a value of degree k in
+ * the coordinates is 0 or at least 2^(-194 k), and below 2^(203 k + 4); for k = 4 that is 2^-776 to
+ * 2^816. The bounds below are such values times 2^-102 or more, and quotients of two values of
+ * degree 2 lie between 2^-800 and 2^800: all of them are normal doubles.
+ *
+ * Reading. "8 u of S" means 8 u times S, and |left| the magnitude of a product as it is rounded.
+ * Errors are given to first order in u. What is neglected is below 100 u of them, and the rounding
+ * of the bound itself takes less than 10 u of it; the factors leave room for both.
+ * tests/core/exact/bounds_test.c measures the errors against exact integers. */
+#ifndef DT_BOUNDS_H
+#define DT_BOUNDS_H
+
+#define DT_U 0x1p-53
+
+#define DT_COORDINATE_LEAST 0x1p-142
+#define DT_COORDINATE_MOST 0x1p201
+
+/* ---- determinants from one of the points (predicates.h, locate.c, jump.c) ---- */
+
+/* orient2d: left - right, left = (a - c).x (b - c).y, right = (a - c).y (b - c).x.
+ *
+ * Two differences and a product make an error of 3 u of |left|, and of |right|. Right sign beyond
+ * (3 u + 9 u^2)(|left| + |right|); the bound loses 2 u of itself, hence 15 u^2 [Shewchuk 1997, sec.
+ * 4.2]. A sum of several such bounds is a bound for each of the determinants. */
+#define DT_ORIENT_BOUND ((3 + 16 * DT_U) * DT_U)
+
+/* incircle: the sum of three terms (b x c) |a|^2, with all points relative to d, of the size (|b.x
+ * c.y| + |c.x b.y|) |a|^2 each.
+ *
+ * b x c errs by 3 u in its products and u in their difference, |a|^2 by 3 u in its squares and u in
+ * their sum, their product by 4 + 4 + 1 = 9 u of its size; one sum of two terms before the last
+ * adds u. So 10 u of the sum of the sizes [Shewchuk 1997, sec. 4.3, with the second order]. */
+#define DT_INCIRCLE_BOUND ((10 + 96 * DT_U) * DT_U)
+
+/* ---- determinants from two of the points, l and r (sight.h, remove.c, predicates.c) ----
+ *
+ *     cr(c) = (r - l) x (c - l),  dt(c) = (c - l).(c - r),  det(c, x) = dt(c) cr(x) - dt(x) cr(c)
+ *
+ * cr and dt are of two products each; CR and DT are the sums of their magnitudes. cr(c) may have
+ * c - r instead of c - l. */
+
+/* The wide filter knows only the longer side D of the box of all points concerned. A product of two
+ * differences is at most D^2 and errs by 3 u D^2, and so
+ *
+ *     |err cr| <= 2 * 3 u D^2 + 2 u D^2 = 8 u D^2 < 8.9e-16 D^2,    |err dt| the same.
+ *
+ * With |cr| <= D^2 (twice the area of a triangle in a square) and |dt| <= 2 D^2
+ *
+ *     |err det| <= 2 (2 * 8 u + 8 u + 2 u) D^4 + 4 u D^4 = 56 u D^4 < 6.3e-15 D^4. */
+#define DT_WIDE_CR_BOUND 1e-15  /* of D^2: > 9 u */
+#define DT_WIDE_DET_BOUND 1e-14 /* of D^4: > 90 u */
+
+struct dt_wide_bounds {
+    double cr, det;
+};
+
+static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
+{
+    double area = side * side;
+    return (struct dt_wide_bounds){DT_WIDE_CR_BOUND * area, DT_WIDE_DET_BOUND * area * area};
+}
+
+/* The close filter knows S = DT(c) CR(x) + DT(x) CR(c). A product of two rounded differences errs
+ * by 3 u of itself, so |err cr| <= 4 u CR and |err dt| <= 4 u DT, hence each product of a cr and a
+ * dt by 9 u CR DT, and
+ *
+ *     |err det| <= 9 u S + u S = 10 u S. */
+#define DT_CLOSE_DET_BOUND 1.2e-15 /* of S: > 10.8 u */
+
+/* The same two determinants in double words (double2.h): a difference is exact, a product errs by 7
+ * u^2 of itself, a sum by 3.1 u^2 of its own result. So orient2d, and cr, err by 7 + 3.1 < 10.2 u^2
+ * of CR, and dt of DT. A product of both errs by 10.2 + 10.2 + 7 = 27.4 u^2 of DT CR, their
+ * difference by 27.4 + 3.1 = 30.5 u^2 of S. S in doubles, from the higher halves, is right to 1
+ * part in 2^49, and the higher half of a double word has the sign of the whole and is right to 1
+ * part in 2^53. */
+#define DT_ORIENT_BOUND_2 0x1p-102   /* of |left| + |right|: 16 u^2 */
+#define DT_INCIRCLE_BOUND_2 0x1p-100 /* of S: 64 u^2 */
+
+/* ---- distances (predicates.h, nearest.c) ---- */
+
+/* (a.x - b.x)^2 + (a.y - b.y)^2 errs by 2 u + u in the squares and u in the sum, 4 u of itself. Two
+ * of them, or one and the rounded square of a radius, compare as they are rounded where they are
+ * more than 4 u (1 + 10 u) of their sum apart. */
+#define DT_DISTANCE_BOUND 0x1p-50 /* 8 u */
+
+/* w.q = w.x q.x + w.y q.y for rounded differences w and q: the products err by 3 u of themselves.
+ * */
+#define DT_DOT_BOUND 0x1p-50 /* of |w.x q.x| + |w.y q.y|: 8 u */
+
+/* w.q / |w|^2: as before, and u for the sum, 4 u for |w|^2, u for the quotient: 9 u. */
+#define DT_INVERSE_BOUND 0x1p-49 /* of (|w.x q.x| + |w.y q.y|) / |w|^2: 16 u */
+
+/* ---- the third-point search of the paper (scan.c, segment.c) ----
+ *
+ * For points p whose coordinates relative to a and b are at most R; d = b - a rounded, K = |d.x| +
+ * |d.y|.
+ *
+ *     cross = d x (p - a)             4 u (|d.x y| + |d.y x|) < 4.1 u K R
+ *     dot = (p - a).(p - b)           4 u (R^2 + R^2) < 8.1 u R^2
+ *     det = dot cross' - dot' cross   with dot <= 2 R^2 and cross <= K R, each product
+ *                                     2 R^2 * 4.1 u K R + K R * 8.1 u R^2 + 2 u K R^3 < 18.5 u K R^3;
+ *                                     with the rounding of the difference 41 u K R^3 */
+#define DT_SCAN_CROSS_BOUND (8 * DT_U) /* of K R */
+#define DT_SCAN_DOT_BOUND (12 * DT_U)  /* of R^2 */
+#define DT_SCAN_DET_BOUND (48 * DT_U)  /* of K R^3 */
+
+/* The cotangent s = dot / cross, where cross > 2^-24 K R, 2^26 times the bound of cross: it errs by
+ * less than 2^-26 (1.5 R / K + |s|). So two of them that are 2^-24 (2 R / K + |s|) apart, s the
+ * smaller one, are in the right order. */
+#define DT_SCAN_SURE 0x1p-24
+
+/* A sum, a difference and a quotient: what is left of an upper bound of s when dot and cross have
+ * had theirs. */
+#define DT_SCAN_COTANGENT_BOUND 0x1p-50 /* of |s|: 8 u > 4 u */
+
+/* A circle segment over an edge of length L: size = L sqrt(1 + s^2), the diameter of its circle, is
+ * no less than L and |s| L. Its centre, relative to a, and its radius err by less than 16 u of
+ * that: u in d, 4 u in L, which is a square root, 4 u in sqrt(1 + s^2) or, where it comes from a
+ * height, in each of the two terms that add up to it, and 3 u in products and sums. The last sum,
+ * with a coordinate of a, takes up to 2 u of that besides. */
+#define DT_SEGMENT_PAD 0x1p-47 /* of size: 64 u */
+
+/* Whether the segment reaches as far as its circle in a direction is asked with more room than
+ * that, since a box that is too large does no harm. So is its height, and R. */
+#define DT_SEGMENT_ROOM 0x1p-40
+#define DT_REACH_ROOM 0x1p-20
+
+/* The strip along an edge, in cells: u and v of a, each product with the slope and each sum with
+ * the number of a line or cell err by a few u of the terms |u| + (|v| + lines) |slope| + length. */
+#define DT_STRIP_PAD 0x1p-47 /* of these terms: 64 u */
+
+/* ---- the nearest point of the paper's grid (grid.c) ---- */
+
+/* A coordinate in cells is below 2^29, there being less than 2^28 points and no more cells along an
+ * axis than 1 for each. It errs by 3 u of itself, its distance from the border of a cell by u more:
+ * 2^-22. A distance in units errs by 3 u, and its product with the cells of a unit by 2 u. */
+#define DT_RING_ROOM 0x1p-20 /* cells, and of the distance in cells */
+
+#endif

@@ -1,0 +1,402 @@
+/* predicates.c - what the inline filters of predicates.h leave open.
+ *
+ * Each predicate tries what is cheap and certain before it computes the polynomial as a bignum:
+ *
+ *     filter (inline)            decides all but one call in 10^4 on random points
+ *     axis-parallel rectangle    incircle: exactly zero; most ties on lattices
+ *     256-bit integers           incircle: differences on a common grid, 55 bits
+ *     doubles from a near base   where some points are much closer to each other than to the rest
+ *     double words               about 100 bits: nearly all that is not a tie
+ *     bignums                    exact whatever the input
+ *
+ * The near base. A determinant is the same, up to its sign, from wherever it is computed, but what
+ * rounding takes from a difference to a far point cannot be recovered. In
+ *
+ *     orient2d  (q - p) x (s - p)
+ *     incircle  dt(q) cr(t) - dt(t) cr(q),  cr(v) = (s - p) x (v - p) = (s - p) x (v - s),
+ *                                           dt(v) = (v - p) . (v - s)              (see sight.h)
+ *
+ * p and q are the two points closest to each other, s and t the others, and v - p or v - s is taken in
+ * cr, whichever is smaller:
+ *
+ *      q                     t         No two large values that nearly cancel are subtracted: with d the
+ *       p - - - - - - - - - s          distance of p and q and e that of t to the nearer one of p and s,
+ *                                      each term is of the order of d e |s - p| max(|t - p|, |t - s|).
+ *
+ * From a point far away from the others, which is how the inline filters may see them, each difference to
+ * it is large and terms are larger by up to the square of that ratio, which is lost at once in doubles and
+ * soon in double words.
+ *
+ * The error bounds of what is computed in doubles and in double words, and why nothing overflows or
+ * underflows, are in bounds.h. */
+#include "core/exact/predicates.h"
+
+#include <string.h>
+
+#include "core/exact/bignum.h"
+#include "core/exact/double2.h"
+
+#ifdef __FAST_MATH__
+#error "the predicates need IEEE arithmetic: compile without -ffast-math"
+#endif
+
+/* Of two distances, below which another base is worth its cost: it wins a few bits. */
+#define NEAR 0x1p-5
+
+static int sign_of(double v)
+{
+    return v > 0 ? 1 : v < 0 ? -1 : 0;
+}
+
+/* How far apart they are, for orders of magnitude. */
+static double spread(struct dt_point a, struct dt_point b)
+{
+    return fabs(a.x - b.x) + fabs(a.y - b.y);
+}
+
+/* ---- vectors between points ---- */
+
+struct double_vector {
+    double x, y;
+};
+
+struct double2_vector {
+    struct dt_double2 x, y;
+};
+
+/* All are b - a. */
+static struct double_vector vector(struct dt_point a, struct dt_point b)
+{
+    return (struct double_vector){b.x - a.x, b.y - a.y};
+}
+
+static struct double2_vector vector_2(struct dt_point a, struct dt_point b)
+{
+    return (struct double2_vector){dt_double2_difference(b.x, a.x),
+                                   dt_double2_difference(b.y, a.y)};
+}
+
+/* A value and the sum of the magnitudes of its terms. */
+struct bounded {
+    double value, size;
+};
+
+struct bounded_2 {
+    struct dt_double2 value;
+    double size;
+};
+
+static struct bounded cross(struct double_vector a, struct double_vector b)
+{
+    double left = a.x * b.y, right = a.y * b.x;
+    return (struct bounded){left - right, fabs(left) + fabs(right)};
+}
+
+static struct bounded dot(struct double_vector a, struct double_vector b)
+{
+    double left = a.x * b.x, right = a.y * b.y;
+    return (struct bounded){left + right, fabs(left) + fabs(right)};
+}
+
+static struct bounded_2 add_2(struct dt_double2 a, struct dt_double2 b)
+{
+    return (struct bounded_2){dt_double2_add(a, b), fabs(a.hi) + fabs(b.hi)};
+}
+
+static struct bounded_2 cross_2(struct double2_vector a, struct double2_vector b)
+{
+    return add_2(dt_double2_multiply(a.x, b.y), dt_double2_negate(dt_double2_multiply(a.y, b.x)));
+}
+
+static struct bounded_2 dot_2(struct double2_vector a, struct double2_vector b)
+{
+    return add_2(dt_double2_multiply(a.x, b.x), dt_double2_multiply(a.y, b.y));
+}
+
+static void cross_big(struct double2_vector a, struct double2_vector b, struct dt_big *r)
+{
+    dt_big_products(a.x, b.y, -1, a.y, b.x, r);
+}
+
+static void dot_big(struct double2_vector a, struct double2_vector b, struct dt_big *r)
+{
+    dt_big_products(a.x, b.x, 1, a.y, b.y, r);
+}
+
+/* ---- orient2d ---- */
+
+struct dt_near_corner dt_near_corner_of(struct dt_point a, struct dt_point b, struct dt_point c)
+{
+    double ab = spread(a, b), bc = spread(b, c), ca = spread(c, a);
+    if (ab <= bc && ab <= ca)
+        return (struct dt_near_corner){a, b, c};
+    return bc <= ca ? (struct dt_near_corner){b, c, a} : (struct dt_near_corner){c, a, b};
+}
+
+int dt_orient2d_near(const struct dt_near_corner *k)
+{
+    double size, det = dt_orient2d_rounded(k->q, k->s, k->p, &size);
+    return fabs(det) > DT_ORIENT_BOUND * size ? sign_of(det) : 0;
+}
+
+int dt_orient2d_double2(const struct dt_near_corner *k)
+{
+    struct bounded_2 det = cross_2(vector_2(k->p, k->q), vector_2(k->p, k->s));
+    return fabs(det.value.hi) > DT_ORIENT_BOUND_2 * det.size ? sign_of(det.value.hi) : 0;
+}
+
+int dt_orient2d_big(const struct dt_near_corner *k)
+{
+    struct dt_big det;
+    cross_big(vector_2(k->p, k->q), vector_2(k->p, k->s), &det);
+    return det.sign;
+}
+
+/* If no difference has lost anything, two products decide: rounding is monotone. False: some has. */
+static bool orient2d_two_products(const struct dt_near_corner *k, int *sign)
+{
+    struct double2_vector q = vector_2(k->p, k->q), s = vector_2(k->p, k->s);
+    double left, left_tail, right, right_tail;
+    if (q.x.lo != 0 || q.y.lo != 0 || s.x.lo != 0 || s.y.lo != 0)
+        return false;
+    dt_two_product(q.x.hi, s.y.hi, &left, &left_tail);
+    dt_two_product(q.y.hi, s.x.hi, &right, &right_tail);
+    *sign = sign_of(left != right ? left - right : left_tail - right_tail);
+    return true;
+}
+
+int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c)
+{
+    if ((a.x == c.x || b.y == c.y) && (a.y == c.y || b.x == c.x))
+        return 0; /* as both products are: the usual case on lattices */
+    struct dt_near_corner k = dt_near_corner_of(a, b, c);
+    int sign;
+    if (orient2d_two_products(&k, &sign) || (sign = dt_orient2d_near(&k)) != 0 ||
+        (sign = dt_orient2d_double2(&k)) != 0)
+        return sign;
+    return dt_orient2d_big(&k);
+}
+
+/* ---- incircle: integers ---- */
+
+/* The differences of a, b, c to d: double words hi[i] + lo[i], 0 to 2 in x, 3 to 5 in y. */
+struct differences {
+    double hi[6], lo[6];
+};
+
+static void differences_to(struct dt_point a, struct dt_point b, struct dt_point c,
+                           struct dt_point d, struct differences *r)
+{
+    dt_two_sum(a.x, -d.x, &r->hi[0], &r->lo[0]);
+    dt_two_sum(b.x, -d.x, &r->hi[1], &r->lo[1]);
+    dt_two_sum(c.x, -d.x, &r->hi[2], &r->lo[2]);
+    dt_two_sum(a.y, -d.y, &r->hi[3], &r->lo[3]);
+    dt_two_sum(b.y, -d.y, &r->hi[4], &r->lo[4]);
+    dt_two_sum(c.y, -d.y, &r->hi[5], &r->lo[5]);
+}
+
+/* 2^54 / 2^floor(log2 largest) for the largest magnitude. That is not 0: four equal points are a
+ * rectangle. */
+static double scale_of(const struct differences *d)
+{
+    double largest = 0, scale;
+    uint64_t bits;
+    for (int i = 0; i < 6; i++)
+        largest = fabs(d->hi[i]) > largest ? fabs(d->hi[i]) : largest;
+    memcpy(&bits, &largest, sizeof bits);
+    bits = (uint64_t)(1023 + 54 + 1023 - (int)(bits >> 52)) << 52;
+    memcpy(&scale, &bits, sizeof scale);
+    return scale;
+}
+
+/* If the differences are integers below 2^55 times a common power of two, puts them in v. The power
+ * is found from the largest one, so this needs to know nothing about the set of points. */
+static bool to_integers(const struct differences *d, int64_t v[6])
+{
+    double scale = scale_of(d), tails = 0;
+    int broken = 0;
+    for (int i = 0; i < 6; i++) {
+        double hi = d->hi[i] * scale;
+        v[i] = (int64_t)hi;
+        broken |= (double)v[i] != hi;
+        tails += fabs(d->lo[i]);
+    }
+    if (tails == 0 || broken)
+        return !broken;
+    for (int i = 0; i < 6; i++) {
+        double lo = d->lo[i] * scale;
+        int64_t rest = (int64_t)lo;
+        v[i] += rest;
+        broken |= (double)rest != lo;
+    }
+    return !broken;
+}
+
+/* high * 2^128 + low */
+struct wide {
+    __int128 high;
+    unsigned __int128 low;
+};
+
+/* a * b for factors below 2^113. */
+static struct wide multiply(__int128 a, __int128 b)
+{
+    __int128 a_high = a >> 64, b_high = b >> 64;
+    uint64_t a_low = (uint64_t)a, b_low = (uint64_t)b;
+    unsigned __int128 low = (unsigned __int128)a_low * b_low;
+    __int128 middle = a_high * (__int128)b_low + b_high * (__int128)a_low + (__int128)(low >> 64);
+    return (struct wide){a_high * b_high + (middle >> 64),
+                         (unsigned __int128)middle << 64 | (uint64_t)low};
+}
+
+/* The determinant in the form of sight.h, dt(b) cr(a) - dt(a) cr(b) for the base d-c: factors below
+ * 2^112, which are multiplied in full. */
+static int incircle_integers(const int64_t v[6])
+{
+    int64_t ax = v[0], bx = v[1], cx = v[2], ay = v[3], by = v[4], cy = v[5];
+    __int128 cr_a = (__int128)cx * ay - (__int128)cy * ax;
+    __int128 cr_b = (__int128)cx * by - (__int128)cy * bx;
+    __int128 dt_a = (__int128)ax * (ax - cx) + (__int128)ay * (ay - cy);
+    __int128 dt_b = (__int128)bx * (bx - cx) + (__int128)by * (by - cy);
+    struct wide inside = multiply(dt_b, cr_a), outside = multiply(dt_a, cr_b);
+    if (inside.high != outside.high)
+        return inside.high > outside.high ? 1 : -1;
+    return (inside.low > outside.low) - (inside.low < outside.low);
+}
+
+/* ---- incircle: from a near base ---- */
+
+/* The pairs of four points, p and q, and the two others, s and t; whether p, s, q, t, the order of base and
+ * candidates, is an even permutation of all or an odd one. */
+static const struct {
+    unsigned char p, q, s, t;
+    signed char sign;
+} pairs[6] = {{0, 1, 2, 3, -1}, {0, 2, 1, 3, 1}, {0, 3, 1, 2, -1},
+              {1, 2, 0, 3, -1}, {1, 3, 0, 2, 1}, {2, 3, 0, 1, -1}};
+
+struct dt_near_base dt_near_base_of(struct dt_point a, struct dt_point b, struct dt_point c,
+                                    struct dt_point d)
+{
+    const struct dt_point v[4] = {a, b, c, d};
+    double far[6] = {spread(a, b), spread(a, c), spread(a, d),
+                     spread(b, c), spread(b, d), spread(c, d)};
+    double least = far[0], most = far[0];
+    for (int i = 1; i < 6; i++) {
+        least = far[i] < least ? far[i] : least;
+        most = far[i] > most ? far[i] : most;
+    }
+    if (least >= NEAR * most) /* any base will do */
+        return (struct dt_near_base){a, c, b, d, .nearer = a, .sign = 1};
+    int i = 0;
+    while (far[i] != least)
+        i++;
+    struct dt_near_base k = {v[pairs[i].p], v[pairs[i].q],         v[pairs[i].s],
+                             v[pairs[i].t], .sign = pairs[i].sign, .uneven = true};
+    k.nearer = spread(k.t, k.p) <= spread(k.t, k.s) ? k.p : k.s;
+    return k;
+}
+
+int dt_incircle_near(const struct dt_near_base *k)
+{
+    struct double_vector base = vector(k->p, k->s), q = vector(k->p, k->q);
+    struct bounded cr_q = cross(base, q), cr_t = cross(base, vector(k->nearer, k->t));
+    struct bounded dt_q = dot(q, vector(k->s, k->q));
+    struct bounded dt_t = dot(vector(k->p, k->t), vector(k->s, k->t));
+    double det = dt_q.value * cr_t.value - dt_t.value * cr_q.value;
+    double size = dt_q.size * cr_t.size + dt_t.size * cr_q.size;
+    return fabs(det) > DT_CLOSE_DET_BOUND * size ? k->sign * sign_of(det) : 0;
+}
+
+int dt_incircle_double2(const struct dt_near_base *k)
+{
+    struct double2_vector base = vector_2(k->p, k->s), q = vector_2(k->p, k->q);
+    struct bounded_2 cr_q = cross_2(base, q), cr_t = cross_2(base, vector_2(k->nearer, k->t));
+    struct bounded_2 dt_q = dot_2(q, vector_2(k->s, k->q));
+    struct bounded_2 dt_t = dot_2(vector_2(k->p, k->t), vector_2(k->s, k->t));
+    struct dt_double2 left = dt_double2_multiply(dt_q.value, cr_t.value);
+    struct dt_double2 right = dt_double2_multiply(dt_t.value, cr_q.value);
+    struct dt_double2 det = dt_double2_add(left, dt_double2_negate(right));
+    double size = dt_q.size * cr_t.size + dt_t.size * cr_q.size;
+    return fabs(det.hi) > DT_INCIRCLE_BOUND_2 * size ? k->sign * sign_of(det.hi) : 0;
+}
+
+int dt_incircle_big(const struct dt_near_base *k)
+{
+    struct double2_vector base = vector_2(k->p, k->s), q = vector_2(k->p, k->q);
+    struct dt_big cr_q, cr_t, dt_q, dt_t;
+    cross_big(base, q, &cr_q);
+    cross_big(base, vector_2(k->nearer, k->t), &cr_t);
+    dot_big(q, vector_2(k->s, k->q), &dt_q);
+    dot_big(vector_2(k->p, k->t), vector_2(k->s, k->t), &dt_t);
+    return k->sign * dt_big_compare_products(&dt_q, &cr_t, &dt_t, &cr_q);
+}
+
+int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d)
+{
+    if (dt_is_rectangle(a, d, b, c) || dt_is_rectangle(b, d, a, c) || dt_is_rectangle(c, d, a, b))
+        return 0;
+    struct differences v;
+    int64_t integer[6];
+    differences_to(a, b, c, d, &v);
+    if (to_integers(&v, integer))
+        return incircle_integers(integer);
+    struct dt_near_base k = dt_near_base_of(a, b, c, d);
+    int sign = k.uneven ? dt_incircle_near(&k) : 0;
+    if (sign == 0)
+        sign = dt_incircle_double2(&k);
+    return sign != 0 ? sign : dt_incircle_big(&k);
+}
+
+/* Raising the greatest point's height dominates. Raising d's own lifts it out of the circle;
+ * raising that of a corner changes the determinant by that corner's cofactor, which is the
+ * orientation of the three others. Those are distinct points of one circle, hence never collinear,
+ * so the greatest point decides alone. */
+int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d)
+{
+    struct dt_point greatest = a;
+    int corner = 0;
+    if (dt_compare_xy(b, greatest) > 0) {
+        greatest = b;
+        corner = 1;
+    }
+    if (dt_compare_xy(c, greatest) > 0) {
+        greatest = c;
+        corner = 2;
+    }
+    if (dt_compare_xy(d, greatest) > 0)
+        return -1;
+    return corner == 0   ? dt_orient2d(d, b, c)
+           : corner == 1 ? dt_orient2d(a, d, c)
+                         : dt_orient2d(a, b, d);
+}
+
+/* ---- distances ---- */
+
+static void square_distance_big(struct dt_point a, struct dt_point b, struct dt_big *r)
+{
+    struct double2_vector v = vector_2(a, b);
+    dot_big(v, v, r);
+}
+
+int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
+{
+    double da = dt_square_distance(a, q), db = dt_square_distance(b, q);
+    if (dt_squares_decide(da, db))
+        return da < db ? -1 : 1;
+    struct dt_big to_a, to_b;
+    square_distance_big(q, a, &to_a);
+    square_distance_big(q, b, &to_b);
+    return dt_big_compare(&to_a, &to_b);
+}
+
+int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
+{
+    double d = dt_square_distance(a, b), rr = r * r;
+    if (dt_squares_decide(d, rr))
+        return d < rr ? -1 : 1;
+    struct dt_double2 radius = {r, 0}, zero = {0, 0};
+    struct dt_big exact_d, exact_rr;
+    square_distance_big(a, b, &exact_d);
+    dt_big_products(radius, radius, 1, zero, zero, &exact_rr);
+    return dt_big_compare(&exact_d, &exact_rr);
+}

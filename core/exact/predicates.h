@@ -1,0 +1,139 @@
+/* predicates.h - the exact signs that all topology branches on.
+ *
+ * Every function returns the sign of a polynomial of the coordinates, evaluated exactly: a
+ * floating-point filter first, exact arithmetic where the filter cannot decide [Shewchuk 1997].
+ * Exact for all coordinates that dt_coordinate_ok accepts. No state, no allocation. The filters are
+ * inline; what they leave open is in predicates.c. */
+#ifndef DT_PREDICATES_H
+#define DT_PREDICATES_H
+
+#include "core/delaunay.h"
+#include "core/exact/bounds.h"
+
+#include <math.h>
+
+/* The same signs without the filter, and the sign of a tie; for the inline functions below. */
+int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c);
+int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
+int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d);
+
+/* Twice the area of the triangle a b c, rounded. Beyond DT_ORIENT_BOUND of *size it has the right sign. */
+static inline double dt_orient2d_rounded(struct dt_point a, struct dt_point b, struct dt_point c,
+                                         double *size)
+{
+    double left = (a.x - c.x) * (b.y - c.y);
+    double right = (a.y - c.y) * (b.x - c.x);
+    *size = fabs(left) + fabs(right);
+    return left - right;
+}
+
+/* > 0 if a, b, c turn counterclockwise (c left of a->b), 0 if they are collinear, < 0 if
+ * clockwise. */
+static inline int dt_orient2d(struct dt_point a, struct dt_point b, struct dt_point c)
+{
+    double size, det = dt_orient2d_rounded(a, b, c, &size);
+    if (fabs(det) > DT_ORIENT_BOUND * size)
+        return det > 0 ? 1 : -1;
+    return dt_orient2d_exact(a, b, c);
+}
+
+/* The determinant of the next one, rounded. Beyond DT_INCIRCLE_BOUND of *size it has the right sign. */
+static inline double dt_incircle_rounded(struct dt_point a, struct dt_point b, struct dt_point c,
+                                         struct dt_point d, double *size)
+{
+    double ax = a.x - d.x, ay = a.y - d.y;
+    double bx = b.x - d.x, by = b.y - d.y;
+    double cx = c.x - d.x, cy = c.y - d.y;
+    double bxcy = bx * cy, cxby = cx * by, a_lift = ax * ax + ay * ay;
+    double cxay = cx * ay, axcy = ax * cy, b_lift = bx * bx + by * by;
+    double axby = ax * by, bxay = bx * ay, c_lift = cx * cx + cy * cy;
+    double det = a_lift * (bxcy - cxby) + b_lift * (cxay - axcy) + c_lift * (axby - bxay);
+    *size = (fabs(bxcy) + fabs(cxby)) * a_lift + (fabs(cxay) + fabs(axcy)) * b_lift +
+            (fabs(axby) + fabs(bxay)) * c_lift;
+    return det;
+}
+
+/* a, b, c counterclockwise: > 0 if d lies inside their circumcircle, 0 if on it, < 0 if outside. */
+static inline int dt_incircle(struct dt_point a, struct dt_point b, struct dt_point c,
+                              struct dt_point d)
+{
+    double size, det = dt_incircle_rounded(a, b, c, d, &size);
+    if (fabs(det) > DT_INCIRCLE_BOUND * size)
+        return det > 0 ? 1 : -1;
+    return dt_incircle_exact(a, b, c, d);
+}
+
+/* The same with ties broken: never 0 for four distinct points of which a, b, c are
+ * counterclockwise. On a tie, the lifted height x^2 + y^2 of each point is raised by an
+ * infinitesimal that is larger, by orders of magnitude, for the lexicographically greater point
+ * [Devillers & Teillaud 2003; PROTOCOL.md, section 3]. */
+static inline int dt_incircle_perturbed(struct dt_point a, struct dt_point b, struct dt_point c,
+                                        struct dt_point d)
+{
+    int sign = dt_incircle(a, b, c, d);
+    return sign != 0 ? sign : dt_incircle_tie(a, b, c, d);
+}
+
+/* The square of the distance of a and b, rounded (DT_DISTANCE_BOUND); 0 only for equal points. */
+static inline double dt_square_distance(struct dt_point a, struct dt_point b)
+{
+    double x = a.x - b.x, y = a.y - b.y;
+    return x * x + y * y;
+}
+
+/* Whether rounded squares of distances, da and db, compare as the distances do. */
+static inline bool dt_squares_decide(double da, double db)
+{
+    return fabs(da - db) > DT_DISTANCE_BOUND * (da + db);
+}
+
+/* The sign of |a - q|^2 - |b - q|^2: < 0 if a is nearer to q than b. Exact, as is the next one. */
+int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b);
+
+/* The sign of |a - b|^2 - r^2, r >= 0: <= 0 if a and b are at most r apart. */
+int dt_compare_radius(struct dt_point a, struct dt_point b, double r);
+
+/* Whether p and q are opposite corners of the axis-parallel rectangle whose other corners are r and s:
+ * then the four lie on one circle. */
+static inline bool dt_is_rectangle(struct dt_point p, struct dt_point q, struct dt_point r,
+                                   struct dt_point s)
+{
+    return (p.x == r.x && q.x == s.x && p.y == s.y && q.y == r.y) ||
+           (p.x == s.x && q.x == r.x && p.y == r.y && q.y == s.y);
+}
+
+/* Lexicographic order, x then y: < 0, 0 or > 0. */
+static inline int dt_compare_xy(struct dt_point a, struct dt_point b)
+{
+    if (a.x != b.x)
+        return a.x < b.x ? -1 : 1;
+    return a.y < b.y ? -1 : a.y > b.y;
+}
+
+/* ---- the stages behind the filters, for tests: 0 where one cannot decide, but for the last ---- */
+
+/* Three points as seen from one of the two closest to each other, p and q; in the order of a, b, c. */
+struct dt_near_corner {
+    struct dt_point p, q, s;
+};
+
+/* Four points, as predicates.c has them. */
+struct dt_near_base {
+    struct dt_point p, q, s, t;
+    struct dt_point nearer; /* p or s, to t */
+    int sign;               /* of the determinant beside that of a, b, c, d */
+    bool uneven;            /* there are distances of different orders of magnitude */
+};
+
+struct dt_near_corner dt_near_corner_of(struct dt_point a, struct dt_point b, struct dt_point c);
+int dt_orient2d_near(const struct dt_near_corner *k);
+int dt_orient2d_double2(const struct dt_near_corner *k);
+int dt_orient2d_big(const struct dt_near_corner *k);
+
+struct dt_near_base dt_near_base_of(struct dt_point a, struct dt_point b, struct dt_point c,
+                                    struct dt_point d);
+int dt_incircle_near(const struct dt_near_base *k);
+int dt_incircle_double2(const struct dt_near_base *k);
+int dt_incircle_big(const struct dt_near_base *k);
+
+#endif

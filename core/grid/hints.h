@@ -1,0 +1,105 @@
+/* hints.h - the uniform grid: for every place of the plane a half edge near it.
+ *
+ * The paper keeps points in its cells; a half edge serves the same search and leads straight into
+ * the mesh. A cell in which points gather holds a grid of its own instead, fitted to the box of
+ * those points, and so on: a search costs the same on clusters, with outliers and on nested scales.
+ *
+ *      grid 0    +---+---+---+
+ *                | h | h | h |     h: a half edge that leaves a vertex in or beside this cell
+ *                +---+---+---+
+ *                | h | G | h |     G: the cell's own grid (its number), marked by bit 2, which no
+ *                +---+---+---+        half edge 8t + k has set
+ *
+ * When it is made: core/set/renew.h.
+ *
+ * An empty cell borrows the content of the nearest one that is not, marked by 3 in the two lowest
+ * bits; of a half edge only the triangle counts. */
+#ifndef DT_HINTS_H
+#define DT_HINTS_H
+
+#include "core/exact/box.h"
+#include "core/memory/memory.h"
+#include "core/mesh/mesh.h"
+
+struct dt_hint_grid {
+    struct dt_point lo;  /* corner */
+    double per_x, per_y; /* cells per unit; 0 in a direction without extent */
+    uint32_t nx, ny;
+    uint32_t first; /* its first cell */
+};
+
+struct dt_hints {
+    struct dt_pages *pages;    /* borrows: those of the mesh */
+    struct dt_hint_grid *grid; /* owns; grid 0 covers the set, each other one refines a cell */
+    uint32_t *cell;            /* owns the cells of all grids, row by row */
+    uint32_t grids, grid_cap;
+    uint32_t cells, cell_cap;
+};
+
+/* *g must be zeroed or cleared. */
+void dt_hints_clear(struct dt_hints *g);
+
+/* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is
+ * cleared. */
+enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy);
+
+/* Bytes that the grid holds. */
+size_t dt_hints_memory(const struct dt_hints *g);
+
+static inline uint32_t dt_hint_column(const struct dt_hint_grid *g, double x)
+{
+    return dt_cell((x - g->lo.x) * g->per_x, g->nx);
+}
+
+static inline uint32_t dt_hint_row(const struct dt_hint_grid *g, double y)
+{
+    return dt_cell((y - g->lo.y) * g->per_y, g->ny);
+}
+
+static inline uint32_t dt_hint_cell(const struct dt_hint_grid *g, struct dt_point q)
+{
+    return g->first + dt_hint_row(g, q.y) * g->nx + dt_hint_column(g, q.x);
+}
+
+#define DT_HINT_GRID 4u /* the cell holds a grid, whose number is in the other bits */
+#define DT_HINT_LENT 3u /* the cell is empty and has borrowed what the nearest one has */
+
+/* Down from a cell's content to the half edge that it has for q. */
+static inline uint32_t dt_hint_in(const struct dt_hints *g, uint32_t h, struct dt_point q)
+{
+    while (h & DT_HINT_GRID)
+        h = g->cell[dt_hint_cell(g->grid + (h >> 3), q)];
+    return dt_base(h);
+}
+
+/* The first half edge of a triangle near q; the mesh must have at least two vertices. */
+static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
+{
+    return dt_hint_in(g, g->cell[dt_hint_cell(g->grid, q)], q);
+}
+
+/* Fetches what a walk from the triangle at h will want: it and its neighbours, and the corners of
+ * all those. After a build vertices and, two for each, triangles are in the same spatial order, so
+ * these are probably the triangles near h / 8 and the vertices near h / 16. `id`, by vertex, may be
+ * NULL; then the corners' ids will not be needed. */
+static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point *xy,
+                                 const uint32_t *id, uint32_t h)
+{
+    enum { TRIANGLES = 8, VERTICES = 12, LINE = 64 };
+    uint32_t t = h >> 3, first = t < TRIANGLES ? 0 : t - TRIANGLES;
+    for (uint32_t k = 0; k <= 2 * TRIANGLES; k += 2)
+        dt_fetch((const void *)((uintptr_t)m->half + LINE / 2 * (size_t)(first + k)));
+    uint32_t v = h >> 4, from = v < VERTICES ? 0 : v - VERTICES;
+    for (uint32_t k = 0; k <= 2 * VERTICES; k += 4)
+        dt_fetch((const void *)((uintptr_t)xy + LINE / 4 * (size_t)(from + k)));
+    if (id == NULL)
+        return;
+    dt_fetch(id + from);
+    dt_fetch((const void *)((uintptr_t)(id + v) + LINE / 2));
+}
+
+/* Another one: from the first cell with points in it that is met from q's cell on, in one of four
+ * directions; DT_NONE if there is none. Cost: the cells passed. */
+uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned direction);
+
+#endif

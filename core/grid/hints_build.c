@@ -1,0 +1,231 @@
+/* hints_build.c - builds the grid of hints.
+ *
+ *     plan (hints_plan.c)    which cells have grids of their own
+ *     drop                   every vertex leaves its half edge in its cell
+ *     fill                   empty cells borrow from others
+ *
+ * The vertices are in spatial order in memory, so dropping runs through the cells nearly in order;
+ * threads share the last two passes. */
+#include "core/grid/hints_build.h"
+
+#include "core/control/parallel.h"
+#include "core/control/stop.h"
+#include "core/grid/hints_plan.h"
+#include "core/memory/memory.h"
+
+#include <string.h>
+
+#define NEAR 2       /* cells: a distance that need not be improved */
+#define FARTHEST 254 /* cells: distances are cut off there */
+#define BATCHES 8u   /* of grids, for each thread */
+
+/* ---- dropping half edges ---- */
+
+struct drop {
+    struct dt_hints *hints;
+    const struct dt_mesh *mesh;
+    const struct dt_point *xy;
+    struct dt_stop *stop;
+    unsigned slices;
+};
+
+/* A cell gets a vertex' half edge, or passes it on to the grid that it holds. Threads may meet in a
+ * cell: whose half edge it keeps does not matter. */
+static void drop_one(const struct drop *d, uint32_t c, uint32_t v)
+{
+    uint32_t *cell = d->hints->cell, h;
+    while ((h = __atomic_load_n(&cell[c], __ATOMIC_RELAXED)) & DT_HINT_GRID)
+        c = dt_hint_cell(d->hints->grid + (h >> 3), d->xy[v]);
+    __atomic_store_n(&cell[c], d->mesh->leaving[v], __ATOMIC_RELAXED);
+}
+
+/* After many edits the vertices are in no order, so the cells of some are fetched before the first
+ * of them is dropped. */
+static void drop_piece(const struct drop *d, struct dt_piece at)
+{
+    enum { AT_ONCE = 32 };
+    const struct dt_hint_grid top = *d->hints->grid;
+    uint32_t c[AT_ONCE];
+    for (uint32_t v = at.a, k; v < at.b; v += k) {
+        uint32_t n = at.b - v < AT_ONCE ? at.b - v : AT_ONCE;
+        for (k = 0; k < n; k++) {
+            c[k] = d->mesh->leaving[v + k] == DT_NONE ? 0 : dt_hint_cell(&top, d->xy[v + k]);
+            dt_fetch(&d->hints->cell[c[k]]);
+        }
+        for (k = 0; k < n; k++)
+            if (d->mesh->leaving[v + k] != DT_NONE)
+                drop_one(d, c[k], v + k);
+    }
+}
+
+static void drop_slice(void *arg, unsigned i)
+{
+    const struct drop *d = arg;
+    uint32_t n = d->mesh->vert_cap, end = dt_slice(n, i + 1, d->slices);
+    struct dt_piece at = dt_before_first(dt_slice(n, i, d->slices));
+    while (dt_next_piece(d->stop, end, &at))
+        drop_piece(d, at);
+}
+
+/* ---- filling empty cells ---- */
+
+/* What a cell has, and how many cells away that comes from: 0 its own, FARTHEST + 1 nothing yet. */
+struct content {
+    uint32_t h;
+    unsigned far;
+};
+
+/* The nearer one of a cell's content and its neighbour's. No branches: the outcome is a toss. */
+static inline struct content nearer(struct content own, struct content next)
+{
+    unsigned far = next.far + (next.far < FARTHEST ? 1u : 0u);
+    bool take = far < own.far;
+    return (struct content){take ? next.h | DT_HINT_LENT : own.h, take ? far : own.far};
+}
+
+/* From left to right along a row of nx cells, at.a to at.b - 1, and from the row below. `left` is what the
+ * cell before has. */
+static struct content sweep_up(uint32_t *cell, uint8_t *far, size_t nx, bool has_below,
+                               struct dt_piece at, struct content left)
+{
+    for (size_t i = at.a; i < at.b; i++) {
+        struct content own = {cell[i], far[i]};
+        if (has_below)
+            own = nearer(own, (struct content){(cell - nx)[i], (far - nx)[i]});
+        left = nearer(own, left);
+        cell[i] = left.h;
+        far[i] = (uint8_t)left.far;
+    }
+    return left;
+}
+
+/* From right to left and from the row above, only for cells whose content is not near already. at counts
+ * from the right. */
+static void sweep_down(uint32_t *cell, uint8_t *far, size_t nx, bool has_above, struct dt_piece at)
+{
+    for (size_t i = nx - at.a; i-- > nx - at.b;) {
+        struct content own = {cell[i], far[i]};
+        if (own.far <= NEAR)
+            continue;
+        if (has_above)
+            own = nearer(own, (struct content){cell[i + nx], far[i + nx]});
+        if (i + 1 < nx)
+            own = nearer(own, (struct content){cell[i + 1], far[i + 1]});
+        cell[i] = own.h;
+        far[i] = (uint8_t)own.far;
+    }
+}
+
+/* Grid 0 in bands of rows, then the others in batches. */
+struct fill {
+    const struct dt_hints *hints;
+    struct dt_stop *stop;
+    uint8_t *far; /* of every cell */
+    unsigned bands, batches;
+    atomic_bool bare; /* some band has no content at all */
+};
+
+/* Polls after each so many cells: rows may be long, or many and short. False: it is stopped. */
+static bool next_part_of_row(const struct fill *f, uint32_t nx, struct dt_piece *at,
+                             uint32_t *cells)
+{
+    at->a = at->b;
+    at->b = nx - at->a < DT_POLL ? nx : at->a + DT_POLL;
+    *cells += at->b - at->a;
+    if (*cells < DT_POLL)
+        return at->a < nx;
+    *cells = 0;
+    return at->a < nx && !dt_stopped(f->stop);
+}
+
+static void fill_row_up(const struct fill *f, const struct dt_hint_grid *g, size_t row,
+                        bool has_below, uint32_t *cells)
+{
+    uint32_t *cell = f->hints->cell + g->first + row * g->nx;
+    uint8_t *far = f->far + g->first + row * g->nx;
+    struct content left = {0, FARTHEST + 1};
+    for (struct dt_piece at = {0, 0}; next_part_of_row(f, g->nx, &at, cells);) {
+        for (uint32_t i = at.a; i < at.b; i++)
+            far[i] = (cell[i] & DT_HINT_LENT) == DT_HINT_LENT ? FARTHEST + 1 : 0;
+        left = sweep_up(cell, far, g->nx, has_below, at, left);
+    }
+}
+
+static void fill_row_down(const struct fill *f, const struct dt_hint_grid *g, size_t row,
+                          bool has_above, uint32_t *cells)
+{
+    uint32_t *cell = f->hints->cell + g->first + row * g->nx;
+    uint8_t *far = f->far + g->first + row * g->nx;
+    for (struct dt_piece at = {0, 0}; next_part_of_row(f, g->nx, &at, cells);)
+        sweep_down(cell, far, g->nx, has_above, at);
+}
+
+/* Fills the cells of rows lo .. hi - 1 of a grid among themselves. Returns whether any had content. */
+static bool fill_rows(const struct fill *f, const struct dt_hint_grid *g, uint32_t lo, uint32_t hi)
+{
+    uint32_t cells = 0;
+    for (uint32_t row = lo; row < hi && dt_stop_status(f->stop) == DT_OK; row++)
+        fill_row_up(f, g, row, row > lo, &cells);
+    for (uint32_t row = hi; row-- > lo && dt_stop_status(f->stop) == DT_OK;)
+        fill_row_down(f, g, row, row + 1 < hi, &cells);
+    return lo == hi || dt_stop_status(f->stop) != DT_OK ||
+           f->far[g->first + (size_t)lo * g->nx] <= FARTHEST;
+}
+
+static void fill_job(void *arg, unsigned i)
+{
+    struct fill *f = arg;
+    const struct dt_hint_grid *grid = f->hints->grid;
+    if (i < f->bands) {
+        uint32_t lo = dt_slice(grid->ny, i, f->bands), hi = dt_slice(grid->ny, i + 1, f->bands);
+        if (!fill_rows(f, grid, lo, hi))
+            atomic_store_explicit(&f->bare, true, memory_order_relaxed);
+        return;
+    }
+    uint32_t others = f->hints->grids - 1, end = dt_slice(others, i - f->bands + 1, f->batches);
+    for (uint32_t k = dt_slice(others, i - f->bands, f->batches); k < end; k++)
+        (void)fill_rows(f, &grid[k + 1], 0, grid[k + 1].ny);
+}
+
+/* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
+ * transform in two sweeps [Rosenfeld & Pfaltz 1966]. If some band of grid 0 has no point, all of it
+ * is filled again, in one piece. */
+static void fill_empty(const struct dt_hints *g, const struct dt_pool *pool, unsigned threads,
+                       struct dt_stop *stop)
+{
+    struct fill f = {.hints = g,
+                     .stop = stop,
+                     .far = dt_array_new_in(g->pages, g->cells, 1),
+                     .bands = threads,
+                     .batches = threads * BATCHES};
+    if (f.far == NULL) {
+        dt_stop_because(stop, DT_NOMEM);
+        return;
+    }
+    dt_run(threads > 1 ? pool : NULL, f.bands + f.batches, fill_job, &f);
+    if (atomic_load_explicit(&f.bare, memory_order_relaxed) && !dt_stopped(stop))
+        (void)fill_rows(&f, g->grid, 0, g->grid->ny);
+    dt_array_free(f.far);
+}
+
+enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
+                              const struct dt_point *xy, const struct dt_options *opt)
+{
+    const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
+    struct dt_stop stop = dt_stop_of(opt);
+    dt_hints_clear(g);
+    g->pages = m->pages;
+    if (m->vertices < 2)
+        return DT_OK;
+    unsigned threads = dt_threads_for(pool, m->vertices);
+    dt_hints_plan(g, m, xy, &stop);
+    if (!dt_stopped(&stop)) {
+        struct drop d = {.hints = g, .mesh = m, .xy = xy, .stop = &stop, .slices = threads};
+        dt_run(pool, threads, drop_slice, &d);
+    }
+    if (!dt_stopped(&stop))
+        fill_empty(g, pool, threads, &stop);
+    if (dt_stop_status(&stop) != DT_OK)
+        dt_hints_clear(g);
+    return dt_stop_status(&stop);
+}

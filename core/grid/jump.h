@@ -1,0 +1,33 @@
+/* jump.h - where a search that has walked too long already should continue.
+ *
+ * Walks are short where the grid of hints leads close to the place, but not where thin triangles lie
+ * across the way: inside a circle or between two far lines of points with nothing in between, a
+ * search passes a good part of all triangles. Both kinds of walk come ever closer in some measure:
+ *
+ *     to a triangle    its circumcircle has q ever deeper inside (the triangles, lifted to the
+ *                      paraboloid, are a convex surface, and the walk climbs above q)
+ *     to a vertex      its distance to q becomes ever smaller
+ *
+ * so a walk that begins at the best of a sample passes only what is better still: of n, with a
+ * sample of the root of n, about the root of n, however the points lie. (Devroye, Muecke & Zhu, "A
+ * note on point location in Delaunay triangulations of random points", 1998, jump to the nearest
+ * sampled vertex also to find a triangle, which needs points that are spread evenly.) Where all are
+ * equally good, as the triangles of one circle, a sample is of no use. */
+#ifndef DT_JUMP_H
+#define DT_JUMP_H
+
+#include "core/mesh/mesh.h"
+
+/* How many of n a sample has, and a walk may pass before it pays to take one: the root of n. */
+uint32_t dt_jump_samples(uint32_t n);
+
+/* Of a sample of triangles and `from`, the base half edge of one, the one in whose circumcircle q lies
+ * deepest, up to rounding: its base half edge. Not for points on one line. */
+uint32_t dt_jump_triangle(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
+                          struct dt_point q);
+
+/* Of a sample of vertices and `from`, the nearest to q, up to rounding. */
+uint32_t dt_jump_vertex(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
+                        struct dt_point q);
+
+#endif

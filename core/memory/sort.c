@@ -1,0 +1,84 @@
+/* sort.c - by digits, from the last [Knuth, TAOCP 3, sec. 5.2.5]; a few by qsort, which cannot poll. */
+#include "core/memory/sort.h"
+
+#include <stdlib.h>
+
+#include "core/memory/memory.h"
+
+enum { FEW = 1000, BITS = 11, DIGITS = 1 << BITS };
+
+static int compare_ids(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The next piece of n ids; false: it is over, or stopped. */
+static bool next(struct dt_stop *stop, size_t n, size_t *from, size_t *to)
+{
+    *from = *to;
+    *to = n - *from < DT_POLL ? n : *from + DT_POLL;
+    return *from < n && !dt_stopped(stop);
+}
+
+static bool is_sorted(const uint32_t *ids, size_t n, struct dt_stop *stop)
+{
+    bool sorted = true;
+    for (size_t a, b = 0; sorted && next(stop, n, &a, &b);)
+        for (size_t i = a > 0 ? a : 1; i < b; i++)
+            sorted = sorted && ids[i - 1] <= ids[i];
+    return sorted;
+}
+
+/* Sorts by the digit at `shift`, into `out`. */
+static void by_digit(const uint32_t *ids, size_t n, unsigned shift, uint32_t *out,
+                     struct dt_stop *stop)
+{
+    size_t at[DIGITS] = {0}, place = 0;
+    for (size_t a, b = 0; next(stop, n, &a, &b);)
+        for (size_t i = a; i < b; i++)
+            at[ids[i] >> shift & (DIGITS - 1)]++;
+    for (size_t d = 0; d < DIGITS; d++) {
+        size_t here = at[d];
+        at[d] = place;
+        place += here;
+    }
+    for (size_t a, b = 0; next(stop, n, &a, &b);)
+        for (size_t i = a; i < b; i++)
+            out[at[ids[i] >> shift & (DIGITS - 1)]++] = ids[i];
+}
+
+static void by_digits(uint32_t *ids, size_t n, uint32_t *other, struct dt_stop *stop)
+{
+    by_digit(ids, n, 0, other, stop);
+    by_digit(other, n, BITS, ids, stop);
+    by_digit(ids, n, 2 * BITS, other, stop);
+    dt_copy(ids, other, n, sizeof *ids, stop);
+}
+
+void dt_sort_ids(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop)
+{
+    if (is_sorted(ids, n, stop))
+        return;
+    uint32_t *other = n < FEW ? NULL : dt_array_new_in(pages, n, sizeof *other);
+    if (other != NULL)
+        by_digits(ids, n, other, stop);
+    else
+        qsort(ids, n, sizeof *ids, compare_ids);
+    dt_array_free(other);
+}
+
+size_t dt_sort_unique(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop)
+{
+    size_t kept = 0;
+    dt_sort_ids(ids, n, pages, stop);
+    for (size_t i = 0; i < n; i++)
+        if (kept == 0 || ids[kept - 1] != ids[i])
+            ids[kept++] = ids[i];
+    return kept;
+}
+
+bool dt_sorted_have(const uint32_t *ids, size_t n, uint32_t id)
+{
+    return n > 0 && bsearch(&id, ids, n, sizeof *ids, compare_ids) != NULL;
+}

@@ -1,0 +1,17 @@
+/* sort.h - ids in ascending order. */
+#ifndef DT_SORT_H
+#define DT_SORT_H
+
+#include "core/control/stop.h"
+
+/* Sorts n ids. If it is stopped, they are in some order, and some may be missing; stop may be NULL. Cost: O(n), and
+ * 4 bytes for each meanwhile, from pages, which may be NULL; without that memory O(n log n), and no poll. */
+void dt_sort_ids(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop);
+
+/* The same, and leaves each id once. Returns how many are left. */
+size_t dt_sort_unique(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop);
+
+/* Whether id is one of n ascending ids. Cost: O(log n). */
+bool dt_sorted_have(const uint32_t *ids, size_t n, uint32_t id);
+
+#endif

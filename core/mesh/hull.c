@@ -1,0 +1,162 @@
+/* hull.c - finds the hull of a finished mesh and its canonical start. */
+#include "core/mesh/hull.h"
+
+#include "core/control/parallel.h"
+#include "core/exact/predicates.h"
+#include "core/memory/memory.h"
+
+#define WALKS_PER_THREAD 16u
+#define MOST_WALKS (DT_MAX_THREADS * WALKS_PER_THREAD)
+
+/* Whether a loop should take its next step: it polls every now and then. */
+static bool go_on(uint32_t step, struct dt_stop *stop)
+{
+    return step % DT_POLL != 0 || !dt_stopped(stop);
+}
+
+/* The leftmost vertex, if it is not stopped. Every other vertex of a triangulation has a neighbour that is
+ * lexicographically smaller; vertex numbers follow the grid, so a low one is near the goal
+ * already. */
+static uint32_t leftmost(const struct dt_mesh *m, const struct dt_point *xy, struct dt_stop *stop)
+{
+    uint32_t v = 0, best = 0, steps = 0;
+    while (m->leaving[v] == DT_NONE)
+        best = ++v;
+    do {
+        v = best;
+        uint32_t h = m->leaving[v];
+        do {
+            uint32_t d = dt_dest(m, h);
+            if (d != DT_NONE && dt_compare_xy(xy[d], xy[best]) < 0)
+                best = d;
+            h = dt_turn_ccw(m, h);
+        } while (h != m->leaving[v] && go_on(++steps, stop));
+    } while (best != v && !dt_stopped(stop));
+    return v;
+}
+
+void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy, struct dt_stop *stop)
+{
+    m->hull = DT_NONE;
+    if (m->vertices < 2)
+        return;
+    uint32_t h = m->leaving[leftmost(m, xy, stop)], steps = 0;
+    while (dt_dest(m, h) != DT_NONE && go_on(++steps, stop))
+        h = dt_turn_ccw(m, h);
+    if (!dt_stopped(stop))
+        dt_hull_settle_from(m, dt_base(h), stop);
+}
+
+/* A large hull mostly runs through memory in one direction for a while, as the grid does, with
+ * strides that a processor does not foresee: so what is further on in that direction is fetched. */
+static void fetch_further_on(const struct dt_mesh *m, uint32_t g, uint32_t next)
+{
+    enum { AHEAD = 32 * 8, LINE = 16 }; /* numbers in 32 records, in a cache line */
+    uint32_t h = next > g ? next + AHEAD : next - AHEAD;
+    if (h >= 8 * m->tri_end - LINE)
+        return;
+    dt_fetch(&m->half[h]);
+    dt_fetch(&m->half[h + LINE]);
+}
+
+uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop)
+{
+    uint32_t g = m->hull = ghost, ghosts = 0;
+    do {
+        uint32_t next = dt_hull_step(m, g, false);
+        fetch_further_on(m, g, next);
+        m->leaving[dt_hull_vertex(m, g)] = g + 1;
+        g = next;
+    } while (go_on(++ghosts, stop) && g != m->hull);
+    return ghosts;
+}
+
+/* ---- by several threads ---- */
+
+/* Walks that share a hull, each from a ghost of its own to where the next one began. */
+struct walks {
+    struct dt_mesh *mesh;
+    struct dt_stop *stop;
+    uint32_t start[MOST_WALKS];
+    unsigned walks;
+    atomic_uint ghosts;
+};
+
+/* Every now and then a vertex, and the ghost that starts there, if there is one. */
+static void find_starts(struct walks *w, unsigned samples)
+{
+    const struct dt_mesh *m = w->mesh;
+    for (unsigned i = 0; i < samples; i++) {
+        uint32_t v = dt_slice(m->vertices, i, samples), g = m->leaving[v];
+        if (m->half[g] == v && m->half[g + 2] == DT_NONE)
+            w->start[w->walks++] = g;
+    }
+}
+
+/* Ends at the first vertex that is settled, where a walk starts: leaving[] of the others is the first
+ * half edge of a triangle, not the second. */
+static void walk(void *arg, unsigned i)
+{
+    struct walks *w = arg;
+    struct dt_mesh *m = w->mesh;
+    uint32_t g = w->start[i], ghosts = 0, v;
+    while (go_on(++ghosts, w->stop)) {
+        uint32_t next = dt_hull_step(m, g, false);
+        fetch_further_on(m, g, next);
+        g = next;
+        v = dt_hull_vertex(m, g);
+        if (m->leaving[v] == g + 1)
+            break;
+        m->leaving[v] = g + 1;
+    }
+    atomic_fetch_add_explicit(&w->ghosts, ghosts, memory_order_relaxed);
+}
+
+uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool,
+                              struct dt_stop *stop)
+{
+    struct walks w = {.mesh = m, .stop = stop};
+    unsigned threads = dt_threads_for(pool, m->vertices), samples = threads * WALKS_PER_THREAD;
+    bool line = m->half[dt_base(dt_twin(m, ghost)) + 2] == DT_NONE;
+    if (threads > 1 && !line)
+        find_starts(&w, samples);
+    if (w.walks < samples / 4 || w.walks == 0) /* a small hull, or a vertex on it has two ghosts */
+        return dt_hull_settle_from(m, ghost, stop);
+    for (unsigned i = 0; i < w.walks; i++)
+        m->leaving[dt_hull_vertex(m, w.start[i])] = w.start[i] + 1;
+    m->hull = ghost;
+    dt_run(pool, w.walks, walk, &w);
+    return atomic_load(&w.ghosts);
+}
+
+/* ---- its canonical start ---- */
+
+/* Of the two ends of a line, the one with the smaller id, or the other one. */
+static uint32_t first_on_line(const struct dt_mesh *m, const uint32_t *id, bool other)
+{
+    uint32_t best = DT_NONE, g = m->hull;
+    do {
+        uint32_t next = dt_hull_step(m, g, false);
+        if (dt_hull_turns(m, g)) {
+            bool smaller =
+                best == DT_NONE || id[dt_hull_vertex(m, next)] < id[dt_hull_vertex(m, best)];
+            if (best == DT_NONE || smaller != other)
+                best = next;
+        }
+        g = next;
+    } while (g != m->hull);
+    return best;
+}
+
+uint32_t dt_hull_first(const struct dt_mesh *m, const uint32_t *id, bool cw)
+{
+    if (m->vertices < 2)
+        return DT_NONE;
+    if (dt_mesh_is_line(m))
+        return first_on_line(m, id, cw);
+    uint32_t best = m->hull, g = best;
+    while ((g = dt_hull_step(m, g, false)) != m->hull)
+        if (id[dt_hull_vertex(m, g)] < id[dt_hull_vertex(m, best)])
+            best = g;
+    return best;
+}

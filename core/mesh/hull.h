@@ -1,0 +1,90 @@
+/* hull.h - the convex hull as the mesh has it: a cycle of ghosts.
+ *
+ * The ghost of a hull vertex v lies beyond the hull edge from v to its counterclockwise successor
+ * s:
+ *
+ *          s <------- g: s -> v, its twin v -> s is the hull edge, the hull on its left
+ *         /    ghost  g + 1: v -> infinity
+ *        v            g + 2: infinity -> s
+ *
+ * All points on one line: the cycle runs along one side of the line and back along the other, so
+ * that a vertex between the ends has two ghosts, one for each direction. */
+#ifndef DT_HULL_H
+#define DT_HULL_H
+
+#include "core/control/stop.h"
+#include "core/mesh/mesh.h"
+
+/* Settles a mesh that was just built: leaving[] of every hull vertex becomes its half edge to
+ * infinity, m->hull one of the ghosts. Vertices that are in no triangle must have DT_NONE in
+ * leaving[]. stop may be NULL. Cost: O(hull), and a descent to the leftmost vertex. */
+void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy, struct dt_stop *stop);
+
+/* The same when a ghost is known. Returns the number of ghosts. Cost: O(hull). */
+uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop);
+
+/* The same by the threads of a pool, which may be NULL, where every leaving[v] is the first half edge
+ * of its triangle, and that of most hull vertices the ghost that starts there: so the divide engine
+ * leaves it. */
+uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool,
+                              struct dt_stop *stop);
+
+/* Whether the vertex v of a settled mesh lies on the hull. */
+static inline bool dt_on_hull(const struct dt_mesh *m, uint32_t v)
+{
+    uint32_t h = m->leaving[v];
+    return h == DT_NONE || dt_is_ghost(m, h);
+}
+
+/* Whether the half edge h may be one to infinity, by its number: corner 2 is the only one at
+ * infinity, so these are the second ones of their triangles. */
+static inline bool dt_hull_may_leave(uint32_t h)
+{
+    return (h & 3) == 1;
+}
+
+/* For edits: vertex u may leave by the half edge h; leaving[u] is kept if it still goes to
+ * infinity. (If h does, it is the same one.) */
+static inline void dt_hull_keep(struct dt_mesh *m, uint32_t u, uint32_t h)
+{
+    uint32_t old = m->leaving[u];
+    if (!dt_hull_may_leave(old) || m->half[old] != u || m->half[old + 1] != DT_NONE)
+        m->leaving[u] = h;
+}
+
+/* The ghost of a hull vertex of a settled mesh that has an edge. */
+static inline uint32_t dt_hull_ghost(const struct dt_mesh *m, uint32_t v)
+{
+    return dt_base(m->leaving[v]);
+}
+
+/* The vertex whose ghost g is, and its successor. */
+static inline uint32_t dt_hull_vertex(const struct dt_mesh *m, uint32_t g)
+{
+    return m->half[g + 1];
+}
+
+static inline uint32_t dt_hull_successor(const struct dt_mesh *m, uint32_t g)
+{
+    return m->half[g];
+}
+
+/* The next ghost along the hull, counterclockwise or clockwise. */
+static inline uint32_t dt_hull_step(const struct dt_mesh *m, uint32_t g, bool cw)
+{
+    return dt_base(dt_twin(m, cw ? g + 1 : g + 2));
+}
+
+/* All points on one line: whether the walk turns round after g, that is, g's successor is an end of
+ * the line. */
+static inline bool dt_hull_turns(const struct dt_mesh *m, uint32_t g)
+{
+    return dt_twin(m, g) == dt_hull_step(m, g, false);
+}
+
+/* The ghost at which the hull begins in canonical order: that of the smallest id; on a line that of
+ * the end with the smaller id, or, clockwise, of the other end. DT_NONE if there is no edge. Cost:
+ * O(hull). */
+uint32_t dt_hull_first(const struct dt_mesh *m, const uint32_t *id, bool cw);
+
+#endif

@@ -1,0 +1,91 @@
+/* mesh.c - storage and counts of the half-edge mesh; the structure itself is drawn in mesh.h. */
+#include "core/mesh/mesh.h"
+
+#include <string.h>
+
+#include "core/memory/memory.h"
+
+void dt_mesh_clear(struct dt_mesh *m)
+{
+    dt_array_free(m->half);
+    dt_array_free(m->leaving);
+    *m = (struct dt_mesh){.pages = m->pages, .free_list = DT_NONE, .hull = DT_NONE};
+}
+
+enum dt_status dt_mesh_copy(const struct dt_mesh *m, struct dt_mesh *copy)
+{
+    *copy = *m;
+    copy->vert_cap = m->vertices == 0 ? 0 : m->vert_cap;
+    copy->tri_cap = m->tri_end;
+    copy->half = dt_array_new_in(m->pages, (size_t)copy->tri_cap * 8, sizeof *copy->half);
+    copy->leaving = dt_array_new_in(m->pages, copy->vert_cap, sizeof *copy->leaving);
+    if (copy->half == NULL || copy->leaving == NULL) {
+        dt_mesh_clear(copy);
+        return DT_NOMEM;
+    }
+    if (copy->tri_cap > 0)
+        memcpy(copy->half, m->half, (size_t)copy->tri_cap * 8 * sizeof *copy->half);
+    if (copy->vert_cap > 0)
+        memcpy(copy->leaving, m->leaving, copy->vert_cap * sizeof *copy->leaving);
+    return DT_OK;
+}
+
+size_t dt_mesh_memory(const struct dt_mesh *m)
+{
+    return ((size_t)m->tri_cap * 8 + m->vert_cap) * sizeof(uint32_t);
+}
+
+enum dt_status dt_mesh_reserve(struct dt_mesh *m, uint32_t verts, uint32_t tris)
+{
+    if (verts > m->vert_cap) {
+        uint32_t *leaving =
+            dt_array_grow_in(m->pages, m->leaving, m->vert_cap, verts, sizeof *leaving);
+        if (leaving == NULL)
+            return DT_NOMEM;
+        m->leaving = leaving;
+        m->vert_cap = verts;
+    }
+    if (tris > m->tri_cap) {
+        uint32_t *half = dt_array_grow_in(m->pages, m->half, (size_t)m->tri_end * 8,
+                                          (size_t)tris * 8, sizeof *half);
+        if (half == NULL)
+            return DT_NOMEM;
+        m->half = half;
+        m->tri_cap = tris;
+    }
+    return DT_OK;
+}
+
+enum dt_status dt_mesh_make_room(struct dt_mesh *m, uint32_t v, uint32_t tris)
+{
+    uint32_t verts = m->vert_cap, end = m->tri_end + (tris > m->dead ? tris - m->dead : 0);
+    if (v >= verts)
+        verts = (uint32_t)dt_array_room(verts, (size_t)v + 1, DT_MAX_POINTS);
+    uint32_t known = m->vert_cap;
+    uint32_t want =
+        end > m->tri_cap ? (uint32_t)dt_array_room(m->tri_cap, end, 2 * DT_MAX_POINTS) : m->tri_cap;
+    enum dt_status status = dt_mesh_reserve(m, verts, want);
+    for (; known < m->vert_cap; known++) /* it may have grown in spite of a failure */
+        m->leaving[known] = DT_NONE;
+    return status;
+}
+
+bool dt_mesh_is_line(const struct dt_mesh *m)
+{
+    return m->vertices < 3 || m->ghosts == 2 * m->vertices - 2;
+}
+
+uint32_t dt_mesh_triangles(const struct dt_mesh *m)
+{
+    return m->vertices < 2 ? 0 : 2 * m->vertices - 2 - m->ghosts;
+}
+
+uint32_t dt_mesh_edges(const struct dt_mesh *m)
+{
+    return m->vertices < 2 ? 0 : 3 * m->vertices - 3 - m->ghosts;
+}
+
+uint32_t dt_mesh_hull(const struct dt_mesh *m)
+{
+    return dt_mesh_is_line(m) ? m->vertices : m->ghosts;
+}

@@ -1,0 +1,27 @@
+/* star.h - the neighbours of a vertex of a settled mesh (hull.h), as ids: id[v] is that of vertex v.
+ *
+ * A star is read counterclockwise: that of an interior vertex from anywhere, that of a hull vertex
+ * from its successor on the hull to its predecessor. */
+#ifndef DT_STAR_H
+#define DT_STAR_H
+
+#include "core/mesh/mesh.h"
+
+/* How many neighbours v has, `limit` if it has more. */
+uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit);
+
+/* Its ring into ring[room]. Returns its degree, DT_NONE if it is larger than room. */
+uint32_t dt_star_ring(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint32_t *ring,
+                      size_t room);
+
+/* ---- how a star is saved ---- */
+
+/* The words that the image of the star of vertex v has, and the image. */
+static inline uint32_t dt_star_words(const struct dt_mesh *m, uint32_t v)
+{
+    return 1 + dt_star_degree(m, v, DT_NONE);
+}
+
+void dt_star_save(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint32_t *image);
+
+#endif

@@ -1,0 +1,85 @@
+/* idmap.h - what an id stands for: a paged map from ids to 32-bit values.
+ *
+ * Ids are handed out in ascending order and never again, so a set that is edited for ever goes
+ * through ever larger ids. The map is cut into pages, and pages whose ids are all dead are freed:
+ * memory follows the live ids, not the largest one. Where many ids come at once, their pages lie in
+ * blocks, each a huge page of the system's and freed as a whole: a look at any of millions of ids then
+ * costs a cache miss, and not the search for its page beside. */
+#ifndef DT_IDMAP_H
+#define DT_IDMAP_H
+
+#include "core/control/stop.h"
+#include "core/delaunay.h"
+#include "core/memory/memory.h"
+
+#define DT_ID_PAGE 4096u
+
+#define DT_ID_BLOCK 128u /* pages; the first one's number is a multiple of it */
+
+struct dt_id_page {
+    uint32_t *value; /* owns DT_ID_PAGE words, alone or in a block; NULL: no id of it is live */
+    uint32_t live;   /* ids of the page that have a value */
+    uint16_t used;   /* of the first page of a block: pages in it that have live ids */
+    bool in_block;
+};
+
+struct dt_idmap {
+    struct dt_pages *keeper; /* borrows; where blocks come from; NULL: the system */
+    struct dt_id_page *page; /* owns */
+    uint32_t pages, cap;
+    uint32_t held;  /* pages that are there */
+    uint32_t empty; /* of them: without a live id, and all of their block */
+};
+
+/* It keeps its keeper. */
+void dt_idmap_clear(struct dt_idmap *m);
+
+/* The value of id, DT_NONE if it has none. Cost: constant. */
+static inline uint32_t dt_idmap_get(const struct dt_idmap *m, uint32_t id)
+{
+    uint32_t page = id / DT_ID_PAGE;
+    if (page >= m->pages || m->page[page].value == NULL)
+        return DT_NONE;
+    return m->page[page].value[id % DT_ID_PAGE];
+}
+
+/* Fetches what dt_idmap_get of the id will read. */
+static inline void dt_idmap_fetch(const struct dt_idmap *m, uint32_t id)
+{
+    uint32_t page = id / DT_ID_PAGE;
+    if (page < m->pages && m->page[page].value != NULL)
+        dt_fetch(&m->page[page].value[id % DT_ID_PAGE]);
+}
+
+/* Makes room for the ids first .. first + n - 1, so that setting them before the next dt_idmap_trim
+ * cannot fail. DT_NOMEM: unchanged but for empty pages. */
+enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n);
+
+/* Gives a reserved or live id a value other than DT_NONE. */
+void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value);
+
+/* Where the value of a live id is, which may become another than DT_NONE. Threads may do so at the
+ * same time for different ids. */
+static inline uint32_t *dt_idmap_at(struct dt_idmap *m, uint32_t id)
+{
+    return &m->page[id / DT_ID_PAGE].value[id % DT_ID_PAGE];
+}
+
+/* Takes the value of a live id away. */
+void dt_idmap_unset(struct dt_idmap *m, uint32_t id);
+
+/* Frees the empty pages if there are more than a few. Cost: amortised constant. */
+void dt_idmap_trim(struct dt_idmap *m);
+
+/* The smallest id >= from that has a value, DT_NONE if none. */
+uint32_t dt_idmap_next(const struct dt_idmap *m, uint32_t from);
+
+/* An id with about n live ids from `from` up to it, as many as there would be if those of a page
+ * were spread evenly over it; DT_NONE if there are fewer. Cost: O(pages between the two). */
+uint32_t dt_idmap_after(const struct dt_idmap *m, uint32_t from, uint32_t n);
+
+/* DT_OK, or DT_NOMEM, and *copy is cleared. If it is stopped, values are missing; stop may be NULL. */
+enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy, struct dt_stop *stop);
+size_t dt_idmap_memory(const struct dt_idmap *m);
+
+#endif

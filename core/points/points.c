@@ -1,0 +1,464 @@
+/* points.c - arrival, coincidence and departure of points.
+ *
+ * Invariants: a live id has a value, a vertex or an alias; id[] of a vertex in use is its
+ * representative, whose value is that vertex; group[] of a vertex is a root, and its representative is
+ * id[]; with tolerance 0 a representative has the smallest id of all points at its place. */
+#include "core/points/points.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/memory/memory.h"
+
+void dt_points_init_in(struct dt_points *p, double tol, struct dt_pages *pages)
+{
+    *p = (struct dt_points){.pages = pages,
+                            .tol = tol,
+                            .free_list = DT_NONE,
+                            .value = {.keeper = pages},
+                            .places = {.pages = pages}};
+    dt_aliases_init(&p->aliases, pages);
+}
+
+void dt_points_init(struct dt_points *p, double tol)
+{
+    dt_points_init_in(p, tol, NULL);
+}
+
+void dt_points_unplan(struct dt_points *p)
+{
+    dt_array_free(p->plan);
+    p->plan = NULL;
+}
+
+void dt_points_clear(struct dt_points *p)
+{
+    dt_points_unplan(p);
+    dt_array_free(p->xy);
+    dt_array_free(p->id);
+    dt_array_free(p->group);
+    dt_idmap_clear(&p->value);
+    dt_aliases_clear(&p->aliases);
+    dt_places_clear(&p->places);
+    dt_points_init_in(p, p->tol, p->pages);
+}
+
+/* The root of the aliases that vertex v has, DT_NONE if it has none. */
+static uint32_t group_of(const struct dt_points *p, uint32_t v)
+{
+    return p->group == NULL ? DT_NONE : p->group[v];
+}
+
+/* Makes room in group[] for as many vertices as there is room for elsewhere. */
+static enum dt_status grow_groups(struct dt_points *p)
+{
+    uint32_t *group = dt_array_grow_in(p->pages, p->group, p->group_cap, p->cap, sizeof *group);
+    if (group == NULL)
+        return DT_NOMEM;
+    for (uint32_t v = p->group_cap; v < p->cap; v++)
+        group[v] = DT_NONE;
+    p->group = group;
+    p->group_cap = p->cap;
+    return DT_OK;
+}
+
+enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
+                              struct dt_stop *stop)
+{
+    dt_points_init_in(copy, p->tol, p->pages);
+    copy->xy = dt_array_new_in(p->pages, p->end, sizeof *p->xy);
+    copy->id = dt_array_new_in(p->pages, p->end, sizeof *p->id);
+    if (p->plan != NULL)
+        copy->plan = dt_array_new_in(p->pages, p->end, sizeof *p->plan);
+    if (copy->xy == NULL || copy->id == NULL || (p->plan != NULL && copy->plan == NULL) ||
+        dt_idmap_copy(&p->value, &copy->value, stop) != DT_OK ||
+        dt_aliases_copy(&p->aliases, &copy->aliases, stop) != DT_OK) {
+        dt_points_clear(copy);
+        return DT_NOMEM;
+    }
+    copy->cap = p->end;
+    if (p->group != NULL && p->end > 0 && grow_groups(copy) != DT_OK) {
+        dt_points_clear(copy);
+        return DT_NOMEM;
+    }
+    dt_copy(copy->xy, p->xy, p->end, sizeof *p->xy, stop);
+    dt_copy(copy->id, p->id, p->end, sizeof *p->id, stop);
+    if (p->plan != NULL)
+        dt_copy(copy->plan, p->plan, p->end, sizeof *p->plan, stop);
+    if (p->group != NULL)
+        dt_copy(copy->group, p->group, p->end, sizeof *p->group, stop);
+    copy->end = p->end;
+    copy->free_count = p->free_count;
+    copy->free_list = p->free_list;
+    copy->next_id = p->next_id;
+    return DT_OK; /* places are built when first needed */
+}
+
+size_t dt_points_memory(const struct dt_points *p)
+{
+    size_t places = p->places.bucket == NULL
+                        ? 0
+                        : ((size_t)p->places.mask + 1 + p->places.cap) * sizeof(uint32_t);
+    return p->cap * (sizeof *p->xy + sizeof *p->id) + p->group_cap * sizeof *p->group +
+           (p->plan == NULL ? 0 : p->end * sizeof *p->plan) + dt_idmap_memory(&p->value) +
+           dt_aliases_memory(&p->aliases) + places;
+}
+
+struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id)
+{
+    uint32_t v = dt_idmap_get(&p->value, id);
+    return v & DT_ALIAS_BIT ? p->aliases.alias[v & ~DT_ALIAS_BIT].xy : p->xy[v];
+}
+
+/* ---- vertices ---- */
+
+/* Makes room for n more vertices in every array. */
+static enum dt_status reserve_vertices(struct dt_points *p, size_t n, struct dt_work *work)
+{
+    size_t need = p->end + (n > p->free_count ? n - p->free_count : 0);
+    if (need > DT_MAX_POINTS)
+        return DT_TOOBIG;
+    if (need > p->cap) {
+        /* A first batch gets just what it needs: sets that are loaded once stay tight. */
+        size_t cap = p->cap == 0 ? need : dt_array_room(p->cap, need, DT_MAX_POINTS);
+        struct dt_point *xy = dt_array_grow_in(p->pages, p->xy, p->end, cap, sizeof *xy);
+        if (xy == NULL)
+            return DT_NOMEM;
+        p->xy = xy;
+        uint32_t *id = dt_array_grow_in(p->pages, p->id, p->end, cap, sizeof *id);
+        if (id == NULL)
+            return DT_NOMEM;
+        p->id = id;
+        p->cap = (uint32_t)cap;
+    }
+    if (p->group != NULL && p->group_cap < p->cap && grow_groups(p) != DT_OK)
+        return DT_NOMEM;
+    return p->places.bucket == NULL
+               ? DT_OK
+               : dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, (uint32_t)need, work);
+}
+
+enum dt_status dt_points_index(struct dt_points *p, struct dt_work *work)
+{
+    return dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, p->cap, work);
+}
+
+uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t except)
+{
+    return dt_places_find(&p->places, p->xy, p->id, q, except);
+}
+
+uint32_t dt_points_enter(struct dt_points *p, uint32_t id, struct dt_point q)
+{
+    dt_points_unplan(p);
+    uint32_t v = p->free_list;
+    if (v != DT_NONE) {
+        p->free_list = dt_points_free_after(p, v);
+        p->free_count--;
+        if (p->free_list != DT_NONE) { /* for the next one */
+            dt_fetch(&p->xy[p->free_list]);
+            dt_fetch(&p->id[p->free_list]);
+        }
+    } else {
+        v = p->end++;
+    }
+    p->xy[v] = q;
+    p->id[v] = id;
+    dt_idmap_set(&p->value, id, v);
+    if (p->places.bucket != NULL)
+        dt_places_enter(&p->places, p->xy, v);
+    return v;
+}
+
+static void free_vertex(struct dt_points *p, uint32_t v)
+{
+    dt_points_unplan(p);
+    if (p->places.bucket != NULL)
+        dt_places_leave(&p->places, p->xy, v);
+    p->id[v] = DT_NONE;
+    p->xy[v].x = p->free_list; /* exact: a 32-bit number */
+    p->free_list = v;
+    p->free_count++;
+}
+
+/* Vertex v, and its group if it has one, become those of the point id at q. */
+static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_point q)
+{
+    bool moves = p->xy[v].x != q.x || p->xy[v].y != q.y;
+    bool entered = p->places.bucket != NULL;
+    if (p->id[v] != id)
+        dt_changes_name(p->changes, v);
+    if (p->id[v] != id && group_of(p, v) != DT_NONE)
+        dt_aliases_rename(&p->aliases, group_of(p, v), id);
+    if (moves)
+        dt_points_unplan(p);
+    if (moves && entered)
+        dt_places_leave(&p->places, p->xy, v);
+    p->xy[v] = q;
+    p->id[v] = id;
+    dt_idmap_set(&p->value, id, v);
+    if (moves && entered)
+        dt_places_enter(&p->places, p->xy, v);
+}
+
+/* ---- aliases ---- */
+
+/* Makes room for one more alias of any vertex. */
+static enum dt_status reserve_alias(struct dt_points *p)
+{
+    enum dt_status status = dt_aliases_reserve(&p->aliases);
+    return status == DT_OK && p->group == NULL ? grow_groups(p) : status;
+}
+
+/* The point id at q becomes an alias of vertex v. There is room. */
+static void become_alias(struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v)
+{
+    if (p->group[v] == DT_NONE)
+        p->group[v] = dt_aliases_new_group(&p->aliases, p->id[v]);
+    dt_idmap_set(&p->value, id, DT_ALIAS_BIT | dt_aliases_join(&p->aliases, p->group[v], id, q));
+}
+
+void dt_points_leave_group(struct dt_points *p, uint32_t index)
+{
+    uint32_t representative = dt_aliases_leave(&p->aliases, index);
+    if (representative != DT_NONE)
+        p->group[dt_idmap_get(&p->value, representative)] = DT_NONE;
+}
+
+/* ---- adding ---- */
+
+enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_work *work)
+{
+    if (n > DT_MAX_POINTS - dt_points_live(p) || n > DT_NONE - p->next_id)
+        return DT_TOOBIG;
+    dt_idmap_trim(&p->value);
+    enum dt_status status = reserve_vertices(p, n, work);
+    return status == DT_OK ? dt_idmap_reserve(&p->value, p->next_id, n) : status;
+}
+
+enum dt_status dt_points_join(struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v)
+{
+    enum dt_status status = reserve_alias(p);
+    if (status == DT_OK)
+        become_alias(p, id, q, v);
+    return status;
+}
+
+void dt_points_arrived(struct dt_points *p, uint32_t n)
+{
+    p->next_id += n;
+}
+
+void dt_points_take_back(struct dt_points *p, uint32_t n)
+{
+    for (uint32_t id = p->next_id + n; id-- > p->next_id;) {
+        uint32_t v = dt_idmap_get(&p->value, id);
+        if (v == DT_NONE)
+            continue;
+        dt_idmap_unset(&p->value, id);
+        if (v & DT_ALIAS_BIT)
+            dt_points_leave_group(p, v & ~DT_ALIAS_BIT);
+        else
+            free_vertex(p, v);
+    }
+}
+
+enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
+                             struct dt_work *work, struct dt_added *out)
+{
+    enum { AHEAD = 12 }; /* points; long enough for a cache miss, twice */
+    enum dt_status status = dt_points_reserve(p, n, work);
+    if (status == DT_OK)
+        status = dt_points_index(p, work);
+    if (status != DT_OK)
+        return status;
+    struct dt_added done = {.first = p->next_id, .added = (uint32_t)n};
+    uint32_t i = 0;
+    for (; status == DT_OK && i < n; i++) {
+        if (i + 2 * AHEAD < n)
+            dt_places_fetch_bucket(&p->places, q[i + 2 * AHEAD]);
+        if (i + AHEAD < n)
+            dt_places_fetch_vertex(&p->places, p->xy, q[i + AHEAD]);
+        struct dt_point at = {q[i].x + 0.0, q[i].y + 0.0}; /* -0 becomes 0 */
+        uint32_t v = dt_points_find(p, at, DT_NONE);
+        status = dt_work(work, 2);
+        if (status == DT_OK && v == DT_NONE)
+            dt_points_enter(p, done.first + i, at);
+        else if (status == DT_OK)
+            status = dt_points_join(p, done.first + i, at, v);
+        done.coincident += v != DT_NONE;
+    }
+    if (status != DT_OK) {
+        dt_points_take_back(p, i);
+        return status;
+    }
+    dt_points_arrived(p, (uint32_t)n);
+    *out = done;
+    return DT_OK;
+}
+
+/* ---- deleting ---- */
+
+const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v, const uint32_t *ids,
+                                      size_t n)
+{
+    uint32_t root = group_of(p, v);
+    uint32_t i = root == DT_NONE ? DT_NONE : dt_aliases_lowest_but(&p->aliases, root, ids, n);
+    return i == DT_NONE ? NULL : &p->aliases.alias[i];
+}
+
+enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n,
+                                      struct dt_work *work)
+{
+    bool heirs = false;
+    dt_idmap_trim(&p->value);
+    for (size_t i = 0; p->tol > 0 && p->aliases.count > 0 && !heirs && i < n; i++) {
+        uint32_t v = dt_idmap_get(&p->value, ids[i]);
+        heirs = !(v & DT_ALIAS_BIT) && group_of(p, v) != DT_NONE;
+    }
+    return heirs ? dt_points_index(p, work) : DT_OK; /* heirs look whether their place is taken */
+}
+
+/* The aliases of vertex `from`, which has some, become aliases of vertex `to`. */
+static void move_family(struct dt_points *p, uint32_t from, uint32_t to)
+{
+    if (p->group[to] == DT_NONE) {
+        dt_aliases_rename(&p->aliases, p->group[from], p->id[to]);
+        p->group[to] = p->group[from];
+    } else {
+        p->group[to] = dt_aliases_unite(&p->aliases, p->group[from], p->group[to]);
+    }
+    p->group[from] = DT_NONE;
+}
+
+/* The alias `index` of vertex v, which stands at the same place, represents it from now on. */
+static void promote(struct dt_points *p, uint32_t v, uint32_t index)
+{
+    struct dt_alias next = p->aliases.alias[index];
+    uint32_t old = p->id[v];
+    dt_changes_row(p->changes, next.id);
+    dt_changes_row(p->changes, old);
+    dt_points_leave_group(p, index);
+    take_over(p, v, next.id, next.xy);
+    become_alias(p, old, next.xy, v);
+}
+
+/* The heir of v's representative, the alias `index`, stands where vertex `at` is already: the smaller
+ * id of the two represents both families. */
+static void unite(struct dt_points *p, uint32_t v, uint32_t at, uint32_t index)
+{
+    move_family(p, v, at);
+    if (p->aliases.alias[index].id < p->id[at])
+        promote(p, at, index);
+    free_vertex(p, v);
+}
+
+/* The vertex of a representative that goes: its lowest alias takes over, or it is free. */
+static void vacate(struct dt_points *p, uint32_t v)
+{
+    uint32_t root = group_of(p, v);
+    if (root == DT_NONE) {
+        free_vertex(p, v);
+        return;
+    }
+    uint32_t i = p->aliases.group[root].lowest;
+    struct dt_alias next = p->aliases.alias[i];
+    uint32_t at = p->tol > 0 ? dt_points_find(p, next.xy, v) : DT_NONE;
+    if (at != DT_NONE && p->xy[at].x == next.xy.x && p->xy[at].y == next.xy.y) {
+        unite(p, v, at, i);
+        return;
+    }
+    dt_changes_row(p->changes, next.id);
+    dt_points_leave_group(p, i);
+    take_over(p, v, next.id, next.xy);
+}
+
+void dt_points_delete(struct dt_points *p, uint32_t id)
+{
+    uint32_t v = dt_idmap_get(&p->value, id);
+    dt_changes_row(p->changes, id);
+    if (v & DT_ALIAS_BIT)
+        dt_points_leave_group(p, v & ~DT_ALIAS_BIT);
+    else
+        vacate(p, v);
+    dt_idmap_unset(&p->value, id);
+}
+
+/* Fetches what the deletion of a point some ids later begins with. */
+static void fetch_later(const struct dt_points *p, const uint32_t *ids, size_t n, size_t i)
+{
+    enum { AHEAD = 16 }; /* points; long enough for a cache miss */
+    if (i + 2 * AHEAD < n)
+        dt_idmap_fetch(&p->value, ids[i + 2 * AHEAD]);
+    uint32_t v = i + AHEAD < n ? dt_idmap_get(&p->value, ids[i + AHEAD]) : DT_NONE;
+    if (v == DT_NONE)
+        return;
+    if (v & DT_ALIAS_BIT) {
+        dt_fetch(&p->aliases.alias[v & ~DT_ALIAS_BIT]);
+        return;
+    }
+    dt_fetch(&p->xy[v]);
+    dt_fetch(&p->id[v]);
+    if (p->group != NULL)
+        dt_fetch(&p->group[v]);
+}
+
+void dt_points_delete_all(struct dt_points *p, const uint32_t *ids, size_t n, struct dt_stop *stop)
+{
+    for (int aliases = p->aliases.count > 0; aliases >= 0; aliases--)
+        for (size_t i = 0; i < n && (i % DT_POLL_MISSES != 0 || !dt_stopped(stop)); i++) {
+            uint32_t v = dt_idmap_get(&p->value, ids[i]);
+            fetch_later(p, ids, n, i);
+            if (v != DT_NONE && (!aliases || (v & DT_ALIAS_BIT)))
+                dt_points_delete(p, ids[i]);
+        }
+}
+
+void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to)
+{
+    dt_changes_row(p->changes, p->id[v]);
+    take_over(p, v, p->id[v], to);
+}
+
+/* ---- moving ---- */
+
+enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, struct dt_work *work)
+{
+    enum dt_status status = dt_points_delete_ready(p, &id, 1, work);
+    if (status == DT_OK)
+        status = reserve_vertices(p, 1, work);
+    return status == DT_OK ? reserve_alias(p) : status;
+}
+
+uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, uint32_t at)
+{
+    if (at == DT_NONE)
+        return dt_points_enter(p, id, to);
+    uint32_t there = p->id[at];
+    if (p->xy[at].x == to.x && p->xy[at].y == to.y && id < there) {
+        /* The smallest of equal points represents them. */
+        dt_changes_row(p->changes, there);
+        take_over(p, at, id, to);
+        become_alias(p, there, to, at);
+    } else {
+        become_alias(p, id, to, at);
+    }
+    return DT_NONE;
+}
+
+enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to,
+                              struct dt_work *work)
+{
+    to = (struct dt_point){to.x + 0.0, to.y + 0.0};
+    struct dt_point from = dt_points_xy(p, id);
+    if (from.x == to.x && from.y == to.y)
+        return DT_OK;
+    enum dt_status status = dt_points_index(p, work);
+    if (status == DT_OK)
+        status = dt_points_move_ready(p, id, work);
+    if (status != DT_OK)
+        return status;
+    dt_points_delete(p, id);
+    dt_points_arrive(p, id, to, dt_points_find(p, to, DT_NONE));
+    return DT_OK;
+}

@@ -1,0 +1,184 @@
+/* ahead.c - fetching ahead for several questions at once.
+ *
+ * A question about a random place of a large set waits for memory about ten times, each time for an
+ * address that the last wait has brought: cell, triangle, corners, next triangle. Other questions'
+ * waits do not depend on them. So all are walked through the same stages side by side, and the
+ * processor has a dozen lines under way where one question alone has one or two. Every line counts, for
+ * they are what takes the time: only what is certain or likely to be read is fetched. What is computed
+ * on the way is rounded, and no more than a hint: the questions are answered afterwards, as if nothing
+ * had been, and find what they read in the caches. */
+#include "core/query/ahead.h"
+
+#include "core/exact/predicates.h"
+#include "core/grid/hints.h"
+#include "core/memory/memory.h"
+#include "core/set/reader.h"
+
+enum {
+    STEPS = 6, /* of walks; one in a hundred is longer */
+    DEGREE = 8 /* of rings; few are longer */
+};
+
+/* ---- places ---- */
+
+/* Fetches what a step from the triangle at h needs: its corners, and the triangles that may be next.
+ * False: it is none. */
+static bool fetch_step(const struct dt *t, uint32_t h)
+{
+    const struct dt_mesh *m = &t->mesh;
+    if (dt_is_dead(m, h) || dt_is_ghost(m, h))
+        return false;
+    for (uint32_t k = h; k < h + 3; k++) {
+        dt_fetch(&t->points.xy[dt_origin(m, k)]);
+        dt_fetch(&m->half[dt_base(dt_twin(m, k))]);
+    }
+    return true;
+}
+
+/* The next triangle on the way to q, h itself at the end of the way. */
+static uint32_t step(const struct dt *t, uint32_t h, struct dt_point q)
+{
+    const uint32_t *half = t->mesh.half;
+    const struct dt_point *xy = t->points.xy;
+    struct dt_point a = xy[half[h]], b = xy[half[h + 1]], c = xy[half[h + 2]];
+    double any; /* a hint needs no bound */
+    double s0 = dt_orient2d_rounded(a, b, q, &any), s1 = dt_orient2d_rounded(b, c, q, &any),
+           s2 = dt_orient2d_rounded(c, a, q, &any);
+    uint32_t k = s1 < s0 ? 1 : 0;
+    double least = s1 < s0 ? s1 : s0;
+    k = s2 < least ? 2 : k;
+    least = s2 < least ? s2 : least;
+    return least < 0 ? dt_base(dt_twin(&t->mesh, h + k)) : h;
+}
+
+/* The place is in the triangle at h: fetches what the answer will look at. That are the points beyond
+ * the edges, the next triangles round the nearest corner, and what the corners are called. */
+static void arrive(const struct dt *t, uint32_t h, struct dt_place *p)
+{
+    const struct dt_mesh *m = &t->mesh;
+    const struct dt_point *xy = t->points.xy;
+    p->near = h;
+    for (uint32_t k = h; k < h + 3; k++) {
+        uint32_t beyond = dt_apex_of(m, dt_twin(m, k));
+        if (beyond != DT_NONE)
+            dt_fetch(&xy[beyond]);
+        dt_fetch(&t->points.id[dt_origin(m, k)]);
+        if (dt_square_distance(xy[dt_origin(m, k)], p->at) <
+            dt_square_distance(xy[dt_origin(m, p->near)], p->at))
+            p->near = k;
+    }
+    dt_fetch(&m->half[dt_base(dt_twin(m, dt_turn_cw(m, p->near)))]);
+    dt_fetch(&m->half[dt_base(dt_turn_ccw(m, dt_turn_ccw(m, p->near)))]);
+}
+
+/* One step of each of the walks way[n]: at[i] is where the one to p[i] is. Returns how many of them
+ * go on. */
+static size_t go_on(const struct dt *t, struct dt_place *p, uint32_t *at, uint32_t *way, size_t n)
+{
+    size_t left = 0;
+    for (size_t k = 0; k < n; k++) {
+        uint32_t i = way[k], next = step(t, at[i], p[i].at);
+        if (next == at[i])
+            arrive(t, next, &p[i]);
+        else if (fetch_step(t, at[i] = next))
+            way[left++] = i;
+    }
+    return left;
+}
+
+void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n)
+{
+    uint32_t at[DT_AHEAD], way[DT_AHEAD];
+    size_t left = 0;
+    for (size_t i = 0; i < n; i++)
+        p[i].near = DT_NONE;
+    if (dt_readable(t) != DT_OK || t->hints.grids == 0)
+        return;
+    for (size_t i = 0; i < n; i++)
+        dt_fetch(&t->hints.cell[dt_hint_cell(t->hints.grid, p[i].at)]);
+    for (size_t i = 0; i < n; i++)
+        dt_fetch(&t->mesh.half[at[i] = dt_hint(&t->hints, p[i].at)]);
+    for (size_t i = 0; i < n; i++)
+        if (fetch_step(t, at[i]))
+            way[left++] = (uint32_t)i;
+    for (int round = 0; round < STEPS && left > 0; round++)
+        left = go_on(t, p, at, way, left);
+}
+
+void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
+{
+    if (n > DT_AHEAD)
+        return;
+    dt_walk_to_places(t, p, n);
+    for (size_t i = 0; i < n; i++)
+        if (p[i].near != DT_NONE)
+            dt_idmap_fetch(&t->points.value, t->points.id[dt_origin(&t->mesh, p[i].near)]);
+}
+
+/* ---- stars ---- */
+
+/* Fetches what a neighbour is wanted for, at the end of the spoke h. */
+static void fetch_neighbour(const struct dt *t, uint32_t h, enum dt_star_use use)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t u = dt_dest(m, h);
+    if (u != DT_NONE && use == DT_STAR_READ)
+        dt_fetch(&t->points.id[u]);
+    if (u == DT_NONE || use == DT_STAR_READ)
+        return;
+    dt_fetch(&t->points.xy[u]);
+    dt_fetch(&m->leaving[u]);
+    dt_fetch(&m->half[dt_twin(m, dt_next(h))]);
+}
+
+void dt_walk_stars(const struct dt *t, const uint32_t *v, size_t n, enum dt_star_use use)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t at[DT_AHEAD];
+    for (size_t i = 0; i < n; i++) {
+        if (v[i] == DT_NONE)
+            continue;
+        dt_fetch(&m->leaving[v[i]]);
+        dt_fetch(&t->points.id[v[i]]);
+        dt_fetch(&t->points.xy[v[i]]);
+    }
+    for (size_t i = 0; i < n; i++) {
+        at[i] = v[i] == DT_NONE ? DT_NONE : m->leaving[v[i]];
+        if (at[i] != DT_NONE)
+            dt_fetch(&m->half[at[i]]);
+    }
+    for (int round = 0; round < DEGREE; round++) {
+        for (size_t i = 0; i < n; i++) {
+            if (at[i] == DT_NONE)
+                continue;
+            fetch_neighbour(t, at[i], use);
+            at[i] = dt_turn_ccw(m, at[i]);
+            dt_fetch(&m->half[at[i]]);
+        }
+    }
+}
+
+/* ---- ids ---- */
+
+void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n)
+{
+    if (n > DT_AHEAD)
+        return;
+    for (size_t i = 0; i < n; i++)
+        dt_idmap_fetch(&t->points.value, id[i]);
+    for (size_t i = 0; i < n; i++)
+        if (dt_idmap_get(&t->points.value, id[i]) != DT_NONE)
+            dt_points_fetch(&t->points, id[i]);
+}
+
+void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n)
+{
+    uint32_t v[DT_AHEAD];
+    if (dt_readable(t) != DT_OK || n > DT_AHEAD)
+        return;
+    for (size_t i = 0; i < n; i++)
+        dt_idmap_fetch(&t->points.value, id[i]);
+    for (size_t i = 0; i < n; i++)
+        v[i] = dt_points_vertex(&t->points, id[i]);
+    dt_walk_stars(t, v, n, DT_STAR_READ);
+}

@@ -1,0 +1,221 @@
+/* group.c - builds groups: as a sorted list, or, for a star of many, as a heap with the greatest on
+ * top. */
+#include "core/query/group.h"
+
+#include "core/query/query.h"
+#include "core/set/view_rows.h"
+#include "core/set/view_stars.h"
+
+static inline void set_row(const struct dt_group *g, size_t i, const uint32_t *from)
+{
+    uint32_t *to = g->rows + i * g->width;
+    to[0] = from[0];
+    to[1] = from[1];
+    if (g->width == 3)
+        to[2] = from[2];
+}
+
+/* Puts `r` into the heap of n rows, at i or below it. */
+static void sift_down(const struct dt_group *g, size_t n, size_t i, const uint32_t *r)
+{
+    for (size_t child; (child = 2 * i + 1) < n; i = child) {
+        const uint32_t *at = g->rows + child * g->width;
+        if (child + 1 < n && at[g->width + 1] > at[1])
+            at = g->rows + ++child * g->width;
+        if (at[1] <= r[1])
+            break;
+        set_row(g, i, at);
+    }
+    set_row(g, i, r);
+}
+
+static void add_to_heap(struct dt_group *g, const uint32_t *r)
+{
+    if (g->n == g->room) {
+        g->more = true;
+        if (r[1] < g->rows[1])
+            sift_down(g, g->n, 0, r);
+        return;
+    }
+    size_t i = g->n++;
+    for (; i > 0 && g->rows[(i - 1) / 2 * g->width + 1] < r[1]; i = (i - 1) / 2)
+        set_row(g, i, g->rows + (i - 1) / 2 * g->width);
+    set_row(g, i, r);
+}
+
+static void add_sorted(struct dt_group *g, const uint32_t *r)
+{
+    size_t i = g->n;
+    if (g->n == g->room) {
+        g->more = true;
+        if (r[1] > g->rows[--i * g->width + 1])
+            return;
+    } else {
+        g->n++;
+    }
+    for (; i > 0 && g->rows[(i - 1) * g->width + 1] > r[1]; i--)
+        set_row(g, i, g->rows + (i - 1) * g->width);
+    set_row(g, i, r);
+}
+
+static void heap_sort(const struct dt_group *g)
+{
+    for (size_t n = g->n; n > 1; n--) {
+        const uint32_t *end = g->rows + (n - 1) * g->width;
+        uint32_t last[3] = {end[0], end[1], g->width == 3 ? end[2] : 0};
+        set_row(g, n - 1, g->rows);
+        sift_down(g, n - 1, 0, last);
+    }
+}
+
+static inline void add(struct dt_group *g, bool heap, uint32_t b, uint32_t c)
+{
+    const uint32_t r[3] = {g->id, b, c};
+    if (b < g->from)
+        return;
+    if (heap)
+        add_to_heap(g, r);
+    else
+        add_sorted(g, r);
+}
+
+/* The triangle id b c, counterclockwise. */
+static inline void add_triangle(struct dt_group *g, bool heap, uint32_t b, uint32_t c)
+{
+    if (b > g->id && c > g->id)
+        add(g, heap, g->cw ? c : b, g->cw ? b : c);
+}
+
+void dt_group_of_ring(struct dt_group *g, const uint32_t *ring, uint32_t n, bool on_hull)
+{
+    if (g->width == 2) {
+        for (uint32_t i = 0; i < n; i++)
+            if (ring[i] > g->id)
+                add(g, false, ring[i], 0);
+        return;
+    }
+    for (uint32_t i = 0; i + 1 < n; i++)
+        add_triangle(g, false, ring[i], ring[i + 1]);
+    if (!on_hull)
+        add_triangle(g, false, ring[n - 1], ring[0]);
+}
+
+static void walk_round(struct dt_group *g, const struct dt *t, uint32_t v)
+{
+    const struct dt_mesh *m = &t->mesh;
+    const uint32_t *id = t->points.id;
+    uint32_t h = m->leaving[v];
+    do {
+        uint32_t d = dt_dest(m, h);
+        if (g->width == 3 && !dt_is_ghost(m, h))
+            add_triangle(g, true, id[d], id[dt_apex_of(m, h)]);
+        if (g->width == 2 && d != DT_NONE && id[d] > g->id)
+            add(g, true, id[d], 0);
+        h = dt_turn_ccw(m, h);
+    } while (h != m->leaving[v]);
+    heap_sort(g);
+}
+
+/* The same round a star that was saved. */
+static void walk_saved(struct dt_group *g, const struct dt_star *s)
+{
+    for (uint32_t i = 0; i < s->saved_degree; i++) {
+        uint32_t next = i + 1 < s->saved_degree ? i + 1 : 0;
+        if (g->width == 3 && (next > 0 || !s->on_hull))
+            add_triangle(g, true, s->saved[i], s->saved[next]);
+        if (g->width == 2 && s->saved[i] > g->id)
+            add(g, true, s->saved[i], 0);
+    }
+    heap_sort(g);
+}
+
+/* Looks for neighbours of v among all points from g->from on, until there is no room. */
+static void walk_ids(struct dt_group *g, const struct dt *t, uint32_t v)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t id = g->from > g->id ? g->from : g->id + 1;
+    for (; g->n < g->room; id++) {
+        id = dt_points_next_live(&t->points, id);
+        if (id == DT_NONE)
+            return;
+        uint32_t w = dt_points_vertex(&t->points, id);
+        uint32_t h = t->points.id[w] == id ? dt_half_between(m, v, w) : DT_NONE;
+        if (h == DT_NONE)
+            continue;
+        if (g->cw)
+            h = dt_twin(m, h); /* the triangle left of w -> v is the one after it, clockwise */
+        uint32_t c = dt_is_ghost(m, h) ? 0 : t->points.id[dt_apex_of(m, h)];
+        if (g->width == 2 || c > g->id)
+            add_sorted(g, (uint32_t[3]){g->id, id, c});
+    }
+    g->more = true;
+}
+
+/* Whether a star has the point among its neighbours; if so, the neighbour counterclockwise or clockwise of
+ * it, 0 if the hull is there. */
+static bool find_in_star(const struct dt *t, const struct dt_star *s, uint32_t id, bool ccw,
+                         uint32_t *beside)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t last = s->saved_degree - 1;
+    for (uint32_t i = 0; i < s->saved_degree; i++) {
+        if (s->saved[i] != id)
+            continue;
+        bool gap = s->on_hull && i == (ccw ? last : 0);
+        *beside = gap ? 0 : s->saved[ccw ? (i < last ? i + 1 : 0) : (i > 0 ? i - 1 : last)];
+        return true;
+    }
+    uint32_t first = s->saved == NULL ? m->leaving[s->vertex] : DT_NONE, h = first;
+    for (uint32_t i = 0; h != DT_NONE && (i == 0 || h != first); i++, h = dt_turn_ccw(m, h)) {
+        if (dt_dest(m, h) == DT_NONE || t->points.id[dt_dest(m, h)] != id)
+            continue;
+        uint32_t d = dt_dest(m, ccw ? dt_turn_ccw(m, h) : dt_turn_cw(m, h));
+        *beside = d == DT_NONE ? 0 : t->points.id[d];
+        return true;
+    }
+    return false;
+}
+
+/* As walk_ids, at a star that was saved: the neighbours have it in their stars. */
+static void walk_ids_then(struct dt_group *g, const struct dt *t, const struct dt_view *v)
+{
+    uint32_t id = g->from > g->id ? g->from : g->id + 1, c;
+    struct dt_view_ids ids = dt_view_ids_begin(t, v, id);
+    for (; g->n < g->room; id++) {
+        id = dt_view_ids_next(&ids, id);
+        if (id == DT_NONE)
+            return;
+        if (dt_view_representative(t, v, id) != id)
+            continue;
+        struct dt_star star = dt_star_of(t, v, id);
+        if (find_in_star(t, &star, g->id, g->cw, &c) && (g->width == 2 || c > g->id))
+            add_sorted(g, (uint32_t[3]){g->id, id, c});
+    }
+    g->more = true;
+}
+
+/* Whether v has more than `limit` neighbours. */
+static bool has_more(const struct dt_mesh *m, uint32_t v, uint32_t limit)
+{
+    uint32_t h = m->leaving[v], n = 0;
+    do {
+        h = dt_turn_ccw(m, h);
+        n++;
+    } while (h != m->leaving[v] && n <= limit);
+    return n > limit;
+}
+
+/* A table is read in pieces, and each piece walks round the whole star again. A star with a good part of all
+ * points is better found by going through the points: a piece goes on where the last one stopped. */
+void dt_group_of_many(struct dt_group *g, const struct dt *t, const struct dt_view *v)
+{
+    struct dt_star star = dt_star_of(t, v, g->id);
+    if (star.saved != NULL && star.saved_degree > v->sum.points / 16)
+        walk_ids_then(g, t, v);
+    else if (star.saved != NULL)
+        walk_saved(g, &star);
+    else if (has_more(&t->mesh, star.vertex, t->mesh.vertices / 16))
+        walk_ids(g, t, star.vertex);
+    else
+        walk_round(g, t, star.vertex);
+}

@@ -1,0 +1,35 @@
+/* hull_walk.h - the hull now or at the moment of a view, from point to point.
+ *
+ * A walk stands at a point, which is named by its id, so that it can be left and begun again there after
+ * edits; on a line, where the way may be either, the point before is needed as well. */
+#ifndef DT_HULL_WALK_H
+#define DT_HULL_WALK_H
+
+#include "core/set/view_stars.h"
+
+struct dt_hull_walk {
+    const struct dt *t;
+    const struct dt_view *v; /* NULL: it walks along the ghosts of the mesh */
+    bool line, back;
+    uint32_t before; /* on a line: the point before; DT_NONE at the end */
+    uint32_t ghost;  /* of the point; DT_NONE: the hull is saved, or is a single point */
+    uint32_t id;     /* the point */
+};
+
+/* Where the hull begins in canonical order, cw or not: as dt_hull_first. DT_NONE if there is no point. v
+ * may be NULL: now. Cost: O(hull). */
+uint32_t dt_hull_start(const struct dt *t, const struct dt_view *v, bool cw);
+
+/* A walk, clockwise or not (on a line away from `before`), that stands at the id. */
+struct dt_hull_walk dt_hull_walk_at(const struct dt *t, const struct dt_view *v, bool cw,
+                                    uint32_t id, uint32_t before);
+
+void dt_hull_walk_step(struct dt_hull_walk *w);
+
+/* The star of the point. */
+struct dt_star dt_hull_walk_star(const struct dt_hull_walk *w);
+
+/* On a line: the ring of the point, the next one before the last one, into ring[2]. Returns its length. */
+uint32_t dt_hull_walk_ring(const struct dt_hull_walk *w, uint32_t *ring);
+
+#endif

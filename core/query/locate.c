@@ -1,0 +1,201 @@
+/* locate.c - the walk: from triangle to triangle through an edge that has q strictly on its outer
+ * side.
+ *
+ * In a Delaunay triangulation such a walk never comes back to a triangle, whichever edge it takes
+ * where two qualify [De Floriani, Falcidieno, Nagy & Pienovi 1991; Devillers, Pion & Teillaud
+ * 2002], so it ends. */
+#include "core/query/locate.h"
+
+#include "core/exact/predicates.h"
+#include "core/grid/hints_live.h"
+#include "core/grid/jump.h"
+#include "core/mesh/hull.h"
+
+#include <math.h>
+
+#define PATIENCE 64 /* triangles; nearly every walk is shorter than a dozen */
+
+/* q is in the closed triangle at t, on these sides of its half edges; none is negative. */
+static enum dt_where classify(uint32_t t, const int side[3], uint32_t *half)
+{
+    int on = (side[0] == 0) + (side[1] == 0) + (side[2] == 0);
+    *half = t;
+    if (on == 0)
+        return DT_INSIDE;
+    if (on == 1) {
+        *half = side[0] == 0 ? t : side[1] == 0 ? t + 1 : t + 2;
+        return DT_ON_EDGE;
+    }
+    *half = side[0] != 0   ? t + 2
+            : side[1] != 0 ? t
+                           : t + 1; /* the corner opposite to the side that q is not on */
+    return DT_ON_VERTEX;
+}
+
+enum { ARRIVED = 3 };
+
+/* Fetches the three neighbours of the triangle at t: one of them is next, and which one is known
+ * only when the corners' coordinates have come. Of the corners the entries in id, unless that is
+ * NULL. */
+static inline void fetch_beyond(const struct dt_mesh *m, const uint32_t *id, uint32_t t)
+{
+    for (uint32_t k = 0; k < 3; k++)
+        dt_fetch(&m->half[dt_base(dt_twin(m, t + k))]);
+    for (uint32_t k = 0; k < 3 && id != NULL; k++)
+        dt_fetch(&id[m->half[t + k]]);
+}
+
+/* The edge 0, 1 or 2 of the triangle at t through which to walk on towards q: the one that has q
+ * farthest on its outer side, where rounding does not blur that. ARRIVED if q is in the closed
+ * triangle. The three corners are read at once: a walk waits for memory, not for arithmetic. */
+static uint32_t exit_edge(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+                          struct dt_point q, enum dt_where *where, uint32_t *half)
+{
+    struct dt_point a = xy[m->half[t]], b = xy[m->half[t + 1]], c = xy[m->half[t + 2]];
+    double size[3];
+    double s0 = dt_orient2d_rounded(a, b, q, &size[0]), s1 = dt_orient2d_rounded(b, c, q, &size[1]),
+           s2 = dt_orient2d_rounded(c, a, q, &size[2]);
+    double error = DT_ORIENT_BOUND * (size[0] + size[1] + size[2]);
+    uint32_t k = s1 < s0 ? 1 : 0;
+    double least = s1 < s0 ? s1 : s0;
+    k = s2 < least ? 2 : k;
+    least = s2 < least ? s2 : least;
+    if (least < -error)
+        return k;
+    if (least > error) {
+        *where = DT_INSIDE;
+        *half = t;
+        return ARRIVED;
+    }
+    int side[3] = {dt_orient2d(a, b, q), dt_orient2d(b, c, q), dt_orient2d(c, a, q)};
+    for (k = 0; k < 3; k++)
+        if (side[k] < 0)
+            return k;
+    *where = classify(t, side, half);
+    return ARRIVED;
+}
+
+/* Walks at most *steps triangles far and takes what it walked off *steps. True: arrived, *half and
+ * *where as for dt_find. False: *half is a half edge to go on from. */
+static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, const uint32_t *id,
+                       uint32_t h, struct dt_point q, uint32_t *steps, enum dt_where *where,
+                       uint32_t *half)
+{
+    uint32_t t = dt_base(dt_is_ghost(m, h) ? dt_twin(m, dt_base(h)) : h);
+    while (m->half[t + 2] != DT_NONE) {
+        fetch_beyond(m, id, t);
+        uint32_t k = exit_edge(m, xy, t, q, where, half);
+        if (k == ARRIVED)
+            return true;
+        t = dt_base(dt_twin(m, t + k));
+        if ((*steps)-- == 0) {
+            *half = t;
+            return false;
+        }
+    }
+    *half = t;
+    *where = DT_OUTSIDE;
+    return true;
+}
+
+/* All points on one line: along the ghosts of one side, towards corner 0. */
+static enum dt_where walk_line(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
+                               struct dt_point q, uint32_t *half)
+{
+    uint32_t g = dt_base(h);
+    *half = g;
+    if (dt_orient2d(xy[dt_origin(m, g)], xy[dt_dest(m, g)], q) != 0)
+        return DT_OUTSIDE;
+    for (;;) {
+        struct dt_point a = xy[dt_origin(m, g)], b = xy[dt_dest(m, g)];
+        int from_a = dt_compare_xy(q, a), from_b = dt_compare_xy(q, b);
+        if (from_a == 0 || from_b == 0) {
+            *half = from_a == 0 ? g : dt_next(g);
+            return DT_ON_VERTEX;
+        }
+        *half = g;
+        if (from_a != from_b)
+            return DT_ON_EDGE;
+        if (from_a != dt_compare_xy(a, b)) { /* q lies beyond b: turn round */
+            g = dt_twin(m, g);
+            *half = g;
+        }
+        if (dt_hull_turns(m, g))
+            return DT_OUTSIDE;
+        g = dt_hull_step(m, g, false);
+    }
+}
+
+enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
+                      struct dt_point q, uint32_t *half)
+{
+    enum dt_where where;
+    uint32_t steps = UINT32_MAX;
+    if (dt_mesh_is_line(m))
+        return walk_line(m, xy, from, q, half);
+    while (!walk_plane(m, xy, NULL, from, q, &steps, &where, half))
+        from = *half;
+    return where;
+}
+
+/* The walk from the nearest hint has taken long: many thin triangles lie across its way, as within
+ * a circle of points with nothing inside. From one of the four sides it may be short; else it goes on
+ * from where it was, for a while, and then from the best of a sample. */
+static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *xy,
+                                const struct dt_hints *hints, struct dt_point q, uint32_t *half)
+{
+    enum dt_where where;
+    uint32_t far = *half, steps = dt_jump_samples(m->tri_end);
+    for (unsigned direction = 0; direction < 4; direction++) {
+        uint32_t h = dt_hint_beyond(hints, q, direction), few = PATIENCE;
+        if (h != DT_NONE && !dt_is_dead(m, h) && walk_plane(m, xy, NULL, h, q, &few, &where, half))
+            return where;
+    }
+    if (walk_plane(m, xy, NULL, far, q, &steps, &where, half))
+        return where;
+    return dt_walk(m, xy, dt_jump_triangle(m, xy, *half, q), q, half);
+}
+
+/* dt_find and dt_find_counting. */
+static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point *xy,
+                                 const uint32_t *id, const struct dt_hints *hints, uint32_t near,
+                                 struct dt_point q, uint32_t *half, uint32_t *steps)
+{
+    enum dt_where where;
+    uint32_t h, left = PATIENCE;
+    *steps = 4 * PATIENCE;
+    if (hints->grids == 0)
+        return dt_walk(m, xy, m->hull, q, half);
+    if (near < 8 * (uint64_t)m->tri_end && !dt_is_dead(m, near)) {
+        h = near;
+        id = NULL; /* who knew q knew that before */
+    } else if (m->recycled) {
+        h = dt_hint_live(hints, m, xy, q);
+    } else {
+        h = dt_hint(hints, q);
+        dt_hint_fetch(m, xy, id, h);
+        if (dt_is_dead(m, h))
+            h = dt_hint_live(hints, m, xy, q);
+    }
+    *steps = 0;
+    if (dt_mesh_is_line(m))
+        return walk_line(m, xy, h, q, half);
+    bool arrived = walk_plane(m, xy, id, h, q, &left, &where, half);
+    *steps = arrived ? PATIENCE - left : 4 * PATIENCE;
+    return arrived ? where : find_again(m, xy, hints, q, half);
+}
+
+enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *xy,
+                               const struct dt_hints *hints, struct dt_point q, uint32_t *half,
+                               uint32_t *steps)
+{
+    return find(m, xy, NULL, hints, DT_NONE, q, half, steps);
+}
+
+enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy, const uint32_t *id,
+                      const struct dt_hints *hints, uint32_t near, struct dt_point q,
+                      uint32_t *half)
+{
+    uint32_t steps;
+    return find(m, xy, id, hints, near, q, half, &steps);
+}

@@ -1,0 +1,213 @@
+/* lookup.c - many places at once: their triangles, and their nearest points; now, or at the moment of a
+ * view.
+ *
+ * Places are walked to side by side (ahead.h). With a view, the answer of the present is right as long as
+ * what it follows from has no image since the view began; else the search is repeated among the rings
+ * of that moment (lookup_then.h). */
+#include "core/query/ahead.h"
+#include "core/query/locate.h"
+#include "core/query/lookup_then.h"
+#include "core/query/nearest.h"
+#include "core/set/reader.h"
+#include "core/set/view_rows.h"
+
+#include <stdlib.h>
+
+struct lookup {
+    const struct dt *t;
+    const struct dt_view *then; /* NULL: nothing has changed since */
+    struct dt_work work;
+    uint32_t width;    /* words of an answer */
+    struct dt_ids ids; /* owns: workspace */
+    enum dt_status (*answer)(struct lookup *l, const struct dt_place *p, uint32_t *out);
+};
+
+/* ---- whether an answer was the same ---- */
+
+static bool row_has_changed(const struct lookup *l, uint32_t id)
+{
+    return id >= l->then->next_id || dt_images_has(&l->t->views.rows, id, l->then->rows);
+}
+
+/* Whether the vertex was where it is, joined to those to which it is. */
+static bool has_changed(const struct lookup *l, uint32_t v)
+{
+    uint32_t id = l->t->points.id[v];
+    return row_has_changed(l, id) || dt_images_has(&l->t->views.rings, id, l->then->rings);
+}
+
+/* A vertex of that moment: v, or one on its hull. */
+static uint32_t vertex_then(const struct lookup *l, uint32_t v)
+{
+    uint32_t id = v == DT_NONE ? DT_NONE : l->t->points.id[v];
+    bool was = id != DT_NONE && dt_view_representative(l->t, l->then, id) == id;
+    return was ? id : l->then->on_hull;
+}
+
+/* ---- triangles ---- */
+
+static void offer(const struct lookup *l, uint32_t h, uint32_t out[3])
+{
+    const uint32_t *corner = l->t->mesh.half + dt_base(h), *id = l->t->points.id;
+    if (!dt_is_ghost(&l->t->mesh, h))
+        dt_first_triangle(out, id[corner[0]], id[corner[1]], id[corner[2]]);
+}
+
+/* The first of the triangles round the origin of h. */
+static enum dt_status offer_star(struct lookup *l, uint32_t h, uint32_t out[3])
+{
+    const struct dt_mesh *m = &l->t->mesh;
+    uint32_t first = h, steps = 0;
+    enum dt_status st = DT_OK;
+    do {
+        offer(l, h, out);
+        h = dt_turn_ccw(m, h);
+        if ((++steps & DT_WORK_MASK) == 0)
+            st = dt_work(&l->work, DT_WORK_BLOCK);
+    } while (st == DT_OK && h != first);
+    return st;
+}
+
+/* The answer follows from the corners of the triangle or the ghost at h. Whether it was the same; if not,
+ * *from is a vertex of that moment near by. */
+static bool triangle_was_same(const struct lookup *l, uint32_t h, uint32_t *from)
+{
+    const uint32_t *corner = l->t->mesh.half + dt_base(h);
+    bool changed = false;
+    for (unsigned k = 0; k < 3 && !changed; k++)
+        changed = corner[k] != DT_NONE && has_changed(l, corner[k]);
+    for (unsigned k = 0; k < 3 && changed; k++) {
+        *from = vertex_then(l, corner[k]);
+        if (*from != l->then->on_hull)
+            break;
+    }
+    return !changed;
+}
+
+static enum dt_status locate(struct lookup *l, const struct dt_place *p, uint32_t *out)
+{
+    const struct dt *t = l->t;
+    uint32_t h, from = l->then == NULL ? DT_NONE : l->then->on_hull;
+    if (dt_mesh_is_line(&t->mesh))
+        return l->then == NULL ? DT_OK : dt_locate_then(t, l->then, p->at, from, &l->work, out);
+    enum dt_where where =
+        dt_find(&t->mesh, t->points.xy, t->points.id, &t->hints, p->near, p->at, &h);
+    if (l->then != NULL && !triangle_was_same(l, h, &from))
+        return dt_locate_then(t, l->then, p->at, from, &l->work, out);
+    if (where == DT_ON_VERTEX)
+        return offer_star(l, h, out);
+    if (where != DT_OUTSIDE)
+        offer(l, h, out);
+    if (where == DT_ON_EDGE)
+        offer(l, dt_twin(&t->mesh, h), out);
+    return DT_OK;
+}
+
+/* ---- the nearest ---- */
+
+/* Whether the neighbours of v were where they are, and, with `alone`, v is nearer to q than they are. */
+static enum dt_status look_round(struct lookup *l, struct dt_point q, uint32_t v, bool alone,
+                                 bool *same)
+{
+    const struct dt_mesh *m = &l->t->mesh;
+    const struct dt_point *xy = l->t->points.xy;
+    uint32_t h = m->leaving[v], steps = 0;
+    while (*same && h != DT_NONE) {
+        uint32_t w = dt_dest(m, h);
+        if (w != DT_NONE)
+            *same = !row_has_changed(l, l->t->points.id[w]) &&
+                    (!alone ||
+                     dt_squares_decide(dt_square_distance(xy[v], q), dt_square_distance(xy[w], q)));
+        h = dt_turn_ccw(m, h);
+        steps++;
+        if (h == m->leaving[v])
+            break;
+    }
+    return dt_work(&l->work, steps);
+}
+
+/* Whether the nearest points, in l->ids, were the same. The search goes by the rings of those that it
+ * finds; which others are as near as the first one follows from more than that. */
+static enum dt_status nearest_were_same(struct lookup *l, struct dt_point q, bool *same)
+{
+    enum dt_status st = DT_OK;
+    *same = l->ids.n == l->width;
+    for (size_t i = 0; *same && st == DT_OK && i < l->ids.n; i++) {
+        uint32_t v = dt_points_vertex(&l->t->points, l->ids.v[i]);
+        *same = !has_changed(l, v);
+        st = look_round(l, q, v, i == 0, same);
+    }
+    return st;
+}
+
+static enum dt_status nearest(struct lookup *l, const struct dt_place *p, uint32_t *out)
+{
+    bool same = true;
+    l->ids.n = 0;
+    enum dt_status st = dt_nearest_within_work(l->t, p, l->width, &l->work, &l->ids);
+    if (st == DT_OK && l->then != NULL)
+        st = nearest_were_same(l, p->at, &same);
+    if (st == DT_OK && !same) {
+        uint32_t v = l->ids.n == 0 ? DT_NONE : dt_points_vertex(&l->t->points, l->ids.v[0]);
+        return dt_nearest_then(l->t, l->then, p->at, vertex_then(l, v), l->width, &l->work, out);
+    }
+    for (size_t i = 0; st == DT_OK && i < l->ids.n; i++)
+        out[i] = l->ids.v[i];
+    return st;
+}
+
+/* ---- many ---- */
+
+static enum dt_status answer_all(struct lookup *l, const struct dt_point *p, size_t n,
+                                 uint32_t *out, size_t *done)
+{
+    struct dt_place place[DT_AHEAD];
+    enum dt_status st = DT_OK;
+    while (st == DT_OK && *done < n) {
+        size_t many = n - *done < DT_AHEAD ? n - *done : DT_AHEAD;
+        for (size_t i = 0; i < many; i++)
+            place[i].at = p[*done + i];
+        dt_walk_to_places(l->t, place, many);
+        for (size_t i = 0; i < many; i++) {
+            uint32_t *row = out + *done * l->width;
+            for (uint32_t k = 0; k < l->width; k++)
+                row[k] = DT_NONE;
+            st = dt_work(&l->work, 1);
+            if (st == DT_OK)
+                st = l->answer(l, &place[i], row);
+            if (st != DT_OK)
+                break;
+            ++*done;
+        }
+    }
+    free(l->ids.v);
+    return st;
+}
+
+static enum dt_status look_up(struct lookup *l, const struct dt_view *v, const struct dt_point *p,
+                              size_t n, uint32_t *out, size_t *done)
+{
+    *done = 0;
+    enum dt_status st = dt_view_readable(l->t, v, true);
+    if (st != DT_OK)
+        return st;
+    /* Points that come to an empty set change nothing that it had. */
+    bool was_empty = v != NULL && v->on_hull == DT_NONE;
+    l->then = was_empty ? v : dt_view_if_changed(l->t, v);
+    return answer_all(l, p, n, out, done);
+}
+
+enum dt_status dt_locate_many(const struct dt *t, const struct dt_view *v, const struct dt_point *p,
+                              size_t n, const struct dt_options *opt, uint32_t *out, size_t *done)
+{
+    struct lookup l = {.t = t, .work = dt_work_of(opt), .width = 3, .answer = locate};
+    return look_up(&l, v, p, n, out, done);
+}
+
+enum dt_status dt_nearest_many(const struct dt *t, const struct dt_view *v,
+                               const struct dt_point *p, size_t n, uint32_t k,
+                               const struct dt_options *opt, uint32_t *out, size_t *done)
+{
+    struct lookup l = {.t = t, .work = dt_work_of(opt), .width = k, .answer = nearest};
+    return look_up(&l, v, p, n, out, done);
+}

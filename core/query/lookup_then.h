@@ -1,0 +1,42 @@
+/* lookup_then.h - where a place was, and which points were nearest to it, at the moment of a view
+ * since which the set has changed.
+ *
+ * The mesh knows the present only. What a view keeps are rows and rings, by id; so both searches go
+ * from ring to ring. They are slower than those of the present, by the reading of a ring for each step,
+ * and are for the places round which something has changed. */
+#ifndef DT_LOOKUP_THEN_H
+#define DT_LOOKUP_THEN_H
+
+#include "core/control/work.h"
+#include "core/set/set.h"
+
+/* Makes best[3] the triangle a b c (counterclockwise), from its smallest id, if that comes before best in
+ * DT_TRIANGLES. DT_NONE three times comes behind all. */
+static inline void dt_first_triangle(uint32_t best[3], uint32_t a, uint32_t b, uint32_t c)
+{
+    if (b < a && b < c) {
+        uint32_t first = a;
+        a = b;
+        b = c;
+        c = first;
+    } else if (c < a && c < b) {
+        uint32_t last = c;
+        c = b;
+        b = a;
+        a = last;
+    }
+    if (a > best[0] || (a == best[0] && (b > best[1] || (b == best[1] && c >= best[2]))))
+        return;
+    best[0] = a;
+    best[1] = b;
+    best[2] = c;
+}
+
+/* A row of dt_locate_many and one of dt_nearest_many, at the moment of v, which is readable. `from` was a
+ * vertex, best one near q; DT_NONE: there was none. All of out is DT_NONE on entry. */
+enum dt_status dt_locate_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
+                              uint32_t from, struct dt_work *work, uint32_t out[3]);
+enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
+                               uint32_t from, uint32_t k, struct dt_work *work, uint32_t *out);
+
+#endif

@@ -1,0 +1,53 @@
+/* nearest.h - what searches by distance share: a nearest vertex, and who of two is nearer.
+ *
+ * Two facts about Delaunay triangulations carry them. Let q be any place.
+ *   (1) A vertex none of whose neighbours is nearer to q is a nearest vertex: q lies in its Voronoi
+ * cell, whose sides all belong to neighbours. So going to a nearer neighbour while there is one
+ * finds a nearest vertex. (2) Every vertex p that is not a nearest one has a neighbour strictly
+ * nearer to q: let a disc grow from p, its centre moving from p to q, until its circle meets
+ * another vertex; it lies in the disc around q through p. So the nearest k, and all within a
+ * radius, are connected by edges. The nearest ones, if several tie, are the corners of one empty
+ * circle around q, which its triangulation connects. */
+#ifndef DT_NEAREST_H
+#define DT_NEAREST_H
+
+#include "core/exact/predicates.h"
+#include "core/set/set.h"
+
+#include <math.h>
+
+/* A vertex, and the rounded square of its distance from the place of the search. */
+struct dt_candidate {
+    double d;
+    uint32_t v;
+};
+
+static inline struct dt_candidate dt_candidate(const struct dt *t, struct dt_point q, uint32_t v)
+{
+    return (struct dt_candidate){dt_square_distance(t->points.xy[v], q), v};
+}
+
+/* < 0 if a is nearer to q than b, exactly. */
+static inline int dt_compare_candidates(const struct dt *t, struct dt_point q,
+                                        struct dt_candidate a, struct dt_candidate b)
+{
+    if (dt_squares_decide(a.d, b.d))
+        return a.d < b.d ? -1 : 1;
+    return dt_compare_distance(q, t->points.xy[a.v], t->points.xy[b.v]);
+}
+
+/* *nearest: a vertex of which none is nearer to the place; *tie: there are others as near. At least
+ * one vertex must exist. Exact. What it looks at is taken off the work. Cost: constant expected; at a
+ * vertex of high degree, the root of the number of triangles. */
+enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, struct dt_work *work,
+                                 uint32_t *nearest, bool *tie);
+
+/* dt_nearest_place, whose steps are taken off the work. */
+enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place *q, uint32_t k,
+                                      struct dt_work *work, struct dt_ids *out);
+
+/* Appends the neighbours of v, a vertex nearest to q, that are as near, possibly some of them twice. */
+enum dt_status dt_nearest_ties(const struct dt *t, struct dt_point q, uint32_t v,
+                               struct dt_work *work, struct dt_ids *ties);
+
+#endif

@@ -1,0 +1,220 @@
+/* query.c - the triangles at points, edges and triangles; where a place lies. */
+#include "core/query/query.h"
+
+#include "core/exact/predicates.h"
+#include "core/memory/sort.h"
+#include "core/mesh/hull.h"
+#include "core/mesh/star.h"
+#include "core/query/locate.h"
+#include "core/set/reader.h"
+
+#include <stdlib.h>
+
+enum { DENSE_LEAST = 1000 }; /* ids from which on sorting them needs something better than qsort */
+
+/* Appends the triangle of the half edge h, from its smallest id. There must be room. */
+static void append_triangle(const struct dt *t, uint32_t h, bool cw, struct dt_ids *out)
+{
+    const uint32_t *corner = t->mesh.half + dt_base(h), *id = t->points.id;
+    uint32_t a = id[corner[0]], b = id[corner[1]], c = id[corner[2]], swap;
+    while (a > b || a > c) {
+        swap = a;
+        a = b;
+        b = c;
+        c = swap;
+    }
+    uint32_t *row = out->v + out->n;
+    row[0] = a;
+    row[1] = cw ? c : b;
+    row[2] = cw ? b : c;
+    out->n += 3;
+}
+
+/* The half edge at which the ring of v begins: to the smallest neighbour; on the hull to the
+ * successor or, clockwise, to the predecessor. */
+static uint32_t ring_start(const struct dt *t, uint32_t v, bool cw)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t first = m->leaving[v], best = first;
+    if (dt_on_hull(m, v))
+        return cw ? dt_turn_cw(m, first) : dt_turn_ccw(m, first);
+    for (uint32_t h = dt_turn_ccw(m, first); h != first; h = dt_turn_ccw(m, h))
+        if (t->points.id[dt_dest(m, h)] < t->points.id[dt_dest(m, best)])
+            best = h;
+    return best;
+}
+
+enum dt_status dt_triangles_at_point(const struct dt *t, uint32_t a, bool cw, struct dt_ids *out)
+{
+    uint32_t v;
+    enum dt_status s = dt_read_vertex(t, a, &v);
+    if (s != DT_OK || dt_mesh_is_line(&t->mesh))
+        return s;
+    uint32_t triangles = dt_star_degree(&t->mesh, v, DT_NONE) - dt_on_hull(&t->mesh, v);
+    s = dt_ids_reserve(out, 3 * (size_t)triangles);
+    if (s != DT_OK)
+        return s;
+    uint32_t h = ring_start(t, v, cw);
+    while (triangles-- >
+           0) { /* the triangle left of v -> r[i] is the one between r[i] and r[i + 1] */
+        if (cw)
+            h = dt_turn_cw(&t->mesh, h);
+        append_triangle(t, h, cw, out);
+        if (!cw)
+            h = dt_turn_ccw(&t->mesh, h);
+    }
+    return DT_OK;
+}
+
+uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v)
+{
+    uint32_t from_u = m->leaving[u], from_v = m->leaving[v];
+    if (from_u == DT_NONE || from_v == DT_NONE || u == v)
+        return DT_NONE;
+    do {
+        if (dt_dest(m, from_u) == v)
+            return from_u;
+        if (dt_dest(m, from_v) == u)
+            return dt_twin(m, from_v);
+        from_u = dt_turn_ccw(m, from_u);
+        from_v = dt_turn_ccw(m, from_v);
+    } while (from_u != m->leaving[u] && from_v != m->leaving[v]);
+    return DT_NONE;
+}
+
+enum dt_status dt_triangles_at_edge(const struct dt *t, uint32_t a, uint32_t b, bool cw,
+                                    struct dt_ids *out)
+{
+    uint32_t u, v;
+    enum dt_status s = dt_read_vertex(t, a, &u);
+    if (s == DT_OK)
+        s = dt_read_vertex(t, b, &v);
+    if (s != DT_OK)
+        return s;
+    uint32_t h = dt_half_between(&t->mesh, u, v);
+    if (h == DT_NONE)
+        return DT_NOEDGE;
+    s = dt_ids_reserve(out, 6);
+    if (s != DT_OK)
+        return s;
+    uint32_t twin = dt_twin(&t->mesh, h);
+    if (!dt_is_ghost(&t->mesh, h))
+        append_triangle(t, h, cw, out);
+    if (!dt_is_ghost(&t->mesh, twin))
+        append_triangle(t, twin, cw, out);
+    return DT_OK;
+}
+
+/* A half edge of the triangle with these corners, in whatever order; DT_NONE if there is none. */
+static uint32_t half_of_triangle(const struct dt_mesh *m, const uint32_t v[3])
+{
+    uint32_t h = dt_half_between(m, v[0], v[1]);
+    if (h == DT_NONE || dt_apex_of(m, h) == v[2])
+        return h;
+    return dt_apex_of(m, dt_twin(m, h)) == v[2] ? dt_twin(m, h) : DT_NONE;
+}
+
+enum dt_status dt_triangles_at_triangle(const struct dt *t, uint32_t a, uint32_t b, uint32_t c,
+                                        bool cw, struct dt_ids *out)
+{
+    const struct dt_mesh *m = &t->mesh;
+    uint32_t v[3];
+    enum dt_status s = dt_read_vertex(t, a, &v[0]);
+    if (s == DT_OK)
+        s = dt_read_vertex(t, b, &v[1]);
+    if (s == DT_OK)
+        s = dt_read_vertex(t, c, &v[2]);
+    if (s != DT_OK)
+        return s;
+    uint32_t h = half_of_triangle(m, v);
+    if (h == DT_NONE)
+        return DT_NOTRIANGLE;
+    s = dt_ids_reserve(out, 9);
+    if (s != DT_OK)
+        return s;
+    for (uint32_t k = 0; k < 3;
+         k++) { /* across the edge that does not touch the corner before: v[k], v[k + 1] */
+        uint32_t opposite = v[(k + 2) % 3];
+        while (dt_apex_of(m, h) != opposite)
+            h = dt_next(h);
+        if (!dt_is_ghost(m, dt_twin(m, h)))
+            append_triangle(t, dt_twin(m, h), cw, out);
+    }
+    return DT_OK;
+}
+
+static void locate_few(const struct dt *t, struct dt_point q, struct dt_location *out)
+{
+    out->where = DT_OUTSIDE;
+    if (t->mesh.vertices == 0)
+        return;
+    uint32_t v = t->mesh.alone;
+    if (dt_compare_xy(t->points.xy[v], q) == 0) {
+        out->where = DT_ON_VERTEX;
+        out->id[0] = t->points.id[v];
+    }
+}
+
+enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_location *out)
+{
+    return dt_locate_place(t, &(struct dt_place){q, DT_NONE}, out);
+}
+
+enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
+                               struct dt_location *out)
+{
+    enum dt_status s = dt_readable(t);
+    if (s != DT_OK)
+        return s;
+    const struct dt_mesh *m = &t->mesh;
+    *out = (struct dt_location){.id = {DT_NONE, DT_NONE, DT_NONE}};
+    if (m->vertices < 2) {
+        locate_few(t, q->at, out);
+        return DT_OK;
+    }
+    uint32_t h;
+    out->where = dt_find(m, t->points.xy, t->points.id, &t->hints, q->near, q->at, &h);
+    uint32_t a = t->points.id[dt_origin(m, h)], b = DT_NONE;
+    if (out->where == DT_ON_VERTEX)
+        out->id[0] = a;
+    if (out->where == DT_ON_EDGE) {
+        b = t->points.id[dt_dest(m, h)];
+        out->id[0] = a < b ? a : b;
+        out->id[1] = a < b ? b : a;
+    }
+    if (out->where == DT_INSIDE) {
+        struct dt_ids triple = {.v = out->id, .cap = 3};
+        append_triangle(t, h, false, &triple);
+    }
+    return DT_OK;
+}
+
+/* Sorts by a bitmap of the numbers from the least to the largest, if that has few words for its
+ * bits: linear, and hardly any work beside reading and writing the result. */
+static bool sort_dense(uint32_t *v, size_t n)
+{
+    uint32_t least = v[0], largest = v[0];
+    for (size_t i = 1; i < n; i++) {
+        least = v[i] < least ? v[i] : least;
+        largest = v[i] > largest ? v[i] : largest;
+    }
+    size_t words = (largest - least) / 64 + 1, k = 0;
+    uint64_t *bits = words <= n ? calloc(words, sizeof *bits) : NULL;
+    if (bits == NULL)
+        return false;
+    for (size_t i = 0; i < n; i++)
+        bits[(v[i] - least) / 64] |= (uint64_t)1 << (v[i] - least) % 64;
+    for (size_t w = 0; w < words; w++)
+        for (uint64_t left = bits[w]; left != 0; left &= left - 1)
+            v[k++] = least + (uint32_t)(64 * w) + (uint32_t)__builtin_ctzll(left);
+    free(bits);
+    return true;
+}
+
+void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        v[i] = t->points.id[v[i]];
+    if (n < DENSE_LEAST || !sort_dense(v, n))
+        dt_sort_ids(v, n, t->points.pages, NULL);
+}

@@ -1,0 +1,278 @@
+/* within.c - the points in a closed box.
+ *
+ * The box and the hull are convex, so what they share is connected, and so are, edge by edge, the
+ * triangles that meet it: from one of them a flood across the edges that meet the box reaches all.
+ * Such an edge is recognised exactly. A first triangle: one that holds a corner of the box; if all
+ * four corners are outside, the box meets the hull only if it meets a hull edge. Where the box
+ * turns out to hold a good part of the set, a scan of all vertices takes the flood's place.
+ *
+ * On a line there are no triangles: what lies in the box are neighbours along the line. */
+#include "core/control/work.h"
+#include "core/exact/box.h"
+#include "core/exact/predicates.h"
+#include "core/grid/hints_live.h"
+#include "core/mesh/hull.h"
+#include "core/query/locate.h"
+#include "core/query/query.h"
+#include "core/query/visited.h"
+#include "core/set/reader.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Whether the closed segment p-q meets the box: no axis and not the segment's normal separates
+ * them. */
+static bool meets(const struct dt_box *b, struct dt_point p, struct dt_point q)
+{
+    if (dt_box_contains(b, p) || dt_box_contains(b, q))
+        return true;
+    struct dt_box around = dt_box_of((const struct dt_point[]){p, q}, 2);
+    if (!dt_box_overlaps(&around, b))
+        return false;
+    bool rising = (p.x < q.x) == (p.y < q.y);
+    struct dt_point left = {b->lo.x, rising ? b->hi.y : b->lo.y},
+                    right = {b->hi.x, rising ? b->lo.y : b->hi.y};
+    return dt_orient2d(p, q, left) * dt_orient2d(p, q, right) <= 0;
+}
+
+/* A flood over the triangles that meet a box. Those with a corner in it are met while walking round
+ * that corner; only edges that cross the box from outside to outside need a list of their own. */
+struct flood {
+    const struct dt *t;
+    struct dt_box box;
+    struct dt_work *work;
+    struct dt_visited vertices, edges; /* seen; an edge by its lower half edge */
+    struct dt_ids todo;                /* edges across the box, to be looked at from both sides */
+    struct dt_ids *out;                /* borrowed: vertices in the box */
+};
+
+/* Takes v if it is in the box. */
+static enum dt_status take(struct flood *f, uint32_t v)
+{
+    bool fresh;
+    if (!dt_box_contains(&f->box, f->t->points.xy[v]))
+        return DT_OK;
+    enum dt_status s = dt_visited_add(&f->vertices, v, &fresh);
+    if (s == DT_OK && fresh) {
+        dt_fetch(&f->t->mesh.leaving[v]);
+        s = dt_ids_append(f->out, v);
+    }
+    return s;
+}
+
+/* Takes the edge of h if it crosses the box and neither end is in it. */
+static enum dt_status cross(struct flood *f, uint32_t h)
+{
+    const struct dt_mesh *m = &f->t->mesh;
+    struct dt_point p = f->t->points.xy[dt_origin(m, h)], q = f->t->points.xy[dt_dest(m, h)];
+    uint32_t twin = dt_twin(m, h);
+    bool fresh;
+    if (dt_box_contains(&f->box, p) || dt_box_contains(&f->box, q) || !meets(&f->box, p, q))
+        return DT_OK;
+    enum dt_status s = dt_visited_add(&f->edges, h < twin ? h : twin, &fresh);
+    return s == DT_OK && fresh ? dt_ids_append(&f->todo, h) : s;
+}
+
+/* The triangle of h, unless h is the edge of a ghost: its third corner and its two other edges. */
+static enum dt_status look_beyond(struct flood *f, uint32_t h)
+{
+    const struct dt_mesh *m = &f->t->mesh;
+    if (dt_is_ghost(m, h))
+        return DT_OK;
+    enum dt_status s = take(f, dt_apex_of(m, h));
+    if (s == DT_OK)
+        s = cross(f, dt_next(h));
+    return s == DT_OK ? cross(f, dt_prev(h)) : s;
+}
+
+/* The neighbours of v, which is in the box, and the edges around it. */
+static enum dt_status look_around(struct flood *f, uint32_t v)
+{
+    const struct dt_mesh *m = &f->t->mesh;
+    enum dt_status s;
+    uint32_t h = m->leaving[v];
+    do {
+        s = dt_work(f->work, 1);
+        dt_fetch_beyond_star(m, h);
+        if (s == DT_OK && dt_dest(m, h) != DT_NONE)
+            s = take(f, dt_dest(m, h));
+        if (s == DT_OK && !dt_is_ghost(m, h))
+            s = cross(f, dt_next(h));
+        h = dt_turn_ccw(m, h);
+    } while (s == DT_OK && h != m->leaving[v]);
+    return s;
+}
+
+/* From the triangle of h, which meets the box, to all others that do, or until a scan pays. */
+static enum dt_status flood(struct flood *f, uint32_t h)
+{
+    size_t first = f->out->n, at = first;
+    enum dt_status s = DT_OK;
+    for (int k = 0; k < 3 && s == DT_OK; k++, h = dt_next(h)) {
+        s = take(f, dt_origin(&f->t->mesh, h));
+        if (s == DT_OK)
+            s = cross(f, h);
+    }
+    while (s == DT_OK && (f->todo.n > 0 || at < f->out->n)) {
+        if (dt_scan_pays(f->t, f->out->n - first))
+            return DT_OK;
+        if (f->todo.n == 0) {
+            if (at + 1 < f->out->n)
+                dt_fetch(&f->t->mesh.half[f->t->mesh.leaving[f->out->v[at + 1]]]);
+            s = look_around(f, f->out->v[at++]);
+            continue;
+        }
+        h = f->todo.v[--f->todo.n];
+        s = dt_work(f->work, 2);
+        if (s == DT_OK)
+            s = look_beyond(f, h);
+        if (s == DT_OK)
+            s = look_beyond(f, dt_twin(&f->t->mesh, h));
+    }
+    return s;
+}
+
+/* *half becomes a half edge of a triangle that meets the box, DT_NONE if there is none. */
+static enum dt_status first_triangle(const struct dt *t, const struct dt_box *b,
+                                     struct dt_work *work, uint32_t *half)
+{
+    const struct dt_mesh *m = &t->mesh;
+    const struct dt_point *xy = t->points.xy;
+    const struct dt_point corner[4] = {b->lo, b->hi, {b->lo.x, b->hi.y}, {b->hi.x, b->lo.y}};
+    for (int i = 0; i < 4; i++)
+        if (dt_find(m, xy, NULL, &t->hints, DT_NONE, corner[i], half) != DT_OUTSIDE)
+            return DT_OK;
+    enum dt_status s = DT_OK;
+    uint32_t g = m->hull;
+    *half = DT_NONE;
+    do {
+        if (meets(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]))
+            *half = dt_twin(m, g);
+        g = dt_hull_step(m, g, false);
+        s = dt_work(work, 1);
+    } while (s == DT_OK && *half == DT_NONE && g != m->hull);
+    return s;
+}
+
+static enum dt_status scan_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
+                               struct dt_ids *out)
+{
+    const struct dt_points *p = &t->points;
+    enum dt_status s = DT_OK;
+    for (uint32_t v = 0; v < p->end && s == DT_OK; v++) {
+        if (dt_box_contains(b, p->xy[v]) && p->id[v] != DT_NONE)
+            s = dt_ids_append(out, v);
+        if (s == DT_OK && (v & DT_WORK_MASK) == 0)
+            s = dt_work(work, DT_WORK_BLOCK);
+    }
+    return s;
+}
+
+static enum dt_status flood_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
+                                struct dt_ids *out)
+{
+    uint32_t h;
+    size_t n = out->n;
+    enum dt_status s = first_triangle(t, b, work, &h);
+    if (s != DT_OK || h == DT_NONE)
+        return s;
+    struct flood f = {.t = t, .box = *b, .work = work, .out = out};
+    dt_visited_init(&f.vertices);
+    dt_visited_init(&f.edges);
+    s = flood(&f, h);
+    dt_visited_clear(&f.vertices);
+    dt_visited_clear(&f.edges);
+    free(f.todo.v);
+    if (s != DT_OK || !dt_scan_pays(t, out->n - n))
+        return s;
+    out->n = n;
+    return scan_box(t, b, work, out);
+}
+
+/* How p lies to the box along the direction of walk: < 0 before it, 0 inside, > 0 past it. A walk
+ * that does not reach the box is past it. dx and dy are the signs of the direction. */
+static int along(const struct dt_box *b, struct dt_point p, int dx, int dy)
+{
+    int x = p.x < b->lo.x ? -1 : p.x > b->hi.x, y = p.y < b->lo.y ? -1 : p.y > b->hi.y;
+    if (x == 0 && y == 0)
+        return 0;
+    return x * dx <= 0 && y * dy <= 0 && (dx != 0 || x == 0) && (dy != 0 || y == 0) ? -1 : 1;
+}
+
+/* A place near which the line through p and q enters the box, roughly. */
+static struct dt_point entry(const struct dt_box *b, struct dt_point p, struct dt_point q)
+{
+    double dx = q.x - p.x, dy = q.y - p.y;
+    double x0 = dy == 0 ? -(double)INFINITY : p.x + (b->lo.y - p.y) * (dx / dy);
+    double x1 = dy == 0 ? (double)INFINITY : p.x + (b->hi.y - p.y) * (dx / dy);
+    double x = fmax(b->lo.x, fmin(x0, x1));
+    double y = dx == 0 ? b->lo.y : p.y + (x - p.x) * (dy / dx);
+    return (struct dt_point){x, y};
+}
+
+static int sign(double d)
+{
+    return (d > 0) - (d < 0);
+}
+
+/* Appends the vertices in the box from that of g on, ahead; at_end: that one is the end of the
+ * line. */
+static enum dt_status walk_line(const struct dt *t, const struct dt_box *b, uint32_t g, bool at_end,
+                                int dx, int dy, struct dt_work *work, struct dt_ids *out)
+{
+    const struct dt_mesh *m = &t->mesh;
+    for (;;) {
+        uint32_t v = dt_hull_vertex(m, g);
+        int place = along(b, t->points.xy[v], dx, dy);
+        enum dt_status s = dt_work(work, 1);
+        if (s == DT_OK && place == 0)
+            s = dt_ids_append(out, v);
+        if (s != DT_OK || place > 0 || at_end)
+            return s;
+        at_end = dt_hull_turns(m, g);
+        g = dt_hull_step(m, g, false);
+    }
+}
+
+static enum dt_status walk_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
+                               struct dt_ids *out)
+{
+    const struct dt_mesh *m = &t->mesh;
+    const struct dt_point *xy = t->points.xy;
+    uint32_t g = m->hull;
+    if (t->hints.grids > 0)
+        g = dt_hint_live(&t->hints, m, xy,
+                         entry(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]));
+    struct dt_point p = xy[dt_hull_vertex(m, g)], ahead = xy[dt_hull_successor(m, g)];
+    int dx = sign(ahead.x - p.x), dy = sign(ahead.y - p.y);
+    enum dt_status s = walk_line(t, b, g, false, dx, dy, work, out);
+    uint32_t back = dt_twin(m, g); /* leads back to p */
+    if (s != DT_OK || along(b, p, dx, dy) < 0 || dt_hull_turns(m, back))
+        return s;
+    back = dt_hull_step(m, back, false);
+    return walk_line(t, b, dt_hull_step(m, back, false), dt_hull_turns(m, back), -dx, -dy, work,
+                     out);
+}
+
+enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi,
+                             const struct dt_options *opt, struct dt_ids *out)
+{
+    struct dt_work work = dt_work_of(opt);
+    enum dt_status s = dt_readable(t);
+    struct dt_box b = {lo, hi};
+    if (s != DT_OK || t->mesh.vertices == 0 || lo.x > hi.x || lo.y > hi.y)
+        return s;
+    size_t n = out->n;
+    if (t->mesh.vertices == 1)
+        s = dt_box_contains(&b, t->points.xy[t->mesh.alone]) ? dt_ids_append(out, t->mesh.alone)
+                                                             : DT_OK;
+    else if (dt_mesh_is_line(&t->mesh))
+        s = walk_box(t, &b, &work, out);
+    else
+        s = flood_box(t, &b, &work, out);
+    if (s == DT_OK)
+        dt_vertices_to_ids(t, out->v + n, out->n - n);
+    else
+        out->n = n;
+    return s;
+}

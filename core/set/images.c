@@ -1,0 +1,181 @@
+/* images.c - see images.h.
+ *
+ *      place      first                                                        end
+ *                 |                                                             |
+ *      chunk    [ image image .. ][ a large image            ][ image ..        ]
+ *                 4096 words        NULL for each 4096 more
+ *
+ * An image has a header of three words: its key, how many words back the one before it of that key lies
+ * (0: none that counts), and how many words its value has. */
+#include "core/set/images.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/memory/memory.h"
+
+enum { CHUNK = 4096, KEY = 0, BACK = 1, WORDS = 2, HEADER = 3 };
+
+void dt_images_clear(struct dt_images *s)
+{
+    for (size_t i = s->head; i < s->chunks; i++)
+        free(s->chunk[i]);
+    dt_array_free(s->chunk);
+    dt_sparse_clear(&s->newest);
+    uint64_t end = (s->end + CHUNK - 1) / CHUNK * CHUNK; /* moments do not go back */
+    *s = (struct dt_images){.first = end, .end = end};
+}
+
+size_t dt_images_memory(const struct dt_images *s)
+{
+    return s->memory + s->cap * sizeof *s->chunk + dt_sparse_memory(&s->newest);
+}
+
+static uint32_t *image_at(const struct dt_images *s, uint64_t place)
+{
+    return s->chunk[s->head + (size_t)((place - s->first) / CHUNK)] + place % CHUNK;
+}
+
+/* ---- saving ---- */
+
+/* Makes room in the table for n more chunks. */
+static bool reserve_table(struct dt_images *s, size_t n)
+{
+    if (s->chunks + n <= s->cap)
+        return true;
+    size_t used = s->chunks - s->head;
+    if (s->head >= used + n) { /* half of it is free at the front */
+        memmove(s->chunk, s->chunk + s->head, used * sizeof *s->chunk);
+    } else {
+        size_t cap = dt_array_room(s->cap, s->chunks + n, SIZE_MAX);
+        uint32_t **chunk = dt_array_grow(s->chunk, s->chunks, cap, sizeof *chunk);
+        if (chunk == NULL)
+            return false;
+        s->chunk = chunk;
+        s->cap = cap;
+        memmove(s->chunk, s->chunk + s->head, used * sizeof *s->chunk);
+    }
+    s->chunks = used;
+    s->head = 0;
+    return true;
+}
+
+/* Where an image of so many words goes: behind the last one, or to a new chunk. False: out of memory. */
+static bool make_room(struct dt_images *s, size_t words, uint64_t *place)
+{
+    uint64_t room = s->first + (s->chunks - s->head) * (uint64_t)CHUNK - s->end;
+    *place = s->end;
+    if (words <= room)
+        return true;
+    size_t n = (words + CHUNK - 1) / CHUNK;
+    if (s->end + room + n * CHUNK - s->first > UINT32_MAX || !reserve_table(s, n))
+        return false; /* or a place is too far away for 32 bits: 16 GiB of images */
+    uint32_t *chunk = malloc(n * CHUNK * sizeof *chunk);
+    if (chunk == NULL)
+        return false;
+    if (room > 0)
+        image_at(s, s->end)[KEY] = DT_NONE; /* the rest is left empty */
+    *place = s->end + room;
+    s->chunk[s->chunks++] = chunk;
+    while (--n > 0)
+        s->chunk[s->chunks++] = NULL;
+    s->memory += (words + CHUNK - 1) / CHUNK * CHUNK * sizeof *chunk;
+    s->end = *place;
+    return true;
+}
+
+uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words)
+{
+    uint32_t value = 0;
+    uint64_t place;
+    bool again = dt_sparse_get(&s->newest, key, &value);
+    uint64_t before = dt_images_place(s, value);
+    if (!make_room(s, HEADER + (size_t)words, &place) ||
+        dt_sparse_set(&s->newest, key, (uint32_t)place) != DT_OK)
+        return NULL;
+    uint32_t *image = image_at(s, place);
+    image[KEY] = key;
+    image[BACK] = again ? (uint32_t)(place - before) : 0;
+    image[WORDS] = words;
+    /* Nothing else goes into what is left of the last chunk of a large image. */
+    s->end = HEADER + (size_t)words <= CHUNK ? place + HEADER + words
+                                             : s->first + (s->chunks - s->head) * (uint64_t)CHUNK;
+    return image + HEADER;
+}
+
+/* ---- reading ---- */
+
+const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t moment,
+                              uint32_t *words)
+{
+    uint32_t value;
+    if (!dt_sparse_get(&s->newest, key, &value))
+        return NULL;
+    uint64_t place = dt_images_place(s, value);
+    if (place < moment)
+        return NULL;
+    const uint32_t *image = image_at(s, place);
+    while (image[BACK] != 0 && place - image[BACK] >= moment) {
+        place -= image[BACK];
+        image = image_at(s, place);
+    }
+    if (words != NULL)
+        *words = image[WORDS];
+    return image + HEADER;
+}
+
+/* ---- freeing ---- */
+
+/* The keys whose newest image lies in the first chunk leave the map. */
+static void forget_keys(struct dt_images *s)
+{
+    const uint32_t *chunk = s->chunk[s->head];
+    for (uint32_t at = 0; at < CHUNK && chunk[at + KEY] != DT_NONE;) {
+        const uint32_t *image = chunk + at;
+        uint32_t value, place = (uint32_t)(s->first + at);
+        if (dt_sparse_get(&s->newest, image[KEY], &value) && value == place)
+            dt_sparse_unset(&s->newest, image[KEY]);
+        if (image[WORDS] > CHUNK - HEADER)
+            return;
+        at += HEADER + image[WORDS];
+    }
+}
+
+/* The first chunk, n times 4096 words. */
+static void free_first(struct dt_images *s, size_t n)
+{
+    free(s->chunk[s->head]);
+    s->head += n;
+    s->first += n * CHUNK;
+    s->memory -= n * CHUNK * sizeof **s->chunk;
+}
+
+static size_t size_of_first(const struct dt_images *s)
+{
+    size_t n = 1;
+    while (s->head + n < s->chunks && s->chunk[s->head + n] == NULL)
+        n++;
+    return n;
+}
+
+bool dt_images_trim(struct dt_images *s, uint64_t oldest)
+{
+    size_t n = size_of_first(s);
+    if (s->head == s->chunks || s->first + n * CHUNK > (oldest < s->end ? oldest : s->end))
+        return false;
+    forget_keys(s);
+    free_first(s, n);
+    return true;
+}
+
+bool dt_images_forget(struct dt_images *s, uint32_t n)
+{
+    if (dt_images_is_empty(s))
+        return false;
+    n -= dt_sparse_drop(&s->newest, n);
+    for (; n > 0 && !dt_images_is_empty(s); n--)
+        free_first(s, size_of_first(s));
+    if (dt_images_is_empty(s))
+        dt_images_clear(s);
+    return true;
+}

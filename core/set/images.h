@@ -1,0 +1,81 @@
+/* images.h - the values that keys had at earlier moments, for readers who go on reading an earlier
+ * state while the present one is changed [Reed 1978: versions of an object by time; the before-images of
+ * databases].
+ *
+ * A before-image is the value of a key as it was until an edit changed it. Images lie one behind the
+ * other in the order in which they were saved, and a moment is a place in that order:
+ *
+ *      key     | 7 | 3 | 9 |   | 7 | 5 | 3 |   | 7 |
+ *                          ^                   ^     ^
+ *                          moment 3            7     9: now
+ *
+ * At a moment a key had the value of the first image of it that was saved from then on: key 7 at moment 3
+ * that of the image at 4, at moment 7 that of the image at 8. A key without such an image has the value
+ * that it had then. So all readers share all images, and before a key is changed an image must be saved
+ * only if there is none since the latest moment that anybody reads.
+ *
+ * Every image knows how far back the one before it of the same key lies, and a map has the newest one of
+ * every key. Images lie in chunks; a chunk goes, and its keys leave the map, when no moment before its
+ * end is read any more. A link that leads to a chunk that has gone leads to before all moments, so it is
+ * never followed.
+ *
+ * Knows keys and words only. Functions that take a const struct may run in several threads at once. */
+#ifndef DT_IMAGES_H
+#define DT_IMAGES_H
+
+#include "core/memory/sparse.h"
+
+/* Start with {0}. */
+struct dt_images {
+    struct dt_sparse newest; /* key -> where its newest image lies, modulo 2^32 */
+    uint32_t **chunk;        /* owns `cap`, of which [head, chunks) are in use */
+    size_t head, chunks, cap;
+    uint64_t first; /* where the first chunk that is there begins, in words */
+    uint64_t end;   /* where the next image will lie at the earliest: now */
+    size_t memory;  /* bytes of the chunks */
+};
+
+void dt_images_clear(struct dt_images *s);
+size_t dt_images_memory(const struct dt_images *s);
+
+static inline uint64_t dt_images_now(const struct dt_images *s)
+{
+    return s->end;
+}
+
+static inline bool dt_images_is_empty(const struct dt_images *s)
+{
+    return s->chunks == s->head;
+}
+
+/* Where the newest image of a key lies, given what the map has for it. */
+static inline uint64_t dt_images_place(const struct dt_images *s, uint32_t value)
+{
+    return s->end - (uint32_t)((uint32_t)s->end - value);
+}
+
+/* Whether an image of the key has been saved at or after the moment. */
+static inline bool dt_images_has(const struct dt_images *s, uint32_t key, uint64_t moment)
+{
+    uint32_t value;
+    return dt_sparse_get(&s->newest, key, &value) && dt_images_place(s, value) >= moment;
+}
+
+/* Saves an image of the key: returns room for that many words, to be written by the caller before
+ * anything else happens to the images. NULL: out of memory. Cost: constant, amortised. */
+uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words);
+
+/* The value of the key at the moment, *words of them (may be NULL); NULL: it is what it is now. Cost: the
+ * images of the key since then. */
+const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t moment,
+                              uint32_t *words);
+
+/* Frees the first chunk, if no moment before its end is wanted any more, and returns whether it did.
+ * Cost: the images of the chunk, of 16 KiB unless it has one image only. */
+bool dt_images_trim(struct dt_images *s, uint64_t oldest);
+
+/* The same if no moment at all is wanted any more, for up to n chunks or as many thousands of keys; at the end
+ * nothing is left. Far faster, since no key is looked for. */
+bool dt_images_forget(struct dt_images *s, uint32_t n);
+
+#endif

@@ -1,0 +1,99 @@
+/* renew.c - see renew.h. */
+#include "core/set/renew.h"
+
+#include <stdlib.h>
+
+#include "core/control/work.h"
+#include "core/grid/hints_build.h"
+
+#define AT_ONCE 4000 /* vertices of a set whose grid an edit rebuilds: a fifth of a millisecond */
+#define OVERDUE 4    /* times too old */
+
+struct dt_renewal {
+    struct dt_hints hints;
+};
+
+/* Whether the grid is too old by that factor: the set has outgrown it, or walks have cost as much as
+ * a new one. */
+static bool is_old(const struct dt *t, uint32_t factor)
+{
+    uint64_t n = t->mesh.vertices, hinted = t->hinted;
+    return n >= 2 * factor * hinted || n * 4 * factor < hinted || t->steps >= factor * (n + 1000);
+}
+
+static void take(struct dt *t, struct dt_hints *fresh)
+{
+    dt_hints_clear(&t->hints);
+    t->hints = *fresh;
+    t->mesh.recycled = false;
+}
+
+/* From now on the grid counts as new, whether or not it is: if there is no memory for another one,
+ * it serves as long again, or searches walk as long without. */
+static void count_anew(struct dt *t)
+{
+    t->hinted = t->mesh.vertices;
+    t->steps = 0;
+}
+
+void dt_tend(struct dt *t, const struct dt_work *work)
+{
+    if (!dt_lacks_grid(t) && !is_old(t, t->mesh.vertices > AT_ONCE ? OVERDUE : 1))
+        return;
+    if (!dt_work_allows(work, t->mesh.vertices))
+        return;
+    struct dt_hints fresh = {0};
+    struct dt_options opt = {.cancel = work == NULL ? NULL : work->cancel};
+    enum dt_status status = dt_hints_build(&fresh, &t->mesh, t->points.xy, &opt);
+    if (status == DT_CANCELLED)
+        return;
+    count_anew(t);
+    if (status == DT_OK)
+        take(t, &fresh);
+}
+
+enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt)
+{
+    struct dt_renewal *r;
+    if (!dt_is_live(t) || !dt_lacks_grid(t))
+        return DT_OK;
+    enum dt_status status = dt_renew(t, opt, &r);
+    if (status != DT_CANCELLED)
+        dt_renewed(t, r);
+    return status;
+}
+
+bool dt_is_aged(const struct dt *t)
+{
+    return t->triangulated && t->current && t->hints.grids > 0 && t->mesh.vertices > AT_ONCE &&
+           is_old(t, 1);
+}
+
+enum dt_status dt_renew(const struct dt *t, const struct dt_options *opt, struct dt_renewal **out)
+{
+    struct dt_renewal *r = calloc(1, sizeof *r);
+    enum dt_status status = DT_NOMEM;
+    if (r != NULL)
+        status = dt_hints_build(&r->hints, &t->mesh, t->points.xy, opt);
+    if (status != DT_OK) {
+        free(r);
+        r = NULL;
+    }
+    *out = r;
+    return status;
+}
+
+void dt_renewed(struct dt *t, struct dt_renewal *r)
+{
+    count_anew(t);
+    if (r != NULL)
+        take(t, &r->hints);
+    free(r);
+}
+
+void dt_renewal_free(struct dt_renewal *r)
+{
+    if (r != NULL)
+        dt_hints_clear(&r->hints);
+    free(r);
+}

@@ -1,0 +1,185 @@
+/* view.c - the list of views; see view.h.
+ *
+ * Views may end while an edit is under way, and begin beside each other, so no thread waits for another: they
+ * are in a list that is only ever pushed to, and one that has ended is marked. Edits, which have the set for
+ * themselves but for views that end, take the marked ones out. */
+#include "core/set/view.h"
+
+#include <stdlib.h>
+
+enum {
+    AT_ONCE = 2,            /* chunks that an edit frees */
+    FORGOTTEN_AT_ONCE = 256 /* the same when no view is open */
+};
+
+/* ---- life ---- */
+
+/* A view of the list that has ended, taken over; NULL: there is none. */
+static struct dt_view *take_ended(struct dt_views *w)
+{
+    for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = v->next) {
+        int ended = DT_VIEW_ENDED;
+        if (atomic_load_explicit(&v->state, memory_order_relaxed) == DT_VIEW_ENDED &&
+            atomic_compare_exchange_strong(&v->state, &ended, DT_VIEW_BEGINNING))
+            return v;
+    }
+    return NULL;
+}
+
+static struct dt_view *new_view(struct dt_views *w)
+{
+    struct dt_view *v = calloc(1, sizeof *v);
+    if (v == NULL)
+        return NULL;
+    atomic_init(&v->state, DT_VIEW_BEGINNING);
+    v->next = atomic_load(&w->list);
+    while (!atomic_compare_exchange_weak(&w->list, &v->next, v))
+        ;
+    return v;
+}
+
+struct dt_view *dt_views_begin(struct dt_views *w)
+{
+    struct dt_view *v = take_ended(w);
+    if (v == NULL)
+        v = new_view(w);
+    if (v == NULL)
+        return NULL;
+    v->serial = atomic_fetch_add(&w->serial, 1) + 1;
+    v->rows = dt_images_now(&w->rows);
+    v->families = dt_images_now(&w->families);
+    v->rings = dt_images_now(&w->rings);
+    return v;
+}
+
+void dt_view_end(struct dt_view *v)
+{
+    if (v != NULL)
+        atomic_store(&v->state, DT_VIEW_ENDED);
+}
+
+void dt_views_clear(struct dt_views *w)
+{
+    for (struct dt_view *v = atomic_load(&w->list), *next; v != NULL; v = next) {
+        next = v->next;
+        free(v);
+    }
+    dt_images_clear(&w->rows);
+    dt_images_clear(&w->families);
+    dt_images_clear(&w->rings);
+}
+
+size_t dt_views_memory(const struct dt_views *w)
+{
+    return dt_images_memory(&w->rows) + dt_images_memory(&w->families) +
+           dt_images_memory(&w->rings);
+}
+
+uint32_t dt_view_next_id(const struct dt_view *v)
+{
+    return v->next_id;
+}
+
+void dt_view_summary(const struct dt_view *v, struct dt_summary *out)
+{
+    *out = v->sum;
+}
+
+/* ---- what is read, and what is lost ---- */
+
+bool dt_views_read_rings(const struct dt_views *w)
+{
+    bool read = false;
+    for (const struct dt_view *v = atomic_load(&w->list); v != NULL; v = v->next)
+        read = read || (atomic_load(&v->state) == DT_VIEW_OPEN && dt_view_reads_rings(w, v));
+    return read;
+}
+
+void dt_views_lose_rings(struct dt_views *w)
+{
+    w->rings_lost = atomic_load(&w->serial);
+    w->ring_ids = 0;
+}
+
+void dt_views_lose_rows(struct dt_views *w)
+{
+    w->lost = atomic_load(&w->serial);
+    w->row_ids = w->ring_ids = 0;
+}
+
+/* ---- which moments are read ---- */
+
+/* From which places on images are read. */
+struct moment {
+    uint64_t rows, families, rings;
+};
+
+static uint64_t earlier(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+static uint64_t later(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
+static void note(struct dt_views *w, const struct dt_view *v, struct moment *oldest)
+{
+    if (dt_view_reads_rows(w, v)) {
+        w->row_ids = v->next_id > w->row_ids ? v->next_id : w->row_ids;
+        w->rows_since = later(w->rows_since, v->rows);
+        w->families_since = later(w->families_since, v->families);
+        oldest->rows = earlier(oldest->rows, v->rows);
+        oldest->families = earlier(oldest->families, v->families);
+    }
+    if (dt_view_reads_rings(w, v)) {
+        w->ring_ids = v->next_id > w->ring_ids ? v->next_id : w->ring_ids;
+        w->rings_since = later(w->rings_since, v->rings);
+        oldest->rings = earlier(oldest->rings, v->rings);
+    }
+}
+
+/* Takes out the views that have ended and finds out which moments the others read. */
+static struct moment look_round(struct dt_views *w)
+{
+    struct moment oldest = {UINT64_MAX, UINT64_MAX, UINT64_MAX};
+    struct dt_view *last = NULL, *next;
+    w->row_ids = w->ring_ids = 0;
+    w->rows_since = w->families_since = w->rings_since = 0;
+    for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = next) {
+        next = v->next;
+        if (atomic_load(&v->state) != DT_VIEW_ENDED) {
+            note(w, v, &oldest);
+            last = v;
+            continue;
+        }
+        if (last == NULL)
+            atomic_store(&w->list, next);
+        else
+            last->next = next;
+        free(v);
+    }
+    return oldest;
+}
+
+/* Frees some of what lies before the oldest moment, UINT64_MAX if none is read. */
+static bool trim(struct dt_images *s, uint64_t oldest)
+{
+    if (oldest == UINT64_MAX)
+        return dt_images_forget(s, FORGOTTEN_AT_ONCE);
+    int n = 0;
+    while (n < AT_ONCE && dt_images_trim(s, oldest))
+        n++;
+    return n > 0;
+}
+
+bool dt_views_review(struct dt_views *w)
+{
+    struct moment oldest = look_round(w);
+    bool rows = trim(&w->rows, oldest.rows), families = trim(&w->families, oldest.families);
+    bool rings = trim(&w->rings, oldest.rings);
+    w->saved = !dt_images_is_empty(&w->rows) || !dt_images_is_empty(&w->families) ||
+               !dt_images_is_empty(&w->rings);
+    return rows || families || rings;
+}

@@ -1,0 +1,79 @@
+/* view.h - the views of a set: readers of earlier moments, and what edits have saved for them; for the files of
+ * core/ only.
+ *
+ * Three things are saved (core/set/images.h), each under its key:
+ *
+ *      rows       id -> its place, and of which group of aliases it is one
+ *      families   group of aliases -> the group that it is part of, or its representative: so that a family
+ *                 that gets another one is not many rows, whose images name the group
+ *      rings      id of a representative -> whether it is on the hull, and its star in ids (core/mesh/star.h)
+ *
+ * What has no image is as it is now. Whether an id was a representative is a matter of its row; only then may
+ * its ring be asked for.
+ *
+ * Views are read by view_rows.h and view_stars.h, and edits save by view_save.h. */
+#ifndef DT_VIEW_H
+#define DT_VIEW_H
+
+#include "core/delaunay.h"
+#include "core/points/changes.h"
+#include "core/set/images.h"
+
+/* What has ended is freed by an edit, or another view begins in it. One that is about to begin is not
+ * yet to be looked at: its thread, which keeps edits out, fills it in. */
+enum dt_view_state { DT_VIEW_ENDED, DT_VIEW_BEGINNING, DT_VIEW_OPEN };
+
+struct dt_view {
+    struct dt_view *next; /* in the list of its set */
+    atomic_int state;     /* enum dt_view_state */
+    bool with_rings;      /* it reads the triangulation */
+    bool line;            /* all points are on one line, or there are fewer than three */
+    uint32_t on_hull;     /* with rings: a point on the hull, DT_NONE if there is none */
+    uint32_t next_id;
+    uint64_t serial;                /* views are numbered as they begin */
+    uint64_t rows, families, rings; /* the moment */
+    struct dt_summary sum;
+};
+
+struct dt_views {
+    _Atomic(struct dt_view *) list; /* owns; edits alone take out of it */
+    atomic_uint_least64_t serial;   /* of the view that began last */
+    uint64_t lost;       /* of the last view that cannot be read any more: out of memory */
+    uint64_t rings_lost; /* of the last one whose triangulation cannot be read any more */
+    struct dt_images rows, families, rings;
+    bool saved;                /* there may be images */
+    struct dt_changes changes; /* calls back here */
+    /* For the edit under way: the latest moments that are read, and the ids that there were by then. */
+    uint64_t rows_since, families_since, rings_since;
+    uint32_t row_ids, ring_ids; /* 0: none is read */
+};
+
+/* All views have ended. */
+void dt_views_clear(struct dt_views *w);
+size_t dt_views_memory(const struct dt_views *w);
+
+/* A view that is beginning, to be filled in and opened; NULL: out of memory. */
+struct dt_view *dt_views_begin(struct dt_views *w);
+
+static inline bool dt_view_reads_rows(const struct dt_views *w, const struct dt_view *v)
+{
+    return v->serial > w->lost;
+}
+
+static inline bool dt_view_reads_rings(const struct dt_views *w, const struct dt_view *v)
+{
+    return v->with_rings && v->serial > w->rings_lost && dt_view_reads_rows(w, v);
+}
+
+/* Whether the triangulation is read through an open view. */
+bool dt_views_read_rings(const struct dt_views *w);
+
+/* No view that is open now can be read any more, or none that reads the triangulation. */
+void dt_views_lose_rows(struct dt_views *w);
+void dt_views_lose_rings(struct dt_views *w);
+
+/* Takes out the views that have ended, finds out which moments the others read, and frees some of what was saved
+ * for nobody else. Returns whether something was freed. */
+bool dt_views_review(struct dt_views *w);
+
+#endif

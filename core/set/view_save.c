@@ -1,0 +1,90 @@
+/* view_save.c - what an edit is about to change is saved once, for all views that read it; see view_save.h. */
+#include "core/set/view_save.h"
+
+#include "core/mesh/star.h"
+#include "core/set/view_rows.h"
+
+static void save_row(void *ctx, uint32_t id)
+{
+    struct dt *t = ctx;
+    struct dt_views *w = &t->views;
+    if (id >= w->row_ids || dt_images_has(&w->rows, id, w->rows_since))
+        return;
+    uint32_t *image = dt_images_save(&w->rows, id, DT_ROW_WORDS);
+    if (image != NULL)
+        dt_view_save_row(t, id, image);
+    else
+        dt_views_lose_rows(w);
+    w->saved = true;
+}
+
+static void save_family(void *ctx, uint32_t group)
+{
+    struct dt *t = ctx;
+    struct dt_views *w = &t->views;
+    if (w->row_ids == 0 || dt_images_has(&w->families, group, w->families_since))
+        return;
+    uint32_t *image = dt_images_save(&w->families, group, DT_FAMILY_WORDS);
+    if (image != NULL)
+        dt_view_save_family(t, group, image);
+    else
+        dt_views_lose_rows(w);
+    w->saved = true;
+}
+
+static void save_star(void *ctx, uint32_t v)
+{
+    struct dt *t = ctx;
+    struct dt_views *w = &t->views;
+    uint32_t id = t->points.id[v];
+    if (id >= w->ring_ids || dt_images_has(&w->rings, id, w->rings_since))
+        return;
+    uint32_t *image = dt_images_save(&w->rings, id, dt_star_words(&t->mesh, v));
+    if (image != NULL)
+        dt_star_save(&t->mesh, t->points.id, v, image);
+    else
+        dt_views_lose_rings(w);
+    w->saved = true;
+}
+
+/* The id of a vertex is the key of its star, and stands in those of its neighbours. */
+static void save_name(void *ctx, uint32_t v)
+{
+    const struct dt *t = ctx;
+    const struct dt_mesh *m = &t->mesh;
+    if (t->views.ring_ids == 0 || !t->current)
+        return;
+    save_star(ctx, v);
+    uint32_t h = m->leaving[v];
+    if (h == DT_NONE)
+        return;
+    do {
+        if (dt_dest(m, h) != DT_NONE)
+            save_star(ctx, dt_dest(m, h));
+        h = dt_turn_ccw(m, h);
+    } while (h != m->leaving[v]);
+}
+
+/* Returns whether something was freed. */
+static bool look_after(struct dt *t)
+{
+    struct dt_views *w = &t->views;
+    bool freed = dt_views_review(w);
+    w->changes = (struct dt_changes){save_row, save_family, save_star, save_name, t};
+    t->points.changes = t->points.aliases.changes = w->row_ids > 0 ? &w->changes : NULL;
+    t->scratch.changes = w->ring_ids > 0 ? &w->changes : NULL;
+    return freed;
+}
+
+void dt_views_edit_begin(struct dt *t)
+{
+    const struct dt_views *w = &t->views;
+    if (atomic_load_explicit(&w->list, memory_order_relaxed) != NULL || w->saved ||
+        t->points.changes != NULL)
+        look_after(t);
+}
+
+bool dt_view_tidy(struct dt *t)
+{
+    return look_after(t);
+}

@@ -1,0 +1,139 @@
+/* view_stars.c - reads stars.
+ *
+ * Ids are in order of arrival, vertices in spatial order, so the next id's star is anywhere in
+ * memory: about seven cache misses, each waiting for the one before (leaving[] -> triangle -> next
+ * triangle ...). dt_stars_read walks round DT_STARS vertices in step instead, one triangle of each
+ * in turn, and fetches ahead what each needs in its next turn. */
+#include "core/set/view_stars.h"
+
+#include "core/mesh/hull.h"
+#include "core/set/view_rows.h"
+
+#include <string.h>
+
+/* ---- one ---- */
+
+struct dt_star dt_star_of(const struct dt *t, const struct dt_view *v, uint32_t id)
+{
+    uint32_t words;
+    const uint32_t *image = v == NULL ? NULL : dt_images_get(&t->views.rings, id, v->rings, &words);
+    if (image != NULL)
+        return (struct dt_star){DT_NONE, image + 1, words - 1, image[0] != 0};
+    uint32_t vertex = dt_points_vertex(&t->points, id);
+    return (struct dt_star){vertex, NULL, 0, dt_on_hull(&t->mesh, vertex)};
+}
+
+uint32_t dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *ring, size_t room)
+{
+    if (s->saved == NULL)
+        return dt_star_ring(&t->mesh, t->points.id, s->vertex, ring, room);
+    if (s->saved_degree > room)
+        return DT_NONE;
+    memcpy(ring, s->saved, s->saved_degree * sizeof *ring);
+    return s->saved_degree;
+}
+
+/* ---- many at once ---- */
+
+/* The next representatives from id on, below end. */
+static void read_vertices(const struct dt *t, uint32_t id, uint32_t end, uint32_t max,
+                          struct dt_stars *s)
+{
+    const struct dt_points *p = &t->points;
+    s->n = 0;
+    while (s->n < max && (id = dt_points_next_live(p, id)) < end) {
+        if (p->aliases.count == 0 || !dt_points_is_alias(p, id)) {
+            uint32_t v = dt_points_vertex(p, id);
+            __builtin_prefetch(&t->mesh.leaving[v]);
+            s->id[s->n] = id;
+            s->vertex[s->n] = v;
+            s->n++;
+        }
+        id++;
+    }
+}
+
+/* The star i, of an id that was a representative: filled in, if it was saved. */
+static void read_representative(const struct dt *t, const struct dt_view *v, uint32_t id,
+                                struct dt_stars *s, uint32_t i)
+{
+    uint32_t words;
+    const uint32_t *image = dt_images_get(&t->views.rings, id, v->rings, &words);
+    s->id[i] = id;
+    if (image == NULL) {
+        s->vertex[i] = dt_points_vertex(&t->points, id);
+        __builtin_prefetch(&t->mesh.leaving[s->vertex[i]]);
+        return;
+    }
+    s->vertex[i] = DT_NONE;
+    s->on_hull[i] = image[0] != 0;
+    s->degree[i] = words - 1 <= DT_STAR_MAX ? words - 1 : DT_NONE;
+    if (s->degree[i] != DT_NONE)
+        memcpy(s->ring[i], image + 1, s->degree[i] * sizeof *image);
+}
+
+/* The same at the moment of a view since which something has changed. */
+static void read_vertices_then(const struct dt *t, const struct dt_view *v, uint32_t id,
+                               uint32_t end, uint32_t max, struct dt_stars *s)
+{
+    struct dt_view_ids ids = dt_view_ids_begin(t, v, id);
+    s->n = 0;
+    for (; s->n < max && (id = dt_view_ids_next(&ids, id)) < end; id++)
+        if (dt_view_representative(t, v, id) == id)
+            read_representative(t, v, id, s, s->n++);
+}
+
+/* One triangle further round star i, which stands at the half edge *at. False: the ring is closed,
+ * or is longer than there is room for. */
+static bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t first, uint32_t *at)
+{
+    uint32_t d = dt_dest(&t->mesh, *at);
+    *at = dt_turn_ccw(&t->mesh, *at);
+    __builtin_prefetch(&t->mesh.half[*at]);
+    if (d == DT_NONE) {
+        s->on_hull[i] = true;
+        return *at != first;
+    }
+    if (s->degree[i] == DT_STAR_MAX) {
+        s->degree[i] = DT_NONE;
+        return false;
+    }
+    __builtin_prefetch(&t->points.id[d]);
+    s->ring[i][s->degree[i]++] = d;
+    return *at != first;
+}
+
+void dt_stars_read(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
+                   uint32_t max, struct dt_stars *s)
+{
+    uint32_t first[DT_STARS], at[DT_STARS], turning[DT_STARS], active = 0;
+    max = max < DT_STARS ? max : DT_STARS;
+    if (v == NULL)
+        read_vertices(t, id, end, max, s);
+    else
+        read_vertices_then(t, v, id, end, max, s);
+    for (uint32_t i = 0; i < s->n; i++) {
+        if (s->vertex[i] == DT_NONE)
+            continue;
+        first[i] = at[i] = t->mesh.leaving[s->vertex[i]];
+        s->degree[i] = 0;
+        s->on_hull[i] = first[i] == DT_NONE; /* others: when infinity is met */
+        if (first[i] != DT_NONE) {
+            __builtin_prefetch(&t->mesh.half[first[i]]);
+            turning[active++] = i;
+        }
+    }
+    while (active > 0) { /* each round takes every star a triangle further */
+        uint32_t left = 0;
+        for (uint32_t k = 0; k < active; k++) {
+            uint32_t i = turning[k];
+            turning[left] = i;
+            left += turn(t, s, i, first[i], &at[i]);
+        }
+        active = left;
+    }
+    for (uint32_t i = 0; i < s->n; i++)
+        if (s->vertex[i] != DT_NONE && s->degree[i] != DT_NONE)
+            for (uint32_t k = 0; k < s->degree[i]; k++)
+                s->ring[i][k] = t->points.id[s->ring[i][k]];
+}

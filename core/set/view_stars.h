@@ -1,0 +1,47 @@
+/* view_stars.h - the stars (star.h) that points had, one by one or many at once, now or at the moment of a view.
+ *
+ * Where a function takes a view, NULL stands for now; the view must be readable, and to be one by
+ * dt_view_if_changed makes it faster. */
+#ifndef DT_VIEW_STARS_H
+#define DT_VIEW_STARS_H
+
+#include "core/mesh/star.h"
+#include "core/set/set.h"
+
+enum { DT_STARS = 64, DT_STAR_MAX = 20 };
+
+/* Stars of consecutive representatives. */
+struct dt_stars {
+    uint32_t n;
+    uint32_t id[DT_STARS], vertex[DT_STARS]; /* vertex DT_NONE: the star was saved */
+    uint32_t degree[DT_STARS]; /* DT_NONE: more than DT_STAR_MAX, the ring was not read */
+    bool on_hull[DT_STARS];
+    uint32_t ring[DT_STARS][DT_STAR_MAX];
+};
+
+/* Reads the stars of the first representatives whose ids are >= id and < end, at most max of them.
+ * Far faster than one by one, because the cache misses of all of them run at once. */
+void dt_stars_read(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
+                   uint32_t max, struct dt_stars *s);
+
+/* The star that a representative had. */
+struct dt_star {
+    uint32_t vertex;       /* as it is now; DT_NONE: as it was saved */
+    const uint32_t *saved; /* its ring; borrowed until the next edit */
+    uint32_t saved_degree;
+    bool on_hull;
+};
+
+/* That of an id that was a representative. Cost: constant. */
+struct dt_star dt_star_of(const struct dt *t, const struct dt_view *v, uint32_t id);
+
+/* How many neighbours it has. */
+static inline uint32_t dt_star_count(const struct dt *t, const struct dt_star *s)
+{
+    return s->saved != NULL ? s->saved_degree : dt_star_degree(&t->mesh, s->vertex, DT_NONE);
+}
+
+/* Its ring into ring[room]. Returns its degree, DT_NONE if it is larger than room. */
+uint32_t dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *ring, size_t room);
+
+#endif

@@ -1,0 +1,74 @@
+/* memory_test.c - arrays small and large. */
+#include <stdint.h>
+#include <string.h>
+
+#include "core/memory/arena.h"
+#include "core/memory/memory.h"
+#include "tests/test.h"
+
+TEST(arrays_keep_their_items_while_they_grow_from_small_to_large)
+{
+    size_t n = 1000;
+    uint32_t *a = dt_array_new(n, sizeof *a);
+    for (uint32_t i = 0; i < n; i++)
+        a[i] = i * 7;
+    while (n < 20u << 20) {
+        size_t larger = n * 3 / 2;
+        a = dt_array_grow(a, n, larger, sizeof *a);
+        CHECK(a != NULL && ((uintptr_t)a & 15) == 0);
+        for (uint32_t i = (uint32_t)n; i < larger; i++)
+            a[i] = i * 7;
+        n = larger;
+        for (uint32_t i = 0; i < n; i += 997)
+            CHECK(a[i] == i * 7);
+    }
+    dt_array_free(a);
+}
+
+TEST(arrays_too_large_for_the_address_space_are_refused)
+{
+    CHECK(dt_array_new(SIZE_MAX / 4, 16) == NULL);
+    CHECK(dt_array_new((size_t)1 << 60, 1) == NULL);
+    char *a = dt_array_new((size_t)8 << 20, 1);
+    CHECK(a != NULL);
+    memset(a, 5, (size_t)8 << 20);
+    CHECK(dt_array_grow(a, (size_t)8 << 20, (size_t)1 << 60, 1) == NULL);
+    CHECK(a[(8 << 20) - 1] == 5);
+    dt_array_free(a);
+    dt_array_free(NULL);
+}
+
+TEST(room_grows_by_half_and_stops_at_the_limit)
+{
+    CHECK(dt_array_room(100, 101, 1000) == 150 && dt_array_room(100, 400, 1000) == 400);
+    CHECK(dt_array_room(0, 1, 1000) == 16 && dt_array_room(900, 901, 1000) == 1000);
+}
+
+/* Takes what is asked for in random sizes, writes to all of it and gives it back in stack order. */
+static void use_arena(struct dt_arena *a, unsigned depth)
+{
+    struct dt_arena_mark mark = dt_arena_mark(a);
+    for (unsigned i = 0; i < 6; i++) {
+        size_t n = test_below(3) == 0 ? test_below(40000) : test_below(300);
+        unsigned char *p = dt_arena_take(a, n, 1), *q = dt_arena_take(a, 1, 16);
+        CHECK(p != NULL && q != NULL && (uintptr_t)p % 16 == 0 && (uintptr_t)q % 16 == 0);
+        memset(p, (int)depth + 1, n);
+        memset(q, 0xff, 16);
+        if (depth < 4)
+            use_arena(a, depth + 1);
+        for (size_t k = 0; k < n; k++)
+            CHECK(p[k] == depth + 1);
+    }
+    dt_arena_return(a, mark);
+}
+
+TEST(arena_gives_out_what_is_its_own_and_free)
+{
+    struct dt_arena a = {0};
+    test_guard_alloc(true);
+    use_arena(&a, 0);
+    for (size_t taken = 0; taken < 300000; taken += 16) /* to the last byte of its chunks */
+        memset(dt_arena_take(&a, 1, 16), 7, 16);
+    CHECK(dt_arena_take(&a, SIZE_MAX / 4, 16) == NULL);
+    dt_arena_clear(&a);
+}
