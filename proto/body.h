@@ -1,11 +1,11 @@
-/* body.h - reads the points that follow LOAD and LOADB, in whatever pieces they arrive.
+/* body.h - parses the points that follow LOAD and LOADB, incrementally.
  *
  *   BODY_DOT     lines `x y` up to a line that holds a single `.`
  *   BODY_LINES   exactly `count` lines; blank ones and comments count as lines, not as points
  *   BODY_BINARY  exactly `count` points of two little-endian doubles
  *
- * A blank line or one that starts with `#` is no point. The first bad line decides the fault; from
- * there on the body is read to its end and dropped, so that the request after it is found. */
+ * Blank lines and lines that start with `#` are skipped. The first bad line determines the fault; the rest of the
+ * body is then read and dropped, so that the next request is found. */
 #ifndef PROTO_BODY_H
 #define PROTO_BODY_H
 
@@ -21,15 +21,15 @@ enum body_fault {
     BODY_GOOD,
     BODY_SYNTAX, /* not two words */
     BODY_ENDED,  /* the input ended within the body */
-    BODY_LONGER, /* more came than was announced */
+    BODY_LONGER, /* more input than announced */
     BODY_NUMBER, /* not a number */
-    BODY_RANGE,  /* a coordinate that the caller's rule refuses */
+    BODY_RANGE,  /* a coordinate that coordinate_ok refuses */
     BODY_TOOBIG, /* more than `limit` points */
     BODY_NOMEM
 };
 
-/* Where the points are kept: grow makes room for `bytes` in the array p, NULL at first, and keeps what
- * is in the first `used`; NULL: there is none, p is as it was. All zero: malloc's. */
+/* The allocator of the points: grow resizes the array p, NULL at first, to `bytes` and keeps the first `used`;
+ * NULL: out of memory, p is unchanged. All zero: malloc. */
 struct body_memory {
     void *(*grow)(void *ctx, void *p, size_t used, size_t bytes);
     void (*release)(void *p);
@@ -52,19 +52,17 @@ struct body {
     bool (*coordinate_ok)(double v);
 };
 
-/* Starts a body of at most `limit` points; coordinate_ok decides about every coordinate. Allocates
- * nothing. */
+/* Begins a body of at most `limit` points; coordinate_ok checks every coordinate. Allocates nothing. */
 void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit,
                bool (*coordinate_ok)(double v));
 void body_free(struct body *b);
 
-/* Reads from bytes[n]; returns how many bytes it took (0: it needs more), or -1 if the framing is
- * broken (a NUL, an endless line). With `last` no more bytes will come. Check b->complete after
- * each call. Cost: linear in n. */
+/* Parses bytes[n]; returns the number of bytes consumed (0: it needs more), or -1 if the framing is broken (a NUL
+ * byte, a line that is too long). `last`: there will be no more bytes. Check b->complete after each call. Cost:
+ * linear in n. */
 ptrdiff_t body_feed(struct body *b, const char *bytes, size_t n, bool last);
 
-/* Gives the body a fault from outside (for instance BODY_NOMEM); the first fault stays. Frees the
- * points. */
+/* Sets the fault of the body (for instance BODY_NOMEM), unless it has one, and frees the points. */
 void body_fail(struct body *b, enum body_fault fault);
 
 #endif

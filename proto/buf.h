@@ -1,8 +1,8 @@
 /* buf.h - a growing queue of bytes: appended at the end, consumed from the front.
  *
- * A buffer owns its memory and has none while it is fresh ({0}) or freed, so a quiet connection
- * costs nothing. A failed allocation is remembered in `failed` and leaves the content as it was:
- * writers append without looking, and whoever owns the reply looks once at its end. */
+ * A buffer owns its memory and has none while it is new ({0}) or freed, so an idle connection costs nothing. A
+ * failed allocation sets `failed` and leaves the content unchanged: writers append without checks, and the
+ * owner of the reply checks once at its end. */
 #ifndef PROTO_BUF_H
 #define PROTO_BUF_H
 
@@ -22,18 +22,17 @@ static inline size_t buf_len(const struct buf *b)
     return b->end - b->start;
 }
 
-/* The first byte of the content; valid until the next append. NULL if it has no memory, to which
- * not even 0 may be added. */
+/* The first byte of the content; valid until the next append. NULL if the buffer has no memory. */
 static inline char *buf_head(const struct buf *b)
 {
     return b->start == 0 ? b->data : b->data + b->start;
 }
 
-/* buf_reserve where more room has to be made. */
+/* The slow path of buf_reserve. */
 char *buf_make_room(struct buf *b, size_t n);
 
-/* Makes room for n more bytes; returns where to put them, NULL (and failed) when out of memory.
- * Cost: amortised constant per byte. */
+/* Makes room for n more bytes and returns their place; NULL, and failed, when out of memory. Cost: amortised
+ * constant per byte. */
 static inline char *buf_reserve(struct buf *b, size_t n)
 {
     return b->cap - b->end >= n ? b->data + b->end : buf_make_room(b, n);
@@ -67,11 +66,10 @@ static inline void buf_append_char(struct buf *b, char c)
 /* Drops n bytes from the front. */
 void buf_consume(struct buf *b, size_t n);
 
-/* Cuts the content down to its first len bytes and forgets a failure: how a reply that failed half
- * way is undone. */
+/* Truncates the content to its first len bytes and clears `failed`: for a reply that has failed half way. */
 void buf_rewind(struct buf *b, size_t len);
 
-/* Gives the memory back; the buffer is fresh again. */
+/* Frees the memory; the buffer is new again. */
 void buf_free(struct buf *b);
 
 #endif

@@ -1,4 +1,4 @@
-/* crc32c.h - the checksum of everything that is written to disk: CRC-32C (Castagnoli polynomial
+/* crc32c.h - the checksum of all data on disk: CRC-32C (Castagnoli polynomial
  * 0x1EDC6F41, reflected; RFC 3720, appendix B.4). */
 #ifndef PROTO_CRC32C_H
 #define PROTO_CRC32C_H
@@ -6,8 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The checksum of bytes[n] that follow bytes with checksum crc; crc is 0 at the beginning. Uses the
- * processor's instruction where there is one. Cost: linear, about 8 bytes in 3 cycles. */
+/* Extends the checksum crc, 0 at first, by bytes[n]. Uses the processor's instruction if there is one. Cost: linear,
+ * about 8 bytes in 3 cycles. */
 uint32_t crc32c(uint32_t crc, const void *bytes, size_t n);
 
 /* The same without special instructions, for other processors and for tests. */

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-static ptrdiff_t spoilt(struct line *out, enum line_fault fault)
+static ptrdiff_t invalid(struct line *out, enum line_fault fault)
 {
     out->fault = fault;
     return -1;
@@ -16,14 +16,13 @@ ptrdiff_t line_read(const char *bytes, size_t n, bool last, struct line *out)
     const char *lf = memchr(bytes, '\n', n);
     size_t len = lf != NULL ? (size_t)(lf - bytes) : n;
     size_t took = lf != NULL ? len + 1 : n;
-    /* An unfinished line is looked at too: whoever sent a NUL may be waiting for the answer before
-     * sending the LF. */
+    /* An incomplete line is checked, too: the client may wait for the error before it sends the LF. */
     if (memchr(bytes, '\0', len) != NULL)
-        return spoilt(out, LINE_NUL);
+        return invalid(out, LINE_NUL);
     if (len > 0 && bytes[len - 1] == '\r')
         len--;
     if (len > LINE_LIMIT)
-        return spoilt(out, LINE_TOO_LONG);
+        return invalid(out, LINE_TOO_LONG);
     if (lf == NULL && !last)
         return 0;
     *out = (struct line){.text = bytes, .len = len, .fault = LINE_WHOLE};
@@ -34,9 +33,9 @@ const char *line_fault_text(enum line_fault fault)
 {
     switch (fault) {
     case LINE_NUL:
-        return "a NUL byte is not text";
+        return "NUL byte in request";
     case LINE_TOO_LONG:
-        return "a line is at most 65536 bytes long";
+        return "line longer than 65536 bytes";
     case LINE_WHOLE:
         break;
     }

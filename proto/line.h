@@ -1,12 +1,12 @@
-/* line.h - cuts bytes into lines: LF or CRLF ends one, a NUL byte or more than LINE_LIMIT bytes
- * spoil it. */
+/* line.h - splits bytes into lines, which end in LF or CRLF; a line with a NUL byte or with more than LINE_LIMIT bytes
+ * is invalid. */
 #ifndef PROTO_LINE_H
 #define PROTO_LINE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { LINE_LIMIT = 65536 }; /* bytes of a line, its end not counted */
+enum { LINE_LIMIT = 65536 }; /* bytes of a line, without its end */
 
 enum line_fault { LINE_WHOLE, LINE_NUL, LINE_TOO_LONG };
 
@@ -16,12 +16,12 @@ struct line {
     enum line_fault fault;
 };
 
-/* Reads the first line of bytes[n]. Returns how many bytes it took, its end included; 0 if its end
- * has not arrived yet; -1 if it is spoilt, with the reason in out->fault. With `last`, no more
- * bytes will come: a rest without its LF counts as a line. Cost: linear in the line. */
+/* Reads the first line of bytes[n]. Returns its bytes, with its end; 0 if the end has not arrived yet; -1 if the line is
+ * invalid, with the reason in out->fault. `last`: there will be no more bytes, and a rest without LF counts as a
+ * line. Cost: linear in the line. */
 ptrdiff_t line_read(const char *bytes, size_t n, bool last, struct line *out);
 
-/* The sentence for people. */
+/* The error message. */
 const char *line_fault_text(enum line_fault fault);
 
 #endif

@@ -1,8 +1,7 @@
-/* number.h - numbers on the wire: decimal text to binary and back, the same in every locale.
+/* number.h - numbers on the wire: decimal text to binary and back, independent of the locale.
  *
- * Nothing here allocates, keeps state or looks at the locale. Reading and writing are exact: what
- * proto_write_double writes, proto_read_double reads back to the same bits, and no shorter string
- * of digits would do. */
+ * These functions do not allocate and have no state. Reading and writing are exact: proto_read_double reads what
+ * proto_write_double has written to the same bits, and no shorter string of digits has that property. */
 #ifndef PROTO_NUMBER_H
 #define PROTO_NUMBER_H
 
@@ -10,21 +9,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define PROTO_NUMBER_MAX 32 /* bytes that a writer below may touch */
+#define PROTO_NUMBER_MAX 32 /* bytes that a function below may write */
 
 /* Reads the decimal number that is all of s[0 .. len): an optional sign, digits with at most one
  * '.' among, before or after them, optionally 'e' or 'E' with an optional sign and digits. Blanks,
  * NaN, infinities and hexadecimal are refused: false, *v unchanged.
  *
- * *v is the double nearest to the number, ties to even, however many digits there are, with two
- * conventions at the ends: a number too large for a double reads as an infinity, and one that is
- * not zero never reads as zero but at the least as the smallest double, of its sign. So a check of
- * the range of *v is a check of the number's. Cost: some 10 to 20 ns; microseconds for hundreds of
- * digits near a tie. */
+ * *v is the double nearest to the number, ties to even, for any number of digits, with two conventions: a number
+ * too large for a double becomes an infinity, and a number that is not zero never becomes zero, but at least the
+ * smallest double of its sign. So a check of the range of *v is a check of the number. Cost: 10 to 20 ns;
+ * microseconds for hundreds of digits near a tie. */
 bool proto_read_double(const char *s, size_t len, double *v);
 
-/* The same for a number that something follows: reads as much of s[0 .. len) as is a number, and
- * returns how long that is; 0 if there is none, *v unchanged. */
+/* The same for a number at the front of s[0 .. len): returns its length; 0 if there is none, *v unchanged. */
 size_t proto_read_leading_double(const char *s, size_t len, double *v);
 
 /* Reads the decimal digits that are all of s[0 .. len). A sign, a blank, no digit, or a value above

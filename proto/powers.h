@@ -1,5 +1,5 @@
-/* powers.h - the powers of ten to 128 bits, and the product of two 64-bit words: what reading and
- * writing of decimal numbers share. */
+/* powers.h - powers of ten to 128 bits, and the product of two 64-bit words, for reading and writing decimal
+ * numbers. */
 #ifndef PROTO_POWERS_H
 #define PROTO_POWERS_H
 
@@ -7,7 +7,7 @@
 
 #define PROTO_POWER_MIN                                                                            \
     (-342) /* 10^-343 times any 64-bit integer is less than half the smallest double */
-#define PROTO_POWER_MAX 324 /* what writing the smallest double takes */
+#define PROTO_POWER_MAX 324 /* to write the smallest double */
 
 struct proto_u128 {
     uint64_t hi, lo;

@@ -1,4 +1,4 @@
-/* record.h - what is written to disk: segments of records. The one place that knows the bytes.
+/* record.h - the format of files on disk: segments of records. Only this module knows the bytes.
  *
  * A file is a segment: a header, then records up to its end. All numbers are little-endian.
  *
@@ -13,17 +13,17 @@
  *
  * In a log, every record has a log sequence number (lsn), one more than the record before, and the
  * segment's header has that of its first one. `synced` is an lsn up to which everything was known
- * to be on the disk when the record was made: so a damaged record that a later one calls synced is
- * corruption, and one that no later record speaks of is the torn end of a crash.
+ * to be on the disk when the record was made: so a damaged record that a later one covers by `synced`
+ * is corruption, and one that no later record covers is the torn end after a crash.
  *
  * In a snapshot the records are numbered from 1, and the header has the lsn up to which every
  * change is contained in it. For each set there is a RECORD_SET, whose `synced` is the lsn up to
  * which the changes of this set are contained, then its points; RECORD_END comes last.
  *
- * Upgrades. A program reads every version up to its own and writes its own; a file of a later
- * version it refuses. Whatever changes the meaning or the place of a byte, or adds a type, raises
- * RECORD_VERSION, and the reader of the old layout stays, beside a file that it was tested with.
- * A version never changes once it was released. A downgrade needs an empty directory. */
+ * Upgrades. A program reads every version up to its own and writes its own; it refuses files of later
+ * versions. A change of the meaning or the place of a byte, or a new type, increments RECORD_VERSION; the
+ * reader of the old layout stays, with a test file of that version. A released version never changes. A
+ * downgrade needs an empty directory. */
 #ifndef PROTO_RECORD_H
 #define PROTO_RECORD_H
 
@@ -59,7 +59,7 @@ enum record_type {
     RECORD_MOVE,        /* first: the id; a, b: its place */
     RECORD_DROP,        /* the set */
     RECORD_TRIANGULATE, /* from now on the set has a triangulation */
-    RECORD_CLOSE,       /* says nothing: the end of a log that was closed in good order, or a gap */
+    RECORD_CLOSE,       /* no change: the end of a log that was closed cleanly, or a gap */
     RECORD_SET,  /* snapshot: a: the tolerance; first: the next id; n: how many points follow */
     RECORD_ROWS, /* snapshot: items: points of the set, ids ascending */
     RECORD_END,  /* snapshot: n: how many sets it has */
@@ -88,7 +88,7 @@ struct record {
 
 void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s);
 
-/* Reads a segment's header from bytes[n]. > 0: consumed, 0: it needs more, -1: s->fault tells. */
+/* Reads a segment's header from bytes[n]. > 0: consumed, 0: it needs more, -1: invalid, see s->fault. */
 ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s);
 
 /* Bytes of an item of this type; 0 for types without items, whose n may be anything. */
@@ -99,10 +99,10 @@ size_t record_item_size(enum record_type type);
 void record_write(struct buf *out, const struct record *r);
 
 /* Reads one record from bytes[n]. > 0: consumed, and r borrows from bytes; 0: it needs more; -1:
- * r->fault tells. Never reads beyond n, never trusts a length before the limits hold. */
+ * invalid, see r->fault. Never reads beyond n; checks every length against the limits first. */
 ptrdiff_t record_read(const char *bytes, size_t n, struct record *r);
 
-/* What the header of a damaged record says, whether or not it is right. */
+/* Fields of the header of a damaged record, which may be wrong. */
 struct record_outline {
     unsigned type;
     uint32_t length, n; /* of all that follows the header; and record.n */

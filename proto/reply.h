@@ -1,7 +1,7 @@
 /* reply.h - writes replies: one status line, then rows.
  *
- * Nothing here fails: when memory runs out the buffer remembers it (buf.h), and the reply's owner
- * undoes the reply. */
+ * These functions do not report errors: when memory runs out, the buffer's `failed` is set (buf.h), and the owner of
+ * the reply replaces it. */
 #ifndef PROTO_REPLY_H
 #define PROTO_REPLY_H
 
@@ -39,18 +39,17 @@ enum { REPLY_ERR_ROOM = 320 }; /* an ERR line is never longer than this */
 
 const char *reply_code_name(enum reply_code code);
 
-/* The status line: reply_ok starts it and tells how many rows follow, keys extend it, reply_end
- * ends it. */
+/* The status line: reply_ok begins it with the number of rows, keys extend it, reply_end ends it. */
 void reply_ok(struct buf *out, uint64_t rows);
 void reply_key_u64(struct buf *out, const char *key, uint64_t value);
 void reply_key_double(struct buf *out, const char *key, double value);
 void reply_key_text(struct buf *out, const char *key, const char *value);
 void reply_end(struct buf *out);
 
-/* A number alone. */
+/* A number without a key. */
 void reply_u64(struct buf *out, uint64_t value);
 
-/* A whole ERR line; what is not printable in it becomes '?', and a long text is cut. */
+/* A whole ERR line. Characters that are not printable become '?', and a long text is cut. */
 __attribute__((format(printf, 3, 4))) void reply_err(struct buf *out, enum reply_code code,
                                                      const char *format, ...);
 

@@ -1,11 +1,10 @@
-/* reply_read.h - reads the server's replies, in whatever pieces they arrive: the client's side of
- * the framing.
+/* reply_read.h - parses the server's replies, incrementally: the client's side of the framing.
  *
  *     struct reply_reader r = {0};
  *     while ((used = reply_read(&r, bytes, n, &part)) > 0)
  *         ... part is a status line, a row, raw bytes or a comment; drop `used` bytes ...
  *
- * No command needs to be known: the status line tells what follows. */
+ * It needs no knowledge of commands: the status line says what follows. */
 #ifndef PROTO_REPLY_READ_H
 #define PROTO_REPLY_READ_H
 
@@ -30,29 +29,28 @@ struct reply_part {
     bool last; /* the reply ends here; what follows belongs to the next one */
 };
 
-/* Zero it to start. */
+/* All zero: between two replies. */
 struct reply_reader {
-    uint64_t rows_left, bytes_left; /* what the present reply still lacks */
-    size_t scanned;                 /* bytes at the front in which no line ended */
+    uint64_t rows_left, bytes_left; /* of the current reply */
+    size_t scanned;                 /* bytes at the front without an end of line */
     const char *fault;              /* why reply_read returned -1: a static sentence */
 };
 
-/* Reads the next part from bytes[n]. Returns how many bytes it took; 0 if more are needed (call
- * again with the same bytes and more behind them); -1 if this is no reply of the protocol: then
- * r->fault says why, and the connection is of no more use. Cost: linear in the bytes, however small
- * the pieces are. */
+/* Reads the next part from bytes[n]. Returns the number of bytes consumed; 0 if it needs more (call it again with the
+ * same bytes and more behind them); -1 if this is not a reply of the protocol: the reason is in r->fault, and the
+ * connection is unusable. Cost: linear in the bytes, for pieces of any size. */
 ptrdiff_t reply_read(struct reply_reader *r, const char *bytes, size_t n, struct reply_part *part);
 
-/* Whether the reader stands between two replies, so that the end of the connection cuts none. */
+/* Whether the reader is between two replies, so that the end of the connection loses nothing. */
 bool reply_reader_idle(const struct reply_reader *r);
 
 /* The value of ` key=value` in a status line; false if it has none. *value borrows the line. */
 bool reply_key(const struct reply_part *status, const char *key, const char **value, size_t *len);
 
-/* The same for a whole number; false also if the value is none. */
+/* The same for a whole number; false also if the value is not one. */
 bool reply_key_number(const struct reply_part *status, const char *key, uint64_t *value);
 
-/* How many rows an OK line announces. */
+/* The number of rows in an OK line. */
 uint64_t reply_rows(const struct reply_part *status);
 
 #endif

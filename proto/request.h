@@ -1,5 +1,4 @@
-/* request.h - a request line as words: separated by spaces or tabs, the first one names the
- * command. */
+/* request.h - the words of a request line, separated by spaces or tabs; the first one is the command. */
 #ifndef PROTO_REQUEST_H
 #define PROTO_REQUEST_H
 
@@ -24,24 +23,24 @@ bool request_split(struct request *q, const char *text, size_t len);
 /* Appends one word. False, with nothing changed, when out of memory. */
 bool request_add(struct request *q, const char *text, size_t len);
 
-/* Makes it n words that have been read before. False, with none, when out of memory. */
+/* Sets the words to n words that have been parsed before. False, with no words, when out of memory. */
 bool request_set(struct request *q, const struct word *word, size_t n);
 void request_free(struct request *q);
 
-/* The same as word_is, all of the word looked at. */
+/* The full comparison of word_is. */
 bool word_is_whole(const struct word *w, const char *upper);
 
-/* Whether the word is `upper` (not empty, in capitals), whatever its own case. */
+/* Whether the word equals `upper` (not empty, in capitals), case-insensitive. */
 static inline bool word_is(const struct word *w, const char *upper)
 {
-    /* Most words that a table is searched for are told apart by their first letters. */
+    /* In a search of a table, the first letters distinguish most words. */
     return w->len > 0 && ((w->text[0] ^ upper[0]) & ~0x20) == 0 && word_is_whole(w, upper);
 }
 
 /* Whether the word may name a set: [A-Za-z0-9_.:-]{1,64}. */
 bool word_is_set_name(const struct word *w);
 
-/* Whether a first line gives away a browser or some other HTTP client: it ends in " HTTP/1.x". */
+/* Whether the first line is that of a browser or another HTTP client: it ends in " HTTP/1.x". */
 bool line_is_http(const char *text, size_t len);
 
 #endif

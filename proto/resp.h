@@ -1,11 +1,10 @@
-/* resp.h - the second framing: requests and replies as Redis clients write and read them (RESP).
+/* resp.h - the second framing: requests and replies in the protocol of Redis (RESP).
  *
- * A request is an array of bulk strings; each string is one word, whatever bytes it holds:
+ * A request is an array of bulk strings; each string is one word, with any bytes:
  *
  *     *3\r\n$7\r\nNEAREST\r\n...        the words of `NEAREST set x y`
  *
- * The commands know nothing of this framing. They answer in lines, and resp_reframe turns those
- * lines into RESP as they are sent. The serialization is told at
+ * Commands do not know this framing. They answer in lines, which resp_reframe converts to RESP. Specification:
  * redis.io/docs/reference/protocol-spec. */
 #ifndef PROTO_RESP_H
 #define PROTO_RESP_H
@@ -15,32 +14,31 @@
 #include "proto/request.h"
 
 enum {
-    RESP_LIMIT = 128 * 1024,  /* bytes of a request, its headers included, its body not */
+    RESP_LIMIT = 128 * 1024,  /* bytes of a request, with its headers, without its body */
     RESP_BODY_LIMIT = 1 << 30 /* bytes of a body */
 };
 
 enum resp_fault { RESP_WHOLE, RESP_BROKEN, RESP_TOO_LONG, RESP_NOMEM };
 
 struct resp {
-    size_t need;   /* with 0 returned: it is no use to try again with fewer bytes than this */
-    bool has_body; /* a LOAD or LOADB of four words: the fourth has not been read yet; */
-    size_t body;   /* it holds so many bytes, and \r\n follows them */
-    enum resp_fault fault; /* with -1 returned */
+    size_t need;   /* if 0 is returned: with fewer bytes than this it would return 0 again */
+    bool has_body; /* a LOAD or LOADB of four words, the last of which has not been read yet: */
+    size_t body;   /* its bytes, followed by \r\n */
+    enum resp_fault fault; /* if -1 is returned */
 };
 
-/* Reads the request at the front of bytes[n], whose first byte is '*'. Returns how many bytes it
- * took (words of q borrow them; q->n is 0 for an empty array, which is no request), 0 if it has not
- * arrived whole, -1 if it is no such array or too long. Cost: linear in the request; however small
- * the pieces are in which it arrives, if `need` is heeded it is looked at O(log n) times for every
- * byte-wise cut header. */
+/* Parses the request at the front of bytes[n], whose first byte is '*'. Returns the number of bytes consumed (the words
+ * of q borrow them; q->n is 0 for an empty array, which is no request), 0 if it is incomplete, -1 if it is not such an
+ * array or too long. Cost: linear in the request; if it arrives in small pieces, callers should wait for `need`
+ * bytes. */
 ptrdiff_t resp_read(const char *bytes, size_t n, struct request *q, struct resp *out);
 
 const char *resp_fault_text(enum resp_fault fault);
 
-/* Turns bytes[n] of line replies into RESP replies appended to out: `OK 0 keys` into the simple
- * string `OK keys`, rows into an array of bulk strings, raw bytes into a bulk string, `ERR CODE
- * text` into the error `CODE text`; comments are left out. The bytes end with a line or within raw
- * bytes; r keeps the place from call to call. False if they are no reply (an error of ours). */
+/* Converts bytes[n] of line replies to RESP, appended to out: `OK 0 keys` to the simple string `OK keys`, rows to an
+ * array of bulk strings, raw bytes to a bulk string, `ERR CODE text` to the error `CODE text`; comments are left out.
+ * The bytes end with a line or within raw bytes; r has the position between calls. False: not a reply, which would
+ * be a bug. */
 bool resp_reframe(struct reply_reader *r, const char *bytes, size_t n, struct buf *out);
 
 /* Pieces of replies. */

@@ -1,5 +1,4 @@
-/* cmd_load.c - what requests with a body do when it is there: LOAD and LOADB add all points at once, so
- * that a load is all or nothing and nobody sees half of one. */
+/* cmd_load.c - LOAD and LOADB, when their body is complete: all points are added at once, so that a load is atomic. */
 #include "server/command/command.h"
 
 #include "server/command/load.h"

@@ -78,7 +78,7 @@ const struct command commands[] = {
      "CONFIG GET pattern [pattern ...] | SET name value [name value ...] | RELOAD",
      "the settings; changes some of them; reads the tokens again"},
     {"SNAPSHOT", 1, 1, CMD_ALL_SETS | CMD_WRITE | CMD_FREES, cmd_snapshot, "SNAPSHOT",
-     "begins to write all sets to the data directory, after which the log starts anew"},
+     "begins to write all sets to the data directory, and begins a new log"},
     {"TIMEOUT", 3, 0, CMD_OPEN, cmd_timeout, "TIMEOUT seconds command",
      "carries out the command, or gives it up after so many seconds"},
     {"QUIT", 1, 1, CMD_OPEN, cmd_quit, "QUIT", "closes the connection when all replies are out"},

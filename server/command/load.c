@@ -70,7 +70,7 @@ static void begin(struct server *s, const struct request *q, struct answer *a, b
 }
 
 /* The form of the body that follows q, which has as many words as its command takes, and its count. False:
- * the line does not tell. */
+ * the line does not say it. */
 static bool read_form(const struct request *q, enum body_form *form, uint32_t *count)
 {
     bool lines = word_is(&q->word[0], "LOAD");

@@ -85,7 +85,7 @@ static void command(struct server *s, const struct request *q, struct answer *a)
     (void)s;
     if (q->n >= 2 && word_is(&q->word[1], "COUNT")) {
         integer(a, command_count);
-    } else if (q->n >= 2) { /* DOCS, INFO, ...: nothing to tell */
+    } else if (q->n >= 2) { /* DOCS, INFO, ...: empty */
         resp_array(a->out, 0);
     } else {
         resp_array(a->out, command_count);

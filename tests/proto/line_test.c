@@ -27,7 +27,7 @@ TEST(line_without_its_end_waits_unless_it_is_the_last)
     CHECK(read_text("", true, &line) == 0);
 }
 
-TEST(line_with_a_nul_is_spoilt_even_before_its_end)
+TEST(line_with_a_nul_is_invalid_even_before_its_end)
 {
     struct line line;
     CHECK(line_read("a\0b\n", 4, false, &line) == -1 && line.fault == LINE_NUL);
