@@ -3,10 +3,19 @@
 #   make            the daemon build/delaunayd and the client build/delaunay
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
 #   make demo       triangulates 171,075 real places over TCP, shows what comes back, draws build/cities.svg
+#   make install    programs, libraries, manual pages, completion: PREFIX=/usr/local DESTDIR=; make uninstall
+#   make lib        the C libraries, in build/lib and build/include
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
-#   make lib, install: see clients/rules.mk
-#   make interop, bench, mutants, lint, fuzz: see tests/rules.mk
-#   make load: see tests/load/rules.mk
+#   make asan       the base tests under the address and undefined behaviour sanitizers; make tsan: the thread sanitizer
+#   make faults     kill -9 under load, power cuts, failing disks, thousands of stalled clients
+#   make fuzz       parsers, sessions and histories of edits; FUZZ_S=60 runs each for 60 seconds
+#   make interop    compares every reply with CGAL's; conversations through netcat and Redis clients
+#   make mutants    changes the source in small ways and reports what no test notices; N=20 takes a sample
+#   make lint       dependencies, formatting, static analysis; make fmt formats
+#   make bench      ns per point beside CGAL; also bench-durable, bench-clients: tests/bench/README.md
+#   make load       throughput and latency under load; also load-beside OTHER=PROGRAM, stress
+#   make clean      removes build/
+#   make help       shows this
 
 V        ?=
 O        := build$(if $(V),/$(V))
@@ -39,7 +48,7 @@ WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all demo test test_binaries faults clean asan tsan fmt
+.PHONY: all help demo test test_binaries faults clean asan tsan fmt
 
 all: $(O)/delaunayd $(O)/delaunay
 
@@ -92,6 +101,9 @@ asan tsan:
 
 clean:
 	rm -rf build
+
+help:
+	@sed -n 's/^#   //p' Makefile
 
 fmt:
 	clang-format -i $$(git ls-files '*.c' '*.h' '*.cpp')
