@@ -58,10 +58,15 @@ static ptrdiff_t wait_for(struct resp *out, size_t need)
     return 0;
 }
 
-static bool loads(const struct request *q, size_t words)
+/* Whether the last one of the words, which comes next, is a body. */
+static bool has_body(const struct request *q, size_t words)
 {
-    return words == 4 && q->n == 3 &&
-           (word_is(&q->word[0], "LOAD") || word_is(&q->word[0], "LOADB"));
+    if (q->n + 1 != words || words < 4 || words > 5)
+        return false;
+    if (words == 5)
+        return word_is(&q->word[0], "NEARESTB");
+    return word_is(&q->word[0], "LOAD") || word_is(&q->word[0], "LOADB") ||
+           word_is(&q->word[0], "LOCATEB");
 }
 
 /* Reads the word at bytes[*at], of which `after` more follow, and moves *at behind it. Returns 1, 0
@@ -78,7 +83,7 @@ static ptrdiff_t read_word(const char *bytes, size_t n, size_t *at, size_t after
         return wait_for(out, header + after * LEAST_WORD);
     }
     *at += (size_t)took;
-    if (loads(q, q->n + 1 + after)) {
+    if (has_body(q, q->n + 1 + after)) {
         out->has_body = true;
         out->body = (size_t)len;
         return len <= RESP_BODY_LIMIT ? 1 : bad(out, RESP_TOO_LONG);

@@ -21,9 +21,10 @@ enum {
 enum resp_fault { RESP_WHOLE, RESP_BROKEN, RESP_TOO_LONG, RESP_NOMEM };
 
 struct resp {
-    size_t need;   /* if 0 is returned: with fewer bytes than this it would return 0 again */
-    bool has_body; /* a LOAD or LOADB of four words, the last of which has not been read yet: */
-    size_t body;   /* its bytes, followed by \r\n */
+    size_t need; /* if 0 is returned: with fewer bytes than this it would return 0 again */
+    bool
+        has_body; /* the last word is a body (resp.c says of which requests) and has not been read yet: */
+    size_t body;           /* its bytes, followed by \r\n */
     enum resp_fault fault; /* if -1 is returned */
 };
 

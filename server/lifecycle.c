@@ -52,7 +52,7 @@ void server_finish_abandoned(struct server *s, struct job *j)
     struct answer a = {.out = &out};
     job_finish(s, j, &a);
     if (a.next == ANSWER_STREAM)
-        stream_free(&s->sets, a.stream);
+        stream_free(s, a.stream);
     buf_free(&out);
 }
 

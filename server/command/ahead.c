@@ -114,18 +114,19 @@ static void fetch(struct questions *all)
     }
 }
 
-/* Whether the words may begin a load, behind which there are points and no requests. */
-static bool may_load(const struct request *q)
+/* Whether a body could follow, which is no request: that of LOAD, or of a command that ends in B. */
+static bool may_have_body(const struct request *q)
 {
-    return q->n > 0 && q->n <= 3 && q->word[0].len >= 4 && q->word[0].len <= 5 &&
-           (q->word[0].text[0] & ~0x20) == 'L' && (q->word[0].text[2] & ~0x20) == 'A';
+    size_t last = q->n > 0 && q->word[0].len > 0 ? q->word[0].len - 1 : 0;
+    return q->n > 0 && q->n <= 4 && last > 0 &&
+           ((q->word[0].text[last] & ~0x20) == 'B' || word_is(&q->word[0], "LOAD"));
 }
 
-/* Appends a request that has been parsed; NULL: it is too long, or may be a load. */
+/* Appends a request that has been parsed; NULL: it is too long, or may have a body. */
 static struct ahead_request *keep(struct ahead *a, const char *text, size_t len,
                                   const struct request *q)
 {
-    if (q->n > AHEAD_WORDS || may_load(q))
+    if (q->n > AHEAD_WORDS || may_have_body(q))
         return NULL;
     struct ahead_request *r = &a->of[a->n++];
     r->text = text;

@@ -1,8 +1,10 @@
 /* cmd_query.c - the commands that read a triangulation. */
 #include "server/command/command.h"
 
+#include "server/command/load.h"
 #include "server/jobs/query.h"
 #include "server/jobs/stream.h"
+#include "server/ops/limits.h"
 
 #include <stdlib.h>
 
@@ -166,4 +168,38 @@ void cmd_within(struct server *s, struct dataset *set, const struct request *q, 
         return;
     }
     query_answer(s, a, set, &query);
+}
+
+/* ---- LOCATEB, NEARESTB ---- */
+
+/* Answers with a row of `width` ids for each place of the body. */
+static void answer_places(struct server *s, struct dataset *set, enum row_form form, size_t width,
+                          struct answer *a)
+{
+    struct rows rows = {
+        .version = set->current, .heavy = true, .binary = true, .form = form, .width = width};
+    struct places places = {.n = a->body->body.n};
+    places.p = load_take(a->body, &places.memory);
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, "rows", places.n);
+    reply_key_u64(a->out, "bytes", (uint64_t)places.n * width * sizeof(uint32_t));
+    reply_end(a->out);
+    stream_answer_places(s, a, &rows, &places);
+}
+
+void cmd_locateb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)q;
+    answer_places(s, set, ROW_TRIANGLE, 3, a);
+}
+
+void cmd_nearestb(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    uint32_t k = 1;
+    if (q->n == 4 && !read_count(a, &q->word[3], "a number of points", &k))
+        return;
+    if (k > LIMIT_NEAREST_MANY)
+        reply_err(a->out, ERR_RANGE, "at most %d points for each place", LIMIT_NEAREST_MANY);
+    else
+        answer_places(s, set, ROW_NEAREST, k, a);
 }

@@ -59,6 +59,10 @@ const struct command commands[] = {
      "the triangle, edge or point where x y lies"},
     {"NEAREST", 4, 5, POINT_SEARCHES, cmd_nearest, "NEAREST set x y [k]",
      "the k nearest points, nearest first"},
+    {"LOCATEB", 3, 3, SEARCHES | CMD_BODY, cmd_locateb, "LOCATEB set n",
+     "the triangles of n places: n pairs of little-endian doubles follow"},
+    {"NEARESTB", 3, 4, SEARCHES | CMD_BODY, cmd_nearestb, "NEARESTB set n [k]",
+     "the k points nearest to each of n places: n pairs of little-endian doubles follow"},
     {"WITHIN", 5, 6, POINT_SEARCHES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
      "the points in a closed box or disc"},
     {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
@@ -310,7 +314,7 @@ void cmd_timeout(struct server *s, struct dataset *set, const struct request *q,
 void command_out_of_memory(struct server *s, struct answer *a, size_t mark)
 {
     if (a->next == ANSWER_STREAM)
-        stream_free(&s->sets, a->stream);
+        stream_free(s, a->stream);
     if (a->next == ANSWER_LISTING)
         listing_free(a->listing);
     if (a->next == ANSWER_STREAM || a->next == ANSWER_LISTING)

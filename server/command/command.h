@@ -110,15 +110,15 @@ command_handler cmd_triangulate, cmd_check;                                     
 bool triangulate_join(struct server *s, struct dataset *set, const struct request *q,
                       struct answer *a);
 
-command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull; /* cmd_query.c */
-command_handler cmd_locate, cmd_nearest, cmd_within;           /* cmd_query.c */
-command_handler cmd_trace;                                     /* cmd_trace.c */
-command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit;       /* cmd_admin.c */
-command_handler cmd_snapshot;                                  /* cmd_admin.c */
-command_handler cmd_auth;                                      /* cmd_auth.c */
-command_handler cmd_info;                                      /* cmd_info.c */
-command_handler cmd_client, cmd_slowlog;                       /* cmd_client.c */
-command_handler cmd_config;                                    /* cmd_config.c */
-command_handler cmd_timeout;                                   /* command.c */
+command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                  /* cmd_query.c */
+command_handler cmd_locate, cmd_nearest, cmd_within, cmd_locateb, cmd_nearestb; /* cmd_query.c */
+command_handler cmd_trace;                                                      /* cmd_trace.c */
+command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit;                        /* cmd_admin.c */
+command_handler cmd_snapshot;                                                   /* cmd_admin.c */
+command_handler cmd_auth;                                                       /* cmd_auth.c */
+command_handler cmd_info;                                                       /* cmd_info.c */
+command_handler cmd_client, cmd_slowlog;                                        /* cmd_client.c */
+command_handler cmd_config;                                                     /* cmd_config.c */
+command_handler cmd_timeout;                                                    /* command.c */
 
 #endif

@@ -2,6 +2,7 @@
 #include "server/jobs/stream.h"
 
 #include "server/jobs/job.h"
+#include "server/ops/cost.h"
 
 #include <stdlib.h>
 
@@ -20,7 +21,8 @@ struct piece {
 };
 
 struct stream {
-    struct rows rows; /* owns their ids; those that have not been cut into parts yet */
+    struct rows rows;     /* owns their ids; those that have not been cut into parts yet */
+    struct places places; /* owns: those of the rows */
     void (*ready)(void *ctx);
     void *ctx;
     struct piece
@@ -39,7 +41,9 @@ static bool answer_at_once(struct answer *a, struct rows *rows)
     enum { BYTES_AT_ONCE = 16 * 1024 };
     if (rows_count(rows) > AT_ONCE)
         return false;
+    rows->steps = COST_STEPS_AT_ONCE;
     rows_fill(rows, a->out, rows->table ? SIZE_MAX : buf_len(a->out) + BYTES_AT_ONCE);
+    rows->steps = 0;
     return rows->done || rows->status != DT_OK;
 }
 
@@ -53,7 +57,7 @@ static bool reads_set(const struct rows *rows)
 static bool reads_rings(const struct rows *rows)
 {
     return rows->table ? rows->cursor.table != DT_POINTS && rows->cursor.table != DT_COINCIDENT
-                       : rows->form == ROW_RING;
+                       : rows->form == ROW_RING || row_is_of_place(rows->form);
 }
 
 /* The number of points that are read: COINCIDENT, for instance, reads all for its few rows. */
@@ -94,6 +98,15 @@ static bool reserve(struct server *s, struct stream *st)
         return true;
     reservation_set(&st->memory, 0);
     return false;
+}
+
+static void free_places(struct server *s, struct places *places)
+{
+    dt_pages_release(places->p);
+    if (places->memory.bytes == 0)
+        return;
+    reservation_set(&places->memory, 0);
+    server_memory_freed(s);
 }
 
 /* NULL: out of memory, or answer_busy. */
@@ -140,13 +153,25 @@ void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct
         *ids = (struct dt_ids){0};
 }
 
+void stream_answer_places(struct server *s, struct answer *a, struct rows *rows,
+                          struct places *places)
+{
+    rows->place = places->p;
+    rows->places = places->n;
+    stream_answer(s, a, rows, NULL);
+    if (a->next == ANSWER_STREAM)
+        a->stream->places = *places;
+    else
+        free_places(s, places);
+}
+
 void stream_notify(struct stream *st, void (*ready)(void *ctx), void *ctx)
 {
     st->ready = ready;
     st->ctx = ctx;
 }
 
-void stream_free(struct registry *r, struct stream *st)
+void stream_free(struct server *s, struct stream *st)
 {
     st->abandoned = true;
     for (unsigned i = 0; i < PIECES; i++)
@@ -158,11 +183,12 @@ void stream_free(struct registry *r, struct stream *st)
         rows_clear(&st->piece[i].part);
         buf_free(&st->piece[i].text);
     }
-    version_end_view(r, st->rows.version, st->rows.view);
-    version_unpin(r, st->rows.version);
+    version_end_view(&s->sets, st->rows.version, st->rows.view);
+    version_unpin(&s->sets, st->rows.version);
     rows_clear(&st->rows);
     free(st->rows.ids.v);
     reservation_set(&st->memory, 0);
+    free_places(s, &st->places);
     free(st);
 }
 
@@ -248,7 +274,7 @@ static void making_done(struct server *s, struct job *j, struct answer *a)
     st->in_work--;
     reservation_set(&st->memory, ids_bytes(st) + pieces_bytes(st));
     if (st->abandoned)
-        stream_free(&s->sets, st);
+        stream_free(s, st);
     else if (st->ready != NULL)
         st->ready(st->ctx);
 }
@@ -361,5 +387,5 @@ void stream_refill(struct server *s, struct answer *a)
     if (status == DT_OK && !done)
         return;
     a->next = status == DT_OK ? ANSWER_WHOLE : ANSWER_BROKEN;
-    stream_free(&s->sets, st);
+    stream_free(s, st);
 }

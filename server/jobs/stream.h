@@ -24,6 +24,10 @@ struct stream;
  * the rows are those of now. If there is no memory for pieces: answer_busy. */
 void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct dt_ids *ids);
 
+/* The same for rows of places, which it takes over: they are gone when their rows have been sent. */
+void stream_answer_places(struct server *s, struct answer *a, struct rows *rows,
+                          struct places *places);
+
 /* Answers with a whole table of the version: the status line, then its rows. */
 void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
                          bool cw, bool binary);
@@ -36,6 +40,6 @@ void stream_refill(struct server *s, struct answer *a);
 void stream_notify(struct stream *st, void (*ready)(void *ctx), void *ctx);
 
 /* If workers are making pieces, the stream is freed when they are done. */
-void stream_free(struct registry *r, struct stream *st);
+void stream_free(struct server *s, struct stream *st);
 
 #endif

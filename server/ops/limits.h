@@ -9,6 +9,7 @@ enum {
     LIMIT_TOKEN = 128,            /* bytes */
     LIMIT_CLIENT_NAME = 64,       /* bytes, in CLIENT SETNAME */
     LIMIT_TRACE_POINTS = 1000,    /* of a set, for TRACE */
+    LIMIT_NEAREST_MANY = 4096,    /* points for each place of NEARESTB */
     LIMIT_TIMEOUT_S = 1000000,    /* of TIMEOUT */
     LIMIT_STALL_S = 60,           /* in which a client receives nothing of a reply */
     LIMIT_STRANGER_S = 10,        /* before AUTH */

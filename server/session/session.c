@@ -259,7 +259,7 @@ static void on_closed(struct conn *c)
     if (s->state == SESSION_WORKING)
         job_leave(s->job, s->id);
     if (s->state == SESSION_STREAMING)
-        stream_free(&s->server->sets, s->stream);
+        stream_free(s->server, s->stream);
     if (s->state == SESSION_LISTING)
         listing_free(s->listing);
     if (s->load != NULL)

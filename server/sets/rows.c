@@ -1,12 +1,17 @@
 /* rows.c - see rows.h. */
 #include "server/sets/rows.h"
 
+#include "server/ops/limits.h"
+
 #include <math.h>
 #include <stdlib.h>
 
 enum {
     TABLE_WORDS = 4096, /* read from a table at a time */
-    PART_IDS = 600      /* of a part: ids of a table or rows of a list, about 30 KiB of text */
+    PART_IDS = 600,     /* of a part: ids of a table or rows of a list, about 30 KiB of text */
+    PART_WORDS = 7500,  /* of a part in binary */
+    PLACE_WORDS = 4096, /* of the places that are looked up at a time; no row of a place has more */
+    PLACE_STEPS = 20000 /* of a look-up, while edits wait */
 };
 
 /* ---- rows from ids ---- */
@@ -70,6 +75,44 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
         r->at += r->form == ROW_IDS ? r->width : 1;
     }
     r->done = r->at == r->ids.n;
+}
+
+/* ---- rows from places ---- */
+
+_Static_assert((int)LIMIT_NEAREST_MANY <= (int)PLACE_WORDS, "a row of a place is found in one go");
+
+/* Finds the rows of the next n places, or of as many of them as the steps last for. */
+static enum dt_status find(struct rows *r, size_t n, uint32_t steps, uint32_t *out, size_t *done)
+{
+    struct dt_options opt = {.steps = steps};
+    const struct dt *dt = r->version->dt;
+    const struct dt_point *p = r->place + r->at;
+    return r->form == ROW_TRIANGLE
+               ? dt_locate_many(dt, r->view, p, n, &opt, out, done)
+               : dt_nearest_many(dt, r->view, p, n, (uint32_t)r->width, &opt, out, done);
+}
+
+/* How many places there are in a piece of so many words. */
+static size_t places_of(const struct rows *r, size_t words)
+{
+    return r->width == 0 ? SIZE_MAX : words < r->width ? 1 : words / r->width;
+}
+
+static void fill_from_places(struct rows *r, struct buf *out, size_t limit)
+{
+    uint32_t v[PLACE_WORDS], steps = r->steps > 0 ? r->steps : PLACE_STEPS;
+    size_t most = places_of(r, PLACE_WORDS), done;
+    enum dt_status status = DT_OK;
+    while (r->at < r->places && status == DT_OK && !out->failed && buf_len(out) < limit) {
+        size_t n = r->places - r->at < most ? r->places - r->at : most;
+        status = find(r, n, steps, v, &done);
+        if (status == DT_TOOLONG && done == 0 && r->steps == 0) /* one that takes long by itself */
+            status = find(r, 1, 0, v, &done);
+        reply_words_u32(out, v, done * r->width);
+        r->at += done;
+    }
+    r->done = r->at == r->places;
+    r->status = status == DT_TOOLONG ? DT_OK : status;
 }
 
 /* ---- rows from tables ---- */
@@ -154,6 +197,8 @@ void rows_fill(struct rows *r, struct buf *out, size_t limit)
 {
     if (r->table)
         fill_from_table(r, out, limit);
+    else if (row_is_of_place(r->form))
+        fill_from_places(r, out, limit);
     else
         fill_from_ids(r, out, limit);
     if (out->failed)
@@ -164,6 +209,8 @@ void rows_fill(struct rows *r, struct buf *out, size_t limit)
 
 size_t rows_count(const struct rows *r)
 {
+    if (row_is_of_place(r->form))
+        return r->places;
     return r->table ? r->cursor.rows : r->ids.n / (r->form == ROW_IDS ? r->width : 1);
 }
 
@@ -173,6 +220,12 @@ bool rows_cut(struct rows *r, struct rows *part)
     part->ring = (struct dt_ids){0};
     if (r->table)
         return dt_table_cut(r->version->dt, &r->cursor, PART_IDS, &part->cursor);
+    if (!r->table && row_is_of_place(r->form)) {
+        size_t places = places_of(r, PART_WORDS), left = r->places - r->at;
+        r->at += left < places ? left : places;
+        part->places = r->at;
+        return part->at < part->places;
+    }
     size_t n = PART_IDS * (r->form == ROW_IDS ? r->width : 1);
     r->at = r->ids.n - r->at > n ? r->at + n : r->ids.n;
     part->ids.n = r->at;

@@ -1,7 +1,7 @@
-/* rows.h - the rows of a reply, from a table of a set or from a list of ids, written a piece at a time.
+/* rows.h - the rows of a reply, from a table of a set, from a list of ids or from a list of places, written a piece at a time.
  *
- * A plain value with a position in the rows. Its memory does not grow with the reply, except for the ids of
- * a list and for a long row of a table while it is written. */
+ * A plain value with a position in the rows. Its memory does not grow with the reply, except for the ids
+ * or places of a list and for a long row of a table while it is written. */
 #ifndef SERVER_ROWS_H
 #define SERVER_ROWS_H
 
@@ -12,8 +12,22 @@ enum row_form {
     ROW_IDS,       /* `width` ids from the list */
     ROW_POINT,     /* id x y */
     ROW_NEIGHBOUR, /* id x y distance from `from` */
-    ROW_RING       /* id and its ring */
+    ROW_RING,      /* id and its ring */
+    ROW_TRIANGLE,  /* binary, of a place: the corners of its triangle, */
+    ROW_NEAREST    /* and the `width` points nearest to it */
 };
+
+/* Places that are asked about. */
+struct places {
+    struct dt_point *p; /* owns, from dt_pages_grow; may be NULL if n is 0 */
+    size_t n;
+    struct reservation memory; /* of p */
+};
+
+static inline bool row_is_of_place(enum row_form form)
+{
+    return form == ROW_TRIANGLE || form == ROW_NEAREST;
+}
 
 struct rows {
     struct version *version; /* borrows: the owner of the rows pins it */
@@ -23,12 +37,15 @@ struct rows {
     bool binary;             /* table only */
     struct dt_cursor cursor;
     enum row_form form;
-    size_t width;         /* ROW_IDS: ids in a row */
-    bool cw;              /* ROW_RING */
-    struct dt_point from; /* ROW_NEIGHBOUR */
-    struct dt_ids ids;    /* the list; a part borrows it */
-    size_t at;            /* ids of it that have been written */
-    struct dt_ids ring;   /* owns: workspace */
+    size_t width;                 /* ROW_IDS, ROW_TRIANGLE, ROW_NEAREST: ids in a row */
+    bool cw;                      /* ROW_RING */
+    struct dt_point from;         /* ROW_NEIGHBOUR */
+    struct dt_ids ids;            /* the list; a part borrows it */
+    const struct dt_point *place; /* the list of places; borrows */
+    size_t places;
+    uint32_t steps; /* of places: that the next rows_fill may take; 0: those that a worker may */
+    size_t at;      /* ids or places of the list whose rows have been written */
+    struct dt_ids ring; /* owns: workspace */
     bool done;
     enum dt_status status; /* not DT_OK: the rows cannot be completed */
 };
@@ -36,7 +53,8 @@ struct rows {
 /* The number of all rows. */
 size_t rows_count(const struct rows *r);
 
-/* Appends rows until out holds `limit` bytes or more, r->done is set, or r->status is not DT_OK. Uses
+/* Appends rows until out holds `limit` bytes or more, r->done is set, or r->status is not DT_OK, or until
+ * rows of places have taken their steps. Uses
  * only *r, its version's set (const) and out, so that a worker may call it under the version's lock. */
 void rows_fill(struct rows *r, struct buf *out, size_t limit);
 

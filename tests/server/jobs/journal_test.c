@@ -165,7 +165,7 @@ static void tell(void *ctx, struct job *j)
     tellings++;
     job_finish(&b->l.server, j, &told);
     if (told.next == ANSWER_STREAM)
-        stream_free(&b->l.server.sets, told.stream);
+        stream_free(&b->l.server, told.stream);
 }
 
 static void collect(struct bench *b)

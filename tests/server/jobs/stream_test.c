@@ -107,7 +107,7 @@ TEST_TIMEOUT(rows_that_nobody_wants_any_more_are_forgotten, 60)
     local_ask(&l, "LOCATE t 0 0"); /* builds the grid for searches */
     for (int i = 0; i < 20; i++) {
         struct answer a = begin(&l, i % 2 == 0 ? "LISTS t" : "POINTS t");
-        stream_free(&l.server.sets, a.stream); /* while workers are at it */
+        stream_free(&l.server, a.stream); /* while workers are at it */
     }
     local_ask(&l, "DROP t\n");
     collect_all(&l);
@@ -183,7 +183,7 @@ TEST(pieces_that_are_all_made_are_sent_a_few_at_a_time)
     buf_consume(&l.out, buf_len(&l.out));
     stream_refill(&l.server, &a);
     CHECK_MSG(buf_len(&l.out) > PIECE && buf_len(&l.out) < PIECE * 5 / 4, "%zu", buf_len(&l.out));
-    stream_free(&l.server.sets, a.stream);
+    stream_free(&l.server, a.stream);
     collect_all(&l);
     free(text);
     local_stop(&l);

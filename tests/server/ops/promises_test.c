@@ -125,6 +125,7 @@ TEST(limits_are_those_of_the_document)
         {"sets", LIMIT_SETS},
         {"points of a set", DT_MAX_POINTS},
         {"points of a set for TRACE", LIMIT_TRACE_POINTS},
+        {"points for each place of NEARESTB", LIMIT_NEAREST_MANY},
         {"clients", 10000},
         {"long requests that wait for a worker", LIMIT_QUEUED_JOBS},
         {"seconds for TIMEOUT", LIMIT_TIMEOUT_S},
