@@ -95,7 +95,7 @@ def _write_wheel(directory, tag, files):
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    sources = sorted((HERE / PACKAGE).glob("*.py")) + [HERE / PACKAGE / "py.typed"]
+    sources = sorted((HERE / PACKAGE).glob("*.py*"))
     files = [("%s/%s" % (PACKAGE, path.name), path.read_bytes(), 0o644) for path in sources]
     with _program() as program:
         if program is not None:

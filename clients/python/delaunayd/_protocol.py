@@ -145,7 +145,7 @@ def uint32s(data: bytes, width: int) -> Any:
 def pairs(points: Any) -> Tuple[memoryview, int]:
     """Points as little-endian doubles x, y, and their number."""
     if numpy is not None:
-        a = numpy.ascontiguousarray(points, dtype="<f8")
+        a: Any = numpy.ascontiguousarray(points, dtype="<f8")
         if a.size == 0:
             a = a.reshape(0, 2)
         elif a.ndim == 1 and isinstance(points, array) and a.size % 2 == 0:

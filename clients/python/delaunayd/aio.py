@@ -116,7 +116,7 @@ class Client(Commands):
                 raise
         return replies
 
-    async def _run(  # type: ignore[override]
+    async def _run(
         self, requests: Sequence[Request], read: Callable[[Any], Any], progress: Optional[Progress] = None
     ) -> Any:
         replies = await self._settle(requests, progress)

@@ -31,7 +31,7 @@ class _Connection:
     def __init__(self, address: _address.Address, timeout: Optional[float]):
         self.pid = os.getpid()
         self.socket = _address.connect(address, timeout)
-        self.input = self.socket.makefile("rb", buffering=1 << 18)
+        self.input: Any = self.socket.makefile("rb", buffering=1 << 18)
         self.poll = select.poll()
         self.poll.register(self.socket, select.POLLIN)
         self.used = False  # a reply has come

@@ -113,7 +113,7 @@ class Delaunay:
         self._name: Optional[str] = None
         self._finalizer: Any = None
 
-    @property
+    @property  # type: ignore[misc]
     def __class__(self) -> Any:
         """SciPy's interpolators take a triangulation only if isinstance says that it is SciPy's; they look at the same attributes
         then. So, where SciPy is loaded, isinstance says it."""

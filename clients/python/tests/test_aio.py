@@ -1,5 +1,6 @@
 """The client for asyncio."""
 
+import ast
 import asyncio
 import inspect
 import os
@@ -118,6 +119,20 @@ class Tokens(unittest.TestCase):
 
 
 class Documentation(unittest.TestCase):
+    def test_the_types_of_aio_are_those_of_the_commands(self):
+        def methods(path, kind):
+            (found,) = (n for n in ast.parse(path.read_text()).body if isinstance(n, ast.ClassDef))
+            return {
+                f.name: (ast.dump(f.args), ast.dump(f.returns))
+                for f in found.body
+                if isinstance(f, kind) and not f.name.startswith("_") and f.name != "close"
+            }
+
+        package = Path(delaunayd.__file__).parent
+        want = methods(package / "_commands.py", ast.FunctionDef)
+        self.assertGreater(len(want), 20)
+        self.assertEqual(methods(package / "aio.pyi", ast.AsyncFunctionDef), want)
+
     def test_every_method_is_documented(self):
         from delaunayd import _protocol
 
