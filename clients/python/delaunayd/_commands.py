@@ -138,6 +138,18 @@ class Commands:
         requests = [protocol.request("LOCATE", name, float(x), float(y)) for x, y in places]
         return self._run(requests, lambda replies: [protocol.located(reply) for reply in replies])
 
+    def locate_triangles(self, name: str, places: Any) -> Any:
+        """The triangle of each place of shape (n, 2): ids with shape (n, 3), as in triangles(). Of several that meet at a place, the
+        first of triangles(); outside three times 4294967295."""
+        data, n = protocol.pairs(places)
+        return self._ask(lambda reply: protocol.uint32s(reply.data, 3), "LOCATEB", set_name(name), n, body=data)
+
+    def nearest_all(self, name: str, places: Any, k: int = 1) -> Any:
+        """The k points nearest to each place of shape (n, 2), nearest first: ids with shape (n, k), 4294967295 where there are
+        too few points."""
+        data, n = protocol.pairs(places)
+        return self._ask(lambda reply: protocol.uint32s(reply.data, k), "NEARESTB", set_name(name), n, int(k), body=data)
+
     def nearest(self, name: str, x: float, y: float, k: int = 1) -> List[Neighbour]:
         """The k points nearest to a place, nearest first."""
         return self._ask(protocol.neighbours, "NEAREST", set_name(name), float(x), float(y), int(k))

@@ -27,7 +27,7 @@ import numpy as np
 
 from . import _planes, _protocol as protocol
 from ._neighbors import neighbors_of
-from .client import Client, ConnectionLost, Located, Refused
+from .client import Client, ConnectionLost, Refused
 
 __all__ = ["Delaunay"]
 
@@ -352,8 +352,8 @@ class Delaunay:
     # ---- location, exact, by the daemon ----
 
     def find_simplex(self, xi: Any, bruteforce: bool = False, tol: Optional[float] = None) -> Any:
-        """The triangle that contains each place of shape (..., 2), -1 outside and for NaN. On an edge or a point it is one of
-        those that meet there. The other arguments are SciPy's and have no effect: the answer is exact."""
+        """The triangle that contains each place of shape (..., 2), -1 outside and for NaN. On an edge or a point it is the
+        first of those that meet there. The other arguments are SciPy's and have no effect: the answer is exact."""
         places = np.asarray(xi, dtype=np.float64)
         if places.shape[-1:] != (2,):
             raise ValueError("wrong dimensionality in xi: places must have 2 coordinates")
@@ -364,29 +364,54 @@ class Delaunay:
             out[inside] = self._locate(flat[inside])
         return out.reshape(places.shape[:-1])
 
-    def _locate(self, places: Any) -> List[int]:
-        return [self._row_of(found) for found in self._ask(lambda client, name: client.locate_all(name, places))]
+    def _locate(self, places: Any) -> Any:
+        """The row of the triangle of each place: the daemon names the triangle by its corners."""
+        corners = self._ask(lambda client, name: client.locate_triangles(name, places)).view(np.int32)
+        rows = np.full(len(places), -1, dtype=np.int32)
+        found = np.flatnonzero(corners[:, 0] >= 0)
+        rows[found] = self._find_rows(corners[found, 0], corners[found, 1])
+        return rows
 
-    def _row_of(self, found: Located) -> int:
-        if not found.ids:
-            return -1
-        if len(found.ids) == 1:
-            return int(self.vertex_to_simplex[found.ids[0]])
-        row = self._row_left_of(found.ids[0], found.ids[1])
-        return row if row >= 0 else self._row_left_of(found.ids[1], found.ids[0])
+    def _find_rows(self, a: Any, b: Any) -> Any:
+        """The rows that begin with a, b. Rows with the same a follow one another, mostly a few."""
+        at = self._cached("first_rows", self._find_first_rows)[a]
+        second = self._cached("second", lambda: np.ascontiguousarray(self.simplices[:, 1]))
+        left = np.flatnonzero(second[at] != b)
+        for _ in range(12):
+            if len(left) == 0:
+                return at
+            at[left] += 1
+            left = left[second[at[left]] != b[left]]
+        key = (self.simplices[:, 0].astype(np.int64) << 32) | second
+        order = np.argsort(key)
+        want = (a[left].astype(np.int64) << 32) | b[left]
+        at[left] = order[np.searchsorted(key[order], want)]
+        return at
 
-    def _row_left_of(self, a: int, b: int) -> int:
-        """The triangle to the left of the edge from a to b, -1 if there is none."""
-        keys, rows = self._cached("half_edges", self._find_half_edges)
-        key = (a << 32) | b
-        at = int(np.searchsorted(keys, key))
-        return int(rows[at]) if at < len(keys) and keys[at] == key else -1
+    def _find_first_rows(self) -> Any:
+        start = np.zeros(self.npoints + 1, dtype=np.int32)
+        np.cumsum(np.bincount(self.simplices[:, 0], minlength=self.npoints), out=start[1:])
+        return start
 
-    def _find_half_edges(self) -> Tuple[Any, Any]:
-        a = self.simplices.astype(np.int64)
-        keys = ((a << 32) | np.roll(a, -1, axis=1)).ravel()
-        order = np.argsort(keys)
-        return keys[order], order // 3
+    # ---- the nearest points ----
+
+    def query(self, x: Any, k: int = 1) -> Tuple[Any, Any]:
+        """The k points nearest to each place of shape (..., 2), like scipy.spatial.cKDTree.query: distances and numbers, shape
+        (...) for k = 1, else (..., k). Where there are fewer points, the distance is infinite and the number npoints. Of points
+        that coincide one is found."""
+        places = np.asarray(x, dtype=np.float64)
+        if places.shape[-1:] != (2,):
+            raise ValueError("x must consist of vectors of length 2")
+        if not np.isfinite(places).all():
+            raise ValueError("'x' must be finite, check for nan or inf values")
+        flat = places.reshape(-1, 2)
+        ids = self._ask(lambda client, name: client.nearest_all(name, flat, k)).astype(np.int64)
+        none = ids == 0xFFFFFFFF
+        ids[none] = 0
+        distance = np.hypot(*(self._points[ids] - flat[:, None, :]).transpose(2, 0, 1))
+        distance[none], ids[none] = np.inf, self.npoints
+        shape = places.shape[:-1] + ((k,) if k > 1 else ())
+        return distance.reshape(shape), ids.reshape(shape)
 
 
 def _last_triangles(replies: Any) -> Any:

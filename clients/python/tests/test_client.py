@@ -36,6 +36,8 @@ class Commands(WithDaemon):
         self.assertEqual(c.locate("t", 2, 1), ("inside", (0, 1, 4)))
         self.assertEqual(c.locate("t", 9, 1), ("outside", ()))
         self.assertEqual(c.within("t", 0, 0, 4, 2), [0, 1, 4])
+        self.assertEqual(as_lists(c.locate_triangles("t", [(2, 1), (9, 1)]), 3), [[0, 1, 4], [4294967295] * 3])
+        self.assertEqual(as_lists(c.nearest_all("t", [(3, 2), (0, 1)], 2), 2)[0][0], 4)
         self.assertEqual(c.within("t", 2, 2, 0), [4])
         self.assertEqual(c.add("t", 2, 2), 5)
         self.assertEqual(c.coincident("t"), [(5, 4)])

@@ -214,6 +214,28 @@ class Spatial(WithDaemon):
         d = self.make(SQUARE)
         d.simplices.sort(axis=1)
 
+    @unittest.skipIf(scipy_spatial is None, "SciPy is missing")
+    def test_the_nearest_points_equal_those_of_a_tree(self):
+        rng = numpy.random.default_rng(12)
+        points, places = rng.random((300, 2)), rng.random((40, 5, 2)) * 2 - 0.5
+        d, tree = self.make(points), scipy_spatial.cKDTree(points)
+        for k in (1, 4):
+            for got, want in zip(d.query(places, k), tree.query(places, k)):
+                self.assertEqual(got.shape, want.shape)
+                numpy.testing.assert_allclose(got, want, rtol=1e-12)
+        distance, ids = self.make(SQUARE).query((2, 2), 7)
+        self.assertEqual(ids.tolist()[0], 4)
+        self.assertEqual(ids.tolist()[5:], [5, 5])
+        self.assertTrue(numpy.isinf(distance[5:]).all())
+        with self.assertRaises(ValueError):
+            d.query((float("nan"), 0))
+
+    def test_places_beside_a_hub_are_found(self):
+        around = numpy.linspace(0, 6.28, 400)
+        points = numpy.vstack([[[0.01, 0]], numpy.column_stack([numpy.cos(around), numpy.sin(around)])])
+        d = self.make(points)
+        self.assertEqual(d.find_simplex(points[d.simplices].mean(axis=1)).tolist(), list(range(d.nsimplex)))
+
     # ---- the set ----
 
     def test_a_lost_set_is_made_again(self):
