@@ -184,6 +184,18 @@ void reply_row_point(struct buf *out, uint32_t id, double x, double y)
     buf_commit(out, (size_t)(to - row));
 }
 
+void reply_row_value(struct buf *out, uint32_t id, double value)
+{
+    char *row = buf_reserve(out, ID_ROOM + DOUBLE_ROOM);
+    if (row == NULL)
+        return;
+    char *to = row + proto_write_u32(row, id);
+    *to++ = ' ';
+    to += proto_write_double(to, value);
+    *to++ = '\n';
+    buf_commit(out, (size_t)(to - row));
+}
+
 void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance)
 {
     char *row = buf_reserve(out, ID_ROOM + 3 * DOUBLE_ROOM);

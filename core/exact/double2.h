@@ -101,6 +101,18 @@ static inline struct dt_double2 dt_double2_multiply(struct dt_double2 a, struct 
     return r;
 }
 
+/* a / b with a relative error below 15.1 u^2 [Joldes et al., algorithm 17]. */
+static inline struct dt_double2 dt_double2_divide(struct dt_double2 a, struct dt_double2 b)
+{
+    struct dt_double2 r, product;
+    double q = a.hi / b.hi, p, p_rest;
+    dt_two_product(b.hi, q, &p, &p_rest);
+    dt_fast_two_sum(p, p_rest + b.lo * q, &product.hi, &product.lo);
+    double rest = (a.hi - product.hi) + (a.lo - product.lo);
+    dt_fast_two_sum(q, rest / b.hi, &r.hi, &r.lo);
+    return r;
+}
+
 static inline struct dt_double2 dt_double2_negate(struct dt_double2 a)
 {
     return (struct dt_double2){-a.hi, -a.lo};

@@ -174,7 +174,7 @@ void cmd_get(struct server *s, struct dataset *set, const struct request *q, str
     }
     reply_ok(a->out, n);
     reply_end(a->out);
-    struct rows rows = {.version = set->current, .form = ROW_POINT};
+    struct rows rows = {.version = set->current, .form = ROW_POINT, .width = 1};
     stream_answer(s, a, &rows, &ids);
     free(ids.v);
 }

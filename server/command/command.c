@@ -65,6 +65,8 @@ const struct command commands[] = {
      "the k points nearest to each of n places: n pairs of little-endian doubles follow"},
     {"WITHIN", 5, 6, POINT_SEARCHES, cmd_within, "WITHIN set x0 y0 x1 y1 | WITHIN set x y r",
      "the points in a closed box or disc"},
+    {"WEIGHTS", 4, 6, SEARCHES, cmd_weights, "WEIGHTS set x y [METHOD linear|natural|laplace]",
+     "with which weights the points around count at x y"},
     {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
      "the steps of the shelling algorithm, for sets of up to 1000 points"},
     {"PING", 1, 1, CMD_OPEN | CMD_QUICK, cmd_ping, "PING", "answers OK 0"},

@@ -84,6 +84,35 @@ static enum dt_status order_lists(const struct dt *dt, struct query *q,
     return dt_lists_order(dt, q->cw, q->ids.v, q->ids.n, opt, &q->ids.n, &q->interior);
 }
 
+/* Computes the weights, which needs the set no more, as rows of the result. */
+static enum dt_status finish_weights(struct dt_weigher *w, const struct dt_options *opt,
+                                     struct dt_ids *ids)
+{
+    struct dt_weight *row;
+    size_t n;
+    enum dt_status status = dt_weights_end(w, opt, &row, &n);
+    uint32_t *v = status == DT_OK ? realloc(ids->v, (n + 1) * ROW_VALUE_WORDS * sizeof *v) : NULL;
+    if (status == DT_OK && v == NULL)
+        status = DT_NOMEM;
+    if (v != NULL)
+        *ids = (struct dt_ids){v, n * ROW_VALUE_WORDS, (n + 1) * ROW_VALUE_WORDS};
+    for (size_t i = 0; status == DT_OK && i < n; i++)
+        row_value_put(v + i * ROW_VALUE_WORDS, row[i].id, row[i].weight);
+    free(row);
+    return status;
+}
+
+static enum dt_status find_weights(const struct dt *dt, struct query *q,
+                                   const struct dt_options *opt)
+{
+    struct dt_weigher *w;
+    enum dt_status status = dt_weights_begin(dt, q->place.at, q->how, opt, &w);
+    if (status == DT_OK)
+        status = finish_weights(w, opt, &q->ids);
+    dt_weights_free(w);
+    return status;
+}
+
 /* DT_TOOLONG leaves the query unchanged. */
 static enum dt_status search(const struct dt *dt, struct query *q, const struct dt_options *opt)
 {
@@ -103,6 +132,8 @@ static enum dt_status search(const struct dt *dt, struct query *q, const struct 
         return dt_within_box(dt, q->place.at, q->hi, opt, &q->ids);
     case QUERY_DISC:
         return dt_within_disc(dt, q->place.at, q->radius, opt, &q->ids);
+    case QUERY_WEIGHTS:
+        return find_weights(dt, q, opt);
     }
     return status;
 }
@@ -111,7 +142,8 @@ static enum dt_status search(const struct dt *dt, struct query *q, const struct 
 
 static inline struct rows rows_of(const struct query *q, struct version *v)
 {
-    struct rows rows = {.version = v, .form = ROW_POINT, .from = q->place.at, .cw = q->cw};
+    struct rows rows = {
+        .version = v, .form = ROW_POINT, .width = 1, .from = q->place.at, .cw = q->cw};
     if (q->kind == QUERY_LISTS)
         rows.form = ROW_RING;
     if (q->kind == QUERY_NEAREST)
@@ -120,13 +152,17 @@ static inline struct rows rows_of(const struct query *q, struct version *v)
         rows.form = ROW_IDS;
         rows.width = q->kind == QUERY_EDGES ? 2 : 3;
     }
+    if (q->kind == QUERY_WEIGHTS) {
+        rows.form = ROW_VALUE;
+        rows.width = ROW_VALUE_WORDS;
+    }
     return rows;
 }
 
 /* Writes the reply; *rows are those of the result. */
 static inline void answer(struct server *s, struct answer *a, struct query *q, struct rows *rows)
 {
-    reply_ok(a->out, q->ids.n / (rows->form == ROW_IDS ? rows->width : 1));
+    reply_ok(a->out, q->ids.n / rows->width);
     if (q->kind == QUERY_LISTS) {
         reply_key_u64(a->out, "interior", q->interior);
         reply_key_u64(a->out, "boundary", q->ids.n - q->interior);
@@ -180,6 +216,27 @@ static enum dt_status sweep(struct query_job *j)
     return status;
 }
 
+/* The weights of many natural neighbours take long: a worker computes them while edits go on. It has the lock
+ * on entry and on return. */
+static enum dt_status weigh(struct query_job *j)
+{
+    struct version *v = j->job.base;
+    bool worker = j->job.queued_ns > 0;
+    struct dt_weigher *w;
+    enum dt_status status =
+        dt_weights_begin(v->dt, j->query.place.at, j->query.how, &j->job.options, &w);
+    if (worker)
+        version_unlock(v);
+    if (status == DT_OK) {
+        j->busy = !reservation_resize(&j->job.memory, dt_weights_memory(w));
+        status = j->busy ? DT_NOMEM : finish_weights(w, &j->job.options, &j->query.ids);
+    }
+    dt_weights_free(w);
+    if (worker)
+        version_lock_read(v);
+    return status;
+}
+
 static bool may_sweep(const struct query *q)
 {
     return q->kind == QUERY_NEAREST || q->kind == QUERY_BOX || q->kind == QUERY_DISC;
@@ -190,8 +247,12 @@ static void run_job(struct job *job)
     struct query_job *j = (struct query_job *)job;
     struct dt_options opt = job->options;
     opt.steps = j->steps;
-    /* The rows of the result are read later, unless they are only ids. */
-    bool reads = rows_of(&j->query, job->base).form != ROW_IDS;
+    enum row_form form = rows_of(&j->query, job->base).form;
+    if (form == ROW_VALUE) {
+        job->status = weigh(j);
+        return;
+    }
+    bool reads = form != ROW_IDS; /* the rows of the result, later */
     if (reads)
         j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS);
     job->status = reads && j->view == NULL ? DT_NOMEM : search(job->dt, &j->query, &opt);

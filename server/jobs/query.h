@@ -10,7 +10,15 @@
 #include "server/jobs/server.h"
 #include "server/sets/dataset.h"
 
-enum query_kind { QUERY_LISTS, QUERY_TRIANGLES, QUERY_EDGES, QUERY_NEAREST, QUERY_BOX, QUERY_DISC };
+enum query_kind {
+    QUERY_LISTS,
+    QUERY_TRIANGLES,
+    QUERY_EDGES,
+    QUERY_NEAREST,
+    QUERY_BOX,
+    QUERY_DISC,
+    QUERY_WEIGHTS
+};
 
 struct query {
     enum query_kind kind;
@@ -20,9 +28,12 @@ struct query {
     uint32_t k;            /* QUERY_NEAREST */
     uint32_t corner[3];    /* QUERY_TRIANGLES and QUERY_EDGES: ids, the first `corners` of them */
     unsigned corners;
-    bool cw;           /* QUERY_LISTS, QUERY_TRIANGLES */
-    struct dt_ids ids; /* owns: the result; of QUERY_LISTS first the ids of the request */
-    size_t interior;   /* QUERY_LISTS: the number of interior points in the result */
+    bool cw;                   /* QUERY_LISTS, QUERY_TRIANGLES */
+    enum dt_interpolation how; /* QUERY_WEIGHTS */
+    struct dt_ids
+        ids; /* owns: the result; of QUERY_LISTS first the ids of the request; of QUERY_WEIGHTS
+                          the words of ROW_VALUE */
+    size_t interior; /* QUERY_LISTS: the number of interior points in the result */
 };
 
 /* Answers the query; q->ids moves here. */

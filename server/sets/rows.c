@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum {
     TABLE_WORDS = 4096, /* read from a table at a time */
@@ -49,6 +50,19 @@ static void write_ring(struct rows *r, struct buf *out, uint32_t id)
     }
 }
 
+void row_value_put(uint32_t word[ROW_VALUE_WORDS], uint32_t id, double value)
+{
+    word[0] = id;
+    memcpy(&word[1], &value, sizeof value);
+}
+
+static void write_value(struct buf *out, const uint32_t word[ROW_VALUE_WORDS])
+{
+    double value;
+    memcpy(&value, &word[1], sizeof value);
+    reply_row_value(out, word[0], value);
+}
+
 /* Prefetches the data of the next rows. */
 static void fetch_next(const struct rows *r)
 {
@@ -56,7 +70,7 @@ static void fetch_next(const struct rows *r)
     size_t left = r->ids.n - r->at, n = left < DT_AHEAD ? left : DT_AHEAD;
     if (r->form == ROW_RING)
         dt_fetch_ids(r->version->dt, id, n);
-    else if (r->form != ROW_IDS)
+    else if (r->form == ROW_POINT || r->form == ROW_NEIGHBOUR)
         dt_fetch_points(r->version->dt, id, n);
 }
 
@@ -70,9 +84,11 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
             reply_row_ids(out, id, r->width);
         else if (r->form == ROW_RING)
             write_ring(r, out, *id);
+        else if (r->form == ROW_VALUE)
+            write_value(out, id);
         else
             write_point(r, out, *id);
-        r->at += r->form == ROW_IDS ? r->width : 1;
+        r->at += r->width;
     }
     r->done = r->at == r->ids.n;
 }
@@ -211,7 +227,7 @@ size_t rows_count(const struct rows *r)
 {
     if (row_is_of_place(r->form))
         return r->places;
-    return r->table ? r->cursor.rows : r->ids.n / (r->form == ROW_IDS ? r->width : 1);
+    return r->table ? r->cursor.rows : r->ids.n / r->width;
 }
 
 bool rows_cut(struct rows *r, struct rows *part)
@@ -226,7 +242,7 @@ bool rows_cut(struct rows *r, struct rows *part)
         part->places = r->at;
         return part->at < part->places;
     }
-    size_t n = PART_IDS * (r->form == ROW_IDS ? r->width : 1);
+    size_t n = PART_IDS * r->width;
     r->at = r->ids.n - r->at > n ? r->at + n : r->ids.n;
     part->ids.n = r->at;
     return part->at < part->ids.n;

@@ -13,9 +13,14 @@ enum row_form {
     ROW_POINT,     /* id x y */
     ROW_NEIGHBOUR, /* id x y distance from `from` */
     ROW_RING,      /* id and its ring */
+    ROW_VALUE,     /* id and a number: ROW_VALUE_WORDS words of the list */
     ROW_TRIANGLE,  /* binary, of a place: the corners of its triangle, */
     ROW_NEAREST    /* and the `width` points nearest to it */
 };
+
+/* A row of ROW_VALUE in a list of words. */
+enum { ROW_VALUE_WORDS = 3 };
+void row_value_put(uint32_t word[ROW_VALUE_WORDS], uint32_t id, double value);
 
 /* Places that are asked about. */
 struct places {
@@ -37,7 +42,7 @@ struct rows {
     bool binary;             /* table only */
     struct dt_cursor cursor;
     enum row_form form;
-    size_t width;                 /* ROW_IDS, ROW_TRIANGLE, ROW_NEAREST: ids in a row */
+    size_t width;                 /* words of the list or of the reply in a row */
     bool cw;                      /* ROW_RING */
     struct dt_point from;         /* ROW_NEIGHBOUR */
     struct dt_ids ids;            /* the list; a part borrows it */

@@ -77,6 +77,27 @@ TEST(requests_about_a_hub_go_to_a_worker)
     local_stop(&l);
 }
 
+/* Points on a circle are all natural neighbours of a place inside; one beside a flat hull needs long numbers. */
+TEST(weights_of_many_neighbours_or_in_long_numbers_go_to_a_worker)
+{
+    struct local l;
+    char *load = wheel(4 * COST_STEPS_AT_ONCE);
+    local_start(&l, 2);
+    local_ask(&l, load);
+    CHECK(jobs_for(&l, "WEIGHTS t 0.3 0.2") == 0);
+    CHECK(jobs_for(&l, "DEL t 0") > 0);
+    CHECK(jobs_for(&l, "WEIGHTS t 0.3 0.2") == 0);
+    CHECK(jobs_for(&l, "WEIGHTS t 0.3 0.2 METHOD natural") > 0);
+    CHECK(strncmp(buf_head(&l.out), "OK 8000\n", 8) == 0);
+    CHECK(jobs_for(&l, "WEIGHTS t 0.3 0.2 METHOD laplace") > 0);
+    CHECK(strncmp(buf_head(&l.out), "OK 8000\n", 8) == 0);
+    local_ask(&l, "ADD u -1e60 0  1e60 1e-40  0 1e60  1e-42 -1e-30  1 1\nTRIANGULATE u");
+    CHECK(jobs_for(&l, "WEIGHTS u 1e-41 0") == 0);
+    CHECK(jobs_for(&l, "WEIGHTS u 1e-41 0 METHOD natural") > 0);
+    free(load);
+    local_stop(&l);
+}
+
 TEST_TIMEOUT(workers_find_what_is_found_without_them, 60)
 {
     static const char *const requests[] = {

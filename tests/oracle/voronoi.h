@@ -1,0 +1,13 @@
+/* voronoi.h - the weights of natural neighbours by their definition: the Voronoi cell of a place is cut out of the
+ * plane by one half plane after the other, in numbers of 1,850 bits. */
+#ifndef VORONOI_H
+#define VORONOI_H
+
+#include "core/delaunay.h"
+
+/* weight[i] of the point p[i] at q, which is strictly inside the convex hull of the n distinct points and is none
+ * of them. Cost: O(n k^2) for k natural neighbours, each step some microseconds. */
+void voronoi_weights(const struct dt_point *p, uint32_t n, struct dt_point q,
+                     enum dt_interpolation how, double *weight);
+
+#endif
