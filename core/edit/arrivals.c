@@ -224,19 +224,6 @@ static enum dt_status make_alias(struct arrivals *a, uint32_t i)
     return dt_points_join(p, p->next_id + i, at, dt_idmap_get(&p->value, representative(a, i)));
 }
 
-static void take_back(struct dt_points *p, uint32_t n, uint32_t end)
-{
-    for (uint32_t id = p->next_id + n; id-- > p->next_id;) {
-        uint32_t v = dt_idmap_get(&p->value, id);
-        if (v == DT_NONE)
-            continue;
-        dt_idmap_unset(&p->value, id);
-        if (v & DT_ALIAS_BIT)
-            dt_points_leave_group(p, v & ~DT_ALIAS_BIT);
-    }
-    p->end = end;
-}
-
 /* Gives each arrival its vertex, or makes it an alias. */
 static enum dt_status name(struct arrivals *a)
 {
@@ -255,7 +242,7 @@ static enum dt_status name(struct arrivals *a)
     if (status == DT_OK)
         status = dt_stop_status(&a->stop);
     if (status != DT_OK)
-        take_back(p, a->n, a->end);
+        dt_points_take_back(p, a->n);
     return status;
 }
 
@@ -305,7 +292,9 @@ static enum dt_status add_sorted(struct dt_points *p, const struct dt_point *q, 
         dt_points_unplan(p);
         keep_plan(&a);
     } else {
-        p->end = a.end;
+        p->end = a.end; /* no vertex was free before (dt_arrivals_suit) */
+        p->free_count = 0;
+        p->free_list = DT_NONE;
     }
     free_arrays(&a);
     return status;

@@ -276,7 +276,7 @@ static size_t list_vertices(const struct dt *t, const uint32_t *ids, size_t n, s
 static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t n,
                                       struct dt_work *work, uint32_t *gone, size_t *k)
 {
-    struct dt_stop stop = {.cancel = work == NULL ? NULL : work->cancel};
+    struct dt_stop stop = dt_work_stop(work);
     size_t all = list_vertices(t, ids, n, &stop, gone);
     enum dt_status status = dt_stop_status(&stop);
     if (all == 1)
