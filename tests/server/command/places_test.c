@@ -256,8 +256,7 @@ TEST(places_that_are_refused_are_skipped)
     CHECK_CONVERSATION(&d, "LOCATEB t 2\nABCDEFG@ABCDEFG@A",
                        "ERR SYNTAX place 2: the input ended too early\n");
     CHECK_CONVERSATION(&d, "LOCATEB t 1 2\nDROP t\n", "ERR SYNTAX usage: LOCATEB set n\n");
-    CHECK_CONVERSATION(&d, "NEARESTB t -1\nDROP t\n",
-                       "ERR NUMBER -1 is not a number of points\n");
+    CHECK_CONVERSATION(&d, "NEARESTB t -1\nDROP t\n", "ERR NUMBER -1 is not a number of points\n");
     CHECK_CONVERSATION(&d, "CREATE u\nLOCATEB u 1\nABCDEFG@ABCDEFG@LOCATEB t 0\nNEARESTB t 0\n",
                        "OK 0\nERR UNTRIANGULATED TRIANGULATE the set first\nOK 0 rows=0 bytes=0\n"
                        "OK 0 rows=0 bytes=0\n");
