@@ -43,6 +43,31 @@ def main():
     theirs, their_size = best_of(3, SciPy, points)
     assert size == their_size, (size, their_size)
     print("| scipy.spatial.Delaunay | %.2f | %.3f |" % (theirs, ours / theirs))
+    compare_places(port, points, SciPy)
+
+
+def seconds_of(find, places):
+    start = time.perf_counter()
+    found = find(places)
+    return time.perf_counter() - start, found
+
+
+def compare_places(port, points, scipy_delaunay):
+    """find_simplex of as many random places as there are points; SciPy, which takes long, gets a tenth of them."""
+    places = np.random.default_rng(2).random(points.shape)
+    few = places[: max(1, len(places) // 10)]
+    with Client("delaunay://127.0.0.1:" + port) as client:
+        view = Delaunay(points, client=client)
+        view.find_simplex(few)
+        ours = min(seconds_of(view.find_simplex, places)[0] for _ in range(3))
+        found = view.find_simplex(few)
+        theirs, their_found = seconds_of(scipy_delaunay(points).find_simplex, few)
+        assert ((found >= 0) == (their_found >= 0)).all()
+        view.close()
+    each = ours / len(places), theirs / len(few)
+    print("\n| find_simplex | us a place | ratio |\n|---|---|---|")
+    print("| delaunayd.spatial.Delaunay, %d places | %.2f | |" % (len(places), each[0] * 1e6))
+    print("| scipy.spatial.Delaunay, %d places | %.2f | %.4f |" % (len(few), each[1] * 1e6, each[0] / each[1]))
 
 
 main()
