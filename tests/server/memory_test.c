@@ -78,7 +78,9 @@ TEST_TIMEOUT(builds_that_do_not_fit_together_wait_for_each_other_in_order, 120)
             CHECK(begins_with(hear_line(fd[i]), "OK 0 points=100000 "));
     }
     check_peak(&d, 115 * MB);
-    CHECK(daemon_info(&d, "memory_used") < 70 * MB && daemon_info(&d, "memory_peak") < 105 * MB);
+    CHECK(daemon_info(&d, "memory_peak") < 105 * MB);
+    for (int tries = 0; daemon_info(&d, "memory_used") >= 70 * MB; tries++, pause_ms(10))
+        CHECK(tries < 500); /* workers free the versions that have been replaced */
 }
 
 TEST_TIMEOUT(client_that_leaves_while_its_build_waits_for_memory_holds_up_nobody, 120)
