@@ -92,6 +92,7 @@ class Private(unittest.TestCase):
             import os, signal
             from delaunayd import Client
             os.setpgid(0, 0)
+            signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
             c = Client("private:")
             try:
                 os.killpg(0, signal.SIGINT)
