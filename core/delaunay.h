@@ -578,8 +578,8 @@ struct dt_weigher;
 enum dt_status dt_weights_begin(const struct dt *t, struct dt_point q, enum dt_interpolation how,
                                 const struct dt_options *opt, struct dt_weigher **out);
 
-/* The bytes that it holds, and those that dt_weights_end takes at most. */
-size_t dt_weights_memory(const struct dt_weigher *w);
+/* The bytes that it holds, and those that dt_weights_end takes at most: limited as below, or `exact`, not so. */
+size_t dt_weights_memory(const struct dt_weigher *w, bool exact);
 
 /* The *n weights, by ascending ids, in *out, which the caller frees; none outside the hull; at a point 1; on an
  * edge of the hull linear along the edge. Does not read the set. opt may be NULL: its flag is polled. Cost: the

@@ -40,15 +40,6 @@ static bool is_cancelled(const atomic_bool *cancel, uint32_t step)
 #define ROUGH(a) (a)
 #define UNIT 0x1p-53
 #include "core/surface/weights_formula.h"
-#undef NUMBER
-#undef F
-#undef DIFFERENCE
-#undef PLUS
-#undef MINUS
-#undef TIMES
-#undef OVER
-#undef ROUGH
-#undef UNIT
 
 /* ---- in double words ---- */
 
@@ -62,15 +53,6 @@ static bool is_cancelled(const atomic_bool *cancel, uint32_t step)
 #define ROUGH(a) ((a).hi)
 #define UNIT 0x1p-102
 #include "core/surface/weights_formula.h"
-#undef NUMBER
-#undef F
-#undef DIFFERENCE
-#undef PLUS
-#undef MINUS
-#undef TIMES
-#undef OVER
-#undef ROUGH
-#undef UNIT
 
 /* ---- in numbers that are always enough ---- */
 
@@ -144,11 +126,16 @@ static bool reserve(struct dt_weigher *w, size_t n)
     return true;
 }
 
-/* For all centres and numbers of the tour. */
+/* For all centres and numbers of the tour, of these sizes. */
+static size_t room_bytes(const struct dt_tour *tour, size_t centre, size_t number)
+{
+    size_t rims = tour->rims;
+    return (tour->triangles + rims) * centre + 3 * rims * number;
+}
+
 static bool reserve_room(struct dt_weigher *w, size_t centre, size_t number)
 {
-    size_t rims = w->tour.rims;
-    size_t bytes = (w->tour.triangles + rims) * centre + 3 * rims * number;
+    size_t bytes = room_bytes(&w->tour, centre, number);
     if (bytes <= w->room_cap)
         return true;
     void *room = realloc(w->room, bytes + bytes / 2);
@@ -340,13 +327,17 @@ enum dt_status dt_weights_begin(const struct dt *t, struct dt_point q, enum dt_i
     return s;
 }
 
-size_t dt_weights_memory(const struct dt_weigher *w)
+size_t dt_weights_memory(const struct dt_weigher *w, bool exact)
 {
-    size_t rims = w->tour.rims, most = w->tour.triangles + 4 * rims;
-    return w->cap * (sizeof *w->id + sizeof *w->weight) +
-           w->tour.step_cap * sizeof(struct dt_tour_step) +
-           w->tour.turn_cap * sizeof(struct dt_tour_turn) + rims * sizeof(struct dt_weight) +
-           (w->by_cells ? most * sizeof(struct centre_big) * 3 / 2 : 0);
+    const struct dt_tour *tour = &w->tour;
+    size_t room = 0;
+    if (w->by_cells && exact)
+        room = room_bytes(tour, sizeof(struct centre_big), sizeof(struct dt_bigfloat));
+    else if (w->by_cells)
+        room = room_bytes(tour, sizeof(struct centre_double2), sizeof(struct dt_double2));
+    return w->cap * (sizeof *w->id + sizeof *w->weight) + w->n * sizeof(struct dt_weight) +
+           tour->step_cap * sizeof *tour->step + tour->turn_cap * sizeof *tour->turn + room +
+           room / 2;
 }
 
 static int compare_weights(const void *a, const void *b)

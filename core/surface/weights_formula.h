@@ -1,5 +1,5 @@
 /* weights_formula.h - the weights of natural neighbours, once for each kind of number; for weights.c only, which
- * defines before it includes this file
+ * defines, before it includes this file, what is undefined again at its end:
  *
  *     NUMBER                          the type
  *     F(name)                         name with a suffix of its own
@@ -185,3 +185,13 @@ static enum dt_status F(linear)(const struct dt_point p[3], struct dt_point q, d
     double la = F(length)(a), lb = F(length)(b), lc = F(length)(c);
     return F(divide)(area, 3, 7 * UNIT * (lb * lc + lc * la + la * lb), weight);
 }
+
+#undef NUMBER
+#undef F
+#undef DIFFERENCE
+#undef PLUS
+#undef MINUS
+#undef TIMES
+#undef OVER
+#undef ROUGH
+#undef UNIT

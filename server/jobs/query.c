@@ -216,6 +216,15 @@ static enum dt_status sweep(struct query_job *j)
     return status;
 }
 
+/* Computes the weights within a limit, or exactly, if there is memory for that. */
+static enum dt_status weigh_reserved(struct query_job *j, struct dt_weigher *w, bool exact)
+{
+    struct dt_options opt = j->job.options;
+    opt.steps = exact ? 0 : COST_STEPS_AT_ONCE;
+    j->busy = !reservation_resize(&j->job.memory, dt_weights_memory(w, exact));
+    return j->busy ? DT_NOMEM : finish_weights(w, &opt, &j->query.ids);
+}
+
 /* The weights of many natural neighbours take long: a worker computes them while edits go on. It has the lock
  * on entry and on return. */
 static enum dt_status weigh(struct query_job *j)
@@ -227,10 +236,10 @@ static enum dt_status weigh(struct query_job *j)
         dt_weights_begin(v->dt, j->query.place.at, j->query.how, &j->job.options, &w);
     if (worker)
         version_unlock(v);
-    if (status == DT_OK) {
-        j->busy = !reservation_resize(&j->job.memory, dt_weights_memory(w));
-        status = j->busy ? DT_NOMEM : finish_weights(w, &j->job.options, &j->query.ids);
-    }
+    if (status == DT_OK)
+        status = weigh_reserved(j, w, false);
+    if (status == DT_TOOLONG)
+        status = weigh_reserved(j, w, true);
     dt_weights_free(w);
     if (worker)
         version_lock_read(v);

@@ -3,6 +3,7 @@
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -81,6 +82,28 @@ TEST_TIMEOUT(builds_that_do_not_fit_together_wait_for_each_other_in_order, 120)
     CHECK(daemon_info(&d, "memory_peak") < 105 * MB);
     for (int tries = 0; daemon_info(&d, "memory_used") >= 70 * MB; tries++, pause_ms(10))
         CHECK(tries < 500); /* workers free the versions that have been replaced */
+}
+
+/* Numbers of 1,850 bits take forty times as much, but no point of a circle needs them. */
+TEST_TIMEOUT(weights_of_many_neighbours_reserve_what_their_numbers_take, 60)
+{
+    enum { POINTS = 20000 };
+    const char *arguments[] = {"--max-memory", "48m", "--threads", "2", NULL};
+    struct daemon d = daemon_start(arguments);
+    int fd = daemon_connect(&d);
+    char text[100];
+    snprintf(text, sizeof text, "LOAD t %d\n", POINTS);
+    say(fd, text);
+    for (int i = 0; i < POINTS; i++) {
+        double angle = i * 6.283185307179586 / POINTS;
+        snprintf(text, sizeof text, "%.17g %.17g\n", cos(angle), sin(angle));
+        say(fd, text);
+    }
+    say(fd, "TRIANGULATE t\nWEIGHTS t 0.25 0.125 METHOD natural\n");
+    for (int i = 0; i < 2; i++)
+        CHECK(begins_with(hear_line(fd), "OK 0 "));
+    CHECK_STR(hear_line(fd), "OK 20000");
+    CHECK(daemon_info(&d, "memory_peak") < 48 * MB);
 }
 
 TEST_TIMEOUT(client_that_leaves_while_its_build_waits_for_memory_holds_up_nobody, 120)
