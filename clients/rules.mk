@@ -31,18 +31,20 @@ $(O)/pic/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -fPIC -MMD -MP -c -o $@ $<
 
+# The core's two public headers are installed as one.
+CORE_HEADERS := core/delaunay.h core/delaunay_surface.h
 $(O)/include/delaunay_client.h: clients/lib/delaunay_client.h
-$(O)/include/delaunay_core.h: core/delaunay.h
+$(O)/include/delaunay_core.h: $(CORE_HEADERS)
 $(HEADERS:%=$(O)/include/%):
 	@mkdir -p $(@D)
-	cp $< $@
+	sed '/^#include "core/d' $^ >$@
 
 # A library exports the functions of its header, and no other name.
 $(O)/lib/libdelaunay.names: clients/lib/delaunay_client.h
-$(O)/lib/libdelaunay-core.names: core/delaunay.h
+$(O)/lib/libdelaunay-core.names: $(CORE_HEADERS)
 $(LIBRARIES:%=$(O)/lib/lib%.names):
 	@mkdir -p $(@D)
-	grep -oE '\b(delaunay|dt)_[a-z0-9_]+\(' $< | tr -d '(' | sort -u >$@
+	grep -ohE '\b(delaunay|dt)_[a-z0-9_]+\(' $^ | tr -d '(' | sort -u >$@
 
 $(O)/lib/lib%.map: $(O)/lib/lib%.names
 	{ echo 'DELAUNAY_0 { global:'; sed 's/$$/;/' $<; echo 'local: *; };'; } >$@

@@ -2,6 +2,7 @@
 #ifndef DT_WEIGHTS_H
 #define DT_WEIGHTS_H
 
+#include "core/delaunay_surface.h"
 #include "core/set/set.h"
 #include "core/surface/tour.h"
 

@@ -7,6 +7,7 @@
 #ifndef SERVER_QUERY_H
 #define SERVER_QUERY_H
 
+#include "core/delaunay_surface.h"
 #include "server/jobs/server.h"
 #include "server/sets/dataset.h"
 

@@ -3,7 +3,7 @@
 #ifndef VORONOI_H
 #define VORONOI_H
 
-#include "core/delaunay.h"
+#include "core/delaunay_surface.h"
 
 /* weight[i] of the point p[i] at q, which is strictly inside the convex hull of the n distinct points and is none
  * of them. Cost: O(n k^2) for k natural neighbours, each step some microseconds. */

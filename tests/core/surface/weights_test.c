@@ -1,5 +1,5 @@
 /* weights_test.c - the weights at places between points, against their definition. */
-#include "core/delaunay.h"
+#include "core/delaunay_surface.h"
 #include "core/exact/double2.h"
 #include "tests/core/sets.h"
 #include "tests/oracle/voronoi.h"
