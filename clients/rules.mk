@@ -31,8 +31,8 @@ $(O)/pic/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -fPIC -MMD -MP -c -o $@ $<
 
-# The core's two public headers are installed as one.
-CORE_HEADERS := core/delaunay.h core/delaunay_surface.h
+# The core's public headers are installed as one.
+CORE_HEADERS := core/delaunay.h core/delaunay_surface.h core/delaunay_fields.h
 $(O)/include/delaunay_client.h: clients/lib/delaunay_client.h
 $(O)/include/delaunay_core.h: $(CORE_HEADERS)
 $(HEADERS:%=$(O)/include/%):

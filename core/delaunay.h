@@ -1,5 +1,5 @@
 /* delaunay.h - the core's public header: a set of points of the plane and its Delaunay triangulation.
- * delaunay_surface.h is its second part.
+ * delaunay_surface.h and delaunay_fields.h are its further parts.
  *
  * A set hands out an id for every point it is given: 0, 1, 2, ... in order of arrival, never used
  * twice. A point that lies within the set's coincidence tolerance of an earlier one becomes an
@@ -57,6 +57,7 @@ enum dt_status {
     DT_NOPOINT,        /* no such id */
     DT_NOEDGE,         /* the two points are not joined by an edge */
     DT_NOTRIANGLE,     /* the three points are not a triangle of the triangulation */
+    DT_NOFIELD,        /* no such field (core/delaunay_fields.h) */
     DT_UNTRIANGULATED, /* dt_triangulate has not been called yet */
     DT_CANCELLED,      /* the caller's cancel flag was seen */
     DT_CORRUPT,        /* dt_check found a fault */
@@ -224,6 +225,7 @@ struct dt_summary {
     uint32_t points;     /* live ids, aliases included */
     uint32_t coincident; /* the aliases among them */
     uint32_t triangles, edges, hull;
+    uint32_t fields;   /* of values (core/delaunay_fields.h) */
     bool triangulated; /* dt_triangulate has been called */
     bool current;      /* and no edit awaits dt_refresh */
     bool searchable;   /* and there is a grid for searches, or there will be none: see dt_prepare */

@@ -23,6 +23,7 @@ static const char *const code_name[] = {
     [ERR_NOPOINT] = "NOPOINT",
     [ERR_NOEDGE] = "NOEDGE",
     [ERR_NOTRIANGLE] = "NOTRIANGLE",
+    [ERR_NOFIELD] = "NOFIELD",
     [ERR_UNTRIANGULATED] = "UNTRIANGULATED",
     [ERR_TOOLONG] = "TOOLONG",
     [ERR_TOOBIG] = "TOOBIG",

@@ -20,6 +20,7 @@ enum reply_code {
     ERR_NOPOINT,
     ERR_NOEDGE,
     ERR_NOTRIANGLE,
+    ERR_NOFIELD,
     ERR_UNTRIANGULATED,
     ERR_TOOLONG,
     ERR_TOOBIG,

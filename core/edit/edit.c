@@ -56,11 +56,18 @@ static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n,
     struct dt_work work = dt_work_of(opt);
     struct dt_stop stop = dt_stop_of(opt);
     dt_views_edit_begin(t);
-    if (dt_is_live(t) && !dt_update_is_bulk(t, n))
-        return dt_update_delete(t, ids, n, &work);
+    enum dt_status status = dt_fields_take_ready(&t->fields, ids, n, &work);
+    if (status != DT_OK)
+        return status;
+    if (dt_is_live(t) && !dt_update_is_bulk(t, n)) {
+        status = dt_update_delete(t, ids, n, &work);
+        if (status == DT_OK)
+            dt_fields_take(&t->fields, ids, n);
+        return status;
+    }
     struct dt_points *p = &t->points;
     bool only_aliases = true;
-    enum dt_status status = dt_work(&work, 2 * n);
+    status = dt_work(&work, 2 * n);
     if (status == DT_OK)
         status = dt_points_delete_ready(p, ids, n, &work);
     if (status != DT_OK)
@@ -70,6 +77,7 @@ static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n,
     if (!only_aliases)
         t->current = false;
     dt_points_delete_all(p, ids, n, opt != NULL && opt->disposable ? &stop : NULL);
+    dt_fields_take(&t->fields, ids, n);
     return dt_stop_status(&stop);
 }
 

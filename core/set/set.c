@@ -26,6 +26,7 @@ void dt_free(struct dt *t)
     if (t == NULL)
         return;
     dt_points_clear(&t->points);
+    dt_fields_clear(&t->fields);
     dt_mesh_clear(&t->mesh);
     dt_hints_clear(&t->hints);
     dt_cavity_clear(&t->scratch);
@@ -39,6 +40,8 @@ enum dt_status dt_clone(const struct dt *t, struct dt **copy)
     if (c == NULL)
         return DT_NOMEM;
     enum dt_status status = dt_points_copy(&t->points, &c->points, NULL);
+    if (status == DT_OK)
+        status = dt_fields_copy(&t->fields, &c->fields, NULL);
     if (status == DT_OK)
         status = dt_mesh_copy(&t->mesh, &c->mesh);
     if (status == DT_OK)
@@ -62,6 +65,8 @@ enum dt_status dt_clone_points(const struct dt *t, const struct dt_options *opt,
     if (c == NULL)
         return DT_NOMEM;
     enum dt_status status = dt_points_copy(&t->points, &c->points, &stop);
+    if (status == DT_OK)
+        status = dt_fields_copy(&t->fields, &c->fields, &stop);
     if (status == DT_OK)
         status = dt_stop_status(&stop);
     if (status != DT_OK) {
@@ -102,12 +107,13 @@ void dt_summary(const struct dt *t, struct dt_summary *out)
     *out = (struct dt_summary){
         .points = dt_points_live(&t->points),
         .coincident = t->points.aliases.count,
+        .fields = t->fields.n,
         .triangulated = t->triangulated,
         .current = dt_is_live(t),
         .searchable = dt_is_live(t) && !dt_lacks_grid(t),
-        .memory = sizeof *t + dt_points_memory(&t->points) + dt_mesh_memory(&t->mesh) +
-                  dt_hints_memory(&t->hints) + dt_cavity_memory(&t->scratch) +
-                  dt_views_memory(&t->views),
+        .memory = sizeof *t + dt_points_memory(&t->points) + dt_fields_memory(&t->fields) +
+                  dt_mesh_memory(&t->mesh) + dt_hints_memory(&t->hints) +
+                  dt_cavity_memory(&t->scratch) + dt_views_memory(&t->views),
     };
     if (out->current) {
         out->triangles = dt_mesh_triangles(&t->mesh);

@@ -2,6 +2,7 @@
 #ifndef DT_SET_H
 #define DT_SET_H
 
+#include "core/fields/fields.h"
 #include "core/grid/hints.h"
 #include "core/mesh/cavity.h"
 #include "core/mesh/mesh.h"
@@ -18,6 +19,7 @@ struct dt {
     struct dt_cavity scratch; /* of edits */
     uint32_t hinted;          /* vertices that the mesh had when its hints were built */
     uint64_t steps;           /* that walks have taken since then beyond the usual ones */
+    struct dt_fields fields;  /* values of the points */
     struct dt_views views;    /* readers of earlier moments, and what has been saved for them */
 };
 

@@ -127,6 +127,8 @@ static uint64_t later(uint64_t a, uint64_t b)
 static void note(struct dt_views *w, const struct dt_view *v, struct moment *oldest)
 {
     if (dt_view_reads_rows(w, v)) {
+        w->oldest = earlier(w->oldest, v->serial);
+        w->latest = later(w->latest, v->serial);
         w->row_ids = v->next_id > w->row_ids ? v->next_id : w->row_ids;
         w->rows_since = later(w->rows_since, v->rows);
         w->families_since = later(w->families_since, v->families);
@@ -147,6 +149,8 @@ static struct moment look_round(struct dt_views *w)
     struct dt_view *last = NULL, *next;
     w->row_ids = w->ring_ids = 0;
     w->rows_since = w->families_since = w->rings_since = 0;
+    w->oldest = UINT64_MAX;
+    w->latest = 0;
     for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = next) {
         next = v->next;
         if (atomic_load(&v->state) != DT_VIEW_ENDED) {

@@ -46,6 +46,7 @@ struct dt_views {
     /* For the edit under way: the latest moments that are read, and the ids that there were by then. */
     uint64_t rows_since, families_since, rings_since;
     uint32_t row_ids, ring_ids; /* 0: none is read */
+    uint64_t oldest, latest;    /* serials of views that are read; UINT64_MAX and 0: none */
 };
 
 /* All views have ended. */

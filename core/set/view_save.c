@@ -70,6 +70,7 @@ static bool look_after(struct dt *t)
 {
     struct dt_views *w = &t->views;
     bool freed = dt_views_review(w);
+    freed |= dt_fields_review(&t->fields, atomic_load(&w->serial), w->latest, w->oldest);
     w->changes = (struct dt_changes){save_row, save_family, save_star, save_name, t};
     t->points.changes = t->points.aliases.changes = w->row_ids > 0 ? &w->changes : NULL;
     t->scratch.changes = w->ring_ids > 0 ? &w->changes : NULL;
@@ -80,7 +81,7 @@ void dt_views_edit_begin(struct dt *t)
 {
     const struct dt_views *w = &t->views;
     if (atomic_load_explicit(&w->list, memory_order_relaxed) != NULL || w->saved ||
-        t->points.changes != NULL)
+        t->points.changes != NULL || dt_fields_keep(&t->fields))
         look_after(t);
 }
 

@@ -25,6 +25,9 @@ void answer_status(struct answer *a, enum dt_status status)
     case DT_NOTRIANGLE:
         reply_err(a->out, ERR_NOTRIANGLE, "these points are not a triangle of the triangulation");
         break;
+    case DT_NOFIELD:
+        reply_err(a->out, ERR_NOFIELD, "no such field");
+        break;
     case DT_UNTRIANGULATED:
         reply_err(a->out, ERR_UNTRIANGULATED, "TRIANGULATE the set first");
         break;

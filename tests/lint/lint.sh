@@ -12,7 +12,7 @@ trap 'rm -f "$found"' EXIT
 
 # The rooms of a folder, from the bottom up: what is in one may include what is in those before it.
 declare -A rooms=(
-    [core]='exact control memory points mesh grid set divide shelling query surface edit'
+    [core]='exact control memory fields points mesh grid set divide shelling query surface edit'
     [clients]='lib files pictures cli commands'
     [server]='system ops sets disk jobs clients command session'
 )
@@ -58,9 +58,9 @@ room_order() { # FOLDER REGEX
 
 include_rules() {
     local pure='assert|cpuid|float|immintrin|limits|math|stdalign|stdarg|stdatomic|stdbool|stddef|stdint|stdlib|string'
-    room_order core "\"core/delaunay(_surface)?\.h\"|<($pure|sys/mman|errno)\.h>|<atomic>" # the last one for C++ that includes core/delaunay.h
+    room_order core "\"core/delaunay(_surface|_fields)?\.h\"|<($pure|sys/mman|errno)\.h>|<atomic>" # the last one for C++ that includes core/delaunay.h
     may_include proto "\"proto/[a-z0-9_]+\.h\"|<($pure|ctype|errno|inttypes|stdio|time)\.h>"
-    room_order server "\"(core/delaunay(_surface)?|proto/[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
+    room_order server "\"(core/delaunay(_surface|_fields)?|proto/[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
     room_order clients "\"proto/[a-z0-9_]+\.h\"|<[a-z0-9_/]+\.h>"
 }
 

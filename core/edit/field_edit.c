@@ -1,0 +1,155 @@
+/* field_edit.c - values are set, and fields dropped. First the pages that will be written to are made ready, which
+ * may fail and changes no value; then the values are written, which cannot fail. */
+#include "core/delaunay_fields.h"
+
+#include <string.h>
+
+#include "core/control/work.h"
+#include "core/set/set.h"
+#include "core/set/view_save.h"
+
+/* What is set. */
+struct setting {
+    struct dt *t;
+    struct dt_field *field;
+    bool created;
+    const uint32_t *ids; /* NULL: those from `first` on */
+    uint32_t first;
+    const double *v;
+    size_t n;
+};
+
+static uint32_t id_of(const struct setting *s, size_t i)
+{
+    return s->ids != NULL ? s->ids[i] : s->first + (uint32_t)i;
+}
+
+/* DT_OK if every value may be set at its point. */
+static enum dt_status check(const struct setting *s, struct dt_work *work, uint32_t *missing)
+{
+    enum dt_status status = DT_OK;
+    for (size_t i = 0; i < s->n && status == DT_OK; i++) {
+        if ((i & DT_WORK_MASK) == 0)
+            status = dt_work(work, s->n - i < DT_WORK_BLOCK ? s->n - i : DT_WORK_BLOCK);
+        *missing = id_of(s, i);
+        bool needless = s->ids == NULL && isnan(s->v[i]);
+        if (isinf(s->v[i]))
+            status = DT_RANGE;
+        else if (!needless && dt_idmap_get(&s->t->points.value, *missing) == DT_NONE)
+            status = DT_NOPOINT;
+    }
+    return status;
+}
+
+/* Whether the page of the id has to be there for the value to be set. */
+static bool needs_page(const struct setting *s, uint32_t id, double v)
+{
+    return !isnan(v) || dt_field_page_now(s->field, id) != NULL;
+}
+
+/* Frees the pages of the first n values that are empty. */
+static void close_pages(const struct setting *s, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        dt_field_close(&s->t->fields.shelf, s->field, id_of(s, i));
+}
+
+static enum dt_status open_pages(const struct setting *s, struct dt_work *work)
+{
+    enum dt_status status = DT_OK;
+    size_t i = 0;
+    for (; i < s->n && status == DT_OK; i++) {
+        if ((i & DT_WORK_MASK) == 0)
+            status = dt_work(work, s->n - i < DT_WORK_BLOCK ? s->n - i : DT_WORK_BLOCK);
+        if (status == DT_OK && needs_page(s, id_of(s, i), s->v[i]))
+            status = dt_field_open(&s->t->fields.shelf, s->field, id_of(s, i));
+    }
+    if (status != DT_OK)
+        close_pages(s, i);
+    return status;
+}
+
+/* How many of the values from i on lie in one page. */
+static size_t run_at(const struct setting *s, size_t i)
+{
+    size_t room = DT_FIELD_PAGE - id_of(s, i) % DT_FIELD_PAGE;
+    return s->n - i < room ? s->n - i : room;
+}
+
+static void write_run(const struct setting *s)
+{
+    for (size_t i = 0, k; i < s->n; i += k) {
+        k = run_at(s, i);
+        if (dt_field_page_now(s->field, id_of(s, i)) != NULL)
+            dt_field_put_run(s->field, id_of(s, i), s->v + i, (uint32_t)k);
+        dt_field_close(&s->t->fields.shelf, s->field, id_of(s, i));
+    }
+}
+
+static void write_ids(const struct setting *s)
+{
+    for (size_t i = 0; i < s->n; i++)
+        if (dt_field_page_now(s->field, s->ids[i]) != NULL)
+            dt_field_put(s->field, s->ids[i], s->v[i]);
+    close_pages(s, s->n);
+}
+
+/* Finds the field, or creates it. */
+static enum dt_status find_field(struct setting *s, const char *name, size_t len)
+{
+    if (len == 0 || len > DT_FIELD_NAME || memchr(name, '\0', len) != NULL)
+        return DT_NOFIELD;
+    s->field = dt_fields_find(&s->t->fields, name, len);
+    s->created = s->field == NULL;
+    return s->created ? dt_fields_create(&s->t->fields, name, len, &s->field) : DT_OK;
+}
+
+static enum dt_status set_values(struct setting *s, const char *name, size_t len,
+                                 const struct dt_options *opt, uint32_t *missing)
+{
+    struct dt_work work = dt_work_of(opt);
+    enum dt_status status = check(s, &work, missing);
+    if (status != DT_OK)
+        return status;
+    dt_views_edit_begin(s->t);
+    status = find_field(s, name, len);
+    if (status != DT_OK)
+        return status;
+    status = open_pages(s, &work);
+    if (status != DT_OK && s->created)
+        dt_fields_drop(&s->t->fields, s->field);
+    if (status == DT_OK && s->ids != NULL)
+        write_ids(s);
+    else if (status == DT_OK)
+        write_run(s);
+    return status;
+}
+
+enum dt_status dt_field_set(struct dt *t, const char *name, size_t len, const uint32_t *ids,
+                            const double *values, size_t n, const struct dt_options *opt,
+                            uint32_t *missing)
+{
+    struct setting s = {.t = t, .ids = ids, .v = values, .n = n};
+    return set_values(&s, name, len, opt, missing);
+}
+
+enum dt_status dt_field_set_run(struct dt *t, const char *name, size_t len, uint32_t first,
+                                const double *values, size_t n, const struct dt_options *opt,
+                                uint32_t *missing)
+{
+    struct setting s = {.t = t, .first = first, .v = values, .n = n};
+    if (n <= DT_NONE - first)
+        return set_values(&s, name, len, opt, missing);
+    *missing = DT_NONE;
+    return DT_NOPOINT;
+}
+
+enum dt_status dt_field_drop(struct dt *t, const char *name, size_t len)
+{
+    struct dt_field *field = dt_fields_find(&t->fields, name, len);
+    if (field == NULL)
+        return DT_NOFIELD;
+    dt_views_edit_begin(t);
+    dt_fields_drop(&t->fields, field);
+    return DT_OK;
+}
