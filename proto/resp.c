@@ -191,8 +191,7 @@ static void reframe_status(struct buf *out, const struct reply_reader *r,
     }
 }
 
-static void reframe_part(struct buf *out, const struct reply_reader *r,
-                         const struct reply_part *part)
+void resp_part(struct buf *out, const struct reply_reader *r, const struct reply_part *part)
 {
     switch (part->kind) {
     case REPLY_OK:
@@ -223,7 +222,7 @@ bool resp_reframe(struct reply_reader *r, const char *bytes, size_t n, struct bu
         ptrdiff_t took = reply_read(r, bytes, n, &part);
         if (took <= 0)
             return false;
-        reframe_part(out, r, &part);
+        resp_part(out, r, &part);
         bytes += took;
         n -= (size_t)took;
     }

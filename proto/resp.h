@@ -42,6 +42,9 @@ const char *resp_fault_text(enum resp_fault fault);
  * be a bug. */
 bool resp_reframe(struct reply_reader *r, const char *bytes, size_t n, struct buf *out);
 
+/* The same for one part of a reply, which r has just read. */
+void resp_part(struct buf *out, const struct reply_reader *r, const struct reply_part *part);
+
 /* Pieces of replies. */
 void resp_bulk(struct buf *out, const char *text, size_t len);
 void resp_array(struct buf *out, size_t n);

@@ -38,6 +38,7 @@ struct answer {
     enum role role;    /* of the connection; AUTH changes it */
     unsigned token;    /* the number of the token that gave the role; 0: none */
     unsigned command;  /* index in the table of commands, or STATS_OTHER */
+    bool typed;        /* replies of the connection in RESP are typed; HELLO changes it */
     bool waited;       /* the request has waited until later_ms */
     bool timed_out;    /* a cancelled request has exceeded its TIMEOUT */
     bool busy;         /* out of memory because of other requests */

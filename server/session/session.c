@@ -8,10 +8,10 @@
 #include "server/command/ahead.h"
 #include "server/command/command.h"
 #include "server/command/load.h"
-#include "server/command/redis.h"
 #include "server/jobs/listing.h"
 #include "server/jobs/stream.h"
 #include "server/ops/limits.h"
+#include "server/redis/redis.h"
 #include "server/session/session_inside.h"
 
 #include <stddef.h>

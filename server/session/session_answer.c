@@ -2,19 +2,31 @@
  * they require. */
 #include "proto/resp.h"
 #include "server/command/account.h"
+#include "server/command/command.h"
 #include "server/command/load.h"
 #include "server/jobs/listing.h"
 #include "server/jobs/stream.h"
+#include "server/redis/resp3.h"
 #include "server/session/session.h"
 #include "server/session/session_inside.h"
+
+/* Converts lines to RESP 3, whose types depend on the command. */
+static bool reframe_typed(struct session *s, const char *lines, size_t n)
+{
+    const struct resp3_form *form =
+        s->command < command_count ? resp3_form(commands[s->command].name) : NULL;
+    return resp3_reframe(&s->reader, form, lines, n, &s->conn.out);
+}
 
 /* Converts the reply to RESP. */
 static bool reframe(struct session *s)
 {
     struct buf *lines = &s->server->lines, *out = &s->conn.out;
-    bool ok = resp_reframe(&s->reader, buf_head(lines), buf_len(lines), out) && !out->failed;
+    const char *head = buf_head(lines);
+    size_t n = buf_len(lines);
+    bool ok = s->typed ? reframe_typed(s, head, n) : resp_reframe(&s->reader, head, n, out);
     buf_rewind(lines, 0);
-    return ok;
+    return ok && !out->failed;
 }
 
 bool session_deliver(struct session *s, const struct answer *a)
@@ -158,6 +170,7 @@ bool session_take_over(struct session *s, struct answer *a)
     bool delivered = session_deliver(s, a);
     s->role = a->role;
     s->token = a->token;
+    s->typed = a->typed;
     s->waited = s->waited && a->next == ANSWER_LATER;
     enter_state(s, a);
     if (!delivered) {

@@ -19,6 +19,7 @@ static inline struct answer session_answer(struct session *s)
     a.owner = s->id;
     a.role = s->role;
     a.token = s->token;
+    a.typed = s->typed;
     a.command = s->command;
     a.turn = wait_turn(&s->waiter);
     a.waited = s->waited;

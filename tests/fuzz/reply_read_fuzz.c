@@ -1,12 +1,13 @@
 /* reply_read_fuzz.c - libFuzzer target: any bytes as replies, whole and cut in two, must come apart
- * the same way.
+ * the same way. As RESP 3 they must come out in whole elements.
  *
  *     clang -g -O1 -std=c11 -D_GNU_SOURCE -I. -fsanitize=fuzzer,address,undefined
- * tests/fuzz/reply_read_fuzz.c \ proto/reply_read.c */
+ * tests/fuzz/reply_read_fuzz.c \ proto/reply_read.c proto/resp.c server/redis/resp3.c ... */
 #include <stdlib.h>
 #include <string.h>
 
 #include "proto/reply_read.h"
+#include "server/redis/resp3.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -42,10 +43,27 @@ static uint64_t digest(const uint8_t *data, size_t size, size_t cut)
     return sum * 2 + reply_reader_idle(&r);
 }
 
+/* Every element of RESP ends in CR LF. */
+static void convert(const char *command, const uint8_t *data, size_t size)
+{
+    struct reply_reader r = {0};
+    struct buf out = {0};
+    char *exact = malloc(size + 1);
+    memcpy(exact, data, size);
+    resp3_reframe(&r, resp3_form(command), exact, size, &out);
+    size_t n = buf_len(&out);
+    if (n > 0 && r.bytes_left == 0 && (n < 3 || memcmp(buf_head(&out) + n - 2, "\r\n", 2) != 0))
+        abort();
+    buf_free(&out);
+    free(exact);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
+    static const char *const command[] = {"SETS", "NEAREST", "LISTS", "HELP", "ADD"};
     if (size == 0)
         return 0;
+    convert(command[data[0] % 5], data + 1, size - 1);
     if (digest(data + 1, size - 1, size - 1) != digest(data + 1, size - 1, data[0] % size))
         abort();
     return 0;

@@ -128,3 +128,62 @@ TEST(resp_large_replies_come_whole)
     free(got);
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
+
+/* Types last as long as the connection, and only replies in RESP have them. */
+TEST(resp_3_replies_are_typed_from_hello_3_to_hello_2)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "ADD t 0 0 4 0 0 4\n*2\r\n$5\r\nHELLO\r\n$1\r\n3\r\n");
+    CHECK_STR(hear_line(fd), "OK 0 first=0 added=3 coincident=0");
+    CHECK_STR(hear_line(fd), "%7\r");
+    while (strcmp(hear_line(fd), "modules\r") != 0)
+        continue;
+    expect(fd, "*0\r\n");
+    say(fd, "*3\r\n$3\r\nGET\r\n$1\r\nt\r\n$1\r\n1\r\nGET t 1\n"
+            "*5\r\n$7\r\nNEAREST\r\n$1\r\nt\r\n$1\r\n1\r\n$1\r\n0\r\n$1\r\n1\r\n"
+            "*2\r\n$6\r\nCLIENT\r\n$7\r\nGETNAME\r\n*1\r\n$4\r\nPING\r\n"
+            "*2\r\n$4\r\nDROP\r\n$1\r\nu\r\n*1\r\n$5\r\nHELLO\r\n");
+    expect(fd, "*1\r\n*3\r\n:1\r\n,4\r\n,0\r\nOK 1\n1 4 0\n*1\r\n*4\r\n:0\r\n,0\r\n,0\r\n,1\r\n"
+               "_\r\n+PONG\r\n-NOSET there is no set u\r\n%7\r\n");
+    while (strcmp(hear_line(fd), "modules\r") != 0)
+        continue;
+    expect(fd, "*0\r\n");
+    say(fd, "*2\r\n$5\r\nHELLO\r\n$1\r\n2\r\n");
+    CHECK_STR(hear_line(fd), "*14\r");
+    while (strcmp(hear_line(fd), "modules\r") != 0)
+        continue;
+    expect(fd, "*0\r\n");
+    say(fd, "*3\r\n$3\r\nGET\r\n$1\r\nt\r\n$1\r\n1\r\n");
+    expect(fd, "*1\r\n$5\r\n1 4 0\r\n");
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
+/* Many rows, which workers make, and the rows of jobs. */
+TEST(resp_3_types_large_replies)
+{
+    enum { N = 30000 };
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    size_t n;
+    load_random(fd, "big", N);
+    say(fd, "*2\r\n$5\r\nHELLO\r\n$1\r\n3\r\n*2\r\n$11\r\nTRIANGULATE\r\n$3\r\nbig\r\n"
+            "*2\r\n$6\r\nPOINTS\r\n$3\r\nbig\r\n*1\r\n$4\r\nQUIT\r\n");
+    char *got = hear_all(fd, &n),
+         *p = strstr(got, "modules\r\n*0\r\n%6\r\n$6\r\npoints\r\n:30000\r\n");
+    CHECK(p != NULL);
+    p = strstr(p, "*30000\r\n");
+    CHECK(p != NULL);
+    p += strlen("*30000\r\n");
+    for (unsigned long i = 0; i < N; i++) {
+        CHECK(memcmp(p, "*3\r\n:", 5) == 0 && strtoul(p + 5, &p, 10) == i);
+        for (int k = 0; k < 2; k++) {
+            CHECK(memcmp(p, "\r\n,", 3) == 0);
+            strtod(p + 3, &p);
+        }
+        p += 2;
+    }
+    CHECK_STR(p, "+OK\r\n");
+    free(got);
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}

@@ -1,9 +1,10 @@
 /* redis.c - see redis.h. This does no more than tools need in order to start. */
-#include "server/command/redis.h"
+#include "server/redis/redis.h"
 
 #include "proto/number.h"
 #include "proto/resp.h"
 #include "server/ops/setting.h"
+#include "server/redis/resp3.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -166,6 +167,8 @@ static void answer_name(struct answer *a, const struct line_reply *t)
     size_t len = 0;
     if (reply_key(&t->status, "name", &name, &len) && len > 0)
         resp_bulk(a->out, name, len);
+    else if (a->typed)
+        resp3_null(a->out);
     else
         simple(a, "$-1");
 }
@@ -200,7 +203,16 @@ static bool is_foreign(const struct word *name)
            memchr(name->text, '*', name->len) == NULL && memchr(name->text, '?', name->len) == NULL;
 }
 
-/* The matching settings, as an array of names and values. */
+/* The header of a map; in RESP 2 an array of names and values. */
+static void map(struct answer *a, size_t n)
+{
+    if (a->typed)
+        resp3_map(a->out, n);
+    else
+        resp_array(a->out, 2 * n);
+}
+
+/* The matching settings: names and values. */
 static void get_settings(struct server *s, const struct request *q, struct answer *a)
 {
     char text[SETTING_TEXT_ROOM];
@@ -210,7 +222,7 @@ static void get_settings(struct server *s, const struct request *q, struct answe
         n += setting_asked(&settings[i], asked, q->n - 2) != NULL;
     for (size_t i = 2; i < q->n; i++)
         n += is_foreign(&q->word[i]);
-    resp_array(a->out, 2 * n);
+    map(a, n);
     for (size_t i = 0; i < setting_count; i++) {
         const char *name = setting_asked(&settings[i], asked, q->n - 2);
         if (name != NULL) {
@@ -329,10 +341,8 @@ static void auth(struct server *s, const struct request *q, struct answer *a)
 static void greet(struct answer *a, uint32_t version)
 {
     enum { FACTS = 7 };
-    if (version == 3)
-        buf_append_text(a->out, "%7\r\n");
-    else
-        resp_array(a->out, 2 * (size_t)FACTS);
+    a->typed = version == 3;
+    map(a, FACTS);
     bulk_text(a, "server");
     bulk_text(a, "delaunayd");
     bulk_text(a, "version");
@@ -352,7 +362,7 @@ static void greet(struct answer *a, uint32_t version)
 /* HELLO [2|3 [AUTH user token] [SETNAME name]]; other versions are our own HELLO's. */
 static void hello(struct server *s, const struct request *q, struct answer *a)
 {
-    uint32_t version = 2;
+    uint32_t version = a->typed ? 3 : 2;
     if (q->n >= 2 && (!proto_read_u32(q->word[1].text, q->word[1].len, &version) || version < 2 ||
                       version > 3)) {
         simple(a, "-RANGE this server speaks RESP 2 and 3");

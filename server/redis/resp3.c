@@ -1,0 +1,216 @@
+/* resp3.c - see resp3.h. */
+#include "server/redis/resp3.h"
+
+#include "proto/resp.h"
+
+#include <string.h>
+
+struct resp3_form {
+    const char *command;
+    /* A letter for each word of a row, the last one for all that follow: i an id or a count, d a double, w by what it
+     * looks like. Or one of these alone: t the row is one text, m it is a name and its facts. */
+    const char *row;
+};
+
+static const struct resp3_form forms[] = {
+    {"SETS", "m"},      {"GET", "id"},     {"POINTS", "id"}, {"COINCIDENT", "i"}, {"LISTS", "i"},
+    {"TRIANGLES", "i"}, {"EDGES", "i"},    {"HULL", "id"},   {"LOCATE", "i"},     {"NEAREST", "id"},
+    {"WITHIN", "id"},   {"WEIGHTS", "id"}, {"TRACE", "w"},   {"HELP", "t"},
+};
+
+const struct resp3_form *resp3_form(const char *command)
+{
+    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++)
+        if (strcmp(forms[i].command, command) == 0)
+            return &forms[i];
+    return NULL;
+}
+
+/* ---- values ---- */
+
+static void put(struct buf *out, char mark, const char *text, size_t len)
+{
+    char *to = buf_reserve(out, len + 3);
+    if (to == NULL)
+        return;
+    to[0] = mark;
+    memcpy(to + 1, text, len);
+    memcpy(to + 1 + len, "\r\n", 2);
+    buf_commit(out, len + 3);
+}
+
+static bool is_digits(const char *text, size_t len)
+{
+    for (size_t i = 0; i < len; i++)
+        if (text[i] < '0' || text[i] > '9')
+            return false;
+    return len > 0 && len <= 18; /* fits in 64 bits */
+}
+
+static bool is_number(const char *text, size_t len)
+{
+    size_t sign = len > 1 && text[0] == '-';
+    for (size_t i = sign; i < len; i++)
+        if (strchr("0123456789.e+-", text[i]) == NULL || text[i] == '\0')
+            return false;
+    return len > sign && text[sign] >= '0' && text[sign] <= '9';
+}
+
+static bool is(const char *text, size_t len, const char *what)
+{
+    return len == strlen(what) && memcmp(text, what, len) == 0;
+}
+
+/* One word. A number that is missing (nan) is null: old readers of RESP 3 do not know its nan. */
+static void put_word(struct buf *out, char type, const char *text, size_t len)
+{
+    if (type == 'i' && is_digits(text, len))
+        put(out, ':', text, len);
+    else if (type == 'd' && is(text, len, "nan"))
+        resp3_null(out);
+    else if (type == 'd' && is_number(text, len))
+        put(out, ',', text, len);
+    else if (type == 'w' && (is_digits(text, len) || is_number(text, len)))
+        put_word(out, is_digits(text, len) ? 'i' : 'd', text, len);
+    else
+        resp_bulk(out, text, len);
+}
+
+void resp3_map(struct buf *out, size_t n)
+{
+    size_t mark = buf_len(out);
+    resp_array(out, n);
+    if (!out->failed)
+        buf_head(out)[mark] = '%';
+}
+
+void resp3_null(struct buf *out)
+{
+    buf_append(out, "_\r\n", 3);
+}
+
+/* ---- facts: ` key=value key=value` ---- */
+
+struct words {
+    const char *at, *end;
+};
+
+/* The next word; false: there is none. */
+static bool next_word(struct words *w, const char **text, size_t *len)
+{
+    while (w->at < w->end && *w->at == ' ')
+        w->at++;
+    *text = w->at;
+    while (w->at < w->end && *w->at != ' ')
+        w->at++;
+    *len = (size_t)(w->at - *text);
+    return *len > 0;
+}
+
+static size_t count_words(struct words w)
+{
+    const char *text;
+    size_t len, n = 0;
+    while (next_word(&w, &text, &len))
+        n++;
+    return n;
+}
+
+/* Facts that are doubles; the others are counts, yes or no, or texts. */
+static bool is_double(const char *key, size_t len)
+{
+    return is(key, len, "ms") || is(key, len, "tol");
+}
+
+static void put_fact(struct buf *out, const char *text, size_t len)
+{
+    const char *equals = memchr(text, '=', len);
+    size_t key = equals != NULL ? (size_t)(equals - text) : len;
+    const char *value = equals != NULL ? equals + 1 : text + len;
+    size_t rest = (size_t)(text + len - value);
+    resp_bulk(out, text, key);
+    if (is(value, rest, "yes") || is(value, rest, "no"))
+        put(out, '#', rest == 3 ? "t" : "f", 1);
+    else
+        put_word(out, is_double(text, key) ? 'd' : 'i', value, rest);
+}
+
+static void put_facts(struct buf *out, struct words w)
+{
+    const char *text;
+    size_t len;
+    resp3_map(out, count_words(w));
+    while (next_word(&w, &text, &len))
+        put_fact(out, text, len);
+}
+
+/* ---- replies ---- */
+
+static void put_row(struct buf *out, const struct resp3_form *form, const struct reply_part *part)
+{
+    const char *type = form != NULL ? form->row : "w", *text;
+    struct words w = {part->text, part->text + part->len};
+    size_t len;
+    if (*type == 't') {
+        resp_bulk(out, part->text, part->len);
+        return;
+    }
+    if (*type == 'm') {
+        next_word(&w, &text, &len);
+        resp_bulk(out, text, len);
+        put_facts(out, w);
+        return;
+    }
+    resp_array(out, count_words(w));
+    while (next_word(&w, &text, &len)) {
+        put_word(out, *type, text, len);
+        if (type[1] != '\0')
+            type++;
+    }
+}
+
+/* Without rows the reply of a command that has some at other times is empty, not OK. */
+static void put_status(struct buf *out, const struct resp3_form *form, const struct reply_reader *r,
+                       const struct reply_part *part)
+{
+    uint64_t rows = r->rows_left;
+    struct words w = {part->text + 4, part->text + part->len}; /* behind "OK 0" */
+    if (rows > 0 || form != NULL) {
+        if (form != NULL && form->row[0] == 'm')
+            resp3_map(out, rows);
+        else
+            resp_array(out, rows);
+    } else if (count_words(w) > 0) {
+        put_facts(out, w);
+    } else {
+        put(out, '+', "OK", 2);
+    }
+}
+
+static void put_part(struct buf *out, const struct resp3_form *form, const struct reply_reader *r,
+                     const struct reply_part *part)
+{
+    bool binary =
+        part->kind == REPLY_OK && reply_key(part, "bytes", &(const char *){0}, &(size_t){0});
+    if (part->kind == REPLY_ROW)
+        put_row(out, form, part);
+    else if (part->kind == REPLY_OK && !binary)
+        put_status(out, form, r, part);
+    else /* errors and bytes are the same in RESP 2 */
+        resp_part(out, r, part);
+}
+
+bool resp3_reframe(struct reply_reader *r, const struct resp3_form *form, const char *bytes,
+                   size_t n, struct buf *out)
+{
+    struct reply_part part;
+    while (n > 0) {
+        ptrdiff_t took = reply_read(r, bytes, n, &part);
+        if (took <= 0)
+            return false;
+        put_part(out, form, r, &part);
+        bytes += took;
+        n -= (size_t)took;
+    }
+    return true;
+}

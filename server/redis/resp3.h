@@ -1,0 +1,33 @@
+/* resp3.h - typed replies in RESP 3, for connections that have asked for them with HELLO 3.
+ *
+ * Commands answer in lines. In RESP 2 each row is one string (resp.h); in RESP 3 a row is an array of numbers and texts,
+ * and the facts of a status line are a map:
+ *
+ *     OK 0 points=4 tol=0 triangulated=yes     %3 points :4 tol ,0 triangulated #t
+ *     OK 1                                     *1
+ *     7 4 0.5                                  *3 :7 ,4 ,0.5
+ *
+ * The types depend on the command, never on the values: a coordinate is a double also where it is whole.
+ * Specification: github.com/redis/redis-specifications, protocol/RESP3.md. */
+#ifndef SERVER_REDIS_RESP3_H
+#define SERVER_REDIS_RESP3_H
+
+#include "proto/buf.h"
+#include "proto/reply_read.h"
+
+/* How a command's rows are typed; static. */
+struct resp3_form;
+
+/* The form of the command of that name, in capitals. NULL: it has no entry in the table of resp3.c; words of its rows
+ * are typed by what they look like. */
+const struct resp3_form *resp3_form(const char *command);
+
+/* As resp_reframe, typed. */
+bool resp3_reframe(struct reply_reader *r, const struct resp3_form *form, const char *bytes,
+                   size_t n, struct buf *out);
+
+/* The header of a map of n pairs, and null. */
+void resp3_map(struct buf *out, size_t n);
+void resp3_null(struct buf *out);
+
+#endif
