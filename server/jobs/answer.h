@@ -30,16 +30,17 @@ enum answer_next {
 };
 
 struct answer {
-    struct buf *out;   /* borrows; the reply is appended */
-    uint64_t mark;     /* the number of the reply's first byte in the output of the connection */
-    uint64_t lsn;      /* the change that the reply acknowledges (hold.h); 0: none */
-    uint64_t shown;    /* the last change that it shows (hold.h); 0: none */
-    uint64_t owner;    /* the id of the connection; 0: none */
-    enum role role;    /* of the connection; AUTH changes it */
-    unsigned token;    /* the number of the token that gave the role; 0: none */
-    unsigned command;  /* index in the table of commands, or STATS_OTHER */
-    bool typed;        /* replies of the connection in RESP are typed; HELLO changes it */
-    bool waited;       /* the request has waited until later_ms */
+    struct buf *out;  /* borrows; the reply is appended */
+    uint64_t mark;    /* the number of the reply's first byte in the output of the connection */
+    uint64_t lsn;     /* the change that the reply acknowledges (hold.h); 0: none */
+    uint64_t shown;   /* the last change that it shows (hold.h); 0: none */
+    uint64_t owner;   /* the id of the connection; 0: none */
+    enum role role;   /* of the connection; AUTH changes it */
+    unsigned token;   /* the number of the token that gave the role; 0: none */
+    unsigned command; /* index in the table of commands, or STATS_OTHER */
+    bool typed;       /* replies of the connection in RESP are typed; HELLO changes it */
+    bool multi;  /* the connection is in a transaction, all of which is refused; MULTI changes it */
+    bool waited; /* the request has waited until later_ms */
     bool timed_out;    /* a cancelled request has exceeded its TIMEOUT */
     bool busy;         /* out of memory because of other requests */
     struct load *body; /* borrows: the complete body of the request; NULL: none, or not yet */

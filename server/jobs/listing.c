@@ -18,6 +18,7 @@ struct listing {
     struct listing_rows rows;
     bool sorted; /* the rows are sorted by their first words */
     enum listing_frame frame;
+    char pattern[LISTING_PATTERN]; /* that of the rows, if they have one */
     enum phase phase;
     bool begun;                /* the first byte has been appended */
     struct reservation memory; /* for the rows */
@@ -244,6 +245,8 @@ static void begin(struct server *s, struct answer *a, const struct listing *what
         return;
     }
     *l = *what;
+    if (l->rows.pattern != NULL)
+        l->rows.pattern = memcpy(l->pattern, l->rows.pattern, l->rows.pattern_len);
     l->memory = server_reservation(s, BUDGET_REPLIES);
     if (!l->piece(s, &l->at, l->end, &l->rows)) {
         answer_at_once(a, l);
@@ -271,4 +274,11 @@ void listing_answer_framed(struct server *s, struct answer *a, listing_piece *pi
                            enum listing_frame frame, uint64_t at, uint64_t end, size_t bytes)
 {
     begin(s, a, &(struct listing){.piece = piece, .frame = frame, .at = at, .end = end}, bytes);
+}
+
+void listing_answer_matching(struct server *s, struct answer *a, listing_piece *piece,
+                             enum listing_frame frame, const struct word *pattern, size_t bytes)
+{
+    struct listing_rows rows = {.pattern = pattern->text, .pattern_len = pattern->len};
+    begin(s, a, &(struct listing){.piece = piece, .frame = frame, .rows = rows}, bytes);
 }

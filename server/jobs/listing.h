@@ -18,8 +18,12 @@ struct listing;
 struct listing_rows {
     struct buf text; /* owns */
     uint64_t n;
-    uint64_t shown; /* the last change that they show; 0: none */
+    uint64_t shown;      /* the last change that they show; 0: none */
+    const char *pattern; /* borrows: what the rows have to match; NULL: nothing */
+    size_t pattern_len;
 };
+
+enum { LISTING_PATTERN = 256 }; /* bytes of a pattern, at most */
 
 /* Appends the rows of the piece that begins at position *at, whose meaning is the function's own, and advances
  * *at. False: it was the last piece. */
@@ -39,6 +43,10 @@ void listing_answer(struct server *s, struct answer *a, listing_piece *piece, bo
 /* The same, framed for RESP. */
 void listing_answer_framed(struct server *s, struct answer *a, listing_piece *piece,
                            enum listing_frame frame, uint64_t at, uint64_t end, size_t bytes);
+
+/* The same from the beginning, with a copy of the pattern in the rows. */
+void listing_answer_matching(struct server *s, struct answer *a, listing_piece *piece,
+                             enum listing_frame frame, const struct word *pattern, size_t bytes);
 
 /* Makes a piece, or appends about 64 KiB of the rows to a->out; a->next is not ANSWER_LISTING any more when the
  * listing has ended. If nothing was appended, `ready` is called when the listing can continue. */

@@ -3,37 +3,15 @@
 
 #include "proto/number.h"
 #include "proto/resp.h"
+#include "server/clients/clients.h"
+#include "server/command/load.h"
 #include "server/ops/setting.h"
-#include "server/redis/resp3.h"
+#include "server/redis/keys.h"
+#include "server/redis/redis_reply.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-
-typedef void redis_handler(struct server *s, const struct request *q, struct answer *a);
-
-static void simple(struct answer *a, const char *text)
-{
-    buf_append_text(a->out, text);
-    buf_append(a->out, "\r\n", 2);
-}
-
-static void bulk_text(struct answer *a, const char *text)
-{
-    resp_bulk(a->out, text, strlen(text));
-}
-
-static void integer(struct answer *a, uint64_t v)
-{
-    char text[32];
-    snprintf(text, sizeof text, ":%llu", (unsigned long long)v);
-    simple(a, text);
-}
-
-static void usage(struct answer *a, const char *text)
-{
-    buf_append_text(a->out, "-SYNTAX usage: ");
-    simple(a, text);
-}
 
 static void ping(struct server *s, const struct request *q, struct answer *a)
 {
@@ -41,7 +19,7 @@ static void ping(struct server *s, const struct request *q, struct answer *a)
     if (q->n == 2)
         resp_bulk(a->out, q->word[1].text, q->word[1].len);
     else
-        simple(a, "+PONG");
+        redis_simple(a, "+PONG");
 }
 
 static void echo(struct server *s, const struct request *q, struct answer *a)
@@ -50,16 +28,16 @@ static void echo(struct server *s, const struct request *q, struct answer *a)
     if (q->n == 2)
         resp_bulk(a->out, q->word[1].text, q->word[1].len);
     else
-        usage(a, "ECHO message");
+        redis_usage(a, "ECHO message");
 }
 
 static void select_db(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s;
     if (q->n == 2 && word_is(&q->word[1], "0"))
-        simple(a, "+OK");
+        redis_simple(a, "+OK");
     else
-        simple(a, "-RANGE there is only the database 0");
+        redis_simple(a, "-RANGE there is only the database 0");
 }
 
 /* A command as COMMAND lists it: name, number of words (negative: at least), flags, and the places
@@ -74,18 +52,18 @@ static void describe(struct answer *a, const struct command *c)
     resp_array(a->out, 6);
     resp_bulk(a->out, name, len);
     snprintf(text, sizeof text, ":%s%u", c->least == c->most ? "" : "-", c->least);
-    simple(a, text);
+    redis_simple(a, text);
     resp_array(a->out, 1);
-    simple(a, (c->flags & CMD_WRITE) != 0 ? "+write" : "+readonly");
+    redis_simple(a, (c->flags & CMD_WRITE) != 0 ? "+write" : "+readonly");
     for (int i = 0; i < 3; i++)
-        integer(a, set);
+        redis_integer(a, set);
 }
 
 static void command(struct server *s, const struct request *q, struct answer *a)
 {
     (void)s;
     if (q->n >= 2 && word_is(&q->word[1], "COUNT")) {
-        integer(a, command_count);
+        redis_integer(a, (int64_t)command_count);
     } else if (q->n >= 2) { /* DOCS, INFO, ...: empty */
         resp_array(a->out, 0);
     } else {
@@ -95,82 +73,14 @@ static void command(struct server *s, const struct request *q, struct answer *a)
     }
 }
 
-/* ---- replies of our own commands in Redis's form ---- */
-
-/* A reply in lines. */
-struct line_reply {
-    struct buf lines;         /* owns */
-    struct reply_part status; /* borrows lines */
-    struct buf rows;          /* owns; each row with an end of line */
-};
-
-static void clear_reply(struct line_reply *t)
-{
-    buf_free(&t->lines);
-    buf_free(&t->rows);
-}
-
-/* Splits the lines into status and rows; an error is copied to the reply. False: that is all. */
-static bool sort_out(struct line_reply *t, struct answer *a, const char *eol)
-{
-    struct reply_reader reader = {0};
-    struct reply_part part;
-    size_t at = 0, n = buf_len(&t->lines);
-    for (ptrdiff_t took = 1; at < n && took > 0; at += took > 0 ? (size_t)took : 0) {
-        took = reply_read(&reader, buf_head(&t->lines) + at, n - at, &part);
-        if (took > 0 && part.kind == REPLY_ERR) {
-            buf_append_char(a->out, '-');
-            buf_append(a->out, part.text + 4, part.len - 4);
-            buf_append(a->out, "\r\n", 2);
-            return false;
-        }
-        if (took > 0 && part.kind == REPLY_OK) {
-            t->status = part;
-        } else if (took > 0) {
-            buf_append(&t->rows, part.text, part.len);
-            buf_append_text(&t->rows, eol);
-        }
-    }
-    if (t->lines.failed || t->rows.failed)
-        answer_out_of_memory(a);
-    return !a->out->failed;
-}
-
-/* Carries out q as a line. False: it has been answered with an error. */
-static bool ask(struct server *s, const struct request *q, struct answer *a, const char *eol,
-                struct line_reply *t)
-{
-    struct answer plain = *a;
-    *t = (struct line_reply){0};
-    plain.out = &t->lines;
-    command_run(s, q, &plain);
-    if (plain.next == ANSWER_CLOSING)
-        a->next = ANSWER_CLOSING;
-    a->role = plain.role;
-    a->token = plain.token;
-    if (sort_out(t, a, eol))
-        return true;
-    clear_reply(t);
-    return false;
-}
-
-static uint64_t number_in(const struct line_reply *t, const char *key)
-{
-    uint64_t v = 0;
-    reply_key_number(&t->status, key, &v);
-    return v;
-}
-
 static void answer_name(struct answer *a, const struct line_reply *t)
 {
     const char *name;
     size_t len = 0;
     if (reply_key(&t->status, "name", &name, &len) && len > 0)
         resp_bulk(a->out, name, len);
-    else if (a->typed)
-        resp3_null(a->out);
     else
-        simple(a, "$-1");
+        redis_null(a);
 }
 
 static void client(struct server *s, const struct request *q, struct answer *a)
@@ -180,20 +90,20 @@ static void client(struct server *s, const struct request *q, struct answer *a)
         client_list(s, a, LISTING_BULK);
         return;
     }
-    if (!ask(s, q, a, "", &t))
+    if (!redis_ask(s, q, a, "", &t))
         return;
     const struct word *what = &q->word[1];
     if (word_is(what, "ID"))
-        integer(a, number_in(&t, "id"));
+        redis_integer(a, (int64_t)line_reply_number(&t, "id"));
     else if (word_is(what, "GETNAME"))
         answer_name(a, &t);
     else if (word_is(what, "KILL") && q->n == 4)
-        integer(a, number_in(&t, "killed"));
-    else if (word_is(what, "KILL") && number_in(&t, "killed") == 0)
-        simple(a, "-ERR No such client");
+        redis_integer(a, (int64_t)line_reply_number(&t, "killed"));
+    else if (word_is(what, "KILL") && line_reply_number(&t, "killed") == 0)
+        redis_simple(a, "-ERR No such client");
     else
-        simple(a, "+OK");
-    clear_reply(&t);
+        redis_simple(a, "+OK");
+    line_reply_clear(&t);
 }
 
 /* Redis tools ask for settings that do not exist here, and only print their values: these are empty. */
@@ -201,15 +111,6 @@ static bool is_foreign(const struct word *name)
 {
     return setting_find(name->text, name->len) == NULL &&
            memchr(name->text, '*', name->len) == NULL && memchr(name->text, '?', name->len) == NULL;
-}
-
-/* The header of a map; in RESP 2 an array of names and values. */
-static void map(struct answer *a, size_t n)
-{
-    if (a->typed)
-        resp3_map(a->out, n);
-    else
-        resp_array(a->out, 2 * n);
 }
 
 /* The matching settings: names and values. */
@@ -222,18 +123,18 @@ static void get_settings(struct server *s, const struct request *q, struct answe
         n += setting_asked(&settings[i], asked, q->n - 2) != NULL;
     for (size_t i = 2; i < q->n; i++)
         n += is_foreign(&q->word[i]);
-    map(a, n);
+    redis_map(a, n);
     for (size_t i = 0; i < setting_count; i++) {
         const char *name = setting_asked(&settings[i], asked, q->n - 2);
         if (name != NULL) {
-            bulk_text(a, name);
-            bulk_text(a, setting_text(&settings[i], s->config, text));
+            redis_bulk_text(a, name);
+            redis_bulk_text(a, setting_text(&settings[i], s->config, text));
         }
     }
     for (size_t i = 2; i < q->n; i++) {
         if (is_foreign(&q->word[i])) {
             resp_bulk(a->out, q->word[i].text, q->word[i].len);
-            bulk_text(a, "");
+            redis_bulk_text(a, "");
         }
     }
 }
@@ -243,9 +144,9 @@ static void config(struct server *s, const struct request *q, struct answer *a)
     struct line_reply t;
     if (q->n >= 3 && word_is(&q->word[1], "GET")) {
         get_settings(s, q, a);
-    } else if (ask(s, q, a, "", &t)) {
-        simple(a, "+OK");
-        clear_reply(&t);
+    } else if (redis_ask(s, q, a, "", &t)) {
+        redis_simple(a, "+OK");
+        line_reply_clear(&t);
     }
 }
 
@@ -258,9 +159,9 @@ static void append_slow(struct buf *out, const struct slow *e)
     for (const char *p = e->text; *p != '\0'; p++)
         words += *p == ' ';
     resp_array(a->out, 6);
-    integer(a, e->id);
-    integer(a, (uint64_t)e->at_s);
-    integer(a, (uint64_t)(e->work_us + e->wait_us));
+    redis_integer(a, (int64_t)e->id);
+    redis_integer(a, e->at_s);
+    redis_integer(a, e->work_us + e->wait_us);
     resp_array(a->out, words);
     for (const char *p = e->text; words > 0; words--) {
         size_t len = strcspn(p, " ");
@@ -268,8 +169,8 @@ static void append_slow(struct buf *out, const struct slow *e)
         p += len + 1;
     }
     sock_peer_text(&e->peer, peer);
-    bulk_text(a, peer);
-    bulk_text(a, "");
+    redis_bulk_text(a, peer);
+    redis_bulk_text(a, "");
 }
 
 static bool list_slow(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
@@ -288,14 +189,14 @@ static void slowlog(struct server *s, const struct request *q, struct answer *a)
                               n * sizeof(struct slow));
         return;
     }
-    if (!ask(s, q, a, "", &t))
+    if (!redis_ask(s, q, a, "", &t))
         return;
     if (word_is(&q->word[1], "LEN")) {
-        integer(a, number_in(&t, "len"));
+        redis_integer(a, (int64_t)line_reply_number(&t, "len"));
     } else {
-        simple(a, "+OK");
+        redis_simple(a, "+OK");
     }
-    clear_reply(&t);
+    line_reply_clear(&t);
 }
 
 /* Redis's names of sections, and what is nearest to them here. */
@@ -306,6 +207,39 @@ static const struct {
     {"KEYSPACE", "SETS"}, {"COMMANDSTATS", "COMMANDS"}, {"LATENCYSTATS", "COMMANDS"},
 };
 
+/* Whether q, an INFO, asks for the section. */
+static bool asks_for(const struct request *q, const char *section)
+{
+    bool asked = q->n == 1;
+    for (size_t i = 1; i < q->n; i++)
+        asked |= word_is(&q->word[i], section) || word_is(&q->word[i], "ALL");
+    return asked;
+}
+
+static void add_fact(struct buf *rows, const char *key, uint64_t value, const char *rest)
+{
+    char text[96];
+    snprintf(text, sizeof text, "%s%" PRIu64 "%s\r\n", key, value, rest);
+    buf_append_text(rows, text);
+}
+
+/* What redis-cli --stat and others look for, by Redis's names. */
+static void add_redis_facts(struct server *s, const struct request *q, struct buf *rows)
+{
+    if (asks_for(q, "CLIENTS")) {
+        add_fact(rows, "connected_clients:", s->clients != NULL ? s->clients->n : 0, "");
+        add_fact(rows, "blocked_clients:", 0, "");
+    }
+    if (asks_for(q, "MEMORY"))
+        add_fact(rows, "used_memory:", budget_used(&s->budget), "");
+    if (asks_for(q, "STATS")) {
+        add_fact(rows, "total_connections_received:", s->count.connections, "");
+        add_fact(rows, "total_commands_processed:", s->count.commands, "");
+    }
+    if (asks_for(q, "SETS"))
+        add_fact(rows, "db0:keys=", s->sets.sets, ",expires=0,avg_ttl=0");
+}
+
 /* The rows of INFO as one text, as in Redis. */
 static void info(struct server *s, const struct request *q, struct answer *a)
 {
@@ -314,10 +248,14 @@ static void info(struct server *s, const struct request *q, struct answer *a)
         for (size_t k = 0; k < sizeof renamed / sizeof renamed[0]; k++)
             if (word_is(&q->word[i], renamed[k].theirs))
                 q->word[i] = (struct word){renamed[k].ours, strlen(renamed[k].ours)};
-    if (!ask(s, q, a, "\r\n", &t))
+    if (!redis_ask(s, q, a, "\r\n", &t))
         return;
-    resp_bulk(a->out, buf_head(&t.rows), buf_len(&t.rows));
-    clear_reply(&t);
+    add_redis_facts(s, q, &t.rows);
+    if (t.rows.failed)
+        answer_out_of_memory(a);
+    else
+        resp_bulk(a->out, buf_head(&t.rows), buf_len(&t.rows));
+    line_reply_clear(&t);
 }
 
 /* False: the token is wrong, and the error has been written; or the check is delayed. */
@@ -325,7 +263,7 @@ static bool show_token(struct server *s, const struct word *token, struct answer
 {
     enum shown shown = client_show_token(s, a, token);
     if (shown == SHOWN_WRONG)
-        simple(a, "-DENIED no such token");
+        redis_simple(a, "-DENIED no such token");
     return shown == SHOWN_GOOD;
 }
 
@@ -333,29 +271,29 @@ static bool show_token(struct server *s, const struct word *token, struct answer
 static void auth(struct server *s, const struct request *q, struct answer *a)
 {
     if (q->n != 2 && q->n != 3)
-        usage(a, "AUTH [user] token");
+        redis_usage(a, "AUTH [user] token");
     else if (show_token(s, &q->word[q->n - 1], a))
-        simple(a, a->role == ROLE_WRITE ? "+OK role=rw" : "+OK role=ro");
+        redis_simple(a, a->role == ROLE_WRITE ? "+OK role=rw" : "+OK role=ro");
 }
 
 static void greet(struct answer *a, uint32_t version)
 {
     enum { FACTS = 7 };
     a->typed = version == 3;
-    map(a, FACTS);
-    bulk_text(a, "server");
-    bulk_text(a, "delaunayd");
-    bulk_text(a, "version");
-    bulk_text(a, DELAUNAYD_VERSION);
-    bulk_text(a, "proto");
-    integer(a, version);
-    bulk_text(a, "id");
-    integer(a, a->owner);
-    bulk_text(a, "mode");
-    bulk_text(a, "standalone");
-    bulk_text(a, "role");
-    bulk_text(a, "master");
-    bulk_text(a, "modules");
+    redis_map(a, FACTS);
+    redis_bulk_text(a, "server");
+    redis_bulk_text(a, "delaunayd");
+    redis_bulk_text(a, "version");
+    redis_bulk_text(a, DELAUNAYD_VERSION);
+    redis_bulk_text(a, "proto");
+    redis_integer(a, version);
+    redis_bulk_text(a, "id");
+    redis_integer(a, (int64_t)a->owner);
+    redis_bulk_text(a, "mode");
+    redis_bulk_text(a, "standalone");
+    redis_bulk_text(a, "role");
+    redis_bulk_text(a, "master");
+    redis_bulk_text(a, "modules");
     resp_array(a->out, 0);
 }
 
@@ -365,7 +303,7 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
     uint32_t version = a->typed ? 3 : 2;
     if (q->n >= 2 && (!proto_read_u32(q->word[1].text, q->word[1].len, &version) || version < 2 ||
                       version > 3)) {
-        simple(a, "-RANGE this server speaks RESP 2 and 3");
+        redis_simple(a, "-RANGE this server speaks RESP 2 and 3");
         return;
     }
     for (size_t at = 2; at < q->n;) {
@@ -377,14 +315,56 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
             client_set_name(s, a, &q->word[at + 1]);
             at += 2;
         } else {
-            usage(a, "HELLO [2|3 [AUTH user token] [SETNAME name]]");
+            redis_usage(a, "HELLO [2|3 [AUTH user token] [SETNAME name]]");
             return;
         }
     }
     if (a->role == ROLE_NONE)
-        simple(a, "-NOAUTH authenticate first: AUTH token");
+        redis_simple(a, "-NOAUTH authenticate first: AUTH token");
     else
         greet(a, version);
+}
+
+/* ---- transactions, which there are none of ----
+ *
+ * Clients send MULTI, the commands and EXEC at once. If only MULTI were refused, the commands would be carried out one by
+ * one, and the client would believe that they were not. So whatever follows is refused as well, until EXEC or DISCARD. */
+
+static void multi(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    a->multi = true;
+    redis_simple(a, "-UNKNOWN there are no transactions: send the commands without MULTI and EXEC "
+                    "(redis-py: pipeline(transaction=False))");
+}
+
+static void exec(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    redis_simple(a, a->multi ? "-EXECABORT there are no transactions: nothing was carried out"
+                             : "-ERR EXEC without MULTI");
+    a->multi = false;
+}
+
+static void discard(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    redis_simple(a, a->multi ? "+OK" : "-ERR DISCARD without MULTI");
+    a->multi = false;
+}
+
+static void watch(struct server *s, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    redis_simple(a, "-UNKNOWN there are no transactions, so no WATCH and UNWATCH");
+}
+
+static void refuse_in_multi(struct server *s, const struct request *q, struct answer *a)
+{
+    const struct command *c = command_find(&q->word[0]);
+    redis_simple(a, "-UNKNOWN not carried out: it follows MULTI, and there are no transactions");
+    if (c != NULL && (c->flags & CMD_BODY) != 0)
+        load_skip(s, q, a);
 }
 
 static const struct {
@@ -392,15 +372,42 @@ static const struct {
     bool open; /* allowed before AUTH */
     redis_handler *handler;
 } table[] = {
-    {"PING", true, ping},        {"HELLO", true, hello},       {"AUTH", true, auth},
-    {"ECHO", false, echo},       {"SELECT", false, select_db}, {"CLIENT", false, client},
-    {"CONFIG", false, config},   {"COMMAND", false, command},  {"INFO", false, info},
+    {"PING", true, ping},
+    {"HELLO", true, hello},
+    {"AUTH", true, auth},
+    {"ECHO", false, echo},
+    {"SELECT", false, select_db},
+    {"CLIENT", false, client},
+    {"CONFIG", false, config},
+    {"COMMAND", false, command},
+    {"INFO", false, info},
     {"SLOWLOG", false, slowlog},
+    {"DBSIZE", false, redis_dbsize},
+    {"EXISTS", false, redis_exists},
+    {"KEYS", false, redis_keys},
+    {"SCAN", false, redis_scan},
+    {"TYPE", false, redis_type},
+    {"MEMORY", false, redis_memory},
+    {"MULTI", false, multi},
+    {"EXEC", false, exec},
+    {"DISCARD", false, discard},
+    {"WATCH", false, watch},
+    {"UNWATCH", false, watch},
 };
 
-static redis_handler *find(const struct request *q, bool *open)
+/* What a connection in a refused transaction may ask for. */
+static bool ends_multi(const struct word *name)
 {
-    static const char first[] = "PHAESCI"; /* letters in the table; most requests have others */
+    return word_is(name, "EXEC") || word_is(name, "DISCARD") || word_is(name, "QUIT");
+}
+
+static redis_handler *find(const struct request *q, const struct answer *a, bool *open)
+{
+    static const char first[] =
+        "PHAESCIDKTMWU"; /* letters in the table; most requests have others */
+    *open = false;
+    if (a->multi && !ends_multi(&q->word[0]))
+        return refuse_in_multi;
     if (q->word[0].len == 0 || strchr(first, q->word[0].text[0] & ~0x20) == NULL)
         return NULL;
     /* `HELLO 1` asks for the version of our protocol. */
@@ -417,7 +424,7 @@ static redis_handler *find(const struct request *q, bool *open)
 bool redis_answer(struct server *s, const struct request *q, struct answer *a)
 {
     bool open;
-    redis_handler *handler = find(q, &open);
+    redis_handler *handler = find(q, a, &open);
     if (handler == NULL)
         return false;
     size_t mark = buf_len(a->out);
@@ -429,12 +436,12 @@ bool redis_answer(struct server *s, const struct request *q, struct answer *a)
         return true;
     }
     if (a->role == ROLE_NONE && !open)
-        simple(a, "-NOAUTH authenticate first: AUTH token");
+        redis_simple(a, "-NOAUTH authenticate first: AUTH token");
     else
         handler(s, q, a);
     if (a->out->failed) {
         buf_rewind(a->out, mark);
-        simple(a, "-NOMEM out of memory");
+        redis_simple(a, "-NOMEM out of memory");
     }
     return true;
 }

@@ -155,11 +155,11 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
     if (!redis_answer(s->server, q, &a)) {
         a.out = &s->server->lines;
         command_run(s->server, q, &a);
-        s->in_bulk = a.next == ANSWER_BODY && resp->has_body;
-        s->bulk_left = resp->body;
-        if (resp->has_body && a.next == ANSWER_WHOLE)
-            a.next = ANSWER_CLOSING;
     }
+    s->in_bulk = a.next == ANSWER_BODY && resp->has_body;
+    s->bulk_left = resp->body;
+    if (resp->has_body && a.next == ANSWER_WHOLE)
+        a.next = ANSWER_CLOSING;
     return session_take_over(s, &a);
 }
 

@@ -171,6 +171,7 @@ bool session_take_over(struct session *s, struct answer *a)
     s->role = a->role;
     s->token = a->token;
     s->typed = a->typed;
+    s->multi = a->multi;
     s->waited = s->waited && a->next == ANSWER_LATER;
     enter_state(s, a);
     if (!delivered) {

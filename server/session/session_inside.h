@@ -20,6 +20,7 @@ static inline struct answer session_answer(struct session *s)
     a.role = s->role;
     a.token = s->token;
     a.typed = s->typed;
+    a.multi = s->multi;
     a.command = s->command;
     a.turn = wait_turn(&s->waiter);
     a.waited = s->waited;

@@ -337,6 +337,7 @@ size_t registry_scan(const struct registry *r, size_t cursor,
 {
     if (r->buckets == 0)
         return 0;
+    cursor &= r->buckets - 1; /* a client may have chosen it */
     for (struct dataset *set = r->bucket[cursor]; set != NULL; set = set->next)
         if (set->born)
             visit(set, ctx);

@@ -59,6 +59,24 @@ redis_cli_speaks() {
         printf '1 2\n3 4\n' | cli -x LOAD r 2 | grep -qx 'OK first=5 added=2 coincident=0'
 }
 
+# The modes of redis-cli; clients/README.md names them.
+redis_cli_modes_work() {
+    local i stat
+    for i in $(seq 40); do cli CREATE "key:$i" >/dev/null; done
+    [ "$(cli --scan --pattern 'key:*' | sort -u | wc -l)" -eq 40 ] && [ "$(cli -3 --scan | sort -u | wc -l)" -eq 41 ] &&
+        cli --bigkeys | tee "$scratch/big" | grep -q '^41 pointsets with 0 ' && ! grep -i error "$scratch/big" &&
+        cli --memkeys | grep -q '^41 pointsets with [1-9][0-9]* bytes' && [ "$(cli KEYS 'key:[1-3]' | wc -l)" -eq 3 ] &&
+        [ "$(cli -3 DBSIZE)" = 41 ] && [ "$(cli -3 NEAREST r 1 1 1 | tr '\n' ' ')" = "0 0 0 1.4142135623730951 " ] || return 1
+    { stdbuf -oL redis-cli -p "$port" --stat || true; } >"$scratch/stat" &
+    stat=$!
+    timeout 3 redis-cli -p "$port" --latency >"$scratch/latency"
+    kill "$stat" "$(pgrep -P "$stat")"
+    wait "$stat" 2>/dev/null
+    cat "$scratch/stat" "$scratch/latency"
+    grep -qE '^41 +[0-9.]+[KM] +[0-9]+ +0 ' "$scratch/stat" && [ -s "$scratch/latency" ] &&
+        for i in $(seq 40); do cli DROP "key:$i" >/dev/null || return 1; done
+}
+
 redis_benchmark_runs() {
     redis-benchmark -p "$port" -q -n 20000 -P 16 PING >"$scratch/ping" &&
         redis-benchmark -p "$port" -q -n 20000 -r 4 NEAREST r __rand_int__ 1 >"$scratch/nearest" &&
@@ -204,6 +222,7 @@ haproxy_shards() {
 
 start_daemon port
 count "redis-cli" redis_cli_speaks
+count "redis-cli's modes" redis_cli_modes_work
 count "redis-benchmark" redis_benchmark_runs
 count "hiredis" "$build/interop/hiredis_talk" "$port"
 count "redis-py" "$python" tests/interop/redis_py.py "$port"

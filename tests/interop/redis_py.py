@@ -20,7 +20,29 @@ pipe = r.pipeline(transaction=False)
 for i in range(1000):
     pipe.execute_command("NEAREST", "p", i % 5, 0.25)
 assert all(len(reply) == 1 for reply in pipe.execute())
+# Sets are keys.
+assert r.exists("p", "q") == 1 and r.dbsize() == len(r.keys()) >= 1
+assert b"p" in set(r.scan_iter(count=3)) and list(r.scan_iter(match="[p]")) == [b"p"]
+assert r.type("p") == b"pointset" and r.type("q") == b"none"
+assert r.memory_usage("p") > 0 and r.memory_usage("q") is None
+# The default pipeline is a transaction: it fails with the reason, and nothing is carried out.
+pipe = r.pipeline()
+pipe.execute_command("ADD", "tx", 1, 2)
+pipe.execute_command("LOADB", "tx", 1, bytes(16))
+try:
+    pipe.execute()
+    raise AssertionError("a transaction is no error")
+except redis.ResponseError as e:
+    assert "transaction=False" in str(e), e
+assert r.exists("tx") == 0 and r.ping() is True
+try:
+    with r.pipeline() as pipe:
+        pipe.watch("p")
+    raise AssertionError("WATCH is no error")
+except redis.ResponseError as e:
+    assert "no transactions" in str(e), e
 info = r.info()
+assert info["used_memory"] > 0 and info["db0"]["keys"] == r.dbsize(), info
 assert info["protocol"] == 1 and info["commands"] > 1000, info
 assert "calls" in r.info("commands")["command_NEAREST"]
 me = [c for c in r.client_list() if c["id"] == str(r.client_id())]

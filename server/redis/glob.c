@@ -1,0 +1,63 @@
+/* glob.c - see glob.h. Without recursion: what follows the last `*` is tried at each place in turn, and earlier ones need
+ * not be tried again. */
+#include "server/redis/glob.h"
+
+/* Whether c is in the class pattern[m], which begins behind its `[`; *used is its length with its `]`. */
+static bool class_has(const char *pattern, size_t m, char c, size_t *used)
+{
+    bool none = m > 0 && pattern[0] == '^', found = false;
+    size_t at = none;
+    for (; at < m && pattern[at] != ']'; at++) {
+        if (pattern[at] == '\\' && at + 1 < m)
+            at++;
+        unsigned char from = (unsigned char)pattern[at], to = from, it = (unsigned char)c;
+        if (at + 2 < m && pattern[at + 1] == '-') {
+            to = (unsigned char)pattern[at + 2];
+            at += 2;
+        }
+        found |= from <= to ? from <= it && it <= to : to <= it && it <= from;
+    }
+    *used = at < m ? at + 1 : m;
+    return found != none;
+}
+
+/* Whether c matches the first item of pattern[m], which is no `*`; *used is the length of the item. */
+static bool item_matches(const char *pattern, size_t m, char c, size_t *used)
+{
+    *used = 1;
+    if (pattern[0] == '?')
+        return true;
+    if (pattern[0] == '[') {
+        bool has = class_has(pattern + 1, m - 1, c, used);
+        ++*used;
+        return has;
+    }
+    if (pattern[0] == '\\' && m > 1) {
+        *used = 2;
+        return pattern[1] == c;
+    }
+    return pattern[0] == c;
+}
+
+bool glob_matches(const char *pattern, size_t m, const char *name, size_t n)
+{
+    size_t p = 0, at = 0, star = 0, from = 0,
+           used; /* star: behind the last `*`; 0: there was none */
+    while (at < n) {
+        if (p < m && pattern[p] == '*') {
+            star = ++p;
+            from = at;
+        } else if (p < m && item_matches(pattern + p, m - p, name[at], &used)) {
+            p += used;
+            at++;
+        } else if (star > 0) {
+            p = star;
+            at = ++from;
+        } else {
+            return false;
+        }
+    }
+    while (p < m && pattern[p] == '*')
+        p++;
+    return p == m;
+}

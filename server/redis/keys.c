@@ -1,0 +1,212 @@
+/* keys.c - see keys.h. */
+#include "server/redis/keys.h"
+
+#include "proto/number.h"
+#include "proto/resp.h"
+#include "server/jobs/durable.h"
+#include "server/jobs/journal.h"
+#include "server/redis/glob.h"
+#include "server/redis/redis_reply.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char type_name[] = "pointset"; /* as modules of Redis have types of their own */
+
+/* At the start there are no sets until the data directory has been read. What is said about sets shows all changes. */
+static bool sees_sets(struct server *s, struct answer *a)
+{
+    struct line_reply t = {0};
+    struct answer plain = *a;
+    plain.out = &t.lines;
+    if (durable_loaded(s, &plain)) {
+        a->shown = journal_of_all(s);
+        return true;
+    }
+    if (line_reply_split(&t, a, ""))
+        line_reply_clear(&t);
+    return false;
+}
+
+static struct dataset *find(struct server *s, const struct word *name)
+{
+    struct dataset *set = registry_find(&s->sets, name);
+    return set != NULL && set->born ? set : NULL;
+}
+
+void redis_dbsize(struct server *s, const struct request *q, struct answer *a)
+{
+    if (q->n != 1)
+        redis_usage(a, "DBSIZE");
+    else if (sees_sets(s, a))
+        redis_integer(a, (int64_t)s->sets.sets);
+}
+
+void redis_exists(struct server *s, const struct request *q, struct answer *a)
+{
+    int64_t n = 0;
+    if (q->n < 2) {
+        redis_usage(a, "EXISTS set [set ...]");
+        return;
+    }
+    if (!sees_sets(s, a))
+        return;
+    for (size_t i = 1; i < q->n; i++)
+        n += find(s, &q->word[i]) != NULL;
+    redis_integer(a, n);
+}
+
+void redis_type(struct server *s, const struct request *q, struct answer *a)
+{
+    char text[32];
+    if (q->n != 2) {
+        redis_usage(a, "TYPE set");
+        return;
+    }
+    if (!sees_sets(s, a))
+        return;
+    snprintf(text, sizeof text, "+%s", find(s, &q->word[1]) != NULL ? type_name : "none");
+    redis_simple(a, text);
+}
+
+void redis_memory(struct server *s, const struct request *q, struct answer *a)
+{
+    bool samples = q->n == 5 && word_is(&q->word[3], "SAMPLES");
+    if ((q->n != 3 && !samples) || !word_is(&q->word[1], "USAGE")) {
+        redis_usage(a, "MEMORY USAGE set");
+        return;
+    }
+    if (!sees_sets(s, a))
+        return;
+    const struct dataset *set = find(s, &q->word[2]);
+    if (set != NULL)
+        redis_integer(a, (int64_t)set->current->sum.memory);
+    else
+        redis_null(a);
+}
+
+/* ---- names ---- */
+
+static bool good_pattern(struct answer *a, const struct word *pattern)
+{
+    char text[64];
+    if (pattern->len <= GLOB_LIMIT)
+        return true;
+    snprintf(text, sizeof text, "-SYNTAX a pattern has at most %d bytes", GLOB_LIMIT);
+    redis_simple(a, text);
+    return false;
+}
+
+static void add_name(struct dataset *set, void *ctx)
+{
+    struct listing_rows *rows = ctx;
+    if (!glob_matches(rows->pattern, rows->pattern_len, set->name, set->name_len))
+        return;
+    resp_bulk(&rows->text, set->name, set->name_len);
+    rows->n++;
+}
+
+static bool list_names(struct server *s, uint64_t *at, uint64_t end, struct listing_rows *rows)
+{
+    enum { BUCKETS_A_PIECE = 512 };
+    (void)end;
+    int left = BUCKETS_A_PIECE;
+    do
+        *at = registry_scan(&s->sets, (size_t)*at, add_name, rows);
+    while (*at != 0 && --left > 0);
+    rows->shown = journal_of_all(s);
+    return *at != 0;
+}
+
+void redis_keys(struct server *s, const struct request *q, struct answer *a)
+{
+    enum { ROW_BYTES = 80 };
+    if (q->n != 2)
+        redis_usage(a, "KEYS pattern");
+    else if (good_pattern(a, &q->word[1]) && sees_sets(s, a))
+        listing_answer_matching(s, a, list_names, LISTING_ARRAY, &q->word[1],
+                                s->sets.sets * ROW_BYTES);
+}
+
+/* SCAN cursor [MATCH pattern] [COUNT n] [TYPE type] */
+struct scan {
+    uint64_t cursor;
+    uint32_t count; /* names to be looked at, about */
+    bool other;     /* another type than that of sets is asked for */
+    struct listing_rows rows;
+};
+
+static bool read_option(struct answer *a, const struct word *w, struct scan *scan)
+{
+    if (word_is(&w[0], "MATCH")) {
+        scan->rows.pattern = w[1].text;
+        scan->rows.pattern_len = w[1].len;
+        return good_pattern(a, &w[1]);
+    }
+    if (word_is(&w[0], "COUNT") && proto_read_u32(w[1].text, w[1].len, &scan->count) &&
+        scan->count > 0)
+        return true;
+    if (word_is(&w[0], "TYPE")) {
+        scan->other = !word_is(&w[1], "POINTSET");
+        return true;
+    }
+    redis_simple(a, "-SYNTAX SCAN takes MATCH pattern, COUNT n with n from 1 on, TYPE type");
+    return false;
+}
+
+static bool read_cursor(const struct word *w, uint64_t *cursor)
+{
+    *cursor = 0;
+    for (size_t i = 0; i < w->len; i++) {
+        if (w->text[i] < '0' || w->text[i] > '9')
+            return false;
+        *cursor = *cursor * 10 + (uint64_t)(w->text[i] - '0');
+    }
+    return w->len > 0 && w->len <= 19;
+}
+
+static bool read_scan(struct answer *a, const struct request *q, struct scan *scan)
+{
+    enum { USUAL = 10 };
+    *scan = (struct scan){.count = USUAL, .rows = {.pattern = "*", .pattern_len = 1}};
+    if (q->n < 2 || q->n % 2 != 0) {
+        redis_usage(a, "SCAN cursor [MATCH pattern] [COUNT n] [TYPE type]");
+        return false;
+    }
+    if (!read_cursor(&q->word[1], &scan->cursor)) {
+        redis_simple(a, "-NUMBER that is no cursor of SCAN");
+        return false;
+    }
+    for (size_t i = 2; i < q->n; i += 2)
+        if (!read_option(a, &q->word[i], scan))
+            return false;
+    return true;
+}
+
+/* Visits buckets until they had about `count` sets, or many were empty. COUNT is a hint [Redis, SCAN]. */
+static void scan_some(const struct server *s, struct scan *scan)
+{
+    enum { MOST = 256, EMPTY = 10 };
+    uint32_t count = scan->count < MOST ? scan->count : MOST, visits = count * EMPTY;
+    do
+        scan->cursor = registry_scan(&s->sets, (size_t)scan->cursor, add_name, &scan->rows);
+    while (scan->cursor != 0 && scan->rows.n < count && --visits > 0);
+}
+
+void redis_scan(struct server *s, const struct request *q, struct answer *a)
+{
+    struct scan scan;
+    char cursor[24];
+    if (!read_scan(a, q, &scan) || !sees_sets(s, a))
+        return;
+    scan_some(s, &scan);
+    snprintf(cursor, sizeof cursor, "%" PRIu64, scan.cursor);
+    resp_array(a->out, 2);
+    redis_bulk_text(a, cursor);
+    resp_array(a->out, scan.other ? 0 : scan.rows.n);
+    if (!scan.other && scan.rows.n > 0)
+        buf_append(a->out, buf_head(&scan.rows.text), buf_len(&scan.rows.text));
+    a->out->failed |= scan.rows.text.failed;
+    buf_free(&scan.rows.text);
+}

@@ -1,0 +1,53 @@
+/* glob_test.c - patterns of names. */
+#include "server/redis/glob.h"
+#include "tests/test.h"
+
+#include <string.h>
+
+static bool matches(const char *pattern, const char *name)
+{
+    return glob_matches(pattern, strlen(pattern), name, strlen(name));
+}
+
+TEST(glob_stars_match_any_characters)
+{
+    CHECK(matches("*", "") && matches("*", "road") && matches("**", "road"));
+    CHECK(matches("r*d", "road") && matches("r*d", "rd") && matches("*a*", "road"));
+    CHECK(matches("*ab*ab", "ababab") && matches("a*b*c", "axbxbxc"));
+    CHECK(!matches("r*d", "roads") && !matches("*x*", "road") && !matches("", "r"));
+    CHECK(matches("", "") && !matches("a*b*c", "axbxb"));
+}
+
+TEST(glob_question_marks_match_one_character)
+{
+    CHECK(matches("r?ad", "road") && !matches("r?ad", "rad") && !matches("?", ""));
+    CHECK(!matches("road?", "road") && matches("*?", "a"));
+}
+
+TEST(glob_classes_match_one_of_their_characters)
+{
+    CHECK(matches("r[ao]d", "rad") && matches("r[ao]d", "rod") && !matches("r[ao]d", "red"));
+    CHECK(matches("[a-c]x", "bx") && matches("[c-a]x", "bx") && !matches("[a-c]x", "dx"));
+    CHECK(matches("[^a]", "b") && !matches("[^a]", "a") && !matches("[]x", "x"));
+    CHECK(matches("[a\\]]", "]") && matches("[ab", "b") && !matches("[ab", "c"));
+    CHECK(!matches("[", "[") && matches("[^", "x"));
+}
+
+TEST(glob_backslash_takes_a_character_as_it_is)
+{
+    CHECK(matches("a\\*b", "a*b") && !matches("a\\*b", "axb") && matches("a\\", "a\\"));
+    CHECK(!matches("Road", "road"));
+}
+
+/* As for Redis's stringmatchlen, recursion is not needed, and the time is bounded. */
+TEST(glob_many_stars_are_no_trap)
+{
+    char pattern[GLOB_LIMIT], name[64];
+    memset(name, 'a', sizeof name);
+    for (size_t i = 0; i < sizeof pattern; i++)
+        pattern[i] = i % 2 == 0 ? '*' : 'a';
+    CHECK(!glob_matches(pattern, sizeof pattern, name, sizeof name));
+    pattern[127] = 'b';
+    CHECK(!glob_matches(pattern, 128, name, sizeof name));
+    CHECK(glob_matches(pattern, 127, name, sizeof name));
+}
