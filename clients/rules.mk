@@ -32,7 +32,7 @@ $(O)/pic/%.o: %.c
 	$(COMPILE) -fPIC -MMD -MP -c -o $@ $<
 
 # The core's public headers are installed as one.
-CORE_HEADERS := core/delaunay.h core/delaunay_surface.h core/delaunay_fields.h
+CORE_HEADERS := core/delaunay.h core/delaunay_fields.h core/delaunay_surface.h
 $(O)/include/delaunay_client.h: clients/lib/delaunay_client.h
 $(O)/include/delaunay_core.h: $(CORE_HEADERS)
 $(HEADERS:%=$(O)/include/%):

@@ -217,6 +217,11 @@ static uint32_t first_triangle(const struct dt *t, uint32_t half)
     return a;
 }
 
+uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half)
+{
+    return where == DT_ON_EDGE ? first_triangle(t, half) : from_smallest(t, half);
+}
+
 static bool is_on_hull(const struct dt_mesh *m, uint32_t half)
 {
     return dt_is_ghost(m, half) || dt_is_ghost(m, dt_twin(m, half));
@@ -244,11 +249,11 @@ enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_whe
             weigh_on_edge(t, half, w);
             return DT_OK;
         }
-        half = first_triangle(t, half);
         break;
     case DT_INSIDE:
-        half = from_smallest(t, half);
+        break;
     }
+    half = dt_weigh_start(t, where, half);
     if (how != DT_LINEAR)
         return take_tour(t, half, work, w);
     take_triangle(t, half, w);
@@ -295,12 +300,12 @@ enum dt_status dt_weigh_end(struct dt_weigher *w, bool quick, const atomic_bool 
 
 /* ---- a place by itself ---- */
 
-static enum dt_where find(const struct dt *t, struct dt_point q, uint32_t *half)
+enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near, uint32_t *half)
 {
     const struct dt_point *xy = t->points.xy;
     *half = DT_NONE;
     if (t->mesh.vertices >= 2)
-        return dt_find(&t->mesh, xy, NULL, &t->hints, DT_NONE, q, half);
+        return dt_find(&t->mesh, xy, NULL, &t->hints, near, q, half);
     if (t->mesh.vertices == 0)
         return DT_OUTSIDE;
     return dt_compare_xy(xy[t->mesh.alone], q) == 0 ? DT_ON_VERTEX : DT_OUTSIDE;
@@ -318,7 +323,7 @@ enum dt_status dt_weights_begin(const struct dt *t, struct dt_point q, enum dt_i
     struct dt_weigher *w = calloc(1, sizeof *w);
     if (w == NULL)
         return DT_NOMEM;
-    enum dt_where where = find(t, q, &half);
+    enum dt_where where = dt_place_find(t, q, DT_NONE, &half);
     s = dt_weigh_begin(t, q, where, half, how, &work, w);
     if (s == DT_OK)
         *out = w;

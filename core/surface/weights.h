@@ -24,12 +24,19 @@ struct dt_weigher {
 /* Frees what it owns. */
 void dt_weigher_clear(struct dt_weigher *w);
 
+/* dt_find, also for sets of one point or none. */
+enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near, uint32_t *half);
+
 /* Reads from the set what the weights at q take, and which points count: none if q is outside the hull. where
  * and half: as dt_find has found (half: DT_NONE for a set of one point). work may be NULL. Cost: the number of
  * natural neighbours. */
 enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_where where,
                               uint32_t half, enum dt_interpolation how, struct dt_work *work,
                               struct dt_weigher *w);
+
+/* Where rounding begins, so that the same set gives the same bytes: the half edge of the triangle around the place, or
+ * of the first of the two at its edge, that leaves the corner with the smallest id. */
+uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half);
 
 /* Computes the weights. DT_CANCELLED, DT_NOMEM; with `quick` DT_TOOLONG where double words are not exact enough.
  * cancel may be NULL. Cost: the same; some ten times as much where doubles are not enough, and some thousand

@@ -1,0 +1,66 @@
+/* value.h - the value of a surface at a place that has been found in the mesh.
+ *
+ * The value is a function of the points and values alone: where it depends on an order of corners, that begins with
+ * the smallest id, and what is kept from place to place is what would be computed again. */
+#ifndef DT_VALUE_H
+#define DT_VALUE_H
+
+#include "core/control/work.h"
+#include "core/delaunay_surface.h"
+#include "core/surface/circles.h"
+#include "core/surface/vicinity.h"
+#include "core/surface/weights.h"
+
+/* The linear surface over a triangle. */
+struct dt_plane {
+    uint32_t triangle; /* its first half edge; DT_NONE: none is kept */
+    bool sure;         /* doubles are exact enough */
+    struct dt_point corner;
+    double value, dx, dy; /* at that corner, and its slopes */
+    double least, most;   /* values at the corners */
+};
+
+/* What one place after the other is computed in, while the set does not change. */
+struct dt_valuer {
+    const struct dt *t;         /* borrows */
+    const struct dt_surface *s; /* borrows */
+    struct dt_work *work;       /* borrows */
+    struct dt_vicinity vicinity;
+    struct dt_plane plane;
+    struct dt_circles circles;
+    uint32_t judged; /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
+    bool is_short;   /* none of them is longer */
+    struct dt_weigher weigher;
+    struct dt_ids ids; /* owns */
+};
+
+/* `circles`: how many to keep, a power of two. DT_NOMEM; to be cleared in any case. */
+enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
+                              struct dt_work *work, uint32_t circles);
+void dt_valuer_clear(struct dt_valuer *v);
+
+/* The value at q, which dt_find has found (half: DT_NONE for a set of at most one point). DT_NOMEM, DT_CANCELLED,
+ * DT_TOOLONG. */
+enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where where,
+                           uint32_t half, double *out);
+
+/* The value of a surface at a point, and at a vertex. */
+static inline double dt_value_of_id(const struct dt_surface *s, uint32_t id)
+{
+    uint32_t page = id / DT_FIELD_PAGE;
+    return page < s->pages && s->page[page] != NULL ? s->page[page][id % DT_FIELD_PAGE]
+                                                    : (double)NAN;
+}
+
+static inline double dt_value_of(const struct dt_valuer *v, uint32_t vertex)
+{
+    return dt_value_of_id(v->s, v->t->points.id[vertex]);
+}
+
+/* ---- means in doubles (natural.c) ---- */
+
+/* The mean of the natural neighbours of q, strictly inside the hull and in the triangle of `first`; false: doubles are
+ * not exact enough, or there are too many of them. */
+bool dt_natural_mean(struct dt_valuer *v, struct dt_point q, uint32_t first, double *out);
+
+#endif

@@ -1,0 +1,37 @@
+/* vicinity.h - what a scan of a surface is going to read, fetched by blocks.
+ *
+ * Vertices and triangles are numbered in Morton order by a build, so those of a block of numbers lie together in the
+ * plane: where a row of a raster needs one of them, that row and the next ones need most of the others. Values are
+ * found by id, which may be in any order. Fetched one by one, each of them is waited for. */
+#ifndef DT_VICINITY_H
+#define DT_VICINITY_H
+
+#include "core/delaunay_surface.h"
+#include "core/set/set.h"
+
+enum {
+    DT_BLOCKS = 4096,       /* that are remembered as fetched: of vertices, and of triangles */
+    DT_BLOCK_VERTICES = 32, /* 8 cache lines of places, up to 32 of values */
+    DT_BLOCK_TRIANGLES = 16 /* 8 cache lines */
+};
+
+struct dt_vicinity {
+    uint32_t *vertices, *triangles; /* owns DT_BLOCKS numbers each; NULL: nothing is fetched */
+    const struct dt_surface *s;     /* borrows */
+};
+
+/* DT_NOMEM; to be cleared in any case. */
+enum dt_status dt_vicinity_init(struct dt_vicinity *w, const struct dt_surface *s);
+void dt_vicinity_clear(struct dt_vicinity *w);
+
+void dt_vicinity_fetch(struct dt_vicinity *w, const struct dt *t, uint32_t triangle);
+
+/* Fetches what is near the triangle of the half edge, unless that has been done lately. */
+static inline void dt_vicinity_enter(struct dt_vicinity *w, const struct dt *t, uint32_t half)
+{
+    uint32_t block = half / (8 * DT_BLOCK_TRIANGLES);
+    if (w->triangles != NULL && w->triangles[block % DT_BLOCKS] != block)
+        dt_vicinity_fetch(w, t, dt_base(half));
+}
+
+#endif

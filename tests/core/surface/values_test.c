@@ -1,0 +1,423 @@
+/* values_test.c - values of surfaces at places and at cells of rasters. */
+#include "core/delaunay_surface.h"
+#include "tests/core/sets.h"
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const enum dt_interpolation all[] = {DT_LINEAR, DT_NATURAL, DT_LAPLACE, DT_CLOSEST};
+enum { METHODS = 4 };
+
+/* A page of values, by id. */
+static double random_values[DT_FIELD_PAGE];
+
+static void make_values(void)
+{
+    for (int i = 0; i < DT_FIELD_PAGE; i++)
+        random_values[i] = 1000 + test_uniform();
+}
+
+static struct dt_surface surface_of(enum dt_interpolation how)
+{
+    static const double *page[] = {random_values};
+    return (struct dt_surface){page, 1, how, HUGE_VAL};
+}
+
+/* A set with values of its points in the field z; nan: none. */
+static struct dt *set_with(const struct dt_point *p, const double *z, uint32_t n)
+{
+    uint32_t missing;
+    struct dt *t = set_of(p, n);
+    CHECK(dt_field_set_run(t, "z", 1, 0, z, n, NULL, &missing) == DT_OK);
+    return t;
+}
+
+/* The surface of its field z, to be ended. */
+static struct dt_surface surface_in(const struct dt *t, enum dt_interpolation how)
+{
+    struct dt_surface s = {.how = how, .max_edge = HUGE_VAL};
+    CHECK(dt_surface_begin(&s, dt_field_find(t, "z", 1), NULL) == DT_OK);
+    return s;
+}
+
+static double value_at(const struct dt *t, const struct dt_surface *s, struct dt_point q)
+{
+    double value;
+    size_t done;
+    CHECK(dt_values(t, s, &q, 1, NULL, &value, &done) == DT_OK && done == 1);
+    return value;
+}
+
+static void check_same(double got, double want, struct dt_point q)
+{
+    CHECK_MSG(memcmp(&got, &want, sizeof got) == 0 || (isnan(got) && isnan(want)),
+              "%.17g instead of %.17g at %.17g %.17g", got, want, q.x, q.y);
+}
+
+/* The value of the field z at x y. */
+static double value_in(const struct dt *t, enum dt_interpolation how, double max_edge, double x,
+                       double y)
+{
+    struct dt_surface s = surface_in(t, how);
+    s.max_edge = max_edge;
+    double value = value_at(t, &s, (struct dt_point){x, y});
+    dt_surface_end(&s);
+    return value;
+}
+
+/* ---- at places ---- */
+
+/* Beside the mean by the weights of WEIGHTS. */
+static void check_mean(const struct dt *t, struct dt_point q, enum dt_interpolation how)
+{
+    struct dt_surface s = surface_of(how);
+    double got = value_at(t, &s, q), sum = 0, least = HUGE_VAL, most = -HUGE_VAL;
+    struct dt_weigher *w;
+    struct dt_weight *weight;
+    size_t n;
+    CHECK(dt_weights_begin(t, q, how, NULL, &w) == DT_OK);
+    CHECK(dt_weights_end(w, NULL, &weight, &n) == DT_OK);
+    for (size_t i = 0; i < n; i++) {
+        double z = random_values[weight[i].id];
+        sum += weight[i].weight * (z - random_values[weight[0].id]);
+        least = fmin(least, z);
+        most = fmax(most, z);
+    }
+    CHECK(n > 0 || isnan(got));
+    if (n > 0) {
+        double want = random_values[weight[0].id] + sum, error = 2 * DT_WEIGHTS_ERROR + 0x1p-41;
+        CHECK_MSG(got >= least && got <= most, "%.17g outside %.17g to %.17g", got, least, most);
+        CHECK_MSG(fabs(got - want) <= error, "%.17g instead of %.17g", got, want);
+    }
+    free(weight);
+    dt_weights_free(w);
+}
+
+static void check_means(const struct pair *pair)
+{
+    make_values();
+    for (int i = 0; i < 20; i++)
+        for (int how = 0; how < 3; how++)
+            check_mean(pair->t, random_place(pair->b), all[how]);
+}
+
+TEST_TIMEOUT(values_are_means_by_the_weights_on_every_family, 120)
+{
+    for_each_pair(check_means);
+}
+
+static void check_points(const struct pair *pair)
+{
+    make_values();
+    for (uint32_t id = 0; id < dt_next_id(pair->t); id++) {
+        struct dt_point p;
+        uint32_t rep;
+        if (dt_get(pair->t, id, &p) != DT_OK)
+            continue;
+        CHECK(dt_representative(pair->t, id, &rep) == DT_OK);
+        for (int how = 0; how < METHODS; how++) {
+            struct dt_surface s = surface_of(all[how]);
+            check_same(value_at(pair->t, &s, p), random_values[rep], p);
+        }
+    }
+}
+
+TEST_TIMEOUT(values_at_points_are_theirs_on_every_family, 60)
+{
+    for_each_pair(check_points);
+}
+
+static void check_closest(const struct pair *pair)
+{
+    struct dt_surface s = surface_of(DT_CLOSEST);
+    make_values();
+    for (int i = 0; i < 20; i++) {
+        struct dt_point q = random_place(pair->b);
+        struct dt_location at;
+        struct dt_ids ids = {0};
+        CHECK(dt_locate(pair->t, q, &at) == DT_OK);
+        CHECK(dt_nearest(pair->t, q, 1, &ids) == DT_OK);
+        check_same(value_at(pair->t, &s, q),
+                   at.where == DT_OUTSIDE ? (double)NAN : random_values[ids.v[0]], q);
+        free(ids.v);
+    }
+}
+
+TEST_TIMEOUT(values_of_the_nearest_points_on_every_family, 60)
+{
+    for_each_pair(check_closest);
+}
+
+TEST(values_of_a_constant_are_that_constant)
+{
+    struct dt_point p[100];
+    double z[100];
+    for (int i = 0; i < 100; i++) {
+        p[i] = (struct dt_point){test_uniform(), test_uniform()};
+        z[i] = 0.1;
+    }
+    struct dt *t = set_with(p, z, 100);
+    for (int i = 0; i < 400; i++) {
+        double got = value_in(t, all[i % METHODS], HUGE_VAL, test_uniform(), test_uniform());
+        CHECK(isnan(got) || got == 0.1);
+    }
+    dt_free(t);
+}
+
+TEST(values_of_the_largest_magnitudes_stay_between_them)
+{
+    static const struct dt_point p[] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 1.5}};
+    static const double z[] = {-1.7e308, 1.7e308, -1.7e308, 1.7e308, 1e308};
+    struct dt *t = set_with(p, z, 5);
+    for (int how = 0; how < METHODS; how++) {
+        double got = value_in(t, all[how], HUGE_VAL, 1, 0.5);
+        CHECK(got >= -1.7e308 && got <= 1.7e308);
+    }
+    dt_free(t);
+}
+
+TEST(values_are_missing_where_one_that_counts_is)
+{
+    static const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2.5}};
+    static const double z[] = {1, 2, NAN, 4, 5};
+    struct dt *t = set_with(p, z, 5), *fewer = set_with(p, z, 1);
+    CHECK(value_in(t, DT_LINEAR, HUGE_VAL, 1, 0) == 1.25);
+    CHECK(isnan(value_in(t, DT_LINEAR, HUGE_VAL, 3.5, 2)));
+    CHECK(isnan(value_in(t, DT_LINEAR, HUGE_VAL, 4, 4)));
+    CHECK(!isnan(value_in(t, DT_LINEAR, HUGE_VAL, 0.25, 2)));
+    CHECK(isnan(value_in(t, DT_NATURAL, HUGE_VAL, 2, 2.75)));
+    CHECK(isnan(value_in(t, DT_LAPLACE, HUGE_VAL, 2, 2.75)));
+    CHECK(isnan(value_in(fewer, DT_LINEAR, HUGE_VAL, 1, 0)));
+    CHECK(value_in(fewer, DT_LINEAR, HUGE_VAL, 0, 0) == 1);
+    dt_free(t);
+    dt_free(fewer);
+}
+
+/* Two unit squares, far apart: what is between them has long edges. */
+TEST(values_are_missing_in_triangles_with_long_edges)
+{
+    static const struct dt_point p[] = {{0, 0}, {1, 0},  {1, 1},  {0, 1},
+                                        {9, 0}, {10, 0}, {10, 1}, {9, 1}};
+    static const double z[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    struct dt *t = set_with(p, z, 8);
+    for (int how = 0; how < METHODS; how++) {
+        double edge = sqrt(2);
+        CHECK(!isnan(value_in(t, all[how], edge, 0.25, 0.5)));
+        CHECK(!isnan(value_in(t, all[how], edge, 1, 0.5)));
+        CHECK(value_in(t, all[how], edge, 9, 0) == 4);
+        CHECK(isnan(value_in(t, all[how], edge, 1.25, 0.5)));
+        CHECK(isnan(value_in(t, all[how], edge, 5, 0)));
+        CHECK(isnan(value_in(t, all[how], 1.25, 0.25, 0.5)));
+        CHECK(value_in(t, all[how], 1.25, 9, 0) == 4);
+    }
+    dt_free(t);
+}
+
+TEST(values_on_a_line_at_one_point_and_at_none)
+{
+    static const struct dt_point p[] = {{0, 0}, {4, 4}, {2, 2}};
+    static const double z[] = {1, 3, 7};
+    struct dt *line = set_with(p, z, 3), *one = set_with(p, z, 1), *none = set_of(p, 0);
+    struct dt_surface s = {.how = DT_NATURAL, .max_edge = HUGE_VAL};
+    for (int how = 0; how < METHODS; how++) {
+        bool near = all[how] == DT_CLOSEST;
+        CHECK(value_in(line, all[how], HUGE_VAL, 3.5, 3.5) == (near ? 3 : 4));
+        CHECK(isnan(value_in(line, all[how], HUGE_VAL, 3, 2)));
+        CHECK(isnan(value_in(line, all[how], HUGE_VAL, 5, 5)));
+        CHECK(value_in(one, all[how], HUGE_VAL, 0, 0) == 1);
+        CHECK(isnan(value_in(one, all[how], HUGE_VAL, 4, 4)));
+        CHECK(isnan(value_in(line, all[how], 2.5, 3.5, 3.5)));
+        CHECK(value_in(line, all[how], 2.5, 4, 4) == 3);
+    }
+    CHECK(isnan(value_at(none, &s, p[0])));
+    dt_free(line);
+    dt_free(one);
+    dt_free(none);
+}
+
+/* ---- at cells ---- */
+
+static void check_cells(const struct dt *t, const struct dt_surface *s, const struct dt_raster *r)
+{
+    enum { MOST = 1024 };
+    double at_once[MOST], in_pieces[MOST], one;
+    size_t n = (size_t)r->columns * r->rows, done;
+    CHECK(n <= MOST && dt_raster_values(t, s, r, 0, n, NULL, at_once, &done) == DT_OK && done == n);
+    for (size_t at = 0; at < n; at += done) {
+        size_t piece = 1 + test_below((uint32_t)(n - at));
+        CHECK(dt_raster_values(t, s, r, at, piece, NULL, in_pieces + at, &done) == DT_OK);
+        CHECK(done == piece);
+    }
+    for (size_t i = 0; i < n; i++) {
+        struct dt_point q = dt_raster_centre(r, i);
+        CHECK(dt_values(t, s, &q, 1, NULL, &one, &done) == DT_OK);
+        check_same(at_once[i], one, q);
+        check_same(in_pieces[i], one, q);
+    }
+}
+
+static struct dt_raster random_raster(const struct brute *b)
+{
+    struct dt_point p = random_place(b), q = random_place(b);
+    return (struct dt_raster){{fmin(p.x, q.x), fmin(p.y, q.y)},
+                              {fmax(p.x, q.x), fmax(p.y, q.y)},
+                              1 + test_below(20),
+                              1 + test_below(20)};
+}
+
+static void check_rasters(const struct pair *pair)
+{
+    make_values();
+    for (int i = 0; i < 4; i++) {
+        struct dt_surface s = surface_of(all[test_below(METHODS)]);
+        struct dt_raster r = random_raster(pair->b);
+        if (test_below(3) == 0)
+            s.max_edge = hypot(r.hi.x - r.lo.x, r.hi.y - r.lo.y);
+        if (s.max_edge > 0)
+            check_cells(pair->t, &s, &r);
+    }
+}
+
+TEST_TIMEOUT(cells_have_the_values_at_their_centres_on_every_family, 120)
+{
+    for_each_pair(check_rasters);
+}
+
+/* Cells whose centres are points, middles of edges and places on edges. */
+TEST(cells_of_a_lattice_have_the_values_at_their_centres)
+{
+    struct dt_point p[64];
+    make_values();
+    for (int i = 0; i < 64; i++)
+        p[i] = (struct dt_point){i % 8, i / 8};
+    struct dt *t = set_of(p, 64);
+    for (int how = 0; how < METHODS; how++) {
+        struct dt_surface s = surface_of(all[how]);
+        check_cells(t, &s, &(struct dt_raster){{-1.5, -1.5}, {8.5, 8.5}, 10, 10});
+        check_cells(t, &s, &(struct dt_raster){{-1.25, -1.25}, {8.75, 8.75}, 20, 20});
+        check_cells(t, &s, &(struct dt_raster){{3, 3}, {3, 3}, 3, 2});
+        check_cells(t, &s, &(struct dt_raster){{0, 0}, {7, 7}, 1, 1000});
+        check_cells(t, &s, &(struct dt_raster){{0, 0}, {7, 7}, 1000, 1});
+    }
+    dt_free(t);
+}
+
+TEST(cells_are_in_rows_from_the_north)
+{
+    static const struct dt_point p[] = {{0, 0}, {2, 0}, {0, 2}, {2, 2}};
+    static const double z[] = {0, 1, 10, 11};
+    struct dt *t = set_with(p, z, 4);
+    struct dt_surface s = surface_in(t, DT_LINEAR);
+    struct dt_raster r = {{0, 0}, {2, 2}, 2, 2};
+    double out[4];
+    size_t done;
+    CHECK(dt_raster_values(t, &s, &r, 0, 4, NULL, out, &done) == DT_OK);
+    CHECK(out[0] == 7.75 && out[1] == 8.25 && out[2] == 2.75 && out[3] == 3.25);
+    dt_surface_end(&s);
+    dt_free(t);
+}
+
+/* The same points in another order: other vertices, other half edges. */
+TEST(cells_have_the_same_bytes_after_other_histories)
+{
+    enum { N = 300 };
+    struct dt_point p[N];
+    make_values();
+    for (int i = 0; i < N; i++)
+        p[i] = (struct dt_point){test_below(30), test_below(30)};
+    struct dt *at_once = set_of(p, N), *one_by_one = dt_new(0);
+    struct dt_added added;
+    CHECK(dt_triangulate(one_by_one, NULL) == DT_OK);
+    for (int i = 0; i < N; i++)
+        CHECK(dt_add(one_by_one, &p[i], 1, &added) == DT_OK);
+    CHECK(dt_refresh(one_by_one, NULL) == DT_OK);
+    for (int how = 0; how < METHODS; how++) {
+        struct dt_surface s = surface_of(all[how]);
+        struct dt_raster r = {{-1, -1}, {test_below(2) ? 31 : 30.3, 31}, 64, 63};
+        static double a[64 * 63], b[64 * 63];
+        size_t done;
+        CHECK(dt_raster_values(at_once, &s, &r, 0, 64 * 63, NULL, a, &done) == DT_OK);
+        CHECK(dt_raster_values(one_by_one, &s, &r, 0, 64 * 63, NULL, b, &done) == DT_OK);
+        for (uint32_t i = 0; i < 64 * 63; i++)
+            check_same(a[i], b[i], dt_raster_centre(&r, i));
+    }
+    dt_free(at_once);
+    dt_free(one_by_one);
+}
+
+TEST(cells_take_no_more_steps_than_they_may_and_go_on)
+{
+    enum { N = 3000 };
+    static struct dt_point p[N];
+    static double z[N], got[400], want[400];
+    for (int i = 0; i < N; i++) {
+        p[i] = (struct dt_point){cos(i * 2 * M_PI / N), sin(i * 2 * M_PI / N)};
+        z[i] = test_uniform();
+    }
+    struct dt *t = set_with(p, z, N);
+    struct dt_raster r = {{-1, -1}, {1, 1}, 4, 4};
+    for (int how = 0; how < METHODS; how++) {
+        struct dt_surface s = surface_in(t, all[how]);
+        struct dt_options few = {.steps = 1000};
+        size_t done, at = 0;
+        CHECK(dt_raster_values(t, &s, &r, 0, 16, NULL, want, &done) == DT_OK);
+        enum dt_status status = DT_TOOLONG;
+        for (few.steps = 1000; status == DT_TOOLONG; few.steps *= 2) {
+            status = dt_raster_values(t, &s, &r, at, 16 - at, &few, got + at, &done);
+            at += done;
+        }
+        CHECK(status == DT_OK && at == 16 && memcmp(got, want, sizeof got[0] * 16) == 0);
+        dt_surface_end(&s);
+    }
+    dt_free(t);
+}
+
+TEST(cells_can_be_cancelled)
+{
+    static const struct dt_point p[] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}};
+    struct dt *t = set_of(p, 4);
+    atomic_bool cancel = true;
+    struct dt_options opt = {.cancel = &cancel};
+    struct dt_surface s = surface_of(DT_NATURAL);
+    struct dt_raster r = {{0, 0}, {2, 2}, 100, 100};
+    double out[1];
+    size_t done;
+    CHECK(dt_raster_values(t, &s, &r, 0, 10000, &opt, out, &done) == DT_CANCELLED && done == 0);
+    CHECK(dt_values(t, &s, p, 1, &opt, out, &done) == DT_CANCELLED && done == 0);
+    dt_free(t);
+}
+
+TEST(cells_survive_without_memory)
+{
+    static const struct dt_point p[] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 0x1p-45}, {1, 1}};
+    struct dt *t = set_of(p, 6);
+    static double out[2000];
+    make_values();
+    for (int how = 0; how < METHODS; how++) {
+        enum dt_status status = DT_NOMEM;
+        struct dt_surface s = surface_of(all[how]);
+        struct dt_raster r = {{0, 0}, {2, 2}, 40, 40};
+        size_t done;
+        for (long n = 1; status == DT_NOMEM; n++) {
+            test_fail_alloc(n);
+            status = dt_raster_values(t, &s, &r, 0, 1600, NULL, out, &done);
+            CHECK(test_alloc_failed() == (status == DT_NOMEM));
+        }
+        test_fail_alloc(0);
+        CHECK(status == DT_OK && done == 1600);
+    }
+    dt_free(t);
+}
+
+TEST(values_need_a_triangulation)
+{
+    struct dt *t = dt_new(0);
+    struct dt_surface s = surface_of(DT_LINEAR);
+    struct dt_point q = {0, 0};
+    double out;
+    size_t done;
+    CHECK(dt_values(t, &s, &q, 1, NULL, &out, &done) == DT_UNTRIANGULATED && done == 0);
+    dt_free(t);
+}
