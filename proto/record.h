@@ -23,7 +23,9 @@
  * Upgrades. A program reads every version up to its own and writes its own; it refuses files of later
  * versions. A change of the meaning or the place of a byte, or a new type, increments RECORD_VERSION; the
  * reader of the old layout stays, with a test file of that version. A released version never changes. A
- * downgrade needs an empty directory. */
+ * downgrade needs an empty directory.
+ *
+ * Version 2: RECORD_EXPIRE, and b of RECORD_SET, which was 0. */
 #ifndef PROTO_RECORD_H
 #define PROTO_RECORD_H
 
@@ -32,7 +34,7 @@
 #include <stdint.h>
 
 enum {
-    RECORD_VERSION = 1,
+    RECORD_VERSION = 2,
     SEGMENT_HEADER = 32,
     RECORD_HEADER = 52,
     RECORD_NAME_LIMIT = 64,
@@ -60,9 +62,10 @@ enum record_type {
     RECORD_DROP,        /* the set */
     RECORD_TRIANGULATE, /* from now on the set has a triangulation */
     RECORD_CLOSE,       /* no change: the end of a log that was closed cleanly, or a gap */
-    RECORD_SET,  /* snapshot: a: the tolerance; first: the next id; n: how many points follow */
-    RECORD_ROWS, /* snapshot: items: points of the set, ids ascending */
-    RECORD_END,  /* snapshot: n: how many sets it has */
+    RECORD_SET, /* snapshot: a: the tolerance; b: as a of RECORD_EXPIRE; first: the next id; n: how many points follow */
+    RECORD_ROWS,   /* snapshot: items: points of the set, ids ascending */
+    RECORD_END,    /* snapshot: n: how many sets it has */
+    RECORD_EXPIRE, /* a: when the set is dropped, in milliseconds since 1970; 0: never */
     RECORD_TYPES
 };
 

@@ -3,6 +3,7 @@
 
 #include "server/clients/clients.h"
 #include "server/command/account.h"
+#include "server/command/expire.h"
 #include "server/command/reload.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/keep.h"
@@ -352,6 +353,7 @@ static void on_tick(struct loop *loop)
     keep_tick(&d.server);
     registry_tidy(&d.server.sets);
     registry_drop_orphans(&d.server.sets);
+    expire_tick(&d.server);
     announce_if_ready();
     refill_reserve();
     if (d.stopping && loop->now_ms - d.stop_ms > GRACE_MS)

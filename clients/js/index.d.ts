@@ -83,6 +83,9 @@ export class Client {
   sets(): Promise<string[]>;
   create(set: string, tolerance?: number, options?: { temporary?: boolean }): Promise<void>;
   drop(set: string): Promise<void>;
+  expire(set: string, seconds: number): Promise<void>;
+  ttl(set: string): Promise<number | undefined>;
+  persist(set: string): Promise<boolean>;
   stat(set: string): Promise<Stat>;
   load(set: string, points: Points, options?: { timeout?: number }): Promise<number>;
   load<P>(set: string, points: Iterable<P>, options: Accessors<P> & { timeout?: number }): Promise<number>;

@@ -1,6 +1,8 @@
 /* cmd_data.c - the commands about sets and their points. */
 #include "server/command/command.h"
+#include "server/command/expire.h"
 
+#include "proto/number.h"
 #include "server/clients/clients.h"
 #include "server/jobs/edit.h"
 #include "server/jobs/journal.h"
@@ -18,6 +20,8 @@ enum { SETS_A_PIECE = 256, ROW_BYTES = 96 };
 static void add_row(struct dataset *set, void *ctx)
 {
     struct listing_rows *rows = ctx;
+    if (expire_is_due(set))
+        return;
     const struct dt_summary *sum = &set->current->sum;
     bool triangulated = sum->triangulated || set->loading;
     buf_append(&rows->text, set->name, set->name_len);
@@ -115,6 +119,44 @@ void cmd_stat(struct server *s, struct dataset *set, const struct request *q, st
     reply_key_double(a->out, "tol", dt_tolerance(set->current->dt));
     if (set->temporary)
         reply_key_text(a->out, "temporary", "yes");
+    if (set->expires_ms != 0)
+        reply_key_double(a->out, "ttl", expire_seconds_left(set));
+    reply_end(a->out);
+}
+
+void cmd_expire(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct word *w = &q->word[2];
+    double seconds;
+    if (!proto_read_double(w->text, w->len, &seconds)) {
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    } else if (seconds > EXPIRE_MOST_S) {
+        reply_err(a->out, ERR_RANGE, "a set is dropped within %d seconds, or never", EXPIRE_MOST_S);
+    } else {
+        expire_after(s, set, seconds);
+        a->lsn = journal_of(s, set);
+        answer_ok(a);
+    }
+}
+
+void cmd_ttl(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    (void)s, (void)q;
+    reply_ok(a->out, 0);
+    if (set->expires_ms != 0)
+        reply_key_double(a->out, "ttl", expire_seconds_left(set));
+    reply_end(a->out);
+}
+
+void cmd_persist(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    bool changed = set->expires_ms != 0;
+    (void)q;
+    if (changed)
+        expire_never(s, set);
+    a->lsn = journal_of(s, set);
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, "changed", changed);
     reply_end(a->out);
 }
 

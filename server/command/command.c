@@ -3,6 +3,7 @@
 
 #include "proto/number.h"
 #include "server/command/ahead.h"
+#include "server/command/expire.h"
 #include "server/command/load.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
@@ -29,6 +30,11 @@ const struct command commands[] = {
     {"CREATE", 2, 5, EDITS, cmd_create, "CREATE set [TOL t] [TEMPORARY]",
      "a new, empty set with coincidence tolerance t, for good or as long as the connection"},
     {"DROP", 2, 2, EDITS | CMD_EXISTING | CMD_FREES, cmd_drop, "DROP set", "deletes a set"},
+    {"EXPIRE", 3, 3, EDITS | CMD_EXISTING, cmd_expire, "EXPIRE set seconds",
+     "drops the set after so many seconds"},
+    {"TTL", 2, 2, READS, cmd_ttl, "TTL set", "in how many seconds a set is dropped"},
+    {"PERSIST", 2, 2, EDITS | CMD_EXISTING, cmd_persist, "PERSIST set",
+     "takes EXPIRE back: the set stays"},
     {"STAT", 2, 2, READS | CMD_FRESH, cmd_stat, "STAT set", "counts and memory of a set"},
     {"ADD", 4, 0, EDITS, cmd_add, "ADD set x y [x y ...]", "adds points"},
     {"LOAD", 2, 3, EDITS | CMD_BODY, cmd_load, "LOAD set [n]",
@@ -162,6 +168,8 @@ static bool check_set(struct server *s, struct answer *a, const struct command *
         return false;
     }
     *set = registry_find(&s->sets, &q->word[1]);
+    if (*set != NULL && expire_drop_if_due(s, *set))
+        *set = NULL;
     /* Only commands for writing see a set whose creation has not succeeded yet. */
     bool there = *set != NULL && ((*set)->born || (c->flags & CMD_WRITE) != 0);
     if (!there)

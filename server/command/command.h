@@ -101,6 +101,7 @@ bool slowlog_wanted(const struct server *s, const struct request *q, uint32_t *n
 bool client_set_name(struct server *s, struct answer *a, const struct word *name);
 
 command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                        /* cmd_data.c */
+command_handler cmd_expire, cmd_ttl, cmd_persist;                                /* cmd_data.c */
 command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
 command_handler cmd_load;                                                        /* cmd_load.c */
 command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */

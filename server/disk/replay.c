@@ -134,6 +134,15 @@ static const char *apply_delete(struct replay *p, struct dataset *set, const str
     return fault_of(p, status);
 }
 
+/* Sets when the set is dropped. It is not dropped here, whatever the time is: only a RECORD_DROP does that. */
+static const char *apply_expire(struct replay *p, struct dataset *set, double at_ms)
+{
+    if (!(at_ms >= 0 && at_ms <= REPLAY_LATEST_MS))
+        return contradiction;
+    registry_expire(&p->sets, set, (int64_t)at_ms);
+    return NULL;
+}
+
 /* Applies a record that needs an existing set. */
 static const char *apply_existing(struct replay *p, struct dataset *set, const struct record *r)
 {
@@ -147,6 +156,8 @@ static const char *apply_existing(struct replay *p, struct dataset *set, const s
         fault = NULL;
     } else if (set != NULL && r->type == RECORD_DELETE) {
         fault = apply_delete(p, set, r);
+    } else if (set != NULL && r->type == RECORD_EXPIRE) {
+        fault = apply_expire(p, set, r->a);
     } else if (set != NULL && r->type == RECORD_MOVE) {
         fault = fault_of(p, dt_move(set->current->dt, r->first, (struct dt_point){r->a, r->b}));
     }
@@ -230,7 +241,7 @@ static const char *begin_set(struct replay *p, const struct record *r)
     p->rows = r->n;
     p->next_id = r->first;
     p->n = 0;
-    return NULL;
+    return apply_expire(p, set, r->b);
 }
 
 /* Makes room for n more rows: ids, representatives and points have the same capacity. */

@@ -8,6 +8,8 @@
 
 #include <stdatomic.h>
 
+#define REPLAY_LATEST_MS 0x1p53 /* since 1970; the last time at which a set may be dropped */
+
 struct replay {
     struct registry sets;      /* owns; each set's lsn and triangulated are those of its records */
     uint64_t snapshot;         /* changes up to this lsn are in the snapshot */

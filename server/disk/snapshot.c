@@ -111,6 +111,7 @@ static bool put_set(struct output *o, const struct snapshot_source *s)
                        .first = s->view == NULL ? 0 : dt_view_next_id(s->view),
                        .n = sum.points,
                        .a = dt_tolerance(s->version->dt),
+                       .b = (double)s->expires_ms,
                        .name = s->name,
                        .name_len = s->name_len};
     if (row == NULL || s->view == NULL) {
@@ -206,6 +207,7 @@ static void pin(struct snapshot_source *s, struct dataset *set)
     s->version = v;
     s->lsn = v->lsn;
     s->triangulated = set->triangulated;
+    s->expires_ms = set->expires_ms;
     s->view = dt_view_begin(v->dt, false);
 }
 

@@ -109,6 +109,7 @@ static void adopt_sets(struct server *s)
     s->sets.bucket = from->bucket;
     s->sets.buckets = from->buckets;
     s->sets.sets = from->sets;
+    s->sets.expiring = from->expiring;
     reservation_set(&s->sets.memory, s->sets.memory.bytes + from->memory.bytes);
     *from = (struct registry){0};
     registry_each(&s->sets, measure, s);
@@ -256,6 +257,13 @@ bool durable_admits_change(struct server *s, struct answer *a, bool frees)
         return true;
     answer_wait(a, &s->log, false);
     return false;
+}
+
+bool durable_admits_drops(const struct server *s)
+{
+    const struct durable *d = s->durable;
+    return d == NULL ||
+           (is_running(d) && (d->saver.status.state == LOG_GOOD || saver_disk_is_full(&d->saver)));
 }
 
 /* ---- INFO ---- */

@@ -37,6 +37,9 @@ bool durable_loaded(struct server *s, struct answer *a);
  * request waits, because the queue of the log is full: so changes are no faster than the disk. */
 bool durable_admits_change(struct server *s, struct answer *a, bool frees);
 
+/* Whether the server itself may drop a set now. */
+bool durable_admits_drops(const struct server *s);
+
 /* Begins a snapshot of all changes up to *lsn. */
 enum durable_begun { DURABLE_BEGUN, DURABLE_OFF, DURABLE_BUSY, DURABLE_NOMEM };
 enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn);

@@ -62,6 +62,12 @@ void journal_move(struct server *s, struct dataset *set, uint32_t id, struct dt_
     set->current->lsn = append(s, set, r);
 }
 
+void journal_expire(struct server *s, struct dataset *set)
+{
+    struct record r = {.type = RECORD_EXPIRE, .a = (double)set->expires_ms};
+    set->current->lsn = append(s, set, r);
+}
+
 void journal_triangulate(struct server *s, struct dataset *set)
 {
     if (set->triangulated)

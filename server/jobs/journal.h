@@ -14,6 +14,7 @@ void journal_add(struct server *s, struct dataset *set, uint32_t first, struct d
                  size_t n);
 void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n);
 void journal_move(struct server *s, struct dataset *set, uint32_t id, struct dt_point to);
+void journal_expire(struct server *s, struct dataset *set);
 void journal_triangulate(struct server *s, struct dataset *set);
 
 /* The lsn of the last change of the set, of the last DROP (set NULL), or of the last change of all: a reply that

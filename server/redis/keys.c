@@ -3,6 +3,7 @@
 
 #include "proto/number.h"
 #include "proto/resp.h"
+#include "server/command/expire.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/journal.h"
 #include "server/redis/glob.h"
@@ -32,6 +33,8 @@ static bool sees_sets(struct server *s, struct answer *a)
 static struct dataset *find(struct server *s, const struct word *name)
 {
     struct dataset *set = registry_find(&s->sets, name);
+    if (set != NULL && expire_drop_if_due(s, set))
+        return NULL;
     return set != NULL && set->born ? set : NULL;
 }
 
@@ -86,6 +89,55 @@ void redis_memory(struct server *s, const struct request *q, struct answer *a)
         redis_null(a);
 }
 
+/* ---- EXPIRE, with Redis's numbers instead of OK and NOSET ---- */
+
+/* Carries out q, and answers with 1 or, if `key` of the reply is 0, with 0; with 0 also if there is no such set. */
+static void ask_if_there(struct server *s, const struct request *q, struct answer *a,
+                         const char *key)
+{
+    struct line_reply t;
+    if (word_is_set_name(&q->word[1]) && find(s, &q->word[1]) == NULL) {
+        redis_integer(a, 0);
+        return;
+    }
+    if (!redis_ask(s, q, a, "", &t))
+        return;
+    redis_integer(a, key == NULL || line_reply_number(&t, key) != 0);
+    line_reply_clear(&t);
+}
+
+void redis_expire(struct server *s, const struct request *q, struct answer *a)
+{
+    if (q->n != 3)
+        redis_usage(a, "EXPIRE set seconds");
+    else if (sees_sets(s, a))
+        ask_if_there(s, q, a, NULL);
+}
+
+void redis_persist(struct server *s, const struct request *q, struct answer *a)
+{
+    if (q->n != 2)
+        redis_usage(a, "PERSIST set");
+    else if (sees_sets(s, a))
+        ask_if_there(s, q, a, "changed");
+}
+
+void redis_ttl(struct server *s, const struct request *q, struct answer *a)
+{
+    bool fine = word_is(&q->word[0], "PTTL");
+    if (q->n != 2) {
+        redis_usage(a, fine ? "PTTL set" : "TTL set");
+        return;
+    }
+    if (!sees_sets(s, a))
+        return;
+    const struct dataset *set = find(s, &q->word[1]);
+    if (set == NULL || set->expires_ms == 0)
+        redis_integer(a, set == NULL ? -2 : -1);
+    else
+        redis_integer(a, (int64_t)(expire_seconds_left(set) * (fine ? 1000 : 1) + 0.5));
+}
+
 /* ---- names ---- */
 
 static bool good_pattern(struct answer *a, const struct word *pattern)
@@ -101,7 +153,8 @@ static bool good_pattern(struct answer *a, const struct word *pattern)
 static void add_name(struct dataset *set, void *ctx)
 {
     struct listing_rows *rows = ctx;
-    if (!glob_matches(rows->pattern, rows->pattern_len, set->name, set->name_len))
+    if (expire_is_due(set) ||
+        !glob_matches(rows->pattern, rows->pattern_len, set->name, set->name_len))
         return;
     resp_bulk(&rows->text, set->name, set->name_len);
     rows->n++;

@@ -223,6 +223,13 @@ static void add_fact(struct buf *rows, const char *key, uint64_t value, const ch
     buf_append_text(rows, text);
 }
 
+static void add_keyspace(const struct server *s, struct buf *rows)
+{
+    char rest[64];
+    snprintf(rest, sizeof rest, ",expires=%zu,avg_ttl=0", s->sets.expiring);
+    add_fact(rows, "db0:keys=", s->sets.sets, rest);
+}
+
 /* What redis-cli --stat and others look for, by Redis's names. */
 static void add_redis_facts(struct server *s, const struct request *q, struct buf *rows)
 {
@@ -237,7 +244,7 @@ static void add_redis_facts(struct server *s, const struct request *q, struct bu
         add_fact(rows, "total_commands_processed:", s->count.commands, "");
     }
     if (asks_for(q, "SETS"))
-        add_fact(rows, "db0:keys=", s->sets.sets, ",expires=0,avg_ttl=0");
+        add_keyspace(s, rows);
 }
 
 /* The rows of INFO as one text, as in Redis. */
@@ -388,6 +395,10 @@ static const struct {
     {"SCAN", false, redis_scan},
     {"TYPE", false, redis_type},
     {"MEMORY", false, redis_memory},
+    {"EXPIRE", false, redis_expire},
+    {"TTL", false, redis_ttl},
+    {"PTTL", false, redis_ttl},
+    {"PERSIST", false, redis_persist},
     {"MULTI", false, multi},
     {"EXEC", false, exec},
     {"DISCARD", false, discard},

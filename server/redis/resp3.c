@@ -119,7 +119,7 @@ static size_t count_words(struct words w)
 /* Facts that are doubles; the others are counts, yes or no, or texts. */
 static bool is_double(const char *key, size_t len)
 {
-    return is(key, len, "ms") || is(key, len, "tol");
+    return is(key, len, "ms") || is(key, len, "tol") || is(key, len, "ttl");
 }
 
 static void put_fact(struct buf *out, const char *text, size_t len)

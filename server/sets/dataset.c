@@ -227,9 +227,17 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
     return set;
 }
 
+void registry_expire(struct registry *r, struct dataset *set, int64_t at_ms)
+{
+    r->expiring -= set->expires_ms != 0;
+    r->expiring += at_ms != 0;
+    set->expires_ms = at_ms;
+}
+
 static void free_set(struct registry *r, struct dataset *set)
 {
     r->sets--;
+    r->expiring -= set->expires_ms != 0;
     version_unpin(r, set->current);
     free(set);
 }

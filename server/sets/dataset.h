@@ -42,9 +42,10 @@ struct dataset {
     bool exclusive;     /* the writer edits in place */
     bool born; /* false until the request that creates it has succeeded: its name is taken, but
                   other requests do not see it */
-    bool triangulated; /* the log has a TRIANGULATE of it (with --data) */
-    bool loading;      /* it was read from disk and is not triangulated yet */
-    bool temporary;    /* dropped when its connection ends, and never on disk */
+    bool triangulated;  /* the log has a TRIANGULATE of it (with --data) */
+    bool loading;       /* it was read from disk and is not triangulated yet */
+    bool temporary;     /* dropped when its connection ends, and never on disk */
+    int64_t expires_ms; /* when it is dropped, in milliseconds since 1970; 0: never */
     struct dataset *temporary_next, **temporary_link; /* in the list of that connection's sets */
     struct wait_queue queue;                          /* of requests that wait for it */
     size_t name_len;
@@ -60,6 +61,7 @@ struct temporaries {
 struct registry {
     struct dataset **bucket; /* owns */
     size_t buckets, sets;
+    size_t expiring;             /* sets that are dropped at some time */
     struct temporaries *orphans; /* owns; the temporary sets of connections that have ended */
     struct reservation memory;   /* of all versions */
     struct dt_pages *pages;      /* borrows; for the large arrays of sets; NULL: none */
@@ -79,6 +81,8 @@ struct dataset *registry_find(const struct registry *r, const struct word *name)
 struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance);
 /* Removes the set and frees it; all requests that wait for it are woken. It must have no writer. */
 void registry_drop(struct registry *r, struct dataset *set);
+/* Sets when the set is dropped, in milliseconds since 1970 (expire.h); 0: never. */
+void registry_expire(struct registry *r, struct dataset *set, int64_t at_ms);
 /* Adds a set to a connection's temporary sets *of, whose list is created with the first one (NULL before). False
  * when out of memory. registry_drop removes it. */
 bool dataset_make_temporary(struct dataset *set, struct temporaries **of);

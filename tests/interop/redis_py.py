@@ -25,6 +25,8 @@ assert r.exists("p", "q") == 1 and r.dbsize() == len(r.keys()) >= 1
 assert b"p" in set(r.scan_iter(count=3)) and list(r.scan_iter(match="[p]")) == [b"p"]
 assert r.type("p") == b"pointset" and r.type("q") == b"none"
 assert r.memory_usage("p") > 0 and r.memory_usage("q") is None
+assert r.ttl("p") == -1 and r.ttl("q") == -2 and r.expire("p", 1000) and 900 < r.ttl("p") <= 1000 and 900000 < r.pttl("p")
+assert not r.expire("q", 1) and r.persist("p") and not r.persist("p")
 # The default pipeline is a transaction: it fails with the reason, and nothing is carried out.
 pipe = r.pipeline()
 pipe.execute_command("ADD", "tx", 1, 2)

@@ -29,7 +29,8 @@ uint64_t digest_dt(const struct dt *dt, bool triangulated)
 
 uint64_t digest_set(const struct dataset *set)
 {
-    return digest_dt(set->current->dt, set->triangulated);
+    uint64_t h = digest_dt(set->current->dt, set->triangulated);
+    return set->expires_ms == 0 ? h : digest_mix(h, &set->expires_ms, sizeof set->expires_ms) | 1;
 }
 
 static void add(struct dataset *set, void *ctx)

@@ -121,6 +121,22 @@ class Client {
     await this.request(`DROP ${checkSet(set)}`);
   }
 
+  /** The server drops the set after so many seconds. */
+  async expire(set, seconds) {
+    await this.request(`EXPIRE ${checkSet(set)} ${Number(seconds)}`);
+  }
+
+  /** In how many seconds the server drops the set; undefined: never. */
+  async ttl(set) {
+    const { ttl } = (await this.request(`TTL ${checkSet(set)}`)).keys;
+    return ttl === undefined ? undefined : Number(ttl);
+  }
+
+  /** Takes expire back; whether there was anything to take back. */
+  async persist(set) {
+    return (await this.request(`PERSIST ${checkSet(set)}`)).keys.changed === '1';
+  }
+
   async stat(set) {
     return this.#keys(`STAT ${checkSet(set)}`);
   }

@@ -50,6 +50,10 @@ describe('a client', () => {
     assert.deepEqual([...ids], [2, 3, 4, 5]);
     assert.deepEqual([...coords], [5, 5, 0, 4, 2, 2, 1e-7, 3]);
     assert.equal((await client.check('t')).delaunay, true);
+    assert.equal(await client.ttl('t'), undefined);
+    await client.expire('t', 1000);
+    assert.ok((await client.ttl('t')) > 900);
+    assert.deepEqual([await client.persist('t'), await client.persist('t')], [true, false]);
     const { points, triangulated, tol } = await client.stat('t');
     assert.deepEqual([points, triangulated, tol], [4, true, 0]);
     const { uptime_s, version } = await client.info();

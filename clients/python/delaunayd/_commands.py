@@ -55,6 +55,18 @@ class Commands:
         """Deletes a set with all that is in it."""
         return self._ask(lambda _: None, "DROP", set_name(name))
 
+    def expire(self, name: str, seconds: float) -> None:
+        """The server drops the set after so many seconds."""
+        return self._ask(lambda _: None, "EXPIRE", set_name(name), float(seconds))
+
+    def ttl(self, name: str) -> Optional[float]:
+        """In how many seconds the server drops the set; None: never."""
+        return self._ask(lambda reply: float(reply.keys["ttl"]) if "ttl" in reply.keys else None, "TTL", set_name(name))
+
+    def persist(self, name: str) -> bool:
+        """Takes `expire` back; whether there was anything to take back."""
+        return self._ask(lambda reply: reply.keys["changed"] == "1", "PERSIST", set_name(name))
+
     def stat(self, name: str) -> Dict[str, Value]:
         """Counts (points, coincident, triangles, edges, hull), memory in bytes, tol, and whether it is triangulated."""
         return self._ask(protocol.values, "STAT", set_name(name))

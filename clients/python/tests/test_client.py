@@ -79,6 +79,11 @@ class Commands(WithDaemon):
         finally:
             module.numpy = with_numpy
         self.assertEqual(self.client.stat("t")["points"], 3)
+        self.assertIsNone(self.client.ttl("t"))
+        self.assertIsNone(self.client.expire("t", 1000))
+        self.assertTrue(900 < self.client.ttl("t") <= 1000)
+        self.assertTrue(self.client.persist("t"))
+        self.assertFalse(self.client.persist("t"))
 
 
 class WithoutNumPy(Commands):

@@ -4,6 +4,7 @@
 
 #include "tests/test.h"
 
+#include <math.h>
 #include <string.h>
 
 /* A record as it is read from a file; they live until the process ends. */
@@ -83,10 +84,36 @@ TEST(set_is_created_once_with_a_name_and_a_tolerance_that_it_may_have)
     replay_clear(&p);
 }
 
+/* Whatever the time is: only a RECORD_DROP drops it. */
+TEST(time_of_a_set_is_restored_and_nothing_is_dropped)
+{
+    static const double bad[] = {-1, 1e17, NAN, INFINITY};
+    struct replay p;
+    begin(&p);
+    struct record r = about("t", RECORD_EXPIRE, 2);
+    r.a = 1;
+    CHECK(takes(&p, r) && find(&p, "t")->expires_ms == 1 && p.sets.expiring == 1);
+    r.lsn = 3;
+    r.a = 0;
+    CHECK(takes(&p, r) && find(&p, "t")->expires_ms == 0 && p.sets.expiring == 0);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        r.lsn = 4;
+        r.a = bad[i];
+        CHECK(!takes(&p, r));
+    }
+    replay_clear(&p);
+    replay_init(&p);
+    r = about("t", RECORD_SET, 1);
+    r.b = 5;
+    CHECK(takes_of_snapshot(&p, r) && find(&p, "t")->expires_ms == 5 && p.sets.expiring == 1);
+    CHECK(takes(&p, about("t", RECORD_DROP, 9)) && p.sets.expiring == 0);
+    replay_clear(&p);
+}
+
 TEST(change_of_a_set_that_is_not_there_is_refused)
 {
     static const enum record_type types[] = {RECORD_DROP, RECORD_TRIANGULATE, RECORD_DELETE,
-                                             RECORD_MOVE};
+                                             RECORD_MOVE, RECORD_EXPIRE};
     struct replay p;
     begin(&p);
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)

@@ -71,6 +71,39 @@ TEST(keys_refuse_what_is_not_their_form)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
+TEST(keys_expire_as_in_redis)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    answers(fd, "CREATE t", "+OK\r\n");
+    answers(fd, "TTL t", ":-1\r\n");
+    answers(fd, "TTL u", ":-2\r\n");
+    answers(fd, "EXPIRE u 10", ":0\r\n");
+    answers(fd, "EXPIRE t 1000", ":1\r\n");
+    ask(fd, "PTTL t");
+    unsigned long left = strtoul(hear_line(fd) + 1, NULL, 10);
+    CHECK(left > 900000 && left <= 1000000);
+    ask(fd, "TTL t");
+    left = strtoul(hear_line(fd) + 1, NULL, 10);
+    CHECK(left > 900 && left <= 1000);
+    answers(fd, "PERSIST t", ":1\r\n");
+    answers(fd, "PERSIST t", ":0\r\n");
+    answers(fd, "PERSIST u", ":0\r\n");
+    answers(fd, "TTL t", ":-1\r\n");
+    answers(fd, "EXPIRE t x", "-NUMBER x is not a number\r\n");
+    answers(fd, "EXPIRE t/ 1", "-SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\r\n");
+    answers(fd, "EXPIRE t 5 NX", "-SYNTAX usage: EXPIRE set seconds\r\n");
+    answers(fd, "TTL", "-SYNTAX usage: TTL set\r\n");
+    answers(fd, "PTTL", "-SYNTAX usage: PTTL set\r\n");
+    answers(fd, "PERSIST", "-SYNTAX usage: PERSIST set\r\n");
+    answers(fd, "EXPIRE t 0", ":1\r\n");
+    answers(fd, "KEYS *", "*0\r\n");
+    answers(fd, "EXISTS t", ":0\r\n");
+    answers(fd, "DBSIZE", ":0\r\n");
+    answers(fd, "PERSIST t", ":0\r\n");
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
 /* Reads an array of names `set<i>` and counts each in seen[]; how many they are. */
 static size_t hear_names(int fd, int *seen)
 {

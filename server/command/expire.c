@@ -1,0 +1,82 @@
+/* expire.c - see expire.h. */
+#include "server/command/expire.h"
+
+#include "server/jobs/durable.h"
+#include "server/jobs/journal.h"
+
+#include <time.h>
+
+/* Milliseconds since 1970. */
+static int64_t wall_ms(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_REALTIME, &t);
+    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
+}
+
+bool expire_is_due(const struct dataset *set)
+{
+    return set->expires_ms != 0 && wall_ms() >= set->expires_ms;
+}
+
+static bool can_be_dropped(const struct server *s, const struct dataset *set)
+{
+    return set->writer == NULL && !set->loading && (set->temporary || durable_admits_drops(s));
+}
+
+bool expire_drop_if_due(struct server *s, struct dataset *set)
+{
+    if (!expire_is_due(set) || !can_be_dropped(s, set))
+        return false;
+    journal_drop(s, set);
+    registry_drop(&s->sets, set);
+    return true;
+}
+
+void expire_after(struct server *s, struct dataset *set, double seconds)
+{
+    registry_expire(&s->sets, set, wall_ms() + (seconds > 0 ? (int64_t)(seconds * 1000) : 0));
+    journal_expire(s, set);
+}
+
+void expire_never(struct server *s, struct dataset *set)
+{
+    registry_expire(&s->sets, set, 0);
+    journal_expire(s, set);
+}
+
+double expire_seconds_left(const struct dataset *set)
+{
+    int64_t left = set->expires_ms - wall_ms();
+    return left > 0 ? (double)left / 1000 : 0;
+}
+
+/* ---- the tick ---- */
+
+enum { DUE = 16, BUCKETS_A_TICK = 2000 };
+
+struct due {
+    struct dataset *set[DUE];
+    size_t n;
+};
+
+static void collect(struct dataset *set, void *ctx)
+{
+    struct due *due = ctx;
+    if (due->n < DUE && expire_is_due(set))
+        due->set[due->n++] = set;
+}
+
+void expire_tick(struct server *s)
+{
+    if (s->sets.expiring == 0)
+        return;
+    for (int i = 0; i < BUCKETS_A_TICK; i++) {
+        struct due due = {.n = 0};
+        s->expired_up_to = registry_scan(&s->sets, s->expired_up_to, collect, &due);
+        while (due.n > 0)
+            expire_drop_if_due(s, due.set[--due.n]);
+        if (s->expired_up_to == 0)
+            break;
+    }
+}

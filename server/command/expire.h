@@ -1,0 +1,30 @@
+/* expire.h - EXPIRE: sets that the server drops at a time.
+ *
+ * The time is one of the wall clock, so it survives a restart: the log and snapshots have it. When it has come, the set
+ * is dropped as by DROP, with a record in the log, by the next request that names the set, or by a tick. A set that a
+ * job edits, that is still being triangulated after a restart, or whose DROP could not be logged now, stays until
+ * then. */
+#ifndef SERVER_EXPIRE_H
+#define SERVER_EXPIRE_H
+
+#include "server/jobs/server.h"
+
+enum { EXPIRE_MOST_S = 1000000000 }; /* from now: 31 years */
+
+/* Sets the time, in at most EXPIRE_MOST_S seconds, or takes it back; with a record in the log. */
+void expire_after(struct server *s, struct dataset *set, double seconds);
+void expire_never(struct server *s, struct dataset *set);
+
+/* Whether its time has come. */
+bool expire_is_due(const struct dataset *set);
+
+/* Drops the set if its time has come and it can be dropped. Whether it has been. */
+bool expire_drop_if_due(struct server *s, struct dataset *set);
+
+/* Of a set that is dropped at some time; not negative. */
+double expire_seconds_left(const struct dataset *set);
+
+/* Drops some of the sets whose time has come. To be called once a second. Cost: O(1), less than a millisecond. */
+void expire_tick(struct server *s);
+
+#endif
