@@ -15,19 +15,14 @@ struct version *version_new(struct dt *dt)
     if (v == NULL)
         return NULL;
     *v = (struct version){.dt = dt, .refs = 1};
-    pthread_rwlockattr_t attr;
-    pthread_rwlockattr_init(&attr);
-    /* Otherwise a close succession of readers would starve an edit. */
-    pthread_rwlockattr_setkind_np(&attr, PTHREAD_RWLOCK_PREFER_WRITER_NONRECURSIVE_NP);
-    pthread_rwlock_init(&v->lock, &attr);
-    pthread_rwlockattr_destroy(&attr);
+    rwlock_init(&v->lock);
     return v;
 }
 
 void version_free(struct version *v)
 {
     if (v != NULL)
-        pthread_rwlock_destroy(&v->lock);
+        rwlock_clear(&v->lock);
     free(v);
 }
 
@@ -68,27 +63,27 @@ void version_update(struct registry *r, struct version *v)
 
 void version_lock_read(struct version *v)
 {
-    pthread_rwlock_rdlock(&v->lock);
+    rwlock_read(&v->lock);
 }
 
 bool version_try_read(struct version *v)
 {
-    return pthread_rwlock_tryrdlock(&v->lock) == 0;
+    return rwlock_try_read(&v->lock);
 }
 
 void version_lock_edit(struct version *v)
 {
-    pthread_rwlock_wrlock(&v->lock);
+    rwlock_write(&v->lock);
 }
 
 bool version_try_edit(struct version *v)
 {
-    return pthread_rwlock_trywrlock(&v->lock) == 0;
+    return rwlock_try_write(&v->lock);
 }
 
 void version_unlock(struct version *v)
 {
-    pthread_rwlock_unlock(&v->lock);
+    rwlock_unlock(&v->lock);
 }
 
 /* Frees some of what was saved. True: nothing is left. */

@@ -19,14 +19,13 @@
 #include "core/delaunay.h"
 #include "proto/request.h"
 #include "server/sets/budget.h"
+#include "server/sets/rwlock.h"
 #include "server/sets/wait.h"
-
-#include <pthread.h>
 
 struct version {
     struct dt *dt; /* owns; not to be read while a job edits it in place */
     unsigned refs;
-    pthread_rwlock_t lock; /* of dt, see above */
+    struct rwlock lock;    /* of dt, see above */
     struct dt_summary sum; /* of dt after the last completed edit; sum.memory is in the budget */
     uint64_t lsn;          /* of its last change in the log; 0: none, or without --data */
     bool
