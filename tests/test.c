@@ -36,6 +36,13 @@ void test_check_str(const char *file, int line, const char *what, const char *go
         test_fail(file, line, "%s\n--- got\n%s\n--- want\n%s\n---", what, got, want);
 }
 
+bool test_names_error(const char *text, const char *what, int error)
+{
+    char line[512];
+    snprintf(line, sizeof line, "%s: %s", what, strerror(error));
+    return strstr(text, line) != NULL;
+}
+
 uint64_t test_random(void) /* splitmix64 [Steele, Lea & Flood 2014] */
 {
     uint64_t z = (state += 0x9E3779B97F4A7C15u);
@@ -71,6 +78,13 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+unsigned test_slowness(void)
+{
+    const char *text = getenv("TEST_SLOWNESS");
+    unsigned long factor = text == NULL ? 1 : strtoul(text, NULL, 10);
+    return factor < 1 || factor > 1000 ? 1 : (unsigned)factor;
+}
+
 /* Runs one test in a process group of its own, so that whatever it started goes with it. */
 static bool passes(const struct test *t)
 {
@@ -82,7 +96,7 @@ static bool passes(const struct test *t)
     }
     if (pid == 0) {
         setpgid(0, 0);
-        alarm(t->timeout_s);
+        alarm(t->timeout_s * test_slowness());
         state = seed;
         t->run();
         exit(0);

@@ -58,10 +58,17 @@ __attribute__((format(printf, 3, 4), noreturn)) void test_fail(const char *file,
 void test_check_str(const char *file, int line, const char *what, const char *got,
                     const char *want);
 
+/* Whether text contains `what: ` and the C library's words for an errno, which differ between libraries. */
+bool test_names_error(const char *text, const char *what, int error);
+
 /* Uniform 64-bit numbers, a double in [0, 1), and an integer below n. */
 uint64_t test_random(void);
 double test_uniform(void);
 uint32_t test_below(uint32_t n);
+
+/* The factor by which this machine may be slower than the limits of the tests assume: $TEST_SLOWNESS, an
+ * integer, for instance under an emulator; otherwise 1. It multiplies every test's time-out. */
+unsigned test_slowness(void);
 
 /* Whether a sanitizer was compiled in: times and memory then say nothing about the program. */
 bool test_is_sanitized(void);

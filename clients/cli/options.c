@@ -10,7 +10,7 @@ int options_next(int argc, char **argv, const char *letters, const struct option
 {
     char with_colon[16];
     opterr = 0;
-    /* ':' tells a missing value from an unknown option; '+' before it is getopt's, too */
+    /* ':' makes getopt report a missing value as such; a '+' must stay in front of it. */
     bool plus = letters[0] == '+';
     snprintf(with_colon, sizeof with_colon, "%s:%s", plus ? "+" : "", letters + plus);
     return getopt_long(argc, argv, with_colon, options, NULL);
@@ -27,12 +27,20 @@ int options_wrong(const char *command, const char *format, ...)
     return EXIT_USAGE;
 }
 
+/* The word that getopt has looked at last. Where the value of the last option is missing, some C libraries
+ * have gone on to the end of argv, others behind it. */
+static const char *last_word(char **argv)
+{
+    const char *word = argv[optind - 1];
+    return word != NULL ? word : argv[optind - 2];
+}
+
 int options_unknown(const char *command, char **argv, int option)
 {
-    /* A letter may stand among others in one word; a long option is the last word looked at. */
+    /* A letter may be one of several in a word; a long option is a word of its own. */
     const char letter[3] = {'-', (char)optopt, '\0'};
-    const char *name =
-        optopt != 0 && optopt < 128 && argv[optind - 1][1] != '-' ? letter : argv[optind - 1];
+    const char *word = last_word(argv);
+    const char *name = optopt != 0 && optopt < 128 && word[1] != '-' ? letter : word;
     return options_wrong(command,
                          option == ':' ? "the option %s needs a value" : "unknown option %s", name);
 }

@@ -103,11 +103,19 @@ void reservation_move(struct reservation *to, struct reservation *from)
     reservation_set(to, to->bytes + bytes);
 }
 
+/* Only glibc keeps freed memory until it is asked to return it. */
+static void trim_heap(void)
+{
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+}
+
 void reservation_trim_heap(const struct reservation *r)
 {
     if (r->bytes == 0)
         return;
     size_t resident = machine_resident(), limit = *r->budget->limit;
     if (resident > limit || r->bytes > limit - resident)
-        malloc_trim(0);
+        trim_heap();
 }

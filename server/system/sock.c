@@ -24,11 +24,14 @@ enum {
     KEEPALIVE_PROBES = 4
 };
 
+/* Reports errno, which stays as it is. */
 static int fail(int fd, const char *what)
 {
-    notice(NOTICE_ERROR, "cannot listen on %s: %s", what, strerror(errno));
+    int error = errno;
+    notice(NOTICE_ERROR, "cannot listen on %s: %s", what, strerror(error));
     if (fd >= 0)
         close(fd);
+    errno = error;
     return -1;
 }
 

@@ -16,6 +16,10 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#ifndef __SOCKADDR_ARG /* glibc's type for any kind of address */
+#define __SOCKADDR_ARG struct sockaddr *
+#endif
+
 static _Atomic uint64_t *calls; /* and, behind it, the errno of accept4 */
 
 __attribute__((constructor)) static void map_file(void)
