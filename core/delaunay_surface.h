@@ -93,6 +93,53 @@ enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
                                 const struct dt_raster *r, uint64_t from, size_t n,
                                 const struct dt_options *opt, double *out, size_t *done);
 
+/* ---- contours: where the linear surface has a value ----
+ *
+ * A point whose value is the level, or more, is above it. In every triangle that has corners above and below, the
+ * line goes straight from edge to edge, with the higher ground on its left; on an edge it is at a place that depends
+ * on its ends, their values and the level alone. So lines never branch and never cross; they may touch at a point
+ * whose value is the level. A line is closed, or it begins and ends where there is no surface: at the hull, or at
+ * a triangle that has an edge longer than max_edge or a corner without a value.
+ *
+ * The order is canonical. A closed line begins on the edge whose ids come first, the smaller one compared first; lines
+ * are sorted by their levels, and then by the edges on which they begin. Places that are equal to the one before are
+ * left out, and then open lines of one place and closed ones of fewer than three.
+ *
+ *     dt_contour_begin(t, view, field, level, levels, max_edge, &c);
+ *     do
+ *         dt_contour_read(t, c, &done);         under the caller's lock
+ *     while (!done);
+ *     dt_contour_end(c, &opt, &line, &lines);   which needs the set no more
+ *     dt_contour_free(c);
+ */
+struct dt_contour;
+
+struct dt_contour_line {
+    double level;
+    bool closed;        /* its last place is joined to its first one */
+    struct dt_point *p; /* borrowed from the contour */
+    size_t n;
+};
+
+/* `level`: ascending, copied. The view must be one that reads rings, open until the last dt_contour_read; NULL: now,
+ * and the set must not change until then. Cost: 4 bytes for each id. */
+enum dt_status dt_contour_begin(const struct dt *t, const struct dt_view *v,
+                                const struct dt_field *f, const double *level, uint32_t levels,
+                                double max_edge, struct dt_contour **out);
+
+/* Reads the next piece: rows, triangles or crossings, some thousands of them. */
+enum dt_status dt_contour_read(const struct dt *t, struct dt_contour *c, bool *done);
+
+/* Bytes that it will have at most after the next dt_contour_read or dt_contour_end. */
+size_t dt_contour_memory(const struct dt_contour *c);
+
+/* Joins what has been read to lines. opt may be NULL: its flag is polled. Cost: linear in the places of the lines,
+ * and the sorting of the lines. */
+enum dt_status dt_contour_end(struct dt_contour *c, const struct dt_options *opt,
+                              const struct dt_contour_line **line, size_t *lines);
+
+void dt_contour_free(struct dt_contour *c); /* NULL: nothing */
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,474 @@
+/* contour.c - contours of the linear surface.
+ *
+ * First the class of every point is found, the number of levels that it is above: then most triangles, whose corners
+ * are of one class, cost three look-ups. The others give a crossing for each level between their corners' classes:
+ *
+ *                above                 `in` is the edge that goes down, counterclockwise as seen from the
+ *               /     \                triangle, and `out` the one that goes up; both are named by their ids, the
+ *         in  /  - - -> \  out         higher end first. What goes out of one triangle goes into the next one by
+ *           /             \            the same name, so crossings are joined without the triangulation.
+ *       below ----------- below
+ *
+ * Rows and triangles are read through tables, in pieces, at the moment of a view. */
+#include "core/exact/predicates.h"
+#include "core/memory/memory.h"
+#include "core/set/reader.h"
+#include "core/set/view_rows.h"
+
+#include "core/delaunay_surface.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    PIECE = 4096, /* rows or triangles */
+    NEW = 8192    /* crossings of a piece */
+};
+
+#define MISSING UINT32_MAX /* the class of a point without a value */
+
+struct edge {
+    uint32_t higher, lower; /* ids */
+};
+
+struct crossing {
+    uint32_t level; /* its number */
+    struct edge in, out;
+    struct dt_point from, to;
+    uint32_t next; /* the crossing of the next triangle, DT_NONE: the line ends */
+    bool follows;  /* there is one before */
+    bool taken;    /* by a line */
+};
+
+struct line {
+    uint32_t first; /* its first crossing */
+    uint32_t level;
+    uint32_t lo, hi; /* the ids of the edge on which it begins */
+    bool closed;
+};
+
+enum stage { ROWS, TRIANGLES, READ };
+
+struct dt_contour {
+    const struct dt_view *view;   /* borrows */
+    const struct dt_field *field; /* borrows */
+    double *level;                /* owns */
+    uint32_t levels;
+    double max_edge;
+    enum stage stage;
+    uint32_t *class; /* owns ids */
+    uint32_t ids, from;
+    struct dt_cursor cursor;
+    uint32_t triangle
+        [3 *
+         PIECE]; /* that have been read, up to `end`, and `at` is next: from the level `sub` on */
+    size_t at, end;
+    uint32_t sub;
+    struct crossing *crossing; /* owns cap */
+    size_t n, cap;
+    uint32_t *slot; /* owns slots: crossings by `in`, DT_NONE: none */
+    size_t slots;
+    struct line *line; /* owns */
+    size_t lines;
+    struct dt_point *place;         /* owns */
+    struct dt_contour_line *result; /* owns */
+};
+
+void dt_contour_free(struct dt_contour *c)
+{
+    if (c == NULL)
+        return;
+    free(c->level);
+    free(c->class);
+    free(c->crossing);
+    free(c->slot);
+    free(c->line);
+    free(c->place);
+    free(c->result);
+    free(c);
+}
+
+enum dt_status dt_contour_begin(const struct dt *t, const struct dt_view *v,
+                                const struct dt_field *f, const double *level, uint32_t levels,
+                                double max_edge, struct dt_contour **out)
+{
+    *out = NULL;
+    enum dt_status s = dt_view_readable(t, v, true);
+    if (s != DT_OK)
+        return s;
+    struct dt_contour *c = calloc(1, sizeof *c);
+    if (c == NULL)
+        return DT_NOMEM;
+    c->view = v;
+    c->field = f;
+    c->levels = levels;
+    c->max_edge = max_edge;
+    c->ids = v == NULL ? t->points.next_id : dt_view_next_id(v);
+    c->level = malloc(levels * sizeof *level + 1);
+    c->class = malloc(c->ids * sizeof *c->class + 1);
+    s = c->level == NULL || c->class == NULL ? DT_NOMEM : DT_OK;
+    if (s == DT_OK)
+        s = dt_table_begin(t, v, DT_TRIANGLES, false, &c->cursor);
+    if (s != DT_OK) {
+        dt_contour_free(c);
+        return s;
+    }
+    if (levels > 0)
+        memcpy(c->level, level, levels * sizeof *level);
+    *out = c;
+    return DT_OK;
+}
+
+/* ---- classes ---- */
+
+static uint32_t class_of(const struct dt_contour *c, double z)
+{
+    uint32_t a = 0, b = c->levels;
+    if (isnan(z))
+        return MISSING;
+    while (a < b) {
+        uint32_t middle = a + (b - a) / 2;
+        if (c->level[middle] <= z)
+            a = middle + 1;
+        else
+            b = middle;
+    }
+    return a;
+}
+
+static enum dt_status read_rows(const struct dt *t, struct dt_contour *c)
+{
+    struct dt_row row[512];
+    uint32_t id[512];
+    double z[512];
+    size_t n = 1;
+    enum dt_status s = DT_OK;
+    for (int i = 0; i < PIECE / 512 && s == DT_OK && n > 0; i++) {
+        s = dt_view_rows(t, c->view, &c->from, row, 512, &n);
+        if (s != DT_OK)
+            return s;
+        for (size_t k = 0; k < n; k++)
+            id[k] = row[k].id;
+        dt_field_values(c->field, c->view, id, n, z);
+        for (size_t k = 0; k < n; k++)
+            c->class[id[k]] = class_of(c, z[k]);
+    }
+    if (n == 0)
+        c->stage = TRIANGLES;
+    return s;
+}
+
+/* ---- crossings ---- */
+
+struct corner {
+    uint32_t id;
+    struct dt_point p;
+    double z;
+};
+
+static double between(double a, double b, double share)
+{
+    double x = a + (b - a) * share, lo = a < b ? a : b, hi = a < b ? b : a;
+    return x < lo ? lo : x > hi ? hi : x;
+}
+
+/* Where the level is on an edge, from its higher end. In each step rounding is monotone, so higher levels are not nearer
+ * to the lower end. */
+static struct dt_point place_of(const struct corner *higher, const struct corner *lower,
+                                double level)
+{
+    double fall = higher->z - lower->z, share = (higher->z - level) / fall;
+    if (isinf(fall))
+        share = (higher->z / 2 - level / 2) / (higher->z / 2 - lower->z / 2);
+    return (struct dt_point){between(higher->p.x, lower->p.x, share),
+                             between(higher->p.y, lower->p.y, share)};
+}
+
+static enum dt_status read_corners(const struct dt *t, const struct dt_contour *c,
+                                   const uint32_t *id, struct corner corner[3])
+{
+    double z[3];
+    enum dt_status s = DT_OK;
+    dt_field_values(c->field, c->view, id, 3, z);
+    for (int k = 0; k < 3 && s == DT_OK; k++) {
+        corner[k].id = id[k];
+        corner[k].z = z[k];
+        s = dt_view_get(t, c->view, id[k], &corner[k].p);
+    }
+    return s;
+}
+
+static bool has_surface(const struct dt_contour *c, const struct corner corner[3])
+{
+    for (int k = 0; c->max_edge < HUGE_VAL && k < 3; k++)
+        if (dt_compare_radius(corner[k].p, corner[(k + 1) % 3].p, c->max_edge) > 0)
+            return false;
+    return true;
+}
+
+static struct crossing crossing_of(const struct dt_contour *c, const struct corner corner[3],
+                                   uint32_t level)
+{
+    double at = c->level[level];
+    struct crossing r = {.level = level, .next = DT_NONE};
+    for (int k = 0; k < 3; k++) {
+        const struct corner *a = &corner[k], *b = &corner[(k + 1) % 3];
+        if (a->z >= at && b->z < at) {
+            r.in = (struct edge){a->id, b->id};
+            r.from = place_of(a, b, at);
+        } else if (a->z < at && b->z >= at) {
+            r.out = (struct edge){b->id, a->id};
+            r.to = place_of(b, a, at);
+        }
+    }
+    return r;
+}
+
+/* The levels first .. end - 1 are between the corners of the triangle. */
+static void levels_between(const struct dt_contour *c, const uint32_t *id, uint32_t *first,
+                           uint32_t *end)
+{
+    uint32_t a = c->class[id[0]], b = c->class[id[1]], d = c->class[id[2]];
+    *first = a < b ? a : b;
+    *first = d < *first ? d : *first;
+    *end = a > b ? a : b;
+    *end = d > *end ? d : *end;
+    if (*end == MISSING)
+        *end = *first;
+}
+
+/* Adds the crossings of the next triangle, from the level c->sub on and while there are fewer than `most`. */
+static enum dt_status cross(const struct dt *t, struct dt_contour *c, size_t most)
+{
+    const uint32_t *id = &c->triangle[c->at];
+    struct corner corner[3];
+    uint32_t first, end;
+    levels_between(c, id, &first, &end);
+    if (first < end) {
+        enum dt_status s = read_corners(t, c, id, corner);
+        if (s != DT_OK)
+            return s;
+        if (!has_surface(c, corner))
+            end = first;
+    }
+    uint32_t level = c->sub > first ? c->sub : first;
+    while (level < end && c->n < most)
+        c->crossing[c->n++] = crossing_of(c, corner, level++);
+    bool whole = level >= end;
+    c->sub = whole ? 0 : level;
+    c->at += whole ? 3 : 0;
+    return DT_OK;
+}
+
+static enum dt_status make_room(struct dt_contour *c)
+{
+    if (c->cap - c->n >= NEW)
+        return DT_OK;
+    size_t cap = c->cap + c->cap / 2 + NEW;
+    struct crossing *more = cap < DT_NONE ? realloc(c->crossing, cap * sizeof *more) : NULL;
+    if (more == NULL)
+        return DT_NOMEM;
+    c->crossing = more;
+    c->cap = cap;
+    return DT_OK;
+}
+
+static enum dt_status read_triangles(const struct dt *t, struct dt_contour *c)
+{
+    size_t rows = 1, most = c->n + NEW;
+    enum dt_status s = make_room(c);
+    if (s == DT_OK && c->at == c->end) {
+        s = dt_table_read(t, &c->cursor, c->triangle, 3 * PIECE, PIECE, &rows, &c->end);
+        c->at = 0;
+    }
+    while (s == DT_OK && c->at < c->end && c->n < most)
+        s = cross(t, c, most);
+    if (s == DT_OK && rows == 0)
+        c->stage = READ;
+    return s;
+}
+
+enum dt_status dt_contour_read(const struct dt *t, struct dt_contour *c, bool *done)
+{
+    enum dt_status s = dt_view_readable(t, c->view, true);
+    if (s == DT_OK && c->stage != READ)
+        s = c->stage == ROWS ? read_rows(t, c) : read_triangles(t, c);
+    *done = s == DT_OK && c->stage == READ;
+    return s;
+}
+
+static size_t slots_for(size_t n)
+{
+    size_t slots = 16;
+    while (slots < 2 * n)
+        slots *= 2;
+    return slots;
+}
+
+size_t dt_contour_memory(const struct dt_contour *c)
+{
+    size_t cap = c->cap + (c->stage == TRIANGLES ? c->cap / 2 + NEW : 0);
+    size_t end = c->stage == READ
+                     ? slots_for(c->n) * sizeof *c->slot +
+                           c->n * (sizeof *c->line + 2 * sizeof *c->place + sizeof *c->result)
+                     : 0;
+    return sizeof *c + c->levels * sizeof *c->level + c->ids * sizeof *c->class +
+           cap * sizeof *c->crossing + end;
+}
+
+/* ---- lines ---- */
+
+static bool is_same(struct edge a, struct edge b)
+{
+    return a.higher == b.higher && a.lower == b.lower;
+}
+
+static size_t hash(uint32_t level, struct edge e)
+{
+    uint64_t h = (uint64_t)e.higher * 0x9e3779b97f4a7c15u ^ e.lower;
+    h = (h ^ h >> 29) * 0xbf58476d1ce4e5b9u ^ level;
+    h *= 0x94d049bb133111ebu;
+    return (size_t)(h >> 32 ^ h);
+}
+
+/* Where the crossing of the level that comes in by the edge is, or would be. */
+static size_t slot_of(const struct dt_contour *c, uint32_t level, struct edge in)
+{
+    size_t i = hash(level, in) & (c->slots - 1);
+    while (c->slot[i] != DT_NONE) {
+        const struct crossing *k = &c->crossing[c->slot[i]];
+        if (k->level == level && is_same(k->in, in))
+            break;
+        i = (i + 1) & (c->slots - 1);
+    }
+    return i;
+}
+
+static void join(struct dt_contour *c, struct dt_stop *stop)
+{
+    struct dt_piece p = dt_before_first(0);
+    memset(c->slot, 0xff, c->slots * sizeof *c->slot);
+    while (dt_next_piece_of(stop, (uint32_t)c->n, DT_POLL_MISSES, &p))
+        for (uint32_t i = p.a; i < p.b; i++)
+            c->slot[slot_of(c, c->crossing[i].level, c->crossing[i].in)] = i;
+    p = dt_before_first(0);
+    while (dt_next_piece_of(stop, (uint32_t)c->n, DT_POLL_MISSES, &p))
+        for (uint32_t i = p.a; i < p.b; i++) {
+            uint32_t next = c->slot[slot_of(c, c->crossing[i].level, c->crossing[i].out)];
+            c->crossing[i].next = next;
+            if (next != DT_NONE)
+                c->crossing[next].follows = true;
+        }
+}
+
+static struct line line_from(const struct dt_contour *c, uint32_t i, bool closed)
+{
+    const struct crossing *k = &c->crossing[i];
+    bool ascending = k->in.higher < k->in.lower;
+    return (struct line){i, k->level, ascending ? k->in.higher : k->in.lower,
+                         ascending ? k->in.lower : k->in.higher, closed};
+}
+
+static int compare_lines(const void *a, const void *b)
+{
+    const struct line *x = a, *y = b;
+    if (x->level != y->level)
+        return x->level < y->level ? -1 : 1;
+    if (x->lo != y->lo)
+        return x->lo < y->lo ? -1 : 1;
+    return (x->hi > y->hi) - (x->hi < y->hi);
+}
+
+/* Takes the line of a crossing: of an open one, the first. */
+static void take_line(struct dt_contour *c, uint32_t first)
+{
+    struct line open = line_from(c, first, false), closed = line_from(c, first, true);
+    uint32_t i = first;
+    do {
+        struct line other = line_from(c, i, true);
+        if (compare_lines(&other, &closed) < 0)
+            closed = other;
+        c->crossing[i].taken = true;
+        i = c->crossing[i].next;
+    } while (i != DT_NONE && i != first);
+    c->line[c->lines++] = i == DT_NONE ? open : closed;
+}
+
+static void take_lines(struct dt_contour *c, bool open, struct dt_stop *stop)
+{
+    struct dt_piece p = dt_before_first(0);
+    while (dt_next_piece_of(stop, (uint32_t)c->n, DT_POLL_MISSES, &p))
+        for (uint32_t i = p.a; i < p.b; i++)
+            if (!c->crossing[i].taken && !(open && c->crossing[i].follows))
+                take_line(c, i);
+}
+
+/* Appends a place to a line, unless it is equal to the one before. */
+static void append(struct dt_contour_line *line, struct dt_point p)
+{
+    if (line->n == 0 || dt_compare_xy(line->p[line->n - 1], p) != 0)
+        line->p[line->n++] = p;
+}
+
+/* The places of a line, from `place` on. */
+static struct dt_contour_line trace(const struct dt_contour *c, const struct line *from,
+                                    struct dt_point *place)
+{
+    struct dt_contour_line line = {c->level[from->level], from->closed, place, 0};
+    uint32_t i = from->first;
+    const struct crossing *k;
+    do {
+        k = &c->crossing[i];
+        append(&line, k->from);
+        i = k->next;
+    } while (i != DT_NONE && i != from->first);
+    if (!line.closed)
+        append(&line, k->to);
+    while (line.closed && line.n > 1 && dt_compare_xy(line.p[0], line.p[line.n - 1]) == 0)
+        line.n--;
+    return line;
+}
+
+static size_t trace_all(struct dt_contour *c, struct dt_stop *stop)
+{
+    struct dt_point *place = c->place;
+    struct dt_piece p = dt_before_first(0);
+    size_t lines = 0;
+    while (dt_next_piece_of(stop, (uint32_t)c->lines, DT_POLL_MISSES, &p))
+        for (uint32_t i = p.a; i < p.b; i++) {
+            struct dt_contour_line line = trace(c, &c->line[i], place);
+            if (line.n < (line.closed ? 3 : 2))
+                continue;
+            c->result[lines++] = line;
+            place += line.n;
+        }
+    return lines;
+}
+
+enum dt_status dt_contour_end(struct dt_contour *c, const struct dt_options *opt,
+                              const struct dt_contour_line **line, size_t *lines)
+{
+    struct dt_stop stop = dt_stop_of(opt);
+    *line = NULL;
+    *lines = 0;
+    c->slots = slots_for(c->n);
+    c->slot = malloc(c->slots * sizeof *c->slot);
+    c->line = malloc(c->n * sizeof *c->line + 1);
+    c->place = malloc(2 * c->n * sizeof *c->place + 1);
+    c->result = malloc(c->n * sizeof *c->result + 1);
+    if (c->slot == NULL || c->line == NULL || c->place == NULL || c->result == NULL)
+        return DT_NOMEM;
+    join(c, &stop);
+    if (!dt_stopped(&stop))
+        take_lines(c, true, &stop);
+    if (!dt_stopped(&stop))
+        take_lines(c, false, &stop);
+    if (!dt_stopped(&stop))
+        qsort(c->line, c->lines, sizeof *c->line, compare_lines);
+    size_t n = dt_stopped(&stop) ? 0 : trace_all(c, &stop);
+    if (dt_stopped(&stop))
+        return dt_stop_status(&stop);
+    *line = c->result;
+    *lines = n;
+    return DT_OK;
+}
