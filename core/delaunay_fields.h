@@ -19,15 +19,17 @@ extern "C" {
 #define DT_FIELD_NAME 64  /* bytes of a name, from 1 on; any but NUL */
 #define DT_FIELD_PAGE 512 /* ids whose values lie together: from a multiple of it on */
 
-/* Borrowed from its set: valid until the field is dropped or the set is freed, and, if it was read through a view,
- * until that ends. */
+/* Borrowed from its set: valid until the field is dropped or the set is freed; if it was read through a view, until
+ * that ends or cannot be read any more (dt_view_rows, which may be asked for no row, does not answer DT_OK). */
 struct dt_field;
+
+const char *dt_field_name(const struct dt_field *f); /* ends with NUL; borrowed from the field */
 
 /* The field of that name; NULL: there is none. Cost: the number of fields. */
 const struct dt_field *dt_field_find(const struct dt *t, const char *name, size_t len);
 
 /* The field that follows f by name, or the first one if f is NULL; NULL: there is none. With a view: of those that
- * there were at its moment; it must be readable (dt_view_rows answers DT_OK). Cost: the number of fields. */
+ * there were at its moment. Cost: the number of fields. */
 const struct dt_field *dt_field_next(const struct dt *t, const struct dt_view *v,
                                      const struct dt_field *f);
 
@@ -48,7 +50,7 @@ void dt_field_values(const struct dt_field *f, const struct dt_view *v, const ui
 /* The values of the ids from *from, a multiple of DT_FIELD_PAGE, on: DT_FIELD_PAGE of them, valid until the next
  * edit. Where all are missing there is no page: *from goes on to the next one that there is. NULL: there is none.
  * Cost: constant, amortised over the pages of a field. */
-const double *dt_field_page(const struct dt_field *f, const struct dt_view *v, uint32_t *from);
+const double *dt_field_page(const struct dt_field *f, const struct dt_view *v, uint64_t *from);
 
 /* Sets the values of n ids, all or none; nan takes a value away, and of several for an id the last one counts.
  * The field is created if there is none of that name. DT_NOPOINT puts the first id that is missing in *missing;

@@ -7,7 +7,13 @@
 
 static const char magic[] = "DELAUNAY";
 
-enum { MAGIC = sizeof magic - 1, POINT_BYTES = 16, ROW_BYTES = 24, NAME_AT = RECORD_HEADER };
+enum {
+    MAGIC = sizeof magic - 1,
+    POINT_BYTES = 16,
+    ROW_BYTES = 24,
+    PAIR_BYTES = 12, /* an id and its value */
+    NAME_AT = RECORD_HEADER
+};
 
 /* ---- numbers; on a little-endian machine the compiler makes moves of these ---- */
 
@@ -97,6 +103,10 @@ size_t record_item_size(enum record_type type)
         return sizeof(uint32_t);
     case RECORD_ROWS:
         return ROW_BYTES;
+    case RECORD_FSET:
+        return PAIR_BYTES;
+    case RECORD_VALUES:
+        return sizeof(double);
     default:
         return 0;
     }
@@ -107,10 +117,21 @@ static void write_items(char *to, const struct record *r)
     const double *xy = r->items;
     const uint32_t *id = r->items;
     const struct record_row *row = r->items;
+    const struct record_value *pair = r->items;
     switch (record_item_size(r->type)) {
     case POINT_BYTES:
         for (size_t i = 0; i < 2 * (size_t)r->n; i++)
             put_f64(to + 8 * i, xy[i]);
+        break;
+    case sizeof(double):
+        for (size_t i = 0; i < r->n; i++)
+            put_f64(to + 8 * i, xy[i]);
+        break;
+    case PAIR_BYTES:
+        for (size_t i = 0; i < r->n; i++, to += PAIR_BYTES) {
+            put_u32(to, pair[i].id);
+            put_f64(to + 4, pair[i].value);
+        }
         break;
     case sizeof(uint32_t):
         for (size_t i = 0; i < r->n; i++)
@@ -131,7 +152,8 @@ static void write_items(char *to, const struct record *r)
 
 void record_write(struct buf *out, const struct record *r)
 {
-    size_t rest = r->name_len + r->n * record_item_size(r->type);
+    size_t names = r->name_len + r->field_len;
+    size_t rest = names + r->n * record_item_size(r->type);
     char *to = buf_reserve(out, RECORD_HEADER + rest);
     if (to == NULL)
         return;
@@ -141,14 +163,16 @@ void record_write(struct buf *out, const struct record *r)
     to[24] = (char)r->type;
     to[25] = (char)r->flags;
     to[26] = (char)r->name_len;
-    to[27] = 0;
+    to[27] = (char)r->field_len;
     put_u32(to + 28, r->first);
     put_u32(to + 32, r->n);
     put_f64(to + 36, r->a);
     put_f64(to + 44, r->b);
     if (r->name_len > 0)
         memcpy(to + NAME_AT, r->name, r->name_len);
-    write_items(to + NAME_AT + r->name_len, r);
+    if (r->field_len > 0)
+        memcpy(to + NAME_AT + r->name_len, r->field, r->field_len);
+    write_items(to + NAME_AT + names, r);
     put_u32(to, crc32c(0, to + 4, RECORD_HEADER - 4 + rest));
     buf_commit(out, RECORD_HEADER + rest);
 }
@@ -169,13 +193,15 @@ ptrdiff_t record_read(const char *bytes, size_t n, struct record *r)
     uint32_t rest = get_u32(bytes + 4);
     unsigned type = (unsigned char)bytes[24];
     r->name_len = (unsigned char)bytes[26];
+    r->field_len = (unsigned char)bytes[27];
     r->n = get_u32(bytes + 32);
-    if (type == 0 || type >= RECORD_TYPES || bytes[27] != 0)
+    if (type == 0 || type >= RECORD_TYPES)
         return bad_record(r, "its type is unknown");
     r->type = (enum record_type)type;
     /* In 64 bits this cannot overflow. */
-    if (r->name_len > RECORD_NAME_LIMIT || rest > RECORD_LIMIT - RECORD_HEADER ||
-        rest != r->name_len + (uint64_t)r->n * record_item_size(r->type))
+    if (r->name_len > RECORD_NAME_LIMIT || r->field_len > RECORD_FIELD_LIMIT ||
+        rest > RECORD_LIMIT - RECORD_HEADER ||
+        rest != r->name_len + r->field_len + (uint64_t)r->n * record_item_size(r->type))
         return bad_record(r, "its length makes no sense");
     if (n < RECORD_HEADER + (size_t)rest)
         return 0;
@@ -188,7 +214,8 @@ ptrdiff_t record_read(const char *bytes, size_t n, struct record *r)
     r->a = get_f64(bytes + 36);
     r->b = get_f64(bytes + 44);
     r->name = bytes + NAME_AT;
-    r->items = bytes + NAME_AT + r->name_len;
+    r->field = r->name + r->name_len;
+    r->items = r->field + r->field_len;
     return (ptrdiff_t)(RECORD_HEADER + (size_t)rest);
 }
 
@@ -210,6 +237,19 @@ void record_ids(const struct record *r, uint32_t *ids)
     const char *from = r->items;
     for (size_t i = 0; i < r->n; i++)
         ids[i] = get_u32(from + 4 * i);
+}
+
+void record_values(const struct record *r, double *values)
+{
+    const char *from = r->items;
+    for (size_t i = 0; i < r->n; i++)
+        values[i] = get_f64(from + 8 * i);
+}
+
+void record_value_at(const struct record *r, uint32_t i, struct record_value *value)
+{
+    const char *from = (const char *)r->items + (size_t)i * PAIR_BYTES;
+    *value = (struct record_value){get_u32(from), get_f64(from + 4)};
 }
 
 void record_row_at(const struct record *r, uint32_t i, struct record_row *row)

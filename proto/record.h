@@ -7,9 +7,9 @@
  *      8  u32 version                     4  u32 bytes after this header
  *     12  u32 kind                        8  u64 lsn
  *     16  u64 lsn                        16  u64 synced
- *     24  u32 0                          24  u8 type, u8 flags, u8 length of the name, u8 0
+ *     24  u32 0                          24  u8 type, u8 flags, u8 length of the name, u8 of the field's
  *     28  u32 CRC-32C of the above       28  u32 first   32  u32 n   36  f64 a   44  f64 b
- *                                        52  the name, then n items
+ *                                        52  the name, the field's name, then n items
  *
  * In a log, every record has a log sequence number (lsn), one more than the record before, and the
  * segment's header has that of its first one. `synced` is an lsn up to which everything was known
@@ -18,14 +18,16 @@
  *
  * In a snapshot the records are numbered from 1, and the header has the lsn up to which every
  * change is contained in it. For each set there is a RECORD_SET, whose `synced` is the lsn up to
- * which the changes of this set are contained, then its points; RECORD_END comes last.
+ * which the changes of this set are contained, then its points; then, if it has fields, at least one
+ * RECORD_VALUES for each of them, and RECORD_SET_END. RECORD_END comes last.
  *
  * Upgrades. A program reads every version up to its own and writes its own; it refuses files of later
  * versions. A change of the meaning or the place of a byte, or a new type, increments RECORD_VERSION; the
  * reader of the old layout stays, with a test file of that version. A released version never changes. A
  * downgrade needs an empty directory.
  *
- * Version 2: RECORD_EXPIRE, and b of RECORD_SET, which was 0. */
+ * Version 2: RECORD_EXPIRE, and b of RECORD_SET, which was 0; fields: the length of a field's name, which was 0, the types from
+ * RECORD_FSET on, and RECORD_HAS_FIELDS. */
 #ifndef PROTO_RECORD_H
 #define PROTO_RECORD_H
 
@@ -38,8 +40,10 @@ enum {
     SEGMENT_HEADER = 32,
     RECORD_HEADER = 52,
     RECORD_NAME_LIMIT = 64,
-    RECORD_POINTS = 32768, /* points of one record at most */
-    RECORD_LIMIT = RECORD_HEADER + RECORD_NAME_LIMIT + RECORD_POINTS * 24
+    RECORD_FIELD_LIMIT = 64,
+    RECORD_POINTS = 32768,      /* points of one record at most */
+    RECORD_MOST_VALUES = 65536, /* values of one RECORD_VALUES at most */
+    RECORD_LIMIT = RECORD_HEADER + RECORD_NAME_LIMIT + RECORD_FIELD_LIMIT + RECORD_POINTS * 24
 };
 
 enum segment_kind { SEGMENT_LOG = 1, SEGMENT_SNAPSHOT = 2 };
@@ -66,15 +70,26 @@ enum record_type {
     RECORD_ROWS,   /* snapshot: items: points of the set, ids ascending */
     RECORD_END,    /* snapshot: n: how many sets it has */
     RECORD_EXPIRE, /* a: when the set is dropped, in milliseconds since 1970; 0: never */
+    RECORD_FSET, /* sets values of the field, which is created if it is missing; items: ids and values */
+    RECORD_VALUES, /* the same; first: the first id; items: the values of the ids from it on. Without a name it is part
+                      of a LOAD. Snapshot: values of the set; the field is created even if n is 0 */
+    RECORD_FDROP,   /* the field */
+    RECORD_SET_END, /* snapshot: ends a set with RECORD_HAS_FIELDS */
     RECORD_TYPES
 };
 
-enum { RECORD_TRIANGULATED = 1 }; /* flag of RECORD_SET */
+enum { RECORD_TRIANGULATED = 1, RECORD_HAS_FIELDS = 2 }; /* flags of RECORD_SET */
 
 /* An item of RECORD_ROWS; 24 bytes on disk in this order. */
 struct record_row {
     uint32_t id, representative;
     double x, y;
+};
+
+/* An item of RECORD_FSET; 12 bytes on disk in this order. */
+struct record_value {
+    uint32_t id;
+    double value;
 };
 
 struct record {
@@ -85,6 +100,8 @@ struct record {
     double a, b;
     const char *name; /* borrows */
     size_t name_len;
+    const char *field; /* borrows */
+    size_t field_len;
     const void *items; /* borrows; as on disk, any alignment: see record_points, _ids, _rows */
     const char *fault; /* why record_read returned -1 */
 };
@@ -98,7 +115,7 @@ ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s);
 size_t record_item_size(enum record_type type);
 
 /* Appends r, items encoded from r->items: struct-like arrays of doubles x, y (points), uint32_t
- * (ids) or struct record_row. out->failed when out of memory. */
+ * (ids), struct record_row, struct record_value or doubles. out->failed when out of memory. */
 void record_write(struct buf *out, const struct record *r);
 
 /* Reads one record from bytes[n]. > 0: consumed, and r borrows from bytes; 0: it needs more; -1:
@@ -115,6 +132,8 @@ struct record_outline record_outline(const char bytes[RECORD_HEADER]);
 /* Decode the items of a record that was read, r->n of them. */
 void record_points(const struct record *r, double *xy);
 void record_ids(const struct record *r, uint32_t *ids);
+void record_values(const struct record *r, double *values);
+void record_value_at(const struct record *r, uint32_t i, struct record_value *value);
 void record_row_at(const struct record *r, uint32_t i, struct record_row *row);
 
 #endif

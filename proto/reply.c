@@ -185,6 +185,14 @@ void reply_row_point(struct buf *out, uint32_t id, double x, double y)
     buf_commit(out, (size_t)(to - row));
 }
 
+static char *write_value(char *to, double value)
+{
+    if (value == value)
+        return to + proto_write_double(to, value);
+    memcpy(to, "nan", 3);
+    return to + 3;
+}
+
 void reply_row_value(struct buf *out, uint32_t id, double value)
 {
     char *row = buf_reserve(out, ID_ROOM + DOUBLE_ROOM);
@@ -192,7 +200,25 @@ void reply_row_value(struct buf *out, uint32_t id, double value)
         return;
     char *to = row + proto_write_u32(row, id);
     *to++ = ' ';
-    to += proto_write_double(to, value);
+    to = write_value(to, value);
+    *to++ = '\n';
+    buf_commit(out, (size_t)(to - row));
+}
+
+void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most)
+{
+    size_t len = strlen(name);
+    char *row = buf_reserve(out, len + 1 + ID_ROOM + 2 * DOUBLE_ROOM);
+    if (row == NULL)
+        return;
+    memcpy(row, name, len);
+    char *to = row + len;
+    *to++ = ' ';
+    to += proto_write_u32(to, values);
+    *to++ = ' ';
+    to = write_value(to, least);
+    *to++ = ' ';
+    to = write_value(to, most);
     *to++ = '\n';
     buf_commit(out, (size_t)(to - row));
 }

@@ -61,7 +61,9 @@ __attribute__((format(printf, 2, 3))) void reply_comment(struct buf *out, const 
 void reply_row_text(struct buf *out, const char *text);
 void reply_row_ids(struct buf *out, const uint32_t *id, size_t n);
 void reply_row_point(struct buf *out, uint32_t id, double x, double y);
+/* nan is written as `nan`. */
 void reply_row_value(struct buf *out, uint32_t id, double value);
+void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most);
 void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance);
 
 /* Little-endian words of a binary reply. */

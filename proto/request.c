@@ -97,6 +97,11 @@ bool word_is_set_name(const struct word *w)
     return true;
 }
 
+bool word_is_field_name(const struct word *w)
+{
+    return word_is_set_name(w) && w->text[0] > ':'; /* of those: letters and `_` */
+}
+
 bool line_is_http(const char *text, size_t len)
 {
     static const char mark[] = " HTTP/1.";

@@ -40,6 +40,9 @@ static inline bool word_is(const struct word *w, const char *upper)
 /* Whether the word may name a set: [A-Za-z0-9_.:-]{1,64}. */
 bool word_is_set_name(const struct word *w);
 
+/* Whether the word may name a field: a set's name that begins with a letter or `_`. */
+bool word_is_field_name(const struct word *w);
+
 /* Whether the first line is that of a browser or another HTTP client: it ends in " HTTP/1.x". */
 bool line_is_http(const char *text, size_t len);
 

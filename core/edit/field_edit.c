@@ -138,7 +138,7 @@ enum dt_status dt_field_set_run(struct dt *t, const char *name, size_t len, uint
                                 uint32_t *missing)
 {
     struct setting s = {.t = t, .first = first, .v = values, .n = n};
-    if (n <= DT_NONE - first)
+    if (n <= (uint64_t)UINT32_MAX + 1 - first)
         return set_values(&s, name, len, opt, missing);
     *missing = DT_NONE;
     return DT_NOPOINT;

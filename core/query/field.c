@@ -6,6 +6,11 @@
 #include "core/memory/memory.h"
 #include "core/set/set.h"
 
+const char *dt_field_name(const struct dt_field *f)
+{
+    return f->name;
+}
+
 const struct dt_field *dt_field_find(const struct dt *t, const char *name, size_t len)
 {
     return dt_fields_find(&t->fields, name, len);
@@ -70,12 +75,12 @@ void dt_field_values(const struct dt_field *f, const struct dt_view *v, const ui
     }
 }
 
-const double *dt_field_page(const struct dt_field *f, const struct dt_view *v, uint32_t *from)
+const double *dt_field_page(const struct dt_field *f, const struct dt_view *v, uint64_t *from)
 {
     uint64_t end = (uint64_t)f->blocks * DT_FIELD_BLOCK, id = *from;
     while (id < end) {
         const double *page = dt_field_page_then(f, serial_of(v), (uint32_t)id);
-        *from = (uint32_t)id;
+        *from = id;
         if (page != NULL)
             return page;
         bool block = f->block[id / DT_FIELD_BLOCK] != NULL;

@@ -12,14 +12,15 @@ enum dt_status dt_surface_begin(struct dt_surface *s, const struct dt_field *f,
                                 const struct dt_view *v)
 {
     const double *page;
-    uint32_t id = 0, room = f->blocks * DT_FIELD_SLOTS;
+    uint32_t room = f->blocks * DT_FIELD_SLOTS;
+    uint64_t id = 0;
     s->pages = 0;
     s->page = calloc(room + 1, sizeof *s->page);
     if (s->page == NULL)
         return DT_NOMEM;
     while (s->pages < room && (page = dt_field_page(f, v, &id)) != NULL) {
         s->page[id / DT_FIELD_PAGE] = page;
-        s->pages = id / DT_FIELD_PAGE + 1;
+        s->pages = (uint32_t)(id / DT_FIELD_PAGE) + 1;
         id += DT_FIELD_PAGE;
     }
     return DT_OK;

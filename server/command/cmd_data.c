@@ -117,6 +117,8 @@ void cmd_stat(struct server *s, struct dataset *set, const struct request *q, st
     reply_key_u64(a->out, "hull", sum->hull);
     reply_key_u64(a->out, "memory", sum->memory);
     reply_key_double(a->out, "tol", dt_tolerance(set->current->dt));
+    if (sum->fields > 0)
+        reply_key_u64(a->out, "fields", sum->fields);
     if (set->temporary)
         reply_key_text(a->out, "temporary", "yes");
     if (set->expires_ms != 0)

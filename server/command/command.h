@@ -103,6 +103,7 @@ bool client_set_name(struct server *s, struct answer *a, const struct word *name
 command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                        /* cmd_data.c */
 command_handler cmd_expire, cmd_ttl, cmd_persist;                                /* cmd_data.c */
 command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
+command_handler cmd_fields, cmd_fset, cmd_fget, cmd_fdrop;                       /* cmd_field.c */
 command_handler cmd_load;                                                        /* cmd_load.c */
 command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
 

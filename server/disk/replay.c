@@ -2,20 +2,42 @@
  * representatives; where a record contains them, they are checked. */
 #include "server/disk/replay.h"
 
+#include "core/delaunay_fields.h"
+
 #include <stdlib.h>
 #include <string.h>
 
 static const char contradiction[] = "it contradicts what comes before it";
 static const char no_memory[] = "out of memory";
 
+struct replay_values {
+    struct replay_values *next;
+    char field[RECORD_FIELD_LIMIT];
+    size_t field_len;
+    uint32_t first, n;
+    double v[];
+};
+
 void replay_init(struct replay *p)
 {
     *p = (struct replay){0};
+    p->values_end = &p->values;
     registry_init(&p->sets);
+}
+
+static void free_values(struct replay *p)
+{
+    for (struct replay_values *v = p->values, *next; v != NULL; v = next) {
+        next = v->next;
+        free(v);
+    }
+    p->values = NULL;
+    p->values_end = &p->values;
 }
 
 void replay_clear(struct replay *p)
 {
+    free_values(p);
     registry_clear(&p->sets);
     dt_pages_release(p->points);
     free(p->id);
@@ -61,6 +83,39 @@ static bool collect(struct replay *p, const struct record *r)
     record_points(r, &p->points[p->n].x);
     p->n += r->n;
     return true;
+}
+
+/* The record's values; NULL: out of memory. */
+static struct replay_values *read_values(const struct record *r)
+{
+    struct replay_values *v = malloc(sizeof *v + r->n * sizeof v->v[0]);
+    if (v == NULL)
+        return NULL;
+    *v = (struct replay_values){.field_len = r->field_len, .first = r->first, .n = r->n};
+    memcpy(v->field, r->field, r->field_len);
+    record_values(r, v->v);
+    return v;
+}
+
+static bool collect_values(struct replay *p, const struct record *r)
+{
+    struct replay_values *v = read_values(r);
+    if (v == NULL)
+        return false;
+    *p->values_end = v;
+    p->values_end = &v->next;
+    return true;
+}
+
+static enum dt_status set_run(struct replay *p, struct dataset *set, const struct replay_values *v)
+{
+    struct dt_options opt = {.cancel = p->cancel};
+    uint32_t missing;
+    struct word field = {v->field, v->field_len};
+    if (!word_is_field_name(&field))
+        return DT_NOFIELD;
+    return dt_field_set_run(set->current->dt, v->field, v->field_len, v->first, v->v, v->n, &opt,
+                            &missing);
 }
 
 /* ---- the log ---- */
@@ -117,6 +172,10 @@ static const char *apply_loaded(struct replay *p, struct dataset *set, const str
     if (r->n != p->n)
         return contradiction;
     const char *fault = add_collected(p, set, r, p->load_first);
+    set = find(p, r);
+    for (const struct replay_values *v = p->values; fault == NULL && v != NULL; v = v->next)
+        fault = fault_of(p, set_run(p, set, v));
+    free_values(p);
     dt_pages_release(p->points); /* it may be large, and there may be no other load */
     p->points = NULL;
     p->cap = 0;
@@ -143,6 +202,36 @@ static const char *apply_expire(struct replay *p, struct dataset *set, double at
     return NULL;
 }
 
+static const char *apply_values(struct replay *p, struct dataset *set, const struct record *r)
+{
+    struct replay_values *v = read_values(r);
+    if (v == NULL)
+        return fail_memory(p);
+    enum dt_status status = set_run(p, set, v);
+    free(v);
+    return fault_of(p, status);
+}
+
+static const char *apply_fset(struct replay *p, struct dataset *set, const struct record *r)
+{
+    struct word field = {r->field, r->field_len};
+    uint32_t missing, *id = malloc((r->n + 1) * sizeof *id);
+    double *v = malloc((r->n + 1) * sizeof *v);
+    enum dt_status status = id == NULL || v == NULL ? DT_NOMEM : DT_NOFIELD;
+    for (uint32_t i = 0; status != DT_NOMEM && i < r->n; i++) {
+        struct record_value pair;
+        record_value_at(r, i, &pair);
+        id[i] = pair.id;
+        v[i] = pair.value;
+    }
+    if (status != DT_NOMEM && word_is_field_name(&field))
+        status =
+            dt_field_set(set->current->dt, r->field, r->field_len, id, v, r->n, NULL, &missing);
+    free(id);
+    free(v);
+    return fault_of(p, status);
+}
+
 /* Applies a record that needs an existing set. */
 static const char *apply_existing(struct replay *p, struct dataset *set, const struct record *r)
 {
@@ -160,6 +249,12 @@ static const char *apply_existing(struct replay *p, struct dataset *set, const s
         fault = apply_expire(p, set, r->a);
     } else if (set != NULL && r->type == RECORD_MOVE) {
         fault = fault_of(p, dt_move(set->current->dt, r->first, (struct dt_point){r->a, r->b}));
+    } else if (set != NULL && r->type == RECORD_VALUES) {
+        fault = apply_values(p, set, r);
+    } else if (set != NULL && r->type == RECORD_FSET) {
+        fault = apply_fset(p, set, r);
+    } else if (set != NULL && r->type == RECORD_FDROP) {
+        fault = fault_of(p, dt_field_drop(set->current->dt, r->field, r->field_len));
     }
     if (fault == NULL)
         set->current->lsn = r->lsn;
@@ -181,6 +276,8 @@ static const char *apply_load(struct replay *p, const struct record *r, bool ski
         return contradiction;
     if (r->type == RECORD_CHUNK)
         return p->skip_load || collect(p, r) ? NULL : fail_memory(p);
+    if (r->type == RECORD_VALUES)
+        return p->skip_load || collect_values(p, r) ? NULL : fail_memory(p);
     if (p->skip_load) {
         p->in_load = false;
         return NULL;
@@ -198,7 +295,8 @@ const char *replay_log(struct replay *p, const struct record *r)
             return NULL;
         skip = true;
     }
-    bool of_load = r->type == RECORD_LOAD || r->type == RECORD_CHUNK || r->type == RECORD_LOADED;
+    bool of_load = r->type == RECORD_LOAD || r->type == RECORD_CHUNK || r->type == RECORD_LOADED ||
+                   (r->type == RECORD_VALUES && r->name_len == 0);
     if (p->in_load && !of_load)
         return contradiction;
     if (of_load)
@@ -225,6 +323,7 @@ void replay_abandon_load(struct replay *p)
 {
     p->in_load = false;
     p->n = 0;
+    free_values(p);
 }
 
 /* ---- the snapshot ---- */
@@ -238,6 +337,8 @@ static const char *begin_set(struct replay *p, const struct record *r)
     set->triangulated = (r->flags & RECORD_TRIANGULATED) != 0;
     p->sets_seen++;
     p->restoring = set;
+    p->has_fields = (r->flags & RECORD_HAS_FIELDS) != 0;
+    p->restored = false;
     p->rows = r->n;
     p->next_id = r->first;
     p->n = 0;
@@ -263,7 +364,7 @@ static bool reserve_rows(struct replay *p, size_t n)
 
 static const char *collect_rows(struct replay *p, const struct record *r)
 {
-    if (p->restoring == NULL || r->n > p->rows - p->n)
+    if (p->restoring == NULL || p->restored || r->n > p->rows - p->n)
         return contradiction;
     if (!reserve_rows(p, r->n))
         return fail_memory(p);
@@ -279,12 +380,20 @@ static const char *collect_rows(struct replay *p, const struct record *r)
 
 static const char *restore_if_complete(struct replay *p)
 {
-    if (p->restoring == NULL || p->n < p->rows)
+    if (p->restoring == NULL || p->restored || p->n < p->rows)
         return NULL;
     struct dt *dt = p->restoring->current->dt;
     struct dt_options opt = {.cancel = p->cancel};
-    p->restoring = NULL;
+    p->restored = true;
+    if (!p->has_fields)
+        p->restoring = NULL;
     return fault_of(p, dt_restore(dt, p->id, p->points, p->representative, p->n, p->next_id, &opt));
+}
+
+static const char *end_set(struct replay *p)
+{
+    p->restoring = NULL;
+    return NULL;
 }
 
 const char *replay_snapshot(struct replay *p, const struct record *r)
@@ -296,6 +405,10 @@ const char *replay_snapshot(struct replay *p, const struct record *r)
         fault = begin_set(p, r);
     else if (r->type == RECORD_ROWS)
         fault = collect_rows(p, r);
+    else if (r->type == RECORD_VALUES && p->restoring != NULL && p->restored)
+        fault = apply_values(p, p->restoring, r);
+    else if (r->type == RECORD_SET_END && p->restoring != NULL && p->restored)
+        fault = end_set(p);
     else if (r->type == RECORD_END && p->restoring == NULL && r->n == p->sets_seen) {
         p->ended = true;
         free(p->id);

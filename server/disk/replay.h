@@ -10,6 +10,9 @@
 
 #define REPLAY_LATEST_MS 0x1p53 /* since 1970; the last time at which a set may be dropped */
 
+/* Values of a LOAD that is not complete. */
+struct replay_values;
+
 struct replay {
     struct registry sets;      /* owns; each set's lsn and triangulated are those of its records */
     uint64_t snapshot;         /* changes up to this lsn are in the snapshot */
@@ -22,9 +25,11 @@ struct replay {
     uint32_t load_first;
     struct dt_point *points; /* owns */
     size_t n, cap;
-    struct dataset *restoring;     /* the set whose rows are being read */
-    uint32_t rows, next_id;        /* the number of its rows, and its next id */
-    uint32_t *id, *representative; /* own; beside points */
+    struct replay_values *values, **values_end; /* own: in the order of the records */
+    struct dataset *restoring;                  /* the set whose rows, or values, are being read */
+    bool has_fields, restored;                  /* it has fields; all its rows have been read */
+    uint32_t rows, next_id;                     /* the number of its rows, and its next id */
+    uint32_t *id, *representative;              /* own; beside points */
     uint32_t sets_seen;
     bool ended;
 };

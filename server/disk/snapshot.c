@@ -1,6 +1,7 @@
 /* snapshot.c - see snapshot.h. */
 #include "server/disk/snapshot.h"
 
+#include "core/delaunay_fields.h"
 #include "proto/record.h"
 
 #include <errno.h>
@@ -16,7 +17,8 @@ enum {
     FLUSH_BYTES = 1 << 20,
     SYNC_BYTES =
         8 << 20,      /* after which it syncs, so that the disk's queue stays short for the log */
-    TURN_ROWS = 4096, /* rows that are read under the lock at a time */
+    TURN_ROWS = 4096, /* rows that are read under the lock at a time, */
+    TURN_PAGES = 32,  /* and pages of values */
     NICE = 10
 };
 
@@ -99,8 +101,97 @@ static bool put_rows(struct output *o, const struct snapshot_source *s, struct d
     return true;
 }
 
+/* ---- values ---- */
+
+enum { PAGE = DT_FIELD_PAGE };
+
+_Static_assert(RECORD_MOST_VALUES % DT_FIELD_PAGE == 0, "a record has whole pages of values");
+
+/* Whether the view can still be read; the lock is held. */
+static bool is_readable(const struct snapshot_source *s)
+{
+    uint32_t from = 0;
+    size_t n;
+    return dt_view_rows(s->version->dt, s->view, &from, NULL, 0, &n) == DT_OK;
+}
+
+/* A field that is being written: NULL, before the first one and after the last one. */
+struct writing {
+    const struct dt_field *field;
+    char name[DT_FIELD_NAME + 1];
+};
+
+/* Goes on to the next field; false: the view cannot be read any more. */
+static bool next_field(const struct snapshot_source *s, struct writing *w)
+{
+    version_lock_read(s->version);
+    bool ok = is_readable(s);
+    if (ok)
+        w->field = dt_field_next(s->version->dt, s->view, w->field);
+    if (ok && w->field != NULL)
+        strcpy(w->name, dt_field_name(w->field));
+    version_unlock(s->version);
+    return ok;
+}
+
+/* Reads pages that follow each other, as many as a record has, into r; *more: the field has others. */
+static bool read_values(const struct snapshot_source *s, const struct dt_field *f, uint64_t *from,
+                        struct record *r, double *value, bool *more)
+{
+    bool ok = true, fits = true;
+    r->first = (uint32_t)*from;
+    for (r->n = 0, *more = true; ok && *more && fits;) {
+        version_lock_read(s->version);
+        ok = is_readable(s);
+        for (unsigned i = 0; ok && fits && i < TURN_PAGES; i++) {
+            const double *page = dt_field_page(f, s->view, from);
+            *more = page != NULL;
+            r->first = r->n == 0 && *more ? (uint32_t)*from : r->first;
+            fits = *more && *from == (uint64_t)r->first + r->n && r->n < RECORD_MOST_VALUES;
+            if (!fits)
+                break;
+            memcpy(value + r->n, page, PAGE * sizeof *value);
+            r->n += PAGE;
+            *from += PAGE;
+        }
+        version_unlock(s->version);
+    }
+    return ok;
+}
+
+static bool put_field(struct output *o, const struct snapshot_source *s, const struct writing *w,
+                      double *value)
+{
+    struct record r = {
+        .type = RECORD_VALUES, .field = w->name, .field_len = strlen(w->name), .items = value};
+    uint64_t from = 0;
+    bool more;
+    do {
+        if (!read_values(s, w->field, &from, &r, value, &more))
+            return fail(o, ENOMEM);
+        if (!put(o, &r))
+            return false;
+    } while (more);
+    return true;
+}
+
+static bool put_fields(struct output *o, const struct snapshot_source *s, struct writing *w)
+{
+    struct record end = {.type = RECORD_SET_END};
+    double *value = malloc(RECORD_MOST_VALUES * sizeof *value);
+    bool ok = value != NULL || fail(o, ENOMEM);
+    while (ok && w->field != NULL) {
+        ok = put_field(o, s, w, value);
+        if (ok && !next_field(s, w))
+            ok = fail(o, ENOMEM);
+    }
+    free(value);
+    return ok && put(o, &end);
+}
+
 static bool put_set(struct output *o, const struct snapshot_source *s)
 {
+    struct writing field = {NULL, ""};
     struct dt_row *row = malloc(RECORD_POINTS * sizeof *row);
     struct dt_summary sum = {0};
     if (s->view != NULL)
@@ -118,9 +209,14 @@ static bool put_set(struct output *o, const struct snapshot_source *s)
         free(row);
         return fail(o, ENOMEM);
     }
+    if (!next_field(s, &field)) {
+        free(row);
+        return fail(o, ENOMEM);
+    }
+    r.flags |= field.field != NULL ? RECORD_HAS_FIELDS : 0;
     bool ok = put(o, &r) && put_rows(o, s, row);
     free(row);
-    return ok;
+    return ok && (field.field == NULL || put_fields(o, s, &field));
 }
 
 static bool put_all(struct output *o)

@@ -1,6 +1,7 @@
 /* edit.c - see edit.h. */
 #include "server/jobs/edit.h"
 
+#include "core/delaunay_fields.h"
 #include "server/jobs/journal.h"
 #include "server/jobs/keep.h"
 #include "server/jobs/renew.h"
@@ -8,6 +9,7 @@
 #include "server/ops/limits.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum {
     BYTES_PER_POINT = 104 /* of memory for an added point */
@@ -229,4 +231,155 @@ void edit_move(struct server *s, struct answer *a, struct dataset *set, uint32_t
     e->id = id;
     e->to = to;
     job_write(s, a, &e->job, set, 0);
+}
+
+/* ---- values of fields ---- */
+
+enum { BYTES_PER_PAGE = DT_FIELD_PAGE * sizeof(double) + 128 };
+
+struct values_edit {
+    struct job job;
+    char name[DT_FIELD_NAME];
+    size_t name_len;
+    struct record_value *pair; /* owns: ids and values, n of them */
+    uint32_t *ids;             /* owns: the same apart */
+    double *values;            /* owns */
+    size_t n;
+    uint32_t missing;
+};
+
+static void clear_values(struct job *j)
+{
+    struct values_edit *e = (struct values_edit *)j;
+    free(e->pair);
+    free(e->ids);
+    free(e->values);
+}
+
+static struct word name_of(const struct values_edit *e)
+{
+    return (struct word){e->name, e->name_len};
+}
+
+static struct values_edit *new_values_edit(void (*run)(struct job *),
+                                           void (*done)(struct server *, struct job *,
+                                                        struct answer *),
+                                           const struct word *field)
+{
+    struct values_edit *e = job_new(sizeof *e, run, done);
+    if (e == NULL)
+        return NULL;
+    e->job.clear = clear_values;
+    e->name_len = field->len;
+    memcpy(e->name, field->text, field->len);
+    return e;
+}
+
+static void run_set(struct job *j)
+{
+    struct values_edit *e = (struct values_edit *)j;
+    j->status = dt_field_set(j->dt, e->name, e->name_len, e->ids, e->values, e->n, &j->options,
+                             &e->missing);
+}
+
+static void record_set(struct server *s, struct job *j)
+{
+    const struct values_edit *e = (const struct values_edit *)j;
+    struct word name = name_of(e);
+    journal_set_values(s, j->set, &name, e->pair, e->n);
+}
+
+static void set_done(struct server *s, struct job *j, struct answer *a)
+{
+    const struct values_edit *e = (const struct values_edit *)j;
+    (void)s;
+    if (j->status == DT_OK)
+        answer_ok(a);
+    else if (j->status == DT_NOPOINT)
+        reply_err(a->out, ERR_NOPOINT, "there is no point %u; no value was set", e->missing);
+    else if (j->status == DT_TOOBIG)
+        reply_err(a->out, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+    else
+        answer_status(a, j->status);
+}
+
+/* The most that n values of a set can take: each a page. */
+static size_t memory_to_set(const struct dataset *set, size_t n)
+{
+    size_t pages = dt_next_id(set->current->dt) / DT_FIELD_PAGE + 1;
+    return (n < pages ? n : pages) * BYTES_PER_PAGE;
+}
+
+static bool split(struct values_edit *e)
+{
+    e->ids = malloc((e->n + 1) * sizeof *e->ids);
+    e->values = malloc((e->n + 1) * sizeof *e->values);
+    if (e->ids == NULL || e->values == NULL)
+        return false;
+    for (size_t i = 0; i < e->n; i++) {
+        e->ids[i] = e->pair[i].id;
+        e->values[i] = e->pair[i].value;
+    }
+    return true;
+}
+
+void edit_set_values(struct server *s, struct answer *a, struct dataset *set,
+                     const struct word *field, struct record_value *v, size_t n)
+{
+    size_t bytes = memory_to_set(set, n);
+    struct values_edit *e = NULL;
+    if (!budget_fits(&s->budget, BUDGET_EDITS, bytes)) {
+        free(v);
+        server_refuse(s, a, bytes);
+        return;
+    }
+    e = new_values_edit(run_set, set_done, field);
+    if (e == NULL) {
+        free(v);
+        answer_out_of_memory(a);
+        return;
+    }
+    e->pair = v;
+    e->n = n;
+    if (!split(e)) {
+        job_free(&e->job);
+        answer_out_of_memory(a);
+        return;
+    }
+    e->job.record = record_set;
+    job_write(s, a, &e->job, set, 0);
+}
+
+static void run_drop(struct job *j)
+{
+    struct values_edit *e = (struct values_edit *)j;
+    j->status = dt_field_drop(j->dt, e->name, e->name_len);
+}
+
+static void record_drop(struct server *s, struct job *j)
+{
+    struct word name = name_of((const struct values_edit *)j);
+    journal_drop_field(s, j->set, &name);
+}
+
+static void drop_done(struct server *s, struct job *j, struct answer *a)
+{
+    (void)s;
+    if (j->status == DT_OK)
+        answer_ok(a);
+    else
+        answer_status(a, j->status);
+}
+
+void edit_drop_field(struct server *s, struct answer *a, struct dataset *set,
+                     const struct word *field)
+{
+    struct values_edit *e = new_values_edit(run_drop, drop_done, field);
+    if (e == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    e->job.record = record_drop;
+    size_t kib = dt_next_id(set->current->dt) / (1024 / sizeof(double)); /* at most */
+    job_write(s, a, &e->job, set, cost_at_once(COST_FREE, kib) ? 0 : JOB_HEAVY | JOB_BRIEF);
 }

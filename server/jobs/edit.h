@@ -1,7 +1,8 @@
-/* edit.h - the jobs that change the points of a set: add, delete, move. */
+/* edit.h - the jobs that change the points of a set, and their values: add, delete, move, set. */
 #ifndef SERVER_EDIT_H
 #define SERVER_EDIT_H
 
+#include "proto/record.h"
 #include "server/jobs/job.h"
 
 /* Whether n points may be added to the set, NULL for a new one; if they are many, `memory` is reserved for
@@ -27,6 +28,14 @@ void edit_delete(struct server *s, struct answer *a, struct dataset *set, uint32
 /* Moves a point. Answers `OK 0`. */
 void edit_move(struct server *s, struct answer *a, struct dataset *set, uint32_t id,
                struct dt_point to);
+
+/* Sets n values of a field, all or none; v moves here. Answers `OK 0`. */
+void edit_set_values(struct server *s, struct answer *a, struct dataset *set,
+                     const struct word *field, struct record_value *v, size_t n);
+
+/* Drops a field. Answers `OK 0`. */
+void edit_drop_field(struct server *s, struct answer *a, struct dataset *set,
+                     const struct word *field);
 
 /* A new, empty, unborn set; NULL: the ERR line has been written. */
 struct dataset *edit_create(struct server *s, struct answer *a, const struct word *name,

@@ -68,6 +68,23 @@ void journal_expire(struct server *s, struct dataset *set)
     set->current->lsn = append(s, set, r);
 }
 
+void journal_set_values(struct server *s, struct dataset *set, const struct word *field,
+                        const struct record_value *v, size_t n)
+{
+    struct record r = {.type = RECORD_FSET,
+                       .n = (uint32_t)n,
+                       .field = field->text,
+                       .field_len = field->len,
+                       .items = v};
+    set->current->lsn = append(s, set, r);
+}
+
+void journal_drop_field(struct server *s, struct dataset *set, const struct word *field)
+{
+    struct record r = {.type = RECORD_FDROP, .field = field->text, .field_len = field->len};
+    set->current->lsn = append(s, set, r);
+}
+
 void journal_triangulate(struct server *s, struct dataset *set)
 {
     if (set->triangulated)

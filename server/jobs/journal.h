@@ -4,6 +4,7 @@
 #ifndef SERVER_JOURNAL_H
 #define SERVER_JOURNAL_H
 
+#include "proto/record.h"
 #include "server/jobs/server.h"
 
 void journal_create(struct server *s, struct dataset *set, double tolerance);
@@ -15,6 +16,10 @@ void journal_add(struct server *s, struct dataset *set, uint32_t first, struct d
 void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n);
 void journal_move(struct server *s, struct dataset *set, uint32_t id, struct dt_point to);
 void journal_expire(struct server *s, struct dataset *set);
+/* Values of n ids of a field; and that it has been dropped. */
+void journal_set_values(struct server *s, struct dataset *set, const struct word *field,
+                        const struct record_value *v, size_t n);
+void journal_drop_field(struct server *s, struct dataset *set, const struct word *field);
 void journal_triangulate(struct server *s, struct dataset *set);
 
 /* The lsn of the last change of the set, of the last DROP (set NULL), or of the last change of all: a reply that

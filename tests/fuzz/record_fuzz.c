@@ -19,13 +19,18 @@ static void write_back(const struct record *r, const char *bytes, size_t len)
     size_t item = record_item_size(r->type);
     struct buf b = {0};
     struct record copy = *r;
-    void *items = calloc(item > 0 ? r->n + 1 : 1, item + 1);
+    void *items = calloc(item > 0 ? r->n + 1 : 1, item + 5); /* a value is longer in memory */
     struct record_row *row = items;
+    struct record_value *pair = items;
     copy.items = items;
     if (item == 16)
         record_points(r, items);
     else if (item == 4)
         record_ids(r, items);
+    else if (item == 8)
+        record_values(r, items);
+    for (uint32_t i = 0; item == 12 && i < r->n; i++)
+        record_value_at(r, i, &pair[i]);
     for (uint32_t i = 0; item == 24 && i < r->n; i++)
         record_row_at(r, i, &row[i]);
     record_write(&b, &copy);

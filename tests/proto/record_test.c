@@ -8,6 +8,8 @@
 
 static const double points[] = {1, 2, -3.5, 0x1p-142, 0x1p201, 0};
 static const uint32_t ids[] = {0, 7, UINT32_MAX};
+static const double values[] = {0.5, -7, 1e-300};
+static const struct record_value pairs[] = {{1, -0.5}, {UINT32_MAX, 3}};
 static const struct record_row rows[] = {{3, 3, 0.1, 0.2}, {9, 3, 0.1, -0.25}};
 
 /* One record of every type, with every field in use. */
@@ -22,7 +24,9 @@ static struct record sample(enum record_type type)
                        .a = -0x1.8p-20,
                        .b = 1e300,
                        .name = "Roads.of-X:y",
-                       .name_len = 12};
+                       .name_len = 12,
+                       .field = "depth",
+                       .field_len = 5};
     switch (record_item_size(type)) {
     case 16:
         r.items = points;
@@ -33,6 +37,13 @@ static struct record sample(enum record_type type)
     case 24:
         r.items = rows;
         r.n = 2;
+        break;
+    case 12:
+        r.items = pairs;
+        r.n = 2;
+        break;
+    case 8:
+        r.items = values;
         break;
     default:
         break;
@@ -45,7 +56,18 @@ static void check_items(const struct record *got)
     double xy[6];
     uint32_t id[3];
     struct record_row row;
+    struct record_value pair;
     switch (record_item_size(got->type)) {
+    case 8:
+        record_values(got, xy);
+        CHECK(memcmp(xy, values, sizeof values) == 0);
+        break;
+    case 12:
+        for (uint32_t i = 0; i < 2; i++) {
+            record_value_at(got, i, &pair);
+            CHECK(pair.id == pairs[i].id && pair.value == pairs[i].value);
+        }
+        break;
     case 16:
         record_points(got, xy);
         CHECK(memcmp(xy, points, sizeof points) == 0);
@@ -77,6 +99,7 @@ TEST(records_of_every_type_come_back)
         CHECK(got.flags == want.flags && got.first == want.first && got.n == want.n);
         CHECK(got.a == want.a && got.b == want.b && got.name_len == want.name_len);
         CHECK(memcmp(got.name, want.name, want.name_len) == 0);
+        CHECK(got.field_len == want.field_len && memcmp(got.field, want.field, 5) == 0);
         check_items(&got);
         buf_free(&b);
     }
@@ -198,6 +221,7 @@ TEST(record_with_a_right_checksum_and_a_wrong_field_is_refused)
     CHECK(!reads_record(RECORD_DROP, 24, 0, 1) && !reads_record(RECORD_DROP, 24, RECORD_TYPES, 1));
     CHECK(!reads_record(RECORD_DROP, 24, 0xff, 1) && !reads_record(RECORD_DROP, 27, 1, 1));
     CHECK(!reads_record(RECORD_DELETE, 26, 11, 1) && !reads_record(RECORD_DELETE, 26, 13, 1));
+    CHECK(!reads_record(RECORD_VALUES, 27, 4, 1) && !reads_record(RECORD_VALUES, 27, 65, 1));
     CHECK(!reads_record(RECORD_DELETE, 32, 2, 4) && !reads_record(RECORD_DELETE, 32, 4, 4));
     /* 24 and 16 times these are 0 and 48 in 32 bits. */
     CHECK(!reads_record(RECORD_ROWS, 32, (1u << 29) + 2, 4));
@@ -228,7 +252,7 @@ TEST(record_may_be_as_long_as_the_limits_allow_and_no_longer)
     check_length(RECORD_NAME_LIMIT + 1, 1, false);
     check_length(255, 1, false);
     check_length(RECORD_NAME_LIMIT, RECORD_POINTS, true);
-    check_length(0, RECORD_POINTS + 3, false);
+    check_length(0, RECORD_POINTS + 6, false);
 }
 
 /* The bytes that version 1 has for ever: a change here is a change of the format. */

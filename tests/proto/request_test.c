@@ -82,6 +82,15 @@ TEST(set_names_are_short_and_plain)
     request_free(&q);
 }
 
+TEST(field_names_are_those_of_sets_that_begin_with_a_letter_or_an_underscore)
+{
+    split("z Z9_.:- _1 9z .z :z -z a/b");
+    for (size_t i = 0; i < q.n; i++)
+        CHECK(word_is_field_name(&q.word[i]) == (i < 3));
+    CHECK(!word_is_field_name(&(struct word){"t", 0}));
+    request_free(&q);
+}
+
 TEST(set_names_are_not_empty)
 {
     CHECK(!word_is_set_name(&(struct word){"t", 0}));

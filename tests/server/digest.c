@@ -1,7 +1,10 @@
 /* digest.c - see digest.h. */
 #include "tests/server/digest.h"
 
+#include "core/delaunay_fields.h"
 #include "tests/test.h"
+
+#include <string.h>
 
 uint64_t digest_mix(uint64_t h, const void *bytes, size_t n)
 {
@@ -23,6 +26,14 @@ uint64_t digest_dt(const struct dt *dt, bool triangulated)
             continue;
         CHECK(dt_representative(dt, id, &rep) == DT_OK);
         h = digest_mix(digest_mix(digest_mix(h, &id, sizeof id), &rep, sizeof rep), &p, sizeof p);
+    }
+    for (const struct dt_field *f = dt_field_next(dt, NULL, NULL); f != NULL;
+         f = dt_field_next(dt, NULL, f)) {
+        const double *page;
+        h = digest_mix(h, dt_field_name(f), strlen(dt_field_name(f)) + 1);
+        for (uint64_t from = 0; (page = dt_field_page(f, NULL, &from)) != NULL;
+             from += DT_FIELD_PAGE)
+            h = digest_mix(digest_mix(h, &from, sizeof from), page, DT_FIELD_PAGE * sizeof *page);
     }
     return h | 1;
 }

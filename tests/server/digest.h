@@ -4,7 +4,8 @@
 
 #include "server/sets/dataset.h"
 
-/* Points, ids, representatives, next id, tolerance, whether it is triangulated, when it is dropped; never 0. */
+/* Points, ids, representatives, values of fields, next id, tolerance, whether it is triangulated, when it is dropped;
+ * never 0. */
 uint64_t digest_set(const struct dataset *set);
 
 /* The same of points that are no set of a server's. */

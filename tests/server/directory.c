@@ -193,7 +193,7 @@ void file_write(const char *path, const char *bytes, size_t n)
 char *directory_state(const struct daemon *d, const char *const *sets)
 {
     size_t n, used = 0;
-    char request[2000];
+    char request[4000];
     used += (size_t)snprintf(request, sizeof request, "SETS\n");
     for (; *sets != NULL; sets++)
         used += (size_t)snprintf(request + used, sizeof request - used,

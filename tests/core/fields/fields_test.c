@@ -272,7 +272,7 @@ TEST(memory_follows_the_ids_that_have_values)
     size_t with = memory_of(t);
     CHECK(with - without < 3 * (DT_FIELD_PAGE * sizeof(double) + 8192));
     const struct dt_field *f = dt_field_find(t, "z", 1);
-    uint32_t from = 0;
+    uint64_t from = 0;
     for (unsigned i = 0; i < 3; i++, from += DT_FIELD_PAGE) {
         const double *page = dt_field_page(f, NULL, &from);
         CHECK(page != NULL && from == far[i] - far[i] % DT_FIELD_PAGE);
@@ -347,7 +347,7 @@ TEST(run_may_pass_over_ids_without_a_point_with_nan_only)
     CHECK(dt_field_find(t, "z", 1) == NULL);
     CHECK(dt_field_set_run(t, "z", 1, 0, v, 5, NULL, &missing) == DT_OK);
     CHECK(dt_field_set(t, "z", 1, &id, v + 1, 1, NULL, &missing) == DT_NOPOINT && missing == 1);
-    CHECK(dt_field_set_run(t, "z", 1, UINT32_MAX - 2, v, 5, NULL, &missing) == DT_NOPOINT);
+    CHECK(dt_field_set_run(t, "z", 1, UINT32_MAX - 3, v, 5, NULL, &missing) == DT_NOPOINT);
     dt_free(t);
 }
 

@@ -2,6 +2,7 @@
  * runs out is not taken for that. */
 #include "server/disk/replay.h"
 
+#include "core/delaunay_fields.h"
 #include "tests/test.h"
 
 #include <math.h>
@@ -243,6 +244,117 @@ TEST(snapshot_has_the_rows_and_the_sets_that_it_announces)
     replay_clear(&p);
 }
 
+/* ---- fields ---- */
+
+static const double heights[] = {1.5, -2, 7};
+
+/* Three values of field z from the id `first` on. */
+static struct record values(const char *name, uint64_t lsn, uint32_t first)
+{
+    struct record r = about(name, RECORD_VALUES, lsn);
+    r.first = first;
+    r.n = 3;
+    r.items = heights;
+    r.field = "z";
+    r.field_len = 1;
+    return r;
+}
+
+static struct record pair(uint64_t lsn, uint32_t id, const char *field)
+{
+    static struct record_value v;
+    struct record r = about("t", RECORD_FSET, lsn);
+    v = (struct record_value){id, 0.25};
+    r.n = 1;
+    r.items = &v;
+    r.field = field;
+    r.field_len = strlen(field);
+    return r;
+}
+
+static struct record drop_field(uint64_t lsn, const char *field)
+{
+    struct record r = about("t", RECORD_FDROP, lsn);
+    r.field = field;
+    r.field_len = strlen(field);
+    return r;
+}
+
+static double height(const struct replay *p, uint32_t id)
+{
+    double v;
+    const struct dt_field *f = dt_field_find(find(p, "t")->current->dt, "z", 1);
+    CHECK(f != NULL);
+    dt_field_values(f, NULL, &id, 1, &v);
+    return v;
+}
+
+TEST(values_are_set_and_fields_dropped_where_their_records_make_sense)
+{
+    struct replay p;
+    begin(&p);
+    CHECK(takes(&p, values("t", 2, 0)) && height(&p, 0) == 1.5 && height(&p, 2) == 7);
+    CHECK(takes(&p, pair(3, 1, "z")) && height(&p, 1) == 0.25);
+    CHECK(!takes(&p, values("t", 4, 1)) && !takes(&p, pair(4, 3, "z"))); /* no point 3 */
+    CHECK(!takes(&p, values("u", 4, 0)) && !takes(&p, values(NULL, 4, 0)));
+    CHECK(!takes(&p, pair(4, 0, "")) && !takes(&p, pair(4, 0, "9")) && height(&p, 0) == 1.5);
+    CHECK(!takes(&p, drop_field(4, "y")) && find(&p, "t")->current->lsn == 3);
+    CHECK(takes(&p, drop_field(4, "z")) && !takes(&p, drop_field(5, "z")));
+    CHECK(!p.out_of_memory);
+    replay_clear(&p);
+}
+
+TEST(values_of_a_load_count_when_it_is_complete)
+{
+    struct replay p;
+    begin(&p);
+    CHECK(takes(&p, load(2, 3, 3)) && takes(&p, points(NULL, RECORD_CHUNK, 3, 3, 3)));
+    CHECK(takes(&p, values(NULL, 4, 3)) && !takes(&p, values("t", 5, 0)));
+    CHECK(dt_field_next(find(&p, "t")->current->dt, NULL, NULL) == NULL);
+    CHECK(takes(&p, loaded(5, 3)) && height(&p, 3) == 1.5 && height(&p, 5) == 7);
+    CHECK(takes(&p, load(6, 6, 0)) && takes(&p, values(NULL, 7, 0)) && takes(&p, loaded(8, 0)));
+    CHECK(height(&p, 0) == 1.5 && takes(&p, drop_field(9, "z")));
+    CHECK(takes(&p, load(10, 6, 0)) && takes(&p, values(NULL, 11, 0)));
+    replay_abandon_load(&p); /* a torn end */
+    CHECK(takes(&p, load(10, 6, 0)) && takes(&p, loaded(11, 0)));
+    CHECK(dt_field_next(find(&p, "t")->current->dt, NULL, NULL) == NULL);
+    replay_clear(&p);
+}
+
+static struct record set_with_fields(uint32_t n)
+{
+    struct record r = set_of("t", n);
+    r.flags = RECORD_HAS_FIELDS;
+    return r;
+}
+
+TEST(values_in_a_snapshot_follow_the_rows_of_their_set)
+{
+    struct replay p;
+    struct record set_end = about(NULL, RECORD_SET_END, 1);
+    replay_init(&p);
+    CHECK(!takes_of_snapshot(&p, values(NULL, 1, 0)) && !takes_of_snapshot(&p, set_end));
+    CHECK(takes_of_snapshot(&p, set_with_fields(3)) && !takes_of_snapshot(&p, values(NULL, 1, 0)));
+    CHECK(!takes_of_snapshot(&p, set_end) && takes_of_snapshot(&p, rows(0, 3)));
+    CHECK(!takes_of_snapshot(&p, rows(3, 1)) && takes_of_snapshot(&p, values(NULL, 1, 0)));
+    CHECK(!takes_of_snapshot(&p, values(NULL, 1, 1)) && height(&p, 2) == 7);
+    CHECK(!takes_of_snapshot(&p, end_of(1)) && !takes_of_snapshot(&p, set_of("u", 0)));
+    CHECK(takes_of_snapshot(&p, set_end) && !takes_of_snapshot(&p, values(NULL, 1, 0)));
+    CHECK(takes_of_snapshot(&p, set_of("u", 0)) && !takes_of_snapshot(&p, values(NULL, 1, 0)));
+    CHECK(!takes_of_snapshot(&p, set_end) && takes_of_snapshot(&p, end_of(2)) && p.ended);
+    replay_clear(&p);
+}
+
+TEST(set_that_is_lost_after_its_rows_is_dropped)
+{
+    struct replay p;
+    replay_init(&p);
+    CHECK(takes_of_snapshot(&p, set_with_fields(3)) && takes_of_snapshot(&p, rows(0, 3)));
+    replay_abandon_set(&p);
+    CHECK(p.sets.sets == 0 && takes_of_snapshot(&p, set_of("t", 0)));
+    replay_clear(&p);
+}
+
 /* ---- memory ---- */
 
 /* Applies all of it with the n-th allocation failing; whether one did. */
@@ -267,7 +379,7 @@ static bool survives(const struct record *r, size_t records, bool snapshot, long
 TEST(memory_that_runs_out_is_no_fault_of_a_record)
 {
     static const uint32_t ids[] = {1, 2};
-    struct record deleted = about("t", RECORD_DELETE, 7);
+    struct record deleted = about("t", RECORD_DELETE, 8);
     deleted.n = 2;
     deleted.items = ids;
     const struct record log[] = {
@@ -276,12 +388,18 @@ TEST(memory_that_runs_out_is_no_fault_of_a_record)
         read_back(load(3, 20, 50)),
         read_back(points(NULL, RECORD_CHUNK, 4, 20, 25)),
         read_back(points(NULL, RECORD_CHUNK, 5, 45, 25)),
-        read_back(loaded(6, 50)),
+        read_back(values(NULL, 6, 20)),
+        read_back(loaded(7, 50)),
         read_back(deleted),
+        read_back(values("t", 9, 30)),
+        read_back(pair(10, 31, "y")),
+        read_back(drop_field(11, "z")),
     };
     const struct record snapshot[] = {
-        read_back(set_of("t", 70)), read_back(rows(0, 20)), read_back(rows(20, 25)),
-        read_back(rows(45, 25)),    read_back(end_of(1)),
+        read_back(set_with_fields(70)), read_back(rows(0, 20)),
+        read_back(rows(20, 25)),        read_back(rows(45, 25)),
+        read_back(values(NULL, 5, 67)), read_back(about(NULL, RECORD_SET_END, 6)),
+        read_back(end_of(1)),
     };
     long n = 1;
     while (survives(log, sizeof log / sizeof log[0], false, n))

@@ -1,11 +1,13 @@
 /* snapshot_test.c - what a snapshot holds of the sets while it is being written. */
 #include "server/disk/snapshot.h"
 
+#include "core/delaunay_fields.h"
 #include "server/command/command.h"
 #include "server/disk/recover.h"
 #include "server/disk/replay.h"
 #include "server/jobs/job.h"
 #include "server/lifecycle.h"
+#include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
 #include "tests/server/local.h"
@@ -108,6 +110,42 @@ TEST(set_of_a_snapshot_has_the_number_of_its_own_last_change)
     recovery_run(&r);
     CHECK(r.replay.snapshot == 4);
     CHECK(registry_find(&r.replay.sets, &(struct word){"a", 1})->current->lsn == 7);
+    recovery_clear(&r);
+    end(&b);
+}
+
+/* Values at ids far apart, so that several pages and a gap are written; more than one record has. */
+TEST(snapshot_has_the_values_of_its_moment_whatever_edits_come_between)
+{
+    enum { POINTS = 70000 };
+    struct bench b;
+    struct recovery r;
+    char *load = malloc(POINTS * 16 + 400), *to = load;
+    CHECK(load != NULL);
+    to += sprintf(to, "LOAD a\n");
+    for (int i = 0; i < POINTS; i++)
+        to += sprintf(to, "%d %d\n", i % 1000, i / 1000);
+    strcpy(to,
+           ".\nFSET a z 0 1 600 2 40000 3 69999 4\nFSET a y 5 5\nFSET a none 1 nan\nADD b 0 0\n");
+    begin(&b, load);
+    free(load);
+    struct dt *a = version_of(&b.l, "a")->dt;
+    static double v[POINTS];
+    uint32_t missing;
+    CHECK(dt_field_set_run(a, "all", 3, 0, v, POINTS, NULL, &missing) == DT_OK);
+    uint64_t want = digest_dt(a, false);
+    struct snapshot *snap = pin(&b);
+    CHECK_STR(local_ask(&b.l, "FSET a z 0 9 601 9\nFDROP a y\nFDROP a all\nFSET a all 0 1\n"
+                              "FSET a new 3 3\nDEL a 600 40000\nMOVE a 0 7 7\nADD b 1 1\n"),
+              "OK 0\nOK 0\nOK 0\nOK 0\nOK 0\nOK 0 deleted=2\nOK 0\n"
+              "OK 0 first=1 added=1 coincident=0\n");
+    CHECK(digest_dt(a, false) != want && finish(&b, snap) == 0);
+    directory_touch(&b.directory, "log.0000000000000005");
+    recovery_init(&r, &b.dir);
+    recovery_run(&r);
+    CHECK_MSG(r.result == RECOVERY_OK || r.replay.snapshot == 4, "%s", r.why);
+    struct dataset *set = registry_find(&r.replay.sets, &(struct word){"a", 1});
+    CHECK(set != NULL && digest_dt(set->current->dt, false) == want);
     recovery_clear(&r);
     end(&b);
 }

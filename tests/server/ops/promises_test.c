@@ -1,5 +1,6 @@
 /* promises_test.c - what proto/PROTOCOL.md says of INFO and of limits is what the server has. */
 #include "core/delaunay.h"
+#include "core/delaunay_fields.h"
 #include "proto/line.h"
 #include "proto/request.h"
 #include "proto/resp.h"
@@ -120,10 +121,12 @@ TEST(limits_are_those_of_the_document)
         {"bytes of a request in RESP", RESP_LIMIT},
         {"bytes of a body in RESP", RESP_BODY_LIMIT},
         {"bytes of a set's name", SET_NAME_LIMIT},
+        {"bytes of a field's name", DT_FIELD_NAME},
         {"bytes of a client's name", LIMIT_CLIENT_NAME},
         {"bytes of a token", LIMIT_TOKEN},
         {"sets", LIMIT_SETS},
         {"points of a set", DT_MAX_POINTS},
+        {"fields of a set", DT_MAX_FIELDS},
         {"points of a set for TRACE", LIMIT_TRACE_POINTS},
         {"points for each place of NEARESTB", LIMIT_NEAREST_MANY},
         {"clients", 10000},

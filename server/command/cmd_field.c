@@ -1,0 +1,132 @@
+/* cmd_field.c - the commands about fields: named values at points. */
+#include "server/command/command.h"
+
+#include "core/delaunay_fields.h"
+#include "proto/number.h"
+#include "server/jobs/edit.h"
+#include "server/jobs/stream.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+_Static_assert((int)SET_NAME_LIMIT == (int)DT_FIELD_NAME, "fields are named as sets are");
+
+static bool read_field_name(struct answer *a, const struct word *w)
+{
+    if (word_is_field_name(w))
+        return true;
+    reply_err(a->out, ERR_SYNTAX,
+              "a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a letter or _");
+    return false;
+}
+
+/* The field of that name; NULL: the ERR line has been written. */
+static const struct dt_field *find_field(struct answer *a, const struct dataset *set,
+                                         const struct word *w)
+{
+    const struct dt_field *f = NULL;
+    if (!read_field_name(a, w))
+        return NULL;
+    if (set->current->sum.fields > 0)
+        f = dt_field_find(set->current->dt, w->text, w->len);
+    if (f == NULL)
+        reply_err(a->out, ERR_NOFIELD, "there is no field %.*s", QUOTED(w));
+    return f;
+}
+
+static bool read_value(struct answer *a, const struct word *w, double *v)
+{
+    if (word_is(w, "NAN")) {
+        *v = (double)NAN;
+        return true;
+    }
+    if (!proto_read_double(w->text, w->len, v)) {
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+        return false;
+    }
+    if (isinf(*v))
+        reply_err(a->out, ERR_RANGE, "a value is a finite number, or nan");
+    return !isinf(*v);
+}
+
+void cmd_fset(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    size_t n = (q->n - 3) / 2;
+    if (q->n % 2 == 0) {
+        reply_err(a->out, ERR_SYNTAX, "an id without a value");
+        return;
+    }
+    if (!read_field_name(a, &q->word[2]))
+        return;
+    struct record_value *v = malloc(n * sizeof *v);
+    if (v == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    bool good = true;
+    for (size_t i = 0; i < n && good; i++)
+        good = read_id(a, &q->word[3 + 2 * i], &v[i].id) &&
+               read_value(a, &q->word[4 + 2 * i], &v[i].value);
+    if (good)
+        edit_set_values(s, a, set, &q->word[2], v, n);
+    else
+        free(v);
+}
+
+/* The rows `id value` of n ids; NULL: the ERR line has been written. */
+static uint32_t *value_rows(struct answer *a, const struct dataset *set, const struct dt_field *f,
+                            const uint32_t *id, size_t n)
+{
+    uint32_t *row = malloc(n * ROW_VALUE_WORDS * sizeof *row);
+    if (row == NULL)
+        answer_out_of_memory(a);
+    for (size_t i = 0; i < n && row != NULL; i++) {
+        struct dt_point p;
+        double value;
+        if (dt_get(set->current->dt, id[i], &p) != DT_OK) {
+            reply_err(a->out, ERR_NOPOINT, "there is no point %u", id[i]);
+            free(row);
+            return NULL;
+        }
+        dt_field_values(f, NULL, &id[i], 1, &value);
+        row_value_put(row + i * ROW_VALUE_WORDS, id[i], value);
+    }
+    return row;
+}
+
+void cmd_fget(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct dt_field *f = find_field(a, set, &q->word[2]);
+    size_t n = q->n - 3;
+    uint32_t *id = f == NULL ? NULL : read_ids(a, &q->word[3], n);
+    uint32_t *row = id == NULL ? NULL : value_rows(a, set, f, id, n);
+    free(id);
+    if (row == NULL)
+        return;
+    struct dt_ids ids = {row, n * ROW_VALUE_WORDS, n * ROW_VALUE_WORDS};
+    struct rows rows = {.version = set->current, .form = ROW_VALUE, .width = ROW_VALUE_WORDS};
+    reply_ok(a->out, n);
+    reply_end(a->out);
+    stream_answer(s, a, &rows, &ids);
+    free(ids.v);
+}
+
+void cmd_fields(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct dt *dt = set->current->dt;
+    struct dt_field_summary sum;
+    (void)s, (void)q;
+    reply_ok(a->out, set->current->sum.fields);
+    reply_end(a->out);
+    for (const struct dt_field *f = dt_field_next(dt, NULL, NULL); f != NULL;
+         f = dt_field_next(dt, NULL, f)) {
+        dt_field_summary(f, &sum);
+        reply_row_field(a->out, sum.name, sum.values, sum.least, sum.most);
+    }
+}
+
+void cmd_fdrop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    if (find_field(a, set, &q->word[2]) != NULL)
+        edit_drop_field(s, a, set, &q->word[2]);
+}

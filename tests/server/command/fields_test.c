@@ -1,0 +1,166 @@
+/* fields_test.c - FSET, FGET, FIELDS and FDROP: what clients see, and what is there after a restart. */
+#include "tests/server/directory.h"
+#include "tests/test.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+static const char *const no_arguments[] = {NULL};
+
+TEST(values_are_set_and_read_and_nan_takes_one_away)
+{
+    struct daemon d = daemon_start(no_arguments);
+    converse(&d,
+             "ADD t 0 0 1 0 0 1 1 0\n"
+             "FSET t z 0 1.5 3 -2e10 1 0\n"
+             "FGET t z 3 1 2 1\n"
+             "FIELDS t\n"
+             "FSET t z 3 NaN 1 2 1 -0\n"
+             "FSET t _.:-9 2 nan\n"
+             "FGET t z 1 3\n"
+             "FIELDS t\n"
+             "FDROP t z\n"
+             "FIELDS t\n"
+             "FGET t z 1\n",
+             "OK 0 first=0 added=4 coincident=1\n"
+             "OK 0\n"
+             "OK 4\n3 -20000000000\n1 0\n2 nan\n1 0\n"
+             "OK 1\nz 3 -20000000000 1.5\n"
+             "OK 0\n"
+             "OK 0\n"
+             "OK 2\n1 0\n3 nan\n"
+             "OK 2\n_.:-9 0 nan nan\nz 2 0 1.5\n"
+             "OK 0\n"
+             "OK 1\n_.:-9 0 nan nan\n"
+             "ERR NOFIELD there is no field z\n");
+    daemon_stop(&d, SIGTERM);
+}
+
+TEST(value_that_cannot_be_set_sets_none)
+{
+    struct daemon d = daemon_start(no_arguments);
+    converse(&d,
+             "ADD t 0 0 1 0 0 1\nDEL t 1\n"
+             "FSET t z 0 1 1 2\nFSET t z 0 1 7 2\nFSET t z 0 1 2 1e999\nFSET t z 0 1 2 x\n"
+             "FSET t z 0 1 2\nFSET t 9 0 1\nFSET t z/y 0 1\nFSET u z 0 1\nFSET t z -1 1\n"
+             "FIELDS t\nFIELDS u\nFDROP t 9\nFDROP t z\nFGET t z 0\n",
+             "OK 0 first=0 added=3 coincident=0\nOK 0 deleted=1\n"
+             "ERR NOPOINT there is no point 1; no value was set\n"
+             "ERR NOPOINT there is no point 7; no value was set\n"
+             "ERR RANGE a value is a finite number, or nan\n"
+             "ERR NUMBER x is not a number\n"
+             "ERR SYNTAX an id without a value\n"
+             "ERR SYNTAX a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a "
+             "letter or _\n"
+             "ERR SYNTAX a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a "
+             "letter or _\n"
+             "ERR NOSET there is no set u\n"
+             "ERR NUMBER -1 is not an id\n"
+             "OK 0\nERR NOSET there is no set u\n"
+             "ERR SYNTAX a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a "
+             "letter or _\n"
+             "ERR NOFIELD there is no field z\n"
+             "ERR NOFIELD there is no field z\n");
+    daemon_stop(&d, SIGTERM);
+}
+
+TEST(values_move_with_their_points_and_go_with_them)
+{
+    struct daemon d = daemon_start(no_arguments);
+    carry_out(&d,
+              "ADD t 0 0 1 0 0 1 1 1\nTRIANGULATE t\nFSET t z 0 10 1 11 2 12 3 13\n"
+              "MOVE t 1 0 0\nMOVE t 0 5 5\nTRIANGULATE t METHOD shelling\nDEL t 2\nADD t 0 1\n");
+    converse(&d, "FGET t z 0 1 3 4\nFIELDS t\n",
+             "OK 4\n0 10\n1 11\n3 13\n4 nan\nOK 1\nz 3 10 13\n");
+    daemon_stop(&d, SIGTERM);
+}
+
+TEST(set_has_no_65th_field)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = daemon_connect(&d);
+    char line[100];
+    say(fd, "ADD t 0 0\n");
+    expect(fd, "OK 0 first=0 added=1 coincident=0\n");
+    for (int i = 0; i < 64; i++) {
+        snprintf(line, sizeof line, "FSET t f%d 0 %d\n", i, i);
+        say(fd, line);
+        expect(fd, "OK 0\n");
+    }
+    say(fd, "FSET t f64 0 1\nFSET t f63 0 1\nFDROP t f1\nFSET t f64 0 1\n");
+    expect(fd, "ERR TOOBIG a set has at most 64 fields\nOK 0\nOK 0\nOK 0\n");
+    close(fd);
+    daemon_stop(&d, SIGTERM);
+}
+
+TEST(values_in_resp)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = daemon_connect(&d);
+    say(fd,
+        "ADD t 0 0 1 0\n"
+        "*7\r\n$4\r\nFSET\r\n$1\r\nt\r\n$1\r\nz\r\n$1\r\n0\r\n$3\r\n1.5\r\n$1\r\n1\r\n$3\r\nnan\r\n"
+        "*5\r\n$4\r\nFGET\r\n$1\r\nt\r\n$1\r\nz\r\n$1\r\n1\r\n$1\r\n0\r\n"
+        "*2\r\n$6\r\nFIELDS\r\n$1\r\nt\r\n"
+        "*3\r\n$5\r\nFDROP\r\n$1\r\nt\r\n$1\r\ny\r\n"
+        "*3\r\n$5\r\nFDROP\r\n$1\r\nt\r\n$1\r\nz\r\n");
+    expect(fd, "OK 0 first=0 added=2 coincident=0\n+OK\r\n*2\r\n$5\r\n1 nan\r\n$5\r\n0 1.5\r\n"
+               "*1\r\n$11\r\nz 1 1.5 1.5\r\n-NOFIELD there is no field y\r\n+OK\r\n");
+    close(fd);
+    daemon_stop(&d, SIGTERM);
+}
+
+/* ---- what survives ---- */
+
+/* What clients see of the fields of t. */
+static char *state(const struct daemon *d, const char *requests)
+{
+    size_t n;
+    int fd = daemon_connect(d);
+    say(fd, requests);
+    shutdown(fd, SHUT_WR);
+    char *text = hear_all(fd, &n);
+    close(fd);
+    return text;
+}
+
+static const char *const questions =
+    "POINTS t\nFIELDS t\nFGET t z 0 2 3 4\nFGET t w 0\nFGET t y 0\nFIELDS u\nFIELDS v\n";
+
+/* What is there is what was there before the daemon was killed. */
+static void check_again(const struct directory *dir, struct daemon *d)
+{
+    char text[4000];
+    char *want = state(d, questions);
+    daemon_stop(d, SIGKILL);
+    CHECK_MSG(directory_run(dir, "--check", text, sizeof text) == 0, "%s", text);
+    *d = directory_daemon(dir, NULL);
+    char *got = state(d, questions);
+    CHECK_STR(got, want);
+    free(got);
+    free(want);
+}
+
+TEST(fields_are_there_after_a_kill_and_after_a_snapshot)
+{
+    struct directory dir = directory_new();
+    struct daemon d = directory_daemon(&dir, NULL);
+    carry_out(&d,
+              "ADD t 0 0 1 0 0 1 1 1 2 2\nFSET t z 0 1.25 1 7 2 -3\nFSET t y 0 1\nFSET t w 0 4\n"
+              "DEL t 1\nFDROP t y\nFSET t z 4 8 0 -1\nADD u 1 1\nFSET u z 0 5\nFDROP u z\n"
+              "ADD v 1 1\nFSET v none 0 nan\n");
+    check_again(&dir, &d);
+    carry_out(&d, "SNAPSHOT\n");
+    await_info(&d, "snapshots", 1);
+    check_again(&dir, &d);
+    carry_out(&d, "FSET t z 3 3\nFDROP t w\nFSET t y 0 2\nDEL t 4\nFDROP v none\n");
+    check_again(&dir, &d);
+    converse(&d, "FIELDS t\nFGET t z 0 2 3\nFIELDS v\n",
+             "OK 2\ny 1 2 2\nz 3 -3 3\nOK 3\n0 -1\n2 -3\n3 3\nOK 0\n");
+    daemon_stop(&d, SIGKILL);
+    directory_remove(&dir);
+}
