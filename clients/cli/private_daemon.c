@@ -1,25 +1,20 @@
-/* private_daemon.c - see private_daemon.h. The socket is made and connected to here and handed over as a
- * service manager does (sd_listen_fds(3)), so there is nothing to wait for and nothing to clean up. */
+/* private_daemon.c - see private_daemon.h. `delaunayd --private` says where its socket is, and ends with its standard
+ * input, whose other end is here. */
 #include "clients/cli/private_daemon.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <signal.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { HANDED_FD = 3 };
-
-static struct delaunay_client *fail(char *why, size_t room, const char *what)
+static bool fail(char *why, size_t room, const char *what, int error)
 {
-    snprintf(why, room, "%s: %s", what, strerror(errno));
-    return NULL;
+    snprintf(why, room, "%s: %s", what, strerror(error));
+    return false;
 }
 
 /* The path of the daemon; one without a '/' is looked for in $PATH. */
@@ -43,89 +38,79 @@ static void find_program(char *path, size_t room)
     }
 }
 
-/* In the child: becomes the daemon. What went wrong goes to `report`, which a daemon closes. */
-static void become(const char *program, int listener, int report, pid_t parent)
+/* Starts it with those ends of pipes as its standard input and output. Returns an errno. */
+static int spawn(pid_t *pid, const char *program, int in, int out)
 {
-    char pid[24];
-    int null = open("/dev/null", O_RDWR | O_CLOEXEC);
-    report = fcntl(report, F_DUPFD_CLOEXEC, HANDED_FD + 1); /* out of the way */
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    snprintf(pid, sizeof pid, "%ld", (long)getpid());
-    if (getppid() != parent)
-        _exit(0);
-    if (listener != HANDED_FD)
-        dup2(listener, HANDED_FD);
-    else
-        fcntl(listener, F_SETFD, 0);
-    dup2(null, STDIN_FILENO);
-    dup2(null, STDOUT_FILENO);
-    setpgid(0, 0); /* an interrupt from the terminal is not for the daemon */
-    setenv("LISTEN_PID", pid, 1);
-    setenv("LISTEN_FDS", "1", 1);
-    unsetenv("NOTIFY_SOCKET");
-    execlp(program, "delaunayd", "--log-level", "error", (char *)NULL);
-    (void)!write(report, &errno, sizeof errno);
-    _exit(127);
+    char *words[] = {(char[]){"delaunayd"}, (char[]){"--private"}, (char[]){"--log-level"},
+                     (char[]){"error"}, NULL};
+    posix_spawn_file_actions_t actions;
+    int error = posix_spawn_file_actions_init(&actions);
+    if (error != 0)
+        return error;
+    if ((error = posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO)) == 0 &&
+        (error = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO)) == 0)
+        error = posix_spawnp(pid, program, &actions, NULL, words, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    return error;
 }
 
-static struct delaunay_client *spawn(int listener, const char *path, pid_t *pid, char *why,
-                                     size_t room)
+/* Reads the line that says where its socket is, and connects to it. */
+static bool connect_to(struct private_daemon *d, int out, const char *program, char *why,
+                       size_t room)
+{
+    char line[256];
+    static const char ready[] = "ready on ";
+    FILE *f = fdopen(out, "r");
+    bool said = f != NULL && fgets(line, sizeof line, f) != NULL &&
+                strncmp(line, ready, sizeof ready - 1) == 0;
+    if (f != NULL)
+        fclose(f);
+    else
+        close(out);
+    if (!said) {
+        snprintf(why, room, "%s: it is not a daemon, or one without --private", program);
+        return false;
+    }
+    line[strcspn(line, "\n")] = '\0';
+    d->client = delaunay_connect(line + sizeof ready - 1, "", why, room);
+    return d->client != NULL;
+}
+
+bool private_daemon_start(struct private_daemon *d, char *why, size_t room)
 {
     char program[4096];
-    int report[2], failed = 0;
-    struct delaunay_client *c = delaunay_connect(path, "", why, room);
-    unlink(path);
-    if (c == NULL)
-        return NULL;
+    int in[2], out[2];
+    *d = (struct private_daemon){.owner = -1};
     find_program(program, sizeof program);
-    pid_t parent = getpid();
-    *pid = pipe2(report, O_CLOEXEC) == 0 ? fork() : -1;
-    if (*pid == 0)
-        become(program, listener, report[1], parent);
-    if (*pid > 0) {
-        close(report[1]);
-        if (read(report[0], &failed, sizeof failed) > 0)
-            errno = failed;
-        close(report[0]);
+    if (pipe2(in, O_CLOEXEC) != 0)
+        return fail(why, room, program, errno);
+    d->owner = in[1];
+    if (pipe2(out, O_CLOEXEC) != 0) {
+        fail(why, room, program, errno);
+        close(in[0]);
+        private_daemon_end(d);
+        return false;
     }
-    if (*pid > 0 && failed == 0)
-        return c;
-    fail(why, room, program);
-    private_daemon_end(c, *pid);
-    return NULL;
+    int error = spawn(&d->pid, program, in[0], out[1]);
+    close(in[0]);
+    close(out[1]);
+    if (error != 0) {
+        d->pid = 0;
+        close(out[0]);
+        fail(why, room, program, error);
+    } else if (connect_to(d, out[0], program, why, room)) {
+        return true;
+    }
+    private_daemon_end(d);
+    return false;
 }
 
-struct delaunay_client *private_daemon_start(pid_t *pid, char *why, size_t room)
+void private_daemon_end(struct private_daemon *d)
 {
-    struct sockaddr_un at = {.sun_family = AF_UNIX};
-    const char *tmp = getenv("TMPDIR");
-    char directory[80]; /* of ours alone: mode 0700 */
-    struct delaunay_client *c = NULL;
-    if (tmp == NULL || tmp[0] != '/' || strlen(tmp) > 50) /* the path of a socket is short */
-        tmp = "/tmp";
-    snprintf(directory, sizeof directory, "%s/delaunay_XXXXXX", tmp);
-    if (mkdtemp(directory) == NULL)
-        return fail(why, room, directory);
-    snprintf(at.sun_path, sizeof at.sun_path, "%s/socket", directory);
-    int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (listener < 0 || bind(listener, (struct sockaddr *)&at, sizeof at) != 0 ||
-        listen(listener, 4) != 0)
-        fail(why, room, at.sun_path);
-    else
-        c = spawn(listener, at.sun_path, pid, why, room);
-    unlink(at.sun_path);
-    rmdir(directory);
-    if (listener >= 0)
-        close(listener);
-    return c;
-}
-
-void private_daemon_end(struct delaunay_client *c, pid_t pid)
-{
-    delaunay_close(c);
-    if (pid <= 0)
+    delaunay_close(d->client);
+    close(d->owner);
+    if (d->pid <= 0)
         return;
-    kill(pid, SIGKILL);
-    while (waitpid(pid, NULL, 0) < 0 && errno == EINTR)
+    while (waitpid(d->pid, NULL, 0) < 0 && errno == EINTR)
         continue;
 }

@@ -1,5 +1,5 @@
-/* private_daemon.h - a daemon of our own for one task: in memory, on a Unix socket that nobody else can
- * reach, which has no name any more when this returns. It ends with this process, however that ends. */
+/* private_daemon.h - a daemon of our own for one task (delaunayd --private): in memory, on a Unix socket that only this
+ * user may reach. It ends with this process, however that ends. */
 #ifndef CLIENTS_PRIVATE_DAEMON_H
 #define CLIENTS_PRIVATE_DAEMON_H
 
@@ -7,11 +7,17 @@
 
 #include "clients/lib/delaunay_client.h"
 
-/* Starts $DELAUNAYD, or the delaunayd beside this program, or that of $PATH, and connects to it. NULL with
- * a sentence in why[room] on failure. */
-struct delaunay_client *private_daemon_start(pid_t *pid, char *why, size_t room);
+struct private_daemon {
+    struct delaunay_client *client; /* owns */
+    pid_t pid;
+    int owner; /* owns: a pipe at whose end the daemon ends */
+};
 
-/* Closes the connection and ends the daemon. */
-void private_daemon_end(struct delaunay_client *c, pid_t pid);
+/* Starts $DELAUNAYD, or the delaunayd beside this program, or that of $PATH, and connects to it. False with a sentence
+ * in why[room] on failure. */
+bool private_daemon_start(struct private_daemon *d, char *why, size_t room);
+
+/* Closes the connection, and waits until the daemon has ended. */
+void private_daemon_end(struct private_daemon *d);
 
 #endif

@@ -49,14 +49,13 @@ static int run_connected(struct delaunay_client *c, const struct subcommand *s, 
 static int run_alone(const struct subcommand *s, int words, char **word)
 {
     char why[300];
-    pid_t pid;
-    struct delaunay_client *c = private_daemon_start(&pid, why, sizeof why);
-    if (c == NULL) {
+    struct private_daemon own;
+    if (!private_daemon_start(&own, why, sizeof why)) {
         fprintf(stderr, "delaunay: %s\n", why);
         return EXIT_NO_CONNECTION;
     }
-    int status = run_connected(c, s, words, word);
-    private_daemon_end(c, pid);
+    int status = run_connected(own.client, s, words, word);
+    private_daemon_end(&own);
     return status;
 }
 

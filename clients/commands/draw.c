@@ -88,19 +88,18 @@ static int write_result(struct delaunay_client *c, struct drawing *d)
 static int carry_out(struct drawing *d, const struct points_file *f)
 {
     char why[300];
-    pid_t pid;
+    struct private_daemon own;
     if (f->n == 0) {
         fprintf(stderr, "delaunay: %s: there are no points in it\n", d->from.path);
         return EXIT_REFUSED;
     }
-    struct delaunay_client *c = private_daemon_start(&pid, why, sizeof why);
-    if (c == NULL) {
+    if (!private_daemon_start(&own, why, sizeof why)) {
         fprintf(stderr, "delaunay: %s\n", why);
         return EXIT_NO_CONNECTION;
     }
-    enum delaunay_result r = command_send_points(c, set, f);
-    int status = r == DELAUNAY_OK ? write_result(c, d) : command_outcome(c, r);
-    private_daemon_end(c, pid);
+    enum delaunay_result r = command_send_points(own.client, set, f);
+    int status = r == DELAUNAY_OK ? write_result(own.client, d) : command_outcome(own.client, r);
+    private_daemon_end(&own);
     return status;
 }
 
