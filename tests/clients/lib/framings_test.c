@@ -178,7 +178,7 @@ static void skip_resp(const struct bytes *b, size_t *at)
 /* What is answered to Redis's tools as they expect it. */
 static bool is_redis_own(const char *name)
 {
-    static const char *const own[] = {"CLIENT", "SLOWLOG", "CONFIG"};
+    static const char *const own[] = {"CLIENT", "SLOWLOG", "CONFIG", "EXPIRE", "TTL", "PERSIST"};
     for (size_t i = 0; i < sizeof own / sizeof own[0]; i++)
         if (strcmp(name, own[i]) == 0)
             return true;
