@@ -106,10 +106,17 @@ export class Client {
   hull(set: string, options?: { clockwise?: boolean }): Promise<Uint32Array>;
   locate(set: string, x: number, y: number): Promise<Located>;
   nearest(set: string, x: number, y: number, k?: number): Promise<Neighbour[]>;
+  locateAll(set: string, places: Points, options?: { timeout?: number }): Promise<Uint32Array>;
+  locateAll<P>(set: string, places: Iterable<P>, options: Accessors<P> & { timeout?: number }): Promise<Uint32Array>;
+  nearestAll(set: string, places: Points, k?: number, options?: { timeout?: number }): Promise<Uint32Array>;
+  nearestAll<P>(set: string, places: Iterable<P>, k: number, options: Accessors<P> & { timeout?: number }): Promise<Uint32Array>;
   within(set: string, x0: number, y0: number, x1: number, y1: number): Promise<number[]>;
   within(set: string, x: number, y: number, r: number): Promise<number[]>;
   info(): Promise<Record<string, string | number | boolean>>;
 }
+
+/** What stands for no id in the results of locateAll and nearestAll. */
+export const NONE: 0xffffffff;
 
 /**
  * Connects. The URL is delaunay://[:token@]host[:port], unix://[:token@]/path, or private: for a daemon of this process. Without

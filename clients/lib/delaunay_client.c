@@ -10,6 +10,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -209,15 +210,16 @@ enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, 
     return drain(c, SEND_AT);
 }
 
-enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char *set,
-                                          const double *xy, size_t n,
-                                          delaunay_progress_fn *progress, void *ctx)
+/* Sends `command set n rest`, and n points behind it. */
+static enum delaunay_result send_body(struct delaunay_client *c, const char *command,
+                                      const char *set, const char *rest, const double *xy, size_t n,
+                                      delaunay_progress_fn *progress, void *ctx)
 {
     char head[128];
     if (!word_is_set_name(
             &(struct word){set, strlen(set)})) /* else the points could be taken for commands */
         return DELAUNAY_BADNAME;
-    int len = snprintf(head, sizeof head, "LOADB %s %zu", set, n);
+    int len = snprintf(head, sizeof head, "%s %s %zu%s", command, set, n, rest);
     enum delaunay_result r = delaunay_send(c, head, (size_t)len);
     for (size_t done = 0; r == DELAUNAY_OK && done < n && !c->mute;) {
         size_t some = n - done < POINTS_AT_ONCE ? n - done : POINTS_AT_ONCE;
@@ -228,6 +230,13 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
             progress(ctx, done, n);
     }
     return r;
+}
+
+enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char *set,
+                                          const double *xy, size_t n,
+                                          delaunay_progress_fn *progress, void *ctx)
+{
+    return send_body(c, "LOADB", set, "", xy, n, progress, ctx);
 }
 
 /* ---- replies ---- */
@@ -315,6 +324,40 @@ enum delaunay_result delaunay_receive_bytes(struct delaunay_client *c, void **by
     *bytes = g.bytes;
     *n = (size_t)g.n;
     return r;
+}
+
+/* Receives n words, if r, of sending, is DELAUNAY_OK. */
+static enum delaunay_result receive_words(struct delaunay_client *c, enum delaunay_result r,
+                                          uint32_t *words, size_t n)
+{
+    void *bytes = NULL;
+    size_t got = 0;
+    if (r == DELAUNAY_OK)
+        r = delaunay_receive_bytes(c, &bytes, &got);
+    if (r == DELAUNAY_OK && got != n * sizeof *words)
+        r = DELAUNAY_BROKEN;
+    for (size_t i = 0; r == DELAUNAY_OK && i < n; i++) {
+        const unsigned char *b = (const unsigned char *)bytes + i * sizeof *words;
+        words[i] = b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+    }
+    free(bytes);
+    return r;
+}
+
+enum delaunay_result delaunay_locate_places(struct delaunay_client *c, const char *set,
+                                            const double *xy, size_t n, uint32_t *triangle)
+{
+    enum delaunay_result r = send_body(c, "LOCATEB", set, "", xy, n, NULL, NULL);
+    return receive_words(c, r, triangle, 3 * n);
+}
+
+enum delaunay_result delaunay_nearest_places(struct delaunay_client *c, const char *set,
+                                             const double *xy, size_t n, uint32_t k, uint32_t *id)
+{
+    char rest[16];
+    snprintf(rest, sizeof rest, " %" PRIu32, k);
+    enum delaunay_result r = send_body(c, "NEARESTB", set, rest, xy, n, NULL, NULL);
+    return receive_words(c, r, id, k * n);
 }
 
 enum delaunay_result delaunay_request(struct delaunay_client *c, const char *line,

@@ -91,6 +91,19 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
                                           const double *xy, size_t n,
                                           delaunay_progress_fn *progress, void *ctx);
 
+/* The triangles of the n places x, y of xy[2n] in one request (LOCATEB), into triangle[3n]: the three ids of that which
+ * contains the place, of several ones the first in TRIANGLES; outside the hull DELAUNAY_NONE three times. Where the
+ * result is not DELAUNAY_OK nothing has been written. With replies still to come, receive those first. */
+enum delaunay_result delaunay_locate_places(struct delaunay_client *c, const char *set,
+                                            const double *xy, size_t n, uint32_t *triangle);
+
+/* The k points nearest to each of the n places (NEARESTB), into id[k n]: k at most 4096, nearest first, DELAUNAY_NONE
+ * for what there are too few points for. Otherwise as above. */
+enum delaunay_result delaunay_nearest_places(struct delaunay_client *c, const char *set,
+                                             const double *xy, size_t n, uint32_t k, uint32_t *id);
+
+#define DELAUNAY_NONE UINT32_MAX
+
 /* The status line of the last reply received, a NUL-terminated string, empty before the first one;
  * valid until the next receive. */
 const struct delaunay_part *delaunay_status(const struct delaunay_client *c);

@@ -177,6 +177,50 @@ static void check_places(job &j, const cgal_delaunay &oracle)
     }
 }
 
+/* The triangle of LOCATEB: of those that contain what LOCATE finds, the first in TRIANGLES. */
+static oracle_row triangle_of(const cgal_delaunay &oracle, const oracle_row &found)
+{
+    oracle_rows all;
+    if (found.size() == 3)
+        return found;
+    if (found.size() == 2)
+        all = {oracle.left_of(found[0], found[1]), oracle.left_of(found[1], found[0])};
+    if (found.size() == 1)
+        all = oracle.around(found[0]);
+    oracle_row first(3, UINT32_MAX);
+    for (const oracle_row &row : all)
+        if (row.size() == 3)
+            first = std::min(first, from_smallest(row));
+    return first;
+}
+
+static void expect_words(const std::string &request, const oracle_row &got, const oracle_row &want)
+{
+    expect(got == want, request, row_text(got), row_text(want));
+}
+
+static void check_many_places(job &j, const cgal_delaunay &oracle)
+{
+    std::vector<double> xy;
+    oracle_row triangles, nearest;
+    size_t k = 1 + j.below(6);
+    double q[2];
+    for (size_t i = 0, n = j.below(100); i < n; i++) {
+        if (!random_place(j, oracle, q))
+            continue;
+        xy.insert(xy.end(), q, q + 2);
+        oracle_row row = triangle_of(oracle, oracle.locate(q[0], q[1]));
+        triangles.insert(triangles.end(), row.begin(), row.end());
+        row = oracle.nearest(q[0], q[1], k);
+        row.resize(k, UINT32_MAX);
+        nearest.insert(nearest.end(), row.begin(), row.end());
+    }
+    std::string at = j.set + " " + std::to_string(xy.size() / 2);
+    expect_words("LOCATEB " + at, j.daemon.ask_places("LOCATEB " + at, xy), triangles);
+    at += " " + std::to_string(k);
+    expect_words("NEARESTB " + at, j.daemon.ask_places("NEARESTB " + at, xy), nearest);
+}
+
 static void check_ranges(job &j, const cgal_delaunay &oracle)
 {
     double p[2], q[2];
@@ -264,6 +308,7 @@ static void check_some_lists(job &j, const cgal_delaunay &oracle, bool cw)
 static void check_queries(job &j, const cgal_delaunay &oracle)
 {
     check_places(j, oracle);
+    check_many_places(j, oracle);
     check_ranges(j, oracle);
     check_neighbours(j, oracle);
     check_some_lists(j, oracle, j.seed % 2 == 0);

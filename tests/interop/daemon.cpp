@@ -36,6 +36,17 @@ void daemon_link::send(const std::string &bytes)
     }
 }
 
+void daemon_link::fill()
+{
+    buffer.erase(0, at);
+    at = 0;
+    char chunk[65536];
+    ssize_t n = recv(fd, chunk, sizeof chunk, 0);
+    if (n <= 0)
+        throw failure(n == 0 ? "the daemon closed the connection" : "no reply within 60 s");
+    buffer.append(chunk, static_cast<size_t>(n));
+}
+
 std::string daemon_link::line()
 {
     for (;;) {
@@ -45,13 +56,7 @@ std::string daemon_link::line()
             at = end + 1;
             return found;
         }
-        buffer.erase(0, at);
-        at = 0;
-        char chunk[65536];
-        ssize_t n = recv(fd, chunk, sizeof chunk, 0);
-        if (n <= 0)
-            throw failure(n == 0 ? "the daemon closed the connection" : "no reply within 60 s");
-        buffer.append(chunk, static_cast<size_t>(n));
+        fill();
     }
 }
 
@@ -73,6 +78,22 @@ reply daemon_link::ask(const std::string &line)
 {
     send(line + "\n");
     return receive();
+}
+
+oracle_row daemon_link::ask_places(const std::string &line, const std::vector<double> &xy)
+{
+    std::string body(reinterpret_cast<const char *>(xy.data()), xy.size() * sizeof xy[0]);
+    send(line + "\n" + body);
+    std::string status = receive().status, bytes = value_of(status, "bytes");
+    if (bytes.empty())
+        throw failure(line + ": " + status);
+    oracle_row words(std::stoul(bytes) / sizeof(uint32_t));
+    size_t want = words.size() * sizeof words[0];
+    while (buffer.size() - at < want)
+        fill();
+    std::memcpy(words.data(), buffer.data() + at, want);
+    at += want;
+    return words;
 }
 
 std::string value_of(const std::string &status, const std::string &key)

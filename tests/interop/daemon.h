@@ -29,9 +29,12 @@ class daemon_link
     void send(const std::string &bytes);
     reply receive(); /* skips comments */
     reply ask(const std::string &line);
+    /* A request about places (PROTOCOL.md, LOCATEB), x and y of each; the words of its reply. */
+    oracle_row ask_places(const std::string &line, const std::vector<double> &xy);
 
   private:
     std::string line();
+    void fill();
     int fd;
     std::string buffer;
     size_t at = 0;

@@ -232,6 +232,23 @@ class Client {
     return this.#points(`NEAREST ${checkSet(set)} ${x} ${y} ${k}`);
   }
 
+  async #places(command, set, places, rest, { getX, getY, timeout } = {}) {
+    const body = pointBytes(flatten(places, getX, getY));
+    const { data } = await this.request(`${command} ${checkSet(set)} ${body.length / 16}${rest}`, { body, timeout });
+    return words(Uint32Array, data);
+  }
+
+  /** Three ids for each place: of the triangle that contains it, the first in triangles() if there are several; outside three
+   * times NONE. */
+  async locateAll(set, places, options) {
+    return this.#places('LOCATEB', set, places, '', options);
+  }
+
+  /** k ids for each place, nearest first; NONE for what there are too few points for. */
+  async nearestAll(set, places, k = 1, options) {
+    return this.#places('NEARESTB', set, places, ` ${k}`, options);
+  }
+
   /** The ids in a box (x0, y0, x1, y1) or a disc (x, y, r). */
   async within(set, ...where) {
     const { rows } = await this.request(`WITHIN ${checkSet(set)} ${where.join(' ')}`);
@@ -261,4 +278,7 @@ function commonClient() {
   return common;
 }
 
-module.exports = { Client, commonClient, connect };
+/** What stands for no id in the results of locateAll and nearestAll. */
+const NONE = 0xffffffff;
+
+module.exports = { Client, NONE, commonClient, connect };

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import net from 'node:net';
 import { after, before, beforeEach, describe, it as test } from 'node:test';
-import { connect, Disconnected, Refused, Triangulation } from '../index.mjs';
+import { connect, Disconnected, NONE, Refused, Triangulation } from '../index.mjs';
 
 let daemon;
 let url;
@@ -42,6 +42,12 @@ describe('a client', () => {
     assert.deepEqual(await client.nearest('t', 3, 2), [{ id: 4, x: 2, y: 2, distance: 1 }]);
     assert.deepEqual(await client.locate('t', 2, 1), { where: 'inside', ids: [0, 1, 4] });
     assert.deepEqual(await client.locate('t', 9, 1), { where: 'outside', ids: [] });
+    assert.deepEqual([...(await client.locateAll('t', [2, 1, 9, 1]))], [0, 1, 4, NONE, NONE, NONE]);
+    const places = [{ lon: 3, lat: 2 }];
+    const look = { getX: (p) => p.lon, getY: (p) => p.lat };
+    assert.deepEqual([...(await client.nearestAll('t', places, 6, look))], [4, 1, 2, 0, 3, NONE]);
+    assert.deepEqual([...(await client.nearestAll('t', [[4, 4], [0, 1]]))], [2, 0]);
+    await assert.rejects(client.nearestAll('t', [0, 0], 5000), /RANGE/);
     assert.deepEqual(await client.within('t', 0, 0, 4, 2), [0, 1, 4]);
     assert.equal(await client.add('t', 1e-7, 3), 5);
     assert.equal(await client.delete('t', [0, 1]), 2);

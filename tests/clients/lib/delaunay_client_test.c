@@ -1,11 +1,13 @@
 /* delaunay_client_test.c - the client library against servers that behave, and others. */
 #include "clients/lib/delaunay_client.h"
 
+#include <signal.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "tests/clients/peer.h"
+#include "tests/daemon.h"
 #include "tests/test.h"
 
 static struct delaunay_client *connected(const char *port)
@@ -287,6 +289,51 @@ TEST(client_says_so_when_memory_runs_out)
     struct delaunay_client *c = connected(port);
     test_fail_alloc(1);
     CHECK(delaunay_send_points(c, "s", xy, 5000, NULL, NULL) == DELAUNAY_NOMEM);
+    delaunay_close(c);
+}
+
+TEST(client_looks_up_many_places_at_once)
+{
+    static const double points[] = {0, 0, 4, 0, 4, 4, 0, 4}, at[] = {1, 1, 3, 1, 5, 5};
+    static const uint32_t found[] = {0, 1, 3, 0, 1, 3, DELAUNAY_NONE, DELAUNAY_NONE, DELAUNAY_NONE},
+                          near[] = {0, 1, 3, 2, DELAUNAY_NONE, 1, 0, 2, 3, DELAUNAY_NONE,
+                                    2, 1, 3, 0, DELAUNAY_NONE};
+    struct daemon d = daemon_start(NULL);
+    struct delaunay_client *c = connected(d.port_text);
+    uint32_t got[15] = {7};
+    CHECK(delaunay_send_points(c, "t", points, 4, NULL, NULL) == DELAUNAY_OK);
+    CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_OK);
+    CHECK(delaunay_locate_places(c, "t", at, 3, got) == DELAUNAY_REFUSED && got[0] == 7);
+    CHECK(delaunay_request(c, "TRIANGULATE t", NULL, NULL) == DELAUNAY_OK);
+    CHECK(delaunay_locate_places(c, "t", at, 3, got) == DELAUNAY_OK);
+    CHECK(memcmp(got, found, sizeof found) == 0);
+    CHECK(delaunay_nearest_places(c, "t", at, 3, 5, got) == DELAUNAY_OK);
+    CHECK(memcmp(got, near, sizeof near) == 0);
+    CHECK(delaunay_nearest_places(c, "t", at, 3, 5000, got) == DELAUNAY_REFUSED);
+    CHECK(delaunay_nearest_places(c, "t", at, 0, 1, got) == DELAUNAY_OK);
+    CHECK(delaunay_locate_places(c, "no set", at, 3, got) == DELAUNAY_BADNAME);
+    CHECK(delaunay_request(c, "PING", NULL, NULL) == DELAUNAY_OK);
+    delaunay_close(c);
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
+/* Answers with fewer bytes than there should be. */
+static void answer_short(int fd)
+{
+    char line[200];
+    while (peer_hear(fd, line, sizeof line))
+        if (strncmp(line, "LOCATEB ", 8) == 0)
+            peer_say(fd, "OK 0 rows=1 bytes=3\nabc");
+}
+
+TEST(client_notices_words_that_are_missing)
+{
+    static const double at[] = {0};
+    char port[8];
+    uint32_t got[3] = {7};
+    peer_start(port, answer_short);
+    struct delaunay_client *c = connected(port);
+    CHECK(delaunay_locate_places(c, "t", at, 0, got) == DELAUNAY_BROKEN && got[0] == 7);
     delaunay_close(c);
 }
 
