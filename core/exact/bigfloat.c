@@ -39,7 +39,7 @@ struct dt_bigfloat dt_bigfloat_of(double v)
 double dt_bigfloat_to_double(const struct dt_bigfloat *a)
 {
     double v = 0;
-    for (int i = N - 3; i < N; i++) /* the last but two in case the top one has few bits */
+    for (int i = N - 3; i < N; i++) /* the last but two because the top one may have few bits */
         v += ldexp((double)a->limb[i], 64 * (a->exponent + i));
     return a->sign * v;
 }

@@ -1,8 +1,8 @@
 /* bignum.c - schoolbook arithmetic [Knuth, TAOCP 2, sec. 4.3.1]; see bignum.h.
  *
- * Two to four limbs are the usual case, so nothing faster than schoolbook would pay. A double word is not
- * written down in limbs: its two parts are far apart where exponents are wide, and one of them is mostly
- * zero where they are not. So the products of parts, 106 bits each, are added where they belong. */
+ * Two to four limbs are the usual case, so nothing faster than schoolbook would pay off. A double word is not
+ * stored as limbs: its two parts are far apart where exponents are wide, and one of them is mostly zero where
+ * they are not. So the products of parts, 106 bits each, are added where they belong. */
 #include "core/exact/bignum.h"
 
 #include <stdbool.h>

@@ -1,11 +1,11 @@
-/* bignum.h - exact sums of products of double words, and how products of those compare: what the predicates
- * come down to.
+/* bignum.h - exact sums of products of double words, and comparisons of products of such sums: what the
+ * predicates reduce to.
  *
  *     place    15  ...   hi - 1   ...    lo    ...   1    0       value = sign * sum limb[i] 2^(64 i - 512),
  *                  |    | not 0 |     | not 0 |    |              in limbs of 64 bits at fixed places
  *
  * A number of wide exponents is mostly zeros: those at either end are left out, and multiplication skips
- * the others. So the cost follows the bits that are there.
+ * the others. So the cost is proportional to the bits that are present.
  *
  * Room: a coordinate that dt_coordinate_ok accepts is 0 or a multiple of 2^-194 below 2^202, so a double
  * word that is a difference of two has parts of which each is an integer of 53 bits times at least

@@ -1,5 +1,5 @@
-/* bounds.h - every static error bound of core/: what rounding may take from a value that is
- * computed in doubles, so that the rest still has the right sign.
+/* bounds.h - every static error bound of core/: by how much rounding may change a value that is computed in
+ * doubles before its sign can be wrong.
  *
  * The model. u = 2^-53. Doubles are IEEE's, rounded to nearest, and nothing is contracted
  * (double2.h): an operation whose exact result is r gives r (1 + d), |d| <= u. It gives a value of
@@ -96,8 +96,7 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
  * more than 4 u (1 + 10 u) of their sum apart. */
 #define DT_DISTANCE_BOUND 0x1p-50 /* 8 u */
 
-/* w.q = w.x q.x + w.y q.y for rounded differences w and q: the products err by 3 u of themselves.
- * */
+/* w.q = w.x q.x + w.y q.y for rounded differences w and q: the products err by 3 u of themselves. */
 #define DT_DOT_BOUND 0x1p-50 /* of |w.x q.x| + |w.y q.y|: 8 u */
 
 /* w.q / |w|^2: as before, and u for the sum, 4 u for |w|^2, u for the quotient: 9 u. */

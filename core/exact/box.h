@@ -60,7 +60,7 @@ static inline double dt_box_height(const struct dt_box *b)
     return b->hi.y - b->lo.y;
 }
 
-/* Which axis its longer side lies along: 0 = x, 1 = y. */
+/* The axis of its longer side: 0 = x, 1 = y. */
 static inline unsigned dt_box_axis(const struct dt_box *b)
 {
     return dt_box_width(b) >= dt_box_height(b) ? 0 : 1;
@@ -73,7 +73,7 @@ static inline double dt_box_side(const struct dt_box *b)
 }
 
 /* The number, below n > 0, of the cell that `at` falls into, which is a distance from the grid's lower
- * border in cells. What lies beyond the grid belongs to its outermost cells; a NaN, to the first. No
+ * border in cells. Places beyond the grid belong to its outermost cells; a NaN belongs to the first one. No
  * branch. */
 static inline uint32_t dt_cell(double at, uint32_t n)
 {

@@ -1,4 +1,4 @@
-/* double2.h - what a sum or product of two doubles loses by rounding, and double words.
+/* double2.h - the rounding error of a sum or product of two doubles, and double words.
  *
  * The error of one operation is a double itself, and can be computed [Dekker 1971; Knuth; Shewchuk,
  * "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", Discrete &

@@ -1,5 +1,5 @@
-/* lanes.h - two doubles side by side, in one register where the machine has such: the vectors of gcc
- * and clang, and the one instruction that they have no words for. All vectors of core/ are these. */
+/* lanes.h - two doubles side by side, in one register where the machine has vector registers: the vectors of
+ * gcc and clang, and the one instruction that these cannot express. All vectors of core/ are of this type. */
 #ifndef DT_LANES_H
 #define DT_LANES_H
 

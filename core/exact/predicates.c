@@ -1,6 +1,6 @@
-/* predicates.c - what the inline filters of predicates.h leave open.
+/* predicates.c - the stages behind the inline filters of predicates.h.
  *
- * Each predicate tries what is cheap and certain before it computes the polynomial as a bignum:
+ * Each predicate tries cheaper methods before it computes the polynomial as a bignum:
  *
  *     filter (inline)            decides all but one call in 10^4 on random points
  *     axis-parallel rectangle    incircle: exactly zero; most ties on lattices
@@ -9,8 +9,8 @@
  *     double words               about 100 bits: nearly all that is not a tie
  *     bignums                    exact whatever the input
  *
- * The near base. A determinant is the same, up to its sign, from wherever it is computed, but what
- * rounding takes from a difference to a far point cannot be recovered. In
+ * The near base. A determinant is the same, up to its sign, from any base point, but rounding errors of a
+ * difference to a far point cannot be recovered. In
  *
  *     orient2d  (q - p) x (s - p)
  *     incircle  dt(q) cr(t) - dt(t) cr(q),  cr(v) = (s - p) x (v - p) = (s - p) x (v - s),
@@ -23,9 +23,9 @@
  *       p - - - - - - - - - s          distance of p and q and e that of t to the nearer one of p and s,
  *                                      each term is of the order of d e |s - p| max(|t - p|, |t - s|).
  *
- * From a point far away from the others, which is how the inline filters may see them, each difference to
- * it is large and terms are larger by up to the square of that ratio, which is lost at once in doubles and
- * soon in double words.
+ * Relative to a point far away from the others, which the inline filters may use, all differences are large,
+ * and terms are larger by up to the square of that ratio: precision that is lost at once in doubles and soon in
+ * double words.
  *
  * The error bounds of what is computed in doubles and in double words, and why nothing overflows or
  * underflows, are in bounds.h. */
@@ -152,7 +152,7 @@ int dt_orient2d_big(const struct dt_near_corner *k)
     return det.sign;
 }
 
-/* If no difference has lost anything, two products decide: rounding is monotone. False: some has. */
+/* If all differences are exact, two products decide: rounding is monotone. False: some are not. */
 static bool orient2d_two_products(const struct dt_near_corner *k, int *sign)
 {
     struct double2_vector q = vector_2(k->p, k->q), s = vector_2(k->p, k->s);

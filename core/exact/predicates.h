@@ -1,9 +1,9 @@
-/* predicates.h - the exact signs that all topology branches on.
+/* predicates.h - the exact signs on which all decisions about topology depend.
  *
  * Every function returns the sign of a polynomial of the coordinates, evaluated exactly: a
  * floating-point filter first, exact arithmetic where the filter cannot decide [Shewchuk 1997].
- * Exact for all coordinates that dt_coordinate_ok accepts. No state, no allocation. The filters are
- * inline; what they leave open is in predicates.c. */
+ * Exact for all coordinates that dt_coordinate_ok accepts. No state, no allocation. The filters are inline; the
+ * stages behind them are in predicates.c. */
 #ifndef DT_PREDICATES_H
 #define DT_PREDICATES_H
 
