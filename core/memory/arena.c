@@ -1,4 +1,4 @@
-/* arena.c - a list of chunks, each at least twice as large as what is asked of it unless that is large; see
+/* arena.c - a list of chunks, each at least twice as large as the request, unless that is large; see
  * arena.h. */
 #include "core/memory/arena.h"
 

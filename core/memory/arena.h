@@ -1,5 +1,5 @@
-/* arena.h - scratch memory in stack order: a recursion takes what it needs and gives it back by
- * returning to a mark. */
+/* arena.h - scratch memory in stack order: a recursion allocates what it needs and releases it by returning to
+ * a mark. */
 #ifndef DT_ARENA_H
 #define DT_ARENA_H
 
@@ -13,7 +13,7 @@ struct dt_arena {
     struct dt_pages *pages;       /* borrows; where large chunks come from; NULL: the system */
     struct dt_arena_chunk *chunk; /* owns a list, the one in use first */
     struct dt_arena_chunk *spare; /* owns one that was given back, or NULL */
-    bool tight; /* one of many that serve little each: no chunk is more than twice what was asked */
+    bool tight; /* one of many small arenas: no chunk is more than twice the size asked for */
 };
 
 struct dt_arena_mark {

@@ -1,8 +1,7 @@
 /* memory.h - arrays that may be large.
  *
- * Fresh memory costs as much as the work done in it when the system hands it out in small pages, so
- * arrays of several MiB lie on huge pages where the system has them. They grow by moving pages, not
- * bytes. */
+ * Fresh memory in small pages costs as much as the work done in it, so arrays of several MiB use huge pages
+ * where the system has them. They grow by moving pages, not bytes. */
 #ifndef DT_MEMORY_H
 #define DT_MEMORY_H
 
@@ -10,9 +9,8 @@
 
 struct dt_pages;
 
-/* Asks for the cache line at p, which need not be a valid address, ahead of its use. The empty
- * statement stays where it is: without it gcc takes a function that only fetches for one that does
- * nothing. */
+/* Asks for the cache line at p, which need not be a valid address, ahead of its use. The empty asm statement is
+ * needed: without it gcc removes a function that only prefetches. */
 static inline void dt_fetch(const void *p)
 {
     __builtin_prefetch(p);
@@ -21,13 +19,12 @@ static inline void dt_fetch(const void *p)
 
 /* n items of size bytes each, not initialised, aligned to 16; NULL when out of memory or when n *
  * size overflows. A large one comes from the keeper of pages (core/delaunay.h), which may be NULL.
- * To be released by dt_array_free, which finds the keeper. */
+ * Release it by dt_array_free, which finds the keeper. */
 void *dt_array_new_in(struct dt_pages *pages, size_t n, size_t size);
 
-/* Makes room for n >= used items in the array p, of which the first `used` are kept, and gives back
- * what large arrays have beyond that; p may be NULL if used is 0. Returns the array, which may have
- * moved. NULL: out of memory, p is unchanged. An array has one keeper all its life. Cost: O(used)
- * for a small array, else O(pages). */
+/* Makes room for n >= used items in the array p, keeps the first `used`, and releases the excess of large
+ * arrays; p may be NULL if used is 0. Returns the array, which may have moved. NULL: out of memory, p is
+ * unchanged. An array has one keeper all its life. Cost: O(used) for a small array, else O(pages). */
 void *dt_array_grow_in(struct dt_pages *pages, void *p, size_t used, size_t n, size_t size);
 
 /* The same without a keeper. */

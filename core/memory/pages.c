@@ -9,8 +9,8 @@
  *              or, if none is, fresh addresses to which kept pages are moved, as many as there are
  *     give     joined with the kept regions right before and behind it, into an empty slot
  *
- * A slot's word says all about its region, so threads need no lock, and none of them ever waits for
- * one that has been put off. A successful swap of a region out of its slot transfers ownership. */
+ * A slot's word says all about its region, so threads need no lock, and none waits for a thread that was
+ * preempted. A successful swap of a region out of its slot transfers ownership. */
 #include "core/memory/pages.h"
 
 #include <errno.h>
@@ -63,8 +63,8 @@ static char *map_aligned(size_t bytes)
     return start;
 }
 
-/* Whether these addresses are one mapping for the system: asked to make it longer where it is, by what is no
- * use, it answers EFAULT if they are several, and otherwise does it, or finds no room. */
+/* Whether these addresses are one mapping of the system: a request to extend it in place fails with EFAULT if
+ * they are several; otherwise it succeeds or finds no room. */
 static bool is_one_mapping(char *start, size_t bytes)
 {
     enum { LONGER = 1 };
@@ -76,8 +76,8 @@ static bool is_one_mapping(char *start, size_t bytes)
 
 /* How far a move has come: the bytes before `done` are at their target. The system has refused the next
  * `lost` bytes, if any, and these are still where they were. Whether their target is ours is then unknown:
- * it may have been unmapped before the failure, and mapped by another thread since. So it must not be touched or
- * unmapped any more. */
+ * it may have been unmapped before the failure, and mapped by another thread since. So it must not be accessed
+ * or unmapped. */
 struct moved {
     size_t done, lost;
 };
@@ -95,7 +95,7 @@ static struct moved move_pages(char *from, char *to, size_t bytes, int flags)
     return (struct moved){done, 0};
 }
 
-/* Unmaps addresses to which a move was refused, but for those that may be somebody else's. */
+/* Unmaps the target of a refused move, except addresses that may belong to another thread by now. */
 static void unmap_target(char *to, size_t bytes, struct moved m)
 {
     size_t end = m.done + m.lost;
@@ -197,7 +197,7 @@ static void unmap(struct dt_pages *p, char *start, size_t bytes)
     atomic_fetch_sub(&p->held, bytes);
 }
 
-/* How much is held beyond the limit. */
+/* The number of bytes held beyond the limit. */
 static size_t excess(struct dt_pages *p)
 {
     size_t held = atomic_load(&p->held), limit = atomic_load(&p->limit);

@@ -2,7 +2,7 @@
  * some, or from the system.
  *
  * Fresh pages are expensive: the system clears them, and under a hypervisor it may have to find them first.
- * So what one array gives back is kept for the next one, in pieces of any size: a region can be cut
+ * So what one array releases is kept for the next one, in pieces of any size: a region can be cut
  * at every huge page, and a large one is put together from small ones by moving their pages. */
 #ifndef DT_PAGES_H
 #define DT_PAGES_H
@@ -22,8 +22,8 @@ static inline size_t dt_huge_pages(size_t bytes)
  * owns it, and any part of it that begins and ends at a huge page can be given back on its own. */
 void *dt_region_take(struct dt_pages *p, size_t bytes);
 
-/* The first `bytes` of it are kept, and it may move, to be `want` > bytes long. NULL: out of memory,
- * it is as before. Cost: O(pages), unless the system refuses to move them. */
+/* Grows the region to `want` > bytes. Keeps its first `bytes`; it may move. NULL: out of memory, it is
+ * unchanged. Cost: O(pages), unless the system refuses to move them. */
 void *dt_region_grow(struct dt_pages *p, void *region, size_t bytes, size_t want);
 
 /* p: where it was taken. */

@@ -1,4 +1,5 @@
-/* sort.c - by digits, from the last [Knuth, TAOCP 3, sec. 5.2.5]; a few by qsort, which cannot poll. */
+/* sort.c - by digits, from the last [Knuth, TAOCP 3, sec. 5.2.5]; small numbers of ids by qsort, which cannot
+ * poll. */
 #include "core/memory/sort.h"
 
 #include <stdlib.h>

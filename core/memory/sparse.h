@@ -51,7 +51,7 @@ static inline bool dt_sparse_get(const struct dt_sparse *m, uint32_t id, uint32_
 /* Gives an id its value. DT_NOMEM: as before. Cost: the number of ids of a page. */
 enum dt_status dt_sparse_set(struct dt_sparse *m, uint32_t id, uint32_t value);
 
-/* Takes an id that is in the map out of it. Cost: as dt_sparse_set. */
+/* Removes an id that is in the map. Cost: as dt_sparse_set. */
 void dt_sparse_unset(struct dt_sparse *m, uint32_t id);
 
 /* Takes the largest ids out of the map, up to n pages of them. Returns how many pages: fewer than n when the map
