@@ -86,8 +86,8 @@ uint32_t dt_aliases_new_group(struct dt_aliases *a, uint32_t representative)
     return g;
 }
 
-/* The group has one reference less. Without any it is free, and so on upwards.
- * Returns the representative of a root that is free, else DT_NONE. */
+/* Removes one reference from the group. A group without references becomes free, which removes one from its
+ * parent, and so on. Returns the representative of a root that is free, else DT_NONE. */
 static uint32_t unname(struct dt_aliases *a, uint32_t g)
 {
     uint32_t representative = DT_NONE;
@@ -155,7 +155,7 @@ static uint32_t meld(struct dt_aliases *a, uint32_t x, uint32_t y)
     return top == DT_NONE ? x : top;
 }
 
-/* Takes i out of its heap, the top of which is *top. */
+/* Removes i from its heap, the top of which is *top. */
 static void take_out(struct dt_aliases *a, uint32_t i, uint32_t *top)
 {
     uint32_t parent = a->alias[i].parent, rest = meld(a, a->alias[i].left, a->alias[i].right);

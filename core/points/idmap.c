@@ -91,8 +91,8 @@ static enum dt_status new_block(struct dt_idmap *m, uint32_t first)
     return DT_OK;
 }
 
-/* Whether the pages from i on, of which those below `end` are wanted, are to be a block: if i is where
- * one may begin, most of it is wanted, and nothing of it is there. */
+/* Whether the pages from i on, of which those below `end` are wanted, should become a block: if a block may
+ * begin at i, most of it is wanted, and none of it exists. */
 static bool suits_block(const struct dt_idmap *m, uint32_t i, uint32_t end)
 {
     if (i % DT_ID_BLOCK != 0 || end - i < WORTH_A_BLOCK)

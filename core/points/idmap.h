@@ -1,4 +1,4 @@
-/* idmap.h - what an id stands for: a paged map from ids to 32-bit values.
+/* idmap.h - a paged map from ids to 32-bit values: which vertex or alias an id is.
  *
  * Ids are handed out in ascending order and never again, so a set that is edited for ever goes
  * through ever larger ids. The map is cut into pages, and pages whose ids are all dead are freed:
@@ -65,7 +65,7 @@ static inline uint32_t *dt_idmap_at(struct dt_idmap *m, uint32_t id)
     return &m->page[id / DT_ID_PAGE].value[id % DT_ID_PAGE];
 }
 
-/* Takes the value of a live id away. */
+/* Removes the value of a live id. */
 void dt_idmap_unset(struct dt_idmap *m, uint32_t id);
 
 /* Frees the empty pages if there are more than a few. Cost: amortised constant. */

@@ -107,7 +107,7 @@ void dt_places_fetch_vertex(const struct dt_places *p, const struct dt_point *xy
 }
 
 /* The nearer of best and the vertices in one bucket that are within reach of q. A bucket may hold
- * other cells' vertices, too: they are out of reach, or as welcome. */
+ * other cells' vertices, too: they are out of reach, or equally good. */
 static uint32_t nearest_in(const struct dt_places *p, uint32_t b, const struct dt_point *xy,
                            const uint32_t *id, struct dt_point q, uint32_t except, uint32_t best)
 {

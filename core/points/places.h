@@ -18,8 +18,7 @@ struct dt_places {
     uint32_t *next;         /* owns cap words, by vertex */
     uint32_t mask, cap, count;
     double tol;
-    uint64_t
-        seed; /* differs from process to process, so that no input can be aimed at one bucket */
+    uint64_t seed; /* differs from process to process, so that no input can target one bucket */
 };
 
 /* The hash of a place. Coordinates have structure, most of them many zeros at the end, and equal
@@ -42,7 +41,7 @@ static inline uint64_t dt_place_hash(double column, double row, uint64_t seed)
 void dt_places_clear(struct dt_places *p);
 
 /* Makes room for vertices below `verts`. If the table was not built yet or has to grow, those below
- * `end` with id != DT_NONE are entered, which is what the work is for; it may be NULL. A failure
+ * `end` with id != DT_NONE are entered, which is charged to the work; it may be NULL. A failure
  * changes nothing. */
 enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct dt_point *xy,
                                  const uint32_t *id, uint32_t end, uint32_t verts,

@@ -316,7 +316,8 @@ enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, 
         uint32_t v = dt_idmap_get(&p->value, ids[i]);
         heirs = !(v & DT_ALIAS_BIT) && group_of(p, v) != DT_NONE;
     }
-    return heirs ? dt_points_index(p, work) : DT_OK; /* heirs look whether their place is taken */
+    return heirs ? dt_points_index(p, work)
+                 : DT_OK; /* heirs check whether their place is occupied */
 }
 
 /* The aliases of vertex `from`, which has some, become aliases of vertex `to`. */

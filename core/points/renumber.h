@@ -1,4 +1,4 @@
-/* renumber.h - the vertices of a set get the numbers that a build has found for them. */
+/* renumber.h - gives the vertices of a set the numbers that a build has chosen. */
 #ifndef DT_RENUMBER_H
 #define DT_RENUMBER_H
 
