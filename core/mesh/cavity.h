@@ -16,7 +16,7 @@ struct dt_rim {
     uint32_t beyond; /* the half edge on the other side of it */
 };
 
-/* Scratch that one edit after the other reuses; it grows to what the largest one needed. Start with
+/* Scratch memory that successive edits reuse; it grows to what the largest one needed. Start with
  * {0}. */
 struct dt_cavity {
     uint32_t *record;   /* owns: the base half edges of the triangles in the hole */
@@ -24,14 +24,14 @@ struct dt_cavity {
     uint32_t *stack;    /* owns: half edges to be crossed */
     uint32_t records, rims, stacked;
     uint32_t record_cap, rim_cap, stack_cap;
-    struct dt_work *work;             /* borrows: what the edit may still do; NULL: no end */
+    struct dt_work *work;             /* borrows: the work left to the edit; NULL: no limit */
     const struct dt_changes *changes; /* borrows; told which stars change; NULL: not needed */
 };
 
 void dt_cavity_clear(struct dt_cavity *c);
 size_t dt_cavity_memory(const struct dt_cavity *c);
 
-/* Empties the hole; room is kept. */
+/* Empties the hole; keeps its memory. */
 static inline void dt_cavity_begin(struct dt_cavity *c)
 {
     c->records = c->rims = c->stacked = 0;

@@ -8,7 +8,7 @@
 #define WALKS_PER_THREAD 16u
 #define MOST_WALKS (DT_MAX_THREADS * WALKS_PER_THREAD)
 
-/* Whether a loop should take its next step: it polls every now and then. */
+/* Whether a loop should take its next step; polls now and then. */
 static bool go_on(uint32_t step, struct dt_stop *stop)
 {
     return step % DT_POLL != 0 || !dt_stopped(stop);
@@ -47,8 +47,8 @@ void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy, struct dt_stop
         dt_hull_settle_from(m, dt_base(h), stop);
 }
 
-/* A large hull mostly runs through memory in one direction for a while, as the grid does, with
- * strides that a processor does not foresee: so what is further on in that direction is fetched. */
+/* Like the grid, a large hull mostly runs through memory in one direction for a while, with strides that a
+ * processor does not predict: so records further on in that direction are prefetched. */
 static void fetch_further_on(const struct dt_mesh *m, uint32_t g, uint32_t next)
 {
     enum { AHEAD = 32 * 8, LINE = 16 }; /* numbers in 32 records, in a cache line */
@@ -73,7 +73,7 @@ uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *
 
 /* ---- by several threads ---- */
 
-/* Walks that share a hull, each from a ghost of its own to where the next one began. */
+/* Walks that share a hull: each goes from its own ghost to where the next walk began. */
 struct walks {
     struct dt_mesh *mesh;
     struct dt_stop *stop;
@@ -82,7 +82,7 @@ struct walks {
     atomic_uint ghosts;
 };
 
-/* Every now and then a vertex, and the ghost that starts there, if there is one. */
+/* A sampled vertex, and the ghost that starts there, if there is one. */
 static void find_starts(struct walks *w, unsigned samples)
 {
     const struct dt_mesh *m = w->mesh;

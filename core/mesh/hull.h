@@ -24,8 +24,8 @@ void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy, struct dt_stop
 uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop);
 
 /* The same by the threads of a pool, which may be NULL, where every leaving[v] is the first half edge
- * of its triangle, and that of most hull vertices the ghost that starts there: so the divide engine
- * leaves it. */
+ * of its triangle, and that of most hull vertices the ghost that starts there: the divide engine leaves a mesh
+ * in that state. */
 uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool,
                               struct dt_stop *stop);
 
@@ -75,8 +75,7 @@ static inline uint32_t dt_hull_step(const struct dt_mesh *m, uint32_t g, bool cw
     return dt_base(dt_twin(m, cw ? g + 1 : g + 2));
 }
 
-/* All points on one line: whether the walk turns round after g, that is, g's successor is an end of
- * the line. */
+/* All points on one line: whether the walk turns back after g, that is, g's successor is an end of the line. */
 static inline bool dt_hull_turns(const struct dt_mesh *m, uint32_t g)
 {
     return dt_twin(m, g) == dt_hull_step(m, g, false);

@@ -20,7 +20,7 @@
  * two for each edge. One vertex has no triangle at all.
  *
  * In a settled mesh (core/mesh/hull.h: every mesh that queries see) the half edge leaving[v] of a hull
- * vertex v is the one to infinity, so that one look distinguishes hull vertices from interior ones.
+ * vertex v is the one to infinity, so that one read distinguishes hull vertices from interior ones.
  *
  * A dead record (a hole to be used again) has DT_DEAD in corner 2. */
 #ifndef DT_MESH_H
@@ -43,9 +43,9 @@ struct dt_mesh {
                            one */
     uint32_t ghosts;    /* how many of the live ones are ghosts */
     uint32_t vertices;  /* vertices that the triangulation has */
-    bool recycled;  /* dead records have come back to life elsewhere since the hints were built */
-    uint32_t hull;  /* a ghost, if there is one: see dt_hull_settle */
-    uint32_t alone; /* the vertex, if there is just one */
+    bool recycled;      /* dead records have been reused elsewhere since the hints were built */
+    uint32_t hull;      /* a ghost, if there is one: see dt_hull_settle */
+    uint32_t alone;     /* the vertex, if there is just one */
 };
 
 /* *m must be zeroed or cleared; it keeps its keeper of pages. */
@@ -75,8 +75,8 @@ static inline uint32_t dt_twin(const struct dt_mesh *m, uint32_t h)
     return m->half[h + 4];
 }
 
-/* The next half edge of the triangle, and the one before: in arithmetic, since a branch on
- * which of its triangle's edges h is would be unpredictable. */
+/* The next half edge of the triangle, and the one before: by arithmetic, since a branch on the corner of h
+ * would be unpredictable. */
 static inline uint32_t dt_next(uint32_t h)
 {
     return h + 1 - 3 * (h >> 1 & 1);
@@ -140,8 +140,7 @@ static inline void dt_set_corners(struct dt_mesh *m, uint32_t h, uint32_t a, uin
     v[2] = c;
 }
 
-/* Takes a dead record, or a new one, for which there must be room, into use; returns its first half
- * edge. */
+/* Allocates a dead record, or a new one, for which there must be room; returns its first half edge. */
 static inline uint32_t dt_mesh_take(struct dt_mesh *m)
 {
     uint32_t h = m->free_list;
@@ -155,7 +154,7 @@ static inline uint32_t dt_mesh_take(struct dt_mesh *m)
     return h;
 }
 
-/* Makes the record with first half edge h a dead one. */
+/* Frees the record with first half edge h. */
 static inline void dt_mesh_drop(struct dt_mesh *m, uint32_t h)
 {
     m->half[h] = m->free_list;

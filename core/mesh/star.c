@@ -1,4 +1,4 @@
-/* star.c - walks round a vertex; see star.h. */
+/* star.c - walks around a vertex; see star.h. */
 #include "core/mesh/star.h"
 
 #include "core/mesh/hull.h"
