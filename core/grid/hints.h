@@ -1,8 +1,8 @@
-/* hints.h - the uniform grid: for every place of the plane a half edge near it.
+/* hints.h - the uniform grid: maps every place of the plane to a half edge near it.
  *
  * The paper keeps points in its cells; a half edge serves the same search and leads straight into
  * the mesh. A cell in which points gather holds a grid of its own instead, fitted to the box of
- * those points, and so on: a search costs the same on clusters, with outliers and on nested scales.
+ * those points, and so on: a search costs the same on clusters, outliers and nested scales.
  *
  *      grid 0    +---+---+---+
  *                | h | h | h |     h: a half edge that leaves a vertex in or beside this cell
@@ -64,7 +64,7 @@ static inline uint32_t dt_hint_cell(const struct dt_hint_grid *g, struct dt_poin
 #define DT_HINT_GRID 4u /* the cell holds a grid, whose number is in the other bits */
 #define DT_HINT_LENT 3u /* the cell is empty and has borrowed what the nearest one has */
 
-/* Down from a cell's content to the half edge that it has for q. */
+/* Descends from a cell's content to its half edge for q. */
 static inline uint32_t dt_hint_in(const struct dt_hints *g, uint32_t h, struct dt_point q)
 {
     while (h & DT_HINT_GRID)
@@ -78,10 +78,10 @@ static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
     return dt_hint_in(g, g->cell[dt_hint_cell(g->grid, q)], q);
 }
 
-/* Fetches what a walk from the triangle at h will want: it and its neighbours, and the corners of
- * all those. After a build vertices and, two for each, triangles are in the same spatial order, so
- * these are probably the triangles near h / 8 and the vertices near h / 16. `id`, by vertex, may be
- * NULL; then the corners' ids will not be needed. */
+/* Prefetches what a walk from the triangle at h will read: the triangle, its neighbours, and the corners of all
+ * of them. After a build vertices and, two for each, triangles are in the same spatial order, so these are
+ * probably the triangles near h / 8 and the vertices near h / 16. `id`, by vertex, may be NULL; then the
+ * corners' ids will not be needed. */
 static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point *xy,
                                  const uint32_t *id, uint32_t h)
 {
@@ -98,8 +98,8 @@ static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point 
     dt_fetch((const void *)((uintptr_t)(id + v) + LINE / 2));
 }
 
-/* Another one: from the first cell with points in it that is met from q's cell on, in one of four
- * directions; DT_NONE if there is none. Cost: the cells passed. */
+/* Another one: from the first cell with points on the way from q's cell in one of four directions; DT_NONE if
+ * there is none. Cost: the number of cells passed. */
 uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned direction);
 
 #endif

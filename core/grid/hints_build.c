@@ -29,8 +29,8 @@ struct drop {
     unsigned slices;
 };
 
-/* A cell gets a vertex' half edge, or passes it on to the grid that it holds. Threads may meet in a
- * cell: whose half edge it keeps does not matter. */
+/* A cell gets a vertex' half edge, or passes it on to the grid that it holds. Several threads may write to a
+ * cell: which half edge it keeps does not matter. */
 static void drop_one(const struct drop *d, uint32_t c, uint32_t v)
 {
     uint32_t *cell = d->hints->cell, h;
@@ -75,7 +75,7 @@ struct content {
     unsigned far;
 };
 
-/* The nearer one of a cell's content and its neighbour's. No branches: the outcome is a toss. */
+/* The nearer one of a cell's content and its neighbour's. No branches: the outcome is unpredictable. */
 static inline struct content nearer(struct content own, struct content next)
 {
     unsigned far = next.far + (next.far < FARTHEST ? 1u : 0u);

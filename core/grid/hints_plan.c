@@ -1,14 +1,13 @@
 /* hints_plan.c - lays out the grids of hints, on a sample of the vertices.
  *
- * Where points crowd, and on which scales, a sixteenth of them shows well enough; it may be wrong
- * about single cells, whose searches then take a step more. So the layout costs a fraction of a
- * pass over all vertices, however many grids lie within one another.
+ * A sixteenth of the points shows well enough where they crowd, and on which scales; it may be wrong about
+ * single cells, whose searches then take one more step. So the layout costs a fraction of a pass over all
+ * vertices, however many grids lie within one another.
  *
  * Breadth first: a grid of CELLS_PER_POINT cells for each point that its samples stand for, then a
- * grid for each cell in which samples crowd, on their box, and so on. A grid most of whose samples
- * are in crowded cells was wasted on them, so it is remade with few cells: the next level will
- * fit better. If all grids together take more memory than a set may have for them, they are laid out
- * again with fewer cells. */
+ * grid for each cell in which samples crowd, on their box, and so on. A grid most of whose samples are in
+ * crowded cells is of little use, so it is remade with few cells: the next level will fit better. If all grids
+ * together take more memory than a set may have for them, they are laid out again with fewer cells. */
 #include "core/grid/hints_plan.h"
 
 #include <math.h>
@@ -240,7 +239,7 @@ static enum dt_status plan_grids(struct planner *p)
     return s;
 }
 
-/* By what factor the grids take more than they may; 1 if they do not, or if it cannot be helped. */
+/* The factor by which the grids exceed their memory; 1 if they do not, or if fewer cells would not help. */
 static double excess(const struct planner *p)
 {
     const struct dt_hints *g = p->hints;

@@ -11,9 +11,9 @@ uint32_t dt_jump_samples(uint32_t n)
     return (uint32_t)sqrt((double)n);
 }
 
-/* How deep q lies at least in the circumcircle of the triangle at t: minus its power. Triangles so
- * thin that doubles are not precise enough do not seem deep, so they mislead no search. Less than anything
- * else for ghosts and dead records. */
+/* A lower bound of how deep q lies in the circumcircle of the triangle at t: minus its power. Triangles too
+ * thin for doubles get a small one, so they mislead no search. Less than anything else for ghosts and dead
+ * records. */
 static double depth(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
                     struct dt_point q)
 {

@@ -1,4 +1,4 @@
-/* jump.h - where a search that has walked too long already should continue.
+/* jump.h - where a search that has walked too far should continue.
  *
  * Walks are short where the grid of hints leads close to the place, but not where thin triangles lie
  * across the way: inside a circle or between two far lines of points with nothing in between, a
@@ -8,11 +8,11 @@
  *                      paraboloid, are a convex surface, and the walk climbs above q)
  *     to a vertex      its distance to q becomes ever smaller
  *
- * so a walk that begins at the best of a sample passes only what is better still: of n, with a
+ * so a walk that begins at the best of a sample passes only better ones: of n, with a
  * sample of the root of n, about the root of n, however the points lie. (Devroye, Muecke & Zhu, "A
  * note on point location in Delaunay triangulations of random points", 1998, jump to the nearest
- * sampled vertex also to find a triangle, which needs points that are spread evenly.) Where all are
- * equally good, as the triangles of one circle, a sample is of no use. */
+ * sampled vertex also to find a triangle, which needs points that are spread evenly.) Where all are equally
+ * good, as the triangles of one circle, a sample does not help. */
 #ifndef DT_JUMP_H
 #define DT_JUMP_H
 
