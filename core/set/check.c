@@ -1,6 +1,6 @@
 /* check.c - proves a triangulation.
  *
- * What is tested is little, and enough:
+ * These few tests are sufficient:
  *   - every half edge has its twin, and each vertex and infinity has one single ring of half edges:
  * so the records are closed surfaces;
  *   - every real triangle turns counterclockwise: so a closed surface without ghosts is impossible
@@ -33,7 +33,7 @@ static void expect(struct check *c, bool holds, const char *fault)
         c->fault = fault;
 }
 
-/* Whether the loop that has come to i of n should go on. done and share: the per cent before and in
+/* Whether the loop, which is at i of n, should continue. done and share: the per cent before and in
  * this loop. */
 static bool go_on(struct check *c, uint32_t i, uint32_t n, uint32_t done, uint32_t share)
 {
@@ -138,8 +138,7 @@ static void check_rings(struct check *c)
            "the triangles around a point are in several rings");
 }
 
-/* At the hull vertex of ghost g: the mesh is settled there, and the turn is as convexity wants
- * it. */
+/* At the hull vertex of ghost g: the mesh is settled there, and the turn is convex. */
 static void check_hull_vertex(struct check *c, uint32_t g, bool line, uint32_t *turns)
 {
     const struct dt_mesh *m = c->m;
@@ -201,7 +200,7 @@ static void check_geometry(struct check *c)
             check_delaunay(c, 8 * i);
 }
 
-/* Ids, aliases and vertices lead to one another. */
+/* Ids, aliases and vertices refer to one another. */
 static void check_ids(struct check *c)
 {
     const struct dt_points *p = &c->t->points;

@@ -97,7 +97,7 @@ uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words)
     image[KEY] = key;
     image[BACK] = again ? (uint32_t)(place - before) : 0;
     image[WORDS] = words;
-    /* Nothing else goes into what is left of the last chunk of a large image. */
+    /* The rest of the last chunk of a large image stays empty. */
     s->end = HEADER + (size_t)words <= CHUNK ? place + HEADER + words
                                              : s->first + (s->chunks - s->head) * (uint64_t)CHUNK;
     return image + HEADER;

@@ -1,6 +1,5 @@
-/* images.h - the values that keys had at earlier moments, for readers who go on reading an earlier
- * state while the present one is changed [Reed 1978: versions of an object by time; the before-images of
- * databases].
+/* images.h - the values that keys had at earlier moments, for readers of an earlier state while the present one
+ * changes [Reed 1978: versions of an object by time; the before-images of databases].
  *
  * A before-image is the value of a key as it was until an edit changed it. Images lie one behind the
  * other in the order in which they were saved, and a moment is a place in that order:
@@ -11,8 +10,8 @@
  *
  * At a moment a key had the value of the first image of it that was saved from then on: key 7 at moment 3
  * that of the image at 4, at moment 7 that of the image at 8. A key without such an image has the value
- * that it had then. So all readers share all images, and before a key is changed an image must be saved
- * only if there is none since the latest moment that anybody reads.
+ * that it had then. So all readers share all images, and before a key is changed an image must be saved only if
+ * there is none since the latest moment that is read.
  *
  * Every image knows how far back the one before it of the same key lies, and a map has the newest one of
  * every key. Images lie in chunks; a chunk goes, and its keys leave the map, when no moment before its
@@ -70,12 +69,12 @@ uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words);
 const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t moment,
                               uint32_t *words);
 
-/* Frees the first chunk, if no moment before its end is wanted any more, and returns whether it did.
+/* Frees the first chunk, if no moment before its end is read any more, and returns whether it did.
  * Cost: the images of the chunk, of 16 KiB unless it has one image only. */
 bool dt_images_trim(struct dt_images *s, uint64_t oldest);
 
-/* The same if no moment at all is wanted any more, for up to n chunks or as many thousands of keys; at the end
- * nothing is left. Far faster, since no key is looked for. */
+/* The same if no moment is read any more, for up to n chunks or as many thousands of keys; at the end nothing
+ * is left. Far faster, since no key is looked up. */
 bool dt_images_forget(struct dt_images *s, uint32_t n);
 
 #endif

@@ -28,8 +28,8 @@ static void take(struct dt *t, struct dt_hints *fresh)
     t->mesh.recycled = false;
 }
 
-/* From now on the grid counts as new, whether or not it is: if there is no memory for another one,
- * it serves as long again, or searches walk as long without. */
+/* From now on the grid counts as new, even if there was no memory for another one: then the old one, or none,
+ * serves for the same period again. */
 static void count_anew(struct dt *t)
 {
     t->hinted = t->mesh.vertices;

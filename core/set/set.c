@@ -1,4 +1,4 @@
-/* set.c - the life of a set, and what it says of itself. */
+/* set.c - creation, copies and the summary of a set. */
 #include "core/set/set.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* set.h - what a struct dt consists of; for the files of core/ only. */
+/* set.h - the definition of struct dt; for the files of core/ only. */
 #ifndef DT_SET_H
 #define DT_SET_H
 
@@ -30,7 +30,7 @@ static inline bool dt_is_live(const struct dt *t)
     return t->triangulated && t->current;
 }
 
-/* Whether it has no grid for searches, and none has been tried to be made (renew.h). */
+/* Whether it has no grid for searches and no attempt was made to build one (renew.h). */
 static inline bool dt_lacks_grid(const struct dt *t)
 {
     return t->hints.grids == 0 && t->hinted == 0 && t->mesh.vertices >= 2;

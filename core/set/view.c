@@ -1,8 +1,8 @@
 /* view.c - the list of views; see view.h.
  *
  * Views may end while an edit is under way, and begin beside each other, so no thread waits for another: they
- * are in a list that is only ever pushed to, and one that has ended is marked. Edits, which have the set for
- * themselves but for views that end, take the marked ones out. */
+ * are in a list that is only ever pushed to, and one that has ended is marked. Edits, which have exclusive
+ * access to the set except for views that end, remove the marked ones. */
 #include "core/set/view.h"
 
 #include <stdlib.h>

@@ -8,8 +8,8 @@
  *                 that gets another one is not many rows, whose images name the group
  *      rings      id of a representative -> whether it is on the hull, and its star in ids (core/mesh/star.h)
  *
- * What has no image is as it is now. Whether an id was a representative is a matter of its row; only then may
- * its ring be asked for.
+ * What has no image is as it is now. The row of an id says whether it was a representative; only then may its
+ * ring be read.
  *
  * Views are read by view_rows.h and view_stars.h, and edits save by view_save.h. */
 #ifndef DT_VIEW_H

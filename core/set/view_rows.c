@@ -1,4 +1,4 @@
-/* view_rows.c - views begin, and the rows that points had are read; see view_rows.h. */
+/* view_rows.c - the beginning of views, and reads of rows; see view_rows.h. */
 #include "core/set/view_rows.h"
 
 #include "core/mesh/hull.h"

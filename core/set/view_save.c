@@ -1,4 +1,4 @@
-/* view_save.c - what an edit is about to change is saved once, for all views that read it; see view_save.h. */
+/* view_save.c - saves what an edit is about to change, once for all views that read it; see view_save.h. */
 #include "core/set/view_save.h"
 
 #include "core/mesh/star.h"

@@ -2,7 +2,7 @@
  *
  * Ids are in order of arrival, vertices in spatial order, so the next id's star is anywhere in
  * memory: about seven cache misses, each waiting for the one before (leaving[] -> triangle -> next
- * triangle ...). dt_stars_read walks round DT_STARS vertices in step instead, one triangle of each
+ * triangle ...). dt_stars_read walks around DT_STARS vertices in step instead, one triangle of each
  * in turn, and fetches ahead what each needs in its next turn. */
 #include "core/set/view_stars.h"
 
