@@ -1,8 +1,8 @@
 /* block.c - blocks of up to six points, triangulated by halves (knit.h), down to an edge between two ghosts
  * or a triangle.
  *
- * The number of points of a block is unpredictable: so the work on n points is compiled for every n, with
- * loops of a known length.
+ * The number of points of a block is unpredictable, so the work on n points is compiled for every n, with loops
+ * of constant length.
  *
  * Tried and left out: four points at once, by a table of the twenty cases of five signs.
  * It gained nothing on uniform points and lost 15 % on lattices. */

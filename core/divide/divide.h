@@ -8,8 +8,8 @@
 
 /* Brings n points, with names below DT_COINCIDENT unless all are distinct, into grid order, so that neighbours in the plane
  * are neighbours in memory, and records in the plan (plan.h) which of them coincide and what a build has to do. spare
- * has room for n points; in may be the same. -0 becomes 0. opt may be NULL. DT_NOMEM, DT_CANCELLED: what is left is of no
- * use. The result is the same whatever the number of threads.
+ * has room for n points; in may be the same. -0 becomes 0. opt may be NULL. DT_NOMEM, DT_CANCELLED: the arrays
+ * are then undefined. The result is the same whatever the number of threads.
  *
  * Cost: O(n log n), about linear in practice; 2 bytes a point of scratch memory where points are spread evenly, up to
  * 24 where they are not, however many threads there are. */

@@ -22,7 +22,7 @@ struct sort {
     struct dt_box box[DT_MAX_THREADS];
     const struct dt_order *order;
     struct dt_arena *arena;         /* borrows */
-    struct dt_arena_mark scratch;   /* what is above it is of no use after the scatter */
+    struct dt_arena_mark scratch;   /* what is above it is not needed after the scatter */
     uint32_t *key;                  /* n */
     uint32_t *next[DT_MAX_THREADS]; /* per slice: counts of each cell, then the places of its next
                                        point */
@@ -116,7 +116,7 @@ static void leave_outskirts(double *sample, uint32_t n, double margin, double *l
     *hi = b + beside < *hi ? b + beside : *hi;
 }
 
-/* Where a few points lie far out, one grid cannot suit all. It is made to suit most of them. */
+/* If there are outliers, one grid cannot fit all points. It is made to fit most of them. */
 static struct dt_box box_of_most(const struct sort *s, struct dt_box box, double cells)
 {
     enum { SAMPLES = 32 };
@@ -236,7 +236,7 @@ static uint32_t count_by(struct sort *s, struct dt_box box, bool tiles, uint32_t
     return counts_to_places(s);
 }
 
-/* Copies the source, which is where the points are to go, out of the way. */
+/* Copies the source away, because it occupies the destination. */
 static void move_source(struct sort *s, struct dt_named to)
 {
     s->out = to.p;

@@ -1,7 +1,6 @@
 /* divide_level.h - one grid of the divide engine over one range of points: sorted, by one thread or
  * by several.
- *
- * What divide.c and divide_tasks.c share. */
+ * Shared by divide.c and divide_tasks.c. */
 #ifndef DT_DIVIDE_LEVEL_H
 #define DT_DIVIDE_LEVEL_H
 

@@ -158,7 +158,7 @@ static void open_alone(void *arg, unsigned i)
         open_range(w, r, 1);
 }
 
-/* What became of a range takes its place in the tree. */
+/* Replaces a range in the tree by its result. */
 static void plan_range(struct tree *w, struct range r)
 {
     struct dt_division *d = w->d;

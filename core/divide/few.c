@@ -1,8 +1,8 @@
 /* few.c - see few.h.
  *
- * A crowded cell holds a dozen points as often as not, wherever points lie along lines or in clusters. To plan
- * a grid for them costs more than all the rest: they are sorted along the longer side of their box and cut in the
- * middle.
+ * A crowded cell holds a dozen points as often as not, wherever points lie along lines or in clusters. A grid
+ * for them would cost more than all the rest, so they are sorted along the longer side of their box and cut in
+ * the middle.
  *
  * The order of points is unpredictable: so they are sorted without a branch, by counting for each how many precede it,
  * and for a block, whose number of points is unpredictable too, that is compiled for every number. */
@@ -32,7 +32,7 @@ void dt_insertion_sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32
     }
 }
 
-/* Those that share a coordinate, as in lattices, are put right by a second sort. Returns whether there are none. -0
+/* Points that share a coordinate, as in lattices, need a second sort. Returns whether there are none. -0
  * becomes 0. */
 INLINE bool sort(const unsigned axis, struct dt_point *p, uint32_t *from, const uint32_t n)
 {

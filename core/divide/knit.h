@@ -1,4 +1,4 @@
-/* knit.h - what merge.c and block.c share: the arrays of one merge, and the smallest moves on them. */
+/* knit.h - what merge.c and block.c share: the arrays of one merge, and the basic operations on them. */
 #ifndef DT_KNIT_H
 #define DT_KNIT_H
 

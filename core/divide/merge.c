@@ -29,9 +29,8 @@
  * hull. So exactly two records are added: bot and top.
  *
  * Predicates. Both sides ask the same of two points at every step, so u and v, and then the apexes x
- * of both sides, are looked at together, in two lanes (sight.h, which has the filters as well). What
- * is wrong with an edge is acted upon and the step begins again: so a step has few branches, because
- * unpredictable ones are expensive. */
+ * of both sides, are looked at together, in two lanes (sight.h, which has the filters as well). A step corrects
+ * one edge and begins again: so it has few branches, because unpredictable ones are expensive. */
 #include "core/divide/merge.h"
 
 #include "core/divide/knit.h"
@@ -138,7 +137,7 @@ INLINE void delete_right(const struct knitting *w, size_t rc)
     w->leaving[v] = (uint32_t)out - 2;
 }
 
-/* Not inlined, so that the loop in knit keeps the registers for itself. */
+/* Not inlined, to leave the registers to the loop in knit. */
 static __attribute__((noinline)) void delete_edges(const struct knitting *w, size_t lc, size_t rc,
                                                    int sides)
 {
@@ -241,7 +240,7 @@ INLINE bool knit(const struct knitting *w, bool close, bool polls, int sides, ui
     return close | (s.filter.settled > FEW_DOUBTS);
 }
 
-/* The common cases and the others, each compiled on its own with its conditions decided. */
+/* The common cases and the others, each compiled separately with constant conditions. */
 static __attribute__((noinline)) bool knit_both(const struct knitting *w, uint32_t l, uint32_t r,
                                                 uint32_t some_l, uint32_t some_r, uint32_t bot,
                                                 uint32_t top)

@@ -12,8 +12,8 @@
  *        +-----+-----+-----+----
  *
  * The cell of a coordinate is a monotone function of it (box.h), so each cut is strict: everything on one
- * side has a smaller x (or y) than everything on the other. That is all that divide and conquer
- * needs of an order; no coordinates are compared.
+ * side has a smaller x (or y) than everything on the other. Divide and conquer needs no more than that from an
+ * order; no coordinates are compared.
  *
  * Source: the paper's grid; alternating cuts: Dwyer 1987. */
 #ifndef DT_ORDER_H
@@ -43,7 +43,7 @@ struct dt_order {
     uint32_t *column, *row; /* borrow from the arena: a column's and a row's part of the key */
 };
 
-/* A number below n > 0, of a sequence that begins with any state: always the same one. [Knuth, MMIX] */
+/* A number below n > 0 from a deterministic sequence, which may begin with any state. [Knuth, MMIX] */
 static inline uint32_t dt_random_below(uint64_t *state, uint32_t n)
 {
     *state = *state * 6364136223846793005u + 1442695040888963407u;

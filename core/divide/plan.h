@@ -1,5 +1,5 @@
-/* plan.h - what is left to be done with points that divide.h has sorted: the blocks and merges of a build, recorded
- * in the order in which they are done.
+/* plan.h - what remains to be done with points that divide.h has sorted: the blocks and merges of a build,
+ * recorded in the order in which they are done.
  *
  *     vertex    0 1 2 | 3 4 | 5 6 7 8 | 9 ...       a block begins at 0, 3, 5, 9 ...
  *     step[]    3         2   4         1

@@ -1,4 +1,4 @@
-/* sight.c - where the filters of sight.h are in doubt: the closer of them, then the exact predicates. */
+/* sight.c - the stages behind the filters of sight.h: the close filter, then the exact predicates. */
 #include "core/divide/sight.h"
 
 #include "core/exact/predicates.h"

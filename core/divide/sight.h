@@ -10,12 +10,12 @@
  * the work of a new test. (cr / dt is the tangent of the angle at which c sees l-r; the test
  * compares these angles.)
  *
- * Filters (bounds.h). The wide one knows only the longer side of the box of both parts. On circles and
- * thin strips, and at the last merges of many points, that says little about the four at hand. The close
+ * Filters (bounds.h). The wide one knows only the longer side of the box of both parts. On circles and thin
+ * strips, and at the last merges of many points, that bound is far too large for the four at hand. The close
  * one looks at them: at the sums CR and DT of the magnitudes of the products in cr and dt.
  *
- * A merge asks one of the two, and sight.c what that leaves open. It reports how often the close one would
- * have spared it the way there; so the next merge, of a part with a larger box, knows better. */
+ * A merge uses one of the two, and calls sight.c where that one cannot decide. It reports how often the close
+ * one would have avoided that call, so that the next merge, of a part with a larger box, chooses better. */
 #ifndef DT_SIGHT_H
 #define DT_SIGHT_H
 
@@ -86,7 +86,7 @@ INLINE struct sight sight_of(const struct dt_point *p, const struct sight_base *
     return c;
 }
 
-/* Which of the points in view lie above, strictly on the left of, the line from l to r. */
+/* Which of the points in view lie above the line from l to r, that is, strictly to the left of it. */
 INLINE int sight_above(const struct knitting *w, uint32_t l, uint32_t r, uint32_t u, uint32_t v,
                        const struct sight *c)
 {
