@@ -10,10 +10,9 @@
  *          a-------b
  *
  * In a large segment the search goes on, line by line of cells, in that of the best point found so
- * far: the paper's circle box, which shrinks as better points are found. If nothing is found, the
- * next trial is higher, until it is the whole half plane; then the edge is a boundary edge. Lines
- * of cells are runs of places, and those beyond the hull are empty ones, so that costs little more
- * than the number of lines. */
+ * far: the paper's circle box, which shrinks as better points are found. If nothing is found, the next trial is
+ * higher; if even the whole half plane has no point, the edge is a boundary edge. Lines of cells are runs of
+ * places, which are empty beyond the hull, so a trial costs little more than the number of lines. */
 #include "core/shelling/apex.h"
 
 #include <math.h>
@@ -29,8 +28,8 @@
 /* A segment of a larger cotangent counts as the half plane. */
 #define FLAT 0x1p60
 
-/* Steps (effort.h) for cells within a cell, a line of cells and a trial; so many that are worth a look at what
- * has been spent; and points that take about as many. */
+/* Steps (effort.h) for cells within a cell, a line of cells and a trial; how many of them are added before the
+ * limit is checked; and the points that take about as many. */
 enum { CELLS_STEPS = 64, LINE_STEPS = 8, TRIAL_STEPS = 64, MANY_STEPS = 4096, PIECE = 1024 };
 
 struct search {
@@ -166,8 +165,7 @@ static struct dt_segment segment_of(const struct dt_edge *e, double s)
     return s < FLAT ? dt_segment_of_cotangent(e, s) : dt_segment_all(e);
 }
 
-/* Finds the best point: if what is known of some point does not do, scans the segment of that
- * one. */
+/* Finds the best point: if some point is not proved to be the best, scans its segment. */
 static bool find_best(struct search *q)
 {
     double scanned;

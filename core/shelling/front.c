@@ -2,13 +2,12 @@
  *
  * Source: the paper, "Putting triangles together" and fig. 19. Deviations: the open side is the
  * left, and a right touch is one at the right end of the edge as seen from the disc, looking out,
- * which is what the paper's mirror image has, too; an edge without a touch, which the paper moves
- * on in its queue to search it again when its turn comes, sleeps here, with its apex, until a
- * neighbour on the front changes.
+ * which is what the paper's mirror image has, too; an edge without a touch, which the paper moves to the end of
+ * its queue and searches again, sleeps here, with its apex, until a neighbour on the front changes.
  *
  * The case of no touch: the apex c of edge a is on the front already, but not next to a or b. The
- * triangle a b c would close the mouth of a cave (dotted) and leave a hole in the disc. So the
- * other edges of the cave are worked on, until c comes right after b and edge a wakes up.
+ * triangle a b c would close the mouth of a cave (dotted) and leave a hole in the disc. So the other edges of
+ * the cave come first, until c follows b directly and edge a wakes up.
  *
  *                 c <--- o
  *               . .      ^
@@ -82,7 +81,7 @@ void dt_front_sleep(struct dt_front *f, uint32_t a)
     n->awake_next = n->awake_previous = DT_NONE;
 }
 
-/* The edge from a is a new one, the other side of which is half edge h. */
+/* The edge from a is new; half edge h is its other side. */
 static void renew(struct dt_front *f, uint32_t a, uint32_t h)
 {
     f->node[a].apex = DT_UNSEARCHED;

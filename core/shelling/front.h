@@ -9,10 +9,9 @@
  *            a ---------> b ---------> c          next[a] = b, next[b] = c, previous[b] = a
  *          triangle      triangle                 the edge a->b is "edge a"
  *
- * The apex of an edge, once searched, is remembered with it. An edge is awake if something can be
- * done for it: its apex has not been searched yet, or makes a triangle that touches the disc
- * properly. The awake edges form a second circular list, in the order of the front; it plays the
- * part of the paper's queue. */
+ * The apex of an edge, once searched, is remembered with it. An edge is awake if it can make progress: its apex
+ * has not been searched yet, or makes a triangle that touches the disc properly. The awake edges form a second
+ * circular list, in the order of the front; it replaces the paper's queue. */
 #ifndef DT_FRONT_H
 #define DT_FRONT_H
 
@@ -54,7 +53,7 @@ void dt_front_open(struct dt_front *f, uint32_t a, uint32_t b, uint32_t c, uint3
 /* The case that edge a is; its apex has been searched. */
 enum dt_touch dt_front_touch(const struct dt_front *f, uint32_t a);
 
-/* Each puts the triangle of edge a = a->b and its apex c on the disc, in the case its name says; h
+/* Each adds the triangle of edge a = a->b and its apex c to the disc, in the case that its name says; h
  * is as above. The edge that the search should go on with becomes current. */
 void dt_front_new_point(struct dt_front *f, uint32_t a, uint32_t h);
 void dt_front_right_touch(struct dt_front *f, uint32_t a, uint32_t h);

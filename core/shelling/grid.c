@@ -324,9 +324,8 @@ static void take_nearest(void *arg, uint32_t i, uint32_t end)
     }
 }
 
-/* Rows and columns around the point's cell, farther and farther; a direction is given up once the
- * perpendicular to its nearest side is longer than the distance found [the paper, fig. 3]. The
- * factor covers all rounding in there. */
+/* Rows and columns around the point's cell, farther and farther; a direction ends once the perpendicular to its
+ * nearest side is longer than the distance found [the paper, fig. 3]. The factor covers all rounding. */
 uint32_t dt_grid_nearest(struct dt_grid *g, uint32_t place)
 {
     const struct dt_cells *c = &g->top;

@@ -9,11 +9,11 @@
  *        line 0  | 0 | 1 2 3 | 4 |   |       places 0..8 hold xy[0..8]
  *
  * Where points crowd, a cell has cells of its own: the same grid again over the box of its points,
- * which stay within the cell's run of places. Evenly spread points have none of that. The paper
- * does without, and slows down there.
+ * which stay within the cell's run of places. Evenly spread points have no such cells. The paper has none, and
+ * slows down on crowded points.
  *
  * A point that is removed leaves a NaN at its place: it lies on no side of any line and is at no
- * distance, so that searches pass over it without asking. */
+ * distance, so that searches skip it without a test. */
 #ifndef DT_GRID_H
 #define DT_GRID_H
 
@@ -59,7 +59,7 @@ uint32_t dt_grid_nearest(struct dt_grid *g, uint32_t place);
 
 #define DT_REMOVED __builtin_nan("") /* a NaN that is a double */
 
-/* Takes the point out of all later searches. */
+/* Removes the point from all later searches. */
 static inline void dt_grid_remove(struct dt_grid *g, uint32_t place)
 {
     g->xy[place].x = g->xy[place].y = DT_REMOVED;

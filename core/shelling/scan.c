@@ -1,4 +1,4 @@
-/* scan.c - the two scans of scan.h; how far their values can be trusted is in bounds.h. */
+/* scan.c - the two scans of scan.h; the error bounds of their values are in bounds.h. */
 #include "core/shelling/scan.h"
 
 #include <float.h>
@@ -6,8 +6,8 @@
 
 #include "core/exact/predicates.h"
 
-/* Steps for a point: in the first scan; in one that looks closer; and where that asks a predicate, which
- * mostly takes 30, but up to 1000 where it needs exact arithmetic. */
+/* Steps for a point: in the first scan; in the exact one; and for a predicate, which mostly takes 30, but up to
+ * 1000 where it needs exact arithmetic. */
 enum { LOOK = 2, CLOSE_LOOK = 6, PREDICATE = 100 };
 
 void dt_scan_begin(struct dt_scan *q, bool exact)
@@ -43,8 +43,8 @@ static bool has_doubtful(struct dt_scan *q, double sure, uint32_t i, uint32_t en
     return false;
 }
 
-/* Takes the points in pairs. No branch depends on which of them is the best, as none could be
- * predicted. The NaN of a removed point fails every comparison, and so drops out. */
+/* Takes the points in pairs. No branch depends on which of them is the best, since it would be unpredictable.
+ * The NaN of a removed point fails every comparison, so it is ignored. */
 static void scan_rounded(struct dt_scan *q, double reach, uint32_t i, uint32_t end)
 {
     static const struct dt_point nowhere = {DT_REMOVED, DT_REMOVED};

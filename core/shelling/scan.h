@@ -7,9 +7,9 @@
  *
  * the cotangent of the angle at p is s(p) = dot / cross, to be minimised.
  *
- * There are two kinds of scan. The first takes values as they are rounded, and can say afterwards
- * whether they were enough: no other point came near the best one, and none was near the edge's
- * line. The exact one settles with exact predicates what rounded values leave open. */
+ * There are two kinds of scan. The first uses rounded values, and can say afterwards whether they were precise
+ * enough: no other point was near the best one, and none was near the edge's line. The exact one uses exact
+ * predicates where rounded values cannot decide. */
 #ifndef DT_SCAN_H
 #define DT_SCAN_H
 
@@ -26,7 +26,7 @@ struct dt_scan {
     /* the first scan: each lane has every other point of a run */
     dt_lanes least, second; /* the two smallest cotangents */
     dt_lanes least_at;      /* the place of the smallest one; -1 if there is none */
-    bool doubt;             /* a point is left of the edge, but hardly */
+    bool doubt;             /* a point is barely left of the edge */
     /* the exact scan */
     uint32_t best; /* DT_NONE if there is none */
     double dot, cross;

@@ -15,16 +15,15 @@
  * Why it is right. The first edge is Delaunay, since the disc whose diameter it is holds no other
  * point: such a point would be nearer. If an edge is Delaunay, then the triangle that it makes with
  * its apex is, and so are the triangle's other edges. And the apex depends on nothing but the
- * directed edge (ties follow one rule, that of heights on a paraboloid which are all a little
- * raised), so all triangles belong to one triangulation, whatever the order.
+ * directed edge (ties follow one rule, that of heights on a paraboloid each of which is perturbed), so all
+ * triangles belong to one triangulation, whatever the order.
  *
- * Why it never gets stuck. A triangle is added only if what it shares with the disc is one edge, or
+ * Why it always terminates. A triangle is added only if what it shares with the disc is one edge, or
  * two edges: so the triangulated part stays a disc, with a front that passes each point once.
- * Otherwise its edge is left alone until the front there changes. Could all edges end up waiting
- * for one another, around caves? No: every partial shelling of a triangulated disc extends to a
- * whole one [Danaraj & Klee, "Which spheres are shellable?", Annals of Discrete Mathematics 2,
- * 1978]: as long as there are triangles left, one of them touches the disc properly. The paper does
- * not argue this. */
+ * Otherwise its edge waits until the front there changes. All edges can never wait for one another, around
+ * caves: every partial shelling of a triangulated disc extends to a whole one [Danaraj & Klee, "Which spheres
+ * are shellable?", Annals of Discrete Mathematics 2, 1978]: as long as there are triangles left, one of them
+ * touches the disc properly. The paper does not prove this. */
 #include "core/shelling/shelling.h"
 
 #include "core/divide/few.h"
@@ -34,7 +33,7 @@
 #include "core/shelling/apex.h"
 #include <assert.h>
 
-/* What it may cost in all, in steps (effort.h): so much, and so much more for each point of the set. Evenly
+/* The limit of its total cost, in steps (effort.h): a constant, and an amount for each point of the set. Evenly
  * spread points take 600 each, Gaussian ones 700, lattices 2500, and 300 points nearly on a line 85,000:
  * then what a point costs grows with their number. */
 #define STEPS (1u << 25)
@@ -137,7 +136,7 @@ static void step(struct dt_shell *s)
     }
 }
 
-/* Looks for the apex of the current edge, if that has not been done yet. False: it has to stop. */
+/* Searches the apex of the current edge, if that has not been done yet. False: it must stop. */
 static bool search(struct dt_shell *s)
 {
     uint32_t a = s->front.current;

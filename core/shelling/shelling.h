@@ -13,13 +13,13 @@
  * may be NULL; its pool is not used. DT_NOMEM, DT_CANCELLED and DT_TOOBIG leave *m cleared.
  *
  * Cost: linear expected on evenly spread points, 40 bytes a point besides the mesh. Where very many
- * points are nearly on one line or circle, or on very many scales, the grid is no help and searches look at
- * most of them: DT_TOOBIG, given up, when that has cost about 30 ms and 8 us a point. */
+ * points are nearly on one line or circle, or on very many scales, the grid does not help and searches look at
+ * most of them: it returns DT_TOOBIG when that has cost about 30 ms and 8 us a point. */
 enum dt_status dt_shelling(const struct dt_point *in, uint32_t n, struct dt_point *p,
                            uint32_t *from, struct dt_mesh *m, const struct dt_options *opt);
 
-/* The same before an observer, to whom places are reported: the index of a point in in[] is from[place]. It is never
- * given up. */
+/* The same before an observer, to whom places are reported: the index of a point in in[] is from[place]. It
+ * never gives up. */
 enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struct dt_point *p,
                                     uint32_t *from, struct dt_mesh *m, const struct dt_options *opt,
                                     const struct dt_observer *observer);
