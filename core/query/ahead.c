@@ -1,12 +1,11 @@
-/* ahead.c - fetching ahead for several questions at once.
+/* ahead.c - prefetching for several queries at once.
  *
- * A question about a random place of a large set waits for memory about ten times, each time for an
- * address that the last wait has brought: cell, triangle, corners, next triangle. Other questions'
- * waits do not depend on them. So all are walked through the same stages side by side, and the
- * processor has a dozen lines under way where one question alone has one or two. Every line counts, for
- * they are what takes the time: only what is certain or likely to be read is fetched. What is computed
- * on the way is rounded, and no more than a hint: the questions are answered afterwards, as if nothing
- * had been, and find what they read in the caches. */
+ * A query at a random place of a large set waits for memory about ten times, each time for an address that the
+ * previous wait has delivered: cell, triangle, corners, next triangle. Different queries wait independently. So
+ * all go through the same stages side by side, and the processor loads a dozen cache lines at a time where a
+ * single query loads one or two. Cache lines determine the time, so only those that are certain or likely to be
+ * read are fetched. What is computed here is rounded and only a hint: the queries run afterwards as usual, and
+ * find their data in the caches. */
 #include "core/query/ahead.h"
 
 #include "core/exact/predicates.h"
@@ -51,8 +50,8 @@ static uint32_t step(const struct dt *t, uint32_t h, struct dt_point q)
     return least < 0 ? dt_base(dt_twin(&t->mesh, h + k)) : h;
 }
 
-/* The place is in the triangle at h: fetches what the answer will look at. That are the points beyond
- * the edges, the next triangles round the nearest corner, and what the corners are called. */
+/* The place is in the triangle at h: fetches what the answer will look at. These are the points beyond the
+ * edges, the next triangles around the nearest corner, and the ids of the corners. */
 static void arrive(const struct dt *t, uint32_t h, struct dt_place *p)
 {
     const struct dt_mesh *m = &t->mesh;
@@ -71,8 +70,7 @@ static void arrive(const struct dt *t, uint32_t h, struct dt_place *p)
     dt_fetch(&m->half[dt_base(dt_turn_ccw(m, dt_turn_ccw(m, p->near)))]);
 }
 
-/* One step of each of the walks way[n]: at[i] is where the one to p[i] is. Returns how many of them
- * go on. */
+/* One step of each of the walks way[n]: at[i] is where the one to p[i] is. Returns how many of them continue. */
 static size_t go_on(const struct dt *t, struct dt_place *p, uint32_t *at, uint32_t *way, size_t n)
 {
     size_t left = 0;
@@ -117,7 +115,7 @@ void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
 
 /* ---- stars ---- */
 
-/* Fetches what a neighbour is wanted for, at the end of the spoke h. */
+/* Fetches what is needed of the neighbour at the end of the spoke h. */
 static void fetch_neighbour(const struct dt *t, uint32_t h, enum dt_star_use use)
 {
     const struct dt_mesh *m = &t->mesh;

@@ -205,8 +205,8 @@ static bool has_more(const struct dt_mesh *m, uint32_t v, uint32_t limit)
     return n > limit;
 }
 
-/* A table is read in pieces, and each piece walks round the whole star again. A star with a good part of all
- * points is better found by going through the points: a piece goes on where the last one stopped. */
+/* A table is read in pieces, and each piece walks round the whole star again. For a star with a large share of
+ * all points, a scan of the points is faster: a piece continues where the last one stopped. */
 void dt_group_of_many(struct dt_group *g, const struct dt *t, const struct dt_view *v)
 {
     struct dt_star star = dt_star_of(t, v, g->id);

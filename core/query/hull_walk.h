@@ -1,7 +1,7 @@
 /* hull_walk.h - the hull now or at the moment of a view, from point to point.
  *
  * A walk stands at a point, which is named by its id, so that it can be left and begun again there after
- * edits; on a line, where the way may be either, the point before is needed as well. */
+ * edits; on a line, which has two directions, the previous point is needed as well. */
 #ifndef DT_HULL_WALK_H
 #define DT_HULL_WALK_H
 

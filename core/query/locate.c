@@ -1,9 +1,8 @@
 /* locate.c - the walk: from triangle to triangle through an edge that has q strictly on its outer
  * side.
  *
- * In a Delaunay triangulation such a walk never comes back to a triangle, whichever edge it takes
- * where two qualify [De Floriani, Falcidieno, Nagy & Pienovi 1991; Devillers, Pion & Teillaud
- * 2002], so it ends. */
+ * In a Delaunay triangulation such a walk never returns to a triangle, whichever edge it takes where two
+ * qualify [De Floriani, Falcidieno, Nagy & Pienovi 1991; Devillers, Pion & Teillaud 2002], so it ends. */
 #include "core/query/locate.h"
 
 #include "core/exact/predicates.h"
@@ -75,7 +74,7 @@ static uint32_t exit_edge(const struct dt_mesh *m, const struct dt_point *xy, ui
     return ARRIVED;
 }
 
-/* Walks at most *steps triangles far and takes what it walked off *steps. True: arrived, *half and
+/* Walks over at most *steps triangles and subtracts their number from *steps. True: arrived, *half and
  * *where as for dt_find. False: *half is a half edge to go on from. */
 static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, const uint32_t *id,
                        uint32_t h, struct dt_point q, uint32_t *steps, enum dt_where *where,
@@ -138,9 +137,9 @@ enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32
     return where;
 }
 
-/* The walk from the nearest hint has taken long: many thin triangles lie across its way, as within
- * a circle of points with nothing inside. From one of the four sides it may be short; else it goes on
- * from where it was, for a while, and then from the best of a sample. */
+/* The walk from the nearest hint was long: many thin triangles lie across its way, as within a circle of points
+ * with nothing inside. From one of four other hints it may be short; otherwise it continues from where it was,
+ * for a while, and then from the best of a sample. */
 static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *xy,
                                 const struct dt_hints *hints, struct dt_point q, uint32_t *half)
 {

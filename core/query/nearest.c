@@ -1,11 +1,11 @@
 /* nearest.c - a nearest vertex: from the triangle that the place is in, on to nearer neighbours.
  *
- * A vertex of high degree is not asked for all its neighbours. Let v be at the origin, and let every
+ * The search does not visit all neighbours of a vertex of high degree. Let v be at the origin, and let every
  * neighbour w stand for the point w* = w / |w|^2, infinity for the origin: by inversion these are the
  * corners of a convex polygon, in the order of the ring. A neighbour is as near to q as v, or nearer, if
- * q.w* >= 1/2; and along a convex polygon q.w* rises to its maximum from both sides. So the maximum is
- * found by going uphill, from the best of a sample if the way is long, and what lies beyond a fall on
- * either side of it need not be looked at. */
+ * q.w* >= 1/2; and along a convex polygon q.w* rises to its maximum from both sides. So an ascent finds the
+ * maximum, from the best of a sample if the way is long, and neighbours beyond a descent on either side of it
+ * need not be visited. */
 #include "core/query/nearest.h"
 
 #include "core/control/work.h"
@@ -26,7 +26,7 @@ struct nearest {
     struct dt_ids *ties; /* borrows: those that are as near; NULL: not wanted */
     uint32_t steps;      /* vertices considered and not yet taken off what the caller allows */
     struct dt_work *work;
-    enum dt_status status; /* what the last look at that has said */
+    enum dt_status status; /* the result of the last poll */
 };
 
 /* Whether the search may go on; every few vertices it asks. */
@@ -51,7 +51,7 @@ static void consider(struct nearest *n, uint32_t w)
 
 /* ---- around a vertex of high degree ---- */
 
-/* q.w* for the neighbour w of v, and what it may be wrong by. */
+/* q.w* for the neighbour w of v, and its error bound. */
 struct reach {
     double to, error;
 };
@@ -233,8 +233,8 @@ static uint32_t begin(struct nearest *n, uint32_t near)
     return v;
 }
 
-/* The way is long, along a line of points say. The grid's hint for q comes from about the nearest
- * cell that has points. */
+/* The way is long, for instance along a line of points. The grid's hint for q comes from one of the nearest
+ * cells that have points. */
 static void consider_hint(struct nearest *n)
 {
     const struct dt *t = n->t;

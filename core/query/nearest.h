@@ -1,6 +1,6 @@
-/* nearest.h - what searches by distance share: a nearest vertex, and who of two is nearer.
+/* nearest.h - what searches by distance share: a nearest vertex, and the comparison of distances.
  *
- * Two facts about Delaunay triangulations carry them. Let q be any place.
+ * They rely on two facts about Delaunay triangulations. Let q be any place.
  *   (1) A vertex none of whose neighbours is nearer to q is a nearest vertex: q lies in its Voronoi
  * cell, whose sides all belong to neighbours. So going to a nearer neighbour while there is one
  * finds a nearest vertex. (2) Every vertex p that is not a nearest one has a neighbour strictly

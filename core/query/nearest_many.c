@@ -1,8 +1,8 @@
 /* nearest_many.c - the nearest k: from a nearest vertex outward, by a heap of those seen.
  *
- * What is farther than as many others as are still wanted is no use: the heap is cut down to those now and
- * then, and from then on what is farther than its last one is not taken in. So a vertex of high degree
- * costs a look at each of its neighbours, and not much more. */
+ * If k results are still wanted, only the nearest k candidates matter: now and then the heap is cut down to
+ * these, and from then on candidates farther than the last of them are not added. So a vertex of high degree
+ * costs little more than one visit of each neighbour. */
 #include "core/control/work.h"
 #include "core/query/nearest.h"
 #include "core/query/query.h"
@@ -47,8 +47,8 @@ static struct dt_candidate pop(struct search *s)
     return top;
 }
 
-/* Cuts the heap down to what is wanted, which is less than half of it: the nearest ones are popped into
- * the room that they leave at its end, then brought to the front, where their order is a heap. */
+/* Cuts the heap down to the results still wanted, which is less than half of it: the nearest ones are popped
+ * into the room that they leave at its end, then brought to the front, where their order is a heap. */
 static enum dt_status cut(struct search *s)
 {
     size_t n = s->n, keep = s->wanted;

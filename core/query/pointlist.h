@@ -1,4 +1,4 @@
-/* pointlist.h - the paper's point list: each point with the ordered ring of those around it. */
+/* pointlist.h - the paper's point list: each point with the ordered ring of its neighbours. */
 #ifndef DT_POINTLIST_H
 #define DT_POINTLIST_H
 

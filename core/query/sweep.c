@@ -1,9 +1,8 @@
-/* sweep.c - large results of a moment: every row is looked at, a piece at a time.
+/* sweep.c - large results of a moment: a scan of all rows, a piece at a time.
  *
  * A search along the triangulation visits little more than its result, but it needs the set as it is
  * from the first step to the last. A sweep reads the rows of a view instead, in order of their ids, so
- * that edits can go on between two pieces. For a result that is a good part of the set, that is no
- * slower.
+ * that edits can go on between two pieces. For a result that is a large share of the set, that is no slower.
  *
  * The nearest k are kept in a heap with the farthest of them on top. */
 #include "core/control/work.h"

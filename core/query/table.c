@@ -1,9 +1,9 @@
 /* table.c - cursors over whole-set tables.
  *
- * Nothing is sorted as a whole: ids are walked in ascending order, and what begins with an id is a
- * small part of its star. A cursor stands before the row (id, sub): rows of lower ids are written,
- * and of id itself those whose second word is below sub. It ends before the id `end`; what is along
- * the hull comes after that.
+ * Nothing is sorted as a whole: ids are visited in ascending order, and the rows that begin with an id are a
+ * small part of its star. A cursor stands before the row (id, sub): rows of lower ids are written, and of id
+ * itself those whose second word is below sub. It ends before the id `end`; what is along the hull comes after
+ * that.
  *
  * `left` and `hull_left` are the rows still to come of either kind; 0 says that there are no more.
  * The number of rows of a part that was cut off is unknown: there `left` is an upper bound. */

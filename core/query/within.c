@@ -3,8 +3,8 @@
  * The box and the hull are convex, so what they share is connected, and so are, edge by edge, the
  * triangles that meet it: from one of them a flood across the edges that meet the box reaches all.
  * Such an edge is recognised exactly. A first triangle: one that holds a corner of the box; if all
- * four corners are outside, the box meets the hull only if it meets a hull edge. Where the box
- * turns out to hold a good part of the set, a scan of all vertices takes the flood's place.
+ * four corners are outside, the box meets the hull only if it meets a hull edge. Where the box turns out to
+ * hold a large share of the set, a scan of all vertices replaces the flood.
  *
  * On a line there are no triangles: what lies in the box are neighbours along the line. */
 #include "core/control/work.h"

@@ -1,5 +1,5 @@
 /* within_disc.c - the points in a closed disc: from a vertex nearest to its centre on, along edges
- * (nearest.h); where the disc turns out to hold a good part of the set, a scan of all vertices. */
+ * (nearest.h); where the disc turns out to hold a large share of the set, a scan of all vertices. */
 #include "core/control/work.h"
 #include "core/query/nearest.h"
 #include "core/query/query.h"
