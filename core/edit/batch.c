@@ -1,5 +1,5 @@
-/* batch.c - see batch.h. Insertions let no record die, so a triangle that was found some turns ago
- * is still one, and near the point. */
+/* batch.c - see batch.h. Insertions free no record, so a triangle that was found some turns ago still exists,
+ * near the point. */
 #include "core/edit/batch.h"
 
 #include "core/divide/order.h"

@@ -1,7 +1,8 @@
-/* batch.h - many points on their way into a live set, in an order and side by side, so that memory is busy.
+/* batch.h - the insertion of many points into a live set: their order, and searches side by side, which overlap
+ * their cache misses.
  *
- * An insertion waits for memory most of its time: for a cell of the grid, the triangle that is in it, its
- * corners, and so on. So the points of a batch are put in the order of the plane, and the next DT_AHEAD of
+ * An insertion spends most of its time waiting for memory: for a cell of the grid, the triangle that is in it,
+ * its corners, and so on. So the points of a batch are put in the order of the plane, and the next DT_AHEAD of
  * them are looked for side by side, as the questions of a pipeline are (core/query/ahead.h); then each is
  * inserted from the triangle that it was found in or one nearby. */
 #ifndef DT_BATCH_H
@@ -31,7 +32,7 @@ static inline uint32_t dt_batch_index(const struct dt_batch *b, uint32_t i)
     return b->order == NULL ? i : b->order[i];
 }
 
-/* To be called for every turn, 0, 1, ..., before its point is inserted; nothing but these points
+/* Call it for every turn, 0, 1, ..., before its point is inserted; nothing but these points
  * may be inserted, and nothing deleted, in between. Returns a half edge near the point, DT_NONE if
  * none is known. */
 uint32_t dt_batch_turn(struct dt *t, struct dt_batch *b, uint32_t i);

@@ -1,6 +1,6 @@
-/* demand.c - how much memory work on a set takes at its peak: bounds on what families of point sets
- * were seen to take, which a test repeats (tests/core/edit/demand_test.c). They count memory that is
- * touched: the room that a large array has beyond what it holds costs nothing until it is used. */
+/* demand.c - upper bounds of the memory that work on a set takes at its peak: measured on families of point
+ * sets, and checked by a test (tests/core/edit/demand_test.c). They count memory that is touched: the room that
+ * a large array has beyond what it holds costs nothing until it is used. */
 #include "core/control/parallel.h"
 #include "core/edit/arrivals.h"
 #include "core/edit/update.h"

@@ -1,5 +1,5 @@
-/* edit.c - a set gets points, loses and moves them: together with its triangulation (update.h), or, if that is to
- * be built again anyway, alone. */
+/* edit.c - adds, deletes and moves points: together with the triangulation (update.h), or without it if it must
+ * be rebuilt anyway. */
 #include "core/delaunay.h"
 
 #include <math.h>

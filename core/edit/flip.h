@@ -27,9 +27,9 @@ enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy
                               struct dt_point to, struct dt_work *work, struct dt_flips *f,
                               bool *allowed);
 
-/* v has moved, as its star allowed: flips the edges that are not Delaunay. scratch: whose work it is, and
- * who is to know which stars change. A failure (what the work says; DT_TOOBIG: too many flips) leaves the
- * mesh with the edges that it had. */
+/* v has moved, as its star allowed: flips the edges that are not Delaunay. scratch: has the work, and the
+ * callback for changed stars. A failure (what the work says; DT_TOOBIG: too many flips) leaves the mesh with
+ * the edges that it had. */
 enum dt_status dt_flip_all(struct dt_mesh *m, const struct dt_point *xy, struct dt_flips *f,
                            const struct dt_cavity *scratch);
 

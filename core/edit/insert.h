@@ -1,11 +1,11 @@
-/* insert.h - one more vertex in a finished mesh. */
+/* insert.h - insertion of a vertex into a finished mesh. */
 #ifndef DT_INSERT_H
 #define DT_INSERT_H
 
 #include "core/mesh/cavity.h"
 
 /* Adds vertex v, which is in no triangle yet, to the triangulation; xy[v] is its place, `where` and
- * `half` what dt_find or dt_walk found there ; it must not be DT_ON_VERTEX. If the mesh has one
+ * `half` what dt_find or dt_walk found there; it must not be DT_ON_VERTEX. If the mesh has one
  * vertex only, `half` is that vertex instead. The mesh stays settled (hull.h). scratch is the
  * caller's, see cavity.h. A failure (DT_NOMEM, and what its work says) leaves the mesh as it was.
  * Cost: the number of triangles replaced, about 4 on average. */

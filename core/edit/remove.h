@@ -1,10 +1,10 @@
-/* remove.h - one vertex less in a finished mesh. */
+/* remove.h - deletion of a vertex from a finished mesh. */
 #ifndef DT_REMOVE_H
 #define DT_REMOVE_H
 
 #include "core/mesh/cavity.h"
 
-/* Takes vertex v out of the triangulation; xy[v] must still be its place. The mesh stays settled
+/* Removes vertex v from the triangulation; xy[v] must still be its place. The mesh stays settled
  * (hull.h), leaving[v] becomes DT_NONE. scratch is the caller's, see cavity.h. A failure (DT_NOMEM,
  * and what its work says) leaves the mesh as it was. Cost: O(d^2) for a degree d up to DT_STAR_SMALL, which is 6 on average; O(d log
  * d) above. */

@@ -1,7 +1,6 @@
-/* remove_large.c - filling the hole of a vertex of high degree: the rim vertices are triangulated
- * on their own by divide and conquer, and of that triangulation the part is copied that v is in
- * conflict with. A triangle of the hole is one whose circle holds v and no other point; its corners
- * are rim vertices; so it is among them. */
+/* remove_large.c - filling the hole of a vertex of high degree: divide and conquer triangulates the rim
+ * vertices separately, and the part of that triangulation with which v is in conflict is copied. A triangle of
+ * the hole is one whose circle holds v and no other point; its corners are rim vertices; so it is among them. */
 #include "core/divide/divide.h"
 #include "core/edit/insert.h"
 #include "core/edit/remove.h"

@@ -59,8 +59,7 @@ static enum dt_status run_shelling(struct draft *b, const struct dt_point *xy, c
     return dt_stop_status(&stop);
 }
 
-/* Divide is faster on every set; the paper's engine comes when it is asked for, and gives way if
- * the set defeats it. */
+/* Divide is faster on every set; the paper's engine runs on request, and divide replaces it where it gives up. */
 static enum dt_status run_engine(struct draft *b, const struct dt_point *xy, const uint32_t *id,
                                  const struct dt_options *opt)
 {
@@ -92,7 +91,7 @@ static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
     return status;
 }
 
-/* Vertices that are in the order of a plan keep their numbers. */
+/* Vertices in the order of a plan keep their numbers. */
 static enum dt_status build_planned(struct dt *t, struct dt_mesh *mesh,
                                     const struct dt_options *opt)
 {

@@ -10,8 +10,8 @@
  *     move     the vertex shifts within its star, and edges are flipped       undo: flip back, shift back
  *              or it is removed, its point shifts, it is inserted             undo: the way back
  *
- * Where an inverse fails too, for lack of memory, or many would have to be done, the mesh is given up
- * (lose_mesh): the next dt_refresh rebuilds it from the points. */
+ * Where an inverse also runs out of memory, or too many are needed, the mesh is discarded (lose_mesh): the next
+ * dt_refresh rebuilds it from the points. */
 #include "core/edit/update.h"
 
 #include <stdlib.h>
@@ -146,7 +146,7 @@ static void settle_vertex(struct dt *t, uint32_t v)
         lose_mesh(t);
 }
 
-/* From now on the edit has no end but its own. */
+/* From now on the edit cannot be cancelled. */
 static void commit(struct dt *t)
 {
     t->scratch.work = NULL;

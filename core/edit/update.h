@@ -7,10 +7,10 @@
 /* Whether n edits at once are so many that a rebuild is cheaper (measured: tests/bench). */
 bool dt_update_is_bulk(const struct dt *t, size_t n);
 
-/* As dt_add_many, dt_delete_many (of ascending distinct live ids) and dt_move_to, for a live set. A
- * failure leaves the set as it was, up to one thing: where a batch that has come far, or is out of
- * memory, cannot be undone vertex by vertex at a reasonable price, the points are as they were and the
- * set awaits a rebuild (t->current is false). Cost: a small constant per point, expected. */
+/* As dt_add_many, dt_delete_many (of ascending distinct live ids) and dt_move_to, for a live set. A failure
+ * leaves the set as it was, with one exception: where a large batch, or one that is out of memory, cannot be
+ * undone vertex by vertex at a reasonable cost, the points are as they were and the set awaits a rebuild
+ * (t->current is false). Cost: a small constant per point, expected. */
 enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_work *work,
                              struct dt_added *out);
 enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_work *work);
