@@ -1,4 +1,4 @@
-/* natural.c - means of natural neighbours in doubles, in one go: the tour of tour.h without writing it down.
+/* natural.c - means of natural neighbours in doubles, in one pass: the tour of tour.h without recording it.
  *
  * Let c(T) be the circumcentres of the triangles of the disc and r(i) those of the rim edges v(i) v(i+1) with q. Each
  * edge a b between two triangles S and T of the disc adds c(S) x c(T) to the part of a's cell, and takes it from b's;

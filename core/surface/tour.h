@@ -14,7 +14,7 @@
  *          v3 ------ v0
  *
  * Strictly: corners of a cocircular polygon are all in the disc or only its rim, so the tour does not depend on
- * how ties were broken. It copies the places that it meets, so what is computed from it needs the mesh no more. */
+ * how ties were broken. It copies the places that it meets, so computations from it do not need the mesh. */
 #ifndef DT_TOUR_H
 #define DT_TOUR_H
 

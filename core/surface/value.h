@@ -1,7 +1,7 @@
 /* value.h - the value of a surface at a place that has been found in the mesh.
  *
- * The value is a function of the points and values alone: where it depends on an order of corners, that begins with
- * the smallest id, and what is kept from place to place is what would be computed again. */
+ * The value is a function of the points and values alone: where it depends on an order of corners, that order
+ * begins with the smallest id, and what is kept from place to place is what would be computed again. */
 #ifndef DT_VALUE_H
 #define DT_VALUE_H
 

@@ -1,8 +1,8 @@
-/* vicinity.h - what a scan of a surface is going to read, fetched by blocks.
+/* vicinity.h - prefetches by blocks what a scan of a surface will read.
  *
  * Vertices and triangles are numbered in Morton order by a build, so those of a block of numbers lie together in the
  * plane: where a row of a raster needs one of them, that row and the next ones need most of the others. Values are
- * found by id, which may be in any order. Fetched one by one, each of them is waited for. */
+ * found by id, which may be in any order. Without that, the scan would wait for each of them. */
 #ifndef DT_VICINITY_H
 #define DT_VICINITY_H
 

@@ -1,4 +1,4 @@
-/* weights.h - with which weights the values at points count at a place between them. */
+/* weights.h - the weights of the values at points for a place between them. */
 #ifndef DT_WEIGHTS_H
 #define DT_WEIGHTS_H
 
