@@ -6,7 +6,7 @@
 
 #include "core/control/stop.h"
 
-/* All zero: it may cost anything, and is never stopped. */
+/* All zero: no limit, never stopped. */
 struct dt_effort {
     struct dt_stop *stop; /* borrows */
     uint64_t limit;       /* of spent, beyond which the reason to stop is DT_TOOBIG */
@@ -17,15 +17,15 @@ struct dt_effort {
 /* For dt_effort_spend. */
 bool dt_effort_poll(struct dt_effort *e);
 
-/* Adds steps. True: it has to stop, now and whenever it is asked again. */
+/* Adds steps. True: the computation must stop; stays true. */
 static inline bool dt_effort_spend(struct dt_effort *e, uint64_t steps)
 {
     e->spent += steps;
     return e->spent >= e->next && dt_effort_poll(e);
 }
 
-/* Goes on to the next piece of a pass over n items, with so many steps for each; false: it is over, or
- * has to stop. */
+/* Advances to the next piece of a pass over n items, with so many steps for each; false: the pass is over or
+ * must stop. */
 static inline bool dt_effort_piece(struct dt_effort *e, uint32_t n, unsigned steps,
                                    struct dt_piece *at)
 {

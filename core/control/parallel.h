@@ -7,7 +7,7 @@
 #define DT_PARALLEL 4096u /* fewer points are not worth several threads */
 #define DT_MAX_THREADS 64u
 
-/* How many threads are worth while for n points: 1 without a pool. */
+/* How many threads pay off for n points: 1 without a pool. */
 static inline unsigned dt_threads_for(const struct dt_pool *pool, uint32_t n)
 {
     if (pool == NULL || pool->threads < 2 || n < DT_PARALLEL)

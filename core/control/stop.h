@@ -1,6 +1,6 @@
-/* stop.h - what ends a long computation before it is done: the caller's cancel flag, or a failure in one
- * of its threads. All threads of the computation share one and ask it every so many points; what they
- * leave unfinished is of no use then. */
+/* stop.h - what ends a long computation early: the caller's cancel flag, or a failure in one
+ * of its threads. All threads of the computation share one and poll it every so many points; what they leave
+ * unfinished is discarded. */
 #ifndef DT_STOP_H
 #define DT_STOP_H
 
@@ -51,7 +51,7 @@ static inline struct dt_piece dt_before_first(uint32_t begin)
     return (struct dt_piece){begin, begin};
 }
 
-/* Polls and goes on to the next piece, of so many items, of a pass that ends before `end`; false: it is over,
+/* Polls and advances to the next piece, of so many items, of a pass that ends before `end`; false: it is over,
  * or stopped. */
 static inline bool dt_next_piece_of(struct dt_stop *s, uint32_t end, uint32_t items,
                                     struct dt_piece *at)

@@ -1,7 +1,7 @@
 /* work.h - how much work a call may still do: until the caller's flag is set, and as many steps as
  * the caller allows (struct dt_options).
  *
- * A long loop asks now and then:
+ * A long loop polls now and then:
  *
  *     if ((i & DT_WORK_MASK) == 0 && (status = dt_work(w, DT_WORK_BLOCK)) != DT_OK)
  *         return status;
@@ -47,7 +47,7 @@ static inline bool dt_work_allows(const struct dt_work *w, uint64_t steps)
     return w == NULL || steps <= w->left;
 }
 
-/* Takes the steps off what is left. DT_CANCELLED, DT_TOOLONG: the call has to end. w may be NULL. */
+/* Subtracts the steps from what is left. DT_CANCELLED, DT_TOOLONG: the call must end. w may be NULL. */
 static inline enum dt_status dt_work(struct dt_work *w, uint64_t steps)
 {
     if (w == NULL)
