@@ -2,9 +2,9 @@
  * delaunay_surface.h and delaunay_fields.h are its further parts.
  *
  * A set hands out an id for every point it is given: 0, 1, 2, ... in order of arrival, never used
- * twice. A point that lies within the set's coincidence tolerance of an earlier one becomes an
- * alias of it (its representative); only representatives are vertices of the triangulation. Every
- * function that takes an id of the triangulation answers for the representative of that id.
+ * twice. A point within the set's coincidence tolerance of an earlier one becomes an alias of it (its
+ * representative); only representatives are vertices of the triangulation. Functions that take an id of the
+ * triangulation answer for its representative.
  *
  * The triangulation is canonical: ties of cocircular points are broken by symbolic perturbation
  * [Devillers & Teillaud 2003], so it depends on the coordinates alone. The algorithm is that of
@@ -12,8 +12,8 @@
  * in every comment of core/).
  *
  * Nothing here prints, aborts or keeps global state. A function that fails leaves the set as it
- * was. Functions that take a const set may run in several threads at once; any other needs the set
- * for itself. */
+ * was. Functions that take a const set may run in several threads at once; any other function needs exclusive
+ * access to the set. */
 #ifndef DT_DELAUNAY_H
 #define DT_DELAUNAY_H
 
@@ -82,21 +82,21 @@ enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
  *
  * Where a function takes a struct dt_options, NULL stands for that. A flag that is set makes it
  * return DT_CANCELLED within some milliseconds of work; on ten million points within 100, or 200 for
- * dt_delete_many and dt_refresh where millions of them coincide. In that time an edit is undone, and a
- * build that has begun to change the set is completed; with `disposable` the call may return in the
- * middle instead, and the set can then only be freed. `steps` makes it return DT_TOOLONG before it has
- * done much more than so many steps. In both cases the set is otherwise as it was.
+ * dt_delete_many and dt_refresh where millions of them coincide. Within that time an edit is undone, and a
+ * build that has begun to change the set is completed; with `disposable` the call may return in the middle
+ * instead, and the set can then only be freed. `steps` makes it return DT_TOOLONG before it has done much more
+ * than so many steps. In both cases the set is otherwise as it was.
  *
  * A step is a look at a neighbour, a triangle or a point, 10 to 200 ns; usual edits and searches of a
- * point take about twenty. So a thread that must not be held up for long can try with a limit, and leave
- * what exceeds it to another one. dt_triangulate, dt_refresh, dt_check and dt_trace know no limit. */
+ * point take about twenty. So a thread that must not block for long can try with a limit, and leave what
+ * exceeds it to another one. dt_triangulate, dt_refresh, dt_check and dt_trace ignore the limit. */
 struct dt_options {
     enum dt_method method;
     bool rebuild;                 /* rebuild a triangulation that exists already */
     const struct dt_pool *pool;   /* borrowed during the call; NULL: the caller's thread alone */
     const dt_atomic_bool *cancel; /* borrowed during the call; polled; NULL: never cancelled */
     dt_atomic_uint *progress;     /* borrowed during the call; per cent done; NULL: not reported */
-    uint32_t steps;               /* the most it may take; 0: no limit */
+    uint32_t steps;               /* upper limit of steps; 0: no limit */
     bool disposable;              /* the caller frees the set unless the call returns DT_OK */
 };
 
@@ -126,13 +126,12 @@ bool dt_coordinate_ok(double v);
 
 /* ---- memory that is used again ----
  *
- * A keeper of pages: what large arrays of sets give back is kept there for the next ones, because
- * fresh pages are expensive: up to as much as a triangulation. Any number of
- * sets and threads may use one at the same time. It is the caller's, and must outlive all that was
- * taken from it.
+ * A keeper of pages keeps what large arrays of sets release, for the next ones, because fresh pages are
+ * expensive: they can cost as much as a triangulation. Any number of sets and threads may use one at the same
+ * time. The caller owns it, and it must outlive everything that was taken from it.
  *
- * What is held, kept and in use together, is no more than the limit as long as what is in use is not;
- * arrays of less than 3 MiB are not counted. */
+ * Bytes kept and in use together do not exceed the limit, unless those in use do so alone; arrays of less than
+ * 3 MiB are not counted. */
 
 /* NULL when out of memory. */
 struct dt_pages *dt_pages_new(size_t limit);
@@ -140,31 +139,30 @@ struct dt_pages *dt_pages_new(size_t limit);
 /* Gives back what is kept. */
 void dt_pages_free(struct dt_pages *p);
 
-/* Another limit, in bytes. What is kept beyond it goes when more is given, or by dt_pages_trim. */
+/* Sets the limit, in bytes. What is kept beyond it is released when more is given back, or by dt_pages_trim. */
 void dt_pages_limit(struct dt_pages *p, size_t limit);
 
-/* Gives back up to so many of the bytes that are kept, rounded up to 2 MiB, and returns how many it
- * were. Cost: linear, about a millisecond for 200 MiB that lie on huge pages. */
+/* Releases up to so many of the bytes that are kept, rounded up to 2 MiB, and returns the number of bytes
+ * released. Cost: linear, about a millisecond for 200 MiB that lie on huge pages. */
 size_t dt_pages_trim(struct dt_pages *p, size_t bytes);
 
-/* Has the system make up to so many fresh bytes, rounded up to 2 MiB, ready before anybody wants them,
- * and keeps them, as far as the limit lets it. Returns how many; 0: none. For a thread that has
- * nothing better to do: it takes up to a second for 256 MiB. */
+/* Prefaults up to so many fresh bytes, rounded up to 2 MiB, and keeps them, as far as the limit allows. Returns
+ * how many; 0: none. For an idle thread: it takes up to a second for 256 MiB. */
 size_t dt_pages_prepare(struct dt_pages *p, size_t bytes);
 
 struct dt_pages_summary {
     size_t held;    /* bytes in use and kept */
     size_t kept;    /* bytes of these that wait to be used again */
     uint64_t fresh; /* bytes that have ever been asked of the system */
-    uint64_t uses;  /* how often something has been taken or given: it changes while it is in use */
+    uint64_t uses;  /* number of takes and gives: it changes while the keeper is in use */
 };
 
-/* The figures of one moment or, while other threads use it, of several. */
+/* A snapshot of the figures; while other threads use the keeper, each may be of another moment. */
 void dt_pages_summary(const struct dt_pages *p, struct dt_pages_summary *out);
 
-/* An array of the caller's own from the keeper, NULL or made by an earlier call, which then has room
- * for `bytes`, the first `used` of which are as before. NULL: out of memory, the array is as before.
- * To be given back by dt_pages_release. */
+/* Grows an array from the keeper, which may be NULL, so that it has room for `bytes`, and keeps the first
+ * `used` of them. The caller owns it and releases it by dt_pages_release. NULL: out of memory, the array is
+ * unchanged. */
 void *dt_pages_grow(struct dt_pages *p, void *array, size_t used, size_t bytes);
 
 /* Nothing for NULL. */
@@ -178,8 +176,7 @@ struct dt_added {
     uint32_t coincident; /* how many of them became aliases */
 };
 
-/* Adds n points, all or none: DT_RANGE, DT_TOOBIG and DT_NOMEM leave the set as it was. n = 0 is
- * fine. */
+/* Adds n points, all or none: DT_RANGE, DT_TOOBIG and DT_NOMEM leave the set as it was. n = 0 is allowed. */
 enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct dt_added *out);
 
 /* The same within a limit, and on the threads of a pool if there are enough points. The flag must not
@@ -188,24 +185,23 @@ enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
                            const struct dt_options *opt, struct dt_added *out);
 
 /* Deletes n ids, all or none; an id named twice is deleted once, *deleted counts distinct ids.
- * DT_NOPOINT puts the first id that is missing in *missing. If a representative goes, its lowest
- * alias takes its place. */
+ * DT_NOPOINT puts the first id that is missing in *missing. If a representative is deleted, its lowest alias
+ * replaces it. */
 enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted,
                          uint32_t *missing);
 enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
                               const struct dt_options *opt, uint32_t *deleted, uint32_t *missing);
 
-/* Moves a point; it keeps its id. Where it arrives it may become an alias, or the representative of
- * equal points with higher ids. */
+/* Moves a point; it keeps its id. At its new place it may become an alias, or the representative of equal
+ * points with higher ids. */
 enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to);
 enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
                           const struct dt_options *opt);
 
-/* Fills a set that is fresh from dt_new with n points as they were in another one: their ids, in
+/* Fills a new set (dt_new) with n points as they were in another one: their ids, in
  * ascending order and below next_id, their places, and for each its representative's id (its own
- * unless it is an alias). next_id is the id that the next point will get. DT_CORRUPT: these cannot
- * come from a set, or t is not fresh; the set is as it was. opt may be NULL: its flag is polled. Cost:
- * linear. */
+ * unless it is an alias). next_id is the id that the next point will get. DT_CORRUPT: these cannot come from a
+ * set, or t is not new; the set is unchanged. opt may be NULL: its flag is polled. Cost: linear. */
 enum dt_status dt_restore(struct dt *t, const uint32_t *ids, const struct dt_point *p,
                           const uint32_t *representatives, size_t n, uint32_t next_id,
                           const struct dt_options *opt);
@@ -233,13 +229,13 @@ struct dt_summary {
 };
 
 /* Computes the triangulation of the set. From then on the set is live: every edit keeps it current.
- * On a set that is triangulated already, DT_AUTO without opt->rebuild does nothing; an engine that
- * is named rebuilds it. opt may be NULL. */
+ * On a set that is triangulated already, DT_AUTO without opt->rebuild does nothing; a named engine rebuilds it.
+ * opt may be NULL. */
 enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt);
 
-/* Brings the triangulation up to date after edits, where an edit left that for later; cheap when it
- * is current. Must be called before the const queries below, which otherwise answer
- * DT_UNTRIANGULATED. On a set that was never triangulated it does nothing. */
+/* Brings the triangulation up to date if an edit has postponed that; cheap when it is current. Must be called
+ * before the const queries below, which otherwise answer DT_UNTRIANGULATED. On a set that was never
+ * triangulated it does nothing. */
 enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt);
 
 /* Triangulation counts are 0 while the set is not triangulated or awaits dt_refresh. Cost:
@@ -253,10 +249,10 @@ enum dt_status dt_check(const struct dt *t, const struct dt_options *opt, const 
 
 /* ---- how much memory work takes ----
  *
- * Bounds of the bytes that work on a set takes at its peak beyond dt_summary.memory, as far as it
- * touches them: for a caller who decides whether to begin. Cost: constant. */
+ * Upper bounds of the bytes that work on a set touches at its peak beyond dt_summary.memory: for a caller who
+ * decides whether to begin. Cost: constant. */
 
-/* dt_triangulate and dt_refresh with these options, whether or not there is something to do. */
+/* dt_triangulate and dt_refresh with these options, even if there is nothing to do. */
 size_t dt_build_memory(const struct dt *t, const struct dt_options *opt);
 
 /* dt_prepare and dt_renew. */
@@ -272,7 +268,7 @@ enum dt_event_kind {
     DT_EVENT_GRID,   /* a grid, or that of a crowded cell: its lower left corner p, the side `size`
                         of a cell, a columns, b rows */
     DT_EVENT_START,  /* the first edge joins a, a point near the middle, and b, the nearest to it */
-    DT_EVENT_SEARCH, /* the apex of a->b is looked for on the left of it, within the circle of
+    DT_EVENT_SEARCH, /* the apex of a->b is looked for to the left of it, within the circle of
                         centre p and radius `size`; HUGE_VAL: in the whole half plane */
     DT_EVENT_FIRST,  /* the first triangle a b c */
     DT_EVENT_POINT,  /* the apex c of a->b is a new point: the triangle a b c */
@@ -296,19 +292,19 @@ struct dt_observer {
     void *ctx;
 };
 
-/* Triangulates the set by DT_SHELLING on the side, and reports every step to the observer; the set is
- * left as it is. opt may be NULL. Cost: as of a triangulation by DT_SHELLING, which is not given up here
- * however the points lie, about 0.2 s for a thousand of the worst; and the observer's. */
+/* Triangulates a copy of the set by DT_SHELLING and reports every step to the observer; the set does not
+ * change. opt may be NULL. Cost: as of a triangulation by DT_SHELLING, which here never gives up: about 0.2 s
+ * for a thousand of the hardest points; plus the observer's. */
 enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
                         const struct dt_observer *observer);
 
 /* ---- views: a set as it was at one moment ----
  *
- * A reader that takes longer than edits may wait begins a view, and reads the set as it was at that
- * moment, a piece at a time, while edits of the set go on between the pieces. An edit saves what it is about
- * to change, once for all views that were open by then: about 40 bytes for each point changed and, if a view
- * is open that reads the triangulation, for each of their neighbours. Nothing is saved while no view is open,
- * and nothing is copied at the beginning.
+ * A reader that takes longer than edits may wait begins a view and reads the set as it was at that moment,
+ * piece by piece, while edits go on between the pieces. An edit saves what it is about to change, once for all
+ * views that were open by then: about 40 bytes for each point changed and, if a view is open that reads the
+ * triangulation, for each of their neighbours. Nothing is saved while no view is open, and nothing is copied at
+ * the beginning.
  *
  * A function that reads through a view takes the set as const: several threads may read through the same view
  * or several ones, but not during an edit. If memory for saving runs out, the edit succeeds, and what reads
@@ -320,12 +316,12 @@ enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
  * caller ends it, before the set is freed. Cost: the number of views that are open. */
 struct dt_view *dt_view_begin(struct dt *t, bool rings);
 
-/* The view is gone. May run beside anything, an edit of the set on another thread included; what had been
- * saved for it is freed by later edits or by dt_view_tidy. Nothing for NULL. Cost: constant. */
+/* Ends the view. May run beside anything, even an edit of the set on another thread; later edits or
+ * dt_view_tidy free what was saved for it. NULL is allowed. Cost: constant. */
 void dt_view_end(struct dt_view *v);
 
-/* Frees some of what was saved and is of no use to any view any more; true: there may be more. Needs the set
- * for itself. Cost: less than half a millisecond. */
+/* Frees some of what was saved and no view needs any more; true: there may be more. Needs exclusive access to
+ * the set. Cost: less than half a millisecond. */
 bool dt_view_tidy(struct dt *t);
 
 /* Whether an edit of n points at once would put an end to views that read the triangulation, since it leaves
@@ -342,8 +338,8 @@ struct dt_row {
     struct dt_point at;
 };
 
-/* The next rows, by ascending ids from *from on, `room` of them or all that are left: *n. *from goes on
- * behind them; it starts with 0. */
+/* The next rows, by ascending ids from *from on, `room` of them or all that are left: *n. *from advances past
+ * them; it starts with 0. */
 enum dt_status dt_view_rows(const struct dt *t, const struct dt_view *v, uint32_t *from,
                             struct dt_row *row, size_t room, size_t *n);
 
@@ -390,22 +386,20 @@ enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *
                              size_t max_rows, size_t *rows, size_t *words);
 
 /* Cuts off the first part of what *c has not read yet: the rows of about `ids` ids, possibly none, or
- * all those along the hull. *c goes on behind them; *part is read on its own. Several threads may
+ * all those along the hull. *c advances past them; *part is read separately. Several threads may
  * read a part each, and their rows in the order of the cuts are those of *c. False: nothing is left.
  * Cost: O(ids / 4096) where few points have been deleted. */
 bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct dt_cursor *part);
 
 /* ---- upkeep ---- */
 
-/* Makes the grid by which searches of a triangulated set begin near their place, if there is none yet:
- * so sets that are never searched do not pay for it. Without it dt_locate, dt_nearest and
- * dt_within_* answer after a walk across the set, also when this returned DT_NOMEM; edits make it
- * themselves. Cost: linear, about an eighth of dt_triangulate's. */
+/* Makes the grid that lets searches of a triangulated set begin near their place, if there is none yet: so sets
+ * that are never searched do not pay for it. Without it, also after DT_NOMEM, dt_locate, dt_nearest and
+ * dt_within_* walk across the set; edits make it themselves. Cost: linear, about an eighth of dt_triangulate's. */
 enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt);
 
-/* Edits age the grid by which places are found. Edits of a large set leave making a new one to the
- * caller, for whom it may be inconvenient just then: it takes about 50 ns a point. dt_is_aged: it is
- * time. Cost: constant. */
+/* Edits degrade the grid for searches. Edits of a large set leave its rebuild to the caller, who can choose the
+ * time: it takes about 50 ns a point. dt_is_aged: a rebuild is due. Cost: constant. */
 bool dt_is_aged(const struct dt *t);
 
 /* Makes a new grid, which the caller owns. It only reads, so queries may go on meanwhile. opt, which may
@@ -414,7 +408,7 @@ struct dt_renewal;
 enum dt_status dt_renew(const struct dt *t, const struct dt_options *opt, struct dt_renewal **out);
 void dt_renewal_free(struct dt_renewal *r);
 
-/* Takes it over, if t has not been edited since. NULL: there is no memory for one; the set will ask
+/* Installs it, if t has not been edited since. NULL: there is no memory for one; the set will ask
  * again when it has aged further. Cost: constant, and freeing the old one. */
 void dt_renewed(struct dt *t, struct dt_renewal *r);
 
@@ -455,8 +449,8 @@ struct dt_location {
     uint32_t id[3]; /* none, a, a < b, or a b c counterclockwise from the smallest */
 };
 
-/* A place that is asked about, and, from dt_fetch_places, where in the triangulation it is: a hint that
- * any later edit may spoil. UINT32_MAX: nothing is known. Whatever it is, answers are the same. */
+/* A place in question, and, from dt_fetch_places, where it is in the triangulation: a hint that any later edit
+ * may invalidate. UINT32_MAX: nothing is known. Whatever it is, answers are the same. */
 struct dt_place {
     struct dt_point at;
     uint32_t near;
@@ -474,12 +468,11 @@ enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, str
 enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, uint32_t k,
                                 const struct dt_options *opt, struct dt_ids *out);
 
-#define DT_AHEAD 32 /* questions that can be fetched for at a time */
+#define DT_AHEAD 32 /* queries that can be prefetched at a time */
 
-/* For a caller that knows several questions before it asks the first one: fetches into the
- * processor's caches what dt_locate and dt_nearest at these places, or dt_ring and dt_lists_order of
- * these ids, or dt_get of these points, will probably read. Answers nothing but p[].near; ids need
- * not be there. n <= DT_AHEAD. */
+/* For a caller that knows several queries before it makes the first one: prefetches what dt_locate and
+ * dt_nearest at these places, or dt_ring and dt_lists_order of these ids, or dt_get of these points, will
+ * probably read. Its only result is p[].near; ids need not exist. n <= DT_AHEAD. */
 void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n);
 void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n);
 void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n);
@@ -496,7 +489,7 @@ void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n);
 enum dt_status dt_locate_many(const struct dt *t, const struct dt_view *v, const struct dt_point *p,
                               size_t n, const struct dt_options *opt, uint32_t *out, size_t *done);
 
-/* k ids: those of dt_nearest, and DT_NONE for what there is too little of. */
+/* k ids: those of dt_nearest, padded with DT_NONE. */
 enum dt_status dt_nearest_many(const struct dt *t, const struct dt_view *v,
                                const struct dt_point *p, size_t n, uint32_t k,
                                const struct dt_options *opt, uint32_t *out, size_t *done);
@@ -510,8 +503,8 @@ enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double
 
 /* ---- large results beside edits ----
  *
- * The results of dt_within_box, dt_within_disc and dt_nearest, found by a look at every row of a view,
- * so that the set is needed for a piece at a time only:
+ * The results of dt_within_box, dt_within_disc and dt_nearest, found by a scan of every row of a view, so that
+ * the set is needed for one piece at a time only:
  *
  *     struct dt_sweep s = {.kind = DT_SWEEP_DISC, .at = centre, .radius = r};
  *     do
@@ -547,7 +540,7 @@ enum dt_status dt_sweep_read(const struct dt *t, const struct dt_view *v, struct
 /* Bytes that the sweep and its result will have at most after the next dt_sweep_sift or dt_sweep_end. */
 size_t dt_sweep_memory(const struct dt_sweep *s, const struct dt_ids *out);
 
-/* Takes what belongs to the result out of these rows. *done: there are no more. */
+/* Selects what belongs to the result from these rows. *done: there are no more rows. */
 enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done);
 
 /* Appends what has not been appended yet: the ids in *out are then those that the search of the same
