@@ -106,6 +106,19 @@ void reply_key_text(struct buf *out, const char *key, const char *value)
     buf_append_text(out, value);
 }
 
+void reply_key_doubles(struct buf *out, const char *key, const double *v, size_t n)
+{
+    append_key(out, key);
+    char *const from = buf_reserve(out, n * DOUBLE_ROOM), *to = from;
+    for (size_t i = 0; from != NULL && i < n; i++) {
+        if (i > 0)
+            *to++ = ',';
+        to += proto_write_double(to, v[i]);
+    }
+    if (from != NULL)
+        buf_commit(out, (size_t)(to - from));
+}
+
 void reply_end(struct buf *out)
 {
     buf_append_char(out, '\n');
@@ -219,6 +232,22 @@ void reply_row_field(struct buf *out, const char *name, uint32_t values, double 
     to = write_value(to, least);
     *to++ = ' ';
     to = write_value(to, most);
+    *to++ = '\n';
+    buf_commit(out, (size_t)(to - row));
+}
+
+void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const double *xy)
+{
+    char *const row = buf_reserve(out, 2 * ID_ROOM + (size_t)corners * 2 * DOUBLE_ROOM);
+    if (row == NULL)
+        return;
+    char *to = row + proto_write_u32(row, id);
+    *to++ = ' ';
+    to += proto_write_u32(to, corners);
+    for (size_t i = 0; i < 2 * (size_t)corners; i++) {
+        *to++ = ' ';
+        to += proto_write_double(to, xy[i]);
+    }
     *to++ = '\n';
     buf_commit(out, (size_t)(to - row));
 }

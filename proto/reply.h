@@ -44,6 +44,8 @@ const char *reply_code_name(enum reply_code code);
 void reply_ok(struct buf *out, uint64_t rows);
 void reply_key_u64(struct buf *out, const char *key, uint64_t value);
 void reply_key_double(struct buf *out, const char *key, double value);
+void reply_key_doubles(struct buf *out, const char *key, const double *v,
+                       size_t n); /* with commas */
 void reply_key_text(struct buf *out, const char *key, const char *value);
 void reply_end(struct buf *out);
 
@@ -64,6 +66,7 @@ void reply_row_point(struct buf *out, uint32_t id, double x, double y);
 /* nan is written as `nan`. */
 void reply_row_value(struct buf *out, uint32_t id, double value);
 void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most);
+void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const double *xy);
 void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance);
 
 /* Little-endian words of a binary reply. */

@@ -84,8 +84,10 @@ static void read_vertices_then(const struct dt *t, const struct dt_view *v, uint
 }
 
 /* One triangle further round star i, which stands at the half edge *at. False: the ring is closed,
- * or is longer than there is room for. */
-static bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t first, uint32_t *at)
+ * or is longer than there is room for. What is read of the
+ * neighbours next, their ids or places, is fetched. */
+static inline bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t first,
+                        uint32_t *at, bool places)
 {
     uint32_t d = dt_dest(&t->mesh, *at);
     *at = dt_turn_ccw(&t->mesh, *at);
@@ -98,13 +100,16 @@ static bool turn(const struct dt *t, struct dt_stars *s, uint32_t i, uint32_t fi
         s->degree[i] = DT_NONE;
         return false;
     }
-    __builtin_prefetch(&t->points.id[d]);
+    if (places)
+        __builtin_prefetch(&t->points.xy[d]);
+    else
+        __builtin_prefetch(&t->points.id[d]);
     s->ring[i][s->degree[i]++] = d;
     return *at != first;
 }
 
-void dt_stars_read(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
-                   uint32_t max, struct dt_stars *s)
+static inline void walk(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
+                        uint32_t max, bool places, struct dt_stars *s)
 {
     uint32_t first[DT_STARS], at[DT_STARS], turning[DT_STARS], active = 0;
     max = max < DT_STARS ? max : DT_STARS;
@@ -128,10 +133,22 @@ void dt_stars_read(const struct dt *t, const struct dt_view *v, uint32_t id, uin
         for (uint32_t k = 0; k < active; k++) {
             uint32_t i = turning[k];
             turning[left] = i;
-            left += turn(t, s, i, first[i], &at[i]);
+            left += turn(t, s, i, first[i], &at[i], places);
         }
         active = left;
     }
+}
+
+void dt_stars_walk(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
+                   uint32_t max, struct dt_stars *s)
+{
+    walk(t, v, id, end, max, true, s);
+}
+
+void dt_stars_read(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
+                   uint32_t max, struct dt_stars *s)
+{
+    walk(t, v, id, end, max, false, s);
     for (uint32_t i = 0; i < s->n; i++)
         if (s->vertex[i] != DT_NONE && s->degree[i] != DT_NONE)
             for (uint32_t k = 0; k < s->degree[i]; k++)

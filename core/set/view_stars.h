@@ -24,6 +24,10 @@ struct dt_stars {
 void dt_stars_read(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
                    uint32_t max, struct dt_stars *s);
 
+/* The same, but the rings of stars that were not saved consist of vertices, whose places have been fetched. */
+void dt_stars_walk(const struct dt *t, const struct dt_view *v, uint32_t id, uint32_t end,
+                   uint32_t max, struct dt_stars *s);
+
 /* The star that a representative had. */
 struct dt_star {
     uint32_t vertex;       /* as it is now; DT_NONE: as it was saved */

@@ -145,28 +145,14 @@ void cmd_nearest(struct server *s, struct dataset *set, const struct request *q,
     query_answer(s, a, set, &query);
 }
 
-static void put_in_order(double *a, double *b)
-{
-    double t = *a;
-    if (*a > *b) {
-        *a = *b;
-        *b = t;
-    }
-}
-
 void cmd_within(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct query query = {.kind = q->n == 6 ? QUERY_BOX : QUERY_DISC};
-    if (!read_point(a, &q->word[2], &query.place.at))
+    bool read = query.kind == QUERY_BOX ? read_box(a, &q->word[2], &query.place.at, &query.hi)
+                                        : read_point(a, &q->word[2], &query.place.at) &&
+                                              read_length(a, &q->word[4], "radius", &query.radius);
+    if (!read)
         return;
-    if (query.kind == QUERY_BOX) {
-        if (!read_point(a, &q->word[4], &query.hi))
-            return;
-        put_in_order(&query.place.at.x, &query.hi.x);
-        put_in_order(&query.place.at.y, &query.hi.y);
-    } else if (!read_length(a, &q->word[4], "radius", &query.radius)) {
-        return;
-    }
     query_answer(s, a, set, &query);
 }
 

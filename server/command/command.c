@@ -80,6 +80,10 @@ const struct command commands[] = {
      "the points in a closed box or disc"},
     {"WEIGHTS", 4, 6, SEARCHES, cmd_weights, "WEIGHTS set x y [METHOD linear|natural|laplace]",
      "with which weights the points around count at x y"},
+    {"VORONOI", 2, 0, QUERIES, cmd_voronoi, "VORONOI set [id ...] [BOX x0 y0 x1 y1] [BINARY]",
+     "the Voronoi cells, clipped to a box"},
+    {"AREAS", 2, 8, QUERIES, cmd_areas, "AREAS set [BOX x0 y0 x1 y1] [BINARY]",
+     "the areas of the Voronoi cells, clipped to a box"},
     {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
      "the steps of the shelling algorithm, for sets of up to 1000 points"},
     {"PING", 1, 1, CMD_OPEN | CMD_QUICK, cmd_ping, "PING", "answers OK 0"},
@@ -403,6 +407,24 @@ bool read_length(struct answer *a, const struct word *w, const char *what, doubl
 bool read_point(struct answer *a, const struct word *w, struct dt_point *p)
 {
     return read_coordinate(a, &w[0], &p->x) && read_coordinate(a, &w[1], &p->y);
+}
+
+static void put_in_order(double *a, double *b)
+{
+    double t = *a;
+    if (*a > *b) {
+        *a = *b;
+        *b = t;
+    }
+}
+
+bool read_box(struct answer *a, const struct word w[4], struct dt_point *lo, struct dt_point *hi)
+{
+    if (!read_point(a, &w[0], lo) || !read_point(a, &w[2], hi))
+        return false;
+    put_in_order(&lo->x, &hi->x);
+    put_in_order(&lo->y, &hi->y);
+    return true;
 }
 
 bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p)

@@ -70,6 +70,8 @@ bool read_coordinate(struct answer *a, const struct word *w, double *v);
 /* The same for a length, which is not negative; `what` names it in the error. */
 bool read_length(struct answer *a, const struct word *w, const char *what, double *v);
 bool read_point(struct answer *a, const struct word *w, struct dt_point *p);
+/* Two opposite corners: *lo <= *hi. */
+bool read_box(struct answer *a, const struct word w[4], struct dt_point *lo, struct dt_point *hi);
 bool read_id(struct answer *a, const struct word *w, uint32_t *id);
 
 /* The place in the third and fourth word, with a hint if it has been prefetched. */
@@ -115,6 +117,7 @@ bool triangulate_join(struct server *s, struct dataset *set, const struct reques
 command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                  /* cmd_query.c */
 command_handler cmd_locate, cmd_nearest, cmd_within, cmd_locateb, cmd_nearestb; /* cmd_query.c */
 command_handler cmd_weights;                                                    /* cmd_surface.c */
+command_handler cmd_voronoi, cmd_areas;                                         /* cmd_cells.c */
 command_handler cmd_trace;                                                      /* cmd_trace.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit;                        /* cmd_admin.c */
 command_handler cmd_snapshot;                                                   /* cmd_admin.c */

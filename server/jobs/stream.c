@@ -39,7 +39,7 @@ struct stream {
 static bool answer_at_once(struct answer *a, struct rows *rows)
 {
     enum { BYTES_AT_ONCE = 16 * 1024 };
-    if (rows_count(rows) > AT_ONCE)
+    if (rows_count(rows) > AT_ONCE || (row_is_of_cell(rows->form) && rows->heavy))
         return false;
     rows->steps = COST_STEPS_AT_ONCE;
     rows_fill(rows, a->out, rows->table ? SIZE_MAX : buf_len(a->out) + BYTES_AT_ONCE);
@@ -56,6 +56,8 @@ static bool reads_set(const struct rows *rows)
 /* Whether the view must include the triangulation. */
 static bool reads_rings(const struct rows *rows)
 {
+    if (row_is_of_cell(rows->form))
+        return true;
     return rows->table ? rows->cursor.table != DT_POINTS && rows->cursor.table != DT_COINCIDENT
                        : rows->form == ROW_RING || row_is_of_place(rows->form);
 }

@@ -8,8 +8,10 @@
 #include <string.h>
 
 enum {
+    CELLS = 64,         /* read at a time */
     TABLE_WORDS = 4096, /* read from a table at a time */
     PART_IDS = 600,     /* of a part: ids of a table or rows of a list, about 30 KiB of text */
+    PART_CELLS = 150,   /* of a part: cells */
     PART_WORDS = 7500,  /* of a part in binary */
     PLACE_WORDS = 4096, /* of the places that are looked up at a time; no row of a place has more */
     PLACE_STEPS = 20000 /* of a look-up, while edits wait */
@@ -131,6 +133,77 @@ static void fill_from_places(struct rows *r, struct buf *out, size_t limit)
     r->status = status == DT_TOOLONG ? DT_OK : status;
 }
 
+/* ---- rows from cells ---- */
+
+static void write_cell(struct rows *r, struct buf *out, const struct dt_cell *cell,
+                       const struct dt_point *corner)
+{
+    if (r->form == ROW_AREA && r->binary) {
+        reply_word_u32(out, cell->id);
+        reply_word_double(out, dt_polygon_area(corner, cell->corners));
+    } else if (r->form == ROW_AREA) {
+        reply_row_value(out, cell->id, dt_polygon_area(corner, cell->corners));
+    } else if (r->binary) {
+        reply_word_u32(out, cell->id);
+        reply_word_u32(out, cell->corners);
+        for (uint32_t i = 0; i < cell->corners; i++) {
+            reply_word_double(out, corner[i].x);
+            reply_word_double(out, corner[i].y);
+        }
+    } else {
+        reply_row_polygon(out, cell->id, cell->corners, &corner->x);
+    }
+}
+
+/* Writes one cell that has more corners than the usual buffer. */
+static void write_long_cell(struct rows *r, struct dt_cells *c, struct buf *out, size_t corners)
+{
+    struct dt_cell cell;
+    size_t n;
+    struct dt_point *corner = malloc(corners * sizeof *corner);
+    if (corner == NULL) {
+        r->status = DT_NOMEM;
+        return;
+    }
+    r->status = dt_cells_read(r->version->dt, c, &cell, 1, corner, corners, &n, &corners);
+    if (r->status == DT_OK && n == 1)
+        write_cell(r, out, &cell, corner);
+    free(corner);
+}
+
+/* Writes the next cells of the cursor. False: there is none. */
+static bool write_cells(struct rows *r, struct dt_cells *c, struct buf *out)
+{
+    struct dt_cell cell[CELLS];
+    struct dt_point corner[8 * CELLS];
+    size_t n, corners, at = 0;
+    r->status = dt_cells_read(r->version->dt, c, cell, CELLS, corner, 8 * CELLS, &n, &corners);
+    if (r->status == DT_TOOSMALL) {
+        write_long_cell(r, c, out, corners);
+        return true;
+    }
+    for (size_t i = 0; i < n; at += cell[i++].corners)
+        write_cell(r, out, &cell[i], corner + at);
+    return n > 0;
+}
+
+static void fill_from_cells(struct rows *r, struct buf *out, size_t limit)
+{
+    bool listed = r->ids.v != NULL;
+    dt_cells_as_of(&r->cells, r->view);
+    while (!r->done && r->status == DT_OK && !out->failed && buf_len(out) < limit) {
+        struct dt_cells one;
+        if (!listed) {
+            r->done = !write_cells(r, &r->cells, out);
+        } else if (r->at < r->ids.n) {
+            dt_cells_only(&r->cells, r->ids.v[r->at++], &one);
+            write_cells(r, &one, out);
+        } else {
+            r->done = true;
+        }
+    }
+}
+
 /* ---- rows from tables ---- */
 
 /* The number of words of the row that starts at w. */
@@ -213,6 +286,8 @@ void rows_fill(struct rows *r, struct buf *out, size_t limit)
 {
     if (r->table)
         fill_from_table(r, out, limit);
+    else if (row_is_of_cell(r->form))
+        fill_from_cells(r, out, limit);
     else if (row_is_of_place(r->form))
         fill_from_places(r, out, limit);
     else
@@ -227,7 +302,15 @@ size_t rows_count(const struct rows *r)
 {
     if (row_is_of_place(r->form))
         return r->places;
+    if (row_is_of_cell(r->form) && r->ids.v == NULL)
+        return r->cells.rows;
     return r->table ? r->cursor.rows : r->ids.n / r->width;
+}
+
+static bool cut_cells(struct rows *r, struct rows *part)
+{
+    dt_cells_as_of(&r->cells, r->view);
+    return dt_cells_cut(r->version->dt, &r->cells, PART_CELLS, &part->cells);
 }
 
 bool rows_cut(struct rows *r, struct rows *part)
@@ -242,7 +325,9 @@ bool rows_cut(struct rows *r, struct rows *part)
         part->places = r->at;
         return part->at < part->places;
     }
-    size_t n = PART_IDS * r->width;
+    if (row_is_of_cell(r->form) && r->ids.v == NULL)
+        return cut_cells(r, part);
+    size_t n = row_is_of_cell(r->form) ? PART_CELLS : PART_IDS * r->width;
     r->at = r->ids.n - r->at > n ? r->at + n : r->ids.n;
     part->ids.n = r->at;
     return part->at < part->ids.n;

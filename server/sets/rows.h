@@ -5,6 +5,7 @@
 #ifndef SERVER_ROWS_H
 #define SERVER_ROWS_H
 
+#include "core/delaunay_surface.h"
 #include "proto/reply.h"
 #include "server/sets/dataset.h"
 
@@ -14,6 +15,8 @@ enum row_form {
     ROW_NEIGHBOUR, /* id x y distance from `from` */
     ROW_RING,      /* id and its ring */
     ROW_VALUE,     /* id and a number: ROW_VALUE_WORDS words of the list */
+    ROW_CELL,      /* id, the number of corners, and x y of each, */
+    ROW_AREA,      /* or the area: of all cells, or those of the list */
     ROW_TRIANGLE,  /* binary, of a place: the corners of its triangle, */
     ROW_NEAREST    /* and the `width` points nearest to it */
 };
@@ -34,6 +37,11 @@ static inline bool row_is_of_place(enum row_form form)
     return form == ROW_TRIANGLE || form == ROW_NEAREST;
 }
 
+static inline bool row_is_of_cell(enum row_form form)
+{
+    return form == ROW_CELL || form == ROW_AREA;
+}
+
 struct rows {
     struct version *version; /* borrows: the owner of the rows pins it */
     struct dt_view *view;    /* borrows: the moment that is read; NULL: now */
@@ -41,6 +49,7 @@ struct rows {
     bool table;              /* rows of the cursor's table, else rows of the ids */
     bool binary;             /* table only */
     struct dt_cursor cursor;
+    struct dt_cells cells; /* ROW_CELL, ROW_AREA */
     enum row_form form;
     size_t width;                 /* words of the list or of the reply in a row */
     bool cw;                      /* ROW_RING */

@@ -232,6 +232,7 @@ count "SciPy's own tests of Delaunay, with ours" env DELAUNAYD="$build/delaunayd
     "$python" clients/python/tests/scipy_tests.py
 count "the Python package can be installed, with the daemon" python_package_installs
 count "weights in rational arithmetic" "$python" tests/interop/weights.py "$port"
+count "Voronoi cells in rational arithmetic" "$python" tests/interop/cells.py "$port"
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test/*.test.mjs
 millions

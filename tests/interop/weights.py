@@ -139,4 +139,5 @@ def main():
     assert compared > 130, compared
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,312 @@
+/* cell.c - see cell.h. */
+#include "core/surface/cell.h"
+
+#include "core/delaunay_surface.h"
+#include "core/exact/double2.h"
+#include "core/exact/lanes.h"
+#include "core/exact/predicates.h"
+#include "core/surface/centre.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+void dt_cell_clear(struct dt_cell_work *w)
+{
+    free(w->ring);
+    free(w->corner);
+    free(w->other);
+    *w = (struct dt_cell_work){0};
+}
+
+bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree)
+{
+    if (w->corner != NULL && degree <= w->ring_cap)
+        return true;
+    uint32_t cap = degree < 64 ? 64 : degree + degree / 2;
+    dt_cell_clear(w);
+    w->ring = malloc(cap * sizeof *w->ring);
+    w->cap = cap + 16; /* corners at infinity and, of each side, two */
+    w->corner = malloc(w->cap * sizeof *w->corner);
+    w->other = malloc(w->cap * sizeof *w->other);
+    w->ring_cap = cap;
+    if (w->ring != NULL && w->corner != NULL && w->other != NULL)
+        return true;
+    dt_cell_clear(w);
+    return false;
+}
+
+static void put(struct dt_cell_work *w, struct dt_point at, uint32_t edge)
+{
+    w->corner[w->n++] = (struct dt_cell_corner){at, edge};
+}
+
+/* ---- circumcentres around a site ---- */
+
+static dt_lanes lanes_of(struct dt_point p)
+{
+    return (dt_lanes){p.x, p.y};
+}
+
+/* A neighbour as the site sees it. */
+struct seen {
+    dt_lanes at, turned; /* (x, y) and (y, -x) */
+    double square;
+};
+
+static struct seen see(dt_lanes site, struct dt_point p)
+{
+    dt_lanes at = lanes_of(p) - site, square = at * at;
+    return (struct seen){at, (dt_lanes){at[1], -at[0]}, square[0] + square[1]};
+}
+
+/* The circumcentre, the formula of centre.c in doubles, with u = 2^-53. Differences are off by u of themselves at most,
+ * squares by 4u, the area by 4u of `size`, the numerator by 7u of the sum of its terms' magnitudes `terms`, and the
+ * quotient by 2u more. The factors below are larger by an eighth, which makes up for 4u size / area < 2^-8, and for the
+ * rounding of the bound itself. False: the rounded sum may be another double than the exact one. */
+static bool centre_double(dt_lanes site, const struct seen *b, const struct seen *c,
+                          struct dt_point *out)
+{
+    double left = b->at[0] * c->at[1], right = b->at[1] * c->at[0];
+    double area = left - right, size = fabs(left) + fabs(right), scale = 0.5 / area;
+    dt_lanes p = dt_lanes_both(b->square) * c->turned, q = dt_lanes_both(c->square) * b->turned;
+    dt_lanes offset = (p - q) * dt_lanes_both(scale), terms = dt_lanes_abs(p) + dt_lanes_abs(q);
+    dt_lanes error = (terms * dt_lanes_both(8 * fabs(scale)) +
+                      dt_lanes_abs(offset) * dt_lanes_both(9 * fabs(scale) * size + 2.5)) *
+                     dt_lanes_both(0x1p-53);
+    dt_lanes near = site + offset, part = near - site;
+    dt_lanes rest = (site - (near - part)) + (offset - part);
+    dt_lanes_holds sure = (near + (rest + error) == near) & (near + (rest - error) == near);
+    near += dt_lanes_both(0);
+    *out = (struct dt_point){near[0], near[1]};
+    return size < 0x1p42 * fabs(area) && dt_lanes_bits(sure) == 3;
+}
+
+/* The corners between neighbours i and i + 1, for i < n, the next one of the last being the first. */
+static void put_centres(struct dt_cell_work *w, struct dt_point at, uint32_t degree, uint32_t n)
+{
+    dt_lanes site = lanes_of(at);
+    struct seen first = see(site, w->ring[0]), here = first;
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t next = i + 1 < degree ? i + 1 : 0;
+        struct seen beyond = next == 0 ? first : see(site, w->ring[next]);
+        struct dt_point p;
+        if (!centre_double(site, &here, &beyond, &p))
+            p = dt_centre(at, w->ring[i], w->ring[next]);
+        put(w, p, next);
+        here = beyond;
+    }
+}
+
+/* ---- corners at infinity ---- */
+
+static double far_along(double direction, double middle)
+{
+    return direction > 0 ? (double)INFINITY : direction < 0 ? -(double)INFINITY : middle;
+}
+
+/* The end, in the direction d, of a line through m. */
+static struct dt_point far_end(double dx, double dy, struct dt_point m)
+{
+    return (struct dt_point){far_along(dx, m.x), far_along(dy, m.y)};
+}
+
+/* That of the bisector of p and q to the right of the way from p to q. */
+static struct dt_point far_right(struct dt_point p, struct dt_point q)
+{
+    struct dt_point middle = {(p.x + q.x) / 2 + 0.0, (p.y + q.y) / 2 + 0.0};
+    return far_end(q.y - p.y, p.x - q.x, middle);
+}
+
+static void put_hull_cell(struct dt_cell_work *w, struct dt_point site, uint32_t degree)
+{
+    put_centres(w, site, degree, degree - 1);
+    put(w, far_right(w->ring[degree - 1], site), DT_EDGE_FAR);
+    put(w, far_right(site, w->ring[0]), 0);
+}
+
+static void put_line_cell(struct dt_cell_work *w, struct dt_point site, uint32_t degree)
+{
+    struct dt_point a = degree > 0 ? w->ring[0] : site, b = degree > 1 ? w->ring[1] : site;
+    if (degree == 0) { /* the plane */
+        put(w, far_end(-1, -1, site), DT_EDGE_FAR);
+        put(w, far_end(1, -1, site), DT_EDGE_FAR);
+        put(w, far_end(1, 1, site), DT_EDGE_FAR);
+        put(w, far_end(-1, 1, site), DT_EDGE_FAR);
+        return;
+    }
+    put(w, far_right(a, site), DT_EDGE_FAR); /* left of the way to a */
+    if (degree == 1) {
+        put(w, far_end(site.x - a.x, site.y - a.y, site), DT_EDGE_FAR);
+    } else {
+        put(w, far_right(site, b), 1);
+        put(w, far_right(b, site), DT_EDGE_FAR);
+    }
+    put(w, far_right(site, a), 0);
+}
+
+/* ---- cutting ---- */
+
+struct side {
+    bool vertical, low; /* x or y; what is kept is above `at` */
+    double at;
+};
+
+/* How far it is on the kept side: 0 on it. */
+static int place_of(const struct side *s, struct dt_point p)
+{
+    double v = s->vertical ? p.x : p.y;
+    return v == s->at ? 0 : (v > s->at) == s->low ? 1 : -1;
+}
+
+/* Where the edge from a to b crosses the side. Far edges turn counterclockwise around everything: from right to left
+ * they pass the top, and from the top to the bottom the left. */
+static struct dt_point crossing(const struct side *s, const struct dt_cell_work *w,
+                                struct dt_point site, const struct dt_cell_corner *a,
+                                struct dt_point b)
+{
+    double other;
+    if (a->edge == DT_EDGE_SIDE) /* of the sides, the vertical ones come first */
+        return (struct dt_point){a->at.x, s->at};
+    if (a->edge == DT_EDGE_FAR)
+        other =
+            (s->vertical ? a->at.x > b.x : a->at.y < b.y) ? (double)INFINITY : -(double)INFINITY;
+    else
+        other = s->vertical ? dt_bisector_y(site, w->ring[a->edge], s->at)
+                            : dt_bisector_x(site, w->ring[a->edge], s->at);
+    return s->vertical ? (struct dt_point){s->at, other} : (struct dt_point){other, s->at};
+}
+
+/* [Sutherland & Hodgman, "Reentrant polygon clipping", CACM 17(1), 1974], one side. */
+static void cut(struct dt_cell_work *w, struct dt_point site, const struct side *s)
+{
+    struct dt_cell_corner *from = w->corner;
+    uint32_t n = w->n;
+    w->corner = w->other;
+    w->other = from;
+    w->n = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const struct dt_cell_corner *a = &from[i];
+        struct dt_point b = from[i + 1 < n ? i + 1 : 0].at;
+        int here = place_of(s, a->at), there = place_of(s, b);
+        if (here >= 0)
+            put(w, a->at, here == 0 && there < 0 ? DT_EDGE_SIDE : a->edge);
+        if (here * there < 0)
+            put(w, crossing(s, w, site, a, b), here > 0 ? DT_EDGE_SIDE : a->edge);
+    }
+}
+
+static bool is_inside(const struct dt_cell_work *w, const struct dt_box *box)
+{
+    dt_lanes lo = lanes_of(box->lo), hi = lanes_of(box->hi);
+    dt_lanes_holds in = {-1, -1};
+    for (uint32_t i = 0; i < w->n; i++) {
+        dt_lanes p = lanes_of(w->corner[i].at);
+        in &= (p >= lo) & (p <= hi);
+    }
+    return dt_lanes_bits(in) == 3;
+}
+
+static void clip(struct dt_cell_work *w, struct dt_point site, const struct dt_box *box)
+{
+    const struct side side[4] = {{true, true, box->lo.x},
+                                 {true, false, box->hi.x},
+                                 {false, true, box->lo.y},
+                                 {false, false, box->hi.y}};
+    for (int i = 0; i < 4; i++)
+        cut(w, site, &side[i]);
+}
+
+/* ---- the polygon ---- */
+
+static bool is_same(struct dt_point a, struct dt_point b)
+{
+    return a.x == b.x && a.y == b.y;
+}
+
+/* On which sides of the box it is. */
+static unsigned sides_of(struct dt_point p, const struct dt_box *box)
+{
+    return (p.x == box->lo.x ? 1u : 0) | (p.x == box->hi.x ? 2u : 0) | (p.y == box->lo.y ? 4u : 0) |
+           (p.y == box->hi.y ? 8u : 0);
+}
+
+/* Corners that follow an equal one go; and all, if the others are on one side of the box. */
+static void remove_equal(struct dt_cell_work *w, const struct dt_box *box)
+{
+    struct dt_cell_corner *c = w->corner;
+    uint32_t n = 0;
+    unsigned sides = 15;
+    for (uint32_t i = 0; i < w->n; i++) {
+        if (n > 0 && is_same(c[n - 1].at, c[i].at))
+            continue;
+        c[n++] = c[i];
+        sides &= sides_of(c[i].at, box);
+    }
+    while (n > 1 && is_same(c[n - 1].at, c[0].at))
+        n--;
+    w->n = n >= 3 && sides == 0 ? n : 0;
+}
+
+/* < 0 if the polygon read from corner i on comes before that from corner k on. */
+static int compare_turns(const struct dt_cell_work *w, uint32_t i, uint32_t k)
+{
+    int order = 0;
+    for (uint32_t left = w->n; order == 0 && left > 0; left--) {
+        order = dt_compare_xy(w->corner[i].at, w->corner[k].at);
+        i = i + 1 < w->n ? i + 1 : 0;
+        k = k + 1 < w->n ? k + 1 : 0;
+    }
+    return order;
+}
+
+/* The least corner first. Where rounding has made two of them equal, what follows decides. */
+static void turn(struct dt_cell_work *w)
+{
+    uint32_t least = 0;
+    for (uint32_t i = 1; i < w->n; i++)
+        if (w->corner[i].at.x <= w->corner[least].at.x && compare_turns(w, i, least) < 0)
+            least = i;
+    if (least == 0)
+        return;
+    struct dt_cell_corner *from = w->corner;
+    w->corner = w->other;
+    w->other = from;
+    for (uint32_t i = 0; i < w->n; i++)
+        w->corner[i] = from[least + i < w->n ? least + i : least + i - w->n];
+}
+
+void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
+                  enum dt_cell_kind kind, const struct dt_box *box)
+{
+    w->n = 0;
+    switch (kind) {
+    case DT_CELL_INSIDE:
+        put_centres(w, site, degree, degree);
+        break;
+    case DT_CELL_ON_HULL:
+        put_hull_cell(w, site, degree);
+        break;
+    case DT_CELL_ON_LINE:
+        put_line_cell(w, site, degree);
+        break;
+    }
+    if (!is_inside(w, box))
+        clip(w, site, box);
+    remove_equal(w, box);
+    turn(w);
+}
+
+double dt_polygon_area(const struct dt_point *corner, size_t n)
+{
+    struct dt_double2 sum = {0, 0}, ax = {0, 0}, ay = {0, 0};
+    for (size_t i = 1; i < n; i++) { /* as the first corner sees them */
+        struct dt_double2 bx = dt_double2_difference(corner[i].x, corner[0].x);
+        struct dt_double2 by = dt_double2_difference(corner[i].y, corner[0].y);
+        struct dt_double2 cross = dt_double2_multiply(ay, bx);
+        sum = dt_double2_add(sum, dt_double2_multiply(ax, by));
+        sum = dt_double2_add(sum, dt_double2_negate(cross));
+        ax = bx;
+        ay = by;
+    }
+    return sum.hi / 2 + 0.0;
+}

@@ -1,0 +1,55 @@
+/* cell.h - one Voronoi cell, clipped to a box, as a polygon.
+ *
+ * The polygon begins with all of the cell, its corners far away included. Those are at infinity in the direction of a
+ * hull edge's normal: a coordinate that grows along a ray is infinite then. Four half planes, the sides of the box,
+ * cut it. Every corner has the edge that begins there: what is beyond it.
+ *
+ *              n1         corner      edge that begins there
+ *            \    /       c0          bisector of the site and n1
+ *        n0   c0-         c1          bisector of the site and n2
+ *           site   n2     ...
+ *            / c1-
+ *
+ * Corners are exact places rounded once (centre.h), and each is kept or cut by its rounded coordinates; one on a side
+ * is kept. Cells that share an edge have the same two corners there, so they decide the same. */
+#ifndef DT_CELL_H
+#define DT_CELL_H
+
+#include "core/exact/box.h"
+
+enum dt_cell_kind {
+    DT_CELL_INSIDE,  /* of an interior point */
+    DT_CELL_ON_HULL, /* its ring goes from its successor to its predecessor */
+    DT_CELL_ON_LINE  /* all points are on one line: one or two neighbours, or none */
+};
+
+/* A corner, and the edge that begins there: the number of a neighbour of the ring, or one of these. */
+#define DT_EDGE_SIDE (DT_NONE - 1) /* of the box */
+#define DT_EDGE_FAR DT_NONE        /* at infinity */
+
+struct dt_cell_corner {
+    struct dt_point at;
+    uint32_t edge;
+};
+
+/* What one cell after the other is computed in. Start with {0}. */
+struct dt_cell_work {
+    struct dt_point *ring;         /* owns ring_cap: the neighbours, for the caller to fill in */
+    struct dt_cell_corner *corner; /* owns cap: the n corners */
+    struct dt_cell_corner *other;  /* owns cap */
+    uint32_t ring_cap, n, cap;
+};
+
+void dt_cell_clear(struct dt_cell_work *w);
+
+/* Makes room for the ring. False: out of memory. */
+bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree);
+
+/* Makes w->corner the cell of the site with the neighbours w->ring[degree], counterclockwise, without equal corners in a
+ * row: at least three, or none if it has fewer or all are on one
+ * side of the box. It begins with the least corner, by x, then y. Cost:
+ * O(degree). */
+void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
+                  enum dt_cell_kind kind, const struct dt_box *box);
+
+#endif

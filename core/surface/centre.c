@@ -1,0 +1,177 @@
+/* centre.c - see centre.h.
+ *
+ * A value is computed in double words with a bound of the error. If every number within the bound rounds to the same
+ * double, that is the result; else it is found by exact signs, in numbers of 1,850 bits, which hold all that occurs:
+ * the points are multiples of 2^-195 below 2^204, so numerators, polynomials of degree 3, have at most 1,210
+ * bits. */
+#include "core/surface/centre.h"
+
+#include "core/exact/bigfloat.h"
+#include "core/exact/double2.h"
+
+#include <math.h>
+#include <string.h>
+
+/* More than the relative error of each numerator and denominator below with respect to the sum of the magnitudes of its
+ * terms, and of their quotient: at most 21 u^2, u = 2^-53, by the bounds of double2.h. */
+#define UNIT 0x1p-100
+
+static struct dt_double2 minus(struct dt_double2 a, struct dt_double2 b)
+{
+    return dt_double2_add(a, dt_double2_negate(b));
+}
+
+static struct dt_double2 times(struct dt_double2 a, struct dt_double2 b)
+{
+    return dt_double2_multiply(a, b);
+}
+
+/* Rounds from + offset, where the offset is off by at most `error`. False: that does not decide. */
+static bool round_sum(double from, struct dt_double2 offset, double error, double *out)
+{
+    double near, rest, tail;
+    dt_two_sum(from, offset.hi, &near, &rest);
+    rest += offset.lo;
+    error += 0x1p-52 * fabs(rest); /* of that sum and of the ones below */
+    dt_two_sum(near, rest, &near, &tail);
+    *out = near + 0.0;
+    return near + (tail + error) == near && near + (tail - error) == near;
+}
+
+/* ---- exact ---- */
+
+static struct dt_bigfloat big_difference(double a, double b)
+{
+    struct dt_bigfloat x = dt_bigfloat_of(a), y = dt_bigfloat_of(b);
+    return dt_bigfloat_subtract(&x, &y);
+}
+
+static struct dt_bigfloat big_times(const struct dt_bigfloat *a, const struct dt_bigfloat *b)
+{
+    return dt_bigfloat_multiply(a, b);
+}
+
+/* a b - c d */
+static struct dt_bigfloat big_cross(const struct dt_bigfloat *a, const struct dt_bigfloat *b,
+                                    const struct dt_bigfloat *c, const struct dt_bigfloat *d)
+{
+    struct dt_bigfloat left = big_times(a, b), right = big_times(c, d);
+    return dt_bigfloat_subtract(&left, &right);
+}
+
+static struct dt_bigfloat big_square(const struct dt_bigfloat *x, const struct dt_bigfloat *y)
+{
+    struct dt_bigfloat xx = big_times(x, x), yy = big_times(y, y);
+    return dt_bigfloat_add(&xx, &yy);
+}
+
+/* The sign of n / d - (a + b) / 2. */
+static int compare_to_middle(const struct dt_bigfloat *n, const struct dt_bigfloat *d, double a,
+                             double b)
+{
+    struct dt_bigfloat x = dt_bigfloat_of(a), y = dt_bigfloat_of(b);
+    struct dt_bigfloat sum = dt_bigfloat_add(&x, &y), right = big_times(&sum, d);
+    struct dt_bigfloat left = dt_bigfloat_add(n, n), r = dt_bigfloat_subtract(&left, &right);
+    return r.sign * d->sign;
+}
+
+static bool is_even(double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return (bits & 1) == 0;
+}
+
+/* n / d, rounded; both are exact. */
+static double round_ratio(const struct dt_bigfloat *n, const struct dt_bigfloat *d)
+{
+    if (n->sign == 0)
+        return 0;
+    struct dt_bigfloat q = dt_bigfloat_divide(n, d);
+    double near = dt_bigfloat_to_double(&q);
+    for (;;) {
+        double up = nextafter(near, HUGE_VAL), down = nextafter(near, -HUGE_VAL);
+        int above = compare_to_middle(n, d, near, up), below = compare_to_middle(n, d, down, near);
+        if (above > 0 || (above == 0 && is_even(up)))
+            near = up;
+        else if (below < 0 || (below == 0 && is_even(down)))
+            near = down;
+        else
+            return near;
+    }
+}
+
+/* from + n / d, rounded. */
+static double round_big(double from, const struct dt_bigfloat *n, const struct dt_bigfloat *d)
+{
+    struct dt_bigfloat f = dt_bigfloat_of(from), whole = big_times(&f, d);
+    whole = dt_bigfloat_add(&whole, n);
+    return round_ratio(&whole, d);
+}
+
+/* ---- circumcentres: a + (|b|^2 c' - |c|^2 b') / (2 b x c), where b and c are seen from a, v' = (v.y, -v.x) ---- */
+
+static bool centre_double2(struct dt_point a, struct dt_point b, struct dt_point c,
+                           struct dt_point *out)
+{
+    struct dt_double2 bx = dt_double2_difference(b.x, a.x), by = dt_double2_difference(b.y, a.y);
+    struct dt_double2 cx = dt_double2_difference(c.x, a.x), cy = dt_double2_difference(c.y, a.y);
+    struct dt_double2 bb = dt_double2_add(times(bx, bx), times(by, by));
+    struct dt_double2 cc = dt_double2_add(times(cx, cx), times(cy, cy));
+    struct dt_double2 area = minus(times(bx, cy), times(by, cx));
+    double flat = fabs(area.hi), size = fabs(bx.hi * cy.hi) + fabs(by.hi * cx.hi);
+    if (!(size < 0x1p40 * flat))
+        return false;
+    struct dt_double2 twice = {2 * area.hi, 2 * area.lo};
+    struct dt_double2 x = dt_double2_divide(minus(times(bb, cy), times(cc, by)), twice);
+    struct dt_double2 y = dt_double2_divide(minus(times(cc, bx), times(bb, cx)), twice);
+    double x_error = (fabs(bb.hi * cy.hi) + fabs(cc.hi * by.hi) + size * fabs(x.hi)) / flat;
+    double y_error = (fabs(cc.hi * bx.hi) + fabs(bb.hi * cx.hi) + size * fabs(y.hi)) / flat;
+    bool x_done = round_sum(a.x, x, UNIT * (x_error + fabs(x.hi)), &out->x);
+    return round_sum(a.y, y, UNIT * (y_error + fabs(y.hi)), &out->y) && x_done;
+}
+
+static struct dt_point centre_big(struct dt_point a, struct dt_point b, struct dt_point c)
+{
+    struct dt_bigfloat bx = big_difference(b.x, a.x), by = big_difference(b.y, a.y);
+    struct dt_bigfloat cx = big_difference(c.x, a.x), cy = big_difference(c.y, a.y);
+    struct dt_bigfloat bb = big_square(&bx, &by), cc = big_square(&cx, &cy);
+    struct dt_bigfloat area = big_cross(&bx, &cy, &by, &cx), twice = dt_bigfloat_add(&area, &area);
+    struct dt_bigfloat x = big_cross(&bb, &cy, &cc, &by), y = big_cross(&cc, &bx, &bb, &cx);
+    return (struct dt_point){round_big(a.x, &x, &twice), round_big(a.y, &y, &twice)};
+}
+
+struct dt_point dt_centre(struct dt_point a, struct dt_point b, struct dt_point c)
+{
+    struct dt_point p;
+    return centre_double2(a, b, c, &p) ? p : centre_big(a, b, c);
+}
+
+/* ---- bisectors: y = p.y + (dx (dx - 2 (at - p.x)) + dy^2) / (2 dy), where d = q - p ---- */
+
+static double bisector_big(struct dt_point p, struct dt_point q, double at)
+{
+    struct dt_bigfloat dx = big_difference(q.x, p.x), dy = big_difference(q.y, p.y);
+    struct dt_bigfloat w = big_difference(at, p.x), square = big_square(&dx, &dy);
+    struct dt_bigfloat twice_w = dt_bigfloat_add(&w, &w), twice_dy = dt_bigfloat_add(&dy, &dy);
+    struct dt_bigfloat along = big_times(&dx, &twice_w);
+    struct dt_bigfloat n = dt_bigfloat_subtract(&square, &along);
+    return round_big(p.y, &n, &twice_dy);
+}
+
+double dt_bisector_y(struct dt_point p, struct dt_point q, double at)
+{
+    double y;
+    struct dt_double2 dx = dt_double2_difference(q.x, p.x), dy = dt_double2_difference(q.y, p.y);
+    struct dt_double2 w = dt_double2_difference(at, p.x), twice_w = {2 * w.hi, 2 * w.lo};
+    struct dt_double2 along = times(dx, minus(dx, twice_w)), square = times(dy, dy);
+    struct dt_double2 twice_dy = {2 * dy.hi, 2 * dy.lo};
+    struct dt_double2 offset = dt_double2_divide(dt_double2_add(along, square), twice_dy);
+    double error = (fabs(along.hi) + square.hi) / fabs(twice_dy.hi) + fabs(offset.hi);
+    return round_sum(p.y, offset, UNIT * error, &y) ? y : bisector_big(p, q, at);
+}
+
+double dt_bisector_x(struct dt_point p, struct dt_point q, double at)
+{
+    return dt_bisector_y((struct dt_point){p.y, p.x}, (struct dt_point){q.y, q.x}, at);
+}

@@ -1,0 +1,24 @@
+/* centre.h - places of the Voronoi diagram, each coordinate rounded once: the double nearest to the exact value, of
+ * two equally near ones that with an even significand.
+ *
+ * So a place does not depend on the points that it is computed from: all triangles of a cocircular polygon have
+ * the same circumcentre, bit by bit, and neighbouring cells have the same corners. Rounding is monotone: what is
+ * left of, below or on a line along an axis at a double is not on its other side after rounding.
+ *
+ * Exact for all coordinates that dt_coordinate_ok accepts, and sides of boxes up to 2^203: a coordinate of a
+ * circumcentre is 0 or between 2^-990 and 2^1015. Zero is positive. */
+#ifndef DT_CENTRE_H
+#define DT_CENTRE_H
+
+#include "core/delaunay.h"
+
+/* The circumcentre of three points that are not on one line. Cost: some 100 ns; 50 us where double words
+ * do not decide. */
+struct dt_point dt_centre(struct dt_point a, struct dt_point b, struct dt_point c);
+
+/* Where the line x = at meets the perpendicular bisector of p and q, whose y differ; where y = at does, if their x
+ * differ. */
+double dt_bisector_y(struct dt_point p, struct dt_point q, double at);
+double dt_bisector_x(struct dt_point p, struct dt_point q, double at);
+
+#endif

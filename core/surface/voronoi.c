@@ -1,0 +1,266 @@
+/* voronoi.c - the cells of a set one after the other, now or at the moment of a view.
+ *
+ * Each cell is computed from its star alone (cell.h): circumcentres are computed three times, once for each corner of
+ * their triangle, which costs less than an array of all of them, and needs neither memory nor an order of the cells. */
+#include "core/delaunay_surface.h"
+#include "core/mesh/hull.h"
+#include "core/set/reader.h"
+#include "core/set/view_rows.h"
+#include "core/set/view_stars.h"
+#include "core/surface/cell.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- the box ---- */
+
+static void add(struct dt_bounds *b, struct dt_point p)
+{
+    struct dt_box box = {b->lo, b->hi};
+    if (!b->any)
+        box = (struct dt_box){p, p};
+    dt_box_add(&box, p);
+    b->any = true;
+    b->lo = box.lo;
+    b->hi = box.hi;
+}
+
+static bool add_hull(const struct dt *t, struct dt_bounds *b, size_t steps)
+{
+    const struct dt_mesh *m = &t->mesh;
+    if (m->vertices < 2) {
+        if (m->vertices == 1)
+            add(b, t->points.xy[m->alone]);
+        return true;
+    }
+    if (!b->any)
+        b->ghost = m->hull;
+    for (; steps > 0; steps--) {
+        add(b, t->points.xy[dt_hull_vertex(m, b->ghost)]);
+        b->ghost = dt_hull_step(m, b->ghost, false);
+        if (b->ghost == m->hull)
+            return true;
+    }
+    return false;
+}
+
+enum dt_status dt_bounds_read(const struct dt *t, const struct dt_view *v, struct dt_bounds *b,
+                              size_t steps, bool *done)
+{
+    struct dt_row row[64];
+    size_t n = 1;
+    enum dt_status s = dt_view_readable(t, v, true);
+    if (s != DT_OK)
+        return s;
+    if (!b->rows && dt_view_if_changed(t, v) == NULL) {
+        *done = add_hull(t, b, steps);
+        return DT_OK;
+    }
+    b->rows = true;
+    for (; steps > 0 && n > 0 && s == DT_OK; steps -= steps < n ? steps : n) {
+        s = dt_view_rows(t, v, &b->from, row, sizeof row / sizeof *row, &n);
+        for (size_t i = 0; s == DT_OK && i < n; i++)
+            if (row[i].id == row[i].representative)
+                add(b, row[i].at);
+    }
+    *done = n == 0;
+    return s;
+}
+
+static double below(double v, double grow)
+{
+    double r = v - grow;
+    return r < v ? r : nextafter(v, -(double)INFINITY);
+}
+
+void dt_bounds_grow(const struct dt_bounds *b, struct dt_point *lo, struct dt_point *hi)
+{
+    struct dt_box box = {b->lo, b->hi};
+    double grow = dt_box_side(&box) / 2;
+    *lo = (struct dt_point){0, 0};
+    *hi = (struct dt_point){1, 1};
+    if (!b->any)
+        return;
+    if (grow == 0)
+        grow = fmax(1, fmax(fabs(b->lo.x), fabs(b->lo.y)));
+    *lo = (struct dt_point){below(b->lo.x, grow), below(b->lo.y, grow)};
+    *hi = (struct dt_point){0.0 - below(-b->hi.x, grow), 0.0 - below(-b->hi.y, grow)};
+}
+
+/* ---- the cursor ---- */
+
+enum dt_status dt_cells_begin(const struct dt *t, const struct dt_view *v, struct dt_point lo,
+                              struct dt_point hi, struct dt_cells *c)
+{
+    struct dt_summary sum;
+    enum dt_status s = dt_view_readable(t, v, true);
+    if (s != DT_OK)
+        return s;
+    if (!(lo.x < hi.x && lo.y < hi.y))
+        return DT_RANGE;
+    if (v != NULL)
+        dt_view_summary(v, &sum);
+    else
+        dt_summary(t, &sum);
+    *c = (struct dt_cells){.lo = {lo.x + 0.0, lo.y + 0.0}, /* no zero is negative */
+                           .hi = {hi.x + 0.0, hi.y + 0.0},
+                           .rows = sum.points - sum.coincident,
+                           .view = v,
+                           .end = v == NULL ? DT_NONE : dt_view_next_id(v)};
+    return DT_OK;
+}
+
+void dt_cells_as_of(struct dt_cells *c, const struct dt_view *v)
+{
+    c->view = v;
+    if (v != NULL && c->end == DT_NONE)
+        c->end = dt_view_next_id(v);
+}
+
+bool dt_cells_cut(const struct dt *t, struct dt_cells *c, uint32_t ids, struct dt_cells *part)
+{
+    *part = *c;
+    if (c->id >= c->end)
+        return false;
+    uint32_t end = dt_view_ids_after(t, c->view, c->id, ids > 0 ? ids : 1);
+    part->end = c->id = end < c->end ? end : c->end;
+    return true;
+}
+
+void dt_cells_only(const struct dt_cells *c, uint32_t id, struct dt_cells *one)
+{
+    *one = *c;
+    one->id = id;
+    one->end = id + 1;
+}
+
+/* ---- cells from stars ---- */
+
+struct reading {
+    const struct dt *t;
+    const struct dt_view *v; /* NULL: what it reads is as it is now */
+    bool line;
+    struct dt_cell_work work;
+};
+
+/* The place of a neighbour: vertices of now, ids of a view. */
+static struct dt_point place(const struct reading *r, uint32_t neighbour)
+{
+    struct dt_row row = {0};
+    if (r->v == NULL)
+        return r->t->points.xy[neighbour];
+    dt_view_row(r->t, r->v, neighbour, &row);
+    return row.at;
+}
+
+static struct dt_point place_of_id(const struct reading *r, uint32_t id)
+{
+    return place(r, r->v == NULL ? dt_points_vertex(&r->t->points, id) : id);
+}
+
+/* A ring that is too long for dt_stars. */
+static enum dt_status read_long_ring(struct reading *r, uint32_t id, uint32_t *degree,
+                                     bool *on_hull)
+{
+    struct dt_star star = dt_star_of(r->t, r->v, id);
+    *degree = dt_star_count(r->t, &star);
+    *on_hull = star.on_hull;
+    uint32_t *ring = malloc(*degree * sizeof *ring);
+    bool ok = ring != NULL && dt_cell_reserve(&r->work, *degree);
+    if (ok) {
+        dt_star_copy(r->t, &star, ring, *degree);
+        for (uint32_t i = 0; i < *degree; i++)
+            r->work.ring[i] = place_of_id(r, ring[i]);
+    }
+    free(ring);
+    return ok ? DT_OK : DT_NOMEM;
+}
+
+/* Makes the cell of star i. */
+static enum dt_status make(struct reading *r, const struct dt_stars *s, uint32_t i,
+                           const struct dt_box *box)
+{
+    uint32_t degree = s->degree[i];
+    bool on_hull = s->on_hull[i];
+    if (degree == DT_NONE) {
+        enum dt_status status = read_long_ring(r, s->id[i], &degree, &on_hull);
+        if (status != DT_OK)
+            return status;
+    } else {
+        if (!dt_cell_reserve(&r->work, degree))
+            return DT_NOMEM;
+        for (uint32_t k = 0; k < degree; k++)
+            r->work.ring[k] = r->v != NULL && s->vertex[i] != DT_NONE
+                                  ? place(r, r->t->points.id[s->ring[i][k]])
+                                  : place(r, s->ring[i][k]);
+    }
+    dt_cell_make(&r->work, place_of_id(r, s->id[i]), degree,
+                 r->line   ? DT_CELL_ON_LINE
+                 : on_hull ? DT_CELL_ON_HULL
+                           : DT_CELL_INSIDE,
+                 box);
+    return DT_OK;
+}
+
+/* Where cells go. */
+struct sink {
+    struct dt_cell *cell;
+    struct dt_point *corner;
+    size_t room, cap, cells, corners;
+};
+
+/* False: there is no room. */
+static bool take(struct sink *k, const struct dt_cell_work *w, uint32_t id)
+{
+    if (k->cells == k->room || w->n > k->cap - k->corners)
+        return false;
+    k->cell[k->cells++] = (struct dt_cell){id, w->n};
+    for (uint32_t i = 0; i < w->n; i++)
+        k->corner[k->corners++] = w->corner[i].at;
+    return true;
+}
+
+static enum dt_status read_cells(struct reading *r, struct dt_cells *c, struct sink *k)
+{
+    const struct dt_box box = {c->lo, c->hi};
+    struct dt_stars stars;
+    while (c->id < c->end && k->cells < k->room) {
+        size_t left = k->room - k->cells, ahead = (k->cap - k->corners) / 8 + 1;
+        left = left < ahead ? left : ahead;
+        dt_stars_walk(r->t, r->v, c->id, c->end, left < DT_STARS ? (uint32_t)left : DT_STARS,
+                      &stars);
+        if (stars.n == 0)
+            c->id = c->end;
+        for (uint32_t i = 0; i < stars.n; i++) {
+            enum dt_status s = make(r, &stars, i, &box);
+            if (s != DT_OK)
+                return s;
+            if (!take(k, &r->work, stars.id[i]))
+                return DT_TOOSMALL;
+            c->id = stars.id[i] + 1;
+        }
+    }
+    return DT_OK;
+}
+
+enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_cell *cell,
+                             size_t room, struct dt_point *corner, size_t cap, size_t *n,
+                             size_t *corners)
+{
+    enum dt_status s = dt_view_readable(t, c->view, true);
+    *n = *corners = 0;
+    if (s != DT_OK)
+        return s;
+    struct reading r = {.t = t, .v = dt_view_if_changed(t, c->view)};
+    r.line = c->view != NULL ? c->view->line : dt_mesh_is_line(&t->mesh);
+    struct sink k = {.cell = cell, .corner = corner, .room = room, .cap = cap};
+    s = read_cells(&r, c, &k);
+    *n = k.cells;
+    *corners = k.corners;
+    if (s == DT_TOOSMALL && k.cells > 0)
+        s = DT_OK;
+    else if (s == DT_TOOSMALL)
+        *corners = r.work.n;
+    dt_cell_clear(&r.work);
+    return s;
+}

@@ -1,0 +1,266 @@
+/* cmd_cells.c - VORONOI and AREAS.
+ *
+ * The cells are rows that are made as they are sent. Before the first one, the status line says what must be found first:
+ * the box around all points, and with BINARY how many corners there are. Both are found as of the same moment as
+ * the rows, piece by piece by a worker where that takes long. */
+#include "server/command/command.h"
+
+#include "server/jobs/job.h"
+#include "server/jobs/stream.h"
+#include "server/ops/cost.h"
+
+#include <stdlib.h>
+
+enum {
+    CELLS_AT_ONCE = 64,  /* cells that the I/O thread looks at itself */
+    CELLS_LOCKED = 1024, /* that a worker counts under the lock at a time */
+    HULL_LOCKED = 4096   /* the same for points of the hull */
+};
+
+struct cells_job {
+    struct job job;
+    struct rows rows;       /* owns its ids */
+    struct dt_view *view;   /* owns, until it moves to the rows: the moment; NULL: now */
+    struct dt_point lo, hi; /* the box */
+    bool boxed;             /* these are those of the request */
+    uint64_t corners;       /* with BINARY: of all cells */
+};
+
+/* ---- before the status line ---- */
+
+/* Lets edits go on between two pieces. A worker has the lock on entry and on return. */
+static enum dt_status pause_job(struct job *j)
+{
+    if (j->queued_ns > 0) {
+        version_unlock(j->base);
+        version_lock_read(j->base);
+    }
+    return atomic_load(&j->cancel) ? DT_CANCELLED : DT_OK;
+}
+
+static enum dt_status find_box(struct cells_job *j)
+{
+    struct dt_bounds bounds = {0};
+    enum dt_status status = DT_OK;
+    for (bool done = false; !done && status == DT_OK;) {
+        status = dt_bounds_read(j->job.dt, j->view, &bounds, HULL_LOCKED, &done);
+        if (status == DT_OK)
+            status = pause_job(&j->job);
+    }
+    dt_bounds_grow(&bounds, &j->lo, &j->hi);
+    return status;
+}
+
+/* Counts the corners of the next cells, about a thousand. */
+static enum dt_status count_some(const struct dt *dt, struct dt_cells *c, size_t *cells,
+                                 uint64_t *corners)
+{
+    struct dt_cell cell[CELLS_AT_ONCE];
+    struct dt_point corner[8 * CELLS_AT_ONCE];
+    size_t n = 1, found;
+    *cells = 0;
+    while (n > 0 && *cells < CELLS_LOCKED) {
+        enum dt_status status =
+            dt_cells_read(dt, c, cell, CELLS_AT_ONCE, corner, 8 * CELLS_AT_ONCE, &n, &found);
+        if (status == DT_TOOSMALL) {
+            struct dt_point *room = malloc(found * sizeof *room);
+            if (room == NULL)
+                return DT_NOMEM;
+            status = dt_cells_read(dt, c, cell, 1, room, found, &n, &found);
+            free(room);
+        }
+        if (status != DT_OK)
+            return status;
+        *cells += n;
+        *corners += found;
+    }
+    return DT_OK;
+}
+
+static enum dt_status count_corners(struct cells_job *j)
+{
+    struct dt_cells whole = j->rows.cells, one;
+    const struct dt_ids *ids = &j->rows.ids;
+    size_t n = 1, done = 0, all = rows_count(&j->rows);
+    enum dt_status status = DT_OK;
+    while (status == DT_OK && n > 0 && done < all) {
+        if (ids->v != NULL)
+            dt_cells_only(&whole, ids->v[done], &one);
+        status = count_some(j->job.dt, ids->v != NULL ? &one : &whole, &n, &j->corners);
+        done += n;
+        atomic_store(&j->job.progress, (unsigned)(done * 100 / (all + 1)));
+        if (status == DT_OK)
+            status = pause_job(&j->job);
+    }
+    return status;
+}
+
+static void run_cells(struct job *job)
+{
+    struct cells_job *j = (struct cells_job *)job;
+    struct rows *rows = &j->rows;
+    job->status = j->boxed ? DT_OK : find_box(j);
+    if (job->status == DT_OK)
+        job->status = dt_cells_begin(job->dt, j->view, j->lo, j->hi, &rows->cells);
+    if (job->status == DT_OK && rows->binary && rows->form == ROW_CELL)
+        job->status = count_corners(j);
+}
+
+/* ---- the reply ---- */
+
+static void reply_status(const struct cells_job *j, struct answer *a)
+{
+    const struct dt_cells *c = &j->rows.cells;
+    const double box[] = {c->lo.x, c->lo.y, c->hi.x, c->hi.y};
+    uint64_t rows = rows_count(&j->rows);
+    reply_ok(a->out, j->rows.binary ? 0 : rows);
+    if (j->rows.binary) {
+        reply_key_u64(a->out, "rows", rows);
+        reply_key_u64(a->out, "bytes",
+                      j->rows.form == ROW_AREA ? 12 * rows : 8 * rows + 16 * j->corners);
+    }
+    reply_key_doubles(a->out, "box", box, 4);
+    reply_end(a->out);
+}
+
+static void cells_done(struct server *s, struct job *job, struct answer *a)
+{
+    struct cells_job *j = (struct cells_job *)job;
+    if (job->status != DT_OK) {
+        version_end_view(&s->sets, job->base, j->view);
+        j->view = NULL;
+        answer_status(a, job->status);
+        return;
+    }
+    j->rows.version = job->base;
+    j->rows.view = j->view;
+    j->view = NULL;
+    reply_status(j, a);
+    stream_answer(s, a, &j->rows, j->rows.ids.v == NULL ? NULL : &j->rows.ids);
+}
+
+static void clear_cells(struct job *job)
+{
+    struct cells_job *j = (struct cells_job *)job;
+    dt_view_end(j->view);
+    free(j->rows.ids.v);
+}
+
+/* ---- the request ---- */
+
+/* Reads [BOX x0 y0 x1 y1] [BINARY] at the end of the request; *words become those before them. */
+static bool read_options(struct answer *a, const struct request *q, struct cells_job *j,
+                         size_t *words)
+{
+    *words = q->n;
+    if (*words > 2 && word_is(&q->word[*words - 1], "BINARY")) {
+        j->rows.binary = true;
+        --*words;
+    }
+    if (*words < 7 || !word_is(&q->word[*words - 5], "BOX"))
+        return true;
+    *words -= 5;
+    j->boxed = true;
+    if (!read_box(a, &q->word[*words + 1], &j->lo, &j->hi))
+        return false;
+    if (j->lo.x < j->hi.x && j->lo.y < j->hi.y)
+        return true;
+    reply_err(a->out, ERR_RANGE, "the box has no area");
+    return false;
+}
+
+static int compare_ids(const void *p, const void *q)
+{
+    uint32_t a = *(const uint32_t *)p, b = *(const uint32_t *)q;
+    return (a > b) - (a < b);
+}
+
+/* The representatives of the words' ids, ascending, each once. */
+static bool read_sites(struct answer *a, const struct dt *dt, const struct word *w, size_t n,
+                       struct dt_ids *ids)
+{
+    size_t kept = 0;
+    *ids = (struct dt_ids){read_ids(a, w, n), n, n};
+    if (ids->v == NULL)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t id = ids->v[i];
+        if (dt_representative(dt, id, &ids->v[i]) != DT_OK) {
+            reply_err(a->out, ERR_NOPOINT, "there is no point %u", id);
+            return false;
+        }
+    }
+    qsort(ids->v, n, sizeof *ids->v, compare_ids);
+    for (size_t i = 0; i < n; i++)
+        if (kept == 0 || ids->v[kept - 1] != ids->v[i])
+            ids->v[kept++] = ids->v[i];
+    ids->n = kept;
+    return true;
+}
+
+/* Whether the I/O thread finds the box and makes the rows itself. */
+static bool is_light(const struct cells_job *j, const struct version *v)
+{
+    uint32_t degrees = 0;
+    bool listed = j->rows.ids.v != NULL;
+    if (!j->boxed && v->sum.hull > COST_STEPS_AT_ONCE)
+        return false;
+    if (!listed)
+        return v->sum.points <= CELLS_AT_ONCE;
+    if (j->rows.ids.n > CELLS_AT_ONCE)
+        return false;
+    for (size_t i = 0; i < j->rows.ids.n; i++)
+        degrees += dt_degree_up_to(v->dt, j->rows.ids.v[i], COST_STEPS_AT_ONCE);
+    return degrees < COST_STEPS_AT_ONCE;
+}
+
+static bool read_request(struct answer *a, const struct request *q, const struct dt *dt,
+                         struct cells_job *j)
+{
+    size_t words;
+    if (!read_options(a, q, j, &words))
+        return false;
+    if (words > 2 && j->rows.form == ROW_AREA) {
+        answer_usage(a, q);
+        return false;
+    }
+    return words == 2 || read_sites(a, dt, &q->word[2], words - 2, &j->rows.ids);
+}
+
+static void answer_cells(struct server *s, struct dataset *set, const struct request *q,
+                         enum row_form form, struct answer *a)
+{
+    struct version *v = set->current;
+    struct cells_job *j = job_new(sizeof *j, run_cells, cells_done);
+    if (j == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    j->job.clear = clear_cells;
+    j->job.what = "computing cells";
+    j->rows = (struct rows){.form = form, .width = 1};
+    if (!read_request(a, q, v->dt, j)) {
+        job_free(&j->job);
+        return;
+    }
+    j->rows.heavy = s->workers != NULL && !is_light(j, v);
+    if (j->rows.heavy && (j->view = dt_view_begin(v->dt, true)) == NULL) {
+        job_free(&j->job);
+        answer_out_of_memory(a);
+        return;
+    }
+    job_read(s, a, &j->job, v,
+             !j->rows.heavy   ? 0
+             : j->rows.binary ? JOB_HEAVY
+                              : JOB_HEAVY | JOB_BRIEF);
+}
+
+void cmd_voronoi(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    answer_cells(s, set, q, ROW_CELL, a);
+}
+
+void cmd_areas(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    answer_cells(s, set, q, ROW_AREA, a);
+}
