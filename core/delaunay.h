@@ -501,6 +501,14 @@ enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_p
 enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r,
                               const struct dt_options *opt, struct dt_ids *out);
 
+/* Appends triples a b c as DT_TRIANGLES has them, in its order: the triangles that have a point in common with the
+ * closed box. Exact. Cost: O(k log k) for k results, expected. */
+enum dt_status dt_within_triangles(const struct dt *t, struct dt_point lo, struct dt_point hi,
+                                   bool cw, const struct dt_options *opt, struct dt_ids *out);
+
+/* Whether the triangle has. Exact. */
+bool dt_triangle_meets(const struct dt_point p[3], struct dt_point lo, struct dt_point hi);
+
 /* ---- large results beside edits ----
  *
  * The results of dt_within_box, dt_within_disc and dt_nearest, found by a scan of every row of a view, so that
@@ -549,6 +557,21 @@ enum dt_status dt_sweep_end(struct dt_sweep *s, const struct dt_options *opt, st
 
 /* Frees what it owns. */
 void dt_sweep_clear(struct dt_sweep *s);
+
+/* The rows of DT_TRIANGLES that dt_within_triangles finds, or those of DT_LISTS whose points are in the box, found by a
+ * look at every row, a piece at a time. Start with a cursor that has not been read, and the box. */
+struct dt_sift {
+    struct dt_cursor cursor;
+    struct dt_point lo, hi;
+    size_t interior; /* of the rows found so far of DT_LISTS: those of interior points */
+    uint64_t words;  /* that they have all together */
+    /* private from here on */
+    size_t rows;
+};
+
+/* Looks at about so many rows, and appends to *out the triangles, or the points. *done: there are no more. */
+enum dt_status dt_sift_read(const struct dt *t, struct dt_sift *s, size_t rows, struct dt_ids *out,
+                            bool *done);
 
 #ifdef __cplusplus
 }

@@ -7,8 +7,10 @@
  * The nearest k are kept in a heap with the farthest of them on top. */
 #include "core/control/work.h"
 #include "core/delaunay.h"
+#include "core/exact/box.h"
 #include "core/exact/predicates.h"
 #include "core/set/reader.h"
+#include "core/set/view_rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -164,4 +166,88 @@ void dt_sweep_clear(struct dt_sweep *s)
     free(s->hit);
     s->row = NULL;
     s->hit = NULL;
+}
+
+/* ---- the rows of a table that are in a box, or meet it ---- */
+
+enum { SIFT_WORDS = 4096 }; /* read from the table at a time */
+
+static struct dt_point place(const struct dt *t, const struct dt_view *v, uint32_t id)
+{
+    struct dt_row row = {0};
+    dt_view_row(t, v, id, &row);
+    return row.at;
+}
+
+static enum dt_status take_triangle(const struct dt *t, struct dt_sift *s, const uint32_t *row,
+                                    struct dt_ids *out)
+{
+    const struct dt_view *v = s->cursor.view;
+    const struct dt_point p[3] = {place(t, v, row[0]), place(t, v, row[s->cursor.cw ? 2 : 1]),
+                                  place(t, v, row[s->cursor.cw ? 1 : 2])};
+    if (!dt_triangle_meets(p, s->lo, s->hi))
+        return DT_OK;
+    enum dt_status status = dt_ids_reserve(out, 3);
+    for (int i = 0; i < 3 && status == DT_OK; i++)
+        out->v[out->n++] = row[i];
+    s->words += 3;
+    return status;
+}
+
+static enum dt_status take_list(const struct dt *t, struct dt_sift *s, const uint32_t *row,
+                                struct dt_ids *out)
+{
+    const struct dt_box box = {s->lo, s->hi};
+    if (!dt_box_contains(&box, place(t, s->cursor.view, row[0])))
+        return DT_OK;
+    s->interior += s->rows < s->cursor.interior;
+    s->words += 2 + (uint64_t)row[1];
+    return dt_ids_append(out, row[0]);
+}
+
+static enum dt_status take_rows(const struct dt *t, struct dt_sift *s, const uint32_t *v,
+                                size_t words, struct dt_ids *out)
+{
+    bool lists = s->cursor.table == DT_LISTS;
+    enum dt_status status = DT_OK;
+    for (size_t at = 0; at < words && status == DT_OK; at += lists ? 2 + (size_t)v[at + 1] : 3) {
+        status = lists ? take_list(t, s, v + at, out) : take_triangle(t, s, v + at, out);
+        s->rows++;
+    }
+    return status;
+}
+
+/* A row that is longer than usual. */
+static enum dt_status read_long(const struct dt *t, struct dt_sift *s, size_t words,
+                                struct dt_ids *out)
+{
+    size_t rows;
+    uint32_t *v = malloc(words * sizeof *v);
+    if (v == NULL)
+        return DT_NOMEM;
+    enum dt_status status = dt_table_read(t, &s->cursor, v, words, 1, &rows, &words);
+    if (status == DT_OK)
+        status = take_rows(t, s, v, words, out);
+    free(v);
+    return status;
+}
+
+enum dt_status dt_sift_read(const struct dt *t, struct dt_sift *s, size_t rows, struct dt_ids *out,
+                            bool *done)
+{
+    uint32_t v[SIFT_WORDS];
+    enum dt_status status = DT_OK;
+    *done = false;
+    for (size_t end = s->rows + rows; status == DT_OK && !*done && s->rows < end;) {
+        size_t n, words;
+        status = dt_table_read(t, &s->cursor, v, SIFT_WORDS, end - s->rows, &n, &words);
+        if (status == DT_TOOSMALL) {
+            status = read_long(t, s, words, out);
+            continue;
+        }
+        *done = status == DT_OK && n == 0;
+        if (status == DT_OK)
+            status = take_rows(t, s, v, words, out);
+    }
+    return status;
 }

@@ -1,4 +1,4 @@
-/* within.c - the points in a closed box.
+/* within.c - the points in a closed box, and the triangles that meet it.
  *
  * The box and the hull are convex, so what they share is connected, and so are, edge by edge, the
  * triangles that meet it: from one of them a flood across the edges that meet the box reaches all.
@@ -19,6 +19,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Whether the closed segment p-q meets the box: no axis and not the segment's normal separates
  * them. */
@@ -44,7 +45,29 @@ struct flood {
     struct dt_visited vertices, edges; /* seen; an edge by its lower half edge */
     struct dt_ids todo;                /* edges across the box, to be looked at from both sides */
     struct dt_ids *out;                /* borrowed: vertices in the box */
+    struct dt_ids
+        *triangles; /* borrowed: those that meet it, some more than once; NULL: not asked for */
 };
+
+/* The triangle of h, which meets the box. */
+static enum dt_status meet(struct flood *f, uint32_t h)
+{
+    bool asked = f->triangles != NULL && !dt_is_ghost(&f->t->mesh, h);
+    return asked ? dt_ids_append(f->triangles, dt_base(h)) : DT_OK;
+}
+
+/* The same at the origin of h, which is in the box, unless another corner there comes first. */
+static enum dt_status meet_at(struct flood *f, uint32_t h)
+{
+    const struct dt_mesh *m = &f->t->mesh;
+    if (f->triangles == NULL || dt_is_ghost(m, h))
+        return DT_OK;
+    const struct dt_point *xy = f->t->points.xy;
+    uint32_t v = dt_origin(m, h), a = dt_dest(m, h), b = dt_apex_of(m, h);
+    bool first =
+        (a > v || !dt_box_contains(&f->box, xy[a])) && (b > v || !dt_box_contains(&f->box, xy[b]));
+    return first ? meet(f, h) : DT_OK;
+}
 
 /* Takes v if it is in the box. */
 static enum dt_status take(struct flood *f, uint32_t v)
@@ -81,6 +104,8 @@ static enum dt_status look_beyond(struct flood *f, uint32_t h)
         return DT_OK;
     enum dt_status s = take(f, dt_apex_of(m, h));
     if (s == DT_OK)
+        s = meet(f, h);
+    if (s == DT_OK)
         s = cross(f, dt_next(h));
     return s == DT_OK ? cross(f, dt_prev(h)) : s;
 }
@@ -98,6 +123,8 @@ static enum dt_status look_around(struct flood *f, uint32_t v)
             s = take(f, dt_dest(m, h));
         if (s == DT_OK && !dt_is_ghost(m, h))
             s = cross(f, dt_next(h));
+        if (s == DT_OK)
+            s = meet_at(f, h);
         h = dt_turn_ccw(m, h);
     } while (s == DT_OK && h != m->leaving[v]);
     return s;
@@ -107,7 +134,7 @@ static enum dt_status look_around(struct flood *f, uint32_t v)
 static enum dt_status flood(struct flood *f, uint32_t h)
 {
     size_t first = f->out->n, at = first;
-    enum dt_status s = DT_OK;
+    enum dt_status s = meet(f, h);
     for (int k = 0; k < 3 && s == DT_OK; k++, h = dt_next(h)) {
         s = take(f, dt_origin(&f->t->mesh, h));
         if (s == DT_OK)
@@ -168,22 +195,34 @@ static enum dt_status scan_box(const struct dt *t, const struct dt_box *b, struc
     return s;
 }
 
-static enum dt_status flood_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
-                                struct dt_ids *out)
+/* *scan: a scan pays. */
+static enum dt_status flood_from(const struct dt *t, const struct dt_box *b, struct dt_work *work,
+                                 struct dt_ids *out, struct dt_ids *triangles, bool *scan)
 {
     uint32_t h;
     size_t n = out->n;
     enum dt_status s = first_triangle(t, b, work, &h);
+    *scan = false;
     if (s != DT_OK || h == DT_NONE)
         return s;
-    struct flood f = {.t = t, .box = *b, .work = work, .out = out};
+    struct flood f = {.t = t, .box = *b, .work = work, .out = out, .triangles = triangles};
     dt_visited_init(&f.vertices);
     dt_visited_init(&f.edges);
     s = flood(&f, h);
     dt_visited_clear(&f.vertices);
     dt_visited_clear(&f.edges);
     free(f.todo.v);
-    if (s != DT_OK || !dt_scan_pays(t, out->n - n))
+    *scan = dt_scan_pays(t, out->n - n);
+    return s;
+}
+
+static enum dt_status flood_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
+                                struct dt_ids *out)
+{
+    bool scan;
+    size_t n = out->n;
+    enum dt_status s = flood_from(t, b, work, out, NULL, &scan);
+    if (s != DT_OK || !scan)
         return s;
     out->n = n;
     return scan_box(t, b, work, out);
@@ -274,5 +313,95 @@ enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_p
         dt_vertices_to_ids(t, out->v + n, out->n - n);
     else
         out->n = n;
+    return s;
+}
+
+/* ---- the triangles that meet it ---- */
+
+bool dt_triangle_meets(const struct dt_point p[3], struct dt_point lo, struct dt_point hi)
+{
+    struct dt_box b = {lo, hi}, around = dt_box_of(p, 3);
+    return dt_box_overlaps(&around, &b) &&
+           (meets(&b, p[0], p[1]) || meets(&b, p[1], p[2]) || meets(&b, p[2], p[0]) ||
+            (dt_orient2d(p[0], p[1], lo) > 0 && dt_orient2d(p[1], p[2], lo) > 0 &&
+             dt_orient2d(p[2], p[0], lo) > 0));
+}
+
+static enum dt_status scan_triangles(const struct dt *t, const struct dt_box *b,
+                                     struct dt_work *work, struct dt_ids *out)
+{
+    const struct dt_point *xy = t->points.xy;
+    enum dt_status s = DT_OK;
+    for (uint32_t h = 0; h < 8 * t->mesh.tri_end && s == DT_OK; h += 8) {
+        const uint32_t *v = t->mesh.half + h;
+        if (!dt_is_dead(&t->mesh, h) && !dt_is_ghost(&t->mesh, h) &&
+            dt_triangle_meets((struct dt_point[]){xy[v[0]], xy[v[1]], xy[v[2]]}, b->lo, b->hi))
+            s = dt_ids_append(out, h);
+        if (s == DT_OK && (h >> 3 & DT_WORK_MASK) == 0)
+            s = dt_work(work, DT_WORK_BLOCK);
+    }
+    return s;
+}
+
+static int compare_triangles(const void *p, const void *q)
+{
+    const uint32_t *a = p, *b = q;
+    for (int i = 0; i < 3; i++)
+        if (a[i] != b[i])
+            return a[i] < b[i] ? -1 : 1;
+    return 0;
+}
+
+/* Appends the corners of these triangles to *out, sorted, each once. */
+static enum dt_status put_triangles(const struct dt *t, const struct dt_ids *triangles, bool cw,
+                                    struct dt_ids *out)
+{
+    const uint32_t *id = t->points.id;
+    enum dt_status s = dt_ids_reserve(out, 3 * triangles->n);
+    if (s != DT_OK || triangles->n == 0)
+        return s;
+    uint32_t *row = out->v + out->n, *to = row;
+    for (size_t i = 0; i < triangles->n; i++, to += 3) {
+        const uint32_t *v = t->mesh.half + triangles->v[i];
+        uint32_t a = id[v[0]], b = id[v[1]], c = id[v[2]];
+        while (a > b || a > c) {
+            uint32_t first = a;
+            a = b;
+            b = c;
+            c = first;
+        }
+        to[0] = a;
+        to[1] = cw ? c : b;
+        to[2] = cw ? b : c;
+    }
+    qsort(row, triangles->n, 3 * sizeof *row, compare_triangles);
+    for (to = row + 3, out->n += 3; to < row + 3 * triangles->n; to += 3) {
+        if (compare_triangles(to, to - 3) != 0) {
+            memmove(out->v + out->n, to, 3 * sizeof *to);
+            out->n += 3;
+        }
+    }
+    return DT_OK;
+}
+
+enum dt_status dt_within_triangles(const struct dt *t, struct dt_point lo, struct dt_point hi,
+                                   bool cw, const struct dt_options *opt, struct dt_ids *out)
+{
+    struct dt_work work = dt_work_of(opt);
+    struct dt_box b = {lo, hi};
+    struct dt_ids vertices = {0}, triangles = {0};
+    bool scan;
+    enum dt_status s = dt_readable(t);
+    if (s != DT_OK || dt_mesh_is_line(&t->mesh) || lo.x > hi.x || lo.y > hi.y)
+        return s;
+    s = flood_from(t, &b, &work, &vertices, &triangles, &scan);
+    if (s == DT_OK && scan) {
+        triangles.n = 0;
+        s = scan_triangles(t, &b, &work, &triangles);
+    }
+    if (s == DT_OK)
+        s = put_triangles(t, &triangles, cw, out);
+    free(vertices.v);
+    free(triangles.v);
     return s;
 }

@@ -12,6 +12,7 @@
 struct tail {
     size_t n; /* words without the options */
     bool cw, binary;
+    bool within; /* WITHIN and four numbers are all of those */
 };
 
 static struct tail read_tail(const struct request *q)
@@ -25,16 +26,26 @@ static struct tail read_tail(const struct request *q)
         else
             break;
     }
+    t.within = t.n == 7 && word_is(&q->word[2], "WITHIN");
     return t;
 }
 
 /* Whether the number of words and the options are valid for the command; else the ERR line has been written. */
 static bool check_tail(struct answer *a, const struct request *q, const struct tail *t, size_t most)
 {
-    if (t->n <= most && (!t->binary || t->n == 2))
+    if (t->n <= most && (!t->binary || t->n == 2 || t->within))
         return true;
     answer_usage(a, q);
     return false;
+}
+
+/* Answers with the rows of a table that are in a box. */
+static void answer_within(struct server *s, struct dataset *set, const struct request *q,
+                          const struct tail *t, enum query_kind kind, struct answer *a)
+{
+    struct query query = {.kind = kind, .cw = t->cw, .binary = t->binary, .within = true};
+    if (read_box(a, &q->word[3], &query.place.at, &query.hi))
+        query_answer(s, a, set, &query);
 }
 
 /* ---- LISTS ---- */
@@ -65,6 +76,8 @@ void cmd_lists(struct server *s, struct dataset *set, const struct request *q, s
         return;
     if (t.n == 2)
         stream_answer_table(s, a, set->current, DT_LISTS, t.cw, t.binary);
+    else if (t.within)
+        answer_within(s, set, q, &t, QUERY_LISTS, a);
     else
         lists_of_points(s, set, q, &t, a);
 }
@@ -75,8 +88,12 @@ void cmd_triangles(struct server *s, struct dataset *set, const struct request *
 {
     struct tail t = read_tail(q);
     struct query query = {.kind = QUERY_TRIANGLES, .cw = t.cw};
-    if (!check_tail(a, q, &t, 5))
+    if (!check_tail(a, q, &t, t.within ? 7 : 5))
         return;
+    if (t.within) {
+        answer_within(s, set, q, &t, QUERY_TRIANGLES, a);
+        return;
+    }
     if (t.n == 2) {
         stream_answer_table(s, a, set->current, DT_TRIANGLES, t.cw, t.binary);
         return;

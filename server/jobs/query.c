@@ -84,6 +84,34 @@ static enum dt_status order_lists(const struct dt *dt, struct query *q,
     return dt_lists_order(dt, q->cw, q->ids.v, q->ids.n, opt, &q->ids.n, &q->interior);
 }
 
+/* The words of the rows in binary; degrees have been looked at before. */
+static uint64_t list_words(const struct dt *dt, const struct dt_ids *ids)
+{
+    uint64_t words = 0;
+    for (size_t i = 0; i < ids->n; i++)
+        words += 2 + (uint64_t)dt_degree_up_to(dt, ids->v[i], DT_NONE);
+    return words;
+}
+
+static enum dt_status find_within(const struct dt *dt, struct query *q,
+                                  const struct dt_options *opt)
+{
+    enum dt_status status;
+    if (q->kind == QUERY_TRIANGLES) {
+        status = dt_within_triangles(dt, q->place.at, q->hi, q->cw, opt, &q->ids);
+        q->words = q->ids.n;
+        return status;
+    }
+    status = dt_within_box(dt, q->place.at, q->hi, opt, &q->ids);
+    if (status == DT_OK)
+        status = order_lists(dt, q, opt);
+    if (status != DT_OK)
+        q->ids.n = 0;
+    else if (q->binary)
+        q->words = list_words(dt, &q->ids);
+    return status;
+}
+
 /* Computes the weights, which needs the set no more, as rows of the result. */
 static enum dt_status finish_weights(struct dt_weigher *w, const struct dt_options *opt,
                                      struct dt_ids *ids)
@@ -117,6 +145,8 @@ static enum dt_status find_weights(const struct dt *dt, struct query *q,
 static enum dt_status search(const struct dt *dt, struct query *q, const struct dt_options *opt)
 {
     enum dt_status status = DT_OK;
+    if (q->within)
+        return find_within(dt, q, opt);
     switch (q->kind) {
     case QUERY_LISTS:
         return order_lists(dt, q, opt);
@@ -142,8 +172,12 @@ static enum dt_status search(const struct dt *dt, struct query *q, const struct 
 
 static inline struct rows rows_of(const struct query *q, struct version *v)
 {
-    struct rows rows = {
-        .version = v, .form = ROW_POINT, .width = 1, .from = q->place.at, .cw = q->cw};
+    struct rows rows = {.version = v,
+                        .form = ROW_POINT,
+                        .width = 1,
+                        .from = q->place.at,
+                        .cw = q->cw,
+                        .binary = q->binary};
     if (q->kind == QUERY_LISTS)
         rows.form = ROW_RING;
     if (q->kind == QUERY_NEAREST)
@@ -162,11 +196,16 @@ static inline struct rows rows_of(const struct query *q, struct version *v)
 /* Writes the reply; *rows are those of the result. */
 static inline void answer(struct server *s, struct answer *a, struct query *q, struct rows *rows)
 {
-    reply_ok(a->out, q->ids.n / rows->width);
+    size_t n = q->ids.n / rows->width;
+    reply_ok(a->out, q->binary ? 0 : n);
     if (q->kind == QUERY_LISTS) {
         reply_key_u64(a->out, "interior", q->interior);
         reply_key_u64(a->out, "boundary", q->ids.n - q->interior);
+    } else if (q->binary) {
+        reply_key_u64(a->out, "rows", n);
     }
+    if (q->binary)
+        reply_key_u64(a->out, "bytes", q->words * sizeof(uint32_t));
     reply_end(a->out);
     stream_answer(s, a, rows, &q->ids);
 }
@@ -216,6 +255,31 @@ static enum dt_status sweep(struct query_job *j)
     return status;
 }
 
+/* The same for rows of tables in a box. */
+static enum dt_status sift(struct query_job *j)
+{
+    struct version *v = j->job.base;
+    bool worker = j->job.queued_ns > 0, done = false;
+    struct query *q = &j->query;
+    struct dt_sift sift = {.lo = q->place.at, .hi = q->hi};
+    enum dt_status status = dt_table_begin(
+        v->dt, j->view, q->kind == QUERY_LISTS ? DT_LISTS : DT_TRIANGLES, q->cw, &sift.cursor);
+    while (status == DT_OK && !done) {
+        size_t more = q->ids.cap + 2 * (q->ids.n + 3 * SWEEP_ROWS);
+        j->busy = !reservation_resize(&j->job.memory, more * sizeof(uint32_t));
+        status = j->busy ? DT_NOMEM : dt_sift_read(v->dt, &sift, SWEEP_ROWS, &q->ids, &done);
+        if (worker) { /* edits go on */
+            version_unlock(v);
+            version_lock_read(v);
+        }
+        if (status == DT_OK && atomic_load(&j->job.cancel))
+            status = DT_CANCELLED;
+    }
+    q->interior = sift.interior;
+    q->words = sift.words;
+    return status;
+}
+
 /* Computes the weights within a limit, or exactly, if there is memory for that. */
 static enum dt_status weigh_reserved(struct query_job *j, struct dt_weigher *w, bool exact)
 {
@@ -261,11 +325,14 @@ static void run_job(struct job *job)
         job->status = weigh(j);
         return;
     }
-    bool reads = form != ROW_IDS; /* the rows of the result, later */
+    bool reads = form != ROW_IDS || j->query.within; /* the rows of the result, later */
     if (reads)
-        j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS);
+        j->view = dt_view_begin(job->dt, j->query.kind == QUERY_LISTS || j->query.within);
     job->status = reads && j->view == NULL ? DT_NOMEM : search(job->dt, &j->query, &opt);
-    if (job->status == DT_TOOLONG || (job->status == DT_UNTRIANGULATED && may_sweep(&j->query)))
+    if (job->status == DT_TOOLONG && j->query.within)
+        job->status = sift(j);
+    else if (job->status == DT_TOOLONG ||
+             (job->status == DT_UNTRIANGULATED && may_sweep(&j->query)))
         job->status = sweep(j);
 }
 
@@ -320,7 +387,7 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
     j->job.clear = clear_job;
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->job.what = "searching";
-    j->steps = may_sweep(q) ? steps_locked(v->sum.points) : 0;
+    j->steps = may_sweep(q) || q->within ? steps_locked(v->sum.points) : 0;
     j->query = *q;
     job_read(s, a, &j->job, v, light ? 0 : JOB_HEAVY | JOB_BRIEF);
 }

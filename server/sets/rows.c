@@ -37,6 +37,14 @@ static void write_point(struct rows *r, struct buf *out, uint32_t id)
     }
 }
 
+static void write_ids(struct rows *r, struct buf *out, const uint32_t *id, size_t n)
+{
+    if (r->binary)
+        reply_words_u32(out, id, n);
+    else
+        reply_row_ids(out, id, n);
+}
+
 static void write_ring(struct rows *r, struct buf *out, uint32_t id)
 {
     uint32_t rep;
@@ -45,6 +53,12 @@ static void write_ring(struct rows *r, struct buf *out, uint32_t id)
     r->status = dt_view_ring(r->version->dt, r->view, id, r->cw, &r->ring, &rep, &boundary);
     if (r->status != DT_OK)
         return;
+    if (r->binary) {
+        uint32_t head[2] = {rep, (uint32_t)r->ring.n};
+        reply_words_u32(out, head, 2);
+        reply_words_u32(out, r->ring.v, r->ring.n);
+        return;
+    }
     reply_row_ids(out, &rep, 1);
     if (r->ring.n > 0 && !out->failed) {
         out->data[out->end - 1] = ' '; /* the ring goes on the same line */
@@ -83,7 +97,7 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
         if (r->at % DT_AHEAD == 0 && r->ids.n > 1)
             fetch_next(r);
         if (r->form == ROW_IDS)
-            reply_row_ids(out, id, r->width);
+            write_ids(r, out, id, r->width);
         else if (r->form == ROW_RING)
             write_ring(r, out, *id);
         else if (r->form == ROW_VALUE)
