@@ -28,6 +28,9 @@ int command_export(struct delaunay_client *c, int argc, char **argv);
 /* show SET: draws a triangulated set in the terminal. */
 int command_show(struct delaunay_client *c, int argc, char **argv);
 
+/* voronoi SET FILE: Voronoi cells. Where no file is named it sends the words as a request line. */
+int command_voronoi(struct delaunay_client *c, int argc, char **argv);
+
 /* trace SET FILE: a film of the paper's algorithm at work on a small set. */
 int command_trace(struct delaunay_client *c, int argc, char **argv);
 

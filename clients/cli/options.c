@@ -3,8 +3,10 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "clients/cli/command.h"
+#include "proto/number.h"
 
 int options_next(int argc, char **argv, const char *letters, const struct option *options)
 {
@@ -43,4 +45,26 @@ int options_unknown(const char *command, char **argv, int option)
     const char *name = optopt != 0 && optopt < 128 && word[1] != '-' ? letter : word;
     return options_wrong(command,
                          option == ':' ? "the option %s needs a value" : "unknown option %s", name);
+}
+
+bool options_name_file(int argc, char **argv)
+{
+    double number;
+    for (int i = 1; i < argc; i++) {
+        bool is_number = proto_read_double(argv[i], strlen(argv[i]), &number);
+        if (!is_number && (argv[i][0] == '-' || (i > 1 && strpbrk(argv[i], "./") != NULL)))
+            return true;
+    }
+    return false;
+}
+
+bool options_read_box(const char *text, double *box)
+{
+    for (int i = 0; i < 4; i++) {
+        size_t len = strcspn(text, ",");
+        if (!proto_read_double(text, len, &box[i]) || (text[len] == ',') != (i < 3))
+            return false;
+        text += len + 1;
+    }
+    return box[0] < box[2] && box[1] < box[3];
 }

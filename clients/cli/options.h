@@ -3,6 +3,7 @@
 #define CLIENTS_OPTIONS_H
 
 #include <getopt.h>
+#include <stdbool.h>
 
 /* getopt_long without messages of its own. */
 int options_next(int argc, char **argv, const char *letters, const struct option *options);
@@ -14,5 +15,12 @@ __attribute__((format(printf, 2, 3))) int options_wrong(const char *command, con
 
 /* The same for what options_next has just returned: an unknown option or one without a value. */
 int options_unknown(const char *command, char **argv, int option);
+
+/* Whether the arguments are those of a subcommand that writes a file, not of the request of the same name: one of
+ * them is an option, or names a file: "-", or a word with a '.' or '/' that is no number. */
+bool options_name_file(int argc, char **argv);
+
+/* Reads X0,Y0,X1,Y1, from lower left to upper right. */
+bool options_read_box(const char *text, double *box);
 
 #endif

@@ -52,6 +52,19 @@ const struct subcommand subcommands[] = {
      "written by delaunay, or was changed since, is replaced only with --force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
      "--format --colour --numbers --viewport --force --help", true},
+    {"voronoi", command_voronoi, false, true,
+     "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
+     "Writes the Voronoi cells of the triangulated set (- for the standard output). Without a file "
+     "the\n"
+     "words are sent as the request VORONOI.\n\n"
+     "  -f, --format F        geojson, a Polygon each; wkt; svg, a picture. Else the file's "
+     "ending\n"
+     "      --viewport BOX    clips the cells: X0,Y0,X1,Y1; else the box around all points, grown "
+     "by half\n"
+     "      --field F         colours the cells of the picture by a field; without it by z, if "
+     "there is one\n"
+     "      --force           replace any file\n",
+     "--format --viewport --field --force --help", true},
     {"show", command_show, false, true, "show SET [--width COLUMNS] [--height LINES] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red. Without\n"
      "--width and --height it fills the terminal; --plain leaves colours out, as\n"

@@ -10,7 +10,9 @@
 
 static const char read_sets[] = "sets 2>/dev/null | sed -n '2,$s/ .*//p'";
 static const char global_options[] = "--host --port --url --json --help --version";
-static const char inputs[] = "xy csv geojson node xyz";
+static const char inputs[] = "xy csv geojson node xyz", shapes[] = "geojson svg wkt",
+                  colours[] = "quality degree";
+static const char valued[] = " --columns | --viewport | --seconds | --width | --height | --field ";
 
 static void put_formats(void)
 {
@@ -46,15 +48,26 @@ static void put_shell_scan(const char *word, const char *from, const char *to)
            "        case $w in\n"
            "        -h | -p | -u | --host | --port | --url)\n"
            "            where+=(\"$w\" \"${%s[i + 1]}\"); ((i++)) ;;\n"
-           "        -f | -c | --format | --input-format | --columns | --colour | --viewport | "
-           "--seconds | "
-           "--width | --height)\n"
+           "        -f | -c | --format | --input-format | --colour | %s)\n"
            "            ((i++)) ;;\n"
            "        -*) ;;\n"
            "        *) if [[ -z $command ]]; then command=$w; else ((at += 1)); fi ;;\n"
            "        esac\n"
            "    done\n",
-           from, to, word, word);
+           from, to, word, word, valued);
+}
+
+/* What stands behind options that have values, as words between `before` and `after`. */
+static void put_value_cases(const char *before, const char *after)
+{
+    printf("    -f | --format)\n        case $command in\n        load) %s%s%s ;;\n"
+           "        voronoi) %s%s%s ;;\n        *) %s",
+           before, inputs, after, before, shapes, after, before);
+    put_formats();
+    printf("%s ;;\n        esac\n        return ;;\n    --input-format) %s%s%s; return ;;\n"
+           "    --colour) %s%s%s; return ;;\n"
+           "    -h | -p | -u | -c | --host | --port | --url | %s) return ;;\n    esac\n",
+           after, before, inputs, after, before, colours, after, valued);
 }
 
 /* A case for each subcommand's options, which are words of `before` ... `after`. */
@@ -74,16 +87,8 @@ static void put_bash(void)
     puts("# bash completion for delaunay\n_delaunay()\n{\n"
          "    local word=${COMP_WORDS[COMP_CWORD]} last=${COMP_WORDS[COMP_CWORD - 1]}");
     put_shell_scan("COMP_WORDS", "1", "COMP_CWORD");
-    fputs("    case $last in\n    -f | --format)\n        if [[ $command == load ]]; then ",
-          stdout);
-    printf("%s%s%s; else %s", reply, inputs, end, reply);
-    put_formats();
-    printf("%s; fi\n        return ;;\n    --input-format) %s%s%s; return ;;\n", end, reply, inputs,
-           end);
-    printf("    --colour) %squality degree%s; return ;;\n"
-           "    -h | -p | -u | -c | --host | --port | --url | --columns | --viewport | --seconds | "
-           "--width | --height) return ;;\n    esac\n",
-           reply, end);
+    puts("    case $last in");
+    put_value_cases(reply, end);
     puts("    if [[ $word == -* ]]; then\n        case $command in");
     put_option_cases(reply, end);
     fputs("        esac\n        return\n    fi\n    case $command in\n", stdout);
@@ -109,16 +114,9 @@ static void put_zsh(void)
 {
     puts("#compdef delaunay\n_delaunay()\n{\n    local last=${words[CURRENT - 1]}");
     put_shell_scan("words", "2", "CURRENT");
-    fputs("    case $last in\n    -f | --format)\n        if [[ $command == load ]]; then compadd ",
-          stdout);
-    printf("%s; else compadd ", inputs);
-    put_formats();
-    printf("; fi\n        return ;;\n    --input-format) compadd %s; return ;;\n"
-           "    --colour) compadd quality degree; return ;;\n"
-           "    -h | -p | -u | -c | --host | --port | --url | --columns | --viewport | --seconds | "
-           "--width | --height) return ;;\n    esac\n"
-           "    if [[ ${words[CURRENT]} == -* ]]; then\n        case $command in\n",
-           inputs);
+    puts("    case $last in");
+    put_value_cases("compadd ", "");
+    puts("    if [[ ${words[CURRENT]} == -* ]]; then\n        case $command in");
     put_option_cases("compadd -- ", "");
     fputs("        esac\n        return\n    fi\n    case $command in\n    '') compadd ", stdout);
     put_names(KIND_ALL, " ");
@@ -141,7 +139,6 @@ static void put_zsh(void)
 /* A rule for each word that begins with "--". */
 static void put_fish_options(const struct subcommand *s)
 {
-    static const char *const valued = " --columns --viewport --seconds --width --height ";
     for (const char *p = s->options; p != NULL; p = strchr(p, ' ')) {
         char word[32];
         p += *p == ' ';
@@ -151,7 +148,9 @@ static void put_fish_options(const struct subcommand *s)
         printf("complete -c delaunay -n '__fish_seen_subcommand_from %s' -l %.*s", s->name,
                (int)strcspn(p + 2, " "), p + 2);
         if (strcmp(word, " --colour ") == 0) {
-            fputs(" -x -a 'quality degree'", stdout);
+            printf(" -x -a '%s'", colours);
+        } else if (strcmp(word, " --format ") == 0 && s->run == command_voronoi) {
+            printf(" -x -a '%s'", shapes);
         } else if (strcmp(word, " --input-format ") == 0 ||
                    (strcmp(word, " --format ") == 0 && s->run == command_load)) {
             printf(" -x -a '%s'", inputs);
@@ -194,7 +193,7 @@ static void put_fish(void)
     printf("; and __delaunay_at 2' -a \"(delaunay %s)\"\n",
            "sets 2>/dev/null | sed -n '2,\\$s/ .*//p'");
     fputs("complete -c delaunay -n '__fish_seen_subcommand_from draw run' -F\n"
-          "complete -c delaunay -n '__fish_seen_subcommand_from load export trace; and not "
+          "complete -c delaunay -n '__fish_seen_subcommand_from load export trace voronoi; and not "
           "__delaunay_at "
           "2' -F\n"
           "complete -c delaunay -n '__fish_seen_subcommand_from client' -a 'LIST KILL'\n"

@@ -2,59 +2,49 @@
  * The file appears under its name when it is complete. */
 #include "clients/commands/export.h"
 
-#include <errno.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "clients/cli/child.h"
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
-#include "clients/files/part_file.h"
-#include "proto/number.h"
+#include "clients/commands/output.h"
 
-static int say_fault(const char *about, const char *what)
+struct export_work {
+    struct export *e;
+    const char *name;
+    struct model *m;
+};
+
+static int write_model(void *ctx, FILE *out)
 {
-    fprintf(stderr, "delaunay: %s%s%s\n", about, about[0] != '\0' ? ": " : "", what);
-    return EXIT_REFUSED;
+    struct export_work *w = ctx;
+    bool written = w->e->format != NULL ? w->e->format->write(out, w->m)
+                                        : picture_write(out, &w->e->picture, w->name, w->m);
+    return written ? EXIT_DONE : output_fault("", "out of memory");
 }
 
-static int file_failed(const char *path)
+/* Turns a drawing into a PNG in its place, with librsvg's or Inkscape's program. */
+static int make_png(const char *part, const char *path)
 {
-    return say_fault(path, strerror(errno));
-}
-
-static int write_to(FILE *out, struct export *e, const char *name, struct model *m)
-{
-    bool written =
-        e->format != NULL ? e->format->write(out, m) : picture_write(out, &e->picture, name, m);
-    return written ? EXIT_DONE : say_fault("", "out of memory");
-}
-
-/* Turns the drawing f->part into a PNG in its place, with librsvg's or Inkscape's program. */
-static bool make_png(struct part_file *f)
-{
-    char png[sizeof f->part + 4];
-    int status = -1;
-    snprintf(png, sizeof png, "%s.png", f->part);
-    pid_t child = fork();
-    if (child == 0) {
-        execlp("rsvg-convert", "rsvg-convert", "-o", png, f->part, (char *)NULL);
-        execlp("inkscape", "inkscape", "--export-type=png", "--export-filename", png, f->part,
-               (char *)NULL);
-        _exit(127);
-    }
-    if (child < 0 || waitpid(child, &status, 0) != child)
-        return false;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-        say_fault(f->path, "PNG needs rsvg-convert (Debian: librsvg2-bin) or inkscape");
+    char png[4200], drawing[4200];
+    snprintf(png, sizeof png, "%s.png", part);
+    snprintf(drawing, sizeof drawing, "%s", part);
+    char rsvg[] = "rsvg-convert", o[] = "-o", *with_rsvg[] = {rsvg, o, png, drawing, NULL};
+    char inkscape[] = "inkscape", type[] = "--export-type=png", name[] = "--export-filename";
+    char *with_inkscape[] = {inkscape, type, name, png, drawing, NULL};
+    int status = child_run(with_rsvg);
+    if (status == CHILD_MISSING)
+        status = child_run(with_inkscape);
+    if (status == CHILD_MISSING)
+        output_fault(path, "PNG needs rsvg-convert (Debian: librsvg2-bin) or inkscape");
     else if (status != 0)
-        say_fault(f->path, "the drawing could not be converted");
-    else if (rename(png, f->part) != 0)
-        status = file_failed(f->path);
+        output_fault(path, "the drawing could not be converted");
+    else if (rename(png, part) != 0)
+        status = output_failed(path);
     if (status != 0)
         unlink(png);
-    return status == 0;
+    return status == 0 ? EXIT_DONE : EXIT_REFUSED;
 }
 
 static void report(const struct export *e, size_t points, const struct model *m)
@@ -76,64 +66,27 @@ static void report(const struct export *e, size_t points, const struct model *m)
     }
 }
 
-static int write_file(struct export *e, const char *name, struct model *m)
-{
-    struct part_file f;
-    const char *fault = part_file_open(&f, e->path);
-    if (fault != NULL)
-        return file_failed(fault);
-    setvbuf(f.out, NULL, _IOFBF, 1 << 18);
-    size_t points = m->n;
-    int status = write_to(f.out, e, name, m);
-    bool written = part_file_close(&f);
-    if (status == EXIT_DONE && !written)
-        status = file_failed(e->path);
-    if (status == EXIT_DONE && e->png && !make_png(&f))
-        status = EXIT_REFUSED;
-    if (status == EXIT_DONE && !part_file_keep(&f))
-        status = file_failed(e->path);
-    if (status != EXIT_DONE)
-        part_file_drop(&f);
-    else
-        report(e, points, m);
-    return status;
-}
-
-static int write_standard_output(struct export *e, const char *name, struct model *m)
-{
-    int status = write_to(stdout, e, name, m);
-    return status == EXIT_DONE && fflush(stdout) != 0 ? file_failed("standard output") : status;
-}
-
 int export_set(struct delaunay_client *c, struct export *e, const char *set, const char *name)
 {
     struct model m = {0};
+    struct export_work work = {e, name, &m};
     int status;
     unsigned parts = MODEL_TRIANGLES | MODEL_HULL | (e->format != NULL ? e->format->parts : 0);
     enum delaunay_result r = model_fetch(c, set, parts, &m);
+    size_t points = m.n;
     if (r == DELAUNAY_STOPPED)
-        status = say_fault("", m.fault);
+        status = output_fault("", m.fault);
     else if (r != DELAUNAY_OK)
         status = command_outcome(c, r);
     else
-        status = strcmp(e->path, "-") == 0 ? write_standard_output(e, name, &m)
-                                           : write_file(e, name, &m);
+        status = output_write(e->path, write_model, &work, e->png ? make_png : NULL);
+    if (status == EXIT_DONE && !output_is_standard(e->path))
+        report(e, points, &m);
     model_free(&m);
     return status;
 }
 
 /* ---- arguments ---- */
-
-static bool read_box(const char *text, double *box)
-{
-    for (int i = 0; i < 4; i++) {
-        size_t len = strcspn(text, ",");
-        if (!proto_read_double(text, len, &box[i]) || (text[len] == ',') != (i < 3))
-            return false;
-        text += len + 1;
-    }
-    return box[0] < box[2] && box[1] < box[3];
-}
 
 static bool read_colour(const char *text, enum picture_colour *colour)
 {
@@ -151,7 +104,7 @@ int export_option(struct export *e, int option, char **argv)
         e->force = true;
     else if (option == 'o' && !read_colour(optarg, &e->picture.colour))
         return options_wrong(argv[0], "unknown colour %s; there are quality and degree", optarg);
-    else if (option == 'v' && !read_box(optarg, e->picture.box))
+    else if (option == 'v' && !options_read_box(optarg, e->picture.box))
         return options_wrong(
             argv[0], "the viewport %s is no X0,Y0,X1,Y1 from lower left to upper right", optarg);
     else if (option == 'v')
@@ -163,20 +116,14 @@ int export_option(struct export *e, int option, char **argv)
 
 int export_prepare(struct export *e, char **argv)
 {
-    const char *dot = strrchr(e->path, '.'), *name = e->form;
-    bool standard = strcmp(e->path, "-") == 0;
-    if (name == NULL)
-        name = standard || dot == NULL || strchr(dot, '/') != NULL ? "svg" : dot + 1;
+    const char *name = output_form(e->form, e->path, "svg");
     e->png = strcmp(name, "png") == 0;
     e->format = format_find(name);
     if (e->format == NULL && !e->png && strcmp(name, "svg") != 0)
         return options_wrong(argv[0], "unknown format %s", name);
-    if (e->png && standard)
+    if (e->png && output_is_standard(e->path))
         return options_wrong(argv[0], "a PNG needs a file");
-    if (standard || e->force || !part_file_is_foreign(e->path))
-        return EXIT_DONE;
-    part_file_refuse(e->path);
-    return EXIT_REFUSED;
+    return output_check(e->path, e->force);
 }
 
 int command_export(struct delaunay_client *c, int argc, char **argv)

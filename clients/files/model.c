@@ -59,18 +59,50 @@ static double number(const char *at)
 
 static bool take_points(struct model *m, const struct block *b)
 {
-    if (b->n != b->rows * 20)
+    size_t size = 20 + 8 * m->fields;
+    if (b->n != b->rows * size)
         return fault(m, "a point of another size");
     m->n = (size_t)b->rows;
     m->id = malloc((m->n + 1) * sizeof m->id[0]);
     m->xy = malloc((m->n + 1) * 2 * sizeof m->xy[0]);
-    if (m->id == NULL || m->xy == NULL)
+    m->value = malloc((m->n * m->fields + 1) * sizeof m->value[0]);
+    if (m->id == NULL || m->xy == NULL || m->value == NULL)
         return fault(m, "out of memory");
     for (size_t i = 0; i < m->n; i++) {
-        m->id[i] = word(b->bytes + 20 * i);
-        m->xy[2 * i] = number(b->bytes + 20 * i + 4);
-        m->xy[2 * i + 1] = number(b->bytes + 20 * i + 12);
+        const char *row = b->bytes + size * i;
+        m->id[i] = word(row);
+        m->xy[2 * i] = number(row + 4);
+        m->xy[2 * i + 1] = number(row + 12);
+        for (size_t k = 0; k < m->fields; k++)
+            m->value[m->fields * i + k] = number(row + 20 + 8 * k);
     }
+    return true;
+}
+
+int model_field(const struct model *m, const char *name)
+{
+    for (size_t i = 0; i < m->fields; i++)
+        if (strcmp(m->field[i], name) == 0)
+            return (int)i;
+    return -1;
+}
+
+/* A row `name count least most` of FIELDS. */
+static bool take_field(void *ctx, const struct delaunay_part *part)
+{
+    struct model *m = ctx;
+    if (part->kind == DELAUNAY_PART_OK && delaunay_rows(part) > 0) {
+        m->field = malloc(MODEL_MOST_FIELDS * sizeof m->field[0]);
+        return m->field != NULL || fault(m, "out of memory");
+    }
+    if (part->kind != DELAUNAY_PART_ROW)
+        return true;
+    const char *space = memchr(part->text, ' ', part->len);
+    size_t len = space != NULL ? (size_t)(space - part->text) : part->len;
+    if (len == 0 || len >= MODEL_NAME || m->fields == MODEL_MOST_FIELDS)
+        return fault(m, "a row is no field");
+    memcpy(m->field[m->fields], part->text, len);
+    m->field[m->fields++][len] = '\0';
     return true;
 }
 
@@ -131,9 +163,31 @@ static bool take_hull_point(void *ctx, const struct delaunay_part *part)
 static enum delaunay_result send_table(struct delaunay_client *c, const char *command,
                                        const char *set, const char *form)
 {
-    char line[160];
+    char line[MODEL_MOST_FIELDS * MODEL_NAME + 200];
     int n = snprintf(line, sizeof line, "%s %.100s%s", command, set, form);
     return delaunay_send(c, line, (size_t)n);
+}
+
+/* A server that knows no fields has none. */
+static enum delaunay_result fetch_fields(struct delaunay_client *c, const char *set,
+                                         struct model *m)
+{
+    enum delaunay_result r = send_table(c, "FIELDS", set, "");
+    if (r == DELAUNAY_OK)
+        r = delaunay_receive(c, take_field, m);
+    return r == DELAUNAY_REFUSED ? DELAUNAY_OK : r;
+}
+
+static enum delaunay_result send_points(struct delaunay_client *c, const char *set,
+                                        const struct model *m)
+{
+    char form[MODEL_MOST_FIELDS * MODEL_NAME + 40];
+    size_t n = 0;
+    for (size_t i = 0; i < m->fields; i++)
+        n += (size_t)snprintf(form + n, sizeof form - n, "%s%s", i == 0 ? " FIELDS " : ",",
+                              m->field[i]);
+    snprintf(form + n, sizeof form - n, " BINARY");
+    return send_table(c, "POINTS", set, form);
 }
 
 static enum delaunay_result receive_points(struct delaunay_client *c, struct model *m)
@@ -160,7 +214,9 @@ static enum delaunay_result receive_ids(struct delaunay_client *c, struct model 
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m)
 {
-    enum delaunay_result r = send_table(c, "POINTS", set, " BINARY");
+    enum delaunay_result r = (parts & MODEL_FIELDS) != 0 ? fetch_fields(c, set, m) : DELAUNAY_OK;
+    if (r == DELAUNAY_OK)
+        r = send_points(c, set, m);
     if (r == DELAUNAY_OK && (parts & MODEL_TRIANGLES) != 0)
         r = send_table(c, "TRIANGLES", set, " BINARY");
     if (r == DELAUNAY_OK && (parts & MODEL_EDGES) != 0)
@@ -186,6 +242,8 @@ void model_free(struct model *m)
 {
     free(m->id);
     free(m->xy);
+    free(m->field);
+    free(m->value);
     free(m->triangle);
     free(m->edge);
     free(m->hull);

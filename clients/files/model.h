@@ -6,10 +6,15 @@
 
 #include <stdint.h>
 
+enum { MODEL_NAME = 65, MODEL_MOST_FIELDS = 64 };
+
 struct model {
     uint32_t *id; /* owns n, ascending */
     double *xy;   /* owns 2n */
     size_t n;
+    char (*field)[MODEL_NAME]; /* owns: the names of its `fields` fields */
+    double *value;             /* owns n * fields; nan: missing */
+    size_t fields;
     uint32_t *triangle; /* owns 3 * triangles: places in id and xy, counterclockwise */
     size_t triangles;
     uint32_t *edge; /* owns 2 * edges: places */
@@ -19,7 +24,7 @@ struct model {
     const char *fault; /* why a call returned DELAUNAY_STOPPED: a static sentence */
 };
 
-enum model_parts { MODEL_TRIANGLES = 1, MODEL_EDGES = 2, MODEL_HULL = 4 };
+enum model_parts { MODEL_TRIANGLES = 1, MODEL_EDGES = 2, MODEL_HULL = 4, MODEL_FIELDS = 8 };
 
 /* Fetches the points of the set and, of its triangulation, the parts asked for; *m must be zeroed.
  * The requests are pipelined. DELAUNAY_STOPPED: m->fault tells. The caller frees *m whatever the
@@ -27,6 +32,15 @@ enum model_parts { MODEL_TRIANGLES = 1, MODEL_EDGES = 2, MODEL_HULL = 4 };
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m);
 void model_free(struct model *m);
+
+/* The column of a field of that name; -1 if there is none. */
+int model_field(const struct model *m, const char *name);
+
+/* The value of a field at a place. */
+static inline double model_value(const struct model *m, int field, size_t place)
+{
+    return m->value[place * m->fields + (size_t)field];
+}
 
 /* The place of an id; false if it is not there. */
 bool model_find(const struct model *m, uint32_t id, uint32_t *place);

@@ -54,15 +54,18 @@ bool part_file_close(struct part_file *f)
     return fclose(f->out) == 0 && written;
 }
 
-bool part_file_keep(struct part_file *f)
+bool part_file_adopt(const char *from, const char *path)
 {
     char mark[MARK_ROOM];
     struct stat st;
-    if (f->direct)
-        return true;
-    if (stat(f->part, &st) == 0) /* not all file systems can: then it will be taken for another's */
-        (void)!setxattr(f->part, mark_name, mark, write_mark(mark, &st), 0);
-    return rename(f->part, f->path) == 0;
+    if (stat(from, &st) == 0) /* not all file systems can: then it will be taken for another's */
+        (void)!setxattr(from, mark_name, mark, write_mark(mark, &st), 0);
+    return rename(from, path) == 0;
+}
+
+bool part_file_keep(struct part_file *f)
+{
+    return f->direct || part_file_adopt(f->part, f->path);
 }
 
 void part_file_drop(struct part_file *f)

@@ -26,6 +26,9 @@ const char *part_file_open(struct part_file *f, const char *path);
 /* Ends the writing. False if some of it failed: see errno. */
 bool part_file_close(struct part_file *f);
 
+/* Marks the file `from`, which another program has written for us, and names it `path`. */
+bool part_file_adopt(const char *from, const char *path);
+
 /* After it: marks the file and gives it its name, or removes it. */
 bool part_file_keep(struct part_file *f);
 void part_file_drop(struct part_file *f);

@@ -25,6 +25,7 @@ static const char style[] = "<style>\n"
                             ".q6 { fill: #d1e5f0 } .q7 { fill: #92c5de } .q8 { fill: #4393c3 }\n"
                             ".q9 { fill: #2166ac }\n"
                             ".q0, .q1, .q2, .q3, .q4, .q5, .q6, .q7, .q8, .q9 { stroke: #fff }\n"
+                            ".k { stroke: #5b3a1e } .l { stroke: #3c2410 }\n"
                             ".f { stroke: #b5c7d9 } .s { stroke: #17324f }\n"
                             "text { font-family: sans-serif; fill: #17324f }\n"
                             "</style>\n";
@@ -159,7 +160,12 @@ static void path_item(struct svg *s, const char *class, double width)
     if (s->in_path == PATH_MAX_ITEMS || strcmp(s->class, class) != 0)
         path_end(s);
     snprintf(s->class, sizeof s->class, "%s", class);
-    if (s->in_path++ == 0)
+    if (s->in_path++ > 0)
+        return;
+    if (class[0] == '#')
+        fprintf(s->out, "<path style=\"fill:%s;stroke:%s\" stroke-width=\"%.4g\" d=\"", class,
+                s->edges ? "#fff" : class, width);
+    else
         fprintf(s->out, "<path class=\"%s\" stroke-width=\"%.4g\" d=\"", class, width);
 }
 
@@ -229,6 +235,54 @@ void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const d
                          const double *c)
 {
     draw_triangle(s, (const char[]){'q', (char)('0' + shade % SVG_SHADES), 0}, a, b, c);
+}
+
+static void write_colour(char *class, uint32_t rgb)
+{
+    snprintf(class, 8, "#%06x", (unsigned)(rgb & 0xFFFFFF));
+}
+
+void svg_coloured_triangle(struct svg *s, uint32_t rgb, const double *a, const double *b,
+                           const double *c)
+{
+    char class[8];
+    write_colour(class, rgb);
+    draw_triangle(s, class, a, b, c);
+}
+
+/* From the first place to the others, in whole units; those at the same place are left out. */
+static void draw_places(struct svg *s, const double *xy, size_t n)
+{
+    long x = place_x(s, xy), y = place_y(s, xy);
+    fprintf(s->out, "M%ld %ld", x, y);
+    for (size_t i = 1, drawn = 0; i < n; i++) {
+        long next_x = place_x(s, xy + 2 * i), next_y = place_y(s, xy + 2 * i);
+        if (next_x == x && next_y == y)
+            continue;
+        fprintf(s->out, "%s%ld %ld", drawn++ == 0 ? "l" : " ", next_x - x, next_y - y);
+        x = next_x;
+        y = next_y;
+    }
+}
+
+void svg_polygon(struct svg *s, uint32_t rgb, const double *xy, size_t n)
+{
+    char class[8] = "t";
+    if (rgb != SVG_NO_COLOUR)
+        write_colour(class, rgb);
+    s->edges = true;
+    path_item(s, class, s->line);
+    s->edges = false;
+    draw_places(s, xy, n);
+    fputs("z", s->out);
+}
+
+void svg_line(struct svg *s, bool heavy, const double *xy, size_t n, bool closed)
+{
+    path_item(s, heavy ? "l" : "k", heavy ? 30 : 14);
+    draw_places(s, xy, n);
+    if (closed)
+        fputs("z", s->out);
 }
 
 void svg_hull_begin(struct svg *s)

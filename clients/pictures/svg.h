@@ -2,7 +2,7 @@
  * wanted, what the colours mean. Nothing lies outside of the frame.
  *
  * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull_begin, svg_hull_point for
- * each hull point in order, svg_hull_end, svg_points, svg_end. Everything goes straight to the
+ * each hull point in order, svg_hull_end, svg_points, svg_end. Polygons and lines may be among them before svg_points. Everything goes straight to the
  * file; ferror() tells whether it got there. */
 #ifndef CLIENTS_SVG_H
 #define CLIENTS_SVG_H
@@ -21,9 +21,10 @@ struct svg {
     const double *clip;   /* borrows the box that is shown; NULL: all of the plane */
     double line, dot;     /* width of a line and diameter of a point, in drawing units */
     size_t in_path, triangles;
-    char class[4]; /* of the path that is open */
+    char class[8]; /* of the path that is open, or its colour #rrggbb */
     uint64_t hull;
     double hull_first[2], hull_last[2];
+    bool edges;   /* the path that is opened has white edges */
     bool numbers; /* ids are drawn, however many there are */
 };
 
@@ -45,6 +46,17 @@ void svg_shaded_triangle(struct svg *s, unsigned shade, const double *a, const d
                          const double *c);
 
 void svg_triangle(struct svg *s, const double *a, const double *b, const double *c);
+
+/* The same in the colour 0xRRGGBB, without edges of its own. */
+void svg_coloured_triangle(struct svg *s, uint32_t rgb, const double *a, const double *b,
+                           const double *c);
+
+/* A polygon of n corners within the frame, in that colour and with white edges; with SVG_NO_COLOUR as triangles are. */
+enum { SVG_NO_COLOUR = 1 << 24 };
+void svg_polygon(struct svg *s, uint32_t rgb, const double *xy, size_t n);
+
+/* A line through n places, which is cut off at the frame if there is a clip; back to its start if it is closed. */
+void svg_line(struct svg *s, bool heavy, const double *xy, size_t n, bool closed);
 
 void svg_hull_begin(struct svg *s);
 void svg_hull_point(struct svg *s, const double *p);

@@ -13,7 +13,7 @@ trap 'rm -f "$found"' EXIT
 # The rooms of a folder, from the bottom up: what is in one may include what is in those before it.
 declare -A rooms=(
     [core]='exact control memory fields points mesh grid set divide shelling query surface edit'
-    [clients]='lib files pictures cli commands'
+    [clients]='lib files surfaces pictures cli commands'
     [server]='system ops sets disk jobs clients command redis session'
 )
 

@@ -1,0 +1,65 @@
+/* output.c - see output.h. */
+#include "clients/commands/output.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include "clients/cli/command.h"
+#include "clients/files/part_file.h"
+
+int output_fault(const char *about, const char *what)
+{
+    fprintf(stderr, "delaunay: %s%s%s\n", about, about[0] != '\0' ? ": " : "", what);
+    return EXIT_REFUSED;
+}
+
+int output_failed(const char *path)
+{
+    return output_fault(path, strerror(errno));
+}
+
+bool output_is_standard(const char *path)
+{
+    return strcmp(path, "-") == 0;
+}
+
+int output_check(const char *path, bool force)
+{
+    if (output_is_standard(path) || force || !part_file_is_foreign(path))
+        return EXIT_DONE;
+    part_file_refuse(path);
+    return EXIT_REFUSED;
+}
+
+const char *output_form(const char *named, const char *path, const char *standard)
+{
+    const char *dot = strrchr(path, '.');
+    if (named != NULL)
+        return named;
+    return output_is_standard(path) || dot == NULL || strchr(dot, '/') != NULL ? standard : dot + 1;
+}
+
+int output_write(const char *path, output_write_fn *write, void *ctx, output_convert_fn *convert)
+{
+    struct part_file f;
+    if (output_is_standard(path)) {
+        int status = write(ctx, stdout);
+        return status == EXIT_DONE && fflush(stdout) != 0 ? output_failed("standard output")
+                                                          : status;
+    }
+    const char *fault = part_file_open(&f, path);
+    if (fault != NULL)
+        return output_failed(fault);
+    setvbuf(f.out, NULL, _IOFBF, 1 << 18);
+    int status = write(ctx, f.out);
+    bool written = part_file_close(&f);
+    if (status == EXIT_DONE && !written)
+        status = output_failed(path);
+    if (status == EXIT_DONE && convert != NULL)
+        status = convert(f.part, path);
+    if (status == EXIT_DONE && !part_file_keep(&f))
+        status = output_failed(path);
+    if (status != EXIT_DONE)
+        part_file_drop(&f);
+    return status;
+}

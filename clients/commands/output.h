@@ -1,0 +1,31 @@
+/* output.h - the file that a subcommand writes: complete or not at all, never in place of a file of somebody else. */
+#ifndef CLIENTS_OUTPUT_H
+#define CLIENTS_OUTPUT_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* Says on the standard error what is wrong, after "ABOUT: " unless that is "", or errno about a file; both return
+ * EXIT_REFUSED. */
+int output_fault(const char *about, const char *what);
+int output_failed(const char *path);
+
+/* Whether the path is "-", the standard output; and whether it may be written: with `force` always, else if no other
+ * program's file is there, which is said. Returns the exit status. */
+bool output_is_standard(const char *path);
+int output_check(const char *path, bool force);
+
+/* The format that the user named, or the path's ending, or `standard` if it has none. */
+const char *output_form(const char *named, const char *path, const char *standard);
+
+/* Writes into `out`; returns the exit status, having said what is wrong. */
+typedef int output_write_fn(void *ctx, FILE *out);
+
+/* Turns the file at `part` into what will be called `path`, in its place. Returns the exit status. */
+typedef int output_convert_fn(const char *part, const char *path);
+
+/* Writes the file, converts it unless convert is NULL, and gives it its name. On any fault there is no new
+ * file. Returns the exit status. */
+int output_write(const char *path, output_write_fn *write, void *ctx, output_convert_fn *convert);
+
+#endif

@@ -1,0 +1,193 @@
+/* surface_picture.c - see surface_picture.h. Triangles are drawn by colour, so that those of one colour share paths;
+ * colours are rounded to few enough. */
+#include "clients/pictures/surface_picture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double *corner(const struct model *m, size_t t, size_t k)
+{
+    return m->xy + 2 * (size_t)m->triangle[3 * t + k];
+}
+
+static double height(const struct model *m, int field, size_t t, size_t k)
+{
+    return model_value(m, field, m->triangle[3 * t + k]);
+}
+
+/* The slope of the plane through a triangle's corners; false if a height is missing or it has no area. */
+static bool find_slope(const struct model *m, int field, size_t t, double *dx, double *dy)
+{
+    const double *a = corner(m, t, 0), *b = corner(m, t, 1), *c = corner(m, t, 2);
+    double ux = b[0] - a[0], uy = b[1] - a[1], vx = c[0] - a[0], vy = c[1] - a[1];
+    double z = height(m, field, t, 0), up = height(m, field, t, 1) - z,
+           vp = height(m, field, t, 2) - z, area = ux * vy - uy * vx;
+    *dx = (up * vy - vp * uy) / area;
+    *dy = (vp * ux - up * vx) / area;
+    return isfinite(*dx) && isfinite(*dy);
+}
+
+/* Weighted by area: thin triangles may be steep. */
+static void fit_to_model(struct relief *r, const struct model *m, int field)
+{
+    double sum = 0, areas = 0;
+    r->low = HUGE_VAL;
+    r->high = -HUGE_VAL;
+    for (size_t i = 0; i < m->n; i++) {
+        r->low = fmin(r->low, model_value(m, field, i));
+        r->high = fmax(r->high, model_value(m, field, i));
+    }
+    for (size_t t = 0; t < m->triangles; t++) {
+        const double *a = corner(m, t, 0), *b = corner(m, t, 1), *c = corner(m, t, 2);
+        double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]), dx, dy;
+        if (!find_slope(m, field, t, &dx, &dy))
+            continue;
+        sum += area * hypot(dx, dy);
+        areas += area;
+    }
+    r->steepness = areas > 0 ? relief_steepness(sum / areas) : 0;
+}
+
+struct painted {
+    uint32_t rgb, triangle;
+};
+
+static int by_colour(const void *a, const void *b)
+{
+    const struct painted *p = a, *q = b;
+    if (p->rgb != q->rgb)
+        return p->rgb < q->rgb ? -1 : 1;
+    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
+}
+
+/* To multiples of 8 in each channel. */
+static uint32_t rounded(uint32_t rgb)
+{
+    return (rgb & 0xF8F8F8) | (rgb >> 5 & 0x070707);
+}
+
+bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum relief_style style)
+{
+    struct relief r = {.style = style};
+    struct painted *p = malloc((m->triangles + 1) * sizeof p[0]);
+    size_t n = 0;
+    if (p == NULL)
+        return false;
+    fit_to_model(&r, m, field);
+    for (size_t t = 0; t < m->triangles; t++) {
+        double dx, dy, z = 0;
+        if (!find_slope(m, field, t, &dx, &dy))
+            continue;
+        for (size_t k = 0; k < 3; k++)
+            z += height(m, field, t, k) / 3;
+        p[n++] = (struct painted){rounded(relief_colour(&r, z, dx, dy)), (uint32_t)t};
+    }
+    qsort(p, n, sizeof p[0], by_colour);
+    for (size_t i = 0; i < n; i++) {
+        size_t t = p[i].triangle;
+        svg_coloured_triangle(s, p[i].rgb, corner(m, t, 0), corner(m, t, 1), corner(m, t, 2));
+    }
+    free(p);
+    return true;
+}
+
+/* ---- contours ---- */
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The levels, ascending, each once. NULL when out of memory. */
+static double *find_levels(const struct shapes *lines, size_t *n)
+{
+    double *level = malloc((lines->n + 1) * sizeof level[0]);
+    *n = 0;
+    if (level == NULL)
+        return NULL;
+    for (size_t i = 0; i < lines->n; i++)
+        level[i] = lines->shape[i].key;
+    qsort(level, lines->n, sizeof level[0], by_value);
+    for (size_t i = 0; i < lines->n; i++)
+        if (i == 0 || level[i] != level[i - 1])
+            level[(*n)++] = level[i];
+    return level;
+}
+
+static void draw_lines(struct svg *s, const struct shapes *lines, const double *level,
+                       size_t levels)
+{
+    for (size_t pass = 0; pass < 2; pass++)
+        for (size_t i = 0; i < lines->n; i++) {
+            const struct shape *l = &lines->shape[i];
+            const double *at = bsearch(&l->key, level, levels, sizeof level[0], by_value);
+            bool heavy = levels > 5 && at != NULL && (at - level) % 5 == 4;
+            if (heavy == (pass == 1))
+                svg_line(s, heavy, lines->xy + 2 * l->first, l->n, l->closed);
+        }
+}
+
+static void model_bounds(const struct model *m, double *box)
+{
+    for (size_t i = 0; i < m->n; i++)
+        for (size_t k = 0; k < 2; k++) {
+            double v = m->xy[2 * i + k];
+            box[k] = i == 0 ? v : fmin(box[k], v);
+            box[k + 2] = i == 0 ? v : fmax(box[k + 2], v);
+        }
+}
+
+bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
+                            const struct model *m, int field, const double *box)
+{
+    double around[4] = {0, 0, 1, 1};
+    size_t levels;
+    struct svg s;
+    double *level = find_levels(lines, &levels);
+    if (level == NULL)
+        return false;
+    model_bounds(m, around);
+    svg_begin(&s, out, title, box != NULL ? box : around, m->n, box != NULL, NULL);
+    bool ok = surface_draw_ground(&s, m, field, RELIEF_BOTH);
+    draw_lines(&s, lines, level, levels);
+    svg_points(&s, NULL, NULL, 0);
+    svg_end(&s);
+    free(level);
+    return ok;
+}
+
+/* ---- cells ---- */
+
+bool surface_write_cells(FILE *out, const char *title, const struct shapes *cells, struct model *m,
+                         int field)
+{
+    struct relief r = {.style = RELIEF_HEIGHT};
+    double box[4] = {0, 0, 1, 1};
+    struct svg s;
+    uint32_t place;
+    shapes_bounds(cells, box);
+    svg_begin(&s, out, title, box, cells->n, false, NULL);
+    if (field >= 0)
+        fit_to_model(&r, m, field);
+    for (size_t i = 0; i < cells->n; i++) {
+        const struct shape *c = &cells->shape[i];
+        bool known = field >= 0 && model_find(m, (uint32_t)c->key, &place) &&
+                     !isnan(model_value(m, field, place));
+        uint32_t rgb =
+            known ? relief_colour(&r, model_value(m, field, place), 0, 0) : SVG_NO_COLOUR;
+        svg_polygon(&s, rgb, cells->xy + 2 * c->first, c->n);
+    }
+    size_t n = 0; /* the points within the box, moved to the front */
+    for (size_t i = 0; i < m->n; i++) {
+        const double *p = m->xy + 2 * i;
+        if (p[0] < box[0] || p[1] < box[1] || p[0] > box[2] || p[1] > box[3])
+            continue;
+        memmove(m->xy + 2 * n, p, 2 * sizeof p[0]);
+        m->id[n++] = m->id[i];
+    }
+    svg_points(&s, m->xy, m->id, n);
+    svg_end(&s);
+    return true;
+}

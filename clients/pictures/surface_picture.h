@@ -1,0 +1,23 @@
+/* surface_picture.h - the ground of a triangulation with heights as SVG, with contour lines or Voronoi cells. */
+#ifndef CLIENTS_SURFACE_PICTURE_H
+#define CLIENTS_SURFACE_PICTURE_H
+
+#include "clients/files/model.h"
+#include "clients/pictures/relief.h"
+#include "clients/pictures/svg.h"
+#include "clients/surfaces/shapes.h"
+
+/* Draws every triangle in the colour of its mean height and of its slope. False when out of memory. */
+bool surface_draw_ground(struct svg *s, const struct model *m, int field, enum relief_style style);
+
+/* Writes a picture of contour lines; of the ground below them if m has triangles. Each fifth level is heavy if there are
+ * more than five. box: NULL or what is shown. False when out of memory. */
+bool surface_write_contours(FILE *out, const char *title, const struct shapes *lines,
+                            const struct model *m, int field, const double *box);
+
+/* Writes a picture of cells and of the points of m; cells have the colours of the heights in m's field, if that is not
+ * -1. False when out of memory. */
+bool surface_write_cells(FILE *out, const char *title, const struct shapes *cells, struct model *m,
+                         int field);
+
+#endif
