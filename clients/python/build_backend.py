@@ -1,6 +1,8 @@
 """Builds the package (PEP 517) with the standard library alone. The wheel has the daemon's program in it: $DELAUNAYD, or that of
 build/ in the repository, or else one that is compiled in a temporary directory. Nothing is left behind beside the sources."""
 
+from __future__ import annotations
+
 import base64
 import contextlib
 import hashlib
@@ -12,25 +14,28 @@ import sysconfig
 import tempfile
 import zipfile
 from pathlib import Path
+from typing import Any, Iterator, List, Optional, Tuple
 
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parent.parent
 PACKAGE = "delaunayd"
 
-with contextlib.suppress(OSError, TypeError):  # this file's own bytecode
-    os.remove(__cached__)
-    os.rmdir(os.path.dirname(__cached__))
+with contextlib.suppress(OSError, TypeError, KeyError):  # this file's own bytecode
+    os.remove(globals()["__cached__"])
+    os.rmdir(os.path.dirname(globals()["__cached__"]))
 
 
-def _field(name):
-    return re.search(r'^%s = "(.*)"$' % name, (HERE / "pyproject.toml").read_text(), re.M).group(1)
+def _field(name: str) -> str:
+    found = re.search(r'^%s = "(.*)"$' % name, (HERE / "pyproject.toml").read_text(), re.M)
+    assert found is not None
+    return found.group(1)
 
 
 VERSION = _field("version")
 INFO = "%s-%s.dist-info" % (PACKAGE, VERSION)
 
 
-def _metadata():
+def _metadata() -> bytes:
     lines = [
         "Metadata-Version: 2.1",
         "Name: " + PACKAGE,
@@ -48,7 +53,7 @@ def _metadata():
 
 
 @contextlib.contextmanager
-def _program():
+def _program() -> Iterator[Optional[Path]]:
     """The path of the daemon's program; None if there is none and none can be compiled."""
     built = os.environ.get("DELAUNAYD") or REPOSITORY / "build" / "delaunayd"
     if Path(built).is_file():
@@ -63,12 +68,12 @@ def _program():
         yield program if made else None
 
 
-def _tag(program):
+def _tag(program: Optional[Path]) -> str:
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     return "py3-none-" + (platform if program is not None else "any")
 
 
-def _write_wheel(directory, tag, files):
+def _write_wheel(directory: str, tag: str, files: List[Tuple[str, bytes, int]]) -> str:
     """`files`: name, content, mode."""
     name = "%s-%s-%s.whl" % (PACKAGE, VERSION, tag)
     wheel = "Wheel-Version: 1.0\nGenerator: delaunayd\nRoot-Is-Purelib: %s\nTag: %s\n"
@@ -79,7 +84,7 @@ def _write_wheel(directory, tag, files):
     record = []
     with zipfile.ZipFile(Path(directory) / name, "w", zipfile.ZIP_DEFLATED) as out:
 
-        def add(path, content, mode):
+        def add(path: str, content: bytes, mode: int) -> None:
             entry = zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0))
             entry.external_attr = (0o100000 | mode) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
@@ -94,7 +99,7 @@ def _write_wheel(directory, tag, files):
     return name
 
 
-def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+def build_wheel(wheel_directory: str, config_settings: Any = None, metadata_directory: Optional[str] = None) -> str:
     sources = sorted((HERE / PACKAGE).glob("*.py*"))
     files = [("%s/%s" % (PACKAGE, path.name), path.read_bytes(), 0o644) for path in sources]
     with _program() as program:
@@ -103,10 +108,10 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         return _write_wheel(wheel_directory, _tag(program), files)
 
 
-def build_editable(wheel_directory, config_settings=None, metadata_directory=None):
+def build_editable(wheel_directory: str, config_settings: Any = None, metadata_directory: Optional[str] = None) -> str:
     files = [(PACKAGE + ".pth", (str(HERE) + "\n").encode(), 0o644)]
     return _write_wheel(wheel_directory, _tag(None), files)
 
 
-def build_sdist(sdist_directory, config_settings=None):
+def build_sdist(sdist_directory: str, config_settings: Any = None) -> str:
     raise NotImplementedError("there is no source distribution: the sources are the whole repository; build a wheel")

@@ -162,6 +162,12 @@ check() {
             --template='{file}:{line}: {message} [cppcheck {id}]' --template-location='' 2>&1 | grep .
 }
 
+# The Python package, whose types its users' checkers see.
+types() {
+    have mypy || return
+    (cd clients/python && mypy --strict --no-incremental --cache-dir=/dev/null delaunayd build_backend.py) | grep error | sed 's|^|clients/python/|'
+}
+
 {
     include_rules
     own_header_first
@@ -173,6 +179,7 @@ check() {
     format
     check
     tidy
+    types
 } >"$found"
 
 cat "$found"

@@ -6,10 +6,12 @@ of `delaunayd.aio` each method returns an awaitable of what is described here.
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, TypeVar
 
 from . import _protocol as protocol
 from ._protocol import Located, Neighbour, Progress, Reply, Request, Value, Word, set_name
+
+_T = TypeVar("_T")
 
 
 class Commands:
@@ -22,9 +24,18 @@ class Commands:
         raise NotImplementedError
 
     def _ask(
-        self, read: Callable[[Reply], Any], *words: Word, body: Any = b"", progress: Optional[Progress] = None
-    ) -> Any:
-        return self._run([protocol.request(*words, body=body)], lambda replies: read(replies[0]), progress)
+        self, read: Callable[[Reply], _T], *words: Word, body: Any = b"", progress: Optional[Progress] = None
+    ) -> _T:
+        answer: _T = self._run([protocol.request(*words, body=body)], lambda replies: read(replies[0]), progress)
+        return answer
+
+    def _ask_ids(self, width: int, *words: Word, body: Any = b"") -> Any:
+        """Ids in binary, in rows of so many."""
+
+        def read(reply: Reply) -> Any:
+            return protocol.uint32s(reply.data, width)
+
+        return self._ask(read, *words, body=body)
 
     def command(self, *words: Word, progress: Optional[Progress] = None) -> Reply:
         """Any request, as words; its reply as it came. `progress` is called with the lines by which a long request says how
@@ -120,11 +131,11 @@ class Commands:
 
     def triangles(self, name: str) -> Any:
         """Every triangle, counterclockwise and in a canonical order: ids with shape (n, 3)."""
-        return self._ask(lambda reply: protocol.uint32s(reply.data, 3), "TRIANGLES", set_name(name), "BINARY")
+        return self._ask_ids(3, "TRIANGLES", set_name(name), "BINARY")
 
     def edges(self, name: str) -> Any:
         """Every edge a, b, with a < b, sorted: ids with shape (n, 2)."""
-        return self._ask(lambda reply: protocol.uint32s(reply.data, 2), "EDGES", set_name(name), "BINARY")
+        return self._ask_ids(2, "EDGES", set_name(name), "BINARY")
 
     def lists(self, name: str) -> Dict[int, Any]:
         """Each point's neighbours, counterclockwise; interior points come first, then the hull in its order."""
@@ -148,19 +159,20 @@ class Commands:
         """The same for many places at once."""
         set_name(name)
         requests = [protocol.request("LOCATE", name, float(x), float(y)) for x, y in places]
-        return self._run(requests, lambda replies: [protocol.located(reply) for reply in replies])
+        found: List[Located] = self._run(requests, lambda replies: [protocol.located(reply) for reply in replies])
+        return found
 
     def locate_triangles(self, name: str, places: Any) -> Any:
         """The triangle of each place of shape (n, 2): ids with shape (n, 3), as in triangles(). Of several that meet at a place, the
         first of triangles(); outside three times 4294967295."""
         data, n = protocol.pairs(places)
-        return self._ask(lambda reply: protocol.uint32s(reply.data, 3), "LOCATEB", set_name(name), n, body=data)
+        return self._ask_ids(3, "LOCATEB", set_name(name), n, body=data)
 
     def nearest_all(self, name: str, places: Any, k: int = 1) -> Any:
         """The k points nearest to each place of shape (n, 2), nearest first: ids with shape (n, k), 4294967295 where there are
         too few points."""
         data, n = protocol.pairs(places)
-        return self._ask(lambda reply: protocol.uint32s(reply.data, k), "NEARESTB", set_name(name), n, int(k), body=data)
+        return self._ask_ids(k, "NEARESTB", set_name(name), n, int(k), body=data)
 
     def nearest(self, name: str, x: float, y: float, k: int = 1) -> List[Neighbour]:
         """The k points nearest to a place, nearest first."""

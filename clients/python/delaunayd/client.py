@@ -73,7 +73,8 @@ class _Connection:
                 want = reader.send(data)
         except StopIteration as end:
             self.used = True
-            return end.value
+            reply: Reply = end.value
+            return reply
 
 
 class Client(Commands):

@@ -49,7 +49,7 @@ def _drop(client: Client, name: str, pid: int) -> None:
 
 
 def _checked(points: Any) -> Any:
-    if np.ma.isMaskedArray(points):
+    if isinstance(points, np.ma.MaskedArray):
         raise ValueError("Input points cannot be a masked array")
     points = np.ascontiguousarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2:
@@ -279,7 +279,8 @@ class Delaunay:
     @property
     def vertex_neighbor_vertices(self) -> Tuple[Any, Any]:
         """(indptr, indices): the neighbours of k are indices[indptr[k]:indptr[k + 1]], ascending."""
-        return self._cached("vertex_neighbor_vertices", self._find_vertex_neighbors)
+        pair: Tuple[Any, Any] = self._cached("vertex_neighbor_vertices", self._find_vertex_neighbors)
+        return pair
 
     def _find_vertex_neighbors(self) -> Tuple[Any, Any]:
         edges = self._ask(Client.edges).view(np.int32)
@@ -327,12 +328,12 @@ class Delaunay:
     @property
     def paraboloid_scale(self) -> float:
         """Of the heights z = scale (x^2 + y^2) + shift."""
-        return self._cached("paraboloid", lambda: _planes.paraboloid(self._points))[0]
+        return float(self._cached("paraboloid", lambda: _planes.paraboloid(self._points))[0])
 
     @property
     def paraboloid_shift(self) -> float:
         """Of the heights z = scale (x^2 + y^2) + shift."""
-        return self._cached("paraboloid", lambda: _planes.paraboloid(self._points))[1]
+        return float(self._cached("paraboloid", lambda: _planes.paraboloid(self._points))[1])
 
     @property
     def equations(self) -> Any:
