@@ -84,6 +84,13 @@ redis_benchmark_runs() {
         [ "$(cat "$scratch/ping" "$scratch/nearest" | tr '\r' '\n' | grep -c 'requests per second')" -eq 2 ]
 }
 
+# Redis's clients for Node, of fixed versions, kept in the build folder.
+fetch_node_redis() {
+    [ -e "$build/interop/npm_redis/node_modules/ioredis" ] ||
+        timeout 120 npm install --prefix "$build/interop/npm_redis" --no-save --no-package-lock --no-audit --no-fund --ignore-scripts \
+            redis@5.12.1 ioredis@5.11.1 >"$scratch/npm" 2>&1
+}
+
 # ---- our clients with a million points, and with a daemon that dies under them ----
 
 millions() { # the Python and Node packages have tests of their own for that
@@ -225,6 +232,11 @@ count "redis-cli" redis_cli_speaks
 count "redis-cli's modes" redis_cli_modes_work
 count "redis-benchmark" redis_benchmark_runs
 count "hiredis" "$build/interop/hiredis_talk" "$port"
+if fetch_node_redis; then
+    count "redis and ioredis for Node" timeout 120 node tests/interop/node/redis.mjs "$port" "$build/interop/npm_redis"
+else
+    echo "npm cannot fetch packages here: Redis's clients for Node are not tested"
+fi
 count "redis-py" "$python" tests/interop/redis_py.py "$port"
 count "the Python package" env DELAUNAYD="$build/delaunayd" "$python" -m unittest discover \
     -s clients/python/tests -t clients/python
