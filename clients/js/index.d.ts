@@ -64,6 +64,27 @@ export interface ClientOptions {
   unref?: boolean;
 }
 
+export interface FieldFacts {
+  /** Points that have a value. */
+  count: number;
+  /** NaN if there are none. */
+  least: number;
+  most: number;
+}
+
+export type Box = readonly [x0: number, y0: number, x1: number, y1: number] | ArrayLike<number>;
+
+/** Voronoi cells: that of ids[i] has the corners offsets[i] .. offsets[i + 1] of coords. */
+export interface Cells {
+  box: [number, number, number, number];
+  ids: Uint32Array;
+  offsets: Uint32Array;
+  coords: Float64Array;
+  /** Closed, as d3-delaunay's; null if the cell is not in the box. */
+  cellPolygon(id: number): [number, number][] | null;
+  cellPolygons(): IterableIterator<[number, number][] & { index: number }>;
+}
+
 /** The server answered ERR; the connection goes on. */
 export class Refused extends Error {
   /** The word after ERR: NOSET, RANGE, TIMEOUT ... */
@@ -112,6 +133,16 @@ export class Client {
   nearestAll<P>(set: string, places: Iterable<P>, k: number, options: Accessors<P> & { timeout?: number }): Promise<Uint32Array>;
   within(set: string, x0: number, y0: number, x1: number, y1: number): Promise<number[]>;
   within(set: string, x: number, y: number, r: number): Promise<number[]>;
+  fields(set: string): Promise<Record<string, FieldFacts>>;
+  dropField(set: string, field: string): Promise<void>;
+  weights(
+    set: string,
+    x: number,
+    y: number,
+    options?: { method?: 'linear' | 'natural' | 'laplace'; timeout?: number },
+  ): Promise<Map<number, number>>;
+  voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
+  areas(set: string, options?: { box?: Box; timeout?: number }): Promise<{ ids: Uint32Array; areas: Float64Array }>;
   info(): Promise<Record<string, string | number | boolean>>;
 }
 

@@ -5,6 +5,7 @@ const { chooseAddress } = require('./address.js');
 const { Connection } = require('./connection.js');
 const { Disconnected } = require('./errors.js');
 const { flatten, pointBytes, typed, typedKeys, words } = require('./framing.js');
+const { Cells } = require('./surfaces.js');
 
 const CONNECT_MS = 10000;
 
@@ -12,6 +13,13 @@ function checkSet(name) {
   if (!/^[A-Za-z0-9_.:-]{1,64}$/.test(name)) throw new TypeError('a set\'s name is 1 to 64 of A-Z a-z 0-9 _ . : -');
   return name;
 }
+
+function checkField(name) {
+  if (!/^[A-Za-z_][A-Za-z0-9_.:-]{0,63}$/.test(name)) throw new TypeError('a field\'s name is a letter or _, then up to 63 of A-Z a-z 0-9 _ . : -');
+  return name;
+}
+
+const boxWords = (box) => (box ? ` BOX ${[...box].join(' ')}` : '');
 
 const numbersOf = (row) => row.split(' ').map(Number);
 
@@ -185,6 +193,21 @@ class Client {
     return new Map((await this.request(`COINCIDENT ${checkSet(set)}`)).rows.map(numbersOf));
   }
 
+  // ---- fields: values at points ----
+
+  /** {name: {count, least, most}}; NaN if there are no values. */
+  async fields(set) {
+    const { rows } = await this.request(`FIELDS ${checkSet(set)}`);
+    return Object.fromEntries(rows.map((row) => row.split(' ')).map(([name, ...facts]) => {
+      const [count, least, most] = facts.map((text) => (text === 'nan' ? NaN : Number(text)));
+      return [name, { count, least, most }];
+    }));
+  }
+
+  async dropField(set, field) {
+    await this.request(`FDROP ${checkSet(set)} ${checkField(field)}`);
+  }
+
   // ---- the triangulation ----
 
   async triangulate(set, { method, progress, timeout } = {}) {
@@ -253,6 +276,31 @@ class Client {
   async within(set, ...where) {
     const { rows } = await this.request(`WITHIN ${checkSet(set)} ${where.join(' ')}`);
     return rows.map((row) => Number.parseInt(row, 10));
+  }
+
+  // ---- surfaces ----
+
+  /** A Map from each id to its weight. */
+  async weights(set, x, y, { method = 'linear', timeout } = {}) {
+    const { rows } = await this.request(`WEIGHTS ${checkSet(set)} ${x} ${y} METHOD ${method}`, { timeout });
+    return new Map(rows.map(numbersOf));
+  }
+
+  /** Voronoi cells, with cellPolygon(id) and cellPolygons() as d3-delaunay's; box: [x0, y0, x1, y1]. */
+  async voronoi(set, { ids = [], box, timeout } = {}) {
+    const list = [...ids].map((id) => ` ${id}`).join('');
+    const { data, keys } = await this.request(`VORONOI ${checkSet(set)}${list}${boxWords(box)} BINARY`, { timeout });
+    return new Cells(data, keys.box.split(',').map(Number));
+  }
+
+  /** {ids: Uint32Array, areas: Float64Array} of the cells of voronoi(). */
+  async areas(set, { box, timeout } = {}) {
+    const { data } = await this.request(`AREAS ${checkSet(set)}${boxWords(box)} BINARY`, { timeout });
+    const n = data.length / 12;
+    return {
+      ids: Uint32Array.from({ length: n }, (_, i) => data.readUInt32LE(12 * i)),
+      areas: Float64Array.from({ length: n }, (_, i) => data.readDoubleLE(12 * i + 4)),
+    };
   }
 
   // ---- the server ----

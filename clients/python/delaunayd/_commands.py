@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, TypeVar
 
 from . import _protocol as protocol
-from ._protocol import Located, Neighbour, Progress, Reply, Request, Value, Word, set_name
+from ._protocol import Cells, Field, Located, Neighbour, Progress, Reply, Request, Value, Word, field_name, set_name
 
 _T = TypeVar("_T")
 
@@ -115,6 +115,21 @@ class Commands:
         """Every point that coincides with another one, and the one that stands for both in the triangulation."""
         return self._ask(_pairs_of_ids, "COINCIDENT", set_name(name))
 
+    # ---- fields: values at points ----
+
+    def fields(self, name: str) -> Dict[str, Field]:
+        """The fields of a set."""
+        return self._ask(_fields, "FIELDS", set_name(name))
+
+    def get_field(self, name: str, field: str, ids: Iterable[int]) -> List[float]:
+        """The values of points."""
+        words = [int(i) for i in ids]
+        return self._ask(_second_words, "FGET", set_name(name), field_name(field), *words)
+
+    def drop_field(self, name: str, field: str) -> None:
+        """Deletes a field."""
+        return self._ask(lambda _: None, "FDROP", set_name(name), field_name(field))
+
     # ---- the triangulation ----
 
     def triangulate(
@@ -178,9 +193,45 @@ class Commands:
         """The k points nearest to a place, nearest first."""
         return self._ask(protocol.neighbours, "NEAREST", set_name(name), float(x), float(y), int(k))
 
+    # ---- surfaces ----
+
+    def weights(self, name: str, x: float, y: float, method: str = "linear") -> Dict[int, float]:
+        """With which weights the values at points count at a place; `method` is linear, natural or laplace."""
+        return self._ask(_weights, "WEIGHTS", set_name(name), float(x), float(y), "METHOD", method)
+
+    def voronoi(self, name: str, ids: Iterable[int] = (), box: Optional[Sequence[float]] = None) -> Cells:
+        """The Voronoi cells of points, or of all, clipped to a box (x0, y0, x1, y1), or to the box around all points, grown by
+        half of its longer side."""
+        words = ("VORONOI", set_name(name)) + tuple(int(i) for i in ids) + _box(box) + ("BINARY",)
+        return self._ask(protocol.cells, *words)
+
+    def areas(self, name: str, box: Optional[Sequence[float]] = None) -> Tuple[Any, Any]:
+        """The areas of the cells of voronoi(): the ids, and the areas."""
+        return self._ask(lambda reply: protocol.areas(reply.data), "AREAS", set_name(name), *_box(box), "BINARY")
+
     def within(self, name: str, *where: float) -> List[int]:
         """The points in a closed box (x0, y0, x1, y1) or disc (x, y, r), by id."""
         return self._ask(protocol.first_words, "WITHIN", set_name(name), *(float(v) for v in where))
+
+
+def _box(box: Optional[Sequence[float]]) -> Tuple[Word, ...]:
+    if box is None:
+        return ()
+    x0, y0, x1, y1 = map(float, box)
+    return ("BOX", x0, y0, x1, y1)
+
+
+def _fields(reply: Reply) -> Dict[str, Field]:
+    split = map(str.split, reply.rows)
+    return {name: Field(int(count), float(least), float(most)) for name, count, least, most in split}
+
+
+def _weights(reply: Reply) -> Dict[int, float]:
+    return {int(id): float(weight) for id, weight in map(str.split, reply.rows)}
+
+
+def _second_words(reply: Reply) -> List[float]:
+    return [float(row.split()[1]) for row in reply.rows]
 
 
 def _info(reply: Reply) -> Dict[str, Value]:

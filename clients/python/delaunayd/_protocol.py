@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 import sys
 from array import array
 from typing import Any, Callable, Dict, Generator, List, NamedTuple, Optional, Tuple, Union
@@ -58,6 +59,24 @@ class Neighbour(NamedTuple):
     distance: float
 
 
+class Field(NamedTuple):
+    """How many points have a value of a field, and the least and the greatest of them; NaN if there are none."""
+
+    count: int
+    least: float
+    most: float
+
+
+class Cells(NamedTuple):
+    """Voronoi cells: that of point ids[i] has the corners corners[offsets[i]:offsets[i + 1]], counterclockwise; they are clipped
+    to the box (x0, y0, x1, y1). Without NumPy `corners` is a flat array x, y, x, y, ..."""
+
+    ids: Any
+    offsets: Any
+    corners: Any
+    box: Tuple[float, float, float, float]
+
+
 class Located(NamedTuple):
     """Where a place lies: `where` is inside, edge, vertex or outside; `ids` are the points of that triangle, edge or vertex."""
 
@@ -81,6 +100,13 @@ def set_name(name: str) -> str:
     """The name, if a set can have it; the error is what the server would answer. A name with a blank would be two words."""
     if not _SET_NAME.match(name):
         raise Refused("ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -")
+    return name
+
+
+def field_name(name: str) -> str:
+    """The same for a field."""
+    if not _SET_NAME.match(name) or name[0] in "0123456789.:-":
+        raise Refused("ERR SYNTAX a field's name is a letter or _, then up to 63 of A-Z a-z 0-9 _ . : -")
     return name
 
 
@@ -142,6 +168,35 @@ def uint32s(data: bytes, width: int) -> Any:
     return words
 
 
+def doubles(data: bytes, width: int = 1) -> Any:
+    """Little-endian doubles: an array, for a width other than 1 of shape (n, width), or a flat array.array without NumPy."""
+    if numpy is not None:
+        flat = numpy.frombuffer(data, dtype="<f8")
+        return flat if width == 1 else flat.reshape(-1, width)
+    words = array("d")
+    words.frombytes(data)
+    if sys.byteorder == "big":
+        words.byteswap()
+    return words
+
+
+def cells(reply: "Reply") -> "Cells":
+    """The rows of VORONOI BINARY: id, k, then k times x, y."""
+    ids, offsets, corners = array("I"), array("q", [0]), bytearray()
+    data, at = reply.data, 0
+    while at < len(data):
+        id, k = struct.unpack_from("<II", data, at)
+        at += 8
+        corners += data[at : at + 16 * k]
+        at += 16 * k
+        ids.append(id)
+        offsets.append(offsets[-1] + k)
+    x0, y0, x1, y1 = map(float, reply.keys["box"].split(","))
+    if numpy is not None:
+        return Cells(numpy.array(ids), numpy.array(offsets), doubles(bytes(corners), 2), (x0, y0, x1, y1))
+    return Cells(ids, offsets, doubles(bytes(corners), 2), (x0, y0, x1, y1))
+
+
 def pairs(points: Any) -> Tuple[memoryview, int]:
     """Points as little-endian doubles x, y, and their number."""
     if numpy is not None:
@@ -180,6 +235,15 @@ def points_table(data: bytes) -> Tuple[Any, Any]:
         ids.byteswap()
         xy.byteswap()
     return ids, xy
+
+
+def areas(data: bytes) -> Tuple[Any, Any]:
+    """The rows of AREAS BINARY."""
+    if numpy is not None:
+        table = numpy.frombuffer(data, dtype=[("id", "<u4"), ("area", "<f8")])
+        return table["id"].copy(), table["area"].copy()
+    found = [struct.unpack_from("<Id", data, at) for at in range(0, len(data), 12)]
+    return array("I", [id for id, _ in found]), array("d", [area for _, area in found])
 
 
 def rings(data: bytes) -> Dict[int, Any]:

@@ -21,7 +21,8 @@ _AT_ONCE = 1000  # requests that are sent before their replies are read
 _PIECE = 1 << 20
 # Requests that may be sent again when the connection was lost before they were answered.
 _HARMLESS = frozenset(
-    b"PING INFO SETS STAT TTL GET POINTS COINCIDENT CHECK LISTS TRIANGLES EDGES HULL LOCATE LOCATEB NEAREST NEARESTB WITHIN".split()
+    b"PING INFO SETS STAT TTL GET POINTS COINCIDENT CHECK LISTS TRIANGLES EDGES HULL LOCATE LOCATEB NEAREST NEARESTB WITHIN"
+    b" FIELDS FGET WEIGHTS VORONOI AREAS".split()
 )
 
 
