@@ -14,7 +14,7 @@ const area = (polygon) => {
   return sum / 2;
 };
 
-describe(.surfaces', () => {
+describe('surfaces', () => {
   before(async () => {
     daemon = await startDaemon();
     client = await connect(daemon.url);
