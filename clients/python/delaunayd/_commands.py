@@ -202,8 +202,8 @@ class Commands:
     def voronoi(self, name: str, ids: Iterable[int] = (), box: Optional[Sequence[float]] = None) -> Cells:
         """The Voronoi cells of points, or of all, clipped to a box (x0, y0, x1, y1), or to the box around all points, grown by
         half of its longer side."""
-        words = ("VORONOI", set_name(name)) + tuple(int(i) for i in ids) + _box(box) + ("BINARY",)
-        return self._ask(protocol.cells, *words)
+        which = [int(i) for i in ids]
+        return self._ask(protocol.cells, "VORONOI", set_name(name), *which, *_box(box), "BINARY")
 
     def areas(self, name: str, box: Optional[Sequence[float]] = None) -> Tuple[Any, Any]:
         """The areas of the cells of voronoi(): the ids, and the areas."""

@@ -60,9 +60,9 @@ class Neighbour(NamedTuple):
 
 
 class Field(NamedTuple):
-    """How many points have a value of a field, and the least and the greatest of them; NaN if there are none."""
+    """How many values a field has, and the least and the greatest of them; NaN if there are none."""
 
-    count: int
+    values: int
     least: float
     most: float
 
