@@ -160,6 +160,10 @@ enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_c
  * of its bounding box. */
 double dt_polygon_area(const struct dt_point *corner, size_t n);
 
+/* Whether the triangulation is still that of the view: so a caller who reads in pieces, under a lock that edits may take
+ * in between, learns whether the pieces belong together. Constant. */
+bool dt_view_is_current(const struct dt *t, const struct dt_view *v);
+
 /* ---- contours: where the linear surface has a value ----
  *
  * A point whose value is the level, or more, is above it. In every triangle that has corners above and below, the

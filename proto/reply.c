@@ -252,6 +252,44 @@ void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const dou
     buf_commit(out, (size_t)(to - row));
 }
 
+/* n doubles, which begin anywhere, with a blank before each. */
+static char *write_doubles(char *to, const void *numbers, size_t n)
+{
+    const char *from = numbers;
+    for (size_t i = 0; i < n; i++) {
+        double value;
+        memcpy(&value, from + i * sizeof value, sizeof value);
+        *to++ = ' ';
+        to = write_value(to, value);
+    }
+    return to;
+}
+
+void reply_row_numbers(struct buf *out, const void *numbers, size_t n)
+{
+    char *row = buf_reserve(out, n * DOUBLE_ROOM + 2);
+    if (row == NULL)
+        return;
+    char *to = write_doubles(row, numbers, n);
+    memmove(row, row + 1, (size_t)(to - row - 1)); /* no blank before the first one */
+    to[-1] = '\n';
+    buf_commit(out, (size_t)(to - row));
+}
+
+void reply_row_line(struct buf *out, double level, bool closed, const void *xy, size_t n)
+{
+    char *row = buf_reserve(out, (2 * n + 1) * DOUBLE_ROOM + 16 + ID_ROOM);
+    if (row == NULL)
+        return;
+    char *to = row + proto_write_double(row, level);
+    memcpy(to, closed ? " closed " : " open ", closed ? 8 : 6);
+    to += closed ? 8 : 6;
+    to += proto_write_u32(to, (uint32_t)n);
+    to = write_doubles(to, xy, 2 * n);
+    *to++ = '\n';
+    buf_commit(out, (size_t)(to - row));
+}
+
 void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance)
 {
     char *row = buf_reserve(out, ID_ROOM + 3 * DOUBLE_ROOM);

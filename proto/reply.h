@@ -67,6 +67,10 @@ void reply_row_point(struct buf *out, uint32_t id, double x, double y);
 void reply_row_value(struct buf *out, uint32_t id, double value);
 void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most);
 void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const double *xy);
+/* n doubles, in memory wherever they are; nan is written as `nan`. */
+void reply_row_numbers(struct buf *out, const void *numbers, size_t n);
+/* level closed|open n x y ...: of 2 n doubles. */
+void reply_row_line(struct buf *out, double level, bool closed, const void *xy, size_t n);
 void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, double distance);
 
 /* Little-endian words of a binary reply. */

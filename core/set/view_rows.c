@@ -1,6 +1,8 @@
 /* view_rows.c - the beginning of views, and reads of rows; see view_rows.h. */
 #include "core/set/view_rows.h"
 
+#include "core/delaunay_surface.h"
+
 #include "core/mesh/hull.h"
 
 #include <string.h>
@@ -50,6 +52,11 @@ const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_vie
     bool families = v->families != dt_images_now(&w->families);
     bool rings = v->with_rings && v->rings != dt_images_now(&w->rings);
     return rows || families || rings ? v : NULL;
+}
+
+bool dt_view_is_current(const struct dt *t, const struct dt_view *v)
+{
+    return dt_view_readable(t, v, true) == DT_OK && dt_view_if_changed(t, v) == NULL;
 }
 
 /* ---- one row ---- */

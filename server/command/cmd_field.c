@@ -11,7 +11,7 @@
 
 _Static_assert((int)SET_NAME_LIMIT == (int)DT_FIELD_NAME, "fields are named as sets are");
 
-static bool read_field_name(struct answer *a, const struct word *w)
+bool read_field_name(struct answer *a, const struct word *w)
 {
     if (word_is_field_name(w))
         return true;
@@ -20,9 +20,7 @@ static bool read_field_name(struct answer *a, const struct word *w)
     return false;
 }
 
-/* The field of that name; NULL: the ERR line has been written. */
-static const struct dt_field *find_field(struct answer *a, const struct dataset *set,
-                                         const struct word *w)
+const struct dt_field *find_field(struct answer *a, const struct dataset *set, const struct word *w)
 {
     const struct dt_field *f = NULL;
     if (!read_field_name(a, w))

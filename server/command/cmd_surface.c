@@ -1,12 +1,21 @@
 /* cmd_surface.c - the commands about surfaces: values at points, and what is between them. */
 #include "server/command/command.h"
 
+#include "proto/number.h"
 #include "server/jobs/query.h"
+#include "server/ops/limits.h"
+#include "server/surface/surface.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 static bool read_method(const struct word *w, enum dt_interpolation *how)
 {
-    static const char *const name[] = {
-        [DT_LINEAR] = "linear", [DT_NATURAL] = "natural", [DT_LAPLACE] = "laplace"};
+    static const char *const name[] = {[DT_LINEAR] = "linear",
+                                       [DT_NATURAL] = "natural",
+                                       [DT_LAPLACE] = "laplace",
+                                       [DT_CLOSEST] = "nearest"};
     for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
         if (word_is(w, name[i])) {
             *how = (enum dt_interpolation)i;
@@ -21,8 +30,241 @@ void cmd_weights(struct server *s, struct dataset *set, const struct request *q,
     struct query query = {.kind = QUERY_WEIGHTS, .how = DT_LINEAR};
     bool method =
         q->n == 6 && word_is(&q->word[4], "METHOD") && read_method(&q->word[5], &query.how);
-    if (q->n > 4 && !method)
-        reply_err(a->out, ERR_SYNTAX, "usage: %s", command_find(&q->word[0])->usage);
+    if (q->n > 4 && (!method || query.how == DT_CLOSEST))
+        answer_usage(a, q);
     else if (read_place(s, a, q, &query.place))
         query_answer(s, a, set, &query);
+}
+
+/* ---- arguments ---- */
+
+enum option {
+    OPTION_METHOD = 1,
+    OPTION_MAXEDGE = 2,
+    OPTION_BINARY = 4,
+    OPTION_EVERY = 8,
+    OPTION_BASE = 16
+};
+
+static enum option option_of(const struct word *w)
+{
+    static const struct {
+        const char *name;
+        enum option option;
+    } options[] = {{"METHOD", OPTION_METHOD},
+                   {"MAXEDGE", OPTION_MAXEDGE},
+                   {"BINARY", OPTION_BINARY},
+                   {"EVERY", OPTION_EVERY},
+                   {"BASE", OPTION_BASE}};
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        if (word_is(w, options[i].name))
+            return options[i].option;
+    return 0;
+}
+
+static bool read_number(struct answer *a, const struct word *w, const char *what, double *v)
+{
+    if (!proto_read_double(w->text, w->len, v))
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
+    else if (isinf(*v))
+        reply_err(a->out, ERR_RANGE, "a %s is finite", what);
+    else
+        return true;
+    return false;
+}
+
+static bool read_step(struct answer *a, const struct word *w, double *v)
+{
+    if (!read_number(a, w, "step", v))
+        return false;
+    if (*v <= 0)
+        reply_err(a->out, ERR_RANGE, "a step is greater than 0");
+    return *v > 0;
+}
+
+/* The value of an option. */
+static bool read_option(struct answer *a, const struct request *q, enum option option,
+                        const struct word *w, struct surface *out)
+{
+    switch (option) {
+    case OPTION_METHOD:
+        if (read_method(w, &out->how))
+            return true;
+        answer_usage(a, q);
+        return false;
+    case OPTION_MAXEDGE:
+        return read_length(a, w, "length", &out->max_edge);
+    case OPTION_EVERY:
+        return read_step(a, w, &out->step);
+    case OPTION_BASE:
+        return read_number(a, w, "base", &out->base);
+    case OPTION_BINARY:
+        break;
+    }
+    return true;
+}
+
+/* Those of the options `allowed` that there are from the word `at` on, in any order; nothing else may be there. */
+static bool read_options(struct answer *a, const struct request *q, size_t at, unsigned allowed,
+                         struct surface *out)
+{
+    while (at < q->n) {
+        enum option option = option_of(&q->word[at++]);
+        if ((option & allowed) == 0 || (option != OPTION_BINARY && at == q->n)) {
+            answer_usage(a, q);
+            return false;
+        }
+        allowed &= ~(unsigned)option;
+        if (option == OPTION_BINARY)
+            out->binary = true;
+        else if (!read_option(a, q, option, &q->word[at++], out))
+            return false;
+    }
+    return true;
+}
+
+/* The surface of the field that the third word names. */
+static bool begin(struct answer *a, const struct dataset *set, const struct request *q,
+                  enum surface_kind kind, struct surface *out)
+{
+    const struct word *name = &q->word[2];
+    *out = (struct surface){.kind = kind, .how = DT_LINEAR, .max_edge = HUGE_VAL};
+    if (find_field(a, set, name) == NULL)
+        return false;
+    memcpy(out->field, name->text, name->len);
+    out->field_len = name->len;
+    return true;
+}
+
+/* ---- INTERPOLATE ---- */
+
+/* The words 3 .. 2 n + 2. */
+static bool read_places(struct server *s, struct answer *a, const struct request *q, size_t n,
+                        struct places *out)
+{
+    out->p = dt_pages_grow(s->pages, NULL, 0, n * sizeof *out->p);
+    out->n = n;
+    if (out->p == NULL)
+        answer_out_of_memory(a);
+    for (size_t i = 0; out->p != NULL && i < n; i++)
+        if (!read_point(a, &q->word[3 + 2 * i], &out->p[i]))
+            return false;
+    return out->p != NULL;
+}
+
+void cmd_interpolate(struct server *s, struct dataset *set, const struct request *q,
+                     struct answer *a)
+{
+    struct surface surface;
+    size_t end = 3;
+    while (end < q->n && option_of(&q->word[end]) == 0)
+        end++;
+    if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
+        !read_options(a, q, end, OPTION_METHOD | OPTION_MAXEDGE, &surface))
+        return;
+    if (end == 3)
+        answer_usage(a, q);
+    else if (end % 2 == 0)
+        reply_err(a->out, ERR_SYNTAX, "odd number of coordinates");
+    else if (read_places(s, a, q, (end - 3) / 2, &surface.places))
+        surface_answer(s, a, set, &surface);
+    else
+        surface_clear(&surface);
+}
+
+/* ---- RASTER ---- */
+
+static void put_in_order(double *a, double *b)
+{
+    double t = *a;
+    if (*a > *b) {
+        *a = *b;
+        *b = t;
+    }
+}
+
+static bool read_side(struct answer *a, const struct word *w, const char *what, uint32_t *n)
+{
+    if (!read_count(a, w, what, n))
+        return false;
+    bool good = *n >= 1 && *n <= LIMIT_RASTER_SIDE;
+    if (!good)
+        reply_err(a->out, ERR_RANGE, "a raster has 1 to %d columns and rows", LIMIT_RASTER_SIDE);
+    return good;
+}
+
+static bool read_raster(struct answer *a, const struct request *q, struct dt_raster *r)
+{
+    const struct word *w = q->word;
+    if (!read_point(a, &w[3], &r->lo) || !read_point(a, &w[5], &r->hi) ||
+        !read_side(a, &w[7], "a number of columns", &r->columns) ||
+        !read_side(a, &w[8], "a number of rows", &r->rows))
+        return false;
+    put_in_order(&r->lo.x, &r->hi.x);
+    put_in_order(&r->lo.y, &r->hi.y);
+    bool good = (uint64_t)r->columns * r->rows <= LIMIT_RASTER_CELLS;
+    if (!good)
+        reply_err(a->out, ERR_TOOBIG, "a raster has at most %d cells", LIMIT_RASTER_CELLS);
+    return good;
+}
+
+void cmd_raster(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct surface surface;
+    if (begin(a, set, q, SURFACE_RASTER, &surface) && read_raster(a, q, &surface.raster) &&
+        read_options(a, q, 9, OPTION_METHOD | OPTION_MAXEDGE | OPTION_BINARY, &surface))
+        surface_answer(s, a, set, &surface);
+}
+
+/* ---- CONTOUR ---- */
+
+static int compare_levels(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The words from the fourth on, up to `end`: sorted, each once. */
+static bool read_levels(struct answer *a, const struct request *q, size_t end, struct surface *out)
+{
+    uint32_t n = 0;
+    if (end - 3 > LIMIT_LEVELS) {
+        reply_err(a->out, ERR_RANGE, "more than %d levels", LIMIT_LEVELS);
+        return false;
+    }
+    double *level = malloc((end - 3) * sizeof *level + 1);
+    out->level = level;
+    if (level == NULL) {
+        answer_out_of_memory(a);
+        return false;
+    }
+    for (size_t i = 3; i < end; i++)
+        if (!read_number(a, &q->word[i], "level", &level[i - 3]))
+            return false;
+    qsort(level, end - 3, sizeof *level, compare_levels);
+    for (size_t i = 0; i < end - 3; i++)
+        if (n == 0 || level[i] > level[n - 1])
+            level[n++] = level[i];
+    out->levels = n;
+    return true;
+}
+
+void cmd_contour(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct surface surface;
+    size_t end = 3;
+    while (end < q->n && option_of(&q->word[end]) == 0)
+        end++;
+    bool every = end < q->n && option_of(&q->word[end]) == OPTION_EVERY;
+    if (!begin(a, set, q, SURFACE_CONTOUR, &surface) ||
+        !read_options(a, q, end,
+                      every ? OPTION_EVERY | OPTION_BASE | OPTION_MAXEDGE : OPTION_MAXEDGE,
+                      &surface))
+        return;
+    if ((end == 3) != every)
+        answer_usage(a, q);
+    else if (every || read_levels(a, q, end, &surface))
+        surface_answer(s, a, set, &surface);
+    else
+        surface_clear(&surface);
 }

@@ -86,6 +86,18 @@ const struct command commands[] = {
      "the Voronoi cells, clipped to a box"},
     {"AREAS", 2, 8, QUERIES, cmd_areas, "AREAS set [BOX x0 y0 x1 y1] [BINARY]",
      "the areas of the Voronoi cells, clipped to a box"},
+    {"INTERPOLATE", 5, 0, SEARCHES, cmd_interpolate,
+     "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest] [MAXEDGE e]",
+     "the values of a field at places between its points"},
+    {"RASTER", 9, 14, SEARCHES, cmd_raster,
+     "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest] [MAXEDGE "
+     "e] "
+     "[BINARY]",
+     "the values of a field at the centres of the cells of a box, row by row from the north"},
+    {"CONTOUR", 4, 0, QUERIES, cmd_contour,
+     "CONTOUR set field level [level ...] [MAXEDGE e] | CONTOUR set field EVERY step [BASE b] "
+     "[MAXEDGE e]",
+     "lines along which a field has a value, with the higher ground on their left"},
     {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
      "the steps of the shelling algorithm, for sets of up to 1000 points"},
     {"PING", 1, 1, CMD_OPEN | CMD_QUICK, cmd_ping, "PING", "answers OK 0"},

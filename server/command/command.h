@@ -77,6 +77,11 @@ bool read_id(struct answer *a, const struct word *w, uint32_t *id);
 /* The place in the third and fourth word, with a hint if it has been prefetched. */
 bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p);
 
+/* The name of a field, and the field of that name; NULL: the ERR line has been written. */
+bool read_field_name(struct answer *a, const struct word *w);
+const struct dt_field *find_field(struct answer *a, const struct dataset *set,
+                                  const struct word *w);
+
 /* A whole number; `what` names it in the error. */
 bool read_count(struct answer *a, const struct word *w, const char *what, uint32_t *n);
 
@@ -116,7 +121,7 @@ bool triangulate_join(struct server *s, struct dataset *set, const struct reques
 
 command_handler cmd_lists, cmd_triangles, cmd_edges, cmd_hull;                  /* cmd_query.c */
 command_handler cmd_locate, cmd_nearest, cmd_within, cmd_locateb, cmd_nearestb; /* cmd_query.c */
-command_handler cmd_weights;                                                    /* cmd_surface.c */
+command_handler cmd_weights, cmd_interpolate, cmd_raster, cmd_contour;          /* cmd_surface.c */
 command_handler cmd_voronoi, cmd_areas;                                         /* cmd_cells.c */
 command_handler cmd_trace;                                                      /* cmd_trace.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit;                        /* cmd_admin.c */

@@ -47,10 +47,10 @@ static bool answer_at_once(struct answer *a, struct rows *rows)
     return rows->done || rows->status != DT_OK;
 }
 
-/* Whether the rows are read from the set; rows of ids are not. */
+/* Whether the rows are read from the set; those of a list are not. */
 static bool reads_set(const struct rows *rows)
 {
-    return rows->table || rows->form != ROW_IDS;
+    return rows->table || !row_is_of_list(rows->form);
 }
 
 /* Whether the view must include the triangulation. */

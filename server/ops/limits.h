@@ -10,6 +10,9 @@ enum {
     LIMIT_CLIENT_NAME = 64,       /* bytes, in CLIENT SETNAME */
     LIMIT_TRACE_POINTS = 1000,    /* of a set, for TRACE */
     LIMIT_NEAREST_MANY = 4096,    /* points for each place of NEARESTB */
+    LIMIT_RASTER_SIDE = 65536,    /* columns, and rows */
+    LIMIT_RASTER_CELLS = 1 << 27, /* 1 GiB of values */
+    LIMIT_LEVELS = 10000,         /* of CONTOUR */
     LIMIT_TIMEOUT_S = 1000000,    /* of TIMEOUT */
     LIMIT_STALL_S = 60,           /* in which a client receives nothing of a reply */
     LIMIT_STRANGER_S = 10,        /* before AUTH */

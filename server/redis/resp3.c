@@ -13,9 +13,11 @@ struct resp3_form {
 };
 
 static const struct resp3_form forms[] = {
-    {"SETS", "m"},      {"GET", "id"},     {"POINTS", "id"}, {"COINCIDENT", "i"}, {"LISTS", "i"},
-    {"TRIANGLES", "i"}, {"EDGES", "i"},    {"HULL", "id"},   {"LOCATE", "i"},     {"NEAREST", "id"},
-    {"WITHIN", "id"},   {"WEIGHTS", "id"}, {"TRACE", "w"},   {"HELP", "t"},
+    {"SETS", "m"},        {"GET", "id"},      {"POINTS", "id"},    {"COINCIDENT", "i"},
+    {"LISTS", "i"},       {"TRIANGLES", "i"}, {"EDGES", "i"},      {"HULL", "id"},
+    {"LOCATE", "i"},      {"NEAREST", "id"},  {"WITHIN", "id"},    {"WEIGHTS", "id"},
+    {"INTERPOLATE", "d"}, {"RASTER", "d"},    {"CONTOUR", "dwid"}, {"TRACE", "w"},
+    {"HELP", "t"},
 };
 
 const struct resp3_form *resp3_form(const char *command)

@@ -8,11 +8,12 @@
 #include <string.h>
 
 enum {
-    CELLS = 64,         /* read at a time */
-    TABLE_WORDS = 4096, /* read from a table at a time */
-    PART_IDS = 600,     /* of a part: ids of a table or rows of a list, about 30 KiB of text */
-    PART_CELLS = 150,   /* of a part: cells */
-    PART_WORDS = 7500,  /* of a part in binary */
+    CELLS = 64,          /* read at a time */
+    TABLE_WORDS = 4096,  /* read from a table at a time */
+    PART_IDS = 600,      /* of a part: ids of a table or rows of a list, about 30 KiB of text */
+    PART_CELLS = 150,    /* of a part: cells */
+    PART_WORDS = 7500,   /* of a part in binary */
+    PART_NUMBERS = 3000, /* words of a part of numbers in text */
     PLACE_WORDS = 4096, /* of the places that are looked up at a time; no row of a place has more */
     PLACE_STEPS = 20000 /* of a look-up, while edits wait */
 };
@@ -79,6 +80,34 @@ static void write_value(struct buf *out, const uint32_t word[ROW_VALUE_WORDS])
     reply_row_value(out, word[0], value);
 }
 
+void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint32_t places)
+{
+    memcpy(word, &level, sizeof level);
+    word[2] = closed;
+    word[3] = places;
+}
+
+static void write_line(struct buf *out, const uint32_t *word)
+{
+    double level;
+    memcpy(&level, word, sizeof level);
+    reply_row_line(out, level, word[2] != 0, word + ROW_LINE_WORDS, word[3]);
+}
+
+static void write_numbers(const struct rows *r, struct buf *out, const uint32_t *word)
+{
+    if (r->binary)
+        reply_words_u32(out, word, r->width);
+    else
+        reply_row_numbers(out, word, r->width / 2);
+}
+
+/* The words of the list that the row at `at` takes. */
+static size_t list_words(const struct rows *r, size_t at)
+{
+    return r->form == ROW_LINE ? ROW_LINE_WORDS + 4 * (size_t)r->ids.v[at + 3] : r->width;
+}
+
 /* Prefetches the data of the next rows. */
 static void fetch_next(const struct rows *r)
 {
@@ -102,9 +131,13 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
             write_ring(r, out, *id);
         else if (r->form == ROW_VALUE)
             write_value(out, id);
+        else if (r->form == ROW_NUMBERS)
+            write_numbers(r, out, id);
+        else if (r->form == ROW_LINE)
+            write_line(out, id);
         else
             write_point(r, out, *id);
-        r->at += r->width;
+        r->at += list_words(r, r->at);
     }
     r->done = r->at == r->ids.n;
 }
@@ -341,8 +374,11 @@ bool rows_cut(struct rows *r, struct rows *part)
     }
     if (row_is_of_cell(r->form) && r->ids.v == NULL)
         return cut_cells(r, part);
-    size_t n = row_is_of_cell(r->form) ? PART_CELLS : PART_IDS * r->width;
-    r->at = r->ids.n - r->at > n ? r->at + n : r->ids.n;
+    size_t n = row_is_of_cell(r->form)                         ? PART_CELLS
+               : r->form == ROW_NUMBERS || r->form == ROW_LINE ? PART_NUMBERS
+                                                               : PART_IDS * r->width;
+    for (size_t from = r->at; r->at < r->ids.n && r->at - from < n;)
+        r->at += list_words(r, r->at);
     part->ids.n = r->at;
     return part->at < part->ids.n;
 }

@@ -17,6 +17,8 @@ enum row_form {
     ROW_VALUE,     /* id and a number: ROW_VALUE_WORDS words of the list */
     ROW_CELL,      /* id, the number of corners, and x y of each, */
     ROW_AREA,      /* or the area: of all cells, or those of the list */
+    ROW_NUMBERS,   /* numbers, `width` words of the list; binary: as they are */
+    ROW_LINE,      /* a line of a contour: ROW_LINE_WORDS words, and four for each of its places */
     ROW_TRIANGLE,  /* binary, of a place: the corners of its triangle, */
     ROW_NEAREST    /* and the `width` points nearest to it */
 };
@@ -24,6 +26,16 @@ enum row_form {
 /* A row of ROW_VALUE in a list of words. */
 enum { ROW_VALUE_WORDS = 3 };
 void row_value_put(uint32_t word[ROW_VALUE_WORDS], uint32_t id, double value);
+
+/* The first words of a row of ROW_LINE: its level, whether it is closed, and how many places follow. */
+enum { ROW_LINE_WORDS = 4 };
+void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint32_t places);
+
+/* Whether rows of this form are made from the list alone, without the set. */
+static inline bool row_is_of_list(enum row_form form)
+{
+    return form == ROW_IDS || form == ROW_NUMBERS || form == ROW_LINE;
+}
 
 /* Places that are asked about. */
 struct places {
@@ -47,7 +59,7 @@ struct rows {
     struct dt_view *view;    /* borrows: the moment that is read; NULL: now */
     bool heavy;              /* workers make them, even if they are few */
     bool table;              /* rows of the cursor's table, else rows of the ids */
-    bool binary;             /* table only */
+    bool binary;             /* tables and numbers only */
     struct dt_cursor cursor;
     struct dt_cells cells; /* ROW_CELL, ROW_AREA */
     enum row_form form;

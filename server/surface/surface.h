@@ -1,0 +1,37 @@
+/* surface.h - values between points: at places, at the cells of a raster, and contours.
+ *
+ * A few places or cells are computed at once, with a limit on steps. Others are a worker's, which holds the lock for a
+ * piece of a few milliseconds at a time, and its result is one state of the set: contours are read through a view;
+ * values are begun again on a copy of the set if an edit of the triangulation comes between two pieces. The result is
+ * in memory before it is sent. */
+#ifndef SERVER_SURFACE_H
+#define SERVER_SURFACE_H
+
+#include "core/delaunay_surface.h"
+#include "server/jobs/server.h"
+#include "server/sets/rows.h"
+
+enum surface_kind { SURFACE_PLACES, SURFACE_RASTER, SURFACE_CONTOUR };
+
+struct surface {
+    enum surface_kind kind;
+    bool binary;
+    char field[DT_FIELD_NAME];
+    size_t field_len;
+    enum dt_interpolation how;
+    double max_edge;      /* HUGE_VAL: any */
+    struct places places; /* SURFACE_PLACES */
+    struct dt_raster raster;
+    double
+        *level; /* SURFACE_CONTOUR; owns `levels`, ascending; NULL: every `step` from `base` on */
+    uint32_t levels;
+    double step, base;
+};
+
+/* Answers; what *q owns moves here. The set has the field. */
+void surface_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q);
+
+/* Frees what it owns. */
+void surface_clear(struct surface *q);
+
+#endif

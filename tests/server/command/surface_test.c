@@ -1,0 +1,217 @@
+/* surface_test.c - INTERPOLATE, RASTER and CONTOUR: what clients see. */
+#include "tests/server/daemon.h"
+#include "tests/test.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+static const char *const no_arguments[] = {NULL};
+
+/* A set t of n random points with a field z, triangulated. */
+static struct daemon start(int *fd, uint32_t n)
+{
+    struct daemon d = daemon_start(no_arguments);
+    char text[100];
+    *fd = daemon_connect(&d);
+    load_random(*fd, "t", n);
+    for (uint32_t i = 0; i < n; i++) {
+        snprintf(text, sizeof text, "FSET t z %u %.3f\n", i, test_uniform());
+        say(*fd, text);
+        expect(*fd, "OK 0\n");
+    }
+    say(*fd, "TRIANGULATE t\n");
+    CHECK(strncmp(hear_line(*fd), "OK 0 points=", 12) == 0);
+    return d;
+}
+
+/* n bytes; the caller frees them. */
+static char *hear_bytes(int fd, size_t n)
+{
+    char *bytes = malloc(n + 1);
+    CHECK(bytes != NULL);
+    for (size_t got = 0; got < n;) {
+        ssize_t r = read(fd, bytes + got, n - got);
+        CHECK(r > 0);
+        got += (size_t)r;
+    }
+    return bytes;
+}
+
+/* The values of a raster of the unit square. */
+static double *raster(int fd, uint32_t columns, uint32_t rows, const char *method)
+{
+    char text[200], want[100];
+    size_t bytes = 8 * (size_t)columns * rows;
+    snprintf(text, sizeof text, "RASTER t z 0 0 1 1 %u %u METHOD %s BINARY\n", columns, rows,
+             method);
+    say(fd, text);
+    snprintf(want, sizeof want, "OK 0 rows=%u columns=%u bytes=%zu", rows, columns, bytes);
+    CHECK_STR(hear_line(fd), want);
+    return (double *)(void *)hear_bytes(fd, bytes);
+}
+
+static bool is_same(const double *a, const double *b, size_t n)
+{
+    return memcmp(a, b, n * sizeof *a) == 0;
+}
+
+#define INTERPOLATE_USAGE                                                                          \
+    "ERR SYNTAX usage: INTERPOLATE set field x y [x y ...] "                                       \
+    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e]\n"
+#define RASTER_USAGE                                                                               \
+    "ERR SYNTAX usage: RASTER set field x0 y0 x1 y1 columns rows "                                 \
+    "[METHOD linear|natural|laplace|nearest] [MAXEDGE e] [BINARY]\n"
+#define CONTOUR_USAGE                                                                              \
+    "ERR SYNTAX usage: CONTOUR set field level [level ...] [MAXEDGE e] | CONTOUR set field EVERY " \
+    "step [BASE b] [MAXEDGE e]\n"
+
+TEST(surface_requests_that_cannot_be_answered)
+{
+    struct daemon d = daemon_start(no_arguments);
+    converse(&d, "ADD t 0 0 4 0 4 4 0 4\nFSET t z 0 1 1 3\nINTERPOLATE t z 1 1\n",
+             "OK 0 first=0 added=4 coincident=0\nOK 0\n"
+             "ERR UNTRIANGULATED TRIANGULATE the set first\n");
+    int fd = daemon_connect(&d);
+    say(fd, "TRIANGULATE t\n");
+    CHECK(strncmp(hear_line(fd), "OK 0 points=4", 13) == 0);
+    converse(
+        &d,
+        "INTERPOLATE t z 1\nINTERPOLATE t z 1 2 3\nINTERPOLATE t z METHOD linear\n"
+        "INTERPOLATE t z 1 x\nINTERPOLATE t z 1 2 METHOD\nINTERPOLATE t z 1 2 METHOD cubic\n"
+        "INTERPOLATE t z 1 2 BINARY\nINTERPOLATE t z 1 2 MAXEDGE -1\nINTERPOLATE u z 1 2\n"
+        "INTERPOLATE t y 1 2\nRASTER t z 0 0 1 1 1\nRASTER t z 0 0 1 1 1 x\n"
+        "RASTER t z 0 0 1 1 65537 1\nRASTER t z 0 0 1 1 65536 65536\n"
+        "CONTOUR t z 1 BINARY\nCONTOUR t z 1 EVERY 1\nCONTOUR t z EVERY 1 BASE\n"
+        "CONTOUR t z x\nCONTOUR t z 1e999\nCONTOUR t z EVERY -1\nCONTOUR t z EVERY 1e-300\n"
+        "CONTOUR t z\nCONTOUR t z EVERY 1e-4\n",
+        INTERPOLATE_USAGE
+        "ERR SYNTAX odd number of coordinates\n" INTERPOLATE_USAGE
+        "ERR NUMBER x is not a number\n" INTERPOLATE_USAGE INTERPOLATE_USAGE INTERPOLATE_USAGE
+        "ERR RANGE a length is not negative\n"
+        "ERR NOSET there is no set u\n"
+        "ERR NOFIELD there is no field y\n" RASTER_USAGE "ERR NUMBER x is not a number of rows\n"
+        "ERR RANGE a raster has 1 to 65536 columns and rows\n"
+        "ERR TOOBIG a raster has at most 134217728 cells\n" CONTOUR_USAGE CONTOUR_USAGE
+            CONTOUR_USAGE "ERR NUMBER x is not a number\n"
+        "ERR RANGE a level is finite\n"
+        "ERR RANGE a step is greater than 0\n"
+        "ERR RANGE more than 10000 levels\n" CONTOUR_USAGE "ERR RANGE more than 10000 levels\n");
+    daemon_stop(&d, SIGTERM);
+}
+
+TEST(raster_as_text_has_the_values_of_the_binary_one)
+{
+    int fd;
+    start(&fd, 300);
+    double *value = raster(fd, 70, 30, "natural");
+    say(fd, "RASTER t z 1 1 0 0 70 30 METHOD natural\n");
+    CHECK_STR(hear_line(fd), "OK 30 columns=70");
+    for (size_t row = 0; row < 30; row++) {
+        char *at = (char *)(uintptr_t)hear_line(fd);
+        for (size_t i = 0; i < 70; i++) {
+            double got = strtod(at, &at), want = value[70 * row + i];
+            CHECK_MSG(got == want || (isnan(got) && isnan(want)), "%.17g, not %.17g", got, want);
+        }
+        CHECK(*at == '\0');
+    }
+    free(value);
+}
+
+TEST(interpolation_of_many_places_has_the_values_of_a_raster)
+{
+    int fd;
+    char *text = malloc(100000), *to = text;
+    start(&fd, 300);
+    for (int method = 0; method < 4; method++) {
+        static const char *const names[] = {"linear", "natural", "laplace", "nearest"};
+        double *value = raster(fd, 64, 8, names[method]);
+        to = text + sprintf(text, "INTERPOLATE t z");
+        for (int i = 0; i < 512; i++)
+            to += sprintf(to, " %.17g %.17g", (2 * (i % 64) + 1) / 128.0,
+                          1 - (2 * (i / 64) + 1) / 16.0);
+        sprintf(to, " METHOD %s\n", names[method]);
+        say(fd, text);
+        CHECK_STR(hear_line(fd), "OK 512");
+        for (int i = 0; i < 512; i++) {
+            double got = strtod(hear_line(fd), NULL);
+            CHECK(got == value[i] || (isnan(got) && isnan(value[i])));
+        }
+        free(value);
+    }
+    free(text);
+}
+
+TEST(contours_as_rows_end_where_their_count_says)
+{
+    int fd;
+    start(&fd, 2000);
+    say(fd, "CONTOUR t z EVERY 0.01\n");
+    size_t lines = strtoul(hear_line(fd) + 3, NULL, 10), closed = 0;
+    CHECK(lines > 1000);
+    double before = 0;
+    for (size_t i = 0; i < lines; i++) {
+        char *at, kind[8];
+        size_t n;
+        const char *row = hear_line(fd);
+        double level = strtod(row, &at);
+        CHECK(sscanf(at, " %7s %zu", kind, &n) == 2 && n >= 2 && level >= before);
+        closed += strcmp(kind, "closed") == 0;
+        size_t words = 0;
+        for (const char *c = row; *c != '\0'; c++)
+            words += *c == ' ';
+        CHECK(words == 2 + 2 * n);
+        before = level;
+    }
+    CHECK(closed > 100);
+    say(fd, "PING\n");
+    expect(fd, "OK 0\n");
+}
+
+/* A point moves to and fro all the time: every raster is of one of the two states. */
+TEST_TIMEOUT(raster_is_of_one_state_while_points_move, 60)
+{
+    enum { SIDE = 220 };
+    int fd, other;
+    struct daemon d = start(&fd, 500);
+    other = daemon_connect(&d);
+    say(other, "MOVE t 7 0.5 0.5\n");
+    CHECK(strncmp(hear_line(other), "OK", 2) == 0);
+    double *here = raster(fd, SIDE, SIDE, "natural");
+    say(other, "MOVE t 7 0.25 0.625\n");
+    CHECK(strncmp(hear_line(other), "OK", 2) == 0);
+    double *there = raster(fd, SIDE, SIDE, "natural");
+    CHECK(!is_same(here, there, SIDE * SIDE));
+    for (int round = 0; round < 6; round++) {
+        char text[200];
+        snprintf(text, sizeof text, "RASTER t z 0 0 1 1 %d %d METHOD natural BINARY\n", SIDE, SIDE);
+        say(fd, text);
+        for (int i = 0; i < 50; i++) {
+            say(other, i % 2 == 0 ? "MOVE t 7 0.5 0.5\n" : "MOVE t 7 0.25 0.625\n");
+            CHECK(strncmp(hear_line(other), "OK", 2) == 0);
+        }
+        CHECK(strncmp(hear_line(fd), "OK 0 rows=", 10) == 0);
+        double *got = (double *)(void *)hear_bytes(fd, 8 * SIDE * SIDE);
+        CHECK(is_same(got, here, SIDE * SIDE) || is_same(got, there, SIDE * SIDE));
+        free(got);
+    }
+    free(here);
+    free(there);
+}
+
+TEST(surfaces_in_resp)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = daemon_connect(&d);
+    say(fd, "ADD t 0 0 4 0 0 4\nFSET t z 0 1 1 2 2 3\nTRIANGULATE t\n");
+    for (int i = 0; i < 3; i++)
+        CHECK(strncmp(hear_line(fd), "OK", 2) == 0);
+    say(fd, "*5\r\n$11\r\ninterpolate\r\n$1\r\nt\r\n$1\r\nz\r\n$1\r\n2\r\n$1\r\n0\r\n");
+    expect(fd, "*1\r\n$3\r\n1.5\r\n");
+    say(fd, "*4\r\n$7\r\nCONTOUR\r\n$1\r\nt\r\n$1\r\nz\r\n$3\r\n2.5\r\n");
+    expect(fd, "*1\r\n$18\r\n2.5 open 2 0 3 2 2\r\n");
+}
