@@ -7,17 +7,18 @@
 
 struct resp3_form {
     const char *command;
-    /* A letter for each word of a row, the last one for all that follow: i an id or a count, d a double, w by what it
-     * looks like. Or one of these alone: t the row is one text, m it is a name and its facts. */
+    /* A letter for each word of a row, the last one for all that follow: i an id or a count, d a double, s a text,
+     * w by what it looks like. Or one of these alone: t the row is one text, m it is a name and its facts. */
     const char *row;
 };
 
 static const struct resp3_form forms[] = {
-    {"SETS", "m"},        {"GET", "id"},      {"POINTS", "id"},    {"COINCIDENT", "i"},
-    {"LISTS", "i"},       {"TRIANGLES", "i"}, {"EDGES", "i"},      {"HULL", "id"},
-    {"LOCATE", "i"},      {"NEAREST", "id"},  {"WITHIN", "id"},    {"WEIGHTS", "id"},
-    {"INTERPOLATE", "d"}, {"RASTER", "d"},    {"CONTOUR", "dwid"}, {"TRACE", "w"},
-    {"HELP", "t"},
+    {"SETS", "m"},       {"GET", "id"},      {"POINTS", "id"},     {"COINCIDENT", "i"},
+    {"FIELDS", "sid"},   {"FGET", "id"},     {"LISTS", "i"},       {"TRIANGLES", "i"},
+    {"EDGES", "i"},      {"HULL", "id"},     {"LOCATE", "i"},      {"NEAREST", "id"},
+    {"WITHIN", "id"},    {"WEIGHTS", "id"},  {"INTERPOLATE", "d"}, {"RASTER", "d"},
+    {"CONTOUR", "dsid"}, {"VORONOI", "iid"}, {"AREAS", "id"},      {"ALPHA", "si"},
+    {"TRACE", "w"},      {"HELP", "t"},
 };
 
 const struct resp3_form *resp3_form(const char *command)

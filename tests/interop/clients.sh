@@ -169,6 +169,19 @@ with delaunayd.Client("private:") as c:
 assert delaunayd._private.find_program().startswith(os.path.dirname(delaunayd.__file__))'
 }
 
+# Where nothing has been built, into an empty virtual environment: the daemon is compiled, and nothing else is needed.
+python_package_compiles_the_daemon() {
+    local repository=$scratch/repository found
+    mkdir "$repository" && git archive HEAD | tar -x -C "$repository" && python3 -m venv "$scratch/venv" &&
+        env -u DELAUNAYD -u MAKEFLAGS "$scratch/venv/bin/pip" install -q --no-index --no-cache-dir "$repository/clients/python" &&
+        [ ! -e "$repository/build" ] &&
+        found=$(env -u DELAUNAYD -u DELAUNAY_URL "$scratch/venv/bin/python" -c '
+import delaunayd
+with delaunayd.Client("private:") as c:
+    c.load("t", [(0, 0), (4, 0), (0, 4)])
+    print(c.triangulate("t")["triangles"], delaunayd._private.find_program())') && [[ $found == "1 $scratch/venv/"* ]]
+}
+
 # ---- haproxy ----
 
 through() { printf '%s\n' "$1" | timeout 10 nc -N 127.0.0.1 "$front"; }
@@ -243,6 +256,11 @@ count "the Python package" env DELAUNAYD="$build/delaunayd" "$python" -m unittes
 count "SciPy's own tests of Delaunay, with ours" env DELAUNAYD="$build/delaunayd" PYTHONPATH=clients/python \
     "$python" clients/python/tests/scipy_tests.py
 count "the Python package can be installed, with the daemon" python_package_installs
+if python3 -m venv --help >/dev/null 2>&1 && python3 -c 'import ensurepip' 2>/dev/null; then
+    count "the Python package compiles the daemon where there is none" python_package_compiles_the_daemon
+else
+    echo "python3-venv is missing: the Python package is not installed into an empty environment"
+fi
 count "weights in rational arithmetic" "$python" tests/interop/weights.py "$port"
 count "Voronoi cells in rational arithmetic" "$python" tests/interop/cells.py "$port"
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"

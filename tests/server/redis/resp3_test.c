@@ -52,6 +52,9 @@ TEST(resp3_rows_are_arrays_of_numbers)
     expect_typed("NEAREST", "OK 1\n7 4 -0.5 1e+21\n",
                  "*1\r\n*4\r\n:7\r\n,4\r\n,-0.5\r\n,1e+21\r\n");
     expect_typed("WEIGHTS", "OK 1\n7 nan\n", "*1\r\n*2\r\n:7\r\n_\r\n");
+    expect_typed("FIELDS", "OK 1\n7 2 4 nan\n", "*1\r\n*4\r\n$1\r\n7\r\n:2\r\n,4\r\n_\r\n");
+    expect_typed("CONTOUR", "OK 1\n5 open 1 0 2\n",
+                 "*1\r\n*5\r\n,5\r\n$4\r\nopen\r\n:1\r\n,0\r\n,2\r\n");
     expect_typed("TRACE", "OK 1\ngrid 0 -1.5 2\n",
                  "*1\r\n*4\r\n$4\r\ngrid\r\n:0\r\n,-1.5\r\n:2\r\n");
     expect_typed("HELP", "OK 1\nPING - a b\n", "*1\r\n$10\r\nPING - a b\r\n");
