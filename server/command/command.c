@@ -122,6 +122,8 @@ const struct command commands[] = {
 };
 
 const size_t command_count = sizeof commands / sizeof commands[0];
+_Static_assert(sizeof commands / sizeof commands[0] <= STATS_OTHER,
+               "each command has statistics of its own");
 
 const struct command *command_find(const struct word *name)
 {
