@@ -16,15 +16,17 @@ const struct subcommand subcommands[] = {
      "      --input-format F     of the points; as load's --format\n"
      "  -c, --columns X,Y        as load's\n"
      "      --skip-bad           as load's\n"
-     "      --colour C, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n",
-     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help",
+     "      --colour C, --field F, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n",
+     "--format --input-format --columns --skip-bad --colour --field --numbers --viewport --force "
+     "--help",
      true},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
      "running server, as draw, and has its options.\n\n"
      "  -f, --format F           of the mesh; else its ending decides\n"
      "      --input-format F, --columns X,Y, --skip-bad, --force\n",
-     "--format --input-format --columns --skip-bad --colour --numbers --viewport --force --help",
+     "--format --input-format --columns --skip-bad --colour --field --numbers --viewport --force "
+     "--help",
      true},
     {"load", command_load, false, true, "load SET FILE [--format F] [--columns X,Y] [--skip-bad]",
      "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
@@ -46,12 +48,42 @@ const struct subcommand subcommands[] = {
      "and UTF-16 are read by way of gzip, bzip2, xz, zstd, iconv.\n",
      "--format --columns --skip-bad --help", true},
     {"export", command_export, false, true,
-     "export SET FILE [--format F] [--colour quality|degree] [--numbers] [--viewport X0,Y0,X1,Y1]",
+     "export SET FILE [--format F] [--colour quality|degree|relief] [--field F] [--numbers] "
+     "[--viewport X0,Y0,X1,Y1]",
      "Writes the triangulated set to a file (- for the standard output). One that is there and was "
      "not\n"
      "written by delaunay, or was changed since, is replaced only with --force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
-     "--format --colour --numbers --viewport --force --help", true},
+     "--format --colour --field --numbers --viewport --force --help", true},
+    {"raster", command_raster, false, true,
+     "raster SET FIELD FILE [--format F] [--cell SIDE | --width COLUMNS] [--viewport X0,Y0,X1,Y1] "
+     "...",
+     "Writes the surface of a field as a raster of square cells (- for the standard output). "
+     "Without a\n"
+     "file the words are sent as the request RASTER.\n\n"
+     "  -f, --format F        asc, an ESRI ASCII grid; bil, 32-bit floats with a .hdr beside; png, "
+     "a\n"
+     "                        picture of shaded relief; tif, a GeoTIFF, by GDAL's gdal_translate\n"
+     "      --cell SIDE       the side of a cell\n"
+     "      --width COLUMNS   or how many cells there are across; else 1000 along the longer side\n"
+     "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
+     "      --method M        linear, natural, laplace or nearest\n"
+     "      --max-edge E      nothing in triangles that have a longer edge\n"
+     "      --colour C        of a picture: relief (colours by height, and light), light, height\n"
+     "      --force           replace any file\n",
+     "--format --cell --width --viewport --method --max-edge --colour --force --help", true},
+    {"contour", command_contour, false, true,
+     "contour SET FIELD FILE [--format F] [--every STEP [--base B] | --levels L,L,...] ...",
+     "Writes contour lines of a field (- for the standard output), about ten levels unless the "
+     "options\n"
+     "say which. Without a file the words are sent as the request CONTOUR.\n\n"
+     "  -f, --format F        geojson, a LineString each; wkt; svg, a picture on shaded relief\n"
+     "      --every STEP      levels at B (0) and at all multiples of STEP from it\n"
+     "      --levels L,L,...  these levels\n"
+     "      --max-edge E      none in triangles that have a longer edge\n"
+     "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
+     "      --force           replace any file\n",
+     "--format --every --base --levels --max-edge --viewport --force --help", true},
     {"voronoi", command_voronoi, false, true,
      "voronoi SET FILE [--format F] [--viewport X0,Y0,X1,Y1] [--field F] [--force]",
      "Writes the Voronoi cells of the triangulated set (- for the standard output). Without a file "
@@ -65,11 +97,14 @@ const struct subcommand subcommands[] = {
      "there is one\n"
      "      --force           replace any file\n",
      "--format --viewport --field --force --help", true},
-    {"show", command_show, false, true, "show SET [--width COLUMNS] [--height LINES] [--plain]",
-     "Draws the triangulated set in the terminal, in braille characters; the hull in red. Without\n"
+    {"show", command_show, false, true,
+     "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
+     "Draws the triangulated set in the terminal, in braille characters; the hull in red. A set "
+     "with\n"
+     "heights, in the field F or z, is drawn as shaded relief, unless --mesh is given. Without\n"
      "--width and --height it fills the terminal; --plain leaves colours out, as\n"
      "$NO_COLOR does.\n",
-     "--width --height --plain --help", false},
+     "--width --height --field --mesh --plain --help", false},
     {"trace", command_trace, false, true, "trace SET [FILE] [--seconds S] [--numbers] [--force]",
      "Writes an SVG that plays in a browser (- for the standard output): how the shelling "
      "algorithm\n"
@@ -170,6 +205,8 @@ void subcommand_print_help(const struct subcommand *s)
         printf("  -f, --format %-8s %s\n", formats[i].name, formats[i].what);
     fputs("      --colour quality  dark red: flat triangles; dark blue: equilateral ones\n"
           "      --colour degree   by the mean number of triangles at the corners\n"
+          "      --colour relief   by height, with light and shadow, without edges and points\n"
+          "      --field F         the field of heights; else z, if there is one\n"
           "      --numbers         ids beside the points, however many there are\n"
           "      --viewport BOX    only this part of the plane: X0,Y0,X1,Y1\n"
           "      --force           replace any file\n\n"

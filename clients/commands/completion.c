@@ -10,9 +10,12 @@
 
 static const char read_sets[] = "sets 2>/dev/null | sed -n '2,$s/ .*//p'";
 static const char global_options[] = "--host --port --url --json --help --version";
-static const char inputs[] = "xy csv geojson node xyz", shapes[] = "geojson svg wkt",
-                  colours[] = "quality degree";
-static const char valued[] = " --columns | --viewport | --seconds | --width | --height | --field ";
+static const char inputs[] = "xy csv geojson node xyz", grids[] = "asc bil png tif",
+                  shapes[] = "geojson svg wkt", methods[] = "linear natural laplace nearest",
+                  paints[] = "relief light height", colours[] = "quality degree relief";
+static const char valued[] =
+    " --columns | --viewport | --seconds | --width | --height | --cell | --every | --base | "
+    "--levels | --max-edge | --field ";
 
 static void put_formats(void)
 {
@@ -48,7 +51,7 @@ static void put_shell_scan(const char *word, const char *from, const char *to)
            "        case $w in\n"
            "        -h | -p | -u | --host | --port | --url)\n"
            "            where+=(\"$w\" \"${%s[i + 1]}\"); ((i++)) ;;\n"
-           "        -f | -c | --format | --input-format | --colour | %s)\n"
+           "        -f | -c | --format | --input-format | --colour | --method | %s)\n"
            "            ((i++)) ;;\n"
            "        -*) ;;\n"
            "        *) if [[ -z $command ]]; then command=$w; else ((at += 1)); fi ;;\n"
@@ -61,13 +64,15 @@ static void put_shell_scan(const char *word, const char *from, const char *to)
 static void put_value_cases(const char *before, const char *after)
 {
     printf("    -f | --format)\n        case $command in\n        load) %s%s%s ;;\n"
-           "        voronoi) %s%s%s ;;\n        *) %s",
-           before, inputs, after, before, shapes, after, before);
+           "        raster) %s%s%s ;;\n        contour | voronoi) %s%s%s ;;\n        *) %s",
+           before, inputs, after, before, grids, after, before, shapes, after, before);
     put_formats();
     printf("%s ;;\n        esac\n        return ;;\n    --input-format) %s%s%s; return ;;\n"
-           "    --colour) %s%s%s; return ;;\n"
+           "    --method) %s%s%s; return ;;\n"
+           "    --colour) if [[ $command == raster ]]; then %s%s%s; else %s%s%s; fi; return ;;\n"
            "    -h | -p | -u | -c | --host | --port | --url | %s) return ;;\n    esac\n",
-           after, before, inputs, after, before, colours, after, valued);
+           after, before, inputs, after, before, methods, after, before, paints, after, before,
+           colours, after, valued);
 }
 
 /* A case for each subcommand's options, which are words of `before` ... `after`. */
@@ -148,8 +153,13 @@ static void put_fish_options(const struct subcommand *s)
         printf("complete -c delaunay -n '__fish_seen_subcommand_from %s' -l %.*s", s->name,
                (int)strcspn(p + 2, " "), p + 2);
         if (strcmp(word, " --colour ") == 0) {
-            printf(" -x -a '%s'", colours);
-        } else if (strcmp(word, " --format ") == 0 && s->run == command_voronoi) {
+            printf(" -x -a '%s'", s->run == command_raster ? paints : colours);
+        } else if (strcmp(word, " --method ") == 0) {
+            printf(" -x -a '%s'", methods);
+        } else if (strcmp(word, " --format ") == 0 && s->run == command_raster) {
+            printf(" -x -a '%s'", grids);
+        } else if (strcmp(word, " --format ") == 0 &&
+                   (s->run == command_contour || s->run == command_voronoi)) {
             printf(" -x -a '%s'", shapes);
         } else if (strcmp(word, " --input-format ") == 0 ||
                    (strcmp(word, " --format ") == 0 && s->run == command_load)) {
@@ -193,7 +203,8 @@ static void put_fish(void)
     printf("; and __delaunay_at 2' -a \"(delaunay %s)\"\n",
            "sets 2>/dev/null | sed -n '2,\\$s/ .*//p'");
     fputs("complete -c delaunay -n '__fish_seen_subcommand_from draw run' -F\n"
-          "complete -c delaunay -n '__fish_seen_subcommand_from load export trace voronoi; and not "
+          "complete -c delaunay -n '__fish_seen_subcommand_from load export trace raster contour "
+          "voronoi; and not "
           "__delaunay_at "
           "2' -F\n"
           "complete -c delaunay -n '__fish_seen_subcommand_from client' -a 'LIST KILL'\n"

@@ -2,6 +2,7 @@
  * The file appears under its name when it is complete. */
 #include "clients/commands/export.h"
 
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -66,19 +67,38 @@ static void report(const struct export *e, size_t points, const struct model *m)
     }
 }
 
+/* Finds the field of heights; its name is wrong, or there is none though one is needed: says so. */
+static int choose_heights(const struct export *e, struct model *m)
+{
+    size_t missing = 0;
+    if (e->field != NULL)
+        m->z = model_field(m, e->field);
+    if (m->z < 0 && (e->field != NULL || (e->format == NULL && e->picture.colour == COLOUR_RELIEF)))
+        return output_fault(e->field != NULL ? e->field : "z", "the set has no such field");
+    for (size_t i = 0; m->z >= 0 && i < m->n; i++)
+        missing += isnan(model_value(m, m->z, i)) != 0;
+    if (missing > 0)
+        fprintf(stderr, "delaunay: %zu of %zu heights are missing\n", missing, m->n);
+    return EXIT_DONE;
+}
+
 int export_set(struct delaunay_client *c, struct export *e, const char *set, const char *name)
 {
     struct model m = {0};
     struct export_work work = {e, name, &m};
     int status;
-    unsigned parts = MODEL_TRIANGLES | MODEL_HULL | (e->format != NULL ? e->format->parts : 0);
+    unsigned parts = MODEL_TRIANGLES | MODEL_HULL;
+    if (e->format != NULL)
+        parts |= e->format->parts;
+    if (e->picture.colour == COLOUR_RELIEF || e->field != NULL)
+        parts |= MODEL_FIELDS;
     enum delaunay_result r = model_fetch(c, set, parts, &m);
     size_t points = m.n;
     if (r == DELAUNAY_STOPPED)
         status = output_fault("", m.fault);
     else if (r != DELAUNAY_OK)
         status = command_outcome(c, r);
-    else
+    else if ((status = choose_heights(e, &m)) == EXIT_DONE)
         status = output_write(e->path, write_model, &work, e->png ? make_png : NULL);
     if (status == EXIT_DONE && !output_is_standard(e->path))
         report(e, points, &m);
@@ -90,8 +110,10 @@ int export_set(struct delaunay_client *c, struct export *e, const char *set, con
 
 static bool read_colour(const char *text, enum picture_colour *colour)
 {
-    *colour = strcmp(text, "quality") == 0 ? COLOUR_QUALITY : COLOUR_DEGREE;
-    return *colour == COLOUR_QUALITY || strcmp(text, "degree") == 0;
+    *colour = strcmp(text, "quality") == 0  ? COLOUR_QUALITY
+              : strcmp(text, "relief") == 0 ? COLOUR_RELIEF
+                                            : COLOUR_DEGREE;
+    return *colour != COLOUR_DEGREE || strcmp(text, "degree") == 0;
 }
 
 int export_option(struct export *e, int option, char **argv)
@@ -102,8 +124,11 @@ int export_option(struct export *e, int option, char **argv)
         e->picture.numbers = true;
     else if (option == 'F')
         e->force = true;
+    else if (option == 'z')
+        e->field = optarg;
     else if (option == 'o' && !read_colour(optarg, &e->picture.colour))
-        return options_wrong(argv[0], "unknown colour %s; there are quality and degree", optarg);
+        return options_wrong(argv[0], "unknown colour %s; there are quality, degree and relief",
+                             optarg);
     else if (option == 'v' && !options_read_box(optarg, e->picture.box))
         return options_wrong(
             argv[0], "the viewport %s is no X0,Y0,X1,Y1 from lower left to upper right", optarg);

@@ -10,6 +10,7 @@
 
 struct export
 {
+    const char *field;           /* of heights; NULL: z if there is one */
     const char *path, *form;     /* "-": the standard output; form NULL: what the ending says */
     const struct format *format; /* NULL: a picture */
     bool png, force;
@@ -19,6 +20,7 @@ struct export
 #define EXPORT_OPTIONS                                                                             \
     {"numbers", no_argument, NULL, 'n'}, {"colour", required_argument, NULL, 'o'},                 \
         {"color", required_argument, NULL, 'o'}, {"viewport", required_argument, NULL, 'v'},       \
+        {"field", required_argument, NULL, 'z'},                                                   \
     {                                                                                              \
         "force", no_argument, NULL, 'F'                                                            \
     }

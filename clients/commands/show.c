@@ -10,6 +10,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
+#include "clients/commands/show_relief.h"
 #include "clients/files/model.h"
 #include "proto/number.h"
 
@@ -17,7 +18,8 @@ enum ink { INK_NONE, INK_EDGE, INK_POINT, INK_HULL };
 
 struct canvas {
     uint32_t columns, lines;
-    bool plain;
+    bool plain, mesh;
+    const char *field;         /* of heights; NULL: z if there is one */
     unsigned char *dots, *ink; /* own; a byte for each cell */
     double x0, y1, scale;      /* left, upper edge; dots per unit */
 };
@@ -132,10 +134,10 @@ static bool read_size(const char *text, uint32_t *v)
 
 static int read_arguments(struct canvas *v, int argc, char **argv)
 {
-    static const struct option options[] = {{"width", required_argument, NULL, 'w'},
-                                            {"height", required_argument, NULL, 'h'},
-                                            {"plain", no_argument, NULL, 'p'},
-                                            {NULL, 0, NULL, 0}};
+    static const struct option options[] = {
+        {"width", required_argument, NULL, 'w'}, {"height", required_argument, NULL, 'h'},
+        {"plain", no_argument, NULL, 'p'},       {"mesh", no_argument, NULL, 'm'},
+        {"field", required_argument, NULL, 'z'}, {NULL, 0, NULL, 0}};
     int option;
     struct winsize size;
     if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 1) {
@@ -147,6 +149,10 @@ static int read_arguments(struct canvas *v, int argc, char **argv)
     while ((option = options_next(argc, argv, "", options)) != -1) {
         if (option == 'p')
             v->plain = true;
+        else if (option == 'm')
+            v->mesh = true;
+        else if (option == 'z')
+            v->field = optarg;
         else if (option != 'w' && option != 'h')
             return options_unknown(argv[0], argv, option);
         else if (!read_size(optarg, option == 'w' ? &v->columns : &v->lines))
@@ -155,33 +161,57 @@ static int read_arguments(struct canvas *v, int argc, char **argv)
     return argc - optind == 1 ? EXIT_DONE : options_wrong(argv[0], "show takes a set");
 }
 
-int command_show(struct delaunay_client *c, int argc, char **argv)
+static int show_mesh(struct delaunay_client *c, const char *set, struct canvas *v)
 {
-    struct canvas v = {.columns = 80, .lines = 23};
     struct model m = {0};
-    int status = read_arguments(&v, argc, argv);
-    if (status != EXIT_DONE)
-        return status;
-    enum delaunay_result r = model_fetch(c, argv[optind], MODEL_EDGES | MODEL_HULL, &m);
+    int status = EXIT_REFUSED;
+    enum delaunay_result r = model_fetch(c, set, MODEL_EDGES | MODEL_HULL, &m);
     if (r == DELAUNAY_OK) {
-        fit(&v, &m);
-        v.dots = calloc((size_t)v.columns * v.lines, 1);
-        v.ink = calloc((size_t)v.columns * v.lines, 1);
-        if (v.dots != NULL && v.ink != NULL) {
-            draw(&v, &m);
-            json_chosen() ? print_json(&v) : print(&v);
+        fit(v, &m);
+        v->dots = calloc((size_t)v->columns * v->lines, 1);
+        v->ink = calloc((size_t)v->columns * v->lines, 1);
+        if (v->dots != NULL && v->ink != NULL) {
+            draw(v, &m);
+            json_chosen() ? print_json(v) : print(v);
         } else {
             r = DELAUNAY_NOMEM;
         }
-        free(v.dots);
-        free(v.ink);
+        free(v->dots);
+        free(v->ink);
     }
-    if (r == DELAUNAY_STOPPED) {
+    if (r == DELAUNAY_STOPPED)
         fprintf(stderr, "delaunay: %s\n", m.fault);
-        status = EXIT_REFUSED;
-    } else {
+    else
         status = command_outcome(c, r);
-    }
     model_free(&m);
     return status;
+}
+
+static bool find_heights(void *ctx, const struct delaunay_part *part)
+{
+    bool *found = ctx;
+    *found |= part->kind == DELAUNAY_PART_ROW && part->len > 2 && memcmp(part->text, "z ", 2) == 0;
+    return true;
+}
+
+/* What is wrong with the set is found later. */
+static bool has_heights(struct delaunay_client *c, const char *set)
+{
+    char line[120];
+    bool found = false;
+    snprintf(line, sizeof line, "FIELDS %.100s", set);
+    return delaunay_request(c, line, find_heights, &found) == DELAUNAY_OK && found;
+}
+
+int command_show(struct delaunay_client *c, int argc, char **argv)
+{
+    struct canvas v = {.columns = 80, .lines = 23};
+    int status = read_arguments(&v, argc, argv);
+    if (status != EXIT_DONE)
+        return status;
+    const char *set = argv[optind], *field = v.field;
+    if (field == NULL && !v.mesh && has_heights(c, set))
+        field = "z";
+    return field != NULL ? show_relief(c, set, field, v.columns, v.lines, v.plain)
+                         : show_mesh(c, set, &v);
 }

@@ -4,13 +4,14 @@
 
 #include "proto/number.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- rows ---- */
 
 struct row {
-    char text[512];
+    char text[8192]; /* three values of each of MODEL_MOST_FIELDS fields fit */
     size_t n;
 };
 
@@ -46,14 +47,34 @@ static void end(struct row *r, FILE *out)
     r->n = 0;
 }
 
-/* Rows `PREFIX x y 0`. */
+/* The height of a point, 0 where there is none. */
+static double height(const struct model *m, size_t i)
+{
+    double z = m->z >= 0 ? model_value(m, m->z, i) : 0;
+    return isnan(z) ? 0 : z;
+}
+
+/* A value of a field, in the format's word where it is missing. */
+static void put_value(struct row *r, const struct model *m, size_t field, size_t i,
+                      const char *missing, char after)
+{
+    double v = model_value(m, (int)field, i);
+    if (!isnan(v)) {
+        put_double(r, v, after);
+        return;
+    }
+    put(r, missing);
+    r->text[r->n++] = after;
+}
+
+/* Rows `PREFIX x y z`. */
 static void write_points_3d(FILE *out, const struct model *m, const char *prefix)
 {
     struct row r = {.n = 0};
     for (size_t i = 0; i < m->n; i++) {
         put(&r, prefix);
         put_xy(&r, m->xy + 2 * i, ' ', ' ');
-        put_id(&r, 0, ' ');
+        put_double(&r, height(m, i), ' ');
         end(&r, out);
     }
 }
@@ -117,7 +138,7 @@ static bool write_2dm(FILE *out, const struct model *m)
         put(&r, "ND ");
         put_id(&r, i + 1, ' ');
         put_xy(&r, m->xy + 2 * i, ' ', ' ');
-        put_id(&r, 0, ' ');
+        put_double(&r, height(m, i), ' ');
         end(&r, out);
     }
     return true;
@@ -133,10 +154,12 @@ static bool write_node(FILE *out, const struct model *m)
         return false;
     for (size_t i = 0; i < m->hull_n; i++)
         boundary[m->hull[i]] = 1;
-    fprintf(out, "%zu 2 0 1\n", m->n);
+    fprintf(out, "%zu 2 %zu 1\n", m->n, m->fields);
     for (size_t i = 0; i < m->n; i++) {
         put_id(&r, i, ' ');
         put_xy(&r, m->xy + 2 * i, ' ', ' ');
+        for (size_t k = 0; k < m->fields; k++)
+            put_value(&r, m, k, i, "nan", ' ');
         put_id(&r, (size_t)boundary[i], ' ');
         end(&r, out);
     }
@@ -226,12 +249,18 @@ static bool write_wkt(FILE *out, const struct model *m)
 static bool write_csv(FILE *out, const struct model *m)
 {
     struct row r = {.n = 0};
-    fputs("a,b,c,ax,ay,bx,by,cx,cy\n", out);
+    fputs("a,b,c,ax,ay,bx,by,cx,cy", out);
+    for (size_t i = 0; i < m->fields; i++)
+        fprintf(out, ",a%s,b%s,c%s", m->field[i], m->field[i], m->field[i]);
+    putc('\n', out);
     for (size_t t = 0; t < m->triangles; t++) {
         for (size_t k = 0; k < 3; k++)
             put_id(&r, m->id[m->triangle[3 * t + k]], ',');
         for (size_t k = 0; k < 3; k++)
             put_xy(&r, corner(m, t, k), ',', ',');
+        for (size_t i = 0; i < m->fields; i++)
+            for (size_t k = 0; k < 3; k++)
+                put_value(&r, m, i, m->triangle[3 * t + k], "", ',');
         end(&r, out);
     }
     return true;
@@ -244,6 +273,13 @@ static void write_feature(FILE *out, const struct model *m, size_t t, const char
     put(&r, "{\"type\":\"Feature\",\"properties\":{\"points\":[");
     for (size_t k = 0; k < 3; k++)
         put_id(&r, m->id[m->triangle[3 * t + k]], k < 2 ? ',' : ']');
+    for (size_t i = 0; i < m->fields; i++) {
+        put(&r, ",\"");
+        put(&r, m->field[i]);
+        put(&r, "\":[");
+        for (size_t k = 0; k < 3; k++)
+            put_value(&r, m, i, m->triangle[3 * t + k], "null", k < 2 ? ',' : ']');
+    }
     put(&r, "},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[");
     for (size_t k = 0; k < 4; k++) {
         put(&r, "[");
@@ -273,18 +309,19 @@ static bool write_ndjson(FILE *out, const struct model *m)
 /* ---- the table ---- */
 
 const struct format formats[] = {
-    {"obj", MODEL_TRIANGLES, write_obj, "Wavefront OBJ"},
-    {"ply", MODEL_TRIANGLES, write_ply, "Stanford PLY, as text"},
-    {"off", MODEL_TRIANGLES, write_off, "Object File Format"},
-    {"2dm", MODEL_TRIANGLES, write_2dm, "SMS 2DM mesh"},
-    {"node", MODEL_HULL, write_node, "Triangle's points"},
+    {"obj", MODEL_TRIANGLES | MODEL_FIELDS, write_obj, "Wavefront OBJ"},
+    {"ply", MODEL_TRIANGLES | MODEL_FIELDS, write_ply, "Stanford PLY, as text"},
+    {"off", MODEL_TRIANGLES | MODEL_FIELDS, write_off, "Object File Format"},
+    {"2dm", MODEL_TRIANGLES | MODEL_FIELDS, write_2dm, "SMS 2DM mesh"},
+    {"node", MODEL_HULL | MODEL_FIELDS, write_node, "Triangle's points"},
     {"ele", MODEL_TRIANGLES, write_ele, "Triangle's triangles"},
     {"neigh", MODEL_TRIANGLES, write_neigh, "Triangle's neighbours of triangles"},
     {"edge", MODEL_TRIANGLES | MODEL_EDGES, write_edge, "Triangle's edges"},
     {"wkt", MODEL_TRIANGLES, write_wkt, "a POLYGON per triangle and line"},
-    {"csv", MODEL_TRIANGLES, write_csv, "ids and coordinates, a line per triangle"},
-    {"geojson", MODEL_TRIANGLES, write_geojson, "a FeatureCollection of triangles"},
-    {"ndjson", MODEL_TRIANGLES, write_ndjson, "a GeoJSON feature per triangle and line"},
+    {"csv", MODEL_TRIANGLES | MODEL_FIELDS, write_csv, "ids and coordinates, a line per triangle"},
+    {"geojson", MODEL_TRIANGLES | MODEL_FIELDS, write_geojson, "a FeatureCollection of triangles"},
+    {"ndjson", MODEL_TRIANGLES | MODEL_FIELDS, write_ndjson,
+     "a GeoJSON feature per triangle and line"},
 };
 
 const size_t format_count = sizeof formats / sizeof formats[0];

@@ -2,7 +2,8 @@
  *
  * Points are numbered by their place: 0, 1, 2, ... in the order of their ids (in OBJ and 2DM, whose
  * readers expect it, from 1), and that is the id itself as long as nothing has been deleted.
- * Aliases are points without a triangle. */
+ * Aliases are points without a triangle. Points have the height of the model's field z, 0 where there is none; OBJ,
+ * PLY, OFF and 2DM have nothing else of the fields, .node has all as attributes. */
 #ifndef CLIENTS_FORMATS_H
 #define CLIENTS_FORMATS_H
 

@@ -15,6 +15,7 @@ struct model {
     char (*field)[MODEL_NAME]; /* owns: the names of its `fields` fields */
     double *value;             /* owns n * fields; nan: missing */
     size_t fields;
+    int z;              /* the field of heights; -1: none. model_fetch chooses the one called z */
     uint32_t *triangle; /* owns 3 * triangles: places in id and xy, counterclockwise */
     size_t triangles;
     uint32_t *edge; /* owns 2 * edges: places */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/pictures/surface_picture.h"
 #include "clients/pictures/svg.h"
 
 static const double *point(const struct model *m, size_t place)
@@ -42,6 +43,8 @@ static unsigned char *shades(const struct model *m, enum picture_colour colour)
 
 static bool draw_triangles(struct svg *s, const struct picture *e, const struct model *m)
 {
+    if (e->colour == COLOUR_RELIEF)
+        return surface_draw_ground(s, m, m->z, RELIEF_BOTH);
     unsigned char *shade = e->colour != COLOUR_NONE ? shades(m, e->colour) : NULL;
     if (e->colour != COLOUR_NONE && shade == NULL)
         return false;
@@ -105,6 +108,7 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
 {
     static const struct svg_legend legends[] = {
         [COLOUR_QUALITY] = {"flat", "equilateral"}, [COLOUR_DEGREE] = {"degree 1", "10 or more"}};
+    bool shades = e->colour == COLOUR_QUALITY || e->colour == COLOUR_DEGREE;
     char title[200], part[40] = "";
     double box[4];
     struct svg s;
@@ -114,8 +118,7 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
     snprintf(title, sizeof title, "%.100s: Delaunay triangulation of %s%zu points", name, part,
              m->n);
     choose_box(e, m, box);
-    svg_begin(&s, out, title, box, e->shown, e->has_box,
-              e->colour != COLOUR_NONE ? &legends[e->colour] : NULL);
+    svg_begin(&s, out, title, box, e->shown, e->has_box, shades ? &legends[e->colour] : NULL);
     s.numbers = e->numbers;
     if (!draw_triangles(&s, e, m))
         return false;
@@ -124,7 +127,7 @@ bool picture_write(FILE *out, struct picture *e, const char *name, struct model 
         svg_hull_point(&s, point(m, m->hull[i]));
     svg_hull_end(&s);
     cut_points(e, m);
-    svg_points(&s, m->xy, m->id, e->shown);
+    svg_points(&s, m->xy, m->id, e->colour == COLOUR_RELIEF ? 0 : e->shown);
     svg_end(&s);
     return true;
 }

@@ -6,7 +6,7 @@
 
 #include <stdio.h>
 
-enum picture_colour { COLOUR_NONE, COLOUR_QUALITY, COLOUR_DEGREE };
+enum picture_colour { COLOUR_NONE, COLOUR_QUALITY, COLOUR_DEGREE, COLOUR_RELIEF };
 
 struct picture {
     enum picture_colour colour;
@@ -15,7 +15,7 @@ struct picture {
     size_t shown;  /* picture_write: the points that are in the picture */
 };
 
-/* Writes the model, whose points are put in another order. False when out of memory; ferror() tells the rest. */
+/* Writes the model, which has heights if the colour is COLOUR_RELIEF, whose points are put in another order. False when out of memory; ferror() tells the rest. */
 bool picture_write(FILE *out, struct picture *p, const char *name, struct model *m);
 
 #endif

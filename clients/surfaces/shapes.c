@@ -122,7 +122,8 @@ bool shapes_bounds(const struct shapes *s, double *box)
 static void put_number(FILE *out, double v)
 {
     char text[PROTO_NUMBER_MAX];
-    fwrite(text, 1, proto_write_double(text, v), out);
+    size_t n = proto_write_double(text, v);
+    fwrite(text, 1, n, out);
 }
 
 /* The corners, for a closed shape the first one again in the end. */

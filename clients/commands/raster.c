@@ -1,0 +1,229 @@
+/* raster.c - `delaunay raster SET FIELD FILE`: the surface as a raster of square cells, as a grid for other programs or as a
+ * picture of shaded relief. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "clients/cli/child.h"
+#include "clients/cli/command.h"
+#include "clients/cli/json.h"
+#include "clients/cli/options.h"
+#include "clients/commands/output.h"
+#include "clients/files/part_file.h"
+#include "clients/pictures/png_file.h"
+#include "clients/pictures/relief.h"
+#include "clients/surfaces/grid_file.h"
+#include "clients/surfaces/raster_fetch.h"
+
+enum raster_form { RASTER_ASC, RASTER_BIL, RASTER_PNG, RASTER_TIFF };
+
+struct work {
+    const char *set, *field, *path, *named;
+    enum raster_form form;
+    enum relief_style style;
+    struct raster_request request;
+    bool force;
+    struct grid grid; /* owns its values */
+};
+
+/* ---- writing ---- */
+
+static int write_png(const struct grid *g, enum relief_style style, FILE *out)
+{
+    struct relief r = {.style = style};
+    unsigned char *rgba = malloc(4 * (size_t)g->columns * g->rows);
+    if (rgba == NULL)
+        return output_fault("", "out of memory");
+    relief_fit(&r, g);
+    relief_paint(&r, g, rgba);
+    png_write(out, rgba, g->columns, g->rows);
+    free(rgba);
+    return EXIT_DONE;
+}
+
+static int write_grid(void *ctx, FILE *out)
+{
+    struct work *w = ctx;
+    if (w->form == RASTER_PNG)
+        return write_png(&w->grid, w->style, out);
+    if (w->form == RASTER_ASC)
+        grid_write_asc(out, &w->grid);
+    else
+        grid_write_bil(out, &w->grid);
+    return EXIT_DONE;
+}
+
+static int write_header(void *ctx, FILE *out)
+{
+    const struct work *w = ctx;
+    grid_write_hdr(out, &w->grid);
+    return EXIT_DONE;
+}
+
+/* PATH.hdr for PATH.bil. False if there is no room. */
+static bool header_path(const char *path, char *to, size_t room)
+{
+    const char *dot = strrchr(path, '.');
+    size_t n = dot != NULL && strchr(dot, '/') == NULL ? (size_t)(dot - path) : strlen(path);
+    return (size_t)snprintf(to, room, "%.*s.hdr", (int)n, path) < room;
+}
+
+static int write_bil(struct work *w)
+{
+    char header[4096];
+    if (!header_path(w->path, header, sizeof header))
+        return output_fault(w->path, "the name is too long");
+    int status = output_check(header, w->force);
+    if (status == EXIT_DONE)
+        status = output_write(header, write_header, w, NULL);
+    return status == EXIT_DONE ? output_write(w->path, write_grid, w, NULL) : status;
+}
+
+/* A GeoTIFF, by GDAL, from a .bil beside it. */
+static int write_tiff(struct work *w)
+{
+    char bil[4096], header[4096], part[4096];
+    char gdal[] = "gdal_translate", q[] = "-q", of[] = "-of", type[] = "GTiff";
+    char *words[] = {gdal, q, of, type, bil, part, NULL};
+    if ((size_t)snprintf(bil, sizeof bil, "%s.part.bil", w->path) >= sizeof bil ||
+        !header_path(bil, header, sizeof header))
+        return output_fault(w->path, "the name is too long");
+    snprintf(part, sizeof part, "%.*s.tif", (int)strlen(bil) - 4, bil);
+    int status = output_write(header, write_header, w, NULL);
+    if (status == EXIT_DONE)
+        status = output_write(bil, write_grid, w, NULL);
+    int ended = status == EXIT_DONE ? child_run(words) : 0;
+    if (ended == CHILD_MISSING)
+        status = output_fault(w->path, "GeoTIFF needs gdal_translate (Debian: gdal-bin)");
+    else if (ended != 0)
+        status = output_fault(w->path, "gdal_translate failed");
+    if (status == EXIT_DONE && !part_file_adopt(part, w->path))
+        status = output_failed(w->path);
+    unlink(bil);
+    unlink(header);
+    unlink(part);
+    return status;
+}
+
+static void report(const struct work *w)
+{
+    const struct grid *g = &w->grid;
+    double least, most;
+    bool any = grid_range(g, &least, &most);
+    if (json_chosen()) {
+        json_begin(true);
+        json_text("file", w->path);
+        json_number("columns", g->columns);
+        json_number("rows", g->rows);
+        json_key("cell");
+        printf("%.17g", g->cell);
+        json_finish();
+    } else if (any) {
+        printf("%s: %u x %u cells of %.6g, values from %.6g to %.6g\n", w->path, g->columns,
+               g->rows, g->cell, least, most);
+    } else {
+        printf("%s: %u x %u cells of %.6g, without values\n", w->path, g->columns, g->rows,
+               g->cell);
+    }
+}
+
+/* ---- arguments ---- */
+
+static bool read_positive(const char *text, double *v)
+{
+    char *end;
+    *v = strtod(text, &end);
+    return end != text && *end == '\0' && *v > 0 && isfinite(*v);
+}
+
+static int read_option(struct work *w, int option, char **argv)
+{
+    struct raster_request *r = &w->request;
+    double width;
+    if (option == 'f')
+        w->named = optarg;
+    else if (option == 'F')
+        w->force = true;
+    else if (option == 'm')
+        r->method = optarg;
+    else if (option == 'o' && !relief_read_style(optarg, &w->style))
+        return options_wrong(argv[0], "unknown colour %s; there are relief, light and height",
+                             optarg);
+    else if (option == 'e' && !read_positive(optarg, &r->max_edge))
+        return options_wrong(argv[0], "the longest edge is a length, not %s", optarg);
+    else if (option == 'c' && !read_positive(optarg, &r->cell))
+        return options_wrong(argv[0], "the side of a cell is a length, not %s", optarg);
+    else if (option == 'w' && (!read_positive(optarg, &width) || width != floor(width) ||
+                               width > RASTER_MOST_COLUMNS))
+        return options_wrong(argv[0], "the width is a number of cells, not %s", optarg);
+    else if (option == 'w')
+        r->columns = (uint32_t)width;
+    else if (option == 'v' && !options_read_box(optarg, r->box))
+        return options_wrong(
+            argv[0], "the viewport %s is no X0,Y0,X1,Y1 from lower left to upper right", optarg);
+    else if (option == 'v')
+        r->has_box = true;
+    else if (strchr("oec", option) == NULL)
+        return options_unknown(argv[0], argv, option);
+    return EXIT_DONE;
+}
+
+static int choose_form(struct work *w, char **argv)
+{
+    static const char *const names[] = {"asc", "bil", "png", "tif", "tiff"};
+    const char *name = output_form(w->named, w->path, "asc");
+    for (int i = 0; i < 5; i++)
+        if (strcmp(names[i], name) == 0) {
+            w->form = i < 4 ? (enum raster_form)i : RASTER_TIFF;
+            return w->form > RASTER_ASC && output_is_standard(w->path)
+                       ? options_wrong(argv[0], "%s needs a file", name)
+                       : output_check(w->path, w->force);
+        }
+    return options_wrong(argv[0], "unknown format %s; there are asc, bil, png and tif", name);
+}
+
+static int read_arguments(struct work *w, int argc, char **argv)
+{
+    static const struct option options[] = {
+        {"format", required_argument, NULL, 'f'}, {"cell", required_argument, NULL, 'c'},
+        {"width", required_argument, NULL, 'w'},  {"viewport", required_argument, NULL, 'v'},
+        {"method", required_argument, NULL, 'm'}, {"max-edge", required_argument, NULL, 'e'},
+        {"colour", required_argument, NULL, 'o'}, {"color", required_argument, NULL, 'o'},
+        {"force", no_argument, NULL, 'F'},        {NULL, 0, NULL, 0}};
+    int option, status = EXIT_DONE;
+    optind = 0;
+    while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
+        status = read_option(w, option, argv);
+    if (status == EXIT_DONE && argc - optind != 3)
+        status = options_wrong(argv[0], "raster takes a set, a field and a file");
+    if (status != EXIT_DONE)
+        return status;
+    w->set = argv[optind];
+    w->field = argv[optind + 1];
+    w->path = argv[optind + 2];
+    return choose_form(w, argv);
+}
+
+int command_raster(struct delaunay_client *c, int argc, char **argv)
+{
+    struct work w = {.form = RASTER_ASC};
+    if (!options_name_file(argc, argv))
+        return command_any(c, argc, argv);
+    int status = read_arguments(&w, argc, argv);
+    if (status != EXIT_DONE)
+        return status;
+    const char *fault = NULL;
+    enum delaunay_result r = raster_fetch(c, w.set, w.field, &w.request, &w.grid, &fault);
+    if (r != DELAUNAY_OK)
+        return r == DELAUNAY_STOPPED ? output_fault("", fault) : command_outcome(c, r);
+    if (w.form == RASTER_BIL)
+        status = write_bil(&w);
+    else
+        status =
+            w.form == RASTER_TIFF ? write_tiff(&w) : output_write(w.path, write_grid, &w, NULL);
+    if (status == EXIT_DONE && !output_is_standard(w.path))
+        report(&w);
+    raster_free(&w.grid);
+    return status;
+}

@@ -1,0 +1,134 @@
+/* show_relief.c - see show_relief.h. Where a terminal does not say that it has all colours ($COLORTERM), it gets the 256
+ * that all have. */
+#include "clients/commands/show_relief.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "clients/cli/command.h"
+#include "clients/cli/json.h"
+#include "clients/commands/output.h"
+#include "clients/pictures/relief.h"
+#include "clients/surfaces/raster_fetch.h"
+
+enum { NO_COLOUR = 1 << 24 };
+
+struct screen {
+    const struct grid *g;
+    struct relief relief;
+    bool all_colours;
+};
+
+unsigned show_relief_cube(uint32_t rgb)
+{
+    unsigned at = 0;
+    for (int shift = 16; shift >= 0; shift -= 8) {
+        unsigned v = rgb >> shift & 255; /* the cube has 0, 95, 135, 175, 215, 255 */
+        at = 6 * at + (v < 48 ? 0 : v < 115 ? 1 : (v - 35) / 40);
+    }
+    return 16 + at;
+}
+
+static double value_at(const struct grid *g, uint32_t column, uint32_t row)
+{
+    return row < g->rows ? g->value[(size_t)row * g->columns + column] : (double)NAN;
+}
+
+static uint32_t colour_at(const struct screen *s, uint32_t column, uint32_t row)
+{
+    double dx, dy, z = value_at(s->g, column, row);
+    if (isnan(z))
+        return NO_COLOUR;
+    relief_slope(s->g, column, row, &dx, &dy);
+    return relief_colour(&s->relief, z, dx, dy);
+}
+
+static void put_colour(const struct screen *s, int ground, uint32_t rgb)
+{
+    if (rgb == NO_COLOUR)
+        printf("\033[%d9m", ground);
+    else if (s->all_colours)
+        printf("\033[%d8;2;%u;%u;%um", ground, rgb >> 16, rgb >> 8 & 255, rgb & 255);
+    else
+        printf("\033[%d8;5;%um", ground, show_relief_cube(rgb));
+}
+
+/* The upper cell is the character, a half block; the lower one its background. */
+static void print_colours(const struct screen *s)
+{
+    for (uint32_t j = 0; j < s->g->rows; j += 2) {
+        uint32_t upper_before = NO_COLOUR, lower_before = NO_COLOUR;
+        for (uint32_t i = 0; i < s->g->columns; i++) {
+            uint32_t upper = colour_at(s, i, j), lower = colour_at(s, i, j + 1);
+            bool swapped = upper == NO_COLOUR && lower != NO_COLOUR;
+            uint32_t fore = swapped ? lower : upper, back = swapped ? upper : lower;
+            if (fore != upper_before)
+                put_colour(s, 3, fore);
+            if (back != lower_before)
+                put_colour(s, 4, back);
+            upper_before = fore;
+            lower_before = back;
+            fputs(fore == NO_COLOUR ? " " : swapped ? "\xE2\x96\x84" : "\xE2\x96\x80", stdout);
+        }
+        puts("\033[0m");
+    }
+}
+
+/* The higher, the denser. */
+static char character(const struct screen *s, double z)
+{
+    static const char low_to_high[] = ".:-=+*#%@";
+    double t = (z / 2 - s->relief.low / 2) / (s->relief.high / 2 - s->relief.low / 2);
+    if (isnan(z))
+        return ' ';
+    return low_to_high[t > 0 ? (size_t)fmin(9 * t, 8) : 0];
+}
+
+/* Each line between two texts, of which the first has a comma before it from the second line on. */
+static void print_plain(const struct screen *s, const char *before, const char *after)
+{
+    for (uint32_t j = 0; j < s->g->rows; j += 2) {
+        fputs(j == 0 && before[0] == ',' ? before + 1 : before, stdout);
+        for (uint32_t i = 0; i < s->g->columns; i++) {
+            double upper = value_at(s->g, i, j);
+            putchar(character(s, isnan(upper) ? value_at(s->g, i, j + 1) : upper));
+        }
+        fputs(after, stdout);
+    }
+}
+
+static void print_json(const struct screen *s)
+{
+    json_begin(true);
+    json_key("lines");
+    putchar('[');
+    print_plain(s, ",\"", "\"");
+    putchar(']');
+    json_finish();
+}
+
+int show_relief(struct delaunay_client *c, const char *set, const char *field, uint32_t columns,
+                uint32_t lines, bool plain)
+{
+    struct raster_request request = {.columns = columns, .most_rows = 2 * lines};
+    const char *fault = NULL, *terminal = getenv("COLORTERM");
+    struct grid g;
+    enum delaunay_result r = raster_fetch(c, set, field, &request, &g, &fault);
+    if (r != DELAUNAY_OK)
+        return r == DELAUNAY_STOPPED ? output_fault("", fault) : command_outcome(c, r);
+    struct screen s = {.g = &g};
+    s.relief.style = RELIEF_BOTH;
+    s.all_colours =
+        terminal != NULL && (strcmp(terminal, "truecolor") == 0 || strcmp(terminal, "24bit") == 0);
+    relief_fit(&s.relief, &g);
+    if (json_chosen())
+        print_json(&s);
+    else if (plain)
+        print_plain(&s, "", "\n");
+    else
+        print_colours(&s);
+    raster_free(&g);
+    return EXIT_DONE;
+}

@@ -1,0 +1,95 @@
+/* contour_test.c - `delaunay contour` by way of a real daemon. */
+#include <string.h>
+#include <unistd.h>
+
+#include "tests/clients/cli.h"
+#include "tests/test.h"
+
+static unsigned count(const char *text, const char *what)
+{
+    unsigned n = 0;
+    for (; (text = strstr(text, what)) != NULL; text++)
+        n++;
+    return n;
+}
+
+/* A pyramid of height 10 over a square. */
+static void make_pyramid(void)
+{
+    cli_begin();
+    cli_run_well("add t 0 0  4 0  4 4  0 4  2 2");
+    cli_run_well("fset t z 0 0  1 0  2 0  3 0  4 10");
+    cli_run_well("triangulate t");
+}
+
+TEST(contour_writes_lines_as_wkt_and_geojson)
+{
+    int status;
+    make_pyramid();
+    const char *out = cli_run(&status, "contour t z - -f wkt --levels 5");
+    CHECK_MSG(status == 0 && count(out, "LINESTRING (") == 1 && count(out, ",") == 4, "%s", out);
+    CHECK(strstr(out, "1 1") && strstr(out, "3 1") && strstr(out, "3 3") && strstr(out, "1 3"));
+    out = cli_run(&status, "contour t z - --every 4");
+    CHECK(status == 0 && count(out, "\"Feature\"") == count(out, "\"LineString\""));
+    CHECK(count(out, "{\"level\":4,\"closed\":true}") == 1);
+    CHECK(count(out, "{\"level\":8,\"closed\":true}") == 1);
+    out = cli_run(&status, "contour t z - --every 4 --base 1");
+    CHECK(count(out, "\"level\":5,") == 1 && count(out, "\"level\":9,") == 1);
+    CHECK(count(out, "\"level\":4,") == 0);
+    cli_finish();
+}
+
+TEST(contour_chooses_about_ten_round_levels)
+{
+    int status;
+    make_pyramid();
+    const char *out = cli_run(&status, "contour t z -");
+    for (int level = 1; level < 10; level++) {
+        char text[32];
+        snprintf(text, sizeof text, "\"level\":%d,", level);
+        CHECK_MSG(count(out, text) == 1, "%s", text);
+    }
+    cli_run_well("fset t z 0 3  1 3  2 3  3 3  4 3");
+    cli_run(&status, "contour t z -");
+    CHECK(status == 0);
+    CHECK(strstr(cli_run(&status, "contour t y -"), "NOFIELD") != NULL && status == 1);
+    cli_finish();
+}
+
+TEST(contour_takes_levels_below_0)
+{
+    int status;
+    make_pyramid();
+    cli_run_well("fset t z 0 -10  1 -10  2 -10  3 -10  4 0");
+    const char *out = cli_run(&status, "contour t z - --levels -7.5,-5,-2.5");
+    CHECK(status == 0 && count(out, "\"Feature\"") == 3 && count(out, "\"level\":-7.5,") == 1);
+    cli_finish();
+}
+
+TEST(contour_without_a_file_is_the_request)
+{
+    int status;
+    make_pyramid();
+    const char *out = cli_run(&status, "contour t z 5");
+    CHECK(status == 0 && strstr(out, "OK 1") == out && strstr(out, "\n5 closed 4 ") != NULL);
+    cli_finish();
+}
+
+TEST(contour_refuses_options_that_make_no_sense)
+{
+    static const char *const wrong[] = {"--levels 1,x",         "--levels 1,",  "--every x",
+                                        "--levels 1 --every 2", "--format png", "--viewport 1",
+                                        "--levels 1 --base 2"};
+    char command[300];
+    int status;
+    make_pyramid();
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        snprintf(command, sizeof command, "contour t z - %s", wrong[i]);
+        cli_run(&status, command);
+        CHECK_MSG(status == 2, "%s", wrong[i]);
+    }
+    cli_write("a.wkt", "mine\n");
+    snprintf(command, sizeof command, "contour t z %s", cli_path("a.wkt"));
+    CHECK(strstr(cli_run(&status, command), "--force replaces it") != NULL && status == 1);
+    cli_finish();
+}

@@ -1,0 +1,166 @@
+/* raster_test.c - `delaunay raster` and `delaunay show` of a surface, by way of a real daemon. */
+#include <string.h>
+#include <unistd.h>
+
+#include "clients/commands/show_relief.h"
+#include "tests/clients/cli.h"
+#include "tests/clients/peer.h"
+#include "tests/test.h"
+
+/* The plane z = x + 10 y over a square. */
+static void make_plane(void)
+{
+    cli_begin();
+    cli_run_well("add t 0 0  4 0  4 4  0 4");
+    cli_run_well("fset t z 0 0  1 4  2 44  3 40");
+    cli_run_well("triangulate t");
+}
+
+/* Runs `raster t z FILE OPTIONS` on a file in the directory. */
+static const char *raster(int *status, const char *file, const char *options)
+{
+    char command[300];
+    snprintf(command, sizeof command, "raster t z %s %s", cli_path(file), options);
+    return cli_run(status, command);
+}
+
+TEST(raster_writes_an_ascii_grid_from_the_north_to_the_south)
+{
+    make_plane();
+    cli_expect("raster t z - --width 4",
+               "ncols 4\nnrows 4\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n"
+               "35.5 36.5 37.5 38.5\n25.5 26.5 27.5 28.5\n15.5 16.5 17.5 18.5\n5.5 6.5 7.5 8.5\n");
+    cli_expect("raster t z - --cell 2 --viewport 2,-2,6,2",
+               "ncols 2\nnrows 2\nxllcorner 2\nyllcorner -2\ncellsize 2\nNODATA_value -9999\n"
+               "13 -9999\n-9999 -9999\n");
+    cli_finish();
+}
+
+TEST(raster_passes_method_and_longest_edge_on)
+{
+    make_plane();
+    cli_expect("raster t z - --width 1 --max-edge 1 --method nearest",
+               "ncols 1\nnrows 1\nxllcorner 0\nyllcorner 0\ncellsize 4\nNODATA_value -9999\n"
+               "-9999\n");
+    int status;
+    CHECK(strstr(cli_run(&status, "raster t z - --method cubic"), "ERR SYNTAX") && status == 1);
+    CHECK(strstr(cli_run(&status, "raster t y -"), "NOFIELD") && status == 1);
+    CHECK(strstr(cli_run(&status, "raster none z -"), "NOSET") && status == 1);
+    cli_finish();
+}
+
+TEST(raster_writes_bil_with_a_header_beside)
+{
+    int status;
+    make_plane();
+    CHECK(strstr(raster(&status, "a.bil", "--width 2"),
+                 "a.bil: 2 x 2 cells of 2, values from 11 to 33\n") != NULL);
+    const char *got = peer_shell(&status, "od -An -tf4 %s", cli_path("a.bil"));
+    float v[4];
+    CHECK(sscanf(got, "%f %f %f %f", &v[0], &v[1], &v[2], &v[3]) == 4);
+    CHECK(v[0] == 31 && v[1] == 33 && v[2] == 11 && v[3] == 13);
+    got = peer_shell(&status, "cat %s", cli_path("a.hdr"));
+    CHECK(strstr(got, "NROWS 2\nNCOLS 2\n") && strstr(got, "ULXMAP 1\nULYMAP 3\nXDIM 2\n"));
+    cli_write("b.hdr", "mine\n");
+    CHECK(strstr(raster(&status, "b.bil", ""), "--force replaces it") && status == 1);
+    CHECK(access(cli_path("b.bil"), F_OK) != 0);
+    cli_finish();
+}
+
+TEST(raster_draws_a_png_of_its_size)
+{
+    int status;
+    make_plane();
+    raster(&status, "a.png", "--width 12");
+    CHECK(status == 0);
+    const char *got = peer_shell(&status, "od -An -tu1 -j16 -N8 %s", cli_path("a.png"));
+    unsigned b[8];
+    CHECK(sscanf(got, "%u %u %u %u %u %u %u %u", b, b + 1, b + 2, b + 3, b + 4, b + 5, b + 6,
+                 b + 7) == 8);
+    CHECK(b[3] == 12 && b[7] == 12);
+    raster(&status, "a.png", "--width 12 --colour light");
+    CHECK(status == 0);
+    CHECK(strstr(raster(&status, "a.png", "--colour red"), "unknown colour red") && status == 2);
+    cli_finish();
+}
+
+TEST(raster_writes_geotiff_by_way_of_gdal)
+{
+    int status;
+    make_plane();
+    char path[100], command[300];
+    snprintf(path, sizeof path, "%s", cli_path("a.tif"));
+    snprintf(command, sizeof command, "PATH=/nonexistent %s -h 127.0.0.1 -p %s raster t z %s 2>&1",
+             getenv("DELAUNAY"), cli_daemon.port_text, path);
+    CHECK(strstr(peer_shell(&status, "%s", command),
+                 "GeoTIFF needs gdal_translate (Debian: gdal-bin)") != NULL);
+    CHECK(status == 1);
+    CHECK_STR(peer_shell(&status, "ls %s", cli_path("")), "");
+    peer_shell(&status, "command -v gdal_translate");
+    if (status != 0) {
+        puts("skipped: GeoTIFF needs gdal_translate (gdal-bin)");
+    } else {
+        raster(&status, "a.tif", "--width 2");
+        CHECK(status == 0);
+        CHECK_STR(peer_shell(&status, "ls %s", cli_path("")), "a.tif\n");
+        const char *got = peer_shell(&status, "gdalinfo %s", path);
+        CHECK(strstr(got, "Size is 2, 2\n") && strstr(got, "Pixel Size = (2.0") != NULL);
+    }
+    cli_finish();
+}
+
+TEST(raster_refuses_sizes_that_make_no_sense)
+{
+    static const char *const wrong[] = {"--cell 0",      "--cell x",         "--cell nan",
+                                        "--width 0",     "--width 2.5",      "--width 1e9",
+                                        "--max-edge -1", "--viewport 1,2,3", "--format jpg"};
+    int status;
+    make_plane();
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        raster(&status, "a.asc", wrong[i]);
+        CHECK_MSG(status == 2, "%s", wrong[i]);
+    }
+    CHECK(strstr(raster(&status, "a.asc", "--cell 1e-9"), "too many cells") && status == 1);
+    CHECK(strstr(cli_run(&status, "raster t z - -f png"), "png needs a file") && status == 2);
+    CHECK(access(cli_path("a.asc"), F_OK) != 0);
+    cli_finish();
+}
+
+TEST(raster_without_a_file_is_the_request)
+{
+    make_plane();
+    int status;
+    const char *out = cli_run(&status, "raster t z 0 0 4 4 1 2");
+    CHECK(status == 0 && strncmp(out, "OK 2", 4) == 0 && strstr(out, "\n32\n12\n") != NULL);
+    cli_finish();
+}
+
+TEST(show_draws_heights_unless_the_mesh_is_wanted)
+{
+    int status;
+    make_plane();
+    cli_expect("show t --width 4 --height 2", "@@@@\n-===\n");
+    const char *mesh = cli_run(&status, "show t --width 4 --height 2 --mesh");
+    CHECK(status == 0 && (unsigned char)mesh[0] == 0xE2);
+    CHECK(strstr(cli_run(&status, "show t --field y"), "NOFIELD") != NULL && status == 1);
+    cli_expect("--json show t --width 4 --height 2",
+               "{\"ok\":true,\"lines\":[\"@@@@\",\"-===\"]}\n");
+    cli_finish();
+}
+
+TEST(show_uses_the_colours_that_the_terminal_has)
+{
+    char out[5000];
+    make_plane();
+    unsetenv("NO_COLOR");
+    setenv("COLORTERM", "truecolor", 1);
+    cli_run_on_terminal(cli_daemon.port_text, "show t --width 4 --height 2", out, sizeof out);
+    CHECK(strstr(out, "\033[38;2;") != NULL && strstr(out, "\033[48;2;") != NULL);
+    CHECK(strstr(out, "\xE2\x96\x80") != NULL);
+    setenv("COLORTERM", "", 1);
+    cli_run_on_terminal(cli_daemon.port_text, "show t --width 4 --height 2", out, sizeof out);
+    CHECK(strstr(out, "\033[38;5;") != NULL && strstr(out, "38;2;") == NULL);
+    CHECK(show_relief_cube(0x000000) == 16 && show_relief_cube(0xFFFFFF) == 231);
+    CHECK(show_relief_cube(0xFF0000) == 196 && show_relief_cube(0x5F87AF) == 67);
+    cli_finish();
+}
