@@ -65,6 +65,18 @@ enum dt_status dt_field_set_run(struct dt *t, const char *name, size_t len, uint
                                 const double *values, size_t n, const struct dt_options *opt,
                                 uint32_t *missing);
 
+/* Values for all of the points that are added together. */
+struct dt_values_of {
+    const char *name;     /* of the field; borrowed, as the values */
+    size_t len;           /* of the name */
+    const double *values; /* of the points, in their order */
+};
+
+/* dt_add_many, and the values of the new points in `columns` fields with different names, all or none. */
+enum dt_status dt_add_values(struct dt *t, const struct dt_point *p, size_t n,
+                             const struct dt_values_of *column, size_t columns,
+                             const struct dt_options *opt, struct dt_added *out);
+
 /* DT_NOFIELD: there is none of that name. Cost: its pages. */
 enum dt_status dt_field_drop(struct dt *t, const char *name, size_t len);
 

@@ -7,13 +7,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { POINT_BYTES = 16, FIRST_CAPACITY = 64 };
+enum { FIRST_CAPACITY = 64 };
 
 void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit,
                bool (*coordinate_ok)(double v))
 {
     *b = (struct body){.form = form, .left = count, .limit = limit, .coordinate_ok = coordinate_ok};
     b->complete = form != BODY_DOT && count == 0;
+    body_columns(b, 2, 0);
+}
+
+void body_columns(struct body *b, size_t coordinates, size_t values)
+{
+    b->coordinates = coordinates;
+    b->width = coordinates + values;
+}
+
+/* Bytes of a point. */
+static size_t point_bytes(const struct body *b)
+{
+    return b->width * sizeof *b->xy;
 }
 
 void body_free(struct body *b)
@@ -49,17 +62,27 @@ static size_t capacity(const struct body *b)
 
 static bool grow(struct body *b)
 {
-    size_t cap = capacity(b);
-    if (cap > SIZE_MAX / POINT_BYTES)
+    size_t cap = capacity(b), bytes = point_bytes(b);
+    if (cap > SIZE_MAX / bytes)
         return false;
     double *xy = b->memory.grow == NULL
-                     ? realloc(b->xy, cap * POINT_BYTES)
-                     : b->memory.grow(b->memory.ctx, b->xy, b->n * POINT_BYTES, cap * POINT_BYTES);
+                     ? realloc(b->xy, cap * bytes)
+                     : b->memory.grow(b->memory.ctx, b->xy, b->n * bytes, cap * bytes);
     if (xy == NULL)
         return false;
     b->xy = xy;
     b->cap = cap;
     return true;
+}
+
+/* Makes room for one more point. */
+static bool reserve(struct body *b)
+{
+    if (b->n >= b->limit)
+        body_fail(b, BODY_TOOBIG);
+    else if (b->n == b->cap && !grow(b))
+        body_fail(b, BODY_NOMEM);
+    return b->fault == BODY_GOOD;
 }
 
 static void add_point(struct body *b, double x, double y)
@@ -70,15 +93,19 @@ static void add_point(struct body *b, double x, double y)
         body_fail(b, BODY_NUMBER);
     } else if (!b->coordinate_ok(x) || !b->coordinate_ok(y)) {
         body_fail(b, BODY_RANGE);
-    } else if (b->n >= b->limit) {
-        body_fail(b, BODY_TOOBIG);
-    } else if (b->n == b->cap && !grow(b)) {
-        body_fail(b, BODY_NOMEM);
-    } else {
+    } else if (reserve(b)) {
         b->xy[2 * b->n] = x;
         b->xy[2 * b->n + 1] = y;
         b->n++;
     }
+}
+
+/* The fault of number i of a point. */
+static enum body_fault judge(const struct body *b, size_t i, double v)
+{
+    if (i >= b->coordinates)
+        return isinf(v) ? BODY_VALUE : BODY_GOOD;
+    return isnan(v) ? BODY_NUMBER : b->coordinate_ok(v) ? BODY_GOOD : BODY_RANGE;
 }
 
 /* ---- text ---- */
@@ -100,8 +127,43 @@ static const char *next_word(const char **p, const char *end, size_t *len)
     return word;
 }
 
+static bool read_number(const struct body *b, size_t i, const char *word, size_t len, double *v)
+{
+    if (i < b->coordinates || len != 3 || (word[0] | 0x20) != 'n' || (word[1] | 0x20) != 'a' ||
+        (word[2] | 0x20) != 'n')
+        return proto_read_double(word, len, v);
+    *v = (double)NAN;
+    return true;
+}
+
+/* A line that has values, too. */
+static void take_wide_line(struct body *b, const struct line *line)
+{
+    const char *p = line->text, *end = p + line->len;
+    size_t len, i = 0;
+    const char *word = next_word(&p, end, &len);
+    if (b->fault != BODY_GOOD || len == 0 || *word == '#' || !reserve(b))
+        return;
+    double *to = b->xy + b->n * b->width;
+    enum body_fault fault = BODY_GOOD;
+    for (; i < b->width && len > 0 && fault == BODY_GOOD; i++) {
+        fault = read_number(b, i, word, len, &to[i]) ? judge(b, i, to[i]) : BODY_NUMBER;
+        word = next_word(&p, end, &len);
+    }
+    if (fault == BODY_GOOD && (i < b->width || len > 0))
+        fault = BODY_SYNTAX;
+    if (fault != BODY_GOOD)
+        body_fail(b, fault);
+    else
+        b->n++;
+}
+
 static void take_line(struct body *b, const struct line *line)
 {
+    if (b->width != 2 || b->coordinates != 2) {
+        take_wide_line(b, line);
+        return;
+    }
     const char *p = line->text, *end = p + line->len;
     size_t x_len, y_len, more_len;
     const char *x_word = next_word(&p, end, &x_len);
@@ -125,7 +187,8 @@ static size_t take_plain_line(struct body *b, const char *bytes, size_t n)
 {
     const char *p = bytes, *end = bytes + n;
     double x, y;
-    size_t len = b->fault == BODY_GOOD ? proto_read_leading_double(p, n, &x) : 0;
+    bool plain = b->fault == BODY_GOOD && b->width == 2;
+    size_t len = plain ? proto_read_leading_double(p, n, &x) : 0;
     p += len;
     if (len == 0 || p == end || !is_blank(*p))
         return 0;
@@ -190,9 +253,40 @@ static double little_endian_double(const char *bytes)
     return v;
 }
 
+static void take_wide_point(struct body *b, const char *bytes)
+{
+    if (b->fault != BODY_GOOD || !reserve(b))
+        return;
+    double *to = b->xy + b->n * b->width;
+    enum body_fault fault = BODY_GOOD;
+    for (size_t i = 0; i < b->width && fault == BODY_GOOD; i++) {
+        to[i] = little_endian_double(bytes + 8 * i);
+        fault = judge(b, i, to[i]);
+    }
+    if (fault != BODY_GOOD)
+        body_fail(b, fault);
+    else
+        b->n++;
+}
+
+static ptrdiff_t feed_wide(struct body *b, const char *bytes, size_t n)
+{
+    size_t at = 0, size = point_bytes(b);
+    for (; b->left > 0 && n - at >= size; at += size) {
+        b->left--;
+        b->line++;
+        take_wide_point(b, bytes + at);
+    }
+    b->complete = b->left == 0;
+    return (ptrdiff_t)at;
+}
+
 static ptrdiff_t feed_binary(struct body *b, const char *bytes, size_t n)
 {
+    enum { POINT_BYTES = 16 };
     size_t at = 0;
+    if (b->width != 2 || b->coordinates != 2)
+        return feed_wide(b, bytes, n);
     for (; b->left > 0 && n - at >= POINT_BYTES; at += POINT_BYTES) {
         b->left--;
         b->line++;

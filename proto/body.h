@@ -1,8 +1,10 @@
-/* body.h - parses the points that follow LOAD and LOADB, incrementally.
+/* body.h - parses the points or values that follow LOAD, LOADB and FSETB, incrementally.
  *
  *   BODY_DOT     lines `x y` up to a line that holds a single `.`
  *   BODY_LINES   exactly `count` lines; blank ones and comments count as lines, not as points
  *   BODY_BINARY  exactly `count` points of two little-endian doubles
+ *
+ * A line, or a point, may have values behind its coordinates, or values instead of them (body_columns).
  *
  * Blank lines and lines that start with `#` are skipped. The first bad line determines the fault; the rest of the
  * body is then read and dropped, so that the next request is found. */
@@ -24,6 +26,7 @@ enum body_fault {
     BODY_LONGER, /* more input than announced */
     BODY_NUMBER, /* not a number */
     BODY_RANGE,  /* a coordinate that coordinate_ok refuses */
+    BODY_VALUE,  /* a value that is infinite */
     BODY_TOOBIG, /* more than `limit` points */
     BODY_NOMEM
 };
@@ -39,8 +42,10 @@ struct body_memory {
 struct body {
     enum body_form form;
     uint64_t left; /* BODY_LINES: lines to come; BODY_BINARY: points to come */
-    double *xy;    /* owns: x, y of each point read so far; NULL once there is a fault */
-    size_t n, cap; /* points */
+    double
+        *xy; /* owns: x, y and the values of each point read so far; NULL once there is a fault */
+    size_t n, cap;             /* points */
+    size_t coordinates, width; /* numbers of a point: coordinates, and all of them */
     struct body_memory memory; /* the caller may set it after body_init */
     size_t limit;
     uint64_t line; /* lines (points, when binary) read so far; the number of the last one, counted
@@ -56,6 +61,10 @@ struct body {
 void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit,
                bool (*coordinate_ok)(double v));
 void body_free(struct body *b);
+
+/* To be called after body_init: a point has so many coordinates (2 or 0), and values behind them: finite numbers or
+ * nan. */
+void body_columns(struct body *b, size_t coordinates, size_t values);
 
 /* Parses bytes[n]; returns the number of bytes consumed (0: it needs more), or -1 if the framing is broken (a NUL
  * byte, a line that is too long). `last`: there will be no more bytes. Check b->complete after each call. Cost:

@@ -61,12 +61,16 @@ static ptrdiff_t wait_for(struct resp *out, size_t need)
 /* Whether the last one of the words, which comes next, is a body. */
 static bool has_body(const struct request *q, size_t words)
 {
-    if (q->n + 1 != words || words < 4 || words > 5)
+    if (q->n + 1 != words || words < 4 || words > 6)
         return false;
+    if (words == 6)
+        return word_is(&q->word[0], "LOAD") || word_is(&q->word[0], "LOADB") ||
+               word_is(&q->word[0], "FSETB");
     if (words == 5)
         return word_is(&q->word[0], "NEARESTB");
-    return word_is(&q->word[0], "LOAD") || word_is(&q->word[0], "LOADB") ||
-           word_is(&q->word[0], "LOCATEB");
+    if (word_is(&q->word[0], "LOAD"))
+        return !word_is(&q->word[2], "FIELDS"); /* LOAD set FIELDS z: lines follow */
+    return word_is(&q->word[0], "LOADB") || word_is(&q->word[0], "LOCATEB");
 }
 
 /* Reads the word at bytes[*at], of which `after` more follow, and moves *at behind it. Returns 1, 0

@@ -144,6 +144,75 @@ enum dt_status dt_field_set_run(struct dt *t, const char *name, size_t len, uint
     return DT_NOPOINT;
 }
 
+/* ---- with new points ---- */
+
+/* Makes everything ready for the values of points that have no ids yet; work may be NULL. */
+static enum dt_status make_ready(struct setting *s, const struct dt_values_of *column,
+                                 struct dt_work *work)
+{
+    enum dt_status status = DT_OK;
+    for (size_t i = 0; i < s->n && status == DT_OK; i++)
+        status = isinf(s->v[i]) ? DT_RANGE : DT_OK;
+    if (status == DT_OK)
+        status = find_field(s, column->name, column->len);
+    if (status != DT_OK)
+        return status;
+    status = open_pages(s, work);
+    if (status != DT_OK && s->created)
+        dt_fields_drop(&s->t->fields, s->field);
+    return status;
+}
+
+/* Takes away what write_run has written. */
+static void erase(struct setting *s)
+{
+    double none[DT_FIELD_PAGE];
+    for (size_t i = 0; i < DT_FIELD_PAGE; i++)
+        none[i] = (double)NAN;
+    for (size_t i = 0, k; i < s->n; i += k) {
+        k = run_at(s, i);
+        if (dt_field_page_now(s->field, id_of(s, i)) != NULL)
+            dt_field_put_run(s->field, id_of(s, i), none, (uint32_t)k);
+        dt_field_close(&s->t->fields.shelf, s->field, id_of(s, i));
+    }
+}
+
+static void undo(struct setting *s, size_t n)
+{
+    while (n-- > 0) {
+        if (s[n].created)
+            dt_fields_drop(&s[n].t->fields, s[n].field);
+        else
+            erase(&s[n]);
+    }
+}
+
+enum dt_status dt_add_values(struct dt *t, const struct dt_point *p, size_t n,
+                             const struct dt_values_of *column, size_t columns,
+                             const struct dt_options *opt, struct dt_added *out)
+{
+    struct setting s[DT_MAX_FIELDS];
+    struct dt_work work = dt_work_of(opt);
+    enum dt_status status = DT_OK;
+    size_t ready = 0;
+    if (columns > DT_MAX_FIELDS || n > DT_NONE - t->points.next_id)
+        return DT_TOOBIG;
+    dt_views_edit_begin(t);
+    for (; ready < columns && status == DT_OK; ready += status == DT_OK) {
+        s[ready] =
+            (struct setting){.t = t, .first = t->points.next_id, .v = column[ready].values, .n = n};
+        status = make_ready(&s[ready], &column[ready], &work);
+    }
+    /* Before the points come: from here on nothing of this is forgotten as an empty page. */
+    for (size_t i = 0; i < columns && status == DT_OK; i++)
+        write_run(&s[i]);
+    if (status == DT_OK)
+        status = dt_add_many(t, p, n, opt, out);
+    if (status != DT_OK)
+        undo(s, ready);
+    return status;
+}
+
 enum dt_status dt_field_drop(struct dt *t, const char *name, size_t len)
 {
     struct dt_field *field = dt_fields_find(&t->fields, name, len);

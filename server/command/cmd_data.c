@@ -164,26 +164,51 @@ void cmd_persist(struct server *s, struct dataset *set, const struct request *q,
 
 /* ---- points ---- */
 
+/* The rows of q's words from `at` on, n of `width` numbers; NULL: the ERR line has been written. */
+static double *read_rows(struct server *s, struct answer *a, const struct request *q, size_t at,
+                         size_t n, size_t width)
+{
+    double *rows = dt_pages_grow(s->pages, NULL, 0, n * width * sizeof *rows);
+    if (rows == NULL) {
+        answer_out_of_memory(a);
+        return NULL;
+    }
+    const struct word *w = &q->word[at];
+    bool good = true;
+    for (size_t i = 0; i < n * width && good; i++)
+        good = i % width < 2 ? read_coordinate(a, &w[i], &rows[i]) : read_value(a, &w[i], &rows[i]);
+    if (good)
+        return rows;
+    dt_pages_release(rows);
+    return NULL;
+}
+
+static void add(struct server *s, struct dataset *set, const struct request *q, struct answer *a,
+                size_t at, struct arrival *points)
+{
+    size_t columns = points->values == NULL ? 0 : points->values->columns;
+    size_t width = 2 + columns;
+    points->n = (q->n - at) / width;
+    if ((q->n - at) % width != 0 || points->n == 0)
+        reply_err(a->out, ERR_SYNTAX,
+                  columns == 0 ? "odd number of coordinates" : "a point without all of its values");
+    else if ((points->rows = read_rows(s, a, q, at, points->n, width)) == NULL)
+        ;
+    else if (edit_may_add(s, a, set, points->n, columns, &points->memory)) {
+        edit_add(s, a, &q->word[1], points);
+        return;
+    }
+    dt_pages_release(points->rows);
+    log_values_free(points->values);
+}
+
 void cmd_add(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    size_t n = (q->n - 2) / 2;
-    struct arrival points = {.n = n};
-    if (q->n % 2 != 0) {
-        reply_err(a->out, ERR_SYNTAX, "odd number of coordinates");
+    struct arrival points = {.n = 0};
+    bool fields = word_is(&q->word[2], "FIELDS");
+    if (fields && (points.values = read_field_names(a, set, &q->word[3])) == NULL)
         return;
-    }
-    points.p = dt_pages_grow(s->pages, NULL, 0, n * sizeof *points.p);
-    if (points.p == NULL) {
-        answer_out_of_memory(a);
-        return;
-    }
-    bool good = true;
-    for (size_t i = 0; i < n && good; i++)
-        good = read_point(a, &q->word[2 + 2 * i], &points.p[i]);
-    if (good && edit_may_add(s, a, set, n, &points.memory))
-        edit_add(s, a, &q->word[1], &points);
-    else
-        dt_pages_release(points.p);
+    add(s, set, q, a, fields ? 4 : 2, &points);
 }
 
 void cmd_del(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 _Static_assert((int)SET_NAME_LIMIT == (int)DT_FIELD_NAME, "fields are named as sets are");
 
@@ -32,7 +33,7 @@ const struct dt_field *find_field(struct answer *a, const struct dataset *set, c
     return f;
 }
 
-static bool read_value(struct answer *a, const struct word *w, double *v)
+bool read_value(struct answer *a, const struct word *w, double *v)
 {
     if (word_is(w, "NAN")) {
         *v = (double)NAN;
@@ -45,6 +46,61 @@ static bool read_value(struct answer *a, const struct word *w, double *v)
     if (isinf(*v))
         reply_err(a->out, ERR_RANGE, "a value is a finite number, or nan");
     return !isinf(*v);
+}
+
+/* Takes the next name off `names`. */
+static struct word next_name(struct word *names)
+{
+    const char *comma = memchr(names->text, ',', names->len);
+    struct word name = {names->text, comma == NULL ? names->len : (size_t)(comma - names->text)};
+    size_t took = name.len + (comma != NULL);
+    names->text += took;
+    names->len -= took;
+    return name;
+}
+
+/* Whether the name is not among the columns before; if not, the ERR line has been written. */
+static bool is_new_name(struct answer *a, const struct log_values *v, size_t columns,
+                        const struct word *name)
+{
+    for (size_t i = 0; i < columns; i++) {
+        if (v->field[i].len == name->len && memcmp(v->field[i].name, name->text, name->len) == 0) {
+            reply_err(a->out, ERR_SYNTAX, "the field %.*s is named twice", QUOTED(name));
+            return false;
+        }
+    }
+    return true;
+}
+
+struct log_values *read_field_names(struct answer *a, const struct dataset *set,
+                                    const struct word *names)
+{
+    size_t columns = 1, fields = set == NULL ? 0 : set->current->sum.fields;
+    struct word rest = *names;
+    for (size_t i = 0; i < names->len; i++)
+        columns += names->text[i] == ',';
+    struct log_values *v = columns > DT_MAX_FIELDS ? NULL : log_values_new(columns);
+    if (columns > DT_MAX_FIELDS)
+        reply_err(a->out, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+    else if (v == NULL)
+        answer_out_of_memory(a);
+    for (size_t i = 0; v != NULL && i < columns; i++) {
+        struct word name = next_name(&rest);
+        bool good = read_field_name(a, &name) && is_new_name(a, v, i, &name);
+        if (good && (set == NULL || dt_field_find(set->current->dt, name.text, name.len) == NULL))
+            fields++;
+        if (good && fields > DT_MAX_FIELDS) {
+            reply_err(a->out, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+            good = false;
+        }
+        if (!good) {
+            log_values_free(v);
+            return NULL;
+        }
+        v->field[i].len = name.len;
+        memcpy(v->field[i].name, name.text, name.len);
+    }
+    return v;
 }
 
 void cmd_fset(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -182,7 +182,7 @@ static void answer_places(struct server *s, struct dataset *set, enum row_form f
     struct rows rows = {
         .version = set->current, .heavy = true, .binary = true, .form = form, .width = width};
     struct places places = {.n = a->body->body.n};
-    places.p = load_take(a->body, &places.memory);
+    places.p = (struct dt_point *)(void *)load_take(a->body, &places.memory);
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "rows", places.n);
     reply_key_u64(a->out, "bytes", (uint64_t)places.n * width * sizeof(uint32_t));

@@ -36,11 +36,13 @@ const struct command commands[] = {
     {"PERSIST", 2, 2, EDITS | CMD_EXISTING, cmd_persist, "PERSIST set",
      "takes EXPIRE back: the set stays"},
     {"STAT", 2, 2, READS | CMD_FRESH, cmd_stat, "STAT set", "counts and memory of a set"},
-    {"ADD", 4, 0, EDITS, cmd_add, "ADD set x y [x y ...]", "adds points"},
-    {"LOAD", 2, 3, EDITS | CMD_BODY, cmd_load, "LOAD set [n]",
-     "adds points: n lines `x y` follow, or lines up to a single `.`"},
-    {"LOADB", 3, 3, EDITS | CMD_BODY, cmd_load, "LOADB set n",
-     "adds points: n pairs of little-endian doubles follow"},
+    {"ADD", 4, 0, EDITS, cmd_add,
+     "ADD set x y [x y ...] | ADD set FIELDS a,b x y a b [x y a b ...]",
+     "adds points, with values of fields"},
+    {"LOAD", 2, 5, EDITS | CMD_BODY, cmd_load, "LOAD set [n] [FIELDS a,b]",
+     "adds points: n lines `x y` follow, or lines up to a single `.`; with FIELDS `x y a b`"},
+    {"LOADB", 3, 5, EDITS | CMD_BODY, cmd_load, "LOADB set n [FIELDS a,b]",
+     "adds points: n pairs of little-endian doubles follow; with FIELDS their values, too"},
     {"DEL", 3, 0, EDITS | CMD_EXISTING | CMD_FREES, cmd_del, "DEL set id [id ...]",
      "deletes points"},
     {"MOVE", 5, 5, EDITS | CMD_EXISTING, cmd_move, "MOVE set id x y",
@@ -53,6 +55,8 @@ const struct command commands[] = {
      "the fields, which are named values at points: how many values, the least, the greatest"},
     {"FSET", 5, 0, EDITS | CMD_EXISTING, cmd_fset, "FSET set field id value [id value ...]",
      "sets values of points; nan takes one away"},
+    {"FSETB", 5, 5, EDITS | CMD_EXISTING | CMD_BODY, cmd_fsetb, "FSETB set field first n",
+     "sets the values of n ids from first on: n little-endian doubles follow"},
     {"FGET", 4, 0, READS, cmd_fget, "FGET set field id [id ...]", "the values of points"},
     {"FDROP", 3, 3, EDITS | CMD_EXISTING | CMD_FREES, cmd_fdrop, "FDROP set field",
      "deletes a field"},
@@ -125,6 +129,8 @@ const size_t command_count = sizeof commands / sizeof commands[0];
 _Static_assert(sizeof commands / sizeof commands[0] <= STATS_OTHER,
                "each command has statistics of its own");
 
+_Static_assert(sizeof commands / sizeof commands[0] <= STATS_OTHER, "each has its statistics");
+
 const struct command *command_find(const struct word *name)
 {
     for (size_t i = 0; i < command_count; i++)
@@ -142,7 +148,8 @@ void answer_usage(struct answer *a, const struct request *q)
 
 static bool check_words(struct answer *a, const struct command *c, const struct request *q)
 {
-    if (q->n >= c->least && (c->most == 0 || q->n <= c->most))
+    bool words = q->n >= c->least && (c->most == 0 || q->n <= c->most);
+    if (words && ((c->flags & CMD_BODY) == 0 || load_has_words(q)))
         return true;
     answer_usage(a, q);
     return false;

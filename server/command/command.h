@@ -74,6 +74,16 @@ bool read_point(struct answer *a, const struct word *w, struct dt_point *p);
 bool read_box(struct answer *a, const struct word w[4], struct dt_point *lo, struct dt_point *hi);
 bool read_id(struct answer *a, const struct word *w, uint32_t *id);
 
+/* A field's name, and a value, which may be nan. */
+bool read_field_name(struct answer *a, const struct word *w);
+bool read_value(struct answer *a, const struct word *w, double *v);
+
+/* Names of fields, `a,b,c`, that may all be the set's (NULL: a new one), without values; NULL: the ERR line has been
+ * written. */
+struct log_values;
+struct log_values *read_field_names(struct answer *a, const struct dataset *set,
+                                    const struct word *names);
+
 /* The place in the third and fourth word, with a hint if it has been prefetched. */
 bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p);
 
@@ -110,7 +120,7 @@ bool client_set_name(struct server *s, struct answer *a, const struct word *name
 command_handler cmd_sets, cmd_create, cmd_drop, cmd_stat;                        /* cmd_data.c */
 command_handler cmd_expire, cmd_ttl, cmd_persist;                                /* cmd_data.c */
 command_handler cmd_add, cmd_del, cmd_move, cmd_get, cmd_points, cmd_coincident; /* cmd_data.c */
-command_handler cmd_fields, cmd_fset, cmd_fget, cmd_fdrop;                       /* cmd_field.c */
+command_handler cmd_fields, cmd_fset, cmd_fsetb, cmd_fget, cmd_fdrop;            /* cmd_field.c */
 command_handler cmd_load;                                                        /* cmd_load.c */
 command_handler cmd_triangulate, cmd_check;                                      /* cmd_build.c */
 

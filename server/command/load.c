@@ -53,42 +53,84 @@ static struct load *new_load(struct server *s, const struct request *q, bool add
     return l;
 }
 
+/* What follows the line of a request. */
+struct shape {
+    enum body_form form;
+    uint32_t count;
+    size_t coordinates, values; /* numbers of a row */
+};
+
 static void begin(struct server *s, const struct request *q, struct answer *a, bool adds,
-                  enum body_form form, uint32_t count)
+                  const struct shape *shape)
 {
-    struct load *l = new_load(s, q, adds);
+    struct load *l = new_load(s, q, adds && shape->coordinates > 0);
     if (l == NULL) {
         answer_out_of_memory(a);
         a->next = ANSWER_CLOSING; /* the body could not be distinguished from requests */
         return;
     }
-    size_t most = adds ? s->config->max_points : DT_MAX_POINTS;
-    body_init(&l->body, form, count, most, dt_coordinate_ok);
+    size_t most = l->adds ? s->config->max_points : DT_MAX_POINTS;
+    body_init(&l->body, shape->form, shape->count, most, dt_coordinate_ok);
+    body_columns(&l->body, shape->coordinates, shape->values);
+    l->sets = shape->coordinates == 0;
     l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};
     a->next = ANSWER_BODY;
     a->load = l;
 }
 
-/* The form of the body that follows q, which has as many words as its command takes, and its count. False:
- * the line does not say it. */
-static bool read_form(const struct request *q, enum body_form *form, uint32_t *count)
+struct word load_field_names(const struct request *q)
 {
-    bool lines = word_is(&q->word[0], "LOAD");
-    *count = 0;
-    *form = !lines ? BODY_BINARY : q->n == 2 ? BODY_DOT : BODY_LINES;
-    return *form == BODY_DOT ||
-           (q->n > 2 && proto_read_u32(q->word[2].text, q->word[2].len, count));
+    bool names = q->n > 3 && word_is(&q->word[q->n - 2], "FIELDS") &&
+                 (word_is(&q->word[0], "LOAD") || word_is(&q->word[0], "LOADB"));
+    return names ? q->word[q->n - 1] : (struct word){"", 0};
+}
+
+static size_t count_names(const struct word *w)
+{
+    size_t n = w->len > 0;
+    for (size_t i = 0; i < w->len; i++)
+        n += w->text[i] == ',';
+    return n;
+}
+
+/* The word of q that counts the rows of its body; NULL: there is none. */
+static const struct word *count_of(const struct request *q, size_t words)
+{
+    size_t at = word_is(&q->word[0], "FSETB") ? 4 : 2;
+    return words > at ? &q->word[at] : NULL;
+}
+
+/* The shape of the body that follows q, which has as many words as its command takes. False: the line does not say
+ * it. */
+static bool read_shape(const struct request *q, struct shape *shape)
+{
+    struct word names = load_field_names(q);
+    const struct word *n = count_of(q, names.len > 0 ? q->n - 2 : q->n);
+    bool lines = word_is(&q->word[0], "LOAD"), values = word_is(&q->word[0], "FSETB");
+    *shape = (struct shape){.form = !lines      ? BODY_BINARY
+                                    : n == NULL ? BODY_DOT
+                                                : BODY_LINES,
+                            .coordinates = values ? 0 : 2,
+                            .values = values ? 1 : count_names(&names)};
+    return shape->form == BODY_DOT || (n != NULL && proto_read_u32(n->text, n->len, &shape->count));
+}
+
+bool load_has_words(const struct request *q)
+{
+    if (word_is(&q->word[0], "FSETB"))
+        return q->n == 5;
+    size_t fields = load_field_names(q).len > 0 ? 2 : 0;
+    return q->n > 1 && q->n <= (word_is(&q->word[0], "NEARESTB") ? 4 : 3) + fields;
 }
 
 void load_start(struct server *s, const struct request *q, struct answer *a, bool adds)
 {
-    enum body_form form;
-    uint32_t count;
-    if (read_form(q, &form, &count)) {
-        begin(s, q, a, adds, form, count);
+    struct shape shape;
+    if (read_shape(q, &shape)) {
+        begin(s, q, a, adds, &shape);
         return;
     }
-    const struct word *w = &q->word[2];
+    const struct word *w = count_of(q, q->n);
     reply_err(a->out, ERR_NUMBER, "%.*s is not a number of points",
               (int)(w->len < 32 ? w->len : 32), w->text);
     a->next = ANSWER_CLOSING;
@@ -96,29 +138,36 @@ void load_start(struct server *s, const struct request *q, struct answer *a, boo
 
 void load_skip(struct server *s, const struct request *q, struct answer *a)
 {
-    enum body_form form;
-    uint32_t count;
-    bool words = q->n > 1 && q->n <= (word_is(&q->word[0], "NEARESTB") ? 4 : 3);
+    struct shape shape;
     /* Those who have shown no token may not keep the server reading. */
-    if (a->role == ROLE_NONE || !words || !read_form(q, &form, &count)) {
+    if (a->role == ROLE_NONE || !load_has_words(q) || !read_shape(q, &shape)) {
         a->next = ANSWER_CLOSING;
         return;
     }
-    begin(s, q, a, false, form, count);
+    begin(s, q, a, false, &shape);
     if (a->next != ANSWER_BODY)
         return;
     a->load->refused = true;
     body_fail(&a->load->body, BODY_SYNTAX); /* so that no point is kept */
 }
 
+/* What a row of the body is. */
+static const char *row_name(const struct load *l)
+{
+    if (l->body.form != BODY_BINARY)
+        return "line";
+    return l->sets ? "value" : l->adds ? "point" : "place";
+}
+
+static const char *outcome(const struct load *l)
+{
+    return l->sets ? "; no value was set" : l->adds ? "; nothing was loaded" : "";
+}
+
 static void say(struct answer *a, const struct load *l, enum reply_code code, const char *what)
 {
-    bool points = l->body.form == BODY_BINARY;
-    reply_err(a->out, code, "%s %llu: %s%s",
-              !points   ? "line"
-              : l->adds ? "point"
-                        : "place",
-              (unsigned long long)l->body.fault_line, what, l->adds ? "; nothing was loaded" : "");
+    reply_err(a->out, code, "%s %llu: %s%s", row_name(l), (unsigned long long)l->body.fault_line,
+              what, outcome(l));
 }
 
 static void say_too_big(struct server *s, struct answer *a, const struct load *l)
@@ -128,7 +177,7 @@ static void say_too_big(struct server *s, struct answer *a, const struct load *l
         snprintf(what, sizeof what, "a set holds at most %u points (--max-points)",
                  s->config->max_points);
     else
-        snprintf(what, sizeof what, "a request has at most %u places", DT_MAX_POINTS);
+        snprintf(what, sizeof what, "a request has at most %u %ss", DT_MAX_POINTS, row_name(l));
     say(a, l, ERR_TOOBIG, what);
 }
 
@@ -139,23 +188,23 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a)
     case BODY_GOOD:
         return false;
     case BODY_SYNTAX:
-        say(a, l, ERR_SYNTAX, "not `x y`");
+        say(a, l, ERR_SYNTAX, b->width > 2 ? "not `x y` and its values" : "not `x y`");
         break;
     case BODY_ENDED:
         say(a, l, ERR_SYNTAX, "the input ended too early");
         break;
     case BODY_LONGER:
         reply_err(a->out, ERR_SYNTAX, "more than %llu %ss%s", (unsigned long long)b->fault_line,
-                  b->form != BODY_BINARY ? "line"
-                  : l->adds              ? "point"
-                                         : "place",
-                  l->adds ? "; nothing was loaded" : "");
+                  row_name(l), outcome(l));
         break;
     case BODY_NUMBER:
         say(a, l, ERR_NUMBER, "not a number");
         break;
     case BODY_RANGE:
         say(a, l, ERR_RANGE, "a coordinate is 0 or has a magnitude from 2^-142 to 2^201");
+        break;
+    case BODY_VALUE:
+        say(a, l, ERR_RANGE, "a value is a finite number, or nan");
         break;
     case BODY_TOOBIG:
         say_too_big(s, a, l);
@@ -212,9 +261,9 @@ void load_free(struct server *s, struct load *l)
     free(l);
 }
 
-struct dt_point *load_take(struct load *l, struct reservation *memory)
+double *load_take(struct load *l, struct reservation *memory)
 {
-    struct dt_point *p = (struct dt_point *)(void *)l->body.xy;
+    double *p = l->body.xy;
     l->body.xy = NULL;
     if (memory->budget == NULL)
         *memory = (struct reservation){l->memory.budget, l->memory.kind, 0};

@@ -5,6 +5,7 @@
 
 #include "proto/body.h"
 #include "proto/reply.h"
+#include "proto/request.h"
 #include "server/jobs/answer.h"
 #include "server/jobs/server.h"
 
@@ -15,6 +16,7 @@ struct load {
     enum reply_code shortage;  /* the error if there is no memory for more */
     size_t expected;           /* bytes to prefault for them (keep.h) */
     bool adds;                 /* the points are to be added to a set */
+    bool sets;                 /* there are only values, for points of a set */
     uint64_t came, seen;       /* bytes received; and when load_stalls last saw progress */
     int64_t seen_ms;           /* when that was; 0: not yet */
     bool refused;              /* the error has been sent: the body is only skipped */
@@ -39,8 +41,14 @@ ptrdiff_t load_feed(struct server *s, struct load *l, const char *bytes, size_t 
  * received. */
 bool load_stalls(struct load *l, int64_t now_ms);
 
-/* Moves the points to the caller, and their memory to `memory`, which may have some already. */
-struct dt_point *load_take(struct load *l, struct reservation *memory);
+/* Whether the words of q, as far as they say what body follows, are those of its command. */
+bool load_has_words(const struct request *q);
+
+/* The names of the fields that come with the points, `a,b,c`; len 0: none. q is the request. */
+struct word load_field_names(const struct request *q);
+
+/* Moves the rows to the caller, and their memory to `memory`, which may have some already. */
+double *load_take(struct load *l, struct reservation *memory);
 
 /* For points that move on: returns the bytes that they will need after they have been added, which are the caller's to
  * announce from now on (keep_expect). */

@@ -30,11 +30,12 @@ struct piece {
     struct piece *next;
     enum piece_kind kind;
     unsigned records;
-    uint64_t last;        /* the lsn of its last record */
-    size_t size;          /* bytes of memory */
-    struct buf bytes;     /* owns; PIECE_BYTES: encoded records */
-    double *xy;           /* owns; PIECE_POINTS */
-    struct record record; /* PIECE_POINTS: the ADD; its name is in `name` */
+    uint64_t last;             /* the lsn of its last record */
+    size_t size;               /* bytes of memory */
+    struct buf bytes;          /* owns; PIECE_BYTES: encoded records */
+    double *xy;                /* owns; PIECE_POINTS */
+    struct log_values *values; /* owns; PIECE_POINTS: those that come with the points, or NULL */
+    struct record record;      /* PIECE_POINTS: the ADD; its name is in `name` */
     char name[RECORD_NAME_LIMIT];
 };
 
@@ -106,6 +107,7 @@ static void free_piece(struct log *log, struct piece *p)
     atomic_fetch_add(&log->freed, p->size);
     buf_free(&p->bytes);
     dt_pages_release(p->xy);
+    log_values_free(p->values);
     free(p);
 }
 
@@ -136,20 +138,56 @@ uint64_t log_append_points(struct log *log, struct record *r, double *xy)
         dt_pages_release(xy);
         return lsn;
     }
+    return log_append_values(log, r, xy, NULL);
+}
+
+struct log_values *log_values_new(size_t columns)
+{
+    struct log_values *v = calloc(1, sizeof *v + columns * sizeof v->field[0]);
+    if (v != NULL)
+        v->columns = columns;
+    return v;
+}
+
+void log_values_free(struct log_values *v)
+{
+    if (v != NULL)
+        dt_pages_release(v->v);
+    free(v);
+}
+
+static uint32_t pieces_of(uint32_t n, uint32_t most)
+{
+    return n / most + (n % most > 0);
+}
+
+/* Records of the values; each column has at least one. */
+static uint64_t records_of(const struct log_values *v)
+{
+    if (v == NULL)
+        return 0;
+    uint32_t n = pieces_of(v->n, RECORD_MOST_VALUES);
+    return v->columns * (uint64_t)(n > 0 ? n : 1);
+}
+
+uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct log_values *v)
+{
     struct piece *p = new_piece(log, PIECE_POINTS);
     r->type = RECORD_LOAD;
     r->lsn = log->next;
     r->synced = atomic_load(&log->synced);
-    log->next += 2 + (r->n + RECORD_POINTS - 1) / RECORD_POINTS;
+    log->next += 2 + pieces_of(r->n, RECORD_POINTS) + records_of(v);
     if (p == NULL) {
         dt_pages_release(xy);
+        log_values_free(v);
         return log->next - 1;
     }
     memcpy(p->name, r->name, r->name_len);
     p->record = *r;
     p->record.name = p->name;
     p->xy = xy;
-    measure(log, p, r->n * 2 * sizeof *xy);
+    p->values = v;
+    measure(log, p, (r->n * 2 + (v == NULL ? 0 : v->columns * v->n)) * sizeof *xy);
     p->last = log->next - 1;
     p->records = 1;
     log->open.records++;
@@ -232,6 +270,26 @@ static void notify(struct log *log)
     eventfd_write(log->event, 1);
 }
 
+/* A column of values; *lsn is that of the record before, and then of the last one. */
+static void encode_column(struct log *log, const struct log_values *v, size_t column, uint64_t *lsn,
+                          struct buf *out)
+{
+    struct record r = {.type = RECORD_VALUES,
+                       .synced = atomic_load(&log->synced),
+                       .field = v->field[column].name,
+                       .field_len = v->field[column].len};
+    uint32_t at = 0;
+    do {
+        r.lsn = ++*lsn;
+        r.first = v->first + at;
+        r.n = v->n - at < RECORD_MOST_VALUES ? v->n - at : RECORD_MOST_VALUES;
+        r.items = v->v + column * (size_t)v->n + at;
+        record_write(out, &r);
+        log_file_write(&log->file, out);
+        at += r.n;
+    } while (at < v->n && log->file.error == 0);
+}
+
 static void encode_points(struct log *log, struct piece *p, struct buf *out)
 {
     struct record r = p->record;
@@ -247,6 +305,8 @@ static void encode_points(struct log *log, struct piece *p, struct buf *out)
         record_write(out, &r);
         log_file_write(&log->file, out);
     }
+    for (size_t i = 0; p->values != NULL && i < p->values->columns && log->file.error == 0; i++)
+        encode_column(log, p->values, i, &r.lsn, out);
     r.lsn++;
     r.type = RECORD_LOADED;
     r.name_len = p->record.name_len;

@@ -52,6 +52,24 @@ uint64_t log_append(struct log *log, struct record *r);
 /* The same for an ADD of n points xy[2n], which move to the log (from dt_pages_grow). */
 uint64_t log_append_points(struct log *log, struct record *r, double *xy);
 
+/* Values of fields: of each column, for the ids from `first` on. */
+struct log_values {
+    size_t columns;
+    uint32_t first, n;
+    double *v; /* owns, from dt_pages_grow: one column of n values behind the other */
+    struct log_field {
+        size_t len;
+        char name[RECORD_FIELD_LIMIT];
+    } field[];
+};
+
+/* Room for so many columns, without values; NULL: out of memory. */
+struct log_values *log_values_new(size_t columns);
+void log_values_free(struct log_values *v); /* NULL: nothing */
+
+/* Appends an ADD of n points xy[2n], or none, together with values, all of which move to the log. */
+uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct log_values *v);
+
 /* Appends empty records up to that lsn: these numbers belong to changes that a snapshot has but the log has
  * lost. */
 void log_fill(struct log *log, uint64_t lsn);

@@ -17,8 +17,10 @@ enum {
 
 struct edit {
     struct job job;
-    struct dt_point *p; /* owns: the points to add */
-    uint32_t *ids;      /* owns: the ids to delete */
+    double *rows;              /* owns: the points to add, with their values */
+    struct dt_point *p;        /* owns: the points to add; NULL: they are still in rows */
+    struct log_values *values; /* owns: their values; NULL: none */
+    uint32_t *ids;             /* owns: the ids to delete */
     size_t n;
     size_t expected;       /* bytes that are prepared for it (keep.h), until it ends */
     struct server *server; /* borrows */
@@ -31,7 +33,9 @@ struct edit {
 static void clear_edit(struct job *j)
 {
     struct edit *e = (struct edit *)j;
+    dt_pages_release(e->rows);
     dt_pages_release(e->p);
+    log_values_free(e->values);
     free(e->ids);
     if (e->expected > 0)
         keep_expect(e->server, 0, e->expected);
@@ -55,18 +59,64 @@ struct dataset *edit_create(struct server *s, struct answer *a, const struct wor
 
 /* ---- add ---- */
 
+/* The rows become points and columns of values. */
+static bool split_rows(struct edit *e)
+{
+    struct log_values *v = e->values;
+    struct dt_pages *pages = e->server->pages;
+    size_t width = 2 + v->columns;
+    e->p = dt_pages_grow(pages, NULL, 0, (e->n + 1) * sizeof *e->p);
+    v->v = dt_pages_grow(pages, NULL, 0, (e->n * v->columns + 1) * sizeof *v->v);
+    if (e->p == NULL || v->v == NULL)
+        return false;
+    for (size_t i = 0; i < e->n; i++) {
+        const double *row = e->rows + i * width;
+        e->p[i] = (struct dt_point){row[0], row[1]};
+        for (size_t k = 0; k < v->columns; k++)
+            v->v[k * e->n + i] = row[2 + k];
+    }
+    v->n = (uint32_t)e->n;
+    dt_pages_release(e->rows);
+    e->rows = NULL;
+    return true;
+}
+
+static void run_add_values(struct job *j)
+{
+    struct edit *e = (struct edit *)j;
+    struct dt_values_of column[DT_MAX_FIELDS];
+    const struct log_values *v = e->values;
+    if (e->rows != NULL && !split_rows(e)) {
+        j->status = DT_NOMEM;
+        return;
+    }
+    for (size_t k = 0; k < v->columns; k++)
+        column[k] = (struct dt_values_of){v->field[k].name, v->field[k].len, v->v + k * e->n};
+    j->status = dt_add_values(j->dt, e->p, e->n, column, v->columns, &j->options, &e->added);
+}
+
 static void run_add(struct job *j)
 {
     struct edit *e = (struct edit *)j;
-    j->status = dt_add_many(j->dt, e->p, e->n, &j->options, &e->added);
+    if (e->values != NULL)
+        run_add_values(j);
+    else
+        j->status = dt_add_many(j->dt, e->p, e->n, &j->options, &e->added);
 }
 
 static void record_add(struct server *s, struct job *j)
 {
     struct edit *e = (struct edit *)j;
     struct dt_point *p = e->p;
+    struct log_values *v = e->values;
     e->p = NULL;
-    journal_add(s, j->set, e->added.first, p, e->n);
+    e->values = NULL;
+    if (v != NULL)
+        v->first = e->added.first;
+    if (v != NULL)
+        journal_add_values(s, j->set, e->added.first, p, e->n, v);
+    else
+        journal_add(s, j->set, e->added.first, p, e->n);
 }
 
 static void add_done(struct server *s, struct job *j, struct answer *a)
@@ -94,8 +144,22 @@ static size_t memory_to_add(const struct server *s, const struct dataset *set, s
     return dt_add_memory(set->current->dt, n, &options);
 }
 
+enum { BYTES_PER_PAGE = DT_FIELD_PAGE * sizeof(double) + 128 };
+
+/* The most that the values of n ids that follow each other take. */
+static size_t memory_of_run(size_t n)
+{
+    return n == 0 ? 0 : (n / DT_FIELD_PAGE + 2) * BYTES_PER_PAGE;
+}
+
+/* The same for values that come with points; and they are copied from their rows, with the points. */
+static size_t memory_of_columns(size_t n, size_t columns)
+{
+    return columns == 0 ? 0 : columns * memory_of_run(n) + n * (2 + columns) * sizeof(double);
+}
+
 bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set, size_t n,
-                  struct reservation *memory)
+                  size_t columns, struct reservation *memory)
 {
     uint32_t points = set != NULL ? set->current->sum.points : 0, most = s->config->max_points;
     *memory = server_reservation(s, BUDGET_EDITS);
@@ -103,7 +167,7 @@ bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set,
         reply_err(a->out, ERR_TOOBIG, "a set holds at most %u points (--max-points)", most);
         return false;
     }
-    size_t bytes = memory_to_add(s, set, n);
+    size_t bytes = memory_to_add(s, set, n) + memory_of_columns(n, columns);
     if (!cost_at_once(COST_EDIT, n))
         return server_reserve(s, a, memory, bytes);
     if (budget_fits(&s->budget, BUDGET_EDITS, bytes))
@@ -114,7 +178,8 @@ bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set,
 
 static void drop_arrival(struct server *s, struct arrival *points)
 {
-    dt_pages_release(points->p);
+    dt_pages_release(points->rows);
+    log_values_free(points->values);
     reservation_set(&points->memory, 0);
     keep_expect(s, 0, points->expected);
 }
@@ -137,7 +202,11 @@ void edit_add(struct server *s, struct answer *a, const struct word *name, struc
     e->job.what = "adding points";
     e->job.memory = points->memory;
     e->job.changes = points->n;
-    e->p = points->p;
+    e->values = points->values;
+    if (e->values != NULL)
+        e->rows = points->rows;
+    else
+        e->p = (struct dt_point *)(void *)points->rows;
     e->n = points->n;
     e->expected = points->expected;
     e->server = s;
@@ -235,15 +304,14 @@ void edit_move(struct server *s, struct answer *a, struct dataset *set, uint32_t
 
 /* ---- values of fields ---- */
 
-enum { BYTES_PER_PAGE = DT_FIELD_PAGE * sizeof(double) + 128 };
-
 struct values_edit {
     struct job job;
     char name[DT_FIELD_NAME];
     size_t name_len;
-    struct record_value *pair; /* owns: ids and values, n of them */
+    struct record_value *pair; /* owns: ids and values, n of them; NULL: they are a run */
     uint32_t *ids;             /* owns: the same apart */
     double *values;            /* owns */
+    struct log_values *run;    /* owns: those of a run */
     size_t n;
     uint32_t missing;
 };
@@ -254,6 +322,7 @@ static void clear_values(struct job *j)
     free(e->pair);
     free(e->ids);
     free(e->values);
+    log_values_free(e->run);
 }
 
 static struct word name_of(const struct values_edit *e)
@@ -278,15 +347,24 @@ static struct values_edit *new_values_edit(void (*run)(struct job *),
 static void run_set(struct job *j)
 {
     struct values_edit *e = (struct values_edit *)j;
-    j->status = dt_field_set(j->dt, e->name, e->name_len, e->ids, e->values, e->n, &j->options,
-                             &e->missing);
+    if (e->run != NULL)
+        j->status = dt_field_set_run(j->dt, e->name, e->name_len, e->run->first, e->run->v, e->n,
+                                     &j->options, &e->missing);
+    else
+        j->status = dt_field_set(j->dt, e->name, e->name_len, e->ids, e->values, e->n, &j->options,
+                                 &e->missing);
 }
 
 static void record_set(struct server *s, struct job *j)
 {
-    const struct values_edit *e = (const struct values_edit *)j;
+    struct values_edit *e = (struct values_edit *)j;
     struct word name = name_of(e);
-    journal_set_values(s, j->set, &name, e->pair, e->n);
+    struct log_values *run = e->run;
+    e->run = NULL;
+    if (run != NULL)
+        journal_set_run(s, j->set, run);
+    else
+        journal_set_values(s, j->set, &name, e->pair, e->n);
 }
 
 static void set_done(struct server *s, struct job *j, struct answer *a)
@@ -348,6 +426,39 @@ void edit_set_values(struct server *s, struct answer *a, struct dataset *set,
     }
     e->job.record = record_set;
     job_write(s, a, &e->job, set, 0);
+}
+
+bool edit_may_set_run(struct server *s, struct answer *a, size_t n, struct reservation *memory)
+{
+    size_t bytes = memory_of_run(n);
+    *memory = server_reservation(s, BUDGET_EDITS);
+    return server_reserve(s, a, memory, bytes);
+}
+
+void edit_set_run(struct server *s, struct answer *a, struct dataset *set, const struct word *field,
+                  uint32_t first, double *v, size_t n, struct reservation *memory)
+{
+    enum { AT_ONCE = 4096 }; /* values, some 50 us */
+    struct values_edit *e = new_values_edit(run_set, set_done, field);
+    struct log_values *run = e == NULL ? NULL : log_values_new(1);
+    if (run == NULL) {
+        if (e != NULL)
+            job_free(&e->job);
+        dt_pages_release(v);
+        reservation_set(memory, 0);
+        answer_out_of_memory(a);
+        return;
+    }
+    run->first = first;
+    run->n = (uint32_t)n;
+    run->v = v;
+    run->field[0].len = field->len;
+    memcpy(run->field[0].name, field->text, field->len);
+    e->run = run;
+    e->n = n;
+    e->job.record = record_set;
+    e->job.memory = *memory;
+    job_write(s, a, &e->job, set, n <= AT_ONCE ? 0 : JOB_HEAVY | JOB_BRIEF);
 }
 
 static void run_drop(struct job *j)

@@ -2,18 +2,20 @@
 #ifndef SERVER_EDIT_H
 #define SERVER_EDIT_H
 
-#include "proto/record.h"
+#include "server/disk/log.h"
 #include "server/jobs/job.h"
 
-/* Whether n points may be added to the set, NULL for a new one; if they are many, `memory` is reserved for
+/* Whether n points with values of so many fields may be added to the set, NULL for a new one; if they are many, `memory` is reserved for
  * them. False: the ERR line has been written, or the request waits. */
 bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set, size_t n,
-                  struct reservation *memory);
+                  size_t columns, struct reservation *memory);
 
 /* Points to add. */
 struct arrival {
-    struct dt_point *p; /* from dt_pages_grow; may be NULL if n is 0 */
+    double *rows; /* x, y, and the values of a point; from dt_pages_grow; may be NULL if n is 0 */
     size_t n;
+    struct log_values
+        *values; /* the names of the fields, not yet the values; NULL: there are none */
     struct reservation memory; /* from edit_may_add, and for the points themselves */
     size_t expected;           /* bytes that are prepared for them (keep.h) */
 };
@@ -32,6 +34,14 @@ void edit_move(struct server *s, struct answer *a, struct dataset *set, uint32_t
 /* Sets n values of a field, all or none; v moves here. Answers `OK 0`. */
 void edit_set_values(struct server *s, struct answer *a, struct dataset *set,
                      const struct word *field, struct record_value *v, size_t n);
+
+/* The same for n ids from first on. v, from dt_pages_grow, moves here, and what is reserved for it. */
+void edit_set_run(struct server *s, struct answer *a, struct dataset *set, const struct word *field,
+                  uint32_t first, double *v, size_t n, struct reservation *memory);
+
+/* Whether there is memory to set n values from an id on; it is reserved. False: the ERR line has been written, or the
+ * request waits. */
+bool edit_may_set_run(struct server *s, struct answer *a, size_t n, struct reservation *memory);
 
 /* Drops a field. Answers `OK 0`. */
 void edit_drop_field(struct server *s, struct answer *a, struct dataset *set,

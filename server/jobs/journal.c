@@ -79,6 +79,38 @@ void journal_set_values(struct server *s, struct dataset *set, const struct word
     set->current->lsn = append(s, set, r);
 }
 
+void journal_set_run(struct server *s, struct dataset *set, struct log_values *v)
+{
+    struct record r = {.type = RECORD_VALUES,
+                       .first = v->first,
+                       .n = v->n,
+                       .field = v->field[0].name,
+                       .field_len = v->field[0].len,
+                       .items = v->v};
+    if (v->n > RECORD_MOST_VALUES) {
+        journal_add_values(s, set, dt_next_id(set->current->dt), NULL, 0, v);
+        return;
+    }
+    set->current->lsn = append(s, set, r);
+    log_values_free(v);
+}
+
+void journal_add_values(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
+                        size_t n, struct log_values *v)
+{
+    struct log *log = log_of(s, set);
+    struct record r = {.first = first, .n = (uint32_t)n};
+    if (log == NULL) {
+        dt_pages_release(p);
+        log_values_free(v);
+        return;
+    }
+    r.name = set->name;
+    r.name_len = set->name_len;
+    set->current->lsn = log_append_values(log, &r, (double *)p, v);
+    reservation_set(&s->queued, log_queued(log));
+}
+
 void journal_drop_field(struct server *s, struct dataset *set, const struct word *field)
 {
     struct record r = {.type = RECORD_FDROP, .field = field->text, .field_len = field->len};

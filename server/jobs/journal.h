@@ -5,6 +5,7 @@
 #define SERVER_JOURNAL_H
 
 #include "proto/record.h"
+#include "server/disk/log.h"
 #include "server/jobs/server.h"
 
 void journal_create(struct server *s, struct dataset *set, double tolerance);
@@ -19,6 +20,11 @@ void journal_expire(struct server *s, struct dataset *set);
 /* Values of n ids of a field; and that it has been dropped. */
 void journal_set_values(struct server *s, struct dataset *set, const struct word *field,
                         const struct record_value *v, size_t n);
+/* A column of values, which moves here. */
+void journal_set_run(struct server *s, struct dataset *set, struct log_values *v);
+/* As journal_add, with values of fields, which move here, too; p is NULL if n is 0. */
+void journal_add_values(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
+                        size_t n, struct log_values *v);
 void journal_drop_field(struct server *s, struct dataset *set, const struct word *field);
 void journal_triangulate(struct server *s, struct dataset *set);
 

@@ -1,9 +1,10 @@
 /* body_fuzz.c - libFuzzer target: any bytes as the points that follow LOAD and LOADB. The first two
- * bytes choose the form and the count. In whatever two pieces the rest arrives, the outcome is the
+ * bytes choose the form, the columns and the count. In whatever two pieces the rest arrives, the outcome is the
  * same. */
 #include "core/delaunay.h"
 #include "proto/body.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,10 +40,12 @@ static ptrdiff_t feed(struct body *b, const uint8_t *data, size_t n, bool last)
 }
 
 /* Reads a body whose first `cut` bytes come first. Returns what feed does, of all. */
-static ptrdiff_t read_body(struct body *b, enum body_form form, uint64_t count, const uint8_t *data,
+static ptrdiff_t read_body(struct body *b, unsigned kind, uint64_t count, const uint8_t *data,
                            size_t size, size_t cut)
 {
-    body_init(b, form, count, LIMIT, dt_coordinate_ok);
+    body_init(b, (enum body_form)(kind % 3), count, LIMIT, dt_coordinate_ok);
+    if (kind >= 128) /* values behind the coordinates, or alone */
+        body_columns(b, kind / 3 % 2 * 2, kind / 6 % 3 + 1);
     ptrdiff_t first = feed(b, data, cut, false);
     if (first < 0 || b->complete)
         return first;
@@ -56,20 +59,21 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct body whole, pieces;
     if (size < 2)
         return 0;
-    enum body_form form = (enum body_form)(data[0] % 3);
+    unsigned kind = data[0];
     uint64_t count = data[1];
     data += 2;
     size -= 2;
-    ptrdiff_t took = read_body(&whole, form, count, data, size, size);
+    ptrdiff_t took = read_body(&whole, kind, count, data, size, size);
     require(whole.fault == BODY_GOOD || whole.xy == NULL);
     require(whole.n <= LIMIT && (took < 0 || whole.complete));
-    for (size_t i = 0; i < 2 * whole.n; i++)
-        require(dt_coordinate_ok(whole.xy[i]));
+    for (size_t i = 0; i < whole.width * whole.n; i++)
+        require(i % whole.width < whole.coordinates ? dt_coordinate_ok(whole.xy[i])
+                                                    : isinf(whole.xy[i]) == 0);
     for (size_t cut = 0; cut < size && cut < 64; cut++) {
-        ptrdiff_t again = read_body(&pieces, form, count, data, size, cut);
+        ptrdiff_t again = read_body(&pieces, kind, count, data, size, cut);
         require(again == took && pieces.n == whole.n && pieces.fault == whole.fault);
         require(took < 0 || pieces.fault_line == whole.fault_line);
-        require(whole.n == 0 || memcmp(pieces.xy, whole.xy, whole.n * 16) == 0);
+        require(whole.n == 0 || memcmp(pieces.xy, whole.xy, whole.n * whole.width * 8) == 0);
         body_free(&pieces);
     }
     body_free(&whole);

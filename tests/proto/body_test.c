@@ -259,3 +259,55 @@ TEST(body_does_not_trust_the_announced_count)
     CHECK(body_feed(&b, (const char *)xy, sizeof xy, false) == 16 && !b.complete && b.cap < 1000);
     body_free(&b);
 }
+
+TEST(body_with_values_is_read_whatever_the_pieces)
+{
+    static const char text[] = "1 2 3 nan\n # 1\n\n -4\t5  6e2 NaN \r\n7 8 -0 1\n.\nPING\n";
+    static const double want[] = {1, 2, 3, 0, -4, 5, 600, 0, 7, 8, -0.0, 1};
+    for (size_t piece = 1; piece <= sizeof text - 1; piece++) {
+        struct body b;
+        body_init(&b, BODY_DOT, 0, 10, small_enough);
+        body_columns(&b, 2, 2);
+        CHECK(feed(&b, text, sizeof text - 1, piece, false) == (ptrdiff_t)sizeof text - 1 - 5);
+        CHECK(b.complete && b.fault == BODY_GOOD && b.n == 3);
+        for (size_t i = 0; i < 12; i++)
+            CHECK(b.xy[i] == want[i] || (isnan(b.xy[i]) && (i == 3 || i == 7)));
+        body_free(&b);
+    }
+}
+
+TEST(body_of_values_alone_is_read_whatever_the_pieces)
+{
+    static const double v[] = {1.5, (double)NAN, 1e300};
+    for (size_t piece = 1; piece <= sizeof v; piece++) {
+        struct body b;
+        body_init(&b, BODY_BINARY, 3, 10, small_enough);
+        body_columns(&b, 0, 1);
+        CHECK(feed(&b, (const char *)v, sizeof v, piece, false) == sizeof v);
+        CHECK(b.complete && b.fault == BODY_GOOD && b.n == 3);
+        CHECK(b.xy[0] == 1.5 && isnan(b.xy[1]) && b.xy[2] == 1e300);
+        body_free(&b);
+    }
+}
+
+static void check_wide_fault(const char *text, enum body_fault fault, uint64_t line)
+{
+    struct body b;
+    body_init(&b, BODY_DOT, 0, 2, small_enough);
+    body_columns(&b, 2, 1);
+    CHECK(feed_text(&b, text, false) == (ptrdiff_t)strlen(text));
+    CHECK_MSG(b.fault == fault && b.fault_line == line, "%s: %d, line %d", text, (int)b.fault,
+              (int)b.fault_line);
+    body_free(&b);
+}
+
+TEST(body_with_values_ends_at_its_first_bad_line)
+{
+    check_wide_fault("1 2 3\n1 2\n1 2 3 4\n.\n", BODY_SYNTAX, 2);
+    check_wide_fault("1 2 3 4\n.\n", BODY_SYNTAX, 1);
+    check_wide_fault("1 2 3\nnan 2 3\n.\n", BODY_NUMBER, 2);
+    check_wide_fault("1 2 nana\n.\n", BODY_NUMBER, 1);
+    check_wide_fault("1 5000 3\n.\n", BODY_RANGE, 1);
+    check_wide_fault("1 2 1e999\n.\n", BODY_VALUE, 1);
+    check_wide_fault("1 2 3\n1 2 3\n1 2 3\n.\n", BODY_TOOBIG, 3);
+}

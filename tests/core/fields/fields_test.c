@@ -111,6 +111,37 @@ static void set_some(struct dt *t, struct table *w, unsigned k)
         w->value[k][id[i]] = v[i];
 }
 
+static void add_values(struct dt *t, struct table *w, uint32_t n)
+{
+    static struct dt_point p[MOST];
+    static double v[NAMES][MOST];
+    struct dt_values_of column[NAMES];
+    struct dt_added added;
+    size_t columns = test_below(NAMES + 1), from = test_below(NAMES);
+    bool good = dt_next_id(t) + n <= MOST;
+    for (uint32_t i = 0; i < n; i++)
+        p[i] = (struct dt_point){test_below(60), test_below(60)};
+    for (size_t i = 0; i < columns; i++) {
+        size_t k = (from + i) % NAMES;
+        column[i] = (struct dt_values_of){names[k], strlen(names[k]), v[k]};
+        for (uint32_t j = 0; j < n; j++)
+            v[k][j] = some_value();
+    }
+    if (test_below(4) == 0) { /* a point that is refused, at last */
+        p[n - 1].x = 1e300;
+        CHECK(dt_add_values(t, p, n, column, columns, NULL, &added) == DT_RANGE);
+        return;
+    }
+    if (!good)
+        return;
+    CHECK(dt_add_values(t, p, n, column, columns, NULL, &added) == DT_OK && added.added == n);
+    for (size_t i = 0; i < columns; i++) {
+        size_t k = (from + i) % NAMES;
+        w->there[k] = true;
+        memcpy(w->value[k] + added.first, v[k], n * sizeof v[k][0]);
+    }
+}
+
 static void set_run(struct dt *t, struct table *w, unsigned k)
 {
     static double v[MOST];
@@ -148,7 +179,7 @@ static void edit(struct dt *t, struct table *w)
 {
     unsigned kind = test_below(100), k = test_below(NAMES);
     if (kind < 5)
-        add(t, 1 + test_below(100));
+        add_values(t, w, 1 + test_below(100));
     else if (kind < 45)
         set_some(t, w, k);
     else if (kind < 60)
@@ -384,7 +415,7 @@ TEST(set_has_64_fields_by_name)
 TEST(edit_of_values_that_lacks_memory_changes_nothing)
 {
     static struct table w;
-    for (unsigned kind = 0; kind < 5; kind++) {
+    for (unsigned kind = 0; kind < 6; kind++) {
         bool failed = true;
         for (long n = 1; failed; n++) {
             struct dt *t = line(1200), *copy;
@@ -394,7 +425,10 @@ TEST(edit_of_values_that_lacks_memory_changes_nothing)
             set_run(t, &w, 0);
             set_some(t, &w, 0);
             CHECK(dt_clone(t, &copy) == DT_OK);
-            struct dt_view *view = kind < 4 ? dt_view_begin(t, false) : NULL;
+            struct dt_point p[] = {{1, 1}, {2, 1}, {3, 1}};
+            struct dt_values_of both[] = {{names[0], 1, v}, {names[2], 1, v}};
+            struct dt_added added;
+            struct dt_view *view = kind != 4 ? dt_view_begin(t, false) : NULL;
             enum dt_status status;
             test_fail_alloc(n);
             if (kind == 0)
@@ -405,8 +439,10 @@ TEST(edit_of_values_that_lacks_memory_changes_nothing)
                 status = dt_delete(t, id, 3, &deleted, &missing);
             else if (kind == 3)
                 status = dt_field_drop(t, names[0], 1);
-            else
+            else if (kind == 4)
                 status = dt_field_set_run(t, names[0], 1, 510, v, 3, NULL, &missing);
+            else
+                status = dt_add_values(t, p, 3, both, 2, NULL, &added);
             failed = test_alloc_failed();
             test_fail_alloc(0);
             CHECK(status == DT_OK || (failed && status == DT_NOMEM));

@@ -228,21 +228,21 @@ TEST(words_about_the_server)
 
 TEST(errors_of_points_leave_the_connection_usable)
 {
-    ask_square("FOO\nADD t 1\nADD t 1 2 3\nADD t/ 1 2\nADD t 1 x\nADD t nan 1\nADD t 0x1 1\nADD t "
-               "1 1e300\nADD t 1 1e-60\n"
-               "GET t 9\nGET t -1\nDEL t 1 9\nMOVE t 9 1 1\nGET t 4\n",
-               "ERR UNKNOWN there is no command FOO; try HELP\n"
-               "ERR SYNTAX usage: ADD set x y [x y ...]\n"
-               "ERR SYNTAX odd number of coordinates\n"
-               "ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\n"
-               "ERR NUMBER x is not a number\n"
-               "ERR NUMBER nan is not a number\n"
-               "ERR NUMBER 0x1 is not a number\n" NOT_THERE NOT_THERE
-               "ERR NOPOINT there is no point 9\n"
-               "ERR NUMBER -1 is not an id\n"
-               "ERR NOPOINT there is no point 9; nothing was deleted\n"
-               "ERR NOPOINT there is no point 9\n"
-               "OK 1\n4 2 2\n");
+    ask_square(
+        "FOO\nADD t 1\nADD t 1 2 3\nADD t/ 1 2\nADD t 1 x\nADD t nan 1\nADD t 0x1 1\nADD t "
+        "1 1e300\nADD t 1 1e-60\n"
+        "GET t 9\nGET t -1\nDEL t 1 9\nMOVE t 9 1 1\nGET t 4\n",
+        "ERR UNKNOWN there is no command FOO; try HELP\n"
+        "ERR SYNTAX usage: ADD set x y [x y ...] | ADD set FIELDS a,b x y a b [x y a b ...]\n"
+        "ERR SYNTAX odd number of coordinates\n"
+        "ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -\n"
+        "ERR NUMBER x is not a number\n"
+        "ERR NUMBER nan is not a number\n"
+        "ERR NUMBER 0x1 is not a number\n" NOT_THERE NOT_THERE "ERR NOPOINT there is no point 9\n"
+        "ERR NUMBER -1 is not an id\n"
+        "ERR NOPOINT there is no point 9; nothing was deleted\n"
+        "ERR NOPOINT there is no point 9\n"
+        "OK 1\n4 2 2\n");
 }
 
 TEST(errors_of_queries_leave_the_connection_usable)
@@ -362,9 +362,9 @@ TEST(load_that_the_input_ends_within_is_refused)
 TEST(load_without_a_clear_head_closes_the_connection)
 {
     converse_alone("LOAD t x\nDROP t\n", "ERR NUMBER x is not a number of points\n");
-    converse_alone("LOADB t\nDROP t\n", "ERR SYNTAX usage: LOADB set n\n");
-    converse_alone("LOAD\n1 1\n.\n", "ERR SYNTAX usage: LOAD set [n]\n");
-    converse_alone("LOAD t 1 1\n1 1\n", "ERR SYNTAX usage: LOAD set [n]\n");
+    converse_alone("LOADB t\nDROP t\n", "ERR SYNTAX usage: LOADB set n [FIELDS a,b]\n");
+    converse_alone("LOAD\n1 1\n.\n", "ERR SYNTAX usage: LOAD set [n] [FIELDS a,b]\n");
+    converse_alone("LOAD t 1 1\n1 1\n", "ERR SYNTAX usage: LOAD set [n] [FIELDS a,b]\n");
 }
 
 TEST(points_of_a_load_that_is_refused_are_skipped)

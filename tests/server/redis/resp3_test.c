@@ -104,3 +104,9 @@ TEST(resp3_out_of_memory_is_noticed)
         buf_free(&out);
     }
 }
+
+TEST(resp3_values_are_doubles_and_a_missing_one_is_null)
+{
+    expect_typed("FGET", "OK 2\n3 4\n5 nan\n", "*2\r\n*2\r\n:3\r\n,4\r\n*2\r\n:5\r\n_\r\n");
+    expect_typed("FIELDS", "OK 1\nz 2 -1 7\n", "*1\r\n*4\r\n$1\r\nz\r\n:2\r\n,-1\r\n,7\r\n");
+}
