@@ -86,7 +86,8 @@ struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell);
 /* The values at n places, or at the centres of n cells from the cell `from` on. DT_TOOLONG, DT_CANCELLED: *done of
  * them are written, and the call may be repeated for the others; all n if DT_OK. opt may be NULL: its flag and its
  * steps. Cost: that of dt_locate for each place; for cells, the number of cells and of triangles along their rows; and
- * the number of natural neighbours. */
+ * the number of natural neighbours. Cells are shared among the threads of opt->pool, unless steps are limited; then *done
+ * is n or 0. */
 enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const struct dt_point *q,
                          size_t n, const struct dt_options *opt, double *out, size_t *done);
 enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,

@@ -11,6 +11,7 @@
  *
  * A cell on an edge or at a corner is looked up by itself, and so is the first cell of a row, one after many
  * triangles without any, and those outside the hull. */
+#include "core/control/parallel.h"
 #include "core/query/locate.h"
 #include "core/set/reader.h"
 #include "core/surface/value.h"
@@ -188,9 +189,10 @@ static enum dt_status scan_row(struct scan *k, const struct dt_raster *r, uint32
     return s;
 }
 
-enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
-                                const struct dt_raster *r, uint64_t from, size_t n,
-                                const struct dt_options *opt, double *out, size_t *done)
+/* n cells from the cell `from` on, on this thread. */
+static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
+                                 const struct dt_raster *r, uint64_t from, size_t n,
+                                 const struct dt_options *opt, double *out, size_t *done)
 {
     struct scan k;
     *done = 0;
@@ -204,4 +206,46 @@ enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
     }
     dt_valuer_clear(&k.v);
     return status;
+}
+
+/* ---- on several threads ---- */
+
+struct slices {
+    const struct dt *t;
+    const struct dt_surface *s;
+    const struct dt_raster *r;
+    uint64_t from;
+    size_t n;
+    double *out;
+    unsigned slices;
+    struct dt_stop stop;
+};
+
+static void scan_slice(void *arg, unsigned i)
+{
+    struct slices *k = arg;
+    struct dt_options opt = {.cancel = k->stop.cancel};
+    size_t a = (size_t)((uint64_t)k->n * i / k->slices),
+           b = (size_t)((uint64_t)k->n * (i + 1) / k->slices), done;
+    enum dt_status status =
+        scan_cells(k->t, k->s, k->r, k->from + a, b - a, &opt, k->out + a, &done);
+    if (status != DT_OK)
+        dt_stop_because(&k->stop, status);
+}
+
+enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
+                                const struct dt_raster *r, uint64_t from, size_t n,
+                                const struct dt_options *opt, double *out, size_t *done)
+{
+    enum { SLICES = 4 }; /* for each thread */
+    bool limited = opt != NULL && opt->steps > 0;
+    unsigned threads = opt == NULL || limited
+                           ? 1
+                           : dt_threads_for(opt->pool, n < UINT32_MAX ? (uint32_t)n : UINT32_MAX);
+    if (threads == 1)
+        return scan_cells(t, s, r, from, n, opt, out, done);
+    struct slices k = {t, s, r, from, n, out, SLICES * threads, dt_stop_of(opt)};
+    dt_run(opt->pool, k.slices, scan_slice, &k);
+    *done = dt_stop_status(&k.stop) == DT_OK ? n : 0;
+    return dt_stop_status(&k.stop);
 }

@@ -1,6 +1,7 @@
 /* values_test.c - values of surfaces at places and at cells of rasters. */
 #include "core/delaunay_surface.h"
 #include "tests/core/sets.h"
+#include "tests/core/threads.h"
 #include "tests/test.h"
 
 #include <math.h>
@@ -369,6 +370,34 @@ TEST(cells_take_no_more_steps_than_they_may_and_go_on)
             at += done;
         }
         CHECK(status == DT_OK && at == 16 && memcmp(got, want, sizeof got[0] * 16) == 0);
+        dt_surface_end(&s);
+    }
+    dt_free(t);
+}
+
+TEST(cells_have_the_same_bytes_on_any_number_of_threads)
+{
+    enum { N = 500, SIDE = 90 };
+    static struct dt_point p[N];
+    static double z[N], one[SIDE * SIDE], many[SIDE * SIDE];
+    for (int i = 0; i < N; i++) {
+        p[i] = (struct dt_point){test_uniform(), test_uniform()};
+        z[i] = test_uniform();
+    }
+    struct dt *t = set_with(p, z, N);
+    struct dt_raster r = {{0, 0}, {1, 1}, SIDE, SIDE};
+    for (int how = 0; how < METHODS; how++) {
+        struct dt_surface s = surface_in(t, all[how]);
+        for (unsigned threads = 2; threads <= 3; threads++) {
+            struct dt_pool pool = threads_pool(threads);
+            struct dt_options opt = {.pool = &pool};
+            size_t done;
+            CHECK(dt_raster_values(t, &s, &r, 7, SIDE * SIDE - 7, NULL, one, &done) == DT_OK);
+            CHECK(dt_raster_values(t, &s, &r, 7, SIDE * SIDE - 7, &opt, many, &done) == DT_OK);
+            CHECK(done == SIDE * SIDE - 7);
+            for (uint32_t i = 0; i < SIDE * SIDE - 7; i++)
+                check_same(many[i], one[i], dt_raster_centre(&r, i + 7));
+        }
         dt_surface_end(&s);
     }
     dt_free(t);
