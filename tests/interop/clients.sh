@@ -262,6 +262,7 @@ else
     echo "python3-venv is missing: the Python package is not installed into an empty environment"
 fi
 count "weights in rational arithmetic" "$python" tests/interop/weights.py "$port"
+count "values in rational arithmetic and beside SciPy" "$python" tests/interop/values.py "$port"
 count "Voronoi cells in rational arithmetic" "$python" tests/interop/cells.py "$port"
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
 count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test/*.test.mjs

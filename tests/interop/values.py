@@ -1,0 +1,86 @@
+"""INTERPOLATE against its definition in rational arithmetic, and, where they are there, beside SciPy's linear interpolator.
+
+    values.py PORT
+"""
+
+import math
+import random
+import sys
+from fractions import Fraction
+
+from weights import Connection, by_cells, families, in_triangle, place
+
+BOUND = Fraction(1, 2**40)
+
+
+def means(connection, points, values, q):
+    """The means of the values at q, strictly inside a triangle, by method; none elsewhere."""
+    located = connection.ask(f"LOCATE v {q[0]!r} {q[1]!r}")
+    if not located or len(located[0].split()) != 3:
+        return {}
+    corners = [int(word) for word in located[0].split()]
+    weights = {"linear": dict(zip(corners, in_triangle([points[v] for v in corners], q)))}
+    for method in ("natural", "laplace"):
+        weights[method] = dict(enumerate(by_cells(points, q, method == "natural")))
+    result = {}
+    for method, weight in weights.items():
+        count = [Fraction(values[v]) for v, w in weight.items() if w > 0]
+        mean = sum(w * Fraction(values[v]) for v, w in weight.items())
+        result[method] = (mean, max(count) - min(count), max(abs(z) for z in count))
+    return result
+
+
+def check(connection, points, values, q):
+    compared = 0
+    for method, (want, spread, size) in means(connection, points, values, q).items():
+        (row,) = connection.ask(f"INTERPOLATE v z {q[0]!r} {q[1]!r} METHOD {method}")
+        error = abs(Fraction(float(row)) - want)
+        assert error <= BOUND * spread + size / 2**51, (method, q, float(error), float(spread))
+        compared += 1
+    return compared
+
+
+def beside_scipy(connection, rng):
+    """How many values were compared with SciPy's."""
+    try:
+        from scipy.interpolate import LinearNDInterpolator
+    except ImportError:
+        return 0
+    points = [(rng.random(), rng.random()) for _ in range(2000)]
+    values = [math.sin(7 * x) + y for x, y in points]
+    fill(connection, points, values)
+    places = [(rng.random() * 1.1 - 0.05, rng.random() * 1.1 - 0.05) for _ in range(1000)]
+    got = [float(row) for row in connection.ask("INTERPOLATE v z " + " ".join(f"{x!r} {y!r}" for x, y in places))]
+    want = LinearNDInterpolator(points, values)(places)
+    connection.ask("DROP v")
+    for a, b, q in zip(got, want, places):
+        assert (math.isnan(a) and math.isnan(b)) or abs(a - b) < 1e-9, (q, a, b)
+    return len(places)
+
+
+def fill(connection, points, values):
+    connection.ask("CREATE v")
+    for i in range(0, len(points), 500):
+        connection.ask("ADD v " + " ".join(f"{x!r} {y!r}" for x, y in points[i : i + 500]))
+        connection.ask("FSET v z " + " ".join(f"{i + k} {z!r}" for k, z in enumerate(values[i : i + 500])))
+    connection.ask("TRIANGULATE v")
+
+
+def main():
+    connection, rng, compared = Connection(int(sys.argv[1])), random.Random(21), 0
+    for name, points in families(rng):
+        points = list(dict.fromkeys(points))
+        values = [1000 + rng.random() for _ in points]
+        fill(connection, points, values)
+        before = compared
+        for _ in range(6):
+            compared += check(connection, points, values, place(points, rng))
+        assert compared > before, name
+        connection.ask("DROP v")
+    assert compared > 100, compared
+    compared += beside_scipy(connection, rng)
+    print(compared)
+
+
+if __name__ == "__main__":
+    main()
