@@ -54,7 +54,7 @@ redis_cli_speaks() {
     [ "$(cli PING)" = PONG ] && [ "$(cli -3 PING)" = PONG ] && [ "$(cli ECHO a b)" != "a b" ] &&
         cli ADD r 0 0 4 0 4 4 0 4 2 2 | grep -qx 'OK first=0 added=5 coincident=0' &&
         cli TRIANGULATE r | grep -q '^OK points=5 ' && [ "$(cli LISTS r | head -n 1)" = "4 0 1 2 3" ] &&
-        [ "$(cli -3 HULL r | wc -l)" -eq 4 ] && cli GET r 9 | grep -q '^NOPOINT ' &&
+        [ "$(cli -3 HULL r | tr '\n' ' ')" = "0 0 0 1 4 0 2 4 4 3 0 4 " ] && cli GET r 9 | grep -q '^NOPOINT ' &&
         printf 'PING\nSTAT r\n' | cli | grep -q '^OK points=5 ' &&
         printf '1 2\n3 4\n' | cli -x LOAD r 2 | grep -qx 'OK first=5 added=2 coincident=0'
 }
