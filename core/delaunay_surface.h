@@ -157,6 +157,36 @@ enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_c
                              size_t room, struct dt_point *corner, size_t cap, size_t *n,
                              size_t *corners);
 
+/* ---- alpha shapes: the union of the triangles whose circumradius is at most r ----
+ *
+ *     dt_alpha_begin(t, view, r, &a);
+ *     do
+ *         dt_alpha_read(t, a, 4096, &done);   under the caller's lock
+ *     while (!done);
+ *     dt_alpha_end(a, NULL, &rows, &loops);   which does not need the set
+ *     dt_alpha_free(a);
+ *
+ * The view must be one that reads rings, or is NULL: now, and the set must not change between. Exact: a circle of
+ * radius r itself counts. */
+struct dt_alpha;
+enum dt_status dt_alpha_begin(const struct dt *t, const struct dt_view *v, double radius,
+                              struct dt_alpha **out);
+
+/* Reads the stars of about so many more points. *done: there are no more. Cost: their degrees. */
+enum dt_status dt_alpha_read(const struct dt *t, struct dt_alpha *a, uint32_t points, bool *done);
+
+/* Bytes that it has at most when as many more points have been read, and dt_alpha_end with its result; points with more
+ * than six neighbours can add to that. */
+size_t dt_alpha_memory(const struct dt_alpha *a, uint32_t points);
+
+/* Appends the boundary as loops, each as 0 for an outer one, counterclockwise, or 1 for a hole, clockwise; the number of
+ * its points; and their ids from the least one on. No loop passes a point twice; loops may touch in points. They are
+ * sorted by their ids. Once only. opt may be NULL: its flag is polled. Cost: O(k log k) for k points of the boundary. */
+enum dt_status dt_alpha_end(struct dt_alpha *a, const struct dt_options *opt, struct dt_ids *out,
+                            size_t *loops);
+
+void dt_alpha_free(struct dt_alpha *a); /* NULL: nothing */
+
 /* The signed area of a polygon, positive if it is counterclockwise: within 2^-52 of its value, and 2^-98 n of the area
  * of its bounding box. */
 double dt_polygon_area(const struct dt_point *corner, size_t n);

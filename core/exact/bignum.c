@@ -189,3 +189,32 @@ int dt_big_compare_products(const struct dt_big *a, const struct dt_big *b, cons
     multiply(c, d, &y);
     return left * compare_limbs(x.limb, x.lo, x.hi, y.limb, y.lo, y.hi);
 }
+
+/* r[0 .. 3 DT_BIG_LIMBS - 1] = a b, where neither is 0; *lo and *hi: as above. */
+static void multiply_further(const struct product *a, const struct dt_big *b, uint64_t *r, int *lo,
+                             int *hi)
+{
+    int n = a->hi - a->lo;
+    *lo = a->lo + b->lo;
+    *hi = a->hi + b->hi;
+    for (int i = 0; i < n; i++)
+        r[*lo + i] = 0;
+    for (int i = b->lo; i < b->hi; i++)
+        add_row(r + a->lo + i, a->limb + a->lo, n, b->limb[i]);
+    *hi -= r[*hi - 1] == 0;
+}
+
+int dt_big_compare_triples(const struct dt_big a[3], const struct dt_big b[3])
+{
+    int left = a[0].sign * a[1].sign * a[2].sign, right = b[0].sign * b[1].sign * b[2].sign;
+    if (left != right || left == 0)
+        return (left > right) - (left < right);
+    struct product two;
+    uint64_t x[3 * DT_BIG_LIMBS], y[3 * DT_BIG_LIMBS];
+    int x_lo, x_hi, y_lo, y_hi;
+    multiply(&a[0], &a[1], &two);
+    multiply_further(&two, &a[2], x, &x_lo, &x_hi);
+    multiply(&b[0], &b[1], &two);
+    multiply_further(&two, &b[2], y, &y_lo, &y_hi);
+    return left * compare_limbs(x, x_lo, x_hi, y, y_lo, y_hi);
+}

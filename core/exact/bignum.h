@@ -36,4 +36,7 @@ int dt_big_compare(const struct dt_big *a, const struct dt_big *b);
 int dt_big_compare_products(const struct dt_big *a, const struct dt_big *b, const struct dt_big *c,
                             const struct dt_big *d);
 
+/* The sign of a[0] a[1] a[2] - b[0] b[1] b[2]. */
+int dt_big_compare_triples(const struct dt_big a[3], const struct dt_big b[3]);
+
 #endif

@@ -96,6 +96,11 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
  * more than 4 u (1 + 10 u) of their sum apart. */
 #define DT_DISTANCE_BOUND 0x1p-50 /* 8 u */
 
+/* R = |ab| |bc| |ca| / (2 D) for twice the area D. The root of the product of two rounded squares errs by 5.5 u of itself,
+ * that of the third one by 3 u, their product by 9.5 u, and 2 r D by 4 u of 2 r (|left| + |right|) and 2 u of itself. */
+#define DT_SIDES_BOUND 0x1p-49        /* of the product of the sides: 16 u */
+#define DT_CIRCUMRADIUS_BOUND 0x1p-50 /* of 2 r (|left| + |right|): 8 u */
+
 /* w.q = w.x q.x + w.y q.y for rounded differences w and q: the products err by 3 u of themselves. */
 #define DT_DOT_BOUND 0x1p-50 /* of |w.x q.x| + |w.y q.y|: 8 u */
 

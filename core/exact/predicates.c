@@ -400,3 +400,30 @@ int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
     dt_big_products(radius, radius, 1, zero, zero, &exact_rr);
     return dt_big_compare(&exact_d, &exact_rr);
 }
+
+/* ---- circumradii: (|ab| |bc| |ca|)^2 beside (2 r)^2 D^2 ---- */
+
+static int compare_circumradius_big(struct dt_point a, struct dt_point b, struct dt_point c,
+                                    double r)
+{
+    const struct dt_double2 twice = {2 * r, 0}, zero = {0, 0};
+    struct dt_big sides[3], other[3];
+    square_distance_big(a, b, &sides[0]);
+    square_distance_big(b, c, &sides[1]);
+    square_distance_big(c, a, &sides[2]);
+    dt_big_products(twice, twice, 1, zero, zero, &other[0]);
+    cross_big(vector_2(a, b), vector_2(a, c), &other[1]);
+    other[2] = other[1];
+    return dt_big_compare_triples(sides, other);
+}
+
+int dt_compare_circumradius(struct dt_point a, struct dt_point b, struct dt_point c, double r)
+{
+    double size, area = fabs(dt_orient2d_rounded(a, b, c, &size));
+    double sides =
+        sqrt(dt_square_distance(a, b) * dt_square_distance(b, c)) * sqrt(dt_square_distance(c, a));
+    double difference = sides - 2 * r * area;
+    if (fabs(difference) > DT_SIDES_BOUND * sides + DT_CIRCUMRADIUS_BOUND * (2 * r * size))
+        return difference < 0 ? -1 : 1;
+    return compare_circumradius_big(a, b, c, r);
+}

@@ -93,6 +93,9 @@ int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
 /* The sign of |a - b|^2 - r^2, r >= 0: <= 0 if a and b are at most r apart. */
 int dt_compare_radius(struct dt_point a, struct dt_point b, double r);
 
+/* The sign of R - r for the circumradius R of a, b, c, which are not on one line, and r >= 0. Exact. */
+int dt_compare_circumradius(struct dt_point a, struct dt_point b, struct dt_point c, double r);
+
 /* Whether p and q are opposite corners of the axis-parallel rectangle whose other corners are r and s:
  * then the four lie on one circle. */
 static inline bool dt_is_rectangle(struct dt_point p, struct dt_point q, struct dt_point r,

@@ -1,6 +1,6 @@
-/* cmd_cells.c - VORONOI and AREAS.
+/* cmd_cells.c - VORONOI, AREAS and ALPHA.
  *
- * The cells are rows that are made as they are sent. Before the first one, the status line says what must be found first:
+ * Cells are rows that are made as they are sent. Before the first one, the status line says what must be found first:
  * the box around all points, and with BINARY how many corners there are. Both are found as of the same moment as
  * the rows, piece by piece by a worker where that takes long. */
 #include "server/command/command.h"
@@ -14,7 +14,9 @@
 enum {
     CELLS_AT_ONCE = 64,  /* cells that the I/O thread looks at itself */
     CELLS_LOCKED = 1024, /* that a worker counts under the lock at a time */
-    HULL_LOCKED = 4096   /* the same for points of the hull */
+    HULL_LOCKED = 4096,  /* the same for points of the hull */
+    STARS_AT_ONCE = 256, /* as cells, for ALPHA */
+    STARS_LOCKED = 4096
 };
 
 struct cells_job {
@@ -263,4 +265,103 @@ void cmd_voronoi(struct server *s, struct dataset *set, const struct request *q,
 void cmd_areas(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     answer_cells(s, set, q, ROW_AREA, a);
+}
+
+/* ---- ALPHA ---- */
+
+struct alpha_job {
+    struct job job;
+    struct dt_view *view; /* owns; NULL: now */
+    double radius;
+    struct dt_ids ids; /* owns: the loops */
+    size_t loops;
+    bool busy; /* no memory because of other requests */
+};
+
+static enum dt_status reserve_alpha(struct alpha_job *j, const struct dt_alpha *alpha)
+{
+    j->busy = !reservation_resize(&j->job.memory, dt_alpha_memory(alpha, STARS_LOCKED));
+    return j->busy ? DT_NOMEM : DT_OK;
+}
+
+static enum dt_status read_alpha(struct alpha_job *j, struct dt_alpha *alpha)
+{
+    struct dt_summary sum;
+    enum dt_status status = DT_OK;
+    dt_summary(j->job.dt, &sum);
+    for (uint64_t stars = STARS_LOCKED, done = 0; status == DT_OK && !done; stars += STARS_LOCKED) {
+        bool end = false;
+        status = reserve_alpha(j, alpha);
+        if (status == DT_OK)
+            status = dt_alpha_read(j->job.dt, alpha, STARS_LOCKED, &end);
+        if (status == DT_OK)
+            status = pause_job(&j->job);
+        atomic_store(&j->job.progress, (unsigned)(stars * 100 / (sum.points + stars)));
+        done = end;
+    }
+    return status;
+}
+
+static void run_alpha(struct job *job)
+{
+    struct alpha_job *j = (struct alpha_job *)job;
+    struct dt_alpha *alpha;
+    job->status = dt_alpha_begin(job->dt, j->view, j->radius, &alpha);
+    if (job->status == DT_OK)
+        job->status = read_alpha(j, alpha);
+    if (job->queued_ns > 0) /* what is left does not need the set */
+        version_unlock(job->base);
+    if (job->status == DT_OK)
+        job->status = dt_alpha_end(alpha, &job->options, &j->ids, &j->loops);
+    dt_alpha_free(alpha);
+    if (job->queued_ns > 0)
+        version_lock_read(job->base);
+}
+
+static void alpha_done(struct server *s, struct job *job, struct answer *a)
+{
+    struct alpha_job *j = (struct alpha_job *)job;
+    version_end_view(&s->sets, job->base, j->view);
+    j->view = NULL;
+    if (job->status != DT_OK) {
+        if (j->busy)
+            answer_busy(a);
+        else
+            answer_status(a, job->status);
+        return;
+    }
+    struct rows rows = {.version = job->base, .form = ROW_LOOP, .width = 1};
+    rows.heavy = s->workers != NULL && j->ids.n > COST_STEPS_AT_ONCE;
+    reply_ok(a->out, j->loops);
+    reply_end(a->out);
+    stream_answer(s, a, &rows, &j->ids);
+}
+
+static void clear_alpha(struct job *job)
+{
+    struct alpha_job *j = (struct alpha_job *)job;
+    dt_view_end(j->view);
+    free(j->ids.v);
+}
+
+void cmd_alpha(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    double radius;
+    struct version *v = set->current;
+    bool light = v->sum.points <= STARS_AT_ONCE;
+    if (!read_length(a, &q->word[2], "radius", &radius))
+        return;
+    struct alpha_job *j = job_new(sizeof *j, run_alpha, alpha_done);
+    if (j != NULL && !light)
+        j->view = dt_view_begin(v->dt, true);
+    if (j == NULL || (!light && j->view == NULL)) {
+        free(j);
+        answer_out_of_memory(a);
+        return;
+    }
+    j->radius = radius;
+    j->job.clear = clear_alpha;
+    j->job.what = "computing the boundary";
+    j->job.memory = server_reservation(s, BUDGET_REPLIES);
+    job_read(s, a, &j->job, v, light ? 0 : JOB_HEAVY);
 }

@@ -102,6 +102,8 @@ const struct command commands[] = {
      "CONTOUR set field level [level ...] [MAXEDGE e] | CONTOUR set field EVERY step [BASE b] "
      "[MAXEDGE e]",
      "lines along which a field has a value, with the higher ground on their left"},
+    {"ALPHA", 3, 3, QUERIES, cmd_alpha, "ALPHA set radius",
+     "the boundary of the triangles whose circumradius is at most the radius"},
     {"TRACE", 2, 2, READS, cmd_trace, "TRACE set",
      "the steps of the shelling algorithm, for sets of up to 1000 points"},
     {"PING", 1, 1, CMD_OPEN | CMD_QUICK, cmd_ping, "PING", "answers OK 0"},

@@ -102,9 +102,17 @@ static void write_numbers(const struct rows *r, struct buf *out, const uint32_t 
         reply_row_numbers(out, word, r->width / 2);
 }
 
+static void write_loop(struct buf *out, const uint32_t *word)
+{
+    buf_append_text(out, word[0] != 0 ? "hole " : "outer ");
+    reply_row_ids(out, word + 1, 1 + (size_t)word[1]);
+}
+
 /* The words of the list that the row at `at` takes. */
 static size_t list_words(const struct rows *r, size_t at)
 {
+    if (r->form == ROW_LOOP)
+        return 2 + (size_t)r->ids.v[at + 1];
     return r->form == ROW_LINE ? ROW_LINE_WORDS + 4 * (size_t)r->ids.v[at + 3] : r->width;
 }
 
@@ -129,6 +137,8 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
             write_ids(r, out, id, r->width);
         else if (r->form == ROW_RING)
             write_ring(r, out, *id);
+        else if (r->form == ROW_LOOP)
+            write_loop(out, id);
         else if (r->form == ROW_VALUE)
             write_value(out, id);
         else if (r->form == ROW_NUMBERS)
@@ -374,9 +384,10 @@ bool rows_cut(struct rows *r, struct rows *part)
     }
     if (row_is_of_cell(r->form) && r->ids.v == NULL)
         return cut_cells(r, part);
-    size_t n = row_is_of_cell(r->form)                         ? PART_CELLS
-               : r->form == ROW_NUMBERS || r->form == ROW_LINE ? PART_NUMBERS
-                                                               : PART_IDS * r->width;
+    size_t n = row_is_of_cell(r->form) ? PART_CELLS
+               : r->form == ROW_NUMBERS || r->form == ROW_LINE || r->form == ROW_LOOP
+                   ? PART_NUMBERS
+                   : PART_IDS * r->width;
     for (size_t from = r->at; r->at < r->ids.n && r->at - from < n;)
         r->at += list_words(r, r->at);
     part->ids.n = r->at;

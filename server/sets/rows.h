@@ -19,6 +19,7 @@ enum row_form {
     ROW_AREA,      /* or the area: of all cells, or those of the list */
     ROW_NUMBERS,   /* numbers, `width` words of the list; binary: as they are */
     ROW_LINE,      /* a line of a contour: ROW_LINE_WORDS words, and four for each of its places */
+    ROW_LOOP,      /* hole or outer, k and k ids: of the list 1 or 0, and the same */
     ROW_TRIANGLE,  /* binary, of a place: the corners of its triangle, */
     ROW_NEAREST    /* and the `width` points nearest to it */
 };
@@ -34,7 +35,7 @@ void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint
 /* Whether rows of this form are made from the list alone, without the set. */
 static inline bool row_is_of_list(enum row_form form)
 {
-    return form == ROW_IDS || form == ROW_NUMBERS || form == ROW_LINE;
+    return form == ROW_IDS || form == ROW_NUMBERS || form == ROW_LINE || form == ROW_LOOP;
 }
 
 /* Places that are asked about. */

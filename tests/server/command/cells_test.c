@@ -210,3 +210,27 @@ TEST(wrong_requests_for_cells_are_refused)
     CHECK_STR(hear_line(fd), "OK 0");
     CHECK(strncmp(hear_line(fd), "ERR UNTRIANGULATED", 18) == 0);
 }
+
+/* By a worker, and the rows in pieces. */
+TEST(the_alpha_shape_of_a_large_radius_is_the_hull)
+{
+    int fd;
+    start(&fd, 30000);
+    say(fd, "HULL t\nALPHA t 1e9\n");
+    size_t n = strtoul(hear_line(fd) + 3, NULL, 10);
+    char want[20000], *at = want + sprintf(want, "outer %zu", n);
+    for (size_t i = 0; i < n; i++)
+        at += sprintf(at, " %lu", strtoul(hear_line(fd), NULL, 10));
+    CHECK_STR(hear_line(fd), "OK 1");
+    CHECK_STR(hear_line(fd), want);
+    say(fd, "ALPHA t 0.004\n");
+    unsigned long loops = strtoul(hear_line(fd) + 3, NULL, 10), holes = 0, outer = 0, corners;
+    for (unsigned long i = 0; i < loops; i++) {
+        char kind[8];
+        CHECK(sscanf(hear_line(fd), "%7s %lu", kind, &corners) == 2 && corners >= 3);
+        holes += strcmp(kind, "hole") == 0;
+        outer += strcmp(kind, "outer") == 0;
+    }
+    CHECK_MSG(holes > 20 && outer > 20 && holes + outer == loops, "%lu holes, %lu outer", holes,
+              outer);
+}

@@ -1,0 +1,360 @@
+/* alpha.c - the boundary of the alpha shape [Edelsbrunner, Kirkpatrick & Seidel, "On the shape of a set of points in the
+ * plane", 1983], regularised: of the triangles whose circumradius is at most r.
+ *
+ * A triangle is in or out by an exact sign. Around a point, the triangles that are in form fans:
+ *
+ *             b           in: v a x, v x b. The boundary comes from a and goes on to b, with the shape on its
+ *         out | in        left. Each fan that is not the whole star gives such a turn; all of them together are
+ *        ---- v --- x     the boundary.
+ *         out | in
+ *             a
+ *
+ * So stars are read one by one, at one moment, and only turns are kept. Then each turn finds the next one by its edge.
+ * Where fans touch in a point the boundary passes it several times; it is cut there into simple loops, which are the
+ * same wherever the walk begins, because a boundary does not cross itself. */
+#include "core/control/work.h"
+#include "core/delaunay_surface.h"
+#include "core/exact/predicates.h"
+#include "core/set/reader.h"
+#include "core/set/view_rows.h"
+#include "core/set/view_stars.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The boundary comes from `from` to `at` and goes on to `to`. */
+struct turn {
+    uint32_t at, from, to;
+    struct dt_point place; /* of `at` */
+};
+
+struct loop {
+    size_t first; /* of its n ids */
+    uint32_t n;
+    bool hole;
+};
+
+struct dt_alpha {
+    const struct dt_view *view; /* borrows; NULL: now */
+    double radius;
+    uint32_t id, end;  /* the next point, and behind the last one */
+    struct turn *turn; /* owns `turn_cap` */
+    size_t turns, turn_cap;
+    struct dt_ids ids; /* owns: of the loops */
+    struct loop *loop; /* owns loop_cap */
+    size_t loops, loop_cap;
+    struct dt_point *xy; /* owns xy_cap: of a ring */
+    bool *in;            /* owns xy_cap: the triangle of each neighbour and the next one */
+    uint32_t *ring;      /* owns xy_cap */
+    uint32_t xy_cap;
+};
+
+void dt_alpha_free(struct dt_alpha *a)
+{
+    if (a == NULL)
+        return;
+    free(a->turn);
+    free(a->ids.v);
+    free(a->loop);
+    free(a->xy);
+    free(a->in);
+    free(a->ring);
+    free(a);
+}
+
+enum dt_status dt_alpha_begin(const struct dt *t, const struct dt_view *v, double radius,
+                              struct dt_alpha **out)
+{
+    enum dt_status s = dt_view_readable(t, v, true);
+    *out = NULL;
+    if (s != DT_OK)
+        return s;
+    struct dt_alpha *a = calloc(1, sizeof *a);
+    if (a == NULL)
+        return DT_NOMEM;
+    a->view = v;
+    a->radius = radius;
+    a->end = v == NULL ? DT_NONE : dt_view_next_id(v);
+    *out = a;
+    return DT_OK;
+}
+
+/* ---- turns ---- */
+
+static bool reserve_ring(struct dt_alpha *a, uint32_t degree)
+{
+    if (degree <= a->xy_cap)
+        return true;
+    uint32_t cap = degree < 64 ? 64 : degree + degree / 2;
+    free(a->xy);
+    free(a->in);
+    free(a->ring);
+    a->xy = malloc(cap * sizeof *a->xy);
+    a->in = malloc(cap * sizeof *a->in);
+    a->ring = malloc(cap * sizeof *a->ring);
+    bool ok = a->xy != NULL && a->in != NULL && a->ring != NULL;
+    a->xy_cap = ok ? cap : 0;
+    return ok;
+}
+
+static enum dt_status put_turn(struct dt_alpha *a, struct turn turn)
+{
+    if (a->turns == a->turn_cap) {
+        size_t cap = a->turn_cap == 0 ? 256 : a->turn_cap + a->turn_cap / 2;
+        struct turn *more = realloc(a->turn, cap * sizeof *more);
+        if (more == NULL)
+            return DT_NOMEM;
+        a->turn = more;
+        a->turn_cap = cap;
+    }
+    a->turn[a->turns++] = turn;
+    return DT_OK;
+}
+
+/* The turns at a point with the ring a->ring[n]: of each fan from its first edge, ccw, to its last one. */
+static enum dt_status put_turns(struct dt_alpha *a, uint32_t at, struct dt_point q, uint32_t n)
+{
+    enum dt_status s = DT_OK;
+    for (uint32_t i = 0; i < n && s == DT_OK; i++) {
+        if (!a->in[i] || a->in[i == 0 ? n - 1 : i - 1])
+            continue;
+        uint32_t k = i;
+        while (a->in[k])
+            k = k + 1 < n ? k + 1 : 0;
+        s = put_turn(a, (struct turn){at, a->ring[k], a->ring[i], q});
+    }
+    return s;
+}
+
+static struct dt_point place(const struct dt *t, const struct dt_view *v, uint32_t id)
+{
+    struct dt_row row = {0};
+    dt_view_row(t, v, id, &row);
+    return row.at;
+}
+
+static enum dt_status take_star(struct dt_alpha *a, const struct dt *t, const struct dt_view *v,
+                                const struct dt_stars *s, uint32_t i)
+{
+    uint32_t n = s->degree[i], id = s->id[i];
+    bool on_hull = s->on_hull[i];
+    struct dt_star star;
+    if (n == DT_NONE) {
+        star = dt_star_of(t, v, id);
+        n = dt_star_count(t, &star);
+        on_hull = star.on_hull;
+    }
+    if (!reserve_ring(a, n))
+        return DT_NOMEM;
+    if (s->degree[i] == DT_NONE)
+        dt_star_copy(t, &star, a->ring, n);
+    else
+        memcpy(a->ring, s->ring[i], n * sizeof *a->ring);
+    struct dt_point q = place(t, v, id);
+    for (uint32_t k = 0; k < n; k++)
+        a->xy[k] = place(t, v, a->ring[k]);
+    for (uint32_t k = 0; k < n; k++) {
+        uint32_t next = k + 1 < n ? k + 1 : 0;
+        a->in[k] = !(on_hull && next == 0) &&
+                   dt_compare_circumradius(q, a->xy[k], a->xy[next], a->radius) <= 0;
+    }
+    return put_turns(a, id, q, n);
+}
+
+enum dt_status dt_alpha_read(const struct dt *t, struct dt_alpha *a, uint32_t points, bool *done)
+{
+    const struct dt_view *v = dt_view_if_changed(t, a->view);
+    struct dt_stars stars;
+    enum dt_status s = dt_view_readable(t, a->view, true);
+    bool line = a->view != NULL ? a->view->line : dt_mesh_is_line(&t->mesh);
+    *done = line;
+    for (uint32_t n = 0; s == DT_OK && !*done && n < points; n += stars.n) {
+        dt_stars_read(t, v, a->id, a->end, DT_STARS, &stars);
+        *done = stars.n == 0;
+        for (uint32_t i = 0; i < stars.n && s == DT_OK; i++) {
+            s = take_star(a, t, v, &stars, i);
+            a->id = stars.id[i] + 1;
+        }
+    }
+    return s;
+}
+
+size_t dt_alpha_memory(const struct dt_alpha *a, uint32_t points)
+{
+    /* Turns that grow by half, paths and loops of as many points, each twice where it grows, and the rows. */
+    size_t most = a->turns + 3 * (size_t)points;
+    return most * (3 * sizeof(struct turn) + 9 * sizeof(uint32_t) + sizeof(struct loop)) +
+           (size_t)a->xy_cap * sizeof(struct dt_point);
+}
+
+/* ---- loops ---- */
+
+static int compare_turns(const void *p, const void *q)
+{
+    const struct turn *a = p, *b = q;
+    if (a->at != b->at)
+        return a->at < b->at ? -1 : 1;
+    return (a->from > b->from) - (a->from < b->from);
+}
+
+/* The turn that follows a turn. Turns are sorted, and it is there. */
+static size_t next_turn(const struct dt_alpha *a, size_t i)
+{
+    const struct turn key = {.at = a->turn[i].to, .from = a->turn[i].at};
+    const struct turn *found = bsearch(&key, a->turn, a->turns, sizeof key, compare_turns);
+    return (size_t)(found - a->turn);
+}
+
+/* A walk along the boundary: the points since it began that are in no loop yet, each by its first turn. All own a word or
+ * a byte for each turn. */
+struct path {
+    uint32_t *first; /* of the point of each turn */
+    uint32_t *point;
+    uint32_t *on; /* where in `point` a point is; DT_NONE: nowhere */
+    bool *taken;  /* turns */
+    uint32_t n;
+};
+
+static void path_clear(struct path *p)
+{
+    free(p->first);
+    free(p->point);
+    free(p->on);
+    free(p->taken);
+}
+
+static bool path_init(struct path *p, const struct dt_alpha *a)
+{
+    size_t n = a->turns + 1;
+    *p = (struct path){malloc(n * sizeof *p->first), malloc(n * sizeof *p->point),
+                       malloc(n * sizeof *p->on), calloc(n, sizeof *p->taken), 0};
+    if (p->first == NULL || p->point == NULL || p->on == NULL || p->taken == NULL)
+        return false;
+    for (uint32_t i = 0; i < a->turns; i++) {
+        p->first[i] = i > 0 && a->turn[i].at == a->turn[i - 1].at ? p->first[i - 1] : i;
+        p->on[i] = DT_NONE;
+    }
+    return true;
+}
+
+/* Whether the loop goes round clockwise: by the corner at its least point, which turns as the whole does. */
+static bool is_hole(const struct dt_alpha *a, const uint32_t *point, uint32_t n)
+{
+    uint32_t least = 0;
+    for (uint32_t i = 1; i < n; i++)
+        if (dt_compare_xy(a->turn[point[i]].place, a->turn[point[least]].place) < 0)
+            least = i;
+    return dt_orient2d(a->turn[point[least == 0 ? n - 1 : least - 1]].place,
+                       a->turn[point[least]].place,
+                       a->turn[point[least + 1 < n ? least + 1 : 0]].place) < 0;
+}
+
+static bool reserve_loop(struct dt_alpha *a)
+{
+    if (a->loops < a->loop_cap)
+        return true;
+    size_t cap = a->loop_cap == 0 ? 64 : 2 * a->loop_cap;
+    struct loop *loop = realloc(a->loop, cap * sizeof *loop);
+    if (loop == NULL)
+        return false;
+    a->loop = loop;
+    a->loop_cap = cap;
+    return true;
+}
+
+/* Takes the points of the path from `from` on as a loop, and off the path all but the first of them. */
+static enum dt_status take_loop(struct dt_alpha *a, struct path *p, uint32_t from)
+{
+    uint32_t *point = p->point + from, n = p->n - from, least = 0;
+    if (!reserve_loop(a) || dt_ids_reserve(&a->ids, n) != DT_OK)
+        return DT_NOMEM;
+    a->loop[a->loops++] = (struct loop){a->ids.n, n, is_hole(a, point, n)};
+    for (uint32_t i = 1; i < n; i++)
+        if (point[i] < point[least]) /* turns are in the order of their points' ids */
+            least = i;
+    for (uint32_t i = 0; i < n; i++)
+        a->ids.v[a->ids.n++] = a->turn[point[least + i < n ? least + i : least + i - n]].at;
+    for (uint32_t i = 1; i < n; i++)
+        p->on[point[i]] = DT_NONE;
+    p->n = from + 1;
+    return DT_OK;
+}
+
+/* Walks from a turn on until it comes back. */
+static enum dt_status walk(struct dt_alpha *a, struct path *p, size_t start, struct dt_work *work)
+{
+    enum dt_status s = DT_OK;
+    size_t i = start;
+    p->n = 0;
+    do {
+        uint32_t point = p->first[i];
+        p->taken[i] = true;
+        if (p->on[point] != DT_NONE) {
+            s = take_loop(a, p, p->on[point]);
+        } else {
+            p->on[point] = p->n;
+            p->point[p->n++] = point;
+        }
+        i = next_turn(a, i);
+        if (s == DT_OK)
+            s = dt_work(work, 1);
+    } while (s == DT_OK && i != start);
+    if (s == DT_OK)
+        s = take_loop(a, p, 0);
+    p->on[p->point[0]] = DT_NONE;
+    return s;
+}
+
+/* By their ids, from the first, which is the least of each, on; qsort has no room for a context. */
+struct row {
+    const uint32_t *id;
+    struct loop loop;
+};
+
+static int compare_rows(const void *p, const void *q)
+{
+    const struct row *a = p, *b = q;
+    for (uint32_t i = 0; i < a->loop.n && i < b->loop.n; i++)
+        if (a->id[i] != b->id[i])
+            return a->id[i] < b->id[i] ? -1 : 1;
+    return (a->loop.n > b->loop.n) - (a->loop.n < b->loop.n);
+}
+
+/* Writes the rows, in order, to *out. */
+static enum dt_status put_rows(const struct dt_alpha *a, struct dt_ids *out)
+{
+    struct row *row = malloc((a->loops + 1) * sizeof *row);
+    enum dt_status s = dt_ids_reserve(out, a->ids.n + 2 * a->loops);
+    for (size_t i = 0; row != NULL && i < a->loops; i++)
+        row[i] = (struct row){a->ids.v + a->loop[i].first, a->loop[i]};
+    if (row != NULL && s == DT_OK)
+        qsort(row, a->loops, sizeof *row, compare_rows);
+    for (size_t i = 0; row != NULL && s == DT_OK && i < a->loops; i++) {
+        out->v[out->n++] = row[i].loop.hole;
+        out->v[out->n++] = row[i].loop.n;
+        memcpy(out->v + out->n, row[i].id, row[i].loop.n * sizeof *row[i].id);
+        out->n += row[i].loop.n;
+    }
+    free(row);
+    return row == NULL ? DT_NOMEM : s;
+}
+
+enum dt_status dt_alpha_end(struct dt_alpha *a, const struct dt_options *opt, struct dt_ids *out,
+                            size_t *loops)
+{
+    struct dt_work work = dt_work_of(opt);
+    struct path p;
+    enum dt_status s = DT_OK;
+    if (a->turns > 0)
+        qsort(a->turn, a->turns, sizeof *a->turn, compare_turns);
+    if (!path_init(&p, a))
+        s = DT_NOMEM;
+    for (size_t i = 0; i < a->turns && s == DT_OK; i++)
+        if (!p.taken[i])
+            s = walk(a, &p, i, &work);
+    path_clear(&p);
+    if (s == DT_OK)
+        s = put_rows(a, out);
+    *loops = a->loops;
+    return s;
+}
