@@ -62,7 +62,7 @@ static void take_setting(const char *name, char *to, size_t room)
         set_text(to, room, value);
 }
 
-/* What the environment says; false if its URL is malformed. */
+/* Reads the environment; false if its URL is malformed. */
 static bool read_environment(struct url *where)
 {
     const char *url = getenv("DELAUNAY_URL");
@@ -75,7 +75,7 @@ static bool read_environment(struct url *where)
     return true;
 }
 
-/* Takes --json out of the arguments, wherever it stands; returns how many are left. */
+/* Removes --json from the arguments, wherever it is; returns how many are left. */
 static int take_json(int argc, char **argv)
 {
     int n = 0;
@@ -88,7 +88,7 @@ static int take_json(int argc, char **argv)
     return n;
 }
 
-/* With --json there is an object even if all that could be said is on the standard error. */
+/* With --json an object is written even if the only message is on the standard error. */
 static void finish_json(int status)
 {
     static const char *const error[] = {

@@ -1,4 +1,4 @@
-/* command.c - any command of the protocol, as it is. */
+/* command.c - sends any command of the protocol unchanged. */
 #include "clients/cli/command.h"
 
 #include <stdio.h>

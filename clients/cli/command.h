@@ -16,10 +16,10 @@ int command_any(struct delaunay_client *c, int words, char **word);
  * one that failed. */
 int command_prompt(struct delaunay_client *c);
 
-/* load SET FILE: all of a file into a set, or nothing. */
+/* load SET FILE: loads a whole file into a set, or nothing. */
 int command_load(struct delaunay_client *c, int argc, char **argv);
 
-/* draw FILE OUT, run FILE OUT: from a file to a picture or a mesh. c is NULL: they start a daemon. */
+/* draw FILE OUT, run FILE OUT: make a picture or a mesh from a file. c is NULL: they start a daemon. */
 int command_draw(struct delaunay_client *c, int argc, char **argv);
 
 /* export SET FILE: a triangulated set as a drawing or in another program's format. */
@@ -34,7 +34,7 @@ int command_raster(struct delaunay_client *c, int argc, char **argv);
 int command_contour(struct delaunay_client *c, int argc, char **argv);
 int command_voronoi(struct delaunay_client *c, int argc, char **argv);
 
-/* trace SET FILE: a film of the paper's algorithm at work on a small set. */
+/* trace SET FILE: an animation of the paper's algorithm on a small set. */
 int command_trace(struct delaunay_client *c, int argc, char **argv);
 
 /* top: a live view of INFO until interrupted. */
@@ -57,7 +57,7 @@ void command_print_status(const struct delaunay_client *c);
  * exit status. */
 int command_outcome(const struct delaunay_client *c, enum delaunay_result r);
 
-/* Whether the output is to have no colours: it is no terminal, or NO_COLOR is set. */
+/* Whether the output has no colours: it is not a terminal, or NO_COLOR is set. */
 bool command_is_plain(void);
 
 /* A delaunay_part_fn that shows the server's progress comments on a terminal and ignores the

@@ -115,7 +115,7 @@ void edit_end(void)
     forget_sets();
 }
 
-/* Tokens are not kept, nor what was kept last. */
+/* Tokens are not stored, nor is a repetition of the last line. */
 static bool is_worth_keeping(const char *line)
 {
     static char *last;

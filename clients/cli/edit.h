@@ -1,5 +1,5 @@
-/* edit.h - lines typed at a prompt, with history, editing and completion where libedit or readline was there
- * when this was built; else as the terminal gives them. */
+/* edit.h - reads lines typed at a prompt, with history, editing and completion if this was built with libedit
+ * or readline; otherwise as the terminal delivers them. */
 #ifndef CLIENTS_EDIT_H
 #define CLIENTS_EDIT_H
 

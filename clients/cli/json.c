@@ -28,7 +28,7 @@ struct piece {
     size_t len;
 };
 
-/* Takes what is before the separator off *rest; false at the end. */
+/* Removes the text before the separator from *rest; false at the end. */
 static bool next_piece(struct piece *rest, char separator, struct piece *piece)
 {
     while (rest->len > 0 && *rest->text == separator) {

@@ -1,4 +1,4 @@
-/* options.h - what is wrong with the arguments of a subcommand, in the same words for all. */
+/* options.h - messages about wrong arguments, the same for all subcommands. */
 #ifndef CLIENTS_OPTIONS_H
 #define CLIENTS_OPTIONS_H
 
@@ -8,8 +8,7 @@
 /* getopt_long without messages of its own. */
 int options_next(int argc, char **argv, const char *letters, const struct option *options);
 
-/* Says that something is wrong with the arguments of the command, "" for `delaunay` itself; returns the exit
- * status. */
+/* Reports wrong arguments of the command, "" for `delaunay` itself; returns the exit status. */
 __attribute__((format(printf, 2, 3))) int options_wrong(const char *command, const char *format,
                                                         ...);
 

@@ -1,5 +1,5 @@
-/* private_daemon.c - see private_daemon.h. `delaunayd --private` says where its socket is, and ends with its standard
- * input, whose other end is here. */
+/* private_daemon.c - see private_daemon.h. `delaunayd --private` prints the path of its socket, and ends at the
+ * end of its standard input, whose other end is here. */
 #include "clients/cli/private_daemon.h"
 
 #include <errno.h>
@@ -54,7 +54,7 @@ static int spawn(pid_t *pid, const char *program, int in, int out)
     return error;
 }
 
-/* Reads the line that says where its socket is, and connects to it. */
+/* Reads the line with the path of its socket, and connects to it. */
 static bool connect_to(struct private_daemon *d, int out, const char *program, char *why,
                        size_t room)
 {

@@ -1,5 +1,5 @@
-/* private_daemon.h - a daemon of our own for one task (delaunayd --private): in memory, on a Unix socket that only this
- * user may reach. It ends with this process, however that ends. */
+/* private_daemon.h - a private daemon for one task (delaunayd --private): in memory, on a Unix socket that only
+ * this user can access. It ends when this process ends, even if that crashes. */
 #ifndef CLIENTS_PRIVATE_DAEMON_H
 #define CLIENTS_PRIVATE_DAEMON_H
 

@@ -1,5 +1,4 @@
-/* subcommand.h - the table of what `delaunay` can do: one row each, for dispatch, --help and
- * completion. */
+/* subcommand.h - the table of the subcommands of `delaunay`: one row each, for dispatch, --help and completion. */
 #ifndef CLIENTS_SUBCOMMAND_H
 #define CLIENTS_SUBCOMMAND_H
 
@@ -17,7 +16,7 @@ struct subcommand {
 extern const struct subcommand subcommands[];
 extern const size_t subcommand_count;
 
-/* The row of that name, in capitals or not; NULL if there is none. */
+/* The row of that name, in upper or lower case; NULL if there is none. */
 const struct subcommand *subcommand_find(const char *name);
 
 /* Prints its help. */

@@ -24,7 +24,7 @@ static void put_formats(void)
         printf(" %s", formats[i].name);
 }
 
-/* The names of subcommands, of all or of those that take sets or files, with the text between. */
+/* Writes the names of all subcommands, or of those that take sets or files, with the text between them. */
 enum kind { KIND_ALL, KIND_SETS, KIND_FILES };
 
 static void put_names(enum kind kind, const char *between)
@@ -40,7 +40,7 @@ static void put_names(enum kind kind, const char *between)
     }
 }
 
-/* The part that bash and zsh share: which command it is and how many of its words stand before the one that is
+/* The part that bash and zsh share: finds the command and the number of its words before the one to be
  * completed; `where` gets the options for the server. */
 static void put_shell_scan(const char *word, const char *from, const char *to)
 {

@@ -1,8 +1,7 @@
 /* copy.c - `delaunay copy SET URL URL`: a set from one daemon to another, with its ids.
  *
  * A load gives out ids without gaps. Where the original has gaps the copy gets fillers, points far
- * from all others, that are deleted at the end; so whoever knows a point by its id finds it in the
- * copy. */
+ * from all others, that are deleted at the end; so every point has the same id in the copy. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -39,7 +38,7 @@ static bool read_stat(struct copy *y)
     return true;
 }
 
-/* A place that coincides with no point: to the right of all, farther than any tolerance. */
+/* A place that coincides with no point: to the right of all points, farther than any tolerance. */
 static double filler_x(const struct copy *y)
 {
     double x = 0, tol = strtod(y->tol, NULL);

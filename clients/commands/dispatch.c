@@ -10,7 +10,7 @@
 #include "clients/cli/private_daemon.h"
 #include "clients/cli/subcommand.h"
 
-/* A set's name at that place, or the URL of one: then *where becomes what it says. */
+/* A set's name at that place, or its URL, which is read into *where. */
 static const char *find_set_fault(char **word, struct url *where)
 {
     if (where == NULL && url_is(*word))
@@ -25,7 +25,7 @@ static const char *find_set_fault(char **word, struct url *where)
     return NULL;
 }
 
-/* What is wrong with the command, before anybody is bothered with it; NULL if nothing is. */
+/* The error in the command that can be found without a server; NULL: none. */
 static const char *find_fault(const struct subcommand *s, int words, char **word, struct url *where)
 {
     if (s != NULL && s->set && words < 2)
@@ -45,7 +45,7 @@ static int run_connected(struct delaunay_client *c, const struct subcommand *s, 
     return s != NULL && s->run != NULL ? s->run(c, words, word) : command_any(c, words, word);
 }
 
-/* With a server of our own, which ends with us. */
+/* With a private server, which ends with this process. */
 static int run_alone(const struct subcommand *s, int words, char **word)
 {
     char why[300];
@@ -64,8 +64,8 @@ static bool is_default(const struct url *where)
     return strcmp(where->host, DELAUNAY_HOST) == 0 && strcmp(where->port, DELAUNAY_PORT) == 0;
 }
 
-/* Whether that makes sense without the sets of a server: a person at a prompt sees the notice, but a script
- * would lose what it adds. */
+/* Whether the command makes sense on an empty private server: a person at a prompt sees the notice, but a
+ * script would lose the data that it adds. */
 static bool needs_no_sets(int words, char **word)
 {
     return words == 0 ? isatty(STDIN_FILENO) : strcasecmp(word[0], "help") == 0;

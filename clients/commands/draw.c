@@ -1,5 +1,5 @@
-/* draw.c - `delaunay draw FILE OUT` and `delaunay run FILE OUT`: from a file of points to a picture or a mesh, by
- * way of a daemon of our own. */
+/* draw.c - `delaunay draw FILE OUT` and `delaunay run FILE OUT`: from a file of points to a picture or a mesh,
+ * by a private daemon. */
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
@@ -33,7 +33,7 @@ static int read_option(struct drawing *d, int option, char **argv)
     return EXIT_DONE;
 }
 
-/* The last part of the path, without what would be markup. */
+/* The last part of the path, without characters of markup. */
 static void choose_name(struct drawing *d)
 {
     const char *slash = strrchr(d->from.path, '/');

@@ -1,5 +1,5 @@
-/* export.c - `delaunay export`: fetches a set and writes it in one of the formats, or as a picture.
- * The file appears under its name when it is complete. */
+/* export.c - `delaunay export`: fetches a set and writes it in one of the formats, or as a picture. The file
+ * gets its name when it is complete. */
 #include "clients/commands/export.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* export.h - writes a triangulated set as a picture or in another program's format: what `export`, `draw` and
- * `run` share. */
+/* export.h - writes a triangulated set as a picture or in another program's format: shared by `export`, `draw`
+ * and `run`. */
 #ifndef CLIENTS_EXPORT_H
 #define CLIENTS_EXPORT_H
 
@@ -11,7 +11,7 @@
 struct export
 {
     const char *field;           /* of heights; NULL: z if there is one */
-    const char *path, *form;     /* "-": the standard output; form NULL: what the ending says */
+    const char *path, *form;     /* "-": the standard output; form NULL: the ending decides */
     const struct format *format; /* NULL: a picture */
     bool png, force;
     struct picture picture;
@@ -28,8 +28,8 @@ struct export
 /* Takes one of these options; a usage error's status, or EXIT_DONE. */
 int export_option(struct export *e, int option, char **argv);
 
-/* When all options have been read and e->path is known: chooses the format, and refuses to replace a file of
- * somebody else. Returns the exit status. */
+/* When all options have been read and e->path is known: chooses the format, and refuses to replace a file that
+ * another program wrote. Returns the exit status. */
 int export_prepare(struct export *e, char **argv);
 
 /* Fetches the set and writes it; returns the exit status. `name` is the picture's title. */

@@ -1,12 +1,13 @@
-/* output.h - the file that a subcommand writes: complete or not at all, never in place of a file of somebody else. */
+/* output.h - the file that a subcommand writes: complete or not at all; it never replaces a file that another
+ * program wrote. */
 #ifndef CLIENTS_OUTPUT_H
 #define CLIENTS_OUTPUT_H
 
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Says on the standard error what is wrong, after "ABOUT: " unless that is "", or errno about a file; both return
- * EXIT_REFUSED. */
+/* Print a message on the standard error, after "ABOUT: " unless that is "", or the text of errno for a file;
+ * both return EXIT_REFUSED. */
 int output_fault(const char *about, const char *what);
 int output_failed(const char *path);
 
@@ -18,13 +19,13 @@ int output_check(const char *path, bool force);
 /* The format that the user named, or the path's ending, or `standard` if it has none. */
 const char *output_form(const char *named, const char *path, const char *standard);
 
-/* Writes into `out`; returns the exit status, having said what is wrong. */
+/* Writes into `out`; returns the exit status, after a message if it fails. */
 typedef int output_write_fn(void *ctx, FILE *out);
 
 /* Turns the file at `part` into what will be called `path`, in its place. Returns the exit status. */
 typedef int output_convert_fn(const char *part, const char *path);
 
-/* Writes the file, converts it unless convert is NULL, and gives it its name. On any fault there is no new
+/* Writes the file, converts it unless convert is NULL, and gives it its name. On any failure there is no new
  * file. Returns the exit status. */
 int output_write(const char *path, output_write_fn *write, void *ctx, output_convert_fn *convert);
 

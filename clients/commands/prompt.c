@@ -1,5 +1,5 @@
-/* prompt.c - `delaunay` without a command: lines from the standard input are carried out one by one: what the
- * protocol knows is sent as it is, and subcommands that read or write files work as from a shell. */
+/* prompt.c - `delaunay` without a command: carries out lines from the standard input one by one: requests of
+ * the protocol are sent unchanged, and subcommands that read or write files work as from a shell. */
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,7 +56,7 @@ static bool is_ours(const char *line)
     return (s != NULL && s->run != NULL) || strstr(line, " --help") != NULL;
 }
 
-/* What an arrow key leaves behind where nothing edits the line. */
+/* The escape sequence of an arrow key, where no library edits the line. */
 static bool has_control_characters(const char *line)
 {
     for (; *line != '\0'; line++)
@@ -72,7 +72,7 @@ static int carry_out(struct delaunay_client *c, char *line)
         fprintf(stderr, "delaunay: a control character in the line; nothing was sent\n");
         return EXIT_USAGE;
     }
-    if (is_first_word(line, "loadb")) { /* its points would be taken for requests */
+    if (is_first_word(line, "loadb")) { /* its points would be read as requests */
         fprintf(stderr, "delaunay: to load points use load SET FILE\n");
         return EXIT_USAGE;
     }

@@ -55,7 +55,7 @@ static void draw_line(struct canvas *v, const double *p, const double *q, enum i
              y + lround((double)(dy * i) / (double)(steps > 0 ? steps : 1)), ink);
 }
 
-/* Chooses the scale so that all points fit, and cuts the lines that stay empty. */
+/* Chooses the scale so that all points fit, and removes empty lines. */
 static void fit(struct canvas *v, const struct model *m)
 {
     double x0 = m->xy[0], x1 = x0, y0 = m->xy[1], y1 = y0;

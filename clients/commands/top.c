@@ -1,5 +1,4 @@
-/* top.c - `delaunay top`: INFO once a second, with what has changed since; on a terminal a screen that reacts to
- * keys. */
+/* top.c - `delaunay top`: INFO once a second, with the changes; on a terminal a screen that reacts to keys. */
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -31,7 +30,7 @@ static enum delaunay_result ask(struct delaunay_client *c, struct top_facts *now
 
 /* ---- lines ---- */
 
-/* What counts up is shown with its rate. */
+/* Counters are shown with their rates. */
 static void print_fact(const struct top_facts *now, const struct top_facts *before, size_t i)
 {
     static const char *const counters[] = {"commands", "errors", "jobs", "connections", "refused"};

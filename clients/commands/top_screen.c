@@ -72,7 +72,7 @@ __attribute__((format(printf, 2, 3))) static void put(struct screen *s, const ch
     s->line++;
 }
 
-/* What has been counted in a second since. */
+/* The rate of a counter, per second. */
 static double rate(const struct screen *s, const char *key)
 {
     return s->view->seconds > 0 ? (number(s->now, key) - number(s->before, key)) / s->view->seconds

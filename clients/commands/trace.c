@@ -1,5 +1,4 @@
-/* trace.c - `delaunay trace SET FILE`: fetches the steps of the shelling algorithm and makes a film
- * of them. */
+/* trace.c - `delaunay trace SET FILE`: fetches the steps of the shelling algorithm and animates them. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* bulk.c - a million points out and their triangles back, all in binary form and pipelined: the
- * load, the triangulation and the dump are on their way before the first reply is read.
+/* bulk.c - sends a million points and receives their triangles, all in binary form and pipelined: the load, the
+ * triangulation and the dump are sent before the first reply is read.
  *
  *     cc bulk.c $(pkg-config --cflags --libs delaunay) -lm -o bulk && ./bulk localhost 6374 1000000
  */

@@ -1,5 +1,4 @@
-/* formats.c - see formats.h. One function for each format; a row is put together in a buffer of its
- * own and written at once. */
+/* formats.c - see formats.h. One function for each format; a row is formatted in a buffer and written at once. */
 #include "clients/files/formats.h"
 
 #include "proto/number.h"

@@ -1,6 +1,6 @@
 /* geojson_file.c - the points of a GeoJSON file [RFC 7946]: one value, or several after one another
- * (newline-delimited features). The text is walked by recursive descent; a geometry's coordinates
- * are remembered and read once its type is known, as the order of keys is free. */
+ * (newline-delimited features). The parser is a recursive descent; it remembers the place of a geometry's
+ * coordinates and reads them once the type is known, since keys may be in any order. */
 #include "clients/files/points_file.h"
 
 #include <errno.h>
@@ -21,7 +21,7 @@ static bool bad(struct json *j)
     return points_file_stop(j->f, "not GeoJSON");
 }
 
-/* The next character that is no blank, 0 at the end. */
+/* The next non-blank character, 0 at the end. */
 static char peek(struct json *j)
 {
     for (; j->p < j->end; j->p++) {

@@ -77,7 +77,7 @@ static bool is_filler(const char *text, size_t len)
     return len >= 4 && digits == len;
 }
 
-/* Takes fillers off both ends of a word, of which nothing may be left. */
+/* Removes fillers from both ends of a word, which may become empty. */
 static void strip(const char **text, size_t *len)
 {
     if (is_filler(*text, *len))
@@ -98,13 +98,13 @@ static bool is_letter(char c)
     return isalnum((unsigned char)c) || (unsigned char)c >= 0x80;
 }
 
-/* A new word begins with a capital after a small letter, as in coordX. */
+/* A new word begins with an upper-case letter after a lower-case one, as in coordX. */
 static bool is_hump(char before, char c)
 {
     return islower((unsigned char)before) && isupper((unsigned char)c);
 }
 
-/* What is left of a heading without brackets, separators and fillers, in small letters. */
+/* A heading without brackets, separators and fillers, in lower case. */
 static size_t reduce(const char *text, size_t len, char *to)
 {
     size_t n = 0;

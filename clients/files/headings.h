@@ -13,7 +13,7 @@ enum heading_pair { PAIR_XY, PAIR_LON_LAT, PAIR_EAST_NORTH, PAIR_COUNT };
 struct heading {
     enum axis axis;
     enum heading_pair pair;
-    bool plain; /* the name alone, in capitals or not, with nothing around it */
+    bool plain; /* the name alone, in upper or lower case */
 };
 
 /* Reads a heading of `len` bytes (UTF-8). Units in brackets, words such as coord, point, utm or deg, and
@@ -30,7 +30,7 @@ struct heading_search {
 void heading_search_add(struct heading_search *s, const char *text, size_t len);
 
 /* False if no pair is there exactly once. A pair of plain names precedes others; among several of these the
- * order of enum heading_pair decides. *obvious: there was nothing to choose from, and the names are plain. */
+ * order of enum heading_pair decides. *obvious: there was only one choice, and the names are plain. */
 bool heading_search_end(const struct heading_search *s, size_t column[2], bool *obvious);
 
 #endif

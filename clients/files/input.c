@@ -1,5 +1,5 @@
-/* input.c - see input.h. A file is recognised by its first bytes. Those of a pipe are looked at by tee(2), which
- * leaves them there. */
+/* input.c - see input.h. A file is recognised by its first bytes. Those of a pipe are copied by tee(2), which
+ * does not consume them. */
 #include "clients/files/input.h"
 
 #include <errno.h>
@@ -47,7 +47,7 @@ static size_t peek(int fd, char *to)
     return n > 0 ? (size_t)n : 0;
 }
 
-/* Starts the program with fd as its input; its output takes fd's place. */
+/* Starts the program with fd as its input, and replaces fd by its output. */
 static bool convert(struct input *in, const char *const *argument)
 {
     int pipes[2], failed;

@@ -1,4 +1,4 @@
-/* input.h - opens a file, or the standard input, for reading; what is compressed or UTF-16 is read by way of
+/* input.h - opens a file, or the standard input, for reading; compressed files and UTF-16 are read through
  * another program. */
 #ifndef CLIENTS_INPUT_H
 #define CLIENTS_INPUT_H
@@ -13,7 +13,7 @@ struct input {
     bool standard;       /* fd is not ours to close */
     pid_t child;         /* the program that converts, 0 if none does */
     const char *program; /* its name */
-    char first;          /* the first character that is no blank, 0 if it is not known */
+    char first;          /* the first non-blank character, 0 if unknown */
     uint64_t size;       /* bytes to read, 0 if unknown */
 };
 

@@ -105,7 +105,7 @@ static bool take_field(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
-/* Ids are mostly 0 .. n - 1, so it looks there first. */
+/* Ids are mostly 0 .. n - 1, so that place is tried first. */
 bool model_find(const struct model *m, uint32_t id, uint32_t *place)
 {
     size_t lo = 0, hi = m->n;

@@ -28,8 +28,7 @@ struct model {
 enum model_parts { MODEL_TRIANGLES = 1, MODEL_EDGES = 2, MODEL_HULL = 4, MODEL_FIELDS = 8 };
 
 /* Fetches the points of the set and, of its triangulation, the parts asked for; *m must be zeroed.
- * The requests are pipelined. DELAUNAY_STOPPED: m->fault tells. The caller frees *m whatever the
- * outcome. */
+ * The requests are pipelined. DELAUNAY_STOPPED: see m->fault. The caller frees *m in any case. */
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m);
 void model_free(struct model *m);
@@ -43,7 +42,7 @@ static inline double model_value(const struct model *m, int field, size_t place)
     return m->value[place * m->fields + (size_t)field];
 }
 
-/* The place of an id; false if it is not there. */
+/* The place of an id; false if there is no such id. */
 bool model_find(const struct model *m, uint32_t id, uint32_t *place);
 
 /* A directed edge's triangle, for all triangles of a model. */

@@ -58,7 +58,8 @@ bool part_file_adopt(const char *from, const char *path)
 {
     char mark[MARK_ROOM];
     struct stat st;
-    if (stat(from, &st) == 0) /* not all file systems can: then it will be taken for another's */
+    if (stat(from, &st) ==
+        0) /* not all file systems support it: then the file counts as another program's */
         (void)!setxattr(from, mark_name, mark, write_mark(mark, &st), 0);
     return rename(from, path) == 0;
 }

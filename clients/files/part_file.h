@@ -1,6 +1,6 @@
-/* part_file.h - a file that is written as PATH.part and renamed when it is whole: nobody sees half of
- * it. It gets a mark (an extended attribute with its size and time), so that it is known later whether a
- * file is one of ours that nobody has changed. */
+/* part_file.h - a file that is written as PATH.part and renamed when it is complete, so that incomplete files
+ * are never visible. It gets a mark (an extended attribute with its size and time), which later identifies our
+ * own unchanged files. */
 #ifndef CLIENTS_PART_FILE_H
 #define CLIENTS_PART_FILE_H
 
@@ -14,13 +14,13 @@ struct part_file {
     FILE *out;
 };
 
-/* Whether there is a file of that name that holds something and has no mark. */
+/* Whether there is a non-empty file of that name without a mark. */
 bool part_file_is_foreign(const char *path);
 
-/* Says on the standard error that it is one. */
+/* Reports that on the standard error. */
 void part_file_refuse(const char *path);
 
-/* Opens path.part for writing. Returns NULL, or the name that errno is about. */
+/* Opens path.part for writing. Returns NULL, or the name to which errno refers. */
 const char *part_file_open(struct part_file *f, const char *path);
 
 /* Ends the writing. False if some of it failed: see errno. */

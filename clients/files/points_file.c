@@ -83,7 +83,7 @@ static size_t next_word(const char **s, const char *end, const char **word)
     return (size_t)(p - *word);
 }
 
-/* What the server would refuse as RANGE, said here with the line's number [PROTOCOL.md, section
+/* Values that the server would refuse as RANGE, reported here with the line's number [PROTOCOL.md, section
  * 1]. */
 static bool in_range(double v)
 {

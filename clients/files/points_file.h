@@ -1,5 +1,5 @@
 /* points_file.h - reads a file of points: lines `x y`, blank ones and those that start with '#'
- * skipped; or whatever f->parse_line makes of a line (table_file.h); or GeoJSON. */
+ * skipped; or lines that f->parse_line reads (table_file.h); or GeoJSON. */
 #ifndef CLIENTS_POINTS_FILE_H
 #define CLIENTS_POINTS_FILE_H
 
@@ -27,19 +27,19 @@ struct points_file {
     uint64_t skipped;
     struct {
         uint64_t line;
-        char fault[80], text[60]; /* what is wrong, and how the line begins */
+        char fault[80], text[60]; /* the fault, and the beginning of the line */
     } skip[SKIPPED_SHOWN];        /* the first ones */
 };
 
 /* Called now and then with the bytes and points read so far. */
 typedef void points_file_progress_fn(void *ctx, uint64_t bytes, size_t points);
 
-/* Reads all of the open file fd. False at the first bad line, on a read error or out of memory. *f must
- * be zeroed but for parser and skip_bad, and is the caller's to free, whatever the outcome. Memory: 16
- * bytes a point, doubled while growing. */
+/* Reads all of the open file fd. False at the first bad line, on a read error or out of memory. *f must be
+ * zeroed except parser and skip_bad; the caller frees it in any case. Memory: 16 bytes a point, doubled while
+ * growing. */
 bool points_file_read(struct points_file *f, int fd, points_file_progress_fn *progress, void *ctx);
 
-/* Appends the point that two words say. False, with the fault set, if they do not. */
+/* Appends the point that two words give. False, with the fault set, if they are not numbers. */
 bool points_file_add(struct points_file *f, const char *x, size_t x_len, const char *y,
                      size_t y_len);
 

@@ -7,7 +7,7 @@
 
 struct progress {
     const char *what;      /* borrows: "reading", "sending" */
-    bool shown;            /* whether anybody looks */
+    bool shown;            /* whether it is a terminal */
     double started, drawn; /* seconds */
 };
 

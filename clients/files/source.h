@@ -1,4 +1,5 @@
-/* source.h - a file of points as the user named it: its format, its columns, what to do with bad lines. */
+/* source.h - a file of points as the user specified it: its format, its columns, and whether bad lines are
+ * skipped. */
 #ifndef CLIENTS_SOURCE_H
 #define CLIENTS_SOURCE_H
 
@@ -17,8 +18,8 @@ struct source {
 /* Reads a format's name. */
 bool source_read_form(const char *name, struct source *s);
 
-/* Reads the file into *f, which must be zeroed and is the caller's to free. Says on the standard error which
- * columns were used if that is not obvious, what was skipped, and what is wrong if it returns false. */
+/* Reads the file into *f, which must be zeroed and is the caller's to free. Reports on the standard error which
+ * columns were used if that is not obvious, what was skipped, and the fault if it returns false. */
 bool source_read(struct source *s, struct points_file *f);
 
 #endif

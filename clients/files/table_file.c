@@ -114,7 +114,8 @@ static const char *find_row_end(const struct points_file *f, const char *s, cons
 
 enum { NUMBER_ROOM = 64 };
 
-/* Beside semicolons a comma is a decimal one: then the same number with a point, in room[NUMBER_ROOM]. */
+/* If semicolons separate, a comma is a decimal comma: then the number with a decimal point, in
+ * room[NUMBER_ROOM]. */
 static struct value with_point(char separator, struct value v, char *room)
 {
     const char *comma = separator == ';' ? memchr(v.text, ',', v.len) : NULL;
@@ -264,7 +265,7 @@ static bool choose_by_comment(struct table_file *t)
     return false;
 }
 
-/* A first row that is no header, or is taken for none. */
+/* A first row that is not a header, or is not recognised as one. */
 static bool start_without_header(struct points_file *f, const char *s, const char *end)
 {
     struct table_file *t = f->parser;
@@ -357,7 +358,7 @@ static bool find_both(struct points_file *f, const char *s, const char *end, str
            points_file_fault(f, "the row has more columns than the first one");
 }
 
-/* Without a header: if the first column counts 1, 2, 3 it is no coordinate. */
+/* Without a header: a first column that counts 1, 2, 3 is not a coordinate. */
 static bool check_counting(struct points_file *f, double x)
 {
     struct table_file *t = f->parser;

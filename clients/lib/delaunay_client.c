@@ -1,11 +1,11 @@
 /* delaunay_client.c - the client library: one socket, a queue each way, and poll to serve both.
  *
- * The socket does not block; pump() waits until it can send or receive anything and does so. So a
- * server that stops reading because its replies are not taken away is no deadlock: while requests
- * wait to be sent, replies move into the queue of what has arrived.
+ * The socket does not block; pump() waits until it can send or receive anything and does so. So a server that
+ * stops reading because its replies are not read causes no deadlock: while requests wait to be sent, replies
+ * are received into a queue.
  *
- * When sending fails the server has gone, but its last words may still be there to read: the queue
- * is dropped and reading goes on until the end of the input. */
+ * When sending fails, the server has disconnected, but its last replies may still be readable: the queue is
+ * discarded and reading continues until the end of the input. */
 #include "clients/lib/delaunay_client.h"
 
 #include <errno.h>
@@ -181,7 +181,7 @@ static enum delaunay_result drain(struct delaunay_client *c, size_t left)
 
 /* ---- requests ---- */
 
-/* Appends to the queue, unless nobody is there to take it. */
+/* Appends to the queue, unless the server has disconnected. */
 static void queue(struct delaunay_client *c, const void *bytes, size_t n)
 {
     if (!c->mute)
@@ -217,7 +217,7 @@ static enum delaunay_result send_body(struct delaunay_client *c, const char *com
 {
     char head[128];
     if (!word_is_set_name(
-            &(struct word){set, strlen(set)})) /* else the points could be taken for commands */
+            &(struct word){set, strlen(set)})) /* else the points could be read as requests */
         return DELAUNAY_BADNAME;
     int len = snprintf(head, sizeof head, "%s %s %zu%s", command, set, n, rest);
     enum delaunay_result r = delaunay_send(c, head, (size_t)len);
@@ -372,7 +372,7 @@ const struct delaunay_part *delaunay_status(const struct delaunay_client *c)
     return &c->status;
 }
 
-/* As proto/ has it; the kind is of no account to those who read a status line. */
+/* As in proto/; readers of a status line ignore the kind. */
 static struct reply_part in_proto(const struct delaunay_part *status)
 {
     return (struct reply_part){

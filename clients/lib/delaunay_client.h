@@ -6,7 +6,7 @@
  *
  * Requests may be pipelined: send as many as you like, then receive their replies in order. Sending
  * never deadlocks against a server that waits for its replies to be read: what arrives meanwhile is
- * kept. A client is not for two threads at once. Nothing here prints, exits or raises SIGPIPE. C++ can
+ * kept. A client must not be used by two threads at once. Nothing here prints, exits or raises SIGPIPE. C++ can
  * include this header. All names begin with delaunay_ or DELAUNAY_. */
 #ifndef DELAUNAY_CLIENT_H
 #define DELAUNAY_CLIENT_H
@@ -28,13 +28,13 @@ enum delaunay_result {
     DELAUNAY_OK = 0,  /* carried out */
     DELAUNAY_REFUSED, /* the server answered ERR; delaunay_status has the line; the connection goes
                          on */
-    DELAUNAY_BADNAME, /* no name of a set; nothing was sent */
+    DELAUNAY_BADNAME, /* not a name of a set; nothing was sent */
     DELAUNAY_LOST,    /* the connection ended before the reply did */
-    DELAUNAY_BROKEN,  /* what came is no reply of the protocol */
+    DELAUNAY_BROKEN,  /* the input is not a reply of the protocol */
     DELAUNAY_NOMEM,   /* out of memory */
     DELAUNAY_STOPPED  /* the caller's own callback said stop */
 };
-/* After LOST, BROKEN, NOMEM and STOPPED the connection is of no more use: close it. */
+/* After LOST, BROKEN, NOMEM and STOPPED the connection is unusable: close it. */
 
 enum delaunay_part_kind {
     DELAUNAY_PART_OK,     /* the status line of a request that was carried out */
@@ -67,8 +67,8 @@ struct delaunay_client *delaunay_connect(const char *host, const char *port, cha
                                          size_t room);
 void delaunay_close(struct delaunay_client *c);
 
-/* Queues the request line[len], which comes without its LF. Sends when enough has gathered;
- * whatever is left goes out with the next receive. Blocks while the server does not read. */
+/* Queues the request line[len], without LF. Sends when enough is queued; the next receive sends the rest.
+ * Blocks while the server does not read. */
 enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, size_t len);
 
 /* Reads the reply to the oldest request that has none yet; part may be NULL. Blocks until the reply
@@ -80,7 +80,7 @@ enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_f
  * DELAUNAY_OK there are none, and *bytes is NULL. Words are little-endian, as on the wire. */
 enum delaunay_result delaunay_receive_bytes(struct delaunay_client *c, void **bytes, size_t *n);
 
-/* Both at once, for a string. With replies still to come for requests sent before, receive those
+/* Sends and receives, for a string. With replies still to come for requests sent before, receive those
  * first. */
 enum delaunay_result delaunay_request(struct delaunay_client *c, const char *line,
                                       delaunay_part_fn *part, void *ctx);
@@ -97,8 +97,8 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
 enum delaunay_result delaunay_locate_places(struct delaunay_client *c, const char *set,
                                             const double *xy, size_t n, uint32_t *triangle);
 
-/* The k points nearest to each of the n places (NEARESTB), into id[k n]: k at most 4096, nearest first, DELAUNAY_NONE
- * for what there are too few points for. Otherwise as above. */
+/* The k points nearest to each of the n places (NEARESTB), into id[k n]: k at most 4096, nearest first, padded
+ * with DELAUNAY_NONE. Otherwise as above. */
 enum delaunay_result delaunay_nearest_places(struct delaunay_client *c, const char *set,
                                              const double *xy, size_t n, uint32_t k, uint32_t *id);
 
@@ -112,7 +112,7 @@ const struct delaunay_part *delaunay_status(const struct delaunay_client *c);
 bool delaunay_key(const struct delaunay_part *status, const char *key, const char **value,
                   size_t *len);
 
-/* The same for a whole number; false also if the value is none. */
+/* The same for a whole number; false also if the value is not one. */
 bool delaunay_key_number(const struct delaunay_part *status, const char *key, uint64_t *value);
 
 /* The number of rows that an OK line announces. */

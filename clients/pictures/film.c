@@ -137,7 +137,8 @@ static int compare_changes(const void *a, const void *b)
         return x->item < y->item ? -1 : 1;
     if (x->at != y->at)
         return x->at < y->at ? -1 : 1;
-    return x->ink < y->ink ? -1 : x->ink > y->ink; /* a light goes off before it goes on again */
+    return x->ink < y->ink ? -1
+                           : x->ink > y->ink; /* an element is hidden before it is shown again */
 }
 
 const struct change *film_changes(const struct film *f, size_t item, size_t *n)

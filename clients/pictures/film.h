@@ -1,4 +1,4 @@
-/* film.h - what happens when in the film of a trace; film.c makes the plan, film_draw.c draws it.
+/* film.h - the schedule of the animation of a trace; film.c makes it, film_draw.c draws it.
  *
  * Items that change are numbered: first the points, then the edges in the order in which they come
  * up, then the triangles, then the kinds of steps in the legend. */
@@ -14,9 +14,8 @@ struct film_options {
     bool numbers;   /* ids beside the points */
 };
 
-/* Writes the trace as an SVG that plays by itself, over and over, without a script; where
- * animations are not played, it shows the triangulation. `title` holds no markup. False when out of
- * memory; ferror() tells the rest. */
+/* Writes the trace as an SVG that plays in a loop, without a script; where animations are not played, it shows
+ * the triangulation. `title` contains no markup. False when out of memory; ferror() reports failed writes. */
 bool film_write(FILE *out, const struct steps *t, const char *title,
                 const struct film_options *options);
 
@@ -67,7 +66,7 @@ static inline size_t film_edge(const struct film *f, size_t e)
     return f->m->n + e;
 }
 
-/* The numbers of the others are beyond those of all edges that a planar graph can have. */
+/* The other items have numbers beyond those of all edges that a planar graph can have. */
 static inline size_t film_triangle(const struct film *f, size_t triangle)
 {
     return 4 * f->m->n + triangle;

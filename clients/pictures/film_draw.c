@@ -178,8 +178,8 @@ static void draw_points(const struct film *f, bool numbers)
     }
 }
 
-/* The part of the circle on the left of a->b: the chord, then the arc back, counterclockwise; a
- * very large one is as good as a half plane or as nothing. */
+/* The part of the circle on the left of a->b: the chord, then the arc back, counterclockwise; a very large one
+ * counts as a half plane or as nothing. */
 static void draw_search(const struct film *f, const struct step *s)
 {
     double ax = place_x(f, f->m->xy[2 * (size_t)s->v[0]]),
@@ -224,7 +224,7 @@ static void draw_searches(const struct film *f)
     }
 }
 
-/* The edge that is looked at, as long as it is; and the triangle that would enclose a cave. */
+/* The current edge, for as long as it is current; and the triangle that would enclose a cave. */
 static void draw_looks(const struct film *f)
 {
     for (size_t i = 0, first; i < f->t->n; i++) {

@@ -15,7 +15,8 @@ struct picture {
     size_t shown;  /* picture_write: the points that are in the picture */
 };
 
-/* Writes the model, which has heights if the colour is COLOUR_RELIEF, whose points are put in another order. False when out of memory; ferror() tells the rest. */
+/* Writes the model, which has heights if the colour is COLOUR_RELIEF, and reorders its points. False when out of
+ * memory; ferror() reports failed writes. */
 bool picture_write(FILE *out, struct picture *p, const char *name, struct model *m);
 
 #endif

@@ -1,7 +1,6 @@
-/* svg.c - the drawing. The longer side of the points' box is 16,000 units, so that whole numbers
- * are fine enough and a triangle takes some 20 bytes. Triangles and points share paths, a few
- * hundred at a time: an element for each would make viewers slow, and one path for all of them
- * slower still. */
+/* svg.c - the drawing. The longer side of the points' box is 16,000 units, so that whole numbers are precise
+ * enough and a triangle takes about 20 bytes. Triangles and points share paths, a few hundred at a time: an
+ * element for each would make viewers slow, and one path for all of them slower still. */
 #include "clients/pictures/svg.h"
 
 #include <math.h>
@@ -35,7 +34,7 @@ static double clamp(double v, double lo, double hi)
     return v < lo ? lo : v > hi ? hi : v;
 }
 
-/* Lines and dots are as wide as suits the distance that n points evenly spread would have. */
+/* The width of lines and dots follows from the distance that n evenly spread points would have. */
 static void choose_widths(struct svg *s, double w, double h, size_t n)
 {
     double spacing = sqrt((w + MARGIN) * (h + MARGIN) / (double)n);
@@ -49,7 +48,7 @@ static double text_width(size_t letters, double size)
     return 0.58 * size * (double)letters;
 }
 
-/* A round length of at most a third of what is seen, but not of a narrow drawing. */
+/* A round length of at most a third of the visible width, except in a narrow drawing. */
 static double scale_length(const struct svg *s)
 {
     double most = fmax(s->wide, 0.3 * s->high) / 3 / s->scale, step = pow(10, floor(log10(most)));
@@ -171,7 +170,7 @@ static void path_item(struct svg *s, const char *class, double width)
 
 /* ---- cutting off: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17(1), 1974 ---- */
 
-enum { MOST_CORNERS = 16 }; /* 7, but for what rounding may do to nearly equal corners */
+enum { MOST_CORNERS = 16 }; /* 7, plus room for rounding at nearly equal corners */
 
 /* What lies on one side of a vertical (axis 0) or horizontal line: v >= limit, or with sign -1 v <= limit. */
 static size_t cut(double (*to)[2], double (*from)[2], size_t n, int axis, double limit, double sign)
@@ -322,7 +321,7 @@ void svg_hull_point(struct svg *s, const double *p)
     s->hull++;
 }
 
-/* A hull without a triangle runs along a line and does not come back. */
+/* A hull without a triangle runs along a line and is not closed. */
 void svg_hull_end(struct svg *s)
 {
     if (s->hull > 2 && s->clip != NULL)

@@ -2,8 +2,8 @@
  * wanted, what the colours mean. Nothing lies outside of the frame.
  *
  * Call in this order: svg_begin, svg_triangle for each triangle, svg_hull_begin, svg_hull_point for
- * each hull point in order, svg_hull_end, svg_points, svg_end. Polygons and lines may be among them before svg_points. Everything goes straight to the
- * file; ferror() tells whether it got there. */
+ * each hull point in order, svg_hull_end, svg_points, svg_end. Polygons and lines may be among them before
+ * svg_points. Everything is written directly to the file; ferror() reports failed writes. */
 #ifndef CLIENTS_SVG_H
 #define CLIENTS_SVG_H
 
@@ -25,7 +25,7 @@ struct svg {
     uint64_t hull;
     double hull_first[2], hull_last[2];
     bool edges;   /* the path that is opened has white edges */
-    bool numbers; /* ids are drawn, however many there are */
+    bool numbers; /* ids are always drawn */
 };
 
 enum { SVG_SHADES = 10 };
@@ -35,7 +35,7 @@ struct svg_legend {
     const char *low, *high;
 };
 
-/* Starts the drawing, with a title that is plain text (no markup), of box = {left, lower, right, upper}, in
+/* Starts the drawing, with a plain-text title (no markup), of box = {left, lower, right, upper}, in
  * which about n points lie. clip: the box (borrowed until svg_end) is smaller than what will be drawn,
  * which is cut off at its edges. legend: NULL if there are no shades. */
 void svg_begin(struct svg *s, FILE *out, const char *title, const double *box, size_t n, bool clip,
