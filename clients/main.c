@@ -16,7 +16,7 @@
 static const char help_head[] =
     "usage: delaunay [-h HOST] [-p PORT] [-u URL] COMMAND...\n"
     "\n"
-    "Talks to a delaunayd. COMMAND is one of these; COMMAND --help tells more:\n"
+    "Talks to a delaunayd. COMMAND is one of these; COMMAND --help shows more:\n"
     "\n";
 
 static const char help_tail[] =
@@ -26,17 +26,17 @@ static const char help_tail[] =
     "with\n"
     "history and completion where the program was built with libedit or readline, and with a "
     "private\n"
-    "server, which ends with the prompt, where none listens at the default address.\n"
-    "In place of SET a URL may stand, and it is sent there: delaunay://host:port/set\n"
+    "server, which ends with the prompt, if none listens at the default address.\n"
+    "SET may be a URL, which names the server as well: delaunay://host:port/set\n"
     "\n"
     "  -h, --host HOST   default $DELAUNAY_HOST, or else localhost; a path with a '/' is a Unix "
     "socket\n"
     "  -p, --port PORT   default $DELAUNAY_PORT, or else 6374\n"
     "  -u, --url URL     both at once: delaunay://[:TOKEN@]HOST[:PORT]; default $DELAUNAY_URL;\n"
-    "                    private: is a server of its own, which ends with the command\n"
-    "      --json        print replies and results as JSON, an object on a line each\n"
-    "      --help        this text\n"
-    "      --version     which version this is\n"
+    "                    private: a private server, which ends with the command\n"
+    "      --json        print replies and results as JSON, one object per line\n"
+    "      --help        show this help\n"
+    "      --version     show the version\n"
     "\n"
     "A token of the server's --auth-file may also be in $DELAUNAY_TOKEN.\n"
     "\n"
@@ -123,7 +123,7 @@ int main(int argc, char **argv)
         else if (option != 'u')
             return options_unknown("", argv, option);
         else if (!url_read(optarg, &where))
-            return options_wrong("", "%s is no URL delaunay://host:port", optarg);
+            return options_wrong("", "%s is not a URL: delaunay://host:port", optarg);
     }
     int status = dispatch(NULL, argc - optind, argv + optind, &where);
     finish_json(status);

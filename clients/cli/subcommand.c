@@ -45,14 +45,14 @@ const struct subcommand subcommands[] = {
      "among them x,y  lon,lat  easting,northing  POINT_X,POINT_Y  Longitude (deg),...; others are\n"
      "refused. Beside semicolons numbers may have decimal commas. Compressed files (.gz .bz2 .xz "
      ".zst)\n"
-     "and UTF-16 are read by way of gzip, bzip2, xz, zstd, iconv.\n",
+     "and UTF-16 are read through gzip, bzip2, xz, zstd, iconv.\n",
      "--format --columns --skip-bad --help", true},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--colour quality|degree|relief] [--field F] [--numbers] "
      "[--viewport X0,Y0,X1,Y1]",
-     "Writes the triangulated set to a file (- for the standard output). One that is there and was "
-     "not\n"
-     "written by delaunay, or was changed since, is replaced only with --force.\n\n"
+     "Writes the triangulated set to a file (- for the standard output). An "
+     "existing\n"
+     "file that delaunay did not write, or that was changed since, is replaced only with --force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
      "--format --colour --field --numbers --viewport --force --help", true},
     {"raster", command_raster, false, true,
@@ -109,7 +109,7 @@ const struct subcommand subcommands[] = {
      "Writes an SVG that plays in a browser (- for the standard output): how the shelling "
      "algorithm\n"
      "triangulates the set, which has at most 1000 points; some 30 are good to follow.\n"
-     "Without a file the steps are printed as the server tells them.\n\n"
+     "Without a file the steps are printed as the server sends them.\n\n"
      "      --seconds S       how long the film is, from 1; else each step takes about a third\n"
      "      --numbers         ids beside the points\n"
      "      --force           replace any file, not only one that delaunay has written\n\n"

@@ -26,7 +26,7 @@ static int read_option(struct drawing *d, int option, char **argv)
         return options_wrong(argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz",
                              optarg);
     else if (option == 'c' && !table_choose_columns(&d->from.table, optarg))
-        return options_wrong(argv[0], "--columns %s is no X,Y: two names, or numbers from 1",
+        return options_wrong(argv[0], "--columns %s is not X,Y: two names, or numbers from 1",
                              optarg);
     else if (option != 'i' && option != 'c')
         return export_option(&d->to, option, argv);

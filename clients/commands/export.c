@@ -131,7 +131,7 @@ int export_option(struct export *e, int option, char **argv)
                              optarg);
     else if (option == 'v' && !options_read_box(optarg, e->picture.box))
         return options_wrong(
-            argv[0], "the viewport %s is no X0,Y0,X1,Y1 from lower left to upper right", optarg);
+            argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
     else if (option == 'v')
         e->picture.has_box = true;
     else if (option != 'o')

@@ -37,7 +37,7 @@ static int read_arguments(struct source *s, const char **set, int argc, char **a
             return options_wrong(
                 argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz", optarg);
         else if (option == 'c' && !table_choose_columns(&s->table, optarg))
-            return options_wrong(argv[0], "--columns %s is no X,Y: two names, or numbers from 1",
+            return options_wrong(argv[0], "--columns %s is not X,Y: two names, or numbers from 1",
                                  optarg);
         else if (option != 'f' && option != 'c')
             return options_unknown(argv[0], argv, option);

@@ -99,7 +99,7 @@ static bool take_field(void *ctx, const struct delaunay_part *part)
     const char *space = memchr(part->text, ' ', part->len);
     size_t len = space != NULL ? (size_t)(space - part->text) : part->len;
     if (len == 0 || len >= MODEL_NAME || m->fields == MODEL_MOST_FIELDS)
-        return fault(m, "a row is no field");
+        return fault(m, "a row is not a field");
     memcpy(m->field[m->fields], part->text, len);
     m->field[m->fields++][len] = '\0';
     return true;
@@ -152,7 +152,7 @@ static bool take_hull_point(void *ctx, const struct delaunay_part *part)
         return true;
     const char *space = memchr(part->text, ' ', part->len);
     if (space == NULL || !proto_read_u32(part->text, (size_t)(space - part->text), &id))
-        return fault(m, "a row is no point");
+        return fault(m, "a row is not a point");
     return model_find(m, id, &m->hull[m->hull_n++]) ||
            fault(m, "the set was edited meanwhile; try again");
 }

@@ -278,7 +278,7 @@ static bool start_without_header(struct points_file *f, const char *s, const cha
         return points_file_stop(f, "a point needs x and y");
     for (size_t i = 0; i < 2; i++)
         if (!find_value(s, end, t->separator, i, &v[i]) || !is_number(t->separator, v[i]))
-            return refuse(f, s, end, "no header, and the first two columns are no numbers");
+            return refuse(f, s, end, "no header, and the first two columns are not numbers");
     if (t->columns > 2 && !t->xyz) {
         note_using(t, s, end, false);
         t->counting = true;

@@ -93,7 +93,7 @@ bool steps_take(struct steps *t, const char *row, size_t len)
         t->step = more;
         t->cap = cap;
     }
-    t->fault = "a row is no step, or the set was edited meanwhile";
+    t->fault = "a row is not a step, or the set was edited meanwhile";
     return read_step(t->m, row, len, &t->step[t->n]) && ++t->n > 0;
 }
 

@@ -83,7 +83,7 @@ bool shapes_take(struct shapes *s, const char *row, size_t len)
     uint32_t n;
     const char *word;
     if (!read_head(s, &c, &shape, &n))
-        return fault(s, "a row of the reply is no cell or contour");
+        return fault(s, "a row of the reply is neither a cell nor a contour");
     if (!reserve(s, n))
         return false;
     for (size_t i = 0; i < 2 * (size_t)n; i++)

@@ -55,7 +55,7 @@ def _start() -> str:
         words = said.readline().split()
     if words[:2] != ["ready", "on"]:
         _end()
-        raise ConnectionError("cannot start %s: it is no daemon, or one without --private" % program)
+        raise ConnectionError("cannot start %s: it is not a daemon, or one without --private" % program)
     return words[2]
 
 

@@ -288,7 +288,7 @@ TEST(load_names_the_option_that_is_wrong)
         {"-z", "delaunay: unknown option -z\nTry 'delaunay load --help'.\n"},
         {"-c", "delaunay: the option -c needs a value\nTry 'delaunay load --help'.\n"},
         {"--format dwg", "delaunay: unknown format dwg; there are xy, csv, geojson, node, xyz\n"},
-        {"-c x", "delaunay: --columns x is no X,Y"},
+        {"-c x", "delaunay: --columns x is not X,Y"},
     };
     cli_begin();
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {

@@ -174,7 +174,7 @@ TEST(trace_refuses_rows_that_are_no_steps)
     peer_start(d.port_text, answer_nonsense);
     for (int i = 0; i < 8; i++) {
         const char *got = run(&d, &status, "trace t -");
-        CHECK_STR(got, "delaunay: a row is no step, or the set was edited meanwhile\n");
+        CHECK_STR(got, "delaunay: a row is not a step, or the set was edited meanwhile\n");
         CHECK(status == 1);
     }
 }
