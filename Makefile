@@ -12,7 +12,7 @@
 #   make interop    compares every reply with CGAL's; conversations through netcat and Redis clients
 #   make mutants    changes the source in small ways and reports what no test notices; N=20 takes a sample
 #   make lint       dependencies, formatting, static analysis; make fmt formats
-#   make bench      ns per point beside CGAL; also bench-durable, bench-clients: tests/bench/README.md
+#   make bench      ns per point beside CGAL; bench-tables puts it into the documents; also bench-durable, bench-clients
 #   make load       throughput and latency under load; also load-beside OTHER=PROGRAM, stress
 #   make clean      removes build/
 #   make help       shows this

@@ -69,6 +69,13 @@ bench: all $(O)/tests/bench/bench $(O)/tests/bench/live $(O)/tests/bench/points
 	@$(if $(filter families,$(TABLES)),awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg && \
 	  echo "a chart of the families is in $(O)/bench.svg")
 
+# ---- bench-tables: make bench, on a quiet machine; its figures go into the tables of both documents, and the chart beside them ----
+
+.PHONY: bench-tables
+bench-tables: bench
+	tests/bench/refresh.py $(O)/bench.md README.md tests/bench/README.md
+	@[ ! -s $(O)/bench.svg ] || cp $(O)/bench.svg tests/bench/bench.svg
+
 # ---- bench-durable: what --data costs; beside redis where redis-server is there. POINTS=1000000 is quicker ----
 
 $(O)/tests/bench/durable: $(O)/tests/bench/durable.o
