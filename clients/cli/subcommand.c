@@ -52,7 +52,8 @@ const struct subcommand subcommands[] = {
      "[--viewport X0,Y0,X1,Y1]",
      "Writes the triangulated set to a file (- for the standard output). An "
      "existing\n"
-     "file that delaunay did not write, or that was changed since, is replaced only with --force.\n\n"
+     "file that delaunay did not write, or that was changed since, is replaced only with "
+     "--force.\n\n"
      "  -f, --format svg      a drawing (as FILE.svg); png with rsvg-convert or inkscape\n",
      "--format --colour --field --numbers --viewport --force --help", true},
     {"raster", command_raster, false, true,
