@@ -119,7 +119,7 @@ TEST(contour_of_one_place_is_left_out)
 TEST(contours_end_where_values_are_missing_and_where_edges_are_long)
 {
     static const struct dt_point p[] = {{0, 0}, {2, 0}, {4, 0}, {0, 2}, {2, 2}, {4, 2}};
-    double z[] = {0, 0, 0, 2, 2, NAN};
+    double z[] = {0, 0, 0, 2, 2, (double)NAN};
     static const double level[] = {1};
     struct dt *t = set_with(p, z, 6);
     struct lines r = lines_of(t, level, 1, HUGE_VAL);

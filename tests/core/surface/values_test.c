@@ -182,7 +182,7 @@ TEST(values_of_the_largest_magnitudes_stay_between_them)
 TEST(values_are_missing_where_one_that_counts_is)
 {
     static const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2.5}};
-    static const double z[] = {1, 2, NAN, 4, 5};
+    static const double z[] = {1, 2, (double)NAN, 4, 5};
     struct dt *t = set_with(p, z, 5), *fewer = set_with(p, z, 1);
     CHECK(value_in(t, DT_LINEAR, HUGE_VAL, 1, 0) == 1.25);
     CHECK(isnan(value_in(t, DT_LINEAR, HUGE_VAL, 3.5, 2)));
