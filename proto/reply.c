@@ -218,6 +218,17 @@ void reply_row_value(struct buf *out, uint32_t id, double value)
     buf_commit(out, (size_t)(to - row));
 }
 
+void reply_more_value(struct buf *out, double value)
+{
+    char *to = buf_reserve(out, DOUBLE_ROOM);
+    if (to == NULL)
+        return;
+    to[-1] = ' '; /* in place of the LF */
+    char *end = write_value(to, value);
+    *end++ = '\n';
+    buf_commit(out, (size_t)(end - to));
+}
+
 void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most)
 {
     size_t len = strlen(name);

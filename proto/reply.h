@@ -65,6 +65,8 @@ void reply_row_ids(struct buf *out, const uint32_t *id, size_t n);
 void reply_row_point(struct buf *out, uint32_t id, double x, double y);
 /* nan is written as `nan`. */
 void reply_row_value(struct buf *out, uint32_t id, double value);
+/* Appends a number to the row that was written last. */
+void reply_more_value(struct buf *out, double value);
 void reply_row_field(struct buf *out, const char *name, uint32_t values, double least, double most);
 void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const double *xy);
 /* n doubles, in memory wherever they are; nan is written as `nan`. */

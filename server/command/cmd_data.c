@@ -250,12 +250,14 @@ void cmd_get(struct server *s, struct dataset *set, const struct request *q, str
 
 void cmd_points(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    (void)s;
-    bool binary = q->n == 3 && word_is(&q->word[2], "BINARY");
-    if (q->n == 3 && !binary)
+    bool binary = word_is(&q->word[q->n - 1], "BINARY") && q->n % 2 == 1;
+    bool names = q->n > 3 && word_is(&q->word[2], "FIELDS");
+    const struct dt_field **field = NULL;
+    size_t fields = 0;
+    if (q->n != (names ? 4u : 2u) + binary)
         answer_usage(a, q);
-    else
-        stream_answer_table(s, a, set->current, DT_POINTS, false, binary);
+    else if (!names || (field = find_fields(a, set, &q->word[3], &fields)) != NULL)
+        stream_answer_points(s, a, set->current, binary, field, fields);
 }
 
 void cmd_coincident(struct server *s, struct dataset *set, const struct request *q,

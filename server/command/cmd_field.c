@@ -103,6 +103,31 @@ struct log_values *read_field_names(struct answer *a, const struct dataset *set,
     return v;
 }
 
+const struct dt_field **find_fields(struct answer *a, const struct dataset *set,
+                                    const struct word *names, size_t *fields)
+{
+    struct word rest = *names;
+    const struct dt_field **f = malloc(DT_MAX_FIELDS * sizeof(struct dt_field *));
+    if (f == NULL)
+        answer_out_of_memory(a);
+    bool good = f != NULL, more = true;
+    for (*fields = 0; good && more; ++*fields) {
+        if (*fields == DT_MAX_FIELDS) {
+            reply_err(a->out, ERR_TOOBIG, "at most %d fields in a reply", DT_MAX_FIELDS);
+            good = false;
+            break;
+        }
+        more = memchr(rest.text, ',', rest.len) != NULL;
+        struct word name = next_name(&rest);
+        f[*fields] = find_field(a, set, &name);
+        good = f[*fields] != NULL;
+    }
+    if (good)
+        return f;
+    free(f);
+    return NULL;
+}
+
 void cmd_fset(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     size_t n = (q->n - 3) / 2;

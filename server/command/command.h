@@ -84,6 +84,11 @@ struct log_values;
 struct log_values *read_field_names(struct answer *a, const struct dataset *set,
                                     const struct word *names);
 
+/* The set's fields of these names, `*fields` of them, in a new array of the caller's; NULL: the ERR line has been
+ * written. */
+const struct dt_field **find_fields(struct answer *a, const struct dataset *set,
+                                    const struct word *names, size_t *fields);
+
 /* The place in the third and fourth word, with a hint if it has been prefetched. */
 bool read_place(struct server *s, struct answer *a, const struct request *q, struct dt_place *p);
 

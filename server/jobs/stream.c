@@ -21,7 +21,7 @@ struct piece {
 };
 
 struct stream {
-    struct rows rows;     /* owns their ids; those that have not been cut into parts yet */
+    struct rows rows; /* owns their ids and fields; those that have not been cut into parts yet */
     struct places places; /* owns: those of the rows */
     void (*ready)(void *ctx);
     void *ctx;
@@ -189,18 +189,20 @@ void stream_free(struct server *s, struct stream *st)
     version_unpin(&s->sets, st->rows.version);
     rows_clear(&st->rows);
     free(st->rows.ids.v);
+    free(st->rows.field);
     reservation_set(&st->memory, 0);
     free_places(s, &st->places);
     free(st);
 }
 
-/* The length of a binary table: 4 bytes a word, and 16 for the coordinates of a point. */
-static uint64_t table_bytes(const struct version *v, const struct dt_cursor *c)
+/* The length of a binary table: 4 bytes a word, 16 for the coordinates of a point, and 8 for a value of it. */
+static uint64_t table_bytes(const struct version *v, const struct rows *rows)
 {
+    const struct dt_cursor *c = &rows->cursor;
     switch (c->table) {
     case DT_POINTS:
     case DT_HULL:
-        return (uint64_t)c->rows * 20;
+        return (uint64_t)c->rows * (20 + 8 * rows->fields);
     case DT_COINCIDENT:
     case DT_EDGES:
         return (uint64_t)c->rows * 8;
@@ -212,10 +214,12 @@ static uint64_t table_bytes(const struct version *v, const struct dt_cursor *c)
     return 0;
 }
 
-void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
-                         bool cw, bool binary)
+static void answer_table(struct server *s, struct answer *a, struct rows *made)
 {
-    struct rows rows = {.version = v, .table = true, .binary = binary, .cursor.table = table};
+    struct rows rows = *made;
+    struct version *v = rows.version;
+    enum dt_table table = rows.cursor.table;
+    bool cw = rows.cw, binary = rows.binary;
     if (table_work(v, table) > AT_ONCE) {
         rows.view = dt_view_begin(v->dt, reads_rings(&rows));
         if (rows.view == NULL) {
@@ -237,9 +241,31 @@ void stream_answer_table(struct server *s, struct answer *a, struct version *v, 
         reply_key_u64(a->out, "rows", rows.cursor.rows);
     }
     if (binary)
-        reply_key_u64(a->out, "bytes", table_bytes(v, &rows.cursor));
+        reply_key_u64(a->out, "bytes", table_bytes(v, &rows));
     reply_end(a->out);
     stream_answer(s, a, &rows, NULL);
+}
+
+void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
+                         bool cw, bool binary)
+{
+    struct rows rows = {
+        .version = v, .table = true, .binary = binary, .cw = cw, .cursor.table = table};
+    answer_table(s, a, &rows);
+}
+
+void stream_answer_points(struct server *s, struct answer *a, struct version *v, bool binary,
+                          const struct dt_field **field, size_t fields)
+{
+    struct rows rows = {.version = v,
+                        .table = true,
+                        .binary = binary,
+                        .cursor.table = DT_POINTS,
+                        .field = field,
+                        .fields = fields};
+    answer_table(s, a, &rows);
+    if (a->next != ANSWER_STREAM)
+        free(field);
 }
 
 /* ---- pieces ---- */

@@ -32,6 +32,10 @@ void stream_answer_places(struct server *s, struct answer *a, struct rows *rows,
 void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
                          bool cw, bool binary);
 
+/* DT_POINTS with the values of fields behind the coordinates; the array, from malloc, moves here, NULL: none. */
+void stream_answer_points(struct server *s, struct answer *a, struct version *v, bool binary,
+                          const struct dt_field **field, size_t fields);
+
 /* Appends the finished pieces of a->stream to a->out, about one, and begins others; a->next is not ANSWER_STREAM
  * any more when the stream has ended. If nothing was appended, `ready` is called later. */
 void stream_refill(struct server *s, struct answer *a);

@@ -1,6 +1,7 @@
 /* rows.c - see rows.h. */
 #include "server/sets/rows.h"
 
+#include "core/delaunay_fields.h"
 #include "server/ops/limits.h"
 
 #include <math.h>
@@ -20,6 +21,19 @@ enum {
 
 /* ---- rows from ids ---- */
 
+/* The values of a point of DT_POINTS, behind its coordinates; in text, its row has ended already. */
+static void write_values(const struct rows *r, struct buf *out, uint32_t id)
+{
+    for (size_t i = 0; i < r->fields && !out->failed; i++) {
+        double value;
+        dt_field_values(r->field[i], r->view, &id, 1, &value);
+        if (r->binary)
+            reply_word_double(out, value);
+        else
+            reply_more_value(out, value);
+    }
+}
+
 static void write_point(struct rows *r, struct buf *out, uint32_t id)
 {
     struct dt_point p;
@@ -36,6 +50,7 @@ static void write_point(struct rows *r, struct buf *out, uint32_t id)
     } else {
         reply_row_point(out, id, p.x, p.y);
     }
+    write_values(r, out, id);
 }
 
 static void write_ids(struct rows *r, struct buf *out, const uint32_t *id, size_t n)

@@ -64,8 +64,11 @@ struct rows {
     struct dt_cursor cursor;
     struct dt_cells cells; /* ROW_CELL, ROW_AREA */
     enum row_form form;
-    size_t width;                 /* words of the list or of the reply in a row */
-    bool cw;                      /* ROW_RING */
+    size_t width; /* words of the list or of the reply in a row */
+    bool cw;      /* ROW_RING */
+    const struct dt_field *
+        *field; /* DT_POINTS: borrows; fields whose values follow the coordinates, `fields` */
+    size_t fields;
     struct dt_point from;         /* ROW_NEIGHBOUR */
     struct dt_ids ids;            /* the list; a part borrows it */
     const struct dt_point *place; /* the list of places; borrows */

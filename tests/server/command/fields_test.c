@@ -217,6 +217,64 @@ TEST(points_come_with_all_of_their_values_or_not_at_all)
     daemon_stop(&d, SIGTERM);
 }
 
+TEST(rows_of_points_have_the_values_of_the_fields_named)
+{
+    struct daemon d = daemon_start(no_arguments);
+    converse(&d,
+             "ADD t FIELDS z,a 0 0 1.5 7 1 0 nan 8\nPOINTS t FIELDS z\nPOINTS t FIELDS a,z,a\n"
+             "POINTS t FIELDS y\nPOINTS t FIELDS z,\nPOINTS t FIELDS\nPOINTS t FIELDS z BINARI\n"
+             "POINTS t z\n",
+             "OK 0 first=0 added=2 coincident=0\nOK 2\n0 0 0 1.5\n1 1 0 nan\n"
+             "OK 2\n0 0 0 7 1.5 7\n1 1 0 8 nan 8\n"
+             "ERR NOFIELD there is no field y\n"
+             "ERR SYNTAX a field's name is 1 to 64 of A-Z a-z 0-9 _ . : -, and begins with a "
+             "letter or _\n"
+             "ERR SYNTAX usage: POINTS set [FIELDS a,b] [BINARY]\n"
+             "ERR SYNTAX usage: POINTS set [FIELDS a,b] [BINARY]\n"
+             "ERR SYNTAX usage: POINTS set [FIELDS a,b] [BINARY]\n");
+    daemon_stop(&d, SIGTERM);
+}
+
+/* The client reads only when the values have changed, and the field has been dropped. */
+TEST(rows_of_points_have_the_values_of_the_moment_when_they_were_asked_for)
+{
+    enum { N = 300000, ROW = 28 };
+    struct daemon d = daemon_start(no_arguments);
+    double *rows = malloc(3 * N * sizeof *rows);
+    char *got = malloc((size_t)N * ROW), head[100];
+    CHECK(rows != NULL && got != NULL);
+    for (size_t i = 0; i < N; i++) {
+        rows[3 * i] = (double)(i % 1000);
+        rows[3 * i + 1] = rows[3 * i + 2] = (double)i;
+    }
+    int fd = daemon_connect(&d), other = daemon_connect(&d);
+    snprintf(head, sizeof head, "LOADB t %d FIELDS z\n", N);
+    say_values(fd, head, rows, 3 * (size_t)N);
+    CHECK_STR(hear_line(fd), "OK 0 first=0 added=300000 coincident=0");
+    say(fd, "POINTS t FIELDS z BINARY\n");
+    CHECK_STR(hear_line(fd), "OK 0 rows=300000 bytes=8400000");
+    memset(rows, 0, N * sizeof *rows);
+    snprintf(head, sizeof head, "FSETB t z 0 %d\n", N);
+    say_values(other, head, rows, N);
+    say(other, "DEL t 299999\nFDROP t z\n");
+    expect(other, "OK 0\nOK 0 deleted=1\nOK 0\n");
+    for (size_t n = 0; n < (size_t)N * ROW;) {
+        ssize_t r = read(fd, got + n, (size_t)N * ROW - n);
+        CHECK(r > 0);
+        n += (size_t)r;
+    }
+    for (size_t i = 0; i < N; i++) {
+        double z;
+        memcpy(&z, got + i * ROW + 20, sizeof z);
+        CHECK_MSG(z == (double)i, "z of %zu is %g", i, z);
+    }
+    close(fd);
+    close(other);
+    free(rows);
+    free(got);
+    daemon_stop(&d, SIGTERM);
+}
+
 /* ---- what survives ---- */
 
 /* What clients see of the fields of t. */
