@@ -61,7 +61,11 @@ static ptrdiff_t wait_for(struct resp *out, size_t need)
 /* Whether the last one of the words, which comes next, is a body. */
 static bool has_body(const struct request *q, size_t words)
 {
-    if (q->n + 1 != words || words < 4 || words > 6)
+    if (q->n + 1 != words || words < 4)
+        return false;
+    if (word_is(&q->word[0], "INTERPOLATEB"))
+        return words == 5 || words == 7 || words == 9; /* options are two words each */
+    if (words > 6)
         return false;
     if (words == 6)
         return word_is(&q->word[0], "LOAD") || word_is(&q->word[0], "LOADB") ||

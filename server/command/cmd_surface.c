@@ -2,6 +2,7 @@
 #include "server/command/command.h"
 
 #include "proto/number.h"
+#include "server/command/load.h"
 #include "server/jobs/query.h"
 #include "server/ops/limits.h"
 #include "server/surface/surface.h"
@@ -170,6 +171,19 @@ void cmd_interpolate(struct server *s, struct dataset *set, const struct request
         surface_answer(s, a, set, &surface);
     else
         surface_clear(&surface);
+}
+
+void cmd_interpolateb(struct server *s, struct dataset *set, const struct request *q,
+                      struct answer *a)
+{
+    struct surface surface;
+    if (!begin(a, set, q, SURFACE_PLACES, &surface) ||
+        !read_options(a, q, 4, OPTION_METHOD | OPTION_MAXEDGE, &surface))
+        return;
+    surface.binary = true;
+    surface.places.n = a->body->body.n;
+    surface.places.p = (struct dt_point *)(void *)load_take(a->body, &surface.places.memory);
+    surface_answer(s, a, set, &surface);
 }
 
 /* ---- RASTER ---- */

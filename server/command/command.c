@@ -94,6 +94,9 @@ const struct command commands[] = {
     {"INTERPOLATE", 5, 0, SEARCHES, cmd_interpolate,
      "INTERPOLATE set field x y [x y ...] [METHOD linear|natural|laplace|nearest] [MAXEDGE e]",
      "the values of a field at places between its points"},
+    {"INTERPOLATEB", 4, 8, SEARCHES | CMD_BODY, cmd_interpolateb,
+     "INTERPOLATEB set field n [METHOD linear|natural|laplace|nearest] [MAXEDGE e]",
+     "the values of a field at n places: n pairs of little-endian doubles follow"},
     {"RASTER", 9, 14, SEARCHES, cmd_raster,
      "RASTER set field x0 y0 x1 y1 columns rows [METHOD linear|natural|laplace|nearest] [MAXEDGE "
      "e] "

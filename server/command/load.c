@@ -96,7 +96,7 @@ static size_t count_names(const struct word *w)
 /* The word of q that counts the rows of its body; NULL: there is none. */
 static const struct word *count_of(const struct request *q, size_t words)
 {
-    size_t at = word_is(&q->word[0], "FSETB") ? 4 : 2;
+    size_t at = word_is(&q->word[0], "FSETB") ? 4 : word_is(&q->word[0], "INTERPOLATEB") ? 3 : 2;
     return words > at ? &q->word[at] : NULL;
 }
 
@@ -119,6 +119,8 @@ bool load_has_words(const struct request *q)
 {
     if (word_is(&q->word[0], "FSETB"))
         return q->n == 5;
+    if (word_is(&q->word[0], "INTERPOLATEB"))
+        return q->n >= 4 && q->n <= 8;
     size_t fields = load_field_names(q).len > 0 ? 2 : 0;
     return q->n > 1 && q->n <= (word_is(&q->word[0], "NEARESTB") ? 4 : 3) + fields;
 }

@@ -146,6 +146,55 @@ TEST(interpolation_of_many_places_has_the_values_of_a_raster)
     free(text);
 }
 
+/* Their values by INTERPOLATEB. */
+static double *interpolate(int fd, const double *xy, size_t n, const char *method)
+{
+    char text[200], want[100];
+    snprintf(text, sizeof text, "INTERPOLATEB t z %zu MAXEDGE 10 METHOD %s\n", n, method);
+    say(fd, text);
+    say_bytes(fd, xy, 16 * n);
+    snprintf(want, sizeof want, "OK 0 rows=%zu bytes=%zu", n, 8 * n);
+    CHECK_STR(hear_line(fd), want);
+    return (double *)(void *)hear_bytes(fd, 8 * n);
+}
+
+TEST(places_in_binary_have_the_values_of_a_raster)
+{
+    enum { COLUMNS = 128, ROWS = 64, N = COLUMNS * ROWS };
+    static double xy[2 * N];
+    int fd;
+    start(&fd, 300);
+    for (int i = 0; i < N; i++) {
+        xy[2 * i] = (2 * (i % COLUMNS) + 1) / (2.0 * COLUMNS);
+        xy[2 * i + 1] = 1 - (2 * (i / COLUMNS) + 1) / (2.0 * ROWS);
+    }
+    for (int few = 0; few < 2; few++) {
+        size_t n = few ? 50 : N;
+        double *value = raster(fd, COLUMNS, ROWS, "laplace"),
+               *got = interpolate(fd, xy, n, "laplace");
+        CHECK(is_same(got, value, n));
+        free(value);
+        free(got);
+    }
+}
+
+TEST(places_in_binary_that_cannot_be_answered)
+{
+    struct daemon d = daemon_start(no_arguments);
+    converse(&d,
+             "ADD t 0 0 4 0 4 4 0 4\nFSET t z 0 1 1 3\nTRIANGULATE u\n"
+             "INTERPOLATEB t z 1\nABCDEFG@ABCDEFG@PING\n"
+             "INTERPOLATEB t z 0 METHOD\nPING\n"
+             "INTERPOLATEB t y 1\nABCDEFG@ABCDEFG@PING\n"
+             "INTERPOLATEB t z x\nPING\n",
+             "OK 0 first=0 added=4 coincident=0\nOK 0\n"
+             "ERR NOSET there is no set u\n"
+             "ERR UNTRIANGULATED TRIANGULATE the set first\nOK 0\n"
+             "ERR UNTRIANGULATED TRIANGULATE the set first\nOK 0\n"
+             "ERR UNTRIANGULATED TRIANGULATE the set first\nOK 0\n"
+             "ERR NUMBER x is not a number of points\n");
+}
+
 TEST(contours_as_rows_end_where_their_count_says)
 {
     int fd;
@@ -212,6 +261,13 @@ TEST(surfaces_in_resp)
         CHECK(strncmp(hear_line(fd), "OK", 2) == 0);
     say(fd, "*5\r\n$11\r\ninterpolate\r\n$1\r\nt\r\n$1\r\nz\r\n$1\r\n2\r\n$1\r\n0\r\n");
     expect(fd, "*1\r\n$3\r\n1.5\r\n");
+    say(fd, "*5\r\n$12\r\nINTERPOLATEB\r\n$1\r\nt\r\n$1\r\nz\r\n$1\r\n1\r\n$16\r\n");
+    say_bytes(fd, (const double[]){2, 0}, 16);
+    say(fd, "\r\n");
+    expect(fd, "$8\r\n");
+    double got;
+    CHECK(read(fd, &got, 8) == 8 && got == 1.5);
+    expect(fd, "\r\n");
     say(fd, "*4\r\n$7\r\nCONTOUR\r\n$1\r\nt\r\n$1\r\nz\r\n$3\r\n2.5\r\n");
     expect(fd, "*1\r\n$18\r\n2.5 open 2 0 3 2 2\r\n");
 }
