@@ -4,7 +4,7 @@
 #ifndef CLIENTS_COMMAND_H
 #define CLIENTS_COMMAND_H
 
-#include "clients/files/points_file.h"
+#include "clients/files/source.h"
 #include "clients/lib/delaunay_client.h"
 
 enum exit_status { EXIT_DONE = 0, EXIT_REFUSED = 1, EXIT_USAGE = 2, EXIT_NO_CONNECTION = 3 };
@@ -46,9 +46,9 @@ int command_copy(struct delaunay_client *c, int argc, char **argv);
 /* completion SHELL: prints a completion script. c is NULL. */
 int command_completion(struct delaunay_client *c, int argc, char **argv);
 
-/* Sends the points of a file into a set, with a progress bar, and receives the reply. */
+/* Sends the points of a file, and its fields if it has any, into a set, with a progress bar, and receives the reply. */
 enum delaunay_result command_send_points(struct delaunay_client *c, const char *set,
-                                         const struct points_file *f);
+                                         const struct points_file *f, const struct source *s);
 
 /* Prints the status line of the last reply, or it as JSON. */
 void command_print_status(const struct delaunay_client *c);

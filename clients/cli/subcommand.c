@@ -28,25 +28,29 @@ const struct subcommand subcommands[] = {
      "--format --input-format --columns --skip-bad --colour --field --numbers --viewport --force "
      "--help",
      true},
-    {"load", command_load, false, true, "load SET FILE [--format F] [--columns X,Y] [--skip-bad]",
+    {"load", command_load, false, true,
+     "load SET FILE [--format F] [--columns X,Y[,Z]] [--fields] [--skip-bad]",
      "Loads the points of a file (- for the standard input) into the set, in binary form. A bad "
      "line\n"
      "loads nothing and is named.\n\n"
      "  -f, --format csv      a table: values between commas, semicolons, tabs, bars or blanks\n"
-     "  -f, --format xyz      the same; what follows x and y does not count\n"
+     "  -f, --format xyz      the same; what follows x, y and z does not count\n"
      "  -f, --format xy       lines `x y` and nothing else; # begins a comment\n"
      "  -f, --format geojson  every Point and MultiPoint\n"
      "  -f, --format node     Triangle's .node file\n"
-     "  -c, --columns X,Y     columns of a table, by name or by number from 1\n"
+     "  -c, --columns X,Y[,Z] columns of a table, by name or by number from 1\n"
+     "      --fields          every other column of numbers becomes a field\n"
      "      --skip-bad        leave bad lines out; shows the first ones and counts them\n\n"
      "Without --format the file's ending decides: .xy .xyz .geojson .json .ndjson .node; else the\n"
      "first character: { is GeoJSON, anything else a table. The headings of a table choose the "
      "columns,\n"
      "among them x,y  lon,lat  easting,northing  POINT_X,POINT_Y  Longitude (deg),...; others are\n"
-     "refused. Beside semicolons numbers may have decimal commas. Compressed files (.gz .bz2 .xz "
+     "refused. Heights (z, height, elevation, ...; the third of three columns) become the field z. "
+     "Beside\n"
+     "semicolons numbers may have decimal commas. Compressed files (.gz .bz2 .xz "
      ".zst)\n"
      "and UTF-16 are read through gzip, bzip2, xz, zstd, iconv.\n",
-     "--format --columns --skip-bad --help", true},
+     "--format --columns --fields --skip-bad --help", true},
     {"export", command_export, false, true,
      "export SET FILE [--format F] [--colour quality|degree|relief] [--field F] [--numbers] "
      "[--viewport X0,Y0,X1,Y1]",

@@ -26,7 +26,7 @@ static int read_option(struct drawing *d, int option, char **argv)
         return options_wrong(argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz",
                              optarg);
     else if (option == 'c' && !table_choose_columns(&d->from.table, optarg))
-        return options_wrong(argv[0], "--columns %s is not X,Y: two names, or numbers from 1",
+        return options_wrong(argv[0], "--columns %s is not X,Y or X,Y,Z: names, or numbers from 1",
                              optarg);
     else if (option != 'i' && option != 'c')
         return export_option(&d->to, option, argv);
@@ -97,7 +97,7 @@ static int carry_out(struct drawing *d, const struct points_file *f)
         fprintf(stderr, "delaunay: %s\n", why);
         return EXIT_NO_CONNECTION;
     }
-    enum delaunay_result r = command_send_points(own.client, set, f);
+    enum delaunay_result r = command_send_points(own.client, set, f, &d->from);
     int status = r == DELAUNAY_OK ? write_result(own.client, d) : command_outcome(own.client, r);
     private_daemon_end(&own);
     return status;

@@ -3,7 +3,10 @@
  * coordinates and reads them once the type is known, since keys may be in any order. */
 #include "clients/files/points_file.h"
 
+#include "proto/number.h"
+
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -80,15 +83,20 @@ static bool read_position(struct json *j)
 {
     const char *x, *y, *more;
     size_t x_len, y_len, more_len;
+    double z = (double)NAN;
     if (!read_word(j, &x, &x_len) || !take(j, ','))
         return bad(j);
     if (!read_word(j, &y, &y_len))
         return false;
-    while (take(j, ','))
+    for (bool third = true; take(j, ','); third = false) {
         if (!read_word(j, &more, &more_len))
             return false;
+        if (third && (!proto_read_double(more, more_len, &z) || !isfinite(z)))
+            z = (double)NAN;
+    }
     if (!take(j, ']'))
         return bad(j);
+    j->f->row = &z;
     return points_file_add(j->f, x, x_len, y, y_len) ||
            points_file_skip(j->f, x, (size_t)(j->p - x) - 1);
 }
@@ -219,6 +227,7 @@ bool points_file_read_geojson(struct points_file *f, int fd)
     char *text = NULL;
     size_t n;
     bool ok = read_all(f, fd, &text, &n);
+    f->fields = 1; /* the third coordinates */
     if (ok) {
         struct json j = {.f = f, .p = text, .end = text + n};
         f->line = 1;
@@ -230,5 +239,10 @@ bool points_file_read_geojson(struct points_file *f, int fd)
         }
     }
     free(text);
+    f->row = NULL;
+    for (size_t i = 0; i < f->n; i++)
+        if (!isnan(f->value[i]))
+            return ok;
+    f->fields = 0;
     return ok;
 }

@@ -141,6 +141,19 @@ struct heading heading_read(const char *text, size_t len)
     return (struct heading){.axis = AXIS_NONE};
 }
 
+bool heading_is_height(const char *text, size_t len)
+{
+    static const char *const heights[] = {"z",           "height",  "elevation", "elev",
+                                          "altitude",    "alt",     "depth",     "hoehe",
+                                          "h\xC3\xB6he", "altitud", "quota",     "cota"};
+    char name[WORD_ROOM];
+    size_t n = reduce(text, len, name);
+    for (size_t i = 0; i < sizeof heights / sizeof heights[0]; i++)
+        if (is_word(name, n, heights[i]))
+            return true;
+    return false;
+}
+
 void heading_search_add(struct heading_search *s, const char *text, size_t len)
 {
     struct heading h = heading_read(text, len);

@@ -33,4 +33,7 @@ void heading_search_add(struct heading_search *s, const char *text, size_t len);
  * order of enum heading_pair decides. *obvious: there was only one choice, and the names are plain. */
 bool heading_search_end(const struct heading_search *s, size_t column[2], bool *obvious);
 
+/* Whether it names heights: z, elevation, altitude, ... */
+bool heading_is_height(const char *text, size_t len);
+
 #endif

@@ -52,20 +52,31 @@ bool points_file_skip(struct points_file *f, const char *s, size_t len)
     return true;
 }
 
+static bool grow(struct points_file *f)
+{
+    size_t cap = f->cap == 0 ? 4096 : 2 * f->cap;
+    double *xy = realloc(f->xy, cap * 2 * sizeof xy[0]);
+    if (xy != NULL)
+        f->xy = xy;
+    double *value = f->fields > 0 ? realloc(f->value, cap * f->fields * sizeof value[0]) : NULL;
+    if (value != NULL)
+        f->value = value;
+    if (xy == NULL || (value == NULL && f->fields > 0)) {
+        f->line = 0;
+        return points_file_stop(f, "out of memory");
+    }
+    f->cap = cap;
+    return true;
+}
+
 static bool append(struct points_file *f, double x, double y)
 {
-    if (f->n == f->cap) {
-        size_t cap = f->cap == 0 ? 4096 : 2 * f->cap;
-        double *xy = realloc(f->xy, cap * 2 * sizeof xy[0]);
-        if (xy == NULL) {
-            f->line = 0;
-            return points_file_stop(f, "out of memory");
-        }
-        f->xy = xy;
-        f->cap = cap;
-    }
+    if (f->n == f->cap && !grow(f))
+        return false;
     f->xy[2 * f->n] = x;
     f->xy[2 * f->n + 1] = y;
+    for (size_t i = 0; i < f->fields; i++)
+        f->value[f->fields * f->n + i] = f->row != NULL ? f->row[i] : (double)NAN;
     f->n++;
     return true;
 }
@@ -203,5 +214,6 @@ bool points_file_read(struct points_file *f, int fd, points_file_progress_fn *pr
 void points_file_free(struct points_file *f)
 {
     free(f->xy);
+    free(f->value);
     *f = (struct points_file){0};
 }

@@ -12,6 +12,10 @@ enum { SKIPPED_SHOWN = 5 };
 struct points_file {
     double *xy; /* owns 2n */
     size_t n, cap;
+    double *value; /* owns n * fields: what else is known of each point; nan: missing */
+    size_t fields; /* to be set before the first point */
+    const double
+        *row;      /* borrows `fields` values for the point that is read next; NULL: none known */
     uint64_t line; /* lines read so far; the last one's number, from 1 */
     /* Reads one line, its number in f->line, which may be changed meanwhile; NULL: `x y`. */
     bool (*parse_line)(struct points_file *f, const char *s, const char *end);
@@ -52,7 +56,8 @@ __attribute__((format(printf, 2, 3))) bool points_file_stop(struct points_file *
 bool points_file_skip(struct points_file *f, const char *s, size_t len);
 
 /* The same for a file of GeoJSON: every Point and MultiPoint in it, in any Feature or collection,
- * in order; other geometries are faults. Reads the whole file into memory. */
+ * in order; other geometries are faults. If any has a third coordinate, these are its one field. Reads the whole file
+ * into memory. */
 bool points_file_read_geojson(struct points_file *f, int fd);
 
 void points_file_free(struct points_file *f);

@@ -1,6 +1,7 @@
 /* source.c - see source.h. */
 #include "clients/files/source.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -75,13 +76,25 @@ static void show_reading(void *ctx, uint64_t bytes, size_t points)
     progress_update(&r->bar, bytes, r->size, points);
 }
 
+static bool read_geojson(struct source *s, struct points_file *f, int fd)
+{
+    bool ok = points_file_read_geojson(f, fd);
+    if (f->fields == 0)
+        return ok;
+    table_fields_add(&s->table.fields, 2, "z", 1);
+    for (size_t i = 0; i < f->n; i++)
+        s->table.fields.missing[0] += isnan(f->value[i]) != 0;
+    snprintf(s->table.using, sizeof s->table.using, "x y z of the coordinates");
+    return ok;
+}
+
 static bool read_points(struct source *s, struct points_file *f, const struct input *in)
 {
     struct reading r = {.size = in->size};
     s->table.node = s->form == SOURCE_NODE;
     f->skip_bad = s->skip_bad;
     if (s->form == SOURCE_GEOJSON)
-        return points_file_read_geojson(f, in->fd);
+        return read_geojson(s, f, in->fd);
     if (s->form != SOURCE_XY)
         table_file_init(&s->table, f);
     progress_start(&r.bar, "reading");
@@ -99,6 +112,15 @@ static void show_skipped(const char *name, const struct points_file *f)
     if (f->skipped > 0)
         fprintf(stderr, "delaunay: %ju skipped%s, %zu points read\n", (uintmax_t)f->skipped,
                 f->skipped > shown ? " in all" : "", f->n);
+}
+
+static void show_missing(const char *name, const struct source *s, const struct points_file *f)
+{
+    const struct table_fields *t = &s->table.fields;
+    for (size_t i = 0; i < t->n; i++)
+        if (t->missing[i] > 0)
+            fprintf(stderr, "delaunay: %s: %s: %ju of %zu values are missing\n", name, t->name[i],
+                    (uintmax_t)t->missing[i], f->n);
 }
 
 bool source_read(struct source *s, struct points_file *f)
@@ -124,8 +146,11 @@ bool source_read(struct source *s, struct points_file *f)
     else if (!ok)
         fprintf(stderr, "delaunay: %s: %s; nothing was loaded\n", name, f->fault);
     if (ok && s->table.using[0] != '\0')
-        fprintf(stderr, "delaunay: %s: using columns %s\n", name, s->table.using);
-    if (ok)
+        fprintf(stderr, "delaunay: %s: using %s%s\n", name,
+                s->form == SOURCE_GEOJSON ? "" : "columns ", s->table.using);
+    if (ok) {
+        show_missing(name, s, f);
         show_skipped(name, f);
+    }
     return ok;
 }

@@ -2,6 +2,7 @@
 #include "clients/files/table_file.h"
 
 #include "clients/files/headings.h"
+#include "clients/files/table_row.h"
 #include "proto/number.h"
 
 #include <math.h>
@@ -9,136 +10,32 @@
 #include <string.h>
 #include <strings.h>
 
-struct value {
-    const char *text;
-    size_t len;
-};
-
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r';
-}
-
-static const char *skip_blanks(const char *s, const char *end, char separator)
-{
-    while (s < end && is_blank(*s) && *s != separator)
-        s++;
-    return s;
-}
-
-static struct value trimmed(const char *s, const char *end)
-{
-    while (s < end && is_blank(*s))
-        s++;
-    while (end > s && is_blank(end[-1]))
-        end--;
-    return (struct value){s, (size_t)(end - s)};
-}
-
-/* ---- rows ---- */
-
-static bool ends_value(char c, char separator)
-{
-    return separator == ' ' ? is_blank(c) : c == separator;
-}
-
-/* The closing quote of a value whose opening one is before s, or `end`; a doubled one does not close. */
-static const char *find_quote(const char *s, const char *end)
-{
-    for (; s < end; s++)
-        if (*s == '"') {
-            if (s + 1 == end || s[1] != '"')
-                return s;
-            s++;
-        }
-    return end;
-}
-
-/* The value at *s, which moves behind it and its separator; false at the end of the row. Quotes count only
- * where a value begins. */
-static bool next_value(const char **s, const char *end, char separator, struct value *v)
-{
-    const char *p = *s;
-    if (p > end)
-        return false;
-    p = separator == ' ' ? trimmed(p, end).text : skip_blanks(p, end, separator);
-    if (separator == ' ' && p == end)
-        return false;
-    const char *start = p;
-    if (p < end && *p == '"') {
-        p = find_quote(p + 1, end);
-        *v = (struct value){start + 1, (size_t)(p - start) - 1};
-        if (p < end)
-            p++;
-        start = NULL;
-    }
-    while (p < end && !ends_value(*p, separator))
-        p++;
-    if (start != NULL)
-        *v = trimmed(start, p);
-    *s = p + 1;
-    return true;
-}
-
-static bool find_value(const char *s, const char *end, char separator, size_t column,
-                       struct value *v)
-{
-    for (size_t i = 0; next_value(&s, end, separator, v); i++)
-        if (i == column)
-            return true;
-    return false;
-}
-
 /* Where the row at s ends, beyond line breaks in quotes. Before the separator is known any may be it. */
 static const char *find_row_end(const struct points_file *f, const char *s, const char *end)
 {
     static const char candidates[] = ",;\t|";
     const struct table_file *t = f->parser;
     const char *lf = memchr(s, '\n', (size_t)(end - s));
-    if (lf == NULL || memchr(s, '"', (size_t)(lf - s)) == NULL || *trimmed(s, lf).text == '#')
+    if (lf == NULL || memchr(s, '"', (size_t)(lf - s)) == NULL || *value_trim(s, lf).text == '#')
         return lf;
     bool begins = true;
     for (const char *p = s; p < end; p++) {
         if (*p == '\n')
             return p;
-        if (begins && *p == '"' && (p = find_quote(p + 1, end)) == end)
+        if (begins && *p == '"' && (p = value_quote_end(p + 1, end)) == end)
             return NULL;
-        begins = t->separator == ' ' ? is_blank(*p)
-                 : t->separator != 0 ? *p == t->separator || (begins && is_blank(*p))
-                                     : strchr(candidates, *p) != NULL || is_blank(*p);
+        begins = t->separator == ' ' ? value_is_blank(*p)
+                 : t->separator != 0 ? *p == t->separator || (begins && value_is_blank(*p))
+                                     : strchr(candidates, *p) != NULL || value_is_blank(*p);
     }
     return NULL;
-}
-
-/* ---- numbers ---- */
-
-enum { NUMBER_ROOM = 64 };
-
-/* If semicolons separate, a comma is a decimal comma: then the number with a decimal point, in
- * room[NUMBER_ROOM]. */
-static struct value with_point(char separator, struct value v, char *room)
-{
-    const char *comma = separator == ';' ? memchr(v.text, ',', v.len) : NULL;
-    if (comma == NULL || v.len > NUMBER_ROOM || memchr(v.text, '.', v.len) != NULL)
-        return v;
-    memcpy(room, v.text, v.len);
-    room[comma - v.text] = '.';
-    return (struct value){room, v.len};
-}
-
-static bool is_number(char separator, struct value v)
-{
-    char room[NUMBER_ROOM];
-    double number;
-    v = with_point(separator, v, room);
-    return proto_read_double(v.text, v.len, &number);
 }
 
 static bool add_point(struct points_file *f, char separator, struct value x, struct value y)
 {
     char room[2][NUMBER_ROOM];
-    x = with_point(separator, x, room[0]);
-    y = with_point(separator, y, room[1]);
+    x = value_with_point(separator, x, room[0]);
+    y = value_with_point(separator, y, room[1]);
     return points_file_add(f, x.text, x.len, y.text, y.len);
 }
 
@@ -150,13 +47,13 @@ static char find_separator(const char *s, const char *end)
     static const char candidates[] = "\t;|,";
     bool begins = true, seen[sizeof candidates] = {false};
     for (const char *p = s; p < end; p++) {
-        if (begins && *p == '"' && (p = find_quote(p + 1, end)) == end)
+        if (begins && *p == '"' && (p = value_quote_end(p + 1, end)) == end)
             break;
         const char *c = strchr(candidates, *p);
         begins = c != NULL && *c != '\0';
         if (begins)
             seen[c - candidates] = true;
-        begins |= is_blank(*p);
+        begins |= value_is_blank(*p);
     }
     for (size_t i = 0; candidates[i] != '\0'; i++)
         if (seen[i])
@@ -166,30 +63,31 @@ static char find_separator(const char *s, const char *end)
 
 bool table_choose_columns(struct table_file *t, const char *text)
 {
-    const char *comma = strchr(text, ',');
-    if (comma == NULL)
-        return false;
-    struct value part[2] = {{text, (size_t)(comma - text)}, {comma + 1, strlen(comma + 1)}};
-    t->chosen = true;
-    for (int i = 0; i < 2; i++) {
+    int n = 0;
+    for (bool more = true; more; n++) {
+        size_t len = strcspn(text, ",");
         uint32_t number;
-        if (part[i].len == 0 || part[i].len >= TABLE_NAME_LIMIT)
+        if (n == 3 || len == 0 || len >= TABLE_NAME_LIMIT)
             return false;
-        if (!proto_read_u32(part[i].text, part[i].len, &number))
-            memcpy(t->name[i], part[i].text, part[i].len);
+        if (!proto_read_u32(text, len, &number))
+            memcpy(t->name[n], text, len);
         else if (number == 0)
             return false;
         else
-            t->column[i] = number - 1;
+            t->column[n] = number - 1;
+        more = text[len] == ',';
+        text += len + more;
     }
-    return true;
+    t->chosen = true;
+    t->has_z = n == 3;
+    return n >= 2;
 }
 
 static bool find_name(const char *s, const char *end, char separator, const char *name,
                       size_t *column)
 {
     struct value v;
-    for (size_t i = 0; next_value(&s, end, separator, &v); i++)
+    for (size_t i = 0; row_next(&s, end, separator, &v); i++)
         if (v.len == strlen(name) && strncasecmp(v.text, name, v.len) == 0) {
             *column = i;
             return true;
@@ -210,7 +108,7 @@ static bool refuse(struct points_file *f, const char *s, const char *end, const 
     size_t n = 0, i = 0;
     struct value v;
     list[0] = '\0';
-    for (; next_value(&s, end, t->separator, &v); i++)
+    for (; row_next(&s, end, t->separator, &v); i++)
         if (n + 80 < sizeof list)
             n += (size_t)snprintf(list + n, sizeof list - n, " %zu=%.*s", i + 1, shown(v), v.text);
         else if (list[n - 1] != '.')
@@ -219,26 +117,46 @@ static bool refuse(struct points_file *f, const char *s, const char *end, const 
                             what, list);
 }
 
-/* Says which columns are used. */
+/* Keeps the headings or numbers of the columns of x and y. */
 static void note_using(struct table_file *t, const char *s, const char *end, bool header)
 {
     struct value v[2];
     for (int i = 0; i < 2; i++)
-        if (!header || !find_value(s, end, t->separator, t->column[i], &v[i]))
+        if (!header || !row_find(s, end, t->separator, t->column[i], &v[i]))
             v[i] = (struct value){"", 0};
     if (header)
         snprintf(t->using, sizeof t->using, "x=%.*s y=%.*s", shown(v[0]), v[0].text, shown(v[1]),
                  v[1].text);
     else
-        snprintf(t->using, sizeof t->using, "x=%zu y=%zu of %zu, without a header",
-                 t->column[0] + 1, t->column[1] + 1, t->columns);
+        snprintf(t->using, sizeof t->using, "x=%zu y=%zu", t->column[0] + 1, t->column[1] + 1);
+    t->headless = !header;
+}
+
+/* At the first row of values: which columns are told of, if that is not obvious. */
+static void finish_using(struct table_file *t)
+{
+    const struct table_fields *e = &t->fields;
+    size_t n = strlen(t->using), room = sizeof t->using - 60;
+    if (!t->tell && e->n == 0) {
+        t->using[0] = '\0';
+        return;
+    }
+    for (size_t i = 0; i < e->n && n + 2 * FIELDS_NAME < room; i++) {
+        bool height = strcmp(e->name[i], "z") == 0 && e->height[0] != '\0';
+        n += (size_t)snprintf(t->using + n, room - n, "%s%s%s%s", n > 0 ? " " : "", e->name[i],
+                              height ? "=" : "", height ? e->height : "");
+    }
+    if (t->headless && e->n + 2 < t->columns)
+        n += (size_t)snprintf(t->using + n, sizeof t->using - n, " of %zu", t->columns);
+    if (t->headless)
+        snprintf(t->using + n, sizeof t->using - n, ", without a header");
 }
 
 static bool choose_by_headings(struct table_file *t, const char *s, const char *end, bool *obvious)
 {
     struct heading_search search = {.columns = 0};
     struct value v;
-    while (next_value(&s, end, t->separator, &v))
+    while (row_next(&s, end, t->separator, &v))
         heading_search_add(&search, v.text, v.len);
     return heading_search_end(&search, t->column, obvious);
 }
@@ -252,12 +170,15 @@ static bool choose_by_comment(struct table_file *t)
         char separator = i == 0 ? t->separator : find_separator(s, end), mine = t->separator;
         size_t n = 0;
         struct value v;
-        for (const char *p = s; next_value(&p, end, separator, &v);)
+        for (const char *p = s; row_next(&p, end, separator, &v);)
             n++;
         t->separator = separator;
         bool chosen = n == t->columns && choose_by_headings(t, s, end, &obvious);
-        if (chosen)
+        if (chosen) {
             note_using(t, s, end, true);
+            t->tell = true;
+            table_fields_add_headings(&t->fields, s, end, separator, t->column);
+        }
         t->separator = mine;
         if (chosen)
             return true;
@@ -277,12 +198,12 @@ static bool start_without_header(struct points_file *f, const char *s, const cha
     if (t->columns < 2)
         return points_file_stop(f, "a point needs x and y");
     for (size_t i = 0; i < 2; i++)
-        if (!find_value(s, end, t->separator, i, &v[i]) || !is_number(t->separator, v[i]))
+        if (!row_find(s, end, t->separator, i, &v[i]) || !value_is_number(t->separator, v[i]))
             return refuse(f, s, end, "no header, and the first two columns are not numbers");
-    if (t->columns > 2 && !t->xyz) {
-        note_using(t, s, end, false);
-        t->counting = true;
-    }
+    note_using(t, s, end, false);
+    t->counting = t->tell = t->columns > 2 && !t->xyz;
+    table_fields_add_numbers(&t->fields, t->columns, t->columns == 3 || (t->xyz && t->columns > 3),
+                             t->column);
     return true;
 }
 
@@ -293,12 +214,13 @@ static bool choose_columns(struct points_file *f, const char *s, const char *end
     bool obvious, numbers = false;
     *header = choose_by_headings(t, s, end, &obvious);
     if (*header) {
-        if (!obvious)
-            note_using(t, s, end, true);
+        note_using(t, s, end, true);
+        t->tell = !obvious;
+        table_fields_add_headings(&t->fields, s, end, t->separator, t->column);
         return true;
     }
-    for (const char *p = s; next_value(&p, end, t->separator, &v);) {
-        numbers |= is_number(t->separator, v);
+    for (const char *p = s; row_next(&p, end, t->separator, &v);) {
+        numbers |= value_is_number(t->separator, v);
         t->columns++;
     }
     size_t columns = t->columns;
@@ -309,28 +231,61 @@ static bool choose_columns(struct points_file *f, const char *s, const char *end
     return refuse(f, s, end, "no headings that are known for x and y");
 }
 
+/* The fields beside columns of x and y that the caller chose. */
+static void choose_fields(struct table_file *t, const char *s, const char *end, bool header)
+{
+    struct value v = {"", 0};
+    note_using(t, s, end, header);
+    if (t->has_z && header)
+        row_find(s, end, t->separator, t->column[2], &v);
+    if (t->has_z)
+        table_fields_add_height(&t->fields, t->column[2], v.text, v.len);
+    if (t->fields.all && header)
+        table_fields_add_headings(&t->fields, s, end, t->separator, t->column);
+    else if (t->fields.all)
+        table_fields_add_numbers(&t->fields, t->columns, false, t->column);
+}
+
+/* The header of a .node file: points, dimensions, attributes, markers. */
+static void start_node(struct table_file *t, const char *s, const char *end)
+{
+    struct value v;
+    uint32_t attributes;
+    if (!t->fields.all || !row_find(s, end, ' ', 2, &v) ||
+        !proto_read_u32(v.text, v.len, &attributes))
+        return;
+    for (uint32_t i = 0; i < attributes; i++) {
+        char name[20];
+        int n = snprintf(name, sizeof name, "a%u", i + 1);
+        if (!table_fields_add(&t->fields, 3 + i, name, (size_t)n))
+            return;
+    }
+}
+
 /* The first row: *header says whether it is one. */
 static bool start_csv(struct points_file *f, const char *s, const char *end, bool *header)
 {
     struct table_file *t = f->parser;
     struct value v;
-    bool named = t->name[0][0] != '\0' || t->name[1][0] != '\0', ok = true;
+    bool named = t->name[0][0] != '\0' || t->name[1][0] != '\0' || t->name[2][0] != '\0', ok = true;
     if (t->separator == 0)
         t->separator = find_separator(s, end);
     t->columns = 0;
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 3; i++)
         if (t->name[i][0] != '\0' && !find_name(s, end, t->separator, t->name[i], &t->column[i])) {
             char what[TABLE_NAME_LIMIT + 40];
             snprintf(what, sizeof what, "no column is named %s", t->name[i]);
             return refuse(f, s, end, what);
         }
-    *header = named || (t->chosen && (!find_value(s, end, t->separator, t->column[0], &v) ||
-                                      !is_number(t->separator, v)));
+    *header = named || (t->chosen && (!row_find(s, end, t->separator, t->column[0], &v) ||
+                                      !value_is_number(t->separator, v)));
     if (!t->chosen)
         ok = choose_columns(f, s, end, header);
     t->columns = 0;
-    for (const char *p = s; next_value(&p, end, t->separator, &v);)
+    for (const char *p = s; row_next(&p, end, t->separator, &v);)
         t->columns++;
+    if (t->chosen)
+        choose_fields(t, s, end, *header);
     return ok;
 }
 
@@ -345,7 +300,7 @@ static bool find_both(struct points_file *f, const char *s, const char *end, str
     struct value v;
     size_t n = 0;
     bool longer = false;
-    for (; next_value(&s, end, t->separator, &v); n++) {
+    for (; row_next(&s, end, t->separator, &v); n++) {
         if (n == t->column[0])
             *x = v;
         if (n == t->column[1])
@@ -382,12 +337,38 @@ static bool is_separator_line(struct table_file *t, struct value row)
 
 static bool is_no_row(struct table_file *t, const char *s, const char *end)
 {
-    struct value row = trimmed(s, end);
+    struct value row = value_trim(s, end);
     if (row.len > 0 && row.text[0] == '#' && !t->started && row.len < TABLE_COMMENT_ROOM) {
         memcpy(t->comment, row.text + 1, row.len - 1);
         t->comment[row.len - 1] = '\0';
     }
     return row.len == 0 || row.text[0] == '#' || (!t->started && is_separator_line(t, row));
+}
+
+static bool start(struct points_file *f, const char *s, const char *end, bool *header)
+{
+    struct table_file *t = f->parser;
+    t->started = true;
+    if (t->node) {
+        *header = true;
+        start_node(t, s, end);
+    } else if (!start_csv(f, s, end, header)) {
+        return false;
+    }
+    t->any_length = t->node || t->xyz || (t->chosen && !*header);
+    return true;
+}
+
+/* At the first row of values. */
+static void start_values(struct points_file *f, const char *s, const char *end)
+{
+    struct table_file *t = f->parser;
+    t->has_values = true;
+    table_fields_sort(&t->fields);
+    table_fields_check(&t->fields, s, end, t->separator, t->has_z ? t->column[2] : SIZE_MAX);
+    finish_using(t);
+    f->fields = t->fields.n;
+    f->row = t->fields.row;
 }
 
 static bool parse_row(struct points_file *f, const char *s, const char *end)
@@ -399,18 +380,18 @@ static bool parse_row(struct points_file *f, const char *s, const char *end)
         return true;
     if (memchr(s, '\0', (size_t)(end - s)) != NULL)
         return points_file_stop(f, "not a text file");
-    if (!t->started) {
-        t->started = true;
-        if (t->node)
-            header = true;
-        else if (!start_csv(f, s, end, &header))
-            return false;
-        t->any_length = t->node || t->xyz || (t->chosen && !header);
-    }
+    if (!t->started && !start(f, s, end, &header))
+        return false;
     if (header)
         return true;
-    if (!find_both(f, s, end, &x, &y) || !add_point(f, t->separator, x, y))
+    if (!t->has_values)
+        start_values(f, s, end);
+    if (!find_both(f, s, end, &x, &y))
         return false;
+    table_fields_read(&t->fields, s, end, t->separator);
+    if (!add_point(f, t->separator, x, y))
+        return false;
+    table_fields_count(&t->fields);
     return !t->counting || check_counting(f, f->xy[2 * f->n - 2]);
 }
 

@@ -28,6 +28,7 @@
 
 #define SEND_AT (64 * 1024)    /* queued bytes that are worth a system call */
 #define READ_ROOM (256 * 1024) /* bytes asked for at once */
+#define FIELD_LIST_MAX 4200    /* 64 names of 64 bytes */
 #define POINTS_AT_ONCE 4096
 
 struct delaunay_client {
@@ -210,24 +211,40 @@ enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, 
     return drain(c, SEND_AT);
 }
 
-/* Sends `command set n rest`, and n points behind it. */
+/* What follows a request line: the points, and k values for each of them. */
+struct body {
+    const double *xy, *value; /* borrow 2 n, k n */
+    size_t n, k;
+};
+
+static void queue_rows(struct delaunay_client *c, const struct body *b, size_t from, size_t n)
+{
+    if (b->k == 0)
+        queue_doubles(c, b->xy + 2 * from, 2 * n);
+    for (size_t i = from; b->k > 0 && i < from + n; i++) {
+        queue_doubles(c, b->xy + 2 * i, 2);
+        queue_doubles(c, b->value + b->k * i, b->k);
+    }
+}
+
+/* Sends `command set n rest`, and the rows behind it. */
 static enum delaunay_result send_body(struct delaunay_client *c, const char *command,
-                                      const char *set, const char *rest, const double *xy, size_t n,
+                                      const char *set, const char *rest, const struct body *b,
                                       delaunay_progress_fn *progress, void *ctx)
 {
-    char head[128];
+    char head[FIELD_LIST_MAX + 128];
     if (!word_is_set_name(
             &(struct word){set, strlen(set)})) /* else the points could be read as requests */
         return DELAUNAY_BADNAME;
-    int len = snprintf(head, sizeof head, "%s %s %zu%s", command, set, n, rest);
+    int len = snprintf(head, sizeof head, "%s %s %zu%s", command, set, b->n, rest);
     enum delaunay_result r = delaunay_send(c, head, (size_t)len);
-    for (size_t done = 0; r == DELAUNAY_OK && done < n && !c->mute;) {
-        size_t some = n - done < POINTS_AT_ONCE ? n - done : POINTS_AT_ONCE;
-        queue_doubles(c, xy + 2 * done, 2 * some);
+    for (size_t done = 0; r == DELAUNAY_OK && done < b->n && !c->mute;) {
+        size_t some = b->n - done < POINTS_AT_ONCE ? b->n - done : POINTS_AT_ONCE;
+        queue_rows(c, b, done, some);
         r = drain(c, SEND_AT);
         done += some;
         if (progress != NULL)
-            progress(ctx, done, n);
+            progress(ctx, done, b->n);
     }
     return r;
 }
@@ -236,7 +253,23 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
                                           const double *xy, size_t n,
                                           delaunay_progress_fn *progress, void *ctx)
 {
-    return send_body(c, "LOADB", set, "", xy, n, progress, ctx);
+    return send_body(c, "LOADB", set, "", &(struct body){xy, NULL, n, 0}, progress, ctx);
+}
+
+enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char *set,
+                                          const char *fields, const double *xy, const double *value,
+                                          size_t n, delaunay_progress_fn *progress, void *ctx)
+{
+    char rest[FIELD_LIST_MAX + 16];
+    struct body body = {xy, value, n, 1};
+    if (fields == NULL || fields[0] == '\0')
+        return delaunay_send_points(c, set, xy, n, progress, ctx);
+    if (strlen(fields) > FIELD_LIST_MAX || strpbrk(fields, " \t\r\n") != NULL)
+        return DELAUNAY_BADNAME;
+    for (const char *p = fields; *p != '\0'; p++)
+        body.k += *p == ',';
+    snprintf(rest, sizeof rest, " FIELDS %s", fields);
+    return send_body(c, "LOADB", set, rest, &body, progress, ctx);
 }
 
 /* ---- replies ---- */
@@ -347,7 +380,8 @@ static enum delaunay_result receive_words(struct delaunay_client *c, enum delaun
 enum delaunay_result delaunay_locate_places(struct delaunay_client *c, const char *set,
                                             const double *xy, size_t n, uint32_t *triangle)
 {
-    enum delaunay_result r = send_body(c, "LOCATEB", set, "", xy, n, NULL, NULL);
+    enum delaunay_result r =
+        send_body(c, "LOCATEB", set, "", &(struct body){xy, NULL, n, 0}, NULL, NULL);
     return receive_words(c, r, triangle, 3 * n);
 }
 
@@ -356,7 +390,8 @@ enum delaunay_result delaunay_nearest_places(struct delaunay_client *c, const ch
 {
     char rest[16];
     snprintf(rest, sizeof rest, " %" PRIu32, k);
-    enum delaunay_result r = send_body(c, "NEARESTB", set, rest, xy, n, NULL, NULL);
+    enum delaunay_result r =
+        send_body(c, "NEARESTB", set, rest, &(struct body){xy, NULL, n, 0}, NULL, NULL);
     return receive_words(c, r, id, k * n);
 }
 

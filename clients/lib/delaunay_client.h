@@ -91,6 +91,12 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
                                           const double *xy, size_t n,
                                           delaunay_progress_fn *progress, void *ctx);
 
+/* The same with the values of fields at the points, `fields` names with commas between: value[n * k], where k is their number,
+ * those of the first point first; nan: none. fields NULL or "": no fields, value may be NULL. */
+enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char *set,
+                                          const char *fields, const double *xy, const double *value,
+                                          size_t n, delaunay_progress_fn *progress, void *ctx);
+
 /* The triangles of the n places x, y of xy[2n] in one request (LOCATEB), into triangle[3n]: the three ids of that which
  * contains the place, of several ones the first in TRIANGLES; outside the hull DELAUNAY_NONE three times. Where the
  * result is not DELAUNAY_OK nothing has been written. With replies still to come, receive those first. */

@@ -154,12 +154,12 @@ TEST(load_finds_the_columns_of_coordinates_by_their_headings_and_says_which)
 {
     cli_begin();
     load_saying("a.csv", "id,POINT_X,POINT_Y,z\n7,1,2,9\n", "",
-                "using columns x=POINT_X y=POINT_Y\n", "OK 1\n0 1 2\n");
+                "using columns x=POINT_X y=POINT_Y z=z\n", "OK 1\n0 1 2\n");
     load_saying("a.csv", "Latitude (deg),Longitude (deg)\n2,1\n", "",
                 "using columns x=Longitude (deg) y=Latitude (deg)\n", "OK 1\n0 1 2\n");
     load_saying("a.csv", "lon,lat,x,y\n8,9,1,2\n", "", "using columns x=x y=y\n", "OK 1\n0 1 2\n");
     load_saying("a.dat", "# id x y\n7 1 2\n", "", "using columns x=x y=y\n", "OK 1\n0 1 2\n");
-    load_saying("a.csv", "1,2,9\n3,4,9\n", "", "using columns x=1 y=2 of 3, without a header\n",
+    load_saying("a.csv", "1,2,9\n3,4,9\n", "", "using columns x=1 y=2 z=3, without a header\n",
                 "OK 2\n0 1 2\n1 3 4\n");
     char command[200];
     cli_write("a.csv", "id,x,y\n7,1,2\n");

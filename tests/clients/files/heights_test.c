@@ -1,0 +1,122 @@
+/* heights_test.c - fields on their way from a file into the daemon and out of it again, in every format. */
+#include <string.h>
+
+#include "tests/clients/cli.h"
+#include "tests/test.h"
+
+/* A square with heights 1, 2.5, none and -4, and the field t. */
+static void make_set(void)
+{
+    char command[200];
+    cli_begin();
+    cli_write("t.csv", "x,y,z,t\n0,0,1,10\n4,0,2.5,20\n4,3,,30\n0,4,-4,40\n");
+    snprintf(command, sizeof command, "load t %s --fields", cli_path("t.csv"));
+    cli_run_well(command);
+    cli_run_well("triangulate t");
+}
+
+static void expect_export(const char *options, const char *want)
+{
+    char command[200];
+    int status;
+    snprintf(command, sizeof command, "export t - %s", options);
+    const char *out = cli_run(&status, command);
+    CHECK_MSG(status == 0 && strstr(out, want) != NULL, "%s: %s", options, out);
+}
+
+TEST(load_keeps_heights_and_on_request_all_columns_of_numbers)
+{
+    char command[200];
+    int status;
+    make_set();
+    cli_expect("fields t", "OK 2\nt 4 10 40\nz 3 -4 2.5\n");
+    cli_expect("fget t z 0 1 2 3", "OK 4\n0 1\n1 2.5\n2 nan\n3 -4\n");
+    snprintf(command, sizeof command, "load u %s", cli_path("t.csv"));
+    const char *out = cli_run(&status, command);
+    CHECK(strstr(out, ": using columns x=x y=y z=z\n") != NULL);
+    CHECK(strstr(out, ": z: 1 of 4 values are missing\n") != NULL);
+    cli_expect("fields u", "OK 1\nz 3 -4 2.5\n");
+    snprintf(command, sizeof command, "load v %s -c x,y", cli_path("t.csv"));
+    cli_expect(command, "OK 0 first=0 added=4 coincident=0\n");
+    cli_expect("fields v", "OK 0\n");
+    cli_finish();
+}
+
+TEST(load_takes_third_coordinates_of_geojson_as_heights)
+{
+    char command[200];
+    int status;
+    cli_begin();
+    cli_write("t.geojson",
+              "{\"type\":\"MultiPoint\",\"coordinates\":[[0,0,1.5],[1,0],[0,1,null]]}");
+    snprintf(command, sizeof command, "load t %s", cli_path("t.geojson"));
+    const char *out = cli_run(&status, command);
+    CHECK(status == 0 && strstr(out, "using x y z of the coordinates\n") != NULL);
+    CHECK(strstr(out, "z: 2 of 3 values are missing\n") != NULL);
+    cli_expect("fget t z 0 1 2", "OK 3\n0 1.5\n1 nan\n2 nan\n");
+    cli_finish();
+}
+
+TEST(meshes_have_heights)
+{
+    make_set();
+    expect_export("-f obj", "\nv 0 0 1\nv 4 0 2.5\nv 4 3 0\nv 0 4 -4\nf ");
+    expect_export("-f ply", "end_header\n0 0 1\n4 0 2.5\n4 3 0\n0 4 -4\n3 ");
+    expect_export("-f off", "\n0 0 1\n4 0 2.5\n4 3 0\n0 4 -4\n3 ");
+    expect_export("-f 2dm", "\nND 1 0 0 1\nND 2 4 0 2.5\nND 3 4 3 0\nND 4 0 4 -4\n");
+    expect_export("-f obj", "delaunay: 1 of 4 heights are missing\n");
+    expect_export("-f obj --field t", "\nv 0 0 10\nv 4 0 20\nv 4 3 30\nv 0 4 40\nf ");
+    int status;
+    CHECK(strstr(cli_run(&status, "export t - -f obj --field u"), "u: the set has no such field") &&
+          status == 1);
+    cli_finish();
+}
+
+TEST(nodes_csv_and_geojson_have_all_fields)
+{
+    make_set();
+    expect_export("-f node",
+                  "4 2 2 1\n0 0 0 10 1 1\n1 4 0 20 2.5 1\n2 4 3 30 nan 1\n3 0 4 40 -4 1\n");
+    expect_export("-f csv", "a,b,c,ax,ay,bx,by,cx,cy,at,bt,ct,az,bz,cz\n");
+    expect_export("-f csv", "0,2,3,0,0,4,3,0,4,10,30,40,1,,-4\n");
+    expect_export("-f geojson", "\"points\":[0,2,3],\"t\":[10,30,40],\"z\":[1,null,-4]},");
+    cli_finish();
+}
+
+TEST(export_draws_relief_of_a_set_with_heights)
+{
+    int status;
+    make_set();
+    expect_export("-f svg --colour relief --field t", "<path style=\"fill:#");
+    cli_run_well("fdrop t z");
+    CHECK(strstr(cli_run(&status, "export t - -f svg --colour relief"),
+                 "z: the set has no such field") &&
+          status == 1);
+    cli_finish();
+}
+
+TEST(many_heights_come_back_in_order)
+{
+    char command[200];
+    cli_begin();
+    FILE *f = fopen(cli_path("m.xyz"), "w");
+    CHECK(f != NULL);
+    for (int i = 0; i < 5000; i++)
+        fprintf(f, "%d.5 %d %d\n", i % 71, i, 7 * i);
+    fclose(f);
+    snprintf(command, sizeof command, "load m %s", cli_path("m.xyz"));
+    cli_run_well(command);
+    cli_run_well("triangulate m");
+    snprintf(command, sizeof command, "export m %s", cli_path("m.node"));
+    cli_run_well(command);
+    f = fopen(cli_path("m.node"), "r");
+    CHECK(f != NULL && fscanf(f, "5000 2 1 1") == 0);
+    for (int i = 0; i < 5000; i++) {
+        int id, y, z, boundary;
+        double x;
+        CHECK(fscanf(f, "%d %lf %d %d %d", &id, &x, &y, &z, &boundary) == 5);
+        CHECK(id == i && y == i && z == 7 * i);
+    }
+    fclose(f);
+    cli_finish();
+}
