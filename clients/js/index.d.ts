@@ -74,6 +74,28 @@ export interface FieldFacts {
 
 export type Box = readonly [x0: number, y0: number, x1: number, y1: number] | ArrayLike<number>;
 
+export interface SurfaceOptions {
+  /** linear by default. */
+  method?: 'linear' | 'natural' | 'laplace' | 'nearest';
+  /** No values in triangles with a longer edge. */
+  maxEdge?: number;
+  timeout?: number;
+}
+
+export interface ContourLine {
+  level: number;
+  closed: boolean;
+  /** x, y, x, y ...; higher ground is on the left, and a closed line does not repeat its first place. */
+  coords: Float64Array;
+}
+
+/** As d3-contour's. */
+export interface ContourPolygons {
+  type: 'MultiPolygon';
+  value: number;
+  coordinates: [number, number][][][];
+}
+
 /** Voronoi cells: that of ids[i] has the corners offsets[i] .. offsets[i + 1] of coords. */
 export interface Cells {
   box: [number, number, number, number];
@@ -96,6 +118,12 @@ export class Disconnected extends Error {
   code: string;
 }
 
+export interface LoadOptions {
+  /** A value of each point, by the field's name; NaN where one is missing. */
+  fields?: Record<string, ArrayLike<number>>;
+  timeout?: number;
+}
+
 /** Made by connect(). Requests may be made without waiting for one another. */
 export class Client {
   private constructor();
@@ -108,8 +136,8 @@ export class Client {
   ttl(set: string): Promise<number | undefined>;
   persist(set: string): Promise<boolean>;
   stat(set: string): Promise<Stat>;
-  load(set: string, points: Points, options?: { timeout?: number }): Promise<number>;
-  load<P>(set: string, points: Iterable<P>, options: Accessors<P> & { timeout?: number }): Promise<number>;
+  load(set: string, points: Points, options?: LoadOptions): Promise<number>;
+  load<P>(set: string, points: Iterable<P>, options: Accessors<P> & LoadOptions): Promise<number>;
   add(set: string, x: number, y: number): Promise<number>;
   delete(set: string, ids: Iterable<number>): Promise<number>;
   move(set: string, id: number, x: number, y: number): Promise<void>;
@@ -134,6 +162,8 @@ export class Client {
   within(set: string, x0: number, y0: number, x1: number, y1: number): Promise<number[]>;
   within(set: string, x: number, y: number, r: number): Promise<number[]>;
   fields(set: string): Promise<Record<string, FieldFacts>>;
+  getField(set: string, field: string, ids: Iterable<number>): Promise<Float64Array>;
+  setField(set: string, field: string, values: ArrayLike<number>, options?: { first?: number; timeout?: number }): Promise<void>;
   dropField(set: string, field: string): Promise<void>;
   weights(
     set: string,
@@ -141,6 +171,22 @@ export class Client {
     y: number,
     options?: { method?: 'linear' | 'natural' | 'laplace'; timeout?: number },
   ): Promise<Map<number, number>>;
+  interpolate(set: string, field: string, places: Points, options?: SurfaceOptions): Promise<Float64Array>;
+  interpolate<P>(set: string, field: string, places: Iterable<P>, options: Accessors<P> & SurfaceOptions): Promise<Float64Array>;
+  raster(
+    set: string,
+    field: string,
+    box: Box,
+    columns: number,
+    rows: number,
+    options?: SurfaceOptions & RequestOptions,
+  ): Promise<Float64Array>;
+  contourLines(
+    set: string,
+    field: string,
+    options: { levels?: Iterable<number>; every?: number; base?: number; maxEdge?: number; timeout?: number },
+  ): Promise<ContourLine[]>;
+  contours(set: string, field: string, levels: Iterable<number>, options?: { timeout?: number }): Promise<ContourPolygons[]>;
   voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
   areas(set: string, options?: { box?: Box; timeout?: number }): Promise<{ ids: Uint32Array; areas: Float64Array }>;
   info(): Promise<Record<string, string | number | boolean>>;

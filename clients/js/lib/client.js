@@ -4,10 +4,11 @@
 const { chooseAddress } = require('./address.js');
 const { Connection } = require('./connection.js');
 const { Disconnected } = require('./errors.js');
-const { flatten, pointBytes, typed, typedKeys, words } = require('./framing.js');
-const { Cells } = require('./surfaces.js');
+const { doubleBytes, flatten, pointBytes, typed, typedKeys, words } = require('./framing.js');
+const { Cells, contourOf, multiPolygon } = require('./surfaces.js');
 
 const CONNECT_MS = 10000;
+const PLACES_AT_ONCE = 1000; // that fit into a line
 
 function checkSet(name) {
   if (!/^[A-Za-z0-9_.:-]{1,64}$/.test(name)) throw new TypeError('a set\'s name is 1 to 64 of A-Z a-z 0-9 _ . : -');
@@ -19,7 +20,23 @@ function checkField(name) {
   return name;
 }
 
+const methodWords = ({ method, maxEdge }) => `${method ? ` METHOD ${method}` : ''}${maxEdge === undefined ? '' : ` MAXEDGE ${maxEdge}`}`;
 const boxWords = (box) => (box ? ` BOX ${[...box].join(' ')}` : '');
+
+/** Rows x, y and the values of fields. */
+function withFields(coords, fields) {
+  const columns = Object.values(fields);
+  const width = 2 + columns.length;
+  const n = coords.length / 2;
+  const rows = new Float64Array(n * width);
+  for (const column of columns) if (column.length !== n) throw new RangeError(`${column.length} values for ${n} points`);
+  for (let i = 0; i < n; i++) {
+    rows[width * i] = coords[2 * i];
+    rows[width * i + 1] = coords[2 * i + 1];
+    for (let k = 2; k < width; k++) rows[width * i + k] = columns[k - 2][i];
+  }
+  return rows;
+}
 
 const numbersOf = (row) => row.split(' ').map(Number);
 
@@ -152,9 +169,17 @@ class Client {
   // ---- points ----
 
   /** Adds points, all or none; the first one's id. A Float64Array must not change until then. */
-  async load(set, points, { getX, getY, timeout } = {}) {
-    const body = pointBytes(flatten(points, getX, getY));
+  async load(set, points, { getX, getY, fields, timeout } = {}) {
+    const coords = flatten(points, getX, getY);
+    if (fields && Object.keys(fields).length > 0) return this.#loadFields(set, coords, fields, timeout);
+    const body = pointBytes(coords);
     return Number((await this.request(`LOADB ${checkSet(set)} ${body.length / 16}`, { body, timeout })).keys.first);
+  }
+
+  async #loadFields(set, coords, fields, timeout) {
+    const names = Object.keys(fields).map(checkField).join(',');
+    const line = `LOADB ${checkSet(set)} ${coords.length / 2} FIELDS ${names}`;
+    return Number((await this.request(line, { body: doubleBytes(withFields(coords, fields)), timeout })).keys.first);
   }
 
   async add(set, x, y) {
@@ -202,6 +227,18 @@ class Client {
       const [count, least, most] = facts.map((text) => (text === 'nan' ? NaN : Number(text)));
       return [name, { count, least, most }];
     }));
+  }
+
+  /** The values of points, a Float64Array; NaN where one is missing. */
+  async getField(set, field, ids) {
+    const { rows } = await this.request(`FGET ${checkSet(set)} ${checkField(field)} ${[...ids].join(' ')}`);
+    return Float64Array.from(rows, (row) => numbersOf(row)[1]);
+  }
+
+  /** Sets the values of the ids first, first + 1, ...; NaN takes one away. */
+  async setField(set, field, values, { first = 0, timeout } = {}) {
+    const column = Float64Array.from(values);
+    await this.request(`FSETB ${checkSet(set)} ${checkField(field)} ${first} ${column.length}`, { body: doubleBytes(column), timeout });
   }
 
   async dropField(set, field) {
@@ -284,6 +321,47 @@ class Client {
   async weights(set, x, y, { method = 'linear', timeout } = {}) {
     const { rows } = await this.request(`WEIGHTS ${checkSet(set)} ${x} ${y} METHOD ${method}`, { timeout });
     return new Map(rows.map(numbersOf));
+  }
+
+  /** The values at places, a Float64Array; NaN where there are none. */
+  async interpolate(set, field, places, { method, maxEdge, getX, getY, timeout } = {}) {
+    const coords = flatten(places, getX, getY);
+    if (coords.length % 2 !== 0) throw new TypeError('odd number of coordinates');
+    const requests = [];
+    for (let at = 0; at < coords.length; at += 2 * PLACES_AT_ONCE) {
+      const some = coords.subarray(at, at + 2 * PLACES_AT_ONCE).join(' ');
+      requests.push(this.request(`INTERPOLATE ${checkSet(set)} ${checkField(field)} ${some}${methodWords({ method, maxEdge })}`, { timeout }));
+    }
+    const rows = (await Promise.all(requests)).flatMap((reply) => reply.rows);
+    return Float64Array.from(rows, (row) => (row === 'nan' ? NaN : Number(row)));
+  }
+
+  /** The values at the centres of cells, row by row from the largest y, as d3-contour wants them. */
+  async raster(set, field, box, columns, rows, { method, maxEdge, progress, timeout } = {}) {
+    const line = `RASTER ${checkSet(set)} ${checkField(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords({ method, maxEdge })} BINARY`;
+    return words(Float64Array, (await this.request(line, { progress, timeout })).data);
+  }
+
+  /** Contour lines {level, closed, coords}, higher ground on the left: at `levels`, or at base and all multiples of `every` from it. */
+  async contourLines(set, field, { levels, every, base = 0, maxEdge, timeout } = {}) {
+    const which = levels ? [...levels].join(' ') : `EVERY ${every} BASE ${base}`;
+    const line = `CONTOUR ${checkSet(set)} ${checkField(field)} ${which}${methodWords({ maxEdge })}`;
+    return (await this.request(line, { timeout })).rows.map(contourOf);
+  }
+
+  /** For each level the ground at or above it: a GeoJSON MultiPolygon with the property value, as d3-contour and d3-tricontour. The
+   * requests are made one after the other: nobody should edit the set meanwhile. */
+  async contours(set, field, levels, { timeout } = {}) {
+    const wanted = [...levels];
+    if (wanted.length === 0) return [];
+    const [lines, { rows }] = await Promise.all([
+      this.contourLines(set, field, { levels: wanted, timeout }),
+      this.request(`HULL ${checkSet(set)}`, { timeout }),
+    ]);
+    const corners = rows.map(numbersOf);
+    const heights = (await this.request(`FGET ${checkSet(set)} ${checkField(field)} ${corners.map(([id]) => id).join(' ')}`, { timeout })).rows;
+    const hull = corners.map(([, x, y], i) => [x, y, numbersOf(heights[i])[1]]);
+    return wanted.map((level) => multiPolygon(lines.filter((line) => line.level === level), hull, level));
   }
 
   /** Voronoi cells, with cellPolygon(id) and cellPolygons() as d3-delaunay's; box: [x0, y0, x1, y1]. */

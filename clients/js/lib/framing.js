@@ -105,8 +105,12 @@ function flatten(points, getX, getY) {
 /** Coordinates as LOADB takes them. They are not copied on a little-endian machine. */
 function pointBytes(flat) {
   if (flat.length % 2 !== 0) throw new TypeError('odd number of coordinates');
+  return doubleBytes(flat);
+}
+
+function doubleBytes(flat) {
   const bytes = Buffer.from(flat.buffer, flat.byteOffset, flat.byteLength);
   return BIG_ENDIAN ? Buffer.from(bytes).swap64() : bytes;
 }
 
-module.exports = { Input, flatten, parseStatus, pointBytes, typed, typedKeys, words };
+module.exports = { Input, doubleBytes, flatten, parseStatus, pointBytes, typed, typedKeys, words };

@@ -1,4 +1,4 @@
-// Voronoi cells as polygons of the shape that users of d3 know.
+// Surfaces in the shapes that users of d3 know: Voronoi cells as polygons, contours as GeoJSON.
 'use strict';
 
 /** Voronoi cells, clipped to `box` [x0, y0, x1, y1]: that of ids[i] has the corners offsets[i] .. offsets[i + 1] of coords (x, y),
@@ -47,4 +47,102 @@ class Cells {
   }
 }
 
-module.exports = { Cells };
+/** {level, closed, coords} of a row of CONTOUR. */
+function contourOf(row) {
+  const [level, kind, , ...xy] = row.split(' ');
+  return { level: Number(level), closed: kind === 'closed', coords: Float64Array.from(xy, Number) };
+}
+
+const ringOf = (coords) => Array.from({ length: coords.length / 2 }, (_, i) => [coords[2 * i], coords[2 * i + 1]]);
+
+/** Twice the area, positive if it is counterclockwise. */
+function area(ring) {
+  let sum = 0;
+  for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
+    sum += (ring[j][0] - ring[0][0]) * (ring[i][1] - ring[0][1]) - (ring[i][0] - ring[0][0]) * (ring[j][1] - ring[0][1]);
+  }
+  return sum;
+}
+
+function contains(ring, [x, y]) {
+  let inside = false;
+  for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
+    const [xi, yi] = ring[i];
+    const [xj, yj] = ring[j];
+    if (yi > y !== yj > y && x < ((xj - xi) * (y - yi)) / (yj - yi) + xi) inside = !inside;
+  }
+  return inside;
+}
+
+/** Where the hull crosses the level: {edge, start, point}; a line starts where the ground falls below the level along the hull. */
+function crossings(hull, level) {
+  const found = [];
+  hull.forEach(([x, y, z], i) => {
+    const [nx, ny, nz] = hull[(i + 1) % hull.length];
+    if (z >= level === nz >= level) return;
+    const t = (level - z) / (nz - z);
+    found.push({ edge: i, start: z >= level, point: [x + t * (nx - x), y + t * (ny - y)] });
+  });
+  return found;
+}
+
+/** Takes the crossing of that kind that is nearest to a place. */
+function takeNearest(free, start, [x, y]) {
+  let best = -1;
+  let least = Infinity;
+  free.forEach((c, i) => {
+    const d = c.start === start ? Math.hypot(c.point[0] - x, c.point[1] - y) : Infinity;
+    if (d < least) [best, least] = [i, d];
+  });
+  return best < 0 ? null : free.splice(best, 1)[0];
+}
+
+/** Joins open lines along the hull, counterclockwise: higher ground is on the left of both. */
+function joinAlongHull(lines, hull, level) {
+  const all = crossings(hull, level);
+  const free = [...all];
+  const ends = new Map(); // crossing where a line ends -> nothing; where one starts -> the line
+  for (const ring of lines) {
+    const from = takeNearest(free, true, ring[0]);
+    const to = takeNearest(free, false, ring[ring.length - 1]);
+    if (from !== null && to !== null) ends.set(from, { ring, to });
+  }
+  const rings = [];
+  while (ends.size > 0) {
+    const ring = [];
+    let from = ends.keys().next().value;
+    while (from !== undefined && ends.has(from)) {
+      const line = ends.get(from);
+      ends.delete(from);
+      ring.push(...line.ring);
+      // The next crossing along the hull is one where a line starts.
+      const at = all.indexOf(line.to);
+      const next = all[(at + 1) % all.length];
+      for (let i = line.to.edge; i !== next.edge; i = (i + 1) % hull.length) ring.push(hull[(i + 1) % hull.length].slice(0, 2));
+      from = next;
+    }
+    rings.push(ring);
+  }
+  return rings;
+}
+
+/** The ground at or above a level as a GeoJSON MultiPolygon with the property `value`, as d3-contour's; rings end where they begin, outer
+ * ones counterclockwise. hull: [[x, y, z], ...], counterclockwise. */
+function multiPolygon(contours, hull, level) {
+  const open = contours.filter((c) => !c.closed).map((c) => ringOf(c.coords));
+  const rings = contours.filter((c) => c.closed).map((c) => ringOf(c.coords));
+  rings.push(...joinAlongHull(open, hull, level));
+  if (hull.length > 2 && hull.every(([, , z]) => z >= level)) rings.push(hull.map(([x, y]) => [x, y]));
+  const polygons = [];
+  const holes = [];
+  for (const ring of rings) {
+    if (area(ring) > 0) polygons.push([ring]);
+    else if (area(ring) < 0) holes.push(ring);
+  }
+  polygons.sort((a, b) => area(a[0]) - area(b[0])); // a hole is in the smallest that contains it
+  for (const hole of holes) polygons.find(([outer]) => hole.some((p) => contains(outer, p)))?.push(hole);
+  for (const polygon of polygons) for (const ring of polygon) ring.push([...ring[0]]);
+  return { type: 'MultiPolygon', value: level, coordinates: polygons };
+}
+
+module.exports = { Cells, contourOf, multiPolygon };

@@ -6,12 +6,13 @@ of `delaunayd.aio` each method returns an awaitable of what is described here.
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, TypeVar
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, TypeVar
 
 from . import _protocol as protocol
-from ._protocol import Cells, Field, Located, Neighbour, Progress, Reply, Request, Value, Word, field_name, set_name
+from ._protocol import Cells, Contour, Field, Located, Neighbour, Progress, Reply, Request, Value, Word, field_name, set_name
 
 _T = TypeVar("_T")
+_PLACES_AT_ONCE = 1000  # that fit into a line
 
 
 class Commands:
@@ -84,11 +85,12 @@ class Commands:
 
     # ---- points ----
 
-    def load(self, name: str, points: Any) -> int:
+    def load(self, name: str, points: Any, fields: Optional[Mapping[str, Any]] = None) -> int:
         """Adds points of shape (n, 2), all or none, to a set, which is created if need be. The first one's id; the others
-        follow it."""
-        data, n = protocol.pairs(points)
-        return self._ask(lambda reply: int(reply.keys["first"]), "LOADB", set_name(name), n, body=data)
+        follow it. `fields` has names of fields and for each n values, NaN where one is missing."""
+        data, n = protocol.rows_with_fields(points, fields) if fields else protocol.pairs(points)
+        words: Tuple[Word, ...] = ("FIELDS", ",".join(map(field_name, fields))) if fields else ()
+        return self._ask(lambda reply: int(reply.keys["first"]), "LOADB", set_name(name), n, *words, body=data)
 
     def add(self, name: str, x: float, y: float) -> int:
         """Adds a point; its id."""
@@ -125,6 +127,12 @@ class Commands:
         """The values of points."""
         words = [int(i) for i in ids]
         return self._ask(_second_words, "FGET", set_name(name), field_name(field), *words)
+
+    def set_field(self, name: str, field: str, values: Any, first: int = 0) -> None:
+        """Sets the values of the ids first, first + 1, ..., all or none. NaN takes a value away. The field is created if need
+        be."""
+        data, n = protocol.column(values)
+        return self._ask(lambda _: None, "FSETB", set_name(name), field_name(field), int(first), n, body=data)
 
     def drop_field(self, name: str, field: str) -> None:
         """Deletes a field."""
@@ -199,6 +207,57 @@ class Commands:
         """With which weights the values at points count at a place; `method` is linear, natural or laplace."""
         return self._ask(_weights, "WEIGHTS", set_name(name), float(x), float(y), "METHOD", method)
 
+    def interpolate(
+        self, name: str, field: str, places: Any, method: str = "linear", max_edge: Optional[float] = None
+    ) -> Any:
+        """The values of a field at places of shape (n, 2), NaN where there are none; `method` is linear, natural, laplace or
+        nearest. None in triangles with an edge longer than max_edge."""
+        name, field = set_name(name), field_name(field)
+        last = protocol.request(*_method(method, max_edge)).line.decode().rstrip()
+        flat = protocol.flat_pairs(places)
+        requests = [
+            protocol.request("INTERPOLATE", name, field, *flat[at : at + 2 * _PLACES_AT_ONCE], last)
+            for at in range(0, len(flat), 2 * _PLACES_AT_ONCE)
+        ]
+        return self._run(requests, lambda replies: protocol.numbers([row for reply in replies for row in reply.rows]))
+
+    def raster(
+        self,
+        name: str,
+        field: str,
+        box: Sequence[float],
+        columns: int,
+        rows: int,
+        method: str = "linear",
+        max_edge: Optional[float] = None,
+    ) -> Any:
+        """The values at the centres of the cells of a box (x0, y0, x1, y1), shape (rows, columns), the northernmost row first;
+        else as interpolate()."""
+        x0, y0, x1, y1 = map(float, box)
+        words: Tuple[Word, ...] = ("RASTER", set_name(name), field_name(field), x0, y0, x1, y1, int(columns), int(rows))
+        return self._ask(_grid(int(columns)), *words, *_method(method, max_edge), "BINARY")
+
+    def contours(
+        self,
+        name: str,
+        field: str,
+        levels: Optional[Iterable[float]] = None,
+        every: Optional[float] = None,
+        base: float = 0.0,
+        max_edge: Optional[float] = None,
+    ) -> List[Contour]:
+        """The contour lines of a field at levels, or at base and all multiples of `every` from it."""
+        words: Tuple[Word, ...] = ("CONTOUR", set_name(name), field_name(field))
+        if (levels is None) == (every is None):
+            raise ValueError("either levels or every")
+        if levels is not None:
+            words += tuple(float(level) for level in levels)
+        else:
+            words += ("EVERY", float(every or 0), "BASE", float(base))
+        if max_edge is not None:
+            words += ("MAXEDGE", float(max_edge))
+        return self._ask(protocol.contours, *words)
+
     def voronoi(self, name: str, ids: Iterable[int] = (), box: Optional[Sequence[float]] = None) -> Cells:
         """The Voronoi cells of points, or of all, clipped to a box (x0, y0, x1, y1), or to the box around all points, grown by
         half of its longer side."""
@@ -212,6 +271,15 @@ class Commands:
     def within(self, name: str, *where: float) -> List[int]:
         """The points in a closed box (x0, y0, x1, y1) or disc (x, y, r), by id."""
         return self._ask(protocol.first_words, "WITHIN", set_name(name), *(float(v) for v in where))
+
+
+def _grid(columns: int) -> Callable[[Reply], Any]:
+    return lambda reply: protocol.doubles(reply.data, columns)
+
+
+def _method(method: str, max_edge: Optional[float]) -> Tuple[Word, ...]:
+    words: Tuple[Word, ...] = ("METHOD", method)
+    return words if max_edge is None else words + ("MAXEDGE", float(max_edge))
 
 
 def _box(box: Optional[Sequence[float]]) -> Tuple[Word, ...]:

@@ -6,7 +6,7 @@ import re
 import struct
 import sys
 from array import array
-from typing import Any, Callable, Dict, Generator, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Generator, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 try:
     import numpy
@@ -75,6 +75,14 @@ class Cells(NamedTuple):
     offsets: Any
     corners: Any
     box: Tuple[float, float, float, float]
+
+
+class Contour(NamedTuple):
+    """A contour line, shape (k, 2), with higher ground on its left; a closed one does not repeat its first place."""
+
+    level: float
+    closed: bool
+    line: Any
 
 
 class Located(NamedTuple):
@@ -168,16 +176,63 @@ def uint32s(data: bytes, width: int) -> Any:
     return words
 
 
-def doubles(data: bytes, width: int = 1) -> Any:
-    """Little-endian doubles: an array, for a width other than 1 of shape (n, width), or a flat array.array without NumPy."""
+def doubles(data: bytes, width: int = 0) -> Any:
+    """Little-endian doubles: an array, for a width other than 0 of shape (n, width), or a flat array.array without NumPy."""
     if numpy is not None:
         flat = numpy.frombuffer(data, dtype="<f8")
-        return flat if width == 1 else flat.reshape(-1, width)
+        return flat if width == 0 else flat.reshape(-1, width)
     words = array("d")
     words.frombytes(data)
     if sys.byteorder == "big":
         words.byteswap()
     return words
+
+
+def flat_pairs(points: Any) -> List[float]:
+    """Points as numbers x, y, x, y, ..."""
+    data, _ = pairs(points)
+    return doubles(bytes(data)).tolist()  # type: ignore[no-any-return]
+
+
+def numbers(words: List[str]) -> Any:
+    """Decimal numbers as an array."""
+    return numpy.array(words, dtype=float) if numpy is not None else array("d", map(float, words))
+
+
+def column(values: Any) -> Tuple[memoryview, int]:
+    """Numbers as little-endian doubles, and how many."""
+    if numpy is not None:
+        a: Any = numpy.ascontiguousarray(values, dtype="<f8")
+        if a.ndim != 1:
+            raise ValueError("values must have the shape (n,)")
+        return memoryview(a).cast("B") if a.size else memoryview(b""), len(a)
+    flat = array("d", values)
+    if sys.byteorder == "big":
+        flat.byteswap()
+    return memoryview(flat).cast("B"), len(flat)
+
+
+def rows_with_fields(points: Any, fields: Mapping[str, Any]) -> Tuple[memoryview, int]:
+    """Rows x, y and a value of each field, as little-endian doubles, and how many rows."""
+    data, n = pairs(points)
+    columns = [column(values) for values in fields.values()]
+    for name, (_, many) in zip(fields, columns):
+        if many != n:
+            raise ValueError("%d values of %s for %d points" % (many, name, n))
+    if n == 0:
+        return memoryview(b""), 0
+    width = 2 + len(columns)
+    if numpy is not None:
+        table: Any = numpy.empty((n, width), dtype="<f8")
+        table[:, :2] = numpy.frombuffer(data, dtype="<f8").reshape(-1, 2)
+        for k, (values, _) in enumerate(columns):
+            table[:, 2 + k] = numpy.frombuffer(values, dtype="<f8")
+        return memoryview(table).cast("B"), n
+    flat = array("d", bytes(8 * n * width))
+    flat[0::width], flat[1::width] = array("d", bytes(data))[0::2], array("d", bytes(data))[1::2]
+    for k, (values, _) in enumerate(columns):
+        flat[2 + k :: width] = array("d", bytes(values))
+    return memoryview(flat).cast("B"), n
 
 
 def cells(reply: "Reply") -> "Cells":
@@ -195,6 +250,20 @@ def cells(reply: "Reply") -> "Cells":
     if numpy is not None:
         return Cells(numpy.array(ids), numpy.array(offsets), doubles(bytes(corners), 2), (x0, y0, x1, y1))
     return Cells(ids, offsets, doubles(bytes(corners), 2), (x0, y0, x1, y1))
+
+
+def contours(reply: "Reply") -> List["Contour"]:
+    found = []
+    for row in reply.rows:
+        level, kind, _, *xy = row.split(" ")
+        found.append(Contour(float(level), kind == "closed", _line(xy)))
+    return found
+
+
+def _line(words: List[str]) -> Any:
+    if numpy is not None:
+        return numpy.array(words, dtype=float).reshape(-1, 2)
+    return array("d", map(float, words))
 
 
 def pairs(points: Any) -> Tuple[memoryview, int]:

@@ -22,7 +22,7 @@ _PIECE = 1 << 20
 # Requests that may be sent again when the connection was lost before they were answered.
 _HARMLESS = frozenset(
     b"PING INFO SETS STAT TTL GET POINTS COINCIDENT CHECK LISTS TRIANGLES EDGES HULL LOCATE LOCATEB NEAREST NEARESTB WITHIN"
-    b" FIELDS FGET WEIGHTS VORONOI AREAS".split()
+    b" FIELDS FGET WEIGHTS INTERPOLATE RASTER CONTOUR VORONOI AREAS".split()
 )
 
 
