@@ -187,7 +187,7 @@ static int read_option(struct work *w, int option, char **argv)
         w->has_box = true;
     else if (option == 'v')
         return options_wrong(
-            argv[0], "the viewport %s is no X0,Y0,X1,Y1 from lower left to upper right", optarg);
+            argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
     else if (option != 'e' && option != 'b' && option != 'm')
         return options_unknown(argv[0], argv, option);
     else if (!is_number(optarg, strlen(optarg)) || strlen(optarg) > 40)

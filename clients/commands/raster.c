@@ -161,7 +161,7 @@ static int read_option(struct work *w, int option, char **argv)
         r->columns = (uint32_t)width;
     else if (option == 'v' && !options_read_box(optarg, r->box))
         return options_wrong(
-            argv[0], "the viewport %s is no X0,Y0,X1,Y1 from lower left to upper right", optarg);
+            argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
     else if (option == 'v')
         r->has_box = true;
     else if (strchr("oec", option) == NULL)
