@@ -2,7 +2,7 @@
 #
 #   make            the daemon build/delaunayd and the client build/delaunay
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
-#   make demo       triangulates 171,075 real places over TCP, shows what comes back, draws build/cities.svg
+#   make demo       triangulates 171,075 real places over TCP, draws build/cities.svg and build/terrain.svg
 #   make install    programs, libraries, manual pages, completion: PREFIX=/usr/local DESTDIR=; make uninstall
 #   make lib        the C libraries, in build/lib and build/include
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
@@ -72,7 +72,7 @@ $(O)/%.o: %.c
 	$(COMPILE) -MMD -MP -c -o $@ $<
 
 demo: all
-	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg
+	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg $(O)/terrain.svg
 
 # Tests that talk to a daemon find it through DELAUNAYD and DELAUNAY.
 # What is loaded into a daemon: a disk that fails on demand, a count of system calls, a disk that writes down what it is given.

@@ -1,8 +1,8 @@
 #!/bin/sh
-# demo.sh DAEMON CLIENT PLACES SVG - the whole service once, on real places: starts a daemon on a free port, loads,
+# demo.sh DAEMON CLIENT PLACES SVG [CONTOURS.svg] - the whole service once, on real places: starts a daemon on a free port, loads,
 # triangulates, asks, proves, draws, stops. Exit status 0 only if every step worked. For `make demo`.
 set -eu
-daemon=$1 client=$2 places=$3 svg=$4
+daemon=$1 client=$2 places=$3 svg=$4 contours=${5:-}
 names=$(dirname "$places")/names.tsv # `id TAB name TAB country`, of the places below; without it there are ids
 [ -f "$names" ] || names=/dev/null
 tmp=$(mktemp -d)
@@ -126,6 +126,16 @@ show 1 CHECK cities
 
 say "A picture of it"
 show 1 export cities "$svg"
+
+terrain=$(dirname "$places")/terrain.xyz
+if [ -n "$contours" ]; then
+    say "A surface: heights around the Jacksboro Fault (SRTM, public domain), the third column, become the field z"
+    show 1 load terrain "$terrain"
+    show 1 TRIANGULATE terrain
+    show 30 show terrain --width 76 --height 20
+    show 2 INTERPOLATE terrain z 500 -12000 METHOD natural
+    show 1 contour terrain z "$contours" --every 50
+fi
 
 say "A crash: what was acknowledged is there again"
 printf '%s$ kill -KILL %s%s\n' "$bold" "$pid" "$plain"

@@ -187,10 +187,11 @@ TEST(load_gives_each_line_its_number_as_id)
 TEST_TIMEOUT(demo_shows_the_whole_service, 60)
 {
     int status;
-    char svg[64];
+    char svg[64], contours[64];
     snprintf(svg, sizeof svg, "/tmp/delaunay_demo_test.%d.svg", getpid());
-    const char *out = peer_shell(&status, "clients/demo.sh %s %s tests/data/cities.xy %s 2>&1",
-                                 getenv("DELAUNAYD"), getenv("DELAUNAY"), svg);
+    snprintf(contours, sizeof contours, "/tmp/delaunay_demo_contours.%d.svg", getpid());
+    const char *out = peer_shell(&status, "clients/demo.sh %s %s tests/data/cities.xy %s %s 2>&1",
+                                 getenv("DELAUNAYD"), getenv("DELAUNAY"), svg, contours);
     CHECK_MSG(status == 0, "%s", out);
     CHECK(strstr(out, "OK 0 first=0 added=171075 coincident=37\n") != NULL);
     CHECK(strstr(out, "OK 0 delaunay=yes points=171075 coincident=37 triangles=") != NULL);
@@ -201,7 +202,9 @@ TEST_TIMEOUT(demo_shows_the_whole_service, 60)
     CHECK(near != NULL && sscanf(strstr(near, "(FR)") + 4, "%lf km", &km) == 1);
     CHECK(km > 1.41 && km < 1.43 && strstr(near, "Paris 07 Palais-Bourbon (FR)") != NULL);
     CHECK(strstr(out, "\xE2\xA3\xBF\xE2\xA3\xBF") != NULL); /* the map */
+    CHECK(strstr(out, ": 517 lines, 337 of them closed\n") != NULL && access(contours, F_OK) == 0);
     unlink(svg);
+    unlink(contours);
 }
 
 TEST(demo_fails_if_a_step_fails)
