@@ -91,7 +91,8 @@ static void run_add_values(struct job *j)
         return;
     }
     for (size_t k = 0; k < v->columns; k++)
-        column[k] = (struct dt_values_of){v->field[k].name, v->field[k].len, v->v + k * e->n};
+        column[k] = (struct dt_values_of){v->field[k].name, v->field[k].len,
+                                          v->v == NULL ? NULL : v->v + k * e->n};
     j->status = dt_add_values(j->dt, e->p, e->n, column, v->columns, &j->options, &e->added);
 }
 
