@@ -57,3 +57,26 @@ TEST(directory_of_version_1_is_read_and_goes_on)
     free(want);
     directory_remove(&dir);
 }
+
+/* The same with fields: values in a snapshot, and in all kinds of records of a log. */
+TEST(directory_of_version_2_is_read_with_its_fields)
+{
+    static const char questions[] =
+        "POINTS a\nFIELDS a\nFIELDS b\nPOINTS b FIELDS z\nFIELDS t\nPOINTS t FIELDS new,z\n"
+        "FIELDS u\nPOINTS u FIELDS none,y\nFIELDS empty\n";
+    size_t n;
+    char text[4000];
+    struct directory dir = copy_of("tests/data/version-2");
+    char *want = file_read("tests/data/version-2/state", &n);
+    want[n] = '\0';
+    CHECK_MSG(directory_run(&dir, "--check", text, sizeof text) == 0, "%s", text);
+    for (int i = 0; i < 2; i++) { /* its own files, then those that this release has written */
+        struct daemon d = directory_daemon(&dir, NULL);
+        converse(&d, questions, want);
+        carry_out(&d, "SNAPSHOT\n");
+        await_info(&d, "snapshots", 1);
+        daemon_stop(&d, SIGKILL);
+    }
+    free(want);
+    directory_remove(&dir);
+}
