@@ -471,3 +471,20 @@ TEST(edit_of_values_ends_at_its_limit_of_steps_and_when_cancelled)
     CHECK(dt_field_set_run(t, "z", 1, 0, v, 100, &few, &missing) == DT_OK);
     dt_free(t);
 }
+
+/* One id after the other, so that every least and every greatest value is overwritten at some time. */
+TEST(least_and_greatest_value_follow_each_value_that_is_overwritten)
+{
+    static struct table w;
+    struct dt *t = line(8);
+    uint32_t missing;
+    w = empty();
+    w.there[0] = true;
+    for (unsigned i = 0; i < 500; i++) {
+        uint32_t id = test_below(8);
+        w.value[0][id] = some_value();
+        CHECK(dt_field_set(t, names[0], 1, &id, &w.value[0][id], 1, NULL, &missing) == DT_OK);
+        check(t, NULL, &w);
+    }
+    dt_free(t);
+}
