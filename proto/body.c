@@ -298,6 +298,8 @@ static ptrdiff_t feed_binary(struct body *b, const char *bytes, size_t n)
 
 ptrdiff_t body_feed(struct body *b, const char *bytes, size_t n, bool last)
 {
+    if (bytes == NULL) /* an empty buffer has no address to count from */
+        bytes = "";
     ptrdiff_t took =
         b->form == BODY_BINARY ? feed_binary(b, bytes, n) : feed_lines(b, bytes, n, last);
     if (last && took >= 0 && !b->complete) {

@@ -68,7 +68,7 @@ void body_columns(struct body *b, size_t coordinates, size_t values);
 
 /* Parses bytes[n]; returns the number of bytes consumed (0: it needs more), or -1 if the framing is broken (a NUL
  * byte, a line that is too long). `last`: there will be no more bytes. Check b->complete after each call. Cost:
- * linear in n. */
+ * linear in n. bytes may be NULL if n is 0. */
 ptrdiff_t body_feed(struct body *b, const char *bytes, size_t n, bool last);
 
 /* Sets the fault of the body (for instance BODY_NOMEM), unless it has one, and frees the points. */

@@ -86,6 +86,17 @@ TEST(body_of_counted_lines_ends_with_the_last_one)
     }
 }
 
+TEST(body_that_ends_without_a_byte_has_ended_too_early)
+{
+    for (int binary = 0; binary < 2; binary++) {
+        struct body b;
+        body_init(&b, binary ? BODY_BINARY : BODY_LINES, 2, 10, small_enough);
+        CHECK(body_feed(&b, NULL, 0, false) == 0 && !b.complete);
+        CHECK(body_feed(&b, NULL, 0, true) == 0 && b.complete && b.fault == BODY_ENDED);
+        body_free(&b);
+    }
+}
+
 TEST(body_of_no_lines_is_complete_at_once)
 {
     struct body b;
