@@ -255,6 +255,20 @@ TEST(record_may_be_as_long_as_the_limits_allow_and_no_longer)
     check_length(0, RECORD_POINTS + 6, false);
 }
 
+TEST(record_has_a_field_name_of_64_bytes_and_none_of_65)
+{
+    static const char name[] =
+        "0123456789012345678901234567890123456789012345678901234567890123456";
+    for (size_t len = RECORD_FIELD_LIMIT; len <= RECORD_FIELD_LIMIT + 1; len++) {
+        struct record r = {.type = RECORD_FDROP, .field = name, .field_len = len}, got;
+        struct buf b = {0};
+        record_write(&b, &r);
+        ptrdiff_t took = record_read(buf_head(&b), buf_len(&b), &got);
+        CHECK(took == (len == RECORD_FIELD_LIMIT ? (ptrdiff_t)buf_len(&b) : -1));
+        buf_free(&b);
+    }
+}
+
 /* The bytes that version 1 has for ever: a change here is a change of the format. */
 TEST(record_of_version_1_has_these_bytes)
 {
