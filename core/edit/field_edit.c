@@ -104,6 +104,19 @@ static enum dt_status find_field(struct setting *s, const char *name, size_t len
     return s->created ? dt_fields_create(&s->t->fields, name, len, &s->field) : DT_OK;
 }
 
+/* Finds or creates the field, and makes its pages ready; one that was created for nothing is dropped again. */
+static enum dt_status open_field(struct setting *s, const char *name, size_t len,
+                                 struct dt_work *work)
+{
+    enum dt_status status = find_field(s, name, len);
+    if (status != DT_OK)
+        return status;
+    status = open_pages(s, work);
+    if (status != DT_OK && s->created)
+        dt_fields_drop(&s->t->fields, s->field);
+    return status;
+}
+
 static enum dt_status set_values(struct setting *s, const char *name, size_t len,
                                  const struct dt_options *opt, uint32_t *missing)
 {
@@ -112,12 +125,7 @@ static enum dt_status set_values(struct setting *s, const char *name, size_t len
     if (status != DT_OK)
         return status;
     dt_views_edit_begin(s->t);
-    status = find_field(s, name, len);
-    if (status != DT_OK)
-        return status;
-    status = open_pages(s, &work);
-    if (status != DT_OK && s->created)
-        dt_fields_drop(&s->t->fields, s->field);
+    status = open_field(s, name, len, &work);
     if (status == DT_OK && s->ids != NULL)
         write_ids(s);
     else if (status == DT_OK)
@@ -153,14 +161,7 @@ static enum dt_status make_ready(struct setting *s, const struct dt_values_of *c
     enum dt_status status = DT_OK;
     for (size_t i = 0; i < s->n && status == DT_OK; i++)
         status = isinf(s->v[i]) ? DT_RANGE : DT_OK;
-    if (status == DT_OK)
-        status = find_field(s, column->name, column->len);
-    if (status != DT_OK)
-        return status;
-    status = open_pages(s, work);
-    if (status != DT_OK && s->created)
-        dt_fields_drop(&s->t->fields, s->field);
-    return status;
+    return status == DT_OK ? open_field(s, column->name, column->len, work) : status;
 }
 
 /* Takes away what write_run has written. */
