@@ -1,11 +1,14 @@
 /* power_change.c - see power_change.h. */
 #include "tests/server/power/power_change.h"
 
+#include "core/delaunay_fields.h"
 #include "tests/server/digest.h"
 #include "tests/test.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdarg.h>
+#include <string.h>
 
 /* ---- requests ---- */
 
@@ -26,11 +29,57 @@ __attribute__((format(printf, 2, 3))) static void put(struct buf *to, const char
     buf_append(to, text, (size_t)n);
 }
 
+static const char *const field_name[CHANGE_FIELDS] = {"t", "z"};
+
+/* The value of an added point; some are missing. */
+static double value_of(struct dt_point p, uint32_t field)
+{
+    return fmod(p.x + field, 4) == 3 ? (double)NAN : 100 * field + 10 * p.x - p.y;
+}
+
 static void put_points(struct buf *to, const struct change *c, const char *before,
                        const char *after)
 {
-    for (uint32_t i = 0; i < c->n; i++)
-        put(to, "%s%.17g %.17g%s", before, c->points[i].x, c->points[i].y, after);
+    for (uint32_t i = 0; i < c->n; i++) {
+        put(to, "%s%.17g %.17g", before, c->points[i].x, c->points[i].y);
+        for (uint32_t f = 0; f < c->fields; f++)
+            put(to, " %.17g", value_of(c->points[i], f));
+        put(to, "%s", after);
+    }
+}
+
+static void put_bytes(struct buf *to, const struct change *c)
+{
+    for (uint32_t i = 0; i < c->n; i++) {
+        buf_append(to, &c->points[i], sizeof c->points[i]);
+        for (uint32_t f = 0; f < c->fields; f++) {
+            double v = value_of(c->points[i], f);
+            buf_append(to, &v, sizeof v);
+        }
+    }
+}
+
+static void put_set_and_fields(struct buf *to, const char *command, const char *set,
+                               const struct change *c)
+{
+    put(to, "%s %s", command, set);
+    if (c->kind == CHANGE_LOAD || c->kind == CHANGE_LOADB)
+        put(to, " %" PRIu32, c->n);
+    for (uint32_t f = 0; f < c->fields; f++)
+        put(to, "%s%s", f == 0 ? " FIELDS " : ",", field_name[f]);
+}
+
+static void put_values(struct buf *to, const char *set, const struct change *c, const uint32_t *ids)
+{
+    if (c->kind == CHANGE_FSETB)
+        put(to, "FSETB %s %s %" PRIu32 " %" PRIu32, set, field_name[c->field], ids[0], c->n);
+    else
+        put(to, "FSET %s %s", set, field_name[c->field]);
+    for (uint32_t i = 0; c->kind == CHANGE_FSET && i < c->n; i++)
+        put(to, " %" PRIu32 " %.17g", ids[i], c->points[i].x);
+    put(to, "\n");
+    for (uint32_t i = 0; c->kind == CHANGE_FSETB && i < c->n; i++)
+        buf_append(to, &c->points[i].x, sizeof c->points[i].x);
 }
 
 void change_write(struct buf *to, const char *set, const struct change *c, const uint32_t *ids)
@@ -38,22 +87,25 @@ void change_write(struct buf *to, const char *set, const struct change *c, const
     ids = ids == NULL ? c->id : ids;
     switch (c->kind) {
     case CHANGE_ADD:
-        put(to, "ADD %s", set);
+        put_set_and_fields(to, "ADD", set, c);
         put_points(to, c, " ", "");
         put(to, "\n");
         break;
     case CHANGE_LOAD:
-        put(to, "LOAD %s %" PRIu32 "\n", set, c->n);
+        put_set_and_fields(to, "LOAD", set, c);
+        put(to, "\n");
         put_points(to, c, "", "\n");
         break;
     case CHANGE_LOAD_TO_DOT:
-        put(to, "LOAD %s\n# points\n", set);
+        put_set_and_fields(to, "LOAD", set, c);
+        put(to, "\n# points\n");
         put_points(to, c, "", "\n");
         put(to, ".\n");
         break;
     case CHANGE_LOADB:
-        put(to, "LOADB %s %" PRIu32 "\n", set, c->n);
-        buf_append(to, c->points, c->n * sizeof *c->points);
+        put_set_and_fields(to, "LOADB", set, c);
+        put(to, "\n");
+        put_bytes(to, c);
         break;
     case CHANGE_DELETE:
         put(to, "DEL %s", set);
@@ -72,6 +124,13 @@ void change_write(struct buf *to, const char *set, const struct change *c, const
         break;
     case CHANGE_TRIANGULATE:
         put(to, "TRIANGULATE %s\n", set);
+        break;
+    case CHANGE_FSET:
+    case CHANGE_FSETB:
+        put_values(to, set, c, ids);
+        break;
+    case CHANGE_FDROP:
+        put(to, "FDROP %s %s\n", set, field_name[c->field]);
         break;
     }
     CHECK(!to->failed);
@@ -95,9 +154,18 @@ static void create(struct model *m, double tolerance)
 static void add(struct model *m, const struct change *c, char reply[REPLY_BYTES])
 {
     struct dt_added added;
+    struct dt_values_of column[CHANGE_FIELDS];
+    double *v = malloc((c->n * CHANGE_FIELDS + 1) * sizeof *v);
+    CHECK(v != NULL);
+    for (uint32_t f = 0; f < c->fields; f++) {
+        column[f] = (struct dt_values_of){field_name[f], strlen(field_name[f]), v + f * c->n};
+        for (uint32_t i = 0; i < c->n; i++)
+            v[f * c->n + i] = value_of(c->points[i], f);
+    }
     if (m->dt == NULL)
         create(m, 0);
-    CHECK(dt_add(m->dt, c->points, c->n, &added) == DT_OK);
+    CHECK(dt_add_values(m->dt, c->points, c->n, column, c->fields, NULL, &added) == DT_OK);
+    free(v);
     snprintf(reply, REPLY_BYTES, "OK 0 first=%" PRIu32 " added=%" PRIu32 " coincident=%" PRIu32,
              added.first, added.added, added.coincident);
 }
@@ -117,6 +185,32 @@ static void change_points(struct model *m, const struct change *c, char reply[RE
         snprintf(reply, REPLY_BYTES, "OK 0 deleted=%" PRIu32, deleted);
 }
 
+static void change_values(struct model *m, const struct change *c, char reply[REPLY_BYTES])
+{
+    const char *name = field_name[c->field];
+    double *v = malloc(c->n * sizeof *v);
+    uint32_t missing;
+    enum dt_status status;
+    CHECK(v != NULL);
+    for (uint32_t i = 0; i < c->n; i++)
+        v[i] = c->points[i].x;
+    if (c->kind == CHANGE_FSET)
+        status = dt_field_set(m->dt, name, strlen(name), c->id, v, c->n, NULL, &missing);
+    else
+        status = dt_field_set_run(m->dt, name, strlen(name), c->id[0], v, c->n, NULL, &missing);
+    CHECK(status == DT_OK || status == DT_NOPOINT);
+    if (status == DT_NOPOINT)
+        snprintf(reply, REPLY_BYTES, "ERR NOPOINT");
+    free(v);
+}
+
+static void drop_field(struct model *m, const struct change *c, char reply[REPLY_BYTES])
+{
+    const char *name = field_name[c->field];
+    if (dt_field_drop(m->dt, name, strlen(name)) == DT_NOFIELD)
+        snprintf(reply, REPLY_BYTES, "ERR NOFIELD");
+}
+
 void model_apply(struct model *m, const struct change *c, char reply[REPLY_BYTES])
 {
     snprintf(reply, REPLY_BYTES, "OK 0");
@@ -133,6 +227,10 @@ void model_apply(struct model *m, const struct change *c, char reply[REPLY_BYTES
         model_clear(m);
     } else if (c->kind == CHANGE_TRIANGULATE) {
         m->triangulated = true;
+    } else if (c->kind == CHANGE_FSET || c->kind == CHANGE_FSETB) {
+        change_values(m, c, reply);
+    } else if (c->kind == CHANGE_FDROP) {
+        drop_field(m, c, reply);
     } else {
         change_points(m, c, reply);
     }

@@ -15,17 +15,22 @@ enum change_kind {
     CHANGE_MOVE,
     CHANGE_CREATE,
     CHANGE_DROP,
-    CHANGE_TRIANGULATE
+    CHANGE_TRIANGULATE,
+    CHANGE_FSET,
+    CHANGE_FSETB, /* of the ids from id[0] on */
+    CHANGE_FDROP
 };
 
-enum { CHANGE_IDS = 8, REPLY_BYTES = 128 };
+enum { CHANGE_IDS = 8, CHANGE_FIELDS = 2, REPLY_BYTES = 128 };
 
 struct change {
     enum change_kind kind;
-    uint32_t n;              /* points, or ids */
-    struct dt_point *points; /* owns */
+    uint32_t n;              /* points, ids, or values */
+    struct dt_point *points; /* owns; x is the value of FSET and FSETB */
     uint32_t id[CHANGE_IDS];
     double tolerance;
+    uint32_t fields; /* that an addition has values for, which follow from its points */
+    uint32_t field;  /* of FSET, FSETB, FDROP */
 };
 
 void change_clear(struct change *c);

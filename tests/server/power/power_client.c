@@ -5,6 +5,7 @@
 #include "tests/test.h"
 
 #include <arpa/inet.h>
+#include <math.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -40,16 +41,38 @@ static struct change addition(struct client *c, uint32_t kind)
     return (struct change){.kind = load[below(c, 3)], .n = 1 + below(c, 60)};
 }
 
+static struct change change_of_values(struct client *c, const struct stream *s)
+{
+    uint32_t kind = below(c, 10), field = below(c, CHANGE_FIELDS);
+    if (kind == 0)
+        return (struct change){.kind = CHANGE_FDROP, .field = field};
+    bool run = kind < 4;
+    struct change change = {.kind = run ? CHANGE_FSETB : CHANGE_FSET, .field = field};
+    change.n = run ? 1 + below(c, s->ids / 2 + 1) : 1 + below(c, 4);
+    for (uint32_t i = 0; i < CHANGE_IDS; i++)
+        change.id[i] = below(c, s->ids + 1);
+    if (run)
+        change.id[0] = below(c, s->ids / 2 + 1);
+    change.points = places(c, change.n);
+    for (uint32_t i = 0; i < change.n; i++)
+        if (below(c, 5) == 0)
+            change.points[i].x = (double)NAN;
+    return change;
+}
+
 /* Few places, so that points meet; ids mostly of points that are there. */
 static struct change change_own(struct client *c, const struct stream *s)
 {
     struct change change = {.kind = CHANGE_DROP};
     uint32_t kind = below(c, 100);
+    if (below(c, 5) == 0)
+        return change_of_values(c, s);
     if (s->ids > LARGE)
         kind += 42; /* a large set goes soon */
     if (kind < 54) {
         change = addition(c, kind);
         change.points = places(c, change.n);
+        change.fields = below(c, 3) == 0 ? 1 + below(c, CHANGE_FIELDS) : 0;
     } else if (kind < 72) {
         change = (struct change){.kind = CHANGE_DELETE, .n = 1 + below(c, 3)};
         for (uint32_t i = 0; i < change.n; i++)

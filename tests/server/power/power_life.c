@@ -357,7 +357,7 @@ void story_live(struct story *s, const struct circumstances *c)
     if (exact)
         check_log(&m);
     history_close(&s->history);
-    s->history.disk_is_full = c->space > 0;
+    s->history.disk_is_full = c->space > 0 || c->write_fails > 0; /* some fail for want of space */
     s->history.shows_unsaved = c->sync_fails + c->write_fails > 0 || c->space > 0;
     count(s, &log);
     look(&m);

@@ -154,8 +154,9 @@ static bool find_state(struct stream *s, uint64_t digest)
 /* Whether a full disk may have refused the change, and its reply was not heard. */
 static bool may_be_refused(const struct sent_change *sent)
 {
-    return sent->reply[0] == '\0' && sent->change.kind != CHANGE_DELETE &&
-           sent->change.kind != CHANGE_DROP;
+    enum change_kind kind = sent->change.kind;
+    return sent->reply[0] == '\0' && kind != CHANGE_DELETE && kind != CHANGE_DROP &&
+           kind != CHANGE_FDROP;
 }
 
 /* Takes those of the changes that may have been refused for refused of which the bit in `which` is
