@@ -93,6 +93,7 @@ enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const s
 enum dt_status dt_raster_values(const struct dt *t, const struct dt_surface *s,
                                 const struct dt_raster *r, uint64_t from, size_t n,
                                 const struct dt_options *opt, double *out, size_t *done);
+
 /* ---- Voronoi cells: what is nearer to one point than to all others, clipped to a box ----
  *
  * Every corner of a cell is an exact place, a circumcentre, a point where a bisector meets a side of the box, or a corner
@@ -150,9 +151,8 @@ void dt_cells_only(const struct dt_cells *c, uint32_t id, struct dt_cells *one);
 
 /* The next cells, at most `room`, into cell[], and their corners into corner[cap], counterclockwise from the least by x,
  * then y: at least three each, or none where the cell is not in the box or touches it only. *n says how many, 0 at the end, and *corners
- * how many corners they have together. DT_TOOSMALL: the next cell alone has *corners. Cost: about 150 ns a cell, in
- * large sets; a few hundred where its corners are on the box; for single corners that double words do not decide
- * 50 us. */
+ * how many corners they have together. DT_TOOSMALL: the next cell alone has *corners. Cost: about 500 ns a cell, in
+ * large sets; for single corners that double words do not decide 50 us. */
 enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_cell *cell,
                              size_t room, struct dt_point *corner, size_t cap, size_t *n,
                              size_t *corners);

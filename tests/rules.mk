@@ -37,7 +37,7 @@ interop: all
 # TABLES=hostile MIN=10000, every family and order of input beside uniform points, and edits where they are hardest, eight;
 # TABLES=edits is the latter alone. The tables of a quiet run are in tests/bench/README.md, its chart is tests/bench/bench.svg.
 
-TABLES     ?= paper sizes families daemon live end_to_end
+TABLES     ?= paper sizes families daemon live surface end_to_end
 MIN        ?= 1000
 MAX        ?= 1000000
 TEN        := uniform gaussian clusters kuzmin lattice lattice_shuffled duplicates near_collinear thin_line circle
@@ -53,17 +53,24 @@ $(O)/tests/bench/live: $(addprefix $(O)/tests/bench/,live.o live_plan.o measure.
 $(O)/tests/bench/cgal_live: $(addprefix $(O)/tests/bench/,cgal_live.o live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
+$(O)/tests/bench/surface: $(addprefix $(O)/tests/bench/,surface.o live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
+	$(COMPILE) -o $@ $^ $(LDLIBS)
+
+$(O)/tests/bench/cgal_surface: $(addprefix $(O)/tests/bench/,cgal_surface.o live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
+	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+
 $(O)/tests/bench/cgal_%.o: CXXCOMPILE += -DNDEBUG
 $(O)/tests/bench/cgal_%: $(O)/tests/bench/cgal_%.o $(FAMILIES)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
-bench: all $(O)/tests/bench/bench $(O)/tests/bench/live $(O)/tests/bench/points
-	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(addprefix $(O)/tests/bench/,cgal_speed cgal_live cgal_text), \
+bench: all $(addprefix $(O)/tests/bench/,bench live surface points)
+	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(addprefix $(O)/tests/bench/,cgal_speed cgal_live cgal_surface cgal_text), \
 	  echo "no libcgal-dev, so nothing beside CGAL")
 	@{ $(O)/tests/bench/bench --min $(MIN) --max $(MAX) --cgal $(O)/tests/bench/cgal_speed \
 	    $(filter paper sizes families hostile edits,$(TABLES:hostile=hostile edits)) \
 	  $(if $(filter daemon,$(TABLES)),&& tests/bench/daemon.sh $(O) 1000000 3 $(TEN)) \
 	  $(if $(filter live,$(TABLES)),&& $(O)/tests/bench/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_live)) \
+	  $(if $(filter surface,$(TABLES)),&& $(O)/tests/bench/surface $(MAX) $(MAX) $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_surface)) \
 	  $(if $(filter end_to_end,$(TABLES)),&& tests/bench/end_to_end.sh $(O) 1000000); } | tee $(O)/bench.md
 	@echo "the tables are in $(O)/bench.md"
 	@$(if $(filter families,$(TABLES)),awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg && \

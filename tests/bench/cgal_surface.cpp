@@ -1,0 +1,108 @@
+/* cgal_surface.cpp - values between points by CGAL, at the places of surface.c: linear ones by locate and barycentric
+ * coordinates, Sibson's by natural_neighbor_coordinates_2. A cell is looked up from the face of the one before, any
+ * other place by the hierarchy.
+ *
+ *     cgal_surface N K      prints ns each, one line for each kind of surface_plan.h, 0 where there is nothing alike */
+#include <CGAL/Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_hierarchy_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <CGAL/natural_neighbor_coordinates_2.h>
+
+#include <stdatomic.h>
+extern "C" {
+#include "tests/bench/live_plan.h"
+#include "tests/bench/measure.h"
+}
+#include "tests/bench/surface_plan.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+using kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using with_value = CGAL::Triangulation_vertex_base_with_info_2<double, kernel>;
+using vertex_base = CGAL::Triangulation_hierarchy_vertex_base_2<with_value>;
+using delaunay =
+    CGAL::Delaunay_triangulation_2<kernel, CGAL::Triangulation_data_structure_2<vertex_base>>;
+using triangulation = CGAL::Triangulation_hierarchy_2<delaunay>;
+using point = kernel::Point_2;
+using face = triangulation::Face_handle;
+using vertex = triangulation::Vertex_handle;
+
+static double twice_area(const point &a, const point &b, const point &c)
+{
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+static double linear(const triangulation &t, const point &q, face f)
+{
+    if (t.is_infinite(f))
+        return NAN;
+    const point &a = f->vertex(0)->point(), &b = f->vertex(1)->point(), &c = f->vertex(2)->point();
+    double all = twice_area(a, b, c), u = twice_area(b, c, q) / all, v = twice_area(c, a, q) / all;
+    return u * f->vertex(0)->info() + v * f->vertex(1)->info() + (1 - u - v) * f->vertex(2)->info();
+}
+
+static double sibson(const triangulation &t, const point &q, face f)
+{
+    using weight = std::pair<vertex, double>;
+    static std::vector<weight> weights;
+    weights.clear();
+    if (t.is_infinite(f))
+        return NAN;
+    CGAL::Identity<weight> as_it_is;
+    auto sum = CGAL::natural_neighbor_coordinates_2(t, q, std::back_inserter(weights), as_it_is, f);
+    double z = 0;
+    for (const weight &w : weights)
+        z += w.second * w.first->info();
+    return z / sum.second;
+}
+
+template <class Value, class Place, class Find>
+static double measure(const triangulation &t, size_t k, Value value, Place place, Find find)
+{
+    face f = t.finite_faces_begin();
+    double sum = 0, start = measure_cpu();
+    for (size_t i = 0; i < k; i++) {
+        point q = place(i);
+        f = find(q, f);
+        double z = value(t, q, f);
+        sum += z == z ? z : 1;
+    }
+    live_keep(static_cast<uint32_t>(std::fabs(sum)));
+    return live_ns(start, k);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 3)
+        return 2;
+    live_plan plan =
+        live_plan_new(std::strtoul(argv[1], nullptr, 10), std::strtoul(argv[2], nullptr, 10));
+    std::vector<point> points;
+    for (size_t i = 0; i < plan.n; i++)
+        points.emplace_back(plan.start[i].x, plan.start[i].y);
+    triangulation t(points.begin(), points.end());
+    for (vertex v : t.finite_vertex_handles())
+        v->info() = surface_height(v->point().x(), v->point().y());
+    size_t side = static_cast<size_t>(std::sqrt(static_cast<double>(plan.k)));
+    auto cell = [side](size_t i) {
+        double n = 2.0 * static_cast<double>(side);
+        return point(static_cast<double>(2 * (i % side) + 1) / n,
+                     1 - static_cast<double>(2 * (i / side) + 1) / n);
+    };
+    auto anywhere = [&plan](size_t i) { return point(plan.query[i].x, plan.query[i].y); };
+    auto from_the_last = [&t](const point &q, face f) { return t.delaunay::locate(q, f); };
+    auto from_above = [&t](const point &q, face) { return t.locate(q); };
+    double ns[SURFACE_KINDS] = {};
+    ns[SURFACE_LINEAR] = measure(t, side * side, linear, cell, from_the_last);
+    ns[SURFACE_NATURAL] = measure(t, side * side, sibson, cell, from_the_last);
+    ns[SURFACE_LINEAR_ANYWHERE] = measure(t, plan.k, linear, anywhere, from_above);
+    ns[SURFACE_NATURAL_ANYWHERE] = measure(t, plan.k, sibson, anywhere, from_above);
+    for (double x : ns)
+        std::printf("%.1f\n", x);
+    live_plan_free(&plan);
+}

@@ -1,0 +1,210 @@
+/* surface.c - what values between points, Voronoi cells and contours cost, beside CGAL.
+ *
+ *     surface N K [PEER]    a raster of K cells, K random places, and all cells and contours of N uniform points; PEER:
+ *                           the program built from cgal_surface.cpp
+ *
+ * Both programs draw the same points and places from the same seeds (live_plan.h). A figure is the least of ROUNDS. */
+#include "core/delaunay_surface.h"
+#include "tests/bench/live_plan.h"
+#include "tests/bench/measure.h"
+#include "tests/bench/pool.h"
+#include "tests/bench/surface_plan.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { ROUNDS = 3 };
+
+static const char *const name[SURFACE_KINDS] = {
+    [SURFACE_LINEAR] = "raster, linear, per cell",
+    [SURFACE_LINEAR_TWO_THREADS] = "the same on two threads, elapsed",
+    [SURFACE_NATURAL] = "raster, natural (Sibson), per cell",
+    [SURFACE_LAPLACE] = "raster, Laplace, per cell",
+    [SURFACE_LINEAR_ANYWHERE] = "random places, linear",
+    [SURFACE_NATURAL_ANYWHERE] = "random places, natural (Sibson)",
+    [SURFACE_CELLS] = "Voronoi cells, clipped, per cell",
+    [SURFACE_AREAS] = "and their areas, per cell",
+    [SURFACE_CONTOURS] = "contours of 20 levels, per point of the set",
+};
+
+struct surface {
+    struct dt *set;
+    struct live_plan plan;
+    struct dt_raster raster;
+    struct dt_surface surface;
+    struct pool *pool;
+    double *value; /* k */
+    double ns[SURFACE_KINDS];
+};
+
+static void must(bool ok)
+{
+    if (ok)
+        return;
+    fprintf(stderr, "surface: out of memory\n");
+    exit(1);
+}
+
+static double elapsed(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void fill(struct surface *s, enum surface_kind kind)
+{
+    struct dt_pool pool = pool_face(s->pool);
+    bool two = kind == SURFACE_LINEAR_TWO_THREADS;
+    struct dt_options opt = {.pool = two ? &pool : NULL};
+    bool raster = kind < SURFACE_LINEAR_ANYWHERE;
+    size_t done, k = raster ? (size_t)s->raster.columns * s->raster.rows : s->plan.k;
+    double start = two ? elapsed() : measure_cpu();
+    if (raster)
+        must(dt_raster_values(s->set, &s->surface, &s->raster, 0, k, &opt, s->value, &done) ==
+             DT_OK);
+    else
+        must(dt_values(s->set, &s->surface, s->plan.query, k, &opt, s->value, &done) == DT_OK);
+    s->ns[kind] = two ? (elapsed() - start) * 1e9 / (double)k : live_ns(start, k);
+}
+
+static void values(struct surface *s, enum surface_kind kind, enum dt_interpolation how)
+{
+    s->surface.how = how;
+    fill(s, kind);
+}
+
+static void cells(struct surface *s, enum surface_kind kind)
+{
+    enum { SOME = 1024, CORNERS = 1 << 14 };
+    static struct dt_cell cell[SOME];
+    static struct dt_point corner[CORNERS];
+    struct dt_bounds b = {0};
+    struct dt_cells c;
+    struct dt_point lo, hi;
+    size_t n, corners, all = 0;
+    double sum = 0, start = measure_cpu();
+    for (bool done = false; !done;)
+        must(dt_bounds_read(s->set, NULL, &b, 1 << 16, &done) == DT_OK);
+    dt_bounds_grow(&b, &lo, &hi);
+    must(dt_cells_begin(s->set, NULL, lo, hi, &c) == DT_OK);
+    do {
+        must(dt_cells_read(s->set, &c, cell, SOME, corner, CORNERS, &n, &corners) == DT_OK);
+        for (size_t i = 0, at = 0; kind == SURFACE_AREAS && i < n; at += cell[i++].corners)
+            sum += dt_polygon_area(corner + at, cell[i].corners);
+        all += n;
+    } while (n > 0);
+    s->ns[kind] = live_ns(start, all);
+    must(kind == SURFACE_CELLS || fabs(sum / ((hi.x - lo.x) * (hi.y - lo.y)) - 1) < 1e-12);
+}
+
+static void contours(struct surface *s)
+{
+    double level[SURFACE_LEVELS], start = measure_cpu();
+    struct dt_contour *c;
+    const struct dt_contour_line *line;
+    size_t lines;
+    for (int i = 0; i < SURFACE_LEVELS; i++)
+        level[i] = 2 * (i + 0.5) / SURFACE_LEVELS - 1;
+    must(dt_contour_begin(s->set, NULL, dt_field_find(s->set, "z", 1), level, SURFACE_LEVELS,
+                          HUGE_VAL, &c) == DT_OK);
+    for (bool done = false; !done;)
+        must(dt_contour_read(s->set, c, &done) == DT_OK);
+    must(dt_contour_end(c, NULL, &line, &lines) == DT_OK);
+    dt_contour_free(c);
+    s->ns[SURFACE_CONTOURS] = live_ns(start, s->plan.n);
+}
+
+static void begin(struct surface *s)
+{
+    struct dt_added added;
+    uint32_t missing, side = (uint32_t)sqrt((double)s->plan.k);
+    double *z = malloc(s->plan.n * sizeof *z);
+    s->value = malloc((s->plan.k + 1) * sizeof *s->value);
+    s->set = dt_new(0);
+    s->pool = pool_new(2);
+    must(z != NULL && s->value != NULL && s->set != NULL && s->pool != NULL);
+    must(dt_add(s->set, s->plan.start, s->plan.n, &added) == DT_OK);
+    for (size_t i = 0; i < s->plan.n; i++)
+        z[i] = surface_height(s->plan.start[i].x, s->plan.start[i].y);
+    must(dt_field_set_run(s->set, "z", 1, added.first, z, s->plan.n, NULL, &missing) == DT_OK);
+    must(dt_triangulate(s->set, NULL) == DT_OK && dt_prepare(s->set, NULL) == DT_OK);
+    must(dt_surface_begin(&s->surface, dt_field_find(s->set, "z", 1), NULL) == DT_OK);
+    s->surface.max_edge = HUGE_VAL;
+    s->raster = (struct dt_raster){{0, 0}, {1, 1}, side, side};
+    free(z);
+}
+
+static void end(struct surface *s)
+{
+    dt_surface_end(&s->surface);
+    dt_free(s->set);
+    pool_free(s->pool);
+    free(s->value);
+    live_plan_free(&s->plan);
+}
+
+static void measure(struct surface *s)
+{
+    values(s, SURFACE_LINEAR, DT_LINEAR);
+    values(s, SURFACE_LINEAR_TWO_THREADS, DT_LINEAR);
+    values(s, SURFACE_NATURAL, DT_NATURAL);
+    values(s, SURFACE_LAPLACE, DT_LAPLACE);
+    values(s, SURFACE_LINEAR_ANYWHERE, DT_LINEAR);
+    values(s, SURFACE_NATURAL_ANYWHERE, DT_NATURAL);
+    cells(s, SURFACE_CELLS);
+    cells(s, SURFACE_AREAS);
+    contours(s);
+}
+
+/* The peer prints one number for each kind, 0 for what it does not measure. */
+static void measure_peer(const char *peer, const struct live_plan *plan, double *ns)
+{
+    char command[512];
+    FILE *f = NULL;
+    if (peer != NULL) {
+        snprintf(command, sizeof command, "%s %zu %zu", peer, plan->n, plan->k);
+        f = popen(command, "r");
+    }
+    for (unsigned i = 0; i < SURFACE_KINDS; i++)
+        if (f == NULL || fscanf(f, "%lf", &ns[i]) != 1)
+            ns[i] = 0;
+    if (f != NULL)
+        pclose(f);
+}
+
+static void keep_least(double *least, const double *ns)
+{
+    for (unsigned i = 0; i < SURFACE_KINDS; i++)
+        least[i] = least[i] == 0 || ns[i] < least[i] ? ns[i] : least[i];
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 3)
+        return 2;
+    struct surface s = {.plan =
+                            live_plan_new(strtoul(argv[1], NULL, 10), strtoul(argv[2], NULL, 10))};
+    double ours[SURFACE_KINDS] = {0}, least[SURFACE_KINDS] = {0}, peer[SURFACE_KINDS];
+    begin(&s);
+    for (int round = 0; round < ROUNDS; round++) {
+        measure(&s);
+        keep_least(ours, s.ns);
+        measure_peer(argc > 3 ? argv[3] : NULL, &s.plan, peer);
+        keep_least(least, peer);
+    }
+    printf("Surfaces, %zu uniform points, %zu cells or places, ns each, one thread.\n\n", s.plan.n,
+           s.plan.k);
+    printf("| what | delaunayd | CGAL | ratio |\n|---|---|---|---|\n");
+    for (unsigned i = 0; i < SURFACE_KINDS; i++) {
+        printf("| %s | %.0f |", name[i], ours[i]);
+        if (least[i] > 0)
+            printf(" %.0f | %.3f |\n", least[i], ours[i] / least[i]);
+        else
+            printf(" - | - |\n");
+    }
+    printf("\n");
+    end(&s);
+    return 0;
+}

@@ -1,0 +1,28 @@
+/* surface_plan.h - what the bench of surfaces computes, the same for us and for the peer. */
+#ifndef BENCH_SURFACE_PLAN_H
+#define BENCH_SURFACE_PLAN_H
+
+#include <math.h>
+
+enum surface_kind {
+    SURFACE_LINEAR, /* at the cells of a raster of the unit square, from the north, in rows */
+    SURFACE_LINEAR_TWO_THREADS,
+    SURFACE_NATURAL,
+    SURFACE_LAPLACE,
+    SURFACE_LINEAR_ANYWHERE, /* at random places */
+    SURFACE_NATURAL_ANYWHERE,
+    SURFACE_CELLS, /* Voronoi cells, clipped */
+    SURFACE_AREAS, /* and their areas */
+    SURFACE_CONTOURS,
+    SURFACE_KINDS
+};
+
+enum { SURFACE_LEVELS = 20 };
+
+/* A smooth field over the unit square, from -1 to 1. */
+static inline double surface_height(double x, double y)
+{
+    return sin(7 * x) * cos(5 * y);
+}
+
+#endif
