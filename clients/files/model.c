@@ -4,12 +4,9 @@
 
 #include "proto/number.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { VALUES_AT_ONCE = 2000 };
 
 /* ---- replies ---- */
 
@@ -60,9 +57,11 @@ static double number(const char *at)
     return v;
 }
 
+/* Rows of POINTS: id, x, y and a value of each field. */
 static bool take_points(struct model *m, const struct block *b)
 {
-    if (b->n != b->rows * 20)
+    size_t width = 20 + 8 * m->fields;
+    if (b->n != b->rows * width)
         return fault(m, "a point of another size");
     m->n = (size_t)b->rows;
     m->id = malloc((m->n + 1) * sizeof m->id[0]);
@@ -71,9 +70,12 @@ static bool take_points(struct model *m, const struct block *b)
     if (m->id == NULL || m->xy == NULL || m->value == NULL)
         return fault(m, "out of memory");
     for (size_t i = 0; i < m->n; i++) {
-        m->id[i] = word(b->bytes + 20 * i);
-        m->xy[2 * i] = number(b->bytes + 20 * i + 4);
-        m->xy[2 * i + 1] = number(b->bytes + 20 * i + 12);
+        const char *row = b->bytes + width * i;
+        m->id[i] = word(row);
+        m->xy[2 * i] = number(row + 4);
+        m->xy[2 * i + 1] = number(row + 12);
+        for (size_t k = 0; k < m->fields; k++)
+            m->value[m->fields * i + k] = number(row + 20 + 8 * k);
     }
     return true;
 }
@@ -162,7 +164,7 @@ static bool take_hull_point(void *ctx, const struct delaunay_part *part)
 static enum delaunay_result send_table(struct delaunay_client *c, const char *command,
                                        const char *set, const char *form)
 {
-    char line[200];
+    char line[MODEL_MOST_FIELDS * (MODEL_NAME + 1) + 200];
     int n = snprintf(line, sizeof line, "%s %.100s%s", command, set, form);
     return delaunay_send(c, line, (size_t)n);
 }
@@ -175,6 +177,19 @@ static enum delaunay_result fetch_fields(struct delaunay_client *c, const char *
     if (r == DELAUNAY_OK)
         r = delaunay_receive(c, take_field, m);
     return r == DELAUNAY_REFUSED ? DELAUNAY_OK : r;
+}
+
+/* Points and their values in one request, so they are of one state of the set. */
+static enum delaunay_result send_points(struct delaunay_client *c, const char *set,
+                                        const struct model *m)
+{
+    char form[MODEL_MOST_FIELDS * (MODEL_NAME + 1) + 20];
+    size_t n = 0;
+    for (size_t k = 0; k < m->fields; k++)
+        n += (size_t)snprintf(form + n, sizeof form - n, "%s%s", k == 0 ? " FIELDS " : ",",
+                              m->field[k]);
+    snprintf(form + n, sizeof form - n, " BINARY");
+    return send_table(c, "POINTS", set, form);
 }
 
 static enum delaunay_result receive_points(struct delaunay_client *c, struct model *m)
@@ -198,59 +213,13 @@ static enum delaunay_result receive_ids(struct delaunay_client *c, struct model 
     return r;
 }
 
-/* Values of a field, as FGET's rows `id value` have them. */
-struct column {
-    struct model *m;
-    size_t field, place; /* of the next row */
-};
-
-static bool take_value(void *ctx, const struct delaunay_part *part)
-{
-    struct column *v = ctx;
-    if (part->kind != DELAUNAY_PART_ROW)
-        return true;
-    const char *space = memchr(part->text, ' ', part->len);
-    size_t len = space != NULL ? part->len - (size_t)(space - part->text) - 1 : 0;
-    double *to = &v->m->value[v->m->fields * v->place + v->field];
-    if (v->place == v->m->n || len == 0)
-        return fault(v->m, "a row has no value");
-    if (len == 3 && memcmp(space + 1, "nan", 3) == 0)
-        *to = (double)NAN;
-    else if (!proto_read_double(space + 1, len, to))
-        return fault(v->m, "a row has no value");
-    v->place++;
-    return true;
-}
-
-/* The values of the points from `place` on, as many as a request has. */
-static enum delaunay_result fetch_values(struct delaunay_client *c, const char *set,
-                                         struct model *m, size_t field, size_t place)
-{
-    char line[VALUES_AT_ONCE * 11 + 300];
-    struct column v = {m, field, place};
-    size_t end = m->n - place < VALUES_AT_ONCE ? m->n : place + VALUES_AT_ONCE;
-    size_t n = (size_t)snprintf(line, sizeof line, "FGET %.100s %s", set, m->field[field]);
-    for (size_t i = place; i < end; i++) {
-        line[n++] = ' ';
-        n += proto_write_u32(line + n, m->id[i]);
-    }
-    enum delaunay_result r = delaunay_send(c, line, n);
-    if (r == DELAUNAY_OK)
-        r = delaunay_receive(c, take_value, &v);
-    if (r == DELAUNAY_REFUSED || (r == DELAUNAY_OK && v.place != end)) {
-        fault(m, "the set was edited meanwhile; try again");
-        r = DELAUNAY_STOPPED;
-    }
-    return r;
-}
-
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m)
 {
     enum delaunay_result r = (parts & MODEL_FIELDS) != 0 ? fetch_fields(c, set, m) : DELAUNAY_OK;
     m->z = model_field(m, "z");
     if (r == DELAUNAY_OK)
-        r = send_table(c, "POINTS", set, " BINARY");
+        r = send_points(c, set, m);
     if (r == DELAUNAY_OK && (parts & MODEL_TRIANGLES) != 0)
         r = send_table(c, "TRIANGLES", set, " BINARY");
     if (r == DELAUNAY_OK && (parts & MODEL_EDGES) != 0)
@@ -269,9 +238,6 @@ enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, uns
         r = receive_ids(c, m, 2, &m->edge, &m->edges);
     if (r == DELAUNAY_OK && (parts & MODEL_HULL) != 0)
         r = delaunay_receive(c, take_hull_point, m);
-    for (size_t k = 0; k < m->fields; k++)
-        for (size_t i = 0; r == DELAUNAY_OK && i < m->n; i += VALUES_AT_ONCE)
-            r = fetch_values(c, set, m, k, i);
     return r;
 }
 

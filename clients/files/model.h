@@ -28,7 +28,8 @@ struct model {
 enum model_parts { MODEL_TRIANGLES = 1, MODEL_EDGES = 2, MODEL_HULL = 4, MODEL_FIELDS = 8 };
 
 /* Fetches the points of the set and, of its triangulation, the parts asked for; *m must be zeroed.
- * The requests are pipelined. DELAUNAY_STOPPED: see m->fault. The caller frees *m in any case. */
+ * The requests are pipelined; points and values come in one reply, so they are of one state of the set.
+ * DELAUNAY_STOPPED: see m->fault. The caller frees *m in any case. */
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m);
 void model_free(struct model *m);

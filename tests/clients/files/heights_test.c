@@ -1,7 +1,9 @@
 /* heights_test.c - fields on their way from a file into the daemon and out of it again, in every format. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "tests/clients/cli.h"
+#include "tests/clients/peer.h"
 #include "tests/test.h"
 
 /* A square with heights 1, 2.5, none and -4, and the field t. */
@@ -119,4 +121,41 @@ TEST(many_heights_come_back_in_order)
     }
     fclose(f);
     cli_finish();
+}
+
+/* A server that has two points and the fields t and z, and knows no FGET. */
+static void answer_values(int fd)
+{
+    static const unsigned char rows[2 * 36] = {
+        [0] = 3,                                            /* id 3 at 0 0: t is 1.5, */
+        [26] = 0xF8, [27] = 0x3F, [34] = 0xF8,              /* z is nan */
+        [35] = 0x7F, [36] = 7,    [46] = 0xF0, [47] = 0x3F, /* id 7 at 1 0: */
+        [62] = 0,    [63] = 0x40, [70] = 0x08, [71] = 0xC0, /* t is 2, z is -3 */
+    };
+    char line[200];
+    while (peer_hear(fd, line, sizeof line)) {
+        if (strcmp(line, "FIELDS s") == 0) {
+            peer_say(fd, "OK 2\nt 2 1.5 2\nz 1 -3 -3\n");
+        } else if (strcmp(line, "POINTS s FIELDS t,z BINARY") == 0) {
+            peer_say(fd, "OK 0 rows=2 bytes=72\n");
+            peer_send(fd, rows, sizeof rows);
+        } else if (strcmp(line, "TRIANGLES s BINARY") == 0) {
+            peer_say(fd, "OK 0 rows=0 bytes=0\n");
+        } else if (strcmp(line, "HULL s") == 0) {
+            peer_say(fd, "OK 2\n3 0 0\n7 1 0\n");
+        } else {
+            peer_say(fd, "ERR UNKNOWN\n");
+        }
+    }
+}
+
+TEST(points_and_their_values_are_of_one_reply)
+{
+    char port[8];
+    int status;
+    peer_start(port, answer_values);
+    const char *out =
+        peer_shell(&status, "%s -p %s export s - -f node 2>/dev/null", getenv("DELAUNAY"), port);
+    CHECK_MSG(status == 0 && strcmp(out, "2 2 2 1\n0 0 0 1.5 nan 1\n1 1 0 2 -3 1\n") == 0, "%s",
+              out);
 }
