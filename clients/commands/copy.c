@@ -1,4 +1,4 @@
-/* copy.c - `delaunay copy SET URL URL`: a set from one daemon to another, with its ids.
+/* copy.c - `delaunay copy SET URL URL`: a set from one daemon to another, with its ids and fields.
  *
  * A load gives out ids without gaps. Where the original has gaps the copy gets fillers, points far
  * from all others, that are deleted at the end; so every point has the same id in the copy. */
@@ -47,20 +47,36 @@ static double filler_x(const struct copy *y)
     return 2 * x + 4 * tol + 1;
 }
 
-static enum delaunay_result send_all(struct copy *y)
+/* A row for each id below n: its point and values, or a filler at x without values. */
+static void fill_rows(const struct copy *y, size_t n, double x, double *xy, double *value)
 {
-    size_t n = y->m.n > 0 ? (size_t)y->m.id[y->m.n - 1] + 1 : 0;
-    double *xy = malloc((n + 1) * 2 * sizeof *xy), x = filler_x(y);
-    if (xy == NULL)
-        return DELAUNAY_NOMEM;
+    size_t k = y->m.fields;
     for (size_t id = 0, i = 0; id < n; id++) {
         bool there = y->m.id[i] == id;
         xy[2 * id] = there ? y->m.xy[2 * i] : x;
         xy[2 * id + 1] = there ? y->m.xy[2 * i + 1] : 0;
+        for (size_t f = 0; f < k; f++)
+            value[k * id + f] = there ? y->m.value[k * i + f] : (double)NAN;
         i += there;
     }
-    enum delaunay_result r = delaunay_send_points(y->c[1], y->to, xy, n, NULL, NULL);
+}
+
+static enum delaunay_result send_all(struct copy *y)
+{
+    char names[MODEL_MOST_FIELDS * (MODEL_NAME + 1)] = "";
+    for (size_t f = 0, at = 0; f < y->m.fields; f++)
+        at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", f > 0 ? "," : "",
+                               y->m.field[f]);
+    size_t n = y->m.n > 0 ? (size_t)y->m.id[y->m.n - 1] + 1 : 0;
+    double *xy = malloc((n + 1) * 2 * sizeof *xy), x = filler_x(y);
+    double *value = malloc((n * y->m.fields + 1) * sizeof *value);
+    enum delaunay_result r = DELAUNAY_NOMEM;
+    if (xy != NULL && value != NULL) {
+        fill_rows(y, n, x, xy, value);
+        r = delaunay_send_values(y->c[1], y->to, names, xy, value, n, NULL, NULL);
+    }
     free(xy);
+    free(value);
     return r == DELAUNAY_OK ? delaunay_receive(y->c[1], command_show_comment, NULL) : r;
 }
 
@@ -103,7 +119,7 @@ static int fetch(struct copy *y)
     if (r == DELAUNAY_OK && !read_stat(y))
         r = DELAUNAY_BROKEN;
     if (r == DELAUNAY_OK)
-        r = model_fetch(y->c[0], y->from, 0, &y->m);
+        r = model_fetch(y->c[0], y->from, MODEL_FIELDS, &y->m);
     if (r != DELAUNAY_STOPPED)
         return command_outcome(y->c[0], r);
     fprintf(stderr, "delaunay: %s\n", y->m.fault);

@@ -228,7 +228,7 @@ enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, uns
         r = send_table(c, "HULL", set, "");
     if (r == DELAUNAY_OK)
         r = receive_points(c, m);
-    if (r == DELAUNAY_OK && m->n == 0 && parts != 0) {
+    if (r == DELAUNAY_OK && m->n == 0 && (parts & ~(unsigned)MODEL_FIELDS) != 0) {
         fault(m, "the set is empty");
         r = DELAUNAY_STOPPED;
     }

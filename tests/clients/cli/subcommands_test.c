@@ -139,6 +139,22 @@ static void expect_equal_sets(const char *query)
     cli_expect(command, want);
 }
 
+TEST(copy_keeps_fields)
+{
+    cli_begin();
+    cli_run_well("ADD t FIELDS t,z  0 0 1.5 nan  4 0 7 7  0 4 nan -3  0 4 8 9");
+    cli_run_well("DEL t 1");
+    cli_run_well("FSET t empty 0 nan");
+    copy_to_u();
+    expect_equal_sets("FIELDS");
+    cli_expect("points u fields t,z", "OK 3\n0 0 0 1.5 nan\n2 0 4 nan -3\n3 0 4 8 9\n");
+    cli_run_well("DEL t 0 2 3");
+    cli_run_well("drop u");
+    copy_to_u();
+    expect_equal_sets("POINTS");
+    cli_finish();
+}
+
 TEST(copy_keeps_its_fillers_farther_from_the_points_than_the_tolerance)
 {
     cli_begin();
