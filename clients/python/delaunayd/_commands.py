@@ -9,10 +9,9 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, TypeVar
 
 from . import _protocol as protocol
-from ._protocol import Cells, Contour, Field, Located, Neighbour, Progress, Reply, Request, Value, Word, field_name, set_name
+from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Request, Value, Word, field_name, set_name
 
 _T = TypeVar("_T")
-_PLACES_AT_ONCE = 1000  # that fit into a line
 
 
 class Commands:
@@ -109,9 +108,14 @@ class Commands:
         """The coordinates of points."""
         return self._ask(_coordinates, "GET", set_name(name), *(int(i) for i in ids))
 
-    def points(self, name: str) -> Tuple[Any, Any]:
-        """Every point, ascending: the ids, and the coordinates with shape (n, 2)."""
-        return self._ask(lambda reply: protocol.points_table(reply.data), "POINTS", set_name(name), "BINARY")
+    def points(self, name: str, fields: Optional[Iterable[str]] = None) -> Tuple[Any, ...]:
+        """Every point, ascending: the ids, and the coordinates with shape (n, 2). With `fields`, names of fields, their values
+        are the third, with shape (n, k), NaN where one is missing; all is of one state of the set."""
+        if fields is None:
+            return self._ask(lambda reply: protocol.points_table(reply.data)[:2], "POINTS", set_name(name), "BINARY")
+        names = [field_name(field) for field in fields]
+        words = ("FIELDS", ",".join(names)) if names else ()
+        return self._ask(_points_table(len(names)), "POINTS", set_name(name), *words, "BINARY")
 
     def coincident(self, name: str) -> List[Tuple[int, int]]:
         """Every point that coincides with another one, and the one that stands for both in the triangulation."""
@@ -127,6 +131,10 @@ class Commands:
         """The values of points."""
         words = [int(i) for i in ids]
         return self._ask(_second_words, "FGET", set_name(name), field_name(field), *words)
+
+    def field(self, name: str, field: str) -> Tuple[Any, Any]:
+        """The values of all points, of one state of the set: the ids, ascending, and the values, NaN where one is missing."""
+        return self._ask(_field_column, "POINTS", set_name(name), "FIELDS", field_name(field), "BINARY")
 
     def set_field(self, name: str, field: str, values: Any, first: int = 0) -> None:
         """Sets the values of the ids first, first + 1, ..., all or none. NaN takes a value away. The field is created if need
@@ -152,17 +160,20 @@ class Commands:
         """Proves the triangulation, exactly."""
         return self._ask(protocol.values, "CHECK", set_name(name))
 
-    def triangles(self, name: str) -> Any:
-        """Every triangle, counterclockwise and in a canonical order: ids with shape (n, 3)."""
-        return self._ask_ids(3, "TRIANGLES", set_name(name), "BINARY")
+    def triangles(self, name: str, within: Optional[Sequence[float]] = None) -> Any:
+        """Every triangle, counterclockwise and in a canonical order: ids with shape (n, 3). `within`: those that meet the closed
+        box (x0, y0, x1, y1)."""
+        return self._ask_ids(3, "TRIANGLES", set_name(name), *_box("WITHIN", within), "BINARY")
 
     def edges(self, name: str) -> Any:
         """Every edge a, b, with a < b, sorted: ids with shape (n, 2)."""
         return self._ask_ids(2, "EDGES", set_name(name), "BINARY")
 
-    def lists(self, name: str) -> Dict[int, Any]:
-        """Each point's neighbours, counterclockwise; interior points come first, then the hull in its order."""
-        return self._ask(lambda reply: protocol.rings(reply.data), "LISTS", set_name(name), "BINARY")
+    def lists(self, name: str, within: Optional[Sequence[float]] = None) -> Dict[int, Any]:
+        """Each point's neighbours, counterclockwise; interior points come first, then the hull in its order. `within`: those of
+        the points in the closed box (x0, y0, x1, y1)."""
+        words = _box("WITHIN", within)
+        return self._ask(lambda reply: protocol.rings(reply.data), "LISTS", set_name(name), *words, "BINARY")
 
     def neighbors(self, name: str, id: int) -> List[int]:
         """The neighbours of one point, counterclockwise."""
@@ -212,14 +223,9 @@ class Commands:
     ) -> Any:
         """The values of a field at places of shape (n, 2), NaN where there are none; `method` is linear, natural, laplace or
         nearest. None in triangles with an edge longer than max_edge."""
-        name, field = set_name(name), field_name(field)
-        last = protocol.request(*_method(method, max_edge)).line.decode().rstrip()
-        flat = protocol.flat_pairs(places)
-        requests = [
-            protocol.request("INTERPOLATE", name, field, *flat[at : at + 2 * _PLACES_AT_ONCE], last)
-            for at in range(0, len(flat), 2 * _PLACES_AT_ONCE)
-        ]
-        return self._run(requests, lambda replies: protocol.numbers([row for reply in replies for row in reply.rows]))
+        data, n = protocol.pairs(places)
+        words: Tuple[Word, ...] = ("INTERPOLATEB", set_name(name), field_name(field), n)
+        return self._ask(_values, *words, *_method(method, max_edge), body=data)
 
     def raster(
         self,
@@ -262,11 +268,15 @@ class Commands:
         """The Voronoi cells of points, or of all, clipped to a box (x0, y0, x1, y1), or to the box around all points, grown by
         half of its longer side."""
         which = [int(i) for i in ids]
-        return self._ask(protocol.cells, "VORONOI", set_name(name), *which, *_box(box), "BINARY")
+        return self._ask(protocol.cells, "VORONOI", set_name(name), *which, *_box("BOX", box), "BINARY")
 
     def areas(self, name: str, box: Optional[Sequence[float]] = None) -> Tuple[Any, Any]:
         """The areas of the cells of voronoi(): the ids, and the areas."""
-        return self._ask(lambda reply: protocol.areas(reply.data), "AREAS", set_name(name), *_box(box), "BINARY")
+        return self._ask(lambda reply: protocol.areas(reply.data), "AREAS", set_name(name), *_box("BOX", box), "BINARY")
+
+    def alpha(self, name: str, radius: float) -> List[Loop]:
+        """The boundary of the alpha shape: of the union of the triangles whose circumradius is at most the radius."""
+        return self._ask(protocol.loops, "ALPHA", set_name(name), float(radius))
 
     def within(self, name: str, *where: float) -> List[int]:
         """The points in a closed box (x0, y0, x1, y1) or disc (x, y, r), by id."""
@@ -282,11 +292,24 @@ def _method(method: str, max_edge: Optional[float]) -> Tuple[Word, ...]:
     return words if max_edge is None else words + ("MAXEDGE", float(max_edge))
 
 
-def _box(box: Optional[Sequence[float]]) -> Tuple[Word, ...]:
+def _box(word: str, box: Optional[Sequence[float]]) -> Tuple[Word, ...]:
     if box is None:
         return ()
     x0, y0, x1, y1 = map(float, box)
-    return ("BOX", x0, y0, x1, y1)
+    return (word, x0, y0, x1, y1)
+
+
+def _values(reply: Reply) -> Any:
+    return protocol.doubles(reply.data)
+
+
+def _points_table(fields: int) -> Callable[[Reply], Any]:
+    return lambda reply: protocol.points_table(reply.data, fields)
+
+
+def _field_column(reply: Reply) -> Tuple[Any, Any]:
+    ids, _, values = protocol.points_table(reply.data, 1)
+    return ids, protocol.flat(values)
 
 
 def _fields(reply: Reply) -> Dict[str, Field]:

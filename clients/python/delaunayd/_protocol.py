@@ -85,6 +85,13 @@ class Contour(NamedTuple):
     line: Any
 
 
+class Loop(NamedTuple):
+    """A closed loop of the boundary of a shape: ids with the shape on their left; those of a hole are clockwise."""
+
+    hole: bool
+    ids: List[int]
+
+
 class Located(NamedTuple):
     """Where a place lies: `where` is inside, edge, vertex or outside; `ids` are the points of that triangle, edge or vertex."""
 
@@ -188,15 +195,9 @@ def doubles(data: bytes, width: int = 0) -> Any:
     return words
 
 
-def flat_pairs(points: Any) -> List[float]:
-    """Points as numbers x, y, x, y, ..."""
-    data, _ = pairs(points)
-    return doubles(bytes(data)).tolist()  # type: ignore[no-any-return]
-
-
-def numbers(words: List[str]) -> Any:
-    """Decimal numbers as an array."""
-    return numpy.array(words, dtype=float) if numpy is not None else array("d", map(float, words))
+def flat(table: Any) -> Any:
+    """A table as a flat array, which it is already without NumPy."""
+    return table.reshape(-1) if numpy is not None else table
 
 
 def column(values: Any) -> Tuple[memoryview, int]:
@@ -235,21 +236,54 @@ def rows_with_fields(points: Any, fields: Mapping[str, Any]) -> Tuple[memoryview
     return memoryview(flat).cast("B"), n
 
 
+def _cell_rows(data: bytes) -> List[int]:
+    """Where the rows of VORONOI BINARY begin, in units of 8 bytes: id, k, then k times x, y."""
+    words = flat(uint32s(data, 2)).tolist()
+    rows, at = [], 0
+    while 2 * at < len(words):
+        rows.append(at)
+        at += 1 + 2 * words[2 * at + 1]
+    return rows
+
+
+def _guess_cell_rows(units: Any) -> Any:
+    """The same, at once, or None. An id and a k below 2^20 look like no corner's double but 0 or a subnormal one; whether each row
+    found so ends where the next one begins is checked."""
+    is_start = units < 1 << 52
+    is_start[1:] &= units[1:] != 0
+    rows = numpy.flatnonzero(is_start)
+    ends = rows + 1 + 2 * (units[rows] >> 32).astype("i8")
+    good = numpy.array_equal(numpy.append(0, ends), numpy.append(rows, len(units)))
+    return rows if good else None
+
+
 def cells(reply: "Reply") -> "Cells":
-    """The rows of VORONOI BINARY: id, k, then k times x, y."""
-    ids, offsets, corners = array("I"), array("q", [0]), bytearray()
-    data, at = reply.data, 0
-    while at < len(data):
-        id, k = struct.unpack_from("<II", data, at)
-        at += 8
-        corners += data[at : at + 16 * k]
-        at += 16 * k
-        ids.append(id)
-        offsets.append(offsets[-1] + k)
+    """The rows of VORONOI BINARY."""
     x0, y0, x1, y1 = map(float, reply.keys["box"].split(","))
     if numpy is not None:
-        return Cells(numpy.array(ids), numpy.array(offsets), doubles(bytes(corners), 2), (x0, y0, x1, y1))
-    return Cells(ids, offsets, doubles(bytes(corners), 2), (x0, y0, x1, y1))
+        units: Any = numpy.frombuffer(reply.data, dtype="<u8")
+        starts = _guess_cell_rows(units)
+        if starts is None:
+            starts = numpy.array(_cell_rows(reply.data), dtype="i8")
+        sizes = numpy.zeros(len(starts) + 1, dtype="i8")
+        sizes[1:] = units[starts] >> 32
+        is_corner = numpy.ones(len(units), dtype=bool)
+        is_corner[starts] = False
+        corners: Any = numpy.frombuffer(reply.data, dtype="<f8")[is_corner].reshape(-1, 2)
+        return Cells((units[starts] & 0xFFFFFFFF).astype("u4"), sizes.cumsum(), corners, (x0, y0, x1, y1))
+    ids, offsets, found = array("I"), array("q", [0]), bytearray()
+    for at in _cell_rows(reply.data):
+        id, k = struct.unpack_from("<II", reply.data, 8 * at)
+        found += reply.data[8 * at + 8 : 8 * at + 8 + 16 * k]
+        ids.append(id)
+        offsets.append(offsets[-1] + k)
+    return Cells(ids, offsets, doubles(bytes(found), 2), (x0, y0, x1, y1))
+
+
+def loops(reply: "Reply") -> List["Loop"]:
+    """The rows of ALPHA."""
+    split = (row.split(" ") for row in reply.rows)
+    return [Loop(kind == "hole", [int(id) for id in ids]) for kind, _, *ids in split]
 
 
 def contours(reply: "Reply") -> List["Contour"]:
@@ -291,19 +325,22 @@ def pairs(points: Any) -> Tuple[memoryview, int]:
     return memoryview(flat).cast("B"), len(flat) // 2
 
 
-def points_table(data: bytes) -> Tuple[Any, Any]:
-    """The rows of POINTS BINARY: ids, and coordinates with shape (n, 2)."""
+def points_table(data: bytes, fields: int = 0) -> Tuple[Any, Any, Any]:
+    """The rows of POINTS BINARY: ids, coordinates with shape (n, 2), and values with shape (n, fields)."""
+    width = 20 + 8 * fields
     if numpy is not None:
-        table = numpy.frombuffer(data, dtype=[("id", "<u4"), ("xy", "<f8", 2)])
-        return table["id"].copy(), table["xy"].copy()
-    ids, xy = array("I"), array("d")
-    for at in range(0, len(data), 20):
+        table = numpy.frombuffer(data, dtype=[("id", "<u4"), ("xy", "<f8", (2,)), ("values", "<f8", (fields,))])
+        return table["id"].copy(), table["xy"].copy(), table["values"].copy()
+    ids, xy, found = array("I"), array("d"), array("d")
+    for at in range(0, len(data), width):
         ids.frombytes(data[at : at + 4])
         xy.frombytes(data[at + 4 : at + 20])
+        found.frombytes(data[at + 20 : at + width])
     if sys.byteorder == "big":
         ids.byteswap()
         xy.byteswap()
-    return ids, xy
+        found.byteswap()
+    return ids, xy, found
 
 
 def areas(data: bytes) -> Tuple[Any, Any]:

@@ -1,5 +1,6 @@
 """Surfaces: weights, fields, and Voronoi cells, these beside SciPy's where it is installed."""
 
+import struct
 import unittest
 from array import array
 
@@ -53,6 +54,19 @@ class Voronoi(WithDaemon):
             compared += 1
         self.assertGreater(compared, 2900)
 
+    def test_corners_that_look_like_the_beginning_of_a_row(self):
+        def check(rows):
+            data = b"".join(struct.pack("<II%dd" % (2 * len(xy)), id, len(xy), *sum(xy, ())) for id, xy in rows)
+            cells = _protocol.cells(_protocol.Reply({"box": "0,0,1,1"}, [], data))
+            self.assertEqual(cells.ids.tolist(), [id for id, _ in rows])
+            ends = zip(cells.offsets, cells.offsets[1:])
+            self.assertEqual([cells.corners[a:b].tolist() for a, b in ends], [list(map(list, xy)) for _, xy in rows])
+
+        check([])
+        check([(0, []), (1, [(0.0, -0.0), (1.0, 0.0)]), (7, []), (8, [(0.0, 0.0), (0.5, 5.0), (0.0, 1.0)])])
+        check([(3, [(5e-324, 1.0), (1.0, 2e-310), (-5e-324, 0.0)]), (4, [(1e-320, 1e-320)] * 3)])  # subnormal
+        check([(0, [(0.0, 0.0)] * 5)])
+
     def test_without_numpy_cells_are_flat(self):
         self.client.load("t", SQUARE)
         self.client.triangulate("t")
@@ -65,6 +79,38 @@ class Voronoi(WithDaemon):
         self.assertEqual(cells.corners, array("d", [0, 2, 2, 0, 4, 2, 2, 4]))
         self.assertEqual((list(cells.ids), list(cells.offsets)), ([4], [0, 4]))
         self.assertEqual((list(ids), list(areas)), ([0, 1, 2, 3, 4], [14, 14, 14, 14, 8]))
+
+
+class Shapes(WithDaemon):
+    def setUp(self):
+        super().setUp()
+        self.client.load("t", SQUARE)
+        self.client.triangulate("t")
+
+    def test_alpha_shapes_are_loops(self):
+        self.assertEqual(self.client.alpha("t", 2), [(False, [0, 1, 2, 3])])
+        self.assertEqual(self.client.alpha("t", 1.5), [])
+        ring = [(x, y) for x in range(6) for y in range(6) if not (x in (2, 3) and y in (2, 3))]
+        self.client.load("u", ring)
+        self.client.triangulate("u")
+        outer, hole = self.client.alpha("u", 1)
+        self.assertEqual((outer.hole, hole.hole), (False, True))
+        self.assertEqual((outer.ids[0], len(outer.ids), len(hole.ids)), (0, 20, 8))
+        with self.assertRaises(Refused):
+            self.client.alpha("t", -1)
+
+    def test_lists_and_triangles_of_a_box(self):
+        everything = self.client.lists("t")
+        some = self.client.lists("t", within=(0, 0, 2, 2))
+        self.assertEqual({i: list(ring) for i, ring in some.items()}, {i: list(everything[i]) for i in (4, 0)})
+        flat = list(map(int, _flat(self.client.triangles("t", within=(3, 1.5, 3, 1.75)))))
+        self.assertEqual(flat, [1, 2, 4])
+        with self.assertRaises(ValueError):
+            self.client.triangles("t", within=(0, 0, 1))
+
+
+def _flat(ids):
+    return ids.reshape(-1) if np is not None else ids
 
 
 class Fields(WithDaemon):
