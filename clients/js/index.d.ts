@@ -143,15 +143,19 @@ export class Client {
   move(set: string, id: number, x: number, y: number): Promise<void>;
   get(set: string, ids: Iterable<number>): Promise<Point[]>;
   points(set: string): Promise<{ ids: Uint32Array; coords: Float64Array }>;
+  points(
+    set: string,
+    options: { fields: Iterable<string> },
+  ): Promise<{ ids: Uint32Array; coords: Float64Array; values?: Record<string, Float64Array> }>;
   coincident(set: string): Promise<Map<number, number>>;
   triangulate(
     set: string,
     options?: RequestOptions & { method?: 'auto' | 'shelling' | 'divide' },
   ): Promise<Summary & { ms: number }>;
   check(set: string): Promise<Summary & { delaunay: boolean }>;
-  triangles(set: string, options?: { clockwise?: boolean }): Promise<Uint32Array>;
+  triangles(set: string, options?: { clockwise?: boolean; within?: Box }): Promise<Uint32Array>;
   edges(set: string): Promise<Uint32Array>;
-  lists(set: string): Promise<Map<number, Uint32Array>>;
+  lists(set: string, options?: { within?: Box }): Promise<Map<number, Uint32Array>>;
   hull(set: string, options?: { clockwise?: boolean }): Promise<Uint32Array>;
   locate(set: string, x: number, y: number): Promise<Located>;
   nearest(set: string, x: number, y: number, k?: number): Promise<Neighbour[]>;
@@ -163,6 +167,7 @@ export class Client {
   within(set: string, x: number, y: number, r: number): Promise<number[]>;
   fields(set: string): Promise<Record<string, FieldFacts>>;
   getField(set: string, field: string, ids: Iterable<number>): Promise<Float64Array>;
+  field(set: string, field: string): Promise<{ ids: Uint32Array; values: Float64Array }>;
   setField(set: string, field: string, values: ArrayLike<number>, options?: { first?: number; timeout?: number }): Promise<void>;
   dropField(set: string, field: string): Promise<void>;
   weights(
@@ -188,6 +193,7 @@ export class Client {
   ): Promise<ContourLine[]>;
   contours(set: string, field: string, levels: Iterable<number>, options?: { timeout?: number }): Promise<ContourPolygons[]>;
   voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
+  alpha(set: string, radius: number, options?: { timeout?: number }): Promise<{ hole: boolean; ids: Uint32Array }[]>;
   areas(set: string, options?: { box?: Box; timeout?: number }): Promise<{ ids: Uint32Array; areas: Float64Array }>;
   info(): Promise<Record<string, string | number | boolean>>;
 }

@@ -8,7 +8,6 @@ const { doubleBytes, flatten, pointBytes, typed, typedKeys, words } = require('.
 const { Cells, contourOf, multiPolygon } = require('./surfaces.js');
 
 const CONNECT_MS = 10000;
-const PLACES_AT_ONCE = 1000; // that fit into a line
 
 function checkSet(name) {
   if (!/^[A-Za-z0-9_.:-]{1,64}$/.test(name)) throw new TypeError('a set\'s name is 1 to 64 of A-Z a-z 0-9 _ . : -');
@@ -21,7 +20,7 @@ function checkField(name) {
 }
 
 const methodWords = ({ method, maxEdge }) => `${method ? ` METHOD ${method}` : ''}${maxEdge === undefined ? '' : ` MAXEDGE ${maxEdge}`}`;
-const boxWords = (box) => (box ? ` BOX ${[...box].join(' ')}` : '');
+const boxWords = (box, word = 'BOX') => (box ? ` ${word} ${[...box].join(' ')}` : '');
 
 /** Rows x, y and the values of fields. */
 function withFields(coords, fields) {
@@ -199,18 +198,24 @@ class Client {
     return this.#points(`GET ${checkSet(set)} ${[...ids].join(' ')}`);
   }
 
-  /** {ids: Uint32Array, coords: Float64Array of x, y} */
-  async points(set) {
-    const { data } = await this.request(`POINTS ${checkSet(set)} BINARY`);
-    const n = data.length / 20;
+  /** {ids: Uint32Array, coords: Float64Array of x, y}, and with names of fields `values`, a Float64Array for each, NaN where a
+   * value is missing; all of it is of one state of the set. */
+  async points(set, { fields = [] } = {}) {
+    const names = [...fields].map(checkField);
+    const { data } = await this.request(`POINTS ${checkSet(set)}${names.length > 0 ? ` FIELDS ${names.join(',')}` : ''} BINARY`);
+    const width = 20 + 8 * names.length;
+    const n = data.length / width;
     const ids = new Uint32Array(n);
     const coords = new Float64Array(2 * n);
+    const columns = names.map(() => new Float64Array(n));
     for (let i = 0; i < n; i++) {
-      ids[i] = data.readUInt32LE(20 * i);
-      coords[2 * i] = data.readDoubleLE(20 * i + 4);
-      coords[2 * i + 1] = data.readDoubleLE(20 * i + 12);
+      ids[i] = data.readUInt32LE(width * i);
+      coords[2 * i] = data.readDoubleLE(width * i + 4);
+      coords[2 * i + 1] = data.readDoubleLE(width * i + 12);
+      for (let k = 0; k < names.length; k++) columns[k][i] = data.readDoubleLE(width * i + 20 + 8 * k);
     }
-    return { ids, coords };
+    if (names.length === 0) return { ids, coords };
+    return { ids, coords, values: Object.fromEntries(names.map((name, k) => [name, columns[k]])) };
   }
 
   /** A Map from each alias to its representative. */
@@ -235,6 +240,12 @@ class Client {
     return Float64Array.from(rows, (row) => numbersOf(row)[1]);
   }
 
+  /** The values of all points: {ids: Uint32Array, values: Float64Array}. */
+  async field(set, field) {
+    const { ids, values } = await this.points(set, { fields: [field] });
+    return { ids, values: values[field] };
+  }
+
   /** Sets the values of the ids first, first + 1, ...; NaN takes one away. */
   async setField(set, field, values, { first = 0, timeout } = {}) {
     const column = Float64Array.from(values);
@@ -255,9 +266,9 @@ class Client {
     return this.#keys(`CHECK ${checkSet(set)}`);
   }
 
-  /** Three ids a triangle, counterclockwise. */
-  async triangles(set, { clockwise = false } = {}) {
-    return this.#ids(`TRIANGLES ${checkSet(set)} ${clockwise ? 'CW ' : ''}BINARY`);
+  /** Three ids a triangle, counterclockwise. within: [x0, y0, x1, y1], only the triangles that meet this box. */
+  async triangles(set, { clockwise = false, within } = {}) {
+    return this.#ids(`TRIANGLES ${checkSet(set)}${boxWords(within, 'WITHIN')}${clockwise ? ' CW' : ''} BINARY`);
   }
 
   /** Two ids an edge. */
@@ -265,9 +276,10 @@ class Client {
     return this.#ids(`EDGES ${checkSet(set)} BINARY`);
   }
 
-  /** A Map from each point's id to its ring of neighbours, in the order of LISTS. */
-  async lists(set) {
-    const list = await this.#ids(`LISTS ${checkSet(set)} BINARY`);
+  /** A Map from each point's id to its ring of neighbours, in the order of LISTS. within: [x0, y0, x1, y1], only the
+   * points in this box. */
+  async lists(set, { within } = {}) {
+    const list = await this.#ids(`LISTS ${checkSet(set)}${boxWords(within, 'WITHIN')} BINARY`);
     const rings = new Map();
     for (let at = 0; at < list.length; at += 2 + list[at + 1]) {
       rings.set(list[at], list.subarray(at + 2, at + 2 + list[at + 1]));
@@ -325,15 +337,9 @@ class Client {
 
   /** The values at places, a Float64Array; NaN where there are none. */
   async interpolate(set, field, places, { method, maxEdge, getX, getY, timeout } = {}) {
-    const coords = flatten(places, getX, getY);
-    if (coords.length % 2 !== 0) throw new TypeError('odd number of coordinates');
-    const requests = [];
-    for (let at = 0; at < coords.length; at += 2 * PLACES_AT_ONCE) {
-      const some = coords.subarray(at, at + 2 * PLACES_AT_ONCE).join(' ');
-      requests.push(this.request(`INTERPOLATE ${checkSet(set)} ${checkField(field)} ${some}${methodWords({ method, maxEdge })}`, { timeout }));
-    }
-    const rows = (await Promise.all(requests)).flatMap((reply) => reply.rows);
-    return Float64Array.from(rows, (row) => (row === 'nan' ? NaN : Number(row)));
+    const body = pointBytes(flatten(places, getX, getY));
+    const line = `INTERPOLATEB ${checkSet(set)} ${checkField(field)} ${body.length / 16}${methodWords({ method, maxEdge })}`;
+    return words(Float64Array, (await this.request(line, { body, timeout })).data);
   }
 
   /** The values at the centres of cells, row by row from the largest y, as d3-contour wants them. */
@@ -379,6 +385,12 @@ class Client {
       ids: Uint32Array.from({ length: n }, (_, i) => data.readUInt32LE(12 * i)),
       areas: Float64Array.from({ length: n }, (_, i) => data.readDoubleLE(12 * i + 4)),
     };
+  }
+
+  /** The boundary of the alpha shape, loops {hole, ids} with the shape on their left. */
+  async alpha(set, radius, { timeout } = {}) {
+    const { rows } = await this.request(`ALPHA ${checkSet(set)} ${Number(radius)}`, { timeout });
+    return rows.map((row) => row.split(' ')).map(([kind, , ...ids]) => ({ hole: kind === 'hole', ids: Uint32Array.from(ids, Number) }));
   }
 
   // ---- the server ----

@@ -57,6 +57,52 @@ describe('surfaces', () => {
     await assert.rejects(client.dropField('t', '2 z'), TypeError);
   });
 
+  test('values of any number of places are one request', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 8] } });
+    await client.triangulate('t');
+    const calls = async () => {
+      const row = (await client.request('INFO commands')).rows.find((text) => text.startsWith('command_INTERPOLATEB:'));
+      return Number(/calls=(\d+)/.exec(row ?? 'calls=0')[1]);
+    };
+    const before = await calls();
+    const places = Float64Array.from({ length: 6000 }, (_, i) => (i % 7) / 2);
+    const values = await client.interpolate('t', 'z', places, { method: 'natural' });
+    assert.equal(values.length, 3000);
+    assert.equal(await calls(), before + 1);
+    for (const i of [0, 999, 1000, 2999]) {
+      const { rows } = await client.request(`INTERPOLATE t z ${places[2 * i]} ${places[2 * i + 1]} METHOD natural`);
+      assert.equal(values[i], Number(rows[0]));
+    }
+    assert.deepEqual(await client.interpolate('t', 'z', [[2, 2], [2, 1], [9, 9]]), Float64Array.of(8, 4, NaN));
+    assert.equal((await client.interpolate('t', 'z', [])).length, 0);
+    await assert.rejects(client.interpolate('t', 'z', [1]), TypeError);
+  });
+
+  test('values of a set come with their points', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 0, 0, 0, 8], t: [1, 2, NaN, 4, 5] } });
+    await client.delete('t', [1]);
+    const { ids, coords, values } = await client.points('t', { fields: ['t', 'z'] });
+    assert.deepEqual([...ids], [0, 2, 3, 4]);
+    assert.deepEqual([...coords], [0, 0, 4, 4, 0, 4, 2, 2]);
+    assert.deepEqual(values, { t: Float64Array.of(1, NaN, 4, 5), z: Float64Array.of(0, 0, 0, 8) });
+    assert.deepEqual(await client.field('t', 'z'), { ids, values: values.z });
+    assert.deepEqual(Object.keys(await client.points('t')), ['ids', 'coords']);
+    await assert.rejects(client.field('t', 'none'), (error) => error instanceof Refused && error.code === 'NOFIELD');
+    await assert.rejects(client.field('t', 't,z'), TypeError);
+  });
+
+  test('alpha shapes, lists and triangles of a box', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2]);
+    await client.triangulate('t');
+    assert.deepEqual(await client.alpha('t', 2), [{ hole: false, ids: Uint32Array.of(0, 1, 2, 3) }]);
+    assert.deepEqual(await client.alpha('t', 1.5), []);
+    await assert.rejects(client.alpha('t', -1), Refused);
+    const all = await client.lists('t');
+    assert.deepEqual([...(await client.lists('t', { within: [0, 0, 2, 2] }))], [[4, all.get(4)], [0, all.get(0)]]);
+    assert.deepEqual([...(await client.triangles('t', { within: [3, 1.5, 3, 1.75] }))], [1, 2, 4]);
+    assert.deepEqual([...(await client.triangles('t', { within: [3, 1.5, 3, 1.75], clockwise: true }))], [1, 4, 2]);
+  });
+
   test('have areas that add up to the box', async () => {
     const points = Float64Array.from({ length: 4000 }, Math.random);
     await client.load('u', points);
