@@ -47,30 +47,25 @@ HAVE_CGAL   = $(shell echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ - >/d
 $(O)/tests/bench/bench: $(BENCH) $(FAMILIES) $(CORE)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
-$(O)/tests/bench/live: $(addprefix $(O)/tests/bench/,live.o live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
+# Operations on one set.
+SET_BENCH := $(addprefix $(O)/tests/bench/,set/live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
+$(addprefix $(O)/tests/bench/set/,live surface): %: %.o $(SET_BENCH)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
-$(O)/tests/bench/cgal_live: $(addprefix $(O)/tests/bench/,cgal_live.o live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
-	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+CGAL_BENCH := $(addprefix $(O)/tests/bench/,cgal_speed cgal_text set/cgal_live set/cgal_surface)
+$(CGAL_BENCH:%=%.o): CXXCOMPILE += -DNDEBUG
+$(filter $(O)/tests/bench/set/%,$(CGAL_BENCH)): $(SET_BENCH)
+$(CGAL_BENCH): %: %.o $(FAMILIES)
+	$(CXXCOMPILE) -o $@ $(sort $^) -lgmp -lmpfr
 
-$(O)/tests/bench/surface: $(addprefix $(O)/tests/bench/,surface.o live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
-	$(COMPILE) -o $@ $^ $(LDLIBS)
-
-$(O)/tests/bench/cgal_surface: $(addprefix $(O)/tests/bench/,cgal_surface.o live_plan.o measure.o pool.o) $(FAMILIES) $(CORE)
-	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
-
-$(O)/tests/bench/cgal_%.o: CXXCOMPILE += -DNDEBUG
-$(O)/tests/bench/cgal_%: $(O)/tests/bench/cgal_%.o $(FAMILIES)
-	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
-
-bench: all $(addprefix $(O)/tests/bench/,bench live surface points)
-	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(addprefix $(O)/tests/bench/,cgal_speed cgal_live cgal_surface cgal_text), \
+bench: all $(addprefix $(O)/tests/bench/,bench set/live set/surface points)
+	@$(if $(HAVE_CGAL),$(MAKE) --no-print-directory $(CGAL_BENCH), \
 	  echo "no libcgal-dev, so nothing beside CGAL")
 	@{ $(O)/tests/bench/bench --min $(MIN) --max $(MAX) --cgal $(O)/tests/bench/cgal_speed \
 	    $(filter paper sizes families hostile edits,$(TABLES:hostile=hostile edits)) \
 	  $(if $(filter daemon,$(TABLES)),&& tests/bench/daemon.sh $(O) 1000000 3 $(TEN)) \
-	  $(if $(filter live,$(TABLES)),&& $(O)/tests/bench/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_live)) \
-	  $(if $(filter surface,$(TABLES)),&& $(O)/tests/bench/surface $(MAX) $(MAX) $(if $(HAVE_CGAL),$(O)/tests/bench/cgal_surface)) \
+	  $(if $(filter live,$(TABLES)),&& $(O)/tests/bench/set/live $(MAX) 100000 $(if $(HAVE_CGAL),$(O)/tests/bench/set/cgal_live)) \
+	  $(if $(filter surface,$(TABLES)),&& $(O)/tests/bench/set/surface $(MAX) $(MAX) $(if $(HAVE_CGAL),$(O)/tests/bench/set/cgal_surface)) \
 	  $(if $(filter end_to_end,$(TABLES)),&& tests/bench/end_to_end.sh $(O) 1000000); } | tee $(O)/bench.md
 	@echo "the tables are in $(O)/bench.md"
 	@$(if $(filter families,$(TABLES)),awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg && \

@@ -11,10 +11,10 @@
 
 #include <stdatomic.h>
 extern "C" {
-#include "tests/bench/live_plan.h"
 #include "tests/bench/measure.h"
+#include "tests/bench/set/live_plan.h"
 }
-#include "tests/bench/surface_plan.h"
+#include "tests/bench/set/surface_plan.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -9,8 +9,8 @@
 #include <string.h>
 
 #include "core/delaunay.h"
-#include "tests/bench/live_plan.h"
 #include "tests/bench/measure.h"
+#include "tests/bench/set/live_plan.h"
 
 struct live {
     struct dt *set;

@@ -1,5 +1,5 @@
 /* live_plan.c - see live_plan.h. */
-#include "tests/bench/live_plan.h"
+#include "tests/bench/set/live_plan.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,10 +5,10 @@
  *
  * Both programs draw the same points and places from the same seeds (live_plan.h). A figure is the least of ROUNDS. */
 #include "core/delaunay_surface.h"
-#include "tests/bench/live_plan.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/pool.h"
-#include "tests/bench/surface_plan.h"
+#include "tests/bench/set/live_plan.h"
+#include "tests/bench/set/surface_plan.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -9,8 +9,8 @@
 
 #include <stdatomic.h>
 extern "C" {
-#include "tests/bench/live_plan.h"
 #include "tests/bench/measure.h"
+#include "tests/bench/set/live_plan.h"
 }
 
 #include <cstdio>
