@@ -1,5 +1,5 @@
-"""Builds the package (PEP 517) with the standard library alone. The wheel has the daemon's program in it: $DELAUNAYD, or that of
-build/ in the repository, or else one that is compiled in a temporary directory. Nothing is left behind beside the sources."""
+"""Builds the package (PEP 517) with the standard library alone. The wheel contains the daemon's program: $DELAUNAYD, or the one in
+build/ of the repository, or else one that is compiled in a temporary directory. No files are left in the source tree."""
 
 from __future__ import annotations
 

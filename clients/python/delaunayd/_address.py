@@ -1,4 +1,4 @@
-"""Where a daemon is: a URL, else $DELAUNAY_URL, else localhost:6374, else, if nobody listens there, a private daemon."""
+"""Finds a daemon: by URL, else $DELAUNAY_URL, else localhost:6374, else, if no server listens there, a private daemon."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Address(NamedTuple):
 
 
 def parse(url: Optional[str]) -> Address:
-    """Raises ValueError if that is no URL."""
+    """Raises ValueError if it is not a valid URL."""
     url = url or os.environ.get("DELAUNAY_URL")
     if not url:
         return Address(default=True)

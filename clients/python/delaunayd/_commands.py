@@ -1,7 +1,7 @@
 """The commands as methods, for every kind of client.
 
-A method says which requests are to be sent and how their replies are read; `_run` of the client does the rest. With the clients
-of `delaunayd.aio` each method returns an awaitable of what is described here.
+A method defines the requests to send and how to read their replies; `_run` of the client does the rest. In the clients
+of `delaunayd.aio` each method returns an awaitable of the result described here.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class Commands:
     def _run(
         self, requests: Sequence[Request], read: Callable[[Any], Any], progress: Optional[Progress] = None
     ) -> Any:
-        """Sends the requests; what `read` makes of the list of their replies. Raises the first that is Refused."""
+        """Sends the requests and returns read(list of replies). Raises the first Refused."""
         raise NotImplementedError
 
     def _ask(
@@ -30,7 +30,7 @@ class Commands:
         return answer
 
     def _ask_ids(self, width: int, *words: Word, body: Any = b"") -> Any:
-        """Ids in binary, in rows of so many."""
+        """Ids in binary, in rows of `width`."""
 
         def read(reply: Reply) -> Any:
             return protocol.uint32s(reply.data, width)
@@ -38,16 +38,16 @@ class Commands:
         return self._ask(read, *words, body=body)
 
     def command(self, *words: Word, progress: Optional[Progress] = None) -> Reply:
-        """Any request, as words; its reply as it came. `progress` is called with the lines by which a long request says how
-        far it is."""
+        """Sends any request, given as words, and returns its raw reply. `progress` is called with the lines that report the progress
+        of a long request."""
         return self._ask(lambda reply: reply, *words, progress=progress)
 
     def ping(self) -> None:
-        """Does nothing, if the server answers."""
+        """Returns if the server replies."""
         return self._ask(lambda _: None, "PING")
 
     def info(self, *sections: str) -> Dict[str, Value]:
-        """Facts about the server, or those of the sections named."""
+        """Information about the server, all or that of the named sections."""
         return self._ask(_info, "INFO", *sections)
 
     # ---- sets ----
@@ -57,25 +57,25 @@ class Commands:
         return self._ask(lambda reply: [row.split(" ")[0] for row in reply.rows], "SETS")
 
     def create(self, name: str, tolerance: float = 0.0, temporary: bool = False) -> None:
-        """Makes an empty set. Points within `tolerance` of another one coincide with it. A temporary set is dropped when the
+        """Creates an empty set. Points within `tolerance` of another one coincide with it. A temporary set is dropped when the
         connection ends."""
         last = ("TEMPORARY",) if temporary else ()
         return self._ask(lambda _: None, "CREATE", set_name(name), "TOL", tolerance, *last)
 
     def drop(self, name: str) -> None:
-        """Deletes a set with all that is in it."""
+        """Deletes a set and all its points."""
         return self._ask(lambda _: None, "DROP", set_name(name))
 
     def expire(self, name: str, seconds: float) -> None:
-        """The server drops the set after so many seconds."""
+        """Makes the server drop the set after this number of seconds."""
         return self._ask(lambda _: None, "EXPIRE", set_name(name), float(seconds))
 
     def ttl(self, name: str) -> Optional[float]:
-        """In how many seconds the server drops the set; None: never."""
+        """The number of seconds until the server drops the set; None: never."""
         return self._ask(lambda reply: float(reply.keys["ttl"]) if "ttl" in reply.keys else None, "TTL", set_name(name))
 
     def persist(self, name: str) -> bool:
-        """Takes `expire` back; whether there was anything to take back."""
+        """Cancels `expire`; returns whether the set was to expire."""
         return self._ask(lambda reply: reply.keys["changed"] == "1", "PERSIST", set_name(name))
 
     def stat(self, name: str) -> Dict[str, Value]:
@@ -85,18 +85,18 @@ class Commands:
     # ---- points ----
 
     def load(self, name: str, points: Any, fields: Optional[Mapping[str, Any]] = None) -> int:
-        """Adds points of shape (n, 2), all or none, to a set, which is created if need be. The first one's id; the others
-        follow it. `fields` has names of fields and for each n values, NaN where one is missing."""
+        """Adds points of shape (n, 2), all or none, to a set, which is created if necessary. Returns the id of the first one; the
+        others follow it. `fields` maps names of fields to n values each, NaN where one is missing."""
         data, n = protocol.rows_with_fields(points, fields) if fields else protocol.pairs(points)
         words: Tuple[Word, ...] = ("FIELDS", ",".join(map(field_name, fields))) if fields else ()
         return self._ask(lambda reply: int(reply.keys["first"]), "LOADB", set_name(name), n, *words, body=data)
 
     def add(self, name: str, x: float, y: float) -> int:
-        """Adds a point; its id."""
+        """Adds a point; returns its id."""
         return self._ask(lambda reply: int(reply.keys["first"]), "ADD", set_name(name), float(x), float(y))
 
     def delete(self, name: str, ids: Iterable[int]) -> int:
-        """Deletes points, all or none; how many."""
+        """Deletes points, all or none; returns how many."""
         words = [int(i) for i in ids]
         return self._ask(lambda reply: int(reply.keys["deleted"]), "DEL", set_name(name), *words)
 
@@ -118,7 +118,7 @@ class Commands:
         return self._ask(_points_table(len(names)), "POINTS", set_name(name), *words, "BINARY")
 
     def coincident(self, name: str) -> List[Tuple[int, int]]:
-        """Every point that coincides with another one, and the one that stands for both in the triangulation."""
+        """Every point that coincides with another one, and the point that represents both in the triangulation."""
         return self._ask(_pairs_of_ids, "COINCIDENT", set_name(name))
 
     # ---- fields: values at points ----
@@ -151,13 +151,13 @@ class Commands:
     def triangulate(
         self, name: str, method: Optional[str] = None, progress: Optional[Progress] = None
     ) -> Dict[str, Value]:
-        """Triangulates a set, whose triangulation then follows every edit. The counts of points, coincident ones, triangles,
-        edges and hull, and ms, how long it took. `method` is auto, divide or shelling; the result is the same."""
+        """Triangulates a set; the triangulation then follows every edit. Returns the counts of points, coincident points, triangles,
+        edges and hull points, and ms, the time taken. `method` is auto, divide or shelling; the result is the same."""
         words = ("METHOD", method) if method is not None else ()
         return self._ask(protocol.values, "TRIANGULATE", set_name(name), *words, progress=progress)
 
     def check(self, name: str) -> Dict[str, Value]:
-        """Proves the triangulation, exactly."""
+        """Verifies the triangulation, exactly."""
         return self._ask(protocol.values, "CHECK", set_name(name))
 
     def triangles(self, name: str, within: Optional[Sequence[float]] = None) -> Any:
@@ -186,7 +186,7 @@ class Commands:
     # ---- searches ----
 
     def locate(self, name: str, x: float, y: float) -> Located:
-        """The triangle, edge or point where a place lies."""
+        """The triangle, edge or point at a place."""
         return self._ask(protocol.located, "LOCATE", set_name(name), float(x), float(y))
 
     def locate_all(self, name: str, places: Iterable[Sequence[float]]) -> List[Located]:
@@ -215,7 +215,7 @@ class Commands:
     # ---- surfaces ----
 
     def weights(self, name: str, x: float, y: float, method: str = "linear") -> Dict[int, float]:
-        """With which weights the values at points count at a place; `method` is linear, natural or laplace."""
+        """The weights of the values at points around a place; `method` is linear, natural or laplace."""
         return self._ask(_weights, "WEIGHTS", set_name(name), float(x), float(y), "METHOD", method)
 
     def interpolate(

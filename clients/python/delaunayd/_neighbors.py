@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-_STEPS = 16  # rows that are looked at before an edge is left to the sorting
+_STEPS = 16  # rows to examine before an edge is left to the sort
 
 
 def _pair_rows_of_a_corner(a: Any, b: Any, c: Any, out: Any) -> None:

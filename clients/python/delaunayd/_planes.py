@@ -10,7 +10,7 @@ _RCOND_LIMIT = 1000 * np.finfo(float).eps  # below which a triangle is degenerat
 
 
 def paraboloid(points: Any) -> Tuple[float, float]:
-    """The scale and shift of z = scale (x^2 + y^2) + shift, with which heights are like coordinates in size, as for Qhull's
+    """The scale and shift of z = scale (x^2 + y^2) + shift that make heights as large as coordinates, as for Qhull's
     option Qbb with a point at infinity (Qz)."""
     z = np.einsum("ij,ij->i", points, points)
     low, high = float(z.min()), 1.1 * float(z.max())

@@ -1,7 +1,7 @@
-"""The private daemon of this process: in memory, on a Unix socket that only this user may reach.
+"""The private daemon of this process: in memory, on a Unix socket that only this user can access.
 
-It ends when its standard input does, whose other end this process holds: so it ends with this process, however that ends. Processes
-that are forked from this one share it.
+It exits when its standard input ends. This process holds the other end of that pipe, so the daemon ends with this process, however
+that ends. Forked processes share the daemon.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def find_program() -> str:
 
 
 def socket_path(instead_of: Optional[str] = None) -> str:
-    """The path of its socket; it is started if it does not run yet, or if it was found not to answer on `instead_of`."""
+    """The path of its socket. Starts the daemon if it does not run yet, or if it does not answer on `instead_of`."""
     global _path
     with _lock:
         if _path is None or _path == instead_of:

@@ -24,7 +24,7 @@ _FLOAT = re.compile(r"-?[0-9]+(\.[0-9]*)?(e[-+]?[0-9]+)?\Z")
 
 
 class Refused(Exception):
-    """The server answered ERR. `code` is the code, such as NOSET; the connection is still good."""
+    """The server replied ERR. `code` is the error code, such as NOSET; the connection is still usable."""
 
     def __init__(self, line: str):
         super().__init__(line)
@@ -32,11 +32,11 @@ class Refused(Exception):
 
 
 class ConnectionLost(ConnectionError):
-    """The connection ended before the reply did, or what came is no reply. The next request connects again."""
+    """The connection ended before the reply was complete, or the bytes received are not a reply. The next request reconnects."""
 
 
 class Reply(NamedTuple):
-    """A reply as it came: the words key=value of its first line, its rows, and the bytes of a binary reply."""
+    """A raw reply: the words key=value of its first line, its rows, and the bytes of a binary reply."""
 
     keys: Dict[str, str]
     rows: List[str]
@@ -51,7 +51,7 @@ class Request(NamedTuple):
 
 
 class Neighbour(NamedTuple):
-    """A point and its distance from the place asked about."""
+    """A point and its distance from the place of the query."""
 
     id: int
     x: float
@@ -60,7 +60,7 @@ class Neighbour(NamedTuple):
 
 
 class Field(NamedTuple):
-    """How many values a field has, and the least and the greatest of them; NaN if there are none."""
+    """The number of values of a field, and the least and the greatest of them; NaN if there are none."""
 
     values: int
     least: float
@@ -104,7 +104,7 @@ def _text(word: Word) -> str:
 
 
 def request(*words: Word, body: Any = b"") -> Request:
-    """The request of these words. Numbers are written so that they read back as the same number."""
+    """The request made of these words. Numbers are written so that reading them returns the same number."""
     line = " ".join(_text(w) for w in words)
     if "\n" in line or "\r" in line:
         raise ValueError("a line break in a request")
@@ -112,7 +112,7 @@ def request(*words: Word, body: Any = b"") -> Request:
 
 
 def set_name(name: str) -> str:
-    """The name, if a set can have it; the error is what the server would answer. A name with a blank would be two words."""
+    """Returns the name if it is valid for a set; the error is the server's. A name with a blank would be two words."""
     if not _SET_NAME.match(name):
         raise Refused("ERR SYNTAX a set's name is 1 to 64 of A-Z a-z 0-9 _ . : -")
     return name
@@ -126,7 +126,7 @@ def field_name(name: str) -> str:
 
 
 def read_reply(progress: Optional[Progress] = None) -> Generator[int, bytes, Reply]:
-    """Yields what it needs next, LINE or a number of bytes, and is sent that. Returns the reply; raises Refused if it is ERR."""
+    """Yields what it needs next, LINE or a number of bytes, and receives it. Returns the reply; raises Refused if it is ERR."""
     while True:
         status = decode_line((yield LINE))
         if not status.startswith("#"):

@@ -26,9 +26,9 @@ _LINE_LIMIT = 1 << 30
 
 
 class Client(Commands):
-    """A connection to a daemon for the tasks of one event loop, which take turns. `url` and `timeout`, which is for each exchange
-    with the server, are as for delaunayd.Client. The connection is made by the first request, and again after it was lost or
-    a request was cancelled."""
+    """A connection to a daemon for the tasks of one event loop, used by one task at a time. `url` and `timeout`, which limits each
+    exchange with the server, are as for delaunayd.Client. The first request connects; a request after a lost connection or after a
+    cancelled request reconnects."""
 
     def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None):
         self._address = _address.parse(url)

@@ -1,4 +1,4 @@
-"""The client for threads. Tables come as NumPy arrays if NumPy is there, else as array.array; no Python object is made for a single
+"""The client for threads. Tables are NumPy arrays if NumPy is installed, else array.array; no Python object is created for a single
 point or triangle."""
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _HARMLESS = frozenset(
 
 
 class _Connection:
-    """A socket, and what has come from it."""
+    """A socket, and the bytes received from it."""
 
     def __init__(self, address: _address.Address, timeout: Optional[float]):
         self.pid = os.getpid()
@@ -43,7 +43,7 @@ class _Connection:
         self.socket.close()
 
     def is_good(self) -> bool:
-        """Nothing has come that nobody asked for, such as its end; and it is not that of the process we were forked from."""
+        """True if nothing unexpected has arrived, such as its end, and the connection is not one of the process we were forked from."""
         return self.pid == os.getpid() and not self.poll.poll(0)
 
     def send(self, requests: Sequence[Request]) -> None:
@@ -59,7 +59,7 @@ class _Connection:
         self.socket.sendall(b"".join(lines))
 
     def _read(self, size: int) -> Any:
-        """So many bytes, fewer at the end; what is made of them may be written to."""
+        """This number of bytes, fewer at the end, in a writable buffer."""
         data = bytearray(size)
         got = self.input.readinto(data)
         return data if got == size else data[:got]
@@ -83,12 +83,12 @@ class Client(Commands):
     meanwhile. Threads that should not wait for each other's long requests have clients of their own.
 
     `url` is delaunay://[:token@]host[:port], unix://[:token@]/path (or the path alone), or private: for a daemon of this process
-    alone. Without one, $DELAUNAY_URL; without that, localhost:6374, or the private daemon if nobody listens there.
+    alone. Without one, $DELAUNAY_URL; without that, localhost:6374, or the private daemon if no server listens there.
 
     `timeout` is in seconds, for connecting and for each wait for the server; then TimeoutError is raised. None: no limit.
 
-    A connection that was lost is made again by the next request. A request whose reply did not come raises ConnectionLost:
-    whether a change was carried out is not known then. Requests that change nothing are tried once more instead."""
+    After a lost connection the next request reconnects. A request whose reply did not arrive raises ConnectionLost; a change may or
+    may not have been carried out. Requests that change nothing are repeated once instead."""
 
     def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None):
         self._address = _address.parse(url)
@@ -103,7 +103,7 @@ class Client(Commands):
         self._connect()
 
     def close(self) -> None:
-        """Ends the connection. Closing twice does no harm."""
+        """Closes the connection. Closing twice is allowed."""
         with self._lock:
             self._closed = True
             self._disconnect()
@@ -143,7 +143,7 @@ class Client(Commands):
             connection.close()
 
     def _live(self) -> _Connection:
-        """The connection, made again if it was lost."""
+        """The connection; reconnects if it was lost."""
         if self._closed:
             raise ConnectionLost("the client is closed")
         if self._connection is not None and self._sent == 0 and not self._connection.is_good():
@@ -162,7 +162,7 @@ class Client(Commands):
             return refusal
 
     def _exchange(self, requests: Sequence[Request], progress: Optional[Progress]) -> List[Union[Reply, Refused]]:
-        """Whatever interrupts it leaves a connection where replies and requests would no longer match, so it is closed."""
+        """If it is interrupted, replies and requests would no longer match, so the connection is closed."""
         connection = self._live()
         try:
             try:
@@ -181,7 +181,7 @@ class Client(Commands):
             raise
 
     def _exchange_again(self, requests: Sequence[Request], progress: Optional[Progress]) -> List[Union[Reply, Refused]]:
-        """A connection that has ended while nobody looked is made again, where no request could be carried out twice."""
+        """Reconnects if the connection ended between requests, provided that no request could be carried out twice."""
         connection = self._live()
         try:
             return self._exchange(requests, progress)
@@ -255,7 +255,7 @@ class Client(Commands):
     # ---- sets that nothing refers to any more ----
 
     def _discard(self, name: str) -> None:
-        """Drops a temporary set, now or with the next request. For finalizers, which may run in the midst of anything."""
+        """Drops a temporary set, now or with the next request. For finalizers, which may run at any time."""
         self._garbage.append(name)
         if self._lock.acquire(blocking=False):
             try:
@@ -287,8 +287,8 @@ class Pipeline(Commands):
             p.nearest("t", 0, 0)
         first, near = p.results
 
-    A method returns None; what it would have returned is in `results` after the `with`, in order. Every request is carried out;
-    then the first that was Refused is raised. Other clients' requests may come in between."""
+    A method returns None; `results` has the return values in order after the `with`. Every request is carried out;
+    then the first Refused is raised. Requests of other clients may be carried out in between."""
 
     def __init__(self, client: Client):
         self.results: List[Any] = []
@@ -303,7 +303,7 @@ class Pipeline(Commands):
         self._reads.append((len(requests), read))
 
     def execute(self) -> List[Any]:
-        """Sends what has been asked for; the results, where a refused one is the exception Refused."""
+        """Sends the collected requests; returns the results, where a refused one is the exception Refused."""
         requests, reads = self._requests, self._reads
         self._requests, self._reads, self.results = [], [], []
         replies = self._client._settle(requests)

@@ -2,9 +2,9 @@
 
     from delaunayd.interpolate import LinearNDInterpolator, NaturalNeighborInterpolator
 
-What is different from SciPy's: triangles are exact and canonical, so the values are too, to the last digits; of points that
-coincide the first one counts; values must be finite or NaN; `rescale` is refused with NotImplementedError, more than two dimensions
-with ValueError.
+Differences from SciPy's: triangles are exact and canonical, so the values are canonical, too, to the last digit; the first of several
+coincident points determines the value; values must be finite or NaN; `rescale` is refused with NotImplementedError, more than two
+dimensions with ValueError.
 """
 
 from __future__ import annotations

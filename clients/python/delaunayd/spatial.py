@@ -2,11 +2,11 @@
 
     from delaunayd.spatial import Delaunay
 
-What is different from SciPy's:
+Differences from SciPy's:
 
 - Triangles are exact, canonical and sorted, each counterclockwise from its smallest point. Where more than three points lie on a
-  circle, the choice among the possible triangles is CGAL's. A thin triangle that Qhull would drop is there.
-- Collinear points are no error: they have no triangles.
+  circle, the choice among the possible triangles is CGAL's. Thin triangles that Qhull drops are present.
+- Collinear points are not an error: they have no triangles.
 - `qhull_options` that concern how Qhull computes have no effect. Others, QJ for coincident points, and `furthest_site` are refused
   with NotImplementedError; more than two dimensions with ValueError.
 
@@ -76,9 +76,9 @@ def _check_options(furthest_site: bool, options: Any) -> List[str]:
 class Delaunay:
     """The Delaunay triangulation of points of shape (n, 2).
 
-    The first arguments are SciPy's. `client` is a delaunayd.Client to use; else `url` says where the daemon is, else it is
-    $DELAUNAY_URL, localhost:6374 or a private daemon of this process. The points are in a temporary set there, which goes with
-    this object or its connection, and is made again where it is needed after that.
+    The first arguments are SciPy's. `client` is a delaunayd.Client to use; else `url` is the address of the daemon, else it is
+    $DELAUNAY_URL, localhost:6374 or a private daemon of this process. The points are in a temporary set there, which is dropped with
+    this object or its connection, and created again if it is needed after that.
 
     Attributes, as for SciPy: points, simplices, neighbors, convex_hull, coplanar, equations, good, transform, vertex_to_simplex,
     vertex_neighbor_vertices, npoints, nsimplex, ndim, min_bound, max_bound, paraboloid_scale, paraboloid_shift."""
@@ -115,8 +115,8 @@ class Delaunay:
 
     @property  # type: ignore[misc]
     def __class__(self) -> Any:
-        """SciPy's interpolators take a triangulation only if isinstance says that it is SciPy's; they look at the same attributes
-        then. So, where SciPy is loaded, isinstance says it."""
+        """SciPy's interpolators accept a triangulation only if isinstance identifies it as SciPy's; they use the same attributes
+        then. So, if SciPy is loaded, that isinstance check succeeds."""
         theirs = sys.modules.get("scipy.spatial._qhull")
         return type(self) if theirs is None else _also(type(self), theirs.Delaunay)
 
@@ -126,7 +126,7 @@ class Delaunay:
     # ---- the set ----
 
     def _make_set(self, with_triangles: bool) -> Any:
-        """Makes a set of the points and triangulates it; the triangles, if they are wanted."""
+        """Creates a set of the points and triangulates it; returns the triangles, if they are wanted."""
         client = self._given if self._given is not None else _client_of_thread(self._url)
         name = "py." + uuid.uuid4().hex
         data, n = protocol.pairs(self._points)
@@ -153,7 +153,7 @@ class Delaunay:
             finalizer()
 
     def _ask(self, ask: Callable[[Client, str], Any]) -> Any:
-        """What ask(client, name) returns. The set is made first if there is none, or none any more."""
+        """Returns ask(client, name). The set is created first if it does not exist, or no longer exists."""
         with self._lock:
             for tries in (1, 0):
                 if self._name is None or self._client is None:
@@ -167,8 +167,8 @@ class Delaunay:
                     self._forget_set()
 
     def add_points(self, points: Any, restart: bool = False) -> None:
-        """Adds points; their numbers follow those that are there. For an object that was made with incremental=True. With
-        `restart` all points are triangulated again, which gives the same triangles."""
+        """Adds points; their numbers follow those of the existing points. For an object created with incremental=True. With
+        `restart` all points are triangulated again, with the same triangles as the result."""
         if not self._incremental:
             raise RuntimeError("incremental mode not enabled or already closed")
         points = np.asarray(points, dtype=np.float64)
@@ -188,7 +188,7 @@ class Delaunay:
             self._cache = {}
 
     def _add_to_set(self, points: Any) -> Any:
-        """The triangles after that; None: the set is not there any more."""
+        """The triangles after that; None: the set no longer exists."""
         assert self._client is not None and self._name is not None
         data, n = protocol.pairs(points)
         requests = [
@@ -196,7 +196,7 @@ class Delaunay:
             protocol.request("TRIANGLES", self._name, "BINARY"),
         ]
         try:
-            # A set that has ended with its connection would be made by LOADB, and have no triangles.
+            # LOADB would create a set that was dropped with its connection, without triangles.
             return self._client._run([protocol.request("STAT", self._name)] + requests, _last_triangles)
         except (ConnectionLost, Refused):
             return None
@@ -216,7 +216,7 @@ class Delaunay:
     def __reduce__(self) -> Any:
         return _restore, (type(self), self._points, self.simplices, self._incremental, self._url)
 
-    # ---- tables; each is computed when it is first asked for ----
+    # ---- tables; each is computed on first use ----
 
     def _cached(self, key: str, compute: Callable[[], Any]) -> Any:
         if key not in self._cache:
@@ -346,7 +346,7 @@ class Delaunay:
         return _planes.lift(np.asarray(x, dtype=np.float64), self.paraboloid_scale, self.paraboloid_shift)
 
     def plane_distance(self, xi: Any) -> Any:
-        """How far each place, lifted, is below the plane of each triangle: shape (..., nsimplex)."""
+        """The distance of each lifted place below the plane of each triangle: shape (..., nsimplex)."""
         lifted = self.lift_points(xi)
         return np.dot(lifted, self.equations[:, :3].T) + self.equations[:, 3]
 
@@ -420,7 +420,7 @@ def _last_triangles(replies: Any) -> Any:
 
 
 def _restore(kind: Any, points: Any, simplices: Any, incremental: bool, url: Optional[str]) -> Delaunay:
-    """From a pickle: the set is made when something is asked that needs it."""
+    """From a pickle: the set is created by the first call that needs it."""
     d: Delaunay = kind.__new__(kind)
     d._given, d._url = None, url
     d._begin()
@@ -432,7 +432,7 @@ _both: Dict[Any, Any] = {}
 
 
 def _also(ours: Any, theirs: Any) -> Any:
-    """A class that is both, for isinstance; no object is made of it."""
+    """A class that is both, for isinstance; it has no instances."""
     if (ours, theirs) not in _both:
         _both[ours, theirs] = type(ours.__name__, (ours, theirs), {"__module__": ours.__module__})
     return _both[ours, theirs]

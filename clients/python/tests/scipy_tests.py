@@ -1,4 +1,4 @@
-"""Runs the tests that SciPy has of its Delaunay class, as installed, with ours in its place:
+"""Runs SciPy's own tests of its Delaunay class, as installed, with our class instead of SciPy's:
 
     DELAUNAYD=build/delaunayd PYTHONPATH=clients/python python3 -m tests.scipy_tests
 

@@ -1,4 +1,4 @@
-"""Interpolators beside those of SciPy, and the surfaces of a client."""
+"""Interpolators compared with those of SciPy, and the surfaces of a client."""
 
 import unittest
 from array import array

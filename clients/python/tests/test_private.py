@@ -1,4 +1,4 @@
-"""The private daemon: without a URL, and with nobody at the default address."""
+"""The private daemon: without a URL, and with no server at the default address."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""delaunayd.spatial.Delaunay, beside SciPy's where that is installed."""
+"""delaunayd.spatial.Delaunay, compared with SciPy's where that is installed."""
 
 import copy
 import gc

@@ -1,4 +1,4 @@
-"""Surfaces: weights, fields, and Voronoi cells, these beside SciPy's where it is installed."""
+"""Surfaces: weights, fields, and Voronoi cells; the cells are compared with SciPy's where it is installed."""
 
 import struct
 import unittest

@@ -13,7 +13,7 @@ from .common import WithDaemon
 
 
 def in_threads(n, work):
-    """Runs work(0) to work(n - 1) side by side; raises what one of them raises."""
+    """Runs work(0) to work(n - 1) in parallel; raises what one of them raises."""
     failed = []
 
     def run(i):
