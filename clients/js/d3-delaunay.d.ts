@@ -47,11 +47,11 @@ export class Delaunay<T extends ArrayLike<number> = Float64Array> {
   hull: Uint32Array;
   /** A half edge that ends at the point; -1 for one that coincides with another. */
   inedges: Int32Array;
-  /** All points in order, if they are on one line. */
+  /** All points in order, if they are collinear. */
   collinear?: Int32Array;
   /** After a change of points. */
   update(): this;
-  /** The point nearest to a place; i is one to begin with. -1: there are no points. */
+  /** The point nearest to a place; the search starts at i. -1: there are no points. */
   find(x: number, y: number, i?: number): number;
   neighbors(i: number): IterableIterator<number>;
   voronoi(bounds?: ArrayLike<number>): Voronoi;

@@ -1,4 +1,4 @@
-// The interface of d3-delaunay. Its Voronoi diagrams are drawn by d3-delaunay itself, where that is installed.
+// The interface of d3-delaunay. Voronoi diagrams need d3-delaunay itself.
 'use strict';
 
 const Delaunator = require('./delaunator.js');
@@ -18,7 +18,7 @@ function onto(context, draw) {
 }
 
 class Delaunay {
-  #line = null; // of points that are all on one line
+  #line = null; // of collinear points
 
   /** points: an array or any other iterable; fx and fy get (point, index, points). */
   static from(points, fx = first, fy = second, that = undefined) {
@@ -67,7 +67,7 @@ class Delaunay {
     if (hull.length === 1 || hull.length === 2) this.#indexFew();
   }
 
-  /** One place or two: as d3-delaunay's Voronoi expects it. */
+  /** One place or two places: as d3-delaunay's Voronoi expects it. */
   #indexFew() {
     const [a, b = -1] = this.hull;
     this.triangles = Int32Array.of(a, b, b);
@@ -76,9 +76,9 @@ class Delaunay {
     if (b >= 0) this.inedges[b] = 0;
   }
 
-  // ---- questions ----
+  // ---- queries ----
 
-  /** The points that point i is joined to; none for one that coincides with an earlier one. */
+  /** The neighbours of point i; none for a point that coincides with an earlier one. */
   *neighbors(i) {
     if (this.#line !== null) {
       yield* this.#line.neighbors(i);
@@ -99,7 +99,7 @@ class Delaunay {
     }
   }
 
-  /** The point nearest to a place, by way of ever nearer points from point i on; -1 if there is none. */
+  /** The point nearest to a place, found by a walk over ever nearer points from point i; -1 if there is none. */
   find(x, y, i = 0) {
     const n = this.points.length >> 1;
     x = +x;
@@ -132,7 +132,7 @@ class Delaunay {
 
   voronoi(bounds) {
     const { Delaunay: TheirDelaunay, Voronoi } = findVoronoi();
-    // Points on one line are moved a little there, which is none of our triangulation.
+    // d3-delaunay moves collinear points a little, which our triangulation does not.
     return this.#line !== null ? new TheirDelaunay(Float64Array.from(this.points)).voronoi(bounds) : new Voronoi(this, bounds);
   }
 

@@ -5,7 +5,7 @@ declare class Delaunator<T extends ArrayLike<number> = Float64Array> {
     getX?: (p: P) => number,
     getY?: (p: P) => number,
   ): Delaunator<Float64Array>;
-  /** The server from now on; a URL as in connect(). */
+  /** Sets the server for later calls; a URL as in connect(). */
   static useServer(url?: string, options?: { timeout?: number }): void;
   /** x, y one after the other. */
   constructor(coords: T);

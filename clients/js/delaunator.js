@@ -33,7 +33,7 @@ class Delaunator {
     if (this.trianglesLen === 0 && this.#before(this.hull.at(-1), this.hull[0])) this.hull.reverse();
   }
 
-  /** Points on one line are in the order of x, or of y where x is the same. */
+  /** Collinear points are in the order of x, or of y where x is the same. */
   #before(i, j) {
     const { coords } = this;
     return coords[2 * i] - coords[2 * j] < 0 || (coords[2 * i] === coords[2 * j] && coords[2 * i + 1] < coords[2 * j + 1]);

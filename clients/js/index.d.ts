@@ -6,17 +6,17 @@ export { Delaunator, Delaunay };
 /** Flat coordinates (x, y, x, y ...) or pairs. */
 export type Points = ArrayLike<number> | Iterable<readonly [number, number]> | Iterable<ArrayLike<number>>;
 
-/** For points that are something else. */
+/** For points of any other type. */
 export interface Accessors<P> {
   getX?: (p: P) => number;
   getY?: (p: P) => number;
 }
 
 export interface Reply {
-  /** The status line's keys, as text. */
+  /** The values of the status line by key, as text. */
   keys: Record<string, string>;
   rows: string[];
-  /** What followed in binary form. */
+  /** The bytes of a binary reply. */
   data: Uint8Array | null;
 }
 
@@ -50,13 +50,13 @@ export interface Located {
 }
 
 export interface RequestOptions {
-  /** Milliseconds after which the server gives the request up (code TIMEOUT); 0: no limit. */
+  /** Milliseconds after which the server cancels the request (code TIMEOUT); 0: no limit. */
   timeout?: number;
   progress?: (text: string) => void;
 }
 
 export interface ClientOptions {
-  /** Of every request that has none of its own, in milliseconds; 0, the default: no limit. */
+  /** For requests without a timeout of their own, in milliseconds; 0, the default: no limit. */
   timeout?: number;
   /** In milliseconds; 10000 by default. */
   connectTimeout?: number;
@@ -96,7 +96,7 @@ export interface ContourPolygons {
   coordinates: [number, number][][][];
 }
 
-/** Voronoi cells: that of ids[i] has the corners offsets[i] .. offsets[i + 1] of coords. */
+/** Voronoi cells; the one of ids[i] has the corners offsets[i] .. offsets[i + 1] of coords. */
 export interface Cells {
   box: [number, number, number, number];
   ids: Uint32Array;
@@ -107,19 +107,19 @@ export interface Cells {
   cellPolygons(): IterableIterator<[number, number][] & { index: number }>;
 }
 
-/** The server answered ERR; the connection goes on. */
+/** The server replied ERR; the connection is still usable. */
 export class Refused extends Error {
   /** The word after ERR: NOSET, RANGE, TIMEOUT ... */
   code: string;
 }
 
-/** The connection ended before the reply arrived: an edit may have been carried out or not. */
+/** The connection ended before the reply arrived: an edit may or may not have been carried out. */
 export class Disconnected extends Error {
   code: string;
 }
 
 export interface LoadOptions {
-  /** A value of each point, by the field's name; NaN where one is missing. */
+  /** Values of all points by the name of the field; NaN where one is missing. */
   fields?: Record<string, ArrayLike<number>>;
   timeout?: number;
 }
@@ -203,21 +203,21 @@ export const NONE: 0xffffffff;
 
 /**
  * Connects. The URL is delaunay://[:token@]host[:port], unix://[:token@]/path, or private: for a daemon of this process. Without
- * one: $DELAUNAY_URL, or else localhost:6374, or else, where nobody listens there, private.
+ * one: $DELAUNAY_URL, or else localhost:6374, or else, if no server listens there, a private daemon.
  */
 export function connect(url?: string, options?: ClientOptions): Promise<Client>;
 
-/** The server of Delaunator and Delaunay from now on; a URL as in connect(). */
+/** Sets the server of Delaunator and Delaunay for later calls; a URL as in connect(). */
 export function useServer(url?: string, options?: { timeout?: number }): void;
 
 export interface TriangulationOptions {
-  /** By default one that all share, connected as connect() without a URL. */
+  /** By default a shared one, connected as by connect() without a URL. */
   client?: Client;
   /** In a plane whose y axis points up. */
   clockwise?: boolean;
 }
 
-/** A triangulation with the fields of Delaunator's, made without blocking. */
+/** A triangulation with the fields of Delaunator's, computed without blocking. */
 export class Triangulation {
   private constructor();
   coords: Float64Array;

@@ -1,4 +1,4 @@
-// Where a daemon is: a URL, or else $DELAUNAY_URL, or else localhost:6374, or else, where nobody listens there, a private
+// Finds a daemon: by URL, or else $DELAUNAY_URL, or else localhost:6374, or else, if no server listens there, a private
 // daemon of this process.
 'use strict';
 
@@ -51,7 +51,7 @@ function findProgram() {
   return process.env.DELAUNAYD || (existsSync(packed) ? packed : 'delaunayd');
 }
 
-/** Starts a daemon that nobody else can reach, and that ends when this process does, however it ends: the system closes
+/** Starts a private daemon, which ends with this process, however that ends: the system closes
  * the daemon's standard input then. Its socket's path. */
 function startPrivate() {
   const program = findProgram();
@@ -91,7 +91,7 @@ async function openPrivate(timeout) {
 
 const NOBODY = ['ECONNREFUSED', 'ENETUNREACH', 'EADDRNOTAVAIL'];
 
-/** A function that opens a socket to the same place every time, and the token to show there. */
+/** A function that opens a socket to the same daemon every time, and the token to send there. */
 function chooseAddress(url = process.env.DELAUNAY_URL || undefined) {
   if (url === 'private:') return { token: '', open: openPrivate };
   if (url !== undefined) {

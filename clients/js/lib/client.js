@@ -1,4 +1,4 @@
-// A client: commands as methods. It connects again when its connection has been lost.
+// A client: commands as methods. It reconnects after its connection has been lost.
 'use strict';
 
 const { chooseAddress } = require('./address.js');
@@ -39,7 +39,7 @@ function withFields(coords, fields) {
 
 const numbersOf = (row) => row.split(' ').map(Number);
 
-/** {id, x, y} and in replies to NEAREST the distance. */
+/** {id, x, y}, and in replies to NEAREST the distance. */
 function pointOf(row) {
   const [id, x, y, distance] = numbersOf(row);
   return distance === undefined ? { id, x, y } : { id, x, y, distance };
@@ -59,7 +59,7 @@ class Client {
     this.#options = { timeout, connectTimeout, unref };
   }
 
-  /** Gives up what is under way, and further requests. */
+  /** Rejects pending requests and all later ones. */
   close() {
     const error = new Disconnected('closed', 'CLOSED');
     this.#closed = true;
@@ -67,7 +67,7 @@ class Client {
     for (const request of this.#queued.splice(0)) request.reject(error);
   }
 
-  /** Connects if there is no connection; all who ask meanwhile wait for the same one. */
+  /** Connects if there is no connection; concurrent calls wait for the same one. */
   open() {
     this.#opening ??= this.#open().finally(() => {
       this.#opening = null;
@@ -90,7 +90,7 @@ class Client {
     }
   }
 
-  /** Shows the token. A connection that is not used is closed. */
+  /** Sends the token. A connection that is not used is closed. */
   async #introduce(connection, timeout) {
     if (!this.#address.token) return;
     try {
@@ -145,18 +145,18 @@ class Client {
     await this.request(`DROP ${checkSet(set)}`);
   }
 
-  /** The server drops the set after so many seconds. */
+  /** Makes the server drop the set after this number of seconds. */
   async expire(set, seconds) {
     await this.request(`EXPIRE ${checkSet(set)} ${Number(seconds)}`);
   }
 
-  /** In how many seconds the server drops the set; undefined: never. */
+  /** The number of seconds until the server drops the set; undefined: never. */
   async ttl(set) {
     const { ttl } = (await this.request(`TTL ${checkSet(set)}`)).keys;
     return ttl === undefined ? undefined : Number(ttl);
   }
 
-  /** Takes expire back; whether there was anything to take back. */
+  /** Cancels expire; resolves with whether the set was to expire. */
   async persist(set) {
     return (await this.request(`PERSIST ${checkSet(set)}`)).keys.changed === '1';
   }
@@ -167,7 +167,7 @@ class Client {
 
   // ---- points ----
 
-  /** Adds points, all or none; the first one's id. A Float64Array must not change until then. */
+  /** Adds points, all or none; resolves with the id of the first one. A Float64Array must not change until then. */
   async load(set, points, { getX, getY, fields, timeout } = {}) {
     const coords = flatten(points, getX, getY);
     if (fields && Object.keys(fields).length > 0) return this.#loadFields(set, coords, fields, timeout);
@@ -193,7 +193,7 @@ class Client {
     await this.request(`MOVE ${checkSet(set)} ${id} ${x} ${y}`);
   }
 
-  /** {id, x, y} of each id, in the order asked for. */
+  /** {id, x, y} of each id, in the order of the request. */
   async get(set, ids) {
     return this.#points(`GET ${checkSet(set)} ${[...ids].join(' ')}`);
   }
@@ -316,7 +316,7 @@ class Client {
     return this.#places('LOCATEB', set, places, '', options);
   }
 
-  /** k ids for each place, nearest first; NONE for what there are too few points for. */
+  /** k ids for each place, nearest first; NONE where there are too few points. */
   async nearestAll(set, places, k = 1, options) {
     return this.#places('NEARESTB', set, places, ` ${k}`, options);
   }
@@ -342,7 +342,7 @@ class Client {
     return words(Float64Array, (await this.request(line, { body, timeout })).data);
   }
 
-  /** The values at the centres of cells, row by row from the largest y, as d3-contour wants them. */
+  /** The values at the centres of cells, row by row from the largest y, as d3-contour expects them. */
   async raster(set, field, box, columns, rows, { method, maxEdge, progress, timeout } = {}) {
     const line = `RASTER ${checkSet(set)} ${checkField(field)} ${[...box].join(' ')} ${columns} ${rows}${methodWords({ method, maxEdge })} BINARY`;
     return words(Float64Array, (await this.request(line, { progress, timeout })).data);
@@ -356,7 +356,7 @@ class Client {
   }
 
   /** For each level the ground at or above it: a GeoJSON MultiPolygon with the property value, as d3-contour and d3-tricontour. The
-   * requests are made one after the other: nobody should edit the set meanwhile. */
+   * requests are made one after the other: the set should not be edited meanwhile. */
   async contours(set, field, levels, { timeout } = {}) {
     const wanted = [...levels];
     if (wanted.length === 0) return [];
@@ -410,7 +410,7 @@ async function connect(url, options) {
 
 let common = null;
 
-/** The client of all who name none. It does not keep the process from ending. */
+/** The default client. It does not keep the process alive. */
 function commonClient() {
   common ??= new Client(chooseAddress(), { unref: true });
   return common;

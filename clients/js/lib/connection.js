@@ -1,10 +1,10 @@
-// One connection: requests in lines, replies in the order of requests. When it fails, it stays failed.
+// One connection: requests in lines, replies in the order of requests. A failed connection is not reused.
 'use strict';
 
 const { Disconnected, Refused } = require('./errors.js');
 const { Input, parseStatus } = require('./framing.js');
 
-const GRACE_MS = 1000; // the server has a request's time limit; this much later it should have answered
+const GRACE_MS = 1000; // the server knows a request's time limit; it should have replied this much later
 
 class Connection {
   #socket;
@@ -52,7 +52,7 @@ class Connection {
     if (request.body?.length > 0) this.#socket.write(request.body);
   }
 
-  /** The oldest request has become another one. */
+  /** Called when the oldest request has changed. */
   #begin() {
     clearTimeout(this.#timer);
     const { timeout } = this.#waiting[0] ?? {};
@@ -60,7 +60,7 @@ class Connection {
     if (timeout > 0) this.#watch(timeout);
   }
 
-  /** A server that neither answers nor moves bytes for longer than it may take is given up. */
+  /** Fails the connection if the server has neither replied nor moved bytes for longer than the limit. */
   #watch(timeout) {
     const moved = this.#socket.bytesRead + this.#socket.bytesWritten;
     this.#timer = setTimeout(() => {

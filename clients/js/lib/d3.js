@@ -9,7 +9,7 @@ const { compileFunction } = require('node:vm');
 
 let found = null;
 
-/** Where it is: beside this package, or where the program that runs has its packages. */
+/** Its path: beside this package, or among the packages of the running program. */
 function findMain() {
   const from = [__filename, process.argv[1], path.join(process.cwd(), 'x.js')].filter((name) => name && path.isAbsolute(name));
   for (const name of from) {

@@ -1,7 +1,7 @@
 // The errors of this package. Each has a code, as Node's own errors have.
 'use strict';
 
-/** The server answered ERR; the connection goes on. code is the word after ERR. */
+/** The server replied ERR; the connection is still usable. code is the word after ERR. */
 class Refused extends Error {
   constructor(line) {
     super(line);
@@ -10,7 +10,7 @@ class Refused extends Error {
   }
 }
 
-/** The connection ended before the reply arrived: an edit may have been carried out or not. */
+/** The connection ended before the reply arrived: an edit may or may not have been carried out. */
 class Disconnected extends Error {
   constructor(message, code = 'DISCONNECTED', cause = undefined) {
     super(message, cause && { cause });

@@ -6,7 +6,7 @@ const { endianness } = require('node:os');
 const LF = 10;
 const BIG_ENDIAN = endianness() === 'BE';
 
-/** Bytes that arrive in pieces and are taken as lines or blocks. Pieces are joined only when one is needed whole. */
+/** Bytes that arrive in pieces and are read as lines or blocks. Pieces are joined only when a line or block spans several. */
 class Input {
   #pieces = [];
   #length = 0;
@@ -66,7 +66,7 @@ function parseStatus(line) {
 
 const NUMBER = /^-?\d+(\.\d+)?(e[+-]?\d+)?$/;
 
-/** A value of the protocol as what it is: a number, true or false, or text. */
+/** A value of the protocol with its type: a number, true or false, or text. */
 function typed(text) {
   if (NUMBER.test(text)) return Number(text);
   return text === 'yes' ? true : text === 'no' ? false : text;
@@ -76,7 +76,7 @@ function typedKeys(keys) {
   return Object.fromEntries(Object.entries(keys).map(([key, text]) => [key, typed(text)]));
 }
 
-/** The bytes as words of a type. They are copied: they may be part of a larger block, and not aligned. */
+/** The bytes as an array of a type. They are copied: they may be part of a larger block, and not aligned. */
 function words(Type, bytes) {
   const size = Type.BYTES_PER_ELEMENT;
   const own = new Uint8Array(bytes);
@@ -102,7 +102,7 @@ function flatten(points, getX, getY) {
   return Float64Array.from(flat);
 }
 
-/** Coordinates as LOADB takes them. They are not copied on a little-endian machine. */
+/** Coordinates as LOADB expects them. They are not copied on a little-endian machine. */
 function pointBytes(flat) {
   if (flat.length % 2 !== 0) throw new TypeError('odd number of coordinates');
   return doubleBytes(flat);

@@ -1,9 +1,9 @@
-// Points that are all on one line: neighbours, and the nearest one.
+// Collinear points: neighbours, and the nearest one.
 'use strict';
 
 class Line {
   #points;
-  #rank; // where a point is in order
+  #rank; // position of a point in that order
   #ends; // of the direction
 
   constructor(points, hull) {
@@ -25,7 +25,7 @@ class Line {
     return [this.order[k - 1], this.order[k + 1]].filter((p) => p !== undefined);
   }
 
-  /** How far along the line a place is. */
+  /** The position of a place along the line. */
   #along(x, y) {
     const [x0, y0, x1, y1] = this.#ends;
     return (x - x0) * (x1 - x0) + (y - y0) * (y1 - y0);

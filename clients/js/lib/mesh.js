@@ -10,8 +10,8 @@
 
 const nextHalfedge = (e) => (e % 3 === 2 ? e - 2 : e + 1);
 
-/** Half edges without a twin yet are chained at that end of their edge that has fewer triangles. In a planar graph the sum
- * over all edges of the smaller degree is linear, so the cost is, wherever the points are [Chiba and Nishizeki 1985]. */
+/** Half edges without a twin yet are chained at the end of their edge that has fewer triangles. In a planar graph the sum
+ * of the smaller degree over all edges is linear, so the cost is linear for all inputs [Chiba and Nishizeki 1985]. */
 function findHalfedges(triangles, points) {
   const n = triangles.length;
   const halfedges = new Int32Array(n).fill(-1);

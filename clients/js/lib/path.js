@@ -1,4 +1,4 @@
-// What Delaunay draws on when it is given no canvas: text for the attribute d of an SVG path, or the corners of a polygon.
+// The drawing targets of Delaunay without a canvas: text for the attribute d of an SVG path, or the corners of a polygon.
 'use strict';
 
 class SvgPath {

@@ -31,7 +31,7 @@ class Cells {
     return polygon;
   }
 
-  /** The cell of a point as [[x, y], ...], of which the last is the first again; null if there is none in the box. */
+  /** The cell of a point as [[x, y], ...], closed: the last corner repeats the first; null if there is none in the box. */
   cellPolygon(id) {
     this.#place ??= new Map(Array.from(this.ids, (other, i) => [other, i]));
     const i = this.#place.get(id);
@@ -74,7 +74,7 @@ function contains(ring, [x, y]) {
   return inside;
 }
 
-/** Where the hull crosses the level: {edge, start, point}; a line starts where the ground falls below the level along the hull. */
+/** The places where the hull crosses the level: {edge, start, point}; a line starts where the ground falls below the level along the hull. */
 function crossings(hull, level) {
   const found = [];
   hull.forEach(([x, y, z], i) => {

@@ -1,4 +1,4 @@
-// Triangulates while the caller waits: Delaunator and d3-delaunay have no promises. A worker thread talks to the daemon, and
+// Triangulates synchronously: Delaunator and d3-delaunay have no promises. A worker thread communicates with the daemon, and
 // the caller's thread sleeps until it has the result.
 'use strict';
 
@@ -19,12 +19,12 @@ function start() {
     transferList: [port2],
     execArgv: [],
   });
-  thread.unref(); // it does not keep the process from ending
+  thread.unref(); // it does not keep the process alive
   port1.unref();
   return { port: port1, signal, thread };
 }
 
-/** The server of Delaunator and Delaunay from now on, as in connect(). */
+/** Sets the server of Delaunator and Delaunay for later calls, as in connect(). */
 function useServer(url, { timeout = 0 } = {}) {
   worker?.thread.terminate();
   worker = null;

@@ -7,7 +7,7 @@ const { commonClient } = require('./client.js');
 const { flatten } = require('./framing.js');
 const { findHalfedges, findHull } = require('./mesh.js');
 
-/** {triangles, hull} of the points, by way of a set that is dropped again, by the server if we are killed. hull is null unless
+/** {triangles, hull} of the points. Uses a temporary set, which the server drops even if we are killed. hull is null unless
  * there are no triangles. */
 async function triangulate(client, coords, clockwise) {
   const set = `js.${randomUUID()}`;
@@ -21,7 +21,7 @@ async function triangulate(client, coords, clockwise) {
   }
 }
 
-/** The fields of a triangulation, from what triangulate() gives. */
+/** The fields of a triangulation, from the result of triangulate(). */
 function complete(target, { triangles, hull }, points) {
   target.triangles = triangles;
   target.halfedges = findHalfedges(triangles, points);

@@ -1,4 +1,4 @@
-// The other thread of sync.js: triangulates what it is sent, one after the other.
+// The worker thread of sync.js: triangulates the points that it receives, one set after the other.
 'use strict';
 
 const { workerData } = require('node:worker_threads');

@@ -123,7 +123,7 @@ describe('a client', () => {
     }
   });
 
-  test('bad URLs and silent ports are told', async () => {
+  test('bad URLs and closed ports are reported', async () => {
     await assert.rejects(connect('http://localhost'), TypeError);
     for (const url of ['delaunay://', 'unix://host/path', 'unix://', 'nonsense', '']) await assert.rejects(connect(url), TypeError);
     await assert.rejects(connect('delaunay://127.0.0.1:1'), { code: 'ECONNREFUSED' });

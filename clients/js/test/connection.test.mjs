@@ -90,7 +90,7 @@ test('no set is left behind by a client that is killed', async () => {
 });
 
 test('connecting has a time limit', async () => {
-  const server = net.createServer().listen(0, '127.0.0.1'); // it never shows the token to anybody
+  const server = net.createServer().listen(0, '127.0.0.1'); // it never replies to the token
   await once(server, 'listening');
   const url = `delaunay://:secret@127.0.0.1:${server.address().port}`;
   await assert.rejects(connect(url, { connectTimeout: 10 }), { code: 'TIMEOUT' });

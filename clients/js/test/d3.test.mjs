@@ -1,4 +1,4 @@
-// The interface of d3-delaunay. Where d3-delaunay is installed in the current directory, ours is compared with it.
+// The interface of d3-delaunay, compared with d3-delaunay itself if that is installed in the current directory.
 
 import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';

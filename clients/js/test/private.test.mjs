@@ -1,4 +1,4 @@
-// The private daemon: it is there when it is needed, and ends with its owner.
+// The private daemon: it starts when it is needed, and ends with its owner.
 
 import assert from 'node:assert/strict';
 import { execFile, spawn } from 'node:child_process';
@@ -23,7 +23,7 @@ function node(script, env = {}) {
 
 const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** Waits until the process is gone. */
+/** Waits until the process has ended. */
 async function gone(pid) {
   for (let i = 0; i < 500 && existsSync(`/proc/${pid}/stat`); i++) await sleep(20);
   return !existsSync(`/proc/${pid}/stat`);
