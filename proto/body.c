@@ -48,14 +48,14 @@ void body_fail(struct body *b, enum body_fault fault)
     body_free(b);
 }
 
-/* How many points to make room for. The announced count is not trusted: memory follows what has arrived,
- * but once that is an eighth, what is announced is probably true. */
+/* The number of points to allocate room for. The announced count is not trusted: memory follows what has
+ * arrived. Once an eighth has arrived, the announced count is probably true. */
 static size_t capacity(const struct body *b)
 {
     size_t cap = b->cap == 0 ? FIRST_CAPACITY : 2 * b->cap;
     if (b->form == BODY_DOT)
         return cap;
-    uint64_t all = b->n + b->left + 1; /* the one at hand may count as left or not */
+    uint64_t all = b->n + b->left + 1; /* `left` may or may not include the current point */
     all = all < b->limit ? all : b->limit;
     return all > b->n && all <= 4 * (uint64_t)cap ? (size_t)all : cap;
 }
@@ -89,7 +89,7 @@ static void add_point(struct body *b, double x, double y)
 {
     if (b->fault != BODY_GOOD)
         return;
-    if (isnan(x) || isnan(y)) { /* only a binary body can say that */
+    if (isnan(x) || isnan(y)) { /* only a binary body can announce that */
         body_fail(b, BODY_NUMBER);
     } else if (!b->coordinate_ok(x) || !b->coordinate_ok(y)) {
         body_fail(b, BODY_RANGE);
@@ -100,7 +100,7 @@ static void add_point(struct body *b, double x, double y)
     }
 }
 
-/* The fault of number i of a point. */
+/* The error for number i of a point. */
 static enum body_fault judge(const struct body *b, size_t i, double v)
 {
     if (i >= b->coordinates)
@@ -136,7 +136,7 @@ static bool read_number(const struct body *b, size_t i, const char *word, size_t
     return true;
 }
 
-/* A line that has values, too. */
+/* A line with the values of fields. */
 static void take_wide_line(struct body *b, const struct line *line)
 {
     const char *p = line->text, *end = p + line->len;
@@ -180,9 +180,9 @@ static void take_line(struct body *b, const struct line *line)
         add_point(b, x, y);
 }
 
-/* Reads a whole line `x y` that has nothing else to it, its LF or CRLF included; returns how many
- * bytes it has. 0: it may be something else, or not all of it is there; then line_read and take_line
- * decide. One pass over the bytes in place of five. */
+/* Reads a complete line that is exactly `x y`, including its LF or CRLF; returns its number of
+ * bytes. 0: the line is different or incomplete; then line_read and take_line
+ * decide. One pass over the bytes instead of five. */
 static size_t take_plain_line(struct body *b, const char *bytes, size_t n)
 {
     const char *p = bytes, *end = bytes + n;

@@ -1,11 +1,11 @@
 /* number_read.c - decimal text to double, correctly rounded.
  *
- * Three stages, each for what the one before leaves over:
+ * Three stages, each for the numbers that the previous one cannot convert:
  *   1. up to 2^53 and a power of ten up to 22: one exact multiplication or division [Clinger 1990];
  *   2. up to 19 digits: one or two 64-bit multiplications by a power of ten of 128 bits [Lemire,
- * "Number Parsing at a Gigabyte per Second", 2021, algorithm 1; Mushtak & Lemire 2023 show that it
- * needs no fallback]. Of longer numbers the first 19 digits, and these plus one: if both give one
- * double, so does all between them;
+ *      "Number Parsing at a Gigabyte per Second", 2021, algorithm 1; Mushtak & Lemire 2023 show that
+ *      it needs no fallback]. For longer numbers the first 19 digits, and these plus one: if both
+ *      give the same double, so do all numbers between them;
  *   3. big integers (number_exact.c). */
 #include <math.h>
 #include <string.h>
@@ -14,7 +14,7 @@
 #include "proto/number_exact.h"
 #include "proto/powers.h"
 
-#define DIGITS 19 /* as many as fit a 64-bit word whatever they are */
+#define DIGITS 19 /* any 19 digits fit a 64-bit word */
 #define INFINITY_BITS ((uint64_t)2047 << 52)
 
 /* What the text says: (digits in text .. text_end, a '.' ignored) * 10^exponent. */
@@ -113,11 +113,10 @@ static uint64_t round_subnormal(uint64_t m, int biased)
     if (1 - biased >= 64)
         return 0;
     m >>= 1 - biased;
-    return (m + (m & 1)) >>
-           1; /* may carry into the exponent's place: then it is the least normal number */
+    return (m + (m & 1)) >> 1; /* may carry into the exponent: then it is the least normal number */
 }
 
-/* word * 10^q to the nearest double, as bits; word > 0. Never a tie missed: see the sources named
+/* word * 10^q to the nearest double, as bits; word > 0. No tie is missed: see the sources named
  * above. */
 static uint64_t round_word(uint64_t word, int64_t q)
 {
@@ -149,7 +148,7 @@ static uint64_t round_word(uint64_t word, int64_t q)
     return bits < INFINITY_BITS ? bits : INFINITY_BITS;
 }
 
-/* More than 19 digits, leading zeros perhaps among them. */
+/* More than 19 digits, possibly with leading zeros. */
 static uint64_t round_long(struct scan *n)
 {
     while (n->text < n->text_end && (*n->text == '0' || *n->text == '.')) {

@@ -19,7 +19,7 @@ struct decimal {
     int exponent; /* the value is digits * 10^exponent */
 };
 
-/* The upper part of g * c, its last bit set if anything below it is (which keeps comparisons
+/* The upper part of g * c; its last bit is set if any lower bit is set (which keeps comparisons
  * exact). */
 static uint64_t round_to_odd(struct proto_u128 g, uint64_t c)
 {
@@ -70,7 +70,7 @@ static struct decimal shortest(uint64_t c, int q, bool narrow)
     return choose(vb, lower + open, upper - open, k);
 }
 
-/* The shortest digits of the double > 0 that these bits are. */
+/* The shortest digits of the double > 0 with these bits. */
 static struct decimal decimal_of(uint64_t bits)
 {
     uint64_t fraction = bits & (((uint64_t)1 << 52) - 1);
@@ -112,7 +112,7 @@ static size_t count_digits(uint64_t v)
                                      1000000000000000000,
                                      10000000000000000000u};
     size_t guess =
-        (size_t)((64 - __builtin_clzll(v | 1)) * 1233) >> 12; /* log10(2) = 1233 / 4096, about */
+        (size_t)((64 - __builtin_clzll(v | 1)) * 1233) >> 12; /* log10(2) is about 1233 / 4096 */
     return guess + (v >= power[guess]);
 }
 
@@ -176,7 +176,7 @@ static size_t write_scientific(char *dst, uint64_t digits, size_t n, int point)
 static size_t write_decimal(char *dst, struct decimal d)
 {
     size_t n = count_digits(d.digits);
-    int point = (int)n + d.exponent; /* how many digits stand before the decimal point */
+    int point = (int)n + d.exponent; /* number of digits before the decimal point */
     if (point > 21 || point <= -6)
         return write_scientific(dst, d.digits, n, point);
     if (point <= 0) { /* 0.000ddd */

@@ -124,7 +124,7 @@ void reply_end(struct buf *out)
     buf_append_char(out, '\n');
 }
 
-/* A line of text for people, made harmless: it may quote what a client sent. */
+/* A line of text for people, with control bytes replaced: it may quote what a client sent. */
 __attribute__((format(printf, 2, 0))) static void append_line(struct buf *out, const char *format,
                                                               va_list ap)
 {
@@ -263,7 +263,7 @@ void reply_row_polygon(struct buf *out, uint32_t id, uint32_t corners, const dou
     buf_commit(out, (size_t)(to - row));
 }
 
-/* n doubles, which begin anywhere, with a blank before each. */
+/* n doubles, not necessarily aligned, with a blank before each. */
 static char *write_doubles(char *to, const void *numbers, size_t n)
 {
     const char *from = numbers;

@@ -1,4 +1,4 @@
-/* reply_read.c - the framing of replies: a status line, then so many lines, or so many bytes. */
+/* reply_read.c - the framing of replies: a status line, then the number of lines or bytes that it states. */
 #include "proto/reply_read.h"
 
 #include <string.h>
@@ -15,7 +15,7 @@ static bool starts_with(const char *s, size_t len, const char *prefix)
     return len >= n && memcmp(s, prefix, n) == 0;
 }
 
-/* Plain digits that are all of s[0 .. len). */
+/* s[0 .. len) as a number; it must consist of digits only. */
 static bool read_u64(const char *s, size_t len, uint64_t *v)
 {
     uint64_t sum = 0;
@@ -40,7 +40,7 @@ static bool read_row_count(const char *s, size_t len, uint64_t *rows)
     return read_u64(s + 3, (space != NULL ? (size_t)(space - s) : len) - 3, rows);
 }
 
-/* "ERR CODE text", the text perhaps missing. */
+/* "ERR CODE text"; the text may be missing. */
 static bool is_error(const char *s, size_t len)
 {
     return starts_with(s, len, "ERR ") && len > 4 && s[4] >= 'A' && s[4] <= 'Z';

@@ -1,4 +1,4 @@
-/* request.c - see request.h. ASCII only: the locale plays no part. */
+/* request.c - see request.h. ASCII only: the locale has no effect. */
 #include "proto/request.h"
 
 #include <stdlib.h>
@@ -73,7 +73,7 @@ bool word_is_whole(const struct word *w, const char *upper)
 {
     for (size_t i = 0; i < w->len; i++) {
         char c = w->text[i], u = upper[i];
-        if (u == '\0') /* a word in RESP framing may hold a NUL, too */
+        if (u == '\0') /* a word in RESP framing may also contain NUL bytes */
             return false;
         if (c != u && (c < 'a' || c > 'z' || c - 'a' + 'A' != u))
             return false;

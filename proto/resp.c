@@ -1,7 +1,7 @@
 /* resp.c - see resp.h.
  *
- * The reader keeps no place in a request that has not arrived whole, since the bytes may move; it
- * starts again and says from how many bytes on that is worth while. */
+ * The reader keeps no position within an incomplete request, since the bytes may move; it
+ * starts again and reports how many bytes are needed before a new attempt is useful. */
 #include "proto/resp.h"
 
 #include <stdint.h>
@@ -9,7 +9,8 @@
 
 enum {
     DIGITS_LIMIT = 10,
-    LEAST_WORD = 4, /* bytes of what is read of the shortest word: the header, if it is a body's */
+    LEAST_WORD =
+        4, /* bytes that are read of the shortest word: the header, if the word is a body */
     WORDS_LIMIT = RESP_LIMIT / LEAST_WORD
 };
 
@@ -18,7 +19,7 @@ enum {
 static ptrdiff_t read_header(const char *bytes, size_t n, char mark, long long *v)
 {
     if (n >= 4 && bytes[0] == mark && bytes[2] == '\r' && bytes[3] == '\n' && bytes[1] >= '0' &&
-        bytes[1] <= '9') { /* nearly always */
+        bytes[1] <= '9') { /* the common case */
         *v = bytes[1] - '0';
         return 4;
     }
@@ -145,7 +146,7 @@ const char *resp_fault_text(enum resp_fault fault)
 
 enum { HEADER_ROOM = 23 }; /* the mark, a number, CR LF */
 
-/* `<mark><n>\r\n`; returns its length. Rows are many and short, so it is made by hand. */
+/* `<mark><n>\r\n`; returns its length. Rows are many and short, so it is formatted without printf. */
 static size_t write_header(char *to, char mark, uint64_t n)
 {
     size_t digits = 1;
