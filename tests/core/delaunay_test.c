@@ -1,4 +1,5 @@
-/* delaunay_test.c - the public face of a set: life, edits and when the triangulation is current. */
+/* delaunay_test.c - the public interface of a set: creation, edits, and when the triangulation is
+ * current. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -39,7 +39,7 @@ static enum dt_status divide(const struct dt_point *in, uint32_t n, struct dt_po
     return dt_divide(in, NULL, n, p, from, m, opt);
 }
 
-/* Before an observer it is not given up. */
+/* With an observer it is not abandoned. */
 static enum dt_status shelling_to_the_end(const struct dt_point *in, uint32_t n, struct dt_point *p,
                                           uint32_t *from, struct dt_mesh *m,
                                           const struct dt_options *opt)

@@ -1,5 +1,5 @@
-/* polls.h - how often, and after how much work, a computation asks whether to stop (core/control/stop.h): the test
- * binary has dt_stopped come through here. */
+/* polls.h - how often, and after how much work, a computation polls whether to stop
+ * (core/control/stop.h): the test binary redirects dt_stopped here. */
 #ifndef POLLS_H
 #define POLLS_H
 
@@ -11,8 +11,9 @@ void polls_begin(void);
 /* Polls so far, of all threads. */
 uint64_t polls_count(void);
 
-/* The longest time, in ms, that a thread has computed between two of its polls, or since polls_begin if that
- * was called on it; waiting, and the work of other processes, does not count. */
+/* The longest time, in ms, that a thread has computed between two of its polls, or since
+ * polls_begin if that was called on it; waiting, and the work of other processes, does not
+ * count. */
 double polls_longest_ms(void);
 
 /* The work since the calling thread's last poll counts, too: to be called at the end. */

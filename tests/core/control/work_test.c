@@ -1,4 +1,4 @@
-/* work_test.c - calls that the caller ends: by a flag, or by a limit of steps. */
+/* work_test.c - calls that end early: by a flag, or by a limit of steps. */
 #include "core/control/work.h"
 
 #include <math.h>
@@ -132,7 +132,8 @@ TEST(the_degree_of_a_hub_is_counted_up_to_a_limit)
 
 /* ---- edits ---- */
 
-/* Fails unless the sets have the same points and, if both are triangulated, the same triangulation. */
+/* Fails unless the sets have the same points and, if both are triangulated, the same
+ * triangulation. */
 static void check_same(const struct dt *a, const struct dt *b)
 {
     static uint32_t wa[1 << 16], wb[1 << 16];
@@ -252,8 +253,8 @@ TEST(an_edit_whose_flag_is_set_is_cancelled_and_changes_nothing)
     }
 }
 
-/* Wherever in the edit it ends, everything is as before; and in the end it is as if there were no
- * limit. */
+/* Wherever the edit is interrupted, the set is unchanged; once it succeeds, the result is as
+ * without a limit. */
 TEST(an_edit_beyond_its_limit_is_undone)
 {
     for (unsigned round = 0; round < 8; round++) {
@@ -297,7 +298,7 @@ TEST_TIMEOUT(an_edit_for_which_memory_has_run_out_for_good_leaves_the_set_as_it_
                 status = edit(t, what, &e, NULL);
                 test_fail_alloc(0);
                 failures += status == DT_NOMEM;
-                if (!t->current) /* no memory for the way back either */
+                if (!t->current) /* no memory for the rollback either */
                     CHECK(dt_refresh(t, NULL) == DT_OK);
                 if (status == DT_NOMEM)
                     check_same(t, before);

@@ -129,7 +129,8 @@ TEST(divide_gives_the_same_mesh_where_the_most_threads_would_share_it)
         build_and_check(family[i], 20000, test_random(), &opt);
 }
 
-/* The bytes a point that a build takes at its peak besides its result, for arrays of 3 MiB or more. */
+/* The bytes a point that a build takes at its peak besides its result, for arrays of 3 MiB or
+ * more. */
 static double scratch_of(const struct built *b, unsigned threads)
 {
     struct dt_pages *pages = dt_pages_new(SIZE_MAX);
@@ -172,7 +173,7 @@ TEST_TIMEOUT(divide_sorts_large_sets_into_tiles, 60)
     build_and_check("kuzmin", DT_TILED + 5, 3, &opt);
 }
 
-/* With every allocation failing in its turn. */
+/* With each allocation failing in turn. */
 static void fail_cleanly(uint32_t n, const struct dt_options *opt)
 {
     for (long nth = 1;; nth++) {

@@ -1,4 +1,4 @@
-/* median_test.c - parting at the median: right for every kind of points, and in bounded time whatever their
+/* median_test.c - partition at the median: correct for all kinds of points, in bounded time for any
  * order. */
 #include "core/divide/median.h"
 
@@ -49,7 +49,7 @@ static bool before(unsigned axis, struct dt_point a, struct dt_point b)
     return axis == 0 ? dt_before_x(a, b) : dt_before_y(a, b);
 }
 
-/* from[] has moved with the points, of which none is lost. */
+/* from[] has moved with the points, and no point is lost. */
 static void check_same_points(const struct dt_point *in, const struct dt_point *p,
                               const uint32_t *from, uint32_t n)
 {

@@ -1,4 +1,4 @@
-/* merge_test.c - a merge that is to stop. */
+/* merge_test.c - cancelling a merge. */
 #include "core/divide/block.h"
 #include "core/divide/merge.h"
 #include "tests/test.h"
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* n points of a parabola, one merge each, and one that sees all of them from below. */
+/* n points of a parabola, one merge each, and a point below that is joined to all of them. */
 struct arch {
     uint32_t n;
     struct dt_point *p;
@@ -48,7 +48,7 @@ static void arch_free(struct arch *a)
     dt_mesh_clear(&a->mesh);
 }
 
-/* Whether a merge of n points with one is given up if it is to stop; else it must be complete. */
+/* Whether a merge of n points with one point is cancelled; if not, it must be complete. */
 static bool is_given_up(uint32_t n)
 {
     struct arch a, b;

@@ -1,4 +1,4 @@
-/* plan_test.c - points that come at once are sorted for their build, and only until they are edited. */
+/* plan_test.c - points of one bulk load are sorted for the build; an edit discards that. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,7 +25,7 @@ static void check_built(struct dt *t, const char *family)
     CHECK_MSG(dt_check(t, NULL, &fault) == DT_OK, "%s: %s", family, fault);
 }
 
-/* That both say the same of every vertex, number by number. */
+/* Checks that both agree about every vertex. */
 static void check_same(const struct dt *a, const struct dt *b, const char *family)
 {
     size_t n = a->points.end;

@@ -1,4 +1,4 @@
-/* sight_test.c - what a base sees, in two lanes, against the exact predicates. */
+/* sight_test.c - visibility from a base edge, in two lanes, against the exact predicates. */
 #include "core/divide/sight.h"
 
 #include "core/exact/predicates.h"

@@ -1,4 +1,4 @@
-/* arrivals_test.c - points that are added all at once against the same points one after the other. */
+/* arrivals_test.c - points added all at once, compared with the same points added one by one. */
 #include <stdlib.h>
 
 #include "core/edit/arrivals.h"
@@ -24,7 +24,7 @@ static uint32_t add_in_steps(struct dt_points *p, const struct dt_point *q, size
     return coincident;
 }
 
-/* That both sets say the same of each id. */
+/* Checks that both sets agree about each id. */
 static void check_same(const struct dt_points *got, const struct dt_points *want)
 {
     CHECK(got->next_id == want->next_id && got->end == want->end);

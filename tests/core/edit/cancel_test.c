@@ -1,5 +1,5 @@
-/* cancel_test.c - long work on a set polls all the way: whichever poll sees the flag, the call ends, and the
- * set is as before. */
+/* cancel_test.c - long operations poll until they end: whichever poll sees the flag, the call ends,
+ * and the set is unchanged. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -50,10 +50,11 @@ static uint64_t sum_of(const struct dt *t)
     return sum;
 }
 
-/* Work that may be given up. DT_CANCELLED: what it was for is not there. */
+/* An operation that may be cancelled. DT_CANCELLED: it has no result. */
 typedef enum dt_status work(struct dt *t, const struct dt_options *opt);
 
-/* Lets the work be cancelled at trials() of its polls, and then end; returns how often it polls. */
+/* Cancels the operation at trials() of its polls, then lets it finish; returns the number of
+ * polls. */
 static uint64_t cancel_everywhere(struct dt *t, work *run, const struct dt_options *opt)
 {
     uint64_t before = sum_of(t);
@@ -112,7 +113,7 @@ TEST_TIMEOUT(a_grid_for_searches_is_given_up_at_every_poll, 60)
     }
 }
 
-/* Between two polls at most so many points are looked at, on average of a pass: a build has at least
+/* Maximum number of points between two polls, on average over a pass: a build has at least
  * three passes over all, a grid two over the cells and one over the points. */
 TEST_TIMEOUT(polls_grow_with_the_points, 60)
 {

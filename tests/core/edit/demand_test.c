@@ -1,5 +1,5 @@
-/* demand_test.c - work takes no more memory than dt_build_memory and its like say, nor much less: the
- * resident memory of this process at its peak is compared. */
+/* demand_test.c - operations use no more memory than dt_build_memory and similar functions return,
+ * nor much less: measured by the peak resident memory of this process. */
 #include "core/delaunay.h"
 #include "tests/core/threads.h"
 #include "tests/oracle/families.h"
@@ -10,7 +10,7 @@
 
 enum { MANY = 150000, SLACK = 3 << 20 };
 
-/* Bytes of this process, by a key of its status; 0 if the system does not say. */
+/* A figure of this process's status in bytes, by its key; 0 if the system does not provide it. */
 static size_t bytes_of(const char *key)
 {
     char line[256];
@@ -26,8 +26,8 @@ static size_t bytes_of(const char *key)
 
 static size_t resident;
 
-/* From here on VmHWM is the peak of what comes. False: the system does not do that, or a sanitizer
- * keeps freed memory. */
+/* Resets VmHWM, so that it is the peak from now on. False: the system does not support that, or a
+ * sanitizer keeps freed memory. */
 static bool begin(void)
 {
     if (test_is_sanitized())
@@ -42,7 +42,7 @@ static bool begin(void)
     return ok && resident > 0;
 }
 
-/* What has been taken since begin is at most `said`, and more than a fifth of it. */
+/* Checks that the memory used since begin is at most `said`, and more than a fifth of it. */
 static void check_peak(const char *what, const char *family, size_t said)
 {
     size_t peak = bytes_of("VmHWM"), took = peak > resident ? peak - resident : 0;
@@ -82,7 +82,7 @@ static void prepare(struct dt *t, const struct family *f)
         check_peak("a grid", f->name, said);
 }
 
-/* Deletes every other of the first n points. */
+/* Deletes every second of the first n points. */
 static void thin_out(struct dt *t, uint32_t n)
 {
     uint32_t deleted, missing, *id = malloc((size_t)n * sizeof *id);

@@ -1,5 +1,5 @@
 /* flip_test.c - vertices that move within their stars: after every move the mesh is the canonical
- * triangulation, and a move that is given up leaves no trace. */
+ * triangulation, and an abandoned move changes nothing. */
 #include "core/edit/flip.h"
 
 #include <math.h>
@@ -19,7 +19,8 @@ static struct dt *set_of(const struct dt_point *p, uint32_t n)
     return t;
 }
 
-/* Moves vertex v if its star allows that. Returns how many edges were flipped, -1 if it does not. */
+/* Moves vertex v if its star allows that. Returns how many edges were flipped, -1 if it does
+ * not. */
 static int shift(struct dt *t, uint32_t v, struct dt_point to, struct dt_flips *f)
 {
     bool allowed;

@@ -1,4 +1,4 @@
-/* restore_test.c - a restored set goes on as the one it was taken from. */
+/* restore_test.c - a restored set behaves as the original. */
 #include "core/delaunay.h"
 
 #include "tests/test.h"
@@ -117,7 +117,7 @@ TEST(restored_set_never_gives_an_id_again)
     dt_free(t);
 }
 
-/* What dt_restore says of three points with next id 9, in a fresh set. */
+/* The result of dt_restore for three points with next id 9, in a new set. */
 static enum dt_status restore_three(const uint32_t *ids, const struct dt_point *p,
                                     const uint32_t *representatives)
 {

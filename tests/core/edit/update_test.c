@@ -1,5 +1,5 @@
-/* update_test.c - edits of a live set through the public interface: a set of any history answers as
- * a fresh one does. */
+/* update_test.c - edits of a live set through the public interface: a set of any history gives the
+ * same replies as a new one. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -271,7 +271,7 @@ TEST(a_crowd_in_one_corner_keeps_location_short)
     free(p);
 }
 
-/* Dead records come back to life far from the empty cells that borrowed them as hints. */
+/* Freed records are reused far from the empty cells that used them as hints. */
 TEST(location_stays_short_when_points_come_and_go_everywhere)
 {
     enum { N = 30000 };
@@ -318,7 +318,7 @@ TEST(a_set_that_is_edited_for_ever_does_not_grow)
     dt_free(t);
 }
 
-/* Of two vertices, one is taken over by an alias that lies a little away. */
+/* One of two vertices is replaced by its alias, which lies a little away. */
 TEST(heir_of_one_of_two_points_goes_to_its_own_place)
 {
     const struct dt_point p[] = {{1, 7}, {1.25, 7}, {0, 8}};
@@ -419,8 +419,8 @@ TEST_TIMEOUT(live_edits_out_of_memory_leave_the_set_as_it_was, 60)
     }
 }
 
-/* A set that is live takes out what it can bit by bit, one that is not takes all at once; then both have
- * the same points, aliases and triangles. */
+/* A triangulated set deletes points one by one where it can, another one all at once; then both
+ * have the same points, aliases and triangles. */
 TEST(edits_leave_the_same_points_whether_or_not_a_set_is_live)
 {
     for (unsigned round = 0; round < 60; round++) {
@@ -452,7 +452,7 @@ TEST(edits_leave_the_same_points_whether_or_not_a_set_is_live)
     }
 }
 
-/* More than an eighth of the points at once: they are triangulated again, when that is asked for. */
+/* More than an eighth of the points at once: the set is triangulated again on the next request. */
 TEST(bulk_delete_from_a_live_set_equals_a_fresh_set)
 {
     static struct expected e;

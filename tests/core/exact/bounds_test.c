@@ -1,5 +1,5 @@
 /* bounds_test.c - what is computed in doubles against exact integers: the error never exceeds its
- * bound of bounds.h, on points that are made to lose as much as they can.
+ * bound of bounds.h, on points that maximise the rounding error.
  *
  * A climb begins with points on nearly one line or circle, with coordinates just above powers of
  * two, and changes one coordinate after another wherever that makes the error a larger share of the
@@ -491,7 +491,8 @@ static bool is_beyond_circle(struct exact limit, struct exact d, struct exact ac
     return x.sign * g >= 0 && minus(times(x, x), square).sign >= 0;
 }
 
-/* Whether the circle's extreme point in a direction is left of the edge: s |d| > t sqrt(1 + s^2). */
+/* Whether the circle's extreme point in a direction is left of the edge: s |d| > t sqrt(1 +
+ * s^2). */
 static bool reaches(struct exact dx, struct exact dy, struct exact s, struct exact t)
 {
     struct exact one = exact_scaled(1, 20);

@@ -1,4 +1,5 @@
-/* double2_test.c - what operations lose by rounding, and double words, against schoolbook big integers. */
+/* double2_test.c - rounding errors of operations, and double words, against schoolbook big
+ * integers. */
 #include "core/exact/double2.h"
 
 #include "tests/oracle/exact.h"

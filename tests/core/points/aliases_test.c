@@ -1,5 +1,5 @@
-/* aliases_test.c - groups of aliases against a model that looks at all of them; and that no edit of a
- * large family looks at all of it. */
+/* aliases_test.c - groups of aliases against a model that scans all of them; and no edit of a large
+ * family scans all of it. */
 #include "core/points/aliases.h"
 
 #include <stdlib.h>
@@ -154,7 +154,7 @@ TEST(no_alias_is_far_from_the_root_of_its_family_however_they_were_united)
     dt_aliases_clear(&a);
 }
 
-/* Counts what an edit of the points says that it changes. */
+/* Counts the changes that an edit of the points reports. */
 struct counter {
     struct dt_changes changes;
     unsigned calls;
@@ -213,7 +213,7 @@ TEST(a_delete_that_unites_two_large_families_changes_neither_alias_by_alias)
     dt_points_clear(&p);
 }
 
-/* Edits that look at the whole family take minutes, which is more than the test may. */
+/* Edits that scan the whole family would take minutes, more than the time limit of a test. */
 TEST(edits_of_a_large_family_do_not_look_at_all_of_it)
 {
     enum { LARGE = 200000, EDITS = 100000 };
@@ -240,8 +240,8 @@ TEST(edits_of_a_large_family_do_not_look_at_all_of_it)
 
 /* ---- representatives that go with their heirs ---- */
 
-/* Four points within 1 of one another in turn. x is an alias of c, and represents when c goes; then a,
- * an alias of r, lies where x does.
+/* Four points within 1 of one another in turn. x is an alias of c, and represents when c goes; then
+ * a, an alias of r, lies where x does.
  *
  *      b <--0.9--> r <--0.9--> a, x <--0.95--> c
  */

@@ -1,4 +1,4 @@
-/* points_test.c - ids, aliases and coincidence against a model that is too plain to be wrong. */
+/* points_test.c - ids, aliases and coincidence against a trivial model. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* renumber_test.c - many vertices get new numbers, in parts, and each id finds its own. */
+/* renumber_test.c - many vertices get new numbers, in parts, and each id keeps its point. */
 #include <stdlib.h>
 
 #include "core/memory/memory.h"
@@ -6,7 +6,7 @@
 #include "tests/core/threads.h"
 #include "tests/test.h"
 
-enum { N = (1 << 21) + 999 }; /* so many that they are dealt into parts */
+enum { N = (1 << 21) + 999 }; /* enough to be processed in parts */
 
 /* A permutation of 0 .. N - 1. */
 static uint32_t *shuffled(void)
@@ -23,7 +23,7 @@ static uint32_t *shuffled(void)
     return p;
 }
 
-/* Renumbers p at random and checks that everybody is where he belongs: point i at (i, 0). */
+/* Renumbers p at random and checks that point i is at (i, 0). */
 static void renumber_and_check(struct dt_points *p, const struct dt_pool *pool)
 {
     uint32_t *id = shuffled();

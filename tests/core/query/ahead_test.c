@@ -1,12 +1,12 @@
-/* ahead_test.c - fetching ahead takes any set, place and id, and changes nothing, nor does a hint, good or bad,
- * change an answer. */
+/* ahead_test.c - prefetching accepts any set, place and id and changes nothing; no hint, good or
+ * bad, changes a result. */
 #include "core/delaunay.h"
 #include "tests/core/sets.h"
 #include "tests/test.h"
 
 #include <stdlib.h>
 
-/* What the set says about places and ids, as one number. */
+/* The set's replies about places and ids, as one number. */
 static uint64_t digest(const struct dt *t, const struct dt_place *p, const uint32_t *id, size_t n)
 {
     uint64_t sum = 1;
@@ -27,7 +27,7 @@ static uint64_t digest(const struct dt *t, const struct dt_place *p, const uint3
     return sum;
 }
 
-/* Asks, fetches, and asks again. */
+/* Queries, prefetches, and queries again. */
 static void fetch(const struct dt *t)
 {
     struct dt_place p[DT_AHEAD];
@@ -91,7 +91,7 @@ TEST(fetching_ahead_takes_a_set_that_is_edited)
         CHECK(dt_add(t, p, 60, &added) == DT_OK);
         if (round == 3)
             CHECK(dt_triangulate(t, NULL) == DT_OK);
-        for (int i = 0; i < 55; i++) { /* dead triangles, recycled ones, ids that are gone */
+        for (int i = 0; i < 55; i++) { /* dead triangles, recycled ones, deleted ids */
             uint32_t id = test_below(dt_next_id(t));
             dt_delete(t, &id, 1, &deleted, &missing);
         }

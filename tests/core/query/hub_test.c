@@ -1,5 +1,5 @@
-/* hub_test.c - searches beside vertices with very many neighbours: they are right, and do not look at all
- * of them. */
+/* hub_test.c - searches beside vertices with very many neighbours: they are correct, and do not
+ * visit all of them. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -75,8 +75,8 @@ static bool before(const struct dt_point *p, struct dt_point q, uint32_t a, uint
     return sign != 0 ? sign < 0 : a < b;
 }
 
-/* That got[k] are the nearest of p[n], in order: each comes after the one before, and no other before
- * the last. */
+/* That got[k] are the nearest of p[n], in order: each comes after the one before, and no other
+ * before the last. */
 static void check_nearest(const struct dt_point *p, uint32_t n, struct dt_point q,
                           const struct dt_ids *got, uint32_t k)
 {

@@ -1,5 +1,5 @@
-/* lookup_test.c - the triangles and the nearest points of many places at once, against brute force. At the
- * moment of a view: view_tables_test.c. */
+/* lookup_test.c - the triangles and the nearest points of many places at once, against brute force.
+ * At the moment of a view: view_tables_test.c. */
 #include "core/exact/predicates.h"
 #include "tests/core/sets.h"
 #include "tests/test.h"
@@ -102,7 +102,7 @@ TEST(many_places_are_refused_before_the_set_is_triangulated)
     dt_free(t);
 }
 
-/* A call that has done as many steps as it may has answered a part, from which the next one goes on. */
+/* A call that reaches its limit of steps has answered a part; the next call continues there. */
 TEST(many_places_are_answered_in_parts_by_calls_that_may_take_few_steps)
 {
     struct dt_point hub[201], p[PLACES];

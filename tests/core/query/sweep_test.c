@@ -1,4 +1,4 @@
-/* sweep_test.c - results found by a look at every row, against the searches. */
+/* sweep_test.c - results found by a scan of every row, against the searches. */
 #include "tests/core/sets.h"
 #include "tests/test.h"
 

@@ -1,4 +1,4 @@
-/* check_test.c - dt_check accepts what is right, and sees every way in which a set can be wrong. */
+/* check_test.c - dt_check accepts correct sets, and detects every kind of fault. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -278,7 +278,8 @@ static bool is_free_choice(const struct dt *t, uint32_t v, uint32_t h)
            !dt_on_hull(&t->mesh, v);
 }
 
-/* Every word of the mesh, replaced by many others: always seen, and nothing crashes or hangs. */
+/* Every word of the mesh, replaced by many others: always detected, and nothing crashes or
+ * hangs. */
 TEST_TIMEOUT(check_sees_every_wrong_word_of_the_mesh, 60)
 {
     struct dt *t = example();

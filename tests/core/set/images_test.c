@@ -1,4 +1,5 @@
-/* images_test.c - values of keys at earlier moments, beside copies of all values at each moment. */
+/* images_test.c - values of keys at earlier moments, compared with copies of all values at each
+ * moment. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* renew_test.c - the grid of a set that is edited is made anew in time, by whoever has it. */
+/* renew_test.c - the grid of an edited set is rebuilt in time, by the set's current user. */
 #include "core/set/renew.h"
 #include "tests/core/sets.h"
 #include "tests/test.h"
@@ -36,7 +36,7 @@ static struct dt *aged_set(void)
     return t;
 }
 
-/* What the set answers about random places, as one number. */
+/* The set's replies about random places, as one number. */
 static uint64_t digest(const struct dt *t)
 {
     uint64_t sum = 1;

@@ -1,5 +1,5 @@
-/* view_limits_test.c - what a view cannot do, and what it costs: no memory, edits that leave the triangulation to a
- * rebuild, sets that have none. */
+/* view_limits_test.c - limits and costs of a view: no memory, edits that leave the triangulation to
+ * a rebuild, sets that have none. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* view_tables_test.c - tables and rings at the moment of a view are those of a copy made at that moment, whatever
- * edits come between the pieces in which they are read, and whoever else reads. */
+/* view_tables_test.c - tables and rings at the moment of a view are those of a copy made at that
+ * moment, regardless of edits between the pieces that are read, and of other readers. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +10,8 @@
 
 enum { VIEWS = 5, PARTS = 40, TABLES = 6 };
 
-/* Reads a piece of up to `room` words and max_rows rows, or one row if that does not fit; false at the
- * end. */
+/* Reads a piece of up to `room` words and max_rows rows, or one row if that does not fit; false at
+ * the end. */
 static bool read_piece(const struct dt *t, struct dt_cursor *c, size_t room, size_t max_rows,
                        struct dt_ids *out)
 {
@@ -269,7 +269,7 @@ static void edit(const struct world *w)
         CHECK(dt_triangulate(w->t, &again) == DT_OK); /* other vertices; the same triangulation */
 }
 
-/* What places have is what they have in the copy, which lookup_test compares with brute force. */
+/* Lookups of places are equal to those in the copy, which lookup_test compares with brute force. */
 static void check_places(const struct world *w, const struct reader *r)
 {
     enum { PLACES = 40, MOST = 9 };

@@ -1,4 +1,4 @@
-/* view_test.c - what is read through a view beside edits is what a copy made at that moment answers. */
+/* view_test.c - a view read during edits shows the same as a copy made at its moment. */
 #include "core/delaunay.h"
 
 #include "tests/test.h"
@@ -12,7 +12,7 @@ struct rows {
     size_t n;
 };
 
-/* The rows of a set that nobody edits, by its tables. */
+/* The rows of an unchanged set, by its tables. */
 static void rows_of(const struct dt *t, struct rows *r)
 {
     static uint32_t id[MOST];
@@ -176,7 +176,7 @@ TEST(view_outlives_the_deletion_of_all_points)
     }
 }
 
-/* A family's representative goes a thousand times. */
+/* A family's representative is deleted a thousand times. */
 TEST(view_saves_no_row_for_each_alias_of_a_family_that_is_renamed)
 {
     enum { FAMILY = 3000, GONE = 1000 };

@@ -1,5 +1,5 @@
-/* view_threads_test.c - views begin, are read part by part, and end on several threads, while another one edits the
- * set: a lock keeps edits apart from everything but the end of a view. */
+/* view_threads_test.c - views begin, are read part by part, and end on several threads, while
+ * another one edits the set: a lock excludes edits from everything but the end of a view. */
 #include <pthread.h>
 #include <stdlib.h>
 
@@ -8,7 +8,7 @@
 
 enum { POINTS = 3000, DUMPERS = 3, DUMPS = 8, PARTS = 24, PIECE = 300 };
 
-/* ---- a lock that prefers nobody ---- */
+/* ---- a fair lock ---- */
 
 struct turnstile {
     pthread_mutex_t gate; /* held by a writer, and by readers as they come in */
@@ -49,7 +49,7 @@ static struct dt_point place(uint64_t *state)
     return (struct dt_point){below(state, 60), below(state, 60) + below(state, 100) * 0.25};
 }
 
-/* ---- the one who edits ---- */
+/* ---- the editor ---- */
 
 static void edit(struct dt *t, uint64_t *state)
 {
@@ -85,7 +85,7 @@ static void *edit_all_the_time(void *arg)
     return NULL;
 }
 
-/* ---- those who read ---- */
+/* ---- the readers ---- */
 
 struct dump {
     struct shared *s;

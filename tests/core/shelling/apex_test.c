@@ -1,4 +1,4 @@
-/* apex_test.c - the third-point search against a look at every point. */
+/* apex_test.c - the third-point search against a linear scan. */
 #include "core/shelling/apex.h"
 
 #include "core/exact/predicates.h"

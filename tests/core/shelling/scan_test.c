@@ -1,4 +1,5 @@
-/* scan_test.c - the two scans: what the first is certain of is true, and the second is exact. */
+/* scan_test.c - the two scans: what the first one decides is correct, and the second one is
+ * exact. */
 #include "core/shelling/scan.h"
 
 #include <math.h>

@@ -11,7 +11,7 @@
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
-/* A set and what the engine makes of it. */
+/* A set and the engine's result. */
 struct built {
     struct dt_point *in, *p;
     uint32_t *from, n;

@@ -1,4 +1,5 @@
-/* trace_test.c - the steps that dt_trace tells obey the paper's rules and make the triangulation.
+/* trace_test.c - the steps that dt_trace reports obey the paper's rules and yield the
+ * triangulation.
  */
 #include "core/delaunay.h"
 
@@ -10,7 +11,7 @@
 
 enum { MOST = 2000, CIRCLES = 200 };
 
-/* What an observer makes of what it is told. */
+/* The state that an observer derives from the steps. */
 struct replay {
     const struct dt *t;
     uint32_t next[MOST]; /* along the front, DT_NONE beside it */
