@@ -1,5 +1,5 @@
-/* daemon.h - conversations with a test's daemon (tests/daemon.h), and what it costs. Whatever fails
- * ends the test. */
+/* daemon.h - conversations with a test's daemon (tests/daemon.h), and its resource usage. Any
+ * failure ends the test. */
 #ifndef TESTS_SERVER_DAEMON_H
 #define TESTS_SERVER_DAEMON_H
 
@@ -12,14 +12,14 @@
 void say(int fd, const char *text);
 void say_bytes(int fd, const void *bytes, size_t n);
 
-/* Reads exactly as much as `want` is long and compares. */
+/* Reads exactly the length of `want` and compares. */
 void expect(int fd, const char *want);
 
 /* Reads one line that is no comment, its LF removed; the text lives until the next call. */
 const char *hear_line(int fd);
 
-/* Reads to the end of input and leaves out comments about progress, which a client that has closed its
- * sending side may get; the caller frees it. It is NUL-terminated. */
+/* Reads to the end of input and leaves out comments about progress, which a client that has closed
+ * its sending side may get; the caller frees it. It is NUL-terminated. */
 char *hear_all(int fd, size_t *n);
 
 /* The same with the comments. */
@@ -38,7 +38,7 @@ int connect_unix(const char *path);
 /* The value of an INFO key. */
 uint64_t daemon_info(const struct daemon *d, const char *key);
 
-/* Waits until an INFO key has this value; gives up when it has not changed for some seconds. */
+/* Waits until an INFO key has this value; fails if it does not change for some seconds. */
 void await_info(const struct daemon *d, const char *key, uint64_t want);
 
 /* Loads n points at random places of the unit square into the new set. */

@@ -1,4 +1,4 @@
-/* directory.h - a data directory for a test, removed when the test ends well, and daemons on it. */
+/* directory.h - a data directory for a test, removed when the test passes, and daemons on it. */
 #ifndef TESTS_SERVER_DIRECTORY_H
 #define TESTS_SERVER_DIRECTORY_H
 
@@ -9,7 +9,7 @@ struct directory {
 };
 
 struct directory directory_new(void);
-/* The same in memory, where there is a place for that: thousands of syncs take long on a disk. */
+/* The same on a file system in memory, if there is one: thousands of syncs take long on a disk. */
 struct directory directory_quick(void);
 void directory_remove(const struct directory *dir);
 
@@ -23,7 +23,8 @@ bool directory_try(const struct directory *dir, const char *const *arguments, st
 /* Runs delaunayd FLAG DIR; what it prints, up to `size`, goes to text. Returns the exit status. */
 int directory_run(const struct directory *dir, const char *flag, char *text, size_t size);
 
-/* Repairs it in this process; what that prints, up to `size`, goes to text. Returns the exit status. */
+/* Repairs it in this process; what that prints, up to `size`, goes to text. Returns the exit
+ * status. */
 int directory_repair(const struct directory *dir, char *text, size_t size);
 
 /* Runs delaunayd --repair DIR with a disk of which the n-th call of a kind fails ("write", "sync",

@@ -1,5 +1,5 @@
-/* syscall_test.c - how many system calls a request costs, counted by tests/faults/syscall_shim.c, which
- * is found through SYSCALL_SHIM. */
+/* syscall_test.c - how many system calls a request costs, counted by tests/faults/syscall_shim.c,
+ * which is found through SYSCALL_SHIM. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -57,7 +57,7 @@ static double calls_per_request(const struct daemon *d, const volatile uint64_t 
 TEST(requests_cost_few_system_calls)
 {
     const volatile uint64_t *calls;
-    if (test_is_sanitized()) /* sanitizers stand between a program and its calls */
+    if (test_is_sanitized()) /* sanitizers intercept a program's calls */
         return;
     struct daemon d = start_counting(&calls);
     converse(&d, "ADD t 1 2\n", "OK 0 first=0 added=1 coincident=0\n");

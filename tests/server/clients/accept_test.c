@@ -1,5 +1,5 @@
-/* accept_test.c - accepting connections when that fails, or when there are too many. Calls fail by
- * tests/faults/syscall_shim.c, which is found through SYSCALL_SHIM. */
+/* accept_test.c - accepting connections when that fails, or when there are too many.
+ * tests/faults/syscall_shim.c, found through SYSCALL_SHIM, makes calls fail. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -33,7 +33,7 @@ static struct daemon start_with_shim(struct shared **shared)
     return d;
 }
 
-/* Standard error, which daemons inherit, goes to a file until say_again. */
+/* Redirects standard error, which daemons inherit, to a file until say_again. */
 static int silence(FILE **f)
 {
     int before = dup(STDERR_FILENO);
@@ -56,7 +56,7 @@ TEST(accepting_that_fails_for_a_while_costs_nothing_and_goes_on)
 {
     static const int errors[] = {ENOMEM, ENOBUFS, ENFILE, EMFILE};
     struct shared *shared;
-    if (test_is_sanitized()) /* sanitizers stand between a program and its calls */
+    if (test_is_sanitized()) /* sanitizers intercept a program's calls */
         return;
     struct daemon d = start_with_shim(&shared);
     int known = daemon_connect(&d);

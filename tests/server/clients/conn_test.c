@@ -1,4 +1,4 @@
-/* conn_test.c - one connection, its loop's turns one by one, in a time of the test's own. */
+/* conn_test.c - one connection, with the turns of its loop one by one and a simulated clock. */
 #include "server/clients/conn.h"
 
 #include "server/ops/limits.h"
@@ -73,7 +73,7 @@ static void send_some(size_t n)
     CHECK(n <= sizeof zeros && send(b.client, zeros, n, 0) == (ssize_t)n);
 }
 
-/* Appends to the output until the client's side takes no more. */
+/* Appends to the output until the client's side accepts no more. */
 static void stall(void)
 {
     while (conn_sendable(&b.conn) == 0) {

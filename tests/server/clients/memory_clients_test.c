@@ -1,6 +1,6 @@
-/* memory_clients_test.c - what connections and replies take is counted, and is bounded when memory is
- * short: many clients, long requests, replies that nobody reads. Over a Unix socket, whose own buffers
- * are small. */
+/* memory_clients_test.c - the memory of connections and replies is counted, and bounded when memory
+ * is short: many clients, long requests, replies that nobody reads. Over a Unix socket, whose own
+ * buffers are small. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -35,14 +35,14 @@ static int local_connect(const struct place *p)
     return fd;
 }
 
-/* Sends as much as the other side takes. */
+/* Sends as much as the other side accepts. */
 static void send_what_goes(int fd, const char *bytes, size_t n)
 {
     ssize_t sent = send(fd, bytes, n, MSG_NOSIGNAL);
     CHECK(sent >= 0 || errno == EAGAIN || errno == EPIPE || errno == ECONNRESET);
 }
 
-/* What INFO says on a connection that is there already: there may be no memory for another one. */
+/* The value that INFO reports on an existing connection: there may be no memory for another one. */
 static size_t info_of(int fd, const char *key)
 {
     say(fd, "INFO memory clients\n");
@@ -113,7 +113,7 @@ TEST_TIMEOUT(replies_that_pile_up_stay_within_the_budget, 120)
         close(fd[i]);
     for (int tries = 0; info_of(other, "clients") > 2; tries++, pause_ms(10))
         CHECK(tries < 500);
-    size_t n = 0; /* what is left is answered as if nothing had been */
+    size_t n = 0; /* the remaining requests are answered as usual */
     char line[100];
     shutdown(fd[0], SHUT_WR);
     char *all = hear_all(fd[0], &n);
@@ -174,7 +174,7 @@ TEST_TIMEOUT(long_requests_that_do_not_end_stay_within_the_budget, 60)
     free(request);
 }
 
-/* Reads what the daemon says until it closes; one that was refused with input unread is reset. */
+/* Reads until the daemon closes the connection; one that was refused with unread input is reset. */
 static void hear_to_the_end(int fd)
 {
     char text[1000];
@@ -184,8 +184,8 @@ static void hear_to_the_end(int fd)
     CHECK_MSG(got == 0 || errno == ECONNRESET, "%s", strerror(errno));
 }
 
-/* One of them takes the last large buffer: when it was read there was room, afterwards there is none,
- * and no event of its own follows. */
+/* One of them takes the last large buffer: when it was read there was room, afterwards there is
+ * none, and no event of its own follows. */
 TEST_TIMEOUT(a_long_request_that_takes_the_last_memory_is_heard_to_its_end, 60)
 {
     enum { CLIENTS = 400, BYTES = 18 * 1000 };
@@ -208,8 +208,8 @@ TEST_TIMEOUT(a_long_request_that_takes_the_last_memory_is_heard_to_its_end, 60)
 
 /* ---- long replies ---- */
 
-/* So many clients send the request and read only the status line of the reply. Returns how many are
- * being answered; the others have been told that there is no memory. */
+/* `clients` clients send the request and read only the status line of the reply. Returns how many
+ * are being answered; the others got an error about memory. */
 static int begin_to_read(const struct place *p, int *fd, int clients, const char *request)
 {
     int answered = 0;

@@ -1,4 +1,4 @@
-/* ahead_test.c - a pipeline that is read ahead gets the replies that its requests get one by one. */
+/* ahead_test.c - a pipeline that is prefetched gets the same replies as its requests one by one. */
 #include "server/command/ahead.h"
 #include "tests/server/daemon.h"
 #include "tests/server/local.h"
@@ -112,7 +112,7 @@ static struct daemon start_with_sets(void)
     return d;
 }
 
-/* Everything that comes back when the script is sent in pieces of so many requests. */
+/* All replies when the script is sent in pieces of this number of requests. */
 static char *play(const struct script *s, size_t piece, size_t *n)
 {
     struct daemon d = start_with_sets();
@@ -146,7 +146,8 @@ TEST(pipeline_gets_the_replies_that_its_requests_get_one_by_one)
     free(want);
 }
 
-/* Whether the place of the first of some NEAREST is read ahead now, and so the set's arrays are looked at. */
+/* Whether the place of the first of some NEAREST is prefetched now, which reads the set's
+ * arrays. */
 static bool looks_ahead(struct local *l)
 {
     static const char requests[] = "NEAREST t 1 1\nNEAREST t 2 2\nNEAREST t 3 3\nNEAREST t 4 4\n";

@@ -20,7 +20,7 @@ static struct daemon start(int *fd, uint32_t n)
     return d;
 }
 
-/* The next `lines` lines, behind which nothing is sent, as one text, which the caller frees. */
+/* The next `lines` lines, after which nothing is sent, as one text, which the caller frees. */
 static char *hear_lines(int fd, size_t lines)
 {
     size_t n = 0, cap = 1 << 20;
@@ -158,7 +158,7 @@ TEST_TIMEOUT(cells_are_those_of_one_state_of_the_set_while_others_edit_it, 60)
     free(binary_then);
 }
 
-/* The cell of a point with many neighbours, which a worker makes, and those of few points. */
+/* The cell of a point with many neighbours, which a worker computes, and those of few points. */
 TEST(the_cells_of_a_hub_and_of_a_box_far_away_are_answered)
 {
     int fd;

@@ -1,4 +1,4 @@
-/* commands_test.c - what clients say and hear: every command and every error of a request. */
+/* commands_test.c - every command and every error of a request, as clients see them. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -7,7 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/* A conversation with a daemon that nobody else talks to. */
+/* A conversation with a daemon that has no other clients. */
 static void converse_alone(const char *request, const char *want)
 {
     struct daemon d = daemon_start(NULL);

@@ -38,7 +38,7 @@ TEST(expire_takes_seconds)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-/* Those that nobody names: the server drops them in its own time. */
+/* Sets that no request names: the server drops them by itself. */
 TEST(expire_needs_no_request)
 {
     enum { N = 100 };

@@ -1,4 +1,4 @@
-/* fields_test.c - FSET, FGET, FIELDS and FDROP: what clients see, and what is there after a restart. */
+/* fields_test.c - FSET, FGET, FIELDS and FDROP: replies, and the state after a restart. */
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -235,7 +235,7 @@ TEST(rows_of_points_have_the_values_of_the_fields_named)
     daemon_stop(&d, SIGTERM);
 }
 
-/* The client reads only when the values have changed, and the field has been dropped. */
+/* The client reads only after the values have changed and the field has been dropped. */
 TEST(rows_of_points_have_the_values_of_the_moment_when_they_were_asked_for)
 {
     enum { N = 300000, ROW = 28 };
@@ -292,7 +292,7 @@ static char *state(const struct daemon *d, const char *requests)
 static const char *const questions =
     "POINTS t\nFIELDS t\nFGET t z 0 2 3 4\nFGET t w 0\nFGET t y 0\nFIELDS u\nFIELDS v\n";
 
-/* What is there is what was there before the daemon was killed. */
+/* The state is the same as before the daemon was killed. */
 static void check_again(const struct directory *dir, struct daemon *d)
 {
     char text[4000];

@@ -119,7 +119,7 @@ TEST(edit_that_ends_in_a_rebuild_makes_a_version_of_its_own_while_triangles_are_
     version_unpin(&l.server.sets, v);
     v = set->current;
     local_ask(&l, "LISTS t\nDEL t 0\nTRIANGULATE t METHOD divide");
-    CHECK(set->current == v); /* nobody reads it, so it is edited in place */
+    CHECK(set->current == v); /* it has no readers, so it is edited in place */
     local_stop(&l);
 }
 
@@ -232,7 +232,7 @@ TEST(set_that_is_read_is_not_copied_beside_what_an_edit_takes)
 
 /* ---- memory runs out ---- */
 
-/* What can be seen of the server's sets. */
+/* The state of the server's sets that requests can see. */
 static char *state(struct local *l)
 {
     char *text = strdup(local_ask(l, "SETS\nPOINTS t\nCOINCIDENT t\n"));
@@ -263,7 +263,7 @@ static bool survives(const char *before, const char *request, long n)
     CHECK(!refused || l.server.sets.sets == sets); /* not even one that nobody sees */
     CHECK_MSG(budget_used(&l.server.budget) == l.server.sets.memory.bytes,
               "%s, allocation %ld: it keeps memory", request, n);
-    if (refused && !l.closed) /* and the next one finds everything in order */
+    if (refused && !l.closed) /* and the next request succeeds */
         CHECK_MSG(strncmp(local_ask(&l, request), "OK", 2) == 0, "%s, again after allocation %ld",
                   request, n);
     free(was);

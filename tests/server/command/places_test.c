@@ -104,12 +104,13 @@ TEST(places_asked_at_once_have_the_nearest_points_that_they_have_one_by_one)
     free(p.xy);
 }
 
-/* Meanwhile a client that does not read holds up no edit, and the state that it is shown is not freed. */
+/* A client that does not read delays no edit meanwhile, and the state that it is reading is not
+ * freed. */
 TEST_TIMEOUT(places_are_looked_up_in_one_state_of_the_set_while_others_edit_it, 60)
 {
     int fd;
     struct daemon d = start(&fd, 20000, NULL);
-    /* More than the system takes from a daemon whose client does not read. */
+    /* More than the system buffers for a daemon whose client does not read. */
     struct places p = random_places(450000);
     ask(fd, "LOCATEB", &p, "");
     uint32_t *triangles = hear_rows(fd, p.n, 3);

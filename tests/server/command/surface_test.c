@@ -221,7 +221,7 @@ TEST(contours_as_rows_end_where_their_count_says)
     expect(fd, "OK 0\n");
 }
 
-/* A point moves to and fro all the time: every raster is of one of the two states. */
+/* A point moves back and forth all the time: every raster is of one of the two states. */
 TEST_TIMEOUT(raster_is_of_one_state_while_points_move, 60)
 {
     enum { SIDE = 220 };

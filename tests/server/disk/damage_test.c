@@ -1,5 +1,6 @@
-/* damage_test.c - data directories that were cut, flipped, mixed up: read back right, or refused
- * with a reason; never wrong data. In one process, so that thousands of cases take no time. */
+/* damage_test.c - data directories that were truncated, changed or mixed up: read correctly, or
+ * refused with a reason; never wrong data. In one process, so that thousands of cases take no
+ * time. */
 #include "server/disk/recover.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
@@ -112,7 +113,7 @@ TEST(log_cut_anywhere_is_a_torn_end)
     free_sample(&s);
 }
 
-/* Every bit: only what nobody has called synced may be taken for a torn end. */
+/* Every bit: only bytes that no record reports as synced may be treated as a torn end. */
 static void flip_everything(int sig, uint64_t provable)
 {
     struct sample s = make_sample(sig);
@@ -158,7 +159,7 @@ TEST(log_followed_by_garbage_is_a_torn_end)
 }
 
 /* Pages of the last batch reach the disk in any order: a hole before a record that was written
- * with it, and that knows of nothing later being synced, is no corruption. */
+ * with it, and that reports nothing later as synced, is not corruption. */
 TEST(log_with_a_hole_in_its_last_batch_is_a_torn_end)
 {
     struct sample s = make_sample(SIGKILL);
@@ -307,7 +308,7 @@ TEST(snapshot_cut_or_flipped_anywhere_is_refused)
     free_sample(&s);
 }
 
-/* A crash at any point of a snapshot leaves files that are read as if it had not been there. */
+/* After a crash at any point of a snapshot the files are read as if it had not begun. */
 TEST(unfinished_snapshot_is_ignored_and_removed)
 {
     char path[200];

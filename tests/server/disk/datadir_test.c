@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Even where it was there already: whoever made it may have been killed before that. */
+/* Even if it existed already: the process that created it may have been killed before the sync. */
 TEST(data_directory_is_synced_into_its_parent)
 {
     struct directory parent = directory_new();

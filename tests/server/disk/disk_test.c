@@ -1,5 +1,6 @@
-/* disk_test.c - a disk that fails at any moment: nothing acknowledged is lost, and the daemon goes
- * on when the disk does. The disk is tests/faults/disk_shim.c, found through DISK_SHIM. */
+/* disk_test.c - a disk that fails at any moment: nothing acknowledged is lost, and the daemon
+ * continues when the disk works again. The disk is tests/faults/disk_shim.c, found through
+ * DISK_SHIM. */
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -13,7 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* ---- a ledger: what was asked for, and what has become of it ---- */
+/* ---- a ledger of requests and their outcomes ---- */
 
 enum fate { REFUSED, ACKNOWLEDGED, UNKNOWN };
 
@@ -36,7 +37,7 @@ static bool send_all(int fd, const char *text)
     return send(fd, text, n, MSG_NOSIGNAL) == (ssize_t)n;
 }
 
-/* A line, or an empty one if the connection has gone. */
+/* A line, or an empty one if the connection is closed. */
 static void hear_reply(int fd, char *line, size_t size)
 {
     size_t n = 0;
@@ -45,7 +46,7 @@ static void hear_reply(int fd, char *line, size_t size)
     line[n] = '\0';
 }
 
-/* Asks until it is not refused any more, for a few seconds. */
+/* Repeats the request until it is not refused, for a few seconds. */
 static enum fate ask(const struct daemon *d, int *fd, const char *request, char *reply, size_t size)
 {
     for (int tries = 0; tries < 400; tries++, pause_ms(10)) {
@@ -58,7 +59,7 @@ static enum fate ask(const struct daemon *d, int *fd, const char *request, char 
         if (strncmp(reply, "ERR READONLY", 12) == 0 || strncmp(reply, "ERR BUSY", 8) == 0 ||
             strncmp(reply, "ERR LOADING", 11) == 0)
             continue;
-        if (strncmp(reply, "ERR NOSET", 9) == 0) /* an earlier try, of which nobody knew, did it */
+        if (strncmp(reply, "ERR NOSET", 9) == 0) /* an earlier attempt did it */
             return REFUSED;
         CHECK_MSG(reply[0] == '\0' || strncmp(reply, "ERR IO", 6) == 0, "%s", reply);
         close(*fd);
@@ -86,7 +87,7 @@ static void edit(const struct daemon *d, int *fd, struct ledger *l, int k)
         CHECK(sscanf(reply, "OK 0 first=%" SCNu32, &l->first[k]) == 1);
 }
 
-/* All of the group is there with the ids that were told, or none of it. */
+/* All of the group exists with the reported ids, or none of it. */
 static void check_group(const struct ledger *l, int k, const char *points)
 {
     int there = 0;
@@ -289,7 +290,7 @@ TEST_TIMEOUT(file_size_limit_makes_the_daemon_read_only_not_dead, 60)
 }
 
 /* A load that does not fit, even into the reserve: it is not acknowledged, nothing else is lost,
- * and dropping the set makes the daemon whole again. */
+ * and after dropping the set the daemon works again. */
 TEST_TIMEOUT(load_that_fills_the_disk_is_not_acknowledged, 60)
 {
     struct ledger l = {0};
@@ -323,7 +324,7 @@ TEST_TIMEOUT(load_that_fills_the_disk_is_not_acknowledged, 60)
     directory_remove(&dir);
 }
 
-/* A daemon whose log fails with its second ADD, as do all attempts to make up for that. */
+/* A daemon whose log fails with its second ADD, as do all attempts to recover. */
 static struct daemon start_failing(const struct directory *dir, const char *op, long nth, int error)
 {
     struct daemon d;
@@ -338,7 +339,7 @@ static void expect_refusals(struct daemon *d, const struct directory *dir, const
 {
     char reply[300];
     int loader = daemon_connect(d), fd = daemon_connect(d);
-    say(loader, "LOAD t\n3 3\n"); /* begun in good times */
+    say(loader, "LOAD t\n3 3\n"); /* begun before the failure */
     say(fd, "ADD t 2 2\n");
     hear_reply(fd, reply, sizeof reply);
     CHECK_MSG(strncmp(reply, "ERR IO", 6) == 0, "%s", reply);

@@ -1,4 +1,4 @@
-/* durable_test.c - what was acknowledged is there after a restart, however the daemon ended. */
+/* durable_test.c - acknowledged changes exist after a restart, however the daemon ended. */
 #include "proto/record.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"
@@ -14,8 +14,7 @@
 
 static const char *const names[] = {"a", "b", "t", NULL};
 
-/* Every kind of change; ids that are gone for ever, the highest ones too; points near each
- * other. */
+/* Every kind of change; deleted ids, including the highest ones; points near each other. */
 static const char history[] = "CREATE a TOL 0.5\n"
                               "ADD a 0 0  0.25 0  4 0  4 0.25  0 4  4 4  9 9\n"
                               "DEL a 0 6\n"
@@ -199,8 +198,8 @@ TEST(pipelined_replies_come_in_order_though_some_wait_for_the_disk)
     directory_remove(&dir);
 }
 
-/* A set that was busy when the snapshot began is in it with later changes, and a crash may take these
- * from the end of the log. Then their numbers must not be given again. */
+/* A set that was busy when the snapshot began is in it with later changes, and a crash may take
+ * these from the end of the log. Then their numbers must not be given again. */
 TEST(changes_come_back_behind_a_snapshot_that_is_ahead_of_its_log)
 {
     char path[128], header[SEGMENT_HEADER];

@@ -1,5 +1,5 @@
-/* format_test.c - what earlier releases wrote, this one reads. tests/data/README.md tells how each
- * directory there was made. */
+/* format_test.c - files that earlier releases wrote can be read. tests/data/README.md describes how
+ * each directory was created. */
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -31,7 +31,7 @@ static struct directory copy_of(const char *from)
     return dir;
 }
 
-/* A snapshot, a log that was closed in good order, and one of a daemon that was killed. */
+/* A snapshot, a log that was closed properly, and one of a daemon that was killed. */
 TEST(directory_of_version_1_is_read_and_goes_on)
 {
     size_t n;

@@ -1,4 +1,4 @@
-/* hold_test.c - which bytes wait for which change, and who is told when. */
+/* hold_test.c - which bytes wait for which change, and when connections are notified. */
 #include "server/disk/hold.h"
 
 #include "tests/test.h"

@@ -1,5 +1,5 @@
-/* log_test.c - what the log says is durable is durable, call by call. No daemon: the calls that change
- * files are watched and made to fail in this process (file_calls.h). */
+/* log_test.c - what the log reports as durable is durable, call by call. Without a daemon: calls
+ * that change files are recorded and made to fail in this process (file_calls.h). */
 #include "server/disk/log.h"
 
 #include "core/delaunay.h"
@@ -54,7 +54,7 @@ static uint64_t append(struct bench *b)
     return log_append(b->log, &r);
 }
 
-/* Waits until the log thread has published something, and looks at it. */
+/* Waits until the log thread has published something, and reads it. */
 static void look(struct bench *b)
 {
     uint64_t count;
@@ -230,7 +230,7 @@ TEST(change_that_does_not_fit_into_memory_is_a_failed_log)
     end(&b);
 }
 
-/* Points for log_append_points, which takes them over. */
+/* Points for log_append_points, which takes ownership. */
 static double *points(size_t n)
 {
     double *xy = dt_pages_grow(NULL, NULL, 0, n * 2 * sizeof *xy);
@@ -251,7 +251,7 @@ TEST(large_load_that_cannot_be_encoded_is_a_failed_log)
     end(&b);
 }
 
-/* Fails with one record in the file, of which nobody knows whether it is there. */
+/* Fails with one record in the file that may or may not be on the disk. */
 static void fail(struct bench *b)
 {
     calls_fail("sync log.1", 1, 1, EIO);
@@ -313,7 +313,7 @@ TEST(write_that_was_interrupted_is_made_again)
     end(&b);
 }
 
-/* It is a second file, which nothing of the log depends on. */
+/* It is a second file, on which the log does not depend. */
 TEST(log_keeps_its_reserve_for_a_full_disk)
 {
     static const int errors[] = {EIO, ENOSPC, EDQUOT};
@@ -396,7 +396,7 @@ TEST(log_that_cannot_begin_is_none)
     end(&b);
 }
 
-/* Its end is no end that it could vouch for. */
+/* It could not guarantee that this is its end. */
 TEST(log_that_has_failed_is_not_closed_with_a_record)
 {
     struct bench b;

@@ -1,7 +1,7 @@
-/* mixup_test.c - data directories damaged at random, in several places at once: what is read from them,
- * before or after a repair, is what there was at some time, never anything else.
+/* mixup_test.c - data directories damaged at random, in several places at once: what is read from
+ * them, before or after a repair, is an earlier state, never anything else.
  *
- * A few cases, always the same ones; MIX_ROUNDS=100000 tries so many others. */
+ * A few fixed cases; MIX_ROUNDS=100000 tries that many others. */
 #include "server/disk/recover.h"
 #include "server/disk/segment_reader.h"
 #include "tests/server/digest.h"
@@ -188,7 +188,7 @@ static void damage(struct file *f, unsigned n)
     }
 }
 
-/* Neither the name nor the header of a snapshot tells what it contains. */
+/* Neither the name nor the header of a snapshot describes its content. */
 static bool is_hopeless(const struct sample *s, const struct file *f)
 {
     bool hopeless = false;

@@ -1,4 +1,5 @@
-/* recover_files.h - a directory whose files are composed record by record, for tests of what is made of it. */
+/* recover_files.h - a directory whose files are composed record by record, for tests of
+ * recovery. */
 #ifndef TESTS_SERVER_RECOVER_FILES_H
 #define TESTS_SERVER_RECOVER_FILES_H
 
@@ -76,7 +77,7 @@ static inline void end_file(const struct bench *b, enum datafile_kind kind, uint
     file_write(path, buf_head(&b->bytes), buf_len(&b->bytes));
 }
 
-/* A log of so many points, of none of which it says that it was synced. */
+/* A log of n points that reports none of them as synced. */
 static inline void write_unsynced(struct bench *b, uint32_t points)
 {
     begin_file(b, SEGMENT_LOG, 1);

@@ -1,5 +1,5 @@
-/* recover_test.c - what reading a directory makes of it, record by record and call by call. The files
- * are composed here; no daemon. */
+/* recover_test.c - the result of reading a directory, record by record and call by call. The files
+ * are composed here, without a daemon. */
 #include "tests/server/disk/recover_files.h"
 
 #include "server/disk/log_file.h"
@@ -64,7 +64,8 @@ TEST(last_change_is_put_aside_when_it_is_damaged)
     end(&b);
 }
 
-/* Its length is damaged, and the number of its points to match: it looks as if the file ended in it. */
+/* Its length is damaged, and the number of its points consistently: the file seems to end within
+ * it. */
 TEST(change_behind_one_that_seems_to_be_cut_off_is_put_aside)
 {
     static const char length[] = {0x41, 0x1f, 0, 0}, points[] = {(char)0xf4, 0x01, 0, 0};
@@ -94,8 +95,8 @@ TEST(segment_with_a_damaged_header_and_a_damaged_change_is_put_aside)
     CHECK(b.r.result == RECOVERY_OK && points_of_t(&b) == 0 && recovery_tidy(&b.r));
     CHECK(directory_file(&b.directory, "damaged.", 0, path));
     CHECK(file_is(path, buf_head(&b.bytes), b.end[1]));
-    /* The segment stays, empty: were it gone, a start that ends before the next one is there would leave a
-     * directory in which a segment is missing. */
+    /* The segment stays, empty: without it, a start that ends before the next segment exists would
+     * leave a directory with a missing segment. */
     CHECK(directory_file(&b.directory, "log.", 0, path) && file_is(path, "", 0));
     end(&b);
 }
@@ -174,10 +175,10 @@ TEST(damaged_end_stays_where_it_is_while_it_cannot_be_put_aside)
     end(&b);
 }
 
-/* ---- what is read is on the disk before anything is built on it ---- */
+/* ---- what is read is on the disk before anything depends on it ---- */
 
-/* Those who wrote it may have been killed before they could sync it. Of the segment that they wrote
- * last, a sync that failed may have marked pages as saved that are not: they are written again. */
+/* The daemon that wrote it may have been killed before it could sync it. In its last segment a
+ * failed sync may have marked pages as saved that are not: they are written again. */
 TEST(log_that_was_read_is_saved_before_a_new_segment_begins)
 {
     struct bench b;
@@ -238,7 +239,7 @@ TEST(copy_of_a_snapshot_is_given_up_when_the_server_stops)
     end(&b);
 }
 
-/* Never more than what was synced is taken for it, and hardly less. */
+/* The part considered synced is never more than what was synced, and hardly less. */
 TEST(what_was_synced_for_certain_is_followed_from_record_to_record)
 {
     struct bench b;

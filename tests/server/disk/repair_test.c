@@ -1,5 +1,5 @@
-/* repair_test.c - --repair of a log whose segments have damaged headers, or are not all there: what
- * is before the damage is kept as it was, the old files are in damaged.*, and nothing is ever
+/* repair_test.c - --repair of a log with damaged segment headers or missing segments: everything
+ * before the damage is kept unchanged, the old files are in damaged.*, and no data is ever
  * wrong. */
 #include "server/disk/recover.h"
 #include "tests/server/digest.h"
@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A daemon's life each, so that each gets a segment of its own; one change a line. */
+/* One run of a daemon each, so that each gets its own segment; one change per line. */
 static const char *const lives[] = {
     "ADD t 0 0  4 0  4 4  0 4  2 2\nTRIANGULATE t\nCREATE a TOL 0.5\n",
     "ADD a 0 0  0.25 0\nDEL t 1\nADD gone 1 1\nDROP gone\n", "MOVE t 0 1 2\nADD new 7 7\n"};
@@ -22,7 +22,7 @@ enum { LIVES = sizeof lives / sizeof lives[0] };
 
 struct sample {
     struct directory dir;
-    unsigned before;       /* so many lives are in a snapshot, whose log is gone */
+    unsigned before;       /* number of runs in a snapshot, whose log is deleted */
     unsigned n;            /* segments: one for each other life */
     char path[LIVES][128]; /* of the segments */
     char *bytes[LIVES];    /* own */
@@ -90,7 +90,7 @@ static void free_sample(struct sample *s)
     directory_remove(&s->dir);
 }
 
-/* Whether there is what was there after so many lives. */
+/* Whether the state is that after this number of runs. */
 static bool is_kept(const struct sample *s, unsigned life)
 {
     struct outcome o = look(s);
@@ -98,8 +98,8 @@ static bool is_kept(const struct sample *s, unsigned life)
            o.digest == (life == 0 ? 0 : s->digest[life - 1]);
 }
 
-/* The daemon refuses the directory and says what would help; that keeps so many lives, and then it
- * goes on. */
+/* The daemon refuses the directory and suggests --repair; that keeps the given number of runs, and
+ * then the daemon starts. */
 static void check_repair(const struct sample *s, unsigned life)
 {
     char text[4000];
@@ -215,7 +215,7 @@ TEST(repair_keeps_a_snapshot_whose_log_is_missing)
 
 /* ---- records ---- */
 
-/* Whole, but it deletes what nobody has added. */
+/* Intact, but it deletes a point that was never added. */
 TEST(repair_keeps_what_is_before_a_record_that_cannot_be)
 {
     char text[4000];
@@ -237,7 +237,7 @@ TEST(repair_keeps_what_is_before_a_record_that_cannot_be)
     free_sample(&s);
 }
 
-/* ---- a repair that breaks off ---- */
+/* ---- an interrupted repair ---- */
 
 /* A segment that ends within a record is damaged where others follow, and torn where none does. */
 TEST(repair_that_breaks_off_keeps_the_damaged_record)

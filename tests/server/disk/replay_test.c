@@ -1,5 +1,5 @@
-/* replay_test.c - records that make no sense behind those before them: each is refused, and memory that
- * runs out is not taken for that. */
+/* replay_test.c - records that contradict the records before them: each is refused, and running out
+ * of memory is not mistaken for that. */
 #include "server/disk/replay.h"
 
 #include "core/delaunay_fields.h"

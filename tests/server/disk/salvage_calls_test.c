@@ -1,5 +1,5 @@
-/* salvage_calls_test.c - --repair of a damaged snapshot call by call: in which order it changes files, and
- * what is left where a call or an allocation fails. The files are composed here. */
+/* salvage_calls_test.c - --repair of a damaged snapshot call by call: the order in which it changes
+ * files, and the state after a failed call or allocation. The files are composed here. */
 #include "server/disk/salvage.h"
 
 #include "tests/server/disk/recover_files.h"
@@ -46,8 +46,8 @@ static bool has_set(const struct bench *b, const char *name)
     return registry_find(&b->r.replay.sets, &(struct word){name, 1}) != NULL;
 }
 
-/* Nothing loses its first name before its second one and what replaces it are on the disk; and what
- * has lost it does not come back. */
+/* No file loses its first name before its second name and its replacement are on the disk; and a
+ * removed name does not come back. */
 TEST(repair_of_a_snapshot_is_on_the_disk_before_what_it_replaces_is_removed)
 {
     struct bench b;
@@ -71,8 +71,8 @@ TEST(snapshot_that_is_not_needed_has_its_second_name_on_the_disk_before_it_loses
     end(&b);
 }
 
-/* Which of the calls above it is, and which of several that are alike. `remove snapshot.5` is done by
- * the snapshot that replaces it, for which that is no failure: it is newer. */
+/* Which of the calls above it is, and which of several that are alike. `remove snapshot.5` is done
+ * by the snapshot that replaces it, for which that is no failure: it is newer. */
 TEST(repair_of_a_snapshot_that_fails_anywhere_says_so)
 {
     static const struct {

@@ -1,5 +1,6 @@
-/* salvage_test.c - --repair of a damaged snapshot: whole sets are kept as they were, what is lost is
- * named, and nothing is ever wrong, whichever byte is damaged and wherever the repair is cut off. */
+/* salvage_test.c - --repair of a damaged snapshot: intact sets are kept unchanged, lost ones are
+ * named, and no data is ever wrong, whichever byte is damaged and wherever the repair is
+ * interrupted. */
 #include "server/disk/recover.h"
 #include "server/disk/salvage.h"
 #include "tests/server/digest.h"
@@ -56,7 +57,7 @@ static struct state look(const char *path)
     return s;
 }
 
-/* ---- a directory with a snapshot, that can be had as often as one likes ---- */
+/* ---- a directory with a snapshot, which can be copied any number of times ---- */
 
 struct sample {
     struct directory dir;
@@ -123,7 +124,7 @@ static bool is_named(const char *text, const char *name)
     return at != NULL && strchr("\n ,", at[strlen(line)]) != NULL;
 }
 
-/* Sets that are there are right; those that are not are named or counted. Returns how many. */
+/* Existing sets are correct; missing ones are named or counted. Returns how many. */
 static unsigned check_kept(const struct sample *s, const char *text, const char *what, size_t at)
 {
     struct state is = look(s->dir.path);
@@ -159,7 +160,7 @@ TEST_TIMEOUT(repair_of_a_snapshot_with_any_byte_flipped_keeps_the_other_sets, 12
         s.bytes[i] ^= (char)(1 << bit);
         CHECK_MSG(directory_repair(&s.dir, text, sizeof text) == 0, "byte %zu: %s", i, text);
         unsigned lost = check_kept(&s, text, "byte", i);
-        /* One of the snapshot, and perhaps one that could be it. */
+        /* The name of a set of the snapshot, and possibly a name that could be it. */
         CHECK_MSG(lost <= 2, "byte %zu: %u sets lost: %s", i, lost, text);
         CHECK_MSG(i >= SEGMENT_HEADER || lost == 0, "byte %zu: %s", i, text);
         CHECK_MSG(i < s.n - RECORD_HEADER || lost == 0, "byte %zu: %s", i, text);
@@ -273,7 +274,8 @@ TEST(repair_of_a_snapshot_counts_on_no_end_that_is_damaged_as_well)
     free_sample(&s);
 }
 
-/* A log that was closed without a change is as long as a snapshot's end, and says nothing as well. */
+/* A log that was closed without a change is as long as a snapshot's end, and says nothing as
+ * well. */
 TEST(repair_takes_a_log_in_place_of_a_snapshot_for_no_empty_snapshot)
 {
     char text[FILE_LIMIT];
@@ -314,7 +316,7 @@ TEST(record_that_is_refused_changes_nothing)
     buf_free(&b);
 }
 
-/* ---- what comes before the snapshot is still there ---- */
+/* ---- files older than the snapshot still exist ---- */
 
 static struct sample make_dispensable(void)
 {
@@ -372,7 +374,7 @@ TEST(repair_leaves_a_snapshot_of_a_later_version_alone)
     free_sample(&s);
 }
 
-/* The repair itself breaks off: a second one finds the directory as it was, or good. */
+/* The repair itself is interrupted: a second one finds the directory unchanged or repaired. */
 TEST_TIMEOUT(repair_that_fails_anywhere_can_be_repeated, 120)
 {
     static const char *const op[] = {"write", "sync", "rename", "open"};

@@ -1,5 +1,5 @@
-/* saver_test.c - when snapshots are written, in a time of the test's own: a disk that stays broken is
- * tried ever more rarely, and one that is good again at once makes up for what was lost. */
+/* saver_test.c - when snapshots are written, with a simulated clock: a disk that stays broken is
+ * tried less and less often; once it works again, a snapshot saves what was lost. */
 #include "server/disk/saver.h"
 
 #include "tests/server/directory.h"
@@ -61,7 +61,7 @@ static void step(struct bench *b)
     saver_step(&b->saver, b->now_ms, false);
 }
 
-/* Waits for what the log or the snapshot tells, and takes the next step. */
+/* Waits for an event from the log or the snapshot, and takes the next step. */
 static void step_on_event(struct bench *b)
 {
     uint64_t count;
@@ -71,7 +71,7 @@ static void step_on_event(struct bench *b)
     step(b);
 }
 
-/* Appends a change and waits until the log has dealt with it. */
+/* Appends a change and waits until the log has processed it. */
 static uint64_t change(struct bench *b)
 {
     struct record r = {.type = RECORD_CLOSE};
@@ -88,7 +88,7 @@ static void settle(struct bench *b)
         step_on_event(b);
 }
 
-/* So much time passes, with a step every half second and one for every event. */
+/* Advances the clock, with a step every half second and one for every event. */
 static void pass(struct bench *b, int64_t ms)
 {
     for (int64_t end_ms = b->now_ms + ms; b->now_ms < end_ms; b->now_ms += TICK_MS) {
@@ -146,7 +146,7 @@ TEST(disk_that_stays_broken_is_tried_ever_more_rarely)
     CHECK(saver_retry_ms(&b.saver, b.now_ms) <= BACKOFF_LIMIT_MS);
     pass(&b, 600000);
     CHECK_MSG(calls_failed() >= 16 && calls_failed() <= 18, "%u", calls_failed());
-    /* When it is good again, at the next try. */
+    /* When the disk works again, at the next attempt. */
     calls_fail("", 1, 1, EIO);
     pass(&b, BACKOFF_LIMIT_MS + TICK_MS);
     CHECK(b.saver.status.state == LOG_GOOD && b.saver.status.durable == 1);
@@ -325,7 +325,7 @@ static void on_not_saved(struct hold *h)
     not_saved++;
 }
 
-/* What frees space is let in, and gets its attempt before anybody is told that it failed. */
+/* Requests that free space are accepted, and are attempted before any failure is reported. */
 TEST(change_that_frees_space_on_a_full_disk_is_not_told_of_the_failure_before_it)
 {
     struct hold before = {0}, after = {0};

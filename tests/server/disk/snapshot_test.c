@@ -1,4 +1,4 @@
-/* snapshot_test.c - what a snapshot holds of the sets while it is being written. */
+/* snapshot_test.c - the content of a snapshot while sets are edited. */
 #include "server/disk/snapshot.h"
 
 #include "core/delaunay_fields.h"
@@ -91,7 +91,7 @@ TEST(snapshot_lets_go_of_the_sets_that_it_has_written)
     write_rows(&b, snap);
     snapshot_release(snap, &l->server.sets);
     CHECK(version_of(l, "a")->refs == 1 && version_of(l, "b")->refs == 1);
-    /* In place again; and what is gone is not let go of twice. */
+    /* Edited in place again; and nothing is released twice. */
     CHECK_STR(local_ask(l, "MOVE a 0 7 7\nDROP b\nGET a 0\n"), "OK 0\nOK 0\nOK 1\n0 7 7\n");
     CHECK(snapshot_end(snap, &l->server.sets) == 0 && version_of(l, "a")->refs == 1);
     end(&b);
@@ -114,7 +114,8 @@ TEST(set_of_a_snapshot_has_the_number_of_its_own_last_change)
     end(&b);
 }
 
-/* Values at ids far apart, so that several pages and a gap are written; more than one record has. */
+/* Values at ids far apart, so that several pages and a gap are written; more than one record
+ * has. */
 TEST(snapshot_has_the_values_of_its_moment_whatever_edits_come_between)
 {
     enum { POINTS = 70000 };
@@ -204,7 +205,8 @@ TEST(snapshot_that_fails_anywhere_leaves_what_was_there)
     }
 }
 
-/* 9.6 MB of rows. Between two syncs the disk has no more than 8 MiB to write, for the log waits for it. */
+/* 9.6 MB of rows. Between two syncs the disk has no more than 8 MiB to write, for the log waits for
+ * it. */
 static int write_large_while(struct bench *b, const char *call)
 {
     enum { POINTS = 400000 };
@@ -328,8 +330,8 @@ TEST(snapshot_for_which_there_is_no_memory_is_none)
     CHECK(n > 5);
 }
 
-/* Writes a set whose points have moved meanwhile, with the n-th allocation of that failing; whether one did. *error is
- * what snapshot_end returns. */
+/* Writes a set whose points have moved meanwhile, with the n-th allocation of that failing; whether
+ * one did. *error is what snapshot_end returns. */
 static bool write_after_edit(long n, int *error)
 {
     struct bench b;
@@ -498,7 +500,7 @@ TEST(edit_leaves_its_turn_to_a_worker_while_the_rows_are_read)
     local_stop(&l);
 }
 
-/* What a daemon makes of it: the same, after kill -9, as another one that got the same requests. */
+/* After kill -9 a daemon reads the same state as another one that got the same requests. */
 TEST_TIMEOUT(edits_during_snapshots_survive_kill, 60)
 {
     static const char *const names[] = {"t", NULL};

@@ -1,5 +1,5 @@
-/* unread_test.c - what cannot be read, and memory that runs out while a directory is read, are not taken for
- * damage; and what is no part of a log does not count. */
+/* unread_test.c - unreadable files, and running out of memory while a directory is read, are not
+ * mistaken for damage; and files that are not part of a log are ignored. */
 #include "tests/server/disk/recover_files.h"
 #include "tests/server/file_calls.h"
 
@@ -54,8 +54,8 @@ TEST(read_that_was_interrupted_is_made_again)
     end(&b);
 }
 
-/* A snapshot and a log, whose end is damaged in one of three ways: a torn record with whole ones behind it,
- * a load without its end, a damaged header. */
+/* A snapshot and a log, whose end is damaged in one of three ways: a torn record with whole ones
+ * behind it, a load without its end, a damaged header. */
 static void write_sample(struct bench *b, int damage)
 {
     enum { ROWS = 40 };

@@ -1,5 +1,5 @@
-/* visibility_test.c - while the disk takes its time nobody is shown what is not on it yet. The disk is
- * tests/faults/disk_shim.c, found through DISK_SHIM: its syncs wait at a gate. */
+/* visibility_test.c - while a sync is running, no reply shows changes that are not on the disk yet.
+ * The disk is tests/faults/disk_shim.c, found through DISK_SHIM: its syncs wait at a gate. */
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -52,7 +52,7 @@ static void end(struct bench *b)
     directory_remove(&b->dir);
 }
 
-/* Nothing comes, although the daemon has looked at the request. */
+/* No reply arrives, although the daemon has processed the request. */
 static bool is_silent(const struct bench *b, int fd)
 {
     struct pollfd in = {.fd = fd, .events = POLLIN};
@@ -81,7 +81,7 @@ static void expect_held(const char *history, const char *change, const char *req
 static const char points[] = "ADD t 0 0  4 0  4 4  0 4\n";
 static const char live[] = "ADD t 0 0  4 0  4 4  0 4\nTRIANGULATE t\n";
 
-/* ---- who finds nothing to do ---- */
+/* ---- changes that have no effect ---- */
 
 TEST(triangulate_of_a_set_whose_triangulate_is_not_saved_yet_waits_for_that)
 {
@@ -105,7 +105,7 @@ TEST(delete_of_a_point_whose_delete_is_not_saved_yet_waits_for_that)
     expect_held(points, "DEL t 1\n", "DEL t 1\n", "ERR NOPOINT");
 }
 
-/* ---- who only reads ---- */
+/* ---- requests that only read ---- */
 
 TEST(query_waits_until_the_changes_of_its_set_are_saved)
 {
