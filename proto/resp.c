@@ -9,8 +9,7 @@
 
 enum {
     DIGITS_LIMIT = 10,
-    LEAST_WORD =
-        4, /* bytes that are read of the shortest word: the header, if the word is a body */
+    LEAST_WORD = 4, /* bytes read of the shortest word: the header, if it is a body */
     WORDS_LIMIT = RESP_LIMIT / LEAST_WORD
 };
 
