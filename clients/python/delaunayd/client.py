@@ -17,13 +17,27 @@ from ._protocol import LINE, ConnectionLost, Located, Neighbour, Progress, Refus
 
 __all__ = ["Client", "ConnectionLost", "Located", "Neighbour", "Pipeline", "Refused", "Reply"]
 
-_AT_ONCE = 1000  # requests that are sent before their replies are read
+# What is sent before its replies are read: it must fit into the buffers of sockets, because a server that cannot send
+# its replies reads no more. Only a single request may be longer: the server reads all of it before it replies.
+_AT_ONCE = 1000  # requests
+_BYTES_AT_ONCE = 1 << 15
 _PIECE = 1 << 20
 # Requests that may be sent again when the connection was lost before they were answered.
 _HARMLESS = frozenset(
     b"PING INFO SETS STAT TTL GET POINTS COINCIDENT CHECK LISTS TRIANGLES EDGES HULL LOCATE LOCATEB NEAREST NEARESTB WITHIN"
     b" FIELDS FGET WEIGHTS INTERPOLATE INTERPOLATEB RASTER CONTOUR VORONOI AREAS ALPHA".split()
 )
+
+
+def _next_batch(requests: Sequence[Request], at: int) -> Sequence[Request]:
+    """Those from requests[at] on that are sent together."""
+    end, size = at, 0
+    while end < len(requests) and end - at < _AT_ONCE:
+        size += len(requests[end].line) + len(requests[end].body)
+        if end > at and size > _BYTES_AT_ONCE:
+            break
+        end += 1
+    return requests[at:end]
 
 
 class _Connection:
@@ -201,8 +215,8 @@ class Client(Commands):
                 raise RuntimeError("the replies to earlier requests have not been received yet")
             self._busy = True
             try:
-                for at in range(0, len(requests), _AT_ONCE):
-                    replies += self._exchange_again(requests[at : at + _AT_ONCE], progress)
+                while len(replies) < len(requests):
+                    replies += self._exchange_again(_next_batch(requests, len(replies)), progress)
             finally:
                 self._busy = False
         if self._garbage:

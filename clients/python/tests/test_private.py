@@ -32,6 +32,15 @@ class Private(unittest.TestCase):
             self.assertEqual(two.sets(), ["t"])
             one.drop("t")
 
+    def test_a_pipeline_may_be_larger_than_the_buffers_of_sockets(self):
+        with Client("private:", timeout=20) as c:
+            c.load("long", [(i / 7, -i / 3) for i in range(1000)])
+            with c.pipeline() as p:
+                for _ in range(300):
+                    p.get("long", range(1000))
+            self.assertEqual([len(rows) for rows in p.results], [1000] * 300)
+            c.drop("long")
+
     def test_it_is_started_where_nobody_listens_at_the_default_address(self):
         nobody = _address.Address(host="127.0.0.1", port=1, default=True)
         with mock.patch.object(_address, "parse", lambda url: nobody), Client() as c:
