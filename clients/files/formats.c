@@ -10,7 +10,8 @@
 /* ---- rows ---- */
 
 struct row {
-    char text[8192]; /* three values of each of MODEL_MOST_FIELDS fields fit */
+    char text[MODEL_MOST_FIELDS * (MODEL_NAME + 10 + 3 * (PROTO_NUMBER_MAX + 1)) +
+              1024]; /* the longest feature fits */
     size_t n;
 };
 

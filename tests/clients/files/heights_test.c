@@ -85,6 +85,32 @@ TEST(nodes_csv_and_geojson_have_all_fields)
     cli_finish();
 }
 
+TEST(features_of_many_fields_are_written_whole)
+{
+    enum { FIELDS = 64, NAME = 64 };
+    static const char value[] = "-1.2345678901234567e-100";
+    static char text[FIELDS * (NAME + 3 * sizeof value + 8) + 1000];
+    int status;
+    size_t n = (size_t)sprintf(text, "x,y");
+    cli_begin();
+    for (int i = 0; i < FIELDS; i++)
+        n += (size_t)sprintf(text + n, ",f%02d%0*d", i, NAME - 3, 0);
+    for (int row = 0; row < 3; row++) {
+        n += (size_t)sprintf(text + n, "\n%d,%d", row == 1, row == 2);
+        for (int i = 0; i < FIELDS; i++)
+            n += (size_t)sprintf(text + n, ",%s", value);
+    }
+    cli_write("t.csv", text);
+    snprintf(text, sizeof text, "load t %s --fields", cli_path("t.csv"));
+    cli_run_well(text);
+    cli_run_well("triangulate t");
+    const char *out = cli_run(&status, "export t - -f ndjson"), *last = strstr(out, "\"f63");
+    last = last != NULL ? strchr(last, '[') : NULL;
+    n = (size_t)sprintf(text, "[%s,%s,%s]},\"geometry\"", value, value, value);
+    CHECK(status == 0 && last != NULL && strncmp(last, text, n) == 0);
+    cli_finish();
+}
+
 TEST(export_draws_relief_of_a_set_with_heights)
 {
     int status;
