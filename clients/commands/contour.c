@@ -65,8 +65,9 @@ static double choose_step(const struct span *s)
 /* Appends the levels, which stand between commas. */
 static size_t put_levels(char *line, size_t n, size_t room, const char *levels)
 {
+    size_t from = n;
     n += (size_t)snprintf(line + n, room - n, " %s", levels);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = from; i < n; i++)
         if (line[i] == ',')
             line[i] = ' ';
     return n;

@@ -66,6 +66,15 @@ TEST(contour_takes_levels_below_0)
     cli_finish();
 }
 
+TEST(contour_of_a_field_whose_name_has_a_comma_is_refused)
+{
+    int status;
+    make_pyramid();
+    CHECK(strstr(cli_run(&status, "contour t z,2 - --levels 5"), "ERR SYNTAX") != NULL);
+    CHECK(status == 1);
+    cli_finish();
+}
+
 TEST(contour_without_a_file_is_the_request)
 {
     int status;
