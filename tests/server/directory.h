@@ -13,11 +13,11 @@ struct directory directory_new(void);
 struct directory directory_quick(void);
 void directory_remove(const struct directory *dir);
 
-/* A daemon on the directory, with further arguments up to a NULL, which has read everything: the
- * ready line waits for that, but on a busy machine not long enough. */
+/* A daemon on the directory, with further arguments up to a NULL, that has read everything: the ready
+ * line waits for that, but on a busy machine not long enough. */
 struct daemon directory_daemon(const struct directory *dir, const char *const *arguments);
 
-/* The same where it may refuse to start: false, and it has ended. */
+/* The same for a daemon that may refuse to start; false: it has ended. */
 bool directory_try(const struct directory *dir, const char *const *arguments, struct daemon *d);
 
 /* Runs delaunayd FLAG DIR; what it prints, up to `size`, goes to text. Returns the exit status. */
@@ -27,8 +27,8 @@ int directory_run(const struct directory *dir, const char *flag, char *text, siz
  * status. */
 int directory_repair(const struct directory *dir, char *text, size_t size);
 
-/* Runs delaunayd --repair DIR with a disk of which the n-th call of a kind fails ("write", "sync",
- * "rename", "open"). Whether one did. */
+/* Runs delaunayd --repair DIR with a disk on which the n-th call of a kind fails ("write", "sync",
+ * "rename", "open"). Returns whether a call failed. */
 bool directory_repair_badly(const struct directory *dir, const char *op, unsigned nth);
 
 /* The n-th (from 0) name that begins with `prefix`, in order; false if there are fewer. */
@@ -37,7 +37,7 @@ bool directory_file(const struct directory *dir, const char *prefix, unsigned n,
 /* Makes an empty file. */
 void directory_touch(const struct directory *dir, const char *name);
 
-/* A file's content, which the caller frees; and back. */
+/* Reads a file; the caller frees its content. */
 char *file_read(const char *path, size_t *n);
 void file_write(const char *path, const char *bytes, size_t n);
 

@@ -58,7 +58,7 @@ static struct {
     bool stopped;
 } w;
 
-/* ---- what the test asks for ---- */
+/* ---- the interface for tests ---- */
 
 void calls_watch(const char *directory)
 {
@@ -241,7 +241,7 @@ static void use_reserve(void)
     pthread_mutex_unlock(&mutex);
 }
 
-/* How many of n bytes the disk takes. */
+/* How many of n bytes fit on the disk. */
 static size_t take_space(size_t n)
 {
     pthread_mutex_lock(&mutex);

@@ -1,9 +1,8 @@
-/* file_calls.h - the calls by which the server changes files: recorded in their order, and made to
- * fail or to stop.
+/* file_calls.h - the calls by which the server changes files: recorded in order, and made to fail or to
+ * stop.
  *
- * With -Wl,--wrap=write and so on every such call of the test binary goes through file_calls.c. For
- * those on files of the watched directory a line each is kept, where consecutive writes to one file
- * are one line:
+ * With -Wl,--wrap=write and so on every such call of the test binary goes through file_calls.c. Each call
+ * on a file of the watched directory is recorded as one line; consecutive writes to one file are one line:
  *
  *     create log.1      openat with O_CREAT
  *     write log.1
@@ -13,8 +12,8 @@
  *     link log.1 damaged.log.1
  *     remove log.1
  *
- * The zeros in front of a log sequence number are left out. Calls that fail are not kept, and of these, which can be made
- * to fail as well, none is:
+ * The leading zeros of a log sequence number are left out. Failed calls are not recorded. These calls can be made to fail,
+ * too, but are never recorded:
  *
  *     read log.1
  *     list .            readdir
@@ -26,7 +25,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Records from here on, and forgets what was recorded and whatever was to fail. */
+/* Starts recording; forgets earlier lines and failures that were set up. */
 void calls_watch(const char *directory);
 
 /* The lines so far, valid until the next call of this file. */
@@ -42,17 +41,17 @@ bool calls_end(const char *lines);
  * fail with this error. */
 void calls_fail(const char *line, unsigned n, unsigned times, int error);
 
-/* How many have. */
+/* How many have failed so far. */
 unsigned calls_failed(void);
 
-/* From now on so many bytes can be written; a write beyond that writes what fits, the next one
- * fails with ENOSPC. Removing the file `reserve` makes room for as many again. */
+/* From now on `bytes` bytes can be written; a write beyond that writes what fits, the next one fails
+ * with ENOSPC. Removing the file `reserve` makes room for the same number again. */
 void calls_limit_space(size_t bytes);
 
 /* Calls that are this line wait from now on, until calls_go_on. */
 void calls_stop(const char *line);
 
-/* Waits until one of them does. */
+/* Waits until a call has stopped. */
 void calls_await_stopped(void);
 void calls_go_on(void);
 

@@ -1,5 +1,4 @@
-/* lifecycle_test.c - starting, stopping, vanishing clients, and running out of what the system
- * gives. */
+/* lifecycle_test.c - starting, stopping, vanishing clients, and running out of system resources. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -37,7 +36,7 @@ static int run(const char *flag, const char *value, char *text, size_t size)
     return WEXITSTATUS(status);
 }
 
-TEST(flags_that_ask_are_answered)
+TEST(help_and_version_are_printed)
 {
     char text[4096];
     CHECK(run("--version", NULL, text, sizeof text) == 0);
@@ -46,7 +45,7 @@ TEST(flags_that_ask_are_answered)
     CHECK(strstr(text, "--max-memory") != NULL);
 }
 
-TEST(flags_that_make_no_sense_are_refused)
+TEST(invalid_flags_are_refused)
 {
     static const char *const bad[][2] = {
         {"--port", "65536"},     {"--port", "x"},        {"--bind", "localhost"},
@@ -61,7 +60,7 @@ TEST(flags_that_make_no_sense_are_refused)
     }
 }
 
-TEST(port_that_is_taken_is_told)
+TEST(port_in_use_is_reported)
 {
     char port[16], text[512];
     struct daemon d = daemon_start(NULL);
@@ -131,7 +130,7 @@ TEST(daemon_that_stops_finishes_what_it_has_received)
     CHECK(waitpid(d.pid, &status, 0) == d.pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-TEST(daemon_that_stops_gives_builds_up_and_finishes_edits)
+TEST(daemon_that_stops_cancels_builds_and_finishes_edits)
 {
     size_t n;
     struct daemon d = daemon_start(NULL);
@@ -171,7 +170,7 @@ TEST(job_of_a_client_that_has_closed_its_connection_ends)
     CHECK(strstr(hear_line(fd), "triangulated=no") != NULL);
 }
 
-TEST(daemon_that_is_told_twice_stops_in_the_middle_of_work)
+TEST(second_signal_stops_the_daemon_in_the_middle_of_work)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -196,7 +195,7 @@ static void vanish(int fd)
     close(fd);
 }
 
-TEST(client_that_vanishes_in_mid_job_is_forgotten)
+TEST(client_that_vanishes_during_its_job_leaves_nothing)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d), other = daemon_connect(&d);
@@ -213,7 +212,7 @@ TEST(client_that_vanishes_in_mid_job_is_forgotten)
     await_info(&d, "clients", 3);
 }
 
-TEST(client_that_vanishes_in_mid_load_leaves_nothing)
+TEST(client_that_vanishes_during_a_load_leaves_nothing)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -225,7 +224,7 @@ TEST(client_that_vanishes_in_mid_load_leaves_nothing)
     converse(&d, "SETS\n", "OK 0\n");
 }
 
-TEST(clients_that_vanish_in_mid_reply_are_forgotten)
+TEST(clients_that_vanish_during_a_reply_leave_nothing)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -264,7 +263,7 @@ TEST(storm_of_connections_leaves_nothing)
 
 /* ---- limits of the system ---- */
 
-TEST(clients_beyond_the_limit_are_told_so)
+TEST(clients_beyond_the_limit_get_an_error)
 {
     const char *arguments[] = {"--max-clients", "3", NULL};
     struct daemon d = daemon_start(arguments);
@@ -282,7 +281,7 @@ TEST(clients_beyond_the_limit_are_told_so)
     expect(fd[0], "OK 0\n");
 }
 
-TEST(daemon_without_descriptors_refuses_politely_and_rests)
+TEST(daemon_without_descriptors_refuses_clients_without_busy_waiting)
 {
     enum { CLIENTS = 90 };
     int fd[CLIENTS], welcome = 0;

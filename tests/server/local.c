@@ -81,7 +81,7 @@ static void refill(struct local *l, struct answer *a)
 /* Everything that an answer leaves to come. True if the request is to be carried out again. */
 static bool complete(struct local *l, struct answer *a)
 {
-    if (a->next == ANSWER_WAIT) { /* its grid is being made anew: nobody else is there */
+    if (a->next == ANSWER_WAIT) { /* its grid is being rebuilt: there is no other client */
         collect(l, a);
         return true;
     }

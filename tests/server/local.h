@@ -11,7 +11,7 @@ struct local {
     bool closed;    /* a reply asked for the connection to be closed, or could not be completed */
 };
 
-/* With 0 threads every job is done at once. */
+/* Starts a server; with 0 threads every job is done at once. */
 void local_start(struct local *l, unsigned threads);
 void local_stop(struct local *l);
 
@@ -19,7 +19,7 @@ void local_stop(struct local *l);
  * replies, which live until the next call. */
 const char *local_ask(struct local *l, const char *lines);
 
-/* The set of that name; NULL: there is none. */
+/* The set of this name; NULL: there is none. */
 struct dataset *local_set(const struct local *l, const char *name);
 
 #endif

@@ -1,5 +1,5 @@
-/* memory_test.c - what clients can make a daemon take stays below --max-memory, and everybody is
- * answered. */
+/* memory_test.c - the memory that clients can make a daemon use stays below --max-memory, and all of them
+ * are answered. */
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -35,7 +35,7 @@ static void load_sets(const struct daemon *d, int *fd, int sets, uint32_t points
     }
 }
 
-/* Asks for their triangulations, all at once. */
+/* Requests their triangulations, all at once. */
 static void triangulate_sets(const int *fd, int sets, const char *how)
 {
     char text[64];
@@ -65,7 +65,7 @@ TEST_TIMEOUT(eight_builds_at_once_stay_below_max_memory_and_all_are_answered, 12
     check_peak(&d, 230 * MB);
 }
 
-/* Whatever fits when it is alone is done, one after the other. */
+/* Builds that fit one at a time are done one after the other. */
 TEST_TIMEOUT(builds_that_do_not_fit_together_wait_for_each_other_in_order, 120)
 {
     enum { SETS = 6, POINTS = 100000 };
@@ -84,8 +84,8 @@ TEST_TIMEOUT(builds_that_do_not_fit_together_wait_for_each_other_in_order, 120)
         CHECK(tries < 500); /* workers free the versions that have been replaced */
 }
 
-/* Numbers of 1,850 bits take forty times as much, but no point of a circle needs them. */
-TEST_TIMEOUT(weights_of_many_neighbours_reserve_what_their_numbers_take, 60)
+/* Numbers of 1,850 bits need forty times as much memory, but no point of a circle needs them. */
+TEST_TIMEOUT(weights_of_many_neighbours_reserve_the_memory_of_their_numbers, 60)
 {
     enum { POINTS = 20000 };
     const char *arguments[] = {"--max-memory", "48m", "--threads", "2", NULL};
@@ -106,7 +106,7 @@ TEST_TIMEOUT(weights_of_many_neighbours_reserve_what_their_numbers_take, 60)
     CHECK(daemon_info(&d, "memory_peak") < 48 * MB);
 }
 
-TEST_TIMEOUT(client_that_leaves_while_its_build_waits_for_memory_holds_up_nobody, 120)
+TEST_TIMEOUT(client_that_disconnects_while_its_build_waits_for_memory_delays_nobody, 120)
 {
     enum { SETS = 6, POINTS = 100000 };
     const char *arguments[] = {"--max-memory", "64m", "--threads", "2", NULL};
@@ -129,7 +129,8 @@ TEST_TIMEOUT(client_that_leaves_while_its_build_waits_for_memory_holds_up_nobody
 
 /* ---- the log's queue, while the disk stalls ---- */
 
-/* Sends LOADB and DROP of a set over and over, reads all replies, and leaves: 0 if all were OK. */
+/* A process that sends LOADB and DROP of a set repeatedly, reads all replies, and exits: with 0 if all
+ * were OK. */
 static pid_t load_and_drop(const struct daemon *d, int rounds, uint32_t n)
 {
     pid_t pid = fork();
@@ -153,7 +154,7 @@ static pid_t load_and_drop(const struct daemon *d, int rounds, uint32_t n)
     _exit(bad > 0);
 }
 
-/* Waits until the daemon carries out no commands but ours for a while. */
+/* Waits until the daemon has carried out only our commands for a while. */
 static void await_standstill(const struct daemon *d)
 {
     uint64_t before = 0, now;
@@ -165,8 +166,8 @@ static void await_standstill(const struct daemon *d)
     }
 }
 
-/* Waits until the log's queue has more than so many bytes, however slow the machine is, and then until nothing
- * more is carried out. Returns how many it has. */
+/* Waits until the log's queue has more than `bytes` bytes, however slow the machine is, and then until nothing
+ * more is carried out. Returns how many bytes it has. */
 static size_t await_queue(const struct daemon *d, size_t bytes)
 {
     for (int tries = 0; daemon_info(d, "memory_log") <= bytes; tries++, pause_ms(20))
@@ -201,7 +202,7 @@ TEST_TIMEOUT(queue_of_the_log_has_64_KiB_however_little_memory_there_is, 60)
     int fd = daemon_connect(&d);
     for (int i = 0; i < CHANGES; i++) {
         say(fd, "MOVE t 0 1 1\n");
-        if (i % 50 == 0) /* so that they come in many turns */
+        if (i % 50 == 0) /* so that they arrive in many turns */
             daemon_info(&d, "memory_log");
     }
     size_t queued = await_queue(&d, 64 * 1024);
@@ -232,7 +233,7 @@ TEST_TIMEOUT(changes_wait_while_the_disk_stalls_and_the_logs_queue_stays_small, 
     CHECK(unlink(gate) == 0);
     CHECK(waitpid(writer, &status, 0) == writer && WIFEXITED(status) && WEXITSTATUS(status) == 0);
     check_peak(&d, 90 * MB);
-    CHECK(daemon_stop(&d, SIGKILL) == -1); /* and nothing is lost or in another order */
+    CHECK(daemon_stop(&d, SIGKILL) == -1); /* nothing is lost or reordered */
     d = directory_daemon(&dir, arguments);
     int fd = daemon_connect(&d);
     char last[100];
@@ -248,7 +249,7 @@ TEST_TIMEOUT(changes_wait_while_the_disk_stalls_and_the_logs_queue_stays_small, 
 
 /* ---- loads that stall ---- */
 
-/* Sends the points 0 0, 1 0 and so on up to n, of a LOADB that has announced `all`. */
+/* Sends the first n points 0 0, 1 0, ... of a LOADB that announces `all`. */
 static void begin_load(int fd, uint32_t all, uint32_t n)
 {
     char head[64];
@@ -262,7 +263,7 @@ static void begin_load(int fd, uint32_t all, uint32_t n)
     free(xy);
 }
 
-TEST_TIMEOUT(load_whose_points_stop_coming_is_given_up_and_its_memory_is_free, 60)
+TEST_TIMEOUT(load_whose_points_stop_arriving_is_cancelled_and_its_memory_is_freed, 60)
 {
     enum { POINTS = 200000 };
     static const double one_point[2] = {0.5, 0.5};
@@ -287,7 +288,7 @@ TEST_TIMEOUT(load_whose_points_stop_coming_is_given_up_and_its_memory_is_free, 6
     CHECK_STR(hear_line(typed), "OK 0 first=0 added=200000 coincident=0");
 }
 
-TEST_TIMEOUT(loads_that_come_slowly_but_steadily_are_not_given_up, 60)
+TEST_TIMEOUT(loads_that_arrive_slowly_but_steadily_are_not_cancelled, 60)
 {
     enum { POINTS = 200000, STEPS = 20 };
     const char *arguments[] = {"--load-timeout", "1", NULL};
@@ -302,7 +303,7 @@ TEST_TIMEOUT(loads_that_come_slowly_but_steadily_are_not_given_up, 60)
     free(xy);
 }
 
-TEST_TIMEOUT(bodies_reserve_as_they_grow_and_what_does_not_fit_is_refused, 60)
+TEST_TIMEOUT(bodies_reserve_memory_as_they_grow_and_are_refused_if_they_do_not_fit, 60)
 {
     enum { POINTS = 400000, CLIENTS = 12 }; /* 6.4 MB each */
     const char *arguments[] = {"--max-memory", "32m", NULL};
@@ -356,7 +357,7 @@ static bool file_has(FILE *f, const char *text)
     return found;
 }
 
-TEST_TIMEOUT(sets_larger_than_max_memory_are_all_there_after_a_restart_and_can_shrink, 60)
+TEST_TIMEOUT(sets_larger_than_max_memory_survive_a_restart_and_can_shrink, 60)
 {
     enum { POINTS = 20000 };
     static const char warning[] = "points can be deleted, but not added";

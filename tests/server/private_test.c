@@ -1,4 +1,4 @@
-/* private_test.c - a daemon of one process alone, which ends with it. */
+/* private_test.c - a daemon that serves one process and ends with it. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -52,7 +52,7 @@ static void expect_ended(const struct owned *d)
     CHECK(access(directory, F_OK) != 0);
 }
 
-TEST(private_daemon_is_for_its_user_alone)
+TEST(private_daemon_is_only_for_its_user)
 {
     struct owned d = start();
     struct stat st;
@@ -66,7 +66,7 @@ TEST(private_daemon_is_for_its_user_alone)
     expect_ended(&d);
 }
 
-TEST(private_daemon_ends_with_its_owner_in_the_midst_of_work)
+TEST(private_daemon_ends_with_its_owner_in_the_middle_of_work)
 {
     struct owned d = start();
     int fd = connect_unix(d.path);
@@ -77,7 +77,7 @@ TEST(private_daemon_ends_with_its_owner_in_the_midst_of_work)
     expect_ended(&d);
 }
 
-TEST(interrupt_is_for_the_owner_of_a_private_daemon_and_sigterm_for_itself)
+TEST(private_daemon_ignores_sigint_and_stops_on_sigterm)
 {
     struct owned d = start();
     int fd = connect_unix(d.path);

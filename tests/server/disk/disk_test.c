@@ -385,7 +385,7 @@ static int await_unix(const char *path)
 }
 
 /* The ready line waits for a second, so the Unix socket is there first. */
-TEST_TIMEOUT(clients_are_told_that_the_directory_is_being_read, 60)
+TEST_TIMEOUT(clients_get_an_error_while_the_directory_is_read, 60)
 {
     char path[128];
     struct directory dir = directory_new();

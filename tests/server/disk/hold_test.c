@@ -163,7 +163,7 @@ TEST(failing_disk_lets_go_of_what_only_shows_changes)
     CHECK(free_of(&hold[0]) == 100 && free_of(&hold[1]) == 100);
 }
 
-TEST(everybody_who_waits_is_told_that_nothing_was_saved)
+TEST(all_waiting_clients_get_the_error_that_nothing_was_saved)
 {
     for (unsigned i = 0; i < CONNECTIONS; i++)
         hold_acknowledgement(&all, &hold[i], i + 1, 0);

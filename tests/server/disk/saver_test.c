@@ -326,7 +326,7 @@ static void on_not_saved(struct hold *h)
 }
 
 /* Requests that free space are accepted, and are attempted before any failure is reported. */
-TEST(change_that_frees_space_on_a_full_disk_is_not_told_of_the_failure_before_it)
+TEST(change_that_frees_space_on_a_full_disk_does_not_get_the_error_of_an_earlier_one)
 {
     struct hold before = {0}, after = {0};
     struct record r = {.type = RECORD_CLOSE};

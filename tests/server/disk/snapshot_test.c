@@ -278,8 +278,9 @@ TEST(snapshot_reports_its_end_through_a_descriptor_of_its_own)
     struct snapshot *snap = pin(&b);
     CHECK(kept >= 0 && pipe(ends) == 0 && dup2(ends[1], b.event) == b.event);
     snapshot_go(snap);
-    struct pollfd told = {.fd = kept, .events = POLLIN}, other = {.fd = ends[0], .events = POLLIN};
-    CHECK(poll(&told, 1, 10000) == 1 && read(kept, &count, sizeof count) == sizeof count);
+    struct pollfd counted = {.fd = kept, .events = POLLIN},
+                  other = {.fd = ends[0], .events = POLLIN};
+    CHECK(poll(&counted, 1, 10000) == 1 && read(kept, &count, sizeof count) == sizeof count);
     CHECK(poll(&other, 1, 0) == 0 && snapshot_end(snap, &b.l.server.sets) == 0);
     close(kept);
     close(ends[0]);

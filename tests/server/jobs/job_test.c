@@ -1,4 +1,4 @@
-/* job_test.c - which jobs may wait for a worker, and what is done with the result of one. */
+/* job_test.c - which jobs may wait for a worker, and what happens to the result of a job. */
 #include "server/jobs/job.h"
 
 #include "server/command/command.h"
@@ -28,7 +28,7 @@ static void finished(struct server *s, struct job *j, struct answer *a)
     (void)s, (void)j, (void)a;
 }
 
-/* What a job that reads the set is answered when it begins; empty: nothing yet. */
+/* The reply to a job that reads the set, when it begins; empty: none yet. */
 static const char *begin(struct local *l, unsigned how)
 {
     struct answer a = {.out = &l->out};
@@ -47,7 +47,7 @@ static void deliver(void *ctx, struct job *j)
     server_finish_abandoned(ctx, j);
 }
 
-TEST(so_many_long_jobs_wait_for_a_worker_and_short_ones_in_any_number)
+TEST(long_jobs_that_wait_for_a_worker_are_limited_and_short_ones_are_not)
 {
     struct pollfd none = {.fd = -1};
     struct local l;
@@ -60,7 +60,7 @@ TEST(so_many_long_jobs_wait_for_a_worker_and_short_ones_in_any_number)
         CHECK_STR(begin(&l, JOB_HEAVY), "");
     CHECK_STR(begin(&l, JOB_HEAVY),
               "ERR BUSY too many requests are waiting for a worker; try again\n");
-    /* What was refused gives back what it had reserved. */
+    /* A refused job releases what it had reserved. */
     CHECK(budget_of(&l.server.budget, BUDGET_BUILDS) == 1000 * (LIMIT_QUEUED_JOBS + 1));
     CHECK_STR(begin(&l, JOB_HEAVY | JOB_BRIEF), "");
     released = true;
@@ -73,7 +73,7 @@ TEST(so_many_long_jobs_wait_for_a_worker_and_short_ones_in_any_number)
     local_stop(&l);
 }
 
-/* ---- the end of one that changes a set ---- */
+/* ---- the end of a job that changes a set ---- */
 
 static unsigned records;
 
@@ -102,7 +102,7 @@ static void edit(struct local *l, void (*run)(struct job *))
     job_write(&l->server, &a, j, local_set(l, "t"), 0);
 }
 
-TEST(edit_that_fails_is_not_written_down)
+TEST(edit_that_fails_is_not_logged)
 {
     struct local l;
     local_start(&l, 0);
@@ -114,9 +114,9 @@ TEST(edit_that_fails_is_not_written_down)
     local_stop(&l);
 }
 
-/* ---- requests for a set that somebody else is about to create, or edits ---- */
+/* ---- requests for a set that another client is creating or editing ---- */
 
-TEST(set_that_is_about_to_be_created_is_there_for_nobody_who_reads)
+TEST(set_that_is_about_to_be_created_does_not_exist_for_readers)
 {
     struct local l;
     local_start(&l, 0);
@@ -136,7 +136,7 @@ static struct load *begin_load(struct local *l, const char *line)
     return a.load;
 }
 
-TEST(load_whose_points_are_there_waits_for_its_turn)
+TEST(load_whose_points_have_arrived_waits_for_its_turn)
 {
     struct local l;
     local_start(&l, 0);
@@ -156,7 +156,7 @@ TEST(load_whose_points_are_there_waits_for_its_turn)
     local_stop(&l);
 }
 
-TEST(load_that_is_refused_gives_its_memory_back_at_once)
+TEST(load_that_is_refused_releases_its_memory_at_once)
 {
     struct local l;
     local_start(&l, 0);

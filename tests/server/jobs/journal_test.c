@@ -1,5 +1,5 @@
-/* journal_test.c - what edits write into the log is what comes back, whoever stands in line. A server
- * with a data directory, in this process. */
+/* journal_test.c - what edits write to the log is what a restart restores, in whatever order requests
+ * wait. A server with a data directory, in this process. */
 #include "server/jobs/journal.h"
 
 #include "server/command/command.h"
@@ -57,9 +57,9 @@ static void drop_t(struct waiter *w)
     CHECK(a.next == ANSWER_WHOLE && set_t(b) == NULL);
 }
 
-/* The snapshot pins the set while it is being dropped. Were it to say that the set has the change
- * which drops it, that would be passed over when the log is read, and the set would be back. */
-TEST(set_that_is_dropped_before_a_snapshot_gets_its_turn_stays_dropped)
+/* The snapshot pins the set while it is being dropped. If the snapshot said that the set has the change
+ * that drops it, recovery would skip that change, and the set would be back. */
+TEST(set_that_is_dropped_before_a_snapshot_reaches_it_stays_dropped)
 {
     struct datadir dir;
     struct recovery r;
@@ -91,7 +91,7 @@ TEST(set_that_is_dropped_before_a_snapshot_gets_its_turn_stays_dropped)
     directory_remove(&b.dir);
 }
 
-/* ---- what a query shows that a worker answers ---- */
+/* ---- what the reply of a worker's query shows ---- */
 
 enum { POINTS = 30000 };
 
@@ -122,7 +122,7 @@ static void open_gate(void)
     sem_post(&gate);
 }
 
-/* A live set whose WITHIN of everything is a worker's. */
+/* A live set so large that a WITHIN of all its points goes to a worker. */
 static void begin_with_a_large_set(struct bench *b)
 {
     static char text[POINTS * 40];
@@ -143,7 +143,7 @@ static struct answer run(struct bench *b, const char *request)
     return a;
 }
 
-/* Asks what a worker is to answer. */
+/* Sends a request that a worker will answer. */
 static struct job *ask(struct bench *b, const char *request)
 {
     struct answer a = run(b, request);
@@ -151,7 +151,7 @@ static struct job *ask(struct bench *b, const char *request)
     return a.job;
 }
 
-static struct answer told; /* of the job with an owner */
+static struct answer owned; /* of the job with an owner */
 static unsigned tellings;
 
 static void tell(void *ctx, struct job *j)
@@ -161,11 +161,11 @@ static void tell(void *ctx, struct job *j)
         server_finish_abandoned(&b->l.server, j);
         return;
     }
-    told = (struct answer){.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};
+    owned = (struct answer){.out = &b->l.out, .owner = 1, .role = ROLE_WRITE};
     tellings++;
-    job_finish(&b->l.server, j, &told);
-    if (told.next == ANSWER_STREAM)
-        stream_free(&b->l.server, told.stream);
+    job_finish(&b->l.server, j, &owned);
+    if (owned.next == ANSWER_STREAM)
+        stream_free(&b->l.server, owned.stream);
 }
 
 static void collect(struct bench *b)
@@ -183,7 +183,7 @@ static void end(struct bench *b)
     directory_remove(&b->dir);
 }
 
-/* The worker begins when the edit has been made: the reply shows it. */
+/* The worker begins after the edit, so the reply shows the edit. */
 TEST(query_by_a_worker_shows_the_last_change_before_it_was_answered)
 {
     struct bench b;
@@ -196,11 +196,11 @@ TEST(query_by_a_worker_shows_the_last_change_before_it_was_answered)
     open_gate();
     while (tellings == 0)
         collect(&b);
-    CHECK(told.shown == set_t(&b)->current->lsn);
+    CHECK(owned.shown == set_t(&b)->current->lsn);
     end(&b);
 }
 
-/* If it did, the failure of somebody else's change would end the reader's connection. */
+/* If it did, the failure of another client's change would end the reader's connection. */
 TEST(query_that_brings_the_triangulation_up_to_date_acknowledges_nothing)
 {
     char request[2000] = "ADD t";
@@ -217,7 +217,7 @@ TEST(query_that_brings_the_triangulation_up_to_date_acknowledges_nothing)
     end(&b);
 }
 
-/* A worker has made the edit, but the log does not have it yet: who has seen it waits for that. */
+/* A worker has made the edit, but it is not in the log yet: a reply that may show it waits for that. */
 TEST(query_is_answered_when_the_edit_that_it_may_have_seen_is_in_the_log)
 {
     struct bench b;
@@ -245,12 +245,12 @@ TEST(query_that_is_given_up_does_not_wait_for_an_edit)
     open_gate();
     while (tellings == 0)
         collect(&b);
-    CHECK(set_t(&b)->current->edited && told.shown == 0);
+    CHECK(set_t(&b)->current->edited && owned.shown == 0);
     set_t(&b)->current->edited = false;
     end(&b);
 }
 
-TEST(set_counts_as_edited_from_when_a_worker_gets_the_edit_until_the_log_has_it)
+TEST(set_counts_as_edited_from_the_start_of_the_job_until_the_edit_is_in_the_log)
 {
     char request[2000] = "DEL t";
     struct bench b;
@@ -263,11 +263,11 @@ TEST(set_counts_as_edited_from_when_a_worker_gets_the_edit_until_the_log_has_it)
     open_gate();
     while (tellings == 0)
         collect(&b);
-    CHECK(!v->edited && v->lsn == told.lsn && told.lsn == set_t(&b)->current->lsn);
+    CHECK(!v->edited && v->lsn == owned.lsn && owned.lsn == set_t(&b)->current->lsn);
     end(&b);
 }
 
-TEST(version_that_a_build_has_made_has_the_changes_of_the_one_before_it)
+TEST(version_made_by_a_build_has_the_changes_of_the_version_before_it)
 {
     struct bench b;
     begin_with_a_large_set(&b);
@@ -278,7 +278,7 @@ TEST(version_that_a_build_has_made_has_the_changes_of_the_one_before_it)
     end(&b);
 }
 
-TEST(triangulation_is_written_down_once)
+TEST(triangulation_is_logged_once)
 {
     struct bench b;
     begin(&b, 0);
@@ -289,9 +289,9 @@ TEST(triangulation_is_written_down_once)
     end(&b);
 }
 
-/* ---- what is taken, and when ---- */
+/* ---- what is accepted, and when ---- */
 
-TEST(full_disk_takes_what_frees_space_and_nothing_else)
+TEST(full_disk_accepts_only_changes_that_free_space)
 {
     struct durable_facts facts;
     struct bench b;
@@ -322,11 +322,12 @@ TEST(set_is_not_read_until_it_is_triangulated_again)
     struct bench b;
     begin(&b, 0);
     local_ask(&b.l, "ADD t 0 0  1 0  0 1\nTRIANGULATE t\n");
-    local_stop(&b.l); /* the next start is of the same directory */
+    local_stop(&b.l); /* the next server uses the same directory */
     local_start(&b.l, 1);
     b.l.config.data = b.dir.path;
     CHECK(durable_start(&b.l.server));
-    while (b.l.server.jobs == NULL) /* which makes the triangulation; nobody has its result yet */
+    while (b.l.server.jobs ==
+           NULL) /* the job triangulates; its result has not been collected yet */
         await_durable_event(&b);
     static const char refusal[] = "ERR LOADING the set t is being triangulated, ";
     CHECK(strncmp(local_ask(&b.l, "LISTS t 0\n"), refusal, strlen(refusal)) == 0);
@@ -336,9 +337,9 @@ TEST(set_is_not_read_until_it_is_triangulated_again)
     end(&b);
 }
 
-/* No record is written of it, since the set was triangulated before. If the set lost its lsn, a snapshot would
- * have it without one, and its changes would be carried out once more at the next start. */
-TEST(a_triangulation_that_is_made_again_beside_the_set_keeps_the_lsn_of_the_set)
+/* It is not logged, because the set was triangulated before. If the set lost its lsn, a snapshot would
+ * store none, and recovery would apply its changes a second time. */
+TEST(triangulation_that_is_made_again_keeps_the_lsn_of_the_set)
 {
     struct bench b;
     begin_with_a_large_set(&b);
@@ -365,7 +366,7 @@ static bool starts(struct bench *b)
     return good;
 }
 
-TEST(directory_that_cannot_be_written_is_not_served)
+TEST(server_does_not_start_on_a_directory_that_cannot_be_written)
 {
     static const char *const calls[] = {"create log.1", "sync log.1"};
     struct bench b = {.dir = directory_quick()};
@@ -375,14 +376,14 @@ TEST(directory_that_cannot_be_written_is_not_served)
         CHECK_MSG(!starts(&b), "%s", calls[i]);
         local_stop(&b.l);
         calls_watch(b.dir.path);
-        CHECK(starts(&b)); /* the next try finds everything in order */
+        CHECK(starts(&b)); /* the next attempt succeeds */
         local_ask(&b.l, i == 0 ? "ADD t 1 1\n" : "POINTS t\n");
         local_stop(&b.l);
     }
     directory_remove(&b.dir);
 }
 
-TEST(directory_that_is_not_there_is_not_served)
+TEST(server_does_not_start_on_a_directory_that_does_not_exist)
 {
     struct bench b = {0};
     strcpy(b.dir.path, "/nonexistent/directory");

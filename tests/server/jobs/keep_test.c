@@ -1,4 +1,4 @@
-/* keep_test.c - pages of sets that are gone: used again, within --max-memory, and given back. */
+/* keep_test.c - pages of dropped sets: reused, within --max-memory, and returned to the system. */
 #include "server/jobs/keep.h"
 
 #include "core/memory/pages.h"
@@ -11,9 +11,9 @@
 #include <semaphore.h>
 #include <string.h>
 
-enum { POINTS = 200000, ROW = 16 }; /* so many that their coordinates take more than 3 MiB */
+enum { POINTS = 200000, ROW = 16 }; /* the coordinates take more than 3 MiB */
 
-/* LOAD SET with points in no particular order, no two alike; to be freed. */
+/* LOAD SET with distinct points in no particular order; the caller frees it. */
 static char *load_of(const char *set)
 {
     size_t size = 64 + POINTS * (size_t)ROW, at;
@@ -38,7 +38,7 @@ static void tick(struct local *l, unsigned times)
         keep_tick(&l->server);
 }
 
-TEST_TIMEOUT(sets_and_loads_use_the_pages_of_those_before, 60)
+TEST_TIMEOUT(sets_and_loads_reuse_the_pages_of_earlier_ones, 60)
 {
     struct local l;
     char *load = load_of("t");
@@ -63,7 +63,7 @@ static void deliver(void *ctx, struct job *j)
     server_finish_abandoned(ctx, j);
 }
 
-/* Waits for all that workers do. */
+/* Waits for all jobs of workers. */
 static void finish_jobs(struct local *l)
 {
     while (l->server.jobs != NULL) {
@@ -73,7 +73,7 @@ static void finish_jobs(struct local *l)
     }
 }
 
-TEST_TIMEOUT(pages_that_nobody_uses_for_ten_seconds_go_back, 60)
+TEST_TIMEOUT(pages_that_are_unused_for_ten_seconds_return_to_the_system, 60)
 {
     struct local l;
     char *load = load_of("t");
@@ -88,7 +88,7 @@ TEST_TIMEOUT(pages_that_nobody_uses_for_ten_seconds_go_back, 60)
     tick(&l, 1);
     finish_jobs(&l);
     CHECK(facts(&l).kept == 0 && facts(&l).held == 0);
-    tick(&l, 30); /* there is nothing to give back */
+    tick(&l, 30); /* there is nothing to return */
     CHECK(l.server.jobs == NULL);
     free(load);
     local_stop(&l);
@@ -107,8 +107,8 @@ static void nothing(struct server *s, struct job *j, struct answer *a)
     (void)s, (void)j, (void)a;
 }
 
-/* The worker has something else to do first. */
-TEST_TIMEOUT(pages_that_are_used_again_before_they_go_back_are_kept, 60)
+/* The worker is busy with another job first. */
+TEST_TIMEOUT(pages_that_are_reused_before_they_return_to_the_system_are_kept, 60)
 {
     struct local l;
     char *load = load_of("t");
@@ -132,7 +132,7 @@ TEST_TIMEOUT(pages_that_are_used_again_before_they_go_back_are_kept, 60)
     local_stop(&l);
 }
 
-TEST_TIMEOUT(pages_are_made_ready_while_points_arrive, 60)
+TEST_TIMEOUT(pages_are_prefaulted_while_points_arrive, 60)
 {
     struct local l;
     char *load = load_of("t");
@@ -150,7 +150,7 @@ TEST_TIMEOUT(pages_are_made_ready_while_points_arrive, 60)
     free(load);
 }
 
-TEST_TIMEOUT(what_is_kept_and_what_is_used_stay_below_max_memory, 60)
+TEST_TIMEOUT(kept_and_used_pages_together_stay_below_max_memory, 60)
 {
     struct local l;
     char *load = load_of("t");
@@ -160,7 +160,7 @@ TEST_TIMEOUT(what_is_kept_and_what_is_used_stay_below_max_memory, 60)
     local_ask(&l, "TRIANGULATE t\n");
     CHECK(facts(&l).kept > 0);
     l.config.max_memory = facts(&l).held - facts(&l).kept + (5 << 20);
-    tick(&l, 1); /* more is kept than that */
+    tick(&l, 1); /* more than that is kept */
     CHECK(facts(&l).held <= l.config.max_memory && facts(&l).kept > 0);
     CHECK(strstr(local_ask(&l, "ADD t 1 1\n"), "ERR") == NULL);
     local_ask(&l, "DROP t\n");

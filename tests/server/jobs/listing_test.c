@@ -12,7 +12,7 @@
 
 /* ---- SETS ---- */
 
-/* Many sets, in no order: numbers in a sequence that has no two alike. */
+/* Creates n sets whose names are distinct numbers in no order. */
 static void create_sets(struct local *l, unsigned n)
 {
     char line[40];
@@ -129,7 +129,7 @@ TEST(long_listing_survives_every_failed_allocation)
     local_stop(&l);
 }
 
-TEST(listing_that_memory_has_no_room_for_is_refused)
+TEST(listing_that_does_not_fit_into_memory_is_refused)
 {
     struct local l;
     local_start(&l, 0);
@@ -143,7 +143,7 @@ TEST(listing_that_memory_has_no_room_for_is_refused)
 
 /* ---- through sockets ---- */
 
-/* Reads a reply of rows; counts those that hold the text. */
+/* Reads a reply of n rows; returns how many of them contain the text. */
 static unsigned rows_with(int fd, unsigned n, const char *text)
 {
     unsigned found = 0;
@@ -197,7 +197,7 @@ TEST(slow_requests_are_listed_in_both_framings_however_many_there_are)
     CHECK(entries == SLOW);
 }
 
-TEST(client_that_leaves_in_mid_listing_leaves_nothing)
+TEST(client_that_disconnects_during_a_listing_leaves_nothing)
 {
     enum { SETS = 20000, CLIENTS = 20 };
     static char line[60 * SETS];

@@ -1,4 +1,4 @@
-/* query_test.c - what is searched at once, what by a worker, and that both find the same. */
+/* query_test.c - which searches the I/O thread carries out and which a worker; both find the same. */
 #include "server/ops/cost.h"
 #include "tests/server/local.h"
 #include "tests/test.h"
@@ -19,7 +19,7 @@ static char *uniform(unsigned n)
     return text;
 }
 
-/* A hub, the point 0, amid n others. */
+/* A hub, the point 0, with n points around it. */
 static char *wheel(unsigned n)
 {
     char *text = malloc(n * 60 + 100), *to = text;
@@ -78,7 +78,7 @@ TEST(requests_about_a_hub_go_to_a_worker)
 }
 
 /* Points on a circle are all natural neighbours of a place inside; one beside a flat hull needs long numbers. */
-TEST(weights_of_many_neighbours_or_in_long_numbers_go_to_a_worker)
+TEST(weights_with_many_neighbours_or_long_numbers_go_to_a_worker)
 {
     struct local l;
     char *load = wheel(4 * COST_STEPS_AT_ONCE);
@@ -98,7 +98,7 @@ TEST(weights_of_many_neighbours_or_in_long_numbers_go_to_a_worker)
     local_stop(&l);
 }
 
-TEST_TIMEOUT(workers_find_what_is_found_without_them, 60)
+TEST_TIMEOUT(searches_find_the_same_with_and_without_workers, 60)
 {
     static const char *const requests[] = {
         "WITHIN t 0.1 0.1 0.9 0.9",   "WITHIN t 0.5 0.5 0.45",    "NEAREST t 0.3 0.3 40000",
@@ -149,7 +149,7 @@ TEST(places_and_ranges_are_answered_alike_before_and_after_triangulate)
     for (int large = 0; large < 2; large++) {
         struct local l;
         uint64_t jobs;
-        int side = large ? 80 : 40; /* more points than the I/O thread looks at, or fewer */
+        int side = large ? 80 : 40; /* more points than the I/O thread examines, or fewer */
         char *load = malloc(64 + 6400 * 2 * 12), *to = load;
         CHECK(load != NULL);
         to += sprintf(to, "CREATE t TOL 0.25\nLOAD t\n");

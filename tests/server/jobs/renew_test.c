@@ -1,4 +1,4 @@
-/* renew_test.c - a worker makes the grid of a set anew; whoever queries it does not wait for that. */
+/* renew_test.c - a worker rebuilds the grid of a set while queries continue. */
 #include "server/jobs/job.h"
 #include "server/lifecycle.h"
 #include "server/sets/dataset.h"
@@ -21,7 +21,7 @@ static void add_points(struct local *l, unsigned n)
     local_ask(l, text);
 }
 
-/* A large set whose grid a worker is making anew, or has made. */
+/* A large set whose grid a worker is rebuilding or has rebuilt. */
 static void start_renewal(struct local *l)
 {
     local_start(l, 2);
@@ -42,7 +42,7 @@ static void finish(void *ctx, struct job *j)
     job_finish(&l->server, j, &a);
 }
 
-TEST(queries_go_on_while_a_worker_makes_the_grid_anew)
+TEST(queries_continue_while_a_worker_rebuilds_the_grid)
 {
     struct local l;
     start_renewal(&l);
@@ -58,7 +58,7 @@ TEST(queries_go_on_while_a_worker_makes_the_grid_anew)
     local_stop(&l);
 }
 
-/* The exchange waits, on a worker, for the piece that is being read with the old grid. */
+/* The exchange waits on a worker until the piece that is being read with the old grid is complete. */
 TEST(grid_that_is_in_use_is_exchanged_when_its_reader_has_finished)
 {
     struct local l;
@@ -81,7 +81,7 @@ TEST(grid_that_is_in_use_is_exchanged_when_its_reader_has_finished)
     local_stop(&l);
 }
 
-TEST(set_may_go_while_its_grid_is_made_anew)
+TEST(set_may_be_dropped_while_its_grid_is_rebuilt)
 {
     struct local l;
     start_renewal(&l);
@@ -91,7 +91,7 @@ TEST(set_may_go_while_its_grid_is_made_anew)
     local_stop(&l);
 }
 
-TEST(searches_do_without_a_grid_for_which_there_is_no_memory)
+TEST(searches_work_without_a_grid_when_memory_is_out)
 {
     struct local l;
     local_start(&l, 2);
@@ -107,7 +107,7 @@ TEST(searches_do_without_a_grid_for_which_there_is_no_memory)
     CHECK(!set->current->sum.searchable);
     CHECK(strncmp(local_ask(&l, "ADD t 0.6 0.6\n"), "ERR NOMEM ", 10) == 0);
     CHECK_STR(local_ask(&l, "DEL t 0\n"),
-              "OK 0 deleted=1\n"); /* what frees memory is never refused */
+              "OK 0 deleted=1\n"); /* changes that free memory are never refused */
     CHECK(set->current->sum.searchable && budget_of(&l.server.budget, BUDGET_BUILDS) == 0);
     l.config.max_memory = plenty;
     CHECK(strncmp(local_ask(&l, "ADD t 0.6 0.6\n"), "OK 0 ", 5) == 0);

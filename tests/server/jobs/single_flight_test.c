@@ -1,4 +1,4 @@
-/* single_flight_test.c - requests that ask for what a job is doing already wait for its result. */
+/* single_flight_test.c - a request for what a job already computes waits for its result. */
 #include "server/jobs/job.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
@@ -23,7 +23,7 @@ static bool ask_both(const struct daemon *d, const int fd[2], const char *first,
     return daemon_info(d, "jobs_shared") > before;
 }
 
-/* When the machine is busy elsewhere the first may be done before the second comes. */
+/* On a busy machine the first may be done before the second arrives, so this tries repeatedly. */
 static void expect_shared(const char *first, const char *second)
 {
     struct daemon d = daemon_start(NULL);
@@ -42,18 +42,18 @@ static void expect_shared(const char *first, const char *second)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-TEST(triangulate_that_is_asked_for_twice_is_done_once)
+TEST(triangulate_that_two_clients_request_runs_once)
 {
     expect_shared("TRIANGULATE t METHOD shelling\n", "TRIANGULATE t METHOD shelling\n");
     expect_shared("TRIANGULATE t METHOD shelling\n", "TRIANGULATE t\n");
 }
 
-TEST(check_that_is_asked_for_twice_is_done_once)
+TEST(check_that_two_clients_request_runs_once)
 {
     expect_shared("CHECK t\n", "CHECK t\n");
 }
 
-TEST(triangulate_by_another_method_is_done_for_itself)
+TEST(triangulate_by_another_method_runs_separately)
 {
     struct daemon d = daemon_start(NULL);
     int fd[2] = {daemon_connect(&d), daemon_connect(&d)};
@@ -77,7 +77,7 @@ static void reset(int fd)
     close(fd);
 }
 
-TEST(job_goes_on_for_those_who_joined_when_its_owner_goes)
+TEST(job_continues_for_clients_that_joined_when_its_owner_disconnects)
 {
     struct daemon d = daemon_start(NULL);
     int stays = daemon_connect(&d);
@@ -97,18 +97,19 @@ TEST(job_goes_on_for_those_who_joined_when_its_owner_goes)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-/* The only worker is busy, so the job of whoever has gone waits, given up, when the next one asks. */
-TEST(check_that_was_given_up_is_not_joined)
+/* The only worker is busy, so the cancelled job of the disconnected client still waits when the next
+ * client asks. */
+TEST(check_that_was_cancelled_is_not_joined)
 {
     const char *arguments[] = {"--threads", "1", NULL};
     struct daemon d = daemon_start(arguments);
     int busy = daemon_connect(&d), goes = daemon_connect(&d), stays = daemon_connect(&d);
     load_random(busy, "large", 400000);
-    load_random(busy, "t", 100000); /* large enough that a check asks whether it is given up */
+    load_random(busy, "t", 100000);        /* large enough that a check notices its cancellation */
     say(busy, "TRIANGULATE t\nCHECK t\n"); /* the first one also makes the grid */
     CHECK(strncmp(hear_line(busy), "OK 0 ", 5) == 0 && strncmp(hear_line(busy), "OK 0 ", 5) == 0);
     await_info(&d, "clients", 4);      /* the fourth asks for INFO */
-    await_info(&d, "jobs_running", 0); /* the upkeep after the loads */
+    await_info(&d, "jobs_running", 0); /* the maintenance jobs after the loads */
     say(busy, "TRIANGULATE large METHOD shelling\n");
     say(goes, "CHECK t\n");
     converse(&d, "PING\n", "OK 0\n"); /* so these two have been read */
@@ -120,7 +121,7 @@ TEST(check_that_was_given_up_is_not_joined)
     daemon_end(&d);
 }
 
-/* ---- who waits for a job ---- */
+/* ---- clients that wait for a job ---- */
 
 static void run_nothing(struct job *j)
 {
@@ -132,7 +133,7 @@ static void done_nothing(struct server *s, struct job *j, struct answer *a)
     (void)s, (void)j, (void)a;
 }
 
-TEST(job_is_cancelled_when_the_last_who_waits_leaves)
+TEST(job_is_cancelled_when_its_last_client_disconnects)
 {
     static struct server s;
     for (uint64_t first = 1; first <= 3; first++) {

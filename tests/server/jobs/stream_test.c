@@ -1,5 +1,5 @@
-/* stream_test.c - replies that workers make in pieces: the same bytes as without them, and nothing
- * left behind by those that nobody wants any more, or for which there is no memory. */
+/* stream_test.c - replies that workers make in pieces: the same bytes as without workers, and abandoned
+ * replies, or those without memory, leave nothing behind. */
 #include "server/command/command.h"
 #include "server/jobs/stream.h"
 #include "server/lifecycle.h"
@@ -14,8 +14,9 @@
 
 enum { SCATTERED = 13000, ON_CIRCLE = 12000 };
 
-/* Points of a small lattice, many of them more than once, and far away a circle round its centre,
- * which is joined to all of it; then some of the former go. The caller frees it. */
+/* Points of a small lattice, many of them more than once, and a large circle around its centre, so that
+ * the centre is joined to all of the circle; then some points of the lattice are deleted. The caller
+ * frees it. */
 static char *set_of_many(void)
 {
     char *text = malloc((SCATTERED + ON_CIRCLE) * 60 + 100), *to = text;
@@ -72,7 +73,7 @@ TEST_TIMEOUT(large_replies_have_the_same_bytes_whether_or_not_there_are_threads,
     free(load);
 }
 
-/* Asks for the rows of t, without waiting for more than the first. */
+/* Requests the rows of t and waits only for the first. */
 static struct answer begin(struct local *l, const char *request)
 {
     struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
@@ -98,7 +99,7 @@ static void collect_all(struct local *l)
     }
 }
 
-TEST_TIMEOUT(rows_that_nobody_wants_any_more_are_forgotten, 60)
+TEST_TIMEOUT(rows_of_an_abandoned_reply_are_freed, 60)
 {
     struct local l;
     char *load = set_of_many();
@@ -107,7 +108,7 @@ TEST_TIMEOUT(rows_that_nobody_wants_any_more_are_forgotten, 60)
     local_ask(&l, "LOCATE t 0 0"); /* builds the grid for searches */
     for (int i = 0; i < 20; i++) {
         struct answer a = begin(&l, i % 2 == 0 ? "LISTS t" : "POINTS t");
-        stream_free(&l.server, a.stream); /* while workers are at it */
+        stream_free(&l.server, a.stream); /* while workers make its rows */
     }
     local_ask(&l, "DROP t\n");
     collect_all(&l);
@@ -163,10 +164,10 @@ TEST_TIMEOUT(large_replies_survive_failed_allocations, 60)
     local_stop(&l);
 }
 
-/* ---- how much at once ---- */
+/* ---- how much is sent at once ---- */
 
-/* Of four pieces of about 24 KB three are sent. */
-TEST(pieces_that_are_all_made_are_sent_a_few_at_a_time)
+/* Three of four pieces of about 24 KB are sent. */
+TEST(finished_pieces_are_sent_a_few_at_a_time)
 {
     enum { POINTS = 21000, PIECE = 64 * 1024 };
     struct local l;
@@ -204,7 +205,7 @@ static void start_ladder(struct local *l)
     local_ask(l, "");
 }
 
-TEST(few_rows_for_which_memory_runs_out_are_refused_and_the_client_stays)
+TEST(short_reply_without_memory_is_refused_and_the_client_stays)
 {
     bool failed = true;
     for (long n = 1; failed; n++) {
@@ -235,7 +236,7 @@ static struct text rest_of(struct local *l, struct answer *a)
     return t;
 }
 
-/* Asks for the rows of 100 points, one of which moves before they are read. */
+/* Requests the rows of 100 points, one of which moves before the rows are read. */
 static bool reads_its_moment(long n, struct text *rows)
 {
     struct local l;
@@ -258,7 +259,7 @@ static bool reads_its_moment(long n, struct text *rows)
     return failed;
 }
 
-TEST(rows_without_memory_for_their_moment_are_refused)
+TEST(rows_without_memory_for_a_view_are_refused)
 {
     struct text want, rows;
     reads_its_moment(0, &want);
@@ -272,7 +273,7 @@ TEST(rows_without_memory_for_their_moment_are_refused)
     free(want.bytes);
 }
 
-/* One row, for which every point is looked at. */
+/* One row, for which every point is examined. */
 TEST(table_of_few_rows_and_many_points_is_not_read_at_once_when_memory_is_out)
 {
     struct local l;

@@ -1,4 +1,4 @@
-/* config_test.c - settings that change while the daemon runs, and tokens that are read again. */
+/* config_test.c - settings that change while the daemon runs, and reloading tokens. */
 #include "server/ops/setting.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
@@ -24,7 +24,7 @@ TEST(patterns_of_settings_match_names)
     CHECK(matches("abab", "*ab") && matches("aab", "*ab") && !matches("aba", "*ab"));
 }
 
-TEST(pattern_of_many_stars_takes_no_time)
+TEST(pattern_of_many_stars_is_matched_quickly)
 {
     static char pattern[60000];
     for (size_t i = 0; i < sizeof pattern; i += 2)
@@ -33,7 +33,7 @@ TEST(pattern_of_many_stars_takes_no_time)
         CHECK(!setting_matches("aaaaaaaaaaaaaaaaaaaaaaaaaaaaab", pattern, sizeof pattern));
 }
 
-/* The name behind the two dashes of a line of --help; "" if it begins with none. */
+/* The name after the two dashes of a line of --help; "" if the line has no flag. */
 static const char *flag_of(const char *line)
 {
     static char name[40];
@@ -120,7 +120,7 @@ TEST(settings_are_changed_all_or_none)
     CHECK_STR(hear_line(fd), "slowlog-len 3");
 }
 
-TEST(limit_of_clients_is_not_raised_beyond_the_descriptors)
+TEST(limit_of_clients_is_not_raised_beyond_the_limit_of_descriptors)
 {
     struct daemon d = daemon_start(NULL);
     struct rlimit few = {200, 200};
@@ -132,7 +132,7 @@ TEST(limit_of_clients_is_not_raised_beyond_the_descriptors)
     ask(fd, "CONFIG SET max-clients 168\n", "OK 0");
 }
 
-TEST(settings_have_redis_shape_in_resp)
+TEST(settings_have_the_format_of_redis_in_resp)
 {
     struct daemon d = daemon_start(NULL);
     converse(&d,
@@ -177,7 +177,7 @@ static int connect_as(const struct daemon *d, const char *token, const char *wan
     return fd;
 }
 
-TEST(tokens_are_read_again_on_sighup)
+TEST(tokens_are_reloaded_on_sighup)
 {
     struct daemon d = start_with_tokens("rw one\nrw two\nro three\n");
     int one = connect_as(&d, "one", "OK 0 role=rw"), two = connect_as(&d, "two", "OK 0 role=rw");
@@ -193,7 +193,7 @@ TEST(tokens_are_read_again_on_sighup)
     unlink(token_path);
 }
 
-TEST(tokens_stay_when_the_new_file_is_no_good)
+TEST(tokens_stay_when_the_new_file_is_invalid)
 {
     static const char *const bad[] = {"", "# none\n", "rw\n", "rw one\nwr two\n", "rw a b\n"};
     char log[400];
@@ -212,13 +212,13 @@ TEST(tokens_stay_when_the_new_file_is_no_good)
         "ERR IO the token file is not valid; the old tokens stay: see the log");
     close(connect_as(&d, "one", "OK 0 role=rw"));
     rewind(f);
-    unsigned told = 0;
+    unsigned noted = 0;
     while (fgets(log, sizeof log, f) != NULL)
-        told += strstr(log, "error: ") != NULL && strstr(log, ": the old tokens stay") != NULL;
-    CHECK(told == sizeof bad / sizeof bad[0] + 1);
+        noted += strstr(log, "error: ") != NULL && strstr(log, ": the old tokens stay") != NULL;
+    CHECK(noted == sizeof bad / sizeof bad[0] + 1);
 }
 
-TEST(client_that_takes_its_own_token_away_gets_its_answer)
+TEST(client_that_removes_its_own_token_gets_its_reply)
 {
     struct daemon d = start_with_tokens("rw one\n");
     int one = connect_as(&d, "one", "OK 0 role=rw");
@@ -229,7 +229,7 @@ TEST(client_that_takes_its_own_token_away_gets_its_answer)
     unlink(token_path);
 }
 
-TEST(readers_may_look_at_settings_and_change_none)
+TEST(readers_may_see_settings_but_not_change_them)
 {
     struct daemon d = start_with_tokens("ro one\nrw two\n");
     int one = connect_as(&d, "one", "OK 0 role=ro");

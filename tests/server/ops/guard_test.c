@@ -1,4 +1,4 @@
-/* guard_test.c - who guesses tokens is slow, however he goes about it, and others are not. */
+/* guard_test.c - clients that guess tokens are slowed down, whatever they try, and others are not. */
 #include "server/ops/guard.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
@@ -12,7 +12,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/* ---- the line of an address ---- */
+/* ---- the queue of an address ---- */
 
 static struct guard guard;
 
@@ -30,7 +30,7 @@ static struct sock_peer v6(const char *text)
     return p;
 }
 
-/* How long a token of a new connection from there stands in line. */
+/* How long a token of a new connection from that address waits. */
 static int64_t line_of(struct sock_peer from, int64_t now)
 {
     return guard_charge(&guard, &from, 0, now) - now;
@@ -45,24 +45,24 @@ TEST(wrong_tokens_of_a_connection_wait_twice_as_long_each_time)
     CHECK(guard_charge(&guard, &peer, UINT32_MAX, 5000) == 8000);
 }
 
-TEST(address_may_show_20_wrong_tokens_and_then_ten_a_second)
+TEST(address_may_send_20_wrong_tokens_and_then_ten_a_second)
 {
     int64_t now = 1000000;
     for (int i = 0; i < GUARD_BURST; i++)
         CHECK(line_of(v4(1), now) == 0);
     for (int i = 1; i <= 30; i++)
         CHECK(line_of(v4(1), now) == 100 * i);
-    for (int i = 0; i < 1000; i++) /* whoever shares the address waits no longer than that */
+    for (int i = 0; i < 1000; i++) /* other clients of the address wait no longer than that */
         CHECK(line_of(v4(1), now) == GUARD_LONGEST_MS);
     CHECK(line_of(v4(2), now) == 0);
     CHECK(line_of(v4(1), now + 1000) == 2100);
-    now += 60000; /* all is forgiven */
+    now += 60000; /* the delays have expired */
     for (int i = 0; i < GUARD_BURST; i++)
         CHECK(line_of(v4(1), now) == 0);
     CHECK(line_of(v4(1), now) == 100);
 }
 
-TEST(right_tokens_cost_nothing)
+TEST(right_tokens_cause_no_delay)
 {
     struct sock_peer peer = v4(1);
     for (int i = 0; i < 1000; i++) {
@@ -74,7 +74,7 @@ TEST(right_tokens_cost_nothing)
     CHECK(line_of(peer, 777) == 100);
 }
 
-TEST(addresses_of_one_client_share_a_line)
+TEST(addresses_of_one_client_share_a_queue)
 {
     struct sock_peer unix_peer = {.kind = SOCK_UNIX};
     for (int i = 0; i < GUARD_BURST; i++) {
@@ -89,7 +89,7 @@ TEST(addresses_of_one_client_share_a_line)
     CHECK(line_of(unix_peer, 9) > 0);
 }
 
-TEST(addresses_beyond_the_table_take_the_places_of_those_that_owe_less)
+TEST(addresses_that_do_not_fit_into_the_table_replace_those_with_shorter_delays)
 {
     for (int i = 0; i < 2 * GUARD_BURST; i++)
         line_of(v4(1), 50);
@@ -117,7 +117,7 @@ static struct daemon start_with_token(FILE **log)
     return d;
 }
 
-/* The lines of text that come within so many milliseconds. */
+/* The number of lines of text that arrive within `ms` milliseconds. */
 static unsigned lines_within(int fd, unsigned ms)
 {
     char text[4096];
@@ -167,7 +167,7 @@ TEST(reader_that_guesses_the_token_of_writers_is_slow_too)
     CHECK(lines_within(fd, 1200) <= 5);
 }
 
-/* A client with the right token, to ask with. */
+/* A client with the right token. */
 static int known_client(const struct daemon *d)
 {
     int fd = daemon_connect(d);
@@ -190,7 +190,7 @@ static uint64_t info(int known, const char *key)
     return value;
 }
 
-/* Opens connections that each show many wrong tokens. */
+/* Opens connections that each send many wrong tokens. */
 static void guess_on(const struct daemon *d, int *fd, int n)
 {
     for (int i = 0; i < n; i++) {
@@ -199,7 +199,7 @@ static void guess_on(const struct daemon *d, int *fd, int n)
     }
 }
 
-TEST(guesses_on_many_connections_share_the_line_of_their_address)
+TEST(guesses_on_many_connections_share_the_queue_of_their_address)
 {
     enum { CONNECTIONS = 100 };
     int fd[CONNECTIONS];
@@ -215,7 +215,7 @@ TEST(guesses_on_many_connections_share_the_line_of_their_address)
     CHECK(info(known, "delayed_tokens") >= CONNECTIONS - GUARD_BURST);
 }
 
-TEST(guesses_that_are_given_up_at_once_share_the_line_too)
+TEST(guesses_of_clients_that_disconnect_at_once_share_the_queue_too)
 {
     FILE *log;
     struct daemon d = start_with_token(&log);
@@ -230,7 +230,7 @@ TEST(guesses_that_are_given_up_at_once_share_the_line_too)
     CHECK((double)wrong <= GUARD_BURST + 1000.0 / GUARD_EACH_MS * (seconds() - start) + 1);
 }
 
-/* As if from another machine. */
+/* Connects as if from another machine. */
 static int connect_from(const struct daemon *d, uint32_t address)
 {
     struct sockaddr_in from = {.sin_family = AF_INET};
@@ -243,7 +243,7 @@ static int connect_from(const struct daemon *d, uint32_t address)
     return fd;
 }
 
-TEST(good_clients_get_in_while_strangers_guess)
+TEST(clients_with_a_token_get_in_while_strangers_guess)
 {
     enum { CONNECTIONS = 200 };
     int fd[CONNECTIONS];
@@ -282,7 +282,7 @@ TEST(strangers_make_room_for_others_and_clients_with_a_token_do_not)
     known[1] = known_client(&d);
     expect(stranger[1], "-BUSY too many clients, and this one has not authenticated\r\n");
     expect_end(stranger[1]);
-    say(stranger[2], "AUTH reader\nPING\n"); /* is a stranger no longer, though it came first */
+    say(stranger[2], "AUTH reader\nPING\n"); /* it has a token now, although it came first */
     expect(stranger[2], "OK 0 role=ro\nOK 0\n");
     known[2] = known_client(&d);
     expect(stranger[3], evicted);
@@ -292,7 +292,7 @@ TEST(strangers_make_room_for_others_and_clients_with_a_token_do_not)
     expect_end(one_more);
     CHECK(info(known[0], "refused") == 3 && info(known[0], "clients") == MOST);
     close(known[2]);
-    for (int i = 0; i < 20; i++) { /* one place is left, which a stranger has */
+    for (int i = 0; i < 20; i++) { /* one place is left, which a client without a token has */
         while (info(known[0], "clients") == MOST)
             pause_ms(1);
         int last = daemon_connect(&d);
@@ -307,7 +307,7 @@ TEST(strangers_make_room_for_others_and_clients_with_a_token_do_not)
     daemon_end(&d);
 }
 
-TEST(wrong_tokens_are_reported_with_their_address_and_fill_no_log)
+TEST(wrong_tokens_are_reported_with_their_address_and_do_not_flood_the_log)
 {
     char line[300];
     unsigned lines = 0;
@@ -325,7 +325,7 @@ TEST(wrong_tokens_are_reported_with_their_address_and_fill_no_log)
     CHECK(info(known_client(&d), "wrong_tokens") == 15);
 }
 
-TEST(token_that_stands_in_line_is_given_up_with_its_request)
+TEST(token_that_waits_is_abandoned_with_its_request)
 {
     FILE *log;
     struct daemon d = start_with_token(&log);
@@ -336,7 +336,7 @@ TEST(token_that_stands_in_line_is_given_up_with_its_request)
     say(fd, "TIMEOUT 0.1 AUTH secret\nPING\n");
     CHECK_STR(hear_line(fd), "ERR TIMEOUT the request took too long; nothing has changed");
     CHECK_STR(hear_line(fd), "OK 0");
-    say(fd, "AUTH secret\n"); /* and is answered, when the line is over, after half-close */
+    say(fd, "AUTH secret\n"); /* is answered after its delay, even after half-close */
     shutdown(fd, SHUT_WR);
     expect(fd, "OK 0 role=rw\n");
     expect_end(fd);

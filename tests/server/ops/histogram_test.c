@@ -11,13 +11,13 @@ static int by_value(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-TEST(histogram_without_counts_says_zero)
+TEST(histogram_without_counts_returns_zero)
 {
     static struct histogram h;
     CHECK(histogram_quantile(&h, 0.5) == 0 && histogram_quantile(&h, 1) == 0);
 }
 
-TEST(histogram_tells_small_values_exactly)
+TEST(histogram_keeps_small_values_exactly)
 {
     static struct histogram h;
     for (uint64_t v = 1; v <= 60; v++)
@@ -53,7 +53,7 @@ TEST(histogram_counts_many_at_once)
     CHECK(h.total == 100 && histogram_quantile(&h, 0.99) == 5 && histogram_quantile(&h, 1) == 50);
 }
 
-TEST(histogram_takes_any_value)
+TEST(histogram_accepts_any_value)
 {
     static struct histogram h;
     histogram_add(&h, UINT64_MAX, 1);

@@ -1,4 +1,4 @@
-/* promises_test.c - what proto/PROTOCOL.md says of INFO and of limits is what the server has. */
+/* promises_test.c - the keys of INFO and the limits are those that proto/PROTOCOL.md documents. */
 #include "core/delaunay.h"
 #include "core/delaunay_fields.h"
 #include "proto/line.h"
@@ -14,8 +14,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/* The part of the document from the line that begins with `from` to that which begins with `to`; the
- * caller frees it. */
+/* The part of the document from the line that begins with `from` to the line that begins with `to`;
+ * the caller frees it. */
 static char *part_of_document(const char *from, const char *to)
 {
     char line[2048];
@@ -37,7 +37,7 @@ static char *part_of_document(const char *from, const char *to)
 
 /* ---- INFO ---- */
 
-/* Whether the text has the word between backticks. */
+/* Whether the text contains the word between backticks. */
 static bool names(const char *text, const char *word)
 {
     char quoted[100];
@@ -158,7 +158,7 @@ TEST(limits_are_those_of_the_document)
     free(table);
 }
 
-TEST_TIMEOUT(server_holds_so_many_sets_and_no_more, 60)
+TEST_TIMEOUT(server_holds_as_many_sets_as_documented_and_no_more, 60)
 {
     struct local l;
     char line[80];
@@ -176,7 +176,7 @@ TEST_TIMEOUT(server_holds_so_many_sets_and_no_more, 60)
     local_stop(&l);
 }
 
-TEST(token_has_128_bytes_and_no_more)
+TEST(token_has_at_most_128_bytes)
 {
     char path[] = "/tmp/delaunayd-test-XXXXXX", token[140], request[160];
     const char *arguments[] = {"--auth-file", path, NULL};

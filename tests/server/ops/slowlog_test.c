@@ -28,7 +28,7 @@ TEST(slowlog_keeps_the_last_ones)
     slowlog_clear(&l);
 }
 
-TEST(slowlog_that_changes_its_length_keeps_the_last_ones)
+TEST(slowlog_that_is_resized_keeps_the_last_ones)
 {
     struct slowlog l;
     CHECK(slowlog_init(&l, 3));
@@ -42,7 +42,7 @@ TEST(slowlog_that_changes_its_length_keeps_the_last_ones)
     slowlog_clear(&l);
 }
 
-TEST(slowlog_of_no_length_keeps_nothing)
+TEST(slowlog_of_length_0_keeps_nothing)
 {
     struct slowlog l;
     CHECK(slowlog_init(&l, 0));
@@ -51,7 +51,7 @@ TEST(slowlog_of_no_length_keeps_nothing)
     slowlog_clear(&l);
 }
 
-TEST(slowlog_quotes_what_can_be_printed)
+TEST(slowlog_replaces_unprintable_bytes)
 {
     char text[SLOW_TEXT];
     struct word word[] = {{"GET", 3}, {"a\0b c\r\n", 7}, {"", 0}, {"\xc3\xa9", 2}};
@@ -61,7 +61,7 @@ TEST(slowlog_quotes_what_can_be_printed)
     CHECK_STR(text, "");
 }
 
-TEST(slowlog_cuts_what_is_long)
+TEST(slowlog_truncates_long_requests)
 {
     enum { N = 80 };
     static char big[2 * SLOW_TEXT];

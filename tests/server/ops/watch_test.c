@@ -1,4 +1,4 @@
-/* watch_test.c - what an operator sees: INFO's sections, the slow log, who is connected. */
+/* watch_test.c - what an operator sees: INFO's sections, the slow log, connected clients. */
 #include "server/ops/stats.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
@@ -32,7 +32,7 @@ static void expect_part(const struct daemon *d, const char *request, const char 
 
 /* ---- time ---- */
 
-TEST(time_in_line_is_told_apart_from_time_at_work)
+TEST(time_in_the_queue_is_counted_apart_from_time_at_work)
 {
     struct stats st;
     struct stats_pause p = {0};
@@ -71,7 +71,7 @@ TEST(quick_requests_share_the_time_of_their_run)
 
 /* ---- INFO ---- */
 
-TEST(info_tells_the_sections_that_are_asked_for)
+TEST(info_returns_the_requested_sections)
 {
     struct daemon d = daemon_start(NULL);
     converse(&d, "INFO Clients\n",
@@ -90,7 +90,7 @@ TEST(info_tells_the_sections_that_are_asked_for)
     free(plain);
 }
 
-TEST(info_shows_a_section_once_however_often_it_is_asked_for)
+TEST(info_shows_a_section_once_however_often_it_is_requested)
 {
     enum { TIMES = 16000 };
     static char request[4 * TIMES + 16] = "INFO";
@@ -108,7 +108,7 @@ TEST(info_shows_a_section_once_however_often_it_is_asked_for)
     free(once);
 }
 
-TEST(info_of_a_section_that_is_not_there_is_refused_in_both_framings)
+TEST(info_of_an_unknown_section_is_refused_in_both_framings)
 {
     struct daemon d = daemon_start(NULL);
     static const char resp[] = "*2\r\n$4\r\nINFO\r\n$5\r\na\0b\r\n\r\n*1\r\n$4\r\nPING\r\n";
@@ -199,7 +199,7 @@ TEST(slow_requests_are_kept_with_their_words)
     CHECK(daemon_info(&d, "slow") >= 8);
 }
 
-TEST(slow_loads_are_kept_under_their_first_line)
+TEST(slow_loads_are_kept_with_their_first_line)
 {
     static const char *const arguments[] = {"--slowlog-us", "1", NULL};
     struct daemon d = daemon_start(arguments);
@@ -224,7 +224,7 @@ TEST(slowlog_keeps_no_tokens)
     free(slow);
 }
 
-TEST(slowlog_can_be_forgotten_and_switched_off)
+TEST(slowlog_can_be_cleared_and_switched_off)
 {
     static const char *const off[] = {"--slowlog-us", "0", NULL};
     struct daemon d = daemon_start(off);
@@ -236,7 +236,7 @@ TEST(slowlog_can_be_forgotten_and_switched_off)
     expect(fd, "OK 0 len=0\nOK 0\nOK 0\nERR SYNTAX usage: SLOWLOG GET [n] | LEN | RESET\n");
 }
 
-TEST(slowlog_has_redis_shape_in_resp)
+TEST(slowlog_has_the_format_of_redis_in_resp)
 {
     static const char *const arguments[] = {"--slowlog-us", "1", NULL};
     struct daemon d = daemon_start(arguments);
@@ -326,7 +326,7 @@ TEST(clients_can_be_killed_by_id_and_by_address)
     CHECK(daemon_info(&d, "killed") == 2);
 }
 
-TEST(client_is_killed_by_no_word_that_is_neither_id_nor_address)
+TEST(client_kill_refuses_a_word_that_is_neither_id_nor_address)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -339,7 +339,7 @@ TEST(client_is_killed_by_no_word_that_is_neither_id_nor_address)
         CHECK_STR(hear_line(fd), "OK 0 killed=0");
 }
 
-TEST(client_that_kills_itself_gets_its_answer)
+TEST(client_that_kills_itself_gets_its_reply)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -350,7 +350,7 @@ TEST(client_that_kills_itself_gets_its_answer)
     expect_end(fd);
 }
 
-TEST(client_that_is_killed_in_mid_job_leaves_nothing)
+TEST(client_that_is_killed_during_its_job_leaves_nothing)
 {
     struct daemon d = daemon_start(NULL);
     int me = daemon_connect(&d), busy = daemon_connect(&d);
@@ -365,7 +365,7 @@ TEST(client_that_is_killed_in_mid_job_leaves_nothing)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-TEST(readers_may_not_look_at_others)
+TEST(readers_may_not_manage_clients_or_see_the_slow_log)
 {
     char path[] = "/tmp/delaunayd-tokens-XXXXXX";
     int file = mkstemp(path);

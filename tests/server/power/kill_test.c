@@ -1,10 +1,10 @@
 /* kill_test.c - kill -9 at random moments under load, against an oracle: a second daemon, without a
  * data directory, that gets the same requests.
  *
- * Each client has a set of its own and a stream of requests, sent in bursts. Of those, some were
- * acknowledged when the daemon died, and some after them were sent. What comes back must be, byte
- * for byte, the state after some number of requests of the stream: at least the acknowledged ones,
- * at most those that were sent. KILL_ROUNDS says how often (make faults: 200). */
+ * Each client has a set of its own and a stream of requests, sent in bursts. When the daemon dies, the
+ * first requests of a burst are acknowledged, and more are sent. The restarted daemon must have, byte for
+ * byte, the state after some number of requests of the stream: at least the acknowledged ones, at most
+ * those that were sent. KILL_ROUNDS is the number of rounds (make faults: 200). */
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -23,7 +23,7 @@ struct client {
     char request[REQUESTS][REQUEST_BYTES];
     char reply[REQUESTS][REPLY_BYTES];
     int sent, acknowledged;
-    uint32_t ids;       /* so many the set has had, or, after a kill, at least */
+    uint32_t ids;       /* how many the set has had; after a kill, a lower bound */
     uint32_t settled;   /* those that it had before the burst */
     uint32_t first_ids; /* before the round */
     pthread_t thread;
@@ -36,8 +36,8 @@ static unsigned place(void)
     return test_below(9);
 }
 
-/* An id to delete, mostly one there is, but none of this burst: a set that had got points and lost them
- * again would look like one that never had, and yet give other ids to the next ones. */
+/* An id to delete, usually an existing one, but none of this burst: a set whose new points were deleted
+ * again would look like a set that never had them, but would give other ids to the next points. */
 static unsigned victim(const struct client *c)
 {
     enum { NOBODY = 1000000 };
@@ -75,7 +75,7 @@ static void compose(struct client *c, char *to)
 
 /* ---- clients ---- */
 
-/* Reads a line up to `ms=`, which differs; false when the connection has gone. */
+/* Reads a line up to `ms=`, which differs; false if the connection is closed. */
 static bool hear(int fd, char line[REPLY_BYTES])
 {
     size_t n = 0;
@@ -108,7 +108,7 @@ static void *talk(void *arg)
         int end = c->acknowledged + BURST < REQUESTS ? c->acknowledged + BURST : REQUESTS;
         while (c->sent < end && send_request(fd, c->request[c->sent]))
             c->sent++;
-        if (c->sent < end) { /* part of it may have gone out */
+        if (c->sent < end) { /* part of it may have been sent */
             c->sent++;
             break;
         }
@@ -177,7 +177,7 @@ static void check_client(const struct client *c, const struct daemon *d,
 
 /* ---- rounds ---- */
 
-/* What the last round has certainly left. */
+/* The number of ids that the last round has certainly left. */
 static uint32_t certain_ids(const struct client *c)
 {
     uint32_t ids = c->first_ids;

@@ -10,11 +10,11 @@
 
 struct asked {
     const struct daemon *d;
-    const char *fault; /* NULL: all is well so far */
+    const char *fault; /* NULL: none so far */
     char set[SET_NAME_LIMIT + 1];
 };
 
-/* The reply to `COMMAND set`, once the set is there; the caller frees it. */
+/* The reply to `COMMAND set`, once the set exists; the caller frees it. */
 static char *ask(const struct daemon *d, const char *command, const char *set)
 {
     for (;; pause_ms(1)) {

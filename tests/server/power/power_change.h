@@ -1,5 +1,5 @@
-/* power_change.h - changes of sets, as requests, and as what they do to a model. The model is the
- * core itself: what a power cut may spoil is which changes there are, not what they do. */
+/* power_change.h - changes of sets, as requests, and applied to a model. The model is the core itself:
+ * a power cut may affect which changes survive, not what they do. */
 #ifndef TESTS_SERVER_POWER_CHANGE_H
 #define TESTS_SERVER_POWER_CHANGE_H
 
@@ -29,7 +29,7 @@ struct change {
     struct dt_point *points; /* owns; x is the value of FSET and FSETB */
     uint32_t id[CHANGE_IDS];
     double tolerance;
-    uint32_t fields; /* that an addition has values for, which follow from its points */
+    uint32_t fields; /* how many an addition has values for; these follow from its points */
     uint32_t field;  /* of FSET, FSETB, FDROP */
 };
 
@@ -45,10 +45,10 @@ struct model {
 
 void model_clear(struct model *m);
 
-/* What the reply must begin with, up to the figures of a triangulation, goes to reply. */
+/* Applies the change. `reply` gets what the reply must begin with, up to the figures of a triangulation. */
 void model_apply(struct model *m, const struct change *c, char reply[REPLY_BYTES]);
 
-/* As digest_set; 0 if there is no set. */
+/* Like digest_set; 0 if there is no set. */
 uint64_t model_digest(const struct model *m);
 
 #endif

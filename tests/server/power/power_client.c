@@ -60,7 +60,7 @@ static struct change change_of_values(struct client *c, const struct stream *s)
     return change;
 }
 
-/* Few places, so that points meet; ids mostly of points that are there. */
+/* Few places, so that points coincide; ids mostly of existing points. */
 static struct change change_own(struct client *c, const struct stream *s)
 {
     struct change change = {.kind = CHANGE_DROP};
@@ -68,7 +68,7 @@ static struct change change_own(struct client *c, const struct stream *s)
     if (below(c, 5) == 0)
         return change_of_values(c, s);
     if (s->ids > LARGE)
-        kind += 42; /* a large set goes soon */
+        kind += 42; /* a large set is dropped soon */
     if (kind < 54) {
         change = addition(c, kind);
         change.points = places(c, change.n);
@@ -88,7 +88,7 @@ static struct change change_own(struct client *c, const struct stream *s)
     return change;
 }
 
-/* Points of the stream that it knows the ids of. */
+/* Chooses points of the stream whose ids it knows. */
 static bool choose_known(struct client *c, const struct stream *s, uint32_t *id)
 {
     if (s->known == 0)
@@ -122,7 +122,7 @@ static struct change change_shared(struct client *c, const struct stream *s)
 
 /* ---- one connection ---- */
 
-/* A socket that is connected to the daemon, and its own port; -1: the daemon has gone. */
+/* A socket that is connected to the daemon, and its own port; -1: the daemon has ended. */
 static int reach(const struct workload *w, unsigned *port)
 {
     struct sockaddr_in at = {.sin_family = AF_INET, .sin_port = htons((in_port_t)w->port)};
@@ -156,7 +156,7 @@ static bool client_connect(struct client *c)
     return true;
 }
 
-/* Reads a line; false when the connection has gone. */
+/* Reads a line; false if the connection is closed. */
 static bool hear(struct client *c, char line[REPLY_BYTES])
 {
     for (size_t n = 0;;) {
@@ -244,7 +244,7 @@ static bool send_all(int fd, const struct buf *b)
     return true;
 }
 
-/* Hears the reply; false: nobody knows what has become of the request. */
+/* Reads the reply; false: the outcome of the request is unknown. */
 static bool take_reply(struct client *c, const struct asked *r, bool *refused)
 {
     char line[REPLY_BYTES];
@@ -263,7 +263,7 @@ static bool take_reply(struct client *c, const struct asked *r, bool *refused)
     return true;
 }
 
-/* Requests that are on their way together. False: the connection is of no use any more. */
+/* Sends several requests and reads their replies. False: the connection cannot be used any more. */
 static bool exchange(struct client *c, bool *refused)
 {
     struct asked r[BURST];

@@ -1,5 +1,5 @@
-/* power_client.h - clients that change sets, several at once, until the daemon has gone; each has a
- * set of its own, and there is one that they share. What they ask and hear goes into a history. */
+/* power_client.h - clients that change sets concurrently until the daemon ends; each has a set of its own,
+ * and there is one that they share. Their requests and replies are recorded in a history. */
 #ifndef TESTS_SERVER_POWER_CLIENT_H
 #define TESTS_SERVER_POWER_CLIENT_H
 
@@ -24,18 +24,18 @@ struct client {
     pthread_t thread;
     int fd;
     struct connection *connection;
-    struct stream *own, *shared; /* NULL: there will be a new one */
-    uint32_t places;             /* in shared sets that it has used */
+    struct stream *own, *shared; /* NULL: the next change begins a new one */
+    uint32_t places;             /* used so far in shared sets */
     uint64_t heard;              /* bytes of replies */
-    char in[4096];               /* what has come of them, from..to not looked at yet */
+    char in[4096];               /* received bytes; from..to are not parsed yet */
     size_t from, to;
 };
 
 void client_start(struct client *c, struct workload *w, uint64_t seed);
 void client_join(struct client *c);
 
-/* What a daemon was asked in vain may still come to be as long as the power is not cut: whoever goes
- * on after that does so with other sets. */
+/* A request that failed may still take effect as long as the power is not cut, so clients that continue
+ * after a failure use other sets. */
 void client_leave_sets(struct client *c);
 
 #endif

@@ -6,7 +6,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- what is written down ---- */
+/* ---- recording ---- */
 
 void history_init(struct history *h)
 {
@@ -82,7 +82,7 @@ static bool begins(const char *text, const char *with)
     return strncmp(text, with, strlen(with)) == 0;
 }
 
-/* Notes the ids that the points of an addition have got. */
+/* Notes the ids of the points of an addition. */
 static void learn_ids(struct stream *s, const struct change *c, const char *reply)
 {
     uint32_t first;
@@ -117,7 +117,7 @@ void connection_see(struct connection *c, struct dt_point p, uint64_t end)
     note(c, (struct heard){.point = p, .end = end});
 }
 
-/* ---- what is forgotten ---- */
+/* ---- freeing ---- */
 
 void history_forget_connections(struct history *h)
 {

@@ -1,7 +1,7 @@
-/* power_life.c - see power_life.h. In the story's directory there are
+/* power_life.c - see power_life.h. A story's directory contains
  *
- *     root/data    the daemon's, root/ being what is watched
- *     ops          what the daemon has done to it
+ *     root/data    the daemon's data directory; root/ is watched
+ *     ops          the daemon's operations on it
  *     said         its standard error
  *     crash/data   what a power cut may have left of it */
 #include "tests/server/power/power_life.h"
@@ -77,14 +77,14 @@ static void run_daemon(const struct story *s, const struct circumstances *c, con
     _exit(127);
 }
 
-/* Starts it; whether it is ready. If not, it ends by itself. */
+/* Starts the daemon; false: it was not ready, and ends by itself. */
 static bool start(const struct story *s, const struct circumstances *c, const char *data,
                   unsigned crash, struct daemon *d)
 {
     int out[2];
     char line[128];
     CHECK(pipe2(out, O_CLOEXEC) == 0);
-    test_random(); /* or else each child would draw the same numbers */
+    test_random(); /* otherwise each child would draw the same numbers */
     d->pid = fork();
     CHECK(d->pid >= 0);
     if (d->pid == 0) {
@@ -102,7 +102,7 @@ static bool start(const struct story *s, const struct circumstances *c, const ch
     return ready;
 }
 
-/* Lets it live for a while; returns its status. */
+/* Lets the daemon run for at most ms milliseconds; returns its status. */
 static int await_end(const struct daemon *d, unsigned ms, bool ready)
 {
     int status;
@@ -114,8 +114,8 @@ static int await_end(const struct daemon *d, unsigned ms, bool ready)
     return status;
 }
 
-/* One daemon, from its start to its end; whether that was between two operations, so that all are
- * written down. */
+/* Runs a daemon from its start to its end; true if it ended between two operations, so that all are
+ * recorded. */
 static bool run(struct story *s, const struct circumstances *c)
 {
     static const unsigned most[] = {20, 100, 500, 2000, 10000};
@@ -133,8 +133,8 @@ static bool run(struct story *s, const struct circumstances *c)
     return WIFEXITED(status) && (WEXITSTATUS(status) == POWER_CRASHED || WEXITSTATUS(status) == 0);
 }
 
-/* Now and then one daemon after the other, before the power is cut: what the first one has written and
- * not synced is there for the second, as long as it is known. */
+/* Sometimes runs one daemon after the other before the power is cut: the second sees what the first has
+ * written and not synced, provided that it is recorded. */
 static struct power_log live(struct story *s, const struct circumstances *c, bool *exact)
 {
     char path[PATH_BYTES];
@@ -189,7 +189,8 @@ static bool is_rare(enum power_kind k)
            k == POWER_LINK;
 }
 
-/* Anywhere; at the end; where most is not covered, before a sync; beside an operation that is rare. */
+/* Anywhere; at the end; before a sync, where most operations are not yet durable; or beside a rare
+ * operation. */
 static size_t choose_cut(const struct power_log *log)
 {
     size_t n = log->n, cut = test_below((uint32_t)n + 1);
@@ -215,7 +216,7 @@ static bool is_segment(const char *name)
     return strncmp(name, "data/log.", 9) == 0;
 }
 
-/* The newest segment of the log after so many operations; "" if there is none. */
+/* The newest segment of the log after n operations; "" if there is none. */
 static const char *newest_segment(const struct moment *m, size_t n)
 {
     const struct tree *before = &m->story->before;
@@ -253,7 +254,7 @@ static void look(struct moment *m)
     history_look(h, m->log, always ? m->cut : synced_at(m), always && m->cut == m->log->n);
 }
 
-/* ---- what is there ---- */
+/* ---- what was left ---- */
 
 /* Reads the directory as the daemon would. */
 static struct recovery *read_back(const struct moment *m, struct datadir *dir)
@@ -272,7 +273,7 @@ static struct recovery *read_back(const struct moment *m, struct datadir *dir)
     return r;
 }
 
-/* The daemon itself says the same. */
+/* Checks that the daemon itself has the same sets. */
 static void ask_daemon(const struct moment *m, const struct recovery *r)
 {
     char why[WHY_BYTES];
@@ -285,7 +286,8 @@ static void ask_daemon(const struct moment *m, const struct recovery *r)
         fail(m, "%s", why);
 }
 
-/* Whether the next life is to begin with this: a torn end is what most can go wrong with. */
+/* Checks one state; true if the next life should begin with it. A torn end is preferred, as the case that
+ * is hardest to get right. */
 static bool check(const struct moment *m, bool last)
 {
     struct tally *t = &m->story->tally;
@@ -310,16 +312,16 @@ static bool check(const struct moment *m, bool last)
 
 /* ---- a life ---- */
 
-/* What was written down is what has happened. */
+/* Checks that the recorded operations lead to the files that exist. */
 static void check_log(const struct moment *m)
 {
     char path[PATH_BYTES];
     struct tree is = tree_read(path_in(m->story, "root", path));
-    struct tree told = crash_none(m->crash, m->log->n);
-    const char *name = tree_difference(&told, &is);
+    struct tree recorded = crash_none(m->crash, m->log->n);
+    const char *name = tree_difference(&recorded, &is);
     CHECK_MSG(name == NULL, "%s is not what the log of operations says (%s)", name, m->story->dir);
     tree_free(&is);
-    tree_free(&told);
+    tree_free(&recorded);
 }
 
 static void count_changes(const struct stream *s, struct tally *t)
@@ -357,7 +359,8 @@ void story_live(struct story *s, const struct circumstances *c)
     if (exact)
         check_log(&m);
     history_close(&s->history);
-    s->history.disk_is_full = c->space > 0 || c->write_fails > 0; /* some fail for want of space */
+    s->history.disk_is_full =
+        c->space > 0 || c->write_fails > 0; /* some fail because the disk is full */
     s->history.shows_unsaved = c->sync_fails + c->write_fails > 0 || c->space > 0;
     count(s, &log);
     look(&m);

@@ -1,24 +1,24 @@
-/* power_life.h - a daemon whose power is cut, again and again: a life of it with clients at work, then
- * many of the directories that may be left, each of which must hold what the clients were promised;
- * the next life begins with one of these. */
+/* power_life.h - a daemon whose power is cut repeatedly: a life is one run with clients; after it, many
+ * of the directories that a power cut may leave are examined, each of which must hold what was promised
+ * to the clients. The next life begins with one of them. A story is a sequence of lives. */
 #ifndef TESTS_SERVER_POWER_LIFE_H
 #define TESTS_SERVER_POWER_LIFE_H
 
 #include "tests/faults/tree.h"
 #include "tests/server/power/power_client.h"
 
-/* A kind of disk, and how a daemon lives with it. Shares are per mille. */
+/* A kind of disk, and how a daemon runs on it. Shares are per mille. */
 struct circumstances {
     const char *policy;     /* of --fsync */
-    const char *compact_at; /* NULL: not */
+    const char *compact_at; /* NULL: the default */
     unsigned sync_fails, write_fails, stall_us;
     unsigned long space; /* bytes; 0: any number */
     bool large;          /* some loads do not fit into one record of the log */
-    unsigned ms;         /* that a life takes at most */
-    unsigned states;     /* that are looked at after a life */
+    unsigned ms;         /* the longest time of a life */
+    unsigned states;     /* how many are examined after a life */
 };
 
-/* What has happened, for those who want to know whether a test tests anything. */
+/* Counts of events, which show whether a test covers anything. */
 struct tally {
     unsigned lives, operations, snapshots, removals, failed_syncs;
     unsigned acknowledged, refused, unknown, loads; /* changes; loads of several records */
@@ -35,10 +35,10 @@ struct story {
     struct tally tally;
 };
 
-/* The tally goes on. */
+/* Begins a story; the tally is kept. */
 void story_begin(struct story *s);
 
-/* One life and its end. */
+/* Runs one life and examines what it may leave. */
 void story_live(struct story *s, const struct circumstances *c);
 
 void story_end(struct story *s);

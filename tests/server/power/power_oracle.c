@@ -1,4 +1,4 @@
-/* power_oracle.c - what power_history.h says of the moment of a power cut. */
+/* power_oracle.c - the part of power_history.h about the moment of a power cut. */
 #include "tests/server/power/power_history.h"
 
 #include "tests/server/digest.h"
@@ -79,7 +79,7 @@ void history_close(struct history *h)
         compute_states(h->stream[i]);
 }
 
-/* The change of the stream that has put a point there; -1: one that was settled before. */
+/* The change of the stream that has put a point there; -1: a change of an earlier life. */
 static int maker_of(const struct stream *s, struct dt_point p)
 {
     for (int i = 0; i < s->n; i++) {
@@ -115,7 +115,7 @@ void history_look(struct history *h, const struct power_log *log, size_t n, bool
     }
 }
 
-/* ---- what is there ---- */
+/* ---- which states are allowed ---- */
 
 __attribute__((format(printf, 2, 3))) static bool refuse(char why[WHY_BYTES], const char *format,
                                                          ...)
@@ -151,7 +151,7 @@ static bool find_state(struct stream *s, uint64_t digest)
     return false;
 }
 
-/* Whether a full disk may have refused the change, and its reply was not heard. */
+/* Whether a full disk may have refused the change without the client reading the reply. */
 static bool may_be_refused(const struct sent_change *sent)
 {
     enum change_kind kind = sent->change.kind;
@@ -159,8 +159,8 @@ static bool may_be_refused(const struct sent_change *sent)
            kind != CHANGE_FDROP;
 }
 
-/* Takes those of the changes that may have been refused for refused of which the bit in `which` is
- * set. Returns how many there are. */
+/* Of the changes that may have been refused, assumes that those whose bit in `which` is set were.
+ * Returns how many may have been refused. */
 static unsigned suppose_refused(struct stream *s, unsigned which)
 {
     unsigned n = 0;
@@ -173,7 +173,7 @@ static unsigned suppose_refused(struct stream *s, unsigned which)
     return n;
 }
 
-/* Finds a state with some of the changes refused that may have been. */
+/* Finds a state in which some of the changes that may have been refused were refused. */
 static bool find_state_after_refusals(struct stream *s, uint64_t digest)
 {
     unsigned n = suppose_refused(s, 0);
@@ -202,7 +202,7 @@ static bool allows_stream(const struct history *h, struct stream *s, const struc
                   s->acknowledged, s->n);
 }
 
-/* The points of a stream in a shared set have the ids that it was told. */
+/* Whether the points of a stream in a shared set have the ids that its replies reported. */
 static bool allows_ids(const struct stream *s, const struct dt *dt, char why[WHY_BYTES])
 {
     struct model m = model_after(s, s->found);
@@ -222,7 +222,7 @@ static bool allows_ids(const struct stream *s, const struct dt *dt, char why[WHY
     return ok;
 }
 
-/* Whether a stream was told that the set is triangulated, or may have made it so. */
+/* Whether a reply to a stream says that the set is triangulated, or the stream may have triangulated it. */
 static void count_triangulations(const struct stream *s, bool *must, bool *may)
 {
     *must |= s->before.triangulated;
@@ -236,7 +236,7 @@ static void count_triangulations(const struct stream *s, bool *must, bool *may)
     *may |= *must;
 }
 
-/* What the streams of a shared set say together; `first` is one of them. */
+/* Checks a shared set against all its streams; `first` is one of them. */
 static bool allows_shared_set(const struct history *h, const struct stream *first,
                               const struct dataset *set, char why[WHY_BYTES])
 {

@@ -1,5 +1,5 @@
-/* power_oracle_test.c - what may be there after a power cut, by hand: a stream of three changes, of
- * which the reply to the first was heard, and sets that some of them have made. */
+/* power_oracle_test.c - which states a power cut may leave, by hand: a stream of three changes, of which
+ * the first is acknowledged, and sets that some of them have made. */
 #include "tests/server/power/power_history.h"
 #include "tests/test.h"
 
@@ -30,7 +30,7 @@ static void scene_end(struct scene *s)
     history_clear(&s->history);
 }
 
-/* The stream adds a point, and then does the other two changes. */
+/* The stream adds a point and then makes the other two changes. */
 static void scene_begin(struct scene *s, struct change second, struct change third)
 {
     *s = (struct scene){0};
@@ -52,7 +52,7 @@ static void scene_begin(struct scene *s, struct change second, struct change thi
     s->dt = set->current->dt;
 }
 
-/* Makes the set what the changes with these bits make of it. */
+/* Applies the changes whose bits are set to the set. */
 static void carry_out(struct scene *s, unsigned which)
 {
     struct model m = {.dt = s->dt};
@@ -84,7 +84,7 @@ TEST(power_oracle_allows_a_prefix_that_has_what_was_acknowledged)
     }
 }
 
-TEST(power_oracle_misses_what_was_acknowledged_also_when_the_disk_is_full)
+TEST(power_oracle_requires_what_was_acknowledged_even_when_the_disk_is_full)
 {
     for (int full = 0; full < 2; full++) {
         CHECK(!allows(adding(2), adding(3), 0, full));
@@ -104,8 +104,8 @@ TEST(power_oracle_does_not_allow_that_a_full_disk_refused_a_deletion)
     CHECK(!allows(deleting, adding(2), FIRST | THIRD, true));
 }
 
-/* What was supposed of one moment is not supposed of the next. */
-TEST(power_oracle_supposes_refusals_anew_for_each_moment)
+/* Assumptions about one moment do not carry over to the next. */
+TEST(power_oracle_assumes_refusals_separately_for_each_moment)
 {
     struct scene s;
     char why[WHY_BYTES];

@@ -1,7 +1,7 @@
-/* power_repair_test.c - power cuts while --repair is at work. A directory is damaged at random, and a
- * repair that nothing interrupts says what can be kept. Then the power is cut during the repair, and
- * again during the repair of what that has left; the last repair must keep as much, and all that was
- * there before must be there still, in damaged.* if not under its own name. */
+/* power_repair_test.c - power cuts while --repair runs. A directory is damaged at random, and an
+ * uninterrupted repair determines what can be kept. Then the power is cut during the repair, and again
+ * during the repair of what is left; the last repair must keep as much, and all earlier content must
+ * still exist, in damaged.* if not under its own name. */
 #include "proto/record.h"
 #include "server/disk/recover.h"
 #include "tests/faults/crash_fate.h"
@@ -37,7 +37,7 @@ static struct bench bench_new(void)
 
 /* ---- directories to be damaged ---- */
 
-/* A daemon's life: it is asked this, is killed, and leaves a segment of its own. */
+/* Runs a daemon, which gets these requests, is killed, and leaves a segment of its own. */
 static void live(const struct bench *b, const char *requests)
 {
     struct directory dir;
@@ -112,8 +112,7 @@ static void damage(struct tree *t)
 
 /* ---- repairs ---- */
 
-/* Runs --repair on what is in root/, with this disk under it; NULL: with a good one. Returns its
- * status. */
+/* Runs --repair on what is in root/, on this disk; NULL: a good one. Returns its exit status. */
 static int repair(const struct bench *b, const struct power_disk *disk)
 {
     int status;
@@ -151,11 +150,10 @@ static struct outcome look(const struct bench *b)
     return o;
 }
 
-/* ---- what was there before ---- */
+/* ---- the content before the repair ---- */
 
-/* Whether the first n bytes of a file are still there: under its name, or aside, or one part here and
- * the rest there; repairs may have taken it to pieces from its end. A header alone says no more than the
- * name. */
+/* Whether the first n bytes of a file still exist: under its name, in a file that was set aside, or in
+ * parts; repairs may have moved pieces of its end. A header alone contains no more than the name. */
 static bool is_kept(const struct tree *t, const char *path, const struct tree_file *f, uint64_t n)
 {
     char aside[PATH_BYTES];
@@ -178,12 +176,12 @@ static bool is_kept(const struct tree *t, const char *path, const struct tree_fi
 struct round {
     const struct bench *bench;
     const struct tree *damaged;
-    struct outcome whole; /* of a repair that nothing has interrupted */
-    uint64_t
-        kept[NAMES_LIMIT]; /* so many bytes of each file it keeps: no end that a crash tore off */
+    struct outcome whole; /* of an uninterrupted repair */
+    uint64_t kept
+        [NAMES_LIMIT]; /* how many bytes of each file it keeps, without an end that a crash tore off */
 };
 
-/* Without half a record at the end of a file, which a crash may have torn off. */
+/* The length of a file without half a record at its end, which a crash may have torn off. */
 static uint64_t whole_bytes(const struct tree_file *f)
 {
     char bytes[FILE_LIMIT] = {0};
@@ -209,7 +207,7 @@ static void note_kept(struct round *r, const struct tree *after)
     }
 }
 
-/* The first file of which something is missing; NULL: none. */
+/* The first file that lacks something; NULL: none. */
 static const char *find_lost(const struct round *r, const struct tree *after)
 {
     for (size_t i = 0; i < r->damaged->names; i++) {
@@ -242,7 +240,7 @@ static void check_kept(const struct round *r, const struct tree *t, const struct
         fail(r, fate, "%s %s is neither there nor in damaged.*", when, lost);
 }
 
-/* The power is cut during the repair of t, which becomes what is left. */
+/* Cuts the power during the repair of t; t becomes what is left. */
 static void interrupt(const struct round *r, struct tree *t, unsigned sync_fails)
 {
     struct random_fate fate;

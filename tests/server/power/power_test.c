@@ -1,6 +1,6 @@
-/* power_test.c - power cuts at any moment: whatever of the operations that no sync has covered gets
- * to the disk, all that was acknowledged is there, nothing is there by half, and nothing that was
- * never sent. POWER_LIVES says how many lives each test takes (make faults: more). */
+/* power_test.c - power cuts at any moment: whichever of the unsynced operations reach the disk, every
+ * acknowledged change is there, no change is there in part, and none that was never sent. POWER_LIVES is
+ * the number of lives in each test (make faults: more). */
 #include "tests/server/power/power_life.h"
 #include "tests/test.h"
 
@@ -19,8 +19,8 @@ static void print(const struct tally *t)
            t->refused, t->unknown, t->cuts, t->torn);
 }
 
-/* Stories of so many lives in all. */
-static struct tally tell(const struct circumstances *kind, unsigned kinds, unsigned n)
+/* Runs stories of n lives in all. */
+static struct tally run_lives(const struct circumstances *kind, unsigned kinds, unsigned n)
 {
     enum { LIVES = 5 };
     struct story s = {0};
@@ -45,10 +45,10 @@ TEST_TIMEOUT(power_cut_leaves_every_acknowledged_change, 300)
         {.policy = "always", .compact_at = "40k", .ms = 100, .states = 20},
         {.policy = "always", .ms = 60, .states = 20},
     };
-    tell(kind, 3, lives(20));
+    run_lives(kind, 3, lives(20));
 }
 
-/* Of what was acknowledged only that is promised which was synced; the rest is there in order. */
+/* Of the acknowledged changes only the synced ones are promised; of the rest, a prefix is there. */
 TEST_TIMEOUT(power_cut_leaves_what_was_synced_whatever_the_policy, 300)
 {
     static const struct circumstances kind[] = {
@@ -57,10 +57,10 @@ TEST_TIMEOUT(power_cut_leaves_what_was_synced_whatever_the_policy, 300)
         {.policy = "no", .compact_at = "20k", .ms = 60, .states = 20},
         {.policy = "no", .ms = 60, .states = 20},
     };
-    tell(kind, 4, lives(10));
+    run_lives(kind, 4, lives(10));
 }
 
-/* Nothing is acknowledged while it hangs, and whatever comes together gets to the disk together. */
+/* Nothing is acknowledged while the disk stalls; changes that arrive meanwhile are written together. */
 TEST_TIMEOUT(power_cut_of_a_disk_that_stalls, 300)
 {
     static const struct circumstances kind[] = {
@@ -68,10 +68,10 @@ TEST_TIMEOUT(power_cut_of_a_disk_that_stalls, 300)
         {.policy = "always", .compact_at = "2k", .stall_us = 30000, .ms = 300, .states = 20},
         {.policy = "everysec", .compact_at = "4k", .stall_us = 30000, .ms = 100, .states = 20},
     };
-    tell(kind, 3, lives(5));
+    run_lives(kind, 3, lives(5));
 }
 
-/* What a failed sync should have covered may be lost for good, and no later sync makes up for it. */
+/* What a failed sync should have made durable may be lost for good; no later sync makes it durable. */
 TEST_TIMEOUT(power_cut_of_a_disk_that_fails, 300)
 {
     static const struct circumstances kind[] = {
@@ -80,7 +80,7 @@ TEST_TIMEOUT(power_cut_of_a_disk_that_fails, 300)
         {.policy = "always", .sync_fails = 50, .write_fails = 50, .ms = 700, .states = 20},
         {.policy = "everysec", .compact_at = "4k", .sync_fails = 50, .ms = 200, .states = 20},
     };
-    tell(kind, 4, lives(10));
+    run_lives(kind, 4, lives(10));
 }
 
 /* The reserve is 4 MiB; with some sets there are snapshots of 100 kB. */
@@ -92,7 +92,7 @@ TEST_TIMEOUT(power_cut_of_a_disk_that_is_full, 300)
         {.policy = "always", .space = RESERVE + 3 * ROOM, .ms = 300, .states = 20},
         {.policy = "always", .space = ROOM, .ms = 200, .states = 20},
     };
-    tell(kind, 3, lives(5));
+    run_lives(kind, 3, lives(5));
 }
 
 TEST_TIMEOUT(power_cut_while_large_loads_arrive, 300)
@@ -101,5 +101,5 @@ TEST_TIMEOUT(power_cut_while_large_loads_arrive, 300)
         {.policy = "always", .compact_at = "400k", .large = true, .ms = 300, .states = 12},
         {.policy = "everysec", .compact_at = "2m", .large = true, .ms = 300, .states = 12},
     };
-    tell(kind, 2, lives(2));
+    run_lives(kind, 2, lives(2));
 }

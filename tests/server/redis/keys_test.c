@@ -49,7 +49,7 @@ TEST(keys_are_sets)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-TEST(keys_refuse_what_is_not_their_form)
+TEST(commands_about_keys_refuse_wrong_arguments)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -104,7 +104,7 @@ TEST(keys_expire_as_in_redis)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-/* Reads an array of names `set<i>` and counts each in seen[]; how many they are. */
+/* Reads an array of names `set<i>` and counts each in seen[]; returns how many there are. */
 static size_t hear_names(int fd, int *seen)
 {
     size_t n = strtoul(hear_line(fd) + 1, NULL, 10);
@@ -133,7 +133,7 @@ static size_t scan_all(int fd, const char *options, int *seen)
     return n;
 }
 
-/* More sets than one piece of KEYS has. */
+/* More sets than KEYS lists in one piece. */
 TEST(keys_scan_and_keys_find_every_set_once)
 {
     enum { N = 3000 };
@@ -156,8 +156,8 @@ TEST(keys_scan_and_keys_find_every_set_once)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-/* What is there from the first SCAN to the last is found, whatever comes meanwhile. */
-TEST(keys_scan_misses_no_set_while_others_come)
+/* A set that exists from the first SCAN to the last is found, whatever is created meanwhile. */
+TEST(keys_scan_misses_no_set_while_others_are_created)
 {
     enum { N = 100, ALL = 1000 };
     struct daemon d = daemon_start(NULL);
@@ -184,7 +184,7 @@ TEST(keys_scan_misses_no_set_while_others_come)
 
 /* ---- transactions ---- */
 
-TEST(multi_is_refused_with_all_that_follows)
+TEST(multi_is_refused_with_all_requests_that_follow)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -208,8 +208,8 @@ TEST(multi_is_refused_with_all_that_follows)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-/* The points are no requests. */
-TEST(multi_refuses_bodies_and_reads_on_behind_them)
+/* The points are not read as requests. */
+TEST(multi_refuses_bodies_and_continues_after_them)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -225,7 +225,7 @@ TEST(multi_refuses_bodies_and_reads_on_behind_them)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-TEST(info_in_resp_has_what_redis_cli_stat_looks_for)
+TEST(info_in_resp_has_the_keys_that_redis_cli_stat_reads)
 {
     static const char *const keys[] = {"connected_clients:1\r\n",
                                        "blocked_clients:0\r\n",

@@ -74,7 +74,7 @@ TEST(resp3_no_rows_are_an_empty_array)
     expect_typed("LOCATE", "OK 0 where=outside\n", "*0\r\n");
 }
 
-TEST(resp3_words_that_only_begin_as_numbers_are_texts)
+TEST(resp3_words_that_only_begin_like_numbers_are_texts)
 {
     expect_typed("UNLISTED", "OK 1\n1 - -x 1x 1:2 99999999999999999999\n",
                  "*1\r\n*6\r\n:1\r\n$1\r\n-\r\n$2\r\n-x\r\n$2\r\n1x\r\n$3\r\n1:2\r\n"

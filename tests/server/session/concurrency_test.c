@@ -1,4 +1,4 @@
-/* concurrency_test.c - several clients at once, heavy work beside light, readers beside writers. */
+/* concurrency_test.c - several clients at once: heavy and light requests, readers and writers. */
 #include "proto/reply_read.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
@@ -62,7 +62,7 @@ TEST(points_are_read_while_their_set_is_triangulated)
     CHECK(during);
 }
 
-/* How many ADD requests have had to wait. */
+/* How many ADD requests have waited. */
 static unsigned adds_that_waited(int fd)
 {
     unsigned rows, waits = 0;
@@ -76,7 +76,7 @@ static unsigned adds_that_waited(int fd)
     return waits;
 }
 
-TEST(pipelines_that_wait_for_a_set_wait_once_and_not_for_each_request)
+TEST(pipelines_that_wait_for_a_set_wait_once_and_not_per_request)
 {
     enum { CLIENTS = 8, ADDS = 200 };
     struct daemon d = daemon_start(NULL);
@@ -98,7 +98,7 @@ TEST(pipelines_that_wait_for_a_set_wait_once_and_not_for_each_request)
     CHECK_MSG(waited < CLIENTS * ADDS / 4, "%u of %d", waited, CLIENTS * ADDS);
 }
 
-TEST(requests_behind_a_heavy_one_are_answered_in_order)
+TEST(requests_after_a_heavy_one_are_answered_in_order)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -157,7 +157,7 @@ static char *whole_reply(const struct daemon *d, const char *request, size_t *n)
     return text;
 }
 
-TEST(reply_that_is_being_sent_shows_one_version_whatever_is_edited)
+TEST(reply_that_is_being_sent_shows_one_version_during_edits)
 {
     static const char *const edits[] = {
         "ADD t 0.5 0.5 0.25 0.25\n",     "DEL t 1 2 3\n", "MOVE t 9 7 7\n",
@@ -185,7 +185,7 @@ TEST(reply_that_is_being_sent_shows_one_version_whatever_is_edited)
     free(want);
 }
 
-TEST(reply_after_half_close_arrives_whole_at_a_slow_reader)
+TEST(slow_reader_gets_the_whole_reply_after_half_close)
 {
     size_t n;
     struct daemon d = daemon_start(NULL);
@@ -209,7 +209,7 @@ TEST(reply_after_half_close_arrives_whole_at_a_slow_reader)
     free(text);
 }
 
-/* Waits until the daemon has sent what the system takes, and fails if it never comes to rest. */
+/* Waits until the daemon has sent what the sockets accept; fails if it never stops sending. */
 static void wait_until_quiet(const struct daemon *d)
 {
     for (int i = 0; i < 150; i++) {
@@ -284,7 +284,7 @@ TEST(points_come_back_as_they_were_loaded)
     free(load);
 }
 
-TEST_TIMEOUT(heavy_requests_queue_up_and_hear_of_progress_until_there_are_too_many, 60)
+TEST_TIMEOUT(heavy_requests_wait_with_progress_comments_until_there_are_too_many, 60)
 {
     enum { CLIENTS = 90 };
     const char *arguments[] = {"--threads", "1", NULL};
@@ -364,7 +364,8 @@ TEST_TIMEOUT(pipelines_of_100000_requests_are_answered_in_order, 60)
     }
     for (int i = 0; i < 2; i++)
         CHECK(pthread_create(&talker[i], NULL, say_pipeline, &fd[i]) == 0);
-    pause_ms(300); /* longer than the buffers between us: the daemon must stop reading, not swell */
+    pause_ms(
+        300); /* the requests are larger than the sockets' buffers: the daemon must stop reading, not use more memory */
     for (int i = 0; i < 2; i++)
         hear_pipeline(fd[i]);
     for (int i = 0; i < 2; i++)
@@ -398,7 +399,7 @@ TEST(client_that_sends_and_never_reads_costs_little_memory)
 static const struct daemon *stressed;
 static atomic_bool stress_over;
 
-/* Reads the replies to `n` requests, whatever they are; each must be well formed. */
+/* Reads the replies to `n` requests; each must be well formed, whatever it says. */
 static void frame_replies(int fd, int n)
 {
     static _Thread_local char bytes[1 << 16];
@@ -500,7 +501,7 @@ TEST_TIMEOUT(clients_that_do_everything_at_once_get_well_formed_replies, 60)
     for (int i = 0; i < CLIENTS; i++)
         pthread_join(thread[i], NULL);
     await_info(&d, "clients",
-               1); /* what the last ones have sent is done: no ADD follows the DROP */
+               1); /* all requests of the last clients are done: no ADD follows the DROP */
     drop_if_there(&d, "s0");
     drop_if_there(&d, "s1");
     drop_if_there(&d, "s2");

@@ -63,7 +63,7 @@ TEST(client_that_closes_a_unix_socket_cancels_its_build_in_either_framing)
     daemon_end(&s.d);
 }
 
-TEST(client_that_closes_its_connection_cancels_the_request_that_waited_behind_another_one)
+TEST(client_that_closes_its_connection_cancels_its_request_that_waits_for_another_one)
 {
     struct service s = start();
     int fd = daemon_connect(&s.d);
@@ -88,7 +88,7 @@ static char *hear_half_closed(int fd, const char *request)
     return text;
 }
 
-TEST(client_that_closes_its_sending_side_gets_its_reply_behind_an_early_comment)
+TEST(client_that_closes_its_sending_side_gets_its_reply_after_an_early_comment)
 {
     struct service s = start();
     char *text = hear_half_closed(daemon_connect(&s.d), build);

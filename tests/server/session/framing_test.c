@@ -1,4 +1,4 @@
-/* framing_test.c - requests cut at every place, and what is no request at all. */
+/* framing_test.c - requests cut at every byte, and input that is not a request. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -31,7 +31,7 @@ TEST(requests_may_be_cut_anywhere)
     }
 }
 
-TEST(requests_may_come_byte_by_byte)
+TEST(requests_may_arrive_byte_by_byte)
 {
     static const char script[] = "ADD t 0 0\r\nLOAD t 1\n1 0\r\nLOADB t 1\nabcdefghabcdefgXPING\n";
     struct daemon d = daemon_start(NULL);
@@ -51,7 +51,7 @@ TEST(last_line_may_lack_its_lf)
     converse_alone("", "");
 }
 
-/* Sends raw bytes, and compares what comes back before the daemon closes. */
+/* Sends raw bytes and compares the reply before the daemon closes the connection. */
 static void expect_refusal(const char *bytes, size_t n, const char *want)
 {
     size_t got_n;
@@ -124,13 +124,13 @@ TEST(line_of_16000_points_is_one_request)
     free(line);
 }
 
-TEST(browsers_are_not_listened_to)
+TEST(browsers_are_disconnected)
 {
     converse_alone("POST / HTTP/1.1\r\nADD t 1 1\r\nContent-Length: 10\r\n\r\nADD t 1 1\n", "");
     converse_alone("PING\nHost: example\nADD t 1 1\n", "OK 0\n");
 }
 
-TEST(quit_answers_what_came_before_it)
+TEST(quit_answers_the_requests_before_it)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);

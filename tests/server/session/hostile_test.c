@@ -1,5 +1,4 @@
-/* hostile_test.c - clients that are slow, silent or strangers, and what the others notice of them.
- */
+/* hostile_test.c - clients that are slow, silent or without a token, and how they affect others. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -21,8 +20,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The median time of a PING: that of single ones says more about the machine than about the
- * daemon. */
+/* The median time of a PING: single times depend more on the machine than on the daemon. */
 static double median_ping_ms(int fd)
 {
     enum { PINGS = 101 };
@@ -44,7 +42,7 @@ static void expect_no_delay(int fd)
         CHECK_MSG(ms < 5, "a PING takes %.2f ms", ms);
 }
 
-TEST_TIMEOUT(readers_that_take_a_large_reply_in_sips_delay_nobody, 60)
+TEST_TIMEOUT(clients_that_read_a_large_reply_slowly_delay_nobody, 60)
 {
     enum { READERS = 20, SIPS = 30 };
     static char sip[20000];
@@ -97,7 +95,7 @@ TEST(request_that_takes_long_is_answered_after_half_close)
     expect_end(fd);
 }
 
-TEST(client_that_sends_for_ever_delays_nobody)
+TEST(client_that_never_stops_sending_delays_nobody)
 {
     static char block[64 * 1024];
     struct daemon d = daemon_start(NULL);
@@ -114,7 +112,7 @@ TEST(client_that_sends_for_ever_delays_nobody)
     expect_no_delay(other);
 }
 
-TEST(client_that_sends_on_after_its_last_reply_is_closed_all_the_same)
+TEST(client_that_keeps_sending_after_its_last_reply_is_closed)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);
@@ -131,7 +129,7 @@ TEST(client_that_sends_on_after_its_last_reply_is_closed_all_the_same)
     CHECK(daemon_info(&d, "clients") == 1);
 }
 
-/* Sends requests on so many connections without ever waiting, and reads what comes; until killed. */
+/* Sends requests on all connections without waiting, and reads the replies, until killed. */
 static pid_t flood_on(const struct daemon *d, int connections, const char *request)
 {
     enum { MOST = 64, BLOCK = 64 * 1024 };
@@ -177,7 +175,7 @@ TEST_TIMEOUT(clients_with_pipelines_that_never_end_delay_nobody, 60)
 
 /* ---- TIMEOUT ---- */
 
-TEST_TIMEOUT(request_that_exceeds_its_timeout_is_given_up_and_others_are_not, 60)
+TEST_TIMEOUT(request_that_exceeds_its_timeout_is_cancelled_and_others_are_not, 60)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d), waiting = daemon_connect(&d);
@@ -195,7 +193,7 @@ TEST_TIMEOUT(request_that_exceeds_its_timeout_is_given_up_and_others_are_not, 60
     CHECK(strncmp(hear_line(fd), "OK 0 points=300000 ", 19) == 0);
 }
 
-/* ---- strangers ---- */
+/* ---- strangers: clients without a token ---- */
 
 static struct daemon start_with_token(const char *token)
 {
@@ -265,7 +263,7 @@ TEST_TIMEOUT(strangers_have_ten_seconds, 40)
     expect(known, "OK 0\n");
 }
 
-TEST_TIMEOUT(silent_clients_are_dropped_if_asked_and_busy_ones_are_not, 40)
+TEST_TIMEOUT(idle_timeout_disconnects_silent_clients_and_not_busy_ones, 40)
 {
     const char *arguments[] = {"--idle-timeout", "2", NULL};
     struct daemon d = daemon_start(arguments);
@@ -287,10 +285,9 @@ TEST_TIMEOUT(silent_clients_are_dropped_if_asked_and_busy_ones_are_not, 40)
     expect(busy, "OK 0\n");
 }
 
-/* ---- many of them: make faults ---- */
+/* ---- many clients: make faults ---- */
 
-/* Room for n descriptors of the test and, inherited, of the daemon; false if the machine has not so
- * many. */
+/* Allows n descriptors for the test and, inherited, for the daemon; false if the machine does not. */
 static bool allow_descriptors(rlim_t n)
 {
     struct rlimit limit;
@@ -338,7 +335,7 @@ TEST_TIMEOUT(thousand_readers_that_stall_cost_300_mib_and_no_time, 300)
     expect_no_delay(first);
 }
 
-TEST_TIMEOUT(ten_thousand_idle_clients_take_4_kib_each, 120)
+TEST_TIMEOUT(ten_thousand_idle_clients_use_4_kib_each, 120)
 {
     enum { CLIENTS = 9900 };
     static int fd[CLIENTS];

@@ -13,7 +13,7 @@ static void converse_alone(const char *request, const char *want)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-TEST(resp_and_lines_may_take_turns)
+TEST(resp_and_lines_may_alternate)
 {
     converse_alone("*4\r\n$3\r\nADD\r\n$1\r\nt\r\n$1\r\n1\r\n$1\r\n2\r\nGET t 0\n"
                    "*3\r\n$3\r\nGET\r\n$1\r\nt\r\n$1\r\n0\r\nPING\n*1\r\n$4\r\nping\r\n",
@@ -21,7 +21,7 @@ TEST(resp_and_lines_may_take_turns)
                    "*1\r\n$5\r\n0 1 2\r\nOK 0\n+PONG\r\n");
 }
 
-TEST(resp_may_come_byte_by_byte)
+TEST(resp_may_arrive_byte_by_byte)
 {
     static const char script[] = "*4\r\n$4\r\nLOAD\r\n$1\r\nt\r\n$1\r\n2\r\n$7\r\n1 2\n3 4\r\n"
                                  "*3\r\n$3\r\nGET\r\n$1\r\nt\r\n$1\r\n1\r\n";
@@ -58,7 +58,7 @@ TEST(resp_broken_request_closes_the_connection)
                    "take many points\r\n");
 }
 
-TEST(resp_words_may_hold_anything)
+TEST(resp_words_may_contain_any_byte)
 {
     converse_alone("*2\r\n$4\r\nSTAT\r\n$3\r\na\nb\r\n*1\r\n$0\r\n\r\n*1\r\n$5\r\nA\r\nB:\r\n"
                    "*2\r\n$4\r\nECHO\r\n$4\r\n\r\n*1\r\n*0\r\nPING\n",
@@ -95,8 +95,8 @@ TEST(resp_needs_a_token_where_lines_do)
     unlink(path);
 }
 
-/* Rows come from a stream and from workers, and the framing goes on from piece to piece. */
-TEST(resp_large_replies_come_whole)
+/* Rows come from a stream and from workers, and the framing continues across pieces. */
+TEST(resp_large_replies_are_complete)
 {
     enum { N = 50000 };
     struct daemon d = daemon_start(NULL);

@@ -37,7 +37,7 @@ static void end(struct bench *b)
     close(b->client);
 }
 
-TEST(change_whose_client_was_killed_in_the_same_turn_holds_no_reply)
+TEST(change_whose_client_was_killed_in_the_same_turn_delays_no_reply)
 {
     struct bench b;
     begin(&b);
@@ -49,7 +49,7 @@ TEST(change_whose_client_was_killed_in_the_same_turn_holds_no_reply)
     end(&b);
 }
 
-/* It was to be carried out again, for which the deadline itself answers nothing. */
+/* The request waits to be tried again, so the expired deadline alone sends no reply. */
 TEST(request_whose_turn_comes_after_its_deadline_is_not_carried_out)
 {
     char reply[100] = "";
@@ -75,7 +75,7 @@ static void answer_its_status(struct server *s, struct job *j, struct answer *a)
 }
 
 /* A worker has the result, but an edit that it may show is not in the log yet. */
-TEST(request_whose_result_is_held_back_is_answered_when_its_time_is_over)
+TEST(request_whose_result_waits_for_the_log_is_answered_when_its_time_is_over)
 {
     char reply[100] = "";
     struct bench b;

@@ -1,4 +1,4 @@
-/* budget_test.c - the one budget of memory: nothing is given twice, and replies have their share. */
+/* budget_test.c - the memory budget: nothing is reserved twice, and replies have a share of their own. */
 #include "server/sets/budget.h"
 #include "tests/test.h"
 
@@ -37,7 +37,7 @@ TEST(reservation_that_does_not_fit_changes_nothing)
     CHECK(sum() == 0 && budget_used(&budget) == 0 && budget.peak == 1500);
 }
 
-TEST(sixteenth_of_the_budget_is_for_replies_and_clients_alone)
+TEST(a_sixteenth_of_the_budget_is_for_replies_and_clients_only)
 {
     struct reservation sets = begin(BUDGET_SETS, 1600), reply = sets, edit = sets;
     reply.kind = BUDGET_REPLIES;
@@ -51,7 +51,7 @@ TEST(sixteenth_of_the_budget_is_for_replies_and_clients_alone)
     CHECK(reservation_resize(&reply, 1500) && !reservation_resize(&reply, 1501));
 }
 
-TEST(what_can_never_fit_is_told_from_what_may_fit_later)
+TEST(sizes_that_never_fit_differ_from_sizes_that_may_fit_later)
 {
     struct reservation sets = begin(BUDGET_SETS, 1600), build = sets;
     build.kind = BUDGET_BUILDS;
@@ -83,7 +83,7 @@ TEST(bytes_that_move_are_counted_once)
     reservation_move(&edit, &load);
     CHECK(load.bytes == 0 && edit.bytes == 1200 && sum() == 1200);
     CHECK(budget_of(&budget, BUDGET_EDITS) == 1200 && budget.peak == 1200);
-    CHECK(reservation_resize(&apart, SIZE_MAX) && apart.bytes == SIZE_MAX); /* in no budget */
+    CHECK(reservation_resize(&apart, SIZE_MAX) && apart.bytes == SIZE_MAX); /* part of no budget */
 }
 
 enum { THREADS = 4, ROUNDS = 20000 };

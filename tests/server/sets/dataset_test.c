@@ -1,4 +1,4 @@
-/* dataset_test.c - the registry: which sets there are, for whom, and what is left to be tidied. */
+/* dataset_test.c - the registry: which sets exist, for whom, and which versions are to be tidied. */
 #include "server/sets/dataset.h"
 #include "tests/test.h"
 
@@ -14,7 +14,7 @@ static struct dataset *create(const char *name)
     return set;
 }
 
-/* With so many names, each the beginning of the next one, some share a bucket. */
+/* Each name is a prefix of the next one; there are so many that some share a bucket. */
 TEST(names_that_begin_alike_are_different_sets)
 {
     enum { MANY = 64 };
@@ -61,7 +61,7 @@ TEST(set_that_is_about_to_be_created_is_not_listed)
     registry_clear(&sets);
 }
 
-TEST(set_that_was_never_triangulated_lags_behind_nothing)
+TEST(set_that_was_never_triangulated_is_not_out_of_date)
 {
     struct dt_added added;
     registry_init(&sets);
@@ -74,7 +74,7 @@ TEST(set_that_was_never_triangulated_lags_behind_nothing)
     registry_clear(&sets);
 }
 
-/* Readers have finished while an edit was at work; one call tidies so many sets at most. */
+/* Readers finished during an edit; one call tidies a bounded number of sets. */
 TEST(versions_that_keep_what_was_saved_are_tidied_a_few_at_a_time)
 {
     enum { MANY = 25, A_CALL = 10 };
@@ -101,7 +101,7 @@ TEST(versions_that_keep_what_was_saved_are_tidied_a_few_at_a_time)
     registry_clear(&sets);
 }
 
-TEST(version_that_goes_is_no_longer_to_be_tidied)
+TEST(version_that_is_freed_is_no_longer_to_be_tidied)
 {
     registry_init(&sets);
     struct dataset *set = create("t");

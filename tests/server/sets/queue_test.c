@@ -1,4 +1,4 @@
-/* queue_test.c - the queue of those who wait for a set. */
+/* queue_test.c - the queue of requests that wait for a set. */
 #include "server/sets/dataset.h"
 #include "tests/test.h"
 
@@ -6,7 +6,7 @@
 
 enum { MANY = 50 };
 
-/* A request that waits; when it is called, it notes its number. */
+/* A request that waits; when it is called, it records its number. */
 struct request_in_line {
     struct waiter waiter; /* first */
     unsigned number, calls;
@@ -80,7 +80,7 @@ TEST(waiters_for_a_set_are_called_in_order_and_once_each)
     registry_clear(&sets);
 }
 
-TEST(request_that_changes_a_set_does_not_overtake_those_who_wait)
+TEST(request_that_changes_a_set_does_not_overtake_waiting_ones)
 {
     begin();
     edit_begins(true);
@@ -97,14 +97,14 @@ TEST(request_that_changes_a_set_does_not_overtake_those_who_wait)
     registry_clear(&sets);
 }
 
-TEST(waiting_readers_go_on_beside_a_job_that_lets_the_set_be_read)
+TEST(waiting_readers_continue_beside_a_job_that_lets_the_set_be_read)
 {
     begin();
     edit_begins(true);
     line_up(&in_line[0].waiter, true);
     line_up(&in_line[1].waiter, false);
     line_up(&in_line[2].waiter, false);
-    edit_begins(false); /* the edit ends, and an upkeep job begins at once */
+    edit_begins(false); /* the edit ends, and a maintenance job begins at once */
     wait_call(&set->queue);
     CHECK(called_n == 1 && order[0] == 1);
     wait_served(&in_line[1].waiter);
@@ -156,7 +156,7 @@ TEST(waiters_for_a_set_that_is_dropped_are_all_woken)
     for (unsigned i = 0; i < 3; i++)
         line_up(&in_line[i].waiter, true);
     edit_ends();
-    registry_drop(&sets, set); /* by the one that was called */
+    registry_drop(&sets, set); /* by the request that was called */
     CHECK(called_n == 3);
     for (unsigned i = 0; i < 3; i++)
         CHECK(in_line[i].calls == 1 && in_line[i].waiter.queue == NULL &&
@@ -189,7 +189,7 @@ TEST(waiting_readers_are_not_called_while_the_set_is_edited)
     begin();
     edit_begins(true);
     line_up(&in_line[0].waiter, false);
-    wait_call(&set->queue); /* as when somebody leaves the queue */
+    wait_call(&set->queue); /* as when a request leaves the queue */
     CHECK(called_n == 0);
     edit_ends();
     CHECK(called_n == 1);

@@ -1,4 +1,4 @@
-/* rwlock_test.c - who gets the lock of a version, and when. */
+/* rwlock_test.c - which threads get the lock of a version, and when. */
 #include "server/sets/rwlock.h"
 #include "tests/test.h"
 
@@ -70,7 +70,7 @@ static void *read_always(void *unused)
     return unused;
 }
 
-TEST(rwlock_admits_writers_whatever_readers_come)
+TEST(rwlock_admits_writers_although_readers_keep_coming)
 {
     enum { READERS = 4, EDITS = 300 };
     pthread_t readers[READERS];

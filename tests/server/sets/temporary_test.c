@@ -1,4 +1,4 @@
-/* temporary_test.c - sets that are dropped when the connection that has made them ends. */
+/* temporary_test.c - sets that are dropped when the connection that created them ends. */
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Ends when the daemon has so many sets. */
+/* Waits until the daemon has `want` sets. */
 static void await_sets(const struct daemon *d, uint64_t want)
 {
     await_info(d, "sets", want);
@@ -29,7 +29,7 @@ TEST(temporary_set_ends_with_its_connection_and_others_stay)
     daemon_end(&d);
 }
 
-TEST(temporary_set_that_is_dropped_before_its_connection_ends_may_be_made_again_for_good)
+TEST(temporary_set_that_is_dropped_may_be_created_again_as_a_permanent_one)
 {
     struct daemon d = daemon_start(NULL);
     int fd = daemon_connect(&d);

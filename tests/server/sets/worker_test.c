@@ -1,5 +1,5 @@
-/* worker_test.c - the threads: every piece of work is done once, and the core's pool never waits
- * for a free thread. */
+/* worker_test.c - worker threads: every piece of work is done once, and the core's pool never waits for
+ * a free thread. */
 #include "server/sets/worker.h"
 #include "server/system/priority.h"
 #include "tests/test.h"
@@ -40,7 +40,7 @@ static unsigned collect(struct workers *w, unsigned n)
     return got;
 }
 
-TEST(work_is_done_and_the_pool_helps_even_if_all_threads_want_help)
+TEST(work_is_done_and_the_pool_helps_even_if_all_threads_need_help)
 {
     enum { JOBS = 40, ROUNDS = 50 };
     static struct sum sums[JOBS];
@@ -103,7 +103,7 @@ static bool may_choose_policy(void)
     return sched_getscheduler(0) == SCHED_OTHER && sched_setscheduler(0, SCHED_OTHER, &none) == 0;
 }
 
-TEST(long_work_pushes_nobody_aside)
+TEST(long_work_has_a_lower_priority)
 {
     atomic_bool batch = false;
     struct gate g = {{NULL, note_policy}, &batch};
@@ -117,7 +117,7 @@ TEST(long_work_pushes_nobody_aside)
     workers_free(w);
 }
 
-TEST(thread_that_asks_for_short_slices_goes_on)
+TEST(thread_that_asks_for_short_slices_keeps_running)
 {
     if (!may_choose_policy())
         return;
@@ -180,8 +180,8 @@ TEST(one_piece_of_work_wakes_one_worker)
     workers_free(w);
 }
 
-/* The short work is as likely taken by the thread that was woken for the long work; then the thread
- * that was woken for the short work, which may not do the long one, must not be the last to look. */
+/* The thread that was woken for the long work may take the short work. The thread that was woken for the
+ * short work may not do the long one, so it must not be the last thread to look at the queue. */
 TEST(long_work_starts_while_a_worker_is_idle_whoever_took_the_short_work)
 {
     enum { ROUNDS = 500 };

@@ -1,5 +1,5 @@
-/* activation_test.c - the daemon under a service manager: sockets that are handed over, states that
- * are told; its manual names its flags. */
+/* activation_test.c - the daemon under a service manager: inherited sockets and notifications of states;
+ * its manual page lists its flags. */
 #include "tests/server/daemon.h"
 #include "tests/test.h"
 
@@ -26,7 +26,7 @@ static int listener_on(uint32_t address, unsigned *port)
     return fd;
 }
 
-/* A socket for notifications, with an abstract name, which is told to the daemon. */
+/* A socket for notifications, with an abstract name, which is put into the daemon's environment. */
 static int notifications(void)
 {
     struct sockaddr_un at = {.sun_family = AF_UNIX};
@@ -70,7 +70,7 @@ static pid_t start_with(int listener)
     return pid;
 }
 
-TEST(socket_that_is_handed_over_is_served_and_states_are_told)
+TEST(inherited_socket_is_served_and_states_are_notified)
 {
     struct daemon d = {0};
     int states = notifications();
@@ -86,7 +86,7 @@ TEST(socket_that_is_handed_over_is_served_and_states_are_told)
     CHECK(waitpid(d.pid, &status, 0) == d.pid && WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-TEST(socket_that_others_could_reach_is_refused_without_tokens)
+TEST(inherited_socket_that_others_could_reach_is_refused_without_tokens)
 {
     unsigned port;
     int status;
@@ -95,7 +95,7 @@ TEST(socket_that_others_could_reach_is_refused_without_tokens)
 }
 
 /* Every flag of --help is in the manual page. */
-TEST(manual_names_every_flag)
+TEST(manual_lists_every_flag)
 {
     static char help[16384], page[32768];
     FILE *f = popen("\"$DELAUNAYD\" --help", "r");

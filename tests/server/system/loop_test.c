@@ -1,4 +1,4 @@
-/* loop_test.c - turns of the loop: deferred tasks run in each, yielded ones take turns. */
+/* loop_test.c - turns of the loop: deferred tasks run in each turn, yielded tasks alternate. */
 #include "server/system/loop.h"
 #include "tests/test.h"
 
@@ -30,7 +30,7 @@ static void count_turn(struct task *t)
     loop_defer(&loop, t);
 }
 
-TEST(tasks_with_much_work_take_turns_and_delay_no_deferred_task)
+TEST(tasks_with_much_work_alternate_and_delay_no_deferred_task)
 {
     unsigned least = UINT32_MAX, most = 0, all = 0;
     CHECK(loop_init(&loop));
@@ -69,6 +69,6 @@ TEST(yielded_task_runs_in_the_next_turn_when_it_is_alone)
     loop_dispose(&loop, &greedy[1].task);
     greedy[1].task.run = run_once;
     loop_yield(&loop, &greedy[0].task);
-    loop_clear(&loop); /* leaves nothing undone that something is buried with */
+    loop_clear(&loop); /* runs the tasks that free something */
     CHECK(greedy[0].runs == 2 && greedy[1].runs == 1);
 }

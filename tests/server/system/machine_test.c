@@ -23,7 +23,7 @@ TEST(soft_limit_of_descriptors_is_raised_to_the_hard_one)
     daemon_end(&d);
 }
 
-/* Writes the text to dir/name, whose folders it makes. */
+/* Writes the text to dir/name and creates its folders. */
 __attribute__((format(printf, 3, 4))) static void put(const struct directory *dir, const char *name,
                                                       const char *format, ...)
 {
@@ -61,7 +61,7 @@ static size_t limit_in(const struct directory *dir)
     return machine_group_memory(groups, mount);
 }
 
-TEST(memory_limit_of_a_parent_group_is_honoured)
+TEST(memory_limit_of_a_parent_group_applies)
 {
     struct directory dir = directory_new();
     CHECK(limit_in(&dir) == SIZE_MAX); /* no control groups at all */
@@ -80,7 +80,7 @@ TEST(memory_limit_of_a_parent_group_is_honoured)
     remove_all(&dir);
 }
 
-TEST(memory_limit_of_a_group_of_version_1_is_honoured)
+TEST(memory_limit_of_a_group_of_version_1_applies)
 {
     struct directory dir = directory_new();
     put(&dir, "groups",
@@ -94,7 +94,7 @@ TEST(memory_limit_of_a_group_of_version_1_is_honoured)
     remove_all(&dir);
 }
 
-TEST(memory_limit_of_a_container_that_sees_a_part_of_the_tree_is_honoured)
+TEST(memory_limit_applies_in_a_container_that_sees_a_part_of_the_tree)
 {
     struct directory dir = directory_new();
     put(&dir, "groups", "4:memory:/docker/0123\n0::/docker/0123\n");

@@ -1,11 +1,11 @@
-/* notice_test.c - lines for the operator: levels, a limit, nothing unprintable. */
+/* notice_test.c - messages for the operator: levels, a limit, no unprintable bytes. */
 #include "server/system/notice.h"
 #include "tests/test.h"
 
 #include <string.h>
 #include <unistd.h>
 
-/* Standard error becomes a file; read_back gives what was written to it. */
+/* Redirects standard error to a file; read_back returns what was written to it. */
 static FILE *take_stderr(void)
 {
     FILE *f = tmpfile();
@@ -53,7 +53,7 @@ TEST(notices_for_the_journal_begin_with_their_priority)
     CHECK_STR(read_back(f), "<3>delaunayd: it burns\n");
 }
 
-TEST(notices_hold_one_printable_line)
+TEST(notices_are_one_printable_line)
 {
     static char big[2000];
     FILE *f = take_stderr();
@@ -71,14 +71,14 @@ TEST(notices_beyond_the_limit_are_counted)
     FILE *f = take_stderr();
     for (int i = 0; i < MANY; i++)
         notice(NOTICE_WARNING, "flood");
-    unsigned told = lines_of(read_back(f)), left_out;
-    notice(NOTICE_ERROR, "this is always told");
+    unsigned written = lines_of(read_back(f)), left_out;
+    notice(NOTICE_ERROR, "this is always shown");
     notice_tick();
     const char *text = read_back(f);
-    CHECK(told >= 50 && told < MANY && strstr(text, "this is always told") != NULL);
+    CHECK(written >= 50 && written < MANY && strstr(text, "this is always shown") != NULL);
     const char *last = strstr(text, " lines were left out");
     CHECK(last != NULL);
     while (last[-1] != ' ')
         last--;
-    CHECK(sscanf(last, "%u", &left_out) == 1 && told + left_out == MANY);
+    CHECK(sscanf(last, "%u", &left_out) == 1 && written + left_out == MANY);
 }

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* A connection in both its ends, made through a listener of sock.h. */
+/* Both ends of a connection, made through a listener of sock.h. */
 struct pair {
     int client, server;
 };
@@ -40,7 +40,7 @@ static int option(int fd, int level, int name)
     return value;
 }
 
-TEST(connections_notice_that_the_other_machine_is_gone)
+TEST(connections_notice_that_the_other_machine_has_failed)
 {
     struct pair p = connect_pair();
     CHECK(option(p.server, SOL_SOCKET, SO_KEEPALIVE) == 1);
@@ -68,7 +68,7 @@ TEST(unix_socket_is_for_its_owner_and_group_whatever_the_umask)
     }
 }
 
-TEST(path_of_a_unix_socket_has_107_bytes_and_no_more)
+TEST(path_of_a_unix_socket_has_at_most_107_bytes)
 {
     char path[200] = "/tmp/delaunayd-XXXXXX";
     CHECK(mkdtemp(path) != NULL);
@@ -90,7 +90,7 @@ TEST(only_a_socket_that_nobody_listens_on_is_replaced)
 {
     char path[] = "/tmp/delaunayd-socket-XXXXXX";
     int file = mkstemp(path);
-    CHECK(file >= 0 && sock_listen_unix(path) < 0); /* it is a file */
+    CHECK(file >= 0 && sock_listen_unix(path) < 0); /* a regular file */
     struct stat st;
     CHECK(stat(path, &st) == 0 && S_ISREG(st.st_mode));
     close(file);

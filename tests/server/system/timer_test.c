@@ -1,4 +1,4 @@
-/* timer_test.c - the wheel of timers: nothing too early, nothing lost. */
+/* timer_test.c - the timer wheel: no timer is early, none is lost. */
 #include "server/system/timer.h"
 #include "tests/test.h"
 
@@ -39,7 +39,7 @@ TEST(timers_run_when_they_are_due_and_less_than_two_grains_later)
     for (int i = 0; i < ALARMS; i++) {
         alarm[i].timer.run = ring;
         timers_set(&wheel, &alarm[i].timer, now - 10 + test_below(SPAN));
-        if (i % 3 == 0) /* another time instead */
+        if (i % 3 == 0) /* set to another time */
             timers_set(&wheel, &alarm[i].timer, now + test_below(SPAN));
         if (i % 5 == 0)
             timer_clear(&alarm[i].timer);
@@ -77,7 +77,7 @@ TEST(timers_may_clear_and_set_each_other)
     timers_init(&wheel, now);
     timers_set(&wheel, &a.timer, 100);
     timers_set(&wheel, &b.timer, 100);
-    a.clears = &b; /* due, too, but not any more */
+    a.clears = &b; /* due, too, but cleared */
     a.sets = &c;
     go_on_to(200);
     CHECK(a.rang_ms == 200 && b.rang_ms == 0 && c.rang_ms == 0);
