@@ -22,13 +22,17 @@ $(O)/interop/small_sets: $(addprefix $(O)/tests/,interop/small_sets.o interop/da
 	@mkdir -p $(@D)
 	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
 
+$(O)/interop/surfaces: $(addprefix $(O)/tests/,interop/surfaces.o interop/daemon.o oracle/cgal_delaunay.o) $(FAMILIES)
+	@mkdir -p $(@D)
+	$(CXXCOMPILE) -o $@ $^ -lgmp -lmpfr
+
 $(O)/tests/bench/points: $(O)/tests/bench/points.o $(FAMILIES)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
 interop: all
 	$(call need,g++ libcgal-dev netcat-openbsd redis-tools,command -v $(CXX) && command -v nc && command -v redis-cli && \
 	  echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ -)
-	@$(MAKE) --no-print-directory $(addprefix $(O)/,interop/compare interop/small_sets tests/bench/points)
+	@$(MAKE) --no-print-directory $(addprefix $(O)/,interop/compare interop/small_sets interop/surfaces tests/bench/points)
 	tests/interop/run.sh $(O)
 
 # ---- bench: ns per point; beside CGAL where libcgal-dev is there ----

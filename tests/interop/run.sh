@@ -28,8 +28,8 @@ count() {
     fi
 }
 
-start_daemon() {
-    "$build/delaunayd" --port 0 >"$scratch/ready" 2>"$scratch/log" &
+start_daemon() { # [OPTION...]
+    "$build/delaunayd" --port 0 "$@" >"$scratch/ready" 2>"$scratch/log" &
     daemon=$!
     for _ in $(seq 100); do
         port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready")
@@ -170,6 +170,18 @@ compare_with_cgal() {
     collect "$scratch/shard1"
 }
 
+# Values, weights and alpha shapes, also after a crash: the log has all edits.
+compare_surfaces() {
+    start_daemon --data "$scratch/data"
+    "$build/interop/surfaces" "$port" >"$scratch/surfaces" 2>&1
+    collect "$scratch/surfaces"
+    { kill -KILL "$daemon" && wait "$daemon"; } 2>/dev/null
+    start_daemon --data "$scratch/data"
+    "$build/interop/surfaces" "$port" again >"$scratch/surfaces" 2>&1
+    collect "$scratch/surfaces"
+    count "clean stop after a restart" stops_cleanly
+}
+
 many_small_sets() {
     timeout 120 "$build/interop/small_sets" 20000 "$(date +%s)"
 }
@@ -191,5 +203,6 @@ count "redis-cli" redis_cli_converses
 count "redis-benchmark" redis_benchmark_finishes
 count "many small sets" many_small_sets
 count "clean stop on SIGTERM" stops_cleanly
+compare_surfaces
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
