@@ -24,7 +24,8 @@ void terminal_start(const char *arguments)
 {
     char command[400];
     struct winsize size = {.ws_row = 24, .ws_col = 80};
-    term.fd = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC); /* so that it hangs up with the test */
+    term.fd =
+        posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC); /* so that it closes when the test ends */
     CHECK(term.fd >= 0 && grantpt(term.fd) == 0 && unlockpt(term.fd) == 0);
     CHECK(ioctl(term.fd, TIOCSWINSZ, &size) == 0);
     const char *name = ptsname(term.fd);

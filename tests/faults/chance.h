@@ -1,4 +1,4 @@
-/* chance.h - random numbers of one's own: for threads, and where the same number is wanted again. */
+/* chance.h - random numbers apart from test_random: for threads, and where the same number is needed again. */
 #ifndef TESTS_FAULTS_CHANCE_H
 #define TESTS_FAULTS_CHANCE_H
 

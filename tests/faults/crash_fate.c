@@ -7,14 +7,14 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-/* The same number whenever it is asked for. */
+/* A number that depends only on the seed and the arguments. */
 static uint32_t number_for(const struct random_fate *f, size_t op, uint64_t what)
 {
     uint64_t z = f->seed + 0x9E3779B97F4A7C15u * (op + 1);
     return (uint32_t)(chance_mix(chance_mix(z) + what) % 1000);
 }
 
-__attribute__((format(printf, 2, 3))) static void tell(struct random_fate *f, const char *format,
+__attribute__((format(printf, 2, 3))) static void note(struct random_fate *f, const char *format,
                                                        ...)
 {
     va_list ap;
@@ -30,16 +30,16 @@ static void tell_loss(struct random_fate *f, size_t op, enum crash_part part, ui
     static const char *const kind[] = {"open",   "write", "truncate", "extend", "mkdir",
                                        "rename", "link",  "unlink",   "sync",   "sent"};
     if (f->last != op)
-        tell(f, "%s%zu: %s %s", f->length > 0 ? "; " : "", op, kind[f->log->op[op].kind],
+        note(f, "%s%zu: %s %s", f->length > 0 ? "; " : "", op, kind[f->log->op[op].kind],
              crash_subject(f->crash, op));
     f->last = op;
     if (part == PART_SECTOR)
-        tell(f, " [%" PRIu64 "]", sector);
+        note(f, " [%" PRIu64 "]", sector);
     else
-        tell(f, "%s", part == PART_SIZE ? " size" : part == PART_NAME ? " name" : " old name");
+        note(f, "%s", part == PART_SIZE ? " size" : part == PART_NAME ? " name" : " old name");
 }
 
-/* A write is kept or lost as a whole, or else each sector of it. */
+/* Either a whole write is kept or lost, or each of its sectors separately. */
 static bool keeps_sector(const struct random_fate *f, size_t op, uint64_t sector)
 {
     bool torn = number_for(f, op, 1) < 500;

@@ -1,5 +1,5 @@
-/* crash_fate.h - a power cut that loses what chance says: for sectors, sizes and names there is a
- * share each that is kept, from none to all of them. The same seed decides in the same way. */
+/* crash_fate.h - a power cut that loses random parts: of sectors, sizes and names, a share each is kept,
+ * from none to all of them. The same seed makes the same decisions. */
 #ifndef TESTS_FAULTS_CRASH_FATE_H
 #define TESTS_FAULTS_CRASH_FATE_H
 

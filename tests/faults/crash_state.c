@@ -1,8 +1,8 @@
-/* crash_state.c - see crash_state.h. First the log is followed once, to know which file each
- * descriptor and name stood for (resolve). Then, for each state, every file has two images: what the
- * process saw, and what is on the disk. Operations are carried out on the first; what of them is
- * covered, or kept, goes over to the second, sector by sector. So a sector on the disk is always what
- * the process saw of it at some moment. */
+/* crash_state.c - see crash_state.h. First the log is followed once, to find which file each descriptor
+ * and name stood for (resolve). Then, for each state, every file has two images: what the process saw,
+ * and what is on the disk. Operations are carried out on the first; the parts of them that a sync covers,
+ * or that are kept, are copied to the second, sector by sector. So a sector on the disk always has the
+ * content that the process saw at some moment. */
 #include "tests/faults/crash_state.h"
 
 #include "tests/test.h"
@@ -20,7 +20,7 @@ struct image {
 
 struct node {
     bool dir;
-    const struct tree_file *before; /* borrows; NULL: it was not there */
+    const struct tree_file *before; /* borrows; NULL: it did not exist */
     struct image seen, disk;
 };
 
@@ -30,14 +30,14 @@ struct entry {
     int before, seen, disk; /* the node that it stands for, or NOTHING */
 };
 
-/* What an operation is about. */
+/* The nodes and entries that an operation concerns. */
 struct step {
     int node;   /* its data, or the directory that it syncs; NOTHING: no data */
     int dir;    /* NOTHING: no name */
     int entry;  /* that changes, to */
     int to;     /* this node or NOTHING */
     int gone;   /* the entry that a rename leaves behind; or NOTHING */
-    bool empty; /* an opening that cuts the file down to nothing */
+    bool empty; /* an opening that truncates the file to 0 bytes */
     bool covered;
 };
 
@@ -81,7 +81,7 @@ static int parent_of(struct crash *c, const char *path)
     return dir;
 }
 
-/* The entry of that path, made if it is new. */
+/* The entry of this path, created if it is new. */
 static int find_entry(struct crash *c, const char *path)
 {
     for (int i = 0; i < c->entries; i++)
@@ -201,11 +201,11 @@ const char *crash_subject(const struct crash *c, size_t number)
     return "";
 }
 
-/* ---- what is covered ---- */
+/* ---- which operations are covered by syncs ---- */
 
 static void cover(struct crash *c, size_t cut)
 {
-    size_t *open = malloc((cut + 1) * sizeof *open), n = 0; /* neither covered nor given up */
+    size_t *open = malloc((cut + 1) * sizeof *open), n = 0; /* neither covered nor lost for good */
     CHECK(open != NULL);
     for (size_t i = 0; i < cut; i++) {
         const struct power_op *op = &c->log->op[i];
@@ -232,7 +232,7 @@ static void cover(struct crash *c, size_t cut)
 
 /* ---- images ---- */
 
-/* Room for n bytes; those that are new are zeros. */
+/* Makes room for n bytes; new ones are zeros. */
 static void image_widen(struct image *m, size_t n)
 {
     if (n > m->cap) {
@@ -250,7 +250,7 @@ static void image_widen(struct image *m, size_t n)
 static void image_write(struct image *m, uint64_t at, const char *bytes, size_t n)
 {
     image_widen(m, (size_t)at + n);
-    if (n > 0) /* else there may be no image yet */
+    if (n > 0) /* otherwise there may be no image yet */
         memcpy(m->bytes + at, bytes, n);
 }
 
@@ -310,7 +310,7 @@ static void write_data(struct crash *c, size_t i, struct crash_fate *fate)
     if (end < node->seen.size)
         return;
     node->seen.size =
-        end; /* or again, if it was that: what is written up to there has to be found */
+        end; /* even if it had this size before: later writes up to it must be found */
     if (keeps(c, fate, i, PART_SIZE, 0))
         node->disk.size = end;
 }
@@ -352,7 +352,7 @@ static uint32_t give_file(const struct node *n, struct tree *out)
     return tree_add_file(out, &f);
 }
 
-/* All names in the directory that are on the disk, and what is in them. */
+/* All names of the directory that are on the disk, and their content. */
 static void give_names(struct crash *c, int dir, uint32_t given[], struct tree *out)
 {
     for (int i = 0; i < c->entries; i++) {

@@ -1,5 +1,5 @@
-/* crash_state_test.c - what a power cut may leave behind, and what it may not. Each test writes down
- * what a process has done, names the parts of it that are lost, and looks at what is left. */
+/* crash_state_test.c - what a power cut may leave behind, and what it may not. Each test lists the
+ * operations of a process and the parts of them that are lost, and examines what is left. */
 #include "tests/faults/crash_state.h"
 
 #include "tests/test.h"
@@ -7,7 +7,7 @@
 #include <fcntl.h>
 #include <string.h>
 
-/* ---- a process at work ---- */
+/* ---- the operations of a process ---- */
 
 enum { MOST = 32, A = 5, B = 6, DIR_FD = 4, NEW_FILE = O_WRONLY | O_CREAT };
 
@@ -44,7 +44,7 @@ static size_t renames(const char *from, const char *to)
     return add((struct power_op){.kind = POWER_RENAME, .name = from, .other = to});
 }
 
-/* A sync of what is there when it begins. */
+/* A sync of everything before it. */
 static size_t syncs(int fd)
 {
     return add((struct power_op){.kind = POWER_SYNC, .fd = fd, .a = ops});
@@ -101,7 +101,7 @@ static struct tree left_after(const struct losses *l)
     return t;
 }
 
-/* Without these parts. */
+/* The directory without these parts. */
 static struct tree without(const struct loss *v, size_t n)
 {
     return left_after(&(struct losses){.v = v, .n = n});
@@ -122,7 +122,7 @@ static struct tree without_sector(size_t number, uint64_t sector)
     return without(&(struct loss){number, PART_SECTOR, sector}, 1);
 }
 
-/* Without all that may be lost. */
+/* The directory without all parts that may be lost. */
 static struct tree without_all(void)
 {
     return left_after(&(struct losses){.all = true});
@@ -135,7 +135,7 @@ static bool has(const struct tree *t, const char *name)
     return tree_find(t, name) != NULL;
 }
 
-/* The file's byte there; -1: it is shorter. */
+/* The byte of the file at this offset; -1: the file is shorter. */
 static int byte_at(const struct tree *t, const char *name, uint64_t at)
 {
     const struct tree_file *f = tree_find(t, name);
@@ -216,7 +216,7 @@ TEST(unlink_may_be_undone)
     tree_free(&t);
 }
 
-TEST(second_name_is_one_of_the_same_file)
+TEST(link_gives_a_second_name_to_the_same_file)
 {
     has_file(A, "a", "one", 3);
     size_t linked = add((struct power_op){.kind = POWER_LINK, .name = "a", .other = "b"});
@@ -248,7 +248,7 @@ TEST(new_directory_may_be_missing_with_all_that_is_in_it)
     tree_free(&t);
 }
 
-/* The name of a file that was removed and made again stands for either of them. */
+/* After a file is removed and created again, its name stands for either of the two. */
 TEST(name_that_is_used_again_may_stand_for_the_earlier_file)
 {
     has_file(A, "a", "one", 3);
@@ -278,7 +278,7 @@ TEST(sync_covers_what_came_before_it_began)
     struct tree t = without_all();
     CHECK(holds(&t, "a", "onetwo"));
     tree_free(&t);
-    op[synced].a = begin; /* the write came while it was under way */
+    op[synced].a = begin; /* the write came during the sync */
     t = without_all();
     CHECK(holds(&t, "a", "one"));
     tree_free(&t);
@@ -304,7 +304,7 @@ TEST(write_is_torn_at_512_bytes)
     CHECK(byte_at(&t, "a", 1023) == 0 && byte_at(&t, "a", 1024) == '2');
     CHECK(byte_at(&t, "a", 1999) == '2' && byte_at(&t, "a", 2000) == -1);
     tree_free(&t);
-    t = without_sector(second, 2); /* the disk has never had anything there */
+    t = without_sector(second, 2); /* nothing was ever on the disk there */
     CHECK(byte_at(&t, "a", 1023) == '2' && byte_at(&t, "a", 1024) == 0);
     CHECK(byte_at(&t, "a", 1535) == 0 && byte_at(&t, "a", 1536) == '2');
     tree_free(&t);
@@ -320,8 +320,7 @@ TEST(lost_sector_has_its_old_content)
     tree_free(&t);
 }
 
-/* A sector has what the process saw of it at some moment: never a later write without an earlier
- * one. */
+/* A sector has content that the process saw at some moment: never a later write without an earlier one. */
 TEST(sector_of_two_writes_has_both_or_the_first_or_none)
 {
     has_file(A, "a", filled('1'), 512);
@@ -367,7 +366,7 @@ TEST(truncation_may_be_undone)
     tree_free(&t);
 }
 
-TEST(file_that_was_opened_anew_may_have_its_old_content)
+TEST(file_that_was_truncated_on_opening_may_have_its_old_content)
 {
     has_file(A, "a", filled('1'), 1000);
     opens(B, "a", NEW_FILE | O_TRUNC);
@@ -382,7 +381,7 @@ TEST(file_that_was_opened_anew_may_have_its_old_content)
 
 /* ---- syncs that fail ---- */
 
-TEST(what_a_failed_sync_should_have_covered_is_covered_by_no_later_one)
+TEST(no_later_sync_covers_what_a_failed_sync_should_have_covered)
 {
     has_file(A, "a", filled('1'), 512);
     writes(A, 512, filled('2'), 512);
@@ -407,7 +406,7 @@ TEST(sector_that_is_written_again_after_a_failed_sync_is_covered_by_the_next)
     tree_free(&t);
 }
 
-TEST(size_that_a_failed_sync_has_lost_is_covered_once_the_end_is_written_again)
+TEST(size_that_a_failed_sync_has_lost_is_covered_after_the_end_is_written_again)
 {
     has_file(A, "a", filled('1'), 512);
     writes(A, 512, filled('2'), 100);

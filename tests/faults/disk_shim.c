@@ -3,10 +3,10 @@
  *     DISK_DIR     calls on files below this directory count
  *     DISK_OP      which ones: write, short (a write that writes half), sync, rename, open, stall
  *                  (an open that takes DISK_ERRNO milliseconds)
- *     DISK_NTH     the first that fails, counted from 1
- *     DISK_TIMES   how many fail from there on
- *     DISK_ERRNO   with what
- *     DISK_FIRED   a file that is created when the first one has failed
+ *     DISK_NTH     the first call that fails, counted from 1
+ *     DISK_TIMES   how many fail from that one on
+ *     DISK_ERRNO   the error
+ *     DISK_FIRED   a file that is created when the first call has failed
  *     DISK_GATE    as long as a file of that name exists, syncs wait */
 #include <dlfcn.h>
 #include <errno.h>

@@ -23,7 +23,7 @@ static struct power_op take(const char *at)
                              .b = h.b};
 }
 
-/* The length of the operation there; 0: it is not complete. */
+/* The length of the operation at `at`; 0: it is not complete. */
 static size_t length(const char *at, size_t n)
 {
     struct power_head h;

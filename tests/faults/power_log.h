@@ -1,9 +1,9 @@
-/* power_log.h - what a daemon has done to the files below a directory, operation by operation, as
- * tests/faults/power_shim.c writes it down, and what it has sent to its clients in between.
+/* power_log.h - the operations of a daemon on the files below a directory, as recorded by
+ * tests/faults/power_shim.c, and how much it has sent to its clients in between.
  *
- * An operation is in the log when it is done, under the same lock, so the order is the real one. A
- * sync takes a while: it is in the log when it returns, and says how many operations were there when
- * it began. Names are relative to the directory; "" is the directory itself. */
+ * An operation is carried out and recorded under the same lock, so the order is the real one. A sync takes
+ * a while: it is recorded when it returns, with the number of operations when it began. Names are relative
+ * to the directory; "" is the directory itself. */
 #ifndef TESTS_FAULTS_POWER_LOG_H
 #define TESTS_FAULTS_POWER_LOG_H
 
@@ -23,7 +23,7 @@ enum power_kind {
     POWER_SENT    /* to a client; a: its port; b: bytes */
 };
 
-/* As it is in the file: this, the name and the other name, each with its NUL, then data. */
+/* The format in the file: this head, the name and the other name, each with its NUL, then data. */
 struct power_head {
     uint32_t bytes; /* of all that */
     uint16_t kind, name_len, other_len;
@@ -47,7 +47,7 @@ struct power_log {
     size_t n;
 };
 
-/* An incomplete operation at the end, of a process that was killed, is not there. */
+/* Reads a log without an incomplete operation at its end, which a killed process may leave. */
 struct power_log power_log_read(const char *path);
 void power_log_free(struct power_log *log);
 

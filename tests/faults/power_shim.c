@@ -1,19 +1,19 @@
-/* power_shim.c - writes down what a daemon does to its disk, loaded into it with LD_PRELOAD, so that a
- * test can tell what a power cut might have left (crash_state.h); ends the daemon at a given moment,
- * and has the disk stall, fail and fill up.
+/* power_shim.c - records the operations of a daemon on its disk, loaded into it with LD_PRELOAD, so that a
+ * test can compute what a power cut might have left (crash_state.h); ends the daemon at a given moment, and
+ * makes the disk stall, fail and fill up.
  *
  *     POWER_ROOT         files below this directory count
  *     POWER_LOG          the file for the operations (power_log.h)
- *     POWER_FIRST        so many are there already, of processes before this one
- *     POWER_CRASH        the daemon ends with so many of its own, in the middle of what it is doing
- *     POWER_SEED         for what is left to chance below
- *     POWER_SYNC_FAILS   so many syncs of a thousand fail
- *     POWER_WRITE_FAILS  so many writes, renames and openings of a thousand fail or are cut short
- *     POWER_STALL_US     a sync takes up to so many microseconds
+ *     POWER_FIRST        the number of operations of earlier processes in that file
+ *     POWER_CRASH        the daemon ends after this many operations of its own, wherever it is
+ *     POWER_SEED         for the random decisions below
+ *     POWER_SYNC_FAILS   how many of a thousand syncs fail
+ *     POWER_WRITE_FAILS  how many of a thousand writes, renames and openings fail or are cut short
+ *     POWER_STALL_US     the longest duration of a sync in microseconds
  *     POWER_SPACE        bytes that the files of one directory may have
  *
- * Nothing is really synced: what is written survives the daemon anyway. The calls below are all that
- * the daemon uses; the test sees to it that they are, by comparing what they tell with the files. */
+ * Nothing is really synced: what is written survives the daemon anyway. The daemon uses no other calls
+ * than those below; the test checks that, by comparing the recorded operations with the files. */
 #include "tests/faults/power_log.h"
 
 #include <arpa/inet.h>
@@ -81,7 +81,7 @@ static bool happens(const char *name)
 
 /* ---- names ---- */
 
-/* The path relative to the root, NULL if it is not below it. */
+/* The path relative to the root, NULL if it is not below the root. */
 static const char *relative(const char *path)
 {
     const char *root = getenv("POWER_ROOT");
@@ -113,7 +113,7 @@ static const char *name_in(int dir, const char *name, char path[PATH_LIMIT])
     return relative(path);
 }
 
-/* ---- writing down ---- */
+/* ---- recording ---- */
 
 /* The mutex is held. */
 static void note(struct power_head h, const char *name, const char *other, const void *data,
@@ -137,7 +137,7 @@ static void lock(void)
     pthread_mutex_lock(&mutex);
 }
 
-/* errno stays as it was. */
+/* Preserves errno. */
 static void unlock(void)
 {
     int error = errno;
@@ -160,7 +160,7 @@ static uint64_t rounded(uint64_t bytes)
     return (bytes + 511) / 512 * 512;
 }
 
-/* What the files take that lie beside this one. */
+/* The bytes used by the files in the directory of this one. */
 static uint64_t used_beside(int fd)
 {
     char path[PATH_LIMIT];
@@ -177,7 +177,7 @@ static uint64_t used_beside(int fd)
     return bytes;
 }
 
-/* How much of n bytes from the offset on there is space for. */
+/* How many of n bytes from the offset on fit. */
 static size_t affordable(int fd, uint64_t offset, size_t n)
 {
     struct stat st;

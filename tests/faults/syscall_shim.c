@@ -1,9 +1,9 @@
 /* syscall_shim.c - counts the system calls by which a daemon talks to its clients, loaded into it with
  * LD_PRELOAD.
  *
- *     SYSCALLS_FILE    a file of at least 16 bytes: two unsigned 64-bit numbers. The first one grows by
- *                      one with every call, so that a test that has mapped the file sees it at once;
- *                      while the second one is not 0, accepting fails with it as errno */
+ *     SYSCALLS_FILE    a file of at least 16 bytes: two unsigned 64-bit numbers. The first grows by one
+ *                      with every call; a test that has mapped the file sees it at once. While the
+ *                      second is not 0, accepting fails with it as errno */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -33,7 +33,7 @@ __attribute__((constructor)) static void map_file(void)
     calls = at == MAP_FAILED ? NULL : at;
 }
 
-/* Counts, and finds the real function. */
+/* Counts the call and returns the real function. */
 static void *real(const char *name)
 {
     if (calls != NULL)

@@ -1,5 +1,5 @@
-/* tree.h - a directory with all that is in it, in memory: names, and the files that they stand for.
- * Two names may stand for one file. */
+/* tree.h - a directory and its content in memory: names, and the files that they stand for. Two names may
+ * stand for one file. */
 #ifndef TESTS_FAULTS_TREE_H
 #define TESTS_FAULTS_TREE_H
 
@@ -10,7 +10,7 @@
 struct tree_file {
     bool dir;
     char *bytes; /* owns */
-    size_t n;    /* behind these there are zeros only, up to the size */
+    size_t n;    /* after these there are only zeros, up to the size */
     uint64_t size;
 };
 
@@ -36,19 +36,19 @@ const struct tree_file *tree_find(const struct tree *t, const char *path);
 
 struct tree tree_read(const char *path);
 
-/* Makes the directory hold what the tree holds, and nothing else. */
+/* Makes the content of the directory that of the tree. */
 void tree_write(const struct tree *t, const char *path);
 
-/* Removes a directory with all that is in it. */
+/* Removes a directory and its content. */
 void tree_remove(const char *path);
 
-/* Whether n bytes of a file are those of another from an offset on. */
+/* Whether n bytes of two files are equal, from an offset on. */
 bool tree_bytes_equal(const struct tree_file *a, uint64_t at, const struct tree_file *b,
                       uint64_t from, uint64_t n);
 
 bool tree_file_equal(const struct tree_file *a, const struct tree_file *b);
 
-/* NULL: both hold the same; else a name that differs. */
+/* A name whose content differs; NULL: both trees are equal. */
 const char *tree_difference(const struct tree *a, const struct tree *b);
 
 #endif

@@ -83,8 +83,8 @@ static void wrap(const struct brute *b, uint32_t from, uint32_t to)
     free(todo.v);
 }
 
-/* A hull edge: from the leftmost point, with all others on its left; the nearer one where two are
- * on its line. */
+/* A hull edge: from the leftmost point, with all others on its left; where two points are on its line, it
+ * ends at the nearer one. */
 static void first_edge(const struct brute *b, uint32_t *from, uint32_t *to)
 {
     *from = *to = DT_NONE;

@@ -1,8 +1,8 @@
-/* brute.h - every answer of core/delaunay.h by brute force, for small sets with tolerance 0.
+/* brute.h - every query of core/delaunay.h by brute force, for small sets with tolerance 0.
  *
- * Gift wrapping on a matrix of directed edges, linear scans, no mesh, no grid; of core/ only the
- * predicates, which have an oracle of their own (exact.h). Time and memory O(n^2) and more: for a
- * few hundred points. */
+ * Gift wrapping on a matrix of directed edges, linear scans, no mesh, no grid; it uses only the predicates
+ * of core/, which have an oracle of their own (exact.h). Time and memory are O(n^2) or more: for a few
+ * hundred points. */
 #ifndef BRUTE_H
 #define BRUTE_H
 
@@ -12,9 +12,10 @@ struct brute {
     uint32_t n;         /* ids are 0 .. n - 1 */
     struct dt_point *p; /* owns, by id */
     uint32_t *rep;      /* owns, by id: the representative, DT_NONE for a deleted id */
-    uint32_t *apex;  /* owns n * n: of the edge from a to b the corner left of it, DT_NONE if it has
+    uint32_t *apex; /* owns n * n: of the edge from a to b the corner left of it, DT_NONE if it has
                         no triangle */
-    uint32_t *line;  /* owns; all points on one line: the representatives along it; else NULL */
+    uint32_t
+        *line; /* owns; if all points are on one line: the representatives along it; else NULL */
     uint32_t points; /* representatives */
 };
 

@@ -1,8 +1,8 @@
-/* cgal_delaunay.cpp - asks CGAL, whose perturbation of ties [Devillers & Teillaud 2003] ours
- * equals.
+/* cgal_delaunay.cpp - the answers of CGAL, whose perturbation of ties [Devillers & Teillaud 2003] is the
+ * same as ours.
  *
- * CGAL keeps the id of whichever coincident point it inserts last, so coincident points are sorted
- * out before. */
+ * CGAL keeps the id of whichever coincident point it inserts last, so coincident points are removed
+ * before. */
 #include "tests/oracle/cgal_delaunay.h"
 
 #include <CGAL/Delaunay_triangulation_2.h>

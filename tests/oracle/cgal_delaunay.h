@@ -1,5 +1,4 @@
-/* cgal_delaunay.h - the answers of PROTOCOL.md by another hand: everything here comes from CGAL or
- * from brute force.
+/* cgal_delaunay.h - the answers of PROTOCOL.md from an independent source: CGAL or brute force.
  *
  * Rows are words in our canonical order: what a whole-set table of the protocol must contain. Needs
  * libcgal-dev; the CGAL headers, slow to compile, stay in cgal_delaunay.cpp. */
@@ -57,7 +56,7 @@ class cgal_delaunay
     std::unique_ptr<body> b;
 };
 
-/* The row turned so that its smallest word comes first. */
+/* The row rotated so that its smallest word comes first. */
 oracle_row from_smallest(oracle_row row);
 
 #endif

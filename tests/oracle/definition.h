@@ -1,5 +1,4 @@
-/* definition.h - what is wanted of a triangulation, checked by definition: for tests of the
- * engines. */
+/* definition.h - triangulations checked by their definition, for tests of the engines. */
 #ifndef DEFINITION_H
 #define DEFINITION_H
 
@@ -18,9 +17,9 @@ uint32_t defined_triangles(const struct dt_point *p, uint32_t n, struct triangle
  * Room for m->tri_end. */
 uint32_t mesh_triangles(const struct dt_mesh *m, const uint32_t *number, struct triangle *out);
 
-/* What is wrong with a mesh as the triangulation of n vertices with coordinates p[], NULL if
- * nothing: a closed surface of the right size, Delaunay at every edge, with a convex hull, is the
- * canonical triangulation. */
+/* What is wrong with a mesh as the triangulation of n vertices with coordinates p[], NULL if nothing. A
+ * closed surface of the right size that is Delaunay at every edge and has a convex hull is the canonical
+ * triangulation. */
 const char *mesh_fault(const struct dt_mesh *m, const struct dt_point *p, uint32_t n);
 
 /* Replaces n points by the distinct ones among them in random order (test_random); returns how

@@ -1,5 +1,4 @@
-/* exact.c - big integers by the methods of primary school, and the predicates as their textbook
- * determinants. */
+/* exact.c - big integers by schoolbook methods, and the predicates as their textbook determinants. */
 #include "tests/oracle/exact.h"
 
 #include "tests/test.h"
@@ -172,8 +171,8 @@ int exact_incircle(struct dt_point a, struct dt_point b, struct dt_point c, stru
 }
 
 /* The determinant of the rows (x, y, height, 1) is linear in the heights: that of row i counts with
- * its cofactor, (-1)^i times the orientation of the other three rows. The greatest point's is
- * looked at first, then the next one's. */
+ * its cofactor, (-1)^i times the orientation of the other three rows. The sign of the greatest
+ * point's coefficient decides, or if it is zero, the next one's. */
 int exact_incircle_perturbed(struct dt_point a, struct dt_point b, struct dt_point c,
                              struct dt_point d)
 {

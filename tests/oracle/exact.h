@@ -1,4 +1,4 @@
-/* exact.h - the predicates once more, in schoolbook big integers: slow and obviously right.
+/* exact.h - a second version of the predicates, in schoolbook big integers: slow and obviously right.
  *
  * Shares nothing with core/ but the point type. Every coordinate is a multiple of 2^-194 of
  * magnitude below 2^202, so as an integer it has at most 396 bits, and a polynomial of degree four

@@ -2,7 +2,7 @@
  *
  * Sources of the hostile ones: exact circles are the lattice points of x^2 + y^2 = R^2 for an R
  * with many prime factors 4k + 1, that is all products of Gaussian primes of norm R^2; Kuzmin's
- * disc is the astronomers' model of a galaxy; the others are what has broken other programs. */
+ * disc is a model of a galaxy from astronomy; the others have broken other programs. */
 #include "tests/oracle/families.h"
 
 #include <math.h>
@@ -58,7 +58,7 @@ static void scale_and_shift(struct dt_point *p, size_t n, double scale, double s
         p[i] = (struct dt_point){p[i].x * scale + shift, p[i].y * scale + shift};
 }
 
-/* ---- kind ones ---- */
+/* ---- easy ones ---- */
 
 static void fill_uniform(struct dt_point *p, size_t n, uint64_t *r)
 {
@@ -207,7 +207,7 @@ static void fill_circle(struct dt_point *p, size_t n, uint64_t *r)
     }
 }
 
-/* One point that is everybody's neighbour. */
+/* One point that is a neighbour of all others. */
 static void fill_wheel(struct dt_point *p, size_t n, uint64_t *r)
 {
     fill_circle_exact(p, n, r);
@@ -215,7 +215,7 @@ static void fill_wheel(struct dt_point *p, size_t n, uint64_t *r)
         p[below(r, n)] = (struct dt_point){0, 0};
 }
 
-/* ---- lines, or almost ---- */
+/* ---- lines and near-lines ---- */
 
 static void fill_line_axis(struct dt_point *p, size_t n, uint64_t *r)
 {
@@ -239,7 +239,7 @@ static void fill_near_collinear(struct dt_point *p, size_t n, uint64_t *r)
     }
 }
 
-/* On y = 0.3 x but for a billionth of its length. */
+/* On y = 0.3 x up to a billionth of its length. */
 static void fill_thin_line(struct dt_point *p, size_t n, uint64_t *r)
 {
     for (size_t i = 0; i < n; i++) {
@@ -331,14 +331,14 @@ static void fill_nested(struct dt_point *p, size_t n, uint64_t *r)
     }
 }
 
-/* The same towards a place where the doubles run out. */
+/* The same around (1/3, 1/3), where doubles are too coarse for the smallest distances. */
 static void fill_nested_shifted(struct dt_point *p, size_t n, uint64_t *r)
 {
     fill_nested(p, n, r);
     scale_and_shift(p, n, 1, 1.0 / 3);
 }
 
-/* Half of the points in one cell of any grid. */
+/* Half of the points are in one cell of any grid. */
 static void fill_one_cell(struct dt_point *p, size_t n, uint64_t *r)
 {
     fill_uniform(p, n, r);

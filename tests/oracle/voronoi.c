@@ -75,7 +75,7 @@ static void put(struct polygon *p, struct place corner, uint32_t site)
     p->site[p->n++] = site;
 }
 
-/* Leaves of the polygon what is closer to a than to b, which is site number `site`. */
+/* Cuts off the part of the polygon that is closer to b, the site number `site`, than to a. */
 static void clip(struct polygon *p, struct place a, struct place b, uint32_t site)
 {
     struct polygon r = polygon_new(p->n + 2);
@@ -131,7 +131,7 @@ static struct polygon cell_of(const struct place *site, uint32_t n)
     return cell;
 }
 
-/* The area of the cell that is nearest to site v, of the sites that have a side of it. */
+/* The area of the part of the cell that is nearest to site v among the sites that have a side of the cell. */
 static num stolen(const struct polygon *cell, const struct place *site, uint32_t v)
 {
     struct polygon p = polygon_new(cell->n);

@@ -1,5 +1,5 @@
-/* voronoi.h - the weights of natural neighbours by their definition: the Voronoi cell of a place is cut out of the
- * plane by one half plane after the other, in numbers of 1,850 bits. */
+/* voronoi.h - the weights of natural neighbours by their definition: the Voronoi cell of a place is clipped by one
+ * half plane after the other, in numbers of 1,850 bits. */
 #ifndef VORONOI_H
 #define VORONOI_H
 

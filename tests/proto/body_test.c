@@ -1,4 +1,4 @@
-/* body_test.c - the points that follow LOAD, in every form, cut at every place. */
+/* body_test.c - the points that follow LOAD, in every form, cut at every byte. */
 #include "proto/body.h"
 #include "tests/test.h"
 
@@ -10,7 +10,7 @@ static bool small_enough(double v)
     return fabs(v) < 1000;
 }
 
-/* Feeds text[n] in pieces of `piece` bytes, keeping what is not taken, as a connection does; -1:
+/* Feeds text[n] in pieces of `piece` bytes, keeping bytes that are not consumed, as a connection does; -1:
  * broken framing. */
 static ptrdiff_t feed(struct body *b, const char *text, size_t n, size_t piece, bool ends)
 {
@@ -36,7 +36,7 @@ static bool has_points(const struct body *b, size_t n, const double *xy)
     return b->complete && b->fault == BODY_GOOD && b->n == n && memcmp(b->xy, xy, n * 16) == 0;
 }
 
-TEST(body_in_dots_form_is_read_whatever_the_pieces)
+TEST(body_that_ends_with_a_dot_is_read_in_any_pieces)
 {
     static const char text[] = "1 2\n  3.5\t-4 \r\n\n# a comment\n #another\n5e2 .5\n.\nPING\n";
     static const double want[] = {1, 2, 3.5, -4, 500, .5};
@@ -49,7 +49,7 @@ TEST(body_in_dots_form_is_read_whatever_the_pieces)
     }
 }
 
-TEST(body_of_lines_in_many_forms_is_read_whatever_the_pieces)
+TEST(body_of_lines_in_many_forms_is_read_in_any_pieces)
 {
     static const char text[] = "0.25 -17\r\n1e2\t\t-2.5E-1\n-0 +0.0\n 3 4\n5 6 \n"
                                "0.1234567890123456789 12\n7 8\r \n.5 5.\n.\r\nPING\n";
@@ -60,7 +60,7 @@ TEST(body_of_lines_in_many_forms_is_read_whatever_the_pieces)
         body_init(&b, BODY_DOT, 0, 10, small_enough);
         ptrdiff_t took = feed(&b, text, sizeof text - 1, piece, false);
         CHECK(took == (ptrdiff_t)sizeof text - 1 - 5 && b.line == 9);
-        CHECK(b.fault == BODY_NUMBER && b.fault_line == 7); /* `8\r` is no number */
+        CHECK(b.fault == BODY_NUMBER && b.fault_line == 7); /* `8\r` is not a number */
         body_free(&b);
     }
     char *good = strdup(text);
@@ -86,7 +86,7 @@ TEST(body_of_counted_lines_ends_with_the_last_one)
     }
 }
 
-TEST(body_that_ends_without_a_byte_has_ended_too_early)
+TEST(body_that_ends_before_its_first_byte_is_a_fault)
 {
     for (int binary = 0; binary < 2; binary++) {
         struct body b;
@@ -108,7 +108,7 @@ TEST(body_of_no_lines_is_complete_at_once)
     CHECK(!b.complete);
 }
 
-TEST(body_in_binary_form_is_read_whatever_the_pieces)
+TEST(body_in_binary_form_is_read_in_any_pieces)
 {
     /* 1.0, -2.0, 0.5, 3.0 in little-endian order, then the next request */
     static const char text[] = "\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\0\xc0"
@@ -133,7 +133,7 @@ static enum body_fault fault_of(const char *text, uint64_t line)
     return b.fault;
 }
 
-TEST(body_with_a_bad_line_is_dropped_whole_and_names_the_first)
+TEST(body_with_bad_lines_is_discarded_and_reports_the_first)
 {
     CHECK(fault_of("1 2\n3\n4 x\n.\n", 2) == BODY_SYNTAX);
     CHECK(fault_of("1 2 3\n.\n", 1) == BODY_SYNTAX);
@@ -143,7 +143,7 @@ TEST(body_with_a_bad_line_is_dropped_whole_and_names_the_first)
     CHECK(fault_of("1 1\n2 1\n3 1\n4 1\n5\n.\n", 4) == BODY_TOOBIG);
 }
 
-TEST(body_in_binary_form_refuses_what_is_no_coordinate)
+TEST(body_in_binary_form_refuses_invalid_coordinates)
 {
     double bad[] = {(double)NAN, HUGE_VAL, 1000};
     enum body_fault want[] = {BODY_NUMBER, BODY_RANGE, BODY_RANGE};
@@ -201,7 +201,7 @@ TEST(body_with_a_nul_or_an_endless_line_breaks_the_framing)
     body_free(&b);
 }
 
-/* Two numbers and the blanks between them, all at once. */
+/* Two numbers with too many blanks between them, in one piece. */
 TEST(body_with_a_plain_line_that_is_too_long_breaks_the_framing)
 {
     static char text[LINE_LIMIT + 2];
@@ -218,7 +218,7 @@ TEST(body_with_a_plain_line_that_is_too_long_breaks_the_framing)
     }
 }
 
-TEST(body_without_memory_is_read_on_and_dropped)
+TEST(body_without_memory_is_read_to_its_end_and_discarded)
 {
     struct body b;
     body_init(&b, BODY_DOT, 0, 10, small_enough);
@@ -227,9 +227,9 @@ TEST(body_without_memory_is_read_on_and_dropped)
     CHECK(test_alloc_failed() && b.complete && b.fault == BODY_NOMEM && b.fault_line == 1);
 }
 
-/* Memory that is counted. */
+/* Counts the memory of the body. */
 struct counted {
-    size_t bytes; /* of the one array there is */
+    size_t bytes; /* of the only array */
     unsigned moves;
 };
 
@@ -242,7 +242,7 @@ static void *grow_counted(void *ctx, void *p, size_t used, size_t bytes)
     return realloc(p, bytes);
 }
 
-TEST(body_has_its_points_where_the_caller_wants_them_and_just_enough_room)
+TEST(body_stores_points_in_the_callers_memory_of_just_the_right_size)
 {
     struct body b;
     for (int with_lines = 0; with_lines < 2; with_lines++) {
@@ -271,7 +271,7 @@ TEST(body_does_not_trust_the_announced_count)
     body_free(&b);
 }
 
-TEST(body_with_values_is_read_whatever_the_pieces)
+TEST(body_with_values_is_read_in_any_pieces)
 {
     static const char text[] = "1 2 3 nan\n # 1\n\n -4\t5  6e2 NaN \r\n7 8 -0 1\n.\nPING\n";
     static const double want[] = {1, 2, 3, 0, -4, 5, 600, 0, 7, 8, -0.0, 1};
@@ -287,7 +287,7 @@ TEST(body_with_values_is_read_whatever_the_pieces)
     }
 }
 
-TEST(body_of_values_alone_is_read_whatever_the_pieces)
+TEST(body_of_values_alone_is_read_in_any_pieces)
 {
     static const double v[] = {1.5, (double)NAN, 1e300};
     for (size_t piece = 1; piece <= sizeof v; piece++) {

@@ -1,4 +1,4 @@
-/* buf_test.c - buffers against a plain array. */
+/* buf_test.c - buffers compared with a plain array. */
 #include "proto/buf.h"
 #include "tests/test.h"
 

@@ -1,4 +1,4 @@
-/* crc32c_test.c - the checksum against published values and against itself. */
+/* crc32c_test.c - the checksum compared with published values and with itself. */
 #include "proto/crc32c.h"
 
 #include "tests/test.h"

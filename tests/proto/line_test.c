@@ -1,4 +1,4 @@
-/* line_test.c - lines out of bytes. */
+/* line_test.c - finding lines in bytes. */
 #include "proto/line.h"
 #include "tests/test.h"
 
@@ -35,7 +35,7 @@ TEST(line_with_a_nul_is_invalid_even_before_its_end)
     CHECK(line_read("a\n\0", 3, false, &line) == 2);
 }
 
-TEST(line_may_be_64_kib_long_and_no_longer)
+TEST(line_has_at_most_64_kib)
 {
     static char text[LINE_LIMIT + 3];
     struct line line;

@@ -1,4 +1,4 @@
-/* number_test.c - reading and writing of numbers against the C library's, which is exact in the C
+/* number_test.c - reading and writing numbers, compared with the C library, which is exact in the C
  * locale. */
 #include "proto/number.h"
 
@@ -84,7 +84,7 @@ TEST(number_reads_plain_and_scientific_forms)
     check_reads_as("1e00000000000000000000000000003", 1000);
 }
 
-TEST(number_refuses_whatever_is_not_a_decimal_number)
+TEST(number_refuses_text_that_is_not_a_decimal_number)
 {
     static const char *const bad[] = {
         "",      "-",     "+",        ".",    "-.",    "e5",  ".e5", "1e",       "1e+",  "1e-",
@@ -112,7 +112,7 @@ TEST(number_of_every_other_single_byte_is_refused)
     }
 }
 
-/* The longest beginning of text[len] that is a number, and its value. */
+/* The length of the longest prefix of text[len] that is a number, and its value. */
 static size_t longest_number(const char *text, size_t len, double *v)
 {
     while (len > 0 && !proto_read_double(text, len, v))
@@ -120,7 +120,7 @@ static size_t longest_number(const char *text, size_t len, double *v)
     return len;
 }
 
-TEST(number_that_something_follows_is_read_as_far_as_it_goes)
+TEST(number_is_read_up_to_the_first_character_that_does_not_belong_to_it)
 {
     static const char bytes[] = "0123456789012345678901234567890123456789..+-eE \n,x";
     for (int i = 0; i < 200000; i++) {
@@ -249,7 +249,7 @@ TEST(number_reads_ties_of_short_integers_to_even)
     check_reads_as("9007199254740993.00000000000000000000000000000001", 9007199254740994.0);
 }
 
-TEST(number_reads_digits_by_the_thousand)
+TEST(number_reads_thousands_of_digits)
 {
     char *text = malloc(70000);
     for (int i = 0; i < 300; i++) {
@@ -266,8 +266,8 @@ TEST(number_reads_digits_by_the_thousand)
     free(text);
 }
 
-/* The digit that decides may come after any number of zeros. */
-TEST(number_reads_a_tie_broken_far_behind)
+/* The deciding digit may come after any number of zeros. */
+TEST(number_reads_a_tie_that_a_far_digit_breaks)
 {
     char text[3000];
     for (int zeros = 0; zeros < 2500; zeros++) {
@@ -340,7 +340,7 @@ TEST(number_reads_the_known_hard_cases)
         check_reads_like_strtod(hard[i]);
 }
 
-TEST(number_does_not_look_at_the_locale)
+TEST(number_does_not_depend_on_the_locale)
 {
     static const char *const comma[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE",
                                         "fr_FR"};
@@ -412,7 +412,7 @@ TEST(number_writes_javascript_layout)
     check_writes(0x1p-142, "1.793662034335766e-43");
 }
 
-/* Of two shortest decimals that are equally near the one that ends in an even digit. */
+/* Of two shortest decimals that are equally near, the one that ends in an even digit is written. */
 TEST(number_writes_ties_as_the_even_decimal)
 {
     check_writes(1125899906842624.25, "1125899906842624.2");
@@ -444,8 +444,8 @@ static int against_half(const char *digits)
     return digits[1 + strspn(digits + 1, "0")] == 'e' ? 0 : 1;
 }
 
-/* Checks v's text against the exact expansion of v: of the decimals with one digit less none reads
- * back, and of those with as many digits that read back it is the nearest. */
+/* Checks v's text against the exact expansion of v: no decimal with one digit less reads back as v, and
+ * of those with as many digits that do, it is the nearest. */
 static void check_shortest(double v)
 {
     char text[PROTO_NUMBER_MAX + 1], exact[800], candidate[64];
@@ -477,7 +477,7 @@ static void check_shortest(double v)
     }
     bool above = back_at[1] && (!back_at[0] || against_half(exact + n) > 0);
     if (back_at[0] && back_at[1] && against_half(exact + n) == 0)
-        above = digits != below; /* a tie: either will do */
+        above = digits != below; /* a tie: either is right */
     uint64_t want = below + above;
     while (want % 10 == 0)
         want /= 10;

@@ -63,7 +63,7 @@ static void set_product(uint32_t *n, struct proto_u128 g, bool add, int e)
 }
 
 /* g <= 5^q * 2^s < g + 1 where both have 128 bits; equal up to q = 55. */
-TEST(powers_of_ten_are_rounded_down_and_exact_while_they_can_be)
+TEST(powers_of_ten_are_rounded_down_and_exact_where_possible)
 {
     uint32_t power[WORDS], low[WORDS], high[WORDS];
     for (int q = 0; q <= PROTO_POWER_MAX; q++) {
@@ -85,7 +85,7 @@ TEST(powers_of_ten_are_rounded_down_and_exact_while_they_can_be)
 
 /* g * 5^|q| <= 2^s < (g + 1) * 5^|q|; from -27 on g is one more, so (g - 1) * 5^|q| < 2^s < g *
  * 5^|q|. */
-TEST(negative_powers_of_ten_are_rounded_as_reading_wants_them)
+TEST(negative_powers_of_ten_are_rounded_as_reading_needs_them)
 {
     uint32_t power[WORDS], two[WORDS], low[WORDS], high[WORDS];
     for (int q = -1; q >= PROTO_POWER_MIN; q--) {

@@ -1,4 +1,4 @@
-/* record_test.c - records come back as they were written, and nothing else is taken for one. */
+/* record_test.c - records are read as they were written, and nothing else is accepted as a record. */
 #include "proto/record.h"
 
 #include "proto/crc32c.h"
@@ -87,7 +87,7 @@ static void check_items(const struct record *got)
     }
 }
 
-TEST(records_of_every_type_come_back)
+TEST(records_of_every_type_are_read_as_written)
 {
     for (int t = RECORD_CREATE; t < RECORD_TYPES; t++) {
         struct record want = sample((enum record_type)t), got;
@@ -113,7 +113,8 @@ TEST(record_cut_anywhere_needs_more_and_flipped_anywhere_is_refused)
         record_write(&b, &want);
         size_t len = buf_len(&b);
         for (size_t n = 0; n < len; n++) {
-            char *exact = malloc(n + 1); /* so that reading beyond is seen */
+            char *exact =
+                malloc(n + 1); /* of its exact size, so that a sanitizer sees an overrun */
             memcpy(exact, buf_head(&b), n);
             CHECK(record_read(exact, n, &got) == 0);
             free(exact);
@@ -127,7 +128,7 @@ TEST(record_cut_anywhere_needs_more_and_flipped_anywhere_is_refused)
     }
 }
 
-TEST(outline_of_a_damaged_record_is_what_its_header_says)
+TEST(outline_of_a_damaged_record_comes_from_its_header)
 {
     struct buf b = {0};
     struct record got, r = sample(RECORD_DELETE);
@@ -139,14 +140,14 @@ TEST(outline_of_a_damaged_record_is_what_its_header_says)
     buf_free(&b);
 }
 
-TEST(record_is_not_seen_in_zeros)
+TEST(zeros_are_not_a_record)
 {
     char zeros[4096] = {0};
     struct record r;
     CHECK(record_read(zeros, sizeof zeros, &r) == -1 && r.fault != NULL);
 }
 
-TEST(segment_header_comes_back_and_is_guarded)
+TEST(segment_header_is_read_as_written_and_has_a_checksum)
 {
     struct segment want = {.version = RECORD_VERSION, .kind = SEGMENT_SNAPSHOT, .lsn = 77}, got;
     char bytes[SEGMENT_HEADER];
@@ -178,7 +179,7 @@ static void put(char *at, uint64_t v, unsigned size)
         at[i] = (char)(v >> 8 * i);
 }
 
-/* A header of a segment with a right checksum in which the bytes from `at` on have been changed. */
+/* Reads a segment header whose bytes from `at` on have been changed, with a correct checksum. */
 static bool reads_segment(size_t at, uint64_t v, unsigned size)
 {
     struct segment s = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = 0x123456789abcdef0u};
@@ -191,7 +192,7 @@ static bool reads_segment(size_t at, uint64_t v, unsigned size)
     return took > 0;
 }
 
-TEST(segment_with_a_right_checksum_and_a_wrong_field_is_refused)
+TEST(segment_with_a_correct_checksum_and_a_wrong_field_is_refused)
 {
     CHECK(reads_segment(0, 'D', 1) && !reads_segment(0, 'd', 1) && !reads_segment(7, 'X', 1));
     CHECK(reads_segment(8, RECORD_VERSION, 4) && !reads_segment(8, 0, 4));
@@ -201,7 +202,7 @@ TEST(segment_with_a_right_checksum_and_a_wrong_field_is_refused)
     CHECK(!reads_segment(12, 0x10000 | SEGMENT_LOG, 4));
 }
 
-/* Whether a record with a right checksum is read in which the bytes from `at` on have been changed. */
+/* Whether a record is accepted whose bytes from `at` on have been changed, with a correct checksum. */
 static bool reads_record(enum record_type type, size_t at, uint64_t v, unsigned size)
 {
     struct record r = sample(type), got;
@@ -215,7 +216,7 @@ static bool reads_record(enum record_type type, size_t at, uint64_t v, unsigned 
     return took > 0;
 }
 
-TEST(record_with_a_right_checksum_and_a_wrong_field_is_refused)
+TEST(record_with_a_correct_checksum_and_a_wrong_field_is_refused)
 {
     CHECK(reads_record(RECORD_DROP, 24, RECORD_DROP, 1));
     CHECK(!reads_record(RECORD_DROP, 24, 0, 1) && !reads_record(RECORD_DROP, 24, RECORD_TYPES, 1));
@@ -228,7 +229,7 @@ TEST(record_with_a_right_checksum_and_a_wrong_field_is_refused)
     CHECK(!reads_record(RECORD_ADD, 32, (1u << 28) + 3, 4));
 }
 
-/* A record of rows with so long a name: what record_read says of the whole, and of its header. */
+/* Checks what record_read returns for a record of n rows with a name of this length, and for its header. */
 static void check_length(size_t name_len, uint32_t n, bool good)
 {
     static char name[256];
@@ -269,7 +270,7 @@ TEST(record_has_a_field_name_of_64_bytes_and_none_of_65)
     }
 }
 
-/* The bytes that version 1 has for ever: a change here is a change of the format. */
+/* The bytes of version 1, which never change: a change here is a change of the format. */
 TEST(record_of_version_1_has_these_bytes)
 {
     static const double p[] = {1, -2};

@@ -1,12 +1,12 @@
-/* reply_read_test.c - the client's framing, fed whole, byte by byte, and cut at every place. */
+/* reply_read_test.c - the client's framing, fed in one piece, byte by byte, and cut at every byte. */
 #include "proto/reply_read.h"
 
 #include <string.h>
 
 #include "tests/test.h"
 
-/* Writes what a reader makes of bytes[n], arriving in pieces of the given sizes over and over, one
- * part a line: its kind, its text, and '.' if the reply ends with it; "bad" at a fault. */
+/* Writes what a reader returns for bytes[n], which arrive in pieces of alternating sizes; one part a
+ * line: its kind, its text, and '.' if the reply ends with it; "bad" at a fault. */
 static void transcribe(char *out, size_t room, const char *bytes, size_t n, size_t first,
                        size_t then)
 {
@@ -19,7 +19,7 @@ static void transcribe(char *out, size_t room, const char *bytes, size_t n, size
     while (end < n) {
         size_t piece = end == 0 ? first : then;
         end = end + piece < n ? end + piece : n;
-        /* a heap block of the exact size shows any look beyond it to a sanitizer */
+        /* of its exact size, so that a sanitizer sees an overrun */
         char *exact = malloc(end - start + 1);
         memcpy(exact, bytes + start, end - start);
         size_t at = 0, size = end - start;
@@ -27,7 +27,7 @@ static void transcribe(char *out, size_t room, const char *bytes, size_t n, size
         while ((took = reply_read(&r, exact + at, size - at, &part)) > 0) {
             at += (size_t)took;
             if (part.kind == REPLY_BYTES &&
-                in_bytes) /* raw bytes are one thing however they are cut */
+                in_bytes) /* raw bytes are one part however they are cut */
                 used += (size_t)snprintf(out + used, room - used, "%.*s", (int)part.len, part.text);
             else
                 used += (size_t)snprintf(out + used, room - used, "%s|%.*s", kind[part.kind],
@@ -47,7 +47,7 @@ static void transcribe(char *out, size_t room, const char *bytes, size_t n, size
     snprintf(out + used, room - used, "%s", reply_reader_idle(&r) ? "" : "cut\n");
 }
 
-/* Checks the transcript of text whatever the pieces. */
+/* Checks the transcript of text in any pieces. */
 static void check_parts_of(const char *text, size_t n, const char *want)
 {
     char got[4000];
@@ -66,7 +66,7 @@ static void check_parts(const char *text, const char *want)
     check_parts_of(text, strlen(text), want);
 }
 
-TEST(reply_read_takes_pipelined_replies_apart)
+TEST(reply_read_separates_pipelined_replies)
 {
     check_parts("OK 0 first=0 added=5 coincident=0\nOK 2 interior=1\n4 0 1\n0 1 4\nERR NOSET no "
                 "set t\nOK 0\n",
@@ -85,13 +85,13 @@ TEST(reply_read_passes_comments_before_a_status_line_only)
                 "#|# progress 40 building\n#|#\nok|OK 1\nrow|# a row.\nerr|ERR BUSY later.\n");
 }
 
-TEST(reply_read_counts_raw_bytes_whatever_they_are)
+TEST(reply_read_counts_raw_bytes_of_any_value)
 {
     check_parts("OK 0 rows=1 bytes=7\nOK 0\n\r\nOK 0 bytes=0\nOK 0\n",
                 "ok|OK 0 rows=1 bytes=7\nbytes|OK 0\n\r\n.\nok|OK 0 bytes=0.\nok|OK 0.\n");
 }
 
-TEST(reply_read_takes_bytes_for_a_key_only_without_rows)
+TEST(reply_read_accepts_bytes_as_a_key_only_without_rows)
 {
     check_parts("OK 1 bytes=9\nrow\nOK 0 notbytes=3 kbytes=x\n",
                 "ok|OK 1 bytes=9\nrow|row.\nok|OK 0 notbytes=3 kbytes=x.\n");
@@ -105,7 +105,7 @@ TEST(reply_read_notices_where_a_reply_is_cut)
     check_parts("", "");
 }
 
-TEST(reply_read_refuses_what_is_no_reply)
+TEST(reply_read_refuses_input_that_is_not_a_reply)
 {
     static const char *const wrong[] = {"\n",
                                         "HTTP/1.1 200 OK\n",
@@ -134,7 +134,7 @@ TEST(reply_read_refuses_what_is_no_reply)
     check_parts_of("OK 1\na\0b\n", 9, "ok|OK 1\nbad\n");
 }
 
-TEST(reply_read_bounds_a_status_line_but_no_row)
+TEST(reply_read_limits_the_length_of_a_status_line_but_not_of_a_row)
 {
     size_t n = 3 * REPLY_STATUS_LIMIT;
     char *text = malloc(n);

@@ -1,4 +1,4 @@
-/* reply_test.c - replies as bytes. */
+/* reply_test.c - the bytes of replies. */
 #include "proto/reply.h"
 #include "tests/test.h"
 
@@ -38,7 +38,7 @@ TEST(reply_rows_are_ids_and_points)
     CHECK_STR(written(), "0 4294967295 7\n0\n5 -0.1 1e+21\n5 1 2 0.5\na b\n");
 }
 
-TEST(reply_rows_stay_within_the_buffer_at_every_fill)
+TEST(reply_rows_stay_within_the_buffer_at_every_fill_level)
 {
     const double longest = -DBL_TRUE_MIN * 1.2345678901234567e15; /* of 24 characters */
     const uint32_t id = UINT32_MAX;
@@ -76,7 +76,7 @@ TEST(reply_errors_quote_nothing_that_could_harm_a_terminal_or_a_parser)
     CHECK_STR(written(), "ERR UNKNOWN no ?[2J?OK 0??? here\n");
 }
 
-TEST(reply_errors_are_short_whatever_they_quote)
+TEST(reply_errors_are_short_even_if_they_quote_long_text)
 {
     char word[1000];
     memset(word, 'w', sizeof word);

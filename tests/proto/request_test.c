@@ -1,4 +1,4 @@
-/* request_test.c - words out of a line. */
+/* request_test.c - splitting a line into words. */
 #include "proto/request.h"
 #include "tests/test.h"
 
@@ -46,7 +46,7 @@ TEST(request_without_memory_has_no_words)
     request_free(&q);
 }
 
-TEST(words_are_compared_whatever_their_case)
+TEST(words_are_compared_without_regard_to_case)
 {
     split("ping PiNg PIN PINGS pin\xc7 [ing");
     CHECK(word_is(&q.word[0], "PING") && word_is(&q.word[1], "PING"));
@@ -55,9 +55,9 @@ TEST(words_are_compared_whatever_their_case)
     request_free(&q);
 }
 
-/* RESP framing brings such words. The wanted word is of its exact size, so that a sanitizer sees a
- * read past its end. */
-TEST(word_with_a_nul_is_no_word_of_ours)
+/* Such words arrive in RESP. The expected word is in a block of its exact size, so that a sanitizer sees
+ * an overrun. */
+TEST(word_with_a_nul_matches_no_keyword)
 {
     char *ping = strdup("PING");
     CHECK(ping != NULL);
@@ -105,7 +105,7 @@ TEST(http_is_recognised_by_the_end_of_its_first_line)
     CHECK(!line_is_http("GET /HTTP/1.1", 13));
 }
 
-TEST(request_takes_words_that_were_read_before)
+TEST(request_can_be_made_of_words_that_were_read_before)
 {
     struct word word[40];
     request_free(&q);

@@ -45,7 +45,7 @@ TEST(resp_request_is_read_at_every_cut)
     CHECK_STR(words, "PING|");
 }
 
-TEST(resp_empty_arrays_are_no_requests)
+TEST(resp_empty_arrays_are_not_requests)
 {
     struct resp r;
     char words[256];
@@ -54,7 +54,7 @@ TEST(resp_empty_arrays_are_no_requests)
     CHECK(read_text("*-1\r\n", 5, &r, words) == 5);
 }
 
-TEST(resp_refuses_what_is_no_array_of_bulk_strings)
+TEST(resp_refuses_input_that_is_not_an_array_of_bulk_strings)
 {
     static const char *const bad[] = {
         "*x\r\n",
@@ -97,7 +97,7 @@ TEST(resp_fourth_word_of_a_load_is_its_body)
     CHECK(!r.has_body);
 }
 
-TEST(resp_out_of_memory_is_told)
+TEST(resp_out_of_memory_is_reported)
 {
     struct request q = {0};
     struct resp r;
@@ -150,7 +150,7 @@ TEST(resp_long_rows_have_long_headers)
     }
 }
 
-TEST(resp_headers_have_as_many_digits_as_it_takes)
+TEST(resp_headers_have_as_many_digits_as_needed)
 {
     static const size_t lengths[] = {0, 9, 10, 99, 100, 101, 1000, 65536};
     static char text[65536];

@@ -13,7 +13,7 @@ static const char *client(void)
     return path;
 }
 
-/* Echoes what it is asked as a row; takes loads. */
+/* Echoes each request as a row; accepts loads. */
 static void answer(int fd)
 {
     char line[2000], reply[3000];
@@ -62,7 +62,7 @@ TEST(cli_takes_host_and_port_from_the_environment)
     CHECK(status == 3);
 }
 
-TEST(cli_exit_status_tells_usage_from_no_connection)
+TEST(cli_exit_status_differs_for_wrong_usage_and_no_connection)
 {
     char port[8];
     int status;
@@ -104,7 +104,7 @@ TEST(cli_loads_a_file_and_standard_input)
     CHECK(status == 0);
 }
 
-TEST(cli_names_the_bad_line_and_loads_nothing)
+TEST(cli_reports_the_number_of_a_bad_line_and_loads_nothing)
 {
     char port[8];
     int status;
@@ -140,7 +140,7 @@ TEST(cli_draws_a_progress_bar_on_a_terminal_only)
     CHECK_STR(piped, "OK 1\n");
 }
 
-TEST(cli_without_a_command_takes_lines)
+TEST(cli_without_a_command_reads_lines)
 {
     char port[8];
     int status;

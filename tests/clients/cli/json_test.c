@@ -13,7 +13,7 @@ static void expect(const char *arguments, int want_status, const char *want)
     CHECK_MSG(status == want_status, "%s: status %d", arguments, status);
 }
 
-TEST(json_has_numbers_truths_names_and_rows)
+TEST(json_has_numbers_booleans_names_and_rows)
 {
     cli_begin();
     expect("--json add t 0 0  1 0  0.5 1e3", 0,
@@ -43,7 +43,7 @@ TEST(json_has_facts_as_a_map)
     cli_finish();
 }
 
-TEST(json_tells_what_was_refused)
+TEST(json_reports_refused_requests)
 {
     cli_begin();
     expect("--json points t", 1,
@@ -62,7 +62,7 @@ TEST(json_tells_what_was_refused)
     cli_finish();
 }
 
-TEST(json_is_what_every_subcommand_prints)
+TEST(json_is_printed_by_every_subcommand)
 {
     char command[300], url[64];
     cli_begin();
@@ -93,7 +93,7 @@ TEST(json_is_what_every_subcommand_prints)
     cli_finish();
 }
 
-/* Rows with what JSON must escape, and numbers that it does not know. */
+/* Rows with characters that JSON must escape, and numbers that JSON does not have. */
 static void answer(int fd)
 {
     char line[100];
@@ -102,7 +102,7 @@ static void answer(int fd)
                      "id=1 name= flag=no\n");
 }
 
-TEST(json_escapes_strings_and_takes_only_numbers_for_numbers)
+TEST(json_escapes_strings_and_prints_only_valid_numbers_as_numbers)
 {
     char port[8];
     int status;

@@ -1,4 +1,4 @@
-/* subcommands_test.c - URLs, copy, show, top, help and completion, by way of a real daemon. */
+/* subcommands_test.c - URLs, copy, show, top, help and completion, with a real daemon. */
 #include <string.h>
 #include <unistd.h>
 
@@ -6,7 +6,7 @@
 #include "tests/clients/peer.h"
 #include "tests/test.h"
 
-TEST(url_names_daemon_and_set)
+TEST(url_identifies_daemon_and_set)
 {
     int status;
     cli_begin();
@@ -53,7 +53,7 @@ TEST(token_comes_from_the_url_or_the_environment)
     cli_finish();
 }
 
-/* A server whose binary replies are of a size that does not fit their rows. */
+/* A server whose binary replies have a size that does not match their rows. */
 static void answer_odd_sizes(int fd)
 {
     char line[200], point[20] = {0};
@@ -73,7 +73,7 @@ static void answer_odd_sizes(int fd)
     }
 }
 
-TEST(export_refuses_replies_of_another_size_than_their_rows)
+TEST(export_refuses_replies_whose_size_does_not_match_their_rows)
 {
     static const struct {
         const char *set, *want;
@@ -112,13 +112,13 @@ TEST(copy_keeps_ids_tolerance_and_triangulation)
     cli_run_well("check u");
     peer_shell(&status, "%s copy t %s delaunay://127.0.0.1:%s/u 2>&1", getenv("DELAUNAY"), from,
                cli_daemon.port_text);
-    CHECK(status == 1); /* it is there already, and stays as it was */
+    CHECK(status == 1); /* the set exists already, and stays unchanged */
     cli_expect("points u", "OK 4\n1 4 0\n3 0 4\n4 0.25 0\n6 2 2\n");
     daemon_end(&first);
     cli_finish();
 }
 
-/* Copies the set t beside itself. */
+/* Copies the set t to the set u of the same daemon. */
 static void copy_to_u(void)
 {
     char command[200];
@@ -155,11 +155,11 @@ TEST(copy_keeps_fields)
     cli_finish();
 }
 
-TEST(copy_keeps_its_fillers_farther_from_the_points_than_the_tolerance)
+TEST(copy_places_filler_points_farther_from_the_points_than_the_tolerance)
 {
     cli_begin();
     cli_run_well("CREATE t TOL 10");
-    cli_run_well("ADD t 500 500  9 0  8 0  -9 0  0 5"); /* near 0 but for the first */
+    cli_run_well("ADD t 500 500  9 0  8 0  -9 0  0 5"); /* all but the first are near 0 */
     cli_run_well("DEL t 0");
     cli_run_well("triangulate t");
     copy_to_u();
@@ -169,7 +169,7 @@ TEST(copy_keeps_its_fillers_farther_from_the_points_than_the_tolerance)
     cli_finish();
 }
 
-TEST(copy_deletes_in_requests_that_are_short_enough_to_be_taken)
+TEST(copy_deletes_in_requests_that_are_short_enough_for_the_server)
 {
     enum { POINTS = 30000 };
     char command[200];
@@ -210,7 +210,7 @@ static void show(const char *points, const char *want)
     cli_run_well("drop t");
 }
 
-TEST(show_fits_points_that_are_wide_high_or_at_one_place)
+TEST(show_fits_wide_and_high_sets_and_single_places)
 {
     cli_begin();
     show("5 5", "⠁   \n");
@@ -223,7 +223,7 @@ TEST(show_fits_points_that_are_wide_high_or_at_one_place)
     cli_finish();
 }
 
-TEST(show_has_sizes_from_1_to_2000)
+TEST(show_accepts_sizes_from_1_to_2000)
 {
     static const char *const wrong[] = {"--width 0", "--width 2001", "--height 0", "--height x",
                                         "--width -1"};
@@ -242,7 +242,7 @@ TEST(show_has_sizes_from_1_to_2000)
     cli_finish();
 }
 
-/* A cell has the colour of the hull before that of a point before that of an edge. */
+/* The colour of a cell is that of the hull, else that of a point, else that of an edge. */
 TEST(show_draws_the_hull_over_points_over_edges_in_colour)
 {
     char out[4000];
@@ -253,7 +253,7 @@ TEST(show_draws_the_hull_over_points_over_edges_in_colour)
     CHECK(strncmp(out, "\033[0m\033[31m", 9) == 0);  /* the corner is on the hull, and a point */
     CHECK(strstr(out, "\033[0m\033[2;34m") != NULL); /* edges */
     const char *point = strstr(out, "\033[0m\033[1;33m");
-    CHECK(point != NULL && strstr(point + 1, "\033[0m\033[1;33m") == NULL); /* the one inside */
+    CHECK(point != NULL && strstr(point + 1, "\033[0m\033[1;33m") == NULL); /* the interior point */
     cli_finish();
 }
 
@@ -282,7 +282,7 @@ TEST(every_subcommand_has_help_and_completion)
     cli_finish();
 }
 
-/* Counts up by ten from INFO to INFO. */
+/* Counters grow by ten with every INFO. */
 static void inform_of_progress(int fd)
 {
     char line[100], reply[100];
@@ -292,7 +292,7 @@ static void inform_of_progress(int fd)
     }
 }
 
-TEST(top_shows_what_has_been_counted_in_the_last_second)
+TEST(top_shows_the_counts_of_the_last_second)
 {
     char port[8];
     int status;
@@ -325,7 +325,7 @@ static void inform(int fd)
     }
 }
 
-TEST(top_shows_as_many_facts_as_it_has_room_for)
+TEST(top_shows_as_many_facts_as_fit)
 {
     char port[8];
     int status;
@@ -375,7 +375,7 @@ TEST(version_is_that_of_the_daemon)
               "%s", got);
 }
 
-TEST(no_color_leaves_colours_out)
+TEST(no_color_switches_colours_off)
 {
     char out[4000];
     cli_begin();
@@ -390,7 +390,7 @@ TEST(no_color_leaves_colours_out)
     cli_finish();
 }
 
-TEST(every_command_names_the_option_that_is_wrong)
+TEST(every_command_reports_the_option_that_is_wrong)
 {
     static const char *const wrong[][2] = {
         {"--nonsense sets", "delaunay: unknown option --nonsense\nTry 'delaunay --help'.\n"},

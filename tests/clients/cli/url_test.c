@@ -16,7 +16,7 @@ static void check_url(const char *text, const char *token, const char *host, con
     CHECK_STR(url.set, set);
 }
 
-TEST(url_parts_that_are_left_out_are_empty_or_the_usual_port)
+TEST(missing_parts_of_a_url_are_empty_or_the_default_port)
 {
     check_url("delaunay://h", "", "h", DELAUNAY_PORT, "");
     check_url("delaunay://h/", "", "h", DELAUNAY_PORT, "");
@@ -35,7 +35,7 @@ TEST(url_of_a_private_server_is_a_word)
     CHECK(url_read("delaunay://h", &url) && !url_is_private(&url));
 }
 
-TEST(url_with_anything_out_of_place_is_refused)
+TEST(malformed_url_is_refused)
 {
     static const char *const bad[] = {"h:1/t",
                                       "delaunay:/h/t",

@@ -1,4 +1,4 @@
-/* completion_test.c - what the shells' completion offers, and that the manual page knows all of it. */
+/* completion_test.c - what the shells' completion offers; the manual page documents all of it. */
 #include <string.h>
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 #include "tests/clients/peer.h"
 #include "tests/test.h"
 
-/* What bash completes the words to, in a directory with the file cities.csv. */
+/* Compares what bash completes the words to, in a directory with the file cities.csv. */
 static void expect(const char *words, const char *want)
 {
     char command[400];
@@ -25,7 +25,7 @@ static void expect(const char *words, const char *want)
               "%s: %s", words, got);
 }
 
-TEST(completion_offers_sets_where_sets_are_named_and_files_where_files_are)
+TEST(completion_offers_sets_and_files_where_they_belong)
 {
     cli_begin();
     cli_write("cities.csv", "");
@@ -57,7 +57,7 @@ TEST(completion_offers_commands_options_and_their_values)
     cli_finish();
 }
 
-TEST(completion_is_for_bash_zsh_and_fish)
+TEST(completion_supports_bash_zsh_and_fish)
 {
     static const char *const shells[] = {"bash", "zsh", "fish"};
     int status;

@@ -1,4 +1,4 @@
-/* contour_test.c - `delaunay contour` by way of a real daemon. */
+/* contour_test.c - `delaunay contour` with a real daemon. */
 #include <string.h>
 #include <unistd.h>
 
@@ -56,7 +56,7 @@ TEST(contour_chooses_about_ten_round_levels)
     cli_finish();
 }
 
-TEST(contour_takes_levels_below_0)
+TEST(contour_accepts_levels_below_0)
 {
     int status;
     make_pyramid();
@@ -75,7 +75,7 @@ TEST(contour_of_a_field_whose_name_has_a_comma_is_refused)
     cli_finish();
 }
 
-TEST(contour_without_a_file_is_the_request)
+TEST(contour_without_a_file_sends_the_request)
 {
     int status;
     make_pyramid();
@@ -84,7 +84,7 @@ TEST(contour_without_a_file_is_the_request)
     cli_finish();
 }
 
-TEST(contour_refuses_options_that_make_no_sense)
+TEST(contour_refuses_invalid_options)
 {
     static const char *const wrong[] = {"--levels 1,x",         "--levels 1,",  "--every x",
                                         "--levels 1 --every 2", "--format png", "--viewport 1",

@@ -23,7 +23,7 @@ static void finish(void)
     peer_shell(&status, "rm -r %s", directory);
 }
 
-/* Runs a shell command there, in which $D is `delaunay`; nothing listens at its default address. */
+/* Runs a shell command in the directory, in which $D is `delaunay`; nothing listens at its default address. */
 static const char *run(int *status, const char *command)
 {
     return peer_shell(status,
@@ -71,7 +71,7 @@ TEST(run_writes_a_mesh_of_a_file_without_a_server)
     finish();
 }
 
-TEST(draw_says_what_is_wrong_and_leaves_nothing)
+TEST(draw_reports_errors_and_leaves_nothing)
 {
     static const struct {
         const char *command, *want;
@@ -102,15 +102,15 @@ TEST(draw_says_what_is_wrong_and_leaves_nothing)
     finish();
 }
 
-/* The process id that the file has, 0 if there is none yet. */
+/* The process id in the file, 0 if there is none yet. */
 static pid_t read_pid(const char *name)
 {
     int status;
     return (pid_t)atol(peer_shell(&status, "cat %s/%s 2>/dev/null", directory, name));
 }
 
-/* The daemon has not even begun when its owner is killed. */
-TEST(draw_that_is_killed_takes_its_daemon_with_it_and_leaves_no_socket)
+/* The owner is killed before the daemon has begun. */
+TEST(daemon_of_a_killed_draw_ends_and_leaves_no_socket)
 {
     int status;
     pid_t own, daemon;
@@ -129,7 +129,7 @@ TEST(draw_that_is_killed_takes_its_daemon_with_it_and_leaves_no_socket)
     for (int i = 0; i < 1000 && kill(daemon, SIGCONT) == 0; i++) {
         const char *state =
             peer_shell(&status, "sed 's/.*) //; s/ .*//' /proc/%d/stat 2>/dev/null", (int)daemon);
-        if (state[0] == 'Z') /* whoever inherits it may not look */
+        if (state[0] == 'Z') /* a zombie: its new parent may never wait for it */
             break;
         usleep(10000);
         CHECK(i < 999);

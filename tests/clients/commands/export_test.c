@@ -1,4 +1,4 @@
-/* export_test.c - loading and drawing by way of a real daemon, and the demonstration as a whole. */
+/* export_test.c - loading and drawing with a real daemon, and the whole demonstration. */
 #include <string.h>
 #include <unistd.h>
 
@@ -6,7 +6,7 @@
 #include "tests/daemon.h"
 #include "tests/test.h"
 
-/* Runs `delaunay ARGUMENTS` against the daemon, its messages among its output. */
+/* Runs `delaunay ARGUMENTS` with the daemon; the output includes its messages. */
 static const char *run(const struct daemon *d, int *status, const char *arguments)
 {
     return peer_shell(status, "%s -h 127.0.0.1 -p %s %s 2>&1", getenv("DELAUNAY"), d->port_text,
@@ -82,7 +82,7 @@ static uint32_t big_endian(const unsigned char *b)
     return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
 }
 
-/* The first chunk of a PNG tells its width and height; the drawing says how large it is. */
+/* The width and height in the first chunk of the PNG must be those that the drawing gives. */
 static void check_png(const char *path, const char *svg)
 {
     unsigned char head[24];
@@ -141,8 +141,8 @@ TEST(export_to_a_full_disk_fails)
     daemon_end(&d);
 }
 
-/* A file that cannot grow beyond 1024 bytes, as on a disk that is full: with a small set closing it fails,
- * with a large one a write before that. */
+/* A file that cannot grow beyond 1024 bytes, as on a full disk: with a small set closing the file fails,
+ * with a large one an earlier write. */
 TEST(export_to_a_file_that_cannot_be_written_leaves_none)
 {
     char *client = realpath(getenv("DELAUNAY"), NULL);
@@ -171,7 +171,7 @@ TEST(export_to_a_file_that_cannot_be_written_leaves_none)
     daemon_end(&d);
 }
 
-TEST(load_gives_each_line_its_number_as_id)
+TEST(load_gives_points_the_numbers_of_their_lines_as_ids)
 {
     struct daemon d = daemon_start(NULL);
     int status;
@@ -196,7 +196,7 @@ TEST_TIMEOUT(demo_shows_the_whole_service, 60)
     CHECK(strstr(out, "OK 0 first=0 added=171075 coincident=37\n") != NULL);
     CHECK(strstr(out, "OK 0 delaunay=yes points=171075 coincident=37 triangles=") != NULL);
     CHECK(strstr(out, "\nParis (FR): Paris 03 Temple (FR), ") != NULL && access(svg, F_OK) == 0);
-    /* true distances, as on a sphere, not those of degrees */
+    /* distances on a sphere, not in degrees */
     const char *near = strstr(out, "delaunay NEAREST around 0 0 5\nOK 5\nParis 16 Passy (FR) ");
     double km = 0;
     CHECK(near != NULL && sscanf(strstr(near, "(FR)") + 4, "%lf km", &km) == 1);

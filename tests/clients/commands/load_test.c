@@ -1,4 +1,4 @@
-/* load_test.c - what `delaunay load` reads arrives as points, from the columns that are meant, or is refused. */
+/* load_test.c - `delaunay load` loads the points of a file, from the right columns, or refuses it. */
 #include <string.h>
 #include <unistd.h>
 
@@ -75,7 +75,7 @@ TEST(load_reads_geojson)
     cli_finish();
 }
 
-/* `n` arrays in one another. */
+/* `n` nested arrays. */
 static char *nested(char *to, int n)
 {
     for (int i = 0; i < 2 * n; i++)
@@ -84,7 +84,7 @@ static char *nested(char *to, int n)
     return to;
 }
 
-TEST(load_of_geojson_bounds_the_depth_of_values_not_their_number)
+TEST(load_of_geojson_limits_the_depth_of_values_and_not_their_number)
 {
     char text[20000], arrays[200];
     size_t n = (size_t)sprintf(text, "{\"features\":[");
@@ -108,7 +108,7 @@ TEST(load_of_geojson_bounds_the_depth_of_values_not_their_number)
     cli_finish();
 }
 
-TEST(load_takes_column_names_of_up_to_63_bytes)
+TEST(load_accepts_column_names_of_up_to_63_bytes)
 {
     char name[100], text[300];
     int status;
@@ -136,7 +136,7 @@ TEST(load_takes_column_names_of_up_to_63_bytes)
     cli_finish();
 }
 
-/* The same as load_text, and the messages before the reply. */
+/* Like load_text, but compares the messages before the reply, too. */
 static void load_saying(const char *name, const char *text, const char *options, const char *want,
                         const char *points)
 {
@@ -164,11 +164,11 @@ TEST(load_finds_the_columns_of_coordinates_by_their_headings_and_says_which)
     char command[200];
     cli_write("a.csv", "id,x,y\n7,1,2\n");
     snprintf(command, sizeof command, "load t %s", cli_path("a.csv"));
-    cli_expect(command, "OK 0 first=0 added=1 coincident=0\n"); /* obvious: nothing more is said */
+    cli_expect(command, "OK 0 first=0 added=1 coincident=0\n"); /* obvious: no message */
     cli_finish();
 }
 
-TEST(load_refuses_columns_that_it_does_not_know_and_lists_them)
+TEST(load_refuses_unknown_columns_and_lists_the_known_ones)
 {
     cli_begin();
     refuse_text(
@@ -182,11 +182,11 @@ TEST(load_refuses_columns_that_it_does_not_know_and_lists_them)
                 "a.csv:2: the row has more columns than the first one");
     refuse_text("a.txt", "1,5 2,5\n", "", "columns found: 1=1 2=5 2 3=5;");
     cli_run_well("add t 1 1");
-    cli_expect("points t", "OK 1\n0 1 1\n"); /* nothing of them was loaded */
+    cli_expect("points t", "OK 1\n0 1 1\n"); /* no points were loaded */
     cli_finish();
 }
 
-TEST(load_takes_any_delimiter_and_ending)
+TEST(load_accepts_any_delimiter_and_line_ending)
 {
     cli_begin();
     load_text("a.tsv", "name\tlat\tlon\n\t2\t1\n", "", "OK 1\n0 1 2\n");
@@ -214,7 +214,7 @@ TEST(load_reads_quoted_values_with_line_breaks_and_quotes)
     cli_finish();
 }
 
-/* Loads what the shell command writes to a file, and then to a pipe. */
+/* Loads the output of the shell command from a file and then from a pipe. */
 static void load_made_by(const char *command, const char *name)
 {
     char path[200], arguments[300];
@@ -281,7 +281,7 @@ TEST(load_skips_bad_lines_when_asked_and_shows_what_it_skipped)
     cli_finish();
 }
 
-TEST(load_names_the_option_that_is_wrong)
+TEST(load_reports_the_option_that_is_wrong)
 {
     static const char *const wrong[][2] = {
         {"--colums x,y", "delaunay: unknown option --colums\nTry 'delaunay load --help'.\n"},

@@ -7,7 +7,7 @@
 #include "tests/clients/terminal.h"
 #include "tests/test.h"
 
-/* Whether the client was built with a library for editing; says so if not. */
+/* Whether the client was built with a library for line editing; prints a note if not. */
 static bool can_edit(void)
 {
     int status;
@@ -42,7 +42,7 @@ TEST(prompt_carries_out_requests_and_subcommands_until_exit)
     terminal_wait_for("export takes a set and a file");
     terminal_wait_for("delaunay> ");
     terminal_type("exit\r");
-    CHECK(terminal_finish() == 2); /* the status of what failed last */
+    CHECK(terminal_finish() == 2); /* the exit status of the last failure */
     cli_finish();
 }
 
@@ -55,7 +55,7 @@ TEST(prompt_has_history_and_editing)
         terminal_type("add t 1 2\r");
         terminal_wait_for("first=0");
         terminal_wait_for("delaunay> ");
-        terminal_type("\033[A\r"); /* the line before */
+        terminal_type("\033[A\r"); /* the previous line */
         terminal_wait_for("first=1");
         terminal_wait_for("delaunay> ");
         terminal_type("pinx\177g\r");
@@ -71,7 +71,7 @@ TEST(prompt_has_history_and_editing)
         terminal_finish();
         terminal_start("");
         terminal_wait_for("delaunay> ");
-        terminal_type("\033[A\033[A\r"); /* the one before quit, of the last time */
+        terminal_type("\033[A\033[A\r"); /* the line before quit, from the previous session */
         terminal_wait_for("OK 2");
         terminal_wait_for("delaunay> ");
         terminal_type("exit\r");
@@ -85,7 +85,7 @@ TEST(prompt_has_history_and_editing)
     cli_finish();
 }
 
-TEST(prompt_takes_lines_of_a_pipe_with_subcommands)
+TEST(prompt_reads_lines_with_subcommands_from_a_pipe)
 {
     int status;
     cli_begin();

@@ -1,4 +1,4 @@
-/* raster_test.c - `delaunay raster` and `delaunay show` of a surface, by way of a real daemon. */
+/* raster_test.c - `delaunay raster` and `delaunay show` of a surface, with a real daemon. */
 #include <string.h>
 #include <unistd.h>
 
@@ -49,7 +49,7 @@ TEST(raster_passes_method_and_longest_edge_on)
     cli_finish();
 }
 
-TEST(raster_writes_bil_with_a_header_beside)
+TEST(raster_writes_bil_with_a_header_file)
 {
     int status;
     make_plane();
@@ -67,7 +67,7 @@ TEST(raster_writes_bil_with_a_header_beside)
     cli_finish();
 }
 
-TEST(raster_draws_a_png_of_its_size)
+TEST(raster_draws_a_png_with_one_pixel_a_cell)
 {
     int status;
     make_plane();
@@ -84,7 +84,7 @@ TEST(raster_draws_a_png_of_its_size)
     cli_finish();
 }
 
-TEST(raster_writes_geotiff_by_way_of_gdal)
+TEST(raster_writes_geotiff_with_gdal)
 {
     int status;
     make_plane();
@@ -109,7 +109,7 @@ TEST(raster_writes_geotiff_by_way_of_gdal)
     cli_finish();
 }
 
-TEST(raster_refuses_sizes_that_make_no_sense)
+TEST(raster_refuses_invalid_sizes)
 {
     static const char *const wrong[] = {"--cell 0",      "--cell x",         "--cell nan",
                                         "--width 0",     "--width 2.5",      "--width 1e9",
@@ -126,7 +126,7 @@ TEST(raster_refuses_sizes_that_make_no_sense)
     cli_finish();
 }
 
-TEST(raster_without_a_file_is_the_request)
+TEST(raster_without_a_file_sends_the_request)
 {
     make_plane();
     int status;
@@ -135,7 +135,7 @@ TEST(raster_without_a_file_is_the_request)
     cli_finish();
 }
 
-TEST(show_draws_heights_unless_the_mesh_is_wanted)
+TEST(show_draws_heights_unless_the_mesh_is_requested)
 {
     int status;
     make_plane();

@@ -6,7 +6,7 @@
 #include "tests/clients/terminal.h"
 #include "tests/test.h"
 
-/* Facts with values as long as they get, and many commands. */
+/* Facts with the longest values, and many commands. */
 static void fill(struct top_facts *f, int calls)
 {
     static const char *const keys[] = {"version",      "uptime_s",     "threads",    "sets",
@@ -26,7 +26,7 @@ static void fill(struct top_facts *f, int calls)
                                   i, calls * (i + 1), i, 1000 - i));
 }
 
-/* The lines of the drawing, without what is for the terminal. */
+/* The number of lines of the screen, without control sequences. */
 static unsigned lines_of(const char *text, unsigned columns)
 {
     unsigned lines = 1, width = 0;

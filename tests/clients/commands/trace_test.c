@@ -1,4 +1,4 @@
-/* trace_test.c - `delaunay trace`: the film of a small set, by way of a real daemon. */
+/* trace_test.c - `delaunay trace`: the film of a small set, with a real daemon. */
 #include <limits.h>
 #include <string.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ static unsigned count(const char *text, const char *what)
     return n;
 }
 
-/* The film of set t; it is one, whatever the points. */
+/* The film of set t, checked to be well formed. */
 static const char *film(const struct daemon *d, const char *options)
 {
     int status;
@@ -60,14 +60,14 @@ TEST(trace_shows_every_step)
     CHECK(count(svg, "attributeName=\"stroke\"") == 8 && count(svg, "#e9f1fa\" d=") == 4);
     /* One point is enclosed; the others stay in the grid, so that their colour never changes. */
     CHECK(count(svg, "</circle>") == 1 && count(svg, "<text") == 7);
-    /* The apex of each of the eight edges is looked for once. */
+    /* The apex of each of the eight edges is searched for once. */
     CHECK(count(svg, "class=\"e\"") == 8 && count(svg, "class=\"c\"") == 0);
     CHECK(count(film(&d, "--numbers"), "<text") == 12);
     CHECK(strstr(film(&d, "--seconds 12.5"), " dur=\"12.5s\"") != NULL);
     daemon_end(&d);
 }
 
-TEST(trace_of_few_and_of_peculiar_points)
+TEST(trace_of_few_and_of_degenerate_points)
 {
     static const char *const sets[] = {"7 -3",
                                        "7 -3  7 -3",
@@ -148,7 +148,7 @@ TEST(trace_to_a_file_that_cannot_be_written_leaves_none)
     daemon_end(&d);
 }
 
-/* A server that tells no steps. */
+/* A server whose rows are not steps. */
 static void answer_nonsense(int fd)
 {
     static int turn;
@@ -167,7 +167,7 @@ static void answer_nonsense(int fd)
     }
 }
 
-TEST(trace_refuses_rows_that_are_no_steps)
+TEST(trace_refuses_rows_that_are_not_steps)
 {
     struct daemon d;
     int status;

@@ -1,4 +1,4 @@
-/* voronoi_test.c - `delaunay voronoi` by way of a real daemon. */
+/* voronoi_test.c - `delaunay voronoi` with a real daemon. */
 #include <string.h>
 #include <unistd.h>
 
@@ -54,7 +54,7 @@ TEST(voronoi_draws_cells_and_their_points)
     cli_finish();
 }
 
-TEST(voronoi_without_a_file_is_the_request)
+TEST(voronoi_without_a_file_sends_the_request)
 {
     make_set();
     cli_expect("voronoi t 4", "OK 1 box=-2,-2,6,6\n4 4 0 2 2 0 4 2 2 4\n");

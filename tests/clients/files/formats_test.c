@@ -1,5 +1,5 @@
-/* formats_test.c - what `delaunay export` writes is read back by readers of this test's own and
- * compared with what the server says in lines. */
+/* formats_test.c - the files of `delaunay export`, read back by readers of this test's own and compared
+ * with the server's replies in lines. */
 #include <string.h>
 #include <unistd.h>
 
@@ -14,7 +14,7 @@ struct mesh {
     size_t n, triangles;
 };
 
-/* The set t of random points, triangulated, as the server tells it. */
+/* Creates the set t of random points, triangulated, and reads it from the server. */
 static void make_set(struct mesh *want)
 {
     FILE *f = fopen(cli_path("t.xy"), "w");
@@ -309,7 +309,7 @@ TEST(export_colours_numbers_and_viewport)
     CHECK(status == 0 && strstr(svg, "class=\"q8\"") != NULL && strstr(svg, "class=\"t\"") == NULL);
     CHECK(strstr(svg, ">4</text>") != NULL && strstr(svg, ">5</text>") == NULL);
     CHECK(strstr(svg, "triangulation of 5 of 6 points<") != NULL && strstr(svg, ">flat<") != NULL);
-    svg = cli_run(&status, "export t - --viewport 50,1,51,2"); /* no point is there */
+    svg = cli_run(&status, "export t - --viewport 50,1,51,2"); /* a box without points */
     CHECK(status == 0 && strstr(svg, "class=\"t\"") != NULL && strstr(svg, "of 0 of 6") != NULL);
     svg = cli_run(&status, "export t - --colour degree");
     CHECK(status == 0 && strstr(svg, "class=\"q") != NULL);

@@ -5,8 +5,8 @@
 
 #include "tests/test.h"
 
-/* The columns that a header of names separated by commas chooses: "1,2", "1,2!" if it is obvious, "?" if it
- * chooses none. */
+/* The columns that a header of names separated by commas chooses: "1,2", "1,2!" if they are obvious, "?" if
+ * it chooses none. */
 static const char *choose(const char *header)
 {
     static char text[40];
@@ -26,7 +26,7 @@ static const char *choose(const char *header)
     return text;
 }
 
-TEST(headings_that_people_write_are_recognised)
+TEST(usual_headings_of_coordinates_are_recognised)
 {
     static const char *const headers[][2] = {
         {"x,y", "1,2!"},
@@ -80,7 +80,7 @@ TEST(headings_of_other_things_choose_no_columns)
         CHECK_MSG(strcmp(choose(headers[i]), "?") == 0, "%s: %s", headers[i], choose(headers[i]));
 }
 
-TEST(headings_that_are_plain_precede_others_and_are_no_longer_obvious)
+TEST(plain_headings_precede_others_and_are_then_not_obvious)
 {
     CHECK_STR(choose("lon,lat,x,y"), "3,4");
     CHECK_STR(choose("utm_x,utm_y,lon,lat"), "3,4");

@@ -1,4 +1,4 @@
-/* heights_test.c - fields on their way from a file into the daemon and out of it again, in every format. */
+/* heights_test.c - fields from a file into the daemon and out of it again, in every format. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,7 +44,7 @@ TEST(load_keeps_heights_and_on_request_all_columns_of_numbers)
     cli_finish();
 }
 
-TEST(load_takes_third_coordinates_of_geojson_as_heights)
+TEST(load_reads_third_coordinates_of_geojson_as_heights)
 {
     char command[200];
     int status;
@@ -149,7 +149,7 @@ TEST(many_heights_come_back_in_order)
     cli_finish();
 }
 
-/* A server that has two points and the fields t and z, and knows no FGET. */
+/* A server that has two points and the fields t and z, but not the command FGET. */
 static void answer_values(int fd)
 {
     static const unsigned char rows[2 * 36] = {
@@ -175,7 +175,7 @@ static void answer_values(int fd)
     }
 }
 
-TEST(points_and_their_values_are_of_one_reply)
+TEST(points_and_their_values_come_from_one_reply)
 {
     char port[8];
     int status;

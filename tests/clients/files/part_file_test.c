@@ -29,7 +29,7 @@ static void finish(void)
     CHECK(rmdir(directory) == 0);
 }
 
-/* Files of this process may grow to so many bytes from now on. */
+/* From now on, files of this process may not grow beyond `bytes` bytes. */
 static void limit_files(rlim_t bytes)
 {
     struct rlimit limit;
@@ -60,7 +60,7 @@ TEST(part_file_that_is_dropped_leaves_nothing)
     finish();
 }
 
-TEST(part_file_whose_last_write_fails_is_not_closed_well)
+TEST(part_file_whose_last_write_fails_reports_it_on_closing)
 {
     struct part_file f;
     begin();
@@ -71,7 +71,7 @@ TEST(part_file_whose_last_write_fails_is_not_closed_well)
     finish();
 }
 
-TEST(part_file_with_a_write_that_failed_once_is_not_closed_well)
+TEST(part_file_with_an_earlier_failed_write_reports_it_on_closing)
 {
     static char block[1 << 16];
     struct part_file f;
@@ -95,7 +95,7 @@ TEST(part_file_needs_a_folder_and_a_path_that_is_not_too_long)
     CHECK(part_file_open(&f, long_path) == long_path);
 }
 
-/* Whether files here can have extended attributes; says so if not. */
+/* Whether files here can have extended attributes; prints a note if not. */
 static bool can_mark(void)
 {
     FILE *f = fopen(path, "w");
@@ -113,7 +113,7 @@ static void write_text(const char *to, const char *text)
     CHECK(f != NULL && fputs(text, f) >= 0 && fclose(f) == 0);
 }
 
-TEST(part_file_knows_its_own_files_until_somebody_changes_them)
+TEST(part_file_recognises_its_own_files_until_they_are_changed)
 {
     struct part_file f;
     begin();
@@ -124,14 +124,14 @@ TEST(part_file_knows_its_own_files_until_somebody_changes_them)
             CHECK(part_file_close(&f) && part_file_keep(&f));
             CHECK(!part_file_is_foreign(path));
         }
-        FILE *more = fopen(path, "a"); /* keeps its attributes */
+        FILE *more = fopen(path, "a"); /* the file keeps its attributes */
         CHECK(more != NULL && fputs("!", more) >= 0 && fclose(more) == 0);
         CHECK(part_file_is_foreign(path));
     }
     finish();
 }
 
-TEST(part_file_takes_any_other_file_for_foreign_unless_it_is_empty)
+TEST(part_file_treats_any_other_file_as_foreign_unless_it_is_empty)
 {
     begin();
     write_text(path, "x,y\n");

@@ -10,7 +10,7 @@
 
 #include "tests/test.h"
 
-/* An open file with the given bytes; it has no name any more. */
+/* An open file with these bytes, already unlinked. */
 static int file_with(const char *bytes, size_t n)
 {
     FILE *f = tmpfile();
@@ -42,7 +42,7 @@ TEST(points_file_skips_blank_lines_and_comments)
     check_read("\n", "");
 }
 
-TEST(points_file_takes_crlf_and_a_last_line_without_end)
+TEST(points_file_accepts_crlf_and_a_last_line_without_end)
 {
     check_read("1 2\r\n3 4\r\n\r\n5e-1 -.5", "1 2;3 4;0.5 -0.5;");
 }
@@ -58,7 +58,7 @@ static void check_fault(const char *text, uint64_t line, const char *fault)
     points_file_free(&f);
 }
 
-TEST(points_file_names_the_bad_line)
+TEST(points_file_reports_the_number_of_a_bad_line)
 {
     const char *range = "a coordinate must be 0 or from 2^-142 to 2^201 in magnitude";
     check_fault("1 2\n# x\n3\n4 5\n", 3, "a point needs x and y");
@@ -116,7 +116,7 @@ TEST(points_file_reads_from_a_pipe_in_small_pieces)
     points_file_free(&f);
 }
 
-TEST(points_file_bounds_a_line)
+TEST(points_file_limits_the_length_of_a_line)
 {
     size_t n = 400000;
     char *text = malloc(n);
@@ -131,7 +131,7 @@ TEST(points_file_bounds_a_line)
     free(text);
 }
 
-TEST(points_file_tells_a_read_error)
+TEST(points_file_reports_a_read_error)
 {
     struct points_file f = {0};
     int fd = open("/", O_RDONLY);
@@ -142,7 +142,7 @@ TEST(points_file_tells_a_read_error)
     points_file_free(&f);
 }
 
-TEST(points_file_tells_when_memory_runs_out)
+TEST(points_file_reports_that_memory_ran_out)
 {
     char text[5000 * 4];
     for (size_t i = 0; i < sizeof text; i += 4)

@@ -9,7 +9,7 @@
 
 enum which { HEIGHTS, ALL };
 
-/* Reads the text as a file of that name's ending, with columns or NULL; it must be good. */
+/* Reads the text as a file with this ending, with columns or NULL; it must be valid. */
 static struct points_file read_text(struct source *s, const char *ending, const char *columns,
                                     enum which which, const char *text)
 {
@@ -57,7 +57,7 @@ TEST(the_third_column_of_an_xyz_file_is_z)
     check_fields(".xyz", NULL, HEIGHTS, "1 2 town\n3 4 5\n", "");
 }
 
-TEST(a_heading_may_say_which_column_has_heights)
+TEST(a_heading_may_identify_the_column_of_heights)
 {
     check_fields(".csv", NULL, HEIGHTS, "name,lon,lat,elevation (m)\nA,1,2,3\nB,4,5,6\n", "z 3 6");
     check_fields(".csv", NULL, HEIGHTS, "z;x;y\n1,5;2;3\n", "z 1.5");
@@ -88,7 +88,7 @@ TEST(all_numeric_columns_become_fields_on_request)
     check_fields(".node", NULL, ALL, "2 2 2 1\n1 0 0 7 8 1\n2 1 0 9 10 0\n", "a1,a2 7,8 9,10");
 }
 
-TEST(values_that_are_no_numbers_are_missing_and_counted)
+TEST(values_that_are_not_numbers_are_missing_and_counted)
 {
     struct source s;
     struct points_file f =
@@ -99,7 +99,7 @@ TEST(values_that_are_no_numbers_are_missing_and_counted)
     points_file_free(&f);
 }
 
-TEST(columns_that_become_fields_are_told)
+TEST(columns_that_become_fields_are_reported)
 {
     static const struct {
         const char *ending, *columns, *text, *want;

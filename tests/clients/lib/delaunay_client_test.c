@@ -1,4 +1,4 @@
-/* delaunay_client_test.c - the client library against servers that behave, and others. */
+/* delaunay_client_test.c - the client library with servers that behave, and with faulty ones. */
 #include "clients/lib/delaunay_client.h"
 
 #include <signal.h>
@@ -61,7 +61,7 @@ TEST(client_passes_every_part_of_a_reply)
     delaunay_close(c);
 }
 
-TEST(client_goes_on_after_a_refusal)
+TEST(client_continues_after_a_refusal)
 {
     char port[8];
     peer_start(port, answer);
@@ -108,7 +108,7 @@ TEST(client_stops_when_its_caller_says_so)
     delaunay_close(c);
 }
 
-/* Reads no further while its own replies are not taken: what a server with back-pressure does. */
+/* Stops reading while its replies are not read, like a server with back-pressure. */
 static void echo_much(int fd)
 {
     char *line = NULL, reply[3000];
@@ -127,7 +127,7 @@ static bool check_echo(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
-TEST_TIMEOUT(client_pipelines_without_deadlock_however_much, 60)
+TEST_TIMEOUT(client_pipelines_any_amount_without_deadlock, 60)
 {
     char port[8], line[512];
     const unsigned requests =
@@ -142,7 +142,7 @@ TEST_TIMEOUT(client_pipelines_without_deadlock_however_much, 60)
     delaunay_close(c);
 }
 
-/* Takes a LOADB and answers with its head and a checksum of its body. */
+/* Accepts a LOADB and replies with its head and a checksum of its body. */
 static void take_points(int fd)
 {
     char line[200], reply[300];
@@ -175,7 +175,7 @@ static void see_progress(void *ctx, size_t done, size_t total)
     p->total = total;
 }
 
-TEST(client_sends_points_in_binary_and_tells_how_far_it_is)
+TEST(client_sends_points_in_binary_and_reports_progress)
 {
     const size_t n = 300001;
     char port[8];
@@ -201,7 +201,7 @@ TEST(client_sends_points_in_binary_and_tells_how_far_it_is)
     free(xy);
 }
 
-/* Refuses at once, then takes what still comes. */
+/* Refuses at once, then reads the rest of the input. */
 static void refuse_early(int fd)
 {
     char bytes[65536];
@@ -218,7 +218,7 @@ static void close_early(int fd)
         return;
 }
 
-TEST(client_reads_a_refusal_that_comes_while_it_sends)
+TEST(client_reads_a_refusal_that_arrives_while_it_sends)
 {
     const size_t n = 1000000;
     char port[8];
@@ -232,7 +232,7 @@ TEST(client_reads_a_refusal_that_comes_while_it_sends)
     free(xy);
 }
 
-TEST(client_survives_a_server_that_hangs_up_on_a_load)
+TEST(client_survives_a_server_that_disconnects_during_a_load)
 {
     const size_t n = 1000000;
     char port[8];
@@ -243,12 +243,12 @@ TEST(client_survives_a_server_that_hangs_up_on_a_load)
     if (r == DELAUNAY_OK)
         r = delaunay_receive(c, NULL, NULL);
     CHECK(r == DELAUNAY_LOST);
-    CHECK_STR(delaunay_status(c)->text, ""); /* no reply has come */
+    CHECK_STR(delaunay_status(c)->text, ""); /* no reply has arrived */
     delaunay_close(c);
     free(xy);
 }
 
-TEST(client_sends_no_points_under_a_name_that_is_none)
+TEST(client_sends_no_points_with_an_invalid_name)
 {
     char port[8];
     double xy[2] = {0};
@@ -258,12 +258,12 @@ TEST(client_sends_no_points_under_a_name_that_is_none)
     CHECK(delaunay_send_points(c, "a\nDROP a", xy, 1, NULL, NULL) == DELAUNAY_BADNAME);
     CHECK(delaunay_send_points(c, "", xy, 1, NULL, NULL) == DELAUNAY_BADNAME);
     CHECK(delaunay_request(c, "HULL t", NULL, NULL) ==
-          DELAUNAY_OK); /* and the connection is as it was */
+          DELAUNAY_OK); /* the connection still works */
     delaunay_close(c);
 }
 
-/* Every allocation fails once, for a binary reply and for points that are sent. */
-TEST(client_says_so_when_memory_runs_out)
+/* Each allocation fails once, for a binary reply and for points that are sent. */
+TEST(client_reports_that_memory_ran_out)
 {
     static const double xy[2 * 5000];
     char port[8];
@@ -317,7 +317,7 @@ TEST(client_looks_up_many_places_at_once)
     CHECK(daemon_stop(&d, SIGTERM) == 0);
 }
 
-/* Answers with fewer bytes than there should be. */
+/* Replies with too few bytes. */
 static void answer_short(int fd)
 {
     char line[200];
@@ -337,7 +337,7 @@ TEST(client_notices_words_that_are_missing)
     delaunay_close(c);
 }
 
-TEST(client_says_why_it_cannot_connect)
+TEST(client_reports_why_it_cannot_connect)
 {
     char why[200], path[300];
     CHECK(delaunay_connect("127.0.0.1", "1", why, sizeof why) == NULL);

@@ -1,5 +1,5 @@
-/* framings_test.c - every transcript of proto/PROTOCOL.md in both framings: the same requests in
- * lines and in RESP must be answered with the same, told in the two ways. */
+/* framings_test.c - every transcript of proto/PROTOCOL.md in both framings: the same requests in lines
+ * and in RESP must have the same replies, in the two formats. */
 #include <ctype.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -100,7 +100,7 @@ static void append_sent(struct requests *r, const char *line)
     }
 }
 
-/* ---- what comes back ---- */
+/* ---- replies ---- */
 
 static void converse(const struct bytes *said, struct bytes *heard)
 {
@@ -117,7 +117,7 @@ static void converse(const struct bytes *said, struct bytes *heard)
     daemon_end(&d);
 }
 
-/* Takes times and sizes, which differ from run to run, out of a text. */
+/* Removes times and sizes, which differ from run to run, from a text. */
 static void mask(char *text, const char *key)
 {
     char *at = strstr(text, key);
@@ -140,7 +140,7 @@ static bool same(const char *a, size_t a_len, const char *b, size_t b_len)
     return strcmp(x, y) == 0;
 }
 
-/* The RESP line at *at, its end cut off; moves *at behind it. */
+/* The RESP line at *at without its end; moves *at behind it. */
 static const char *take_line(const struct bytes *b, size_t *at, size_t *len)
 {
     const char *line = b->v + *at, *cr = strstr(line, "\r\n");
@@ -162,7 +162,7 @@ static const char *take_bulk(const struct bytes *b, size_t *at, size_t *len)
     return text;
 }
 
-/* Takes a whole reply in RESP, whatever it is. */
+/* Skips a whole reply in RESP of any type. */
 static void skip_resp(const struct bytes *b, size_t *at)
 {
     size_t len, bulk = *at;
@@ -175,7 +175,7 @@ static void skip_resp(const struct bytes *b, size_t *at)
         skip_resp(b, at);
 }
 
-/* What is answered to Redis's tools as they expect it. */
+/* Whether the command is for Redis's tools, which expect replies of their own format. */
 static bool is_redis_own(const char *name)
 {
     static const char *const own[] = {"CLIENT", "SLOWLOG", "CONFIG", "EXPIRE", "TTL", "PERSIST"};

@@ -1,5 +1,5 @@
 /* library_test.c - the installed libraries: one header each, static and shared, pkg-config; the examples
- * compile against them without warnings and work; C++ can use them; nothing is left by `make uninstall`. */
+ * compile with them without warnings and work; C++ can use them; `make uninstall` leaves nothing. */
 #include <string.h>
 #include <unistd.h>
 
@@ -8,9 +8,9 @@
 #include "tests/daemon.h"
 #include "tests/test.h"
 
-static char root[64]; /* what is installed is here */
+static char root[64]; /* the folder of the installation */
 
-/* A shell command in which $R is the folder of what is installed; its output. */
+/* The output of a shell command in which $R is the folder of the installation. */
 static const char *run(const char *command)
 {
     int status;
@@ -69,7 +69,7 @@ TEST_TIMEOUT(library_is_installed_and_its_examples_work, 240)
     daemon_end(&d);
 }
 
-/* So that a program which has a function of the same name as one of ours still links. */
+/* A program that has a function of the same name as one of ours must still link. */
 TEST_TIMEOUT(library_has_no_name_without_its_prefix, 240)
 {
     install();

@@ -1,6 +1,5 @@
-/* protocol_test.c - proto/PROTOCOL.md says what happens: its transcripts are replayed against a
- * real daemon, and it leaves out no command and no error. The format of the transcripts is told in
- * its section 9. */
+/* protocol_test.c - proto/PROTOCOL.md is correct: its transcripts are replayed with a real daemon, and it
+ * leaves out no command and no error. Its section 9 describes the format of the transcripts. */
 #include <ctype.h>
 #include <poll.h>
 #include <string.h>
@@ -53,7 +52,7 @@ struct talk {
     bool mid_reply; /* rows of the last reply are still to be read */
 };
 
-/* The bytes that a text of hexadecimal digits and blanks stands for. */
+/* Converts a text of hexadecimal digits and blanks to bytes; returns how many. */
 static size_t from_hex(const char *hex, unsigned char *bytes, size_t room)
 {
     size_t n = 0;
@@ -106,7 +105,7 @@ static bool hear(struct talk *t, struct reply_part *part, char *text, size_t roo
     }
 }
 
-/* Whether text is as the pattern says, in which '*' stands for any characters but blanks. */
+/* Whether text matches the pattern, in which '*' stands for any characters except blanks. */
 static bool matches(const char *pattern, const char *text)
 {
     for (; *pattern != '*'; pattern++, text++) {
@@ -133,7 +132,7 @@ static void expect_bytes(struct talk *t, const char *hex, int number)
         CHECK_MSG(hear(t, &part, got, sizeof got), "PROTOCOL.md:%d: the connection was closed",
                   number);
         CHECK_MSG(part.kind == REPLY_BYTES, "PROTOCOL.md:%d: got %s", number, got);
-        /* what belongs to the next line of the transcript goes back */
+        /* the bytes that belong to the next line of the transcript are kept */
         size_t take = part.len < n - have ? part.len : n - have, rest = part.len - take;
         memmove(t->in + rest, t->in, t->have);
         memcpy(t->in, got + take, rest);
@@ -202,7 +201,7 @@ static void replay(struct script *s)
     daemon_end(&d);
 }
 
-TEST_TIMEOUT(protocol_transcripts_are_what_happens, 60)
+TEST_TIMEOUT(protocol_transcripts_match_a_real_daemon, 60)
 {
     char *document = read_document(), *line;
     struct script s = {document, document, 0};
@@ -263,8 +262,8 @@ TEST(protocol_has_a_section_and_a_transcript_for_every_command)
     free(document);
 }
 
-/* The reverse: what the document describes is there. */
-TEST(protocol_describes_no_command_that_is_missing)
+/* The reverse: every described command exists. */
+TEST(protocol_describes_no_command_that_does_not_exist)
 {
     char *document = read_document(), request[64], command[32], got[4096];
     struct daemon d = daemon_start(NULL);

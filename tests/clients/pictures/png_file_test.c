@@ -1,4 +1,4 @@
-/* png_file_test.c - what png_write writes is read back by a reader of this test's own, checksums included. */
+/* png_file_test.c - the output of png_write, read back by a reader of this test's own, with checksums. */
 #include "clients/pictures/png_file.h"
 
 #include <stdlib.h>
@@ -102,6 +102,6 @@ TEST(png_of_any_size_reads_back)
     check_picture(16383, 1); /* a row of 65533 bytes */
     check_picture(127, 129); /* 65661: the second block is short */
     check_picture(5461, 3);  /* 65535: one block exactly */
-    check_picture(10922, 3); /* and two of them, but for 3 bytes */
+    check_picture(10922, 3); /* two blocks less 3 bytes */
     check_picture(300, 301);
 }

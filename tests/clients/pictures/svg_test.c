@@ -1,4 +1,4 @@
-/* svg_test.c - drawings are well-formed and lie within their frame, whatever the points. */
+/* svg_test.c - drawings are well-formed and lie within their frame for all kinds of points. */
 #include "clients/pictures/svg.h"
 
 #include <math.h>
@@ -17,8 +17,8 @@ static void find_box(const double *xy, size_t n, double box[4])
     }
 }
 
-/* Draws the points and the triangles a b c of tri[3 * triangles] along with all points as hull; the
- * file's text. */
+/* Draws the points, the triangles a b c of tri[3 * triangles], and all points as hull; returns the text of
+ * the file. */
 static char *drawing(const double *xy, size_t n, const uint32_t *tri, size_t triangles)
 {
     char *text;
@@ -52,7 +52,7 @@ static unsigned count(const char *text, const char *what)
     return n;
 }
 
-/* Closed lines. */
+/* The number of closed lines. */
 static unsigned closed(const char *text)
 {
     return count(text, "zM") + count(text, "z\"");
@@ -64,7 +64,8 @@ static void check_sound(const char *text)
     double width, height, x, y;
     CHECK(sscanf(strstr(text, "viewBox"), "viewBox=\"0 0 %lf %lf\"", &width, &height) == 2);
     CHECK(width > 0 && height > 0);
-    CHECK(count(text, "<path") == count(text, "\"/>\n") - 1); /* the other one is the background */
+    CHECK(count(text, "<path") ==
+          count(text, "\"/>\n") - 1); /* the remaining element is the background */
     CHECK(count(text, "\"") % 2 == 0);
     CHECK(count(text, "nan") == 0 && count(text, "inf") == 0);
     CHECK(strcmp(text + strlen(text) - 7, "</svg>\n") == 0);
@@ -221,7 +222,7 @@ TEST(svg_draws_what_meets_the_box_and_cuts_it_off)
         CHECK(s.triangles == (i == 1 ? 0 : 1) && strstr(text, "clip-path=\"url(#box)\"") != NULL);
         CHECK(count(text, "class=\"h\"") == (i == 2 ? 1 : 0));
         for (const char *m = text; (m = strchr(m, 'M')) != NULL; m++) {
-            double x, y; /* nothing is far outside, whatever the triangle's size */
+            double x, y; /* nothing is far outside, even for a huge triangle */
             CHECK(sscanf(m, "M%lf %lf", &x, &y) == 2 && x >= -1700 && x <= 18500 && y >= -1700);
         }
         free(text);

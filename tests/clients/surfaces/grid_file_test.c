@@ -18,7 +18,7 @@ static char *written(const struct grid *g, void (*write)(FILE *, const struct gr
     return text;
 }
 
-TEST(asc_has_every_digit_and_marks_what_is_missing)
+TEST(asc_has_every_digit_and_marks_missing_values)
 {
     double z[6] = {1, 0.1, (double)NAN, -2.5e-7, 1e300, 3};
     struct grid g = {.x0 = -0.5, .y0 = 10, .cell = 0.25, .columns = 3, .rows = 2, .value = z};

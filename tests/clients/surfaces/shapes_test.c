@@ -11,7 +11,7 @@ static bool take(struct shapes *s, const char *row)
     return shapes_take(s, row, strlen(row));
 }
 
-/* What a writer writes; the caller frees it. */
+/* The output of a writer; the caller frees it. */
 static char *written(const struct shapes *s, void (*write)(FILE *, const struct shapes *))
 {
     char *text = NULL;
@@ -72,7 +72,7 @@ TEST(a_cell_without_corners_is_left_out)
     shapes_free(&s);
 }
 
-TEST(rows_that_are_no_shapes_are_refused)
+TEST(rows_that_are_not_shapes_are_refused)
 {
     static const char *const cells[] = {"",
                                         "a 3 0 0 1 0 0 1",
