@@ -399,8 +399,8 @@ bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct 
 enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt);
 
 /* Edits degrade the grid for searches. Edits of a large set leave its rebuild to the caller, who can choose the
- * time: it takes about 50 ns a point. dt_is_aged: a rebuild is due. Cost: constant. */
-bool dt_is_aged(const struct dt *t);
+ * time: it takes about 50 ns a point. dt_renew_due: whether a rebuild is due. Cost: constant. */
+bool dt_renew_due(const struct dt *t);
 
 /* Makes a new grid, which the caller owns. It only reads, so queries may go on meanwhile. opt, which may
  * be NULL: its pool shares the work, and its flag is polled. */
@@ -409,7 +409,7 @@ enum dt_status dt_renew(const struct dt *t, const struct dt_options *opt, struct
 void dt_renewal_free(struct dt_renewal *r);
 
 /* Installs it, if t has not been edited since. NULL: there is no memory for one; the set will ask
- * again when it has aged further. Cost: constant, and freeing the old one. */
+ * again after more edits. Cost: constant, and freeing the old one. */
 void dt_renewed(struct dt *t, struct dt_renewal *r);
 
 /* ---- queries; all answer DT_UNTRIANGULATED before dt_triangulate ---- */

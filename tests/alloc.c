@@ -1,8 +1,8 @@
 /* alloc.c - out-of-memory injection and guarded blocks: with -Wl,--wrap=malloc and friends, every
  * allocation of a test binary comes through here.
  *
- *      | size ...               | block        | rest |  no access  |      guarded: the rest, below 16 bytes,
- *      page                                           page                 is looked at when the block goes */
+ *      | size ...               | block        | rest |  no access  |      guarded: the rest, less than 16 bytes,
+ *      page                                           page                 is checked when the block is freed */
 #include "tests/test.h"
 
 #include <errno.h>
@@ -166,7 +166,7 @@ static void discount(void *p)
         in_use -= (long long)malloc_usable_size(p);
 }
 
-/* ---- what the linker puts in place of malloc and friends ---- */
+/* ---- the functions that the linker substitutes for malloc and friends ---- */
 
 void *__wrap_malloc(size_t size)
 {

@@ -1,5 +1,5 @@
-/* daemon.h - a daemon of its own for a test: $DELAUNAYD on a free port of the loopback address. It
- * goes when the test goes. Whatever fails ends the test. */
+/* daemon.h - starts a daemon for a test: $DELAUNAYD on a free port of the loopback address. It ends with
+ * the test. Any failure ends the test. */
 #ifndef TESTS_DAEMON_H
 #define TESTS_DAEMON_H
 
@@ -11,14 +11,14 @@ struct daemon {
     char port_text[8]; /* the same in digits */
 };
 
-/* Starts one with these further arguments (NULL-terminated; NULL for none) and waits for its ready
+/* Starts a daemon with these further arguments (NULL-terminated; NULL for none) and waits for its ready
  * line. */
 struct daemon daemon_start(const char *const *arguments);
 
 /* Sends the signal, waits, returns the exit status (-1: it was killed). */
 int daemon_stop(const struct daemon *d, int sig);
 
-/* Ends it with SIGTERM; it must leave with status 0. */
+/* Stops it with SIGTERM; its exit status must be 0. */
 void daemon_end(const struct daemon *d);
 
 /* Connects; the caller closes. */

@@ -85,7 +85,7 @@ unsigned test_slowness(void)
     return factor < 1 || factor > 1000 ? 1 : (unsigned)factor;
 }
 
-/* Runs one test in a process group of its own, so that whatever it started goes with it. */
+/* Runs one test in a process group of its own, so that all processes that it started end with it. */
 static bool passes(const struct test *t)
 {
     double start = now();

@@ -44,7 +44,7 @@ void test_register(struct test *t);
             test_fail(__FILE__, __LINE__, "%s", #COND);                                            \
     } while (0)
 
-/* The same with a message of your own. */
+/* The same with another message. */
 #define CHECK_MSG(COND, ...)                                                                       \
     do {                                                                                           \
         if (!(COND))                                                                               \
@@ -70,7 +70,7 @@ uint32_t test_below(uint32_t n);
  * integer, for instance under an emulator; otherwise 1. It multiplies every test's time-out. */
 unsigned test_slowness(void);
 
-/* Whether a sanitizer was compiled in: times and memory then say nothing about the program. */
+/* Whether a sanitizer was compiled in: times and memory are then not those of the program. */
 bool test_is_sanitized(void);
 
 /* Out-of-memory injection: the n-th allocation from now on fails (n = 1: the next), and only that
@@ -85,8 +85,8 @@ bool test_alloc_failed(void);
  * and address space, so this is for tests that need few. */
 void test_guard_alloc(bool on);
 
-/* Bytes in use that malloc has given out; and by how much they have exceeded `before` at most since
- * test_watch_alloc. */
+/* The bytes that malloc has allocated and that are not freed yet; and the most by which they have exceeded
+ * `before` since test_watch_alloc. */
 size_t test_alloc_in_use(void);
 void test_watch_alloc(void);
 size_t test_alloc_most(size_t before);

@@ -16,7 +16,7 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_work *work);
 enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_work *work);
 
-/* As dt_find, for edits: counts how far walks go, which shows that the grid has aged. */
+/* As dt_find, for edits: counts how far walks go, which shows that edits have degraded the grid. */
 enum dt_where dt_update_find(struct dt *t, struct dt_point q, uint32_t *half);
 
 #endif

@@ -16,7 +16,7 @@ enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy, const 
                       const struct dt_hints *hints, uint32_t near, struct dt_point q,
                       uint32_t *half);
 
-/* The same, and about how many triangles the walk passed: which shows whether the grid has aged. */
+/* The same, and about how many triangles the walk passed, which shows whether edits have degraded the grid. */
 enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *xy,
                                const struct dt_hints *hints, struct dt_point q, uint32_t *half,
                                uint32_t *steps);

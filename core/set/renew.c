@@ -30,7 +30,7 @@ static void take(struct dt *t, struct dt_hints *fresh)
 
 /* From now on the grid counts as new, even if there was no memory for another one: then the old one, or none,
  * serves for the same period again. */
-static void count_anew(struct dt *t)
+static void reset_counts(struct dt *t)
 {
     t->hinted = t->mesh.vertices;
     t->steps = 0;
@@ -47,7 +47,7 @@ void dt_tend(struct dt *t, const struct dt_work *work)
     enum dt_status status = dt_hints_build(&fresh, &t->mesh, t->points.xy, &opt);
     if (status == DT_CANCELLED)
         return;
-    count_anew(t);
+    reset_counts(t);
     if (status == DT_OK)
         take(t, &fresh);
 }
@@ -63,7 +63,7 @@ enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt)
     return status;
 }
 
-bool dt_is_aged(const struct dt *t)
+bool dt_renew_due(const struct dt *t)
 {
     return t->triangulated && t->current && t->hints.grids > 0 && t->mesh.vertices > AT_ONCE &&
            is_old(t, 1);
@@ -85,7 +85,7 @@ enum dt_status dt_renew(const struct dt *t, const struct dt_options *opt, struct
 
 void dt_renewed(struct dt *t, struct dt_renewal *r)
 {
-    count_anew(t);
+    reset_counts(t);
     if (r != NULL)
         take(t, &r->hints);
     free(r);

@@ -7,7 +7,7 @@
  * them grow longer. Then it is rebuilt.
  *
  * That takes 50 ns a vertex, all at once. A small set does it in the edit that finds the grid too old.
- * A large one leaves it to the caller (dt_is_aged, dt_renew); if the caller does not, an edit does it, but
+ * A large one leaves it to the caller (dt_renew_due, dt_renew); if the caller does not, an edit does it, but
  * later. */
 #ifndef DT_RENEW_H
 #define DT_RENEW_H

@@ -132,7 +132,7 @@ static void add_done(struct server *s, struct job *j, struct answer *a)
     reply_key_u64(a->out, "added", e->added.added);
     reply_key_u64(a->out, "coincident", e->added.coincident);
     reply_end(a->out);
-    renew_if_aged(s, j->set);
+    renew_if_due(s, j->set);
 }
 
 /* Peak memory to add n points to a set, NULL for a new one; if the triangulation is left for later, that
@@ -239,7 +239,7 @@ static void delete_done(struct server *s, struct job *j, struct answer *a)
         reply_ok(a->out, 0);
         reply_key_u64(a->out, "deleted", e->deleted);
         reply_end(a->out);
-        renew_if_aged(s, j->set);
+        renew_if_due(s, j->set);
     }
 }
 
@@ -283,7 +283,7 @@ static void move_done(struct server *s, struct job *j, struct answer *a)
         answer_status(a, j->status);
     } else {
         answer_ok(a);
-        renew_if_aged(s, j->set);
+        renew_if_due(s, j->set);
     }
 }
 

@@ -87,9 +87,9 @@ bool renew_has_grid(struct server *s, struct dataset *set)
     return true;
 }
 
-void renew_if_aged(struct server *s, struct dataset *set)
+void renew_if_due(struct server *s, struct dataset *set)
 {
-    if (s->workers == NULL || s->stopping || set->writer != NULL || !dt_is_aged(set->current->dt))
+    if (s->workers == NULL || s->stopping || set->writer != NULL || !dt_renew_due(set->current->dt))
         return;
     (void)start(s, set);
 }

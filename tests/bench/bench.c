@@ -1,13 +1,12 @@
-/* bench.c - tables of what building a triangulation costs, in ns per point, for both engines and
- * beside CGAL.
+/* bench.c - tables of the cost of building a triangulation, in ns per point, for both engines and CGAL.
  *
  *     bench [--min N] [--max N] [--cgal PROGRAM] paper|sizes|families|hostile|edits ...
  *
- * The tables are Markdown, ready for README.md beside this file; chart.awk draws them. Every figure
- * but those of edits is the best of several processes, and runs alternate between the programs that
- * are compared; a process builds as many different sets as make a million points. "fresh" builds in
- * memory never touched before, "warm" in pages that the process has used already. One thread is timed
- * by its CPU clock, two by the clock on the wall. */
+ * The tables are Markdown for README.md in this folder; chart.awk draws them. Every figure except those of
+ * edits is the best of several processes, and runs alternate between the programs that are compared; a
+ * process builds different sets with a million points in total. "fresh" builds in memory that was never
+ * touched before, "warm" in pages that the process has used already. One thread is timed by its CPU clock,
+ * two by the wall clock. */
 #include "tests/bench/hostile.h"
 #include "tests/bench/hostile_edits.h"
 #include "tests/bench/measure.h"
@@ -42,11 +41,11 @@ static void ratio(double a, double b)
     cell(b > 0 ? a / b : 0);
 }
 
-/* ---- who is measured ---- */
+/* ---- the programs that are measured ---- */
 
 enum { ONE, TWO, FRESH, PAPER, BARE, LIST, BARE_FRESH, CONTENDERS };
 
-/* Many rounds for what ratios are made of, fewer for the rest and for what takes long. */
+/* Many rounds for figures of which ratios are computed, fewer for others and for long runs. */
 static void enter(struct contender *c, const struct family *f, size_t n)
 {
     bool large = n > 1000000;
@@ -67,7 +66,7 @@ static double ns(const struct contender *c)
     return c->best.build_ns;
 }
 
-/* ---- sizes: uniform points; all of them take turns, since they, too, are compared ---- */
+/* ---- sizes: uniform points; runs alternate between sizes, because these are compared, too ---- */
 
 enum { MAX_ROWS = 8 };
 
@@ -136,7 +135,7 @@ static void time_row(const struct contender *c)
 
 static void memory_row(const struct contender *c)
 {
-    bool large = c->build.n >= 100000; /* below, what the process holds beside hides it */
+    bool large = c->build.n >= 100000; /* below this, other memory of the process dominates */
     printf("| %s |", c->build.family->name);
     cell(ns(&c[FRESH]));
     cell(ns(&c[BARE_FRESH]));

@@ -53,7 +53,7 @@ def seconds_of(find, places):
 
 
 def compare_places(port, points, scipy_delaunay):
-    """find_simplex of as many random places as there are points; SciPy, which takes long, gets a tenth of them."""
+    """find_simplex of as many random places as there are points; SciPy, which is slow, gets a tenth of them."""
     places = np.random.default_rng(2).random(points.shape)
     few = places[: max(1, len(places) // 10)]
     with Client("delaunay://127.0.0.1:" + port) as client:

@@ -1,4 +1,4 @@
-/* cgal_speed.cpp - what CGAL needs for a family of point sets.
+/* cgal_speed.cpp - time and memory of CGAL for a family of point sets.
  *
  *     cgal_speed FAMILY N SETS fresh|warm
  *
@@ -64,7 +64,8 @@ static double build_with_list(const std::vector<place> &points)
         for (int k = 0; k < 3; k++)
             list.push_back(f->vertex(k)->info());
     double end = now();
-    return list.size() == 1 ? 0 : end - start; /* the list is looked at, so that it is made */
+    return list.size() == 1 ? 0
+                            : end - start; /* using the list keeps the compiler from removing it */
 }
 
 static std::vector<place> points_of(const family *f, size_t n, size_t seed)

@@ -1,5 +1,5 @@
-/* cgal_text.cpp - the local program to compare a daemon with: lines `x y` from standard input,
- * lines `a b c` of the triangles' line numbers to standard output, by CGAL. */
+/* cgal_text.cpp - the local program that the daemon is compared with: reads lines `x y` from standard input
+ * and writes triangles as lines `a b c` of line numbers to standard output, with CGAL. */
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What users of the command line, of Python and of Redis's tools get, beside what they would use otherwise.
+# The speed of the command line, of the Python package and of Redis's tools, compared with their alternatives.
 #
 #     clients.sh BUILD_DIR N      N points; tables in Markdown on the standard output
 set -euo pipefail
@@ -64,10 +64,10 @@ arrays() {
 
 # ---- framings ----
 
-# The processor seconds that a process has had, its threads' included.
+# The processor seconds of a process and its threads.
 cpu_of() { awk -v hz="$(getconf CLK_TCK)" '{sub(/.*\) /, ""); print ($12 + $13) / hz}' "/proc/$1/stat"; }
 
-# Runs a client that tells replies a second; the row tells what a reply costs it and the server.
+# Runs a client that prints replies a second; the row shows the cost of a reply for it and for the server.
 row() { # TITLE SERVER_PID BASE COMMAND...
     local title=$1 pid=$2 base=$3 before after used replies start=$EPOCHREALTIME
     shift 3

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What the daemon itself says that TRIANGULATE took (its ms, the clock on the wall), after LOADB, beside bare CGAL: in a
-# daemon and a CGAL program that are fresh, and where they have built another such set before. Nanoseconds per point, the
-# best of ROUNDS, in which all take turns.
+# The time of TRIANGULATE after LOADB, as the daemon reports it (ms= in its reply, wall-clock time), compared with bare CGAL: in
+# a daemon and a CGAL program that have just started, and after they have built another such set. Nanoseconds per point, the
+# best of ROUNDS, in which runs alternate between all of them.
 #
 #     daemon.sh BUILD_DIR N ROUNDS FAMILY...
 set -euo pipefail
@@ -11,8 +11,8 @@ rounds=$3
 shift 3
 . "${BASH_SOURCE%/*}/one_daemon.sh"
 
-# Sends FILE... as sets to a daemon of its own, and triangulates and drops each before the next; a line of nanoseconds per
-# point for each.
+# Sends FILE... as sets to a daemon of its own, and triangulates and drops each before the next; prints a line of nanoseconds
+# per point for each.
 by_daemon() { # THREADS FILE...
     local file
     start_daemon --threads "$1"

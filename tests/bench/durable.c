@@ -5,13 +5,13 @@
  *     durable load PORT POINTS LABEL
  *         LOADB into a new set
  *     durable build PORT POINTS LABEL
- *         the same and TRIANGULATE, beside a set of 1000 points
+ *         the same and TRIANGULATE, and another set of 1000 points
  *     durable ready PORT LABEL
  *         seconds since $START_NS until those sets answer
  *     durable snapshot PORT PID LABEL
- *         SNAPSHOT, and PING until it is done
+ *         SNAPSHOT, with PINGs until it is done
  *     durable edited PORT PID POINTS LABEL
- *         the same while the set of so many points is edited */
+ *         the same while the set of POINTS points is edited */
 #include <arpa/inet.h>
 #include <inttypes.h>
 #include <signal.h>
@@ -73,7 +73,7 @@ static void line(int fd, char *text, size_t size)
     text[n] = '\0';
 }
 
-/* Asks and returns whether the answer is OK; rows are read and dropped. */
+/* Sends a request; returns whether the reply is OK. Rows are read and discarded. */
 static int ask(int fd, const char *request)
 {
     char text[4096];
@@ -254,8 +254,8 @@ static void ping_for(int fd, double seconds)
     }
 }
 
-/* Three of four edits move a point, one in eight deletes one, one in eight adds one; in bursts, for
- * ever. */
+/* Three of four edits move a point, one in eight deletes one, one in eight adds one; in bursts, until
+ * killed. */
 static void edit(const char *port, uint32_t points, volatile uint64_t *edits)
 {
     enum { BURST = 64 };
@@ -296,7 +296,8 @@ static void snapshot(const char *port, const char *pid, uint32_t points, const c
     int fd = dial(port);
     volatile uint64_t *edits =
         mmap(NULL, sizeof *edits, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (points > 0) { /* what the first search and the first edit make is no part of it */
+    if (points >
+        0) { /* so that the snapshot does not include what the first search and the first edit build */
         ask(fd, "NEAREST large 0.5 0.5\n");
         ask(fd, "ADD large 0.5 0.5\n");
     }
@@ -305,7 +306,7 @@ static void snapshot(const char *port, const char *pid, uint32_t points, const c
     double idle = percentile(0.99), before = current_kib(pid), start = now(CLOCK_MONOTONIC);
     char path[64];
     snprintf(path, sizeof path, "/proc/%s/clear_refs", pid);
-    FILE *f = fopen(path, "w"); /* from here on VmHWM is the peak of the snapshot alone */
+    FILE *f = fopen(path, "w"); /* from here on VmHWM is the peak during the snapshot */
     if (f != NULL) {
         fputs("5", f);
         fclose(f);

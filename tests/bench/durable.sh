@@ -1,6 +1,7 @@
 #!/bin/sh
-# durable.sh BUILD_DIR - what durability costs: single-point ADD beside redis SET, LOADB with and without --data, restart
-# and snapshot of a large set. For `make bench-durable`; POINTS says how large (default 10000000), DIR where the data go.
+# durable.sh BUILD_DIR - the cost of durability: single-point ADD compared with redis SET, LOADB with and without --data,
+# restart and snapshot of a large set. For `make bench-durable`; POINTS is the size of that set (default 10000000), DIR the
+# folder for the data.
 set -eu
 build=$1 points=${POINTS:-10000000} seconds=${SECONDS_EACH:-5}
 dir=$(mktemp -d "${DIR:-/tmp}/delaunayd-bench-XXXXXX")

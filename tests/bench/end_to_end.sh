@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # From a text file of points to a text of their triangulation: through the daemon and loopback TCP, by a local CGAL
-# program, and by qdelaunay (Debian's qhull-bin). Wall-clock seconds, the best of three. Then what a row of each whole table
-# costs, where ids are at random in the plane, and where neighbours have arrived together.
+# program, and by qdelaunay (Debian's qhull-bin). Wall-clock seconds, the best of three. Then the cost of a row of each whole
+# table, with ids at random in the plane, and with ids of neighbours close to each other.
 #
 #     end_to_end.sh BUILD_DIR N
 set -euo pipefail

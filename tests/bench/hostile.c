@@ -1,6 +1,6 @@
-/* hostile.c - the promise is: no family, size or order of input more than 3 times slower per point
- * than uniform points, 7 times with coordinates of extreme exponents. Uniform points take turns with
- * all others. */
+/* hostile.c - the promise: no family, size or order of input is more than 3 times slower per point than
+ * uniform points, 7 times with coordinates of extreme exponents. Runs alternate between uniform points and
+ * the others. */
 #include "tests/bench/hostile.h"
 
 #include "tests/bench/measure.h"

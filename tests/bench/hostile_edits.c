@@ -1,10 +1,10 @@
-/* hostile_edits.c - the promise is: no edit costs more than 10 times its kind on uniform points, but for
- * those that have to change, or look at, as many triangles as a vertex has neighbours, and the first
- * one of a large set, which makes an index.
+/* hostile_edits.c - the promise: no edit costs more than 10 times the same edit of uniform points, except
+ * edits that change or examine as many triangles as a vertex has neighbours, and the first edit of a large
+ * set, which builds an index.
  *
- * Three kinds of sets: points that coincide by the hundred thousand, with a tolerance and without; a hub,
- * around which all others lie on a circle; coordinates most of whose bits are zeros. Each round makes both
- * sets again, the hostile one and as many uniform points, and the better of some rounds counts. */
+ * Three kinds of sets: a hundred thousand coincident points, with a tolerance and without; a hub, with all
+ * other points on a circle around it; coordinates most of whose bits are zeros. Each round builds both sets
+ * again, the hostile one and as many uniform points, and the best round counts. */
 #include "tests/bench/hostile_edits.h"
 
 #include <math.h>
@@ -40,7 +40,7 @@ static void must(bool ok)
     exit(1);
 }
 
-/* ---- what is done to a set k times, at places or to ids; each returns nanoseconds for one ---- */
+/* ---- operations, done k times at places or to ids; each function returns nanoseconds per operation ---- */
 
 enum { MANY = 20000 };
 
@@ -113,7 +113,7 @@ static struct points new_points(uint32_t n)
     return s;
 }
 
-/* Takes the points over. */
+/* Takes ownership of the points. */
 static struct dt *new_set(struct points s, double tol, bool live)
 {
     struct dt *t = dt_new(tol);
@@ -157,7 +157,7 @@ static struct dt *wheel_set(void)
     return new_set(s, 0, true);
 }
 
-/* ---- rows: what one costs on a hostile set, or on a uniform one ---- */
+/* ---- rows: the cost of an operation on a hostile set or on a uniform one ---- */
 
 /* Frees the set. */
 static double done(struct dt *t, double ns)
@@ -179,7 +179,7 @@ static void go_to_group(bool hostile)
         to[i] = (struct dt_point){0.5, 0.5};
 }
 
-/* Ids from `first` on, a stride apart, without one twice. */
+/* Distinct ids from `first` on, a stride apart. */
 static void choose(uint32_t first, uint32_t stride, uint32_t n)
 {
     for (uint32_t i = 0; i < MANY; i++)
@@ -198,7 +198,7 @@ static double add_to_group(bool hostile)
     return done(t, add(t, MANY));
 }
 
-/* The lowest id represents its group, so each of these has an heir. */
+/* The lowest id represents its group, so each of these has a successor. */
 static double delete_representatives(bool hostile)
 {
     struct dt *t = crowd_or_not(hostile, 0);
@@ -236,8 +236,8 @@ static double move_out_of_group(bool hostile)
     return done(t, move(t, MANY));
 }
 
-/* Places that are apart by less than the tolerance. The first b is an alias of c, the first a of r; when
- * c goes, b represents; when r goes, its heir stands where b does.
+/* Places that are less than the tolerance apart. The first b is an alias of c, the first a of r; when c is
+ * deleted, b represents; when r is deleted, its successor is at the place of b.
  *
  *      r <--0.9--> a, b <--0.95--> c
  */
@@ -343,7 +343,7 @@ static double delete_hub(bool hostile)
     return done(t, delete (t, hostile ? 1 : MANY));
 }
 
-/* To a set that is not triangulated and has none yet. */
+/* Adds to a set that is not triangulated and has no points yet. */
 static double add_with(bool hostile, struct dt_point (*place)(uint32_t i))
 {
     struct dt *t = dt_new(0);
@@ -374,7 +374,7 @@ static double add_on_lattice(bool hostile)
     return add_with(hostile, on_lattice);
 }
 
-/* To a large set that is not triangulated: the index of places is made. */
+/* Adds to a large set that is not triangulated: the index of places is built. */
 static double add_first(bool hostile)
 {
     struct dt *t = uniform_set(LARGE, 0, false);

@@ -43,7 +43,7 @@ static void must(bool ok)
         _exit(1);
 }
 
-/* One set, from nothing; adds to the sums in *cost. */
+/* Builds one set from scratch; adds to the sums in *cost. */
 static void build_once(const struct build *b, const struct dt_pool *pool, struct dt_pages *pages,
                        const struct dt_point *p, struct cost *cost)
 {
@@ -52,8 +52,7 @@ static void build_once(const struct build *b, const struct dt_pool *pool, struct
     struct dt_summary summary;
     struct dt *t = dt_new_in(0, pages);
     must(t != NULL);
-    /* Several threads are there to save time on the wall; a single one is timed by what it
-     * computes. */
+    /* Several threads are timed by the wall clock, a single one by its CPU clock. */
     clockid_t clock = b->threads > 1 ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
     double start = seconds(clock);
     must(dt_add(t, p, b->n, &added) == DT_OK);
@@ -135,7 +134,7 @@ static bool run_cgal(const struct contender *c, struct cost *cost)
     return pclose(in) == 0 && ok;
 }
 
-/* What disturbs a measurement only ever adds to its time; memory is what it was at most. */
+/* Disturbances only ever add time, so the least time counts; of memory, the most. */
 static void take_best(struct cost *best, const struct cost *c)
 {
     best->add_ns = fmin(best->add_ns, c->add_ns);
@@ -156,7 +155,7 @@ static void run_once(struct contender *c)
         c->best = cost;
 }
 
-/* A contender with fewer rounds than others sits out some, evenly. */
+/* A contender with fewer rounds than others skips some, evenly distributed. */
 static bool takes_part(const struct contender *c, unsigned round, unsigned rounds)
 {
     return (round + 1) * c->rounds / rounds > round * c->rounds / rounds;

@@ -1,5 +1,5 @@
-/* measure.h - one measurement is one process: its memory is its own, and nothing is warm from the
- * one before. */
+/* measure.h - each measurement is a process of its own, so that its memory can be measured and no caches are
+ * warm from earlier ones. */
 #ifndef BENCH_MEASURE_H
 #define BENCH_MEASURE_H
 
@@ -19,11 +19,11 @@ struct build {
 struct cost {
     double add_ns, build_ns; /* per input point: dt_add, and dt_triangulate */
     double grid_ns;          /* and dt_prepare */
-    double peak_bytes;       /* per input point, of the whole process above the points themselves */
-    double held_bytes;       /* per input point, what the triangulated set holds */
+    double peak_bytes;       /* per input point, of the whole process less the points themselves */
+    double held_bytes;       /* per input point, memory of the triangulated set */
 };
 
-/* Who takes part in a comparison: an engine of ours or CGAL. */
+/* A program in a comparison: an engine of ours or CGAL. */
 struct contender {
     struct build build;
     const char
@@ -33,17 +33,16 @@ struct contender {
     struct cost best; /* of CGAL build_ns and peak_bytes; all 0: it could not be measured */
 };
 
-/* Lets the n contenders build by turns, each as many times as it has rounds, and keeps of each the
- * best. A machine's speed swings by a tenth and more within minutes, so what is to be compared must
- * not be measured one after the other. A turn is a process that builds sets of build.n points, no
- * two alike, enough of them to measure. */
+/* Runs the n contenders alternately, each as many times as it has rounds, and keeps the best of each. The
+ * speed of a machine varies by a tenth or more within minutes, so programs that are compared must not be
+ * measured one after the other. A turn is a process that builds different sets of build.n points, enough of
+ * them to measure. */
 void measure_alternately(struct contender *c, size_t n);
 
 /* How many sets of n points make a measurement. */
 size_t measure_sets(size_t n);
 
-/* Seconds that the calling thread has computed: what other programs do in between does not
- * count. */
+/* CPU seconds of the calling thread: other programs do not count. */
 double measure_cpu(void);
 
 #endif

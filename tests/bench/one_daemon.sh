@@ -1,4 +1,4 @@
-# one_daemon.sh - to be sourced, with $build set: a folder $scratch, and one daemon at a time; both are gone in the end.
+# one_daemon.sh - to be sourced, with $build set: provides a folder $scratch and one daemon at a time; both are removed at exit.
 scratch=$(mktemp -d)
 daemon=
 stop_daemon() {

@@ -15,7 +15,7 @@ static int compare_ranks(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Uniform points by ascending rank; in the order in which they come if there is no memory. */
+/* Uniform points by ascending rank; unsorted if there is no memory. */
 static void fill_by(double (*rank)(struct dt_point p), struct dt_point *p, size_t n, uint64_t *r)
 {
     family_find("uniform")->fill(p, n, r);
@@ -66,7 +66,7 @@ static double to_centre(struct dt_point p)
     return -from_centre(p);
 }
 
-/* The place along Hilbert's curve, 26 bits each way [Hilbert 1891; the loop is Warren's, Hacker's
+/* The position along the Hilbert curve, 26 bits each way [Hilbert 1891; the loop is from Warren, Hacker's
  * Delight, ch. 16]. */
 static double by_hilbert(struct dt_point p)
 {
@@ -93,7 +93,7 @@ static double by_hilbert_back(struct dt_point p)
     return -by_hilbert(p);
 }
 
-/* As many leaps as there are neighbours: every 1009th point along the curve, then the next ones. */
+/* Long jumps between consecutive points: every 1009th point along the curve, then the next ones. */
 static void fill_leaps(struct dt_point *p, size_t n, uint64_t *r)
 {
     fill_by(by_hilbert, p, n, r);

@@ -1,5 +1,4 @@
-/* orders.h - uniform points in orders that an engine which sorts, or one that does not, may suffer
- * from. */
+/* orders.h - uniform points in orders that may be slow for engines that sort, or for those that do not. */
 #ifndef BENCH_ORDERS_H
 #define BENCH_ORDERS_H
 

@@ -1,6 +1,6 @@
 /* paper.c - Fang & Piegl 1993, Table 1: CPU seconds on an IBM PS/2 486/25, five sets of each size
- * averaged. Ours: the same sizes with the same algorithm (METHOD shelling), a million points of
- * each size averaged. */
+ * averaged. Ours: the same sizes with the same algorithm (METHOD shelling), averaged over a
+ * million points of each size. */
 #include "tests/bench/paper.h"
 
 #include "core/shelling/shelling.h"
@@ -82,7 +82,7 @@ void paper_table(void)
                1e6 * published[i].grid_s / (double)n,
                1e6 * published[i].triangulation_s / (double)n);
     }
-    /* The cost of a point among 5,000 in relation to one among 500: 1 is linear. */
+    /* The cost per point of 5,000 points divided by that of 500: 1 is linear. */
     printf("| 5000 / 500 | %.2f | %.2f | %.2f | %.2f |\n\n", grid[LAST] / grid[0],
            triangulation[LAST] / triangulation[0],
            published[LAST].grid_s / published[0].grid_s / SIZES,

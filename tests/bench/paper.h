@@ -2,8 +2,8 @@
 #ifndef BENCH_PAPER_H
 #define BENCH_PAPER_H
 
-/* Prints the table: 500 to 5,000 random points in steps of 500, building the grid and triangulating
- * apart. */
+/* Prints the table: 500 to 5,000 random points in steps of 500, with separate times for building the grid
+ * and triangulating. */
 void paper_table(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* pivots.c - plays the selection that is to be defeated and assigns ranks as it picks pivots.
+/* pivots.c - simulates the selection that it defeats and assigns ranks as that picks pivots.
  *
  *      share of n    0.3         0.21        0.147      0.343
  *      x about       2^130       2^65        1          2^-65 and 2^-130: the crowd, which is cut at its
@@ -12,7 +12,7 @@
 
 #define SHARE 0.3 /* of the points of a grid lies far out */
 
-/* Point i of n of that size: along a line, but not on it. */
+/* Point i of n of this magnitude: along a line, but not on it. */
 static struct dt_point point(int exponent, uint32_t i, uint32_t n)
 {
     double x = 1 + (double)i / n;

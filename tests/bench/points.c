@@ -1,7 +1,7 @@
-/* points.c - prints a family of point sets as text, a line `x y` per point, or as LOADB takes it,
- * two doubles per point.
+/* points.c - prints a family of point sets as text, a line `x y` per point, or as the body of LOADB, two
+ * doubles per point.
  *
- *     points [--binary] FAMILY N [SEED]        without arguments: what families there are */
+ *     points [--binary] FAMILY N [SEED]        without arguments: lists the families */
 #include "tests/oracle/families.h"
 
 #include <stdio.h>

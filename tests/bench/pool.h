@@ -1,4 +1,4 @@
-/* pool.h - persistent threads for the core's jobs, as plain as can be. */
+/* pool.h - persistent threads for the core's jobs, as simple as possible. */
 #ifndef BENCH_POOL_H
 #define BENCH_POOL_H
 
@@ -10,7 +10,7 @@ struct pool;
 struct pool *pool_new(unsigned threads);
 void pool_free(struct pool *p);
 
-/* What dt_options wants; borrows p. */
+/* The pool in the form that dt_options needs; borrows p. */
 struct dt_pool pool_face(struct pool *p);
 
 #endif

@@ -1,6 +1,6 @@
 /* body_fuzz.c - libFuzzer target: any bytes as the points that follow LOAD and LOADB. The first two
- * bytes choose the form, the columns and the count. In whatever two pieces the rest arrives, the outcome is the
- * same. */
+ * bytes choose the form, the columns and the count. The outcome must not depend on the two pieces in which
+ * the rest arrives. */
 #include "core/delaunay.h"
 #include "proto/body.h"
 
@@ -18,8 +18,8 @@ static void require(bool condition)
         abort();
 }
 
-/* Feeds what there is until it takes no more; returns how much that was, -1 for a fault of the
- * framing. */
+/* Feeds the data until the body consumes no more; returns the number of consumed bytes, -1 for a fault of
+ * the framing. */
 static ptrdiff_t feed(struct body *b, const uint8_t *data, size_t n, bool last)
 {
     size_t at = 0;
@@ -39,12 +39,12 @@ static ptrdiff_t feed(struct body *b, const uint8_t *data, size_t n, bool last)
     return (ptrdiff_t)at;
 }
 
-/* Reads a body whose first `cut` bytes come first. Returns what feed does, of all. */
+/* Reads a body whose first `cut` bytes arrive first. Returns what feed returns, for all of it. */
 static ptrdiff_t read_body(struct body *b, unsigned kind, uint64_t count, const uint8_t *data,
                            size_t size, size_t cut)
 {
     body_init(b, (enum body_form)(kind % 3), count, LIMIT, dt_coordinate_ok);
-    if (kind >= 128) /* values behind the coordinates, or alone */
+    if (kind >= 128) /* values after the coordinates, or alone */
         body_columns(b, kind / 3 % 2 * 2, kind / 6 % 3 + 1);
     ptrdiff_t first = feed(b, data, cut, false);
     if (first < 0 || b->complete)

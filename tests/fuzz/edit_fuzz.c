@@ -1,10 +1,10 @@
 /* edit_fuzz.c - libFuzzer target: any bytes as a history of edits of a live set on a small lattice.
- * After every step the set proves its triangulation, and every table and query answers as a fresh
- * set with the same points and ids does; and views that began some steps ago have the tables of
+ * After every step the set's triangulation is checked, and every table and query has the same result
+ * as for a fresh set with the same points and ids; views that began some steps ago have the tables of
  * copies that were made then.
  *
- * The first byte chooses tolerance and scale, the second the lattice; then come steps: an opcode
- * and what it takes. What is missing at the end reads as 0. */
+ * The first byte chooses tolerance and scale, the second the lattice; steps follow: an opcode and its
+ * arguments. Missing bytes at the end read as 0. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,15 +14,15 @@ enum { MAX_INPUT = 24, MAX_IDS = 400, MAX_LIVE = 90, WORDS = 4096, MOMENTS = 3 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* A moment of the set, and a copy made then. */
+/* A state of the set, and a copy made then. */
 struct moment {
     struct dt_view *view; /* NULL: none */
     struct dt *copy;
     bool rings;   /* it reads the triangulation */
-    bool blocked; /* an edit was one that the view blocked */
+    bool blocked; /* the view blocked an edit */
 };
 
-/* The script, and what the set should hold. */
+/* The script, and the expected content of the set. */
 struct script {
     const uint8_t *at, *end;
     struct dt *set;
@@ -59,7 +59,7 @@ static struct dt_point read_place(struct script *s)
     return place(s, b & 15, b >> 4, false);
 }
 
-/* The k-th live id, counted round; there must be one. */
+/* The k-th live id, modulo their number; there must be one. */
 static uint32_t live_id(const struct script *s, uint32_t k)
 {
     uint32_t id = 0;
@@ -70,17 +70,17 @@ static uint32_t live_id(const struct script *s, uint32_t k)
 
 /* ---- a fresh set ---- */
 
-/* Without a tolerance the smallest id at a place represents it; with one that depends on the
- * history, which the set at hand knows. */
+/* Without a tolerance the smallest id at a place represents it; with one, the representative depends on
+ * the history, so it is read from the set. */
 static uint32_t representative(const struct script *s, uint32_t id)
 {
-    uint32_t rep = 0, told;
-    require(dt_representative(s->set, id, &told) == DT_OK && s->is_live[told]);
+    uint32_t rep = 0, known;
+    require(dt_representative(s->set, id, &known) == DT_OK && s->is_live[known]);
     if (dt_tolerance(s->set) > 0)
-        return told;
+        return known;
     while (!s->is_live[rep] || s->xy[rep].x != s->xy[id].x || s->xy[rep].y != s->xy[id].y)
         rep++;
-    require(rep == told);
+    require(rep == known);
     return rep;
 }
 
@@ -148,7 +148,7 @@ static void end_moment(struct moment *m)
     *m = (struct moment){0};
 }
 
-/* What the views have now, one of which begins again. */
+/* Compares the views with their copies; one view begins again. */
 static void check_moments(struct script *s, uint32_t salt)
 {
     for (uint32_t i = 0; i < MOMENTS; i++)
@@ -211,7 +211,7 @@ static void check(const struct script *s, uint32_t salt)
 
 /* ---- steps ---- */
 
-/* A limit that an edit may exceed. Then it must leave no trace, and is done again without. */
+/* A limit that an edit may exceed. Then it must change nothing, and is repeated without a limit. */
 static struct dt_options some_limit(const struct script *s)
 {
     return (struct dt_options){.steps = 1 + (uint32_t)(s->end - s->at) * 5 % 64};
@@ -284,7 +284,7 @@ static void move(struct script *s)
     move_to(s, id, read_place(s));
 }
 
-/* A move by less than the lattice is wide, which the mesh may survive. */
+/* A move by less than the width of the lattice, after which the mesh may still be valid. */
 static void move_slightly(struct script *s)
 {
     uint32_t b = byte(s), id = live_id(s, byte(s));

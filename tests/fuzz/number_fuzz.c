@@ -1,5 +1,5 @@
-/* number_fuzz.c - libFuzzer target: any bytes as a number. What is read agrees with strtod, and
- * writes and reads back.
+/* number_fuzz.c - libFuzzer target: any bytes as a number. The value agrees with strtod, and is
+ * the same after writing and reading it again.
  *
  *     clang -g -O1 -std=c11 -D_GNU_SOURCE -I. -fsanitize=fuzzer,address,undefined
  * tests/fuzz/number_fuzz.c proto/number*.c \ proto/powers.c -lm */
@@ -33,7 +33,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             size_t n = proto_write_double(dst, v);
             require(proto_read_double(dst, n, &back) && memcmp(&v, &back, sizeof v) == 0);
         }
-    } else if (size > 0 && end == text + size) { /* what strtod takes and the wire does not */
+    } else if (size > 0 &&
+               end == text + size) { /* forms that strtod accepts and the protocol does not */
         require(strpbrk(text, "xXnN \t\n\v\f\r") != NULL);
     }
     if (proto_read_u32((const char *)data, size, &u))

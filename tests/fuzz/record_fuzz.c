@@ -1,5 +1,5 @@
-/* record_fuzz.c - libFuzzer target: any bytes as a segment. What is taken for a record writes back
- * to the same bytes. Checksums are put right first, or nothing would ever get past them. */
+/* record_fuzz.c - libFuzzer target: any bytes as a segment. What is accepted as a record is written
+ * as the same bytes again. Checksums are corrected first, or no input would ever get past them. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* reply_read_fuzz.c - libFuzzer target: any bytes as replies, whole and cut in two, must come apart
- * the same way. As RESP 3 they must come out in whole elements.
+/* reply_read_fuzz.c - libFuzzer target: any bytes as replies, whole and cut in two, must be split in
+ * the same way. Converted to RESP 3 they must be whole elements.
  *
  *     clang -g -O1 -std=c11 -D_GNU_SOURCE -I. -fsanitize=fuzzer,address,undefined
  * tests/fuzz/reply_read_fuzz.c \ proto/reply_read.c proto/resp.c server/redis/resp3.c ... */

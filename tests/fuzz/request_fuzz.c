@@ -1,5 +1,5 @@
-/* request_fuzz.c - libFuzzer target: any bytes as request lines. However they are cut, the same lines
- * come out; words lie within their line, hold no blank, and leave nothing but blanks between
+/* request_fuzz.c - libFuzzer target: any bytes as request lines. The lines must not depend on how
+ * the bytes are cut; words lie within their line, contain no blanks, and only blanks are between
  * them. */
 #include "proto/line.h"
 #include "proto/request.h"
@@ -89,7 +89,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             ptrdiff_t early = read_front(data, cut, false, &part);
             if (early > 0)
                 require(early == took && part.len == whole.len);
-            else if (early < 0) /* a NUL may come early or late, never go away */
+            else if (early < 0) /* a NUL may be found early or late, but is always found */
                 require(part.fault == LINE_NUL || took < 0);
         }
         if (took == 0)

@@ -1,6 +1,6 @@
-/* resp_fuzz.c - libFuzzer target: any bytes as a request in RESP framing. What is read must be the
- * same however much follows, `need` must tell no lie, and every word lies within the bytes
- * taken. */
+/* resp_fuzz.c - libFuzzer target: any bytes as a request in RESP framing. The result must not depend
+ * on the bytes that follow, `need` must be correct, and every word lies within the consumed
+ * bytes. */
 #include <stdlib.h>
 #include <string.h>
 

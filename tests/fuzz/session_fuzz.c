@@ -1,6 +1,6 @@
 /* session_fuzz.c - libFuzzer target: any bytes from a client, to a whole session at one end of a pair
- * of sockets, with a server of its own that has no threads. The first byte says where the rest is
- * cut in two. The session must end when the input has ended, and what comes back must be
+ * of sockets, with a server of its own that has no threads. The first byte chooses where the rest
+ * is cut in two. The session must end when the input has ended, and its output must be
  * replies. */
 #include "proto/reply_read.h"
 #include "server/clients/clients.h"
@@ -53,7 +53,7 @@ static void hear(void)
     } while (n > 0);
 }
 
-/* The client: says what it has left to say, then listens. */
+/* The client: sends the rest of its input, then reads. */
 static void on_turn_end(struct loop *loop)
 {
     (void)loop;
@@ -83,7 +83,7 @@ static void converse(const uint8_t *data, size_t size, size_t cut)
     close(f.fd);
 }
 
-/* Where nothing is in RESP, what came back is replies and nothing else. */
+/* If no request is in RESP, the output consists of replies in lines. */
 static void look_at_replies(void)
 {
     struct reply_reader reader = {0};
@@ -97,7 +97,7 @@ static void look_at_replies(void)
     require(reply_reader_idle(&reader));
 }
 
-/* The server is started once, and forgets its sets from input to input. */
+/* The server is started once; its sets are dropped after each input. */
 static void start_once(void)
 {
     static struct config config;
@@ -105,7 +105,7 @@ static void start_once(void)
         return;
     config_init(&config);
     config.threads = 0;
-    config.max_points = 5000; /* or some inputs would take all day */
+    config.max_points = 5000; /* otherwise some inputs would take too long */
     notice_set_level(NOTICE_ERROR);
     require(server_init(&f.server, &config) && loop_init(&f.loop));
     f.server.clients = &f.clients;

@@ -14,7 +14,7 @@ from weights import Connection, families  # noqa: E402
 
 
 def clip(polygon, inside):
-    """What of the polygon is where the linear function `inside` is not negative."""
+    """The part of the polygon where the linear function `inside` is not negative."""
     value, result = [inside(c) for c in polygon], []
     for i, a in enumerate(polygon):
         k = (i + 1) % len(polygon)

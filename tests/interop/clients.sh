@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
-# What other people's programs make of the daemon, and our clients in other languages: redis-cli, redis-benchmark,
-# hiredis, redis-py, the Python and Node packages, an XML parser of the film that `delaunay trace` makes, haproxy with two
-# daemons.
+# The daemon with programs of others, and our clients in other languages: redis-cli, redis-benchmark, hiredis, redis-py, the
+# Python and Node packages, an XML parser of the film that `delaunay trace` makes, haproxy with two daemons.
 #
-#     clients.sh BUILD_DIR        prints what failed, and in the end one line: N passed, N failed
+#     clients.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 set -u
 cd "$(dirname "$0")/../.."
 build=$PWD/$1
@@ -32,7 +31,7 @@ count() { # NAME COMMAND...
     fi
 }
 
-# Starts a daemon; its port goes to the variable named.
+# Starts a daemon; its port goes to the variable of this name.
 start_daemon() { # VARIABLE
     local found=
     "$build/delaunayd" --port 0 >"$scratch/ready.$1" 2>/dev/null &
@@ -59,7 +58,7 @@ redis_cli_speaks() {
         printf '1 2\n3 4\n' | cli -x LOAD r 2 | grep -qx 'OK first=5 added=2 coincident=0'
 }
 
-# The modes of redis-cli; clients/README.md names them.
+# The modes of redis-cli that clients/README.md lists.
 redis_cli_modes_work() {
     local i stat
     for i in $(seq 40); do cli CREATE "key:$i" >/dev/null; done
@@ -91,7 +90,7 @@ fetch_node_redis() {
             redis@5.12.1 ioredis@5.11.1 >"$scratch/npm" 2>&1
 }
 
-# ---- our clients with a million points, and with a daemon that dies under them ----
+# ---- our clients with a million points, and with a daemon that dies meanwhile ----
 
 millions() { # the Python and Node packages have tests of their own for that
     awk 'BEGIN {srand(5); for (i = 0; i < 1000000; i++) print rand(), rand()}' >"$scratch/million.xy"
@@ -108,12 +107,12 @@ by_command_line() {
 
 by_c() { "$scratch/bulk" 127.0.0.1 "$port" 1000000 | grep -q '^1999[0-9]* triangles, '; }
 
-# Whether a connection to the port has brought bytes that nobody has read yet.
+# Whether a connection to the port has received bytes that are not read yet.
 has_unread_bytes() { # PORT
     awk -v port="$(printf ':%04X$' "$1")" '$2 ~ port && $4 == "01" && $5 !~ /:00000000$/ {found = 1} END {exit !found}' /proc/net/tcp
 }
 
-# The daemon takes nothing any more while the client loads, then it is gone: the client says so, and ends.
+# The daemon stops reading while the client loads, then it is killed: the client reports that and ends.
 dies_under() { # STATUS REGEX COMMAND...; the port is appended
     local status=$1 regex=$2 got=0 client
     shift 2
@@ -154,7 +153,7 @@ export -f load_by_cli load_by_c load_by_python load_by_node
 
 # ---- the Python package, installed ----
 
-# From a copy of the repository, in which nothing is left behind; the daemon comes with it.
+# From a copy of the repository, in which nothing may be left behind; the package includes the daemon.
 python_package_installs() {
     local copy=$scratch/copy before
     mkdir -p "$copy" && cp -r --parents clients/python "$copy" && find "$copy" -name __pycache__ -exec rm -r {} + &&
@@ -169,7 +168,7 @@ with delaunayd.Client("private:") as c:
 assert delaunayd._private.find_program().startswith(os.path.dirname(delaunayd.__file__))'
 }
 
-# Where nothing has been built, into an empty virtual environment: the daemon is compiled, and nothing else is needed.
+# From a tree without a build, into an empty virtual environment: the daemon is compiled, and nothing else is needed.
 python_package_compiles_the_daemon() {
     local repository=$scratch/repository found
     mkdir "$repository" && git archive HEAD | tar -x -C "$repository" && python3 -m venv "$scratch/venv" &&
@@ -201,7 +200,7 @@ sets_are_shared_out() {
     for i in $(seq 40); do
         through "ADD shard$i $i 0" | grep -q '^OK 0 first=0' || return 1
     done
-    # The same set by RESP, and its first line in two pieces, ends at the same daemon.
+    # Requests for the same set in RESP, or with the first line in two pieces, reach the same daemon.
     for i in $(seq 40); do
         redis-cli -p "$front" GET "shard$i" 0 | grep -qx "0 $i 0" || return 1
     done
@@ -217,7 +216,7 @@ sets_can_be_copied() {
         sets_of "$second" | grep -qx "$set"
 }
 
-# The daemon goes; its sets' connections are refused or served by the other one, and the rest goes on.
+# The daemon ends; connections for its sets are refused or served by the other one, and the others continue.
 the_others_go_on() {
     local set
     set=$(sets_of "$second" | grep shard | tail -n 1)

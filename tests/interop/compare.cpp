@@ -1,10 +1,10 @@
-/* compare.cpp - the proof over TCP: every reply of a running daemon equals CGAL's answer.
+/* compare.cpp - compares the replies of a running daemon with the results of CGAL.
  *
  *     compare PORT [SHARD SHARDS] [FAMILY]
  *
- * A job is a family, a size and a seed. It loads the points, triangulates with each engine,
- * compares whole tables byte for byte, asks at random places, then edits at random and compares
- * again with a fresh triangulation by CGAL. The last line counts the jobs. */
+ * A job is a family, a size and a seed. It loads the points, triangulates with each engine, compares whole
+ * tables byte for byte, sends queries for random places, then edits at random and compares again with a
+ * fresh triangulation by CGAL. The last line counts the jobs. */
 #include "tests/interop/daemon.h"
 
 #include <stdatomic.h> /* C++23 has it, but not inside of extern "C" */
@@ -177,7 +177,7 @@ static void check_places(job &j, const cgal_delaunay &oracle)
     }
 }
 
-/* The triangle of LOCATEB: of those that contain what LOCATE finds, the first in TRIANGLES. */
+/* The triangle of LOCATEB: the first in TRIANGLES of those that contain what LOCATE finds. */
 static oracle_row triangle_of(const cgal_delaunay &oracle, const oracle_row &found)
 {
     oracle_rows all;
@@ -255,7 +255,7 @@ static oracle_rows left_of(const cgal_delaunay &oracle,
     return rows;
 }
 
-/* What can be asked of single points, edges and triangles. */
+/* The queries about single points, edges and triangles. */
 static void check_neighbours(job &j, const cgal_delaunay &oracle)
 {
     oracle_rows lists = oracle.lists(false);
@@ -479,7 +479,7 @@ int main(int argc, char **argv)
                 failed += !ok;
             }
     for (const char *name :
-         {"gaussian", "kuzmin"}) { /* most tiles are full, some have hardly any */
+         {"gaussian", "kuzmin"}) { /* most tiles are full, some are nearly empty */
         if ((argc > 4 && std::strcmp(argv[4], name) != 0) || count++ % shards != shard)
             continue;
         bool ok = try_job(port, *family_find(name), 1000000, 2, run_large);

@@ -1,4 +1,4 @@
-/* daemon.cpp - a plain client of the line protocol, written from PROTOCOL.md alone. */
+/* daemon.cpp - a simple client of the line protocol, written from PROTOCOL.md alone. */
 #include "tests/interop/daemon.h"
 
 #include <arpa/inet.h>

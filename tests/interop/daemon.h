@@ -1,4 +1,4 @@
-/* daemon.h - one conversation with a running daemon: requests out, framed replies in. */
+/* daemon.h - a connection to a running daemon: sends requests, reads framed replies. */
 #ifndef INTEROP_DAEMON_H
 #define INTEROP_DAEMON_H
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/* What ends a job: an answer that differs, or a connection that breaks. */
+/* Ends a job: a reply differs, or the connection breaks. */
 struct failure : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -40,7 +40,7 @@ class daemon_link
     size_t at = 0;
 };
 
-/* The value of key=... in a status line, "" if it is not there. */
+/* The value of key=... in a status line, "" if the key is missing. */
 std::string value_of(const std::string &status, const std::string &key);
 
 /* The fewest digits that read back to the same double. */

@@ -1,6 +1,6 @@
-/* hiredis_talk.c - a session by way of hiredis: one by one, pipelined, binary words, errors.
+/* hiredis_talk.c - a session through hiredis: single requests, pipelines, binary words, errors.
  *
- *     hiredis_talk PORT        ends with 0 if every reply is as it should be */
+ *     hiredis_talk PORT        exits with 0 if every reply is as expected */
 #include <hiredis/hiredis.h>
 #include <stdio.h>
 #include <stdlib.h>

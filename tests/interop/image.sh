@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# What can be said about the Dockerfile where there is no engine to build it: what it copies is enough to build, what it
-# takes out of the build is there, and its user, entry point and health check work with the daemon that is installed.
+# Checks the Dockerfile without an engine to build it: the files that it copies are enough to build, the files that it takes
+# from the build exist, and its user, entry point and health check work with the installed daemon.
 #
-#     image.sh BUILD_DIR          0: all holds; else a line says what does not
+#     image.sh BUILD_DIR          exits with 0 if all is well; otherwise a line says what is wrong
 set -eu
 cd "$(dirname "$0")/../.."
 build=$PWD/$1
@@ -23,7 +23,7 @@ words() { # JSON_ARRAY: its strings, a line each
     /usr/bin/python3 -c 'import json, sys; print("\n".join(json.loads(sys.argv[1])))' "$1"
 }
 
-# COPY . . takes what git has, but for what .dockerignore names; that must be enough for the build.
+# COPY . . takes the files of git except those in .dockerignore; that must be enough for the build.
 line 'COPY \. \.$' >/dev/null
 line 'WORKDIR /src$' >/dev/null
 mkdir "$scratch/src"
@@ -35,7 +35,7 @@ install=$(line 'RUN make install ')
 MAKEFLAGS='' make -s -n -C "$scratch/src" install PREFIX=/usr DESTDIR=/out >"$scratch/plan" || bad "the build lacks something"
 grep -q -- '-o build/delaunayd' "$scratch/plan" || bad "make install would not build the daemon"
 
-# The same here, where it is built already; the second stage takes the programs.
+# The same in this tree, where it is built already; the second stage takes the programs.
 MAKEFLAGS='' make -s install O="$build" PREFIX=/usr DESTDIR="$scratch/out" >/dev/null
 from=$(line 'COPY --from=build /out')
 [ "$from" = "/usr/bin/ /usr/bin/" ] || bad "COPY --from=build /out$from is not what this test copies"
@@ -44,7 +44,7 @@ for program in delaunayd delaunay; do
     [ "$(command -v "$program")" = "$scratch/out/usr/bin/$program" ] || bad "$program is not installed"
 done
 
-# The user, who owns the volume, is made before the image changes over to it, and is not root.
+# The user, who owns the volume, is created before the image switches to it, and is not root.
 user=$(line 'USER ')
 volume=$(line 'VOLUME ')
 [ "$user" != root ] && [ "$user" != 0 ] || bad "runs as root"

@@ -1,4 +1,4 @@
-"""A session by way of redis-py (python3-redis): redis_py.py PORT"""
+"""A session through redis-py (python3-redis): redis_py.py PORT"""
 
 import sys
 
@@ -27,7 +27,7 @@ assert r.type("p") == b"pointset" and r.type("q") == b"none"
 assert r.memory_usage("p") > 0 and r.memory_usage("q") is None
 assert r.ttl("p") == -1 and r.ttl("q") == -2 and r.expire("p", 1000) and 900 < r.ttl("p") <= 1000 and 900000 < r.pttl("p")
 assert not r.expire("q", 1) and r.persist("p") and not r.persist("p")
-# The default pipeline is a transaction: it fails with the reason, and nothing is carried out.
+# The default pipeline is a transaction: it fails with the reason, and no request is carried out.
 pipe = r.pipeline()
 pipe.execute_command("ADD", "tx", 1, 2)
 pipe.execute_command("LOADB", "tx", 1, bytes(16))

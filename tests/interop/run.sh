@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Starts a daemon, compares its replies with CGAL's, and holds the conversations of
-# tests/interop/scripts by netcat, and others by redis-cli and redis-benchmark.
+# Starts a daemon, compares its replies with CGAL's, and replays the conversations of tests/interop/scripts
+# with netcat, and others with redis-cli and redis-benchmark.
 #
-#     run.sh BUILD_DIR        prints what failed, and in the end one line: N passed, N failed
+#     run.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 set -u
 cd "$(dirname "$0")/../.."
 build=$1
@@ -41,12 +41,12 @@ start_daemon() { # [OPTION...]
     exit 1
 }
 
-# Times vary, and so may the words for people after an error's code; a slow request may be preceded by comments.
+# Times vary, and so may the message after an error's code; comments may precede the reply to a slow request.
 normalised() {
     sed -E '/^# progress /d; s/ ms=[0-9.e-]+/ ms=/; s/^(ERR [A-Z]+).*/\1/'
 }
 
-# ---- netcat: everything sent is carried out after the half-close, and every reply comes whole ----
+# ---- netcat: all requests are carried out after the half-close, and every reply is complete ----
 
 talk() {
     timeout 30 nc -N 127.0.0.1 "$port"
@@ -108,7 +108,7 @@ a_client_that_goes_away_harms_nobody() {
     printf 'PING\nDROP big\n' | talk | grep -c '^OK 0' | grep -qx 2
 }
 
-# ---- Redis's tools, which frame the same commands their way ----
+# ---- Redis's tools, which send the same commands in RESP ----
 
 redis_cli_converses() {
     drop_sets

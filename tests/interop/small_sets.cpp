@@ -1,6 +1,5 @@
-/* small_sets.cpp - very many very small sets, straight through the core's header: tables, both
- * engines and edits against CGAL. What goes wrong in geometry mostly goes wrong among few points on
- * a small lattice.
+/* small_sets.cpp - very many very small sets, through the core's header: tables, both engines and edits
+ * compared with CGAL. Most errors in geometry show up with few points on a small lattice.
  *
  *     small_sets [SETS [SEED]]        prints the first set that fails */
 #include "tests/interop/daemon.h"

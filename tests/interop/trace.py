@@ -20,7 +20,7 @@ def canonical(a, b, c):
 
 
 def replay(rows):
-    """The triangles, and the hull as the front ends up."""
+    """The triangles, and the hull, which is the front at the end."""
     front, triangles, removed, hull = {}, [], [], []
     for row in rows:
         kind, *words = row.split(" ")

@@ -1,4 +1,4 @@
-"""INTERPOLATE against its definition in rational arithmetic, and, where they are there, beside SciPy's linear interpolator.
+"""INTERPOLATE compared with its definition in rational arithmetic and, where it is installed, with SciPy's linear interpolator.
 
     values.py PORT
 """

@@ -26,7 +26,7 @@ class Connection:
 
 
 def clip(polygon, a, b, site):
-    """What of the polygon, corners each with the site beyond the side that begins there, is nearer to a than to b."""
+    """The part of the polygon that is nearer to a than to b; each corner has the site beyond the side that begins there."""
     d = (b[0] - a[0], b[1] - a[1])
     half = (b[0] ** 2 + b[1] ** 2 - a[0] ** 2 - a[1] ** 2) / 2
     side = [c[0] * d[0] + c[1] * d[1] - half for c, _ in polygon]

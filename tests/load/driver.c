@@ -21,12 +21,12 @@
 
 enum { EVENTS = 256, READ_SIZE = 64 * 1024, TAIL_MS = 10 * 1000 };
 
-/* A connection. Requests on their way are a ring of the times from which their latencies run. */
+/* A connection. Its unanswered requests are a ring of the times from which their latencies run. */
 struct peer {
     int fd;
     struct buf in, out;
     struct reply_reader reader;
-    unsigned lines;   /* of the present reply that have come, for peers of another protocol */
+    unsigned lines;   /* of the current reply that have arrived, for peers of another protocol */
     unsigned flying;  /* requests without a reply */
     unsigned oldest;  /* the place of the first of them in `since` */
     uint64_t *since;  /* owns; `pipeline` long */
@@ -94,7 +94,7 @@ static void append_request(struct run *r, struct peer *p, uint64_t since)
     r->sent++;
 }
 
-/* Appends what is due: in closed loop a whole batch once the last one is answered. */
+/* Appends the requests that are due: in closed loop a whole batch once the last one is answered. */
 static void produce(struct run *r, struct peer *p, uint64_t now)
 {
     unsigned room = r->plan->pipeline - p->flying;
@@ -249,7 +249,7 @@ static void serve(struct run *r, struct peer *p)
     push_out(r, p);
 }
 
-/* Open loop: sends what is due everywhere and sets the timer for what comes next. */
+/* Open loop: sends all requests that are due and sets the timer for the next one. */
 static void serve_due(struct run *r)
 {
     uint64_t now = driver_now_ns(), next = UINT64_MAX;

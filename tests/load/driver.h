@@ -3,8 +3,8 @@
  * Closed loop (rate 0): each connection sends `pipeline` requests at once, waits for all their
  * replies, and begins again; a latency runs from the sending. Open loop: requests are due at a
  * fixed rate, in turn on each connection, whether or not earlier ones have been answered; a latency
- * runs from when the request was due, so the time that it had to wait because the server was slow
- * is part of it (no coordinated omission). */
+ * runs from when the request was due, so it includes the time that the request waited because the server
+ * was slow (no coordinated omission). */
 #ifndef TESTS_LOAD_DRIVER_H
 #define TESTS_LOAD_DRIVER_H
 
@@ -25,8 +25,8 @@ struct outcome {
     double seconds;           /* until the last reply */
 };
 
-/* Carries the plan out. False, with the reason on standard error, if a connection fails, a reply is
- * none of the protocol, or replies stay away for ten seconds after the plan's end. */
+/* Carries the plan out. False, with the reason on standard error, if a connection fails, a reply violates
+ * the protocol, or replies are missing ten seconds after the plan's end. */
 bool driver_run(const struct plan *plan, struct mix *mix, struct outcome *o);
 
 /* A connected, blocking socket; -1 with the reason on standard error. */

@@ -1,4 +1,4 @@
-/* load.c - the load generator: prepares a set if asked, drives one mix, prints one row of a table.
+/* load.c - the load generator: prepares a set if requested, runs one mix, prints one row of a table.
  *
  *     load --port 6374 --mix nearest=9,add=1 --points 1000000 --connections 50 --pipeline 16
  */

@@ -1,5 +1,5 @@
-/* mix.c - see mix.h. The peers' commands are there to measure theirs with the same tool; theirs are
- * answered with so many lines, ours with what the status line announces. */
+/* mix.c - see mix.h. Commands of other servers are included to measure these with the same tool; their
+ * replies have a fixed number of lines, ours what the status line announces. */
 #include "tests/load/mix.h"
 
 #include "tests/load/resp.h"
@@ -14,7 +14,7 @@ enum shape { PLAIN, AT_PLACE, OF_POINT, OF_SET, OF_KEY };
 static const struct kind {
     const char *name;
     enum shape shape;
-    const char *head, *tail; /* before and after what is drawn */
+    const char *head, *tail; /* before and after the random part */
     unsigned lines;
 } kinds[MIX_KINDS] = {
     {"ping", PLAIN, "PING", "\n", 0},

@@ -9,8 +9,8 @@
 enum { MIX_KINDS = 9, MIX_LINE_LIMIT = 160, MIX_REQUEST_LIMIT = 32 + 4 * MIX_LINE_LIMIT };
 
 struct mix {
-    const char *set;            /* whose set, borrows */
-    uint32_t points;            /* that it holds: ids below it are asked for */
+    const char *set;            /* the name of the set; borrows */
+    uint32_t points;            /* in the set: requests have ids below this */
     uint32_t weight[MIX_KINDS]; /* of each kind */
     uint32_t weights;           /* their sum; not 0 */
     unsigned lines;             /* of every reply, for a peer of another protocol; 0: ours */
@@ -20,7 +20,7 @@ struct mix {
 
 enum { MIX_SPAN = 1000000 }; /* coordinates are drawn from 0 to this */
 
-/* Reads `kind[=weight][,...]`; the kinds are listed by mix_names. False if it is something else, or
+/* Reads `kind[=weight][,...]`; the kinds are listed by mix_names. False if the text is invalid or
  * mixes kinds whose replies are framed differently. */
 bool mix_read(struct mix *m, const char *text);
 const char *mix_names(void);

@@ -67,7 +67,7 @@ bool plot_latency(const char *path, const char *title, const struct histogram *h
     for (int i = 0; i <= STEPS; i++) {
         double nines = (double)i * NINES / STEPS, left = pow(10, -nines);
         if (i > 0 && left * (double)h->total < 1)
-            break; /* beyond the last reply there is nothing to draw */
+            break; /* nothing to draw beyond the last reply */
         fprintf(f, "%.1f,%.1f ", x_of(nines), y_of((double)histogram_quantile(h, 1 - left)));
     }
     fputs("'/>\n</svg>\n", f);

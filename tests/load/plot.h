@@ -1,4 +1,4 @@
-/* plot.h - latencies as a drawing: by quantile, both axes logarithmic, so that the tail is seen. */
+/* plot.h - latencies as a drawing: by quantile, both axes logarithmic, so that the tail is visible. */
 #ifndef TESTS_LOAD_PLOT_H
 #define TESTS_LOAD_PLOT_H
 

@@ -22,14 +22,14 @@ size_t resp_encode(char *to, const char *line, size_t len)
     return n;
 }
 
-/* The length of the first line with its end; 0: it is not there yet. */
+/* The length of the first line with its end; 0: it is not complete. */
 static size_t line_length(const char *text, size_t len)
 {
     const char *end = len > 0 ? memchr(text, '\n', len) : NULL;
     return end != NULL ? (size_t)(end + 1 - text) : 0;
 }
 
-/* The length of a bulk string, with what surrounds it. */
+/* The length of a bulk string, with its framing. */
 static ptrdiff_t bulk_length(const char *text, size_t len)
 {
     size_t head = line_length(text, len);

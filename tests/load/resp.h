@@ -1,4 +1,4 @@
-/* resp.h - requests and replies in the second framing, for a load in it. */
+/* resp.h - requests and replies in RESP, for loads in this framing. */
 #ifndef TESTS_LOAD_RESP_H
 #define TESTS_LOAD_RESP_H
 
@@ -9,7 +9,7 @@
  * an array of bulk strings; returns its length. to has room for 32 + 4 * len bytes. */
 size_t resp_encode(char *to, const char *line, size_t len);
 
-/* The length of the reply that text[len] starts with, 0 if it is not whole yet, -1 if it is none.
+/* The length of the reply that text[len] starts with, 0 if it is not complete yet, -1 if it is invalid.
  * *error: it is an error. Arrays hold bulk strings. */
 ptrdiff_t resp_reply(const char *text, size_t len, bool *error);
 

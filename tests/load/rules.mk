@@ -2,7 +2,7 @@
 # beanstalkd where these are installed.
 #
 #   make load                        two to three minutes
-#   make load LOAD_POINTS=10000000   the set that is triangulated meanwhile is larger (1000000)
+#   make load LOAD_POINTS=10000000   the size of the set that is triangulated meanwhile (default 1000000)
 
 .PHONY: load
 
@@ -23,7 +23,7 @@ load: all
 load-beside: all
 	@tests/load/beside.sh $(O) $(or $(OTHER),$(error OTHER=PROGRAM is missing))
 
-# What single innocent requests do to other clients, and what stress does to memory: four minutes.
+# How single expensive requests affect other clients, and how stress affects memory: four minutes.
 #
 #   make stress SCENARIOS=hub LARGE=1000000
 .PHONY: stress

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# standard.sh BUILD POINTS - the standard scenarios of `make load`: what the daemon does alone, beside redis-server and
-# beanstalkd where they are installed, and what its clients notice of a triangulation of POINTS points on another set.
+# standard.sh BUILD POINTS - the standard scenarios of `make load`: the daemon alone, compared with redis-server and
+# beanstalkd where they are installed, and while another set of POINTS points is triangulated.
 # A ratio above 1 is in our favour.
 set -euo pipefail
 build=$1
@@ -27,7 +27,7 @@ await_port() { # PORT
     exit 1
 }
 
-# The memory of what is measured alone must not be another's: each daemon is started when its turn comes.
+# Each daemon is started when it is measured, so that it does not share caches and memory with the others.
 "$build/delaunayd" --port 0 >"$scratch/ready" &
 pids+=($!)
 until [ -s "$scratch/ready" ]; do sleep 0.05; done

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What single innocent requests do to other clients, and what stress does to memory.
+"""How single expensive requests affect other clients, and how stress affects memory.
 
     tests/load/stress.py DAEMON [--points N] [--large N] [SCENARIO ...]
 
@@ -144,7 +144,7 @@ def large_withins(args):
 
 
 def slow_read(port, request, seconds, started):
-    """Reads a binary reply evenly over so many seconds."""
+    """Reads a binary reply evenly over this many seconds."""
     c = Client(port)
     c.sock.sendall(request.encode() + b'\n')
     status = c.status()
@@ -159,7 +159,7 @@ def slow_read(port, request, seconds, started):
 
 
 def slow_dump(args):
-    """A reader that takes its time over BINARY LISTS of a large set, and edits meanwhile."""
+    """A slow reader of BINARY LISTS of a large set, and edits meanwhile."""
     with Daemon(args.daemon) as d:
         main = Client(d.port)
         main.live('t', args.large)
@@ -289,7 +289,7 @@ def load_and_drop(port, name, rounds):
 
 
 def stalled_disk(args):
-    """LOADB and DROP in a loop while no sync returns; then the disk is well again."""
+    """LOADB and DROP in a loop while no sync returns; then the disk works again."""
     shim = os.path.join(os.path.dirname(args.daemon), 'tests/faults/disk_shim.so')
     with tempfile.TemporaryDirectory() as top:
         data, gate = os.path.join(top, 'data'), os.path.join(top, 'gate')
@@ -323,7 +323,7 @@ def until_idle(client):
 
 
 def cancel(args):
-    """How long work goes on after its TIMEOUT, after its client has disconnected, after SIGTERM."""
+    """How long work continues after its TIMEOUT, after its client has disconnected, and after SIGTERM."""
     n = args.points
     ids = ' '.join(str(i) for i in range(0, 100000, 11))
     points = ' '.join(f'{random.random():.6f} {random.random():.6f}' for _ in range(3000))

@@ -1,4 +1,4 @@
-/* cgal_live.cpp - the operations of live.c by CGAL's Triangulation_hierarchy_2, with an id at every
+/* cgal_live.cpp - the operations of live.c with CGAL's Triangulation_hierarchy_2, with an id at every
  * vertex.
  *
  *     cgal_live N K         prints ns per operation, one line for each kind of live_plan.h */

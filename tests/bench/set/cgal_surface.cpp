@@ -1,8 +1,8 @@
-/* cgal_surface.cpp - values between points by CGAL, at the places of surface.c: linear ones by locate and barycentric
- * coordinates, Sibson's by natural_neighbor_coordinates_2. A cell is looked up from the face of the one before, any
- * other place by the hierarchy.
+/* cgal_surface.cpp - values between points with CGAL, at the places of surface.c: linear ones with locate and barycentric
+ * coordinates, Sibson's with natural_neighbor_coordinates_2. Cells of a raster are located from the face of the previous
+ * one, other places through the hierarchy.
  *
- *     cgal_surface N K      prints ns each, one line for each kind of surface_plan.h, 0 where there is nothing alike */
+ *     cgal_surface N K      prints ns each, one line for each kind of surface_plan.h, 0 where CGAL has no equivalent */
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_hierarchy_2.h>

@@ -1,4 +1,4 @@
-/* live.c - what edits and queries of a live set cost, beside CGAL's Triangulation_hierarchy_2.
+/* live.c - the cost of edits and queries of a live set, compared with CGAL's Triangulation_hierarchy_2.
  *
  *     live N K [PEER]       K operations of each kind on N uniform points; PEER: the program built
  * from cgal_live.cpp

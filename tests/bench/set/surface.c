@@ -1,9 +1,9 @@
-/* surface.c - what values between points, Voronoi cells and contours cost, beside CGAL.
+/* surface.c - the cost of values between points, Voronoi cells and contours, compared with CGAL.
  *
  *     surface N K [PEER]    a raster of K cells, K random places, and all cells and contours of N uniform points; PEER:
  *                           the program built from cgal_surface.cpp
  *
- * Both programs draw the same points and places from the same seeds (live_plan.h). A figure is the least of ROUNDS. */
+ * Both programs draw the same points and places from the same seeds (live_plan.h). A figure is the least of ROUNDS runs. */
 #include "core/delaunay_surface.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/pool.h"

@@ -55,10 +55,10 @@ static void check_peak(const char *what, const char *family, size_t said)
 static void build(struct dt *t, const struct family *f, const struct dt_options *opt,
                   const char *what)
 {
-    bool telling = begin();
+    bool counting = begin();
     size_t said = dt_build_memory(t, opt);
     CHECK(dt_triangulate(t, opt) == DT_OK && dt_refresh(t, opt) == DT_OK);
-    if (telling)
+    if (counting)
         check_peak(what, f->name, said);
 }
 
@@ -66,19 +66,19 @@ static void add(struct dt *t, const struct family *f, const struct dt_point *p, 
                 const struct dt_options *opt, const char *what)
 {
     struct dt_added done;
-    bool telling = begin();
+    bool counting = begin();
     size_t said = dt_add_memory(t, n, opt);
     CHECK(dt_add_many(t, p, n, opt, &done) == DT_OK && dt_refresh(t, opt) == DT_OK);
-    if (telling)
+    if (counting)
         check_peak(what, f->name, said);
 }
 
 static void prepare(struct dt *t, const struct family *f)
 {
-    bool telling = begin();
+    bool counting = begin();
     size_t said = dt_prepare_memory(t);
     CHECK(dt_prepare(t, NULL) == DT_OK);
-    if (telling)
+    if (counting)
         check_peak("a grid", f->name, said);
 }
 

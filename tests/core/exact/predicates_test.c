@@ -176,7 +176,7 @@ TEST(orient2d_equals_exact_arithmetic_and_flips_under_swaps)
         }
 }
 
-TEST(orient2d_tells_the_sides_of_a_line_apart_by_one_ulp)
+TEST(orient2d_distinguishes_the_sides_of_a_line_by_one_ulp)
 {
     struct dt_point a = {0.5, 0.5}, b = {12, 12}, c = {24, 24};
     CHECK(dt_orient2d(a, b, c) == 0);
@@ -292,7 +292,7 @@ TEST(perturbed_incircle_never_ties_and_obeys_the_rule)
 }
 
 /* Integers of 46 and of 53 bits: one unit off the circle is beyond double words. */
-TEST(incircle_tells_ties_of_large_integers_from_what_is_one_unit_off)
+TEST(incircle_distinguishes_ties_of_large_integers_from_one_unit)
 {
     struct dt_point p[2000];
     unsigned ties = 0;

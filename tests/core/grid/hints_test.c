@@ -99,9 +99,9 @@ static void check_unprepared(const struct pair *pair)
 {
     struct dt *bare;
     struct dt_ids with = {0}, without = {0};
-    const struct dt_options anew = {.rebuild = true};
+    const struct dt_options rebuild = {.rebuild = true};
     struct dt_summary sum;
-    CHECK(dt_clone(pair->t, &bare) == DT_OK && dt_triangulate(bare, &anew) == DT_OK);
+    CHECK(dt_clone(pair->t, &bare) == DT_OK && dt_triangulate(bare, &rebuild) == DT_OK);
     dt_summary(bare, &sum);
     CHECK(sum.searchable == (bare->mesh.vertices < 2));
     for (int i = 0; i < 5 && sum.points > 0; i++) {

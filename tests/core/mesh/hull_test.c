@@ -40,7 +40,7 @@ static void check_settled(const struct pair *pair)
     }
 }
 
-TEST(hull_points_are_told_by_one_look)
+TEST(hull_points_are_recognised_at_once)
 {
     for_each_pair(check_settled);
 }

@@ -90,7 +90,7 @@ TEST_TIMEOUT(tables_equal_brute_force_on_every_family, 60)
     for_each_pair(check_tables);
 }
 
-TEST(lists_tell_how_many_points_are_interior)
+TEST(lists_report_how_many_points_are_interior)
 {
     const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2}, {1, 2}};
     struct pair pair = pair_of(p, 6);

@@ -29,7 +29,7 @@ static struct dt *uniform_set(void)
 static struct dt *aged_set(void)
 {
     struct dt *t = uniform_set();
-    while (!dt_is_aged(t)) {
+    while (!dt_renew_due(t)) {
         CHECK(t->mesh.vertices <= 2 * POINTS);
         add_points(t, BATCH);
     }
@@ -60,19 +60,19 @@ TEST(large_set_that_has_grown_gets_a_new_grid_from_its_caller)
     uint64_t before = digest(t);
     CHECK(grown < t->mesh.vertices && digest(t) == before);
     CHECK(dt_renew(t, NULL, &r) == DT_OK);
-    CHECK(digest(t) == before && dt_is_aged(t)); /* it only reads */
+    CHECK(digest(t) == before && dt_renew_due(t)); /* it only reads */
     dt_renewed(t, r);
-    CHECK(!dt_is_aged(t) && t->hinted == t->mesh.vertices && !t->mesh.recycled);
+    CHECK(!dt_renew_due(t) && t->hinted == t->mesh.vertices && !t->mesh.recycled);
     CHECK(digest(t) == before && dt_check(t, NULL, NULL) == DT_OK);
     dt_free(t);
 }
 
-TEST(set_that_nobody_tends_makes_its_grid_anew_itself)
+TEST(set_rebuilds_its_grid_itself_if_its_caller_does_not)
 {
     struct dt *t = uniform_set();
     while (t->mesh.vertices <= 8 * POINTS)
         add_points(t, BATCH);
-    CHECK(t->hinted > 7 * POINTS && !dt_is_aged(t));
+    CHECK(t->hinted > 7 * POINTS && !dt_renew_due(t));
     dt_free(t);
 }
 
@@ -92,7 +92,7 @@ TEST(grid_without_memory_for_a_new_one_serves_on)
             break;
     }
     dt_renewed(t, NULL);
-    CHECK(!dt_is_aged(t) && digest(t) == before);
+    CHECK(!dt_renew_due(t) && digest(t) == before);
     add_points(t, BATCH);
     CHECK(dt_check(t, NULL, NULL) == DT_OK);
     dt_free(t);

@@ -188,7 +188,7 @@ static struct dt *set_of_family(const char *name, uint32_t n)
     return t;
 }
 
-TEST(trace_tells_how_every_family_is_triangulated)
+TEST(trace_reports_the_steps_of_every_family)
 {
     uint32_t caves = 0;
     for (const struct family *f = families; f->name != NULL; f++)

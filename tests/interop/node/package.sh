@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The npm package: made, installed from its tarball into an empty folder, imported and required there, its types checked; beside
-# the published delaunator and d3-delaunay where npm can fetch them.
+# The npm package: built, installed from its tarball into an empty folder, imported and required there, its types checked;
+# compared with the published delaunator and d3-delaunay where npm can fetch them.
 #
-#     package.sh BUILD_DIR        prints what failed, and in the end one line: N passed, N failed
+#     package.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
 set -u
 cd "$(dirname "$0")/../../.."
 build=$PWD/$1
@@ -41,7 +41,7 @@ installs_offline() {
         npm install --offline --ignore-scripts "$tarball" && [ "$(ls node_modules)" = delaunayd ]
 }
 
-# Neither $DELAUNAYD nor $PATH: the package has a daemon of its own.
+# Without $DELAUNAYD and $PATH: the package has a daemon of its own.
 runs() { (cd "$scratch/app" && cp "$here/$1" . && env -u DELAUNAYD DELAUNAY_URL=private: node "$1"); }
 
 has_version_of_daemon() {

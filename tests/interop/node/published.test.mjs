@@ -1,4 +1,4 @@
-// The example of Delaunator's README, as published, with both packages; and code in the manner of its guide.
+// The example of Delaunator's README, as published, with both packages; and code in the style of its guide.
 
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
@@ -36,7 +36,7 @@ test('the example of the README prints the same triangles', () => {
   assert.deepEqual(run(Ours), triangleSet(comment));
 });
 
-// What programs do with half edges, in our words: edges, circumcentres, Voronoi edges and cells.
+// Typical uses of half edges, written for this test: edges, circumcentres, Voronoi edges and cells.
 const next = (e) => (e % 3 === 2 ? e - 2 : e + 1);
 const corners = (d, t) => [0, 1, 2].map((k) => d.triangles[3 * t + k]);
 

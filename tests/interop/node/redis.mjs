@@ -1,4 +1,4 @@
-// Sessions by way of redis (node-redis) and ioredis, in RESP 2 and 3:  node redis.mjs PORT FOLDER_OF_NODE_MODULES
+// Sessions through redis (node-redis) and ioredis, in RESP 2 and 3:  node redis.mjs PORT FOLDER_OF_NODE_MODULES
 
 import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';
@@ -11,7 +11,7 @@ const { Redis } = peer('ioredis');
 
 const square = Buffer.from(Float64Array.of(0, 0, 4, 0, 4, 4, 0, 4, 2, 2).buffer);
 
-// What both libraries can send; `ask` sends words.
+// Requests that both libraries can send; `ask` sends words.
 async function converse(set, ask, typed) {
   await ask('LOADB', set, '5', square);
   const counts = await ask('TRIANGULATE', set);

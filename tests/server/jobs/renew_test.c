@@ -48,12 +48,12 @@ TEST(queries_continue_while_a_worker_rebuilds_the_grid)
     start_renewal(&l);
     struct dataset *set = local_set(&l, "t");
     struct job *j = set->writer;
-    CHECK(!set->exclusive && dt_is_aged(set->current->dt));
+    CHECK(!set->exclusive && dt_renew_due(set->current->dt));
     for (int i = 0; i < 50; i++)
         CHECK(strncmp(local_ask(&l, "NEAREST t 0.5 0.5\nLOCATE t 0.1 0.1\n"), "OK 1\n", 5) == 0);
-    CHECK(set->writer == j && dt_is_aged(set->current->dt));
+    CHECK(set->writer == j && dt_renew_due(set->current->dt));
     CHECK(strncmp(local_ask(&l, "ADD t 0.25 0.25\n"), "OK 0 first=", 11) == 0); /* it waits */
-    CHECK(set->writer == NULL && !dt_is_aged(set->current->dt));
+    CHECK(set->writer == NULL && !dt_renew_due(set->current->dt));
     CHECK(strncmp(local_ask(&l, "CHECK t\n"), "OK 0 delaunay=yes", 17) == 0);
     local_stop(&l);
 }
@@ -72,10 +72,10 @@ TEST(grid_that_is_in_use_is_exchanged_when_its_reader_has_finished)
     CHECK(poll(&event, 1, 10000) == 1);
     server_collect(&l.server, finish, &l);
     CHECK(set->writer != NULL && set->writer != renewal && set->exclusive);
-    CHECK(dt_is_aged(v->dt));
+    CHECK(dt_renew_due(v->dt));
     version_unlock(v);
     CHECK(strncmp(local_ask(&l, "ADD t 0.25 0.25\n"), "OK 0 first=", 11) == 0);
-    CHECK(set->current == v && !dt_is_aged(v->dt));
+    CHECK(set->current == v && !dt_renew_due(v->dt));
     CHECK(strncmp(local_ask(&l, "DEL t 0\nCHECK t\n"), "OK 0 deleted=1\nOK 0 delaunay=yes", 32) ==
           0);
     local_stop(&l);
