@@ -12,6 +12,7 @@ enum {
     POINT_BYTES = 16,
     ROW_BYTES = 24,
     PAIR_BYTES = 12, /* an id and its value */
+    VERSION_BYTES = 8,
     NAME_AT = RECORD_HEADER
 };
 
@@ -63,7 +64,7 @@ void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s)
     put_u32(bytes + 8, s->version);
     put_u32(bytes + 12, s->kind);
     put_u64(bytes + 16, s->lsn);
-    put_u32(bytes + 24, 0);
+    put_u32(bytes + 24, s->life);
     put_u32(bytes + 28, crc32c(0, bytes, 28));
 }
 
@@ -77,7 +78,8 @@ ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s)
 {
     if (n < SEGMENT_HEADER)
         return 0;
-    *s = (struct segment){.version = get_u32(bytes + 8), .lsn = get_u64(bytes + 16)};
+    *s = (struct segment){
+        .version = get_u32(bytes + 8), .lsn = get_u64(bytes + 16), .life = get_u32(bytes + 24)};
     uint32_t kind = get_u32(bytes + 12);
     if (memcmp(bytes, magic, MAGIC) != 0)
         return bad_segment(s, "its header is not that of a delaunayd file");
@@ -150,8 +152,25 @@ static void write_items(char *to, const struct record *r)
     }
 }
 
+/* The version of a set is in the place of the field's name. */
+static struct record with_version(const struct record *r, char bytes[VERSION_BYTES])
+{
+    struct record set = *r;
+    put_u64(bytes, r->version);
+    set.version = 0;
+    set.field = bytes;
+    set.field_len = VERSION_BYTES;
+    return set;
+}
+
 void record_write(struct buf *out, const struct record *r)
 {
+    char version[VERSION_BYTES];
+    if (r->type == RECORD_SET && r->version != 0) {
+        struct record set = with_version(r, version);
+        record_write(out, &set);
+        return;
+    }
     size_t names = r->name_len + r->field_len;
     size_t rest = names + r->n * record_item_size(r->type);
     char *to = buf_reserve(out, RECORD_HEADER + rest);
@@ -216,6 +235,8 @@ ptrdiff_t record_read(const char *bytes, size_t n, struct record *r)
     r->name = bytes + NAME_AT;
     r->field = r->name + r->name_len;
     r->items = r->field + r->field_len;
+    if (r->type == RECORD_SET && r->field_len == VERSION_BYTES)
+        r->version = get_u64(r->field);
     return (ptrdiff_t)(RECORD_HEADER + (size_t)rest);
 }
 

@@ -7,7 +7,7 @@
  *      8  u32 version                     4  u32 bytes after this header
  *     12  u32 kind                        8  u64 lsn
  *     16  u64 lsn                        16  u64 synced
- *     24  u32 0                          24  u8 type, u8 flags, u8 length of the name, u8 of the field's
+ *     24  u32 life                       24  u8 type, u8 flags, u8 length of the name, u8 of the field's
  *     28  u32 CRC-32C of the above       28  u32 first   32  u32 n   36  f64 a   44  f64 b
  *                                        52  the name, the field's name, then n items
  *
@@ -15,6 +15,9 @@
  * segment's header has that of its first one. `synced` is an lsn up to which everything was known
  * to be on the disk when the record was made: so a damaged record that a later one covers by `synced`
  * is corruption, and one that no later record covers is the torn end after a crash.
+ *
+ * A life is the time from a start of the daemon to its end. The versions of sets that clients see contain its
+ * number, so that no two lives use the same version; 0: unknown, the sets get new versions.
  *
  * In a snapshot the records are numbered from 1, and the header has the lsn up to which every
  * change is contained in it. For each set there is a RECORD_SET, whose `synced` is the lsn up to
@@ -27,7 +30,8 @@
  * downgrade needs an empty directory.
  *
  * Version 2: RECORD_EXPIRE, and b of RECORD_SET, which was 0; fields: the length of a field's name, which was 0, the types from
- * RECORD_FSET on, and RECORD_HAS_FIELDS. */
+ * RECORD_FSET on, and RECORD_HAS_FIELDS.
+ * Version 3: the life of a segment, which was 0, and the version of RECORD_SET. */
 #ifndef PROTO_RECORD_H
 #define PROTO_RECORD_H
 
@@ -36,7 +40,7 @@
 #include <stdint.h>
 
 enum {
-    RECORD_VERSION = 2,
+    RECORD_VERSION = 3,
     SEGMENT_HEADER = 32,
     RECORD_HEADER = 52,
     RECORD_NAME_LIMIT = 64,
@@ -52,6 +56,7 @@ struct segment {
     uint32_t version;
     enum segment_kind kind;
     uint64_t lsn;
+    uint32_t life;
     const char *fault; /* why segment_read returned -1 */
 };
 
@@ -66,7 +71,8 @@ enum record_type {
     RECORD_DROP,        /* the set */
     RECORD_TRIANGULATE, /* from now on the set has a triangulation */
     RECORD_CLOSE,       /* no change: the end of a log that was closed cleanly, or a gap */
-    RECORD_SET, /* snapshot: a: the tolerance; b: as a of RECORD_EXPIRE; first: the next id; n: how many points follow */
+    RECORD_SET, /* snapshot: a: the tolerance; b: as a of RECORD_EXPIRE; first: the next id; n: how many points follow;
+                   in the place of the field's name, 8 bytes: the version, unless it is unknown */
     RECORD_ROWS,   /* snapshot: items: points of the set, ids ascending */
     RECORD_END,    /* snapshot: n: how many sets it has */
     RECORD_EXPIRE, /* a: when the set is dropped, in milliseconds since 1970; 0: never */
@@ -102,6 +108,7 @@ struct record {
     size_t name_len;
     const char *field; /* borrows */
     size_t field_len;
+    uint64_t version;  /* of RECORD_SET; 0: unknown */
     const void *items; /* borrows; as on disk, any alignment: see record_points, _ids, _rows */
     const char *fault; /* why record_read returned -1 */
 };

@@ -22,6 +22,7 @@ bool server_init(struct server *s, struct config *config)
     *s = (struct server){.config = config, .started_ms = clock_ms()};
     budget_init(&s->budget, &config->max_memory);
     registry_init(&s->sets);
+    registry_begin_life(&s->sets, 0);
     s->sets.memory = server_reservation(s, BUDGET_SETS);
     s->queued = server_reservation(s, BUDGET_LOG);
     s->pages = dt_pages_new(config->max_memory);

@@ -58,6 +58,10 @@ __attribute__((format(printf, 3, 4), noreturn)) void test_fail(const char *file,
 void test_check_str(const char *file, int line, const char *what, const char *got,
                     const char *want);
 
+/* Takes ` version=N` of sets, which differs from run to run, out of text; returns its new length. CHECK_STR ignores
+ * these versions. */
+size_t test_drop_versions(char *text);
+
 /* Whether text contains `what: ` and the C library's words for an errno, which differ between libraries. */
 bool test_names_error(const char *text, const char *what, int error);
 

@@ -41,19 +41,19 @@ static void record_triangulate(struct server *s, struct job *j)
     journal_triangulate(s, j->set);
 }
 
-static void answer_triangulation(struct answer *a, const struct version *v, double ms)
+static void answer_triangulation(struct answer *a, const struct dataset *set, double ms)
 {
     reply_ok(a->out, 0);
-    append_counts(a, &v->sum);
+    append_counts(a, &set->current->sum);
     reply_key_double(a->out, "ms", ms);
-    reply_end(a->out);
+    answer_version(a, set->version);
 }
 
 static void triangulate_done(struct server *s, struct job *j, struct answer *a)
 {
     (void)s;
     if (j->status == DT_OK)
-        answer_triangulation(a, j->set->current, ((struct build *)j)->ms);
+        answer_triangulation(a, j->set, ((struct build *)j)->ms);
     else
         answer_status(a, j->status);
 }
@@ -100,7 +100,7 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
         return;
     bool named = q->n > 2; /* METHOD: rebuilt even if it is current */
     if (!named && sum->triangulated && !version_is_stale(set->current)) {
-        answer_triangulation(a, set->current, 0);
+        answer_triangulation(a, set, 0);
         return;
     }
     bool large = !cost_at_once(COST_BUILD, sum->points);

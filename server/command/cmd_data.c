@@ -92,7 +92,7 @@ void cmd_create(struct server *s, struct dataset *set, const struct request *q, 
     set->born = true;
     journal_create(s, set, m.tolerance);
     a->lsn = journal_of(s, set);
-    answer_ok(a);
+    answer_changed(a, set->version);
 }
 
 void cmd_drop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -123,7 +123,7 @@ void cmd_stat(struct server *s, struct dataset *set, const struct request *q, st
         reply_key_text(a->out, "temporary", "yes");
     if (set->expires_ms != 0)
         reply_key_double(a->out, "ttl", expire_seconds_left(set));
-    reply_end(a->out);
+    answer_version(a, set->version);
 }
 
 void cmd_expire(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
@@ -137,7 +137,7 @@ void cmd_expire(struct server *s, struct dataset *set, const struct request *q, 
     } else {
         expire_after(s, set, seconds);
         a->lsn = journal_of(s, set);
-        answer_ok(a);
+        answer_changed(a, set->version);
     }
 }
 
@@ -159,7 +159,7 @@ void cmd_persist(struct server *s, struct dataset *set, const struct request *q,
     a->lsn = journal_of(s, set);
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "changed", changed);
-    reply_end(a->out);
+    answer_version(a, set->version);
 }
 
 /* ---- points ---- */

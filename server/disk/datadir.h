@@ -18,6 +18,7 @@
 struct datadir {
     int fd;
     const char *path; /* borrows */
+    uint32_t life;    /* the number of this life (record.h), for new segments; 0: unknown */
 };
 
 enum datafile_kind { DATAFILE_SNAPSHOT, DATAFILE_LOG, DATAFILE_TEMPORARY };

@@ -104,7 +104,8 @@ void log_file_sync(struct log_file *f)
 /* Writes the header of a new segment; name and header are durable then, or the file has failed. */
 static void write_header(struct log_file *f)
 {
-    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = f->first};
+    struct segment header = {
+        .version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = f->first, .life = f->dir->life};
     struct buf b = {0};
     char *to = buf_reserve(&b, SEGMENT_HEADER);
     if (to != NULL) {

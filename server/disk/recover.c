@@ -79,6 +79,13 @@ static bool fail_record(struct recovery *r, const struct datafile *f, uint64_t a
                 at, fault, r->bad_snapshot ? keeps : mends);
 }
 
+/* The records that follow were written in the life of the header; 0: unknown. */
+static void note_life(struct recovery *r, const struct segment *header)
+{
+    r->replay.sets.life = header->life;
+    r->life = header->life > r->life ? header->life : r->life;
+}
+
 /* ---- the snapshot ---- */
 
 static bool read_snapshot_records(struct recovery *r, const struct datafile *f,
@@ -114,8 +121,10 @@ static bool read_snapshot(struct recovery *r, const struct datafile *f)
         fail(r, RECOVERY_REFUSED, "%s: %s", f->name, in.fault);
     else if (got == READER_BAD)
         r->bad_snapshot = !fail(r, RECOVERY_REFUSED, "%s: %s%s", f->name, in.fault, keeps);
-    else
+    else {
+        note_life(r, &header);
         ok = read_snapshot_records(r, f, &in);
+    }
     reader_close(&in);
     r->last = r->replay.snapshot = f->lsn;
     if (ok)
@@ -289,6 +298,7 @@ static bool read_segment(struct recovery *r, struct place *p)
         ok = judge_header(r, p, &in);
     } else {
         p->first = r->last + 1;
+        note_life(r, &header);
         ok = read_log_records(r, p, &in);
         if (ok && r->last < p->first)
             report(r, "%s: no changes yet\n", f->name);

@@ -33,6 +33,7 @@ struct recovery {
     char why[512]; /* the reason, unless RECOVERY_OK; with it, if the end was torn off */
     struct replay replay;
     uint64_t log_bytes;   /* of the segments that were read */
+    uint32_t life;        /* the last one that a segment has */
     uint64_t last;        /* the lsn of the last change */
     uint64_t ahead;       /* the same, or the lsn of a later one that only the snapshot has */
     struct datafile file; /* the segment that is torn or corrupt */

@@ -138,6 +138,13 @@ static struct dataset *create(struct replay *p, const struct record *r, double t
     return set;
 }
 
+/* The record is the set's last change so far. */
+static void note_change(struct replay *p, struct dataset *set, const struct record *r)
+{
+    set->current->lsn = r->lsn;
+    set->version = p->sets.life != 0 ? registry_version(&p->sets, r->lsn) : 0;
+}
+
 /* Adds the collected points; `first` is the id of the first one. */
 static const char *add_collected(struct replay *p, struct dataset *set, const struct record *r,
                                  uint32_t first)
@@ -154,7 +161,7 @@ static const char *add_collected(struct replay *p, struct dataset *set, const st
     enum dt_status status = dt_add_many(set->current->dt, p->points, p->n, &opt, &added);
     p->n = 0;
     if (status == DT_OK)
-        set->current->lsn = r->lsn;
+        note_change(p, set, r);
     else if (fresh != NULL)
         registry_drop(&p->sets, fresh);
     return fault_of(p, status);
@@ -257,7 +264,7 @@ static const char *apply_existing(struct replay *p, struct dataset *set, const s
         fault = fault_of(p, dt_field_drop(set->current->dt, r->field, r->field_len));
     }
     if (fault == NULL)
-        set->current->lsn = r->lsn;
+        note_change(p, set, r);
     return fault;
 }
 
@@ -310,7 +317,7 @@ const char *replay_log(struct replay *p, const struct record *r)
     set = set == NULL ? create(p, r, r->a) : NULL;
     if (set == NULL)
         return p->out_of_memory ? no_memory : contradiction;
-    set->current->lsn = r->lsn;
+    note_change(p, set, r);
     return NULL;
 }
 
@@ -334,6 +341,7 @@ static const char *begin_set(struct replay *p, const struct record *r)
     if (set == NULL)
         return p->out_of_memory ? no_memory : contradiction;
     set->current->lsn = r->synced;
+    set->version = r->version;
     set->triangulated = (r->flags & RECORD_TRIANGULATED) != 0;
     p->sets_seen++;
     p->restoring = set;

@@ -14,7 +14,9 @@
 struct replay_values;
 
 struct replay {
-    struct registry sets;      /* owns; each set's lsn and triangulated are those of its records */
+    struct registry
+        sets; /* owns; each set's lsn, version and triangulated are those of its records; its life is
+                                  that of the segment that is being read */
     uint64_t snapshot;         /* changes up to this lsn are in the snapshot */
     bool out_of_memory;        /* a record was refused for this reason; the data may be good */
     const atomic_bool *cancel; /* borrows; when it is set, any record may fail; NULL: never */

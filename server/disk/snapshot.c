@@ -207,7 +207,8 @@ static bool put_set(struct output *o, const struct snapshot_source *s)
                        .a = dt_tolerance(s->version->dt),
                        .b = (double)s->expires_ms,
                        .name = s->name,
-                       .name_len = s->name_len};
+                       .name_len = s->name_len,
+                       .version = s->number};
     if (row == NULL || s->view == NULL) {
         free(row);
         return fail(o, ENOMEM);
@@ -225,7 +226,10 @@ static bool put_set(struct output *o, const struct snapshot_source *s)
 static bool put_all(struct output *o)
 {
     struct snapshot *snap = o->snap;
-    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_SNAPSHOT, .lsn = snap->lsn};
+    struct segment header = {.version = RECORD_VERSION,
+                             .kind = SEGMENT_SNAPSHOT,
+                             .lsn = snap->lsn,
+                             .life = snap->dir->life};
     struct record end = {.type = RECORD_END, .n = (uint32_t)snap->n};
     char *to = buf_reserve(&o->out, SEGMENT_HEADER);
     if (to == NULL)
@@ -305,6 +309,7 @@ static void pin(struct snapshot_source *s, struct dataset *set)
     struct version *v = version_pin(set->current);
     s->version = v;
     s->lsn = v->lsn;
+    s->number = set->version;
     s->triangulated = set->triangulated;
     s->expires_ms = set->expires_ms;
     s->view = dt_view_begin(v->dt, false);

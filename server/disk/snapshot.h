@@ -27,6 +27,7 @@ struct snapshot_source {
     struct version *version; /* pinned; NULL while it waits */
     struct dt_view *view;    /* owns: the moment that is written; NULL: out of memory */
     uint64_t lsn;            /* of the set's last change in it */
+    uint64_t number;         /* its version, as clients see it */
     bool triangulated;
     int64_t expires_ms;
     size_t name_len;

@@ -68,6 +68,20 @@ static inline void answer_ok(struct answer *a)
     reply_end(a->out);
 }
 
+/* Ends the status line of an edit: the set has this version now. */
+static inline void answer_version(struct answer *a, uint64_t version)
+{
+    reply_key_u64(a->out, "version", version);
+    reply_end(a->out);
+}
+
+/* The reply of an edit without other facts. */
+static inline void answer_changed(struct answer *a, uint64_t version)
+{
+    reply_ok(a->out, 0);
+    answer_version(a, version);
+}
+
 /* The request waits in the queue. */
 static inline void answer_wait(struct answer *a, struct wait_queue *q, bool writes)
 {

@@ -58,6 +58,8 @@ static void *read_directory(void *arg)
     struct recovery *r = &d->recovery;
     recovery_run(r);
     if (r->result == RECOVERY_OK && recovery_tidy(r)) {
+        registry_begin_life(&r->replay.sets, r->life);
+        d->dir.life = r->replay.sets.life;
         if (r->why[0] != '\0')
             notice(r->later > 0 ? NOTICE_ERROR : NOTICE_WARNING, "%s", r->why);
         d->log = log_new(&d->dir, s->config->fsync, r->last + 1, d->event);
@@ -110,6 +112,8 @@ static void adopt_sets(struct server *s)
     s->sets.buckets = from->buckets;
     s->sets.sets = from->sets;
     s->sets.expiring = from->expiring;
+    s->sets.life = from->life;
+    s->sets.unlogged = from->unlogged;
     reservation_set(&s->sets.memory, s->sets.memory.bytes + from->memory.bytes);
     *from = (struct registry){0};
     registry_each(&s->sets, measure, s);

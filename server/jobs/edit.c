@@ -131,7 +131,7 @@ static void add_done(struct server *s, struct job *j, struct answer *a)
     reply_key_u64(a->out, "first", e->added.first);
     reply_key_u64(a->out, "added", e->added.added);
     reply_key_u64(a->out, "coincident", e->added.coincident);
-    reply_end(a->out);
+    answer_version(a, j->set->version);
     renew_if_due(s, j->set);
 }
 
@@ -238,7 +238,7 @@ static void delete_done(struct server *s, struct job *j, struct answer *a)
     } else {
         reply_ok(a->out, 0);
         reply_key_u64(a->out, "deleted", e->deleted);
-        reply_end(a->out);
+        answer_version(a, j->set->version);
         renew_if_due(s, j->set);
     }
 }
@@ -282,7 +282,7 @@ static void move_done(struct server *s, struct job *j, struct answer *a)
     } else if (j->status != DT_OK) {
         answer_status(a, j->status);
     } else {
-        answer_ok(a);
+        answer_changed(a, j->set->version);
         renew_if_due(s, j->set);
     }
 }
@@ -373,7 +373,7 @@ static void set_done(struct server *s, struct job *j, struct answer *a)
     const struct values_edit *e = (const struct values_edit *)j;
     (void)s;
     if (j->status == DT_OK)
-        answer_ok(a);
+        answer_changed(a, j->set->version);
     else if (j->status == DT_NOPOINT)
         reply_err(a->out, ERR_NOPOINT, "there is no point %u; no value was set", e->missing);
     else if (j->status == DT_TOOBIG)
@@ -478,7 +478,7 @@ static void drop_done(struct server *s, struct job *j, struct answer *a)
 {
     (void)s;
     if (j->status == DT_OK)
-        answer_ok(a);
+        answer_changed(a, j->set->version);
     else
         answer_status(a, j->status);
 }

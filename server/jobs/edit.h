@@ -21,17 +21,17 @@ struct arrival {
 };
 
 /* Adds points, which move here, to the set of that name, which is created if it does not exist. The set must
- * have no writer. Answers `OK 0 first= added= coincident=`. */
+ * have no writer. Answers `OK 0 first= added= coincident= version=`. */
 void edit_add(struct server *s, struct answer *a, const struct word *name, struct arrival *points);
 
-/* Deletes n ids, all or none; ids moves here. Answers `OK 0 deleted=`. */
+/* Deletes n ids, all or none; ids moves here. Answers `OK 0 deleted= version=`. */
 void edit_delete(struct server *s, struct answer *a, struct dataset *set, uint32_t *ids, size_t n);
 
-/* Moves a point. Answers `OK 0`. */
+/* Moves a point. Answers `OK 0 version=`. */
 void edit_move(struct server *s, struct answer *a, struct dataset *set, uint32_t id,
                struct dt_point to);
 
-/* Sets n values of a field, all or none; v moves here. Answers `OK 0`. */
+/* Sets n values of a field, all or none; v moves here. Answers `OK 0 version=`. */
 void edit_set_values(struct server *s, struct answer *a, struct dataset *set,
                      const struct word *field, struct record_value *v, size_t n);
 
@@ -43,7 +43,7 @@ void edit_set_run(struct server *s, struct answer *a, struct dataset *set, const
  * request waits. */
 bool edit_may_set_run(struct server *s, struct answer *a, size_t n, struct reservation *memory);
 
-/* Drops a field. Answers `OK 0`. */
+/* Drops a field. Answers `OK 0 version=`. */
 void edit_drop_field(struct server *s, struct answer *a, struct dataset *set,
                      const struct word *field);
 

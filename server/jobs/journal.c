@@ -22,10 +22,17 @@ static uint64_t append(struct server *s, const struct dataset *set, struct recor
     return lsn;
 }
 
+/* The set has a new version; lsn: of the record, 0 if there is none. */
+static void changed(struct server *s, struct dataset *set, uint64_t lsn)
+{
+    set->current->lsn = lsn;
+    set->version = registry_version(&s->sets, lsn);
+}
+
 void journal_create(struct server *s, struct dataset *set, double tolerance)
 {
     struct record r = {.type = RECORD_CREATE, .a = tolerance};
-    set->current->lsn = append(s, set, r);
+    changed(s, set, append(s, set, r));
 }
 
 void journal_drop(struct server *s, struct dataset *set)
@@ -42,30 +49,31 @@ void journal_add(struct server *s, struct dataset *set, uint32_t first, struct d
     struct record r = {.first = first, .n = (uint32_t)n};
     if (log == NULL) {
         dt_pages_release(p);
+        changed(s, set, 0);
         return;
     }
     r.name = set->name;
     r.name_len = set->name_len;
-    set->current->lsn = log_append_points(log, &r, (double *)p);
+    changed(s, set, log_append_points(log, &r, (double *)p));
     reservation_set(&s->queued, log_queued(log));
 }
 
 void journal_delete(struct server *s, struct dataset *set, const uint32_t *ids, size_t n)
 {
     struct record r = {.type = RECORD_DELETE, .n = (uint32_t)n, .items = ids};
-    set->current->lsn = append(s, set, r);
+    changed(s, set, append(s, set, r));
 }
 
 void journal_move(struct server *s, struct dataset *set, uint32_t id, struct dt_point to)
 {
     struct record r = {.type = RECORD_MOVE, .first = id, .a = to.x, .b = to.y};
-    set->current->lsn = append(s, set, r);
+    changed(s, set, append(s, set, r));
 }
 
 void journal_expire(struct server *s, struct dataset *set)
 {
     struct record r = {.type = RECORD_EXPIRE, .a = (double)set->expires_ms};
-    set->current->lsn = append(s, set, r);
+    changed(s, set, append(s, set, r));
 }
 
 void journal_set_values(struct server *s, struct dataset *set, const struct word *field,
@@ -76,7 +84,7 @@ void journal_set_values(struct server *s, struct dataset *set, const struct word
                        .field = field->text,
                        .field_len = field->len,
                        .items = v};
-    set->current->lsn = append(s, set, r);
+    changed(s, set, append(s, set, r));
 }
 
 void journal_set_run(struct server *s, struct dataset *set, struct log_values *v)
@@ -91,7 +99,7 @@ void journal_set_run(struct server *s, struct dataset *set, struct log_values *v
         journal_add_values(s, set, dt_next_id(set->current->dt), NULL, 0, v);
         return;
     }
-    set->current->lsn = append(s, set, r);
+    changed(s, set, append(s, set, r));
     log_values_free(v);
 }
 
@@ -103,18 +111,19 @@ void journal_add_values(struct server *s, struct dataset *set, uint32_t first, s
     if (log == NULL) {
         dt_pages_release(p);
         log_values_free(v);
+        changed(s, set, 0);
         return;
     }
     r.name = set->name;
     r.name_len = set->name_len;
-    set->current->lsn = log_append_values(log, &r, (double *)p, v);
+    changed(s, set, log_append_values(log, &r, (double *)p, v));
     reservation_set(&s->queued, log_queued(log));
 }
 
 void journal_drop_field(struct server *s, struct dataset *set, const struct word *field)
 {
     struct record r = {.type = RECORD_FDROP, .field = field->text, .field_len = field->len};
-    set->current->lsn = append(s, set, r);
+    changed(s, set, append(s, set, r));
 }
 
 void journal_triangulate(struct server *s, struct dataset *set)
@@ -122,7 +131,7 @@ void journal_triangulate(struct server *s, struct dataset *set)
     if (set->triangulated)
         return;
     set->triangulated = true;
-    set->current->lsn = append(s, set, (struct record){.type = RECORD_TRIANGULATE});
+    changed(s, set, append(s, set, (struct record){.type = RECORD_TRIANGULATE}));
 }
 
 uint64_t journal_of(const struct server *s, const struct dataset *set)

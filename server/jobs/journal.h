@@ -1,6 +1,6 @@
 /* journal.h - the records of edits in the log. Each function is called after the edit has succeeded,
- * in the order of the edits of its set; without --data, and for a temporary set, it does
- * nothing. */
+ * in the order of the edits of its set, and gives the set its new version; without --data, and for a temporary set,
+ * there is no record. */
 #ifndef SERVER_JOURNAL_H
 #define SERVER_JOURNAL_H
 

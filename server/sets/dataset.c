@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { FIRST_BUCKETS = 64 };
 
@@ -255,6 +256,43 @@ void registry_drop(struct registry *r, struct dataset *set)
     leave_list(set);
     wait_wake_all(&set->queue);
     free_set(r, set);
+}
+
+/* ---- versions that clients see ----
+ *
+ * The number of a life counts seconds, or starts if these are more, so it fits into 32 bits until 2106. A life can have
+ * 2^20 changes a second before its versions reach those of the next one. The lowest bit keeps logged changes apart from
+ * others: the lsn makes the former the same after a restart. */
+
+enum { LIFE_SHIFT = 21 };
+
+uint64_t registry_version(struct registry *r, uint64_t lsn)
+{
+    uint64_t base = (uint64_t)r->life << LIFE_SHIFT;
+    return base + (lsn != 0 ? 2 * lsn : 2 * ++r->unlogged + 1);
+}
+
+static void note_life(struct dataset *set, void *ctx)
+{
+    uint32_t *last = ctx;
+    uint32_t life = (uint32_t)(set->version >> LIFE_SHIFT);
+    *last = life > *last ? life : *last;
+}
+
+static void give_version(struct dataset *set, void *ctx)
+{
+    if (set->version == 0)
+        set->version = registry_version(ctx, 0);
+}
+
+void registry_begin_life(struct registry *r, uint32_t last)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    registry_each(r, note_life, &last);
+    r->life = now.tv_sec > last ? (uint32_t)now.tv_sec : last + 1;
+    r->unlogged = (uint64_t)now.tv_nsec / 1000; /* a life in memory may have begun in this second */
+    registry_each(r, give_version, r);
 }
 
 /* ---- temporary sets ---- */

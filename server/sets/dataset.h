@@ -39,6 +39,7 @@ struct dataset {
     struct version *current;
     struct job *writer; /* the job that edits it; NULL: none */
     bool exclusive;     /* the writer edits in place */
+    uint64_t version;   /* after its last change, as clients see it (registry_version) */
     bool born; /* false until the request that creates it has succeeded: its name is taken, but
                   other requests do not see it */
     bool triangulated;  /* the log has a TRIANGULATE of it (with --data) */
@@ -64,6 +65,8 @@ struct registry {
     struct temporaries *orphans; /* owns; the temporary sets of connections that have ended */
     struct reservation memory;   /* of all versions */
     struct dt_pages *pages;      /* borrows; for the large arrays of sets; NULL: none */
+    uint32_t life;               /* the number of this life of the daemon (record.h) */
+    uint64_t unlogged;           /* changes that are in no log */
     struct version *untidy;      /* those with data that was saved for readers that have finished */
     /* Frees a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
@@ -80,6 +83,12 @@ struct dataset *registry_find(const struct registry *r, const struct word *name)
 struct dataset *registry_create(struct registry *r, const struct word *name, double tolerance);
 /* Removes the set and frees it; all requests that wait for it are woken. It must have no writer. */
 void registry_drop(struct registry *r, struct dataset *set);
+/* The version of a set after a change that has this lsn; 0: it is in no log. Below 2^53, never the same twice, and
+ * larger than those of earlier lives. */
+uint64_t registry_version(struct registry *r, uint64_t lsn);
+/* A life begins after the life `last` (0: there was none): chooses its number, which grows with the time, and gives
+ * versions to the sets that have none. */
+void registry_begin_life(struct registry *r, uint32_t last);
 /* Sets when the set is dropped, in milliseconds since 1970 (expire.h); 0: never. */
 void registry_expire(struct registry *r, struct dataset *set, int64_t at_ms);
 /* Adds a set to a connection's temporary sets *of, whose list is created with the first one (NULL before). False

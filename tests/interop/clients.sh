@@ -51,11 +51,11 @@ cli() { redis-cli -p "$port" "$@"; }
 
 redis_cli_speaks() {
     [ "$(cli PING)" = PONG ] && [ "$(cli -3 PING)" = PONG ] && [ "$(cli ECHO a b)" != "a b" ] &&
-        cli ADD r 0 0 4 0 4 4 0 4 2 2 | grep -qx 'OK first=0 added=5 coincident=0' &&
+        cli ADD r 0 0 4 0 4 4 0 4 2 2 | grep -qx 'OK first=0 added=5 coincident=0 version=[0-9]*' &&
         cli TRIANGULATE r | grep -q '^OK points=5 ' && [ "$(cli LISTS r | head -n 1)" = "4 0 1 2 3" ] &&
         [ "$(cli -3 HULL r | tr '\n' ' ')" = "0 0 0 1 4 0 2 4 4 3 0 4 " ] && cli GET r 9 | grep -q '^NOPOINT ' &&
         printf 'PING\nSTAT r\n' | cli | grep -q '^OK points=5 ' &&
-        printf '1 2\n3 4\n' | cli -x LOAD r 2 | grep -qx 'OK first=5 added=2 coincident=0'
+        printf '1 2\n3 4\n' | cli -x LOAD r 2 | grep -qx 'OK first=5 added=2 coincident=0 version=[0-9]*'
 }
 
 # The modes of redis-cli that clients/README.md lists.
@@ -99,7 +99,7 @@ millions() { # the Python and Node packages have tests of their own for that
 
 by_command_line() {
     local d=("$build/delaunay" -h 127.0.0.1 -p "$port") hull
-    "${d[@]}" load m "$scratch/million.xy" | grep -qx 'OK 0 first=0 added=1000000 coincident=[0-9]*' &&
+    "${d[@]}" load m "$scratch/million.xy" | grep -qx 'OK 0 first=0 added=1000000 coincident=[0-9]* version=[0-9]*' &&
         hull=$("${d[@]}" triangulate m | sed -n 's/^OK 0 .* hull=\([0-9]*\) .*/\1/p') && "${d[@]}" export m "$scratch/m.ele" &&
         [ "$(head -n 1 "$scratch/m.ele")" = "$((2 * 1000000 - 2 - hull)) 3 0" ] &&
         [ "$(wc -l <"$scratch/m.ele")" -ge $((2 * 1000000 - 1 - hull)) ] && "${d[@]}" drop m

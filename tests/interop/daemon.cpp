@@ -66,6 +66,9 @@ reply daemon_link::receive()
     do
         r.status = line();
     while (r.status.compare(0, 1, "#") == 0);
+    size_t version = r.status.find(" version="); /* differs from run to run */
+    if (version != std::string::npos && r.status.find("protocol=") == std::string::npos)
+        r.status.erase(version);
     if (r.status.compare(0, 3, "OK ") != 0)
         return r;
     size_t rows = std::stoul(r.status.substr(3));

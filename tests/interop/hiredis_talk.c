@@ -20,7 +20,9 @@ static void expect(redisContext *c, redisReply *r, int type, const char *text, c
 {
     if (r == NULL)
         fprintf(stderr, "hiredis: %s: %s\n", what, c->errstr);
-    check(r != NULL && r->type == type && (text == NULL || strcmp(r->str, text) == 0), what);
+    check(r != NULL && r->type == type &&
+              (text == NULL || strncmp(r->str, text, strlen(text)) == 0),
+          what);
     freeReplyObject(r);
 }
 

@@ -7,7 +7,7 @@ import redis
 r = redis.Redis(port=int(sys.argv[1]), client_name="interop")
 assert r.ping() is True
 assert r.echo("hello") == b"hello"
-assert r.execute_command("ADD", "p", 0, 0, 4, 0, 4, 4, 0, 4, 2, 2) == b"OK first=0 added=5 coincident=0"
+assert r.execute_command("ADD", "p", 0, 0, 4, 0, 4, 4, 0, 4, 2, 2).startswith(b"OK first=0 added=5 coincident=0 version=")
 assert r.execute_command("TRIANGULATE", "p").startswith(b"OK points=5 ")
 assert r.execute_command("LISTS", "p")[0] == b"4 0 1 2 3"
 assert r.execute_command("LOCATE", "p", 2, 1) == [b"0 1 4"]

@@ -41,9 +41,9 @@ start_daemon() { # [OPTION...]
     exit 1
 }
 
-# Times vary, and so may the message after an error's code; comments may precede the reply to a slow request.
+# Times and versions of sets vary, and so may the message after an error's code; comments may precede the reply to a slow request.
 normalised() {
-    sed -E '/^# progress /d; s/ ms=[0-9.e-]+/ ms=/; s/^(ERR [A-Z]+).*/\1/'
+    sed -E '/^# progress /d; s/ ms=[0-9.e-]+/ ms=/; s/ version=[0-9]{10,}//; s/^(ERR [A-Z]+).*/\1/'
 }
 
 # ---- netcat: all requests are carried out after the half-close, and every reply is complete ----

@@ -147,13 +147,28 @@ TEST(zeros_are_not_a_record)
     CHECK(record_read(zeros, sizeof zeros, &r) == -1 && r.fault != NULL);
 }
 
+TEST(record_of_a_set_has_its_version_or_none)
+{
+    for (uint64_t version = 0; version <= 0x1ffffffffffffe; version += 0x1ffffffffffffe) {
+        struct buf b = {0};
+        struct record set = {.type = RECORD_SET, .name = "t", .name_len = 1, .version = version},
+                      got;
+        record_write(&b, &set);
+        CHECK(record_read(buf_head(&b), buf_len(&b), &got) == (ptrdiff_t)buf_len(&b));
+        CHECK(got.version == version && got.name_len == 1 && got.name[0] == 't');
+        buf_free(&b);
+    }
+}
+
 TEST(segment_header_is_read_as_written_and_has_a_checksum)
 {
     struct segment want = {.version = RECORD_VERSION, .kind = SEGMENT_SNAPSHOT, .lsn = 77}, got;
+    want.life = 0xfedcba98;
     char bytes[SEGMENT_HEADER];
     segment_write(bytes, &want);
     CHECK(segment_read(bytes, sizeof bytes, &got) == SEGMENT_HEADER);
     CHECK(got.version == RECORD_VERSION && got.kind == SEGMENT_SNAPSHOT && got.lsn == 77);
+    CHECK(got.life == want.life);
     for (size_t n = 0; n < sizeof bytes; n++)
         CHECK(segment_read(bytes, n, &got) == 0);
     for (size_t i = 0; i < 8 * sizeof bytes; i++) {

@@ -31,6 +31,17 @@ static struct directory copy_of(const char *from)
     return dir;
 }
 
+/* The version of the set t. */
+static uint64_t version_of(const struct daemon *d)
+{
+    int fd = daemon_connect(d);
+    say(fd, "STAT t\n");
+    const char *at = strstr(hear_line(fd), " version=");
+    close(fd);
+    CHECK(at != NULL);
+    return strtoull(at + strlen(" version="), NULL, 10);
+}
+
 /* A snapshot, a log that was closed properly, and one of a daemon that was killed. */
 TEST(directory_of_version_1_is_read_and_goes_on)
 {
@@ -39,12 +50,16 @@ TEST(directory_of_version_1_is_read_and_goes_on)
     struct directory dir = copy_of("tests/data/version-1");
     char *want = file_read("tests/data/version-1/state", &n);
     want[n] = '\0';
+    uint64_t version = 0;
     CHECK_MSG(directory_run(&dir, "--check", text, sizeof text) == 0, "%s", text);
     for (int i = 0; i < 2; i++) { /* its own files, then those that this release has written */
         struct daemon d = directory_daemon(&dir, NULL);
         char *got = directory_state(&d, names);
         CHECK_STR(got, want);
         free(got);
+        /* Its files have no versions of sets; this release has written the one that the set got. */
+        CHECK(version_of(&d) > 0 && (i == 0 || version_of(&d) == version));
+        version = version_of(&d);
         carry_out(&d, "SNAPSHOT\n");
         await_info(&d, "snapshots", 1);
         daemon_stop(&d, SIGKILL);

@@ -278,7 +278,7 @@ TEST(points_come_back_as_they_were_loaded)
     }
     strcpy(load + at, ".\nPOINTS t\n");
     char *got = whole_reply(&d, load, &n);
-    CHECK(strcmp(got, want) == 0);
+    CHECK_STR(got, want);
     free(got);
     free(want);
     free(load);

@@ -170,7 +170,7 @@ TEST(resp_3_types_large_replies)
     say(fd, "*2\r\n$5\r\nHELLO\r\n$1\r\n3\r\n*2\r\n$11\r\nTRIANGULATE\r\n$3\r\nbig\r\n"
             "*2\r\n$6\r\nPOINTS\r\n$3\r\nbig\r\n*1\r\n$4\r\nQUIT\r\n");
     char *got = hear_all(fd, &n),
-         *p = strstr(got, "modules\r\n*0\r\n%6\r\n$6\r\npoints\r\n:30000\r\n");
+         *p = strstr(got, "modules\r\n*0\r\n%7\r\n$6\r\npoints\r\n:30000\r\n");
     CHECK(p != NULL);
     p = strstr(p, "*30000\r\n");
     CHECK(p != NULL);
