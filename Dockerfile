@@ -3,7 +3,7 @@
 #   docker build -t delaunayd .
 #   docker run -p 127.0.0.1:6374:6374 -v delaunay:/data delaunayd
 #
-# Whoever reaches the port may use it: publish it to this machine only, as above, or add --auth-file.
+# Anyone who reaches the port may use it: publish it to this machine only, as above, or add --auth-file.
 
 FROM debian:bookworm-slim AS build
 RUN apt-get update && apt-get install -y --no-install-recommends gcc libc6-dev make

@@ -80,12 +80,12 @@ enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
 
 /* All fields may be zero: automatic choice, no rebuild, one thread, never cancelled, no limit.
  *
- * Where a function takes a struct dt_options, NULL stands for that. A flag that is set makes it
+ * A function with a parameter struct dt_options takes NULL for that. A flag that is set makes it
  * return DT_CANCELLED within some milliseconds of work; on ten million points within 100, or 200 for
  * dt_delete_many and dt_refresh where millions of them coincide. Within that time an edit is undone, and a
  * build that has begun to change the set is completed; with `disposable` the call may return in the middle
  * instead, and the set can then only be freed. `steps` makes it return DT_TOOLONG before it has done much more
- * than so many steps. In both cases the set is otherwise as it was.
+ * than that number of steps. In both cases the set is otherwise unchanged.
  *
  * A step is a look at a neighbour, a triangle or a point, 10 to 200 ns; usual edits and searches of a
  * point take about twenty. So a thread that must not block for long can try with a limit, and leave what
@@ -142,11 +142,11 @@ void dt_pages_free(struct dt_pages *p);
 /* Sets the limit, in bytes. What is kept beyond it is released when more is given back, or by dt_pages_trim. */
 void dt_pages_limit(struct dt_pages *p, size_t limit);
 
-/* Releases up to so many of the bytes that are kept, rounded up to 2 MiB, and returns the number of bytes
+/* Releases up to `bytes` of the kept bytes, rounded up to 2 MiB, and returns the number of bytes
  * released. Cost: linear, about a millisecond for 200 MiB that lie on huge pages. */
 size_t dt_pages_trim(struct dt_pages *p, size_t bytes);
 
-/* Prefaults up to so many fresh bytes, rounded up to 2 MiB, and keeps them, as far as the limit allows. Returns
+/* Prefaults up to `bytes` fresh bytes, rounded up to 2 MiB, and keeps them, as far as the limit allows. Returns
  * how many; 0: none. For an idle thread: it takes up to a second for 256 MiB. */
 size_t dt_pages_prepare(struct dt_pages *p, size_t bytes);
 
@@ -456,7 +456,7 @@ struct dt_place {
     uint32_t near;
 };
 
-/* Where q lies. Exact. Cost: constant expected, by way of the grid. */
+/* Where q lies. Exact. Cost: constant expected, with the grid. */
 enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_location *out);
 enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
                                struct dt_location *out);
@@ -569,7 +569,7 @@ struct dt_sift {
     size_t rows;
 };
 
-/* Looks at about so many rows, and appends to *out the triangles, or the points. *done: there are no more. */
+/* Looks at about `rows` rows, and appends to *out the triangles, or the points. *done: there are no more. */
 enum dt_status dt_sift_read(const struct dt *t, struct dt_sift *s, size_t rows, struct dt_ids *out,
                             bool *done);
 

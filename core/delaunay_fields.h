@@ -48,7 +48,7 @@ void dt_field_values(const struct dt_field *f, const struct dt_view *v, const ui
                      size_t n, double *out);
 
 /* The values of the ids from *from, a multiple of DT_FIELD_PAGE, on: DT_FIELD_PAGE of them, valid until the next
- * edit. Where all are missing there is no page: *from goes on to the next one that there is. NULL: there is none.
+ * edit. Where all are missing there is no page: *from advances to the next existing one. NULL: there is none.
  * Cost: constant, amortised over the pages of a field. */
 const double *dt_field_page(const struct dt_field *f, const struct dt_view *v, uint64_t *from);
 

@@ -130,7 +130,7 @@ fuzz:
 
 fuzz_run: $(FUZZERS:$(O)/tests/fuzz/%_fuzz=fuzz_run_%)
 
-# Its own corpus begins anew, so that a run can be repeated.
+# The corpus in the build folder is removed first, so that a run can be repeated.
 fuzz_run_%: $(O)/tests/fuzz/%_fuzz
 	@echo "== $*"
 	@$(if $(FUZZ_S),,rm -rf $(O)/corpus/$*;) mkdir -p $(O)/corpus/$*

@@ -132,12 +132,12 @@ static void note_using(struct table_file *t, const char *s, const char *end, boo
     t->headless = !header;
 }
 
-/* At the first row of values: which columns are told of, if that is not obvious. */
+/* At the first row of values: notes which columns are used, to report them if that is not obvious. */
 static void finish_using(struct table_file *t)
 {
     const struct table_fields *e = &t->fields;
     size_t n = strlen(t->using), room = sizeof t->using - 60;
-    if (!t->tell && e->n == 0) {
+    if (!t->report && e->n == 0) {
         t->using[0] = '\0';
         return;
     }
@@ -176,7 +176,7 @@ static bool choose_by_comment(struct table_file *t)
         bool chosen = n == t->columns && choose_by_headings(t, s, end, &obvious);
         if (chosen) {
             note_using(t, s, end, true);
-            t->tell = true;
+            t->report = true;
             table_fields_add_headings(&t->fields, s, end, separator, t->column);
         }
         t->separator = mine;
@@ -201,7 +201,7 @@ static bool start_without_header(struct points_file *f, const char *s, const cha
         if (!row_find(s, end, t->separator, i, &v[i]) || !value_is_number(t->separator, v[i]))
             return refuse(f, s, end, "no header, and the first two columns are not numbers");
     note_using(t, s, end, false);
-    t->counting = t->tell = t->columns > 2 && !t->xyz;
+    t->counting = t->report = t->columns > 2 && !t->xyz;
     table_fields_add_numbers(&t->fields, t->columns, t->columns == 3 || (t->xyz && t->columns > 3),
                              t->column);
     return true;
@@ -215,7 +215,7 @@ static bool choose_columns(struct points_file *f, const char *s, const char *end
     *header = choose_by_headings(t, s, end, &obvious);
     if (*header) {
         note_using(t, s, end, true);
-        t->tell = !obvious;
+        t->report = !obvious;
         table_fields_add_headings(&t->fields, s, end, t->separator, t->column);
         return true;
     }

@@ -13,19 +13,19 @@ struct table_file {
              [TABLE_NAME_LIMIT]; /* of the columns of x, y and z; "" if they are chosen by number */
     size_t column[3];            /* counted from 0 */
     struct table_fields fields;
-    size_t columns;      /* of the first row */
-    char separator;      /* 0 until the first row has been seen; ' ' for blanks */
-    bool chosen;         /* the caller has named or numbered the columns */
-    bool has_z;          /* and the third one */
-    bool node;           /* a .node file: `number x y ...` after a header of counts */
-    bool xyz;            /* more columns than x and y are usual */
-    bool any_length;     /* a row may be longer than the first one */
-    bool started;        /* the first row has been read */
-    bool has_values;     /* the first row of values has been read */
-    bool headless, tell; /* for `using`: there is no header; it is not obvious */
-    bool counting;       /* no header: the first column may be a number of the row */
-    double count;        /* its last value */
-    size_t counted;      /* rows in which it did count */
+    size_t columns;        /* of the first row */
+    char separator;        /* 0 until the first row has been seen; ' ' for blanks */
+    bool chosen;           /* the caller has named or numbered the columns */
+    bool has_z;            /* and the third one */
+    bool node;             /* a .node file: `number x y ...` after a header of counts */
+    bool xyz;              /* more columns than x and y are usual */
+    bool any_length;       /* a row may be longer than the first one */
+    bool started;          /* the first row has been read */
+    bool has_values;       /* the first row of values has been read */
+    bool headless, report; /* for `using`: there is no header; the columns are not obvious */
+    bool counting;         /* no header: the first column may be a number of the row */
+    double count;          /* its last value */
+    size_t counted;        /* rows in which it did count */
     char using[5 * TABLE_NAME_LIMIT + 80]; /* which columns were taken, "" where that is obvious */
     char comment[TABLE_COMMENT_ROOM];      /* the last one before the first row */
 };

@@ -292,7 +292,7 @@ static const enum delaunay_part_kind kind_of[] = {
     [REPLY_COMMENT] = DELAUNAY_PART_COMMENT,
 };
 
-/* Takes one part from what has arrived; *last tells whether the reply is whole. */
+/* Takes one part from the received bytes; *last: it is the last part of the reply. */
 static enum delaunay_result take_part(struct delaunay_client *c, delaunay_part_fn *fn, void *ctx,
                                       bool *last)
 {

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 /* Writes rgba[4 * width * height], rows from the top. width and height are at least 1 and below 2^31. ferror()
- * tells whether it got there. Size: 4 bytes a pixel and 0.03 %. */
+ * shows whether writing failed. Size: 4 bytes a pixel and 0.03 %. */
 void png_write(FILE *out, const unsigned char *rgba, uint32_t width, uint32_t height);
 
 #endif

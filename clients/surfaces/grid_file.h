@@ -19,7 +19,7 @@ double grid_top(const struct grid *g);
 /* The least and the greatest value; false if there is none. */
 bool grid_range(const struct grid *g, double *least, double *most);
 
-/* An ASCII grid. Values are written so that they read back as the same double. ferror() tells whether it got there. */
+/* An ASCII grid. Values are written so that they read back as the same double. ferror() shows whether writing failed. */
 void grid_write_asc(FILE *out, const struct grid *g);
 
 /* The values as 32-bit floats, little-endian; and the header that says so. */

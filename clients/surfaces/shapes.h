@@ -35,7 +35,7 @@ void shapes_free(struct shapes *s);
 bool shapes_bounds(const struct shapes *s, double *box);
 
 /* A FeatureCollection: Polygons with the property id, LineStrings with level and closed; a closed line ends where it
- * begins. ferror() tells whether it got there. */
+ * begins. ferror() shows whether writing failed. */
 void shapes_write_geojson(FILE *out, const struct shapes *s);
 
 /* A line for each: POLYGON or LINESTRING. */

@@ -1,6 +1,6 @@
 /* stop.h - what ends a long computation early: the caller's cancel flag, or a failure in one
- * of its threads. All threads of the computation share one and poll it every so many points; what they leave
- * unfinished is discarded. */
+ * of its threads. All threads of the computation share one and poll it at regular intervals; unfinished results are
+ * discarded. */
 #ifndef DT_STOP_H
 #define DT_STOP_H
 

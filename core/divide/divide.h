@@ -26,7 +26,7 @@ enum dt_status dt_divide_sorted(const struct dt_point *p, uint32_t n, const uint
 
 /* Both, for n distinct points, where point in[i] has the name names[i], or i if names is NULL. p[n] and from[n] are the
  * caller's and get the sorted points and their names. Cost: of both, and 2 bytes a point; the mesh is the scratch memory
- * that a sort wants. */
+ * of the sort. */
 enum dt_status dt_divide(const struct dt_point *in, const uint32_t *names, uint32_t n,
                          struct dt_point *p, uint32_t *from, struct dt_mesh *m,
                          const struct dt_options *opt);

@@ -1,6 +1,6 @@
-/* arrivals.h - many points at once: which of them coincide with one another, or with those that are there already,
- * is found by sorting all of them (divide.h), without the table of places (core/points/places.h). The vertices of a set that
- * gets its points so are in the order in which a build wants them. */
+/* arrivals.h - adding many points at once: coincident points, new or existing, are found by sorting all of them
+ * (divide.h), without the table of places (core/points/places.h). The vertices of a set whose points were added in this
+ * way are in the order that a build needs. */
 #ifndef DT_ARRIVALS_H
 #define DT_ARRIVALS_H
 

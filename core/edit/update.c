@@ -1,14 +1,13 @@
 /* update.c - insert, delete, move, one point after the other, on points, mesh and grid.
  *
- * An edit may end early: no memory, the caller's flag, the caller's limit. Each of its changes of the
- * mesh is all or nothing, and is undone by its inverse, the latest first: the triangulation is
- * canonical, so the one before comes back. The points change when the mesh has, or where nothing can
- * fail any more.
+ * An edit may end early: out of memory, the caller's flag, the caller's limit. Each of its changes of the
+ * mesh is all or nothing, and is undone by its inverse, the latest first: the triangulation is canonical, so
+ * this restores the previous one. The points change after the mesh, or where nothing can fail any more.
  *
- *     add      a point enters, its vertex is inserted, the next point ...     undo: remove, take back
- *     delete   all vertices that go are removed, then their points            undo: insert
+ *     add      a point is added, its vertex is inserted, the next point ...   undo: remove, take back
+ *     delete   the vertices are removed, then their points                    undo: insert
  *     move     the vertex shifts within its star, and edges are flipped       undo: flip back, shift back
- *              or it is removed, its point shifts, it is inserted             undo: the way back
+ *              or it is removed, its point shifts, it is inserted             undo: the same in reverse
  *
  * Where an inverse also runs out of memory, or too many are needed, the mesh is discarded (lose_mesh): the next
  * dt_refresh rebuilds it from the points. */
@@ -59,7 +58,7 @@ enum dt_where dt_update_find(struct dt *t, struct dt_point q, uint32_t *half)
     return where;
 }
 
-/* Fetches what dt_hint_put at q will look at. */
+/* Prefetches what dt_hint_put at q will read. */
 static void fetch_cell(const struct dt *t, struct dt_point q)
 {
     if (t->hints.grids > 0)
@@ -68,11 +67,11 @@ static void fetch_cell(const struct dt *t, struct dt_point q)
 
 /* ---- one vertex ---- */
 
-/* Where a point is going to be. */
+/* The place of a new point in the mesh. */
 struct place {
     enum dt_where where;
-    uint32_t half; /* as dt_insert wants it */
-    uint32_t at;   /* the vertex at that very place, DT_NONE if none */
+    uint32_t half; /* the argument of dt_insert */
+    uint32_t at;   /* the vertex at exactly that place, DT_NONE if none */
 };
 
 /* Where q is in the mesh. */
@@ -104,9 +103,8 @@ static struct place look_up_from(struct dt *t, struct dt_point q, uint32_t near)
     return p;
 }
 
-/* The vertex that a point at q, which was looked up, coincides with, `except` left out; DT_NONE if
- * there is none. Without a tolerance the mesh itself has found it; with one, the points must be
- * indexed. */
+/* The vertex other than `except` that a point at q, which was looked up, coincides with; DT_NONE if there is
+ * none. Without a tolerance the mesh itself has found it; with one, the points must be indexed. */
 static uint32_t coincident(const struct dt *t, struct dt_point q, const struct place *p,
                            uint32_t except)
 {
@@ -154,7 +152,7 @@ static void commit(struct dt *t)
 
 /* ---- adding ---- */
 
-/* The point q with this id, for which there is room, arrives; `near` as for look_up_from. */
+/* Adds the point q with this id, for which there is room; `near` as for look_up_from. */
 static enum dt_status add_one(struct dt *t, uint32_t id, struct dt_point q, uint32_t near,
                               struct dt_added *done)
 {
@@ -188,7 +186,7 @@ static void withdraw(struct dt *t, const struct dt_batch *b, uint32_t done)
 enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_work *work,
                              struct dt_added *out)
 {
-    dt_tend(t, work); /* the batch wants a grid */
+    dt_tend(t, work); /* the batch needs a grid */
     struct dt_batch b;
     struct dt_stop stop = dt_work_stop(work);
     struct dt_added done = {.first = t->points.next_id, .added = (uint32_t)n};
@@ -223,8 +221,8 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 
 /* ---- deleting ---- */
 
-/* Fetches what the removal of v begins with; its triangles are probably where they are after a
- * build. */
+/* Prefetches what the removal of v reads first; its triangles are probably where a build has put
+ * them. */
 static void fetch_star(const struct dt *t, uint32_t v)
 {
     dt_fetch(&t->mesh.leaving[v]);
@@ -232,9 +230,9 @@ static void fetch_star(const struct dt *t, uint32_t v)
     dt_hint_fetch(&t->mesh, t->points.xy, NULL, v << 4);
 }
 
-/* Whether vertex v stays where it is when the n ascending ids go, its representative among them.
- * With a tolerance, families may become one meanwhile (dt_points_delete), so that it is unknown
- * beforehand for several ids; false then. */
+/* Whether vertex v keeps its place when the n ascending ids are deleted, its representative among them.
+ * With a tolerance, groups may become one meanwhile (dt_points_delete), so for several ids this is not known
+ * beforehand; false then. */
 static bool keeps_place(const struct dt *t, uint32_t v, const uint32_t *ids, size_t n)
 {
     const struct dt_points *p = &t->points;
@@ -272,7 +270,7 @@ static size_t list_vertices(const struct dt *t, const uint32_t *ids, size_t n, s
     return k;
 }
 
-/* Takes the vertices of ids out of the mesh that do not keep their places, *k of them: gone[n]. */
+/* Removes those vertices of the ids from the mesh that do not keep their places, *k of them: gone[n]. */
 static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t n,
                                       struct dt_work *work, uint32_t *gone, size_t *k)
 {
@@ -304,7 +302,7 @@ enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, str
         commit(t);
         dt_points_delete_all(p, ids, n, NULL);
         for (size_t i = 0; i < k; i++)
-            if (p->id[gone[i]] != DT_NONE) /* an heir has taken it over */
+            if (p->id[gone[i]] != DT_NONE) /* a successor has taken it over */
                 settle_vertex(t, gone[i]);
     } else {
         put_back(t, gone, k);
@@ -362,7 +360,7 @@ static enum dt_status move_by_flips(struct dt *t, uint32_t v, struct dt_point to
     return status == DT_TOOBIG ? DT_OK : status;
 }
 
-/* Whether an insertion at the place is allowed: what it would replace is counted. */
+/* Whether an insertion at the place is within the limit: counts what it would replace. */
 static enum dt_status count_conflicts(struct dt *t, struct dt_point to, const struct place *place,
                                       const struct dt_work *work)
 {

@@ -24,8 +24,9 @@ struct dt_cavity {
     uint32_t *stack;    /* owns: half edges to be crossed */
     uint32_t records, rims, stacked;
     uint32_t record_cap, rim_cap, stack_cap;
-    struct dt_work *work;             /* borrows: the work left to the edit; NULL: no limit */
-    const struct dt_changes *changes; /* borrows; told which stars change; NULL: not needed */
+    struct dt_work *work; /* borrows: the work left to the edit; NULL: no limit */
+    const struct dt_changes
+        *changes; /* borrows; notified of the stars that change; NULL: not needed */
 };
 
 void dt_cavity_clear(struct dt_cavity *c);

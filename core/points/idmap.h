@@ -1,10 +1,10 @@
 /* idmap.h - a paged map from ids to 32-bit values: which vertex or alias an id is.
  *
- * Ids are handed out in ascending order and never again, so a set that is edited for ever goes
- * through ever larger ids. The map is cut into pages, and pages whose ids are all dead are freed:
- * memory follows the live ids, not the largest one. Where many ids come at once, their pages lie in
- * blocks, each a huge page of the system's and freed as a whole: a look at any of millions of ids then
- * costs a cache miss, and not the search for its page beside. */
+ * Ids are assigned in ascending order and never reused, so the ids of a set that is edited for a long time
+ * keep growing. The map consists of pages, and pages whose ids are all dead are freed: its memory is
+ * proportional to the live ids, not to the largest one. Where many ids are added at once, their pages are in
+ * blocks, each a huge page of the system and freed as a whole: looking up any of millions of ids then costs
+ * one cache miss, without another one for the address of its page. */
 #ifndef DT_IDMAP_H
 #define DT_IDMAP_H
 

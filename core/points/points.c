@@ -43,13 +43,13 @@ void dt_points_clear(struct dt_points *p)
     dt_points_init_in(p, p->tol, p->pages);
 }
 
-/* The root of the aliases that vertex v has, DT_NONE if it has none. */
+/* The root of the aliases of vertex v, DT_NONE if it has none. */
 static uint32_t group_of(const struct dt_points *p, uint32_t v)
 {
     return p->group == NULL ? DT_NONE : p->group[v];
 }
 
-/* Makes room in group[] for as many vertices as there is room for elsewhere. */
+/* Makes room in group[] for as many vertices as the other arrays have room for. */
 static enum dt_status grow_groups(struct dt_points *p)
 {
     uint32_t *group = dt_array_grow_in(p->pages, p->group, p->group_cap, p->cap, sizeof *group);
@@ -119,7 +119,7 @@ static enum dt_status reserve_vertices(struct dt_points *p, size_t n, struct dt_
     if (need > DT_MAX_POINTS)
         return DT_TOOBIG;
     if (need > p->cap) {
-        /* A first batch gets just what it needs: sets that are loaded once stay tight. */
+        /* A first batch gets exactly what it needs, so that sets that are loaded once waste no memory. */
         size_t cap = p->cap == 0 ? need : dt_array_room(p->cap, need, DT_MAX_POINTS);
         struct dt_point *xy = dt_array_grow_in(p->pages, p->xy, p->end, cap, sizeof *xy);
         if (xy == NULL)
@@ -266,7 +266,7 @@ void dt_points_take_back(struct dt_points *p, uint32_t n)
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
                              struct dt_work *work, struct dt_added *out)
 {
-    enum { AHEAD = 12 }; /* points; long enough for a cache miss, twice */
+    enum { AHEAD = 12 }; /* points; as long as two cache misses take */
     enum dt_status status = dt_points_reserve(p, n, work);
     if (status == DT_OK)
         status = dt_points_index(p, work);
@@ -317,7 +317,7 @@ enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, 
         heirs = !(v & DT_ALIAS_BIT) && group_of(p, v) != DT_NONE;
     }
     return heirs ? dt_points_index(p, work)
-                 : DT_OK; /* heirs check whether their place is occupied */
+                 : DT_OK; /* successors check whether their place is occupied */
 }
 
 /* The aliases of vertex `from`, which has some, become aliases of vertex `to`. */
@@ -332,7 +332,7 @@ static void move_family(struct dt_points *p, uint32_t from, uint32_t to)
     p->group[from] = DT_NONE;
 }
 
-/* The alias `index` of vertex v, which stands at the same place, represents it from now on. */
+/* The alias `index` of vertex v, which is at the same place, represents it from now on. */
 static void promote(struct dt_points *p, uint32_t v, uint32_t index)
 {
     struct dt_alias next = p->aliases.alias[index];
@@ -344,8 +344,8 @@ static void promote(struct dt_points *p, uint32_t v, uint32_t index)
     become_alias(p, old, next.xy, v);
 }
 
-/* The heir of v's representative, the alias `index`, stands where vertex `at` is already: the smaller
- * id of the two represents both families. */
+/* The successor of v's representative, the alias `index`, is at the place of another vertex `at`: the smaller
+ * id of the two represents both groups. */
 static void unite(struct dt_points *p, uint32_t v, uint32_t at, uint32_t index)
 {
     move_family(p, v, at);
@@ -354,7 +354,7 @@ static void unite(struct dt_points *p, uint32_t v, uint32_t at, uint32_t index)
     free_vertex(p, v);
 }
 
-/* The vertex of a representative that goes: its lowest alias takes over, or it is free. */
+/* The representative of vertex v is deleted: its lowest alias takes over, or the vertex becomes free. */
 static void vacate(struct dt_points *p, uint32_t v)
 {
     uint32_t root = group_of(p, v);
@@ -385,10 +385,10 @@ void dt_points_delete(struct dt_points *p, uint32_t id)
     dt_idmap_unset(&p->value, id);
 }
 
-/* Fetches what the deletion of a point some ids later begins with. */
+/* Prefetches what the deletion of a point some ids later reads first. */
 static void fetch_later(const struct dt_points *p, const uint32_t *ids, size_t n, size_t i)
 {
-    enum { AHEAD = 16 }; /* points; long enough for a cache miss */
+    enum { AHEAD = 16 }; /* points; as long as a cache miss takes */
     if (i + 2 * AHEAD < n)
         dt_idmap_fetch(&p->value, ids[i + 2 * AHEAD]);
     uint32_t v = i + AHEAD < n ? dt_idmap_get(&p->value, ids[i + AHEAD]) : DT_NONE;

@@ -35,7 +35,7 @@ struct dt_points {
     uint16_t *
         plan; /* owns one for each vertex: the steps of a build (plan.h), for which the vertices are sorted;
                        NULL: none */
-    const struct dt_changes *changes; /* borrows; told what changes; NULL: not needed */
+    const struct dt_changes *changes; /* borrows; notified of changes; NULL: not needed */
 };
 
 void dt_points_init(struct dt_points *p, double tol);
@@ -119,8 +119,8 @@ enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, 
                                       struct dt_work *work);
 
 /* Deletes a live id. If it is a representative that has aliases, the lowest one takes over its
- * vertex; but if, with a tolerance, another representative stands at that alias's very place, the
- * two families become one, represented by the smaller id, and the vertex is free. */
+ * vertex; but if, with a tolerance, another representative is at exactly that alias's place, the
+ * two groups become one, represented by the smaller id, and the vertex is free. */
 void dt_points_delete(struct dt_points *p, uint32_t id);
 
 /* Deletes n distinct live ids, in ascending order: aliases first, so that each group has one heir. If it

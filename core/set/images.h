@@ -14,9 +14,9 @@
  * there is none since the latest moment that is read.
  *
  * Every image knows how far back the one before it of the same key lies, and a map has the newest one of
- * every key. Images lie in chunks; a chunk goes, and its keys leave the map, when no moment before its
- * end is read any more. A link that leads to a chunk that has gone leads to before all moments, so it is
- * never followed.
+ * every key. Images are in chunks; a chunk is freed, and its keys leave the map, when no moment before its
+ * end is read any more. A link to a freed chunk leads to before all moments that are read, so it is never
+ * followed.
  *
  * Knows keys and words only. Functions that take a const struct may run in several threads at once. */
 #ifndef DT_IMAGES_H

@@ -1,15 +1,15 @@
 /* contour.c - contours of the linear surface.
  *
- * First the class of every point is found, the number of levels that it is above: then most triangles, whose corners
- * are of one class, cost three look-ups. The others give a crossing for each level between their corners' classes:
+ * First the class of every point is computed, the number of levels below its value: then most triangles, whose corners
+ * have the same class, cost three look-ups. The others have a crossing for each level between their corners' classes:
  *
  *                above                 `in` is the edge that goes down, counterclockwise as seen from the
  *               /     \                triangle, and `out` the one that goes up; both are named by their ids, the
- *         in  /  - - -> \  out         higher end first. What goes out of one triangle goes into the next one by
+ *         in  /  - - -> \  out         higher end first. A line leaves a triangle and enters the next one by
  *           /             \            the same name, so crossings are joined without the triangulation.
  *       below ----------- below
  *
- * Rows and triangles are read through tables, in pieces, at the moment of a view. */
+ * Rows and triangles are read through tables, in pieces, as of the moment of a view. */
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 #include "core/set/reader.h"
@@ -331,7 +331,7 @@ static size_t hash(uint32_t level, struct edge e)
     return (size_t)(h >> 32 ^ h);
 }
 
-/* Where the crossing of the level that comes in by the edge is, or would be. */
+/* The slot of the crossing of this level that enters by the edge, or the free slot where it belongs. */
 static size_t slot_of(const struct dt_contour *c, uint32_t level, struct edge in)
 {
     size_t i = hash(level, in) & (c->slots - 1);

@@ -30,7 +30,7 @@ struct cells_job {
 
 /* ---- before the status line ---- */
 
-/* Lets edits go on between two pieces. A worker has the lock on entry and on return. */
+/* Lets edits continue between two pieces. A worker has the lock on entry and on return. */
 static enum dt_status pause_job(struct job *j)
 {
     if (j->queued_ns > 0) {

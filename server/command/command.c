@@ -31,7 +31,7 @@ const struct command commands[] = {
      "a new, empty set with coincidence tolerance t, for good or as long as the connection"},
     {"DROP", 2, 2, EDITS | CMD_EXISTING | CMD_FREES, cmd_drop, "DROP set", "deletes a set"},
     {"EXPIRE", 3, 3, EDITS | CMD_EXISTING, cmd_expire, "EXPIRE set seconds",
-     "drops the set after so many seconds"},
+     "drops the set after this number of seconds"},
     {"TTL", 2, 2, READS, cmd_ttl, "TTL set", "in how many seconds a set is dropped"},
     {"PERSIST", 2, 2, EDITS | CMD_EXISTING, cmd_persist, "PERSIST set",
      "takes EXPIRE back: the set stays"},
@@ -127,7 +127,7 @@ const struct command commands[] = {
     {"SNAPSHOT", 1, 1, CMD_ALL_SETS | CMD_WRITE | CMD_FREES, cmd_snapshot, "SNAPSHOT",
      "begins to write all sets to the data directory, and begins a new log"},
     {"TIMEOUT", 3, 0, CMD_OPEN, cmd_timeout, "TIMEOUT seconds command",
-     "carries out the command, or gives it up after so many seconds"},
+     "carries out the command, or cancels it after this number of seconds"},
     {"QUIT", 1, 1, CMD_OPEN, cmd_quit, "QUIT", "closes the connection when all replies are out"},
 };
 

@@ -218,7 +218,7 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a)
     return true;
 }
 
-/* Tells what the points that have come will take when they are added and triangulated. */
+/* Reports the memory that adding and triangulating the received points will take. */
 static void expect(struct server *s, struct load *l)
 {
     size_t expected = l->body.n < MANY || !l->adds ? 0 : l->body.n * BYTES_PER_POINT;

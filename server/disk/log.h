@@ -63,7 +63,7 @@ struct log_values {
     } field[];
 };
 
-/* Room for so many columns, without values; NULL: out of memory. */
+/* Room for this number of columns, without values; NULL: out of memory. */
 struct log_values *log_values_new(size_t columns);
 void log_values_free(struct log_values *v); /* NULL: nothing */
 

@@ -188,7 +188,7 @@ static bool judge_end(struct recovery *r, const struct place *p, struct segment_
     }
     if (got == READER_ERROR)
         return fail_to_read(r, p->file, in->error);
-    if (p->load_at > 0) { /* the whole LOAD goes with its end */
+    if (p->load_at > 0) { /* the whole LOAD is dropped with its end */
         at = p->load_at;
         r->last = p->load_lsn - 1;
         replay_abandon_load(&r->replay);
@@ -273,8 +273,8 @@ static bool judge_header(struct recovery *r, const struct place *p, struct segme
                 p->file->name, in->fault);
 }
 
-/* To repair a log, the records behind a damaged header are read: the file's name says what the header said, and
- * the numbers of the records show whether it is right. */
+/* To repair a log, the records after a damaged header are read: the name of the file has the same number as the
+ * header, and the numbers of the records show whether it is right. */
 static bool can_pass_header(const struct recovery *r, struct segment_reader *in)
 {
     if (!r->mend || buf_len(&in->window) < SEGMENT_HEADER)

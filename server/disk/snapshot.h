@@ -1,6 +1,6 @@
 /* snapshot.h - a file with all sets, written by a thread of its own from pinned versions.
  *
- * Edits go on meanwhile: the thread reads each version as it was at one moment, alternating with edits
+ * Edits continue meanwhile: the thread reads each version as it was at one moment, alternating with edits
  * (dataset.h). So a snapshot takes little memory.
  *
  * The sets are not all pinned at the same time: a set that is being edited in place is pinned when the edit

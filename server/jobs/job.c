@@ -168,7 +168,7 @@ bool job_reserve_build(struct server *s, struct answer *a, const struct dataset 
     return server_reserve(s, a, r, dt_build_memory(set->current->dt, &options));
 }
 
-/* Whether there is memory for a copy of so many points. */
+/* Whether there is memory for a copy of a set of this number of points. */
 static bool reserve_copy(struct server *s, struct job *j, uint32_t points)
 {
     enum { BYTES_PER_POINT = 32 };

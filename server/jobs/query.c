@@ -24,7 +24,7 @@ struct query_job {
 
 /* ---- searching ---- */
 
-/* The limit on steps for searches of the core that have none of their own. */
+/* Applies the limit on steps to searches of the core that have no limit of their own. */
 static enum dt_status check_degree(const struct dt *dt, const struct query *q, uint32_t steps)
 {
     uint32_t least = steps;
@@ -112,7 +112,7 @@ static enum dt_status find_within(const struct dt *dt, struct query *q,
     return status;
 }
 
-/* Computes the weights, which needs the set no more, as rows of the result. */
+/* Computes the weights as rows of the result; the set is not needed for that. */
 static enum dt_status finish_weights(struct dt_weigher *w, const struct dt_options *opt,
                                      struct dt_ids *ids)
 {
@@ -268,7 +268,7 @@ static enum dt_status sift(struct query_job *j)
         size_t more = q->ids.cap + 2 * (q->ids.n + 3 * SWEEP_ROWS);
         j->busy = !reservation_resize(&j->job.memory, more * sizeof(uint32_t));
         status = j->busy ? DT_NOMEM : dt_sift_read(v->dt, &sift, SWEEP_ROWS, &q->ids, &done);
-        if (worker) { /* edits go on */
+        if (worker) { /* edits continue */
             version_unlock(v);
             version_lock_read(v);
         }
@@ -289,8 +289,8 @@ static enum dt_status weigh_reserved(struct query_job *j, struct dt_weigher *w, 
     return j->busy ? DT_NOMEM : finish_weights(w, &opt, &j->query.ids);
 }
 
-/* The weights of many natural neighbours take long: a worker computes them while edits go on. It has the lock
- * on entry and on return. */
+/* The weights of many natural neighbours take long: a worker computes them while edits continue. It has the
+ * lock on entry and on return. */
 static enum dt_status weigh(struct query_job *j)
 {
     struct version *v = j->job.base;

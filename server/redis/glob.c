@@ -2,7 +2,7 @@
  * not be tried again. */
 #include "server/redis/glob.h"
 
-/* Whether c is in the class pattern[m], which begins behind its `[`; *used is its length with its `]`. */
+/* Whether c is in the class pattern[m], which begins after its `[`; *used is its length with its `]`. */
 static bool class_has(const char *pattern, size_t m, char c, size_t *used)
 {
     bool none = m > 0 && pattern[0] == '^', found = false;
@@ -21,7 +21,7 @@ static bool class_has(const char *pattern, size_t m, char c, size_t *used)
     return found != none;
 }
 
-/* Whether c matches the first item of pattern[m], which is no `*`; *used is the length of the item. */
+/* Whether c matches the first item of pattern[m], which is not `*`; *used is the length of the item. */
 static bool item_matches(const char *pattern, size_t m, char c, size_t *used)
 {
     *used = 1;

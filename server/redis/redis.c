@@ -40,8 +40,8 @@ static void select_db(struct server *s, const struct request *q, struct answer *
         redis_simple(a, "-RANGE there is only the database 0");
 }
 
-/* A command as COMMAND lists it: name, number of words (negative: at least), flags, and the places
- * of the first and the last key and the step between keys, a set's name being the key. */
+/* A command in the format of COMMAND: name, number of words (negative: at least), flags, and the positions
+ * of the first and the last key and the step between keys; the name of a set is a key. */
 static void describe(struct answer *a, const struct command *c)
 {
     char name[32], text[32];
@@ -150,7 +150,7 @@ static void config(struct server *s, const struct request *q, struct answer *a)
     }
 }
 
-/* An entry as Redis has it: id, time, microseconds, words, address, name. */
+/* An entry in the format of Redis: id, time, microseconds, words, address, name. */
 static void append_slow(struct buf *out, const struct slow *e)
 {
     struct answer row = {.out = out}, *a = &row;
@@ -199,7 +199,7 @@ static void slowlog(struct server *s, const struct request *q, struct answer *a)
     line_reply_clear(&t);
 }
 
-/* Redis's names of sections, and what is nearest to them here. */
+/* Redis's names of sections, and the closest sections here. */
 static const struct {
     const char *theirs, *ours;
 } renamed[] = {
@@ -230,7 +230,7 @@ static void add_keyspace(const struct server *s, struct buf *rows)
     add_fact(rows, "db0:keys=", s->sets.sets, rest);
 }
 
-/* What redis-cli --stat and others look for, by Redis's names. */
+/* The facts that redis-cli --stat and other tools read, by Redis's names. */
 static void add_redis_facts(struct server *s, const struct request *q, struct buf *rows)
 {
     if (asks_for(q, "CLIENTS")) {
@@ -332,10 +332,10 @@ static void hello(struct server *s, const struct request *q, struct answer *a)
         greet(a, version);
 }
 
-/* ---- transactions, which there are none of ----
+/* ---- transactions, which are not supported ----
  *
  * Clients send MULTI, the commands and EXEC at once. If only MULTI were refused, the commands would be carried out one by
- * one, and the client would believe that they were not. So whatever follows is refused as well, until EXEC or DISCARD. */
+ * one, and the client would believe that they were not. So all commands that follow are refused as well, until EXEC or DISCARD. */
 
 static void multi(struct server *s, const struct request *q, struct answer *a)
 {
@@ -406,7 +406,7 @@ static const struct {
     {"UNWATCH", false, watch},
 };
 
-/* What a connection in a refused transaction may ask for. */
+/* Whether a connection in a refused transaction may send this command. */
 static bool ends_multi(const struct word *name)
 {
     return word_is(name, "EXEC") || word_is(name, "DISCARD") || word_is(name, "QUIT");
