@@ -52,7 +52,8 @@ struct job {
 enum {
     JOB_HEAVY = 1, /* by a worker */
     JOB_COPY = 2,  /* on a copy, if there is memory, so that the set can be read meanwhile */
-    JOB_BRIEF = 4  /* heavy, but it takes only milliseconds: it does not wait behind builds */
+    JOB_BRIEF = 4, /* heavy, but it takes only milliseconds: it does not wait behind builds */
+    JOB_BEGUN = 8  /* for a reply that has begun: never refused */
 };
 
 /* A job of `size` bytes, all zero except the callbacks; NULL when out of memory. It moves to job_read,

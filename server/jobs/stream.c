@@ -3,14 +3,16 @@
 
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
+#include "server/sets/past.h"
 
 #include <stdlib.h>
 
 enum {
     AT_ONCE = 64,       /* rows that are written without a stream */
     HEAVY_ROWS = 20000, /* more rows, or tables of more points, are made by workers */
-    PIECE = 64 * 1024,  /* bytes of a piece and of a refill, about */
-    PIECES = 4          /* of one stream, made or in work */
+    PIECE =
+        64 * 1024, /* bytes of a piece and of a refill, about; values of a surface: SURFACE_PIECE */
+    PIECES = 4     /* of one stream, made or in work */
 };
 
 struct piece {
@@ -29,6 +31,11 @@ struct stream {
         piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
     unsigned head, used;
     unsigned in_work;
+    bool
+        passed; /* a piece needs the copy: no other is begun, and when none is in work, the copy is made */
+    struct job *copying;       /* borrows; not NULL: a worker makes it */
+    struct past past;          /* owns: the copy, if there is one */
+    size_t past_bytes;         /* of the copy */
     bool abandoned;            /* freed while workers are making pieces */
     bool heavy;                /* workers make the pieces */
     struct reservation memory; /* for ids and pieces */
@@ -39,7 +46,8 @@ struct stream {
 static bool answer_at_once(struct answer *a, struct rows *rows)
 {
     enum { BYTES_AT_ONCE = 16 * 1024 };
-    if (rows_count(rows) > AT_ONCE || (row_is_of_cell(rows->form) && rows->heavy))
+    bool heavy = rows->heavy && (row_is_of_cell(rows->form) || rows->form == ROW_SURFACE);
+    if (heavy || rows_count(rows) > AT_ONCE)
         return false;
     rows->steps = COST_STEPS_AT_ONCE;
     rows_fill(rows, a->out, rows->table ? SIZE_MAX : buf_len(a->out) + BYTES_AT_ONCE);
@@ -56,7 +64,7 @@ static bool reads_set(const struct rows *rows)
 /* Whether the view must include the triangulation. */
 static bool reads_rings(const struct rows *rows)
 {
-    if (row_is_of_cell(rows->form))
+    if (row_is_of_cell(rows->form) || rows->form == ROW_SURFACE)
         return true;
     return rows->table ? rows->cursor.table != DT_POINTS && rows->cursor.table != DT_COINCIDENT
                        : rows->form == ROW_RING || row_is_of_place(rows->form);
@@ -71,21 +79,26 @@ static uint32_t table_work(const struct version *v, enum dt_table table)
 static bool is_heavy(const struct rows *rows)
 {
     size_t work = rows->table ? table_work(rows->version, rows->cursor.table) : rows_count(rows);
-    return rows->heavy || work > HEAVY_ROWS;
+    return rows->heavy || rows->form == ROW_SURFACE || work > HEAVY_ROWS;
+}
+
+static size_t piece_bytes(const struct stream *st)
+{
+    return st->rows.form == ROW_SURFACE ? SURFACE_PIECE : PIECE;
 }
 
 static size_t ids_bytes(const struct stream *st)
 {
-    return sizeof *st + st->rows.ids.cap * sizeof(uint32_t);
+    return sizeof *st + st->rows.ids.cap * sizeof(uint32_t) + st->past_bytes;
 }
 
 /* Of pieces that workers make, at least the usual size counts. */
 static size_t pieces_bytes(const struct stream *st)
 {
-    size_t bytes = 0, least = st->heavy ? PIECE : 0;
+    size_t bytes = 0, usual = piece_bytes(st), least = st->heavy ? usual : 0;
     for (unsigned i = 0; i < PIECES; i++) { /* the text of one in work must not be read */
         const struct piece *p = &st->piece[i];
-        size_t cap = p->job != NULL ? PIECE : p->text.cap;
+        size_t cap = p->job != NULL ? usual : p->text.cap;
         bytes += cap > least ? cap : least;
     }
     return bytes;
@@ -122,6 +135,7 @@ static struct stream *new_stream(struct server *s, struct answer *a, struct rows
         answer_out_of_memory(a);
         return NULL;
     }
+    rows->surface.view = rows->view;
     st->rows = *rows;
     st->heavy = s->workers != NULL && is_heavy(rows);
     if (!reserve(s, st)) {
@@ -179,6 +193,8 @@ void stream_free(struct server *s, struct stream *st)
     for (unsigned i = 0; i < PIECES; i++)
         if (st->piece[i].job != NULL)
             st->piece[i].job->cancel = true;
+    if (st->copying != NULL)
+        st->copying->cancel = true;
     if (st->in_work > 0)
         return;
     for (unsigned i = 0; i < PIECES; i++) {
@@ -190,6 +206,8 @@ void stream_free(struct server *s, struct stream *st)
     rows_clear(&st->rows);
     free(st->rows.ids.v);
     free(st->rows.field);
+    if (st->past.dt != NULL)
+        s->sets.discard(s->sets.discard_ctx, st->past.dt);
     reservation_set(&st->memory, 0);
     free_places(s, &st->places);
     free(st);
@@ -282,7 +300,7 @@ static void make(struct stream *st, struct piece *p)
     if (p->uncut && !rows_cut(&st->rows, &p->part))
         p->part.done = true;
     else
-        rows_fill(&p->part, &p->text, PIECE);
+        rows_fill(&p->part, &p->text, piece_bytes(st));
 }
 
 static void run_making(struct job *j)
@@ -292,6 +310,16 @@ static void run_making(struct job *j)
         make(m->stream, m->piece);
 }
 
+static void end_work(struct server *s, struct stream *st)
+{
+    st->in_work--;
+    reservation_set(&st->memory, ids_bytes(st) + pieces_bytes(st));
+    if (st->abandoned)
+        stream_free(s, st);
+    else if (st->ready != NULL)
+        st->ready(st->ctx);
+}
+
 static void making_done(struct server *s, struct job *j, struct answer *a)
 {
     struct making *m = (struct making *)j;
@@ -299,12 +327,8 @@ static void making_done(struct server *s, struct job *j, struct answer *a)
     (void)a;
     m->piece->job = NULL;
     m->piece->uncut = false;
-    st->in_work--;
-    reservation_set(&st->memory, ids_bytes(st) + pieces_bytes(st));
-    if (st->abandoned)
-        stream_free(s, st);
-    else if (st->ready != NULL)
-        st->ready(st->ctx);
+    st->passed = st->passed || m->piece->part.surface.passed;
+    end_work(s, st);
 }
 
 /* Submits the piece, or its continuation, to a worker. */
@@ -317,6 +341,7 @@ static void begin(struct server *s, struct stream *st, struct piece *p)
         make(st, p);
         version_unlock(st->rows.version);
         p->uncut = false;
+        st->passed = st->passed || p->part.surface.passed;
         return;
     }
     m->stream = st;
@@ -326,10 +351,91 @@ static void begin(struct server *s, struct stream *st, struct piece *p)
     job_read(s, &nobody, &m->job, st->rows.version, JOB_HEAVY | JOB_BRIEF);
 }
 
+/* ---- after an edit of the points ---- */
+
+struct copying {
+    struct job job;
+    struct stream *stream; /* borrows: not freed before the job ends */
+    struct past past;      /* owns, until it moves to the stream */
+    size_t bytes;
+};
+
+static void run_copying(struct job *j)
+{
+    struct copying *c = (struct copying *)j;
+    const struct rows *rows = &c->stream->rows;
+    j->status = past_copy(j->base, rows->view, rows->surface.field, &j->options, j->queued_ns > 0,
+                          &j->memory, &c->past);
+    c->bytes = j->memory.bytes;
+}
+
+static void clear_copying(struct job *j)
+{
+    dt_free(((struct copying *)j)->past.dt);
+}
+
+/* The rows continue on the copy. */
+static void use_past(struct rows *rows, const struct past *past)
+{
+    rows->surface.dt = past->dt;
+    rows->surface.field = past->field;
+    rows->surface.view = NULL;
+    rows->surface.passed = false;
+}
+
+static void copying_done(struct server *s, struct job *j, struct answer *a)
+{
+    struct copying *c = (struct copying *)j;
+    struct stream *st = c->stream;
+    (void)a;
+    st->copying = NULL;
+    st->passed = false;
+    st->rows.status = j->status;
+    if (j->status == DT_OK) {
+        st->past = c->past;
+        st->past_bytes = c->bytes;
+        c->past.dt = NULL;
+        version_end_view(&s->sets, st->rows.version, st->rows.view);
+        st->rows.view = NULL;
+        use_past(&st->rows, &st->past);
+    }
+    for (unsigned i = 0; i < st->used && j->status == DT_OK && !st->abandoned; i++) {
+        struct piece *p = &st->piece[(st->head + i) % PIECES];
+        bool again = p->part.surface.passed;
+        use_past(&p->part, &st->past);
+        p->part.view = NULL;
+        if (again)
+            begin(s, st, p);
+    }
+    end_work(s, st);
+}
+
+/* Begins the copy when no piece is in work. */
+static enum dt_status copy_past(struct server *s, struct stream *st)
+{
+    struct buf out = {0};
+    struct answer nobody = {.out = &out};
+    if (!st->passed || st->in_work > 0)
+        return st->rows.status;
+    struct copying *c = job_new(sizeof *c, run_copying, copying_done);
+    if (c == NULL)
+        return DT_NOMEM;
+    c->stream = st;
+    c->job.clear = clear_copying;
+    c->job.memory = server_reservation(s, BUDGET_REPLIES);
+    st->copying = &c->job;
+    st->in_work++;
+    job_read(s, &nobody, &c->job, st->rows.version, JOB_HEAVY | JOB_BEGUN);
+    return st->rows.status;
+}
+
+/* ---- sending ---- */
+
 /* Whether the next rows have been made. */
 static bool is_made(const struct stream *st)
 {
-    return st->used > 0 && st->piece[st->head].job == NULL;
+    const struct piece *p = &st->piece[st->head];
+    return st->used > 0 && p->job == NULL && !p->part.surface.passed;
 }
 
 static enum dt_status send_made(struct server *s, struct stream *st, struct buf *out, size_t most)
@@ -343,7 +449,9 @@ static enum dt_status send_made(struct server *s, struct stream *st, struct buf 
         buf_rewind(&p->text, 0);
         if (out->failed)
             return DT_NOMEM;
-        if (!p->part.done) {
+        if (!p->part.done && st->passed) {
+            p->part.surface.passed = true; /* continues on the copy */
+        } else if (!p->part.done) {
             begin(s, st, p);
         } else {
             rows_clear(&p->part);
@@ -369,7 +477,7 @@ static bool cut_next(struct stream *st, struct piece *p)
 
 static void begin_next(struct server *s, struct stream *st)
 {
-    while (st->used < PIECES && !(st->used > 0 && st->piece[st->head].uncut)) {
+    while (st->used < PIECES && !st->passed && !(st->used > 0 && st->piece[st->head].uncut)) {
         struct piece *p = &st->piece[(st->head + st->used) % PIECES];
         if (!cut_next(st, p))
             return;
@@ -386,6 +494,8 @@ static enum dt_status go_on(struct server *s, struct stream *st, struct buf *out
     enum dt_status status;
     do {
         status = send_made(s, st, out, most);
+        if (status == DT_OK)
+            status = copy_past(s, st);
         if (status == DT_OK)
             begin_next(s, st);
     } while (status == DT_OK && is_made(st) && buf_len(out) < most);
@@ -406,7 +516,8 @@ void stream_refill(struct server *s, struct answer *a)
     if (may_fill(st)) {
         rows_fill(&st->rows, a->out, buf_len(a->out) + PIECE);
         version_unlock(st->rows.version);
-        status = st->rows.status;
+        st->passed = st->rows.surface.passed;
+        status = copy_past(s, st); /* there are no workers: at once */
         done = st->rows.done;
     } else {
         status = go_on(s, st, a->out);

@@ -8,7 +8,11 @@
  *
  * A piece is begun only when another one has been moved to `out`, at the rate of the socket. So a client that
  * stops reading costs the memory of a few pieces, however long the reply is. Pieces and ids of a list are
- * in the memory budget. */
+ * in the memory budget.
+ *
+ * Tables are read through the view. Values of a surface need the whole triangulation of its moment: when a piece finds
+ * that the points have been edited since, a worker makes a copy of the set as it was (past.h), and the remaining pieces
+ * are made from that. */
 #ifndef SERVER_STREAM_H
 #define SERVER_STREAM_H
 

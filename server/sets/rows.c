@@ -14,7 +14,7 @@ enum {
     PART_IDS = 600,      /* of a part: ids of a table or rows of a list, about 30 KiB of text */
     PART_CELLS = 150,    /* of a part: cells */
     PART_WORDS = 7500,   /* of a part in binary */
-    PART_NUMBERS = 3000, /* words of a part of numbers in text */
+    PART_NUMBERS = 3000, /* words of a part of lines or loops */
     PLACE_WORDS = 4096, /* of the places that are looked up at a time; no row of a place has more */
     PLACE_STEPS = 20000 /* of a look-up, while edits wait */
 };
@@ -109,14 +109,6 @@ static void write_line(struct buf *out, const uint32_t *word)
     reply_row_line(out, level, word[2] != 0, word + ROW_LINE_WORDS, word[3]);
 }
 
-static void write_numbers(const struct rows *r, struct buf *out, const uint32_t *word)
-{
-    if (r->binary)
-        reply_words_u32(out, word, r->width);
-    else
-        reply_row_numbers(out, word, r->width / 2);
-}
-
 static void write_loop(struct buf *out, const uint32_t *word)
 {
     buf_append_text(out, word[0] != 0 ? "hole " : "outer ");
@@ -156,8 +148,6 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
             write_loop(out, id);
         else if (r->form == ROW_VALUE)
             write_value(out, id);
-        else if (r->form == ROW_NUMBERS)
-            write_numbers(r, out, id);
         else if (r->form == ROW_LINE)
             write_line(out, id);
         else
@@ -354,9 +344,19 @@ static void fill_from_table(struct rows *r, struct buf *out, size_t limit)
     }
 }
 
+/* ---- rows from a surface ---- */
+
+static void fill_from_surface(struct rows *r, struct buf *out, size_t limit)
+{
+    r->status = surface_rows_fill(&r->surface, out, limit, r->steps);
+    r->done = r->surface.at == r->surface.end;
+}
+
 void rows_fill(struct rows *r, struct buf *out, size_t limit)
 {
-    if (r->table)
+    if (r->form == ROW_SURFACE)
+        fill_from_surface(r, out, limit);
+    else if (r->table)
         fill_from_table(r, out, limit);
     else if (row_is_of_cell(r->form))
         fill_from_cells(r, out, limit);
@@ -372,6 +372,8 @@ void rows_fill(struct rows *r, struct buf *out, size_t limit)
 
 size_t rows_count(const struct rows *r)
 {
+    if (r->form == ROW_SURFACE)
+        return r->surface.end;
     if (row_is_of_place(r->form))
         return r->places;
     if (row_is_of_cell(r->form) && r->ids.v == NULL)
@@ -389,6 +391,8 @@ bool rows_cut(struct rows *r, struct rows *part)
 {
     *part = *r;
     part->ring = (struct dt_ids){0};
+    if (r->form == ROW_SURFACE)
+        return surface_rows_cut(&r->surface, &part->surface);
     if (r->table)
         return dt_table_cut(r->version->dt, &r->cursor, PART_IDS, &part->cursor);
     if (!r->table && row_is_of_place(r->form)) {
@@ -399,10 +403,9 @@ bool rows_cut(struct rows *r, struct rows *part)
     }
     if (row_is_of_cell(r->form) && r->ids.v == NULL)
         return cut_cells(r, part);
-    size_t n = row_is_of_cell(r->form) ? PART_CELLS
-               : r->form == ROW_NUMBERS || r->form == ROW_LINE || r->form == ROW_LOOP
-                   ? PART_NUMBERS
-                   : PART_IDS * r->width;
+    size_t n = row_is_of_cell(r->form)                      ? PART_CELLS
+               : r->form == ROW_LINE || r->form == ROW_LOOP ? PART_NUMBERS
+                                                            : PART_IDS * r->width;
     for (size_t from = r->at; r->at < r->ids.n && r->at - from < n;)
         r->at += list_words(r, r->at);
     part->ids.n = r->at;
@@ -413,4 +416,5 @@ void rows_clear(struct rows *r)
 {
     free(r->ring.v);
     r->ring = (struct dt_ids){0};
+    surface_rows_clear(&r->surface);
 }

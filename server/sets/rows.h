@@ -8,6 +8,7 @@
 #include "core/delaunay_surface.h"
 #include "proto/reply.h"
 #include "server/sets/dataset.h"
+#include "server/sets/surface_rows.h"
 
 enum row_form {
     ROW_IDS,       /* `width` ids from the list */
@@ -17,7 +18,7 @@ enum row_form {
     ROW_VALUE,     /* id and a number: ROW_VALUE_WORDS words of the list */
     ROW_CELL,      /* id, the number of corners, and x y of each, */
     ROW_AREA,      /* or the area: of all cells, or those of the list */
-    ROW_NUMBERS,   /* numbers, `width` words of the list; binary: as they are */
+    ROW_SURFACE,   /* values of a surface */
     ROW_LINE,      /* a line of a contour: ROW_LINE_WORDS words, and four for each of its places */
     ROW_LOOP,      /* hole or outer, k and k ids: of the list 1 or 0, and the same */
     ROW_TRIANGLE,  /* binary, of a place: the corners of its triangle, */
@@ -35,7 +36,7 @@ void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint
 /* Whether rows of this form are made from the list alone, without the set. */
 static inline bool row_is_of_list(enum row_form form)
 {
-    return form == ROW_IDS || form == ROW_NUMBERS || form == ROW_LINE || form == ROW_LOOP;
+    return form == ROW_IDS || form == ROW_LINE || form == ROW_LOOP;
 }
 
 /* Places that are asked about. */
@@ -62,7 +63,8 @@ struct rows {
     bool table;              /* rows of the cursor's table, else rows of the ids */
     bool binary;             /* tables and numbers only */
     struct dt_cursor cursor;
-    struct dt_cells cells; /* ROW_CELL, ROW_AREA */
+    struct dt_cells cells;       /* ROW_CELL, ROW_AREA */
+    struct surface_rows surface; /* ROW_SURFACE; its set and moment are those of the rows */
     enum row_form form;
     size_t width; /* words of the list or of the reply in a row */
     bool cw;      /* ROW_RING */
@@ -80,7 +82,7 @@ struct rows {
     enum dt_status status; /* not DT_OK: the rows cannot be completed */
 };
 
-/* The number of all rows. */
+/* The number of all rows; of ROW_SURFACE, of values. */
 size_t rows_count(const struct rows *r);
 
 /* Appends rows until out holds `limit` bytes or more, r->done is set, or r->status is not DT_OK, or until

@@ -11,25 +11,8 @@
 #include <string.h>
 
 enum {
-    AT_ONCE = 64,           /* places or cells, if there are not more than */
-    IDS_AT_ONCE = 1 << 20,  /* ids; their pages are looked at */
-    PIECE_LINEAR = 1 << 16, /* places or cells under the lock */
-    PIECE_NATURAL = 1 << 13,
-    TEXT_AT_ONCE = 20000 /* numbers that the I/O thread writes as text */
-};
-
-struct surface_job {
-    struct job job;
-    struct surface q;
-    struct dt_view *view;         /* owns: the moment of the result; NULL: that of the copy */
-    struct dt *copy;              /* owns; NULL: none */
-    const struct dt_field *field; /* of the view, or of the copy */
-    double *value;                /* owns: n values of places or cells, `done` of which are there */
-    size_t n, done;
-    struct dt_ids line; /* owns: the words of contours */
-    size_t lines;
-    bool busy; /* no memory because of other requests */
-    bool too_many_levels;
+    IDS_AT_ONCE = 1 << 20, /* ids; their pages are looked at */
+    TEXT_AT_ONCE = 20000   /* numbers that the I/O thread writes as text */
 };
 
 void surface_clear(struct surface *q)
@@ -42,61 +25,50 @@ void surface_clear(struct surface *q)
     q->level = NULL;
 }
 
-static size_t count_values(const struct surface *q)
-{
-    if (q->kind == SURFACE_PLACES)
-        return q->places.n;
-    return q->kind == SURFACE_RASTER ? (size_t)q->raster.columns * q->raster.rows : 0;
-}
+/* ---- values ---- */
 
-/* The next n values, from number `from` on. */
-static enum dt_status find_values(const struct dt *dt, const struct dt_field *f,
-                                  const struct dt_view *v, const struct surface *q, size_t from,
-                                  size_t n, const struct dt_options *opt, double *out, size_t *done)
+static void answer_values(struct server *s, struct answer *a, struct dataset *set,
+                          struct surface *q)
 {
-    struct dt_surface s = {.how = q->how, .max_edge = q->max_edge};
-    enum dt_status status = dt_surface_begin(&s, f, v);
-    *done = 0;
-    if (status != DT_OK)
-        return status;
-    status = q->kind == SURFACE_PLACES
-                 ? dt_values(dt, &s, q->places.p + from, n, opt, out, done)
-                 : dt_raster_values(dt, &s, &q->raster, from, n, opt, out, done);
-    dt_surface_end(&s);
-    return status;
-}
-
-/* ---- the reply ---- */
-
-/* Sends the list, which moves to the reply. */
-static void send_list(struct server *s, struct answer *a, struct rows *rows, struct dt_ids *ids)
-{
-    reply_end(a->out);
-    stream_answer(s, a, rows, ids);
-    free(ids->v);
-}
-
-static void answer_values(struct server *s, struct answer *a, struct version *v,
-                          const struct surface *q, double *value)
-{
+    struct version *v = set->current;
     bool raster = q->kind == SURFACE_RASTER;
-    size_t n = count_values(q), columns = raster ? q->raster.columns : 1;
-    size_t words = 2 * n;
-    struct dt_ids ids = {(uint32_t *)(void *)value, words, words};
+    size_t columns = raster ? q->raster.columns : 1,
+           n = raster ? columns * q->raster.rows : q->places.n;
     struct rows rows = {.version = v,
-                        .form = ROW_NUMBERS,
-                        .width = 2 * columns,
-                        .binary = q->binary,
-                        .heavy = !q->binary && n > TEXT_AT_ONCE};
+                        .form = ROW_SURFACE,
+                        .heavy = dt_next_id(v->dt) > IDS_AT_ONCE,
+                        .surface = {.dt = v->dt,
+                                    .field = dt_field_find(v->dt, q->field, q->field_len),
+                                    .how = q->how,
+                                    .max_edge = q->max_edge,
+                                    .place = q->places.p,
+                                    .raster = q->raster,
+                                    .columns = columns,
+                                    .binary = q->binary,
+                                    .end = n}};
     reply_ok(a->out, q->binary ? 0 : n / columns);
     if (q->binary)
         reply_key_u64(a->out, "rows", n / columns);
     if (raster)
         reply_key_u64(a->out, "columns", columns);
     if (q->binary)
-        reply_key_u64(a->out, "bytes", (uint64_t)n * sizeof *value);
-    send_list(s, a, &rows, &ids);
+        reply_key_u64(a->out, "bytes", (uint64_t)n * sizeof(double));
+    reply_end(a->out);
+    stream_answer_places(s, a, &rows, &q->places);
 }
+
+/* ---- contours, by a job ---- */
+
+struct surface_job {
+    struct job job;
+    struct surface q;
+    struct dt_view *view;         /* owns: the moment of the result */
+    const struct dt_field *field; /* of the view */
+    struct dt_ids line;           /* owns: the words of contours */
+    size_t lines;
+    bool busy; /* no memory because of other requests */
+    bool too_many_levels;
+};
 
 static void answer_lines(struct server *s, struct answer *a, struct surface_job *j)
 {
@@ -107,10 +79,10 @@ static void answer_lines(struct server *s, struct answer *a, struct surface_job 
     struct dt_ids ids = j->line;
     j->line = (struct dt_ids){0};
     reply_ok(a->out, j->lines);
-    send_list(s, a, &rows, &ids);
+    reply_end(a->out);
+    stream_answer(s, a, &rows, &ids);
+    free(ids.v);
 }
-
-/* ---- by a worker ---- */
 
 static bool is_on_worker(const struct surface_job *j)
 {
@@ -123,76 +95,6 @@ static enum dt_status reserve(struct surface_job *j, size_t bytes)
     j->busy = !reservation_resize(&j->job.memory, bytes);
     return j->busy ? DT_NOMEM : DT_OK;
 }
-
-static enum dt_status find_field(struct surface_job *j, const struct dt *dt)
-{
-    j->field = dt_field_find(dt, j->q.field, j->q.field_len);
-    return j->field == NULL ? DT_NOFIELD : DT_OK;
-}
-
-/* An edit has come between two pieces: all values are computed again on a copy of the set, which nobody edits. */
-static enum dt_status begin_again(struct surface_job *j)
-{
-    struct dt_summary sum;
-    dt_summary(j->job.base->dt, &sum);
-    j->done = 0;
-    enum dt_status status = reserve(j, j->job.memory.bytes + sum.memory);
-    if (status == DT_OK)
-        status = dt_clone(j->job.base->dt, &j->copy);
-    if (status != DT_OK)
-        return status;
-    dt_view_end(j->view);
-    j->view = NULL;
-    return find_field(j, j->copy);
-}
-
-/* The copy may have been made while the triangulation was not current. */
-static enum dt_status refresh_copy(struct surface_job *j)
-{
-    struct dt_options opt = {.cancel = &j->job.cancel};
-    return dt_refresh(j->copy, &opt);
-}
-
-static enum dt_status find_piece(struct surface_job *j)
-{
-    const struct dt *dt = j->copy != NULL ? j->copy : j->job.base->dt;
-    size_t piece = j->q.how == DT_LINEAR ? PIECE_LINEAR : PIECE_NATURAL, left = j->n - j->done,
-           done;
-    struct dt_options opt = j->job.options;
-    opt.progress = NULL;
-    enum dt_status status =
-        find_values(dt, j->field, j->view, &j->q, j->done, left < piece ? left : piece, &opt,
-                    j->value + j->done, &done);
-    j->done += done;
-    atomic_store(&j->job.progress, (unsigned)(100 * j->done / (j->n + 1)));
-    return status;
-}
-
-/* The worker has the lock on entry and on return. Copies are read without it. */
-static enum dt_status find_all(struct surface_job *j)
-{
-    struct version *v = j->job.base;
-    enum dt_status status = DT_OK;
-    while (status == DT_OK && j->done < j->n && j->copy == NULL) {
-        status = dt_view_is_current(v->dt, j->view) ? find_piece(j) : begin_again(j);
-        if (is_on_worker(j)) {
-            version_unlock(v);
-            version_lock_read(v);
-        }
-    }
-    if (j->copy == NULL || status != DT_OK)
-        return status;
-    version_unlock(v);
-    status = refresh_copy(j);
-    while (status == DT_OK && j->done < j->n)
-        status = find_piece(j);
-    dt_free(j->copy);
-    j->copy = NULL;
-    version_lock_read(v);
-    return status;
-}
-
-/* ---- contours ---- */
 
 /* The levels every `step` from `base` on that the values of the field reach. */
 static enum dt_status make_levels(struct surface_job *j)
@@ -248,7 +150,7 @@ static enum dt_status join_lines(struct surface_job *j, struct dt_contour *c)
     return status == DT_OK ? write_lines(j, line, lines, taken) : status;
 }
 
-/* As find_all. */
+/* The worker has the lock on entry and on return. */
 static enum dt_status find_lines(struct surface_job *j)
 {
     struct version *v = j->job.base;
@@ -281,26 +183,15 @@ static enum dt_status find_lines(struct surface_job *j)
 
 /* ---- the job ---- */
 
-static enum dt_status prepare(struct surface_job *j)
-{
-    j->view = dt_view_begin(j->job.dt, true);
-    if (j->view == NULL)
-        return DT_NOMEM;
-    enum dt_status status = find_field(j, j->job.dt);
-    if (status == DT_OK)
-        status = reserve(j, j->n * sizeof *j->value);
-    if (status != DT_OK)
-        return status;
-    j->value = malloc(j->n * sizeof *j->value + 1);
-    return j->value == NULL ? DT_NOMEM : DT_OK;
-}
-
 static void run_job(struct job *job)
 {
     struct surface_job *j = (struct surface_job *)job;
-    job->status = prepare(j);
-    if (job->status == DT_OK)
-        job->status = j->q.kind == SURFACE_CONTOUR ? find_lines(j) : find_all(j);
+    j->view = dt_view_begin(job->dt, true);
+    j->field = dt_field_find(job->dt, j->q.field, j->q.field_len);
+    if (j->view == NULL || j->field == NULL)
+        job->status = j->view == NULL ? DT_NOMEM : DT_NOFIELD;
+    else
+        job->status = find_lines(j);
 }
 
 static void job_done(struct server *s, struct job *job, struct answer *a)
@@ -318,29 +209,21 @@ static void job_done(struct server *s, struct job *job, struct answer *a)
         return;
     }
     reservation_set(&job->memory, 0); /* from here on it is the stream's */
-    if (j->q.kind == SURFACE_CONTOUR) {
-        answer_lines(s, a, j);
-        return;
-    }
-    double *value = j->value;
-    j->value = NULL;
-    answer_values(s, a, job->base, &j->q, value);
+    answer_lines(s, a, j);
 }
 
 static void clear_job(struct job *job)
 {
     struct surface_job *j = (struct surface_job *)job;
     surface_clear(&j->q);
-    dt_free(j->copy);
-    free(j->value);
     free(j->line.v);
 }
 
-static void answer_by_job(struct server *s, struct answer *a, struct dataset *set,
-                          struct surface *q)
+static void answer_contour(struct server *s, struct answer *a, struct dataset *set,
+                           struct surface *q)
 {
     struct version *v = set->current;
-    bool light = q->kind == SURFACE_CONTOUR && cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
+    bool light = cost_at_once(COST_SWEEP, 8 * (size_t)v->sum.points);
     struct surface_job *j = job_new(sizeof *j, run_job, job_done);
     if (j == NULL) {
         surface_clear(q);
@@ -349,45 +232,15 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
     }
     j->job.clear = clear_job;
     j->job.memory = server_reservation(s, BUDGET_REPLIES);
-    j->job.what = q->kind == SURFACE_CONTOUR ? "tracing" : "interpolating";
+    j->job.what = "tracing";
     j->q = *q;
-    j->n = count_values(q);
     job_read(s, a, &j->job, v, light ? 0 : JOB_HEAVY);
-}
-
-/* ---- at once ---- */
-
-/* False: it takes too many steps. */
-static bool answer_at_once(struct server *s, struct answer *a, struct dataset *set,
-                           const struct surface *q)
-{
-    struct dt_options opt = {.steps = s->workers != NULL ? COST_STEPS_AT_ONCE : 0};
-    const struct dt *dt = set->current->dt;
-    const struct dt_field *f = dt_field_find(dt, q->field, q->field_len);
-    size_t n = count_values(q), done;
-    double *value = malloc(n * sizeof *value + 1);
-    if (value == NULL || f == NULL) {
-        free(value);
-        answer_out_of_memory(a);
-        return true;
-    }
-    enum dt_status status = find_values(dt, f, NULL, q, 0, n, &opt, value, &done);
-    if (status == DT_OK) {
-        answer_values(s, a, set->current, q, value);
-        return true;
-    }
-    free(value);
-    if (status != DT_TOOLONG)
-        answer_status(a, status);
-    return status != DT_TOOLONG;
 }
 
 void surface_answer(struct server *s, struct answer *a, struct dataset *set, struct surface *q)
 {
-    bool few = q->kind != SURFACE_CONTOUR && count_values(q) <= AT_ONCE &&
-               dt_next_id(set->current->dt) <= IDS_AT_ONCE;
-    if (few && answer_at_once(s, a, set, q))
-        surface_clear(q);
+    if (q->kind == SURFACE_CONTOUR)
+        answer_contour(s, a, set, q);
     else
-        answer_by_job(s, a, set, q);
+        answer_values(s, a, set, q);
 }

@@ -1,9 +1,8 @@
 /* surface.h - values between points: at places, at the cells of a raster, and contours.
  *
- * A few places or cells are computed at once, with a limit on steps. Others are a worker's, which holds the lock for a
- * piece of a few milliseconds at a time, and its result is one state of the set: contours are read through a view;
- * values are begun again on a copy of the set if an edit of the triangulation comes between two pieces. The result is
- * in memory before it is sent. */
+ * Everything is of one state of the set. Values are rows that are made as they are sent (sets/surface_rows.h). Contours
+ * are traced by a worker, which holds the lock for a piece of a few milliseconds at a time and reads through a view;
+ * the result is in memory before it is sent. */
 #ifndef SERVER_SURFACE_H
 #define SERVER_SURFACE_H
 

@@ -1,0 +1,124 @@
+/* past.c - see past.h. */
+#include "server/sets/past.h"
+
+#include <stdlib.h>
+
+enum { ROWS = 4096 }; /* read under the lock at a time */
+
+/* What is copied before there is a set. */
+struct copy {
+    uint32_t n, room;
+    uint32_t *id;
+    struct dt_point *at;
+    double *value;
+};
+
+static void clear(struct copy *c)
+{
+    free(c->id);
+    free(c->at);
+    free(c->value);
+}
+
+static enum dt_status make_room(struct copy *c, const struct dt_view *view)
+{
+    struct dt_summary sum;
+    dt_view_summary(view, &sum);
+    c->room = sum.points - sum.coincident;
+    size_t n = (size_t)c->room + 1;
+    c->id = malloc(n * sizeof *c->id);
+    c->at = malloc(n * sizeof *c->at);
+    c->value = malloc(n * sizeof *c->value);
+    return c->id == NULL || c->at == NULL || c->value == NULL ? DT_NOMEM : DT_OK;
+}
+
+/* Takes the next rows. *done: there are no more. */
+static enum dt_status take_rows(struct copy *c, const struct dt *t, const struct dt_view *view,
+                                const struct dt_field *f, uint32_t *from, bool *done)
+{
+    struct dt_row row[ROWS];
+    size_t n;
+    uint32_t first = c->n;
+    enum dt_status status = dt_view_rows(t, view, from, row, ROWS, &n);
+    if (status != DT_OK)
+        return status;
+    for (size_t i = 0; i < n && c->n < c->room; i++) {
+        if (row[i].id != row[i].representative)
+            continue;
+        c->id[c->n] = row[i].id;
+        c->at[c->n++] = row[i].at;
+    }
+    dt_field_values(f, view, c->id + first, c->n - first, c->value + first);
+    *done = n == 0;
+    return DT_OK;
+}
+
+static enum dt_status copy_rows(struct version *v, const struct dt_view *view,
+                                const struct dt_field *f, const struct dt_options *opt, bool locked,
+                                struct copy *c)
+{
+    uint32_t from = 0;
+    enum dt_status status = make_room(c, view);
+    for (bool done = false; status == DT_OK && !done;) {
+        status = take_rows(c, v->dt, view, f, &from, &done);
+        if (locked) { /* edits go on */
+            version_unlock(v);
+            version_lock_read(v);
+        }
+        if (status == DT_OK && atomic_load(opt->cancel))
+            status = DT_CANCELLED;
+    }
+    return status;
+}
+
+/* Makes the set, which needs no lock. */
+static enum dt_status build(const struct copy *c, uint32_t next_id, const struct dt_options *opt,
+                            struct dt *t)
+{
+    uint32_t missing;
+    enum dt_status status = dt_restore(t, c->id, c->at, c->id, c->n, next_id, opt);
+    if (status == DT_OK)
+        status = dt_field_set(t, "z", 1, c->id, c->value, c->n, opt, &missing);
+    if (status == DT_OK)
+        status = dt_triangulate(t, opt);
+    return status == DT_OK ? dt_prepare(t, opt) : status;
+}
+
+/* What the copy takes while it is made. */
+static size_t memory_at_most(const struct version *v, const struct dt_options *opt)
+{
+    struct dt_summary sum;
+    dt_summary(v->dt, &sum);
+    return sum.memory + dt_build_memory(v->dt, opt) +
+           (size_t)sum.points * (sizeof(uint32_t) + sizeof(struct dt_point) + sizeof(double));
+}
+
+enum dt_status past_copy(struct version *v, const struct dt_view *view, const struct dt_field *f,
+                         const struct dt_options *opt, bool locked, struct reservation *memory,
+                         struct past *out)
+{
+    struct copy c = {0};
+    struct dt_summary sum;
+    *out = (struct past){0};
+    if (!reservation_resize(memory, memory_at_most(v, opt)))
+        return DT_NOMEM;
+    enum dt_status status = copy_rows(v, view, f, opt, locked, &c);
+    if (locked)
+        version_unlock(v);
+    if (status == DT_OK && (out->dt = dt_new(0)) == NULL)
+        status = DT_NOMEM;
+    if (status == DT_OK)
+        status = build(&c, dt_view_next_id(view), opt, out->dt);
+    clear(&c);
+    if (status == DT_OK) {
+        out->field = dt_field_find(out->dt, "z", 1);
+        dt_summary(out->dt, &sum);
+        reservation_set(memory, sum.memory);
+    } else {
+        dt_free(out->dt);
+        out->dt = NULL;
+    }
+    if (locked)
+        version_lock_read(v);
+    return status;
+}

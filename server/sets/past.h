@@ -1,0 +1,23 @@
+/* past.h - a private copy of the points and one field of a set, as of the moment of a view: for a reader that needs the
+ * whole triangulation of that moment although the set has been edited since. The triangulation depends on the points
+ * alone, so that of the copy is what the set had. */
+#ifndef SERVER_PAST_H
+#define SERVER_PAST_H
+
+#include "core/delaunay_fields.h"
+#include "server/sets/dataset.h"
+
+struct past {
+    struct dt *dt; /* owns */
+    const struct dt_field *field;
+};
+
+/* Copies the representatives, with their ids and the values of f, and triangulates them; DT_NOMEM also if `memory` has
+ * no room. If `locked`, the caller has the lock of the version, on return too; in between it is released, after pieces of
+ * less than a millisecond. opt: its flag is polled. `memory` then has the bytes of the copy. Cost: that of
+ * dt_triangulate. */
+enum dt_status past_copy(struct version *v, const struct dt_view *view, const struct dt_field *f,
+                         const struct dt_options *opt, bool locked, struct reservation *memory,
+                         struct past *out);
+
+#endif

@@ -1,0 +1,101 @@
+/* surface_rows.c - see surface_rows.h. */
+#include "server/sets/surface_rows.h"
+
+#include "proto/reply.h"
+
+#include <stdlib.h>
+
+enum {
+    CELLS_LINEAR = 1 << 15, /* values of a piece, some milliseconds of work */
+    CELLS_NATURAL = 1 << 13,
+    CELLS_TEXT = 1 << 13,
+    STEPS_LOCKED = 1 << 18 /* while edits wait */
+};
+
+/* How many values are found together: whole rows if they are text. */
+static size_t batch(const struct surface_rows *r)
+{
+    bool light = r->how == DT_LINEAR || r->how == DT_CLOSEST;
+    size_t left = r->end - r->at, n = light ? CELLS_LINEAR : CELLS_NATURAL;
+    if (!r->binary) {
+        n = CELLS_TEXT / r->columns * r->columns;
+        n = n > 0 ? n : r->columns;
+    }
+    return n < left ? n : left;
+}
+
+static enum dt_status find(const struct surface_rows *r, const struct dt_surface *s, size_t n,
+                           uint32_t steps, size_t *done)
+{
+    struct dt_options opt = {.steps = steps};
+    size_t from = r->at + r->found;
+    double *to = r->value + r->found;
+    return r->place != NULL ? dt_values(r->dt, s, r->place + from, n, &opt, to, done)
+                            : dt_raster_values(r->dt, s, &r->raster, from, n, &opt, to, done);
+}
+
+/* Writes the values found, if they are whole rows. */
+static void write(struct surface_rows *r, struct buf *out)
+{
+    size_t n = r->binary ? r->found : r->found / r->columns * r->columns;
+    if (r->binary)
+        reply_words_u32(out, (const uint32_t *)(const void *)r->value, 2 * n);
+    for (size_t i = 0; !r->binary && i < n; i += r->columns)
+        reply_row_numbers(out, r->value + i, r->columns);
+    for (size_t i = n; i < r->found; i++)
+        r->value[i - n] = r->value[i];
+    r->at += n;
+    r->found -= n;
+}
+
+static enum dt_status fill(struct surface_rows *r, const struct dt_surface *s, struct buf *out,
+                           size_t limit, uint32_t steps)
+{
+    enum dt_status status = DT_OK;
+    while (r->at < r->end && status == DT_OK && !out->failed && buf_len(out) < limit) {
+        size_t n = batch(r) - r->found, done;
+        status = find(r, s, n, steps > 0 ? steps : STEPS_LOCKED, &done);
+        if (status == DT_TOOLONG && done == 0 && steps == 0) /* one that takes long by itself */
+            status = find(r, s, 1, 0, &done) == DT_OK ? DT_TOOLONG : DT_NOMEM;
+        r->found += done;
+        write(r, out);
+    }
+    return status == DT_TOOLONG ? DT_OK : status;
+}
+
+enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t limit,
+                                 uint32_t steps)
+{
+    struct dt_surface s = {.how = r->how, .max_edge = r->max_edge};
+    r->passed = r->view != NULL && !dt_view_is_current(r->dt, r->view);
+    if (r->passed)
+        return DT_OK;
+    if (r->value == NULL)
+        r->value = malloc(batch(r) * sizeof *r->value + 1);
+    enum dt_status status = r->value == NULL ? DT_NOMEM : dt_surface_begin(&s, r->field, r->view);
+    if (status != DT_OK)
+        return status;
+    status = fill(r, &s, out, limit, steps);
+    dt_surface_end(&s);
+    if (r->found == 0)
+        surface_rows_clear(r);
+    return status;
+}
+
+bool surface_rows_cut(struct surface_rows *r, struct surface_rows *part)
+{
+    *part = *r;
+    r->value = NULL; /* is the part's */
+    r->found = 0;
+    if (r->at == r->end)
+        return false;
+    r->at += batch(r);
+    part->end = r->at;
+    return true;
+}
+
+void surface_rows_clear(struct surface_rows *r)
+{
+    free(r->value);
+    r->value = NULL;
+}

@@ -1,0 +1,41 @@
+/* surface_rows.h - values of a surface as rows: at places, or at the cells of a raster, a piece at a time.
+ *
+ * A plain value with a position. It needs the whole triangulation of its moment: that of the set until the points are
+ * edited, and then that of a copy (past.h). */
+#ifndef SERVER_SURFACE_ROWS_H
+#define SERVER_SURFACE_ROWS_H
+
+#include "core/delaunay_surface.h"
+#include "proto/buf.h"
+
+struct surface_rows {
+    const struct dt *dt;          /* borrows; the set of the view, or a copy */
+    const struct dt_view *view;   /* borrows; NULL: now, or of a copy */
+    const struct dt_field *field; /* borrows; of dt */
+    enum dt_interpolation how;
+    double max_edge;              /* HUGE_VAL: any */
+    const struct dt_point *place; /* borrows; NULL: the cells of the raster */
+    struct dt_raster raster;
+    size_t columns; /* values in a row */
+    bool binary;
+    size_t at, end; /* values that have been written; of all */
+    double *value;  /* owns: the next values, `found` of them, of rows that are not complete */
+    size_t found;
+    bool passed; /* the points have been edited since the view began: nothing was written */
+};
+
+/* The bytes of a piece, about. */
+enum { SURFACE_PIECE = 256 * 1024 };
+
+/* Appends rows until out holds `limit` bytes or more, all are written, or `steps` have been taken; 0: as many steps as
+ * edits may wait for, and those of one value at least. Only reads the set. DT_NOMEM. */
+enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t limit,
+                                 uint32_t steps);
+
+/* Splits off the next rows, about SURFACE_PIECE bytes: as rows_cut. */
+bool surface_rows_cut(struct surface_rows *r, struct surface_rows *part);
+
+/* Frees the workspace. */
+void surface_rows_clear(struct surface_rows *r);
+
+#endif

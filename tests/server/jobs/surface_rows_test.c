@@ -1,0 +1,265 @@
+/* surface_rows_test.c - values of a surface are made while they are sent: they are those of the moment of the request,
+ * whatever is edited meanwhile, and take the memory of a few pieces. */
+#include "server/command/command.h"
+#include "server/jobs/stream.h"
+#include "server/lifecycle.h"
+#include "tests/server/local.h"
+#include "tests/test.h"
+
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { POINTS = 600 };
+
+/* Each of more pieces than are made ahead. */
+static const char *const rasters[] = {"RASTER t z 0 0 100 100 420 420 BINARY",
+                                      "RASTER t z 0 0 100 100 200 220 METHOD natural BINARY",
+                                      "RASTER t z -50 0 100 150 200 220 METHOD laplace MAXEDGE 20",
+                                      "RASTER t z 0 0 100 100 9000 7 METHOD nearest"};
+enum { RASTERS = sizeof rasters / sizeof rasters[0] };
+
+/* Requests that make a set t of random points of a lattice, some of them twice, with a field z. The caller frees them. */
+static char *random_set(void)
+{
+    char *text = malloc(POINTS * 40 + 100), *to = text;
+    CHECK(text != NULL);
+    to += sprintf(to, "LOAD t FIELDS z\n0 0 3\n100 0 4\n100 100 5\n0 100 6\n");
+    for (int i = 0; i < POINTS; i++)
+        to += sprintf(to, "%u %u %.3f\n", test_below(100), test_below(100), test_uniform());
+    strcpy(to, ".\nTRIANGULATE t\n");
+    return text;
+}
+
+static void start_surface(struct local *l, unsigned threads)
+{
+    char *text = random_set();
+    local_start(l, threads);
+    local_ask(l, text);
+    free(text);
+}
+
+struct text {
+    char *bytes;
+    size_t n;
+};
+
+static struct text take_text(struct local *l)
+{
+    struct text t = {malloc(buf_len(&l->out) + 1), buf_len(&l->out)};
+    CHECK(t.bytes != NULL);
+    memcpy(t.bytes, buf_head(&l->out), t.n);
+    return t;
+}
+
+static struct text reply_to(struct local *l, const char *request)
+{
+    local_ask(l, request);
+    struct text t = take_text(l);
+    t.n--; /* the NUL behind it */
+    return t;
+}
+
+static bool is_same(const struct text *a, const struct text *b)
+{
+    return a->n == b->n && memcmp(a->bytes, b->bytes, a->n) == 0;
+}
+
+/* Asks, and waits for the status line alone. */
+static struct answer begin(struct local *l, const char *request)
+{
+    struct answer a = {.out = &l->out, .owner = 1, .role = ROLE_WRITE};
+    buf_consume(&l->out, buf_len(&l->out));
+    CHECK(request_split(&l->server.request, request, strlen(request)));
+    command_run(&l->server, &l->server.request, &a);
+    CHECK(a.next == ANSWER_STREAM);
+    return a;
+}
+
+static void end_unheard(void *ctx, struct job *j)
+{
+    server_finish_abandoned(ctx, j);
+}
+
+static void collect_all(struct local *l)
+{
+    while (l->server.jobs != NULL) {
+        struct pollfd event = {.fd = workers_event(l->server.workers), .events = POLLIN};
+        CHECK(poll(&event, 1, 60000) == 1);
+        server_collect(&l->server, end_unheard, &l->server);
+    }
+}
+
+/* Reads what is left of the reply. */
+static void finish(struct local *l, struct answer *a)
+{
+    while (a->next == ANSWER_STREAM) {
+        stream_refill(&l->server, a);
+        collect_all(l);
+    }
+}
+
+/* The output, which other requests do not see. */
+static struct buf put_aside(struct local *l)
+{
+    struct buf out = l->out;
+    l->out = (struct buf){0};
+    return out;
+}
+
+/* The reply to a raster, during which the edits are made. */
+static struct text reply_during(struct local *l, const char *raster, const char *edits,
+                                enum answer_next *end)
+{
+    struct answer a = begin(l, raster);
+    stream_refill(&l->server, &a);
+    collect_all(l);
+    stream_refill(&l->server, &a);
+    struct buf so_far = put_aside(l);
+    local_ask(l, edits);
+    collect_all(l);
+    buf_free(&l->out);
+    l->out = so_far;
+    finish(l, &a);
+    *end = a.next;
+    return take_text(l);
+}
+
+/* One raster, with the set edited after its first pieces. */
+static void check_moment(const char *raster, const char *edits, unsigned threads)
+{
+    struct local l;
+    enum answer_next end;
+    start_surface(&l, threads);
+    struct text want = reply_to(&l, raster), got = reply_during(&l, raster, edits, &end);
+    CHECK(strncmp(want.bytes, "OK ", 3) == 0 && want.n > 300000);
+    CHECK_MSG(end == ANSWER_WHOLE && is_same(&got, &want), "%u: %s, %s", threads, raster, edits);
+    free(want.bytes);
+    free(got.bytes);
+    local_stop(&l);
+}
+
+TEST_TIMEOUT(values_are_those_of_the_moment_of_the_request, 120)
+{
+    static const char edits[] = "MOVE t 7 50.5 50.25\nDEL t 1 20 21 22\n"
+                                "ADD t FIELDS z 33.3 44.4 9\nFSET t z 100 2 200 300 300 -5\n";
+    for (size_t i = 0; i < RASTERS; i++) {
+        check_moment(rasters[i], edits, 2);
+        check_moment(rasters[i], i % 2 == 0 ? "FDROP t z\nMOVE t 3 1 1\n" : "DROP t\n",
+                     2 * (i % 2));
+    }
+    check_moment(rasters[1], edits, 0);
+    check_moment(rasters[2], "FSET t z 1 1 2 2 3 3\n", 2);
+}
+
+TEST_TIMEOUT(values_do_not_depend_on_the_number_of_threads, 60)
+{
+    char *text = random_set();
+    struct local none, some;
+    local_start(&none, 0);
+    local_start(&some, 3);
+    local_ask(&none, text);
+    local_ask(&some, text);
+    for (size_t i = 0; i < RASTERS; i++) {
+        struct text want = reply_to(&none, rasters[i]), got = reply_to(&some, rasters[i]);
+        CHECK_MSG(is_same(&want, &got), "%s", rasters[i]);
+        free(want.bytes);
+        free(got.bytes);
+    }
+    free(text);
+    local_stop(&none);
+    local_stop(&some);
+}
+
+/* A gigabyte, of which the client reads nothing. */
+TEST(raster_that_is_not_read_takes_the_memory_of_a_few_pieces)
+{
+    struct local l;
+    start_surface(&l, 2);
+    struct answer a = begin(&l, "RASTER t z 0 0 100 100 16384 8192 BINARY");
+    stream_refill(&l.server, &a);
+    collect_all(&l);
+    stream_refill(&l.server, &a);
+    collect_all(&l);
+    size_t bytes = budget_of(&l.server.budget, BUDGET_REPLIES);
+    CHECK_MSG(bytes >= SURFACE_PIECE && bytes < 8 * SURFACE_PIECE, "%zu", bytes);
+    CHECK_MSG(buf_len(&l.out) < 2 * SURFACE_PIECE, "%zu", buf_len(&l.out));
+    stream_free(&l.server, a.stream);
+    local_ask(&l, "DROP t\n");
+    CHECK(budget_used(&l.server.budget) == 0);
+    local_stop(&l);
+}
+
+TEST(raster_that_is_given_up_leaves_nothing_behind)
+{
+    struct local l;
+    start_surface(&l, 2);
+    for (int stage = 0; stage < 4; stage++) {
+        struct answer a = begin(&l, rasters[0]);
+        stream_refill(&l.server, &a);
+        if (stage > 0)
+            collect_all(&l);
+        local_ask(&l, stage % 2 == 0 ? "MOVE t 7 50.5 50.25\n" : "MOVE t 7 1.5 2.5\n");
+        if (stage > 1) { /* the copy is begun, */
+            stream_refill(&l.server, &a);
+            collect_all(&l);
+            stream_refill(&l.server, &a);
+        }
+        if (stage > 2) /* or made */
+            collect_all(&l);
+        stream_free(&l.server, a.stream);
+        collect_all(&l);
+    }
+    local_ask(&l, "DROP t\n");
+    collect_all(&l);
+    CHECK_MSG(budget_used(&l.server.budget) == 0, "%zu", budget_used(&l.server.budget));
+    local_stop(&l);
+}
+
+TEST(raster_without_memory_for_a_copy_is_broken)
+{
+    struct local l;
+    struct answer a;
+    start_surface(&l, 2);
+    a = begin(&l, rasters[0]);
+    stream_refill(&l.server, &a);
+    collect_all(&l);
+    local_ask(&l, "MOVE t 7 50.5 50.25\n");
+    l.config.max_memory = budget_used(&l.server.budget);
+    finish(&l, &a);
+    CHECK(a.next == ANSWER_BROKEN);
+    l.config.max_memory = SIZE_MAX;
+    local_ask(&l, "DROP t\n");
+    collect_all(&l);
+    CHECK(budget_used(&l.server.budget) == 0);
+    local_stop(&l);
+}
+
+TEST_TIMEOUT(rasters_survive_failed_allocations, 60)
+{
+    unsigned broken = 0;
+    for (long n = 1; n < 200; n = 2 * n + 1) {
+        struct local l;
+        enum answer_next end;
+        start_surface(&l, 0);
+        struct text want = reply_to(&l, rasters[1]);
+        struct answer a = begin(&l, rasters[1]);
+        stream_refill(&l.server, &a);
+        struct buf so_far = put_aside(&l);
+        local_ask(&l, "MOVE t 7 50.5 50.25\n");
+        buf_free(&l.out);
+        l.out = so_far;
+        test_fail_alloc(n);
+        finish(&l, &a);
+        test_fail_alloc(0);
+        end = a.next;
+        struct text got = take_text(&l);
+        CHECK_MSG(end == ANSWER_BROKEN || is_same(&got, &want), "allocation %ld", n);
+        broken += end == ANSWER_BROKEN;
+        free(want.bytes);
+        free(got.bytes);
+        local_stop(&l);
+    }
+    CHECK(broken > 2);
+}
