@@ -87,8 +87,8 @@ enum dt_method { DT_AUTO, DT_SHELLING, DT_DIVIDE };
  * instead, and the set can then only be freed. `steps` makes it return DT_TOOLONG before it has done much more
  * than that number of steps. In both cases the set is otherwise unchanged.
  *
- * A step is a look at a neighbour, a triangle or a point, 10 to 200 ns; usual edits and searches of a
- * point take about twenty. So a thread that must not block for long can try with a limit, and leave what
+ * A step examines a neighbour, a triangle or a point, which takes about as long as a cache miss; usual edits
+ * and searches of a point take about twenty. So a thread that must not block for long can try with a limit, and leave what
  * exceeds it to another one. dt_triangulate, dt_refresh, dt_check and dt_trace ignore the limit. */
 struct dt_options {
     enum dt_method method;
@@ -143,11 +143,11 @@ void dt_pages_free(struct dt_pages *p);
 void dt_pages_limit(struct dt_pages *p, size_t limit);
 
 /* Releases up to `bytes` of the kept bytes, rounded up to 2 MiB, and returns the number of bytes
- * released. Cost: linear, about a millisecond for 200 MiB that lie on huge pages. */
+ * released. Cost: linear in the bytes released. */
 size_t dt_pages_trim(struct dt_pages *p, size_t bytes);
 
 /* Prefaults up to `bytes` fresh bytes, rounded up to 2 MiB, and keeps them, as far as the limit allows. Returns
- * how many; 0: none. For an idle thread: it takes up to a second for 256 MiB. */
+ * how many; 0: none. For an idle thread, because the system clears the pages. */
 size_t dt_pages_prepare(struct dt_pages *p, size_t bytes);
 
 struct dt_pages_summary {
@@ -399,7 +399,7 @@ bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct 
 enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt);
 
 /* Edits degrade the grid for searches. Edits of a large set leave its rebuild to the caller, who can choose the
- * time: it takes about 50 ns a point. dt_renew_due: whether a rebuild is due. Cost: constant. */
+ * time: it takes as long as dt_prepare. dt_renew_due: whether a rebuild is due. Cost: constant. */
 bool dt_renew_due(const struct dt *t);
 
 /* Makes a new grid, which the caller owns. It only reads, so queries may go on meanwhile. opt, which may

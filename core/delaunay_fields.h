@@ -39,7 +39,7 @@ struct dt_field_summary {
     double least, most; /* of them; nan if there are none */
 };
 
-/* As it is now. Cost: linear, about 5 ns for DT_FIELD_PAGE ids. */
+/* As it is now. Cost: one step for DT_FIELD_PAGE ids. */
 void dt_field_summary(const struct dt_field *f, struct dt_field_summary *out);
 
 /* The values of n ids at the moment of the view, now if v is NULL: out[n]; nan where a value is missing or there is

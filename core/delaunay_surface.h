@@ -68,7 +68,7 @@ struct dt_surface {
 };
 
 /* Sets the pages of *s: the values of a field at the moment of the view, now if v is NULL. Valid until the next edit of
- * the set; its view must be open until then. Cost: linear, some 20 ns for DT_FIELD_PAGE ids. */
+ * the set; its view must be open until then. Cost: one step for DT_FIELD_PAGE ids. */
 enum dt_status dt_surface_begin(struct dt_surface *s, const struct dt_field *f,
                                 const struct dt_view *v);
 void dt_surface_end(struct dt_surface *s);
@@ -151,8 +151,8 @@ void dt_cells_only(const struct dt_cells *c, uint32_t id, struct dt_cells *one);
 
 /* The next cells, at most `room`, into cell[], and their corners into corner[cap], counterclockwise from the least by x,
  * then y: at least three each, or none where the cell is not in the box or touches it only. *n says how many, 0 at the end, and *corners
- * how many corners they have together. DT_TOOSMALL: the next cell alone has *corners. Cost: about 500 ns a cell, in
- * large sets; for single corners that double words do not decide 50 us. */
+ * how many corners they have together. DT_TOOSMALL: the next cell alone has *corners. Cost: about 500 ns a cell
+ * in large sets (tests/bench); single corners that double words do not decide cost hundreds of times as much. */
 enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_cell *cell,
                              size_t room, struct dt_point *corner, size_t cap, size_t *n,
                              size_t *corners);

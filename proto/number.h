@@ -17,8 +17,8 @@
  *
  * *v is the double nearest to the number, ties to even, for any number of digits, with two conventions: a number
  * too large for a double becomes an infinity, and a number that is not zero never becomes zero, but at least the
- * smallest double of its sign. So a check of the range of *v is a check of the number. Cost: 10 to 20 ns;
- * microseconds for hundreds of digits near a tie. */
+ * smallest double of its sign. So a check of the range of *v is a check of the number. Cost: linear in
+ * the digits; much more for hundreds of digits near a tie. */
 bool proto_read_double(const char *s, size_t len, double *v);
 
 /* The same for a number at the front of s[0 .. len): returns its length; 0 if there is none, *v unchanged. */

@@ -31,7 +31,7 @@
 
 enum {
     ACCEPTS_PER_TURN = 64,
-    REFUSALS_PER_TURN = 8, /* each takes about 20 us to accept and close */
+    REFUSALS_PER_TURN = 8, /* connections that are accepted and closed */
     GRACE_MS = 30 * 1000,  /* for requests under way when the daemon is stopped */
     ANNOUNCE_MS = 1000     /* the longest time that the ready line waits for sets to be read */
 };

@@ -6,9 +6,8 @@
 
 #include "core/delaunay.h"
 
-/* How much is done between two polls: cheap steps, such as points of a pass, less than a millisecond of them;
- * steps that wait for memory, 100 to 500 ns each; and steps each of which may be the first to touch a page,
- * 0.3 ms if it is huge. */
+/* How many steps are done between two polls: cheap steps, such as points of a pass; steps that wait for memory;
+ * and steps each of which may be the first to touch a huge page, which the system then clears. */
 #define DT_POLL (1u << 16)
 #define DT_POLL_MISSES (1u << 12)
 #define DT_POLL_FAULTS 128u

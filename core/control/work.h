@@ -11,7 +11,7 @@
 
 #include "core/control/stop.h"
 
-/* Steps between two looks at the flag: at most about 50 us. */
+/* Steps between two polls of the flag. */
 #define DT_WORK_BLOCK 256u
 #define DT_WORK_MASK (DT_WORK_BLOCK - 1)
 

@@ -62,7 +62,7 @@ size_t dt_add_memory(const struct dt *t, size_t n, const struct dt_options *opt)
     size_t vertices = dt_points_vertices(&t->points);
     size_t copied = sum.memory < COPIED_BYTES ? sum.memory : COPIED_BYTES;
     size_t bytes = copied / 2 * 3 + slack(vertices + n);
-    bool later = t->triangulated && (!t->current || dt_update_is_bulk(t, n));
+    bool later = t->triangulated && (!t->current || dt_is_large_batch(t, n));
     n = n < DT_MAX_POINTS - vertices ? n : DT_MAX_POINTS - vertices;
     if (t->points.places.bucket == NULL && (t->points.tol > 0 || later || !t->triangulated))
         bytes += vertices * INDEX_BYTES;

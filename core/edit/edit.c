@@ -40,7 +40,7 @@ enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
             return dt_stop_status(&stop);
     }
     dt_views_edit_begin(t);
-    if (dt_is_live(t) && !dt_update_is_bulk(t, n))
+    if (dt_is_live(t) && !dt_is_large_batch(t, n))
         return dt_update_add(t, p, n, &work, out);
     const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
     enum dt_status status = dt_arrivals_add(&t->points, p, n, pool, &work, out);
@@ -59,7 +59,7 @@ static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n,
     enum dt_status status = dt_fields_take_ready(&t->fields, ids, n, &work);
     if (status != DT_OK)
         return status;
-    if (dt_is_live(t) && !dt_update_is_bulk(t, n)) {
+    if (dt_is_live(t) && !dt_is_large_batch(t, n)) {
         status = dt_update_delete(t, ids, n, &work);
         if (status == DT_OK)
             dt_fields_take(&t->fields, ids, n);

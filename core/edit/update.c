@@ -28,18 +28,18 @@
 #include "core/query/query.h"
 #include "core/set/renew.h"
 
-#define BULK_SHARE 8    /* a batch of more than 1 / BULK_SHARE of the set is left to a rebuild */
+#define LARGE_SHARE 8   /* a batch of more than 1 / LARGE_SHARE of the set is left to a rebuild */
 #define USUAL_STEPS 4   /* triangles on the way of a walk from a good hint */
-#define UNDO_MOST 65536 /* vertices whose edits are undone one by one: a tenth of a second */
+#define UNDO_MOST 65536 /* vertices whose edits are undone one by one */
 
-bool dt_update_is_bulk(const struct dt *t, size_t n)
+bool dt_is_large_batch(const struct dt *t, size_t n)
 {
-    return n > 64 && n > dt_points_vertices(&t->points) / BULK_SHARE;
+    return n > 64 && n > dt_points_vertices(&t->points) / LARGE_SHARE;
 }
 
 bool dt_view_blocks(const struct dt *t, size_t n)
 {
-    return dt_is_live(t) && dt_update_is_bulk(t, n) && dt_views_read_rings(&t->views);
+    return dt_is_live(t) && dt_is_large_batch(t, n) && dt_views_read_rings(&t->views);
 }
 
 static void lose_mesh(struct dt *t)

@@ -4,8 +4,8 @@
 
 #include "core/set/set.h"
 
-/* Whether n edits at once are so many that a rebuild is cheaper (measured: tests/bench). */
-bool dt_update_is_bulk(const struct dt *t, size_t n);
+/* Whether a batch of n edits is so large that a rebuild is cheaper (measured: tests/bench). */
+bool dt_is_large_batch(const struct dt *t, size_t n);
 
 /* As dt_add_many, dt_delete_many (of ascending distinct live ids) and dt_move_to, for a live set. A failure
  * leaves the set as it was, with one exception: where a large batch, or one that is out of memory, cannot be

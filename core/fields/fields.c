@@ -6,7 +6,7 @@
 
 #include "core/memory/memory.h"
 
-enum { AT_ONCE = 256 /* pages that a review frees, 0.1 ms */ };
+enum { AT_ONCE = 256 /* pages that a review frees */ };
 
 void dt_fields_clear(struct dt_fields *f)
 {

@@ -6,7 +6,7 @@
  * Edits degrade it: there are more vertices than it was made for, or its half edges have moved, and walks from
  * them grow longer. Then it is rebuilt.
  *
- * That takes 50 ns a vertex, all at once. A small set does it in the edit that finds the grid too old.
+ * That takes linear time, all at once. A small set does it in the edit that finds the grid too old.
  * A large one leaves it to the caller (dt_renew_due, dt_renew); if the caller does not, an edit does it, but
  * later. */
 #ifndef DT_RENEW_H

@@ -12,8 +12,8 @@
 
 #include "core/delaunay.h"
 
-/* The circumcentre of three points that are not on one line. Cost: some 100 ns; 50 us where double words
- * do not decide. */
+/* The circumcentre of three points that are not on one line. Cost: constant; hundreds of
+ * times as much where double words do not decide. */
 struct dt_point dt_centre(struct dt_point a, struct dt_point b, struct dt_point c);
 
 /* Where the line x = at meets the perpendicular bisector of p and q, whose y differ; where y = at does, if their x

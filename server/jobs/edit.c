@@ -439,7 +439,7 @@ bool edit_may_set_run(struct server *s, struct answer *a, size_t n, struct reser
 void edit_set_run(struct server *s, struct answer *a, struct dataset *set, const struct word *field,
                   uint32_t first, double *v, size_t n, struct reservation *memory)
 {
-    enum { AT_ONCE = 4096 }; /* values, some 50 us */
+    enum { AT_ONCE = 4096 }; /* values that the I/O thread sets itself */
     struct values_edit *e = new_values_edit(run_set, set_done, field);
     struct log_values *run = e == NULL ? NULL : log_values_new(1);
     if (run == NULL) {

@@ -5,7 +5,7 @@
 
 enum {
     IDLE_TICKS = 10,       /* seconds without use after which the cache is emptied */
-    PIECE_BYTES = 16 << 20 /* returned at a time, in less than 1 ms; or prefaulted, in 2 to 60 ms */
+    PIECE_BYTES = 16 << 20 /* returned or prefaulted at a time */
 };
 
 /* A job that returns the pages beyond `leave` bytes. */

@@ -22,7 +22,7 @@ enum cost_kind {
 
 enum {
     COST_AT_ONCE_NS = 200 * 1000,
-    COST_STEPS_AT_ONCE = 2000 /* of a search or an edit; usually about 50 ns each */
+    COST_STEPS_AT_ONCE = 2000 /* of a search or an edit */
 };
 
 /* Whether the I/O thread does n units itself. */

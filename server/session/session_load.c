@@ -6,7 +6,7 @@
 #include "server/command/load.h"
 #include "server/session/session_inside.h"
 
-enum { FEED_BYTES = 8 * 1024 }; /* in one step: about 0.2 ms of numbers */
+enum { FEED_BYTES = 8 * 1024 }; /* read in one step */
 
 static bool carry_out_load(struct session *s)
 {

@@ -112,7 +112,7 @@ void version_end_view(struct registry *r, struct version *v, struct dt_view *vie
 
 void registry_tidy(struct registry *r)
 {
-    enum { MOST = 10 }; /* calls, mostly of about 0.1 ms each */
+    enum { MOST = 10 }; /* versions that are tidied in one call */
     int calls = 0;
     for (struct version *v = r->untidy, *next; v != NULL && calls < MOST; v = next, calls++) {
         next = v->next;

@@ -1,6 +1,7 @@
-/* hostile.c - the promise: no family, size or order of input is more than 3 times slower per point than
- * uniform points, 7 times with coordinates of extreme exponents. Runs alternate between uniform points and
- * the others. */
+/* hostile.c - how much slower families, sizes and orders of input are per point than uniform points: about as
+ * fast, except coordinates of extreme exponents (about 5 times slower) and points on exact circles, where every
+ * decision is a tie (about 10 times; README.md has the table). Runs alternate between uniform points and the
+ * others. */
 #include "tests/bench/hostile.h"
 
 #include "tests/bench/measure.h"
