@@ -55,7 +55,8 @@ redis_cli_speaks() {
         cli TRIANGULATE r | grep -q '^OK points=5 ' && [ "$(cli LISTS r | head -n 1)" = "4 0 1 2 3" ] &&
         [ "$(cli -3 HULL r | tr '\n' ' ')" = "0 0 0 1 4 0 2 4 4 3 0 4 " ] && cli GET r 9 | grep -q '^NOPOINT ' &&
         printf 'PING\nSTAT r\n' | cli | grep -q '^OK points=5 ' &&
-        printf '1 2\n3 4\n' | cli -x LOAD r 2 | grep -qx 'OK first=5 added=2 coincident=0 version=[0-9]*'
+        printf '1 2\n3 4\n' | cli -x LOAD r 2 | grep -qx 'OK first=5 added=2 coincident=0 version=[0-9]*' &&
+        printf '*2\r\n$4\r\nTYPE\r\n$1\r\nr\r\n' | cli --pipe | grep -qx 'errors: 0, replies: 1'
 }
 
 # The modes of redis-cli that clients/README.md lists.

@@ -51,6 +51,7 @@ me = [c for c in r.client_list() if c["id"] == str(r.client_id())]
 assert len(me) == 1 and me[0]["name"] == "interop" and me[0]["role"] == "rw", me
 assert r.client_getname() in (b"interop", "interop")
 assert r.client_kill_filter(_id="7") == 0
+assert set(r.config_get("max-*")) == {"max-clients", "max-points", "max-memory"}
 assert r.slowlog_len() >= 0 and isinstance(r.slowlog_get(5), list)
 assert r.execute_command("DROP", "p") in (b"OK", True)
 assert len(r.execute_command("COMMAND")) > 20

@@ -1,4 +1,4 @@
-/* plan_test.c - points of one bulk load are sorted for the build; an edit discards that. */
+/* plan_test.c - points of one large batch are sorted for the build; an edit discards that. */
 #include <stdlib.h>
 #include <string.h>
 
