@@ -238,23 +238,11 @@ def rows_with_fields(points: Any, fields: Mapping[str, Any]) -> Tuple[memoryview
 
 def _cell_rows(data: bytes) -> List[int]:
     """Where the rows of VORONOI BINARY begin, in units of 8 bytes: id, k, then k times x, y."""
-    words = flat(uint32s(data, 2)).tolist()
-    rows, at = [], 0
-    while 2 * at < len(words):
+    rows, at, read_k = [], 0, struct.Struct("<4xI").unpack_from
+    while 8 * at < len(data):
         rows.append(at)
-        at += 1 + 2 * words[2 * at + 1]
+        at += 1 + 2 * int(read_k(data, 8 * at)[0])
     return rows
-
-
-def _guess_cell_rows(units: Any) -> Any:
-    """The same, at once, or None. An id and a k below 2^20 look like no corner's double but 0 or a subnormal one; whether each row
-    found so ends where the next one begins is checked."""
-    is_start = units < 1 << 52
-    is_start[1:] &= units[1:] != 0
-    rows = numpy.flatnonzero(is_start)
-    ends = rows + 1 + 2 * (units[rows] >> 32).astype("i8")
-    good = numpy.array_equal(numpy.append(0, ends), numpy.append(rows, len(units)))
-    return rows if good else None
 
 
 def cells(reply: "Reply") -> "Cells":
@@ -262,9 +250,7 @@ def cells(reply: "Reply") -> "Cells":
     x0, y0, x1, y1 = map(float, reply.keys["box"].split(","))
     if numpy is not None:
         units: Any = numpy.frombuffer(reply.data, dtype="<u8")
-        starts = _guess_cell_rows(units)
-        if starts is None:
-            starts = numpy.array(_cell_rows(reply.data), dtype="i8")
+        starts = numpy.array(_cell_rows(reply.data), dtype="i8")
         sizes = numpy.zeros(len(starts) + 1, dtype="i8")
         sizes[1:] = units[starts] >> 32
         is_corner = numpy.ones(len(units), dtype=bool)
