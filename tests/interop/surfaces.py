@@ -427,7 +427,8 @@ def main():
         finally:
             daemon.kill()
     print(dict(counted))
-    least = {"lines of Matplotlib": 100, "closed lines": 50, "contours between long edges": 1, "values of SciPy": 20, "cells of SciPy": 30}
+    least = {"lines of Matplotlib": 100, "closed lines": 50, "contours between long edges": 1, "values of SciPy": 20,
+             "cells of SciPy": 30}
     for what, n in least.items():
         assert counted[what] >= n * len(names), what
 
