@@ -3,28 +3,17 @@
 #include <string.h>
 
 #include "clients/cli/command.h"
-#include "clients/cli/json.h"
 #include "clients/cli/options.h"
-#include "clients/commands/output.h"
+#include "clients/commands/shapes_file.h"
 #include "clients/pictures/surface_picture.h"
 #include "proto/number.h"
 
 enum { USUAL_LEVELS = 10, MOST_LEVELS = 1000 };
 
 struct work {
-    const char *set, *field, *path, *form, *every, *base, *levels, *max_edge;
-    bool force, has_box;
-    double box[4];
-    struct shapes lines; /* owns */
-    struct model model;  /* owns */
+    const char *set, *field, *every, *base, *levels, *max_edge;
+    struct shapes_file file; /* owns */
 };
-
-static bool take_line(void *ctx, const struct delaunay_part *part)
-{
-    if (part->kind == DELAUNAY_PART_COMMENT)
-        return command_show_comment(NULL, part);
-    return part->kind != DELAUNAY_PART_ROW || shapes_take(ctx, part->text, part->len);
-}
 
 /* ---- levels ---- */
 
@@ -107,50 +96,22 @@ static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
     if (r == DELAUNAY_OK)
         r = send_request(c, w, step > 0 ? step : 1);
     if (r == DELAUNAY_OK)
-        r = delaunay_receive(c, take_line, &w->lines);
-    if (r == DELAUNAY_OK && strcmp(w->form, "svg") == 0)
-        r = model_fetch(c, w->set, MODEL_TRIANGLES | MODEL_FIELDS, &w->model);
+        r = shapes_file_receive(c, &w->file, w->set, MODEL_TRIANGLES | MODEL_FIELDS);
     return r;
 }
 
-/* ---- writing ---- */
-
-static int write_lines(void *ctx, FILE *out)
+static int draw_lines(void *ctx, FILE *out)
 {
     struct work *w = ctx;
     char title[300];
-    if (strcmp(w->form, "wkt") == 0) {
-        shapes_write_wkt(out, &w->lines);
-        return EXIT_DONE;
-    }
-    if (strcmp(w->form, "svg") != 0) {
-        shapes_write_geojson(out, &w->lines);
-        return EXIT_DONE;
-    }
-    int field = model_field(&w->model, w->field);
+    int field = model_field(&w->file.model, w->field);
     if (field < 0)
         return output_fault(w->field, "the set has no such field");
     snprintf(title, sizeof title, "%.100s: contour lines of %.100s", w->set, w->field);
-    return surface_write_contours(out, title, &w->lines, &w->model, field,
-                                  w->has_box ? w->box : NULL)
+    return surface_write_contours(out, title, &w->file.shapes, &w->file.model, field,
+                                  w->file.has_box ? w->file.box : NULL)
                ? EXIT_DONE
                : output_fault("", "out of memory");
-}
-
-static void report(const struct work *w)
-{
-    size_t closed = 0;
-    for (size_t i = 0; i < w->lines.n; i++)
-        closed += w->lines.shape[i].closed;
-    if (!json_chosen()) {
-        printf("%s: %zu lines, %zu of them closed\n", w->path, w->lines.n, closed);
-        return;
-    }
-    json_begin(true);
-    json_text("file", w->path);
-    json_number("lines", w->lines.n);
-    json_number("closed", closed);
-    json_finish();
 }
 
 /* ---- arguments ---- */
@@ -176,21 +137,12 @@ static bool are_numbers(const char *text)
 
 static int read_option(struct work *w, int option, char **argv)
 {
-    if (option == 'f')
-        w->form = optarg;
-    else if (option == 'F')
-        w->force = true;
-    else if (option == 'l' && strlen(optarg) < 7000 && are_numbers(optarg))
+    if (option == 'l' && strlen(optarg) < 7000 && are_numbers(optarg))
         w->levels = optarg;
     else if (option == 'l')
         return options_wrong(argv[0], "the levels are numbers between commas, not %.100s", optarg);
-    else if (option == 'v' && options_read_box(optarg, w->box))
-        w->has_box = true;
-    else if (option == 'v')
-        return options_wrong(
-            argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
     else if (option != 'e' && option != 'b' && option != 'm')
-        return options_unknown(argv[0], argv, option);
+        return shapes_file_option(&w->file, option, argv);
     else if (!is_number(optarg, strlen(optarg)) || strlen(optarg) > 40)
         return options_wrong(argv[0], "%s is no number", optarg);
     else
@@ -205,7 +157,6 @@ static int read_arguments(struct work *w, int argc, char **argv)
         {"base", required_argument, NULL, 'b'},     {"levels", required_argument, NULL, 'l'},
         {"max-edge", required_argument, NULL, 'm'}, {"viewport", required_argument, NULL, 'v'},
         {"force", no_argument, NULL, 'F'},          {NULL, 0, NULL, 0}};
-    static const char *const forms[] = {"geojson", "json", "svg", "wkt"};
     int option, status = EXIT_DONE;
     optind = 0;
     while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
@@ -218,32 +169,16 @@ static int read_arguments(struct work *w, int argc, char **argv)
         return status;
     w->set = argv[optind];
     w->field = argv[optind + 1];
-    w->path = argv[optind + 2];
-    w->form = output_form(w->form, w->path, "geojson");
-    for (int i = 0; i < 4; i++)
-        if (strcmp(w->form, forms[i]) == 0)
-            return output_check(w->path, w->force);
-    return options_wrong(argv[0], "unknown format %s; there are geojson, svg and wkt", w->form);
+    return shapes_file_choose(&w->file, argv[0], argv[optind + 2]);
 }
 
 int command_contour(struct delaunay_client *c, int argc, char **argv)
 {
-    struct work w = {.lines = {.kind = SHAPE_CONTOUR}};
+    struct work w = {.file = {.shapes = {.kind = SHAPE_CONTOUR}}};
     if (!options_name_file(argc, argv))
         return command_any(c, argc, argv);
     int status = read_arguments(&w, argc, argv);
     if (status != EXIT_DONE)
         return status;
-    enum delaunay_result r = fetch(c, &w);
-    if (r == DELAUNAY_STOPPED)
-        status = output_fault("", w.lines.fault != NULL ? w.lines.fault : w.model.fault);
-    else if (r != DELAUNAY_OK)
-        status = command_outcome(c, r);
-    else
-        status = output_write(w.path, write_lines, &w, NULL);
-    if (status == EXIT_DONE && !output_is_standard(w.path))
-        report(&w);
-    shapes_free(&w.lines);
-    model_free(&w.model);
-    return status;
+    return shapes_file_finish(c, &w.file, fetch(c, &w), draw_lines, &w, "lines", true);
 }

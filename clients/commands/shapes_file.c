@@ -1,0 +1,105 @@
+/* shapes_file.c - see shapes_file.h. */
+#include "clients/commands/shapes_file.h"
+
+#include <string.h>
+
+#include "clients/cli/command.h"
+#include "clients/cli/json.h"
+#include "clients/cli/options.h"
+
+int shapes_file_option(struct shapes_file *f, int option, char **argv)
+{
+    if (option == 'f')
+        f->form = optarg;
+    else if (option == 'F')
+        f->force = true;
+    else if (option == 'v' && options_read_box(optarg, f->box))
+        f->has_box = true;
+    else if (option == 'v')
+        return options_wrong(
+            argv[0], "the viewport %s is not X0,Y0,X1,Y1 from lower left to upper right", optarg);
+    else
+        return options_unknown(argv[0], argv, option);
+    return EXIT_DONE;
+}
+
+int shapes_file_choose(struct shapes_file *f, const char *command, const char *path)
+{
+    static const char *const forms[] = {"geojson", "json", "svg", "wkt"};
+    f->path = path;
+    f->form = output_form(f->form, path, "geojson");
+    for (int i = 0; i < 4; i++)
+        if (strcmp(f->form, forms[i]) == 0)
+            return output_check(path, f->force);
+    return options_wrong(command, "unknown format %s; there are geojson, svg and wkt", f->form);
+}
+
+bool shapes_file_is_picture(const struct shapes_file *f)
+{
+    return strcmp(f->form, "svg") == 0;
+}
+
+static bool take_row(void *ctx, const struct delaunay_part *part)
+{
+    if (part->kind == DELAUNAY_PART_COMMENT)
+        return command_show_comment(NULL, part);
+    return part->kind != DELAUNAY_PART_ROW || shapes_take(ctx, part->text, part->len);
+}
+
+enum delaunay_result shapes_file_receive(struct delaunay_client *c, struct shapes_file *f,
+                                         const char *set, unsigned parts)
+{
+    enum delaunay_result r = delaunay_receive(c, take_row, &f->shapes);
+    if (r == DELAUNAY_OK && shapes_file_is_picture(f))
+        r = model_fetch(c, set, parts, &f->model);
+    return r;
+}
+
+static int write_text(void *ctx, FILE *out)
+{
+    const struct shapes_file *f = ctx;
+    if (strcmp(f->form, "wkt") == 0)
+        shapes_write_wkt(out, &f->shapes);
+    else
+        shapes_write_geojson(out, &f->shapes);
+    return EXIT_DONE;
+}
+
+static void report(const struct shapes_file *f, const char *what, bool count_closed)
+{
+    size_t closed = 0;
+    for (size_t i = 0; i < f->shapes.n; i++)
+        closed += f->shapes.shape[i].closed;
+    if (!json_chosen()) {
+        printf("%s: %zu %s", f->path, f->shapes.n, what);
+        if (count_closed)
+            printf(", %zu of them closed", closed);
+        putchar('\n');
+        return;
+    }
+    json_begin(true);
+    json_text("file", f->path);
+    json_number(what, f->shapes.n);
+    if (count_closed)
+        json_number("closed", closed);
+    json_finish();
+}
+
+int shapes_file_finish(struct delaunay_client *c, struct shapes_file *f, enum delaunay_result r,
+                       output_write_fn *draw, void *ctx, const char *what, bool count_closed)
+{
+    int status;
+    if (r == DELAUNAY_STOPPED)
+        status = output_fault("", f->shapes.fault != NULL ? f->shapes.fault : f->model.fault);
+    else if (r != DELAUNAY_OK)
+        status = command_outcome(c, r);
+    else if (shapes_file_is_picture(f))
+        status = output_write(f->path, draw, ctx, NULL);
+    else
+        status = output_write(f->path, write_text, f, NULL);
+    if (status == EXIT_DONE && !output_is_standard(f->path))
+        report(f, what, count_closed);
+    shapes_free(&f->shapes);
+    model_free(&f->model);
+    return status;
+}

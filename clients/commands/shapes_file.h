@@ -1,0 +1,35 @@
+/* shapes_file.h - a file of cells or contour lines: what `delaunay voronoi` and `delaunay contour` have in common. */
+#ifndef CLIENTS_SHAPES_FILE_H
+#define CLIENTS_SHAPES_FILE_H
+
+#include "clients/commands/output.h"
+#include "clients/files/model.h"
+#include "clients/lib/delaunay_client.h"
+#include "clients/surfaces/shapes.h"
+
+struct shapes_file {
+    const char *path, *form; /* borrows from argv */
+    bool force, has_box;
+    double box[4];
+    struct shapes shapes; /* owns */
+    struct model model;   /* owns; what the picture shows beside the shapes */
+};
+
+/* Takes -f, --force (F) and --viewport (v), and refuses any other option. Returns the exit status. */
+int shapes_file_option(struct shapes_file *f, int option, char **argv);
+
+/* Sets the path, and the format unless an option named it. Returns the exit status. */
+int shapes_file_choose(struct shapes_file *f, const char *command, const char *path);
+
+bool shapes_file_is_picture(const struct shapes_file *f);
+
+/* Receives the reply to VORONOI or CONTOUR, and of the set what a picture needs. */
+enum delaunay_result shapes_file_receive(struct delaunay_client *c, struct shapes_file *f,
+                                         const char *set, unsigned parts);
+
+/* Writes the file after fetching ended with r: a picture by draw, text by itself; then prints how many shapes there are, and
+ * how many are closed if count_closed. Frees what *f owns. Returns the exit status. */
+int shapes_file_finish(struct delaunay_client *c, struct shapes_file *f, enum delaunay_result r,
+                       output_write_fn *draw, void *ctx, const char *what, bool count_closed);
+
+#endif
