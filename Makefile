@@ -1,4 +1,4 @@
-# delaunayd - see README.md. Needs a C compiler and make; what needs more says so.
+# delaunayd - see README.md. Needs a C compiler and make; targets that need more report what is missing.
 #
 #   make            the daemon build/delaunayd and the client build/delaunay
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
@@ -23,8 +23,8 @@ CFLAGS   ?= -O2 -g
 WERROR   ?=
 WARNINGS := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wcast-qual \
             -Wformat=2 -Wundef -Wwrite-strings -Wdouble-promotion $(if $(WERROR),-Werror)
-# Contraction to fused multiply-adds would silently break the predicates. Packing the two coordinates of a point into one
-# vector costs gcc more in shuffles than it gains: 7 % of a triangulation.
+# Contraction to fused multiply-adds would silently break the predicates. When gcc packs the two coordinates of a point into
+# one vector, the shuffles cost more than the vector saves.
 BASE     := -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-tree-slp-vectorize -fno-common -pthread -I.
 FLAGS_asan  := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_tsan  := -O1 -fsanitize=thread
@@ -38,7 +38,7 @@ SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c server/*/*.c))
 CLIENT   := $(patsubst %.c,$(O)/%.o,$(filter-out clients/examples/%,$(wildcard clients/*.c clients/*/*.c)))
 HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o
 ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))
-# What a power cut may leave behind; what else is in that folder is loaded into a daemon.
+# The simulation of power cuts; the other files of that folder are loaded into a daemon.
 CRASH    := $(patsubst %.c,$(O)/%.o,$(filter-out %_shim.c,$(wildcard tests/faults/*.c)))
 tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c tests/$(1)/*/*.c))
 SUITES   := $(foreach s,core proto server clients,$(if $(call tests_of,$(s)),$(s)))
@@ -74,8 +74,8 @@ $(O)/%.o: %.c
 demo: all
 	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg $(O)/terrain.svg
 
-# Tests that talk to a daemon find it through DELAUNAYD and DELAUNAY.
-# What is loaded into a daemon: a disk that fails on demand, a count of system calls, a disk that writes down what it is given.
+# Tests find the daemon and the client through DELAUNAYD and DELAUNAY.
+# Libraries that are loaded into a daemon: a disk that fails on demand, a count of system calls, a disk that records operations.
 DISK_SHIM := $(O)/tests/faults/disk_shim.so
 SYSCALL_SHIM := $(O)/tests/faults/syscall_shim.so
 POWER_SHIM := $(O)/tests/faults/power_shim.so
@@ -87,8 +87,8 @@ $(SHIMS): $(O)/%.so: %.c
 
 test_binaries: all $(TEST_BINARIES) $(SHIMS)
 
-# The suites run one after another, with -j2 two at a time; test_core runs that of core/ alone, and so on. RUN=PROGRAM runs
-# them under a program, such as an emulator.
+# The suites run one after another, or two at a time with -j2; test_core runs only the suite of core/, and so on. RUN=PROGRAM
+# runs them under a program, such as an emulator.
 test: test_binaries
 	@$(MAKE) -k --no-print-directory $(SUITES:%=test_%)
 
@@ -96,7 +96,7 @@ test_server test_clients: all $(SHIMS)
 $(SUITES:%=test_%): test_%: $(O)/tests/%_tests
 	@echo "== $*"; DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(RUN) $(O)/tests/$*_tests $(T)
 
-# Random tests with many more rounds, and tests of many clients with all of them.
+# Random tests with many more rounds, and tests with thousands of clients.
 faults: all $(O)/tests/server_tests $(SHIMS)
 	KILL_ROUNDS=200 POWER_LIVES=8 FAULTS=1 DELAUNAYD=$(O)/delaunayd $(FIND_SHIMS) $(O)/tests/server_tests kill_test disk_test power_ \
 	  thousand_readers ten_thousand

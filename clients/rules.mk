@@ -1,9 +1,9 @@
-# rules.mk - two libraries, static and shared, each with one header: the client's, and the core for programs that triangulate in
-# process; `make install`.
+# rules.mk - two libraries, static and shared, each with one header: the client library, and the core for programs that
+# triangulate in process; `make install`.
 #
 #   make lib             build/lib and build/include
 #   make install         PREFIX=/usr/local DESTDIR=
-#   make uninstall       the same; removes what install has put there
+#   make uninstall       removes the installed files; PREFIX and DESTDIR as for install
 
 .PHONY: lib install uninstall
 
@@ -11,12 +11,12 @@ PREFIX      ?= /usr/local
 VERSION     := $(shell sed -n 's/.*DELAUNAYD_VERSION "\(.*\)".*/\1/p' server/ops/config.h)
 $(O)/clients/main.o: COMPILE += -DDELAUNAY_VERSION='"$(VERSION)"'
 
-# Line editing at the prompt, with whichever library is there; LINE_EDITING= builds without. Neither is needed.
+# Line editing at the prompt, with libedit or readline if one of them is installed; LINE_EDITING= builds without.
 can_link = $(shell echo 'int main(void) { return readline("") == 0; }' | \
              $(CC) -include stdio.h -include $(1) -x c - -o /dev/null $(2) >/dev/null 2>&1 && echo yes)
 LINE_EDITING ?= $(if $(call can_link,editline/readline.h,-ledit),edit,$(if $(call can_link,readline/readline.h,-lreadline),readline))
 EDIT_DEFINE   = $(if $(filter edit,$(CHOSEN_EDITING)),-DHAVE_EDITLINE,$(if $(filter readline,$(CHOSEN_EDITING)),-DHAVE_READLINE))
-# Found out once, and only when something is compiled or linked that asks for it.
+# Determined once, and only when something that needs it is compiled or linked.
 CHOSEN_EDITING = $(eval CHOSEN_EDITING := $(LINE_EDITING))$(CHOSEN_EDITING)
 $(O)/clients/cli/edit.o: COMPILE += $(EDIT_DEFINE)
 $(O)/delaunay $(O)/tests/clients_tests: LDLIBS += $(if $(CHOSEN_EDITING),-l$(CHOSEN_EDITING))
@@ -67,7 +67,7 @@ $(O)/lib/pkgconfig/%.pc: clients/lib/%.pc.in Makefile
 	@mkdir -p $(@D)
 	$(call pc_of,$*) >$@
 
-# ---- what is installed, and where ----
+# ---- install ----
 
 INTO       = $(DESTDIR)$(PREFIX)
 COMPLETION = bash:bash-completion/completions/delaunay zsh:zsh/site-functions/_delaunay fish:fish/vendor_completions.d/delaunay.fish
@@ -98,7 +98,7 @@ npm: all
 	@install $(O)/delaunayd $(O)/npm/package/bin
 	@cd $(O)/npm/package && npm pack --silent --pack-destination ..
 
-# ---- interop: other people's clients, and ours in other languages ----
+# ---- interop: other clients, and ours in other languages ----
 
 $(O)/interop/hiredis_talk: tests/interop/hiredis_talk.c
 	@mkdir -p $(@D)

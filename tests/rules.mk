@@ -1,4 +1,4 @@
-# rules.mk - what needs more than a C compiler: comparison with CGAL, measurements, lint, fuzzing.
+# rules.mk - targets that need more than a C compiler: comparison with CGAL, measurements, lint, fuzzing.
 
 .PHONY: interop bench bench-durable lint fuzz fuzz_run
 
@@ -12,7 +12,7 @@ $(O)/%.o: %.cpp
 # need PACKAGES, TEST: stops with a message unless the shell command TEST succeeds.
 need = @{ $(2); } >/dev/null 2>&1 || { echo "make $@ needs the Debian packages: $(1)"; exit 1; }
 
-# ---- interop: every reply equals CGAL's; conversations by netcat and Redis's tools ----
+# ---- interop: compares every reply with CGAL's; conversations through netcat and Redis's tools ----
 
 $(O)/interop/compare: $(addprefix $(O)/tests/,interop/compare.o interop/daemon.o oracle/cgal_delaunay.o) $(FAMILIES)
 	@mkdir -p $(@D)
@@ -35,11 +35,11 @@ interop: all
 	@$(MAKE) --no-print-directory $(addprefix $(O)/,interop/compare interop/small_sets interop/surfaces tests/bench/points)
 	tests/interop/run.sh $(O)
 
-# ---- bench: ns per point; beside CGAL where libcgal-dev is there ----
+# ---- bench: ns per point, compared with CGAL where libcgal-dev is installed ----
 #
-# Twenty minutes, of which ten are families; TABLES=paper or MIN=1000000 does less. TABLES=sizes MAX=10000000 takes five, and
-# TABLES=hostile MIN=10000, every family and order of input beside uniform points, and edits where they are hardest, eight;
-# TABLES=edits is the latter alone. The tables of a quiet run are in tests/bench/README.md, its chart is tests/bench/bench.svg.
+# About twenty minutes, half of them for families; TABLES=paper or MIN=1000000 does less. TABLES=sizes MAX=10000000 measures
+# large sets; TABLES=hostile MIN=10000 every family and order of input compared with uniform points, and edits of difficult
+# sets; TABLES=edits only the latter. tests/bench/README.md has the tables of a run on an idle machine, bench.svg their chart.
 
 TABLES     ?= paper sizes families daemon live surface end_to_end
 MIN        ?= 1000
@@ -75,14 +75,14 @@ bench: all $(addprefix $(O)/tests/bench/,bench set/live set/surface points)
 	@$(if $(filter families,$(TABLES)),awk -v n=1000000 -f tests/bench/chart.awk $(O)/bench.md >$(O)/bench.svg && \
 	  echo "a chart of the families is in $(O)/bench.svg")
 
-# ---- bench-tables: make bench, on a quiet machine; its figures go into the tables of both documents, and the chart beside them ----
+# ---- bench-tables: make bench, on an idle machine; writes the figures into the tables of both documents, and the chart ----
 
 .PHONY: bench-tables
 bench-tables: bench
 	tests/bench/refresh.py $(O)/bench.md README.md tests/bench/README.md
 	@[ ! -s $(O)/bench.svg ] || cp $(O)/bench.svg tests/bench/bench.svg
 
-# ---- bench-durable: what --data costs; beside redis where redis-server is there. POINTS=1000000 is quicker ----
+# ---- bench-durable: the cost of --data, compared with redis-server where it is installed. POINTS=1000000 is faster ----
 
 $(O)/tests/bench/durable: $(O)/tests/bench/durable.o
 	$(COMPILE) -o $@ $^ $(LDLIBS)
@@ -90,15 +90,15 @@ $(O)/tests/bench/durable: $(O)/tests/bench/durable.o
 bench-durable: all $(O)/tests/bench/durable
 	@POINTS=$(or $(POINTS),10000000) tests/bench/durable.sh $(O) | tee $(O)/bench-durable.md
 
-# ---- bench-clients: the command line beside qdelaunay, Python beside SciPy, both framings; POINTS=100000 is quicker, TABLES=framings
-# ---- does less ----
+# ---- bench-clients: the command line compared with qdelaunay, Python with SciPy, and the two framings; POINTS=100000 is faster,
+# ---- TABLES=framings does less ----
 
 .PHONY: bench-clients
 bench-clients: all $(O)/tests/bench/points
 	@TABLES="$(filter files arrays framings,$(TABLES))" tests/bench/clients.sh $(O) $(or $(POINTS),1000000) | tee $(O)/bench-clients.md
 
-# ---- mutants: which small changes of the source does no test notice? M=server/disk/log.c takes those of a file, LIST=disk those of a list,
-# ---- N=20 a sample, SEED=s another one, N=0 none (it checks that every entry of the lists applies); see tests/mutants/README.md ----
+# ---- mutants: small changes of the source that a test must notice. M=server/disk/log.c selects those of a file, LIST=disk those of a
+# ---- list, N=20 a sample, SEED=s another one, N=0 none (checks that every entry applies); see tests/mutants/README.md ----
 
 .PHONY: mutants
 mutants: $(if $(filter 0,$(N)),,test_binaries)
@@ -109,13 +109,13 @@ mutants: $(if $(filter 0,$(N)),,test_binaries)
 lint: $(CORE)
 	tests/lint/lint.sh $(O)
 
-# ---- fuzz: every tests/fuzz/NAME_fuzz.c from the corpus tests/fuzz/corpus/NAME if there is one: the same FUZZ_RUNS inputs every time,
-# ---- so that a run can be repeated, or with FUZZ_S=60 others for a minute each ----
+# ---- fuzz: every tests/fuzz/NAME_fuzz.c, from the corpus tests/fuzz/corpus/NAME if it exists: the same FUZZ_RUNS inputs every time,
+# ---- so that a run can be repeated, or with FUZZ_S=60 random ones for a minute each ----
 
 FUZZ_RUNS  ?= 50000
-# What a session does depends on the clock, so a seed does not repeat a run: without FUZZ_S only its corpus.
+# Sessions depend on the clock, so a seed does not repeat a run: without FUZZ_S only the corpus runs.
 FUZZ_RUNS_session ?= 0
-# A run of this one builds a dozen triangulations.
+# One run of this target builds a dozen triangulations.
 FUZZ_RUNS_edit ?= 4000
 fuzz_long   = $(if $(FUZZ_S),-max_total_time=$(FUZZ_S),-runs=$(or $(FUZZ_RUNS_$(1)),$(FUZZ_RUNS)) -seed=1)
 FLAGS_fuzz := -O1 -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# The rules of the house that a machine can check. Prints each breach as FILE:LINE: what; exits 1 if there is one.
+# Checks the rules for the source. Prints each breach as FILE:LINE: what; exits 1 if there is one.
 #
-#     lint.sh [BUILD_DIR]      with a build directory, the object files of core/ are searched for variables, too
+#     lint.sh [BUILD_DIR]      with a build directory, object files of core/ are checked for variables and calls, too
 #
-# LINT_STRICT=1 makes a missing tool (clang-format-14, clang-tidy, cppcheck) a failure; else it is only mentioned.
+# LINT_STRICT=1 makes a missing tool (clang-format-14, clang-tidy, cppcheck, mypy) a failure; otherwise it is only mentioned.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 build=${1:-}
 found=$(mktemp)
 trap 'rm -f "$found"' EXIT
 
-# The rooms of a folder, from the bottom up: what is in one may include what is in those before it.
+# The rooms of a folder, from the bottom up: a file may include files of its own room and of rooms before it.
 declare -A rooms=(
     [core]='exact control memory fields points mesh grid set divide shelling query surface edit'
     [clients]='lib files surfaces pictures cli commands'
@@ -46,7 +46,7 @@ may_include() { # FOLDER REGEX: every #include in FOLDER must match
         sed "s|\$|    (not for $1/)|"
 }
 
-# What is in a room may include that room, those below it, and what matches REGEX.
+# A file of a room may include headers of that room, of rooms below it, and those that match REGEX.
 room_order() { # FOLDER REGEX
     local room below=''
     may_include "$1" "\"$1/([a-z]+/)?[a-z0-9_]+\.h\"|$2"
@@ -73,7 +73,7 @@ own_header_first() {
     done
 }
 
-# A module is a .c file and its header. One that includes another one is above it.
+# A module is a .c file and its header. The modules that it includes are below it.
 no_include_cycles() { # FOLDER
     code "$1" | xargs -r grep -HE '^#include "' | sed -E 's|^([^:]*)\.[ch]:#include "(.*)\.h".*|\1 \2|' |
         awk '$1 != $2' | tsort 2>&1 >/dev/null | awk '/loop/ && n++ { exit } 1' |
@@ -100,7 +100,7 @@ core_calls_no_room_above() {
             sub(/\.o:$/, ".c", file[i]); print file[i] ": calls " called[i] " of core/" home[called[i]] } }'
 }
 
-# No variable of core/ outlives a call. Tables of constants lie in read-only sections.
+# core/ has no global or static variables. Tables of constants are in read-only sections.
 core_has_no_globals() {
     local o
     for o in $(core_objects); do
@@ -162,7 +162,7 @@ check() {
             --template='{file}:{line}: {message} [cppcheck {id}]' --template-location='' 2>&1 | grep .
 }
 
-# The Python package, whose types its users' checkers see.
+# The types of the Python package, which type checkers of its users read.
 types() {
     have mypy || return
     (cd clients/python && mypy --strict --no-incremental --cache-dir=/dev/null delaunayd build_backend.py) | grep error | sed 's|^|clients/python/|'
