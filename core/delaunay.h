@@ -301,7 +301,7 @@ enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
 /* ---- views: a set as it was at one moment ----
  *
  * A reader that takes longer than edits may wait begins a view and reads the set as it was at that moment,
- * piece by piece, while edits go on between the pieces. An edit saves what it is about to change, once for all
+ * piece by piece, while edits continue between the pieces. An edit saves what it is about to change, once for all
  * views that were open by then: about 40 bytes for each point changed and, if a view is open that reads the
  * triangulation, for each of their neighbours. Nothing is saved while no view is open, and nothing is copied at
  * the beginning.
@@ -312,16 +312,16 @@ enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
  * an edit that dt_view_blocks has warned of. A copy of the set (dt_clone) has no views. */
 
 /* A view of the present state: of the rows of points and, with `rings`, also of the triangulation, which must
- * be current. NULL: out of memory. May run beside functions that take a const set and beside itself. The
+ * be current. NULL: out of memory. May run in parallel with functions that take a const set and with itself. The
  * caller ends it, before the set is freed. Cost: the number of views that are open. */
 struct dt_view *dt_view_begin(struct dt *t, bool rings);
 
-/* Ends the view. May run beside anything, even an edit of the set on another thread; later edits or
+/* Ends the view. May run in parallel with anything, even an edit of the set on another thread; later edits or
  * dt_view_tidy free what was saved for it. NULL is allowed. Cost: constant. */
 void dt_view_end(struct dt_view *v);
 
 /* Frees some of what was saved and no view needs any more; true: there may be more. Needs exclusive access to
- * the set. Cost: less than half a millisecond. */
+ * the set. Cost: bounded. */
 bool dt_view_tidy(struct dt *t);
 
 /* Whether an edit of n points at once would put an end to views that read the triangulation, since it leaves
@@ -402,7 +402,7 @@ enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt);
  * time: it takes as long as dt_prepare. dt_renew_due: whether a rebuild is due. Cost: constant. */
 bool dt_renew_due(const struct dt *t);
 
-/* Makes a new grid, which the caller owns. It only reads, so queries may go on meanwhile. opt, which may
+/* Makes a new grid, which the caller owns. It only reads, so queries may continue meanwhile. opt, which may
  * be NULL: its pool shares the work, and its flag is polled. */
 struct dt_renewal;
 enum dt_status dt_renew(const struct dt *t, const struct dt_options *opt, struct dt_renewal **out);

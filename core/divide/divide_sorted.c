@@ -1,9 +1,9 @@
-/* divide_sorted.c - the build of points that are sorted, by the steps of a plan (plan.h): a stack of parts, onto which
- * blocks go, and of which merges join the upper two.
+/* divide_sorted.c - builds the triangulation of sorted points by the steps of a plan (plan.h): blocks are pushed onto a
+ * stack of parts, and merges join the upper two.
  *
- * For several threads, the merges of more than a small share of the points become a tree, which stands on tasks: ranges
- * of vertices whose steps are a part. Threads take tasks from left to right; the thread that finishes the second
- * child of a join does the join and goes on upwards. The result is the same as on one thread. */
+ * For several threads, the merges of more than a small share of the points become a tree, whose leaves are tasks: ranges
+ * of vertices whose steps make one part. Threads take tasks from left to right; the thread that finishes the second
+ * child of a join does the join and continues upwards. The result is the same as on one thread. */
 #include "core/control/parallel.h"
 #include "core/divide/block.h"
 #include "core/divide/divide.h"

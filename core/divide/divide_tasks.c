@@ -109,7 +109,7 @@ static uint32_t make_join(struct tree *w, uint32_t at, unsigned axis)
     return node[at].child;
 }
 
-/* The node stands for the cells of the level whose key starts with `key`. */
+/* The node represents the cells of the level whose key starts with `key`. */
 static void plan_cells(struct tree *w, uint32_t at, const struct dt_level *level, uint32_t key,
                        uint32_t s)
 {

@@ -73,7 +73,7 @@ INLINE size_t ghost_from(const struct knitting *w, uint32_t v, size_t some)
     return g;
 }
 
-/* Whether a loop goes on to its next step. */
+/* Whether a loop continues with its next step. */
 INLINE bool go_on(const struct knitting *w, bool polls, uint32_t *steps)
 {
     return !polls || ++*steps % STEPS_BETWEEN_POLLS != 0 || !dt_stopped(w->stop);

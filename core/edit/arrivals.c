@@ -17,7 +17,7 @@
 #include "core/points/renumber.h"
 
 enum {
-    FEW = 4096,    /* arrivals that are looked up one by one beside others */
+    FEW = 4096,    /* arrivals that are looked up one by one instead of sorted */
     FEW_FIRST = 64 /* the same in an empty set */
 };
 

@@ -7,7 +7,7 @@
 #include "core/query/ahead.h"
 
 enum {
-    SORTED = 16, /* batches of at least so many points are sorted */
+    SORTED = 16, /* batches of at least this number of points are sorted */
     LEAD = 8     /* points, by which what is free is fetched earlier than it is used */
 };
 

@@ -1,13 +1,13 @@
-/* demand.c - upper bounds of the memory that work on a set takes at its peak: measured on families of point
- * sets, and checked by a test (tests/core/edit/demand_test.c). They count memory that is touched: the room that
- * a large array has beyond what it holds costs nothing until it is used. */
+/* demand.c - upper bounds of the peak memory of work on a set: measured on families of point sets, and checked
+ * by a test (tests/core/edit/demand_test.c). They count memory that is touched: the unused room of a large array
+ * costs nothing. */
 #include "core/control/parallel.h"
 #include "core/edit/arrivals.h"
 #include "core/edit/update.h"
 #include "core/set/set.h"
 
 /* Bytes per vertex. A build makes coordinates and order (20), mesh (68) and a grid on every level of
- * the recursion; beside vertices that were deleted, dense copies of coordinates and order. */
+ * the recursion; if vertices were deleted, also dense copies of coordinates and order. */
 #define BUILD_BYTES 136
 #define BUILD_DENSE_BYTES 24
 #define PREPARE_BYTES 48
@@ -15,10 +15,10 @@
 /* Bytes per point that is added: as a vertex, or, what is more, as an alias. */
 #define ADD_BYTES 104
 
-/* Bytes per point that is there, if an index of their places must be made first. */
+/* Bytes per existing point, if an index of their places must be built first. */
 #define INDEX_BYTES (size_t)16
 
-/* Bytes per point that is there, if it is sorted along with so many that are added (arrivals.c). */
+/* Bytes per existing point, if these are sorted together with the added ones (arrivals.c). */
 #define SORT_BYTES (size_t)48
 
 #define THREAD_BYTES ((size_t)512 << 10)    /* for each thread's arena */
@@ -31,7 +31,7 @@ static size_t slack(size_t n)
     return n < 4096 ? 1024 + n * 256 : (size_t)1 << 20;
 }
 
-/* How many threads beside the caller's work on n points. */
+/* How many threads other than the caller's work on n points. */
 static size_t more_threads(const struct dt_options *opt, size_t n)
 {
     return dt_threads_for(opt == NULL ? NULL : opt->pool, (uint32_t)n) - 1;

@@ -24,7 +24,7 @@
 #define HOPELESS 1.5        /* times that: points on so many scales that searches need it */
 #define SMALL 10000u        /* points */
 #define ATTEMPTS 4
-#define STRIDE 16u   /* every so many-th vertex is a sample */
+#define STRIDE 16u   /* every STRIDE-th vertex is a sample */
 #define SAMPLES 256u /* at least, if there are as many vertices */
 
 /* The samples that a grid covers: list[from .. to - 1]. */
@@ -39,7 +39,7 @@ struct planner {
     struct dt_stop *stop;
     uint32_t stride, crowd; /* points that a sample stands for; samples that may share a cell */
     double density;         /* cells per point in one grid */
-    uint8_t *count;         /* samples in each cell of the grid at hand, 255 for more */
+    uint8_t *count;         /* samples in each cell of the current grid, 255 for more */
     uint32_t *list;         /* the samples, grid by grid */
     uint32_t *scratch;      /* as long as list */
     uint32_t samples;

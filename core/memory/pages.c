@@ -18,7 +18,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-enum { SLOTS = 256 }; /* a region for which there is none goes back to the system */
+enum { SLOTS = 256 }; /* a region for which there is none is returned to the system */
 
 struct dt_pages {
     atomic_size_t limit; /* of held */
@@ -190,7 +190,7 @@ static bool put(struct dt_pages *p, char *start, size_t bytes)
     return false;
 }
 
-/* Gives a region that is in no slot back to the system. */
+/* Returns a region that is in no slot to the system. */
 static void unmap(struct dt_pages *p, char *start, size_t bytes)
 {
     munmap(start, bytes);
@@ -204,7 +204,7 @@ static size_t excess(struct dt_pages *p)
     return held > limit ? dt_huge_pages(held - limit) : 0;
 }
 
-/* So many fresh bytes are in use now. */
+/* Counts `bytes` fresh bytes as in use. */
 static void hold(struct dt_pages *p, size_t bytes)
 {
     atomic_fetch_add(&p->held, bytes);
@@ -278,7 +278,7 @@ void *dt_region_grow(struct dt_pages *p, void *region, size_t bytes, size_t want
     if (to == NULL)
         return NULL;
     char *at = move_content(region, to, bytes, want);
-    if (at != to) { /* the kept pages that had come behind it are gone */
+    if (at != to) { /* the kept pages that were moved behind it are lost */
         if (p != NULL)
             atomic_fetch_sub(&p->held, filled);
         filled = 0;
@@ -345,7 +345,7 @@ size_t dt_pages_trim(struct dt_pages *p, size_t bytes)
 
 size_t dt_pages_prepare(struct dt_pages *p, size_t bytes)
 {
-    enum { SMALL_PAGE = 4096 }; /* whatever the size of pages: each is written to */
+    enum { SMALL_PAGE = 4096 }; /* no page is smaller, so each is written to */
     size_t held = atomic_load(&p->held), limit = atomic_load(&p->limit);
     size_t room = (limit > held ? limit - held : 0) & ~(DT_HUGE_PAGE - 1);
     bytes = bytes < room ? dt_huge_pages(bytes) : room;

@@ -123,7 +123,7 @@ enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, 
  * two groups become one, represented by the smaller id, and the vertex is free. */
 void dt_points_delete(struct dt_points *p, uint32_t id);
 
-/* Deletes n distinct live ids, in ascending order: aliases first, so that each group has one heir. If it
+/* Deletes n distinct live ids, in ascending order: aliases first, so that each group has one successor. If it
  * is stopped, only some of them; stop may be NULL. */
 void dt_points_delete_all(struct dt_points *p, const uint32_t *ids, size_t n, struct dt_stop *stop);
 

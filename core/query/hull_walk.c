@@ -85,8 +85,8 @@ uint32_t dt_hull_start(const struct dt *t, const struct dt_view *v, bool cw)
     return t->points.id[g == DT_NONE ? t->mesh.alone : dt_hull_vertex(&t->mesh, g)];
 }
 
-/* The ghost of the point at which a walk stands; on a line, of the two that it may have, that from
- * `before` onwards. */
+/* The ghost of the point at which a walk is; on a line, where the point may have two, the one that leads
+ * away from `before`. */
 static uint32_t ghost_at(const struct dt *t, bool line, uint32_t id, uint32_t before)
 {
     const struct dt_mesh *m = &t->mesh;

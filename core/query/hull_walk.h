@@ -1,7 +1,7 @@
 /* hull_walk.h - the hull now or at the moment of a view, from point to point.
  *
- * A walk stands at a point, which is named by its id, so that it can be left and begun again there after
- * edits; on a line, which has two directions, the previous point is needed as well. */
+ * The position of a walk is a point, given by its id, so that the walk can be resumed there after edits; on a
+ * line, which has two directions, the previous point is needed as well. */
 #ifndef DT_HULL_WALK_H
 #define DT_HULL_WALK_H
 
@@ -20,7 +20,7 @@ struct dt_hull_walk {
  * may be NULL: now. Cost: O(hull). */
 uint32_t dt_hull_start(const struct dt *t, const struct dt_view *v, bool cw);
 
-/* A walk, clockwise or not (on a line away from `before`), that stands at the id. */
+/* A walk, clockwise or not (on a line away from `before`), at the point of this id. */
 struct dt_hull_walk dt_hull_walk_at(const struct dt *t, const struct dt_view *v, bool cw,
                                     uint32_t id, uint32_t before);
 

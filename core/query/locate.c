@@ -75,7 +75,7 @@ static uint32_t exit_edge(const struct dt_mesh *m, const struct dt_point *xy, ui
 }
 
 /* Walks over at most *steps triangles and subtracts their number from *steps. True: arrived, *half and
- * *where as for dt_find. False: *half is a half edge to go on from. */
+ * *where as for dt_find. False: *half is a half edge to continue from. */
 static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, const uint32_t *id,
                        uint32_t h, struct dt_point q, uint32_t *steps, enum dt_where *where,
                        uint32_t *half)

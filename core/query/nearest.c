@@ -15,7 +15,7 @@
 #include "core/set/reader.h"
 
 #define PATIENCE 16 /* vertices on the way to a nearest one; mostly there are one or two */
-#define USUAL 32    /* neighbours that are looked at one after the other */
+#define USUAL 32    /* neighbours that are examined one after the other */
 
 /* The nearest vertex so far; tie: another one is as near. */
 struct nearest {
@@ -23,13 +23,13 @@ struct nearest {
     struct dt_point q;
     struct dt_candidate best;
     bool tie;
-    struct dt_ids *ties; /* borrows: those that are as near; NULL: not wanted */
+    struct dt_ids *ties; /* borrows: those that are as near; NULL: not needed */
     uint32_t steps;      /* vertices considered and not yet taken off what the caller allows */
     struct dt_work *work;
     enum dt_status status; /* the result of the last poll */
 };
 
-/* Whether the search may go on; every few vertices it asks. */
+/* Whether the search may continue; polls every few vertices. */
 static bool may_go_on(struct nearest *n)
 {
     if (++n->steps >= DT_WORK_BLOCK && n->status == DT_OK) {

@@ -1,4 +1,4 @@
-/* query.h - what the searches near a place share. */
+/* query.h - functions that all searches near a place use. */
 #ifndef DT_QUERY_H
 #define DT_QUERY_H
 
@@ -8,8 +8,8 @@
  * vertex of high degree costs no more than its partner. */
 uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v);
 
-/* Whether a search that has found so many of its results should stop and look at all vertices
- * of the set one after the other, which costs about a nanosecond each. */
+/* Whether a search that has found this number of results should stop and scan all vertices of the set
+ * instead, which costs much less for each. */
 static inline bool dt_scan_pays(const struct dt *t, size_t found)
 {
     return found > 256 && found > t->points.end / 64;

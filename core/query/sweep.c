@@ -2,7 +2,7 @@
  *
  * A search along the triangulation visits little more than its result, but it needs the set as it is
  * from the first step to the last. A sweep reads the rows of a view instead, in order of their ids, so
- * that edits can go on between two pieces. For a result that is a large share of the set, that is no slower.
+ * that edits can continue between two pieces. For a result that is a large share of the set, that is no slower.
  *
  * The nearest k are kept in a heap with the farthest of them on top. */
 #include "core/control/work.h"

@@ -1,9 +1,8 @@
 /* table.c - cursors over whole-set tables.
  *
  * Nothing is sorted as a whole: ids are visited in ascending order, and the rows that begin with an id are a
- * small part of its star. A cursor stands before the row (id, sub): rows of lower ids are written, and of id
- * itself those whose second word is below sub. It ends before the id `end`; what is along the hull comes after
- * that.
+ * small part of its star. A cursor is before the row (id, sub): rows of lower ids are written, and of id itself
+ * those whose second word is below sub. It ends before the id `end`; rows along the hull follow after that.
  *
  * `left` and `hull_left` are the rows still to come of either kind; 0 says that there are no more.
  * The number of rows of a part that was cut off is unknown: there `left` is an upper bound. */
@@ -148,8 +147,8 @@ static void read_coincident(const struct dt *t, struct dt_cursor *c, struct sink
     }
 }
 
-/* The hull from where the cursor stands on it. Its first point is searched for when the first row is
- * read, not when the cursor is made: that takes a walk along the whole hull. */
+/* The hull from the position of the cursor. Its first point is searched for when the first row is read and
+ * not when the cursor is created, because that takes a walk along the whole hull. */
 static struct dt_hull_walk hull_from(const struct dt *t, struct dt_cursor *c)
 {
     if (c->hull_at == DT_NONE)

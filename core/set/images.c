@@ -60,7 +60,7 @@ static bool reserve_table(struct dt_images *s, size_t n)
     return true;
 }
 
-/* Where an image of so many words goes: behind the last one, or to a new chunk. False: out of memory. */
+/* The place for an image of `words` words: after the last one, or in a new chunk. False: out of memory. */
 static bool make_room(struct dt_images *s, size_t words, uint64_t *place)
 {
     uint64_t room = s->first + (s->chunks - s->head) * (uint64_t)CHUNK - s->end;

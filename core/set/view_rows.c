@@ -104,7 +104,7 @@ static struct dt_row decode_row(const struct dt *t, const struct dt_view *v, uin
     return row;
 }
 
-/* The row of an id that stands for `value` now and has not changed since. */
+/* The row of an id whose entry in the map is `value` now and has not changed since. */
 static struct dt_row row_now(const struct dt *t, const struct dt_view *v, uint32_t id,
                              uint32_t value)
 {

@@ -47,7 +47,7 @@ static void save_star(void *ctx, uint32_t v)
     w->saved = true;
 }
 
-/* The id of a vertex is the key of its star, and stands in those of its neighbours. */
+/* The id of a vertex is the key of its star, and is contained in the stars of its neighbours. */
 static void save_name(void *ctx, uint32_t v)
 {
     const struct dt *t = ctx;

@@ -1,6 +1,6 @@
 /* view_stars.h - the stars (star.h) that points had, one by one or many at once, now or at the moment of a view.
  *
- * Where a function takes a view, NULL stands for now; the view must be readable, and to be one by
+ * Where a function takes a view, NULL means now; the view must be readable, and to be one by
  * dt_view_if_changed makes it faster. */
 #ifndef DT_VIEW_STARS_H
 #define DT_VIEW_STARS_H

@@ -9,7 +9,7 @@
  *         | /  q  \ |       and the best point in there is the best of all
  *          a-------b
  *
- * In a large segment the search goes on, line by line of cells, in that of the best point found so
+ * In a large segment the search continues, line by line of cells, in that of the best point found so
  * far: the paper's circle box, which shrinks as better points are found. If nothing is found, the next trial is
  * higher; if even the whole half plane has no point, the edge is a boundary edge. Lines of cells are runs of
  * places, which are empty beyond the hull, so a trial costs little more than the number of lines. */
@@ -75,7 +75,7 @@ static bool scan_crowded(struct search *q, double reach, const struct dt_cells *
     return scan_places(q, reach, i, c->start[last + 1]);
 }
 
-/* Where there is much left to scan, goes on in the segment of the best point. False if that leaves
+/* Where there is much left to scan, continues in the segment of the best point. False if that leaves
  * nothing of c. */
 static bool narrow(struct search *q, const struct dt_cells *c, struct dt_window *w,
                    uint32_t lines_left)

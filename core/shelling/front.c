@@ -130,7 +130,7 @@ void dt_front_open(struct dt_front *f, uint32_t a, uint32_t b, uint32_t c, uint3
     f->current = a;
 }
 
-/* A new point; dotted edges lie inside the disc from now on. The search goes on around b.
+/* A new point; dotted edges lie inside the disc from now on. The search continues around b.
  *
  *                                         c
  *                                       ^   \

@@ -54,7 +54,7 @@ void dt_front_open(struct dt_front *f, uint32_t a, uint32_t b, uint32_t c, uint3
 enum dt_touch dt_front_touch(const struct dt_front *f, uint32_t a);
 
 /* Each adds the triangle of edge a = a->b and its apex c to the disc, in the case that its name says; h
- * is as above. The edge that the search should go on with becomes current. */
+ * is as above. The edge with which the search should continue becomes current. */
 void dt_front_new_point(struct dt_front *f, uint32_t a, uint32_t h);
 void dt_front_right_touch(struct dt_front *f, uint32_t a, uint32_t h);
 void dt_front_left_touch(struct dt_front *f, uint32_t a, uint32_t h);

@@ -21,7 +21,7 @@ enum {
     TURN_NS = 250 * 1000,      /* after which the session yields */
     LATE_TURN_NS = 100 * 1000, /* the same if the loop's turn is already long */
     BATCH_NS = 1000 * 1000,    /* the same while there are prefetched requests */
-    STEPS_PER_LOOK = 16        /* the clock is read after so many of the quickest requests */
+    STEPS_PER_LOOK = 16        /* the clock is read after this number of the quickest requests */
 };
 
 /* Whether a request is too long before AUTH. */

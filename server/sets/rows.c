@@ -77,7 +77,7 @@ static void write_ring(struct rows *r, struct buf *out, uint32_t id)
     }
     reply_row_ids(out, &rep, 1);
     if (r->ring.n > 0 && !out->failed) {
-        out->data[out->end - 1] = ' '; /* the ring goes on the same line */
+        out->data[out->end - 1] = ' '; /* the ring is on the same line */
         reply_row_ids(out, r->ring.v, r->ring.n);
     }
 }
@@ -172,7 +172,7 @@ static enum dt_status find(struct rows *r, size_t n, uint32_t steps, uint32_t *o
                : dt_nearest_many(dt, r->view, p, n, (uint32_t)r->width, &opt, out, done);
 }
 
-/* How many places there are in a piece of so many words. */
+/* How many places there are in a piece of this number of words. */
 static size_t places_of(const struct rows *r, size_t words)
 {
     return r->width == 0 ? SIZE_MAX : words < r->width ? 1 : words / r->width;
