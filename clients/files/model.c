@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MOST_TRIES = 10 };
+
 /* ---- replies ---- */
 
 struct block {
@@ -138,7 +140,7 @@ static bool take_ids(struct model *m, const struct block *b, size_t width, uint3
         return fault(m, "out of memory");
     for (size_t i = 0; i < words; i++)
         if (!model_find(m, word(b->bytes + 4 * i), &(*v)[i]))
-            return fault(m, "the set was edited meanwhile; try again");
+            m->torn = true;
     return true;
 }
 
@@ -155,8 +157,17 @@ static bool take_hull_point(void *ctx, const struct delaunay_part *part)
     const char *space = memchr(part->text, ' ', part->len);
     if (space == NULL || !proto_read_u32(part->text, (size_t)(space - part->text), &id))
         return fault(m, "a row is not a point");
-    return model_find(m, id, &m->hull[m->hull_n++]) ||
-           fault(m, "the set was edited meanwhile; try again");
+    if (!model_find(m, id, &m->hull[m->hull_n++]))
+        m->torn = true;
+    return true;
+}
+
+/* The version in STAT's reply; 0 from a server that has none. */
+static bool take_version(void *ctx, const struct delaunay_part *part)
+{
+    if (part->kind == DELAUNAY_PART_OK)
+        delaunay_key_number(part, "version", ctx);
+    return true;
 }
 
 /* ---- requests ---- */
@@ -213,11 +224,11 @@ static enum delaunay_result receive_ids(struct delaunay_client *c, struct model 
     return r;
 }
 
-enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
-                                 struct model *m)
+static enum delaunay_result send_parts(struct delaunay_client *c, const char *set, unsigned parts,
+                                       const struct model *m)
 {
-    enum delaunay_result r = (parts & MODEL_FIELDS) != 0 ? fetch_fields(c, set, m) : DELAUNAY_OK;
-    m->z = model_field(m, "z");
+    enum delaunay_result r =
+        (parts & MODEL_MESH) != 0 ? send_table(c, "STAT", set, "") : DELAUNAY_OK;
     if (r == DELAUNAY_OK)
         r = send_points(c, set, m);
     if (r == DELAUNAY_OK && (parts & MODEL_TRIANGLES) != 0)
@@ -226,9 +237,20 @@ enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, uns
         r = send_table(c, "EDGES", set, " BINARY");
     if (r == DELAUNAY_OK && (parts & MODEL_HULL) != 0)
         r = send_table(c, "HULL", set, "");
+    if (r == DELAUNAY_OK && (parts & MODEL_MESH) != 0)
+        r = send_table(c, "STAT", set, "");
+    return r;
+}
+
+static enum delaunay_result receive_parts(struct delaunay_client *c, unsigned parts,
+                                          struct model *m)
+{
+    uint64_t before = 0, after = 0;
+    enum delaunay_result r =
+        (parts & MODEL_MESH) != 0 ? delaunay_receive(c, take_version, &before) : DELAUNAY_OK;
     if (r == DELAUNAY_OK)
         r = receive_points(c, m);
-    if (r == DELAUNAY_OK && m->n == 0 && (parts & ~(unsigned)MODEL_FIELDS) != 0) {
+    if (r == DELAUNAY_OK && m->n == 0 && (parts & MODEL_MESH) != 0) {
         fault(m, "the set is empty");
         r = DELAUNAY_STOPPED;
     }
@@ -238,7 +260,30 @@ enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, uns
         r = receive_ids(c, m, 2, &m->edge, &m->edges);
     if (r == DELAUNAY_OK && (parts & MODEL_HULL) != 0)
         r = delaunay_receive(c, take_hull_point, m);
+    if (r == DELAUNAY_OK && (parts & MODEL_MESH) != 0)
+        r = delaunay_receive(c, take_version, &after);
+    if (before != after)
+        m->torn = true;
     return r;
+}
+
+enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
+                                 struct model *m)
+{
+    for (int i = 0; i < MOST_TRIES; i++) {
+        model_free(m);
+        enum delaunay_result r =
+            (parts & MODEL_FIELDS) != 0 ? fetch_fields(c, set, m) : DELAUNAY_OK;
+        m->z = model_field(m, "z");
+        if (r == DELAUNAY_OK)
+            r = send_parts(c, set, parts, m);
+        if (r == DELAUNAY_OK)
+            r = receive_parts(c, parts, m);
+        if (r != DELAUNAY_OK || !m->torn)
+            return r;
+    }
+    fault(m, "the set is edited while it is read; try again");
+    return DELAUNAY_STOPPED;
 }
 
 void model_free(struct model *m)

@@ -22,13 +22,21 @@ struct model {
     size_t edges;
     uint32_t *hull; /* owns hull_n places, counterclockwise */
     size_t hull_n;
+    bool torn;         /* while it is fetched: its parts are of several states of the set */
     const char *fault; /* why a call returned DELAUNAY_STOPPED: a static sentence */
 };
 
-enum model_parts { MODEL_TRIANGLES = 1, MODEL_EDGES = 2, MODEL_HULL = 4, MODEL_FIELDS = 8 };
+enum model_parts {
+    MODEL_TRIANGLES = 1,
+    MODEL_EDGES = 2,
+    MODEL_HULL = 4,
+    MODEL_MESH = MODEL_TRIANGLES | MODEL_EDGES | MODEL_HULL,
+    MODEL_FIELDS = 8
+};
 
 /* Fetches the points of the set and, of its triangulation, the parts asked for; *m must be zeroed.
- * The requests are pipelined; points and values come in one reply, so they are of one state of the set.
+ * The requests are pipelined. Everything is of one state of the set: points and values come in one reply; the
+ * set's version before and after parts of the mesh must be the same, else all is fetched again, ten times at most.
  * DELAUNAY_STOPPED: see m->fault. The caller frees *m in any case. */
 enum delaunay_result model_fetch(struct delaunay_client *c, const char *set, unsigned parts,
                                  struct model *m);
