@@ -8,6 +8,7 @@ const { doubleBytes, flatten, pointBytes, typed, typedKeys, words } = require('.
 const { Cells, contourOf, multiPolygon } = require('./surfaces.js');
 
 const CONNECT_MS = 10000;
+const MOST_TRIES = 10; // until the set is not edited meanwhile
 
 function checkSet(name) {
   if (!/^[A-Za-z0-9_.:-]{1,64}$/.test(name)) throw new TypeError('a set\'s name is 1 to 64 of A-Z a-z 0-9 _ . : -');
@@ -355,19 +356,35 @@ class Client {
     return (await this.request(line, { timeout })).rows.map(contourOf);
   }
 
-  /** For each level the ground at or above it: a GeoJSON MultiPolygon with the property value, as d3-contour and d3-tricontour. The
-   * requests are made one after the other: the set should not be edited meanwhile. */
+  /** For each level the ground at or above it: a GeoJSON MultiPolygon with the property value, as d3-contour and d3-tricontour. All
+   * levels are of one state of the set: what was edited meanwhile is asked for again. */
   async contours(set, field, levels, { timeout } = {}) {
     const wanted = [...levels];
     if (wanted.length === 0) return [];
-    const [lines, { rows }] = await Promise.all([
-      this.contourLines(set, field, { levels: wanted, timeout }),
-      this.request(`HULL ${checkSet(set)}`, { timeout }),
+    for (let i = 0; i < MOST_TRIES; i++) {
+      const { lines, hull, torn } = await this.#surface(set, field, wanted, timeout);
+      if (!torn) return wanted.map((level) => multiPolygon(lines.filter((line) => line.level === level), hull, level));
+    }
+    throw new Error(`${set} is edited while it is read; try again`);
+  }
+
+  /** Contour lines, and the hull with its heights; torn: the set's version before and after them differs. */
+  async #surface(set, field, levels, timeout) {
+    const ask = (line) => this.request(line, { timeout });
+    const [before, lines, { rows }] = await Promise.all([
+      ask(`STAT ${checkSet(set)}`),
+      this.contourLines(set, field, { levels, timeout }),
+      ask(`HULL ${set}`),
     ]);
     const corners = rows.map(numbersOf);
-    const heights = (await this.request(`FGET ${checkSet(set)} ${checkField(field)} ${corners.map(([id]) => id).join(' ')}`, { timeout })).rows;
-    const hull = corners.map(([, x, y], i) => [x, y, numbersOf(heights[i])[1]]);
-    return wanted.map((level) => multiPolygon(lines.filter((line) => line.level === level), hull, level));
+    const ids = corners.map(([id]) => id).join(' ');
+    const gone = (error) => (error.code === 'NOPOINT' ? null : Promise.reject(error));
+    const [heights, after] = await Promise.all([
+      ids === '' ? { rows: [] } : ask(`FGET ${set} ${checkField(field)} ${ids}`).catch(gone),
+      ask(`STAT ${set}`),
+    ]);
+    if (heights === null || before.keys.version !== after.keys.version) return { torn: true };
+    return { lines, hull: corners.map(([, x, y], i) => [x, y, numbersOf(heights.rows[i])[1]]), torn: false };
   }
 
   /** Voronoi cells, with cellPolygon(id) and cellPolygons() as d3-delaunay's; box: [x0, y0, x1, y1]. */

@@ -103,6 +103,26 @@ describe('surfaces', () => {
     assert.deepEqual([...(await client.triangles('t', { within: [3, 1.5, 3, 1.75], clockwise: true }))], [1, 4, 2]);
   });
 
+  test('contours are of one state of the set', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 9, 0, 0, 8] } });
+    await client.triangulate('t');
+    const { request } = client;
+    let edits = 2; // while contours are asked for
+    client.request = async (line, options) => { // an edit comes between two of its requests
+      const reply = await request.call(client, line, options);
+      if (line.startsWith('HULL') && edits-- > 0) await request.call(client, `MOVE t 1 ${6 + (edits % 2)} 0`);
+      return reply;
+    };
+    const polygons = await client.contours('t', 'z', [4]);
+    assert.deepEqual(polygons, await client.contours('t', 'z', [4]));
+    assert.ok(polygons[0].coordinates.flat(2).some(([x]) => x > 4));
+    edits = 1000;
+    await assert.rejects(client.contours('t', 'z', [4]), /edited while it is read/);
+    delete client.request;
+    await client.delete('t', [0, 1, 2, 4]);
+    assert.deepEqual(await client.contours('t', 'z', [4]), [{ type: 'MultiPolygon', value: 4, coordinates: [] }]);
+  });
+
   test('have areas that add up to the box', async () => {
     const points = Float64Array.from({ length: 4000 }, Math.random);
     await client.load('u', points);
