@@ -5,9 +5,19 @@ import os
 import subprocess
 import unittest
 
-from delaunayd import Client, Refused
+from delaunayd import Client, Refused, _protocol
 
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4), (2, 2)]
+
+
+@contextlib.contextmanager
+def without_numpy():
+    """Replies as on a machine that has no NumPy."""
+    kept, _protocol.numpy = _protocol.numpy, None
+    try:
+        yield
+    finally:
+        _protocol.numpy = kept
 
 
 class WithDaemon(unittest.TestCase):

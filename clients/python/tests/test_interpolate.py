@@ -1,9 +1,6 @@
-"""Interpolators compared with those of SciPy, and the surfaces of a client."""
+"""Interpolators compared with those of SciPy."""
 
 import unittest
-from array import array
-
-from delaunayd import Refused, _protocol
 
 from .common import SQUARE, WithDaemon
 
@@ -102,90 +99,6 @@ class Interpolators(WithDaemon):
         self.assertEqual(float(f(2, 2)), 4)
         self.client.drop(f.tri._name)
         self.assertEqual(float(f(2, 2)), 4)
-
-
-@unittest.skipIf(np is None, "without NumPy")
-class Surfaces(WithDaemon):
-    def setUp(self):
-        super().setUp()
-        self.client.load("t", SQUARE, fields={"z": [0, 0, 0, 0, 8], "t": [1, 2, np.nan, 4, 5]})
-        self.client.triangulate("t")
-
-    def test_fields_are_loaded_with_points(self):
-        fields = self.client.fields("t")
-        self.assertEqual((fields["z"], fields["t"]), ((5, 0, 8), (4, 1, 5)))
-        self.client.set_field("t", "z", [3, np.nan], first=1)
-        np.testing.assert_array_equal(self.client.get_field("t", "z", range(5)), [0, 3, np.nan, 0, 8])
-        with self.assertRaises(ValueError):
-            self.client.load("u", SQUARE, fields={"z": [1, 2]})
-        with self.assertRaises(Refused):
-            self.client.load("u", SQUARE, fields={"z y": [1] * 5})
-        self.assertEqual(self.client.load("u", np.empty((0, 2)), fields={"z": []}), 0)
-
-    def test_values_and_rasters_are_arrays(self):
-        np.testing.assert_array_equal(self.client.interpolate("t", "z", [(2, 2), (2, 1), (9, 9)]), [8, 4, np.nan])
-        raster = self.client.raster("t", "z", (0, 0, 4, 2), 2, 1)
-        np.testing.assert_array_equal(raster, [[4, 4]])
-        self.assertEqual(self.client.raster("t", "z", (0, 0, 4, 4), 1, 3).shape, (3, 1))
-        nearest = self.client.raster("t", "z", (0, 0, 4, 4), 1, 1, method="nearest", max_edge=100)
-        np.testing.assert_array_equal(nearest, [[8]])
-
-    def calls(self, command):
-        facts = self.client.info("commands").get("command_" + command, "calls=0")
-        return int(facts.split(",")[0][len("calls=") :])
-
-    def test_values_of_any_number_of_places_are_one_request(self):
-        places = np.random.default_rng(4).random((5000, 2)) * 4
-        calls = self.calls("INTERPOLATEB")
-        values = self.client.interpolate("t", "z", places, "natural")
-        self.assertEqual(self.calls("INTERPOLATEB"), calls + 1)
-        with self.client.pipeline() as p:
-            for x, y in places[::500]:
-                p.command("INTERPOLATE", "t", "z", x, y, "METHOD", "natural")
-        np.testing.assert_array_equal(values[::500], [float(reply.rows[0]) for reply in p.results])
-        self.assertEqual(self.client.interpolate("t", "z", []).shape, (0,))
-        with self.assertRaises(Refused):
-            self.client.interpolate("t", "none", [])
-
-    def test_the_values_of_a_set_are_of_one_state_with_its_points(self):
-        self.client.delete("t", [1])
-        ids, xy, values = self.client.points("t", fields=["t", "z"])
-        self.assertEqual((ids.tolist(), xy.tolist()), ([0, 2, 3, 4], [[0, 0], [4, 4], [0, 4], [2, 2]]))
-        np.testing.assert_array_equal(values, [[1, 0], [np.nan, 0], [4, 0], [5, 8]])
-        ids, t = self.client.field("t", "t")
-        self.assertEqual(ids.tolist(), [0, 2, 3, 4])
-        np.testing.assert_array_equal(t, [1, np.nan, 4, 5])
-        self.assertEqual(self.client.points("t", fields=[])[2].shape, (4, 0))
-        self.assertEqual(len(self.client.points("t")), 2)
-        for names in (["none"], ["t,z"], "tz z"):
-            with self.assertRaises(Refused):
-                self.client.points("t", fields=names)
-
-    def test_contours_are_lines(self):
-        (line,) = self.client.contours("t", "z", levels=[4])
-        self.assertEqual((line.level, line.closed, line.line.shape), (4, True, (4, 2)))
-        self.assertEqual(sorted(line.line.tolist()), [[1, 1], [1, 3], [3, 1], [3, 3]])
-        levels = [c.level for c in self.client.contours("t", "z", every=2, base=1)]
-        self.assertEqual(levels, [1, 3, 5, 7])
-        with self.assertRaises(ValueError):
-            self.client.contours("t", "z")
-
-    def test_without_numpy_there_are_flat_arrays(self):
-        kept, _protocol.numpy = _protocol.numpy, None
-        try:
-            self.client.load("v", SQUARE, fields={"z": [1, 2, 3, 4, 5], "t": [6, 7, 8, 9, 10]})
-            self.client.triangulate("v")
-            self.client.set_field("v", "z", array("d", [9]), first=4)
-            self.assertEqual(self.client.get_field("v", "z", range(5)), [1, 2, 3, 4, 9])
-            self.assertEqual(self.client.get_field("v", "t", range(5)), [6, 7, 8, 9, 10])
-            self.assertEqual(list(self.client.interpolate("v", "z", [(2, 2)])), [9])
-            ids, xy, values = self.client.points("v", fields=["t", "z"])
-            self.assertEqual((list(ids), list(xy[8:])), ([0, 1, 2, 3, 4], [2, 2]))
-            self.assertEqual(list(values), [6, 1, 7, 2, 8, 3, 9, 4, 10, 9])
-            self.assertEqual(self.client.field("v", "z")[1], array("d", [1, 2, 3, 4, 9]))
-            self.assertEqual(len(self.client.contours("v", "z", levels=[6])[0].line) % 2, 0)
-        finally:
-            _protocol.numpy = kept
 
 
 if __name__ == "__main__":
