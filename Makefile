@@ -2,7 +2,7 @@
 #
 #   make            the daemon build/delaunayd and the client build/delaunay
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
-#   make demo       triangulates 171,075 real places over TCP, draws build/cities.svg and build/terrain.svg
+#   make demo       triangulates 171,075 real places over TCP, draws cities.svg, terrain.svg and cells.svg into build/
 #   make install    programs, libraries, manual pages, completion: PREFIX=/usr/local DESTDIR=; make uninstall
 #   make lib        the C libraries, in build/lib and build/include
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
@@ -72,7 +72,7 @@ $(O)/%.o: %.c
 	$(COMPILE) -MMD -MP -c -o $@ $<
 
 demo: all
-	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg $(O)/terrain.svg
+	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg $(O)/terrain.svg $(O)/cells.svg
 
 # Tests find the daemon and the client through DELAUNAYD and DELAUNAY.
 # Libraries that are loaded into a daemon: a disk that fails on demand, a count of system calls, a disk that records operations.

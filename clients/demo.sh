@@ -1,8 +1,8 @@
 #!/bin/sh
-# demo.sh DAEMON CLIENT PLACES SVG [CONTOURS.svg] - the whole service once, on real places: starts a daemon on a free port, loads,
+# demo.sh DAEMON CLIENT PLACES SVG [CONTOURS.svg [CELLS.svg]] - the whole service once, on real places: starts a daemon on a free port, loads,
 # triangulates, asks, proves, draws, stops. Exit status 0 only if every step worked. For `make demo`.
 set -eu
-daemon=$1 client=$2 places=$3 svg=$4 contours=${5:-}
+daemon=$1 client=$2 places=$3 svg=$4 contours=${5:-} cells=${6:-}
 names=$(dirname "$places")/names.tsv # `id TAB name TAB country`, of the places below; without it there are ids
 [ -f "$names" ] || names=/dev/null
 tmp=$(mktemp -d)
@@ -135,6 +135,11 @@ if [ -n "$contours" ]; then
     show 30 show terrain --width 76 --height 20
     show 2 INTERPOLATE terrain z 500 -12000 METHOD natural
     show 1 contour terrain z "$contours" --every 50
+fi
+if [ -n "$cells" ]; then
+    say "Voronoi cells: what is nearer to a point than to any other, as \`id corners x y ...\`; and all of them as a picture"
+    show 2 VORONOI terrain 12706
+    show 1 voronoi terrain "$cells" --viewport=-14955,-15892,14955,15892
 fi
 
 say "A crash: what was acknowledged is there again"

@@ -187,11 +187,13 @@ TEST(load_gives_points_the_numbers_of_their_lines_as_ids)
 TEST_TIMEOUT(demo_shows_the_whole_service, 60)
 {
     int status;
-    char svg[64], contours[64];
+    char svg[64], contours[64], cells[64];
     snprintf(svg, sizeof svg, "/tmp/delaunay_demo_test.%d.svg", getpid());
     snprintf(contours, sizeof contours, "/tmp/delaunay_demo_contours.%d.svg", getpid());
-    const char *out = peer_shell(&status, "clients/demo.sh %s %s tests/data/cities.xy %s %s 2>&1",
-                                 getenv("DELAUNAYD"), getenv("DELAUNAY"), svg, contours);
+    snprintf(cells, sizeof cells, "/tmp/delaunay_demo_cells.%d.svg", getpid());
+    const char *out =
+        peer_shell(&status, "clients/demo.sh %s %s tests/data/cities.xy %s %s %s 2>&1",
+                   getenv("DELAUNAYD"), getenv("DELAUNAY"), svg, contours, cells);
     CHECK_MSG(status == 0, "%s", out);
     CHECK(strstr(out, "OK 0 first=0 added=171075 coincident=37 version=") != NULL);
     CHECK(strstr(out, "OK 0 delaunay=yes points=171075 coincident=37 triangles=") != NULL);
@@ -203,8 +205,10 @@ TEST_TIMEOUT(demo_shows_the_whole_service, 60)
     CHECK(km > 1.41 && km < 1.43 && strstr(near, "Paris 07 Palais-Bourbon (FR)") != NULL);
     CHECK(strstr(out, "\xE2\xA3\xBF\xE2\xA3\xBF") != NULL); /* the map */
     CHECK(strstr(out, ": 517 lines, 337 of them closed\n") != NULL && access(contours, F_OK) == 0);
+    CHECK(strstr(out, " cells\n") != NULL && access(cells, F_OK) == 0);
     unlink(svg);
     unlink(contours);
+    unlink(cells);
 }
 
 TEST(demo_fails_if_a_step_fails)
