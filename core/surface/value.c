@@ -1,6 +1,7 @@
 /* value.c - see value.h. */
 #include "core/surface/value.h"
 
+#include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
 #include "core/fields/column.h"
 #include "core/query/locate.h"
@@ -37,7 +38,6 @@ enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const str
                               struct dt_work *work, uint32_t circles)
 {
     *v = (struct dt_valuer){.t = t, .s = s, .work = work, .judged = DT_NONE};
-    v->plane.triangle = DT_NONE;
     bool wanted = s->how == DT_NATURAL || s->how == DT_LAPLACE;
     return wanted ? dt_circles_init(&v->circles, circles) : DT_OK;
 }
@@ -97,30 +97,39 @@ static double within(double value, double least, double most)
  * at most z: in all by less than 40 f u z, which is less than DT_WEIGHTS_ERROR z. */
 #define PLANE_FLAT 128.0
 
+/* The corners of a triangle and their values, counterclockwise from the smallest id, where rounding begins. */
+struct corners {
+    struct dt_point a, b, c;
+    double za, zb, zc;
+};
+
 /* The ratio of the weights' sum is 1, so only differences to the first value matter. */
-static void make_plane(struct dt_valuer *v, uint32_t half)
+static inline struct dt_plane plane_of(const struct corners *t)
 {
-    const struct dt *t = v->t;
-    struct dt_plane *p = &v->plane;
-    uint32_t h = dt_weigh_start(t, DT_INSIDE, half), a = dt_origin(&t->mesh, h),
-             b = dt_dest(&t->mesh, h), c = dt_apex_of(&t->mesh, h);
-    struct dt_point o = t->points.xy[a], to_b = t->points.xy[b], to_c = t->points.xy[c];
-    double za = dt_value_of(v, a), zb = dt_value_of(v, b), zc = dt_value_of(v, c);
-    double bx = to_b.x - o.x, by = to_b.y - o.y, cx = to_c.x - o.x, cy = to_c.y - o.y;
+    struct dt_plane p = {.corner = t->a, .value = t->za};
+    double bx = t->b.x - t->a.x, by = t->b.y - t->a.y, cx = t->c.x - t->a.x, cy = t->c.y - t->a.y;
     double area = bx * cy - by * cx, bb = bx * bx + by * by, cc = cx * cx + cy * cy;
-    p->triangle = dt_base(half);
-    p->corner = o;
-    p->value = za;
-    p->dx = ((zb - za) * cy - (zc - za) * by) / area;
-    p->dy = ((zc - za) * bx - (zb - za) * cx) / area;
-    p->least = za < zb ? za : zb;
-    p->least = zc < p->least ? zc : p->least;
-    p->most = za > zb ? za : zb;
-    p->most = zc > p->most ? zc : p->most;
-    bool missing = isnan(za) || isnan(zb) || isnan(zc);
+    double zb = t->zb - t->za, zc = t->zc - t->za;
+    dt_lanes rise =
+        (dt_lanes){zb, zc} * (dt_lanes){cy, bx} - (dt_lanes){zc, zb} * (dt_lanes){by, cx};
+    dt_lanes slope = rise / dt_lanes_both(area);
+    p.dx = slope[0];
+    p.dy = slope[1];
+    p.least = t->za < t->zb ? t->za : t->zb;
+    p.least = t->zc < p.least ? t->zc : p.least;
+    p.most = t->za > t->zb ? t->za : t->zb;
+    p.most = t->zc > p.most ? t->zc : p.most;
+    bool missing = isnan(t->za) | isnan(t->zb) | isnan(t->zc);
     if (missing)
-        p->value = p->dx = p->dy = (double)NAN;
-    p->sure = missing || ((bb > cc ? bb : cc) < PLANE_FLAT * area && isfinite(p->dx + p->dy));
+        p.value = p.dx = p.dy = (double)NAN;
+    p.sure = missing || ((bb > cc ? bb : cc) < PLANE_FLAT * area && isfinite(p.dx + p.dy));
+    return p;
+}
+
+static inline double value_in(const struct dt_plane *p, struct dt_point q)
+{
+    return within(p->value + (p->dx * (q.x - p->corner.x) + p->dy * (q.y - p->corner.y)), p->least,
+                  p->most);
 }
 
 /* ---- by weights ---- */
@@ -187,12 +196,15 @@ static enum dt_status nearest_value(struct dt_valuer *v, struct dt_point q, uint
 static enum dt_status value_in_plane(struct dt_valuer *v, struct dt_point q, uint32_t half,
                                      double *out)
 {
-    const struct dt_plane *p = &v->plane;
-    if (p->triangle != dt_base(half))
-        make_plane(v, half);
-    *out = within(p->value + (p->dx * (q.x - p->corner.x) + p->dy * (q.y - p->corner.y)), p->least,
-                  p->most);
-    return p->sure ? DT_OK : by_weights(v, q, DT_INSIDE, half, out);
+    const struct dt_point *xy = v->t->points.xy;
+    const struct dt_mesh *m = &v->t->mesh;
+    uint32_t h = dt_weigh_start(v->t, DT_INSIDE, half), a = dt_origin(m, h), b = dt_dest(m, h),
+             c = dt_apex_of(m, h);
+    struct corners k = {
+        xy[a], xy[b], xy[c], dt_value_of(v, a), dt_value_of(v, b), dt_value_of(v, c)};
+    struct dt_plane p = plane_of(&k);
+    *out = value_in(&p, q);
+    return p.sure ? DT_OK : by_weights(v, q, DT_INSIDE, half, out);
 }
 
 static enum dt_status natural_value(struct dt_valuer *v, struct dt_point q, enum dt_where where,
@@ -247,4 +259,85 @@ enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where
         break;
     }
     return has_surface(v, half) ? value_inside(v, q, half, out) : DT_OK;
+}
+
+/* ---- many places ---- */
+
+/* Corners of a triangle, by vertex and id, counterclockwise from the smallest id. */
+struct numbered {
+    uint32_t vertex[3], id[3];
+};
+
+static inline struct numbered number(const struct dt *t, uint32_t half)
+{
+    const uint32_t *v = t->mesh.half + dt_base(half), *id = t->points.id;
+    uint32_t i = id[v[0]], j = id[v[1]], k = id[v[2]];
+    uint32_t first = (j < i) & (j < k) ? 1 : 0;
+    first = (k < i) & (k < j) ? 2 : first;
+    uint32_t second = first == 2 ? 0 : first + 1, third = first == 0 ? 2 : first - 1;
+    return (struct numbered){{v[first], v[second], v[third]},
+                             {id[v[first]], id[v[second]], id[v[third]]}};
+}
+
+static inline const double *value_place(const struct dt_surface *s, uint32_t id)
+{
+    static const double missing = (double)NAN;
+    uint32_t page = id / DT_FIELD_PAGE;
+    return page < s->pages && s->page[page] != NULL ? &s->page[page][id % DT_FIELD_PAGE] : &missing;
+}
+
+static enum dt_status look_up(struct dt_valuer *v, const struct dt_found *f)
+{
+    uint32_t half;
+    enum dt_where where = dt_place_find(v->t, f->q, f->half, &half);
+    return dt_value_at(v, f->q, where, half, f->out);
+}
+
+/* Whether q may be on an edge because both have the same y. */
+static inline bool is_level(const struct corners *k, struct dt_point q)
+{
+    return (k->a.y == q.y) + (k->b.y == q.y) + (k->c.y == q.y) > 1;
+}
+
+/* Without branches that cannot be predicted, so that the loads of many places run at once. */
+static enum dt_status values_in_planes(struct dt_valuer *v, const struct dt_found *f, size_t n)
+{
+    enum { TOGETHER = 16 };
+    const struct dt_point *xy = v->t->points.xy;
+    struct numbered of[TOGETHER];
+    for (size_t from = 0; from < n; from += TOGETHER) {
+        size_t end = n - from < TOGETHER ? n - from : TOGETHER;
+        for (size_t i = 0; i < end; i++) {
+            of[i] = number(v->t, f[from + i].half);
+            for (int k = 0; k < 3; k++)
+                dt_fetch(value_place(v->s, of[i].id[k]));
+        }
+        for (size_t i = 0; i < end; i++) {
+            const struct dt_found *at = &f[from + i];
+            struct corners k = {xy[of[i].vertex[0]],
+                                xy[of[i].vertex[1]],
+                                xy[of[i].vertex[2]],
+                                *value_place(v->s, of[i].id[0]),
+                                *value_place(v->s, of[i].id[1]),
+                                *value_place(v->s, of[i].id[2])};
+            struct dt_plane p = plane_of(&k);
+            enum dt_status s = DT_OK;
+            *at->out = value_in(&p, at->q);
+            if (!p.sure || is_level(&k, at->q))
+                s = look_up(v, at);
+            if (s != DT_OK)
+                return s;
+        }
+    }
+    return DT_OK;
+}
+
+enum dt_status dt_values_found(struct dt_valuer *v, const struct dt_found *f, size_t n)
+{
+    enum dt_status s = DT_OK;
+    if (v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL)
+        return values_in_planes(v, f, n);
+    for (size_t i = 0; s == DT_OK && i < n; i++)
+        s = look_up(v, &f[i]);
+    return s;
 }

@@ -13,8 +13,7 @@
 
 /* The linear surface over a triangle. */
 struct dt_plane {
-    uint32_t triangle; /* its first half edge; DT_NONE: none is kept */
-    bool sure;         /* doubles are exact enough */
+    bool sure; /* doubles are exact enough */
     struct dt_point corner;
     double value, dx, dy; /* at that corner, and its slopes */
     double least, most;   /* values at the corners */
@@ -26,7 +25,6 @@ struct dt_valuer {
     const struct dt_surface *s; /* borrows */
     struct dt_work *work;       /* borrows */
     struct dt_vicinity vicinity;
-    struct dt_plane plane;
     struct dt_circles circles;
     uint32_t judged; /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
     bool is_short;   /* none of them is longer */
@@ -43,6 +41,16 @@ void dt_valuer_clear(struct dt_valuer *v);
  * DT_TOOLONG. */
 enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where where,
                            uint32_t half, double *out);
+
+/* A place inside of a triangle, or on an edge of it along the x axis, and where its value goes. */
+struct dt_found {
+    struct dt_point q;
+    double *out;
+    uint32_t half; /* of the triangle */
+};
+
+/* The values at n of them; as dt_value_at. */
+enum dt_status dt_values_found(struct dt_valuer *v, const struct dt_found *f, size_t n);
 
 /* The value of a surface at a point, and at a vertex. */
 static inline double dt_value_of_id(const struct dt_surface *s, uint32_t id)

@@ -305,6 +305,24 @@ TEST(cells_of_a_lattice_have_the_values_at_their_centres)
     dt_free(t);
 }
 
+/* More columns than are walked together, and more triangles between two cells than are. */
+TEST(cells_of_wide_and_of_sparse_rasters_have_the_values_at_their_centres)
+{
+    enum { N = 30000 };
+    static struct dt_point p[N];
+    make_values();
+    for (int i = 0; i < N; i++)
+        p[i] = (struct dt_point){test_uniform(), test_uniform()};
+    struct dt *few = set_of(p, 100), *many = set_of(p, N);
+    struct dt_surface s = surface_of(DT_LINEAR);
+    check_cells(few, &s, &(struct dt_raster){{-0.125, 0}, {1.125, 1}, 600, 1});
+    check_cells(few, &s, &(struct dt_raster){{-0.125, 0.25}, {1.125, 0.75}, 300, 3});
+    check_cells(many, &s, &(struct dt_raster){{0, 0}, {1, 1}, 10, 20});
+    check_cells(many, &s, &(struct dt_raster){{0, 0}, {1, 1}, 3, 9});
+    dt_free(few);
+    dt_free(many);
+}
+
 TEST(cells_are_in_rows_from_the_north)
 {
     static const struct dt_point p[] = {{0, 0}, {2, 0}, {0, 2}, {2, 2}};
