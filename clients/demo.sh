@@ -110,10 +110,10 @@ show_named 9 LISTS cities 56987 87257 95017
 say "The convex hull, from its smallest id"
 show_named 8 HULL cities
 
-say "The Eiffel Tower: the triangle it stands in"
+say "The Eiffel Tower: the triangle that contains it"
 show_named 9 LOCATE cities 2.2945 48.8584
 
-say "The places nearest to it. Degrees are no distances, so they go to a plane around the tower, in kilometres: the ids stay"
+say "The places nearest to it. Degrees are not distances, so all are projected to a plane around the tower, in kilometres, with the same ids"
 printf '%s$ awk "{ ... }" cities.xy | delaunay load around -%s\n' "$bold" "$plain"
 awk -v lon=2.2945 -v lat=48.8584 'BEGIN { r = 6371.0088 * atan2(0, -1) / 180; c = cos(lat * atan2(0, -1) / 180) }
     { printf "%.9g %.9g\n", r * c * ($1 - lon), r * ($2 - lat) }' "$places" |

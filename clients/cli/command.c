@@ -63,7 +63,7 @@ int command_outcome(const struct delaunay_client *c, enum delaunay_result r)
     return r == DELAUNAY_LOST || r == DELAUNAY_BROKEN ? EXIT_NO_CONNECTION : EXIT_REFUSED;
 }
 
-/* A line break within an argument would be a second request, whose reply nobody reads. */
+/* A line break within an argument would begin a second request, whose reply would not be read. */
 static bool is_one_line(int words, char **word)
 {
     for (int i = 0; i < words; i++)

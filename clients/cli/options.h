@@ -16,7 +16,7 @@ __attribute__((format(printf, 2, 3))) int options_wrong(const char *command, con
 int options_unknown(const char *command, char **argv, int option);
 
 /* Whether the arguments are those of a subcommand that writes a file, not of the request of the same name: one of
- * them is an option, or names a file: "-", or a word with a '.' or '/' that is no number. */
+ * them is an option, or names a file: "-", or a word with a '.' or '/' that is not a number. */
 bool options_name_file(int argc, char **argv);
 
 /* Reads X0,Y0,X1,Y1, from lower left to upper right. */

@@ -60,7 +60,7 @@ static void put_shell_scan(const char *word, const char *from, const char *to)
            from, to, word, word, valued);
 }
 
-/* What stands behind options that have values, as words between `before` and `after`. */
+/* Completes the values of options, with the words between `before` and `after`. */
 static void put_value_cases(const char *before, const char *after)
 {
     printf("    -f | --format)\n        case $command in\n        load) %s%s%s ;;\n"

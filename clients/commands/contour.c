@@ -144,7 +144,7 @@ static int read_option(struct work *w, int option, char **argv)
     else if (option != 'e' && option != 'b' && option != 'm')
         return shapes_file_option(&w->file, option, argv);
     else if (!is_number(optarg, strlen(optarg)) || strlen(optarg) > 40)
-        return options_wrong(argv[0], "%s is no number", optarg);
+        return options_wrong(argv[0], "%s is not a number", optarg);
     else
         *(option == 'e' ? &w->every : option == 'b' ? &w->base : &w->max_edge) = optarg;
     return EXIT_DONE;

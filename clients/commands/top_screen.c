@@ -180,6 +180,6 @@ void top_draw(FILE *out, struct top_facts *now, const struct top_facts *before,
     while (s.line + 1 < view->lines)
         put(&s, "%s", "");
     fprintf(out, "\033[K%.*s\033[J", (int)view->columns,
-            view->paused ? "paused: p goes on, q quits"
+            view->paused ? "paused: p continues, q quits"
                          : "q quit   p pause   s sort by calls or time   space now");
 }

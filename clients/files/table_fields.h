@@ -16,7 +16,7 @@ struct table_fields {
     size_t n;
     char
         height[FIELDS_NAME]; /* the heading, or the number from 1, of the column that is called z */
-    uint64_t missing[FIELDS_MOST]; /* rows in which the value is no number */
+    uint64_t missing[FIELDS_MOST]; /* rows in which the value is not a number */
     double row[FIELDS_MOST];       /* the values of the row that is being read */
 };
 
@@ -33,7 +33,7 @@ bool table_fields_add_height(struct table_fields *t, size_t column, const char *
 void table_fields_add_headings(struct table_fields *t, const char *s, const char *end,
                                char separator, const size_t *xy);
 
-/* The same for a table of so many columns without a header; height: the third column has heights. */
+/* The same for a table of this number of columns without a header; height: the third column has heights. */
 void table_fields_add_numbers(struct table_fields *t, size_t columns, bool height,
                               const size_t *xy);
 

@@ -19,7 +19,7 @@ struct value value_trim(const char *s, const char *end);
 const char *value_quote_end(const char *s, const char *end);
 
 /* The value at *s, which moves behind it and its separator; false at the end of the row. Quotes count only
- * where a value begins. The separator ' ' stands for any blanks. */
+ * where a value begins. The separator ' ' means any number of blanks. */
 bool row_next(const char **s, const char *end, char separator, struct value *v);
 
 /* The value in a column, counted from 0. */

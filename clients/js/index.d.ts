@@ -198,7 +198,7 @@ export class Client {
   info(): Promise<Record<string, string | number | boolean>>;
 }
 
-/** What stands for no id in the results of locateAll and nearestAll. */
+/** The value for a missing id in the results of locateAll and nearestAll. */
 export const NONE: 0xffffffff;
 
 /**

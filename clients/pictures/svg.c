@@ -331,7 +331,7 @@ void svg_hull_end(struct svg *s)
     path_end(s);
 }
 
-/* An id stands on the right above its point, or on the left, or below, wherever it is within the frame. */
+/* Draws an id on the upper right of its point, or on the left, or below, so that it is within the frame. */
 static void draw_label(const struct svg *s, const double *p, uint32_t id, double size)
 {
     char text[16];

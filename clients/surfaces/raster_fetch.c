@@ -108,7 +108,7 @@ enum delaunay_result raster_fetch(struct delaunay_client *c, const char *set, co
         snprintf(line, sizeof line, "HULL %.100s", set);
         enum delaunay_result r = delaunay_request(c, line, take_corner, &b);
         if (r == DELAUNAY_STOPPED)
-            return stop(fault, "a row of HULL is no point");
+            return stop(fault, "a row of HULL is not a point");
         if (r != DELAUNAY_OK)
             return r;
         if (b.n == 0)

@@ -228,7 +228,7 @@ static bool read_scan(struct answer *a, const struct request *q, struct scan *sc
         return false;
     }
     if (!read_cursor(&q->word[1], &scan->cursor)) {
-        redis_simple(a, "-NUMBER that is no cursor of SCAN");
+        redis_simple(a, "-NUMBER that is not a cursor of SCAN");
         return false;
     }
     for (size_t i = 2; i < q->n; i += 2)

@@ -433,7 +433,7 @@ function commonClient() {
   return common;
 }
 
-/** What stands for no id in the results of locateAll and nearestAll. */
+/** The value for a missing id in the results of locateAll and nearestAll. */
 const NONE = 0xffffffff;
 
 module.exports = { Client, NONE, commonClient, connect };

@@ -74,7 +74,7 @@ test('coincident points are in no triangle', () => {
   assert.deepEqual([...d.triangles].sort(), [0, 1, 2]);
 });
 
-test('what is no array of numbers is refused', () => {
+test('input that is not an array of numbers is refused', () => {
   assert.throws(() => new Delaunator({ length: -1 }), /Invalid typed array length/);
   assert.throws(() => new Delaunator([[0, 0], [1, 1]]), /Expected coords to contain numbers/);
   assert.throws(() => new Delaunator([0, 0, NaN, 1]), { name: 'Refused', code: 'NUMBER' });

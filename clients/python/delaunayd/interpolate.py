@@ -85,7 +85,7 @@ class _Interpolator:
 
     def __call__(self, *args: Any) -> Any:
         """The values at places: shape (..., 2), or x and y, which are broadcast. The result has their shape, and that of a
-        value. fill_value stands outside the hull, NaN where a value is missing."""
+        value. It is fill_value outside the hull, and NaN where a value is missing."""
         places = _places(args)
         flat = places.reshape(-1, 2)
         out = np.full((len(flat), self._columns.shape[1]), np.nan)

@@ -60,8 +60,8 @@ TEST(commands_about_keys_refuse_wrong_arguments)
     answers(fd, "MEMORY DOCTOR", "-SYNTAX usage: MEMORY USAGE set\r\n");
     answers(fd, "KEYS", "-SYNTAX usage: KEYS pattern\r\n");
     answers(fd, "SCAN", "-SYNTAX usage: SCAN cursor [MATCH pattern] [COUNT n] [TYPE type]\r\n");
-    answers(fd, "SCAN x", "-NUMBER that is no cursor of SCAN\r\n");
-    answers(fd, "SCAN 99999999999999999999", "-NUMBER that is no cursor of SCAN\r\n");
+    answers(fd, "SCAN x", "-NUMBER that is not a cursor of SCAN\r\n");
+    answers(fd, "SCAN 99999999999999999999", "-NUMBER that is not a cursor of SCAN\r\n");
     answers(fd, "SCAN 0 COUNT 0",
             "-SYNTAX SCAN takes MATCH pattern, COUNT n with n from 1 on, TYPE type\r\n");
     sprintf(request, "KEYS %0*d", 257, 0);
