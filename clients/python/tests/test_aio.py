@@ -61,7 +61,7 @@ class Asyncio(WithDaemon):
 
         asyncio.run(main())
 
-    def test_a_lost_connection_is_told_and_made_again(self):
+    def test_a_lost_connection_is_reported_and_made_again(self):
         async def main():
             turns = iter((b"OK 3\n1\n", b"OK 0 first=7\n"))
 

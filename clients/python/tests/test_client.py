@@ -98,7 +98,7 @@ class WithoutNumPy(Commands):
 
 
 class Connections(unittest.TestCase):
-    def test_a_lost_connection_is_told(self):
+    def test_a_lost_connection_is_reported(self):
         for answer in (b"", b"OK 3\n1\n", b"OK 0 bytes=9\nabc", b"what?\n", b"OK x\n"):
             with socket.create_server(("127.0.0.1", 0)) as server:
 

@@ -83,7 +83,7 @@ TEST(a_search_whose_flag_is_set_is_cancelled)
     dt_free(t);
 }
 
-TEST(a_search_takes_the_steps_it_is_allowed_or_says_that_it_takes_more)
+TEST(a_search_stays_within_its_limit_or_reports_that_it_needs_more_steps)
 {
     struct dt *t = family_set("uniform", N);
     for (int what = 0; what < SEARCHES; what++) {

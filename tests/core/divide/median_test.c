@@ -107,7 +107,7 @@ static struct dt_point *one_a_digit(uint32_t n)
     return p;
 }
 
-TEST(a_median_takes_a_bounded_number_of_passes_and_polls_in_each)
+TEST(a_median_needs_a_bounded_number_of_passes_and_polls_in_each)
 {
     enum { N = 10 * DT_POLL, ROUNDS = 12, PASSES = 3 };
     struct dt_point *hostile[2] = {malloc(N * sizeof **hostile), one_a_digit(N)};
@@ -150,7 +150,7 @@ TEST(a_median_stops_at_any_poll_and_loses_no_point)
 }
 
 /* By pivots from the known sequence this took minutes. */
-TEST(divide_takes_no_longer_where_the_order_defeats_known_pivots)
+TEST(divide_is_as_fast_for_an_order_that_defeats_known_pivots)
 {
     enum { N = 1000000 };
     struct dt_point *in = malloc(N * sizeof *in), *p = malloc(N * sizeof *p);

@@ -68,7 +68,7 @@ static bool distinct(const struct dt_point *p)
     return true;
 }
 
-TEST(a_base_sees_what_the_exact_predicates_say_on_every_family)
+TEST(a_base_decides_like_the_exact_predicates_on_every_family)
 {
     enum { N = 600 };
     static struct dt_point p[N];

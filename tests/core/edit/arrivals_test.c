@@ -88,7 +88,7 @@ static void delete_some(struct dt_points *p, uint32_t n)
     }
 }
 
-TEST(points_added_at_once_meet_those_that_are_there)
+TEST(points_added_at_once_coincide_with_existing_ones)
 {
     struct dt_point *q = malloc(N * sizeof *q);
     struct dt_points got, want;

@@ -100,7 +100,7 @@ static enum dt_status triangulate(struct dt *t, const struct dt_options *opt)
     return dt_triangulate(t, opt);
 }
 
-TEST_TIMEOUT(a_grid_for_searches_is_given_up_at_every_poll, 60)
+TEST_TIMEOUT(a_grid_for_searches_can_be_cancelled_at_every_poll, 60)
 {
     static const char *const names[] = {"uniform", "kuzmin", "line_axis", "thin_line"};
     struct dt_pool pool = threads_pool(2);
@@ -132,7 +132,7 @@ TEST_TIMEOUT(polls_grow_with_the_points, 60)
 }
 
 /* The seams of a cross are as long as its arms. On uniform points they are short. */
-TEST_TIMEOUT(long_merges_poll_and_are_given_up, 60)
+TEST_TIMEOUT(long_merges_poll_and_can_be_cancelled, 60)
 {
     uint64_t polls[2];
     static const char *const names[2] = {"uniform", "cross"};
@@ -182,7 +182,7 @@ static enum dt_status load_one_place(struct dt *t, const struct dt_options *opt)
     return status;
 }
 
-TEST_TIMEOUT(a_load_is_given_up_at_every_poll, 60)
+TEST_TIMEOUT(a_load_can_be_cancelled_at_every_poll, 60)
 {
     struct dt_pool pool = threads_pool(2);
     for (int i = 0; i < 2; i++) {
@@ -194,7 +194,7 @@ TEST_TIMEOUT(a_load_is_given_up_at_every_poll, 60)
 }
 
 /* Names that were never written must not be used. */
-TEST_TIMEOUT(a_load_of_points_at_one_place_is_given_up_at_its_first_polls, 60)
+TEST_TIMEOUT(a_load_of_points_at_one_place_can_be_cancelled_at_its_first_polls, 60)
 {
     polls_begin();
     for (uint64_t nth = 1; nth <= 24; nth++) {
@@ -216,7 +216,7 @@ static enum dt_status clone_points(struct dt *t, const struct dt_options *opt)
     return status;
 }
 
-TEST_TIMEOUT(a_copy_is_given_up_at_every_poll, 60)
+TEST_TIMEOUT(a_copy_can_be_cancelled_at_every_poll, 60)
 {
     struct dt *t = set_of("duplicates", points(), true);
     cancel_everywhere(t, clone_points, &(struct dt_options){.cancel = &flag});
@@ -236,7 +236,7 @@ static enum dt_status delete_half(struct dt *t, const struct dt_options *opt)
     return status;
 }
 
-TEST_TIMEOUT(a_deletion_of_many_is_given_up_until_it_begins, 60)
+TEST_TIMEOUT(a_deletion_of_many_can_be_cancelled_until_it_begins, 60)
 {
     struct dt *t = set_of("duplicates", points(), true);
     cancel_everywhere(t, delete_half, &(struct dt_options){.cancel = &flag});
@@ -288,7 +288,8 @@ static void cancel_at_the_end(struct dt *t, const struct dt_options *opt, bool d
     }
 }
 
-TEST_TIMEOUT(a_build_is_given_up_until_it_is_taken_over_and_of_a_disposable_set_to_the_end, 120)
+TEST_TIMEOUT(a_build_can_be_cancelled_until_it_changes_the_set_and_of_a_disposable_set_to_the_end,
+             120)
 {
     struct dt_pool pool = threads_pool(2);
     struct dt_options opt = {.cancel = &flag, .pool = &pool};
@@ -342,14 +343,14 @@ static enum dt_status restore(struct dt *t, const struct dt_options *opt)
     return status;
 }
 
-TEST_TIMEOUT(a_restoration_is_given_up_at_every_poll, 60)
+TEST_TIMEOUT(a_restoration_can_be_cancelled_at_every_poll, 60)
 {
     struct dt *t = set_of("duplicates", points(), false);
     cancel_everywhere(t, restore, &(struct dt_options){.cancel = &flag});
     dt_free(t);
 }
 
-TEST(ids_are_sorted_whatever_their_order)
+TEST(ids_in_any_order_are_sorted)
 {
     enum { N = 200000 };
     uint32_t *ids = malloc(N * sizeof *ids), mask[] = {UINT32_MAX, 1, 0x7ff, 0x3ff800, 0xffc00000};

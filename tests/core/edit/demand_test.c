@@ -115,7 +115,7 @@ static void live_through(const struct family *f, unsigned threads, size_t n, dou
     free(p);
 }
 
-TEST_TIMEOUT(work_takes_no_more_memory_than_was_said_before, 120)
+TEST_TIMEOUT(work_needs_no_more_memory_than_predicted, 120)
 {
     static const char *const names[] = {"uniform", "kuzmin", "duplicates", "nested"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
@@ -123,7 +123,7 @@ TEST_TIMEOUT(work_takes_no_more_memory_than_was_said_before, 120)
             live_through(family_find(names[i]), threads, MANY, 0);
 }
 
-TEST_TIMEOUT(small_sets_and_sets_with_a_tolerance_take_no_more_memory_than_was_said, 60)
+TEST_TIMEOUT(small_sets_and_sets_with_a_tolerance_need_no_more_memory_than_predicted, 60)
 {
     for (size_t n = 1000; n <= 20000; n *= 4) {
         live_through(family_find("uniform"), 2, n, 0);
@@ -183,7 +183,7 @@ static void live_small(const struct family *f, unsigned threads, size_t n)
     free(p);
 }
 
-TEST_TIMEOUT(small_sets_ask_malloc_for_no_more_than_was_said_on_any_number_of_threads, 120)
+TEST_TIMEOUT(small_sets_ask_malloc_for_no_more_than_predicted_on_any_number_of_threads, 120)
 {
     for (const struct family *f = families; f->name != NULL; f++)
         for (unsigned threads = 1; threads <= 8; threads += threads == 1 ? 1 : 6)
@@ -193,7 +193,7 @@ TEST_TIMEOUT(small_sets_ask_malloc_for_no_more_than_was_said_on_any_number_of_th
     live_small(family_find("kuzmin"), 64, 8000);
 }
 
-TEST_TIMEOUT(papers_engine_takes_no_more_memory_than_was_said, 60)
+TEST_TIMEOUT(papers_engine_needs_no_more_memory_than_predicted, 60)
 {
     static const char *const names[] = {"uniform", "clusters"};
     for (size_t i = 0; i < 2; i++) {

@@ -85,7 +85,7 @@ static struct dt *restored(const struct dt *t)
     return copy;
 }
 
-TEST(restored_set_goes_on_as_the_original_does)
+TEST(restored_set_continues_like_the_original)
 {
     const double tolerance[] = {0, 0.5, 1.5};
     for (int round = 0; round < 60; round++) {
@@ -128,7 +128,7 @@ static enum dt_status restore_three(const uint32_t *ids, const struct dt_point *
     return status;
 }
 
-TEST(set_whose_ids_have_run_out_takes_no_more_points)
+TEST(set_whose_ids_have_run_out_accepts_no_more_points)
 {
     const uint32_t id = 7;
     const struct dt_point p[] = {{0, 0}, {1, 1}, {2, 2}};
@@ -144,7 +144,7 @@ TEST(set_whose_ids_have_run_out_takes_no_more_points)
     }
 }
 
-TEST(restore_refuses_what_no_set_could_be)
+TEST(restore_refuses_invalid_sets)
 {
     const struct dt_point apart[] = {{0, 0}, {1, 1}, {2, 2}}, same[] = {{0, 0}, {0, 0}, {0, 0}};
     const struct dt_point wild_x[] = {{0, 0}, {1e300, 1}, {2, 2}};

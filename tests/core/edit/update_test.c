@@ -319,7 +319,7 @@ TEST(a_set_that_is_edited_for_ever_does_not_grow)
 }
 
 /* One of two vertices is replaced by its alias, which lies a little away. */
-TEST(heir_of_one_of_two_points_goes_to_its_own_place)
+TEST(successor_of_one_of_two_points_moves_to_its_own_place)
 {
     const struct dt_point p[] = {{1, 7}, {1.25, 7}, {0, 8}};
     struct dt_added added;
@@ -366,7 +366,7 @@ TEST(live_sets_with_a_tolerance_equal_a_rebuild)
     }
 }
 
-TEST(a_promoted_alias_takes_its_own_place_in_the_mesh)
+TEST(a_promoted_alias_gets_its_own_place_in_the_mesh)
 {
     struct dt_point p[] = {{0, 0}, {4, 0}, {0, 4}, {0.25, 0.25}, {1, 1}};
     struct dt *t = dt_new(0.5);

@@ -425,7 +425,7 @@ static double wild(void)
     return test_below(2) ? v : -v;
 }
 
-TEST_TIMEOUT(no_error_exceeds_its_bound_whatever_the_exponents, 60)
+TEST_TIMEOUT(no_error_exceeds_its_bound_for_any_exponents, 60)
 {
     for (int i = 0; i < 400; i++) {
         struct dt_point p[POINTS];
@@ -439,7 +439,7 @@ TEST_TIMEOUT(no_error_exceeds_its_bound_whatever_the_exponents, 60)
 
 /* ---- limits of searches ---- */
 
-TEST_TIMEOUT(an_upper_bound_of_a_cotangent_is_no_less_than_it, 60)
+TEST_TIMEOUT(an_upper_bound_of_a_cotangent_is_at_least_the_cotangent, 60)
 {
     unsigned bounded = 0;
     for (int i = 0; i < 20000; i++) {

@@ -50,7 +50,7 @@ TEST(boxes_overlap_where_they_share_a_point)
     }
 }
 
-TEST(cells_ascend_and_the_outermost_have_what_lies_beyond)
+TEST(cells_ascend_and_the_outermost_contain_places_beyond_the_box)
 {
     static const double order[] = {-HUGE_VAL, -0x1p300,    -1,     -0x1p-1074,  -0.0,
                                    0,         0x1p-1074,   0.5,    1 - 0x1p-53, 1,

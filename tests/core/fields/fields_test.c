@@ -214,7 +214,7 @@ TEST(values_are_those_that_were_set_through_moves_and_deletions)
     }
 }
 
-TEST(view_has_the_values_of_its_moment_whatever_edits_come_between)
+TEST(view_has_the_values_of_its_moment_after_any_edits)
 {
     enum { VIEWS = 4 };
     static struct table w, then[VIEWS];

@@ -62,7 +62,7 @@ static void use_arena(struct dt_arena *a, unsigned depth)
     dt_arena_return(a, mark);
 }
 
-TEST(arena_gives_out_what_is_its_own_and_free)
+TEST(arena_allocates_only_its_own_free_memory)
 {
     struct dt_arena a = {0};
     test_guard_alloc(true);

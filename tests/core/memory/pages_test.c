@@ -90,7 +90,7 @@ TEST(the_smallest_region_that_is_large_enough_is_cut)
     }
 }
 
-TEST(a_large_region_is_put_together_from_small_ones_and_what_is_missing)
+TEST(a_large_region_consists_of_small_ones_and_fresh_pages)
 {
     struct dt_pages *p = dt_pages_new(SIZE_MAX);
     char *a = take(p, 40, 1);
@@ -118,7 +118,7 @@ TEST(a_large_region_is_put_together_from_small_ones_and_what_is_missing)
     dt_pages_free(p);
 }
 
-TEST(no_more_is_kept_than_the_limit_leaves_beside_what_is_in_use)
+TEST(kept_and_used_pages_do_not_exceed_the_limit)
 {
     struct dt_pages *p = dt_pages_new(20 * MIB);
     char *a = take(p, 16, 1), *b = take(p, 12, 2);
@@ -144,7 +144,7 @@ TEST(no_more_is_kept_than_the_limit_leaves_beside_what_is_in_use)
     dt_pages_free(p);
 }
 
-TEST(fresh_regions_drive_out_what_is_kept_beyond_the_limit)
+TEST(fresh_regions_replace_kept_ones_beyond_the_limit)
 {
     struct dt_pages *p = dt_pages_new(30 * MIB);
     char *a = take(p, 12, 1), *b = take(p, 14, 2);
@@ -159,7 +159,7 @@ TEST(fresh_regions_drive_out_what_is_kept_beyond_the_limit)
     dt_pages_free(p);
 }
 
-TEST(what_is_kept_goes_back_a_piece_at_a_time)
+TEST(kept_regions_are_returned_a_piece_at_a_time)
 {
     struct dt_pages *p = dt_pages_new(SIZE_MAX);
     char *a = take(p, 16, 1), *b = take(p, 4, 2);
@@ -355,7 +355,7 @@ TEST(a_region_is_copied_where_the_system_cannot_move_it_and_keep_its_mapping)
 
 /* ---- arrays ---- */
 
-TEST(arrays_of_a_keeper_grow_shrink_and_go_back_there)
+TEST(arrays_of_a_cache_grow_shrink_and_return_there)
 {
     struct dt_pages *p = dt_pages_new(SIZE_MAX);
     uint32_t *a = dt_array_new_in(p, 1000, sizeof *a), n = 1000;

@@ -42,7 +42,7 @@ static void check(const struct twin *w)
     CHECK(!dt_sparse_get(&w->m, DT_NONE, &value) && dt_sparse_next(&w->m, DT_NONE) == DT_NONE);
 }
 
-TEST(sparse_map_has_what_was_put_and_not_taken_in_order)
+TEST(sparse_map_lists_the_present_entries_in_order)
 {
     static struct twin w;
     for (unsigned round = 0; round < 12; round++) {

@@ -257,7 +257,7 @@ static struct dt *heir_at_another_representative(bool live)
     return t;
 }
 
-TEST(a_representative_that_goes_with_its_heir_does_not_join_the_heirs_neighbour)
+TEST(a_representative_deleted_with_its_successor_does_not_join_the_successors_neighbour)
 {
     for (unsigned live = 0; live < 2; live++) {
         struct dt *t = heir_at_another_representative(live == 1);

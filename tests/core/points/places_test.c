@@ -64,7 +64,7 @@ static uint32_t chain(const struct dt_places *p, uint32_t bucket)
     return n;
 }
 
-TEST(looking_up_a_place_passes_few_others_whatever_the_structure)
+TEST(looking_up_a_place_passes_few_others_for_any_structure)
 {
     struct dt_point *xy = malloc(N * sizeof *xy);
     uint32_t *id = malloc(N * sizeof *id);

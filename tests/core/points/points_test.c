@@ -185,7 +185,7 @@ TEST(points_are_unchanged_when_an_edit_runs_out_of_memory)
     }
 }
 
-TEST(an_heir_whose_place_is_taken_joins_the_one_that_is_there)
+TEST(a_successor_whose_place_is_occupied_joins_the_point_there)
 {
     struct dt_points p;
     struct dt_added added;
@@ -238,7 +238,7 @@ TEST(points_take_minus_zero_for_zero)
     dt_points_clear(&p);
 }
 
-TEST(points_free_the_memory_of_ids_that_are_gone)
+TEST(points_free_the_memory_of_deleted_ids)
 {
     struct dt_points p;
     struct dt_added added;

@@ -60,12 +60,12 @@ static void fetch_pair(const struct pair *pair)
     fetch(pair->t);
 }
 
-TEST(fetching_ahead_takes_every_family)
+TEST(prefetching_accepts_every_family)
 {
     for_each_pair(fetch_pair);
 }
 
-TEST(fetching_ahead_takes_sets_without_triangles)
+TEST(prefetching_accepts_sets_without_triangles)
 {
     static const struct dt_point line[] = {{0, 0}, {1, 1}, {2, 2}, {5, 5}, {3, 3}};
     struct dt *bare = dt_new(0);
@@ -78,7 +78,7 @@ TEST(fetching_ahead_takes_sets_without_triangles)
     }
 }
 
-TEST(fetching_ahead_takes_a_set_that_is_edited)
+TEST(prefetching_accepts_a_set_that_is_edited)
 {
     struct dt *t = dt_new(0);
     struct dt_added added;

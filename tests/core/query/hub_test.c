@@ -111,7 +111,7 @@ TEST_TIMEOUT(nearest_points_beside_hubs_are_right, 60)
 }
 
 /* The root of the number of triangles is 632. */
-TEST(the_nearest_point_beside_a_hub_takes_few_steps)
+TEST(the_nearest_point_next_to_a_hub_needs_few_steps)
 {
     enum { N = 200000, STEPS = 8000 };
     struct dt_point *p = malloc(N * sizeof *p);

@@ -126,7 +126,7 @@ TEST(many_places_are_answered_in_parts_by_calls_that_may_take_few_steps)
     dt_free(t);
 }
 
-TEST(many_places_are_given_up_when_the_flag_is_set)
+TEST(look_ups_of_many_places_stop_when_the_flag_is_set)
 {
     struct dt_point p[3] = {{0, 0}, {4, 0}, {0, 4}};
     uint32_t out[9];

@@ -66,7 +66,7 @@ TEST_TIMEOUT(sweeps_find_what_searches_find_on_every_family, 60)
     for_each_pair(check_sweeps);
 }
 
-TEST(sweep_finds_the_points_of_its_moment_whatever_edits_come_meanwhile)
+TEST(sweep_finds_the_points_of_its_moment_despite_edits_meanwhile)
 {
     enum { N = 500 };
     struct dt *t = dt_new(0), *then;

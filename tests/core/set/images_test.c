@@ -108,7 +108,7 @@ TEST(images_give_every_moment_its_values_as_long_as_it_is_read)
     }
 }
 
-TEST(images_that_nobody_reads_are_freed_chunk_by_chunk_from_the_oldest)
+TEST(unused_images_are_freed_chunk_by_chunk_from_the_oldest)
 {
     struct dt_images s = {0};
     uint64_t middle = 0;

@@ -130,7 +130,7 @@ static bool fail_at(long n, unsigned kind, double tolerance, struct losses *lost
     return failed;
 }
 
-TEST(view_for_which_there_is_no_memory_says_so_and_edits_go_on)
+TEST(view_without_memory_reports_that_and_edits_continue)
 {
     struct losses lost = {0, 0};
     for (unsigned kind = 0; kind < EDITS; kind++)

@@ -340,7 +340,7 @@ static struct dt *set_with(double tolerance, const struct dt_point *p, uint32_t 
     return t;
 }
 
-TEST_TIMEOUT(view_has_the_tables_of_a_copy_whatever_edits_come_between_on_every_family, 60)
+TEST_TIMEOUT(view_has_the_tables_of_a_copy_after_any_edits_on_every_family, 60)
 {
     static const uint32_t sizes[] = {0, 1, 2, 3, 4, 5, 8, 15, 40};
     struct dt_point p[64];

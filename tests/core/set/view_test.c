@@ -121,7 +121,7 @@ static struct dt *crowd(double tolerance, bool live)
 
 /* ---- tests ---- */
 
-TEST(view_has_the_rows_of_a_copy_whatever_edits_come_between)
+TEST(view_has_the_rows_of_a_copy_after_any_edits)
 {
     static const double tolerance[] = {0, 0.5, 1, 1.5};
     static struct rows got, want;

@@ -164,7 +164,7 @@ static void check_hull_both_ways(const char *family, uint32_t n)
     built_free(&b);
 }
 
-TEST(boundary_edges_and_what_remains_in_the_grid_are_the_same_hull)
+TEST(boundary_edges_and_points_left_in_the_grid_are_the_same_hull)
 {
     check_hull_both_ways("uniform", 3000);
     check_hull_both_ways("gaussian", 500);
@@ -251,7 +251,7 @@ static bool hostile_set(int which, uint32_t n, struct built *b)
 }
 
 /* A poll at the end of each 2^19 steps. */
-TEST_TIMEOUT(shelling_of_any_set_is_given_up_when_it_has_cost_its_budget, 60)
+TEST_TIMEOUT(shelling_of_any_set_stops_when_its_budget_is_spent, 60)
 {
     enum { N = 5000, STEPS = (1 << 25) + 8192 * N, PER_POLL = 1 << 19, PASSES = 1000 };
     struct built b;
