@@ -33,11 +33,11 @@ bool grid_range(const struct grid *g, double *least, double *most)
     return *least <= *most;
 }
 
-/* -9999 is what readers know; where values are that low, the lowest float. */
+/* -9999 is what readers know; where values are that low, rounded to a float, the lowest float. */
 static double no_data(const struct grid *g)
 {
     double least, most;
-    return grid_range(g, &least, &most) && least <= -9999 ? -(double)FLT_MAX : -9999;
+    return grid_range(g, &least, &most) && (float)least <= -9999 ? -(double)FLT_MAX : -9999;
 }
 
 static void put_number(FILE *out, double v, char after)

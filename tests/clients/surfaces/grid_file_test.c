@@ -49,6 +49,16 @@ TEST(bil_has_little_endian_floats_and_a_header)
     free(text);
 }
 
+TEST(a_value_that_rounds_to_the_number_of_missing_ones_is_not_missing)
+{
+    double z[2] = {-9998.9999, (double)NAN};
+    struct grid g = {.cell = 1, .columns = 2, .rows = 1, .value = z};
+    size_t n;
+    char *text = written(&g, grid_write_bil, &n);
+    CHECK(n == 8 && memcmp(text, text + 4, 4) != 0);
+    free(text);
+}
+
 TEST(cells_are_square_and_cover_the_box)
 {
     static const double box[4] = {-10, 5, 20, 15};
