@@ -4,7 +4,7 @@
  *   BODY_LINES   exactly `count` lines; blank ones and comments count as lines, not as points
  *   BODY_BINARY  exactly `count` points of two little-endian doubles
  *
- * A line, or a point, may have values behind its coordinates, or values instead of them (body_columns).
+ * A line, or a point, may have values after its coordinates, or values instead of them (body_columns).
  *
  * Blank lines and lines that start with `#` are skipped. The first bad line determines the fault; the rest of the
  * body is then read and dropped, so that the next request is found. */
@@ -62,7 +62,7 @@ void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit
                bool (*coordinate_ok)(double v));
 void body_free(struct body *b);
 
-/* To be called after body_init: a point has so many coordinates (2 or 0), and values behind them: finite numbers or
+/* To be called after body_init: a point has this number of coordinates (2 or 0), and values after them: finite numbers or
  * nan. */
 void body_columns(struct body *b, size_t coordinates, size_t values);
 

@@ -30,7 +30,7 @@ int options_wrong(const char *command, const char *format, ...)
 }
 
 /* The word that getopt has looked at last. Where the value of the last option is missing, some C libraries
- * have gone on to the end of argv, others behind it. */
+ * have moved to the end of argv, others after it. */
 static const char *last_word(char **argv)
 {
     const char *word = argv[optind - 1];

@@ -25,7 +25,7 @@ void top_take(struct top_facts *f, const char *row, size_t len);
 /* The value of a fact, NULL if there is none. */
 const char *top_value(const struct top_facts *f, const char *key);
 
-/* Draws at most `lines` lines of at most `columns` columns, without a line end behind the last; `seconds` have
+/* Draws at most `lines` lines of at most `columns` columns, without a line end after the last; `seconds` have
  * passed since `before`, 0 if there is none. */
 struct top_view {
     unsigned lines, columns;

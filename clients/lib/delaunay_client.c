@@ -227,7 +227,7 @@ static void queue_rows(struct delaunay_client *c, const struct body *b, size_t f
     }
 }
 
-/* Sends `command set n rest`, and the rows behind it. */
+/* Sends `command set n rest`, and the rows after it. */
 static enum delaunay_result send_body(struct delaunay_client *c, const char *command,
                                       const char *set, const char *rest, const struct body *b,
                                       delaunay_progress_fn *progress, void *ctx)

@@ -45,7 +45,7 @@ static struct dt_piece before_slice(const struct arrivals *a, unsigned slice)
     return dt_before_first(dt_slice(a->n, slice, a->slices));
 }
 
-/* A pass over all slices. What it leaves behind is of no use unless DT_OK. */
+/* A pass over all slices. Its result is undefined unless DT_OK. */
 static enum dt_status pass(struct arrivals *a, void (*job)(void *arg, unsigned slice))
 {
     dt_run(a->opt.pool, a->slices, job, a);

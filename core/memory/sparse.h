@@ -1,7 +1,7 @@
 /* sparse.h - an ordered map from a few ids among many to 32-bit values.
  *
  * The ids are cut into pages of 4096. A page has a bit for each of its ids and the values of those that
- * are in the map, one behind the other:
+ * are in the map, one after the other:
  *
  *      bits      0 1 0 0 | 1 0 1 0 | ...     ids 1, 4 and 6 of the page
  *      before    0       | 1       | ...     bits set in the words before

@@ -23,7 +23,7 @@ static struct dt_id_page *block_of(const struct dt_idmap *m, uint32_t i)
     return &m->page[i / DT_ID_BLOCK * DT_ID_BLOCK];
 }
 
-/* Frees page i, or the block that begins with it, and returns the number of the page behind. */
+/* Frees page i, or the block that begins with it, and returns the number of the page after it. */
 static uint32_t free_pages(struct dt_idmap *m, uint32_t i)
 {
     struct dt_id_page *p = &m->page[i];
@@ -192,7 +192,7 @@ uint32_t dt_idmap_after(const struct dt_idmap *m, uint32_t from, uint32_t n)
 
 /* ---- all of it ---- */
 
-/* Page i, or the block that begins with it; returns the number of the page behind, 0: out of memory. */
+/* Page i, or the block that begins with it; returns the number of the page after it, 0: out of memory. */
 static uint32_t copy_pages(const struct dt_idmap *m, struct dt_idmap *copy, uint32_t i)
 {
     const struct dt_id_page *p = &m->page[i];

@@ -1,7 +1,7 @@
 /* images.h - the values that keys had at earlier moments, for readers of an earlier state while the present one
  * changes [Reed 1978: versions of an object by time; the before-images of databases].
  *
- * A before-image is the value of a key as it was until an edit changed it. Images lie one behind the
+ * A before-image is the value of a key as it was until an edit changed it. Images are one after the
  * other in the order in which they were saved, and a moment is a place in that order:
  *
  *      key     | 7 | 3 | 9 |   | 7 | 5 | 3 |   | 7 |

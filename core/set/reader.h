@@ -20,7 +20,7 @@ static inline enum dt_status dt_read_vertex(const struct dt *t, uint32_t id, uin
     return *v == DT_NONE ? DT_NOPOINT : DT_OK;
 }
 
-/* Makes room for `more` ids behind those that are there; DT_NOMEM leaves *ids unchanged. */
+/* Makes room for `more` ids after the existing ones; DT_NOMEM leaves *ids unchanged. */
 enum dt_status dt_ids_reserve(struct dt_ids *ids, size_t more);
 
 /* Appends one; DT_NOMEM leaves *ids unchanged. Cost: constant, amortised. */

@@ -37,7 +37,7 @@ struct loop {
 struct dt_alpha {
     const struct dt_view *view; /* borrows; NULL: now */
     double radius;
-    uint32_t id, end;  /* the next point, and behind the last one */
+    uint32_t id, end;  /* the next point, and the end of the ids */
     struct turn *turn; /* owns `turn_cap` */
     size_t turns, turn_cap;
     struct dt_ids ids; /* owns: of the loops */

@@ -7,7 +7,7 @@
  * and produces only as much as fits into small ones.
  *
  * End of input is not disconnection: a client that closed its sending side still gets every reply.
- * Only an error, a hang-up or a failed write means that the client is gone. */
+ * Only an error, a hang-up or a failed write means that the client has disconnected. */
 #ifndef SERVER_CONN_H
 #define SERVER_CONN_H
 

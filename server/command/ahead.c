@@ -47,7 +47,7 @@ static bool is_ours(struct server *s, struct questions *all, const struct word *
     return true;
 }
 
-/* What the words behind a set's name are. */
+/* The meaning of the words after a set's name. */
 enum subject { SUBJECT_OTHER, SUBJECT_PLACE, SUBJECT_ID };
 
 /* Guessed from the first letter and the number of words: if the guess is wrong, what is fetched is not

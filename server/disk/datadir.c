@@ -57,7 +57,7 @@ static bool open_locked(struct datadir *d)
     return false;
 }
 
-/* Whether the directory is gone and has to be created again. If an earlier start could not sync the
+/* Whether the directory has been removed and must be created again. If an earlier start could not sync the
  * parent, a later sync need not cover the name; and the directory stays empty until that sync has
  * succeeded. So an empty one is removed here, unless its owner or mode shows that an operator created it.
  * A directory without a link was removed by another process before this one had the lock. */

@@ -56,7 +56,7 @@ uint64_t log_append_points(struct log *log, struct record *r, double *xy);
 struct log_values {
     size_t columns;
     uint32_t first, n;
-    double *v; /* owns, from dt_pages_grow: one column of n values behind the other */
+    double *v; /* owns, from dt_pages_grow: columns of n values, one after the other */
     struct log_field {
         size_t len;
         char name[RECORD_FIELD_LIMIT];

@@ -252,7 +252,7 @@ static bool read_log_records(struct recovery *r, struct place *p, struct segment
     }
 }
 
-/* Nothing is acknowledged before a segment's header is synced. So a damaged header without a record behind it
+/* Nothing is acknowledged before a segment's header is synced. So a damaged header without a record after it
  * is that of a segment that was being created. */
 static bool judge_header(struct recovery *r, const struct place *p, struct segment_reader *in)
 {

@@ -4,7 +4,7 @@
  *            the log is good            its new segment is there
  *     IDLE --------------------> ROTATING ---------------------> WRITING --> IDLE
  *       \
- *        \   the log has failed              in place             the log goes on
+ *        \   the log has failed              in place           the log continues
  *         +--------------------> MENDING --------------> RESUMING --------------> IDLE
  *
  * While the log works, a snapshot makes it shorter. After a failure of the log, whose contents are unknown

@@ -7,7 +7,7 @@
 
 enum reader_result {
     READER_OK,
-    READER_END,  /* the file ends here, behind an intact record */
+    READER_END,  /* the file ends here, after an intact record */
     READER_BAD,  /* no valid record here; the reason is in reader->fault */
     READER_ERROR /* the file cannot be read: reader->error is an errno */
 };

@@ -62,7 +62,7 @@ bool listing_has_begun(const struct listing *l)
 
 /* ---- sorting ---- */
 
-/* The first words of rows are different, and the blank behind them is smaller than any letter, so rows differ
+/* The first words of rows are different, and the blank after them is smaller than any letter, so rows differ
  * before either of them ends. */
 static int compare_rows(const void *a, const void *b)
 {

@@ -53,7 +53,7 @@ struct server {
     size_t expected;               /* bytes to prefault for points that are being received */
     struct dt_ids scratch;         /* owns; the result of a query that is answered at once */
     struct request request;        /* owns; the words of the current request */
-    struct ahead *ahead;           /* owns; the requests behind it in the connection's input */
+    struct ahead *ahead;           /* owns; the requests after it in the connection's input */
     const struct command *command; /* of the last request, often that of the next; NULL: none */
     struct buf lines;              /* owns; a reply in lines before it is converted to RESP */
     struct auth auth;

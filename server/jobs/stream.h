@@ -28,7 +28,7 @@ struct stream;
  * the rows are those of now. If there is no memory for pieces: answer_busy. */
 void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct dt_ids *ids);
 
-/* The same for rows of places, which it takes over: they are gone when their rows have been sent. */
+/* The same for rows of places, which it takes over: they are freed when their rows have been sent. */
 void stream_answer_places(struct server *s, struct answer *a, struct rows *rows,
                           struct places *places);
 
@@ -36,7 +36,7 @@ void stream_answer_places(struct server *s, struct answer *a, struct rows *rows,
 void stream_answer_table(struct server *s, struct answer *a, struct version *v, enum dt_table table,
                          bool cw, bool binary);
 
-/* DT_POINTS with the values of fields behind the coordinates; the array, from malloc, moves here, NULL: none. */
+/* DT_POINTS with the values of fields after the coordinates; the array, from malloc, moves here, NULL: none. */
 void stream_answer_points(struct server *s, struct answer *a, struct version *v, bool binary,
                           const struct dt_field **field, size_t fields);
 

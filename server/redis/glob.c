@@ -42,7 +42,7 @@ static bool item_matches(const char *pattern, size_t m, char c, size_t *used)
 bool glob_matches(const char *pattern, size_t m, const char *name, size_t n)
 {
     size_t p = 0, at = 0, star = 0, from = 0,
-           used; /* star: behind the last `*`; 0: there was none */
+           used; /* star: after the last `*`; 0: there was none */
     while (at < n) {
         if (p < m && pattern[p] == '*') {
             star = ++p;

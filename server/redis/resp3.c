@@ -177,7 +177,7 @@ static void put_status(struct buf *out, const struct resp3_form *form, const str
                        const struct reply_part *part)
 {
     uint64_t rows = r->rows_left;
-    struct words w = {part->text + 4, part->text + part->len}; /* behind "OK 0" */
+    struct words w = {part->text + 4, part->text + part->len}; /* after "OK 0" */
     if (rows > 0 || form != NULL) {
         if (form != NULL && form->row[0] == 'm')
             resp3_map(out, rows);

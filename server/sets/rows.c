@@ -21,7 +21,7 @@ enum {
 
 /* ---- rows from ids ---- */
 
-/* The values of a point of DT_POINTS, behind its coordinates; in text, its row has ended already. */
+/* The values of a point of DT_POINTS, after its coordinates; in text, its row has ended already. */
 static void write_values(const struct rows *r, struct buf *out, uint32_t id)
 {
     for (size_t i = 0; i < r->fields && !out->failed; i++) {
