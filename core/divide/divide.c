@@ -13,8 +13,9 @@
  *           1xx | 11x | 111 ...         | 000 | 001 |     triangles and back in their own records.
  *                                       +-----+-----+
  *
- * The way down, in here, sorts the points and records the blocks and merges (plan.h); the way up does these
- * (divide_sorted.c). A load goes down, since that makes coincident points neighbours, and its build only up.
+ * The way down, in this file, sorts the points and records the blocks and merges (plan.h); the way up carries these
+ * out (divide_sorted.c). A load does the way down, because that makes coincident points neighbours; its build then
+ * only does the way up.
  *
  * A range of the sorted points [lo, hi) owns the vertices lo .. hi - 1 and the records 2 lo .. 2 hi -
  * 1 of the mesh, so parts need no allocator and no locks (merge.h). Until blocks fill it, the mesh is the
@@ -27,20 +28,20 @@
  * three zooms in a row leave more than half of the points in one cell, the range is cut at its median, and its
  * halves get grids again: so the depth is bounded by about four grids for every halving.
  *
- * What each technique gains: ns per point with all of them but that one, on sets of 1e4 uniform
- * points, where all of them together need 138 (gcc 12, Zen 3 at 3.4 GHz; best of five runs, which
- * differ by some per cent).
+ * The gain of each technique: ns per point with all techniques except that one, on sets of 1e4 uniform points,
+ * where all of them together need 138 (gcc 12, Zen 3 at 3.4 GHz; best of five runs, which differ by some per
+ * cent).
  *
  *     two products a candidate, not a new in-circle test         196
  *     blocks of up to 6 points instead of 3                      175
  *     cuts that alternate instead of all columns first           171
  *     2 points a cell instead of 8                               169
- *     candidates of both sides looked at together, in lanes      164
+ *     candidates of both sides examined together, in lanes       164
  *     blocks sorted without a branch, compiled for each size     157
  *     no other coordinates packed into vectors (see Makefile)    147
  *     next and previous half edge by arithmetic, not a branch    145
  *     leaving[] remembers the ghost at every hull vertex         141
- *     points put aside in the mesh: at 1e6 points 171 instead of 185
+ *     points stored temporarily in the mesh: at 1e6 points 171 instead of 185
  *     tiles: at 1e7 points 237 instead of 213 (before the lanes), at 1e6 no difference
  *
  * and on other sets, of 2e5 points, one after the other:
