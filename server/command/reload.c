@@ -4,12 +4,17 @@
 #include "server/clients/clients.h"
 #include "server/command/account.h"
 
-static void renew_client(struct session *s, const struct auth *now, const struct auth *before,
+#include <stdlib.h>
+
+/* number: as of auth_renumber. */
+static void renew_client(struct session *s, const struct auth *now, const unsigned *number,
                          uint64_t asker)
 {
-    bool stranger = s->token == 0;
-    s->role = auth_renew(now, before, &s->token);
-    if (stranger || s->token != 0)
+    if (s->token == 0)
+        return;
+    s->token = number[s->token - 1];
+    s->role = auth_role(now, s->token);
+    if (s->token != 0)
         return;
     notice_client(s, NOTICE_INFO, "has a token that was removed: closed");
     if (s->id != asker)
@@ -28,13 +33,21 @@ bool reload_tokens(struct server *s, uint64_t asker)
         notice(NOTICE_ERROR, "%s is not a valid token file: the old tokens stay", path);
         return false;
     }
+    unsigned *number = malloc((before.n + 1) * sizeof *number);
+    if (number == NULL || !auth_renumber(&now, &before, number)) {
+        notice(NOTICE_ERROR, "out of memory: the old tokens stay");
+        free(number);
+        auth_clear(&now);
+        return false;
+    }
     for (uint32_t i = 0; s->clients != NULL && i < s->clients->cap; i++) {
         struct session *one = clients_at(s->clients, i);
         if (one != NULL && !one->conn.closed)
-            renew_client(one, &now, &before, asker);
+            renew_client(one, &now, number, asker);
     }
     notice(NOTICE_INFO, "%zu tokens have been read from %s", now.n, path);
     s->auth = now;
     auth_clear(&before);
+    free(number);
     return true;
 }

@@ -86,19 +86,64 @@ static bool equal(const struct token *t, const struct word *w)
     return differ == 0;
 }
 
+enum role auth_role(const struct auth *a, unsigned number)
+{
+    return number == 0 ? ROLE_NONE : a->token[number - 1].role;
+}
+
 enum role auth_check(const struct auth *a, const struct word *token, unsigned *number)
 {
     *number = 0;
     for (size_t i = 0; i < a->n; i++) /* every token is compared, whether or not one has matched */
         if (equal(&a->token[i], token))
             *number = (unsigned)i + 1;
-    return *number == 0 ? ROLE_NONE : a->token[*number - 1].role;
+    return auth_role(a, *number);
 }
 
-enum role auth_renew(const struct auth *now, const struct auth *before, unsigned *number)
+/* ---- after a reload ---- */
+
+static int compare(const struct token *a, const struct token *b)
 {
-    if (*number == 0)
-        return ROLE_NONE;
-    const struct token *t = &before->token[*number - 1];
-    return auth_check(now, &(struct word){t->text, t->len}, number);
+    if (a->len != b->len)
+        return a->len < b->len ? -1 : 1;
+    return memcmp(a->text, b->text, a->len);
+}
+
+/* By text; of equal ones, the last in the file comes first, because its role counts. */
+static int compare_sorted(const void *p, const void *q)
+{
+    const struct token *a = *(const struct token *const *)p, *b = *(const struct token *const *)q;
+    int order = compare(a, b);
+    return order != 0 ? order : (a < b) - (a > b);
+}
+
+/* The first of the n sorted tokens that is not before t; n: there is none. */
+static size_t find(const struct token *const *sorted, size_t n, const struct token *t)
+{
+    size_t low = 0;
+    for (size_t high = n; low < high;) {
+        size_t middle = low + (high - low) / 2;
+        if (compare(sorted[middle], t) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+bool auth_renumber(const struct auth *now, const struct auth *before, unsigned *number)
+{
+    const struct token **sorted = malloc((now->n + 1) * sizeof(const struct token *));
+    if (sorted == NULL)
+        return false;
+    for (size_t i = 0; i < now->n; i++)
+        sorted[i] = &now->token[i];
+    qsort(sorted, now->n, sizeof(const struct token *), compare_sorted);
+    for (size_t i = 0; i < before->n; i++) {
+        size_t at = find(sorted, now->n, &before->token[i]);
+        bool found = at < now->n && compare(sorted[at], &before->token[i]) == 0;
+        number[i] = found ? (unsigned)(sorted[at] - now->token) + 1 : 0;
+    }
+    free(sorted);
+    return true;
 }

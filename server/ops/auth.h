@@ -26,7 +26,11 @@ enum role auth_initial_role(const struct auth *a);
  * does not depend on which byte differs. */
 enum role auth_check(const struct auth *a, const struct word *token, unsigned *number);
 
-/* The same for the token with the number *number in `before`, the tokens before a reload. */
-enum role auth_renew(const struct auth *now, const struct auth *before, unsigned *number);
+/* The role of the token with that number; ROLE_NONE for 0. */
+enum role auth_role(const struct auth *a, unsigned number);
+
+/* After a reload: number[i] is the number that token i + 1 of `before` has now, 0 if it has been removed. False when out
+ * of memory. Cost: O(n log n) for n tokens. */
+bool auth_renumber(const struct auth *now, const struct auth *before, unsigned *number);
 
 #endif

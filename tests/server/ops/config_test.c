@@ -1,4 +1,5 @@
 /* config_test.c - settings that change while the daemon runs, and reloading tokens. */
+#include "server/ops/auth.h"
 #include "server/ops/setting.h"
 #include "tests/server/daemon.h"
 #include "tests/test.h"
@@ -190,6 +191,44 @@ TEST(tokens_are_reloaded_on_sighup)
     ask(stranger, "AUTH two\n", "ERR DENIED no such token");
     ask(stranger, "AUTH four\n", "OK 0 role=rw");
     daemon_end(&d);
+    unlink(token_path);
+}
+
+/* Tokens of up to three letters, some of them twice. */
+static struct auth random_tokens(char name[][4], size_t n)
+{
+    char text[4000], *to = text;
+    struct auth a;
+    for (size_t i = 0; i < n; i++) {
+        uint32_t letters = 1 + test_below(3);
+        memset(name[i], 0, 4);
+        for (uint32_t k = 0; k < letters; k++)
+            name[i][k] = (char)('a' + test_below(3));
+        to += sprintf(to, "%s %s\n", test_below(2) == 0 ? "ro" : "rw", name[i]);
+    }
+    write_tokens(text);
+    CHECK(auth_load(&a, token_path));
+    return a;
+}
+
+TEST(tokens_are_found_again_after_a_reload_as_a_client_would_find_them)
+{
+    enum { TOKENS = 30 };
+    char old[TOKENS][4], fresh[TOKENS][4];
+    CHECK(close(mkstemp(token_path)) == 0);
+    for (int round = 0; round < 50; round++) {
+        unsigned number[TOKENS];
+        struct auth before = random_tokens(old, 1 + test_below(TOKENS)),
+                    now = random_tokens(fresh, 1 + test_below(TOKENS));
+        CHECK(auth_renumber(&now, &before, number));
+        for (size_t i = 0; i < before.n; i++) {
+            unsigned want;
+            struct word w = {old[i], strlen(old[i])};
+            CHECK(auth_role(&now, number[i]) == auth_check(&now, &w, &want) && number[i] == want);
+        }
+        auth_clear(&before);
+        auth_clear(&now);
+    }
     unlink(token_path);
 }
 
