@@ -4,7 +4,9 @@
 #include "core/delaunay_fields.h"
 #include "proto/number.h"
 #include "server/jobs/edit.h"
+#include "server/jobs/job.h"
 #include "server/jobs/stream.h"
+#include "server/ops/cost.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -190,18 +192,50 @@ void cmd_fget(struct server *s, struct dataset *set, const struct request *q, st
     free(ids.v);
 }
 
+/* ---- FIELDS ---- */
+
+struct fields_job {
+    struct job job;
+    struct dt_field_summary sum[DT_MAX_FIELDS]; /* their names are those of the fields */
+    char name[DT_MAX_FIELDS][DT_FIELD_NAME + 1];
+    uint32_t n;
+};
+
+static void run_fields(struct job *job)
+{
+    struct fields_job *j = (struct fields_job *)job;
+    const struct dt_field *f = NULL;
+    while ((f = dt_field_next(job->dt, NULL, f)) != NULL) {
+        dt_field_summary(f, &j->sum[j->n]);
+        strcpy(j->name[j->n], j->sum[j->n].name); /* the field may be dropped before the reply */
+        j->n++;
+    }
+}
+
+static void fields_done(struct server *s, struct job *job, struct answer *a)
+{
+    const struct fields_job *j = (const struct fields_job *)job;
+    (void)s;
+    if (job->status != DT_OK) {
+        answer_status(a, job->status);
+        return;
+    }
+    reply_ok(a->out, j->n);
+    reply_end(a->out);
+    for (uint32_t i = 0; i < j->n; i++)
+        reply_row_field(a->out, j->name[i], j->sum[i].values, j->sum[i].least, j->sum[i].most);
+}
+
 void cmd_fields(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    const struct dt *dt = set->current->dt;
-    struct dt_field_summary sum;
-    (void)s, (void)q;
-    reply_ok(a->out, set->current->sum.fields);
-    reply_end(a->out);
-    for (const struct dt_field *f = dt_field_next(dt, NULL, NULL); f != NULL;
-         f = dt_field_next(dt, NULL, f)) {
-        dt_field_summary(f, &sum);
-        reply_row_field(a->out, sum.name, sum.values, sum.least, sum.most);
-    }
+    struct version *v = set->current;
+    size_t pages = (size_t)v->sum.fields * (dt_next_id(v->dt) / DT_FIELD_PAGE + 1);
+    struct fields_job *j = job_new(sizeof *j, run_fields, fields_done);
+    (void)q;
+    if (j == NULL)
+        answer_out_of_memory(a);
+    else
+        job_read(s, a, &j->job, v, cost_at_once(COST_PAGE, pages) ? 0 : JOB_HEAVY | JOB_BRIEF);
 }
 
 void cmd_fdrop(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -17,7 +17,8 @@ enum cost_kind {
     COST_COPY,  /* per point: a copy of the set */
     COST_EDIT,  /* per point added or deleted */
     COST_SWEEP, /* per point that a sweep reads */
-    COST_FREE   /* per KiB returned to the system */
+    COST_FREE,  /* per KiB returned to the system */
+    COST_PAGE   /* per page of a field that is summed up */
 };
 
 enum {
@@ -28,8 +29,9 @@ enum {
 /* Whether the I/O thread does n units itself. */
 static inline bool cost_at_once(enum cost_kind kind, size_t n)
 {
-    static const unsigned ns[] = {[COST_BUILD] = 400, [COST_GRID] = 100, [COST_COPY] = 100,
-                                  [COST_EDIT] = 2000, [COST_SWEEP] = 50, [COST_FREE] = 50};
+    static const unsigned ns[] = {
+        [COST_BUILD] = 400, [COST_GRID] = 100, [COST_COPY] = 100, [COST_EDIT] = 2000,
+        [COST_SWEEP] = 50,  [COST_FREE] = 50,  [COST_PAGE] = 10};
     return n <= COST_AT_ONCE_NS / ns[kind];
 }
 
