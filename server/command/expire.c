@@ -53,30 +53,11 @@ double expire_seconds_left(const struct dataset *set)
 
 /* ---- the tick ---- */
 
-enum { DUE = 16, BUCKETS_A_TICK = 2000 };
-
-struct due {
-    struct dataset *set[DUE];
-    size_t n;
-};
-
-static void collect(struct dataset *set, void *ctx)
-{
-    struct due *due = ctx;
-    if (due->n < DUE && expire_is_due(set))
-        due->set[due->n++] = set;
-}
+enum { SETS_A_TICK = 2000 };
 
 void expire_tick(struct server *s)
 {
-    if (s->sets.expiring == 0)
-        return;
-    for (int i = 0; i < BUCKETS_A_TICK; i++) {
-        struct due due = {.n = 0};
-        s->expired_up_to = registry_scan(&s->sets, s->expired_up_to, collect, &due);
-        while (due.n > 0)
-            expire_drop_if_due(s, due.set[--due.n]);
-        if (s->expired_up_to == 0)
-            break;
-    }
+    size_t n = s->sets.expiring < SETS_A_TICK ? s->sets.expiring : SETS_A_TICK;
+    while (n-- > 0)
+        expire_drop_if_due(s, registry_next_expiring(&s->sets));
 }

@@ -24,7 +24,8 @@ bool expire_drop_if_due(struct server *s, struct dataset *set);
 /* Of a set that is dropped at some time; not negative. */
 double expire_seconds_left(const struct dataset *set);
 
-/* Drops some of the sets whose time has come. To be called once a second. Cost: O(1), less than a millisecond. */
+/* Looks at some of the sets that are dropped at some time, all of them in turn, and drops those whose time has come. To be
+ * called once a second. Cost: O(1), less than a millisecond. */
 void expire_tick(struct server *s);
 
 #endif

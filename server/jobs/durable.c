@@ -112,6 +112,8 @@ static void adopt_sets(struct server *s)
     s->sets.buckets = from->buckets;
     s->sets.sets = from->sets;
     s->sets.expiring = from->expiring;
+    s->sets.expiring_first = from->expiring_first;
+    s->sets.expiring_last = from->expiring_last;
     s->sets.life = from->life;
     s->sets.unlogged = from->unlogged;
     reservation_set(&s->sets.memory, s->sets.memory.bytes + from->memory.bytes);

@@ -37,7 +37,6 @@ struct server {
     struct durable *durable; /* owns; NULL: everything is in memory only (no --data) */
     struct rebuild *rebuild; /* owns; of sets that were read at the start; NULL: none */
     struct holders held;     /* replies that wait for the disk (hold.h) */
-    size_t expired_up_to;    /* the registry's cursor of expire_tick */
     uint64_t dropped;        /* the lsn of the last DROP in the log */
     struct workers *workers; /* owns; NULL: every job runs at once, on this thread */
     struct job *jobs;        /* those of the workers, until they are collected and ended */

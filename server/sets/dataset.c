@@ -223,17 +223,53 @@ struct dataset *registry_create(struct registry *r, const struct word *name, dou
     return set;
 }
 
+/* ---- sets that are dropped at some time ---- */
+
+static void enter_expiring(struct registry *r, struct dataset *set)
+{
+    set->expiring_next = NULL;
+    set->expiring_before = r->expiring_last;
+    if (r->expiring_last != NULL)
+        r->expiring_last->expiring_next = set;
+    else
+        r->expiring_first = set;
+    r->expiring_last = set;
+    r->expiring++;
+}
+
+static void leave_expiring(struct registry *r, struct dataset *set)
+{
+    struct dataset *next = set->expiring_next, *before = set->expiring_before;
+    *(before != NULL ? &before->expiring_next : &r->expiring_first) = next;
+    *(next != NULL ? &next->expiring_before : &r->expiring_last) = before;
+    r->expiring--;
+}
+
 void registry_expire(struct registry *r, struct dataset *set, int64_t at_ms)
 {
-    r->expiring -= set->expires_ms != 0;
-    r->expiring += at_ms != 0;
+    if (set->expires_ms != 0)
+        leave_expiring(r, set);
     set->expires_ms = at_ms;
+    if (at_ms != 0)
+        enter_expiring(r, set);
 }
+
+struct dataset *registry_next_expiring(struct registry *r)
+{
+    struct dataset *set = r->expiring_first;
+    if (set == NULL)
+        return NULL;
+    leave_expiring(r, set);
+    enter_expiring(r, set);
+    return set;
+}
+
+/* ---- the end of a set ---- */
 
 static void free_set(struct registry *r, struct dataset *set)
 {
     r->sets--;
-    r->expiring -= set->expires_ms != 0;
+    registry_expire(r, set, 0);
     version_unpin(r, set->current);
     free(set);
 }

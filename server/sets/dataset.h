@@ -46,6 +46,8 @@ struct dataset {
     bool loading;       /* it was read from disk and is not triangulated yet */
     bool temporary;     /* dropped when its connection ends, and never on disk */
     int64_t expires_ms; /* when it is dropped, in milliseconds since 1970; 0: never */
+    struct dataset *expiring_next,
+        *expiring_before; /* in the registry's list, if expires_ms is not 0 */
     struct dataset *temporary_next, **temporary_link; /* in the list of that connection's sets */
     struct wait_queue queue;                          /* of requests that wait for it */
     size_t name_len;
@@ -61,7 +63,9 @@ struct temporaries {
 struct registry {
     struct dataset **bucket; /* owns */
     size_t buckets, sets;
-    size_t expiring;             /* sets that are dropped at some time */
+    size_t expiring; /* sets that are dropped at some time, */
+    struct dataset *expiring_first,
+        *expiring_last;          /* their list, in the order of registry_next_expiring */
     struct temporaries *orphans; /* owns; the temporary sets of connections that have ended */
     struct reservation memory;   /* of all versions */
     struct dt_pages *pages;      /* borrows; for the large arrays of sets; NULL: none */
@@ -91,6 +95,8 @@ uint64_t registry_version(struct registry *r, uint64_t lsn);
 void registry_begin_life(struct registry *r, uint32_t last);
 /* Sets when the set is dropped, in milliseconds since 1970 (expire.h); 0: never. */
 void registry_expire(struct registry *r, struct dataset *set, int64_t at_ms);
+/* The next one of the sets that are dropped at some time, round and round; NULL: there are none. Cost: constant. */
+struct dataset *registry_next_expiring(struct registry *r);
 /* Adds a set to a connection's temporary sets *of, whose list is created with the first one (NULL before). False
  * when out of memory. registry_drop removes it. */
 bool dataset_make_temporary(struct dataset *set, struct temporaries **of);

@@ -31,6 +31,34 @@ TEST(names_that_begin_alike_are_different_sets)
     registry_clear(&sets);
 }
 
+/* Sets without a time are not looked at. */
+TEST(sets_that_expire_are_looked_at_in_turn)
+{
+    enum { MANY = 300 };
+    struct dataset *set[MANY];
+    char name[20];
+    registry_init(&sets);
+    for (int i = 0; i < MANY; i++) {
+        sprintf(name, "s%d", i);
+        set[i] = create(name);
+    }
+    CHECK(registry_next_expiring(&sets) == NULL);
+    for (int i = 0; i < 5; i++)
+        registry_expire(&sets, set[50 * i], 1 + i);
+    for (int i = 0; i < 12; i++)
+        CHECK(registry_next_expiring(&sets) == set[50 * (i % 5)]);
+    registry_expire(&sets, set[150], 0);
+    registry_drop(&sets, set[200]);
+    registry_expire(&sets, set[0], 7);
+    static const int turn[] = {100, 50, 0}; /* 100 is next, and 0 was set again */
+    for (int i = 0; i < 9; i++) {
+        CHECK(registry_next_expiring(&sets) == set[turn[i % 3]]);
+        CHECK(sets.expiring == 3);
+    }
+    registry_clear(&sets);
+    CHECK(sets.expiring == 0);
+}
+
 static void count(struct dataset *set, void *ctx)
 {
     (void)set;
