@@ -104,6 +104,73 @@ TEST(surface_requests_that_cannot_be_answered)
     daemon_stop(&d, SIGTERM);
 }
 
+TEST(surface_requests_with_extreme_numbers)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = daemon_connect(&d);
+    say(fd, "ADD t FIELDS z 0 0 1 4 0 2 4 4 3 0 4 4 2 2 9\nTRIANGULATE t\n");
+    CHECK(strncmp(hear_line(fd), "OK 0 first=0 added=5", 20) == 0);
+    CHECK(strncmp(hear_line(fd), "OK 0 points=5", 13) == 0);
+    converse(&d,
+             "RASTER t z nan 0 1 1 2 2\nRASTER t z 0 0 inf 1 2 2\nRASTER t z 1 1 1 1 2 1\n"
+             "RASTER t z 2 0 2 4 2 2\nRASTER t z 0 0 4 4 4294967296 1\nRASTER t z 0 0 4 4 -1 1\n"
+             "RASTER t z 0 0 4 4 65536 2049\nRASTER t z 0 0 4 4 2 1 MAXEDGE 0\n"
+             "RASTER t z 0 0 4 4 2 1 MAXEDGE nan\nRASTER t z 0 0 4 4 2 1 MAXEDGE 1e-300\n"
+             "RASTER t z -3e60 -3e60 3e60 3e60 2 1\nRASTER t z 1e-50 0 1 1 2 1\n"
+             "INTERPOLATE t z 2 2 1 1 MAXEDGE 0\nCONTOUR t z EVERY 1e300 BASE 1e300\n"
+             "CONTOUR t z EVERY 5e-324\nCONTOUR t z nan\n",
+             "ERR NUMBER nan is not a number\nERR NUMBER inf is not a number\n"
+             "OK 1 columns=2\n5 5\nOK 2 columns=2\n6.25 6.25\n5.25 5.25\n"
+             "ERR NUMBER 4294967296 is not a number of columns\n"
+             "ERR NUMBER -1 is not a number of columns\n"
+             "ERR TOOBIG a raster has at most 134217728 cells\nOK 1 columns=2\nnan nan\n"
+             "ERR NUMBER nan is not a number\n"
+             "ERR RANGE a length is 0 or has a magnitude from 2^-142 to 2^201\n"
+             "OK 1 columns=2\nnan nan\n"
+             "ERR RANGE a coordinate is 0 or has a magnitude from 2^-142 to 2^201\n"
+             "OK 2\n9\nnan\nOK 0\nERR RANGE more than 10000 levels\n"
+             "ERR NUMBER nan is not a number\n");
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
+TEST(raster_is_completed_for_a_client_that_sends_nothing_more)
+{
+    enum { SIDE = 600 };
+    int fd, other;
+    struct daemon d = start(&fd, 100);
+    double *want = raster(fd, SIDE, SIDE, "linear");
+    other = daemon_connect(&d);
+    say(other, "RASTER t z 0 0 1 1 600 600 BINARY\n");
+    CHECK(shutdown(other, SHUT_WR) == 0);
+    CHECK(strncmp(hear_line(other), "OK 0 rows=600", 13) == 0);
+    double *got = (double *)(void *)hear_bytes(other, 8 * SIDE * SIDE);
+    CHECK(is_same(got, want, SIDE * SIDE));
+    char more;
+    CHECK(read(other, &more, 1) == 0);
+    free(want);
+    free(got);
+}
+
+/* A gigabyte each, of which the clients read a little. */
+TEST(clients_that_disconnect_during_a_raster_leave_the_set_free)
+{
+    enum { CLIENTS = 10 };
+    int fd, other[CLIENTS];
+    struct daemon d = start(&fd, 100);
+    for (int i = 0; i < CLIENTS; i++) {
+        other[i] = daemon_connect(&d);
+        say(other[i], "RASTER t z 0 0 1 1 16384 8192 BINARY\n");
+        CHECK(strncmp(hear_line(other[i]), "OK 0 rows=8192", 14) == 0);
+    }
+    say(fd, "MOVE t 3 0.5 0.5\nFDROP t z\nDROP t\nSETS\n");
+    for (int i = 0; i < 3; i++)
+        CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0);
+    expect(fd, "OK 0\n");
+    for (int i = 0; i < CLIENTS; i++)
+        close(other[i]);
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
 TEST(raster_as_text_has_the_values_of_the_binary_one)
 {
     int fd;
