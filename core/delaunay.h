@@ -215,6 +215,15 @@ enum dt_status dt_get(const struct dt *t, uint32_t id, struct dt_point *p);
 /* The representative of id: id itself unless it is an alias. */
 enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep);
 
+/* From now on edits note which points they touch, until dt_touched_end. Cost: O(1) for each row and ring that an edit
+ * changes. */
+void dt_touched_begin(struct dt *t);
+void dt_touched_end(struct dt *t);
+
+/* What edits have touched since the last call, ascending: 2 id, or 2 id + 1 if only its ring may have changed; new ids
+ * are not among them. The keys are borrowed until the next edit. False: everything may have changed. */
+bool dt_touched_take(struct dt *t, const uint64_t **keys, size_t *n);
+
 /* ---- the triangulation ---- */
 
 struct dt_summary {

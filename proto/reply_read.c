@@ -31,13 +31,19 @@ static bool read_u64(const char *s, size_t len, uint64_t *v)
     return true;
 }
 
-/* The number after "OK ". */
+static bool is_event(const char *s, size_t len)
+{
+    return starts_with(s, len, "EVENT ");
+}
+
+/* The number after "OK " or "EVENT ". */
 static bool read_row_count(const char *s, size_t len, uint64_t *rows)
 {
-    if (!starts_with(s, len, "OK "))
+    size_t word = is_event(s, len) ? 6 : 3;
+    if (word == 3 && !starts_with(s, len, "OK "))
         return false;
-    const char *space = memchr(s + 3, ' ', len - 3);
-    return read_u64(s + 3, (space != NULL ? (size_t)(space - s) : len) - 3, rows);
+    const char *space = memchr(s + word, ' ', len - word);
+    return read_u64(s + word, (space != NULL ? (size_t)(space - s) : len) - word, rows);
 }
 
 /* "ERR CODE text"; the text may be missing. */
@@ -56,8 +62,8 @@ static bool read_status(struct reply_reader *r, struct reply_part *part)
     uint64_t rows, bytes = 0;
     const char *value;
     size_t len;
-    part->kind = REPLY_OK;
-    if (!read_row_count(part->text, part->len, &rows))
+    part->kind = is_event(part->text, part->len) ? REPLY_EVENT : REPLY_OK;
+    if ((part->kind == REPLY_EVENT && !r->events) || !read_row_count(part->text, part->len, &rows))
         return false;
     if (rows == 0 && reply_key(part, "bytes", &value, &len) && !read_u64(value, len, &bytes))
         return false;
@@ -134,7 +140,7 @@ bool reply_key_number(const struct reply_part *status, const char *key, uint64_t
 uint64_t reply_rows(const struct reply_part *status)
 {
     uint64_t rows = 0;
-    if (status->kind == REPLY_OK)
+    if (status->kind == REPLY_OK || status->kind == REPLY_EVENT)
         read_row_count(status->text, status->len, &rows);
     return rows;
 }

@@ -19,6 +19,7 @@ enum reply_part_kind {
     REPLY_ERR,    /* the status line of one that was refused */
     REPLY_ROW,    /* one of the lines announced */
     REPLY_BYTES,  /* some of the raw bytes announced */
+    REPLY_EVENT,  /* the first line of an event, between replies (WATCH); its lines follow */
     REPLY_COMMENT /* a line that starts with '#', before a status line */
 };
 
@@ -33,6 +34,7 @@ struct reply_part {
 struct reply_reader {
     uint64_t rows_left, bytes_left; /* of the current reply */
     size_t scanned;                 /* bytes at the front without an end of line */
+    bool events;                    /* the connection may have events between replies (WATCH) */
     const char *fault;              /* why reply_read returned -1: a static sentence */
 };
 

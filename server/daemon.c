@@ -17,6 +17,7 @@
 #include "server/system/private.h"
 #include "server/system/sock.h"
 #include "server/system/systemd.h"
+#include "server/watch/watch.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -254,6 +255,7 @@ static void on_durable(struct source *source, uint32_t events)
 static void on_turn_end(struct loop *loop)
 {
     (void)loop;
+    watch_turn_end(&d.server);
     durable_turn_end(&d.server);
     keep_turn_end(&d.server);
 }

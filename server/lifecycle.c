@@ -8,6 +8,7 @@
 #include "server/jobs/stream.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
+#include "server/watch/watch.h"
 
 #include <poll.h>
 #include <stdlib.h>
@@ -30,6 +31,7 @@ bool server_init(struct server *s, struct config *config)
     s->sets.pages = s->pages;
     s->sets.discard = discard;
     s->sets.discard_ctx = s;
+    s->sets.dropped = watch_dropped;
     if (config->auth_file != NULL && !auth_load(&s->auth, config->auth_file))
         return false;
     if (s->pages == NULL || s->ahead == NULL || !stats_init(&s->stats) ||
@@ -106,6 +108,7 @@ void server_clear(struct server *s)
     durable_stop(s);
     rebuild_free(s);
     registry_clear(&s->sets);
+    watch_clear(s);
     dt_pages_free(s->pages);
     auth_clear(&s->auth);
     request_free(&s->request);

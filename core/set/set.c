@@ -31,6 +31,7 @@ void dt_free(struct dt *t)
     dt_hints_clear(&t->hints);
     dt_cavity_clear(&t->scratch);
     dt_views_clear(&t->views);
+    dt_touched_clear(&t->touched);
     free(t);
 }
 

@@ -8,6 +8,8 @@ static void save_row(void *ctx, uint32_t id)
 {
     struct dt *t = ctx;
     struct dt_views *w = &t->views;
+    if (t->touched.on)
+        dt_touched_note(&t->touched, 2 * (uint64_t)id);
     if (id >= w->row_ids || dt_images_has(&w->rows, id, w->rows_since))
         return;
     uint32_t *image = dt_images_save(&w->rows, id, DT_ROW_WORDS);
@@ -37,6 +39,8 @@ static void save_star(void *ctx, uint32_t v)
     struct dt *t = ctx;
     struct dt_views *w = &t->views;
     uint32_t id = t->points.id[v];
+    if (t->touched.on && id != DT_NONE)
+        dt_touched_note(&t->touched, 2 * (uint64_t)id + 1);
     if (id >= w->ring_ids || dt_images_has(&w->rings, id, w->rings_since))
         return;
     uint32_t *image = dt_images_save(&w->rings, id, dt_star_words(&t->mesh, v));
@@ -52,7 +56,7 @@ static void save_name(void *ctx, uint32_t v)
 {
     const struct dt *t = ctx;
     const struct dt_mesh *m = &t->mesh;
-    if (t->views.ring_ids == 0 || !t->current)
+    if ((t->views.ring_ids == 0 && !t->touched.on) || !t->current)
         return;
     save_star(ctx, v);
     uint32_t h = m->leaving[v];
@@ -71,16 +75,19 @@ static bool look_after(struct dt *t)
     struct dt_views *w = &t->views;
     bool freed = dt_views_review(w);
     freed |= dt_fields_review(&t->fields, atomic_load(&w->serial), w->latest, w->oldest);
+    bool rows = t->touched.on || w->row_ids > 0, rings = t->touched.on || w->ring_ids > 0;
     w->changes = (struct dt_changes){save_row, save_family, save_star, save_name, t};
-    t->points.changes = t->points.aliases.changes = w->row_ids > 0 ? &w->changes : NULL;
-    t->scratch.changes = w->ring_ids > 0 ? &w->changes : NULL;
+    t->points.changes = t->points.aliases.changes = rows ? &w->changes : NULL;
+    t->scratch.changes = rings ? &w->changes : NULL;
     return freed;
 }
 
 void dt_views_edit_begin(struct dt *t)
 {
     const struct dt_views *w = &t->views;
-    if (atomic_load_explicit(&w->list, memory_order_relaxed) != NULL || w->saved ||
+    if (t->touched.on && dt_is_live(t) && dt_mesh_is_line(&t->mesh))
+        t->touched.all = true;
+    if (t->touched.on || atomic_load_explicit(&w->list, memory_order_relaxed) != NULL || w->saved ||
         t->points.changes != NULL || dt_fields_keep(&t->fields))
         look_after(t);
 }

@@ -140,6 +140,7 @@ command_handler cmd_interpolateb, cmd_weights, cmd_interpolate, cmd_raster,
     cmd_contour;                                         /* cmd_surface.c */
 command_handler cmd_voronoi, cmd_areas, cmd_alpha;       /* cmd_cells.c */
 command_handler cmd_trace;                               /* cmd_trace.c */
+command_handler cmd_watch, cmd_unwatch;                  /* server/watch/cmd_watch.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit; /* cmd_admin.c */
 command_handler cmd_snapshot;                            /* cmd_admin.c */
 command_handler cmd_auth;                                /* cmd_auth.c */

@@ -39,6 +39,7 @@ struct server {
     struct holders held;     /* replies that wait for the disk (hold.h) */
     uint64_t dropped;        /* the lsn of the last DROP in the log */
     struct workers *workers; /* owns; NULL: every job runs at once, on this thread */
+    struct watched *watched; /* owns; the sets that clients watch (server/watch) */
     struct job *jobs;        /* those of the workers, until they are collected and ended */
     struct work *early;      /* of these, finished readers that wait for an edit (job_is_early) */
     /* Answers a connection that has joined a job (job_answer) and does nothing else. */

@@ -421,6 +421,9 @@ static redis_handler *find(const struct request *q, const struct answer *a, bool
         return refuse_in_multi;
     if (q->word[0].len == 0 || strchr(first, q->word[0].text[0] & ~0x20) == NULL)
         return NULL;
+    /* Events are pushes, which RESP 2 does not have. */
+    if (a->typed && (word_is(&q->word[0], "WATCH") || word_is(&q->word[0], "UNWATCH")))
+        return NULL;
     /* `HELLO 1` asks for the version of our protocol. */
     if (q->n == 2 && word_is(&q->word[0], "HELLO") && word_is(&q->word[1], "1"))
         return NULL;

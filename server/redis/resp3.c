@@ -217,3 +217,41 @@ bool resp3_reframe(struct reply_reader *r, const struct resp3_form *form, const 
     }
     return true;
 }
+
+/* ---- events ---- */
+
+static void put_event_facts(struct buf *out, struct words w)
+{
+    const char *text;
+    size_t len;
+    resp3_map(out, count_words(w));
+    while (next_word(&w, &text, &len)) {
+        if (memchr(text, '=', len) != NULL) {
+            put_fact(out, text, len);
+            continue;
+        }
+        resp_bulk(out, text, len); /* reset, more, dropped */
+        put(out, '#', "t", 1);
+    }
+}
+
+void resp3_push(struct buf *out, const char *head, size_t head_len, const char *rows,
+                size_t rows_len, size_t n)
+{
+    static const struct resp3_form point = {"", "sid"}, other = {"", "sisi"};
+    const char *text, *end = rows + rows_len;
+    size_t len, mark = buf_len(out);
+    struct words w = {head, head + head_len - 1};
+    resp_array(out, 2 + n);
+    if (!out->failed)
+        buf_head(out)[mark] = '>';
+    next_word(&w, &text, &len); /* EVENT n */
+    next_word(&w, &text, &len);
+    resp_bulk(out, "event", 5);
+    put_event_facts(out, w);
+    for (const char *at = rows, *lf; at < end; at = lf + 1) {
+        lf = memchr(at, '\n', (size_t)(end - at));
+        struct reply_part row = {REPLY_ROW, at, (size_t)(lf - at), false};
+        put_row(out, *at == 'p' ? &point : &other, &row);
+    }
+}

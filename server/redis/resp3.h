@@ -26,6 +26,11 @@ const struct resp3_form *resp3_form(const char *command);
 bool resp3_reframe(struct reply_reader *r, const struct resp3_form *form, const char *bytes,
                    size_t n, struct buf *out);
 
+/* An event (server/watch/event.h) in lines, its first line and its n rows, as a push: `event`, a map of facts, and
+ * the rows. */
+void resp3_push(struct buf *out, const char *head, size_t head_len, const char *rows,
+                size_t rows_len, size_t n);
+
 /* The header of a map of n pairs, and null. */
 void resp3_map(struct buf *out, size_t n);
 void resp3_null(struct buf *out);

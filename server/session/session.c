@@ -13,6 +13,7 @@
 #include "server/ops/limits.h"
 #include "server/redis/redis.h"
 #include "server/session/session_inside.h"
+#include "server/watch/watch.h"
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -264,6 +265,7 @@ static void on_closed(struct conn *c)
         listing_free(s->listing);
     if (s->load != NULL)
         load_free(s->server, s->load);
+    watch_leave(s);
     registry_orphan(&s->server->sets, s->temporary);
     if (s->closed != NULL)
         s->closed(s);

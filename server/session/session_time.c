@@ -38,7 +38,8 @@ void session_check_timeouts(struct session *s)
         load_free(s->server, s->load);
         s->load = NULL;
         conn_turn(c);
-    } else if (idle_ms > 0 && is_listening(s) && now - c->heard_ms > idle_ms) {
+    } else if (idle_ms > 0 && is_listening(s) && s->watching == NULL &&
+               now - c->heard_ms > idle_ms) {
         session_refuse(s, ERR_TIMEOUT, "idle for too long");
         conn_turn(c);
     }

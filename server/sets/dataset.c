@@ -285,6 +285,8 @@ static void leave_list(struct dataset *set)
 
 void registry_drop(struct registry *r, struct dataset *set)
 {
+    if (set->watched != NULL && r->dropped != NULL)
+        r->dropped(set);
     struct dataset **at = bucket_of(r, set->name, set->name_len);
     while (*at != set)
         at = &(*at)->next;

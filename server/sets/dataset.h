@@ -50,6 +50,7 @@ struct dataset {
         *expiring_before; /* in the registry's list, if expires_ms is not 0 */
     struct dataset *temporary_next, **temporary_link; /* in the list of that connection's sets */
     struct wait_queue queue;                          /* of requests that wait for it */
+    struct watched *watched; /* borrows; who watches it (server/watch); NULL: nobody */
     size_t name_len;
     char name[SET_NAME_LIMIT + 1];
 };
@@ -75,6 +76,8 @@ struct registry {
     /* Frees a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;
+    void (*dropped)(
+        struct dataset *set); /* called before a set that is watched is dropped; or NULL */
 };
 
 void registry_init(struct registry *r);

@@ -183,7 +183,7 @@ static void replay(struct script *s)
     size_t queued = 0;
     struct reply_part part;
     struct daemon d = daemon_start(NULL);
-    t = (struct talk){.fd = daemon_connect(&d)};
+    t = (struct talk){.fd = daemon_connect(&d), .reader.events = true};
     while ((line = next_line(s)) != NULL && strcmp(line, "```") != 0) {
         if (line[0] == '>') {
             CHECK_MSG(!t.mid_reply, "PROTOCOL.md:%d: the reply before has more lines", s->number);

@@ -100,6 +100,7 @@ TEST(version_of_a_set_that_is_made_again_is_another_one)
     struct daemon d = directory_daemon(&dir, NULL);
     v[0] = version_after(&d, "ADD t 0 0\n");
     v[1] = version_after(&d, "DROP t\nCREATE t TEMPORARY\nADD t 0 0\n");
+    await_info(&d, "sets", 0); /* the temporary set has ended with its connection */
     v[2] = version_after(&d, "ADD t 0 0\n");
     daemon_stop(&d, SIGKILL);
     d = directory_daemon(&dir, NULL);

@@ -1,0 +1,33 @@
+/* watch.h - clients that follow a set: after each change they get the rows and rings that are different now, never a log
+ * of edits.
+ *
+ * What edits touch is collected once for each set (dt_touched_take). Watchers that are up to date get the same text. One
+ * that lags, because its client does not read or a long reply is being sent, has a bit for each id that has changed,
+ * and later gets their rows as they are then, in parts. A watcher that knows nothing, or after a change of everything, is
+ * sent all ids in ascending order (a reset), for which it needs no bits. So a watcher costs its buffer and at most a bit
+ * for each id. */
+#ifndef SERVER_WATCH_H
+#define SERVER_WATCH_H
+
+#include "server/clients/session_state.h"
+
+enum { WATCH_MOST = 64 }; /* sets that a connection watches */
+
+/* The session watches the set, whose state it knows if `current`. False: out of memory. */
+bool watch_begin(struct server *s, struct session *who, struct dataset *set, bool current);
+bool watch_end(struct session *who, const struct dataset *set); /* false: it did not watch it */
+size_t watch_count(const struct session *who);
+
+/* The connection has closed. */
+void watch_leave(struct session *who);
+
+/* A set is dropped. */
+void watch_dropped(struct dataset *set);
+
+/* To be called at the end of every turn: writes the events. */
+void watch_turn_end(struct server *s);
+
+/* All sessions have ended. */
+void watch_clear(struct server *s);
+
+#endif
