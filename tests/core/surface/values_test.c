@@ -305,6 +305,25 @@ TEST(cells_of_a_lattice_have_the_values_at_their_centres)
     dt_free(t);
 }
 
+/* Rows along edges, cells on edges and at points, and columns at one place, after cells that are in triangles. */
+TEST(cells_on_edges_have_the_values_at_their_centres)
+{
+    enum { N = 30 };
+    struct dt_point p[N];
+    struct dt_surface s = surface_of(DT_LINEAR);
+    make_values();
+    for (int i = 0; i < 100; i++) {
+        double x = test_below(15) / 2.0;
+        for (int k = 0; k < N; k++)
+            p[k] = (struct dt_point){test_below(8), test_below(8)};
+        struct dt *t = set_of(p, N);
+        check_cells(t, &s, &(struct dt_raster){{0.1, -0.5}, {6.9, 7.5}, 19, 8});
+        check_cells(t, &s, &(struct dt_raster){{-0.25, -0.25}, {7.75, 7.75}, 16, 16});
+        check_cells(t, &s, &(struct dt_raster){{x, -0.25}, {x, 7.75}, 3, 16});
+        dt_free(t);
+    }
+}
+
 /* More columns than are walked together, and more triangles between two cells than are. */
 TEST(cells_of_wide_and_of_sparse_rasters_have_the_values_at_their_centres)
 {
