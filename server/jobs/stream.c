@@ -306,8 +306,13 @@ static void make(struct stream *st, struct piece *p)
 static void run_making(struct job *j)
 {
     struct making *m = (struct making *)j;
+    bool free = m->stream->past.dt != NULL && j->queued_ns > 0; /* nobody edits the copy */
+    if (free)
+        version_unlock(j->base);
     if (!j->cancel)
         make(m->stream, m->piece);
+    if (free)
+        version_lock_read(j->base);
 }
 
 static void end_work(struct server *s, struct stream *st)
