@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum {
-    SHARED_IDS = 4096, /* more new ids than this are sent in parts */
+    SHARED_IDS = 4096, /* more ids than this are sent in parts: some 300 KB */
     NEW_IDS = 65536,   /* more than this are a reset */
     RETRY_MS = 1000    /* after a triangulation for watchers has failed */
 };
@@ -206,7 +206,7 @@ static void collect(struct server *s, struct watched *k)
     dt_touched_begin(dt);
     k->version = k->set->version;
     k->ids = dt_next_id(dt);
-    if (known && k->ids - from <= SHARED_IDS) {
+    if (known && n + (k->ids - from) <= SHARED_IDS) {
         share(s, k, key, n, from);
         return;
     }
