@@ -3,6 +3,7 @@
 #   make            the daemon build/delaunayd and the client build/delaunay
 #   make test       all base tests; make test T=grid runs those whose name or file contains "grid"
 #   make demo       triangulates 171,075 real places over TCP, draws cities.svg, terrain.svg and cells.svg into build/
+#   make view       the same places on a live page in the browser; make test_web tests that page in Chromium
 #   make install    programs, libraries, manual pages, completion: PREFIX=/usr/local DESTDIR=; make uninstall
 #   make lib        the C libraries, in build/lib and build/include
 #   make V=asan ... the same in build/asan with another variant's flags: asan, tsan, debug
@@ -48,7 +49,7 @@ WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all help demo test test_binaries $(SUITES:%=test_%) faults clean asan tsan fmt
+.PHONY: all help demo view test test_binaries $(SUITES:%=test_%) faults clean asan tsan fmt
 
 all: $(O)/delaunayd $(O)/delaunay
 
@@ -70,6 +71,9 @@ $(O)/delaunayd $(O)/delaunay $(TEST_BINARIES):
 $(O)/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -MMD -MP -c -o $@ $<
+
+view: all
+	@clients/web/view.sh $(O)/delaunayd $(O)/delaunay tests/data $(O)/web
 
 demo: all
 	@clients/demo.sh $(O)/delaunayd $(O)/delaunay tests/data/cities.xy $(O)/cities.svg $(O)/terrain.svg $(O)/cells.svg

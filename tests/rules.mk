@@ -1,6 +1,6 @@
 # rules.mk - targets that need more than a C compiler: comparison with CGAL, measurements, lint, fuzzing.
 
-.PHONY: interop bench bench-durable lint fuzz fuzz_run
+.PHONY: interop test_web bench-web bench bench-durable lint fuzz fuzz_run
 
 CXXCOMPILE = $(CXX) -O2 -g -ffp-contract=off -pthread -I. -Wall -Wextra $(if $(WERROR),-Werror) $(FLAGS_$(V))
 FAMILIES  := $(O)/tests/oracle/families.o
@@ -34,6 +34,17 @@ interop: all
 	  echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ -)
 	@$(MAKE) --no-print-directory $(addprefix $(O)/,interop/compare interop/small_sets interop/surfaces tests/bench/points)
 	tests/interop/run.sh $(O)
+
+# ---- test_web: the live page in a browser; bench-web measures it ----
+
+test_web bench-web: all
+	$(call need,nodejs chromium,command -v node && command -v npm && command -v chromium)
+	@mkdir -p $(O)/web && cp -R clients/web/. $(O)/web
+	@[ -d $(O)/web/node_modules/puppeteer-core ] || \
+	  timeout 120 npm install --prefix $(O)/web --no-audit --no-fund --ignore-scripts --silent || \
+	  echo "npm cannot fetch packages here: the page is not tested"
+	@[ ! -d $(O)/web/node_modules/puppeteer-core ] || DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay \
+	  node $(if $(filter bench-web,$@),$(O)/web/test/speed.mjs,--test --test-reporter=spec $(O)/web/test/page.test.mjs)
 
 # ---- bench: ns per point, compared with CGAL where libcgal-dev is installed ----
 #

@@ -1,0 +1,87 @@
+// The gateway: an HTTP server with the page's files, and for each WebSocket a TCP connection to the daemon. Bytes pass in both
+// directions as they are; a slow side slows down the other one.
+//
+//     node gateway.mjs [--daemon HOST:PORT] [--listen [HOST:]PORT]
+import { createServer } from 'node:http';
+import { readFile } from 'node:fs/promises';
+import { connect } from 'node:net';
+import { extname } from 'node:path';
+import { pipeline } from 'node:stream';
+import { fileURLToPath } from 'node:url';
+import { parseArgs } from 'node:util';
+import { WebSocketServer, createWebSocketStream } from 'ws';
+
+const PAGE = new URL('./page/', import.meta.url);
+const TYPES = { '.html': 'text/html; charset=utf-8', '.css': 'text/css', '.js': 'text/javascript', '.svg': 'image/svg+xml' };
+const HEADERS = {
+  'Cache-Control': 'no-cache',
+  'Content-Security-Policy': "default-src 'self'; connect-src 'self' ws: wss:; frame-ancestors 'none'",
+  'X-Content-Type-Options': 'nosniff',
+};
+const LONGEST_MESSAGE = 1 << 20; // bytes of a page's request
+
+async function serve(request, response) {
+  const { pathname } = new URL(request.url, 'http://page');
+  const name = pathname === '/' ? 'index.html' : pathname.slice(1);
+  if (!['GET', 'HEAD'].includes(request.method) || !/^[a-z][a-z.]*$/.test(name)) {
+    response.writeHead(404).end('not found\n');
+    return;
+  }
+  try {
+    const content = await readFile(fileURLToPath(new URL(name, PAGE)));
+    response.writeHead(200, { ...HEADERS, 'Content-Type': TYPES[extname(name)] ?? 'application/octet-stream' });
+    response.end(request.method === 'HEAD' ? undefined : content);
+  } catch {
+    response.writeHead(404).end('not found\n');
+  }
+}
+
+/** Whether the page that opens a WebSocket came from this gateway; other sites' pages must not reach the daemon. */
+function isOwn({ origin, req }) {
+  try {
+    return origin === undefined || new URL(origin).host === req.headers.host;
+  } catch {
+    return false;
+  }
+}
+
+/** An http.Server that is not listening yet; daemon: {host, port}. */
+export function createGateway(daemon) {
+  const server = createServer(serve);
+  const sockets = new WebSocketServer({ server, path: '/daemon', verifyClient: isOwn, maxPayload: LONGEST_MESSAGE });
+  sockets.on('connection', (page) => {
+    const socket = connect({ ...daemon, noDelay: true });
+    const stream = createWebSocketStream(page);
+    const ended = () => page.terminate();
+    pipeline(socket, stream, ended);
+    pipeline(stream, socket, ended);
+  });
+  return server;
+}
+
+/** {host, port} of `HOST:PORT`, `[HOST]:PORT` or `PORT`. */
+function parseAddress(text, host) {
+  const [, name = host, port] = /^(?:\[?(.*?)\]?:)?(\d+)$/.exec(text) ?? [];
+  if (!(port <= 65535)) throw new Error(`not an address: ${text}`);
+  return { host: name, port: Number(port) };
+}
+
+function main() {
+  const { values } = parseArgs({
+    options: {
+      daemon: { type: 'string', default: '127.0.0.1:6374' },
+      listen: { type: 'string', default: '127.0.0.1:8080' },
+    },
+  });
+  const server = createGateway(parseAddress(values.daemon, '127.0.0.1'));
+  server.on('error', (error) => {
+    console.error(`gateway: ${error.message}`);
+    process.exitCode = 1;
+  });
+  server.listen(parseAddress(values.listen, '127.0.0.1'), () => {
+    const { address, family, port } = server.address();
+    console.log(`open http://${family === 'IPv6' ? `[${address}]` : address}:${port}/`);
+  });
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) main();

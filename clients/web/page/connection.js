@@ -1,0 +1,150 @@
+// One conversation with the daemon through the gateway: requests in lines, replies in their order, events between them
+// (PROTOCOL.md, sections 2, 7 and WATCH).
+
+const LF = 10;
+const text = new TextDecoder();
+
+/** The error of an ERR line, or of a lost connection (code LOST). */
+export class Refused extends Error {
+  constructor(code, message) {
+    super(message);
+    this.code = code;
+  }
+}
+
+/** The words key=value of a status line. */
+function keysOf(line) {
+  const keys = {};
+  for (const word of line.split(' ')) {
+    const at = word.indexOf('=');
+    if (at > 0) keys[word.slice(0, at)] = word.slice(at + 1);
+  }
+  return keys;
+}
+
+/** Splits bytes that arrive in pieces into lines and, where the reader asks for them, blocks. */
+class Splitter {
+  #rest = new Uint8Array(0); // the beginning of a line
+  #block = null; // the block that is being filled, and how much of it is
+  #filled = 0;
+
+  expectBlock(size) {
+    this.#block = new Uint8Array(size);
+    this.#filled = 0;
+  }
+
+  push(piece, onLine, onBlock) {
+    let at = 0;
+    for (;;) {
+      if (this.#block !== null) {
+        const n = Math.min(this.#block.length - this.#filled, piece.length - at);
+        this.#block.set(piece.subarray(at, at + n), this.#filled);
+        at += n;
+        this.#filled += n;
+        if (this.#filled < this.#block.length) return;
+        const block = this.#block;
+        this.#block = null;
+        onBlock(block);
+      }
+      const end = piece.indexOf(LF, at);
+      if (end < 0) break;
+      const line = this.#rest.length === 0 ? piece.subarray(at, end) : this.#joined(piece.subarray(at, end));
+      this.#rest = this.#rest.subarray(0, 0);
+      at = end + 1;
+      onLine(text.decode(line));
+    }
+    if (at < piece.length) this.#rest = this.#joined(piece.subarray(at));
+  }
+
+  #joined(piece) {
+    const both = new Uint8Array(this.#rest.length + piece.length);
+    both.set(this.#rest);
+    both.set(piece, this.#rest.length);
+    return both;
+  }
+}
+
+export class Connection {
+  #socket;
+  #splitter = new Splitter();
+  #waiting = []; // {resolve, reject}, oldest first
+  #open = null; // what is being read: {rows, expected, done}
+  #failure = null;
+
+  /** onEvent({set, version, rows, reset, more, dropped}); onEnd() once, when the connection is lost or closed. */
+  constructor(url, { onEvent, onEnd }) {
+    this.onEvent = onEvent;
+    this.#socket = new WebSocket(url);
+    this.#socket.binaryType = 'arraybuffer';
+    this.opened = new Promise((resolve) => {
+      this.#socket.onopen = resolve;
+    });
+    this.#socket.onmessage = ({ data }) => {
+      this.#splitter.push(
+        new Uint8Array(data),
+        (line) => this.#read(line),
+        (block) => this.#finish(block),
+      );
+    };
+    this.#socket.onclose = () => {
+      this.#failure = new Refused('LOST', 'the connection is lost');
+      for (const { reject } of this.#waiting.splice(0)) reject(this.#failure);
+      onEnd();
+    };
+  }
+
+  close() {
+    this.#socket.close();
+  }
+
+  /** Resolves to {keys, rows, data}: rows of a text reply, bytes of a binary one. Rejects with Refused. */
+  request(line) {
+    return new Promise((resolve, reject) => {
+      if (this.#failure) {
+        reject(this.#failure);
+        return;
+      }
+      this.#waiting.push({ resolve, reject });
+      this.#socket.send(new TextEncoder().encode(`${line}\n`));
+    });
+  }
+
+  #read(line) {
+    if (this.#open !== null) {
+      this.#open.rows.push(line);
+      if (this.#open.rows.length === this.#open.expected) this.#finish(null);
+      return;
+    }
+    const [kind, ...words] = line.split(' ');
+    if (kind === 'ERR') {
+      this.#waiting.shift().reject(new Refused(words[0], words.slice(1).join(' ')));
+    } else if (kind === 'EVENT') {
+      const { set, version } = keysOf(line);
+      const event = { set, version: Number(version), rows: [] };
+      for (const word of ['reset', 'more', 'dropped']) event[word] = words.includes(word);
+      this.#begin(Number(words[0]), event.rows, () => this.onEvent(event));
+    } else if (kind === 'OK') {
+      const keys = keysOf(line);
+      const rows = [];
+      const done = (data) => this.#waiting.shift().resolve({ keys, rows, data });
+      if (keys.bytes === undefined) {
+        this.#begin(Number(words[0]), rows, done);
+      } else {
+        this.#open = { rows, expected: 0, done };
+        this.#splitter.expectBlock(Number(keys.bytes));
+      }
+    }
+  }
+
+  /** So many lines follow, which become rows. */
+  #begin(expected, rows, done) {
+    if (expected === 0) done(null);
+    else this.#open = { rows, expected, done };
+  }
+
+  #finish(data) {
+    const { done } = this.#open;
+    this.#open = null;
+    done(data);
+  }
+}

@@ -1,0 +1,102 @@
+// Mouse, touch and keyboard, as what they mean: the map moves or zooms, a point is dragged, added or deleted.
+
+const CLOSE = 12; // pixels from a point that count as on it
+const KEY_PAN = 60;
+const KEY_ZOOM = 1.4;
+
+export class Hands {
+  tool = 'move';
+  #pointers = new Map(); // id -> [px, py]
+  #dragged = null; // the id of the point that is being moved
+  #began = null; // where the only pointer went down
+  #hover = [0, 0];
+
+  /** acts: pan(dx, dy), zoom(factor, px, py), fit(), pointNear(px, py, pixels) -> id or null, move(id, px, py), add(px, py),
+   * remove(id), hover(px, py), theme(). Places are pixels of the canvas. */
+  constructor(canvas, acts) {
+    this.acts = acts;
+    const place = (e) => [e.offsetX, e.offsetY];
+    canvas.addEventListener('pointerdown', (e) => {
+      canvas.setPointerCapture(e.pointerId);
+      this.#down(e.pointerId, place(e));
+    });
+    canvas.addEventListener('pointermove', (e) => this.#move(e.pointerId, place(e)));
+    for (const kind of ['pointerup', 'pointercancel']) canvas.addEventListener(kind, (e) => this.#up(e.pointerId, kind === 'pointerup'));
+    canvas.addEventListener('dblclick', (e) => {
+      if (this.tool === 'move') acts.add(...place(e));
+    });
+    canvas.addEventListener(
+      'wheel',
+      (e) => {
+        e.preventDefault();
+        acts.zoom(Math.exp(-e.deltaY * (e.deltaMode === 0 ? 0.0015 : 0.05)), ...place(e));
+      },
+      { passive: false },
+    );
+    canvas.addEventListener('keydown', (e) => this.#key(e));
+  }
+
+  #down(pointer, at) {
+    this.#pointers.set(pointer, at);
+    this.#hover = at;
+    this.#began = this.#pointers.size === 1 ? at : null;
+    this.#dragged = this.#began !== null && this.tool === 'move' ? this.acts.pointNear(...at, CLOSE) : null;
+  }
+
+  #move(pointer, at) {
+    const before = this.#pointers.get(pointer);
+    if (before === undefined) {
+      this.#hover = at;
+      this.acts.hover(...at);
+      return;
+    }
+    const [first, second] = [...this.#pointers.values()];
+    this.#pointers.set(pointer, at);
+    this.#hover = at;
+    if (second !== undefined) {
+      const still = before === first ? second : first;
+      this.acts.zoom(Math.hypot(at[0] - still[0], at[1] - still[1]) / Math.max(1, Math.hypot(before[0] - still[0], before[1] - still[1])), ...still);
+    } else if (this.#dragged !== null) {
+      this.acts.move(this.#dragged, ...at);
+    } else {
+      this.acts.pan(at[0] - before[0], at[1] - before[1]);
+    }
+  }
+
+  #up(pointer, done) {
+    const at = this.#pointers.get(pointer);
+    this.#pointers.delete(pointer);
+    const still = this.#began !== null && at !== undefined && Math.hypot(at[0] - this.#began[0], at[1] - this.#began[1]) < 4;
+    if (done && still && this.tool === 'add') this.acts.add(...at);
+    if (done && still && this.tool === 'delete') this.#remove(at);
+    this.#dragged = null;
+    this.#began = null;
+  }
+
+  #remove(at) {
+    const id = this.acts.pointNear(...at, CLOSE);
+    if (id !== null) this.acts.remove(id);
+  }
+
+  #key(e) {
+    if (e.ctrlKey || e.metaKey || e.altKey) return;
+    const zoom = (factor) => this.acts.zoom(factor, ...this.#hover);
+    const keys = {
+      ArrowLeft: () => this.acts.pan(KEY_PAN, 0),
+      ArrowRight: () => this.acts.pan(-KEY_PAN, 0),
+      ArrowUp: () => this.acts.pan(0, KEY_PAN),
+      ArrowDown: () => this.acts.pan(0, -KEY_PAN),
+      '+': () => zoom(KEY_ZOOM),
+      '=': () => zoom(KEY_ZOOM),
+      '-': () => zoom(1 / KEY_ZOOM),
+      0: () => this.acts.fit(),
+      a: () => this.acts.add(...this.#hover),
+      Delete: () => this.#remove(this.#hover),
+      t: () => this.acts.theme(),
+    };
+    const act = keys[e.key] ?? keys[e.key.toLowerCase()];
+    if (act === undefined) return;
+    e.preventDefault();
+    act();
+  }
+}

@@ -1,0 +1,251 @@
+// The page's copy of a set: points by id, and triangles in numbered slots, as the graphics memory holds them. An event changes the
+// slots of a few triangles, so that little has to be sent to the graphics memory.
+
+/** The triangle with its smallest corner first, as text: equal triangles have equal keys. */
+function keyOf(a, b, c) {
+  if (a < b && a < c) return `${a} ${b} ${c}`;
+  return b < c ? `${b} ${c} ${a}` : `${c} ${a} ${b}`;
+}
+
+function grown(array, length) {
+  if (length <= array.length) return array;
+  const larger = new array.constructor(Math.max(length, 2 * array.length, 1024));
+  larger.set(array);
+  return larger;
+}
+
+/** What an event says about each point: {points: id -> [x, y], rings: id -> {inner, ring}, gone: a set of ids}. A row of a
+ * point ends what was said of its ring before. */
+function parse(rows) {
+  const points = new Map();
+  const rings = new Map();
+  const gone = new Set();
+  for (const row of rows) {
+    const [kind, first, ...words] = row.split(' ');
+    const id = Number(first);
+    if (kind === 'point') {
+      points.set(id, words.map(Number));
+      rings.set(id, { inner: false, ring: [] });
+      gone.delete(id);
+    } else if (kind === 'list') {
+      rings.set(id, { inner: words[0] === 'i', ring: words.slice(1).map(Number) });
+    } else if (kind === 'gone') {
+      points.delete(id);
+      rings.delete(id);
+      gone.add(id);
+    }
+  }
+  return { points, rings, gone };
+}
+
+/** The triangles that these rings contain, by key. Of collinear points a ring has neighbours, but no triangle: then the ring of one
+ * neighbour does not contain the other one. A neighbour whose ring did not change belongs to triangles that were there before. */
+function trianglesOf(rings, before) {
+  const found = new Map();
+  for (const [id, { inner, ring }] of rings) {
+    for (let k = inner ? 0 : 1; k < ring.length; k++) {
+      const [a, b] = [ring[k === 0 ? ring.length - 1 : k - 1], ring[k]];
+      const key = keyOf(id, a, b);
+      if (rings.has(a) ? rings.get(a).ring.includes(b) : before.has(key)) found.set(key, [id, a, b]);
+    }
+  }
+  return found;
+}
+
+export class Mesh {
+  /** Coordinates x, y of ids; NaN where there is no point. */
+  xy = new Float64Array(0);
+  /** Values of the field that is shown, by id. */
+  values = new Float32Array(0);
+  /** Three corners of each slot; three times 0 if there is no triangle in it. */
+  corners = new Uint32Array(0);
+  slots = 0;
+  points = 0;
+  triangles = 0;
+  ids = 0; // ids that have been given are smaller
+  version = 0;
+  #free = []; // slots without a triangle
+  #starts = null; // slots of a point's triangles when they were loaded: #incident[#starts[id] .. #starts[id + 1]]
+  #incident = null;
+  #changed = new Map(); // id -> its slots, of points whose triangles have changed since
+
+  /** From the binary replies to POINTS (with a field or not) and TRIANGLES. */
+  load(points, triangles, withValue) {
+    const size = withValue ? 28 : 20;
+    const view = new DataView(points.buffer);
+    this.points = points.length / size;
+    this.ids = this.points === 0 ? 0 : view.getUint32(points.length - size, true) + 1;
+    this.xy = new Float64Array(2 * this.ids).fill(NaN);
+    this.values = new Float32Array(this.ids).fill(NaN);
+    for (let at = 0; at < points.length; at += size) {
+      const id = view.getUint32(at, true);
+      this.xy[2 * id] = view.getFloat64(at + 4, true);
+      this.xy[2 * id + 1] = view.getFloat64(at + 12, true);
+      if (withValue) this.values[id] = view.getFloat64(at + 20, true);
+    }
+    this.corners = new Uint32Array(triangles.buffer);
+    this.slots = this.corners.length / 3;
+    this.triangles = this.slots;
+    this.#free = [];
+    this.#starts = null;
+    this.#changed.clear();
+  }
+
+  /** From an event that has everything. */
+  loadEvent(event) {
+    const { points, rings } = parse(event.rows);
+    this.points = points.size;
+    this.ids = 0;
+    for (const id of points.keys()) this.ids = Math.max(this.ids, id + 1);
+    this.xy = new Float64Array(2 * this.ids).fill(NaN);
+    this.values = new Float32Array(this.ids).fill(NaN);
+    for (const [id, place] of points) this.xy.set(place, 2 * id);
+    const triangles = [...trianglesOf(rings, new Map()).values()];
+    this.corners = new Uint32Array(triangles.flat());
+    this.slots = triangles.length;
+    this.triangles = this.slots;
+    this.version = event.version;
+    this.#free = [];
+    this.#starts = null;
+    this.#changed.clear();
+  }
+
+  /** From the binary reply to POINTS with a field, as far as there are such points. */
+  loadValues(points) {
+    const view = new DataView(points.buffer);
+    for (let at = 0; at < points.length; at += 28) {
+      const id = view.getUint32(at, true);
+      if (id < this.ids) this.values[id] = view.getFloat64(at + 20, true);
+    }
+  }
+
+  hasPoint(id) {
+    return id < this.ids && !Number.isNaN(this.xy[2 * id]);
+  }
+
+  /** Puts the slots into another order: order[i] is the slot that becomes slot i. */
+  reorder(order) {
+    const corners = new Uint32Array(3 * order.length);
+    for (let i = 0; i < order.length; i++) {
+      const from = 3 * order[i];
+      corners[3 * i] = this.corners[from];
+      corners[3 * i + 1] = this.corners[from + 1];
+      corners[3 * i + 2] = this.corners[from + 2];
+    }
+    this.corners = corners;
+    this.slots = order.length;
+    this.#free = [];
+    this.#starts = null;
+    this.#changed.clear();
+  }
+
+  #index() {
+    const starts = new Uint32Array(this.ids + 1);
+    for (let k = 0; k < 3 * this.slots; k++) if (this.#isUsed((k / 3) | 0)) starts[this.corners[k] + 1]++;
+    for (let id = 0; id < this.ids; id++) starts[id + 1] += starts[id];
+    const next = starts.slice(0, this.ids);
+    const incident = new Uint32Array(starts[this.ids]);
+    for (let k = 0; k < 3 * this.slots; k++) if (this.#isUsed((k / 3) | 0)) incident[next[this.corners[k]]++] = (k / 3) | 0;
+    this.#starts = starts;
+    this.#incident = incident;
+  }
+
+  #isUsed(slot) {
+    return this.corners[3 * slot] !== this.corners[3 * slot + 1];
+  }
+
+  /** The slots of the triangles at a point. */
+  slotsOf(id) {
+    if (this.#starts === null) this.#index();
+    const changed = this.#changed.get(id);
+    if (changed !== undefined) return changed;
+    return id + 1 < this.#starts.length ? this.#incident.subarray(this.#starts[id], this.#starts[id + 1]) : [];
+  }
+
+  /** Applies an event. Returns {points, slots, box}: ids and slots that have changed, and the box [x0, y0, x1, y1] around all
+   * triangles that were removed or added and all points that changed; null if nothing is to be drawn. */
+  apply(event) {
+    const { points, rings, gone } = parse(event.rows);
+    const box = [Infinity, Infinity, -Infinity, -Infinity];
+    const around = (id) => {
+      const [x, y] = this.xy.subarray(2 * id, 2 * id + 2);
+      if (x < box[0]) box[0] = x;
+      if (y < box[1]) box[1] = y;
+      if (x > box[2]) box[2] = x;
+      if (y > box[3]) box[3] = y;
+    };
+    if (this.#starts === null) this.#index();
+    const before = this.#trianglesAt([...rings.keys(), ...gone]);
+    for (const { corners } of before.values()) corners.forEach(around);
+    for (const id of points.keys()) for (const slot of this.slotsOf(id)) this.corners.subarray(3 * slot, 3 * slot + 3).forEach(around);
+    for (const id of gone) this.#forget(id, around);
+    for (const [id, place] of points) this.#place(id, place, around);
+    const after = trianglesOf(rings, before);
+    // All triangles at these points are drawn again, at the new places of their corners.
+    for (const corners of after.values()) corners.forEach(around);
+    const slots = this.#replace(before, after, rings, gone);
+    this.version = event.version;
+    return { points: [...points.keys()], slots, box: box[0] <= box[2] ? box : null };
+  }
+
+  /** key -> {slot, corners} of the triangles at these points. */
+  #trianglesAt(ids) {
+    const found = new Map();
+    for (const id of ids) {
+      for (const slot of this.slotsOf(id)) {
+        const corners = [...this.corners.subarray(3 * slot, 3 * slot + 3)];
+        found.set(keyOf(...corners), { slot, corners });
+      }
+    }
+    return found;
+  }
+
+  #forget(id, around) {
+    if (!this.hasPoint(id)) return;
+    around(id);
+    this.xy[2 * id] = this.xy[2 * id + 1] = NaN;
+    this.points--;
+  }
+
+  #place(id, [x, y], around) {
+    this.xy = grown(this.xy, 2 * (id + 1));
+    this.values = grown(this.values, id + 1);
+    for (; this.ids <= id; this.ids++) this.xy[2 * this.ids] = this.xy[2 * this.ids + 1] = this.values[this.ids] = NaN;
+    if (this.hasPoint(id)) around(id);
+    else this.points++;
+    this.xy[2 * id] = x;
+    this.xy[2 * id + 1] = y;
+    around(id);
+  }
+
+  /** Gives the slots of triangles that are gone to new ones. */
+  #replace(before, after, rings, gone) {
+    const changed = [];
+    const slotOf = new Map();
+    const vacant = [];
+    for (const [key, { slot }] of before) {
+      if (after.has(key)) slotOf.set(key, slot);
+      else vacant.push(slot);
+    }
+    for (const [key, corners] of after) {
+      if (slotOf.has(key)) continue;
+      const slot = vacant.pop() ?? this.#free.pop() ?? this.slots++;
+      this.corners = grown(this.corners, 3 * (slot + 1));
+      this.corners.set(corners, 3 * slot);
+      slotOf.set(key, slot);
+      changed.push(slot);
+    }
+    for (const slot of vacant) {
+      this.corners.fill(0, 3 * slot, 3 * slot + 3);
+      changed.push(slot);
+    }
+    this.#free.push(...vacant);
+    this.triangles += after.size - before.size;
+    for (const id of gone) this.#changed.set(id, []);
+    for (const id of rings.keys()) this.#changed.set(id, []);
+    for (const [key, corners] of after) {
+      for (const id of corners) if (rings.has(id)) this.#changed.get(id).push(slotOf.get(key));
+    }
+    return changed;
+  }
+}

@@ -1,0 +1,438 @@
+// The triangulation drawn by WebGL 2. Coordinates are in a texture with a texel for each id; a vertex is the id of a corner, as the
+// binary reply to TRIANGLES has it. So a point that moves is one texel, and a triangle that changes is twelve bytes.
+//
+// The picture is kept in a texture. After an event only the part of it that has changed is drawn again, from the tiles of triangles
+// that meet it; while the view moves, the picture is moved with it, and drawn again when there is time.
+
+const ROW = 4096; // texels in a row of the texture of points
+const TILE = 512; // triangles in a tile, about
+const SMALL = 2; // pixels of a triangle, on an average, below which a tile is drawn as points of DOT by DOT pixels
+const DOT = 3;
+const SLOW_MS = 24; // a picture that takes longer to draw is moved while the view moves
+const SETTLED_MS = 120;
+
+const MESH_VERTEX = `#version 300 es
+precision highp float; precision highp int; precision highp sampler2D;
+in uint id;
+uniform sampler2D points, values;
+uniform vec4 centre;   // of the view: x, y, and what single precision leaves of them
+uniform vec2 scale;    // from units to clip space
+out vec3 corner;
+out float value;
+void main() {
+  gl_PointSize = ${DOT}.0;
+  ivec2 at = ivec2(int(id) % ${ROW}, int(id) / ${ROW});
+  vec4 p = texelFetch(points, at, 0);
+  gl_Position = vec4(((p.xy - centre.xy) + (p.zw - centre.zw)) * scale, 0.0, 1.0);
+  int k = gl_VertexID % 3;
+  corner = vec3(k == 0, k == 1, k == 2);
+  value = texelFetch(values, at, 0).r;
+}`;
+
+const MESH_FRAGMENT = `#version 300 es
+precision highp float;
+in vec3 corner;
+in float value;
+uniform vec2 range;      // the least value, and 1 / (greatest - least)
+uniform vec4 fill, edge;
+uniform bool coloured, edged;
+uniform bool small;      // dots are drawn, for triangles that are smaller than a pixel or two
+out vec4 colour;
+// The colour map viridis of matplotlib, as a polynomial that M. Zucker fitted to it (public domain).
+const vec3 term[7] = vec3[7](vec3(0.2777, 0.0054, 0.3341), vec3(0.1051, 1.4046, 1.3846), vec3(-0.3309, 0.2148, 0.0951),
+  vec3(-4.6342, -5.7991, -19.3324), vec3(6.2283, 14.1799, 56.6906), vec3(4.7764, -13.7451, -65.3530), vec3(-5.4355, 4.6459, 26.3125));
+vec3 viridis(float t) {
+  vec3 sum = term[6];
+  for (int i = 5; i >= 0; i--) sum = term[i] + t * sum;
+  return clamp(sum, 0.0, 1.0);
+}
+void main() {
+  vec3 width = fwidth(corner);
+  vec3 near = smoothstep(vec3(0.0), 1.2 * width, corner);
+  float line = small ? 1.0 : 1.0 - min(near.x, min(near.y, near.z));
+  // Triangles of a few pixels would be nothing but lines.
+  line *= small ? 0.25 : 1.0 - 0.75 * smoothstep(0.15, 0.6, max(width.x, max(width.y, width.z)));
+  line *= edged ? 1.0 : 0.0;
+  bool known = coloured && value == value;
+  vec4 ground = known ? vec4(viridis(clamp((value - range.x) * range.y, 0.0, 1.0)), 1.0) : fill;
+  float a = line * edge.a + ground.a * (1.0 - line * edge.a);
+  colour = vec4((edge.rgb * line * edge.a + ground.rgb * ground.a * (1.0 - line * edge.a)), a);
+}`;
+
+const PICTURE_VERTEX = `#version 300 es
+uniform vec4 place;    // where the picture is on the screen: offset and size in clip space
+out vec2 at;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  at = corner;
+  gl_Position = vec4(place.xy + 2.0 * corner * place.zw, 0.0, 1.0);
+}`;
+
+const PICTURE_FRAGMENT = `#version 300 es
+precision highp float;
+in vec2 at;
+uniform sampler2D picture;
+out vec4 colour;
+void main() { colour = texture(picture, at); }`;
+
+function compile(gl, vertex, fragment) {
+  const program = gl.createProgram();
+  for (const [type, source] of [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ]) {
+    const shader = gl.createShader(type);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+    gl.attachShader(program, shader);
+  }
+  gl.bindAttribLocation(program, 0, 'id');
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  const names = {};
+  for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
+    const { name } = gl.getActiveUniform(program, i);
+    names[name] = gl.getUniformLocation(program, name);
+  }
+  return { program, at: names };
+}
+
+/** Sorts the slots by tiles of a grid around all points: {order, tiles: [{first, count, box}]}. */
+function tile(mesh, [x0, y0, x1, y1]) {
+  const side = Math.max(1, Math.min(128, Math.round(Math.sqrt(mesh.slots / TILE))));
+  const { corners, xy, slots } = mesh;
+  const fx = side / Math.max(x1 - x0, Number.MIN_VALUE) / 3;
+  const fy = side / Math.max(y1 - y0, Number.MIN_VALUE) / 3;
+  const tileOf = new Uint16Array(slots);
+  const counts = new Uint32Array(side * side + 1);
+  const boxes = new Float64Array(4 * side * side).map((_, k) => (k % 4 < 2 ? Infinity : -Infinity));
+  for (let slot = 0; slot < slots; slot++) {
+    const a = 2 * corners[3 * slot];
+    const b = 2 * corners[3 * slot + 1];
+    const c = 2 * corners[3 * slot + 2];
+    const column = Math.min(side - 1, Math.max(0, Math.floor((xy[a] - x0 + (xy[b] - x0) + (xy[c] - x0)) * fx)));
+    const row = Math.min(side - 1, Math.max(0, Math.floor((xy[a + 1] - y0 + (xy[b + 1] - y0) + (xy[c + 1] - y0)) * fy)));
+    const t = row * side + column;
+    tileOf[slot] = t;
+    counts[t + 1]++;
+    boxes[4 * t] = Math.min(boxes[4 * t], xy[a], xy[b], xy[c]);
+    boxes[4 * t + 1] = Math.min(boxes[4 * t + 1], xy[a + 1], xy[b + 1], xy[c + 1]);
+    boxes[4 * t + 2] = Math.max(boxes[4 * t + 2], xy[a], xy[b], xy[c]);
+    boxes[4 * t + 3] = Math.max(boxes[4 * t + 3], xy[a + 1], xy[b + 1], xy[c + 1]);
+  }
+  for (let t = 0; t < side * side; t++) counts[t + 1] += counts[t];
+  const next = counts.slice();
+  const order = new Uint32Array(slots);
+  for (let slot = 0; slot < slots; slot++) order[next[tileOf[slot]]++] = slot;
+  const tiles = Array.from({ length: side * side }, (_, t) => ({
+    first: counts[t],
+    count: counts[t + 1] - counts[t],
+    box: [...boxes.subarray(4 * t, 4 * t + 4)],
+  }));
+  return { order, tiles };
+}
+
+function widen(box, x, y) {
+  if (x < box[0]) box[0] = x;
+  if (y < box[1]) box[1] = y;
+  if (x > box[2]) box[2] = x;
+  if (y > box[3]) box[3] = y;
+}
+
+const areaOf = ([x0, y0, x1, y1]) => Math.max(0, x1 - x0) * Math.max(0, y1 - y0);
+
+/** Whether the triangles of a tile are too small to be seen, on an average; unit: pixels. */
+const isSmall = ({ count, box }, unit) => areaOf(box) * unit * unit < SMALL * count;
+
+/** How many slots of small tiles stand for one dot, so that dots cover about three times their pixels. */
+function slotsPerDot(tiles, unit) {
+  let slots = 0;
+  let pixels = 0;
+  for (const t of tiles) {
+    if (t.count === 0 || !isSmall(t, unit)) continue;
+    slots += t.count;
+    pixels += areaOf(t.box) * unit * unit;
+  }
+  return Math.max(2, Math.floor((slots * DOT * DOT) / (3 * Math.max(1, pixels))));
+}
+
+const meets = (a, b) => a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3];
+
+export class Scene {
+  /** Bytes that events have sent to the graphics memory, and pictures drawn whole and in part. */
+  counts = { bytes: 0, whole: 0, part: 0 };
+  style = { coloured: false, edged: true, fill: [0.2, 0.4, 0.6, 0.1], edge: [0.2, 0.4, 0.6, 0.9], range: [0, 1] };
+  #gl;
+  #mesh = null;
+  #tiles = [];
+  #rows = 0; // of the texture of points
+  #room = 0; // slots in the buffer of corners
+  #drawn = null; // the view that the picture shows, and the picture's size; null: there is none
+  #isStale = true; // something else than the view has changed
+  #took = 0; // ms for the last whole picture
+  #settled = 0; // a timer
+
+  /** onStale() is called when the picture should be drawn again. */
+  constructor(canvas, onStale) {
+    const gl = canvas.getContext('webgl2', { alpha: true, antialias: false, preserveDrawingBuffer: true });
+    if (gl === null) throw new Error('this browser has no WebGL 2');
+    this.#gl = gl;
+    this.onStale = onStale;
+    this.mesh_ = compile(gl, MESH_VERTEX, MESH_FRAGMENT);
+    this.picture_ = compile(gl, PICTURE_VERTEX, PICTURE_FRAGMENT);
+    this.points = this.#texture(gl.NEAREST);
+    this.values = this.#texture(gl.NEAREST);
+    this.picture = this.#texture(gl.LINEAR);
+    this.corners = gl.createBuffer();
+    this.frame = gl.createFramebuffer();
+    this.array = gl.createVertexArray();
+    gl.bindVertexArray(this.array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
+    gl.disable(gl.DEPTH_TEST);
+  }
+
+  #texture(filter) {
+    const gl = this.#gl;
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    for (const [name, value] of [
+      [gl.TEXTURE_MIN_FILTER, filter],
+      [gl.TEXTURE_MAG_FILTER, filter],
+      [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE],
+      [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
+    ]) {
+      gl.texParameteri(gl.TEXTURE_2D, name, value);
+    }
+    return texture;
+  }
+
+  /** Shows another mesh, whose slots it reorders, with all points in the box. */
+  show(mesh, box) {
+    this.#mesh = mesh;
+    const { order, tiles } = tile(mesh, box);
+    mesh.reorder(order);
+    this.#tiles = tiles;
+    this.#sendAll();
+    this.stale();
+  }
+
+  /** Everything is to be drawn again, in other colours for instance. */
+  stale() {
+    this.#isStale = true;
+    this.onStale();
+  }
+
+  #sendAll() {
+    const gl = this.#gl;
+    const { xy, values, corners, ids } = this.#mesh;
+    this.#rows = Math.max(1, Math.ceil((ids * 1.25 + 1024) / ROW));
+    const texels = new Float32Array(4 * ROW * this.#rows);
+    for (let id = 0; id < ids; id++) this.#texel(xy, id, texels, 4 * id);
+    gl.bindTexture(gl.TEXTURE_2D, this.points);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, ROW, this.#rows, 0, gl.RGBA, gl.FLOAT, texels);
+    const heights = new Float32Array(ROW * this.#rows);
+    heights.set(values.subarray(0, ids));
+    gl.bindTexture(gl.TEXTURE_2D, this.values);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ROW, this.#rows, 0, gl.RED, gl.FLOAT, heights);
+    this.#room = Math.max(corners.length / 3, Math.ceil(this.#mesh.slots * 1.1) + 1024);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
+    gl.bufferData(gl.ARRAY_BUFFER, 12 * this.#room, gl.DYNAMIC_DRAW);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, corners);
+  }
+
+  /** The coordinates of a point as sums of two single-precision numbers. */
+  #texel(xy, id, to, at) {
+    for (let k = 0; k < 2; k++) {
+      const high = Math.fround(xy[2 * id + k]);
+      to[at + k] = high;
+      to[at + 2 + k] = xy[2 * id + k] - high;
+    }
+  }
+
+  /** Sends what an event has changed (the result of Mesh.apply), and draws that part of the picture again. */
+  update({ points, slots, box }) {
+    const gl = this.#gl;
+    const mesh = this.#mesh;
+    if (mesh.ids > ROW * this.#rows || mesh.slots > this.#room) {
+      this.#sendAll();
+      this.stale();
+      return;
+    }
+    gl.bindTexture(gl.TEXTURE_2D, this.points);
+    const texel = new Float32Array(4);
+    for (const id of points) {
+      this.#texel(mesh.xy, id, texel, 0);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, id % ROW, Math.floor(id / ROW), 1, 1, gl.RGBA, gl.FLOAT, texel);
+    }
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
+    for (const slot of slots) gl.bufferSubData(gl.ARRAY_BUFFER, 12 * slot, mesh.corners, 3 * slot, 3);
+    this.counts.bytes += 16 * points.length + 12 * slots.length;
+    this.#extendTiles(slots, box);
+    if (box !== null) this.#drawPart(box);
+  }
+
+  /** Sends values that have changed, and draws everything again. */
+  updateValues(ids) {
+    const gl = this.#gl;
+    const { values } = this.#mesh;
+    gl.bindTexture(gl.TEXTURE_2D, this.values);
+    for (const id of ids) {
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, id % ROW, Math.floor(id / ROW), 1, 1, gl.RED, gl.FLOAT, values.subarray(id, id + 1));
+    }
+    this.counts.bytes += 4 * ids.length;
+    this.stale();
+  }
+
+  /** Tiles whose slots have changed reach as far as the box; slots behind all tiles are one more tile. */
+  #extendTiles(slots, box) {
+    if (box === null) return;
+    for (const slot of slots) {
+      const t = this.#tileOf(slot);
+      widen(t.box, box[0], box[1]);
+      widen(t.box, box[2], box[3]);
+      t.count = Math.max(t.count, slot - t.first + 1);
+    }
+  }
+
+  #tileOf(slot) {
+    let [low, high] = [0, this.#tiles.length];
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (this.#tiles[middle].first <= slot) low = middle;
+      else high = middle;
+    }
+    const t = this.#tiles[low];
+    if (low < this.#tiles.length - 1 || t.open) return t;
+    if (slot < t.first + t.count) return t;
+    const open = { first: t.first + t.count, count: 0, box: [Infinity, Infinity, -Infinity, -Infinity], open: true };
+    this.#tiles.push(open);
+    return open;
+  }
+
+  /** Draws the picture if need be, and copies it to the screen. */
+  draw(view) {
+    if (this.#mesh === null) return;
+    const [width, height] = [this.#gl.drawingBufferWidth, this.#gl.drawingBufferHeight];
+    const d = this.#drawn;
+    const moved = d?.x !== view.x || d.y !== view.y || d.scale !== view.scale;
+    if (this.#isStale || d.across !== width || d.down !== height || (moved && this.#took <= SLOW_MS)) this.#drawWhole(view);
+    else if (moved) this.#drawWhenSettled();
+    this.#copy(view);
+  }
+
+  #drawWhenSettled() {
+    clearTimeout(this.#settled);
+    this.#settled = setTimeout(() => this.stale(), SETTLED_MS);
+  }
+
+  #drawWhole(view) {
+    const gl = this.#gl;
+    const [across, down] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+    const began = performance.now();
+    if (this.#drawn?.across !== across || this.#drawn.down !== down) {
+      gl.bindTexture(gl.TEXTURE_2D, this.picture);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, across, down, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.picture, 0);
+    }
+    this.#drawn = { x: view.x, y: view.y, scale: view.scale, width: view.width, height: view.height, across, down };
+    this.#drawn.unit = (view.scale * across) / view.width; // pixels of the picture per unit of the plane
+    this.#drawn.step = slotsPerDot(this.#tiles, this.#drawn.unit);
+    this.#isStale = false;
+    this.#drawTiles(view.box(), null);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
+    this.#took = performance.now() - began;
+    this.counts.whole++;
+  }
+
+  /** Draws the part of the picture again that shows a box of the plane. */
+  #drawPart(box) {
+    const d = this.#drawn;
+    if (this.#isStale) return;
+    const { across: width, down: height } = d;
+    const [fx, fy] = [(d.scale * width) / d.width, (d.scale * height) / d.height];
+    const x0 = Math.max(0, Math.floor(width / 2 + (box[0] - d.x) * fx) - 2);
+    const y0 = Math.max(0, Math.floor(height / 2 + (box[1] - d.y) * fy) - 2);
+    const x1 = Math.min(width, Math.ceil(width / 2 + (box[2] - d.x) * fx) + 2);
+    const y1 = Math.min(height, Math.ceil(height / 2 + (box[3] - d.y) * fy) + 2);
+    if (x0 < x1 && y0 < y1) {
+      const part = [d.x + (x0 - width / 2) / fx, d.y + (y0 - height / 2) / fy, d.x + (x1 - width / 2) / fx, d.y + (y1 - height / 2) / fy];
+      this.#drawTiles(part, [x0, y0, x1 - x0, y1 - y0]);
+      this.counts.part++;
+    }
+    this.onStale();
+  }
+
+  /** Draws all tiles that meet a box of the plane into the picture, within the pixels [x, y, width, height] or everywhere. */
+  #drawTiles(box, pixels) {
+    const gl = this.#gl;
+    const d = this.#drawn;
+    const { program, at } = this.mesh_;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+    gl.viewport(0, 0, d.across, d.down);
+    if (pixels !== null) {
+      gl.enable(gl.SCISSOR_TEST);
+      gl.scissor(...pixels);
+    }
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.useProgram(program);
+    const [x, y] = [Math.fround(d.x), Math.fround(d.y)];
+    gl.uniform4f(at.centre, x, y, d.x - x, d.y - y);
+    gl.uniform2f(at.scale, (2 * d.scale) / d.width, (2 * d.scale) / d.height);
+    gl.uniform4fv(at.fill, this.style.fill);
+    gl.uniform4fv(at.edge, this.style.edge);
+    gl.uniform2f(at.range, this.style.range[0], 1 / Math.max(this.style.range[1] - this.style.range[0], Number.MIN_VALUE));
+    gl.uniform1i(at.coloured, this.style.coloured);
+    gl.uniform1i(at.edged, this.style.edged);
+    gl.uniform1i(at.points, 0);
+    gl.uniform1i(at.values, 1);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, this.values);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.points);
+    gl.bindVertexArray(this.array);
+    for (let i = 0; i < this.#tiles.length; ) {
+      const { first } = this.#tiles[i];
+      const small = isSmall(this.#tiles[i], d.unit);
+      let count = 0;
+      for (; i < this.#tiles.length && meets(this.#tiles[i].box, box) && isSmall(this.#tiles[i], d.unit) === small; i++) {
+        count += this.#tiles[i].count;
+      }
+      if (count === 0) i++;
+      else this.#drawSlots(first, count, small ? d.step : 0);
+    }
+    gl.disable(gl.SCISSOR_TEST);
+  }
+
+  /** Draws slots as triangles, or a corner of each step-th one as a dot. */
+  #drawSlots(first, count, step) {
+    const gl = this.#gl;
+    gl.uniform1i(this.mesh_.at.small, step > 0);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
+    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 12 * step, step > 0 ? 12 * first : 0);
+    if (step > 0) gl.drawArrays(gl.POINTS, 0, Math.ceil(count / step));
+    else gl.drawArrays(gl.TRIANGLES, 3 * first, 3 * count);
+  }
+
+  /** Copies the picture to the screen, moved and scaled if the view has changed since. */
+  #copy(view) {
+    const gl = this.#gl;
+    const d = this.#drawn;
+    const { program, at } = this.picture_;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.useProgram(program);
+    const [w, h] = [d.width / d.scale, d.height / d.scale];
+    const [fx, fy] = [(2 * view.scale) / view.width, (2 * view.scale) / view.height];
+    gl.uniform4f(at.place, (d.x - w / 2 - view.x) * fx, (d.y - h / 2 - view.y) * fy, (w * fx) / 2, (h * fy) / 2);
+    gl.uniform1i(at.picture, 0);
+    gl.bindTexture(gl.TEXTURE_2D, this.picture);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  }
+}

@@ -1,0 +1,230 @@
+// The page in a real browser, beside the daemon: what it draws, what it knows, and that two of them see the same.
+// DELAUNAYD and DELAUNAY are the daemon and its client.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { ask, browser, killGateway, listen, makeSet, onPage, open, port, settled, start, stop } from './stage.mjs';
+
+const { DELAUNAY } = process.env;
+
+before(start);
+after(stop);
+
+/** The set as the page has it: sorted lines of points and of triangles. */
+const known = (page) =>
+  page.evaluate(() => {
+    const { mesh } = window.app;
+    const points = [];
+    for (let id = 0; id < mesh.ids; id++) if (mesh.hasPoint(id)) points.push(`${id} ${mesh.xy[2 * id]} ${mesh.xy[2 * id + 1]}`);
+    const triangles = [];
+    for (let slot = 0; slot < mesh.slots; slot++) {
+      const c = [...mesh.corners.subarray(3 * slot, 3 * slot + 3)];
+      if (c[0] === c[1]) continue;
+      while (c[0] > c[1] || c[0] > c[2]) c.push(c.shift());
+      triangles.push(c.join(' '));
+    }
+    return { points, triangles: triangles.sort(), count: [mesh.points, mesh.triangles] };
+  });
+
+async function stored(set) {
+  const [points, triangles] = await Promise.all([ask(`POINTS ${set}`), ask(`TRIANGLES ${set}`)]);
+  return {
+    points: points.slice(1).map((row) => row.split(' ').map(Number).join(' ')),
+    triangles: triangles.slice(1).sort(),
+    count: [points.length - 1, triangles.length - 1],
+  };
+}
+
+async function checkEqual(page, set) {
+  await settled(page, set);
+  assert.deepEqual(await known(page), await stored(set));
+  assert.deepEqual(page.faults, []);
+}
+
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+/** The picture of the triangles as rows of red, green, blue, alpha. */
+const picture = (page) =>
+  page.evaluate(async () => {
+    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    const mesh = document.getElementById('mesh');
+    const copy = new OffscreenCanvas(mesh.width, mesh.height).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(mesh, 0, 0);
+    return Array.from(copy.getImageData(0, 0, mesh.width, mesh.height).data);
+  });
+
+/** How many pixels of two pictures differ by more than rounding. */
+function different(a, b) {
+  assert.equal(a.length, b.length);
+  let n = 0;
+  for (let i = 0; i < a.length; i += 4) {
+    if ([0, 1, 2, 3].some((k) => Math.abs(a[i + k] - b[i + k]) > 8)) n++;
+  }
+  return n;
+}
+
+async function drag(page, from, to, steps = 10) {
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  await page.mouse.move(...to, { steps });
+  await page.mouse.up();
+  await pause(300); // the last move is sent when the one before has been answered
+}
+
+test('the page has a WebGL 2 context', async () => {
+  const page = await browser.newPage();
+  assert.match(await page.evaluate(() => document.createElement('canvas').getContext('webgl2')?.getParameter(0x1f02) ?? 'none'), /WebGL 2/);
+  await page.close();
+});
+
+test('the page knows and draws what the daemon exports', async () => {
+  await makeSet('drawn', 60);
+  const page = await open('drawn');
+  await checkEqual(page, 'drawn');
+  const folder = mkdtempSync(join(tmpdir(), 'page-'));
+  execFileSync(DELAUNAY, ['-p', String(port), 'export', 'drawn', join(folder, 'drawn.svg')]);
+  const svg = readFileSync(join(folder, 'drawn.svg'), 'utf8');
+  rmSync(folder, { recursive: true });
+  const path = /<path class="t"[^>]* d="([^"]*)"/.exec(svg)[1];
+  const [, hx, hy] = /<path class="h"[^>]* d="M(-?\d+) (-?\d+)/.exec(svg).map(Number);
+  const [x, y] = (await ask('HULL drawn'))[1].split(' ').slice(1).map(Number);
+  await picture(page);
+  const missed = await page.evaluate(
+    ({ d, at, place, unit }) => {
+      const { view } = window.app;
+      const mesh = document.getElementById('mesh');
+      const read = (draw) => {
+        const context = new OffscreenCanvas(mesh.width, mesh.height).getContext('2d', { willReadFrequently: true });
+        draw(context);
+        return context.getImageData(0, 0, mesh.width, mesh.height).data;
+      };
+      const [px, py] = view.toScreen(...place);
+      const lines = read((context) => {
+        context.setTransform(view.scale / unit, 0, 0, view.scale / unit, px - (at[0] * view.scale) / unit, py - (at[1] * view.scale) / unit);
+        context.lineWidth = unit / view.scale;
+        context.stroke(new Path2D(d));
+      });
+      const drawn = read((context) => context.drawImage(mesh, 0, 0));
+      const isNear = (data, i, alpha) =>
+        [-1, 0, 1].some((dy) => [-1, 0, 1].some((dx) => data[4 * (i + dy * mesh.width + dx) + 3] > alpha));
+      const found = { lines: 0, missing: 0, drawn: 0, wrong: 0 };
+      for (let i = 0; i < mesh.width * mesh.height; i++) {
+        if (lines[4 * i + 3] > 160) {
+          found.lines++;
+          if (!isNear(drawn, i, 40)) found.missing++;
+        }
+        if (drawn[4 * i + 3] > 120) {
+          found.drawn++;
+          if (!isNear(lines, i, 60)) found.wrong++;
+        }
+      }
+      return found;
+    },
+    { d: path, at: [hx, hy], place: [x, y], unit: await unitOf(svg) },
+  );
+  assert.ok(missed.lines > 2000 && missed.drawn > 2000, JSON.stringify(missed));
+  assert.ok(missed.missing < 0.01 * missed.lines && missed.wrong < 0.01 * missed.drawn, JSON.stringify(missed));
+  await page.close();
+});
+
+/** The picture's units in a unit of the plane: from two points of the hull. */
+async function unitOf(svg) {
+  const path = /<path class="h"[^>]* d="M([^z"]*)/.exec(svg)[1].split(/[ L]+/).map(Number);
+  const hull = (await ask('HULL drawn')).slice(1).map((row) => row.split(' ').slice(1).map(Number));
+  const far = (i) => Math.hypot(path[2 * i] - path[0], path[2 * i + 1] - path[1]);
+  const i = hull.map((_, k) => k).reduce((a, b) => (far(b) > far(a) ? b : a));
+  return far(i) / Math.hypot(hull[i][0] - hull[0][0], hull[i][1] - hull[0][1]);
+}
+
+test('a point dragged on one page moves on the other, and both draw what a new page draws', async () => {
+  await makeSet('shared', 300);
+  const [one, two] = [await open('shared'), await open('shared')];
+  const before = await picture(two);
+  const [, x, y] = (await ask('GET shared 17'))[1].split(' ').map(Number);
+  await drag(one, await onPage(one, x, y), await onPage(one, 0.5, 0.5));
+  const [, x2, y2] = (await ask('GET shared 17'))[1].split(' ').map(Number);
+  assert.ok(Math.hypot(x2 - 0.5, y2 - 0.5) < 0.01, `${x2} ${y2}`);
+  await checkEqual(one, 'shared');
+  await checkEqual(two, 'shared');
+  const after = await picture(two);
+  assert.ok(different(before, after) > 100);
+  assert.equal(different(await picture(one), after), 0);
+  const fresh = await open('shared');
+  assert.ok(different(await picture(fresh), after) <= 40, 'parts that were drawn again differ from the whole');
+  const { bytes, part, whole } = await two.evaluate(() => window.app.scene.counts);
+  assert.ok(part > 0 && bytes < 4096 * part, `${part} parts, ${bytes} bytes`);
+  assert.ok(whole < 4, `${whole} whole pictures`);
+  for (const page of [one, two, fresh]) await page.close();
+});
+
+test('points are added and deleted by mouse, keyboard and touch', async () => {
+  await makeSet('hands', 100);
+  const page = await open('hands');
+  const count = async () => (await ask('STAT hands'))[0];
+  await page.mouse.click(...(await onPage(page, 0.31, 0.33)), { count: 2 });
+  await pause(200);
+  assert.match(await count(), /points=101 /);
+  await page.mouse.move(...(await onPage(page, 0.7, 0.2)));
+  await page.focus('#overlay');
+  await page.keyboard.press('a');
+  await pause(200);
+  assert.match(await count(), /points=102 /);
+  await page.keyboard.press('Delete');
+  await pause(200);
+  assert.match(await count(), /points=101 /);
+  await page.click('input[value=add]');
+  await page.touchscreen.tap(...(await onPage(page, 0.42, 0.61)));
+  await pause(200);
+  assert.match(await count(), /points=102 /);
+  await checkEqual(page, 'hands');
+  await page.close();
+});
+
+test('a page that has lost its connection catches up', async () => {
+  await makeSet('lost', 200);
+  const page = await open('lost');
+  killGateway();
+  await page.waitForFunction(() => /lost/.test(document.getElementById('message').textContent), { timeout: 20000 });
+  await ask('MOVE lost 3 0.111 0.222', 'DEL lost 5', 'ADD lost 0.9 0.05');
+  await listen();
+  await checkEqual(page, 'lost');
+  await page.close();
+});
+
+test('the page follows random edits of all kinds', async () => {
+  await makeSet('edited', 150);
+  const page = await open('edited');
+  let state = 7;
+  const next = (n) => (state = (state * 48271) % 2147483647) % n;
+  for (let round = 0; round < 12; round++) {
+    const edits = Array.from({ length: 25 }, () => {
+      const place = `${next(1000) / 1000} ${next(1000) / 1000}`;
+      return [`ADD edited ${place}`, `MOVE edited ${next(150)} ${place}`, `DEL edited ${next(400)}`][next(3)];
+    });
+    await ask(...edits);
+    await checkEqual(page, 'edited');
+  }
+  await ask('DROP edited');
+  await page.waitForFunction(() => /dropped/.test(document.getElementById('message').textContent) || document.getElementById('set').value !== 'edited');
+  await page.close();
+});
+
+test('values of a field are kept by points that move, and come for new ones and after a rebuild', async () => {
+  await makeSet('valued', 200);
+  await ask(...Array.from({ length: 200 }, (_, id) => `FSET valued z ${id} ${id / 2}`));
+  const page = await open('valued');
+  const values = () => page.evaluate(() => [...window.app.mesh.values.subarray(0, window.app.mesh.ids)].map((v) => (Number.isNaN(v) ? null : v)));
+  const stored = async () => (await ask('POINTS valued FIELDS z')).slice(1).map((row) => JSON.parse(row.split(' ')[3].replace('nan', 'null')));
+  await ask('MOVE valued 7 0.4 0.4', 'ADD valued FIELDS z 0.5 0.41 77', 'ADD valued 0.6 0.41');
+  await settled(page, 'valued');
+  await page.waitForFunction(() => window.app.mesh.values[200] === 77);
+  assert.deepEqual(await values(), await stored());
+  await ask('TRIANGULATE valued METHOD shelling');
+  await checkEqual(page, 'valued');
+  await page.waitForFunction(() => window.app.mesh.values[200] === 77);
+  assert.deepEqual(await values(), await stored());
+  await page.close();
+});

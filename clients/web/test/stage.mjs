@@ -1,0 +1,101 @@
+// For tests and measurements of the page: a daemon, a gateway and Chromium, sets and pages.
+// DELAUNAYD is the daemon, BROWSER is Chromium.
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { connect } from 'node:net';
+import { createInterface } from 'node:readline';
+import { fileURLToPath } from 'node:url';
+import puppeteer from 'puppeteer-core';
+
+const { DELAUNAYD, BROWSER = '/usr/bin/chromium' } = process.env;
+const GATEWAY = fileURLToPath(new URL('../gateway.mjs', import.meta.url));
+const QUIET = ['disable-quic', 'no-first-run', 'disable-background-networking', 'disable-component-update', 'disable-sync'];
+const SOFTWARE_WEBGL = ['use-gl=angle', 'use-angle=swiftshader', 'enable-unsafe-swiftshader'];
+
+let daemon, gateway, pagePort;
+export let port, browser;
+
+/** Starts everything. */
+export async function start() {
+  daemon = spawn(DELAUNAYD, ['--port', '0', '--log-level', 'warning'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const [line] = await once(createInterface(daemon.stdout), 'line');
+  port = Number(/:(\d+)$/.exec(line)[1]);
+  await listen(0);
+  browser = await puppeteer.launch({
+    executablePath: BROWSER,
+    args: ['no-sandbox', ...QUIET, ...SOFTWARE_WEBGL].map((word) => `--${word}`),
+    protocolTimeout: 300000,
+  });
+}
+
+export async function stop() {
+  await browser?.close();
+  gateway?.kill();
+  daemon?.kill();
+}
+
+/** Starts a gateway on a port, 0: any; by default on that of the last one. */
+export async function listen(at = pagePort) {
+  gateway = spawn(process.execPath, [GATEWAY, '--daemon', String(port), '--listen', String(at)], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const [line] = await once(createInterface(gateway.stdout), 'line');
+  pagePort = Number(/:(\d+)\/$/.exec(line)[1]);
+}
+
+export function killGateway() {
+  gateway.kill('SIGKILL');
+}
+
+/** The lines of a reply; requests end with QUIT, whose reply is left out. */
+export function ask(...requests) {
+  return new Promise((resolve, reject) => {
+    const socket = connect(port, '127.0.0.1');
+    let text = '';
+    socket.setEncoding('utf8').on('data', (piece) => (text += piece));
+    socket.on('error', reject).on('end', () => resolve(text.split('\n').slice(0, -2)));
+    socket.write(`${requests.join('\n')}\nQUIT\n`);
+  });
+}
+
+/** A set of n points in the unit square, always the same. */
+export async function makeSet(name, n, seed = 1) {
+  let state = seed;
+  const next = () => (state = (state * 48271) % 2147483647) / 2147483647;
+  const adds = [];
+  for (let i = 0; i < n; i += 1000) {
+    adds.push(`ADD ${name} ${Array.from({ length: 2 * Math.min(1000, n - i) }, next).join(' ')}`);
+  }
+  await ask(...adds, `TRIANGULATE ${name}`);
+}
+
+/** A page that shows a set. */
+export async function open(set) {
+  const page = await (await browser.createBrowserContext()).newPage(); // a window of its own: a hidden page does not draw
+  await page.setViewport({ width: 900, height: 600 });
+  page.faults = [];
+  page.on('pageerror', (error) => page.faults.push(error.stack ?? String(error)));
+  await page.goto(`http://127.0.0.1:${pagePort}/#set=${set}`);
+  await page.evaluate(async () => {
+    window.app = await import('./main.js');
+  });
+  await settled(page, set);
+  await page.waitForFunction(() => window.app.scene.counts.whole > 0 && document.getElementById('message').textContent === '');
+  return page;
+}
+
+/** Waits until the page has the set as it is now. */
+export async function settled(page, set) {
+  const version = () => ask(`STAT ${set}`).then(([line]) => Number(/version=(\d+)/.exec(line)[1]));
+  const now = await version();
+  await page.waitForFunction((v) => window.app.mesh.version >= v, { timeout: 60000 }, now);
+}
+
+/** Where a place of the plane is on the page. */
+export const onPage = (page, x, y) =>
+  page.evaluate(
+    ([px, py]) => {
+      const { left, top } = document.getElementById('overlay').getBoundingClientRect();
+      const [sx, sy] = window.app.view.toScreen(px, py);
+      return [left + sx, top + sy];
+    },
+    [x, y],
+  );
