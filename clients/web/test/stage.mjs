@@ -23,7 +23,7 @@ export async function start() {
   await listen(0);
   browser = await puppeteer.launch({
     executablePath: BROWSER,
-    args: ['no-sandbox', ...QUIET, ...SOFTWARE_WEBGL].map((word) => `--${word}`),
+    args: ['no-sandbox', 'disable-dev-shm-usage', ...QUIET, ...SOFTWARE_WEBGL].map((word) => `--${word}`),
     protocolTimeout: 300000,
   });
 }
@@ -99,3 +99,13 @@ export const onPage = (page, x, y) =>
     },
     [x, y],
   );
+
+/** Waits until the function returns something true, and returns that. */
+export async function until(what) {
+  for (let tries = 0; ; tries++) {
+    const found = await what();
+    if (found) return found;
+    if (tries === 600) throw new Error(`never: ${what}`);
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+}
