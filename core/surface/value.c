@@ -272,8 +272,8 @@ static inline struct numbered number(const struct dt *t, uint32_t half)
 {
     const uint32_t *v = t->mesh.half + dt_base(half), *id = t->points.id;
     uint32_t i = id[v[0]], j = id[v[1]], k = id[v[2]];
-    uint32_t first = (j < i) & (j < k) ? 1 : 0;
-    first = (k < i) & (k < j) ? 2 : first;
+    uint32_t first = ((j < i) & (j < k)) ? 1 : 0;
+    first = ((k < i) & (k < j)) ? 2 : first;
     uint32_t second = first == 2 ? 0 : first + 1, third = first == 0 ? 2 : first - 1;
     return (struct numbered){{v[first], v[second], v[third]},
                              {id[v[first]], id[v[second]], id[v[third]]}};
