@@ -10,7 +10,9 @@
 static void transcribe(char *out, size_t room, const char *bytes, size_t n, size_t first,
                        size_t then)
 {
-    static const char *const kind[] = {"ok", "err", "row", "bytes", "#"};
+    static const char *const kind[] = {
+        [REPLY_OK] = "ok",       [REPLY_ERR] = "err",     [REPLY_ROW] = "row",
+        [REPLY_BYTES] = "bytes", [REPLY_EVENT] = "event", [REPLY_COMMENT] = "#"};
     struct reply_reader r = {0};
     struct reply_part part;
     size_t start = 0, end = 0, used = 0;
@@ -83,6 +85,19 @@ TEST(reply_read_passes_comments_before_a_status_line_only)
 {
     check_parts("# progress 40 building\n#\nOK 1\n# a row\nERR BUSY later\n",
                 "#|# progress 40 building\n#|#\nok|OK 1\nrow|# a row.\nerr|ERR BUSY later.\n");
+}
+
+TEST(reply_read_takes_events_only_where_they_are_expected)
+{
+    static const char text[] = "EVENT 1 set=t version=7\ngone 3\n";
+    struct reply_reader r = {.events = true};
+    struct reply_part part;
+    ptrdiff_t took = reply_read(&r, text, sizeof text - 1, &part);
+    CHECK(took == 24 && part.kind == REPLY_EVENT && !part.last);
+    CHECK(reply_read(&r, text + took, sizeof text - 1 - (size_t)took, &part) == 7 &&
+          part.kind == REPLY_ROW && part.last);
+    check_parts("OK 1\nEVENT 0 set=t\n", "ok|OK 1\nrow|EVENT 0 set=t.\n");
+    check_parts(text, "bad\n");
 }
 
 TEST(reply_read_counts_raw_bytes_of_any_value)
