@@ -6,6 +6,7 @@
 #include <dirent.h>
 #include <signal.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char *const names[] = {"a", "b", "t", "empty", NULL};
 
@@ -73,25 +74,38 @@ TEST(directory_of_version_1_is_read_and_goes_on)
     directory_remove(&dir);
 }
 
-/* The same with fields: values in a snapshot, and in all kinds of records of a log. */
-TEST(directory_of_version_2_is_read_with_its_fields)
+/* The same with fields: values in a snapshot, and in all kinds of records of a log. `version` is that of the set t;
+ * 0: the files have none. */
+static void check_fields(const char *from, uint64_t version)
 {
     static const char questions[] =
         "POINTS a\nFIELDS a\nFIELDS b\nPOINTS b FIELDS z\nFIELDS t\nPOINTS t FIELDS new,z\n"
         "FIELDS u\nPOINTS u FIELDS none,y\nFIELDS empty\n";
     size_t n;
     char text[4000];
-    struct directory dir = copy_of("tests/data/version-2");
-    char *want = file_read("tests/data/version-2/state", &n);
+    struct directory dir = copy_of(from);
+    snprintf(text, sizeof text, "%s/state", from);
+    char *want = file_read(text, &n);
     want[n] = '\0';
     CHECK_MSG(directory_run(&dir, "--check", text, sizeof text) == 0, "%s", text);
     for (int i = 0; i < 2; i++) { /* its own files, then those that this release has written */
         struct daemon d = directory_daemon(&dir, NULL);
         converse(&d, questions, want);
+        CHECK(version == 0 || version_of(&d) == version);
         carry_out(&d, "SNAPSHOT\n");
         await_info(&d, "snapshots", 1);
         daemon_stop(&d, SIGKILL);
     }
     free(want);
     directory_remove(&dir);
+}
+
+TEST(directory_of_version_2_is_read_with_its_fields)
+{
+    check_fields("tests/data/version-2", 0);
+}
+
+TEST(directory_of_version_3_is_read_with_the_versions_of_its_sets)
+{
+    check_fields("tests/data/version-3", 3765204556972094);
 }
