@@ -1,6 +1,6 @@
 # rules.mk - targets that need more than a C compiler: comparison with CGAL, measurements, lint, fuzzing.
 
-.PHONY: interop test_web bench-web bench bench-durable lint fuzz fuzz_run
+.PHONY: interop interop_programs test_web bench-web bench bench-durable lint fuzz fuzz_run
 
 CXXCOMPILE = $(CXX) -O2 -g -ffp-contract=off -pthread -I. -Wall -Wextra $(if $(WERROR),-Werror) $(FLAGS_$(V))
 FAMILIES  := $(O)/tests/oracle/families.o
@@ -29,10 +29,12 @@ $(O)/interop/surfaces: $(addprefix $(O)/tests/,interop/surfaces.o interop/daemon
 $(O)/tests/bench/points: $(O)/tests/bench/points.o $(FAMILIES)
 	$(COMPILE) -o $@ $^ $(LDLIBS)
 
-interop: all
+interop_programs: all $(O)/tests/bench/points
 	$(call need,g++ libcgal-dev netcat-openbsd redis-tools,command -v $(CXX) && command -v nc && command -v redis-cli && \
 	  echo '\#include <CGAL/version.h>' | $(CXX) -E -x c++ -)
-	@$(MAKE) --no-print-directory $(addprefix $(O)/,interop/compare interop/small_sets interop/surfaces tests/bench/points)
+	@$(MAKE) --no-print-directory $(addprefix $(O)/interop/,compare small_sets surfaces)
+
+interop: interop_programs
 	tests/interop/run.sh $(O)
 
 # ---- test_web: the live page in a browser; bench-web measures it ----
