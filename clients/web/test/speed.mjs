@@ -23,6 +23,7 @@ async function framesWhileDragging() {
   for (let k = 1; k <= 200; k++) await page.mouse.move(...(await onPage(page, x + 0.0005 * k, y)));
   const after = await counts();
   await page.mouse.up();
+  await page.close();
   const parts = after.part - before.part;
   return { perSecond: (1000 * parts) / (after.at - before.at), bytes: (after.bytes - before.bytes) / parts };
 }
