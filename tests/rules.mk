@@ -46,7 +46,7 @@ test_web bench-web: all
 	  timeout 120 npm install --prefix $(O)/web --no-audit --no-fund --ignore-scripts --silent || \
 	  echo "npm cannot fetch packages here: the page is not tested"
 	@[ ! -d $(O)/web/node_modules/puppeteer-core ] || DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay \
-	  timeout 600 node $(if $(filter bench-web,$@),$(O)/web/test/speed.mjs,--test --test-reporter=spec $(O)/web/test/page.test.mjs)
+	  timeout 600 node $(if $(filter bench-web,$@),$(O)/web/test/speed.mjs,--test --test-reporter=spec $(O)/web/test/*.test.mjs)
 
 # ---- bench: ns per point, compared with CGAL where libcgal-dev is installed ----
 #

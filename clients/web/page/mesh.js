@@ -38,15 +38,21 @@ function parse(rows) {
   return { points, rings, gone };
 }
 
-/** The triangles that these rings contain, by key. Of collinear points a ring has neighbours, but no triangle: then the ring of one
- * neighbour does not contain the other one. A neighbour whose ring did not change belongs to triangles that were there before. */
+/** The triangles that these rings contain, by key. Of collinear points a ring has neighbours, but no triangle: then neighbours that
+ * follow each other are no neighbours themselves. If the rings of both are unknown, the triangle was there before or is none. */
 function trianglesOf(rings, before) {
   const found = new Map();
+  const areNeighbours = (a, b, key) => {
+    const [one, other] = [rings.get(a)?.ring, rings.get(b)?.ring];
+    if (one === undefined && other === undefined) return before.has(key);
+    const isShorter = other === undefined || one?.length <= other.length; // one of them may be that of a hub
+    return isShorter ? one.includes(b) : other.includes(a);
+  };
   for (const [id, { inner, ring }] of rings) {
     for (let k = inner ? 0 : 1; k < ring.length; k++) {
       const [a, b] = [ring[k === 0 ? ring.length - 1 : k - 1], ring[k]];
       const key = keyOf(id, a, b);
-      if (rings.has(a) ? rings.get(a).ring.includes(b) : before.has(key)) found.set(key, [id, a, b]);
+      if (areNeighbours(a, b, key)) found.set(key, [id, a, b]);
     }
   }
   return found;
@@ -86,9 +92,7 @@ export class Mesh {
     this.corners = new Uint32Array(triangles.buffer);
     this.slots = this.corners.length / 3;
     this.triangles = this.slots;
-    this.#free = [];
-    this.#starts = null;
-    this.#changed.clear();
+    this.#forgetSlots();
   }
 
   /** From an event that has everything. */
@@ -105,9 +109,7 @@ export class Mesh {
     this.slots = triangles.length;
     this.triangles = this.slots;
     this.version = event.version;
-    this.#free = [];
-    this.#starts = null;
-    this.#changed.clear();
+    this.#forgetSlots();
   }
 
   /** From the binary reply to POINTS with a field, as far as there are such points. */
@@ -123,6 +125,13 @@ export class Mesh {
     return id < this.ids && !Number.isNaN(this.xy[2 * id]);
   }
 
+  /** The slots have other triangles than before. */
+  #forgetSlots() {
+    this.#free = [];
+    this.#starts = null;
+    this.#changed.clear();
+  }
+
   /** Puts the slots into another order: order[i] is the slot that becomes slot i. */
   reorder(order) {
     const corners = new Uint32Array(3 * order.length);
@@ -134,9 +143,7 @@ export class Mesh {
     }
     this.corners = corners;
     this.slots = order.length;
-    this.#free = [];
-    this.#starts = null;
-    this.#changed.clear();
+    this.#forgetSlots();
   }
 
   #index() {
@@ -174,10 +181,8 @@ export class Mesh {
       if (x > box[2]) box[2] = x;
       if (y > box[3]) box[3] = y;
     };
-    if (this.#starts === null) this.#index();
     const before = this.#trianglesAt([...rings.keys(), ...gone]);
     for (const { corners } of before.values()) corners.forEach(around);
-    for (const id of points.keys()) for (const slot of this.slotsOf(id)) this.corners.subarray(3 * slot, 3 * slot + 3).forEach(around);
     for (const id of gone) this.#forget(id, around);
     for (const [id, place] of points) this.#place(id, place, around);
     const after = trianglesOf(rings, before);

@@ -1,0 +1,34 @@
+// The page's copy of a set, without a browser.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { Mesh } from '../page/mesh.js';
+
+const event = (...rows) => ({ rows, version: 1 });
+
+/** A wheel: point 0 in the middle of n others. */
+function wheel(n) {
+  const rows = ['point 0 0 0', `list 0 i ${Array.from({ length: n }, (_, i) => i + 1).join(' ')}`];
+  for (let i = 1; i <= n; i++) {
+    const angle = (2 * Math.PI * i) / n;
+    rows.push(`point ${i} ${Math.cos(angle)} ${Math.sin(angle)}`, `list ${i} b ${(i % n) + 1} 0 ${((i + n - 2) % n) + 1}`);
+  }
+  return rows;
+}
+
+test('rings of points on a line have no triangles, until a point leaves the line', () => {
+  const mesh = new Mesh();
+  mesh.loadEvent(event('point 0 0 0', 'list 0 b 1', 'point 1 1 0', 'list 1 b 2 0', 'point 2 2 0', 'list 2 b 1'));
+  assert.equal(mesh.triangles, 0);
+  const { slots, box } = mesh.apply(event('list 0 b 1 3', 'list 1 b 2 3 0', 'list 2 b 3 1', 'point 3 1 1', 'list 3 b 0 1 2'));
+  assert.deepEqual([mesh.triangles, mesh.points, slots.length, box], [2, 4, 2, [0, 0, 2, 1]]);
+});
+
+test('a point with many neighbours, and its removal', () => {
+  const mesh = new Mesh();
+  mesh.loadEvent(event(...wheel(50000)));
+  assert.deepEqual([mesh.triangles, mesh.slotsOf(0).length, mesh.slotsOf(7).length], [50000, 50000, 2]);
+  const small = new Mesh();
+  small.loadEvent(event(...wheel(4)));
+  small.apply(event('gone 0', 'list 1 b 2 4', 'list 2 b 3 4 1', 'list 3 b 4 2', 'list 4 b 1 2 3'));
+  assert.deepEqual([small.triangles, small.points, small.hasPoint(0)], [2, 4, false]);
+});
