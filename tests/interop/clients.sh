@@ -36,7 +36,7 @@ start_daemon() { # VARIABLE
     local found=
     "$build/delaunayd" --port 0 >"$scratch/ready.$1" 2>/dev/null &
     pids+=($!)
-    for _ in $(seq 100); do
+    for _ in $(seq 600); do
         found=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready.$1")
         [ -z "$found" ] || break
         sleep 0.1
@@ -195,7 +195,7 @@ with delaunayd.Client("private:") as c:
 through() { printf '%s\n' "$1" | timeout 10 nc -N 127.0.0.1 "$front"; }
 
 await_front() {
-    for _ in $(seq 100); do
+    for _ in $(seq 600); do
         through PING 2>/dev/null | grep -qx 'OK 0' && return
         sleep 0.1
     done

@@ -29,10 +29,11 @@ count() {
 }
 
 start_daemon() { # [OPTION...]
+    rm -f "$scratch/ready" # which may name the port of a daemon that has stopped
     "$build/delaunayd" --port 0 "$@" >"$scratch/ready" 2>"$scratch/log" &
     daemon=$!
-    for _ in $(seq 100); do
-        port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready")
+    for _ in $(seq 600); do
+        port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready" 2>/dev/null)
         [ -n "$port" ] && return
         sleep 0.1
     done
