@@ -7,7 +7,7 @@
         await c.triangulate("t")
         print(await c.nearest("t", 1, 1))
 
-It has the methods of delaunayd.Client; each returns an awaitable.
+It has the methods of delaunayd.Client; each returns an awaitable. `Mirror` follows a set.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ import asyncio
 from typing import Any, Callable, List, Optional, Sequence, Union
 
 from . import _address, _protocol as protocol
+from ._aio_mirror import Mirror
 from ._commands import Commands
 from ._protocol import LINE, ConnectionLost, Progress, Refused, Reply, Request
 
-__all__ = ["Client"]
+__all__ = ["Client", "Mirror"]
 
 _AT_ONCE = 1000
 _LINE_LIMIT = 1 << 30

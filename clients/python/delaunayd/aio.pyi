@@ -2,9 +2,10 @@
 
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
+from ._aio_mirror import Mirror as Mirror
 from ._protocol import Cells, Contour, Field, Located, Loop, Neighbour, Progress, Reply, Value, Word
 
-__all__ = ["Client"]
+__all__ = ["Client", "Mirror"]
 
 class Client:
     def __init__(self, url: Optional[str] = None, timeout: Optional[float] = None): ...

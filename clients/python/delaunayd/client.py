@@ -9,11 +9,12 @@ import socket
 import threading
 import weakref
 from collections import deque
-from typing import Any, Callable, Deque, Generator, List, Optional, Sequence, Union
+from typing import Any, Callable, Deque, Generator, Iterable, List, Optional, Sequence, Union
 
 from . import _address, _protocol as protocol
 from ._commands import Commands
 from ._protocol import LINE, ConnectionLost, Located, Neighbour, Progress, Refused, Reply, Request, Word
+from .mirror import Change, Mirror
 
 __all__ = ["Client", "ConnectionLost", "Located", "Neighbour", "Pipeline", "Refused", "Reply"]
 
@@ -265,6 +266,17 @@ class Client(Commands):
         if isinstance(reply, Refused):
             raise reply
         return reply
+
+    def mirror(
+        self,
+        name: str,
+        fields: Iterable[str] = (),
+        within: Optional[Sequence[float]] = None,
+        timeout: Optional[float] = None,
+        on_change: Optional[Callable[[Change], object]] = None,
+    ) -> Mirror:
+        """An object that follows a set of this server, over a connection of its own: see Mirror."""
+        return Mirror(self._address, name, fields, within, timeout, on_change)
 
     # ---- sets that nothing refers to any more ----
 

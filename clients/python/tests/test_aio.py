@@ -136,7 +136,7 @@ class Documentation(unittest.TestCase):
     def test_every_method_is_documented(self):
         from delaunayd import _protocol
 
-        for kind in (delaunayd.Client, delaunayd.Pipeline, aio.Client, _commands.Commands):
+        for kind in (delaunayd.Client, delaunayd.Pipeline, delaunayd.Mirror, aio.Client, aio.Mirror, _commands.Commands):
             for name, method in inspect.getmembers(kind, inspect.isfunction):
                 if not name.startswith("_"):
                     self.assertTrue(inspect.getdoc(method), "%s.%s" % (kind.__name__, name))

@@ -1,0 +1,296 @@
+"""The state of a set that is followed, made of the bytes that WATCH sends, without a connection (PROTOCOL.md, section 6.5)."""
+
+from __future__ import annotations
+
+import struct
+from collections import deque
+from typing import Any, Deque, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+
+from . import _protocol as protocol
+from ._protocol import ConnectionLost, Refused, Request
+
+Triangle = Tuple[int, int, int]
+
+PIECE = 1 << 18  # bytes to receive at once
+FIRST_PAUSE, LAST_PAUSE = 0.02, 1.0  # seconds between attempts to connect
+LATER = frozenset(("LOADING", "BUSY", "NOMEM"))  # errors after which a mirror tries again
+_XY = 16  # bytes of coordinates; those of the values follow
+
+
+class Change(NamedTuple):
+    """What differs from the state before, ids and triangles ascending. A point that has moved may have kept its triangles; those are
+    in neither list."""
+
+    version: int
+    added: List[int]
+    moved: List[int]
+    gone: List[int]
+    valued: List[int]  # ids of points with another value of a followed field, but not of added ones
+    triangles_added: List[Triangle]
+    triangles_removed: List[Triangle]
+
+
+# A ring is its ids as little-endian words, for a point on the hull followed by one byte: 24 bytes for six neighbours.
+
+
+def _ring(words: Sequence[bytes], boundary: bool) -> bytes:
+    ids = struct.pack("<%dI" % len(words), *map(int, words))
+    return ids + b"b" if boundary else ids
+
+
+def _is_boundary(ring: bytes) -> bool:
+    return len(ring) % 4 == 1
+
+
+def _ids(ring: bytes) -> Tuple[int, ...]:
+    return struct.unpack_from("<%dI" % (len(ring) // 4), ring)
+
+
+def _is_end(ring: Optional[bytes]) -> bool:
+    """Of points on one line, or of a single point: no vertex of a triangle has fewer than two neighbours."""
+    return ring is not None and len(ring) < 8
+
+
+def _star(id: int, ring: Optional[bytes]) -> Iterator[Triangle]:
+    """The triangles of a point, as in TRIANGLES."""
+    if ring is None:
+        return
+    ids = _ids(ring)
+    for k in range(1 if _is_boundary(ring) else 0, len(ids)):
+        b, c = ids[k - 1], ids[k]
+        yield (id, b, c) if id < b and id < c else (b, c, id) if b < c else (c, id, b)
+
+
+class Mirror:
+    """Points, rings and version of a set; what both kinds of mirrors have."""
+
+    def __init__(self, name: str, fields: Iterable[str], within: Optional[Sequence[float]]):
+        self.name = protocol.set_name(name)
+        self.fields = [protocol.field_name(field) for field in fields]
+        self.within = None if within is None else tuple(map(float, within))
+        self.version = 0
+        self.dropped = False
+        self._whole = False  # there has been a first state
+        self._points: Dict[int, bytes] = {}  # coordinates and values
+        self._rings: Dict[int, bytes] = {}
+        self._ends = 0  # of rings that are ends
+        self._lines: Deque[bytes] = deque()
+        self._rest = b""
+        self._begin_connection()
+
+    # ---- what it knows ----
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def __contains__(self, id: int) -> bool:
+        return id in self._points
+
+    def point(self, id: int) -> Tuple[float, float]:
+        """The coordinates of a point. KeyError: there is none of that id."""
+        x, y = struct.unpack_from("<2d", self._points[id])
+        return x, y
+
+    def values(self, id: int) -> Tuple[float, ...]:
+        """The values of the followed fields at a point, NaN where one is missing. KeyError: there is none of that id."""
+        return struct.unpack_from("<%dd" % len(self.fields), self._points[id], _XY)
+
+    def neighbors(self, id: int) -> List[int]:
+        """The ring of a point, as in LISTS. KeyError: it has none, because it is an alias, or the set is not triangulated."""
+        return list(_ids(self._rings[id]))
+
+    def is_boundary(self, id: int) -> bool:
+        """Whether a point is on the hull. KeyError as for neighbors."""
+        return _is_boundary(self._rings[id])
+
+    def points(self) -> Tuple[Any, ...]:
+        """As Client.points: the ids, the coordinates, and with fields the values with shape (n, k). Cost: that of all points."""
+        order = sorted(self._points)
+        rows = b"".join(struct.pack("<I", id) + self._points[id] for id in order)
+        table = protocol.points_table(rows, len(self.fields))
+        return table if self.fields else table[:2]
+
+    def lists(self) -> Dict[int, Any]:
+        """As Client.lists: every ring, in the order of LISTS. Cost: that of all points."""
+        inner = sorted(id for id, ring in self._rings.items() if not _is_boundary(ring))
+        return {id: protocol.flat(protocol.uint32s(self._rings[id][: len(self._rings[id]) & ~3], 1)) for id in inner + self.hull()}
+
+    def hull(self) -> List[int]:
+        """As Client.hull. Of a part of a set (within) the points on the hull, ascending. Cost: that of all points."""
+        boundary = sorted(id for id, ring in self._rings.items() if _is_boundary(ring))
+        if self.within is not None or len(boundary) < 2:
+            return boundary
+        at = next((id for id in boundary if _is_end(self._rings[id])), boundary[0])
+        hull = [at]
+        while len(hull) < len(boundary):
+            at = _ids(self._rings[at])[0]
+            hull.append(at)
+        return hull
+
+    def triangles(self) -> Any:
+        """As Client.triangles: the corners, with shape (m, 3). Of a part of a set the triangles of its points. Cost: that of all
+        points."""
+        whole = self.within is None
+        found: Set[Triangle] = set()
+        for id, ring in self._rings.items() if self._ends == 0 else ():
+            found.update(t for t in _star(id, ring) if not whole or t[0] == id)
+        flat = [id for triangle in sorted(found) for id in triangle]
+        return protocol.uint32s(struct.pack("<%dI" % len(flat), *flat), 3)
+
+    # ---- the connection ----
+
+    def _begin_connection(self) -> None:
+        """What the connection before has sent without being complete is forgotten."""
+        self._lines.clear()
+        self._rest = b""
+        self._rows = 0  # of the current event, that are still to come
+        self._more = self._reset = False
+        self._version = 0  # of the current event
+        self._new_points: Dict[int, Optional[bytes]] = {}  # None: gone
+        self._new_rings: Dict[int, Optional[bytes]] = {}
+
+    def _request(self, token: str) -> bytes:
+        """What a new connection sends."""
+        words: List[Any] = ["WATCH", self.name]
+        if self._whole:
+            words += ["SINCE", self.version]
+        if self.within is not None:
+            words += ["WITHIN", *self.within]
+        if self.fields:
+            words += ["FIELDS", ",".join(self.fields)]
+        first: List[Request] = [protocol.request("AUTH", token)] if token else []
+        return b"".join(request.line for request in [*first, protocol.request(*words)])
+
+    def _receive(self, data: bytes) -> None:
+        lines = (self._rest + data).split(b"\n")
+        self._rest = lines.pop()
+        self._lines += lines
+
+    def _step(self) -> Optional[Change]:
+        """The next change in what has been received; None also after the first state. Raises Refused; the set is dropped if there is
+        none of that name any more."""
+        while self._lines and not self.dropped:
+            line = self._lines.popleft()
+            if self._rows > 0:
+                self._rows -= 1
+                self._read_row(line.split(b" "))
+            else:
+                self._read_head(line.decode().split(" "))
+            if self._rows == 0 and self._version > 0 and not self._more:
+                first = not self._whole
+                change = self._commit()
+                if first or change is not None:
+                    return change
+        return None
+
+    def _read_head(self, words: List[str]) -> None:
+        if words[0] == "ERR":
+            refusal = Refused(" ".join(words))
+            if refusal.code != "NOSET" or not self._whole:
+                raise refusal
+            self.dropped = True
+        elif words[0] == "EVENT":
+            self.dropped = words[-1] == "dropped"
+            self._rows = int(words[1])
+            self._version = next((int(w[8:]) for w in words[3:] if w.startswith("version=")), 0)
+            self._more = "more" in words[4:]
+            if "reset" in words[4:]:
+                self._reset = True
+                self._new_points.clear()
+                self._new_rings.clear()
+        elif words[0] != "OK":
+            raise ConnectionLost("not an event of this protocol: " + " ".join(words)[:80])
+
+    def _read_row(self, words: List[bytes]) -> None:
+        id = int(words[1])
+        if words[0] == b"list":
+            self._new_rings[id] = _ring(words[3:], words[2] == b"b")
+            return
+        self._new_rings[id] = None
+        if words[0] == b"point":
+            self._new_points[id] = struct.pack("<%dd" % (len(words) - 2), *map(float, words[2:]))
+        elif words[0] == b"gone":
+            self._new_points[id] = None
+        else:
+            raise ConnectionLost("not a row of an event: " + repr(words)[:80])
+
+    # ---- from one state to the next ----
+
+    def _commit(self) -> Optional[Change]:
+        """Applies the events that have come; returns what differs, if there has been a state before."""
+        version, first, reset = self._version, not self._whole, self._reset
+        points, rings = self._new_points, self._new_rings
+        self._new_points, self._new_rings = {}, {}
+        self._reset, self._version, self._whole = False, 0, True
+        silent = version == self.version and not points and not reset and not rings
+        self.version = version
+        if reset and first:
+            self._points = {id: point for id, point in points.items() if point is not None}
+            self._rings = {id: ring for id, ring in rings.items() if ring is not None}
+            self._ends = sum(map(_is_end, self._rings.values()))
+            return None
+        if reset:
+            points = {**dict.fromkeys(self._points), **points}
+            rings = {**dict.fromkeys(self._rings), **rings}
+        change = Change(version, [], [], [], [], [], [])
+        self._apply_points(points, change)
+        self._apply_rings(rings, change)
+        for ids in (change.added, change.moved, change.gone, change.valued):
+            ids.sort()
+        for triangles in (change.triangles_added, change.triangles_removed):
+            triangles.sort()
+        return None if silent else change
+
+    def _apply_points(self, points: Dict[int, Optional[bytes]], change: Change) -> None:
+        for id, new in points.items():
+            old = self._points.get(id)
+            if new is None:
+                if self._points.pop(id, None) is not None:
+                    change.gone.append(id)
+                continue
+            self._points[id] = new
+            if old is None:
+                change.added.append(id)
+                continue
+            if old[:_XY] != new[:_XY]:
+                change.moved.append(id)
+            if old[_XY:] != new[_XY:]:
+                change.valued.append(id)
+
+    def _apply_rings(self, rings: Dict[int, Optional[bytes]], change: Change) -> None:
+        old = {id: self._rings.get(id) for id, ring in rings.items() if ring != self._rings.get(id)}
+        was_line = self._ends > 0
+        for id, ring in old.items():
+            new = rings[id]
+            self._ends += _is_end(new) - _is_end(ring)
+            if new is None:
+                del self._rings[id]
+            else:
+                self._rings[id] = new
+        if was_line != (self._ends > 0):  # equal rings have other triangles now
+            old = {**self._rings, **old}
+        removed, added = change.triangles_removed, change.triangles_added
+        for id, ring in old.items():
+            before = () if was_line else _star(id, ring)
+            after = () if self._ends > 0 else _star(id, self._rings.get(id))
+            self._compare(id, set(before), set(after), old, change)
+        if self.within is not None:
+            removed[:], added[:] = set(removed), set(added)
+
+    def _compare(self, id: int, before: Set[Triangle], after: Set[Triangle], old: Dict[int, Optional[bytes]], change: Change) -> None:
+        """What differs between two stars. The rings of all corners of a triangle that comes or goes change, so the first corner
+        reports it; of a part of a set only some corners are known, and a triangle goes with the last of these."""
+        if self.within is None:
+            change.triangles_removed.extend(t for t in before - after if t[0] == id)
+            change.triangles_added.extend(t for t in after - before if t[0] == id)
+            return
+        change.triangles_removed.extend(t for t in before - after if not self._has(t, {}))
+        change.triangles_added.extend(t for t in after - before if not self._has(t, old))
+
+    def _has(self, triangle: Triangle, old: Dict[int, Optional[bytes]]) -> bool:
+        """Whether a triangle of the part is or, with the rings that have changed since, was there."""
+        for id in triangle:
+            ring = old[id] if id in old else self._rings.get(id)
+            if ring is not None:
+                return triangle in _star(id, ring)
+        return False
