@@ -9,10 +9,13 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 void dt_cell_clear(struct dt_cell_work *w)
 {
     free(w->ring);
+    free(w->centre);
+    free(w->polygon);
     free(w->corner);
     free(w->other);
     *w = (struct dt_cell_work){0};
@@ -25,11 +28,14 @@ bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree)
     uint32_t cap = degree < 64 ? 64 : degree + degree / 2;
     dt_cell_clear(w);
     w->ring = malloc(cap * sizeof *w->ring);
+    w->centre = malloc(cap * sizeof *w->centre);
     w->cap = cap + 16; /* corners at infinity and, of each side, two */
+    w->polygon = malloc(w->cap * sizeof *w->polygon);
     w->corner = malloc(w->cap * sizeof *w->corner);
     w->other = malloc(w->cap * sizeof *w->other);
     w->ring_cap = cap;
-    if (w->ring != NULL && w->corner != NULL && w->other != NULL)
+    if (w->ring != NULL && w->centre != NULL && w->polygon != NULL && w->corner != NULL &&
+        w->other != NULL)
         return true;
     dt_cell_clear(w);
     return false;
@@ -81,20 +87,24 @@ static bool centre_double(dt_lanes site, const struct seen *b, const struct seen
     return size < 0x1p42 * fabs(area) && dt_lanes_bits(sure) == 3;
 }
 
-/* The corners between neighbours i and i + 1, for i < n, the next one of the last being the first. */
-static void put_centres(struct dt_cell_work *w, struct dt_point at, uint32_t degree, uint32_t n)
+/* w->centre[i]: the corner between neighbours i and i + 1, for i < n, the next one of the last being the first. */
+static void find_centres(struct dt_cell_work *w, struct dt_point at, uint32_t degree, uint32_t n)
 {
     dt_lanes site = lanes_of(at);
     struct seen first = see(site, w->ring[0]), here = first;
     for (uint32_t i = 0; i < n; i++) {
         uint32_t next = i + 1 < degree ? i + 1 : 0;
         struct seen beyond = next == 0 ? first : see(site, w->ring[next]);
-        struct dt_point p;
-        if (!centre_double(site, &here, &beyond, &p))
-            p = dt_centre(at, w->ring[i], w->ring[next]);
-        put(w, p, next);
+        if (!centre_double(site, &here, &beyond, &w->centre[i]))
+            w->centre[i] = dt_centre(at, w->ring[i], w->ring[next]);
         here = beyond;
     }
+}
+
+static void put_centres(struct dt_cell_work *w, uint32_t degree, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++)
+        put(w, w->centre[i], i + 1 < degree ? i + 1 : 0);
 }
 
 /* ---- corners at infinity ---- */
@@ -119,7 +129,8 @@ static struct dt_point far_right(struct dt_point p, struct dt_point q)
 
 static void put_hull_cell(struct dt_cell_work *w, struct dt_point site, uint32_t degree)
 {
-    put_centres(w, site, degree, degree - 1);
+    find_centres(w, site, degree, degree - 1);
+    put_centres(w, degree, degree - 1);
     put(w, far_right(w->ring[degree - 1], site), DT_EDGE_FAR);
     put(w, far_right(site, w->ring[0]), 0);
 }
@@ -195,17 +206,6 @@ static void cut(struct dt_cell_work *w, struct dt_point site, const struct side 
     }
 }
 
-static bool is_inside(const struct dt_cell_work *w, const struct dt_box *box)
-{
-    dt_lanes lo = lanes_of(box->lo), hi = lanes_of(box->hi);
-    dt_lanes_holds in = {-1, -1};
-    for (uint32_t i = 0; i < w->n; i++) {
-        dt_lanes p = lanes_of(w->corner[i].at);
-        in &= (p >= lo) & (p <= hi);
-    }
-    return dt_lanes_bits(in) == 3;
-}
-
 static void clip(struct dt_cell_work *w, struct dt_point site, const struct dt_box *box)
 {
     const struct side side[4] = {{true, true, box->lo.x},
@@ -259,20 +259,52 @@ static int compare_turns(const struct dt_cell_work *w, uint32_t i, uint32_t k)
     return order;
 }
 
-/* The least corner first. Where rounding has made two of them equal, what follows decides. */
-static void turn(struct dt_cell_work *w)
+/* The least corner. Where rounding has made two of them equal, what follows decides. */
+static uint32_t least_corner(const struct dt_cell_work *w)
 {
     uint32_t least = 0;
     for (uint32_t i = 1; i < w->n; i++)
         if (w->corner[i].at.x <= w->corner[least].at.x && compare_turns(w, i, least) < 0)
             least = i;
-    if (least == 0)
-        return;
-    struct dt_cell_corner *from = w->corner;
-    w->corner = w->other;
-    w->other = from;
+    return least;
+}
+
+/* Makes the polygon what is left of the corners when the box has cut them. */
+static void cut_polygon(struct dt_cell_work *w, struct dt_point site, const struct dt_box *box)
+{
+    clip(w, site, box);
+    remove_equal(w, box);
+    uint32_t least = least_corner(w);
     for (uint32_t i = 0; i < w->n; i++)
-        w->corner[i] = from[least + i < w->n ? least + i : least + i - w->n];
+        w->polygon[i] = w->corner[least + i < w->n ? least + i : least + i - w->n].at;
+}
+
+/* Makes the polygon the n centres. False: that is not all, because one is not inside the box, one is equal to the one before,
+ * or two have the least x. */
+static bool make_plain(struct dt_cell_work *w, uint32_t n, const struct dt_box *box)
+{
+    dt_lanes lo = lanes_of(box->lo), hi = lanes_of(box->hi), before = lanes_of(w->centre[n - 1]);
+    dt_lanes_holds inside = {-1, -1}, equal;
+    int equals = 0, ties = 0;
+    uint32_t least = 0;
+    double x = (double)INFINITY;
+    for (uint32_t i = 0; i < n; i++) {
+        dt_lanes p = lanes_of(w->centre[i]);
+        inside &= (p > lo) & (p < hi);
+        equal = p == before;
+        equals |= dt_lanes_bits(equal) == 3;
+        before = p;
+        uint32_t less = p[0] < x;
+        ties = (less ? 0 : ties) | (p[0] == x);
+        least ^= (least ^ i) & -less;
+        x = less ? p[0] : x;
+    }
+    if (dt_lanes_bits(inside) != 3 || equals || ties)
+        return false;
+    memcpy(w->polygon, w->centre + least, (n - least) * sizeof *w->polygon);
+    memcpy(w->polygon + (n - least), w->centre, least * sizeof *w->polygon);
+    w->n = n;
+    return true;
 }
 
 void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
@@ -281,7 +313,10 @@ void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
     w->n = 0;
     switch (kind) {
     case DT_CELL_INSIDE:
-        put_centres(w, site, degree, degree);
+        find_centres(w, site, degree, degree);
+        if (make_plain(w, degree, box))
+            return;
+        put_centres(w, degree, degree);
         break;
     case DT_CELL_ON_HULL:
         put_hull_cell(w, site, degree);
@@ -290,10 +325,7 @@ void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
         put_line_cell(w, site, degree);
         break;
     }
-    if (!is_inside(w, box))
-        clip(w, site, box);
-    remove_equal(w, box);
-    turn(w);
+    cut_polygon(w, site, box);
 }
 
 double dt_polygon_area(const struct dt_point *corner, size_t n)

@@ -35,7 +35,9 @@ struct dt_cell_corner {
 /* What one cell after the other is computed in. Start with {0}. */
 struct dt_cell_work {
     struct dt_point *ring;         /* owns ring_cap: the neighbours, for the caller to fill in */
-    struct dt_cell_corner *corner; /* owns cap: the n corners */
+    struct dt_point *centre;       /* owns ring_cap: circumcentres */
+    struct dt_point *polygon;      /* owns cap: the n corners */
+    struct dt_cell_corner *corner; /* owns cap: the same while they are cut */
     struct dt_cell_corner *other;  /* owns cap */
     uint32_t ring_cap, n, cap;
 };
@@ -45,10 +47,9 @@ void dt_cell_clear(struct dt_cell_work *w);
 /* Makes room for the ring. False: out of memory. */
 bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree);
 
-/* Makes w->corner the cell of the site with the neighbours w->ring[degree], counterclockwise, without equal corners in a
- * row: at least three, or none if it has fewer or all are on one
- * side of the box. It begins with the least corner, by x, then y. Cost:
- * O(degree). */
+/* Makes w->polygon the cell of the site with the neighbours w->ring[degree], counterclockwise, without equal corners in a
+ * row: at least three, or none if it has fewer or all are on one side of the box. It begins with the least corner, by x,
+ * then y. Cost: O(degree). */
 void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
                   enum dt_cell_kind kind, const struct dt_box *box);
 

@@ -1,13 +1,15 @@
 /* centre.c - see centre.h.
  *
- * A value is computed in double words with a bound of the error. If every number within the bound rounds to the same
- * double, that is the result; else it is found by exact signs, in numbers of 1,850 bits, which hold all that occurs:
- * the points are multiples of 2^-195 below 2^204, so numerators, polynomials of degree 3, have at most 1,210
- * bits. */
+ * A value is computed with a bound of its error. If every number within the bound rounds to the same double, that is
+ * the result. Otherwise the next of three stages decides: doubles with the first-order errors of each operation, for
+ * circumcentres of points whose differences are doubles; double words; and exact signs, in numbers of 1,850 bits, which
+ * hold all that occurs: the points are multiples of 2^-195 below 2^204, so numerators, polynomials of degree 3, have at
+ * most 1,210 bits. */
 #include "core/surface/centre.h"
 
 #include "core/exact/bigfloat.h"
 #include "core/exact/double2.h"
+#include "core/exact/lanes.h"
 
 #include <math.h>
 #include <string.h>
@@ -111,6 +113,139 @@ static double round_big(double from, const struct dt_bigfloat *n, const struct d
 
 /* ---- circumcentres: a + (|b|^2 c' - |c|^2 b') / (2 b x c), where b and c are seen from a, v' = (v.y, -v.x) ---- */
 
+/* Two products, or sums, side by side, as in double2.h. */
+struct parts {
+    dt_lanes hi, lo;
+};
+
+static inline struct parts split(dt_lanes a)
+{
+    dt_lanes c = a * dt_lanes_both(134217729.0);
+    dt_lanes hi = c - (c - a);
+    return (struct parts){hi, a - hi};
+}
+
+static inline struct parts product(dt_lanes a, struct parts as, dt_lanes b, struct parts bs)
+{
+    dt_lanes p = a * b;
+    return (struct parts){p,
+                          as.lo * bs.lo - (((p - as.hi * bs.hi) - as.lo * bs.hi) - as.hi * bs.lo)};
+}
+
+static inline struct parts sum(dt_lanes a, dt_lanes b)
+{
+    dt_lanes s = a + b, b_part = s - a, a_part = s - b_part;
+    return (struct parts){s, (a - a_part) + (b - b_part)};
+}
+
+static inline dt_lanes turned(dt_lanes v)
+{
+    return (dt_lanes){v[1], -v[0]};
+}
+
+/* A vector, and what its products need. */
+struct factor {
+    dt_lanes v;
+    struct parts split;
+};
+
+static inline struct factor factor(dt_lanes v)
+{
+    return (struct factor){v, split(v)};
+}
+
+static inline struct factor turn(const struct factor *f)
+{
+    return (struct factor){turned(f->v), {turned(f->split.hi), turned(f->split.lo)}};
+}
+
+static inline struct parts times_lanes(const struct factor *a, const struct factor *b)
+{
+    return product(a->v, a->split, b->v, b->split);
+}
+
+/* |b|^2 and |c|^2. */
+static inline struct parts squares_of(const struct factor *b, const struct factor *c)
+{
+    struct parts bb = times_lanes(b, b), cc = times_lanes(c, c);
+    struct parts s = sum(dt_lanes_first(bb.hi, cc.hi), dt_lanes_second(bb.hi, cc.hi));
+    s.lo += dt_lanes_first(bb.lo, cc.lo) + dt_lanes_second(bb.lo, cc.lo);
+    return s;
+}
+
+/* b x c in both lanes, and the sum of the magnitudes of its terms. */
+static inline struct parts area_of(const struct factor *b, const struct factor *c_turned,
+                                   dt_lanes *size)
+{
+    struct parts cross = times_lanes(b, c_turned);
+    struct parts area = sum(cross.hi, (dt_lanes){cross.hi[1], cross.hi[0]});
+    area.lo += cross.lo + (dt_lanes){cross.lo[1], cross.lo[0]};
+    *size = dt_lanes_abs(cross.hi);
+    *size += (dt_lanes){(*size)[1], (*size)[0]};
+    return area;
+}
+
+/* |b|^2 c' - |c|^2 b', and the sums of the magnitudes of their terms. */
+static inline struct parts numerators(struct parts squares, const struct factor *b_turned,
+                                      const struct factor *c_turned, dt_lanes *terms)
+{
+    struct factor bb = factor(dt_lanes_both(squares.hi[0]));
+    struct factor cc = factor(dt_lanes_both(squares.hi[1]));
+    struct parts p = times_lanes(&bb, c_turned), q = times_lanes(&cc, b_turned);
+    struct parts n = sum(p.hi, -q.hi);
+    n.lo += (p.lo - q.lo) + (dt_lanes_both(squares.lo[0]) * c_turned->v -
+                             dt_lanes_both(squares.lo[1]) * b_turned->v);
+    *terms = dt_lanes_abs(p.hi) + dt_lanes_abs(q.hi);
+    return n;
+}
+
+/* n / (2 area), where scale is 1 / (2 area) in doubles: the quotient in doubles, and what it lacks. */
+static inline struct parts quotient(struct parts n, struct parts area, dt_lanes scale)
+{
+    dt_lanes q = n.hi * scale, twice = area.hi + area.hi;
+    struct parts r = product(q, split(q), twice, split(twice));
+    dt_lanes rest = ((n.hi - r.hi) - r.lo) + (n.lo - q * (area.lo + area.lo));
+    return (struct parts){q, rest * scale};
+}
+
+/* As round_sum. */
+static inline dt_lanes_holds round_lanes(dt_lanes from, struct parts offset, dt_lanes error,
+                                         struct dt_point *out)
+{
+    struct parts near = sum(from, offset.hi);
+    dt_lanes rest = near.lo + offset.lo;
+    error += dt_lanes_both(0x1p-52) * dt_lanes_abs(rest);
+    near = sum(near.hi, rest);
+    *out = (struct dt_point){near.hi[0] + 0.0, near.hi[1] + 0.0};
+    return (near.hi + (near.lo + error) == near.hi) & (near.hi + (near.lo - error) == near.hi);
+}
+
+/* False, too, if a difference of b and c from a is not a double. Let u = 2^-53, `terms` the sum of the magnitudes of a
+ * numerator's two terms, `size` that of the area's, k = size / |area| and q the quotient in doubles. hi + lo is off by
+ *     3.1 u^2 of itself       squares: lo, at most 2.1 u of hi, is rounded by its two sums
+ *     3.1 u^2 size            the area, likewise
+ *     16 u^2 terms            numerators: 3.1 by squares, 2.1 by squares.lo c', 2.1 by their difference, 1 by that of
+ *                             errors, and the two sums 3.2 and 4.3
+ *     (35 terms + 19 |q| size) u^2    the remainder of the division, with all of the above; n.hi - r.hi is exact, as one is
+ *                             within few units of the other, and at most 5 u terms
+ * and the correction of q, the remainder of at most (9.5 terms + 4.3 |q| size) u times `scale`, by 4.3 k u of itself
+ * more. Together that is less than 80 k u^2 (terms + |q| size) |scale|; k is 2 size |scale|. */
+static bool centre_corrected(struct dt_point at, struct dt_point to, struct dt_point on,
+                             struct dt_point *out)
+{
+    dt_lanes a = {at.x, at.y}, size, terms, zero = {0, 0};
+    struct parts to_b = sum((dt_lanes){to.x, to.y}, -a), to_c = sum((dt_lanes){on.x, on.y}, -a);
+    struct factor b = factor(to_b.hi), c = factor(to_c.hi), bt = turn(&b), ct = turn(&c);
+    struct parts area = area_of(&b, &ct, &size);
+    dt_lanes scale = dt_lanes_both(0.5 / area.hi[0]), flat = size * dt_lanes_abs(scale);
+    struct parts n = numerators(squares_of(&b, &c), &bt, &ct, &terms);
+    struct parts q = quotient(n, area, scale);
+    dt_lanes error = (terms + dt_lanes_abs(q.hi) * size) * dt_lanes_abs(scale) * flat;
+    dt_lanes_holds sure = round_lanes(a, q, error * dt_lanes_both(0x1p-98), out);
+    sure &= (to_b.lo == zero) & (to_c.lo == zero);
+    return dt_lanes_bits(sure) == 3 && flat[0] < 0x1p20;
+}
+
 static bool centre_double2(struct dt_point a, struct dt_point b, struct dt_point c,
                            struct dt_point *out)
 {
@@ -144,7 +279,7 @@ static struct dt_point centre_big(struct dt_point a, struct dt_point b, struct d
 struct dt_point dt_centre(struct dt_point a, struct dt_point b, struct dt_point c)
 {
     struct dt_point p;
-    return centre_double2(a, b, c, &p) ? p : centre_big(a, b, c);
+    return centre_corrected(a, b, c, &p) || centre_double2(a, b, c, &p) ? p : centre_big(a, b, c);
 }
 
 /* ---- bisectors: y = p.y + (dx (dx - 2 (at - p.x)) + dy^2) / (2 dy), where d = q - p ---- */

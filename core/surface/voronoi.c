@@ -11,6 +11,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- the box ---- */
 
@@ -215,8 +216,8 @@ static bool take(struct sink *k, const struct dt_cell_work *w, uint32_t id)
     if (k->cells == k->room || w->n > k->cap - k->corners)
         return false;
     k->cell[k->cells++] = (struct dt_cell){id, w->n};
-    for (uint32_t i = 0; i < w->n; i++)
-        k->corner[k->corners++] = w->corner[i].at;
+    memcpy(k->corner + k->corners, w->polygon, w->n * sizeof *k->corner);
+    k->corners += w->n;
     return true;
 }
 

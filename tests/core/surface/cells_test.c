@@ -244,6 +244,43 @@ TEST(a_centre_half_way_between_two_doubles_is_the_even_one)
           big + 1);
 }
 
+__extension__ typedef __int128 wide;
+
+/* Whether v is from + n / d rounded to nearest, for 1 <= |v| < 2^31 and |d| < 2^43. */
+static bool is_rounded(double v, int64_t from, wide n, wide d)
+{
+    int e;
+    frexp(v, &e); /* |v| < 2^e: half a unit is 2^(e - 54) */
+    wide scaled = (wide)ldexp(v, 54 - e), error;
+    error = (scaled - ((wide)from << (54 - e))) * d - (n << (54 - e));
+    error = error < 0 ? -error : error;
+    return error < (d < 0 ? -d : d) || (error == (d < 0 ? -d : d) && scaled / 2 % 2 == 0);
+}
+
+TEST(centres_of_points_far_from_the_origin_are_rounded_to_nearest)
+{
+    int checked = 0;
+    for (int i = 0; i < 100000; i++) {
+        int64_t base = (int64_t)(test_random() % (1u << 30)), v[4];
+        unsigned spread = 1 + (unsigned)(test_random() % 18);
+        for (int k = 0; k < 4; k++)
+            v[k] = (int64_t)(test_random() % (2u << spread)) - (1 << spread);
+        struct dt_point a = {(double)base, (double)-base};
+        struct dt_point b = {(double)(base + v[0]), (double)(v[1] - base)};
+        struct dt_point c = {(double)(base + v[2]), (double)(v[3] - base)};
+        int64_t bb = v[0] * v[0] + v[1] * v[1], cc = v[2] * v[2] + v[3] * v[3];
+        int64_t twice = 2 * (v[0] * v[3] - v[1] * v[2]);
+        if (twice == 0)
+            continue;
+        struct dt_point p = dt_centre(a, b, c);
+        if (fabs(p.x) >= 1 && fabs(p.x) < 0x1p31 && ++checked > 0)
+            CHECK(is_rounded(p.x, base, (wide)bb * v[3] - (wide)cc * v[1], twice));
+        if (fabs(p.y) >= 1 && fabs(p.y) < 0x1p31 && ++checked > 0)
+            CHECK(is_rounded(p.y, -base, (wide)cc * v[0] - (wide)bb * v[2], twice));
+    }
+    CHECK(checked > 100000);
+}
+
 TEST(centres_do_not_depend_on_the_order_of_the_corners)
 {
     for (int i = 0; i < 20000; i++) {
