@@ -262,6 +262,7 @@ count "redis-py" "$python" tests/interop/redis_py.py "$port"
 count "the Python package, nothing skipped" python_package_passes
 count "SciPy's own tests of Delaunay, with ours" env DELAUNAYD="$build/delaunayd" PYTHONPATH=clients/python \
     "$python" clients/python/tests/scipy_tests.py
+count "mirrors equal the set, with kills, lost connections and pauses" "$python" tests/interop/mirrors.py "$build"
 count "the Python package can be installed, with the daemon" python_package_installs
 if python3 -m venv --help >/dev/null 2>&1 && python3 -c 'import ensurepip' 2>/dev/null; then
     count "the Python package compiles the daemon where there is none" python_package_compiles_the_daemon

@@ -23,6 +23,15 @@ load: all
 load-beside: all
 	@tests/load/beside.sh $(O) $(or $(OTHER),$(error OTHER=PROGRAM is missing))
 
+# Mirrors of a set that is edited at random, with kills of the daemon, lost connections and pauses: up to half an hour.
+#
+#   make soak EDITS=1000000 SEEDS=100
+.PHONY: soak
+EDITS ?= 1000000
+SEEDS ?= 100
+soak: all
+	@python3 tests/interop/mirrors.py $(O) --edits $(EDITS) --seeds $(SEEDS)
+
 # How single expensive requests affect other clients, and how stress affects memory: four minutes.
 #
 #   make stress SCENARIOS=hub LARGE=1000000

@@ -1,0 +1,329 @@
+"""Mirrors of a set that is edited at random, while the daemon is killed and started again, connections are reset, and those who
+watch stop reading for a while. At equal versions the mirrors must equal POINTS, LISTS and TRIANGLES byte for byte.
+
+    mirrors.py BUILD_DIR [--edits N] [--seeds N] [--first-seed N]
+
+With --edits, one history of N acknowledged edits of a set of thousands of points; then --seeds histories of small sets.
+"""
+
+import argparse
+import os
+import random
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, "clients/python")
+import delaunayd  # noqa: E402
+from delaunayd import _protocol  # noqa: E402
+
+_protocol.numpy = None  # tables of small sets
+WAIT = 120
+BOX = (0.25, 0.25, 0.75, 0.75)
+
+
+class Daemon:
+    """One daemon after the other, on one directory and at one address."""
+
+    def __init__(self, program, directory, *options):
+        self.program, self.directory, self.options = program, directory, options
+        self.url = os.path.join(directory, "socket")
+        self.kills = -1
+        self.process = None
+        self.restart()
+
+    def restart(self):
+        self.stop()
+        self.kills += 1
+        where = ("--port", "0", "--unix", self.url, "--data", os.path.join(self.directory, "data"))
+        self.process = subprocess.Popen([self.program, *where, "--log-level", "error", *self.options], stdout=subprocess.PIPE)
+        assert self.process.stdout.readline(), "the daemon did not start"
+
+    def stop(self):
+        if self.process is not None:
+            self.process.kill()
+            self.process.wait()
+            self.process.stdout.close()
+
+
+def connect(path):
+    s = socket.socket(socket.AF_UNIX)
+    s.settimeout(WAIT)
+    s.connect(path)
+    return s
+
+
+class Editor:
+    """Sends pipelined edits, and knows which ids there are."""
+
+    def __init__(self, daemon, rnd, size, place):
+        self.daemon, self.rnd, self.size, self.place = daemon, rnd, size, place
+        self.edits = self.refused = 0
+        self.client = delaunayd.Client(daemon.url, timeout=WAIT)
+        self.begin()
+
+    def begin(self):
+        """After a start of the daemon. The set was made before, or its making was not acknowledged."""
+        self.socket = connect(self.daemon.url)
+        self.replies = self.socket.makefile("rb")
+        while True:
+            try:
+                self.client.create("t")
+            except delaunayd.Refused as refusal:
+                if refusal.code == "EXISTS":
+                    break
+                assert refusal.code == "LOADING", refusal
+                time.sleep(0.01)
+        self.ids = self.ask(lambda: list(self.client.points("t")[0]))
+        self.used = max(self.ids, default=-1) + 1
+
+    def ask(self, question):
+        """Asks again while the daemon is loading the set."""
+        while True:
+            try:
+                return question()
+            except delaunayd.Refused as refusal:
+                assert refusal.code == "LOADING", refusal
+                time.sleep(0.01)
+
+    def close(self):
+        self.replies.close()
+        self.socket.close()
+        self.client.close()
+
+    def some_id(self):
+        return self.rnd.choice(self.ids) if self.ids and self.rnd.random() < 0.98 else self.rnd.randrange(self.used + 3)
+
+    def places(self, n):
+        return " ".join("%r %r" % self.place(self.rnd) for _ in range(n))
+
+    def request(self):
+        rnd, what = self.rnd, self.rnd.random()
+        shrink = len(self.ids) > self.size * rnd.uniform(0.5, 1.5)
+        if what < 0.4:
+            if shrink:
+                return "DEL t " + " ".join({str(self.some_id()) for _ in range(rnd.choice((1, 1, 1, 2, 7)))})
+            return "ADD t " + self.places(rnd.choice((1, 1, 1, 1, 5)))
+        if what < 0.75:
+            return "MOVE t %d %s" % (self.some_id(), self.places(1))
+        if what < 0.9:
+            return "FSET t z %d %r" % (self.some_id(), rnd.choice((0.5, rnd.random(), float("nan"))))
+        if what < 0.995:
+            return "DEL t %d" % self.some_id() if shrink else "ADD t FIELDS z %s %r" % (self.places(1), rnd.random())
+        if what < 0.998:
+            n = rnd.randrange(1, 2 + self.size // 20)
+            return "LOAD t %d\n%s" % (n, "\n".join(self.places(1) for _ in range(n)))
+        return "TRIANGULATE t" if what < 0.9995 else "FDROP t z"
+
+    def batch(self, n, heard=None):
+        """Sends n requests, and reads the replies, all or the first ones."""
+        requests = [self.request() for _ in range(n)]
+        self.socket.sendall(("\n".join(requests) + "\n").encode())
+        gone = set()
+        for request in requests[:heard]:
+            reply = b"#"
+            while reply.startswith(b"#"):
+                reply = self.replies.readline()
+            words = reply.split()
+            assert words and words[0] in (b"OK", b"ERR"), (request, reply)
+            if words[0] == b"ERR":
+                assert words[1] in (b"NOPOINT", b"NOFIELD", b"UNTRIANGULATED"), (request, reply)
+                self.refused += 1
+                continue
+            self.edits += 1
+            if request.startswith(("ADD", "LOAD")):
+                first, added = (int(word.split(b"=")[1]) for word in words[2:4])
+                self.ids += range(first, first + added)
+                self.used = first + added
+            elif request.startswith("DEL"):
+                gone.update(map(int, request.split()[2:]))
+        if gone:
+            self.ids = [id for id in self.ids if id not in gone]
+
+    def kill(self):
+        self.socket.close()
+        self.daemon.restart()
+        self.begin()
+
+
+# ---- those who watch ----
+
+
+class Stalled:
+    """Watches the set, reads little, and goes without a goodbye."""
+
+    def __init__(self, url, rnd):
+        self.socket = connect(url)
+        self.socket.sendall(b"WATCH t\n")
+        self.rnd = rnd
+
+    def read(self):
+        try:
+            self.socket.recv(self.rnd.choice((1, 100, 5000)), socket.MSG_DONTWAIT)
+        except OSError:
+            pass
+
+    def close(self):
+        self.socket.close()
+
+
+def reset(mirror):
+    """The connection is lost, perhaps within an event."""
+    if mirror._socket is not None and mirror._socket.family == socket.AF_INET:
+        mirror._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    mirror._disconnect()
+
+
+class Followed:
+    """A mirror, and what its changes make of what it had at first."""
+
+    def __init__(self, url, **options):
+        while True:
+            try:
+                self.mirror = delaunayd.Mirror(url, "t", timeout=WAIT, on_change=self.apply, **options)
+                break
+            except delaunayd.Refused as refusal:
+                assert refusal.code == "LOADING", refusal
+                time.sleep(0.01)
+        self.points = set(self.mirror.points()[0])
+        self.triangles = self.listed()
+        self.changes = 0
+
+    def listed(self):
+        flat = self.mirror.triangles()
+        return set(zip(flat[::3], flat[1::3], flat[2::3]))
+
+    def apply(self, change):
+        assert self.points.isdisjoint(change.added) and self.points.issuperset(change.gone + change.moved + change.valued)
+        assert self.triangles.isdisjoint(change.triangles_added) and self.triangles.issuperset(change.triangles_removed)
+        self.points = (self.points - set(change.gone)) | set(change.added)
+        self.triangles = (self.triangles - set(change.triangles_removed)) | set(change.triangles_added)
+        self.changes += 1
+
+
+def binary(mirror):
+    """POINTS, LISTS and TRIANGLES with BINARY, of a mirror."""
+    ids, xy, *values = mirror.points()
+    width = len(mirror.fields)
+    rows = (
+        struct.pack("<I%dd" % (2 + width), id, *xy[2 * k : 2 * k + 2], *(values[0][k * width : (k + 1) * width] if values else ()))
+        for k, id in enumerate(ids)
+    )
+    rings = (struct.pack("<%dI" % (2 + len(ring)), id, len(ring), *ring) for id, ring in mirror.lists().items())
+    return b"".join(rows), b"".join(rings), mirror.triangles().tobytes()
+
+
+def compare(editor, followed):
+    """All mirrors with the set; no edit is under way."""
+    client = editor.client
+    stat = editor.ask(lambda: client.stat("t"))
+    fields = editor.ask(lambda: client.fields("t"))
+    want = {}
+    for f in followed:
+        m = f.mirror
+        assert m.wait(int(stat["version"]), WAIT), "version %s did not arrive: %r" % (stat["version"], m)
+        assert m.version == stat["version"], (m, stat["version"])
+        assert f.points == set(m.points()[0]) and f.triangles == f.listed(), "the changes of %r do not add up" % m
+        words = ("FIELDS", "z") if m.fields and "z" in fields else ()
+        if words not in want:
+            want[words] = client.command("POINTS", "t", *words, "BINARY").data
+        points, rings, triangles = binary(m)
+        if m.fields and not words:  # there is no such field now
+            points = b"".join(points[at : at + 20] for at in range(0, len(points), 28))
+        assert points == want[words], "points of %r" % m
+        if stat["triangulated"]:
+            assert rings == editor.ask(lambda: client.command("LISTS", "t", "BINARY")).data, "rings of %r" % m
+            assert triangles == editor.ask(lambda: client.command("TRIANGLES", "t", "BINARY")).data, "triangles of %r" % m
+        else:
+            assert rings == triangles == b"", "there is no triangulation, but %r has one" % m
+
+
+# ---- histories ----
+
+PLACES = {
+    "uniform": lambda rnd: (rnd.random(), rnd.random()),
+    "lattice": lambda rnd: (rnd.randrange(40) / 40, rnd.randrange(40) / 40),
+    "small lattice": lambda rnd: (rnd.randrange(4) / 4, rnd.randrange(4) / 4),
+    "line": lambda rnd: (rnd.randrange(30) / 32, 0.5 if rnd.random() < 0.97 else rnd.random()),
+    "mixed": lambda rnd: (rnd.random(), rnd.choice((0.5, rnd.random()))),
+}
+
+
+def history(program, seed, edits, size, family, calm):
+    """`calm`: how many batches go by between disturbances, on average."""
+    rnd = random.Random(seed)
+    with tempfile.TemporaryDirectory() as directory:
+        daemon = Daemon(program, directory, "--fsync", rnd.choice(("always", "everysec")), "--compact-at", rnd.choice(("100k", "64m")))
+        editor = Editor(daemon, rnd, size, PLACES[family])
+        if rnd.random() < 0.8:
+            editor.client.triangulate("t")
+        followed = [Followed(daemon.url), Followed(daemon.url)]
+        lazy = followed[0]
+        stalled, resets = [], 0
+        try:
+            while editor.edits < edits:
+                n = rnd.choice((1, 3, 30, 300)) if size < 1000 else rnd.randrange(1, 900)
+                if rnd.random() < 0.3 / calm:
+                    editor.batch(n, rnd.randrange(n))
+                    editor.kill()
+                    stalled.clear()
+                else:
+                    editor.batch(n)
+                for f in followed:
+                    while f is not lazy and f.mirror.poll(0) is not None:
+                        pass
+                for s in stalled:
+                    s.read()
+                if rnd.random() < 1 / calm:
+                    reset(rnd.choice(followed).mirror)
+                    resets += 1
+                if rnd.random() < 1 / calm:
+                    stalled.append(Stalled(daemon.url, rnd))
+                if len(stalled) > 5:
+                    stalled.pop(rnd.randrange(5)).close()
+                if rnd.random() < 0.5 / calm:
+                    lazy.mirror.poll(0)
+                if rnd.random() < 0.5 / calm:
+                    compare(editor, followed)
+                    lazy = rnd.choice(followed)
+            compare(editor, followed)
+            editor.client.drop("t")
+            for f in followed:
+                while f.mirror.poll(WAIT) is not None:
+                    pass
+                assert f.mirror.dropped
+        except BaseException:
+            print("seed %d, %s, after %d edits and %d kills:" % (seed, family, editor.edits, daemon.kills), file=sys.stderr)
+            raise
+        finally:
+            for one in (editor, *stalled, *(f.mirror for f in followed)):
+                one.close()
+            daemon.stop()
+        return editor.edits, daemon.kills, resets, sum(f.changes for f in followed)
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__)
+    parser.add_argument("build")
+    parser.add_argument("--edits", type=int, default=0)
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--first-seed", type=int, default=1)
+    o = parser.parse_args()
+    program = os.path.join(o.build, "delaunayd")
+    total = [0, 0, 0, 0]
+    if o.edits:
+        found = history(program, o.first_seed, o.edits, 4000, "mixed", 20)
+        print("one history: %d edits, %d kills of the daemon, %d lost connections, %d changes" % found, flush=True)
+    for seed in range(o.first_seed, o.first_seed + o.seeds):
+        family = list(PLACES)[seed % len(PLACES)]
+        size = (4, 12, 60, 300)[seed // len(PLACES) % 4]
+        for k, n in enumerate(history(program, seed, 400, size, family, 4)):
+            total[k] += n
+    print("%d seeds: %d edits, %d kills of the daemon, %d lost connections, %d changes" % (o.seeds, *total))
+
+
+if __name__ == "__main__":
+    main()
