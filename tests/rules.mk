@@ -41,7 +41,7 @@ interop: interop_programs
 
 test_web bench-web: all
 	$(call need,nodejs chromium,command -v node && command -v npm && command -v chromium)
-	@mkdir -p $(O)/web && cp -R clients/web/. $(O)/web
+	@mkdir -p $(O)/web && cp -RL clients/web/. $(O)/web
 	@[ -d $(O)/web/node_modules/puppeteer-core ] || \
 	  timeout 120 npm install --prefix $(O)/web --no-audit --no-fund --ignore-scripts --silent || \
 	  echo "npm cannot fetch packages here: the page is not tested"

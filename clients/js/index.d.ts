@@ -32,6 +32,8 @@ export interface Stat extends Summary {
   triangulated: boolean;
   memory: number;
   tol: number;
+  /** Grows with every change of the set. */
+  version: number;
 }
 
 export interface Point {
@@ -195,7 +197,50 @@ export class Client {
   voronoi(set: string, options?: { ids?: Iterable<number>; box?: Box; timeout?: number }): Promise<Cells>;
   alpha(set: string, radius: number, options?: { timeout?: number }): Promise<{ hole: boolean; ids: Uint32Array }[]>;
   areas(set: string, options?: { box?: Box; timeout?: number }): Promise<{ ids: Uint32Array; areas: Float64Array }>;
+  mirror(set: string, options?: { within?: Box; fields?: Iterable<string> }): Promise<Mirror>;
   info(): Promise<Record<string, string | number | boolean>>;
+}
+
+/** What has changed between two versions of a set. */
+export interface Change {
+  version: number;
+  /** The server sent everything; the rest is the difference all the same. */
+  reset: boolean;
+  /** Ids of points, ascending; moved: they have other coordinates, or another value. */
+  added: Uint32Array;
+  moved: Uint32Array;
+  gone: Uint32Array;
+  /** Three ids a triangle, counterclockwise from the smallest, in no order. */
+  trianglesAdded: Uint32Array;
+  trianglesRemoved: Uint32Array;
+}
+
+/** A copy of a set that follows it, over a connection of its own, until it is closed or the set is dropped. An EventEmitter. A
+ * change costs time in proportion to its size; each point takes a few hundred bytes. Made by Client.mirror(). */
+export interface Mirror {
+  readonly version: number;
+  /** The number of points. */
+  readonly size: number;
+  /** x, y and the values of the fields asked for. */
+  point(id: number): readonly number[] | undefined;
+  /** Counterclockwise, in the order of LISTS; undefined if there is no such point, for aliases, and before TRIANGULATE. */
+  neighbors(id: number): readonly number[] | undefined;
+  /** As Client.points(), lists() and triangles(), without a request. */
+  points(): { ids: Uint32Array; coords: Float64Array; values?: Record<string, Float64Array> };
+  lists(): Map<number, Uint32Array>;
+  triangles(): Uint32Array;
+  /** Resolves when the copy has this version or a later one. Rejects with the code CLOSED or DROPPED. */
+  reached(version: number): Promise<void>;
+  close(): void;
+  /** The copy has just become that of change.version. */
+  on(event: 'change', listener: (change: Change) => void): this;
+  /** The connection is lost; the mirror connects again by itself, and the next change is the difference. */
+  on(event: 'lost', listener: (error: Error) => void): this;
+  on(event: 'resumed' | 'dropped', listener: () => void): this;
+  once(event: 'change', listener: (change: Change) => void): this;
+  once(event: 'lost', listener: (error: Error) => void): this;
+  once(event: 'resumed' | 'dropped', listener: () => void): this;
+  off(event: string, listener: (...words: any[]) => void): this;
 }
 
 /** The value for a missing id in the results of locateAll and nearestAll. */

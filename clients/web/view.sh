@@ -17,7 +17,7 @@ trap stop EXIT
 trap 'exit 0' INT TERM
 
 mkdir -p "$build"
-cp -R "$here/gateway.mjs" "$here/package.json" "$here/page" "$build/"
+cp -RL "$here/gateway.mjs" "$here/package.json" "$here/page" "$build/"
 [ -d "$build/node_modules/ws" ] || npm install --prefix "$build" --omit=dev --no-audit --no-fund --silent
 
 "$daemon" --port 0 --log-level warning >"$tmp/ready" &

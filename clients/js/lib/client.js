@@ -54,18 +54,20 @@ class Client {
   #opening = null;
   #queued = []; // requests made while it connects
   #closed = false;
+  #mirrors = new Set();
 
   constructor(address, { timeout = 0, connectTimeout = CONNECT_MS, unref = false } = {}) {
     this.#address = address;
     this.#options = { timeout, connectTimeout, unref };
   }
 
-  /** Rejects pending requests and all later ones. */
+  /** Rejects pending requests and all later ones, and ends the mirrors. */
   close() {
     const error = new Disconnected('closed', 'CLOSED');
     this.#closed = true;
     this.#connection?.fail(error);
     for (const request of this.#queued.splice(0)) request.reject(error);
+    for (const mirror of this.#mirrors) mirror.close();
   }
 
   /** Connects if there is no connection; concurrent calls wait for the same one. */
@@ -76,13 +78,19 @@ class Client {
     return this.#opening;
   }
 
-  async #open() {
+  /** A new connection that has shown its token. */
+  async #connect(options) {
     const { connectTimeout, unref } = this.#options;
+    const socket = await this.#address.open(connectTimeout);
+    const connection = new Connection(socket, { unref, ...options });
+    if (this.#closed) connection.fail(new Disconnected('closed', 'CLOSED'));
+    await this.#introduce(connection, connectTimeout);
+    return connection;
+  }
+
+  async #open() {
     try {
-      const socket = await this.#address.open(connectTimeout);
-      const connection = new Connection(socket, { unref });
-      if (this.#closed) connection.fail(new Disconnected('closed', 'CLOSED'));
-      await this.#introduce(connection, connectTimeout);
+      const connection = await this.#connect();
       this.#connection = connection;
       for (const request of this.#queued.splice(0)) connection.send(request);
     } catch (error) {
@@ -408,6 +416,22 @@ class Client {
   async alpha(set, radius, { timeout } = {}) {
     const { rows } = await this.request(`ALPHA ${checkSet(set)} ${Number(radius)}`, { timeout });
     return rows.map((row) => row.split(' ')).map(([kind, , ...ids]) => ({ hole: kind === 'hole', ids: Uint32Array.from(ids, Number) }));
+  }
+
+  // ---- mirrors ----
+
+  /** A copy of the set that follows it, over a connection of its own; resolves when it is whole. within: [x0, y0, x1, y1]; fields:
+   * names, whose values points have after their coordinates. */
+  async mirror(set, { within, fields = [] } = {}) {
+    const { Mirror } = await import('./mirror.mjs');
+    const names = [...fields].map(checkField);
+    const rest = `${boxWords(within, 'WITHIN')}${names.length > 0 ? ` FIELDS ${names.join(',')}` : ''}`;
+    const onEnd = () => this.#mirrors.delete(mirror);
+    const mirror = new Mirror(checkSet(set), { open: (options) => this.#connect(options), rest, fields: names, onEnd });
+    this.#mirrors.add(mirror);
+    await mirror.start();
+    await mirror.reached(0);
+    return mirror;
   }
 
   // ---- the server ----

@@ -1,8 +1,8 @@
-// One connection: requests in lines, replies in the order of requests. A failed connection is not reused.
+// One connection: requests in lines, replies in the order of requests, events between them. A failed connection is not reused.
 'use strict';
 
 const { Disconnected, Refused } = require('./errors.js');
-const { Input, parseStatus } = require('./framing.js');
+const { Input, parseEvent, parseStatus } = require('./framing.js');
 
 const GRACE_MS = 1000; // the server knows a request's time limit; it should have replied this much later
 
@@ -10,15 +10,22 @@ class Connection {
   #socket;
   #input = new Input();
   #waiting = []; // requests without a reply, oldest first
-  #reply = null; // the one that is being read
+  #reply = null; // the one that is being read, or an event
+  #event = null; // the one that has just been read
   #failure = null;
   #timer = null; // of the oldest request
   #idles; // whether the process may end while no request is waiting
+  #onEvent;
+  #onFail;
 
-  constructor(socket, { unref = false } = {}) {
+  /** onEvent({set, version, reset, more, dropped, rows}), if there may be events; onFail(error), once. */
+  constructor(socket, { unref = false, keepAlive = 0, onEvent = null, onFail = null } = {}) {
     this.#socket = socket;
     this.#idles = unref;
+    this.#onEvent = onEvent;
+    this.#onFail = onFail;
     if (unref) socket.unref();
+    if (keepAlive > 0) socket.setKeepAlive(true, keepAlive);
     socket.on('data', (piece) => {
       this.#input.push(piece);
       this.#read();
@@ -37,6 +44,7 @@ class Connection {
     clearTimeout(this.#timer);
     this.#socket.destroy();
     for (const request of this.#waiting.splice(0)) request.reject(error);
+    this.#onFail?.(error);
   }
 
   /** request: {line, body, progress, timeout, resolve, reject}. */
@@ -70,14 +78,22 @@ class Connection {
   }
 
   #read() {
-    try {
-      while (this.#waiting.length > 0 && this.#step());
-    } catch (error) {
-      this.fail(error);
-    }
+    while (this.#failure === null && (this.#waiting.length > 0 || this.#onEvent !== null) && this.#readPart());
   }
 
-  /** Reads one part of a reply; false if it has not arrived. */
+  #readPart() {
+    this.#event = null;
+    try {
+      if (!this.#step()) return false;
+    } catch (error) {
+      this.fail(error);
+      return false;
+    }
+    if (this.#event !== null) this.#onEvent(this.#event); // its errors are those of the program
+    return true;
+  }
+
+  /** Reads one part of a reply or event; false if it has not arrived. */
   #step() {
     const reply = this.#reply;
     if (reply?.size !== undefined) {
@@ -90,6 +106,11 @@ class Connection {
       reply.rows.push(line);
       return reply.rows.length < reply.expected || this.#settle();
     }
+    if (line.startsWith('EVENT ') && this.#onEvent !== null) {
+      this.#reply = parseEvent(line);
+      return this.#reply.expected > 0 || this.#settle();
+    }
+    if (this.#waiting.length === 0) throw new Error(`a reply without a request: ${line.slice(0, 80)}`);
     if (line.startsWith('#')) {
       this.#waiting[0].progress?.(line.slice(1).trim());
     } else if (line.startsWith('ERR ')) {
@@ -105,8 +126,12 @@ class Connection {
   }
 
   #settle() {
-    const { keys, rows, data } = this.#reply;
+    const { keys, rows, data, event } = this.#reply;
     this.#reply = null;
+    if (event !== undefined) {
+      this.#event = { ...event, rows };
+      return true;
+    }
     this.#next().resolve({ keys, rows, data });
     return true;
   }

@@ -52,16 +52,30 @@ class Input {
   }
 }
 
-/** {keys, rows, data} of the status line, with `expected` rows to come. */
-function parseStatus(line) {
-  const match = /^OK (\d+)((?: .*)?)$/.exec(line);
-  if (!match) throw new Error(`not a reply of this protocol: ${line.slice(0, 80)}`);
+/** The number and the words after OK or EVENT. */
+function parseLine(line, kind) {
+  const [first, count, ...words] = line.split(' ');
+  if (first !== kind || !/^\d+$/.test(count)) throw new Error(`not a reply of this protocol: ${line.slice(0, 80)}`);
   const keys = {};
-  for (const word of match[2].split(' ')) {
+  for (const word of words) {
     const at = word.indexOf('=');
     if (at > 0) keys[word.slice(0, at)] = word.slice(at + 1);
   }
-  return { keys, rows: [], data: null, expected: Number(match[1]) };
+  return { keys, words, expected: Number(count) };
+}
+
+/** {keys, rows, data} of the status line, with `expected` rows to come. */
+function parseStatus(line) {
+  const { keys, expected } = parseLine(line, 'OK');
+  return { keys, rows: [], data: null, expected };
+}
+
+/** {event: {set, version, reset, more, dropped}, rows}, with `expected` rows to come. */
+function parseEvent(line) {
+  const { keys, words, expected } = parseLine(line, 'EVENT');
+  const event = { set: keys.set, version: Number(keys.version) };
+  for (const word of ['reset', 'more', 'dropped']) event[word] = words.includes(word);
+  return { event, rows: [], expected };
 }
 
 const NUMBER = /^-?\d+(\.\d+)?(e[+-]?\d+)?$/;
@@ -113,4 +127,4 @@ function doubleBytes(flat) {
   return BIG_ENDIAN ? Buffer.from(bytes).swap64() : bytes;
 }
 
-module.exports = { Input, doubleBytes, flatten, parseStatus, pointBytes, typed, typedKeys, words };
+module.exports = { Input, doubleBytes, flatten, parseEvent, parseStatus, pointBytes, typed, typedKeys, words };

@@ -3,6 +3,7 @@ import { Connection } from './connection.js';
 import { Hands } from './hands.js';
 import { Mesh } from './mesh.js';
 import { Overlay } from './overlay.js';
+import { Gathered } from './rings.js';
 import { Scene } from './scene.js';
 import { View } from './view.js';
 
@@ -22,8 +23,7 @@ let connection = null;
 let set = null; // the name of the set that is followed
 let field = null; // {name, min, max} that is shown
 let box = [0, 0, 1, 1]; // around all points when they were loaded
-let parts = []; // rows of an event that has more parts
-let whole = false; // they are those of everything
+let gathered = new Gathered(); // the event that is arriving in parts
 let shown = false; // the mesh is that of `set`
 let events = 0;
 
@@ -141,8 +141,7 @@ function show() {
 async function follow(name, { keepView = false } = {}) {
   if (set !== null) await connection.request(`UNWATCH ${set}`).catch(() => {});
   set = name;
-  parts = [];
-  whole = false;
+  gathered = new Gathered();
   say(`loading ${name} ...`);
   const { keys } = await connection.request(`STAT ${name}`);
   if (keys.points > MOST_POINTS) {
@@ -178,23 +177,20 @@ function onEvent(event) {
     return;
   }
   events++;
-  if (event.reset) parts = [];
-  for (const row of event.rows) parts.push(row);
-  whole ||= event.reset;
+  gathered.add(event);
   if (event.more) return;
-  const complete = { ...event, rows: parts };
-  if (whole) {
-    mesh.loadEvent(complete);
+  const complete = gathered;
+  gathered = new Gathered();
+  if (complete.reset) {
+    mesh.loadEvent(complete, event.version);
     show();
     if (field !== null) fetchAllValues().catch(report);
   } else {
-    const changes = mesh.apply(complete);
+    const changes = mesh.apply(complete, event.version);
     scene.update(changes);
     const fresh = changes.points.filter((id) => Number.isNaN(mesh.values[id]));
     if (field !== null && fresh.length > 0) fetchValues(fresh).catch(report);
   }
-  parts = [];
-  whole = false;
   refreshSoon();
 }
 
@@ -336,8 +332,7 @@ async function resume() {
 async function start() {
   const url = new URL('daemon', location.href);
   url.protocol = url.protocol.replace('http', 'ws');
-  parts = [];
-  whole = false;
+  gathered = new Gathered();
   connection = new Connection(url, {
     onEvent,
     onEnd: () => {

@@ -1,5 +1,6 @@
 // The page's copy of a set: points by id, and triangles in numbered slots, as the graphics memory holds them. An event changes the
 // slots of a few triangles, so that little has to be sent to the graphics memory.
+import { eachTriangle } from './rings.js';
 
 /** The triangle with its smallest corner first, as text: equal triangles have equal keys. */
 function keyOf(a, b, c) {
@@ -7,55 +8,13 @@ function keyOf(a, b, c) {
   return b < c ? `${b} ${c} ${a}` : `${c} ${a} ${b}`;
 }
 
+const NO_RING = { inner: false, ring: [] };
+
 function grown(array, length) {
   if (length <= array.length) return array;
   const larger = new array.constructor(Math.max(length, 2 * array.length, 1024));
   larger.set(array);
   return larger;
-}
-
-/** What an event says about each point: {points: id -> [x, y], rings: id -> {inner, ring}, gone: a set of ids}. A row of a
- * point ends what was said of its ring before. */
-function parse(rows) {
-  const points = new Map();
-  const rings = new Map();
-  const gone = new Set();
-  for (const row of rows) {
-    const [kind, first, ...words] = row.split(' ');
-    const id = Number(first);
-    if (kind === 'point') {
-      points.set(id, words.map(Number));
-      rings.set(id, { inner: false, ring: [] });
-      gone.delete(id);
-    } else if (kind === 'list') {
-      rings.set(id, { inner: words[0] === 'i', ring: words.slice(1).map(Number) });
-    } else if (kind === 'gone') {
-      points.delete(id);
-      rings.delete(id);
-      gone.add(id);
-    }
-  }
-  return { points, rings, gone };
-}
-
-/** The triangles that these rings contain, by key. Of collinear points a ring has neighbours, but no triangle: then neighbours that
- * follow each other are no neighbours themselves. If the rings of both are unknown, the triangle was there before or is none. */
-function trianglesOf(rings, before) {
-  const found = new Map();
-  const areNeighbours = (a, b, key) => {
-    const [one, other] = [rings.get(a)?.ring, rings.get(b)?.ring];
-    if (one === undefined && other === undefined) return before.has(key);
-    const isShorter = other === undefined || one?.length <= other.length; // one of them may be that of a hub
-    return isShorter ? one.includes(b) : other.includes(a);
-  };
-  for (const [id, { inner, ring }] of rings) {
-    for (let k = inner ? 0 : 1; k < ring.length; k++) {
-      const [a, b] = [ring[k === 0 ? ring.length - 1 : k - 1], ring[k]];
-      const key = keyOf(id, a, b);
-      if (areNeighbours(a, b, key)) found.set(key, [id, a, b]);
-    }
-  }
-  return found;
 }
 
 export class Mesh {
@@ -95,20 +54,20 @@ export class Mesh {
     this.#forgetSlots();
   }
 
-  /** From an event that has everything. */
-  loadEvent(event) {
-    const { points, rings } = parse(event.rows);
+  /** From an event that has everything, a Gathered. */
+  loadEvent({ points, rings }, version) {
     this.points = points.size;
     this.ids = 0;
     for (const id of points.keys()) this.ids = Math.max(this.ids, id + 1);
     this.xy = new Float64Array(2 * this.ids).fill(NaN);
     this.values = new Float32Array(this.ids).fill(NaN);
     for (const [id, place] of points) this.xy.set(place, 2 * id);
-    const triangles = [...trianglesOf(rings, new Map()).values()];
-    this.corners = new Uint32Array(triangles.flat());
-    this.slots = triangles.length;
+    const corners = [];
+    eachTriangle(rings, (id) => rings.get(id), () => false, (a, b, c) => corners.push(a, b, c));
+    this.corners = Uint32Array.from(corners);
+    this.slots = corners.length / 3;
     this.triangles = this.slots;
-    this.version = event.version;
+    this.version = version;
     this.#forgetSlots();
   }
 
@@ -169,10 +128,11 @@ export class Mesh {
     return id + 1 < this.#starts.length ? this.#incident.subarray(this.#starts[id], this.#starts[id + 1]) : [];
   }
 
-  /** Applies an event. Returns {points, slots, box}: ids and slots that have changed, and the box [x0, y0, x1, y1] around all
+  /** Applies an event, a Gathered. Returns {points, slots, box}: ids and slots that have changed, and the box [x0, y0, x1, y1] around all
    * triangles that were removed or added and all points that changed; null if nothing is to be drawn. */
-  apply(event) {
-    const { points, rings, gone } = parse(event.rows);
+  apply(gathered, version) {
+    const { points, rings, gone } = gathered;
+    const ids = gathered.ids();
     const box = [Infinity, Infinity, -Infinity, -Infinity];
     const around = (id) => {
       const [x, y] = this.xy.subarray(2 * id, 2 * id + 2);
@@ -181,15 +141,18 @@ export class Mesh {
       if (x > box[2]) box[2] = x;
       if (y > box[3]) box[3] = y;
     };
-    const before = this.#trianglesAt([...rings.keys(), ...gone]);
+    const before = this.#trianglesAt(ids);
     for (const { corners } of before.values()) corners.forEach(around);
     for (const id of gone) this.#forget(id, around);
     for (const [id, place] of points) this.#place(id, place, around);
-    const after = trianglesOf(rings, before);
+    const after = new Map();
+    const ringOf = (id) => (ids.has(id) && !rings.has(id) ? NO_RING : rings.get(id));
+    const was = (...corners) => before.has(keyOf(...corners));
+    eachTriangle(rings, ringOf, was, (...corners) => after.set(keyOf(...corners), corners));
     // All triangles at these points are drawn again, at the new places of their corners.
     for (const corners of after.values()) corners.forEach(around);
-    const slots = this.#replace(before, after, rings, gone);
-    this.version = event.version;
+    const slots = this.#replace(before, after, ids);
+    this.version = version;
     return { points: [...points.keys()], slots, box: box[0] <= box[2] ? box : null };
   }
 
@@ -224,7 +187,7 @@ export class Mesh {
   }
 
   /** Gives the slots of triangles that are gone to new ones. */
-  #replace(before, after, rings, gone) {
+  #replace(before, after, ids) {
     const changed = [];
     const slotOf = new Map();
     const vacant = [];
@@ -246,10 +209,9 @@ export class Mesh {
     }
     this.#free.push(...vacant);
     this.triangles += after.size - before.size;
-    for (const id of gone) this.#changed.set(id, []);
-    for (const id of rings.keys()) this.#changed.set(id, []);
+    for (const id of ids) this.#changed.set(id, []);
     for (const [key, corners] of after) {
-      for (const id of corners) if (rings.has(id)) this.#changed.get(id).push(slotOf.get(key));
+      for (const id of corners) if (ids.has(id)) this.#changed.get(id).push(slotOf.get(key));
     }
     return changed;
   }

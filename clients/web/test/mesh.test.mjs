@@ -2,8 +2,13 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Mesh } from '../page/mesh.js';
+import { Gathered } from '../page/rings.js';
 
-const event = (...rows) => ({ rows, version: 1 });
+function event(...rows) {
+  const gathered = new Gathered();
+  gathered.add({ rows });
+  return gathered;
+}
 
 /** A wheel: point 0 in the middle of n others. */
 function wheel(n) {

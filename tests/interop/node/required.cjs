@@ -8,5 +8,6 @@ assert.deepEqual([...Delaunay.from([[0, 0], [1, 0], [0, 1]]).neighbors(0)].sort(
 assert.deepEqual([D, D3], [Delaunator, Delaunay]);
 connect().then(async (client) => {
   assert.equal(await client.load('t', [0, 0, 1, 0, 0, 1]), 0);
+  assert.equal((await client.mirror('t')).size, 3);
   client.close();
 });

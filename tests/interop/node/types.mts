@@ -1,5 +1,5 @@
 // Compiled, not run: what users write has the types that they expect.
-import { Client, connect, Refused, Triangulation } from 'delaunayd';
+import { type Change, Client, connect, type Mirror, Refused, Triangulation } from 'delaunayd';
 import Delaunator from 'delaunayd/delaunator';
 import { Delaunay, type Polygon } from 'delaunayd/d3-delaunay';
 
@@ -13,6 +13,8 @@ export async function asynchronous(): Promise<number> {
   const [{ id, distance }] = await client.nearest('t', 0, 0);
   const t: Triangulation = await Triangulation.from(new Float32Array(6), { client });
   await client.stat('none').catch((e: unknown) => e instanceof Refused && e.code.length);
+  const mirror: Mirror = await client.mirror('t', { within: [0, 0, 1, 1], fields: ['z'] });
+  mirror.on('change', ({ added }: Change) => console.log(added.length, mirror.point(0)?.[1])).once('dropped', () => mirror.close());
   client.close();
   return triangles + ms + Number(delaunay) + ids.length + id + distance + t.halfedges.length;
 }
