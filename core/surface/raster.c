@@ -58,6 +58,19 @@ static bool goes_abreast(const struct dt_scan *k)
     return k->v.s->how == DT_LINEAR && !dt_work_is_limited(&k->work) && columns_differ(k->r);
 }
 
+/* The rest of a row, or as many whole rows as go together; adds the cells that are written to *done. */
+static enum dt_status scan_rows(struct dt_scan *k, uint64_t from, size_t n, double *out,
+                                size_t *done)
+{
+    uint32_t columns = k->r->columns, row = (uint32_t)(from / columns);
+    size_t rows = n / columns < DT_TILE ? n / columns : DT_TILE;
+    if (from % columns > 0 || rows < 2 || dt_work_is_limited(&k->work))
+        return dt_row_scan(k, row, (uint32_t)(from % columns), n, out, done);
+    enum dt_status s = dt_tiles_scan(k, row, (uint32_t)rows, out);
+    *done += s == DT_OK ? rows * columns : 0;
+    return s;
+}
+
 /* n cells from the cell `from` on, on this thread. */
 static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
                                  const struct dt_raster *r, uint64_t from, size_t n,
@@ -71,11 +84,8 @@ static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
     k.r = r;
     if (status == DT_OK && goes_abreast(&k))
         status = dt_rows_scan(&k, from, n, out, done);
-    while (status == DT_OK && *done < n) {
-        uint64_t at = from + *done;
-        status = dt_row_scan(&k, (uint32_t)(at / r->columns), (uint32_t)(at % r->columns),
-                             n - *done, out + *done, done);
-    }
+    while (status == DT_OK && *done < n)
+        status = scan_rows(&k, from + *done, n - *done, out + *done, done);
     dt_valuer_clear(&k.v);
     return status;
 }

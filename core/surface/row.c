@@ -93,23 +93,52 @@ enum dt_status dt_row_cell(struct dt_scan *k, struct dt_row_end *e, struct dt_po
     return e->beyond ? DT_OK : jump(k, e, q, out);
 }
 
+/* The cells of a row in n columns, whose centres are at x. */
+static enum dt_status scan_columns(struct dt_scan *k, struct dt_row_end *e, double y,
+                                   const double *x, uint32_t n, double *out)
+{
+    enum dt_status s = DT_OK;
+    for (uint32_t i = 0; s == DT_OK && i < n; i++) {
+        out[i] = (double)NAN;
+        if (x[i] == e->x) /* it need not be to the right of the edge by which the row has come */
+            e->up = DT_NONE;
+        e->x = x[i];
+        s = dt_work(&k->work, dt_scan_steps(k));
+        if (s == DT_OK && !e->beyond)
+            s = dt_row_cell(k, e, (struct dt_point){x[i], y}, &out[i]);
+    }
+    return s;
+}
+
 enum dt_status dt_row_scan(struct dt_scan *k, uint32_t row, uint32_t from, size_t n, double *out,
                            size_t *done)
 {
     struct dt_row_end e = dt_row_begin();
-    struct dt_point q = {0, dt_raster_y(k->r, row)};
+    double y = dt_raster_y(k->r, row);
     enum dt_status s = DT_OK;
     for (uint32_t i = from; s == DT_OK && i < k->r->columns && i - from < n; i++) {
-        double before = q.x;
-        q.x = dt_raster_x(k->r, i);
-        if (q.x == before) /* it need not be to the right of the edge by which the row has come */
-            e.up = DT_NONE;
-        s = dt_work(&k->work, dt_scan_steps(k));
-        if (s == DT_OK && !e.beyond)
-            s = dt_row_cell(k, &e, q, out + (i - from));
-        else
-            out[i - from] = (double)NAN;
+        double x = dt_raster_x(k->r, i);
+        s = scan_columns(k, &e, y, &x, 1, out + (i - from));
         *done += s == DT_OK;
+    }
+    return s;
+}
+
+enum dt_status dt_tiles_scan(struct dt_scan *k, uint32_t row, uint32_t rows, double *out)
+{
+    struct dt_row_end e[DT_TILE];
+    double x[DT_TILE];
+    uint32_t columns = k->r->columns;
+    enum dt_status s = DT_OK;
+    for (uint32_t i = 0; i < rows; i++)
+        e[i] = dt_row_begin();
+    for (uint32_t c = 0, n; s == DT_OK && c < columns; c += n) {
+        n = columns - c < DT_TILE ? columns - c : DT_TILE;
+        for (uint32_t i = 0; i < n; i++)
+            x[i] = dt_raster_x(k->r, c + i);
+        for (uint32_t i = 0; s == DT_OK && i < rows; i++)
+            s = scan_columns(k, &e[i], dt_raster_y(k->r, row + i), x, n,
+                             out + (size_t)i * columns + c);
     }
     return s;
 }

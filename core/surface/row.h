@@ -17,7 +17,8 @@
 #include "core/surface/value.h"
 
 enum {
-    DT_ROW_PATIENCE = 32 /* triangles to the next cell; then it is looked up */
+    DT_ROW_PATIENCE = 32, /* triangles to the next cell; then it is looked up */
+    DT_TILE = 64          /* columns, and rows at most, of a tile */
 };
 
 struct dt_scan {
@@ -32,11 +33,12 @@ struct dt_row_end {
     uint32_t up;      /* the edge by which the row leaves the triangle; DT_NONE: not known */
     uint32_t lookups; /* cells that are looked up without walking first */
     bool beyond;      /* the row has left the hull */
+    double x;         /* of the last cell; nan: none */
 };
 
 static inline struct dt_row_end dt_row_begin(void)
 {
-    return (struct dt_row_end){.near = DT_NONE, .up = DT_NONE};
+    return (struct dt_row_end){.near = DT_NONE, .up = DT_NONE, .x = (double)NAN};
 }
 
 /* Centres of columns and rows. */
@@ -59,6 +61,10 @@ enum dt_status dt_row_cell(struct dt_scan *k, struct dt_row_end *e, struct dt_po
 /* The cells of a row from the column `from` on, n of them or up to its end; adds those that are written to *done. */
 enum dt_status dt_row_scan(struct dt_scan *k, uint32_t row, uint32_t from, size_t n, double *out,
                            size_t *done);
+
+/* All cells of up to DT_TILE rows, a tile of them after the other, so that what one row has read is still in the cache
+ * when the next one reads it. */
+enum dt_status dt_tiles_scan(struct dt_scan *k, uint32_t row, uint32_t rows, double *out);
 
 /* n linear values from the cell `from` on, the same as by dt_row_scan, several rows side by side (abreast.c); for scans without a
  * limit of steps. */

@@ -324,7 +324,7 @@ TEST(cells_on_edges_have_the_values_at_their_centres)
     }
 }
 
-/* More columns than are walked together, and more triangles between two cells than are. */
+/* More columns or rows than go together, and more triangles between two cells than are walked. */
 TEST(cells_of_wide_and_of_sparse_rasters_have_the_values_at_their_centres)
 {
     enum { N = 30000 };
@@ -338,6 +338,11 @@ TEST(cells_of_wide_and_of_sparse_rasters_have_the_values_at_their_centres)
     check_cells(few, &s, &(struct dt_raster){{-0.125, 0.25}, {1.125, 0.75}, 300, 3});
     check_cells(many, &s, &(struct dt_raster){{0, 0}, {1, 1}, 10, 20});
     check_cells(many, &s, &(struct dt_raster){{0, 0}, {1, 1}, 3, 9});
+    for (int how = 0; how < METHODS; how++) {
+        s = surface_of(all[how]);
+        check_cells(few, &s, &(struct dt_raster){{-0.125, 0.25}, {1.125, 0.75}, 150, 6});
+        check_cells(few, &s, &(struct dt_raster){{0.25, -0.125}, {0.75, 1.125}, 7, 140});
+    }
     dt_free(few);
     dt_free(many);
 }
