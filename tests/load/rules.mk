@@ -9,7 +9,10 @@
 LOAD_POINTS ?= 1000000
 
 all: $(O)/load
-$(O)/load: $(patsubst %.c,$(O)/%.o,$(wildcard tests/load/*.c)) $(O)/server/ops/histogram.o $(PROTO)
+LOAD_OBJECTS := $(patsubst %.c,$(O)/%.o,$(wildcard tests/load/*.c)) $(O)/server/ops/histogram.o $(PROTO)
+$(O)/load: $(filter-out %/watchers.o,$(LOAD_OBJECTS))
+$(O)/watchers: $(filter-out %/load.o,$(LOAD_OBJECTS))
+$(O)/load $(O)/watchers:
 	$(COMPILE) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
 load: all
@@ -31,6 +34,14 @@ EDITS ?= 1000000
 SEEDS ?= 100
 soak: all
 	@python3 tests/interop/mirrors.py $(O) --edits $(EDITS) --seeds $(SEEDS)
+
+# What WATCH costs: how soon events come, alone and for 200 watchers; inserts with and without a watcher; memory of watchers
+# that do not read: three minutes.
+#
+#   make load-watch POINTS=1000000 LARGE=10000000
+.PHONY: load-watch
+load-watch: all $(O)/watchers
+	@python3 tests/load/watch.py $(O) --points $(or $(POINTS),1000000) --large $(LARGE)
 
 # How single expensive requests affect other clients, and how stress affects memory: four minutes.
 #
