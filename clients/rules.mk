@@ -31,16 +31,17 @@ $(O)/pic/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -fPIC -MMD -MP -c -o $@ $<
 
-# The core's public headers are installed as one.
+# The public headers of each library are installed as one.
 CORE_HEADERS := core/delaunay.h core/delaunay_fields.h core/delaunay_surface.h
-$(O)/include/delaunay_client.h: clients/lib/delaunay_client.h
+CLIENT_HEADERS := clients/lib/delaunay_client.h clients/lib/delaunay_mirror.h
+$(O)/include/delaunay_client.h: $(CLIENT_HEADERS)
 $(O)/include/delaunay_core.h: $(CORE_HEADERS)
 $(HEADERS:%=$(O)/include/%):
 	@mkdir -p $(@D)
-	sed '/^#include "core/d' $^ >$@
+	sed '/^#include "/d' $^ >$@
 
 # A library exports the functions of its header, and no other name.
-$(O)/lib/libdelaunay.names: clients/lib/delaunay_client.h
+$(O)/lib/libdelaunay.names: $(CLIENT_HEADERS)
 $(O)/lib/libdelaunay-core.names: $(CORE_HEADERS)
 $(LIBRARIES:%=$(O)/lib/lib%.names):
 	@mkdir -p $(@D)
@@ -49,7 +50,9 @@ $(LIBRARIES:%=$(O)/lib/lib%.names):
 $(O)/lib/lib%.map: $(O)/lib/lib%.names
 	{ echo 'DELAUNAY_0 { global:'; sed 's/$$/;/' $<; echo 'local: *; };'; } >$@
 
-$(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0: $(addprefix $(O)/pic/,clients/lib/delaunay_client.o proto/buf.o proto/reply_read.o proto/request.o)
+CLIENT_LIBRARY := clients/lib/delaunay_client.o clients/lib/delaunay_mirror.o clients/lib/mirror_copy.o \
+                  $(addprefix proto/,buf.o reply_read.o request.o number_exact.o number_read.o number_write.o powers.o)
+$(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0: $(addprefix $(O)/pic/,$(CLIENT_LIBRARY))
 $(O)/lib/libdelaunay-core.a $(O)/lib/libdelaunay-core.so.0: $(CORE:$(O)/%=$(O)/pic/%)
 
 $(O)/lib/lib%.a: $(O)/lib/lib%.names

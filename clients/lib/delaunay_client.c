@@ -22,6 +22,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "clients/lib/client_events.h"
 #include "proto/buf.h"
 #include "proto/reply_read.h"
 #include "proto/request.h"
@@ -50,6 +51,8 @@ const char *delaunay_result_text(enum delaunay_result r)
         "the server's answer is not of this protocol",
         "out of memory",
         "stopped",
+        "nothing has arrived in time",
+        "the set has been dropped",
     };
     return text[r];
 }
@@ -157,13 +160,16 @@ static void receive_some(struct delaunay_client *c)
         c->ended = true;
 }
 
-/* Waits until something can be sent or received, and does it. */
-static enum delaunay_result pump(struct delaunay_client *c)
+/* Waits until something can be sent or received, and does it; at most timeout_ms, -1: no limit. */
+static enum delaunay_result pump(struct delaunay_client *c, int timeout_ms)
 {
     bool sending = buf_len(&c->out) > 0;
     struct pollfd p = {c->fd, (short)((c->ended ? 0 : POLLIN) | (sending ? POLLOUT : 0)), 0};
-    if (poll(&p, 1, -1) < 0 && errno != EINTR)
+    int ready = poll(&p, 1, timeout_ms);
+    if (ready < 0 && errno != EINTR)
         return DELAUNAY_LOST;
+    if (ready == 0)
+        return DELAUNAY_TIMEOUT;
     if (!c->ended && (p.revents & (POLLIN | POLLHUP | POLLERR)) != 0)
         receive_some(c);
     if (sending && (p.revents & (POLLOUT | POLLHUP | POLLERR)) != 0)
@@ -176,7 +182,7 @@ static enum delaunay_result drain(struct delaunay_client *c, size_t left)
 {
     enum delaunay_result r = c->out.failed ? DELAUNAY_NOMEM : DELAUNAY_OK;
     while (r == DELAUNAY_OK && buf_len(&c->out) > left)
-        r = pump(c);
+        r = pump(c, -1);
     return r;
 }
 
@@ -289,12 +295,11 @@ static enum delaunay_result keep_status(struct delaunay_client *c, const struct 
 static const enum delaunay_part_kind kind_of[] = {
     [REPLY_OK] = DELAUNAY_PART_OK,           [REPLY_ERR] = DELAUNAY_PART_ERR,
     [REPLY_ROW] = DELAUNAY_PART_ROW,         [REPLY_BYTES] = DELAUNAY_PART_BYTES,
-    [REPLY_COMMENT] = DELAUNAY_PART_COMMENT,
+    [REPLY_COMMENT] = DELAUNAY_PART_COMMENT, [REPLY_EVENT] = DELAUNAY_PART_EVENT,
 };
 
-/* Takes one part from the received bytes; *last: it is the last part of the reply. */
-static enum delaunay_result take_part(struct delaunay_client *c, delaunay_part_fn *fn, void *ctx,
-                                      bool *last)
+enum delaunay_result client_take_part(struct delaunay_client *c, int timeout_ms,
+                                      delaunay_part_fn *fn, void *ctx, bool *last)
 {
     struct reply_part read;
     ptrdiff_t used =
@@ -302,7 +307,7 @@ static enum delaunay_result take_part(struct delaunay_client *c, delaunay_part_f
     if (used < 0)
         return DELAUNAY_BROKEN;
     if (used == 0)
-        return c->ended ? DELAUNAY_LOST : pump(c);
+        return c->ended ? DELAUNAY_LOST : pump(c, timeout_ms);
     enum delaunay_result r = DELAUNAY_OK;
     struct delaunay_part part = {kind_of[read.kind], read.text, read.len, read.last};
     if (part.kind == DELAUNAY_PART_OK || part.kind == DELAUNAY_PART_ERR)
@@ -314,11 +319,21 @@ static enum delaunay_result take_part(struct delaunay_client *c, delaunay_part_f
     return r;
 }
 
+void client_expect_events(struct delaunay_client *c)
+{
+    c->reader.events = true;
+}
+
+int client_descriptor(const struct delaunay_client *c)
+{
+    return c->fd;
+}
+
 enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_fn *part, void *ctx)
 {
     bool last = false;
     while (!last) {
-        enum delaunay_result r = take_part(c, part, ctx, &last);
+        enum delaunay_result r = client_take_part(c, -1, part, ctx, &last);
         if (r != DELAUNAY_OK)
             return r;
     }

@@ -32,16 +32,19 @@ enum delaunay_result {
     DELAUNAY_LOST,    /* the connection ended before the reply did */
     DELAUNAY_BROKEN,  /* the input is not a reply of the protocol */
     DELAUNAY_NOMEM,   /* out of memory */
-    DELAUNAY_STOPPED  /* the caller's own callback said stop */
+    DELAUNAY_STOPPED, /* the caller's own callback said stop */
+    DELAUNAY_TIMEOUT, /* of a mirror: nothing in the time given */
+    DELAUNAY_DROPPED  /* of a mirror: the set has been dropped */
 };
-/* After LOST, BROKEN, NOMEM and STOPPED the connection is unusable: close it. */
+/* After LOST, BROKEN, NOMEM and STOPPED the connection is unusable: close it. A mirror makes another one. */
 
 enum delaunay_part_kind {
-    DELAUNAY_PART_OK,     /* the status line of a request that was carried out */
-    DELAUNAY_PART_ERR,    /* the status line of one that was refused */
-    DELAUNAY_PART_ROW,    /* one of the lines announced */
-    DELAUNAY_PART_BYTES,  /* some of the raw bytes announced */
-    DELAUNAY_PART_COMMENT /* a line that starts with '#', before a status line */
+    DELAUNAY_PART_OK,      /* the status line of a request that was carried out */
+    DELAUNAY_PART_ERR,     /* the status line of one that was refused */
+    DELAUNAY_PART_ROW,     /* one of the lines announced */
+    DELAUNAY_PART_BYTES,   /* some of the raw bytes announced */
+    DELAUNAY_PART_COMMENT, /* a line that starts with '#', before a status line */
+    DELAUNAY_PART_EVENT    /* not in replies; mirrors read events */
 };
 
 struct delaunay_part {

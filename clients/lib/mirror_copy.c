@@ -1,0 +1,459 @@
+/* mirror_copy.c - what an event changes is found before it is applied: old rings are in the copy, new ones in the event.
+ *
+ * A triangle that comes or goes changes the rings of its three corners, so the rings of the ids that an event names are enough.
+ * Each triangle of these rings is looked at once, from the smallest of its corners that the event names, and looked for in the
+ * other state, in the shortest ring of its corners: few triangles have long rings at all corners, so the cost is linear even
+ * where one point is joined to all others [Chiba and Nishizeki, "Arboricity and subgraph listing algorithms", 1985]. */
+#include "clients/lib/mirror_copy.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/number.h"
+
+#define MANY_WORDS 65536 /* of an event: more are not kept for the next one */
+
+/* ---- growing arrays ---- */
+
+/* Makes room for n elements of a size in an array of *cap. */
+static bool grow(void **array, size_t *cap, size_t n, size_t size)
+{
+    if (n <= *cap)
+        return true;
+    size_t want = n < 8 ? 16 : 2 * n;
+    void *larger = want < SIZE_MAX / size ? realloc(*array, want * size) : NULL;
+    if (larger == NULL)
+        return false;
+    *array = larger;
+    *cap = want;
+    return true;
+}
+
+static bool words_room(struct copy_words *w, size_t n)
+{
+    return grow((void **)&w->at, &w->cap, w->n + n, sizeof *w->at);
+}
+
+static bool words_add(struct copy_words *w, uint32_t word)
+{
+    if (!words_room(w, 1))
+        return false;
+    w->at[w->n++] = word;
+    return true;
+}
+
+static bool resize(void **array, size_t n, size_t size)
+{
+    void *larger = n * size > 0 && n < SIZE_MAX / size ? realloc(*array, n * size) : NULL;
+    if (larger != NULL)
+        *array = larger;
+    return larger != NULL;
+}
+
+/* Makes room for the id in the arrays by id. */
+static bool ids_room(struct copy *c, uint32_t id)
+{
+    uint64_t want = id < 512 ? 1024 : 2 * (uint64_t)id;
+    if (id >= c->room) {
+        want = want < UINT32_MAX ? want : UINT32_MAX;
+        if (!resize((void **)&c->place, want, sizeof *c->place) ||
+            !resize((void **)&c->slot, want, sizeof *c->slot) ||
+            (c->fields > 0 && !resize((void **)&c->value, want, c->fields * sizeof *c->value)))
+            return false;
+        c->room = (uint32_t)want;
+    }
+    for (; c->ids <= id; c->ids++) {
+        c->place[c->ids] = (struct copy_place){0};
+        c->slot[c->ids] = 0;
+    }
+    return true;
+}
+
+void copy_free(struct copy *c)
+{
+    struct copy_words *words[] = {
+        &c->rings,           &c->event_rings,      &c->added, &c->moved, &c->gone,
+        &c->triangles_added, &c->triangles_removed};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        free(words[i]->at);
+    free(c->place);
+    free(c->value);
+    free(c->slot);
+    free(c->entry);
+    free(c->event_value);
+}
+
+/* ---- gathering ---- */
+
+void copy_forget(struct copy *c)
+{
+    for (size_t i = 0; i < c->entries; i++)
+        c->slot[c->entry[i].id] = 0;
+    c->entries = c->event_rings.n = c->event_values = 0;
+    c->reset = false;
+    if (c->event_rings.cap <= MANY_WORDS && c->entry_room <= MANY_WORDS)
+        return;
+    free(c->event_rings.at);
+    free(c->entry);
+    free(c->event_value);
+    c->event_rings = (struct copy_words){0};
+    c->entry = NULL;
+    c->event_value = NULL;
+    c->entry_room = c->event_value_room = 0;
+}
+
+void copy_reset(struct copy *c)
+{
+    copy_forget(c);
+    c->reset = true;
+}
+
+/* The entry of an id, a new one if need be; NULL when out of memory. */
+static struct copy_entry *entry_of(struct copy *c, uint32_t id)
+{
+    if (!ids_room(c, id))
+        return NULL;
+    if (c->slot[id] == 0) {
+        if (c->entries == UINT32_MAX - 1 ||
+            !grow((void **)&c->entry, &c->entry_room, c->entries + 1, sizeof *c->entry))
+            return NULL;
+        c->entry[c->entries++] = (struct copy_entry){.id = id};
+        c->slot[id] = (uint32_t)c->entries;
+    }
+    return &c->entry[c->slot[id] - 1];
+}
+
+/* The words of a row. */
+struct row {
+    const char *at, *end;
+};
+
+static bool next_word(struct row *r, const char **word, size_t *len)
+{
+    if (r->at >= r->end)
+        return false;
+    const char *space = memchr(r->at, ' ', (size_t)(r->end - r->at));
+    *word = r->at;
+    *len = (size_t)((space != NULL ? space : r->end) - r->at);
+    r->at += *len + (space != NULL);
+    return true;
+}
+
+static bool next_id(struct row *r, uint32_t *id)
+{
+    const char *word;
+    size_t len;
+    uint64_t sum = 0;
+    if (!next_word(r, &word, &len) || len == 0 || len > 10)
+        return false;
+    for (size_t i = 0; i < len; i++) {
+        if (word[i] < '0' || word[i] > '9')
+            return false;
+        sum = 10 * sum + (unsigned)(word[i] - '0');
+    }
+    *id = (uint32_t)sum;
+    return sum < UINT32_MAX;
+}
+
+static bool next_double(struct row *r, double *v)
+{
+    const char *word;
+    size_t len;
+    if (!next_word(r, &word, &len))
+        return false;
+    if (len == 3 && memcmp(word, "nan", 3) == 0) {
+        *v = (double)NAN;
+        return true;
+    }
+    return proto_read_double(word, len, v);
+}
+
+static enum delaunay_result point_row(struct copy *c, struct copy_entry *e, struct row *r)
+{
+    if (!grow((void **)&c->event_value, &c->event_value_room, c->event_values + c->fields,
+              sizeof *c->event_value))
+        return DELAUNAY_NOMEM;
+    bool ok = next_double(r, &e->x) && next_double(r, &e->y);
+    for (unsigned k = 0; k < c->fields && ok; k++)
+        ok = next_double(r, &c->event_value[c->event_values + k]);
+    e->value = c->event_values;
+    c->event_values += c->fields;
+    e->point = true;
+    e->gone = e->ringed = false;
+    return ok && r->at >= r->end ? DELAUNAY_OK : DELAUNAY_BROKEN;
+}
+
+static enum delaunay_result list_row(struct copy *c, struct copy_entry *e, struct row *r)
+{
+    const char *kind;
+    size_t len;
+    uint32_t id;
+    if (!next_word(r, &kind, &len) || len != 1 || (*kind != 'i' && *kind != 'b'))
+        return DELAUNAY_BROKEN;
+    e->ring = c->event_rings.n;
+    while (r->at < r->end) {
+        if (!next_id(r, &id))
+            return DELAUNAY_BROKEN;
+        if (!words_add(&c->event_rings, id))
+            return DELAUNAY_NOMEM;
+    }
+    e->len = (uint32_t)(c->event_rings.n - e->ring);
+    e->inner = *kind == 'i';
+    e->ringed = e->len > 0; /* the only point of a set has no neighbours */
+    return DELAUNAY_OK;
+}
+
+enum delaunay_result copy_row(struct copy *c, const char *text, size_t len)
+{
+    struct row r = {text, text + len};
+    const char *kind;
+    size_t n;
+    uint32_t id;
+    if (!next_word(&r, &kind, &n) || !next_id(&r, &id))
+        return DELAUNAY_BROKEN;
+    struct copy_entry *e = entry_of(c, id);
+    if (e == NULL)
+        return DELAUNAY_NOMEM;
+    if (n == 5 && memcmp(kind, "point", 5) == 0)
+        return point_row(c, e, &r);
+    if (n == 4 && memcmp(kind, "list", 4) == 0)
+        return list_row(c, e, &r);
+    if (n != 4 || memcmp(kind, "gone", 4) != 0 || r.at < r.end)
+        return DELAUNAY_BROKEN;
+    e->point = e->ringed = false;
+    e->gone = true;
+    return DELAUNAY_OK;
+}
+
+/* ---- rings before and after ---- */
+
+struct ring {
+    const uint32_t *at; /* NULL: there is none, or it is unknown */
+    uint32_t len;
+    bool inner;
+};
+
+static struct ring old_ring(const struct copy *c, uint32_t id)
+{
+    if (id >= c->ids || !c->place[id].ringed)
+        return (struct ring){0};
+    const struct copy_place *p = &c->place[id];
+    return (struct ring){c->rings.at + p->ring, p->len, p->inner};
+}
+
+static struct ring new_ring(const struct copy *c, uint32_t id)
+{
+    if (id >= c->ids || c->slot[id] == 0)
+        return old_ring(c, id);
+    const struct copy_entry *e = &c->entry[c->slot[id] - 1];
+    return e->ringed ? (struct ring){c->event_rings.at + e->ring, e->len, e->inner}
+                     : (struct ring){0};
+}
+
+typedef struct ring ring_fn(const struct copy *c, uint32_t id);
+
+/* The place of id in a ring; its length if it is not there. */
+static uint32_t find(struct ring r, uint32_t id)
+{
+    uint32_t k = 0;
+    while (k < r.len && r.at[k] != id)
+        k++;
+    return k;
+}
+
+/* Whether the neighbours of a boundary point with two of them are joined: they are not if all points are on one line. A box may leave
+ * both their rings unknown; then they are taken to be. */
+static bool are_joined(const struct copy *c, ring_fn *ring, struct ring r)
+{
+    struct ring a = ring(c, r.at[0]), b = ring(c, r.at[1]);
+    if (a.at == NULL && b.at == NULL)
+        return true;
+    if (b.at == NULL || (a.at != NULL && a.len <= b.len)) /* one of them may be that of a hub */
+        return find(a, r.at[1]) < a.len;
+    return find(b, r.at[0]) < b.len;
+}
+
+/* Whether the ring has triangles: it may have two points of one line. */
+static bool has_area(const struct copy *c, ring_fn *ring, struct ring r)
+{
+    return r.inner || r.len > 2 || (r.len == 2 && are_joined(c, ring, r));
+}
+
+/* Whether a state has the triangle t[0], t[1], t[2]. */
+static bool has_triangle(const struct copy *c, ring_fn *ring, const uint32_t *t)
+{
+    struct ring best = {0};
+    unsigned at = 0;
+    for (unsigned k = 0; k < 3; k++) {
+        struct ring r = ring(c, t[k]);
+        if (r.at != NULL && (best.at == NULL || r.len < best.len)) {
+            best = r;
+            at = k;
+        }
+    }
+    uint32_t k = find(best, t[(at + 1) % 3]);
+    if (k == best.len || (k + 1 == best.len && !best.inner))
+        return false;
+    return best.at[(k + 1) % best.len] == t[(at + 2) % 3] && has_area(c, ring, best);
+}
+
+/* ---- what changes ---- */
+
+/* Whether the triangle is looked at from another corner, a smaller id that the event names and whose ring is known. */
+static bool is_seen_from(const struct copy *c, ring_fn *ring, uint32_t id, uint32_t other)
+{
+    return other < id && other < c->ids && c->slot[other] != 0 && ring(c, other).at != NULL;
+}
+
+/* Appends t to the triangles, its smallest id first. */
+static bool add_triangle(struct copy_words *to, const uint32_t *t)
+{
+    unsigned k = t[1] < t[0] ? (t[2] < t[1] ? 2 : 1) : (t[2] < t[0] ? 2 : 0);
+    return words_add(to, t[k]) && words_add(to, t[(k + 1) % 3]) && words_add(to, t[(k + 2) % 3]);
+}
+
+/* Adds the triangles at an id that one state has and the other one has not. */
+static bool compare_star(const struct copy *c, uint32_t id, ring_fn *one, ring_fn *other,
+                         struct copy_words *to)
+{
+    struct ring r = one(c, id);
+    if (!has_area(c, one, r))
+        return true;
+    for (uint32_t k = r.inner ? 0 : 1; k < r.len; k++) {
+        uint32_t t[3] = {id, r.at[k == 0 ? r.len - 1 : k - 1], r.at[k]};
+        if (!is_seen_from(c, one, id, t[1]) && !is_seen_from(c, one, id, t[2]) &&
+            !has_triangle(c, other, t) && !add_triangle(to, t))
+            return false;
+    }
+    return true;
+}
+
+static bool is_moved(const struct copy *c, const struct copy_entry *e)
+{
+    const struct copy_place *p = &c->place[e->id];
+    size_t size = c->fields * sizeof *c->value;
+    return memcmp(&p->x, &e->x, sizeof p->x) != 0 || memcmp(&p->y, &e->y, sizeof p->y) != 0 ||
+           (size > 0 &&
+            memcmp(c->value + (size_t)e->id * c->fields, c->event_value + e->value, size) != 0);
+}
+
+static bool compare_point(struct copy *c, const struct copy_entry *e)
+{
+    bool was = c->place[e->id].present;
+    if (e->gone)
+        return !was || words_add(&c->gone, e->id);
+    if (!e->point)
+        return true;
+    return was ? !is_moved(c, e) || words_add(&c->moved, e->id) : words_add(&c->added, e->id);
+}
+
+/* In an event with everything, what is not named is gone. */
+static bool name_all(struct copy *c)
+{
+    for (uint32_t id = 0; c->reset && id < c->ids; id++) {
+        struct copy_entry *e = c->place[id].present ? entry_of(c, id) : NULL;
+        if (e == NULL && c->place[id].present)
+            return false;
+        if (e != NULL && !e->point)
+            e->gone = true;
+    }
+    return true;
+}
+
+static bool compare(struct copy *c)
+{
+    struct copy_words *parts[] = {&c->added, &c->moved, &c->gone, &c->triangles_added,
+                                  &c->triangles_removed};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+        parts[i]->n = 0;
+    bool ok = true;
+    for (size_t i = 0; i < c->entries && ok; i++)
+        ok = compare_point(c, &c->entry[i]) &&
+             compare_star(c, c->entry[i].id, old_ring, new_ring, &c->triangles_removed) &&
+             compare_star(c, c->entry[i].id, new_ring, old_ring, &c->triangles_added);
+    return ok;
+}
+
+/* ---- applying ---- */
+
+/* Makes room for n more words of rings; closes the gaps rather than growing when there are many. */
+static bool rings_room(struct copy *c, size_t n)
+{
+    struct copy_words packed = {0};
+    if (c->rings.n + n <= c->rings.cap)
+        return true;
+    if (!words_room(&packed, c->ringed_words + n + c->ids))
+        return false;
+    for (uint32_t id = 0; id < c->ids; id++) {
+        struct copy_place *p = &c->place[id];
+        if (!p->ringed)
+            continue;
+        memcpy(packed.at + packed.n, c->rings.at + p->ring, p->len * sizeof *packed.at);
+        p->ring = packed.n;
+        packed.n += p->len;
+    }
+    free(c->rings.at);
+    c->rings = packed;
+    return true;
+}
+
+static void drop_ring(struct copy *c, struct copy_place *p)
+{
+    c->ringed_words -= p->ringed ? p->len : 0;
+    p->ringed = false;
+}
+
+static void apply(struct copy *c, const struct copy_entry *e)
+{
+    struct copy_place *p = &c->place[e->id];
+    drop_ring(c, p);
+    if (e->gone) {
+        c->points -= p->present;
+        p->present = false;
+    } else if (e->point) {
+        c->points += !p->present;
+        p->present = true;
+        p->x = e->x;
+        p->y = e->y;
+        if (c->fields > 0)
+            memcpy(c->value + (size_t)e->id * c->fields, c->event_value + e->value,
+                   c->fields * sizeof *c->value);
+    }
+    if (!e->ringed)
+        return;
+    p->ring = c->rings.n;
+    p->len = e->len;
+    p->inner = e->inner;
+    p->ringed = true;
+    memcpy(c->rings.at + p->ring, c->event_rings.at + e->ring, e->len * sizeof *c->rings.at);
+    c->rings.n += e->len;
+    c->ringed_words += e->len;
+}
+
+enum delaunay_result copy_commit(struct copy *c, struct delaunay_change *change)
+{
+    bool ok = name_all(c) && compare(c) && rings_room(c, c->event_rings.n);
+    for (size_t i = 0; i < c->entries && ok; i++)
+        apply(c, &c->entry[i]);
+    *change = (struct delaunay_change){
+        .reset = c->reset,
+        .added = c->added.at,
+        .moved = c->moved.at,
+        .gone = c->gone.at,
+        .n_added = c->added.n,
+        .n_moved = c->moved.n,
+        .n_gone = c->gone.n,
+        .triangles_added = c->triangles_added.at,
+        .triangles_removed = c->triangles_removed.at,
+        .n_triangles_added = c->triangles_added.n / 3,
+        .n_triangles_removed = c->triangles_removed.n / 3,
+    };
+    copy_forget(c);
+    return ok ? DELAUNAY_OK : DELAUNAY_NOMEM;
+}
+
+const struct copy_place *copy_place(const struct copy *c, uint32_t id)
+{
+    return id < c->ids && c->place[id].present ? &c->place[id] : NULL;
+}
