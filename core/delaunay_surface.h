@@ -229,7 +229,8 @@ enum dt_status dt_contour_begin(const struct dt *t, const struct dt_view *v,
                                 const struct dt_field *f, const double *level, uint32_t levels,
                                 double max_edge, struct dt_contour **out);
 
-/* Reads the next piece: rows, triangles or crossings, some thousands of them. */
+/* Reads the next piece: values, triangles or crossings, some thousands of them. If the set of the view is edited before all
+ * are read, the triangles are read again, as they were. */
 enum dt_status dt_contour_read(const struct dt *t, struct dt_contour *c, bool *done);
 
 /* Bytes that it will have at most after the next dt_contour_read or dt_contour_end. */

@@ -9,7 +9,9 @@
  *           /             \            the same name, so crossings are joined without the triangulation.
  *       below ----------- below
  *
- * Rows and triangles are read through tables, in pieces, as of the moment of a view. */
+ * All is read in pieces, as of the moment of a view. The result does not depend on the order of the triangles, so they
+ * are read as they lie in memory, until an edit changes the mesh: then the crossings are dropped, and all triangles are
+ * read through a table, which continues with those of the view. */
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 #include "core/set/reader.h"
@@ -21,8 +23,9 @@
 #include <string.h>
 
 enum {
-    PIECE = 4096, /* rows or triangles */
-    NEW = 8192    /* crossings of a piece */
+    PIECE = 4096,    /* triangles of the table */
+    RECORDS = 16384, /* values, or triangles as they lie in memory */
+    NEW = 8192       /* crossings of a piece */
 };
 
 #define MISSING UINT32_MAX /* the class of a point without a value */
@@ -47,7 +50,7 @@ struct line {
     bool closed;
 };
 
-enum stage { ROWS, TRIANGLES, READ };
+enum stage { VALUES, MESH, TABLE, READ };
 
 struct dt_contour {
     const struct dt_view *view;   /* borrows */
@@ -58,6 +61,7 @@ struct dt_contour {
     enum stage stage;
     uint32_t *class; /* owns ids */
     uint32_t ids, from;
+    uint32_t record; /* the next one of the mesh */
     struct dt_cursor cursor;
     uint32_t triangle
         [3 *
@@ -136,26 +140,19 @@ static uint32_t class_of(const struct dt_contour *c, double z)
     return a;
 }
 
-static enum dt_status read_rows(const struct dt *t, struct dt_contour *c)
+static void read_values(struct dt_contour *c)
 {
-    struct dt_row row[512];
-    uint32_t id[512];
-    double z[512];
-    size_t n = 1;
-    enum dt_status s = DT_OK;
-    for (int i = 0; i < PIECE / 512 && s == DT_OK && n > 0; i++) {
-        s = dt_view_rows(t, c->view, &c->from, row, 512, &n);
-        if (s != DT_OK)
-            return s;
-        for (size_t k = 0; k < n; k++)
-            id[k] = row[k].id;
-        dt_field_values(c->field, c->view, id, n, z);
-        for (size_t k = 0; k < n; k++)
-            c->class[id[k]] = class_of(c, z[k]);
+    uint32_t end = c->ids - c->from < RECORDS ? c->ids : c->from + RECORDS;
+    while (c->from < end) {
+        uint64_t at = c->from;
+        const double *page = dt_field_page(c->field, c->view, &at);
+        while (c->from < end && (page == NULL || c->from < at))
+            c->class[c->from++] = MISSING;
+        for (uint32_t i = 0; c->from < end && i < DT_FIELD_PAGE; i++)
+            c->class[c->from++] = class_of(c, page[i]);
     }
-    if (n == 0)
-        c->stage = TRIANGLES;
-    return s;
+    if (c->from == c->ids)
+        c->stage = MESH;
 }
 
 /* ---- crossings ---- */
@@ -237,26 +234,25 @@ static void levels_between(const struct dt_contour *c, const uint32_t *id, uint3
         *end = *first;
 }
 
-/* Adds the crossings of the next triangle, from the level c->sub on and while there are fewer than `most`. */
-static enum dt_status cross(const struct dt *t, struct dt_contour *c, size_t most)
+/* Adds the crossings of a triangle, from the level c->sub on and while there are fewer than `most`. *whole: all of
+ * them. */
+static enum dt_status cross(const struct dt *t, struct dt_contour *c, const uint32_t *id,
+                            size_t most, bool *whole)
 {
-    const uint32_t *id = &c->triangle[c->at];
     struct corner corner[3];
     uint32_t first, end;
     levels_between(c, id, &first, &end);
-    if (first < end) {
-        enum dt_status s = read_corners(t, c, id, corner);
-        if (s != DT_OK)
-            return s;
-        if (!has_surface(c, corner))
-            end = first;
-    }
+    *whole = true;
+    if (first >= end)
+        return DT_OK;
+    enum dt_status s = read_corners(t, c, id, corner);
+    if (s != DT_OK || !has_surface(c, corner))
+        return s;
     uint32_t level = c->sub > first ? c->sub : first;
     while (level < end && c->n < most)
         c->crossing[c->n++] = crossing_of(c, corner, level++);
-    bool whole = level >= end;
-    c->sub = whole ? 0 : level;
-    c->at += whole ? 3 : 0;
+    *whole = level >= end;
+    c->sub = *whole ? 0 : level;
     return DT_OK;
 }
 
@@ -273,7 +269,27 @@ static enum dt_status make_room(struct dt_contour *c)
     return DT_OK;
 }
 
-static enum dt_status read_triangles(const struct dt *t, struct dt_contour *c)
+static enum dt_status read_mesh(const struct dt *t, struct dt_contour *c)
+{
+    const struct dt_mesh *m = &t->mesh;
+    size_t most = c->n + NEW;
+    uint32_t end = m->tri_end - c->record < RECORDS ? m->tri_end : c->record + RECORDS;
+    enum dt_status s = make_room(c);
+    while (s == DT_OK && c->record < end && c->n < most) {
+        const uint32_t *v = m->half + 8 * (size_t)c->record;
+        bool whole = true;
+        if (v[2] < DT_DEAD) { /* no ghost either */
+            const uint32_t *id = t->points.id;
+            s = cross(t, c, (const uint32_t[]){id[v[0]], id[v[1]], id[v[2]]}, most, &whole);
+        }
+        c->record += whole;
+    }
+    if (s == DT_OK && c->record == m->tri_end)
+        c->stage = READ;
+    return s;
+}
+
+static enum dt_status read_table(const struct dt *t, struct dt_contour *c)
 {
     size_t rows = 1, most = c->n + NEW;
     enum dt_status s = make_room(c);
@@ -281,8 +297,11 @@ static enum dt_status read_triangles(const struct dt *t, struct dt_contour *c)
         s = dt_table_read(t, &c->cursor, c->triangle, 3 * PIECE, PIECE, &rows, &c->end);
         c->at = 0;
     }
-    while (s == DT_OK && c->at < c->end && c->n < most)
-        s = cross(t, c, most);
+    while (s == DT_OK && c->at < c->end && c->n < most) {
+        bool whole;
+        s = cross(t, c, &c->triangle[c->at], most, &whole);
+        c->at += whole ? 3 : 0;
+    }
     if (s == DT_OK && rows == 0)
         c->stage = READ;
     return s;
@@ -291,8 +310,14 @@ static enum dt_status read_triangles(const struct dt *t, struct dt_contour *c)
 enum dt_status dt_contour_read(const struct dt *t, struct dt_contour *c, bool *done)
 {
     enum dt_status s = dt_view_readable(t, c->view, true);
-    if (s == DT_OK && c->stage != READ)
-        s = c->stage == ROWS ? read_rows(t, c) : read_triangles(t, c);
+    if (c->stage == MESH && s == DT_OK && dt_view_if_changed(t, c->view) != NULL) {
+        c->stage = TABLE;
+        c->n = c->sub = 0;
+    }
+    if (s == DT_OK && c->stage == VALUES)
+        read_values(c);
+    else if (s == DT_OK && c->stage != READ)
+        s = c->stage == MESH ? read_mesh(t, c) : read_table(t, c);
     *done = s == DT_OK && c->stage == READ;
     return s;
 }
@@ -307,7 +332,8 @@ static size_t slots_for(size_t n)
 
 size_t dt_contour_memory(const struct dt_contour *c)
 {
-    size_t cap = c->cap + (c->stage == TRIANGLES ? c->cap / 2 + NEW : 0);
+    bool grows = c->stage == MESH || c->stage == TABLE;
+    size_t cap = c->cap + (grows ? c->cap / 2 + NEW : 0);
     size_t end = c->stage == READ
                      ? slots_for(c->n) * sizeof *c->slot +
                            c->n * (sizeof *c->line + 2 * sizeof *c->place + sizeof *c->result)

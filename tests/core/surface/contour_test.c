@@ -140,6 +140,40 @@ TEST(contours_end_where_values_are_missing_and_where_edges_are_long)
     dt_free(t);
 }
 
+static bool has_place(const struct lines *r, double level, struct dt_point p)
+{
+    for (size_t i = 0; i < r->n; i++)
+        for (size_t k = 0; r->line[i].level == level && k < r->line[i].n; k++)
+            if (r->line[i].p[k].x == p.x && r->line[i].p[k].y == p.y)
+                return true;
+    return false;
+}
+
+TEST(contours_that_end_at_missing_values_have_no_place_of_their_own)
+{
+    enum { N = 4 * DT_FIELD_PAGE, WITH = DT_FIELD_PAGE }; /* so ids have no page, too */
+    static const double level[] = {0.2, 0.4, 0.7};
+    struct dt_point p[N];
+    double z[N];
+    size_t places = 0;
+    for (int i = 0; i < N; i++) {
+        p[i] = (struct dt_point){1 + test_uniform() * (i < WITH ? 0.6 : 1), 1 + test_uniform()};
+        z[i] = test_uniform();
+    }
+    struct dt *all = set_with(p, z, N), *some = set_of(p, N);
+    set_values(some, z, WITH);
+    struct lines whole = lines_of(all, level, 3, HUGE_VAL),
+                 part = lines_of(some, level, 3, HUGE_VAL);
+    for (size_t i = 0; i < part.n; i++)
+        for (size_t k = 0; k < part.line[i].n; k++, places++)
+            CHECK(has_place(&whole, part.line[i].level, part.line[i].p[k]));
+    CHECK(places > 20);
+    dt_contour_free(whole.c);
+    dt_contour_free(part.c);
+    dt_free(all);
+    dt_free(some);
+}
+
 TEST(contours_of_sets_without_triangles)
 {
     static const struct dt_point p[] = {{0, 0}, {2, 2}, {4, 4}};
@@ -369,6 +403,44 @@ TEST(contours_of_a_view_are_those_of_its_moment)
     dt_contour_free(before.c);
     dt_view_end(v);
     dt_free(t);
+}
+
+TEST(contours_that_an_edit_interrupts_are_those_of_the_moment_of_their_view)
+{
+    enum { N = 30000 };
+    static const double level[] = {-0.5, 0, 0.25};
+    struct dt_point *p = malloc(N * sizeof *p);
+    double *z = malloc(N * sizeof *z);
+    CHECK(p != NULL && z != NULL);
+    for (int i = 0; i < N; i++) {
+        p[i] = (struct dt_point){test_uniform(), test_uniform()};
+        z[i] = sin(7 * p[i].x) * cos(5 * p[i].y);
+    }
+    struct dt *t = set_with(p, z, N);
+    struct lines before = lines_of(t, level, 3, HUGE_VAL);
+    for (uint32_t pieces = 0, all = 9; pieces < all; pieces++) {
+        struct lines r = {NULL, NULL, 0};
+        struct dt_view *v = dt_view_begin(t, true);
+        struct dt_point there, to = {test_uniform(), test_uniform()};
+        bool done = false;
+        CHECK(dt_contour_begin(t, v, dt_field_find(t, "z", 1), level, 3, HUGE_VAL, &r.c) == DT_OK);
+        for (uint32_t i = 0; i < pieces && !done; i++)
+            CHECK(dt_contour_read(t, r.c, &done) == DT_OK);
+        all = done ? 0 : all;
+        CHECK(dt_get(t, pieces, &there) == DT_OK);
+        CHECK(dt_move(t, pieces, to) == DT_OK && dt_refresh(t, NULL) == DT_OK);
+        while (!done)
+            CHECK(dt_contour_read(t, r.c, &done) == DT_OK);
+        CHECK(dt_contour_end(r.c, NULL, &r.line, &r.n) == DT_OK);
+        check_equal(&r, &before);
+        CHECK(dt_move(t, pieces, there) == DT_OK && dt_refresh(t, NULL) == DT_OK);
+        dt_contour_free(r.c);
+        dt_view_end(v);
+    }
+    dt_contour_free(before.c);
+    dt_free(t);
+    free(p);
+    free(z);
 }
 
 TEST(contours_survive_without_memory)
