@@ -239,7 +239,7 @@ void resp3_push(struct buf *out, const char *head, size_t head_len, const char *
                 size_t rows_len, size_t n)
 {
     static const struct resp3_form point = {"", "sid"}, other = {"", "sisi"};
-    const char *text, *end = rows + rows_len;
+    const char *text, *end = rows_len == 0 ? rows : rows + rows_len; /* rows may be NULL then */
     size_t len, mark = buf_len(out);
     struct words w = {head, head + head_len - 1};
     resp_array(out, 2 + n);

@@ -395,6 +395,7 @@ void registry_clear(struct registry *r)
         next = of->next;
         free(of);
     }
+    r->orphans = NULL;
     free(r->bucket);
     r->bucket = NULL;
     r->buckets = 0;

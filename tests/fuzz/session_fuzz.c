@@ -9,6 +9,7 @@
 #include "server/session/session.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
+#include "server/watch/watch.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -57,6 +58,7 @@ static void hear(void)
 static void on_turn_end(struct loop *loop)
 {
     (void)loop;
+    watch_turn_end(&f.server);
     if (f.rest != NULL) {
         send(f.fd, f.rest, f.left, MSG_NOSIGNAL | MSG_DONTWAIT);
         shutdown(f.fd, SHUT_WR);
@@ -83,10 +85,10 @@ static void converse(const uint8_t *data, size_t size, size_t cut)
     close(f.fd);
 }
 
-/* If no request is in RESP, the output consists of replies in lines. */
+/* If no request is in RESP, the output consists of replies in lines, with events between them. */
 static void look_at_replies(void)
 {
-    struct reply_reader reader = {0};
+    struct reply_reader reader = {.events = true};
     struct reply_part part;
     size_t at = 0, n = buf_len(&f.replies);
     while (at < n) {
@@ -122,6 +124,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (memchr(data + 1, '*', size - 1) == NULL)
         look_at_replies();
     buf_consume(&f.replies, buf_len(&f.replies));
+    watch_turn_end(&f.server);
+    require(f.server.watched == NULL);
     registry_clear(&f.server.sets);
     require(f.server.sets.sets == 0 && f.server.sets.memory.bytes == 0);
     return 0;
