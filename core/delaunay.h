@@ -215,14 +215,20 @@ enum dt_status dt_get(const struct dt *t, uint32_t id, struct dt_point *p);
 /* The representative of id: id itself unless it is an alias. */
 enum dt_status dt_representative(const struct dt *t, uint32_t id, uint32_t *rep);
 
-/* From now on edits note which points they touch, until dt_touched_end. Cost: O(1) for each row and ring that an edit
- * changes. */
-void dt_touched_begin(struct dt *t);
+/* From now on edits note which points they touch, and with `values` whose values of fields, until dt_touched_end.
+ * Cost: O(1) for each row, ring and value that an edit changes. */
+void dt_touched_begin(struct dt *t, bool values);
 void dt_touched_end(struct dt *t);
 
-/* What edits have touched since the last call, ascending: 2 id, or 2 id + 1 if only its ring may have changed; new ids
- * are not among them. The keys are borrowed until the next edit. False: everything may have changed. */
+/* How many keys there are to be taken. */
+size_t dt_touched_count(const struct dt *t);
+
+/* What edits have touched since the last call, in no order, and possibly repeated: keys made of an id, shifted by 32,
+ * and one of the numbers below; new ids are not among them. With values: those of points that are not new. Keys are
+ * borrowed until the next edit. False: everything may have changed, or every value; also if edits have not noted it. */
+enum { DT_TOUCHED_ROW, DT_TOUCHED_RING, DT_TOUCHED_VALUE /* plus dt_field_number */ };
 bool dt_touched_take(struct dt *t, const uint64_t **keys, size_t *n);
+bool dt_touched_take_values(struct dt *t, const uint64_t **keys, size_t *n);
 
 /* ---- the triangulation ---- */
 

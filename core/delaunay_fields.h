@@ -25,6 +25,9 @@ struct dt_field;
 
 const char *dt_field_name(const struct dt_field *f); /* ends with NUL; borrowed from the field */
 
+/* Fields of a set, dropped ones included, have different numbers; copies of a set have those of the set. */
+uint32_t dt_field_number(const struct dt_field *f);
+
 /* The field of that name; NULL: there is none. Cost: the number of fields. */
 const struct dt_field *dt_field_find(const struct dt *t, const char *name, size_t len);
 

@@ -76,6 +76,15 @@ static size_t run_at(const struct setting *s, size_t i)
     return s->n - i < room ? s->n - i : room;
 }
 
+/* For those who follow the set. */
+static void note_values(const struct setting *s)
+{
+    struct dt_touched *w = &s->t->touched;
+    for (size_t i = 0; w->with_values && !w->values.all && i < s->n; i++)
+        dt_touched_note(&w->values,
+                        (uint64_t)id_of(s, i) << 32 | (DT_TOUCHED_VALUE + s->field->number));
+}
+
 static void write_run(const struct setting *s)
 {
     for (size_t i = 0, k; i < s->n; i += k) {
@@ -126,11 +135,14 @@ static enum dt_status set_values(struct setting *s, const char *name, size_t len
         return status;
     dt_views_edit_begin(s->t);
     status = open_field(s, name, len, &work);
-    if (status == DT_OK && s->ids != NULL)
+    if (status != DT_OK)
+        return status;
+    note_values(s);
+    if (s->ids != NULL)
         write_ids(s);
-    else if (status == DT_OK)
+    else
         write_run(s);
-    return status;
+    return DT_OK;
 }
 
 enum dt_status dt_field_set(struct dt *t, const char *name, size_t len, const uint32_t *ids,
@@ -220,6 +232,7 @@ enum dt_status dt_field_drop(struct dt *t, const char *name, size_t len)
     if (field == NULL)
         return DT_NOFIELD;
     dt_views_edit_begin(t);
+    t->touched.values.all = t->touched.with_values;
     dt_fields_drop(&t->fields, field);
     return DT_OK;
 }

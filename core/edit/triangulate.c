@@ -135,7 +135,7 @@ static enum dt_status build(struct dt *t, const struct dt_options *opt)
     t->mesh.recycled = false;
     t->hinted = 0;
     t->steps = 0;
-    t->touched.all = t->touched.all || !t->current || !t->triangulated;
+    t->touched.rows.all = t->touched.rows.all || !t->current || !t->triangulated;
     if (!t->current)
         dt_views_lose_rings(&t->views);
     t->current = true;

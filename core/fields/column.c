@@ -49,7 +49,8 @@ struct dt_field *dt_field_new(struct dt_shelf *s, const char *name, size_t len)
         return NULL;
     }
     atomic_init(copies, 1);
-    *c = (struct dt_field){.copies = copies, .born = s->serial, .gone = UINT64_MAX};
+    *c = (struct dt_field){
+        .number = s->made++, .copies = copies, .born = s->serial, .gone = UINT64_MAX};
     memcpy(c->name, name, len);
     return c;
 }
@@ -126,6 +127,7 @@ struct dt_field *dt_field_copy(struct dt_shelf *s, const struct dt_field *c, str
     copy->copies = c->copies;
     atomic_fetch_add(copy->copies, 1);
     copy->values = c->values;
+    copy->number = c->number;
     if (reserve_blocks(s, copy, c->blocks) != DT_OK) {
         dt_field_free(s, copy);
         return NULL;

@@ -58,6 +58,7 @@ struct dt_field {
     struct dt_block **block; /* owns `blocks` */
     uint32_t blocks;
     uint32_t values;       /* that are there */
+    uint32_t number;       /* fields were made in the set before, dropped ones included */
     atomic_uint *copies;   /* shared by the copies of the set; 1: no page is shared */
     uint64_t born, gone;   /* views after `born`, up to `gone`, see it */
     struct dt_field *next; /* among those that are dropped */
@@ -69,6 +70,7 @@ struct dt_shelf {
     uint64_t serial;               /* of the view that began last */
     uint64_t latest;               /* of the latest view that is read; 0: none */
     size_t memory;                 /* bytes of all fields, and of what was put aside */
+    uint32_t made;                 /* fields so far */
 };
 
 static inline struct dt_slot *dt_field_slot(const struct dt_field *c, uint32_t id)

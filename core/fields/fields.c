@@ -44,6 +44,7 @@ enum dt_status dt_fields_copy(const struct dt_fields *f, struct dt_fields *copy,
         }
         copy->field[copy->n] = c;
     }
+    copy->shelf.made = f->shelf.made;
     return DT_OK;
 }
 

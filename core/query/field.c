@@ -11,6 +11,11 @@ const char *dt_field_name(const struct dt_field *f)
     return f->name;
 }
 
+uint32_t dt_field_number(const struct dt_field *f)
+{
+    return f->number;
+}
+
 const struct dt_field *dt_field_find(const struct dt *t, const char *name, size_t len)
 {
     return dt_fields_find(&t->fields, name, len);

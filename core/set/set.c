@@ -114,7 +114,8 @@ void dt_summary(const struct dt *t, struct dt_summary *out)
         .searchable = dt_is_live(t) && !dt_lacks_grid(t),
         .memory = sizeof *t + dt_points_memory(&t->points) + dt_fields_memory(&t->fields) +
                   dt_mesh_memory(&t->mesh) + dt_hints_memory(&t->hints) +
-                  dt_cavity_memory(&t->scratch) + dt_views_memory(&t->views),
+                  dt_cavity_memory(&t->scratch) + dt_views_memory(&t->views) +
+                  dt_touched_memory(&t->touched),
     };
     if (out->current) {
         out->triangles = dt_mesh_triangles(&t->mesh);

@@ -7,11 +7,12 @@ enum { MOST = 16384 };
 
 void dt_touched_clear(struct dt_touched *w)
 {
-    free(w->key);
-    *w = (struct dt_touched){0};
+    free(w->rows.key);
+    free(w->values.key);
+    *w = (struct dt_touched){.on = false};
 }
 
-void dt_touched_note(struct dt_touched *w, uint64_t key)
+void dt_touched_note(struct dt_touched_list *w, uint64_t key)
 {
     if (w->all)
         return;

@@ -6,17 +6,27 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Keys of delaunay.h: the rows and rings that have changed, or the values. */
+struct dt_touched_list {
+    uint64_t *key; /* owns; not sorted, and a key may be repeated */
+    size_t n, cap;
+    bool all; /* too many to be noted, or a rebuild */
+};
+
 /* Start with {0}. */
 struct dt_touched {
-    uint64_t *key; /* owns: 2 id, or 2 id + 1 if only the ring of the id may have changed */
-    size_t n, cap;
-    bool on;
-    bool all; /* too many, or a rebuild */
+    struct dt_touched_list rows, values;
+    bool on, with_values;
 };
 
 void dt_touched_clear(struct dt_touched *w);
 
+static inline size_t dt_touched_memory(const struct dt_touched *w)
+{
+    return (w->rows.cap + w->values.cap) * sizeof *w->rows.key;
+}
+
 /* Notes a key; O(1) amortised. */
-void dt_touched_note(struct dt_touched *w, uint64_t key);
+void dt_touched_note(struct dt_touched_list *w, uint64_t key);
 
 #endif

@@ -9,7 +9,7 @@ static void save_row(void *ctx, uint32_t id)
     struct dt *t = ctx;
     struct dt_views *w = &t->views;
     if (t->touched.on)
-        dt_touched_note(&t->touched, 2 * (uint64_t)id);
+        dt_touched_note(&t->touched.rows, (uint64_t)id << 32 | DT_TOUCHED_ROW);
     if (id >= w->row_ids || dt_images_has(&w->rows, id, w->rows_since))
         return;
     uint32_t *image = dt_images_save(&w->rows, id, DT_ROW_WORDS);
@@ -40,7 +40,7 @@ static void save_star(void *ctx, uint32_t v)
     struct dt_views *w = &t->views;
     uint32_t id = t->points.id[v];
     if (t->touched.on && id != DT_NONE)
-        dt_touched_note(&t->touched, 2 * (uint64_t)id + 1);
+        dt_touched_note(&t->touched.rows, (uint64_t)id << 32 | DT_TOUCHED_RING);
     if (id >= w->ring_ids || dt_images_has(&w->rings, id, w->rings_since))
         return;
     uint32_t *image = dt_images_save(&w->rings, id, dt_star_words(&t->mesh, v));
@@ -86,7 +86,7 @@ void dt_views_edit_begin(struct dt *t)
 {
     const struct dt_views *w = &t->views;
     if (t->touched.on && dt_is_live(t) && dt_mesh_is_line(&t->mesh))
-        t->touched.all = true;
+        t->touched.rows.all = true;
     if (t->touched.on || atomic_load_explicit(&w->list, memory_order_relaxed) != NULL || w->saved ||
         t->points.changes != NULL || dt_fields_keep(&t->fields))
         look_after(t);

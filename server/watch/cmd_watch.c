@@ -4,6 +4,9 @@
 #include "server/clients/clients.h"
 #include "server/watch/watch.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 /* A version; false: the ERR line has been written. */
 static bool read_version(struct answer *a, const struct word *w, uint64_t *version)
 {
@@ -19,22 +22,67 @@ static bool read_version(struct answer *a, const struct word *w, uint64_t *versi
     return good;
 }
 
+static bool read_fields(struct answer *a, const struct dataset *set, const struct word *names,
+                        struct scope *scope)
+{
+    size_t n;
+    const struct dt_field **f = find_fields(a, set, names, &n);
+    if (f == NULL)
+        return false;
+    free(f);
+    free(scope->names);
+    scope->names = malloc(names->len + 1);
+    if (scope->names == NULL) {
+        answer_out_of_memory(a);
+        return false;
+    }
+    memcpy(scope->names, names->text, names->len);
+    scope->names[names->len] = '\0';
+    return true;
+}
+
+/* Reads [SINCE version] [WITHIN x0 y0 x1 y1] [FIELDS name,name ...]; false: the ERR line has been written. */
+static bool read_options(struct answer *a, const struct dataset *set, const struct request *q,
+                         struct scope *scope, uint64_t *since)
+{
+    size_t i = 2, took;
+    for (bool good; i < q->n; i += took) {
+        const struct word *w = &q->word[i];
+        took = 2;
+        if (word_is(w, "SINCE") && i + 2 <= q->n) {
+            good = read_version(a, w + 1, since);
+        } else if (word_is(w, "WITHIN") && i + 5 <= q->n) {
+            took = 5;
+            good = scope->boxed = read_box(a, w + 1, &scope->lo, &scope->hi);
+        } else if (word_is(w, "FIELDS") && i + 2 <= q->n) {
+            good = read_fields(a, set, w + 1, scope);
+        } else {
+            answer_usage(a, q);
+            good = false;
+        }
+        if (!good)
+            return false;
+    }
+    return true;
+}
+
 void cmd_watch(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     struct session *who = clients_asker(s, a);
+    struct scope scope = {.names = NULL};
     uint64_t since = 0;
-    if (q->n == 3 || (q->n == 4 && !word_is(&q->word[2], "SINCE"))) {
-        answer_usage(a, q);
+    if (!read_options(a, set, q, &scope, &since)) {
+        scope_clear(&scope);
         return;
     }
-    if (q->n == 4 && !read_version(a, &q->word[3], &since))
-        return;
-    if (who == NULL || watch_count(who) >= WATCH_MOST)
+    if (who == NULL || watch_count(who) >= WATCH_MOST) {
+        scope_clear(&scope);
         reply_err(a->out, ERR_TOOBIG, "a connection watches at most %d sets", WATCH_MOST);
-    else if (!watch_begin(s, who, set, since == set->version))
+    } else if (!watch_begin(s, who, set, &scope, since)) {
         answer_out_of_memory(a);
-    else
+    } else {
         answer_changed(a, set->version);
+    }
 }
 
 void cmd_unwatch(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

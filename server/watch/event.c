@@ -2,10 +2,16 @@
 #include "server/watch/event.h"
 
 #include "proto/reply.h"
+#include "server/redis/resp3.h"
 
+#include <math.h>
 #include <stdlib.h>
 
-enum { PART_BYTES = 32 * 1024, PART_STEPS = 100000 /* about half a millisecond */ };
+enum {
+    PART_BYTES = 32 * 1024,
+    PART_STEPS = 100000, /* about half a millisecond */
+    LOOKED_AT = 10       /* steps for a point that is not in the event */
+};
 
 bool event_is_full(const struct event *e)
 {
@@ -35,22 +41,43 @@ static void put_ring(struct event *e, const struct dt *dt, uint32_t id)
     e->n++;
 }
 
+static void put_point(struct event *e, uint32_t id, struct dt_point p)
+{
+    buf_append_text(&e->rows, "point ");
+    reply_row_point(&e->rows, id, p.x, p.y);
+    for (uint32_t i = 0; i < e->scope->fields; i++) {
+        double value = (double)NAN;
+        if (e->scope->field[i] != NULL)
+            dt_field_values(e->scope->field[i], NULL, &id, 1, &value);
+        if (!e->rows.failed)
+            reply_more_value(&e->rows, value);
+    }
+    e->n++;
+}
+
+static void put_gone(struct event *e, uint32_t id)
+{
+    if (e->scope->boxed && !(e->keep_known ? idset_has(e->known, id) : idset_remove(e->known, id)))
+        return;
+    buf_append_text(&e->rows, "gone ");
+    reply_row_ids(&e->rows, &id, 1);
+    e->n++;
+}
+
 void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_what what)
 {
     struct dt_point p;
-    bool there = dt_get(dt, id, &p) == DT_OK;
-    if (there && what != EVENT_RING) {
-        buf_append_text(&e->rows, "point ");
-        reply_row_point(&e->rows, id, p.x, p.y);
-        e->n++;
+    if (!scope_has_point(e->scope, dt, id, &p)) {
+        e->steps += LOOKED_AT;
+        if (what != EVENT_NEW)
+            put_gone(e, id);
+        return;
     }
-    if (there) {
-        put_ring(e, dt, id);
-    } else if (what != EVENT_NEW) {
-        buf_append_text(&e->rows, "gone ");
-        reply_row_ids(&e->rows, &id, 1);
-        e->n++;
-    }
+    if (e->scope->boxed && !idset_add(e->known, id, e->ids))
+        e->rows.failed = true;
+    if (what != EVENT_RING)
+        put_point(e, id, p);
+    put_ring(e, dt, id);
 }
 
 static void begin_head(struct event *e, const char *set)
@@ -76,9 +103,26 @@ void event_dropped(struct event *e, const char *set)
     reply_end(&e->head);
 }
 
+bool event_write(struct event *e, bool typed, struct buf *out)
+{
+    if (e->head.failed || e->rows.failed)
+        return false;
+    if (typed && buf_len(&e->push) == 0)
+        resp3_push(&e->push, buf_head(&e->head), buf_len(&e->head), buf_head(&e->rows),
+                   buf_len(&e->rows), e->n);
+    if (typed) {
+        buf_append(out, buf_head(&e->push), buf_len(&e->push));
+    } else {
+        buf_append(out, buf_head(&e->head), buf_len(&e->head));
+        buf_append(out, buf_head(&e->rows), buf_len(&e->rows));
+    }
+    return !out->failed && !e->push.failed;
+}
+
 void event_free(struct event *e)
 {
     buf_free(&e->head);
     buf_free(&e->rows);
+    buf_free(&e->push);
     free(e->ring.v);
 }

@@ -1,7 +1,7 @@
 /* event.h - the text of an event: its rows, and its first line.
  *
  *     EVENT 3 set=t version=17        the rows of what is different now
- *     point 7 1 0.5                   its place; the ring that it had does not count any more
+ *     point 7 1 0.5                   its place, and values; the ring that it had does not count any more
  *     list 7 i 1 2 3                  its ring, as in LISTS
  *     gone 4 */
 #ifndef SERVER_EVENT_H
@@ -9,14 +9,21 @@
 
 #include "core/delaunay.h"
 #include "proto/buf.h"
+#include "server/watch/idset.h"
+#include "server/watch/scope.h"
 
-/* Start with {0}. */
+/* Start with {0} and who it is for. */
 struct event {
+    const struct scope *scope; /* borrows; its fields have been found */
+    struct idset *known;   /* borrows; with a box: all points that one of its readers may know */
+    bool keep_known;       /* there are others who know them */
+    uint32_t ids;          /* of the set, the next one */
+    uint32_t line;         /* so many points are on one line: a ring costs so many steps; else 0 */
     struct buf head, rows; /* own */
+    struct buf push;       /* owns: both in RESP 3, once they have been asked for */
     size_t n;              /* rows */
     struct dt_ids ring;    /* owns: workspace */
-    uint32_t line;         /* so many points are on one line: a ring costs so many steps; else 0 */
-    uint64_t steps;        /* of rings on a line so far */
+    uint64_t steps;        /* of rings on a line, and of points looked at */
 };
 
 /* What is said of an id: that it is gone, its place and its ring; its ring alone; or nothing if it is gone. */
@@ -30,6 +37,9 @@ bool event_is_full(const struct event *e);
 /* The first line, when all rows are there. */
 void event_head(struct event *e, const char *set, uint64_t version, bool reset, bool more);
 void event_dropped(struct event *e, const char *set);
+
+/* Appends the event to the output of a connection; typed: as a push of RESP 3. False: out of memory. */
+bool event_write(struct event *e, bool typed, struct buf *out);
 
 void event_free(struct event *e);
 

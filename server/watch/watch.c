@@ -2,224 +2,73 @@
 #include "server/watch/watch.h"
 
 #include "server/jobs/job.h"
-#include "server/jobs/journal.h"
 #include "server/ops/cost.h"
-#include "server/redis/resp3.h"
-#include "server/watch/event.h"
+#include "server/watch/feed.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    SHARED_IDS = 4096, /* more ids than this are sent in parts: some 300 KB */
-    NEW_IDS = 65536,   /* more than this are a reset */
-    RETRY_MS = 1000    /* after a triangulation for watchers has failed */
+    RETRY_MS = 1000, /* after a triangulation for watchers has failed */
+    KEEP_MS = 60000, /* what has changed lately is kept for watchers that come back */
+    /* Events get one part of SHARE of the time while a set is edited, at most CREDIT_NS at once after a pause. What they
+     * exceed that by is owed, up to DEBT_NS. */
+    SHARE = 12,
+    CREDIT_NS = 2000 * 1000,
+    DEBT_NS = 5000 * 1000,
+    SEND_NS = 5000,             /* for sending an event to a watcher, later */
+    KEY_NS = 400,               /* about so much for the rows of a key */
+    SMALL_NS = 40 * 1000,       /* an event that takes less never waits: one after one edit */
+    QUIET_NS = 3 * 1000 * 1000, /* a set that has not been edited for so long pauses */
+    TURN_NS = 1000 * 1000,      /* the time for late watchers in a turn */
+    WAKE_MS = 4,                /* until a delay is examined again, if nothing else happens */
+    COLLECT_KEYS = 4096         /* so many are collected also while no event may be sent */
 };
 
-/* A set that is watched, or was when it was dropped. */
-struct watched {
-    struct watched *next;
-    struct dataset *set;   /* borrows; NULL: dropped */
-    struct watcher *first; /* owns */
-    uint64_t version;      /* what has been collected so far */
-    uint32_t ids;          /* the next id at that time */
-    int64_t retry_ms;
-    uint64_t lsn; /* of the DROP */
-    char name[SET_NAME_LIMIT + 1];
-};
-
-struct watcher {
-    struct watcher *next; /* of the set */
-    struct watcher *also; /* of the session */
-    struct watched *of;
-    struct session *session;
-    bool typed;    /* in RESP 3 */
-    bool reset;    /* the next event begins a reset */
-    bool sweeping; /* ids from `sweep` on have not been sent since */
-    uint32_t sweep;
-    uint64_t *dirty; /* owns: a bit for each id that has changed; NULL: none */
-    uint32_t words, count, cursor;
-};
-
-/* ---- what a watcher does not know ---- */
-
-static void count_memory(struct watcher *w, size_t before)
+static void do_nothing(struct task *t)
 {
-    struct conn *c = &w->session->conn;
-    size_t now = w->words * sizeof *w->dirty;
-    c->owner_bytes = c->owner_bytes - before + now;
-    if (!c->closed)
-        reservation_set(&c->memory, c->owner_bytes + c->in.cap + c->out.cap);
+    (void)t;
 }
 
-static void forget(struct watcher *w)
+static void wake(struct timer *t)
 {
-    size_t before = w->words * sizeof *w->dirty;
-    free(w->dirty);
-    w->dirty = NULL;
-    w->words = w->count = w->cursor = 0;
-    count_memory(w, before);
+    (void)t; /* events are written at the end of every turn */
 }
 
-static void mark_all(struct watcher *w)
+/* ---- collecting ---- */
+
+static void count_memory(struct watched *k)
 {
-    forget(w);
-    w->reset = w->sweeping = true;
-    w->sweep = 0;
+    size_t bytes = sizeof *k + recent_memory(&k->recent);
+    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
+        bytes += feed_memory(f);
+    reservation_set(&k->memory, bytes);
 }
 
-static bool make_room(struct watcher *w, uint32_t id)
-{
-    size_t before = w->words * sizeof *w->dirty;
-    uint32_t need = id / 64 + 1, words = w->of->ids / 64 + 1;
-    if (need <= w->words)
-        return true;
-    words = words > need ? words : need;
-    uint64_t *larger = realloc(w->dirty, words * sizeof *larger);
-    if (larger == NULL)
-        return false;
-    memset(larger + w->words, 0, (words - w->words) * sizeof *larger);
-    w->dirty = larger;
-    w->words = words;
-    count_memory(w, before);
-    return true;
-}
-
-static void mark(struct watcher *w, uint32_t id)
-{
-    if (w->sweeping && id >= w->sweep)
-        return;
-    if (!make_room(w, id)) {
-        mark_all(w);
-        return;
-    }
-    uint64_t bit = (uint64_t)1 << id % 64;
-    w->count += (w->dirty[id / 64] & bit) == 0;
-    w->dirty[id / 64] |= bit;
-}
-
-static bool lags(const struct watcher *w)
-{
-    return w->sweeping || w->count > 0;
-}
-
-/* ---- sending ---- */
-
-/* Whether an event may follow what is in the output: not within a reply, and the client reads. */
-static bool can_take(const struct watcher *w)
-{
-    const struct session *s = w->session;
-    return !s->conn.closed && !s->conn.finishing && s->state != SESSION_STREAMING &&
-           s->state != SESSION_LISTING && !conn_full(&s->conn);
-}
-
-static void send_event(struct server *s, const struct watcher *w, const struct event *e,
-                       uint64_t lsn)
-{
-    struct conn *c = &w->session->conn;
-    hold_view(&s->held, &c->hold, lsn, conn_out_end(c));
-    if (!w->typed) {
-        buf_append(&c->out, buf_head(&e->head), buf_len(&e->head));
-        buf_append(&c->out, buf_head(&e->rows), buf_len(&e->rows));
-    } else {
-        resp3_push(&c->out, buf_head(&e->head), buf_len(&e->head), buf_head(&e->rows),
-                   buf_len(&e->rows), e->n);
-    }
-    if (c->out.failed || e->head.failed || e->rows.failed)
-        conn_close(c);
-    conn_again(c);
-}
-
-/* The next ids that a watcher in a reset has not got. */
-static void put_swept(struct watcher *w, const struct dt *dt, struct event *e)
-{
-    enum { LOOKED_AT = 20000 };
-    for (unsigned i = 0; w->sweep < w->of->ids && i < LOOKED_AT && !event_is_full(e); i++)
-        event_put(e, dt, w->sweep++, EVENT_NEW);
-    w->sweeping = w->sweep < w->of->ids;
-}
-
-static void put_dirty(struct watcher *w, const struct dt *dt, struct event *e)
-{
-    for (; w->count > 0 && !event_is_full(e); w->cursor = (w->cursor + 1) % w->words) {
-        uint64_t *word = &w->dirty[w->cursor];
-        while (*word != 0 && !event_is_full(e)) {
-            uint32_t id = 64 * w->cursor + (uint32_t)__builtin_ctzll(*word);
-            *word &= *word - 1;
-            w->count--;
-            event_put(e, dt, id, EVENT_ALL);
-        }
-    }
-    if (w->count == 0)
-        forget(w);
-}
-
-/* Sends a lagging watcher a part of what it does not know. */
-static void send_part(struct server *s, struct watcher *w)
-{
-    const struct watched *k = w->of;
-    const struct dt_summary *sum = &k->set->current->sum;
-    struct event e = {.line = sum->triangulated && sum->triangles == 0 ? sum->points : 0};
-    if (w->sweeping)
-        put_swept(w, k->set->current->dt, &e);
-    else
-        put_dirty(w, k->set->current->dt, &e);
-    event_head(&e, k->name, k->version, w->reset, lags(w));
-    w->reset = false;
-    send_event(s, w, &e, journal_of(s, k->set));
-    event_free(&e);
-}
-
-/* ---- changes ---- */
-
-/* What has changed, for all watchers: the same text for those that are up to date. */
-static void share(struct server *s, struct watched *k, const uint64_t *key, size_t n, uint32_t from)
-{
-    struct event e = {0};
-    for (size_t i = 0; i < n; i++)
-        if (key[i] >> 1 < from)
-            event_put(&e, k->set->current->dt, (uint32_t)(key[i] >> 1),
-                      (key[i] & 1) != 0 ? EVENT_RING : EVENT_ALL);
-    for (uint32_t id = from; id < k->ids; id++)
-        event_put(&e, k->set->current->dt, id, EVENT_NEW);
-    event_head(&e, k->name, k->version, false, false);
-    for (struct watcher *w = k->first; w != NULL; w = w->next) {
-        if (!lags(w) && can_take(w)) {
-            send_event(s, w, &e, journal_of(s, k->set));
-            continue;
-        }
-        for (size_t i = 0; i < n; i++)
-            mark(w, (uint32_t)(key[i] >> 1));
-        for (uint32_t id = from; id < k->ids; id++)
-            mark(w, id);
-    }
-    event_free(&e);
-}
-
-static void collect(struct server *s, struct watched *k)
+/* Takes what edits have touched, and reports it to the feeds. Returns how many events were sent. */
+static unsigned collect(struct server *s, struct watched *k, bool now)
 {
     struct dt *dt = k->set->current->dt;
-    const uint64_t *key;
-    size_t n;
-    bool known = dt_touched_take(dt, &key, &n);
-    uint32_t from = k->ids;
-    dt_touched_begin(dt);
+    struct feed_change c = {.from = k->ids, .values_known = true};
+    unsigned sent = 0;
+    c.rows_known = dt_touched_take(dt, &c.row, &c.rows);
+    if (k->values)
+        c.values_known = dt_touched_take_values(dt, &c.value, &c.values);
+    dt_touched_begin(dt, k->values);
     k->version = k->set->version;
     k->ids = dt_next_id(dt);
-    if (known && n + (k->ids - from) <= SHARED_IDS) {
-        share(s, k, key, n, from);
-        return;
+    if (!c.values_known)
+        k->values_since = k->version;
+    for (struct feed *f = k->feeds; f != NULL; f = f->next)
+        sent += feed_change(s, f, &c, now);
+    if (!c.rows_known) {
+        recent_restart(&k->recent, k->version, k->ids);
+        return sent;
     }
-    for (struct watcher *w = k->first; w != NULL; w = w->next) {
-        if (!known || k->ids - from > NEW_IDS) {
-            mark_all(w);
-            continue;
-        }
-        for (size_t i = 0; i < n; i++)
-            mark(w, (uint32_t)(key[i] >> 1));
-        for (uint32_t id = from; id < k->ids; id++)
-            mark(w, id);
-    }
+    recent_put(&k->recent, c.row, c.rows);
+    recent_put(&k->recent, c.value, c.values);
+    recent_mark(&k->recent, k->version, k->ids);
+    return sent;
 }
 
 /* ---- a triangulation that edits have left for later ---- */
@@ -262,49 +111,150 @@ static bool refresh(struct server *s, struct watched *k)
     return !set->exclusive && !version_is_stale(set->current);
 }
 
-/* ---- the end of a turn ---- */
+/* ---- when events are written ---- */
+
+/* Events of a set get a share of the time while it is edited, so that a watcher slows edits down by little; what is not
+ * sent yet is merged. Isolated edits never wait, because there is credit. */
+static bool is_due(struct watched *k, int64_t now)
+{
+    int64_t credit = k->credit_ns + (now - k->credit_at_ns) / SHARE;
+    k->credit_ns = credit < CREDIT_NS ? credit : CREDIT_NS;
+    k->credit_at_ns = now;
+    if (k->changing != k->set->version) {
+        k->changing = k->set->version;
+        k->changed_ns = now;
+    }
+    return k->credit_ns >= 0 || now - k->changed_ns >= QUIET_NS;
+}
+
+/* Whether the next event is a small one. */
+static bool is_small(const struct watched *k)
+{
+    const struct dt *dt = k->set->current->dt;
+    int64_t ns = ((int64_t)dt_touched_count(dt) + dt_next_id(dt) - k->ids) * KEY_NS;
+    for (const struct feed *f = k->feeds; f != NULL && ns <= SMALL_NS; f = f->next) {
+        if (f->first != NULL && backlog_lags(&f->shared))
+            return false;
+        for (const struct watcher *w = f->first; w != NULL && ns <= SMALL_NS; w = w->next)
+            ns += SEND_NS;
+    }
+    return ns <= SMALL_NS;
+}
+
+/* Late watchers get parts in order, as far as the time goes. False: some are left. */
+static bool serve_late(struct server *s, struct watched *k, unsigned *sent)
+{
+    int64_t end = clock_ns() + TURN_NS;
+    size_t n = 0;
+    for (const struct watcher *w = k->late; w != NULL; w = w->next)
+        n++;
+    for (struct watcher *w = k->late, *next; n-- > 0; w = next) {
+        next = w->next;
+        if (!feed_late_part(s, w))
+            continue;
+        ++*sent;
+        if (clock_ns() >= end)
+            return n == 0;
+    }
+    return true;
+}
+
+static bool feeds_lag(const struct watched *k)
+{
+    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
+        if (f->first != NULL && backlog_lags(&f->shared))
+            return true;
+    return false;
+}
+
+/* Writes what is due; k->version is the set's. False: more could be written at once. */
+static bool write_events(struct server *s, struct watched *k, unsigned *sent)
+{
+    for (struct feed *f = k->feeds; f != NULL; f = f->next)
+        if (f->first != NULL && backlog_lags(&f->shared))
+            *sent += feed_part(s, f);
+    return serve_late(s, k, sent) && !feeds_lag(k);
+}
+
+static struct loop *loop_of(const struct watched *k)
+{
+    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
+        if (f->first != NULL)
+            return f->first->session->conn.loop;
+    return k->late == NULL ? NULL : k->late->session->conn.loop;
+}
 
 static void flush(struct server *s, struct watched *k)
 {
+    static struct task again = {.run = do_nothing};
+    struct loop *loop = loop_of(k);
+    int64_t now = clock_ns();
+    unsigned sent = 0;
     if (k->set->exclusive)
         return;
-    if (k->version != k->set->version) {
-        if (!refresh(s, k))
-            return;
+    bool changed = k->version != k->set->version;
+    if (changed && (loop == NULL ? version_is_stale(k->set->current) : !refresh(s, k)))
+        return;
+    bool due = is_due(k, now) || (changed && is_small(k));
+    if (changed && (due || dt_touched_count(k->set->current->dt) >= COLLECT_KEYS)) {
         k->retry_ms = 0;
-        collect(s, k);
+        sent += collect(s, k, due);
+        changed = false;
     }
-    for (struct watcher *w = k->first; w != NULL; w = w->next)
-        if (lags(w) && can_take(w))
-            send_part(s, w);
+    count_memory(k);
+    if (loop == NULL)
+        return;
+    if (!due && (changed || feeds_lag(k) || k->late != NULL))
+        loop_at(loop, &k->due, loop->now_ms + WAKE_MS);
+    else if (due && !write_events(s, k, &sent))
+        loop_defer(loop, &again);
+    k->credit_ns -= clock_ns() - now + (int64_t)sent * SEND_NS;
+    if (k->credit_ns < -DEBT_NS)
+        k->credit_ns = -DEBT_NS;
 }
 
-static void leave_session(struct watcher *w)
+/* ---- the end of a turn ---- */
+
+static bool is_deserted(const struct watched *k)
 {
-    struct watcher **at = &w->session->watching;
-    while (*at != w)
-        at = &(*at)->also;
-    *at = w->also;
-    forget(w);
-    free(w);
+    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
+        if (f->first != NULL || f->late > 0)
+            return false;
+    return true;
 }
 
-/* The watchers of a dropped set hear of it, and are gone. */
-static void tell_dropped(struct server *s, struct watched *k)
+static void free_deserted_feeds(struct watched *k)
 {
-    struct event e = {0};
-    event_dropped(&e, k->name);
-    for (struct watcher **at = &k->first; *at != NULL;) {
-        struct watcher *w = *at;
-        if (!can_take(w)) {
-            at = &w->next;
+    for (struct feed **at = &k->feeds; *at != NULL;) {
+        struct feed *f = *at;
+        if (f->first != NULL || f->late > 0) {
+            at = &f->next;
             continue;
         }
-        send_event(s, w, &e, s->dropped);
-        *at = w->next;
-        leave_session(w);
+        *at = f->next;
+        feed_free(f);
     }
-    event_free(&e);
+}
+
+static void free_watched(struct watched *k)
+{
+    timer_clear(&k->due);
+    free_deserted_feeds(k);
+    recent_clear(&k->recent);
+    reservation_set(&k->memory, 0);
+    free(k);
+}
+
+/* Whether it is kept: it has watchers, one may come back, or a worker may be noting what an edit touches. */
+static bool is_kept(struct watched *k)
+{
+    if (!is_deserted(k)) {
+        k->deserted_ms = 0;
+        return true;
+    }
+    if (k->deserted_ms == 0)
+        k->deserted_ms = clock_ms();
+    return k->set != NULL && (k->set->exclusive || clock_ms() - k->deserted_ms < KEEP_MS);
 }
 
 void watch_turn_end(struct server *s)
@@ -312,11 +262,11 @@ void watch_turn_end(struct server *s)
     for (struct watched **at = &s->watched; *at != NULL;) {
         struct watched *k = *at;
         if (k->set == NULL)
-            tell_dropped(s, k);
-        else if (k->first != NULL)
+            feed_dropped(s, k);
+        else
             flush(s, k);
-        /* While an edit is under way, a worker may be noting what it touches. */
-        if (k->first != NULL || (k->set != NULL && k->set->exclusive)) {
+        free_deserted_feeds(k);
+        if (is_kept(k)) {
             at = &k->next;
             continue;
         }
@@ -325,7 +275,7 @@ void watch_turn_end(struct server *s)
             k->set->watched = NULL;
         }
         *at = k->next;
-        free(k);
+        free_watched(k);
     }
 }
 
@@ -333,7 +283,7 @@ void watch_clear(struct server *s)
 {
     for (struct watched *k = s->watched, *next; k != NULL; k = next) {
         next = k->next;
-        free(k);
+        free_watched(k);
     }
     s->watched = NULL;
 }
@@ -347,53 +297,101 @@ static struct watched *watched_of(struct server *s, struct dataset *set)
         return k;
     memcpy(k->name, set->name, set->name_len);
     k->set = set;
-    k->version = set->version;
+    k->version = k->changing = set->version;
     k->ids = dt_next_id(set->current->dt);
-    dt_touched_begin(set->current->dt);
+    k->credit_at_ns = clock_ns();
+    k->credit_ns = CREDIT_NS;
+    k->due.run = wake;
+    k->memory = server_reservation(s, BUDGET_CLIENTS);
+    dt_touched_begin(set->current->dt, false);
+    recent_restart(&k->recent, k->version, k->ids);
     k->next = s->watched;
     s->watched = k;
     set->watched = k;
     return k;
 }
 
-static void drop_watcher(struct watcher *w)
-{
-    struct watcher **at = &w->of->first;
-    while (*at != w)
-        at = &(*at)->next;
-    *at = w->next;
-    leave_session(w);
-}
-
 /* The session's watcher of a set of that name; NULL: none. */
 static struct watcher *find(const struct session *who, const char *name)
 {
     struct watcher *w = who->watching;
-    while (w != NULL && strcmp(w->of->name, name) != 0)
+    while (w != NULL && strcmp(w->feed->of->name, name) != 0)
         w = w->also;
     return w;
 }
 
-bool watch_begin(struct server *s, struct session *who, struct dataset *set, bool current)
+/* The feed of that scope, which moves there. NULL: out of memory. */
+static struct feed *feed_of(struct watched *k, struct scope *scope)
 {
-    struct watcher *w = find(who, set->name), *fresh = calloc(1, sizeof *fresh);
-    struct watched *k = fresh == NULL ? NULL : watched_of(s, set);
-    if (k == NULL) {
-        free(fresh);
+    struct feed *f = k->feeds;
+    while (f != NULL && !scope_equal(&f->scope, scope))
+        f = f->next;
+    if (f != NULL || (f = calloc(1, sizeof *f)) == NULL) {
+        scope_clear(scope);
+        return f;
+    }
+    f->of = k;
+    f->scope = *scope;
+    *scope = (struct scope){.names = NULL};
+    scope_find(&f->scope, k->set->current->dt);
+    f->next = k->feeds;
+    k->feeds = f;
+    if (f->scope.names != NULL && !k->values) {
+        k->values = true;
+        k->values_since = k->set->version;
+        if (!k->set->exclusive) /* otherwise the next change is one of everything */
+            dt_touched_begin(k->set->current->dt, true);
+    }
+    return f;
+}
+
+/* Marks what has changed since a version that the watcher knows. False: that is not known. */
+static bool mark_since(struct watcher *w, uint64_t since)
+{
+    struct feed *f = w->feed;
+    const struct watched *k = f->of;
+    const struct recent_mark *m = recent_find(&k->recent, since);
+    if (since > k->set->version || m == NULL || version_is_stale(k->set->current) ||
+        (f->scope.names != NULL && since < k->values_since))
+        return false;
+    if (f->scope.boxed && !idset_fill(&f->known, k->ids))
+        return false;
+    w->own.outdated = since != k->version;
+    for (uint64_t at = m->at; at < k->recent.key_end; at++) {
+        uint64_t key = recent_key(&k->recent, at);
+        if ((uint32_t)key < DT_TOUCHED_VALUE || scope_has_value(&f->scope, key))
+            backlog_mark(&w->own, (uint32_t)(key >> 32), k->ids);
+    }
+    for (uint32_t id = m->ids; id < k->ids; id++)
+        backlog_mark(&w->own, id, k->ids);
+    return true;
+}
+
+bool watch_begin(struct server *s, struct session *who, struct dataset *set, struct scope *scope,
+                 uint64_t since)
+{
+    struct watcher *w = calloc(1, sizeof *w);
+    struct watched *k = w == NULL ? NULL : watched_of(s, set);
+    if (k != NULL)
+        watch_end(who, set);
+    struct feed *f = k == NULL ? NULL : feed_of(k, scope);
+    if (f == NULL) {
+        scope_clear(scope);
+        free(w);
         return false;
     }
-    if (w != NULL)
-        drop_watcher(w);
-    fresh->of = k;
-    fresh->session = who;
-    fresh->typed = who->resp;
-    fresh->next = k->first;
-    k->first = fresh;
-    fresh->also = who->watching;
-    who->watching = fresh;
-    /* A triangulation that was left for later will be an event for all. */
-    if (!current || k->version != set->version || version_is_stale(set->current))
-        mark_all(fresh);
+    w->feed = f;
+    w->session = who;
+    w->typed = who->resp;
+    w->also = who->watching;
+    who->watching = w;
+    if (!mark_since(w, since))
+        backlog_all(&w->own);
+    if (backlog_lags(&w->own))
+        feed_join_late(w);
+    else
+        feed_join(w);
+    /* A triangulation that was left for later will be a change of everything. */
     if (version_is_stale(set->current))
         k->version = 0;
     return true;
@@ -403,7 +401,7 @@ bool watch_end(struct session *who, const struct dataset *set)
 {
     struct watcher *w = find(who, set->name);
     if (w != NULL)
-        drop_watcher(w);
+        feed_leave(w);
     return w != NULL;
 }
 
@@ -418,7 +416,7 @@ size_t watch_count(const struct session *who)
 void watch_leave(struct session *who)
 {
     while (who->watching != NULL)
-        drop_watcher(who->watching);
+        feed_leave(who->watching);
 }
 
 void watch_dropped(struct dataset *set)

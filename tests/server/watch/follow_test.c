@@ -1,139 +1,10 @@
 /* follow_test.c - WATCH: what clients that follow a set are sent, and that it is all they need. */
-#include "tests/server/daemon.h"
+#include "tests/server/watch/mirror.h"
 #include "tests/test.h"
 
 #include <inttypes.h>
 #include <string.h>
 #include <unistd.h>
-
-/* ---- a mirror: the rows of a set, by id ---- */
-
-enum { IDS = 4096, ROW = 4096 };
-
-struct mirror {
-    int fd;
-    uint64_t version;
-    unsigned resets;
-    bool whole, dropped;
-    char *point[IDS], *list[IDS]; /* own: rows as in POINTS and LISTS */
-};
-
-static void set_row(char **at, const char *row)
-{
-    free(*at);
-    *at = row == NULL ? NULL : strdup(row);
-    CHECK(row == NULL || *at != NULL);
-}
-
-static void take_row(struct mirror *m, const char *row)
-{
-    char kind[8], side = 0;
-    uint32_t id;
-    int after = 0;
-    CHECK(sscanf(row, "%7s %" SCNu32 "%n", kind, &id, &after) == 2 && id < IDS);
-    if (strcmp(kind, "list") == 0) {
-        char text[ROW];
-        CHECK(sscanf(row + after, " %c%n", &side, &after) == 1 && (side == 'i' || side == 'b'));
-        const char *ring = strchr(strchr(row + 5, ' ') + 1, ' ');
-        snprintf(text, sizeof text, "%" PRIu32 "%s", id, ring == NULL ? "" : ring);
-        set_row(&m->list[id], text);
-        return;
-    }
-    bool point = strcmp(kind, "point") == 0;
-    CHECK_MSG(point || strcmp(kind, "gone") == 0, "%s", row);
-    set_row(&m->point[id], point ? row + strlen("point ") : NULL);
-    set_row(&m->list[id], NULL);
-}
-
-static void take_event(struct mirror *m)
-{
-    char head[200];
-    snprintf(head, sizeof head, "%s", hear_line(m->fd));
-    CHECK_MSG(strncmp(head, "EVENT ", 6) == 0, "%s", head);
-    const char *version = strstr(head, " version=");
-    m->dropped = strstr(head, " dropped") != NULL;
-    m->whole = strstr(head, " more") == NULL;
-    m->version = version == NULL ? 0 : strtoull(version + 9, NULL, 10);
-    bool reset = strstr(head, " reset") != NULL;
-    m->resets += reset;
-    for (unsigned i = 0; reset && i < IDS; i++) {
-        set_row(&m->point[i], NULL);
-        set_row(&m->list[i], NULL);
-    }
-    for (unsigned long n = strtoul(head + 6, NULL, 10); n > 0; n--)
-        take_row(m, hear_line(m->fd));
-}
-
-static uint64_t version_in(const char *line)
-{
-    const char *at = strstr(line, " version=");
-    CHECK_MSG(at != NULL, "%s", line);
-    return strtoull(at + 9, NULL, 10);
-}
-
-static void watch(struct mirror *m, const struct daemon *d, const char *set)
-{
-    char line[100];
-    m->fd = daemon_connect(d);
-    snprintf(line, sizeof line, "WATCH %s\n", set);
-    say(m->fd, line);
-    version_in(hear_line(m->fd));
-}
-
-static void catch_up(struct mirror *m, uint64_t version)
-{
-    while (!m->whole || m->version < version)
-        take_event(m);
-    CHECK(m->version == version);
-}
-
-static void leave(struct mirror *m)
-{
-    for (unsigned i = 0; i < IDS; i++) {
-        free(m->point[i]);
-        free(m->list[i]);
-    }
-    close(m->fd);
-}
-
-/* Compares the rows of a reply with the mirror's; every one of them must be in it. */
-static void compare(int fd, const char *command, char *const *row)
-{
-    char line[100];
-    unsigned have = 0;
-    snprintf(line, sizeof line, "%s\n", command);
-    say(fd, line);
-    const char *head = hear_line(fd);
-    CHECK_MSG(strncmp(head, "OK ", 3) == 0, "%s", head);
-    unsigned long n = strtoul(head + 3, NULL, 10);
-    for (unsigned long i = 0; i < n; i++) {
-        const char *got = hear_line(fd);
-        unsigned long id = strtoul(got, NULL, 10);
-        CHECK(id < IDS && row[id] != NULL);
-        CHECK_STR(row[id], got);
-    }
-    for (unsigned i = 0; i < IDS; i++)
-        have += row[i] != NULL;
-    CHECK(have == n);
-}
-
-static uint64_t ask_version(int fd, const char *line)
-{
-    say(fd, line);
-    const char *got = hear_line(fd);
-    CHECK_MSG(strncmp(got, "OK", 2) == 0, "%s -> %s", line, got);
-    return version_in(got);
-}
-
-static void check_mirror(struct mirror *m, int fd, bool triangulated)
-{
-    if (triangulated)
-        compare(fd, "LISTS t", m->list);
-    else
-        for (unsigned i = 0; i < IDS; i++)
-            CHECK(m->list[i] == NULL);
-    compare(fd, "POINTS t", m->point);
-}
 
 /* ---- random edits ---- */
 
@@ -177,20 +48,86 @@ static void random_edit(char *line, size_t size, uint32_t ids, bool lattice)
     }
 }
 
+/* An edit of values; z is watched, w is not. */
+static void random_value(char *line, size_t size, uint32_t ids)
+{
+    char place[64];
+    uint32_t id = ids == 0 ? 0 : test_below(ids);
+    random_place(place, sizeof place, false);
+    switch (test_below(8)) {
+    case 0:
+        snprintf(line, size, "FDROP t z\n");
+        break;
+    case 1:
+        snprintf(line, size, "ADD t FIELDS w,z %s 1 %u\n", place, (unsigned)test_below(100));
+        break;
+    case 2:
+        snprintf(line, size, "FSET t w %u 7\n", (unsigned)id);
+        break;
+    default:
+        snprintf(line, size, "FSET t z %u %u %u nan\n", (unsigned)id, (unsigned)test_below(9),
+                 (unsigned)(id / 2));
+    }
+}
+
+enum { MIRRORS = 6 };
+
+/* Some have caught up and are compared, some are behind, some connections are lost. */
+static void random_reader(struct mirror *m, const struct daemon *d, int fd, uint64_t version,
+                          bool triangulated)
+{
+    switch (test_below(8)) {
+    case 0:
+        mirror_catch_up(m, version);
+        mirror_check(m, fd, triangulated);
+        break;
+    case 1:
+        mirror_catch_up(m, version);
+        break;
+    case 2:
+        if (!m->whole)
+            break;
+        mirror_disconnect(m);
+        mirror_watch(m, d, true);
+        break;
+    case 3:
+        mirror_disconnect(m);
+        mirror_watch(m, d, false);
+        break;
+    default:
+        break;
+    }
+}
+
+static void make_mirrors(struct mirror *m, bool lattice)
+{
+    const char *box = lattice ? "1 1 3 4" : "0.2 0.6 0.7 0.1";
+    for (int i = 0; i < MIRRORS; i++)
+        m[i].options = (struct mirror_options){.resp = test_below(2) == 0};
+    m[2].options.fields = m[3].options.fields = "z";
+    m[3].options.box = m[4].options.box = m[5].options.box = box;
+}
+
 static void follow_history(const struct daemon *d, bool lattice, bool triangulated)
 {
     enum { EDITS = 60 };
     char line[4000];
-    struct mirror m = {.whole = false}, later = {.whole = false};
+    static struct mirror m[MIRRORS];
     int fd = daemon_connect(d);
-    uint64_t version =
-        ask_version(fd, lattice && test_below(2) == 0 ? "CREATE t TOL 1\n" : "CREATE t\n");
-    uint32_t ids = 0;
-    watch(&m, d, "t");
+    memset(m, 0, sizeof m);
+    make_mirrors(m, lattice);
+    ask_version(fd, lattice && test_below(2) == 0 ? "CREATE t TOL 1\n" : "CREATE t\n");
+    uint64_t version = ask_version(fd, "ADD t FIELDS z,w 1 1 5 6\n");
+    uint32_t ids = 1;
     if (triangulated)
         version = ask_version(fd, "TRIANGULATE t\n");
+    for (int i = 0; i < MIRRORS; i++)
+        mirror_watch(&m[i], d, false);
     for (int i = 0; i < EDITS; i++) {
-        random_edit(line, sizeof line, ids, lattice);
+        if (test_below(3) == 0)
+            random_value(line, sizeof line, ids);
+        else
+            random_edit(line, sizeof line, ids, lattice);
         say(fd, line);
         const char *got = hear_line(fd);
         if (strncmp(got, "OK", 2) == 0)
@@ -199,23 +136,24 @@ static void follow_history(const struct daemon *d, bool lattice, bool triangulat
         if (sscanf(got, "OK 0 first=%u added=%u", &first, &added) == 2)
             ids = first + added;
         triangulated = triangulated || strncmp(line, "TRI", 3) == 0;
-        if (i == EDITS / 2)
-            watch(&later, d, "t");
-        if (test_below(3) > 0)
-            continue;
-        catch_up(&m, version);
-        check_mirror(&m, fd, triangulated);
+        if (strncmp(line, "FDROP", 5) == 0) { /* FIELDS names fields that there are */
+            version = ask_version(fd, "ADD t FIELDS z 2 2 3\n");
+            ids++;
+        }
+        random_reader(&m[test_below(MIRRORS)], d, fd, version, triangulated);
     }
-    catch_up(&m, version);
-    catch_up(&later, version);
-    check_mirror(&m, fd, triangulated);
-    check_mirror(&later, fd, triangulated);
+    for (int i = 0; i < MIRRORS; i++) {
+        mirror_catch_up(&m[i], version);
+        mirror_check(&m[i], fd, triangulated);
+    }
     say(fd, "DROP t\n");
     expect(fd, "OK 0\n");
-    take_event(&m);
-    CHECK(m.dropped);
-    leave(&m);
-    leave(&later);
+    for (int i = 0; i < MIRRORS; i++) {
+        do
+            mirror_take(&m[i]);
+        while (!m[i].dropped);
+        mirror_free(&m[i]);
+    }
     close(fd);
 }
 
@@ -243,7 +181,7 @@ TEST(watcher_is_sent_everything_and_then_what_changes)
     expect(other, "OK 0\nOK 0 deleted=1\n");
     struct mirror m = {.fd = fd};
     while (m.point[1] == NULL || strcmp(m.point[1], "1 5 0") != 0)
-        take_event(&m);
+        mirror_take(&m);
     say(fd, "UNWATCH t\nUNWATCH t\n");
     const char *line;
     while (strncmp(line = hear_line(fd), "OK", 2) != 0)
@@ -255,32 +193,38 @@ TEST(watcher_is_sent_everything_and_then_what_changes)
     say(fd, "PING\n");
     expect(fd, "OK 0\n");
     close(other);
-    leave(&m);
+    mirror_free(&m);
     daemon_end(&d);
 }
 
-TEST(watch_since_the_version_of_the_set_sends_only_what_comes_later)
+TEST(watch_since_a_version_sends_only_what_comes_later)
 {
-    char line[100];
     struct daemon d = daemon_start(NULL);
     struct mirror m = {.whole = false};
     int fd = daemon_connect(&d);
     say(fd, SQUARE);
     hear_line(fd);
     uint64_t v = version_in(hear_line(fd));
-    m.fd = daemon_connect(&d);
-    snprintf(line, sizeof line, "WATCH t SINCE %" PRIu64 "\n", v);
-    CHECK(ask_version(m.fd, line) == v);
+    mirror_watch(&m, &d, false);
+    mirror_catch_up(&m, v);
+    mirror_disconnect(&m);
     uint64_t now = ask_version(fd, "ADD t 2 1\n");
-    catch_up(&m, now);
-    CHECK(m.resets == 0);
-    CHECK_STR(m.list[4], "4 0 1 2 3");
-    ask_version(m.fd, line); /* the set has changed since */
-    m.whole = false;
-    catch_up(&m, now);
+    mirror_watch(&m, &d, true);
+    mirror_catch_up(&m, now);
     CHECK(m.resets == 1);
-    check_mirror(&m, fd, true);
-    leave(&m);
+    mirror_check(&m, fd, true);
+    now = ask_version(fd, "MOVE t 4 2 3\n");
+    mirror_catch_up(&m, now);
+    CHECK(m.resets == 1);
+    mirror_check(&m, fd, true);
+    mirror_disconnect(&m);
+    m.version = v - 1; /* of before its points */
+    mirror_watch(&m, &d, true);
+    m.whole = false;
+    mirror_catch_up(&m, now);
+    CHECK(m.resets == 2);
+    mirror_check(&m, fd, true);
+    mirror_free(&m);
     close(fd);
     daemon_end(&d);
 }
@@ -295,7 +239,7 @@ TEST_TIMEOUT(watcher_that_does_not_read_is_sent_one_state_later, 60)
     int fd = daemon_connect(&d);
     load_random(fd, "t", POINTS);
     ask_version(fd, "TRIANGULATE t\n");
-    watch(&m, &d, "t");
+    mirror_watch(&m, &d, false);
     uint64_t version = 0;
     for (int i = 0; i < EDITS; i += BURST) {
         size_t at = 0;
@@ -309,9 +253,9 @@ TEST_TIMEOUT(watcher_that_does_not_read_is_sent_one_state_later, 60)
     say(fd, "DEL t 5\nADD t 0.5 0.5\n");
     hear_line(fd);
     version = version_in(hear_line(fd));
-    catch_up(&m, version);
-    check_mirror(&m, fd, true);
-    leave(&m);
+    mirror_catch_up(&m, version);
+    mirror_check(&m, fd, true);
+    mirror_free(&m);
     close(fd);
     daemon_end(&d);
 }
@@ -357,7 +301,8 @@ TEST(connection_watches_so_many_sets_and_no_more)
     }
     converse(&d, "WATCH none\nWATCH s1 SINCE x\nWATCH s1 SINCE\n",
              "ERR NOSET there is no set none\nERR NUMBER x is not a version\n"
-             "ERR SYNTAX usage: WATCH set [SINCE version]\n");
+             "ERR SYNTAX usage: WATCH set [SINCE version] [WITHIN x0 y0 x1 y1] [FIELDS "
+             "name,name,...]\n");
     close(fd);
     close(other);
     daemon_end(&d);

@@ -1,0 +1,374 @@
+/* feed.c - see feed.h. */
+#include "server/watch/feed.h"
+
+#include "server/jobs/journal.h"
+#include "server/watch/event.h"
+
+#include <stdlib.h>
+
+enum {
+    SHARED_KEYS = 1024, /* more than this are sent in parts */
+    NEW_IDS = 65536,    /* more than this are a reset */
+    BOX_STEPS = 10000   /* a search that takes longer is left for a sweep */
+};
+
+/* ---- backlogs ---- */
+
+bool backlog_lags(const struct backlog *b)
+{
+    return b->reset || b->outdated || b->sweeping || b->ids.count > 0;
+}
+
+void backlog_clear(struct backlog *b)
+{
+    idset_clear(&b->ids);
+    *b = (struct backlog){.reset = false};
+}
+
+void backlog_all(struct backlog *b)
+{
+    backlog_clear(b);
+    b->reset = b->sweeping = true;
+}
+
+void backlog_mark(struct backlog *b, uint32_t id, uint32_t ids)
+{
+    if (b->sweeping && id >= b->sweep)
+        return;
+    if (!idset_add(&b->ids, id, ids))
+        backlog_all(b);
+}
+
+static void backlog_copy(struct backlog *to, const struct backlog *from)
+{
+    *to = *from;
+    to->ids = (struct idset){.count = 0};
+    if (!idset_copy(&to->ids, &from->ids))
+        backlog_all(to);
+}
+
+/* The ids of a new backlog of everything, if the set can find those in the box quickly. */
+static void seek_box(struct backlog *b, const struct feed *f, const struct dt *dt)
+{
+    struct dt_options opt = {.steps = BOX_STEPS};
+    struct dt_ids found = {0};
+    if (dt_within_box(dt, f->scope.lo, f->scope.hi, &opt, &found) == DT_OK) {
+        b->sweeping = false;
+        for (size_t i = 0; i < found.n; i++)
+            backlog_mark(b, found.v[i], f->of->ids);
+    }
+    free(found.v);
+}
+
+/* Moves as much of the backlog as makes a part into the event. */
+static void put_part(struct event *e, struct backlog *b, const struct feed *f, const struct dt *dt)
+{
+    enum { LOOKED_AT = 20000 };
+    uint32_t ids = f->of->ids;
+    b->outdated = false;
+    if (b->sweeping && b->sweep == 0 && f->scope.boxed)
+        seek_box(b, f, dt);
+    if (b->sweeping) {
+        for (unsigned i = 0; b->sweep < ids && i < LOOKED_AT && !event_is_full(e); i++)
+            event_put(e, dt, b->sweep++, EVENT_NEW);
+        b->sweeping = b->sweep < ids;
+    } else {
+        while (b->ids.count > 0 && !event_is_full(e))
+            event_put(e, dt, idset_take(&b->ids), EVENT_ALL);
+    }
+    if (!b->sweeping && b->ids.count == 0)
+        idset_clear(&b->ids);
+}
+
+/* ---- lists of watchers ---- */
+
+static void count_memory(struct watcher *w)
+{
+    struct conn *c = &w->session->conn;
+    size_t now = idset_memory(&w->own.ids);
+    if (now == w->counted)
+        return;
+    c->owner_bytes = c->owner_bytes - w->counted + now;
+    w->counted = now;
+    if (!c->closed)
+        reservation_set(&c->memory, c->owner_bytes + c->in.cap + c->out.cap);
+}
+
+static void take_out(struct watcher *w)
+{
+    struct watcher **at = w->late ? &w->feed->of->late : &w->feed->first;
+    while (*at != w)
+        at = &(*at)->next;
+    *at = w->next;
+    w->feed->late -= w->late;
+}
+
+void feed_join(struct watcher *w)
+{
+    w->late = false;
+    w->next = w->feed->first;
+    w->feed->first = w;
+    count_memory(w);
+}
+
+void feed_join_late(struct watcher *w)
+{
+    struct watcher **at = &w->feed->of->late;
+    while (*at != NULL)
+        at = &(*at)->next;
+    *at = w;
+    w->next = NULL;
+    w->late = true;
+    w->feed->late++;
+    count_memory(w);
+}
+
+void feed_leave(struct watcher *w)
+{
+    struct watcher **at = &w->session->watching;
+    take_out(w);
+    while (*at != w)
+        at = &(*at)->also;
+    *at = w->also;
+    backlog_clear(&w->own);
+    count_memory(w);
+    free(w);
+}
+
+/* ---- sending ---- */
+
+/* Whether an event may follow what is in the output: not within a reply, and the client reads. */
+static bool can_take(const struct watcher *w)
+{
+    const struct session *s = w->session;
+    return !s->conn.closed && !s->conn.finishing && s->state != SESSION_STREAMING &&
+           s->state != SESSION_LISTING && !conn_full(&s->conn);
+}
+
+/* An event with nothing in it yet. */
+static struct event event_for(struct feed *f, bool to_all)
+{
+    const struct dt_summary *sum = &f->of->set->current->sum;
+    scope_find(&f->scope, f->of->set->current->dt);
+    return (struct event){.scope = &f->scope,
+                          .known = &f->known,
+                          .keep_known = !to_all || f->late > 0,
+                          .ids = f->of->ids,
+                          .line = sum->triangulated && sum->triangles == 0 ? sum->points : 0};
+}
+
+static void send_event(struct server *s, const struct watcher *w, struct event *e, uint64_t lsn)
+{
+    struct conn *c = &w->session->conn;
+    hold_view(&s->held, &c->hold, lsn, conn_out_end(c));
+    if (!event_write(e, w->typed, &c->out))
+        conn_close(c);
+    conn_again(c);
+}
+
+/* Sends the event to all that are not late; those that cannot take it become late. */
+static unsigned send_all(struct server *s, struct feed *f, struct event *e)
+{
+    unsigned sent = 0;
+    for (struct watcher *w = f->first; w != NULL; w = w->next, sent++)
+        send_event(s, w, e, journal_of(s, f->of->set));
+    return sent;
+}
+
+/* Watchers that cannot take the next event become late, with a copy of the shared backlog. */
+static void leave_late_behind(struct feed *f)
+{
+    for (struct watcher *w = f->first, *next; w != NULL; w = next) {
+        next = w->next;
+        if (can_take(w))
+            continue;
+        take_out(w);
+        backlog_copy(&w->own, &f->shared);
+        feed_join_late(w);
+    }
+}
+
+/* Whether a part is worth sending: it has rows, begins a reset, or ends the backlog. */
+static bool is_worth_sending(const struct event *e, bool reset, const struct backlog *b)
+{
+    return e->n > 0 || reset || !backlog_lags(b) || e->rows.failed;
+}
+
+unsigned feed_part(struct server *s, struct feed *f)
+{
+    const struct watched *k = f->of;
+    unsigned sent = 0;
+    leave_late_behind(f);
+    if (f->first == NULL) {
+        backlog_clear(&f->shared);
+        return 0;
+    }
+    bool reset = f->shared.reset;
+    struct event e = event_for(f, true);
+    put_part(&e, &f->shared, f, k->set->current->dt);
+    f->shared.reset = false;
+    if (is_worth_sending(&e, reset, &f->shared)) {
+        event_head(&e, k->name, k->version, reset, backlog_lags(&f->shared));
+        sent = send_all(s, f, &e);
+    } else {
+        f->shared.reset = reset;
+    }
+    event_free(&e);
+    return sent;
+}
+
+bool feed_late_part(struct server *s, struct watcher *w)
+{
+    struct feed *f = w->feed;
+    const struct watched *k = f->of;
+    bool reset = w->own.reset;
+    if (!can_take(w))
+        return false;
+    struct event e = event_for(f, false);
+    put_part(&e, &w->own, f, k->set->current->dt);
+    w->own.reset = false;
+    if (is_worth_sending(&e, reset, &w->own)) {
+        event_head(&e, k->name, k->version, reset, backlog_lags(&w->own));
+        send_event(s, w, &e, journal_of(s, k->set));
+    } else {
+        w->own.reset = reset;
+        conn_again(&w->session->conn);
+    }
+    event_free(&e);
+    take_out(w);
+    if (backlog_lags(&w->own))
+        feed_join_late(w);
+    else
+        feed_join(w);
+    return true;
+}
+
+/* ---- changes ---- */
+
+/* Marks what has changed, apart from values that the feed does not show. */
+static void mark_change(struct backlog *b, const struct feed *f, const struct feed_change *c)
+{
+    uint32_t ids = f->of->ids;
+    b->outdated = true;
+    for (size_t i = 0; i < c->rows; i++)
+        backlog_mark(b, (uint32_t)(c->row[i] >> 32), ids);
+    for (size_t i = 0; i < c->values; i++)
+        if (scope_has_value(&f->scope, c->value[i]))
+            backlog_mark(b, (uint32_t)(c->value[i] >> 32), ids);
+    for (uint32_t id = c->from; id < ids; id++)
+        backlog_mark(b, id, ids);
+}
+
+/* One that does not read, and lacks much of the set, will be sent a reset, which needs no marks. */
+static void mark_late(struct watcher *w, const struct feed_change *c)
+{
+    enum { FEW = 4096 };
+    uint32_t n = w->own.ids.count;
+    if (n > FEW && n > w->feed->of->ids / 4 && !can_take(w))
+        backlog_all(&w->own);
+    mark_change(&w->own, w->feed, c);
+    count_memory(w);
+}
+
+static int by_key(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* The rows of a small change, by id. */
+static void put_change(struct event *e, const struct dt *dt, const struct feed_change *c)
+{
+    uint64_t key[2 * SHARED_KEYS];
+    size_t n = 0;
+    for (size_t i = 0; i < c->rows; i++)
+        key[n++] = c->row[i];
+    for (size_t i = 0; i < c->values; i++)
+        if (scope_has_value(e->scope, c->value[i])) /* takes as much as a row */
+            key[n++] = c->value[i] >> 32 << 32 | DT_TOUCHED_ROW;
+    qsort(key, n, sizeof key[0], by_key);
+    for (size_t i = 0; i < n; i++) {
+        uint32_t id = (uint32_t)(key[i] >> 32);
+        if (id < c->from && (i == 0 || key[i - 1] >> 32 != id))
+            event_put(e, dt, id, (uint32_t)key[i] == DT_TOUCHED_RING ? EVENT_RING : EVENT_ALL);
+    }
+    for (uint32_t id = c->from; id < e->ids; id++)
+        event_put(e, dt, id, EVENT_NEW);
+}
+
+static unsigned share(struct server *s, struct feed *f, const struct feed_change *c)
+{
+    const struct watched *k = f->of;
+    struct event e = event_for(f, true);
+    put_change(&e, k->set->current->dt, c);
+    event_head(&e, k->name, k->version, false, false);
+    unsigned sent = send_all(s, f, &e);
+    event_free(&e);
+    return sent;
+}
+
+unsigned feed_change(struct server *s, struct feed *f, const struct feed_change *c, bool now)
+{
+    struct watched *k = f->of;
+    scope_find(&f->scope, k->set->current->dt);
+    bool all = !c->rows_known || k->ids - c->from > NEW_IDS ||
+               (f->scope.names != NULL && !c->values_known);
+    bool small = c->rows <= SHARED_KEYS && c->values <= SHARED_KEYS &&
+                 k->ids - c->from <= SHARED_KEYS && !all && !backlog_lags(&f->shared);
+    leave_late_behind(f);
+    for (struct watcher *w = k->late; w != NULL; w = w->next) {
+        if (w->feed == f && all)
+            backlog_all(&w->own);
+        else if (w->feed == f)
+            mark_late(w, c);
+    }
+    if (f->first == NULL)
+        return 0;
+    if (now && small)
+        return share(s, f, c);
+    if (all)
+        backlog_all(&f->shared);
+    else
+        mark_change(&f->shared, f, c);
+    return 0;
+}
+
+/* ---- the end ---- */
+
+static void tell_dropped(struct server *s, struct watcher *w)
+{
+    struct event e = {.scope = &w->feed->scope};
+    if (!can_take(w))
+        return;
+    event_dropped(&e, w->feed->of->name);
+    send_event(s, w, &e, s->dropped);
+    event_free(&e);
+    feed_leave(w);
+}
+
+void feed_dropped(struct server *s, struct watched *k)
+{
+    for (struct watcher *w = k->late, *next; w != NULL; w = next) {
+        next = w->next;
+        tell_dropped(s, w);
+    }
+    for (struct feed *f = k->feeds; f != NULL; f = f->next) {
+        for (struct watcher *w = f->first, *next; w != NULL; w = next) {
+            next = w->next;
+            tell_dropped(s, w);
+        }
+    }
+}
+
+size_t feed_memory(const struct feed *f)
+{
+    return sizeof *f + idset_memory(&f->shared.ids) + idset_memory(&f->known);
+}
+
+void feed_free(struct feed *f)
+{
+    backlog_clear(&f->shared);
+    idset_clear(&f->known);
+    scope_clear(&f->scope);
+    free(f);
+}

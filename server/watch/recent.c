@@ -1,0 +1,93 @@
+/* recent.c - see recent.h. Out of memory means that less is remembered. */
+#include "server/watch/recent.h"
+
+#include <stdlib.h>
+
+enum { FIRST = 64 };
+
+void recent_clear(struct recent *r)
+{
+    free(r->key);
+    free(r->mark);
+    *r = (struct recent){.keys = 0};
+}
+
+/* Doubles a ring of `size` elements; those from `first` to `end` stay. Returns the new size; 0: out of memory. */
+static uint32_t grow(void **ring, uint32_t size, size_t width, uint64_t first, uint64_t end)
+{
+    uint32_t larger = size == 0 ? FIRST : 2 * size;
+    char *to = malloc(larger * width);
+    const char *from = *ring;
+    if (to == NULL)
+        return 0;
+    for (uint64_t i = first; i < end; i++)
+        for (size_t k = 0; k < width; k++)
+            to[(i & (larger - 1)) * width + k] = from[(i & (size - 1)) * width + k];
+    free(*ring);
+    *ring = to;
+    return larger;
+}
+
+/* Forgets marks whose keys are overwritten. */
+static void trim(struct recent *r)
+{
+    while (r->mark_first < r->mark_end &&
+           r->key_end - r->mark[r->mark_first & (r->marks - 1)].at > r->keys)
+        r->mark_first++;
+}
+
+void recent_restart(struct recent *r, uint64_t version, uint32_t ids)
+{
+    r->mark_first = r->mark_end;
+    recent_mark(r, version, ids);
+}
+
+void recent_put(struct recent *r, const uint64_t *key, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        uint64_t oldest =
+            r->mark_first < r->mark_end ? r->mark[r->mark_first & (r->marks - 1)].at : r->key_end;
+        if (r->key_end - oldest >= r->keys && r->keys < RECENT_KEYS) {
+            void *ring = r->key;
+            uint32_t larger = grow(&ring, r->keys, sizeof *r->key, oldest, r->key_end);
+            r->key = ring;
+            r->keys = larger > 0 ? larger : r->keys;
+        }
+        if (r->keys > 0)
+            r->key[r->key_end & (r->keys - 1)] = key[i];
+        r->key_end++;
+        trim(r);
+    }
+}
+
+void recent_mark(struct recent *r, uint64_t version, uint32_t ids)
+{
+    if (r->mark_end - r->mark_first == r->marks && r->marks < RECENT_MARKS) {
+        void *ring = r->mark;
+        uint32_t larger = grow(&ring, r->marks, sizeof *r->mark, r->mark_first, r->mark_end);
+        r->mark = ring;
+        r->marks = larger > 0 ? larger : r->marks;
+    }
+    if (r->marks == 0)
+        return;
+    if (r->mark_end - r->mark_first == r->marks)
+        r->mark_first++;
+    r->mark[r->mark_end++ & (r->marks - 1)] = (struct recent_mark){version, r->key_end, ids};
+}
+
+const struct recent_mark *recent_find(const struct recent *r, uint64_t version)
+{
+    const struct recent_mark *found = NULL;
+    uint64_t low = r->mark_first, high = r->mark_end;
+    while (low < high) {
+        uint64_t middle = low + (high - low) / 2;
+        const struct recent_mark *m = &r->mark[middle & (r->marks - 1)];
+        if (m->version <= version) {
+            found = m;
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return found;
+}
