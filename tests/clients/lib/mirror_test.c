@@ -79,6 +79,11 @@ static void note(struct ledger *l, const struct delaunay_change *change)
         CHECK(l->n < MOST && position(l, change->triangles_added + 3 * i) == l->n);
         memcpy(l->t[l->n++], change->triangles_added + 3 * i, sizeof l->t[0]);
     }
+    for (size_t i = 0; i < change->n_triangles_removed; i++) {
+        for (size_t k = 0; k < change->n_triangles_added; k++)
+            CHECK(memcmp(change->triangles_removed + 3 * i, change->triangles_added + 3 * k,
+                         sizeof l->t[0]) != 0);
+    }
     l->points += change->n_added - change->n_gone;
 }
 
@@ -308,7 +313,8 @@ TEST(mirror_waits_as_long_as_it_is_told_and_has_a_descriptor)
     "EVENT 5 set=t version=7 reset\npoint 0 0 0\npoint 1 4 0\npoint 2 0 4\nlist 0 b 1 2\nlist 1 "  \
     "b 2 0\n"
 
-/* The first connection gets a set and ends in the middle of an event; the second one is refused; the set of the third one is gone. */
+/* The first connection gets a set and ends in the middle of an event; the second one is refused; the third one gets another event;
+ * the set of the fourth one is gone. */
 static void end_slowly(int fd)
 {
     static int connections;
@@ -322,6 +328,9 @@ static void end_slowly(int fd)
     case 1:
         CHECK_STR(line, "WATCH t SINCE 7 WITHIN 0 0 1 0.5");
         peer_say(fd, "ERR LOADING try again later\n");
+        break;
+    case 2:
+        peer_say(fd, "OK 0 version=9\nEVENT 2 set=t version=9\npoint 2 0 5\nlist 2 b 0 1\n");
         break;
     default:
         peer_say(fd, "ERR NOSET there is no such set\n");
@@ -338,9 +347,31 @@ TEST(mirror_keeps_its_copy_until_the_set_is_known_to_be_gone)
     struct delaunay_mirror *m = mirror_of(port, "t", &options);
     CHECK(delaunay_mirror_next(m, -1, &change) == DELAUNAY_OK);
     CHECK(delaunay_mirror_version(m) == 7 && change.n_triangles_added == 1);
+    CHECK(delaunay_mirror_next(m, -1, &change) == DELAUNAY_OK && change.version == 9);
+    CHECK(change.n_moved == 1 && change.moved[0] == 2 && change.n_triangles_added == 0);
     CHECK(delaunay_mirror_next(m, -1, &change) == DELAUNAY_DROPPED);
     CHECK(delaunay_mirror_point(m, 1, xy, NULL) && xy[0] == 4 && xy[1] == 0);
     CHECK(delaunay_mirror_points(m) == 3 && delaunay_mirror_descriptor(m) == -1);
+    delaunay_mirror_close(m);
+}
+
+static void send_parts(int fd)
+{
+    char line[200];
+    CHECK(peer_hear(fd, line, sizeof line));
+    peer_say(fd, "OK 0 version=7\nEVENT 1 set=t version=7 reset more\npoint 0 0 0\n"
+                 "EVENT 0 set=t version=7 more\nEVENT 1 set=t version=7\npoint 1 4 0\n");
+    peer_hear(fd, line, sizeof line);
+}
+
+TEST(mirror_of_parts_of_an_event)
+{
+    char port[8];
+    struct delaunay_change change;
+    peer_start(port, send_parts);
+    struct delaunay_mirror *m = mirror_of(port, "t", NULL);
+    CHECK(delaunay_mirror_next(m, -1, &change) == DELAUNAY_OK);
+    CHECK(change.reset && change.n_added == 2 && delaunay_mirror_points(m) == 2);
     delaunay_mirror_close(m);
 }
 
@@ -408,6 +439,21 @@ TEST(mirror_of_a_wheel_whose_hub_goes)
     CHECK(gather(&c, FLAT) == DELAUNAY_OK && copy_commit(&c, &change) == DELAUNAY_OK);
     CHECK(change.n_gone == 1 && change.n_triangles_removed == 4 && change.n_triangles_added == 2);
     CHECK(!change.reset && c.points == 4 && isnan(c.value[1]) && c.value[2] == 2);
+    copy_free(&c);
+}
+
+#define LINE "point 1 0 0\npoint 0 1 0\npoint 2 2 0\nlist 1 b 0\nlist 0 b 2 1\nlist 2 b 0\n"
+#define OFF_LINE "point 3 1 1\nlist 3 b 1 0 2\nlist 1 b 0 3\nlist 0 b 2 3 1\nlist 2 b 3 0\n"
+
+TEST(mirror_of_points_on_a_line_has_no_triangles)
+{
+    struct copy c = {0};
+    struct delaunay_change change;
+    copy_reset(&c);
+    CHECK(gather(&c, LINE) == DELAUNAY_OK && copy_commit(&c, &change) == DELAUNAY_OK);
+    CHECK(change.n_triangles_added == 0);
+    CHECK(gather(&c, OFF_LINE) == DELAUNAY_OK && copy_commit(&c, &change) == DELAUNAY_OK);
+    CHECK(change.n_triangles_added == 2 && change.n_triangles_removed == 0);
     copy_free(&c);
 }
 
