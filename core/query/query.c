@@ -211,8 +211,12 @@ static bool sort_dense(uint32_t *v, size_t n)
     return true;
 }
 
-void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n)
+void dt_vertices_to_ids(const struct dt *t, struct dt_ids *list, size_t from)
 {
+    if (list->n == from)
+        return;
+    uint32_t *v = list->v + from;
+    size_t n = list->n - from;
     for (size_t i = 0; i < n; i++)
         v[i] = t->points.id[v[i]];
     if (n < DENSE_LEAST || !sort_dense(v, n))

@@ -22,8 +22,8 @@ static inline void dt_fetch_beyond_star(const struct dt_mesh *m, uint32_t h)
     dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(h)))]);
 }
 
-/* Replaces the vertices v[0 .. n - 1], which are distinct, by their ids in ascending order. Cost:
- * linear. */
-void dt_vertices_to_ids(const struct dt *t, uint32_t *v, size_t n);
+/* Replaces the vertices list->v[from .. n - 1], which are distinct, by their ids in ascending order.
+ * Cost: linear. */
+void dt_vertices_to_ids(const struct dt *t, struct dt_ids *list, size_t from);
 
 #endif

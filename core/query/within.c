@@ -310,7 +310,7 @@ enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_p
     else
         s = flood_box(t, &b, &work, out);
     if (s == DT_OK)
-        dt_vertices_to_ids(t, out->v + n, out->n - n);
+        dt_vertices_to_ids(t, out, n);
     else
         out->n = n;
     return s;

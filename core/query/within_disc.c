@@ -81,7 +81,7 @@ enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double
         st = scan_disc(t, centre, r, &work, out);
     }
     if (st == DT_OK)
-        dt_vertices_to_ids(t, out->v + n, out->n - n);
+        dt_vertices_to_ids(t, out, n);
     else
         out->n = n;
     return st;

@@ -368,35 +368,42 @@ static void read_log(struct recovery *r, const struct datafile *f, size_t n)
     registry_each(&r->replay.sets, look_ahead, r);
 }
 
+/* The first file of the kind, and how many there are; NULL: none. */
+static const struct datafile *files_of(const struct datafiles *files, enum datafile_kind kind,
+                                       size_t *n)
+{
+    const struct datafile *first = NULL;
+    *n = 0;
+    for (size_t i = 0; i < files->n; i++)
+        if (files->v[i].kind == kind && (*n)++ == 0)
+            first = &files->v[i];
+    return first;
+}
+
 void recovery_run(struct recovery *r)
 {
     struct datafiles files;
-    size_t snapshots = 0, logs = 0;
+    size_t snapshots, logs;
     if (!datadir_list(r->dir, &files)) {
         fail(r, RECOVERY_ERROR, "cannot list %s: %s", r->dir->path, strerror(errno));
         return;
     }
-    for (size_t i = 0; i < files.n; i++) {
-        snapshots += files.v[i].kind == DATAFILE_SNAPSHOT;
-        logs += files.v[i].kind == DATAFILE_LOG;
+    const struct datafile *snapshot = files_of(&files, DATAFILE_SNAPSHOT, &snapshots);
+    const struct datafile *log = files_of(&files, DATAFILE_LOG, &logs);
+    for (size_t i = 0; i < files.n; i++)
         r->total += files.v[i].bytes;
-    }
-    size_t read = snapshots - (r->pass_over && snapshots > 0);
-    bool ok = read == 0 || read_snapshot(r, &files.v[read - 1]);
-    if (ok)
-        read_log(r, files.v + snapshots, logs);
+    if (r->pass_over && snapshots > 0)
+        snapshots--;
+    if (snapshots == 0 || read_snapshot(r, &snapshot[snapshots - 1]))
+        read_log(r, log, logs);
     datafiles_free(&files);
 }
 
 void recovery_log(struct recovery *r, const struct datafiles *files)
 {
-    const struct datafile *f = files->v;
-    size_t snapshots = 0, logs = 0;
-    while (snapshots < files->n && f[snapshots].kind == DATAFILE_SNAPSHOT)
-        snapshots++;
-    while (snapshots + logs < files->n && f[snapshots + logs].kind == DATAFILE_LOG)
-        logs++;
-    read_log(r, f + snapshots, logs);
+    size_t logs;
+    const struct datafile *log = files_of(files, DATAFILE_LOG, &logs);
+    read_log(r, log, logs);
 }
 
 /* ---- afterwards ---- */

@@ -239,7 +239,7 @@ void resp3_push(struct buf *out, const char *head, size_t head_len, const char *
                 size_t rows_len, size_t n)
 {
     static const struct resp3_form point = {"", "sid"}, other = {"", "sisi"};
-    const char *text, *end = rows_len == 0 ? rows : rows + rows_len; /* rows may be NULL then */
+    const char *text;
     size_t len, mark = buf_len(out);
     struct words w = {head, head + head_len - 1};
     resp_array(out, 2 + n);
@@ -249,9 +249,11 @@ void resp3_push(struct buf *out, const char *head, size_t head_len, const char *
     next_word(&w, &text, &len);
     resp_bulk(out, "event", 5);
     put_event_facts(out, w);
-    for (const char *at = rows, *lf; at < end; at = lf + 1) {
-        lf = memchr(at, '\n', (size_t)(end - at));
-        struct reply_part row = {REPLY_ROW, at, (size_t)(lf - at), false};
-        put_row(out, *at == 'p' ? &point : &other, &row);
+    while (rows_len > 0) {
+        const char *lf = memchr(rows, '\n', rows_len);
+        struct reply_part row = {REPLY_ROW, rows, (size_t)(lf - rows), false};
+        put_row(out, *rows == 'p' ? &point : &other, &row);
+        rows_len -= row.len + 1;
+        rows = lf + 1;
     }
 }

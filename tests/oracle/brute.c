@@ -17,12 +17,12 @@ static void append(struct dt_ids *out, uint32_t id)
     out->v[out->n++] = id;
 }
 
-static void reverse(uint32_t *v, size_t n)
+static void reverse(uint32_t *v, size_t from, size_t end)
 {
-    for (size_t i = 0; i < n / 2; i++) {
-        uint32_t swap = v[i];
-        v[i] = v[n - 1 - i];
-        v[n - 1 - i] = swap;
+    for (; from + 1 < end; from++, end--) {
+        uint32_t swap = v[from];
+        v[from] = v[end - 1];
+        v[end - 1] = swap;
     }
 }
 
@@ -114,7 +114,7 @@ static void sort_line(struct brute *b)
         b->line[at] = i;
     }
     if (n > 0 && b->line[0] > b->line[n - 1])
-        reverse(b->line, n);
+        reverse(b->line, 0, n);
 }
 
 struct brute *brute_new(const struct dt_point *p, const bool *live, uint32_t n)
@@ -178,7 +178,7 @@ static void ring_on_line(const struct brute *b, uint32_t id, bool cw, struct dt_
     if (i > 0)
         append(out, b->line[i - 1]);
     if (cw)
-        reverse(out->v + n, out->n - n);
+        reverse(out->v, n, out->n);
 }
 
 void brute_ring(const struct brute *b, uint32_t id, bool cw, struct dt_ids *out)
@@ -199,7 +199,7 @@ void brute_ring(const struct brute *b, uint32_t id, bool cw, struct dt_ids *out)
         v = *apex(b, id, v);
     } while (v != DT_NONE && v != first);
     if (cw)
-        reverse(out->v + n + !on_hull, out->n - n - !on_hull);
+        reverse(out->v, n + !on_hull, out->n);
 }
 
 static void append_hull(const struct brute *b, bool cw, struct dt_ids *out)
@@ -209,7 +209,7 @@ static void append_hull(const struct brute *b, bool cw, struct dt_ids *out)
         for (uint32_t i = 0; i < b->points; i++)
             append(out, b->line[i]);
         if (cw)
-            reverse(out->v + n, out->n - n);
+            reverse(out->v, n, out->n);
         return;
     }
     uint32_t first = 0;
@@ -220,7 +220,7 @@ static void append_hull(const struct brute *b, bool cw, struct dt_ids *out)
         append(out, v);
     while ((v = successor(b, v)) != first);
     if (cw)
-        reverse(out->v + n + 1, out->n - n - 1);
+        reverse(out->v, n + 1, out->n);
 }
 
 static void append_list(const struct brute *b, uint32_t id, bool cw, struct dt_ids *out)

@@ -2,6 +2,7 @@
  * and the set is unchanged. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/memory/sort.h"
 #include "core/set/set.h"
@@ -41,7 +42,9 @@ static uint64_t sum_of(const struct dt *t)
     uint64_t sum = t->current;
     for (uint32_t v = 0; v < t->points.end; v++) {
         sum = (sum ^ t->points.id[v]) * 0x9E3779B97F4A7C15u;
-        sum += (uint64_t)(t->points.xy[v].x * 0x1p40) ^ (uint64_t)(t->points.xy[v].y * 0x1p40);
+        uint64_t place[2];
+        memcpy(place, &t->points.xy[v], sizeof place);
+        sum = (sum ^ place[0]) * 0x9E3779B97F4A7C15u + place[1];
         sum += dt_points_vertex(&t->points, t->points.id[v]) ^ v;
     }
     for (uint32_t i = 0; i < t->mesh.tri_end; i++)

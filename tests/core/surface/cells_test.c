@@ -1,5 +1,6 @@
 /* cells_test.c - Voronoi cells: their corners are exact places rounded once, and they tile the box. */
 #include "core/delaunay_surface.h"
+#include "core/exact/predicates.h"
 #include "core/surface/centre.h"
 #include "tests/core/sets.h"
 #include "tests/test.h"
@@ -290,9 +291,7 @@ TEST(centres_do_not_depend_on_the_order_of_the_corners)
             p[k].x = ldexp(test_uniform() - 0.5, (int)(test_random() % (unsigned)(spread + 1)));
             p[k].y = p[k].x / 3 + ldexp(test_uniform(), -flat);
         }
-        double cross =
-            (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
-        if (cross == 0)
+        if (dt_orient2d(p[0], p[1], p[2]) == 0)
             continue;
         struct dt_point q = dt_centre(p[0], p[1], p[2]);
         for (int k = 0; k < 3; k++) {
