@@ -28,7 +28,7 @@ WARNINGS := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-pr
 # Contraction to fused multiply-adds would silently break the predicates. When gcc packs the two coordinates of a point into
 # one vector, the shuffles cost more than the vector saves (figures in core/divide/divide.c).
 BASE     := -std=c11 -D_GNU_SOURCE -ffp-contract=off -fno-tree-slp-vectorize -fno-common -pthread -I.
-FLAGS_asan  := -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+FLAGS_asan  := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 FLAGS_tsan  := -O1 -fsanitize=thread
 FLAGS_debug := -O0
 COMPILE   = $(CC) $(CFLAGS) $(BASE) $(WARNINGS) $(FLAGS_$(V)) $(EXTRA)
