@@ -40,6 +40,9 @@ int command_trace(struct delaunay_client *c, int argc, char **argv);
 /* top: a live view of INFO until interrupted. */
 int command_top(struct delaunay_client *c, int argc, char **argv);
 
+/* watch SET: the events of a set, until it is dropped or the program is interrupted. */
+int command_watch(struct delaunay_client *c, int argc, char **argv);
+
 /* copy SET URL URL: a set from one daemon to another. c is NULL: it connects by itself. */
 int command_copy(struct delaunay_client *c, int argc, char **argv);
 

@@ -165,6 +165,25 @@ static void put_status(struct piece status)
     put_pairs(status, ' ', false);
 }
 
+/* The first line of an event; its words without a value are facts. */
+static void put_event(struct piece head)
+{
+    struct piece word;
+    next_piece(&head, ' ', &word); /* EVENT */
+    next_piece(&head, ' ', &word); /* the number of rows */
+    fputs("{\"ok\":true", stdout);
+    while (next_piece(&head, ' ', &word)) {
+        const char *equals = memchr(word.text, '=', word.len);
+        putchar(',');
+        if (equals != NULL) {
+            put_pair(word, equals);
+            continue;
+        }
+        json_string(word.text, word.len);
+        fputs(":true", stdout);
+    }
+}
+
 /* `key:value`: the colon, NULL if the row is none. */
 static const char *find_colon(struct piece row)
 {
@@ -231,6 +250,8 @@ bool json_part(void *ctx, const struct delaunay_part *part)
         j->refused = part->kind == DELAUNAY_PART_ERR;
         if (j->refused)
             put_error(text);
+        else if (part->kind == DELAUNAY_PART_EVENT)
+            put_event(text);
         else
             put_status(text);
     }

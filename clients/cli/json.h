@@ -3,6 +3,7 @@
  *     {"ok":true,"points":3,"rows":[[0,1,2]]}          words of a row: numbers and strings
  *     {"ok":true,"rows":[{"name":"t","points":3}]}     rows with key=value
  *     {"ok":true,"info":{"clients":1}}                 rows key:value
+ *     {"ok":true,"set":"t","version":7,"reset":true,"rows":[["point",0,1,2]]}      an event
  *     {"ok":false,"error":"NOSET","message":"..."} */
 #ifndef CLIENTS_JSON_H
 #define CLIENTS_JSON_H

@@ -130,6 +130,13 @@ const struct subcommand subcommands[] = {
      "commands\n"
      "by calls or by time. With --once, or where there is no terminal, it prints lines.\n",
      "--once --help", false},
+    {"watch", command_watch, false, true,
+     "watch SET [SINCE VERSION] [WITHIN X0 Y0 X1 Y1] [FIELDS F,F]",
+     "Prints what changes in a set as it changes, first everything, until the set is dropped or "
+     "^C is\n"
+     "pressed: places and rings of points, after a line EVENT or, with --json, an object for each\n"
+     "event. SINCE continues at a version, WITHIN shows a box, FIELDS adds values to the points.\n",
+     "SINCE WITHIN FIELDS --help", false},
     {"copy", command_copy, true, false, "copy SET URL URL",
      "Copies a set, its tolerance and its ids from the first daemon to the second, where there "
      "must be\n"
