@@ -211,7 +211,7 @@ async function fetchAllValues() {
   const { data } = await connection.request(`POINTS ${name} FIELDS ${chosen.name} BINARY`);
   if (set !== name || field !== chosen) return;
   mesh.loadValues(data);
-  scene.show(mesh, box);
+  scene.updateAllValues();
 }
 
 async function refreshSets() {

@@ -91,17 +91,10 @@ export class Mesh {
     this.#changed.clear();
   }
 
-  /** Puts the slots into another order: order[i] is the slot that becomes slot i. */
-  reorder(order) {
-    const corners = new Uint32Array(3 * order.length);
-    for (let i = 0; i < order.length; i++) {
-      const from = 3 * order[i];
-      corners[3 * i] = this.corners[from];
-      corners[3 * i + 1] = this.corners[from + 1];
-      corners[3 * i + 2] = this.corners[from + 2];
-    }
+  /** Takes the corners of the same triangles in another order of slots. */
+  reorder(corners) {
     this.corners = corners;
-    this.slots = order.length;
+    this.slots = corners.length / 3;
     this.#forgetSlots();
   }
 

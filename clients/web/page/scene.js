@@ -98,39 +98,58 @@ function compile(gl, vertex, fragment) {
   return { program, at: names };
 }
 
-/** Sorts the slots by tiles of a grid around all points: {order, tiles: [{first, count, box}]}. */
+/** Makes the box least[k], least[k + 1] to most[k], most[k + 1] contain a place. */
+function extend(least, most, k, place) {
+  const x = place >>> 16;
+  const y = place & 65535;
+  if (x < least[k]) least[k] = x;
+  if (x > most[k]) most[k] = x;
+  if (y < least[k + 1]) least[k + 1] = y;
+  if (y > most[k + 1]) most[k + 1] = y;
+}
+
+/** Sorts the slots by tiles of a grid around all points: {corners, tiles: [{first, count, box}]}. Corners are in no order of places, so what is
+ * read of each is four bytes: its place on a grid of 65536 by 65536. */
 function tile(mesh, [x0, y0, x1, y1]) {
   const side = Math.max(1, Math.min(128, Math.round(Math.sqrt(mesh.slots / TILE))));
-  const { corners, xy, slots } = mesh;
-  const fx = side / Math.max(x1 - x0, Number.MIN_VALUE) / 3;
-  const fy = side / Math.max(y1 - y0, Number.MIN_VALUE) / 3;
+  const { corners, xy, ids, slots } = mesh;
+  const [sx, sy] = [65535 / (x1 - x0), 65535 / (y1 - y0)];
+  const places = new Uint32Array(ids);
+  for (let id = 0; id < ids; id++) places[id] = (((xy[2 * id] - x0) * sx) << 16) | ((xy[2 * id + 1] - y0) * sy);
+  const each = side / 65536 / 3;
   const tileOf = new Uint16Array(slots);
   const counts = new Uint32Array(side * side + 1);
-  const boxes = new Float64Array(4 * side * side).map((_, k) => (k % 4 < 2 ? Infinity : -Infinity));
+  const least = new Uint16Array(2 * side * side).fill(65535);
+  const most = new Uint16Array(2 * side * side);
   for (let slot = 0; slot < slots; slot++) {
-    const a = 2 * corners[3 * slot];
-    const b = 2 * corners[3 * slot + 1];
-    const c = 2 * corners[3 * slot + 2];
-    const column = Math.min(side - 1, Math.max(0, Math.floor((xy[a] - x0 + (xy[b] - x0) + (xy[c] - x0)) * fx)));
-    const row = Math.min(side - 1, Math.max(0, Math.floor((xy[a + 1] - y0 + (xy[b + 1] - y0) + (xy[c + 1] - y0)) * fy)));
-    const t = row * side + column;
+    const a = places[corners[3 * slot]];
+    const b = places[corners[3 * slot + 1]];
+    const c = places[corners[3 * slot + 2]];
+    const column = ((a >>> 16) + (b >>> 16) + (c >>> 16)) * each;
+    const row = ((a & 65535) + (b & 65535) + (c & 65535)) * each;
+    const t = (row | 0) * side + (column | 0);
     tileOf[slot] = t;
     counts[t + 1]++;
-    boxes[4 * t] = Math.min(boxes[4 * t], xy[a], xy[b], xy[c]);
-    boxes[4 * t + 1] = Math.min(boxes[4 * t + 1], xy[a + 1], xy[b + 1], xy[c + 1]);
-    boxes[4 * t + 2] = Math.max(boxes[4 * t + 2], xy[a], xy[b], xy[c]);
-    boxes[4 * t + 3] = Math.max(boxes[4 * t + 3], xy[a + 1], xy[b + 1], xy[c + 1]);
+    extend(least, most, 2 * t, a);
+    extend(least, most, 2 * t, b);
+    extend(least, most, 2 * t, c);
   }
   for (let t = 0; t < side * side; t++) counts[t + 1] += counts[t];
   const next = counts.slice();
-  const order = new Uint32Array(slots);
-  for (let slot = 0; slot < slots; slot++) order[next[tileOf[slot]]++] = slot;
-  const tiles = Array.from({ length: side * side }, (_, t) => ({
-    first: counts[t],
-    count: counts[t + 1] - counts[t],
-    box: [...boxes.subarray(4 * t, 4 * t + 4)],
-  }));
-  return { order, tiles };
+  const sorted = new Uint32Array(3 * slots);
+  for (let slot = 0; slot < slots; slot++) {
+    const to = 3 * next[tileOf[slot]]++;
+    sorted[to] = corners[3 * slot];
+    sorted[to + 1] = corners[3 * slot + 1];
+    sorted[to + 2] = corners[3 * slot + 2];
+  }
+  // A step more on each side, for what was rounded.
+  const boxOf = (t) => [x0 + (least[2 * t] - 1) / sx, y0 + (least[2 * t + 1] - 1) / sy, x0 + (most[2 * t] + 2) / sx, y0 + (most[2 * t + 1] + 2) / sy];
+  const tiles = Array.from({ length: side * side }, (_, t) => {
+    const count = counts[t + 1] - counts[t];
+    return { first: counts[t], count, box: count > 0 ? boxOf(t) : [Infinity, Infinity, -Infinity, -Infinity] };
+  });
+  return { corners: sorted, tiles };
 }
 
 function widen(box, x, y) {
@@ -212,8 +231,8 @@ export class Scene {
   /** Shows another mesh, whose slots it reorders, with all points in the box. */
   show(mesh, box) {
     this.#mesh = mesh;
-    const { order, tiles } = tile(mesh, box);
-    mesh.reorder(order);
+    const { corners, tiles } = tile(mesh, box);
+    mesh.reorder(corners);
     this.#tiles = tiles;
     this.#sendAll();
     this.stale();
@@ -227,20 +246,26 @@ export class Scene {
 
   #sendAll() {
     const gl = this.#gl;
-    const { xy, values, corners, ids } = this.#mesh;
+    const { xy, corners, ids } = this.#mesh;
     this.#rows = Math.max(1, Math.ceil((ids * 1.25 + 1024) / ROW));
     const texels = new Float32Array(4 * ROW * this.#rows);
     for (let id = 0; id < ids; id++) this.#texel(xy, id, texels, 4 * id);
     gl.bindTexture(gl.TEXTURE_2D, this.points);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, ROW, this.#rows, 0, gl.RGBA, gl.FLOAT, texels);
-    const heights = new Float32Array(ROW * this.#rows);
-    heights.set(values.subarray(0, ids));
-    gl.bindTexture(gl.TEXTURE_2D, this.values);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ROW, this.#rows, 0, gl.RED, gl.FLOAT, heights);
+    this.#sendValues();
     this.#room = Math.max(corners.length / 3, Math.ceil(this.#mesh.slots * 1.1) + 1024);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     gl.bufferData(gl.ARRAY_BUFFER, 12 * this.#room, gl.DYNAMIC_DRAW);
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, corners);
+  }
+
+  #sendValues() {
+    const gl = this.#gl;
+    const { values, ids } = this.#mesh;
+    const heights = new Float32Array(ROW * this.#rows);
+    heights.set(values.subarray(0, ids));
+    gl.bindTexture(gl.TEXTURE_2D, this.values);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ROW, this.#rows, 0, gl.RED, gl.FLOAT, heights);
   }
 
   /** The coordinates of a point as sums of two single-precision numbers. */
@@ -272,6 +297,12 @@ export class Scene {
     this.counts.bytes += 16 * points.length + 12 * slots.length;
     this.#extendTiles(slots, box);
     if (box !== null) this.#drawPart(box);
+  }
+
+  /** Sends the values of all points, and draws everything again. */
+  updateAllValues() {
+    this.#sendValues();
+    this.stale();
   }
 
   /** Sends values that have changed, and draws everything again. */
