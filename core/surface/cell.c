@@ -1,8 +1,6 @@
 /* cell.c - see cell.h. */
 #include "core/surface/cell.h"
 
-#include "core/delaunay_surface.h"
-#include "core/exact/double2.h"
 #include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
 #include "core/surface/centre.h"
@@ -326,19 +324,4 @@ void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
         break;
     }
     cut_polygon(w, site, box);
-}
-
-double dt_polygon_area(const struct dt_point *corner, size_t n)
-{
-    struct dt_double2 sum = {0, 0}, ax = {0, 0}, ay = {0, 0};
-    for (size_t i = 1; i < n; i++) { /* as the first corner sees them */
-        struct dt_double2 bx = dt_double2_difference(corner[i].x, corner[0].x);
-        struct dt_double2 by = dt_double2_difference(corner[i].y, corner[0].y);
-        struct dt_double2 cross = dt_double2_multiply(ay, bx);
-        sum = dt_double2_add(sum, dt_double2_multiply(ax, by));
-        sum = dt_double2_add(sum, dt_double2_negate(cross));
-        ax = bx;
-        ay = by;
-    }
-    return sum.hi / 2 + 0.0;
 }

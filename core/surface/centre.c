@@ -9,7 +9,7 @@
 
 #include "core/exact/bigfloat.h"
 #include "core/exact/double2.h"
-#include "core/exact/lanes.h"
+#include "core/exact/lanes2.h"
 
 #include <math.h>
 #include <string.h>
@@ -113,31 +113,6 @@ static double round_big(double from, const struct dt_bigfloat *n, const struct d
 
 /* ---- circumcentres: a + (|b|^2 c' - |c|^2 b') / (2 b x c), where b and c are seen from a, v' = (v.y, -v.x) ---- */
 
-/* Two products, or sums, side by side, as in double2.h. */
-struct parts {
-    dt_lanes hi, lo;
-};
-
-static inline struct parts split(dt_lanes a)
-{
-    dt_lanes c = a * dt_lanes_both(134217729.0);
-    dt_lanes hi = c - (c - a);
-    return (struct parts){hi, a - hi};
-}
-
-static inline struct parts product(dt_lanes a, struct parts as, dt_lanes b, struct parts bs)
-{
-    dt_lanes p = a * b;
-    return (struct parts){p,
-                          as.lo * bs.lo - (((p - as.hi * bs.hi) - as.lo * bs.hi) - as.hi * bs.lo)};
-}
-
-static inline struct parts sum(dt_lanes a, dt_lanes b)
-{
-    dt_lanes s = a + b, b_part = s - a, a_part = s - b_part;
-    return (struct parts){s, (a - a_part) + (b - b_part)};
-}
-
 static inline dt_lanes turned(dt_lanes v)
 {
     return (dt_lanes){v[1], -v[0]};
@@ -146,12 +121,12 @@ static inline dt_lanes turned(dt_lanes v)
 /* A vector, and what its products need. */
 struct factor {
     dt_lanes v;
-    struct parts split;
+    struct dt_lanes2 split;
 };
 
 static inline struct factor factor(dt_lanes v)
 {
-    return (struct factor){v, split(v)};
+    return (struct factor){v, dt_lanes2_split(v)};
 }
 
 static inline struct factor turn(const struct factor *f)
@@ -159,26 +134,26 @@ static inline struct factor turn(const struct factor *f)
     return (struct factor){turned(f->v), {turned(f->split.hi), turned(f->split.lo)}};
 }
 
-static inline struct parts times_lanes(const struct factor *a, const struct factor *b)
+static inline struct dt_lanes2 times_lanes(const struct factor *a, const struct factor *b)
 {
-    return product(a->v, a->split, b->v, b->split);
+    return dt_lanes2_product(a->v, a->split, b->v, b->split);
 }
 
 /* |b|^2 and |c|^2. */
-static inline struct parts squares_of(const struct factor *b, const struct factor *c)
+static inline struct dt_lanes2 squares_of(const struct factor *b, const struct factor *c)
 {
-    struct parts bb = times_lanes(b, b), cc = times_lanes(c, c);
-    struct parts s = sum(dt_lanes_first(bb.hi, cc.hi), dt_lanes_second(bb.hi, cc.hi));
+    struct dt_lanes2 bb = times_lanes(b, b), cc = times_lanes(c, c);
+    struct dt_lanes2 s = dt_lanes2_sum(dt_lanes_first(bb.hi, cc.hi), dt_lanes_second(bb.hi, cc.hi));
     s.lo += dt_lanes_first(bb.lo, cc.lo) + dt_lanes_second(bb.lo, cc.lo);
     return s;
 }
 
 /* b x c in both lanes, and the sum of the magnitudes of its terms. */
-static inline struct parts area_of(const struct factor *b, const struct factor *c_turned,
-                                   dt_lanes *size)
+static inline struct dt_lanes2 area_of(const struct factor *b, const struct factor *c_turned,
+                                       dt_lanes *size)
 {
-    struct parts cross = times_lanes(b, c_turned);
-    struct parts area = sum(cross.hi, (dt_lanes){cross.hi[1], cross.hi[0]});
+    struct dt_lanes2 cross = times_lanes(b, c_turned);
+    struct dt_lanes2 area = dt_lanes2_sum(cross.hi, (dt_lanes){cross.hi[1], cross.hi[0]});
     area.lo += cross.lo + (dt_lanes){cross.lo[1], cross.lo[0]};
     *size = dt_lanes_abs(cross.hi);
     *size += (dt_lanes){(*size)[1], (*size)[0]};
@@ -186,13 +161,13 @@ static inline struct parts area_of(const struct factor *b, const struct factor *
 }
 
 /* |b|^2 c' - |c|^2 b', and the sums of the magnitudes of their terms. */
-static inline struct parts numerators(struct parts squares, const struct factor *b_turned,
-                                      const struct factor *c_turned, dt_lanes *terms)
+static inline struct dt_lanes2 numerators(struct dt_lanes2 squares, const struct factor *b_turned,
+                                          const struct factor *c_turned, dt_lanes *terms)
 {
     struct factor bb = factor(dt_lanes_both(squares.hi[0]));
     struct factor cc = factor(dt_lanes_both(squares.hi[1]));
-    struct parts p = times_lanes(&bb, c_turned), q = times_lanes(&cc, b_turned);
-    struct parts n = sum(p.hi, -q.hi);
+    struct dt_lanes2 p = times_lanes(&bb, c_turned), q = times_lanes(&cc, b_turned);
+    struct dt_lanes2 n = dt_lanes2_sum(p.hi, -q.hi);
     n.lo += (p.lo - q.lo) + (dt_lanes_both(squares.lo[0]) * c_turned->v -
                              dt_lanes_both(squares.lo[1]) * b_turned->v);
     *terms = dt_lanes_abs(p.hi) + dt_lanes_abs(q.hi);
@@ -200,22 +175,22 @@ static inline struct parts numerators(struct parts squares, const struct factor 
 }
 
 /* n / (2 area), where scale is 1 / (2 area) in doubles: the quotient in doubles, and what it lacks. */
-static inline struct parts quotient(struct parts n, struct parts area, dt_lanes scale)
+static inline struct dt_lanes2 quotient(struct dt_lanes2 n, struct dt_lanes2 area, dt_lanes scale)
 {
     dt_lanes q = n.hi * scale, twice = area.hi + area.hi;
-    struct parts r = product(q, split(q), twice, split(twice));
+    struct dt_lanes2 r = dt_lanes2_product(q, dt_lanes2_split(q), twice, dt_lanes2_split(twice));
     dt_lanes rest = ((n.hi - r.hi) - r.lo) + (n.lo - q * (area.lo + area.lo));
-    return (struct parts){q, rest * scale};
+    return (struct dt_lanes2){q, rest * scale};
 }
 
 /* As round_sum. */
-static inline dt_lanes_holds round_lanes(dt_lanes from, struct parts offset, dt_lanes error,
+static inline dt_lanes_holds round_lanes(dt_lanes from, struct dt_lanes2 offset, dt_lanes error,
                                          struct dt_point *out)
 {
-    struct parts near = sum(from, offset.hi);
+    struct dt_lanes2 near = dt_lanes2_sum(from, offset.hi);
     dt_lanes rest = near.lo + offset.lo;
     error += dt_lanes_both(0x1p-52) * dt_lanes_abs(rest);
-    near = sum(near.hi, rest);
+    near = dt_lanes2_sum(near.hi, rest);
     *out = (struct dt_point){near.hi[0] + 0.0, near.hi[1] + 0.0};
     return (near.hi + (near.lo + error) == near.hi) & (near.hi + (near.lo - error) == near.hi);
 }
@@ -234,12 +209,13 @@ static bool centre_corrected(struct dt_point at, struct dt_point to, struct dt_p
                              struct dt_point *out)
 {
     dt_lanes a = {at.x, at.y}, size, terms, zero = {0, 0};
-    struct parts to_b = sum((dt_lanes){to.x, to.y}, -a), to_c = sum((dt_lanes){on.x, on.y}, -a);
+    struct dt_lanes2 to_b = dt_lanes2_sum((dt_lanes){to.x, to.y}, -a),
+                     to_c = dt_lanes2_sum((dt_lanes){on.x, on.y}, -a);
     struct factor b = factor(to_b.hi), c = factor(to_c.hi), bt = turn(&b), ct = turn(&c);
-    struct parts area = area_of(&b, &ct, &size);
+    struct dt_lanes2 area = area_of(&b, &ct, &size);
     dt_lanes scale = dt_lanes_both(0.5 / area.hi[0]), flat = size * dt_lanes_abs(scale);
-    struct parts n = numerators(squares_of(&b, &c), &bt, &ct, &terms);
-    struct parts q = quotient(n, area, scale);
+    struct dt_lanes2 n = numerators(squares_of(&b, &c), &bt, &ct, &terms);
+    struct dt_lanes2 q = quotient(n, area, scale);
     dt_lanes error = (terms + dt_lanes_abs(q.hi) * size) * dt_lanes_abs(scale) * flat;
     dt_lanes_holds sure = round_lanes(a, q, error * dt_lanes_both(0x1p-98), out);
     sure &= (to_b.lo == zero) & (to_c.lo == zero);

@@ -197,24 +197,43 @@ static void fill_from_places(struct rows *r, struct buf *out, size_t limit)
 
 /* ---- rows from cells ---- */
 
-static void write_cell(struct rows *r, struct buf *out, const struct dt_cell *cell,
+static void write_area(const struct rows *r, struct buf *out, uint32_t id, double area)
+{
+    if (r->binary) {
+        reply_word_u32(out, id);
+        reply_word_double(out, area);
+    } else {
+        reply_row_value(out, id, area);
+    }
+}
+
+static void write_polygon(const struct rows *r, struct buf *out, const struct dt_cell *cell,
+                          const struct dt_point *corner)
+{
+    if (!r->binary) {
+        reply_row_polygon(out, cell->id, cell->corners, &corner->x);
+        return;
+    }
+    reply_word_u32(out, cell->id);
+    reply_word_u32(out, cell->corners);
+    for (uint32_t i = 0; i < cell->corners; i++) {
+        reply_word_double(out, corner[i].x);
+        reply_word_double(out, corner[i].y);
+    }
+}
+
+/* Writes n cells, at most CELLS. */
+static void write_each(const struct rows *r, struct buf *out, const struct dt_cell *cell, size_t n,
                        const struct dt_point *corner)
 {
-    if (r->form == ROW_AREA && r->binary) {
-        reply_word_u32(out, cell->id);
-        reply_word_double(out, dt_polygon_area(corner, cell->corners));
-    } else if (r->form == ROW_AREA) {
-        reply_row_value(out, cell->id, dt_polygon_area(corner, cell->corners));
-    } else if (r->binary) {
-        reply_word_u32(out, cell->id);
-        reply_word_u32(out, cell->corners);
-        for (uint32_t i = 0; i < cell->corners; i++) {
-            reply_word_double(out, corner[i].x);
-            reply_word_double(out, corner[i].y);
-        }
-    } else {
-        reply_row_polygon(out, cell->id, cell->corners, &corner->x);
-    }
+    double area[CELLS];
+    if (r->form == ROW_AREA)
+        dt_cell_areas(cell, n, corner, area);
+    for (size_t i = 0; i < n; corner += cell[i++].corners)
+        if (r->form == ROW_AREA)
+            write_area(r, out, cell[i].id, area[i]);
+        else
+            write_polygon(r, out, &cell[i], corner);
 }
 
 /* Writes one cell that has more corners than the usual buffer. */
@@ -228,8 +247,8 @@ static void write_long_cell(struct rows *r, struct dt_cells *c, struct buf *out,
         return;
     }
     r->status = dt_cells_read(r->version->dt, c, &cell, 1, corner, corners, &n, &corners);
-    if (r->status == DT_OK && n == 1)
-        write_cell(r, out, &cell, corner);
+    if (r->status == DT_OK)
+        write_each(r, out, &cell, n, corner);
     free(corner);
 }
 
@@ -238,14 +257,13 @@ static bool write_cells(struct rows *r, struct dt_cells *c, struct buf *out)
 {
     struct dt_cell cell[CELLS];
     struct dt_point corner[8 * CELLS];
-    size_t n, corners, at = 0;
+    size_t n, corners;
     r->status = dt_cells_read(r->version->dt, c, cell, CELLS, corner, 8 * CELLS, &n, &corners);
     if (r->status == DT_TOOSMALL) {
         write_long_cell(r, c, out, corners);
         return true;
     }
-    for (size_t i = 0; i < n; at += cell[i++].corners)
-        write_cell(r, out, &cell[i], corner + at);
+    write_each(r, out, cell, n, corner);
     return n > 0;
 }
 

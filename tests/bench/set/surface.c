@@ -80,6 +80,7 @@ static void cells(struct surface *s, enum surface_kind kind)
     enum { SOME = 1024, CORNERS = 1 << 14 };
     static struct dt_cell cell[SOME];
     static struct dt_point corner[CORNERS];
+    static double area[SOME];
     struct dt_bounds b = {0};
     struct dt_cells c;
     struct dt_point lo, hi;
@@ -91,8 +92,10 @@ static void cells(struct surface *s, enum surface_kind kind)
     must(dt_cells_begin(s->set, NULL, lo, hi, &c) == DT_OK);
     do {
         must(dt_cells_read(s->set, &c, cell, SOME, corner, CORNERS, &n, &corners) == DT_OK);
-        for (size_t i = 0, at = 0; kind == SURFACE_AREAS && i < n; at += cell[i++].corners)
-            sum += dt_polygon_area(corner + at, cell[i].corners);
+        if (kind == SURFACE_AREAS)
+            dt_cell_areas(cell, n, corner, area);
+        for (size_t i = 0; kind == SURFACE_AREAS && i < n; i++)
+            sum += area[i];
         all += n;
     } while (n > 0);
     s->ns[kind] = live_ns(start, all);

@@ -301,6 +301,46 @@ TEST(centres_do_not_depend_on_the_order_of_the_corners)
     }
 }
 
+/* ---- areas ---- */
+
+TEST(areas_of_cells_are_those_of_their_polygons_and_exact_for_small_numbers)
+{
+    enum { N = 200 };
+    struct dt_cell cell[N];
+    struct dt_point corner[N * 12];
+    double area[N], want[N];
+    size_t at = 0;
+    for (uint32_t i = 0; i < N; i++) {
+        cell[i] = (struct dt_cell){i, test_below(5) == 0 ? 0 : 3 + test_below(9)};
+        struct dt_point *p = corner + at;
+        int64_t twice = 0;
+        for (uint32_t k = 0; k < cell[i].corners; k++)
+            p[k] = (struct dt_point){0x1p40 + test_below(1000), -0x1p41 + test_below(1000)};
+        for (uint32_t k = 2; k < cell[i].corners; k++)
+            twice += (int64_t)(p[k - 1].x - p[0].x) * (int64_t)(p[k].y - p[0].y) -
+                     (int64_t)(p[k - 1].y - p[0].y) * (int64_t)(p[k].x - p[0].x);
+        want[i] = (double)twice / 2;
+        at += cell[i].corners;
+    }
+    for (uint32_t n = 0; n <= N; n += 67) {
+        dt_cell_areas(cell, n, corner, area);
+        for (size_t i = 0, from = 0; i < n; from += cell[i++].corners)
+            CHECK(area[i] == want[i] && dt_polygon_area(corner + from, cell[i].corners) == want[i]);
+    }
+}
+
+TEST(areas_of_polygons_keep_what_doubles_round)
+{
+    /* A sliver whose cross products agree in all but their last bits. */
+    double u = 0x1p-52;
+    struct dt_point p[] = {{0, 0}, {1 + u, 1 + 3 * u}, {1 + 2 * u, 1 + 4 * u}};
+    struct dt_cell cell[] = {{0, 3}, {1, 3}};
+    struct dt_point twice[] = {p[0], p[1], p[2], p[0], p[2], p[1]};
+    double area[2];
+    dt_cell_areas(cell, 2, twice, area);
+    CHECK(area[0] == -u * u && area[1] == u * u); /* (1 + u)(1 + 4u) - (1 + 3u)(1 + 2u) = -2 u^2 */
+}
+
 /* ---- small sets ---- */
 
 static void check_corners(const struct cells *r, size_t i, const char *want)
