@@ -58,17 +58,17 @@ static bool goes_abreast(const struct dt_scan *k)
     return k->v.s->how == DT_LINEAR && !dt_work_is_limited(&k->work) && columns_differ(k->r);
 }
 
-/* The rest of a row, or as many whole rows as go together; adds the cells that are written to *done. */
+/* The rest of a row, or as many whole rows as go together; adds the cells that are written to *done. With a limit of steps
+ * these are few rows, since all but the first one are done again where the limit ends them. */
 static enum dt_status scan_rows(struct dt_scan *k, uint64_t from, size_t n, double *out,
                                 size_t *done)
 {
+    enum { LIMITED = 8 };
     uint32_t columns = k->r->columns, row = (uint32_t)(from / columns);
-    size_t rows = n / columns < DT_TILE ? n / columns : DT_TILE;
-    if (from % columns > 0 || rows < 2 || dt_work_is_limited(&k->work))
+    size_t most = dt_work_is_limited(&k->work) ? LIMITED : DT_TILE, rows = n / columns;
+    if (from % columns > 0 || rows < 2)
         return dt_row_scan(k, row, (uint32_t)(from % columns), n, out, done);
-    enum dt_status s = dt_tiles_scan(k, row, (uint32_t)rows, out);
-    *done += s == DT_OK ? rows * columns : 0;
-    return s;
+    return dt_tiles_scan(k, row, (uint32_t)(rows < most ? rows : most), out, done);
 }
 
 /* n cells from the cell `from` on, on this thread. */

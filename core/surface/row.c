@@ -93,9 +93,9 @@ enum dt_status dt_row_cell(struct dt_scan *k, struct dt_row_end *e, struct dt_po
     return e->beyond ? DT_OK : jump(k, e, q, out);
 }
 
-/* The cells of a row in n columns, whose centres are at x. */
+/* The cells of a row in n columns, whose centres are at x; adds those that are written to *done. */
 static enum dt_status scan_columns(struct dt_scan *k, struct dt_row_end *e, double y,
-                                   const double *x, uint32_t n, double *out)
+                                   const double *x, uint32_t n, double *out, size_t *done)
 {
     enum dt_status s = DT_OK;
     for (uint32_t i = 0; s == DT_OK && i < n; i++) {
@@ -106,6 +106,7 @@ static enum dt_status scan_columns(struct dt_scan *k, struct dt_row_end *e, doub
         s = dt_work(&k->work, dt_scan_steps(k));
         if (s == DT_OK && !e->beyond)
             s = dt_row_cell(k, e, (struct dt_point){x[i], y}, &out[i]);
+        *done += s == DT_OK;
     }
     return s;
 }
@@ -118,17 +119,18 @@ enum dt_status dt_row_scan(struct dt_scan *k, uint32_t row, uint32_t from, size_
     enum dt_status s = DT_OK;
     for (uint32_t i = from; s == DT_OK && i < k->r->columns && i - from < n; i++) {
         double x = dt_raster_x(k->r, i);
-        s = scan_columns(k, &e, y, &x, 1, out + (i - from));
-        *done += s == DT_OK;
+        s = scan_columns(k, &e, y, &x, 1, out + (i - from), done);
     }
     return s;
 }
 
-enum dt_status dt_tiles_scan(struct dt_scan *k, uint32_t row, uint32_t rows, double *out)
+enum dt_status dt_tiles_scan(struct dt_scan *k, uint32_t row, uint32_t rows, double *out,
+                             size_t *done)
 {
     struct dt_row_end e[DT_TILE];
     double x[DT_TILE];
     uint32_t columns = k->r->columns;
+    size_t first = 0, others = 0; /* cells written: of the first row, and of the others */
     enum dt_status s = DT_OK;
     for (uint32_t i = 0; i < rows; i++)
         e[i] = dt_row_begin();
@@ -138,7 +140,8 @@ enum dt_status dt_tiles_scan(struct dt_scan *k, uint32_t row, uint32_t rows, dou
             x[i] = dt_raster_x(k->r, c + i);
         for (uint32_t i = 0; s == DT_OK && i < rows; i++)
             s = scan_columns(k, &e[i], dt_raster_y(k->r, row + i), x, n,
-                             out + (size_t)i * columns + c);
+                             out + (size_t)i * columns + c, i == 0 ? &first : &others);
     }
+    *done += s == DT_OK ? first + others : first;
     return s;
 }

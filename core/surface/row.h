@@ -63,8 +63,10 @@ enum dt_status dt_row_scan(struct dt_scan *k, uint32_t row, uint32_t from, size_
                            size_t *done);
 
 /* All cells of up to DT_TILE rows, a tile of them after the other, so that what one row has read is still in the cache
- * when the next one reads it. */
-enum dt_status dt_tiles_scan(struct dt_scan *k, uint32_t row, uint32_t rows, double *out);
+ * when the next one reads it. Adds to *done the cells that are written or, if it ends early, those of the first row; others
+ * will be written again. */
+enum dt_status dt_tiles_scan(struct dt_scan *k, uint32_t row, uint32_t rows, double *out,
+                             size_t *done);
 
 /* n linear values from the cell `from` on, the same as by dt_row_scan, several rows side by side (abreast.c); for scans without a
  * limit of steps. */

@@ -240,17 +240,37 @@ TEST(values_on_a_line_at_one_point_and_at_none)
 
 /* ---- at cells ---- */
 
+enum { MOST_CELLS = 1024 };
+
+/* By calls that may take a few steps only; a cell that takes more by itself is computed without a limit. */
+static void check_by_steps(const struct dt *t, const struct dt_surface *s,
+                           const struct dt_raster *r, size_t n, const double *want)
+{
+    double got[MOST_CELLS];
+    for (size_t at = 0, done; at < n; at += done) {
+        struct dt_options few = {.steps = 200 + test_below(5000)};
+        enum dt_status status = dt_raster_values(t, s, r, at, n - at, &few, got + at, &done);
+        CHECK(status == DT_TOOLONG || (status == DT_OK && done == n - at));
+        if (status == DT_TOOLONG && done == 0)
+            CHECK(dt_raster_values(t, s, r, at, 1, NULL, got + at, &done) == DT_OK && done == 1);
+    }
+    for (size_t i = 0; i < n; i++)
+        check_same(got[i], want[i], dt_raster_centre(r, i));
+}
+
 static void check_cells(const struct dt *t, const struct dt_surface *s, const struct dt_raster *r)
 {
-    enum { MOST = 1024 };
-    double at_once[MOST], in_pieces[MOST], one;
+    double at_once[MOST_CELLS], in_pieces[MOST_CELLS], one;
     size_t n = (size_t)r->columns * r->rows, done;
-    CHECK(n <= MOST && dt_raster_values(t, s, r, 0, n, NULL, at_once, &done) == DT_OK && done == n);
+    CHECK(n <= MOST_CELLS && dt_raster_values(t, s, r, 0, n, NULL, at_once, &done) == DT_OK &&
+          done == n);
     for (size_t at = 0; at < n; at += done) {
         size_t piece = 1 + test_below((uint32_t)(n - at));
         CHECK(dt_raster_values(t, s, r, at, piece, NULL, in_pieces + at, &done) == DT_OK);
         CHECK(done == piece);
     }
+    if (test_below(3) == 0)
+        check_by_steps(t, s, r, n, at_once);
     for (size_t i = 0; i < n; i++) {
         struct dt_point q = dt_raster_centre(r, i);
         CHECK(dt_values(t, s, &q, 1, NULL, &one, &done) == DT_OK);
