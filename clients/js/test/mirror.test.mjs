@@ -105,6 +105,33 @@ test('a mirror is what POINTS, LISTS and TRIANGLES say after every edit', async 
   }
 });
 
+test('a mirror of a box and of fields', async () => {
+  const random = numbers(11);
+  await client.load('box', [[0, 0], [5, 0], [0, 4], [5, 4]], { fields: { z: [1, 2, 3, 4], w: [5, 6, 7, 8] } });
+  await client.triangulate('box');
+  const within = [1, 1, 4, 3];
+  const whole = await client.mirror('box', { fields: ['w', 'z'] });
+  const part = await client.mirror('box', { within });
+  const checks = [ledger(whole), ledger(part)];
+  for (let i = 0; i < 60; i++) {
+    if (i % 3 === 0) await client.setField('box', i % 2 === 0 ? 'z' : 'w', [i, NaN], { first: random(3) }).catch(() => {});
+    else await change('box', random);
+    const { version } = await client.stat('box');
+    await Promise.all([whole.reached(version), part.reached(version)]);
+    assert.deepEqual(whole.points(), await client.points('box', { fields: ['w', 'z'] }));
+    assert.deepEqual([...whole.lists()], [...(await client.lists('box'))]);
+    const ids = await client.within('box', ...within);
+    assert.deepEqual(Array.from(part.points().ids), ids);
+    for (const { id, x, y } of ids.length > 0 ? await client.get('box', ids) : []) assert.deepEqual(part.point(id), [x, y]);
+    assert.deepEqual(part.lists(), await client.lists('box', { within }));
+    const all = await client.triangles('box');
+    assert.deepEqual([...part.triangles()], [...all].filter((_, k) => [0, 1, 2].some((j) => ids.includes(all[k - (k % 3) + j]))));
+    for (const check of checks) check();
+  }
+  whole.close();
+  part.close();
+});
+
 test('a mirror that lags gets everything, in fewer events', async () => {
   await client.load('lag', Float64Array.from({ length: 2000 }, (_, i) => (i * 7919) % 2003));
   await client.triangulate('lag');

@@ -241,6 +241,28 @@ TEST_TIMEOUT(mirror_is_what_points_lists_and_triangles_say_after_every_edit, 120
     daemon_end(&d);
 }
 
+TEST_TIMEOUT(mirror_has_the_values_of_fields, 60)
+{
+    struct daemon d = daemon_start(NULL);
+    struct ledger l = {0};
+    struct delaunay_mirror_options options = {.fields = "z"};
+    char line[100];
+    connect_to(d.port_text);
+    ask("ADD t FIELDS z 0 0 1  4 0 2  0 4 3  5 4 nan");
+    ask("TRIANGULATE t");
+    struct delaunay_mirror *m = mirror_of(d.port_text, "t", &options);
+    for (int i = 0; i < 60; i++) {
+        snprintf(line, sizeof line, "FSET t z %u %d.5", test_below(4), i);
+        CHECK(delaunay_request(client, line, NULL, NULL) <= DELAUNAY_REFUSED);
+        compare(m, &l, " FIELDS z");
+        edit(m);
+        compare(m, &l, " FIELDS z");
+    }
+    delaunay_mirror_close(m);
+    delaunay_close(client);
+    daemon_end(&d);
+}
+
 static unsigned behind; /* the port of the daemon behind the relay */
 
 static int connect_behind(void)
