@@ -128,8 +128,8 @@ class Mirror:
         return hull
 
     def triangles(self) -> Any:
-        """As Client.triangles: the corners, with shape (m, 3). Of a part of a set the triangles of its points. Cost: that of all
-        points."""
+        """As Client.triangles: the corners, with shape (m, 3). Of a part of a set the triangles of its points; if all points of the set are
+        on one line, which a part does not show, these are not triangles. Cost: that of all points."""
         whole = self.within is None
         found: Set[Triangle] = set()
         for id, ring in self._rings.items() if self._ends == 0 else ():
