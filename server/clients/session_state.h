@@ -49,7 +49,8 @@ struct session {
         struct stream *stream;   /* owns */
         struct listing *listing; /* owns */
     };
-    struct watcher *watching;      /* owns; the sets that it watches (server/watch) */
+    struct watcher *watching;      /* owns; the sets that it watches (server/watch), */
+    uint32_t watches;              /* so many */
     struct temporaries *temporary; /* owns; NULL: it has no temporary sets */
     struct load *load; /* owns: the body that is being received, or that of the current request */
     bool refused;      /* the request whose body is being received has already been refused */

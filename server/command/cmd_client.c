@@ -56,6 +56,7 @@ static void append_client(struct buf *out, const struct session *s)
     reply_key_text(out, "state", state_of(s));
     reply_key_u64(out, "in", buf_len(&c->in));
     reply_key_u64(out, "out", buf_len(&c->out));
+    reply_key_u64(out, "watching", s->watches);
     reply_key_u64(out, "requests", s->requests);
     reply_key_text(out, "command",
                    s->command < command_count ? commands[s->command].name : "OTHER");

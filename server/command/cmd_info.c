@@ -52,6 +52,8 @@ static void add_clients(const struct server *s, struct facts *f)
     add(f, "killed", s->count.killed);
     add(f, "wrong_tokens", s->count.wrong_tokens);
     add(f, "delayed_tokens", s->count.delayed_tokens);
+    add(f, "watchers", s->count.watchers);
+    add(f, "events", s->count.events);
 }
 
 static void add_memory(const struct server *s, struct facts *f)

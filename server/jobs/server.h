@@ -23,6 +23,8 @@ struct counters {
     uint64_t shared;      /* requests that got the result of another request's job */
     uint64_t slow;        /* requests in the slow log */
     uint64_t killed;      /* clients, by CLIENT KILL */
+    uint64_t watchers;    /* now: sets that connections watch, each counted for each of them */
+    uint64_t events;      /* that these were sent */
     uint64_t wrong_tokens;
     uint64_t delayed_tokens; /* right and wrong ones whose check was delayed (guard.h) */
 };

@@ -75,7 +75,7 @@ void cmd_watch(struct server *s, struct dataset *set, const struct request *q, s
         scope_clear(&scope);
         return;
     }
-    if (who == NULL || watch_count(who) >= WATCH_MOST) {
+    if (who == NULL || who->watches >= WATCH_MOST) {
         scope_clear(&scope);
         reply_err(a->out, ERR_TOOBIG, "a connection watches at most %d sets", WATCH_MOST);
     } else if (!watch_begin(s, who, set, &scope, since)) {

@@ -130,6 +130,8 @@ void feed_leave(struct watcher *w)
     while (*at != w)
         at = &(*at)->also;
     *at = w->also;
+    w->session->watches--;
+    w->session->server->count.watchers--;
     backlog_clear(&w->own);
     count_memory(w);
     free(w);
@@ -164,6 +166,7 @@ static void send_event(struct server *s, const struct watcher *w, struct event *
     if (!event_write(e, w->typed, &c->out))
         conn_close(c);
     conn_again(c);
+    s->count.events++;
 }
 
 /* Sends the event to all that are not late; those that cannot take it become late. */

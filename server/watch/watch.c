@@ -20,7 +20,7 @@ enum {
     KEY_NS = 400,               /* about so much for the rows of a key */
     SMALL_NS = 40 * 1000,       /* an event that takes less never waits: one after one edit */
     QUIET_NS = 3 * 1000 * 1000, /* a set that has not been edited for so long pauses */
-    TURN_NS = 1000 * 1000,      /* the time for late watchers in a turn */
+    TURN_NS = 1000 * 1000,      /* the time for watchers that lag in a turn, and for late ones */
     WAKE_MS = 4,                /* until a delay is examined again, if nothing else happens */
     COLLECT_KEYS = 4096         /* so many are collected also while no event may be sent */
 };
@@ -142,9 +142,8 @@ static bool is_small(const struct watched *k)
 }
 
 /* Late watchers get parts in order, as far as the time goes. False: some are left. */
-static bool serve_late(struct server *s, struct watched *k, unsigned *sent)
+static bool serve_late(struct server *s, struct watched *k, int64_t end, unsigned *sent)
 {
-    int64_t end = clock_ns() + TURN_NS;
     size_t n = 0;
     for (const struct watcher *w = k->late; w != NULL; w = w->next)
         n++;
@@ -167,13 +166,36 @@ static bool feeds_lag(const struct watched *k)
     return false;
 }
 
+/* The first feed becomes the last one. */
+static void rotate(struct watched *k)
+{
+    struct feed *f = k->feeds, **last = &k->feeds;
+    k->feeds = f->next;
+    f->next = NULL;
+    while (*last != NULL)
+        last = &(*last)->next;
+    *last = f;
+}
+
+/* Feeds get parts in order, as far as the time goes. */
+static void serve_feeds(struct server *s, struct watched *k, int64_t end, unsigned *sent)
+{
+    size_t n = 0;
+    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
+        n++;
+    for (; n > 0 && clock_ns() < end; n--) {
+        struct feed *f = k->feeds;
+        if (f->first != NULL && backlog_lags(&f->shared))
+            *sent += feed_part(s, f);
+        rotate(k);
+    }
+}
+
 /* Writes what is due; k->version is the set's. False: more could be written at once. */
 static bool write_events(struct server *s, struct watched *k, unsigned *sent)
 {
-    for (struct feed *f = k->feeds; f != NULL; f = f->next)
-        if (f->first != NULL && backlog_lags(&f->shared))
-            *sent += feed_part(s, f);
-    return serve_late(s, k, sent) && !feeds_lag(k);
+    serve_feeds(s, k, clock_ns() + TURN_NS, sent);
+    return serve_late(s, k, clock_ns() + TURN_NS, sent) && !feeds_lag(k);
 }
 
 static struct loop *loop_of(const struct watched *k)
@@ -385,6 +407,8 @@ bool watch_begin(struct server *s, struct session *who, struct dataset *set, str
     w->typed = who->resp;
     w->also = who->watching;
     who->watching = w;
+    who->watches++;
+    s->count.watchers++;
     if (!mark_since(w, since))
         backlog_all(&w->own);
     if (backlog_lags(&w->own))
@@ -403,14 +427,6 @@ bool watch_end(struct session *who, const struct dataset *set)
     if (w != NULL)
         feed_leave(w);
     return w != NULL;
-}
-
-size_t watch_count(const struct session *who)
-{
-    size_t n = 0;
-    for (const struct watcher *w = who->watching; w != NULL; w = w->also)
-        n++;
-    return n;
 }
 
 void watch_leave(struct session *who)

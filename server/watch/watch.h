@@ -21,7 +21,6 @@ enum { WATCH_MOST = 64 }; /* sets that a connection watches */
 bool watch_begin(struct server *s, struct session *who, struct dataset *set, struct scope *scope,
                  uint64_t since);
 bool watch_end(struct session *who, const struct dataset *set); /* false: it did not watch it */
-size_t watch_count(const struct session *who);
 
 /* The connection has closed. */
 void watch_leave(struct session *who);

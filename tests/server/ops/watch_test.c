@@ -75,8 +75,8 @@ TEST(info_returns_the_requested_sections)
 {
     struct daemon d = daemon_start(NULL);
     converse(&d, "INFO Clients\n",
-             "OK 7\nclients:1\nmax_clients:10000\nconnections:1\nrefused:0\n"
-             "killed:0\nwrong_tokens:0\ndelayed_tokens:0\n");
+             "OK 9\nclients:1\nmax_clients:10000\nconnections:1\nrefused:0\n"
+             "killed:0\nwrong_tokens:0\ndelayed_tokens:0\nwatchers:0\nevents:0\n");
     char *all = reply_to(&d, "INFO all\n"), *plain = reply_to(&d, "INFO\n");
     static const char *const keys[] = {"version:",  "clients:", "memory:",     "resident:",
                                        "commands:", "sets:",    "durability:", "command_INFO:"};
@@ -103,7 +103,7 @@ TEST(info_shows_a_section_once_however_often_it_is_requested)
     CHECK_MSG(strtol(often + 3, NULL, 10) == strtol(once + 3, NULL, 10), "%.40s", often);
     free(often);
     often = reply_to(&d, "INFO sets sets clients sets\n");
-    CHECK_MSG(strncmp(often, "OK 10\nsets:", 11) == 0, "%s", often);
+    CHECK_MSG(strncmp(often, "OK 12\nsets:", 11) == 0, "%s", often);
     free(often);
     free(once);
 }

@@ -307,3 +307,23 @@ TEST(connection_watches_so_many_sets_and_no_more)
     close(other);
     daemon_end(&d);
 }
+
+TEST(client_list_and_info_count_what_is_watched)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    ask_version(fd, "CREATE s\n");
+    ask_version(fd, "CREATE t\n");
+    for (int i = 0; i < 3; i++) { /* the second one of t replaces the first */
+        ask_version(fd, i == 0 ? "WATCH s\n" : "WATCH t\n");
+        CHECK(strncmp(hear_line(fd), "EVENT 0 ", 8) == 0);
+    }
+    say(fd, "CLIENT LIST\n");
+    expect(fd, "OK 1\n");
+    CHECK(strstr(hear_line(fd), " watching=2 ") != NULL);
+    CHECK(daemon_info(&d, "watchers") == 2);
+    CHECK(daemon_info(&d, "events") == 3);
+    close(fd);
+    await_info(&d, "watchers", 0);
+    daemon_end(&d);
+}
