@@ -232,7 +232,7 @@ TEST(watch_since_a_version_sends_only_what_comes_later)
 /* Its output is full; what it gets when it reads again is the state of then. */
 TEST_TIMEOUT(watcher_that_does_not_read_is_sent_one_state_later, 60)
 {
-    enum { POINTS = 3000, EDITS = 20000, BURST = 200 };
+    enum { POINTS = 3000, EDITS = 8000, BURST = 200 };
     struct daemon d = daemon_start(NULL);
     struct mirror m = {.whole = false};
     static char text[BURST * 64];
