@@ -34,12 +34,15 @@ export class Mesh {
   #incident = null;
   #changed = new Map(); // id -> its slots, of points whose triangles have changed since
 
-  /** From the binary replies to POINTS (with a field or not) and TRIANGLES. */
+  /** From the binary replies to POINTS (with a field or not) and TRIANGLES. The set may be edited between the two: an event with all
+   * changes since a version before both makes the copy whole. So a corner may have no place yet. */
   load(points, triangles, withValue) {
     const size = withValue ? 28 : 20;
     const view = new DataView(points.buffer);
+    this.corners = new Uint32Array(triangles.buffer);
     this.points = points.length / size;
     this.ids = this.points === 0 ? 0 : view.getUint32(points.length - size, true) + 1;
+    for (let k = 0; k < this.corners.length; k++) if (this.corners[k] >= this.ids) this.ids = this.corners[k] + 1;
     this.xy = new Float64Array(2 * this.ids).fill(NaN);
     this.values = new Float32Array(this.ids).fill(NaN);
     for (let at = 0; at < points.length; at += size) {
@@ -48,7 +51,6 @@ export class Mesh {
       this.xy[2 * id + 1] = view.getFloat64(at + 12, true);
       if (withValue) this.values[id] = view.getFloat64(at + 20, true);
     }
-    this.corners = new Uint32Array(triangles.buffer);
     this.slots = this.corners.length / 3;
     this.triangles = this.slots;
     this.#forgetSlots();

@@ -37,3 +37,19 @@ test('a point with many neighbours, and its removal', () => {
   small.apply(event('gone 0', 'list 1 b 2 4', 'list 2 b 3 4 1', 'list 3 b 4 2', 'list 4 b 1 2 3'));
   assert.deepEqual([small.triangles, small.points, small.hasPoint(0)], [2, 4, false]);
 });
+
+test('points and triangles of two versions, and the changes since the first of them', () => {
+  const rows = Buffer.alloc(60);
+  [[0, 0, 0], [1, 4, 0], [2, 0, 4]].forEach(([id, x, y], i) => {
+    rows.writeUInt32LE(id, 20 * i);
+    rows.writeDoubleLE(x, 20 * i + 4);
+    rows.writeDoubleLE(y, 20 * i + 12);
+  });
+  const mesh = new Mesh();
+  const triangles = Uint32Array.of(0, 1, 4, 0, 3, 5, 0, 4, 3, 0, 5, 2, 1, 2, 5, 1, 5, 4, 3, 4, 5);
+  mesh.load(new Uint8Array(rows), new Uint8Array(triangles.buffer), false);
+  const lists = ['list 0 b 1 4 3 5 2', 'list 1 b 2 5 4 0', 'list 2 b 0 5 1'];
+  const added = ['point 3 0.5 0.5', 'list 3 i 0 4 5', 'point 4 1 0.5', 'list 4 i 0 1 5 3', 'point 5 0.5 1', 'list 5 i 0 3 4 1 2'];
+  mesh.apply(event(...lists, ...added), 2);
+  assert.deepEqual([mesh.triangles, mesh.slots, mesh.points, mesh.slotsOf(3).length], [7, 7, 6, 3]);
+});
