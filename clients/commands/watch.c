@@ -5,7 +5,6 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
-#include "clients/lib/client_events.h"
 
 struct printer {
     struct json_reply json;
@@ -42,10 +41,10 @@ int command_watch(struct delaunay_client *c, int argc, char **argv)
     bool last = false;
     if (argc < 2)
         return options_wrong(argv[0], "watch needs a set");
-    client_expect_events(c);
+    delaunay_expect_events(c);
     int status = command_any(c, argc, argv);
     enum delaunay_result r = fflush(stdout) == 0 ? DELAUNAY_OK : DELAUNAY_STOPPED;
     while (status == EXIT_DONE && r == DELAUNAY_OK && !(p.dropped && last))
-        r = client_take_part(c, -1, print_part, &p, &last);
+        r = delaunay_receive_part(c, -1, print_part, &p, &last);
     return status != EXIT_DONE ? status : command_outcome(c, r);
 }

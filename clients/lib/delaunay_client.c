@@ -22,7 +22,6 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "clients/lib/client_events.h"
 #include "proto/buf.h"
 #include "proto/reply_read.h"
 #include "proto/request.h"
@@ -298,8 +297,8 @@ static const enum delaunay_part_kind kind_of[] = {
     [REPLY_COMMENT] = DELAUNAY_PART_COMMENT, [REPLY_EVENT] = DELAUNAY_PART_EVENT,
 };
 
-enum delaunay_result client_take_part(struct delaunay_client *c, int timeout_ms,
-                                      delaunay_part_fn *fn, void *ctx, bool *last)
+enum delaunay_result delaunay_receive_part(struct delaunay_client *c, int timeout_ms,
+                                           delaunay_part_fn *fn, void *ctx, bool *last)
 {
     struct reply_part read;
     ptrdiff_t used =
@@ -319,12 +318,12 @@ enum delaunay_result client_take_part(struct delaunay_client *c, int timeout_ms,
     return r;
 }
 
-void client_expect_events(struct delaunay_client *c)
+void delaunay_expect_events(struct delaunay_client *c)
 {
     c->reader.events = true;
 }
 
-int client_descriptor(const struct delaunay_client *c)
+int delaunay_descriptor(const struct delaunay_client *c)
 {
     return c->fd;
 }
@@ -333,7 +332,7 @@ enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_f
 {
     bool last = false;
     while (!last) {
-        enum delaunay_result r = client_take_part(c, -1, part, ctx, &last);
+        enum delaunay_result r = delaunay_receive_part(c, -1, part, ctx, &last);
         if (r != DELAUNAY_OK)
             return r;
     }

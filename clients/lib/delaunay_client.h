@@ -33,7 +33,7 @@ enum delaunay_result {
     DELAUNAY_BROKEN,  /* the input is not a reply of the protocol */
     DELAUNAY_NOMEM,   /* out of memory */
     DELAUNAY_STOPPED, /* the caller's own callback said stop */
-    DELAUNAY_TIMEOUT, /* of a mirror: nothing in the time given */
+    DELAUNAY_TIMEOUT, /* nothing in the time given */
     DELAUNAY_DROPPED  /* of a mirror: the set has been dropped */
 };
 /* After LOST, BROKEN, NOMEM and STOPPED the connection is unusable: close it. A mirror makes another one. */
@@ -44,7 +44,7 @@ enum delaunay_part_kind {
     DELAUNAY_PART_ROW,     /* one of the lines announced */
     DELAUNAY_PART_BYTES,   /* some of the raw bytes announced */
     DELAUNAY_PART_COMMENT, /* a line that starts with '#', before a status line */
-    DELAUNAY_PART_EVENT    /* not in replies; mirrors read events */
+    DELAUNAY_PART_EVENT /* the first line of an event, whose rows follow; see delaunay_expect_events */
 };
 
 struct delaunay_part {
@@ -82,6 +82,18 @@ enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_f
  * all its bytes in *bytes, *n of them, which the caller frees with free(). Where the result is not
  * DELAUNAY_OK there are none, and *bytes is NULL. Words are little-endian, as on the wire. */
 enum delaunay_result delaunay_receive_bytes(struct delaunay_client *c, void **bytes, size_t *n);
+
+/* For those who read events (WATCH) themselves; mirrors do. From now on there may be events between replies: receive everything by
+ * delaunay_receive_part then. */
+void delaunay_expect_events(struct delaunay_client *c);
+
+/* Passes the next part of a reply or event to part, which may be NULL, or waits until something has been sent or received. *last:
+ * a part has been passed, and the reply or event ends with it. DELAUNAY_TIMEOUT: nothing for timeout_ms (-1: no limit). */
+enum delaunay_result delaunay_receive_part(struct delaunay_client *c, int timeout_ms,
+                                           delaunay_part_fn *part, void *ctx, bool *last);
+
+/* For poll(): readable when something has arrived that has not been received yet; parts that have been received may be waiting. */
+int delaunay_descriptor(const struct delaunay_client *c);
 
 /* Sends and receives, for a string. With replies still to come for requests sent before, receive those
  * first. */

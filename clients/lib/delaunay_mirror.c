@@ -11,7 +11,6 @@
 #include <sys/socket.h>
 #include <time.h>
 
-#include "clients/lib/client_events.h"
 #include "clients/lib/mirror_copy.h"
 #include "proto/request.h"
 
@@ -63,7 +62,7 @@ static enum delaunay_result ask(struct delaunay_client *c, const char *line)
     bool last = false;
     enum delaunay_result r = delaunay_send(c, line, strlen(line));
     while (r == DELAUNAY_OK && !last)
-        r = client_take_part(c, REPLY_MS, NULL, NULL, &last);
+        r = delaunay_receive_part(c, REPLY_MS, NULL, NULL, &last);
     if (r == DELAUNAY_TIMEOUT)
         r = DELAUNAY_LOST;
     return r == DELAUNAY_OK && delaunay_status(c)->kind != DELAUNAY_PART_OK ? DELAUNAY_REFUSED : r;
@@ -82,7 +81,7 @@ static enum delaunay_result watch(struct delaunay_mirror *m, struct delaunay_cli
         len += snprintf(line + len, sizeof line - (size_t)len, " SINCE %llu",
                         (unsigned long long)m->version);
     snprintf(line + len, sizeof line - (size_t)len, "%s", m->words);
-    client_expect_events(c);
+    delaunay_expect_events(c);
     return r == DELAUNAY_OK ? ask(c, line) : r;
 }
 
@@ -108,7 +107,7 @@ static void begin(struct delaunay_mirror *m, char *why, size_t room)
     if (r == DELAUNAY_OK) {
         m->c = c;
         m->why = r;
-        setsockopt(client_descriptor(c), SOL_SOCKET, SO_KEEPALIVE, &(int){1}, sizeof(int));
+        setsockopt(delaunay_descriptor(c), SOL_SOCKET, SO_KEEPALIVE, &(int){1}, sizeof(int));
         return;
     }
     explain(c, r, why, room);
@@ -280,7 +279,7 @@ enum delaunay_result delaunay_mirror_next(struct delaunay_mirror *m, int timeout
             return m->why;
         if (m->c == NULL)
             continue;
-        enum delaunay_result r = client_take_part(m->c, left(deadline), take, m, &last);
+        enum delaunay_result r = delaunay_receive_part(m->c, left(deadline), take, m, &last);
         if (r == DELAUNAY_TIMEOUT)
             return r;
         if (r == DELAUNAY_OK && last && !m->more && !m->dropped)
@@ -296,7 +295,7 @@ enum delaunay_result delaunay_mirror_next(struct delaunay_mirror *m, int timeout
 
 int delaunay_mirror_descriptor(const struct delaunay_mirror *m)
 {
-    return m->c != NULL ? client_descriptor(m->c) : -1;
+    return m->c != NULL ? delaunay_descriptor(m->c) : -1;
 }
 
 uint64_t delaunay_mirror_version(const struct delaunay_mirror *m)

@@ -1,4 +1,4 @@
-/* ---- mirrors: a copy of a set that follows it ----
+/* delaunay_mirror.h - mirrors: a copy of a set that follows it.
  *
  *     struct delaunay_mirror *m = delaunay_mirror_open("localhost", "6374", "cities", NULL, why, sizeof why);
  *     struct delaunay_change change;
