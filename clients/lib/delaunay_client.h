@@ -139,6 +139,17 @@ bool delaunay_key_number(const struct delaunay_part *status, const char *key, ui
 /* The number of rows that an OK line announces. */
 uint64_t delaunay_rows(const struct delaunay_part *status);
 
+/* What has changed from one version of a set to another: what mirrors report. */
+struct delaunay_change {
+    uint64_t version;
+    bool reset; /* the server sent everything; what follows is the difference all the same */
+    const uint32_t *added, *moved, *gone; /* ids; moved: other coordinates or values */
+    size_t n_added, n_moved, n_gone;
+    const uint32_t *triangles_added,
+        *triangles_removed; /* three ids each, counterclockwise from the smallest */
+    size_t n_triangles_added, n_triangles_removed; /* triangles */
+};
+
 #ifdef __cplusplus
 }
 #endif

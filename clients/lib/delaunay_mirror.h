@@ -27,17 +27,6 @@ struct delaunay_mirror_options {
     const char *fields;   /* names with commas between, whose values are kept, too */
 };
 
-/* What has changed from one version to another. */
-struct delaunay_change {
-    uint64_t version;
-    bool reset; /* the server sent everything; what follows is the difference all the same */
-    const uint32_t *added, *moved, *gone; /* ids; moved: other coordinates or values */
-    size_t n_added, n_moved, n_gone;
-    const uint32_t *triangles_added,
-        *triangles_removed; /* three ids each, counterclockwise from the smallest */
-    size_t n_triangles_added, n_triangles_removed; /* triangles */
-};
-
 /* Connects and asks for the events of a set. The first change is everything. options may be NULL. NULL on failure, with
  * a sentence in why[room]. The caller owns the mirror. Blocks until the server has agreed. */
 struct delaunay_mirror *delaunay_mirror_open(const char *host, const char *port, const char *set,

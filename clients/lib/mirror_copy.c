@@ -329,13 +329,22 @@ static bool compare_star(const struct copy *c, uint32_t id, ring_fn *one, ring_f
     return true;
 }
 
+/* Also for nan, and of zeros only those of one sign. */
+static bool is_same(double a, double b)
+{
+    uint64_t one, other;
+    memcpy(&one, &a, sizeof one);
+    memcpy(&other, &b, sizeof other);
+    return one == other;
+}
+
 static bool is_moved(const struct copy *c, const struct copy_entry *e)
 {
     const struct copy_place *p = &c->place[e->id];
-    size_t size = c->fields * sizeof *c->value;
-    return memcmp(&p->x, &e->x, sizeof p->x) != 0 || memcmp(&p->y, &e->y, sizeof p->y) != 0 ||
-           (size > 0 &&
-            memcmp(c->value + (size_t)e->id * c->fields, c->event_value + e->value, size) != 0);
+    bool same = is_same(p->x, e->x) && is_same(p->y, e->y);
+    for (unsigned k = 0; k < c->fields && same; k++)
+        same = is_same(c->value[(size_t)e->id * c->fields + k], c->event_value[e->value + k]);
+    return !same;
 }
 
 static bool compare_point(struct copy *c, const struct copy_entry *e)

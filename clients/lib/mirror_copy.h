@@ -8,7 +8,7 @@
 #ifndef CLIENTS_MIRROR_COPY_H
 #define CLIENTS_MIRROR_COPY_H
 
-#include "clients/lib/delaunay_mirror.h"
+#include "clients/lib/delaunay_client.h"
 
 /* The state of an id in the copy. */
 struct copy_place {
