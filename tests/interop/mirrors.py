@@ -160,11 +160,12 @@ class Stalled:
     def __init__(self, url, rnd):
         self.socket = connect(url)
         self.socket.sendall(b"WATCH t\n")
+        self.socket.setblocking(False)
         self.rnd = rnd
 
     def read(self):
         try:
-            self.socket.recv(self.rnd.choice((1, 100, 5000)), socket.MSG_DONTWAIT)
+            self.socket.recv(self.rnd.choice((1, 100, 5000)))
         except OSError:
             pass
 
