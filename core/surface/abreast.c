@@ -177,7 +177,7 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
             a->lane[i].after = n;
             a->lane[i].before = DT_NONE;
         }
-        s = dt_work(&a->k->work, 1);
+        s = dt_work(&a->k->work, (uint64_t)rows * n);
         if (s == DT_OK)
             s = scan_chunk(a, rows);
         for (uint32_t i = 0; i < rows; i++)
@@ -195,9 +195,12 @@ enum dt_status dt_rows_scan(struct dt_scan *k, uint64_t from, size_t n, double *
     while (s == DT_OK && *done < n) {
         uint32_t row = (uint32_t)((from + *done) / columns),
                  c = (uint32_t)((from + *done) % columns);
-        size_t left = n - *done, rows = c > 0 ? 0 : left / columns;
+        size_t left = n - *done < k->work.left ? n - *done : k->work.left;
+        size_t rows = c > 0 ? 0 : left / columns;
         rows = rows < 1 ? 1 : rows > ROWS ? ROWS : rows;
         uint32_t end = left < columns - c ? c + (uint32_t)left : columns;
+        if (left == 0)
+            return DT_TOOLONG;
         s = scan_block(&a, row, (uint32_t)rows, c, end, out + *done);
         *done += s == DT_OK ? rows * (end - c) : 0;
     }

@@ -55,7 +55,7 @@ static bool columns_differ(const struct dt_raster *r)
 
 static bool goes_abreast(const struct dt_scan *k)
 {
-    return k->v.s->how == DT_LINEAR && !dt_work_is_limited(&k->work) && columns_differ(k->r);
+    return k->v.s->how == DT_LINEAR && columns_differ(k->r);
 }
 
 /* The rest of a row, or as many whole rows as go together; adds the cells that are written to *done. With a limit of steps
@@ -84,6 +84,8 @@ static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
     k.r = r;
     if (status == DT_OK && goes_abreast(&k))
         status = dt_rows_scan(&k, from, n, out, done);
+    if (status == DT_TOOLONG) /* so single rows go on, up to the cell that takes long */
+        status = DT_OK;
     while (status == DT_OK && *done < n)
         status = scan_rows(&k, from + *done, n - *done, out + *done, done);
     dt_valuer_clear(&k.v);
