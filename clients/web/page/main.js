@@ -161,7 +161,7 @@ async function follow(name, { keepView = false } = {}) {
   show();
   if (!keepView) view.fit(box);
   overlay.clear();
-  await connection.request(`WATCH ${name} SINCE ${mesh.version}`);
+  await connection.request(`WATCH ${name} SINCE ${mesh.version}${fields}`);
   say(keys.triangulated === 'yes' ? '' : `${name} is not triangulated`);
   showFacts();
   refreshSoon();
@@ -184,34 +184,10 @@ function onEvent(event) {
   if (complete.reset) {
     mesh.loadEvent(complete, event.version);
     show();
-    if (field !== null) fetchAllValues().catch(report);
   } else {
-    const changes = mesh.apply(complete, event.version);
-    scene.update(changes);
-    const fresh = changes.points.filter((id) => Number.isNaN(mesh.values[id]));
-    if (field !== null && fresh.length > 0) fetchValues(fresh).catch(report);
+    scene.update(mesh.apply(complete, event.version));
   }
   refreshSoon();
-}
-
-/** Events have no values: those of new points are asked for. */
-async function fetchValues(ids) {
-  const [name, chosen] = [set, field];
-  const { rows } = await connection.request(`FGET ${name} ${chosen.name} ${ids.filter((id) => mesh.hasPoint(id)).join(' ')}`);
-  if (set !== name || field !== chosen) return;
-  for (const row of rows) {
-    const [id, value] = row.split(' ').map(Number);
-    mesh.values[id] = value;
-  }
-  scene.updateValues(ids);
-}
-
-async function fetchAllValues() {
-  const [name, chosen] = [set, field];
-  const { data } = await connection.request(`POINTS ${name} FIELDS ${chosen.name} BINARY`);
-  if (set !== name || field !== chosen) return;
-  mesh.loadValues(data);
-  scene.updateAllValues();
 }
 
 async function refreshSets() {

@@ -63,7 +63,11 @@ export class Mesh {
     for (const id of points.keys()) this.ids = Math.max(this.ids, id + 1);
     this.xy = new Float64Array(2 * this.ids).fill(NaN);
     this.values = new Float32Array(this.ids).fill(NaN);
-    for (const [id, place] of points) this.xy.set(place, 2 * id);
+    for (const [id, [x, y, value]] of points) {
+      this.xy[2 * id] = x;
+      this.xy[2 * id + 1] = y;
+      this.values[id] = value;
+    }
     const corners = [];
     eachTriangle(rings, (id) => rings.get(id), () => false, (a, b, c) => corners.push(a, b, c));
     this.corners = Uint32Array.from(corners);
@@ -71,15 +75,6 @@ export class Mesh {
     this.triangles = this.slots;
     this.version = version;
     this.#forgetSlots();
-  }
-
-  /** From the binary reply to POINTS with a field, as far as there are such points. */
-  loadValues(points) {
-    const view = new DataView(points.buffer);
-    for (let at = 0; at < points.length; at += 28) {
-      const id = view.getUint32(at, true);
-      if (id < this.ids) this.values[id] = view.getFloat64(at + 20, true);
-    }
   }
 
   hasPoint(id) {
@@ -170,7 +165,7 @@ export class Mesh {
     this.points--;
   }
 
-  #place(id, [x, y], around) {
+  #place(id, [x, y, value], around) {
     this.xy = grown(this.xy, 2 * (id + 1));
     this.values = grown(this.values, id + 1);
     for (; this.ids <= id; this.ids++) this.xy[2 * this.ids] = this.xy[2 * this.ids + 1] = this.values[this.ids] = NaN;
@@ -178,6 +173,7 @@ export class Mesh {
     else this.points++;
     this.xy[2 * id] = x;
     this.xy[2 * id + 1] = y;
+    this.values[id] = value;
     around(id);
   }
 

@@ -246,26 +246,20 @@ export class Scene {
 
   #sendAll() {
     const gl = this.#gl;
-    const { xy, corners, ids } = this.#mesh;
+    const { xy, values, corners, ids } = this.#mesh;
     this.#rows = Math.max(1, Math.ceil((ids * 1.25 + 1024) / ROW));
     const texels = new Float32Array(4 * ROW * this.#rows);
     for (let id = 0; id < ids; id++) this.#texel(xy, id, texels, 4 * id);
     gl.bindTexture(gl.TEXTURE_2D, this.points);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, ROW, this.#rows, 0, gl.RGBA, gl.FLOAT, texels);
-    this.#sendValues();
-    this.#room = Math.max(corners.length / 3, Math.ceil(this.#mesh.slots * 1.1) + 1024);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
-    gl.bufferData(gl.ARRAY_BUFFER, 12 * this.#room, gl.DYNAMIC_DRAW);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, corners);
-  }
-
-  #sendValues() {
-    const gl = this.#gl;
-    const { values, ids } = this.#mesh;
     const heights = new Float32Array(ROW * this.#rows);
     heights.set(values.subarray(0, ids));
     gl.bindTexture(gl.TEXTURE_2D, this.values);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ROW, this.#rows, 0, gl.RED, gl.FLOAT, heights);
+    this.#room = Math.max(corners.length / 3, Math.ceil(this.#mesh.slots * 1.1) + 1024);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
+    gl.bufferData(gl.ARRAY_BUFFER, 12 * this.#room, gl.DYNAMIC_DRAW);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, corners);
   }
 
   /** The coordinates of a point as sums of two single-precision numbers. */
@@ -292,29 +286,16 @@ export class Scene {
       this.#texel(mesh.xy, id, texel, 0);
       gl.texSubImage2D(gl.TEXTURE_2D, 0, id % ROW, Math.floor(id / ROW), 1, 1, gl.RGBA, gl.FLOAT, texel);
     }
+    gl.bindTexture(gl.TEXTURE_2D, this.values);
+    for (const id of points) {
+      const value = mesh.values.subarray(id, id + 1);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, id % ROW, Math.floor(id / ROW), 1, 1, gl.RED, gl.FLOAT, value);
+    }
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     for (const slot of slots) gl.bufferSubData(gl.ARRAY_BUFFER, 12 * slot, mesh.corners, 3 * slot, 3);
-    this.counts.bytes += 16 * points.length + 12 * slots.length;
+    this.counts.bytes += 20 * points.length + 12 * slots.length;
     this.#extendTiles(slots, box);
     if (box !== null) this.#drawPart(box);
-  }
-
-  /** Sends the values of all points, and draws everything again. */
-  updateAllValues() {
-    this.#sendValues();
-    this.stale();
-  }
-
-  /** Sends values that have changed, and draws everything again. */
-  updateValues(ids) {
-    const gl = this.#gl;
-    const { values } = this.#mesh;
-    gl.bindTexture(gl.TEXTURE_2D, this.values);
-    for (const id of ids) {
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, id % ROW, Math.floor(id / ROW), 1, 1, gl.RED, gl.FLOAT, values.subarray(id, id + 1));
-    }
-    this.counts.bytes += 4 * ids.length;
-    this.stale();
   }
 
   /** Tiles whose slots have changed reach as far as the box; slots behind all tiles are one more tile. */

@@ -210,7 +210,7 @@ test('the page follows random edits of all kinds', async () => {
   await page.close();
 });
 
-test('values of a field are kept by points that move, and come for new ones and after a rebuild', async () => {
+test('values of a field come with events: of points that move, of new ones, of those whose value changes, and after a rebuild', async () => {
   await makeSet('valued', 200);
   await ask(...Array.from({ length: 200 }, (_, id) => `FSET valued z ${id} ${id / 2}`));
   const page = await open('valued');
@@ -219,6 +219,9 @@ test('values of a field are kept by points that move, and come for new ones and 
   await ask('MOVE valued 7 0.4 0.4', 'ADD valued FIELDS z 0.5 0.41 77', 'ADD valued 0.6 0.41');
   await settled(page, 'valued');
   await page.waitForFunction(() => window.app.mesh.values[200] === 77);
+  assert.deepEqual(await values(), await stored());
+  await ask('FSET valued z 8 -3 9 nan');
+  await page.waitForFunction(() => window.app.mesh.values[8] === -3);
   assert.deepEqual(await values(), await stored());
   await ask('TRIANGULATE valued METHOD shelling');
   await checkEqual(page, 'valued');
