@@ -7,7 +7,7 @@
  *     delaunay_mirror_close(m);
  *
  * It has a connection of its own (WATCH; PROTOCOL.md, section 6.5) and connects again when that is lost. The copy changes only
- * inside delaunay_mirror_next, and is always that of one version. Memory: about 200 bytes for each id given so far.
+ * inside delaunay_mirror_next, and is always that of one version. Memory: linear in the ids given so far and in the rings.
  * A mirror must not be used by two threads at once. */
 #ifndef DELAUNAY_MIRROR_H
 #define DELAUNAY_MIRROR_H
