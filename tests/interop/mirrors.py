@@ -1,4 +1,4 @@
-"""Mirrors of a set that is edited at random, while the daemon is killed and started again, connections are reset, and those who
+"""Mirrors of a set that is edited at random, while the daemon is killed and started again, connections are lost, and those who
 watch stop reading for a while. At equal versions the mirrors must equal POINTS, LISTS and TRIANGLES byte for byte.
 
     mirrors.py BUILD_DIR [--edits N] [--seeds N] [--first-seed N]
@@ -173,13 +173,6 @@ class Stalled:
         self.socket.close()
 
 
-def reset(mirror):
-    """The connection is lost, perhaps within an event."""
-    if mirror._socket is not None and mirror._socket.family == socket.AF_INET:
-        mirror._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-    mirror._disconnect()
-
-
 class Followed:
     """A mirror, and what its changes make of what it had at first."""
 
@@ -285,7 +278,7 @@ def history(program, seed, edits, size, family, calm):
             editor.client.triangulate("t")
         followed = [Followed(daemon.url), Followed(daemon.url, fields=["z"]), Followed(daemon.url, fields=["z"], within=BOX)]
         lazy = followed[0]
-        stalled, resets = [], 0
+        stalled, losses = [], 0
         try:
             while editor.edits < edits:
                 n = rnd.choice((1, 3, 30, 300)) if size < 1000 else rnd.randrange(1, 900)
@@ -301,8 +294,8 @@ def history(program, seed, edits, size, family, calm):
                 for s in stalled:
                     s.read()
                 if rnd.random() < 1 / calm:
-                    reset(rnd.choice(followed).mirror)
-                    resets += 1
+                    rnd.choice(followed).mirror._disconnect()  # perhaps within an event
+                    losses += 1
                 if rnd.random() < 1 / calm:
                     stalled.append(Stalled(daemon.url, rnd))
                 if len(stalled) > 5:
@@ -325,7 +318,7 @@ def history(program, seed, edits, size, family, calm):
             for one in (editor, *stalled, *(f.mirror for f in followed)):
                 one.close()
             daemon.stop()
-        return editor.edits, daemon.kills, resets, sum(f.changes for f in followed)
+        return editor.edits, daemon.kills, losses, sum(f.changes for f in followed)
 
 
 def main():
