@@ -273,19 +273,21 @@ class Mirror:
         for id, ring in old.items():
             before = () if was_line else _star(id, ring)
             after = () if self._ends > 0 else _star(id, self._rings.get(id))
-            self._compare(id, set(before), set(after), old, change)
+            self._compare(id, set(before), set(after), old, was_line, change)
         if self.within is not None:
             removed[:], added[:] = set(removed), set(added)
 
-    def _compare(self, id: int, before: Set[Triangle], after: Set[Triangle], old: Dict[int, Optional[bytes]], change: Change) -> None:
+    def _compare(
+        self, id: int, before: Set[Triangle], after: Set[Triangle], old: Dict[int, Optional[bytes]], was_line: bool, change: Change
+    ) -> None:
         """What differs between two stars. The rings of all corners of a triangle that comes or goes change, so the first corner
         reports it; of a part of a set only some corners are known, and a triangle goes with the last of these."""
         if self.within is None:
             change.triangles_removed.extend(t for t in before - after if t[0] == id)
             change.triangles_added.extend(t for t in after - before if t[0] == id)
             return
-        change.triangles_removed.extend(t for t in before - after if not self._has(t, {}))
-        change.triangles_added.extend(t for t in after - before if not self._has(t, old))
+        change.triangles_removed.extend(t for t in before - after if self._ends > 0 or not self._has(t, {}))
+        change.triangles_added.extend(t for t in after - before if was_line or not self._has(t, old))
 
     def _has(self, triangle: Triangle, old: Dict[int, Optional[bytes]]) -> bool:
         """Whether a triangle of the part is or, with the rings that have changed since, was there."""

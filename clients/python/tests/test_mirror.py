@@ -71,6 +71,15 @@ def edit(client, name, rnd, place):
         return False
     return True
 
+class Changes(unittest.TestCase):
+    def test_points_of_a_box_that_were_on_a_line_report_all_their_triangles(self):
+        m = _mirror.Mirror("t", (), (0, 0, 2, 2))
+        m._receive(b"OK 0\nEVENT 4 set=t version=1 reset\npoint 0 0 0\nlist 0 b 7\npoint 1 1 0\nlist 1 b 5 6\n")
+        self.assertIsNone(m._step())
+        m._receive(b"EVENT 1 set=t version=2\ngone 0\n")
+        change = m._step()
+        self.assertEqual((change.triangles_added, change.triangles_removed), ([(1, 5, 6)], []))
+
 
 class Following(WithDaemon):
     def mirror(self, name="t", **options):
