@@ -1,0 +1,35 @@
+/* digest.c - see digest.h. */
+#include "proto/digest.h"
+
+static const uint64_t P1 = 0x9E3779B185EBCA87, P2 = 0xC2B2AE3D27D4EB4F, P3 = 0x165667B19E3779F9,
+                      P4 = 0x85EBCA77C2B2AE63, P5 = 0x27D4EB2F165667C5;
+
+static uint64_t rotate(uint64_t v, unsigned by)
+{
+    return v << by | v >> (64 - by);
+}
+
+/* Up to 8 bytes as a little-endian number. */
+static uint64_t word_of(const unsigned char *p, size_t n)
+{
+    uint64_t w = 0;
+    for (size_t i = 0; i < n; i++)
+        w |= (uint64_t)p[i] << 8 * i;
+    return w;
+}
+
+uint64_t digest_bytes(uint64_t before, const void *bytes, size_t n)
+{
+    const unsigned char *p = bytes;
+    uint64_t h = before + P5 + n;
+    for (; n > 0; p += 8) {
+        size_t take = n < 8 ? n : 8;
+        uint64_t w = take == 8 ? word_of(p, 8) : word_of(p, take);
+        h ^= rotate(w * P2, 31) * P1;
+        h = rotate(h, 27) * P1 + P4;
+        n -= take;
+    }
+    h = (h ^ h >> 33) * P2;
+    h = (h ^ h >> 29) * P3;
+    return h ^ h >> 32;
+}
