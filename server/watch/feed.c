@@ -191,10 +191,10 @@ static void leave_late_behind(struct feed *f)
     }
 }
 
-/* Whether a part is worth sending: it has rows, begins a reset, or ends the backlog. */
-static bool is_worth_sending(const struct event *e, bool reset, const struct backlog *b)
+/* Whether a part is worth sending: it has rows, or ends the backlog. */
+static bool is_worth_sending(const struct event *e, const struct backlog *b)
 {
-    return e->n > 0 || reset || !backlog_lags(b) || e->rows.failed;
+    return e->n > 0 || !backlog_lags(b) || e->rows.failed;
 }
 
 unsigned feed_part(struct server *s, struct feed *f)
@@ -210,7 +210,7 @@ unsigned feed_part(struct server *s, struct feed *f)
     struct event e = event_for(f, true);
     put_part(&e, &f->shared, f, k->set->current->dt);
     f->shared.reset = false;
-    if (is_worth_sending(&e, reset, &f->shared)) {
+    if (is_worth_sending(&e, &f->shared)) {
         event_head(&e, k->name, k->version, reset, backlog_lags(&f->shared));
         sent = send_all(s, f, &e);
     } else {
@@ -230,7 +230,7 @@ bool feed_late_part(struct server *s, struct watcher *w)
     struct event e = event_for(f, false);
     put_part(&e, &w->own, f, k->set->current->dt);
     w->own.reset = false;
-    if (is_worth_sending(&e, reset, &w->own)) {
+    if (is_worth_sending(&e, &w->own)) {
         event_head(&e, k->name, k->version, reset, backlog_lags(&w->own));
         send_event(s, w, &e, journal_of(s, k->set));
     } else {

@@ -118,6 +118,25 @@ TEST(query_waits_until_the_changes_of_its_set_are_saved)
     expect_held(points, "TRIANGULATE t\n", "HULL t\n", "OK 4\n");
 }
 
+TEST(event_waits_until_its_change_is_saved)
+{
+    struct bench b;
+    begin(&b, "always");
+    carry_out(&b.d, points);
+    say(b.reader, "WATCH t\n");
+    expect(b.reader, "OK 0\n");
+    for (int i = 0; i < 5; i++) /* the reset */
+        hear_line(b.reader);
+    shut_gate(&b);
+    say(b.writer, "MOVE t 1 5 0\n");
+    CHECK(is_silent(&b, b.writer) && is_silent(&b, b.reader));
+    open_gate(&b);
+    CHECK(strncmp(hear_line(b.writer), "OK ", 3) == 0);
+    CHECK(strncmp(hear_line(b.reader), "EVENT 1 set=t version=", 22) == 0);
+    expect(b.reader, "point 1 5 0\n");
+    end(&b);
+}
+
 TEST(query_by_a_worker_waits_until_the_changes_of_its_set_are_saved)
 {
     enum { MANY = 2000 };

@@ -224,6 +224,37 @@ TEST(watch_since_a_version_sends_only_what_comes_later)
     mirror_catch_up(&m, now);
     CHECK(m.resets == 2);
     mirror_check(&m, fd, true);
+    mirror_disconnect(&m);
+    m.version = now + 1; /* of a set of that name that was lost */
+    mirror_watch(&m, &d, true);
+    m.whole = false;
+    while (!m.whole)
+        mirror_take(&m);
+    CHECK(m.resets == 3 && m.version == now);
+    mirror_check(&m, fd, true);
+    mirror_free(&m);
+    close(fd);
+    daemon_end(&d);
+}
+
+TEST(watcher_of_a_set_whose_triangulation_was_left_for_later_is_sent_the_rings)
+{
+    struct daemon d = daemon_start(NULL);
+    struct mirror m = {.whole = false};
+    int fd = daemon_connect(&d);
+    static char points[100 * 32] = "ADD t";
+    ask_version(fd, "ADD t 0 0  4 0  4 4  0 4\n");
+    ask_version(fd, "TRIANGULATE t\n");
+    for (int i = 0; i < 100; i++) /* so many more than there are */
+        snprintf(points + strlen(points), sizeof points - strlen(points), " %g %g", test_uniform(),
+                 test_uniform());
+    say(fd, points);
+    uint64_t version = ask_version(fd, "\n");
+    mirror_watch(&m, &d, false);
+    mirror_catch_up(&m, version);
+    while (m.list[0] == NULL)
+        mirror_take(&m);
+    mirror_check(&m, fd, true);
     mirror_free(&m);
     close(fd);
     daemon_end(&d);

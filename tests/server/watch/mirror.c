@@ -36,6 +36,13 @@ static void set_row(char **at, const char *row)
     CHECK(row == NULL || *at != NULL);
 }
 
+/* An event names a place once, and a ring once. */
+static void name_once(unsigned *last, unsigned event)
+{
+    CHECK(*last != event);
+    *last = event;
+}
+
 static void take_row(struct mirror *m, const char *row)
 {
     char kind[8], side = 0;
@@ -49,11 +56,13 @@ static void take_row(struct mirror *m, const char *row)
         const char *ring = strchr(strchr(row + 5, ' ') + 1, ' ');
         snprintf(text, sizeof text, "%" PRIu32 "%s", id, ring == NULL ? "" : ring);
         CHECK(m->point[id] != NULL);
+        name_once(&m->ring_event[id], m->events);
         set_row(&m->list[id], text);
         return;
     }
     bool point = strcmp(kind, "point") == 0;
     CHECK_MSG(point || strcmp(kind, "gone") == 0, "%s", row);
+    name_once(&m->place_event[id], m->events);
     set_row(&m->point[id], point ? row + strlen("point ") : NULL);
     set_row(&m->list[id], NULL);
 }
@@ -138,6 +147,7 @@ void mirror_take(struct mirror *m)
     m->version = version == NULL ? 0 : strtoull(version + 9, NULL, 10);
     bool reset = strstr(text, " reset") != NULL;
     m->resets += reset;
+    m->events++;
     for (unsigned i = 0; reset && i < MIRROR_IDS; i++) {
         set_row(&m->point[i], NULL);
         set_row(&m->list[i], NULL);

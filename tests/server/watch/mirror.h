@@ -4,7 +4,7 @@
 
 #include "tests/server/daemon.h"
 
-enum { MIRROR_IDS = 4096 };
+enum { MIRROR_IDS = 8192 };
 
 /* What it watches: set `t`. */
 struct mirror_options {
@@ -22,6 +22,9 @@ struct mirror {
     unsigned long rows; /* of all events so far */
     bool whole, dropped;
     char *point[MIRROR_IDS], *list[MIRROR_IDS]; /* own: rows as in POINTS FIELDS and LISTS */
+    unsigned events;
+    unsigned place_event[MIRROR_IDS],
+        ring_event[MIRROR_IDS]; /* the last one that named the id; from 1 */
 };
 
 /* The version that a reply names. */

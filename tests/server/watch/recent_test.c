@@ -59,6 +59,18 @@ TEST(oldest_versions_are_forgotten_within_bounded_memory)
     recent_clear(&r);
 }
 
+TEST(version_is_forgotten_with_the_first_key_that_is_overwritten)
+{
+    struct recent r = {.keys = 0};
+    recent_restart(&r, 1, 0);
+    for (uint64_t i = 0; i < RECENT_KEYS; i++)
+        recent_put(&r, &i, 1);
+    CHECK(recent_find(&r, 1)->at == 0 && recent_key(&r, 0) == 0);
+    recent_put(&r, (const uint64_t[]){7}, 1);
+    CHECK(recent_find(&r, 1) == NULL);
+    recent_clear(&r);
+}
+
 TEST(ids_are_taken_once_and_in_order_from_where_the_last_was)
 {
     struct idset s = {.count = 0}, copy = {.count = 0};
