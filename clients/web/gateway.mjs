@@ -1,5 +1,6 @@
-// The gateway: an HTTP server with the page's files, and for each WebSocket a TCP connection to the daemon. Bytes pass in both
-// directions as they are; a slow side slows down the other one.
+// The gateway: an HTTP server with the page's files, and for each WebSocket, and each POST, of `/daemon` a TCP connection to the
+// daemon. Bytes pass in both directions as they are; a slow side slows down the other one. A POST is a conversation whose requests
+// are its body.
 //
 //     node gateway.mjs [--daemon HOST:PORT] [--listen [HOST:]PORT]
 import { createServer } from 'node:http';
@@ -20,8 +21,12 @@ const HEADERS = {
 };
 const LONGEST_MESSAGE = 1 << 20; // bytes of a page's request
 
-async function serve(request, response) {
+async function serve(daemon, request, response) {
   const { pathname } = new URL(request.url, 'http://page');
+  if (request.method === 'POST' && pathname === '/daemon') {
+    converse(daemon, request, response);
+    return;
+  }
   const name = pathname === '/' ? 'index.html' : pathname.slice(1);
   if (!['GET', 'HEAD'].includes(request.method) || !/^[a-z][a-z.]*$/.test(name)) {
     response.writeHead(404).end('not found\n');
@@ -36,10 +41,21 @@ async function serve(request, response) {
   }
 }
 
-/** Whether the page that opens a WebSocket came from this gateway; other sites' pages must not reach the daemon. */
-function isOwn({ origin, req }) {
+function converse(daemon, request, response) {
+  if (!isOwn(request)) {
+    response.writeHead(403).end('only for pages of this gateway\n');
+    return;
+  }
+  const socket = connect({ ...daemon, noDelay: true });
+  socket.once('connect', () => response.writeHead(200, { ...HEADERS, 'Content-Type': 'application/octet-stream' }));
+  pipeline(request, socket, () => {});
+  pipeline(socket, response, () => request.destroy());
+}
+
+/** Whether the page that sends a request came from this gateway; other sites' pages must not reach the daemon. */
+function isOwn({ headers: { origin, host } }) {
   try {
-    return origin === undefined || new URL(origin).host === req.headers.host;
+    return origin === undefined || new URL(origin).host === host;
   } catch {
     return false;
   }
@@ -47,8 +63,8 @@ function isOwn({ origin, req }) {
 
 /** An http.Server that is not listening yet; daemon: {host, port}. */
 export function createGateway(daemon) {
-  const server = createServer(serve);
-  const sockets = new WebSocketServer({ server, path: '/daemon', verifyClient: isOwn, maxPayload: LONGEST_MESSAGE });
+  const server = createServer((request, response) => serve(daemon, request, response));
+  const sockets = new WebSocketServer({ server, path: '/daemon', verifyClient: ({ req }) => isOwn(req), maxPayload: LONGEST_MESSAGE });
   sockets.on('connection', (page) => {
     const socket = connect({ ...daemon, noDelay: true });
     const stream = createWebSocketStream(page);

@@ -1,5 +1,6 @@
-// One conversation with the daemon through the gateway: requests in lines, replies in their order, events between them
-// (PROTOCOL.md, sections 2, 7 and WATCH).
+// Conversations with the daemon through the gateway: requests in lines, replies in their order, events between them (PROTOCOL.md,
+// sections 2, 7 and WATCH). A Connection is a WebSocket. What may be large is fetched by HTTP, which browsers read in less than half
+// the time.
 
 const LF = 10;
 const text = new TextDecoder();
@@ -64,49 +65,37 @@ class Splitter {
   }
 }
 
-export class Connection {
-  #socket;
+/** Makes replies and events of the bytes that arrive. */
+class Reader {
   #splitter = new Splitter();
   #waiting = []; // {resolve, reject}, oldest first
   #open = null; // what is being read: {rows, expected, done}
   #failure = null;
 
-  /** onEvent({set, version, rows, reset, more, dropped}); onEnd() once, when the connection is lost or closed. */
-  constructor(url, { onEvent, onEnd }) {
+  constructor(onEvent = () => {}) {
     this.onEvent = onEvent;
-    this.#socket = new WebSocket(url);
-    this.#socket.binaryType = 'arraybuffer';
-    this.opened = new Promise((resolve) => {
-      this.#socket.onopen = resolve;
-    });
-    this.#socket.onmessage = ({ data }) => {
-      this.#splitter.push(
-        new Uint8Array(data),
-        (line) => this.#read(line),
-        (block) => this.#finish(block),
-      );
-    };
-    this.#socket.onclose = () => {
-      this.#failure = new Refused('LOST', 'the connection is lost');
-      for (const { reject } of this.#waiting.splice(0)) reject(this.#failure);
-      onEnd();
-    };
   }
 
-  close() {
-    this.#socket.close();
+  push(piece) {
+    this.#splitter.push(
+      piece,
+      (line) => this.#read(line),
+      (block) => this.#finish(block),
+    );
   }
 
-  /** Resolves to {keys, rows, data}: rows of a text reply, bytes of a binary one. Rejects with Refused. */
-  request(line) {
+  /** The next reply that nobody waits for yet: {keys, rows, data}, rows of a text reply, bytes of a binary one. Rejects with Refused. */
+  reply() {
     return new Promise((resolve, reject) => {
-      if (this.#failure) {
-        reject(this.#failure);
-        return;
-      }
-      this.#waiting.push({ resolve, reject });
-      this.#socket.send(new TextEncoder().encode(`${line}\n`));
+      if (this.#failure === null) this.#waiting.push({ resolve, reject });
+      else reject(this.#failure);
     });
+  }
+
+  /** No more replies come. */
+  fail(error) {
+    this.#failure = error;
+    for (const { reject } of this.#waiting.splice(0)) reject(error);
   }
 
   #read(line) {
@@ -147,4 +136,58 @@ export class Connection {
     this.#open = null;
     done(data);
   }
+}
+
+const lost = () => new Refused('LOST', 'the connection is lost');
+
+export class Connection {
+  #socket;
+  #reader;
+
+  /** onEvent({set, version, rows, reset, more, dropped}); onEnd() once, when the connection is lost or closed. */
+  constructor(url, { onEvent, onEnd }) {
+    this.#reader = new Reader(onEvent);
+    this.#socket = new WebSocket(url);
+    this.#socket.binaryType = 'arraybuffer';
+    this.opened = new Promise((resolve) => {
+      this.#socket.onopen = resolve;
+    });
+    this.#socket.onmessage = ({ data }) => this.#reader.push(new Uint8Array(data));
+    this.#socket.onclose = () => {
+      this.#reader.fail(lost());
+      onEnd();
+    };
+  }
+
+  close() {
+    this.#socket.close();
+  }
+
+  /** Resolves to {keys, rows, data} as Reader.reply does. */
+  request(line) {
+    const reply = this.#reader.reply();
+    if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(`${line}\n`);
+    return reply;
+  }
+}
+
+/** Sends requests in a conversation of their own. Returns the promises of their replies. */
+export function fetchReplies(url, lines) {
+  const reader = new Reader();
+  const replies = lines.map(() => reader.reply());
+  const read = async () => {
+    const { body, ok } = await fetch(url, { method: 'POST', body: lines.map((line) => `${line}\n`).join('') });
+    if (!ok) throw lost();
+    const pieces = body.getReader();
+    for (;;) {
+      const { done, value } = await pieces.read();
+      if (done) break;
+      reader.push(value);
+    }
+  };
+  read().then(
+    () => reader.fail(lost()),
+    () => reader.fail(lost()),
+  );
+  return replies;
 }

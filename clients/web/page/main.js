@@ -1,5 +1,5 @@
 // The page: follows one set of the daemon and shows it. Start reading here; mesh.js has the copy of the set, scene.js the drawing.
-import { Connection } from './connection.js';
+import { Connection, fetchReplies } from './connection.js';
 import { Hands } from './hands.js';
 import { Mesh } from './mesh.js';
 import { Overlay } from './overlay.js';
@@ -137,6 +137,13 @@ function show() {
   applyStyle();
 }
 
+/** The replies to requests whose replies may be large. */
+async function fetchAll(...lines) {
+  const auth = given('token') === null ? [] : [`AUTH ${given('token')}`];
+  const replies = await Promise.all(fetchReplies('daemon', [...auth, ...lines]));
+  return replies.slice(auth.length);
+}
+
 /** Loads a set whole, and follows it from then on. */
 async function follow(name, { keepView = false } = {}) {
   if (set !== null) await connection.request(`UNWATCH ${set}`).catch(() => {});
@@ -151,10 +158,10 @@ async function follow(name, { keepView = false } = {}) {
   }
   await chooseField(name);
   const fields = field === null ? '' : ` FIELDS ${field.name}`;
-  const [points, triangles] = await Promise.all([
-    connection.request(`POINTS ${name}${fields} BINARY`),
-    keys.triangulated === 'yes' ? connection.request(`TRIANGLES ${name} BINARY`) : { data: new Uint8Array(0) },
-  ]);
+  const [points, triangles = { data: new Uint8Array(0) }] = await fetchAll(
+    `POINTS ${name}${fields} BINARY`,
+    ...(keys.triangulated === 'yes' ? [`TRIANGLES ${name} BINARY`] : []),
+  );
   if (set !== name) return; // another one has been chosen meanwhile
   mesh.load(points.data, triangles.data, field !== null);
   mesh.version = Number(keys.version);
