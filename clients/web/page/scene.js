@@ -11,33 +11,26 @@ const DOT = 3;
 const SLOW_MS = 24; // a picture that takes longer to draw is moved while the view moves
 const SETTLED_MS = 120;
 
-const MESH_VERTEX = `#version 300 es
-precision highp float; precision highp int; precision highp sampler2D;
+const HEAD = `#version 300 es
+precision highp float; precision highp int; precision highp sampler2D;`;
+
+/** Where a corner is, and its value. */
+const PLACE = `
 in uint id;
 uniform sampler2D points, values;
 uniform vec4 centre;   // of the view: x, y, and what single precision leaves of them
 uniform vec2 scale;    // from units to clip space
-out vec3 corner;
-out float value;
-void main() {
-  gl_PointSize = ${DOT}.0;
-  ivec2 at = ivec2(int(id) % ${ROW}, int(id) / ${ROW});
+vec4 place(ivec2 at) {
   vec4 p = texelFetch(points, at, 0);
-  gl_Position = vec4(((p.xy - centre.xy) + (p.zw - centre.zw)) * scale, 0.0, 1.0);
-  int k = gl_VertexID % 3;
-  corner = vec3(k == 0, k == 1, k == 2);
-  value = texelFetch(values, at, 0).r;
-}`;
+  return vec4(((p.xy - centre.xy) + (p.zw - centre.zw)) * scale, 0.0, 1.0);
+}
+ivec2 texel() { return ivec2(int(id) % ${ROW}, int(id) / ${ROW}); }`;
 
-const MESH_FRAGMENT = `#version 300 es
-precision highp float;
-in vec3 corner;
-in float value;
+/** The colour of the ground, with so much of a line on it. */
+const PAINT = `
 uniform vec2 range;      // the least value, and 1 / (greatest - least)
 uniform vec4 fill, edge;
 uniform bool coloured, edged;
-uniform bool small;      // dots are drawn, for triangles that are smaller than a pixel or two
-out vec4 colour;
 // The colour map viridis of matplotlib, as a polynomial that M. Zucker fitted to it (public domain).
 const vec3 term[7] = vec3[7](vec3(0.2777, 0.0054, 0.3341), vec3(0.1051, 1.4046, 1.3846), vec3(-0.3309, 0.2148, 0.0951),
   vec3(-4.6342, -5.7991, -19.3324), vec3(6.2283, 14.1799, 56.6906), vec3(4.7764, -13.7451, -65.3530), vec3(-5.4355, 4.6459, 26.3125));
@@ -46,18 +39,47 @@ vec3 viridis(float t) {
   for (int i = 5; i >= 0; i--) sum = term[i] + t * sum;
   return clamp(sum, 0.0, 1.0);
 }
+vec4 paint(float value, float line) {
+  line *= edged ? edge.a : 0.0;
+  vec4 ground = coloured && value == value ? vec4(viridis(clamp((value - range.x) * range.y, 0.0, 1.0)), 1.0) : fill;
+  return vec4(edge.rgb * line + ground.rgb * ground.a * (1.0 - line), line + ground.a * (1.0 - line));
+}`;
+
+const MESH_VERTEX = `${HEAD}${PLACE}
+out vec3 corner;
+out float value;
+void main() {
+  gl_Position = place(texel());
+  int k = gl_VertexID % 3;
+  corner = vec3(k == 0, k == 1, k == 2);
+  value = texelFetch(values, texel(), 0).r;
+}`;
+
+const MESH_FRAGMENT = `${HEAD}${PAINT}
+in vec3 corner;
+in float value;
+out vec4 colour;
 void main() {
   vec3 width = fwidth(corner);
   vec3 near = smoothstep(vec3(0.0), 1.2 * width, corner);
-  float line = small ? 1.0 : 1.0 - min(near.x, min(near.y, near.z));
+  float line = 1.0 - min(near.x, min(near.y, near.z));
   // Triangles of a few pixels would be nothing but lines.
-  line *= small ? 0.25 : 1.0 - 0.75 * smoothstep(0.15, 0.6, max(width.x, max(width.y, width.z)));
-  line *= edged ? 1.0 : 0.0;
-  bool known = coloured && value == value;
-  vec4 ground = known ? vec4(viridis(clamp((value - range.x) * range.y, 0.0, 1.0)), 1.0) : fill;
-  float a = line * edge.a + ground.a * (1.0 - line * edge.a);
-  colour = vec4((edge.rgb * line * edge.a + ground.rgb * ground.a * (1.0 - line * edge.a)), a);
+  colour = paint(value, line * (1.0 - 0.75 * smoothstep(0.15, 0.6, max(width.x, max(width.y, width.z)))));
 }`;
+
+/** Dots stand for triangles that are smaller than a pixel or two. */
+const DOT_VERTEX = `${HEAD}${PLACE}${PAINT}
+flat out vec4 dot_colour;
+void main() {
+  gl_PointSize = ${DOT}.0;
+  gl_Position = place(texel());
+  dot_colour = paint(texelFetch(values, texel(), 0).r, 0.25);
+}`;
+
+const DOT_FRAGMENT = `${HEAD}
+flat in vec4 dot_colour;
+out vec4 colour;
+void main() { colour = dot_colour; }`;
 
 const PICTURE_VERTEX = `#version 300 es
 uniform vec4 place;    // where the picture is on the screen: offset and size in clip space
@@ -199,11 +221,13 @@ export class Scene {
     this.#gl = gl;
     this.onStale = onStale;
     this.mesh_ = compile(gl, MESH_VERTEX, MESH_FRAGMENT);
+    this.dots_ = compile(gl, DOT_VERTEX, DOT_FRAGMENT);
     this.picture_ = compile(gl, PICTURE_VERTEX, PICTURE_FRAGMENT);
     this.points = this.#texture(gl.NEAREST);
     this.values = this.#texture(gl.NEAREST);
     this.picture = this.#texture(gl.LINEAR);
     this.corners = gl.createBuffer();
+    this.dots = gl.createBuffer();
     this.frame = gl.createFramebuffer();
     this.array = gl.createVertexArray();
     gl.bindVertexArray(this.array);
@@ -248,14 +272,19 @@ export class Scene {
     const gl = this.#gl;
     const { xy, values, corners, ids } = this.#mesh;
     this.#rows = Math.max(1, Math.ceil((ids * 1.25 + 1024) / ROW));
-    const texels = new Float32Array(4 * ROW * this.#rows);
+    const used = Math.ceil(ids / ROW); // rows
+    const texels = new Float32Array(4 * ROW * used);
     for (let id = 0; id < ids; id++) this.#texel(xy, id, texels, 4 * id);
-    gl.bindTexture(gl.TEXTURE_2D, this.points);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, ROW, this.#rows, 0, gl.RGBA, gl.FLOAT, texels);
-    const heights = new Float32Array(ROW * this.#rows);
+    const heights = new Float32Array(ROW * used);
     heights.set(values.subarray(0, ids));
-    gl.bindTexture(gl.TEXTURE_2D, this.values);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ROW, this.#rows, 0, gl.RED, gl.FLOAT, heights);
+    for (const [texture, inner, outer, numbers] of [
+      [this.points, gl.RGBA32F, gl.RGBA, texels],
+      [this.values, gl.R32F, gl.RED, heights],
+    ]) {
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texImage2D(gl.TEXTURE_2D, 0, inner, ROW, this.#rows, 0, outer, gl.FLOAT, null);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ROW, used, outer, gl.FLOAT, numbers);
+    }
     this.#room = Math.max(corners.length / 3, Math.ceil(this.#mesh.slots * 1.1) + 1024);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     gl.bufferData(gl.ARRAY_BUFFER, 12 * this.#room, gl.DYNAMIC_DRAW);
@@ -382,7 +411,6 @@ export class Scene {
   #drawTiles(box, pixels) {
     const gl = this.#gl;
     const d = this.#drawn;
-    const { program, at } = this.mesh_;
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
     gl.viewport(0, 0, d.across, d.down);
     if (pixels !== null) {
@@ -391,43 +419,64 @@ export class Scene {
     }
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    gl.useProgram(program);
-    const [x, y] = [Math.fround(d.x), Math.fround(d.y)];
-    gl.uniform4f(at.centre, x, y, d.x - x, d.y - y);
-    gl.uniform2f(at.scale, (2 * d.scale) / d.width, (2 * d.scale) / d.height);
-    gl.uniform4fv(at.fill, this.style.fill);
-    gl.uniform4fv(at.edge, this.style.edge);
-    gl.uniform2f(at.range, this.style.range[0], 1 / Math.max(this.style.range[1] - this.style.range[0], Number.MIN_VALUE));
-    gl.uniform1i(at.coloured, this.style.coloured);
-    gl.uniform1i(at.edged, this.style.edged);
-    gl.uniform1i(at.points, 0);
-    gl.uniform1i(at.values, 1);
+    for (const program of [this.mesh_, this.dots_]) this.#setUniforms(program);
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, this.values);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.points);
     gl.bindVertexArray(this.array);
+    const small = [];
     for (let i = 0; i < this.#tiles.length; ) {
       const { first } = this.#tiles[i];
-      const small = isSmall(this.#tiles[i], d.unit);
       let count = 0;
-      for (; i < this.#tiles.length && meets(this.#tiles[i].box, box) && isSmall(this.#tiles[i], d.unit) === small; i++) {
-        count += this.#tiles[i].count;
-      }
-      if (count === 0) i++;
-      else this.#drawSlots(first, count, small ? d.step : 0);
+      for (; i < this.#tiles.length && meets(this.#tiles[i].box, box) && !isSmall(this.#tiles[i], d.unit); i++) count += this.#tiles[i].count;
+      if (count > 0) this.#drawTriangles(first, count);
+      else if (meets(this.#tiles[i].box, box)) small.push(this.#tiles[i++]);
+      else i++;
     }
+    this.#drawDots(small, d.step);
     gl.disable(gl.SCISSOR_TEST);
   }
 
-  /** Draws slots as triangles, or a corner of each step-th one as a dot. */
-  #drawSlots(first, count, step) {
+  #setUniforms({ program, at }) {
     const gl = this.#gl;
-    gl.uniform1i(this.mesh_.at.small, step > 0);
+    const d = this.#drawn;
+    const { fill, edge, coloured, edged, range } = this.style;
+    const [x, y] = [Math.fround(d.x), Math.fround(d.y)];
+    gl.useProgram(program);
+    gl.uniform4f(at.centre, x, y, d.x - x, d.y - y);
+    gl.uniform2f(at.scale, (2 * d.scale) / d.width, (2 * d.scale) / d.height);
+    gl.uniform4fv(at.fill, fill);
+    gl.uniform4fv(at.edge, edge);
+    gl.uniform2f(at.range, range[0], 1 / Math.max(range[1] - range[0], Number.MIN_VALUE));
+    gl.uniform1i(at.coloured, coloured);
+    gl.uniform1i(at.edged, edged);
+    gl.uniform1i(at.points, 0);
+    gl.uniform1i(at.values, 1);
+  }
+
+  #drawTriangles(first, count) {
+    const gl = this.#gl;
+    gl.useProgram(this.mesh_.program);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
-    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 12 * step, step > 0 ? 12 * first : 0);
-    if (step > 0) gl.drawArrays(gl.POINTS, 0, Math.ceil(count / step));
-    else gl.drawArrays(gl.TRIANGLES, 3 * first, 3 * count);
+    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
+    gl.drawArrays(gl.TRIANGLES, 3 * first, 3 * count);
+  }
+
+  /** Draws a corner of each step-th slot of these tiles as a dot. */
+  #drawDots(tiles, step) {
+    const gl = this.#gl;
+    const { corners } = this.#mesh;
+    const ids = new Uint32Array(tiles.reduce((sum, { count }) => sum + Math.ceil(count / step), 0));
+    let n = 0;
+    for (const { first, count } of tiles) {
+      for (let slot = first; slot < first + count; slot += step) ids[n++] = corners[3 * slot];
+    }
+    gl.useProgram(this.dots_.program);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.dots);
+    gl.bufferData(gl.ARRAY_BUFFER, ids, gl.STREAM_DRAW);
+    gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
+    gl.drawArrays(gl.POINTS, 0, n);
   }
 
   /** Copies the picture to the screen, moved and scaled if the view has changed since. */

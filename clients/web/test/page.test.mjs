@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { ask, browser, killGateway, listen, makeSet, onPage, open, port, settled, start, stop, until } from './stage.mjs';
+import { ask, browser, killGateway, listen, makeSet, onPage, open, pagePort, port, settled, start, stop, until } from './stage.mjs';
 
 const { DELAUNAY } = process.env;
 
@@ -77,6 +77,15 @@ test('the page has a WebGL 2 context', async () => {
   await page.close();
 });
 
+test('the gateway passes requests of its own pages on, and refuses those of others', async () => {
+  await makeSet('posted', 10);
+  const post = (origin) => fetch(`http://127.0.0.1:${pagePort}/daemon`, { method: 'POST', headers: { origin }, body: 'GET posted 3\nPING\n' });
+  const own = await post(`http://127.0.0.1:${pagePort}`);
+  assert.deepEqual([own.status, (await own.text()).split('\n')], [200, [...(await ask('GET posted 3')), 'OK 0', '']]);
+  const other = await post('http://elsewhere.example');
+  assert.deepEqual([other.status, /posted|OK/.test(await other.text())], [403, false]);
+});
+
 test('the page knows and draws what the daemon exports', async () => {
   await makeSet('drawn', 60);
   const page = await open('drawn');
@@ -124,6 +133,20 @@ test('the page knows and draws what the daemon exports', async () => {
   );
   assert.ok(missed.lines > 2000 && missed.drawn > 2000, JSON.stringify(missed));
   assert.ok(missed.missing < 0.01 * missed.lines && missed.wrong < 0.01 * missed.drawn, JSON.stringify(missed));
+  await page.close();
+});
+
+test('many triangles for each pixel are drawn as dots everywhere', async () => {
+  await makeSet('dense', 100000);
+  const page = await open('dense', { width: 400, height: 100 });
+  const { width, data } = await page.evaluate(() => document.getElementById('mesh').width).then(async (w) => ({ width: w, data: await picture(page) }));
+  const [x0, y0, x1, y1] = await page.evaluate(() => {
+    const { view } = window.app;
+    return [...view.toScreen(0.02, 0.98), ...view.toScreen(0.98, 0.02)].map(Math.round);
+  });
+  let [pixels, drawn] = [0, 0];
+  for (let y = y0; y < y1; y++) for (let x = x0; x < x1; x++, pixels++) if (data[4 * (y * width + x) + 3] > 40) drawn++;
+  assert.ok(pixels > 2000 && drawn > 0.9 * pixels, `${drawn} of ${pixels}`);
   await page.close();
 });
 

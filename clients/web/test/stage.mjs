@@ -12,8 +12,8 @@ const GATEWAY = fileURLToPath(new URL('../gateway.mjs', import.meta.url));
 const QUIET = ['disable-quic', 'no-first-run', 'disable-background-networking', 'disable-component-update', 'disable-sync'];
 const SOFTWARE_WEBGL = ['use-gl=angle', 'use-angle=swiftshader', 'enable-unsafe-swiftshader'];
 
-let daemon, gateway, pagePort;
-export let port, browser;
+let daemon, gateway;
+export let port, pagePort, browser;
 
 /** Starts everything. */
 export async function start() {
@@ -68,9 +68,9 @@ export async function makeSet(name, n, seed = 1) {
 }
 
 /** A page that shows a set. */
-export async function open(set) {
+export async function open(set, size = { width: 900, height: 600 }) {
   const page = await (await browser.createBrowserContext()).newPage(); // a window of its own: a hidden page does not draw
-  await page.setViewport({ width: 900, height: 600 });
+  await page.setViewport(size);
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(error.stack ?? String(error)));
   await page.goto(`http://127.0.0.1:${pagePort}/#set=${set}`);
