@@ -2,6 +2,7 @@
 #include "proto/record.h"
 
 #include "proto/crc32c.h"
+#include "proto/digest.h"
 
 #include <string.h>
 
@@ -58,14 +59,37 @@ static double get_f64(const char *p)
 
 /* ---- segments ---- */
 
+size_t segment_header_size(uint32_t version)
+{
+    return version <= 3 ? SEGMENT_HEADER_3 : SEGMENT_HEADER;
+}
+
 void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s)
 {
+    size_t sum_at = segment_header_size(s->version) - 4;
+    memset(bytes, 0, SEGMENT_HEADER);
     memcpy(bytes, magic, MAGIC);
     put_u32(bytes + 8, s->version);
     put_u32(bytes + 12, s->kind);
     put_u64(bytes + 16, s->lsn);
     put_u32(bytes + 24, s->life);
-    put_u32(bytes + 28, crc32c(0, bytes, 28));
+    if (s->version > 3) {
+        put_u32(bytes + 28, s->history.generation);
+        put_u64(bytes + 32, s->history.origin);
+        put_u64(bytes + 40, s->digest);
+        put_u32(bytes + 48, s->history.nonce);
+        put_u32(bytes + 52, s->history.parent);
+    }
+    put_u32(bytes + sum_at, crc32c(0, bytes, sum_at));
+}
+
+static void read_history(const char *bytes, struct segment *s)
+{
+    s->history = (struct history){.origin = get_u64(bytes + 32),
+                                  .generation = get_u32(bytes + 28),
+                                  .nonce = get_u32(bytes + 48),
+                                  .parent = get_u32(bytes + 52)};
+    s->digest = get_u64(bytes + 40);
 }
 
 static ptrdiff_t bad_segment(struct segment *s, const char *fault)
@@ -76,21 +100,26 @@ static ptrdiff_t bad_segment(struct segment *s, const char *fault)
 
 ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s)
 {
-    if (n < SEGMENT_HEADER)
+    if (n < SEGMENT_HEADER_3)
         return 0;
+    size_t size = segment_header_size(get_u32(bytes + 8));
     *s = (struct segment){
         .version = get_u32(bytes + 8), .lsn = get_u64(bytes + 16), .life = get_u32(bytes + 24)};
     uint32_t kind = get_u32(bytes + 12);
     if (memcmp(bytes, magic, MAGIC) != 0)
         return bad_segment(s, "its header is not that of a delaunayd file");
-    if (get_u32(bytes + 28) != crc32c(0, bytes, 28))
+    if (n < size)
+        return 0;
+    if (get_u32(bytes + size - 4) != crc32c(0, bytes, size - 4))
         return bad_segment(s, "the checksum of its header is wrong");
     if (s->version > RECORD_VERSION)
         return bad_segment(s, "it was written by a later version of delaunayd");
     if (s->version == 0 || (kind != SEGMENT_LOG && kind != SEGMENT_SNAPSHOT))
         return bad_segment(s, "its header makes no sense");
     s->kind = (enum segment_kind)kind;
-    return SEGMENT_HEADER;
+    if (s->version > 3)
+        read_history(bytes, s);
+    return (ptrdiff_t)size;
 }
 
 /* ---- writing records ---- */
@@ -238,6 +267,14 @@ ptrdiff_t record_read(const char *bytes, size_t n, struct record *r)
     if (r->type == RECORD_SET && r->field_len == VERSION_BYTES)
         r->version = get_u64(r->field);
     return (ptrdiff_t)(RECORD_HEADER + (size_t)rest);
+}
+
+uint64_t record_digest(uint64_t before, const char *bytes, size_t n)
+{
+    enum { LSN_AT = 4, SYNCED_AT = 16, TYPE_AT = 24 };
+    uint64_t d = digest_bytes(before, bytes + LSN_AT, SYNCED_AT - LSN_AT);
+    d = digest_bytes(d, bytes + TYPE_AT, n - TYPE_AT);
+    return d == 0 ? 1 : d;
 }
 
 struct record_outline record_outline(const char bytes[RECORD_HEADER])

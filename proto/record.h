@@ -2,14 +2,17 @@
  *
  * A file is a segment: a header, then records up to its end. All numbers are little-endian.
  *
- *     segment header, 32 bytes           record header, 52 bytes
+ *     segment header, 64 bytes           record header, 52 bytes
  *      0  "DELAUNAY"                      0  u32 CRC-32C of all that follows
  *      8  u32 version                     4  u32 bytes after this header
  *     12  u32 kind                        8  u64 lsn
  *     16  u64 lsn                        16  u64 synced
  *     24  u32 life                       24  u8 type, u8 flags, u8 length of the name, u8 of the field's
- *     28  u32 CRC-32C of the above       28  u32 first   32  u32 n   36  f64 a   44  f64 b
- *                                        52  the name, the field's name, then n items
+ *     28  u32 generation                 28  u32 first   32  u32 n   36  f64 a   44  f64 b
+ *     32  u64 origin                     52  the name, the field's name, then n items
+ *     40  u64 digest
+ *     48  u32 nonce, u32 parent, u32 0
+ *     60  u32 CRC-32C of the above
  *
  * In a log, every record has a log sequence number (lsn), one more than the record before, and the
  * segment's header has that of its first one. `synced` is an lsn up to which everything was known
@@ -18,6 +21,10 @@
  *
  * A life is the time from a start of the daemon to its end. The versions of sets that clients see contain its
  * number, so that no two lives use the same version; 0: unknown, the sets get new versions.
+ *
+ * A digest of a log is chained: that after a record is record_digest of the record and the digest before it. A segment has
+ * the one before its first record; a snapshot has that of its lsn. History (history.h), lsn and digest are a position:
+ * two logs that have the same position had the same changes up to it.
  *
  * In a snapshot the records are numbered from 1, and the header has the lsn up to which every
  * change is contained in it. For each set there is a RECORD_SET, whose `synced` is the lsn up to
@@ -31,17 +38,20 @@
  *
  * Version 2: RECORD_EXPIRE, and b of RECORD_SET, which was 0; fields: the length of a field's name, which was 0, the types from
  * RECORD_FSET on, and RECORD_HAS_FIELDS.
- * Version 3: the life of a segment, which was 0, and the version of RECORD_SET. */
+ * Version 3: the life of a segment, which was 0, and the version of RECORD_SET.
+ * Version 4: the header has the history and the digest; before, it had 32 bytes, the last of them the CRC-32C. */
 #ifndef PROTO_RECORD_H
 #define PROTO_RECORD_H
 
 #include "proto/buf.h"
+#include "proto/history.h"
 
 #include <stdint.h>
 
 enum {
-    RECORD_VERSION = 3,
-    SEGMENT_HEADER = 32,
+    RECORD_VERSION = 4,
+    SEGMENT_HEADER = 64,
+    SEGMENT_HEADER_3 = 32, /* up to version 3 */
     RECORD_HEADER = 52,
     RECORD_NAME_LIMIT = 64,
     RECORD_FIELD_LIMIT = 64,
@@ -57,7 +67,15 @@ struct segment {
     enum segment_kind kind;
     uint64_t lsn;
     uint32_t life;
-    const char *fault; /* why segment_read returned -1 */
+    struct history history; /* unknown up to version 3 */
+    uint64_t digest;        /* 0: unknown */
+    const char *fault;      /* why segment_read returned -1 */
+};
+
+/* What the headers of a daemon's segments say about it. */
+struct lineage {
+    uint32_t life;
+    struct history history;
 };
 
 enum record_type {
@@ -113,7 +131,11 @@ struct record {
     const char *fault; /* why record_read returned -1 */
 };
 
+/* Writes the header, segment_header_size(s->version) bytes of it. */
 void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s);
+
+/* Bytes of the header of a segment of that version. */
+size_t segment_header_size(uint32_t version);
 
 /* Reads a segment's header from bytes[n]. > 0: consumed, 0: it needs more, -1: invalid, see s->fault. */
 ptrdiff_t segment_read(const char *bytes, size_t n, struct segment *s);
@@ -128,6 +150,10 @@ void record_write(struct buf *out, const struct record *r);
 /* Reads one record from bytes[n]. > 0: consumed, and r borrows from bytes; 0: it needs more; -1:
  * invalid, see r->fault. Never reads beyond n; checks every length against the limits first. */
 ptrdiff_t record_read(const char *bytes, size_t n, struct record *r);
+
+/* The digest of a log after the record bytes[n], as it was written; `before`: the digest before it. What a record says
+ * about its surroundings, `synced` and the checksum, does not count. Never 0. */
+uint64_t record_digest(uint64_t before, const char *bytes, size_t n);
 
 /* Fields of the header of a damaged record, which may be wrong. */
 struct record_outline {

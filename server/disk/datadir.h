@@ -10,6 +10,8 @@
 #ifndef SERVER_DATADIR_H
 #define SERVER_DATADIR_H
 
+#include "proto/record.h"
+
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,8 +19,8 @@
 
 struct datadir {
     int fd;
-    const char *path; /* borrows */
-    uint32_t life;    /* the number of this life (record.h), for new segments; 0: unknown */
+    const char *path;       /* borrows */
+    struct lineage lineage; /* for new files; the I/O thread's once the log has begun */
 };
 
 enum datafile_kind { DATAFILE_SNAPSHOT, DATAFILE_LOG, DATAFILE_TEMPORARY };

@@ -32,6 +32,7 @@ struct piece {
     unsigned records;
     uint64_t last;             /* the lsn of its last record */
     size_t size;               /* bytes of memory */
+    struct lineage *lineage;   /* owns; PIECE_ROTATE: from now on; NULL: the same */
     struct buf bytes;          /* owns; PIECE_BYTES: encoded records */
     double *xy;                /* owns; PIECE_POINTS */
     struct log_values *values; /* owns; PIECE_POINTS: those that come with the points, or NULL */
@@ -57,8 +58,9 @@ struct log {
     pthread_cond_t wake;
     struct queue queue;
     struct log_status status;
-    uint64_t resume; /* not 0: the argument of log_resume, plus 1 */
-    uint64_t broken; /* a record up to this lsn is missing from the queue; 0: none */
+    uint64_t resume;        /* not 0: the argument of log_resume, plus 1, */
+    uint64_t resume_digest; /* and the other one */
+    uint64_t broken;        /* a record up to this lsn is missing from the queue; 0: none */
     bool stopping;
     /* the log thread's */
     struct log_file file;
@@ -108,6 +110,7 @@ static void free_piece(struct log *log, struct piece *p)
     buf_free(&p->bytes);
     dt_pages_release(p->xy);
     log_values_free(p->values);
+    free(p->lineage);
     free(p);
 }
 
@@ -240,17 +243,29 @@ uint64_t log_rotate(struct log *log)
     return log->next - 1;
 }
 
+uint64_t log_rotate_to(struct log *log, const struct lineage *lineage)
+{
+    struct piece *p = new_piece(log, PIECE_ROTATE);
+    if (p != NULL && (p->lineage = malloc(sizeof *lineage)) != NULL)
+        *p->lineage = *lineage;
+    else
+        log->lost = true;
+    log_push(log);
+    return log->next - 1;
+}
+
 void log_refill_reserve(struct log *log)
 {
     new_piece(log, PIECE_RESERVE);
     log_push(log);
 }
 
-void log_resume(struct log *log, uint64_t lsn)
+void log_resume(struct log *log, uint64_t lsn, uint64_t digest)
 {
     log_push(log);
     pthread_mutex_lock(&log->mutex);
     log->resume = lsn + 1;
+    log->resume_digest = digest;
     pthread_cond_signal(&log->wake);
     pthread_mutex_unlock(&log->mutex);
 }
@@ -315,6 +330,15 @@ static void encode_points(struct log *log, struct piece *p, struct buf *out)
     log_file_write(&log->file, out);
 }
 
+/* From now on segments have the piece's lineage, if it has one. */
+static void take_lineage(struct log_file *f, const struct piece *p)
+{
+    if (p->lineage == NULL)
+        return;
+    f->lineage = *p->lineage;
+    f->renamed = true;
+}
+
 static void carry_out(struct log *log, struct piece *p)
 {
     struct buf out = {0};
@@ -326,6 +350,7 @@ static void carry_out(struct log *log, struct piece *p)
         encode_points(log, p, &out);
         break;
     case PIECE_ROTATE:
+        take_lineage(&log->file, p);
         log_file_start(&log->file, p->last + 1);
         break;
     case PIECE_RESERVE:
@@ -344,6 +369,8 @@ static uint64_t write_pieces(struct log *log, struct piece *p, uint64_t last)
         struct piece *next = p->next;
         if (log->file.error == 0)
             carry_out(log, p);
+        else
+            take_lineage(&log->file, p);
         if (p->last > last)
             last = p->last;
         free_piece(log, p);
@@ -399,12 +426,14 @@ static void publish(struct log *log, uint64_t last, unsigned records)
         st->state = f->reserved ? LOG_GOOD : LOG_FULL;
         st->error = f->reserved ? 0 : f->full_error;
         st->durable = last;
+        st->digest = f->digest;
         if (!f->unsynced) {
             st->synced = last;
             atomic_store(&log->synced, last);
         }
     }
     st->segment = f->first;
+    st->segment_digest = f->digest_before;
     st->bytes = f->bytes;
     st->total = f->before + f->bytes;
     st->syncs = f->syncs;
@@ -435,7 +464,7 @@ static void write_queue(struct log *log, bool sync)
 /* Drops what the snapshot has, and continues with the rest. */
 static void resume(struct log *log)
 {
-    uint64_t first = log->resume;
+    uint64_t first = log->resume, digest = log->resume_digest;
     struct queue q = log->queue, keep = {0};
     log->resume = 0;
     bool broken = log->broken >= first;
@@ -444,15 +473,16 @@ static void resume(struct log *log)
     pthread_mutex_unlock(&log->mutex);
     for (struct piece *p = q.first, *next; p != NULL; p = next) {
         next = p->next;
-        if (p->last < first || p->kind == PIECE_ROTATE)
+        if (p->last < first || p->kind == PIECE_ROTATE) {
+            take_lineage(&log->file, p);
             free_piece(log, p);
-        else
+        } else
             push(&keep, p);
     }
     if (broken)
         log_file_fail(&log->file, ENOMEM);
     else
-        log_file_restart(&log->file, first);
+        log_file_restart(&log->file, first, digest);
     if (log->file.error == 0)
         log_file_reserve(&log->file);
     uint64_t last = write_pieces(log, keep.first, first - 1);
@@ -499,7 +529,8 @@ static bool start_thread(struct log *log)
     return pthread_create(&log->thread, NULL, serve, log) == 0;
 }
 
-struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t first, int event)
+struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t first,
+                    uint64_t digest, int event)
 {
     struct log *log = calloc(1, sizeof *log);
     if (log == NULL) {
@@ -511,7 +542,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     log->event = event;
     log->synced = first - 1;
     log->status.durable = log->status.synced = first - 1;
-    log_file_init(&log->file, dir);
+    log_file_init(&log->file, dir, digest);
     log_file_start(&log->file, first);
     if (log->file.error != 0) {
         notice(NOTICE_ERROR, "cannot write in %s: %s", dir->path, strerror(log->file.error));
@@ -521,6 +552,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     log_file_reserve(&log->file);
     log->synced_ms = clock_ms();
     log->status.segment = first;
+    log->status.digest = log->status.segment_digest = digest;
     log->status.bytes = log->status.total = log->file.bytes;
     log->status.state = log->file.reserved ? LOG_GOOD : LOG_FULL;
     log->status.error = log->file.full_error;

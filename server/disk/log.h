@@ -25,20 +25,24 @@ enum log_state {
 
 struct log_status {
     enum log_state state;
-    int error;        /* errno of the failure that led to LOG_FULL or LOG_FAILED */
-    uint64_t durable; /* changes up to this lsn are durable: replies may be sent */
-    uint64_t synced;  /* changes up to this lsn are synced */
-    uint64_t segment; /* first lsn of the current segment */
-    uint64_t bytes;   /* of the current segment */
-    uint64_t total;   /* of this and all segments before it since the start */
+    int error;               /* errno of the failure that led to LOG_FULL or LOG_FAILED */
+    uint64_t durable;        /* changes up to this lsn are durable: replies may be sent */
+    uint64_t synced;         /* changes up to this lsn are synced */
+    uint64_t digest;         /* of the changes up to `durable` */
+    uint64_t segment;        /* first lsn of the current segment */
+    uint64_t segment_digest; /* of the changes before it */
+    uint64_t bytes;          /* of the current segment */
+    uint64_t total;          /* of this and all segments before it since the start */
     uint64_t syncs, failures;
 };
 
 struct log;
 
-/* Starts the thread, and a segment whose first record will have the lsn `first`. `event` is an eventfd
- * (borrowed) that is written when the status has changed. NULL: the reason is on standard error. */
-struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t first, int event);
+/* Starts the thread, and a segment of dir->lineage whose first record will have the lsn `first`; digest: of the changes
+ * before it. `event` is an eventfd (borrowed) that is written when the status has changed. NULL: the reason is on standard
+ * error. */
+struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t first,
+                    uint64_t digest, int event);
 
 /* Writes and syncs everything, then ends the thread. */
 void log_free(struct log *log);
@@ -87,9 +91,12 @@ uint64_t log_last(const struct log *log);
  * the segment exists, status.segment is one more. */
 uint64_t log_rotate(struct log *log);
 
-/* After LOG_FAILED: every change up to lsn is in a durable snapshot; continues in a new segment from lsn + 1.
- * lsn is from log_rotate. */
-void log_resume(struct log *log, uint64_t lsn);
+/* The same, in the lineage that this and later segments have. */
+uint64_t log_rotate_to(struct log *log, const struct lineage *lineage);
+
+/* After LOG_FAILED: every change up to lsn is in a durable snapshot, which has this digest for them; continues in a new
+ * segment from lsn + 1. lsn is from log_rotate. */
+void log_resume(struct log *log, uint64_t lsn, uint64_t digest);
 
 /* In LOG_FULL: tries to allocate the reserve again. */
 void log_refill_reserve(struct log *log);

@@ -12,9 +12,9 @@ enum { RESERVE_BYTES = 4 << 20 };
 
 static const char reserve_name[] = "reserve";
 
-void log_file_init(struct log_file *f, const struct datadir *dir)
+void log_file_init(struct log_file *f, const struct datadir *dir, uint64_t digest)
 {
-    *f = (struct log_file){.dir = dir, .fd = -1};
+    *f = (struct log_file){.dir = dir, .fd = -1, .lineage = dir->lineage, .digest = digest};
 }
 
 void log_file_clear(struct log_file *f)
@@ -69,7 +69,7 @@ void log_file_mark(struct log_file *f)
     f->mark = f->bytes;
 }
 
-void log_file_write(struct log_file *f, struct buf *b)
+static void write_bytes(struct log_file *f, struct buf *b)
 {
     if (b->failed && f->error == 0)
         log_file_fail(f, ENOMEM);
@@ -89,6 +89,16 @@ void log_file_write(struct log_file *f, struct buf *b)
     }
 }
 
+void log_file_write(struct log_file *f, struct buf *b)
+{
+    const char *at = buf_head(b), *end = at + buf_len(b);
+    for (size_t n; at < end; at += n) {
+        n = RECORD_HEADER + record_outline(at).length;
+        f->digest = record_digest(f->digest, at, n);
+    }
+    write_bytes(f, b);
+}
+
 void log_file_sync(struct log_file *f)
 {
     if (f->error != 0 || !f->unsynced)
@@ -104,8 +114,12 @@ void log_file_sync(struct log_file *f)
 /* Writes the header of a new segment; name and header are durable then, or the file has failed. */
 static void write_header(struct log_file *f)
 {
-    struct segment header = {
-        .version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = f->first, .life = f->dir->life};
+    struct segment header = {.version = RECORD_VERSION,
+                             .kind = SEGMENT_LOG,
+                             .lsn = f->first,
+                             .life = f->lineage.life,
+                             .history = f->lineage.history,
+                             .digest = f->digest_before};
     struct buf b = {0};
     char *to = buf_reserve(&b, SEGMENT_HEADER);
     if (to != NULL) {
@@ -113,7 +127,7 @@ static void write_header(struct log_file *f)
         buf_commit(&b, SEGMENT_HEADER);
     }
     log_file_mark(f);
-    log_file_write(f, &b);
+    write_bytes(f, &b);
     log_file_sync(f);
     if (f->error == 0 && !datadir_sync(f->dir))
         log_file_fail(f, errno);
@@ -147,7 +161,7 @@ void log_file_start(struct log_file *f, uint64_t first)
 {
     char name[DATAFILE_NAME];
     bool created;
-    if (f->fd >= 0 && f->first == first && f->bytes == SEGMENT_HEADER)
+    if (f->fd >= 0 && f->first == first && f->bytes == SEGMENT_HEADER && !f->renamed)
         return; /* it is new already */
     log_file_sync(f);
     if (f->error != 0)
@@ -159,7 +173,9 @@ void log_file_start(struct log_file *f, uint64_t first)
         log_file_fail(f, errno);
         return;
     }
+    f->renamed = false;
     f->first = first;
+    f->digest_before = f->digest;
     f->before += f->bytes;
     f->bytes = 0;
     write_header(f);
@@ -169,16 +185,17 @@ void log_file_start(struct log_file *f, uint64_t first)
         unlinkat(f->dir->fd, name, 0);
 }
 
-void log_file_restart(struct log_file *f, uint64_t first)
+void log_file_restart(struct log_file *f, uint64_t first, uint64_t digest)
 {
     f->error = 0;
+    f->digest = digest;
     log_file_start(f, first);
 }
 
-bool log_file_begin(const struct datadir *dir, uint64_t first)
+bool log_file_begin(const struct datadir *dir, uint64_t first, uint64_t digest)
 {
     struct log_file f;
-    log_file_init(&f, dir);
+    log_file_init(&f, dir, digest);
     log_file_start(&f, first);
     log_file_clear(&f);
     errno = f.error;

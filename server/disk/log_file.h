@@ -12,13 +12,17 @@ struct log_file {
     int full_error;            /* errno: why there is no reserve */
     bool reserved;             /* the reserve exists */
     bool unsynced;             /* something was written since the last sync */
+    struct lineage lineage;    /* of this segment, and of those that follow */
+    bool renamed;              /* `lineage` is that of the next segment */
     uint64_t first;            /* the lsn of its first record */
+    uint64_t digest_before;    /* of the records before it, */
+    uint64_t digest;           /* and up to now */
     uint64_t bytes, mark;
     uint64_t before; /* bytes of the segments before it */
     uint64_t syncs;
 };
 
-void log_file_init(struct log_file *f, const struct datadir *dir);
+void log_file_init(struct log_file *f, const struct datadir *dir, uint64_t digest);
 void log_file_clear(struct log_file *f);
 
 /* Closes the descriptor: nothing is written any more. */
@@ -30,15 +34,15 @@ void log_file_start(struct log_file *f, uint64_t first);
 
 /* The same after a failure, which is cleared: the caller knows that every change before `first` is durable
  * elsewhere. */
-void log_file_restart(struct log_file *f, uint64_t first);
+void log_file_restart(struct log_file *f, uint64_t first, uint64_t digest);
 
 /* Makes a segment without records, whose first one will have the lsn `first`, durable. False with errno. */
-bool log_file_begin(const struct datadir *dir, uint64_t first);
+bool log_file_begin(const struct datadir *dir, uint64_t first, uint64_t digest);
 
 /* Marks this position: if the disk is full before the next mark, the segment is truncated to it. */
 void log_file_mark(struct log_file *f);
 
-/* Writes and consumes all of b. */
+/* Writes and consumes all of b, whole records. */
 void log_file_write(struct log_file *f, struct buf *b);
 
 /* A failure is final: on Linux a second fsync of the same descriptor reports success for pages that were

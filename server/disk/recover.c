@@ -82,8 +82,13 @@ static bool fail_record(struct recovery *r, const struct datafile *f, uint64_t a
 /* The records that follow were written in the life of the header; 0: unknown. */
 static void note_life(struct recovery *r, const struct segment *header)
 {
+    struct lineage *l = &r->lineage;
     r->replay.sets.life = header->life;
-    r->life = header->life > r->life ? header->life : r->life;
+    l->life = header->life > l->life ? header->life : l->life;
+    if (header->history.origin != 0)
+        l->history = header->history;
+    if (header->digest != 0)
+        r->digest = header->digest;
 }
 
 /* ---- the snapshot ---- */
@@ -127,6 +132,8 @@ static bool read_snapshot(struct recovery *r, const struct datafile *f)
     }
     reader_close(&in);
     r->last = r->replay.snapshot = f->lsn;
+    r->snapshot_digest = r->digest;
+    r->digest = 0; /* the log begins before the snapshot */
     if (ok)
         report(r, "%s: %zu sets, all changes up to %" PRIu64 "\n", f->name, r->replay.sets.sets,
                f->lsn);
@@ -141,6 +148,7 @@ struct place {
     uint64_t first;
     uint64_t mark_at, mark_lsn; /* a record; see note_synced */
     uint64_t load_at, load_lsn; /* where an incomplete LOAD begins; 0: there is none */
+    uint64_t load_digest;       /* of the changes before it */
 };
 
 static bool torn_at(struct recovery *r, const struct place *p, uint64_t at)
@@ -191,6 +199,7 @@ static bool judge_end(struct recovery *r, const struct place *p, struct segment_
     if (p->load_at > 0) { /* the whole LOAD is dropped with its end */
         at = p->load_at;
         r->last = p->load_lsn - 1;
+        r->digest = p->load_digest;
         replay_abandon_load(&r->replay);
     }
     if (synced || !p->last)
@@ -241,11 +250,13 @@ static bool read_log_records(struct recovery *r, struct place *p, struct segment
         if (record.type == RECORD_LOAD) {
             p->load_at = in->at;
             p->load_lsn = record.lsn;
+            p->load_digest = r->digest;
         }
         if (!replay_in_load(&r->replay))
             p->load_at = 0;
         note_synced(r, p, in->at, &record);
         r->last = record.lsn;
+        r->digest = record_digest(r->digest, reader_bytes(in), in->last);
         r->done += in->last;
         if (cancelled(r))
             return false;
@@ -277,10 +288,7 @@ static bool judge_header(struct recovery *r, const struct place *p, struct segme
  * header, and the numbers of the records show whether it is right. */
 static bool can_pass_header(const struct recovery *r, struct segment_reader *in)
 {
-    if (!r->mend || buf_len(&in->window) < SEGMENT_HEADER)
-        return false;
-    in->last = SEGMENT_HEADER;
-    return true;
+    return r->mend && reader_pass_header(in) > 0;
 }
 
 static bool read_segment(struct recovery *r, struct place *p)
@@ -355,8 +363,10 @@ static bool read_segments(struct recovery *r, const struct datafile *f, size_t n
             return false;
         r->log_bytes += f[i].bytes;
     }
-    if (r->last < r->replay.snapshot)
+    if (r->last < r->replay.snapshot) {
         r->last = r->replay.snapshot;
+        r->digest = r->snapshot_digest;
+    }
     return true;
 }
 

@@ -32,12 +32,14 @@ struct recovery {
     enum recovery_result result;
     char why[512]; /* the reason, unless RECOVERY_OK; with it, if the end was torn off */
     struct replay replay;
-    uint64_t log_bytes;   /* of the segments that were read */
-    uint32_t life;        /* the last one that a segment has */
-    uint64_t last;        /* the lsn of the last change */
-    uint64_t ahead;       /* the same, or the lsn of a later one that only the snapshot has */
-    struct datafile file; /* the segment that is torn or corrupt */
-    uint64_t at;          /* from this offset on */
+    uint64_t log_bytes;       /* of the segments that were read */
+    struct lineage lineage;   /* the last one that a segment has */
+    uint64_t last;            /* the lsn of the last change */
+    uint64_t digest;          /* of the changes up to it; 0: unknown */
+    uint64_t snapshot_digest; /* of those up to the snapshot */
+    uint64_t ahead;           /* the same, or the lsn of a later one that only the snapshot has */
+    struct datafile file;     /* the segment that is torn or corrupt */
+    uint64_t at;              /* from this offset on */
     bool torn;
     bool aside;         /* the torn end may have changes, and is put aside */
     uint64_t synced_at; /* the last segment was certainly synced up to this offset */

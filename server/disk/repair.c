@@ -87,22 +87,26 @@ static bool cut_log(const struct recovery *r)
 
 /* ---- headers and segments of a log whose records are intact ---- */
 
-static bool has_good_header(const struct datadir *dir, const struct datafile *f)
+/* If the header is damaged, *version is that of a header of its length. */
+static bool has_good_header(const struct datadir *dir, const struct datafile *f, uint32_t *version)
 {
     struct segment_reader in;
     struct segment header = {0};
     bool bad = reader_open(&in, dir, f, &header) == READER_BAD && !reader_is_later(&in, &header);
+    *version = bad ? reader_pass_header(&in) : 0;
     reader_close(&in);
     return !bad;
 }
 
-static bool write_header(const struct datadir *dir, const struct datafile *f)
+static bool write_header(const struct datadir *dir, const struct datafile *f, uint32_t version)
 {
-    struct segment header = {.version = RECORD_VERSION, .kind = SEGMENT_LOG, .lsn = f->lsn};
+    struct segment header = {
+        .version = version == 0 ? RECORD_VERSION : version, .kind = SEGMENT_LOG, .lsn = f->lsn};
+    size_t size = segment_header_size(header.version);
     char bytes[SEGMENT_HEADER];
     int fd = openat(dir->fd, f->name, O_WRONLY | O_CLOEXEC);
     segment_write(bytes, &header);
-    bool ok = fd >= 0 && write(fd, bytes, sizeof bytes) == sizeof bytes && fsync(fd) == 0;
+    bool ok = fd >= 0 && write(fd, bytes, size) == (ssize_t)size && fsync(fd) == 0;
     int error = errno;
     if (fd >= 0)
         close(fd);
@@ -119,16 +123,18 @@ static bool mend_log(const struct recovery *r)
     bool ok = datadir_list(r->dir, &files);
     for (size_t i = 0; ok && i < files.n; i++) {
         const struct datafile *f = &files.v[i];
+        uint32_t version;
         segments += f->kind == DATAFILE_LOG;
-        if (f->kind != DATAFILE_LOG || has_good_header(r->dir, f))
+        if (f->kind != DATAFILE_LOG || has_good_header(r->dir, f, &version))
             continue;
-        ok = datadir_copy_aside(r->dir, f, 0, aside) && write_header(r->dir, f);
+        ok = datadir_copy_aside(r->dir, f, 0, aside) && write_header(r->dir, f, version);
         if (ok)
             printf("%s: its header was written again; the old file is in damaged.*\n", f->name);
     }
     datafiles_free(&files);
     if (ok && segments == 0 && r->last > 0)
-        ok = log_file_begin(r->dir, r->last + 1); /* a log needs a segment, even an empty one */
+        ok = log_file_begin(r->dir, r->last + 1,
+                            r->digest); /* a log needs a segment, even an empty one */
     if (!ok)
         printf("cannot repair the log: %s\n", strerror(errno));
     return ok;

@@ -12,6 +12,7 @@
 #include "server/disk/recover.h"
 #include "server/disk/segment_reader.h"
 #include "server/disk/snapshot.h"
+#include "server/system/random.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -108,8 +109,8 @@ static bool read_intact_records(struct reading *s, const struct datafile *f)
     struct segment header = {0};
     struct record record;
     enum reader_result got = reader_open(&s->in, s->r->dir, f, &header);
-    if (got == READER_BAD && buf_len(&s->in.window) >= SEGMENT_HEADER)
-        s->in.last = SEGMENT_HEADER;
+    if (got == READER_BAD)
+        reader_pass_header(&s->in);
     /* If the header cannot be read, the file's name says the same. */
     s->lsn = got == READER_BAD && header.kind == SEGMENT_SNAPSHOT ? header.lsn : f->lsn;
     for (s->number = 1; got != READER_ERROR && !s->ended; s->number = record.lsn + 1) {
@@ -138,7 +139,7 @@ static bool write_snapshot(struct recovery *r)
         event >= 0 ? snapshot_begin(r->dir, &r->replay.sets, r->last, event) : NULL;
     errno = ENOMEM;
     if (snap != NULL) {
-        snapshot_go(snap);
+        snapshot_go(snap, r->digest);
         while (read(event, &count, sizeof count) < 0 && errno == EINTR)
             ;
         errno = snapshot_end(snap, &r->replay.sets);
@@ -153,7 +154,7 @@ static bool write_snapshot(struct recovery *r)
 /* Begins the log after the snapshot; the earlier segments already have their second names. */
 static bool begin_log(const struct recovery *r, const struct datafiles *files)
 {
-    bool ok = log_file_begin(r->dir, r->last + 1);
+    bool ok = log_file_begin(r->dir, r->last + 1, r->digest);
     for (size_t i = 0; ok && i < files->n; i++)
         if (files->v[i].kind == DATAFILE_LOG && files->v[i].lsn != r->last + 1)
             ok = unlinkat(r->dir->fd, files->v[i].name, 0) == 0 || errno == ENOENT;
@@ -207,6 +208,7 @@ static bool keep_intact_sets(const struct datadir *dir, const struct datafiles *
         r.mend = true;
         recovery_log(&r, files);
         r.last = r.ahead;
+        r.digest = random_bits(); /* it is not what was there before */
         ok = r.result == RECOVERY_OK || r.result == RECOVERY_CORRUPT;
         if (r.why[0] != '\0')
             printf("%s\n", r.why);

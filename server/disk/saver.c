@@ -2,6 +2,7 @@
 #include "server/disk/saver.h"
 
 #include "server/system/notice.h"
+#include "server/system/random.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -75,8 +76,8 @@ bool saver_begin(struct saver *v, int64_t now_ms)
     v->snapshot = snapshot_begin(v->dir, v->sets, v->cut, v->event);
     if (v->snapshot == NULL)
         give_up(v, now_ms);
-    else if (v->state == SAVER_MENDING)
-        snapshot_go(v->snapshot);
+    else if (v->state == SAVER_MENDING) /* changes that the log has lost are in no other digest */
+        snapshot_go(v->snapshot, v->cut_digest = random_bits());
     return v->snapshot != NULL;
 }
 
@@ -88,7 +89,7 @@ static void step_rotating(struct saver *v)
     } else if (v->status.segment > v->cut) {
         v->state = SAVER_WRITING;
         v->cut_bytes = v->status.total - v->status.bytes;
-        snapshot_go(v->snapshot);
+        snapshot_go(v->snapshot, v->status.segment_digest);
     }
 }
 
@@ -124,7 +125,7 @@ static void step_writing(struct saver *v, int64_t now_ms)
     } else {
         v->state = SAVER_RESUMING;
         v->failures = v->status.failures;
-        log_resume(v->log, v->cut);
+        log_resume(v->log, v->cut, v->cut_digest);
     }
 }
 

@@ -32,6 +32,7 @@ struct saver {
     struct log_status status;  /* when it was last read */
     struct snapshot *snapshot; /* owns; from ROTATING or MENDING on, until it is in place */
     uint64_t cut;              /* the lsn of `snapshot`, or of the last one */
+    uint64_t cut_digest;       /* after a failure: what the log continues from */
     uint64_t cut_bytes;        /* bytes of log up to there */
     uint64_t base_bytes;       /* bytes of log that the snapshot in place covers */
     uint64_t read_bytes;       /* bytes of log that were read at the start and are in no snapshot */

@@ -69,6 +69,29 @@ bool reader_is_later(const struct segment_reader *r, const struct segment *heade
     return header->version > RECORD_VERSION && strstr(r->fault, "later version") != NULL;
 }
 
+/* Whether an intact record begins there. */
+static bool has_record(struct segment_reader *r, size_t at)
+{
+    struct record record;
+    return buf_len(&r->window) > at &&
+           record_read(buf_head(&r->window) + at, buf_len(&r->window) - at, &record) > 0;
+}
+
+uint32_t reader_pass_header(struct segment_reader *r)
+{
+    if (!fill(r, SEGMENT_HEADER + RECORD_LIMIT) || buf_len(&r->window) < SEGMENT_HEADER_3)
+        return 0;
+    bool shorter = has_record(r, SEGMENT_HEADER_3) || buf_len(&r->window) < SEGMENT_HEADER;
+    uint32_t version = shorter ? 3 : RECORD_VERSION;
+    r->last = segment_header_size(version);
+    return version;
+}
+
+const char *reader_bytes(struct segment_reader *r)
+{
+    return buf_head(&r->window);
+}
+
 void reader_close(struct segment_reader *r)
 {
     if (r->fd >= 0)

@@ -30,6 +30,13 @@ enum reader_result reader_open(struct segment_reader *r, const struct datadir *d
 /* After READER_BAD from reader_open: whether the file is of a later version. */
 bool reader_is_later(const struct segment_reader *r, const struct segment *header);
 
+/* After READER_BAD from reader_open: passes over the damaged header, whose length shows in what follows it. Returns the
+ * version of a header of that length; 0: the file is too short. */
+uint32_t reader_pass_header(struct segment_reader *r);
+
+/* The bytes of the last record, r->last of them, until the next call. */
+const char *reader_bytes(struct segment_reader *r);
+
 void reader_close(struct segment_reader *r);
 
 /* Reads the next record, which borrows from the reader until the next call. */

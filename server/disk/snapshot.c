@@ -229,7 +229,9 @@ static bool put_all(struct output *o)
     struct segment header = {.version = RECORD_VERSION,
                              .kind = SEGMENT_SNAPSHOT,
                              .lsn = snap->lsn,
-                             .life = snap->dir->life};
+                             .life = snap->lineage.life,
+                             .history = snap->lineage.history,
+                             .digest = snap->digest};
     struct record end = {.type = RECORD_END, .n = (uint32_t)snap->n};
     char *to = buf_reserve(&o->out, SEGMENT_HEADER);
     if (to == NULL)
@@ -365,6 +367,7 @@ struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets
         return NULL;
     snap->dir = dir;
     snap->lsn = lsn;
+    snap->lineage = dir->lineage;
     snap->event = fcntl(event, F_DUPFD_CLOEXEC, 0);
     if (snap->event < 0) {
         free(snap);
@@ -375,8 +378,9 @@ struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets
     return snap;
 }
 
-void snapshot_go(struct snapshot *snap)
+void snapshot_go(struct snapshot *snap, uint64_t digest)
 {
+    snap->digest = digest;
     if (--snap->waiting == 0)
         start(snap);
 }

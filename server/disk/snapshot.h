@@ -37,6 +37,8 @@ struct snapshot_source {
 struct snapshot {
     const struct datadir *dir; /* borrows */
     uint64_t lsn;
+    uint64_t digest;        /* of the log's changes up to lsn */
+    struct lineage lineage; /* of the log */
     int event; /* an eventfd, written when done; the thread's, which may outlive the struct */
     size_t n;
     size_t waiting; /* sets that are not pinned yet, plus 1 until snapshot_go */
@@ -56,8 +58,8 @@ struct snapshot {
 struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets, uint64_t lsn,
                                 int event);
 
-/* Starts the thread as soon as the last set is pinned. */
-void snapshot_go(struct snapshot *snap);
+/* Starts the thread as soon as the last set is pinned; digest: of the log's changes up to the snapshot's lsn. */
+void snapshot_go(struct snapshot *snap, uint64_t digest);
 
 /* Unpins the sets that have been written. */
 void snapshot_release(struct snapshot *snap, struct registry *sets);

@@ -6,6 +6,7 @@
 #include "server/disk/saver.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
+#include "server/system/random.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -58,11 +59,16 @@ static void *read_directory(void *arg)
     struct recovery *r = &d->recovery;
     recovery_run(r);
     if (r->result == RECOVERY_OK && recovery_tidy(r)) {
-        registry_begin_life(&r->replay.sets, r->life);
-        d->dir.life = r->replay.sets.life;
+        registry_begin_life(&r->replay.sets, r->lineage.life);
+        d->dir.lineage = r->lineage;
+        d->dir.lineage.life = r->replay.sets.life;
+        if (d->dir.lineage.history.origin == 0)
+            d->dir.lineage.history = history_begin(random_bits());
         if (r->why[0] != '\0')
             notice(r->later > 0 ? NOTICE_ERROR : NOTICE_WARNING, "%s", r->why);
-        d->log = log_new(&d->dir, s->config->fsync, r->last + 1, d->event);
+        /* Changes that the log has lost have other records: nothing continues from their digest. */
+        uint64_t digest = r->digest == 0 || r->ahead > r->last ? random_bits() : r->digest;
+        d->log = log_new(&d->dir, s->config->fsync, r->last + 1, digest, d->event);
         if (d->log == NULL)
             r->result = RECOVERY_ERROR;
         else

@@ -201,7 +201,7 @@ static bool reads_segment(size_t at, uint64_t v, unsigned size)
     char bytes[SEGMENT_HEADER];
     segment_write(bytes, &s);
     put(bytes + at, v, size);
-    put(bytes + 28, crc32c(0, bytes, 28), 4);
+    put(bytes + SEGMENT_HEADER - 4, crc32c(0, bytes, SEGMENT_HEADER - 4), 4);
     ptrdiff_t took = segment_read(bytes, sizeof bytes, &s);
     CHECK(took == -1 || (took == SEGMENT_HEADER && s.lsn == 0x123456789abcdef0u));
     return took > 0;

@@ -4,6 +4,7 @@
 
 #include "core/delaunay.h"
 #include "server/disk/log_file.h"
+#include "server/disk/recover.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"
 #include "tests/test.h"
@@ -35,7 +36,7 @@ static void begin_empty(struct bench *b)
 static void begin(struct bench *b, enum log_policy policy)
 {
     begin_empty(b);
-    b->log = log_new(&b->dir, policy, 1, b->event);
+    b->log = log_new(&b->dir, policy, 1, 1, b->event);
     CHECK(b->log != NULL);
 }
 
@@ -123,7 +124,7 @@ TEST(segment_that_could_not_be_begun_is_created_again)
         CHECK(log_rotate(b.log) == 1);
         await_failure(&b);
         CHECK(calls_count("create log.2") == 1 && calls_count("remove log.2") == 1);
-        log_resume(b.log, 1);
+        log_resume(b.log, 1, 1);
         while (b.status.state == LOG_FAILED)
             look(&b);
         CHECK(calls_count("create log.2") == 2 && b.status.segment == 2 && b.status.durable == 1);
@@ -262,7 +263,7 @@ static void fail(struct bench *b)
 static void resume(struct bench *b, uint64_t lsn)
 {
     uint64_t failures = b->status.failures;
-    log_resume(b->log, lsn);
+    log_resume(b->log, lsn, 1);
     while (b->status.state == LOG_FAILED && b->status.failures == failures)
         look(b);
 }
@@ -336,7 +337,7 @@ TEST(half_a_reserve_is_removed)
     struct log_file f;
     struct bench b;
     begin_empty(&b);
-    log_file_init(&f, &b.dir);
+    log_file_init(&f, &b.dir, 1);
     calls_fail("allocate reserve", 1, 1, ENOSPC);
     log_file_reserve(&f);
     CHECK(!f.reserved && calls_failed() == 1);
@@ -351,7 +352,7 @@ TEST(log_goes_without_a_reserve_where_there_cannot_be_one)
         struct bench b;
         begin_empty(&b);
         calls_fail("create reserve", 1, 1, errors[i]);
-        b.log = log_new(&b.dir, LOG_ALWAYS, 1, b.event);
+        b.log = log_new(&b.dir, LOG_ALWAYS, 1, 1, b.event);
         CHECK(b.log != NULL);
         log_status(b.log, &b.status);
         CHECK(b.status.state == (i == 0 ? LOG_GOOD : LOG_FULL));
@@ -364,7 +365,7 @@ TEST(segment_whose_header_does_not_fit_into_memory_is_a_failure)
     struct log_file f;
     struct bench b;
     begin_empty(&b);
-    log_file_init(&f, &b.dir);
+    log_file_init(&f, &b.dir, 1);
     test_fail_alloc(1);
     log_file_start(&f, 1);
     CHECK(test_alloc_failed() && f.error == ENOMEM);
@@ -379,11 +380,11 @@ TEST(log_that_cannot_begin_is_none)
     begin_empty(&b);
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
         calls_fail(calls[i], 1, 1, EIO);
-        CHECK(log_new(&b.dir, LOG_ALWAYS, 1, -1) == NULL && calls_failed() == 1);
+        CHECK(log_new(&b.dir, LOG_ALWAYS, 1, 1, -1) == NULL && calls_failed() == 1);
     }
     for (long n = 1;; n++) {
         test_fail_alloc(n);
-        struct log *log = log_new(&b.dir, LOG_ALWAYS, 1, -1);
+        struct log *log = log_new(&b.dir, LOG_ALWAYS, 1, 1, -1);
         bool failed = test_alloc_failed();
         test_fail_alloc(0);
         CHECK(failed || log != NULL);
@@ -456,7 +457,7 @@ TEST(segment_that_was_there_stays_when_its_beginning_fails)
     begin_empty(&b);
     directory_touch(&b.directory, "log.0000000000000005");
     calls_fail("sync log.5", 1, 1, EIO);
-    CHECK(log_new(&b.dir, LOG_ALWAYS, 5, -1) == NULL);
+    CHECK(log_new(&b.dir, LOG_ALWAYS, 5, 1, -1) == NULL);
     CHECK(directory_file(&b.directory, "log.", 0, path));
     end(&b);
 }
@@ -477,5 +478,75 @@ TEST(bytes_in_the_queue_are_counted_until_they_are_written)
     CHECK(log_queued(b.log) == small + POINTS * 16);
     await_durable(&b, last);
     CHECK(log_queued(b.log) == 0);
+    end(&b);
+}
+
+/* ---- positions ---- */
+
+/* A record that every log can have. */
+static uint64_t append_nothing(struct bench *b)
+{
+    struct record r = {.type = RECORD_CLOSE};
+    return log_append(b->log, &r);
+}
+
+/* What the directory says about the log. */
+static void read_again(struct bench *b, struct recovery *r)
+{
+    recovery_init(r, &b->dir);
+    recovery_run(r);
+    CHECK_MSG(r->result == RECOVERY_OK, "%s", r->why);
+}
+
+TEST(digest_of_a_log_is_read_as_it_was_written_and_continues)
+{
+    struct bench b;
+    struct recovery r;
+    struct log_status before;
+    begin(&b, LOG_ALWAYS);
+    struct record add = {.name = "t", .name_len = 1, .n = 100000};
+    log_append_points(b.log, &add, dt_pages_grow(NULL, NULL, 0, 100000 * 2 * sizeof(double)));
+    append_nothing(&b);
+    log_rotate(b.log);
+    append_nothing(&b);
+    log_free(b.log); /* with RECORD_CLOSE */
+    b.log = NULL;
+    read_again(&b, &r);
+    uint64_t last = r.last, digest = r.digest;
+    recovery_clear(&r);
+    CHECK(last == 9 && digest != 0);
+    b.log = log_new(&b.dir, LOG_ALWAYS, last + 1, digest, b.event);
+    log_status(b.log, &b.status);
+    CHECK(b.status.durable == last && b.status.digest == digest);
+    await_durable(&b, append_nothing(&b));
+    before = b.status;
+    log_rotate(b.log);
+    log_free(b.log);
+    b.log = NULL;
+    read_again(&b, &r);
+    CHECK(before.digest != digest && r.last == before.durable + 1 && r.digest != before.digest);
+    recovery_clear(&r);
+    end(&b);
+}
+
+TEST(lineage_of_a_log_changes_with_a_segment_of_its_own)
+{
+    struct bench b;
+    struct recovery r;
+    struct lineage l = {.life = 5, .history = history_begin(77)};
+    begin_empty(&b);
+    b.dir.lineage = l;
+    b.log = log_new(&b.dir, LOG_ALWAYS, 1, 1, b.event);
+    struct lineage next = {.life = 6, .history = history_next(&l.history, 4)};
+    CHECK(log_rotate_to(b.log, &next) == 0); /* in the place of the first segment, which is empty */
+    append_nothing(&b);
+    next.history = history_next(&next.history, 8);
+    log_rotate_to(b.log, &next);
+    log_free(b.log);
+    b.log = NULL;
+    read_again(&b, &r);
+    CHECK(r.lineage.life == 6 && r.lineage.history.generation == 3);
+    CHECK(r.lineage.history.parent == 4 && r.lineage.history.nonce == 8);
+    recovery_clear(&r);
     end(&b);
 }

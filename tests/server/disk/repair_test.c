@@ -232,7 +232,7 @@ TEST(repair_keeps_what_is_before_a_record_that_cannot_be)
     file_write(s.path[2], buf_head(&b), buf_len(&b));
     CHECK(look(&s).result == RECOVERY_REFUSED);
     CHECK(directory_run(&s.dir, "--repair", text, sizeof text) == 0);
-    CHECK_MSG(is_kept(&s, 2) && strstr(text, "cut off at byte 32") != NULL, "%s", text);
+    CHECK_MSG(is_kept(&s, 2) && strstr(text, "cut off at byte 64") != NULL, "%s", text);
     buf_free(&b);
     free_sample(&s);
 }

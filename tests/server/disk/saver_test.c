@@ -35,7 +35,7 @@ static void begin(struct bench *b)
     CHECK(datadir_open(&b->dir, b->directory.path, false));
     calls_watch(b->directory.path);
     int event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    b->log = log_new(&b->dir, LOG_ALWAYS, 1, event);
+    b->log = log_new(&b->dir, LOG_ALWAYS, 1, 1, event);
     CHECK(b->log != NULL);
     b->saver = (struct saver){.dir = &b->dir,
                               .sets = &b->l.server.sets,

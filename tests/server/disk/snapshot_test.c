@@ -62,7 +62,7 @@ static struct snapshot *pin(struct bench *b)
 static void write_rows(const struct bench *b, struct snapshot *snap)
 {
     uint64_t count;
-    snapshot_go(snap);
+    snapshot_go(snap, 1);
     CHECK(read(b->event, &count, sizeof count) == sizeof count && snap->done);
 }
 
@@ -277,7 +277,7 @@ TEST(snapshot_reports_its_end_through_a_descriptor_of_its_own)
     int kept = dup(b.event);
     struct snapshot *snap = pin(&b);
     CHECK(kept >= 0 && pipe(ends) == 0 && dup2(ends[1], b.event) == b.event);
-    snapshot_go(snap);
+    snapshot_go(snap, 1);
     struct pollfd counted = {.fd = kept, .events = POLLIN},
                   other = {.fd = ends[0], .events = POLLIN};
     CHECK(poll(&counted, 1, 10000) == 1 && read(kept, &count, sizeof count) == sizeof count);
@@ -444,7 +444,7 @@ TEST(snapshot_holds_the_set_as_it_was_whatever_edits_come_meanwhile)
         CHECK(snap != NULL);
         compose_edits(text, sizeof text, 300);
         local_ask(&l, text);
-        snapshot_go(snap);
+        snapshot_go(snap, 1);
         while (!snap->done) {
             compose_edits(text, sizeof text, 10);
             local_ask(&l, text);

@@ -11,7 +11,7 @@
 enum { CLIENTS = 4 };
 
 struct workload {
-    struct history *history;
+    struct states *history;
     unsigned port;
     bool large;         /* some loads do not fit into one record of the log */
     atomic_uint shared; /* the number of the set that is shared now */

@@ -8,9 +8,9 @@
 
 /* ---- recording ---- */
 
-void history_init(struct history *h)
+void history_init(struct states *h)
 {
-    *h = (struct history){0};
+    *h = (struct states){0};
     pthread_mutex_init(&h->mutex, NULL);
 }
 
@@ -33,7 +33,7 @@ static void *listed(void *list, int n, void *p)
     return v;
 }
 
-struct stream *history_new_stream(struct history *h, const char *set)
+struct stream *history_new_stream(struct states *h, const char *set)
 {
     struct stream *s = calloc(1, sizeof *s);
     pthread_mutex_lock(&h->mutex);
@@ -48,7 +48,7 @@ struct stream *history_new_stream(struct history *h, const char *set)
     return s;
 }
 
-struct connection *history_new_connection(struct history *h, unsigned port)
+struct connection *history_new_connection(struct states *h, unsigned port)
 {
     struct connection *c = calloc(1, sizeof *c);
     CHECK(c != NULL);
@@ -119,7 +119,7 @@ void connection_see(struct connection *c, struct dt_point p, uint64_t end)
 
 /* ---- freeing ---- */
 
-void history_forget_connections(struct history *h)
+void history_forget_connections(struct states *h)
 {
     for (int i = 0; i < h->connections; i++) {
         free(h->connection[i]->heard);
@@ -130,7 +130,7 @@ void history_forget_connections(struct history *h)
     h->connections = 0;
 }
 
-void history_clear(struct history *h)
+void history_clear(struct states *h)
 {
     for (int i = 0; i < h->streams; i++) {
         struct stream *s = h->stream[i];

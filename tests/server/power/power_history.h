@@ -64,7 +64,7 @@ struct connection {
     int n, cap;
 };
 
-struct history {
+struct states {
     pthread_mutex_t mutex; /* for the two lists; a stream and a connection are one thread's */
     struct stream **stream;
     struct connection **connection;
@@ -73,14 +73,14 @@ struct history {
     bool disk_is_full;  /* occasionally */
 };
 
-void history_init(struct history *h);
-void history_clear(struct history *h);
-void history_forget_connections(struct history *h);
+void history_init(struct states *h);
+void history_clear(struct states *h);
+void history_forget_connections(struct states *h);
 
 /* set is NULL for a set of its own, or the name of a shared set. */
-struct stream *history_new_stream(struct history *h, const char *set);
+struct stream *history_new_stream(struct states *h, const char *set);
 /* NULL: another connection has used that port. */
-struct connection *history_new_connection(struct history *h, unsigned port);
+struct connection *history_new_connection(struct states *h, unsigned port);
 
 /* Takes over the change; returns its index. */
 int stream_add(struct stream *s, const struct change *c);
@@ -93,16 +93,16 @@ void connection_hear(struct connection *c, struct stream *s, int index, uint64_t
 void connection_see(struct connection *c, struct dt_point p, uint64_t end);
 
 /* Once the daemon has ended: compares the replies with the model, and computes its states. */
-void history_close(struct history *h);
+void history_close(struct states *h);
 
 /* Chooses the moment when the daemon had done the first n operations of the log, or, for `all`, its
  * end. */
-void history_look(struct history *h, const struct power_log *log, size_t n, bool all);
+void history_look(struct states *h, const struct power_log *log, size_t n, bool all);
 
 /* Whether the sets are a state that may be left. If not, `why` says what is wrong. */
-bool history_allows(struct history *h, const struct registry *sets, char why[WHY_BYTES]);
+bool history_allows(struct states *h, const struct registry *sets, char why[WHY_BYTES]);
 
 /* Makes the sets, which history_allows has just accepted, the state that the next life begins with. */
-void history_settle(struct history *h, const struct registry *sets);
+void history_settle(struct states *h, const struct registry *sets);
 
 #endif

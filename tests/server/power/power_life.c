@@ -246,7 +246,7 @@ static size_t synced_at(const struct moment *m)
 
 static void look(struct moment *m)
 {
-    struct history *h = &m->story->history;
+    struct states *h = &m->story->history;
     m->cut = choose_cut(m->log);
     random_fate_init(&m->fate, test_random(), m->crash, m->log);
     m->after = crash_state(m->crash, m->cut, &m->fate.fate);

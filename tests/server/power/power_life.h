@@ -26,7 +26,7 @@ struct tally {
 };
 
 struct story {
-    struct history history;
+    struct states history;
     struct client client[CLIENTS];
     struct workload work;
     struct tree before; /* what the life begins with */

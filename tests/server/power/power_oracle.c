@@ -73,7 +73,7 @@ static void compute_states(struct stream *s)
     model_clear(&m);
 }
 
-void history_close(struct history *h)
+void history_close(struct states *h)
 {
     for (int i = 0; i < h->streams; i++)
         compute_states(h->stream[i]);
@@ -91,7 +91,7 @@ static int maker_of(const struct stream *s, struct dt_point p)
     return -1;
 }
 
-static void count_reply(struct history *h, const struct heard *heard)
+static void count_reply(struct states *h, const struct heard *heard)
 {
     struct stream *s = heard->stream;
     int index = heard->index;
@@ -103,7 +103,7 @@ static void count_reply(struct history *h, const struct heard *heard)
         s->acknowledged = index + 1;
 }
 
-void history_look(struct history *h, const struct power_log *log, size_t n, bool all)
+void history_look(struct states *h, const struct power_log *log, size_t n, bool all)
 {
     for (int i = 0; i < h->streams; i++)
         h->stream[i]->acknowledged = 0;
@@ -186,7 +186,7 @@ static bool find_state_after_refusals(struct stream *s, uint64_t digest)
     return false;
 }
 
-static bool allows_stream(const struct history *h, struct stream *s, const struct registry *sets,
+static bool allows_stream(const struct states *h, struct stream *s, const struct registry *sets,
                           char why[WHY_BYTES])
 {
     uint64_t digest = digest_found(s, set_of(sets, s));
@@ -237,7 +237,7 @@ static void count_triangulations(const struct stream *s, bool *must, bool *may)
 }
 
 /* Checks a shared set against all its streams; `first` is one of them. */
-static bool allows_shared_set(const struct history *h, const struct stream *first,
+static bool allows_shared_set(const struct states *h, const struct stream *first,
                               const struct dataset *set, char why[WHY_BYTES])
 {
     bool must = false, may = false, is = set != NULL && set->triangulated;
@@ -262,7 +262,7 @@ static bool allows_shared_set(const struct history *h, const struct stream *firs
     return true;
 }
 
-static bool is_first_of_set(const struct history *h, int number)
+static bool is_first_of_set(const struct states *h, int number)
 {
     for (int i = 0; i < number; i++)
         if (strcmp(h->stream[i]->set, h->stream[number]->set) == 0)
@@ -270,7 +270,7 @@ static bool is_first_of_set(const struct history *h, int number)
     return true;
 }
 
-bool history_allows(struct history *h, const struct registry *sets, char why[WHY_BYTES])
+bool history_allows(struct states *h, const struct registry *sets, char why[WHY_BYTES])
 {
     size_t there = 0;
     for (int i = 0; i < h->streams; i++)
@@ -322,7 +322,7 @@ static void settle(struct stream *s, const struct dataset *set)
         s->ids = m.dt == NULL ? 0 : dt_next_id(m.dt);
 }
 
-void history_settle(struct history *h, const struct registry *sets)
+void history_settle(struct states *h, const struct registry *sets)
 {
     for (int i = 0; i < h->streams; i++)
         settle(h->stream[i], set_of(sets, h->stream[i]));

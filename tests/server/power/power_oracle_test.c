@@ -8,7 +8,7 @@
 enum { FIRST = 1, SECOND = 2, THIRD = 4 };
 
 struct scene {
-    struct history history;
+    struct states history;
     struct stream *stream;
     struct registry sets;
     struct dt *dt; /* of the stream's set */
