@@ -35,7 +35,7 @@ COMPILE   = $(CC) $(CFLAGS) $(BASE) $(WARNINGS) $(FLAGS_$(V)) $(EXTRA)
 LDLIBS   := -lm
 
 CORE     := $(patsubst %.c,$(O)/%.o,$(wildcard core/*/*.c))
-PROTO    := $(patsubst %.c,$(O)/%.o,$(wildcard proto/*.c))
+PROTO    := $(patsubst %.c,$(O)/%.o,$(wildcard proto/*.c proto/*/*.c))
 SERVER   := $(patsubst %.c,$(O)/%.o,$(wildcard server/*.c server/*/*.c))
 CLIENT   := $(patsubst %.c,$(O)/%.o,$(filter-out clients/examples/%,$(wildcard clients/*.c clients/*/*.c)))
 HARNESS  := $(O)/tests/test.o $(O)/tests/alloc.o

@@ -10,7 +10,7 @@
 #ifndef SERVER_DATADIR_H
 #define SERVER_DATADIR_H
 
-#include "proto/record.h"
+#include "proto/records/record.h"
 
 #include <stdatomic.h>
 #include <stdbool.h>

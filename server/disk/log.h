@@ -13,7 +13,7 @@
 #ifndef SERVER_LOG_H
 #define SERVER_LOG_H
 
-#include "proto/record.h"
+#include "proto/records/record.h"
 #include "server/disk/datadir.h"
 #include "server/ops/config.h"
 

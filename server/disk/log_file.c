@@ -1,7 +1,7 @@
 /* log_file.c - see log_file.h. */
 #include "server/disk/log_file.h"
 
-#include "proto/record.h"
+#include "proto/records/record.h"
 
 #include <errno.h>
 #include <fcntl.h>

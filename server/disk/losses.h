@@ -2,7 +2,7 @@
 #ifndef SERVER_LOSSES_H
 #define SERVER_LOSSES_H
 
-#include "proto/record.h"
+#include "proto/records/record.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 #ifndef SERVER_REPLAY_H
 #define SERVER_REPLAY_H
 
-#include "proto/record.h"
+#include "proto/records/record.h"
 #include "server/disk/losses.h"
 #include "server/sets/dataset.h"
 

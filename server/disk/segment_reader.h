@@ -2,7 +2,7 @@
 #ifndef SERVER_SEGMENT_READER_H
 #define SERVER_SEGMENT_READER_H
 
-#include "proto/record.h"
+#include "proto/records/record.h"
 #include "server/disk/datadir.h"
 
 enum reader_result {

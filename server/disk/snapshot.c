@@ -2,7 +2,7 @@
 #include "server/disk/snapshot.h"
 
 #include "core/delaunay_fields.h"
-#include "proto/record.h"
+#include "proto/records/record.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -4,7 +4,7 @@
 #ifndef SERVER_JOURNAL_H
 #define SERVER_JOURNAL_H
 
-#include "proto/record.h"
+#include "proto/records/record.h"
 #include "server/disk/log.h"
 #include "server/jobs/server.h"
 

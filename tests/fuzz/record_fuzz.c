@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/crc32c.h"
-#include "proto/record.h"
+#include "proto/records/crc32c.h"
+#include "proto/records/record.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

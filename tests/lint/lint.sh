@@ -59,9 +59,9 @@ room_order() { # FOLDER REGEX
 include_rules() {
     local pure='assert|cpuid|float|immintrin|limits|math|stdalign|stdarg|stdatomic|stdbool|stddef|stdint|stdlib|string'
     room_order core "\"core/delaunay(_surface|_fields)?\.h\"|<($pure|sys/mman|errno)\.h>|<atomic>" # the last one for C++ that includes core/delaunay.h
-    may_include proto "\"proto/[a-z0-9_]+\.h\"|<($pure|ctype|errno|inttypes|stdio|time)\.h>"
-    room_order server "\"(core/delaunay(_surface|_fields)?|proto/[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
-    room_order clients "\"proto/[a-z0-9_]+\.h\"|<[a-z0-9_/]+\.h>"
+    may_include proto "\"proto/(records/)?[a-z0-9_]+\.h\"|<($pure|ctype|errno|inttypes|stdio|time)\.h>"
+    room_order server "\"(core/delaunay(_surface|_fields)?|proto/(records/)?[a-z0-9_]+)\.h\"|<[a-z0-9_/]+\.h>"
+    room_order clients "\"proto/(records/)?[a-z0-9_]+\.h\"|<[a-z0-9_/]+\.h>"
 }
 
 # A file's own header comes first, which proves that the header stands on its own.

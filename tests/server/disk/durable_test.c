@@ -1,5 +1,5 @@
 /* durable_test.c - acknowledged changes exist after a restart, however the daemon ended. */
-#include "proto/record.h"
+#include "proto/records/record.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"
 

@@ -6,7 +6,7 @@
  *     crash/data   what a power cut may have left of it */
 #include "tests/server/power/power_life.h"
 
-#include "proto/record.h"
+#include "proto/records/record.h"
 #include "server/disk/recover.h"
 #include "tests/faults/crash_fate.h"
 #include "tests/server/directory.h"

@@ -2,7 +2,7 @@
  * uninterrupted repair determines what can be kept. Then the power is cut during the repair, and again
  * during the repair of what is left; the last repair must keep as much, and all earlier content must
  * still exist, in damaged.* if not under its own name. */
-#include "proto/record.h"
+#include "proto/records/record.h"
 #include "server/disk/recover.h"
 #include "tests/faults/crash_fate.h"
 #include "tests/server/digest.h"

@@ -1,5 +1,5 @@
 /* digest_test.c - the digest of bytes. */
-#include "proto/digest.h"
+#include "proto/records/digest.h"
 
 #include "tests/test.h"
 

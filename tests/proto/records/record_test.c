@@ -1,7 +1,7 @@
 /* record_test.c - records are read as they were written, and nothing else is accepted as a record. */
-#include "proto/record.h"
+#include "proto/records/record.h"
 
-#include "proto/crc32c.h"
+#include "proto/records/crc32c.h"
 #include "tests/test.h"
 
 #include <string.h>

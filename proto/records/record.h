@@ -44,7 +44,7 @@
 #define PROTO_RECORD_H
 
 #include "proto/buf.h"
-#include "proto/history.h"
+#include "proto/records/history.h"
 
 #include <stdint.h>
 

@@ -1,8 +1,8 @@
 /* record.c - see record.h. */
-#include "proto/record.h"
+#include "proto/records/record.h"
 
-#include "proto/crc32c.h"
-#include "proto/digest.h"
+#include "proto/records/crc32c.h"
+#include "proto/records/digest.h"
 
 #include <string.h>
 

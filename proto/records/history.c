@@ -1,5 +1,5 @@
 /* history.c - see history.h. */
-#include "proto/history.h"
+#include "proto/records/history.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* digest.c - see digest.h. */
-#include "proto/digest.h"
+#include "proto/records/digest.h"
 
 static const uint64_t P1 = 0x9E3779B185EBCA87, P2 = 0xC2B2AE3D27D4EB4F, P3 = 0x165667B19E3779F9,
                       P4 = 0x85EBCA77C2B2AE63, P5 = 0x27D4EB2F165667C5;

@@ -1,5 +1,5 @@
 /* history_test.c - histories, their order and their text. */
-#include "proto/history.h"
+#include "proto/records/history.h"
 
 #include "tests/test.h"
 
@@ -26,7 +26,7 @@ TEST(history_text_is_read_as_written)
     CHECK(history_read(text, strlen(text), &got) && history_relation(&got, &h) == HISTORY_SAME);
     for (size_t n = 0; n < strlen("fedcba9876543210.4294967295."); n++)
         CHECK(!history_read(text, n, &got));
-    static const char *const bad[] = {"",       ".1.2",  "1..2",          "1.2.",
+    static const char *const bad[] = {"",       ".1.2",  "1..2",           "1.2.",
                                       "1.2.3x", "g.1.2", "1.4294967296.2", "11111111111111111.1.1",
                                       "1.-1.2", "1 .1.2"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)

@@ -1,5 +1,5 @@
 /* crc32c.c - see crc32c.h. */
-#include "proto/crc32c.h"
+#include "proto/records/crc32c.h"
 
 #include <string.h>
 

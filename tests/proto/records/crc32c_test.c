@@ -1,5 +1,5 @@
 /* crc32c_test.c - the checksum compared with published values and with itself. */
-#include "proto/crc32c.h"
+#include "proto/records/crc32c.h"
 
 #include "tests/test.h"
 
