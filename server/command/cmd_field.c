@@ -130,6 +130,21 @@ const struct dt_field **find_fields(struct answer *a, const struct dataset *set,
     return NULL;
 }
 
+bool check_field_names(struct answer *a, const struct word *names)
+{
+    struct word rest = *names;
+    for (size_t n = 0; n < DT_MAX_FIELDS; n++) {
+        bool last = memchr(rest.text, ',', rest.len) == NULL;
+        struct word name = next_name(&rest);
+        if (!read_field_name(a, &name))
+            return false;
+        if (last)
+            return true;
+    }
+    reply_err(a->out, ERR_TOOBIG, "at most %d fields in a reply", DT_MAX_FIELDS);
+    return false;
+}
+
 void cmd_fset(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     size_t n = (q->n - 3) / 2;

@@ -22,15 +22,21 @@ static bool read_version(struct answer *a, const struct word *w, uint64_t *versi
     return good;
 }
 
-static bool read_fields(struct answer *a, const struct dataset *set, const struct word *names,
-                        struct scope *scope)
+/* All of them are fields of the set. */
+static bool find_all(struct answer *a, const struct dataset *set, const struct word *names)
 {
     size_t n;
     const struct dt_field **f = find_fields(a, set, names, &n);
-    if (f == NULL)
-        return false;
     free(f);
-    free(scope->names);
+    return f != NULL;
+}
+
+/* A client that comes back may name a field that has been dropped meanwhile. */
+static bool read_fields(struct answer *a, const struct dataset *set, const struct word *names,
+                        bool comes_back, struct scope *scope)
+{
+    if (!(comes_back ? check_field_names(a, names) : find_all(a, set, names)))
+        return false;
     scope->names = malloc(names->len + 1);
     if (scope->names == NULL) {
         answer_out_of_memory(a);
@@ -45,17 +51,20 @@ static bool read_fields(struct answer *a, const struct dataset *set, const struc
 static bool read_options(struct answer *a, const struct dataset *set, const struct request *q,
                          struct scope *scope, uint64_t *since)
 {
+    const struct word *fields = NULL;
+    bool comes_back = false;
     size_t i = 2, took;
     for (bool good; i < q->n; i += took) {
         const struct word *w = &q->word[i];
         took = 2;
         if (word_is(w, "SINCE") && i + 2 <= q->n) {
-            good = read_version(a, w + 1, since);
+            good = comes_back = read_version(a, w + 1, since);
         } else if (word_is(w, "WITHIN") && i + 5 <= q->n) {
             took = 5;
             good = scope->boxed = read_box(a, w + 1, &scope->lo, &scope->hi);
         } else if (word_is(w, "FIELDS") && i + 2 <= q->n) {
-            good = read_fields(a, set, w + 1, scope);
+            fields = w + 1;
+            good = true;
         } else {
             answer_usage(a, q);
             good = false;
@@ -63,7 +72,7 @@ static bool read_options(struct answer *a, const struct dataset *set, const stru
         if (!good)
             return false;
     }
-    return true;
+    return fields == NULL || read_fields(a, set, fields, comes_back, scope);
 }
 
 void cmd_watch(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

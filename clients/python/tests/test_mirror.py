@@ -286,6 +286,17 @@ class Reconnecting(unittest.TestCase):
                 self.assertEqual(sum(len(change.triangles_removed) for change in found), 1)
                 self.assertEqual(mirrored(m), state(c, "t"))
 
+    def test_a_mirror_continues_without_a_field_that_was_dropped_meanwhile(self):
+        with Client(self.path) as c:
+            c.load("t", SQUARE, fields={"z": [1.0] * 5})
+            with c.mirror("t", fields=["z"], timeout=WAIT) as m:
+                self.kill()
+                self.assertIsNone(m.poll(0.01))
+                self.start()
+                c.drop_field("t", "z")
+                self.assertTrue(m.wait(int(c.stat("t")["version"]), WAIT))
+                self.assertNotEqual(m.values(0)[0], m.values(0)[0])
+
     def test_a_mirror_of_tasks_continues_after_the_daemon_was_killed(self):
         async def main():
             with Client(self.path) as c:

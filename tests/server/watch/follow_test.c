@@ -136,7 +136,11 @@ static void follow_history(const struct daemon *d, bool lattice, bool triangulat
         if (sscanf(got, "OK 0 first=%u added=%u", &first, &added) == 2)
             ids = first + added;
         triangulated = triangulated || strncmp(line, "TRI", 3) == 0;
-        if (strncmp(line, "FDROP", 5) == 0) { /* FIELDS names fields that there are */
+        if (strncmp(line, "FDROP", 5) == 0) { /* FIELDS without SINCE names fields that there are */
+            if (m[2].whole && test_below(2) == 0) {
+                mirror_disconnect(&m[2]);
+                mirror_watch(&m[2], d, true);
+            }
             version = ask_version(fd, "ADD t FIELDS z 2 2 3\n");
             ids++;
         }
@@ -232,6 +236,28 @@ TEST(watch_since_a_version_sends_only_what_comes_later)
         mirror_take(&m);
     CHECK(m.resets == 3 && m.version == now);
     mirror_check(&m, fd, true);
+    mirror_free(&m);
+    close(fd);
+    daemon_end(&d);
+}
+
+TEST(watch_since_a_version_with_a_field_that_was_dropped_meanwhile_has_no_values_of_it)
+{
+    struct daemon d = daemon_start(NULL);
+    struct mirror m = {.options = {.fields = "z"}};
+    int fd = daemon_connect(&d);
+    uint64_t version = ask_version(fd, "ADD t FIELDS z 0 0 5  4 0 6\n");
+    mirror_watch(&m, &d, false);
+    mirror_catch_up(&m, version);
+    CHECK_STR(m.point[1], "1 4 0 6");
+    mirror_disconnect(&m);
+    version = ask_version(fd, "FDROP t z\n");
+    mirror_watch(&m, &d, true);
+    mirror_catch_up(&m, version);
+    CHECK_STR(m.point[1], "1 4 0 nan");
+    version = ask_version(fd, "FSET t z 1 7\n");
+    mirror_catch_up(&m, version);
+    mirror_check(&m, fd, false);
     mirror_free(&m);
     close(fd);
     daemon_end(&d);
