@@ -1,6 +1,8 @@
 /* digest.c - see digest.h. */
 #include "proto/records/digest.h"
 
+#include <string.h>
+
 static const uint64_t P1 = 0x9E3779B185EBCA87, P2 = 0xC2B2AE3D27D4EB4F, P3 = 0x165667B19E3779F9,
                       P4 = 0x85EBCA77C2B2AE63, P5 = 0x27D4EB2F165667C5;
 
@@ -13,8 +15,12 @@ static uint64_t rotate(uint64_t v, unsigned by)
 static uint64_t word_of(const unsigned char *p, size_t n)
 {
     uint64_t w = 0;
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    memcpy(&w, p, n);
+#else
     for (size_t i = 0; i < n; i++)
         w |= (uint64_t)p[i] << 8 * i;
+#endif
     return w;
 }
 
