@@ -103,7 +103,7 @@ static bool is_text(struct piece v, const char *text)
     return v.len == strlen(text) && memcmp(v.text, text, v.len) == 0;
 }
 
-/* key=value: the key, and the value as a number, a truth or a string. */
+/* key=value: the key, and the value as a number, a truth or a string. A digest is a string even if it looks like a number. */
 static void put_pair(struct piece pair, const char *equals)
 {
     size_t key = (size_t)(equals - pair.text);
@@ -112,6 +112,8 @@ static void put_pair(struct piece pair, const char *equals)
     putchar(':');
     if (is_text(value, "yes") || is_text(value, "no"))
         fputs(value.len == 3 ? "true" : "false", stdout);
+    else if (is_text((struct piece){pair.text, key}, "digest"))
+        json_string(value.text, value.len);
     else
         put_scalar(value);
 }

@@ -138,6 +138,7 @@ export class Client {
   ttl(set: string): Promise<number | undefined>;
   persist(set: string): Promise<boolean>;
   stat(set: string): Promise<Stat>;
+  digest(set: string): Promise<string>;
   load(set: string, points: Points, options?: LoadOptions): Promise<number>;
   load<P>(set: string, points: Iterable<P>, options: Accessors<P> & LoadOptions): Promise<number>;
   add(set: string, x: number, y: number): Promise<number>;

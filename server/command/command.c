@@ -36,6 +36,8 @@ const struct command commands[] = {
     {"PERSIST", 2, 2, EDITS | CMD_EXISTING, cmd_persist, "PERSIST set",
      "takes EXPIRE back: the set stays"},
     {"STAT", 2, 2, READS | CMD_FRESH, cmd_stat, "STAT set", "counts and memory of a set"},
+    {"DIGEST", 2, 2, READS, cmd_digest, "DIGEST set",
+     "a number of everything in a set: equal sets have the same"},
     {"ADD", 4, 0, EDITS, cmd_add,
      "ADD set x y [x y ...] | ADD set FIELDS a,b x y a b [x y a b ...]",
      "adds points, with values of fields"},

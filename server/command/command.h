@@ -142,6 +142,7 @@ command_handler cmd_interpolateb, cmd_weights, cmd_interpolate, cmd_raster,
 command_handler cmd_voronoi, cmd_areas, cmd_alpha;       /* cmd_cells.c */
 command_handler cmd_trace;                               /* cmd_trace.c */
 command_handler cmd_watch, cmd_unwatch;                  /* server/watch/cmd_watch.c */
+command_handler cmd_digest;                              /* server/follow/cmd_digest.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit; /* cmd_admin.c */
 command_handler cmd_snapshot;                            /* cmd_admin.c */
 command_handler cmd_auth;                                /* cmd_auth.c */

@@ -125,6 +125,12 @@ static bool is_double(const char *key, size_t len)
     return is(key, len, "ms") || is(key, len, "tol") || is(key, len, "ttl");
 }
 
+/* A fact that is a text even if all its characters are digits. */
+static bool is_always_text(const char *key, size_t len)
+{
+    return is(key, len, "digest");
+}
+
 static void put_fact(struct buf *out, const char *text, size_t len)
 {
     const char *equals = memchr(text, '=', len);
@@ -135,7 +141,11 @@ static void put_fact(struct buf *out, const char *text, size_t len)
     if (is(value, rest, "yes") || is(value, rest, "no"))
         put(out, '#', rest == 3 ? "t" : "f", 1);
     else
-        put_word(out, is_double(text, key) ? 'd' : 'i', value, rest);
+        put_word(out,
+                 is_always_text(text, key) ? 's'
+                 : is_double(text, key)    ? 'd'
+                                           : 'i',
+                 value, rest);
 }
 
 static void put_facts(struct buf *out, struct words w)

@@ -174,6 +174,11 @@ class Client {
     return this.#keys(`STAT ${checkSet(set)}`);
   }
 
+  /** 16 hexadecimal digits that are those of an equal set, and of no other. */
+  async digest(set) {
+    return (await this.request(`DIGEST ${checkSet(set)}`)).keys.digest;
+  }
+
   // ---- points ----
 
   /** Adds points, all or none; resolves with the id of the first one. A Float64Array must not change until then. */

@@ -60,6 +60,9 @@ describe('a client', () => {
     await client.expire('t', 1000);
     assert.ok((await client.ttl('t')) > 900);
     assert.deepEqual([await client.persist('t'), await client.persist('t')], [true, false]);
+    const digest = await client.digest('t');
+    assert.match(digest, /^[0-9a-f]{16}$/);
+    assert.equal(await client.digest('t'), digest);
     const { points, triangulated, tol } = await client.stat('t');
     assert.deepEqual([points, triangulated, tol], [4, true, 0]);
     const { uptime_s, version } = await client.info();

@@ -82,6 +82,11 @@ class Commands:
         """Counts (points, coincident, triangles, edges, hull), memory in bytes, tol, and whether it is triangulated."""
         return self._ask(protocol.values, "STAT", set_name(name))
 
+    def digest(self, name: str) -> str:
+        """16 hexadecimal digits that are those of an equal set, and of no other: points, fields, tolerance, version, and when it
+        is dropped."""
+        return self._ask(lambda reply: reply.keys["digest"], "DIGEST", set_name(name))
+
     # ---- points ----
 
     def load(self, name: str, points: Any, fields: Optional[Mapping[str, Any]] = None) -> int:

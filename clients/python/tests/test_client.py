@@ -79,6 +79,9 @@ class Commands(WithDaemon):
         finally:
             module.numpy = with_numpy
         self.assertEqual(self.client.stat("t")["points"], 3)
+        digest = self.client.digest("t")
+        self.assertRegex(digest, "^[0-9a-f]{16}$")
+        self.assertEqual(self.client.digest("t"), digest)
         self.assertIsNone(self.client.ttl("t"))
         self.assertIsNone(self.client.expire("t", 1000))
         self.assertTrue(900 < self.client.ttl("t") <= 1000)

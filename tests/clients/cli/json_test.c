@@ -98,7 +98,8 @@ static void answer(int fd)
 {
     char line[100];
     while (peer_hear(fd, line, sizeof line))
-        peer_say(fd, "OK 3\na\"b\\c\td 01 1. .5 -1 1e5 nan\n0 at=5 us=7 NEAREST t \"1\" 2\n"
+        peer_say(fd, "OK 3 digest=1234567890123456 version=7\na\"b\\c\td 01 1. .5 -1 1e5 nan\n0 "
+                     "at=5 us=7 NEAREST t \"1\" 2\n"
                      "id=1 name= flag=no\n");
 }
 
@@ -107,9 +108,9 @@ TEST(json_escapes_strings_and_prints_only_valid_numbers_as_numbers)
     char port[8];
     int status;
     peer_start(port, answer);
-    CHECK_STR(
-        peer_shell(&status, "%s -p %s --json anything", getenv("DELAUNAY"), port),
-        "{\"ok\":true,\"rows\":[[\"a\\\"b\\\\c\\u0009d\",\"01\",\"1.\",\".5\",-1,1e5,\"nan\"],"
-        "{\"name\":\"0\",\"at\":5,\"us\":7,\"request\":\"NEAREST t \\\"1\\\" 2\"},"
-        "{\"id\":1,\"name\":\"\",\"flag\":false}]}\n");
+    CHECK_STR(peer_shell(&status, "%s -p %s --json anything", getenv("DELAUNAY"), port),
+              "{\"ok\":true,\"digest\":\"1234567890123456\",\"version\":7,\"rows\":[["
+              "\"a\\\"b\\\\c\\u0009d\",\"01\",\"1.\",\".5\",-1,1e5,\"nan\"],"
+              "{\"name\":\"0\",\"at\":5,\"us\":7,\"request\":\"NEAREST t \\\"1\\\" 2\"},"
+              "{\"id\":1,\"name\":\"\",\"flag\":false}]}\n");
 }

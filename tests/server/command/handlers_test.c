@@ -305,6 +305,7 @@ TEST_TIMEOUT(requests_survive_every_failed_allocation, 60)
         {SQUARE, "POINTS t"},
         {SQUARE, "SETS"},
         {SQUARE, "STAT t"},
+        {SQUARE "FSET t z 1 2", "DIGEST t"},
     };
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++)
         for (long n = 1; survives(steps[i].before, steps[i].request, n); n++)

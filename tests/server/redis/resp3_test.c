@@ -42,6 +42,8 @@ TEST(resp3_facts_are_a_map)
     expect_typed("TRIANGULATE", "OK 0 ms=1.5e-7\n", "%1\r\n$2\r\nms\r\n,1.5e-7\r\n");
     expect_typed("HELLO", "OK 0 server=delaunayd version=1.0\n",
                  "%2\r\n$6\r\nserver\r\n$9\r\ndelaunayd\r\n$7\r\nversion\r\n$3\r\n1.0\r\n");
+    expect_typed("DIGEST", "OK 0 digest=1234567890123456 points=3\n",
+                 "%2\r\n$6\r\ndigest\r\n$16\r\n1234567890123456\r\n$6\r\npoints\r\n:3\r\n");
     expect_typed("PING", "OK 0\n", "+OK\r\n");
 }
 

@@ -1,0 +1,71 @@
+/* cmd_digest.c - DIGEST. */
+#include "server/command/command.h"
+
+#include "server/follow/digest.h"
+#include "server/jobs/job.h"
+#include "server/ops/cost.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+struct digest_job {
+    struct job job;
+    struct digest digest;
+};
+
+/* A worker has the lock on entry and on return, and releases it between the pieces. */
+static void run_job(struct job *job)
+{
+    struct digest_job *j = (struct digest_job *)job;
+    struct digest *d = &j->digest;
+    for (bool done = false; job->status == DT_OK && !done;) {
+        job->status = digest_read(d, job->dt, &done);
+        atomic_store(&job->progress, digest_progress(d));
+        if (job->queued_ns > 0) {
+            version_unlock(job->base);
+            version_lock_read(job->base);
+        }
+        if (job->status == DT_OK && atomic_load(&job->cancel))
+            job->status = DT_CANCELLED;
+    }
+}
+
+static void job_done(struct server *s, struct job *job, struct answer *a)
+{
+    struct digest_job *j = (struct digest_job *)job;
+    char digits[17];
+    version_end_view(&s->sets, job->base, j->digest.view);
+    j->digest.view = NULL;
+    if (job->status != DT_OK) {
+        answer_status(a, job->status);
+        return;
+    }
+    snprintf(digits, sizeof digits, "%016" PRIx64, j->digest.value);
+    reply_ok(a->out, 0);
+    reply_key_text(a->out, "digest", digits);
+    reply_key_u64(a->out, "points", j->digest.points);
+    answer_version(a, j->digest.version);
+}
+
+/* There is still a view if the job has not been carried out. */
+static void clear_job(struct job *job)
+{
+    dt_view_end(((struct digest_job *)job)->digest.view);
+}
+
+void cmd_digest(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct version *v = set->current;
+    size_t numbers = (size_t)dt_next_id(v->dt) * (1 + v->sum.fields);
+    struct digest_job *j = job_new(sizeof *j, run_job, job_done);
+    (void)q;
+    if (j == NULL || !digest_begin(&j->digest, set)) {
+        if (j != NULL)
+            job_free(&j->job);
+        answer_out_of_memory(a);
+        return;
+    }
+    j->job.clear = clear_job;
+    j->job.what = "reading";
+    job_read(s, a, &j->job, v, cost_at_once(COST_SWEEP, numbers) ? 0 : JOB_HEAVY);
+}

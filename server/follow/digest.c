@@ -1,0 +1,92 @@
+/* digest.c - see digest.h. */
+#include "server/follow/digest.h"
+
+#include "proto/records/digest.h"
+
+#include <string.h>
+
+_Static_assert(sizeof(struct dt_row) == 2 * sizeof(uint32_t) + 2 * sizeof(double),
+               "a row has no bytes but those of its values");
+
+static uint64_t bits_of(double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
+bool digest_begin(struct digest *d, const struct dataset *set)
+{
+    struct dt_summary sum;
+    *d = (struct digest){.version = set->version, .view = dt_view_begin(set->current->dt, false)};
+    if (d->view == NULL)
+        return false;
+    dt_view_summary(d->view, &sum);
+    d->points = sum.points;
+    d->next_id = dt_view_next_id(d->view);
+    d->columns = 1 + sum.fields;
+    const uint64_t facts[] = {d->next_id,
+                              sum.points,
+                              sum.triangulated,
+                              set->temporary,
+                              bits_of(dt_tolerance(set->current->dt) + 0.0), /* -0 becomes 0 */
+                              (uint64_t)set->expires_ms,
+                              set->version};
+    d->value = digest_bytes(0, facts, sizeof facts);
+    return true;
+}
+
+/* Fields are found as they are at the moment; whether a page exists in which all values are missing depends on history. */
+static bool has_value(const double *page)
+{
+    for (unsigned i = 0; i < DT_FIELD_PAGE; i++)
+        if (page[i] == page[i])
+            return true;
+    return false;
+}
+
+/* Reads pages of fields; false: there are no more. */
+static bool read_pages(struct digest *d, const struct dt *dt)
+{
+    for (unsigned i = 0; i < DIGEST_PAGES; i++) {
+        const double *page = d->field == NULL ? NULL : dt_field_page(d->field, d->view, &d->page);
+        if (page == NULL) { /* the next field */
+            d->field = dt_field_next(dt, d->view, d->field);
+            if (d->field == NULL)
+                return false;
+            const char *name = dt_field_name(d->field);
+            d->value = digest_bytes(d->value, name, strlen(name));
+            d->page = 0;
+            d->column++;
+            continue;
+        }
+        if (has_value(page)) {
+            d->value = digest_bytes(d->value, &d->page, sizeof d->page);
+            d->value = digest_bytes(d->value, page, DT_FIELD_PAGE * sizeof *page);
+        }
+        d->page += DT_FIELD_PAGE;
+    }
+    return true;
+}
+
+enum dt_status digest_read(struct digest *d, const struct dt *dt, bool *done)
+{
+    struct dt_row row[DIGEST_ROWS];
+    size_t n;
+    enum dt_status status = dt_view_rows(dt, d->view, &d->from, row, DIGEST_ROWS, &n);
+    *done = false;
+    if (status != DT_OK)
+        return status;
+    if (n > 0)
+        d->value = digest_bytes(d->value, row, n * sizeof *row);
+    else
+        *done = !read_pages(d, dt);
+    return DT_OK;
+}
+
+unsigned digest_progress(const struct digest *d)
+{
+    uint64_t ids = d->column == 0 ? d->from : d->page < d->next_id ? d->page : d->next_id;
+    uint64_t all = (uint64_t)d->columns * d->next_id;
+    return all == 0 ? 0 : (unsigned)(100 * ((uint64_t)d->column * d->next_id + ids) / all);
+}

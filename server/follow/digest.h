@@ -1,0 +1,48 @@
+/* digest.h - the digest of a set at one moment: of everything that clients can see of it, but for its name and the memory
+ * that it takes. Equal sets have equal digests, whatever their history; different ones have different digests, but for
+ * chance (proto/records/digest.h).
+ *
+ * It covers, in this order:
+ *
+ *     facts   next id, number of points, whether it is triangulated and temporary, tolerance, when it is dropped, version
+ *     rows    id, representative, x, y of every point, by id, DIGEST_ROWS of them at a time
+ *     fields  by name: the name, and every page of DT_FIELD_PAGE ids that has a value: the first of these ids, the values
+ *
+ * The triangulation depends on the points alone, so it is not read. The set is read through a view, so edits go on between
+ * the pieces, each of which takes about 0.1 ms. */
+#ifndef SERVER_FOLLOW_DIGEST_H
+#define SERVER_FOLLOW_DIGEST_H
+
+#include "core/delaunay_fields.h"
+#include "server/sets/dataset.h"
+
+enum {
+    DIGEST_ROWS = 4096, /* part of what the digest means */
+    DIGEST_PAGES = 32   /* read in a piece */
+};
+
+struct digest {
+    uint64_t value;   /* when all has been read: the digest */
+    uint64_t version; /* of the set at the moment */
+    uint32_t points;  /* then */
+    /* private from here on */
+    struct dt_view *view;         /* owns */
+    uint32_t next_id, columns;    /* of the set; its rows are a column, too */
+    uint32_t from;                /* the next row */
+    uint32_t column;              /* that is being read; 0: rows */
+    const struct dt_field *field; /* of that column */
+    uint64_t page;                /* of it, the next one */
+};
+
+/* Begins with the set as it is now. On the I/O thread; no job edits the set in place. The caller ends d->view
+ * (version_end_view). False: out of memory, with no view. */
+bool digest_begin(struct digest *d, const struct dataset *set);
+
+/* Reads the next piece of dt, that of the version which was current at the beginning, under the caller's lock. *done:
+ * that was all. DT_NOMEM: the view cannot be read any more. */
+enum dt_status digest_read(struct digest *d, const struct dt *dt, bool *done);
+
+/* How much has been read, per cent. */
+unsigned digest_progress(const struct digest *d);
+
+#endif
