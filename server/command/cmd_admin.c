@@ -1,8 +1,11 @@
-/* cmd_admin.c - the commands about the server and the connection. */
+/* cmd_admin.c - the commands about the server and the connection, and those about its directory. */
 #include "server/command/command.h"
 
 #include "proto/number.h"
 #include "server/jobs/durable.h"
+#include "server/jobs/job.h"
+
+#include <string.h>
 
 void cmd_ping(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
@@ -55,13 +58,17 @@ void cmd_hello(struct server *s, struct dataset *set, const struct request *q, s
     }
 }
 
+/* ---- the data directory ---- */
+
+static const char no_data[] = "there is no data directory (--data)";
+
 void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
     uint64_t lsn;
     (void)set, (void)q;
     switch (durable_begin_snapshot(s, &lsn)) {
     case DURABLE_OFF:
-        reply_err(a->out, ERR_IO, "there is no data directory (--data)");
+        reply_err(a->out, ERR_IO, "%s", no_data);
         break;
     case DURABLE_BUSY:
         reply_err(a->out, ERR_BUSY, "a snapshot is being written");
@@ -74,4 +81,83 @@ void cmd_snapshot(struct server *s, struct dataset *set, const struct request *q
         reply_key_u64(a->out, "lsn", lsn);
         reply_end(a->out);
     }
+}
+
+struct backup_job {
+    struct job job;
+    struct backup backup;
+    enum backup_result result;
+};
+
+static void run_backup(struct job *j)
+{
+    struct backup_job *b = (struct backup_job *)j;
+    b->result = backup_write(&b->backup);
+    j->status = b->result == BACKUP_CANCELLED ? DT_CANCELLED : DT_OK;
+}
+
+static void answer_backup(struct answer *a, const struct backup *b)
+{
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, "lsn", b->lsn);
+    reply_key_u64(a->out, "files", b->files);
+    reply_key_u64(a->out, "bytes", b->bytes);
+    reply_key_u64(a->out, "copied", b->copied);
+    reply_end(a->out);
+}
+
+static void backup_done(struct server *s, struct job *j, struct answer *a)
+{
+    const struct backup_job *b = (struct backup_job *)j;
+    const char *why = strerror(b->backup.error);
+    switch (b->result) {
+    case BACKUP_OK:
+        durable_note_backup(s, &b->backup);
+        answer_backup(a, &b->backup);
+        break;
+    case BACKUP_EXISTS:
+        reply_err(a->out, ERR_EXISTS, "there is a %s already", b->backup.name);
+        break;
+    case BACKUP_BUSY:
+        reply_err(a->out, ERR_BUSY, "another backup is being written");
+        break;
+    case BACKUP_LOG_FAILED:
+        reply_err(a->out, ERR_READONLY, "changes cannot be saved: %s", why);
+        break;
+    case BACKUP_CANCELLED:
+        answer_status(a, DT_CANCELLED);
+        break;
+    case BACKUP_ERROR:
+        reply_err(a->out, ERR_IO, "the backup cannot be written: %s", why);
+    }
+}
+
+void cmd_backup(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    const struct word *name = &q->word[1];
+    (void)set;
+    if (!backup_may_name(name->text, name->len)) {
+        reply_err(a->out, ERR_SYNTAX,
+                  "a backup's name is 1 to 64 of A-Z a-z 0-9 _ . : -, without . in front or .tmp "
+                  "at the end");
+        return;
+    }
+    struct backup_job *b = job_new(sizeof *b, run_backup, backup_done);
+    if (b == NULL) {
+        answer_out_of_memory(a);
+        return;
+    }
+    memcpy(b->backup.name, name->text, name->len);
+    b->backup.cancel = &b->job.cancel;
+    b->job.what = "writing a backup";
+    const char *missing = !durable_prepare_backup(s, &b->backup) ? no_data
+                          : b->backup.under == NULL
+                              ? "there is no directory for backups (--backup-dir)"
+                              : NULL;
+    if (missing == NULL) {
+        job_apart(s, a, &b->job);
+        return;
+    }
+    reply_err(a->out, ERR_IO, "%s", missing);
+    job_free(&b->job);
 }

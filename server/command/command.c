@@ -132,6 +132,8 @@ const struct command commands[] = {
      "the settings; changes some of them; reads the tokens again"},
     {"SNAPSHOT", 1, 1, CMD_ALL_SETS | CMD_WRITE | CMD_FREES, cmd_snapshot, "SNAPSHOT",
      "begins to write all sets to the data directory, and begins a new log"},
+    {"BACKUP", 2, 2, CMD_ALL_SETS | CMD_ADMIN, cmd_backup, "BACKUP name",
+     "writes a copy of the data directory, while it is in use, below --backup-dir"},
     {"TIMEOUT", 3, 0, CMD_OPEN, cmd_timeout, "TIMEOUT seconds command",
      "carries out the command, or cancels it after this number of seconds"},
     {"QUIT", 1, 1, CMD_OPEN, cmd_quit, "QUIT", "closes the connection when all replies are out"},

@@ -144,7 +144,7 @@ command_handler cmd_trace;                               /* cmd_trace.c */
 command_handler cmd_watch, cmd_unwatch;                  /* server/watch/cmd_watch.c */
 command_handler cmd_digest;                              /* server/follow/cmd_digest.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit; /* cmd_admin.c */
-command_handler cmd_snapshot;                            /* cmd_admin.c */
+command_handler cmd_snapshot, cmd_backup;                /* cmd_admin.c */
 command_handler cmd_auth;                                /* cmd_auth.c */
 command_handler cmd_info;                                /* cmd_info.c */
 command_handler cmd_client, cmd_slowlog;                 /* cmd_client.c */

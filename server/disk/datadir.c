@@ -262,22 +262,25 @@ static bool write_all(int fd, const char *bytes, size_t n)
     return true;
 }
 
-/* Fails with ECANCELED once *cancel is set; cancel may be NULL. */
-static bool copy_rest(int from, int to, uint64_t at, const atomic_bool *cancel)
+/* Copies what follows byte `at`, up to byte `end`. Fails with ECANCELED once *cancel is set; cancel may be
+ * NULL. */
+static bool copy_rest(int from, int to, uint64_t at, uint64_t end, const atomic_bool *cancel)
 {
     char block[1 << 16];
-    ssize_t n;
+    ssize_t n = 1;
     if (lseek(from, (off_t)at, SEEK_SET) < 0)
         return false;
-    while ((n = read(from, block, sizeof block)) > 0) {
+    while (at < end && n > 0) {
+        n = read(from, block, end - at < sizeof block ? (size_t)(end - at) : sizeof block);
         if (cancel != NULL && *cancel) {
             errno = ECANCELED;
             return false;
         }
-        if (!write_all(to, block, (size_t)n))
+        if (n < 0 || !write_all(to, block, (size_t)n))
             return false;
+        at += (uint64_t)n;
     }
-    return n == 0 && fsync(to) == 0;
+    return fsync(to) == 0;
 }
 
 /* Removes an incomplete file; preserves errno. */
@@ -293,7 +296,7 @@ bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint6
 {
     int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
     int to = from < 0 ? -1 : make_aside(d, f, name, make_file);
-    bool ok = to >= 0 && copy_rest(from, to, at, NULL) && datadir_sync(d);
+    bool ok = to >= 0 && copy_rest(from, to, at, UINT64_MAX, NULL) && datadir_sync(d);
     close_with(from, ok);
     close_with(to, ok);
     if (to >= 0 && !ok)
@@ -301,8 +304,26 @@ bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint6
     return ok;
 }
 
+bool datadir_copy_to(const struct datadir *d, const struct datafile *f, int to,
+                     const atomic_bool *cancel)
+{
+    struct datadir target = {.fd = to};
+    struct stat st;
+    int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
+    int copy = from < 0 ? -1 : make_file(&target, f, f->name);
+    bool ok = copy >= 0 && copy_rest(from, copy, 0, f->bytes, cancel) && fstat(copy, &st) == 0;
+    if (ok && (uint64_t)st.st_size < f->bytes) {
+        errno = ESTALE;
+        ok = false;
+    }
+    close_with(from, ok);
+    return close_with(copy, ok);
+}
+
 bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at)
 {
+    if (!datadir_unshare(d, f))
+        return false;
     int fd = openat(d->fd, f->name, O_WRONLY | O_CLOEXEC);
     return close_with(fd, fd >= 0 && ftruncate(fd, (off_t)at) == 0 && fsync(fd) == 0);
 }
@@ -337,7 +358,7 @@ bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
     int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
     int to =
         from < 0 ? -1 : openat(d->fd, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    bool ok = to >= 0 && copy_rest(from, to, 0, cancel);
+    bool ok = to >= 0 && copy_rest(from, to, 0, UINT64_MAX, cancel);
     close_with(from, ok);
     ok = close_with(to, ok) && renameat(d->fd, temporary, d->fd, f->name) == 0;
     if (!ok && to >= 0)
@@ -345,7 +366,17 @@ bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
     return ok && datadir_sync(d);
 }
 
-void datadir_forget(const struct datadir *d, uint64_t lsn)
+bool datadir_unshare(const struct datadir *d, const struct datafile *f)
+{
+    struct stat st;
+    if (fstatat(d->fd, f->name, &st, 0) != 0)
+        return false;
+    return st.st_nlink == 1 || datadir_copy_again(d, f, NULL);
+}
+
+/* ---- removing what a snapshot covers ---- */
+
+static void forget(const struct datadir *d, uint64_t lsn)
 {
     struct datafiles files;
     if (!datadir_list(d, &files))
@@ -357,4 +388,22 @@ void datadir_forget(const struct datadir *d, uint64_t lsn)
             unlinkat(d->fd, f->name, 0);
     }
     datafiles_free(&files);
+}
+
+void datadir_forget(struct datadir *d, uint64_t lsn)
+{
+    d->covered = lsn;
+    if (d->pins == 0)
+        forget(d, lsn);
+}
+
+void datadir_pin(struct datadir *d)
+{
+    d->pins++;
+}
+
+void datadir_unpin(struct datadir *d)
+{
+    if (--d->pins == 0 && d->covered > 0)
+        forget(d, d->covered);
 }

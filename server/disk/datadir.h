@@ -19,8 +19,10 @@
 
 struct datadir {
     int fd;
-    const char *path;       /* borrows */
-    struct lineage lineage; /* for new files; the I/O thread's once the log has begun */
+    const char *path;         /* borrows */
+    struct lineage lineage;   /* for new files; the I/O thread's once the log has begun */
+    atomic_uint pins;         /* while there are any, datadir_forget removes nothing */
+    _Atomic uint64_t covered; /* its last argument; 0: none */
 };
 
 enum datafile_kind { DATAFILE_SNAPSHOT, DATAFILE_LOG, DATAFILE_TEMPORARY };
@@ -64,6 +66,16 @@ bool datadir_link_aside(const struct datadir *d, const struct datafile *f);
 /* The same, and removes the first name when the second one is durable. False with errno. */
 bool datadir_put_aside(const struct datadir *d, const struct datafile *f);
 
+/* Copies the first f->bytes bytes of the file into a new file of the same name in the directory `to`; all but the
+ * name is durable on return. False with errno, ESTALE: the file is shorter, ECANCELED: *cancel has been set. Then
+ * there may be an incomplete file. */
+bool datadir_copy_to(const struct datadir *d, const struct datafile *f, int to,
+                     const atomic_bool *cancel);
+
+/* To be called before a file is changed in place other than at its end: if it has another name, as in a backup, it is
+ * replaced by a copy first. False with errno. */
+bool datadir_unshare(const struct datadir *d, const struct datafile *f);
+
 /* Truncates the file to `at` bytes, durable on return. False with errno. */
 bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at);
 
@@ -77,6 +89,11 @@ bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
 
 /* Removes the snapshots older than `lsn` and the segments that it covers: those followed by a segment that
  * begins at lsn + 1 or before. A file that cannot be removed is left for the next time. */
-void datadir_forget(const struct datadir *d, uint64_t lsn);
+void datadir_forget(struct datadir *d, uint64_t lsn);
+
+/* From now on datadir_forget removes nothing, apart from a file that it is about to remove. datadir_unpin
+ * removes what it would have removed. */
+void datadir_pin(struct datadir *d);
+void datadir_unpin(struct datadir *d);
 
 #endif

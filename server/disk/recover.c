@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-void recovery_init(struct recovery *r, const struct datadir *dir)
+void recovery_init(struct recovery *r, struct datadir *dir)
 {
     *r = (struct recovery){.dir = dir};
     replay_init(&r->replay);

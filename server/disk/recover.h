@@ -23,9 +23,9 @@ enum recovery_result {
 };
 
 struct recovery {
-    const struct datadir *dir; /* borrows */
-    FILE *report;              /* borrows; gets a line for each file; NULL: none */
-    bool pass_over;            /* ignore the newest snapshot */
+    struct datadir *dir; /* borrows */
+    FILE *report;        /* borrows; gets a line for each file; NULL: none */
+    bool pass_over;      /* ignore the newest snapshot */
     bool mend; /* for --repair: bad_log does not end the reading, only RECOVERY_CORRUPT does */
     atomic_bool cancel;
     atomic_ullong done, total; /* bytes */
@@ -48,7 +48,7 @@ struct recovery {
     uint64_t later; /* RECOVERY_CORRUPT, or torn: intact records that follow */
 };
 
-void recovery_init(struct recovery *r, const struct datadir *dir);
+void recovery_init(struct recovery *r, struct datadir *dir);
 
 /* Reads everything; changes nothing on the disk. */
 void recovery_run(struct recovery *r);

@@ -104,6 +104,8 @@ static bool write_header(const struct datadir *dir, const struct datafile *f, ui
         .version = version == 0 ? RECORD_VERSION : version, .kind = SEGMENT_LOG, .lsn = f->lsn};
     size_t size = segment_header_size(header.version);
     char bytes[SEGMENT_HEADER];
+    if (!datadir_unshare(dir, f))
+        return false;
     int fd = openat(dir->fd, f->name, O_WRONLY | O_CLOEXEC);
     segment_write(bytes, &header);
     bool ok = fd >= 0 && write(fd, bytes, size) == (ssize_t)size && fsync(fd) == 0;

@@ -174,7 +174,7 @@ static bool replace(struct recovery *r, const struct datafiles *files)
 /* ---- with and without the newest snapshot ---- */
 
 /* Whether nothing is lost without the newest snapshot. */
-static bool is_dispensable(const struct datadir *dir, const struct datafile *newest)
+static bool is_dispensable(struct datadir *dir, const struct datafile *newest)
 {
     struct recovery r;
     recovery_init(&r, dir);
@@ -194,7 +194,7 @@ static bool do_without(const struct datadir *dir, const struct datafile *newest)
     return true;
 }
 
-static bool keep_intact_sets(const struct datadir *dir, const struct datafiles *files,
+static bool keep_intact_sets(struct datadir *dir, const struct datafiles *files,
                              const struct datafile *newest)
 {
     struct losses losses = {.announced = SIZE_MAX};
@@ -224,7 +224,7 @@ static bool keep_intact_sets(const struct datadir *dir, const struct datafiles *
     return ok;
 }
 
-bool salvage(const struct datadir *dir)
+bool salvage(struct datadir *dir)
 {
     struct datafiles files;
     size_t snapshots = 0;

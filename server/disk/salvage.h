@@ -6,6 +6,6 @@
 
 /* Repairs the directory, whose newest snapshot is damaged, and reports on standard output what was lost. False:
  * it cannot; the reason is there. */
-bool salvage(const struct datadir *dir);
+bool salvage(struct datadir *dir);
 
 #endif

@@ -22,7 +22,7 @@
 enum saver_state { SAVER_IDLE, SAVER_ROTATING, SAVER_WRITING, SAVER_MENDING, SAVER_RESUMING };
 
 struct saver {
-    const struct datadir *dir; /* borrows, as all up to `event` */
+    struct datadir *dir; /* borrows, as all up to `event` */
     struct registry *sets;
     struct holders *held; /* replies that wait for the log (hold.h) */
     struct log *log;

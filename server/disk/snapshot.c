@@ -357,8 +357,7 @@ static void enrol(struct dataset *set, void *ctx)
     snap->waiting++;
 }
 
-struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets, uint64_t lsn,
-                                int event)
+struct snapshot *snapshot_begin(struct datadir *dir, struct registry *sets, uint64_t lsn, int event)
 {
     size_t n = 0;
     registry_each(sets, count, &n);

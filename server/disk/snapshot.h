@@ -35,7 +35,7 @@ struct snapshot_source {
 };
 
 struct snapshot {
-    const struct datadir *dir; /* borrows */
+    struct datadir *dir; /* borrows */
     uint64_t lsn;
     uint64_t digest;        /* of the log's changes up to lsn */
     struct lineage lineage; /* of the log */
@@ -55,7 +55,7 @@ struct snapshot {
 /* Pins all born sets, some of them later. To be called when lsn is the last change: a set that is dropped later
  * must still be in the file, because the log after lsn begins with its last changes. The eventfd is written
  * when the snapshot is done. NULL: out of memory or descriptors. Ends with snapshot_end. */
-struct snapshot *snapshot_begin(const struct datadir *dir, struct registry *sets, uint64_t lsn,
+struct snapshot *snapshot_begin(struct datadir *dir, struct registry *sets, uint64_t lsn,
                                 int event);
 
 /* Starts the thread as soon as the last set is pinned; digest: of the log's changes up to the snapshot's lsn. */

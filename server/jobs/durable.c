@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
+#include <time.h>
 #include <unistd.h>
 
 enum {
@@ -38,6 +39,8 @@ struct durable {
     atomic_bool read; /* the thread is done */
     struct log *log;  /* owns; NULL before STAGE_READ */
     struct saver saver;
+    uint64_t backups, backup_lsn; /* how many; what the last one has, and when it was complete */
+    time_t backup_time;
 };
 
 static bool is_running(const struct durable *d)
@@ -178,6 +181,29 @@ enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn)
     return DURABLE_BEGUN;
 }
 
+/* ---- backups ---- */
+
+bool durable_prepare_backup(struct server *s, struct backup *b)
+{
+    struct durable *d = s->durable;
+    if (d == NULL)
+        return false;
+    log_push(d->log);
+    b->dir = &d->dir;
+    b->log = d->log;
+    b->under = s->config->backup_dir;
+    b->least = log_last(d->log);
+    return true;
+}
+
+void durable_note_backup(struct server *s, const struct backup *b)
+{
+    struct durable *d = s->durable;
+    d->backups++;
+    d->backup_lsn = b->lsn;
+    d->backup_time = time(NULL);
+}
+
 /* ---- events ---- */
 
 enum durable_news durable_on_event(struct server *s)
@@ -307,4 +333,7 @@ void durable_facts(const struct server *s, struct durable_facts *f)
     f->snapshot_running = v->snapshot != NULL;
     f->snapshot_failures = saver_failures(v);
     f->snapshot_retry_s = (uint64_t)(saver_retry_ms(v, clock_ms()) + 999) / 1000;
+    f->backups = d->backups;
+    f->backup_lsn = d->backup_lsn;
+    f->backup_s = (uint64_t)d->backup_time;
 }

@@ -4,6 +4,7 @@
 #ifndef SERVER_DURABLE_H
 #define SERVER_DURABLE_H
 
+#include "server/disk/backup.h"
 #include "server/disk/log.h"
 #include "server/jobs/server.h"
 
@@ -44,6 +45,13 @@ bool durable_admits_drops(const struct server *s);
 enum durable_begun { DURABLE_BEGUN, DURABLE_OFF, DURABLE_BUSY, DURABLE_NOMEM };
 enum durable_begun durable_begin_snapshot(struct server *s, uint64_t *lsn);
 
+/* Prepares a backup of all changes so far; its name and its `cancel` are the caller's. False: there is no --data. The
+ * directory must have been read (durable_loaded). */
+bool durable_prepare_backup(struct server *s, struct backup *b);
+
+/* It has been written: for INFO. */
+void durable_note_backup(struct server *s, const struct backup *b);
+
 /* NULL without --data, and while the directory is being read. */
 struct log *durable_log(const struct server *s);
 
@@ -56,6 +64,7 @@ struct durable_facts {
     uint64_t snapshot_lsn, snapshot_bytes, snapshots;
     bool snapshot_running;
     uint64_t snapshot_failures, snapshot_retry_s;
+    uint64_t backups, backup_lsn, backup_s; /* the last one: seconds since 1970 */
 };
 void durable_facts(const struct server *s, struct durable_facts *f);
 

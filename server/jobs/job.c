@@ -253,6 +253,14 @@ void job_beside(struct server *s, struct answer *a, struct job *j, struct datase
     start(s, a, j, how);
 }
 
+void job_apart(struct server *s, struct answer *a, struct job *j)
+{
+    if (too_busy(s, a, JOB_HEAVY))
+        job_free(j);
+    else
+        start(s, a, j, JOB_HEAVY);
+}
+
 /* ---- single flight ---- */
 
 bool job_join(struct server *s, struct answer *a, struct job *j)

@@ -82,6 +82,9 @@ bool job_reserve_build(struct server *s, struct answer *a, const struct dataset 
 void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                 unsigned how);
 
+/* The same for a job without a set, which a worker carries out. */
+void job_apart(struct server *s, struct answer *a, struct job *j);
+
 /* Single flight: the request gets the result of a job that is already under way: ANSWER_JOB. False when out of
  * memory. */
 bool job_join(struct server *s, struct answer *a, struct job *j);

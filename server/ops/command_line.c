@@ -18,6 +18,8 @@ static const char usage[] =
     "  --private           listen on a Unix socket in a new directory alone, until standard input "
     "ends\n"
     "  --data DIR          keep everything in this directory as well, so that it survives\n"
+    "  --backup-dir DIR    where the request BACKUP may write backups of --data (default: "
+    "nowhere)\n"
     "  --fsync WHEN        always: a change is acknowledged when it is on the disk (default);\n"
     "                      everysec: when it is written, synced once a second; no: never synced\n"
     "  --compact-at BYTES  log after which a snapshot replaces it (default 64m; more for large "

@@ -22,6 +22,7 @@ struct config {
     const char *bind_address; /* a numeric IPv4 or IPv6 address */
     unsigned port;            /* 0: any free one */
     const char *data;         /* the data directory; NULL: everything is in memory only */
+    const char *backup_dir;   /* where BACKUP may write; NULL: nowhere */
     enum log_policy fsync;
     size_t compact_at;     /* bytes of log after which a snapshot is made */
     const char *check;     /* the data directory of --check; NULL: none */

@@ -22,6 +22,7 @@ const struct setting settings[] = {
     {"unix", "unixsocket", SETTING_TEXT, FIXED, AT(unix_path), 0, 0, NULL},
     {"private", NULL, SETTING_SWITCH, FIXED, AT(private), 0, 0, NULL},
     {"data", "dir", SETTING_TEXT, FIXED, AT(data), 0, 0, NULL},
+    {"backup-dir", NULL, SETTING_TEXT, FIXED, AT(backup_dir), 0, 0, NULL},
     {"fsync", "appendfsync", SETTING_FSYNC, FIXED, AT(fsync), 0, 0, "always, everysec or no"},
     {"compact-at", NULL, SETTING_BYTES, LIVE, AT(compact_at), 0, 0, bytes_wanted},
     {"auth-file", NULL, SETTING_TEXT, FIXED, AT(auth_file), 0, 0, NULL},

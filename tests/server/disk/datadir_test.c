@@ -108,6 +108,28 @@ TEST(what_a_snapshot_replaces_is_forgotten_and_no_segment_that_has_later_changes
     directory_remove(&directory);
 }
 
+TEST(pinned_directory_forgets_nothing_until_it_is_unpinned)
+{
+    struct directory directory = directory_quick();
+    struct datadir d;
+    char path[128];
+    directory_touch(&directory, "snapshot.0000000000000001");
+    directory_touch(&directory, "snapshot.0000000000000004");
+    CHECK(datadir_open(&d, directory.path, false));
+    datadir_pin(&d);
+    datadir_unpin(&d);
+    datadir_pin(&d);
+    datadir_pin(&d);
+    datadir_forget(&d, 4);
+    datadir_unpin(&d);
+    CHECK(directory_file(&directory, "snapshot.", 1, path));
+    datadir_unpin(&d);
+    CHECK(!directory_file(&directory, "snapshot.", 1, path) &&
+          directory_file(&directory, "snapshot.0000000000000004", 0, path));
+    datadir_close(&d);
+    directory_remove(&directory);
+}
+
 TEST(names_that_are_not_exactly_ours_are_left_alone)
 {
     struct directory directory = directory_quick();

@@ -4,6 +4,7 @@
 #include "proto/line.h"
 #include "proto/request.h"
 #include "proto/resp.h"
+#include "server/disk/backup.h"
 #include "server/ops/config.h"
 #include "server/ops/limits.h"
 #include "tests/server/daemon.h"
@@ -122,6 +123,7 @@ TEST(limits_are_those_of_the_document)
         {"bytes of a body in RESP", RESP_BODY_LIMIT},
         {"bytes of a set's name", SET_NAME_LIMIT},
         {"bytes of a field's name", DT_FIELD_NAME},
+        {"bytes of a backup's name", BACKUP_NAME_LIMIT},
         {"bytes of a client's name", LIMIT_CLIENT_NAME},
         {"bytes of a token", LIMIT_TOKEN},
         {"sets", LIMIT_SETS},
