@@ -27,22 +27,13 @@ bool digest_begin(struct digest *d, const struct dataset *set)
     d->columns = 1 + sum.fields;
     const uint64_t facts[] = {d->next_id,
                               sum.points,
-                              sum.triangulated,
+                              sum.triangulated || set->triangulated, /* it may be loading */
                               set->temporary,
                               bits_of(dt_tolerance(set->current->dt) + 0.0), /* -0 becomes 0 */
                               (uint64_t)set->expires_ms,
                               set->version};
     d->value = digest_bytes(0, facts, sizeof facts);
     return true;
-}
-
-/* Fields are found as they are at the moment; whether a page exists in which all values are missing depends on history. */
-static bool has_value(const double *page)
-{
-    for (unsigned i = 0; i < DT_FIELD_PAGE; i++)
-        if (page[i] == page[i])
-            return true;
-    return false;
 }
 
 /* Reads pages of fields; false: there are no more. */
@@ -60,10 +51,8 @@ static bool read_pages(struct digest *d, const struct dt *dt)
             d->column++;
             continue;
         }
-        if (has_value(page)) {
-            d->value = digest_bytes(d->value, &d->page, sizeof d->page);
-            d->value = digest_bytes(d->value, page, DT_FIELD_PAGE * sizeof *page);
-        }
+        d->value = digest_bytes(d->value, &d->page, sizeof d->page);
+        d->value = digest_bytes(d->value, page, DT_FIELD_PAGE * sizeof *page);
         d->page += DT_FIELD_PAGE;
     }
     return true;
