@@ -72,8 +72,10 @@ class Reader {
   #open = null; // what is being read: {rows, expected, done}
   #failure = null;
 
-  constructor(onEvent = () => {}) {
+  /** A binary reply of more than `most` bytes ends the conversation, with the code LARGE. */
+  constructor(onEvent = () => {}, most = Infinity) {
     this.onEvent = onEvent;
+    this.most = most;
   }
 
   push(piece) {
@@ -84,10 +86,15 @@ class Reader {
     );
   }
 
-  /** The next reply that nobody waits for yet: {keys, rows, data}, rows of a text reply, bytes of a binary one. Rejects with Refused. */
-  reply() {
+  /** The next reply that nobody waits for yet: {keys, rows, data}, rows of a text reply, bytes of a binary one. Rejects with Refused.
+   * onReply() is called when it has come, before any event behind it. */
+  reply(onReply = () => {}) {
     return new Promise((resolve, reject) => {
-      if (this.#failure === null) this.#waiting.push({ resolve, reject });
+      const answer = (reply) => {
+        onReply();
+        resolve(reply);
+      };
+      if (this.#failure === null) this.#waiting.push({ answer, reject });
       else reject(this.#failure);
     });
   }
@@ -115,9 +122,11 @@ class Reader {
     } else if (kind === 'OK') {
       const keys = keysOf(line);
       const rows = [];
-      const done = (data) => this.#waiting.shift().resolve({ keys, rows, data });
+      const done = (data) => this.#waiting.shift().answer({ keys, rows, data });
       if (keys.bytes === undefined) {
         this.#begin(Number(words[0]), rows, done);
+      } else if (Number(keys.bytes) > this.most) {
+        throw new Refused('LARGE', `a reply of ${keys.bytes} bytes`);
       } else {
         this.#open = { rows, expected: 0, done };
         this.#splitter.expectBlock(Number(keys.bytes));
@@ -159,35 +168,37 @@ export class Connection {
     };
   }
 
-  close() {
-    this.#socket.close();
+  get isLost() {
+    return this.#socket.readyState !== WebSocket.OPEN;
   }
 
-  /** Resolves to {keys, rows, data} as Reader.reply does. */
-  request(line) {
-    const reply = this.#reader.reply();
+  /** Resolves to {keys, rows, data}, and calls onReply, as Reader.reply does. */
+  request(line, onReply) {
+    const reply = this.#reader.reply(onReply);
     if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(`${line}\n`);
     return reply;
   }
 }
 
-/** Sends requests in a conversation of their own. Returns the promises of their replies. */
-export function fetchReplies(url, lines) {
-  const reader = new Reader();
-  const replies = lines.map(() => reader.reply());
+/** Sends requests in a conversation of their own: lines, or [line, bytes that follow it]. Returns the promises of their replies. With
+ * `most`, a binary reply of more bytes is not read but ends the conversation, and is Refused with the code LARGE. */
+export function fetchReplies(url, requests, most) {
+  const reader = new Reader(() => {}, most);
+  const replies = requests.map(() => reader.reply());
+  const stop = new AbortController();
   const read = async () => {
-    const { body, ok } = await fetch(url, { method: 'POST', body: lines.map((line) => `${line}\n`).join('') });
-    if (!ok) throw lost();
-    const pieces = body.getReader();
-    for (;;) {
-      const { done, value } = await pieces.read();
-      if (done) break;
-      reader.push(value);
-    }
+    const body = new Blob(requests.flat().map((piece) => (typeof piece === 'string' ? `${piece}\n` : piece)));
+    const response = await fetch(url, { method: 'POST', body, signal: stop.signal });
+    if (!response.ok) return;
+    const pieces = response.body.getReader();
+    for (let piece = await pieces.read(); !piece.done; piece = await pieces.read()) reader.push(piece.value);
   };
   read().then(
     () => reader.fail(lost()),
-    () => reader.fail(lost()),
+    (error) => {
+      reader.fail(error.code === 'LARGE' ? error : lost());
+      stop.abort();
+    },
   );
   return replies;
 }

@@ -1,13 +1,14 @@
-// The page: follows one set of the daemon and shows it. Start reading here; mesh.js has the copy of the set, scene.js the drawing.
+// The page: follows one set of the daemon and shows it. Start reading here; follow.js decides what of the set is shown, mesh.js has the
+// copy of it, scene.js the drawing.
 import { Connection, fetchReplies } from './connection.js';
+import { Follower } from './follow.js';
 import { Hands } from './hands.js';
 import { Mesh } from './mesh.js';
 import { Overlay } from './overlay.js';
-import { Gathered } from './rings.js';
 import { Scene } from './scene.js';
 import { View } from './view.js';
 
-const MOST_POINTS = 4e6; // of a set that the page shows
+const MOST_POINTS = 4e6; // of a set that is mirrored whole; `most` in the address
 const RETRY_MS = 1000;
 const REFRESH_MS = 400; // layers of the overlay are asked for so long after the last change
 const SETS_MS = 3000;
@@ -20,14 +21,9 @@ const view = new View();
 const overlay = new Overlay(canvas.overlay);
 const scene = new Scene(canvas.mesh, () => requestDraw());
 let connection = null;
-let set = null; // the name of the set that is followed
-let field = null; // {name, min, max} that is shown
-let box = [0, 0, 1, 1]; // around all points when they were loaded
-let gathered = new Gathered(); // the event that is arriving in parts
-let shown = false; // the mesh is that of `set`
-let events = 0;
+let totals = null; // STAT of the set
 
-/** What the address says behind `#`: set=NAME, token=TOKEN. */
+/** What the address says behind `#`: set=NAME, token=TOKEN, most=POINTS. */
 const given = (name) => new URLSearchParams(location.hash.slice(1)).get(name);
 
 /* ---- drawing ---- */
@@ -38,7 +34,8 @@ function requestDraw() {
   drawRequested = true;
   requestAnimationFrame(() => {
     drawRequested = false;
-    if (shown) scene.draw(view);
+    if (follower.set === null) scene.clear();
+    else if (follower.kind !== null) scene.draw(view);
     overlay.draw(view);
   });
 }
@@ -59,6 +56,7 @@ const THEMES = {
 };
 
 function applyStyle() {
+  const field = follower.field;
   const theme = THEMES[document.documentElement.dataset.theme];
   Object.assign(scene.style, theme, {
     coloured: field !== null && $('coloured').checked,
@@ -94,148 +92,19 @@ function list(id, facts) {
 
 function showFacts(perSecond = 0) {
   const number = new Intl.NumberFormat();
+  const { points, triangles } = follower.kind === 'whole' || totals === null ? mesh : totals;
   list('facts', {
-    points: number.format(mesh.points),
-    triangles: number.format(mesh.triangles),
-    'events per second': number.format(perSecond),
+    points: number.format(points),
+    triangles: number.format(triangles),
+    'events / s': number.format(perSecond),
     version: mesh.version,
   });
 }
 
 /* ---- the set ---- */
 
-function boxOf({ xy, ids }) {
-  const found = [Infinity, Infinity, -Infinity, -Infinity];
-  for (let k = 0; k < 2 * ids; k += 2) {
-    if (xy[k] < found[0]) found[0] = xy[k];
-    if (xy[k] > found[2]) found[2] = xy[k];
-    if (xy[k + 1] < found[1]) found[1] = xy[k + 1];
-    if (xy[k + 1] > found[3]) found[3] = xy[k + 1];
-  }
-  return found[0] <= found[2] ? found : [0, 0, 1, 1];
-}
-
-function fillSelect(select, names, chosen) {
-  const now = [...select.options].map((o) => o.value).join('\n');
-  if (now !== names.join('\n')) select.replaceChildren(...names.map((name) => new Option(name === '' ? 'none' : name, name)));
-  select.value = chosen ?? '';
-}
-
-async function chooseField(name) {
-  const { rows } = await connection.request(`FIELDS ${name}`);
-  const fields = rows.map((row) => row.split(' ')).map(([n, , min, max]) => ({ name: n, min: Number(min), max: Number(max) }));
-  const wanted = $('field').dataset.set === name ? $('field').value : fields[0]?.name;
-  field = fields.find((f) => f.name === wanted) ?? null;
-  $('field').dataset.set = name;
-  fillSelect($('field'), ['', ...fields.map((f) => f.name)], field?.name);
-}
-
-function show() {
-  box = boxOf(mesh);
-  scene.show(mesh, box);
-  shown = true;
-  applyStyle();
-}
-
-/** The replies to requests whose replies may be large. */
-async function fetchAll(...lines) {
-  const auth = given('token') === null ? [] : [`AUTH ${given('token')}`];
-  const replies = await Promise.all(fetchReplies('daemon', [...auth, ...lines]));
-  return replies.slice(auth.length);
-}
-
-/** Loads a set whole, and follows it from then on. */
-async function follow(name, { keepView = false } = {}) {
-  if (set !== null) await connection.request(`UNWATCH ${set}`).catch(() => {});
-  set = name;
-  gathered = new Gathered();
-  say(`loading ${name} ...`);
-  const { keys } = await connection.request(`STAT ${name}`);
-  if (keys.points > MOST_POINTS) {
-    shown = false;
-    say(`${name} has more than ${MOST_POINTS} points`);
-    return;
-  }
-  await chooseField(name);
-  const fields = field === null ? '' : ` FIELDS ${field.name}`;
-  const [points, triangles = { data: new Uint8Array(0) }] = await fetchAll(
-    `POINTS ${name}${fields} BINARY`,
-    ...(keys.triangulated === 'yes' ? [`TRIANGLES ${name} BINARY`] : []),
-  );
-  if (set !== name) return; // another one has been chosen meanwhile
-  mesh.load(points.data, triangles.data, field !== null);
-  mesh.version = Number(keys.version);
-  show();
-  if (!keepView) view.fit(box);
-  overlay.clear();
-  await connection.request(`WATCH ${name} SINCE ${mesh.version}${fields}`);
-  say(keys.triangulated === 'yes' ? '' : `${name} is not triangulated`);
-  showFacts();
-  refreshSoon();
-}
-
-function onEvent(event) {
-  if (event.set !== set) return;
-  if (event.dropped) {
-    shown = false;
-    set = null;
-    say(`${event.set} has been dropped`);
-    refreshSets().catch(report);
-    return;
-  }
-  events++;
-  gathered.add(event);
-  if (event.more) return;
-  const complete = gathered;
-  gathered = new Gathered();
-  if (complete.reset) {
-    mesh.loadEvent(complete, event.version);
-    show();
-  } else {
-    scene.update(mesh.apply(complete, event.version));
-  }
-  refreshSoon();
-}
-
-async function refreshSets() {
-  const { rows } = await connection.request('SETS');
-  const names = rows.map((row) => row.slice(0, row.indexOf(' ')));
-  if (set === null && names.length > 0) {
-    const wanted = [$('set').value, given('set'), names[0]];
-    await follow(wanted.find((name) => names.includes(name)));
-  }
-  if (names.length === 0) say('the daemon has no sets yet');
-  fillSelect($('set'), names, set);
-}
-
-let refreshTimer = 0;
-function refreshSoon() {
-  clearTimeout(refreshTimer);
-  refreshTimer = setTimeout(async () => {
-    if (!shown || mesh.triangles === 0) return;
-    try {
-      say(await overlay.refresh(connection, set, view, { field, points: mesh.points, box }));
-      requestDraw();
-    } catch (error) {
-      report(error);
-    }
-  }, REFRESH_MS);
-}
-
-/* ---- what hands do ---- */
-
-function pointNear(px, py, pixels) {
-  const [x, y] = view.toPlane(px, py);
-  let [best, nearest] = [(pixels / view.scale) ** 2, null];
-  for (let id = 0; id < mesh.ids; id++) {
-    const d = (mesh.xy[2 * id] - x) ** 2 + (mesh.xy[2 * id + 1] - y) ** 2;
-    if (d <= best) [best, nearest] = [d, id];
-  }
-  return nearest;
-}
-
-/** Sends the newest of the requests that fall due while one is on its way. */
-function latest(send) {
+/** Calls an asynchronous function; while it runs, only the newest of the calls that fall due is kept for later. */
+function latest(act) {
   let [busy, next] = [false, null];
   return async function run(...words) {
     if (busy) {
@@ -244,7 +113,7 @@ function latest(send) {
     }
     busy = true;
     try {
-      await send(...words);
+      await act(...words);
     } catch (error) {
       report(error);
     }
@@ -257,10 +126,139 @@ function latest(send) {
   };
 }
 
-const moveLatest = latest((id, x, y) => connection.request(`MOVE ${set} ${id} ${x} ${y}`));
+/** The replies to requests whose replies may be large. */
+async function fetchAll(requests, most) {
+  const auth = given('token') === null ? [] : [`AUTH ${given('token')}`];
+  const replies = await Promise.all(fetchReplies('daemon', [...auth, ...requests], most));
+  return replies.slice(auth.length);
+}
+
+const follower = new Follower({
+  connection: () => connection,
+  fetchAll,
+  mesh,
+  view,
+  most: Number(given('most') ?? MOST_POINTS),
+  onShow: (box, dots) => {
+    if (fitNext && follower.kind === 'whole') view.fit(box);
+    if (follower.kind === 'whole') fitNext = false;
+    scene.show(mesh, box, dots);
+    applyStyle();
+    refreshSoon();
+  },
+  onChange: (changes) => {
+    if (changes !== null) scene.update(changes);
+    refreshSoon();
+  },
+  onDropped: (name) => {
+    say(`${name} has been dropped`);
+    requestDraw();
+    refreshSets().catch(report);
+  },
+});
+
+function fillSelect(select, names, chosen) {
+  const now = [...select.options].map((o) => o.value).join('\n');
+  if (now !== names.join('\n')) select.replaceChildren(...names.map((name) => new Option(name === '' ? 'none' : name, name)));
+  select.value = chosen ?? '';
+}
+
+/** The field to be shown of a set: the one that is chosen, or the first. */
+async function chosenField(set) {
+  const { rows } = await connection.request(`FIELDS ${set}`);
+  const fields = rows.map((row) => row.split(' ')).map(([name, , min, max]) => ({ name, min: Number(min), max: Number(max) }));
+  const wanted = $('field').dataset.set === set ? $('field').value : fields[0]?.name;
+  const field = fields.find(({ name }) => name === wanted) ?? null;
+  $('field').dataset.set = set;
+  fillSelect($('field'), ['', ...fields.map(({ name }) => name)], field?.name);
+  return field;
+}
+
+let fitNext = false; // the view is to show all of the next mesh
+
+async function follow(set, { keepView = false } = {}) {
+  say(`loading ${set} ...`);
+  overlay.clear();
+  fitNext = !keepView;
+  await follower.follow(set, () => chosenField(set));
+  if (fitNext) await acts.fit();
+  fitNext = false;
+  if (follower.kind === 'whole') say('');
+  refreshSoon();
+}
+
+async function refreshSets() {
+  const { rows } = await connection.request('SETS');
+  const names = rows.map((row) => row.slice(0, row.indexOf(' ')));
+  if (!names.includes(follower.set)) follower.set = null;
+  if (follower.set === null && names.length > 0) {
+    const wanted = [$('set').value, given('set'), names[0]];
+    await follow(wanted.find((name) => names.includes(name)));
+  }
+  if (names.length === 0) say('the daemon has no sets yet');
+  fillSelect($('set'), names, follower.set);
+}
+
+/** Brings what is shown up to date with the set and the view, as far as events do not. */
+const refresh = latest(async () => {
+  const { set, kind } = follower;
+  if (set === null || connection.isLost) return;
+  const { keys } = await connection.request(`STAT ${set}`);
+  totals = keys;
+  if (keys.triangulated !== 'yes') {
+    say(`${set} is not triangulated`);
+    return;
+  }
+  const isDone = await follower.look();
+  const missing = await overlay.refresh(fetchAll, set, view, layersOf(keys));
+  say([follower.kind === 'sample' ? 'a sample of the triangles; zoom in to see all' : '', missing].filter(Boolean).join('; '));
+  requestDraw();
+  if (!isDone || kind !== follower.kind) refreshSoon();
+});
+
+function layersOf({ hull }) {
+  const { kind, field } = follower;
+  const [x0, y0, x1, y1] = view.box();
+  let points = 0;
+  for (let k = 0; k < 2 * mesh.ids; k += 2) {
+    if (mesh.xy[k] >= x0 && mesh.xy[k] <= x1 && mesh.xy[k + 1] >= y0 && mesh.xy[k + 1] <= y1) points++;
+  }
+  return {
+    field,
+    points: kind === 'sample' ? Infinity : points,
+    hull: Number(hull),
+    isLarge: kind !== 'whole',
+    mesh: kind === 'box' ? mesh : null,
+  };
+}
+
+let refreshTimer = 0;
+function refreshSoon() {
+  if (refreshTimer !== 0) return;
+  refreshTimer = setTimeout(() => {
+    refreshTimer = 0;
+    refresh();
+  }, REFRESH_MS);
+}
+
+/* ---- what hands do ---- */
+
+function pointNear(px, py, pixels) {
+  if (follower.kind === 'sample') return null;
+  const [x, y] = view.toPlane(px, py);
+  let [best, nearest] = [(pixels / view.scale) ** 2, null];
+  for (let id = 0; id < mesh.ids; id++) {
+    const d = (mesh.xy[2 * id] - x) ** 2 + (mesh.xy[2 * id + 1] - y) ** 2;
+    if (d <= best) [best, nearest] = [d, id];
+  }
+  return nearest === null ? null : mesh.idOf(nearest);
+}
+
+const moveLatest = latest((id, x, y) => connection.request(`MOVE ${follower.set} ${id} ${x} ${y}`));
 
 const lookLatest = latest(async (px, py) => {
-  if (!shown || mesh.triangles === 0) return;
+  const { set, kind } = follower;
+  if (kind === null || mesh.triangles === 0) return;
   const [x, y] = view.toPlane(px, py);
   const [near, where] = await Promise.all([
     connection.request(`NEAREST ${set} ${x} ${y}`),
@@ -268,7 +266,8 @@ const lookLatest = latest(async (px, py) => {
   ]);
   const [id, nx, ny] = near.rows[0].split(' ').map(Number);
   const corners = where.keys.where === 'inside' ? where.rows[0].split(' ').map(Number) : null;
-  const triangle = corners?.every((c) => mesh.hasPoint(c)) ? corners.map((c) => [mesh.xy[2 * c], mesh.xy[2 * c + 1]]) : null;
+  const numbers = corners?.map((id) => mesh.numberOf(id));
+  const triangle = numbers?.every((n) => mesh.hasPoint(n)) ? numbers.map((n) => [mesh.xy[2 * n], mesh.xy[2 * n + 1]]) : null;
   overlay.mark = { place: [nx, ny], triangle };
   list('pointer', { x: x.toPrecision(8), y: y.toPrecision(8), nearest: id, triangle: corners?.join(' ') ?? where.keys.where });
   requestDraw();
@@ -288,15 +287,15 @@ const acts = {
     view.zoom(factor, px, py);
     moved();
   },
-  fit: () => {
-    box = boxOf(mesh);
-    view.fit(box);
+  fit: async () => {
+    if (follower.set === null) return;
+    view.fit(await follower.around());
     moved();
   },
   pointNear,
   move: (id, px, py) => moveLatest(id, ...view.toPlane(px, py)),
-  add: (px, py) => connection.request(`ADD ${set} ${view.toPlane(px, py).join(' ')}`).catch(report),
-  remove: (id) => connection.request(`DEL ${set} ${id}`).catch(report),
+  add: (px, py) => connection.request(`ADD ${follower.set} ${view.toPlane(px, py).join(' ')}`).catch(report),
+  remove: (id) => connection.request(`DEL ${follower.set} ${id}`).catch(report),
   hover: (px, py) => lookLatest(px, py),
   theme: () => setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark'),
 };
@@ -307,17 +306,11 @@ function report(error) {
 
 /* ---- start ---- */
 
-async function resume() {
-  if (set !== null && shown) await connection.request(`WATCH ${set} SINCE ${mesh.version}`);
-  say('');
-}
-
 async function start() {
   const url = new URL('daemon', location.href);
   url.protocol = url.protocol.replace('http', 'ws');
-  gathered = new Gathered();
   connection = new Connection(url, {
-    onEvent,
+    onEvent: (event) => follower.onEvent(event),
     onEnd: () => {
       say('the connection is lost; trying again ...');
       setTimeout(start, RETRY_MS);
@@ -326,10 +319,11 @@ async function start() {
   try {
     await connection.opened;
     if (given('token') !== null) await connection.request(`AUTH ${given('token')}`);
-    await resume().catch((error) => {
+    await follower.resume().catch((error) => {
       if (error.code !== 'NOSET') throw error;
-      set = null;
+      Object.assign(follower, { set: null, kind: null });
     });
+    refreshSoon();
     await refreshSets();
   } catch (error) {
     report(error);
@@ -339,7 +333,7 @@ async function start() {
 function listen() {
   const hands = new Hands(canvas.overlay, acts);
   $('set').addEventListener('change', () => follow($('set').value).catch(report));
-  $('field').addEventListener('change', () => follow(set, { keepView: true }).catch(report));
+  $('field').addEventListener('change', () => follow(follower.set, { keepView: true }).catch(report));
   for (const id of ['triangles', 'coloured']) $(id).addEventListener('change', applyStyle);
   for (const layer of ['hull', 'cells', 'contours']) {
     $(layer).addEventListener('change', () => {
@@ -357,8 +351,8 @@ function listen() {
   $('theme').addEventListener('click', acts.theme);
   new ResizeObserver(resize).observe(canvas.mesh.parentElement);
   setInterval(() => {
-    showFacts(events);
-    events = 0;
+    showFacts(follower.events);
+    follower.events = 0;
   }, 1000);
   setInterval(() => refreshSets().catch(report), SETS_MS);
 }
@@ -367,4 +361,4 @@ setTheme(localStorage.getItem('theme') ?? (matchMedia('(prefers-color-scheme: da
 resize();
 listen();
 start();
-export { mesh, scene, view }; // for tests
+export { follower, mesh, scene, view }; // for tests

@@ -1,5 +1,6 @@
-// The page's copy of a set: points by id, and triangles in numbered slots, as the graphics memory holds them. An event changes the
-// slots of a few triangles, so that little has to be sent to the graphics memory.
+// The page's copy of a set, or of a part of it: points by number, and triangles in numbered slots, as the graphics memory holds them. An
+// event changes the slots of a few triangles, so that little has to be sent to the graphics memory. In the copy of a whole set the
+// number of a point is its id; a part numbers its points as they come.
 import { eachTriangle } from './rings.js';
 
 /** The triangle with its smallest corner first, as text: equal triangles have equal keys. */
@@ -18,31 +19,34 @@ function grown(array, length) {
 }
 
 export class Mesh {
-  /** Coordinates x, y of ids; NaN where there is no point. */
+  /** Coordinates x, y by number; NaN where there is no point. */
   xy = new Float64Array(0);
-  /** Values of the field that is shown, by id. */
+  /** Values of the field that is shown, by number. */
   values = new Float32Array(0);
   /** Three corners of each slot; three times 0 if there is no triangle in it. */
   corners = new Uint32Array(0);
   slots = 0;
   points = 0;
   triangles = 0;
-  ids = 0; // ids that have been given are smaller
+  ids = 0; // numbers that have been given are smaller
   version = 0;
+  #numbers = null; // id -> number, of a part; and the other way round:
+  #idOf = [];
   #free = []; // slots without a triangle
   #starts = null; // slots of a point's triangles when they were loaded: #incident[#starts[id] .. #starts[id + 1]]
   #incident = null;
-  #changed = new Map(); // id -> its slots, of points whose triangles have changed since
+  #changed = new Map(); // number -> its slots, of points whose triangles have changed since
 
   /** From the binary replies to POINTS (with a field or not) and TRIANGLES. The set may be edited between the two: an event with all
    * changes since a version before both makes the copy whole. So a corner may have no place yet. */
   load(points, triangles, withValue) {
     const size = withValue ? 28 : 20;
     const view = new DataView(points.buffer);
-    this.corners = new Uint32Array(triangles.buffer);
+    this.#numbers = null;
+    const corners = new Uint32Array(triangles.buffer);
     this.points = points.length / size;
     this.ids = this.points === 0 ? 0 : view.getUint32(points.length - size, true) + 1;
-    for (let k = 0; k < this.corners.length; k++) if (this.corners[k] >= this.ids) this.ids = this.corners[k] + 1;
+    for (let k = 0; k < corners.length; k++) if (corners[k] >= this.ids) this.ids = corners[k] + 1;
     this.xy = new Float64Array(2 * this.ids).fill(NaN);
     this.values = new Float32Array(this.ids).fill(NaN);
     for (let at = 0; at < points.length; at += size) {
@@ -51,30 +55,79 @@ export class Mesh {
       this.xy[2 * id + 1] = view.getFloat64(at + 12, true);
       if (withValue) this.values[id] = view.getFloat64(at + 20, true);
     }
-    this.slots = this.corners.length / 3;
+    this.#loadCorners(corners);
+  }
+
+  /** From an event that has everything, a Gathered; isPart: of a part of the set. */
+  loadEvent(gathered, version, isPart = false) {
+    this.#numbers = isPart ? new Map() : null;
+    this.#idOf = [];
+    const { points, rings } = this.#numbered(gathered);
+    this.#loadPoints(points);
+    const corners = [];
+    eachTriangle(rings, (n) => rings.get(n), () => false, (...abc) => abc.every((n) => this.hasPoint(n)) && corners.push(...abc));
+    this.#loadCorners(Uint32Array.from(corners));
+    this.version = version;
+  }
+
+  /** A sample of a set: triangles, three ids each, and Map id -> [x, y, value] of their corners. */
+  loadSample(triangles, places, version) {
+    this.#numbers = new Map();
+    this.#idOf = [];
+    const points = new Map();
+    for (const [id, place] of places) points.set(this.#number(id), place);
+    this.#loadPoints(points);
+    this.#loadCorners(Uint32Array.from(triangles, (id) => this.numberOf(id)));
+    this.version = version;
+  }
+
+  #loadPoints(points) {
+    this.points = points.size;
+    this.ids = 0;
+    for (const n of points.keys()) this.ids = Math.max(this.ids, n + 1);
+    this.xy = new Float64Array(2 * this.ids).fill(NaN);
+    this.values = new Float32Array(this.ids).fill(NaN);
+    for (const [n, [x, y, value]] of points) {
+      this.xy[2 * n] = x;
+      this.xy[2 * n + 1] = y;
+      this.values[n] = value;
+    }
+  }
+
+  #loadCorners(corners) {
+    this.corners = corners;
+    this.slots = corners.length / 3;
     this.triangles = this.slots;
     this.#forgetSlots();
   }
 
-  /** From an event that has everything, a Gathered. */
-  loadEvent({ points, rings }, version) {
-    this.points = points.size;
-    this.ids = 0;
-    for (const id of points.keys()) this.ids = Math.max(this.ids, id + 1);
-    this.xy = new Float64Array(2 * this.ids).fill(NaN);
-    this.values = new Float32Array(this.ids).fill(NaN);
-    for (const [id, [x, y, value]] of points) {
-      this.xy[2 * id] = x;
-      this.xy[2 * id + 1] = y;
-      this.values[id] = value;
-    }
-    const corners = [];
-    eachTriangle(rings, (id) => rings.get(id), () => false, (a, b, c) => corners.push(a, b, c));
-    this.corners = Uint32Array.from(corners);
-    this.slots = corners.length / 3;
-    this.triangles = this.slots;
-    this.version = version;
-    this.#forgetSlots();
+  /** The number of an id; undefined if a part has none for it. */
+  numberOf(id) {
+    return this.#numbers === null ? id : this.#numbers.get(id);
+  }
+
+  idOf(number) {
+    return this.#numbers === null ? number : this.#idOf[number];
+  }
+
+  /** The number of an id, a new one if need be. */
+  #number(id) {
+    if (this.#numbers === null) return id;
+    const known = this.#numbers.get(id);
+    if (known !== undefined) return known;
+    this.#numbers.set(id, this.#idOf.length);
+    return this.#idOf.push(id) - 1;
+  }
+
+  /** What a Gathered says, with numbers for ids. */
+  #numbered({ points, rings, gone }) {
+    if (this.#numbers === null) return { points, rings, gone };
+    const number = (id) => this.#number(id);
+    return {
+      points: new Map([...points].map(([id, place]) => [number(id), place])),
+      rings: new Map([...rings].map(([id, { inner, ring }]) => [number(id), { inner, ring: ring.map(number) }])),
+      gone: new Set([...gone].map(number)),
+    };
   }
 
   hasPoint(id) {
@@ -118,11 +171,11 @@ export class Mesh {
     return id + 1 < this.#starts.length ? this.#incident.subarray(this.#starts[id], this.#starts[id + 1]) : [];
   }
 
-  /** Applies an event, a Gathered. Returns {points, slots, box}: ids and slots that have changed, and the box [x0, y0, x1, y1] around all
+  /** Applies an event, a Gathered. Returns {points, slots, box}: points and slots that have changed, and the box [x0, y0, x1, y1] around all
    * triangles that were removed or added and all points that changed; null if nothing is to be drawn. */
   apply(gathered, version) {
-    const { points, rings, gone } = gathered;
-    const ids = gathered.ids();
+    const { points, rings, gone } = this.#numbered(gathered);
+    const ids = new Set([...points.keys(), ...rings.keys(), ...gone]);
     const box = [Infinity, Infinity, -Infinity, -Infinity];
     const around = (id) => {
       const [x, y] = this.xy.subarray(2 * id, 2 * id + 2);
@@ -138,7 +191,7 @@ export class Mesh {
     const after = new Map();
     const ringOf = (id) => (ids.has(id) && !rings.has(id) ? NO_RING : rings.get(id));
     const was = (...corners) => before.has(keyOf(...corners));
-    eachTriangle(rings, ringOf, was, (...corners) => after.set(keyOf(...corners), corners));
+    eachTriangle(rings, ringOf, was, (...corners) => corners.every((n) => this.hasPoint(n)) && after.set(keyOf(...corners), corners));
     // All triangles at these points are drawn again, at the new places of their corners.
     for (const corners of after.values()) corners.forEach(around);
     const slots = this.#replace(before, after, ids);

@@ -1,15 +1,22 @@
 // What lies over the triangles, drawn by a 2D canvas: hull, Voronoi cells, contours, and what is under the pointer. Cells and contours
-// are asked for as far as they are on the screen, and again when the set or the view has changed.
+// are asked for as far as they are on the screen, and again when the set or the view has changed. Where the mesh is that of a box, the
+// triangles in view that reach out of the box are drawn here, too.
+
+import { placesOf } from './sample.js';
 
 const MOST_CELLS = 20000; // on the screen; more would be nothing but lines
+const MOST_HULL = 100000; // points on the hull, for it to be shown
+
+/** Each line: coordinates x, y, ..., and whether it is closed. */
+const NO_LINES = { hull: [], cells: [], contours: [], reaching: [] };
 
 export class Overlay {
   layers = { hull: true, cells: false, contours: false };
-  colours = { hull: '#c33', cells: '#0a7', contours: '#850', mark: '#e80' };
+  colours = { hull: '#c33', cells: '#0a7', contours: '#850', reaching: '#4a7fb5', mark: '#e80' };
   /** {place: [x, y], triangle: [[x, y], ...]} under the pointer. */
   mark = null;
   #canvas;
-  #lines = { hull: [], cells: [], contours: [] }; // each line: coordinates x, y, ..., and whether it is closed
+  #lines = NO_LINES;
 
   constructor(canvas) {
     this.#canvas = canvas;
@@ -17,27 +24,29 @@ export class Overlay {
 
   clear() {
     this.mark = null;
-    this.#lines = { hull: [], cells: [], contours: [] };
+    this.#lines = NO_LINES;
   }
 
-  /** Asks for the layers that are shown. Returns what cannot be shown, as text. */
-  async refresh(connection, set, view, { field, points, box }) {
+  /** Asks for the layers that are shown, and for what reaches out of `mesh` if it is that of a box (null otherwise). points: how many are in
+   * view; hull: how many are on the hull. Returns what cannot be shown, as text. */
+  async refresh(fetchAll, set, view, { field, points, hull, isLarge, mesh }) {
     const notes = [];
-    const [x0, y0, x1, y1] = view.box();
-    const shown = points * part([x0, y0, x1, y1], box);
-    if (this.layers.hull) this.#lines.hull = hullOf((await connection.request(`HULL ${set}`)).rows);
-    if (this.layers.cells && shown > MOST_CELLS) {
-      this.#lines.cells = [];
-      notes.push('zoom in for Voronoi cells');
-    } else if (this.layers.cells) {
-      this.#lines.cells = cellsOf((await connection.request(`VORONOI ${set} BOX ${x0} ${y0} ${x1} ${y1} BINARY`)).data);
-    }
-    if (this.layers.contours && field !== null) {
+    const box = view.box().join(' ');
+    const lines = { ...NO_LINES };
+    if (this.layers.hull && hull <= MOST_HULL) lines.hull = hullOf((await fetchAll([`HULL ${set}`]))[0].rows);
+    if (this.layers.cells && points > MOST_CELLS) notes.push('zoom in for Voronoi cells');
+    else if (this.layers.cells) lines.cells = cellsOf((await fetchAll([`VORONOI ${set} BOX ${box} BINARY`]))[0].data);
+    if (this.layers.contours && field !== null && isLarge) {
+      notes.push('the set is too large for contours');
+    } else if (this.layers.contours && field !== null) {
       const step = niceStep((field.max - field.min) / 20);
-      const { rows } = step > 0 ? await connection.request(`CONTOUR ${set} ${field.name} EVERY ${step}`) : { rows: [] };
-      this.#lines.contours = rows.map(contourOf);
-      if (step > 0) notes.push(`contours every ${step}`);
+      if (step > 0) {
+        lines.contours = (await fetchAll([`CONTOUR ${set} ${field.name} EVERY ${step}`]))[0].rows.map(contourOf);
+        notes.push(`contours every ${step}`);
+      }
     }
+    if (mesh !== null) lines.reaching = await reachingOut(fetchAll, set, box, mesh);
+    this.#lines = lines;
     return notes.join('; ');
   }
 
@@ -47,8 +56,8 @@ export class Overlay {
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    for (const layer of ['cells', 'contours', 'hull']) {
-      if (!this.layers[layer]) continue;
+    for (const layer of ['reaching', 'cells', 'contours', 'hull']) {
+      if (this.layers[layer] === false) continue;
       context.strokeStyle = this.colours[layer];
       context.lineWidth = layer === 'hull' ? 1.5 : 1;
       context.beginPath();
@@ -74,16 +83,6 @@ export class Overlay {
   }
 }
 
-/** How much of the box is in the view. */
-function part(view, box) {
-  const along = (i) => {
-    const length = box[i + 2] - box[i];
-    const common = Math.min(view[i + 2], box[i + 2]) - Math.max(view[i], box[i]);
-    return length > 0 ? Math.max(0, common / length) : 1;
-  };
-  return along(0) * along(1);
-}
-
 function trace(context, view, places, closed) {
   for (let k = 0; k + 1 < places.length; k += 2) {
     const [x, y] = view.toScreen(places[k], places[k + 1]);
@@ -91,6 +90,21 @@ function trace(context, view, places, closed) {
     else context.lineTo(x, y);
   }
   if (closed) context.closePath();
+}
+
+/** The triangles that meet a box and have a corner that the mesh does not have. */
+async function reachingOut(fetchAll, set, box, mesh) {
+  const [{ data }] = await fetchAll([`TRIANGLES ${set} WITHIN ${box} BINARY`]);
+  const corners = new Uint32Array(data.buffer);
+  const reaching = [];
+  for (let k = 0; k < corners.length; k += 3) {
+    const three = [...corners.subarray(k, k + 3)];
+    if (!three.every((id) => mesh.hasPoint(mesh.numberOf(id)))) reaching.push(three);
+  }
+  if (reaching.length === 0) return [];
+  const places = await placesOf(fetchAll, set, new Set(reaching.flat()), null);
+  const whole = reaching.filter((three) => three.every((id) => places.has(id)));
+  return whole.map((three) => ({ closed: true, places: three.flatMap((id) => places.get(id).slice(0, 2)) }));
 }
 
 const hullOf = (rows) => [{ closed: true, places: rows.flatMap((row) => row.split(' ').slice(1).map(Number)) }];

@@ -69,9 +69,10 @@ void main() {
 
 /** Dots stand for triangles that are smaller than a pixel or two. */
 const DOT_VERTEX = `${HEAD}${PLACE}${PAINT}
+uniform float size;
 flat out vec4 dot_colour;
 void main() {
-  gl_PointSize = ${DOT}.0;
+  gl_PointSize = size;
   gl_Position = place(texel());
   dot_colour = paint(texelFetch(values, texel(), 0).r, 0.25);
 }`;
@@ -207,6 +208,7 @@ export class Scene {
   #gl;
   #mesh = null;
   #tiles = [];
+  #dots = null;
   #rows = 0; // of the texture of points
   #room = 0; // slots in the buffer of corners
   #drawn = null; // the view that the picture shows, and the picture's size; null: there is none
@@ -252,14 +254,24 @@ export class Scene {
     return texture;
   }
 
-  /** Shows another mesh, whose slots it reorders, with all points in the box. */
-  show(mesh, box) {
+  /** Shows another mesh, whose slots it reorders, with all points in the box; below it dots of some size at some of its points. */
+  show(mesh, box, dots = { points: new Uint32Array(0), size: DOT }) {
     this.#mesh = mesh;
+    this.#dots = dots;
     const { corners, tiles } = tile(mesh, box);
     mesh.reorder(corners);
     this.#tiles = tiles;
     this.#sendAll();
     this.stale();
+  }
+
+  /** Shows nothing. */
+  clear() {
+    const gl = this.#gl;
+    this.#mesh = null;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
   }
 
   /** Everything is to be drawn again, in other colours for instance. */
@@ -425,6 +437,7 @@ export class Scene {
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.points);
     gl.bindVertexArray(this.array);
+    this.#drawDots(this.#dots.points, this.#dots.size * (d.across / d.width));
     const small = [];
     for (let i = 0; i < this.#tiles.length; ) {
       const { first } = this.#tiles[i];
@@ -434,7 +447,7 @@ export class Scene {
       else if (meets(this.#tiles[i].box, box)) small.push(this.#tiles[i++]);
       else i++;
     }
-    this.#drawDots(small, d.step);
+    this.#drawDots(this.#cornersOf(small, d.step), DOT);
     gl.disable(gl.SCISSOR_TEST);
   }
 
@@ -463,20 +476,27 @@ export class Scene {
     gl.drawArrays(gl.TRIANGLES, 3 * first, 3 * count);
   }
 
-  /** Draws a corner of each step-th slot of these tiles as a dot. */
-  #drawDots(tiles, step) {
-    const gl = this.#gl;
+  /** A corner of each step-th slot of these tiles. */
+  #cornersOf(tiles, step) {
     const { corners } = this.#mesh;
-    const ids = new Uint32Array(tiles.reduce((sum, { count }) => sum + Math.ceil(count / step), 0));
+    const points = new Uint32Array(tiles.reduce((sum, { count }) => sum + Math.ceil(count / step), 0));
     let n = 0;
     for (const { first, count } of tiles) {
-      for (let slot = first; slot < first + count; slot += step) ids[n++] = corners[3 * slot];
+      for (let slot = first; slot < first + count; slot += step) points[n++] = corners[3 * slot];
     }
-    gl.useProgram(this.dots_.program);
+    return points;
+  }
+
+  #drawDots(points, size) {
+    if (points.length === 0) return;
+    const gl = this.#gl;
+    const { program, at } = this.dots_;
+    gl.useProgram(program);
+    gl.uniform1f(at.size, size);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.dots);
-    gl.bufferData(gl.ARRAY_BUFFER, ids, gl.STREAM_DRAW);
+    gl.bufferData(gl.ARRAY_BUFFER, points, gl.STREAM_DRAW);
     gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
-    gl.drawArrays(gl.POINTS, 0, n);
+    gl.drawArrays(gl.POINTS, 0, points.length);
   }
 
   /** Copies the picture to the screen, moved and scaled if the view has changed since. */

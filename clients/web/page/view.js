@@ -28,10 +28,10 @@ export class View {
     return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
   }
 
-  /** The box of the plane on the screen. */
-  box() {
-    const [x0, y1] = this.toPlane(0, 0);
-    const [x1, y0] = this.toPlane(this.width, this.height);
+  /** The box of the plane on the screen, with so much of its width and height more on each side. */
+  box(margin = 0) {
+    const [x0, y1] = this.toPlane(-margin * this.width, -margin * this.height);
+    const [x1, y0] = this.toPlane((1 + margin) * this.width, (1 + margin) * this.height);
     return [x0, y0, x1, y1];
   }
 

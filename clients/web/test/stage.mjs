@@ -67,18 +67,18 @@ export async function makeSet(name, n, seed = 1) {
   await ask(...adds, `TRIANGULATE ${name}`);
 }
 
-/** A page that shows a set. */
-export async function open(set, size = { width: 900, height: 600 }) {
+/** A page that shows a set; `rest` of the address. */
+export async function open(set, size = { width: 900, height: 600 }, rest = '') {
   const page = await (await browser.createBrowserContext()).newPage(); // a window of its own: a hidden page does not draw
   await page.setViewport(size);
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(error.stack ?? String(error)));
-  await page.goto(`http://127.0.0.1:${pagePort}/#set=${set}`);
+  await page.goto(`http://127.0.0.1:${pagePort}/#set=${set}${rest}`);
   await page.evaluate(async () => {
     window.app = await import('./main.js');
   });
   await settled(page, set);
-  await page.waitForFunction(() => window.app.scene.counts.whole > 0 && document.getElementById('message').textContent === '');
+  await page.waitForFunction(() => window.app.scene.counts.whole > 0 && !/loading/.test(document.getElementById('message').textContent));
   return page;
 }
 

@@ -1,0 +1,180 @@
+// Follows one set: the mesh is a copy of it, or of a part of it, and stays so. A set that is not too large is mirrored whole. Of a
+// larger one the mesh has the points in a box around the view and the triangles between them, if they are few enough; otherwise a
+// sample.
+import { Gathered } from './rings.js';
+import { boxAround, sampleOf } from './sample.js';
+
+const MOST_IN_BOX = 200000; // triangles
+const MARGIN = 0.25; // of a box around the view, on each side
+const SPREAD = 1.6; // of a dot that stands for small triangles, in cells: they lie anywhere in them
+const AGAIN_MS = 1000; // between samples while the set is edited
+const NOWHERE = '1e50 1e50 1e50 1e50'; // a box without points: its events say that the set has changed
+const BYTES_OF_TRIANGLE = 12;
+
+const contains = (a, b) => a[0] <= b[0] && a[1] <= b[1] && a[2] >= b[2] && a[3] >= b[3];
+
+/** The box around the points of a mesh. */
+function boxOf({ xy, ids }) {
+  const found = [Infinity, Infinity, -Infinity, -Infinity];
+  for (let k = 0; k < 2 * ids; k += 2) {
+    if (xy[k] < found[0]) found[0] = xy[k];
+    if (xy[k] > found[2]) found[2] = xy[k];
+    if (xy[k + 1] < found[1]) found[1] = xy[k + 1];
+    if (xy[k + 1] > found[3]) found[3] = xy[k + 1];
+  }
+  return found[0] <= found[2] ? found : [0, 0, 1, 1];
+}
+
+export class Follower {
+  set = null; // its name
+  field = null; // {name, min, max} that comes with the points
+  /** What the mesh is: 'whole', 'box' or 'sample'; null while it is not that of the set. */
+  kind = null;
+  events = 0;
+  #gathered = new Gathered(); // the event that is arriving in parts
+  #box = null; // of a mesh that is a box
+  #seen = ''; // the view of the sample
+  #isStale = false; // the set has changed since the sample
+  #sampledAt = 0;
+  #following = 0; // how often another set was chosen
+
+  /** connection(): the one that is open; fetchAll(requests, most): replies; most: points of a set that is mirrored whole; onShow(box,
+   * dots): the mesh is another one; onChange(changes): the mesh has changed as Mesh.apply says, or, with null, the set; onDropped(set). */
+  constructor({ connection, fetchAll, mesh, view, most, onShow, onChange, onDropped }) {
+    Object.assign(this, { connection, fetchAll, mesh, view, most, onShow, onChange, onDropped });
+  }
+
+  get #fields() {
+    return this.field === null ? '' : ` FIELDS ${this.field.name}`;
+  }
+
+  #watch(options, onReply) {
+    return this.connection().request(`WATCH ${this.set}${options}${this.#fields}`, () => {
+      this.#gathered = new Gathered();
+      onReply?.();
+    });
+  }
+
+  /** Follows another set, or the same one with another field; fieldOf() resolves to it. */
+  async follow(set, fieldOf) {
+    const turn = ++this.#following;
+    const before = this.set;
+    Object.assign(this, { set, kind: null });
+    if (before !== null) await this.connection().request(`UNWATCH ${before}`).catch(() => {});
+    const { keys } = await this.connection().request(`STAT ${set}`);
+    const field = await fieldOf();
+    if (turn !== this.#following) return;
+    this.field = field;
+    if (Number(keys.points) > this.most) await this.#followPart();
+    else await this.#followWhole(keys, turn);
+  }
+
+  async #followWhole(keys, turn) {
+    const requests = [`POINTS ${this.set}${this.#fields} BINARY`];
+    if (keys.triangulated === 'yes') requests.push(`TRIANGLES ${this.set} BINARY`);
+    const [points, triangles = { data: new Uint8Array(0) }] = await this.fetchAll(requests);
+    if (turn !== this.#following) return;
+    this.mesh.load(points.data, triangles.data, this.field !== null);
+    this.mesh.version = Number(keys.version);
+    this.#show('whole', boxOf(this.mesh));
+    await this.#watch(` SINCE ${this.mesh.version}`);
+  }
+
+  #show(kind, box, dots) {
+    this.kind = kind;
+    this.onShow(box, dots);
+  }
+
+  /** The connection is another one. */
+  async resume() {
+    this.#gathered = new Gathered();
+    if (this.kind === 'whole') await this.#watch(` SINCE ${this.mesh.version}`);
+    else if (this.kind !== null) await this.#followPart();
+  }
+
+  async #followPart() {
+    this.mesh.version = 0;
+    await this.#watch(` WITHIN ${NOWHERE}`);
+    if (this.kind !== null) this.kind = 'sample';
+    this.#isStale = true;
+  }
+
+  /** The box around all points. */
+  async around() {
+    return this.kind === 'whole' ? boxOf(this.mesh) : boxAround(this.fetchAll, this.set);
+  }
+
+  /** Makes the mesh that of the view, if it is not: a sample at once, then a box around the view if that has not too many triangles.
+   * Resolves to whether the mesh is what it should be. */
+  async look() {
+    if (this.set === null || this.kind === 'whole') return true;
+    const { x, y, scale, width, height } = this.view;
+    const seen = [x, y, scale, width, height].join(' ');
+    if (this.kind === 'box' && contains(this.#box, this.view.box())) return true;
+    if (this.kind === 'sample' && seen === this.#seen && !this.#isStale) return true;
+    if (this.kind === 'sample' && seen === this.#seen && Date.now() - this.#sampledAt < AGAIN_MS) return false;
+    const turn = this.#following;
+    if (this.kind === 'box') await this.#watch(` WITHIN ${NOWHERE}`);
+    const sample = await sampleOf(this.fetchAll, this.set, this.view, this.field);
+    if (turn !== this.#following) return true;
+    this.mesh.loadSample(sample.triangles, sample.places, sample.version);
+    this.#seen = seen;
+    this.#sampledAt = Date.now();
+    this.#isStale = false;
+    const dots = Uint32Array.from(sample.small, (id) => this.mesh.numberOf(id));
+    this.#show('sample', boxOf(this.mesh), { points: dots, size: SPREAD * sample.cell });
+    if (sample.estimate <= this.#mostInBox) await this.#lookCloser(turn);
+    return true;
+  }
+
+  get #mostInBox() {
+    return Math.min(this.most, MOST_IN_BOX);
+  }
+
+  async #lookCloser(turn) {
+    const box = this.view.box(MARGIN);
+    try {
+      await this.fetchAll([`TRIANGLES ${this.set} WITHIN ${box.join(' ')} BINARY`], BYTES_OF_TRIANGLE * this.#mostInBox);
+    } catch (error) {
+      if (error.code !== 'LARGE') throw error;
+      return;
+    }
+    if (turn !== this.#following) return;
+    await this.#watch(` WITHIN ${box.join(' ')}`, () => {
+      this.kind = 'box';
+      this.#box = box;
+    });
+  }
+
+  onEvent(event) {
+    if (event.set !== this.set) return;
+    if (event.dropped) {
+      Object.assign(this, { set: null, kind: null });
+      this.onDropped(event.set);
+      return;
+    }
+    this.#gathered.add(event);
+    if (event.more) return;
+    this.events++;
+    const complete = this.#gathered;
+    this.#gathered = new Gathered();
+    if (this.kind === 'whole' || this.kind === 'box') this.#apply(complete, event.version);
+    else if (event.version > this.mesh.version) this.#outdate(event.version);
+  }
+
+  #apply(gathered, version) {
+    if (!gathered.reset) {
+      this.onChange(this.mesh.apply(gathered, version));
+      return;
+    }
+    this.mesh.loadEvent(gathered, version, this.kind === 'box');
+    this.#show(this.kind, this.kind === 'box' ? this.#box : boxOf(this.mesh));
+  }
+
+  /** The sample is not that of the set any more. */
+  #outdate(version) {
+    this.mesh.version = version;
+    this.#isStale = true;
+    this.onChange(null);
+  }
+}
