@@ -183,22 +183,45 @@ static void read_input(struct conn *c)
 
 /* ---- output ---- */
 
+/* What the socket takes now; a failure that closes the connection counts as nothing. */
+static size_t send_now(struct conn *c, const void *bytes, size_t n)
+{
+    ssize_t sent;
+    do
+        sent = send(c->source.fd, bytes, n, MSG_NOSIGNAL);
+    while (sent < 0 && errno == EINTR);
+    if (sent < 0 && errno != EAGAIN && errno != EWOULDBLOCK)
+        conn_close(c);
+    if (sent <= 0)
+        return 0;
+    c->sent += (uint64_t)sent;
+    c->progress_ms = c->loop->now_ms;
+    return (size_t)sent;
+}
+
 static void send_output(struct conn *c)
 {
     for (size_t most; (most = conn_sendable(c)) > 0;) {
-        ssize_t n = send(c->source.fd, buf_head(&c->out), most, MSG_NOSIGNAL);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n < 0) {
-            if (errno != EAGAIN && errno != EWOULDBLOCK)
-                conn_close(c);
+        size_t n = send_now(c, buf_head(&c->out), most);
+        if (n == 0)
             return;
-        }
-        buf_consume(&c->out, (size_t)n);
-        c->sent += (uint64_t)n;
-        c->progress_ms = c->loop->now_ms;
+        buf_consume(&c->out, n);
     }
     c->progress_ms = c->loop->now_ms;
+}
+
+bool conn_write(struct conn *c, const void *bytes, size_t n)
+{
+    size_t sent = 0;
+    if (buf_len(&c->out) == 0 && c->hold.groups == 0)
+        sent = send_now(c, bytes, n);
+    if (c->closed || sent == n)
+        return !c->closed;
+    buf_append(&c->out, (const char *)bytes + sent, n - sent);
+    if (c->out.failed)
+        conn_close(c);
+    conn_again(c);
+    return false;
 }
 
 static void finish_if_sent(struct conn *c)

@@ -66,6 +66,10 @@ void conn_again(struct conn *c);
  * called. */
 void conn_yield(struct conn *c);
 
+/* Output from outside of `data`: sends at once what the socket takes, if nothing precedes it, and appends the rest. False:
+ * some of it is sent later, or never: out of memory, or disconnected. */
+bool conn_write(struct conn *c, const void *bytes, size_t n);
+
 /* Runs a turn now: for an owner that has appended to c->out outside of `data`. */
 void conn_turn(struct conn *c);
 

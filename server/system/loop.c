@@ -115,15 +115,23 @@ static void tick_if_due(struct loop *loop)
         loop->tick(loop);
 }
 
-static int wait_ms(const struct loop *loop)
+/* Waits for events, until a timer is due, or not at all if there are tasks. Begins the turn. */
+static int wait_for(struct loop *loop, struct epoll_event *event)
 {
-    if (loop->deferred.first != NULL || loop->yielded.first != NULL)
-        return 0;
-    int64_t first = loop->timers.earliest_ms;
-    if (first > loop->next_tick_ms)
-        first = loop->next_tick_ms;
-    int64_t left = first - clock_ms();
-    return left < 0 ? 0 : (int)left;
+    int64_t first = loop->timers.earliest_ms, now = 0;
+    int wait_ms = 0;
+    if (loop->deferred.first == NULL && loop->yielded.first == NULL) {
+        now = clock_ns();
+        if (first > loop->next_tick_ms)
+            first = loop->next_tick_ms;
+        wait_ms = first > now / 1000000 ? (int)(first - now / 1000000) : 0;
+    }
+    int n = epoll_wait(loop->epoll, event, EVENTS_PER_WAIT, wait_ms);
+    loop->turn_ns = clock_ns();
+    loop->now_ms = loop->turn_ns / 1000000;
+    if (wait_ms > 0)
+        loop->idle_ns += loop->turn_ns - now;
+    return n;
 }
 
 /* Runs yielded tasks in order until their time is over; the rest run in the next turn. */
@@ -147,9 +155,7 @@ void loop_run(struct loop *loop)
 {
     struct epoll_event event[EVENTS_PER_WAIT];
     while (!loop->stopped) {
-        int n = epoll_wait(loop->epoll, event, EVENTS_PER_WAIT, wait_ms(loop));
-        loop->turn_ns = clock_ns();
-        loop->now_ms = loop->turn_ns / 1000000;
+        int n = wait_for(loop, event);
         /* Deferred tasks come before new events: they have waited longer. */
         run_all(&loop->deferred);
         for (int i = 0; i < n; i++) {

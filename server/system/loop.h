@@ -41,6 +41,7 @@ struct loop {
     struct task_list deferred, yielded, disposals;
     bool in_yielded; /* yielded tasks are running */
     int64_t turn_ns; /* monotonic; when this turn began */
+    int64_t idle_ns; /* the time spent waiting for events so far */
     struct timers timers;
     int64_t now_ms; /* the same in milliseconds */
     int64_t next_tick_ms;

@@ -67,6 +67,7 @@ static void put_gone(struct event *e, uint32_t id)
 void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_what what)
 {
     struct dt_point p;
+    buf_append(&e->named, &id, sizeof id);
     if (!scope_has_point(e->scope, dt, id, &p)) {
         e->steps += LOOKED_AT;
         if (what != EVENT_NEW)
@@ -87,11 +88,11 @@ static void begin_head(struct event *e, const char *set)
     reply_key_text(&e->head, "set", set);
 }
 
-void event_head(struct event *e, const char *set, uint64_t version, bool reset, bool more)
+void event_head(struct event *e, const char *set, uint64_t version, bool more)
 {
     begin_head(e, set);
     reply_key_u64(&e->head, "version", version);
-    buf_append_text(&e->head, reset ? " reset" : "");
+    buf_append_text(&e->head, e->reset ? " reset" : "");
     buf_append_text(&e->head, more ? " more" : "");
     reply_end(&e->head);
 }
@@ -103,26 +104,33 @@ void event_dropped(struct event *e, const char *set)
     reply_end(&e->head);
 }
 
-bool event_write(struct event *e, bool typed, struct buf *out)
+const struct buf *event_text(struct event *e, bool typed)
 {
+    struct buf *text = &e->text[typed];
     if (e->head.failed || e->rows.failed)
-        return false;
-    if (typed && buf_len(&e->push) == 0)
-        resp3_push(&e->push, buf_head(&e->head), buf_len(&e->head), buf_head(&e->rows),
+        return NULL;
+    if (buf_len(text) == 0 && typed) {
+        resp3_push(text, buf_head(&e->head), buf_len(&e->head), buf_head(&e->rows),
                    buf_len(&e->rows), e->n);
-    if (typed) {
-        buf_append(out, buf_head(&e->push), buf_len(&e->push));
-    } else {
-        buf_append(out, buf_head(&e->head), buf_len(&e->head));
-        buf_append(out, buf_head(&e->rows), buf_len(&e->rows));
+    } else if (buf_len(text) == 0) {
+        buf_append(text, buf_head(&e->head), buf_len(&e->head));
+        buf_append(text, buf_head(&e->rows), buf_len(&e->rows));
     }
-    return !out->failed && !e->push.failed;
+    return text->failed ? NULL : text;
+}
+
+size_t event_memory(const struct event *e)
+{
+    return e->head.cap + e->rows.cap + e->text[0].cap + e->text[1].cap + e->named.cap;
 }
 
 void event_free(struct event *e)
 {
     buf_free(&e->head);
     buf_free(&e->rows);
-    buf_free(&e->push);
+    buf_free(&e->text[0]);
+    buf_free(&e->text[1]);
+    buf_free(&e->named);
     free(e->ring.v);
+    *e = (struct event){.n = 0};
 }

@@ -19,8 +19,11 @@ struct event {
     bool keep_known;       /* there are others who know them */
     uint32_t ids;          /* of the set, the next one */
     uint32_t line;         /* so many points are on one line: a ring costs so many steps; else 0 */
+    bool reset;            /* it begins one */
+    uint64_t lsn;          /* it is sent when that is durable */
     struct buf head, rows; /* own */
-    struct buf push;       /* owns: both in RESP 3, once they have been asked for */
+    struct buf text[2];    /* own: both, in lines and in RESP 3, once they have been asked for */
+    struct buf named;      /* owns: the ids that it is about, an uint32_t each */
     size_t n;              /* rows */
     struct dt_ids ring;    /* owns: workspace */
     uint64_t steps;        /* of rings on a line, and of points looked at */
@@ -35,12 +38,13 @@ void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_wha
 bool event_is_full(const struct event *e);
 
 /* The first line, when all rows are there. */
-void event_head(struct event *e, const char *set, uint64_t version, bool reset, bool more);
+void event_head(struct event *e, const char *set, uint64_t version, bool more);
 void event_dropped(struct event *e, const char *set);
 
-/* Appends the event to the output of a connection; typed: as a push of RESP 3. False: out of memory. */
-bool event_write(struct event *e, bool typed, struct buf *out);
+/* What connections are sent; typed: as a push of RESP 3. NULL: out of memory. The event borrows it to the caller. */
+const struct buf *event_text(struct event *e, bool typed);
 
-void event_free(struct event *e);
+size_t event_memory(const struct event *e);
+void event_free(struct event *e); /* it is {0} then */
 
 #endif

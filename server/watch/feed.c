@@ -2,9 +2,9 @@
 #include "server/watch/feed.h"
 
 #include "server/jobs/journal.h"
-#include "server/watch/event.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum {
     SHARED_KEYS = 1024, /* more than this are sent in parts */
@@ -96,11 +96,14 @@ static void count_memory(struct watcher *w)
 
 static void take_out(struct watcher *w)
 {
-    struct watcher **at = w->late ? &w->feed->of->late : &w->feed->first;
+    struct feed *f = w->feed;
+    struct watcher **at = w->late ? &f->of->late : &f->first;
     while (*at != w)
         at = &(*at)->next;
     *at = w->next;
-    w->feed->late -= w->late;
+    f->late -= w->late;
+    if (f->unsent == w)
+        f->unsent = w->next;
 }
 
 void feed_join(struct watcher *w)
@@ -148,7 +151,7 @@ static bool can_take(const struct watcher *w)
 }
 
 /* An event with nothing in it yet. */
-static struct event event_for(struct feed *f, bool to_all)
+static struct event event_for(struct server *s, struct feed *f, bool to_all)
 {
     const struct dt_summary *sum = &f->of->set->current->sum;
     scope_find(&f->scope, f->of->set->current->dt);
@@ -156,39 +159,81 @@ static struct event event_for(struct feed *f, bool to_all)
                           .known = &f->known,
                           .keep_known = !to_all || f->late > 0,
                           .ids = f->of->ids,
-                          .line = sum->triangulated && sum->triangles == 0 ? sum->points : 0};
+                          .line = sum->triangulated && sum->triangles == 0 ? sum->points : 0,
+                          .lsn = journal_of(s, f->of->set)};
 }
 
-static void send_event(struct server *s, const struct watcher *w, struct event *e, uint64_t lsn)
+static void send_event(struct server *s, const struct watcher *w, struct event *e)
 {
     struct conn *c = &w->session->conn;
-    hold_view(&s->held, &c->hold, lsn, conn_out_end(c));
-    if (!event_write(e, w->typed, &c->out))
+    const struct buf *text = event_text(e, w->typed);
+    hold_view(&s->held, &c->hold, e->lsn, conn_out_end(c));
+    if (text == NULL)
         conn_close(c);
-    conn_again(c);
+    else if (!conn_write(c, buf_head(text), buf_len(text)))
+        w->feed->of->later++;
     s->count.events++;
 }
 
-/* Sends the event to all that are not late; those that cannot take it become late. */
-static unsigned send_all(struct server *s, struct feed *f, struct event *e)
+/* Adds what the event would have said. */
+static void mark_event(struct backlog *b, struct feed *f)
 {
-    unsigned sent = 0;
-    for (struct watcher *w = f->first; w != NULL; w = w->next, sent++)
-        send_event(s, w, e, journal_of(s, f->of->set));
-    return sent;
+    const struct event *e = &f->sending;
+    bool good = !e->named.failed;
+    uint32_t id;
+    b->reset = b->reset || e->reset;
+    b->outdated = true;
+    for (size_t at = 0; good && at < buf_len(&e->named); at += sizeof id) {
+        memcpy(&id, buf_head(&e->named) + at, sizeof id);
+        good = !f->scope.boxed || idset_add(&f->known, id, f->of->ids);
+        backlog_mark(b, id, f->of->ids);
+    }
+    if (!good)
+        backlog_all(b);
 }
 
-/* Watchers that cannot take the next event become late, with a copy of the shared backlog. */
+/* A watcher that cannot take the next event becomes late, with a copy of the shared backlog. */
+static void become_late(struct watcher *w, bool lacks_event)
+{
+    backlog_copy(&w->own, &w->feed->shared);
+    if (lacks_event)
+        mark_event(&w->own, w->feed);
+    take_out(w);
+    feed_join_late(w);
+}
+
 static void leave_late_behind(struct feed *f)
 {
+    bool lacks_event = false;
     for (struct watcher *w = f->first, *next; w != NULL; w = next) {
         next = w->next;
-        if (can_take(w))
-            continue;
-        take_out(w);
-        backlog_copy(&w->own, &f->shared);
-        feed_join_late(w);
+        lacks_event = lacks_event || w == f->unsent;
+        if (!can_take(w))
+            become_late(w, lacks_event);
     }
+}
+
+static void begin_sending(struct feed *f, const struct event *e)
+{
+    event_free(&f->sending);
+    f->sending = *e;
+    f->unsent = f->first;
+}
+
+void feed_send(struct server *s, struct feed *f, int64_t end_ns)
+{
+    for (struct watcher *w; (w = f->unsent) != NULL;) {
+        if (can_take(w)) {
+            send_event(s, w, &f->sending);
+            f->unsent = w->next;
+        } else {
+            become_late(w, true);
+        }
+        if (clock_ns() >= end_ns)
+            break;
+    }
+    if (f->unsent == NULL)
+        event_free(&f->sending);
 }
 
 /* Whether a part is worth sending: it has rows, or ends the backlog. */
@@ -197,46 +242,45 @@ static bool is_worth_sending(const struct event *e, const struct backlog *b)
     return e->n > 0 || !backlog_lags(b) || e->rows.failed;
 }
 
-unsigned feed_part(struct server *s, struct feed *f)
+/* Moves a part of the backlog into the event; false: nothing is worth sending yet. */
+static bool take_part(struct event *e, struct backlog *b, const struct feed *f)
 {
     const struct watched *k = f->of;
-    unsigned sent = 0;
+    e->reset = b->reset;
+    put_part(e, b, f, k->set->current->dt);
+    b->reset = false;
+    if (!is_worth_sending(e, b)) {
+        b->reset = e->reset;
+        return false;
+    }
+    event_head(e, k->name, k->version, backlog_lags(b));
+    return true;
+}
+
+void feed_part(struct server *s, struct feed *f)
+{
+    if (f->unsent != NULL)
+        return;
     leave_late_behind(f);
     if (f->first == NULL) {
         backlog_clear(&f->shared);
-        return 0;
+        return;
     }
-    bool reset = f->shared.reset;
-    struct event e = event_for(f, true);
-    put_part(&e, &f->shared, f, k->set->current->dt);
-    f->shared.reset = false;
-    if (is_worth_sending(&e, &f->shared)) {
-        event_head(&e, k->name, k->version, reset, backlog_lags(&f->shared));
-        sent = send_all(s, f, &e);
-    } else {
-        f->shared.reset = reset;
-    }
-    event_free(&e);
-    return sent;
+    struct event e = event_for(s, f, true);
+    if (take_part(&e, &f->shared, f))
+        begin_sending(f, &e);
+    else
+        event_free(&e);
 }
 
 bool feed_late_part(struct server *s, struct watcher *w)
 {
     struct feed *f = w->feed;
-    const struct watched *k = f->of;
-    bool reset = w->own.reset;
     if (!can_take(w))
         return false;
-    struct event e = event_for(f, false);
-    put_part(&e, &w->own, f, k->set->current->dt);
-    w->own.reset = false;
-    if (is_worth_sending(&e, &w->own)) {
-        event_head(&e, k->name, k->version, reset, backlog_lags(&w->own));
-        send_event(s, w, &e, journal_of(s, k->set));
-    } else {
-        w->own.reset = reset;
-        conn_again(&w->session->conn);
-    }
+    struct event e = event_for(s, f, false);
+    if (take_part(&e, &w->own, f))
+        send_event(s, w, &e);
     event_free(&e);
     take_out(w);
     if (backlog_lags(&w->own))
@@ -299,18 +343,16 @@ static void put_change(struct event *e, const struct dt *dt, const struct feed_c
         event_put(e, dt, id, EVENT_NEW);
 }
 
-static unsigned share(struct server *s, struct feed *f, const struct feed_change *c)
+static void share(struct server *s, struct feed *f, const struct feed_change *c)
 {
     const struct watched *k = f->of;
-    struct event e = event_for(f, true);
+    struct event e = event_for(s, f, true);
     put_change(&e, k->set->current->dt, c);
-    event_head(&e, k->name, k->version, false, false);
-    unsigned sent = send_all(s, f, &e);
-    event_free(&e);
-    return sent;
+    event_head(&e, k->name, k->version, false);
+    begin_sending(f, &e);
 }
 
-unsigned feed_change(struct server *s, struct feed *f, const struct feed_change *c, bool now)
+void feed_change(struct server *s, struct feed *f, const struct feed_change *c, bool now)
 {
     struct watched *k = f->of;
     scope_find(&f->scope, k->set->current->dt);
@@ -326,25 +368,24 @@ unsigned feed_change(struct server *s, struct feed *f, const struct feed_change 
             mark_late(w, c);
     }
     if (f->first == NULL)
-        return 0;
-    if (now && small)
-        return share(s, f, c);
-    if (all)
+        return;
+    if (now && small && f->unsent == NULL)
+        share(s, f, c);
+    else if (all)
         backlog_all(&f->shared);
     else
         mark_change(&f->shared, f, c);
-    return 0;
 }
 
 /* ---- the end ---- */
 
 static void tell_dropped(struct server *s, struct watcher *w)
 {
-    struct event e = {.scope = &w->feed->scope};
+    struct event e = {.scope = &w->feed->scope, .lsn = s->dropped};
     if (!can_take(w))
         return;
     event_dropped(&e, w->feed->of->name);
-    send_event(s, w, &e, s->dropped);
+    send_event(s, w, &e);
     event_free(&e);
     feed_leave(w);
 }
@@ -365,12 +406,14 @@ void feed_dropped(struct server *s, struct watched *k)
 
 size_t feed_memory(const struct feed *f)
 {
-    return sizeof *f + idset_memory(&f->shared.ids) + idset_memory(&f->known);
+    return sizeof *f + idset_memory(&f->shared.ids) + idset_memory(&f->known) +
+           event_memory(&f->sending);
 }
 
 void feed_free(struct feed *f)
 {
     backlog_clear(&f->shared);
+    event_free(&f->sending);
     idset_clear(&f->known);
     scope_clear(&f->scope);
     free(f);

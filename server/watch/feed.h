@@ -6,11 +6,17 @@
  * A backlog is what its watchers do not know: a bit for each id, or everything from some id on, in a reset. The shared one
  * collects what has changed while no time may be spent on events (watch.c). A watcher whose connection cannot take
  * an event when the others get it becomes late, with a copy of the shared backlog; when it has caught up, it joins
- * the others. */
+ * the others.
+ *
+ *     sending ------v
+ *     feed    --> watcher watcher unsent watcher     an event is sent to a few in each turn of the loop
+ *
+ * So other connections need not wait until it has been sent to hundreds. What changes meanwhile is collected. */
 #ifndef SERVER_FEED_H
 #define SERVER_FEED_H
 
 #include "server/clients/session_state.h"
+#include "server/watch/event.h"
 #include "server/watch/idset.h"
 #include "server/watch/recent.h"
 #include "server/watch/scope.h"
@@ -40,6 +46,8 @@ struct watched {
     int64_t changed_ns;  /* which was new at that time */
     int64_t credit_ns;   /* time that may be spent on events, as of `credit_at_ns` */
     int64_t credit_at_ns;
+    int64_t idle_ns;  /* of the loop, at that time */
+    unsigned later;   /* events that connections send later, in this turn */
     struct timer due; /* ends a delay of events */
     struct reservation memory;
     char name[SET_NAME_LIMIT + 1];
@@ -52,6 +60,9 @@ struct feed {
     struct watcher *first; /* those that are not late */
     unsigned late;         /* how many are */
     struct backlog shared;
+    struct event sending; /* owns; the last event */
+    struct watcher
+        *unsent;        /* of the first ones: it and those behind it have not been sent that yet */
     struct idset known; /* with a box: points that a watcher may know */
 };
 
@@ -79,12 +90,15 @@ void backlog_all(struct backlog *b);
 void backlog_mark(struct backlog *b, uint32_t id, uint32_t ids);
 void backlog_clear(struct backlog *b);
 
-/* Reports a change to the watchers of the feed: sends it now, if that is allowed and it is small, or adds it to their
- * backlogs. Returns the number of watchers that it was sent to. */
-unsigned feed_change(struct server *s, struct feed *f, const struct feed_change *c, bool now);
+/* Reports a change to the watchers of the feed: begins to send it, if that is allowed and it is small, or adds it to their
+ * backlogs. */
+void feed_change(struct server *s, struct feed *f, const struct feed_change *c, bool now);
 
-/* Sends a part of the shared backlog. Returns how many watchers got it. */
-unsigned feed_part(struct server *s, struct feed *f);
+/* Begins to send a part of the shared backlog, unless an event is being sent. */
+void feed_part(struct server *s, struct feed *f);
+
+/* Sends the event to watchers that lack it, for a while. */
+void feed_send(struct server *s, struct feed *f, int64_t end_ns);
 
 /* Sends a late watcher a part of its own; false: its connection cannot take one. It may join the others. */
 bool feed_late_part(struct server *s, struct watcher *w);

@@ -14,9 +14,11 @@ enum {
     /* Events get one part of SHARE of the time while a set is edited, at most CREDIT_NS at once after a pause. What they
      * exceed that by is owed, up to DEBT_NS. */
     SHARE = 12,
+    IDLE_SHARE = 2, /* and one part of this of the time in which the loop has nothing to do */
     CREDIT_NS = 2000 * 1000,
     DEBT_NS = 5000 * 1000,
-    SEND_NS = 5000,             /* for sending an event to a watcher, later */
+    SEND_NS = 5000,             /* for sending an event to a watcher */
+    CHUNK_NS = 100 * 1000,      /* the time for sending an event in a turn */
     KEY_NS = 400,               /* about so much for the rows of a key */
     SMALL_NS = 40 * 1000,       /* an event that takes less never waits: one after one edit */
     QUIET_NS = 3 * 1000 * 1000, /* a set that has not been edited for so long pauses */
@@ -45,12 +47,11 @@ static void count_memory(struct watched *k)
     reservation_set(&k->memory, bytes);
 }
 
-/* Takes what edits have touched, and reports it to the feeds. Returns how many events were sent. */
-static unsigned collect(struct server *s, struct watched *k, bool now)
+/* Takes what edits have touched, and reports it to the feeds. */
+static void collect(struct server *s, struct watched *k, bool now)
 {
     struct dt *dt = k->set->current->dt;
     struct feed_change c = {.from = k->ids, .values_known = true};
-    unsigned sent = 0;
     c.rows_known = dt_touched_take(dt, &c.row, &c.rows);
     if (k->values)
         c.values_known = dt_touched_take_values(dt, &c.value, &c.values);
@@ -60,15 +61,14 @@ static unsigned collect(struct server *s, struct watched *k, bool now)
     if (!c.values_known)
         k->values_since = k->version;
     for (struct feed *f = k->feeds; f != NULL; f = f->next)
-        sent += feed_change(s, f, &c, now);
+        feed_change(s, f, &c, now);
     if (!c.rows_known) {
         recent_restart(&k->recent, k->version, k->ids);
-        return sent;
+        return;
     }
     recent_put(&k->recent, c.row, c.rows);
     recent_put(&k->recent, c.value, c.values);
     recent_mark(&k->recent, k->version, k->ids);
-    return sent;
 }
 
 /* ---- a triangulation that edits have left for later ---- */
@@ -115,11 +115,13 @@ static bool refresh(struct server *s, struct watched *k)
 
 /* Events of a set get a share of the time while it is edited, so that a watcher slows edits down by little; what is not
  * sent yet is merged. Isolated edits never wait, because there is credit. */
-static bool is_due(struct watched *k, int64_t now)
+static bool is_due(struct watched *k, const struct loop *loop, int64_t now)
 {
-    int64_t credit = k->credit_ns + (now - k->credit_at_ns) / SHARE;
+    int64_t idle = loop == NULL ? 0 : loop->idle_ns - k->idle_ns;
+    int64_t credit = k->credit_ns + (now - k->credit_at_ns - idle) / SHARE + idle / IDLE_SHARE;
     k->credit_ns = credit < CREDIT_NS ? credit : CREDIT_NS;
     k->credit_at_ns = now;
+    k->idle_ns += idle;
     if (k->changing != k->set->version) {
         k->changing = k->set->version;
         k->changed_ns = now;
@@ -141,21 +143,34 @@ static bool is_small(const struct watched *k)
     return ns <= SMALL_NS;
 }
 
-/* Late watchers get parts in order, as far as the time goes. False: some are left. */
-static bool serve_late(struct server *s, struct watched *k, int64_t end, unsigned *sent)
+/* Late watchers get parts in order, as far as the time goes. False: more could be sent at once. */
+static bool serve_late(struct server *s, struct watched *k, int64_t end)
 {
     size_t n = 0;
+    bool all = true;
     for (const struct watcher *w = k->late; w != NULL; w = w->next)
         n++;
     for (struct watcher *w = k->late, *next; n-- > 0; w = next) {
         next = w->next;
         if (!feed_late_part(s, w))
             continue;
-        ++*sent;
+        all = all && !w->late;
         if (clock_ns() >= end)
-            return n == 0;
+            return all && n == 0;
     }
-    return true;
+    return all;
+}
+
+/* Continues to send events that have been begun. False: some watchers have not been sent theirs. */
+static bool send_begun(struct server *s, const struct watched *k, int64_t end)
+{
+    bool all = true;
+    for (struct feed *f = k->feeds; f != NULL; f = f->next) {
+        if (f->unsent != NULL)
+            feed_send(s, f, end);
+        all = all && f->unsent == NULL;
+    }
+    return all;
 }
 
 static bool feeds_lag(const struct watched *k)
@@ -178,7 +193,7 @@ static void rotate(struct watched *k)
 }
 
 /* Feeds get parts in order, as far as the time goes. */
-static void serve_feeds(struct server *s, struct watched *k, int64_t end, unsigned *sent)
+static void serve_feeds(struct server *s, struct watched *k, int64_t end)
 {
     size_t n = 0;
     for (const struct feed *f = k->feeds; f != NULL; f = f->next)
@@ -186,16 +201,9 @@ static void serve_feeds(struct server *s, struct watched *k, int64_t end, unsign
     for (; n > 0 && clock_ns() < end; n--) {
         struct feed *f = k->feeds;
         if (f->first != NULL && backlog_lags(&f->shared))
-            *sent += feed_part(s, f);
+            feed_part(s, f);
         rotate(k);
     }
-}
-
-/* Writes what is due; k->version is the set's. False: more could be written at once. */
-static bool write_events(struct server *s, struct watched *k, unsigned *sent)
-{
-    serve_feeds(s, k, clock_ns() + TURN_NS, sent);
-    return serve_late(s, k, clock_ns() + TURN_NS, sent) && !feeds_lag(k);
 }
 
 static struct loop *loop_of(const struct watched *k)
@@ -206,31 +214,42 @@ static struct loop *loop_of(const struct watched *k)
     return k->late == NULL ? NULL : k->late->session->conn.loop;
 }
 
+/* Collects changes and makes events, as far as they are due. False: more could be made at once. */
+static bool make_events(struct server *s, struct watched *k, struct loop *loop, int64_t now)
+{
+    bool changed = k->version != k->set->version;
+    if (k->set->exclusive)
+        return true;
+    if (changed && (loop == NULL ? version_is_stale(k->set->current) : !refresh(s, k)))
+        return true;
+    bool due = is_due(k, loop, now) || (changed && is_small(k));
+    if (changed && (due || dt_touched_count(k->set->current->dt) >= COLLECT_KEYS)) {
+        k->retry_ms = 0;
+        collect(s, k, due);
+        changed = false;
+    }
+    count_memory(k);
+    if (loop == NULL)
+        return true;
+    if (due) {
+        serve_feeds(s, k, clock_ns() + TURN_NS);
+        return serve_late(s, k, clock_ns() + TURN_NS) && !feeds_lag(k);
+    }
+    if (changed || feeds_lag(k) || k->late != NULL)
+        loop_at(loop, &k->due, loop->now_ms + WAKE_MS);
+    return true;
+}
+
 static void flush(struct server *s, struct watched *k)
 {
     static struct task again = {.run = do_nothing};
     struct loop *loop = loop_of(k);
     int64_t now = clock_ns();
-    unsigned sent = 0;
-    if (k->set->exclusive)
-        return;
-    bool changed = k->version != k->set->version;
-    if (changed && (loop == NULL ? version_is_stale(k->set->current) : !refresh(s, k)))
-        return;
-    bool due = is_due(k, now) || (changed && is_small(k));
-    if (changed && (due || dt_touched_count(k->set->current->dt) >= COLLECT_KEYS)) {
-        k->retry_ms = 0;
-        sent += collect(s, k, due);
-        changed = false;
-    }
-    count_memory(k);
-    if (loop == NULL)
-        return;
-    if (!due && (changed || feeds_lag(k) || k->late != NULL))
-        loop_at(loop, &k->due, loop->now_ms + WAKE_MS);
-    else if (due && !write_events(s, k, &sent))
+    bool all = make_events(s, k, loop, now);
+    if (!send_begun(s, k, clock_ns() + CHUNK_NS) || !all)
         loop_defer(loop, &again);
-    k->credit_ns -= clock_ns() - now + (int64_t)sent * SEND_NS;
+    k->credit_ns -= clock_ns() - now + (int64_t)k->later * SEND_NS;
+    k->later = 0;
     if (k->credit_ns < -DEBT_NS)
         k->credit_ns = -DEBT_NS;
 }

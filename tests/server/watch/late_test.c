@@ -3,6 +3,7 @@
 #include "tests/server/watch/mirror.h"
 #include "tests/test.h"
 
+#include <inttypes.h>
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
@@ -152,6 +153,37 @@ TEST(watcher_that_becomes_late_during_a_reset_gets_the_rest_of_it_later)
     version = move_many(fd);
     resume(&m);
     catch_up_and_check(&m, fd, version);
+    mirror_free(&m);
+    close(fd);
+    daemon_end(&d);
+}
+
+TEST(watcher_that_becomes_late_while_an_event_is_sent_to_others_gets_it_later)
+{
+    enum { OTHERS = 200, ROUNDS = 6 };
+    static int other[OTHERS];
+    struct daemon d = daemon_start(NULL);
+    int fd = connect_with_sets(&d);
+    struct mirror m = {.options = {.box = "0 0 0.5 1"}};
+    char line[100];
+    uint64_t version = ask_version(fd, "MOVE t 0 0.5 0.5\n");
+    mirror_watch(&m, &d, false);
+    mirror_catch_up(&m, version);
+    for (int i = 0; i < OTHERS; i++) { /* are sent events before the mirror */
+        other[i] = daemon_connect(&d);
+        snprintf(line, sizeof line, "WATCH t SINCE %" PRIu64 " WITHIN 0 0 0.5 1\n", version);
+        ask_version(other[i], line);
+    }
+    for (int i = 0; i < ROUNDS; i++) {
+        snprintf(line, sizeof line, "MOVE t %d %g %g\n", i, i % 2 == 0 ? 0.9 : 0.1, test_uniform());
+        say(fd, line);
+        stall(&m);
+        version = version_in(hear_line(fd));
+        resume(&m);
+        catch_up_and_check(&m, fd, version);
+    }
+    for (int i = 0; i < OTHERS; i++)
+        close(other[i]);
     mirror_free(&m);
     close(fd);
     daemon_end(&d);

@@ -56,13 +56,15 @@ static void edit_and_kill(const struct daemon *d, struct mirror *m)
 TEST_TIMEOUT(watchers_of_a_killed_daemon_continue_and_have_the_same_set, 120)
 {
     enum { ROUNDS = 6 };
-    static struct mirror m[MIRRORS] = {
-        {.options = {.fields = "z"}}, {.options = {.box = "0.2 0.6 0.7 0.1"}}, {.options = {.resp = true}}};
+    static struct mirror m[MIRRORS] = {{.options = {.fields = "z"}},
+                                       {.options = {.box = "0.2 0.6 0.7 0.1"}},
+                                       {.options = {.resp = true}}};
     struct directory dir = directory_new();
     struct daemon d;
     for (int i = 0; i < ROUNDS; i++) {
         const char *const policy = i % 2 == 0 ? "always" : "everysec";
-        d = directory_daemon(&dir, (const char *const[]){"--compact-at", "8k", "--fsync", policy, NULL});
+        d = directory_daemon(&dir,
+                             (const char *const[]){"--compact-at", "8k", "--fsync", policy, NULL});
         int fd = daemon_connect(&d);
         if (i == 0) {
             load_random(fd, "t", POINTS);
