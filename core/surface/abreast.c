@@ -1,79 +1,82 @@
 /* abreast.c - several rows of a raster side by side, for values that cost little.
  *
- * A row waits for one load after the other: the edge, the triangle beyond, its corner. No processor predicts which
- * way it goes on, or in how many triangles the next cell is found. So rows take turns, each by one edge at a time,
- * and without branches: a turn computes what follows if the cell is found and what follows if it is not, and keeps
- * one of them. Cells that are found wait in a queue, so that the values of many are computed together.
+ * A row is followed from edge to edge. Where it crosses one decides which columns are to the west of it:
  *
- * What a turn cannot decide, dt_row_cell does. */
+ *                    above
+ *       |        |    /   |        |         c: the first column whose centre is to the east of the edge. From c on
+ *     --+--------+---/----+--------+--- y       cells are in the triangle beyond, up to the next edge that the row
+ *                   /     c                     crosses.
+ *               below
+ *
+ * So an edge takes a few operations without branches, but each waits for the loads before it: the edge, the triangle
+ * beyond, its corner. That is why rows take turns, each by one edge at a time. When all rows are at the end of a
+ * chunk of columns, the values of its cells are computed.
+ *
+ * The place of a crossing is rounded. Where a centre is so near that c is not certain, the exact side of the edge
+ * decides, and a cell on the edge is looked up. What turns cannot do, dt_row_cell does. */
 #include "core/exact/lanes.h"
+#include "core/exact/predicates.h"
 #include "core/surface/row.h"
 
+#include <string.h>
+
 enum {
-    ROWS = 8,      /* side by side */
-    COLUMNS = 256, /* by which they go on together */
-    QUEUE = 64     /* cells */
+    ROWS = 8,    /* side by side */
+    COLUMNS = 64 /* of a chunk */
 };
 
-enum { BELOW, ABOVE, NEITHER };
+enum { BELOW = 0, ABOVE = 1 };
+
+/* Beside half edges, where the triangles of cells are noted: */
+#define AS_BEFORE DT_NONE     /* that of the cell before */
+#define DONE (DT_NONE - 1)    /* the cell has its value */
+#define OUTSIDE (DT_NONE - 2) /* of the hull */
+
+#define FAR 0x1p30 /* columns; the ends of edges that turns cross are not as far away */
 
 /* A row, in the columns of a chunk. */
 struct lane {
-    dt_lanes end[3]; /* places of the ends of up; the third one is written to, but not read */
+    dt_lanes end[2]; /* of up: x in columns from the raster's side, y from that of the row */
     double y;
-    uint32_t up, at, after; /* the edge, the next column, and that after the last one */
-    uint32_t before;        /* the column when patience began */
-    bool by_turns;          /* goes on by turns; otherwise up and its ends are out of date */
+    uint32_t up, twin; /* the next edge that the row crosses, and its twin */
+    uint32_t at;       /* the first column that may be beyond it */
+    uint32_t before;   /* the column when patience began */
+    bool by_turns;     /* goes on by turns; otherwise up and its ends are out of date */
     struct dt_row_end row;
-    double *out; /* of column 0 of the chunk */
+    double *out;      /* of the first column of the chunk */
+    uint32_t crossed; /* edges that are not noted yet: */
+    uint32_t beyond[DT_ROW_PATIENCE], column[DT_ROW_PATIENCE]; /* the triangles beyond, and c */
+    uint32_t half[COLUMNS];                                    /* triangles of cells */
 };
 
 struct abreast {
     struct dt_scan *k;
+    struct dt_vicinity *vicinity;
     const uint32_t *half; /* of the mesh */
     const struct dt_point *xy;
-    uint32_t queued;
+    dt_lanes origin, scale; /* of columns; 0 and 1 for y */
+    double sure;            /* half a column, less the error of a crossing */
+    double west;            /* the chunk's side */
+    uint32_t from, end;     /* the columns of the chunk */
     struct lane lane[ROWS];
-    struct dt_found queue[QUEUE];
     double x[COLUMNS];
 };
 
-/* All bits if v is less than 0, none otherwise. */
-static inline uint32_t sign(double v)
+/* ---- by single cells ---- */
+
+static bool set_end(const struct abreast *a, struct lane *l, int which, uint32_t vertex)
 {
-    union {
-        double v;
-        uint64_t bits;
-    } u = {v};
-    return -(uint32_t)(u.bits >> 63);
+    dt_lanes origin = {a->origin[0], l->y};
+    l->end[which] = (dt_lanes_load(&a->xy[vertex].x) - origin) * a->scale;
+    return fabs(l->end[which][0]) < FAR;
 }
 
-/* Takes the row across its edge, or to the next cell if this one is in front of it. False: that is not certain, or
- * there is none. */
-static inline bool turn(struct abreast *a, struct lane *l)
+/* Notes the triangles beyond the edges that the row has crossed. */
+static void note(const struct abreast *a, struct lane *l)
 {
-    static const uint32_t way[8] = {2, -1u, -1u, 0,
-                                    1, 1,   -2u, 0}; /* to the edges before and after */
-    double x = a->x[l->at], y = l->y;
-    dt_lanes q = {x, y}, from = l->end[BELOW] - q, to = l->end[ABOVE] - q;
-    dt_lanes product = from * (dt_lanes){to[1], to[0]}, size = dt_lanes_abs(product);
-    double side = product[0] - product[1];
-    uint32_t twin = a->half[l->up + 4];
-    uint32_t apex = a->half[twin + way[twin & 3]];
-    if (__builtin_expect(!(fabs(side) > DT_ORIENT_BOUND * (size[0] + size[1])), 0))
-        return false;
-    if (__builtin_expect(apex == DT_NONE, 0))
-        return false;
-    dt_vicinity_enter(&a->k->v.vicinity, a->k->v.t, twin);
-    dt_lanes p = dt_lanes_load(&a->xy[apex].x);
-    uint32_t crosses = sign(side), below = sign(p[1] - y);
-    uint32_t beyond = twin + way[4 + 4 * below + (twin & 3)];
-    a->queue[a->queued] = (struct dt_found){{x, y}, l->out + l->at, l->up};
-    a->queued += 1 + crosses;
-    l->end[NEITHER + (crosses & (below - 1))] = p;
-    l->up ^= (l->up ^ beyond) & crosses;
-    l->at += 1 + crosses;
-    return l->at < l->after;
+    for (uint32_t i = 0; i < l->crossed; i++)
+        l->half[l->column[i] - a->from] = l->beyond[i];
+    l->crossed = 0;
 }
 
 /* Goes on by single cells until turns are possible. */
@@ -84,27 +87,97 @@ static enum dt_status go_on(struct abreast *a, struct lane *l)
     if (l->by_turns)
         l->row.up = l->row.near = l->up;
     l->by_turns = false;
-    while (s == DT_OK && l->at < l->after && !l->by_turns) {
-        double *out = l->out + l->at;
-        *out = (double)NAN;
-        if (!l->row.beyond)
-            s = dt_row_cell(a->k, &l->row, (struct dt_point){a->x[l->at], l->y}, out);
-        l->at++;
-        l->by_turns = l->row.up != DT_NONE && l->row.lookups == 0 && !l->row.beyond;
+    note(a, l);
+    while (s == DT_OK && l->at < a->end && !l->by_turns && !l->row.beyond) {
+        uint32_t i = l->at++ - a->from;
+        l->half[i] = DONE;
+        s = dt_row_cell(a->k, &l->row, (struct dt_point){a->x[i], l->y}, &l->out[i]);
+        l->up = l->row.up;
+        l->by_turns = l->up != DT_NONE && l->row.lookups == 0 && !l->row.beyond &&
+                      set_end(a, l, BELOW, dt_origin(m, l->up)) &&
+                      set_end(a, l, ABOVE, dt_dest(m, l->up));
     }
-    if (!l->by_turns)
-        return s;
-    l->up = l->row.up;
-    l->end[BELOW] = dt_lanes_load(&a->xy[dt_origin(m, l->up)].x);
-    l->end[ABOVE] = dt_lanes_load(&a->xy[dt_dest(m, l->up)].x);
+    if (l->by_turns)
+        l->twin = dt_twin(m, l->up);
+    if (l->at < a->end)
+        l->half[l->at - a->from] = l->row.beyond ? OUTSIDE : l->up;
+    if (l->row.beyond)
+        l->at = a->end;
     return s;
 }
 
-static enum dt_status empty_queue(struct abreast *a)
+/* ---- by turns ---- */
+
+/* The first column of the chunk to the east of the edge, which the row crosses near the centre of a column. */
+static enum dt_status decide(struct abreast *a, struct lane *l, double at, uint32_t *c)
 {
-    enum dt_status s = dt_values_found(&a->k->v, a->queue, a->queued);
-    a->queued = 0;
-    return s;
+    const struct dt_mesh *m = &a->k->v.t->mesh;
+    uint32_t near = (uint32_t)at, half;
+    enum dt_where where;
+    *c = near < l->at ? l->at : near;
+    if (near < l->at || near >= a->end)
+        return DT_OK;
+    struct dt_point q = {a->x[near - a->from], l->y};
+    int side = dt_orient2d(a->xy[dt_origin(m, l->up)], a->xy[dt_dest(m, l->up)], q);
+    *c += side >= 0;
+    if (side != 0)
+        return DT_OK;
+    note(a, l);
+    l->half[near - a->from] = DONE;
+    return dt_scan_look_up(a->k, q, l->up, &where, &half, &l->out[near - a->from]);
+}
+
+struct nearest {
+    double value;
+    uint32_t c; /* the same */
+};
+
+/* The integer next to v, which is from 0 to 2^31: the last bit of the sum is 1. */
+static inline struct nearest nearest_to(double v)
+{
+    union {
+        double v;
+        uint64_t bits;
+    } sum = {v + 0x1.8p52};
+    return (struct nearest){sum.v - 0x1.8p52, (uint32_t)sum.bits};
+}
+
+/* Takes the row across its edge, unless that is beyond the chunk. False: it is, or turns cannot go on. */
+static inline bool turn(struct abreast *a, struct lane *l, enum dt_status *s)
+{
+    static const uint32_t way[8] = {2, -1u, -1u, 0,
+                                    1, 1,   -2u, 0}; /* to the edges before and after */
+    dt_lanes below = l->end[BELOW], above = l->end[ABOVE];
+    dt_lanes product = below * (dt_lanes){above[1], above[0]};
+    /* Whatever is stored here goes to places that are known, so that the loads of the next turns need not wait. */
+    double at = (product[0] - product[1]) / (above[1] - below[1]);
+    at = at > a->west ? at : a->west;
+    struct nearest nearest = nearest_to(at);
+    uint32_t twin = l->twin, c = nearest.c;
+    uint32_t apex = a->half[twin + way[twin & 3]];
+    if (__builtin_expect(fabs(at - nearest.value) > a->sure, 0))
+        *s = decide(a, l, at, &c);
+    l->at = c;
+    if (c >= a->end)
+        return false;
+    l->column[l->crossed] = c;
+    l->beyond[l->crossed] = twin;
+    l->crossed++;
+    if (__builtin_expect(apex == DT_NONE, 0)) {
+        l->row.beyond = true;
+        return false;
+    }
+    dt_vicinity_vertex(a->vicinity, a->k->v.t, apex);
+    dt_lanes p = dt_lanes_load(&a->xy[apex].x);
+    dt_lanes place = (p - (dt_lanes){a->origin[0], l->y}) * a->scale;
+    dt_lanes_holds is_below = (dt_lanes){place[1], place[1]} < dt_lanes_both(0);
+    l->end[BELOW] = dt_lanes_choose(is_below, place, below);
+    l->end[ABOVE] = dt_lanes_choose(is_below, above, place);
+    l->up = twin + way[4 + 4 * (uint32_t)is_below[0] + (twin & 3)];
+    l->twin = a->half[l->up + 4];
+    dt_fetch(&a->half[l->twin]);
+    dt_vicinity_triangle(a->vicinity, a->k->v.t, l->twin);
+    return fabs(place[0]) < FAR;
 }
 
 /* Whether the row has come to another cell since it was asked last. */
@@ -115,42 +188,79 @@ static bool advances(struct lane *l)
     return advances;
 }
 
-/* A turn of each of *n rows, or, instead, a check that they advance. Leaves those in active[] that are not at their end. */
-static inline enum dt_status pass(struct abreast *a, struct lane **active, uint32_t *n, bool check)
+/* A turn of each of *n rows. Leaves those in active[] that are not at their end. */
+static enum dt_status pass(struct abreast *a, struct lane **active, uint32_t *n)
 {
     enum dt_status s = DT_OK;
     uint32_t left = 0;
     for (uint32_t i = 0; s == DT_OK && i < *n; i++) {
         struct lane *l = active[i];
-        bool goes = check ? advances(l) : turn(a, l);
-        if (!goes && l->at < l->after)
+        if (!turn(a, l, &s) && s == DT_OK && l->at < a->end)
             s = go_on(a, l);
         active[left] = l;
-        left += l->at < l->after;
+        left += l->at < a->end;
     }
     *n = left;
     return s;
 }
 
-/* All rows, to the ends of their columns. */
-static enum dt_status scan_chunk(struct abreast *a, uint32_t rows)
+/* The same, instead of turns, for rows that have not come to another cell since this was done last. */
+static enum dt_status lose_patience(struct abreast *a, struct lane **active, uint32_t *n)
+{
+    enum dt_status s = DT_OK;
+    uint32_t left = 0;
+    for (uint32_t i = 0; s == DT_OK && i < *n; i++) {
+        struct lane *l = active[i];
+        note(a, l);
+        if (!advances(l))
+            s = go_on(a, l);
+        active[left] = l;
+        left += l->at < a->end;
+    }
+    *n = left;
+    return s;
+}
+
+/* Finds the triangles of a chunk's cells. */
+static enum dt_status find_chunk(struct abreast *a, uint32_t rows)
 {
     struct lane *active[ROWS];
     uint32_t n = 0;
     enum dt_status s = DT_OK;
     for (uint32_t i = 0; s == DT_OK && i < rows; i++) {
         struct lane *l = &a->lane[i];
-        if (!l->by_turns)
+        memset(l->half, 0xff, sizeof l->half);
+        l->at = a->from;
+        l->crossed = 0;
+        l->before = DT_NONE;
+        if (l->by_turns && !l->row.beyond)
+            l->half[0] = l->up;
+        else
             s = go_on(a, l);
         active[n] = l;
-        n += l->at < l->after;
+        n += l->at < a->end;
     }
-    for (uint32_t turns = 0; s == DT_OK && n > 0; turns++) {
-        s = turns % DT_ROW_PATIENCE == 0 ? pass(a, active, &n, true) : pass(a, active, &n, false);
-        if (s == DT_OK && (a->queued > QUEUE - ROWS || n == 0))
-            s = empty_queue(a);
-    }
+    for (uint32_t turns = 0; s == DT_OK && n > 0; turns++)
+        s = turns % DT_ROW_PATIENCE == 0 ? lose_patience(a, active, &n) : pass(a, active, &n);
     return s;
+}
+
+/* The values of the row's cells in the chunk. */
+static enum dt_status values(struct abreast *a, struct lane *l)
+{
+    uint32_t n = a->end - a->from, last = OUTSIDE;
+    note(a, l);
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t half = l->half[i] == AS_BEFORE ? last : l->half[i];
+        l->half[i] = half;
+        last = half == DONE ? last : half;
+        if (__builtin_expect(half >= OUTSIDE, 0)) {
+            l->half[i] = DT_NONE;
+            if (half == OUTSIDE)
+                l->out[i] = (double)NAN;
+        }
+    }
+    return dt_values_in_row(&a->k->v, l->half, a->x, l->y, n, l->out);
 }
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -164,22 +274,24 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
 {
     const struct dt_raster *r = a->k->r;
     enum dt_status s = DT_OK;
-    for (uint32_t i = 0; i < rows; i++)
-        a->lane[i] = (struct lane){.y = dt_raster_y(r, row + i),
-                                   .row = dt_row_begin(),
-                                   .out = out + (size_t)i * r->columns};
+    for (uint32_t i = 0; i < rows; i++) {
+        a->lane[i].y = dt_raster_y(r, row + i);
+        a->lane[i].row = dt_row_begin();
+        a->lane[i].by_turns = false;
+        a->lane[i].out = out + (size_t)i * r->columns;
+    }
     while (s == DT_OK && c < end) {
         uint32_t n = least(COLUMNS, end - c);
         for (uint32_t i = 0; i < n; i++)
             a->x[i] = dt_raster_x(r, c + i);
-        for (uint32_t i = 0; i < rows; i++) {
-            a->lane[i].at = 0;
-            a->lane[i].after = n;
-            a->lane[i].before = DT_NONE;
-        }
+        a->from = c;
+        a->end = c + n;
+        a->west = c;
         s = dt_work(&a->k->work, (uint64_t)rows * n);
         if (s == DT_OK)
-            s = scan_chunk(a, rows);
+            s = find_chunk(a, rows);
+        for (uint32_t i = 0; s == DT_OK && i < rows; i++)
+            s = values(a, &a->lane[i]);
         for (uint32_t i = 0; i < rows; i++)
             a->lane[i].out += n;
         c += n;
@@ -187,11 +299,41 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
     return s;
 }
 
+/* ---- rasters ---- */
+
+/* By how many columns a crossing may be off from a centre. Let u = 2^-53. Centres are rounded by 4.1 u of |lo.x| + |hi.x|.
+ * The end of an edge, in columns, errs by 4 u of itself, and a crossing, a mean of two ends, by 8 u of the larger one
+ * more: by 12 u FAR at most. */
+static double crossing_error(const struct dt_raster *r, double per_x)
+{
+    return 16 * DT_U * (FAR + (fabs(r->lo.x) + fabs(r->hi.x)) * per_x);
+}
+
+static double columns_per_unit(const struct dt_raster *r)
+{
+    return r->columns / (r->hi.x - r->lo.x);
+}
+
+bool dt_rows_go_abreast(const struct dt_raster *r)
+{
+    double per_x = columns_per_unit(r);
+    return crossing_error(r, per_x) < 0x1p-4 && per_x * DT_COORDINATE_LEAST < 0x1p-30;
+}
+
 enum dt_status dt_rows_scan(struct dt_scan *k, uint64_t from, size_t n, double *out, size_t *done)
 {
-    uint32_t columns = k->r->columns;
+    const struct dt_raster *r = k->r;
+    uint32_t columns = r->columns;
+    double per_x = columns_per_unit(r);
     enum dt_status s = DT_OK;
-    struct abreast a = {.k = k, .half = k->v.t->mesh.half, .xy = k->v.t->points.xy};
+    struct abreast a;
+    a.k = k;
+    a.vicinity = &k->v.vicinity;
+    a.half = k->v.t->mesh.half;
+    a.xy = k->v.t->points.xy;
+    a.origin = (dt_lanes){r->lo.x, 0};
+    a.scale = (dt_lanes){per_x, 1};
+    a.sure = 0.5 - crossing_error(r, per_x);
     while (s == DT_OK && *done < n) {
         uint32_t row = (uint32_t)((from + *done) / columns),
                  c = (uint32_t)((from + *done) % columns);

@@ -46,18 +46,6 @@ struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell)
                              dt_raster_y(r, (uint32_t)(cell / r->columns))};
 }
 
-/* Whether the centres of columns are different, by far. */
-static bool columns_differ(const struct dt_raster *r)
-{
-    double width = (r->hi.x - r->lo.x) / r->columns;
-    return width > 0x1p-48 * (fabs(r->lo.x) + fabs(r->hi.x)) && width > 2 * DT_COORDINATE_LEAST;
-}
-
-static bool goes_abreast(const struct dt_scan *k)
-{
-    return k->v.s->how == DT_LINEAR && columns_differ(k->r);
-}
-
 /* The rest of a row, or as many whole rows as go together; adds the cells that are written to *done. With a limit of steps
  * these are few rows, since all but the first one are done again where the limit ends them. */
 static enum dt_status scan_rows(struct dt_scan *k, uint64_t from, size_t n, double *out,
@@ -82,7 +70,7 @@ static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
     if (status == DT_OK && n >= 1000)
         status = dt_vicinity_init(&k.v.vicinity, s);
     k.r = r;
-    if (status == DT_OK && goes_abreast(&k))
+    if (status == DT_OK && s->how == DT_LINEAR && dt_rows_go_abreast(r))
         status = dt_rows_scan(&k, from, n, out, done);
     if (status == DT_TOOLONG) /* so single rows go on, up to the cell that takes long */
         status = DT_OK;

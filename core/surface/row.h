@@ -68,6 +68,9 @@ enum dt_status dt_row_scan(struct dt_scan *k, uint32_t row, uint32_t from, size_
 enum dt_status dt_tiles_scan(struct dt_scan *k, uint32_t row, uint32_t rows, double *out,
                              size_t *done);
 
+/* Whether the columns are so wide that the next one is possible. */
+bool dt_rows_go_abreast(const struct dt_raster *r);
+
 /* n linear values from the cell `from` on, the same as by dt_row_scan, several rows side by side (abreast.c). Adds the cells of
  * rows that are complete to *done; DT_TOOLONG: too few steps are left, or one takes long by itself. */
 enum dt_status dt_rows_scan(struct dt_scan *k, uint64_t from, size_t n, double *out, size_t *done);

@@ -268,13 +268,14 @@ struct numbered {
     uint32_t vertex[3], id[3];
 };
 
+enum { TOGETHER = 16 };
+
 static inline struct numbered number(const struct dt *t, uint32_t half)
 {
     const uint32_t *v = t->mesh.half + dt_base(half), *id = t->points.id;
     uint32_t i = id[v[0]], j = id[v[1]], k = id[v[2]];
-    uint32_t first = ((j < i) & (j < k)) ? 1 : 0;
-    first = ((k < i) & (k < j)) ? 2 : first;
-    uint32_t second = first == 2 ? 0 : first + 1, third = first == 0 ? 2 : first - 1;
+    uint32_t first = (uint32_t)((j < i) & (j < k)) | (uint32_t)((k < i) & (k < j)) << 1;
+    uint32_t second = dt_next(first), third = dt_prev(first);
     return (struct numbered){{v[first], v[second], v[third]},
                              {id[v[first]], id[v[second]], id[v[third]]}};
 }
@@ -286,58 +287,66 @@ static inline const double *value_place(const struct dt_surface *s, uint32_t id)
     return page < s->pages && s->page[page] != NULL ? &s->page[page][id % DT_FIELD_PAGE] : &missing;
 }
 
-static enum dt_status look_up(struct dt_valuer *v, const struct dt_found *f)
+static enum dt_status look_up(struct dt_valuer *v, struct dt_point q, uint32_t near, double *out)
 {
     uint32_t half;
-    enum dt_where where = dt_place_find(v->t, f->q, f->half, &half);
-    return dt_value_at(v, f->q, where, half, f->out);
+    enum dt_where where = dt_place_find(v->t, q, near, &half);
+    return dt_value_at(v, q, where, half, out);
 }
 
-/* Whether q may be on an edge because both have the same y. */
-static inline bool is_level(const struct corners *k, struct dt_point q)
+/* Whether a place may be on an edge because both have the same y. */
+static inline bool is_level(const struct corners *k, double y)
 {
-    return (k->a.y == q.y) + (k->b.y == q.y) + (k->c.y == q.y) > 1;
+    return (k->a.y == y) + (k->b.y == y) + (k->c.y == y) > 1;
 }
 
-/* Without branches that cannot be predicted, so that the loads of many places run at once. */
-static enum dt_status values_in_planes(struct dt_valuer *v, const struct dt_found *f, size_t n)
+/* Fetches the values at the corners. */
+static inline void fetch_values(const struct dt_valuer *v, uint32_t half)
 {
-    enum { TOGETHER = 16 };
+    const uint32_t *corner = v->t->mesh.half + dt_base(half);
+    for (int k = 0; k < 3; k++)
+        dt_fetch(value_place(v->s, v->t->points.id[corner[k]]));
+}
+
+/* The values of n cells of a row; without branches that cannot be predicted, so that the loads of many run at once. */
+static enum dt_status values_in_planes(struct dt_valuer *v, const uint32_t *half, const double *x,
+                                       double y, size_t n, double *out)
+{
     const struct dt_point *xy = v->t->points.xy;
-    struct numbered of[TOGETHER];
-    for (size_t from = 0; from < n; from += TOGETHER) {
-        size_t end = n - from < TOGETHER ? n - from : TOGETHER;
-        for (size_t i = 0; i < end; i++) {
-            of[i] = number(v->t, f[from + i].half);
-            for (int k = 0; k < 3; k++)
-                dt_fetch(value_place(v->s, of[i].id[k]));
-        }
-        for (size_t i = 0; i < end; i++) {
-            const struct dt_found *at = &f[from + i];
-            struct corners k = {xy[of[i].vertex[0]],
-                                xy[of[i].vertex[1]],
-                                xy[of[i].vertex[2]],
-                                *value_place(v->s, of[i].id[0]),
-                                *value_place(v->s, of[i].id[1]),
-                                *value_place(v->s, of[i].id[2])};
-            struct dt_plane p = plane_of(&k);
-            enum dt_status s = DT_OK;
-            *at->out = value_in(&p, at->q);
-            if (!p.sure || is_level(&k, at->q))
-                s = look_up(v, at);
-            if (s != DT_OK)
-                return s;
-        }
+    enum dt_status s = DT_OK;
+    for (size_t i = 0; i < n; i++)
+        if (half[i] != DT_NONE)
+            fetch_values(v, half[i]);
+    for (size_t i = 0; s == DT_OK && i < n; i++) {
+        if (half[i] == DT_NONE)
+            continue;
+        struct numbered of = number(v->t, half[i]);
+        struct corners k = {xy[of.vertex[0]],
+                            xy[of.vertex[1]],
+                            xy[of.vertex[2]],
+                            *value_place(v->s, of.id[0]),
+                            *value_place(v->s, of.id[1]),
+                            *value_place(v->s, of.id[2])};
+        struct dt_plane p = plane_of(&k);
+        struct dt_point q = {x[i], y};
+        out[i] = value_in(&p, q);
+        if (!p.sure || is_level(&k, y))
+            s = look_up(v, q, half[i], &out[i]);
     }
-    return DT_OK;
+    return s;
 }
 
-enum dt_status dt_values_found(struct dt_valuer *v, const struct dt_found *f, size_t n)
+enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
+                                double y, size_t n, double *out)
 {
     enum dt_status s = DT_OK;
     if (v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL)
-        return values_in_planes(v, f, n);
-    for (size_t i = 0; s == DT_OK && i < n; i++)
-        s = look_up(v, &f[i]);
+        for (size_t i = 0; s == DT_OK && i < n; i += TOGETHER)
+            s = values_in_planes(v, half + i, x + i, y, n - i < TOGETHER ? n - i : TOGETHER,
+                                 out + i);
+    else
+        for (size_t i = 0; s == DT_OK && i < n; i++)
+            if (half[i] != DT_NONE)
+                s = look_up(v, (struct dt_point){x[i], y}, half[i], &out[i]);
     return s;
 }

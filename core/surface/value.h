@@ -42,15 +42,10 @@ void dt_valuer_clear(struct dt_valuer *v);
 enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where where,
                            uint32_t half, double *out);
 
-/* A place inside of a triangle, or on an edge of it along the x axis, and where its value goes. */
-struct dt_found {
-    struct dt_point q;
-    double *out;
-    uint32_t half; /* of the triangle */
-};
-
-/* The values at n of them; as dt_value_at. */
-enum dt_status dt_values_found(struct dt_valuer *v, const struct dt_found *f, size_t n);
+/* The values at n places with the same y, each inside of the triangle of half[i] or on an edge of it along the x axis;
+ * as dt_value_at. DT_NONE: left as it is. */
+enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
+                                double y, size_t n, double *out);
 
 /* The value of a surface at a point, and at a vertex. */
 static inline double dt_value_of_id(const struct dt_surface *s, uint32_t id)

@@ -24,14 +24,35 @@ struct dt_vicinity {
 enum dt_status dt_vicinity_init(struct dt_vicinity *w, const struct dt_surface *s);
 void dt_vicinity_clear(struct dt_vicinity *w);
 
-void dt_vicinity_fetch(struct dt_vicinity *w, const struct dt *t, uint32_t triangle);
+void dt_vicinity_fetch_triangles(struct dt_vicinity *w, const struct dt *t, uint32_t block);
+void dt_vicinity_fetch_vertices(struct dt_vicinity *w, const struct dt *t, uint32_t block);
 
-/* Fetches what is near the triangle of the half edge, unless that has been done lately. */
-static inline void dt_vicinity_enter(struct dt_vicinity *w, const struct dt *t, uint32_t half)
+/* Fetches what is near the triangle of the half edge, or the vertex, unless that has been done lately. Reads neither. */
+static inline void dt_vicinity_triangle(struct dt_vicinity *w, const struct dt *t, uint32_t half)
 {
     uint32_t block = half / (8 * DT_BLOCK_TRIANGLES);
     if (w->triangles != NULL && w->triangles[block % DT_BLOCKS] != block)
-        dt_vicinity_fetch(w, t, dt_base(half));
+        dt_vicinity_fetch_triangles(w, t, block);
+}
+
+static inline void dt_vicinity_vertex(struct dt_vicinity *w, const struct dt *t, uint32_t vertex)
+{
+    uint32_t block = vertex / DT_BLOCK_VERTICES;
+    if (w->triangles != NULL && w->vertices[block % DT_BLOCKS] != block)
+        dt_vicinity_fetch_vertices(w, t, block);
+}
+
+/* The triangle and its corners. */
+static inline void dt_vicinity_enter(struct dt_vicinity *w, const struct dt *t, uint32_t half)
+{
+    const uint32_t *corner = t->mesh.half + dt_base(half);
+    uint32_t block = half / (8 * DT_BLOCK_TRIANGLES);
+    if (w->triangles == NULL || w->triangles[block % DT_BLOCKS] == block)
+        return;
+    dt_vicinity_fetch_triangles(w, t, block);
+    for (uint32_t k = 0; k < 3; k++)
+        if (corner[k] != DT_NONE)
+            dt_vicinity_vertex(w, t, corner[k]);
 }
 
 #endif
