@@ -17,6 +17,9 @@ export class Overlay {
   mark = null;
   #canvas;
   #lines = NO_LINES;
+  #seen = ''; // what was drawn last: the view and the layers
+  #drawnMark = null;
+  #drawnLines = null;
 
   constructor(canvas) {
     this.#canvas = canvas;
@@ -50,7 +53,12 @@ export class Overlay {
     return notes.join('; ');
   }
 
+  /** Draws if something has changed. */
   draw(view) {
+    const { x, y, scale, width, height } = view;
+    const seen = [x, y, scale, width, height, this.#canvas.width, Object.values(this.layers)].join(' ');
+    if (seen === this.#seen && this.mark === this.#drawnMark && this.#lines === this.#drawnLines) return;
+    [this.#seen, this.#drawnMark, this.#drawnLines] = [seen, this.mark, this.#lines];
     const context = this.#canvas.getContext('2d');
     const ratio = this.#canvas.width / view.width;
     context.setTransform(1, 0, 0, 1, 0, 0);
