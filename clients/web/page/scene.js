@@ -1,8 +1,8 @@
 // The triangulation drawn by WebGL 2. Coordinates are in a texture with a texel for each id; a vertex is the id of a corner, as the
 // binary reply to TRIANGLES has it. So a point that moves is one texel, and a triangle that changes is twelve bytes.
 //
-// The picture is kept in a texture. After an event only the part of it that has changed is drawn again, from the tiles of triangles
-// that meet it; while the view moves, the picture is moved with it, and drawn again when there is time.
+// The picture is kept in a texture. What events have changed since the last frame is drawn again, from the tiles of triangles that meet
+// it; while the view moves, the picture is moved with it, and drawn again when there is time.
 
 const ROW = 4096; // texels in a row of the texture of points
 const TILE = 512; // triangles in a tile, about
@@ -10,6 +10,7 @@ const SMALL = 2; // pixels of a triangle, on an average, below which a tile is d
 const DOT = 3;
 const SLOW_MS = 24; // a picture that takes longer to draw is moved while the view moves
 const SETTLED_MS = 120;
+const MOST_PARTS = 32; // that are drawn again in a frame; more, and the whole picture is
 
 const HEAD = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2D;`;
@@ -213,6 +214,7 @@ export class Scene {
   #room = 0; // slots in the buffer of corners
   #drawn = null; // the view that the picture shows, and the picture's size; null: there is none
   #isStale = true; // something else than the view has changed
+  #changed = []; // boxes of the plane that events have changed since the last frame
   #took = 0; // ms for the last whole picture
   #settled = 0; // a timer
 
@@ -336,7 +338,18 @@ export class Scene {
     for (const slot of slots) gl.bufferSubData(gl.ARRAY_BUFFER, 12 * slot, mesh.corners, 3 * slot, 3);
     this.counts.bytes += 20 * points.length + 12 * slots.length;
     this.#extendTiles(slots, box);
-    if (box !== null) this.#drawPart(box);
+    if (box !== null) this.#change(box);
+  }
+
+  #change(box) {
+    const last = this.#changed.at(-1);
+    if (last !== undefined && meets(last, box)) {
+      widen(last, box[0], box[1]);
+      widen(last, box[2], box[3]);
+    } else if (this.#changed.push(box) > MOST_PARTS) {
+      this.#isStale = true;
+    }
+    this.onStale();
   }
 
   /** Tiles whose slots have changed reach as far as the box; slots behind all tiles are one more tile. */
@@ -371,9 +384,19 @@ export class Scene {
     const [width, height] = [this.#gl.drawingBufferWidth, this.#gl.drawingBufferHeight];
     const d = this.#drawn;
     const moved = d?.x !== view.x || d.y !== view.y || d.scale !== view.scale;
-    if (this.#isStale || d.across !== width || d.down !== height || (moved && this.#took <= SLOW_MS)) this.#drawWhole(view);
-    else if (moved) this.#drawWhenSettled();
-    this.#copy(view);
+    if (this.#isStale || d.across !== width || d.down !== height || (moved && this.#took <= SLOW_MS)) {
+      this.#drawWhole(view);
+      this.#copy(view, null);
+      return;
+    }
+    const parts = this.#changed.map((box) => this.#drawPart(box)).filter((pixels) => pixels !== null);
+    this.#changed = [];
+    if (moved) {
+      this.#drawWhenSettled();
+      this.#copy(view, null);
+    } else {
+      for (const pixels of parts) this.#copy(view, pixels);
+    }
   }
 
   #drawWhenSettled() {
@@ -395,28 +418,28 @@ export class Scene {
     this.#drawn.unit = (view.scale * across) / view.width; // pixels of the picture per unit of the plane
     this.#drawn.step = slotsPerDot(this.#tiles, this.#drawn.unit);
     this.#isStale = false;
+    this.#changed = [];
     this.#drawTiles(view.box(), null);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
     this.#took = performance.now() - began;
     this.counts.whole++;
   }
 
-  /** Draws the part of the picture again that shows a box of the plane. */
+  /** Draws the part of the picture again that shows a box of the plane. Returns its pixels [x, y, width, height]; null: there are none. */
   #drawPart(box) {
     const d = this.#drawn;
-    if (this.#isStale) return;
     const { across: width, down: height } = d;
     const [fx, fy] = [(d.scale * width) / d.width, (d.scale * height) / d.height];
     const x0 = Math.max(0, Math.floor(width / 2 + (box[0] - d.x) * fx) - 2);
     const y0 = Math.max(0, Math.floor(height / 2 + (box[1] - d.y) * fy) - 2);
     const x1 = Math.min(width, Math.ceil(width / 2 + (box[2] - d.x) * fx) + 2);
     const y1 = Math.min(height, Math.ceil(height / 2 + (box[3] - d.y) * fy) + 2);
-    if (x0 < x1 && y0 < y1) {
-      const part = [d.x + (x0 - width / 2) / fx, d.y + (y0 - height / 2) / fy, d.x + (x1 - width / 2) / fx, d.y + (y1 - height / 2) / fy];
-      this.#drawTiles(part, [x0, y0, x1 - x0, y1 - y0]);
-      this.counts.part++;
-    }
-    this.onStale();
+    if (x0 >= x1 || y0 >= y1) return null;
+    const part = [d.x + (x0 - width / 2) / fx, d.y + (y0 - height / 2) / fy, d.x + (x1 - width / 2) / fx, d.y + (y1 - height / 2) / fy];
+    const pixels = [x0, y0, x1 - x0, y1 - y0];
+    this.#drawTiles(part, pixels);
+    this.counts.part++;
+    return pixels;
   }
 
   /** Draws all tiles that meet a box of the plane into the picture, within the pixels [x, y, width, height] or everywhere. */
@@ -425,10 +448,7 @@ export class Scene {
     const d = this.#drawn;
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
     gl.viewport(0, 0, d.across, d.down);
-    if (pixels !== null) {
-      gl.enable(gl.SCISSOR_TEST);
-      gl.scissor(...pixels);
-    }
+    this.#clip(pixels);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
     for (const program of [this.mesh_, this.dots_]) this.#setUniforms(program);
@@ -448,7 +468,7 @@ export class Scene {
       else i++;
     }
     this.#drawDots(this.#cornersOf(small, d.step), DOT);
-    gl.disable(gl.SCISSOR_TEST);
+    this.#clip(null);
   }
 
   #setUniforms({ program, at }) {
@@ -499,13 +519,14 @@ export class Scene {
     gl.drawArrays(gl.POINTS, 0, points.length);
   }
 
-  /** Copies the picture to the screen, moved and scaled if the view has changed since. */
-  #copy(view) {
+  /** Copies the picture, or some pixels of it, to the screen, moved and scaled if the view has changed since. */
+  #copy(view, pixels) {
     const gl = this.#gl;
     const d = this.#drawn;
     const { program, at } = this.picture_;
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+    this.#clip(pixels);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
     gl.useProgram(program);
@@ -515,5 +536,17 @@ export class Scene {
     gl.uniform1i(at.picture, 0);
     gl.bindTexture(gl.TEXTURE_2D, this.picture);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    this.#clip(null);
+  }
+
+  /** Draws only these pixels [x, y, width, height] from now on, or everything. */
+  #clip(pixels) {
+    const gl = this.#gl;
+    if (pixels === null) {
+      gl.disable(gl.SCISSOR_TEST);
+    } else {
+      gl.enable(gl.SCISSOR_TEST);
+      gl.scissor(...pixels);
+    }
   }
 }
