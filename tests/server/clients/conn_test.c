@@ -95,6 +95,19 @@ TEST(client_that_takes_nothing_is_closed_after_a_while)
     end();
 }
 
+TEST(output_from_outside_is_sent_at_once_and_overtakes_nothing)
+{
+    char got[8];
+    begin();
+    CHECK(conn_write(&b.conn, "one", 3));
+    CHECK(recv(b.client, got, sizeof got, 0) == 3 && memcmp(got, "one", 3) == 0);
+    buf_append(&b.conn.out, "two", 3);
+    CHECK(!conn_write(&b.conn, "three", 5));
+    turn();
+    CHECK(recv(b.client, got, sizeof got, 0) == 8 && memcmp(got, "twothree", 8) == 0);
+    end();
+}
+
 TEST(nothing_is_read_from_a_client_that_takes_no_replies)
 {
     begin();
