@@ -195,6 +195,82 @@ TEST(digests_of_equal_sets_are_equal_whatever_their_history)
     }
 }
 
+/* What a client can see of the set with this name; the caller frees it. */
+static char *replies_about(struct local *l, const char *set)
+{
+    char request[200], next[64];
+    int n = snprintf(request, sizeof request, "FIELDS %s\n", set);
+    bool z = strstr(local_ask(l, request), "\nz ") != NULL;
+    n += snprintf(request + n, sizeof request - (size_t)n, "COINCIDENT %s\nHULL %s\nPOINTS %s%s\n",
+                  set, set, set, z ? " FIELDS z" : "");
+    snprintf(next, sizeof next, "%u\n", (unsigned)dt_next_id(local_set(l, set)->current->dt));
+    const char *replies = local_ask(l, request);
+    char *text = malloc(strlen(replies) + strlen(next) + 1);
+    CHECK(text != NULL);
+    return strcat(strcpy(text, replies), next);
+}
+
+/* A request about a set with few points, places and values, so that sets are often equal; it may be refused. */
+static void change_a_little(struct local *l, char set)
+{
+    char line[100];
+    unsigned id = test_below(2), x = test_below(2);
+    switch (test_below(9)) {
+    case 0:
+        snprintf(line, sizeof line, "DROP %c\nCREATE %c\n", set, set);
+        break;
+    case 1:
+        snprintf(line, sizeof line, "TRIANGULATE %c\n", set);
+        break;
+    case 2:
+        snprintf(line, sizeof line, "FDROP %c z\n", set);
+        break;
+    case 3:
+        snprintf(line, sizeof line, "DEL %c %u\n", set, id);
+        break;
+    case 4:
+        snprintf(line, sizeof line, "FSET %c z %u nan\n", set, id);
+        break;
+    case 5:
+        snprintf(line, sizeof line, "FSET %c z %u %u\n", set, id, x);
+        break;
+    case 6:
+        snprintf(line, sizeof line, "MOVE %c %u %u 0\n", set, id, x);
+        break;
+    default:
+        snprintf(line, sizeof line, "ADD %c %u 0\n", set, x);
+    }
+    local_ask(l, line);
+}
+
+TEST(digests_are_equal_where_replies_are_equal_and_nowhere_else)
+{
+    enum { SETS = 6, STEPS = 1500 };
+    struct local l;
+    char *replies[SETS] = {NULL};
+    uint64_t digest[SETS];
+    unsigned equal = 0;
+    local_start(&l, 0);
+    local_ask(&l, "CREATE a\nCREATE b\nCREATE c\nCREATE d\nCREATE e\nCREATE f\n");
+    for (unsigned step = 0; step < STEPS; step++) {
+        unsigned i = step < SETS ? step : test_below(SETS);
+        char name[] = {(char)('a' + i), '\0'};
+        change_a_little(&l, name[0]);
+        free(replies[i]);
+        replies[i] = replies_about(&l, name);
+        digest[i] = digest_at(&l, name, VERSION);
+        for (unsigned k = 0; k < SETS && k <= step; k++) {
+            CHECK_MSG((digest[i] == digest[k]) == (strcmp(replies[i], replies[k]) == 0), "%s%s",
+                      replies[i], replies[k]);
+            equal += i != k && digest[i] == digest[k];
+        }
+    }
+    CHECK(equal > STEPS / 50 && equal < STEPS * (SETS - 1) / 2);
+    for (unsigned i = 0; i < SETS; i++)
+        free(replies[i]);
+    local_stop(&l);
+}
+
 /* ---- pieces ---- */
 
 /* The set t with n points, and values of the field z at the ids near the ends of pages. */

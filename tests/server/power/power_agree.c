@@ -1,10 +1,11 @@
 /* power_agree.c - see power_agree.h. */
 #include "tests/server/power/power_agree.h"
 
-#include "server/follow/digest.h"
-#include "tests/test.h"
+#include "tests/server/digest.h"
 
 #include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -33,23 +34,11 @@ static char *ask(const struct daemon *d, const char *command, const char *set)
     }
 }
 
-/* The digest of the set as this process has read it, computed as DIGEST does. */
-static uint64_t digest_here(struct dataset *set)
-{
-    struct digest d;
-    bool done = false;
-    CHECK(digest_begin(&d, set));
-    while (!done)
-        CHECK(digest_read(&d, set->current->dt, &done) == DT_OK);
-    dt_view_end(d.view);
-    return d.value;
-}
-
 static bool same_digest(const struct daemon *d, struct dataset *set)
 {
     uint64_t there;
     char *reply = ask(d, "DIGEST", set->name);
-    bool same = sscanf(reply, "OK 0 digest=%" SCNx64, &there) == 1 && there == digest_here(set);
+    bool same = sscanf(reply, "OK 0 digest=%" SCNx64, &there) == 1 && there == digest_now(set);
     free(reply);
     return same;
 }
