@@ -92,7 +92,8 @@ static void write_bytes(struct log_file *f, struct buf *b)
 void log_file_write(struct log_file *f, struct buf *b)
 {
     const char *at = buf_head(b), *end = at + buf_len(b);
-    for (size_t n; at < end; at += n) {
+    /* After a failure the buffer may begin inside a record that was written in part. */
+    for (size_t n; f->error == 0 && at < end; at += n) {
         n = RECORD_HEADER + record_outline(at).length;
         f->digest = record_digest(f->digest, at, n);
     }

@@ -252,6 +252,22 @@ TEST(large_load_that_cannot_be_encoded_is_a_failed_log)
     end(&b);
 }
 
+/* What is left of the record is not the beginning of one. */
+TEST(large_load_whose_record_is_written_in_part_is_a_failed_log)
+{
+    struct record r = {.name = "t", .name_len = 1, .n = RECORD_POINTS + 1};
+    struct bench b;
+    double *xy = points(r.n);
+    for (size_t i = 0; i < 2 * (size_t)r.n; i++)
+        xy[i] = 1.0 / 3;
+    begin(&b, LOG_ALWAYS);
+    calls_limit_space(300);
+    log_append_points(b.log, &r, xy);
+    await_failure(&b);
+    CHECK(b.status.error == ENOSPC && b.status.durable == 0);
+    end(&b);
+}
+
 /* Fails with one record in the file that may or may not be on the disk. */
 static void fail(struct bench *b)
 {
