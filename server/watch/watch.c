@@ -7,18 +7,18 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum {
     RETRY_MS = 1000, /* after a triangulation for watchers has failed */
     KEEP_MS = 60000, /* what has changed lately is kept for watchers that come back */
-    /* Events get one part of SHARE of the time while a set is edited, at most CREDIT_NS at once after a pause. What they
-     * exceed that by is owed, up to DEBT_NS. */
+    /* Events get one part of SHARE of the time while a set is edited, and the time in which the loop has nothing to do, at
+     * most CREDIT_NS at once after a pause. What they exceed that by is owed, up to DEBT_NS. */
     SHARE = 12,
-    IDLE_SHARE = 2, /* and one part of this of the time in which the loop has nothing to do */
     CREDIT_NS = 2000 * 1000,
     DEBT_NS = 5000 * 1000,
     SEND_NS = 5000,             /* for sending an event to a watcher */
-    CHUNK_NS = 100 * 1000,      /* the time for sending an event in a turn */
+    CHUNK_NS = 50 * 1000,       /* the time for sending an event in a turn */
     KEY_NS = 400,               /* about so much for the rows of a key */
     SMALL_NS = 40 * 1000,       /* an event that takes less never waits: one after one edit */
     QUIET_NS = 3 * 1000 * 1000, /* a set that has not been edited for so long pauses */
@@ -118,7 +118,7 @@ static bool refresh(struct server *s, struct watched *k)
 static bool is_due(struct watched *k, const struct loop *loop, int64_t now)
 {
     int64_t idle = loop == NULL ? 0 : loop->idle_ns - k->idle_ns;
-    int64_t credit = k->credit_ns + (now - k->credit_at_ns - idle) / SHARE + idle / IDLE_SHARE;
+    int64_t credit = k->credit_ns + (now - k->credit_at_ns - idle) / SHARE + idle;
     k->credit_ns = credit < CREDIT_NS ? credit : CREDIT_NS;
     k->credit_at_ns = now;
     k->idle_ns += idle;
@@ -161,16 +161,21 @@ static bool serve_late(struct server *s, struct watched *k, int64_t end)
     return all;
 }
 
+static bool is_sending(const struct watched *k)
+{
+    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
+        if (f->unsent != NULL)
+            return true;
+    return false;
+}
+
 /* Continues to send events that have been begun. False: some watchers have not been sent theirs. */
 static bool send_begun(struct server *s, const struct watched *k, int64_t end)
 {
-    bool all = true;
-    for (struct feed *f = k->feeds; f != NULL; f = f->next) {
+    for (struct feed *f = k->feeds; f != NULL; f = f->next)
         if (f->unsent != NULL)
             feed_send(s, f, end);
-        all = all && f->unsent == NULL;
-    }
-    return all;
+    return !is_sending(k);
 }
 
 static bool feeds_lag(const struct watched *k)
@@ -214,41 +219,53 @@ static struct loop *loop_of(const struct watched *k)
     return k->late == NULL ? NULL : k->late->session->conn.loop;
 }
 
-/* Collects changes and makes events, as far as they are due. False: more could be made at once. */
-static bool make_events(struct server *s, struct watched *k, struct loop *loop, int64_t now)
+/* Processor time of this thread: what others take on a busy machine is no cost of events. */
+static int64_t processor_ns(void)
 {
-    bool changed = k->version != k->set->version;
-    if (k->set->exclusive)
-        return true;
-    if (changed && (loop == NULL ? version_is_stale(k->set->current) : !refresh(s, k)))
-        return true;
-    bool due = is_due(k, loop, now) || (changed && is_small(k));
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+/* Collects changes and makes events. False: more could be made at once. */
+static bool make_events(struct server *s, struct watched *k, bool changed, bool due)
+{
     if (changed && (due || dt_touched_count(k->set->current->dt) >= COLLECT_KEYS)) {
         k->retry_ms = 0;
         collect(s, k, due);
-        changed = false;
     }
-    count_memory(k);
-    if (loop == NULL)
+    if (!due)
         return true;
-    if (due) {
-        serve_feeds(s, k, clock_ns() + TURN_NS);
-        return serve_late(s, k, clock_ns() + TURN_NS) && !feeds_lag(k);
-    }
-    if (changed || feeds_lag(k) || k->late != NULL)
-        loop_at(loop, &k->due, loop->now_ms + WAKE_MS);
-    return true;
+    serve_feeds(s, k, clock_ns() + TURN_NS);
+    return serve_late(s, k, clock_ns() + TURN_NS) && !feeds_lag(k);
+}
+
+/* Whether what has changed may be looked at: no job has the set, and the triangulation is current. */
+static bool is_ready(struct server *s, struct watched *k, bool changed, const struct loop *loop)
+{
+    if (k->set->exclusive || !changed)
+        return !k->set->exclusive;
+    return loop == NULL ? !version_is_stale(k->set->current) : refresh(s, k);
 }
 
 static void flush(struct server *s, struct watched *k)
 {
     static struct task again = {.run = do_nothing};
     struct loop *loop = loop_of(k);
-    int64_t now = clock_ns();
-    bool all = make_events(s, k, loop, now);
+    bool changed = k->version != k->set->version, all = true;
+    if (!changed && k->late == NULL && !feeds_lag(k) && !is_sending(k))
+        return;
+    int64_t before = processor_ns();
+    if (is_ready(s, k, changed, loop)) {
+        bool due = is_due(k, loop, clock_ns()) || (changed && is_small(k));
+        all = make_events(s, k, changed, due);
+        if (!due && loop != NULL)
+            loop_at(loop, &k->due, loop->now_ms + WAKE_MS);
+    }
     if (!send_begun(s, k, clock_ns() + CHUNK_NS) || !all)
         loop_defer(loop, &again);
-    k->credit_ns -= clock_ns() - now + (int64_t)k->later * SEND_NS;
+    count_memory(k);
+    k->credit_ns -= processor_ns() - before + (int64_t)k->later * SEND_NS;
     k->later = 0;
     if (k->credit_ns < -DEBT_NS)
         k->credit_ns = -DEBT_NS;
