@@ -195,6 +195,9 @@ const struct subcommand subcommands[] = {
      "Facts about the server; with sections (server, clients, memory, stats, sets, durability,\n"
      "commands) those of these only.\n",
      "server clients memory stats sets durability commands --help", false},
+    {"backup", NULL, false, false, "backup NAME",
+     "Writes a backup of the data directory, in use, below the server's --backup-dir.\n", "--help",
+     false},
     {"client", NULL, false, false, "client LIST | client KILL ID | client KILL ADDRESS",
      "Who is connected to the server; ends connections.\n", "LIST KILL --help", false},
     {"slowlog", NULL, false, false, "slowlog GET [N] | slowlog LEN | slowlog RESET",

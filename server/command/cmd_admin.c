@@ -101,7 +101,7 @@ static void answer_backup(struct answer *a, const struct backup *b)
     reply_ok(a->out, 0);
     reply_key_u64(a->out, "lsn", b->lsn);
     reply_key_u64(a->out, "files", b->files);
-    reply_key_u64(a->out, "bytes", b->bytes);
+    reply_key_u64(a->out, "size", b->bytes);
     reply_key_u64(a->out, "copied", b->copied);
     reply_end(a->out);
 }

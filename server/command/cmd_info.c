@@ -119,7 +119,7 @@ static void add_durability(const struct server *s, struct facts *f)
     add(f, "snapshot_retry_s", disk.snapshot_retry_s);
     add(f, "backups", disk.backups);
     add(f, "backup_lsn", disk.backup_lsn);
-    add(f, "backup_time", disk.backup_s);
+    add(f, "backup_timestamp_s", disk.backup_s);
 }
 
 /* Appends quantiles in microseconds: `,<prefix>p50_us=` and so on. */

@@ -31,6 +31,25 @@ TEST(url_identifies_daemon_and_set)
     cli_finish();
 }
 
+/* Its reply has no binary part, which a client would wait for. */
+TEST(backup_prints_what_was_written)
+{
+    int status;
+    char data[100], backups[100];
+    cli_begin();
+    snprintf(data, sizeof data, "%s", cli_path("data"));
+    snprintf(backups, sizeof backups, "%s", cli_path("backups"));
+    struct daemon d =
+        daemon_start((const char *const[]){"--data", data, "--backup-dir", backups, NULL});
+    CHECK_STR(peer_shell(&status, "%s -p %s backup x 2>&1", getenv("DELAUNAY"), d.port_text),
+              "OK 0 lsn=0 files=1 size=64 copied=64\n");
+    peer_shell(&status, "%s --check %s/x", getenv("DELAUNAYD"), backups);
+    CHECK(status == 0);
+    daemon_end(&d);
+    peer_shell(&status, "rm -r %s %s", data, backups);
+    cli_finish();
+}
+
 TEST(token_comes_from_the_url_or_the_environment)
 {
     int status;

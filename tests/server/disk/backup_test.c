@@ -26,7 +26,7 @@ static void back_up_and_restore(const char *policy)
     snapshot(&b.d, 1);
     expect_reply(&b.d, "BACKUP snapshot\n", "OK 0 lsn=11 files=2 ");
     CHECK(daemon_info(&b.d, "backups") == 3 && daemon_info(&b.d, "backup_lsn") == 11 &&
-          daemon_info(&b.d, "backup_time") > 1700000000);
+          daemon_info(&b.d, "backup_timestamp_s") > 1700000000);
     carry_out(&b.d, "DEL t 0\nDROP a\nADD b 3 3\n");
     char *later = directory_state(&b.d, backup_names);
     expect_reply(&b.d, "BACKUP both\n", "OK 0 lsn=14 files=2 ");
@@ -117,7 +117,7 @@ TEST(backup_on_another_file_system_is_a_copy)
     snapshot(&b.d, 1);
     char *want = directory_state(&b.d, backup_names);
     const char *reply = ask(&b.d, "BACKUP x\n");
-    CHECK(here.st_dev == there.st_dev || number_in(reply, "copied=") == number_in(reply, "bytes="));
+    CHECK(here.st_dev == there.st_dev || number_in(reply, "copied=") == number_in(reply, "size="));
     check_restored(&b, "x", want);
     free(want);
     end(&b);
@@ -191,7 +191,7 @@ TEST(backup_needs_a_token_for_writing)
              "ERR NOAUTH authenticate first: AUTH token\nOK 0 role=ro\n"
              "ERR DENIED your token is for reading only\n");
     converse(&b.d, "AUTH writer\nBACKUP x\n",
-             "OK 0 role=rw\nOK 0 lsn=0 files=1 bytes=64 copied=64\n");
+             "OK 0 role=rw\nOK 0 lsn=0 files=1 size=64 copied=64\n");
     end(&b);
 }
 
