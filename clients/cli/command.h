@@ -40,6 +40,9 @@ int command_trace(struct delaunay_client *c, int argc, char **argv);
 /* top: a live view of INFO until interrupted. */
 int command_top(struct delaunay_client *c, int argc, char **argv);
 
+/* metrics: INFO in the text format of Prometheus. */
+int command_metrics(struct delaunay_client *c, int argc, char **argv);
+
 /* watch SET: the events of a set, until it is dropped or the program is interrupted. */
 int command_watch(struct delaunay_client *c, int argc, char **argv);
 

@@ -137,6 +137,8 @@ const struct subcommand subcommands[] = {
      "pressed: places and rings of points, after a line EVENT or, with --json, an object for each\n"
      "event. SINCE continues at a version, WITHIN shows a box, FIELDS adds values to the points.\n",
      "SINCE WITHIN FIELDS --help", false},
+    {"metrics", command_metrics, false, false, "metrics",
+     "Prints INFO in the text format of Prometheus.\n", "--help", false},
     {"copy", command_copy, true, false, "copy SET URL URL",
      "Copies a set, its tolerance and its ids from the first daemon to the second, where there "
      "must be\n"

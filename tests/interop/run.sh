@@ -205,5 +205,9 @@ count "redis-benchmark" redis_benchmark_finishes
 count "many small sets" many_small_sets
 count "clean stop on SIGTERM" stops_cleanly
 compare_surfaces
+if /usr/bin/python3 -c 'import prometheus_client' 2>/dev/null; then
+    /usr/bin/python3 tests/interop/metrics.py "$build" >"$scratch/metrics" 2>&1
+    collect "$scratch/metrics"
+fi
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
