@@ -1,5 +1,6 @@
 /* format_test.c - files that earlier releases wrote can be read. tests/data/README.md describes how
  * each directory was created. */
+#include "proto/records/record.h"
 #include "tests/server/directory.h"
 #include "tests/test.h"
 
@@ -108,4 +109,34 @@ TEST(directory_of_version_2_is_read_with_its_fields)
 TEST(directory_of_version_3_is_read_with_the_versions_of_its_sets)
 {
     check_fields("tests/data/version-3", 3765204556972094);
+}
+
+TEST(directory_of_version_4_is_read_with_its_history)
+{
+    check_fields("tests/data/version-4", 3765253728895038);
+}
+
+/* The version in the header of the file; 0: there is no such file. */
+static unsigned written_version(unsigned of, const char *prefix)
+{
+    char path[128];
+    struct segment header;
+    struct directory dir;
+    size_t n;
+    snprintf(dir.path, sizeof dir.path, "tests/data/version-%u", of);
+    if (access(dir.path, F_OK) != 0 || !directory_file(&dir, prefix, 0, path))
+        return 0;
+    char *bytes = file_read(path, &n);
+    CHECK(segment_read(bytes, n, &header) > 0);
+    free(bytes);
+    return header.version;
+}
+
+/* CONTRIBUTING.md: a new version comes with a directory that has its files, and with a test above. */
+TEST(every_version_of_the_format_so_far_has_its_files)
+{
+    for (unsigned version = 1; version <= RECORD_VERSION; version++) {
+        CHECK_MSG(written_version(version, "log.") == version, "version %u", version);
+        CHECK_MSG(written_version(version, "snapshot.") == version, "version %u", version);
+    }
 }
