@@ -12,8 +12,8 @@
 enum {
     RETRY_MS = 1000, /* after a triangulation for watchers has failed */
     KEEP_MS = 60000, /* what has changed lately is kept for watchers that come back */
-    /* Events get one part of SHARE of the time while a set is edited, and the time in which the loop has nothing to do, at
-     * most CREDIT_NS at once after a pause. What they exceed that by is owed, up to DEBT_NS. */
+    /* Events get one part of SHARE of the time while a set is edited, and some of the time in which the loop has nothing to
+     * do, at most CREDIT_NS at once after a pause. What they exceed that by is owed, up to DEBT_NS. */
     SHARE = 12,
     CREDIT_NS = 2000 * 1000,
     DEBT_NS = 5000 * 1000,
@@ -114,11 +114,13 @@ static bool refresh(struct server *s, struct watched *k)
 /* ---- when events are written ---- */
 
 /* Events of a set get a share of the time while it is edited, so that a watcher slows edits down by little; what is not
- * sent yet is merged. Isolated edits never wait, because there is credit. */
+ * sent yet is merged. Isolated edits never wait, because there is credit. The time in which the loop is idle is not spare if
+ * it is busy as long: clients that edit without pause need processors, too. */
 static bool is_due(struct watched *k, const struct loop *loop, int64_t now)
 {
     int64_t idle = loop == NULL ? 0 : loop->idle_ns - k->idle_ns;
-    int64_t credit = k->credit_ns + (now - k->credit_at_ns - idle) / SHARE + idle;
+    int64_t busy = now - k->credit_at_ns - idle, spare = idle > busy ? (idle - busy) / 2 : 0;
+    int64_t credit = k->credit_ns + busy / SHARE + spare;
     k->credit_ns = credit < CREDIT_NS ? credit : CREDIT_NS;
     k->credit_at_ns = now;
     k->idle_ns += idle;
