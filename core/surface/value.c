@@ -268,8 +268,6 @@ struct numbered {
     uint32_t vertex[3], id[3];
 };
 
-enum { TOGETHER = 16 };
-
 static inline struct numbered number(const struct dt *t, uint32_t half)
 {
     const uint32_t *v = t->mesh.half + dt_base(half), *id = t->points.id;
@@ -295,9 +293,10 @@ static enum dt_status look_up(struct dt_valuer *v, struct dt_point q, uint32_t n
 }
 
 /* Whether a place may be on an edge because both have the same y. */
-static inline bool is_level(const struct corners *k, double y)
+static inline bool is_level(const struct dt_point *a, const struct dt_point *b,
+                            const struct dt_point *c, double y)
 {
-    return (k->a.y == y) + (k->b.y == y) + (k->c.y == y) > 1;
+    return (a->y == y) + (b->y == y) + (c->y == y) > 1;
 }
 
 /* Fetches the values at the corners. */
@@ -314,9 +313,6 @@ static enum dt_status values_in_planes(struct dt_valuer *v, const uint32_t *half
 {
     const struct dt_point *xy = v->t->points.xy;
     enum dt_status s = DT_OK;
-    for (size_t i = 0; i < n; i++)
-        if (half[i] != DT_NONE)
-            fetch_values(v, half[i]);
     for (size_t i = 0; s == DT_OK && i < n; i++) {
         if (half[i] == DT_NONE)
             continue;
@@ -330,8 +326,26 @@ static enum dt_status values_in_planes(struct dt_valuer *v, const uint32_t *half
         struct dt_plane p = plane_of(&k);
         struct dt_point q = {x[i], y};
         out[i] = value_in(&p, q);
-        if (!p.sure || is_level(&k, y))
+        if (!p.sure || is_level(&k.a, &k.b, &k.c, y))
             s = look_up(v, q, half[i], &out[i]);
+    }
+    return s;
+}
+
+/* The same where some triangles have no surface. */
+static enum dt_status values_in_triangles(struct dt_valuer *v, const uint32_t *half,
+                                          const double *x, double y, size_t n, double *out)
+{
+    const struct dt_point *xy = v->t->points.xy;
+    enum dt_status s = DT_OK;
+    for (size_t i = 0; s == DT_OK && i < n; i++) {
+        if (half[i] == DT_NONE)
+            continue;
+        const uint32_t *corner = v->t->mesh.half + dt_base(half[i]);
+        struct dt_point q = {x[i], y};
+        bool level = is_level(&xy[corner[0]], &xy[corner[1]], &xy[corner[2]], y);
+        s = level ? look_up(v, q, half[i], &out[i])
+                  : dt_value_at(v, q, DT_INSIDE, half[i], &out[i]);
     }
     return s;
 }
@@ -339,14 +353,16 @@ static enum dt_status values_in_planes(struct dt_valuer *v, const uint32_t *half
 enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
                                 double y, size_t n, double *out)
 {
+    enum { TOGETHER = 16 };
     enum dt_status s = DT_OK;
-    if (v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL)
-        for (size_t i = 0; s == DT_OK && i < n; i += TOGETHER)
-            s = values_in_planes(v, half + i, x + i, y, n - i < TOGETHER ? n - i : TOGETHER,
-                                 out + i);
-    else
-        for (size_t i = 0; s == DT_OK && i < n; i++)
-            if (half[i] != DT_NONE)
-                s = look_up(v, (struct dt_point){x[i], y}, half[i], &out[i]);
+    bool planes = v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL;
+    for (size_t i = 0; s == DT_OK && i < n; i += TOGETHER) {
+        size_t m = n - i < TOGETHER ? n - i : TOGETHER;
+        for (size_t k = i; k < i + m; k++)
+            if (half[k] != DT_NONE)
+                fetch_values(v, half[k]);
+        s = planes ? values_in_planes(v, half + i, x + i, y, m, out + i)
+                   : values_in_triangles(v, half + i, x + i, y, m, out + i);
+    }
     return s;
 }

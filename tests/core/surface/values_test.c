@@ -337,6 +337,7 @@ TEST(cells_on_edges_have_the_values_at_their_centres)
         for (int k = 0; k < N; k++)
             p[k] = (struct dt_point){test_below(8), test_below(8)};
         struct dt *t = set_of(p, N);
+        s.max_edge = i % 2 == 0 ? HUGE_VAL : 1.5;
         check_cells(t, &s, &(struct dt_raster){{0.1, -0.5}, {6.9, 7.5}, 19, 8});
         check_cells(t, &s, &(struct dt_raster){{-0.25, -0.25}, {7.75, 7.75}, 16, 16});
         check_cells(t, &s, &(struct dt_raster){{x, -0.25}, {x, 7.75}, 3, 16});
