@@ -3,6 +3,11 @@
 #   docker build -t delaunayd .
 #   docker run -p 127.0.0.1:6374:6374 -v delaunay:/data delaunayd
 #
+# A backup, on the volume, and then out of the container:
+#
+#   docker exec CONTAINER delaunay backup monday
+#   docker cp CONTAINER:/data/backups/monday .
+#
 # Anyone who reaches the port may use it: publish it to this machine only, as above, or add --auth-file.
 
 FROM debian:bookworm-slim AS build
@@ -18,4 +23,4 @@ USER delaunayd
 VOLUME /data
 EXPOSE 6374
 HEALTHCHECK --interval=10s CMD ["delaunay", "-h", "127.0.0.1", "ping"]
-ENTRYPOINT ["delaunayd", "--data", "/data", "--bind", "0.0.0.0", "--insecure"]
+ENTRYPOINT ["delaunayd", "--data", "/data", "--backup-dir", "/data/backups", "--bind", "0.0.0.0", "--insecure"]

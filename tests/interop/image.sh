@@ -59,7 +59,9 @@ as=()
 mapfile -t entry < <(words "$(line 'ENTRYPOINT ')")
 mapfile -t health < <(words "$(line 'HEALTHCHECK .*CMD ')")
 [ "${entry[*]:1:2}" = "--data $volume" ] || bad "the daemon does not use the volume"
+[ "${entry[*]:3:2}" = "--backup-dir $volume/backups" ] || bad "backups do not go to the volume"
 entry[2]=$scratch/data
+entry[4]=$scratch/data/backups
 "${as[@]}" "${entry[@]}" --port 0 >"$scratch/ready" 2>"$scratch/log" &
 pid=$!
 for _ in $(seq 100); do
@@ -71,6 +73,8 @@ done
 export DELAUNAY_PORT
 [ "$(line 'EXPOSE ')" = 6374 ] || bad "exposes another port than the daemon's"
 "${as[@]}" "${health[@]}" >/dev/null || bad "the health check fails beside a healthy daemon"
+"${as[@]}" delaunay backup monday >/dev/null && "${as[@]}" delaunayd --check "$scratch/data/backups/monday" >/dev/null ||
+    bad "there is no backup"
 kill "$pid"
 wait "$pid" || bad "the daemon does not end well"
 pid=
