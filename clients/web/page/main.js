@@ -180,8 +180,13 @@ async function follow(set, { keepView = false } = {}) {
   say(`loading ${set} ...`);
   overlay.clear();
   fitNext = !keepView;
-  await follower.follow(set, () => chosenField(set));
-  if (fitNext) await acts.fit();
+  try {
+    await follower.follow(set, () => chosenField(set));
+    if (fitNext) await acts.fit();
+  } catch (error) {
+    if (follower.set === set) follower.set = null; // refreshSets tries again
+    throw error;
+  }
   fitNext = false;
   if (follower.kind === 'whole') say('');
   refreshSoon();

@@ -4,10 +4,12 @@
 // The picture is kept in a texture. What events have changed since the last frame is drawn again, from the tiles of triangles that meet
 // it; while the view moves, the picture is moved with it, and drawn again when there is time.
 
+import { Tiles, meets, widen } from './tiles.js';
+
 const ROW = 4096; // texels in a row of the texture of points
-const TILE = 512; // triangles in a tile, about
-const SMALL = 2; // pixels of a triangle, on an average, below which a tile is drawn as points of DOT by DOT pixels
-const DOT = 3;
+const SMALL = 3; // pixels that a triangle is long, below which it is not drawn; dots stand for such triangles
+const DOT = 3; // pixels along a side
+const COVER = 3; // how often dots cover the pixels of a tile, at most
 const SLOW_MS = 24; // a picture that takes longer to draw is moved while the view moves
 const SETTLED_MS = 120;
 const MOST_PARTS = 32; // that are drawn again in a frame; more, and the whole picture is
@@ -122,93 +124,13 @@ function compile(gl, vertex, fragment) {
   return { program, at: names };
 }
 
-/** Makes the box least[k], least[k + 1] to most[k], most[k + 1] contain a place. */
-function extend(least, most, k, place) {
-  const x = place >>> 16;
-  const y = place & 65535;
-  if (x < least[k]) least[k] = x;
-  if (x > most[k]) most[k] = x;
-  if (y < least[k + 1]) least[k + 1] = y;
-  if (y > most[k + 1]) most[k + 1] = y;
-}
-
-/** Sorts the slots by tiles of a grid around all points: {corners, tiles: [{first, count, box}]}. Corners are in no order of places, so what is
- * read of each is four bytes: its place on a grid of 65536 by 65536. */
-function tile(mesh, [x0, y0, x1, y1]) {
-  const side = Math.max(1, Math.min(128, Math.round(Math.sqrt(mesh.slots / TILE))));
-  const { corners, xy, ids, slots } = mesh;
-  const [sx, sy] = [65535 / (x1 - x0), 65535 / (y1 - y0)];
-  const places = new Uint32Array(ids);
-  for (let id = 0; id < ids; id++) places[id] = (((xy[2 * id] - x0) * sx) << 16) | ((xy[2 * id + 1] - y0) * sy);
-  const each = side / 65536 / 3;
-  const tileOf = new Uint16Array(slots);
-  const counts = new Uint32Array(side * side + 1);
-  const least = new Uint16Array(2 * side * side).fill(65535);
-  const most = new Uint16Array(2 * side * side);
-  for (let slot = 0; slot < slots; slot++) {
-    const a = places[corners[3 * slot]];
-    const b = places[corners[3 * slot + 1]];
-    const c = places[corners[3 * slot + 2]];
-    const column = ((a >>> 16) + (b >>> 16) + (c >>> 16)) * each;
-    const row = ((a & 65535) + (b & 65535) + (c & 65535)) * each;
-    const t = (row | 0) * side + (column | 0);
-    tileOf[slot] = t;
-    counts[t + 1]++;
-    extend(least, most, 2 * t, a);
-    extend(least, most, 2 * t, b);
-    extend(least, most, 2 * t, c);
-  }
-  for (let t = 0; t < side * side; t++) counts[t + 1] += counts[t];
-  const next = counts.slice();
-  const sorted = new Uint32Array(3 * slots);
-  for (let slot = 0; slot < slots; slot++) {
-    const to = 3 * next[tileOf[slot]]++;
-    sorted[to] = corners[3 * slot];
-    sorted[to + 1] = corners[3 * slot + 1];
-    sorted[to + 2] = corners[3 * slot + 2];
-  }
-  // A step more on each side, for what was rounded.
-  const boxOf = (t) => [x0 + (least[2 * t] - 1) / sx, y0 + (least[2 * t + 1] - 1) / sy, x0 + (most[2 * t] + 2) / sx, y0 + (most[2 * t + 1] + 2) / sy];
-  const tiles = Array.from({ length: side * side }, (_, t) => {
-    const count = counts[t + 1] - counts[t];
-    return { first: counts[t], count, box: count > 0 ? boxOf(t) : [Infinity, Infinity, -Infinity, -Infinity] };
-  });
-  return { corners: sorted, tiles };
-}
-
-function widen(box, x, y) {
-  if (x < box[0]) box[0] = x;
-  if (y < box[1]) box[1] = y;
-  if (x > box[2]) box[2] = x;
-  if (y > box[3]) box[3] = y;
-}
-
-const areaOf = ([x0, y0, x1, y1]) => Math.max(0, x1 - x0) * Math.max(0, y1 - y0);
-
-/** Whether the triangles of a tile are too small to be seen, on an average; unit: pixels. */
-const isSmall = ({ count, box }, unit) => areaOf(box) * unit * unit < SMALL * count;
-
-/** How many slots of small tiles stand for one dot, so that dots cover about three times their pixels. */
-function slotsPerDot(tiles, unit) {
-  let slots = 0;
-  let pixels = 0;
-  for (const t of tiles) {
-    if (t.count === 0 || !isSmall(t, unit)) continue;
-    slots += t.count;
-    pixels += areaOf(t.box) * unit * unit;
-  }
-  return Math.max(2, Math.floor((slots * DOT * DOT) / (3 * Math.max(1, pixels))));
-}
-
-const meets = (a, b) => a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3];
-
 export class Scene {
   /** Bytes that events have sent to the graphics memory, and pictures drawn whole and in part. */
   counts = { bytes: 0, whole: 0, part: 0 };
   style = { coloured: false, edged: true, fill: [0.2, 0.4, 0.6, 0.1], edge: [0.2, 0.4, 0.6, 0.9], range: [0, 1] };
   #gl;
   #mesh = null;
-  #tiles = [];
+  #tiles = null;
   #dots = null;
   #rows = 0; // of the texture of points
   #room = 0; // slots in the buffer of corners
@@ -260,9 +182,8 @@ export class Scene {
   show(mesh, box, dots = { points: new Uint32Array(0), size: DOT }) {
     this.#mesh = mesh;
     this.#dots = dots;
-    const { corners, tiles } = tile(mesh, box);
-    mesh.reorder(corners);
-    this.#tiles = tiles;
+    this.#tiles = new Tiles(mesh, box);
+    mesh.reorder(this.#tiles.corners);
     this.#sendAll();
     this.stale();
   }
@@ -337,45 +258,19 @@ export class Scene {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     for (const slot of slots) gl.bufferSubData(gl.ARRAY_BUFFER, 12 * slot, mesh.corners, 3 * slot, 3);
     this.counts.bytes += 20 * points.length + 12 * slots.length;
-    this.#extendTiles(slots, box);
-    if (box !== null) this.#change(box);
+    if (box === null) return;
+    this.#tiles.change(slots, box);
+    this.#change(box);
   }
 
   #change(box) {
     const last = this.#changed.at(-1);
     if (last !== undefined && meets(last, box)) {
-      widen(last, box[0], box[1]);
-      widen(last, box[2], box[3]);
+      widen(last, box);
     } else if (this.#changed.push(box) > MOST_PARTS) {
       this.#isStale = true;
     }
     this.onStale();
-  }
-
-  /** Tiles whose slots have changed reach as far as the box; slots behind all tiles are one more tile. */
-  #extendTiles(slots, box) {
-    if (box === null) return;
-    for (const slot of slots) {
-      const t = this.#tileOf(slot);
-      widen(t.box, box[0], box[1]);
-      widen(t.box, box[2], box[3]);
-      t.count = Math.max(t.count, slot - t.first + 1);
-    }
-  }
-
-  #tileOf(slot) {
-    let [low, high] = [0, this.#tiles.length];
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (this.#tiles[middle].first <= slot) low = middle;
-      else high = middle;
-    }
-    const t = this.#tiles[low];
-    if (low < this.#tiles.length - 1 || t.open) return t;
-    if (slot < t.first + t.count) return t;
-    const open = { first: t.first + t.count, count: 0, box: [Infinity, Infinity, -Infinity, -Infinity], open: true };
-    this.#tiles.push(open);
-    return open;
   }
 
   /** Draws the picture if need be, and copies it to the screen. */
@@ -416,7 +311,6 @@ export class Scene {
     }
     this.#drawn = { x: view.x, y: view.y, scale: view.scale, width: view.width, height: view.height, across, down };
     this.#drawn.unit = (view.scale * across) / view.width; // pixels of the picture per unit of the plane
-    this.#drawn.step = slotsPerDot(this.#tiles, this.#drawn.unit);
     this.#isStale = false;
     this.#changed = [];
     this.#drawTiles(view.box(), null);
@@ -459,15 +353,19 @@ export class Scene {
     gl.bindVertexArray(this.array);
     this.#drawDots(this.#dots.points, this.#dots.size * (d.across / d.width));
     const small = [];
-    for (let i = 0; i < this.#tiles.length; ) {
-      const { first } = this.#tiles[i];
-      let count = 0;
-      for (; i < this.#tiles.length && meets(this.#tiles[i].box, box) && !isSmall(this.#tiles[i], d.unit); i++) count += this.#tiles[i].count;
-      if (count > 0) this.#drawTriangles(first, count);
-      else if (meets(this.#tiles[i].box, box)) small.push(this.#tiles[i++]);
-      else i++;
+    let [from, to] = [0, 0]; // slots of tiles one behind the other that are drawn whole
+    for (const t of this.#tiles.list) {
+      if (!meets(t.box, box)) continue;
+      const large = this.#tiles.large(t, SMALL, d.unit);
+      if (large < t.count) small.push({ first: t.first + large, count: t.count - large });
+      if (t.first !== to) {
+        this.#drawTriangles(from, to);
+        from = t.first;
+      }
+      to = t.first + large;
     }
-    this.#drawDots(this.#cornersOf(small, d.step), DOT);
+    this.#drawTriangles(from, to);
+    this.#drawDots(this.#cornersOf(small, this.#tiles.pixels(d.unit)), DOT);
     this.#clip(null);
   }
 
@@ -488,20 +386,24 @@ export class Scene {
     gl.uniform1i(at.values, 1);
   }
 
-  #drawTriangles(first, count) {
+  #drawTriangles(from, to) {
+    if (from === to) return;
     const gl = this.#gl;
     gl.useProgram(this.mesh_.program);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     gl.vertexAttribIPointer(0, 1, gl.UNSIGNED_INT, 0, 0);
-    gl.drawArrays(gl.TRIANGLES, 3 * first, 3 * count);
+    gl.drawArrays(gl.TRIANGLES, 3 * from, 3 * (to - from));
   }
 
-  /** A corner of each step-th slot of these tiles. */
-  #cornersOf(tiles, step) {
+  /** A corner of some slots of parts of tiles, as many as cover the pixels of a tile. */
+  #cornersOf(parts, pixels) {
     const { corners } = this.#mesh;
-    const points = new Uint32Array(tiles.reduce((sum, { count }) => sum + Math.ceil(count / step), 0));
+    const most = (COVER * pixels) / (DOT * DOT);
+    const stepOf = (count) => Math.max(1, Math.floor(count / most));
+    const points = new Uint32Array(parts.reduce((sum, { count }) => sum + Math.ceil(count / stepOf(count)), 0));
     let n = 0;
-    for (const { first, count } of tiles) {
+    for (const { first, count } of parts) {
+      const step = stepOf(count);
       for (let slot = first; slot < first + count; slot += step) points[n++] = corners[3 * slot];
     }
     return points;

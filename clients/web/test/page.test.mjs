@@ -136,17 +136,35 @@ test('the page knows and draws what the daemon exports', async () => {
   await page.close();
 });
 
+/** The part of the pixels between two opposite corners in the plane that are drawn. */
+async function drawnBetween(page, from, to) {
+  const data = await picture(page);
+  const box = ([x0, y0], [x1, y1]) => {
+    const { view } = window.app;
+    return [document.getElementById('mesh').width, ...view.toScreen(x0, y1).map(Math.ceil), ...view.toScreen(x1, y0).map(Math.floor)];
+  };
+  const [width, x0, y0, x1, y1] = await page.evaluate(`(${box})(${JSON.stringify(from)}, ${JSON.stringify(to)})`);
+  let [pixels, drawn] = [0, 0];
+  for (let y = y0; y < y1; y++) for (let x = x0; x < x1; x++, pixels++) if (data[4 * (y * width + x) + 3] > 0) drawn++;
+  assert.ok(pixels > 2000);
+  return drawn / pixels;
+}
+
 test('many triangles for each pixel are drawn as dots everywhere', async () => {
   await makeSet('dense', 100000);
   const page = await open('dense', { width: 400, height: 100 });
-  const { width, data } = await page.evaluate(() => document.getElementById('mesh').width).then(async (w) => ({ width: w, data: await picture(page) }));
-  const [x0, y0, x1, y1] = await page.evaluate(() => {
-    const { view } = window.app;
-    return [...view.toScreen(0.02, 0.98), ...view.toScreen(0.98, 0.02)].map(Math.round);
-  });
-  let [pixels, drawn] = [0, 0];
-  for (let y = y0; y < y1; y++) for (let x = x0; x < x1; x++, pixels++) if (data[4 * (y * width + x) + 3] > 40) drawn++;
-  assert.ok(pixels > 2000 && drawn > 0.9 * pixels, `${drawn} of ${pixels}`);
+  assert.ok((await drawnBetween(page, [0.02, 0.02], [0.98, 0.98])) > 0.9);
+  await page.close();
+});
+
+test('large triangles among many small ones are drawn', async () => {
+  await makeSet('sites', 400);
+  const towns = (await ask('POINTS sites')).slice(1).map((row) => row.split(' ').slice(1).map(Number));
+  const around = ([x, y], i) => Array.from({ length: 200 }, (_, k) => `${x + ((k * 31 + i) % 199) * 1e-5} ${y + ((k * 17 + i) % 197) * 1e-5}`);
+  await ask(...towns.map((town, i) => `ADD towns ${around(town, i).join(' ')}`), 'TRIANGULATE towns');
+  const page = await open('towns');
+  const share = await drawnBetween(page, [0.1, 0.1], [0.9, 0.9]);
+  assert.ok(share > 0.97, `${share} is drawn`);
   await page.close();
 });
 
