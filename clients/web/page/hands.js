@@ -18,7 +18,7 @@ export class Hands {
     const place = (e) => [e.offsetX, e.offsetY];
     canvas.addEventListener('pointerdown', (e) => {
       canvas.setPointerCapture(e.pointerId);
-      this.#down(e.pointerId, place(e));
+      this.#down(e.pointerId, place(e), e.button);
     });
     canvas.addEventListener('pointermove', (e) => this.#move(e.pointerId, place(e)));
     for (const kind of ['pointerup', 'pointercancel']) canvas.addEventListener(kind, (e) => this.#up(e.pointerId, kind === 'pointerup'));
@@ -33,14 +33,16 @@ export class Hands {
       },
       { passive: false },
     );
+    canvas.addEventListener('contextmenu', (e) => e.preventDefault());
     canvas.addEventListener('keydown', (e) => this.#key(e));
   }
 
-  #down(pointer, at) {
+  #down(pointer, at, button) {
     this.#pointers.set(pointer, at);
     this.#hover = at;
     this.#began = this.#pointers.size === 1 ? at : null;
-    this.#dragged = this.#began !== null && this.tool === 'move' ? this.acts.pointNear(...at, CLOSE) : null;
+    // Only the first button of a mouse drags points.
+    this.#dragged = this.#began !== null && this.tool === 'move' && button === 0 ? this.acts.pointNear(...at, CLOSE) : null;
   }
 
   #move(pointer, at) {

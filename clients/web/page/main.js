@@ -19,7 +19,7 @@ const canvas = { mesh: $('mesh'), overlay: $('overlay') };
 const mesh = new Mesh();
 const view = new View();
 const overlay = new Overlay(canvas.overlay);
-const scene = new Scene(canvas.mesh, () => requestDraw());
+const scene = newScene();
 let connection = null;
 let totals = null; // STAT of the set
 
@@ -27,6 +27,15 @@ let totals = null; // STAT of the set
 const given = (name) => new URLSearchParams(location.hash.slice(1)).get(name);
 
 /* ---- drawing ---- */
+
+function newScene() {
+  try {
+    return new Scene(canvas.mesh, () => requestDraw());
+  } catch (error) {
+    say(error.message);
+    throw error;
+  }
+}
 
 let drawRequested = false;
 function requestDraw() {
@@ -76,7 +85,7 @@ function setTheme(name) {
 /* ---- texts ---- */
 
 function say(text) {
-  $('message').textContent = text;
+  if ($('message').textContent !== text) $('message').textContent = text;
 }
 
 function list(id, facts) {

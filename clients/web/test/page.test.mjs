@@ -222,6 +222,35 @@ test('points are added and deleted by mouse, keyboard and touch', async () => {
   await page.close();
 });
 
+test('where points are everywhere, the map is moved by the right button, or when that is chosen', async () => {
+  await makeSet('crowd', 20000);
+  const page = await open('crowd');
+  const centre = () => page.evaluate(() => window.app.view.x);
+  const version = async () => /version=(\d+)/.exec((await ask('STAT crowd'))[0])[1];
+  const before = await version();
+  const [from, to] = [await onPage(page, 0.5, 0.5), await onPage(page, 0.6, 0.5)];
+  await page.mouse.move(...from);
+  await page.mouse.down({ button: 'right' });
+  await page.mouse.move(...to, { steps: 3 });
+  await page.mouse.up({ button: 'right' });
+  assert.ok(Math.abs((await centre()) - 0.4) < 0.01, 'right button');
+  await page.click('input[value=look]');
+  await drag(page, to, from);
+  assert.ok(Math.abs((await centre()) - 0.5) < 0.01, 'the map is chosen');
+  assert.equal(await version(), before);
+  await page.close();
+});
+
+test('a page without WebGL says so', async () => {
+  const page = await browser.newPage();
+  await page.evaluateOnNewDocument(() => {
+    HTMLCanvasElement.prototype.getContext = () => null;
+  });
+  await page.goto(`http://127.0.0.1:${pagePort}/`);
+  await page.waitForFunction(() => document.getElementById('message').textContent === 'this browser has no WebGL 2');
+  await page.close();
+});
+
 test('a page that has lost its connection catches up', async () => {
   await makeSet('lost', 200);
   const page = await open('lost');
@@ -263,6 +292,14 @@ test('values of a field come with events: of points that move, of new ones, of t
   assert.deepEqual(await values(), await stored());
   await ask('FSET valued z 8 -3 9 nan');
   await page.waitForFunction(() => window.app.mesh.values[8] === -3);
+  assert.deepEqual(await values(), await stored());
+  killGateway();
+  await page.waitForFunction(() => /lost/.test(document.getElementById('message').textContent), { timeout: 20000 });
+  await ask('FSET valued z 9 -4');
+  await listen();
+  await page.waitForFunction(() => window.app.mesh.values[9] === -4);
+  await ask('FSET valued z 10 -5');
+  await page.waitForFunction(() => window.app.mesh.values[10] === -5);
   assert.deepEqual(await values(), await stored());
   await ask('TRIANGULATE valued METHOD shelling');
   await checkEqual(page, 'valued');
