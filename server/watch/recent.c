@@ -42,22 +42,27 @@ void recent_restart(struct recent *r, uint64_t version, uint32_t ids)
     recent_mark(r, version, ids);
 }
 
+/* Makes room for n more keys behind `oldest`, as far as the ring may grow. */
+static void make_room(struct recent *r, uint64_t oldest, size_t n)
+{
+    while (r->key_end - oldest + n > r->keys && r->keys < RECENT_KEYS) {
+        void *ring = r->key;
+        uint32_t larger = grow(&ring, r->keys, sizeof *r->key, oldest, r->key_end);
+        if (larger == 0)
+            return;
+        r->key = ring;
+        r->keys = larger;
+    }
+}
+
 void recent_put(struct recent *r, const uint64_t *key, size_t n)
 {
-    for (size_t i = 0; i < n; i++) {
-        uint64_t oldest =
-            r->mark_first < r->mark_end ? r->mark[r->mark_first & (r->marks - 1)].at : r->key_end;
-        if (r->key_end - oldest >= r->keys && r->keys < RECENT_KEYS) {
-            void *ring = r->key;
-            uint32_t larger = grow(&ring, r->keys, sizeof *r->key, oldest, r->key_end);
-            r->key = ring;
-            r->keys = larger > 0 ? larger : r->keys;
-        }
-        if (r->keys > 0)
-            r->key[r->key_end & (r->keys - 1)] = key[i];
-        r->key_end++;
-        trim(r);
-    }
+    bool marked = r->mark_first < r->mark_end;
+    make_room(r, marked ? r->mark[r->mark_first & (r->marks - 1)].at : r->key_end, n);
+    for (size_t i = 0; r->keys > 0 && i < n; i++)
+        r->key[(r->key_end + i) & (r->keys - 1)] = key[i];
+    r->key_end += n;
+    trim(r);
 }
 
 void recent_mark(struct recent *r, uint64_t version, uint32_t ids)
