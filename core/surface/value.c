@@ -307,26 +307,33 @@ static inline void fetch_values(const struct dt_valuer *v, uint32_t half)
         dt_fetch(value_place(v->s, v->t->points.id[corner[k]]));
 }
 
-/* The values of n cells of a row; without branches that cannot be predicted, so that the loads of many run at once. */
+/* The values of n cells of a row; almost without branches that cannot be predicted, so that the loads of many run at once. */
 static enum dt_status values_in_planes(struct dt_valuer *v, const uint32_t *half, const double *x,
                                        double y, size_t n, double *out)
 {
     const struct dt_point *xy = v->t->points.xy;
+    struct dt_plane p = {0};
+    uint32_t of_plane = DT_NONE;
+    bool sure = false; /* of the plane, and that no cell is on an edge */
     enum dt_status s = DT_OK;
     for (size_t i = 0; s == DT_OK && i < n; i++) {
         if (half[i] == DT_NONE)
             continue;
-        struct numbered of = number(v->t, half[i]);
-        struct corners k = {xy[of.vertex[0]],
-                            xy[of.vertex[1]],
-                            xy[of.vertex[2]],
-                            *value_place(v->s, of.id[0]),
-                            *value_place(v->s, of.id[1]),
-                            *value_place(v->s, of.id[2])};
-        struct dt_plane p = plane_of(&k);
+        if (half[i] != of_plane) {
+            struct numbered of = number(v->t, half[i]);
+            struct corners k = {xy[of.vertex[0]],
+                                xy[of.vertex[1]],
+                                xy[of.vertex[2]],
+                                *value_place(v->s, of.id[0]),
+                                *value_place(v->s, of.id[1]),
+                                *value_place(v->s, of.id[2])};
+            p = plane_of(&k);
+            sure = p.sure && !is_level(&k.a, &k.b, &k.c, y);
+            of_plane = half[i];
+        }
         struct dt_point q = {x[i], y};
         out[i] = value_in(&p, q);
-        if (!p.sure || is_level(&k.a, &k.b, &k.c, y))
+        if (!sure)
             s = look_up(v, q, half[i], &out[i]);
     }
     return s;
