@@ -21,6 +21,7 @@ const view = new View();
 const overlay = new Overlay(canvas.overlay);
 const scene = newScene();
 let connection = null;
+let access = 'unknown'; // to the daemon; 'given' or 'refused'
 let totals = null; // STAT of the set
 
 /** What the address says behind `#`: set=NAME, token=TOKEN, most=POINTS. */
@@ -320,19 +321,32 @@ function report(error) {
 
 /* ---- start ---- */
 
+async function enter() {
+  try {
+    if (given('token') !== null) await connection.request(`AUTH ${given('token')}`);
+    await connection.request('SETS');
+    access = 'given';
+  } catch (error) {
+    if (error.code === 'LOST') throw error;
+    access = 'refused';
+    throw new Error(`${error.message}; the address should end with #token=TOKEN, or &token=TOKEN`, { cause: error });
+  }
+}
+
 async function start() {
   const url = new URL('daemon', location.href);
   url.protocol = url.protocol.replace('http', 'ws');
   connection = new Connection(url, {
     onEvent: (event) => follower.onEvent(event),
     onEnd: () => {
+      if (access === 'refused') return;
       say('the connection is lost; trying again ...');
       setTimeout(start, RETRY_MS);
     },
   });
   try {
     await connection.opened;
-    if (given('token') !== null) await connection.request(`AUTH ${given('token')}`);
+    await enter();
     await follower.resume().catch((error) => {
       if (error.code !== 'NOSET') throw error;
       Object.assign(follower, { set: null, kind: null });
@@ -368,7 +382,8 @@ function listen() {
     showFacts(follower.events);
     follower.events = 0;
   }, 1000);
-  setInterval(() => refreshSets().catch(report), SETS_MS);
+  setInterval(() => access === 'given' && refreshSets().catch(report), SETS_MS);
+  addEventListener('hashchange', () => location.reload());
 }
 
 setTheme(localStorage.getItem('theme') ?? (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light'));

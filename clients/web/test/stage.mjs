@@ -15,9 +15,9 @@ const SOFTWARE_WEBGL = ['use-gl=angle', 'use-angle=swiftshader', 'enable-unsafe-
 let daemon, gateway;
 export let port, pagePort, browser;
 
-/** Starts everything. */
-export async function start() {
-  daemon = spawn(DELAUNAYD, ['--port', '0', '--log-level', 'warning'], { stdio: ['ignore', 'pipe', 'inherit'] });
+/** Starts everything; `options` of the daemon. */
+export async function start({ options = [] } = {}) {
+  daemon = spawn(DELAUNAYD, ['--port', '0', '--log-level', 'warning', ...options], { stdio: ['ignore', 'pipe', 'inherit'] });
   const [line] = await once(createInterface(daemon.stdout), 'line');
   port = Number(/:(\d+)$/.exec(line)[1]);
   await listen(0);

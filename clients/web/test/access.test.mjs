@@ -1,0 +1,50 @@
+// The page beside a daemon that wants tokens, in a real browser.
+import assert from 'node:assert/strict';
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { ask, browser, onPage, pagePort, start, stop } from './stage.mjs';
+
+let folder;
+
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'access-'));
+  writeFileSync(join(folder, 'tokens'), 'ro reader\nrw writer\n');
+  await start({ options: ['--auth-file', join(folder, 'tokens')] });
+  await ask('AUTH writer', 'ADD set 0 0  4 0  4 4  0 4  1 2', 'TRIANGULATE set');
+});
+after(async () => {
+  await stop();
+  rmSync(folder, { recursive: true });
+});
+
+async function visit(address) {
+  const page = await browser.newPage();
+  await page.goto(`http://127.0.0.1:${pagePort}/${address}`);
+  await page.evaluate(async () => {
+    window.app = await import('./main.js');
+  });
+  return page;
+}
+
+const says = (page, text) => page.waitForFunction((t) => document.getElementById('message').textContent.startsWith(t), {}, text);
+
+test('without a token, or with a wrong one, the page says what is missing, and does not try again', async () => {
+  for (const [address, text] of [['', 'authenticate first'], ['#token=other', 'no such token']]) {
+    const page = await visit(address);
+    await says(page, text);
+    await new Promise((resolve) => setTimeout(resolve, 3500));
+    await says(page, text);
+    await page.close();
+  }
+});
+
+test('with a token for reading the page shows sets, and says that it may not edit them', async () => {
+  const page = await visit('#set=set&token=reader');
+  await page.waitForFunction(() => window.app.mesh.triangles === 4);
+  await page.mouse.click(...(await onPage(page, 3, 2)), { count: 2 });
+  await says(page, 'your token is for reading only');
+  assert.equal(await page.evaluate(() => window.app.mesh.points), 5);
+  await page.close();
+});
