@@ -289,7 +289,7 @@ TEST(all_files_of_one_moment_are_a_backup)
     pid_t pid = start_adding(&b.d, &acknowledged);
     for (int i = 0; i < 12; i++) {
         struct directory to;
-        snprintf(to.path, sizeof to.path, "%.40s/copy%d", b.root.path, i);
+        snprintf(to.path, sizeof to.path, "%.50s/copy%d", b.root.path, i);
         pause_ms(10);
         count(acknowledged, &n);
         CHECK(kill(b.d.pid, SIGSTOP) == 0 && waitpid(b.d.pid, NULL, WUNTRACED) == b.d.pid);
