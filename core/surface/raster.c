@@ -1,5 +1,6 @@
 /* raster.c - values of a surface at many places, and at the cells of a raster, row by row (row.h). */
 #include "core/control/parallel.h"
+#include "core/query/ahead.h"
 #include "core/set/reader.h"
 #include "core/surface/row.h"
 
@@ -20,20 +21,36 @@ static enum dt_status begin(struct dt_scan *k, const struct dt *t, const struct 
     return dt_valuer_init(&k->v, t, s, &k->work, circles);
 }
 
+/* The values at the next of n places, which are walked to side by side (ahead.h); adds those that are written to *done. */
+static enum dt_status next_values(struct dt_scan *k, const struct dt_point *q, size_t n,
+                                  double *out, size_t *done)
+{
+    struct dt_place place[DT_AHEAD];
+    enum dt_status status = DT_OK;
+    enum dt_where where;
+    uint32_t half;
+    n = n < DT_AHEAD ? n : DT_AHEAD;
+    for (size_t i = 0; i < n; i++)
+        place[i].at = q[i];
+    dt_walk_to_places(k->v.t, place, n);
+    dt_values_fetch(&k->v, place, n);
+    for (size_t i = 0; status == DT_OK && i < n; i++) {
+        status = dt_work(&k->work, 8 + dt_scan_steps(k));
+        if (status == DT_OK)
+            status = dt_scan_look_up(k, q[i], place[i].near, &where, &half, &out[i]);
+        *done += status == DT_OK;
+    }
+    return status;
+}
+
 enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const struct dt_point *q,
                          size_t n, const struct dt_options *opt, double *out, size_t *done)
 {
     struct dt_scan k;
-    enum dt_where where;
-    uint32_t half;
     *done = 0;
     enum dt_status status = begin(&k, t, s, n, opt);
-    while (status == DT_OK && *done < n) {
-        status = dt_work(&k.work, 8 + dt_scan_steps(&k));
-        if (status == DT_OK)
-            status = dt_scan_look_up(&k, q[*done], DT_NONE, &where, &half, &out[*done]);
-        *done += status == DT_OK;
-    }
+    while (status == DT_OK && *done < n)
+        status = next_values(&k, q + *done, n - *done, out + *done, done);
     dt_valuer_clear(&k.v);
     return status;
 }

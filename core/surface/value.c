@@ -307,6 +307,43 @@ static inline void fetch_values(const struct dt_valuer *v, uint32_t half)
         dt_fetch(value_place(v->s, v->t->points.id[corner[k]]));
 }
 
+/* Fetches the values at the corners beyond the edges of n triangles, which are natural neighbours of most places inside. */
+static void fetch_beyond(const struct dt_valuer *v, const uint32_t *triangle, uint32_t n)
+{
+    const struct dt *t = v->t;
+    uint32_t apex[3 * DT_AHEAD];
+    for (uint32_t i = 0; i < 3 * n; i++) {
+        apex[i] = dt_apex_of(&t->mesh, dt_twin(&t->mesh, triangle[i / 3] + i % 3));
+        if (apex[i] != DT_NONE) {
+            dt_fetch(&t->points.id[apex[i]]);
+            dt_fetch(&t->points.xy[apex[i]]);
+        }
+    }
+    for (uint32_t i = 0; i < 3 * n; i++)
+        if (apex[i] != DT_NONE)
+            dt_fetch(value_place(v->s, t->points.id[apex[i]]));
+}
+
+void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t n)
+{
+    const struct dt_mesh *m = &v->t->mesh;
+    bool natural = v->s->how == DT_NATURAL || v->s->how == DT_LAPLACE;
+    uint32_t triangle[DT_AHEAD], left = 0;
+    for (size_t i = 0; i < n; i++)
+        if (p[i].near != DT_NONE && !dt_is_ghost(m, p[i].near))
+            triangle[left++] = dt_base(p[i].near);
+    for (uint32_t i = 0; i < 3 * left; i++) {
+        uint32_t h = triangle[i / 3] + i % 3;
+        dt_fetch(&v->t->points.id[m->half[h]]);
+        if (natural)
+            dt_fetch(&m->half[dt_twin(m, h)]);
+    }
+    for (uint32_t i = 0; i < left; i++)
+        fetch_values(v, triangle[i]);
+    if (natural)
+        fetch_beyond(v, triangle, left);
+}
+
 /* The values of n cells of a row; almost without branches that cannot be predicted, so that the loads of many run at once. */
 static enum dt_status values_in_planes(struct dt_valuer *v, const uint32_t *half, const double *x,
                                        double y, size_t n, double *out)

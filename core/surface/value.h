@@ -42,6 +42,9 @@ void dt_valuer_clear(struct dt_valuer *v);
 enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where where,
                            uint32_t half, double *out);
 
+/* Fetches the values that those at n <= DT_AHEAD places will probably be computed from, given half edges near them. */
+void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t n);
+
 /* The values at n places with the same y, each inside of the triangle of half[i] or on an edge of it along the x axis;
  * as dt_value_at. DT_NONE: left as it is. */
 enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,

@@ -238,6 +238,35 @@ TEST(values_on_a_line_at_one_point_and_at_none)
     dt_free(none);
 }
 
+/* Also where steps end the calls early. */
+TEST(values_of_many_places_are_those_of_each)
+{
+    enum { N = 200, PLACES = 150 };
+    struct dt_point p[N], q[PLACES];
+    double got[PLACES];
+    size_t done;
+    make_values();
+    for (int i = 0; i < N; i++)
+        p[i] = (struct dt_point){test_below(20), test_below(20)};
+    for (int i = 0; i < PLACES; i++)
+        q[i] = (struct dt_point){test_below(44) / 2.0 - 1, test_uniform() * 20};
+    for (uint32_t n = 0; n <= N; n += n < 4 ? 1 : N - 4) {
+        struct dt *t = set_of(p, n);
+        for (int how = 0; how < METHODS; how++) {
+            struct dt_surface s = surface_of(all[how]);
+            for (size_t at = 0; at < PLACES; at += done) {
+                struct dt_options few = {.steps = at == 0 ? 100000 : 700};
+                size_t most = at == 0 ? PLACES / 2 : PLACES - at;
+                enum dt_status status = dt_values(t, &s, q + at, most, &few, got + at, &done);
+                CHECK((status == DT_OK && done == most) || (status == DT_TOOLONG && done > 0));
+            }
+            for (int i = 0; i < PLACES; i++)
+                check_same(got[i], value_at(t, &s, q[i]), q[i]);
+        }
+        dt_free(t);
+    }
+}
+
 /* ---- at cells ---- */
 
 enum { MOST_CELLS = 1024 };
