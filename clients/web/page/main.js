@@ -11,6 +11,7 @@ import { View } from './view.js';
 const MOST_POINTS = 4e6; // of a set that is mirrored whole; `most` in the address
 const RETRY_MS = 1000;
 const REFRESH_MS = 400; // layers of the overlay are asked for so long after the last change
+const REFUSAL_MS = 4000; // that the message about a refused request stays
 const SETS_MS = 3000;
 
 const $ = (id) => document.getElementById(id);
@@ -22,6 +23,7 @@ const overlay = new Overlay(canvas.overlay);
 const scene = newScene();
 let connection = null;
 let access = 'unknown'; // to the daemon; 'given' or 'refused'
+let refusedAt = 0; // when a request was refused last
 let totals = null; // STAT of the set
 
 /** What the address says behind `#`: set=NAME, token=TOKEN, most=POINTS. */
@@ -101,6 +103,10 @@ function list(id, facts) {
 }
 
 function showFacts(perSecond = 0) {
+  if (follower.set === null) {
+    list('facts', {});
+    return;
+  }
   const number = new Intl.NumberFormat();
   const { points, triangles } = follower.kind === 'whole' || totals === null ? mesh : totals;
   list('facts', {
@@ -162,6 +168,8 @@ const follower = new Follower({
   },
   onDropped: (name) => {
     say(`${name} has been dropped`);
+    overlay.clear();
+    list('pointer', {});
     requestDraw();
     refreshSets().catch(report);
   },
@@ -226,7 +234,8 @@ const refresh = latest(async () => {
   }
   const isDone = await follower.look();
   const missing = await overlay.refresh(fetchAll, set, view, layersOf(keys));
-  say([follower.kind === 'sample' ? 'a sample of the triangles; zoom in to see all' : '', missing].filter(Boolean).join('; '));
+  const isRead = Date.now() - refusedAt >= REFUSAL_MS;
+  if (isRead) say([follower.kind === 'sample' ? 'a sample of the triangles; zoom in to see all' : '', missing].filter(Boolean).join('; '));
   requestDraw();
   if (!isDone || kind !== follower.kind) refreshSoon();
 });
@@ -309,14 +318,19 @@ const acts = {
   },
   pointNear,
   move: (id, px, py) => moveLatest(id, ...view.toPlane(px, py)),
-  add: (px, py) => connection.request(`ADD ${follower.set} ${view.toPlane(px, py).join(' ')}`).catch(report),
+  add: (px, py) => {
+    if (follower.set !== null) connection.request(`ADD ${follower.set} ${view.toPlane(px, py).join(' ')}`).catch(report);
+  },
   remove: (id) => connection.request(`DEL ${follower.set} ${id}`).catch(report),
   hover: (px, py) => lookLatest(px, py),
   theme: () => setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark'),
 };
 
 function report(error) {
-  if (error.code !== 'LOST') say(error.message);
+  if (error.code === 'LOST') return;
+  say(error.message);
+  refusedAt = Date.now();
+  setTimeout(refreshSoon, REFUSAL_MS);
 }
 
 /* ---- start ---- */

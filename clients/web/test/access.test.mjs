@@ -1,10 +1,10 @@
-// The page beside a daemon that wants tokens, in a real browser.
+// The page beside a daemon with one set that wants tokens, in a real browser.
 import assert from 'node:assert/strict';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { ask, browser, onPage, pagePort, start, stop } from './stage.mjs';
+import { ask, browser, onPage, pagePort, start, stop, until } from './stage.mjs';
 
 let folder;
 
@@ -46,5 +46,27 @@ test('with a token for reading the page shows sets, and says that it may not edi
   await page.mouse.click(...(await onPage(page, 3, 2)), { count: 2 });
   await says(page, 'your token is for reading only');
   assert.equal(await page.evaluate(() => window.app.mesh.points), 5);
+  await page.close();
+});
+
+test('when the last set is dropped nothing is left of it, and no point can be added', async () => {
+  const page = await visit('#set=set&token=writer');
+  await page.waitForFunction(() => window.app.mesh.triangles === 4);
+  await page.mouse.move(...(await onPage(page, 3, 2)));
+  const drawn = () =>
+    page.evaluate(() => {
+      const { width, height } = document.getElementById('mesh');
+      const context = new OffscreenCanvas(width, height).getContext('2d');
+      for (const id of ['mesh', 'overlay']) context.drawImage(document.getElementById(id), 0, 0);
+      return context.getImageData(0, 0, width, height).data.some((value) => value > 0);
+    });
+  await page.waitForFunction(() => document.getElementById('pointer').textContent !== '');
+  await until(drawn);
+  await ask('AUTH writer', 'DROP set');
+  await says(page, 'the daemon has no sets yet');
+  await until(async () => !(await drawn()));
+  await page.waitForFunction(() => document.getElementById('facts').textContent + document.getElementById('pointer').textContent === '');
+  await page.mouse.click(300, 300, { count: 2 });
+  assert.equal((await ask('AUTH writer', 'SETS'))[1], 'OK 0');
   await page.close();
 });
