@@ -40,15 +40,15 @@ struct watched {
     bool values;           /* changes of values are collected, */
     uint64_t values_since; /* from this version on */
     struct recent recent;
-    int64_t retry_ms;    /* no triangulation for watchers before */
-    int64_t deserted_ms; /* when its last watcher went */
-    uint64_t changing;   /* the version at the end of the last turn, */
-    int64_t changed_ns;  /* which was new at that time */
-    int64_t credit_ns;   /* time that may be spent on events, as of `credit_at_ns` */
-    int64_t credit_at_ns;
-    int64_t idle_ns;  /* of the loop, at that time */
-    unsigned later;   /* events that connections send later, in this turn */
-    struct timer due; /* ends a delay of events */
+    int64_t retry_ms;     /* no triangulation for watchers before */
+    int64_t deserted_ms;  /* when its last watcher went */
+    uint64_t changing;    /* the version at the end of the last turn, */
+    int64_t changed_ns;   /* which was new at that time */
+    int64_t credit_ns;    /* processor time that may be spent on events, as of `credit_at_ns` */
+    int64_t credit_at_ns; /* of that clock */
+    int64_t idle_ns;      /* of the loop, at that time */
+    unsigned later;       /* events that connections send later, in this turn */
+    struct timer due;     /* ends a delay of events */
     struct reservation memory;
     char name[SET_NAME_LIMIT + 1];
 };

@@ -12,7 +12,7 @@
 enum {
     RETRY_MS = 1000, /* after a triangulation for watchers has failed */
     KEEP_MS = 60000, /* what has changed lately is kept for watchers that come back */
-    /* Events get one part of SHARE of the time while a set is edited, and some of the time in which the loop has nothing to
+    /* Events get one part of SHARE of the processor time while a set is edited, and some of the time in which the loop has nothing to
      * do, at most CREDIT_NS at once after a pause. What they exceed that by is owed, up to DEBT_NS. */
     SHARE = 12,
     CREDIT_NS = 2000 * 1000,
@@ -113,16 +113,24 @@ static bool refresh(struct server *s, struct watched *k)
 
 /* ---- when events are written ---- */
 
+/* Processor time of this thread: the time that others take on a busy machine does not count. */
+static int64_t processor_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
 /* Events of a set get a share of the time while it is edited, so that a watcher slows edits down by little; what is not
  * sent yet is merged. Isolated edits never wait, because there is credit. The time in which the loop is idle is not spare if
  * it is busy as long: clients that edit without pause need processors, too. */
-static bool is_due(struct watched *k, const struct loop *loop, int64_t now)
+static bool is_due(struct watched *k, const struct loop *loop, int64_t processor)
 {
+    int64_t now = clock_ns(), busy = processor - k->credit_at_ns;
     int64_t idle = loop == NULL ? 0 : loop->idle_ns - k->idle_ns;
-    int64_t busy = now - k->credit_at_ns - idle, spare = idle > busy ? (idle - busy) / 2 : 0;
-    int64_t credit = k->credit_ns + busy / SHARE + spare;
+    int64_t credit = k->credit_ns + busy / SHARE + (idle > busy ? (idle - busy) / 2 : 0);
     k->credit_ns = credit < CREDIT_NS ? credit : CREDIT_NS;
-    k->credit_at_ns = now;
+    k->credit_at_ns = processor;
     k->idle_ns += idle;
     if (k->changing != k->set->version) {
         k->changing = k->set->version;
@@ -221,14 +229,6 @@ static struct loop *loop_of(const struct watched *k)
     return k->late == NULL ? NULL : k->late->session->conn.loop;
 }
 
-/* Processor time of this thread: what others take on a busy machine is no cost of events. */
-static int64_t processor_ns(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
-}
-
 /* Collects changes and makes events. False: more could be made at once. */
 static bool make_events(struct server *s, struct watched *k, bool changed, bool due)
 {
@@ -259,7 +259,7 @@ static void flush(struct server *s, struct watched *k)
         return;
     int64_t before = processor_ns();
     if (is_ready(s, k, changed, loop)) {
-        bool due = is_due(k, loop, clock_ns()) || (changed && is_small(k));
+        bool due = is_due(k, loop, before) || (changed && is_small(k));
         all = make_events(s, k, changed, due);
         if (!due && loop != NULL)
             loop_at(loop, &k->due, loop->now_ms + WAKE_MS);
@@ -359,7 +359,7 @@ static struct watched *watched_of(struct server *s, struct dataset *set)
     k->set = set;
     k->version = k->changing = set->version;
     k->ids = dt_next_id(set->current->dt);
-    k->credit_at_ns = clock_ns();
+    k->credit_at_ns = processor_ns();
     k->credit_ns = CREDIT_NS;
     k->due.run = wake;
     k->memory = server_reservation(s, BUDGET_CLIENTS);
