@@ -30,6 +30,7 @@ static const char *const code_name[] = {
     [ERR_BUSY] = "BUSY",
     [ERR_NOMEM] = "NOMEM",
     [ERR_READONLY] = "READONLY",
+    [ERR_NOFOLLOWERS] = "NOFOLLOWERS",
     [ERR_NOAUTH] = "NOAUTH",
     [ERR_DENIED] = "DENIED",
     [ERR_TIMEOUT] = "TIMEOUT",

@@ -27,6 +27,7 @@ enum reply_code {
     ERR_BUSY,
     ERR_NOMEM,
     ERR_READONLY,
+    ERR_NOFOLLOWERS,
     ERR_NOAUTH,
     ERR_DENIED,
     ERR_TIMEOUT,

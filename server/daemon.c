@@ -5,6 +5,9 @@
 #include "server/command/account.h"
 #include "server/command/expire.h"
 #include "server/command/reload.h"
+#include "server/follow/apply.h"
+#include "server/follow/follower.h"
+#include "server/follow/leader.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/keep.h"
 #include "server/jobs/rebuild.h"
@@ -201,7 +204,9 @@ static void deliver(void *ctx, struct job *j)
 {
     struct session *s = clients_find(&d.clients, j->owner);
     (void)ctx;
-    if (s != NULL)
+    if (j->owner == APPLY_OWNER)
+        follower_job_done(&d.server, j);
+    else if (s != NULL)
         session_job_done(s, j);
     else
         server_finish_abandoned(&d.server, j);
@@ -249,6 +254,8 @@ static void on_durable(struct source *source, uint32_t events)
         loop_stop(&d.loop);
         return;
     }
+    if (durable_is_complete(&d.server))
+        follower_begin(&d.server);
     announce_if_ready();
 }
 
@@ -257,6 +264,8 @@ static void on_turn_end(struct loop *loop)
     (void)loop;
     watch_turn_end(&d.server);
     durable_turn_end(&d.server);
+    leader_turn_end(&d.server);
+    follower_turn_end(&d.server);
     keep_turn_end(&d.server);
 }
 
@@ -352,6 +361,8 @@ static void on_tick(struct loop *loop)
     send_progress();
     notice_tick();
     durable_tick(&d.server);
+    leader_tick(&d.server);
+    follower_tick(&d.server);
     keep_tick(&d.server);
     registry_tidy(&d.server.sets);
     registry_drop_orphans(&d.server.sets);
@@ -452,8 +463,10 @@ static bool start(struct config *config)
     d.server.answer_joined = answer_joined;
     d.server.held.released = session_released;
     d.server.held.not_saved = session_not_saved;
-    if (config->data != NULL &&
-        (!durable_start(&d.server) || !watch(&d.durable, durable_event(&d.server), on_durable)))
+    if (!follower_prepare(&d.server, &d.loop))
+        return false;
+    if (config->data != NULL && (!leader_start(&d.server, &d.loop) || !durable_start(&d.server) ||
+                                 !watch(&d.durable, durable_event(&d.server), on_durable)))
         return false;
     refill_reserve();
     return listen_to_all(config);

@@ -2,6 +2,8 @@
 #include "server/lifecycle.h"
 
 #include "server/command/ahead.h"
+#include "server/follow/follower.h"
+#include "server/follow/leader.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
 #include "server/jobs/rebuild.h"
@@ -105,6 +107,8 @@ void server_clear(struct server *s)
     }
     if (s->workers != NULL)
         workers_free(s->workers);
+    follower_stop(s);
+    leader_stop(s);
     durable_stop(s);
     rebuild_free(s);
     registry_clear(&s->sets);

@@ -79,6 +79,7 @@ void segment_write(char bytes[SEGMENT_HEADER], const struct segment *s)
         put_u64(bytes + 40, s->digest);
         put_u32(bytes + 48, s->history.nonce);
         put_u32(bytes + 52, s->history.parent);
+        put_u32(bytes + 56, s->flags);
     }
     put_u32(bytes + sum_at, crc32c(0, bytes, sum_at));
 }
@@ -90,6 +91,7 @@ static void read_history(const char *bytes, struct segment *s)
                                   .nonce = get_u32(bytes + 48),
                                   .parent = get_u32(bytes + 52)};
     s->digest = get_u64(bytes + 40);
+    s->flags = get_u32(bytes + 56);
 }
 
 static ptrdiff_t bad_segment(struct segment *s, const char *fault)

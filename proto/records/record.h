@@ -11,7 +11,7 @@
  *     28  u32 generation                 28  u32 first   32  u32 n   36  f64 a   44  f64 b
  *     32  u64 origin                     52  the name, the field's name, then n items
  *     40  u64 digest
- *     48  u32 nonce, u32 parent, u32 0
+ *     48  u32 nonce, u32 parent, u32 flags
  *     60  u32 CRC-32C of the above
  *
  * In a log, every record has a log sequence number (lsn), one more than the record before, and the
@@ -62,6 +62,9 @@ enum {
 
 enum segment_kind { SEGMENT_LOG = 1, SEGMENT_SNAPSHOT = 2 };
 
+/* Flag of a log's segment: changes before it are only in a snapshot, and its digest is not that of the segment before. */
+enum { SEGMENT_BROKEN = 1 };
+
 struct segment {
     uint32_t version;
     enum segment_kind kind;
@@ -69,7 +72,8 @@ struct segment {
     uint32_t life;
     struct history history; /* unknown up to version 3 */
     uint64_t digest;        /* 0: unknown */
-    const char *fault;      /* why segment_read returned -1 */
+    uint32_t flags;
+    const char *fault; /* why segment_read returned -1 */
 };
 
 /* What the headers of a daemon's segments say about it. */

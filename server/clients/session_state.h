@@ -49,6 +49,8 @@ struct session {
         struct stream *stream;   /* owns */
         struct listing *listing; /* owns */
     };
+    uint64_t edited;               /* the lsn of its last change; 0: it has made none */
+    int64_t wait_ms;               /* when its WAIT ends; 0: it has none */
     struct watcher *watching;      /* owns; the sets that it watches (server/watch), */
     uint32_t watches;              /* so many */
     struct temporaries *temporary; /* owns; NULL: it has no temporary sets */

@@ -17,7 +17,7 @@ struct facts {
     uint64_t n;      /* their number */
 };
 
-static void add_text(struct facts *f, const char *key, const char *value)
+void facts_add_text(struct facts *f, const char *key, const char *value)
 {
     buf_append_text(&f->text, key);
     buf_append_char(&f->text, ':');
@@ -25,35 +25,35 @@ static void add_text(struct facts *f, const char *key, const char *value)
     f->n++;
 }
 
-static void add(struct facts *f, const char *key, uint64_t value)
+void facts_add(struct facts *f, const char *key, uint64_t value)
 {
     char text[24];
     snprintf(text, sizeof text, "%" PRIu64, value);
-    add_text(f, key, text);
+    facts_add_text(f, key, text);
 }
 
 /* ---- sections ---- */
 
 static void add_server(const struct server *s, struct facts *f)
 {
-    add_text(f, "version", DELAUNAYD_VERSION);
-    add(f, "protocol", PROTOCOL_VERSION);
-    add(f, "pid", (uint64_t)getpid());
-    add(f, "uptime_s", (uint64_t)(clock_ms() - s->started_ms) / 1000);
-    add(f, "threads", s->config->threads);
+    facts_add_text(f, "version", DELAUNAYD_VERSION);
+    facts_add(f, "protocol", PROTOCOL_VERSION);
+    facts_add(f, "pid", (uint64_t)getpid());
+    facts_add(f, "uptime_s", (uint64_t)(clock_ms() - s->started_ms) / 1000);
+    facts_add(f, "threads", s->config->threads);
 }
 
 static void add_clients(const struct server *s, struct facts *f)
 {
-    add(f, "clients", s->clients != NULL ? s->clients->n : 0);
-    add(f, "max_clients", s->config->max_clients);
-    add(f, "connections", s->count.connections);
-    add(f, "refused", s->count.refused);
-    add(f, "killed", s->count.killed);
-    add(f, "wrong_tokens", s->count.wrong_tokens);
-    add(f, "delayed_tokens", s->count.delayed_tokens);
-    add(f, "watchers", s->count.watchers);
-    add(f, "events", s->count.events);
+    facts_add(f, "clients", s->clients != NULL ? s->clients->n : 0);
+    facts_add(f, "max_clients", s->config->max_clients);
+    facts_add(f, "connections", s->count.connections);
+    facts_add(f, "refused", s->count.refused);
+    facts_add(f, "killed", s->count.killed);
+    facts_add(f, "wrong_tokens", s->count.wrong_tokens);
+    facts_add(f, "delayed_tokens", s->count.delayed_tokens);
+    facts_add(f, "watchers", s->count.watchers);
+    facts_add(f, "events", s->count.events);
 }
 
 static void add_memory(const struct server *s, struct facts *f)
@@ -61,18 +61,18 @@ static void add_memory(const struct server *s, struct facts *f)
     struct dt_pages_summary pages;
     dt_pages_summary(s->pages, &pages);
     const struct budget *b = &s->budget;
-    add(f, "memory", budget_of(b, BUDGET_SETS));
-    add(f, "memory_builds", budget_of(b, BUDGET_BUILDS));
-    add(f, "memory_edits", budget_of(b, BUDGET_EDITS));
-    add(f, "loading", budget_of(b, BUDGET_LOADS));
-    add(f, "memory_log", budget_of(b, BUDGET_LOG));
-    add(f, "memory_replies", budget_of(b, BUDGET_REPLIES));
-    add(f, "memory_clients", budget_of(b, BUDGET_CLIENTS));
-    add(f, "memory_used", budget_used(b));
-    add(f, "memory_peak", b->peak);
-    add(f, "memory_kept", pages.kept);
-    add(f, "max_memory", s->config->max_memory);
-    add(f, "resident", machine_resident());
+    facts_add(f, "memory", budget_of(b, BUDGET_SETS));
+    facts_add(f, "memory_builds", budget_of(b, BUDGET_BUILDS));
+    facts_add(f, "memory_edits", budget_of(b, BUDGET_EDITS));
+    facts_add(f, "loading", budget_of(b, BUDGET_LOADS));
+    facts_add(f, "memory_log", budget_of(b, BUDGET_LOG));
+    facts_add(f, "memory_replies", budget_of(b, BUDGET_REPLIES));
+    facts_add(f, "memory_clients", budget_of(b, BUDGET_CLIENTS));
+    facts_add(f, "memory_used", budget_used(b));
+    facts_add(f, "memory_peak", b->peak);
+    facts_add(f, "memory_kept", pages.kept);
+    facts_add(f, "max_memory", s->config->max_memory);
+    facts_add(f, "resident", machine_resident());
 }
 
 static void add_stats(const struct server *s, struct facts *f)
@@ -80,13 +80,13 @@ static void add_stats(const struct server *s, struct facts *f)
     uint64_t running = 0;
     for (const struct job *j = s->jobs; j != NULL; j = j->next)
         running++;
-    add(f, "commands", s->count.commands);
-    add(f, "errors", s->count.errors);
-    add(f, "jobs", s->count.jobs);
-    add(f, "jobs_running", running);
-    add(f, "jobs_waiting", s->workers != NULL ? workers_backlog(s->workers) : 0);
-    add(f, "jobs_shared", s->count.shared);
-    add(f, "slow", s->count.slow);
+    facts_add(f, "commands", s->count.commands);
+    facts_add(f, "errors", s->count.errors);
+    facts_add(f, "jobs", s->count.jobs);
+    facts_add(f, "jobs_running", running);
+    facts_add(f, "jobs_waiting", s->workers != NULL ? workers_backlog(s->workers) : 0);
+    facts_add(f, "jobs_shared", s->count.shared);
+    facts_add(f, "slow", s->count.slow);
 }
 
 static void add_sets(const struct server *s, struct facts *f)
@@ -94,32 +94,32 @@ static void add_sets(const struct server *s, struct facts *f)
     uint64_t edited = 0;
     for (const struct job *j = s->jobs; j != NULL; j = j->next)
         edited += j->set != NULL;
-    add(f, "sets", s->sets.sets);
-    add(f, "sets_edited", edited);
-    add(f, "max_points", s->config->max_points);
+    facts_add(f, "sets", s->sets.sets);
+    facts_add(f, "sets_edited", edited);
+    facts_add(f, "max_points", s->config->max_points);
 }
 
 static void add_durability(const struct server *s, struct facts *f)
 {
     struct durable_facts disk;
     durable_facts(s, &disk);
-    add_text(f, "durability", disk.state);
-    add(f, "loaded_percent", disk.loaded_percent);
-    add(f, "log_lsn", disk.lsn);
-    add(f, "log_durable_lsn", disk.durable_lsn);
-    add(f, "log_synced_lsn", disk.synced_lsn);
-    add(f, "log_bytes", disk.log_bytes);
-    add(f, "log_syncs", disk.log_syncs);
-    add(f, "log_failures", disk.log_failures);
-    add(f, "snapshot_lsn", disk.snapshot_lsn);
-    add(f, "snapshot_bytes", disk.snapshot_bytes);
-    add(f, "snapshots", disk.snapshots);
-    add(f, "snapshot_running", disk.snapshot_running);
-    add(f, "snapshot_failures", disk.snapshot_failures);
-    add(f, "snapshot_retry_s", disk.snapshot_retry_s);
-    add(f, "backups", disk.backups);
-    add(f, "backup_lsn", disk.backup_lsn);
-    add(f, "backup_timestamp_s", disk.backup_s);
+    facts_add_text(f, "durability", disk.state);
+    facts_add(f, "loaded_percent", disk.loaded_percent);
+    facts_add(f, "log_lsn", disk.lsn);
+    facts_add(f, "log_durable_lsn", disk.durable_lsn);
+    facts_add(f, "log_synced_lsn", disk.synced_lsn);
+    facts_add(f, "log_bytes", disk.log_bytes);
+    facts_add(f, "log_syncs", disk.log_syncs);
+    facts_add(f, "log_failures", disk.log_failures);
+    facts_add(f, "snapshot_lsn", disk.snapshot_lsn);
+    facts_add(f, "snapshot_bytes", disk.snapshot_bytes);
+    facts_add(f, "snapshots", disk.snapshots);
+    facts_add(f, "snapshot_running", disk.snapshot_running);
+    facts_add(f, "snapshot_failures", disk.snapshot_failures);
+    facts_add(f, "snapshot_retry_s", disk.snapshot_retry_s);
+    facts_add(f, "backups", disk.backups);
+    facts_add(f, "backup_lsn", disk.backup_lsn);
+    facts_add(f, "backup_timestamp_s", disk.backup_s);
 }
 
 /* Appends quantiles in microseconds: `,<prefix>p50_us=` and so on. */
@@ -142,7 +142,7 @@ static void add_command(struct facts *f, const char *name, const struct command_
     size_t at = strlen(value);
     snprintf(value + at, sizeof value - at, ",waits=%" PRIu64, of->wait.total);
     add_quantiles(value, sizeof value, "wait_", &of->wait);
-    add_text(f, key, value);
+    facts_add_text(f, key, value);
 }
 
 static void add_commands(const struct server *s, struct facts *f)
@@ -156,8 +156,13 @@ static const struct section {
     const char *name;
     void (*add)(const struct server *s, struct facts *f);
 } sections[] = {
-    {"SERVER", add_server},     {"CLIENTS", add_clients}, {"MEMORY", add_memory},
-    {"STATS", add_stats},       {"SETS", add_sets},       {"DURABILITY", add_durability},
+    {"SERVER", add_server},
+    {"CLIENTS", add_clients},
+    {"MEMORY", add_memory},
+    {"STATS", add_stats},
+    {"SETS", add_sets},
+    {"DURABILITY", add_durability},
+    {"REPLICATION", info_replication},
     {"COMMANDS", add_commands},
 };
 
@@ -208,7 +213,7 @@ void cmd_info(struct server *s, struct dataset *set, const struct request *q, st
         if (!known)
             reply_err(a->out, ERR_SYNTAX,
                       "INFO has no section %.*s; it has server clients memory stats sets "
-                      "durability commands all",
+                      "durability replication commands all",
                       QUOTED(&q->word[i]));
     }
     if (known) {

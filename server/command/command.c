@@ -134,6 +134,12 @@ const struct command commands[] = {
      "begins to write all sets to the data directory, and begins a new log"},
     {"BACKUP", 2, 2, CMD_ALL_SETS | CMD_ADMIN, cmd_backup, "BACKUP name",
      "writes a copy of the data directory, while it is in use, below --backup-dir"},
+    {"FOLLOW", 2, 4, CMD_ADMIN, cmd_follow, "FOLLOW address port [CONFIRM] | FOLLOW NONE",
+     "has everything that another daemon has, and refuses changes; NONE ends that"},
+    {"SYNC", 4, 4, CMD_ADMIN, cmd_sync, "SYNC history lsn digest",
+     "what a follower sends to its leader: the connection carries the log from then on"},
+    {"WAIT", 3, 3, 0, cmd_wait, "WAIT followers seconds",
+     "waits until so many followers have the changes of this connection on disk"},
     {"TIMEOUT", 3, 0, CMD_OPEN, cmd_timeout, "TIMEOUT seconds command",
      "carries out the command, or cancels it after this number of seconds"},
     {"QUIT", 1, 1, CMD_OPEN, cmd_quit, "QUIT", "closes the connection when all replies are out"},
@@ -295,7 +301,9 @@ static bool check_state(struct server *s, struct answer *a, const struct command
         return false;
     }
     bool kept = set == NULL || !set->temporary;
-    if (writes && kept && !durable_admits_change(s, a, (c->flags & CMD_FREES) != 0))
+    bool saves = (c->flags & CMD_ALL_SETS) != 0; /* what a follower may, too */
+    if (writes && kept && !(saves && s->read_only.why != NULL) &&
+        !durable_admits_change(s, a, (c->flags & CMD_FREES) != 0))
         return false;
     if (set == NULL)
         return true;

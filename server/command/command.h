@@ -109,6 +109,12 @@ uint32_t *read_ids(struct answer *a, const struct word *w, size_t n);
 enum shown { SHOWN_WRONG, SHOWN_GOOD, SHOWN_LATER };
 enum shown client_show_token(struct server *s, struct answer *a, const struct word *token);
 
+/* Appends facts `key value` to INFO. */
+struct facts;
+void facts_add(struct facts *f, const char *key, uint64_t value);
+void facts_add_text(struct facts *f, const char *key, const char *value);
+void info_replication(const struct server *s, struct facts *f); /* server/follow/cmd_follow.c */
+
 /* CLIENT LIST, in lines or, for RESP, as one bulk string. */
 void client_list(struct server *s, struct answer *a, enum listing_frame frame);
 
@@ -141,6 +147,7 @@ command_handler cmd_interpolateb, cmd_weights, cmd_interpolate, cmd_raster,
     cmd_contour;                                         /* cmd_surface.c */
 command_handler cmd_voronoi, cmd_areas, cmd_alpha;       /* cmd_cells.c */
 command_handler cmd_trace;                               /* cmd_trace.c */
+command_handler cmd_follow, cmd_sync, cmd_wait;          /* server/follow/cmd_follow.c */
 command_handler cmd_watch, cmd_unwatch;                  /* server/watch/cmd_watch.c */
 command_handler cmd_digest;                              /* server/follow/cmd_digest.c */
 command_handler cmd_ping, cmd_help, cmd_hello, cmd_quit; /* cmd_admin.c */

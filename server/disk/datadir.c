@@ -376,15 +376,37 @@ bool datadir_unshare(const struct datadir *d, const struct datafile *f)
 
 /* ---- removing what a snapshot covers ---- */
 
+/* Whether file i is a segment all of whose changes a snapshot up to lsn has. */
+static bool is_covered(const struct datafiles *files, size_t i, uint64_t lsn)
+{
+    const struct datafile *f = &files->v[i];
+    return f->kind == DATAFILE_LOG && i + 1 < files->n && f[1].kind == DATAFILE_LOG &&
+           f[1].lsn <= lsn + 1;
+}
+
+/* The first of the last segments that stay although they are covered. */
+static size_t first_kept(const struct datadir *d, const struct datafiles *files, uint64_t lsn)
+{
+    size_t room = d->keep_log, i = files->n;
+    for (; i > 0; i--) {
+        if (!is_covered(files, i - 1, lsn))
+            continue;
+        if (files->v[i - 1].bytes >= room)
+            break;
+        room -= files->v[i - 1].bytes;
+    }
+    return i;
+}
+
 static void forget(const struct datadir *d, uint64_t lsn)
 {
     struct datafiles files;
     if (!datadir_list(d, &files))
         return;
-    for (size_t i = 0; i < files.n; i++) {
-        const struct datafile *f = &files.v[i], *next = f + 1;
-        bool followed = i + 1 < files.n && next->kind == DATAFILE_LOG && next->lsn <= lsn + 1;
-        if (f->kind == DATAFILE_LOG ? followed : f->lsn < lsn)
+    size_t from = first_kept(d, &files, lsn);
+    for (size_t i = 0; i < files.n; i++) { /* the oldest first, so that what stays has no gap */
+        const struct datafile *f = &files.v[i];
+        if (f->kind == DATAFILE_LOG ? is_covered(&files, i, lsn) && i < from : f->lsn < lsn)
             unlinkat(d->fd, f->name, 0);
     }
     datafiles_free(&files);

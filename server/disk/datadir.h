@@ -23,6 +23,7 @@ struct datadir {
     struct lineage lineage;   /* for new files; the I/O thread's once the log has begun */
     atomic_uint pins;         /* while there are any, datadir_forget removes nothing */
     _Atomic uint64_t covered; /* its last argument; 0: none */
+    atomic_size_t keep_log;   /* bytes of segments that stay although a snapshot covers them */
 };
 
 enum datafile_kind { DATAFILE_SNAPSHOT, DATAFILE_LOG, DATAFILE_TEMPORARY };
@@ -88,7 +89,8 @@ bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
                         const atomic_bool *cancel);
 
 /* Removes the snapshots older than `lsn` and the segments that it covers: those followed by a segment that
- * begins at lsn + 1 or before. A file that cannot be removed is left for the next time. */
+ * begins at lsn + 1 or before; but the last d->keep_log bytes of these stay. A file that cannot be removed is left for the
+ * next time. */
 void datadir_forget(struct datadir *d, uint64_t lsn);
 
 /* From now on datadir_forget removes nothing, apart from a file that it is about to remove. datadir_unpin

@@ -36,7 +36,7 @@ void hold_acknowledgement(struct holders *in, struct hold *h, uint64_t lsn, uint
 
 void hold_view(struct holders *in, struct hold *h, uint64_t lsn, uint64_t from)
 {
-    if (!in->failing)
+    if (in->failing == 0)
         add(in, h, (struct hold_group){.lsn = lsn, .from = from});
 }
 
@@ -56,7 +56,7 @@ void hold_clear(struct hold *h)
 
 static bool may_go(const struct holders *in, const struct hold_group *g)
 {
-    return g->lsn <= in->durable || (in->failing && !g->acknowledges);
+    return g->lsn <= in->durable || (in->failing != 0 && !g->acknowledges);
 }
 
 static void release(struct holders *in, struct hold *h)
@@ -72,18 +72,37 @@ static void release(struct holders *in, struct hold *h)
         in->released(h);
 }
 
-void holders_release(struct holders *in, uint64_t lsn)
+/* Sets what is durable, here and on followers. */
+static void look_again(struct holders *in)
 {
-    in->durable = lsn;
+    uint64_t followed = in->unfollowed - 1; /* 0: all, UINT64_MAX */
+    uint64_t durable = in->saved < followed ? in->saved : followed;
+    if (durable == in->durable)
+        return;
+    in->durable = durable;
     for (struct hold *h = in->first, *next; h != NULL; h = next) {
         next = h->next;
         release(in, h);
     }
 }
 
-void holders_fail(struct holders *in)
+void holders_release(struct holders *in, uint64_t lsn)
 {
-    in->failing = true;
+    in->saved = lsn;
+    look_again(in);
+}
+
+void holders_follow(struct holders *in, uint64_t lsn)
+{
+    if (lsn != UINT64_MAX && in->unfollowed != 0 && lsn + 1 < in->unfollowed)
+        return;
+    in->unfollowed = lsn + 1;
+    look_again(in);
+}
+
+void holders_fail(struct holders *in, enum hold_cause cause)
+{
+    in->failing |= cause;
     for (struct hold *h = in->first, *next; h != NULL; h = next) {
         next = h->next;
         release(in, h);
@@ -92,7 +111,7 @@ void holders_fail(struct holders *in)
     }
 }
 
-void holders_recover(struct holders *in)
+void holders_recover(struct holders *in, enum hold_cause cause)
 {
-    in->failing = false;
+    in->failing &= ~(unsigned)cause;
 }

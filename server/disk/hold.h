@@ -9,7 +9,9 @@
  * other: while the first one waits, later requests raise the lsn of the second one. So a client that goes
  * on editing never postpones the first group, and a hold has a fixed size.
  *
- * When the disk fails permanently, the fate of the changes is unknown. Clients that wait for an
+ * With --min-followers a change must also be on the disks of so many followers (holders_follow).
+ *
+ * When the disk fails permanently, or followers are missing, the fate of the changes is unknown. Clients that wait for an
  * acknowledgement get an error; replies that only show changes are released, because there will be
  * no other state until the disk works again. */
 #ifndef SERVER_HOLD_H
@@ -32,11 +34,17 @@ struct hold {
 /* All holds that wait, in no particular order. */
 struct holders {
     struct hold *first;
-    uint64_t durable;                  /* changes up to this lsn are durable */
-    bool failing;                      /* the disk has failed: only acknowledgements wait */
+    uint64_t
+        durable; /* replies about changes up to this lsn may be sent: the lesser of the next two */
+    uint64_t saved;      /* changes up to this lsn are durable here, */
+    uint64_t unfollowed; /* and those from here on are not on enough followers; 0: all are */
+    unsigned failing;    /* enum hold_cause: if there is any, only acknowledgements wait */
     void (*released)(struct hold *h);  /* more output may be sent than before */
     void (*not_saved)(struct hold *h); /* the changes may be lost: must call hold_clear */
 };
+
+/* Why changes cannot be acknowledged. */
+enum hold_cause { HOLD_DISK = 1, HOLD_FOLLOWERS = 2 };
 
 /* Delays output from byte `from` on until lsn is durable, because it acknowledges that change, or shows it.
  * `from` must not be less than in the previous call. */
@@ -56,10 +64,13 @@ static inline size_t hold_free(const struct hold *h, uint64_t from, uint64_t to)
 /* Changes up to lsn are durable now. */
 void holders_release(struct holders *in, uint64_t lsn);
 
-/* The disk has failed: releases the replies that only show changes, and calls not_saved for all others. */
-void holders_fail(struct holders *in);
+/* Changes up to lsn are on enough followers; UINT64_MAX: none are needed. A lesser lsn than before is ignored. */
+void holders_follow(struct holders *in, uint64_t lsn);
 
-/* The disk works again. */
-void holders_recover(struct holders *in);
+/* Changes cannot be acknowledged: releases the replies that only show changes, and calls not_saved for all others. */
+void holders_fail(struct holders *in, enum hold_cause cause);
+
+/* The cause has ended. */
+void holders_recover(struct holders *in, enum hold_cause cause);
 
 #endif

@@ -49,6 +49,7 @@ struct log {
     /* the I/O thread's */
     struct queue open;   /* appended and not pushed yet */
     uint64_t next;       /* the lsn of the next record */
+    bool unmarked;       /* no RECORD_CLOSE at the end */
     bool lost;           /* a record is missing in `open`: out of memory */
     size_t appended;     /* bytes of all pieces so far */
     atomic_size_t freed; /* bytes of the pieces that have been freed */
@@ -552,7 +553,7 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     log_file_reserve(&log->file);
     log->synced_ms = clock_ms();
     log->status.segment = first;
-    log->status.digest = log->status.segment_digest = digest;
+    log->status.digest = log->status.segment_digest = log->file.digest;
     log->status.bytes = log->status.total = log->file.bytes;
     log->status.state = log->file.reserved ? LOG_GOOD : LOG_FULL;
     log->status.error = log->file.full_error;
@@ -562,6 +563,11 @@ struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t 
     log_file_clear(&log->file);
     free(log);
     return NULL;
+}
+
+void log_close_mark(struct log *log, bool writes)
+{
+    log->unmarked = !writes;
 }
 
 void log_free(struct log *log)
@@ -576,7 +582,8 @@ void log_free(struct log *log)
     if (log->status.state != LOG_FAILED) {
         /* It says that everything before it was synced, so that later damage is not taken for a torn
          * end. */
-        log_append(log, &close);
+        if (!log->unmarked)
+            log_append(log, &close);
         write_pieces(log, log->open.first, 0);
         log_file_sync(&log->file);
     }

@@ -39,13 +39,16 @@ struct log_status {
 struct log;
 
 /* Starts the thread, and a segment of dir->lineage whose first record will have the lsn `first`; digest: of the changes
- * before it. `event` is an eventfd (borrowed) that is written when the status has changed. NULL: the reason is on standard
+ * before it; 0: a new one begins. `event` is an eventfd (borrowed) that is written when the status has changed. NULL: the reason is on standard
  * error. */
 struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t first,
                     uint64_t digest, int event);
 
 /* Writes and syncs everything, then ends the thread. */
 void log_free(struct log *log);
+
+/* Whether log_free appends RECORD_CLOSE; it does unless this says otherwise. */
+void log_close_mark(struct log *log, bool writes);
 
 /* ---- the I/O thread's side ---- */
 

@@ -2,6 +2,7 @@
 #include "server/disk/log_file.h"
 
 #include "proto/records/record.h"
+#include "server/system/random.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -15,6 +16,10 @@ static const char reserve_name[] = "reserve";
 void log_file_init(struct log_file *f, const struct datadir *dir, uint64_t digest)
 {
     *f = (struct log_file){.dir = dir, .fd = -1, .lineage = dir->lineage, .digest = digest};
+    if (digest == 0) {
+        f->digest = random_bits();
+        f->broken = true;
+    }
 }
 
 void log_file_clear(struct log_file *f)
@@ -120,7 +125,8 @@ static void write_header(struct log_file *f)
                              .lsn = f->first,
                              .life = f->lineage.life,
                              .history = f->lineage.history,
-                             .digest = f->digest_before};
+                             .digest = f->digest_before,
+                             .flags = f->broken ? SEGMENT_BROKEN : 0};
     struct buf b = {0};
     char *to = buf_reserve(&b, SEGMENT_HEADER);
     if (to != NULL) {
@@ -133,6 +139,8 @@ static void write_header(struct log_file *f)
     if (f->error == 0 && !datadir_sync(f->dir))
         log_file_fail(f, errno);
     log_file_mark(f);
+    if (f->error == 0)
+        f->broken = false;
     buf_free(&b);
 }
 
@@ -190,6 +198,7 @@ void log_file_restart(struct log_file *f, uint64_t first, uint64_t digest)
 {
     f->error = 0;
     f->digest = digest;
+    f->broken = true;
     log_file_start(f, first);
 }
 

@@ -17,11 +17,13 @@ struct log_file {
     uint64_t first;            /* the lsn of its first record */
     uint64_t digest_before;    /* of the records before it, */
     uint64_t digest;           /* and up to now */
+    bool broken;               /* SEGMENT_BROKEN of the next segment */
     uint64_t bytes, mark;
     uint64_t before; /* bytes of the segments before it */
     uint64_t syncs;
 };
 
+/* digest: of the changes before it; 0: a new one begins. */
 void log_file_init(struct log_file *f, const struct datadir *dir, uint64_t digest);
 void log_file_clear(struct log_file *f);
 

@@ -29,7 +29,7 @@ uint64_t saver_log_bytes(const struct saver *v)
 static void note_recovery(struct saver *v)
 {
     v->unproven = true;
-    holders_recover(v->held);
+    holders_recover(v->held, HOLD_DISK);
     notice(NOTICE_INFO, "the log continues");
 }
 
@@ -68,6 +68,12 @@ static void give_up(struct saver *v, int64_t now_ms)
     v->ended_ms = now_ms;
 }
 
+/* The digest of all changes so far, some of which the log may have lost: that of the leader, or a new one. */
+static uint64_t new_digest(const struct saver *v)
+{
+    return v->applied != NULL && *v->applied != 0 ? *v->applied : random_bits();
+}
+
 bool saver_begin(struct saver *v, int64_t now_ms)
 {
     v->state = log_has_failed(v) ? SAVER_MENDING : SAVER_ROTATING;
@@ -76,8 +82,8 @@ bool saver_begin(struct saver *v, int64_t now_ms)
     v->snapshot = snapshot_begin(v->dir, v->sets, v->cut, v->event);
     if (v->snapshot == NULL)
         give_up(v, now_ms);
-    else if (v->state == SAVER_MENDING) /* changes that the log has lost are in no other digest */
-        snapshot_go(v->snapshot, v->cut_digest = random_bits());
+    else if (v->state == SAVER_MENDING)
+        snapshot_go(v->snapshot, v->cut_digest = new_digest(v));
     return v->snapshot != NULL;
 }
 
@@ -192,7 +198,7 @@ void saver_step(struct saver *v, int64_t now_ms, bool stopping)
         saver_begin(v, now_ms);
     /* No attempt is under way: replies that wait for the log get an error. */
     if (v->state == SAVER_IDLE && log_has_failed(v) && !may_have_space(v))
-        holders_fail(v->held);
+        holders_fail(v->held, HOLD_DISK);
 }
 
 void saver_clear(struct saver *v)

@@ -32,12 +32,14 @@ struct saver {
     struct log_status status;  /* when it was last read */
     struct snapshot *snapshot; /* owns; from ROTATING or MENDING on, until it is in place */
     uint64_t cut;              /* the lsn of `snapshot`, or of the last one */
-    uint64_t cut_digest;       /* after a failure: what the log continues from */
-    uint64_t cut_bytes;        /* bytes of log up to there */
-    uint64_t base_bytes;       /* bytes of log that the snapshot in place covers */
-    uint64_t read_bytes;       /* bytes of log that were read at the start and are in no snapshot */
-    uint64_t failures;         /* of the log, when log_resume was called */
-    bool unproven;             /* the log has resumed, and nothing has been durable since */
+    const uint64_t *
+        applied; /* borrows: the digest of all changes, of a follower (server/follow); NULL: unknown */
+    uint64_t cut_digest; /* after a failure: what the log continues from */
+    uint64_t cut_bytes;  /* bytes of log up to there */
+    uint64_t base_bytes; /* bytes of log that the snapshot in place covers */
+    uint64_t read_bytes; /* bytes of log that were read at the start and are in no snapshot */
+    uint64_t failures;   /* of the log, when log_resume was called */
+    bool unproven;       /* the log has resumed, and nothing has been durable since */
     struct backoff compaction, mending;
     int64_t ended_ms; /* when the last snapshot was complete or failed */
     /* of the snapshot in place */

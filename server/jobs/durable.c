@@ -2,7 +2,7 @@
  * snapshots. */
 #include "server/jobs/durable.h"
 
-#include "server/disk/recover.h"
+#include "server/disk/aside.h"
 #include "server/disk/saver.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
@@ -37,6 +37,7 @@ struct durable {
     struct recovery recovery;
     pthread_t reader;
     atomic_bool read; /* the thread is done */
+    bool gap;         /* the log has lost changes that a snapshot has */
     struct log *log;  /* owns; NULL before STAGE_READ */
     struct saver saver;
     uint64_t backups, backup_lsn; /* how many; what the last one has, and when it was complete */
@@ -60,17 +61,29 @@ static void *read_directory(void *arg)
     struct server *s = arg;
     struct durable *d = s->durable;
     struct recovery *r = &d->recovery;
+    if (!aside_finish(&d->dir)) {
+        notice(NOTICE_ERROR, "%s: what a leader has sent cannot be put in place: %s", d->dir.path,
+               strerror(errno));
+        r->result = RECOVERY_ERROR;
+        d->read = true;
+        eventfd_write(d->event, 1);
+        return NULL;
+    }
     recovery_run(r);
     if (r->result == RECOVERY_OK && recovery_tidy(r)) {
-        registry_begin_life(&r->replay.sets, r->lineage.life);
         d->dir.lineage = r->lineage;
+        if (s->follows && r->lineage.life != 0)
+            r->replay.sets.life = r->lineage.life; /* that of its leader */
+        else
+            registry_begin_life(&r->replay.sets, r->lineage.life);
         d->dir.lineage.life = r->replay.sets.life;
         if (d->dir.lineage.history.origin == 0)
             d->dir.lineage.history = history_begin(random_bits());
         if (r->why[0] != '\0')
             notice(r->later > 0 ? NOTICE_ERROR : NOTICE_WARNING, "%s", r->why);
         /* Changes that the log has lost have other records: nothing continues from their digest. */
-        uint64_t digest = r->digest == 0 || r->ahead > r->last ? random_bits() : r->digest;
+        d->gap = r->ahead > r->last;
+        uint64_t digest = r->ahead > r->last ? 0 : r->digest;
         d->log = log_new(&d->dir, s->config->fsync, r->last + 1, digest, d->event);
         if (d->log == NULL)
             r->result = RECOVERY_ERROR;
@@ -114,9 +127,8 @@ static void measure(struct dataset *set, void *ctx)
 }
 
 /* Moves the sets to the server. */
-static void adopt_sets(struct server *s)
+static void adopt_sets(struct server *s, struct registry *from)
 {
-    struct registry *from = &s->durable->recovery.replay.sets;
     s->sets.bucket = from->bucket;
     s->sets.buckets = from->buckets;
     s->sets.sets = from->sets;
@@ -146,7 +158,7 @@ static bool end_reading(struct server *s)
                               .compact_at = &s->config->compact_at,
                               .read_bytes = d->recovery.log_bytes,
                               .snapshot_lsn = d->recovery.replay.snapshot};
-    adopt_sets(s);
+    adopt_sets(s, &d->recovery.replay.sets);
     recovery_clear(&d->recovery);
     log_status(d->log, &d->saver.status);
     s->held.durable = d->saver.status.durable;
@@ -229,12 +241,115 @@ void durable_tick(struct server *s)
     saver_step(&d->saver, clock_ms(), s->stopping);
 }
 
+/* ---- for followers ---- */
+
+struct datadir *durable_dir(const struct server *s)
+{
+    return is_running(s->durable) ? &s->durable->dir : NULL;
+}
+
+const struct log_status *durable_status(const struct server *s)
+{
+    return is_running(s->durable) ? &s->durable->saver.status : NULL;
+}
+
+bool durable_has_gap(const struct server *s)
+{
+    return s->durable->gap;
+}
+
+void durable_keep_log(struct server *s, size_t bytes)
+{
+    s->durable->dir.keep_log = bytes;
+}
+
+void durable_set_digest(struct server *s, const uint64_t *digest)
+{
+    if (is_running(s->durable))
+        s->durable->saver.applied = digest;
+}
+
+void durable_set_lineage(struct server *s, const struct lineage *l)
+{
+    s->durable->dir.lineage = *l;
+    s->sets.life = l->life;
+    log_rotate_to(s->durable->log, l);
+}
+
+void durable_close_mark(struct server *s, bool writes)
+{
+    if (is_running(s->durable))
+        log_close_mark(s->durable->log, writes);
+}
+
+static void enlist(struct dataset *set, void *ctx)
+{
+    struct dataset ***to = ctx;
+    *(*to)++ = set;
+}
+
+/* Drops all sets. False: out of memory. */
+static bool drop_sets(struct server *s)
+{
+    struct dataset **set = malloc((s->sets.sets + 1) * sizeof(struct dataset *)), **end = set;
+    if (set == NULL)
+        return false;
+    registry_each(&s->sets, enlist, &end);
+    while (end > set)
+        registry_drop(&s->sets, *--end);
+    free(set);
+    return true;
+}
+
+bool durable_replace(struct server *s, struct recovery *r, const struct lineage *l, uint64_t digest)
+{
+    struct durable *d = s->durable;
+    saver_clear(&d->saver);
+    log_free(d->log);
+    d->log = NULL;
+    d->stage = STAGE_NONE;
+    d->dir.lineage = *l;
+    if (!aside_put_in_place(&d->dir) || !drop_sets(s)) {
+        notice(NOTICE_ERROR, "%s: what a leader has sent cannot be put in place: %s", d->dir.path,
+               strerror(errno));
+        return false;
+    }
+    d->log = log_new(&d->dir, s->config->fsync, r->last + 1, digest, d->event);
+    if (d->log == NULL)
+        return false;
+    free(s->sets.bucket);
+    s->sets.bucket = NULL;
+    adopt_sets(s, &r->replay.sets);
+    d->saver = (struct saver){.dir = &d->dir,
+                              .sets = &s->sets,
+                              .held = &s->held,
+                              .log = d->log,
+                              .event = d->event,
+                              .compact_at = &s->config->compact_at,
+                              .applied = d->saver.applied,
+                              .snapshots = d->saver.snapshots,
+                              .snapshot_lsn = r->replay.snapshot};
+    log_status(d->log, &d->saver.status);
+    holders_release(&s->held, UINT64_MAX); /* replies about what was there before */
+    holders_recover(&s->held, HOLD_DISK);
+    holders_release(&s->held, d->saver.status.durable);
+    d->gap = false;
+    d->stage = STAGE_COMPLETE;
+    return true;
+}
+
 /* Whether the queue of the log is full, so that changes wait. */
 static bool is_behind(const struct server *s)
 {
     size_t room = s->config->max_memory / QUEUE_SHARE;
     room = room < QUEUE_LEAST ? QUEUE_LEAST : room > QUEUE_MOST ? QUEUE_MOST : room;
     return s->queued.bytes > room;
+}
+
+bool durable_has_room(const struct server *s)
+{
+    const struct durable *d = s->durable;
+    return is_running(d) && d->saver.status.state == LOG_GOOD && !is_behind(s);
 }
 
 void durable_turn_end(struct server *s)
@@ -282,8 +397,17 @@ bool durable_loaded(struct server *s, struct answer *a)
 bool durable_admits_change(struct server *s, struct answer *a, bool frees)
 {
     const struct durable *d = s->durable;
+    if (s->read_only.why != NULL) {
+        reply_err(a->out, s->read_only.code, "%s", s->read_only.why);
+        return false;
+    }
     if (d == NULL)
         return true;
+    if (s->without_followers) {
+        reply_err(a->out, ERR_NOFOLLOWERS, "fewer than %u followers are connected",
+                  s->config->min_followers);
+        return false;
+    }
     const struct log_status *status = &d->saver.status;
     bool full = saver_disk_is_full(&d->saver);
     if (status->state != LOG_GOOD && !(frees && full)) {
@@ -300,6 +424,8 @@ bool durable_admits_change(struct server *s, struct answer *a, bool frees)
 bool durable_admits_drops(const struct server *s)
 {
     const struct durable *d = s->durable;
+    if (s->read_only.why != NULL || s->without_followers)
+        return false;
     return d == NULL ||
            (is_running(d) && (d->saver.status.state == LOG_GOOD || saver_disk_is_full(&d->saver)));
 }

@@ -6,6 +6,7 @@
 
 #include "server/disk/backup.h"
 #include "server/disk/log.h"
+#include "server/disk/recover.h"
 #include "server/jobs/server.h"
 
 /* Locks the directory and begins to read it. False: the reason is on standard error. */
@@ -51,6 +52,37 @@ bool durable_prepare_backup(struct server *s, struct backup *b);
 
 /* It has been written: for INFO. */
 void durable_note_backup(struct server *s, const struct backup *b);
+
+/* ---- for followers (server/follow) ---- */
+
+/* The directory; NULL without --data, and while it is being read. */
+struct datadir *durable_dir(const struct server *s);
+
+/* The log's state as it was last read; NULL: as durable_dir. */
+const struct log_status *durable_status(const struct server *s);
+
+/* Whether the log has lost changes that a snapshot has: nothing can continue from it. */
+bool durable_has_gap(const struct server *s);
+
+/* Whether more records may be appended now: the disk works and is not behind. */
+bool durable_has_room(const struct server *s);
+
+/* How many bytes of log stay for followers. */
+void durable_keep_log(struct server *s, size_t bytes);
+
+/* The digest of all changes of a follower, kept up to date by the caller, which it borrows. */
+void durable_set_digest(struct server *s, const uint64_t *digest);
+
+/* New segments have this lineage from now on; sets have versions of its life. */
+void durable_set_lineage(struct server *s, const struct lineage *l);
+
+/* Whether the log writes RECORD_CLOSE when it ends: not that of a follower, whose leader's log has other records. */
+void durable_close_mark(struct server *s, bool writes);
+
+/* Replaces everything by what has been read from `incoming` (aside.h): files, log and sets. No set may have a writer. False:
+ * the disk has failed; the daemon must end. */
+bool durable_replace(struct server *s, struct recovery *r, const struct lineage *l,
+                     uint64_t digest);
 
 /* NULL without --data, and while the directory is being read. */
 struct log *durable_log(const struct server *s);

@@ -204,7 +204,7 @@ void edit_add(struct server *s, struct answer *a, const struct word *name, struc
     e->job.memory = points->memory;
     e->job.changes = points->n;
     e->values = points->values;
-    if (e->values != NULL)
+    if (e->values != NULL && e->values->v == NULL)
         e->rows = points->rows;
     else
         e->p = (struct dt_point *)(void *)points->rows;

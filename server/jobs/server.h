@@ -41,6 +41,15 @@ struct server {
     struct holders held;     /* replies that wait for the disk (hold.h) */
     uint64_t dropped;        /* the lsn of the last DROP in the log */
     struct workers *workers; /* owns; NULL: every job runs at once, on this thread */
+    struct leader
+        *leader; /* owns; the followers of this daemon (server/follow); NULL: none can follow */
+    struct follower *follower; /* owns; its leader; NULL: it has none */
+    struct {
+        enum reply_code code;
+        const char *why; /* borrows; NULL: changes are possible */
+    } read_only;
+    bool follows;            /* it has a leader, or begins with one */
+    bool without_followers;  /* there are fewer than --min-followers */
     struct watched *watched; /* owns; the sets that clients watch (server/watch) */
     struct job *jobs;        /* those of the workers, until they are collected and ended */
     struct work *early;      /* of these, finished readers that wait for an edit (job_is_early) */

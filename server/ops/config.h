@@ -24,7 +24,12 @@ struct config {
     const char *data;         /* the data directory; NULL: everything is in memory only */
     const char *backup_dir;   /* where BACKUP may write; NULL: nowhere */
     enum log_policy fsync;
-    size_t compact_at;     /* bytes of log after which a snapshot is made */
+    size_t compact_at; /* bytes of log after which a snapshot is made */
+    const char *
+        follow; /* ADDR:PORT of the leader; NULL: none, or the one that the data directory remembers */
+    const char *follow_token_file; /* the token for it; NULL: none */
+    unsigned min_followers;        /* that have a change on disk before it is acknowledged */
+    size_t keep_log;       /* bytes of log for followers beyond those that are in no snapshot */
     const char *check;     /* the data directory of --check; NULL: none */
     const char *repair;    /* the data directory of --repair; NULL: none */
     const char *unix_path; /* NULL: no Unix socket */

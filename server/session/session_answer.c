@@ -90,6 +90,8 @@ static void hold_reply(struct session *s, const struct answer *a)
     if (s->conn.closed || a->next == ANSWER_JOB || a->next == ANSWER_BODY)
         return;
     if (a->lsn != 0)
+        s->edited = a->lsn;
+    if (a->lsn != 0)
         hold_acknowledgement(in, &s->conn.hold, a->lsn, a->mark);
     if (a->shown != 0)
         hold_view(in, &s->conn.hold, a->shown, a->mark);

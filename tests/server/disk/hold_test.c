@@ -148,7 +148,7 @@ TEST(failing_disk_lets_go_of_what_only_shows_changes)
     hold_view(&all, &hold[2], 7, 20);
     hold_view(&all, &hold[3], 5, 10);
     hold_acknowledgement(&all, &hold[3], 5, 20); /* one group for both */
-    holders_fail(&all);
+    holders_fail(&all, HOLD_DISK);
     CHECK(released[0] == 1 && not_saved[0] == 0 && free_of(&hold[0]) == 100);
     CHECK(released[1] == 1 && not_saved[1] == 1);
     CHECK(released[2] == 0 && not_saved[2] == 1 && not_saved[3] == 1);
@@ -156,7 +156,7 @@ TEST(failing_disk_lets_go_of_what_only_shows_changes)
     CHECK(free_of(&hold[0]) == 100);
     hold_acknowledgement(&all, &hold[0], 8, 20);
     CHECK(free_of(&hold[0]) == 20);
-    holders_recover(&all);
+    holders_recover(&all, HOLD_DISK);
     hold_view(&all, &hold[1], 8, 10);
     CHECK(free_of(&hold[1]) == 10);
     holders_release(&all, 8);
@@ -168,7 +168,7 @@ TEST(all_waiting_clients_get_the_error_that_nothing_was_saved)
     for (unsigned i = 0; i < CONNECTIONS; i++)
         hold_acknowledgement(&all, &hold[i], i + 1, 0);
     holders_release(&all, 2);
-    holders_fail(&all);
+    holders_fail(&all, HOLD_DISK);
     CHECK(not_saved[0] == 0 && not_saved[1] == 0 && not_saved[2] == 1 && not_saved[3] == 1);
     CHECK(count_held() == 0);
 }

@@ -1,6 +1,6 @@
 /* salvage_calls_test.c - --repair of a damaged snapshot call by call: the order in which it changes
  * files, and the state after a failed call or allocation. The files are composed here. */
-#include "server/disk/salvage.h"
+#include "server/repair/salvage.h"
 
 #include "tests/server/disk/recover_files.h"
 #include "tests/server/file_calls.h"

@@ -2,7 +2,7 @@
  * named, and no data is ever wrong, whichever byte is damaged and wherever the repair is
  * interrupted. */
 #include "server/disk/recover.h"
-#include "server/disk/salvage.h"
+#include "server/repair/salvage.h"
 #include "tests/server/digest.h"
 #include "tests/server/directory.h"
 #include "tests/server/file_calls.h"

@@ -114,11 +114,11 @@ TEST(info_of_an_unknown_section_is_refused_in_both_framings)
     static const char resp[] = "*2\r\n$4\r\nINFO\r\n$5\r\na\0b\r\n\r\n*1\r\n$4\r\nPING\r\n";
     converse(&d, "INFO clients nosuch\n",
              "ERR SYNTAX INFO has no section nosuch; it has server clients memory stats sets "
-             "durability commands all\n");
+             "durability replication commands all\n");
     int fd = daemon_connect(&d);
     say_bytes(fd, resp, sizeof resp - 1);
     expect(fd, "-SYNTAX INFO has no section a; it has server clients memory stats sets durability "
-               "commands all\r\n+PONG\r\n");
+               "replication commands all\r\n+PONG\r\n");
 }
 
 TEST(info_counts_every_command_with_its_errors)

@@ -2,8 +2,8 @@
 #include "server/disk/recover.h"
 
 #include "server/disk/log_file.h"
-#include "server/disk/salvage.h"
 #include "server/disk/segment_reader.h"
+#include "server/repair/salvage.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -6,7 +6,7 @@
  * skipped; those of other sets are applied. Then all sets are written as a new snapshot, and a new log
  * begins after it. The old files stay as damaged.*, and every loss is reported. A crash at any point leaves
  * the directory as it was before, or repaired. */
-#include "server/disk/salvage.h"
+#include "server/repair/salvage.h"
 
 #include "server/disk/log_file.h"
 #include "server/disk/recover.h"

@@ -1,0 +1,53 @@
+/* apply.h - carries out the records of a leader's log as edits of this server, which writes the same records into its own log.
+ * On the I/O thread. */
+#ifndef SERVER_APPLY_H
+#define SERVER_APPLY_H
+
+#include "proto/records/record.h"
+#include "server/jobs/server.h"
+
+/* The owner of its jobs, instead of the id of a connection. */
+#define APPLY_OWNER UINT64_MAX
+
+enum applied {
+    APPLY_DONE,  /* the next record, please */
+    APPLY_WAIT,  /* it will be possible later: the same record again when `resume` is called */
+    APPLY_JOB,   /* a worker does it: the next record when `resume` is called */
+    APPLY_LATER, /* out of memory: the same record again after a while */
+    APPLY_FAILED /* it contradicts the sets: see why */
+};
+
+struct apply {
+    struct server *server; /* borrows */
+    void (*resume)(struct apply *p);
+    char why[160]; /* of the last APPLY_LATER or APPLY_FAILED */
+    /* private */
+    struct buf out;
+    struct waiter waiter;
+    enum applied job; /* how the last job has ended */
+    /* a LOAD that is not complete */
+    bool in_load;
+    uint32_t first;
+    struct dt_point *points; /* owns */
+    size_t n, cap;
+    struct buf values;               /* owns: doubles, column after column */
+    struct log_values *columns;      /* owns: their names */
+    uint32_t values_first, values_n; /* of the first column */
+};
+
+void apply_init(struct apply *p, struct server *s, void (*resume)(struct apply *p));
+
+/* Drops an incomplete LOAD. A worker must not be at it (APPLY_JOB). */
+void apply_clear(struct apply *p);
+
+/* Carries out a record. The records of a LOAD take effect with the last one. */
+enum applied apply_record(struct apply *p, const struct record *r);
+
+/* Whether a LOAD has begun and is not complete. */
+bool apply_in_load(const struct apply *p);
+
+/* Its job has ended: ends it, and calls p->resume. How it went is what the next apply_result returns. */
+void apply_job_done(struct apply *p, struct job *j);
+enum applied apply_result(struct apply *p);
+
+#endif

@@ -1,0 +1,217 @@
+/* cmd_follow.c - FOLLOW, SYNC, WAIT, and what INFO says about leaders and followers. */
+#include "server/command/command.h"
+
+#include "proto/number.h"
+#include "server/clients/clients.h"
+#include "server/follow/follower.h"
+#include "server/follow/leader.h"
+#include "server/jobs/durable.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Whether this daemon can lead or follow; if not, the ERR line has been written. */
+static bool check_data(const struct server *s, struct answer *a)
+{
+    if (s->durable == NULL || s->leader == NULL)
+        reply_err(a->out, ERR_IO, "there is no data directory (--data)");
+    else if (durable_dir(s) == NULL || !durable_is_complete(s))
+        reply_err(a->out, ERR_LOADING, "the data directory is being read; try again");
+    else
+        return true;
+    return false;
+}
+
+/* ---- FOLLOW ---- */
+
+static bool copy_word(const struct word *w, char *to, size_t size)
+{
+    if (w->len >= size)
+        return false;
+    memcpy(to, w->text, w->len);
+    to[w->len] = '\0';
+    return true;
+}
+
+static bool is_numeric_address(const char *text)
+{
+    struct in6_addr any;
+    return inet_pton(AF_INET, text, &any) == 1 || inet_pton(AF_INET6, text, &any) == 1;
+}
+
+static void answer_why(struct answer *a, const char *why)
+{
+    if (why == NULL)
+        answer_ok(a);
+    else
+        reply_err(a->out, ERR_BUSY, "%s", why);
+}
+
+void cmd_follow(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    char host[ROLE_ADDRESS];
+    uint32_t port;
+    bool none = q->n == 2 && word_is(&q->word[1], "NONE");
+    bool confirmed = q->n == 4 && word_is(&q->word[3], "CONFIRM");
+    (void)set;
+    if (!none && q->n != 3 && !confirmed)
+        answer_usage(a, q);
+    else if (!check_data(s, a))
+        ;
+    else if (none)
+        answer_why(a, follower_promote(s));
+    else if (!copy_word(&q->word[1], host, sizeof host) || !is_numeric_address(host))
+        reply_err(a->out, ERR_SYNTAX, "%.*s is not a numeric IPv4 or IPv6 address",
+                  QUOTED(&q->word[1]));
+    else if (!proto_read_u32(q->word[2].text, q->word[2].len, &port) || port == 0 || port > 65535)
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a port", QUOTED(&q->word[2]));
+    else
+        answer_why(a, follower_follow(s, host, port, confirmed));
+}
+
+/* ---- SYNC ---- */
+
+/* Hexadecimal digits, as many as a digest has. */
+static bool read_digest(const struct word *w, uint64_t *digest)
+{
+    char text[17];
+    if (w->len != 16 || !copy_word(w, text, sizeof text) ||
+        strspn(text, "0123456789abcdef") != w->len)
+        return false;
+    return sscanf(text, "%16" SCNx64, digest) == 1;
+}
+
+static bool read_lsn(const struct word *w, uint64_t *lsn)
+{
+    char text[21];
+    return w->len > 0 && w->len < 20 && copy_word(w, text, sizeof text) &&
+           strspn(text, "0123456789") == w->len && sscanf(text, "%20" SCNu64, lsn) == 1;
+}
+
+void cmd_sync(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct session *who = clients_asker(s, a);
+    struct position from;
+    (void)set;
+    if (!history_read(q->word[1].text, q->word[1].len, &from.history) ||
+        !read_lsn(&q->word[2], &from.lsn) || !read_digest(&q->word[3], &from.digest)) {
+        answer_usage(a, q);
+        return;
+    }
+    if (!check_data(s, a))
+        return;
+    follower_meet(s, &from.history);
+    if (s->read_only.why != NULL) {
+        reply_err(a->out, ERR_READONLY, "%s", s->read_only.why);
+        return;
+    }
+    if (who == NULL)
+        return;
+    int fd = fcntl(who->conn.source.fd, F_DUPFD_CLOEXEC, 0);
+    if (fd < 0 || !leader_add(s, fd, &who->peer, &from)) {
+        if (fd >= 0)
+            close(fd);
+        answer_out_of_memory(a);
+        return;
+    }
+    a->next = ANSWER_BROKEN; /* the connection is that of the follower's thread now */
+}
+
+/* ---- WAIT ---- */
+
+enum { WAIT_MOST_S = 1000000 };
+
+void cmd_wait(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
+{
+    struct session *who = clients_asker(s, a);
+    uint32_t followers;
+    double seconds;
+    (void)set;
+    if (!read_count(a, &q->word[1], "a number of followers", &followers))
+        return;
+    if (!proto_read_double(q->word[2].text, q->word[2].len, &seconds) || !(seconds >= 0) ||
+        seconds > WAIT_MOST_S) {
+        reply_err(a->out, ERR_NUMBER, "%.*s is not a number of seconds", QUOTED(&q->word[2]));
+        return;
+    }
+    int64_t now = clock_ms();
+    unsigned n = leader_count(s, who == NULL ? 0 : who->edited);
+    if (who != NULL && who->wait_ms == 0)
+        who->wait_ms = now + (int64_t)(seconds * 1000);
+    if (n < followers && s->leader != NULL && who != NULL && now < who->wait_ms) {
+        answer_wait(a, leader_queue(s, who->wait_ms), false);
+        return;
+    }
+    if (who != NULL)
+        who->wait_ms = 0;
+    reply_ok(a->out, 0);
+    reply_key_u64(a->out, "followers", n);
+    reply_end(a->out);
+}
+
+/* ---- INFO ---- */
+
+struct listing_of {
+    struct facts *f;
+    uint64_t last, bytes;
+    unsigned n;
+    int64_t now_ms;
+};
+
+static void count_follower(const struct sender *f, void *ctx)
+{
+    (void)f;
+    ++*(unsigned *)ctx;
+}
+
+static void add_follower(const struct sender *f, void *ctx)
+{
+    static const char *const state[] = {"starting", "snapshot", "log", "ended"};
+    struct listing_of *l = ctx;
+    char key[32], value[240], peer[SOCK_PEER_TEXT];
+    uint64_t acked = f->acked, sent = f->sent_bytes, acked_bytes = f->acked_bytes;
+    sock_peer_text(&f->peer, peer);
+    snprintf(key, sizeof key, "follower_%u", ++l->n);
+    snprintf(value, sizeof value,
+             "address=%s,state=%s,lsn=%" PRIu64 ",lag_records=%" PRIu64 ",lag_bytes=%" PRIu64
+             ",lag_s=%.3f",
+             peer, state[f->state], acked, l->last > acked ? l->last - acked : 0,
+             sent > acked_bytes ? sent - acked_bytes : 0,
+             f->behind_ms == 0 ? 0 : (double)(l->now_ms - f->behind_ms) / 1000);
+    facts_add_text(l->f, key, value);
+}
+
+void info_replication(const struct server *s, struct facts *f)
+{
+    struct follower_facts own;
+    const struct datadir *dir = durable_dir(s);
+    const struct log_status *log = durable_status(s);
+    struct listing_of l = {.f = f, .now_ms = clock_ms()};
+    char text[HISTORY_TEXT] = "";
+    unsigned followers = 0;
+    follower_facts(s, &own);
+    facts_add_text(f, "role", own.role);
+    if (dir != NULL)
+        history_write(text, &dir->lineage.history);
+    char digest[20] = "";
+    if (dir != NULL) {
+        snprintf(digest, sizeof digest, "%016" PRIx64, log->digest);
+        l.last = log_last(durable_log(s));
+    }
+    facts_add_text(f, "history", text);
+    facts_add(f, "lsn", l.last);
+    facts_add(f, "durable_lsn", dir == NULL ? 0 : log->durable);
+    facts_add_text(f, "log_digest", digest);
+    facts_add_text(f, "leader", own.leader);
+    facts_add_text(f, "link", own.state);
+    facts_add_text(f, "link_error", own.why);
+    facts_add(f, "link_lag_records", own.leader_lsn > l.last ? own.leader_lsn - l.last : 0);
+    leader_each(s, count_follower, &followers);
+    facts_add(f, "followers", followers);
+    facts_add(f, "min_followers", s->config->min_followers);
+    leader_each(s, add_follower, &l);
+}

@@ -1,0 +1,44 @@
+/* follower.h - a daemon that follows another one, and how it begins and ends to do so. On the I/O thread; the connection
+ * is that of a thread (link.h), the records are carried out by apply.h.
+ *
+ * What it follows is remembered in the data directory (role.h). */
+#ifndef SERVER_FOLLOWER_H
+#define SERVER_FOLLOWER_H
+
+#include "server/follow/link.h"
+#include "server/jobs/server.h"
+#include "server/system/loop.h"
+
+/* Before the data directory is read: decides whether this daemon follows (s->follows), by --follow, or by the directory.
+ * False, with the reason on standard error. */
+bool follower_prepare(struct server *s, struct loop *loop);
+
+/* The data directory has been read, and all sets are triangulated: begins to follow, if it is to. */
+void follower_begin(struct server *s);
+void follower_stop(struct server *s);
+
+/* To be called at the end of every turn and once a second. */
+void follower_turn_end(struct server *s);
+void follower_tick(struct server *s);
+
+/* A job of the link's records has ended. */
+void follower_job_done(struct server *s, struct job *j);
+
+/* Follows that daemon from now on; `confirmed`: even if it has to give up its own history. NULL, or why not. */
+const char *follower_follow(struct server *s, const char *host, unsigned port, bool confirmed);
+
+/* Ends following, or being fenced: a new generation of the history begins, and changes are possible. */
+const char *follower_promote(struct server *s);
+
+/* A daemon with that history wants to follow, or says that it exists. If it is newer, this daemon refuses changes. */
+void follower_meet(struct server *s, const struct history *h);
+
+struct follower_facts {
+    const char *role; /* leader, follower, fenced */
+    const char *state, *why;
+    char leader[ROLE_ADDRESS + 12];
+    uint64_t leader_lsn;
+};
+void follower_facts(const struct server *s, struct follower_facts *f);
+
+#endif

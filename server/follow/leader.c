@@ -1,0 +1,251 @@
+/* leader.c - see leader.h. */
+#include "server/follow/leader.h"
+
+#include "server/jobs/durable.h"
+#include "server/system/notice.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+enum { GRACE_MS = 1000 }; /* how long changes wait for --min-followers that are not there */
+
+struct leader {
+    struct source source; /* first: the eventfd of the threads */
+    struct server *server;
+    struct loop *loop;
+    struct sender *first;
+    uint64_t durable;        /* what the threads know */
+    struct wait_queue queue; /* of WAIT */
+    struct timer timer;      /* the next one of these that ends */
+    int64_t timer_ms;        /* when; 0: none */
+    int64_t
+        missing_ms; /* since when there have been fewer than --min-followers; 0: there are enough */
+};
+
+/* ---- what waits for followers ---- */
+
+unsigned leader_count(const struct server *s, uint64_t lsn)
+{
+    unsigned n = 0;
+    for (const struct sender *f = s->leader == NULL ? NULL : s->leader->first; f != NULL;
+         f = f->next)
+        n += f->state == SENDER_LOG && f->acked >= lsn;
+    return n;
+}
+
+/* The lsn that at least n followers have reached. Cost: quadratic in the followers, which are few. */
+static uint64_t reached_by(const struct server *s, unsigned n)
+{
+    uint64_t best = 0;
+    for (const struct sender *f = s->leader->first; f != NULL; f = f->next) {
+        uint64_t lsn = f->acked;
+        if (lsn > best && leader_count(s, lsn) >= n)
+            best = lsn;
+    }
+    return best;
+}
+
+/* Replies wait for --min-followers, unless these have been missing for a while. */
+static void release(struct server *s)
+{
+    struct leader *l = s->leader;
+    unsigned least = s->config->min_followers;
+    if (least == 0 || s->read_only.why != NULL) {
+        holders_follow(&s->held, UINT64_MAX);
+        l->missing_ms = 0;
+    } else {
+        holders_follow(&s->held, reached_by(s, least));
+        if (leader_count(s, 0) >= least)
+            l->missing_ms = 0;
+        else if (l->missing_ms == 0)
+            l->missing_ms = l->loop->now_ms;
+    }
+    bool missing = l->missing_ms != 0 && l->loop->now_ms - l->missing_ms >= GRACE_MS;
+    if (missing && !s->without_followers)
+        notice(NOTICE_WARNING, "there are fewer than %u followers: changes are refused", least);
+    s->without_followers = missing;
+    if (missing)
+        holders_fail(&s->held, HOLD_FOLLOWERS);
+    else
+        holders_recover(&s->held, HOLD_FOLLOWERS);
+}
+
+static void on_timer(struct timer *t)
+{
+    struct leader *l = (struct leader *)((char *)t - offsetof(struct leader, timer));
+    l->timer_ms = 0;
+    wait_wake_all(&l->queue);
+}
+
+struct wait_queue *leader_queue(struct server *s, int64_t at_ms)
+{
+    struct leader *l = s->leader;
+    if (l->timer_ms == 0 || at_ms < l->timer_ms) {
+        timer_clear(&l->timer);
+        loop_at(l->loop, &l->timer, at_ms);
+        l->timer_ms = at_ms;
+    }
+    return &l->queue;
+}
+
+/* ---- events of the threads ---- */
+
+static void remove_ended(struct server *s)
+{
+    for (struct sender **at = &s->leader->first; *at != NULL;) {
+        struct sender *f = *at;
+        if (f->state == SENDER_ENDED) {
+            char peer[SOCK_PEER_TEXT];
+            sock_peer_text(&f->peer, peer);
+            notice(NOTICE_INFO, "the follower %s is disconnected", peer);
+            *at = f->next;
+            sender_end(f);
+        } else {
+            at = &f->next;
+        }
+    }
+}
+
+/* Begins a snapshot if a follower waits for one. */
+static void save_for_followers(struct server *s)
+{
+    struct durable_facts facts;
+    uint64_t lsn;
+    if (s->leader->first == NULL)
+        return;
+    durable_facts(s, &facts);
+    for (struct sender *f = s->leader->first; f != NULL; f = f->next) {
+        uint64_t wants = f->wants_snapshot;
+        bool there = facts.snapshots > 0 && facts.snapshot_lsn + 1 >= wants;
+        if (wants != 0 && !there && f->durable + 1 >= wants) {
+            durable_begin_snapshot(s, &lsn); /* or one is being written already */
+            return;
+        }
+    }
+}
+
+static void on_event(struct source *source, uint32_t events)
+{
+    struct leader *l = (struct leader *)source;
+    eventfd_t count;
+    (void)events;
+    eventfd_read(source->fd, &count);
+    remove_ended(l->server);
+    save_for_followers(l->server);
+    release(l->server);
+    if (l->queue.first != NULL)
+        wait_wake_all(&l->queue);
+}
+
+/* ---- the life of followers ---- */
+
+bool leader_add(struct server *s, int fd, const struct sock_peer *peer, const struct position *from)
+{
+    struct leader *l = s->leader;
+    struct sender *f = calloc(1, sizeof *f);
+    if (f == NULL)
+        return false;
+    f->fd = fd;
+    f->event = l->source.fd;
+    f->dir = durable_dir(s);
+    f->lineage = f->dir->lineage;
+    f->from = *from;
+    f->peer = *peer;
+    f->since_ms = l->loop->now_ms;
+    f->durable = l->durable = durable_status(s)->durable;
+    durable_keep_log(s, s->config->keep_log);
+    if (!sender_start(f)) {
+        free(f);
+        return false;
+    }
+    f->next = l->first;
+    l->first = f;
+    char text[SOCK_PEER_TEXT];
+    sock_peer_text(peer, text);
+    notice(NOTICE_INFO, "the follower %s is connected", text);
+    return true;
+}
+
+void leader_dismiss(struct server *s)
+{
+    struct leader *l = s->leader;
+    for (struct sender *f = l->first, *next; f != NULL; f = next) {
+        next = f->next;
+        sender_end(f);
+    }
+    l->first = NULL;
+}
+
+void leader_each(const struct server *s, void (*visit)(const struct sender *f, void *ctx),
+                 void *ctx)
+{
+    for (const struct sender *f = s->leader == NULL ? NULL : s->leader->first; f != NULL;
+         f = f->next)
+        visit(f, ctx);
+}
+
+static void note_lag(struct leader *l, uint64_t last)
+{
+    for (struct sender *f = l->first; f != NULL; f = f->next) {
+        if (f->acked >= last)
+            f->behind_ms = 0;
+        else if (f->behind_ms == 0)
+            f->behind_ms = l->loop->now_ms;
+    }
+}
+
+void leader_turn_end(struct server *s)
+{
+    struct leader *l = s->leader;
+    const struct log_status *log = durable_status(s);
+    if (l == NULL || log == NULL)
+        return;
+    if (l->first != NULL)
+        note_lag(l, log_last(durable_log(s)));
+    if (log->durable == l->durable)
+        return;
+    l->durable = log->durable;
+    for (struct sender *f = l->first; f != NULL; f = f->next)
+        sender_advance(f, l->durable);
+}
+
+void leader_tick(struct server *s)
+{
+    if (s->leader == NULL)
+        return;
+    save_for_followers(s);
+    release(s);
+}
+
+bool leader_start(struct server *s, struct loop *loop)
+{
+    struct leader *l = calloc(1, sizeof *l);
+    int event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (l == NULL || event < 0) {
+        notice(NOTICE_ERROR, "out of memory or descriptors");
+        free(l);
+        return false;
+    }
+    l->source = (struct source){event, on_event};
+    l->server = s;
+    l->loop = loop;
+    l->timer.run = on_timer;
+    s->leader = l;
+    release(s);
+    return loop_watch(loop, &l->source, EPOLLIN);
+}
+
+void leader_stop(struct server *s)
+{
+    struct leader *l = s->leader;
+    if (l == NULL)
+        return;
+    leader_dismiss(s);
+    timer_clear(&l->timer);
+    close(l->source.fd);
+    free(l);
+    s->leader = NULL;
+}

@@ -1,0 +1,36 @@
+/* leader.h - the followers of this daemon: who they are, how far they are, and what waits for them. Everything but their
+ * threads (sender.h) is the I/O thread's. */
+#ifndef SERVER_LEADER_H
+#define SERVER_LEADER_H
+
+#include "server/follow/sender.h"
+#include "server/jobs/server.h"
+#include "server/system/loop.h"
+
+/* False, with the reason on standard error. */
+bool leader_start(struct server *s, struct loop *loop);
+void leader_stop(struct server *s); /* ends the threads; does nothing if it has not started */
+
+/* The follower at the other end of the socket, which moves here, wants to continue from that position. False: out of
+ * memory or descriptors; the caller still owns fd. */
+bool leader_add(struct server *s, int fd, const struct sock_peer *peer,
+                const struct position *from);
+
+/* Disconnects all followers; they connect again: the history has changed. */
+void leader_dismiss(struct server *s);
+
+/* To be called at the end of every turn: passes on what is durable now. */
+void leader_turn_end(struct server *s);
+void leader_tick(struct server *s); /* once a second */
+
+/* How many followers have all changes up to lsn on their disks. */
+unsigned leader_count(const struct server *s, uint64_t lsn);
+
+/* The queue of requests that wait for followers (WAIT): they are called when a follower has more on its disk, and at at_ms. */
+struct wait_queue *leader_queue(struct server *s, int64_t at_ms);
+
+/* Calls visit for each follower. */
+void leader_each(const struct server *s, void (*visit)(const struct sender *f, void *ctx),
+                 void *ctx);
+
+#endif

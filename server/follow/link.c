@@ -1,0 +1,584 @@
+/* link.c - see link.h. */
+#include "server/follow/link.h"
+
+#include "server/disk/aside.h"
+#include "server/follow/consent.h"
+#include "server/system/loop.h"
+#include "server/system/notice.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <netdb.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum {
+    READ_BYTES = 256 * 1024,
+    QUEUE_BYTES = 4 << 20,  /* of pieces that are not taken yet: then nothing is received */
+    SILENCE_MS = 10 * 1000, /* without a byte from the leader: it sends something every second */
+    CONNECT_MS = 5 * 1000,
+    FIRST_PAUSE_MS = 100,
+    LAST_PAUSE_MS = 3 * 1000
+};
+
+/* A connection. */
+struct wire {
+    struct link *l;
+    int fd;
+    struct buf in;
+    uint64_t came;  /* bytes of the stream that have been taken from `in` */
+    uint64_t acked; /* what the leader knows */
+    bool streaming; /* it sends its log */
+    int64_t heard_ms;
+    /* a snapshot that is being received */
+    struct aside aside;
+    bool in_snapshot;
+    struct segment snapshot;
+};
+
+static void notify(const struct link *l)
+{
+    eventfd_write(l->event, 1);
+}
+
+static void set_state(struct link *l, enum link_state state, const char *why)
+{
+    pthread_mutex_lock(&l->mutex);
+    bool news = strcmp(l->why, why) != 0;
+    l->state = state;
+    snprintf(l->why, sizeof l->why, "%s", why);
+    pthread_mutex_unlock(&l->mutex);
+    if (news && why[0] != '\0')
+        notice(state == LINK_REFUSED ? NOTICE_ERROR : NOTICE_WARNING, "following %s:%u: %s",
+               l->host, l->port, why);
+    notify(l);
+}
+
+/* ---- waiting ---- */
+
+/* Waits for an event of the socket (-1: none), or for the I/O thread. False: the thread is to end or to connect again. */
+static bool wait_for(struct link *l, int fd, short events, int ms)
+{
+    struct pollfd p[] = {{.fd = l->wake, .events = POLLIN}, {.fd = fd, .events = events}};
+    eventfd_t count;
+    if (poll(p, fd >= 0 ? 2 : 1, ms) < 0 && errno != EINTR)
+        return false;
+    if ((p[0].revents & POLLIN) != 0)
+        eventfd_read(l->wake, &count);
+    return !l->stop && !l->again;
+}
+
+/* ---- sending ---- */
+
+static bool send_text(struct wire *w, const char *text, size_t n)
+{
+    while (n > 0) {
+        ssize_t sent = send(w->fd, text, n, MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (sent > 0) {
+            text += sent;
+            n -= (size_t)sent;
+        } else if ((errno != EAGAIN && errno != EINTR) ||
+                   !wait_for(w->l, w->fd, POLLOUT, SILENCE_MS)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool acknowledge(struct wire *w)
+{
+    char line[64];
+    if (!w->streaming)
+        return true;
+    pthread_mutex_lock(&w->l->mutex);
+    uint64_t lsn = w->l->acked, bytes = w->l->acked_bytes;
+    pthread_mutex_unlock(&w->l->mutex);
+    if (lsn <= w->acked)
+        return true;
+    w->acked = lsn;
+    int n = snprintf(line, sizeof line, "ACK %" PRIu64 " %" PRIu64 "\n", lsn, bytes);
+    return send_text(w, line, (size_t)n);
+}
+
+/* ---- receiving ---- */
+
+/* Receives more bytes. False: the connection has ended. */
+static bool hear(struct wire *w)
+{
+    char *to = buf_reserve(&w->in, READ_BYTES);
+    if (to == NULL)
+        return false;
+    for (;;) {
+        ssize_t n = recv(w->fd, to, READ_BYTES, MSG_DONTWAIT);
+        if (n > 0) {
+            buf_commit(&w->in, (size_t)n);
+            w->heard_ms = clock_ms();
+            return true;
+        }
+        if (n == 0 || (errno != EAGAIN && errno != EINTR))
+            return false;
+        if (clock_ms() - w->heard_ms > SILENCE_MS || !wait_for(w->l, w->fd, POLLIN, 1000) ||
+            !acknowledge(w))
+            return false;
+    }
+}
+
+/* ---- connecting ---- */
+
+static int connect_to(struct link *l)
+{
+    struct addrinfo hints = {.ai_socktype = SOCK_STREAM, .ai_flags = AI_NUMERICHOST}, *at = NULL;
+    char port[12];
+    snprintf(port, sizeof port, "%u", l->port);
+    if (getaddrinfo(l->host, port, &hints, &at) != 0)
+        return -1;
+    int fd = socket(at->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    int error = 0;
+    socklen_t size = sizeof error;
+    if (fd >= 0 && connect(fd, at->ai_addr, at->ai_addrlen) != 0) {
+        error = errno;
+        if (error == EINPROGRESS) {
+            struct pollfd p = {.fd = fd, .events = POLLOUT};
+            error = poll(&p, 1, CONNECT_MS) == 1 ? 0 : ETIMEDOUT;
+            if (error == 0)
+                getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+        }
+    }
+    freeaddrinfo(at);
+    if (error != 0) {
+        close(fd);
+        fd = -1;
+    }
+    errno = error;
+    return fd;
+}
+
+/* Waits for the position to continue from. */
+static bool ask_position(struct link *l, struct position *from)
+{
+    pthread_mutex_lock(&l->mutex);
+    l->acked = l->acked_bytes = 0;
+    l->wants_position = true;
+    l->may_go = false;
+    pthread_mutex_unlock(&l->mutex);
+    notify(l);
+    for (bool go = false; !go;) {
+        pthread_mutex_lock(&l->mutex);
+        go = l->may_go;
+        *from = l->from;
+        pthread_mutex_unlock(&l->mutex);
+        if (!go && !wait_for(l, -1, 0, 1000))
+            return false;
+    }
+    pthread_mutex_lock(&l->mutex);
+    l->wants_position = false;
+    pthread_mutex_unlock(&l->mutex);
+    return true;
+}
+
+/* Receives a line into text. */
+static bool hear_line(struct wire *w, char *text, size_t size)
+{
+    for (;;) {
+        const char *head = buf_head(&w->in);
+        const char *end = buf_len(&w->in) > 0 ? memchr(head, '\n', buf_len(&w->in)) : NULL;
+        if (end != NULL) {
+            size_t n = (size_t)(end - head) < size ? (size_t)(end - head) : size - 1;
+            memcpy(text, head, n);
+            text[n] = '\0';
+            buf_consume(&w->in, (size_t)(end - head) + 1);
+            return true;
+        }
+        if (buf_len(&w->in) > size || !hear(w))
+            return false;
+    }
+}
+
+/* Asks the leader to continue from there. */
+static bool greet(struct wire *w, const struct position *from)
+{
+    struct link *l = w->l;
+    char history[HISTORY_TEXT], line[512];
+    history_write(history, &from->history);
+    bool nothing = l->confirmed || from->lsn == 0;
+    int n = snprintf(line, sizeof line, "%s%s%sSYNC %s %" PRIu64 " %016" PRIx64 "\n",
+                     l->token[0] != '\0' ? "AUTH " : "", l->token, l->token[0] != '\0' ? "\n" : "",
+                     history, nothing ? 0 : from->lsn, nothing ? 0 : from->digest);
+    if (!send_text(w, line, (size_t)n))
+        return false;
+    if (l->token[0] != '\0') {
+        if (!hear_line(w, line, sizeof line))
+            return false;
+        if (strncmp(line, "OK", 2) != 0) {
+            set_state(l, LINK_CONNECTING, line);
+            return false;
+        }
+    }
+    if (!hear_line(w, line, sizeof line))
+        return false;
+    char why[LINK_WHY];
+    enum consent consent = consent_to(from, l->confirmed, line, why, sizeof why);
+    if (consent != CONSENT_GIVEN)
+        set_state(l, consent == CONSENT_REFUSED ? LINK_REFUSED : LINK_CONNECTING, why);
+    return consent == CONSENT_GIVEN;
+}
+
+/* ---- the stream ---- */
+
+/* Passes bytes on to the I/O thread, when there is room. */
+static bool pass_on(struct wire *w, const char *bytes, size_t n)
+{
+    struct link *l = w->l;
+    struct link_piece *p = calloc(1, sizeof *p);
+    if (p != NULL)
+        buf_append(&p->bytes, bytes, n);
+    if (p == NULL || p->bytes.failed) {
+        link_piece_free(p);
+        return false;
+    }
+    p->end = w->came;
+    for (bool room = false; !room;) {
+        pthread_mutex_lock(&l->mutex);
+        room = l->queued < QUEUE_BYTES;
+        if (room) {
+            *l->last = p;
+            l->last = &p->next;
+            l->queued += n;
+        }
+        pthread_mutex_unlock(&l->mutex);
+        if (!room && (!wait_for(l, -1, 0, 1000) || !acknowledge(w))) {
+            link_piece_free(p);
+            return false;
+        }
+    }
+    notify(l);
+    return true;
+}
+
+/* Triangulates a set that is to have a triangulation, as long as nobody waits for it. */
+static void triangulate(struct dataset *set, void *ctx)
+{
+    struct dt_options options = {.cancel = NULL};
+    (void)ctx;
+    if (set->triangulated)
+        dt_triangulate(set->current->dt, &options); /* out of memory: a query tries it again */
+}
+
+/* The snapshot is complete: it is read, and then the I/O thread replaces everything by it. */
+static bool install(struct wire *w)
+{
+    struct link *l = w->l;
+    struct link_arrival *a = calloc(1, sizeof *a);
+    w->in_snapshot = false;
+    if (a == NULL || !aside_complete(&w->aside, &w->snapshot, &a->dir)) {
+        set_state(l, LINK_CONNECTING, strerror(errno));
+        free(a);
+        return false;
+    }
+    recovery_init(&a->recovery, &a->dir);
+    a->recovery.replay.sets.pages = l->pages;
+    recovery_run(&a->recovery);
+    if (a->recovery.result == RECOVERY_OK)
+        registry_each(&a->recovery.replay.sets, triangulate, NULL);
+    if (a->recovery.result != RECOVERY_OK) {
+        set_state(l, LINK_CONNECTING, a->recovery.why);
+        recovery_clear(&a->recovery);
+        aside_close(&a->dir);
+        free(a);
+        return false;
+    }
+    pthread_mutex_lock(&l->mutex);
+    l->arrival = a;
+    l->installed = false;
+    pthread_mutex_unlock(&l->mutex);
+    notify(l);
+    for (bool done = false; !done && !l->stop;) {
+        pthread_mutex_lock(&l->mutex);
+        done = l->installed;
+        pthread_mutex_unlock(&l->mutex);
+        if (!done)
+            wait_for(l, -1, 0, 1000);
+    }
+    w->heard_ms = clock_ms();
+    l->confirmed = false;
+    return !l->stop;
+}
+
+static bool take_header(struct wire *w, const struct segment *h)
+{
+    if (h->kind == SEGMENT_SNAPSHOT) {
+        set_state(w->l, LINK_LOADING, "");
+        w->streaming = false;
+        w->snapshot = *h;
+        w->in_snapshot = aside_begin(&w->aside, w->l->dir, h);
+        if (!w->in_snapshot)
+            set_state(w->l, LINK_CONNECTING, strerror(errno));
+        return w->in_snapshot;
+    }
+    w->streaming = true;
+    pthread_mutex_lock(&w->l->mutex);
+    if (h->lsn - 1 > w->l->leader_lsn)
+        w->l->leader_lsn = h->lsn - 1;
+    pthread_mutex_unlock(&w->l->mutex);
+    return true;
+}
+
+/* Takes a header or a record off the input. > 0: its length; 0: there is no whole one; -1: it makes no sense. A record of
+ * the log is not taken yet: *records is the length of those that have been looked at. */
+static ptrdiff_t look(struct wire *w, size_t at, struct segment *h, struct record *r)
+{
+    const char *bytes = buf_head(&w->in) + at;
+    size_t n = buf_len(&w->in) - at;
+    r->type = RECORD_TYPES;
+    if (n < 8)
+        return 0;
+    if (memcmp(bytes, "DELAUNAY", 8) == 0)
+        return segment_read(bytes, n, h);
+    return record_read(bytes, n, r);
+}
+
+/* Takes all whole headers and records off the input. */
+static bool take(struct wire *w)
+{
+    struct segment h;
+    struct record r;
+    size_t from = 0, at = 0; /* what has been looked at, and not been passed on */
+    for (;;) {
+        ptrdiff_t n = look(w, at, &h, &r);
+        if (n < 0) {
+            set_state(w->l, LINK_CONNECTING, "it sends what makes no sense");
+            return false;
+        }
+        if (n == 0)
+            break;
+        bool header = r.type == RECORD_TYPES;
+        at += (size_t)n;
+        w->came += (uint64_t)n;
+        if (header && !take_header(w, &h))
+            return false;
+        if (w->in_snapshot || (header && h.kind == SEGMENT_SNAPSHOT)) {
+            if (!header && !aside_write(&w->aside, buf_head(&w->in) + from, at - from)) {
+                set_state(w->l, LINK_CONNECTING, strerror(errno));
+                return false;
+            }
+            from = at;
+            if (!header && r.type == RECORD_END && !install(w))
+                return false;
+            if (!w->in_snapshot)
+                set_state(w->l, LINK_RECEIVING, "");
+        }
+    }
+    if (at > from && !pass_on(w, buf_head(&w->in) + from, at - from))
+        return false;
+    buf_consume(&w->in, at);
+    return true;
+}
+
+static void receive(struct wire *w)
+{
+    set_state(w->l, LINK_RECEIVING, "");
+    while (take(w) && hear(w) && acknowledge(w))
+        ;
+}
+
+/* ---- the thread ---- */
+
+/* One connection. Whether the leader could be reached. */
+static bool converse(struct link *l)
+{
+    struct wire w = {.l = l, .fd = -1, .heard_ms = clock_ms()};
+    struct position from;
+    bool greeted = false;
+    if (!ask_position(l, &from))
+        return false;
+    w.fd = connect_to(l);
+    if (w.fd < 0) {
+        char why[80];
+        snprintf(why, sizeof why, "no connection: %s", strerror(errno));
+        set_state(l, LINK_CONNECTING, why);
+        return false;
+    }
+    greeted = greet(&w, &from);
+    if (greeted)
+        receive(&w);
+    aside_abandon(&w.aside);
+    buf_free(&w.in);
+    close(w.fd);
+    return greeted;
+}
+
+/* Tells a former leader that there is a newer history, until it has answered. */
+static void announce(struct link *l)
+{
+    char line[256];
+    for (bool heard = false; !heard && !l->stop;) {
+        struct wire w = {.l = l, .fd = connect_to(l), .heard_ms = clock_ms()};
+        struct position from = l->from;
+        from.digest = 1; /* not one that it would send a snapshot for */
+        if (w.fd >= 0) {
+            char history[HISTORY_TEXT];
+            history_write(history, &from.history);
+            int n = snprintf(line, sizeof line, "%s%s%sSYNC %s %" PRIu64 " %016" PRIx64 "\n",
+                             l->token[0] != '\0' ? "AUTH " : "", l->token,
+                             l->token[0] != '\0' ? "\n" : "", history, from.lsn, from.digest);
+            heard = send_text(&w, line, (size_t)n) &&
+                    (l->token[0] == '\0' || hear_line(&w, line, sizeof line)) &&
+                    hear_line(&w, line, sizeof line);
+            buf_free(&w.in);
+            close(w.fd);
+        }
+        if (!heard)
+            wait_for(l, -1, 0, 1000);
+    }
+}
+
+static void *serve(void *arg)
+{
+    struct link *l = arg;
+    int pause = FIRST_PAUSE_MS;
+    if (l->announce) {
+        announce(l);
+        return NULL;
+    }
+    while (!l->stop) {
+        l->again = false;
+        pause = converse(l)                 ? FIRST_PAUSE_MS
+                : pause * 2 < LAST_PAUSE_MS ? pause * 2
+                                            : LAST_PAUSE_MS;
+        for (int64_t until = clock_ms() + pause; !l->stop && clock_ms() < until;) {
+            l->again = false;
+            wait_for(l, -1, 0, (int)(until - clock_ms()) + 1);
+        }
+    }
+    return NULL;
+}
+
+bool link_read_token(const char *path, char token[LINK_TOKEN])
+{
+    FILE *in = path == NULL ? NULL : fopen(path, "re");
+    token[0] = '\0';
+    if (path == NULL)
+        return true;
+    if (in == NULL)
+        return false;
+    bool ok = fgets(token, LINK_TOKEN, in) != NULL;
+    fclose(in);
+    token[strcspn(token, " \r\n")] = '\0';
+    return ok && token[0] != '\0';
+}
+
+bool link_start(struct link *l)
+{
+    l->last = &l->first;
+    l->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (l->wake < 0)
+        return false;
+    pthread_mutex_init(&l->mutex, NULL);
+    int error = pthread_create(&l->thread, NULL, serve, l);
+    if (error == 0)
+        return true;
+    pthread_mutex_destroy(&l->mutex);
+    close(l->wake);
+    errno = error;
+    return false;
+}
+
+void link_end(struct link *l)
+{
+    l->stop = true;
+    eventfd_write(l->wake, 1);
+    pthread_join(l->thread, NULL);
+    for (struct link_piece *p; (p = link_take(l)) != NULL;)
+        link_piece_free(p);
+    if (l->arrival != NULL) {
+        recovery_clear(&l->arrival->recovery);
+        aside_close(&l->arrival->dir);
+        free(l->arrival);
+    }
+    pthread_mutex_destroy(&l->mutex);
+    close(l->wake);
+    free(l);
+}
+
+/* ---- on the I/O thread ---- */
+
+bool link_wants_position(struct link *l)
+{
+    pthread_mutex_lock(&l->mutex);
+    bool wants = l->wants_position && !l->may_go && l->first == NULL;
+    pthread_mutex_unlock(&l->mutex);
+    return wants;
+}
+
+void link_go(struct link *l, const struct position *from)
+{
+    pthread_mutex_lock(&l->mutex);
+    l->from = *from;
+    l->may_go = true;
+    pthread_mutex_unlock(&l->mutex);
+    eventfd_write(l->wake, 1);
+}
+
+struct link_piece *link_take(struct link *l)
+{
+    pthread_mutex_lock(&l->mutex);
+    struct link_piece *p = l->first;
+    if (p != NULL) {
+        l->first = p->next;
+        if (l->first == NULL)
+            l->last = &l->first;
+        l->queued -= buf_len(&p->bytes);
+    }
+    pthread_mutex_unlock(&l->mutex);
+    if (p != NULL)
+        eventfd_write(l->wake, 1);
+    return p;
+}
+
+void link_piece_free(struct link_piece *p)
+{
+    if (p != NULL)
+        buf_free(&p->bytes);
+    free(p);
+}
+
+struct link_arrival *link_arrival(struct link *l)
+{
+    pthread_mutex_lock(&l->mutex);
+    struct link_arrival *a = l->arrival;
+    pthread_mutex_unlock(&l->mutex);
+    return a;
+}
+
+void link_installed(struct link *l, uint64_t lsn)
+{
+    pthread_mutex_lock(&l->mutex);
+    l->acked = lsn;
+    l->arrival = NULL;
+    l->installed = true;
+    pthread_mutex_unlock(&l->mutex);
+    eventfd_write(l->wake, 1);
+}
+
+void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes)
+{
+    pthread_mutex_lock(&l->mutex);
+    l->acked = lsn;
+    if (bytes != 0)
+        l->acked_bytes = bytes;
+    pthread_mutex_unlock(&l->mutex);
+    eventfd_write(l->wake, 1);
+}
+
+void link_again(struct link *l, const char *why)
+{
+    set_state(l, LINK_CONNECTING, why);
+    l->again = true;
+    eventfd_write(l->wake, 1);
+}

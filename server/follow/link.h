@@ -1,0 +1,101 @@
+/* link.h - the follower's side of the connection to its leader: a thread that connects, asks for what comes after a
+ * position, and receives it. Records of the log go to the I/O thread in pieces (link_take); a snapshot goes into files in a
+ * directory aside, is read from there, and replaces everything at once (link_arrival).
+ *
+ * The thread connects again whenever the connection ends, after a pause that grows up to a few seconds. */
+#ifndef SERVER_LINK_H
+#define SERVER_LINK_H
+
+#include "proto/buf.h"
+#include "server/disk/recover.h"
+#include "server/follow/position.h"
+#include "server/follow/role.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { LINK_WHY = 240, LINK_TOKEN = 128 };
+
+enum link_state {
+    LINK_CONNECTING,
+    LINK_RECEIVING, /* the log */
+    LINK_LOADING,   /* a snapshot */
+    LINK_REFUSED    /* the leader's history is not one to follow without a confirmation: see why */
+};
+
+/* Headers of segments, and records, as they came. */
+struct link_piece {
+    struct link_piece *next;
+    struct buf bytes;
+    uint64_t end; /* bytes of the stream up to its end */
+};
+
+/* A snapshot that has been received and read. */
+struct link_arrival {
+    struct recovery recovery;
+    struct datadir dir; /* where its files are */
+};
+
+struct link {
+    /* set before the start */
+    char host[ROLE_ADDRESS];
+    unsigned port;
+    char token[LINK_TOKEN]; /* empty: none */
+    bool confirmed;         /* the leader may replace a history that it does not continue */
+    bool announce; /* only says that there is a newer history, until the leader has heard it */
+    const struct datadir *dir; /* borrows */
+    struct dt_pages *pages;    /* borrows */
+    int event; /* borrows; an eventfd, written when there is something for the I/O thread */
+    /* shared */
+    pthread_mutex_t mutex;
+    enum link_state state;
+    char why[LINK_WHY];   /* of LINK_REFUSED, or why there is no connection */
+    bool wants_position;  /* the thread waits for link_go */
+    struct position from; /* from link_go */
+    bool may_go;
+    struct link_piece *first, **last; /* pieces to take, */
+    size_t queued;                    /* bytes in them */
+    struct link_arrival *arrival; /* owns until link_arrived; not NULL: the thread waits for that */
+    bool installed;
+    uint64_t acked, acked_bytes; /* what is to be acknowledged */
+    uint64_t leader_lsn;         /* the last one that is known of the leader */
+    /* the thread's */
+    int wake; /* owns; an eventfd */
+    atomic_bool stop, again;
+    pthread_t thread;
+};
+
+/* Reads the token for a leader from the first line of a file; NULL: there is none. False if it cannot be read. */
+bool link_read_token(const char *path, char token[LINK_TOKEN]);
+
+/* Starts the thread. False with errno. */
+bool link_start(struct link *l);
+
+/* Ends the thread and frees everything. */
+void link_end(struct link *l);
+
+/* ---- on the I/O thread ---- */
+
+/* Whether the thread wants to know the position from which to continue, and all pieces have been taken. */
+bool link_wants_position(struct link *l);
+void link_go(struct link *l, const struct position *from);
+
+/* The next piece, which the caller owns; NULL: there is none. */
+struct link_piece *link_take(struct link *l);
+void link_piece_free(struct link_piece *p);
+
+/* A snapshot that waits to become what this daemon has; NULL: none. */
+struct link_arrival *link_arrival(struct link *l);
+
+/* It has been installed, and is that of this lsn: the thread continues. */
+void link_installed(struct link *l, uint64_t lsn);
+
+/* Changes up to lsn, and so many bytes of the stream, 0: unknown, are on the disk. */
+void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes);
+
+/* Disconnects; the thread connects again and asks for the position. */
+void link_again(struct link *l, const char *why);
+
+#endif
