@@ -12,8 +12,8 @@
 enum {
     RETRY_MS = 1000, /* after a triangulation for watchers has failed */
     KEEP_MS = 60000, /* what has changed lately is kept for watchers that come back */
-    /* Events get one part of SHARE of the processor time while a set is edited, and some of the time in which the loop has nothing to
-     * do, at most CREDIT_NS at once after a pause. What they exceed that by is owed, up to DEBT_NS. */
+    /* Events get one part of SHARE of the processor time while a set is edited, and some of the time in which the loop
+     * has nothing to do, at most CREDIT_NS at once after a pause. What they exceed that by is owed, up to DEBT_NS. */
     SHARE = 12,
     CREDIT_NS = 2000 * 1000,
     DEBT_NS = 5000 * 1000,

@@ -3,9 +3,10 @@
  *
  * What edits touch is collected once for each set (dt_touched_take). Watchers that want the same (scope.h) and are up to
  * date get the same text (feed.h), some of them in each turn of the loop. While a set is edited all the time, events get a
- * share of the time, and what has changed meanwhile is a bit for each id. A watcher that lags, because its client does not read or a long reply is
- * being sent, has such bits of its own, and later gets their rows as they are then, in parts. A watcher that knows
- * nothing, or after a change of everything, is sent all ids in ascending order (a reset), which needs no bits.
+ * share of the time, and what has changed meanwhile is a bit for each id. A watcher that lags, because its client does not
+ * read or a long reply is being sent, has such bits of its own, and later gets their rows as they are then, in parts. A
+ * watcher that knows nothing, or after a change of everything, is sent all ids in ascending order (a reset), which needs no
+ * bits.
  *
  * For clients that come back (SINCE) the last changes are kept (recent.h), for a while also without watchers. */
 #ifndef SERVER_WATCH_H
