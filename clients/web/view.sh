@@ -20,6 +20,7 @@ mkdir -p "$build"
 cp -RL "$here/gateway.mjs" "$here/package.json" "$here/page" "$build/"
 [ -d "$build/node_modules/ws" ] || npm install --prefix "$build" --omit=dev --no-audit --no-fund --silent
 
+: >"$tmp/ready"
 "$daemon" --port 0 --log-level warning >"$tmp/ready" &
 pid=$!
 while ! port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$tmp/ready") || [ -z "$port" ]; do
