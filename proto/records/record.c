@@ -227,6 +227,17 @@ void record_write(struct buf *out, const struct record *r)
     buf_commit(out, RECORD_HEADER + rest);
 }
 
+void record_copy(struct buf *out, const char *bytes, size_t n, uint64_t synced)
+{
+    char *to = buf_reserve(out, n);
+    if (to == NULL)
+        return;
+    memcpy(to, bytes, n);
+    put_u64(to + 16, synced);
+    put_u32(to, crc32c(0, to + 4, n - 4));
+    buf_commit(out, n);
+}
+
 /* ---- reading records ---- */
 
 static ptrdiff_t bad_record(struct record *r, const char *fault)

@@ -151,6 +151,9 @@ size_t record_item_size(enum record_type type);
  * (ids), struct record_row, struct record_value or doubles. out->failed when out of memory. */
 void record_write(struct buf *out, const struct record *r);
 
+/* Appends a copy of the record bytes[n], as it was written elsewhere, that says `synced`. */
+void record_copy(struct buf *out, const char *bytes, size_t n, uint64_t synced);
+
 /* Reads one record from bytes[n]. > 0: consumed, and r borrows from bytes; 0: it needs more; -1:
  * invalid, see r->fault. Never reads beyond n; checks every length against the limits first. */
 ptrdiff_t record_read(const char *bytes, size_t n, struct record *r);

@@ -115,22 +115,46 @@ static void free_piece(struct log *log, struct piece *p)
     free(p);
 }
 
-uint64_t log_append(struct log *log, struct record *r)
+/* The piece for one more small record; NULL: out of memory. */
+static struct piece *open_piece(struct log *log)
 {
     struct piece *p = log->open.last;
-    r->lsn = log->next++;
-    r->synced = atomic_load(&log->synced);
+    log->next++;
     if (p == NULL || p->kind != PIECE_BYTES || buf_len(&p->bytes) >= PIECE_FULL)
         p = new_piece(log, PIECE_BYTES);
+    return p;
+}
+
+/* The record has been appended to the piece. */
+static void end_append(struct log *log, struct piece *p)
+{
+    measure(log, p, p->bytes.cap);
+    log->lost = log->lost || p->bytes.failed;
+    p->last = log->next - 1;
+    p->records++;
+    log->open.records++;
+}
+
+uint64_t log_append(struct log *log, struct record *r)
+{
+    r->lsn = log->next;
+    r->synced = atomic_load(&log->synced);
+    struct piece *p = open_piece(log);
     if (p == NULL)
         return r->lsn;
     record_write(&p->bytes, r);
-    measure(log, p, p->bytes.cap);
-    log->lost = log->lost || p->bytes.failed;
-    p->last = r->lsn;
-    p->records++;
-    log->open.records++;
+    end_append(log, p);
     return r->lsn;
+}
+
+uint64_t log_append_copy(struct log *log, const char *bytes, size_t n)
+{
+    struct piece *p = open_piece(log);
+    if (p == NULL)
+        return log->next - 1;
+    record_copy(&p->bytes, bytes, n, atomic_load(&log->synced));
+    end_append(log, p);
+    return log->next - 1;
 }
 
 uint64_t log_append_points(struct log *log, struct record *r, double *xy)

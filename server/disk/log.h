@@ -56,6 +56,9 @@ void log_close_mark(struct log *log, bool writes);
  * write: the state becomes LOG_FAILED. */
 uint64_t log_append(struct log *log, struct record *r);
 
+/* The same for a record bytes[n] of another log, whose lsn is the next one here. */
+uint64_t log_append_copy(struct log *log, const char *bytes, size_t n);
+
 /* The same for an ADD of n points xy[2n], which move to the log (from dt_pages_grow). */
 uint64_t log_append_points(struct log *log, struct record *r, double *xy);
 

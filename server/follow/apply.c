@@ -246,6 +246,7 @@ static enum applied apply_load(struct apply *p, const struct record *r, struct d
     switch (r->type) {
     case RECORD_LOAD:
         drop_load(p);
+        p->skip_load = false;
         p->in_load = true;
         p->first = r->first;
         return APPLY_DONE;
@@ -391,19 +392,30 @@ static enum applied apply_to(struct apply *p, const struct record *r, struct dat
     return r->type == RECORD_CREATE ? apply_create(p, r, set) : apply_existing(p, r, set);
 }
 
-enum applied apply_record(struct apply *p, const struct record *r)
+/* Whether the set has the change already, or there is none. */
+static bool is_known(struct apply *p, const struct record *r, const struct dataset *set)
+{
+    if (r->type == RECORD_CLOSE)
+        return true;
+    if (p->in_load)
+        return p->skip_load;
+    return set != NULL && r->lsn <= set->current->lsn;
+}
+
+enum applied apply_record(struct apply *p, const struct record *r, const char *bytes, size_t n)
 {
     struct word name = {r->name, r->name_len};
     struct dataset *set = NULL;
-    if (r->type == RECORD_CLOSE) {
-        struct record close = {.type = RECORD_CLOSE};
-        log_append(durable_log(p->server), &close);
-        return APPLY_DONE;
-    }
     if (r->name_len > 0 && !word_is_set_name(&name))
         return fail(p, "its set has an impossible name");
     if (r->name_len > 0)
         set = registry_find(&p->server->sets, &name);
+    if (is_known(p, r, set)) {
+        p->skip_load = p->in_load || r->type == RECORD_LOAD;
+        p->in_load = p->skip_load && r->type != RECORD_LOADED;
+        log_append_copy(durable_log(p->server), bytes, n);
+        return APPLY_DONE;
+    }
     if (set != NULL && !dataset_admits(set, true, wait_turn(&p->waiter))) {
         p->waiter.writes = true;
         wait_enter(&set->queue, &p->waiter);

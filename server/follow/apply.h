@@ -27,6 +27,7 @@ struct apply {
     enum applied job; /* how the last job has ended */
     /* a LOAD that is not complete */
     bool in_load;
+    bool skip_load; /* the sets have it already */
     uint32_t first;
     struct dt_point *points; /* owns */
     size_t n, cap;
@@ -40,8 +41,9 @@ void apply_init(struct apply *p, struct server *s, void (*resume)(struct apply *
 /* Drops an incomplete LOAD. A worker must not be at it (APPLY_JOB). */
 void apply_clear(struct apply *p);
 
-/* Carries out a record. The records of a LOAD take effect with the last one. */
-enum applied apply_record(struct apply *p, const struct record *r);
+/* Carries out a record, bytes[n]. The records of a LOAD take effect with the last one. A set that came with a snapshot may
+ * have changes after the snapshot's lsn: their records are only written into the log. */
+enum applied apply_record(struct apply *p, const struct record *r, const char *bytes, size_t n);
 
 /* Whether a LOAD has begun and is not complete. */
 bool apply_in_load(const struct apply *p);

@@ -340,7 +340,7 @@ static bool step(struct follower *f)
         give_up(f, n <= 0 ? "it is damaged" : "its number is not the next one");
         return false;
     }
-    return settle(f, apply_record(&f->apply, &r), (size_t)n);
+    return settle(f, apply_record(&f->apply, &r, bytes, (size_t)n), (size_t)n);
 }
 
 /* ---- positions ---- */
