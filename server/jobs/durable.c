@@ -161,7 +161,7 @@ static bool end_reading(struct server *s)
     adopt_sets(s, &d->recovery.replay.sets);
     recovery_clear(&d->recovery);
     log_status(d->log, &d->saver.status);
-    s->held.durable = d->saver.status.durable;
+    holders_release(&s->held, d->saver.status.durable);
     d->stage = STAGE_READ;
     return true;
 }
