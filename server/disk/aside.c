@@ -162,12 +162,19 @@ bool aside_put_in_place(const struct datadir *dir)
            replace(dir);
 }
 
+bool aside_open(const struct datadir *dir, struct datadir *arrived)
+{
+    *arrived = (struct datadir){.fd = open_folder(dir, arrived_name), .path = arrived_name};
+    return arrived->fd >= 0;
+}
+
 bool aside_finish(const struct datadir *dir)
 {
-    int fd = open_folder(dir, arrived_name);
-    if (fd >= 0)
-        close(fd);
-    if (fd >= 0 && !replace(dir))
+    struct datadir arrived;
+    bool there = aside_open(dir, &arrived);
+    if (there)
+        aside_close(&arrived);
+    if (there && !replace(dir))
         return false;
     return remove_folder(dir, incoming);
 }

@@ -37,6 +37,9 @@ void aside_abandon(struct aside *a);
  * has the old files, or the new ones. */
 bool aside_put_in_place(const struct datadir *dir);
 
+/* Opens `arrived`, which a start would put in place: a directory to read; ends with aside_close. False: there is none. */
+bool aside_open(const struct datadir *dir, struct datadir *arrived);
+
 /* At a start: finishes what a crash has interrupted. False with errno. */
 bool aside_finish(const struct datadir *dir);
 

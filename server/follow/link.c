@@ -352,7 +352,10 @@ static bool take(struct wire *w)
     for (;;) {
         ptrdiff_t n = look(w, at, &h, &r);
         if (n < 0) {
-            set_state(w->l, LINK_CONNECTING, "it sends what makes no sense");
+            char why[LINK_WHY];
+            snprintf(why, sizeof why, "what it sends cannot be read: %s",
+                     r.type == RECORD_TYPES ? h.fault : r.fault);
+            set_state(w->l, LINK_CONNECTING, why);
             return false;
         }
         if (n == 0)

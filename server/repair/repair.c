@@ -1,6 +1,7 @@
 /* repair.c - delaunayd --check DIR and --repair DIR. */
 #include "server/disk/recover.h"
 
+#include "server/disk/aside.h"
 #include "server/disk/log_file.h"
 #include "server/disk/segment_reader.h"
 #include "server/repair/salvage.h"
@@ -36,15 +37,20 @@ static int print_result(struct recovery *r)
 
 int recovery_check(const char *path)
 {
-    struct datadir dir;
+    struct datadir dir, arrived;
     struct recovery r;
     if (!datadir_open(&dir, path, false))
         return 1;
-    recovery_init(&r, &dir);
+    bool replaced = aside_open(&dir, &arrived);
+    if (replaced)
+        printf("what a leader has sent is in %s; the next start puts it in place\n", arrived.path);
+    recovery_init(&r, replaced ? &arrived : &dir);
     r.report = stdout;
     recovery_run(&r);
     int status = print_result(&r);
     recovery_clear(&r);
+    if (replaced)
+        aside_close(&arrived);
     datadir_close(&dir);
     return status;
 }
@@ -165,6 +171,11 @@ int recovery_repair(const char *path)
     struct recovery r;
     if (!datadir_open(&dir, path, false))
         return 1;
+    if (!aside_finish(&dir)) {
+        printf("what a leader has sent cannot be put in place: %s\n", strerror(errno));
+        datadir_close(&dir);
+        return 1;
+    }
     recovery_init(&r, &dir);
     recovery_run(&r);
     if (r.result == RECOVERY_REFUSED && r.bad_log) {
