@@ -17,7 +17,8 @@
 #include "clients/cli/command.h"
 #include "clients/cli/options.h"
 
-enum kind { UNTYPED, GAUGE, BYTES, COUNTER, TEXT };
+/* LEFT_OUT: text that changes all the time; as a label each value of it would be a time series of its own. */
+enum kind { UNTYPED, GAUGE, BYTES, COUNTER, TEXT, LEFT_OUT };
 
 /* The key of a line, or of a part of one as in `command_calls`. */
 struct description {
@@ -81,6 +82,22 @@ static const struct description descriptions[] = {
     {"backups", COUNTER, "Backups that were written."},
     {"backup_lsn", GAUGE, "Changes in the last backup."},
     {"backup_timestamp_s", GAUGE, "When the last backup was complete, since 1970; 0: none was."},
+    {"role", TEXT, "Whether the daemon is a leader, a follower, or fenced by a newer history."},
+    {"history", TEXT, "The history that the changes are part of."},
+    {"lsn", GAUGE, "Changes so far, also those that are not in the log yet."},
+    {"durable_lsn", GAUGE, "Changes that may be acknowledged, or sent to followers."},
+    {"log_digest", LEFT_OUT, NULL},
+    {"leader", TEXT, "The daemon that this one follows."},
+    {"link", TEXT, "Connection to the leader: connecting, receiving, loading or refused."},
+    {"link_error", TEXT, "Why there is none."},
+    {"link_lag_records", GAUGE, "Changes of the leader that have not arrived."},
+    {"followers", GAUGE, "Followers that are connected."},
+    {"min_followers", GAUGE, "Followers that must have a change before it is acknowledged."},
+    {"follower", TEXT, "Followers, by number: starting, snapshot, log or ended."},
+    {"follower_lsn", GAUGE, "Changes that the follower has on its disk."},
+    {"follower_lag_records", GAUGE, "Changes that it does not have."},
+    {"follower_lag_bytes", GAUGE, "What it was sent and has not acknowledged."},
+    {"follower_lag_s", GAUGE, "Time since it last had everything."},
     {"command_calls", COUNTER, "Requests, by command."},
     {"command_errors", COUNTER, "Requests with an ERR reply, by command."},
     {"command_p50_us", GAUGE, "Median of the time of a request since the start."},
@@ -257,7 +274,10 @@ static bool take_line(void *ctx, const struct delaunay_part *part)
     if (value == NULL)
         return true;
     *value++ = '\0';
-    if (strchr(value, '=') != NULL)
+    enum kind kind = describe(line)->kind;
+    if (kind == LEFT_OUT)
+        return true;
+    if (kind != TEXT && strchr(value, '=') != NULL)
         add_group(ctx, line, value);
     else
         add_value(ctx, line, value, NULL, NULL);
@@ -269,7 +289,7 @@ static bool take_line(void *ctx, const struct delaunay_part *part)
 /* All samples of a metric are printed together, as the format requires. */
 static void print_from(struct metrics *m, size_t first)
 {
-    static const char *const type[] = {"untyped", "gauge", "gauge", "counter", "gauge"};
+    static const char *const type[] = {"untyped", "gauge", "gauge", "counter", "gauge", NULL};
     const struct sample *s = &m->sample[first];
     if (s->help != NULL)
         printf("# HELP %s %s\n", s->name, s->help);

@@ -10,6 +10,7 @@ import os
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -34,8 +35,6 @@ def start(*command):
 
 
 def free_port():
-    import socket
-
     with socket.socket() as s:
         s.bind(("127.0.0.1", 0))
         return s.getsockname()[1]
@@ -73,16 +72,22 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         daemon, port = start(f"{build}/delaunayd", "--port", "0", "--data", f"{scratch}/data", "--backup-dir", f"{scratch}/backups")
         listen = f"127.0.0.1:{free_port()}"
+        follower, _ = start(f"{build}/delaunayd", "--port", "0", "--data", f"{scratch}/follower", "--follow", f"127.0.0.1:{port}")
         exporter, at = start(sys.executable, f"{CLIENTS}/exporter.py", "--listen", listen, "--url", f"delaunay://127.0.0.1:{port}",
                              "--delaunay", f"{build}/delaunay")
         try:
-            delaunay(port, "add", "t", "0", "0", "1", "0")
+            with socket.create_connection(("127.0.0.1", int(port))) as s:
+                s.sendall(b"ADD t 0 0 1 0\nWAIT 1 60\nQUIT\n")
+                replies = s.makefile().read()
+            check("the follower has the change", "followers=1" in replies)
             delaunay(port, "backup", "now")
             text = scrape(at)
             check("the daemon is up", value(text, "delaunayd_up") == 1)
             check("values", value(text, "delaunayd_sets") == 1 and value(text, "delaunayd_backups_total") == 1)
+            check("followers", value(text, "delaunayd_followers") == 1 and value(text, 'delaunayd_follower_lag_records{follower="1"}') == 0)
             check("promtool: metrics", promtool("check", "metrics", text=text))
             known = set(re.findall(r"^# TYPE (\w+) ", text, re.M))
+            check("the digest of the log is no label", "log_digest" not in text)
             check("all metrics have a type", names_in(re.sub(r"^#.*$", "", text, flags=re.M)) <= known)
             check("no metric is unknown to the program", " untyped\n" not in text)
 
@@ -101,7 +106,7 @@ def main():
             text = scrape(at)
             check("a daemon that was killed is not up", value(text, "delaunayd_up") == 0 and "delaunayd_sets" not in text)
         finally:
-            for program in (daemon, exporter):
+            for program in (daemon, follower, exporter):
                 program.kill()
                 program.wait()
     print(f"{sum(outcomes)} passed, {len(outcomes) - sum(outcomes)} failed")

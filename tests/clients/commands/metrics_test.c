@@ -66,6 +66,34 @@ TEST(metrics_have_types_units_and_labels_also_those_that_are_unknown)
     CHECK(status == 0);
 }
 
+static void send_replication(int fd)
+{
+    char line[100];
+    peer_hear(fd, line, sizeof line);
+    CHECK_STR(line, "INFO");
+    peer_say(fd, "OK 5\nlog_digest:0123456789012345\n"
+                 "link_error:READONLY leader=10.0.0.2:6374\nfollowers:1\n"
+                 "follower_1:address=10.0.0.3:7,state=log,lag_records=2,lag_bytes=60,lag_s=0.250\n"
+                 "history:12.1.34\n");
+}
+
+/* A reason may have a `=`; the digest would be a new time series after every change. */
+TEST(metrics_of_followers_have_their_addresses_and_no_digest)
+{
+    char port[8];
+    int status;
+    peer_start(port, send_replication);
+    CHECK_STR(peer_shell(&status, "%s -p %s metrics 2>&1 | grep -v '^#'", getenv("DELAUNAY"), port),
+              "delaunayd_link_error_info{link_error=\"READONLY leader=10.0.0.2:6374\"} 1\n"
+              "delaunayd_followers 1\n"
+              "delaunayd_follower_info{follower=\"1\",address=\"10.0.0.3:7\",state=\"log\"} 1\n"
+              "delaunayd_follower_lag_records{follower=\"1\"} 2\n"
+              "delaunayd_follower_lag_bytes{follower=\"1\"} 60\n"
+              "delaunayd_follower_lag_seconds{follower=\"1\"} 0.250\n"
+              "delaunayd_history_info{history=\"12.1.34\"} 1\n");
+    CHECK(status == 0);
+}
+
 static bool is_name(const char *text, size_t n)
 {
     return n > 0 && strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_") >= n;
