@@ -10,6 +10,8 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +23,8 @@
 enum {
     READ_BYTES = 256 * 1024,
     QUEUE_BYTES = 4 << 20,  /* of pieces that are not taken yet: then nothing is received */
-    SILENCE_MS = 10 * 1000, /* without a byte from the leader: it sends something every second */
+    SILENCE_MS = 10 * 1000, /* without a byte from the leader, which sends something every second */
+    PATIENCE_MS = 600 * 1000, /* the same before its first header: it may be writing a snapshot */
     CONNECT_MS = 5 * 1000,
     FIRST_PAUSE_MS = 100,
     LAST_PAUSE_MS = 3 * 1000
@@ -123,8 +126,9 @@ static bool hear(struct wire *w)
         }
         if (n == 0 || (errno != EAGAIN && errno != EINTR))
             return false;
-        if (clock_ms() - w->heard_ms > SILENCE_MS || !wait_for(w->l, w->fd, POLLIN, 1000) ||
-            !acknowledge(w))
+        bool begun = w->streaming || w->in_snapshot;
+        if (clock_ms() - w->heard_ms > (begun ? SILENCE_MS : PATIENCE_MS) ||
+            !wait_for(w->l, w->fd, POLLIN, 1000) || !acknowledge(w))
             return false;
     }
 }
@@ -139,8 +143,12 @@ static int connect_to(struct link *l)
     if (getaddrinfo(l->host, port, &hints, &at) != 0)
         return -1;
     int fd = socket(at->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    int error = 0;
+    int error = fd < 0 ? errno : 0, on = 1;
     socklen_t size = sizeof error;
+    if (fd >= 0) {
+        setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on); /* acknowledgements do not wait */
+        setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+    }
     if (fd >= 0 && connect(fd, at->ai_addr, at->ai_addrlen) != 0) {
         error = errno;
         if (error == EINPROGRESS) {
@@ -151,12 +159,10 @@ static int connect_to(struct link *l)
         }
     }
     freeaddrinfo(at);
-    if (error != 0) {
+    if (error != 0 && fd >= 0)
         close(fd);
-        fd = -1;
-    }
     errno = error;
-    return fd;
+    return error != 0 ? -1 : fd;
 }
 
 /* Waits for the position to continue from. */
