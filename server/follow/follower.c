@@ -194,7 +194,11 @@ void follower_begin(struct server *s)
         return;
     char line[128];
     snprintf(line, sizeof line, "follow %s %u\n", f->host, f->port);
-    const char *why = role_write(durable_dir(s), line) ? begin(f) : strerror(errno);
+    struct remembered_role known = role_read(s->config->data);
+    if ((known.port != f->port || strcmp(known.host, f->host) != 0) &&
+        !role_write(durable_dir(s), line)) /* a full disk does not keep it from following */
+        notice(NOTICE_WARNING, "the leader cannot be remembered: %s", strerror(errno));
+    const char *why = begin(f);
     if (why != NULL)
         notice(NOTICE_ERROR, "cannot follow %s:%u: %s", f->host, f->port, why);
 }
@@ -352,7 +356,7 @@ static bool is_settled(const struct server *s)
         if (j->record != NULL)
             return false;
     const struct log_status *log = durable_status(s);
-    return log->state == LOG_GOOD && log->durable == log_last(durable_log(s));
+    return log->state != LOG_FAILED && log->durable == log_last(durable_log(s));
 }
 
 static void answer_link(struct follower *f)
@@ -521,7 +525,7 @@ const char *follower_promote(struct server *s)
         return NULL;
     if (f->busy)
         return "a change of the leader is being carried out; try again";
-    if (durable_status(s)->state != LOG_GOOD)
+    if (durable_status(s)->state == LOG_FAILED)
         return "the disk does not work";
     struct lineage l = durable_dir(s)->lineage;
     if (f->fenced && f->newer.generation > l.history.generation)

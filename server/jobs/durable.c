@@ -349,7 +349,9 @@ static bool is_behind(const struct server *s)
 bool durable_has_room(const struct server *s)
 {
     const struct durable *d = s->durable;
-    return is_running(d) && d->saver.status.state == LOG_GOOD && !is_behind(s);
+    bool possible =
+        is_running(d) && (d->saver.status.state == LOG_GOOD || saver_disk_is_full(&d->saver));
+    return possible && !is_behind(s);
 }
 
 void durable_turn_end(struct server *s)

@@ -64,7 +64,8 @@ const struct log_status *durable_status(const struct server *s);
 /* Whether the log has lost changes that a snapshot has: nothing can continue from it. */
 bool durable_has_gap(const struct server *s);
 
-/* Whether more records may be appended now: the disk works and is not behind. */
+/* Whether more records may be appended now: the log is not behind, and the disk works, or is full: then a later record may
+ * free space. */
 bool durable_has_room(const struct server *s);
 
 /* How many bytes of log stay for followers. */
