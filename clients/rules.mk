@@ -115,4 +115,5 @@ interop_clients: all lib $(O)/tests/bench/points
 	  /usr/bin/python3 -c 'import redis; import numpy; import scipy; import matplotlib; import pip; import pytest')
 	@$(MAKE) --no-print-directory $(O)/interop/hiredis_talk
 	tests/interop/clients.sh $(O)
+	tests/interop/followers.sh $(O)
 	$(if $(shell command -v npm),$(MAKE) --no-print-directory npm && tests/interop/node/package.sh $(O),@echo "no npm, so no test of the npm package")

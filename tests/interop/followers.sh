@@ -1,0 +1,151 @@
+#!/usr/bin/env bash
+# A leader and a follower behind haproxy with clients/haproxy-followers.cfg, and promotions by clients/promote.sh while a client writes.
+#
+#     followers.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
+set -u
+cd "$(dirname "$0")/../.."
+build=$PWD/$1
+scratch=$(mktemp -d)
+export DELAUNAY=$build/delaunay
+passed=0
+failed=0
+declare -A pid
+
+stop() {
+    { kill -KILL "${pid[@]}"; wait; } 2>/dev/null
+    rm -rf "$scratch"
+}
+trap stop EXIT
+
+count() { # NAME COMMAND...
+    local name=$1
+    shift
+    if "$@" >"$scratch/out" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $name"
+        tail -n 30 "$scratch/out"
+    fi
+}
+
+base=$((20000 + RANDOM % 10000))
+declare -A port=([a]=$base [b]=$((base + 1)) [write]=$((base + 2)) [read]=$((base + 3)))
+
+start() { # NAME OPTION...
+    local name=$1
+    shift
+    "$build/delaunayd" --port "${port[$name]}" --data "$scratch/$name" "$@" >/dev/null 2>>"$scratch/log.$name" &
+    pid[$name]=$!
+}
+
+stop_b() { { kill -KILL "${pid[b]}" && wait "${pid[b]}"; } 2>/dev/null || true; }
+
+url() { echo "delaunay://127.0.0.1:${port[$1]}"; }
+say() { printf '%s\n' "$2" | timeout 20 nc -N 127.0.0.1 "${port[$1]}" 2>/dev/null; } # NAME REQUEST
+fact() { say "$1" 'INFO replication' | sed -n "s/^$2://p"; }
+
+await() { # COMMAND...
+    local i
+    for ((i = 0; i < 300; i++)); do
+        "$@" && return
+        sleep 0.1
+    done
+    echo "in vain: $*"
+    false
+}
+
+is() { [ "$(fact "$1" "$2")" = "$3" ]; } # NAME KEY VALUE
+goes_to() { [ "$(fact "$1" role)" = "$2" ]; }
+equal() { # all sets of both daemons, and their logs
+    [ "$(fact a log_digest)" = "$(fact b log_digest)" ] && [ "$(say a 'DIGEST t')" = "$(say b 'DIGEST t')" ]
+}
+
+# Writes points (i, 0) through haproxy, one by one, and keeps what was acknowledged in the file `acknowledged`.
+write_on() {
+    local i=0 reply
+    while [ ! -e "$scratch/enough" ]; do
+        i=$((i + 1))
+        reply=$(say write "ADD t $i 0")
+        case $reply in "OK 0 first="*) echo "$i" >>"$scratch/acknowledged" ;; *) sleep 0.05 ;; esac
+    done
+}
+
+write_some() { # at least N more points are acknowledged
+    local have
+    have=$(wc -l <"$scratch/acknowledged")
+    await eval "[ \$(wc -l <'$scratch/acknowledged') -ge $((have + $1)) ]"
+}
+
+nothing_is_missing() { # NAME
+    say "$1" 'POINTS t' | awk 'NR > 1 {print $2}' | sort >"$scratch/have"
+    sort "$scratch/acknowledged" | comm -23 - "$scratch/have" >"$scratch/missing"
+    echo "missing on $1: $(head "$scratch/missing")"
+    [ -s "$scratch/acknowledged" ] && [ ! -s "$scratch/missing" ]
+}
+
+begin() {
+    : >"$scratch/acknowledged"
+    start a
+    await is a role leader && start b --follow "127.0.0.1:${port[a]}" && await is b link receiving
+    WRITE_BIND=127.0.0.1:${port[write]} READ_BIND=127.0.0.1:${port[read]} DAEMON_A=127.0.0.1:${port[a]} \
+        DAEMON_B=127.0.0.1:${port[b]} haproxy -db -f clients/haproxy-followers.cfg >"$scratch/haproxy" 2>&1 &
+    pid[haproxy]=$!
+    await goes_to write leader && await goes_to read follower
+}
+
+leader_serves_reads_alone() {
+    stop_b
+    await goes_to read leader && start b && await goes_to read follower
+}
+
+planned() {
+    write_some 20 && clients/promote.sh --from "$(url a)" "$(url b)" && is b role leader && is a role follower &&
+        is a min_followers 0 && write_some 20 && await goes_to read follower && nothing_is_missing b
+}
+
+# b leads; its machine is lost, with its data.
+unplanned() {
+    say b 'CONFIG SET min-followers 1' && write_some 20 && stop_b && mv "$scratch/b" "$scratch/lost" &&
+        clients/promote.sh "$(url a)" && is a role leader && nothing_is_missing a && await goes_to write leader && write_some 20
+}
+
+# It comes back as the leader that it was.
+former_leader_refuses() {
+    mv "$scratch/lost" "$scratch/b" && start b && await is b role fenced && say b 'ADD t 0.5 0.5' | grep '^ERR READONLY' && write_some 20
+}
+
+former_leader_follows() {
+    touch "$scratch/enough" && wait "$writer"
+    say b "FOLLOW 127.0.0.1 ${port[a]}" && sleep 1
+    is b link receiving || say b "FOLLOW 127.0.0.1 ${port[a]} CONFIRM" # it may have a change that was not acknowledged
+    await is b link receiving && await equal && nothing_is_missing b
+}
+
+wrong_promotions_change_nothing() {
+    ! clients/promote.sh --from "$(url b)" "$(url a)" && ! clients/promote.sh "$(url a)" && ! clients/promote.sh &&
+        ! SECONDS_TO_WAIT=2 clients/promote.sh --from "$(url a)" delaunay://127.0.0.1:1 &&
+        is a role leader && is b role follower && is a min_followers 0
+}
+
+# The follower is stopped, so it does not catch up: the leader accepts changes again.
+planned_promotion_that_fails() {
+    kill -STOP "${pid[b]}"
+    ! SECONDS_TO_WAIT=3 timeout 20 clients/promote.sh --from "$(url a)" "$(url b)"
+    local failed=$?
+    kill -CONT "${pid[b]}"
+    [ "$failed" -eq 0 ] && is a role leader && is a min_followers 0 && await eval "say a 'ADD t 7.5 7.5' | grep -q '^OK 0'"
+}
+
+count "haproxy sends changes to the leader and reads to the follower" begin
+count "haproxy sends reads to the leader while there is no follower" leader_serves_reads_alone
+write_on &
+writer=$!
+count "a planned promotion loses nothing" planned
+count "with --min-followers 1 an unplanned promotion loses nothing, the leader's directory deleted" unplanned
+count "a former leader that comes back refuses changes" former_leader_refuses
+count "it follows, and is equal" former_leader_follows
+count "wrong promotions change nothing" wrong_promotions_change_nothing
+count "a planned promotion of a follower that does not catch up changes nothing" planned_promotion_that_fails
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ]
