@@ -8,6 +8,11 @@
 #   docker exec CONTAINER delaunay backup monday
 #   docker cp CONTAINER:/data/backups/monday .
 #
+# A follower, in a second container; it remembers on its volume the numeric address at which it reaches the first one:
+#
+#   docker run --name follower -p 127.0.0.1:6375:6374 -v follower:/data delaunayd
+#   docker exec follower delaunay follow 172.17.0.2 6374
+#
 # Anyone who reaches the port may use it: publish it to this machine only, as above, or add --auth-file.
 
 FROM debian:bookworm-slim AS build
