@@ -140,3 +140,35 @@ TEST(every_version_of_the_format_so_far_has_its_files)
         CHECK_MSG(written_version(version, "snapshot.") == version, "version %u", version);
     }
 }
+
+/* An upgrade: a leader on files of every version so far, and a follower without any. */
+TEST(follower_of_a_leader_with_files_of_any_version_has_equal_sets)
+{
+    static const char *const from[] = {"tests/data/version-1", "tests/data/version-2",
+                                       "tests/data/version-3", "tests/data/version-4"};
+    static const char digests[] = "DIGEST a\nDIGEST b\nDIGEST t\nDIGEST empty\nSETS\nQUIT\n";
+    for (size_t i = 0; i < sizeof from / sizeof from[0]; i++) {
+        char address[40];
+        size_t n;
+        struct directory dirs[2] = {copy_of(from[i]), directory_new()};
+        struct daemon leader = directory_daemon(&dirs[0], NULL);
+        snprintf(address, sizeof address, "127.0.0.1:%s", leader.port_text);
+        const char *const follow[] = {"--follow", address, NULL};
+        struct daemon follower = directory_daemon(&dirs[1], follow);
+        int fd = daemon_connect(&leader);
+        say(fd, "ADD b 8 8\nWAIT 1 60\n");
+        CHECK(strncmp(hear_line(fd), "OK 0 first=", 11) == 0);
+        CHECK_STR(hear_line(fd), "OK 0 followers=1");
+        say(fd, digests);
+        char *want = hear_all(fd, &n);
+        close(fd);
+        CHECK_MSG(strstr(want, "ERR") == NULL, "%s", want);
+        converse(&follower, digests, want);
+        daemon_stop(&leader, SIGKILL);
+        carry_out(&follower, "FOLLOW NONE\nADD b 9 9\n");
+        daemon_end(&follower);
+        directory_remove(&dirs[0]);
+        directory_remove(&dirs[1]);
+        free(want);
+    }
+}
