@@ -52,7 +52,8 @@ bool role_read_address(const char *text, char host[ROLE_ADDRESS], unsigned *port
     size_t n = (size_t)(colon - text) - (brackets ? 2 : 0);
     char *end;
     unsigned long v = strtoul(colon + 1, &end, 10);
-    if (n == 0 || n >= ROLE_ADDRESS || *end != '\0' || end == colon + 1 || v == 0 || v > 65535)
+    bool digits = colon[1] >= '0' && colon[1] <= '9'; /* strtoul takes signs and spaces, too */
+    if (n == 0 || n >= ROLE_ADDRESS || *end != '\0' || !digits || v == 0 || v > 65535)
         return false;
     memcpy(host, text + brackets, n);
     host[n] = '\0';
