@@ -143,7 +143,7 @@ static bool link_files(const struct datadir *dir, const struct datadir *folder)
     return ok;
 }
 
-/* `arrived` is there: its files replace those of the directory. */
+/* `arrived` is there: its files replace those of the directory. It has to be complete as long as it has that name. */
 static bool replace(const struct datadir *dir)
 {
     struct datadir folder = {.fd = open_folder(dir, arrived_name), .path = arrived_name};
@@ -153,7 +153,9 @@ static bool replace(const struct datadir *dir)
     int error = errno;
     close(folder.fd);
     errno = error;
-    return ok && remove_folder(dir, arrived_name);
+    return ok && remove_folder(dir, incoming) &&
+           renameat(dir->fd, arrived_name, dir->fd, incoming) == 0 && datadir_sync(dir) &&
+           remove_folder(dir, incoming);
 }
 
 bool aside_put_in_place(const struct datadir *dir)

@@ -5,8 +5,8 @@
  *     arrived/     the same, complete and good: it replaces everything in the data directory
  *
  * `incoming` becomes `arrived` by a rename. Then the files of the data directory are removed, those that have arrived get second
- * names in it, and `arrived` is removed. After a crash the next start does that again from the beginning: so the
- * directory has the old state or the new one, whenever that happens. */
+ * names in it, and `arrived` becomes `incoming` again, which is removed. After a crash the next start does that again from the
+ * beginning: so the directory has the old state or the new one, whenever that happens. */
 #ifndef SERVER_ASIDE_H
 #define SERVER_ASIDE_H
 

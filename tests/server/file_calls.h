@@ -38,7 +38,7 @@ unsigned calls_count(const char *line);
 bool calls_end(const char *lines);
 
 /* Of the calls from now on that are this line, the n-th (counted from 1) and `times` - 1 after it
- * fail with this error. */
+ * fail with this error. The line "*": of all calls; if all from the n-th on fail, the files are those after a kill. */
 void calls_fail(const char *line, unsigned n, unsigned times, int error);
 
 /* How many have failed so far. */
