@@ -26,12 +26,12 @@ static bool remove_folder(const struct datadir *dir, const char *name)
     struct datafiles files;
     if (folder.fd < 0)
         return errno == ENOENT;
-    bool ok = datadir_list(&folder, &files);
+    bool listed = datadir_list(&folder, &files), ok = listed;
     for (size_t i = 0; ok && i < files.n; i++)
         ok = unlinkat(folder.fd, files.v[i].name, 0) == 0;
-    if (ok)
-        datafiles_free(&files);
     int error = errno;
+    if (listed)
+        datafiles_free(&files);
     close(folder.fd);
     errno = error;
     return ok && unlinkat(dir->fd, name, AT_REMOVEDIR) == 0;

@@ -65,6 +65,7 @@ enum consent consent_to(const struct position *own, bool confirmed, const char *
                      own->lsn);
     else
         return CONSENT_GIVEN;
-    snprintf(why + n, size - (size_t)n, "; FOLLOW address port CONFIRM replaces what is here");
+    if ((size_t)n < size)
+        snprintf(why + n, size - (size_t)n, "; FOLLOW address port CONFIRM replaces what is here");
     return CONSENT_REFUSED;
 }
