@@ -169,33 +169,9 @@ uint64_t log_append_points(struct log *log, struct record *r, double *xy)
     return log_append_values(log, r, xy, NULL);
 }
 
-struct log_values *log_values_new(size_t columns)
-{
-    struct log_values *v = calloc(1, sizeof *v + columns * sizeof v->field[0]);
-    if (v != NULL)
-        v->columns = columns;
-    return v;
-}
-
-void log_values_free(struct log_values *v)
-{
-    if (v != NULL)
-        dt_pages_release(v->v);
-    free(v);
-}
-
 static uint32_t pieces_of(uint32_t n, uint32_t most)
 {
     return n / most + (n % most > 0);
-}
-
-/* Records of the values; each column has at least one. */
-static uint64_t records_of(const struct log_values *v)
-{
-    if (v == NULL)
-        return 0;
-    uint32_t n = pieces_of(v->n, RECORD_MOST_VALUES);
-    return v->columns * (uint64_t)(n > 0 ? n : 1);
 }
 
 uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct log_values *v)
@@ -204,7 +180,7 @@ uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct
     r->type = RECORD_LOAD;
     r->lsn = log->next;
     r->synced = atomic_load(&log->synced);
-    log->next += 2 + pieces_of(r->n, RECORD_POINTS) + records_of(v);
+    log->next += 2 + pieces_of(r->n, RECORD_POINTS) + log_values_records(v);
     if (p == NULL) {
         dt_pages_release(xy);
         log_values_free(v);

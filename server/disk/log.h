@@ -77,6 +77,9 @@ struct log_values {
 struct log_values *log_values_new(size_t columns);
 void log_values_free(struct log_values *v); /* NULL: nothing */
 
+/* How many records they are; each column has at least one. NULL: 0. */
+uint64_t log_values_records(const struct log_values *v);
+
 /* Appends an ADD of n points xy[2n], or none, together with values, all of which move to the log. */
 uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct log_values *v);
 
