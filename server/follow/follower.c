@@ -45,7 +45,7 @@ struct follower {
     uint64_t claimed, claim;  /* the lsn of a header, and its digest */
     uint64_t done,
         done_bytes; /* the last piece's end: its lsn, and the bytes of the stream up to there */
-    uint64_t acked; /* what the link has been told */
+    uint64_t acked, acked_bytes; /* what the link has been told */
 };
 
 static void run(struct follower *f);
@@ -171,7 +171,7 @@ static const char *begin(struct follower *f)
     f->lsn = log_last(durable_log(s));
     f->digest = log->durable == f->lsn && !durable_has_gap(s) ? log->digest : 0;
     f->whole_digest = f->digest;
-    f->claimed = f->done = f->acked = 0;
+    f->claimed = f->done = f->done_bytes = f->acked = f->acked_bytes = 0;
     f->following = true;
     durable_set_digest(s, &f->whole_digest);
     durable_close_mark(s, false);
@@ -372,7 +372,7 @@ static void answer_link(struct follower *f)
         f->whole_digest = log->digest;
     f->digest = f->whole_digest;
     struct position from = {durable_dir(s)->lineage.history, f->lsn, f->digest};
-    f->done = f->acked = 0;
+    f->done = f->done_bytes = f->acked = f->acked_bytes = 0;
     link_go(f->link, &from);
 }
 
@@ -401,7 +401,7 @@ static void install(struct follower *f, struct link_arrival *a)
     f->lsn = r->last;
     f->digest = f->whole_digest = r->digest;
     f->confirmed = false;
-    f->claimed = f->done = f->acked = 0;
+    f->claimed = f->done = f->done_bytes = f->acked = f->acked_bytes = 0;
     if (!durable_replace(s, r, &l, r->digest)) {
         notice(NOTICE_ERROR, "the data directory cannot be used any more; the daemon ends");
         loop_stop(f->loop);
@@ -422,10 +422,14 @@ static void install(struct follower *f, struct link_arrival *a)
 static void acknowledge(struct follower *f)
 {
     const struct log_status *log = durable_status(f->server);
-    if (log == NULL || log->durable <= f->acked)
+    if (log == NULL)
+        return;
+    uint64_t bytes = log->durable >= f->done ? f->done_bytes : f->acked_bytes;
+    if (log->durable <= f->acked && bytes <= f->acked_bytes)
         return;
     f->acked = log->durable;
-    link_acknowledge(f->link, f->acked, log->durable >= f->done ? f->done_bytes : 0);
+    f->acked_bytes = bytes;
+    link_acknowledge(f->link, f->acked, bytes);
 }
 
 /* The piece has been carried out. */

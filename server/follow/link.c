@@ -35,9 +35,9 @@ struct wire {
     struct link *l;
     int fd;
     struct buf in;
-    uint64_t came;  /* bytes of the stream that have been taken from `in` */
-    uint64_t acked; /* what the leader knows */
-    bool streaming; /* it sends its log */
+    uint64_t came;               /* bytes of the stream that have been taken from `in` */
+    uint64_t acked, acked_bytes; /* what the leader knows */
+    bool streaming;              /* it sends its log */
     int64_t heard_ms;
     /* a snapshot that is being received */
     struct aside aside;
@@ -102,9 +102,10 @@ static bool acknowledge(struct wire *w)
     pthread_mutex_lock(&w->l->mutex);
     uint64_t lsn = w->l->acked, bytes = w->l->acked_bytes;
     pthread_mutex_unlock(&w->l->mutex);
-    if (lsn <= w->acked)
+    if (lsn <= w->acked && bytes <= w->acked_bytes)
         return true;
     w->acked = lsn;
+    w->acked_bytes = bytes;
     int n = snprintf(line, sizeof line, "ACK %" PRIu64 " %" PRIu64 "\n", lsn, bytes);
     return send_text(w, line, (size_t)n);
 }

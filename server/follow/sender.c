@@ -365,7 +365,9 @@ static bool put_answer(struct sending *g, const char *continues)
     int n = snprintf(line, sizeof line, "OK 0 history=%s lsn=%" PRIu64 " continues=%s\n", history,
                      (uint64_t)g->s->durable, continues);
     buf_append(&g->out, line, (size_t)n);
-    return flush(g);
+    bool sent = flush(g);
+    g->s->sent_bytes = 0; /* the stream begins after this line */
+    return sent;
 }
 
 static void converse(struct sending *g)
