@@ -207,27 +207,36 @@ static bool hear_line(struct wire *w, char *text, size_t size)
     }
 }
 
-/* Asks the leader to continue from there. */
-static bool greet(struct wire *w, const struct position *from)
+/* Sends SYNC, and receives the leader's answer. Waits for the reply to AUTH before that: SYNC discards replies that have not
+ * been sent yet. False: there is no answer, or AUTH is refused. */
+static bool ask_sync(struct wire *w, const struct position *from, char *line, size_t size)
 {
     struct link *l = w->l;
-    char history[HISTORY_TEXT], line[512];
-    history_write(history, &from->history);
-    bool nothing = l->confirmed || from->lsn == 0;
-    int n = snprintf(line, sizeof line, "%s%s%sSYNC %s %" PRIu64 " %016" PRIx64 "\n",
-                     l->token[0] != '\0' ? "AUTH " : "", l->token, l->token[0] != '\0' ? "\n" : "",
-                     history, nothing ? 0 : from->lsn, nothing ? 0 : from->digest);
-    if (!send_text(w, line, (size_t)n))
-        return false;
+    char history[HISTORY_TEXT];
     if (l->token[0] != '\0') {
-        if (!hear_line(w, line, sizeof line))
+        int n = snprintf(line, size, "AUTH %s\n", l->token);
+        if (!send_text(w, line, (size_t)n) || !hear_line(w, line, size))
             return false;
         if (strncmp(line, "OK", 2) != 0) {
             set_state(l, LINK_CONNECTING, line);
             return false;
         }
     }
-    if (!hear_line(w, line, sizeof line))
+    history_write(history, &from->history);
+    int n = snprintf(line, size, "SYNC %s %" PRIu64 " %016" PRIx64 "\n", history, from->lsn,
+                     from->digest);
+    return send_text(w, line, (size_t)n) && hear_line(w, line, size);
+}
+
+/* Asks the leader to continue from there. */
+static bool greet(struct wire *w, const struct position *from)
+{
+    struct link *l = w->l;
+    char line[512];
+    struct position asked = *from;
+    if (l->confirmed || from->lsn == 0)
+        asked.lsn = asked.digest = 0;
+    if (!ask_sync(w, &asked, line, sizeof line))
         return false;
     char why[LINK_WHY];
     enum consent consent = consent_to(from, l->confirmed, line, why, sizeof why);
@@ -426,20 +435,13 @@ static bool converse(struct link *l)
 /* Tells a former leader that there is a newer history, until it has answered. */
 static void announce(struct link *l)
 {
-    char line[256];
+    char line[512];
     for (bool heard = false; !heard && !l->stop;) {
         struct wire w = {.l = l, .fd = connect_to(l), .heard_ms = clock_ms()};
         struct position from = l->from;
         from.digest = 1; /* not one that it would send a snapshot for */
         if (w.fd >= 0) {
-            char history[HISTORY_TEXT];
-            history_write(history, &from.history);
-            int n = snprintf(line, sizeof line, "%s%s%sSYNC %s %" PRIu64 " %016" PRIx64 "\n",
-                             l->token[0] != '\0' ? "AUTH " : "", l->token,
-                             l->token[0] != '\0' ? "\n" : "", history, from.lsn, from.digest);
-            heard = send_text(&w, line, (size_t)n) &&
-                    (l->token[0] == '\0' || hear_line(&w, line, sizeof line)) &&
-                    hear_line(&w, line, sizeof line);
+            heard = ask_sync(&w, &from, line, sizeof line);
             buf_free(&w.in);
             close(w.fd);
         }
