@@ -10,11 +10,11 @@
 #define APPLY_OWNER UINT64_MAX
 
 enum applied {
-    APPLY_DONE,  /* the next record, please */
-    APPLY_WAIT,  /* it will be possible later: the same record again when `resume` is called */
-    APPLY_JOB,   /* a worker does it: the next record when `resume` is called */
-    APPLY_LATER, /* out of memory: the same record again after a while */
-    APPLY_FAILED /* it contradicts the sets: see why */
+    APPLY_DONE,  /* carried out; the next record can follow */
+    APPLY_WAIT,  /* not possible yet: pass the same record again when `resume` is called */
+    APPLY_JOB,   /* a worker carries it out; the next record can follow when `resume` is called */
+    APPLY_LATER, /* out of memory: pass the same record again later */
+    APPLY_FAILED /* it contradicts the sets; `why` has the reason */
 };
 
 struct apply {
@@ -38,7 +38,7 @@ struct apply {
 
 void apply_init(struct apply *p, struct server *s, void (*resume)(struct apply *p));
 
-/* Drops an incomplete LOAD. A worker must not be at it (APPLY_JOB). */
+/* Drops an incomplete LOAD. No worker may be carrying out a record (APPLY_JOB). */
 void apply_clear(struct apply *p);
 
 /* Carries out a record, bytes[n]. The records of a LOAD take effect with the last one. A set that came with a snapshot may
@@ -48,7 +48,7 @@ enum applied apply_record(struct apply *p, const struct record *r, const char *b
 /* Whether a LOAD has begun and is not complete. */
 bool apply_in_load(const struct apply *p);
 
-/* Its job has ended: ends it, and calls p->resume. How it went is what the next apply_result returns. */
+/* Ends the job, which has run, and calls p->resume; apply_result then returns its outcome. */
 void apply_job_done(struct apply *p, struct job *j);
 enum applied apply_result(struct apply *p);
 

@@ -1,4 +1,4 @@
-/* consent.h - whether a daemon may follow a leader: never if that would silently give up changes that the leader does not
+/* consent.h - whether a daemon may follow a leader: never if that would silently discard changes that the leader does not
  * have. */
 #ifndef SERVER_CONSENT_H
 #define SERVER_CONSENT_H
@@ -14,8 +14,8 @@ enum consent {
     CONSENT_LATER    /* the leader has answered with an error, or not as a leader does */
 };
 
-/* What the line with which a leader answers SYNC means for a daemon with the position `own`; lsn 0: it has no changes.
- * `confirmed`: what is here may be given up. Unless consent is given, why[size] says why not. */
+/* Decides by the leader's reply to SYNC. `own`: the position of this daemon; lsn 0: it has no changes. `confirmed`: its
+ * changes may be discarded. Unless the result is CONSENT_GIVEN, why[size] gets the reason. */
 enum consent consent_to(const struct position *own, bool confirmed, const char *line, char *why,
                         size_t size);
 

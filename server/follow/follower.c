@@ -45,7 +45,7 @@ struct follower {
     uint64_t claimed, claim;  /* the lsn of a header, and its digest */
     uint64_t done,
         done_bytes; /* the last piece's end: its lsn, and the bytes of the stream up to there */
-    uint64_t acked, acked_bytes; /* what the link has been told */
+    uint64_t acked, acked_bytes; /* what was passed to the link */
 };
 
 static void run(struct follower *f);
@@ -553,7 +553,7 @@ const char *follower_promote(struct server *s)
     const char *why =
         followed ? start_link(f, true) : NULL; /* its former leader is to refuse changes */
     if (why != NULL)
-        notice(NOTICE_WARNING, "the former leader is not told: %s", why);
+        notice(NOTICE_WARNING, "the former leader is not informed: %s", why);
     return NULL;
 }
 

@@ -1,4 +1,4 @@
-/* follower.h - a daemon that follows another one, and how it begins and ends to do so. On the I/O thread; the connection
+/* follower.h - a daemon that follows another one: how it starts and stops following. On the I/O thread; the connection
  * is that of a thread (link.h), the records are carried out by apply.h.
  *
  * What it follows is remembered in the data directory (role.h). */
@@ -30,7 +30,7 @@ const char *follower_follow(struct server *s, const char *host, unsigned port, b
 /* Ends following, or being fenced: a new generation of the history begins, and changes are possible. */
 const char *follower_promote(struct server *s);
 
-/* A daemon with that history wants to follow, or says that it exists. If it is newer, this daemon refuses changes. */
+/* A daemon with that history has connected. If it is newer, this daemon refuses changes from now on. */
 void follower_meet(struct server *s, const struct history *h);
 
 struct follower_facts {

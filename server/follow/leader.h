@@ -11,8 +11,8 @@
 bool leader_start(struct server *s, struct loop *loop);
 void leader_stop(struct server *s); /* ends the threads; does nothing if it has not started */
 
-/* The follower at the other end of the socket, which moves here, wants to continue from that position. False: out of
- * memory or descriptors; the caller still owns fd. */
+/* Adds the follower at the other end of the socket, which moves here; it continues from that position. False: out of memory
+ * or descriptors; the caller still owns fd. */
 bool leader_add(struct server *s, int fd, const struct sock_peer *peer,
                 const struct position *from);
 
@@ -26,7 +26,8 @@ void leader_tick(struct server *s); /* once a second */
 /* How many followers have all changes up to lsn on their disks. */
 unsigned leader_count(const struct server *s, uint64_t lsn);
 
-/* The queue of requests that wait for followers (WAIT): they are called when a follower has more on its disk, and at at_ms. */
+/* The queue of requests that wait for followers (WAIT): they are tried again when a follower has more on its disk, and at
+ * at_ms. */
 struct wait_queue *leader_queue(struct server *s, int64_t at_ms);
 
 /* Calls visit for each follower. */

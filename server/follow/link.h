@@ -22,7 +22,7 @@ enum link_state {
     LINK_CONNECTING,
     LINK_RECEIVING, /* the log */
     LINK_LOADING,   /* a snapshot */
-    LINK_REFUSED    /* the leader's history is not one to follow without a confirmation: see why */
+    LINK_REFUSED    /* following the leader needs a confirmation; `why` has the reason */
 };
 
 /* Headers of segments, and records, as they came. */
@@ -44,7 +44,7 @@ struct link {
     unsigned port;
     char token[LINK_TOKEN]; /* empty: none */
     bool confirmed;         /* the leader may replace a history that it does not continue */
-    bool announce; /* only says that there is a newer history, until the leader has heard it */
+    bool announce; /* only reports that there is a newer history, until the leader has answered */
     const struct datadir *dir; /* borrows */
     struct dt_pages *pages;    /* borrows */
     int event; /* borrows; an eventfd, written when there is something for the I/O thread */
@@ -89,10 +89,10 @@ void link_piece_free(struct link_piece *p);
 /* A snapshot that waits to become what this daemon has; NULL: none. */
 struct link_arrival *link_arrival(struct link *l);
 
-/* It has been installed, and is that of this lsn: the thread continues. */
+/* The snapshot, which is that of this lsn, has been installed: the thread continues. */
 void link_installed(struct link *l, uint64_t lsn);
 
-/* Changes up to lsn, and so many bytes of the stream, 0: unknown, are on the disk. */
+/* Changes up to lsn are on the disk, and with them this number of bytes of the stream; 0: unknown. */
 void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes);
 
 /* Disconnects; the thread connects again and asks for the position. */

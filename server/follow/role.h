@@ -1,5 +1,4 @@
-/* role.h - what a data directory remembers in its file `role`, so that a daemon that is started again never takes itself for
- * the leader of a history that it has only followed: one line, `follow ADDR PORT`, or `fenced HISTORY` after it has met a newer
+/* role.h - what a data directory remembers in its file `role`, so that a follower is not a leader after a restart: one line, `follow ADDR PORT`, or `fenced HISTORY` after it has met a newer
  * history of its own origin (a follower of it was promoted). A leader has no such file. */
 #ifndef SERVER_ROLE_H
 #define SERVER_ROLE_H
@@ -15,7 +14,7 @@ struct remembered_role {
     struct history newer; /* if it is fenced */
 };
 
-/* What the directory of that path remembers; a file that makes no sense counts as none. */
+/* What the directory of that path remembers; an invalid file counts as none. */
 struct remembered_role role_read(const char *path);
 
 /* Replaces the line, "" removes the file; durable on return. False with errno. */
