@@ -1,5 +1,6 @@
-/* role.h - what a data directory remembers in its file `role`, so that a follower is not a leader after a restart: one line, `follow ADDR PORT`, or `fenced HISTORY` after it has met a newer
- * history of its own origin (a follower of it was promoted). A leader has no such file. */
+/* role.h - what a data directory remembers in its file `role`, so that a follower is not a leader after a restart: one line,
+ * `follow ADDR PORT`, or `fenced HISTORY` after it has met a newer history of its own origin (a follower of it was promoted).
+ * A leader has no such file. */
 #ifndef SERVER_ROLE_H
 #define SERVER_ROLE_H
 
