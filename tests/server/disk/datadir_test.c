@@ -108,6 +108,40 @@ TEST(what_a_snapshot_replaces_is_forgotten_and_no_segment_that_has_later_changes
     directory_remove(&directory);
 }
 
+/* A file of that many bytes. */
+static void make_file(const struct directory *dir, const char *name, size_t n)
+{
+    static const char bytes[200];
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", dir->path, name);
+    file_write(path, bytes, n);
+}
+
+TEST(last_covered_segments_stay_for_followers_as_far_as_they_fit)
+{
+    struct directory directory = directory_quick();
+    struct datadir d;
+    make_file(&directory, "log.0000000000000001", 40);
+    make_file(&directory, "log.0000000000000003", 100);
+    make_file(&directory, "log.0000000000000005", 50);
+    make_file(&directory, "log.0000000000000007", 150); /* is not covered, and does not count */
+    directory_touch(&directory, "snapshot.0000000000000002");
+    directory_touch(&directory, "snapshot.0000000000000006");
+    CHECK(datadir_open(&d, directory.path, false));
+    d.keep_log = 191;
+    datadir_forget(&d, 6);
+    CHECK_STR(list(&d), "snapshot.0000000000000006 log.0000000000000001 log.0000000000000003 "
+                        "log.0000000000000005 log.0000000000000007 ");
+    d.keep_log = 120; /* log.1 would fit, but not log.3: no gaps */
+    datadir_forget(&d, 6);
+    CHECK_STR(list(&d), "snapshot.0000000000000006 log.0000000000000005 log.0000000000000007 ");
+    d.keep_log = 0;
+    datadir_forget(&d, 6);
+    CHECK_STR(list(&d), "snapshot.0000000000000006 log.0000000000000007 ");
+    datadir_close(&d);
+    directory_remove(&directory);
+}
+
 TEST(pinned_directory_forgets_nothing_until_it_is_unpinned)
 {
     struct directory directory = directory_quick();
