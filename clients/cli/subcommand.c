@@ -195,8 +195,15 @@ const struct subcommand subcommands[] = {
      false},
     {"info", NULL, false, false, "info [SECTION ...]",
      "Facts about the server; with sections (server, clients, memory, stats, sets, durability,\n"
-     "commands) those of these only.\n",
-     "server clients memory stats sets durability commands --help", false},
+     "replication, commands) those of these only.\n",
+     "server clients memory stats sets durability replication commands --help", false},
+    {"follow", NULL, false, false, "follow ADDRESS PORT [confirm] | follow none",
+     "Lets the server follow another one, its leader; none makes it a leader. With confirm its "
+     "own\n"
+     "changes are discarded where the leader does not have them.\n",
+     "none confirm --help", false},
+    {"wait", NULL, false, false, "wait FOLLOWERS SECONDS",
+     "Waits until this number of followers is connected and receives the log.\n", "--help", false},
     {"backup", NULL, false, false, "backup NAME",
      "Writes a backup of the data directory, in use, below the server's --backup-dir.\n", "--help",
      false},
