@@ -135,7 +135,8 @@ enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t
     else
         memcpy(ordered + inside, sorted, on_hull * sizeof *ordered);
     if (s == DT_OK) {
-        memcpy(ids, ordered, distinct * sizeof *ids);
+        if (distinct > 0) /* without ids there may be no array */
+            memcpy(ids, ordered, distinct * sizeof *ids);
         *kept = distinct;
         *interior = inside;
     }

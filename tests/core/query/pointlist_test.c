@@ -66,6 +66,17 @@ TEST(some_points_come_in_the_order_of_the_point_list)
         for_each_pair(check_order);
 }
 
+/* The sanitizer of undefined behaviour watches. */
+TEST(order_of_no_points_needs_no_array)
+{
+    const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}};
+    size_t kept = 1, interior = 1;
+    struct dt *t = set_of(p, 3);
+    CHECK(dt_lists_order(t, false, NULL, 0, NULL, &kept, &interior) == DT_OK);
+    CHECK(kept == 0 && interior == 0);
+    dt_free(t);
+}
+
 TEST(order_of_lists_with_a_missing_id_changes_nothing)
 {
     const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}};
