@@ -581,12 +581,10 @@ void follower_facts(const struct server *s, struct follower_facts *facts)
 {
     struct follower *f = s->follower;
     static const char *const names[] = {"connecting", "receiving", "loading", "refused"};
-    *facts = (struct follower_facts){.role = "leader", .state = "", .why = ""};
-    if (f == NULL)
-        return;
-    if (f->fenced)
+    *facts = (struct follower_facts){.role = "leader", .state = ""};
+    if (f != NULL && f->fenced)
         facts->role = "fenced";
-    if (!s->follows)
+    if (f == NULL || !s->follows)
         return;
     facts->role = "follower";
     facts->state = "connecting";
@@ -595,7 +593,7 @@ void follower_facts(const struct server *s, struct follower_facts *facts)
         return;
     pthread_mutex_lock(&f->link->mutex);
     facts->state = names[f->link->state];
-    facts->why = f->link->why;
+    snprintf(facts->why, sizeof facts->why, "%s", f->link->why);
     facts->leader_lsn = f->link->leader_lsn;
     pthread_mutex_unlock(&f->link->mutex);
 }

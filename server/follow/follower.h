@@ -35,7 +35,8 @@ void follower_meet(struct server *s, const struct history *h);
 
 struct follower_facts {
     const char *role; /* leader, follower, fenced */
-    const char *state, *why;
+    const char *state;
+    char why[LINK_WHY];
     char leader[ROLE_ADDRESS + 12];
     uint64_t leader_lsn;
 };
