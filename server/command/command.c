@@ -149,8 +149,6 @@ const size_t command_count = sizeof commands / sizeof commands[0];
 _Static_assert(sizeof commands / sizeof commands[0] <= STATS_OTHER,
                "each command has statistics of its own");
 
-_Static_assert(sizeof commands / sizeof commands[0] <= STATS_OTHER, "each has its statistics");
-
 const struct command *command_find(const struct word *name)
 {
     for (size_t i = 0; i < command_count; i++)

@@ -345,8 +345,8 @@ static bool take_header(struct wire *w, const struct segment *h)
     return true;
 }
 
-/* Takes a header or a record off the input. > 0: its length; 0: there is no whole one; -1: it makes no sense. A record of
- * the log is not taken yet: *records is the length of those that have been looked at. */
+/* Reads the header or the record at that offset of the input; r->type is RECORD_TYPES for a header. > 0: its length; 0: it
+ * needs more bytes; -1: it is not valid. */
 static ptrdiff_t look(struct wire *w, size_t at, struct segment *h, struct record *r)
 {
     const char *bytes = buf_head(&w->in) + at;

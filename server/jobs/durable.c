@@ -142,6 +142,22 @@ static void adopt_sets(struct server *s, struct registry *from)
     registry_each(&s->sets, measure, s);
 }
 
+/* The log has begun after what r has read. */
+static void begin_saver(struct server *s, const struct recovery *r)
+{
+    struct durable *d = s->durable;
+    d->saver = (struct saver){.dir = &d->dir,
+                              .sets = &s->sets,
+                              .held = &s->held,
+                              .log = d->log,
+                              .event = d->event,
+                              .compact_at = &s->config->compact_at,
+                              .applied = d->saver.applied,
+                              .snapshots = d->saver.snapshots,
+                              .snapshot_lsn = r->replay.snapshot};
+    log_status(d->log, &d->saver.status);
+}
+
 /* The thread is done. False: it has failed. */
 static bool end_reading(struct server *s)
 {
@@ -150,17 +166,10 @@ static bool end_reading(struct server *s)
     d->stage = STAGE_NONE;
     if (d->recovery.result != RECOVERY_OK)
         return false;
-    d->saver = (struct saver){.dir = &d->dir,
-                              .sets = &s->sets,
-                              .held = &s->held,
-                              .log = d->log,
-                              .event = d->event,
-                              .compact_at = &s->config->compact_at,
-                              .read_bytes = d->recovery.log_bytes,
-                              .snapshot_lsn = d->recovery.replay.snapshot};
+    begin_saver(s, &d->recovery);
+    d->saver.read_bytes = d->recovery.log_bytes;
     adopt_sets(s, &d->recovery.replay.sets);
     recovery_clear(&d->recovery);
-    log_status(d->log, &d->saver.status);
     holders_release(&s->held, d->saver.status.durable);
     d->stage = STAGE_READ;
     return true;
@@ -320,16 +329,7 @@ bool durable_replace(struct server *s, struct recovery *r, const struct lineage 
     free(s->sets.bucket);
     s->sets.bucket = NULL;
     adopt_sets(s, &r->replay.sets);
-    d->saver = (struct saver){.dir = &d->dir,
-                              .sets = &s->sets,
-                              .held = &s->held,
-                              .log = d->log,
-                              .event = d->event,
-                              .compact_at = &s->config->compact_at,
-                              .applied = d->saver.applied,
-                              .snapshots = d->saver.snapshots,
-                              .snapshot_lsn = r->replay.snapshot};
-    log_status(d->log, &d->saver.status);
+    begin_saver(s, r);
     holders_release(&s->held, UINT64_MAX); /* replies about what was there before */
     holders_recover(&s->held, HOLD_DISK);
     holders_release(&s->held, d->saver.status.durable);
