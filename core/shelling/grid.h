@@ -17,8 +17,8 @@
 #ifndef DT_GRID_H
 #define DT_GRID_H
 
-#include "core/control/effort.h"
 #include "core/exact/box.h"
+#include "core/shelling/effort.h"
 
 struct dt_cells {
     struct dt_point lo;     /* corner of the box */

@@ -1,5 +1,5 @@
 /* effort.c - see effort.h. */
-#include "core/control/effort.h"
+#include "core/shelling/effort.h"
 
 #define BETWEEN_POLLS (1u << 19) /* steps: a millisecond, or ten where they are slow */
 

@@ -1,6 +1,5 @@
-/* effort.h - what a computation has cost so far, counted in cheap steps of about a nanosecond: so that it can
- * be given up when it costs too much, and polls by work done rather than by rounds, of which one may be
- * very long. */
+/* effort.h - what a shelling has cost so far, counted in cheap steps of about a nanosecond. It is given up when it
+ * costs too much, and polls after so many steps, not after so many rounds, because one round may be very long. */
 #ifndef DT_EFFORT_H
 #define DT_EFFORT_H
 
