@@ -75,8 +75,8 @@ static void release(struct holders *in, struct hold *h)
 /* Sets what is durable, here and on followers. */
 static void look_again(struct holders *in)
 {
-    uint64_t followed = in->unfollowed - 1; /* 0: all, UINT64_MAX */
-    uint64_t durable = in->saved < followed ? in->saved : followed;
+    bool fewer = in->needs_followers && in->followed < in->saved;
+    uint64_t durable = fewer ? in->followed : in->saved;
     if (durable == in->durable)
         return;
     in->durable = durable;
@@ -94,9 +94,16 @@ void holders_release(struct holders *in, uint64_t lsn)
 
 void holders_follow(struct holders *in, uint64_t lsn)
 {
-    if (lsn != UINT64_MAX && in->unfollowed != 0 && lsn + 1 < in->unfollowed)
+    if (in->needs_followers && lsn <= in->followed)
         return;
-    in->unfollowed = lsn + 1;
+    in->needs_followers = true;
+    in->followed = lsn;
+    look_again(in);
+}
+
+void holders_follow_none(struct holders *in)
+{
+    in->needs_followers = false;
     look_again(in);
 }
 

@@ -36,9 +36,10 @@ struct holders {
     struct hold *first;
     uint64_t
         durable; /* replies about changes up to this lsn may be sent: the lesser of the next two */
-    uint64_t saved;      /* changes up to this lsn are durable here, */
-    uint64_t unfollowed; /* and those from here on are not on enough followers; 0: all are */
-    unsigned failing;    /* enum hold_cause: if there is any, only acknowledgements wait */
+    uint64_t saved;       /* changes up to this lsn are durable here, */
+    uint64_t followed;    /* and up to this one they are on enough followers, */
+    bool needs_followers; /* if any are needed */
+    unsigned failing;     /* enum hold_cause: if there is any, only acknowledgements wait */
     void (*released)(struct hold *h);  /* more output may be sent than before */
     void (*not_saved)(struct hold *h); /* the changes may be lost: must call hold_clear */
 };
@@ -64,8 +65,11 @@ static inline size_t hold_free(const struct hold *h, uint64_t from, uint64_t to)
 /* Changes up to lsn are durable now. */
 void holders_release(struct holders *in, uint64_t lsn);
 
-/* Changes up to lsn are on enough followers; UINT64_MAX: none are needed. A lesser lsn than before is ignored. */
+/* Changes up to lsn are on enough followers. A lesser lsn than before is ignored. */
 void holders_follow(struct holders *in, uint64_t lsn);
+
+/* No followers are needed. */
+void holders_follow_none(struct holders *in);
 
 /* Changes cannot be acknowledged: releases the replies that only show changes, and calls not_saved for all others. */
 void holders_fail(struct holders *in, enum hold_cause cause);

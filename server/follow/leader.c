@@ -18,6 +18,7 @@ struct leader {
     struct loop *loop;
     struct sender *first;
     uint64_t durable;        /* what the threads know */
+    unsigned least;          /* followers without which replies wait */
     struct wait_queue queue; /* of WAIT */
     struct timer timer;      /* the next one of these that ends */
     int64_t timer_ms;        /* when; 0: none */
@@ -48,13 +49,23 @@ static uint64_t reached_by(const struct server *s, unsigned n)
     return best;
 }
 
+/* --min-followers; 0 for a daemon that does not lead. */
+static unsigned least_followers(const struct server *s)
+{
+    return s->read_only.why != NULL ? 0 : s->config->min_followers;
+}
+
 /* Replies wait for --min-followers, unless these have been missing for a while. */
 static void release(struct server *s)
 {
     struct leader *l = s->leader;
-    unsigned least = s->config->min_followers;
-    if (least == 0 || s->read_only.why != NULL) {
-        holders_follow(&s->held, UINT64_MAX);
+    unsigned least = least_followers(s);
+    /* It does not lead any more: the new leader may lack what waits. */
+    if (l->least > 0 && s->read_only.why != NULL)
+        holders_fail(&s->held, HOLD_FOLLOWERS);
+    l->least = least;
+    if (least == 0) {
+        holders_follow_none(&s->held);
         l->missing_ms = 0;
     } else {
         holders_follow(&s->held, reached_by(s, least));
@@ -203,6 +214,8 @@ void leader_turn_end(struct server *s)
     const struct log_status *log = durable_status(s);
     if (l == NULL || log == NULL)
         return;
+    if (least_followers(s) != l->least)
+        release(s);
     if (l->first != NULL)
         note_lag(l, log_last(durable_log(s)));
     if (log->durable == l->durable)

@@ -396,6 +396,12 @@ bool durable_loaded(struct server *s, struct answer *a)
     return false;
 }
 
+/* A setting of 0 holds at once, for the next request. */
+static bool lacks_followers(const struct server *s)
+{
+    return s->without_followers && s->config->min_followers > 0;
+}
+
 bool durable_admits_change(struct server *s, struct answer *a, bool frees)
 {
     const struct durable *d = s->durable;
@@ -405,7 +411,7 @@ bool durable_admits_change(struct server *s, struct answer *a, bool frees)
     }
     if (d == NULL)
         return true;
-    if (s->without_followers) {
+    if (lacks_followers(s)) {
         reply_err(a->out, ERR_NOFOLLOWERS, "fewer than %u followers are connected",
                   s->config->min_followers);
         return false;
@@ -426,7 +432,7 @@ bool durable_admits_change(struct server *s, struct answer *a, bool frees)
 bool durable_admits_drops(const struct server *s)
 {
     const struct durable *d = s->durable;
-    if (s->read_only.why != NULL || s->without_followers)
+    if (s->read_only.why != NULL || lacks_followers(s))
         return false;
     return d == NULL ||
            (is_running(d) && (d->saver.status.state == LOG_GOOD || saver_disk_is_full(&d->saver)));

@@ -318,10 +318,60 @@ TEST_TIMEOUT(changes_are_refused_while_there_are_too_few_followers, 60)
     node_await_reply(&l, "ADD b 0 0", "ERR NOFOLLOWERS");
     node_expect(&l, "ADD a 1 1", "ERR NOFOLLOWERS");
     node_expect(&l, "STAT a", "OK 0 points=2");
-    node_expect(&l, "CONFIG SET min-followers 0", "OK");
-    node_await_reply(&l, "ADD b 0 0", "OK");
-    node_expect(&l, "ADD a 3 3", "OK");
+    carry_out(&l.d, "CONFIG SET min-followers 0\nADD a 3 3\n");
     node_end(&l);
+}
+
+/* A leader whose follower is stopped, and a connection with a change that waits for it. */
+static int wait_for_stopped(const struct node *l, const struct node *f)
+{
+    char text[FACT];
+    node_await_reply(l, "ADD b 0 0", "OK");
+    node_fact(l, "lsn", text);
+    snprintf(text, sizeof text, "%lu", strtoul(text, NULL, 10) + 1);
+    kill(f->d.pid, SIGSTOP);
+    int fd = daemon_connect(&l->d);
+    say(fd, "ADD a 5 5\n");
+    node_await(l, "lsn", text);
+    return fd;
+}
+
+TEST_TIMEOUT(setting_of_min_followers_holds_for_the_next_request_and_for_what_waits, 60)
+{
+    struct node l = node_new((const char *const[]){"--min-followers", "1", NULL});
+    node_await_reply(&l, "ADD b 0 0", "ERR NOFOLLOWERS");
+    carry_out(&l.d, "CONFIG SET min-followers 0\nADD b 0 0\n");
+    node_end(&l);
+    l = node_new((const char *const[]){"--min-followers", "1", NULL});
+    struct node f = node_follower_of(&l);
+    int fd = wait_for_stopped(&l, &f);
+    node_expect(&l, "CONFIG SET min-followers 0", "OK");
+    CHECK(strncmp(hear_line(fd), "OK 0 first=0", 12) == 0);
+    close(fd);
+    daemon_stop(&f.d, SIGKILL);
+    node_end(&l);
+    tree_remove(f.dir.path);
+}
+
+/* The promoted follower does not have it. */
+TEST_TIMEOUT(change_that_waits_for_followers_is_not_acknowledged_when_its_leader_is_replaced, 60)
+{
+    for (int i = 0; i < 2; i++) {
+        struct node l = node_new((const char *const[]){"--min-followers", "1", NULL});
+        struct node f = node_follower_of(&l);
+        char history[FACT], line[FACT + 40];
+        int fd = wait_for_stopped(&l, &f);
+        node_fact(&l, "history", history);
+        snprintf(line, sizeof line, "SYNC %.16s.2.1 0 0000000000000000", history);
+        node_expect(&l, i == 0 ? line : "FOLLOW 127.0.0.1 1", i == 0 ? "ERR READONLY" : "OK");
+        const char *got = hear_line(fd);
+        CHECK_MSG(strncmp(got, "ERR NOFOLLOWERS", 15) == 0, "%s", got);
+        node_expect(&l, "STAT a", "OK 0 points=1"); /* which does not wait */
+        close(fd);
+        daemon_stop(&f.d, SIGKILL);
+        node_end(&l);
+        tree_remove(f.dir.path);
+    }
 }
 
 TEST_TIMEOUT(nothing_acknowledged_is_lost_with_the_leader, 60)

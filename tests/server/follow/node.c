@@ -138,7 +138,8 @@ bool node_has_snapshot(const struct node *n)
 
 void node_await_reply(const struct node *n, const char *line, const char *want)
 {
-    for (unsigned i = 0; i < node_tries() && strncmp(node_ask(n, line), want, strlen(want)) != 0; i++)
+    for (unsigned i = 0; i < node_tries() && strncmp(node_ask(n, line), want, strlen(want)) != 0;
+         i++)
         pause_ms(10);
     node_expect(n, line, want);
 }
