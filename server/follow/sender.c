@@ -268,6 +268,7 @@ static bool idle(struct sending *g, int64_t *beat_ms)
     if (!good || clock_ms() < *beat_ms)
         return good;
     *beat_ms = clock_ms() + BEAT_MS;
+    g->now = g->s->lineage; /* of the next record; the file may be of the history before it */
     return put_header(g, SEGMENT_LOG) && flush(g);
 }
 
