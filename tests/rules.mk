@@ -37,11 +37,11 @@ interop_programs: all $(O)/tests/bench/points
 interop: interop_programs
 	tests/interop/run.sh $(O)
 
-# ---- soak-follow: ROUNDS of kills of a leader and its follower under random edits; SEED=s repeats one ----
+# ---- soak-follow: ROUNDS of attacks on a leader and its follower under random edits; SEED=s repeats one, KIND=cables,full ... ----
 
 .PHONY: soak-follow
 soak-follow: all
-	tests/interop/follow.py $(O) $(or $(SEED),$(shell date +%s)) $(or $(ROUNDS),200)
+	tests/interop/follow.py $(O) $(or $(SEED),$(shell date +%s)) $(or $(ROUNDS),200) $(KIND)
 
 # ---- test_web: the live page in a browser; bench-web measures it ----
 

@@ -1,72 +1,38 @@
 #!/usr/bin/env python3
-"""Kills a leader and its follower, either or both, while a client edits sets at random; after each round both must have the
-same position and the same digests.
+"""Attacks a leader and its follower while clients edit sets: kills, a damaged connection, a lost or full or repaired disk, a
+careless promotion. After each round both must have the same position and the same digests, and everything acknowledged.
 
-    follow.py BUILD_DIR [SEED [ROUNDS]]
+    follow.py BUILD_DIR [SEED [ROUNDS [KIND,...]]]
+
+The last line counts: N passed, N failed (rounds). Full disks need the right to mount a tmpfs.
 """
+import collections
+import os
 import random
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
 import threading
 import time
 
+from follow_nodes import Client, Failure, Ledger, Node, expect
+
 SETS = ['a', 'b', 'c']
-
-
-class Client:
-    def __init__(self, port):
-        self.file = socket.create_connection(('127.0.0.1', port), timeout=20).makefile('rwb')
-
-    def ask(self, text):
-        """The first line of the reply, and the other lines."""
-        self.file.write(text.encode() + b'\n')
-        self.file.flush()
-        line = '#'
-        while line.startswith('#'):
-            line = self.file.readline().decode()
-        if line == '':
-            raise ConnectionError
-        n = int(line.split()[1]) if line.startswith('OK') else 0
-        return line, [self.file.readline().decode().strip() for _ in range(n)]
-
-
-class Node:
-    def __init__(self, build, path, port, *options):
-        self.command = [build + '/delaunayd', '--data', path, '--port', str(port), '--log-level', 'error', *options]
-        self.port = port
-        self.start()
-
-    def start(self):
-        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE)
-        self.process.stdout.readline()
-
-    def stop(self, sig):
-        self.process.send_signal(sig)
-        self.process.wait()
-
-    def facts(self):
-        return dict(x.split(':', 1) for x in Client(self.port).ask('INFO replication')[1])
-
-
-def free_port():
-    with socket.socket() as s:
-        s.bind(('127.0.0.1', 0))
-        return s.getsockname()[1]
 
 
 def request(rnd):
     s, i = rnd.choice(SETS), rnd.randrange(60)
     points = ' '.join(f'{rnd.randrange(50)} {rnd.randrange(50)}' for _ in range(rnd.randrange(1, 6)))
-    lines = ''.join(f'{rnd.randrange(1000)} {rnd.random()} 3\n' for _ in range(rnd.choice([3, 40000])))
     often = [f'ADD {s} {points}', f'DEL {s} {i}', f'MOVE {s} {i} {rnd.randrange(50)} {rnd.random()}']
-    rare = [f'ADD {s} FIELDS z,w {points[:0]}1 2 {rnd.random()} 4', f'FSET {s} z {i} {rnd.random()}', f'TRIANGULATE {s}',
-            f'DROP {s}', f'CREATE {s} TOL 0.5', f'EXPIRE {s} 100', f'FDROP {s} w', 'SNAPSHOT',
-            f'LOAD {s} FIELDS z\n{lines}.']
-    return rnd.choice(often * 6 + rare)
+    rare = [f'ADD {s} FIELDS z,w 1 2 {rnd.random()} 4', f'FSET {s} z {i} {rnd.random()}', f'TRIANGULATE {s}', f'DROP {s}',
+            f'CREATE {s} TOL 0.5', f'EXPIRE {s} 100', f'FDROP {s} w', 'SNAPSHOT', 'LOAD']
+    text = rnd.choice(often * 6 + rare)
+    if text != 'LOAD':
+        return text
+    lines = ''.join(f'{rnd.randrange(1000)} {rnd.random()} 3\n' for _ in range(rnd.choice([3, 3, 40000])))
+    return f'LOAD {s} FIELDS z\n{lines}.'
 
 
 def edit(port, rnd, n):
@@ -75,57 +41,278 @@ def edit(port, rnd, n):
         for _ in range(n):
             client.ask(request(rnd))
     except (OSError, ValueError):
-        pass  # the leader has been killed
+        pass  # the daemon has been killed
 
 
-def await_same(leader, follower):
-    """What differs after half a minute; None: nothing."""
-    keys = ['history', 'lsn', 'durable_lsn', 'log_digest']
-    for _ in range(600):
-        a, b = leader.facts(), follower.facts()
-        if [a[k] for k in keys] == [b[k] for k in keys] and a['lsn'] == a['durable_lsn']:
-            break
-        time.sleep(0.05)
-    else:
-        return f'position: {a} {b}'
-    for s in SETS:
-        x, y = (Client(n.port).ask(f'DIGEST {s}')[0] for n in (leader, follower))
-        if x != y:
-            return f'set {s}: {x} {y}'
-    return None
+class World:
+    def __init__(self, build, seed, scratch, mounts):
+        self.rnd = random.Random(seed)
+        self.ledger = Ledger()
+        self.full_disks = mounts
+        keep = self.rnd.choice(['1k', '200k', '10m'])
+        options = ['--compact-at', self.rnd.choice(['30k', '200k']), '--keep-log', keep]
+        self.leader, self.follower = (Node(build, f'{scratch}/{name}', options, mounts) for name in ('one', 'two'))
+        self.leader.start()
+        self.follower.start('--follow', f'127.0.0.1:{self.leader.cable.port}')
+
+    def end(self):
+        for node in (self.leader, self.follower):
+            if node.process.poll() is None:
+                node.stop()
+
+    def load(self, node=None, ledger=True):
+        """Starts clients that edit sets at the node; returns what waits for their end."""
+        port = (node or self.leader).port
+        n = self.rnd.randrange(1, 120)
+        threads = [threading.Thread(target=edit, args=(port, random.Random(self.rnd.random()), n))]
+        if ledger:
+            threads.append(threading.Thread(target=self.ledger.write, args=(port, random.Random(self.rnd.random()), n)))
+        for t in threads:
+            t.start()
+        return lambda: [t.join() for t in threads]
+
+    def pause(self, most_s=0.3):
+        time.sleep(self.rnd.random() * most_s)
+
+    def await_same(self):
+        keys = ['history', 'lsn', 'durable_lsn', 'log_digest']
+        for _ in range(1200):
+            a, b = self.leader.facts(), self.follower.facts()
+            if [a[k] for k in keys] == [b[k] for k in keys] and a['lsn'] == a['durable_lsn']:
+                break
+            time.sleep(0.05)
+        else:
+            raise Failure(f'other positions: {a} {b}')
+        for s in [*SETS, 'keep']:
+            x, y = (n.ask(f'DIGEST {s}')[0] for n in (self.leader, self.follower))
+            expect(x == y, f'set {s}: {x} {y}')
+        self.ledger.check(self.leader)
+
+    def need_follower(self):
+        """What is acknowledged from now on is on the follower's disk."""
+        self.leader.command('CONFIG SET min-followers 1')
+        self.leader.await_fact('followers', '1')
+
+    def promote(self):
+        """The follower becomes the leader; the former leader is not running, or cannot reach it."""
+        self.follower.command('FOLLOW NONE')
+        self.leader, self.follower = self.follower, self.leader
+        expect(self.leader.facts()['role'] == 'leader', 'it is not promoted')
+
+    def follow(self):
+        """The former leader follows the new one, if necessary with CONFIRM."""
+        text = f'FOLLOW 127.0.0.1 {self.leader.cable.port}'
+        self.follower.command(text)
+        if self.is_refused():
+            self.follower.command(text + ' CONFIRM')
+
+    def is_refused(self):
+        """Whether the follower refuses its leader; otherwise it receives."""
+        for _ in range(1200):
+            facts = self.follower.facts()
+            if facts['link'] == 'refused':
+                return True
+            if facts['link'] == 'receiving' and self.leader.facts()['followers'] == '1':
+                return False
+            time.sleep(0.05)
+        raise Failure(f'neither receives nor refuses: {facts}')
+
+    # ---- rounds ----
+
+    def kills(self):
+        """Either or both are killed, or stopped."""
+        nodes = [self.leader, self.follower]
+        who = self.rnd.choice([[self.leader], [self.follower], nodes, []])
+        join = self.load()
+        self.pause()
+        for node in who:
+            node.stop(self.rnd.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
+        join()
+        for node in who:
+            if node is self.follower and self.rnd.random() < 0.5 and self.leader not in who:
+                self.load()()
+            node.start()
+
+    def cables(self):
+        """The connection is cut after a random number of bytes, again and again, is slow, or passes byte by byte."""
+        cable, how = self.leader.cable, self.rnd.randrange(4)
+        if how == 0:
+            cable.lengths = lambda: int(10 ** random.uniform(0, 6))
+        elif how == 1:
+            cable.delay_s = self.rnd.random() * 0.05
+        elif how == 2:
+            cable.single_bytes = 20000
+        if how != 1 or self.rnd.random() < 0.5:
+            cable.cut()
+        join = self.load()
+        for _ in range(self.rnd.randrange(4)):
+            self.pause()
+            cable.cut()
+        if how == 3:
+            cable.stuck = True
+            self.pause(2)
+            cable.stuck = False
+        join()
+        cable.mend()
+
+    def losses(self):
+        """The leader is killed and its disk is lost; the follower is promoted. Nothing acknowledged is missing."""
+        self.need_follower()
+        join = self.load()
+        self.pause(1)
+        self.leader.stop()
+        join()
+        self.leader.lose_data()
+        if self.rnd.random() < 0.3:
+            self.follower.stop()
+            self.follower.start()
+        empty = self.rnd.random() < 0.5
+        if empty:  # it is started again by mistake: the follower keeps what it has
+            self.leader.start()
+            self.load(ledger=False)()
+            expect(self.is_refused(), 'an empty leader is not refused')
+        self.ledger.check(self.follower)
+        self.promote()
+        self.ledger.check(self.leader)
+        if empty:
+            self.follow()
+        else:
+            self.follower.start('--follow', f'127.0.0.1:{self.leader.cable.port}')
+        self.load()()
+
+    def repairs(self):
+        """One is killed, perhaps its files are damaged, and repaired."""
+        node = self.rnd.choice([self.leader, self.follower])
+        self.need_follower()
+        join = self.load()
+        self.pause()
+        node.stop()
+        if node is self.follower:
+            self.leader.command('CONFIG SET min-followers 0')
+        join()
+        if self.rnd.random() < 0.7:
+            self.damage(node)
+        node.repair()
+        node.start()
+        if node is self.follower:
+            self.follow()
+            return
+        if self.rnd.random() < 0.5:
+            self.load(ledger=False)()
+        if self.is_refused():
+            self.promote()
+            self.follow()
+
+    def damage(self, node):
+        names = [n for n in os.listdir(node.data) if n.startswith(('log.', 'snapshot.'))]
+        with open(f'{node.data}/{self.rnd.choice(names)}', 'r+b') as f:
+            size = f.seek(0, 2)
+            at = self.rnd.randrange(size)
+            if self.rnd.random() < 0.5:
+                f.truncate(at)
+            else:
+                f.seek(at)
+                byte = f.read(1)[0]
+                f.seek(at)
+                f.write(bytes([byte ^ 1 << self.rnd.randrange(8)]))
+
+    def full(self):
+        """The disk of one is full for a while."""
+        node = self.rnd.choice([self.leader, self.follower])
+        if self.rnd.random() < 0.5:
+            self.need_follower()
+        node.fill(self.rnd.choice([0, 0, 5000, 100000]))
+        join = self.load()
+        self.pause(2)
+        node.free()
+        join()
+
+    def splits(self):
+        """The follower is promoted while its leader works; both accept changes until they can reach each other."""
+        self.await_same()
+        for node in (self.leader, self.follower):
+            node.cable.off = True
+            node.cable.cut()
+        self.load(ledger=False)()
+        self.promote()
+        joins = [self.load(), self.load(self.follower, ledger=False)]
+        for join in joins:
+            join()
+        if self.rnd.random() < 0.3:
+            self.follower.stop()
+            self.follower.start()
+        for node in (self.leader, self.follower):
+            node.cable.mend()
+        if self.rnd.random() < 0.5:
+            self.follower.await_fact('role', 'fenced')
+            if self.rnd.random() < 0.5:
+                self.follower.stop()
+                self.follower.start()
+            line = self.follower.ask('ADD a 1 1')[0]
+            expect(line.startswith('ERR READONLY there is a newer history'), f'the former leader: {line}')
+        self.follow()
+        self.load()()
+
+    def play(self, kind):
+        self.leader.command('CONFIG SET min-followers 0')
+        getattr(self, kind)()
+        self.await_same()
+
+
+KINDS = ['kills', 'kills', 'cables', 'cables', 'losses', 'repairs', 'full', 'splits']
+
+
+def play(build, seed, rounds, kinds, scratch, mounts):
+    """How many rounds of each kind were good; raises the failure."""
+    world, done, left = World(build, seed, scratch, mounts), collections.Counter(), []
+    try:
+        for i in range(rounds):
+            if not left:
+                left = [k for k in kinds if k != 'full' or mounts]
+                world.rnd.shuffle(left)
+            kind = left.pop()
+            try:
+                world.play(kind)
+            except Exception as e:
+                raise Failure(f'round {i + 1}, {kind}: {e!r}') from e
+            done[kind] += 1
+    finally:
+        world.end()
+        print(f'seed {seed}: {dict(done)}', flush=True)
+    return done
+
+
+def can_mount(scratch):
+    """Mounts are those of this process only, and end with it."""
+    if 'FOLLOW_MOUNTS' in os.environ:
+        return True
+    command = ['unshare', '--mount', 'mount', '-t', 'tmpfs', 'follow', scratch]
+    if not shutil.which('unshare') or subprocess.run(command, stderr=subprocess.DEVNULL).returncode != 0:
+        print('no tmpfs can be mounted, so no full disks')
+        return False
+    os.rmdir(scratch)
+    os.execvpe('unshare', ['unshare', '--mount', sys.executable, *sys.argv], {**os.environ, 'FOLLOW_MOUNTS': '1'})
 
 
 def main():
-    build = sys.argv[1]
+    build = os.path.abspath(sys.argv[1])
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else int(time.time())
     rounds = int(sys.argv[3]) if len(sys.argv) > 3 else 20
-    rnd = random.Random(seed)
-    scratch, port = tempfile.mkdtemp(), free_port()
-    keep = rnd.choice(['1k', '200k', '10m'])
-    leader = Node(build, scratch + '/l', port, '--compact-at', '40k', '--keep-log', keep)
-    follower = Node(build, scratch + '/f', free_port(), '--compact-at', '30k', '--follow', f'127.0.0.1:{port}')
-    bad = None
-    for i in range(rounds):
-        who = rnd.choice([[leader], [follower], [leader, follower], []])
-        client = threading.Thread(target=edit, args=(port, random.Random(rnd.random()), rnd.randrange(1, 120)))
-        client.start()
-        time.sleep(rnd.random() * 0.3)
-        for node in who:
-            node.stop(rnd.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
-        client.join()
-        for node in who:
-            if node is follower and rnd.random() < 0.5 and leader not in who:
-                edit(port, rnd, 30)
-            node.start()
-        bad = await_same(leader, follower)
-        if bad is not None:
-            break
-    leader.stop(signal.SIGKILL)
-    follower.stop(signal.SIGKILL)
-    print(f'{i + 1} rounds, seed {seed}: {"good" if bad is None else bad + ", files in " + scratch}')
-    if bad is None:
-        shutil.rmtree(scratch)
-    sys.exit(bad is not None)
+    kinds = sys.argv[4].split(',') if len(sys.argv) > 4 else KINDS
+    scratch = tempfile.mkdtemp()
+    mounts = can_mount(scratch)
+    try:
+        good = sum(play(build, seed, rounds, kinds, scratch, mounts).values())
+    except Failure as e:
+        kept = tempfile.mkdtemp()
+        shutil.copytree(scratch, kept, dirs_exist_ok=True)
+        print(f'FAIL seed {seed}: {e}\nfiles are in {kept}\n0 passed, 1 failed')
+        sys.exit(1)
+    finally:
+        for name in ('one', 'two') if mounts else ():
+            subprocess.run(['umount', f'{scratch}/{name}'], stderr=subprocess.DEVNULL)
+        shutil.rmtree(scratch, ignore_errors=True)
+    print(f'{good} passed, 0 failed')
 
 
 main()

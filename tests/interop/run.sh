@@ -209,5 +209,9 @@ if /usr/bin/python3 -c 'import prometheus_client' 2>/dev/null; then
     /usr/bin/python3 tests/interop/metrics.py "$build" >"$scratch/metrics" 2>&1
     collect "$scratch/metrics"
 fi
+for seed in 1 2; do
+    /usr/bin/python3 tests/interop/follow.py "$build" "$seed" 8 >"$scratch/follow" 2>&1
+    collect "$scratch/follow"
+done
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]
