@@ -4,7 +4,9 @@
 #include "server/disk/aside.h"
 #include "server/disk/log_file.h"
 #include "server/disk/segment_reader.h"
+#include "server/follow/role.h"
 #include "server/repair/salvage.h"
+#include "server/system/random.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -148,11 +150,25 @@ static bool mend_log(const struct recovery *r)
     return ok;
 }
 
-static void repair(struct recovery *r)
+/* Changes of a leader are lost: a new history begins, so that a follower that has them does not give them up when the
+ * leader has as many other ones. */
+static void begin_history(struct datadir *dir)
+{
+    struct recovery r;
+    recovery_init(&r, dir);
+    recovery_run(&r);
+    dir->lineage = (struct lineage){r.lineage.life, history_begin(random_bits())};
+    if (r.lineage.history.origin != 0 &&
+        !(r.result == RECOVERY_OK && recovery_tidy(&r) && log_file_begin(dir, r.last + 1, 0)))
+        printf("followers cannot see that changes are lost: %s\n", strerror(errno));
+    recovery_clear(&r);
+}
+
+static void repair(struct recovery *r, bool leads)
 {
     if (r->result == RECOVERY_CORRUPT) {
-        if (cut_log(r))
-            mend_log(r);
+        if (cut_log(r) && mend_log(r) && leads)
+            begin_history(r->dir);
     } else if (r->result == RECOVERY_REFUSED && r->bad_snapshot) {
         printf("%s\n", r->why);
         salvage(r->dir);
@@ -185,7 +201,7 @@ int recovery_repair(const char *path)
         r.mend = true;
         recovery_run(&r);
     }
-    repair(&r);
+    repair(&r, role_read(path).port == 0);
     recovery_clear(&r);
     datadir_close(&dir);
     return recovery_check(path);

@@ -192,13 +192,14 @@ class World:
         join()
         if self.rnd.random() < 0.7:
             self.damage(node)
-        node.repair()
+        lost = node.repair()
         node.start()
         if node is self.follower:
             self.follow()
             return
-        if self.rnd.random() < 0.5:
+        if lost and self.rnd.random() < 0.7:  # as many other changes as were lost
             self.load(ledger=False)()
+            node.command('SNAPSHOT')
         if self.is_refused():
             self.promote()
             self.follow()
@@ -229,13 +230,23 @@ class World:
 
     def splits(self):
         """The follower is promoted while its leader works; both accept changes until they can reach each other."""
+        held = self.rnd.random() < 0.5  # changes of the former leader wait for its follower
+        if held:
+            self.need_follower()
         self.await_same()
         for node in (self.leader, self.follower):
-            node.cable.off = True
-            node.cable.cut()
-        self.load(ledger=False)()
+            node.cable.stuck = held
+            node.cable.off = not held
+            if not held:
+                node.cable.cut()
+        joins = [self.load(ledger=held)]
+        self.pause()
         self.promote()
-        joins = [self.load(), self.load(self.follower, ledger=False)]
+        joins += [self.load(ledger=not held)] + ([] if held else [self.load(self.follower, ledger=False)])
+        if held:
+            self.pause()
+            for node in (self.leader, self.follower):
+                node.cable.mend()
         for join in joins:
             join()
         if self.rnd.random() < 0.3:

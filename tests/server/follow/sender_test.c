@@ -101,7 +101,8 @@ static void expect_answer(struct stand *t, const char *continues)
     for (size_t n = 0; n + 1 < sizeof line && hear_bytes(t, line + n, 1) == 1; n++)
         if (line[n] == '\n')
             break;
-    snprintf(want, sizeof want, "OK 0 history=%016" PRIx64 ".%u.%08x lsn=%" PRIu64 " continues=%s\n",
+    snprintf(want, sizeof want,
+             "OK 0 history=%016" PRIx64 ".%u.%08x lsn=%" PRIu64 " continues=%s\n",
              t->dir.lineage.history.origin, t->dir.lineage.history.generation,
              t->dir.lineage.history.nonce, t->status.durable, continues);
     CHECK_STR(line, want);
