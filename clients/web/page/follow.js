@@ -32,6 +32,7 @@ export class Follower {
   kind = null;
   events = 0;
   #gathered = new Gathered(); // the event that is arriving in parts
+  #isPart = false; // the set is too large to be mirrored whole
   #box = null; // of a mesh that is a box
   #seen = ''; // the view of the sample
   #isStale = false; // the set has changed since the sample
@@ -42,6 +43,10 @@ export class Follower {
    * dots): the mesh is another one; onChange(changes): the mesh has changed as Mesh.apply says, or, with null, the set; onDropped(set). */
   constructor({ connection, fetchAll, mesh, view, most, onShow, onChange, onDropped }) {
     Object.assign(this, { connection, fetchAll, mesh, view, most, onShow, onChange, onDropped });
+  }
+
+  get isLoading() {
+    return this.set !== null && this.kind === null && !this.#isPart;
   }
 
   get #fields() {
@@ -60,6 +65,7 @@ export class Follower {
     const turn = ++this.#following;
     const before = this.set;
     Object.assign(this, { set, kind: null });
+    this.#isPart = false;
     if (before !== null) await this.connection().request(`UNWATCH ${before}`).catch(() => {});
     const { keys } = await this.connection().request(`STAT ${set}`);
     const field = await fieldOf();
@@ -93,6 +99,7 @@ export class Follower {
   }
 
   async #followPart() {
+    this.#isPart = true;
     this.mesh.version = 0;
     await this.#watch(` WITHIN ${NOWHERE}`);
     if (this.kind !== null) this.kind = 'sample';
@@ -104,10 +111,10 @@ export class Follower {
     return this.kind === 'whole' ? boxOf(this.mesh) : boxAround(this.fetchAll, this.set);
   }
 
-  /** Makes the mesh that of the view, if it is not: a sample at once, then a box around the view if that has not too many triangles.
-   * Resolves to whether the mesh is what it should be. */
+  /** Makes the mesh that of the view, if it is not and the set is large: a sample at once, then a box around the view if that has not too
+   * many triangles. Resolves to whether the mesh is what it should be. While a set is being loaded it is not looked at. */
   async look() {
-    if (this.set === null || this.kind === 'whole') return true;
+    if (this.set === null || !this.#isPart) return true;
     const { x, y, scale, width, height } = this.view;
     const seen = [x, y, scale, width, height].join(' ');
     if (this.kind === 'box' && contains(this.#box, this.view.box())) return true;

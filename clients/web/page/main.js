@@ -225,7 +225,7 @@ async function refreshSets() {
 /** Brings what is shown up to date with the set and the view, as far as events do not. */
 const refresh = latest(async () => {
   const { set, kind } = follower;
-  if (set === null || connection.isLost) return;
+  if (set === null || follower.isLoading || connection.isLost) return;
   const { keys } = await connection.request(`STAT ${set}`);
   totals = keys;
   if (keys.triangulated !== 'yes') {
