@@ -1,6 +1,6 @@
 # rules.mk - targets that need more than a C compiler: comparison with CGAL, measurements, lint, fuzzing.
 
-.PHONY: interop interop_programs test_web bench-web bench bench-durable lint fuzz fuzz_run
+.PHONY: interop interop_programs test_web bench-web soak-web bench bench-durable lint fuzz fuzz_run
 
 CXXCOMPILE = $(CXX) -O2 -g -ffp-contract=off -pthread -I. -Wall -Wextra $(if $(WERROR),-Werror) $(FLAGS_$(V))
 FAMILIES  := $(O)/tests/oracle/families.o
@@ -43,16 +43,19 @@ interop: interop_programs
 soak-follow: all
 	tests/interop/follow.py $(O) $(or $(SEED),$(shell date +%s)) $(or $(ROUNDS),200) $(KIND)
 
-# ---- test_web: the live page in a browser; bench-web measures it ----
+# ---- test_web: the live page in a browser; bench-web measures it; soak-web opens it again and again on connections with faults:
+# ---- OPENINGS=200 POINTS=1000 SEED=1 ----
 
-test_web bench-web: all
+WEB_PROGRAM = $(patsubst %,$(O)/web/test/%.mjs,$(if $(filter bench-web,$@),speed,openings))
+test_web bench-web soak-web: all
 	$(call need,nodejs chromium,command -v node && command -v npm && command -v chromium)
 	@mkdir -p $(O)/web && cp -RL clients/web/. $(O)/web
 	@[ -d $(O)/web/node_modules/puppeteer-core ] || \
 	  timeout 120 npm install --prefix $(O)/web --no-audit --no-fund --ignore-scripts --silent || \
 	  echo "npm cannot fetch packages here: the page is not tested"
 	@[ ! -d $(O)/web/node_modules/puppeteer-core ] || DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay \
-	  timeout 600 node $(if $(filter bench-web,$@),$(O)/web/test/speed.mjs,--test --test-reporter=spec $(O)/web/test/*.test.mjs)
+	  $(foreach v,OPENINGS POINTS SEED,$(if $($v),$v=$($v))) timeout $(if $(filter soak-web,$@),7200,600) \
+	  node $(if $(filter test_web,$@),--test --test-reporter=spec $(O)/web/test/*.test.mjs,$(WEB_PROGRAM))
 
 # ---- bench: ns per point, compared with CGAL where libcgal-dev is installed ----
 #

@@ -1,11 +1,11 @@
 // Measures the page: how soon 2 million triangles are shown, and how often it is drawn while a point among 100,000 is dragged.
 // For `make bench-web`.
-import { browser, makeSet, onPage, open, start, stop } from './stage.mjs';
+import { browser, makeSet, onPage, open, start, stop, waitFor } from './stage.mjs';
 
 async function timeToPicture() {
   const began = Date.now();
   const page = await open('million');
-  await page.waitForFunction(() => window.app.mesh.triangles > 1e6 && window.app.scene.counts.whole > 0, { polling: 20, timeout: 120000 });
+  await waitFor(page, () => window.app.mesh.triangles > 1e6 && window.app.scene.counts.whole > 0, { polling: 20, timeout: 120000 });
   const ms = Date.now() - began;
   await page.close();
   return ms;

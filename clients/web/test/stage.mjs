@@ -4,6 +4,7 @@ import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { connect } from 'node:net';
 import { createInterface } from 'node:readline';
+import { setTimeout as sleep } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 import puppeteer from 'puppeteer-core';
 
@@ -35,8 +36,9 @@ export async function stop() {
 }
 
 /** Starts a gateway on a port, 0: any; by default on that of the last one. */
-export async function listen(at = pagePort) {
-  gateway = spawn(process.execPath, [GATEWAY, '--daemon', String(port), '--listen', String(at)], { stdio: ['ignore', 'pipe', 'inherit'] });
+export async function listen(at = pagePort, daemonPort = port) {
+  gateway?.kill();
+  gateway = spawn(process.execPath, [GATEWAY, '--daemon', String(daemonPort), '--listen', String(at)], { stdio: ['ignore', 'pipe', 'inherit'] });
   const [line] = await once(createInterface(gateway.stdout), 'line');
   pagePort = Number(/:(\d+)\/$/.exec(line)[1]);
 }
@@ -44,6 +46,15 @@ export async function listen(at = pagePort) {
 export function killGateway() {
   gateway.kill('SIGKILL');
 }
+
+async function pause(program, ms) {
+  program.kill('SIGSTOP');
+  await sleep(ms);
+  program.kill('SIGCONT');
+}
+
+export const pauseGateway = (ms) => pause(gateway, ms);
+export const pauseDaemon = (ms) => pause(daemon, ms);
 
 /** The lines of a reply; requests end with QUIT, whose reply is left out. */
 export function ask(...requests) {
@@ -64,29 +75,67 @@ export async function makeSet(name, n, seed = 1) {
   for (let i = 0; i < n; i += 1000) {
     adds.push(`ADD ${name} ${Array.from({ length: 2 * Math.min(1000, n - i) }, next).join(' ')}`);
   }
-  await ask(...adds, `TRIANGULATE ${name}`);
+  const replies = await ask(...adds, `TRIANGULATE ${name}`);
+  const refused = replies.find((line) => line.startsWith('ERR'));
+  if (refused !== undefined) throw new Error(refused);
 }
 
-/** A page that shows a set; `rest` of the address. */
-export async function open(set, size = { width: 900, height: 600 }, rest = '') {
+/** A page at an address behind `/`; visited(page) is called when its document is there. */
+export async function visit(address, { size = { width: 900, height: 600 }, at = pagePort, visited = () => {} } = {}) {
   const page = await (await browser.createBrowserContext()).newPage(); // a window of its own: a hidden page does not draw
   await page.setViewport(size);
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(error.stack ?? String(error)));
-  await page.goto(`http://127.0.0.1:${pagePort}/#set=${set}${rest}`);
+  page.on('error', (error) => page.faults.push(String(error))); // the page has crashed
+  await page.goto(`http://127.0.0.1:${at}/${address}`, { waitUntil: 'domcontentloaded' });
+  visited(page);
   await page.evaluate(async () => {
     window.app = await import('./main.js');
   });
-  await settled(page, set);
-  await page.waitForFunction(() => window.app.scene.counts.whole > 0 && !/loading/.test(document.getElementById('message').textContent));
   return page;
+}
+
+/** A page that shows a set; `rest` of the address. */
+export async function open(set, size, rest = '') {
+  const page = await visit(`#set=${set}${rest}`, { size });
+  await settled(page, set);
+  await waitFor(page, () => window.app.scene.counts.whole > 0 && !/loading/.test(document.getElementById('message').textContent));
+  return page;
+}
+
+/** Waits until a function is true on the page. The error says what the page does instead. */
+export async function waitFor(page, isTrue, { polling = 50, timeout = 60000 } = {}, ...words) {
+  try {
+    await page.waitForFunction(isTrue, { polling, timeout }, ...words);
+  } catch (error) {
+    throw new Error(`${error.message}\n${JSON.stringify(await stateOf(page), null, 1)}`, { cause: error });
+  }
+}
+
+async function stateOf(page) {
+  const read = page.evaluate(() => {
+    const { follower, mesh, scene } = window.app;
+    const { set, kind } = follower;
+    const { version, points, triangles } = mesh;
+    const requests = performance.getEntriesByType('resource').slice(-6);
+    const text = (id) => document.getElementById(id)?.innerText;
+    return {
+      texts: [text('message'), text('waiting'), text('facts')],
+      mesh: { set, kind, version, points, triangles },
+      counts: scene.counts,
+      document: [document.readyState, document.visibilityState],
+      requests: requests.map(({ name, startTime, duration }) => `${name} at ${Math.round(startTime)} ms for ${Math.round(duration)} ms`),
+    };
+  });
+  const late = sleep(10000, { state: 'the page does not answer' });
+  return { ...(await Promise.race([read.catch((error) => ({ state: String(error) })), late])), faults: page.faults };
 }
 
 /** Waits until the page has the set as it is now. */
 export async function settled(page, set) {
   const version = () => ask(`STAT ${set}`).then(([line]) => Number(/version=(\d+)/.exec(line)[1]));
   const now = await version();
-  await page.waitForFunction((v) => window.app.mesh.version >= v, { timeout: 60000 }, now);
+  await waitFor(page, (v) => window.app.mesh.version >= v, {}, now);
 }
 
 /** Where a place of the plane is on the page. */
@@ -106,6 +155,6 @@ export async function until(what) {
     const found = await what();
     if (found) return found;
     if (tries === 600) throw new Error(`never: ${what}`);
-    await new Promise((resolve) => setTimeout(resolve, 100));
+    await sleep(100);
   }
 }
