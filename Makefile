@@ -92,8 +92,8 @@ $(SHIMS): $(O)/%.so: %.c
 
 test_binaries: all $(TEST_BINARIES) $(SHIMS)
 
-# The suites run one after another, or two at a time with -j2; test_core runs only the suite of core/, and so on. RUN=PROGRAM
-# runs them under a program, such as an emulator.
+# The suites run one after another, or two at a time with -j2, and several tests of each at once; test_core runs only the suite
+# of core/, and so on. RUN=PROGRAM runs them under a program, such as an emulator.
 test: test_binaries
 	@$(MAKE) -k --no-print-directory $(SUITES:%=test_%)
 

@@ -1,6 +1,7 @@
-/* test.c - runs the registered tests, each in a forked process, and counts. */
+/* test.c - runs the registered tests, several at once, each in a forked process, and counts. */
 #include "tests/test.h"
 
+#include <fcntl.h>
 #include <inttypes.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -119,34 +120,102 @@ unsigned test_slowness(void)
     return factor < 1 || factor > 1000 ? 1 : (unsigned)factor;
 }
 
-/* Runs one test in a process group of its own, so that all processes that it started end with it. */
-static bool passes(const struct test *t)
+/* A test that runs, in a process group of its own, so that all processes that it started end with it. */
+struct run {
+    const struct test *test; /* NULL: none */
+    pid_t pid;
+    double start;
+    FILE *output; /* what it prints, so that the lines of tests that run at once do not mix */
+};
+
+static unsigned jobs; /* tests at once */
+static struct run running[64];
+static unsigned passed, failed;
+
+/* Many tests mostly wait: for a time-out, a disk, a process. */
+static unsigned usual_jobs(void)
 {
-    double start = now();
-    pid_t pid = fork();
-    if (pid < 0) {
-        perror("fork");
-        return false;
+    long cpus = sysconf(_SC_NPROCESSORS_ONLN);
+    return cpus < 1 ? 2 : cpus > 4 ? 8 : 2 * (unsigned)cpus;
+}
+
+static void start(struct run *r, const struct test *t)
+{
+    *r = (struct run){.test = t, .start = now(), .output = tmpfile()};
+    r->pid = -1;
+    if (r->output != NULL && fcntl(fileno(r->output), F_SETFD, FD_CLOEXEC) == 0)
+        r->pid = fork();
+    if (r->pid < 0) {
+        perror(t->name);
+        exit(2);
     }
-    if (pid == 0) {
+    if (r->pid == 0) {
         setpgid(0, 0);
+        dup2(fileno(r->output), 1);
+        dup2(fileno(r->output), 2);
+        fclose(r->output);
         alarm(t->timeout_s * test_slowness());
         state = seed;
         t->run();
         exit(0);
     }
-    int status;
-    waitpid(pid, &status, 0);
-    kill(-pid, SIGKILL);
+}
+
+static void print_output(struct run *r)
+{
+    char piece[4096];
+    size_t n;
+    rewind(r->output);
+    while ((n = fread(piece, 1, sizeof piece, r->output)) > 0)
+        fwrite(piece, 1, n, stdout);
+    fclose(r->output);
+}
+
+static void end(struct run *r, int status)
+{
+    const struct test *t = r->test;
+    kill(-r->pid, SIGKILL);
+    print_output(r);
     bool ok = WIFEXITED(status) && WEXITSTATUS(status) == 0;
     if (!ok && WIFSIGNALED(status))
-        fprintf(stderr, "%s: %s\n", t->file,
-                WTERMSIG(status) == SIGALRM ? "timed out" : strsignal(WTERMSIG(status)));
+        printf("%s: %s\n", t->file,
+               WTERMSIG(status) == SIGALRM ? "timed out" : strsignal(WTERMSIG(status)));
     if (!ok)
         printf("FAIL %s (seed %" PRIu64 ")\n", t->name, seed);
-    else if (isatty(1) || now() - start > 1)
-        printf("ok   %s (%.2f s)\n", t->name, now() - start);
-    return ok;
+    else if (isatty(1) || now() - r->start > 1)
+        printf("ok   %s (%.2f s)\n", t->name, now() - r->start);
+    *(ok ? &passed : &failed) += 1;
+    r->test = NULL;
+}
+
+/* Waits for the end of a test; the run that is free then. */
+static struct run *wait_for_one(void)
+{
+    int status;
+    pid_t pid = wait(&status);
+    for (unsigned i = 0; i < jobs; i++)
+        if (running[i].test != NULL && running[i].pid == pid) {
+            end(&running[i], status);
+            return &running[i];
+        }
+    perror("wait");
+    exit(2);
+}
+
+static struct run *free_run(void)
+{
+    for (unsigned i = 0; i < jobs; i++)
+        if (running[i].test == NULL)
+            return &running[i];
+    return wait_for_one();
+}
+
+static bool any_runs(void)
+{
+    for (unsigned i = 0; i < jobs; i++)
+        if (running[i].test != NULL)
+            return true;
+    return false;
 }
 
 bool test_is_sanitized(void)
@@ -165,9 +234,12 @@ int main(int argc, char **argv)
 {
     int opt;
     seed = (uint64_t)time(NULL);
-    while ((opt = getopt(argc, argv, "ls:")) != -1) {
+    jobs = usual_jobs();
+    while ((opt = getopt(argc, argv, "lj:s:")) != -1) {
         if (opt == 's') {
             seed = strtoull(optarg, NULL, 10);
+        } else if (opt == 'j') {
+            jobs = (unsigned)strtoul(optarg, NULL, 10);
         } else if (opt == 'l') {
             for (struct test *t = first; t != NULL; t = t->next)
                 printf("%s (%s)\n", t->name, t->file);
@@ -176,16 +248,14 @@ int main(int argc, char **argv)
             return 2;
         }
     }
+    if (jobs < 1 || jobs > sizeof running / sizeof *running)
+        return 2;
     setvbuf(stdout, NULL, _IOLBF, 0);
-    unsigned passed = 0, failed = 0;
-    for (struct test *t = first; t != NULL; t = t->next) {
-        if (!selected(t, argc - optind, argv + optind))
-            continue;
-        if (passes(t))
-            passed++;
-        else
-            failed++;
-    }
+    for (struct test *t = first; t != NULL; t = t->next)
+        if (selected(t, argc - optind, argv + optind))
+            start(free_run(), t);
+    while (any_runs())
+        wait_for_one();
     printf("%u passed, %u failed\n", passed, failed);
     return failed != 0;
 }

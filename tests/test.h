@@ -6,8 +6,9 @@
  *         CHECK(1 + 1 == 2);
  *     }
  *
- * A test binary takes substrings of test names (all tests without), -l to list, -s SEED. A test
- * that draws random numbers uses test_random(), whose seed is printed when the test fails. */
+ * A test binary takes substrings of test names (all tests without), -l to list, -s SEED, -j N to run
+ * N tests at once. A test that draws random numbers uses test_random(), whose seed is printed when
+ * the test fails. */
 #ifndef TEST_H
 #define TEST_H
 
