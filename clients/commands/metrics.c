@@ -90,6 +90,7 @@ static const struct description descriptions[] = {
     {"leader", TEXT, "The daemon that this one follows."},
     {"link", TEXT, "Connection to the leader: connecting, receiving, loading or refused."},
     {"link_error", TEXT, "Why there is none."},
+    {"uninformed_leader", TEXT, "The former leader, until it is known to refuse changes."},
     {"link_lag_records", GAUGE, "Changes of the leader that have not arrived."},
     {"followers", GAUGE, "Followers that are connected."},
     {"min_followers", GAUGE, "Followers that must have a change before it is acknowledged."},

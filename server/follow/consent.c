@@ -35,34 +35,51 @@ static const char *name_of(enum history_relation relation)
     }
 }
 
-enum consent consent_to(const struct position *own, bool confirmed, const char *line, char *why,
-                        size_t size)
+/* Why the line is no answer of a leader. */
+static void explain(const char *line, char *why, size_t size)
 {
-    char text[WORD], lsn[WORD], how[WORD];
-    struct history theirs;
-    if (strncmp(line, "OK ", 3) != 0 || !find_value(line, "history=", text) ||
-        !find_value(line, "lsn=", lsn) || !find_value(line, "continues=", how) ||
-        !history_read(text, strlen(text), &theirs)) {
+    static const char follower[] = "ERR READONLY leader=";
+    size_t n = strlen(follower);
+    if (strncmp(line, follower, n) == 0)
+        snprintf(why, size, "it is a follower itself: FOLLOW its leader %.150s", line + n);
+    else
         snprintf(why, size, "%.150s", strncmp(line, "ERR ", 4) == 0 ? line + 4 : line);
+}
+
+bool consent_read_history(const char *line, struct history *theirs)
+{
+    char text[WORD];
+    return strncmp(line, "OK ", 3) == 0 && find_value(line, "history=", text) &&
+           history_read(text, strlen(text), theirs);
+}
+
+enum consent consent_to(const struct asker *a, const char *line, char *why, size_t size)
+{
+    char text[HISTORY_TEXT], lsn[WORD], how[WORD];
+    struct history theirs;
+    if (!consent_read_history(line, &theirs) || !find_value(line, "lsn=", lsn) ||
+        !find_value(line, "continues=", how)) {
+        explain(line, why, size);
         return CONSENT_LATER;
     }
-    enum history_relation relation = history_relation(&theirs, &own->history);
+    enum history_relation relation = history_relation(&theirs, &a->at.history);
     int n;
-    if (confirmed || own->lsn == 0)
+    if (a->confirmed || a->at.lsn == 0)
         return CONSENT_GIVEN;
+    history_write(text, &theirs);
     if (relation != HISTORY_SAME && relation != HISTORY_NEWER)
         n = snprintf(why, size, "its history %s is %s", text, name_of(relation));
-    else if (strtoull(lsn, NULL, 10) < own->lsn)
+    else if (strtoull(lsn, NULL, 10) < a->at.lsn)
         n = snprintf(why, size, "it has changes up to %s only, this daemon has %" PRIu64, lsn,
-                     own->lsn);
+                     a->at.lsn);
     else if (strcmp(how, "differs") == 0)
         n = snprintf(why, size, "it has other changes up to %" PRIu64 " than this daemon",
-                     own->lsn);
-    else if (strcmp(how, "no") == 0 && relation == HISTORY_NEWER)
+                     a->at.lsn);
+    else if (strcmp(how, "no") == 0 && (relation == HISTORY_NEWER || a->own))
         n = snprintf(why, size,
                      "its log does not reach back to %" PRIu64
                      ", so it may lack changes up to there",
-                     own->lsn);
+                     a->at.lsn);
     else
         return CONSENT_GIVEN;
     if ((size_t)n < size)

@@ -14,9 +14,17 @@ enum consent {
     CONSENT_LATER    /* the leader has answered with an error, or not as a leader does */
 };
 
-/* Decides by the leader's reply to SYNC. `own`: the position of this daemon; lsn 0: it has no changes. `confirmed`: its
- * changes may be discarded. Unless the result is CONSENT_GIVEN, why[size] gets the reason. */
-enum consent consent_to(const struct position *own, bool confirmed, const char *line, char *why,
-                        size_t size);
+/* A daemon that asks to follow. */
+struct asker {
+    struct position at; /* lsn 0: it has no changes */
+    bool own;           /* it may have changes that no leader has sent */
+    bool confirmed;     /* its changes may be discarded */
+};
+
+/* Decides by the leader's reply to SYNC. Unless the result is CONSENT_GIVEN, why[size] gets the reason. */
+enum consent consent_to(const struct asker *a, const char *line, char *why, size_t size);
+
+/* Reads the leader's history from that reply. False: it is an error, or none of a leader. */
+bool consent_read_history(const char *line, struct history *theirs);
 
 #endif

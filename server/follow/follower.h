@@ -30,7 +30,7 @@ const char *follower_follow(struct server *s, const char *host, unsigned port, b
 /* Ends following, or being fenced: a new generation of the history begins, and changes are possible. */
 const char *follower_promote(struct server *s);
 
-/* A daemon with that history has connected. If it is newer, this daemon refuses changes from now on. */
+/* Another daemon has that history. If it is newer, this daemon refuses changes from now on. */
 void follower_meet(struct server *s, const struct history *h);
 
 struct follower_facts {
@@ -39,6 +39,7 @@ struct follower_facts {
     char why[LINK_WHY];
     char leader[ROLE_ADDRESS + 12];
     uint64_t leader_lsn;
+    char former[ROLE_ADDRESS + 12]; /* the former leader that is still to be informed */
 };
 void follower_facts(const struct server *s, struct follower_facts *f);
 

@@ -7,11 +7,7 @@
 #include "server/system/notice.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
-#include <netdb.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +21,6 @@ enum {
     QUEUE_BYTES = 4 << 20,  /* of pieces that are not taken yet: then nothing is received */
     SILENCE_MS = 10 * 1000, /* without a byte from the leader, which sends something every second */
     PATIENCE_MS = 600 * 1000, /* the same before its first header: it may be writing a snapshot */
-    CONNECT_MS = 5 * 1000,
     FIRST_PAUSE_MS = 100,
     LAST_PAUSE_MS = 3 * 1000
 };
@@ -59,40 +54,11 @@ static void set_state(struct link *l, enum link_state state, const char *why)
     pthread_mutex_unlock(&l->mutex);
     if (news && why[0] != '\0')
         notice(state == LINK_REFUSED ? NOTICE_ERROR : NOTICE_WARNING, "following %s:%u: %s",
-               l->host, l->port, why);
+               l->host, l->dial.port, why);
     notify(l);
 }
 
-/* ---- waiting ---- */
-
-/* Waits for an event of the socket (-1: none), or for the I/O thread. False: the thread is to end or to connect again. */
-static bool wait_for(struct link *l, int fd, short events, int ms)
-{
-    struct pollfd p[] = {{.fd = l->wake, .events = POLLIN}, {.fd = fd, .events = events}};
-    eventfd_t count;
-    if (poll(p, fd >= 0 ? 2 : 1, ms) < 0 && errno != EINTR)
-        return false;
-    if ((p[0].revents & POLLIN) != 0)
-        eventfd_read(l->wake, &count);
-    return !l->stop && !l->again;
-}
-
 /* ---- sending ---- */
-
-static bool send_text(struct wire *w, const char *text, size_t n)
-{
-    while (n > 0) {
-        ssize_t sent = send(w->fd, text, n, MSG_NOSIGNAL | MSG_DONTWAIT);
-        if (sent > 0) {
-            text += sent;
-            n -= (size_t)sent;
-        } else if ((errno != EAGAIN && errno != EINTR) ||
-                   !wait_for(w->l, w->fd, POLLOUT, SILENCE_MS)) {
-            return false;
-        }
-    }
-    return true;
-}
 
 static bool acknowledge(struct wire *w)
 {
@@ -107,7 +73,7 @@ static bool acknowledge(struct wire *w)
     w->acked = lsn;
     w->acked_bytes = bytes;
     int n = snprintf(line, sizeof line, "ACK %" PRIu64 " %" PRIu64 "\n", lsn, bytes);
-    return send_text(w, line, (size_t)n);
+    return dial_send(&w->l->dial, w->fd, line, (size_t)n);
 }
 
 /* ---- receiving ---- */
@@ -129,42 +95,12 @@ static bool hear(struct wire *w)
             return false;
         bool begun = w->streaming || w->in_snapshot;
         if (clock_ms() - w->heard_ms > (begun ? SILENCE_MS : PATIENCE_MS) ||
-            !wait_for(w->l, w->fd, POLLIN, 1000) || !acknowledge(w))
+            !dial_wait(&w->l->dial, w->fd, POLLIN, 1000) || !acknowledge(w))
             return false;
     }
 }
 
 /* ---- connecting ---- */
-
-static int connect_to(struct link *l)
-{
-    struct addrinfo hints = {.ai_socktype = SOCK_STREAM, .ai_flags = AI_NUMERICHOST}, *at = NULL;
-    char port[12];
-    snprintf(port, sizeof port, "%u", l->port);
-    if (getaddrinfo(l->host, port, &hints, &at) != 0)
-        return -1;
-    int fd = socket(at->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    int error = fd < 0 ? errno : 0, on = 1;
-    socklen_t size = sizeof error;
-    if (fd >= 0) {
-        setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on); /* acknowledgements do not wait */
-        setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
-    }
-    if (fd >= 0 && connect(fd, at->ai_addr, at->ai_addrlen) != 0) {
-        error = errno;
-        if (error == EINPROGRESS) {
-            struct pollfd p = {.fd = fd, .events = POLLOUT};
-            error = poll(&p, 1, CONNECT_MS) == 1 ? 0 : ETIMEDOUT;
-            if (error == 0)
-                getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
-        }
-    }
-    freeaddrinfo(at);
-    if (error != 0 && fd >= 0)
-        close(fd);
-    errno = error;
-    return error != 0 ? -1 : fd;
-}
 
 /* Waits for the position to continue from. */
 static bool ask_position(struct link *l, struct position *from)
@@ -180,7 +116,7 @@ static bool ask_position(struct link *l, struct position *from)
         go = l->may_go;
         *from = l->from;
         pthread_mutex_unlock(&l->mutex);
-        if (!go && !wait_for(l, -1, 0, 1000))
+        if (!go && !dial_wait(&l->dial, -1, 0, 1000))
             return false;
     }
     pthread_mutex_lock(&l->mutex);
@@ -189,57 +125,23 @@ static bool ask_position(struct link *l, struct position *from)
     return true;
 }
 
-/* Receives a line into text. */
-static bool hear_line(struct wire *w, char *text, size_t size)
-{
-    for (;;) {
-        const char *head = buf_head(&w->in);
-        const char *end = buf_len(&w->in) > 0 ? memchr(head, '\n', buf_len(&w->in)) : NULL;
-        if (end != NULL) {
-            size_t n = (size_t)(end - head) < size ? (size_t)(end - head) : size - 1;
-            memcpy(text, head, n);
-            text[n] = '\0';
-            buf_consume(&w->in, (size_t)(end - head) + 1);
-            return true;
-        }
-        if (buf_len(&w->in) > size || !hear(w))
-            return false;
-    }
-}
-
-/* Sends SYNC, and receives the leader's answer. Waits for the reply to AUTH before that: SYNC discards replies that have not
- * been sent yet. False: there is no answer, or AUTH is refused. */
-static bool ask_sync(struct wire *w, const struct position *from, char *line, size_t size)
-{
-    struct link *l = w->l;
-    char history[HISTORY_TEXT];
-    if (l->token[0] != '\0') {
-        int n = snprintf(line, size, "AUTH %s\n", l->token);
-        if (!send_text(w, line, (size_t)n) || !hear_line(w, line, size))
-            return false;
-        if (strncmp(line, "OK", 2) != 0) {
-            set_state(l, LINK_CONNECTING, line);
-            return false;
-        }
-    }
-    history_write(history, &from->history);
-    int n = snprintf(line, size, "SYNC %s %" PRIu64 " %016" PRIx64 "\n", history, from->lsn,
-                     from->digest);
-    return send_text(w, line, (size_t)n) && hear_line(w, line, size);
-}
-
 /* Asks the leader to continue from there. */
 static bool greet(struct wire *w, const struct position *from)
 {
     struct link *l = w->l;
-    char line[512];
+    char line[DIAL_LINE];
     struct position asked = *from;
     if (l->confirmed || from->lsn == 0)
         asked.lsn = asked.digest = 0;
-    if (!ask_sync(w, &asked, line, sizeof line))
+    if (!dial_sync(&l->dial, w->fd, &asked, &w->in, line)) {
+        if (line[0] != '\0')
+            set_state(l, LINK_CONNECTING, line);
         return false;
+    }
+    w->heard_ms = clock_ms();
     char why[LINK_WHY];
-    enum consent consent = consent_to(from, l->confirmed, line, why, sizeof why);
+    struct asker here = {.at = *from, .own = l->own, .confirmed = l->confirmed};
+    enum consent consent = consent_to(&here, line, why, sizeof why);
     if (consent != CONSENT_GIVEN)
         set_state(l, consent == CONSENT_REFUSED ? LINK_REFUSED : LINK_CONNECTING, why);
     return consent == CONSENT_GIVEN;
@@ -268,7 +170,7 @@ static bool pass_on(struct wire *w, const char *bytes, size_t n)
             l->queued += n;
         }
         pthread_mutex_unlock(&l->mutex);
-        if (!room && (!wait_for(l, -1, 0, 1000) || !acknowledge(w))) {
+        if (!room && (!dial_wait(&l->dial, -1, 0, 1000) || !acknowledge(w))) {
             link_piece_free(p);
             return false;
         }
@@ -314,16 +216,16 @@ static bool install(struct wire *w)
     l->installed = false;
     pthread_mutex_unlock(&l->mutex);
     notify(l);
-    for (bool done = false; !done && !l->stop;) {
+    for (bool done = false; !done && !l->dial.stop;) {
         pthread_mutex_lock(&l->mutex);
         done = l->installed;
         pthread_mutex_unlock(&l->mutex);
         if (!done)
-            wait_for(l, -1, 0, 1000);
+            dial_wait(&l->dial, -1, 0, 1000);
     }
     w->heard_ms = clock_ms();
     l->confirmed = false;
-    return !l->stop;
+    return !l->dial.stop;
 }
 
 static bool take_header(struct wire *w, const struct segment *h)
@@ -416,7 +318,7 @@ static bool converse(struct link *l)
     bool greeted = false;
     if (!ask_position(l, &from))
         return false;
-    w.fd = connect_to(l);
+    w.fd = dial_connect(&l->dial);
     if (w.fd < 0) {
         char why[80];
         snprintf(why, sizeof why, "no connection: %s", strerror(errno));
@@ -432,79 +334,43 @@ static bool converse(struct link *l)
     return greeted;
 }
 
-/* Tells a former leader that there is a newer history, until it has answered. */
-static void announce(struct link *l)
-{
-    char line[512];
-    for (bool heard = false; !heard && !l->stop;) {
-        struct wire w = {.l = l, .fd = connect_to(l), .heard_ms = clock_ms()};
-        struct position from = l->from;
-        from.digest = 1; /* not one that it would send a snapshot for */
-        if (w.fd >= 0) {
-            heard = ask_sync(&w, &from, line, sizeof line);
-            buf_free(&w.in);
-            close(w.fd);
-        }
-        if (!heard)
-            wait_for(l, -1, 0, 1000);
-    }
-}
-
 static void *serve(void *arg)
 {
     struct link *l = arg;
     int pause = FIRST_PAUSE_MS;
-    if (l->announce) {
-        announce(l);
-        return NULL;
-    }
-    while (!l->stop) {
-        l->again = false;
+    while (!l->dial.stop) {
+        l->dial.again = false;
         pause = converse(l)                 ? FIRST_PAUSE_MS
                 : pause * 2 < LAST_PAUSE_MS ? pause * 2
                                             : LAST_PAUSE_MS;
-        for (int64_t until = clock_ms() + pause; !l->stop && clock_ms() < until;) {
-            l->again = false;
-            wait_for(l, -1, 0, (int)(until - clock_ms()) + 1);
+        for (int64_t until = clock_ms() + pause; !l->dial.stop && clock_ms() < until;) {
+            l->dial.again = false;
+            dial_wait(&l->dial, -1, 0, (int)(until - clock_ms()) + 1);
         }
     }
     return NULL;
 }
 
-bool link_read_token(const char *path, char token[LINK_TOKEN])
-{
-    FILE *in = path == NULL ? NULL : fopen(path, "re");
-    token[0] = '\0';
-    if (path == NULL)
-        return true;
-    if (in == NULL)
-        return false;
-    bool ok = fgets(token, LINK_TOKEN, in) != NULL;
-    fclose(in);
-    token[strcspn(token, " \r\n")] = '\0';
-    return ok && token[0] != '\0';
-}
-
 bool link_start(struct link *l)
 {
     l->last = &l->first;
-    l->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    if (l->wake < 0)
+    l->dial.host = l->host;
+    l->dial.patience_ms = PATIENCE_MS;
+    if (!dial_init(&l->dial))
         return false;
     pthread_mutex_init(&l->mutex, NULL);
     int error = pthread_create(&l->thread, NULL, serve, l);
     if (error == 0)
         return true;
     pthread_mutex_destroy(&l->mutex);
-    close(l->wake);
+    dial_clear(&l->dial);
     errno = error;
     return false;
 }
 
 void link_end(struct link *l)
 {
-    l->stop = true;
-    eventfd_write(l->wake, 1);
+    dial_stop(&l->dial);
     pthread_join(l->thread, NULL);
     for (struct link_piece *p; (p = link_take(l)) != NULL;)
         link_piece_free(p);
@@ -514,7 +380,7 @@ void link_end(struct link *l)
         free(l->arrival);
     }
     pthread_mutex_destroy(&l->mutex);
-    close(l->wake);
+    dial_clear(&l->dial);
     free(l);
 }
 
@@ -534,7 +400,7 @@ void link_go(struct link *l, const struct position *from)
     l->from = *from;
     l->may_go = true;
     pthread_mutex_unlock(&l->mutex);
-    eventfd_write(l->wake, 1);
+    dial_wake(&l->dial);
 }
 
 struct link_piece *link_take(struct link *l)
@@ -549,7 +415,7 @@ struct link_piece *link_take(struct link *l)
     }
     pthread_mutex_unlock(&l->mutex);
     if (p != NULL)
-        eventfd_write(l->wake, 1);
+        dial_wake(&l->dial);
     return p;
 }
 
@@ -575,7 +441,7 @@ void link_installed(struct link *l, uint64_t lsn)
     l->arrival = NULL;
     l->installed = true;
     pthread_mutex_unlock(&l->mutex);
-    eventfd_write(l->wake, 1);
+    dial_wake(&l->dial);
 }
 
 void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes)
@@ -585,12 +451,12 @@ void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes)
     if (bytes != 0)
         l->acked_bytes = bytes;
     pthread_mutex_unlock(&l->mutex);
-    eventfd_write(l->wake, 1);
+    dial_wake(&l->dial);
 }
 
 void link_again(struct link *l, const char *why)
 {
     set_state(l, LINK_CONNECTING, why);
-    l->again = true;
-    eventfd_write(l->wake, 1);
+    l->dial.again = true;
+    dial_wake(&l->dial);
 }

@@ -8,15 +8,14 @@
 
 #include "proto/buf.h"
 #include "server/disk/recover.h"
-#include "server/follow/position.h"
+#include "server/follow/dial.h"
 #include "server/follow/role.h"
 
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { LINK_WHY = 240, LINK_TOKEN = 128 };
+enum { LINK_WHY = 240 };
 
 enum link_state {
     LINK_CONNECTING,
@@ -41,10 +40,9 @@ struct link_arrival {
 struct link {
     /* set before the start */
     char host[ROLE_ADDRESS];
-    unsigned port;
-    char token[LINK_TOKEN]; /* empty: none */
-    bool confirmed;         /* the leader may replace a history that it does not continue */
-    bool announce; /* only reports that there is a newer history, until the leader has answered */
+    struct dial dial;          /* but for the host: link_start sets that */
+    bool confirmed;            /* the leader may replace a history that it does not continue */
+    atomic_bool own;           /* this daemon may have changes that no leader has sent */
     const struct datadir *dir; /* borrows */
     struct dt_pages *pages;    /* borrows */
     int event; /* borrows; an eventfd, written when there is something for the I/O thread */
@@ -61,14 +59,8 @@ struct link {
     bool installed;
     uint64_t acked, acked_bytes; /* what is to be acknowledged */
     uint64_t leader_lsn;         /* the last one that is known of the leader */
-    /* the thread's */
-    int wake; /* owns; an eventfd */
-    atomic_bool stop, again;
     pthread_t thread;
 };
-
-/* Reads the token for a leader from the first line of a file; NULL: there is none. False if it cannot be read. */
-bool link_read_token(const char *path, char token[LINK_TOKEN]);
 
 /* Starts the thread. False with errno. */
 bool link_start(struct link *l);

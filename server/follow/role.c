@@ -8,39 +8,96 @@
 #include <string.h>
 #include <unistd.h>
 
+/* ---- the file ---- */
+
+static void read_decision(struct remembered_role *r, const char *line)
+{
+    char word[16], arg[ROLE_ADDRESS] = "", own[8] = "";
+    unsigned port = 0;
+    int n = sscanf(line, "%15s %79s %u %7s", word, arg, &port, own);
+    bool address = n >= 3 && port != 0, owns = n == 4 && strcmp(own, "own") == 0;
+    if (n >= 3 && strcmp(word, "follow") == 0 && address && (n == 3 || owns))
+        r->kind = ROLE_FOLLOWS;
+    else if (n >= 1 && strcmp(word, "lead") == 0 && (n == 1 || (n == 3 && address)))
+        r->kind = ROLE_LEADS;
+    else if (n == 2 && strcmp(word, "fenced") == 0 && history_read(arg, strlen(arg), &r->newer))
+        r->kind = ROLE_FENCED;
+    if (r->kind == ROLE_UNKNOWN || !address)
+        return;
+    strcpy(r->host, arg);
+    r->port = port;
+    r->own = owns;
+}
+
 struct remembered_role role_read(const char *path)
 {
-    struct remembered_role role = {.port = 0};
-    char name[4096], line[160], word[16], arg[ROLE_ADDRESS];
-    unsigned port;
+    struct remembered_role role = {.kind = ROLE_UNKNOWN};
+    char name[4096], line[160];
     snprintf(name, sizeof name, "%s/role", path);
     FILE *in = fopen(name, "re");
     if (in == NULL)
         return role;
-    if (fgets(line, sizeof line, in) != NULL) {
-        int n = sscanf(line, "%15s %79s %u", word, arg, &port);
-        if (n == 3 && strcmp(word, "follow") == 0) {
-            strcpy(role.host, arg);
-            role.port = port;
-        } else if (n == 2 && strcmp(word, "fenced") == 0) {
-            role.fenced = history_read(arg, strlen(arg), &role.newer);
-        }
-    }
+    if (fgets(line, sizeof line, in) != NULL)
+        read_decision(&role, line);
+    if (role.kind != ROLE_UNKNOWN && fgets(line, sizeof line, in) != NULL)
+        sscanf(line, "flag %91s", role.flag);
     fclose(in);
     return role;
 }
 
-bool role_write(const struct datadir *dir, const char *line)
+/* The text of the file; "": none is needed. */
+static void write_text(char *to, size_t size, const struct remembered_role *r)
+{
+    char history[HISTORY_TEXT];
+    size_t n = 0;
+    to[0] = '\0';
+    if (r->kind == ROLE_FOLLOWS)
+        n = (size_t)snprintf(to, size, "follow %s %u%s\n", r->host, r->port, r->own ? " own" : "");
+    else if (r->kind == ROLE_LEADS && r->port != 0)
+        n = (size_t)snprintf(to, size, "lead %s %u\n", r->host, r->port);
+    else if (r->kind == ROLE_LEADS && r->flag[0] != '\0')
+        n = (size_t)snprintf(to, size, "lead\n");
+    if (r->kind == ROLE_FENCED) {
+        history_write(history, &r->newer);
+        n = (size_t)snprintf(to, size, "fenced %s\n", history);
+    }
+    if (n > 0 && r->flag[0] != '\0')
+        snprintf(to + n, size - n, "flag %s\n", r->flag);
+}
+
+bool role_write(const struct datadir *dir, const struct remembered_role *r)
 {
     static const char temporary[] = "role.new", name[] = "role";
-    size_t n = strlen(line);
+    char text[320];
+    write_text(text, sizeof text, r);
+    size_t n = strlen(text);
     if (n == 0)
         return (unlinkat(dir->fd, name, 0) == 0 || errno == ENOENT) && datadir_sync(dir);
     int fd = openat(dir->fd, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    bool ok = fd >= 0 && write(fd, line, n) == (ssize_t)n && fsync(fd) == 0;
+    bool ok = fd >= 0 && write(fd, text, n) == (ssize_t)n && fsync(fd) == 0;
     if (fd >= 0)
         close(fd);
     return ok && renameat(dir->fd, temporary, dir->fd, name) == 0 && datadir_sync(dir);
+}
+
+/* ---- decisions ---- */
+
+bool role_decide(struct remembered_role *r, const char *flag)
+{
+    char host[ROLE_ADDRESS];
+    unsigned port;
+    if (flag == NULL)
+        flag = "";
+    else if (!role_read_address(flag, host, &port))
+        return false;
+    if (strcmp(flag, r->flag) != 0 && flag[0] != '\0') {
+        r->own = r->own || r->kind != ROLE_FOLLOWS;
+        r->kind = ROLE_FOLLOWS;
+        strcpy(r->host, host);
+        r->port = port;
+    }
+    snprintf(r->flag, sizeof r->flag, "%s", flag);
+    return true;
 }
 
 bool role_read_address(const char *text, char host[ROLE_ADDRESS], unsigned *port)

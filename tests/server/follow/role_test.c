@@ -6,6 +6,7 @@
 #include "tests/test.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -34,27 +35,74 @@ static struct remembered_role read_back(const struct bench *b)
 
 static bool is_none(struct remembered_role r)
 {
-    return r.port == 0 && !r.fenced;
+    return r.kind == ROLE_UNKNOWN && r.port == 0 && !r.own && r.flag[0] == '\0';
+}
+
+static struct remembered_role follower(const char *host, unsigned port)
+{
+    struct remembered_role r = {.kind = ROLE_FOLLOWS, .port = port};
+    strcpy(r.host, host);
+    return r;
+}
+
+static bool follows(struct remembered_role r, const char *host, unsigned port)
+{
+    return r.kind == ROLE_FOLLOWS && r.port == port && strcmp(r.host, host) == 0;
+}
+
+/* What is written is read back, and the file has that text. */
+static void expect_text(const struct bench *b, const struct remembered_role *r, const char *want)
+{
+    char path[100], text[400];
+    CHECK(role_write(&b->dir, r));
+    snprintf(path, sizeof path, "%s/role", b->directory.path);
+    FILE *in = fopen(path, "r");
+    size_t n = in == NULL ? 0 : fread(text, 1, sizeof text - 1, in);
+    if (in != NULL)
+        fclose(in);
+    text[n] = '\0';
+    CHECK_STR(text, want);
+    struct remembered_role got = read_back(b);
+    CHECK(got.kind == (n == 0 ? ROLE_UNKNOWN : r->kind) && got.port == r->port &&
+          got.own == r->own);
+    CHECK_STR(got.host, r->host);
+    CHECK_STR(got.flag, r->flag);
+    CHECK(got.newer.origin == r->newer.origin && got.newer.generation == r->newer.generation &&
+          got.newer.nonce == r->newer.nonce);
 }
 
 TEST(role_that_was_written_is_read_back_until_it_is_removed)
 {
     struct bench b = begin();
     CHECK(is_none(read_back(&b)));
-    CHECK(role_write(&b.dir, "follow 10.1.2.3 6375\n"));
-    struct remembered_role r = read_back(&b);
-    CHECK(r.port == 6375 && !r.fenced);
-    CHECK_STR(r.host, "10.1.2.3");
-    CHECK(role_write(&b.dir, "follow fe80::1%eth0 1\n"));
-    r = read_back(&b);
-    CHECK(r.port == 1);
-    CHECK_STR(r.host, "fe80::1%eth0");
-    CHECK(role_write(&b.dir, "fenced 00000000000000aa.4.0000000c\n"));
-    r = read_back(&b);
-    CHECK(r.port == 0 && r.fenced && r.newer.origin == 0xaa && r.newer.generation == 4 &&
-          r.newer.nonce == 0xc);
-    CHECK(role_write(&b.dir, "") && is_none(read_back(&b)));
-    CHECK(role_write(&b.dir, "") && is_none(read_back(&b)));
+    struct remembered_role r = follower("10.1.2.3", 6375), none = {.kind = ROLE_LEADS};
+    expect_text(&b, &r, "follow 10.1.2.3 6375\n");
+    r.own = true;
+    strcpy(r.flag, "10.1.2.4:6374");
+    expect_text(&b, &r, "follow 10.1.2.3 6375 own\nflag 10.1.2.4:6374\n");
+    r = follower("fe80::1%eth0", 1);
+    expect_text(&b, &r, "follow fe80::1%eth0 1\n");
+    r.kind = ROLE_LEADS;
+    expect_text(&b, &r, "lead fe80::1%eth0 1\n");
+    struct remembered_role led = {.kind = ROLE_LEADS, .flag = "[::1]:6374"};
+    expect_text(&b, &led, "lead\nflag [::1]:6374\n");
+    struct remembered_role fenced = {.kind = ROLE_FENCED, .newer = {0xaa, 4, 0xc, 0}};
+    expect_text(&b, &fenced, "fenced 00000000000000aa.4.0000000c\n");
+    expect_text(&b, &none, "");
+    expect_text(&b, &none, "");
+    end(&b);
+}
+
+/* A text as long as possible. */
+TEST(role_with_the_longest_address_is_read_back)
+{
+    struct bench b = begin();
+    struct remembered_role r = {.kind = ROLE_FOLLOWS, .port = 65535, .own = true};
+    char want[400];
+    memset(r.host, '1', ROLE_ADDRESS - 1);
+    snprintf(r.flag, sizeof r.flag, "[%s]:65535", r.host);
+    snprintf(want, sizeof want, "follow %s 65535 own\nflag %s\n", r.host, r.flag);
+    expect_text(&b, &r, want);
     end(&b);
 }
 
@@ -67,11 +115,18 @@ TEST(role_file_that_makes_no_sense_counts_as_none)
                                         "follow 10.0.0.1 x\n",
                                         "follow 10.0.0.1 0\n",
                                         "Follow 10.0.0.1 1\n",
+                                        "follow 10.0.0.1 1 mine\n",
+                                        "lead 10.0.0.1\n",
+                                        "lead 10.0.0.1 0\n",
+                                        "lead 10.0.0.1 1 own\n",
+                                        "leads\n",
+                                        "flag 10.0.0.1:1\n",
+                                        "follow 10.0.0.1 0\nflag 10.0.0.1:1\n",
                                         "fenced\n",
                                         "fenced aa.4\n",
                                         "fenced aa.4.c 9\n",
                                         "fenced follow\n",
-                                        "lead 10.0.0.1 6375\n"};
+                                        "lead me\n"};
     struct bench b = begin();
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         char path[100];
@@ -91,12 +146,13 @@ TEST(role_file_that_makes_no_sense_counts_as_none)
 TEST(role_is_durable_when_it_has_been_written_and_when_it_has_been_removed)
 {
     struct bench b = begin();
+    struct remembered_role r = follower("10.0.0.1", 6375), none = {.kind = ROLE_LEADS};
     calls_watch(b.directory.path);
-    CHECK(role_write(&b.dir, "follow 10.0.0.1 6375\n"));
+    CHECK(role_write(&b.dir, &r));
     CHECK_STR(calls_text(), "create role.new\nwrite role.new\nsync role.new\n"
                             "rename role.new role\nsync .\n");
     calls_watch(b.directory.path);
-    CHECK(role_write(&b.dir, ""));
+    CHECK(role_write(&b.dir, &none));
     CHECK_STR(calls_text(), "remove role\nsync .\n");
     end(&b);
 }
@@ -106,20 +162,60 @@ TEST(role_that_cannot_be_written_leaves_the_old_one)
     static const char *const calls[] = {"create role.new", "write role.new", "sync role.new",
                                         "rename role.new role"};
     struct bench b = begin();
-    CHECK(role_write(&b.dir, "follow 10.0.0.1 6375\n"));
+    struct remembered_role r = follower("10.0.0.1", 6375), none = {.kind = ROLE_LEADS},
+                           fenced = {.kind = ROLE_FENCED, .newer = {0xaa, 4, 0xc, 0}};
+    CHECK(role_write(&b.dir, &r));
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
         calls_watch(b.directory.path);
         calls_fail(calls[i], 1, 1, EIO);
-        CHECK(!role_write(&b.dir, "fenced aa.4.c\n") && errno == EIO && calls_failed() == 1);
+        CHECK(!role_write(&b.dir, &fenced) && errno == EIO && calls_failed() == 1);
         CHECK_MSG(read_back(&b).port == 6375, "%s", calls[i]);
     }
     calls_watch(b.directory.path);
     calls_fail("remove role", 1, 1, EIO);
-    CHECK(!role_write(&b.dir, "") && errno == EIO && read_back(&b).port == 6375);
+    CHECK(!role_write(&b.dir, &none) && errno == EIO && read_back(&b).port == 6375);
     calls_fail("sync .", 1, 1, EIO);
-    CHECK(!role_write(&b.dir, "") && errno == EIO);
+    CHECK(!role_write(&b.dir, &none) && errno == EIO);
     end(&b);
 }
+
+/* ---- decisions ---- */
+
+static struct remembered_role decide(struct remembered_role r, const char *flag)
+{
+    CHECK(role_decide(&r, flag));
+    CHECK_STR(r.flag, flag == NULL ? "" : flag);
+    return r;
+}
+
+TEST(directory_without_a_role_does_what_the_flag_says)
+{
+    struct remembered_role none = {.kind = ROLE_UNKNOWN}, r = decide(none, NULL);
+    CHECK(r.kind == ROLE_UNKNOWN);
+    r = decide(none, "10.0.0.1:6374");
+    CHECK(follows(r, "10.0.0.1", 6374) && r.own);
+    CHECK(!role_decide(&none, "10.0.0.1"));
+}
+
+TEST(flag_that_is_new_decides_and_one_that_is_not_leaves_what_a_command_has_decided)
+{
+    struct remembered_role r = follower("10.0.0.2", 2);
+    strcpy(r.flag, "10.0.0.1:1");
+    CHECK(follows(decide(r, "10.0.0.1:1"), "10.0.0.2", 2));
+    CHECK(follows(decide(r, NULL), "10.0.0.2", 2));
+    struct remembered_role to = decide(r, "10.0.0.3:3");
+    CHECK(follows(to, "10.0.0.3", 3) && !to.own);
+    r.kind = ROLE_LEADS;
+    CHECK(decide(r, "10.0.0.1:1").kind == ROLE_LEADS && decide(r, NULL).kind == ROLE_LEADS);
+    to = decide(r, "10.0.0.3:3");
+    CHECK(follows(to, "10.0.0.3", 3) && to.own);
+    r.kind = ROLE_FENCED;
+    CHECK(decide(r, "10.0.0.1:1").kind == ROLE_FENCED);
+    to = decide(decide(r, NULL), "10.0.0.1:1"); /* the flag was left out, and is there again */
+    CHECK(follows(to, "10.0.0.1", 1) && to.own);
+}
+
+/* ---- addresses ---- */
 
 TEST(addresses_are_read_with_and_without_brackets)
 {

@@ -1,0 +1,323 @@
+/* follower_role.c - whom this daemon follows, and whether it accepts changes (follower.h). */
+#include "server/follow/follower.h"
+
+#include "server/follow/follower_inside.h"
+#include "server/follow/leader.h"
+#include "server/jobs/durable.h"
+#include "server/system/notice.h"
+#include "server/system/random.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- the role ---- */
+
+static void refuse_changes(struct follower *f)
+{
+    struct server *s = f->server;
+    char history[HISTORY_TEXT];
+    history_write(history, &f->role.newer);
+    if (f->role.kind == ROLE_FENCED)
+        snprintf(
+            f->why, sizeof f->why,
+            "there is a newer history %s: FOLLOW its leader, or FOLLOW NONE to go on without it",
+            history);
+    else
+        snprintf(f->why, sizeof f->why, "leader=%s:%u", f->role.host, f->role.port);
+    s->read_only.code = ERR_READONLY;
+    s->read_only.why = f->why;
+    s->follows = f->role.kind == ROLE_FOLLOWS;
+}
+
+/* An operator who changes --follow means it; one who has used FOLLOW since does not mean the flag any more. */
+static bool decide(struct follower *f)
+{
+    static const char *const kinds[] = {"", "a follower of another one", "a leader", "fenced"};
+    const char *flag = f->server->config->follow;
+    if (flag != NULL && f->server->config->data == NULL) {
+        notice(NOTICE_ERROR, "--follow needs --data");
+        return false;
+    }
+    if (f->server->config->data != NULL)
+        f->role = role_read(f->server->config->data);
+    struct remembered_role known = f->role;
+    if (!role_decide(&f->role, flag)) {
+        notice(NOTICE_ERROR, "--follow %s: not ADDR:PORT", flag);
+        return false;
+    }
+    char host[ROLE_ADDRESS];
+    unsigned port;
+    if (flag == NULL || !role_read_address(flag, host, &port))
+        return true;
+    bool followed = known.kind == ROLE_FOLLOWS && known.port == port && !strcmp(known.host, host);
+    if (strcmp(known.flag, flag) == 0 && !followed)
+        notice(NOTICE_WARNING,
+               "--follow %s is ignored: since the last start with it this daemon is %s", flag,
+               kinds[f->role.kind]);
+    return true;
+}
+
+bool follower_prepare(struct server *s, struct loop *loop)
+{
+    struct follower *f = calloc(1, sizeof *f);
+    if (f == NULL) {
+        notice(NOTICE_ERROR, "out of memory");
+        return false;
+    }
+    s->follower = f;
+    f->server = s;
+    f->loop = loop;
+    f->source.fd = -1;
+    if (!decide(f))
+        return false;
+    if (f->role.kind == ROLE_FENCED || f->role.kind == ROLE_FOLLOWS)
+        refuse_changes(f);
+    return true;
+}
+
+/* ---- following, and informing a former leader ---- */
+
+static const char *start_link(struct follower *f)
+{
+    struct server *s = f->server;
+    struct link *l = calloc(1, sizeof *l);
+    if (l == NULL)
+        return "out of memory";
+    if (!dial_read_token(s->config->follow_token_file, l->dial.token)) {
+        free(l);
+        return "the file of --follow-token-file cannot be read";
+    }
+    snprintf(l->host, sizeof l->host, "%s", f->role.host);
+    l->dial.port = f->role.port;
+    l->confirmed = f->confirmed;
+    l->own = f->role.own;
+    l->dir = durable_dir(s);
+    l->pages = s->pages;
+    l->event = f->source.fd;
+    if (!link_start(l)) {
+        free(l);
+        return strerror(errno);
+    }
+    f->link = l;
+    return NULL;
+}
+
+static void end_threads(struct follower *f)
+{
+    if (f->link != NULL)
+        link_end(f->link);
+    f->link = NULL;
+    link_piece_free(f->piece);
+    f->piece = NULL;
+    f->at = 0;
+    announce_end(f->announce);
+    f->announce = NULL;
+}
+
+/* Begins to follow; the log is at a position of its own. */
+static const char *begin(struct follower *f)
+{
+    struct server *s = f->server;
+    const struct log_status *log = durable_status(s);
+    f->lsn = log_last(durable_log(s));
+    f->digest = log->durable == f->lsn && !durable_has_gap(s) ? log->digest : 0;
+    f->whole_digest = f->digest;
+    f->claimed = f->done = f->done_bytes = f->acked = f->acked_bytes = 0;
+    f->following = true;
+    durable_set_digest(s, &f->whole_digest);
+    durable_close_mark(s, false);
+    durable_keep_log(s,
+                     s->config->keep_log); /* others may follow this daemon after its promotion */
+    return start_link(f);
+}
+
+void follower_agrees(struct follower *f)
+{
+    if (!f->role.own)
+        return;
+    f->role.own = false;
+    f->link->own = false;
+    if (!role_write(durable_dir(f->server), &f->role))
+        f->role.own = true; /* tried again */
+}
+
+/* Informs the former leader, if it is not known that it refuses changes. */
+static void inform(struct follower *f)
+{
+    const struct server *s = f->server;
+    char token[DIAL_TOKEN];
+    if (f->role.kind != ROLE_LEADS || f->role.port == 0)
+        return;
+    errno = 0;
+    if (dial_read_token(s->config->follow_token_file, token))
+        f->announce = announce_start(f->role.host, f->role.port, token,
+                                     &durable_dir(s)->lineage.history, f->source.fd);
+    if (f->announce == NULL)
+        notice(NOTICE_WARNING, "the former leader %s:%u is not informed: %s", f->role.host,
+               f->role.port, errno != 0 ? strerror(errno) : "no token");
+}
+
+void follower_take_answer(struct follower *f)
+{
+    struct announcement *a = f->announce;
+    if (a == NULL || a->state == ANNOUNCE_TRYING)
+        return;
+    struct history newer = a->theirs;
+    bool fenced = a->state == ANNOUNCE_NEWER;
+    notice(NOTICE_INFO, "the former leader %s:%u has been informed, and answers %s", f->role.host,
+           f->role.port, a->answer);
+    announce_end(a);
+    f->announce = NULL;
+    f->role.port = 0;
+    if (fenced)
+        follower_meet(f->server, &newer);
+    else if (!role_write(durable_dir(f->server), &f->role))
+        notice(NOTICE_WARNING, "it is informed again after a restart: %s", strerror(errno));
+}
+
+void follower_begin(struct server *s)
+{
+    struct follower *f = s->follower;
+    if (f == NULL || durable_dir(s) == NULL || f->source.fd >= 0)
+        return;
+    if (!follower_watch(f)) {
+        notice(NOTICE_ERROR, "cannot follow: %s", strerror(errno));
+        return;
+    }
+    if (f->role.kind == ROLE_UNKNOWN)
+        return;
+    struct remembered_role known = role_read(s->config->data);
+    if (strcmp(known.flag, f->role.flag) != 0 &&
+        !role_write(durable_dir(s), &f->role)) /* a full disk does not keep it from following */
+        notice(NOTICE_WARNING, "the role cannot be remembered: %s", strerror(errno));
+    inform(f);
+    if (!s->follows)
+        return;
+    const char *why = begin(f);
+    if (why != NULL)
+        notice(NOTICE_ERROR, "cannot follow %s:%u: %s", f->role.host, f->role.port, why);
+}
+
+void follower_stop(struct server *s)
+{
+    struct follower *f = s->follower;
+    if (f == NULL)
+        return;
+    end_threads(f);
+    if (f->source.fd >= 0) {
+        apply_clear(&f->apply);
+        close(f->source.fd);
+    }
+    free(f);
+    s->follower = NULL;
+}
+
+/* ---- FOLLOW ---- */
+
+/* The role that a command has decided, with the flag of the last start. */
+static struct remembered_role decided(const struct follower *f, enum role_kind kind)
+{
+    struct remembered_role next = {.kind = kind};
+    memcpy(next.flag, f->role.flag, sizeof next.flag);
+    return next;
+}
+
+const char *follower_follow(struct server *s, const char *host, unsigned port, bool confirmed)
+{
+    struct follower *f = s->follower;
+    struct remembered_role next = decided(f, ROLE_FOLLOWS);
+    if (f->busy)
+        return "a change of the leader is being carried out; try again";
+    snprintf(next.host, sizeof next.host, "%s", host);
+    next.port = port;
+    next.own = f->role.own || f->role.kind != ROLE_FOLLOWS;
+    if (!role_write(durable_dir(s), &next))
+        return strerror(errno);
+    end_threads(f);
+    leader_dismiss(s);
+    f->role = next;
+    f->confirmed = confirmed;
+    refuse_changes(f);
+    follower_forget(f);
+    return begin(f);
+}
+
+const char *follower_promote(struct server *s)
+{
+    struct follower *f = s->follower;
+    if (!f->following && f->role.kind != ROLE_FENCED)
+        return NULL;
+    if (f->busy)
+        return "a change of the leader is being carried out; try again";
+    if (durable_status(s)->state == LOG_FAILED)
+        return "the disk does not work";
+    struct lineage l = durable_dir(s)->lineage;
+    if (f->role.kind == ROLE_FENCED && f->role.newer.generation > l.history.generation)
+        l.history.generation = f->role.newer.generation;
+    l.history = history_next(&l.history, (uint32_t)random_bits());
+    struct remembered_role next = decided(f, ROLE_LEADS);
+    memcpy(next.host, f->role.host, sizeof next.host);
+    next.port = f->role.port;
+    if (!role_write(durable_dir(s), &next))
+        return strerror(errno);
+    end_threads(f);
+    follower_forget(f);
+    f->following = false;
+    f->role = next;
+    durable_set_digest(s, NULL);
+    durable_close_mark(s, true);
+    registry_begin_life(&s->sets, l.life);
+    l.life = s->sets.life;
+    durable_set_lineage(s, &l);
+    leader_dismiss(s);
+    s->follows = false;
+    s->read_only.why = NULL;
+    notice(NOTICE_INFO, "this daemon is a leader now");
+    inform(f);
+    return NULL;
+}
+
+void follower_meet(struct server *s, const struct history *h)
+{
+    struct follower *f = s->follower;
+    if (f->following || history_relation(h, &durable_dir(s)->lineage.history) != HISTORY_NEWER)
+        return;
+    end_threads(f); /* it need not inform any other daemon: it is replaced itself */
+    f->role = decided(f, ROLE_FENCED);
+    f->role.newer = *h;
+    if (!role_write(durable_dir(s), &f->role))
+        notice(NOTICE_ERROR, "that there is a newer history cannot be saved: %s", strerror(errno));
+    refuse_changes(f);
+    notice(NOTICE_WARNING, "changes are refused: %s", f->why);
+}
+
+/* ---- INFO ---- */
+
+void follower_facts(const struct server *s, struct follower_facts *facts)
+{
+    struct follower *f = s->follower;
+    static const char *const names[] = {"connecting", "receiving", "loading", "refused"};
+    *facts = (struct follower_facts){.role = "leader", .state = ""};
+    if (f == NULL)
+        return;
+    if (f->role.kind == ROLE_FENCED)
+        facts->role = "fenced";
+    if (f->role.kind == ROLE_LEADS && f->role.port != 0)
+        snprintf(facts->former, sizeof facts->former, "%s:%u", f->role.host, f->role.port);
+    if (!s->follows)
+        return;
+    facts->role = "follower";
+    facts->state = "connecting";
+    snprintf(facts->leader, sizeof facts->leader, "%s:%u", f->role.host, f->role.port);
+    if (f->link == NULL)
+        return;
+    pthread_mutex_lock(&f->link->mutex);
+    facts->state = names[f->link->state];
+    snprintf(facts->why, sizeof facts->why, "%s", f->link->why);
+    facts->leader_lsn = f->link->leader_lsn;
+    pthread_mutex_unlock(&f->link->mutex);
+}
