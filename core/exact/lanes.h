@@ -15,6 +15,12 @@ static inline dt_lanes dt_lanes_load(const double *p)
     return *(const unaligned *)p;
 }
 
+static inline void dt_lanes_store(double *p, dt_lanes v)
+{
+    typedef double unaligned __attribute__((vector_size(16), aligned(8), may_alias));
+    *(unaligned *)p = v;
+}
+
 /* The same value in both lanes. */
 static inline dt_lanes dt_lanes_both(double v)
 {

@@ -83,6 +83,7 @@ static void cells(struct surface *s, enum surface_kind kind)
     static double area[SOME];
     struct dt_bounds b = {0};
     struct dt_cells c;
+    struct dt_cells_made *made;
     struct dt_point lo, hi;
     size_t n, corners, all = 0;
     double sum = 0, start = measure_cpu();
@@ -90,6 +91,10 @@ static void cells(struct surface *s, enum surface_kind kind)
         must(dt_bounds_read(s->set, NULL, &b, 1 << 16, &done) == DT_OK);
     dt_bounds_grow(&b, &lo, &hi);
     must(dt_cells_begin(s->set, NULL, lo, hi, &c) == DT_OK);
+    must(dt_cells_make_begin(s->set, &c, &made) == DT_OK);
+    for (bool done = made == NULL; !done;)
+        must(dt_cells_make(s->set, made, 1 << 12, &done) == DT_OK);
+    c.made = made;
     do {
         must(dt_cells_read(s->set, &c, cell, SOME, corner, CORNERS, &n, &corners) == DT_OK);
         if (kind == SURFACE_AREAS)
@@ -98,6 +103,7 @@ static void cells(struct surface *s, enum surface_kind kind)
             sum += area[i];
         all += n;
     } while (n > 0);
+    dt_cells_made_free(made);
     s->ns[kind] = live_ns(start, all);
     must(kind == SURFACE_CELLS || fabs(sum / ((hi.x - lo.x) * (hi.y - lo.y)) - 1) < 1e-12);
 }

@@ -1,13 +1,12 @@
 /* voronoi.c - the cells of a set one after the other, now or at the moment of a view.
  *
- * Each cell is computed from its star alone (cell.h): circumcentres are computed three times, once for each corner of
- * their triangle, which costs less than an array of all of them, and needs neither memory nor an order of the cells. */
-#include "core/delaunay_surface.h"
+ * Each cell is computed from its star alone (cell.h), which needs neither memory nor an order of the cells; but circumcentres
+ * are computed three times, once for each corner of their triangle. made.c makes all cells at once. */
+#include "core/cells/made.h"
 #include "core/mesh/hull.h"
 #include "core/set/reader.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
-#include "core/surface/cell.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -248,8 +247,10 @@ enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_c
                              size_t room, struct dt_point *corner, size_t cap, size_t *n,
                              size_t *corners)
 {
-    enum dt_status s = dt_view_readable(t, c->view, true);
     *n = *corners = 0;
+    if (c->made != NULL)
+        return dt_made_read(c, cell, room, corner, cap, n, corners);
+    enum dt_status s = dt_view_readable(t, c->view, true);
     if (s != DT_OK)
         return s;
     struct reading r = {.t = t, .v = dt_view_if_changed(t, c->view)};

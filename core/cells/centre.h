@@ -16,6 +16,10 @@
  * times as much where double words do not decide. */
 struct dt_point dt_centre(struct dt_point a, struct dt_point b, struct dt_point c);
 
+/* Those of two triangles, the same in half of the time: the vectors of a machine have room for both. */
+void dt_centre_two(const struct dt_point p[3], const struct dt_point q[3], struct dt_point *of_p,
+                   struct dt_point *of_q);
+
 /* Where the line x = at meets the perpendicular bisector of p and q, whose y differ; where y = at does, if their x
  * differ. */
 double dt_bisector_y(struct dt_point p, struct dt_point q, double at);

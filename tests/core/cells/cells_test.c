@@ -1,7 +1,5 @@
 /* cells_test.c - Voronoi cells: their corners are exact places rounded once, and they tile the box. */
 #include "core/delaunay_surface.h"
-#include "core/exact/predicates.h"
-#include "core/surface/centre.h"
 #include "tests/core/sets.h"
 #include "tests/test.h"
 
@@ -53,6 +51,15 @@ static void read_to_end(const struct dt *t, struct dt_cells *c, bool small, stru
     free(corner);
 }
 
+static struct dt_cells_made *make_all(const struct dt *t, const struct dt_cells *c)
+{
+    struct dt_cells_made *m;
+    CHECK(dt_cells_make_begin(t, c, &m) == DT_OK);
+    for (bool done = m == NULL; !done;)
+        CHECK(dt_cells_make(t, m, 7, &done) == DT_OK);
+    return m;
+}
+
 static void usual_box(const struct dt *t, const struct dt_view *v, struct dt_point *lo,
                       struct dt_point *hi)
 {
@@ -92,6 +99,21 @@ static bool are_equal(const struct cells *a, const struct cells *b)
     return a->n == b->n && a->corners == b->corners &&
            memcmp(a->cell, b->cell, a->n * sizeof *a->cell) == 0 &&
            memcmp(a->corner, b->corner, a->corners * sizeof *a->corner) == 0;
+}
+
+/* Whether all cells that are made at once are these; small: read one by one. */
+static void check_made(const struct dt *t, const struct cells *r, bool small)
+{
+    struct dt_cells c;
+    struct cells made = {r->lo, r->hi, NULL, NULL, 0, 0, 0};
+    CHECK(dt_cells_begin(t, NULL, r->lo, r->hi, &c) == DT_OK);
+    struct dt_cells_made *m = make_all(t, &c);
+    c.made = m;
+    read_to_end(t, &c, small, &made);
+    CHECK(are_equal(r, &made));
+    CHECK(m == NULL || dt_cells_made_corners(m) == r->corners);
+    dt_cells_made_free(m);
+    cells_free(&made);
 }
 
 /* ---- tiling ---- */
@@ -184,6 +206,7 @@ static void check_pair(const struct pair *pair)
 {
     struct cells r = cells_of(pair->t, NULL);
     check_tiling(&r);
+    check_made(pair->t, &r, false);
     /* Boxes through the points: their sides meet corners and run along edges. */
     for (int i = 0; i < 10 && r.n > 0; i++) {
         struct dt_point a = random_place(pair->b), b = random_place(pair->b);
@@ -193,6 +216,7 @@ static void check_pair(const struct pair *pair)
             continue;
         struct cells part = cells_in(pair->t, NULL, lo, hi);
         check_tiling(&part);
+        check_made(pair->t, &part, false);
         cells_free(&part);
     }
     cells_free(&r);
@@ -201,104 +225,6 @@ static void check_pair(const struct pair *pair)
 TEST_TIMEOUT(cells_tile_every_box_on_every_family, 120)
 {
     for_each_pair(check_pair);
-}
-
-/* ---- rounding ---- */
-
-TEST(all_triangles_of_points_on_a_circle_have_the_same_centre)
-{
-    static const double at[8][2] = {{25, 0}, {24, 7}, {20, 15}, {15, 20},
-                                    {7, 24}, {0, 25}, {-7, 24}, {-15, -20}};
-    static const double scale[] = {1, 0x1p-130, 0x1p190}, from[] = {0, 1.0 / 3, 12345678.9, 0x1p40};
-    for (int s = 0; s < 3; s++) {
-        for (int f = 0; f < 4; f++) {
-            struct dt_point p[8], first = {0, 0};
-            bool exact = true;
-            for (int i = 0; i < 8; i++) {
-                p[i] = (struct dt_point){(at[i][0] + from[f]) * scale[s], at[i][1] * scale[s]};
-                exact &= p[i].x / scale[s] - from[f] == at[i][0];
-            }
-            for (int a = 0; a < 8; a++)
-                for (int b = 0; b < 8; b++)
-                    for (int c = 0; c < 8; c++) {
-                        if (a == b || b == c || c == a || !exact)
-                            continue;
-                        struct dt_point q = dt_centre(p[a], p[b], p[c]);
-                        if (a == 0 && b == 1 && c == 2)
-                            first = q;
-                        CHECK(f == 1 || (q.x == first.x && q.y == first.y && q.y == 0));
-                    }
-        }
-    }
-}
-
-TEST(a_centre_half_way_between_two_doubles_is_the_even_one)
-{
-    /* The centres' x is 2^52 + 0.5, 2^52 + 1.5 and, with a point far away, a little more. */
-    double big = 0x1p52;
-    struct dt_point a = {big, 0}, b = {big + 1, 0}, c = {big, 10}, d = {big + 2, 0};
-    CHECK(dt_centre(a, b, c).x == big);
-    CHECK(dt_centre(b, d, (struct dt_point){big + 1, 4}).x == big + 2);
-    CHECK(dt_centre(a, b, c).y == 5);
-    CHECK(dt_bisector_x(a, b, 7) == big && dt_bisector_x(b, d, -0x1p200) == big + 2);
-    CHECK(dt_bisector_x((struct dt_point){big, 0}, (struct dt_point){big + 1, 0x1p-142}, 0) ==
-          big + 1);
-}
-
-__extension__ typedef __int128 wide;
-
-/* Whether v is from + n / d rounded to nearest, for 1 <= |v| < 2^31 and |d| < 2^43. */
-static bool is_rounded(double v, int64_t from, wide n, wide d)
-{
-    int e;
-    frexp(v, &e); /* |v| < 2^e: half a unit is 2^(e - 54) */
-    wide unit = (wide)1 << (54 - e);
-    wide scaled = (wide)ldexp(v, 54 - e), error = (scaled - from * unit) * d - n * unit;
-    error = error < 0 ? -error : error;
-    return error < (d < 0 ? -d : d) || (error == (d < 0 ? -d : d) && scaled / 2 % 2 == 0);
-}
-
-TEST(centres_of_points_far_from_the_origin_are_rounded_to_nearest)
-{
-    int checked = 0;
-    for (int i = 0; i < 100000; i++) {
-        int64_t base = (int64_t)(test_random() % (1u << 30)), v[4];
-        unsigned spread = 1 + (unsigned)(test_random() % 18);
-        for (int k = 0; k < 4; k++)
-            v[k] = (int64_t)(test_random() % (2u << spread)) - (1 << spread);
-        struct dt_point a = {(double)base, (double)-base};
-        struct dt_point b = {(double)(base + v[0]), (double)(v[1] - base)};
-        struct dt_point c = {(double)(base + v[2]), (double)(v[3] - base)};
-        int64_t bb = v[0] * v[0] + v[1] * v[1], cc = v[2] * v[2] + v[3] * v[3];
-        int64_t twice = 2 * (v[0] * v[3] - v[1] * v[2]);
-        if (twice == 0)
-            continue;
-        struct dt_point p = dt_centre(a, b, c);
-        if (fabs(p.x) >= 1 && fabs(p.x) < 0x1p31 && ++checked > 0)
-            CHECK(is_rounded(p.x, base, (wide)bb * v[3] - (wide)cc * v[1], twice));
-        if (fabs(p.y) >= 1 && fabs(p.y) < 0x1p31 && ++checked > 0)
-            CHECK(is_rounded(p.y, -base, (wide)cc * v[0] - (wide)bb * v[2], twice));
-    }
-    CHECK(checked > 100000);
-}
-
-TEST(centres_do_not_depend_on_the_order_of_the_corners)
-{
-    for (int i = 0; i < 5000; i++) {
-        struct dt_point p[3];
-        int spread = (int)(test_random() % 60), flat = (int)(test_random() % 80);
-        for (int k = 0; k < 3; k++) {
-            p[k].x = ldexp(test_uniform() - 0.5, (int)(test_random() % (unsigned)(spread + 1)));
-            p[k].y = p[k].x / 3 + ldexp(test_uniform(), -flat);
-        }
-        if (dt_orient2d(p[0], p[1], p[2]) == 0)
-            continue;
-        struct dt_point q = dt_centre(p[0], p[1], p[2]);
-        for (int k = 0; k < 3; k++) {
-            struct dt_point r = dt_centre(p[(k + 1) % 3], p[k], p[(k + 2) % 3]);
-            CHECK(q.x == r.x && q.y == r.y);
-        }
-    }
 }
 
 /* ---- areas ---- */
@@ -445,6 +371,7 @@ TEST(cells_after_any_edits_are_those_of_a_set_built_at_once)
         struct cells a = cells_of(t, NULL), b = cells_of(fresh, NULL);
         CHECK(are_equal(&a, &b));
         check_tiling(&a);
+        check_made(t, &b, true);
         cells_free(&a);
         cells_free(&b);
         dt_free(t);
@@ -497,6 +424,81 @@ TEST(parts_of_cells_are_the_whole_in_order)
     dt_free(t);
 }
 
+TEST(cells_that_are_made_stay_as_they_were_while_the_set_is_edited)
+{
+    struct dt_point p[300];
+    struct dt *t = set_of(p, random_points(p, 300, false));
+    struct cells whole = cells_of(t, NULL), parts = {whole.lo, whole.hi, NULL, NULL, 0, 0, 0};
+    struct dt_view *v = dt_view_begin(t, true);
+    struct dt_cells c, part;
+    uint32_t deleted, missing;
+    CHECK(v != NULL && dt_cells_begin(t, v, whole.lo, whole.hi, &c) == DT_OK);
+    struct dt_cells_made *m = make_all(t, &c);
+    CHECK(m != NULL);
+    c.made = m;
+    for (uint32_t id = 0; dt_cells_cut(t, &c, 7, &part); id += 2) {
+        read_to_end(t, &part, true, &parts);
+        dt_delete(t, &id, 1, &deleted, &missing);
+    }
+    CHECK(are_equal(&whole, &parts));
+    dt_cells_made_free(m);
+    dt_view_end(v);
+    cells_free(&whole);
+    cells_free(&parts);
+    dt_free(t);
+}
+
+TEST(cells_of_more_triangles_than_are_kept_are_made_the_same)
+{
+    enum { N = 20000 };
+    struct dt_point *p = malloc(N * sizeof *p);
+    CHECK(p != NULL);
+    struct dt *t = set_of(p, random_points(p, N, false));
+    struct cells whole = cells_of(t, NULL);
+    check_made(t, &whole, false);
+    cells_free(&whole);
+    dt_free(t);
+    free(p);
+}
+
+TEST(cells_are_made_at_once_unless_most_ids_are_gone)
+{
+    struct dt_point p[300];
+    struct dt *t = set_of(p, random_points(p, 300, false));
+    for (uint32_t id = 0, deleted, missing; id < 200; id++)
+        dt_delete(t, &id, 1, &deleted, &missing);
+    struct cells whole = cells_of(t, NULL);
+    struct dt_cells c;
+    struct dt_cells_made *m;
+    CHECK(whole.n == 100 && dt_cells_begin(t, NULL, whole.lo, whole.hi, &c) == DT_OK);
+    CHECK(dt_cells_make_begin(t, &c, &m) == DT_OK && m == NULL);
+    cells_free(&whole);
+    dt_free(t);
+}
+
+TEST(cells_that_are_made_without_memory_are_freed)
+{
+    struct dt_point p[300];
+    struct dt *t = set_of(p, random_points(p, 300, false));
+    struct cells whole = cells_of(t, NULL);
+    struct dt_cells c;
+    CHECK(dt_cells_begin(t, NULL, whole.lo, whole.hi, &c) == DT_OK);
+    for (int i = 0; i < 20; i++) {
+        struct dt_cells_made *m;
+        bool done = false;
+        test_fail_alloc(i);
+        enum dt_status s = dt_cells_make_begin(t, &c, &m);
+        while (s == DT_OK && !done)
+            s = dt_cells_make(t, m, 100, &done);
+        CHECK(s == (test_alloc_failed() ? DT_NOMEM : DT_OK));
+        test_fail_alloc(0);
+        dt_cells_made_free(m);
+    }
+    check_made(t, &whole, false);
+    cells_free(&whole);
+    dt_free(t);
+}
+
 TEST(the_cell_of_a_hub_is_read_at_once)
 {
     enum { N = 500 };
@@ -507,6 +509,7 @@ TEST(the_cell_of_a_hub_is_read_at_once)
     struct cells r = cells_of(t, NULL), only = {r.lo, r.hi, NULL, NULL, 0, 0, 0};
     struct dt_cells c, one;
     check_tiling(&r);
+    check_made(t, &r, true);
     CHECK(r.cell[0].corners > 400);
     CHECK(dt_cells_begin(t, NULL, r.lo, r.hi, &c) == DT_OK);
     dt_cells_only(&c, 0, &one);

@@ -1,9 +1,9 @@
 /* cell.c - see cell.h. */
-#include "core/surface/cell.h"
+#include "core/cells/cell.h"
 
+#include "core/cells/centre.h"
 #include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
-#include "core/surface/centre.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -51,51 +51,18 @@ static dt_lanes lanes_of(struct dt_point p)
     return (dt_lanes){p.x, p.y};
 }
 
-/* A neighbour as the site sees it. */
-struct seen {
-    dt_lanes at, turned; /* (x, y) and (y, -x) */
-    double square;
-};
-
-static struct seen see(dt_lanes site, struct dt_point p)
-{
-    dt_lanes at = lanes_of(p) - site, square = at * at;
-    return (struct seen){at, (dt_lanes){at[1], -at[0]}, square[0] + square[1]};
-}
-
-/* The circumcentre, the formula of centre.c in doubles, with u = 2^-53. Differences are off by u of themselves at most,
- * squares by 4u, the area by 4u of `size`, the numerator by 7u of the sum of its terms' magnitudes `terms`, and the
- * quotient by 2u more. The factors below are larger by an eighth, which makes up for 4u size / area < 2^-8, and for the
- * rounding of the bound itself. False: the rounded sum may be another double than the exact one. */
-static bool centre_double(dt_lanes site, const struct seen *b, const struct seen *c,
-                          struct dt_point *out)
-{
-    double left = b->at[0] * c->at[1], right = b->at[1] * c->at[0];
-    double area = left - right, size = fabs(left) + fabs(right), scale = 0.5 / area;
-    dt_lanes p = dt_lanes_both(b->square) * c->turned, q = dt_lanes_both(c->square) * b->turned;
-    dt_lanes offset = (p - q) * dt_lanes_both(scale), terms = dt_lanes_abs(p) + dt_lanes_abs(q);
-    dt_lanes error = (terms * dt_lanes_both(8 * fabs(scale)) +
-                      dt_lanes_abs(offset) * dt_lanes_both(9 * fabs(scale) * size + 2.5)) *
-                     dt_lanes_both(0x1p-53);
-    dt_lanes near = site + offset, part = near - site;
-    dt_lanes rest = (site - (near - part)) + (offset - part);
-    dt_lanes_holds sure = (near + (rest + error) == near) & (near + (rest - error) == near);
-    near += dt_lanes_both(0);
-    *out = (struct dt_point){near[0], near[1]};
-    return size < 0x1p42 * fabs(area) && dt_lanes_bits(sure) == 3;
-}
-
 /* w->centre[i]: the corner between neighbours i and i + 1, for i < n, the next one of the last being the first. */
 static void find_centres(struct dt_cell_work *w, struct dt_point at, uint32_t degree, uint32_t n)
 {
-    dt_lanes site = lanes_of(at);
-    struct seen first = see(site, w->ring[0]), here = first;
-    for (uint32_t i = 0; i < n; i++) {
-        uint32_t next = i + 1 < degree ? i + 1 : 0;
-        struct seen beyond = next == 0 ? first : see(site, w->ring[next]);
-        if (!centre_double(site, &here, &beyond, &w->centre[i]))
-            w->centre[i] = dt_centre(at, w->ring[i], w->ring[next]);
-        here = beyond;
+    for (uint32_t i = 0; i < n; i += 2) {
+        uint32_t next = i + 1 < degree ? i + 1 : 0, after = next + 1 < degree ? next + 1 : 0;
+        const struct dt_point p[3] = {at, w->ring[i], w->ring[next]};
+        const struct dt_point q[3] = {at, w->ring[next], w->ring[after]};
+        struct dt_point spare;
+        if (i + 1 < n)
+            dt_centre_two(p, q, &w->centre[i], &w->centre[i + 1]);
+        else
+            dt_centre_two(p, p, &w->centre[i], &spare);
     }
 }
 
@@ -277,9 +244,8 @@ static void cut_polygon(struct dt_cell_work *w, struct dt_point site, const stru
         w->polygon[i] = w->corner[least + i < w->n ? least + i : least + i - w->n].at;
 }
 
-/* Makes the polygon the n centres. False: that is not all, because one is not inside the box, one is equal to the one before,
- * or two have the least x. */
-static bool make_plain(struct dt_cell_work *w, uint32_t n, const struct dt_box *box)
+bool dt_cell_make_plain(const struct dt_cell_work *w, uint32_t n, const struct dt_box *box,
+                        struct dt_point *polygon)
 {
     dt_lanes lo = lanes_of(box->lo), hi = lanes_of(box->hi), before = lanes_of(w->centre[n - 1]);
     dt_lanes_holds inside = {-1, -1}, equal;
@@ -287,7 +253,7 @@ static bool make_plain(struct dt_cell_work *w, uint32_t n, const struct dt_box *
     uint32_t least = 0;
     double x = (double)INFINITY;
     for (uint32_t i = 0; i < n; i++) {
-        dt_lanes p = lanes_of(w->centre[i]);
+        dt_lanes p = dt_lanes_load(&w->centre[i].x);
         inside &= (p > lo) & (p < hi);
         equal = p == before;
         equals |= dt_lanes_bits(equal) == 3;
@@ -299,9 +265,10 @@ static bool make_plain(struct dt_cell_work *w, uint32_t n, const struct dt_box *
     }
     if (dt_lanes_bits(inside) != 3 || equals || ties)
         return false;
-    memcpy(w->polygon, w->centre + least, (n - least) * sizeof *w->polygon);
-    memcpy(w->polygon + (n - least), w->centre, least * sizeof *w->polygon);
-    w->n = n;
+    for (uint32_t i = 0; i < n; i++) {
+        dt_lanes_store(&polygon[i].x, dt_lanes_load(&w->centre[least].x));
+        least = least + 1 < n ? least + 1 : 0;
+    }
     return true;
 }
 
@@ -312,8 +279,10 @@ void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
     switch (kind) {
     case DT_CELL_INSIDE:
         find_centres(w, site, degree, degree);
-        if (make_plain(w, degree, box))
+        if (dt_cell_make_plain(w, degree, box, w->polygon)) {
+            w->n = degree;
             return;
+        }
         put_centres(w, degree, degree);
         break;
     case DT_CELL_ON_HULL:

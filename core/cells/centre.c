@@ -5,7 +5,7 @@
  * circumcentres of points whose differences are doubles; double words; and exact signs, in numbers of 1,850 bits, which
  * hold all that occurs: the points are multiples of 2^-195 below 2^204, so numerators, polynomials of degree 3, have at
  * most 1,210 bits. */
-#include "core/surface/centre.h"
+#include "core/cells/centre.h"
 
 #include "core/exact/bigfloat.h"
 #include "core/exact/double2.h"
@@ -256,6 +256,57 @@ struct dt_point dt_centre(struct dt_point a, struct dt_point b, struct dt_point 
 {
     struct dt_point p;
     return centre_corrected(a, b, c, &p) || centre_double2(a, b, c, &p) ? p : centre_big(a, b, c);
+}
+
+/* ---- two triangles in doubles ---- */
+
+/* Lane k is of triangle k. */
+struct pair {
+    dt_lanes x, y;
+};
+
+static inline struct pair pair_of(struct dt_point p, struct dt_point q)
+{
+    return (struct pair){{p.x, q.x}, {p.y, q.y}};
+}
+
+/* One coordinate: `from` and the offset (p - q) scale. Let u = 2^-53. Differences of places are off by u of themselves at
+ * most, squares by 4u, the area by 4u of `size`, the numerator p - q by 7u of the sum of its terms' magnitudes, and the quotient by
+ * 2u more. The factors below are larger by an eighth, which makes up for 4u size / area < 2^-8, and for the rounding of the
+ * bound itself. False: the rounded sum may be another double than the exact one. flat: size |scale|. */
+static inline dt_lanes_holds round_pair(dt_lanes from, dt_lanes p, dt_lanes q, dt_lanes scale,
+                                        dt_lanes flat, dt_lanes *out)
+{
+    dt_lanes offset = (p - q) * scale;
+    dt_lanes error =
+        (dt_lanes_abs(p) + dt_lanes_abs(q)) * (dt_lanes_both(8 * 0x1p-53) * dt_lanes_abs(scale)) +
+        dt_lanes_abs(offset) * (dt_lanes_both(9 * 0x1p-53) * flat + dt_lanes_both(2.5 * 0x1p-53));
+    dt_lanes near = from + offset, part = near - from;
+    dt_lanes rest = (from - (near - part)) + (offset - part);
+    *out = near + dt_lanes_both(0);
+    return (near + (rest + error) == near) & (near + (rest - error) == near);
+}
+
+void dt_centre_two(const struct dt_point p[3], const struct dt_point q[3], struct dt_point *of_p,
+                   struct dt_point *of_q)
+{
+    struct pair a = pair_of(p[0], q[0]), b = pair_of(p[1], q[1]), c = pair_of(p[2], q[2]), at;
+    b = (struct pair){b.x - a.x, b.y - a.y};
+    c = (struct pair){c.x - a.x, c.y - a.y};
+    dt_lanes left = b.x * c.y, right = b.y * c.x, area = left - right;
+    dt_lanes size = dt_lanes_abs(left) + dt_lanes_abs(right), scale = dt_lanes_both(0.5) / area;
+    dt_lanes bb = b.x * b.x + b.y * b.y, cc = c.x * c.x + c.y * c.y;
+    dt_lanes flat = size * dt_lanes_abs(scale);
+    dt_lanes_holds sure = round_pair(a.x, bb * c.y, cc * b.y, scale, flat, &at.x) &
+                          round_pair(a.y, cc * b.x, bb * c.x, scale, flat, &at.y) &
+                          (flat < dt_lanes_both(0x1p41));
+    int bits = dt_lanes_bits(sure);
+    dt_lanes_store(&of_p->x, dt_lanes_first(at.x, at.y));
+    dt_lanes_store(&of_q->x, dt_lanes_second(at.x, at.y));
+    if ((bits & 1) == 0)
+        *of_p = dt_centre(p[0], p[1], p[2]);
+    if ((bits & 2) == 0)
+        *of_q = dt_centre(q[0], q[1], q[2]);
 }
 
 /* ---- bisectors: y = p.y + (dx (dx - 2 (at - p.x)) + dy^2) / (2 dy), where d = q - p ---- */

@@ -1,0 +1,209 @@
+/* made.c - all cells at once, in the order of the vertices in memory.
+ *
+ *      vertices     v0        v1     v2 ...      in Morton order: each circumcentre is computed once, for three cells
+ *      corner[]     ------ -------- ------ ...
+ *                   ^
+ *      cell[id]     at, corners                  ids are in any order: reading one cell takes one cache miss or two, which
+ *                                                are fetched ahead
+ *
+ * Made one by one, in the order of ids, a cell takes a dozen cache misses, and all of its circumcentres. */
+#include "core/cells/made.h"
+
+#include "core/cells/circumcentres.h"
+#include "core/exact/lanes.h"
+#include "core/mesh/hull.h"
+#include "core/mesh/star.h"
+#include "core/set/reader.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- life ---- */
+
+enum {
+    SPARE = 4096
+}; /* corners, beyond those of triangles, that cells at the hull and the box can have */
+
+enum dt_status dt_cells_make_begin(const struct dt *t, const struct dt_cells *c,
+                                   struct dt_cells_made **out)
+{
+    *out = NULL;
+    enum dt_status s = dt_readable(t);
+    if (s != DT_OK)
+        return s;
+    if (dt_mesh_is_line(&t->mesh) || t->points.next_id / 2 > dt_points_live(&t->points))
+        return DT_OK;
+    struct dt_cells_made *m = calloc(1, sizeof *m);
+    if (m == NULL)
+        return DT_NOMEM;
+    m->box = (struct dt_box){c->lo, c->hi};
+    m->ids = t->points.next_id;
+    m->cells = c->rows;
+    m->cap = 6 * (size_t)m->cells + SPARE;
+    *out = m;
+    return DT_OK;
+}
+
+void dt_cells_made_free(struct dt_cells_made *m)
+{
+    if (m == NULL)
+        return;
+    dt_array_free(m->cell);
+    dt_array_free(m->corner);
+    dt_cell_clear(&m->work);
+    free(m->centre);
+    free(m);
+}
+
+size_t dt_cells_made_memory(const struct dt_cells_made *m)
+{
+    return sizeof *m + sizeof *m->centre + m->ids * sizeof *m->cell + m->cap * sizeof *m->corner;
+}
+
+uint64_t dt_cells_made_corners(const struct dt_cells_made *m)
+{
+    return m->corners;
+}
+
+static bool reserve(const struct dt *t, struct dt_cells_made *m)
+{
+    if (m->cell != NULL)
+        return true;
+    struct dt_pages *pages = t->points.pages;
+    m->centre = malloc(sizeof *m->centre);
+    m->corner = dt_array_new_in(pages, m->cap, sizeof *m->corner);
+    m->cell = dt_array_new_in(pages, m->ids, sizeof *m->cell);
+    if (m->centre == NULL || m->corner == NULL || m->cell == NULL)
+        return false;
+    dt_circumcentres_init(m->centre);
+    memset(m->cell, 0xff, m->ids * sizeof *m->cell);
+    return true;
+}
+
+/* Room for the corners of one more cell. */
+static bool make_room(const struct dt *t, struct dt_cells_made *m, size_t corners)
+{
+    if (corners <= m->cap - m->corners)
+        return true;
+    size_t cap = m->corners + corners + m->cap / 8;
+    if (cap >= UINT32_MAX)
+        return false;
+    void *larger = dt_array_grow_in(t->points.pages, m->corner, m->corners, cap, sizeof *m->corner);
+    if (larger == NULL)
+        return false;
+    m->corner = larger;
+    m->cap = cap;
+    return true;
+}
+
+/* ---- making ---- */
+
+/* The corners around the vertex, inside the hull, into work.centre. Returns how many; 0: out of memory. */
+static uint32_t gather(const struct dt *t, struct dt_cells_made *m, uint32_t v)
+{
+    uint32_t first = t->mesh.leaving[v], h = first, n = 0;
+    do {
+        if (n == m->work.ring_cap) {
+            uint32_t degree = dt_star_degree(&t->mesh, v, DT_NONE);
+            if (!dt_cell_reserve(&m->work, degree))
+                return 0;
+            return gather(t, m, v);
+        }
+        const struct dt_point *centre = dt_circumcentre(m->centre, t, h);
+        dt_lanes_store(&m->work.centre[n++].x, dt_lanes_load(&centre->x));
+        h = dt_turn_ccw(&t->mesh, h);
+    } while (h != first);
+    return n;
+}
+
+/* The cell of a vertex that is not as simple, into work.polygon. */
+static bool make_any(const struct dt *t, struct dt_cells_made *m, uint32_t v)
+{
+    uint32_t first = t->mesh.leaving[v], h = first, n = 0;
+    if (!dt_cell_reserve(&m->work, dt_star_degree(&t->mesh, v, DT_NONE)))
+        return false;
+    do {
+        uint32_t d = dt_dest(&t->mesh, h);
+        if (d != DT_NONE)
+            m->work.ring[n++] = t->points.xy[d];
+        h = dt_turn_ccw(&t->mesh, h);
+    } while (h != first);
+    dt_cell_make(&m->work, t->points.xy[v], n,
+                 dt_on_hull(&t->mesh, v) ? DT_CELL_ON_HULL : DT_CELL_INSIDE, &m->box);
+    return true;
+}
+
+static bool make_cell(const struct dt *t, struct dt_cells_made *m, uint32_t v)
+{
+    uint32_t n = 0;
+    if (!dt_on_hull(&t->mesh, v)) {
+        n = gather(t, m, v);
+        if (n == 0 || !make_room(t, m, n))
+            return false;
+        n = dt_cell_make_plain(&m->work, n, &m->box, m->corner + m->corners) ? n : 0;
+    }
+    if (n == 0) {
+        if (!make_any(t, m, v) || !make_room(t, m, m->work.n))
+            return false;
+        n = m->work.n;
+        memcpy(m->corner + m->corners, m->work.polygon, n * sizeof *m->corner);
+    }
+    m->cell[t->points.id[v]] = (struct dt_made){(uint32_t)m->corners, n};
+    m->corners += n;
+    return true;
+}
+
+enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m, uint32_t points,
+                             bool *done)
+{
+    enum { AHEAD = 16 };
+    uint32_t end = t->points.end;
+    if (!reserve(t, m) || !dt_cell_reserve(&m->work, 1))
+        return DT_NOMEM;
+    for (; points > 0 && m->vertex < end; points--, m->vertex++) {
+        uint32_t ahead = m->vertex + AHEAD;
+        if (ahead < end) {
+            dt_fetch(&t->mesh.half[t->mesh.leaving[ahead]]);
+            dt_fetch(&m->cell[t->points.id[ahead]]);
+        }
+        if (t->points.id[m->vertex] != DT_NONE && !make_cell(t, m, m->vertex))
+            return DT_NOMEM;
+    }
+    *done = m->vertex >= end;
+    return DT_OK;
+}
+
+/* ---- reading ---- */
+
+static void fetch(const struct dt_cells_made *m, uint32_t id)
+{
+    if (id >= m->ids || m->cell[id].corners == DT_NONE)
+        return;
+    dt_fetch(&m->corner[m->cell[id].at]);
+    dt_fetch(&m->corner[m->cell[id].at + 4]);
+}
+
+enum dt_status dt_made_read(struct dt_cells *c, struct dt_cell *cell, size_t room,
+                            struct dt_point *corner, size_t cap, size_t *n, size_t *corners)
+{
+    enum { AHEAD = 24 };
+    const struct dt_cells_made *m = c->made;
+    uint32_t end = c->end < m->ids ? c->end : m->ids;
+    for (; c->id < end && *n < room; c->id++) {
+        struct dt_made k = m->cell[c->id];
+        fetch(m, c->id + AHEAD);
+        if (k.corners == DT_NONE)
+            continue;
+        if (k.corners > cap - *corners) {
+            if (*n > 0)
+                return DT_OK;
+            *corners = k.corners;
+            return DT_TOOSMALL;
+        }
+        cell[(*n)++] = (struct dt_cell){c->id, k.corners};
+        for (uint32_t i = 0; i < k.corners; i++) /* faster than a call for so few */
+            dt_lanes_store(&corner[*corners + i].x, dt_lanes_load(&m->corner[k.at + i].x));
+        *corners += k.corners;
+    }
+    return DT_OK;
+}
