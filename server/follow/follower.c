@@ -89,7 +89,7 @@ static void give_up(struct follower *f, const char *why)
 static void check_claim(struct follower *f)
 {
     const struct log_status *log = durable_status(f->server);
-    if (f->busy || f->claimed == 0 || log == NULL || log->durable < f->claimed)
+    if (follower_has_record(f) || f->claimed == 0 || log == NULL || log->durable < f->claimed)
         return;
     bool differs = log->durable == f->claimed && log->digest != f->claim;
     f->claimed = 0;

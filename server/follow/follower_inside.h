@@ -35,6 +35,12 @@ struct follower {
     uint64_t acked, acked_bytes; /* what was passed to the link */
 };
 
+/* Whether a record waits, a worker has it, or its worker has ended and that has not been looked at. */
+static inline bool follower_has_record(const struct follower *f)
+{
+    return f->busy || f->record > 0;
+}
+
 /* Begins with what the loop calls. False with errno. */
 bool follower_watch(struct follower *f);
 

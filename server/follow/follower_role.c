@@ -230,7 +230,7 @@ const char *follower_follow(struct server *s, const char *host, unsigned port, b
 {
     struct follower *f = s->follower;
     struct remembered_role next = decided(f, ROLE_FOLLOWS);
-    if (f->busy)
+    if (follower_has_record(f))
         return "a change of the leader is being carried out; try again";
     snprintf(next.host, sizeof next.host, "%s", host);
     next.port = port;
@@ -251,7 +251,7 @@ const char *follower_promote(struct server *s)
     struct follower *f = s->follower;
     if (!f->following && f->role.kind != ROLE_FENCED)
         return NULL;
-    if (f->busy)
+    if (follower_has_record(f))
         return "a change of the leader is being carried out; try again";
     if (durable_status(s)->state == LOG_FAILED)
         return "the disk does not work";

@@ -201,7 +201,7 @@ int recovery_repair(const char *path)
         r.mend = true;
         recovery_run(&r);
     }
-    repair(&r, role_read(path).port == 0);
+    repair(&r, role_read(path).kind != ROLE_FOLLOWS);
     recovery_clear(&r);
     datadir_close(&dir);
     return recovery_check(path);

@@ -165,7 +165,7 @@ class Node:
     def command(self, text):
         reply = self.ask(text)[0]
         for _ in range(100):
-            if not reply.startswith('ERR BUSY'):
+            if not reply.startswith(('ERR BUSY', 'ERR LOADING')):
                 break
             time.sleep(0.05)
             reply = self.ask(text)[0]
