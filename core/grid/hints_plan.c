@@ -15,12 +15,12 @@
 
 #include "core/memory/memory.h"
 
-#define CELLS_PER_POINT 1.75 /* of one grid; fewer if all of them take too much */
+#define CELLS_PER_POINT 0.9 /* of one grid; fewer if all of them take too much */
 #define CELLS_PER_POINT_COARSE 0.125
 #define CROWD 12u /* points in one cell that are worth a grid */
 #define FEW 4u /* samples in a cell of a coarse grid, where evenly spread ones have 1/8 of STRIDE */
 #define MAX_CELLS 6.0       /* a point, over all grids; beyond that cells stay crowded */
-#define BYTES_PER_POINT 7.6 /* for all grids of a set that is not small: 100 with all the rest */
+#define BYTES_PER_POINT 6.0 /* for all grids of a set that is not small: 98 with all the rest */
 #define HOPELESS 1.5        /* times that: points on so many scales that searches need it */
 #define SMALL 10000u        /* points */
 #define ATTEMPTS 4
