@@ -65,20 +65,46 @@ class Splitter {
   }
 }
 
+const SILENT_S = 60; // without a byte while a reply is waited for: the conversation ends
+const waiting = new Set(); // conversations, each a Reader, in which something is waited for
+
+/** To be called once a second. Ends conversations in which nothing comes. Returns what has been waited for longest, {what, seconds}; null:
+ * nothing. Seconds are counted by the calls, so that a page that had no time does not take that for silence. */
+export function countWaits() {
+  let longest = null;
+  for (const reader of waiting) {
+    const wait = reader.countSecond();
+    if (wait !== null && wait.seconds > (longest?.seconds ?? 0)) longest = wait;
+  }
+  return longest;
+}
+
 /** Makes replies and events of the bytes that arrive. */
 class Reader {
   #splitter = new Splitter();
-  #waiting = []; // {resolve, reject}, oldest first
+  #waiting = []; // {what, seconds, answer, reject}, oldest first
+  #silent = 0; // seconds
   #open = null; // what is being read: {rows, expected, done}
   #failure = null;
 
-  /** A binary reply of more than `most` bytes ends the conversation, with the code LARGE. */
-  constructor(onEvent = () => {}, most = Infinity) {
-    this.onEvent = onEvent;
-    this.most = most;
+  /** onSilent() is called when nothing has come for long. A binary reply of more than `most` bytes ends the conversation, with the code
+   * LARGE. */
+  constructor({ onEvent = () => {}, onSilent, most = Infinity }) {
+    Object.assign(this, { onEvent, onSilent, most });
+  }
+
+  countSecond() {
+    for (const wait of this.#waiting) wait.seconds++;
+    if (++this.#silent >= SILENT_S) {
+      this.#silent = 0;
+      this.onSilent();
+    }
+    return this.#waiting[0] ?? null;
   }
 
   push(piece) {
+    if (this.#failure !== null) return;
+    this.#silent = 0;
     this.#splitter.push(
       piece,
       (line) => this.#read(line),
@@ -86,23 +112,39 @@ class Reader {
     );
   }
 
-  /** The next reply that nobody waits for yet: {keys, rows, data}, rows of a text reply, bytes of a binary one. Rejects with Refused.
-   * onReply() is called when it has come, before any event behind it. */
-  reply(onReply = () => {}) {
+  /** The next reply that nobody waits for yet, that to a request `what`: {keys, rows, data}, rows of a text reply, bytes of a binary one.
+   * Rejects with Refused. onReply() is called when it has come, before any event behind it. */
+  reply(what, onReply = () => {}) {
     return new Promise((resolve, reject) => {
       const answer = (reply) => {
         onReply();
         resolve(reply);
       };
-      if (this.#failure === null) this.#waiting.push({ answer, reject });
-      else reject(this.#failure);
+      if (this.#failure !== null) {
+        reject(this.#failure);
+        return;
+      }
+      if (this.#waiting.length === 0) this.#silent = 0;
+      this.#waiting.push({ what, seconds: 0, answer, reject });
+      waiting.add(this);
     });
   }
 
   /** No more replies come. */
   fail(error) {
     this.#failure = error;
+    waiting.delete(this);
     for (const { reject } of this.#waiting.splice(0)) reject(error);
+  }
+
+  /** What is waited for has come, without bytes. */
+  pass() {
+    this.#next().answer(null);
+  }
+
+  #next() {
+    if (this.#waiting.length === 1) waiting.delete(this);
+    return this.#waiting.shift();
   }
 
   #read(line) {
@@ -113,7 +155,7 @@ class Reader {
     }
     const [kind, ...words] = line.split(' ');
     if (kind === 'ERR') {
-      this.#waiting.shift().reject(new Refused(words[0], words.slice(1).join(' ')));
+      this.#next()?.reject(new Refused(words[0], words.slice(1).join(' '))); // of no request: the end of the connection follows
     } else if (kind === 'EVENT') {
       const { set, version } = keysOf(line);
       const event = { set, version: Number(version), rows: [] };
@@ -122,7 +164,7 @@ class Reader {
     } else if (kind === 'OK') {
       const keys = keysOf(line);
       const rows = [];
-      const done = (data) => this.#waiting.shift().answer({ keys, rows, data });
+      const done = (data) => this.#next().answer({ keys, rows, data });
       if (keys.bytes === undefined) {
         this.#begin(Number(words[0]), rows, done);
       } else if (Number(keys.bytes) > this.most) {
@@ -155,48 +197,64 @@ export class Connection {
 
   /** onEvent({set, version, rows, reset, more, dropped}); onEnd() once, when the connection is lost or closed. */
   constructor(url, { onEvent, onEnd }) {
-    this.#reader = new Reader(onEvent);
     this.#socket = new WebSocket(url);
     this.#socket.binaryType = 'arraybuffer';
-    this.opened = new Promise((resolve) => {
-      this.#socket.onopen = resolve;
-    });
-    this.#socket.onmessage = ({ data }) => this.#reader.push(new Uint8Array(data));
+    this.#reader = new Reader({ onEvent, onSilent: () => this.close() });
+    /** Rejects with Refused. */
+    this.opened = this.#reader.reply('connection');
+    this.#socket.onopen = () => this.#reader.pass();
+    this.#socket.onmessage = ({ data }) => this.#read(new Uint8Array(data));
     this.#socket.onclose = () => {
       this.#reader.fail(lost());
       onEnd();
     };
   }
 
+  #read(piece) {
+    try {
+      this.#reader.push(piece);
+    } catch (error) {
+      this.close(); // what comes next cannot be understood
+      throw error;
+    }
+  }
+
   get isLost() {
     return this.#socket.readyState !== WebSocket.OPEN;
   }
 
+  /** onEnd() is called soon. */
+  close() {
+    this.#reader.fail(lost());
+    this.#socket.close();
+  }
+
   /** Resolves to {keys, rows, data}, and calls onReply, as Reader.reply does. */
-  request(line, onReply) {
-    const reply = this.#reader.reply(onReply);
-    if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(`${line}\n`);
-    return reply;
+  async request(line, onReply) {
+    if (this.isLost) throw lost(); // also before it is open: only replies to requests that were sent are waited for
+    this.#socket.send(`${line}\n`);
+    return this.#reader.reply(line, onReply);
   }
 }
 
 /** Sends requests in a conversation of their own: lines, or [line, bytes that follow it]. Returns the promises of their replies. With
  * `most`, a binary reply of more bytes is not read but ends the conversation, and is Refused with the code LARGE. */
 export function fetchReplies(url, requests, most) {
-  const reader = new Reader(() => {}, most);
-  const replies = requests.map(() => reader.reply());
   const stop = new AbortController();
+  const reader = new Reader({ onSilent: () => stop.abort(), most });
+  const replies = requests.map((request) => reader.reply([request].flat()[0]));
   const read = async () => {
     const body = new Blob(requests.flat().map((piece) => (typeof piece === 'string' ? `${piece}\n` : piece)));
-    const response = await fetch(url, { method: 'POST', body, signal: stop.signal });
-    if (!response.ok) return;
+    const response = await fetch(url, { method: 'POST', body, signal: stop.signal }).catch(() => null);
+    if (!response?.ok) return;
     const pieces = response.body.getReader();
-    for (let piece = await pieces.read(); !piece.done; piece = await pieces.read()) reader.push(piece.value);
+    const next = () => pieces.read().catch(() => ({ done: true }));
+    for (let piece = await next(); !piece.done; piece = await next()) reader.push(piece.value);
   };
   read().then(
     () => reader.fail(lost()),
     (error) => {
-      reader.fail(error.code === 'LARGE' ? error : lost());
+      reader.fail(error); // too large, or no memory for it
       stop.abort();
     },
   );

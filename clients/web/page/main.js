@@ -1,6 +1,6 @@
 // The page: follows one set of the daemon and shows it. Start reading here; follow.js decides what of the set is shown, mesh.js has the
 // copy of it, scene.js the drawing.
-import { Connection, fetchReplies } from './connection.js';
+import { Connection, countWaits, fetchReplies } from './connection.js';
 import { Follower } from './follow.js';
 import { Hands } from './hands.js';
 import { Mesh } from './mesh.js';
@@ -13,6 +13,8 @@ const RETRY_MS = 1000;
 const REFRESH_MS = 400; // layers of the overlay are asked for so long after the last change
 const REFUSAL_MS = 4000; // that the message about a refused request stays
 const SETS_MS = 3000;
+const LONG_S = 4; // what is waited for longer is named
+const NOT_NOW = ['LOADING', 'BUSY', 'NOMEM', 'TIMEOUT']; // errors of a daemon that may answer later
 
 const $ = (id) => document.getElementById(id);
 const canvas = { mesh: $('mesh'), overlay: $('overlay') };
@@ -117,6 +119,16 @@ function showFacts(perSecond = 0) {
   });
 }
 
+function showWaits() {
+  const wait = countWaits();
+  let text = scene.isLost ? 'waiting for WebGL' : '';
+  if (wait !== null && wait.seconds >= LONG_S) {
+    const [what, set = ''] = wait.what.split(' ');
+    text = `waiting for ${what === 'AUTH' ? what : `${what} ${set}`}, ${wait.seconds} s`;
+  }
+  if ($('waiting').textContent !== text) $('waiting').textContent = text;
+}
+
 /* ---- the set ---- */
 
 /** Calls an asynchronous function; while it runs, only the newest of the calls that fall due is kept for later. */
@@ -171,7 +183,7 @@ const follower = new Follower({
     overlay.clear();
     list('pointer', {});
     requestDraw();
-    refreshSets().catch(report);
+    refreshSets();
   },
 });
 
@@ -203,6 +215,7 @@ async function follow(set, { keepView = false } = {}) {
     if (fitNext) await acts.fit();
   } catch (error) {
     if (follower.set === set) follower.set = null; // refreshSets tries again
+    if (error.code === 'LOST' && !connection.isLost) say(`the replies about ${set} were lost; trying again ...`);
     throw error;
   }
   fitNext = false;
@@ -210,7 +223,7 @@ async function follow(set, { keepView = false } = {}) {
   refreshSoon();
 }
 
-async function refreshSets() {
+const refreshSets = latest(async () => {
   const { rows } = await connection.request('SETS');
   const names = rows.map((row) => row.slice(0, row.indexOf(' ')));
   if (!names.includes(follower.set)) follower.set = null;
@@ -220,7 +233,7 @@ async function refreshSets() {
   }
   if (names.length === 0) say('the daemon has no sets yet');
   fillSelect($('set'), names, follower.set);
-}
+});
 
 /** Brings what is shown up to date with the set and the view, as far as events do not. */
 const refresh = latest(async () => {
@@ -341,34 +354,47 @@ async function enter() {
     await connection.request('SETS');
     access = 'given';
   } catch (error) {
-    if (error.code === 'LOST') throw error;
+    if (error.code === 'LOST' || NOT_NOW.includes(error.code)) throw error;
     access = 'refused';
     throw new Error(`${error.message}; the address should end with #token=TOKEN, or &token=TOKEN`, { cause: error });
+  }
+}
+
+/** Continues to follow the set, if it is still there. */
+async function resume() {
+  try {
+    await follower.resume();
+  } catch (error) {
+    if (error.code !== 'NOSET') throw error;
+    Object.assign(follower, { set: null, kind: null });
   }
 }
 
 async function start() {
   const url = new URL('daemon', location.href);
   url.protocol = url.protocol.replace('http', 'ws');
+  let reason = 'the connection is lost';
   connection = new Connection(url, {
     onEvent: (event) => follower.onEvent(event),
     onEnd: () => {
       if (access === 'refused') return;
-      say('the connection is lost; trying again ...');
+      say(`${reason}; trying again ...`);
       setTimeout(start, RETRY_MS);
     },
   });
   try {
     await connection.opened;
     await enter();
-    await follower.resume().catch((error) => {
-      if (error.code !== 'NOSET') throw error;
-      Object.assign(follower, { set: null, kind: null });
-    });
+    await resume();
     refreshSoon();
     await refreshSets();
   } catch (error) {
-    report(error);
+    if (error.code === 'LOST' || access === 'refused') {
+      report(error);
+    } else {
+      reason = error.message;
+      connection.close();
+    }
   }
 }
 
@@ -396,7 +422,8 @@ function listen() {
     showFacts(follower.events);
     follower.events = 0;
   }, 1000);
-  setInterval(() => access === 'given' && refreshSets().catch(report), SETS_MS);
+  setInterval(() => access === 'given' && refreshSets(), SETS_MS);
+  setInterval(showWaits, 1000);
   addEventListener('hashchange', () => location.reload());
 }
 

@@ -142,10 +142,27 @@ export class Scene {
 
   /** onStale() is called when the picture should be drawn again. */
   constructor(canvas, onStale) {
-    const gl = canvas.getContext('webgl2', { alpha: true, antialias: false, preserveDrawingBuffer: true });
-    if (gl === null) throw new Error('this browser has no WebGL 2');
-    this.#gl = gl;
+    this.#gl = canvas.getContext('webgl2', { alpha: true, antialias: false, preserveDrawingBuffer: true });
+    if (this.#gl === null) throw new Error('this browser has no WebGL 2');
     this.onStale = onStale;
+    canvas.addEventListener('webglcontextlost', (event) => event.preventDefault()); // so that there will be another one
+    canvas.addEventListener('webglcontextrestored', () => {
+      this.#begin();
+      if (this.#mesh !== null) this.#sendAll();
+      this.stale();
+    });
+    if (!this.isLost) this.#begin();
+  }
+
+  /** The graphics memory has been lost, for instance since its process has ended; the browser is about to start another one. */
+  get isLost() {
+    return this.#gl.isContextLost();
+  }
+
+  /** The context is a new one: nothing is in the graphics memory. */
+  #begin() {
+    const gl = this.#gl;
+    this.#drawn = null;
     this.mesh_ = compile(gl, MESH_VERTEX, MESH_FRAGMENT);
     this.dots_ = compile(gl, DOT_VERTEX, DOT_FRAGMENT);
     this.picture_ = compile(gl, PICTURE_VERTEX, PICTURE_FRAGMENT);
@@ -237,6 +254,7 @@ export class Scene {
 
   /** Sends what an event has changed (the result of Mesh.apply), and draws that part of the picture again. */
   update({ points, slots, box }) {
+    if (this.isLost) return; // everything will be sent again
     const gl = this.#gl;
     const mesh = this.#mesh;
     if (mesh.ids > ROW * this.#rows || mesh.slots > this.#room) {
@@ -275,7 +293,7 @@ export class Scene {
 
   /** Draws the picture if need be, and copies it to the screen. */
   draw(view) {
-    if (this.#mesh === null) return;
+    if (this.#mesh === null || this.isLost) return;
     const [width, height] = [this.#gl.drawingBufferWidth, this.#gl.drawingBufferHeight];
     const d = this.#drawn;
     const moved = d?.x !== view.x || d.y !== view.y || d.scale !== view.scale;
