@@ -1,8 +1,8 @@
 /* link.c - see link.h. */
 #include "server/follow/link.h"
 
-#include "server/disk/aside.h"
 #include "server/follow/consent.h"
+#include "server/follow/incoming.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
 
@@ -29,15 +29,10 @@ enum {
 struct wire {
     struct link *l;
     int fd;
-    struct buf in;
-    uint64_t came;               /* bytes of the stream that have been taken from `in` */
+    struct incoming incoming;
     uint64_t acked, acked_bytes; /* what the leader knows */
     bool streaming;              /* it sends its log */
     int64_t heard_ms;
-    /* a snapshot that is being received */
-    struct aside aside;
-    bool in_snapshot;
-    struct segment snapshot;
 };
 
 static void notify(const struct link *l)
@@ -81,19 +76,19 @@ static bool acknowledge(struct wire *w)
 /* Receives more bytes. False: the connection has ended. */
 static bool hear(struct wire *w)
 {
-    char *to = buf_reserve(&w->in, READ_BYTES);
+    char *to = buf_reserve(&w->incoming.in, READ_BYTES);
     if (to == NULL)
         return false;
     for (;;) {
         ssize_t n = recv(w->fd, to, READ_BYTES, MSG_DONTWAIT);
         if (n > 0) {
-            buf_commit(&w->in, (size_t)n);
+            buf_commit(&w->incoming.in, (size_t)n);
             w->heard_ms = clock_ms();
             return true;
         }
         if (n == 0 || (errno != EAGAIN && errno != EINTR))
             return false;
-        bool begun = w->streaming || w->in_snapshot;
+        bool begun = w->streaming || w->incoming.in_snapshot;
         if (clock_ms() - w->heard_ms > (begun ? SILENCE_MS : PATIENCE_MS) ||
             !dial_wait(&w->l->dial, w->fd, POLLIN, 1000) || !acknowledge(w))
             return false;
@@ -133,7 +128,7 @@ static bool greet(struct wire *w, const struct position *from)
     struct position asked = *from;
     if (l->confirmed || from->lsn == 0)
         asked.lsn = asked.digest = 0;
-    if (!dial_sync(&l->dial, w->fd, &asked, &w->in, line)) {
+    if (!dial_sync(&l->dial, w->fd, &asked, &w->incoming.in, line)) {
         if (line[0] != '\0')
             set_state(l, LINK_CONNECTING, line);
         return false;
@@ -150,8 +145,9 @@ static bool greet(struct wire *w, const struct position *from)
 /* ---- the stream ---- */
 
 /* Passes bytes on to the I/O thread, when there is room. */
-static bool pass_on(struct wire *w, const char *bytes, size_t n)
+static bool pass_on(void *ctx, const char *bytes, size_t n)
 {
+    struct wire *w = ctx;
     struct link *l = w->l;
     struct link_piece *p = calloc(1, sizeof *p);
     if (p != NULL)
@@ -160,7 +156,7 @@ static bool pass_on(struct wire *w, const char *bytes, size_t n)
         link_piece_free(p);
         return false;
     }
-    p->end = w->came;
+    p->end = w->incoming.taken;
     for (bool room = false; !room;) {
         pthread_mutex_lock(&l->mutex);
         room = l->queued < QUEUE_BYTES;
@@ -189,12 +185,12 @@ static void triangulate(struct dataset *set, void *ctx)
 }
 
 /* The snapshot is complete: it is read, and then the I/O thread replaces everything by it. */
-static bool install(struct wire *w)
+static bool install(void *ctx, struct aside *aside, const struct segment *header)
 {
+    struct wire *w = ctx;
     struct link *l = w->l;
     struct link_arrival *a = calloc(1, sizeof *a);
-    w->in_snapshot = false;
-    if (a == NULL || !aside_complete(&w->aside, &w->snapshot, &a->dir)) {
+    if (a == NULL || !aside_complete(aside, header, &a->dir)) {
         set_state(l, LINK_CONNECTING, strerror(errno));
         free(a);
         return false;
@@ -225,87 +221,47 @@ static bool install(struct wire *w)
     }
     w->heard_ms = clock_ms();
     l->confirmed = false;
+    set_state(l, LINK_RECEIVING, "");
     return !l->dial.stop;
 }
 
-static bool take_header(struct wire *w, const struct segment *h)
+static bool note_header(void *ctx, const struct segment *h)
 {
-    if (h->kind == SEGMENT_SNAPSHOT) {
+    struct wire *w = ctx;
+    w->streaming = h->kind == SEGMENT_LOG;
+    if (!w->streaming) {
         set_state(w->l, LINK_LOADING, "");
-        w->streaming = false;
-        w->snapshot = *h;
-        w->in_snapshot = aside_begin(&w->aside, w->l->dir, h);
-        if (!w->in_snapshot)
-            set_state(w->l, LINK_CONNECTING, strerror(errno));
-        return w->in_snapshot;
+        return true;
     }
-    w->streaming = true;
     pthread_mutex_lock(&w->l->mutex);
-    if (h->lsn - 1 > w->l->leader_lsn)
+    if (h->lsn > w->l->leader_lsn + 1)
         w->l->leader_lsn = h->lsn - 1;
     pthread_mutex_unlock(&w->l->mutex);
     return true;
 }
 
-/* Reads the header or the record at that offset of the input; r->type is RECORD_TYPES for a header. > 0: its length; 0: it
- * needs more bytes; -1: it is not valid. */
-static ptrdiff_t look(struct wire *w, size_t at, struct segment *h, struct record *r)
+/* Says that there is no connection any more, unless there is a reason that says more. */
+static void note_end(struct link *l)
 {
-    const char *bytes = buf_head(&w->in) + at;
-    size_t n = buf_len(&w->in) - at;
-    r->type = RECORD_TYPES;
-    if (n < 8)
-        return 0;
-    if (memcmp(bytes, "DELAUNAY", 8) == 0)
-        return segment_read(bytes, n, h);
-    return record_read(bytes, n, r);
-}
-
-/* Takes all whole headers and records off the input. */
-static bool take(struct wire *w)
-{
-    struct segment h;
-    struct record r;
-    size_t from = 0, at = 0; /* what has been looked at, and not been passed on */
-    for (;;) {
-        ptrdiff_t n = look(w, at, &h, &r);
-        if (n < 0) {
-            char why[LINK_WHY];
-            snprintf(why, sizeof why, "what it sends cannot be read: %s",
-                     r.type == RECORD_TYPES ? h.fault : r.fault);
-            set_state(w->l, LINK_CONNECTING, why);
-            return false;
-        }
-        if (n == 0)
-            break;
-        bool header = r.type == RECORD_TYPES;
-        at += (size_t)n;
-        w->came += (uint64_t)n;
-        if (header && !take_header(w, &h))
-            return false;
-        if (w->in_snapshot || (header && h.kind == SEGMENT_SNAPSHOT)) {
-            if (!header && !aside_write(&w->aside, buf_head(&w->in) + from, at - from)) {
-                set_state(w->l, LINK_CONNECTING, strerror(errno));
-                return false;
-            }
-            from = at;
-            if (!header && r.type == RECORD_END && !install(w))
-                return false;
-            if (!w->in_snapshot)
-                set_state(w->l, LINK_RECEIVING, "");
-        }
-    }
-    if (at > from && !pass_on(w, buf_head(&w->in) + from, at - from))
-        return false;
-    buf_consume(&w->in, at);
-    return true;
+    pthread_mutex_lock(&l->mutex);
+    bool said = l->state != LINK_RECEIVING && l->state != LINK_LOADING;
+    pthread_mutex_unlock(&l->mutex);
+    if (!said && !l->dial.stop)
+        set_state(l, LINK_CONNECTING, "disconnected");
 }
 
 static void receive(struct wire *w)
 {
+    static const struct incoming_calls calls = {note_header, pass_on, install};
+    w->incoming.calls = &calls;
+    w->incoming.ctx = w;
+    w->incoming.dir = w->l->dir;
     set_state(w->l, LINK_RECEIVING, "");
-    while (take(w) && hear(w) && acknowledge(w))
+    while (incoming_take(&w->incoming) && hear(w) && acknowledge(w))
         ;
+    if (w->incoming.why[0] != '\0')
+        set_state(w->l, LINK_CONNECTING, w->incoming.why);
+    note_end(w->l);
 }
 
 /* ---- the thread ---- */
@@ -328,8 +284,7 @@ static bool converse(struct link *l)
     greeted = greet(&w, &from);
     if (greeted)
         receive(&w);
-    aside_abandon(&w.aside);
-    buf_free(&w.in);
+    incoming_clear(&w.incoming);
     close(w.fd);
     return greeted;
 }

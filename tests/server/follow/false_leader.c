@@ -71,6 +71,11 @@ void false_leader_header(struct false_leader *l)
     add_header(l, SEGMENT_LOG, l->lsn + 1);
 }
 
+void false_leader_snapshot_header(struct false_leader *l)
+{
+    add_header(l, SEGMENT_SNAPSHOT, l->lsn);
+}
+
 void false_leader_record(struct false_leader *l, struct record r)
 {
     size_t at = buf_len(&l->out);
@@ -84,7 +89,7 @@ void false_leader_snapshot(struct false_leader *l, uint64_t lsn)
     struct record end = {.type = RECORD_END, .lsn = 1};
     l->lsn = lsn;
     l->digest = 1000 + lsn;
-    add_header(l, SEGMENT_SNAPSHOT, lsn);
+    false_leader_snapshot_header(l);
     record_write(&l->out, &end);
     false_leader_header(l);
 }

@@ -22,9 +22,11 @@ void false_leader_end(struct false_leader *l);
 /* Waits until a follower connects, and receives its SYNC. Ends the connection before that. Answers that it continues, "yes", or not. */
 void false_leader_accept(struct false_leader *l, const char *continues);
 
-/* Appends to what is to be sent: a header, of the next record; a record with the next lsn; a snapshot without sets up to lsn. */
+/* Appends to what is to be sent: a header, of the next record; a record with the next lsn; the header of a snapshot
+ * up to the last record; a snapshot without sets up to lsn, and a header. */
 void false_leader_header(struct false_leader *l);
 void false_leader_record(struct false_leader *l, struct record r);
+void false_leader_snapshot_header(struct false_leader *l);
 void false_leader_snapshot(struct false_leader *l, uint64_t lsn);
 
 /* Sends that; false: the follower has disconnected. */

@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 static struct node follower_of(const struct false_leader *l)
@@ -75,4 +76,74 @@ TEST_TIMEOUT(difference_of_digests_is_dealt_with_when_no_worker_has_a_record, 60
     CHECK(node_is(&f, "link", "receiving"));
     false_leader_end(&l);
     node_end(&f);
+}
+
+/* ---- what cannot be read ---- */
+
+/* The follower ends the connection for that reason, and connects again. */
+static void expect_refusal(struct false_leader *l, const struct node *f, const char *why)
+{
+    char reason[FACT] = "";
+    false_leader_send(l);
+    for (unsigned i = 0; i < node_tries() && strstr(reason, why) == NULL; i++) {
+        pause_ms(10);
+        node_fact(f, "link_error", reason);
+    }
+    CHECK_MSG(strstr(reason, why) != NULL, "%s", reason);
+    CHECK(node_is(f, "link", "connecting"));
+    false_leader_accept(l, "no");
+}
+
+TEST_TIMEOUT(follower_connects_again_after_bytes_that_it_cannot_read, 60)
+{
+    struct false_leader l = false_leader_new();
+    struct node f = follower_of(&l);
+    false_leader_accept(&l, "no");
+    buf_append(&l.out, "DELAUNAY", 8);
+    for (int i = 0; i < 100; i++)
+        buf_append(&l.out, "?", 1);
+    expect_refusal(&l, &f, "what it sends cannot be read");
+    false_leader_snapshot(&l, 10);
+    false_leader_record(&l, create_u);
+    l.out.data[l.out.end - 1] ^= 1;
+    expect_refusal(&l, &f, "what it sends cannot be read");
+    CHECK(node_is(&f, "lsn", "10"));
+    node_end(&f);
+    false_leader_end(&l);
+}
+
+TEST_TIMEOUT(header_within_a_snapshot_ends_the_connection, 60)
+{
+    struct false_leader l = false_leader_new();
+    struct node f = follower_of(&l);
+    false_leader_accept(&l, "no");
+    for (int i = 0; i < 2; i++) {
+        l.lsn = 20;
+        l.digest = 5;
+        false_leader_snapshot_header(&l);
+        if (i == 0)
+            false_leader_snapshot_header(&l);
+        else
+            false_leader_header(&l);
+        expect_refusal(&l, &f, "a header within a snapshot");
+    }
+    CHECK(node_is(&f, "lsn", "0"));
+    node_end(&f);
+    false_leader_end(&l);
+}
+
+TEST_TIMEOUT(follower_says_that_it_is_disconnected, 60)
+{
+    struct false_leader l = false_leader_new();
+    struct node f = follower_of(&l);
+    false_leader_accept(&l, "no");
+    false_leader_snapshot(&l, 10);
+    CHECK(false_leader_send(&l));
+    node_await(&f, "lsn", "10");
+    node_await(&f, "link", "receiving");
+    CHECK(shutdown(l.fd, SHUT_RDWR) == 0);
+    node_await(&f, "link", "connecting"); /* it connects again, and gets no answer */
+    CHECK(node_is(&f, "link_error", "disconnected"));
+    node_end(&f);
+    false_leader_end(&l);
 }
