@@ -217,24 +217,34 @@ static void answer_link(struct follower *f)
     link_go(f->link, &from);
 }
 
-static void cancel_writer(struct dataset *set, void *ctx)
+/* Whether a snapshot with these sets leaves that one as it is. */
+static bool stays(const struct dataset *set, const struct registry *arrived)
 {
-    if (set->writer == NULL)
-        return;
-    set->writer->cancel = true;
-    *(bool *)ctx = true;
+    struct word name = {.text = set->name, .len = set->name_len};
+    return set->temporary && registry_find(arrived, &name) == NULL;
 }
 
-/* A snapshot has come: replaces everything by it, when no set has a writer. */
+/* Whether jobs use sets that are to be replaced; they are cancelled. */
+static bool is_in_use(const struct server *s, const struct registry *arrived)
+{
+    bool used = false;
+    for (struct job *j = s->jobs; j != NULL; j = j->next) {
+        if (j->set == NULL || stays(j->set, arrived))
+            continue;
+        used = true;
+        if (j->set->writer == j)
+            j->cancel = true;
+    }
+    return used;
+}
+
+/* A snapshot has come: replaces everything by it, when no job uses a set that is replaced. */
 static void install(struct follower *f, struct link_arrival *a)
 {
     struct server *s = f->server;
-    bool busy = false;
-    registry_each(&s->sets, cancel_writer, &busy);
-    for (const struct job *j = s->jobs; j != NULL && !busy; j = j->next)
-        busy = j->set != NULL;
-    if (busy)
+    if (is_in_use(s, &a->recovery.replay.sets))
         return;
+    bool same = f->whole_digest != 0 && !f->confirmed; /* the sets were those of the leader */
     struct recovery *r = &a->recovery;
     struct lineage l = a->dir.lineage;
     leader_dismiss(s);
@@ -243,7 +253,7 @@ static void install(struct follower *f, struct link_arrival *a)
     f->digest = f->whole_digest = r->digest;
     f->confirmed = false;
     f->claimed = f->done = f->done_bytes = f->acked = f->acked_bytes = 0;
-    if (!durable_replace(s, r, &l, r->digest)) {
+    if (!durable_replace(s, r, &l, same)) {
         notice(NOTICE_ERROR, "the data directory cannot be used any more; the daemon ends");
         loop_stop(f->loop);
         return;

@@ -121,27 +121,6 @@ int durable_event(const struct server *s)
     return s->durable->event;
 }
 
-static void measure(struct dataset *set, void *ctx)
-{
-    version_update(&((struct server *)ctx)->sets, set->current);
-}
-
-/* Moves the sets to the server. */
-static void adopt_sets(struct server *s, struct registry *from)
-{
-    s->sets.bucket = from->bucket;
-    s->sets.buckets = from->buckets;
-    s->sets.sets = from->sets;
-    s->sets.expiring = from->expiring;
-    s->sets.expiring_first = from->expiring_first;
-    s->sets.expiring_last = from->expiring_last;
-    s->sets.life = from->life;
-    s->sets.unlogged = from->unlogged;
-    reservation_set(&s->sets.memory, s->sets.memory.bytes + from->memory.bytes);
-    *from = (struct registry){0};
-    registry_each(&s->sets, measure, s);
-}
-
 /* The log has begun after what r has read. */
 static void begin_saver(struct server *s, const struct recovery *r)
 {
@@ -168,7 +147,10 @@ static bool end_reading(struct server *s)
         return false;
     begin_saver(s, &d->recovery);
     d->saver.read_bytes = d->recovery.log_bytes;
-    adopt_sets(s, &d->recovery.replay.sets);
+    if (!registry_replace(&s->sets, &d->recovery.replay.sets, false)) {
+        notice(NOTICE_ERROR, "out of memory");
+        return false;
+    }
     recovery_clear(&d->recovery);
     holders_release(&s->held, d->saver.status.durable);
     d->stage = STAGE_READ;
@@ -291,26 +273,7 @@ void durable_close_mark(struct server *s, bool writes)
         log_close_mark(s->durable->log, writes);
 }
 
-static void enlist(struct dataset *set, void *ctx)
-{
-    struct dataset ***to = ctx;
-    *(*to)++ = set;
-}
-
-/* Drops all sets. False: out of memory. */
-static bool drop_sets(struct server *s)
-{
-    struct dataset **set = malloc((s->sets.sets + 1) * sizeof(struct dataset *)), **end = set;
-    if (set == NULL)
-        return false;
-    registry_each(&s->sets, enlist, &end);
-    while (end > set)
-        registry_drop(&s->sets, *--end);
-    free(set);
-    return true;
-}
-
-bool durable_replace(struct server *s, struct recovery *r, const struct lineage *l, uint64_t digest)
+bool durable_replace(struct server *s, struct recovery *r, const struct lineage *l, bool same)
 {
     struct durable *d = s->durable;
     saver_clear(&d->saver);
@@ -318,17 +281,14 @@ bool durable_replace(struct server *s, struct recovery *r, const struct lineage 
     d->log = NULL;
     d->stage = STAGE_NONE;
     d->dir.lineage = *l;
-    if (!aside_put_in_place(&d->dir) || !drop_sets(s)) {
+    if (!aside_put_in_place(&d->dir) || !registry_replace(&s->sets, &r->replay.sets, same)) {
         notice(NOTICE_ERROR, "%s: what a leader has sent cannot be put in place: %s", d->dir.path,
                strerror(errno));
         return false;
     }
-    d->log = log_new(&d->dir, s->config->fsync, r->last + 1, digest, d->event);
+    d->log = log_new(&d->dir, s->config->fsync, r->last + 1, r->digest, d->event);
     if (d->log == NULL)
         return false;
-    free(s->sets.bucket);
-    s->sets.bucket = NULL;
-    adopt_sets(s, &r->replay.sets);
     begin_saver(s, r);
     holders_release(&s->held, UINT64_MAX); /* replies about what was there before */
     holders_recover(&s->held, HOLD_DISK);

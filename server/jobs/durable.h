@@ -80,10 +80,9 @@ void durable_set_lineage(struct server *s, const struct lineage *l);
 /* Whether the log writes RECORD_CLOSE when it ends: not that of a follower, whose leader's log has other records. */
 void durable_close_mark(struct server *s, bool writes);
 
-/* Replaces everything by what has been read from `incoming` (aside.h): files, log and sets. No set may have a writer. False:
- * the disk has failed; the daemon must end. */
-bool durable_replace(struct server *s, struct recovery *r, const struct lineage *l,
-                     uint64_t digest);
+/* Replaces everything by what has been read from `incoming` (aside.h): files, log and sets (registry_replace, with its
+ * conditions). False: the disk has failed, or memory is short; the daemon must end. */
+bool durable_replace(struct server *s, struct recovery *r, const struct lineage *l, bool same);
 
 /* NULL without --data, and while the directory is being read. */
 struct log *durable_log(const struct server *s);

@@ -296,6 +296,89 @@ void registry_drop(struct registry *r, struct dataset *set)
     free_set(r, set);
 }
 
+/* ---- sets that are replaced by those of another registry ---- */
+
+/* The set of the same name. */
+static struct dataset *counterpart(const struct registry *r, const struct dataset *of)
+{
+    struct word name = {.text = of->name, .len = of->name_len};
+    return registry_find(r, &name);
+}
+
+/* Whether the set goes on, as what `by` is. A new state that has the version of the old one would not be noticed. */
+static bool goes_on(const struct dataset *set, const struct dataset *by, bool same)
+{
+    if (by == NULL || set->temporary)
+        return by == NULL && set->temporary;
+    return same || set->version != by->version;
+}
+
+static void drop_others(struct registry *r, const struct registry *from, bool same)
+{
+    for (size_t i = 0; i < r->buckets; i++) {
+        for (struct dataset *set = r->bucket[i], *next; set != NULL; set = next) {
+            next = set->next;
+            if (!goes_on(set, counterpart(from, set), same))
+                registry_drop(r, set);
+        }
+    }
+}
+
+/* What the set has becomes that of another one, which is freed. */
+static void replace_contents(struct registry *r, struct dataset *set, struct dataset *by, bool same)
+{
+    uint64_t lsn = by->current->lsn;
+    if (same && set->version == by->version && set->triangulated == by->triangulated) {
+        version_unpin(r, by->current);
+    } else {
+        dataset_publish(r, set, by->current);
+        set->current->lsn = lsn;
+    }
+    set->version = by->version;
+    set->triangulated = by->triangulated;
+    wait_wake_all(&set->queue);
+    free(by);
+}
+
+/* Moves a set from its registry, whose buckets are not used any more. */
+static void move_set(struct registry *r, struct dataset *set, struct registry *from, bool same)
+{
+    struct dataset *old = counterpart(r, set);
+    int64_t expires_ms = set->expires_ms;
+    registry_expire(from, set, 0);
+    set->current->sum.memory = 0; /* so far it was that of the other registry */
+    version_update(r, set->current);
+    if (old != NULL) {
+        replace_contents(r, old, set, same);
+        registry_expire(r, old, expires_ms);
+        return;
+    }
+    struct dataset **bucket = bucket_of(r, set->name, set->name_len);
+    set->next = *bucket;
+    *bucket = set;
+    r->sets++;
+    registry_expire(r, set, expires_ms);
+}
+
+bool registry_replace(struct registry *r, struct registry *from, bool same)
+{
+    while (r->buckets < r->sets + from->sets)
+        if (!rehash(r))
+            return false;
+    drop_others(r, from, same);
+    for (size_t i = 0; i < from->buckets; i++) {
+        for (struct dataset *set = from->bucket[i], *next; set != NULL; set = next) {
+            next = set->next;
+            move_set(r, set, from, same);
+        }
+    }
+    free(from->bucket);
+    r->life = from->life;
+    r->unlogged = from->unlogged > r->unlogged ? from->unlogged : r->unlogged;
+    *from = (struct registry){0};
+    return true;
+}
+
 /* ---- versions that clients see ----
  *
  * The number of a life counts seconds, or starts if these are more, so it fits into 32 bits until 2106. A life can have

@@ -144,3 +144,74 @@ TEST(version_that_is_freed_is_no_longer_to_be_tidied)
     CHECK(sets.untidy == NULL);
     registry_clear(&sets);
 }
+
+/* A set of another registry, which is to replace that one: with that many points. */
+static struct registry others;
+
+static struct dataset *create_other(const char *name, uint64_t version, unsigned points)
+{
+    struct dataset *set = registry_create(&others, &(struct word){name, strlen(name)}, 0);
+    CHECK(set != NULL);
+    set->version = version;
+    set->born = true;
+    for (unsigned i = 0; i < points; i++) {
+        struct dt_added added;
+        struct dt_point at = {i, i * i};
+        CHECK(dt_add(set->current->dt, &at, 1, &added) == DT_OK);
+    }
+    version_update(&others, set->current);
+    return set;
+}
+
+static void add_memory(struct dataset *set, void *ctx)
+{
+    *(size_t *)ctx += set->current->sum.memory;
+}
+
+TEST(sets_that_are_replaced_stay_the_same_sets_and_count_their_memory)
+{
+    for (int same = 0; same < 2; same++) {
+        registry_init(&sets);
+        registry_init(&others);
+        struct dataset *a = create("a"), *b = create("b"), *gone = create("gone");
+        struct version *before = version_pin(a->current);
+        a->born = b->born = gone->born = true;
+        a->version = b->version = 4;
+        registry_expire(&sets, b, 100);
+        create_other("b", 6, 1000);
+        registry_expire(&others, create_other("new", 8, 10), 200);
+        if (same)
+            create_other("a", 4, 0);
+        others.life = 77;
+        CHECK(registry_replace(&sets, &others, same));
+        CHECK(sets.sets == 2 + (size_t)same && sets.life == 77 && others.sets == 0);
+        CHECK(registry_find(&sets, &(struct word){"b", 1}) == b && b->version == 6);
+        CHECK(b->current->sum.points == 1000 && b->expires_ms == 0);
+        CHECK(sets.expiring == 1 && strcmp(sets.expiring_first->name, "new") == 0);
+        CHECK(registry_find(&sets, &(struct word){"gone", 4}) == NULL);
+        CHECK(!same || a->current == before);
+        version_unpin(&sets, before);
+        size_t memory = 0;
+        registry_each(&sets, add_memory, &memory);
+        CHECK(memory == sets.memory.bytes);
+        registry_clear(&sets);
+    }
+}
+
+TEST(temporary_set_is_replaced_by_one_of_its_name_only)
+{
+    struct temporaries *mine = NULL;
+    registry_init(&sets);
+    registry_init(&others);
+    struct dataset *t = create("t"), *u = create("u");
+    CHECK(dataset_make_temporary(t, &mine) && dataset_make_temporary(u, &mine));
+    create_other("u", 2, 3);
+    CHECK(registry_replace(&sets, &others, true));
+    CHECK(registry_find(&sets, &(struct word){"t", 1}) == t && mine->first == t);
+    CHECK(!registry_find(&sets, &(struct word){"u", 1})->temporary && t->temporary_next == NULL);
+    registry_orphan(&sets, mine);
+    while (registry_drop_orphans(&sets))
+        ;
+    CHECK(sets.sets == 1);
+    registry_clear(&sets);
+}
