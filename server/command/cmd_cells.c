@@ -2,7 +2,8 @@
  *
  * Cells are rows that are made as they are sent. Before the first one, the status line says what must be found first:
  * the box around all points, and with BINARY how many corners there are. Both are found as of the same moment as
- * the rows, piece by piece by a worker where that takes long. */
+ * the rows, piece by piece by a worker where that takes long. To count corners, all cells are made at once and kept,
+ * if there is memory for them and no edit comes in between; otherwise they are made twice. */
 #include "server/command/command.h"
 
 #include "server/jobs/job.h"
@@ -13,7 +14,8 @@
 
 enum {
     CELLS_AT_ONCE = 64,  /* cells that the I/O thread looks at itself */
-    CELLS_LOCKED = 1024, /* that a worker counts under the lock at a time */
+    CELLS_LOCKED = 1024, /* that a worker counts under the lock at a time, */
+    CELLS_MADE = 4096,   /* or makes */
     HULL_LOCKED = 4096,  /* the same for points of the hull */
     STARS_AT_ONCE = 256, /* as cells, for ALPHA */
     STARS_LOCKED = 4096
@@ -97,6 +99,41 @@ static enum dt_status count_corners(struct cells_job *j)
     return status;
 }
 
+/* Makes the next cells. False: they cannot be made at once. */
+static bool make_some(struct cells_job *j, struct dt_cells_made *made, bool *done)
+{
+    const struct dt *dt = j->job.dt;
+    return (j->view == NULL || dt_view_is_current(dt, j->view)) &&
+           dt_cells_make(dt, made, CELLS_MADE, done) == DT_OK;
+}
+
+/* Makes all cells at once. False: no memory, an edit has come in between, or another reason. */
+static bool make_cells(struct cells_job *j, struct dt_cells_made **out)
+{
+    struct dt_cells_made *made;
+    bool done = false;
+    if (dt_cells_make_begin(j->job.dt, &j->rows.cells, &made) != DT_OK || made == NULL)
+        return false;
+    bool ok = reservation_resize(&j->job.memory, dt_cells_made_memory(made));
+    while (ok && !done)
+        ok = make_some(j, made, &done) && pause_job(&j->job) == DT_OK;
+    *out = ok ? made : NULL;
+    if (!ok)
+        dt_cells_made_free(made);
+    reservation_set(&j->job.memory, ok ? dt_cells_made_memory(made) : 0);
+    return ok;
+}
+
+static enum dt_status find_corners(struct cells_job *j)
+{
+    struct rows *rows = &j->rows;
+    if (rows->ids.v != NULL || !rows->heavy || !make_cells(j, &rows->made))
+        return count_corners(j);
+    rows->cells.made = rows->made;
+    j->corners = dt_cells_made_corners(rows->made);
+    return DT_OK;
+}
+
 static void run_cells(struct job *job)
 {
     struct cells_job *j = (struct cells_job *)job;
@@ -105,7 +142,7 @@ static void run_cells(struct job *job)
     if (job->status == DT_OK)
         job->status = dt_cells_begin(job->dt, j->view, j->lo, j->hi, &rows->cells);
     if (job->status == DT_OK && rows->binary && rows->form == ROW_CELL)
-        job->status = count_corners(j);
+        job->status = find_corners(j);
 }
 
 /* ---- the reply ---- */
@@ -138,13 +175,17 @@ static void cells_done(struct server *s, struct job *job, struct answer *a)
     j->rows.view = j->view;
     j->view = NULL;
     reply_status(j, a);
+    reservation_set(&job->memory, 0); /* the stream reserves it */
     stream_answer(s, a, &j->rows, j->rows.ids.v == NULL ? NULL : &j->rows.ids);
+    if (a->next == ANSWER_STREAM)
+        j->rows.made = NULL;
 }
 
 static void clear_cells(struct job *job)
 {
     struct cells_job *j = (struct cells_job *)job;
     dt_view_end(j->view);
+    dt_cells_made_free(j->rows.made);
     free(j->rows.ids.v);
 }
 
@@ -240,6 +281,7 @@ static void answer_cells(struct server *s, struct dataset *set, const struct req
     }
     j->job.clear = clear_cells;
     j->job.what = "computing cells";
+    j->job.memory = server_reservation(s, BUDGET_REPLIES);
     j->rows = (struct rows){.form = form, .width = 1};
     if (!read_request(a, q, v->dt, j)) {
         job_free(&j->job);

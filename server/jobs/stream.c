@@ -89,7 +89,8 @@ static size_t piece_bytes(const struct stream *st)
 
 static size_t ids_bytes(const struct stream *st)
 {
-    return sizeof *st + st->rows.ids.cap * sizeof(uint32_t) + st->past_bytes;
+    size_t made = st->rows.made != NULL ? dt_cells_made_memory(st->rows.made) : 0;
+    return sizeof *st + st->rows.ids.cap * sizeof(uint32_t) + st->past_bytes + made;
 }
 
 /* Of pieces that workers make, at least the usual size counts. */
@@ -206,6 +207,7 @@ void stream_free(struct server *s, struct stream *st)
     rows_clear(&st->rows);
     free(st->rows.ids.v);
     free(st->rows.field);
+    dt_cells_made_free(st->rows.made);
     if (st->past.dt != NULL)
         s->sets.discard(s->sets.discard_ctx, st->past.dt);
     reservation_set(&st->memory, 0);

@@ -63,7 +63,8 @@ struct rows {
     bool table;              /* rows of the cursor's table, else rows of the ids */
     bool binary;             /* tables and numbers only */
     struct dt_cursor cursor;
-    struct dt_cells cells;       /* ROW_CELL, ROW_AREA */
+    struct dt_cells cells;      /* ROW_CELL, ROW_AREA */
+    struct dt_cells_made *made; /* owns, a part borrows: all of them, if the cursor reads from it */
     struct surface_rows surface; /* ROW_SURFACE; its set and moment are those of the rows */
     enum row_form form;
     size_t width; /* words of the list or of the reply in a row */

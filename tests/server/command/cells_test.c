@@ -107,6 +107,27 @@ TEST(cells_in_binary_are_those_in_text)
     free(binary);
 }
 
+TEST(cells_in_binary_are_the_same_without_memory_to_keep_them)
+{
+    enum { N = 40000 };
+    static const size_t more[] = {64 << 20, 2 << 20}; /* they take 4.2 MB */
+    int fd;
+    char *binary[2], line[80];
+    size_t bytes[2];
+    struct daemon d = start(&fd, N);
+    for (int i = 0; i < 2; i++) {
+        size_t used = daemon_info(&d, "memory_used");
+        snprintf(line, sizeof line, "CONFIG SET max-memory %zu\nVORONOI t BINARY\n",
+                 used + more[i]);
+        say(fd, line);
+        CHECK_STR(hear_line(fd), "OK 0");
+        binary[i] = hear_binary(fd, &bytes[i]);
+    }
+    CHECK(bytes[0] == bytes[1] && memcmp(binary[0], binary[1], bytes[0]) == 0);
+    free(binary[0]);
+    free(binary[1]);
+}
+
 TEST(areas_of_cells_add_up_to_the_box)
 {
     enum { N = 3000 };
