@@ -64,7 +64,18 @@ bool dial_wait(struct dial *d, int fd, short events, int ms)
     return !d->stop && !d->again;
 }
 
-int dial_connect(const struct dial *d)
+/* Waits until the socket is connected, or failed. False: it takes too long, or the thread is to end. */
+static bool await_connection(struct dial *d, int fd)
+{
+    struct pollfd p = {.fd = fd, .events = POLLOUT};
+    int64_t until = clock_ms() + CONNECT_MS, now;
+    while (poll(&p, 1, 0) != 1)
+        if ((now = clock_ms()) >= until || !dial_wait(d, fd, POLLOUT, (int)(until - now)))
+            return false;
+    return true;
+}
+
+int dial_connect(struct dial *d)
 {
     struct addrinfo hints = {.ai_socktype = SOCK_STREAM, .ai_flags = AI_NUMERICHOST}, *at = NULL;
     char port[12];
@@ -80,12 +91,10 @@ int dial_connect(const struct dial *d)
     }
     if (fd >= 0 && connect(fd, at->ai_addr, at->ai_addrlen) != 0) {
         error = errno;
-        if (error == EINPROGRESS) {
-            struct pollfd p = {.fd = fd, .events = POLLOUT};
-            error = poll(&p, 1, CONNECT_MS) == 1 ? 0 : ETIMEDOUT;
-            if (error == 0)
-                getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
-        }
+        if (error == EINPROGRESS && !await_connection(d, fd))
+            error = ETIMEDOUT;
+        else if (error == EINPROGRESS)
+            getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
     }
     freeaddrinfo(at);
     if (error != 0 && fd >= 0)

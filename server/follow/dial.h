@@ -40,7 +40,7 @@ void dial_stop(struct dial *d);
 bool dial_wait(struct dial *d, int fd, short events, int ms);
 
 /* A socket that is connected, which does not block; -1 with errno. */
-int dial_connect(const struct dial *d);
+int dial_connect(struct dial *d);
 
 /* Sends all bytes. False: the connection has ended. */
 bool dial_send(struct dial *d, int fd, const char *bytes, size_t n);

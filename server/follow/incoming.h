@@ -21,11 +21,11 @@ struct incoming_calls {
 };
 
 struct incoming {
-    const struct datadir *dir; /* borrows: a snapshot comes into a folder of it */
+    const struct datadir *dir;          /* borrows: a snapshot comes into a folder of it */
     const struct incoming_calls *calls; /* borrows */
     void *ctx;
-    struct buf in;   /* owns: what has come, and has not been taken */
-    uint64_t taken;  /* bytes of the stream so far */
+    struct buf in;  /* owns: what has come, and has not been taken */
+    uint64_t taken; /* bytes of the stream so far */
     bool in_snapshot;
     char why[200]; /* why incoming_take returned false; empty: a call did */
     /* private */

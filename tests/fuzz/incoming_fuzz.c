@@ -70,8 +70,8 @@ static bool take_log(void *ctx, const char *bytes, size_t n)
         struct segment h;
         struct record r;
         bool header = n - at >= 8 && memcmp(bytes + at, "DELAUNAY", 8) == 0;
-        ptrdiff_t took = header ? segment_read(bytes + at, n - at, &h)
-                                : record_read(bytes + at, n - at, &r);
+        ptrdiff_t took =
+            header ? segment_read(bytes + at, n - at, &h) : record_read(bytes + at, n - at, &r);
         require(took > 0 && (!header || h.kind == SEGMENT_LOG));
         at += (size_t)took;
     }

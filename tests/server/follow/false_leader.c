@@ -3,6 +3,7 @@
 
 #include "tests/test.h"
 
+#include <errno.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <stdio.h>
@@ -22,6 +23,16 @@ struct false_leader false_leader_new(void)
     CHECK(listen(l.listener, 5) == 0);
     snprintf(l.address, sizeof l.address, "127.0.0.1:%u", ntohs(at.sin_port));
     return l;
+}
+
+int false_leader_dial(const struct false_leader *l)
+{
+    struct sockaddr_in at;
+    socklen_t size = sizeof at;
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    CHECK(fd >= 0 && getsockname(l->listener, (struct sockaddr *)&at, &size) == 0);
+    CHECK(connect(fd, (struct sockaddr *)&at, size) == 0 || errno == EINPROGRESS);
+    return fd;
 }
 
 static void hang_up(struct false_leader *l)

@@ -19,6 +19,9 @@ struct false_leader {
 struct false_leader false_leader_new(void);
 void false_leader_end(struct false_leader *l);
 
+/* Begins to connect to it; the caller closes. */
+int false_leader_dial(const struct false_leader *l);
+
 /* Waits until a follower connects, and receives its SYNC. Ends the connection before that. Answers that it continues, "yes", or not. */
 void false_leader_accept(struct false_leader *l, const char *continues);
 

@@ -147,3 +147,29 @@ TEST_TIMEOUT(follower_says_that_it_is_disconnected, 60)
     node_end(&f);
     false_leader_end(&l);
 }
+
+/* ---- a leader that does not answer ---- */
+
+/* Its machine is off: connecting takes seconds, and the daemon is promoted meanwhile, again and again. */
+TEST(promotion_does_not_wait_for_the_connection_to_a_leader_that_is_gone)
+{
+    enum { PROMOTIONS = 40, FULL = 3 };
+    struct false_leader l = false_leader_new();
+    struct node f = node_new(NULL);
+    int fd[FULL];
+    char follow[40];
+    CHECK(listen(l.listener, 0) ==
+          0); /* the queue of this port gets full: attempts to connect are ignored */
+    for (int i = 0; i < FULL; i++)
+        fd[i] = false_leader_dial(&l);
+    snprintf(follow, sizeof follow, "FOLLOW 127.0.0.1 %s", strchr(l.address, ':') + 1);
+    for (int i = 0; i < PROMOTIONS; i++) {
+        node_expect(&f, follow, "OK");
+        pause_ms(20); /* it connects */
+        node_expect(&f, "FOLLOW NONE", "OK");
+    }
+    for (int i = 0; i < FULL; i++)
+        close(fd[i]);
+    node_end(&f);
+    false_leader_end(&l);
+}
