@@ -180,16 +180,16 @@ TEST(sets_that_are_replaced_stay_the_same_sets_and_count_their_memory)
         registry_expire(&sets, b, 100);
         create_other("b", 6, 1000);
         registry_expire(&others, create_other("new", 8, 10), 200);
-        if (same)
-            create_other("a", 4, 0);
+        create_other("a", 4, 2);
         others.life = 77;
         CHECK(registry_replace(&sets, &others, same));
-        CHECK(sets.sets == 2 + (size_t)same && sets.life == 77 && others.sets == 0);
+        CHECK(sets.sets == 3 && sets.life == 77 && others.sets == 0);
         CHECK(registry_find(&sets, &(struct word){"b", 1}) == b && b->version == 6);
         CHECK(b->current->sum.points == 1000 && b->expires_ms == 0);
         CHECK(sets.expiring == 1 && strcmp(sets.expiring_first->name, "new") == 0);
         CHECK(registry_find(&sets, &(struct word){"gone", 4}) == NULL);
-        CHECK(!same || a->current == before);
+        const struct dataset *now = registry_find(&sets, &(struct word){"a", 1});
+        CHECK(same ? now == a && a->current == before : now->current->sum.points == 2);
         version_unpin(&sets, before);
         size_t memory = 0;
         registry_each(&sets, add_memory, &memory);
