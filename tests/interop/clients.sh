@@ -3,47 +3,8 @@
 # Python and Node packages, an XML parser of the film that `delaunay trace` makes, haproxy with two daemons.
 #
 #     clients.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
-set -u
-cd "$(dirname "$0")/../.."
-build=$PWD/$1
-scratch=$(mktemp -d)
+. "$(dirname "$0")/common.sh" "$1"
 python=/usr/bin/python3 # Debian's, which sees Debian's packages
-passed=0
-failed=0
-pids=()
-
-stop() {
-    [ ${#pids[@]} -eq 0 ] || kill "${pids[@]}" 2>/dev/null
-    wait
-    rm -rf "$scratch"
-}
-trap stop EXIT
-
-count() { # NAME COMMAND...
-    local name=$1
-    shift
-    if "$@" >"$scratch/out" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $name"
-        tail -n 30 "$scratch/out"
-    fi
-}
-
-# Starts a daemon; its port goes to the variable of this name.
-start_daemon() { # VARIABLE
-    local found=
-    "$build/delaunayd" --port 0 >"$scratch/ready.$1" 2>/dev/null &
-    pids+=($!)
-    for _ in $(seq 600); do
-        found=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready.$1")
-        [ -z "$found" ] || break
-        sleep 0.1
-    done
-    [ -n "$found" ] || { echo "the daemon did not say that it is ready"; exit 1; }
-    printf -v "$1" %s "$found"
-}
 
 # ---- Redis's programs ----
 
@@ -284,5 +245,4 @@ count "the Python package notices a daemon that dies" dies_under 1 '^lost: ' bas
 count "the Node package notices a daemon that dies" dies_under 1 '^lost: ' bash -c 'load_by_node "$0"'
 count "the Dockerfile" tests/interop/image.sh "$1"
 haproxy_shards
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+result

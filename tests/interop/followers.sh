@@ -2,32 +2,10 @@
 # A leader and a follower behind haproxy with clients/haproxy-followers.cfg, and promotions by clients/promote.sh while a client writes.
 #
 #     followers.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
-set -u
-cd "$(dirname "$0")/../.."
-build=$PWD/$1
-scratch=$(mktemp -d)
+. "$(dirname "$0")/common.sh" "$1"
 export DELAUNAY=$build/delaunay
-passed=0
-failed=0
-declare -A pid
-
-stop() {
-    { kill -KILL "${pid[@]}"; wait; } 2>/dev/null
-    rm -rf "$scratch"
-}
-trap stop EXIT
-
-count() { # NAME COMMAND...
-    local name=$1
-    shift
-    if "$@" >"$scratch/out" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $name"
-        tail -n 30 "$scratch/out"
-    fi
-}
+unset pids
+declare -A pids # of common.sh, by name
 
 base=$((20000 + RANDOM % 10000))
 declare -A port=([a]=$base [b]=$((base + 1)) [write]=$((base + 2)) [read]=$((base + 3)))
@@ -36,10 +14,10 @@ start() { # NAME OPTION...
     local name=$1
     shift
     "$build/delaunayd" --port "${port[$name]}" --data "$scratch/$name" "$@" >/dev/null 2>>"$scratch/log.$name" &
-    pid[$name]=$!
+    pids[$name]=$!
 }
 
-stop_b() { { kill -KILL "${pid[b]}" && wait "${pid[b]}"; } 2>/dev/null || true; }
+stop_b() { { kill -KILL "${pids[b]}" && wait "${pids[b]}"; } 2>/dev/null || true; }
 
 url() { echo "delaunay://127.0.0.1:${port[$1]}"; }
 say() { printf '%s\n' "$2" | timeout 20 nc -N 127.0.0.1 "${port[$1]}" 2>/dev/null; } # NAME REQUEST
@@ -77,11 +55,12 @@ write_some() { # at least N more points are acknowledged
     await eval "[ \$(wc -l <'$scratch/acknowledged') -ge $((have + $1)) ]"
 }
 
-nothing_is_missing() { # NAME
+nothing_is_missing() { # NAME: of what is acknowledged by now
+    sort "$scratch/acknowledged" >"$scratch/needed"
     say "$1" 'POINTS t' | awk 'NR > 1 {print $2}' | sort >"$scratch/have"
-    sort "$scratch/acknowledged" | comm -23 - "$scratch/have" >"$scratch/missing"
+    comm -23 "$scratch/needed" "$scratch/have" >"$scratch/missing"
     echo "missing on $1: $(head "$scratch/missing")"
-    [ -s "$scratch/acknowledged" ] && [ ! -s "$scratch/missing" ]
+    [ -s "$scratch/needed" ] && [ ! -s "$scratch/missing" ]
 }
 
 begin() {
@@ -90,7 +69,7 @@ begin() {
     await is a role leader && start b --follow "127.0.0.1:${port[a]}" && await is b link receiving
     WRITE_BIND=127.0.0.1:${port[write]} READ_BIND=127.0.0.1:${port[read]} DAEMON_A=127.0.0.1:${port[a]} \
         DAEMON_B=127.0.0.1:${port[b]} haproxy -db -f clients/haproxy-followers.cfg >"$scratch/haproxy" 2>&1 &
-    pid[haproxy]=$!
+    pids[haproxy]=$!
     await goes_to write leader && await goes_to read follower
 }
 
@@ -130,10 +109,10 @@ wrong_promotions_change_nothing() {
 
 # The follower is stopped, so it does not catch up: the leader accepts changes again.
 planned_promotion_that_fails() {
-    kill -STOP "${pid[b]}"
+    kill -STOP "${pids[b]}"
     ! SECONDS_TO_WAIT=3 timeout 20 clients/promote.sh --from "$(url a)" "$(url b)"
     local failed=$?
-    kill -CONT "${pid[b]}"
+    kill -CONT "${pids[b]}"
     [ "$failed" -eq 0 ] && is a role leader && is a min_followers 0 && await eval "say a 'ADD t 7.5 7.5' | grep -q '^OK 0'"
 }
 
@@ -147,5 +126,4 @@ count "a former leader that comes back refuses changes" former_leader_refuses
 count "it follows, and is equal" former_leader_follows
 count "wrong promotions change nothing" wrong_promotions_change_nothing
 count "a planned promotion of a follower that does not catch up changes nothing" planned_promotion_that_fails
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+result

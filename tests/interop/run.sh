@@ -3,44 +3,7 @@
 # with netcat, and others with redis-cli and redis-benchmark.
 #
 #     run.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
-set -u
-cd "$(dirname "$0")/../.."
-build=$1
-scratch=$(mktemp -d)
-passed=0
-failed=0
-
-stop() {
-    [ -n "${daemon:-}" ] && kill "$daemon" 2>/dev/null && wait "$daemon"
-    rm -rf "$scratch"
-}
-trap stop EXIT
-
-# count NAME COMMAND...: runs the command as one test.
-count() {
-    local name=$1
-    shift
-    if "$@"; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $name"
-    fi
-}
-
-start_daemon() { # [OPTION...]
-    rm -f "$scratch/ready" # which may name the port of a daemon that has stopped
-    "$build/delaunayd" --port 0 "$@" >"$scratch/ready" 2>"$scratch/log" &
-    daemon=$!
-    for _ in $(seq 600); do
-        port=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready" 2>/dev/null)
-        [ -n "$port" ] && return
-        sleep 0.1
-    done
-    echo "the daemon did not say that it is ready"
-    cat "$scratch/log"
-    exit 1
-}
+. "$(dirname "$0")/common.sh" "$1"
 
 # Times and versions of sets vary, and so may the message after an error's code; comments may precede the reply to a slow request.
 normalised() {
@@ -147,37 +110,24 @@ netcat_conversations() {
 
 # ---- CGAL ----
 
-# Adds the counts of a shard's last line to ours and shows what went wrong.
-collect() {
-    local p f
-    grep -v ' passed, ' "$1"
-    read -r p f < <(sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed$/\1 \2/p' "$1" | tail -n 1)
-    if [ -z "${f:-}" ]; then
-        echo "FAIL the comparison broke off"
-        p=0 f=1
-    fi
-    passed=$((passed + p))
-    failed=$((failed + f))
-}
-
 compare_with_cgal() {
-    local shard pids=()
+    local shard shards=()
     for shard in 0 1; do
         "$build/interop/compare" "$port" "$shard" 2 >"$scratch/shard$shard" 2>&1 &
-        pids+=($!)
+        shards+=($!)
     done
-    wait "${pids[@]}"
+    wait "${shards[@]}"
     collect "$scratch/shard0"
     collect "$scratch/shard1"
 }
 
 # Values, weights and alpha shapes, also after a crash: the log has all edits.
 compare_surfaces() {
-    start_daemon --data "$scratch/data"
+    start_daemon port --data "$scratch/data"
     "$build/interop/surfaces" "$port" >"$scratch/surfaces" 2>&1
     collect "$scratch/surfaces"
     { kill -KILL "$daemon" && wait "$daemon"; } 2>/dev/null
-    start_daemon --data "$scratch/data"
+    start_daemon port --data "$scratch/data"
     "$build/interop/surfaces" "$port" again >"$scratch/surfaces" 2>&1
     collect "$scratch/surfaces"
     count "clean stop after a restart" stops_cleanly
@@ -192,12 +142,11 @@ stops_cleanly() {
     kill -TERM "$daemon"
     wait "$daemon"
     status=$?
-    daemon=
-    cat "$scratch/log"
+    cat "$scratch/log.port"
     [ "$status" -eq 0 ]
 }
 
-start_daemon
+start_daemon port
 compare_with_cgal
 netcat_conversations
 count "redis-cli" redis_cli_converses
@@ -213,5 +162,4 @@ for seed in 1 2; do
     /usr/bin/python3 tests/interop/follow.py "$build" "$seed" 8 >"$scratch/follow" 2>&1
     collect "$scratch/follow"
 done
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+result

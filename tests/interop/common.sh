@@ -1,0 +1,68 @@
+# common.sh BUILD_DIR - to be sourced: enters the root of the repository and provides $build, a folder $scratch, daemons, and a count of
+# tests. Scratch and processes end with the script.
+set -u
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+build=$(realpath "$1")
+scratch=$(mktemp -d)
+passed=0
+failed=0
+pids=() # of processes that must not outlive the script
+
+leave() {
+    [ ${#pids[@]} -eq 0 ] || { kill -KILL "${pids[@]}"; wait "${pids[@]}"; } 2>/dev/null
+    rm -rf "$scratch"
+}
+trap leave EXIT
+
+# Runs the command as one test; shows the end of what it prints if it fails.
+count() { # NAME COMMAND...
+    local name=$1
+    shift
+    if "$@" >"$scratch/out" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAIL $name"
+        tail -n 30 "$scratch/out"
+    fi
+}
+
+# Adds the counts of another program's last line, and shows its other lines.
+collect() { # FILE
+    local p f
+    grep -v ' passed, ' "$1"
+    read -r p f < <(sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed$/\1 \2/p' "$1" | tail -n 1)
+    if [ -z "${f:-}" ]; then
+        echo "FAIL $(basename "$1") broke off"
+        p=0 f=1
+    fi
+    passed=$((passed + p))
+    failed=$((failed + f))
+}
+
+# The last line of a script: the exit status is 0 if nothing failed.
+result() {
+    echo "$passed passed, $failed failed"
+    [ "$failed" -eq 0 ]
+}
+
+# Starts a daemon; its port goes to the variable of this name, its number as a process to $daemon, its log to $scratch/log.VARIABLE.
+start_daemon() { # VARIABLE OPTION...
+    local variable=$1 found= ready=$scratch/ready.$1
+    shift
+    rm -f "$ready" # which may name the port of a daemon that has stopped
+    "$build/delaunayd" --port 0 "$@" >"$ready" 2>"$scratch/log.$variable" &
+    daemon=$!
+    pids+=("$daemon")
+    for _ in $(seq 600); do
+        found=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$ready" 2>/dev/null)
+        [ -z "$found" ] || break
+        sleep 0.1
+    done
+    if [ -z "$found" ]; then
+        echo "the daemon did not say that it is ready"
+        cat "$scratch/log.$variable"
+        exit 1
+    fi
+    printf -v "$variable" %s "$found"
+}
