@@ -85,7 +85,7 @@ static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
 static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point *xy,
                                  const uint32_t *id, uint32_t h)
 {
-    enum { TRIANGLES = 8, VERTICES = 12, LINE = 64 };
+    enum { TRIANGLES = 12, VERTICES = 16, LINE = 64 };
     uint32_t t = h >> 3, first = t < TRIANGLES ? 0 : t - TRIANGLES;
     for (uint32_t k = 0; k <= 2 * TRIANGLES; k += 2)
         dt_fetch((const void *)((uintptr_t)m->half + LINE / 2 * (size_t)(first + k)));
