@@ -162,4 +162,6 @@ for seed in 1 2; do
     /usr/bin/python3 tests/interop/follow.py "$build" "$seed" 8 >"$scratch/follow" 2>&1
     collect "$scratch/follow"
 done
+tests/interop/upgrade.sh "$build" >"$scratch/upgrade" 2>&1
+collect "$scratch/upgrade"
 result
