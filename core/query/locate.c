@@ -6,7 +6,7 @@
 #include "core/query/locate.h"
 
 #include "core/exact/predicates.h"
-#include "core/grid/hints_live.h"
+#include "core/grid/hints.h"
 #include "core/grid/jump.h"
 #include "core/mesh/hull.h"
 

@@ -10,7 +10,7 @@
 #include "core/control/work.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
-#include "core/grid/hints_live.h"
+#include "core/grid/hints.h"
 #include "core/mesh/hull.h"
 #include "core/query/locate.h"
 #include "core/query/query.h"
