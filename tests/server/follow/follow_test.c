@@ -7,6 +7,7 @@
 #include <inttypes.h>
 #include <signal.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 /* ---- what it gets ---- */
@@ -372,6 +373,43 @@ TEST_TIMEOUT(change_that_waits_for_followers_is_not_acknowledged_when_its_leader
         node_end(&l);
         tree_remove(f.dir.path);
     }
+}
+
+/* Whether the leader knows that one of two followers has all its changes. */
+static bool one_has_all(const struct node *l)
+{
+    char value[FACT], last[FACT], want[FACT + 10];
+    bool has = false;
+    node_fact(l, "lsn", last);
+    snprintf(want, sizeof want, ",lsn=%s,", last);
+    for (int i = 1; i <= 2; i++) {
+        node_fact(l, i == 1 ? "follower_1" : "follower_2", value);
+        has = has || strstr(value, want) != NULL;
+    }
+    return has;
+}
+
+/* With two followers of which one does not answer. */
+TEST_TIMEOUT(change_waits_for_all_the_followers_that_are_needed, 60)
+{
+    struct node l = node_new((const char *const[]){"--min-followers", "2", NULL}),
+                f = node_follower_of(&l), other = node_follower_of(&l);
+    char byte;
+    node_await_reply(&l, "ADD b 0 0", "OK");
+    kill(other.d.pid, SIGSTOP);
+    int fd = daemon_connect(&l.d);
+    say(fd, "ADD a 1 1\n");
+    node_await_reply(&f, "STAT a", "OK 0 points=1");
+    for (unsigned i = 0; i < node_tries() && !one_has_all(&l); i++)
+        pause_ms(10);
+    CHECK(one_has_all(&l));
+    CHECK(recv(fd, &byte, 1, MSG_DONTWAIT) < 0);
+    kill(other.d.pid, SIGCONT);
+    CHECK(strncmp(hear_line(fd), "OK", 2) == 0);
+    close(fd);
+    node_end(&l);
+    node_end(&f);
+    node_end(&other);
 }
 
 TEST_TIMEOUT(nothing_acknowledged_is_lost_with_the_leader, 60)
