@@ -10,7 +10,7 @@
 #include <fcntl.h>
 #include <string.h>
 
-enum { DESCRIPTORS = 1024, NOTHING = -1, ROOT = 0 };
+enum { DESCRIPTORS = 1024, NOTHING = -1, ROOT = 0, PATH_LIMIT = 256 };
 
 struct image {
     char *bytes; /* owns; n of them, then zeros up to the size */
@@ -25,7 +25,8 @@ struct node {
 };
 
 struct entry {
-    char *path;             /* owns */
+    char *path; /* owns; when it was first seen: a directory above may have got another name */
+    const char *name;       /* its last part */
     int dir;                /* the node that it is a name in */
     int before, seen, disk; /* the node that it stands for, or NOTHING */
 };
@@ -71,7 +72,7 @@ static int node_of(struct crash *c, const char *path)
 /* The node of the directory that the path is in. */
 static int parent_of(struct crash *c, const char *path)
 {
-    char parent[256];
+    char parent[PATH_LIMIT];
     const char *slash = strrchr(path, '/');
     if (slash == NULL)
         return ROOT;
@@ -81,16 +82,23 @@ static int parent_of(struct crash *c, const char *path)
     return dir;
 }
 
+static const char *last_part(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash == NULL ? path : slash + 1;
+}
+
 /* The entry of this path, created if it is new. */
 static int find_entry(struct crash *c, const char *path)
 {
-    for (int i = 0; i < c->entries; i++)
-        if (strcmp(c->entry[i].path, path) == 0)
-            return i;
     int dir = parent_of(c, path);
+    for (int i = 0; i < c->entries; i++)
+        if (c->entry[i].dir == dir && strcmp(c->entry[i].name, last_part(path)) == 0)
+            return i;
     c->entry = realloc(c->entry, (size_t)(c->entries + 1) * sizeof *c->entry);
-    CHECK(c->entry != NULL);
-    c->entry[c->entries] = (struct entry){strdup(path), dir, NOTHING, NOTHING, NOTHING};
+    char *own = strdup(path);
+    CHECK(c->entry != NULL && own != NULL);
+    c->entry[c->entries] = (struct entry){own, last_part(own), dir, NOTHING, NOTHING, NOTHING};
     return c->entries++;
 }
 
@@ -352,18 +360,21 @@ static uint32_t give_file(const struct node *n, struct tree *out)
     return tree_add_file(out, &f);
 }
 
-/* All names of the directory that are on the disk, and their content. */
-static void give_names(struct crash *c, int dir, uint32_t given[], struct tree *out)
+/* All names of the directory at `path` that are on the disk, and their content. */
+static void give_names(struct crash *c, int dir, const char *path, uint32_t given[],
+                       struct tree *out)
 {
+    char at[PATH_LIMIT];
     for (int i = 0; i < c->entries; i++) {
         const struct entry *e = &c->entry[i];
         if (e->dir != dir || e->disk == NOTHING)
             continue;
         if (given[e->disk] == UINT32_MAX)
             given[e->disk] = give_file(&c->node[e->disk], out);
-        tree_add_name(out, e->path, given[e->disk]);
+        snprintf(at, sizeof at, "%s%s%s", path, path[0] == '\0' ? "" : "/", e->name);
+        tree_add_name(out, at, given[e->disk]);
         if (c->node[e->disk].dir)
-            give_names(c, e->disk, given, out);
+            give_names(c, e->disk, at, given, out);
     }
 }
 
@@ -377,7 +388,7 @@ struct tree crash_state(struct crash *c, size_t cut, struct crash_fate *fate)
     cover(c, cut);
     for (size_t i = 0; i < cut; i++)
         carry_out(c, i, fate);
-    give_names(c, ROOT, given, &out);
+    give_names(c, ROOT, "", given, &out);
     for (int i = 0; i < c->nodes; i++) {
         free(c->node[i].seen.bytes);
         free(c->node[i].disk.bytes);

@@ -450,3 +450,40 @@ TEST(power_may_fail_between_any_two_operations)
     }
     crash_free(c);
 }
+
+/* ---- directories ---- */
+
+static size_t makes_directory(const char *name)
+{
+    return add((struct power_op){.kind = POWER_MKDIR, .name = name});
+}
+
+TEST(crash_state_of_a_renamed_directory_has_its_files_under_the_new_name)
+{
+    makes_directory("d");
+    opens(A, "d/a", NEW_FILE);
+    writes(A, 0, "x", 1);
+    size_t number = renames("d", "e");
+    opens(B, "e/b", NEW_FILE);
+    struct tree t = left_after(&(struct losses){.n = 0});
+    CHECK(tree_find(&t, "e/a") != NULL && tree_find(&t, "e/b") != NULL);
+    CHECK(tree_find(&t, "d") == NULL && tree_find(&t, "d/a") == NULL);
+    tree_free(&t);
+    t = without((struct loss[]){{number, PART_NAME, 0}, {number, PART_OLD_NAME, 0}}, 2);
+    CHECK(tree_find(&t, "d/a") != NULL && tree_find(&t, "d/b") != NULL);
+    CHECK(tree_find(&t, "e") == NULL && tree_find(&t, "e/a") == NULL);
+    tree_free(&t);
+}
+
+TEST(crash_state_of_a_directory_that_was_made_again_has_only_the_new_files)
+{
+    makes_directory("d");
+    opens(A, "d/a", NEW_FILE);
+    renames("d", "e");
+    makes_directory("d");
+    opens(B, "d/b", NEW_FILE);
+    struct tree t = left_after(&(struct losses){.n = 0});
+    CHECK(tree_find(&t, "e/a") != NULL && tree_find(&t, "e/b") == NULL);
+    CHECK(tree_find(&t, "d/b") != NULL && tree_find(&t, "d/a") == NULL);
+    tree_free(&t);
+}

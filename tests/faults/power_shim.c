@@ -326,6 +326,21 @@ int mkdir(const char *name, mode_t mode)
     return result;
 }
 
+int mkdirat(int dir, const char *name, mode_t mode)
+{
+    int (*call)(int, const char *, mode_t) = (int (*)(int, const char *, mode_t))real("mkdirat");
+    char path[PATH_LIMIT];
+    const char *at = name_in(dir, name, path);
+    if (at == NULL)
+        return call(dir, name, mode);
+    lock();
+    int result = call(dir, name, mode);
+    if (result == 0)
+        note((struct power_head){.kind = POWER_MKDIR}, at, "", "", 0);
+    unlock();
+    return result;
+}
+
 int unlinkat(int dir, const char *name, int flags)
 {
     int (*call)(int, const char *, int) = (int (*)(int, const char *, int))real("unlinkat");
