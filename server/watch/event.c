@@ -57,7 +57,7 @@ static void put_point(struct event *e, uint32_t id, struct dt_point p)
 
 static void put_gone(struct event *e, uint32_t id)
 {
-    if (e->scope->boxed && !(e->keep_known ? idset_has(e->known, id) : idset_remove(e->known, id)))
+    if (e->scope->boxed && !(e->keep_known ? known_has(e->known, id) : known_remove(e->known, id)))
         return;
     buf_append_text(&e->rows, "gone ");
     reply_row_ids(&e->rows, &id, 1);
@@ -74,7 +74,7 @@ void event_put(struct event *e, const struct dt *dt, uint32_t id, enum event_wha
             put_gone(e, id);
         return;
     }
-    if (e->scope->boxed && !idset_add(e->known, id, e->ids))
+    if (e->scope->boxed && !known_add(e->known, id, e->ids))
         e->rows.failed = true;
     if (what != EVENT_RING)
         put_point(e, id, p);

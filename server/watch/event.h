@@ -9,13 +9,13 @@
 
 #include "core/delaunay.h"
 #include "proto/buf.h"
-#include "server/watch/idset.h"
+#include "server/watch/known.h"
 #include "server/watch/scope.h"
 
 /* Start with {0} and who it is for. */
 struct event {
     const struct scope *scope; /* borrows; its fields have been found */
-    struct idset *known;   /* borrows; with a box: all points that one of its readers may know */
+    struct known *known;   /* borrows; with a box: all points that one of its readers may know */
     bool keep_known;       /* there are others who know them */
     uint32_t ids;          /* of the set, the next one */
     uint32_t line;         /* so many points are on one line: a ring costs so many steps; else 0 */

@@ -47,12 +47,17 @@ static void backlog_copy(struct backlog *to, const struct backlog *from)
         backlog_all(to);
 }
 
-/* The ids of a new backlog of everything, if the set can find those in the box quickly. */
-static void seek_box(struct backlog *b, const struct feed *f, const struct dt *dt)
+bool feed_find_box(const struct feed *f, struct dt_ids *found)
 {
     struct dt_options opt = {.steps = BOX_STEPS};
+    return dt_within_box(f->of->set->current->dt, f->scope.lo, f->scope.hi, &opt, found) == DT_OK;
+}
+
+/* The ids of a new backlog of everything, if the set can find those in the box quickly. */
+static void seek_box(struct backlog *b, const struct feed *f)
+{
     struct dt_ids found = {0};
-    if (dt_within_box(dt, f->scope.lo, f->scope.hi, &opt, &found) == DT_OK) {
+    if (feed_find_box(f, &found)) {
         b->sweeping = false;
         for (size_t i = 0; i < found.n; i++)
             backlog_mark(b, found.v[i], f->of->ids);
@@ -67,7 +72,7 @@ static void put_part(struct event *e, struct backlog *b, const struct feed *f, c
     uint32_t ids = f->of->ids;
     b->outdated = false;
     if (b->sweeping && b->sweep == 0 && f->scope.boxed)
-        seek_box(b, f, dt);
+        seek_box(b, f);
     if (b->sweeping) {
         for (unsigned i = 0; b->sweep < ids && i < LOOKED_AT && !event_is_full(e); i++)
             event_put(e, dt, b->sweep++, EVENT_NEW);
@@ -185,7 +190,7 @@ static void mark_event(struct backlog *b, struct feed *f)
     b->outdated = true;
     for (size_t at = 0; good && at < buf_len(&e->named); at += sizeof id) {
         memcpy(&id, buf_head(&e->named) + at, sizeof id);
-        good = !f->scope.boxed || idset_add(&f->known, id, f->of->ids);
+        good = !f->scope.boxed || known_add(&f->known, id, f->of->ids);
         backlog_mark(b, id, f->of->ids);
     }
     if (!good)
@@ -292,18 +297,26 @@ bool feed_late_part(struct server *s, struct watcher *w)
 
 /* ---- changes ---- */
 
+/* Marks an id, unless a watcher of the box is not sent anything about it: it is not there and was not. */
+static void mark(struct backlog *b, const struct feed *f, uint32_t id)
+{
+    struct dt_point p;
+    if (!f->scope.boxed || known_has(&f->known, id) ||
+        scope_has_point(&f->scope, f->of->set->current->dt, id, &p))
+        backlog_mark(b, id, f->of->ids);
+}
+
 /* Marks what has changed, apart from values that the feed does not show. */
 static void mark_change(struct backlog *b, const struct feed *f, const struct feed_change *c)
 {
-    uint32_t ids = f->of->ids;
     b->outdated = true;
     for (size_t i = 0; i < c->rows; i++)
-        backlog_mark(b, (uint32_t)(c->row[i] >> 32), ids);
+        mark(b, f, (uint32_t)(c->row[i] >> 32));
     for (size_t i = 0; i < c->values; i++)
         if (scope_has_value(&f->scope, c->value[i]))
-            backlog_mark(b, (uint32_t)(c->value[i] >> 32), ids);
-    for (uint32_t id = c->from; id < ids; id++)
-        backlog_mark(b, id, ids);
+            mark(b, f, (uint32_t)(c->value[i] >> 32));
+    for (uint32_t id = c->from; id < f->of->ids; id++)
+        mark(b, f, id);
 }
 
 /* One that does not read, and lacks much of the set, will be sent a reset, which needs no marks. */
@@ -406,7 +419,7 @@ void feed_dropped(struct server *s, struct watched *k)
 
 size_t feed_memory(const struct feed *f)
 {
-    return sizeof *f + idset_memory(&f->shared.ids) + idset_memory(&f->known) +
+    return sizeof *f + idset_memory(&f->shared.ids) + known_memory(&f->known) +
            event_memory(&f->sending);
 }
 
@@ -414,7 +427,7 @@ void feed_free(struct feed *f)
 {
     backlog_clear(&f->shared);
     event_free(&f->sending);
-    idset_clear(&f->known);
+    known_clear(&f->known);
     scope_clear(&f->scope);
     free(f);
 }

@@ -63,7 +63,7 @@ struct feed {
     struct event sending; /* owns; the last event */
     struct watcher
         *unsent;        /* of the first ones: it and those behind it have not been sent that yet */
-    struct idset known; /* with a box: points that a watcher may know */
+    struct known known; /* with a box: points that a watcher may know */
 };
 
 struct watcher {
@@ -108,6 +108,9 @@ void feed_dropped(struct server *s, struct watched *k);
 
 /* Takes the watcher out of its lists and frees it. */
 void feed_leave(struct watcher *w);
+
+/* Appends the ids in the box of the feed, if the set can find them quickly; false: it cannot, or memory is short. */
+bool feed_find_box(const struct feed *f, struct dt_ids *found);
 
 /* Adds a watcher to the others, or to those that are late. */
 void feed_join(struct watcher *w);

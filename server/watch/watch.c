@@ -405,6 +405,29 @@ static struct feed *feed_of(struct watched *k, struct scope *scope)
     return f;
 }
 
+/* Adds the points in the box to those that a watcher may know: all, if they cannot be found now, or if there are changes that
+ * have not been collected: points that have just left the box are not found. */
+static bool know_box(struct feed *f)
+{
+    const struct watched *k = f->of;
+    struct dt_ids found = {0};
+    bool good = !k->set->exclusive && k->version == k->set->version && feed_find_box(f, &found);
+    if (!good)
+        good = known_fill(&f->known, k->ids);
+    for (size_t i = 0; good && i < found.n; i++)
+        good = known_add(&f->known, found.v[i], k->ids);
+    free(found.v);
+    return good;
+}
+
+/* Marks an id; it may have been in the box. */
+static bool mark_back(struct watcher *w, uint32_t id)
+{
+    struct feed *f = w->feed;
+    backlog_mark(&w->own, id, f->of->ids);
+    return !f->scope.boxed || known_add(&f->known, id, f->of->ids);
+}
+
 /* Marks what has changed since a version that the watcher knows. False: that is not known. */
 static bool mark_since(struct watcher *w, uint64_t since)
 {
@@ -414,17 +437,16 @@ static bool mark_since(struct watcher *w, uint64_t since)
     if (since > k->set->version || m == NULL || version_is_stale(k->set->current) ||
         (f->scope.names != NULL && since < k->values_since))
         return false;
-    if (f->scope.boxed && !idset_fill(&f->known, k->ids))
-        return false;
+    bool good = !f->scope.boxed || know_box(f);
     w->own.outdated = since != k->version;
-    for (uint64_t at = m->at; at < k->recent.key_end; at++) {
+    for (uint64_t at = m->at; good && at < k->recent.key_end; at++) {
         uint64_t key = recent_key(&k->recent, at);
         if ((uint32_t)key < DT_TOUCHED_VALUE || scope_has_value(&f->scope, key))
-            backlog_mark(&w->own, (uint32_t)(key >> 32), k->ids);
+            good = mark_back(w, (uint32_t)(key >> 32));
     }
-    for (uint32_t id = m->ids; id < k->ids; id++)
-        backlog_mark(&w->own, id, k->ids);
-    return true;
+    for (uint32_t id = m->ids; good && id < k->ids; id++)
+        good = mark_back(w, id);
+    return good;
 }
 
 bool watch_begin(struct server *s, struct session *who, struct dataset *set, struct scope *scope,
@@ -453,6 +475,7 @@ bool watch_begin(struct server *s, struct session *who, struct dataset *set, str
         feed_join_late(w);
     else
         feed_join(w);
+    count_memory(k);
     /* A triangulation that was left for later will be a change of everything. */
     if (version_is_stale(set->current))
         k->version = 0;

@@ -3,6 +3,7 @@
 #include "tests/test.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -382,5 +383,54 @@ TEST(client_list_and_info_count_what_is_watched)
     CHECK(daemon_info(&d, "events") == 3);
     close(fd);
     await_info(&d, "watchers", 0);
+    daemon_end(&d);
+}
+
+TEST(watcher_of_a_box_who_comes_back_is_told_which_points_have_left_it)
+{
+    struct daemon d = daemon_start(NULL);
+    struct mirror m = {.options = {.box = "0.4 0.4 0.46 0.46"}};
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 6000); /* so many that those in the box are in a table */
+    ask_version(fd, "TRIANGULATE t\n");
+    ask_version(fd, "MOVE t 0 0.44 0.44\n");
+    mirror_watch(&m, &d, false);
+    mirror_catch_up(&m, ask_version(fd, "MOVE t 1 0.45 0.45\n"));
+    mirror_disconnect(&m);
+    ask_version(fd, "MOVE t 0 0.9 0.9\n");
+    ask_version(fd, "DEL t 1\n");
+    uint64_t now = ask_version(fd, "MOVE t 2 0.42 0.42\n");
+    mirror_watch(&m, &d, true);
+    mirror_catch_up(&m, now);
+    CHECK(m.resets == 1);
+    mirror_check(&m, fd, true);
+    mirror_free(&m);
+    close(fd);
+    daemon_end(&d);
+}
+
+/* Events of the move have not been made yet when the watcher comes back. */
+TEST(watcher_of_a_box_who_comes_back_in_the_turn_of_an_edit_is_told_which_point_has_left_it)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    char text[128];
+    say(fd, "ADD t 2 2  0 0  4 0  4 4  0 4\nTRIANGULATE t\n");
+    hear_line(fd);
+    uint64_t version = version_in(hear_line(fd));
+    snprintf(text, sizeof text, "WATCH t WITHIN 1 1 3 3\nUNWATCH t\n");
+    say(fd, text);
+    for (int i = 0; i < 2; i++)
+        CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0);
+    pause_ms(20);
+    snprintf(text, sizeof text, "MOVE t 0 0.5 0.5\nWATCH t SINCE %" PRIu64 " WITHIN 1 1 3 3\n",
+             version);
+    say(fd, text);
+    for (int i = 0; i < 2; i++)
+        CHECK(strncmp(hear_line(fd), "OK 0", 4) == 0);
+    const char *line = hear_line(fd);
+    CHECK(strncmp(line, "EVENT 1 set=t ", 14) == 0 && strstr(line, "reset") == NULL);
+    CHECK_STR(hear_line(fd), "gone 0");
+    close(fd);
     daemon_end(&d);
 }
