@@ -46,7 +46,8 @@ static void live(struct bench *b, const struct power_disk *disk, uint64_t lsn, c
     pid_t pid = start(b, disk);
     false_leader_accept(&b->leader, "no");
     false_leader_snapshot(&b->leader, lsn);
-    false_leader_record(&b->leader, (struct record){.type = RECORD_CREATE, .name = set, .name_len = strlen(set)});
+    false_leader_record(
+        &b->leader, (struct record){.type = RECORD_CREATE, .name = set, .name_len = strlen(set)});
     CHECK(false_leader_send(&b->leader));
     snprintf(want, sizeof want, "ACK %" PRIu64 " ", lsn + 1);
     while (strncmp(hear_line(b->leader.fd), want, strlen(want)) != 0)
@@ -103,7 +104,8 @@ TEST_TIMEOUT(power_cut_during_a_transfer_leaves_the_old_state_or_the_new_one, 30
             struct tree left = crash_state(crash, cut, &fate.fate);
             tree_write(&left, b.root);
             uint64_t state = state_of(&b, &fate, cut);
-            CHECK_MSG(cut < log.n || state == NEW, "up to %" PRIu64 "; lost: %s", state, fate.recipe);
+            CHECK_MSG(cut < log.n || state == NEW, "up to %" PRIu64 "; lost: %s", state,
+                      fate.recipe);
             CHECK(state_of(&b, &fate, cut) == state); /* the next start */
             seen[state] = true;
             tree_free(&left);
