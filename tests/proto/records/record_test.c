@@ -320,3 +320,34 @@ TEST(record_write_out_of_memory_is_remembered)
     test_fail_alloc(0);
     CHECK(b.failed && buf_len(&b) == 0);
 }
+
+TEST(copy_of_a_record_is_the_record_with_another_synced)
+{
+    for (int t = RECORD_CREATE; t < RECORD_TYPES; t++) {
+        struct record r = sample((enum record_type)t);
+        struct buf first = {0}, want = {0}, copy = {0};
+        record_write(&first, &r);
+        r.synced = 77;
+        record_write(&want, &r);
+        record_copy(&copy, buf_head(&first), buf_len(&first), 77);
+        CHECK(buf_len(&copy) == buf_len(&want));
+        CHECK(memcmp(buf_head(&copy), buf_head(&want), buf_len(&want)) == 0);
+        CHECK(record_digest(5, buf_head(&copy), buf_len(&copy)) ==
+              record_digest(5, buf_head(&first), buf_len(&first)));
+        buf_free(&first);
+        buf_free(&want);
+        buf_free(&copy);
+    }
+}
+
+TEST(copy_of_a_record_out_of_memory_is_remembered)
+{
+    struct record r = sample(RECORD_ADD);
+    struct buf b = {0}, copy = {0};
+    record_write(&b, &r);
+    test_fail_alloc(1);
+    record_copy(&copy, buf_head(&b), buf_len(&b), 77);
+    test_fail_alloc(0);
+    CHECK(copy.failed && buf_len(&copy) == 0);
+    buf_free(&b);
+}

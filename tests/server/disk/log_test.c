@@ -566,3 +566,26 @@ TEST(lineage_of_a_log_changes_with_a_segment_of_its_own)
     recovery_clear(&r);
     end(&b);
 }
+
+/* As a follower takes them from its leader: a change of a set, and a RECORD_CLOSE. */
+TEST(copies_of_records_make_a_log_with_the_same_digest)
+{
+    struct bench b, copy;
+    struct buf bytes = {0};
+    begin(&b, LOG_ALWAYS);
+    begin(&copy, LOG_ALWAYS);
+    struct record r[] = {{.lsn = 1, .type = RECORD_CREATE, .a = 0.5, .name = "t", .name_len = 1},
+                         {.lsn = 2, .type = RECORD_CLOSE}};
+    for (uint64_t lsn = 1; lsn <= 2; lsn++) {
+        buf_rewind(&bytes, 0);
+        record_write(&bytes, &r[lsn - 1]);
+        CHECK(log_append(b.log, &r[lsn - 1]) == lsn);
+        CHECK(log_append_copy(copy.log, buf_head(&bytes), buf_len(&bytes)) == lsn);
+        await_durable(&b, lsn);
+        await_durable(&copy, lsn);
+        CHECK(copy.status.digest == b.status.digest && copy.status.bytes == b.status.bytes);
+    }
+    buf_free(&bytes);
+    end(&b);
+    end(&copy);
+}
