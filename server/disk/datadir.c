@@ -398,6 +398,22 @@ static size_t first_kept(const struct datadir *d, const struct datafiles *files,
     return i;
 }
 
+bool datadir_keeps(const struct datadir *d)
+{
+    struct datafiles files;
+    uint64_t newest = 0;
+    bool keeps = false;
+    if (!datadir_list(d, &files))
+        return false;
+    for (size_t i = 0; i < files.n; i++) /* snapshots come first */
+        if (files.v[i].kind == DATAFILE_SNAPSHOT)
+            newest = files.v[i].lsn;
+        else
+            keeps = keeps || is_covered(&files, i, newest);
+    datafiles_free(&files);
+    return keeps;
+}
+
 static void forget(const struct datadir *d, uint64_t lsn)
 {
     struct datafiles files;

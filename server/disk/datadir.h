@@ -93,6 +93,9 @@ bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
  * next time. */
 void datadir_forget(struct datadir *d, uint64_t lsn);
 
+/* Whether there are segments that the newest snapshot covers. */
+bool datadir_keeps(const struct datadir *d);
+
 /* From now on datadir_forget removes nothing, apart from a file that it is about to remove. datadir_unpin
  * removes what it would have removed. */
 void datadir_pin(struct datadir *d);

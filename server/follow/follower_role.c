@@ -130,8 +130,7 @@ static const char *begin(struct follower *f)
     f->following = true;
     durable_set_digest(s, &f->whole_digest);
     durable_close_mark(s, false);
-    durable_keep_log(s,
-                     s->config->keep_log); /* others may follow this daemon after its promotion */
+    durable_keep_log(s); /* others may follow this daemon after its promotion */
     return start_link(f);
 }
 

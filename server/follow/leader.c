@@ -167,7 +167,7 @@ bool leader_add(struct server *s, int fd, const struct sock_peer *peer, const st
     f->peer = *peer;
     f->since_ms = l->loop->now_ms;
     f->durable = l->durable = durable_status(s)->durable;
-    durable_keep_log(s, s->config->keep_log);
+    durable_keep_log(s);
     if (!sender_start(f)) {
         free(f);
         return false;

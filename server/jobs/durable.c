@@ -38,6 +38,7 @@ struct durable {
     pthread_t reader;
     atomic_bool read; /* the thread is done */
     bool gap;         /* the log has lost changes that a snapshot has */
+    bool keeps;       /* log stays for followers */
     struct log *log;  /* owns; NULL before STAGE_READ */
     struct saver saver;
     uint64_t backups, backup_lsn; /* how many; what the last one has, and when it was complete */
@@ -71,6 +72,7 @@ static void *read_directory(void *arg)
     }
     recovery_run(r);
     if (r->result == RECOVERY_OK && recovery_tidy(r)) {
+        d->keeps = datadir_keeps(&d->dir);
         d->dir.lineage = r->lineage;
         if (s->follows && r->lineage.life != 0)
             r->replay.sets.life = r->lineage.life; /* that of its leader */
@@ -249,9 +251,10 @@ bool durable_has_gap(const struct server *s)
     return s->durable->gap;
 }
 
-void durable_keep_log(struct server *s, size_t bytes)
+void durable_keep_log(struct server *s)
 {
-    s->durable->dir.keep_log = bytes;
+    s->durable->keeps = true;
+    s->durable->dir.keep_log = s->config->keep_log;
 }
 
 void durable_set_digest(struct server *s, const uint64_t *digest)
@@ -320,6 +323,8 @@ void durable_turn_end(struct server *s)
     if (!is_running(d))
         return;
     log_push(d->log);
+    if (d->keeps)
+        durable_keep_log(s); /* the setting may be another one */
     reservation_set(&s->queued, log_queued(d->log));
     if (!is_behind(s) || d->saver.status.state != LOG_GOOD)
         wait_call(&s->log);

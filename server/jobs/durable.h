@@ -68,8 +68,8 @@ bool durable_has_gap(const struct server *s);
  * free space. */
 bool durable_has_room(const struct server *s);
 
-/* How many bytes of log stay for followers. */
-void durable_keep_log(struct server *s, size_t bytes);
+/* From now on --keep-log bytes of log stay for followers, also after restarts. */
+void durable_keep_log(struct server *s);
 
 /* The digest of all changes of a follower, kept up to date by the caller, which it borrows. */
 void durable_set_digest(struct server *s, const uint64_t *digest);

@@ -149,6 +149,46 @@ TEST_TIMEOUT(follower_gets_a_snapshot_when_the_log_does_not_reach_back, 60)
     node_end(&f);
 }
 
+/* The leader has a new snapshot and has been restarted meanwhile, twice. */
+TEST_TIMEOUT(log_stays_for_a_follower_that_is_stopped_while_its_leader_restarts, 60)
+{
+    struct node l = node_new(NULL), f = node_follower_of(&l);
+    char before[128] = "", after[128] = "";
+    carry_out(&l.d, "ADD a 0 0\n");
+    node_expect_same(&l, &f);
+    daemon_stop(&f.d, SIGTERM);
+    directory_file(&f.dir, "snapshot.", 0, before);
+    for (int i = 0; i < 3; i++) {
+        carry_out(&l.d, "ADD a 7 7\nSNAPSHOT\n");
+        await_info(&l.d, "snapshot_running", 0);
+        carry_out(&l.d, "ADD a 8 8\n");
+        daemon_stop(&l.d, i == 1 ? SIGTERM : SIGKILL);
+        node_start(&l, NULL);
+    }
+    node_start(&f, NULL);
+    node_expect_same(&l, &f);
+    directory_file(&f.dir, "snapshot.", 0, after);
+    CHECK_STR(after, before); /* it has not received any */
+    node_end(&l);
+    node_end(&f);
+}
+
+TEST_TIMEOUT(setting_of_keep_log_holds_for_the_next_snapshot, 60)
+{
+    struct node l = node_new(NULL), f = node_follower_of(&l);
+    char path[128];
+    carry_out(&l.d, "ADD a 0 0\n");
+    node_expect_same(&l, &f);
+    carry_out(&l.d, "SNAPSHOT\n");
+    await_info(&l.d, "snapshot_running", 0);
+    CHECK(directory_file(&l.dir, "log.", 1, path));
+    carry_out(&l.d, "CONFIG SET keep-log 1\nADD a 1 1\nSNAPSHOT\n");
+    await_info(&l.d, "snapshot_running", 0);
+    CHECK(!directory_file(&l.dir, "log.", 1, path));
+    node_end(&l);
+    node_end(&f);
+}
+
 /* ---- promotion ---- */
 
 TEST_TIMEOUT(promoted_follower_accepts_changes_and_its_former_leader_refuses_them, 60)
