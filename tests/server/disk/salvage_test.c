@@ -185,13 +185,25 @@ TEST_TIMEOUT(repair_of_a_snapshot_cut_anywhere_keeps_what_is_before, 120)
     free_sample(&s);
 }
 
+/* Where the snapshot's record of that set begins. */
+static size_t record_of(const struct sample *s, const char *name)
+{
+    struct record r;
+    size_t at = SEGMENT_HEADER;
+    for (ptrdiff_t n; (n = record_read(s->bytes + at, s->n - at, &r)) > 0; at += (size_t)n)
+        if (r.type == RECORD_SET && r.name_len == strlen(name) &&
+            memcmp(r.name, name, r.name_len) == 0)
+            return at;
+    test_fail(__FILE__, __LINE__, "no set %s", name);
+}
+
 TEST(repair_names_what_is_lost_and_keeps_the_damaged_files)
 {
     char text[FILE_LIMIT], path[128], name[64];
     size_t n;
     struct sample s = make_sample();
     /* A byte in the last row of the set a, whose record follows its RECORD_SET. */
-    size_t at = (size_t)((char *)memmem(s.bytes, s.n, "a", 1) - s.bytes) + 1 + RECORD_HEADER + 40;
+    size_t at = record_of(&s, "a") + RECORD_HEADER + 1 + RECORD_HEADER + 40;
     s.bytes[at] ^= 4;
     lay_out(&s, s.bytes, s.n);
     CHECK(directory_run(&s.dir, "--data", text, sizeof text) == 1);
@@ -239,7 +251,7 @@ TEST(repair_of_a_snapshot_passes_a_damaged_header_of_the_log)
 {
     char text[FILE_LIMIT];
     struct sample s = make_sample();
-    size_t at = (size_t)((char *)memmem(s.bytes, s.n, "a", 1) - s.bytes) + 1 + RECORD_HEADER + 40;
+    size_t at = record_of(&s, "a") + RECORD_HEADER + 1 + RECORD_HEADER + 40;
     s.bytes[at] ^= 4;
     s.log_bytes[3] ^= 4;
     lay_out(&s, s.bytes, s.n);
@@ -265,7 +277,7 @@ TEST(repair_of_a_snapshot_counts_on_no_end_that_is_damaged_as_well)
 {
     char text[FILE_LIMIT];
     struct sample s = make_sample();
-    size_t at = (size_t)((char *)memmem(s.bytes, s.n, "t", 1) - s.bytes) - RECORD_HEADER;
+    size_t at = record_of(&s, "t");
     memset(s.bytes + at, 0, RECORD_HEADER + 1);
     s.bytes[s.n - RECORD_HEADER + 8] ^= 1;
     lay_out(&s, s.bytes, s.n);
@@ -381,7 +393,7 @@ TEST_TIMEOUT(repair_that_fails_anywhere_can_be_repeated, 120)
     char text[FILE_LIMIT];
     struct sample s = make_sample();
     unsigned fired = 0;
-    size_t at = (size_t)((char *)memmem(s.bytes, s.n, "a", 1) - s.bytes) + 1 + RECORD_HEADER + 40;
+    size_t at = record_of(&s, "a") + RECORD_HEADER + 1 + RECORD_HEADER + 40;
     s.bytes[at] ^= 4;
     for (unsigned k = 0; k < 4; k++)
         for (unsigned i = 1; i < 50; i++) {
