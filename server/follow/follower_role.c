@@ -97,6 +97,7 @@ static const char *start_link(struct follower *f)
     l->own = f->role.own;
     l->dir = durable_dir(s);
     l->pages = s->pages;
+    l->budget = &s->budget;
     l->event = f->source.fd;
     if (!link_start(l)) {
         free(l);

@@ -11,6 +11,21 @@ static bool fail(struct incoming *s, const char *what, const char *why)
     return false;
 }
 
+const char *incoming_disk_fault(int error)
+{
+    if (error != ENOSPC && error != EDQUOT)
+        return strerror(error);
+    return "no room on the disk for its snapshot beside the files here: free space, or start with "
+           "an empty data directory";
+}
+
+/* The snapshot cannot be written; errno says why. */
+static bool fail_to_write(struct incoming *s)
+{
+    s->disk_failed = true;
+    return fail(s, "", incoming_disk_fault(errno));
+}
+
 /* Reads the header or the record at that offset of the input; r->type is RECORD_TYPES for a header. > 0: its length; 0: it
  * needs more bytes; -1: it is not valid. */
 static ptrdiff_t look(const struct incoming *s, size_t at, struct segment *h, struct record *r)
@@ -35,14 +50,14 @@ static bool take_header(struct incoming *s, const struct segment *h)
         return true;
     s->snapshot = *h;
     s->in_snapshot = true;
-    return aside_begin(&s->aside, s->dir, h) || fail(s, "", strerror(errno));
+    return aside_begin(&s->aside, s->dir, h) || fail_to_write(s);
 }
 
 /* A record of the snapshot. */
 static bool take_row(struct incoming *s, const struct record *r, const char *bytes, size_t n)
 {
     if (!aside_write(&s->aside, bytes, n))
-        return fail(s, "", strerror(errno));
+        return fail_to_write(s);
     if (r->type != RECORD_END)
         return true;
     s->in_snapshot = false;

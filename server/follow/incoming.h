@@ -27,7 +27,8 @@ struct incoming {
     struct buf in;  /* owns: what has come, and has not been taken */
     uint64_t taken; /* bytes of the stream so far */
     bool in_snapshot;
-    char why[200]; /* why incoming_take returned false; empty: a call did */
+    char why[200];    /* why incoming_take returned false; empty: a call did */
+    bool disk_failed; /* a snapshot could not be written */
     /* private */
     struct aside aside;
     struct segment snapshot;
@@ -35,6 +36,9 @@ struct incoming {
 
 /* Takes all whole headers and records off s->in. False: it ends here. */
 bool incoming_take(struct incoming *s);
+
+/* Why a snapshot cannot be written, and what an operator can do. */
+const char *incoming_disk_fault(int error);
 
 /* Frees everything, and removes an incomplete snapshot. */
 void incoming_clear(struct incoming *s);

@@ -165,6 +165,7 @@ bool leader_add(struct server *s, int fd, const struct sock_peer *peer, const st
     f->lineage = f->dir->lineage;
     f->from = *from;
     f->peer = *peer;
+    f->memory = server_reservation(s, BUDGET_CLIENTS);
     f->since_ms = l->loop->now_ms;
     f->durable = l->durable = durable_status(s)->durable;
     durable_keep_log(s);

@@ -22,7 +22,8 @@ enum {
     SILENCE_MS = 10 * 1000, /* without a byte from the leader, which sends something every second */
     PATIENCE_MS = 600 * 1000, /* the same before its first header: it may be writing a snapshot */
     FIRST_PAUSE_MS = 100,
-    LAST_PAUSE_MS = 3 * 1000
+    LAST_PAUSE_MS = 3 * 1000,
+    DISK_PAUSE_MS = 5 * 1000 /* a snapshot is not sent again and again to a disk that is full */
 };
 
 /* A connection. */
@@ -159,11 +160,11 @@ static bool pass_on(void *ctx, const char *bytes, size_t n)
     p->end = w->incoming.taken;
     for (bool room = false; !room;) {
         pthread_mutex_lock(&l->mutex);
-        room = l->queued < QUEUE_BYTES;
+        room = l->queued.bytes < READ_BYTES + QUEUE_BYTES;
         if (room) {
             *l->last = p;
             l->last = &p->next;
-            l->queued += n;
+            reservation_set(&l->queued, l->queued.bytes + n);
         }
         pthread_mutex_unlock(&l->mutex);
         if (!room && (!dial_wait(&l->dial, -1, 0, 1000) || !acknowledge(w))) {
@@ -175,13 +176,13 @@ static bool pass_on(void *ctx, const char *bytes, size_t n)
     return true;
 }
 
-/* Triangulates a set that is to have a triangulation, as long as nobody waits for it. */
-static void triangulate(struct dataset *set, void *ctx)
+/* Triangulates a set that is to have a triangulation, as long as nobody waits for it, and counts its memory. */
+static void complete(struct dataset *set, void *ctx)
 {
     struct dt_options options = {.cancel = NULL};
-    (void)ctx;
     if (set->triangulated)
         dt_triangulate(set->current->dt, &options); /* out of memory: a query tries it again */
+    version_update(ctx, set->current);
 }
 
 /* The snapshot is complete: it is read, and then the I/O thread replaces everything by it. */
@@ -191,15 +192,17 @@ static bool install(void *ctx, struct aside *aside, const struct segment *header
     struct link *l = w->l;
     struct link_arrival *a = calloc(1, sizeof *a);
     if (a == NULL || !aside_complete(aside, header, &a->dir)) {
-        set_state(l, LINK_CONNECTING, strerror(errno));
+        w->incoming.disk_failed = true;
+        set_state(l, LINK_CONNECTING, incoming_disk_fault(errno));
         free(a);
         return false;
     }
     recovery_init(&a->recovery, &a->dir);
     a->recovery.replay.sets.pages = l->pages;
+    a->recovery.replay.sets.memory = (struct reservation){.budget = l->budget, .kind = BUDGET_SETS};
     recovery_run(&a->recovery);
     if (a->recovery.result == RECOVERY_OK)
-        registry_each(&a->recovery.replay.sets, triangulate, NULL);
+        registry_each(&a->recovery.replay.sets, complete, &a->recovery.replay.sets);
     if (a->recovery.result != RECOVERY_OK) {
         set_state(l, LINK_CONNECTING, a->recovery.why);
         recovery_clear(&a->recovery);
@@ -266,27 +269,27 @@ static void receive(struct wire *w)
 
 /* ---- the thread ---- */
 
-/* One connection. Whether the leader could be reached. */
-static bool converse(struct link *l)
+/* One connection. Returns the pause before the next one, `pause` was the last one. */
+static int converse(struct link *l, int pause)
 {
+    int longer = pause * 2 < LAST_PAUSE_MS ? pause * 2 : LAST_PAUSE_MS;
     struct wire w = {.l = l, .fd = -1, .heard_ms = clock_ms()};
     struct position from;
-    bool greeted = false;
     if (!ask_position(l, &from))
-        return false;
+        return longer;
     w.fd = dial_connect(&l->dial);
     if (w.fd < 0) {
         char why[80];
         snprintf(why, sizeof why, "no connection: %s", strerror(errno));
         set_state(l, LINK_CONNECTING, why);
-        return false;
+        return longer;
     }
-    greeted = greet(&w, &from);
+    bool greeted = greet(&w, &from);
     if (greeted)
         receive(&w);
     incoming_clear(&w.incoming);
     close(w.fd);
-    return greeted;
+    return w.incoming.disk_failed ? DISK_PAUSE_MS : greeted ? FIRST_PAUSE_MS : longer;
 }
 
 static void *serve(void *arg)
@@ -295,9 +298,7 @@ static void *serve(void *arg)
     int pause = FIRST_PAUSE_MS;
     while (!l->dial.stop) {
         l->dial.again = false;
-        pause = converse(l)                 ? FIRST_PAUSE_MS
-                : pause * 2 < LAST_PAUSE_MS ? pause * 2
-                                            : LAST_PAUSE_MS;
+        pause = converse(l, pause);
         for (int64_t until = clock_ms() + pause; !l->dial.stop && clock_ms() < until;) {
             l->dial.again = false;
             dial_wait(&l->dial, -1, 0, (int)(until - clock_ms()) + 1);
@@ -311,12 +312,15 @@ bool link_start(struct link *l)
     l->last = &l->first;
     l->dial.host = l->host;
     l->dial.patience_ms = PATIENCE_MS;
+    l->queued = (struct reservation){.budget = l->budget, .kind = BUDGET_LOG};
     if (!dial_init(&l->dial))
         return false;
     pthread_mutex_init(&l->mutex, NULL);
+    reservation_set(&l->queued, READ_BYTES);
     int error = pthread_create(&l->thread, NULL, serve, l);
     if (error == 0)
         return true;
+    reservation_set(&l->queued, 0);
     pthread_mutex_destroy(&l->mutex);
     dial_clear(&l->dial);
     errno = error;
@@ -334,6 +338,7 @@ void link_end(struct link *l)
         aside_close(&l->arrival->dir);
         free(l->arrival);
     }
+    reservation_set(&l->queued, 0);
     pthread_mutex_destroy(&l->mutex);
     dial_clear(&l->dial);
     free(l);
@@ -366,7 +371,7 @@ struct link_piece *link_take(struct link *l)
         l->first = p->next;
         if (l->first == NULL)
             l->last = &l->first;
-        l->queued -= buf_len(&p->bytes);
+        reservation_set(&l->queued, l->queued.bytes - buf_len(&p->bytes));
     }
     pthread_mutex_unlock(&l->mutex);
     if (p != NULL)

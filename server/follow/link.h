@@ -10,6 +10,7 @@
 #include "server/disk/recover.h"
 #include "server/follow/dial.h"
 #include "server/follow/role.h"
+#include "server/sets/budget.h"
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -45,6 +46,7 @@ struct link {
     atomic_bool own;           /* this daemon may have changes that no leader has sent */
     const struct datadir *dir; /* borrows */
     struct dt_pages *pages;    /* borrows */
+    struct budget *budget;     /* borrows */
     int event; /* borrows; an eventfd, written when there is something for the I/O thread */
     /* shared */
     pthread_mutex_t mutex;
@@ -54,7 +56,7 @@ struct link {
     struct position from; /* from link_go */
     bool may_go;
     struct link_piece *first, **last; /* pieces to take, */
-    size_t queued;                    /* bytes in them */
+    struct reservation queued;        /* their bytes, and those of the buffer for input */
     struct link_arrival *arrival; /* owns until link_arrived; not NULL: the thread waits for that */
     bool installed;
     uint64_t acked, acked_bytes; /* what is to be acknowledged */

@@ -17,6 +17,7 @@
 
 enum {
     PIECE = 256 * 1024, /* bytes that are sent at a time */
+    MEMORY = 4 * PIECE, /* of a sender: what it reads and what it sends, with room to grow */
     BEAT_MS = 1000,     /* a header is sent after so long without records */
     SEND_MS = 60 * 1000 /* a follower that reads nothing for so long is disconnected */
 };
@@ -414,9 +415,11 @@ bool sender_start(struct sender *s)
     s->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     if (s->wake < 0)
         return false;
+    reservation_set(&s->memory, MEMORY);
     int error = pthread_create(&s->thread, NULL, serve, s);
     if (error == 0)
         return true;
+    reservation_set(&s->memory, 0);
     close(s->wake);
     errno = error;
     return false;
@@ -435,6 +438,7 @@ void sender_end(struct sender *s)
     eventfd_write(s->wake, 1);
     shutdown(s->fd, SHUT_RDWR);
     pthread_join(s->thread, NULL);
+    reservation_set(&s->memory, 0);
     close(s->wake);
     close(s->fd);
     free(s);

@@ -17,6 +17,7 @@
 
 #include "server/disk/datadir.h"
 #include "server/follow/position.h"
+#include "server/sets/budget.h"
 #include "server/system/sock.h"
 
 #include <pthread.h>
@@ -35,6 +36,7 @@ struct sender {
     struct lineage lineage;    /* of the leader */
     struct position from;      /* the follower's */
     struct sock_peer peer;
+    struct reservation memory; /* of its buffers */
     int64_t since_ms;
     pthread_t thread;
     /* from the I/O thread */

@@ -27,9 +27,9 @@ enum budget_kind {
     BUDGET_BUILDS,  /* triangulations and grids that are being built */
     BUDGET_EDITS,   /* batches that are being added, copies for edits, sets that are being freed */
     BUDGET_LOADS,   /* points that are being received */
-    BUDGET_LOG,     /* changes that are not written to the log yet */
+    BUDGET_LOG,     /* changes that are not written to the log yet, those of a leader included */
     BUDGET_REPLIES, /* results and rows of replies that are being sent */
-    BUDGET_CLIENTS, /* connections and their buffers */
+    BUDGET_CLIENTS, /* connections and their buffers, those of followers included */
     BUDGET_KINDS
 };
 

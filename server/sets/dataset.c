@@ -373,6 +373,7 @@ bool registry_replace(struct registry *r, struct registry *from, bool same)
         }
     }
     free(from->bucket);
+    reservation_set(&from->memory, 0);
     r->life = from->life;
     r->unlogged = from->unlogged > r->unlogged ? from->unlogged : r->unlogged;
     *from = (struct registry){0};

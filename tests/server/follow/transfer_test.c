@@ -1,7 +1,12 @@
 /* transfer_test.c - what the clients of a follower notice when a snapshot of its leader replaces its sets. */
+#include "server/follow/incoming.h"
+
+#include "tests/server/file_calls.h"
 #include "tests/server/follow/node.h"
 #include "tests/test.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -104,4 +109,54 @@ TEST_TIMEOUT(snapshot_of_another_history_replaces_every_set, 60)
     close(a);
     node_end(&l);
     node_end(&f);
+}
+
+static bool take_any_header(void *ctx, const struct segment *h)
+{
+    (void)ctx, (void)h;
+    return true;
+}
+
+/* With a margin for the connections that ask. */
+TEST_TIMEOUT(buffers_of_a_leader_and_of_its_follower_are_in_the_memory_budget, 60)
+{
+    enum { SENDER = 1 << 20, LINK = 256 << 10, MARGIN = 128 << 10 };
+    struct node l = node_new(NULL);
+    carry_out(&l.d, "ADD a 0 0\n");
+    uint64_t before = daemon_info(&l.d, "memory_clients");
+    struct node f = node_follower_of(&l);
+    node_expect_same(&l, &f);
+    uint64_t with = daemon_info(&l.d, "memory_clients");
+    CHECK_MSG(with >= before + SENDER - MARGIN, "%lu, %lu", (unsigned long)before,
+              (unsigned long)with);
+    await_info(&f.d, "memory_log", LINK);
+    CHECK(daemon_info(&f.d, "memory") < MARGIN); /* the snapshot is counted once */
+    node_end(&f);
+    node_await(&l, "followers", "0");
+    CHECK(daemon_info(&l.d, "memory_clients") <= before + MARGIN);
+    node_end(&l);
+}
+
+/* The disk of the follower is full when a snapshot comes. */
+TEST(snapshot_that_does_not_fit_is_explained)
+{
+    struct directory directory = directory_quick();
+    struct datadir dir;
+    struct incoming s = {.dir = &dir};
+    CHECK(datadir_open(&dir, directory.path, false));
+    s.calls = &(struct incoming_calls){take_any_header, NULL, NULL};
+    struct segment h = {.version = RECORD_VERSION, .kind = SEGMENT_SNAPSHOT, .lsn = 9};
+    char *to = buf_reserve(&s.in, SEGMENT_HEADER);
+    segment_write(to, &h);
+    buf_commit(&s.in, SEGMENT_HEADER);
+    calls_watch(directory.path);
+    calls_fail("*", 1, UINT_MAX, ENOSPC);
+    CHECK(!incoming_take(&s) && s.disk_failed);
+    calls_watch("/nowhere");
+    CHECK_MSG(strstr(s.why, "no room on the disk for its snapshot") != NULL, "%s", s.why);
+    CHECK_STR(incoming_disk_fault(EIO), strerror(EIO));
+    CHECK(strlen(incoming_disk_fault(ENOSPC)) < sizeof s.why);
+    incoming_clear(&s);
+    datadir_close(&dir);
+    directory_remove(&directory);
 }
