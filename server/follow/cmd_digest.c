@@ -1,9 +1,9 @@
 /* cmd_digest.c - DIGEST. */
 #include "server/command/command.h"
 
-#include "server/follow/digest.h"
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
+#include "server/sets/digest.h"
 
 #include <inttypes.h>
 #include <stdio.h>

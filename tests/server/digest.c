@@ -2,7 +2,7 @@
 #include "tests/server/digest.h"
 
 #include "proto/records/digest.h"
-#include "server/follow/digest.h"
+#include "server/sets/digest.h"
 #include "tests/test.h"
 
 uint64_t digest_now(const struct dataset *set)

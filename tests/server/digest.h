@@ -1,4 +1,4 @@
-/* digest.h - the content of sets as a number (server/follow/digest.h). */
+/* digest.h - the content of sets as a number (server/sets/digest.h). */
 #ifndef TESTS_SERVER_DIGEST_H
 #define TESTS_SERVER_DIGEST_H
 

@@ -1,6 +1,6 @@
 /* digest_test.c - digests of sets: what they depend on, and what not. Versions differ from set to set, so where two sets
  * are compared these tests give both the same. */
-#include "server/follow/digest.h"
+#include "server/sets/digest.h"
 
 #include "server/command/command.h"
 #include "server/jobs/job.h"

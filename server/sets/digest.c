@@ -1,5 +1,5 @@
 /* digest.c - see digest.h. */
-#include "server/follow/digest.h"
+#include "server/sets/digest.h"
 
 #include "proto/records/digest.h"
 

@@ -10,8 +10,8 @@
  *
  * The triangulation depends on the points alone, so it is not read. The set is read through a view, so edits go on between
  * the pieces, each of which takes about 0.1 ms. */
-#ifndef SERVER_FOLLOW_DIGEST_H
-#define SERVER_FOLLOW_DIGEST_H
+#ifndef SERVER_DIGEST_H
+#define SERVER_DIGEST_H
 
 #include "core/delaunay_fields.h"
 #include "server/sets/dataset.h"
