@@ -68,8 +68,8 @@ class Splitter {
 const SILENT_S = 60; // without a byte while a reply is waited for: the conversation ends
 const waiting = new Set(); // conversations, each a Reader, in which something is waited for
 
-/** To be called once a second. Ends conversations in which nothing comes. Returns what has been waited for longest, {what, seconds}; null:
- * nothing. Seconds are counted by the calls, so that a page that had no time does not take that for silence. */
+/** To be called once a second. Ends conversations in which nothing comes. Returns what has been waited for longest, {what, seconds, bytes};
+ * null: nothing. bytes: that have come in that conversation. Seconds are counted by the calls, so that a page that had no time does not take that for silence. */
 export function countWaits() {
   let longest = null;
   for (const reader of waiting) {
@@ -84,6 +84,7 @@ class Reader {
   #splitter = new Splitter();
   #waiting = []; // {what, seconds, answer, reject}, oldest first
   #silent = 0; // seconds
+  #bytes = 0;
   #open = null; // what is being read: {rows, expected, done}
   #failure = null;
 
@@ -99,12 +100,14 @@ class Reader {
       this.#silent = 0;
       this.onSilent();
     }
-    return this.#waiting[0] ?? null;
+    const [wait] = this.#waiting;
+    return wait === undefined ? null : { what: wait.what, seconds: wait.seconds, bytes: this.#bytes };
   }
 
   push(piece) {
     if (this.#failure !== null) return;
     this.#silent = 0;
+    this.#bytes += piece.length;
     this.#splitter.push(
       piece,
       (line) => this.#read(line),

@@ -124,7 +124,7 @@ function showWaits() {
   let text = scene.isLost ? 'waiting for WebGL' : '';
   if (wait !== null && wait.seconds >= LONG_S) {
     const [what, set = ''] = wait.what.split(' ');
-    text = `waiting for ${what === 'AUTH' ? what : `${what} ${set}`}, ${wait.seconds} s`;
+    text = `waiting for ${what === 'AUTH' ? what : `${what} ${set}`}, ${wait.seconds} s, ${(wait.bytes / 1e6).toFixed(1)} MB so far`;
   }
   if ($('waiting').textContent !== text) $('waiting').textContent = text;
 }

@@ -24,6 +24,9 @@ test('rings of points on a line have no triangles, until a point leaves the line
   const mesh = new Mesh();
   mesh.loadEvent(event('point 0 0 0', 'list 0 b 1', 'point 1 1 0', 'list 1 b 2 0', 'point 2 2 0', 'list 2 b 1'));
   assert.equal(mesh.triangles, 0);
+  mesh.apply(event('list 1 b 4 0', 'point 4 1.5 0', 'list 4 b 2 1', 'list 2 b 4'));
+  mesh.apply(event('list 1 b 2 0', 'gone 4', 'list 2 b 1'));
+  assert.deepEqual([mesh.triangles, mesh.points], [0, 3]);
   const { slots, box } = mesh.apply(event('list 0 b 1 3', 'list 1 b 2 3 0', 'list 2 b 3 1', 'point 3 1 1', 'list 3 b 0 1 2'));
   assert.deepEqual([mesh.triangles, mesh.points, slots.length, box], [2, 4, 2, [0, 0, 2, 1]]);
 });

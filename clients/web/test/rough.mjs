@@ -18,10 +18,23 @@ function faultsOf(random) {
     piece: kind === 'split' ? 1 + Math.floor(40 * random()) : Infinity, // bytes
     until: kind === 'split' ? 4000 : 0, // bytes that are split
     delay: kind === 'slow' ? 200 * random() : 0, // ms before each piece
+    slow: 20, // pieces that are delayed
     pauseAt: kind === 'pause' ? Math.floor(3000 * random() ** 2) : Infinity, // bytes
     pause: 3000 * random(), // ms
     cutAt: kind === 'cut' ? Math.floor(10 ** (6 * random())) : Infinity, // bytes
   };
+}
+
+/** Waits until a socket takes more, or is closed. */
+function room(socket) {
+  return new Promise((resolve) => {
+    const done = () => {
+      socket.off('drain', done).off('close', done);
+      resolve();
+    };
+    socket.on('drain', done).on('close', done);
+    if (socket.destroyed) done();
+  });
 }
 
 async function pass(from, to, faults) {
@@ -30,8 +43,8 @@ async function pass(from, to, faults) {
     for (let at = 0; at < chunk.length; ) {
       let n = Math.min(chunk.length - at, passed < faults.until ? faults.piece : Infinity, faults.cutAt - passed);
       if (passed < faults.pauseAt) n = Math.min(n, faults.pauseAt - passed);
-      if (faults.delay > 0) await sleep(faults.delay);
-      if (!to.write(chunk.subarray(at, at + n))) await Promise.race([once(to, 'drain'), once(to, 'close')]);
+      if (faults.delay > 0 && faults.slow-- > 0) await sleep(faults.delay);
+      if (!to.write(chunk.subarray(at, at + n))) await room(to);
       if (passed < faults.until) await sleep(0);
       at += n;
       passed += n;
