@@ -225,7 +225,8 @@ size_t dt_touched_count(const struct dt *t);
 
 /* What edits have touched since the last call, in no order, and possibly repeated: keys made of an id, shifted by 32,
  * and one of the numbers below; new ids are not among them. With values: those of points that are not new. Keys are
- * borrowed until the next edit. False: everything may have changed, or every value; also if edits have not noted it. */
+ * borrowed until the next edit. False: everything may have changed, or every value; also if edits have not noted it.
+ * Cost: O(1); while all points are on one line, O(n). */
 enum { DT_TOUCHED_ROW, DT_TOUCHED_RING, DT_TOUCHED_VALUE /* plus dt_field_number */ };
 bool dt_touched_take(struct dt *t, const uint64_t **keys, size_t *n);
 bool dt_touched_take_values(struct dt *t, const uint64_t **keys, size_t *n);

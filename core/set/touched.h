@@ -13,10 +13,15 @@ struct dt_touched_list {
     bool all; /* too many to be noted, or a rebuild */
 };
 
+/* Whether all points are on one line, and whether that runs upwards from where it begins: the order of every ring depends on it.
+ * On a line that is vertical, y decides. */
+enum dt_touched_line { DT_NOT_ON_LINE, DT_LINE_UP, DT_LINE_DOWN };
+
 /* Start with {0}. */
 struct dt_touched {
     struct dt_touched_list rows, values;
     bool on, with_values;
+    enum dt_touched_line line; /* when rows were taken last */
 };
 
 void dt_touched_clear(struct dt_touched *w);

@@ -85,7 +85,9 @@ static bool look_after(struct dt *t)
 void dt_views_edit_begin(struct dt *t)
 {
     const struct dt_views *w = &t->views;
-    if (t->touched.on && dt_is_live(t) && dt_mesh_is_line(&t->mesh))
+    /* Since rows were taken last the points were on one line, and are not any more, or the reverse. */
+    if (t->touched.on && dt_is_live(t) &&
+        dt_mesh_is_line(&t->mesh) != (t->touched.line != DT_NOT_ON_LINE))
         t->touched.rows.all = true;
     if (t->touched.on || atomic_load_explicit(&w->list, memory_order_relaxed) != NULL || w->saved ||
         t->points.changes != NULL || dt_fields_keep(&t->fields))

@@ -9,7 +9,8 @@
 enum {
     SHARED_KEYS = 1024, /* more than this are sent in parts */
     NEW_IDS = 65536,    /* more than this are a reset */
-    BOX_STEPS = 10000   /* a search that takes longer is left for a sweep */
+    BOX_STEPS = 10000,  /* a search that takes longer is left for a sweep */
+    LINE_STEPS = 100000 /* rings on a line that take more are sent in parts */
 };
 
 /* ---- backlogs ---- */
@@ -155,16 +156,21 @@ static bool can_take(const struct watcher *w)
            s->state != SESSION_LISTING && !conn_full(&s->conn);
 }
 
+uint32_t feed_line(const struct watched *k)
+{
+    const struct dt_summary *sum = &k->set->current->sum;
+    return sum->triangulated && sum->triangles == 0 ? sum->points : 0;
+}
+
 /* An event with nothing in it yet. */
 static struct event event_for(struct server *s, struct feed *f, bool to_all)
 {
-    const struct dt_summary *sum = &f->of->set->current->sum;
     scope_find(&f->scope, f->of->set->current->dt);
     return (struct event){.scope = &f->scope,
                           .known = &f->known,
                           .keep_known = !to_all || f->late > 0,
                           .ids = f->of->ids,
-                          .line = sum->triangulated && sum->triangles == 0 ? sum->points : 0,
+                          .line = feed_line(f->of),
                           .lsn = journal_of(s, f->of->set)};
 }
 
@@ -369,10 +375,12 @@ void feed_change(struct server *s, struct feed *f, const struct feed_change *c, 
 {
     struct watched *k = f->of;
     scope_find(&f->scope, k->set->current->dt);
-    bool all = !c->rows_known || k->ids - c->from > NEW_IDS ||
+    bool on_line = f->scope.boxed && feed_line(k) > 0;
+    bool all = !c->rows_known || on_line || k->ids - c->from > NEW_IDS ||
                (f->scope.names != NULL && !c->values_known);
     bool small = c->rows <= SHARED_KEYS && c->values <= SHARED_KEYS &&
-                 k->ids - c->from <= SHARED_KEYS && !all && !backlog_lags(&f->shared);
+                 k->ids - c->from <= SHARED_KEYS && !all && !backlog_lags(&f->shared) &&
+                 (c->rows + k->ids - c->from) * feed_line(k) <= LINE_STEPS;
     leave_late_behind(f);
     for (struct watcher *w = k->late; w != NULL; w = w->next) {
         if (w->feed == f && all)

@@ -109,6 +109,10 @@ void feed_dropped(struct server *s, struct watched *k);
 /* Takes the watcher out of its lists and frees it. */
 void feed_leave(struct watcher *w);
 
+/* How many points are on one line, if all are; else 0. Who watches a part of a line cannot see whether two neighbours of a point
+ * are joined, which would be a triangle, so it is sent all of that part after each change. */
+uint32_t feed_line(const struct watched *k);
+
 /* Appends the ids in the box of the feed, if the set can find them quickly; false: it cannot, or memory is short. */
 bool feed_find_box(const struct feed *f, struct dt_ids *found);
 

@@ -435,7 +435,7 @@ static bool mark_since(struct watcher *w, uint64_t since)
     const struct watched *k = f->of;
     const struct recent_mark *m = recent_find(&k->recent, since);
     if (since > k->set->version || m == NULL || version_is_stale(k->set->current) ||
-        (f->scope.names != NULL && since < k->values_since))
+        (f->scope.names != NULL && since < k->values_since) || (f->scope.boxed && feed_line(k) > 0))
         return false;
     bool good = !f->scope.boxed || know_box(f);
     w->own.outdated = since != k->version;

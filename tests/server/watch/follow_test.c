@@ -434,3 +434,29 @@ TEST(watcher_of_a_box_who_comes_back_in_the_turn_of_an_edit_is_told_which_point_
     close(fd);
     daemon_end(&d);
 }
+
+TEST(watcher_of_points_on_a_line_is_sent_the_points_beside_an_edit)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "ADD t 0 0  1 0  2 0  3 0\nTRIANGULATE t\n");
+    hear_line(fd);
+    uint64_t version = version_in(hear_line(fd));
+    struct mirror m = {.whole = false};
+    mirror_watch(&m, &d, false);
+    mirror_catch_up(&m, version);
+    const char *edits[] = {"ADD t 1.5 0\n", "ADD t 9 0\n", "MOVE t 2 2.5 0\n", "DEL t 1\n"};
+    for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
+        mirror_catch_up(&m, ask_version(fd, edits[i]));
+        mirror_check(&m, fd, true);
+    }
+    CHECK(m.resets == 1);
+    mirror_catch_up(&m, ask_version(fd, "MOVE t 0 20 0\n")); /* the line begins at its other end */
+    CHECK(m.resets == 2);
+    mirror_check(&m, fd, true);
+    mirror_catch_up(&m, ask_version(fd, "ADD t 5 5\n"));
+    mirror_check(&m, fd, true);
+    mirror_free(&m);
+    close(fd);
+    daemon_end(&d);
+}
