@@ -45,13 +45,13 @@ def edit(port, rnd, n):
 
 
 class World:
-    def __init__(self, build, seed, scratch, mounts):
+    def __init__(self, build, seed, scratch, mounts, disk):
         self.rnd = random.Random(seed)
         self.ledger = Ledger()
         self.full_disks = mounts
         keep = self.rnd.choice(['1k', '200k', '10m'])
         options = ['--compact-at', self.rnd.choice(['30k', '200k']), '--keep-log', keep]
-        self.leader, self.follower = (Node(build, f'{scratch}/{name}', options, mounts) for name in ('one', 'two'))
+        self.leader, self.follower = (Node(build, f'{scratch}/{name}', options, mounts and disk) for name in ('one', 'two'))
         self.leader.start()
         self.follower.start('--follow', f'127.0.0.1:{self.leader.cable.port}')
 
@@ -83,7 +83,7 @@ class World:
             time.sleep(0.05)
         else:
             raise Failure(f'other positions: {a} {b}')
-        for s in [*SETS, 'keep']:
+        for s in [*SETS, 'keep', 'big']:
             x, y = (n.ask(f'DIGEST {s}')[0] for n in (self.leader, self.follower))
             expect(x == y, f'set {s}: {x} {y}')
         self.ledger.check(self.leader)
@@ -264,6 +264,42 @@ class World:
         self.follow()
         self.load()()
 
+    def hours(self):
+        """The follower is stopped for 2,000,000 edits and continues without a transfer; the leader's memory does not grow. When
+        the log does not reach back, there is a transfer."""
+        self.leader.command('CONFIG SET keep-log 1g')
+        self.leader.command('CONFIG SET compact-at 16m')
+        self.await_same()
+        self.leader.ask('ADD big ' + ' '.join(f'{i % 100} {i // 100}' for i in range(1000)))
+        self.leader.command('TRIANGULATE big')
+        self.moves(200000)
+        for log, edits, transfers in (('1g', 2000000, 0), ('1', 200000, 1)):
+            self.await_same()
+            self.leader.command(f'CONFIG SET keep-log {log}')
+            self.follower.stop(signal.SIGTERM)
+            before, began = self.follower.transfers(), time.monotonic()
+            at_first = self.leader.resident()[0]
+            self.moves(edits)
+            edited, at_last = time.monotonic(), self.leader.resident()
+            self.leader.command('SNAPSHOT')
+            self.leader.await_fact('snapshot_running', '0')
+            self.follower.start('--log-level', 'info')
+            self.await_same()
+            caught_up, at_end = time.monotonic(), self.leader.resident()
+            print(f'{edits} edits in {edited - began:.1f} s, caught up {caught_up - edited:.1f} s after that with '
+                  f'{self.follower.transfers() - before} transfers; memory of the leader {at_first:.0f}, {at_last[0]:.0f}, '
+                  f'{at_end[0]:.0f} MB, most {at_end[1]:.0f}', flush=True)
+            expect(self.follower.transfers() - before == transfers, 'transfers')
+            expect(at_end[0] < at_first + 32, 'the memory of the leader grows')
+
+    def moves(self, n):
+        """So many edits of the set `big`, in pipelines."""
+        client, at_once = Client(self.leader.port), 5000
+        for _ in range(n // at_once):
+            points = (f'MOVE big {self.rnd.randrange(1000)} {self.rnd.random()} {self.rnd.random()}' for _ in range(at_once))
+            for line in client.ask_many('\n'.join(points), at_once):
+                expect(line.startswith(b'OK'), line)
+
     def play(self, kind):
         self.leader.command('CONFIG SET min-followers 0')
         getattr(self, kind)()
@@ -275,7 +311,7 @@ KINDS = ['kills', 'kills', 'cables', 'cables', 'losses', 'repairs', 'full', 'spl
 
 def play(build, seed, rounds, kinds, scratch, mounts):
     """How many rounds of each kind were good; raises the failure."""
-    world, done, left = World(build, seed, scratch, mounts), collections.Counter(), []
+    world, done, left = World(build, seed, scratch, mounts, '500m' if 'hours' in kinds else '100m'), collections.Counter(), []
     try:
         for i in range(rounds):
             if not left:

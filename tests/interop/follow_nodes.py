@@ -39,6 +39,12 @@ class Client:
         n = int(line.split()[1]) if line.startswith('OK') else 0
         return line, [self.file.readline().decode().strip() for _ in range(n)]
 
+    def ask_many(self, text, n):
+        """The replies, of one line each, to n requests."""
+        self.file.write(text.encode() + b'\n')
+        self.file.flush()
+        return [self.file.readline() for _ in range(n)]
+
 
 class Cable:
     """Forwards connections to a port. All damage ends with mend()."""
@@ -111,14 +117,14 @@ class Cable:
 class Node:
     """A daemon, its directory, which is a file system of its own where that is possible, and the cable to it."""
 
-    def __init__(self, build, path, options, mounts):
+    def __init__(self, build, path, options, disk):
         self.build, self.path, self.options = build, path, options
         self.port = free_port()
         self.cable = Cable(self.port)
         self.data = path + '/data'
         os.mkdir(path)
-        if mounts:
-            subprocess.run(['mount', '-t', 'tmpfs', '-o', 'size=100m', 'follow', path], check=True)
+        if disk:
+            subprocess.run(['mount', '-t', 'tmpfs', '-o', f'size={disk}', 'follow', path], check=True)
         self.process = None
 
     def start(self, *options):
@@ -131,6 +137,17 @@ class Node:
         self.process.send_signal(sig)
         self.process.wait()
         self.process.stdout.close()
+
+    def resident(self):
+        """Its memory in MB: now, and the most so far."""
+        with open(f'/proc/{self.process.pid}/status', encoding='ascii') as f:
+            kb = dict(line.split()[:2] for line in f if line.startswith(('VmRSS', 'VmHWM')))
+        return int(kb['VmRSS:']) / 1024, int(kb['VmHWM:']) / 1024
+
+    def transfers(self):
+        """How often it has received a snapshot."""
+        with open(self.path + '.log', encoding='utf-8') as f:
+            return f.read().count('everything is that of')
 
     def lose_data(self):
         shutil.rmtree(self.data)
@@ -152,7 +169,7 @@ class Node:
         return Client(self.port).ask(text)
 
     def facts(self):
-        return dict(x.split(':', 1) for x in self.ask('INFO replication')[1])
+        return dict(x.split(':', 1) for x in self.ask('INFO')[1] if ':' in x)
 
     def await_fact(self, key, *values):
         for _ in range(1200):
