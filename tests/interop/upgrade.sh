@@ -3,31 +3,7 @@
 # whose files have the next version of the format.
 #
 #     upgrade.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
-set -u
-cd "$(dirname "$0")/../.."
-build=$1
-scratch=$(mktemp -d)
-passed=0
-failed=0
-declare -A pid
-
-stop() {
-    { kill -KILL "${pid[@]}"; wait; } 2>/dev/null
-    rm -rf "$scratch"
-}
-trap stop EXIT
-
-count() { # NAME COMMAND...
-    local name=$1
-    shift
-    if "$@" >"$scratch/out" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $name"
-        tail -n 20 "$scratch/out"
-    fi
-}
+. "$(dirname "$0")/common.sh"
 
 # What does not depend on the version of the format need not be compiled again.
 build_next() {
@@ -39,8 +15,7 @@ build_next() {
     ! cmp -s "$header" "$tree/$header" && make -s -C "$tree" build/delaunayd && mv "$tree/build/delaunayd" "$scratch/next"
 }
 
-base=$((20000 + RANDOM % 10000))
-declare -A port=([a]=$base [b]=$((base + 1))) program=([old]=$build/delaunayd [new]=$scratch/next)
+declare -A port=([a]=0 [b]=0) pid program=([old]=$build/delaunayd [new]=$scratch/next)
 
 say() { printf '%s\n' "$2" | timeout 20 nc -N 127.0.0.1 "${port[$1]}" 2>/dev/null; } # NAME REQUEST
 fact() { say "$1" 'INFO replication' | sed -n "s/^$2://p"; }
@@ -56,12 +31,15 @@ await() { # COMMAND...
     false
 }
 
-answers() { say "$1" PING | grep -q "^OK"; }
-
+# A daemon that has run before gets the port that it had.
 start() { # old|new NAME
-    "${program[$1]}" --port "${port[$2]}" --data "$scratch/$2" --keep-log 1 >/dev/null 2>>"$scratch/log.$2" &
-    pid[$2]=$!
-    await answers "$2"
+    local daemon
+    rm -f "$scratch/ready.$2"
+    "${program[$1]}" --port "${port[$2]}" --data "$scratch/$2" --keep-log 1 >"$scratch/ready.$2" 2>>"$scratch/log.$2" &
+    daemon=$!
+    pid[$2]=$daemon
+    pids+=("$daemon")
+    await grep -qs '^ready on' "$scratch/ready.$2" && port[$2]=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready.$2")
 }
 
 end() { { kill -TERM "${pid[$1]}" && wait "${pid[$1]}"; } 2>/dev/null; } # NAME
@@ -85,7 +63,7 @@ new_follower_gets_a_snapshot_of_an_old_leader() {
 }
 
 old_daemon_refuses_what_a_new_leader_sends() {
-    succeeds b 'FOLLOW NONE' && await grep -q 'newer history' "$scratch/log.a" && succeeds b 'ADD t 9 1' && follow a b &&
+    succeeds b 'FOLLOW NONE' && await grep -qs 'newer history' "$scratch/log.a" && succeeds b 'ADD t 9 1' && follow a b &&
         await has a 'it was written by a later version of delaunayd' && [ "$(say a 'STAT t' | cut -d' ' -f1-3)" = 'OK 0 points=9' ]
 }
 
@@ -104,5 +82,4 @@ count "a follower of the next version gets a snapshot" new_follower_gets_a_snaps
 count "an old follower of a leader of the next version keeps what it has, and says why" old_daemon_refuses_what_a_new_leader_sends
 count "the former leader follows after its upgrade" upgraded_daemon_continues
 count "the old program does not use the files of the next version" old_program_refuses_the_files_of_a_new_one
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+result
