@@ -184,6 +184,21 @@ TEST_TIMEOUT(follower_that_a_command_has_given_another_leader_stays_with_it, 60)
     end(&p);
 }
 
+TEST_TIMEOUT(follower_of_a_follower_is_told_whom_to_follow, 60)
+{
+    struct pair p = begin();
+    struct node g = node_follower_of(&p.f);
+    char why[FACT], want[FACT];
+    snprintf(want, sizeof want, "it is a follower itself: FOLLOW its leader %s", p.flag);
+    node_await(&g, "link_error", want);
+    follow(&g, &p.l, "");
+    node_expect_same(&p.l, &g);
+    node_fact(&g, "link_error", why);
+    CHECK_STR(why, "");
+    node_end(&g);
+    end(&p);
+}
+
 /* ---- restored backups ---- */
 
 /* The backup has the history of its original, and changes that the original does not have. */
