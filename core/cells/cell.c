@@ -234,10 +234,22 @@ static uint32_t least_corner(const struct dt_cell_work *w)
     return least;
 }
 
+static bool is_inside(const struct dt_cell_work *w, const struct dt_box *box)
+{
+    dt_lanes lo = lanes_of(box->lo), hi = lanes_of(box->hi);
+    dt_lanes_holds inside = {-1, -1};
+    for (uint32_t i = 0; i < w->n; i++) {
+        dt_lanes p = lanes_of(w->corner[i].at);
+        inside &= (p > lo) & (p < hi);
+    }
+    return dt_lanes_bits(inside) == 3;
+}
+
 /* Makes the polygon what is left of the corners when the box has cut them. */
 static void cut_polygon(struct dt_cell_work *w, struct dt_point site, const struct dt_box *box)
 {
-    clip(w, site, box);
+    if (!is_inside(w, box))
+        clip(w, site, box);
     remove_equal(w, box);
     uint32_t least = least_corner(w);
     for (uint32_t i = 0; i < w->n; i++)
@@ -272,6 +284,14 @@ bool dt_cell_make_plain(const struct dt_cell_work *w, uint32_t n, const struct d
     return true;
 }
 
+void dt_cell_make_around(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
+                         const struct dt_box *box)
+{
+    w->n = 0;
+    put_centres(w, degree, degree);
+    cut_polygon(w, site, box);
+}
+
 void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
                   enum dt_cell_kind kind, const struct dt_box *box)
 {
@@ -279,12 +299,11 @@ void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
     switch (kind) {
     case DT_CELL_INSIDE:
         find_centres(w, site, degree, degree);
-        if (dt_cell_make_plain(w, degree, box, w->polygon)) {
+        if (dt_cell_make_plain(w, degree, box, w->polygon))
             w->n = degree;
-            return;
-        }
-        put_centres(w, degree, degree);
-        break;
+        else
+            dt_cell_make_around(w, site, degree, box);
+        return;
     case DT_CELL_ON_HULL:
         put_hull_cell(w, site, degree);
         break;

@@ -53,6 +53,11 @@ bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree);
 void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
                   enum dt_cell_kind kind, const struct dt_box *box);
 
+/* The same for an interior point, when w->centre[degree] is already what it computes first: the corner between neighbours i and
+ * i + 1. */
+void dt_cell_make_around(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
+                         const struct dt_box *box);
+
 /* The cell of an interior point whose circumcentres w->centre[n] are all of its corners: copies them to polygon[n]. False: they
  * are not, because one is not inside the box, one is equal to the one before, or two have the least x. */
 bool dt_cell_make_plain(const struct dt_cell_work *w, uint32_t n, const struct dt_box *box,

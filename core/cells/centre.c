@@ -271,9 +271,9 @@ static inline struct pair pair_of(struct dt_point p, struct dt_point q)
 }
 
 /* One coordinate: `from` and the offset (p - q) scale. Let u = 2^-53. Differences of places are off by u of themselves at
- * most, squares by 4u, the area by 4u of `size`, the numerator p - q by 7u of the sum of its terms' magnitudes, and the quotient by
- * 2u more. The factors below are larger by an eighth, which makes up for 4u size / area < 2^-8, and for the rounding of the
- * bound itself. False: the rounded sum may be another double than the exact one. flat: size |scale|. */
+ * most, squares by 4u, the area by 4u of `size`, the numerator p - q by 7u of the sum of its terms' magnitudes, and the
+ * quotient by 2u more. The factors below are larger by an eighth, which makes up for 4u size / area < 2^-8, and for the
+ * rounding of the bound itself. False: the rounded sum may be another double than the exact one. flat: size |scale|. */
 static inline dt_lanes_holds round_pair(dt_lanes from, dt_lanes p, dt_lanes q, dt_lanes scale,
                                         dt_lanes flat, dt_lanes *out)
 {

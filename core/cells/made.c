@@ -116,38 +116,59 @@ static uint32_t gather(const struct dt *t, struct dt_cells_made *m, uint32_t v)
     return n;
 }
 
-/* The cell of a vertex that is not as simple, into work.polygon. */
-static bool make_any(const struct dt *t, struct dt_cells_made *m, uint32_t v)
+/* The neighbours of the vertex into work.ring. Returns how many; 0: out of memory. */
+static uint32_t gather_ring(const struct dt *t, struct dt_cells_made *m, uint32_t v)
 {
     uint32_t first = t->mesh.leaving[v], h = first, n = 0;
     if (!dt_cell_reserve(&m->work, dt_star_degree(&t->mesh, v, DT_NONE)))
-        return false;
+        return 0;
     do {
         uint32_t d = dt_dest(&t->mesh, h);
         if (d != DT_NONE)
             m->work.ring[n++] = t->points.xy[d];
         h = dt_turn_ccw(&t->mesh, h);
     } while (h != first);
-    dt_cell_make(&m->work, t->points.xy[v], n,
-                 dt_on_hull(&t->mesh, v) ? DT_CELL_ON_HULL : DT_CELL_INSIDE, &m->box);
+    return n;
+}
+
+/* Takes work.polygon. */
+static bool take(const struct dt *t, struct dt_cells_made *m, uint32_t *corners)
+{
+    if (!make_room(t, m, m->work.n))
+        return false;
+    memcpy(m->corner + m->corners, m->work.polygon, m->work.n * sizeof *m->corner);
+    *corners = m->work.n;
     return true;
+}
+
+static bool make_inside(const struct dt *t, struct dt_cells_made *m, uint32_t v, uint32_t *corners)
+{
+    uint32_t n = gather(t, m, v);
+    *corners = n;
+    if (n == 0 || !make_room(t, m, n))
+        return false;
+    if (dt_cell_make_plain(&m->work, n, &m->box, m->corner + m->corners))
+        return true;
+    if (gather_ring(t, m, v) == 0)
+        return false;
+    dt_cell_make_around(&m->work, t->points.xy[v], n, &m->box);
+    return take(t, m, corners);
+}
+
+static bool make_on_hull(const struct dt *t, struct dt_cells_made *m, uint32_t v, uint32_t *corners)
+{
+    uint32_t n = gather_ring(t, m, v);
+    if (n == 0)
+        return false;
+    dt_cell_make(&m->work, t->points.xy[v], n, DT_CELL_ON_HULL, &m->box);
+    return take(t, m, corners);
 }
 
 static bool make_cell(const struct dt *t, struct dt_cells_made *m, uint32_t v)
 {
-    uint32_t n = 0;
-    if (!dt_on_hull(&t->mesh, v)) {
-        n = gather(t, m, v);
-        if (n == 0 || !make_room(t, m, n))
-            return false;
-        n = dt_cell_make_plain(&m->work, n, &m->box, m->corner + m->corners) ? n : 0;
-    }
-    if (n == 0) {
-        if (!make_any(t, m, v) || !make_room(t, m, m->work.n))
-            return false;
-        n = m->work.n;
-        memcpy(m->corner + m->corners, m->work.polygon, n * sizeof *m->corner);
-    }
+    uint32_t n;
+    if (!(dt_on_hull(&t->mesh, v) ? make_on_hull(t, m, v, &n) : make_inside(t, m, v, &n)))
+        return false;
     m->cell[t->points.id[v]] = (struct dt_made){(uint32_t)m->corners, n};
     m->corners += n;
     return true;
