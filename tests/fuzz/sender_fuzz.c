@@ -30,7 +30,8 @@ static void make_log(void)
     static char path[] = "/dev/shm/sender_fuzz.XXXXXX", other[] = "/tmp/sender_fuzz.XXXXXX";
     require(datadir_open(&dir, mkdtemp(path) != NULL ? path : mkdtemp(other), false));
     event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    dir.lineage = (struct lineage){.life = 3, .history = {.origin = 7, .generation = 1, .nonce = 5}};
+    dir.lineage =
+        (struct lineage){.life = 3, .history = {.origin = 7, .generation = 1, .nonce = 5}};
     struct log *log = log_new(&dir, LOG_ALWAYS, 1, DIGEST, event);
     require(event >= 0 && log != NULL);
     log_close_mark(log, false);
