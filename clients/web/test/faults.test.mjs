@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { once } from 'node:events';
 import { connect, createServer } from 'node:net';
 import { after, before, test } from 'node:test';
-import { ask, listen, makeSet, open, pauseGateway, port, start, stop, visit, waitFor } from './stage.mjs';
+import { ask, listen, makeSet, open, port, signalGateway, start, stop, visit, waitFor } from './stage.mjs';
 
 before(async () => {
   await start();
@@ -64,9 +64,9 @@ test('when the graphics memory is lost the page waits for another one, and shows
 
 test('the page says what it waits for, as long as it does', async () => {
   const page = await open('set');
-  const paused = pauseGateway(10000);
+  signalGateway('SIGSTOP');
   await says(page, 'waiting', 'waiting for S');
-  await paused;
+  signalGateway('SIGCONT');
   await waitFor(page, () => document.getElementById('waiting').innerText === '');
   await page.close();
 });

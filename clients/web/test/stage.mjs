@@ -54,6 +54,7 @@ async function pause(program, ms) {
 }
 
 export const pauseGateway = (ms) => pause(gateway, ms);
+export const signalGateway = (signal) => gateway.kill(signal);
 export const pauseDaemon = (ms) => pause(daemon, ms);
 
 /** The lines of a reply; requests end with QUIT, whose reply is left out. */
