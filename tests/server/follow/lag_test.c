@@ -1,11 +1,11 @@
-/* lag_test.c - what INFO replication says about a follower that has everything. */
-#include <stdio.h>
+/* lag_test.c - what INFO replication says about a follower that has everything; and one that stalls. */
+#include "tests/server/follow/node.h"
+#include "tests/test.h"
+
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "tests/server/directory.h"
-#include "tests/test.h"
 
 static bool info_has(const struct daemon *d, const char *text)
 {
@@ -22,23 +22,43 @@ static bool info_has(const struct daemon *d, const char *text)
 /* The headers that come every second while there are no changes are acknowledged, too. */
 TEST(lag_of_a_follower_that_has_everything_is_no_bytes)
 {
-    char address[40];
-    struct directory dirs[2] = {directory_quick(), directory_quick()};
-    struct daemon leader = directory_daemon(&dirs[0], NULL);
-    snprintf(address, sizeof address, "127.0.0.1:%s", leader.port_text);
-    const char *const follow[] = {"--follow", address, NULL};
-    struct daemon follower = directory_daemon(&dirs[1], follow);
-    int fd = daemon_connect(&leader);
+    struct node l = node_new(NULL), f = node_follower_of(&l);
+    int fd = daemon_connect(&l.d);
     say(fd, "ADD t 1 1\nWAIT 1 60\n");
     CHECK(strncmp(hear_line(fd), "OK 0 first=0", 12) == 0);
     CHECK_STR(hear_line(fd), "OK 0 followers=1");
     pause_ms(1500); /* a header has come */
-    for (int i = 0; i < 100 && !info_has(&leader, "lag_records=0,lag_bytes=0,"); i++)
+    for (int i = 0; i < 100 && !info_has(&l.d, "lag_records=0,lag_bytes=0,"); i++)
         pause_ms(50);
-    CHECK(info_has(&leader, "lag_records=0,lag_bytes=0,"));
+    CHECK(info_has(&l.d, "lag_records=0,lag_bytes=0,"));
     close(fd);
-    daemon_end(&follower);
-    daemon_end(&leader);
-    directory_remove(&dirs[0]);
-    directory_remove(&dirs[1]);
+    node_end(&l);
+    node_end(&f);
+}
+
+/* Some 190 MB of log; the bound is far above what buffers of the connection and freed pages need. */
+TEST_TIMEOUT(follower_that_stalls_delays_nobody_and_costs_its_leader_no_memory, 60)
+{
+    enum { POINTS = 400000, LOADS = 30, WARM = 4, ROOM = 64 << 20 };
+    struct node l = node_new((const char *[]){"--fsync", "no", NULL}), f = node_follower_of(&l);
+    carry_out(&l.d, "ADD a 0 0\n");
+    node_expect_same(&l, &f);
+    int fd = daemon_connect(&l.d);
+    size_t before = 0;
+    kill(f.d.pid, SIGSTOP);
+    for (int i = 0; i < LOADS; i++) {
+        load_random(fd, "big", POINTS);
+        CHECK(strncmp(node_ask_on(fd, "DROP big\n"), "OK", 2) == 0);
+        if (i == WARM)
+            before = daemon_resident(&l.d);
+    }
+    size_t after = daemon_resident(&l.d);
+    CHECK_MSG(test_is_sanitized() || after < before + ROOM, "%zu bytes, then %zu", before, after);
+    carry_out(&l.d, "ADD a 1 1\n");
+    kill(f.d.pid, SIGCONT);
+    node_await_position(&l, &f);
+    node_expect_same(&l, &f);
+    close(fd);
+    node_end(&l);
+    node_end(&f);
 }
