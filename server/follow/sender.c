@@ -7,6 +7,8 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -412,9 +414,12 @@ static void *serve(void *arg)
 
 bool sender_start(struct sender *s)
 {
+    unsigned timeout = SENDER_TIMEOUT_MS;
     s->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     if (s->wake < 0)
         return false;
+    /* Otherwise TCP would try for some 15 minutes, and changes would wait. Best effort. */
+    (void)setsockopt(s->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &timeout, sizeof timeout);
     reservation_set(&s->memory, MEMORY);
     int error = pthread_create(&s->thread, NULL, serve, s);
     if (error == 0)

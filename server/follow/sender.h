@@ -25,6 +25,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* A follower whose machine has not taken what was sent for so long is disconnected. */
+#define SENDER_TIMEOUT_MS 15000u
+
 enum sender_state { SENDER_STARTING, SENDER_SNAPSHOT, SENDER_LOG, SENDER_ENDED };
 
 struct sender {

@@ -9,6 +9,8 @@
 #include "tests/test.h"
 
 #include <inttypes.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,6 +29,7 @@ struct stand {
     struct log_status status;
     struct sender *sender;
     int fd; /* the follower's end */
+    bool tcp;
 };
 
 static const struct history first_history = {.origin = 7, .generation = 1, .nonce = 5};
@@ -48,11 +51,29 @@ static void begin(struct stand *t, unsigned records)
         log_status(t->log, &t->status);
 }
 
+/* The two ends of a connection by TCP. */
+static void tcp_pair(int fd[2])
+{
+    struct sockaddr_in at = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    socklen_t size = sizeof at;
+    int listener = socket(AF_INET, SOCK_STREAM, 0);
+    CHECK(listener >= 0 && bind(listener, (struct sockaddr *)&at, size) == 0);
+    CHECK(listen(listener, 1) == 0 && getsockname(listener, (struct sockaddr *)&at, &size) == 0);
+    fd[1] = socket(AF_INET, SOCK_STREAM, 0);
+    CHECK(fd[1] >= 0 && connect(fd[1], (struct sockaddr *)&at, size) == 0);
+    fd[0] = accept(listener, NULL, NULL);
+    CHECK(fd[0] >= 0);
+    close(listener);
+}
+
 /* A follower with that position connects. */
 static void connect_from(struct stand *t, uint64_t lsn, uint64_t digest)
 {
     int fd[2];
-    CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, fd) == 0);
+    if (t->tcp)
+        tcp_pair(fd);
+    else
+        CHECK(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, fd) == 0);
     t->fd = fd[1];
     t->sender = calloc(1, sizeof *t->sender);
     CHECK(t->sender != NULL);
@@ -259,4 +280,18 @@ TEST(acknowledgement_must_be_of_a_change_that_was_sent)
     CHECK(!takes("\n"));
     CHECK(!takes("ACK 0000000000000000000000000000000000000000000000000000000000003 77\n"));
     CHECK(!takes("ACK 0000000000000000000000000000000000000000000000000000000000003"));
+}
+
+/* What the system does then cannot be tested without taking the network away. */
+TEST(system_disconnects_a_follower_whose_machine_is_gone)
+{
+    struct stand t;
+    unsigned ms = 0;
+    socklen_t size = sizeof ms;
+    begin(&t, 1);
+    t.tcp = true;
+    connect_from(&t, 0, 0);
+    CHECK(getsockopt(t.sender->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &ms, &size) == 0);
+    CHECK(ms == SENDER_TIMEOUT_MS);
+    end(&t);
 }
