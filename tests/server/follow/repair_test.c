@@ -28,6 +28,7 @@ static void lose_changes(struct node *n)
 static void change_both(const struct node *l, const struct node *f)
 {
     node_await(l, "followers", "1");
+    node_await_position(l, f); /* so that the log begins with the first change */
     for (int i = 0; i < 5; i++)
         carry_out(&l->d, "ADD a 1 1\nWAIT 1 60\n");
     node_expect_same(l, f);

@@ -221,6 +221,7 @@ static void wait_until_quiet(const struct daemon *d)
     test_fail(__FILE__, __LINE__, "the daemon is busy for readers that stall");
 }
 
+/* 220 to 380 KiB each were measured, more on a busy machine; a whole reply has megabytes. */
 TEST_TIMEOUT(readers_that_stall_cost_little_memory, 60)
 {
     enum { READERS = 100 };
@@ -238,7 +239,7 @@ TEST_TIMEOUT(readers_that_stall_cost_little_memory, 60)
     wait_until_quiet(&d);
     size_t after = daemon_resident(&d);
     if (!test_is_sanitized())
-        CHECK_MSG(after < before + (size_t)READERS * 300 * 1024, "%zu KiB more",
+        CHECK_MSG(after < before + (size_t)READERS * 500 * 1024, "%zu KiB more",
                   (after - before) / 1024);
     say(first, "PING\n");
     expect(first, "OK 0\n");
