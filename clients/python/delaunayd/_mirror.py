@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import struct
 from collections import deque
-from typing import Any, Deque, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Deque, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from . import _protocol as protocol
 from ._protocol import ConnectionLost, Refused, Request
 
 Triangle = Tuple[int, int, int]
+RingOf = Callable[[int], Optional[bytes]]
 
 PIECE = 1 << 18  # bytes to receive at once
 FIRST_PAUSE, LAST_PAUSE = 0.02, 1.0  # seconds between attempts to connect
@@ -46,19 +47,38 @@ def _ids(ring: bytes) -> Tuple[int, ...]:
     return struct.unpack_from("<%dI" % (len(ring) // 4), ring)
 
 
-def _is_end(ring: Optional[bytes]) -> bool:
-    """Of points on one line, or of a single point: no vertex of a triangle has fewer than two neighbours."""
-    return ring is not None and len(ring) < 8
+def _has_two(ring: Optional[bytes]) -> bool:
+    """Whether it is that of a boundary point with two neighbours: of one triangle, or on the line that all points are on."""
+    return ring is not None and len(ring) == 9
 
 
-def _star(id: int, ring: Optional[bytes]) -> Iterator[Triangle]:
-    """The triangles of a point, as in TRIANGLES."""
+def _are_joined(a: int, b: int, ring_of: RingOf) -> bool:
+    """Whether two neighbours of such a point are neighbours. Of a part of a set (within) both may be unknown; then they are taken to be."""
+    one, other = ring_of(a), ring_of(b)
+    if one is None or (other is not None and len(other) < len(one)):  # one of them may be that of a hub
+        return other is None or a in _ids(other)
+    return b in _ids(one)
+
+
+def _star(id: int, ring: Optional[bytes], ring_of: RingOf) -> Iterator[Triangle]:
+    """The triangles of a point, as in TRIANGLES; ring_of returns the ring of any point, None if it is unknown."""
     if ring is None:
         return
     ids = _ids(ring)
+    if _has_two(ring) and not _are_joined(ids[0], ids[1], ring_of):
+        return
     for k in range(1 if _is_boundary(ring) else 0, len(ids)):
         b, c = ids[k - 1], ids[k]
         yield (id, b, c) if id < b and id < c else (b, c, id) if b < c else (c, id, b)
+
+
+def _has(triangle: Triangle, ring_of: RingOf) -> bool:
+    """Whether a triangle of a part of a set is there; its known corner with the shortest ring tells."""
+    known = [(len(ring), id) for id, ring in zip(triangle, map(ring_of, triangle)) if ring is not None]
+    if not known:
+        return False
+    _, id = min(known)
+    return triangle in _star(id, ring_of(id), ring_of)
 
 
 class Mirror:
@@ -73,7 +93,6 @@ class Mirror:
         self._whole = False  # there has been a first state
         self._points: Dict[int, bytes] = {}  # coordinates and values
         self._rings: Dict[int, bytes] = {}
-        self._ends = 0  # of rings that are ends
         self._lines: Deque[bytes] = deque()
         self._rest = b""
         self._begin_connection()
@@ -120,7 +139,8 @@ class Mirror:
         boundary = sorted(id for id, ring in self._rings.items() if _is_boundary(ring))
         if self.within is not None or len(boundary) < 2:
             return boundary
-        at = next((id for id in boundary if _is_end(self._rings[id])), boundary[0])
+        ends = (id for id in boundary if len(self._rings[id]) < 8)  # of the line that all points are on
+        at = next(ends, boundary[0])
         hull = [at]
         while len(hull) < len(boundary):
             at = _ids(self._rings[at])[0]
@@ -129,11 +149,11 @@ class Mirror:
 
     def triangles(self) -> Any:
         """As Client.triangles: the corners, with shape (m, 3). Of a part of a set the triangles of its points; if all points of the set are
-        on one line, which a part does not show, these are not triangles. Cost: that of all points."""
+        on one line, a point of the part whose neighbours are outside counts as a triangle with them. Cost: that of all points."""
         whole = self.within is None
         found: Set[Triangle] = set()
-        for id, ring in self._rings.items() if self._ends == 0 else ():
-            found.update(t for t in _star(id, ring) if not whole or t[0] == id)
+        for id, ring in self._rings.items():
+            found.update(t for t in _star(id, ring, self._rings.get) if not whole or t[0] == id)
         flat = [id for triangle in sorted(found) for id in triangle]
         return protocol.uint32s(struct.pack("<%dI" % len(flat), *flat), 3)
 
@@ -227,7 +247,6 @@ class Mirror:
         if reset and first:
             self._points = {id: point for id, point in points.items() if point is not None}
             self._rings = {id: ring for id, ring in rings.items() if ring is not None}
-            self._ends = sum(map(_is_end, self._rings.values()))
             return None
         if reset:
             points = {**dict.fromkeys(self._points), **points}
@@ -258,41 +277,31 @@ class Mirror:
                 change.valued.append(id)
 
     def _apply_rings(self, rings: Dict[int, Optional[bytes]], change: Change) -> None:
-        old = {id: self._rings.get(id) for id, ring in rings.items() if ring != self._rings.get(id)}
-        was_line = self._ends > 0
-        for id, ring in old.items():
-            new = rings[id]
-            self._ends += _is_end(new) - _is_end(ring)
+        """The rings of all corners of a triangle that comes or goes change, but when points leave or join a line, a ring of two may be
+        the same before and after."""
+        old: Dict[int, Optional[bytes]] = {}
+        for id, new in rings.items():
+            ring = self._rings.get(id)
+            if ring == new and not _has_two(ring):
+                continue
+            old[id] = ring
             if new is None:
                 del self._rings[id]
             else:
                 self._rings[id] = new
-        if was_line != (self._ends > 0):  # equal rings have other triangles now
-            old = {**self._rings, **old}
+
+        def was(id: int) -> Optional[bytes]:
+            return old[id] if id in old else self._rings.get(id)
+
+        now = self._rings.get
         removed, added = change.triangles_removed, change.triangles_added
         for id, ring in old.items():
-            before = () if was_line else _star(id, ring)
-            after = () if self._ends > 0 else _star(id, self._rings.get(id))
-            self._compare(id, set(before), set(after), old, was_line, change)
+            before, after = set(_star(id, ring, was)), set(_star(id, now(id), now))
+            if self.within is None:  # the first corner reports it
+                removed.extend(t for t in before - after if t[0] == id)
+                added.extend(t for t in after - before if t[0] == id)
+            else:  # only some corners are known, and a triangle goes with the last of these
+                removed.extend(t for t in before - after if not _has(t, now))
+                added.extend(t for t in after - before if not _has(t, was))
         if self.within is not None:
             removed[:], added[:] = set(removed), set(added)
-
-    def _compare(
-        self, id: int, before: Set[Triangle], after: Set[Triangle], old: Dict[int, Optional[bytes]], was_line: bool, change: Change
-    ) -> None:
-        """What differs between two stars. The rings of all corners of a triangle that comes or goes change, so the first corner
-        reports it; of a part of a set only some corners are known, and a triangle goes with the last of these."""
-        if self.within is None:
-            change.triangles_removed.extend(t for t in before - after if t[0] == id)
-            change.triangles_added.extend(t for t in after - before if t[0] == id)
-            return
-        change.triangles_removed.extend(t for t in before - after if self._ends > 0 or not self._has(t, {}))
-        change.triangles_added.extend(t for t in after - before if was_line or not self._has(t, old))
-
-    def _has(self, triangle: Triangle, old: Dict[int, Optional[bytes]]) -> bool:
-        """Whether a triangle of the part is or, with the rings that have changed since, was there."""
-        for id in triangle:
-            ring = old[id] if id in old else self._rings.get(id)
-            if ring is not None:
-                return triangle in _star(id, ring)
-        return False
