@@ -43,6 +43,11 @@ soak: all
 load-watch: all $(O)/watchers
 	@python3 tests/load/watch.py $(O) --points $(or $(POINTS),1000000) --large $(LARGE)
 
+# What following costs: catching up, the lag, and inserts with and without a follower: two minutes.
+.PHONY: load-follow
+load-follow: all
+	@python3 tests/load/follow.py $(O)
+
 # How single expensive requests affect other clients, and how stress affects memory: four minutes.
 #
 #   make stress SCENARIOS=hub LARGE=1000000

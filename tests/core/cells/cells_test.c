@@ -97,8 +97,8 @@ static void cells_free(struct cells *r)
 static bool are_equal(const struct cells *a, const struct cells *b)
 {
     return a->n == b->n && a->corners == b->corners &&
-           memcmp(a->cell, b->cell, a->n * sizeof *a->cell) == 0 &&
-           memcmp(a->corner, b->corner, a->corners * sizeof *a->corner) == 0;
+           (a->n == 0 || memcmp(a->cell, b->cell, a->n * sizeof *a->cell) == 0) &&
+           (a->corners == 0 || memcmp(a->corner, b->corner, a->corners * sizeof *a->corner) == 0);
 }
 
 /* Whether all cells that are made at once are these; small: read one by one. */
