@@ -20,6 +20,7 @@
 enum {
     PIECE = 256 * 1024, /* bytes that are sent at a time */
     MEMORY = 4 * PIECE, /* of a sender: what it reads and what it sends, with room to grow */
+    GATHER_MS = 6,      /* changes are gathered for at most so long */
     BEAT_MS = 1000,     /* a header is sent after so long without records */
     SEND_MS = 60 * 1000 /* a follower that reads nothing for so long is disconnected */
 };
@@ -255,10 +256,13 @@ static enum step put_record(struct sending *g, unsigned *tries)
     return g->out.failed ? STEP_END : STEP_GOOD;
 }
 
-/* Nothing is to be sent: waits. */
+/* Nothing is to be sent: waits. While the follower has not acknowledged what was sent, new changes are gathered, because each time
+ * that something is sent costs both daemons, and the follower's disk, as much as many changes do. */
 static bool idle(struct sending *g, int64_t *beat_ms)
 {
     if (!flush(g))
+        return false;
+    if (g->s->acked < g->at.lsn && !wait_for(g, 0, GATHER_MS))
         return false;
     g->s->sleeping = true;
     if (g->at.lsn < g->s->durable) {
