@@ -1,6 +1,8 @@
 /* library_test.c - the installed libraries: one header each, static and shared, pkg-config; the examples
  * compile with them without warnings and work; C++ can use them; `make uninstall` leaves nothing. */
+#include <fcntl.h>
 #include <string.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include "clients/lib/delaunay_client.h"
@@ -19,11 +21,15 @@ static const char *run(const char *command)
     return out;
 }
 
+/* Builds the libraries first, in the folder that all tests share, so one test after the other. */
 static void install(void)
 {
+    int lock = open("Makefile", O_RDONLY | O_CLOEXEC);
+    CHECK(lock >= 0 && flock(lock, LOCK_EX) == 0);
     snprintf(root, sizeof root, "/tmp/delaunay_library_XXXXXX");
     CHECK(mkdtemp(root) != NULL);
     run("MAKEFLAGS= V= make -s install PREFIX=/usr DESTDIR=${R%/usr}");
+    close(lock);
 }
 
 static void uninstall(void)
