@@ -179,6 +179,18 @@ void follower_take_answer(struct follower *f)
         notice(NOTICE_WARNING, "it is informed again after a restart: %s", strerror(errno));
 }
 
+/* Continues a promotion whose history was not yet in the log when the daemon was killed. */
+static void continue_promotion(struct follower *f)
+{
+    struct server *s = f->server;
+    const struct history *own = &durable_dir(s)->lineage.history;
+    struct lineage l = {s->sets.life, f->role.newer};
+    if (f->role.kind != ROLE_LEADS || history_relation(&l.history, own) != HISTORY_NEWER)
+        return;
+    l.history.parent = own->nonce;
+    durable_set_lineage(s, &l);
+}
+
 void follower_begin(struct server *s)
 {
     struct follower *f = s->follower;
@@ -194,6 +206,7 @@ void follower_begin(struct server *s)
     if (strcmp(known.flag, f->role.flag) != 0 &&
         !role_write(durable_dir(s), &f->role)) /* a full disk does not keep it from following */
         notice(NOTICE_WARNING, "the role cannot be remembered: %s", strerror(errno));
+    continue_promotion(f);
     inform(f);
     if (!s->follows)
         return;
@@ -260,6 +273,7 @@ const char *follower_promote(struct server *s)
         l.history.generation = f->role.newer.generation;
     l.history = history_next(&l.history, (uint32_t)random_bits());
     struct remembered_role next = decided(f, ROLE_LEADS);
+    next.newer = l.history;
     memcpy(next.host, f->role.host, sizeof next.host);
     next.port = f->role.port;
     if (!role_write(durable_dir(s), &next))

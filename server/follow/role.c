@@ -29,6 +29,18 @@ static void read_decision(struct remembered_role *r, const char *line)
     r->own = owns;
 }
 
+/* A line behind the first one. */
+static void read_more(struct remembered_role *r, const char *line)
+{
+    char word[16], arg[sizeof r->flag];
+    if (sscanf(line, "%15s %91s", word, arg) != 2)
+        return;
+    if (strcmp(word, "flag") == 0)
+        strcpy(r->flag, arg);
+    else if (strcmp(word, "history") == 0 && r->kind == ROLE_LEADS)
+        history_read(arg, strlen(arg), &r->newer);
+}
+
 struct remembered_role role_read(const char *path)
 {
     struct remembered_role role = {.kind = ROLE_UNKNOWN};
@@ -39,8 +51,8 @@ struct remembered_role role_read(const char *path)
         return role;
     if (fgets(line, sizeof line, in) != NULL)
         read_decision(&role, line);
-    if (role.kind != ROLE_UNKNOWN && fgets(line, sizeof line, in) != NULL)
-        sscanf(line, "flag %91s", role.flag);
+    while (role.kind != ROLE_UNKNOWN && fgets(line, sizeof line, in) != NULL)
+        read_more(&role, line);
     fclose(in);
     return role;
 }
@@ -55,12 +67,13 @@ static void write_text(char *to, size_t size, const struct remembered_role *r)
         n = (size_t)snprintf(to, size, "follow %s %u%s\n", r->host, r->port, r->own ? " own" : "");
     else if (r->kind == ROLE_LEADS && r->port != 0)
         n = (size_t)snprintf(to, size, "lead %s %u\n", r->host, r->port);
-    else if (r->kind == ROLE_LEADS && r->flag[0] != '\0')
+    else if (r->kind == ROLE_LEADS && (r->flag[0] != '\0' || r->newer.origin != 0))
         n = (size_t)snprintf(to, size, "lead\n");
-    if (r->kind == ROLE_FENCED) {
-        history_write(history, &r->newer);
+    history_write(history, &r->newer);
+    if (r->kind == ROLE_FENCED)
         n = (size_t)snprintf(to, size, "fenced %s\n", history);
-    }
+    else if (r->kind == ROLE_LEADS && r->newer.origin != 0)
+        n += (size_t)snprintf(to + n, size - n, "history %s\n", history);
     if (n > 0 && r->flag[0] != '\0')
         snprintf(to + n, size - n, "flag %s\n", r->flag);
 }

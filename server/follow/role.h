@@ -4,9 +4,10 @@
  *     lead ADDR PORT            it was promoted, and its former leader there has not been informed of that yet
  *     lead                      it was promoted
  *     fenced HISTORY            it has met a newer history of its own origin: a follower of it was promoted
- *     flag ADDR:PORT            a second line: the --follow of the last start
+ *     flag ADDR:PORT            a further line: the --follow of the last start
+ *     history HISTORY           a further line after a promotion: the history that began with it; the log gets it later
  *
- * A directory without that file is a leader's, and one that was promoted does not need the file without a flag. */
+ * A directory without that file is a leader's. */
 #ifndef SERVER_ROLE_H
 #define SERVER_ROLE_H
 
@@ -19,7 +20,8 @@ struct remembered_role {
     char host[ROLE_ADDRESS];
     unsigned port; /* 0: none */
     bool own;
-    struct history newer; /* than its own: fenced by that one */
+    /* ROLE_FENCED: the history that is newer than its own; ROLE_LEADS: the one that its promotion began, or none. */
+    struct history newer;
     char flag[ROLE_ADDRESS + 12];
 };
 

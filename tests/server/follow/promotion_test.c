@@ -239,3 +239,32 @@ TEST_TIMEOUT(restored_backup_with_changes_of_its_own_does_not_give_them_up_unask
     node_end(&r);
     tree_remove(backups.path);
 }
+
+/* The daemon was killed after it had saved its promotion, but before the log had the new history. */
+TEST_TIMEOUT(promotion_is_continued_by_the_next_daemon, 60)
+{
+    struct node l = node_new(NULL), f = node_follower_of(&l);
+    char path[128], text[FACT + 40], history[FACT], want[FACT];
+    struct history h;
+    carry_out(&l.d, "ADD a 0 0\n");
+    node_expect_same(&l, &f);
+    node_fact(&l, "history", history);
+    CHECK(history_read(history, strlen(history), &h));
+    h = history_next(&h, 77);
+    history_write(want, &h);
+    daemon_stop(&f.d, SIGKILL);
+    snprintf(path, sizeof path, "%s/role", f.dir.path);
+    snprintf(text, sizeof text, "lead 127.0.0.1 %s\nhistory %s\n", l.d.port_text, want);
+    file_write(path, text, strlen(text));
+    node_start(&f, NULL);
+    node_await(&f, "history", want);
+    node_expect(&f, "ADD a 1 1", "OK 0 first=1");
+    node_await(&l, "role", "fenced");
+    daemon_stop(&f.d, SIGKILL);
+    CHECK(unlink(path) == 0); /* the log has it now */
+    node_start(&f, NULL);
+    CHECK(node_is(&f, "history", want));
+    node_expect(&f, "STAT a", "OK 0 points=2");
+    node_end(&l);
+    node_end(&f);
+}

@@ -35,7 +35,8 @@ static struct remembered_role read_back(const struct bench *b)
 
 static bool is_none(struct remembered_role r)
 {
-    return r.kind == ROLE_UNKNOWN && r.port == 0 && !r.own && r.flag[0] == '\0';
+    return r.kind == ROLE_UNKNOWN && r.port == 0 && !r.own && r.flag[0] == '\0' &&
+           r.newer.origin == 0;
 }
 
 static struct remembered_role follower(const char *host, unsigned port)
@@ -86,6 +87,8 @@ TEST(role_that_was_written_is_read_back_until_it_is_removed)
     expect_text(&b, &r, "lead fe80::1%eth0 1\n");
     struct remembered_role led = {.kind = ROLE_LEADS, .flag = "[::1]:6374"};
     expect_text(&b, &led, "lead\nflag [::1]:6374\n");
+    struct remembered_role promoted = {.kind = ROLE_LEADS, .newer = {0xab, 5, 0xd, 0}};
+    expect_text(&b, &promoted, "lead\nhistory 00000000000000ab.5.0000000d\n");
     struct remembered_role fenced = {.kind = ROLE_FENCED, .newer = {0xaa, 4, 0xc, 0}};
     expect_text(&b, &fenced, "fenced 00000000000000aa.4.0000000c\n");
     expect_text(&b, &none, "");
@@ -102,6 +105,14 @@ TEST(role_with_the_longest_address_is_read_back)
     memset(r.host, '1', ROLE_ADDRESS - 1);
     snprintf(r.flag, sizeof r.flag, "[%s]:65535", r.host);
     snprintf(want, sizeof want, "follow %s 65535 own\nflag %s\n", r.host, r.flag);
+    expect_text(&b, &r, want);
+    r = (struct remembered_role){
+        .kind = ROLE_LEADS, .port = 65535, .newer = {UINT64_MAX, UINT32_MAX, UINT32_MAX, 0}};
+    memset(r.host, '1', ROLE_ADDRESS - 1);
+    snprintf(r.flag, sizeof r.flag, "[%s]:65535", r.host);
+    snprintf(want, sizeof want,
+             "lead %s 65535\nhistory ffffffffffffffff.4294967295.ffffffff\nflag %s\n", r.host,
+             r.flag);
     expect_text(&b, &r, want);
     end(&b);
 }
@@ -122,6 +133,8 @@ TEST(role_file_that_makes_no_sense_counts_as_none)
                                         "leads\n",
                                         "flag 10.0.0.1:1\n",
                                         "follow 10.0.0.1 0\nflag 10.0.0.1:1\n",
+                                        "history aa.4.c\n",
+                                        "follow 10.0.0.1\nhistory aa.4.c\n",
                                         "fenced\n",
                                         "fenced aa.4\n",
                                         "fenced aa.4.c 9\n",
