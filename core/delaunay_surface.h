@@ -57,8 +57,8 @@ void dt_weights_free(struct dt_weigher *w); /* NULL: nothing */
  *
  * It is nan where a value that counts is nan, and in triangles that have an edge longer than max_edge, but for
  * their corners and for edges that another triangle without such an edge shares. A mean is never outside the range
- * of the values that count; it errs by less than DT_WEIGHTS_ERROR times their range, and 2^-51 times the largest
- * magnitude of them. */
+ * of the values that count; it errs by less than DT_WEIGHTS_ERROR times their range, 2^-51 times the largest
+ * magnitude of them, and the least double, 2^-1074. */
 struct dt_surface {
     const double *
         *page;      /* owns; values by id, DT_FIELD_PAGE in each; NULL: all of these are missing */

@@ -75,9 +75,12 @@ static inline struct rim rim_at(const struct dt_valuer *v, uint32_t vertex, stru
     return (struct rim){at, at.x * at.x + at.y * at.y, dt_value_of(v, vertex)};
 }
 
-/* Whether the shares' errors add up to less than DT_WEIGHTS_ERROR. steps: how many terms a share may have. */
+/* Whether the shares' errors add up to less than DT_WEIGHTS_ERROR, and no product of a share and a difference of values loses
+ * bits at the least doubles. steps: how many terms a share may have. */
 static inline bool is_sure(const struct mean *m, bool sibson, uint32_t steps)
 {
+    if (!((m->most - m->least) * fabs(m->whole) >= 0x1p-1000) && m->most != m->least)
+        return false;
     double rounding = ((sibson ? 8 : 16) + steps) * DT_U * m->size;
     return m->error + rounding < DT_WEIGHTS_ERROR / 2 * fabs(m->whole);
 }

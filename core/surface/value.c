@@ -97,6 +97,11 @@ static double within(double value, double least, double most)
  * at most z: in all by less than 40 f u z, which is less than DT_WEIGHTS_ERROR z. */
 #define PLANE_FLAT 128.0
 
+/* Products may lose bits at the least doubles, 2^-1074. Let s be the sum of both slopes. A side is at least 2^-195, so an area is at
+ * least 2^-397, and where s is this steep, the products of which the slopes are quotients add up to 2^-997 or more, and z to 2^-795 or
+ * more: what is lost is less than 2^-60 z. */
+#define PLANE_STEEP 0x1p-600
+
 /* The corners of a triangle and their values, counterclockwise from the smallest id, where rounding begins. */
 struct corners {
     struct dt_point a, b, c;
@@ -122,7 +127,10 @@ static inline struct dt_plane plane_of(const struct corners *t)
     bool missing = isnan(t->za) | isnan(t->zb) | isnan(t->zc);
     if (missing)
         p.value = p.dx = p.dy = (double)NAN;
-    p.sure = missing || ((bb > cc ? bb : cc) < PLANE_FLAT * area && isfinite(p.dx + p.dy));
+    double steep = fabs(p.dx) + fabs(p.dy);
+    bool level = zb == 0 && zc == 0;
+    p.sure = missing || ((bb > cc ? bb : cc) < PLANE_FLAT * area &&
+                         ((steep >= PLANE_STEEP && steep < HUGE_VAL) || level));
     return p;
 }
 
@@ -151,18 +159,21 @@ static void order_ends(struct dt_weigher *w)
 static double weighted_mean(const struct dt_valuer *v)
 {
     const struct dt_weigher *w = &v->weigher;
-    double z0 = (double)NAN, least = HUGE_VAL, most = -HUGE_VAL, sum = 0, plain = 0;
+    double least = HUGE_VAL, most = -HUGE_VAL, sum = 0;
     for (size_t i = 0; i < w->n; i++) {
         double z = dt_value_of_id(v->s, w->id[i]);
         if (isnan(z))
             return z;
-        z0 = i == 0 ? z : z0;
         least = z < least ? z : least;
         most = z > most ? z : most;
-        sum += w->weight[i] * (z - z0);
-        plain += w->weight[i] * z;
     }
-    return within(isfinite(z0 + sum) ? z0 + sum : plain, least, most);
+    /* so that no difference is too large, and no product loses bits at the least doubles */
+    double largest = fmax(-least, most);
+    double scale = largest > 0x1p1000 ? 0x1p-2 : largest < 0x1p-800 ? 0x1p200 : 1;
+    double z0 = dt_value_of_id(v->s, w->id[0]) * scale;
+    for (size_t i = 0; i < w->n; i++)
+        sum += w->weight[i] * (dt_value_of_id(v->s, w->id[i]) * scale - z0);
+    return within((z0 + sum) / scale, least, most);
 }
 
 static enum dt_status by_weights(struct dt_valuer *v, struct dt_point q, enum dt_where where,

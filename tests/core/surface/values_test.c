@@ -179,6 +179,49 @@ TEST(values_of_the_largest_magnitudes_stay_between_them)
     dt_free(t);
 }
 
+/* Values times 2^e, for which a mean may round at the least doubles, but not before. */
+static void check_scaled(const struct dt_point *p, const double *z, uint32_t n, int e)
+{
+    double scaled[16];
+    for (uint32_t i = 0; i < n; i++)
+        scaled[i] = ldexp(z[i], e);
+    struct dt *t = set_with(p, z, n), *u = set_with(p, scaled, n);
+    struct dt_surface s, r;
+    for (int how = 0; how < METHODS; how++) {
+        s = surface_in(t, all[how]);
+        r = surface_in(u, all[how]);
+        for (int i = 0; i < 20; i++) {
+            struct dt_point q = {4 * test_uniform() * p[1].x, 4 * test_uniform() * p[1].x};
+            double want = value_at(t, &s, q), got = value_at(u, &r, q);
+            CHECK_MSG((isnan(want) && isnan(got)) ||
+                          fabs(got - ldexp(want, e)) <= ldexp(DT_WEIGHTS_ERROR, e + 2) + 0x1p-1074,
+                      "%.17g instead of %.17g times 2^%d at %.17g %.17g", got, want, e, q.x, q.y);
+        }
+        dt_surface_end(&s);
+        dt_surface_end(&r);
+    }
+    dt_free(t);
+    dt_free(u);
+}
+
+TEST(values_of_the_least_magnitudes_are_as_exact_as_others)
+{
+    static const struct dt_point p[] = {{0, 0}, {1, 0.25}, {4, 0}, {4, 4},
+                                        {0, 4}, {2, 2.5},  {1, 3}};
+    static const double z[] = {1, 2, 0, 4, 1, 3, 0};
+    static const double side[] = {1, 0x1p-140, 0x1p198, 1e-9};
+    for (size_t k = 0; k < sizeof side / sizeof *side; k++) {
+        struct dt_point at[7];
+        for (int i = 0; i < 7; i++)
+            at[i] = (struct dt_point){p[i].x * side[k], p[i].y * side[k]};
+        check_scaled(at, z, 7, -700);
+        check_scaled(at, z, 7, -960);
+        check_scaled(at, z, 7, -1010);
+        check_scaled(at, z, 7, -1060);
+        check_scaled(at, z, 7, 1020);
+    }
+}
+
 TEST(values_are_missing_where_one_that_counts_is)
 {
     static const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2.5}};
