@@ -1,5 +1,5 @@
-# common.sh BUILD_DIR - to be sourced: enters the root of the repository and provides $build, a folder $scratch, daemons, and a count of
-# tests. Scratch and processes end with the script.
+# common.sh BUILD_DIR - to be sourced: enters the root of the repository and provides $build, a folder $scratch, daemons, requests, and a
+# count of tests. Scratch and processes end with the script.
 set -u
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=$(realpath "$1")
@@ -65,4 +65,21 @@ start_daemon() { # VARIABLE OPTION...
         exit 1
     fi
     printf -v "$variable" %s "$found"
+}
+
+declare -A ports # of daemons, by name
+
+say() { printf '%s\n' "$2" | timeout 20 nc -N 127.0.0.1 "${ports[$1]}" 2>/dev/null; } # NAME REQUEST
+fact() { say "$1" 'INFO replication' | sed -n "s/^$2://p"; }                          # NAME KEY
+
+# Repeats the command until it succeeds, for 30 seconds.
+await() { # COMMAND...
+    local i
+    for ((i = 0; i < 300; i++)); do
+        "$@" && return
+        sleep 0.1
+    done
+    echo "in vain: $*"
+    cat "$scratch"/log.*
+    false
 }

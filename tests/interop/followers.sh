@@ -8,31 +8,18 @@ unset pids
 declare -A pids # of common.sh, by name
 
 base=$((20000 + RANDOM % 10000))
-declare -A port=([a]=$base [b]=$((base + 1)) [write]=$((base + 2)) [read]=$((base + 3)))
+ports=([a]=$base [b]=$((base + 1)) [write]=$((base + 2)) [read]=$((base + 3)))
 
 start() { # NAME OPTION...
     local name=$1
     shift
-    "$build/delaunayd" --port "${port[$name]}" --data "$scratch/$name" "$@" >/dev/null 2>>"$scratch/log.$name" &
+    "$build/delaunayd" --port "${ports[$name]}" --data "$scratch/$name" "$@" >/dev/null 2>>"$scratch/log.$name" &
     pids[$name]=$!
 }
 
 stop_b() { { kill -KILL "${pids[b]}" && wait "${pids[b]}"; } 2>/dev/null || true; }
 
-url() { echo "delaunay://127.0.0.1:${port[$1]}"; }
-say() { printf '%s\n' "$2" | timeout 20 nc -N 127.0.0.1 "${port[$1]}" 2>/dev/null; } # NAME REQUEST
-fact() { say "$1" 'INFO replication' | sed -n "s/^$2://p"; }
-
-await() { # COMMAND...
-    local i
-    for ((i = 0; i < 300; i++)); do
-        "$@" && return
-        sleep 0.1
-    done
-    echo "in vain: $*"
-    false
-}
-
+url() { echo "delaunay://127.0.0.1:${ports[$1]}"; }
 is() { [ "$(fact "$1" "$2")" = "$3" ]; } # NAME KEY VALUE
 goes_to() { [ "$(fact "$1" role)" = "$2" ]; }
 equal() { # all sets of both daemons, and their logs
@@ -66,9 +53,9 @@ nothing_is_missing() { # NAME: of what is acknowledged by now
 begin() {
     : >"$scratch/acknowledged"
     start a
-    await is a role leader && start b --follow "127.0.0.1:${port[a]}" && await is b link receiving
-    WRITE_BIND=127.0.0.1:${port[write]} READ_BIND=127.0.0.1:${port[read]} DAEMON_A=127.0.0.1:${port[a]} \
-        DAEMON_B=127.0.0.1:${port[b]} haproxy -db -f clients/haproxy-followers.cfg >"$scratch/haproxy" 2>&1 &
+    await is a role leader && start b --follow "127.0.0.1:${ports[a]}" && await is b link receiving
+    WRITE_BIND=127.0.0.1:${ports[write]} READ_BIND=127.0.0.1:${ports[read]} DAEMON_A=127.0.0.1:${ports[a]} \
+        DAEMON_B=127.0.0.1:${ports[b]} haproxy -db -f clients/haproxy-followers.cfg >"$scratch/haproxy" 2>&1 &
     pids[haproxy]=$!
     await goes_to write leader && await goes_to read follower
 }
@@ -96,8 +83,8 @@ former_leader_refuses() {
 
 former_leader_follows() {
     touch "$scratch/enough" && wait "$writer"
-    say b "FOLLOW 127.0.0.1 ${port[a]}" && sleep 1
-    is b link receiving || say b "FOLLOW 127.0.0.1 ${port[a]} CONFIRM" # it may have a change that was not acknowledged
+    say b "FOLLOW 127.0.0.1 ${ports[a]}" && sleep 1
+    is b link receiving || say b "FOLLOW 127.0.0.1 ${ports[a]} CONFIRM" # it may have a change that was not acknowledged
     await is b link receiving && await equal && nothing_is_missing b
 }
 

@@ -15,37 +15,24 @@ build_next() {
     ! cmp -s "$header" "$tree/$header" && make -s -C "$tree" build/delaunayd && mv "$tree/build/delaunayd" "$scratch/next"
 }
 
-declare -A port=([a]=0 [b]=0) pid program=([old]=$build/delaunayd [new]=$scratch/next)
-
-say() { printf '%s\n' "$2" | timeout 20 nc -N 127.0.0.1 "${port[$1]}" 2>/dev/null; } # NAME REQUEST
-fact() { say "$1" 'INFO replication' | sed -n "s/^$2://p"; }
-
-await() { # COMMAND...
-    local i
-    for ((i = 0; i < 300; i++)); do
-        "$@" && return
-        sleep 0.1
-    done
-    echo "in vain: $*"
-    cat "$scratch"/log.*
-    false
-}
+ports=([a]=0 [b]=0)
+declare -A pid program=([old]=$build/delaunayd [new]=$scratch/next)
 
 # A daemon that has run before gets the port that it had.
 start() { # old|new NAME
     local daemon
     rm -f "$scratch/ready.$2"
-    "${program[$1]}" --port "${port[$2]}" --data "$scratch/$2" --keep-log 1 >"$scratch/ready.$2" 2>>"$scratch/log.$2" &
+    "${program[$1]}" --port "${ports[$2]}" --data "$scratch/$2" --keep-log 1 >"$scratch/ready.$2" 2>>"$scratch/log.$2" &
     daemon=$!
     pid[$2]=$daemon
     pids+=("$daemon")
-    await grep -qs '^ready on' "$scratch/ready.$2" && port[$2]=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready.$2")
+    await grep -qs '^ready on' "$scratch/ready.$2" && ports[$2]=$(sed -n 's/^ready on .*:\([0-9]*\)$/\1/p' "$scratch/ready.$2")
 }
 
 end() { { kill -TERM "${pid[$1]}" && wait "${pid[$1]}"; } 2>/dev/null; } # NAME
 
 succeeds() { say "$1" "$2" | grep -q '^OK'; } # NAME REQUEST
-follow() { succeeds "$1" "FOLLOW 127.0.0.1 ${port[$2]}"; } # FOLLOWER LEADER
+follow() { succeeds "$1" "FOLLOW 127.0.0.1 ${ports[$2]}"; } # FOLLOWER LEADER
 has() { fact "$1" link_error | grep -q "$2"; } # NAME WORDS
 equal() { [ "$(fact a log_digest)" = "$(fact b log_digest)" ] && [ "$(say a 'DIGEST t')" = "$(say b 'DIGEST t')" ]; }
 

@@ -3,29 +3,11 @@
 # compared with the published delaunator and d3-delaunay where npm can fetch them.
 #
 #     package.sh BUILD_DIR        prints what failed, and at the end one line: N passed, N failed
-set -u
-cd "$(dirname "$0")/../../.."
-build=$PWD/$1
+. "$(dirname "$0")/../common.sh" "$1"
 here=$PWD/tests/interop/node
 tests=$PWD/clients/js/test
 peers=$build/interop/npm
-scratch=$(mktemp -d)
-passed=0
-failed=0
-trap 'rm -rf "$scratch"' EXIT
 export npm_config_update_notifier=false npm_config_fund=false npm_config_audit=false npm_config_loglevel=error
-
-count() { # NAME COMMAND...
-    local name=$1
-    shift
-    if "$@" >"$scratch/out" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAIL $name"
-        tail -n 40 "$scratch/out"
-    fi
-}
 
 # The published packages, of fixed versions, kept in the build folder.
 fetch_peers() {
@@ -73,5 +55,4 @@ else
     echo "npm cannot fetch packages here: nothing is compared with the published ones, and types are not checked"
     cat "$scratch/npm"
 fi
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ]
+result
