@@ -140,7 +140,7 @@ const struct subcommand subcommands[] = {
     {"metrics", command_metrics, false, false, "metrics",
      "Prints INFO in the text format of Prometheus.\n", "--help", false},
     {"copy", command_copy, true, false, "copy SET URL URL",
-     "Copies a set, its tolerance and its ids from the first daemon to the second, where there "
+     "Copies a set, its tolerance, ids and fields from the first daemon to the second, where there "
      "must be\n"
      "none of that name, and triangulates it there if it is triangulated here. A URL is\n"
      "delaunay://[:TOKEN@]HOST[:PORT][/NAME]; a NAME in the second one is the copy's.\n",

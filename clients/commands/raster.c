@@ -54,6 +54,13 @@ static int write_grid(void *ctx, FILE *out)
     return EXIT_DONE;
 }
 
+/* Floats have values up to FLT_MAX. */
+static bool fits_floats(const struct grid *g)
+{
+    double least, most;
+    return !grid_range(g, &least, &most) || (isfinite((float)least) && isfinite((float)most));
+}
+
 static int write_header(void *ctx, FILE *out)
 {
     const struct work *w = ctx;
@@ -197,6 +204,8 @@ static int read_arguments(struct work *w, int argc, char **argv)
         status = read_option(w, option, argv);
     if (status == EXIT_DONE && argc - optind != 3)
         status = options_wrong(argv[0], "raster takes a set, a field and a file");
+    if (status == EXIT_DONE && w->request.cell > 0 && w->request.columns > 0)
+        status = options_wrong(argv[0], "--cell, or --width");
     if (status != EXIT_DONE)
         return status;
     w->set = argv[optind];
@@ -217,7 +226,10 @@ int command_raster(struct delaunay_client *c, int argc, char **argv)
     enum delaunay_result r = raster_fetch(c, w.set, w.field, &w.request, &w.grid, &fault);
     if (r != DELAUNAY_OK)
         return r == DELAUNAY_STOPPED ? output_fault("", fault) : command_outcome(c, r);
-    if (w.form == RASTER_BIL)
+    if ((w.form == RASTER_BIL || w.form == RASTER_TIFF) && !fits_floats(&w.grid))
+        status =
+            output_fault(w.path, "there are values beyond those of 32-bit floats; asc has all");
+    else if (w.form == RASTER_BIL)
         status = write_bil(&w);
     else
         status =

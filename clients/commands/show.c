@@ -203,6 +203,24 @@ static bool has_heights(struct delaunay_client *c, const char *set)
     return delaunay_request(c, line, find_heights, &found) == DELAUNAY_OK && found;
 }
 
+static bool find_triangles(void *ctx, const struct delaunay_part *part)
+{
+    static const char none[] = " triangles=0 ";
+    bool *found = ctx;
+    *found |=
+        part->kind == DELAUNAY_PART_OK && memmem(part->text, part->len, none, strlen(none)) == NULL;
+    return true;
+}
+
+/* Points on a line, or fewer than three, have no surface that could be seen. */
+static bool has_triangles(struct delaunay_client *c, const char *set)
+{
+    char line[120];
+    bool found = false;
+    snprintf(line, sizeof line, "STAT %.100s", set);
+    return delaunay_request(c, line, find_triangles, &found) == DELAUNAY_OK && found;
+}
+
 int command_show(struct delaunay_client *c, int argc, char **argv)
 {
     struct canvas v = {.columns = 80, .lines = 23};
@@ -210,7 +228,7 @@ int command_show(struct delaunay_client *c, int argc, char **argv)
     if (status != EXIT_DONE)
         return status;
     const char *set = argv[optind], *field = v.field;
-    if (field == NULL && !v.mesh && has_heights(c, set))
+    if (field == NULL && !v.mesh && has_heights(c, set) && has_triangles(c, set))
         field = "z";
     return field != NULL ? show_relief(c, set, field, v.columns, v.lines, v.plain)
                          : show_mesh(c, set, &v);

@@ -51,6 +51,12 @@ bool raster_plan(const struct raster_request *r, const double *box, struct grid 
     return true;
 }
 
+/* Whether the box is as wide, or as wide or high, as its cells are to be chosen from it. */
+static bool has_extent(const struct raster_request *r, const double *box)
+{
+    return r->cell > 0 || box[2] > box[0] || (r->columns == 0 && box[3] > box[1]);
+}
+
 static size_t put(char *line, size_t n, double v)
 {
     line[n++] = ' ';
@@ -115,7 +121,9 @@ enum delaunay_result raster_fetch(struct delaunay_client *c, const char *set, co
             return stop(fault, "the set is empty");
     }
     if (!raster_plan(request, b.box, g))
-        return stop(fault, "there would be too many cells, or the points have no extent");
+        return stop(fault, has_extent(request, b.box)
+                               ? "there would be too many cells"
+                               : "the points have no such extent; --cell sets the side of a cell");
     enum delaunay_result r = send_request(c, set, field, request, g);
     if (r == DELAUNAY_OK)
         r = delaunay_receive_bytes(c, &bytes, &n);

@@ -121,8 +121,40 @@ TEST(raster_refuses_invalid_sizes)
         CHECK_MSG(status == 2, "%s", wrong[i]);
     }
     CHECK(strstr(raster(&status, "a.asc", "--cell 1e-9"), "too many cells") && status == 1);
+    CHECK(strstr(raster(&status, "a.asc", "--cell 1 --width 4"), "--cell, or --width") &&
+          status == 2);
     CHECK(strstr(cli_run(&status, "raster t z - -f png"), "png needs a file") && status == 2);
     CHECK(access(cli_path("a.asc"), F_OK) != 0);
+    cli_finish();
+}
+
+TEST(raster_of_points_without_extent_needs_the_side_of_a_cell)
+{
+    int status;
+    cli_begin();
+    cli_run_well("add t fields z 1 2 3");
+    cli_run_well("triangulate t");
+    CHECK(strstr(raster(&status, "a.asc", ""), "--cell sets") && status == 1);
+    CHECK(strstr(raster(&status, "a.asc", "--width 4"), "--cell sets") && status == 1);
+    cli_expect("raster t z - --cell 2",
+               "ncols 1\nnrows 1\nxllcorner 1\nyllcorner 2\ncellsize 2\nNODATA_value -9999\n"
+               "-9999\n");
+    cli_run_well("add t 1 4");
+    CHECK(strstr(raster(&status, "a.asc", "--width 4"), "--cell sets") && status == 1);
+    raster(&status, "a.asc", "");
+    CHECK(status == 0);
+    cli_finish();
+}
+
+TEST(raster_refuses_floats_for_values_beyond_them)
+{
+    int status;
+    make_plane();
+    cli_run_well("fset t z 0 1e300");
+    CHECK(strstr(raster(&status, "a.bil", "--width 2"), "beyond those of 32-bit floats") != NULL);
+    CHECK(status == 1 && access(cli_path("a.hdr"), F_OK) != 0);
+    raster(&status, "a.asc", "--width 2");
+    CHECK(status == 0);
     cli_finish();
 }
 
@@ -145,6 +177,20 @@ TEST(show_draws_heights_unless_the_mesh_is_requested)
     CHECK(strstr(cli_run(&status, "show t --field y"), "NOFIELD") != NULL && status == 1);
     cli_expect("--json show t --width 4 --height 2",
                "{\"ok\":true,\"lines\":[\"@@@@\",\"-===\"]}\n");
+    cli_finish();
+}
+
+TEST(show_draws_the_mesh_of_points_on_a_line_that_have_heights)
+{
+    int status;
+    cli_begin();
+    cli_run_well("add t fields z 1 2 3");
+    cli_run_well("triangulate t");
+    const char *mesh = cli_run(&status, "show t --width 4 --height 2");
+    CHECK(status == 0 && (unsigned char)mesh[0] == 0xE2);
+    cli_run_well("add t fields z 1 4 5  1 7 6");
+    mesh = cli_run(&status, "show t --width 4 --height 2");
+    CHECK(status == 0 && (unsigned char)mesh[0] == 0xE2);
     cli_finish();
 }
 
