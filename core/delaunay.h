@@ -124,6 +124,9 @@ double dt_tolerance(const struct dt *t);
 /* Whether v is zero or 2^-142 <= |v| <= 2^201: the range in which all predicates are exact. */
 bool dt_coordinate_ok(double v);
 
+/* Whether all of v[n] are. */
+bool dt_coordinates_ok(const double *v, size_t n);
+
 /* ---- memory that is used again ----
  *
  * A keeper of pages keeps what large arrays of sets release, for the next ones, because fresh pages are

@@ -7,12 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FIRST_CAPACITY = 64 };
+enum {
+    FIRST_CAPACITY = 64,
+    POINT_BYTES = 16 /* in a binary body */
+};
 
 void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit,
-               bool (*coordinate_ok)(double v))
+               bool (*coordinates_ok)(const double *v, size_t n))
 {
-    *b = (struct body){.form = form, .left = count, .limit = limit, .coordinate_ok = coordinate_ok};
+    *b = (struct body){
+        .form = form, .left = count, .limit = limit, .coordinates_ok = coordinates_ok};
     b->complete = form != BODY_DOT && count == 0;
     body_columns(b, 2, 0);
 }
@@ -91,7 +95,7 @@ static void add_point(struct body *b, double x, double y)
         return;
     if (isnan(x) || isnan(y)) { /* only a binary body can announce that */
         body_fail(b, BODY_NUMBER);
-    } else if (!b->coordinate_ok(x) || !b->coordinate_ok(y)) {
+    } else if (!b->coordinates_ok(&x, 1) || !b->coordinates_ok(&y, 1)) {
         body_fail(b, BODY_RANGE);
     } else if (reserve(b)) {
         b->xy[2 * b->n] = x;
@@ -105,7 +109,7 @@ static enum body_fault judge(const struct body *b, size_t i, double v)
 {
     if (i >= b->coordinates)
         return isinf(v) ? BODY_VALUE : BODY_GOOD;
-    return isnan(v) ? BODY_NUMBER : b->coordinate_ok(v) ? BODY_GOOD : BODY_RANGE;
+    return isnan(v) ? BODY_NUMBER : b->coordinates_ok(&v, 1) ? BODY_GOOD : BODY_RANGE;
 }
 
 /* ---- text ---- */
@@ -281,19 +285,52 @@ static ptrdiff_t feed_wide(struct body *b, const char *bytes, size_t n)
     return (ptrdiff_t)at;
 }
 
+static void copy_doubles(double *to, const char *bytes, size_t n)
+{
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    memcpy(to, bytes, n * sizeof *to);
+#else
+    for (size_t i = 0; i < n; i++)
+        to[i] = little_endian_double(bytes + 8 * i);
+#endif
+}
+
+/* Adds n points at once. False, with nothing done: there is no room, or one of them is invalid. A binary body never has
+ * room for more than `limit` (capacity). */
+static bool add_run(struct body *b, const char *bytes, size_t n)
+{
+    if (n > b->cap - b->n)
+        return false;
+    double *to = b->xy + 2 * b->n;
+    copy_doubles(to, bytes, 2 * n);
+    if (!b->coordinates_ok(to, 2 * n))
+        return false;
+    b->n += n;
+    return true;
+}
+
+static void take_points(struct body *b, const char *bytes, size_t n)
+{
+    if (b->fault != BODY_GOOD || add_run(b, bytes, n)) {
+        b->line += n;
+        return;
+    }
+    for (const char *end = bytes + n * POINT_BYTES; bytes < end; bytes += POINT_BYTES) {
+        b->line++;
+        add_point(b, little_endian_double(bytes), little_endian_double(bytes + 8));
+    }
+}
+
 static ptrdiff_t feed_binary(struct body *b, const char *bytes, size_t n)
 {
-    enum { POINT_BYTES = 16 };
-    size_t at = 0;
     if (b->width != 2 || b->coordinates != 2)
         return feed_wide(b, bytes, n);
-    for (; b->left > 0 && n - at >= POINT_BYTES; at += POINT_BYTES) {
-        b->left--;
-        b->line++;
-        add_point(b, little_endian_double(bytes + at), little_endian_double(bytes + at + 8));
-    }
+    size_t points = n / POINT_BYTES < b->left ? n / POINT_BYTES : (size_t)b->left;
+    if (points > 0)
+        take_points(b, bytes, points);
+    b->left -= points;
     b->complete = b->left == 0;
-    return (ptrdiff_t)at;
+    return (ptrdiff_t)(points * POINT_BYTES);
 }
 
 ptrdiff_t body_feed(struct body *b, const char *bytes, size_t n, bool last)

@@ -25,7 +25,7 @@ enum body_fault {
     BODY_ENDED,  /* the input ended within the body */
     BODY_LONGER, /* more input than announced */
     BODY_NUMBER, /* not a number */
-    BODY_RANGE,  /* a coordinate that coordinate_ok refuses */
+    BODY_RANGE,  /* a coordinate that coordinates_ok refuses */
     BODY_VALUE,  /* a value that is infinite */
     BODY_TOOBIG, /* more than `limit` points */
     BODY_NOMEM
@@ -54,12 +54,12 @@ struct body {
     enum body_fault fault;
     uint64_t fault_line;
     enum line_fault line_fault; /* why body_feed returned -1 */
-    bool (*coordinate_ok)(double v);
+    bool (*coordinates_ok)(const double *v, size_t n);
 };
 
-/* Begins a body of at most `limit` points; coordinate_ok checks every coordinate. Allocates nothing. */
+/* Begins a body of at most `limit` points; coordinates_ok checks whether all of v[n] are valid coordinates. Allocates nothing. */
 void body_init(struct body *b, enum body_form form, uint64_t count, size_t limit,
-               bool (*coordinate_ok)(double v));
+               bool (*coordinates_ok)(const double *v, size_t n));
 void body_free(struct body *b);
 
 /* To be called after body_init: a point has this number of coordinates (2 or 0), and values after them: finite numbers or

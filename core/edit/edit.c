@@ -8,6 +8,7 @@
 #include "core/edit/arrivals.h"
 #include "core/edit/update.h"
 #include "core/exact/bounds.h"
+#include "core/exact/lanes.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
 #include "core/set/view_save.h"
@@ -16,6 +17,18 @@ bool dt_coordinate_ok(double v)
 {
     double size = fabs(v);
     return size == 0 || (size >= DT_COORDINATE_LEAST && size <= DT_COORDINATE_MOST);
+}
+
+bool dt_coordinates_ok(const double *v, size_t n)
+{
+    const dt_lanes least = dt_lanes_both(DT_COORDINATE_LEAST), zero = {0, 0},
+                   most = dt_lanes_both(DT_COORDINATE_MOST);
+    dt_lanes_holds ok = {-1, -1};
+    for (; n > 1; v += 2, n -= 2) {
+        dt_lanes size = dt_lanes_abs(dt_lanes_load(v));
+        ok &= (size == zero) | ((size >= least) & (size <= most));
+    }
+    return dt_lanes_bits(ok) == 3 && (n == 0 || dt_coordinate_ok(*v));
 }
 
 static bool point_ok(struct dt_point p)
@@ -33,10 +46,11 @@ enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
 {
     struct dt_work work = dt_work_of(opt);
     struct dt_stop stop = dt_stop_of(opt);
-    for (size_t i = 0; i < n; i++) {
-        if (!point_ok(p[i]))
+    for (size_t i = 0, piece; i < n; i += piece) {
+        piece = n - i < DT_POLL ? n - i : DT_POLL;
+        if (!dt_coordinates_ok(&p[i].x, 2 * piece))
             return DT_RANGE;
-        if (i % DT_POLL == DT_POLL - 1 && dt_stopped(&stop))
+        if (piece == DT_POLL && dt_stopped(&stop))
             return dt_stop_status(&stop);
     }
     dt_views_edit_begin(t);

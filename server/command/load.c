@@ -70,7 +70,7 @@ static void begin(struct server *s, const struct request *q, struct answer *a, b
         return;
     }
     size_t most = l->adds ? s->config->max_points : DT_MAX_POINTS;
-    body_init(&l->body, shape->form, shape->count, most, dt_coordinate_ok);
+    body_init(&l->body, shape->form, shape->count, most, dt_coordinates_ok);
     body_columns(&l->body, shape->coordinates, shape->values);
     l->sets = shape->coordinates == 0;
     l->body.memory = (struct body_memory){grow_points, dt_pages_release, l};

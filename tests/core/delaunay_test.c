@@ -81,6 +81,20 @@ TEST(coordinates_beyond_the_exact_range_are_refused)
     dt_free(t);
 }
 
+TEST(many_coordinates_are_valid_if_each_of_them_is)
+{
+    const double other[] = {0,        -0.0,        0x1p-142, -0x1p201,   (double)NAN,
+                            HUGE_VAL, 0x1.001p201, -0x1p202, 0x1.fp-143, -0x1p-1074};
+    for (size_t n = 1; n <= 7; n++)
+        for (size_t i = 0; i < n; i++)
+            for (size_t k = 0; k < sizeof other / sizeof *other; k++) {
+                double v[] = {1, -2, 3, -4, 5, -6, 7};
+                v[i] = other[k];
+                CHECK(dt_coordinates_ok(v, n) == (k < 4) && dt_coordinate_ok(v[i]) == (k < 4));
+                CHECK(dt_coordinates_ok(v, i));
+            }
+}
+
 TEST(deleting_is_all_or_none)
 {
     struct dt *t = square_set();

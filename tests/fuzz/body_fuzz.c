@@ -43,7 +43,7 @@ static ptrdiff_t feed(struct body *b, const uint8_t *data, size_t n, bool last)
 static ptrdiff_t read_body(struct body *b, unsigned kind, uint64_t count, const uint8_t *data,
                            size_t size, size_t cut)
 {
-    body_init(b, (enum body_form)(kind % 3), count, LIMIT, dt_coordinate_ok);
+    body_init(b, (enum body_form)(kind % 3), count, LIMIT, dt_coordinates_ok);
     if (kind >= 128) /* values after the coordinates, or alone */
         body_columns(b, kind / 3 % 2 * 2, kind / 6 % 3 + 1);
     ptrdiff_t first = feed(b, data, cut, false);

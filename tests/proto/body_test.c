@@ -5,9 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-static bool small_enough(double v)
+static bool small_enough(const double *v, size_t n)
 {
-    return fabs(v) < 1000;
+    for (size_t i = 0; i < n; i++)
+        if (!(fabs(v[i]) < 1000))
+            return false;
+    return true;
 }
 
 /* Feeds text[n] in pieces of `piece` bytes, keeping bytes that are not consumed, as a connection does; -1:
@@ -154,6 +157,36 @@ TEST(body_in_binary_form_refuses_invalid_coordinates)
         CHECK(body_feed(&b, (const char *)xy, sizeof xy, false) == (ptrdiff_t)sizeof xy);
         CHECK(b.complete && b.fault == want[i] && b.fault_line == 2);
         body_free(&b);
+    }
+}
+
+/* The fault of a binary body of 32 points, of which the first comes alone and the others together. */
+static enum body_fault fault_of_run(const double *xy, size_t limit, uint64_t line)
+{
+    struct body b;
+    body_init(&b, BODY_BINARY, 32, limit, small_enough);
+    CHECK(body_feed(&b, (const char *)xy, 16, false) == 16 && b.n == 1);
+    CHECK(body_feed(&b, (const char *)xy + 16, 31 * 16, false) == 31 * 16);
+    CHECK(b.complete && b.line == 32 && b.fault_line == line);
+    CHECK(b.fault == BODY_GOOD ? has_points(&b, 32, xy) : b.xy == NULL);
+    enum body_fault fault = b.fault;
+    body_free(&b);
+    return fault;
+}
+
+TEST(body_in_binary_form_takes_many_points_at_once_and_finds_the_invalid_one)
+{
+    double xy[64];
+    for (size_t i = 0; i < 64; i++)
+        xy[i] = (double)i;
+    CHECK(fault_of_run(xy, 32, 0) == BODY_GOOD);
+    CHECK(fault_of_run(xy, 31, 32) == BODY_TOOBIG);
+    CHECK(fault_of_run(xy, 5, 6) == BODY_TOOBIG);
+    for (size_t i = 2; i < 64; i++) {
+        double before = xy[i];
+        xy[i] = i % 3 == 0 ? (double)NAN : -1000;
+        CHECK(fault_of_run(xy, 32, i / 2 + 1) == (i % 3 == 0 ? BODY_NUMBER : BODY_RANGE));
+        xy[i] = before;
     }
 }
 
