@@ -152,9 +152,10 @@ bool dt_cells_cut(const struct dt *t, struct dt_cells *c, uint32_t ids, struct d
 void dt_cells_only(const struct dt_cells *c, uint32_t id, struct dt_cells *one);
 
 /* The next cells, at most `room`, into cell[], and their corners into corner[cap], counterclockwise from the least by x,
- * then y: at least three each, or none where the cell is not in the box or touches it only. *n says how many, 0 at the end, and *corners
- * how many corners they have together. DT_TOOSMALL: the next cell alone has *corners. Cost: linear in
- * the corners (times in tests/bench); single corners that double words do not decide cost hundreds of times as much. */
+ * then y: at least three each, or none where the cell is not in the box or touches it only. *n says how many, 0 at the
+ * end, and *corners how many corners they have together; what follows these in corner[] is undefined. DT_TOOSMALL: the
+ * next cell alone has *corners. Cost: linear in the corners (times in tests/bench); single corners that double words do
+ * not decide cost hundreds of times as much. */
 enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_cell *cell,
                              size_t room, struct dt_point *corner, size_t cap, size_t *n,
                              size_t *corners);

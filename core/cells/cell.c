@@ -26,7 +26,7 @@ bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree)
     uint32_t cap = degree < 64 ? 64 : degree + degree / 2;
     dt_cell_clear(w);
     w->ring = malloc(cap * sizeof *w->ring);
-    w->centre = malloc(cap * sizeof *w->centre);
+    w->centre = malloc(2 * cap * sizeof *w->centre); /* twice: dt_cell_make_plain */
     w->cap = cap + 16; /* corners at infinity and, of each side, two */
     w->polygon = malloc(w->cap * sizeof *w->polygon);
     w->corner = malloc(w->cap * sizeof *w->corner);
@@ -256,31 +256,62 @@ static void cut_polygon(struct dt_cell_work *w, struct dt_point site, const stru
         w->polygon[i] = w->corner[least + i < w->n ? least + i : least + i - w->n].at;
 }
 
-bool dt_cell_make_plain(const struct dt_cell_work *w, uint32_t n, const struct dt_box *box,
-                        struct dt_point *polygon)
+/* Of the first `some` of corners that go around again: bit i is set if number i has the least x. *equal: one of them is
+ * equal to the next. */
+static inline uint32_t find_least(const struct dt_point *centre, uint32_t some, double x,
+                                  int *equal)
 {
-    dt_lanes lo = lanes_of(box->lo), hi = lanes_of(box->hi), before = lanes_of(w->centre[n - 1]);
-    dt_lanes_holds inside = {-1, -1}, equal;
-    int equals = 0, ties = 0;
-    uint32_t least = 0;
-    double x = (double)INFINITY;
-    for (uint32_t i = 0; i < n; i++) {
-        dt_lanes p = dt_lanes_load(&w->centre[i].x);
-        inside &= (p > lo) & (p < hi);
-        equal = p == before;
-        equals |= dt_lanes_bits(equal) == 3;
+    dt_lanes before = dt_lanes_load(&centre[some].x), least = {x, (double)NAN};
+    dt_lanes_holds same = {0, 0};
+    uint32_t bits = 0;
+    for (uint32_t i = some; i-- > 0;) {
+        dt_lanes p = dt_lanes_load(&centre[i].x);
+        dt_lanes_holds as_before = p == before;
+        same |= as_before & (dt_lanes_holds){as_before[1], as_before[0]};
+        bits = bits << 1 | (uint32_t)dt_lanes_bits(p == least);
         before = p;
-        uint32_t less = p[0] < x;
-        ties = (less ? 0 : ties) | (p[0] == x);
-        least ^= (least ^ i) & -less;
-        x = less ? p[0] : x;
     }
-    if (dt_lanes_bits(inside) != 3 || equals || ties)
+    *equal = dt_lanes_bits(same);
+    return bits;
+}
+
+/* As dt_cell_make_plain; some >= n. */
+static inline bool write_plain(struct dt_point *centre, uint32_t n, uint32_t some, double x,
+                               struct dt_point *polygon)
+{
+    int equal;
+    for (uint32_t i = 0; i < some; i++)
+        dt_lanes_store(&centre[n + i].x, dt_lanes_load(&centre[i].x));
+    uint32_t bits = find_least(centre, some, x, &equal) & ((1u << n) - 1);
+    if (equal || (bits & (bits - 1)) != 0)
         return false;
-    for (uint32_t i = 0; i < n; i++) {
-        dt_lanes_store(&polygon[i].x, dt_lanes_load(&w->centre[least].x));
-        least = least + 1 < n ? least + 1 : 0;
+    const struct dt_point *from = centre + __builtin_ctz(bits);
+    for (uint32_t i = 0; i < some; i++)
+        dt_lanes_store(&polygon[i].x, dt_lanes_load(&from[i].x));
+    return true;
+}
+
+bool dt_cell_make_plain(struct dt_point *centre, uint32_t n, dt_lanes least, dt_lanes most,
+                        const struct dt_box *box, struct dt_point *polygon)
+{
+    dt_lanes_holds inside = (least > lanes_of(box->lo)) & (most < lanes_of(box->hi));
+    if (dt_lanes_bits(inside) != 3)
+        return false;
+    if (n <= DT_CELL_USUAL)
+        return write_plain(centre, n, DT_CELL_USUAL, least[0], polygon);
+    return n < 32 && write_plain(centre, n, n, least[0], polygon);
+}
+
+static bool make_plain(struct dt_cell_work *w, uint32_t n, const struct dt_box *box)
+{
+    dt_lanes least = lanes_of(w->centre[0]), most = least;
+    for (uint32_t i = 1; i < n; i++) {
+        least = dt_lanes_least(least, lanes_of(w->centre[i]));
+        most = dt_lanes_most(most, lanes_of(w->centre[i]));
     }
+    if (!dt_cell_make_plain(w->centre, n, least, most, box, w->polygon))
+        return false;
+    w->n = n;
     return true;
 }
 
@@ -299,9 +330,7 @@ void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
     switch (kind) {
     case DT_CELL_INSIDE:
         find_centres(w, site, degree, degree);
-        if (dt_cell_make_plain(w, degree, box, w->polygon))
-            w->n = degree;
-        else
+        if (!make_plain(w, degree, box))
             dt_cell_make_around(w, site, degree, box);
         return;
     case DT_CELL_ON_HULL:

@@ -16,6 +16,7 @@
 #define DT_CELL_H
 
 #include "core/exact/box.h"
+#include "core/exact/lanes.h"
 
 enum dt_cell_kind {
     DT_CELL_INSIDE,  /* of an interior point */
@@ -58,9 +59,13 @@ void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
 void dt_cell_make_around(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
                          const struct dt_box *box);
 
-/* The cell of an interior point whose circumcentres w->centre[n] are all of its corners: copies them to polygon[n]. False: they
- * are not, because one is not inside the box, one is equal to the one before, or two have the least x. */
-bool dt_cell_make_plain(const struct dt_cell_work *w, uint32_t n, const struct dt_box *box,
-                        struct dt_point *polygon);
+enum { DT_CELL_USUAL = 8 }; /* corners: nearly all cells have at most so many */
+
+/* Writes the cell of an interior point whose circumcentres centre[n] are all of its corners to polygon[n]; least and most
+ * are those of each coordinate. False: they are not, because one is not inside the box, one is equal to the one before,
+ * two have the least x, or there are very many. Behind either array there is room for DT_CELL_USUAL more, which are
+ * written: loops whose ends are the same each time are faster. */
+bool dt_cell_make_plain(struct dt_point *centre, uint32_t n, dt_lanes least, dt_lanes most,
+                        const struct dt_box *box, struct dt_point *polygon);
 
 #endif

@@ -15,6 +15,7 @@
 #include "core/mesh/star.h"
 #include "core/set/reader.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -80,9 +81,10 @@ static bool reserve(const struct dt *t, struct dt_cells_made *m)
     return true;
 }
 
-/* Room for the corners of one more cell. */
+/* Room for the corners of one more cell, and for those that are copied with them. */
 static bool make_room(const struct dt *t, struct dt_cells_made *m, size_t corners)
 {
+    corners = corners < DT_CELL_USUAL ? DT_CELL_USUAL : corners;
     if (corners <= m->cap - m->corners)
         return true;
     size_t cap = m->corners + corners + m->cap / 8;
@@ -98,19 +100,25 @@ static bool make_room(const struct dt *t, struct dt_cells_made *m, size_t corner
 
 /* ---- making ---- */
 
-/* The corners around the vertex, inside the hull, into work.centre. Returns how many; 0: out of memory. */
-static uint32_t gather(const struct dt *t, struct dt_cells_made *m, uint32_t v)
+/* The corners around the vertex, inside the hull, into work.centre, and the least and most of each coordinate. Returns how
+ * many; 0: out of memory. */
+static uint32_t gather(const struct dt *t, struct dt_cells_made *m, uint32_t v, dt_lanes *least,
+                       dt_lanes *most)
 {
     uint32_t first = t->mesh.leaving[v], h = first, n = 0;
+    *least = dt_lanes_both((double)INFINITY);
+    *most = -*least;
     do {
         if (n == m->work.ring_cap) {
             uint32_t degree = dt_star_degree(&t->mesh, v, DT_NONE);
             if (!dt_cell_reserve(&m->work, degree))
                 return 0;
-            return gather(t, m, v);
+            return gather(t, m, v, least, most);
         }
-        const struct dt_point *centre = dt_circumcentre(m->centre, t, h);
-        dt_lanes_store(&m->work.centre[n++].x, dt_lanes_load(&centre->x));
+        dt_lanes centre = dt_lanes_load(&dt_circumcentre(m->centre, t, h)->x);
+        dt_lanes_store(&m->work.centre[n++].x, centre);
+        *least = dt_lanes_least(*least, centre);
+        *most = dt_lanes_most(*most, centre);
         h = dt_turn_ccw(&t->mesh, h);
     } while (h != first);
     return n;
@@ -143,11 +151,12 @@ static bool take(const struct dt *t, struct dt_cells_made *m, uint32_t *corners)
 
 static bool make_inside(const struct dt *t, struct dt_cells_made *m, uint32_t v, uint32_t *corners)
 {
-    uint32_t n = gather(t, m, v);
+    dt_lanes least, most;
+    uint32_t n = gather(t, m, v, &least, &most);
     *corners = n;
     if (n == 0 || !make_room(t, m, n))
         return false;
-    if (dt_cell_make_plain(&m->work, n, &m->box, m->corner + m->corners))
+    if (dt_cell_make_plain(m->work.centre, n, least, most, &m->box, m->corner + m->corners))
         return true;
     if (gather_ring(t, m, v) == 0)
         return false;
@@ -204,6 +213,14 @@ static void fetch(const struct dt_cells_made *m, uint32_t id)
     dt_fetch(&m->corner[m->cell[id].at + 4]);
 }
 
+/* n corners, or DT_CELL_USUAL of them where there is room, without a loop whose end cannot be predicted. */
+static void copy(struct dt_point *to, const struct dt_point *from, uint32_t n, size_t room)
+{
+    uint32_t end = n < DT_CELL_USUAL && room >= DT_CELL_USUAL ? DT_CELL_USUAL : n;
+    for (uint32_t i = 0; i < end; i++)
+        dt_lanes_store(&to[i].x, dt_lanes_load(&from[i].x));
+}
+
 enum dt_status dt_made_read(struct dt_cells *c, struct dt_cell *cell, size_t room,
                             struct dt_point *corner, size_t cap, size_t *n, size_t *corners)
 {
@@ -222,8 +239,7 @@ enum dt_status dt_made_read(struct dt_cells *c, struct dt_cell *cell, size_t roo
             return DT_TOOSMALL;
         }
         cell[(*n)++] = (struct dt_cell){c->id, k.corners};
-        for (uint32_t i = 0; i < k.corners; i++) /* faster than a call for so few */
-            dt_lanes_store(&corner[*corners + i].x, dt_lanes_load(&m->corner[k.at + i].x));
+        copy(corner + *corners, m->corner + k.at, k.corners, cap - *corners);
         *corners += k.corners;
     }
     return DT_OK;

@@ -1,5 +1,5 @@
 /* lanes.h - two doubles side by side, in one register where the machine has vector registers: the vectors of
- * gcc and clang, and the one instruction that these cannot express. All vectors of core/ are of this type. */
+ * gcc and clang, and the few instructions that these cannot express. All vectors of core/ are of this type. */
 #ifndef DT_LANES_H
 #define DT_LANES_H
 
@@ -43,6 +43,25 @@ static inline dt_lanes dt_lanes_abs(dt_lanes a)
 {
     const dt_lanes_holds magnitude = {INT64_MAX, INT64_MAX};
     return (dt_lanes)((dt_lanes_holds)a & magnitude);
+}
+
+/* The lesser and the greater ones, of which none is a NaN. */
+static inline dt_lanes dt_lanes_least(dt_lanes a, dt_lanes b)
+{
+#ifdef __SSE2__
+    return __builtin_ia32_minpd(a, b);
+#else
+    return (dt_lanes){a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1]};
+#endif
+}
+
+static inline dt_lanes dt_lanes_most(dt_lanes a, dt_lanes b)
+{
+#ifdef __SSE2__
+    return __builtin_ia32_maxpd(a, b);
+#else
+    return (dt_lanes){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+#endif
 }
 
 /* a in the lanes where the comparison holds, b in the others. */

@@ -12,6 +12,7 @@ enum surface_kind {
     SURFACE_LINEAR_ANYWHERE, /* at random places */
     SURFACE_NATURAL_ANYWHERE,
     SURFACE_CELLS, /* Voronoi cells, clipped */
+    SURFACE_CELLS_FRESH,
     SURFACE_AREAS, /* and their areas */
     SURFACE_CONTOURS,
     SURFACE_KINDS
