@@ -28,7 +28,7 @@
 #define DT_COORDINATE_LEAST 0x1p-142
 #define DT_COORDINATE_MOST 0x1p201
 
-/* ---- determinants from one of the points (predicates.h, locate.c, jump.c) ---- */
+/* ---- orient2d, from one of the points (predicates.h, locate.c, jump.c) ---- */
 
 /* orient2d: left - right, left = (a - c).x (b - c).y, right = (a - c).y (b - c).x.
  *
@@ -37,20 +37,12 @@
  * 4.2]. A sum of several such bounds is a bound for each of the determinants. */
 #define DT_ORIENT_BOUND ((3 + 16 * DT_U) * DT_U)
 
-/* incircle: the sum of three terms (b x c) |a|^2, with all points relative to d, of the size (|b.x
- * c.y| + |c.x b.y|) |a|^2 each.
- *
- * b x c errs by 3 u in its products and u in their difference, |a|^2 by 3 u in its squares and u in
- * their sum, their product by 4 + 4 + 1 = 9 u of its size; one sum of two terms before the last
- * adds u. So 10 u of the sum of the sizes [Shewchuk 1997, sec. 4.3, with the second order]. */
-#define DT_INCIRCLE_BOUND ((10 + 96 * DT_U) * DT_U)
-
-/* ---- determinants from two of the points, l and r (sight.h, remove.c, predicates.c) ----
+/* ---- determinants from two of the points, l and r (sight.h, remove.c, predicates.h, jump.c) ----
  *
  *     cr(c) = (r - l) x (c - l),  dt(c) = (c - l).(c - r),  det(c, x) = dt(c) cr(x) - dt(x) cr(c)
  *
  * cr and dt are of two products each; CR and DT are the sums of their magnitudes. cr(c) may have
- * c - r instead of c - l. */
+ * c - r instead of c - l, or be (l - c) x (r - c). */
 
 /* The wide filter knows only the longer side D of the box of all points concerned. A product of two
  * differences is at most D^2 and errs by 3 u D^2, and so

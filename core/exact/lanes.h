@@ -38,6 +38,11 @@ static inline dt_lanes dt_lanes_second(dt_lanes a, dt_lanes b)
     return (dt_lanes){a[1], b[1]};
 }
 
+static inline dt_lanes dt_lanes_swap(dt_lanes a)
+{
+    return (dt_lanes){a[1], a[0]};
+}
+
 /* Magnitudes. */
 static inline dt_lanes dt_lanes_abs(dt_lanes a)
 {

@@ -9,6 +9,7 @@
 
 #include "core/delaunay.h"
 #include "core/exact/bounds.h"
+#include "core/exact/lanes.h"
 
 #include <math.h>
 
@@ -37,20 +38,20 @@ static inline int dt_orient2d(struct dt_point a, struct dt_point b, struct dt_po
     return dt_orient2d_exact(a, b, c);
 }
 
-/* The determinant of the next one, rounded. Beyond DT_INCIRCLE_BOUND of *size it has the right sign. */
+/* The determinant of the next one, rounded: dt(c) cr(d) - dt(d) cr(c) of bounds.h for the base a-b, c and d side by
+ * side. Beyond DT_CLOSE_DET_BOUND of *size it has the right sign. */
 static inline double dt_incircle_rounded(struct dt_point a, struct dt_point b, struct dt_point c,
                                          struct dt_point d, double *size)
 {
-    double ax = a.x - d.x, ay = a.y - d.y;
-    double bx = b.x - d.x, by = b.y - d.y;
-    double cx = c.x - d.x, cy = c.y - d.y;
-    double bxcy = bx * cy, cxby = cx * by, a_lift = ax * ax + ay * ay;
-    double cxay = cx * ay, axcy = ax * cy, b_lift = bx * bx + by * by;
-    double axby = ax * by, bxay = bx * ay, c_lift = cx * cx + cy * cy;
-    double det = a_lift * (bxcy - cxby) + b_lift * (cxay - axcy) + c_lift * (axby - bxay);
-    *size = (fabs(bxcy) + fabs(cxby)) * a_lift + (fabs(cxay) + fabs(axcy)) * b_lift +
-            (fabs(axby) + fabs(bxay)) * c_lift;
-    return det;
+    dt_lanes x = {c.x, d.x}, y = {c.y, d.y};
+    dt_lanes ax = dt_lanes_both(a.x) - x, ay = dt_lanes_both(a.y) - y;
+    dt_lanes bx = dt_lanes_both(b.x) - x, by = dt_lanes_both(b.y) - y;
+    dt_lanes left = ax * by, right = ay * bx, in_x = ax * bx, in_y = ay * by;
+    dt_lanes cr = left - right, cr_size = dt_lanes_abs(left) + dt_lanes_abs(right);
+    dt_lanes dt = in_x + in_y, dt_size = dt_lanes_abs(in_x) + dt_lanes_abs(in_y);
+    dt_lanes det = dt * dt_lanes_swap(cr), det_size = dt_size * dt_lanes_swap(cr_size);
+    *size = det_size[0] + det_size[1];
+    return det[0] - det[1];
 }
 
 /* a, b, c counterclockwise: > 0 if d lies inside their circumcircle, 0 if on it, < 0 if outside. */
@@ -58,7 +59,7 @@ static inline int dt_incircle(struct dt_point a, struct dt_point b, struct dt_po
                               struct dt_point d)
 {
     double size, det = dt_incircle_rounded(a, b, c, d, &size);
-    if (fabs(det) > DT_INCIRCLE_BOUND * size)
+    if (fabs(det) > DT_CLOSE_DET_BOUND * size)
         return det > 0 ? 1 : -1;
     return dt_incircle_exact(a, b, c, d);
 }

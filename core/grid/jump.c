@@ -22,7 +22,7 @@ static double depth(const struct dt_mesh *m, const struct dt_point *xy, uint32_t
     struct dt_point a = xy[m->half[t]], b = xy[m->half[t + 1]], c = xy[m->half[t + 2]];
     double area_size, area = dt_orient2d_rounded(b, c, a, &area_size);
     double det_size, det = dt_incircle_rounded(a, b, c, q, &det_size);
-    double least = det - DT_INCIRCLE_BOUND * det_size, error = DT_ORIENT_BOUND * area_size;
+    double least = det - DT_CLOSE_DET_BOUND * det_size, error = DT_ORIENT_BOUND * area_size;
     area += least > 0 ? error : -error;
     return area > 0 ? least / area : -HUGE_VAL;
 }

@@ -113,7 +113,7 @@ static struct error incircle(const struct dt_point *p)
 {
     double size, det = dt_incircle_rounded(p[0], p[1], p[2], p[3], &size);
     return error_of(4, determinant(p[3], p[2], p[1], p[0]), det,
-                    DT_INCIRCLE_BOUND * size + last(det));
+                    DT_CLOSE_DET_BOUND * size + last(det));
 }
 
 /* p[2] and p[3] as the base p[0]-p[1] sees them. */
