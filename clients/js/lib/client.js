@@ -5,10 +5,11 @@ const { chooseAddress } = require('./address.js');
 const { Connection } = require('./connection.js');
 const { Disconnected } = require('./errors.js');
 const { doubleBytes, flatten, pointBytes, typed, typedKeys, words } = require('./framing.js');
-const { Cells, contourOf, multiPolygon } = require('./surfaces.js');
+const { Cells, bordersOf, contourOf, multiPolygon } = require('./surfaces.js');
 
 const CONNECT_MS = 10000;
 const MOST_TRIES = 10; // until the set is not edited meanwhile
+const MOST_IDS = 4096; // of a line of a request
 
 function checkSet(name) {
   if (!/^[A-Za-z0-9_.:-]{1,64}$/.test(name)) throw new TypeError('a set\'s name is 1 to 64 of A-Z a-z 0-9 _ . : -');
@@ -375,29 +376,42 @@ class Client {
     const wanted = [...levels];
     if (wanted.length === 0) return [];
     for (let i = 0; i < MOST_TRIES; i++) {
-      const { lines, hull, torn } = await this.#surface(set, field, wanted, timeout);
-      if (!torn) return wanted.map((level) => multiPolygon(lines.filter((line) => line.level === level), hull, level));
+      const { lines, borders, torn } = await this.#surface(set, field, wanted, timeout);
+      if (!torn) return wanted.map((level) => multiPolygon(lines.filter((line) => line.level === level), borders, level));
     }
     throw new Error(`${set} is edited while it is read; try again`);
   }
 
-  /** Contour lines, and the hull with its heights; torn: the set's version before and after them differs. */
+  /** Contour lines, and the borders of the surface with its heights; torn: the set's version before and after them differs. */
   async #surface(set, field, levels, timeout) {
-    const ask = (line) => this.request(line, { timeout });
-    const [before, lines, { rows }] = await Promise.all([
-      ask(`STAT ${checkSet(set)}`),
+    const stat = () => this.request(`STAT ${checkSet(set)}`, { timeout });
+    const [before, lines, fields] = await Promise.all([
+      stat(),
       this.contourLines(set, field, { levels, timeout }),
-      ask(`HULL ${set}`),
+      this.fields(set),
     ]);
-    const corners = rows.map(numbersOf);
-    const ids = corners.map(([id]) => id).join(' ');
+    const { points, triangles, version } = before.keys;
+    const read = fields[field]?.count === Number(points) ? this.#hullOf(set, field, timeout) : this.#bordersOf(set, field);
     const gone = (error) => (error.code === 'NOPOINT' ? null : Promise.reject(error));
-    const [heights, after] = await Promise.all([
-      ids === '' ? { rows: [] } : ask(`FGET ${set} ${checkField(field)} ${ids}`).catch(gone),
-      ask(`STAT ${set}`),
-    ]);
-    if (heights === null || before.keys.version !== after.keys.version) return { torn: true };
-    return { lines, hull: corners.map(([, x, y], i) => [x, y, numbersOf(heights.rows[i])[1]]), torn: false };
+    const borders = await read.catch(gone);
+    const after = await stat();
+    if (borders === null || version !== after.keys.version) return { torn: true };
+    return { lines, borders: triangles === '0' ? [] : borders(), torn: false };
+  }
+
+  async #hullOf(set, field, timeout) {
+    const { rows } = await this.request(`HULL ${checkSet(set)}`, { timeout });
+    const corners = rows.map(numbersOf);
+    const values = [];
+    for (let at = 0; at < corners.length; at += MOST_IDS) {
+      values.push(...(await this.getField(set, field, corners.slice(at, at + MOST_IDS).map(([id]) => id))));
+    }
+    return () => [corners.map(([, x, y], i) => [x, y, values[i]])];
+  }
+
+  async #bordersOf(set, field) {
+    const [triangles, { ids, coords, values }] = await Promise.all([this.triangles(set), this.points(set, { fields: [field] })]);
+    return () => bordersOf(triangles, ids, coords, values[field]);
   }
 
   /** Voronoi cells, with cellPolygon(id) and cellPolygons() as d3-delaunay's; box: [x0, y0, x1, y1]. */

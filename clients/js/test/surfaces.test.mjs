@@ -103,6 +103,22 @@ describe('surfaces', () => {
     assert.deepEqual([...(await client.triangles('t', { within: [3, 1.5, 3, 1.75], clockwise: true }))], [1, 4, 2]);
   });
 
+  test('contours leave out the triangles of missing values', async () => {
+    await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [9, 9, NaN, 9, 1] } });
+    await client.triangulate('t');
+    const [{ coordinates }] = await client.contours('t', 'z', [5]);
+    assert.deepEqual(coordinates, [[[[3, 1], [1, 1], [1, 3], [0, 4], [0, 0], [4, 0], [3, 1]]]]);
+  });
+
+  test('contours go along hulls of many points', async () => {
+    const coords = Float64Array.from({ length: 40000 }, (_, i) => (i % 2 === 0 ? i / 2 : ((i - 1) / 2) ** 2));
+    await client.load('t', coords, { fields: { z: coords.filter((_, i) => i % 2 === 0) } });
+    await client.triangulate('t');
+    const [{ coordinates }] = await client.contours('t', 'z', [9999.5]);
+    assert.equal(coordinates.length, 1);
+    assert.ok(coordinates[0][0].some(([x]) => x === 19999));
+  });
+
   test('contours are of one state of the set', async () => {
     await client.load('t', [0, 0, 4, 0, 4, 4, 0, 4, 2, 2], { fields: { z: [0, 9, 0, 0, 8] } });
     await client.triangulate('t');
