@@ -224,15 +224,24 @@ static enum dt_status make_alias(struct arrivals *a, uint32_t i)
     return dt_points_join(p, p->next_id + i, at, dt_idmap_get(&p->value, representative(a, i)));
 }
 
+static void name_vertices(struct arrivals *a, struct dt_piece at)
+{
+    const uint32_t *vertex = a->place + a->end;
+    for (uint32_t i = at.a, run; i < at.b; i += run) {
+        for (run = 0; i + run < at.b && !is_alias(a, i + run);)
+            run++;
+        dt_idmap_set_run(&a->p->value, a->p->next_id + i, vertex + i, run);
+        run += i + run < at.b;
+    }
+}
+
 /* Gives each arrival its vertex, or makes it an alias. */
 static enum dt_status name(struct arrivals *a)
 {
     struct dt_points *p = a->p;
     enum dt_status status = DT_OK;
     for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a->stop, a->n, &at);)
-        for (uint32_t i = at.a; i < at.b; i++)
-            if (!is_alias(a, i))
-                dt_idmap_set(&p->value, p->next_id + i, a->place[a->end + i]);
+        name_vertices(a, at);
     for (uint32_t i = 0; p->end - a->end < a->n && i < a->n && status == DT_OK; i++) {
         if (is_alias(a, i))
             status = make_alias(a, i);

@@ -23,12 +23,12 @@ bool dt_coordinates_ok(const double *v, size_t n)
 {
     const dt_lanes least = dt_lanes_both(DT_COORDINATE_LEAST), zero = {0, 0},
                    most = dt_lanes_both(DT_COORDINATE_MOST);
-    dt_lanes_holds ok = {-1, -1};
+    int ok = 3;
     for (; n > 1; v += 2, n -= 2) {
         dt_lanes size = dt_lanes_abs(dt_lanes_load(v));
-        ok &= (size == zero) | ((size >= least) & (size <= most));
+        ok &= dt_lanes_bits((size == zero) | ((size >= least) & (size <= most)));
     }
-    return dt_lanes_bits(ok) == 3 && (n == 0 || dt_coordinate_ok(*v));
+    return ok == 3 && (n == 0 || dt_coordinate_ok(*v));
 }
 
 static bool point_ok(struct dt_point p)

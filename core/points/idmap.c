@@ -125,17 +125,37 @@ enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n)
 
 /* ---- values ---- */
 
+/* n more ids of page i are live. */
+static void count_live(struct dt_idmap *m, uint32_t i, uint32_t n)
+{
+    struct dt_id_page *p = &m->page[i];
+    p->live += n;
+    if (p->live > n)
+        return;
+    if (!p->in_block)
+        m->empty--;
+    else if (block_of(m, i)->used++ == 0)
+        m->empty -= DT_ID_BLOCK;
+}
+
 void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value)
 {
-    struct dt_id_page *p = &m->page[id / DT_ID_PAGE];
-    uint32_t *at = &p->value[id % DT_ID_PAGE];
-    if (*at == DT_NONE && p->live++ == 0) {
-        if (!p->in_block)
-            m->empty--;
-        else if (block_of(m, id / DT_ID_PAGE)->used++ == 0)
-            m->empty -= DT_ID_BLOCK;
-    }
+    uint32_t *at = dt_idmap_at(m, id);
+    if (*at == DT_NONE)
+        count_live(m, id / DT_ID_PAGE, 1);
     *at = value;
+}
+
+void dt_idmap_set_run(struct dt_idmap *m, uint32_t first, const uint32_t *value, size_t n)
+{
+    while (n > 0) {
+        uint32_t room = DT_ID_PAGE - first % DT_ID_PAGE, part = n < room ? (uint32_t)n : room;
+        memcpy(dt_idmap_at(m, first), value, part * sizeof *value);
+        count_live(m, first / DT_ID_PAGE, part);
+        first += part;
+        value += part;
+        n -= part;
+    }
 }
 
 void dt_idmap_unset(struct dt_idmap *m, uint32_t id)

@@ -58,6 +58,10 @@ enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n);
 /* Gives a reserved or live id a value other than DT_NONE. */
 void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value);
 
+/* The same for `first` and the n - 1 ids after it, which are reserved and have no values yet. Cost: O(n), much less than
+ * for each alone. */
+void dt_idmap_set_run(struct dt_idmap *m, uint32_t first, const uint32_t *value, size_t n);
+
 /* Where the value of a live id is, which may become another than DT_NONE. Threads may do so at the
  * same time for different ids. */
 static inline uint32_t *dt_idmap_at(struct dt_idmap *m, uint32_t id)

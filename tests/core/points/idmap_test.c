@@ -23,6 +23,15 @@ static void put(struct dt_idmap *m, uint32_t first, uint32_t last, bool live)
     }
 }
 
+/* Sets first .. last - 1, which have no values, at once. */
+static void put_run(struct dt_idmap *m, uint32_t first, uint32_t last)
+{
+    static uint32_t value[IDS];
+    for (uint32_t id = first; id < last; id++)
+        value[id - first] = value_of(id);
+    dt_idmap_set_run(m, first, value, last - first);
+}
+
 static void check_live(const struct dt_idmap *m, uint32_t first, uint32_t last)
 {
     CHECK(first == 0 || dt_idmap_get(m, first - 1) == DT_NONE);
@@ -43,7 +52,7 @@ TEST(ids_that_come_at_once_live_in_blocks_that_go_when_the_last_one_dies)
     CHECK(dt_idmap_reserve(&m, 0, 100) == DT_OK); /* so the first block's place is taken */
     put(&m, 0, 100, true);
     CHECK(dt_idmap_reserve(&m, 100, IDS - 100) == DT_OK);
-    put(&m, 100, IDS, true);
+    put_run(&m, 100, IDS);
     check_live(&m, 0, IDS);
     CHECK(bytes(&m) == (size_t)IDS * 4 && !m.page[0].in_block && m.page[DT_ID_BLOCK].in_block);
     put(&m, 0, 2 * BLOCK - 1, false); /* one is left in the second block */
@@ -68,11 +77,12 @@ TEST(a_block_that_is_reserved_for_most_of_its_ids_serves_the_rest)
 {
     struct dt_idmap m = {0};
     CHECK(dt_idmap_reserve(&m, 0, BLOCK - 10000) == DT_OK);
-    put(&m, 0, BLOCK - 10000, true);
+    put_run(&m, 0, 10);
+    put_run(&m, 10, BLOCK - 10000);
     CHECK(bytes(&m) == (size_t)BLOCK * 4);
     check_live(&m, 0, BLOCK - 10000);
     CHECK(dt_idmap_reserve(&m, BLOCK - 10000, 20000) == DT_OK);
-    put(&m, BLOCK - 10000, BLOCK + 10000, true);
+    put_run(&m, BLOCK - 10000, BLOCK + 10000);
     CHECK(bytes(&m) == (size_t)(BLOCK + 3 * DT_ID_PAGE) * 4);
     check_live(&m, 0, BLOCK + 10000);
     CHECK(dt_idmap_after(&m, 0, BLOCK / 2) == BLOCK / 2);
