@@ -60,9 +60,8 @@ void dt_weights_free(struct dt_weigher *w); /* NULL: nothing */
  * of the values that count; it errs by less than DT_WEIGHTS_ERROR times their range, 2^-51 times the largest
  * magnitude of them, and the least double, 2^-1074. */
 struct dt_surface {
-    const double *
-        *page;      /* owns; values by id, DT_FIELD_PAGE in each; NULL: all of these are missing */
-    uint32_t pages; /* beyond them all are missing, too */
+    const double **page; /* owns; values by id, DT_FIELD_PAGE in each */
+    uint32_t pages;      /* page[pages] is one of missing values, for all ids beyond */
     enum dt_interpolation how;
     double max_edge; /* HUGE_VAL: any */
 };

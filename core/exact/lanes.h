@@ -75,6 +75,13 @@ static inline dt_lanes dt_lanes_choose(dt_lanes_holds holds, dt_lanes a, dt_lane
     return (dt_lanes)((holds & (dt_lanes_holds)a) | (~holds & (dt_lanes_holds)b));
 }
 
+/* Where a is not nan. */
+static inline dt_lanes_holds dt_lanes_known(dt_lanes a)
+{
+    dt_lanes same = a;
+    return a == same;
+}
+
 /* Bit i is set where the comparison, such as a > b, holds in lane i. */
 static inline int dt_lanes_bits(dt_lanes_holds holds)
 {

@@ -248,19 +248,25 @@ static enum dt_status find_chunk(struct abreast *a, uint32_t rows)
 /* The values of the row's cells in the chunk. */
 static enum dt_status values(struct abreast *a, struct lane *l)
 {
-    uint32_t n = a->end - a->from, last = OUTSIDE;
+    uint32_t n = a->end - a->from, last = OUTSIDE, from = 0;
+    enum dt_status s = DT_OK;
     note(a, l);
     for (uint32_t i = 0; i < n; i++) {
         uint32_t half = l->half[i] == AS_BEFORE ? last : l->half[i];
         l->half[i] = half;
         last = half == DONE ? last : half;
         if (__builtin_expect(half >= OUTSIDE, 0)) {
-            l->half[i] = DT_NONE;
             if (half == OUTSIDE)
                 l->out[i] = (double)NAN;
+            if (s == DT_OK && from < i)
+                s = dt_values_in_row(&a->k->v, l->half + from, a->x + from, l->y, i - from,
+                                     l->out + from);
+            from = i + 1;
         }
     }
-    return dt_values_in_row(&a->k->v, l->half, a->x, l->y, n, l->out);
+    return s == DT_OK && from < n ? dt_values_in_row(&a->k->v, l->half + from, a->x + from, l->y,
+                                                     n - from, l->out + from)
+                                  : s;
 }
 
 static uint32_t least(uint32_t a, uint32_t b)

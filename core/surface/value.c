@@ -15,10 +15,16 @@ enum dt_status dt_surface_begin(struct dt_surface *s, const struct dt_field *f,
     const double *page;
     uint32_t room = f->blocks * DT_FIELD_SLOTS;
     uint64_t id = 0;
+    double *missing;
     s->pages = 0;
-    s->page = calloc(room + 1, sizeof *s->page);
+    s->page = malloc((room + 1) * sizeof *s->page + DT_FIELD_PAGE * sizeof *missing);
     if (s->page == NULL)
         return DT_NOMEM;
+    missing = (double *)(void *)(s->page + room + 1);
+    for (uint32_t i = 0; i < DT_FIELD_PAGE; i++)
+        missing[i] = (double)NAN;
+    for (uint32_t i = 0; i <= room; i++)
+        s->page[i] = missing;
     while (s->pages < room && (page = dt_field_page(f, v, &id)) != NULL) {
         s->page[id / DT_FIELD_PAGE] = page;
         s->pages = (uint32_t)(id / DT_FIELD_PAGE) + 1;
@@ -84,60 +90,9 @@ static bool edge_has_surface(struct dt_valuer *v, uint32_t half)
     return has_surface(v, half) || has_surface(v, twin);
 }
 
-/* ---- linear ---- */
-
 static double within(double value, double least, double most)
 {
     return value < least ? least : value > most ? most : value;
-}
-
-/* Slopes are exact enough unless the triangle is thin. With z the range of its values, m the longer side from the
- * corner and f = m^2 over twice its area, a slope errs by less than z 2 m / area (4 u) and by 1 + 4 f u of itself, so its
- * product with a side by z f 16 u and by what the area's error, 4 f u, makes of the sum of both products, which is
- * at most z: in all by less than 40 f u z, which is less than DT_WEIGHTS_ERROR z. */
-#define PLANE_FLAT 128.0
-
-/* Products may lose bits at the least doubles, 2^-1074. Let s be the sum of both slopes. A side is at least 2^-195, so an area is at
- * least 2^-397, and where s is this steep, the products of which the slopes are quotients add up to 2^-997 or more, and z to 2^-795 or
- * more: what is lost is less than 2^-60 z. */
-#define PLANE_STEEP 0x1p-600
-
-/* The corners of a triangle and their values, counterclockwise from the smallest id, where rounding begins. */
-struct corners {
-    struct dt_point a, b, c;
-    double za, zb, zc;
-};
-
-/* The ratio of the weights' sum is 1, so only differences to the first value matter. */
-static inline struct dt_plane plane_of(const struct corners *t)
-{
-    struct dt_plane p = {.corner = t->a, .value = t->za};
-    double bx = t->b.x - t->a.x, by = t->b.y - t->a.y, cx = t->c.x - t->a.x, cy = t->c.y - t->a.y;
-    double area = bx * cy - by * cx, bb = bx * bx + by * by, cc = cx * cx + cy * cy;
-    double zb = t->zb - t->za, zc = t->zc - t->za;
-    dt_lanes rise =
-        (dt_lanes){zb, zc} * (dt_lanes){cy, bx} - (dt_lanes){zc, zb} * (dt_lanes){by, cx};
-    dt_lanes slope = rise / dt_lanes_both(area);
-    p.dx = slope[0];
-    p.dy = slope[1];
-    p.least = t->za < t->zb ? t->za : t->zb;
-    p.least = t->zc < p.least ? t->zc : p.least;
-    p.most = t->za > t->zb ? t->za : t->zb;
-    p.most = t->zc > p.most ? t->zc : p.most;
-    bool missing = isnan(t->za) | isnan(t->zb) | isnan(t->zc);
-    if (missing)
-        p.value = p.dx = p.dy = (double)NAN;
-    double steep = fabs(p.dx) + fabs(p.dy);
-    bool level = zb == 0 && zc == 0;
-    p.sure = missing || ((bb > cc ? bb : cc) < PLANE_FLAT * area &&
-                         ((steep >= PLANE_STEEP && steep < HUGE_VAL) || level));
-    return p;
-}
-
-static inline double value_in(const struct dt_plane *p, struct dt_point q)
-{
-    return within(p->value + (p->dx * (q.x - p->corner.x) + p->dy * (q.y - p->corner.y)), p->least,
-                  p->most);
 }
 
 /* ---- by weights ---- */
@@ -159,21 +114,18 @@ static void order_ends(struct dt_weigher *w)
 static double weighted_mean(const struct dt_valuer *v)
 {
     const struct dt_weigher *w = &v->weigher;
-    double least = HUGE_VAL, most = -HUGE_VAL, sum = 0;
+    double z0 = (double)NAN, least = HUGE_VAL, most = -HUGE_VAL, sum = 0, plain = 0;
     for (size_t i = 0; i < w->n; i++) {
         double z = dt_value_of_id(v->s, w->id[i]);
         if (isnan(z))
             return z;
+        z0 = i == 0 ? z : z0;
         least = z < least ? z : least;
         most = z > most ? z : most;
+        sum += w->weight[i] * (z - z0);
+        plain += w->weight[i] * z;
     }
-    /* so that no difference is too large, and no product loses bits at the least doubles */
-    double largest = fmax(-least, most);
-    double scale = largest > 0x1p1000 ? 0x1p-2 : largest < 0x1p-800 ? 0x1p200 : 1;
-    double z0 = dt_value_of_id(v->s, w->id[0]) * scale;
-    for (size_t i = 0; i < w->n; i++)
-        sum += w->weight[i] * (dt_value_of_id(v->s, w->id[i]) * scale - z0);
-    return within((z0 + sum) / scale, least, most);
+    return within(isfinite(z0 + sum) ? z0 + sum : plain, least, most);
 }
 
 static enum dt_status by_weights(struct dt_valuer *v, struct dt_point q, enum dt_where where,
@@ -204,20 +156,6 @@ static enum dt_status nearest_value(struct dt_valuer *v, struct dt_point q, uint
 
 /* ---- a place ---- */
 
-static enum dt_status value_in_plane(struct dt_valuer *v, struct dt_point q, uint32_t half,
-                                     double *out)
-{
-    const struct dt_point *xy = v->t->points.xy;
-    const struct dt_mesh *m = &v->t->mesh;
-    uint32_t h = dt_weigh_start(v->t, DT_INSIDE, half), a = dt_origin(m, h), b = dt_dest(m, h),
-             c = dt_apex_of(m, h);
-    struct corners k = {
-        xy[a], xy[b], xy[c], dt_value_of(v, a), dt_value_of(v, b), dt_value_of(v, c)};
-    struct dt_plane p = plane_of(&k);
-    *out = value_in(&p, q);
-    return p.sure ? DT_OK : by_weights(v, q, DT_INSIDE, half, out);
-}
-
 static enum dt_status natural_value(struct dt_valuer *v, struct dt_point q, enum dt_where where,
                                     uint32_t half, double *out)
 {
@@ -233,7 +171,7 @@ static enum dt_status value_inside(struct dt_valuer *v, struct dt_point q, uint3
     case DT_CLOSEST:
         return nearest_value(v, q, half, out);
     case DT_LINEAR:
-        return value_in_plane(v, q, half, out);
+        return dt_plane_value(v, q, half, out) ? DT_OK : by_weights(v, q, DT_INSIDE, half, out);
     case DT_NATURAL:
     case DT_LAPLACE:
         break;
@@ -274,28 +212,6 @@ enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where
 
 /* ---- many places ---- */
 
-/* Corners of a triangle, by vertex and id, counterclockwise from the smallest id. */
-struct numbered {
-    uint32_t vertex[3], id[3];
-};
-
-static inline struct numbered number(const struct dt *t, uint32_t half)
-{
-    const uint32_t *v = t->mesh.half + dt_base(half), *id = t->points.id;
-    uint32_t i = id[v[0]], j = id[v[1]], k = id[v[2]];
-    uint32_t first = (uint32_t)((j < i) & (j < k)) | (uint32_t)((k < i) & (k < j)) << 1;
-    uint32_t second = dt_next(first), third = dt_prev(first);
-    return (struct numbered){{v[first], v[second], v[third]},
-                             {id[v[first]], id[v[second]], id[v[third]]}};
-}
-
-static inline const double *value_place(const struct dt_surface *s, uint32_t id)
-{
-    static const double missing = (double)NAN;
-    uint32_t page = id / DT_FIELD_PAGE;
-    return page < s->pages && s->page[page] != NULL ? &s->page[page][id % DT_FIELD_PAGE] : &missing;
-}
-
 static enum dt_status look_up(struct dt_valuer *v, struct dt_point q, uint32_t near, double *out)
 {
     uint32_t half;
@@ -315,7 +231,7 @@ static inline void fetch_values(const struct dt_valuer *v, uint32_t half)
 {
     const uint32_t *corner = v->t->mesh.half + dt_base(half);
     for (int k = 0; k < 3; k++)
-        dt_fetch(value_place(v->s, v->t->points.id[corner[k]]));
+        dt_fetch(dt_value_place(v->s, v->t->points.id[corner[k]]));
 }
 
 /* Fetches the values at the corners beyond the edges of n triangles, which are natural neighbours of most places inside. */
@@ -332,7 +248,7 @@ static void fetch_beyond(const struct dt_valuer *v, const uint32_t *triangle, ui
     }
     for (uint32_t i = 0; i < 3 * n; i++)
         if (apex[i] != DT_NONE)
-            dt_fetch(value_place(v->s, t->points.id[apex[i]]));
+            dt_fetch(dt_value_place(v->s, t->points.id[apex[i]]));
 }
 
 void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t n)
@@ -355,69 +271,32 @@ void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t
         fetch_beyond(v, triangle, left);
 }
 
-/* The values of n cells of a row; almost without branches that cannot be predicted, so that the loads of many run at once. */
-static enum dt_status values_in_planes(struct dt_valuer *v, const uint32_t *half, const double *x,
-                                       double y, size_t n, double *out)
+/* Those of cells in triangles that may have no surface. Returns the cells that may be on an edge. */
+static uint64_t values_in_triangles(struct dt_valuer *v, const uint32_t *half, const double *x,
+                                    double y, uint32_t n, double *out, enum dt_status *s)
 {
     const struct dt_point *xy = v->t->points.xy;
-    struct dt_plane p = {0};
-    uint32_t of_plane = DT_NONE;
-    bool sure = false; /* of the plane, and that no cell is on an edge */
-    enum dt_status s = DT_OK;
-    for (size_t i = 0; s == DT_OK && i < n; i++) {
-        if (half[i] == DT_NONE)
-            continue;
-        if (half[i] != of_plane) {
-            struct numbered of = number(v->t, half[i]);
-            struct corners k = {xy[of.vertex[0]],
-                                xy[of.vertex[1]],
-                                xy[of.vertex[2]],
-                                *value_place(v->s, of.id[0]),
-                                *value_place(v->s, of.id[1]),
-                                *value_place(v->s, of.id[2])};
-            p = plane_of(&k);
-            sure = p.sure && !is_level(&k.a, &k.b, &k.c, y);
-            of_plane = half[i];
-        }
-        struct dt_point q = {x[i], y};
-        out[i] = value_in(&p, q);
-        if (!sure)
-            s = look_up(v, q, half[i], &out[i]);
-    }
-    return s;
-}
-
-/* The same where some triangles have no surface. */
-static enum dt_status values_in_triangles(struct dt_valuer *v, const uint32_t *half,
-                                          const double *x, double y, size_t n, double *out)
-{
-    const struct dt_point *xy = v->t->points.xy;
-    enum dt_status s = DT_OK;
-    for (size_t i = 0; s == DT_OK && i < n; i++) {
-        if (half[i] == DT_NONE)
-            continue;
+    uint64_t doubtful = 0;
+    for (uint32_t i = 0; *s == DT_OK && i < n; i++) {
         const uint32_t *corner = v->t->mesh.half + dt_base(half[i]);
         struct dt_point q = {x[i], y};
-        bool level = is_level(&xy[corner[0]], &xy[corner[1]], &xy[corner[2]], y);
-        s = level ? look_up(v, q, half[i], &out[i])
-                  : dt_value_at(v, q, DT_INSIDE, half[i], &out[i]);
+        if (is_level(&xy[corner[0]], &xy[corner[1]], &xy[corner[2]], y))
+            doubtful |= (uint64_t)1 << i;
+        else
+            *s = dt_value_at(v, q, DT_INSIDE, half[i], &out[i]);
     }
-    return s;
+    return doubtful;
 }
 
 enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
-                                double y, size_t n, double *out)
+                                double y, uint32_t n, double *out)
 {
-    enum { TOGETHER = 16 };
     enum dt_status s = DT_OK;
     bool planes = v->s->how == DT_LINEAR && v->s->max_edge == HUGE_VAL;
-    for (size_t i = 0; s == DT_OK && i < n; i += TOGETHER) {
-        size_t m = n - i < TOGETHER ? n - i : TOGETHER;
-        for (size_t k = i; k < i + m; k++)
-            if (half[k] != DT_NONE)
-                fetch_values(v, half[k]);
-        s = planes ? values_in_planes(v, half + i, x + i, y, m, out + i)
-                   : values_in_triangles(v, half + i, x + i, y, m, out + i);
-    }
+    uint64_t doubtful = planes ? dt_plane_values(v, half, x, y, n, out)
+                               : values_in_triangles(v, half, x, y, n, out, &s);
+    for (uint32_t i = 0; s == DT_OK && doubtful != 0 && i < n; i++)
+        if (doubtful >> i & 1)
+            s = look_up(v, (struct dt_point){x[i], y}, half[i], &out[i]);
     return s;
 }

@@ -11,14 +11,6 @@
 #include "core/surface/vicinity.h"
 #include "core/surface/weights.h"
 
-/* The linear surface over a triangle. */
-struct dt_plane {
-    bool sure; /* doubles are exact enough */
-    struct dt_point corner;
-    double value, dx, dy; /* at that corner, and its slopes */
-    double least, most;   /* values at the corners */
-};
-
 /* What one place after the other is computed in, while the set does not change. */
 struct dt_valuer {
     const struct dt *t;         /* borrows */
@@ -45,23 +37,31 @@ enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where
 /* Fetches the values that those at n <= DT_AHEAD places will probably be computed from, given half edges near them. */
 void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t n);
 
-/* The values at n places with the same y, each inside of the triangle of half[i] or on an edge of it along the x axis;
- * as dt_value_at. DT_NONE: left as it is. */
+/* The values at 1 <= n <= DT_ROOM places with the same y, each inside of the triangle of half[i] or on an edge of it along
+ * the x axis; as dt_value_at. */
+enum { DT_ROOM = 64 };
 enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
-                                double y, size_t n, double *out);
+                                double y, uint32_t n, double *out);
 
 /* The value of a surface at a point, and at a vertex. */
 static inline double dt_value_of_id(const struct dt_surface *s, uint32_t id)
 {
-    uint32_t page = id / DT_FIELD_PAGE;
-    return page < s->pages && s->page[page] != NULL ? s->page[page][id % DT_FIELD_PAGE]
-                                                    : (double)NAN;
+    return *dt_value_place(s, id);
 }
 
 static inline double dt_value_of(const struct dt_valuer *v, uint32_t vertex)
 {
     return dt_value_of_id(v->s, v->t->points.id[vertex]);
 }
+
+/* ---- linear values in doubles (planes.c) ---- */
+
+/* The value at q, inside of the triangle; false: doubles are not exact enough. */
+bool dt_plane_value(const struct dt_valuer *v, struct dt_point q, uint32_t half, double *out);
+
+/* Those of dt_values_in_row. Returns bit i where doubles are not exact enough, or place i may be on an edge. */
+uint64_t dt_plane_values(const struct dt_valuer *v, const uint32_t *half, const double *x, double y,
+                         uint32_t n, double *out);
 
 /* ---- means in doubles (natural.c) ---- */
 

@@ -28,11 +28,8 @@ void dt_vicinity_fetch_vertices(struct dt_vicinity *w, const struct dt *t, uint3
     w->vertices[block % DT_BLOCKS] = block;
     for (uint32_t i = first; i < first + DT_BLOCK_VERTICES && i < p->end; i += 4)
         dt_fetch(&p->xy[i]);
-    for (uint32_t i = first; i < first + DT_BLOCK_VERTICES && i < p->end; i++) {
-        uint32_t page = p->id[i] / DT_FIELD_PAGE;
-        if (page < w->s->pages && w->s->page[page] != NULL)
-            dt_fetch(&w->s->page[page][p->id[i] % DT_FIELD_PAGE]);
-    }
+    for (uint32_t i = first; i < first + DT_BLOCK_VERTICES && i < p->end; i++)
+        dt_fetch(dt_value_place(w->s, p->id[i]));
     for (uint32_t i = first + DT_BLOCK_VERTICES; i < first + 2 * DT_BLOCK_VERTICES && i < p->end;
          i += 16)
         dt_fetch(&p->id[i]);

@@ -20,6 +20,13 @@ struct dt_vicinity {
     const struct dt_surface *s;     /* borrows */
 };
 
+/* Where the value of a surface at a point is. */
+static inline const double *dt_value_place(const struct dt_surface *s, uint32_t id)
+{
+    uint32_t page = id / DT_FIELD_PAGE;
+    return &s->page[page < s->pages ? page : s->pages][id % DT_FIELD_PAGE];
+}
+
 /* DT_NOMEM; to be cleared in any case. */
 enum dt_status dt_vicinity_init(struct dt_vicinity *w, const struct dt_surface *s);
 void dt_vicinity_clear(struct dt_vicinity *w);

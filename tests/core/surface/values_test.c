@@ -11,19 +11,28 @@
 static const enum dt_interpolation all[] = {DT_LINEAR, DT_NATURAL, DT_LAPLACE, DT_CLOSEST};
 enum { METHODS = 4 };
 
-/* A page of values, by id. */
-static double random_values[DT_FIELD_PAGE];
+/* Pages of values, by id; of the ids beyond them they are missing. */
+enum { PAGES = 60 };
+static double random_values[PAGES + 1][DT_FIELD_PAGE];
 
 static void make_values(void)
 {
-    for (int i = 0; i < DT_FIELD_PAGE; i++)
-        random_values[i] = 1000 + test_uniform();
+    for (int i = 0; i <= PAGES; i++)
+        for (int k = 0; k < DT_FIELD_PAGE; k++)
+            random_values[i][k] = i == PAGES ? (double)NAN : 1000 + test_uniform();
+}
+
+static double value_of(uint32_t id)
+{
+    return random_values[id / DT_FIELD_PAGE][id % DT_FIELD_PAGE];
 }
 
 static struct dt_surface surface_of(enum dt_interpolation how)
 {
-    static const double *page[] = {random_values};
-    return (struct dt_surface){page, 1, how, HUGE_VAL};
+    static const double *page[PAGES + 1];
+    for (int i = 0; i <= PAGES; i++)
+        page[i] = random_values[i];
+    return (struct dt_surface){page, PAGES, how, HUGE_VAL};
 }
 
 /* A set with values of its points in the field z; nan: none. */
@@ -81,14 +90,14 @@ static void check_mean(const struct dt *t, struct dt_point q, enum dt_interpolat
     CHECK(dt_weights_begin(t, q, how, NULL, &w) == DT_OK);
     CHECK(dt_weights_end(w, NULL, &weight, &n) == DT_OK);
     for (size_t i = 0; i < n; i++) {
-        double z = random_values[weight[i].id];
-        sum += weight[i].weight * (z - random_values[weight[0].id]);
+        double z = value_of(weight[i].id);
+        sum += weight[i].weight * (z - value_of(weight[0].id));
         least = fmin(least, z);
         most = fmax(most, z);
     }
     CHECK(n > 0 || isnan(got));
     if (n > 0) {
-        double want = random_values[weight[0].id] + sum, error = 2 * DT_WEIGHTS_ERROR + 0x1p-41;
+        double want = value_of(weight[0].id) + sum, error = 2 * DT_WEIGHTS_ERROR + 0x1p-41;
         CHECK_MSG(got >= least && got <= most, "%.17g outside %.17g to %.17g", got, least, most);
         CHECK_MSG(fabs(got - want) <= error, "%.17g instead of %.17g", got, want);
     }
@@ -120,7 +129,7 @@ static void check_points(const struct pair *pair)
         CHECK(dt_representative(pair->t, id, &rep) == DT_OK);
         for (int how = 0; how < METHODS; how++) {
             struct dt_surface s = surface_of(all[how]);
-            check_same(value_at(pair->t, &s, p), random_values[rep], p);
+            check_same(value_at(pair->t, &s, p), value_of(rep), p);
         }
     }
 }
@@ -141,7 +150,7 @@ static void check_closest(const struct pair *pair)
         CHECK(dt_locate(pair->t, q, &at) == DT_OK);
         CHECK(dt_nearest(pair->t, q, 1, &ids) == DT_OK);
         check_same(value_at(pair->t, &s, q),
-                   at.where == DT_OUTSIDE ? (double)NAN : random_values[ids.v[0]], q);
+                   at.where == DT_OUTSIDE ? (double)NAN : value_of(ids.v[0]), q);
         free(ids.v);
     }
 }
@@ -393,6 +402,7 @@ TEST(cells_of_a_lattice_have_the_values_at_their_centres)
         check_cells(t, &s, &(struct dt_raster){{3, 3}, {3, 3}, 3, 2});
         check_cells(t, &s, &(struct dt_raster){{0, 0}, {7, 7}, 1, 1000});
         check_cells(t, &s, &(struct dt_raster){{0, 0}, {7, 7}, 1000, 1});
+        check_cells(t, &s, &(struct dt_raster){{-0.5, 2.5}, {7.5, 3.5}, 200, 1});
     }
     dt_free(t);
 }
