@@ -9,7 +9,8 @@ dimensions with ValueError.
 
 from __future__ import annotations
 
-from typing import Any, Optional, Tuple
+import weakref
+from typing import Any, List, Optional, Tuple
 
 import numpy as np
 
@@ -22,6 +23,11 @@ __all__ = ["LinearNDInterpolator", "NaturalNeighborInterpolator"]
 _LEAST, _MOST = 2.0**-142, 2.0**201  # magnitudes of coordinates but for 0 [PROTOCOL.md, section 1]
 _AT_ONCE = 1 << 20  # places of a request
 _FIELD = "v%d"
+_MOST_FIELDS = 64  # of a set
+
+
+class _Owner:
+    """Whose values fields are: those of an interpolator, and of its copies."""
 
 
 def _places(args: Tuple[Any, ...]) -> Any:
@@ -66,7 +72,7 @@ class _Interpolator:
         self.fill_value = complex(fill_value) if self.is_complex else float(fill_value)
         columns = self.values.reshape(len(self.values), -1)
         self._columns = np.concatenate([columns.real, columns.imag], axis=1) if self.is_complex else columns
-        self._sent: Optional[str] = None  # the set that has the values
+        self._owner = _Owner()
 
     def _check_values(self, values: Any) -> Any:
         values = np.asarray(values)
@@ -110,22 +116,41 @@ class _Interpolator:
     def _ask(self, places: Any) -> Any:
         """Shape (places, columns). Each column is a field of the set."""
         def ask(client: Client, name: str) -> Any:
-            if self._sent != name:
-                requests = [
-                    protocol.request("FSETB", name, _FIELD % k, 0, len(column), body=protocol.column(column)[0])
-                    for k, column in enumerate(self._columns.T)
-                ]
-                client._run(requests, lambda replies: None)
-                self._sent = name
-            columns = range(self._columns.shape[1])
-            found = [client.interpolate(name, _FIELD % k, places, self._method, self.max_edge) for k in columns]
+            fields = self._fields(client, name)
+            found = [client.interpolate(name, _FIELD % k, places, self._method, self.max_edge) for k in fields]
             return np.stack(found, axis=1)
 
         if self._columns.shape[1] == 0:
             return np.empty((len(places), 0))
-        if self._columns.shape[1] > 64:
+        if self._columns.shape[1] > _MOST_FIELDS:
             raise NotImplementedError("at most 64 values a point")
         return self.tri._ask(ask)
+
+    def _fields(self, client: Client, name: str) -> List[int]:
+        """The numbers of the fields that have the columns, which are sent unless they are there. Interpolators may share a
+        triangulation; if there are too many, those that were used last have fields."""
+        fields = self.tri._fields  # number: (owner, column); the last used is the last
+        mine = {column: number for number, (owner, column) in fields.items() if owner() is self._owner}
+        columns = self._columns.T
+        requests = []
+        if len(mine) == len(columns):
+            numbers = [mine[column] for column in range(len(columns))]
+        else:
+            numbers = self._free_fields(len(columns))
+            for number, column in zip(numbers, columns):
+                data, n = protocol.column(column)
+                requests.append(protocol.request("FSETB", name, _FIELD % number, 0, n, body=data))
+        for number in numbers:
+            fields.pop(number, None)
+        client._run(requests, lambda replies: None)
+        fields.update((number, (weakref.ref(self._owner), column)) for column, number in enumerate(numbers))
+        return numbers
+
+    def _free_fields(self, n: int) -> List[int]:
+        fields = self.tri._fields
+        free = [number for number, (owner, _) in fields.items() if owner() in (None, self._owner)]
+        free += [number for number in range(_MOST_FIELDS) if number not in fields]
+        return (free + [number for number in fields if number not in free])[:n]
 
 
 def _triangulation(points: Any, url: Optional[str], client: Optional[Client]) -> Delaunay:
@@ -133,6 +158,8 @@ def _triangulation(points: Any, url: Optional[str], client: Optional[Client]) ->
         return points
     if not isinstance(points, np.ndarray) and hasattr(points, "simplices") and hasattr(points, "points"):
         points = points.points  # SciPy's
+    elif isinstance(points, np.ma.MaskedArray) and not np.ma.is_masked(points):
+        points = points.data
     elif isinstance(points, tuple):
         points = np.stack(np.broadcast_arrays(*points), axis=-1).reshape(-1, len(points))
     return Delaunay(points, url=url, client=client)

@@ -111,6 +111,7 @@ class Delaunay:
         self._cache: Dict[str, Any] = {}
         self._client: Optional[Client] = None
         self._name: Optional[str] = None
+        self._fields: Dict[int, Any] = {}  # of the set; for the interpolators
         self._finalizer: Any = None
 
     @property  # type: ignore[misc]
@@ -142,7 +143,7 @@ class Delaunay:
         except BaseException:
             client._discard(name)
             raise
-        self._client, self._name = client, name
+        self._client, self._name, self._fields = client, name, {}
         self._finalizer = weakref.finalize(self, _drop, client, name, os.getpid())
         self._finalizer.atexit = False  # the connection ends then
         return simplices

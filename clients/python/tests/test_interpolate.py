@@ -1,5 +1,7 @@
 """Interpolators compared with those of SciPy."""
 
+import copy
+import pickle
 import unittest
 
 from .common import SQUARE, WithDaemon
@@ -93,6 +95,30 @@ class Interpolators(WithDaemon):
             self.ours(SQUARE, [0, 1, 2, 3, np.inf])
         with self.assertRaises(ValueError):
             self.ours(np.zeros((5, 3)), range(5))
+
+    def test_interpolators_that_share_a_triangulation_have_values_of_their_own(self):
+        tri = Delaunay(self.points, client=self.client)
+        many = [self.ours(tri, k + self.points) for k in range(40)]  # 80 columns; a set has 64 fields
+        for k in (0, 1, 0, 39, 38, 1, 20) + tuple(range(40)):
+            np.testing.assert_allclose(many[k](0.25, 0.5), [k + 0.25, k + 0.5], rtol=0, atol=1e-12)
+        again = pickle.loads(pickle.dumps(many[:1]))[0]
+        again.tri._given = self.client
+        for f in (again, many[0], copy.copy(many[0]), many[1]):
+            self.assertAlmostEqual(float(f(0.25, 0.5)[0]) % 1, 0.25)
+
+    def test_values_of_interpolators_that_are_gone_make_room(self):
+        tri = Delaunay(self.points, client=self.client)
+        for k in range(5):
+            f = self.ours(tri, self.points[:, 0] + k)
+            self.assertAlmostEqual(float(f(0.25, 0.5)), k + 0.25)
+        self.assertEqual(len(self.client.fields(tri._name)), 1)
+
+    def test_masked_arrays_without_masked_points_are_arrays(self):
+        values = self.points.sum(axis=1)
+        f = self.ours(np.ma.masked_array(self.points, mask=False), np.ma.masked_array(values))
+        self.assertAlmostEqual(float(f(0.25, 0.5)), 0.75)
+        with self.assertRaises(ValueError):
+            self.ours(np.ma.masked_array(self.points, mask=self.points > 0.9), values)
 
     def test_the_set_is_made_again_with_its_values(self):
         f = self.ours(SQUARE, [0, 1, 2, 3, 4])
