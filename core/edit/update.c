@@ -227,7 +227,7 @@ static void fetch_star(const struct dt *t, uint32_t v)
 {
     dt_fetch(&t->mesh.leaving[v]);
     dt_fetch(&t->points.id[v]);
-    dt_hint_fetch(&t->mesh, t->points.xy, NULL, v << 4);
+    dt_hint_fetch(&t->mesh, t->points.xy, v << 4, 5);
 }
 
 /* Whether vertex v keeps its place when the n ascending ids are deleted, its representative among them.

@@ -48,56 +48,93 @@ uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned di
     return DT_NONE;
 }
 
+/* ---- the cell of a place ---- */
+
+/* A cell that holds no grid. */
+struct leaf {
+    const struct dt_hint_grid *grid;
+    uint32_t column, row;
+};
+
+static uint32_t content(const struct dt_hints *g, struct leaf l)
+{
+    return g->cell[l.grid->first + (size_t)l.row * l.grid->nx + l.column];
+}
+
+static struct leaf leaf_in(const struct dt_hint_grid *grid, struct dt_point q)
+{
+    return (struct leaf){grid, dt_hint_column(grid, q.x), dt_hint_row(grid, q.y)};
+}
+
+/* The cell that q's hint comes from. */
+static struct leaf leaf_of(const struct dt_hints *g, struct dt_point q)
+{
+    struct leaf l = leaf_in(g->grid, q);
+    uint32_t h;
+    while ((h = content(g, l)) & DT_HINT_GRID)
+        l = leaf_in(g->grid + (h >> 3), q);
+    return l;
+}
+
+/* The cells around l, l among them. */
+struct around {
+    uint32_t left, right, bottom, top;
+};
+
+static struct around around(struct leaf l)
+{
+    return (struct around){l.column - (l.column > 0), l.column + (l.column + 1 < l.grid->nx),
+                           l.row - (l.row > 0), l.row + (l.row + 1 < l.grid->ny)};
+}
+
+uint32_t dt_hint_fetching(const struct dt_hints *g, const struct dt_mesh *m,
+                          const struct dt_point *xy, struct dt_point q)
+{
+    enum { OWN = 3, OTHERS = 1 }; /* cache lines on either side */
+    struct leaf l = leaf_of(g, q), k = l;
+    struct around box = around(l);
+    uint32_t h = dt_base(content(g, l));
+    dt_hint_fetch(m, xy, h, OWN);
+    for (k.row = box.bottom; k.row <= box.top; k.row++)
+        for (k.column = box.left; k.column <= box.right; k.column++)
+            dt_hint_fetch(m, xy, dt_base(content(g, k)), OTHERS);
+    return h;
+}
+
 /* ---- while the mesh changes ---- */
 
 #define FAR 6 /* cells */
-
-/* The grid and the cell that q's hint comes from. */
-static const struct dt_hint_grid *leaf(const struct dt_hints *g, struct dt_point q, uint32_t *cell)
-{
-    const struct dt_hint_grid *at = g->grid;
-    *cell = dt_hint_cell(at, q);
-    while (g->cell[*cell] & DT_HINT_GRID) {
-        at = g->grid + (g->cell[*cell] >> 3);
-        *cell = dt_hint_cell(at, q);
-    }
-    return at;
-}
 
 static bool within_few(uint32_t a, uint32_t b)
 {
     return a - b + FAR <= 2 * FAR;
 }
 
-/* Whether the triangle with base half edge h has a corner in a cell near q's. */
-static bool is_near(const struct dt_hint_grid *at, const struct dt_mesh *m,
-                    const struct dt_point *xy, uint32_t h, struct dt_point q)
+/* Whether the triangle with base half edge h has a corner in a cell near l. */
+static bool is_near(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h, struct leaf l)
 {
-    struct dt_point p = xy[m->half[h]];
-    return within_few(dt_hint_column(at, p.x), dt_hint_column(at, q.x)) &&
-           within_few(dt_hint_row(at, p.y), dt_hint_row(at, q.y));
+    struct leaf p = leaf_in(l.grid, xy[m->half[h]]);
+    return within_few(p.column, l.column) && within_few(p.row, l.row);
 }
 
-/* The good hint of a cell around q's, or at least a live one: its own if that is. */
+/* The good hint of a cell around l, or at least a live one: its own if that is. */
 static uint32_t look_around(const struct dt_hints *g, const struct dt_mesh *m,
-                            const struct dt_point *xy, const struct dt_hint_grid *at, uint32_t cell,
-                            struct dt_point q)
+                            const struct dt_point *xy, struct leaf l)
 {
     static const int steps[][2] = {{1, 0},  {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1},
                                    {1, -1}, {-1, 1}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}};
-    uint32_t own = dt_base(g->cell[cell]), alive = m->hull;
-    int column = (int)((cell - at->first) % at->nx), row = (int)((cell - at->first) / at->nx);
+    uint32_t own = dt_base(content(g, l)), alive = m->hull;
     for (unsigned i = 0; i < sizeof steps / sizeof *steps; i++) {
-        int c = column + steps[i][0], r = row + steps[i][1];
-        if (c < 0 || r < 0 || c >= (int)at->nx || r >= (int)at->ny)
+        struct leaf k = {l.grid, l.column + (uint32_t)steps[i][0], l.row + (uint32_t)steps[i][1]};
+        if (k.column >= l.grid->nx || k.row >= l.grid->ny) /* below 0, too */
             continue;
-        uint32_t h = g->cell[at->first + (uint32_t)r * at->nx + (uint32_t)c];
+        uint32_t h = content(g, k);
         if (h & DT_HINT_GRID)
             continue;
         h = dt_base(h);
         if (dt_is_dead(m, h))
             continue;
-        if (is_near(at, m, xy, h, q))
+        if (is_near(m, xy, h, l))
             return h;
         alive = h;
     }
@@ -107,20 +144,15 @@ static uint32_t look_around(const struct dt_hints *g, const struct dt_mesh *m,
 uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy,
                       struct dt_point q)
 {
-    uint32_t cell;
-    const struct dt_hint_grid *at = leaf(g, q, &cell);
-    uint32_t h = dt_base(g->cell[cell]);
-    dt_hint_fetch(m, xy, NULL, h);
-    if (!dt_is_dead(m, h) && is_near(at, m, xy, h, q))
-        return h;
-    return look_around(g, m, xy, at, cell, q);
+    uint32_t h = dt_hint_fetching(g, m, xy, q);
+    struct leaf l = leaf_of(g, q);
+    return !dt_is_dead(m, h) && is_near(m, xy, h, l) ? h : look_around(g, m, xy, l);
 }
 
 void dt_hint_put(struct dt_hints *g, struct dt_point q, uint32_t h)
 {
-    uint32_t cell;
     if (g->grids == 0)
         return;
-    leaf(g, q, &cell);
-    g->cell[cell] = dt_base(h);
+    struct leaf l = leaf_of(g, q);
+    g->cell[l.grid->first + (size_t)l.row * l.grid->nx + l.column] = dt_base(h);
 }

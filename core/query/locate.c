@@ -171,8 +171,7 @@ static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point 
     } else if (m->recycled) {
         h = dt_hint_live(hints, m, xy, q);
     } else {
-        h = dt_hint(hints, q);
-        dt_hint_fetch(m, xy, id, h);
+        h = dt_hint_fetching(hints, m, xy, q);
         if (dt_is_dead(m, h))
             h = dt_hint_live(hints, m, xy, q);
     }
