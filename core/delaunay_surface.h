@@ -159,7 +159,7 @@ enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_c
                              size_t room, struct dt_point *corner, size_t cap, size_t *n,
                              size_t *corners);
 
-/* ---- all cells at once: in half of the time, in about 105 bytes for each ----
+/* ---- all cells at once: in a third of the time, in about 105 bytes for each ----
  *
  *     dt_cells_make_begin(t, &cells, &m);
  *     do
@@ -176,6 +176,11 @@ struct dt_cells_made;
 enum dt_status dt_cells_make_begin(const struct dt *t, const struct dt_cells *c,
                                    struct dt_cells_made **out);
 
+/* The same for the areas of the cells alone, in 8 bytes for each id; dt_cells_make makes them, too, and dt_areas_read reads
+ * them. */
+enum dt_status dt_areas_make_begin(const struct dt *t, const struct dt_cells *c,
+                                   struct dt_cells_made **out);
+
 /* Makes about so many more cells. *done: all are made. DT_NOMEM. Cost: linear. */
 enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m, uint32_t points,
                              bool *done);
@@ -183,7 +188,7 @@ enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m, uint32
 /* Bytes that it has after the first dt_cells_make; many cells that the box cuts can add to that. */
 size_t dt_cells_made_memory(const struct dt_cells_made *m);
 
-/* How many corners the cells have together. */
+/* How many corners the cells have together; not of areas. */
 uint64_t dt_cells_made_corners(const struct dt_cells_made *m);
 
 void dt_cells_made_free(struct dt_cells_made *m); /* NULL: nothing */
@@ -221,6 +226,10 @@ void dt_alpha_free(struct dt_alpha *a); /* NULL: nothing */
 /* The signed area of a polygon, positive if it is counterclockwise: within 2^-52 of its value, and 2^-98 n of the area
  * of its bounding box. */
 double dt_polygon_area(const struct dt_point *corner, size_t n);
+
+/* The next areas of a cursor whose areas have been made, as dt_polygon_area gives them: ids and areas of at most `room`
+ * cells. Returns how many; 0 at the end. */
+size_t dt_areas_read(struct dt_cells *c, uint32_t *id, double *area, size_t room);
 
 /* Those of n cells, with the same bytes, into area[n]; corner[]: their corners, those of one cell after the other, as
  * dt_cells_read writes them. Faster than one by one. */

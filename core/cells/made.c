@@ -25,8 +25,8 @@ enum {
     SPARE = 4096
 }; /* corners, beyond those of triangles, that cells at the hull and the box can have */
 
-enum dt_status dt_cells_make_begin(const struct dt *t, const struct dt_cells *c,
-                                   struct dt_cells_made **out)
+static enum dt_status begin(const struct dt *t, const struct dt_cells *c, bool areas,
+                            struct dt_cells_made **out)
 {
     *out = NULL;
     enum dt_status s = dt_readable(t);
@@ -38,17 +38,31 @@ enum dt_status dt_cells_make_begin(const struct dt *t, const struct dt_cells *c,
     if (m == NULL)
         return DT_NOMEM;
     m->box = (struct dt_box){c->lo, c->hi};
+    m->areas = areas;
     m->ids = t->points.next_id;
     m->cells = c->rows;
-    m->cap = 6 * (size_t)m->cells + SPARE;
+    m->cap = 6 * (size_t)(areas ? DT_MADE_PENDING : m->cells) + SPARE;
     *out = m;
     return DT_OK;
+}
+
+enum dt_status dt_cells_make_begin(const struct dt *t, const struct dt_cells *c,
+                                   struct dt_cells_made **out)
+{
+    return begin(t, c, false, out);
+}
+
+enum dt_status dt_areas_make_begin(const struct dt *t, const struct dt_cells *c,
+                                   struct dt_cells_made **out)
+{
+    return begin(t, c, true, out);
 }
 
 void dt_cells_made_free(struct dt_cells_made *m)
 {
     if (m == NULL)
         return;
+    dt_array_free(m->area);
     dt_array_free(m->cell);
     dt_array_free(m->corner);
     dt_cell_clear(&m->work);
@@ -58,7 +72,8 @@ void dt_cells_made_free(struct dt_cells_made *m)
 
 size_t dt_cells_made_memory(const struct dt_cells_made *m)
 {
-    return sizeof *m + sizeof *m->centre + m->ids * sizeof *m->cell + m->cap * sizeof *m->corner;
+    size_t of_id = m->areas ? sizeof *m->area : sizeof *m->cell;
+    return sizeof *m + sizeof *m->centre + m->ids * of_id + m->cap * sizeof *m->corner;
 }
 
 uint64_t dt_cells_made_corners(const struct dt_cells_made *m)
@@ -68,16 +83,21 @@ uint64_t dt_cells_made_corners(const struct dt_cells_made *m)
 
 static bool reserve(const struct dt *t, struct dt_cells_made *m)
 {
-    if (m->cell != NULL)
+    if (m->cell != NULL || m->area != NULL)
         return true;
     struct dt_pages *pages = t->points.pages;
     m->centre = malloc(sizeof *m->centre);
     m->corner = dt_array_new_in(pages, m->cap, sizeof *m->corner);
-    m->cell = dt_array_new_in(pages, m->ids, sizeof *m->cell);
-    if (m->centre == NULL || m->corner == NULL || m->cell == NULL)
+    void *by_id = dt_array_new_in(pages, m->ids, m->areas ? sizeof *m->area : sizeof *m->cell);
+    m->area = m->areas ? by_id : NULL;
+    m->cell = m->areas ? NULL : by_id;
+    if (m->centre == NULL || m->corner == NULL || by_id == NULL)
         return false;
     dt_circumcentres_init(m->centre);
-    memset(m->cell, 0xff, m->ids * sizeof *m->cell);
+    if (m->areas) /* all bits make a NaN */
+        memset(m->area, 0xff, m->ids * sizeof *m->area);
+    else
+        memset(m->cell, 0xff, m->ids * sizeof *m->cell);
     return true;
 }
 
@@ -173,13 +193,28 @@ static bool make_on_hull(const struct dt *t, struct dt_cells_made *m, uint32_t v
     return take(t, m, corners);
 }
 
+static void compute_areas(struct dt_cells_made *m)
+{
+    double area[DT_MADE_PENDING];
+    dt_cell_areas(m->last, m->pending, m->corner, area);
+    for (uint32_t i = 0; i < m->pending; i++)
+        m->area[m->last[i].id] = area[i];
+    m->pending = 0;
+    m->corners = 0;
+}
+
 static bool make_cell(const struct dt *t, struct dt_cells_made *m, uint32_t v)
 {
     uint32_t n;
     if (!(dt_on_hull(&t->mesh, v) ? make_on_hull(t, m, v, &n) : make_inside(t, m, v, &n)))
         return false;
-    m->cell[t->points.id[v]] = (struct dt_made){(uint32_t)m->corners, n};
+    if (m->areas)
+        m->last[m->pending++] = (struct dt_cell){t->points.id[v], n};
+    else
+        m->cell[t->points.id[v]] = (struct dt_made){(uint32_t)m->corners, n};
     m->corners += n;
+    if (m->pending == DT_MADE_PENDING)
+        compute_areas(m);
     return true;
 }
 
@@ -194,12 +229,15 @@ enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m, uint32
         uint32_t ahead = m->vertex + AHEAD;
         if (ahead < end) {
             dt_fetch(&t->mesh.half[t->mesh.leaving[ahead]]);
-            dt_fetch(&m->cell[t->points.id[ahead]]);
+            if (!m->areas)
+                dt_fetch(&m->cell[t->points.id[ahead]]);
         }
         if (t->points.id[m->vertex] != DT_NONE && !make_cell(t, m, m->vertex))
             return DT_NOMEM;
     }
     *done = m->vertex >= end;
+    if (*done && m->pending > 0)
+        compute_areas(m);
     return DT_OK;
 }
 
@@ -243,4 +281,17 @@ enum dt_status dt_made_read(struct dt_cells *c, struct dt_cell *cell, size_t roo
         *corners += k.corners;
     }
     return DT_OK;
+}
+
+size_t dt_areas_read(struct dt_cells *c, uint32_t *id, double *area, size_t room)
+{
+    const struct dt_cells_made *m = c->made;
+    uint32_t end = c->end < m->ids ? c->end : m->ids;
+    size_t n = 0;
+    for (; c->id < end && n < room; c->id++) {
+        id[n] = c->id;
+        area[n] = m->area[c->id];
+        n += isnan(area[n]) ? 0 : 1;
+    }
+    return n;
 }

@@ -3,7 +3,8 @@
  * Cells are rows that are made as they are sent. Before the first one, the status line says what must be found first:
  * the box around all points, and with BINARY how many corners there are. Both are found as of the same moment as
  * the rows, piece by piece by a worker where that takes long. To count corners, all cells are made at once and kept,
- * if there is memory for them and no edit comes in between; otherwise they are made twice. */
+ * if there is memory for them and no edit comes in between; otherwise they are made twice. Areas are made at once, too:
+ * that is three times as fast as one cell after the other, and takes 8 bytes for each. */
 #include "server/command/command.h"
 
 #include "server/jobs/job.h"
@@ -29,6 +30,12 @@ struct cells_job {
     bool boxed;             /* these are those of the request */
     uint64_t corners;       /* with BINARY: of all cells */
 };
+
+/* Whether all cells are made at once, if there is memory for them: those that must be counted, and areas. */
+static bool is_made(const struct rows *r)
+{
+    return r->heavy && r->ids.v == NULL && (r->binary || r->form == ROW_AREA);
+}
 
 /* ---- before the status line ---- */
 
@@ -107,31 +114,32 @@ static bool make_some(struct cells_job *j, struct dt_cells_made *made, bool *don
            dt_cells_make(dt, made, CELLS_MADE, done) == DT_OK;
 }
 
-/* Makes all cells at once. False: no memory, an edit has come in between, or another reason. */
-static bool make_cells(struct cells_job *j, struct dt_cells_made **out)
+static bool begin_making(struct cells_job *j, struct dt_cells_made **out)
+{
+    const struct dt_cells *c = &j->rows.cells;
+    enum dt_status status = j->rows.form == ROW_AREA ? dt_areas_make_begin(j->job.dt, c, out)
+                                                     : dt_cells_make_begin(j->job.dt, c, out);
+    return status == DT_OK && *out != NULL;
+}
+
+/* Makes all cells, or their areas, at once. False: no memory, an edit has come in between, or another reason. */
+static bool make_cells(struct cells_job *j)
 {
     struct dt_cells_made *made;
+    uint64_t all = rows_count(&j->rows) + 1;
     bool done = false;
-    if (dt_cells_make_begin(j->job.dt, &j->rows.cells, &made) != DT_OK || made == NULL)
+    if (!begin_making(j, &made))
         return false;
     bool ok = reservation_resize(&j->job.memory, dt_cells_made_memory(made));
-    while (ok && !done)
+    for (uint64_t n = CELLS_MADE; ok && !done; n += CELLS_MADE) {
         ok = make_some(j, made, &done) && pause_job(&j->job) == DT_OK;
-    *out = ok ? made : NULL;
+        atomic_store(&j->job.progress, (unsigned)(n < all ? n * 100 / all : 99));
+    }
     if (!ok)
         dt_cells_made_free(made);
     reservation_set(&j->job.memory, ok ? dt_cells_made_memory(made) : 0);
+    j->rows.cells.made = j->rows.made = ok ? made : NULL;
     return ok;
-}
-
-static enum dt_status find_corners(struct cells_job *j)
-{
-    struct rows *rows = &j->rows;
-    if (rows->ids.v != NULL || !rows->heavy || !make_cells(j, &rows->made))
-        return count_corners(j);
-    rows->cells.made = rows->made;
-    j->corners = dt_cells_made_corners(rows->made);
-    return DT_OK;
 }
 
 static void run_cells(struct job *job)
@@ -141,8 +149,13 @@ static void run_cells(struct job *job)
     job->status = j->boxed ? DT_OK : find_box(j);
     if (job->status == DT_OK)
         job->status = dt_cells_begin(job->dt, j->view, j->lo, j->hi, &rows->cells);
-    if (job->status == DT_OK && rows->binary && rows->form == ROW_CELL)
-        job->status = find_corners(j);
+    if (job->status != DT_OK)
+        return;
+    bool counted = rows->binary && rows->form == ROW_CELL;
+    if (is_made(rows) && make_cells(j))
+        j->corners = counted ? dt_cells_made_corners(rows->made) : 0;
+    else
+        job->status = counted ? count_corners(j) : pause_job(job);
 }
 
 /* ---- the reply ---- */
@@ -294,9 +307,9 @@ static void answer_cells(struct server *s, struct dataset *set, const struct req
         return;
     }
     job_read(s, a, &j->job, v,
-             !j->rows.heavy   ? 0
-             : j->rows.binary ? JOB_HEAVY
-                              : JOB_HEAVY | JOB_BRIEF);
+             !j->rows.heavy                        ? 0
+             : j->rows.binary || is_made(&j->rows) ? JOB_HEAVY
+                                                   : JOB_HEAVY | JOB_BRIEF);
 }
 
 void cmd_voronoi(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -12,7 +12,8 @@ enum {
     CELLS = 64,          /* read at a time */
     TABLE_WORDS = 4096,  /* read from a table at a time */
     PART_IDS = 600,      /* of a part: ids of a table or rows of a list, about 30 KiB of text */
-    PART_CELLS = 150,    /* of a part: cells */
+    PART_CELLS = 150,    /* of a part: cells, */
+    PART_AREAS = 1000,   /* or areas that have been made */
     PART_WORDS = 7500,   /* of a part in binary */
     PART_NUMBERS = 3000, /* words of a part of lines or loops */
     PLACE_WORDS = 4096, /* of the places that are looked up at a time; no row of a place has more */
@@ -252,6 +253,17 @@ static void write_long_cell(struct rows *r, struct dt_cells *c, struct buf *out,
     free(corner);
 }
 
+/* Writes the next areas, which have been made. False: there is none. */
+static bool write_areas(struct rows *r, struct buf *out)
+{
+    uint32_t id[CELLS];
+    double area[CELLS];
+    size_t n = dt_areas_read(&r->cells, id, area, CELLS);
+    for (size_t i = 0; i < n; i++)
+        write_area(r, out, id[i], area[i]);
+    return n > 0;
+}
+
 /* Writes the next cells of the cursor. False: there is none. */
 static bool write_cells(struct rows *r, struct dt_cells *c, struct buf *out)
 {
@@ -273,7 +285,9 @@ static void fill_from_cells(struct rows *r, struct buf *out, size_t limit)
     dt_cells_as_of(&r->cells, r->view);
     while (!r->done && r->status == DT_OK && !out->failed && buf_len(out) < limit) {
         struct dt_cells one;
-        if (!listed) {
+        if (!listed && r->form == ROW_AREA && r->cells.made != NULL) {
+            r->done = !write_areas(r, out);
+        } else if (!listed) {
             r->done = !write_cells(r, &r->cells, out);
         } else if (r->at < r->ids.n) {
             dt_cells_only(&r->cells, r->ids.v[r->at++], &one);
@@ -402,7 +416,8 @@ size_t rows_count(const struct rows *r)
 static bool cut_cells(struct rows *r, struct rows *part)
 {
     dt_cells_as_of(&r->cells, r->view);
-    return dt_cells_cut(r->version->dt, &r->cells, PART_CELLS, &part->cells);
+    bool areas = r->form == ROW_AREA && r->cells.made != NULL;
+    return dt_cells_cut(r->version->dt, &r->cells, areas ? PART_AREAS : PART_CELLS, &part->cells);
 }
 
 bool rows_cut(struct rows *r, struct rows *part)

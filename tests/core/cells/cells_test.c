@@ -101,6 +101,31 @@ static bool are_equal(const struct cells *a, const struct cells *b)
            (a->corners == 0 || memcmp(a->corner, b->corner, a->corners * sizeof *a->corner) == 0);
 }
 
+/* Whether the areas that are made at once are those of these cells, bit by bit. */
+static void check_areas_made(const struct dt *t, const struct cells *r)
+{
+    struct dt_cells c;
+    struct dt_cells_made *m;
+    uint32_t id[5];
+    double area[5], expected;
+    size_t n, cell = 0, at = 0;
+    CHECK(dt_cells_begin(t, NULL, r->lo, r->hi, &c) == DT_OK);
+    CHECK(dt_areas_make_begin(t, &c, &m) == DT_OK);
+    if (m == NULL)
+        return;
+    for (bool done = false; !done;)
+        CHECK(dt_cells_make(t, m, 7, &done) == DT_OK);
+    c.made = m;
+    while ((n = dt_areas_read(&c, id, area, 5)) > 0)
+        for (size_t i = 0; i < n; i++, at += r->cell[cell++].corners) {
+            CHECK(cell < r->n && id[i] == r->cell[cell].id);
+            expected = dt_polygon_area(r->corner + at, r->cell[cell].corners);
+            CHECK(memcmp(&area[i], &expected, sizeof expected) == 0);
+        }
+    CHECK(cell == r->n);
+    dt_cells_made_free(m);
+}
+
 /* Whether all cells that are made at once are these; small: read one by one. */
 static void check_made(const struct dt *t, const struct cells *r, bool small)
 {
@@ -114,6 +139,7 @@ static void check_made(const struct dt *t, const struct cells *r, bool small)
     CHECK(m == NULL || dt_cells_made_corners(m) == r->corners);
     dt_cells_made_free(m);
     cells_free(&made);
+    check_areas_made(t, r);
 }
 
 /* ---- tiling ---- */
@@ -483,11 +509,12 @@ TEST(cells_that_are_made_without_memory_are_freed)
     struct cells whole = cells_of(t, NULL);
     struct dt_cells c;
     CHECK(dt_cells_begin(t, NULL, whole.lo, whole.hi, &c) == DT_OK);
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 40; i++) {
         struct dt_cells_made *m;
         bool done = false;
-        test_fail_alloc(i);
-        enum dt_status s = dt_cells_make_begin(t, &c, &m);
+        test_fail_alloc(i / 2);
+        enum dt_status s =
+            i % 2 == 0 ? dt_cells_make_begin(t, &c, &m) : dt_areas_make_begin(t, &c, &m);
         while (s == DT_OK && !done)
             s = dt_cells_make(t, m, 100, &done);
         CHECK(s == (test_alloc_failed() ? DT_NOMEM : DT_OK));

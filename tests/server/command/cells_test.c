@@ -107,25 +107,55 @@ TEST(cells_in_binary_are_those_in_text)
     free(binary);
 }
 
+TEST(areas_in_binary_are_those_in_text)
+{
+    enum { N = 3000 };
+    int fd;
+    size_t bytes;
+    start(&fd, N);
+    say(fd, "AREAS t BOX 0 0 1 0.5\n");
+    char *text = hear_cells(fd, N), *next = text;
+    say(fd, "AREAS t BOX 0 0 1 0.5 BINARY\n");
+    char *binary = hear_binary(fd, &bytes);
+    CHECK(bytes == 12 * N);
+    for (const char *at = binary; at < binary + bytes; at += 12) {
+        uint32_t id;
+        double area;
+        memcpy(&id, at, sizeof id);
+        memcpy(&area, at + 4, sizeof area);
+        CHECK(strtoul(next, &next, 10) == id && strtod(next, &next) == area && *next++ == '\n');
+    }
+    free(text);
+    free(binary);
+}
+
 TEST(cells_in_binary_are_the_same_without_memory_to_keep_them)
 {
-    enum { N = 40000 };
-    static const size_t more[] = {64 << 20, 2 << 20}; /* they take 4.2 MB */
+    enum { N = 40000, MIB = 1 << 20 };
+    static const struct {
+        const char *request;
+        size_t more[2];
+    } at[] = {
+        {"VORONOI t BINARY", {64 * MIB, 2 * MIB}}, /* they take 4.2 MB */
+        {"AREAS t BINARY", {64 * MIB, MIB / 2}},   /* 0.9 MB */
+    };
     int fd;
     char *binary[2], line[80];
     size_t bytes[2];
     struct daemon d = start(&fd, N);
-    for (int i = 0; i < 2; i++) {
-        size_t used = daemon_info(&d, "memory_used");
-        snprintf(line, sizeof line, "CONFIG SET max-memory %zu\nVORONOI t BINARY\n",
-                 used + more[i]);
-        say(fd, line);
-        CHECK_STR(hear_line(fd), "OK 0");
-        binary[i] = hear_binary(fd, &bytes[i]);
+    for (size_t k = 0; k < sizeof at / sizeof *at; k++) {
+        for (int i = 0; i < 2; i++) {
+            size_t used = daemon_info(&d, "memory_used");
+            snprintf(line, sizeof line, "CONFIG SET max-memory %zu\n%s\n", used + at[k].more[i],
+                     at[k].request);
+            say(fd, line);
+            CHECK_STR(hear_line(fd), "OK 0");
+            binary[i] = hear_binary(fd, &bytes[i]);
+        }
+        CHECK(bytes[0] == bytes[1] && memcmp(binary[0], binary[1], bytes[0]) == 0);
+        free(binary[0]);
+        free(binary[1]);
     }
-    CHECK(bytes[0] == bytes[1] && memcmp(binary[0], binary[1], bytes[0]) == 0);
-    free(binary[0]);
-    free(binary[1]);
 }
 
 TEST(areas_of_cells_add_up_to_the_box)
