@@ -158,7 +158,7 @@ def _triangulation(points: Any, url: Optional[str], client: Optional[Client]) ->
         return points
     if not isinstance(points, np.ndarray) and hasattr(points, "simplices") and hasattr(points, "points"):
         points = points.points  # SciPy's
-    elif isinstance(points, np.ma.MaskedArray) and not np.ma.is_masked(points):
+    elif isinstance(points, np.ma.MaskedArray) and not np.any(points.mask):
         points = points.data
     elif isinstance(points, tuple):
         points = np.stack(np.broadcast_arrays(*points), axis=-1).reshape(-1, len(points))
