@@ -35,12 +35,17 @@ bool dt_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
     return side > 0 || (side == 0 && between(a, b, q));
 }
 
-static bool push_neighbours(const struct dt_mesh *m, struct dt_cavity *c, uint32_t first,
-                            uint32_t second)
+/* Adds the triangle of the half edge h, by which the cavity reaches it, and pushes its two others. */
+static bool enter(const struct dt_mesh *m, struct dt_cavity *c, uint32_t h)
 {
-    dt_fetch(&m->half[dt_twin(m, first)]);
-    dt_fetch(&m->half[dt_twin(m, second)]);
-    return dt_cavity_push(c, second) && dt_cavity_push(c, first);
+    uint32_t next = dt_next(h), prev = dt_prev(h);
+    dt_fetch(&m->half[dt_twin(m, next)]);
+    dt_fetch(&m->half[dt_twin(m, prev)]);
+    if (!dt_cavity_add(c, dt_base(h)))
+        return false;
+    c->stack[c->stacked++] = prev;
+    c->stack[c->stacked++] = next;
+    return true;
 }
 
 /* The stack holds half edges still to be crossed, so that the rim comes in counterclockwise
@@ -51,24 +56,20 @@ enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy
     enum dt_status status = DT_OK;
     uint32_t steps = 0;
     dt_cavity_begin(c);
-    if (!dt_cavity_add(c, t) || !dt_cavity_push(c, t + 2) || !push_neighbours(m, c, t, t + 1))
+    if (!enter(m, c, t + 2))
         return DT_NOMEM;
+    c->stack[c->stacked++] = t + 2;
     while (c->stacked > 0) {
         if ((++steps & DT_WORK_MASK) == 0 && (status = dt_work(c->work, DT_WORK_BLOCK)) != DT_OK)
             return status;
         uint32_t h = c->stack[--c->stacked], beyond = dt_twin(m, h);
         if (!dt_conflict(m, xy, dt_base(beyond), q)) {
-            dt_fetch(&m->leaving[dt_origin(m, h)]); /* for fill_with_star */
-            if (!dt_cavity_add_rim(c, dt_origin(m, h), beyond))
-                return DT_NOMEM;
-        } else if (!dt_cavity_add(c, dt_base(beyond)) ||
-                   !push_neighbours(m, c, dt_next(beyond), dt_prev(beyond))) {
+            dt_fetch(&m->leaving[dt_origin(m, h)]); /* for dt_hull_keep */
+            dt_cavity_add_rim(c, dt_origin(m, h), beyond);
+        } else if (!enter(m, c, beyond)) {
             return DT_NOMEM;
         }
     }
-    while (c->record_cap < c->rims) /* the star has two triangles more than the hole */
-        if (!dt_cavity_grow_records(c))
-            return DT_NOMEM;
     return dt_work(c->work, steps & DT_WORK_MASK);
 }
 
@@ -89,21 +90,30 @@ static uint32_t set_star_triangle(struct dt_mesh *m, uint32_t t, uint32_t origin
     return t;
 }
 
-/* Replaces the triangles of the cavity, and two records more, by the star of v. */
-static void fill_with_star(struct dt_mesh *m, struct dt_cavity *c, uint32_t v)
+/* The star of v inside the hull, clockwise. */
+static void fill_inside(struct dt_mesh *m, const struct dt_cavity *c, uint32_t v)
 {
-    for (uint32_t i = 0; i < c->records; i++)
-        m->ghosts -= m->half[c->record[i] + 2] == DT_NONE;
-    while (c->records < c->rims)
-        c->record[c->records++] = dt_mesh_take(m);
+    uint32_t after = c->record[0], end = c->rim[0].origin;
+    for (uint32_t i = c->rims; i-- > 0;) {
+        uint32_t t = c->record[i], origin = c->rim[i].origin;
+        dt_set_corners(m, t, origin, end, v);
+        dt_link(m, t, c->rim[i].beyond);
+        dt_link(m, t + 1, after + 2);
+        dt_hull_keep(m, origin, t);
+        after = t;
+        end = origin;
+    }
+    m->leaving[v] = after + 2;
+}
 
+/* The star of v with ghosts. */
+static void fill_at_hull(struct dt_mesh *m, const struct dt_cavity *c, uint32_t v)
+{
     uint32_t first = 0, last = 0;
     bool on_hull = false;
     for (uint32_t i = 0; i < c->rims; i++) {
         uint32_t origin = c->rim[i].origin, end = c->rim[i + 1 < c->rims ? i + 1 : 0].origin;
         uint32_t h = set_star_triangle(m, c->record[i], origin, end, v);
-        if (origin != DT_NONE && dt_hull_may_leave(m->leaving[origin]))
-            dt_fetch(&m->half[m->leaving[origin]]); /* for dt_hull_keep */
         dt_link(m, h, c->rim[i].beyond);
         if (i == 0)
             first = h;
@@ -127,6 +137,19 @@ static void fill_with_star(struct dt_mesh *m, struct dt_cavity *c, uint32_t v)
     }
     if (!on_hull)
         m->leaving[v] = dt_prev(first);
+}
+
+/* Replaces the triangles of the cavity, and two records more, by the star of v. */
+static void fill_with_star(struct dt_mesh *m, struct dt_cavity *c, uint32_t v)
+{
+    for (uint32_t i = 0; c->open && i < c->records; i++)
+        m->ghosts -= m->half[c->record[i] + 2] == DT_NONE;
+    while (c->records < c->rims)
+        c->record[c->records++] = dt_mesh_take(m);
+    if (c->open)
+        fill_at_hull(m, c, v);
+    else
+        fill_inside(m, c, v);
     m->vertices++;
 }
 

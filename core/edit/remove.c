@@ -48,8 +48,9 @@ static enum dt_status collect_star(const struct dt_mesh *m, const struct dt_poin
             dt_fetch(&xy[u]);
             dt_fetch(&m->leaving[u]);
         }
-        if (!dt_cavity_add(c, dt_base(h)) || !dt_cavity_add_rim(c, u, beyond))
+        if (!dt_cavity_add(c, dt_base(h)))
             return DT_NOMEM;
+        dt_cavity_add_rim(c, u, beyond);
         if ((c->records & DT_WORK_MASK) == 0)
             status = dt_work(c->work, DT_WORK_BLOCK);
         h = dt_turn_ccw(m, h);

@@ -13,34 +13,25 @@ void dt_cavity_clear(struct dt_cavity *c)
 
 size_t dt_cavity_memory(const struct dt_cavity *c)
 {
-    return c->record_cap * sizeof *c->record + c->rim_cap * sizeof *c->rim +
-           c->stack_cap * sizeof *c->stack;
+    return c->room * (sizeof *c->record + sizeof *c->rim + sizeof *c->stack);
 }
 
-/* Grows *array, which has room for *cap items, by half or more. */
-static bool grow(void *array, uint32_t *cap, size_t size)
+static bool grow(void *array, size_t used, size_t room, size_t size)
 {
     void **p = array;
-    size_t room = dt_array_room(*cap, (size_t)*cap + 64, UINT32_MAX);
-    void *larger = dt_array_grow(*p, *cap, room, size);
-    if (larger == NULL)
+    void *larger = dt_array_grow(*p, used, room, size);
+    if (larger != NULL)
+        *p = larger;
+    return larger != NULL;
+}
+
+bool dt_cavity_grow(struct dt_cavity *c)
+{
+    size_t room = dt_array_room(c->room, (size_t)c->room + 64, UINT32_MAX);
+    if (!grow(&c->record, c->room, room, sizeof *c->record) ||
+        !grow(&c->rim, c->room, room, sizeof *c->rim) ||
+        !grow(&c->stack, c->room, room, sizeof *c->stack))
         return false;
-    *p = larger;
-    *cap = (uint32_t)room;
+    c->room = (uint32_t)room;
     return true;
-}
-
-bool dt_cavity_grow_records(struct dt_cavity *c)
-{
-    return grow(&c->record, &c->record_cap, sizeof *c->record);
-}
-
-bool dt_cavity_grow_rim(struct dt_cavity *c)
-{
-    return grow(&c->rim, &c->rim_cap, sizeof *c->rim);
-}
-
-bool dt_cavity_grow_stack(struct dt_cavity *c)
-{
-    return grow(&c->stack, &c->stack_cap, sizeof *c->stack);
 }

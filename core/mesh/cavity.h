@@ -19,11 +19,12 @@ struct dt_rim {
 /* Scratch memory that successive edits reuse; it grows to what the largest one needed. Start with
  * {0}. */
 struct dt_cavity {
-    uint32_t *record;   /* owns: the base half edges of the triangles in the hole */
-    struct dt_rim *rim; /* owns */
-    uint32_t *stack;    /* owns: half edges to be crossed */
+    uint32_t *record;   /* owns `room`: the base half edges of the triangles in the hole */
+    struct dt_rim *rim; /* owns `room` */
+    uint32_t *stack;    /* owns `room`: half edges to be crossed */
     uint32_t records, rims, stacked;
-    uint32_t record_cap, rim_cap, stack_cap;
+    uint32_t room;
+    bool open;            /* infinity is on the rim */
     struct dt_work *work; /* borrows: the work left to the edit; NULL: no limit */
     const struct dt_changes
         *changes; /* borrows; notified of the stars that change; NULL: not needed */
@@ -36,27 +37,25 @@ size_t dt_cavity_memory(const struct dt_cavity *c);
 static inline void dt_cavity_begin(struct dt_cavity *c)
 {
     c->records = c->rims = c->stacked = 0;
+    c->open = false;
 }
 
-/* Append; false: out of memory. */
-bool dt_cavity_grow_records(struct dt_cavity *c);
-bool dt_cavity_grow_rim(struct dt_cavity *c);
-bool dt_cavity_grow_stack(struct dt_cavity *c);
+bool dt_cavity_grow(struct dt_cavity *c); /* false: out of memory */
 
+/* Adds a triangle; false: out of memory. A rim and a stack of up to 2 more than the triangles have room then, and so
+ * has the list of the triangles that will fill the hole. */
 static inline bool dt_cavity_add(struct dt_cavity *c, uint32_t base)
 {
-    if (c->records == c->record_cap && !dt_cavity_grow_records(c))
+    if (c->records + 3 > c->room && !dt_cavity_grow(c))
         return false;
     c->record[c->records++] = base;
     return true;
 }
 
-static inline bool dt_cavity_add_rim(struct dt_cavity *c, uint32_t origin, uint32_t beyond)
+static inline void dt_cavity_add_rim(struct dt_cavity *c, uint32_t origin, uint32_t beyond)
 {
-    if (c->rims == c->rim_cap && !dt_cavity_grow_rim(c))
-        return false;
     c->rim[c->rims++] = (struct dt_rim){origin, beyond};
-    return true;
+    c->open |= origin == DT_NONE;
 }
 
 /* Reports the stars of the vertices on the rim, which are going to change. */
@@ -65,14 +64,6 @@ static inline void dt_cavity_report(const struct dt_cavity *c)
     for (uint32_t i = 0; c->changes != NULL && i < c->rims; i++)
         if (c->rim[i].origin != DT_NONE)
             dt_changes_star(c->changes, c->rim[i].origin);
-}
-
-static inline bool dt_cavity_push(struct dt_cavity *c, uint32_t half)
-{
-    if (c->stacked == c->stack_cap && !dt_cavity_grow_stack(c))
-        return false;
-    c->stack[c->stacked++] = half;
-    return true;
 }
 
 #endif

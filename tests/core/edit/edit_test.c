@@ -153,7 +153,7 @@ TEST(a_hole_of_any_size_has_room_for_its_star)
         uint32_t half;
         dt_walk(&e.mesh, e.xy, e.mesh.leaving[0], hub, &half);
         CHECK(dt_find_cavity(&e.mesh, e.xy, dt_base(half), hub, &hole) == DT_OK);
-        CHECK(hole.rims == hole.records + 2 && hole.rims <= hole.record_cap);
+        CHECK(hole.rims == hole.records + 2 && hole.rims <= hole.room);
         dt_cavity_clear(&hole);
     }
     edited_clear(&e);
