@@ -113,7 +113,7 @@ enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
         if (i % DT_POLL == DT_POLL - 1 && dt_stopped(&stop))
             return dt_stop_status(&stop);
     }
-    uint32_t *sorted = dt_array_new_in(t->points.pages, n, sizeof *sorted);
+    uint32_t one, *sorted = n == 1 ? &one : dt_array_new_in(t->points.pages, n, sizeof *sorted);
     if (sorted == NULL)
         return DT_NOMEM;
     if (n > 0)
@@ -122,7 +122,8 @@ enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
     enum dt_status status = dt_stop_status(&stop);
     if (status == DT_OK)
         status = delete_sorted(t, sorted, distinct, opt);
-    dt_array_free(sorted);
+    if (sorted != &one)
+        dt_array_free(sorted);
     if (status == DT_OK)
         *deleted = (uint32_t)distinct;
     return status;
