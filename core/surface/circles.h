@@ -1,27 +1,32 @@
 /* circles.h - circumcircles of triangles as seen from one place after the other, kept from place to place.
  *
- * A circle follows from its triangle alone: its centre is computed from the least corner (dt_compare_xy), and from
- * the two others counterclockwise. So it makes no difference which circles are kept.
+ * A circle follows from its triangle alone, so it makes no difference which circles are kept. Its centre is computed from a
+ * corner with the sides s and t from there, counterclockwise, and e = t - s:
  *
- * Errors are those of weights_formula.h, with |x| + |y|, which is not less, for the length of a vector, and one unit
- * more for a quotient that is a product with a reciprocal. */
+ *     c = s + (t.e / D) s', where s' is s turned left and D = s x e,                doubled and relative to the corner.
+ *
+ * Errors, in units of DT_U. Each coordinate of s, t and e is off by one unit of itself, so D by 4 |s| |e|, t.e by 4 |t| |e|
+ * and their quotient, with the product by a reciprocal, by (4 |t| |e| + 4 |t.e / D| |s| |e|) / |D| + 2 |t.e / D|. Since
+ * |s| |t| |e| / |D| = |c|, |t.e / D| |s| <= |c| and |s| <= |c|, that moves c by |c| (6 + 4 F), where F = |s| |e| / |D| =
+ * |c| / |t|, and the rest of the formula by 4 |c|. The factors below are a little larger: they make up for what is of second
+ * order, and for the rounding of the bounds. F is small where t is long, so t is the longest side of the triangle. |x| + |y|,
+ * which is not less, replaces the length of a vector. */
 #ifndef DT_CIRCLES_H
 #define DT_CIRCLES_H
 
 #include "core/exact/predicates.h"
 #include "core/set/set.h"
 
-/* A doubled circumcentre relative to a place: which changes no ratio of areas. */
-struct dt_centre {
-    double x, y;
-    double length; /* |x| + |y| */
-    double error;  /* at least the distance from where it is */
-};
+/* How far a computed centre may be from where it is, over its length, for F as above. */
+#define DT_CENTRE_ERROR(f) (DT_U * (10.2 + 4.1 * (f)))
 
 struct dt_circle {
-    uint32_t triangle;       /* its first half edge; DT_NONE: nothing is kept here */
-    struct dt_point corner;  /* the least one */
-    struct dt_centre centre; /* relative to it */
+    uint32_t triangle;      /* its first half edge; DT_NONE: nothing is kept here */
+    struct dt_point corner; /* a corner */
+    struct dt_point centre; /* doubled, relative to the corner */
+    double inside,
+        outside;  /* the square of a distance below, above which a place is certainly there */
+    double error; /* of the centre from a place, but for 2.2 units of its length there */
 };
 
 struct dt_circles {
@@ -33,59 +38,25 @@ struct dt_circles {
 enum dt_status dt_circles_init(struct dt_circles *c, uint32_t n);
 void dt_circles_clear(struct dt_circles *c);
 
+/* A ghost has a circle without inside. */
 void dt_circle_make(struct dt_circle *k, const struct dt *t, uint32_t triangle);
 
-/* Of the triangle with these sides from the place. aa = |a|^2, bb = |b|^2 as they are rounded. */
-static inline struct dt_centre dt_centre_at(struct dt_point a, struct dt_point b, double aa,
-                                            double bb)
+/* The doubled centre relative to q. */
+static inline struct dt_point dt_circle_from(const struct dt_circle *k, struct dt_point q)
 {
-    double area = a.x * b.y - a.y * b.x, inverse = 1 / area;
-    double la = fabs(a.x) + fabs(a.y), lb = fabs(b.x) + fabs(b.y);
-    struct dt_centre c = {(aa * b.y - bb * a.y) * inverse, (bb * a.x - aa * b.x) * inverse, 0, 0};
-    c.length = fabs(c.x) + fabs(c.y);
-    double flat = la * lb * fabs(inverse);
-    c.error = DT_U * (flat * (7.5 * (la + lb) + 4.5 * c.length) + 3 * c.length);
-    if (!(flat * DT_U < 0x1p-10))
-        c.error = HUGE_VAL;
-    return c;
+    return (struct dt_point){k->centre.x + 2 * (k->corner.x - q.x),
+                             k->centre.y + 2 * (k->corner.y - q.y)};
 }
 
-/* That of the triangle whose first half edge is `triangle`. */
-static inline const struct dt_circle *dt_circle_of(struct dt_circles *c, const struct dt *t,
-                                                   uint32_t triangle)
-{
-    struct dt_circle *k = &c->circle[triangle >> 3 & c->mask];
-    if (k->triangle != triangle)
-        dt_circle_make(k, t, triangle);
-    return k;
-}
-
-static inline struct dt_centre dt_centre_from(const struct dt_circle *k, struct dt_point q)
-{
-    struct dt_centre c = {k->centre.x + 2 * (k->corner.x - q.x),
-                          k->centre.y + 2 * (k->corner.y - q.y), 0, 0};
-    c.length = fabs(c.x) + fabs(c.y);
-    c.error = k->centre.error + DT_U * (4 * k->centre.length + 6 * c.length);
-    return c;
-}
-
-/* What the square of its distance from the origin may be wrong by. The errors above contain more than the rounding of
- * the square. */
-static inline double dt_centre_square_error(const struct dt_centre *c)
-{
-    return c->error * (3 * c->length + 2 * c->error);
-}
-
-/* Whether q is strictly inside the circle; *c becomes its centre as seen from q. Exact. */
+/* Whether q is strictly inside the circle of a triangle, whose centre relative to q is c. Exact. */
 static inline bool dt_circle_contains(const struct dt_circle *k, const struct dt *t,
-                                      struct dt_point q, struct dt_centre *c)
+                                      struct dt_point q, struct dt_point c)
 {
-    *c = dt_centre_from(k, q);
-    double beyond =
-        (c->x * c->x + c->y * c->y) - (k->centre.x * k->centre.x + k->centre.y * k->centre.y);
-    double error = dt_centre_square_error(c) + dt_centre_square_error(&k->centre);
-    if (fabs(beyond) > error)
-        return beyond < 0;
+    double square = c.x * c.x + c.y * c.y;
+    if (square < k->inside)
+        return true;
+    if (square > k->outside)
+        return false;
     const uint32_t *v = t->mesh.half + k->triangle;
     return dt_incircle(t->points.xy[v[0]], t->points.xy[v[1]], t->points.xy[v[2]], q) > 0;
 }

@@ -1,140 +1,275 @@
-/* natural.c - means of natural neighbours in doubles, in one pass: the tour of tour.h without recording it.
+/* natural.c - means of natural neighbours in doubles: the tour of tour.h, which notes the rim, then sums over the rim.
  *
- * Let c(T) be the circumcentres of the triangles of the disc and r(i) those of the rim edges v(i) v(i+1) with q. Each
- * edge a b between two triangles S and T of the disc adds c(S) x c(T) to the part of a's cell, and takes it from b's;
- * each rim edge a b of T does so with c(T) x r; and r(i) x r(i-1) is added to the part of v(i). So the mean of the
- * values z is, with z0 that of v(0),
+ * Let c(T) be the doubled circumcentres of the triangles of the disc, and c(i) that of the triangle at the rim edge v(i)
+ * v(i+1), r(i) that of this edge with q, all relative to q. Each edge a b between two triangles S and T of the disc adds c(S)
+ * x c(T) to the part of a's cell, and takes it from b's; each rim edge does so with c(i) x r(i); and r(i) x r(i-1) is added to
+ * the part of v(i). So Sibson's mean of the values z is, with z0 that of v(0),
  *
- *     z0 + (sum c(S) x c(T) (z(a) - z(b)) + sum c(T) x r(i) (z(v(i)) - z(v(i+1))) + sum r(i) x r(i-1) (z(v(i)) - z0))
- *          / sum r(i) x r(i-1)
+ *     z0 + (sum c(S) x c(T) (z(a) - z(b)) + sum c(i) x r(i) (z(i) - z(i+1)) + sum r(i) x r(i-1) (z(i) - z0))
+ *          / sum r(i) x r(i-1).
  *
- * with errors as in weights_formula.h: those of the first two sums count for two points each. For Laplace's mean,
- * the edges between r(i-1) and r(i) are enough. */
+ * For Laplace's mean, let A and B be the angles of the triangle q v(i) v(i+1) at its rim vertices. The edge between the cells
+ * of q and v(i), over the distance of v(i), is the sum of cot B and of cot A of the rim edge before. So the mean is
+ *
+ *     z0 + sum (cot B (z(i) - z0) + cot A (z(i+1) - z0)) / sum (cot A + cot B).
+ *
+ * With a = v(i) - q, b = v(i+1) - q, e = v(i+1) - v(i) and D = a x e, cot B = b.e / D, cot A = -a.e / D, and r(i) is a + cot B
+ * a', where a' is a turned left.
+ *
+ * Errors. Where the shares of the values are off by d(i), their mean is off by sum d(i) (z(i) - mean) / sum of the shares, to
+ * first order: by not more than sum |d(i)|, over that sum, of the range of the values. What is of second order is much
+ * smaller where the bounds below hold, and the factors make up for it. Circumcentres are as exact as circles.h shows, those
+ * of rim edges, too. With L a bound of their lengths, a term of two that are off by e and f is off by L (e + f); each
+ * circumcentre is part of three terms. Rounding adds 4 units of DT_U of L^2 for each term, and the sums a unit of all terms
+ * before for each. */
+#include "core/exact/lanes.h"
 #include "core/surface/value.h"
 
-#define MOST 96 /* triangles of a disc; nearly all have fewer than ten */
+enum {
+    MOST = 96,      /* triangles of a disc; nearly all have fewer than ten */
+    ROOM = MOST + 6 /* rim edges, and two of them again; even */
+};
 
 struct crossing {
     uint32_t half; /* of the disc, to be crossed */
-    uint32_t from; /* its triangle, by its number in the disc */
+    uint16_t from,
+        to; /* its triangle, and the vertex where it ends, by their numbers in the disc */
 };
 
-struct rim {
-    struct dt_point at; /* a vertex, relative to q */
-    double square;      /* its distance, squared */
+struct vertex {
+    struct dt_point at;
     double z;
 };
 
-struct mean {
-    double sum;   /* of shares by how far the values are from z0 */
-    double whole; /* the sum of the shares */
-    double error,
-        size; /* of the shares: of all their terms, and the sum of the terms' magnitudes */
-    double z0, least, most;
-    bool missing; /* a value is nan */
+/* Numbered in the order in which they are found. */
+struct disc {
+    struct vertex vertex[MOST + 2];
+    struct dt_point centre[MOST]; /* of triangles */
+    uint32_t triangles;
+    double sum;    /* over the edges between them */
+    double length; /* at least that of the centres */
+    double error;  /* of all centres, but for 2.2 units of their lengths */
 };
 
-static inline void note_value(struct mean *m, double z)
+/* Rim edges, and the first ones again after the last. */
+struct rim {
+    double x[ROOM], y[ROOM], z[ROOM]; /* of v(i) */
+    double cx[ROOM], cy[ROOM];        /* c(i) */
+    double rx[ROOM], ry[ROOM];        /* r(i - 1) */
+    uint32_t edges;
+};
+
+/* Sums over the rim, in two lanes. */
+struct sums {
+    dt_lanes of_values; /* of shares by how far the values are from z0 */
+    dt_lanes of_shares;
+    dt_lanes flat;        /* of the F of circles.h */
+    dt_lanes length;      /* at least that of the circumcentres */
+    dt_lanes size, error; /* Laplace: of the magnitudes of all terms, of their errors */
+};
+
+static inline double cross(struct dt_point a, struct dt_point b)
 {
-    m->least = z < m->least ? z : m->least;
-    m->most = z > m->most ? z : m->most;
-    m->missing |= z != z;
+    return a.x * b.y - a.y * b.x;
 }
 
-/* a x b is a term of the shares of so many points. */
-static inline double term(struct mean *m, const struct dt_centre *a, const struct dt_centre *b,
-                          double points)
-{
-    m->error += points * (a->length * b->error + b->length * a->error + a->error * b->error);
-    m->size += points * (a->length * b->length);
-    return a->x * b->y - a->y * b->x;
-}
+/* ---- the tour ---- */
 
-/* Adds the share of a rim vertex, the cell's corners before and after it. */
-static inline void add_share(struct mean *m, bool sibson, const struct rim *v,
-                             const struct dt_centre *before, const struct dt_centre *after)
+static inline const struct dt_circle *circle_of(struct dt_valuer *v, uint32_t triangle)
 {
-    double share;
-    if (sibson) {
-        share = term(m, after, before, 1);
-    } else {
-        double x = before->x - after->x, y = before->y - after->y, inverse = 1 / v->square;
-        double over = (fabs(v->at.x) + fabs(v->at.y)) * inverse;
-        double ends = before->error + after->error;
-        share = (x * v->at.y - y * v->at.x) * inverse;
-        m->error += 1.01 * ends * over;
-        m->size += (fabs(x) + fabs(y) + ends) * over;
+    struct dt_circle *k = &v->circles.circle[triangle >> 3 & v->circles.mask];
+    if (k->triangle != triangle) {
+        dt_vicinity_enter(&v->vicinity, v->t, triangle);
+        dt_circle_make(k, v->t, triangle);
     }
-    m->whole += share;
-    m->sum += share * (v->z - m->z0);
+    return k;
 }
 
-static inline struct rim rim_at(const struct dt_valuer *v, uint32_t vertex, struct dt_point q)
+static inline struct vertex vertex_at(const struct dt_valuer *v, uint32_t vertex)
 {
-    struct dt_point p = v->t->points.xy[vertex], at = {p.x - q.x, p.y - q.y};
-    return (struct rim){at, at.x * at.x + at.y * at.y, dt_value_of(v, vertex)};
+    return (struct vertex){v->t->points.xy[vertex], dt_value_of(v, vertex)};
 }
 
-/* Whether the shares' errors add up to less than DT_WEIGHTS_ERROR, and no product of a share and a difference of values loses
- * bits at the least doubles. steps: how many terms a share may have. */
-static inline bool is_sure(const struct mean *m, bool sibson, uint32_t steps)
+static inline void add_centre(struct disc *d, const struct dt_circle *k, struct dt_point c)
 {
-    if (!((m->most - m->least) * fabs(m->whole) >= 0x1p-1000) && m->most != m->least)
-        return false;
-    double rounding = ((sibson ? 8 : 16) + steps) * DT_U * m->size;
-    return m->error + rounding < DT_WEIGHTS_ERROR / 2 * fabs(m->whole);
+    double length = fabs(c.x) + fabs(c.y);
+    d->length = length > d->length ? length : d->length;
+    d->error += k->error;
+    d->centre[d->triangles++] = c;
+}
+
+static inline void add_edge(struct rim *r, const struct vertex *v, const struct dt_point *c)
+{
+    uint32_t i = r->edges++;
+    r->x[i] = v->at.x;
+    r->y[i] = v->at.y;
+    r->z[i] = v->z;
+    r->cx[i] = c->x;
+    r->cy[i] = c->y;
+}
+
+/* False: there are too many triangles. */
+static inline bool tour(struct dt_valuer *v, struct dt_point q, uint32_t first, bool sibson,
+                        struct disc *d, struct rim *r)
+{
+    const struct dt_mesh *mesh = &v->t->mesh;
+    const struct dt_circle *k = circle_of(v, dt_base(first));
+    struct crossing todo[MOST + 3];
+    todo[0] = (struct crossing){dt_prev(first), 0, 0};
+    todo[1] = (struct crossing){dt_next(first), 0, 2};
+    todo[2] = (struct crossing){first, 0, 1};
+    uint32_t left = 3, here = 0;
+    d->vertex[0] = vertex_at(v, dt_origin(mesh, first));
+    d->vertex[1] = vertex_at(v, dt_dest(mesh, first));
+    d->vertex[2] = vertex_at(v, dt_apex_of(mesh, first));
+    d->triangles = r->edges = 0;
+    d->sum = d->length = d->error = 0;
+    add_centre(d, k, dt_circle_from(k, q));
+    while (left > 0) {
+        struct crossing c = todo[--left];
+        uint32_t beyond = dt_twin(mesh, c.half);
+        k = circle_of(v, dt_base(beyond));
+        struct dt_point centre = dt_circle_from(k, q);
+        if (!dt_circle_contains(k, v->t, q, centre)) {
+            add_edge(r, &d->vertex[here], &d->centre[c.from]);
+            here = c.to;
+            continue;
+        }
+        uint16_t inside = (uint16_t)d->triangles, apex = (uint16_t)(inside + 2);
+        if (inside == MOST)
+            return false;
+        d->vertex[apex] = vertex_at(v, dt_apex_of(mesh, beyond));
+        if (sibson)
+            d->sum += cross(d->centre[c.from], centre) * (d->vertex[here].z - d->vertex[c.to].z);
+        add_centre(d, k, centre);
+        todo[left++] = (struct crossing){dt_prev(beyond), inside, c.to};
+        todo[left++] = (struct crossing){dt_next(beyond), inside, apex};
+    }
+    for (uint32_t i = 0; i < 2; i++)
+        add_edge(r, &(struct vertex){{r->x[i], r->y[i]}, r->z[i]},
+                 &(struct dt_point){r->cx[i], r->cy[i]});
+    r->edges -= 2;
+    return true;
+}
+
+/* ---- sums over the rim ---- */
+
+/* Both lanes count for the rim edges i and i + 1, or the first one if there are no more. */
+static inline dt_lanes counting(const struct rim *r, uint32_t i)
+{
+    return (dt_lanes){1, i + 1 < r->edges ? 1 : 0};
+}
+
+static inline void add_sibson(struct sums *s, struct rim *r, uint32_t i, dt_lanes ax, dt_lanes ay,
+                              dt_lanes turn)
+{
+    dt_lanes cx = dt_lanes_load(r->cx + i), cy = dt_lanes_load(r->cy + i);
+    dt_lanes z = dt_lanes_load(r->z + i), next = dt_lanes_load(r->z + i + 1);
+    dt_lanes x = ax - turn * ay, y = ay + turn * ax;
+    dt_lanes_store(r->rx + i + 1, x);
+    dt_lanes_store(r->ry + i + 1, y);
+    s->length = dt_lanes_most(s->length, dt_lanes_abs(x) + dt_lanes_abs(y));
+    s->of_values += (cx * y - cy * x) * ((z - next) * counting(r, i));
+}
+
+/* The rim edges i and i + 1. */
+static inline void add_edges(struct sums *s, struct rim *r, uint32_t i, struct dt_point q,
+                             bool sibson)
+{
+    dt_lanes px = dt_lanes_load(r->x + i), py = dt_lanes_load(r->y + i);
+    dt_lanes nx = dt_lanes_load(r->x + i + 1), ny = dt_lanes_load(r->y + i + 1);
+    dt_lanes qx = dt_lanes_both(q.x), qy = dt_lanes_both(q.y);
+    dt_lanes ax = px - qx, ay = py - qy, bx = nx - qx, by = ny - qy, ex = nx - px, ey = ny - py;
+    dt_lanes left = ax * ey, right = ay * ex;
+    dt_lanes inverse = dt_lanes_both(1) / (left - right), size = dt_lanes_abs(inverse);
+    dt_lanes flat = (dt_lanes_abs(left) + dt_lanes_abs(right)) * size;
+    dt_lanes bex = bx * ex, bey = by * ey, turn = (bex + bey) * inverse;
+    if (sibson) {
+        s->flat += flat;
+        add_sibson(s, r, i, ax, ay, turn);
+        return;
+    }
+    dt_lanes z = dt_lanes_load(r->z + i), next = dt_lanes_load(r->z + i + 1);
+    dt_lanes aex = ax * ex, aey = ay * ey, other = (aex + aey) * inverse;
+    dt_lanes z0 = dt_lanes_both(r->z[0]), counts = counting(r, i);
+    size *= (dt_lanes_abs(aex) + dt_lanes_abs(aey)) + (dt_lanes_abs(bex) + dt_lanes_abs(bey));
+    s->size += size;
+    s->error += size * flat;
+    s->of_shares += (turn - other) * counts;
+    s->of_values += (turn * (z - z0) - other * (next - z0)) * counts;
+}
+
+/* The sums of r(i) x r(i-1). */
+static inline void add_shares(struct sums *s, struct rim *r)
+{
+    dt_lanes z0 = dt_lanes_both(r->z[0]);
+    r->rx[0] = r->rx[r->edges];
+    r->ry[0] = r->ry[r->edges];
+    for (uint32_t i = 0; i < r->edges; i += 2) {
+        dt_lanes share = dt_lanes_load(r->rx + i + 1) * dt_lanes_load(r->ry + i) -
+                         dt_lanes_load(r->ry + i + 1) * dt_lanes_load(r->rx + i);
+        share *= counting(r, i);
+        s->of_shares += share;
+        s->of_values += share * (dt_lanes_load(r->z + i) - z0);
+    }
+}
+
+static inline double total(dt_lanes a)
+{
+    return a[0] + a[1];
+}
+
+/* At least what the shares' errors add up to. */
+static inline double error_of(const struct disc *d, const struct rim *r, const struct sums *s,
+                              bool sibson)
+{
+    double n = r->edges;
+    if (!sibson)
+        return DT_U * ((2 * n + 30) * total(s->size) + 4.1 * total(s->error));
+    double terms = d->triangles + 2 * n;
+    double length = s->length[0] > s->length[1] ? s->length[0] : s->length[1];
+    length = length > d->length ? length : d->length;
+    double rim = DT_CENTRE_ERROR(0) * (n + 1) + 4.1 * DT_U * total(s->flat);
+    double centres = d->error + length * (rim + 2.2 * DT_U * d->triangles);
+    return length * (3.1 * centres + DT_U * length * terms * (terms + 8));
+}
+
+/* ---- the mean ---- */
+
+/* z0 + sum / whole, unless there is no mean in doubles: terms of the sum may overflow, or be so small that they lose bits. */
+static bool make_mean(const struct disc *d, double sum, double whole, double *out)
+{
+    double z0 = d->vertex[0].z, least = z0, most = z0;
+    bool missing = false;
+    for (uint32_t i = 0; i < d->triangles + 2; i++) {
+        double z = d->vertex[i].z;
+        least = z < least ? z : least;
+        most = z > most ? z : most;
+        missing |= z != z;
+    }
+    double mean = z0 + sum / whole, range = most - least;
+    *out = mean < least ? least : mean > most ? most : mean;
+    if (missing)
+        *out = (double)NAN;
+    return missing || (isfinite(mean) && (range == 0 || fabs(whole) * range > 0x1p-900));
 }
 
 static inline bool mean_of(struct dt_valuer *v, struct dt_point q, uint32_t first, bool sibson,
                            double *out)
 {
-    const struct dt *t = v->t;
-    const struct dt_mesh *mesh = &t->mesh;
-    struct dt_centre in[MOST], before = {0}, after, begin = {0};
-    struct crossing todo[MOST + 3];
-    uint32_t inside = 1, left = 3, rims = 0;
-    struct rim start = rim_at(v, dt_origin(mesh, first), q), here = start;
-    struct mean m = {
-        .z0 = start.z, .least = start.z, .most = start.z, .missing = start.z != start.z};
-    in[0] = dt_centre_from(dt_circle_of(&v->circles, t, dt_base(first)), q);
-    todo[0] = (struct crossing){dt_prev(first), 0};
-    todo[1] = (struct crossing){dt_next(first), 0};
-    todo[2] = (struct crossing){first, 0};
-    while (left > 0) {
-        struct crossing c = todo[--left];
-        uint32_t beyond = dt_twin(mesh, c.half);
-        const struct dt_centre *from = &in[c.from];
-        dt_vicinity_enter(&v->vicinity, t, beyond);
-        struct rim there = rim_at(v, dt_dest(mesh, c.half), q);
-        if (!dt_is_ghost(mesh, beyond) &&
-            dt_circle_contains(dt_circle_of(&v->circles, t, dt_base(beyond)), t, q, &in[inside])) {
-            if (sibson)
-                m.sum += term(&m, from, &in[inside], 2) * (here.z - there.z);
-            todo[left++] = (struct crossing){dt_prev(beyond), inside};
-            todo[left++] = (struct crossing){dt_next(beyond), inside};
-            if (++inside == MOST)
-                return false;
-            continue;
-        }
-        after = dt_centre_at(here.at, there.at, here.square, there.square);
-        if (sibson)
-            m.sum += term(&m, from, &after, 2) * (here.z - there.z);
-        if (rims++ == 0)
-            begin = after;
-        else
-            add_share(&m, sibson, &here, &before, &after);
-        before = after;
-        here = there;
-        note_value(&m, there.z);
-    }
-    add_share(&m, sibson, &start, &before, &begin);
-    if (!is_sure(&m, sibson, 3 * (inside + rims)))
+    struct disc d;
+    struct rim r;
+    struct sums s = {0};
+    if (!tour(v, q, first, sibson, &d, &r))
         return false;
-    double mean = m.z0 + m.sum / m.whole;
-    *out = mean < m.least ? m.least : mean > m.most ? m.most : mean;
-    if (m.missing)
-        *out = (double)NAN;
-    return m.missing || isfinite(mean);
+    for (uint32_t i = 0; i < r.edges; i += 2)
+        add_edges(&s, &r, i, q, sibson);
+    if (sibson)
+        add_shares(&s, &r);
+    double whole = total(s.of_shares);
+    if (!(error_of(&d, &r, &s, sibson) < 0.9 * DT_WEIGHTS_ERROR * fabs(whole)))
+        return false;
+    return make_mean(&d, d.sum + total(s.of_values), whole, out);
 }
 
 bool dt_natural_mean(struct dt_valuer *v, struct dt_point q, uint32_t first, double *out)
