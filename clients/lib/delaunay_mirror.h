@@ -58,8 +58,9 @@ uint32_t delaunay_mirror_ids(const struct delaunay_mirror *m);
  * not wanted; nan: none). False if there is no such point. */
 bool delaunay_mirror_point(const struct delaunay_mirror *m, uint32_t id, double *xy, double *value);
 
-/* The neighbours of a point in *ring, in the order of LISTS, valid until the next call of delaunay_mirror_next, and whether it is an
- * interior point. Returns how many; 0 for aliases, before TRIANGULATE, and where there is no such point. */
+/* The neighbours of a point in *ring, in the order of LISTS, valid until the next call of delaunay_mirror_next, and
+ * whether it is an interior point. Returns how many; 0 for aliases, before TRIANGULATE, and where there is no such
+ * point. */
 size_t delaunay_mirror_ring(const struct delaunay_mirror *m, uint32_t id, const uint32_t **ring,
                             bool *interior);
 

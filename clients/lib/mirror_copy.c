@@ -262,8 +262,8 @@ static uint32_t find(struct ring r, uint32_t id)
     return k;
 }
 
-/* Whether the neighbours of a boundary point with two of them are joined: they are not if all points are on one line. A box may leave
- * both their rings unknown; then they are taken to be. */
+/* Whether the neighbours of a boundary point with two of them are joined: they are not if all points are on one line.
+ * A box may leave both their rings unknown; then they are taken to be. */
 static bool are_joined(const struct copy *c, ring_fn *ring, struct ring r)
 {
     struct ring a = ring(c, r.at[0]), b = ring(c, r.at[1]);

@@ -66,8 +66,9 @@ void copy_reset(struct copy *c);
 /* Gathers a row. DELAUNAY_BROKEN: it is none of an event; DELAUNAY_NOMEM. */
 enum delaunay_result copy_row(struct copy *c, const char *text, size_t len);
 
-/* Applies what has been gathered. *change borrows from the copy until the next commit. DELAUNAY_NOMEM: the copy is
- * as before, and nothing is gathered any more. Cost: linear in the rows and in the rings that were replaced, on an average over commits. */
+/* Applies what has been gathered. *change borrows from the copy until the next commit. DELAUNAY_NOMEM: the copy is as
+ * before, and nothing is gathered any more. Cost: linear in the rows and in the rings that were replaced, on an
+ * average over commits. */
 enum delaunay_result copy_commit(struct copy *c, struct delaunay_change *change);
 
 /* The place of an id; NULL if there is no such point. */

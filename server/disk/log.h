@@ -38,9 +38,9 @@ struct log_status {
 
 struct log;
 
-/* Starts the thread, and a segment of dir->lineage whose first record will have the lsn `first`; digest: of the changes
- * before it; 0: a new one begins. `event` is an eventfd (borrowed) that is written when the status has changed. NULL: the reason is on standard
- * error. */
+/* Starts the thread, and a segment of dir->lineage whose first record will have the lsn `first`; digest: of the
+ * changes before it; 0: a new one begins. `event` is an eventfd (borrowed) that is written when the status has
+ * changed. NULL: the reason is on standard error. */
 struct log *log_new(const struct datadir *dir, enum log_policy policy, uint64_t first,
                     uint64_t digest, int event);
 

@@ -1,5 +1,5 @@
-/* incoming.h - what a leader sends to a follower (sender.h), as it comes: headers of segments and records, and snapshots, which go into
- * files aside. */
+/* incoming.h - what a leader sends to a follower (sender.h), as it comes: headers of segments and records, and
+ * snapshots, which go into files aside. */
 #ifndef SERVER_INCOMING_H
 #define SERVER_INCOMING_H
 

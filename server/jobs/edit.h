@@ -5,8 +5,8 @@
 #include "server/disk/log.h"
 #include "server/jobs/job.h"
 
-/* Whether n points with values of this number of fields may be added to the set, NULL for a new one; if they are many, `memory` is reserved for
- * them. False: the ERR line has been written, or the request waits. */
+/* Whether n points with values of this number of fields may be added to the set, NULL for a new one; if they are many,
+ * `memory` is reserved for them. False: the ERR line has been written, or the request waits. */
 bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set, size_t n,
                   size_t columns, struct reservation *memory);
 

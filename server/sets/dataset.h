@@ -111,10 +111,10 @@ bool registry_drop_orphans(struct registry *r);
 /* Frees more of the data that was saved for readers that have finished, in about a millisecond at most. To
  * be called once a second. */
 void registry_tidy(struct registry *r);
-/* The sets of `from`, which is empty then, replace those of r; the temporary ones stay unless `from` has a set of their name. A set
- * of a name that both have gets the contents and the version of the other one, so clients that watch it go on. same: sets
- * of equal versions are equal, so they stay as they are; otherwise these are dropped. No set that is replaced or dropped may have a writer. False: out of
- * memory; nothing has changed. */
+/* The sets of `from`, which is empty then, replace those of r; the temporary ones stay unless `from` has a set of
+ * their name. A set of a name that both have gets the contents and the version of the other one, so clients that watch
+ * it go on. same: sets of equal versions are equal, so they stay as they are; otherwise these are dropped. No set that
+ * is replaced or dropped may have a writer. False: out of memory; nothing has changed. */
 bool registry_replace(struct registry *r, struct registry *from, bool same);
 /* Calls visit for every born set, in no particular order. */
 void registry_each(const struct registry *r, void (*visit)(struct dataset *set, void *ctx),

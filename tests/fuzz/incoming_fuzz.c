@@ -1,6 +1,6 @@
-/* incoming_fuzz.c - libFuzzer target: any bytes from a leader. They come in two parts; the first byte chooses where. What is passed on
- * are whole headers and records, in order, and a snapshot that is complete is read as a start would read it. Checksums are
- * corrected first. */
+/* incoming_fuzz.c - libFuzzer target: any bytes from a leader. They come in two parts; the first byte chooses where.
+ * What is passed on are whole headers and records, in order, and a snapshot that is complete is read as a start would
+ * read it. Checksums are corrected first. */
 #include "proto/records/crc32c.h"
 #include "server/disk/recover.h"
 #include "server/follow/incoming.h"

@@ -1,6 +1,6 @@
-/* mirror_fuzz.c - rows of events for the copy that a mirror keeps: the first byte is the number of fields, then lines: rows, `reset`,
- * and an empty line for the end of an event. Whatever rings there are, the copy's counts fit what it has, and a change names
- * points that were, or were not, there. */
+/* mirror_fuzz.c - rows of events for the copy that a mirror keeps: the first byte is the number of fields, then lines:
+ * rows, `reset`, and an empty line for the end of an event. Whatever rings there are, the copy's counts fit what it
+ * has, and a change names points that were, or were not, there. */
 #include <stdlib.h>
 #include <string.h>
 

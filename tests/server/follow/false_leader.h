@@ -22,7 +22,8 @@ void false_leader_end(struct false_leader *l);
 /* Begins to connect to it; the caller closes. */
 int false_leader_dial(const struct false_leader *l);
 
-/* Waits until a follower connects, and receives its SYNC. Ends the connection before that. Answers that it continues, "yes", or not. */
+/* Waits until a follower connects, and receives its SYNC. Ends the connection before that. Answers that it continues,
+ * "yes", or not. */
 void false_leader_accept(struct false_leader *l, const char *continues);
 
 /* Appends to what is to be sent: a header, of the next record; a record with the next lsn; the header of a snapshot
