@@ -110,22 +110,25 @@ static void order_ends(struct dt_weigher *w)
     w->weight[1] = weight;
 }
 
-/* The mean by the weights of the weigher's points, in their order. */
+/* The mean by the weights of the weigher's points, in their order. Values are scaled where their differences may be too
+ * large, or products may lose bits at the least doubles. */
 static double weighted_mean(const struct dt_valuer *v)
 {
     const struct dt_weigher *w = &v->weigher;
-    double z0 = (double)NAN, least = HUGE_VAL, most = -HUGE_VAL, sum = 0, plain = 0;
+    double least = HUGE_VAL, most = -HUGE_VAL, sum = 0;
     for (size_t i = 0; i < w->n; i++) {
         double z = dt_value_of_id(v->s, w->id[i]);
         if (isnan(z))
             return z;
-        z0 = i == 0 ? z : z0;
         least = z < least ? z : least;
         most = z > most ? z : most;
-        sum += w->weight[i] * (z - z0);
-        plain += w->weight[i] * z;
     }
-    return within(isfinite(z0 + sum) ? z0 + sum : plain, least, most);
+    double largest = fmax(-least, most);
+    double scale = largest > 0x1p1000 ? 0x1p-2 : largest < 0x1p-800 ? 0x1p200 : 1;
+    double z0 = dt_value_of_id(v->s, w->id[0]) * scale;
+    for (size_t i = 0; i < w->n; i++)
+        sum += w->weight[i] * (dt_value_of_id(v->s, w->id[i]) * scale - z0);
+    return within((z0 + sum) / scale, least, most);
 }
 
 static enum dt_status by_weights(struct dt_valuer *v, struct dt_point q, enum dt_where where,

@@ -231,6 +231,18 @@ TEST(values_of_the_least_magnitudes_are_as_exact_as_others)
     }
 }
 
+TEST(means_of_the_least_doubles_are_rounded_once)
+{
+    static const struct dt_point p[] = {{0, 1}, {0, 2}, {2, 1}, {2, 2}, {1, 1}, {1, 2}, {1, 0}};
+    double z[] = {0, 19, 19, 19,
+                  8, 8,  0}; /* of which at 1 1.5 a 36th counts four times, and 4/9 twice */
+    for (int i = 0; i < 7; i++)
+        z[i] *= 0x1p-1074;
+    struct dt *t = set_with(p, z, 7);
+    CHECK(value_in(t, DT_NATURAL, HUGE_VAL, 1, 1.5) == 9 * 0x1p-1074); /* 8.69 */
+    dt_free(t);
+}
+
 TEST(values_are_missing_where_one_that_counts_is)
 {
     static const struct dt_point p[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {2, 2.5}};
