@@ -8,7 +8,6 @@
 #include "core/edit/arrivals.h"
 #include "core/edit/update.h"
 #include "core/exact/bounds.h"
-#include "core/exact/lanes.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
 #include "core/set/view_save.h"
@@ -19,16 +18,24 @@ bool dt_coordinate_ok(double v)
     return size == 0 || (size >= DT_COORDINATE_LEAST && size <= DT_COORDINATE_MOST);
 }
 
+/* The bits of |v|, which as a number grow with it. */
+static uint64_t magnitude(double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits & INT64_MAX;
+}
+
 bool dt_coordinates_ok(const double *v, size_t n)
 {
-    const dt_lanes least = dt_lanes_both(DT_COORDINATE_LEAST), zero = {0, 0},
-                   most = dt_lanes_both(DT_COORDINATE_MOST);
-    int ok = 3;
-    for (; n > 1; v += 2, n -= 2) {
-        dt_lanes size = dt_lanes_abs(dt_lanes_load(v));
-        ok &= dt_lanes_bits((size == zero) | ((size >= least) & (size <= most)));
+    const uint64_t least = magnitude(DT_COORDINATE_LEAST);
+    const uint64_t range = magnitude(DT_COORDINATE_MOST) - least;
+    for (size_t i = 0; i < n; i++) {
+        uint64_t size = magnitude(v[i]);
+        if (size - least > range && size != 0)
+            return false;
     }
-    return ok == 3 && (n == 0 || dt_coordinate_ok(*v));
+    return true;
 }
 
 static bool point_ok(struct dt_point p)
