@@ -102,17 +102,14 @@ struct dt_options {
 
 /* ---- life ---- */
 
-/* A new empty set with coincidence tolerance tol >= 0 (see dt_coordinate_ok); NULL when out of
- * memory. The caller owns it. */
+/* A new empty set with coincidence tolerance tol >= 0 (see dt_coordinate_ok); NULL when out of memory. The caller owns it. */
 struct dt *dt_new(double tol);
 void dt_free(struct dt *t);
 
-/* The same, and its large arrays come from the keeper and go back there (see below). pages may be
- * NULL. */
+/* The same, and its large arrays come from the keeper and go back there (see below). pages may be NULL. */
 struct dt *dt_new_in(double tol, struct dt_pages *pages);
 
-/* An independent copy in *copy, which the caller owns, on the same keeper. Cost: O(memory of the
- * set). */
+/* An independent copy in *copy, which the caller owns, on the same keeper. Cost: O(memory of the set). */
 enum dt_status dt_clone(const struct dt *t, struct dt **copy);
 
 /* The same without the triangulation, which awaits dt_refresh if t has one: for a caller that is going
@@ -123,9 +120,7 @@ double dt_tolerance(const struct dt *t);
 
 /* Whether v is zero or 2^-142 <= |v| <= 2^201: the range in which all predicates are exact. */
 bool dt_coordinate_ok(double v);
-
-/* Whether all of v[n] are. */
-bool dt_coordinates_ok(const double *v, size_t n);
+bool dt_coordinates_ok(const double *v, size_t n); /* all of v[n] */
 
 /* ---- memory that is used again ----
  *
@@ -247,18 +242,23 @@ struct dt_summary {
     size_t memory;     /* bytes the set holds */
 };
 
-/* Computes the triangulation of the set. From then on the set is live: every edit keeps it current.
- * On a set that is triangulated already, DT_AUTO without opt->rebuild does nothing; a named engine rebuilds it.
- * opt may be NULL. */
+/* Computes the triangulation of the set. From then on the set is live: every edit keeps it current. On a set that is
+ * triangulated already, DT_AUTO without opt->rebuild does nothing; a named engine rebuilds it. opt may be NULL. */
 enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt);
 
-/* Brings the triangulation up to date if an edit has postponed that; cheap when it is current. Must be called
- * before the const queries below, which otherwise answer DT_UNTRIANGULATED. On a set that was never
- * triangulated it does nothing. */
+/* Brings the triangulation up to date if an edit has postponed that; cheap when it is current. Must be called before the
+ * const queries below, which otherwise answer DT_UNTRIANGULATED. On a set that was never triangulated it does nothing. */
 enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt);
 
-/* Triangulation counts are 0 while the set is not triangulated or awaits dt_refresh. Cost:
- * constant. */
+/* dt_triangulate in two steps, for points that one large batch has sorted (dt_build_suits). dt_build only reads, so queries
+ * may continue meanwhile; dt_built installs what it has made, if t has not been edited since. Cost of dt_built: constant. */
+struct dt_build;
+bool dt_build_suits(const struct dt *t, const struct dt_options *opt);
+enum dt_status dt_build(const struct dt *t, const struct dt_options *opt, struct dt_build **out);
+void dt_build_free(struct dt_build *b);
+void dt_built(struct dt *t, struct dt_build *b);
+
+/* Triangulation counts are 0 while the set is not triangulated or awaits dt_refresh. Cost: constant. */
 void dt_summary(const struct dt *t, struct dt_summary *out);
 
 /* Proves the triangulation exactly: every edge locally Delaunay under the canonical tie rule, twins

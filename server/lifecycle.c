@@ -65,12 +65,13 @@ static void deliver_all(struct server *s, struct work *work,
                         void (*deliver)(void *ctx, struct job *j), void *ctx)
 {
     for (struct work *next; work != NULL; work = next) {
+        struct job *j = (struct job *)work;
         next = work->next;
-        if (job_is_early(s, (struct job *)work)) {
+        if (job_is_early(s, j)) {
             work->next = s->early;
             s->early = work;
-        } else {
-            deliver(ctx, (struct job *)work);
+        } else if (job_install(s, j)) {
+            deliver(ctx, j);
         }
     }
 }

@@ -1,6 +1,8 @@
 /* triangulate.c - the triangulation of a whole set, by either engine. */
 #include "core/delaunay.h"
 
+#include <stdlib.h>
+
 #include "core/control/stop.h"
 #include "core/divide/divide.h"
 #include "core/memory/memory.h"
@@ -91,17 +93,6 @@ static enum dt_status triangulate(struct draft *b, const struct dt_points *p,
     return status;
 }
 
-/* Vertices in the order of a plan keep their numbers. */
-static enum dt_status build_planned(struct dt *t, struct dt_mesh *mesh,
-                                    const struct dt_options *opt)
-{
-    enum dt_status status =
-        dt_divide_sorted(t->points.xy, t->points.end, t->points.plan, mesh, opt);
-    if (status == DT_OK)
-        dt_points_unplan(&t->points);
-    return status;
-}
-
 static enum dt_status build_sorting(struct dt *t, struct dt_mesh *mesh,
                                     const struct dt_options *opt)
 {
@@ -118,20 +109,12 @@ static enum dt_status build_sorting(struct dt *t, struct dt_mesh *mesh,
     return status;
 }
 
-/* Builds the mesh of t for its present points; vertices are renumbered into grid order, and there is no grid for
- * searches. On success t is current. Else (DT_NOMEM, DT_CANCELLED) t is as before, or to be freed
- * (opt->disposable). */
-static enum dt_status build(struct dt *t, const struct dt_options *opt)
+/* The mesh of the present points replaces the old one; there is no grid for searches. */
+static void install(struct dt *t, const struct dt_mesh *mesh)
 {
-    dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the room */
-    struct dt_mesh mesh = {.pages = t->points.pages};
-    bool planned = t->points.plan != NULL && (opt == NULL || opt->method != DT_SHELLING);
-    enum dt_status status = planned ? build_planned(t, &mesh, opt) : build_sorting(t, &mesh, opt);
-    if (status != DT_OK)
-        return status;
     dt_mesh_clear(&t->mesh);
     dt_hints_clear(&t->hints);
-    t->mesh = mesh;
+    t->mesh = *mesh;
     t->mesh.recycled = false;
     t->hinted = 0;
     t->steps = 0;
@@ -139,7 +122,66 @@ static enum dt_status build(struct dt *t, const struct dt_options *opt)
     if (!t->current)
         dt_views_lose_rings(&t->views);
     t->current = true;
-    return DT_OK;
+}
+
+/* ---- points in the order of a plan, whose vertices keep their numbers ---- */
+
+struct dt_build {
+    struct dt_mesh mesh;
+};
+
+bool dt_build_suits(const struct dt *t, const struct dt_options *opt)
+{
+    return t->points.plan != NULL && (opt == NULL || opt->method != DT_SHELLING);
+}
+
+enum dt_status dt_build(const struct dt *t, const struct dt_options *opt, struct dt_build **out)
+{
+    struct dt_build *b = calloc(1, sizeof *b);
+    enum dt_status status = DT_NOMEM;
+    if (b != NULL) {
+        b->mesh.pages = t->points.pages;
+        status = dt_divide_sorted(t->points.xy, t->points.end, t->points.plan, &b->mesh, opt);
+    }
+    if (status != DT_OK) {
+        free(b);
+        b = NULL;
+    }
+    *out = b;
+    return status;
+}
+
+void dt_build_free(struct dt_build *b)
+{
+    if (b != NULL)
+        dt_mesh_clear(&b->mesh);
+    free(b);
+}
+
+void dt_built(struct dt *t, struct dt_build *b)
+{
+    dt_points_unplan(&t->points);
+    install(t, &b->mesh);
+    t->triangulated = true;
+    free(b);
+}
+
+/* ---- any points ---- */
+
+/* Builds the mesh of t for its present points; vertices are renumbered into grid order. On success t is current. Else
+ * (DT_NOMEM, DT_CANCELLED) t is as before, or to be freed (opt->disposable). */
+static enum dt_status build(struct dt *t, const struct dt_options *opt)
+{
+    dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the room */
+    struct dt_mesh mesh = {.pages = t->points.pages};
+    struct dt_build *planned;
+    bool suits = dt_build_suits(t, opt);
+    enum dt_status status = suits ? dt_build(t, opt, &planned) : build_sorting(t, &mesh, opt);
+    if (status == DT_OK && suits)
+        dt_built(t, planned);
+    else if (status == DT_OK)
+        install(t, &mesh);
+    return status;
 }
 
 enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt)

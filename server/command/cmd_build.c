@@ -10,6 +10,7 @@
 
 struct build {
     struct job job;
+    struct dt_build *made; /* owns */
     double ms;
     const char *fault;
 };
@@ -25,15 +26,41 @@ static void append_counts(struct answer *a, const struct dt_summary *sum)
 
 /* ---- TRIANGULATE ---- */
 
+static void take_time(struct build *b, int64_t start)
+{
+    int64_t microseconds = (clock_ns() - start) / 1000;
+    b->ms = (double)microseconds / 1000;
+}
+
 static void run_triangulate(struct job *j)
 {
-    struct build *b = (struct build *)j;
     int64_t start = clock_ns();
     j->status = dt_triangulate(j->dt, &j->options);
     if (j->status == DT_OK)
         j->status = dt_refresh(j->dt, &j->options);
-    int64_t microseconds = (clock_ns() - start) / 1000;
-    b->ms = (double)microseconds / 1000;
+    take_time((struct build *)j, start);
+}
+
+/* Beside the set, whose points are sorted already. */
+static void run_build(struct job *j)
+{
+    struct build *b = (struct build *)j;
+    int64_t start = clock_ns();
+    j->status = dt_build(j->dt, &j->options, &b->made);
+    take_time(b, start);
+}
+
+static void install_built(struct job *j)
+{
+    struct build *b = (struct build *)j;
+    if (b->made != NULL)
+        dt_built(j->dt, b->made);
+    b->made = NULL;
+}
+
+static void clear_build(struct job *j)
+{
+    dt_build_free(((struct build *)j)->made);
 }
 
 static void record_triangulate(struct server *s, struct job *j)
@@ -83,7 +110,7 @@ bool triangulate_join(struct server *s, struct dataset *set, const struct reques
 {
     enum dt_method method;
     struct job *j = set->writer;
-    if (j == NULL || j->run != run_triangulate || j->cancel)
+    if (j == NULL || j->done != triangulate_done || j->cancel)
         return false;
     if (!read_method(a, q, &method))
         return true;
@@ -118,8 +145,15 @@ void cmd_triangulate(struct server *s, struct dataset *set, const struct request
     b->job.what = "triangulating";
     b->job.options.method = method;
     b->job.options.rebuild = named;
-    /* A copy of a large set is triangulated, so that readers of its points do not wait. */
-    job_write(s, a, &b->job, set, large ? JOB_HEAVY | JOB_COPY : 0);
+    /* Readers of the points of a large set do not wait: it is built beside the set, or a copy is triangulated. */
+    if (large && s->workers != NULL && dt_build_suits(set->current->dt, &b->job.options)) {
+        b->job.run = run_build;
+        b->job.install = install_built;
+        b->job.clear = clear_build;
+        job_beside(s, a, &b->job, set, JOB_HEAVY);
+    } else {
+        job_write(s, a, &b->job, set, large ? JOB_HEAVY | JOB_COPY : 0);
+    }
 }
 
 /* ---- CHECK ----

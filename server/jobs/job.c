@@ -336,6 +336,24 @@ bool job_give_up_early(struct server *s, struct job *j)
     return true;
 }
 
+bool job_install(struct server *s, struct job *j)
+{
+    void (*install)(struct job *) = j->install;
+    j->install = NULL;
+    if (install == NULL || j->status == DT_CANCELLED)
+        return true;
+    if (version_try_edit(j->base)) {
+        install(j);
+        version_unlock(j->base);
+        return true;
+    }
+    j->run = install;
+    j->beside = false;
+    j->set->exclusive = j->base->edited = true;
+    workers_submit(s->workers, WORK_SHORT, &j->work);
+    return false;
+}
+
 void job_answer(struct server *s, struct job *j, struct answer *a)
 {
     a->lsn = j->lsn;

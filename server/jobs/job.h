@@ -6,6 +6,8 @@
  *            and job->dt.
  *     done   on the I/O thread: writes the reply, or the error for job->status.
  *     clear  frees the arguments; may be NULL.
+ *     install  of a job beside the set, unless it was cancelled: edits the set in place, in microseconds. It runs on the
+ *            I/O thread, or on a worker if a piece of the set is being read; may be NULL.
  *     record on the I/O thread, after a writer has succeeded: appends the change to the journal; may be
  *            NULL.
  *
@@ -13,7 +15,7 @@
  * searches for about a millisecond. A writing job is the set's only writer until it is done. It edits in
  * place, or it edits or triangulates a copy of the points, which becomes the current version when the job
  * has succeeded. A job beside the set (job_beside) only reads, but for long: queries go on meanwhile, edits
- * wait. */
+ * wait; what it has made, such as the triangulation of sorted points, is installed at its end. */
 #ifndef SERVER_JOB_H
 #define SERVER_JOB_H
 
@@ -27,6 +29,7 @@ struct job {
     void (*done)(struct server *s, struct job *j, struct answer *a);
     void (*clear)(struct job *j);
     void (*record)(struct server *s, struct job *j);
+    void (*install)(struct job *j);
     const char *what; /* for the progress line; NULL: none */
     uint64_t owner;   /* the id of the connection that gets the reply */
     uint64_t *also;   /* owns: ids of other connections that get it (job_join) */
@@ -78,7 +81,7 @@ bool job_reserve_build(struct server *s, struct answer *a, const struct dataset 
                        struct reservation *r);
 
 /* As job_write, for a job that only reads the set, but for long: edits of the set wait for it, queries do
- * not. */
+ * not. If it has something to install, it must be heavy, and there must be workers. */
 void job_beside(struct server *s, struct answer *a, struct job *j, struct dataset *set,
                 unsigned how);
 
@@ -102,6 +105,9 @@ bool job_is_early(const struct server *s, const struct job *j);
 
 /* Removes the job from server.early, if it is there, to be ended now as cancelled. */
 bool job_give_up_early(struct server *s, struct job *j);
+
+/* Installs what a job beside its set has made. False: a worker will do so, and the job has not ended. */
+bool job_install(struct server *s, struct job *j);
 
 /* Writes the reply for one of the connections that wait for the job. */
 void job_answer(struct server *s, struct job *j, struct answer *a);

@@ -19,49 +19,27 @@ static void clear_renew(struct job *j)
     dt_renewal_free(((struct renew *)j)->fresh);
 }
 
-static struct renew *new_renew(void (*run)(struct job *),
-                               void (*done)(struct server *, struct job *, struct answer *))
-{
-    struct renew *r = job_new(sizeof *r, run, done);
-    if (r != NULL)
-        r->job.clear = clear_renew;
-    return r;
-}
-
-static void run_exchange(struct job *j)
+/* Out of memory: it is tried again later. Cancelled: the next search that needs a grid builds it. */
+static void install_renewed(struct job *j)
 {
     struct renew *r = (struct renew *)j;
     dt_renewed(j->dt, r->fresh);
     r->fresh = NULL;
 }
 
-static void exchanged(struct server *s, struct job *j, struct answer *a)
+static void renewed(struct server *s, struct job *j, struct answer *a)
 {
     (void)s, (void)j, (void)a;
 }
 
-/* The new grid is installed by an edit in place: at once, unless a worker is reading a piece of the set. Out of
- * memory: it is tried again later. Cancelled: the next search that needs a grid builds it. */
-static void renewed(struct server *s, struct job *j, struct answer *a)
-{
-    struct renew *made = (struct renew *)j, *exchange = NULL;
-    struct answer nobody = {0};
-    (void)a;
-    if (j->status != DT_CANCELLED)
-        exchange = new_renew(run_exchange, exchanged);
-    if (exchange == NULL)
-        return;
-    exchange->fresh = made->fresh;
-    made->fresh = NULL;
-    job_write(s, &nobody, &exchange->job, j->set, 0);
-}
-
 static bool start(struct server *s, struct dataset *set)
 {
-    struct renew *r = new_renew(run_renew, renewed);
+    struct renew *r = job_new(sizeof *r, run_renew, renewed);
     struct answer nobody = {0};
     if (r == NULL)
         return false;
+    r->job.clear = clear_renew;
+    r->job.install = install_renewed;
     r->job.memory = server_reservation(s, BUDGET_BUILDS);
     if (!reservation_resize(&r->job.memory, dt_prepare_memory(set->current->dt))) {
         job_free(&r->job); /* searches work without a grid, with longer walks */

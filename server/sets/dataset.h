@@ -2,8 +2,8 @@
  * thread uses them, apart from the lock.
  *
  * A version is a set's points and triangulation, with a reference count: the set refers to its current
- * version, jobs and replies to the version that they read. Edits change it in place. A build, and an
- * edit that ends in a rebuild while triangles are being sent, create a new version, which becomes the
+ * version, jobs and replies to the version that they read. Edits change it in place. A build of points that no load has
+ * sorted, and an edit that ends in a rebuild while triangles are being sent, create a new version, which becomes the
  * current one when it is complete.
  *
  * A long reader, such as a reply that is being sent or a snapshot, reads the version as it was at one
