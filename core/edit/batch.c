@@ -65,23 +65,6 @@ void dt_batch_end(struct dt_batch *b)
     b->order = NULL;
 }
 
-/* Fetches what an insertion into the triangle of h will look at besides. */
-static void fetch_around(const struct dt *t, uint32_t h)
-{
-    const struct dt_mesh *m = &t->mesh;
-    for (uint32_t k = dt_base(h); k < dt_base(h) + 3; k++) {
-        uint32_t twin = dt_twin(m, k), apex = dt_apex_of(m, twin);
-        dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(twin)))]);
-        dt_fetch(&m->half[dt_base(dt_twin(m, dt_prev(twin)))]);
-        if (dt_origin(m, k) != DT_NONE)
-            dt_fetch(&m->leaving[dt_origin(m, k)]);
-        if (apex != DT_NONE) {
-            dt_fetch(&t->points.xy[apex]);
-            dt_fetch(&m->leaving[apex]);
-        }
-    }
-}
-
 /* One vertex and two records further in the lists of what earlier deletions have left free: as much
  * as an insertion takes at most, so that this stays ahead. */
 static void fetch_free(const struct dt *t, struct dt_batch *b)
@@ -117,7 +100,7 @@ static void look_ahead(struct dt *t, struct dt_batch *b, uint32_t i)
     for (uint32_t k = 0; k < n; k++) {
         b->near[k] = place[k].near;
         if (place[k].near != DT_NONE)
-            fetch_around(t, place[k].near);
+            dt_fetch_around(t, place[k].near);
     }
 }
 

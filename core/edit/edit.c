@@ -113,14 +113,18 @@ enum dt_status dt_delete_many(struct dt *t, const uint32_t *ids, size_t n,
 {
     struct dt_stop stop = dt_stop_of(opt);
     for (size_t i = 0; i < n; i++) {
-        if (dt_points_vertex(&t->points, ids[i]) == DT_NONE) {
+        uint32_t v = dt_points_vertex(&t->points, ids[i]);
+        if (v == DT_NONE) {
             *missing = ids[i];
             return DT_NOPOINT;
         }
+        if (n == 1 && dt_is_live(t))
+            dt_update_fetch(t, v);
         if (i % DT_POLL == DT_POLL - 1 && dt_stopped(&stop))
             return dt_stop_status(&stop);
     }
-    uint32_t one, *sorted = n == 1 ? &one : dt_array_new_in(t->points.pages, n, sizeof *sorted);
+    uint32_t one = DT_NONE;
+    uint32_t *sorted = n == 1 ? &one : dt_array_new_in(t->points.pages, n, sizeof *sorted);
     if (sorted == NULL)
         return DT_NOMEM;
     if (n > 0)

@@ -49,7 +49,8 @@ static void lose_mesh(struct dt *t)
 
 /* ---- the grid ---- */
 
-enum dt_where dt_update_find(struct dt *t, struct dt_point q, uint32_t *half)
+/* As dt_find; counts how far walks go, which shows that edits have degraded the grid. */
+static enum dt_where find(struct dt *t, struct dt_point q, uint32_t *half)
 {
     uint32_t steps;
     enum dt_where where = dt_find_counting(&t->mesh, t->points.xy, &t->hints, q, half, &steps);
@@ -74,7 +75,7 @@ struct place {
     uint32_t at;   /* the vertex at exactly that place, DT_NONE if none */
 };
 
-/* Where q is in the mesh. */
+/* Where q is in the mesh, at which a vertex will be inserted. */
 static struct place look_up(struct dt *t, struct dt_point q)
 {
     struct place p = {.where = DT_OUTSIDE, .half = DT_NONE, .at = DT_NONE};
@@ -84,7 +85,8 @@ static struct place look_up(struct dt *t, struct dt_point q)
         if (xy[p.half].x == q.x && xy[p.half].y == q.y)
             p.at = p.half;
     } else if (t->mesh.vertices > 1) {
-        p.where = dt_update_find(t, q, &p.half);
+        p.where = find(t, q, &p.half);
+        dt_fetch_around(t, p.half);
         if (p.where == DT_ON_VERTEX)
             p.at = dt_origin(&t->mesh, p.half);
     }
@@ -221,9 +223,7 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 
 /* ---- deleting ---- */
 
-/* Prefetches what the removal of v reads first; its triangles are probably where a build has put
- * them. */
-static void fetch_star(const struct dt *t, uint32_t v)
+void dt_update_fetch(const struct dt *t, uint32_t v)
 {
     dt_fetch(&t->mesh.leaving[v]);
     dt_fetch(&t->points.id[v]);
@@ -277,8 +277,6 @@ static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t 
     struct dt_stop stop = dt_work_stop(work);
     size_t all = list_vertices(t, ids, n, &stop, gone);
     enum dt_status status = dt_stop_status(&stop);
-    if (all == 1)
-        fetch_star(t, gone[0]);
     for (*k = 0; *k < all && status == DT_OK; *k += status == DT_OK) {
         if (*k % DT_AHEAD == 0 && all > 1)
             dt_walk_stars(t, gone + *k, all - *k < DT_AHEAD ? all - *k : DT_AHEAD, DT_STAR_REMOVE);
@@ -424,7 +422,7 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, str
     struct dt_points *p = &t->points;
     uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
     if (v != DT_NONE)
-        fetch_star(t, v);
+        dt_update_fetch(t, v);
     to = (struct dt_point){to.x + 0.0, to.y + 0.0};
     fetch_cell(t, to);
     struct dt_point from = dt_points_xy(p, id);

@@ -16,7 +16,8 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_work *work);
 enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_work *work);
 
-/* As dt_find, for edits: counts how far walks go, which shows that edits have degraded the grid. */
-enum dt_where dt_update_find(struct dt *t, struct dt_point q, uint32_t *half);
+/* Prefetches what the deletion or a move of vertex v reads first; its triangles are probably where a build has put
+ * them. */
+void dt_update_fetch(const struct dt *t, uint32_t v);
 
 #endif

@@ -113,6 +113,22 @@ void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
             dt_idmap_fetch(&t->points.value, t->points.id[dt_origin(&t->mesh, p[i].near)]);
 }
 
+void dt_fetch_around(const struct dt *t, uint32_t h)
+{
+    const struct dt_mesh *m = &t->mesh;
+    for (uint32_t k = dt_base(h); k < dt_base(h) + 3; k++) {
+        uint32_t twin = dt_twin(m, k), apex = dt_apex_of(m, twin);
+        dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(twin)))]);
+        dt_fetch(&m->half[dt_base(dt_twin(m, dt_prev(twin)))]);
+        if (dt_origin(m, k) != DT_NONE)
+            dt_fetch(&m->leaving[dt_origin(m, k)]);
+        if (apex != DT_NONE) {
+            dt_fetch(&t->points.xy[apex]);
+            dt_fetch(&m->leaving[apex]);
+        }
+    }
+}
+
 /* ---- stars ---- */
 
 /* Fetches what is needed of the neighbour at the end of the spoke h. */

@@ -8,6 +8,9 @@
 /* To places: sets p[].near, and fetches what lies around each. n <= DT_AHEAD. */
 void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n);
 
+/* Fetches what an insertion into the triangle of the half edge h reads besides that triangle and its neighbours. */
+void dt_fetch_around(const struct dt *t, uint32_t h);
+
 /* The purpose of a star: the ids of its ring, or the removal of its vertex. */
 enum dt_star_use { DT_STAR_READ, DT_STAR_REMOVE };
 
