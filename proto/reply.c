@@ -314,28 +314,36 @@ void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, doubl
     buf_commit(out, (size_t)(to - row));
 }
 
+/* n words of `size` bytes, the least significant byte first. */
+static void append_words(struct buf *out, const void *word, size_t n, size_t size)
+{
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    buf_append(out, word, n * size);
+#else
+    const unsigned char *byte = word;
+    for (size_t i = 0; i < n * size; i++) {
+        char c = (char)byte[i / size * size + size - 1 - i % size];
+        buf_append(out, &c, 1);
+    }
+#endif
+}
+
 void reply_word_u32(struct buf *out, uint32_t v)
 {
-    unsigned char le[4];
-    for (unsigned i = 0; i < 4; i++)
-        le[i] = (unsigned char)(v >> 8 * i);
-    buf_append(out, le, sizeof le);
+    append_words(out, &v, 1, sizeof v);
 }
 
 void reply_words_u32(struct buf *out, const uint32_t *v, size_t n)
 {
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    buf_append(out, v, n * sizeof *v);
-#else
-    for (size_t i = 0; i < n; i++)
-        reply_word_u32(out, v[i]);
-#endif
+    append_words(out, v, n, sizeof *v);
 }
 
 void reply_word_double(struct buf *out, double v)
 {
-    uint64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    reply_word_u32(out, (uint32_t)bits);
-    reply_word_u32(out, (uint32_t)(bits >> 32));
+    append_words(out, &v, 1, sizeof v);
+}
+
+void reply_words_double(struct buf *out, const double *v, size_t n)
+{
+    append_words(out, v, n, sizeof *v);
 }

@@ -80,5 +80,6 @@ void reply_row_neighbour(struct buf *out, uint32_t id, double x, double y, doubl
 void reply_word_u32(struct buf *out, uint32_t v);
 void reply_words_u32(struct buf *out, const uint32_t *v, size_t n);
 void reply_word_double(struct buf *out, double v);
+void reply_words_double(struct buf *out, const double *v, size_t n);
 
 #endif

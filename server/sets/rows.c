@@ -13,7 +13,8 @@ enum {
     TABLE_WORDS = 4096,  /* read from a table at a time */
     PART_IDS = 600,      /* of a part: ids of a table or rows of a list, about 30 KiB of text */
     PART_CELLS = 150,    /* of a part: cells, */
-    PART_AREAS = 1000,   /* or areas that have been made */
+    PART_MADE = 600,     /* the same in binary, */
+    PART_AREAS = 2000,   /* or areas, both if they have been made */
     PART_WORDS = 7500,   /* of a part in binary */
     PART_NUMBERS = 3000, /* words of a part of lines or loops */
     PLACE_WORDS = 4096, /* of the places that are looked up at a time; no row of a place has more */
@@ -46,8 +47,7 @@ static void write_point(struct rows *r, struct buf *out, uint32_t id)
         reply_row_neighbour(out, id, p.x, p.y, sqrt(dx * dx + dy * dy));
     } else if (r->binary) {
         reply_word_u32(out, id);
-        reply_word_double(out, p.x);
-        reply_word_double(out, p.y);
+        reply_words_double(out, &p.x, 2);
     } else {
         reply_row_point(out, id, p.x, p.y);
     }
@@ -217,10 +217,7 @@ static void write_polygon(const struct rows *r, struct buf *out, const struct dt
     }
     reply_word_u32(out, cell->id);
     reply_word_u32(out, cell->corners);
-    for (uint32_t i = 0; i < cell->corners; i++) {
-        reply_word_double(out, corner[i].x);
-        reply_word_double(out, corner[i].y);
-    }
+    reply_words_double(out, &corner->x, 2 * (size_t)cell->corners);
 }
 
 /* Writes n cells, at most CELLS. */
@@ -416,8 +413,9 @@ size_t rows_count(const struct rows *r)
 static bool cut_cells(struct rows *r, struct rows *part)
 {
     dt_cells_as_of(&r->cells, r->view);
-    bool areas = r->form == ROW_AREA && r->cells.made != NULL;
-    return dt_cells_cut(r->version->dt, &r->cells, areas ? PART_AREAS : PART_CELLS, &part->cells);
+    uint32_t made = r->form == ROW_AREA ? PART_AREAS : PART_MADE;
+    return dt_cells_cut(r->version->dt, &r->cells, r->cells.made != NULL ? made : PART_CELLS,
+                        &part->cells);
 }
 
 bool rows_cut(struct rows *r, struct rows *part)

@@ -67,6 +67,9 @@ TEST(reply_words_are_little_endian)
     CHECK(buf_len(&out) == 12 && memcmp(buf_head(&out), "\4\3\2\1\0\0\0\0\0\0\xf0\x3f", 12) == 0);
     reply_words_u32(&out, (const uint32_t[]){1, 0x80000002}, 2);
     CHECK(buf_len(&out) == 20 && memcmp(buf_head(&out) + 12, "\1\0\0\0\2\0\0\x80", 8) == 0);
+    reply_words_double(&out, (const double[]){1, -1}, 2);
+    CHECK(buf_len(&out) == 36 &&
+          memcmp(buf_head(&out) + 20, "\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\xf0\xbf", 16) == 0);
     buf_free(&out);
 }
 
