@@ -194,7 +194,6 @@ TEST_TIMEOUT(setting_of_keep_log_holds_for_the_next_snapshot, 60)
 TEST_TIMEOUT(promoted_follower_accepts_changes_and_its_former_leader_refuses_them, 60)
 {
     struct node l = node_new(NULL), f = node_follower_of(&l);
-    char follow[64];
     carry_out(&l.d, "ADD a 0 0 1 0\n");
     node_expect_same(&l, &f);
     carry_out(&f.d, "FOLLOW NONE\nADD a 2 2\n");
@@ -207,8 +206,7 @@ TEST_TIMEOUT(promoted_follower_accepts_changes_and_its_former_leader_refuses_the
     daemon_stop(&f.d, SIGKILL);
     node_start(&f, NULL);
     carry_out(&f.d, "ADD b 2 2\n");
-    snprintf(follow, sizeof follow, "FOLLOW 127.0.0.1 %u\n", f.d.port);
-    carry_out(&l.d, follow);
+    node_follow(&l, &f, "");
     node_expect_same(&f, &l);
     node_expect(&l, "ADD a 3 3", "ERR READONLY leader=");
     node_end(&l);
@@ -218,7 +216,6 @@ TEST_TIMEOUT(promoted_follower_accepts_changes_and_its_former_leader_refuses_the
 TEST_TIMEOUT(former_leader_with_changes_of_its_own_follows_only_with_confirm, 60)
 {
     struct node l = node_new(NULL), f = node_follower_of(&l);
-    char follow[64];
     carry_out(&l.d, "ADD a 0 0 1 0\n");
     node_expect_same(&l, &f);
     daemon_stop(&f.d, SIGKILL);
@@ -228,16 +225,14 @@ TEST_TIMEOUT(former_leader_with_changes_of_its_own_follows_only_with_confirm, 60
     carry_out(&f.d, "FOLLOW NONE\nADD a 2 2\nADD b 1 1\n");
     node_start(&l, NULL);
     node_await(&l, "role", "fenced");
-    snprintf(follow, sizeof follow, "FOLLOW 127.0.0.1 %u\n", f.d.port);
-    carry_out(&l.d, follow);
+    node_follow(&l, &f, "");
     node_await(&l, "link", "refused");
     node_expect(&l, "STAT a", "OK 0 points=3");
     node_expect(&f, "STAT a", "OK 0 points=3");
     daemon_stop(&l.d, SIGTERM);
     node_start(&l, NULL);
     node_await(&l, "link", "refused");
-    snprintf(follow, sizeof follow, "FOLLOW 127.0.0.1 %u CONFIRM\n", f.d.port);
-    carry_out(&l.d, follow);
+    node_follow(&l, &f, " CONFIRM");
     node_expect_same(&f, &l);
     carry_out(&f.d, "ADD b 5 5\n");
     node_expect_same(&f, &l);
@@ -275,9 +270,7 @@ TEST_TIMEOUT(leader_that_has_lost_its_data_is_refused, 60)
     carry_out(&l.d, "ADD z 0 0\nADD z 1 1\nADD z 2 2\nADD z 3 3\n");
     node_await(&f, "link", "refused");
     node_expect(&f, "STAT a", "OK 0 points=2");
-    char follow[64];
-    snprintf(follow, sizeof follow, "FOLLOW 127.0.0.1 %u CONFIRM\n", l.d.port);
-    carry_out(&f.d, follow);
+    node_follow(&f, &l, " CONFIRM");
     node_expect_same(&l, &f);
     node_expect(&f, "STAT a", "ERR NOSET");
     node_expect(&f, "STAT z", "OK 0 points=4");
@@ -289,18 +282,15 @@ TEST_TIMEOUT(leader_that_has_lost_its_data_is_refused, 60)
 TEST_TIMEOUT(daemon_with_changes_of_its_own_does_not_give_them_up_unasked, 60)
 {
     struct node l = node_new(NULL), f = node_new(NULL);
-    char follow[64];
     carry_out(&l.d, "ADD a 0 0 1 0\n");
     carry_out(&f.d, "ADD a 5 5\n");
-    snprintf(follow, sizeof follow, "FOLLOW 127.0.0.1 %u\n", l.d.port);
-    carry_out(&f.d, follow);
+    node_follow(&f, &l, "");
     node_await(&f, "link", "refused");
     node_expect(&f, "STAT a", "OK 0 points=1");
     carry_out(&f.d, "FOLLOW NONE\nADD a 6 6\n");
     node_expect(&f, "STAT a", "OK 0 points=2");
     node_expect(&l, "ADD a 3 3", "OK"); /* of another origin: the leader is not fenced */
-    snprintf(follow, sizeof follow, "FOLLOW 127.0.0.1 %u CONFIRM\n", l.d.port);
-    carry_out(&f.d, follow);
+    node_follow(&f, &l, " CONFIRM");
     node_expect_same(&l, &f);
     node_end(&l);
     node_end(&f);

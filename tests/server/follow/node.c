@@ -9,6 +9,13 @@
 #include <string.h>
 #include <unistd.h>
 
+void node_follow(const struct node *n, const struct node *leader, const char *more)
+{
+    char line[64];
+    snprintf(line, sizeof line, "FOLLOW 127.0.0.1 %u%s\n", leader->d.port, more);
+    carry_out(&n->d, line);
+}
+
 void node_start(struct node *n, const char *const *arguments)
 {
     const char *all[10] = {"--port", n->d.port_text};

@@ -15,6 +15,9 @@ struct node node_new(const char *const *arguments);
 /* A new follower. */
 struct node node_follower_of(const struct node *leader);
 
+/* FOLLOW with the other one's address; more: "" or " CONFIRM". */
+void node_follow(const struct node *n, const struct node *leader, const char *more);
+
 /* Starts the daemon again, on the port that it had. */
 void node_start(struct node *n, const char *const *arguments);
 

@@ -39,13 +39,6 @@ static void kill_node(struct node *n)
     daemon_stop(&n->d, SIGKILL);
 }
 
-static void follow(const struct node *n, const struct node *leader, const char *more)
-{
-    char line[64];
-    snprintf(line, sizeof line, "FOLLOW 127.0.0.1 %u%s\n", leader->d.port, more);
-    carry_out(&n->d, line);
-}
-
 /* ---- former leaders ---- */
 
 TEST_TIMEOUT(former_leader_is_informed_although_the_new_one_has_restarted_before_it_is_back, 60)
@@ -130,13 +123,13 @@ TEST_TIMEOUT(two_leaders_accept_changes_and_refuse_to_follow_each_other_without_
     node_await(&p.f, "uninformed_leader", "");
     node_await(&g, "uninformed_leader", "");
     CHECK(node_is(&p.f, "role", "leader") && node_is(&g, "role", "leader"));
-    follow(&p.f, &g, "");
+    node_follow(&p.f, &g, "");
     node_await(&p.f, "link", "refused");
     node_expect(&p.f, "STAT b", "ERR NOSET");
     carry_out(&g.d, "ADD b 2 2\n");
-    follow(&p.f, &g, " CONFIRM");
+    node_follow(&p.f, &g, " CONFIRM");
     node_expect_same(&g, &p.f);
-    follow(&p.l, &g, ""); /* it has no changes that the new leader lacks */
+    node_follow(&p.l, &g, ""); /* it has no changes that the new leader lacks */
     node_expect_same(&g, &p.l);
     node_end(&g);
     end(&p);
@@ -160,7 +153,7 @@ TEST_TIMEOUT(daemon_stays_what_a_command_has_made_it_although_its_unit_has_the_f
         CHECK(node_is(&p.f, "role", "leader"));
         carry_out(&p.f.d, "ADD a 3 3\n");
     }
-    follow(&p.l, &p.f, "");
+    node_follow(&p.l, &p.f, "");
     node_expect_same(&p.f, &p.l);
     kill_node(&p.f); /* the flag of another daemon is a decision */
     char other[32];
@@ -174,7 +167,7 @@ TEST_TIMEOUT(follower_that_a_command_has_given_another_leader_stays_with_it, 60)
 {
     struct pair p = begin();
     struct node g = node_new(NULL);
-    follow(&p.f, &g, " CONFIRM");
+    node_follow(&p.f, &g, " CONFIRM");
     node_expect_same(&g, &p.f);
     kill_node(&p.f);
     node_start(&p.f, (const char *const[]){"--follow", p.flag, NULL});
@@ -191,7 +184,7 @@ TEST_TIMEOUT(follower_of_a_follower_is_told_whom_to_follow, 60)
     char why[FACT], want[FACT];
     snprintf(want, sizeof want, "it is a follower itself: FOLLOW its leader %s", p.flag);
     node_await(&g, "link_error", want);
-    follow(&g, &p.l, "");
+    node_follow(&g, &p.l, "");
     node_expect_same(&p.l, &g);
     node_fact(&g, "link_error", why);
     CHECK_STR(why, "");
@@ -219,7 +212,7 @@ TEST_TIMEOUT(restored_backup_with_changes_of_its_own_does_not_give_them_up_unask
     CHECK(node_is(&r, "history", history));
     carry_out(&r.d, "ADD b 7 7\n");
     carry_out(&l.d, "ADD a 1 1\nADD a 2 2\nADD a 3 3\n");
-    follow(&r, &l, "");
+    node_follow(&r, &l, "");
     node_await(&r, "link", "refused");
     node_fact(&r, "link_error", why);
     CHECK_MSG(strstr(why, "other changes up to") != NULL, "%s", why);
@@ -233,7 +226,7 @@ TEST_TIMEOUT(restored_backup_with_changes_of_its_own_does_not_give_them_up_unask
     node_fact(&r, "link_error", why);
     CHECK_MSG(strstr(why, "its log does not reach back") != NULL, "%s", why);
     node_expect(&r, "STAT b", "OK 0 points=1");
-    follow(&r, &l, " CONFIRM");
+    node_follow(&r, &l, " CONFIRM");
     node_expect_same(&l, &r);
     node_end(&l);
     node_end(&r);

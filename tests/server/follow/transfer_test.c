@@ -11,13 +11,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static void follow(const struct node *n, unsigned port, const char *more)
-{
-    char line[64];
-    snprintf(line, sizeof line, "FOLLOW 127.0.0.1 %u%s\n", port, more);
-    carry_out(&n->d, line);
-}
-
 static void expect_line(int fd, const char *want)
 {
     const char *got = hear_line(fd);
@@ -50,7 +43,7 @@ static int watch(const struct node *n, const char *set)
 /* The leader's log does not reach back to what the follower has, which is still running. */
 static void change_beyond_the_log(const struct node *l, const struct node *f, const char *changes)
 {
-    follow(f, 1, "");
+    carry_out(&f->d, "FOLLOW 127.0.0.1 1\n");
     carry_out(&l->d, changes);
     for (unsigned i = 0; i < 3; i++) {
         carry_out(&l->d, "ADD b 8 8\nSNAPSHOT\n");
@@ -69,11 +62,11 @@ TEST_TIMEOUT(snapshot_leaves_temporary_sets_and_watchers_of_sets_that_it_does_no
         expect_line(mine, "OK 0");
     carry_out(&l.d, "ADD a 0 0 9 0 9 9 0 9 4 4 5 6 7 3 2 3\nTRIANGULATE a\n"
                     "ADD c 0 0 1 0\nTRIANGULATE c\nADD d 0 0 1 0\nTRIANGULATE d\nEXPIRE d 1000\n");
-    follow(&f, l.d.port, "");
+    node_follow(&f, &l, "");
     node_expect_same(&l, &f);
     int a = watch(&f, "a"), c = watch(&f, "c"), d = watch(&f, "d");
     change_beyond_the_log(&l, &f, "ADD c 5 5\nDROP d\nADD e 7 7 8 8\n");
-    follow(&f, l.d.port, "");
+    node_follow(&f, &l, "");
     node_expect_same(&l, &f);
     CHECK(node_has_snapshot(&f));
     CHECK(strncmp(node_ask_on(mine, "ADD t 9 9"), "OK 0 first=3", 12) == 0);
@@ -99,7 +92,7 @@ TEST_TIMEOUT(snapshot_of_another_history_replaces_every_set, 60)
     carry_out(&l.d, "ADD a 0 0 1 0\nTRIANGULATE a\n");
     carry_out(&f.d, "ADD a 5 5 6 6\nTRIANGULATE a\n");
     int a = watch(&f, "a");
-    follow(&f, l.d.port, " CONFIRM");
+    node_follow(&f, &l, " CONFIRM");
     node_expect_same(&l, &f);
     const char *event = hear_line(a);
     if (strcmp(event, "EVENT 0 set=a dropped") != 0) {
