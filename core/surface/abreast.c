@@ -21,8 +21,9 @@
 #include <string.h>
 
 enum {
-    ROWS = 8,    /* side by side */
-    COLUMNS = 64 /* of a chunk */
+    ABREAST = 8, /* rows that take turns */
+    ROWS = 32,   /* of a tile */
+    COLUMNS = 64
 };
 
 enum { BELOW = 0, ABOVE = 1 };
@@ -222,13 +223,13 @@ static enum dt_status lose_patience(struct abreast *a, struct lane **active, uin
 }
 
 /* Finds the triangles of a chunk's cells. */
-static enum dt_status find_chunk(struct abreast *a, uint32_t rows)
+static enum dt_status find_chunk(struct abreast *a, struct lane *lane, uint32_t rows)
 {
-    struct lane *active[ROWS];
+    struct lane *active[ABREAST];
     uint32_t n = 0;
     enum dt_status s = DT_OK;
     for (uint32_t i = 0; s == DT_OK && i < rows; i++) {
-        struct lane *l = &a->lane[i];
+        struct lane *l = &lane[i];
         memset(l->half, 0xff, sizeof l->half);
         l->at = a->from;
         l->crossed = 0;
@@ -274,6 +275,17 @@ static uint32_t least(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
+/* The chunk's cells of at most ABREAST rows. */
+static enum dt_status scan_chunk(struct abreast *a, struct lane *lane, uint32_t rows)
+{
+    enum dt_status s = find_chunk(a, lane, rows);
+    for (uint32_t i = 0; s == DT_OK && i < rows; i++)
+        s = values(a, &lane[i]);
+    for (uint32_t i = 0; i < rows; i++)
+        lane[i].out += a->end - a->from;
+    return s;
+}
+
 /* The columns from c to end of the rows from `row` on; out: of the first cell. */
 static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows, uint32_t c,
                                  uint32_t end, double *out)
@@ -294,12 +306,8 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
         a->end = c + n;
         a->west = c;
         s = dt_work(&a->k->work, (uint64_t)rows * n);
-        if (s == DT_OK)
-            s = find_chunk(a, rows);
-        for (uint32_t i = 0; s == DT_OK && i < rows; i++)
-            s = values(a, &a->lane[i]);
-        for (uint32_t i = 0; i < rows; i++)
-            a->lane[i].out += n;
+        for (uint32_t i = 0; s == DT_OK && i < rows; i += ABREAST)
+            s = scan_chunk(a, &a->lane[i], least(rows - i, ABREAST));
         c += n;
     }
     return s;

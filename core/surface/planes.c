@@ -30,37 +30,42 @@ struct planes {
     dt_lanes_holds sure;      /* doubles are exact enough */
 };
 
-/* The corners of a triangle. */
-struct vertices {
-    uint32_t a, b, c;
+/* Where the corners of a triangle and their values are. */
+struct places {
+    const struct dt_point *a, *b, *c;
+    const double *az, *bz, *cz;
 };
 
-static inline struct vertices from_smallest_id(const struct dt *t, uint32_t half)
+static inline struct places places_of(const struct dt_valuer *v, uint32_t half)
 {
     static const uint8_t next[] = {1, 2, 0}, previous[] = {2, 0, 1};
-    const uint32_t *v = t->mesh.half + dt_base(half), *id = t->points.id;
-    uint32_t i = id[v[0]], j = id[v[1]], k = id[v[2]], least = i < j ? i : j;
+    const uint32_t *corner = v->t->mesh.half + dt_base(half), *id = v->t->points.id;
+    const struct dt_point *xy = v->t->points.xy;
+    uint32_t i = id[corner[0]], j = id[corner[1]], k = id[corner[2]], least = i < j ? i : j;
     uint32_t third = k < least, first = third << 1 | ((j < i) & (third ^ 1));
-    return (struct vertices){v[first], v[next[first]], v[previous[first]]};
+    uint32_t a = corner[first], b = corner[next[first]], c = corner[previous[first]];
+    return (struct places){&xy[a],
+                           &xy[b],
+                           &xy[c],
+                           dt_value_place(v->s, id[a]),
+                           dt_value_place(v->s, id[b]),
+                           dt_value_place(v->s, id[c])};
 }
 
-static inline void read_corner(const struct dt_valuer *v, uint32_t p, uint32_t q, dt_lanes *x,
-                               dt_lanes *y, dt_lanes *z)
+static inline void read_corner(const struct dt_point *p, const struct dt_point *q, dt_lanes *x,
+                               dt_lanes *y)
 {
-    const struct dt_points *points = &v->t->points;
-    dt_lanes at = dt_lanes_load(&points->xy[p].x), other = dt_lanes_load(&points->xy[q].x);
+    dt_lanes at = dt_lanes_load(&p->x), other = dt_lanes_load(&q->x);
     *x = dt_lanes_first(at, other);
     *y = dt_lanes_second(at, other);
-    *z = (dt_lanes){*dt_value_place(v->s, points->id[p]), *dt_value_place(v->s, points->id[q])};
 }
 
-static inline struct corners corners_of(const struct dt_valuer *v, uint32_t one, uint32_t other)
+static inline struct corners corners_of(const struct places *p, const struct places *q)
 {
-    struct vertices p = from_smallest_id(v->t, one), q = from_smallest_id(v->t, other);
-    struct corners k;
-    read_corner(v, p.a, q.a, &k.ax, &k.ay, &k.az);
-    read_corner(v, p.b, q.b, &k.bx, &k.by, &k.bz);
-    read_corner(v, p.c, q.c, &k.cx, &k.cy, &k.cz);
+    struct corners k = {.az = {*p->az, *q->az}, .bz = {*p->bz, *q->bz}, .cz = {*p->cz, *q->cz}};
+    read_corner(p->a, q->a, &k.ax, &k.ay);
+    read_corner(p->b, q->b, &k.bx, &k.by);
+    read_corner(p->c, q->c, &k.cx, &k.cy);
     return k;
 }
 
@@ -93,7 +98,8 @@ static inline dt_lanes values_at(const struct planes *p, dt_lanes x, dt_lanes ri
 
 bool dt_plane_value(const struct dt_valuer *v, struct dt_point q, uint32_t half, double *out)
 {
-    struct corners k = corners_of(v, half, half);
+    struct places at = places_of(v, half);
+    struct corners k = corners_of(&at, &at);
     struct planes p = planes_of(&k);
     *out = values_at(&p, dt_lanes_both(q.x), p.dy * (dt_lanes_both(q.y) - p.y))[0];
     return p.sure[0] != 0;
@@ -104,8 +110,8 @@ bool dt_plane_value(const struct dt_valuer *v, struct dt_point q, uint32_t half,
 /* The planes of different triangles along a row. */
 struct row_planes {
     double x[DT_ROOM], z[DT_ROOM], dx[DT_ROOM], rise[DT_ROOM], least[DT_ROOM], most[DT_ROOM];
-    uint32_t of[DT_ROOM + 1]; /* the triangle */
-    uint64_t doubtful;        /* doubles are not exact enough, or a cell may be on an edge */
+    uint32_t of[DT_ROOM]; /* the triangle */
+    uint64_t doubtful;    /* doubles are not exact enough, or a cell may be on an edge */
 };
 
 /* Numbers the triangles of n cells. Returns how many they are. */
@@ -130,14 +136,22 @@ static inline dt_lanes_holds level(const struct corners *k, dt_lanes y)
     return (a & b) | (b & c) | (c & a);
 }
 
+/* The values of all triangles are fetched before the first is read: their ids may be in any order. */
 static inline void make_planes(const struct dt_valuer *v, struct row_planes *r, double y,
                                uint32_t n)
 {
+    struct places place[DT_ROOM + 1];
     dt_lanes at = dt_lanes_both(y);
     r->doubtful = 0;
-    r->of[n] = r->of[n - 1];
+    for (uint32_t i = 0; i < n; i++) {
+        place[i] = places_of(v, r->of[i]);
+        dt_fetch(place[i].az);
+        dt_fetch(place[i].bz);
+        dt_fetch(place[i].cz);
+    }
+    place[n] = place[n - 1];
     for (uint32_t i = 0; i < n; i += 2) {
-        struct corners k = corners_of(v, r->of[i], r->of[i + 1]);
+        struct corners k = corners_of(&place[i], &place[i + 1]);
         struct planes p = planes_of(&k);
         dt_lanes_store(&r->x[i], p.x);
         dt_lanes_store(&r->z[i], p.z);
