@@ -92,7 +92,8 @@ TEST(build_that_is_cancelled_changes_nothing)
     CHECK(!job_leave(j, 1));
     while (set->writer != NULL)
         collect(&l);
-    CHECK(set->version == before || set->current->sum.triangulated); /* it may have ended just before */
+    CHECK(set->version == before ||
+          set->current->sum.triangulated); /* it may have ended just before */
     CHECK(strncmp(local_ask(&l, "TRIANGULATE t\nCHECK t\n"), "OK 0 points=20000 ", 18) == 0);
     CHECK(budget_of(&l.server.budget, BUDGET_BUILDS) == 0);
     local_stop(&l);
