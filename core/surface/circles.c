@@ -35,6 +35,12 @@ static uint32_t first_corner(const struct dt_point p[3])
         double x = p[i].x - p[before].x, y = p[i].y - p[before].y;
         square[i] = x * x + y * y;
     }
+    bool last = (square[2] > square[0]) & (square[2] > square[1]);
+    bool middle = (square[1] > square[0]) & (square[1] > square[2]);
+    bool first = (square[0] > square[1]) & (square[0] > square[2]);
+    if (first | middle |
+        last) /* without a branch on which one it is, which would be unpredictable */
+        return (uint32_t)middle | (uint32_t)last << 1;
     uint32_t longest = is_longer(p, square, 1, 0) ? 1 : 0;
     return is_longer(p, square, 2, longest) ? 2 : longest;
 }
