@@ -85,16 +85,39 @@ static inline const struct dt_circle *circle_of(struct dt_valuer *v, uint32_t tr
     return k;
 }
 
+/* Whether q is inside of the circle of the triangle; *centre becomes its centre from there, which only Sibson's mean needs, and
+ * *error that of circles.h. Where no circles are kept, most of them are not made. */
+static inline bool is_in_disc(struct dt_valuer *v, uint32_t triangle, struct dt_point q,
+                              bool sibson, struct dt_point *centre, double *error)
+{
+    const struct dt_point *xy = v->t->points.xy;
+    const uint32_t *corner = v->t->mesh.half + triangle;
+    struct dt_circle once;
+    const struct dt_circle *k = &once;
+    if (v->circles.circle != NULL)
+        k = circle_of(v, triangle);
+    else if (corner[2] == DT_NONE ||
+             dt_incircle(xy[corner[0]], xy[corner[1]], xy[corner[2]], q) <= 0)
+        return false;
+    else if (sibson)
+        dt_circle_make(&once, v->t, triangle);
+    else
+        return true;
+    *centre = dt_circle_from(k, q);
+    *error = k->error;
+    return k == &once || dt_circle_contains(k, v->t, q, *centre);
+}
+
 static inline struct vertex vertex_at(const struct dt_valuer *v, uint32_t vertex)
 {
     return (struct vertex){v->t->points.xy[vertex], dt_value_of(v, vertex)};
 }
 
-static inline void add_centre(struct disc *d, const struct dt_circle *k, struct dt_point c)
+static inline void add_centre(struct disc *d, struct dt_point c, double error)
 {
     double length = fabs(c.x) + fabs(c.y);
     d->length = length > d->length ? length : d->length;
-    d->error += k->error;
+    d->error += error;
     d->centre[d->triangles++] = c;
 }
 
@@ -113,7 +136,8 @@ static inline bool tour(struct dt_valuer *v, struct dt_point q, uint32_t first, 
                         struct disc *d, struct rim *r)
 {
     const struct dt_mesh *mesh = &v->t->mesh;
-    const struct dt_circle *k = circle_of(v, dt_base(first));
+    struct dt_point centre = {0, 0};
+    double error = 0;
     struct crossing todo[MOST + 3];
     todo[0] = (struct crossing){dt_prev(first), 0, 0};
     todo[1] = (struct crossing){dt_next(first), 0, 2};
@@ -124,13 +148,12 @@ static inline bool tour(struct dt_valuer *v, struct dt_point q, uint32_t first, 
     d->vertex[2] = vertex_at(v, dt_apex_of(mesh, first));
     d->triangles = r->edges = 0;
     d->sum = d->length = d->error = 0;
-    add_centre(d, k, dt_circle_from(k, q));
+    is_in_disc(v, dt_base(first), q, sibson, &centre, &error);
+    add_centre(d, centre, error);
     while (left > 0) {
         struct crossing c = todo[--left];
         uint32_t beyond = dt_twin(mesh, c.half);
-        k = circle_of(v, dt_base(beyond));
-        struct dt_point centre = dt_circle_from(k, q);
-        if (!dt_circle_contains(k, v->t, q, centre)) {
+        if (!is_in_disc(v, dt_base(beyond), q, sibson, &centre, &error)) {
             add_edge(r, &d->vertex[here], &d->centre[c.from]);
             here = c.to;
             continue;
@@ -141,7 +164,7 @@ static inline bool tour(struct dt_valuer *v, struct dt_point q, uint32_t first, 
         d->vertex[apex] = vertex_at(v, dt_apex_of(mesh, beyond));
         if (sibson)
             d->sum += cross(d->centre[c.from], centre) * (d->vertex[here].z - d->vertex[c.to].z);
-        add_centre(d, k, centre);
+        add_centre(d, centre, error);
         todo[left++] = (struct crossing){dt_prev(beyond), inside, c.to};
         todo[left++] = (struct crossing){dt_next(beyond), inside, apex};
     }

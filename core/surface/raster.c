@@ -8,16 +8,14 @@ enum {
     CIRCLES = 1 << 13 /* kept for large rasters: half a megabyte */
 };
 
+/* circles: how many to keep. */
 static enum dt_status begin(struct dt_scan *k, const struct dt *t, const struct dt_surface *s,
-                            size_t n, const struct dt_options *opt)
+                            uint32_t circles, const struct dt_options *opt)
 {
-    uint32_t circles = 64;
     enum dt_status status = dt_readable(t);
     *k = (struct dt_scan){.work = dt_work_of(opt)};
     if (status != DT_OK)
         return status;
-    while (circles < CIRCLES && circles < n)
-        circles *= 2;
     return dt_valuer_init(&k->v, t, s, &k->work, circles);
 }
 
@@ -48,7 +46,7 @@ enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const s
 {
     struct dt_scan k;
     *done = 0;
-    enum dt_status status = begin(&k, t, s, n, opt);
+    enum dt_status status = begin(&k, t, s, 0, opt);
     while (status == DT_OK && *done < n)
         status = next_values(&k, q + *done, n - *done, out + *done, done);
     dt_valuer_clear(&k.v);
@@ -82,8 +80,11 @@ static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
                                  const struct dt_options *opt, double *out, size_t *done)
 {
     struct dt_scan k;
+    uint32_t circles = 64;
     *done = 0;
-    enum dt_status status = begin(&k, t, s, n, opt);
+    while (circles < CIRCLES && circles < n)
+        circles *= 2;
+    enum dt_status status = begin(&k, t, s, circles, opt);
     if (status == DT_OK && n >= 1000)
         status = dt_vicinity_init(&k.v.vicinity, s);
     k.r = r;

@@ -45,7 +45,7 @@ enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const str
 {
     *v = (struct dt_valuer){.t = t, .s = s, .work = work, .judged = DT_NONE};
     bool wanted = s->how == DT_NATURAL || s->how == DT_LAPLACE;
-    return wanted ? dt_circles_init(&v->circles, circles) : DT_OK;
+    return wanted && circles > 0 ? dt_circles_init(&v->circles, circles) : DT_OK;
 }
 
 void dt_valuer_clear(struct dt_valuer *v)

@@ -24,7 +24,7 @@ struct dt_valuer {
     struct dt_ids ids; /* owns */
 };
 
-/* `circles`: how many to keep, a power of two. DT_NOMEM; to be cleared in any case. */
+/* `circles`: how many to keep, a power of two, or 0. DT_NOMEM; to be cleared in any case. */
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
                               struct dt_work *work, uint32_t circles);
 void dt_valuer_clear(struct dt_valuer *v);
