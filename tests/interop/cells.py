@@ -101,18 +101,27 @@ def boxes(points, rng):
             yield (ax - 1.75, ay - 0.3, ax + 0.5, ay + 1)
 
 
+def many(rng):
+    """So many points that a worker computes all areas at once."""
+    yield [(rng.random(), rng.random()) for _ in range(74)]
+    yield [(x / 7, y / 3) for x in range(11) for y in range(7)]
+    yield [(i + rng.random(), rng.random() * 1e-9) for i in range(73)] + [(7.0, 3.0)]
+    yield [(1e9 + rng.random(), -1e9 + rng.random()) for _ in range(73)] + [(1e30, 2e29)]
+
+
 def main():
     connection, rng, compared = Connection(int(sys.argv[1])), random.Random(21), 0
     lines = [("a line", [(i / 7, i / 7) for i in range(9)]), ("a slanted line", [(3.0 * i, 1e-3 * i) for i in range(9)]),
              ("an upright line", [(0.1, float(i * i)) for i in range(7)]), ("two points", [(0.1, 0.7), (0.3, -5.0)])]
-    for _, family in [*families(rng), *lines]:
+    large = [("many", family) for family in many(random.Random(22))]
+    for name, family in [*families(rng), *lines, *large]:
         family = list(dict.fromkeys(family))
         points = dict(enumerate(family))
         connection.ask("CREATE c")
         connection.ask("ADD c " + " ".join(f"{x!r} {y!r}" for x, y in family))
         connection.ask("TRIANGULATE c")
         for _ in range(3):
-            for box in boxes(points, rng):
+            for box in [None] if name == "many" else boxes(points, rng):
                 compared += check(connection, points, box)
             edit(connection, points, family, rng)
         connection.ask("DROP c")
