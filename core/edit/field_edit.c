@@ -2,6 +2,7 @@
  * may fail and changes no value; then the values are written, which cannot fail. */
 #include "core/delaunay_fields.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "core/control/work.h"

@@ -1,6 +1,7 @@
 /* column.c - see column.h. */
 #include "core/fields/column.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -17,8 +17,6 @@
 #ifndef DT_COLUMN_H
 #define DT_COLUMN_H
 
-#include <math.h>
-
 #include "core/control/stop.h"
 #include "core/delaunay_fields.h"
 
@@ -86,13 +84,6 @@ static inline const double *dt_field_page_now(const struct dt_field *c, uint32_t
 {
     const struct dt_slot *s = dt_field_slot(c, id);
     return s == NULL || s->now == NULL ? NULL : s->now->v;
-}
-
-/* The value of id now; nan if it is missing. Cost: constant. */
-static inline double dt_field_now(const struct dt_field *c, uint32_t id)
-{
-    const double *page = dt_field_page_now(c, id);
-    return page == NULL ? (double)NAN : page[id % DT_FIELD_PAGE];
 }
 
 /* The same at the moment of the view with that serial. */

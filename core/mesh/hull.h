@@ -36,19 +36,13 @@ static inline bool dt_on_hull(const struct dt_mesh *m, uint32_t v)
     return h == DT_NONE || dt_is_ghost(m, h);
 }
 
-/* Whether the half edge h may be one to infinity, by its number: corner 2 is the only one at
- * infinity, so these are the second ones of their triangles. */
-static inline bool dt_hull_may_leave(uint32_t h)
-{
-    return (h & 3) == 1;
-}
-
 /* For edits: vertex u may leave by the half edge h; leaving[u] is kept if it still goes to
- * infinity. (If h does, it is the same one.) */
+ * infinity. (If h does, it is the same one.) Half edges to infinity are the second ones of their
+ * triangles, so most of the others need not be looked at. */
 static inline void dt_hull_keep(struct dt_mesh *m, uint32_t u, uint32_t h)
 {
     uint32_t old = m->leaving[u];
-    if (!dt_hull_may_leave(old) || m->half[old] != u || m->half[old + 1] != DT_NONE)
+    if ((old & 3) != 1 || m->half[old] != u || m->half[old + 1] != DT_NONE)
         m->leaving[u] = h;
 }
 

@@ -1,6 +1,7 @@
 /* field.c - what fields say: of a set, and of their values now and at the moments of views. */
 #include "core/delaunay_fields.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "core/memory/memory.h"
