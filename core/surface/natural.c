@@ -87,8 +87,9 @@ static inline const struct dt_circle *circle_of(struct dt_valuer *v, uint32_t tr
 
 /* Whether q is inside of the circle of the triangle; *centre becomes its centre from there, which only Sibson's mean needs, and
  * *error that of circles.h. Where no circles are kept, most of them are not made. */
-static inline bool is_in_disc(struct dt_valuer *v, uint32_t triangle, struct dt_point q,
-                              bool sibson, struct dt_point *centre, double *error)
+static inline __attribute__((always_inline)) bool is_in_disc(struct dt_valuer *v, uint32_t triangle,
+                                                             struct dt_point q, bool sibson,
+                                                             struct dt_point *centre, double *error)
 {
     const struct dt_point *xy = v->t->points.xy;
     const uint32_t *corner = v->t->mesh.half + triangle;
