@@ -44,6 +44,7 @@ def main():
     assert size == their_size, (size, their_size)
     print("| scipy.spatial.Delaunay | %.2f | %.3f |" % (theirs, ours / theirs))
     compare_places(port, points, SciPy)
+    compare_rasters(port, points, SciPy)
 
 
 def seconds_of(find, places):
@@ -68,6 +69,26 @@ def compare_places(port, points, scipy_delaunay):
     print("\n| find_simplex | us a place | ratio |\n|---|---|---|")
     print("| delaunayd.spatial.Delaunay, %d places | %.2f | |" % (len(places), each[0] * 1e6))
     print("| scipy.spatial.Delaunay, %d places | %.2f | %.4f |" % (len(few), each[1] * 1e6, each[0] / each[1]))
+
+
+def compare_rasters(port, points, scipy_delaunay):
+    """A linear raster of as many cells as there are points; neither time includes the triangulation."""
+    from scipy.interpolate import LinearNDInterpolator
+
+    side = int(len(points) ** 0.5)
+    heights = np.sin(7 * points[:, 0]) * np.cos(5 * points[:, 1])
+    centres = (np.arange(side) + 0.5) / side
+    with Client("delaunay://127.0.0.1:" + port) as client:
+        client.load("raster", points, {"z": heights})
+        client.triangulate("raster")
+        box = (0, 0, 1, 1)
+        ours = min(seconds_of(lambda b: client.raster("raster", "z", b, side, side), box)[0] for _ in range(3))
+        client.drop("raster")
+    linear = LinearNDInterpolator(scipy_delaunay(points), heights)
+    theirs, _ = seconds_of(lambda c: linear(*np.meshgrid(c, c[::-1])), centres)
+    print("\n| linear raster | s | ratio |\n|---|---|---|")
+    print("| RASTER BINARY, %d cells | %.3f | |" % (side * side, ours))
+    print("| scipy.interpolate.LinearNDInterpolator | %.3f | %.4f |" % (theirs, ours / theirs))
 
 
 main()
