@@ -143,13 +143,12 @@ static inline void make_planes(const struct dt_valuer *v, struct row_planes *r, 
     struct places place[DT_ROOM + 1];
     dt_lanes at = dt_lanes_both(y);
     r->doubtful = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        place[i] = places_of(v, r->of[i]);
+    for (uint32_t i = 0; i <= n; i++) { /* the last one twice, since they are computed in pairs */
+        place[i] = places_of(v, r->of[i < n ? i : n - 1]);
         dt_fetch(place[i].az);
         dt_fetch(place[i].bz);
         dt_fetch(place[i].cz);
     }
-    place[n] = place[n - 1];
     for (uint32_t i = 0; i < n; i += 2) {
         struct corners k = corners_of(&place[i], &place[i + 1]);
         struct planes p = planes_of(&k);

@@ -63,8 +63,7 @@ void check_same(double got, double want, struct dt_point q)
 }
 
 /* The value of the field z at x y. */
-double value_in(const struct dt *t, enum dt_interpolation how, double max_edge, double x,
-                       double y)
+double value_in(const struct dt *t, enum dt_interpolation how, double max_edge, double x, double y)
 {
     struct dt_surface s = surface_in(t, how);
     s.max_edge = max_edge;
