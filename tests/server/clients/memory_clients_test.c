@@ -5,6 +5,7 @@
 #include "tests/test.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -25,6 +26,12 @@ static struct place begin(const char *max_memory)
     const char *arguments[] = {"--max-memory", max_memory, "--unix", p.path, NULL};
     p.d = daemon_start(arguments);
     return p;
+}
+
+static void leave(const struct place *p)
+{
+    daemon_stop(&p->d, SIGKILL); /* it need not wait for clients that do not read */
+    CHECK(unlink(p->path) == 0);
 }
 
 static int local_connect(const struct place *p)
@@ -91,6 +98,7 @@ TEST_TIMEOUT(idle_clients_are_counted, 60)
         close(fd[i]);
     await_info(&p.d, "clients", 1);
     CHECK(daemon_info(&p.d, "memory_clients") == before);
+    leave(&p);
 }
 
 TEST_TIMEOUT(replies_that_pile_up_stay_within_the_budget, 120)
@@ -127,6 +135,7 @@ TEST_TIMEOUT(replies_that_pile_up_stay_within_the_budget, 120)
     CHECK_MSG(n > 200 * 1000 && all[n - 1] == '\n', "%s", line);
     free(all);
     free(requests);
+    leave(&p);
 }
 
 /* Whether the daemon has refused the client's request, or not even admitted it. */
@@ -172,6 +181,7 @@ TEST_TIMEOUT(long_requests_that_do_not_end_stay_within_the_budget, 60)
     request[BYTES - 1] = 0;
     converse(&p.d, request, "ERR NUMBER GET is not an id\n"); /* there is room again */
     free(request);
+    leave(&p);
 }
 
 /* Reads until the daemon closes the connection; one that was refused with unread input is reset. */
@@ -204,6 +214,7 @@ TEST_TIMEOUT(a_long_request_that_takes_the_last_memory_is_heard_to_its_end, 60)
     }
     await_info(&p.d, "clients", 1);
     free(request);
+    leave(&p);
 }
 
 /* ---- long replies ---- */
@@ -253,6 +264,7 @@ TEST_TIMEOUT(results_of_searches_that_are_read_slowly_are_counted_and_bounded, 1
         CHECK(tries < 500);
     say(other, "NEAREST t 0.5 0.5 200000\n");
     CHECK_STR(hear_line(other), "OK 200000");
+    leave(&p);
 }
 
 TEST_TIMEOUT(nearest_points_that_do_not_fit_are_refused_while_they_are_searched, 60)
@@ -266,6 +278,7 @@ TEST_TIMEOUT(nearest_points_that_do_not_fit_are_refused_while_they_are_searched,
               "ERR BUSY not enough free memory for the reply at the moment; try again");
     expect(fd, "OK 0\n");
     CHECK(info_of(fd, "memory_replies") == 0);
+    leave(&p);
 }
 
 TEST_TIMEOUT(many_readers_of_whole_sets_who_stall_stay_within_the_budget, 120)
@@ -283,4 +296,5 @@ TEST_TIMEOUT(many_readers_of_whole_sets_who_stall_stay_within_the_budget, 120)
         CHECK(tries < 500);
     say(other, "LISTS t\n");
     CHECK(strncmp(hear_line(other), "OK 100000 ", 10) == 0);
+    leave(&p);
 }
