@@ -5,6 +5,7 @@
 #include "proto/records/record.h"
 #include "server/disk/log.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -42,10 +43,24 @@ static void make_log(void)
     log_free(log);
 }
 
+/* libFuzzer's timer interrupts it. */
+static ssize_t hear(int fd, char *to, size_t n)
+{
+    ssize_t got;
+    do
+        got = recv(fd, to, n, 0);
+    while (got < 0 && errno == EINTR);
+    return got;
+}
+
 static void read_bytes(int fd, size_t n)
 {
     char bytes[512];
-    require(n <= sizeof bytes && recv(fd, bytes, n, MSG_WAITALL) == (ssize_t)n);
+    ssize_t got;
+    for (; n > 0; n -= (size_t)got) {
+        got = hear(fd, bytes, n < sizeof bytes ? n : sizeof bytes);
+        require(got > 0);
+    }
 }
 
 /* The answer, the header and all records. */
@@ -53,7 +68,7 @@ static void read_everything(int fd)
 {
     char byte;
     do
-        require(recv(fd, &byte, 1, 0) == 1);
+        require(hear(fd, &byte, 1) == 1);
     while (byte != '\n');
     read_bytes(fd, SEGMENT_HEADER + RECORDS * (RECORD_HEADER + 1));
 }
@@ -77,12 +92,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     read_everything(fd[1]);
     for (size_t at = 0; at < size;) {
         ssize_t n = send(fd[1], data + at, size - at, MSG_NOSIGNAL);
-        if (n <= 0)
+        if (n < 0 && errno != EINTR)
             break; /* it makes no sense to the thread */
-        at += (size_t)n;
+        at += n > 0 ? (size_t)n : 0;
     }
     shutdown(fd[1], SHUT_WR);
-    while (recv(fd[1], rest, sizeof rest, 0) > 0)
+    while (hear(fd[1], rest, sizeof rest) > 0)
         ;
     require(s->acked <= RECORDS);
     sender_end(s);
