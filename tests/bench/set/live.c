@@ -1,9 +1,9 @@
 /* live.c - the cost of edits and queries of a live set, compared with CGAL's Triangulation_hierarchy_2.
  *
- *     live N K [PEER]       K operations of each kind on N uniform points; PEER: the program built
- * from cgal_live.cpp
+ *     live N K [PEER]       K operations of each kind on N uniform points; PEER: the program built from cgal_live.cpp
  *
- * Both programs draw the same points and the same operations from the same seeds (live_plan.h). */
+ * Both programs draw the same points and the same operations from the same seeds (live_plan.h). They run in turns, and
+ * the least of ROUNDS runs counts. The set uses memory that has been used before, as a daemon's does. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,10 @@
 #include "tests/bench/measure.h"
 #include "tests/bench/set/live_plan.h"
 
+enum { ROUNDS = 5 };
+
 struct live {
+    struct dt_pages *pages;
     struct dt *set;
     struct live_plan plan;
     double ns[LIVE_KINDS];
@@ -93,7 +96,7 @@ static void nearest(struct live *l)
 static void measure_live(struct live *l)
 {
     struct dt_added added;
-    l->set = dt_new(0);
+    l->set = dt_new_in(0, l->pages);
     must(l->set != NULL && dt_add(l->set, l->plan.start, l->plan.n, &added) == DT_OK);
     must(dt_triangulate(l->set, NULL) == DT_OK && dt_prepare(l->set, NULL) == DT_OK);
     locate(l);
@@ -121,25 +124,39 @@ static void measure_peer(const char *peer, size_t n, size_t k, double *ns)
         pclose(f);
 }
 
+static void keep_least(double *least, const double *ns, int round)
+{
+    for (unsigned i = 0; i < LIVE_KINDS; i++)
+        least[i] = round == 0 || ns[i] < least[i] ? ns[i] : least[i];
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 3)
         return 2;
     struct live l = {.plan = live_plan_new(strtoul(argv[1], NULL, 10), strtoul(argv[2], NULL, 10))};
-    double peer[LIVE_KINDS];
-    measure_live(&l);
-    measure_peer(argc > 3 ? argv[3] : NULL, l.plan.n, l.plan.k, peer);
+    double least[LIVE_KINDS], peer[LIVE_KINDS], once[LIVE_KINDS];
+    l.pages = dt_pages_new(SIZE_MAX);
+    must(l.pages != NULL);
+    measure_live(&l); /* uses the memory for the first time */
+    for (int round = 0; round < ROUNDS; round++) {
+        measure_live(&l);
+        keep_least(least, l.ns, round);
+        measure_peer(argc > 3 ? argv[3] : NULL, l.plan.n, l.plan.k, once);
+        keep_least(peer, once, round);
+    }
     printf("Live edits and queries, %zu uniform points, %zu of each, ns each, one thread.\n\n",
            l.plan.n, l.plan.k);
     printf("| operation | delaunayd | CGAL hierarchy | ratio |\n|---|---|---|---|\n");
     for (unsigned i = 0; i < LIVE_KINDS; i++) {
-        printf("| %s | %.0f |", live_names[i], l.ns[i]);
+        printf("| %s | %.0f |", live_names[i], least[i]);
         if (peer[i] > 0)
-            printf(" %.0f | %.3f |\n", peer[i], l.ns[i] / peer[i]);
+            printf(" %.0f | %.3f |\n", peer[i], least[i] / peer[i]);
         else
             printf(" - | - |\n");
     }
     printf("\n");
+    dt_pages_free(l.pages);
     live_plan_free(&l.plan);
     return 0;
 }
