@@ -87,11 +87,12 @@ static struct around around(struct leaf l)
                            l.row - (l.row > 0), l.row + (l.row + 1 < l.grid->ny)};
 }
 
-uint32_t dt_hint_fetching(const struct dt_hints *g, const struct dt_mesh *m,
-                          const struct dt_point *xy, struct dt_point q)
+/* The hint of the cell; prefetches as dt_hint_fetching does. */
+static uint32_t fetch_around(const struct dt_hints *g, const struct dt_mesh *m,
+                             const struct dt_point *xy, struct leaf l)
 {
     enum { OWN = 3, OTHERS = 1 }; /* cache lines on either side */
-    struct leaf l = leaf_of(g, q), k = l;
+    struct leaf k = l;
     struct around box = around(l);
     uint32_t h = dt_base(content(g, l));
     dt_hint_fetch(m, xy, h, OWN);
@@ -99,6 +100,12 @@ uint32_t dt_hint_fetching(const struct dt_hints *g, const struct dt_mesh *m,
         for (k.column = box.left; k.column <= box.right; k.column++)
             dt_hint_fetch(m, xy, dt_base(content(g, k)), OTHERS);
     return h;
+}
+
+uint32_t dt_hint_fetching(const struct dt_hints *g, const struct dt_mesh *m,
+                          const struct dt_point *xy, struct dt_point q)
+{
+    return fetch_around(g, m, xy, leaf_of(g, q));
 }
 
 /* ---- while the mesh changes ---- */
@@ -144,8 +151,8 @@ static uint32_t look_around(const struct dt_hints *g, const struct dt_mesh *m,
 uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy,
                       struct dt_point q)
 {
-    uint32_t h = dt_hint_fetching(g, m, xy, q);
     struct leaf l = leaf_of(g, q);
+    uint32_t h = fetch_around(g, m, xy, l);
     return !dt_is_dead(m, h) && is_near(m, xy, h, l) ? h : look_around(g, m, xy, l);
 }
 
