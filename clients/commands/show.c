@@ -194,15 +194,6 @@ static bool find_heights(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
-/* What is wrong with the set is found later. */
-static bool has_heights(struct delaunay_client *c, const char *set)
-{
-    char line[120];
-    bool found = false;
-    snprintf(line, sizeof line, "FIELDS %.100s", set);
-    return delaunay_request(c, line, find_heights, &found) == DELAUNAY_OK && found;
-}
-
 static bool find_triangles(void *ctx, const struct delaunay_part *part)
 {
     static const char none[] = " triangles=0 ";
@@ -212,13 +203,14 @@ static bool find_triangles(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
-/* Points on a line, or fewer than three, have no surface that could be seen. */
-static bool has_triangles(struct delaunay_client *c, const char *set)
+/* Whether `find` finds something in the reply. What is wrong with the set is reported later. */
+static bool finds(struct delaunay_client *c, const char *command, const char *set,
+                  delaunay_part_fn *find)
 {
     char line[120];
     bool found = false;
-    snprintf(line, sizeof line, "STAT %.100s", set);
-    return delaunay_request(c, line, find_triangles, &found) == DELAUNAY_OK && found;
+    snprintf(line, sizeof line, "%s %.100s", command, set);
+    return delaunay_request(c, line, find, &found) == DELAUNAY_OK && found;
 }
 
 int command_show(struct delaunay_client *c, int argc, char **argv)
@@ -228,7 +220,9 @@ int command_show(struct delaunay_client *c, int argc, char **argv)
     if (status != EXIT_DONE)
         return status;
     const char *set = argv[optind], *field = v.field;
-    if (field == NULL && !v.mesh && has_heights(c, set) && has_triangles(c, set))
+    /* Points on a line, or fewer than three, have no surface that could be seen. */
+    if (field == NULL && !v.mesh && finds(c, "FIELDS", set, find_heights) &&
+        finds(c, "STAT", set, find_triangles))
         field = "z";
     return field != NULL ? show_relief(c, set, field, v.columns, v.lines, v.plain)
                          : show_mesh(c, set, &v);
