@@ -10,9 +10,10 @@
 _Static_assert(sizeof(struct dt_point) == 2 * sizeof(double), "a body's x, y pairs are points");
 
 enum {
-    MANY = 1 << 17,        /* points from which on pages are prefaulted */
-    BYTES_PER_POINT = 120, /* peak memory until they are triangulated */
-    BYTES_WHEN_ADDED = 84  /* of these, after they have been added */
+    MANY = 1 << 17, /* points from which on pages are prefaulted */
+    BYTES_PER_POINT =
+        80, /* for adding them (50) and for what their mesh (68) takes beyond what is then released */
+    BYTES_WHILE_ADDING = 28 /* of these, what adding leaves */
 };
 
 static void *grow_points(void *ctx, void *p, size_t used, size_t bytes)
@@ -218,7 +219,8 @@ bool load_refuse(struct server *s, const struct load *l, struct answer *a)
     return true;
 }
 
-/* Reports the memory that adding and triangulating the received points will take. */
+/* Reports the memory that adding and triangulating the received points will take, beside that of the points as they
+ * were received. */
 static void expect(struct server *s, struct load *l)
 {
     size_t expected = l->body.n < MANY || !l->adds ? 0 : l->body.n * BYTES_PER_POINT;
@@ -275,7 +277,7 @@ double *load_take(struct load *l, struct reservation *memory)
 
 size_t load_hand_on_expected(struct server *s, struct load *l)
 {
-    size_t rest = l->expected / BYTES_PER_POINT * BYTES_WHEN_ADDED;
+    size_t rest = l->expected / BYTES_PER_POINT * BYTES_WHILE_ADDING;
     keep_expect(s, rest, l->expected);
     l->expected = 0;
     return rest;

@@ -50,8 +50,8 @@ struct word load_field_names(const struct request *q);
 /* Moves the rows to the caller, and their memory to `memory`, which may have some already. */
 double *load_take(struct load *l, struct reservation *memory);
 
-/* For points that move on: returns the bytes that they will need after they have been added, which are the caller's to
- * announce from now on (keep_expect). */
+/* For points that are about to be added: returns the bytes that are to be free meanwhile, for what follows, which are the
+ * caller's to announce from now on (keep_expect). */
 size_t load_hand_on_expected(struct server *s, struct load *l);
 
 void load_free(struct server *s, struct load *l);

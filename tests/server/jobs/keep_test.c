@@ -150,6 +150,23 @@ TEST_TIMEOUT(pages_are_prefaulted_while_points_arrive, 60)
     free(load);
 }
 
+TEST_TIMEOUT(no_more_pages_are_prefaulted_than_a_load_and_its_triangulation_use, 60)
+{
+    enum { PIECE = 16 << 20 }; /* prefaulted at a time */
+    struct local l;
+    char *load = load_of("t");
+    local_start(&l, 1);
+    for (int i = 0; i < 3; i++) {
+        CHECK(strstr(local_ask(&l, load), "added=200000") != NULL);
+        finish_jobs(&l);
+        CHECK(strstr(local_ask(&l, "TRIANGULATE t\n"), "points=200000") != NULL);
+        CHECK(facts(&l).kept < PIECE);
+        local_ask(&l, "DROP t\n");
+    }
+    free(load);
+    local_stop(&l);
+}
+
 TEST_TIMEOUT(kept_and_used_pages_together_stay_below_max_memory, 60)
 {
     struct local l;
