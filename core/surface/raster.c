@@ -1,8 +1,8 @@
-/* raster.c - values of a surface at many places, and at the cells of a raster, row by row (row.h). */
+/* raster.c - values of a surface at many places, and at the cells of a raster, by rows (rows.h). */
 #include "core/control/parallel.h"
 #include "core/query/ahead.h"
 #include "core/set/reader.h"
-#include "core/surface/row.h"
+#include "core/surface/rows.h"
 
 enum {
     CIRCLES = 1 << 13 /* kept for large rasters: half a megabyte */
@@ -25,8 +25,6 @@ static enum dt_status next_values(struct dt_scan *k, const struct dt_point *q, s
 {
     struct dt_place place[DT_AHEAD];
     enum dt_status status = DT_OK;
-    enum dt_where where;
-    uint32_t half;
     n = n < DT_AHEAD ? n : DT_AHEAD;
     for (size_t i = 0; i < n; i++)
         place[i].at = q[i];
@@ -35,7 +33,7 @@ static enum dt_status next_values(struct dt_scan *k, const struct dt_point *q, s
     for (size_t i = 0; status == DT_OK && i < n; i++) {
         status = dt_work(&k->work, 8 + dt_scan_steps(k));
         if (status == DT_OK)
-            status = dt_scan_look_up(k, q[i], place[i].near, &where, &half, &out[i]);
+            status = dt_value_find(&k->v, q[i], &place[i].near, &out[i]);
         *done += status == DT_OK;
     }
     return status;
@@ -61,17 +59,15 @@ struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell)
                              dt_raster_y(r, (uint32_t)(cell / r->columns))};
 }
 
-/* The rest of a row, or as many whole rows as go together; adds the cells that are written to *done. With a limit of steps
- * these are few rows, since all but the first one are done again where the limit ends them. */
-static enum dt_status scan_rows(struct dt_scan *k, uint64_t from, size_t n, double *out,
-                                size_t *done)
+/* The next of n cells, which are looked up; adds those that are written to *done. */
+static enum dt_status next_cells(struct dt_scan *k, uint64_t from, size_t n, double *out,
+                                 size_t *done)
 {
-    enum { LIMITED = 8 };
-    uint32_t columns = k->r->columns, row = (uint32_t)(from / columns);
-    size_t most = dt_work_is_limited(&k->work) ? LIMITED : DT_TILE, rows = n / columns;
-    if (from % columns > 0 || rows < 2)
-        return dt_row_scan(k, row, (uint32_t)(from % columns), n, out, done);
-    return dt_tiles_scan(k, row, (uint32_t)(rows < most ? rows : most), out, done);
+    struct dt_point q[DT_AHEAD];
+    n = n < DT_AHEAD ? n : DT_AHEAD;
+    for (size_t i = 0; i < n; i++)
+        q[i] = dt_raster_centre(k->r, from + i);
+    return next_values(k, q, n, out, done);
 }
 
 /* n cells from the cell `from` on, on this thread. */
@@ -88,12 +84,12 @@ static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
     if (status == DT_OK && n >= 1000)
         status = dt_vicinity_init(&k.v.vicinity, s);
     k.r = r;
-    if (status == DT_OK && s->how == DT_LINEAR && dt_rows_go_abreast(r))
+    if (status == DT_OK && dt_rows_suit(r))
         status = dt_rows_scan(&k, from, n, out, done);
-    if (status == DT_TOOLONG) /* so single rows go on, up to the cell that takes long */
+    if (status == DT_TOOLONG) /* single cells go on, up to the one that takes long */
         status = DT_OK;
     while (status == DT_OK && *done < n)
-        status = scan_rows(&k, from + *done, n - *done, out + *done, done);
+        status = next_cells(&k, from + *done, n - *done, out + *done, done);
     dt_valuer_clear(&k.v);
     return status;
 }

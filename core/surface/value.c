@@ -194,8 +194,8 @@ static enum dt_status value_on_edge(struct dt_valuer *v, struct dt_point q, uint
     return natural_value(v, q, DT_ON_EDGE, half, out);
 }
 
-enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where where,
-                           uint32_t half, double *out)
+static enum dt_status value_at(struct dt_valuer *v, struct dt_point q, enum dt_where where,
+                               uint32_t half, double *out)
 {
     const struct dt_mesh *m = &v->t->mesh;
     *out = (double)NAN;
@@ -213,14 +213,13 @@ enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where
     return has_surface(v, half) ? value_inside(v, q, half, out) : DT_OK;
 }
 
-/* ---- many places ---- */
-
-static enum dt_status look_up(struct dt_valuer *v, struct dt_point q, uint32_t near, double *out)
+enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out)
 {
-    uint32_t half;
-    enum dt_where where = dt_place_find(v->t, q, near, &half);
-    return dt_value_at(v, q, where, half, out);
+    enum dt_where where = dt_place_find(v->t, q, *half, half);
+    return value_at(v, q, where, *half, out);
 }
+
+/* ---- many places ---- */
 
 /* Whether a place may be on an edge because both have the same y. */
 static inline bool is_level(const struct dt_point *a, const struct dt_point *b,
@@ -286,7 +285,7 @@ static uint64_t values_in_triangles(struct dt_valuer *v, const uint32_t *half, c
         if (is_level(&xy[corner[0]], &xy[corner[1]], &xy[corner[2]], y))
             doubtful |= (uint64_t)1 << i;
         else
-            *s = dt_value_at(v, q, DT_INSIDE, half[i], &out[i]);
+            *s = value_at(v, q, DT_INSIDE, half[i], &out[i]);
     }
     return doubtful;
 }
@@ -300,6 +299,6 @@ enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const
                                : values_in_triangles(v, half, x, y, n, out, &s);
     for (uint32_t i = 0; s == DT_OK && doubtful != 0 && i < n; i++)
         if (doubtful >> i & 1)
-            s = look_up(v, (struct dt_point){x[i], y}, half[i], &out[i]);
+            s = dt_value_find(v, (struct dt_point){x[i], y}, &(uint32_t){half[i]}, &out[i]);
     return s;
 }

@@ -29,16 +29,15 @@ enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const str
                               struct dt_work *work, uint32_t circles);
 void dt_valuer_clear(struct dt_valuer *v);
 
-/* The value at q, which dt_find has found (half: DT_NONE for a set of at most one point). DT_NOMEM, DT_CANCELLED,
- * DT_TOOLONG. */
-enum dt_status dt_value_at(struct dt_valuer *v, struct dt_point q, enum dt_where where,
-                           uint32_t half, double *out);
+/* The value at q. *half: a half edge near it, or DT_NONE; becomes the one that dt_find finds (DT_NONE for a set of at most
+ * one point). DT_NOMEM, DT_CANCELLED, DT_TOOLONG. */
+enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out);
 
 /* Fetches the values that those at n <= DT_AHEAD places will probably be computed from, given half edges near them. */
 void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t n);
 
 /* The values at 1 <= n <= DT_ROOM places with the same y, each inside of the triangle of half[i] or on an edge of it along
- * the x axis; as dt_value_at. */
+ * the x axis; as dt_value_find. */
 enum { DT_ROOM = 64 };
 enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
                                 double y, uint32_t n, double *out);

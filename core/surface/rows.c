@@ -1,6 +1,6 @@
-/* abreast.c - several rows of a raster side by side, for values that cost little.
+/* rows.c - see rows.h.
  *
- * A row is followed from edge to edge. Where it crosses one decides which columns are to the west of it:
+ * Where a row crosses an edge decides which columns are to the west of it:
  *
  *                    above
  *       |        |    /   |        |         c: the first column whose centre is to the east of the edge. From c on
@@ -13,17 +13,19 @@
  * chunk of columns, the values of its cells are computed.
  *
  * The place of a crossing is rounded. Where a centre is so near that c is not certain, the exact side of the edge
- * decides, and a cell on the edge is looked up. What turns cannot do, dt_row_cell does. */
+ * decides, and a cell on the edge is looked up. */
+#include "core/surface/rows.h"
 #include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
-#include "core/surface/row.h"
 
 #include <string.h>
 
 enum {
     ABREAST = 8, /* rows that take turns */
-    ROWS = 32,   /* of a tile */
-    COLUMNS = 64
+    ROWS = 32,   /* of a block */
+    COLUMNS = 64,
+    PATIENCE = 32, /* triangles to the next cell; then it is looked up, */
+    IMPATIENT = 16 /* and this many in all */
 };
 
 enum { BELOW = 0, ABOVE = 1 };
@@ -42,12 +44,13 @@ struct lane {
     uint32_t up, twin; /* the next edge that the row crosses, and its twin */
     uint32_t at;       /* the first column that may be beyond it */
     uint32_t before;   /* the column when patience began */
+    uint32_t near;     /* a half edge near the cell that was looked up last, DT_NONE: none */
     bool by_turns;     /* goes on by turns; otherwise up and its ends are out of date */
-    struct dt_row_end row;
-    double *out;      /* of the first column of the chunk */
-    uint32_t crossed; /* edges that are not noted yet: */
-    uint32_t beyond[DT_ROW_PATIENCE], column[DT_ROW_PATIENCE]; /* the triangles beyond, and c */
-    uint32_t half[COLUMNS];                                    /* triangles of cells */
+    bool outside;      /* has left the hull */
+    double *out;       /* of the first column of the chunk */
+    uint32_t crossed;  /* edges that are not noted yet: */
+    uint32_t beyond[PATIENCE], column[PATIENCE]; /* the triangles beyond, and c */
+    uint32_t half[COLUMNS];                      /* triangles of cells */
 };
 
 struct abreast {
@@ -63,6 +66,23 @@ struct abreast {
     double x[COLUMNS];
 };
 
+/* ---- centres ---- */
+
+static double valid(double x)
+{
+    return fabs(x) < DT_COORDINATE_LEAST ? 0 : x;
+}
+
+double dt_raster_x(const struct dt_raster *r, uint32_t column)
+{
+    return valid(r->lo.x + (r->hi.x - r->lo.x) * (2.0 * column + 1) / (2.0 * r->columns));
+}
+
+double dt_raster_y(const struct dt_raster *r, uint32_t row)
+{
+    return valid(r->hi.y - (r->hi.y - r->lo.y) * (2.0 * row + 1) / (2.0 * r->rows));
+}
+
 /* ---- by single cells ---- */
 
 static bool set_end(const struct abreast *a, struct lane *l, int which, uint32_t vertex)
@@ -70,6 +90,23 @@ static bool set_end(const struct abreast *a, struct lane *l, int which, uint32_t
     dt_lanes origin = {a->origin[0], l->y};
     l->end[which] = (dt_lanes_load(&a->xy[vertex].x) - origin) * a->scale;
     return fabs(l->end[which][0]) < FAR;
+}
+
+/* Makes the row cross next the edge by which it leaves the triangle of near. False: it does not cross that by turns. */
+static bool leave_triangle(const struct abreast *a, struct lane *l)
+{
+    if (l->near == DT_NONE || dt_is_ghost(&a->k->v.t->mesh, l->near))
+        return false;
+    uint32_t base = dt_base(l->near);
+    const uint32_t *v = a->half + base;
+    bool above[3] = {a->xy[v[0]].y >= l->y, a->xy[v[1]].y >= l->y, a->xy[v[2]].y >= l->y};
+    for (uint32_t i = 0, next = 1; i < 3; i++, next = next == 2 ? 0 : next + 1)
+        if (!above[i] && above[next]) {
+            l->up = base + i;
+            l->twin = a->half[l->up + 4];
+            return set_end(a, l, BELOW, v[i]) && set_end(a, l, ABOVE, v[next]);
+        }
+    return false;
 }
 
 /* Notes the triangles beyond the edges that the row has crossed. */
@@ -80,31 +117,35 @@ static void note(const struct abreast *a, struct lane *l)
     l->crossed = 0;
 }
 
-/* Goes on by single cells until turns are possible. */
-static enum dt_status go_on(struct abreast *a, struct lane *l)
+/* Looks up n cells, and more until turns are possible. */
+static enum dt_status look_up(struct abreast *a, struct lane *l, uint32_t n)
 {
-    const struct dt_mesh *m = &a->k->v.t->mesh;
     enum dt_status s = DT_OK;
     if (l->by_turns)
-        l->row.up = l->row.near = l->up;
+        l->near = l->up;
     l->by_turns = false;
     note(a, l);
-    while (s == DT_OK && l->at < a->end && !l->by_turns && !l->row.beyond) {
+    while (s == DT_OK && l->at < a->end && !l->by_turns) {
         uint32_t i = l->at++ - a->from;
         l->half[i] = DONE;
-        s = dt_row_cell(a->k, &l->row, (struct dt_point){a->x[i], l->y}, &l->out[i]);
-        l->up = l->row.up;
-        l->by_turns = l->up != DT_NONE && l->row.lookups == 0 && !l->row.beyond &&
-                      set_end(a, l, BELOW, dt_origin(m, l->up)) &&
-                      set_end(a, l, ABOVE, dt_dest(m, l->up));
+        if (n > 1) /* they are far apart */
+            l->near = DT_NONE;
+        s = dt_value_find(&a->k->v, (struct dt_point){a->x[i], l->y}, &l->near, &l->out[i]);
+        n -= n > 0;
+        l->by_turns = n == 0 && leave_triangle(a, l);
     }
-    if (l->by_turns)
-        l->twin = dt_twin(m, l->up);
     if (l->at < a->end)
-        l->half[l->at - a->from] = l->row.beyond ? OUTSIDE : l->up;
-    if (l->row.beyond)
-        l->at = a->end;
+        l->half[l->at - a->from] = l->up;
     return s;
+}
+
+/* The row's cells from here on are outside. */
+static void leave_hull(struct abreast *a, struct lane *l)
+{
+    note(a, l);
+    if (l->at < a->end)
+        l->half[l->at - a->from] = OUTSIDE;
+    l->at = a->end;
 }
 
 /* ---- by turns ---- */
@@ -113,8 +154,7 @@ static enum dt_status go_on(struct abreast *a, struct lane *l)
 static enum dt_status decide(struct abreast *a, struct lane *l, double at, uint32_t *c)
 {
     const struct dt_mesh *m = &a->k->v.t->mesh;
-    uint32_t near = (uint32_t)at, half;
-    enum dt_where where;
+    uint32_t near = (uint32_t)at, half = l->up;
     *c = near < l->at ? l->at : near;
     if (near < l->at || near >= a->end)
         return DT_OK;
@@ -125,7 +165,7 @@ static enum dt_status decide(struct abreast *a, struct lane *l, double at, uint3
         return DT_OK;
     note(a, l);
     l->half[near - a->from] = DONE;
-    return dt_scan_look_up(a->k, q, l->up, &where, &half, &l->out[near - a->from]);
+    return dt_value_find(&a->k->v, q, &half, &l->out[near - a->from]);
 }
 
 struct nearest {
@@ -165,7 +205,7 @@ static inline bool turn(struct abreast *a, struct lane *l, enum dt_status *s)
     l->beyond[l->crossed] = twin;
     l->crossed++;
     if (__builtin_expect(apex == DT_NONE, 0)) {
-        l->row.beyond = true;
+        l->outside = true;
         return false;
     }
     dt_vicinity_vertex(a->vicinity, a->k->v.t, apex);
@@ -196,8 +236,12 @@ static enum dt_status pass(struct abreast *a, struct lane **active, uint32_t *n)
     uint32_t left = 0;
     for (uint32_t i = 0; s == DT_OK && i < *n; i++) {
         struct lane *l = active[i];
-        if (!turn(a, l, &s) && s == DT_OK && l->at < a->end)
-            s = go_on(a, l);
+        if (!turn(a, l, &s) && s == DT_OK && l->at < a->end) {
+            if (l->outside)
+                leave_hull(a, l);
+            else
+                s = look_up(a, l, 1);
+        }
         active[left] = l;
         left += l->at < a->end;
     }
@@ -214,7 +258,7 @@ static enum dt_status lose_patience(struct abreast *a, struct lane **active, uin
         struct lane *l = active[i];
         note(a, l);
         if (!advances(l))
-            s = go_on(a, l);
+            s = look_up(a, l, IMPATIENT);
         active[left] = l;
         left += l->at < a->end;
     }
@@ -234,15 +278,17 @@ static enum dt_status find_chunk(struct abreast *a, struct lane *lane, uint32_t 
         l->at = a->from;
         l->crossed = 0;
         l->before = DT_NONE;
-        if (l->by_turns && !l->row.beyond)
+        if (l->outside)
+            leave_hull(a, l);
+        else if (l->by_turns)
             l->half[0] = l->up;
         else
-            s = go_on(a, l);
+            s = look_up(a, l, 1);
         active[n] = l;
         n += l->at < a->end;
     }
     for (uint32_t turns = 0; s == DT_OK && n > 0; turns++)
-        s = turns % DT_ROW_PATIENCE == 0 ? lose_patience(a, active, &n) : pass(a, active, &n);
+        s = turns % PATIENCE == 0 ? lose_patience(a, active, &n) : pass(a, active, &n);
     return s;
 }
 
@@ -294,8 +340,8 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
     enum dt_status s = DT_OK;
     for (uint32_t i = 0; i < rows; i++) {
         a->lane[i].y = dt_raster_y(r, row + i);
-        a->lane[i].row = dt_row_begin();
-        a->lane[i].by_turns = false;
+        a->lane[i].near = DT_NONE;
+        a->lane[i].by_turns = a->lane[i].outside = false;
         a->lane[i].out = out + (size_t)i * r->columns;
     }
     while (s == DT_OK && c < end) {
@@ -305,7 +351,7 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
         a->from = c;
         a->end = c + n;
         a->west = c;
-        s = dt_work(&a->k->work, (uint64_t)rows * n);
+        s = dt_work(&a->k->work, (uint64_t)rows * n * dt_scan_steps(a->k));
         for (uint32_t i = 0; s == DT_OK && i < rows; i += ABREAST)
             s = scan_chunk(a, &a->lane[i], least(rows - i, ABREAST));
         c += n;
@@ -328,7 +374,7 @@ static double columns_per_unit(const struct dt_raster *r)
     return r->columns / (r->hi.x - r->lo.x);
 }
 
-bool dt_rows_go_abreast(const struct dt_raster *r)
+bool dt_rows_suit(const struct dt_raster *r)
 {
     double per_x = columns_per_unit(r);
     return crossing_error(r, per_x) < 0x1p-4 && per_x * DT_COORDINATE_LEAST < 0x1p-30;
@@ -351,7 +397,8 @@ enum dt_status dt_rows_scan(struct dt_scan *k, uint64_t from, size_t n, double *
     while (s == DT_OK && *done < n) {
         uint32_t row = (uint32_t)((from + *done) / columns),
                  c = (uint32_t)((from + *done) % columns);
-        size_t left = n - *done < k->work.left ? n - *done : k->work.left;
+        uint64_t steps = k->work.left, most = steps / dt_scan_steps(k);
+        size_t left = n - *done < most ? n - *done : (size_t)most;
         size_t rows = c > 0 ? 0 : left / columns;
         rows = rows < 1 ? 1 : rows > ROWS ? ROWS : rows;
         uint32_t end = left < columns - c ? c + (uint32_t)left : columns;
@@ -359,6 +406,8 @@ enum dt_status dt_rows_scan(struct dt_scan *k, uint64_t from, size_t n, double *
             return DT_TOOLONG;
         s = scan_block(&a, row, (uint32_t)rows, c, end, out + *done);
         *done += s == DT_OK ? rows * (end - c) : 0;
+        if (s == DT_TOOLONG) /* what it took does not count, since its cells are computed again */
+            k->work.left = steps;
     }
     return s;
 }

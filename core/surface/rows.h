@@ -1,0 +1,42 @@
+/* rows.h - rows of cells of a raster, each a line from west to east, several side by side.
+ *
+ * A row crosses the triangles one after the other, each from an edge that goes down, as seen from the triangle, to one
+ * that goes up:
+ *
+ *              above                    A corner on the line counts as above it, so the line passes between
+ *             /  |  \                   corners, and where it goes on from a triangle follows from one comparison
+ *       -----/---|---\-------- y        of a y. Which triangle a cell is in is decided by the side of the edge up
+ *           /    |    \                 on which it is: exactly.
+ *       below----+-----below
+ *
+ * A cell on an edge or at a corner is looked up by itself, and so are the first cell of a row, some after many
+ * triangles without any, and those to the west of the hull. */
+#ifndef DT_ROWS_H
+#define DT_ROWS_H
+
+#include "core/surface/value.h"
+
+struct dt_scan {
+    struct dt_valuer v;
+    struct dt_work work;
+    const struct dt_raster *r; /* borrows */
+};
+
+/* Centres of columns and rows. */
+double dt_raster_x(const struct dt_raster *r, uint32_t column);
+double dt_raster_y(const struct dt_raster *r, uint32_t row);
+
+/* What the value at a place usually takes, in steps. */
+static inline uint32_t dt_scan_steps(const struct dt_scan *k)
+{
+    return k->v.s->how == DT_LINEAR ? 1 : 8;
+}
+
+/* Whether the columns are so wide that dt_rows_scan is possible. */
+bool dt_rows_suit(const struct dt_raster *r);
+
+/* The values of n cells from the cell `from` on. Adds the cells of rows that are complete to *done; DT_TOOLONG: too few
+ * steps are left, or a cell takes long by itself. Cost: the number of cells and of triangles along their rows. */
+enum dt_status dt_rows_scan(struct dt_scan *k, uint64_t from, size_t n, double *out, size_t *done);
+
+#endif
