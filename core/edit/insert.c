@@ -35,39 +35,59 @@ bool dt_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
     return side > 0 || (side == 0 && between(a, b, q));
 }
 
-/* Adds the triangle of the half edge h, by which the cavity reaches it, and pushes its two others. */
-static bool enter(const struct dt_mesh *m, struct dt_cavity *c, uint32_t h)
+/* Vertex v as q sees it. */
+static inline struct dt_lifted see(const struct dt_point *xy, uint32_t v, struct dt_point q)
 {
-    uint32_t next = dt_next(h), prev = dt_prev(h);
-    dt_fetch(&m->half[dt_twin(m, next)]);
-    dt_fetch(&m->half[dt_twin(m, prev)]);
-    if (!dt_cavity_add(c, dt_base(h)))
-        return false;
-    c->stack[c->stacked++] = prev;
-    c->stack[c->stacked++] = next;
-    return true;
+    return v == DT_NONE ? dt_lifted_infinity : dt_lift(xy[v], q);
 }
 
-/* The stack holds half edges still to be crossed, so that the rim comes in counterclockwise
- * order. */
+/* Prefetches the triangle beyond h, and pushes h, which is to be crossed. */
+static inline void push(const struct dt_mesh *m, struct dt_cavity *c, uint32_t h,
+                        struct dt_lifted end, double cross)
+{
+    dt_fetch(&m->half[dt_twin(m, h)]);
+    c->stack[c->stacked++] = (struct dt_crossing){end, cross, h};
+}
+
+/* The hole grows through its edges, counterclockwise, so that the rim comes in that order. The triangle beyond an edge
+ * has one more vertex w; with it the edge, seen from q, makes two edges more:
+ *
+ *              w
+ *             / \            The sign of the determinant of a, b and w, lifted, decides whether the triangle is in
+ *            /   \           conflict. Two of its three cross products are those of the new edges, a-w and w-b;
+ *           b --- a          the third has been computed when a-b was such an edge.
+ *              q */
 enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
                               struct dt_point q, struct dt_cavity *c)
 {
     enum dt_status status = DT_OK;
     uint32_t steps = 0;
     dt_cavity_begin(c);
-    if (!enter(m, c, t + 2))
+    if (!dt_cavity_add(c, t))
         return DT_NOMEM;
-    c->stack[c->stacked++] = t + 2;
+    struct dt_lifted first = see(xy, m->half[t], q), second = see(xy, m->half[t + 1], q);
+    struct dt_lifted a = see(xy, m->half[t + 2], q);
+    push(m, c, t + 1, a, dt_lifted_cross(second, a));
+    push(m, c, t, second, dt_lifted_cross(first, second));
+    push(m, c, t + 2, first, dt_lifted_cross(a, first));
     while (c->stacked > 0) {
         if ((++steps & DT_WORK_MASK) == 0 && (status = dt_work(c->work, DT_WORK_BLOCK)) != DT_OK)
             return status;
-        uint32_t h = c->stack[--c->stacked], beyond = dt_twin(m, h);
-        if (!dt_conflict(m, xy, dt_base(beyond), q)) {
-            dt_fetch(&m->leaving[dt_origin(m, h)]); /* for dt_hull_keep */
-            dt_cavity_add_rim(c, dt_origin(m, h), beyond);
-        } else if (!enter(m, c, beyond)) {
-            return DT_NOMEM;
+        struct dt_crossing e = c->stack[--c->stacked];
+        uint32_t beyond = dt_twin(m, e.h);
+        struct dt_lifted w = see(xy, dt_apex_of(m, beyond), q);
+        double aw = dt_lifted_cross(a, w), wb = dt_lifted_cross(w, e.end);
+        double bound, det = dt_lifted_det(a, w, e.end, aw, wb, -e.cross, &bound);
+        bool conflict = fabs(det) > bound ? det > 0 : dt_conflict(m, xy, dt_base(beyond), q);
+        if (conflict) {
+            if (!dt_cavity_add(c, dt_base(beyond)))
+                return DT_NOMEM;
+            push(m, c, dt_prev(beyond), e.end, wb);
+            push(m, c, dt_next(beyond), w, aw);
+        } else {
+            dt_fetch(&m->leaving[dt_origin(m, e.h)]); /* for dt_hull_keep */
+            dt_cavity_add_rim(c, dt_origin(m, e.h), beyond);
+            a = e.end;
         }
     }
     return dt_work(c->work, steps & DT_WORK_MASK);

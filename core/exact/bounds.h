@@ -81,6 +81,16 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
 #define DT_ORIENT_BOUND_2 0x1p-102   /* of |left| + |right|: 16 u^2 */
 #define DT_INCIRCLE_BOUND_2 0x1p-100 /* of S: 64 u^2 */
 
+/* ---- determinants of points relative to a point q, many of them (predicates.h, insert.c) ----
+ *
+ *     a.square = a.x^2 + a.y^2,  a x b = a.x b.y - a.y b.x,  det = sum of a.square (b x c), cyclic
+ *
+ * Let L be the greatest square. Squares err by 4 u of themselves. |a.x b.y| + |a.y b.x| <= |a| |b| <= L, so a cross product
+ * errs by 4 u L, and its product with a square by (4 + 4 + 1) u L^2. Three of these make 27 u L^2, and the first of
+ * their two sums 2 u L^2 more. A vertex at infinity, with square 1, makes L >= 1 and the determinant a single cross
+ * product: 4 u L. */
+#define DT_LIFTED_DET_BOUND 0x1p-48 /* of L^2: 32 u > 29 u */
+
 /* ---- distances (predicates.h, nearest.c) ---- */
 
 /* (a.x - b.x)^2 + (a.y - b.y)^2 errs by 2 u + u in the squares and u in the sum, 4 u of itself. Two

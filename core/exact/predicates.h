@@ -75,6 +75,36 @@ static inline int dt_incircle_perturbed(struct dt_point a, struct dt_point b, st
     return sign != 0 ? sign : dt_incircle_tie(a, b, c, d);
 }
 
+/* A point relative to another one, q, and the square of its distance from q: lifted to the paraboloid above q. */
+struct dt_lifted {
+    double x, y, square;
+};
+
+/* Straight above q: with it for c, the determinant below has the sign of a, b and q in dt_orient2d. */
+static const struct dt_lifted dt_lifted_infinity = {0, 0, 1};
+
+static inline struct dt_lifted dt_lift(struct dt_point p, struct dt_point q)
+{
+    double x = p.x - q.x, y = p.y - q.y;
+    return (struct dt_lifted){x, y, x * x + y * y};
+}
+
+static inline double dt_lifted_cross(struct dt_lifted a, struct dt_lifted b)
+{
+    return a.x * b.y - a.y * b.x;
+}
+
+/* The determinant of a, b, c, of which these are the cross products, rounded: > 0 if q lies inside the circumcircle of a, b,
+ * c, counterclockwise. Beyond *bound it has the right sign. For many tests of one q, which share vertices and edges. */
+static inline double dt_lifted_det(struct dt_lifted a, struct dt_lifted b, struct dt_lifted c,
+                                   double ab, double bc, double ca, double *bound)
+{
+    double most = a.square > b.square ? a.square : b.square;
+    most = c.square > most ? c.square : most;
+    *bound = DT_LIFTED_DET_BOUND * (most * most);
+    return a.square * bc + b.square * ca + c.square * ab;
+}
+
 /* The square of the distance of a and b, rounded (DT_DISTANCE_BOUND); 0 only for equal points. */
 static inline double dt_square_distance(struct dt_point a, struct dt_point b)
 {

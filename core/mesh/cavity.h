@@ -7,6 +7,7 @@
 #define DT_CAVITY_H
 
 #include "core/control/work.h"
+#include "core/exact/predicates.h"
 #include "core/mesh/mesh.h"
 #include "core/points/changes.h"
 
@@ -16,12 +17,19 @@ struct dt_rim {
     uint32_t beyond; /* the half edge on the other side of it */
 };
 
+/* An edge of the hole that the search for it is going to cross. */
+struct dt_crossing {
+    struct dt_lifted end; /* its end counterclockwise around the hole, as the new vertex sees it */
+    double cross;         /* of its ends */
+    uint32_t h;           /* its half edge in the hole */
+};
+
 /* Scratch memory that successive edits reuse; it grows to what the largest one needed. Start with
  * {0}. */
 struct dt_cavity {
-    uint32_t *record;   /* owns `room`: the base half edges of the triangles in the hole */
-    struct dt_rim *rim; /* owns `room` */
-    uint32_t *stack;    /* owns `room`: half edges to be crossed */
+    uint32_t *record;          /* owns `room`: the base half edges of the triangles in the hole */
+    struct dt_rim *rim;        /* owns `room` */
+    struct dt_crossing *stack; /* owns `room` */
     uint32_t records, rims, stacked;
     uint32_t room;
     bool open;            /* infinity is on the rim */

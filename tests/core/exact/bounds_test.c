@@ -160,6 +160,24 @@ static struct error close_det(const struct dt_point *p)
                     sight_close_of_pair(&c));
 }
 
+/* Of p[0], p[1], p[2] as p[3] sees them. */
+static struct error lifted_det(const struct dt_point *p)
+{
+    struct dt_lifted a = dt_lift(p[0], p[3]), b = dt_lift(p[1], p[3]), c = dt_lift(p[2], p[3]);
+    double bound, det = dt_lifted_det(a, b, c, dt_lifted_cross(a, b), dt_lifted_cross(b, c),
+                                      dt_lifted_cross(c, a), &bound);
+    return error_of(4, determinant(p[3], p[2], p[1], p[0]), det, bound + last(det));
+}
+
+/* The same where a vertex is at infinity: twice the area of the others and p[2]. */
+static struct error lifted_ghost(const struct dt_point *p)
+{
+    struct dt_lifted a = dt_lift(p[0], p[2]), b = dt_lift(p[1], p[2]), c = dt_lifted_infinity;
+    double bound, det = dt_lifted_det(a, b, c, dt_lifted_cross(a, b), dt_lifted_cross(b, c),
+                                      dt_lifted_cross(c, a), &bound);
+    return error_of(2, cross(p[2], p[0], p[2], p[1]), det, bound + last(det));
+}
+
 /* ---- double words ---- */
 
 struct words {
@@ -359,6 +377,8 @@ static const struct expression expressions[] = {
     {"dt, wide", wide_dt, 0.55, false},
     {"det, wide", wide_det, 0.03, false},
     {"det, close", close_det, 0.5, false},
+    {"det, lifted", lifted_det, 0.15, false},
+    {"det, lifted, ghost", lifted_ghost, 0, false},
     {"orient2d in double words", orient2d_2, 0.15, false},
     {"incircle in double words", incircle_2, 0.06, false},
     {"square distance", square_distance, 0.4, false},
