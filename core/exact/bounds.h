@@ -103,10 +103,8 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
 #define DT_SIDES_BOUND 0x1p-49        /* of the product of the sides: 16 u */
 #define DT_CIRCUMRADIUS_BOUND 0x1p-50 /* of 2 r (|left| + |right|): 8 u */
 
-/* w.q = w.x q.x + w.y q.y for rounded differences w and q: the products err by 3 u of themselves. */
-#define DT_DOT_BOUND 0x1p-50 /* of |w.x q.x| + |w.y q.y|: 8 u */
-
-/* w.q / |w|^2: as before, and u for the sum, 4 u for |w|^2, u for the quotient: 9 u. */
+/* w.q / |w|^2 for rounded differences w and q: the products err by 3 u of themselves; u for the sum, 4 u for |w|^2, u
+ * for the quotient: 9 u. */
 #define DT_INVERSE_BOUND 0x1p-49 /* of (|w.x q.x| + |w.y q.y|) / |w|^2: 16 u */
 
 /* ---- the third-point search of the paper (scan.c, segment.c) ----

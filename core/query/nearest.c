@@ -1,11 +1,12 @@
 /* nearest.c - a nearest vertex: from the triangle that the place is in, on to nearer neighbours.
  *
- * The search does not visit all neighbours of a vertex of high degree. Let v be at the origin, and let every
- * neighbour w stand for the point w* = w / |w|^2, infinity for the origin: by inversion these are the
- * corners of a convex polygon, in the order of the ring. A neighbour is as near to q as v, or nearer, if
- * q.w* >= 1/2; and along a convex polygon q.w* rises to its maximum from both sides. So an ascent finds the
- * maximum, from the best of a sample if the way is long, and neighbours beyond a descent on either side of it
- * need not be visited. */
+ * The search does not visit all neighbours of a vertex. Let v be at the origin, and let every neighbour w stand for
+ * the point w* = w / |w|^2, infinity for the origin: by inversion these are the corners of a convex polygon, in the
+ * order of the ring. A neighbour is as near to q as v, or nearer, if q.w* >= 1/2; and along a convex polygon q.w*
+ * rises to its maximum from both sides. So an ascent finds the maximum, and neighbours beyond a descent on either side
+ * of it need not be visited. At v, the nearest corner of the triangle that q is in, it begins at the top or beside it,
+ * and two or three neighbours are enough; at a vertex of high degree it goes on from the best of a sample if the way is
+ * long. */
 #include "core/query/nearest.h"
 
 #include "core/control/work.h"
@@ -14,14 +15,14 @@
 #include "core/query/locate.h"
 #include "core/set/reader.h"
 
-#define PATIENCE 16 /* vertices on the way to a nearest one; mostly there are one or two */
-#define USUAL 32    /* neighbours that are examined one after the other */
+#define PATIENCE 16 /* steps from vertex to vertex, or round one; mostly there are one or two */
 
 /* The nearest vertex so far; tie: another one is as near. */
 struct nearest {
     const struct dt *t;
     struct dt_point q;
     struct dt_candidate best;
+    uint32_t at; /* a half edge that leaves it */
     bool tie;
     struct dt_ids *ties; /* borrows: those that are as near; NULL: not needed */
     uint32_t steps;      /* vertices considered and not yet taken off what the caller allows */
@@ -39,24 +40,26 @@ static bool may_go_on(struct nearest *n)
     return n->status == DT_OK;
 }
 
-static void consider(struct nearest *n, uint32_t w)
+/* Considers the vertex that h leaves. */
+static void consider(struct nearest *n, uint32_t h)
 {
-    struct dt_candidate c = dt_candidate(n->t, n->q, w);
+    struct dt_candidate c = dt_candidate(n->t, n->q, dt_origin(&n->t->mesh, h));
     int sign = dt_compare_candidates(n->t, n->q, c, n->best);
     n->tie = sign == 0 || (n->tie && sign > 0);
+    n->at = sign < 0 ? h : n->at;
     n->best = sign < 0 ? c : n->best;
     if (sign == 0 && n->ties != NULL && n->status == DT_OK)
-        n->status = dt_ids_append(n->ties, w);
+        n->status = dt_ids_append(n->ties, c.v);
 }
 
-/* ---- around a vertex of high degree ---- */
+/* ---- around a vertex ---- */
 
 /* q.w* for the neighbour w of v, and its error bound. */
 struct reach {
     double to, error;
 };
 
-static struct reach reach(const struct nearest *n, uint32_t v, uint32_t w)
+static inline struct reach reach(const struct nearest *n, uint32_t v, uint32_t w)
 {
     const struct dt_point *xy = n->t->points.xy;
     if (w == DT_NONE)
@@ -73,7 +76,7 @@ static struct reach look_at(struct nearest *n, uint32_t h)
     const struct dt_mesh *m = &n->t->mesh;
     struct reach r = reach(n, dt_origin(m, h), dt_dest(m, h));
     if (r.to + r.error >= 0.5)
-        consider(n, dt_dest(m, h));
+        consider(n, dt_twin(m, h));
     return r;
 }
 
@@ -99,138 +102,75 @@ static uint32_t best_of_sample(const struct nearest *n, uint32_t h)
 /* What has been looked at of a ring: from `right`, counterclockwise, to `left`. */
 struct arc {
     uint32_t right, left, top; /* half edges; top: where the best is */
-    struct reach best;
+    struct reach at_right, at_left, best;
 };
 
 static struct arc arc_at(struct nearest *n, uint32_t h)
 {
-    return (struct arc){h, h, h, look_at(n, h)};
+    struct reach r = look_at(n, h);
+    return (struct arc){h, h, h, r, r, r};
 }
 
-/* Takes the next half edge into the arc; returns whether it is worth going on beyond it. */
-static bool extend(struct nearest *n, struct arc *a, uint32_t h)
+/* Takes the next half edge into the arc, at one of its ends. */
+static struct reach extend(struct nearest *n, struct arc *a, uint32_t h)
 {
     struct reach r = look_at(n, h);
-    if (r.to > a->best.to) {
-        a->best = r;
-        a->top = h;
-    }
-    return r.to + r.error >= a->best.to - a->best.error; /* else it has fallen, for certain */
+    a->top = r.to > a->best.to ? h : a->top;
+    a->best = r.to > a->best.to ? r : a->best;
+    return r;
 }
 
-/* Considers all neighbours of the origin of h that may be as near. */
-static void consider_hub(struct nearest *n, uint32_t h)
+/* Whether it is worth going on from an end of the arc: else it has fallen there, for certain. */
+static inline bool may_rise(const struct arc *a, struct reach end)
+{
+    return end.to + end.error >= a->best.to - a->best.error;
+}
+
+/* Considers all neighbours of the origin v of h that may be as near, from the one at the end of h on.
+ *
+ *          a ------- b       the usual case: v is the nearest corner of the triangle that q is in, h the half
+ *           \  q   /        edge to b. If a certainly reaches less far than b, only what is to the right of b is
+ *     left   \    /  right  looked at, and the other way round.
+ *              v
+ */
+static void consider_around(struct nearest *n, uint32_t h)
 {
     const struct dt_mesh *m = &n->t->mesh;
     struct arc a = arc_at(n, h);
-    bool go_right = true, go_left = true;
-    uint32_t sample_at = dt_jump_samples(m->tri_end);
-    for (uint32_t steps = 0; (go_right || go_left) && may_go_on(n); steps++) {
-        if (steps == sample_at && (h = best_of_sample(n, a.top)) != a.top) {
-            a = arc_at(n, h);
-            go_right = go_left = true;
-        }
-        if (go_right) {
-            a.right = dt_turn_cw(m, a.right);
-            if (a.right == a.left)
-                return;
-            go_right = extend(n, &a, a.right);
-        }
+    for (uint32_t steps = 0; may_go_on(n); steps++) {
+        if (steps >= PATIENCE && steps == PATIENCE + dt_jump_samples(m->tri_end))
+            a = arc_at(n, best_of_sample(n, a.top));
+        bool go_left = may_rise(&a, a.at_left);
         if (go_left) {
             a.left = dt_turn_ccw(m, a.left);
             if (a.left == a.right)
                 return;
-            go_left = extend(n, &a, a.left);
+            a.at_left = extend(n, &a, a.left);
+        }
+        if (may_rise(&a, a.at_right)) {
+            a.right = dt_turn_cw(m, a.right);
+            if (a.right == a.left)
+                return;
+            a.at_right = extend(n, &a, a.right);
+        } else if (!go_left) {
+            return;
         }
     }
 }
 
-/* ---- around any vertex ---- */
-
-/* Considers all neighbours of v, which is the best so far, that may be as near. */
-static void consider_around(struct nearest *n, uint32_t v)
-{
-    const struct dt_mesh *m = &n->t->mesh;
-    uint32_t h = m->leaving[v], looks = 0;
-    n->tie = false;
-    do {
-        uint32_t w = dt_dest(m, h);
-        if (++looks > USUAL) {
-            consider_hub(n, h);
-            return;
-        }
-        if (w != DT_NONE)
-            consider(n, w);
-        h = dt_turn_ccw(m, h);
-    } while (may_go_on(n) && h != m->leaving[v]);
-}
-
-/* Considers w, a neighbour of v, unless it is infinity or lies behind v as seen from q, where none is
- * nearer than v. False: that is so, certainly, and further round they are no better. */
-static bool consider_ahead(struct nearest *n, uint32_t v, uint32_t w)
-{
-    const struct dt_point *xy = n->t->points.xy;
-    if (w == DT_NONE)
-        return false;
-    double x = (xy[w].x - xy[v].x) * (n->q.x - xy[v].x),
-           y = (xy[w].y - xy[v].y) * (n->q.y - xy[v].y);
-    if (x + y < -DT_DOT_BOUND * (fabs(x) + fabs(y)))
-        return false;
-    consider(n, w);
-    return true;
-}
-
-/* The same as consider_around for the origin of h, a corner of the triangle that q is in: from the
- * two other corners on, to the right and to the left, as far as neighbours lie ahead.
- *
- *          a ------- b       v: the origin of h, the nearest corner of the triangle that q is in
- *           \  q   /        what is nearer than v lies ahead of it: within a right angle of the
- *     left   \    /  right   direction to q
- *              v
- */
-static void consider_front(struct nearest *n, uint32_t h)
-{
-    const struct dt_mesh *m = &n->t->mesh;
-    uint32_t v = dt_origin(m, h), right = h, left = dt_turn_ccw(m, h), looks = 0;
-    bool go_right = consider_ahead(n, v, dt_dest(m, h)),
-         go_left = consider_ahead(n, v, dt_apex_of(m, h));
-    while ((go_right || go_left) && may_go_on(n)) {
-        if (++looks > USUAL) {
-            consider_hub(n, h);
-            return;
-        }
-        if (go_right) {
-            right = dt_turn_cw(m, right);
-            go_right = right != left && consider_ahead(n, v, dt_dest(m, right));
-        }
-        if (go_left) { /* the triangle behind the neighbour need not be read to know it */
-            uint32_t w = dt_apex_of(m, left);
-            left = dt_turn_ccw(m, left);
-            go_left = left != right && consider_ahead(n, v, w);
-        }
-    }
-}
-
-/* Finds the triangle that q is in and begins at its nearest corner, which is returned: considers
- * all of that corner's neighbours that may be nearer. */
-static uint32_t begin(struct nearest *n, uint32_t near)
+/* Finds the triangle that q is in: its nearest corner is the best so far. */
+static void begin(struct nearest *n, uint32_t near)
 {
     const struct dt *t = n->t;
-    uint32_t h, first, v;
-    enum dt_where where = dt_find(&t->mesh, t->points.xy, t->points.id, &t->hints, near, n->q, &h);
-    h = first = dt_base(h);
+    uint32_t h;
+    (void)dt_find(&t->mesh, t->points.xy, t->points.id, &t->hints, near, n->q, &h);
+    n->at = h = dt_base(h);
     n->best = dt_candidate(t, n->q, dt_origin(&t->mesh, h));
     for (uint32_t k = h + 1; k < h + 3 && dt_origin(&t->mesh, k) != DT_NONE; k++) {
         struct dt_candidate c = dt_candidate(t, n->q, dt_origin(&t->mesh, k));
-        first = c.d < n->best.d ? k : first;
+        n->at = c.d < n->best.d ? k : n->at;
         n->best = c.d < n->best.d ? c : n->best;
     }
-    v = n->best.v;
-    if (where == DT_OUTSIDE || dt_is_ghost(&t->mesh, h))
-        consider_around(n, v);
-    else if (n->best.d > 0)
-        consider_front(n, first);
-    return v;
 }
 
 /* The way is long, for instance along a line of points. The grid's hint for q comes from one of the nearest
@@ -243,7 +183,13 @@ static void consider_hint(struct nearest *n)
     uint32_t h = dt_hint(&t->hints, n->q);
     for (uint32_t k = h; k < h + 3 && !dt_is_dead(&t->mesh, h); k++)
         if (dt_origin(&t->mesh, k) != DT_NONE)
-            consider(n, dt_origin(&t->mesh, k));
+            consider(n, k);
+}
+
+static void consider_sample(struct nearest *n)
+{
+    const struct dt_mesh *m = &n->t->mesh;
+    consider(n, m->leaving[dt_jump_vertex(m, n->t->points.xy, n->best.v, n->q)]);
 }
 
 enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, struct dt_work *work,
@@ -255,14 +201,16 @@ enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, s
         return DT_OK;
     }
     struct nearest n = {.t = t, .q = q->at, .work = work};
-    uint32_t v = begin(&n, q->near), sample_at = PATIENCE + dt_jump_samples(t->mesh.vertices);
-    for (uint32_t steps = 0; v != n.best.v && n.status == DT_OK; steps++) {
+    uint32_t v = DT_NONE;
+    begin(&n, q->near);
+    for (uint32_t steps = 0; v != n.best.v && n.best.d > 0 && n.status == DT_OK; steps++) {
         if (steps == PATIENCE)
             consider_hint(&n);
-        if (steps == sample_at)
-            consider(&n, dt_jump_vertex(&t->mesh, t->points.xy, n.best.v, n.q));
+        if (steps >= PATIENCE && steps == PATIENCE + dt_jump_samples(t->mesh.vertices))
+            consider_sample(&n);
         v = n.best.v;
-        consider_around(&n, v);
+        n.tie = false;
+        consider_around(&n, n.at);
     }
     *tie = n.tie;
     *nearest = n.best.v;
@@ -273,6 +221,6 @@ enum dt_status dt_nearest_ties(const struct dt *t, struct dt_point q, uint32_t v
                                struct dt_work *work, struct dt_ids *ties)
 {
     struct nearest n = {.t = t, .q = q, .best = dt_candidate(t, q, v), .ties = ties, .work = work};
-    consider_around(&n, v);
+    consider_around(&n, t->mesh.leaving[v]);
     return n.status == DT_OK ? dt_work(work, n.steps) : n.status;
 }

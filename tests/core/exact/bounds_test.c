@@ -249,13 +249,6 @@ static struct dt_point products(const struct dt_point *p)
                              (p[1].y - p[0].y) * (p[2].y - p[0].y)};
 }
 
-static struct error dot_of_differences(const struct dt_point *p)
-{
-    struct dt_point v = products(p);
-    return error_of(2, dot(p[0], p[1], p[0], p[2]), v.x + v.y,
-                    DT_DOT_BOUND * (fabs(v.x) + fabs(v.y)) + last(v.x + v.y));
-}
-
 static struct error inverse(const struct dt_point *p)
 {
     struct dt_point v = products(p);
@@ -382,7 +375,6 @@ static const struct expression expressions[] = {
     {"orient2d in double words", orient2d_2, 0.15, false},
     {"incircle in double words", incircle_2, 0.06, false},
     {"square distance", square_distance, 0.4, false},
-    {"dot", dot_of_differences, 0.3, false},
     {"inverse", inverse, 0.3, true},
     {"cross of a scan", scan_cross, 0.4, false},
     {"dot of a scan", scan_dot, 0.45, false},
