@@ -322,7 +322,7 @@ enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
  * A reader that takes longer than edits may wait begins a view and reads the set as it was at that moment,
  * piece by piece, while edits continue between the pieces. An edit saves what it is about to change, once for all
  * views that were open by then: about 40 bytes for each point changed and, if a view is open that reads the
- * triangulation, for each of their neighbours. Nothing is saved while no view is open, and nothing is copied at
+ * triangulation, for each of their neighbours, and at most 8 bytes for each id of the set. Nothing is saved while no view is open, and nothing is copied at
  * the beginning.
  *
  * A function that reads through a view takes the set as const: several threads may read through the same view

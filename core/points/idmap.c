@@ -184,6 +184,18 @@ void dt_idmap_trim(struct dt_idmap *m)
     m->empty = 0;
 }
 
+bool dt_idmap_drop(struct dt_idmap *m, uint32_t n)
+{
+    bool any = m->held > 0;
+    for (; n > 0 && m->held > 0; m->pages--) {
+        uint32_t i = m->pages - 1;
+        n -= m->page[i].value != NULL;
+        m->empty -= m->page[i].value != NULL && m->page[i].live == 0;
+        free_pages(m, i);
+    }
+    return any;
+}
+
 uint32_t dt_idmap_next(const struct dt_idmap *m, uint32_t from)
 {
     uint32_t at = from % DT_ID_PAGE;

@@ -75,6 +75,10 @@ void dt_idmap_unset(struct dt_idmap *m, uint32_t id);
 /* Frees the empty pages if there are more than a few. Cost: amortised constant. */
 void dt_idmap_trim(struct dt_idmap *m);
 
+/* Removes the values of the largest ids, up to n pages of them, from a map that has no blocks; false: there were
+ * none left. */
+bool dt_idmap_drop(struct dt_idmap *m, uint32_t n);
+
 /* The smallest id >= from that has a value, DT_NONE if none. */
 uint32_t dt_idmap_next(const struct dt_idmap *m, uint32_t from);
 

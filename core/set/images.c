@@ -15,20 +15,23 @@
 #include "core/memory/memory.h"
 
 enum { CHUNK = 4096, KEY = 0, BACK = 1, WORDS = 2, HEADER = 3 };
+enum {
+    DROPPED = 4
+}; /* pages of the map that are dropped at a time when no image is read any more */
 
 void dt_images_clear(struct dt_images *s)
 {
     for (size_t i = s->head; i < s->chunks; i++)
         free(s->chunk[i]);
     dt_array_free(s->chunk);
-    dt_sparse_clear(&s->newest);
+    dt_idmap_clear(&s->newest);
     uint64_t end = (s->end + CHUNK - 1) / CHUNK * CHUNK; /* moments do not go back */
     *s = (struct dt_images){.first = end, .end = end};
 }
 
 size_t dt_images_memory(const struct dt_images *s)
 {
-    return s->memory + s->cap * sizeof *s->chunk + dt_sparse_memory(&s->newest);
+    return s->memory + s->cap * sizeof *s->chunk + dt_idmap_memory(&s->newest);
 }
 
 static uint32_t *image_at(const struct dt_images *s, uint64_t place)
@@ -86,16 +89,15 @@ static bool make_room(struct dt_images *s, size_t words, uint64_t *place)
 
 uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words)
 {
-    uint32_t value = 0;
-    uint64_t place;
-    bool again = dt_sparse_get(&s->newest, key, &value);
-    uint64_t before = dt_images_place(s, value);
-    if (!make_room(s, HEADER + (size_t)words, &place) ||
-        dt_sparse_set(&s->newest, key, (uint32_t)place) != DT_OK)
+    uint32_t value = dt_idmap_get(&s->newest, key);
+    uint64_t place, before = dt_images_place(s, value);
+    if (dt_idmap_reserve(&s->newest, key, 1) != DT_OK ||
+        !make_room(s, HEADER + (size_t)words, &place))
         return NULL;
+    dt_idmap_set(&s->newest, key, (uint32_t)place); /* not DT_NONE: a header fits behind it */
     uint32_t *image = image_at(s, place);
     image[KEY] = key;
-    image[BACK] = again ? (uint32_t)(place - before) : 0;
+    image[BACK] = value != DT_NONE ? (uint32_t)(place - before) : 0;
     image[WORDS] = words;
     /* The rest of the last chunk of a large image stays empty. */
     s->end = HEADER + (size_t)words <= CHUNK ? place + HEADER + words
@@ -108,8 +110,8 @@ uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words)
 const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t moment,
                               uint32_t *words)
 {
-    uint32_t value;
-    if (!dt_sparse_get(&s->newest, key, &value))
+    uint32_t value = dt_idmap_get(&s->newest, key);
+    if (value == DT_NONE)
         return NULL;
     uint64_t place = dt_images_place(s, value);
     if (place < moment)
@@ -130,24 +132,14 @@ const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t 
 static void forget_keys(struct dt_images *s)
 {
     const uint32_t *chunk = s->chunk[s->head];
-    for (uint32_t at = 0; at < CHUNK && chunk[at + KEY] != DT_NONE;) {
+    for (uint32_t at = 0; at < CHUNK && s->first + at < s->end && chunk[at + KEY] != DT_NONE;) {
         const uint32_t *image = chunk + at;
-        uint32_t value, place = (uint32_t)(s->first + at);
-        if (dt_sparse_get(&s->newest, image[KEY], &value) && value == place)
-            dt_sparse_unset(&s->newest, image[KEY]);
+        if (dt_idmap_get(&s->newest, image[KEY]) == (uint32_t)(s->first + at))
+            dt_idmap_unset(&s->newest, image[KEY]);
         if (image[WORDS] > CHUNK - HEADER)
             return;
         at += HEADER + image[WORDS];
     }
-}
-
-/* The first chunk, n times 4096 words. */
-static void free_first(struct dt_images *s, size_t n)
-{
-    free(s->chunk[s->head]);
-    s->head += n;
-    s->first += n * CHUNK;
-    s->memory -= n * CHUNK * sizeof **s->chunk;
 }
 
 static size_t size_of_first(const struct dt_images *s)
@@ -160,21 +152,18 @@ static size_t size_of_first(const struct dt_images *s)
 
 bool dt_images_trim(struct dt_images *s, uint64_t oldest)
 {
+    if (oldest == UINT64_MAX && dt_idmap_drop(&s->newest, DROPPED))
+        return true;
     size_t n = size_of_first(s);
-    if (s->head == s->chunks || s->first + n * CHUNK > (oldest < s->end ? oldest : s->end))
+    if (dt_images_is_empty(s) || (oldest != UINT64_MAX && s->first + n * CHUNK > oldest))
         return false;
-    forget_keys(s);
-    free_first(s, n);
-    return true;
-}
-
-bool dt_images_forget(struct dt_images *s, uint32_t n)
-{
-    if (dt_images_is_empty(s))
-        return false;
-    n -= dt_sparse_drop(&s->newest, n);
-    for (; n > 0 && !dt_images_is_empty(s); n--)
-        free_first(s, size_of_first(s));
+    if (s->newest.held > 0)
+        forget_keys(s);
+    dt_idmap_trim(&s->newest);
+    free(s->chunk[s->head]);
+    s->head += n;
+    s->first += n * CHUNK;
+    s->memory -= n * CHUNK * sizeof **s->chunk;
     if (dt_images_is_empty(s))
         dt_images_clear(s);
     return true;

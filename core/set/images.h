@@ -14,20 +14,20 @@
  * there is none since the latest moment that is read.
  *
  * Every image knows how far back the one before it of the same key lies, and a map has the newest one of
- * every key. Images are in chunks; a chunk is freed, and its keys leave the map, when no moment before its
- * end is read any more. A link to a freed chunk leads to before all moments that are read, so it is never
- * followed.
+ * every key: keys are ids or about as dense, so its memory is at most about that of the map of ids. Images are in
+ * chunks; a chunk is freed, and its keys leave the map, when no moment before its end is read any more. A link to
+ * a freed chunk leads to before all moments that are read, so it is never followed.
  *
  * Knows keys and words only. Functions that take a const struct may run in several threads at once. */
 #ifndef DT_IMAGES_H
 #define DT_IMAGES_H
 
-#include "core/memory/sparse.h"
+#include "core/points/idmap.h"
 
 /* Start with {0}. */
 struct dt_images {
-    struct dt_sparse newest; /* key -> where its newest image lies, modulo 2^32 */
-    uint32_t **chunk;        /* owns `cap`, of which [head, chunks) are in use */
+    struct dt_idmap newest; /* key -> where its newest image lies, modulo 2^32 */
+    uint32_t **chunk;       /* owns `cap`, of which [head, chunks) are in use */
     size_t head, chunks, cap;
     uint64_t first; /* where the first chunk that is there begins, in words */
     uint64_t end;   /* where the next image will lie at the earliest: now */
@@ -47,7 +47,7 @@ static inline bool dt_images_is_empty(const struct dt_images *s)
     return s->chunks == s->head;
 }
 
-/* Where the newest image of a key lies, given what the map has for it. */
+/* Where the newest image of a key lies, given what the map has for it, which is not DT_NONE. */
 static inline uint64_t dt_images_place(const struct dt_images *s, uint32_t value)
 {
     return s->end - (uint32_t)((uint32_t)s->end - value);
@@ -56,8 +56,8 @@ static inline uint64_t dt_images_place(const struct dt_images *s, uint32_t value
 /* Whether an image of the key has been saved at or after the moment. */
 static inline bool dt_images_has(const struct dt_images *s, uint32_t key, uint64_t moment)
 {
-    uint32_t value;
-    return dt_sparse_get(&s->newest, key, &value) && dt_images_place(s, value) >= moment;
+    uint32_t value = dt_idmap_get(&s->newest, key);
+    return value != DT_NONE && dt_images_place(s, value) >= moment;
 }
 
 /* Saves an image of the key: returns room for that many words, to be written by the caller before
@@ -69,12 +69,9 @@ uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words);
 const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t moment,
                               uint32_t *words);
 
-/* Frees the first chunk, if no moment before its end is read any more, and returns whether it did.
- * Cost: the images of the chunk, of 16 KiB unless it has one image only. */
+/* Frees the first chunk, if no moment before its end is read any more (`oldest` is; UINT64_MAX: none), or, if none
+ * is, first a part of the map. Returns whether it did. At the end nothing is left. Cost: the images of the chunk,
+ * of 16 KiB unless it has one image only. */
 bool dt_images_trim(struct dt_images *s, uint64_t oldest);
-
-/* The same if no moment is read any more, for up to n chunks or as many thousands of keys; at the end nothing
- * is left. Far faster, since no key is looked up. */
-bool dt_images_forget(struct dt_images *s, uint32_t n);
 
 #endif

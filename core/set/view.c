@@ -7,10 +7,7 @@
 
 #include <stdlib.h>
 
-enum {
-    AT_ONCE = 2,            /* chunks that an edit frees */
-    FORGOTTEN_AT_ONCE = 256 /* the same when no view is open */
-};
+enum { AT_ONCE = 2 }; /* chunks that an edit frees */
 
 /* ---- life ---- */
 
@@ -170,8 +167,6 @@ static struct moment look_round(struct dt_views *w)
 /* Frees some of what lies before the oldest moment, UINT64_MAX if none is read. */
 static bool trim(struct dt_images *s, uint64_t oldest)
 {
-    if (oldest == UINT64_MAX)
-        return dt_images_forget(s, FORGOTTEN_AT_ONCE);
     int n = 0;
     while (n < AT_ONCE && dt_images_trim(s, oldest))
         n++;

@@ -164,7 +164,7 @@ enum dt_status dt_view_get(const struct dt *t, const struct dt_view *v, uint32_t
 struct dt_view_ids dt_view_ids_begin(const struct dt *t, const struct dt_view *v, uint32_t from)
 {
     struct dt_view_ids w = {t, dt_view_if_changed(t, v), v == NULL ? DT_NONE : v->next_id, 0};
-    w.saved = w.v == NULL ? DT_NONE : dt_sparse_next(&t->views.rows.newest, from);
+    w.saved = w.v == NULL ? DT_NONE : dt_idmap_next(&t->views.rows.newest, from);
     return w;
 }
 
@@ -173,7 +173,7 @@ uint32_t dt_view_ids_next(struct dt_view_ids *w, uint32_t from)
     const struct dt_images *rows = &w->t->views.rows;
     for (;; from++) {
         if (w->saved < from)
-            w->saved = dt_sparse_next(&rows->newest, from);
+            w->saved = dt_idmap_next(&rows->newest, from);
         uint32_t live = dt_points_next_live(&w->t->points, from);
         from = live < w->saved ? live : w->saved;
         if (from >= w->end)
@@ -187,7 +187,7 @@ uint32_t dt_view_ids_after(const struct dt *t, const struct dt_view *v, uint32_t
 {
     uint32_t live = dt_idmap_after(&t->points.value, from, n), saved = DT_NONE;
     if (dt_view_if_changed(t, v) != NULL)
-        saved = dt_sparse_after(&t->views.rows.newest, from, n);
+        saved = dt_idmap_after(&t->views.rows.newest, from, n);
     return live < saved ? live : saved;
 }
 

@@ -142,3 +142,39 @@ TEST(without_memory_the_map_stays_as_it_was)
     dt_idmap_clear(&m);
     dt_idmap_clear(&copy);
 }
+
+TEST(map_lists_its_ids_in_order_and_counts_about_so_many_ahead)
+{
+    enum { FAR = 5 * (int)DT_ID_PAGE, EVERY = 4 };
+    struct dt_idmap m = {0};
+    CHECK(dt_idmap_next(&m, 0) == DT_NONE && dt_idmap_after(&m, 0, 1) == DT_NONE);
+    for (uint32_t id = 0; id < FAR; id += EVERY) {
+        CHECK(dt_idmap_reserve(&m, id, 1) == DT_OK);
+        dt_idmap_set(&m, id, id);
+    }
+    for (uint32_t id = 0; id <= FAR - EVERY; id++)
+        CHECK(dt_idmap_next(&m, id) == (id + EVERY - 1) / EVERY * EVERY);
+    CHECK(dt_idmap_after(&m, 0, FAR) == DT_NONE);
+    for (uint32_t from = 0; from + EVERY * 2000 < FAR; from += 1 + test_below(500)) {
+        uint32_t to = dt_idmap_after(&m, from, 1000);
+        CHECK(to > from + EVERY * 990 && to < from + EVERY * 1010);
+    }
+    dt_idmap_clear(&m);
+}
+
+TEST(map_without_blocks_drops_its_largest_ids_page_by_page)
+{
+    enum { PAGES = 6, FAR = PAGES * (int)DT_ID_PAGE };
+    struct dt_idmap m = {0};
+    for (uint32_t id = 0; id < FAR; id += DT_ID_PAGE / 2) {
+        CHECK(dt_idmap_reserve(&m, id, 1) == DT_OK);
+        dt_idmap_set(&m, id, value_of(id));
+    }
+    dt_idmap_unset(&m, FAR - DT_ID_PAGE);
+    dt_idmap_unset(&m, FAR - DT_ID_PAGE / 2); /* an empty page is one of them */
+    CHECK(dt_idmap_drop(&m, 2) && m.held == PAGES - 2 && m.empty == 0);
+    CHECK(dt_idmap_next(&m, FAR - 2 * DT_ID_PAGE) == DT_NONE);
+    CHECK(dt_idmap_get(&m, FAR - 3 * DT_ID_PAGE) == value_of(FAR - 3 * DT_ID_PAGE));
+    CHECK(dt_idmap_drop(&m, PAGES) && m.held == 0 && !dt_idmap_drop(&m, 1));
+    dt_idmap_clear(&m);
+}
