@@ -20,34 +20,61 @@ enum {
 
 /* ---- places ---- */
 
-/* Fetches what a step from the triangle at h needs: its corners, and the triangles that may be next.
- * False: it is none. */
+/* A walk that has come to the half edge h, from a to b, with the place on its left. Both are relative to the place: a step
+ * computes only what the third corner of the triangle adds. */
+struct way {
+    struct dt_point a, b;
+    uint32_t h;
+};
+
+static struct dt_point relative(struct dt_point p, struct dt_point q)
+{
+    return (struct dt_point){p.x - q.x, p.y - q.y};
+}
+
+static double cross(struct dt_point a, struct dt_point b)
+{
+    return a.x * b.y - a.y * b.x;
+}
+
+/* Fetches what the step from h needs: the third corner, and the triangles that may be next. False: there is none. */
 static bool fetch_step(const struct dt *t, uint32_t h)
 {
     const struct dt_mesh *m = &t->mesh;
-    if (dt_is_dead(m, h) || dt_is_ghost(m, h))
+    uint32_t apex = dt_apex_of(m, h);
+    if (apex == DT_NONE)
         return false;
-    for (uint32_t k = h; k < h + 3; k++) {
-        dt_fetch(&t->points.xy[dt_origin(m, k)]);
-        dt_fetch(&m->half[dt_base(dt_twin(m, k))]);
-    }
+    dt_fetch(&t->points.xy[apex]);
+    dt_fetch(&m->half[dt_twin(m, dt_next(h))]);
+    dt_fetch(&m->half[dt_twin(m, dt_prev(h))]);
     return true;
 }
 
-/* The next triangle on the way to q, h itself at the end of the way. */
-static uint32_t step(const struct dt *t, uint32_t h, struct dt_point q)
+/* Begins at the first edge of the triangle h, and on the side on which q is. False: there is no triangle. */
+static bool set_out(const struct dt *t, uint32_t h, struct dt_point q, struct way *w)
 {
-    const uint32_t *half = t->mesh.half;
-    const struct dt_point *xy = t->points.xy;
-    struct dt_point a = xy[half[h]], b = xy[half[h + 1]], c = xy[half[h + 2]];
-    double any; /* a hint needs no bound */
-    double s0 = dt_orient2d_rounded(a, b, q, &any), s1 = dt_orient2d_rounded(b, c, q, &any),
-           s2 = dt_orient2d_rounded(c, a, q, &any);
-    uint32_t k = s1 < s0 ? 1 : 0;
-    double least = s1 < s0 ? s1 : s0;
-    k = s2 < least ? 2 : k;
-    least = s2 < least ? s2 : least;
-    return least < 0 ? dt_base(dt_twin(&t->mesh, h + k)) : h;
+    struct dt_point a = relative(t->points.xy[dt_origin(&t->mesh, h)], q);
+    struct dt_point b = relative(t->points.xy[dt_origin(&t->mesh, h + 1)], q);
+    *w = cross(a, b) < 0 ? (struct way){b, a, dt_twin(&t->mesh, h)} : (struct way){a, b, h};
+    return fetch_step(t, w->h);
+}
+
+/* To the next triangle. False: q is in this one. */
+static bool step(const struct dt *t, struct dt_point q, struct way *w)
+{
+    const struct dt_mesh *m = &t->mesh;
+    struct dt_point c = relative(t->points.xy[dt_apex_of(m, w->h)], q);
+    double next = cross(w->b, c), prev = cross(c, w->a);
+    if (next >= 0 && prev >= 0)
+        return false;
+    if (next < prev) {
+        w->h = dt_twin(m, dt_next(w->h));
+        w->a = c;
+    } else {
+        w->h = dt_twin(m, dt_prev(w->h));
+        w->b = c;
+    }
+    return true;
 }
 
 /* The place is in the triangle at h: fetches what the answer will look at. These are the points beyond the
@@ -70,24 +97,25 @@ static void arrive(const struct dt *t, uint32_t h, struct dt_place *p)
     dt_fetch(&m->half[dt_base(dt_turn_ccw(m, dt_turn_ccw(m, p->near)))]);
 }
 
-/* One step of each of the walks way[n]: at[i] is where the one to p[i] is. Returns how many of them continue. */
-static size_t go_on(const struct dt *t, struct dt_place *p, uint32_t *at, uint32_t *way, size_t n)
+/* One step of each of the walks `on`, way[i] to p[i]. Returns how many of them continue. */
+static size_t go_on(const struct dt *t, struct dt_place *p, struct way *way, uint32_t *on, size_t n)
 {
     size_t left = 0;
     for (size_t k = 0; k < n; k++) {
-        uint32_t i = way[k], next = step(t, at[i], p[i].at);
-        if (next == at[i])
-            arrive(t, next, &p[i]);
-        else if (fetch_step(t, at[i] = next))
-            way[left++] = i;
+        uint32_t i = on[k];
+        if (!step(t, p[i].at, &way[i]))
+            arrive(t, dt_base(way[i].h), &p[i]);
+        else if (fetch_step(t, way[i].h))
+            on[left++] = i;
     }
     return left;
 }
 
 void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n)
 {
-    uint32_t at[DT_AHEAD], way[DT_AHEAD];
-    size_t left = 0;
+    const struct dt_mesh *m = &t->mesh;
+    struct way way[DT_AHEAD];
+    uint32_t on[DT_AHEAD], left = 0, begun = 0;
     for (size_t i = 0; i < n; i++)
         p[i].near = DT_NONE;
     if (dt_readable(t) != DT_OK || t->hints.grids == 0)
@@ -95,12 +123,21 @@ void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n)
     for (size_t i = 0; i < n; i++)
         dt_fetch(&t->hints.cell[dt_hint_cell(t->hints.grid, p[i].at)]);
     for (size_t i = 0; i < n; i++)
-        dt_fetch(&t->mesh.half[at[i] = dt_hint(&t->hints, p[i].at)]);
-    for (size_t i = 0; i < n; i++)
-        if (fetch_step(t, at[i]))
-            way[left++] = (uint32_t)i;
+        dt_fetch(&m->half[way[i].h = dt_hint(&t->hints, p[i].at)]);
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t h = way[i].h;
+        if (dt_is_dead(m, h) || dt_is_ghost(m, h))
+            continue;
+        dt_fetch(&t->points.xy[dt_origin(m, h)]);
+        dt_fetch(&t->points.xy[dt_origin(m, h + 1)]);
+        dt_fetch(&m->half[dt_twin(m, h)]);
+        on[begun++] = i;
+    }
+    for (uint32_t k = 0; k < begun; k++)
+        if (set_out(t, way[on[k]].h, p[on[k]].at, &way[on[k]]))
+            on[left++] = on[k];
     for (int round = 0; round < STEPS && left > 0; round++)
-        left = go_on(t, p, at, way, left);
+        left = (uint32_t)go_on(t, p, way, on, left);
 }
 
 void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)

@@ -1,7 +1,10 @@
 /* ahead_test.c - prefetching accepts any set, place and id and changes nothing; no hint, good or
  * bad, changes a result. */
 #include "core/delaunay.h"
+#include "core/exact/predicates.h"
+#include "core/set/set.h"
 #include "tests/core/sets.h"
+#include "tests/oracle/families.h"
 #include "tests/test.h"
 
 #include <stdlib.h>
@@ -98,5 +101,37 @@ TEST(prefetching_accepts_a_set_that_is_edited)
         CHECK(round < 3 || (dt_refresh(t, NULL) == DT_OK && dt_prepare(t, NULL) == DT_OK));
         fetch(t);
     }
+    dt_free(t);
+}
+
+/* Whether p is in the closed triangle of the half edge p->near. */
+static bool is_around(const struct dt *t, const struct dt_place *p)
+{
+    const uint32_t *corner = &t->mesh.half[dt_base(p->near)];
+    struct dt_point a = t->points.xy[corner[0]], b = t->points.xy[corner[1]],
+                    c = t->points.xy[corner[2]];
+    return dt_orient2d(a, b, p->at) >= 0 && dt_orient2d(b, c, p->at) >= 0 &&
+           dt_orient2d(c, a, p->at) >= 0;
+}
+
+TEST(walks_side_by_side_end_in_the_triangles_of_their_places)
+{
+    enum { POINTS = 3000 };
+    static struct dt_point p[POINTS];
+    family_points(family_find("uniform"), p, POINTS, 1);
+    struct dt *t = set_of(p, POINTS);
+    uint32_t found = 0;
+    CHECK(dt_prepare(t, NULL) == DT_OK);
+    for (int round = 0; round < 100; round++) {
+        struct dt_place place[DT_AHEAD];
+        for (uint32_t i = 0; i < DT_AHEAD; i++) {
+            struct dt_point a = p[test_below(POINTS)], b = p[test_below(POINTS)];
+            place[i].at = (struct dt_point){(a.x + b.x) / 2, (a.y + b.y) / 2};
+        }
+        dt_fetch_places(t, place, DT_AHEAD);
+        for (uint32_t i = 0; i < DT_AHEAD; i++)
+            found += place[i].near != DT_NONE && is_around(t, &place[i]);
+    }
+    CHECK_MSG(found > 95 * DT_AHEAD, "%u of %d", found, 100 * DT_AHEAD);
     dt_free(t);
 }
