@@ -109,7 +109,8 @@ void dt_free(struct dt *t);
 /* The same, and its large arrays come from the keeper and go back there (see below). pages may be NULL. */
 struct dt *dt_new_in(double tol, struct dt_pages *pages);
 
-/* An independent copy in *copy, which the caller owns, on the same keeper. Cost: O(memory of the set). */
+/* An independent copy in *copy, which the caller owns, on the same keeper. Cost: a copy of the points, and if t has a
+ * triangulation, as of dt_triangulate. */
 enum dt_status dt_clone(const struct dt *t, struct dt **copy);
 
 /* The same without the triangulation, which awaits dt_refresh if t has one: for a caller that is going

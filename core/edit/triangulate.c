@@ -203,3 +203,17 @@ enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt)
     automatic.method = DT_AUTO;
     return build(t, &automatic);
 }
+
+enum dt_status dt_clone(const struct dt *t, struct dt **copy)
+{
+    struct dt *c;
+    enum dt_status status = dt_clone_points(t, NULL, &c);
+    if (status != DT_OK)
+        return status;
+    status = t->current ? dt_refresh(c, NULL) : DT_OK;
+    if (status == DT_OK)
+        *copy = c;
+    else
+        dt_free(c);
+    return status;
+}

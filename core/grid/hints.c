@@ -1,32 +1,11 @@
 /* hints.c - the grid's memory, the way to cells that are not empty, and hints while the mesh changes; see hints.h. */
 #include "core/grid/hints.h"
 
-#include <string.h>
-
 void dt_hints_clear(struct dt_hints *g)
 {
     dt_array_free(g->grid);
     dt_array_free(g->cell);
     *g = (struct dt_hints){0};
-}
-
-enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy)
-{
-    *copy = (struct dt_hints){0};
-    if (g->grids == 0)
-        return DT_OK;
-    copy->pages = g->pages;
-    copy->grid = dt_array_new_in(g->pages, g->grids, sizeof *copy->grid);
-    copy->cell = dt_array_new_in(g->pages, g->cells, sizeof *copy->cell);
-    if (copy->grid == NULL || copy->cell == NULL) {
-        dt_hints_clear(copy);
-        return DT_NOMEM;
-    }
-    memcpy(copy->grid, g->grid, g->grids * sizeof *copy->grid);
-    memcpy(copy->cell, g->cell, g->cells * sizeof *copy->cell);
-    copy->grids = copy->grid_cap = g->grids;
-    copy->cells = copy->cell_cap = g->cells;
-    return DT_OK;
 }
 
 size_t dt_hints_memory(const struct dt_hints *g)

@@ -39,10 +39,6 @@ struct dt_hints {
 /* *g must be zeroed or cleared. */
 void dt_hints_clear(struct dt_hints *g);
 
-/* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is
- * cleared. */
-enum dt_status dt_hints_copy(const struct dt_hints *g, struct dt_hints *copy);
-
 /* Bytes that the grid holds. */
 size_t dt_hints_memory(const struct dt_hints *g);
 

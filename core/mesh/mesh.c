@@ -1,8 +1,6 @@
 /* mesh.c - storage and counts of the half-edge mesh; the structure itself is drawn in mesh.h. */
 #include "core/mesh/mesh.h"
 
-#include <string.h>
-
 #include "core/memory/memory.h"
 
 void dt_mesh_clear(struct dt_mesh *m)
@@ -10,24 +8,6 @@ void dt_mesh_clear(struct dt_mesh *m)
     dt_array_free(m->half);
     dt_array_free(m->leaving);
     *m = (struct dt_mesh){.pages = m->pages, .free_list = DT_NONE, .hull = DT_NONE};
-}
-
-enum dt_status dt_mesh_copy(const struct dt_mesh *m, struct dt_mesh *copy)
-{
-    *copy = *m;
-    copy->vert_cap = m->vertices == 0 ? 0 : m->vert_cap;
-    copy->tri_cap = m->tri_end;
-    copy->half = dt_array_new_in(m->pages, (size_t)copy->tri_cap * 8, sizeof *copy->half);
-    copy->leaving = dt_array_new_in(m->pages, copy->vert_cap, sizeof *copy->leaving);
-    if (copy->half == NULL || copy->leaving == NULL) {
-        dt_mesh_clear(copy);
-        return DT_NOMEM;
-    }
-    if (copy->tri_cap > 0)
-        memcpy(copy->half, m->half, (size_t)copy->tri_cap * 8 * sizeof *copy->half);
-    if (copy->vert_cap > 0)
-        memcpy(copy->leaving, m->leaving, copy->vert_cap * sizeof *copy->leaving);
-    return DT_OK;
 }
 
 size_t dt_mesh_memory(const struct dt_mesh *m)

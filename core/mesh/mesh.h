@@ -51,10 +51,6 @@ struct dt_mesh {
 /* *m must be zeroed or cleared; it keeps its keeper of pages. */
 void dt_mesh_clear(struct dt_mesh *m);
 
-/* *copy, whose contents are overwritten, becomes an independent copy. DT_NOMEM: *copy is
- * cleared. */
-enum dt_status dt_mesh_copy(const struct dt_mesh *m, struct dt_mesh *copy);
-
 size_t dt_mesh_memory(const struct dt_mesh *m); /* bytes */
 
 /* Makes room for vertices numbered below verts and for tris records in all. DT_NOMEM leaves *m

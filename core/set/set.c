@@ -35,30 +35,6 @@ void dt_free(struct dt *t)
     free(t);
 }
 
-enum dt_status dt_clone(const struct dt *t, struct dt **copy)
-{
-    struct dt *c = dt_new_in(t->points.tol, t->points.pages);
-    if (c == NULL)
-        return DT_NOMEM;
-    enum dt_status status = dt_points_copy(&t->points, &c->points, NULL);
-    if (status == DT_OK)
-        status = dt_fields_copy(&t->fields, &c->fields, NULL);
-    if (status == DT_OK)
-        status = dt_mesh_copy(&t->mesh, &c->mesh);
-    if (status == DT_OK)
-        status = dt_hints_copy(&t->hints, &c->hints);
-    if (status != DT_OK) {
-        dt_free(c);
-        return status;
-    }
-    c->triangulated = t->triangulated;
-    c->current = t->current;
-    c->hinted = t->hinted;
-    c->steps = t->steps;
-    *copy = c;
-    return DT_OK;
-}
-
 enum dt_status dt_clone_points(const struct dt *t, const struct dt_options *opt, struct dt **copy)
 {
     struct dt_stop stop = dt_stop_of(opt);

@@ -31,9 +31,10 @@ static struct dt *set_of(const char *family, size_t n, bool live)
     CHECK(p != NULL && t != NULL);
     family_points(family_find(family), p, n, 1);
     CHECK(dt_add(t, p, n, &added) == DT_OK);
-    CHECK(!live || dt_triangulate(t, NULL) == DT_OK);
+    CHECK(!live || dt_triangulate(t, &(struct dt_options){.method = DT_DIVIDE}) == DT_OK);
+    CHECK(!live || dt_triangulate(t, &(struct dt_options){.rebuild = true}) == DT_OK);
     free(p);
-    return t;
+    return t; /* built as a copy of it is: from its vertices in their order */
 }
 
 /* A number that differs if the vertices, their ids or the triangulation do. */
