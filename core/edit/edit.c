@@ -8,6 +8,7 @@
 #include "core/edit/arrivals.h"
 #include "core/edit/update.h"
 #include "core/exact/bounds.h"
+#include "core/grid/hints.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
 #include "core/set/view_save.h"
@@ -149,6 +150,7 @@ enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
                           const struct dt_options *opt)
 {
     struct dt_work work = dt_work_of(opt);
+    dt_hint_fetch_cells(&t->hints, to);
     if (dt_points_vertex(&t->points, id) == DT_NONE)
         return DT_NOPOINT;
     if (!point_ok(to))

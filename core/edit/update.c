@@ -223,11 +223,17 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 
 /* ---- deleting ---- */
 
-void dt_update_fetch(const struct dt *t, uint32_t v)
+/* Prefetches what is read of vertex v, and the triangles and vertices near it in memory. */
+static void fetch_vertex(const struct dt *t, uint32_t v, int lines)
 {
     dt_fetch(&t->mesh.leaving[v]);
     dt_fetch(&t->points.id[v]);
-    dt_hint_fetch(&t->mesh, t->points.xy, v << 4, 5);
+    dt_hint_fetch(&t->mesh, t->points.xy, v << 4, lines);
+}
+
+void dt_update_fetch(const struct dt *t, uint32_t v)
+{
+    fetch_vertex(t, v, 5);
 }
 
 /* Whether vertex v keeps its place when the n ascending ids are deleted, its representative among them.
@@ -422,9 +428,10 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, str
     struct dt_points *p = &t->points;
     uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
     if (v != DT_NONE)
-        dt_update_fetch(t, v);
+        fetch_vertex(t, v, 3); /* and what is near the place: */
+    if (t->hints.grids > 0)
+        dt_hint_fetching(&t->hints, &t->mesh, p->xy, to);
     to = (struct dt_point){to.x + 0.0, to.y + 0.0};
-    fetch_cell(t, to);
     struct dt_point from = dt_points_xy(p, id);
     if (from.x == to.x && from.y == to.y)
         return DT_OK;

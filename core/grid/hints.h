@@ -95,6 +95,18 @@ static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point 
 uint32_t dt_hint_fetching(const struct dt_hints *g, const struct dt_mesh *m,
                           const struct dt_point *xy, struct dt_point q);
 
+/* Prefetches the cells of the set's own grid whose hints dt_hint_fetching reads for q. */
+static inline void dt_hint_fetch_cells(const struct dt_hints *g, struct dt_point q)
+{
+    if (g->grids == 0)
+        return;
+    uintptr_t row = sizeof *g->cell * (size_t)g->grid->nx,
+              at = (uintptr_t)g->cell + sizeof *g->cell * (size_t)dt_hint_cell(g->grid, q);
+    dt_fetch((const void *)at);
+    dt_fetch((const void *)(at - row));
+    dt_fetch((const void *)(at + row));
+}
+
 /* Another one: from the first cell with points on the way from q's cell in one of four directions; DT_NONE if
  * there is none. Cost: the number of cells passed. */
 uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned direction);
