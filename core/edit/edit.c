@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/control/parallel.h"
+#include "core/control/stop.h"
 #include "core/edit/arrivals.h"
 #include "core/edit/update.h"
 #include "core/exact/bounds.h"
@@ -49,23 +51,48 @@ enum dt_status dt_add(struct dt *t, const struct dt_point *p, size_t n, struct d
     return dt_add_many(t, p, n, NULL, out);
 }
 
+/* Points whose coordinates are checked, a piece of DT_POLL points after the other. */
+struct check {
+    const struct dt_point *p;
+    size_t n;
+    unsigned slices; /* slice i has every piece whose number is i modulo their number */
+    struct dt_stop stop;
+};
+
+static void check_slice(void *arg, unsigned i)
+{
+    struct check *c = arg;
+    for (size_t at = (size_t)i * DT_POLL; at < c->n; at += (size_t)c->slices * DT_POLL) {
+        size_t piece = c->n - at < DT_POLL ? c->n - at : DT_POLL;
+        if (!dt_coordinates_ok(&c->p[at].x, 2 * piece))
+            dt_stop_because(&c->stop, DT_RANGE);
+        if (piece == DT_POLL && dt_stopped(&c->stop))
+            return;
+    }
+}
+
+/* DT_RANGE: one of the points is invalid. */
+static enum dt_status check_points(const struct dt_point *p, size_t n, const struct dt_options *opt)
+{
+    struct check c = {.p = p, .n = n, .stop = dt_stop_of(opt)};
+    const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
+    c.slices = n > DT_MAX_POINTS ? 1 : dt_threads_for(pool, (uint32_t)n);
+    dt_run(pool, c.slices, check_slice, &c);
+    return dt_stop_status(&c.stop);
+}
+
 enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
                            const struct dt_options *opt, struct dt_added *out)
 {
     struct dt_work work = dt_work_of(opt);
-    struct dt_stop stop = dt_stop_of(opt);
-    for (size_t i = 0, piece; i < n; i += piece) {
-        piece = n - i < DT_POLL ? n - i : DT_POLL;
-        if (!dt_coordinates_ok(&p[i].x, 2 * piece))
-            return DT_RANGE;
-        if (piece == DT_POLL && dt_stopped(&stop))
-            return dt_stop_status(&stop);
-    }
+    enum dt_status status = check_points(p, n, opt);
+    if (status != DT_OK)
+        return status;
     dt_views_edit_begin(t);
     if (dt_is_live(t) && !dt_is_large_batch(t, n))
         return dt_update_add(t, p, n, &work, out);
     const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
-    enum dt_status status = dt_arrivals_add(&t->points, p, n, pool, &work, out);
+    status = dt_arrivals_add(&t->points, p, n, pool, &work, out);
     if (status == DT_OK && out->coincident < out->added)
         t->current = false;
     return status;

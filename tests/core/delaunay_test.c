@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/delaunay.h"
+#include "tests/core/threads.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
@@ -93,6 +94,27 @@ TEST(many_coordinates_are_valid_if_each_of_them_is)
                 CHECK(dt_coordinates_ok(v, n) == (k < 4) && dt_coordinate_ok(v[i]) == (k < 4));
                 CHECK(dt_coordinates_ok(v, i));
             }
+}
+
+/* They are checked in pieces of 65,536, by several threads. */
+TEST(one_invalid_point_of_many_is_found_wherever_it_is)
+{
+    enum { N = 200000 };
+    const size_t where[] = {0, 65535, 65536, 131072, N - 1};
+    struct dt_pool pool = threads_pool(3);
+    struct dt_point *p = calloc(N, sizeof *p);
+    struct dt_added added;
+    CHECK(p != NULL);
+    for (size_t i = 0; i < sizeof where / sizeof *where; i++)
+        for (int threads = 0; threads < 2; threads++) {
+            struct dt_options opt = {.pool = threads ? &pool : NULL};
+            struct dt *t = dt_new(0);
+            p[where[i]].y = 0x1p202;
+            CHECK(dt_add_many(t, p, N, &opt, &added) == DT_RANGE && summary_of(t).points == 0);
+            p[where[i]].y = 0;
+            dt_free(t);
+        }
+    free(p);
 }
 
 TEST(deleting_is_all_or_none)
