@@ -113,10 +113,55 @@ static struct dt_part run_range(struct build *b, uint32_t lo, uint32_t hi)
 
 /* ---- tasks ---- */
 
-/* A range on the way to the tree: a node of it, or NONE while it is small. */
+/* A range on the way to the tree: a node of it, or NONE while it is small; and the merges after it. */
 struct item {
-    uint32_t lo, hi, node;
+    uint32_t lo, hi, node, merges;
 };
+
+/* A share of the vertices, and what remains of its blocks after all merges of small ranges in it. */
+struct share {
+    struct item *item; /* owns */
+    uint32_t items, cap;
+};
+
+struct shares {
+    struct build *build;
+    struct share share[DT_MAX_THREADS];
+    unsigned n;
+};
+
+/* Appends the item, or joins it with those before it. */
+static void append(struct build *b, struct share *s, struct item x)
+{
+    for (; s->items > 0 && x.merges > 0; x.merges--, s->items--) {
+        const struct item *before = &s->item[s->items - 1];
+        if (before->merges > 0 || x.hi - before->lo > b->limit)
+            break;
+        x.lo = before->lo;
+    }
+    struct item *larger = room_for_one(b, s->item, s->items, &s->cap, sizeof *larger);
+    if (larger == NULL)
+        return;
+    s->item = larger;
+    larger[s->items++] = x;
+}
+
+/* Share i begins with the first block that begins in slice i. */
+static void fill_share(void *arg, unsigned i)
+{
+    struct shares *w = arg;
+    struct build *b = w->build;
+    uint32_t v = dt_slice(b->n, i, w->n), hi = dt_slice(b->n, i + 1, w->n);
+    while (v < hi && b->step[v] == 0)
+        v++;
+    while (v < hi && good(b)) {
+        uint32_t step = b->step[v], end = v + DT_STEP_POINTS(step);
+        append(b, &w->share[i], (struct item){v, end, NONE, DT_STEP_MERGES(step)});
+        if (v / DT_POLL != end / DT_POLL)
+            dt_stopped(&b->stop);
+        v = end;
+    }
+}
 
 /* The item's node; NONE: out of memory. */
 static uint32_t node_of(struct build *b, struct item x)
@@ -137,42 +182,50 @@ static uint32_t node_of(struct build *b, struct item x)
 static struct item join(struct build *b, struct item l, struct item r)
 {
     if (r.hi - l.lo <= b->limit)
-        return (struct item){l.lo, r.hi, NONE};
+        return (struct item){l.lo, r.hi, NONE, 0};
     uint32_t left = node_of(b, l), right = node_of(b, r);
     struct node *node = room_for_one(b, b->node, b->nodes, &b->node_cap, sizeof *node);
     b->node = node == NULL ? b->node : node;
     if (!good(b))
-        return (struct item){l.lo, r.hi, NONE};
+        return (struct item){l.lo, r.hi, NONE, 0};
     node[left].parent = node[right].parent = b->nodes;
     node[b->nodes] = (struct node){.lo = l.lo,
                                    .hi = r.hi,
                                    .child = {left, right},
                                    .parent = NONE,
                                    .axis = DT_STEP_AXIS(b->step[r.lo])};
-    return (struct item){l.lo, r.hi, b->nodes++};
+    return (struct item){l.lo, r.hi, b->nodes++, 0};
 }
 
-/* Makes the tree; returns its root. */
-static uint32_t make_tree(struct build *b)
+/* Makes the tree of what remains in all shares; returns its root. */
+static uint32_t join_shares(struct build *b, const struct shares *w)
 {
     struct item *stack = NULL;
     uint32_t items = 0, cap = 0, root = NONE;
-    for (uint32_t v = 0; v < b->n && good(b);) {
-        uint32_t step = b->step[v], end = v + DT_STEP_POINTS(step);
-        struct item *larger = room_for_one(b, stack, items, &cap, sizeof *stack);
-        if (larger == NULL)
-            break;
-        stack = larger;
-        stack[items++] = (struct item){v, end, NONE};
-        for (uint32_t k = DT_STEP_MERGES(step); k > 0; k--, items--)
-            stack[items - 2] = join(b, stack[items - 2], stack[items - 1]);
-        if (v / DT_POLL != end / DT_POLL)
-            dt_stopped(&b->stop);
-        v = end;
-    }
+    for (unsigned i = 0; i < w->n && good(b); i++)
+        for (uint32_t k = 0; k < w->share[i].items && good(b); k++) {
+            struct item x = w->share[i].item[k];
+            struct item *larger = room_for_one(b, stack, items, &cap, sizeof *stack);
+            if (larger == NULL)
+                break;
+            stack = larger;
+            stack[items++] = x;
+            for (; x.merges > 0; x.merges--, items--)
+                stack[items - 2] = join(b, stack[items - 2], stack[items - 1]);
+        }
     if (good(b))
         root = node_of(b, stack[0]);
     dt_array_free(stack);
+    return root;
+}
+
+static uint32_t make_tree(struct build *b, unsigned threads)
+{
+    struct shares w = {.build = b, .n = threads};
+    dt_run(b->opt->pool, threads, fill_share, &w);
+    uint32_t root = join_shares(b, &w);
+    for (unsigned i = 0; i < threads; i++)
+        dt_array_free(w.share[i].item);
     return root;
 }
 
@@ -197,7 +250,7 @@ static struct dt_part run_tasks(struct build *b, unsigned threads)
 {
     struct dt_part all = {0};
     b->limit = b->n / (threads * TASKS_PER_THREAD);
-    uint32_t root = make_tree(b);
+    uint32_t root = make_tree(b, threads);
     if (good(b)) {
         b->opt->pool->run(b->opt->pool->ctx, b->tasks, run_task, b);
         all = b->node[root].part;

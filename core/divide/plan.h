@@ -7,7 +7,7 @@
  *                                                   block at 9, it with the one at 5, and then all with what is before
  *
  * A merge cuts between the last vertex of one part and the first of the next, so there is one for each block but the
- * first, which remembers the axis. Between the beginnings of blocks, the record is of no use. */
+ * first, which remembers the axis. Between the beginnings of blocks, the record is 0. */
 #ifndef DT_PLAN_H
 #define DT_PLAN_H
 
@@ -16,8 +16,8 @@
 /* In the name of a point: there is another one at its place, with a smaller name. */
 #define DT_COINCIDENT (1u << 31)
 
-/* step[]: by place in the order, all 0 at first; where a block begins, its points, the axis of the cut before it << 3, and
- * the merges after it << 4. NULL: nothing is recorded. same[]: by name, of points that get DT_COINCIDENT, the smallest
+/* step[]: by place in the order; where a block begins, its points, the axis of the cut before it << 3, and
+ * the merges after it << 4. same[]: by name, of points that get DT_COINCIDENT, the smallest
  * name at their place. */
 struct dt_plan {
     uint16_t *step;

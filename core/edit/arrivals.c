@@ -9,8 +9,6 @@
  * threads. */
 #include "core/edit/arrivals.h"
 
-#include <string.h>
-
 #include "core/control/parallel.h"
 #include "core/divide/divide.h"
 #include "core/memory/memory.h"
@@ -99,8 +97,6 @@ static enum dt_status sort(struct arrivals *a)
 {
     uint32_t items = a->end + a->n;
     struct dt_source in = {a->q, NULL};
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a->stop, items, &at);)
-        memset(a->plan.step + at.a, 0, (at.b - at.a) * sizeof *a->plan.step);
     if (a->end > 0)
         in = gather(a);
     if (dt_stopped(&a->stop))
