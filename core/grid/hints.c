@@ -70,7 +70,7 @@ static struct around around(struct leaf l)
 static uint32_t fetch_around(const struct dt_hints *g, const struct dt_mesh *m,
                              const struct dt_point *xy, struct leaf l)
 {
-    enum { OWN = 3, OTHERS = 1 }; /* cache lines on either side */
+    enum { OWN = 2, OTHERS = 0 }; /* cache lines on either side */
     struct leaf k = l;
     struct around box = around(l);
     uint32_t h = dt_base(content(g, l));

@@ -5,7 +5,7 @@
  * those points, and so on: a search costs the same on clusters, outliers and nested scales.
  *
  *      grid 0    +---+---+---+
- *                | h | h | h |     h: a half edge that leaves a vertex in or beside this cell
+ *                | h | h | h |     h: of the triangle at the centre of this cell, or one near by
  *                +---+---+---+
  *                | h | G | h |     G: the cell's own grid (its number), marked by bit 2, which no
  *                +---+---+---+        half edge 8t + k has set
@@ -90,8 +90,7 @@ static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point 
 }
 
 /* dt_hint. Also prefetches what a walk from there to q will probably read: what is near in memory to the hints of q's cell
- * and of the eight cells around it. Without that a search waits for memory 4.5 times in a row, with it 2.8 times; with a
- * wider range around the one hint it was 3.5 times (a million uniform points, by simulation). */
+ * and of the eight cells around it. */
 uint32_t dt_hint_fetching(const struct dt_hints *g, const struct dt_mesh *m,
                           const struct dt_point *xy, struct dt_point q);
 

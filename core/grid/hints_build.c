@@ -3,13 +3,17 @@
  *     plan (hints_plan.c)    which cells have grids of their own
  *     drop                   every vertex leaves its half edge in its cell
  *     fill                   empty cells borrow from others
+ *     centre                 every cell goes on from there towards the triangle that its centre is in
+ *
+ * A search takes 2.1 steps on the average from any triangle at a vertex of the cell, 1.0 from there.
  *
  * The vertices are in spatial order in memory, so dropping runs through the cells nearly in order;
- * threads share the last two passes. */
+ * threads share the passes but the first. */
 #include "core/grid/hints_build.h"
 
 #include "core/control/parallel.h"
 #include "core/control/stop.h"
+#include "core/exact/predicates.h"
 #include "core/grid/hints_plan.h"
 #include "core/memory/memory.h"
 
@@ -18,6 +22,8 @@
 #define NEAR 2       /* cells: a distance that need not be improved */
 #define FARTHEST 254 /* cells: distances are cut off there */
 #define BATCHES 8u   /* of grids, for each thread */
+#define STEPS 3      /* to the centre of a cell, at most */
+#define TILE 32u     /* cells of a side */
 
 /* ---- dropping half edges ---- */
 
@@ -119,9 +125,12 @@ static void sweep_down(uint32_t *cell, uint8_t *far, size_t nx, bool has_above, 
 /* Grid 0 in bands of rows, then the others in batches. */
 struct fill {
     const struct dt_hints *hints;
+    const struct dt_mesh *mesh;
+    const struct dt_point *xy;
     struct dt_stop *stop;
     uint8_t *far; /* of every cell */
     unsigned bands, batches;
+    bool (*rows)(const struct fill *f, const struct dt_hint_grid *g, uint32_t lo, uint32_t hi);
     atomic_bool bare; /* some band has no content at all */
 };
 
@@ -172,40 +181,95 @@ static bool fill_rows(const struct fill *f, const struct dt_hint_grid *g, uint32
            f->far[g->first + (size_t)lo * g->nx] <= FARTHEST;
 }
 
-static void fill_job(void *arg, unsigned i)
+/* ---- to the centres ---- */
+
+/* The triangle beyond the edge of the triangle at h, no ghost, that has q farthest on its outer side; h itself if q is
+ * in it. No branches: the outcome is unpredictable. */
+static inline uint32_t step_towards(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
+                                    struct dt_point q)
+{
+    struct dt_point a = xy[m->half[h]], b = xy[m->half[h + 1]], c = xy[m->half[h + 2]];
+    double any, s[3]; /* a hint needs no bound */
+    s[0] = dt_orient2d_rounded(a, b, q, &any);
+    s[1] = dt_orient2d_rounded(b, c, q, &any);
+    s[2] = dt_orient2d_rounded(c, a, q, &any);
+    uint32_t k = s[1] < s[0];
+    k += (2 - k) & -(uint32_t)(s[2] < s[k]);
+    uint32_t beyond = dt_base(dt_twin(m, h + k));
+    return h ^ ((h ^ beyond) & -(uint32_t)(s[k] < 0));
+}
+
+/* Walks from n <= TILE cells of a row, the first one in this column, to the triangles of their centres, side by side:
+ * a single walk waits for each step. */
+static void centre_cells(const struct fill *f, const struct dt_hint_grid *g, uint32_t row,
+                         uint32_t column, uint32_t n)
+{
+    const struct dt_mesh *m = f->mesh;
+    uint32_t *cell = f->hints->cell + g->first + (size_t)row * g->nx + column, at[TILE];
+    double width = g->per_x == 0 ? 0 : 1 / g->per_x, height = g->per_y == 0 ? 0 : 1 / g->per_y;
+    for (uint32_t i = 0; i < n; i++) {
+        at[i] = cell[i] & DT_HINT_GRID ? m->hull : dt_base(cell[i]);
+        at[i] = dt_is_ghost(m, at[i]) ? dt_base(dt_twin(m, at[i])) : at[i];
+    }
+    for (int step = 0; step < STEPS; step++)
+        for (uint32_t i = 0; i < n; i++) {
+            struct dt_point q = {g->lo.x + (column + i + 0.5) * width,
+                                 g->lo.y + (row + 0.5) * height};
+            uint32_t next = step_towards(m, f->xy, at[i], q);
+            at[i] = dt_is_ghost(m, next) ? at[i] : next;
+        }
+    for (uint32_t i = 0; i < n; i++)
+        if (!(cell[i] & DT_HINT_GRID))
+            cell[i] = at[i] | ((cell[i] & DT_HINT_LENT) == DT_HINT_LENT ? DT_HINT_LENT : 0);
+}
+
+/* Gives the cells of rows lo .. hi - 1, all of which have content, the triangles of their centres. By tiles, whose
+ * triangles are near one another in memory. */
+static bool centre_rows(const struct fill *f, const struct dt_hint_grid *g, uint32_t lo,
+                        uint32_t hi)
+{
+    for (uint32_t bottom = lo; bottom < hi; bottom += TILE)
+        for (uint32_t left = 0; left < g->nx && !dt_stopped(f->stop); left += TILE) {
+            uint32_t top = hi - bottom < TILE ? hi : bottom + TILE;
+            uint32_t right = g->nx - left < TILE ? g->nx : left + TILE;
+            for (uint32_t row = bottom; row < top; row++)
+                centre_cells(f, g, row, left, right - left);
+        }
+    return true;
+}
+
+/* Does f->rows to a part of the rows of all grids. */
+static void do_rows(void *arg, unsigned i)
 {
     struct fill *f = arg;
     const struct dt_hint_grid *grid = f->hints->grid;
     if (i < f->bands) {
         uint32_t lo = dt_slice(grid->ny, i, f->bands), hi = dt_slice(grid->ny, i + 1, f->bands);
-        if (!fill_rows(f, grid, lo, hi))
+        if (!f->rows(f, grid, lo, hi))
             atomic_store_explicit(&f->bare, true, memory_order_relaxed);
         return;
     }
     uint32_t others = f->hints->grids - 1, end = dt_slice(others, i - f->bands + 1, f->batches);
     for (uint32_t k = dt_slice(others, i - f->bands, f->batches); k < end; k++)
-        (void)fill_rows(f, &grid[k + 1], 0, grid[k + 1].ny);
+        (void)f->rows(f, &grid[k + 1], 0, grid[k + 1].ny);
 }
 
 /* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
  * transform in two sweeps [Rosenfeld & Pfaltz 1966]. If some band of grid 0 has no point, all of it
  * is filled again, in one piece. */
-static void fill_empty(const struct dt_hints *g, const struct dt_pool *pool, unsigned threads,
-                       struct dt_stop *stop)
+static void fill_empty(struct fill *f, const struct dt_pool *pool)
 {
-    struct fill f = {.hints = g,
-                     .stop = stop,
-                     .far = dt_array_new_in(g->pages, g->cells, 1),
-                     .bands = threads,
-                     .batches = threads * BATCHES};
-    if (f.far == NULL) {
-        dt_stop_because(stop, DT_NOMEM);
+    const struct dt_hint_grid *g = f->hints->grid;
+    f->far = dt_array_new_in(f->hints->pages, f->hints->cells, 1);
+    if (f->far == NULL) {
+        dt_stop_because(f->stop, DT_NOMEM);
         return;
     }
-    dt_run(threads > 1 ? pool : NULL, f.bands + f.batches, fill_job, &f);
-    if (atomic_load_explicit(&f.bare, memory_order_relaxed) && !dt_stopped(stop))
-        (void)fill_rows(&f, g->grid, 0, g->grid->ny);
-    dt_array_free(f.far);
+    f->rows = fill_rows;
+    dt_run(pool, f->bands + f->batches, do_rows, f);
+    if (atomic_load_explicit(&f->bare, memory_order_relaxed) && !dt_stopped(f->stop))
+        (void)fill_rows(f, g, 0, g->ny);
+    dt_array_free(f->far);
 }
 
 enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
@@ -223,8 +287,18 @@ enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
         struct drop d = {.hints = g, .mesh = m, .xy = xy, .stop = &stop, .slices = threads};
         dt_run(pool, threads, drop_slice, &d);
     }
+    struct fill f = {.hints = g,
+                     .mesh = m,
+                     .xy = xy,
+                     .stop = &stop,
+                     .bands = threads,
+                     .batches = threads * BATCHES};
     if (!dt_stopped(&stop))
-        fill_empty(g, pool, threads, &stop);
+        fill_empty(&f, threads > 1 ? pool : NULL);
+    if (!dt_stopped(&stop) && !dt_mesh_is_line(m)) {
+        f.rows = centre_rows;
+        dt_run(threads > 1 ? pool : NULL, f.bands + f.batches, do_rows, &f);
+    }
     if (dt_stop_status(&stop) != DT_OK)
         dt_hints_clear(g);
     return dt_stop_status(&stop);

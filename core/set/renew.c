@@ -6,7 +6,7 @@
 #include "core/control/work.h"
 #include "core/grid/hints_build.h"
 
-#define AT_ONCE 4000 /* vertices of a set whose grid an edit rebuilds: a fifth of a millisecond */
+#define AT_ONCE 4000 /* vertices of a set whose grid an edit rebuilds: a quarter of a millisecond */
 #define OVERDUE 4    /* times too old */
 
 struct dt_renewal {

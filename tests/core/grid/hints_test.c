@@ -69,6 +69,26 @@ TEST_TIMEOUT(hints_are_near_and_small_on_every_family, 60)
     free(p);
 }
 
+/* Two steps if the hints were triangles at any vertex of a cell. */
+TEST(a_search_by_a_new_grid_takes_one_step)
+{
+    enum { N = 20000, SEARCHES = 5000 };
+    static struct dt_point p[N];
+    uint32_t sum = 0;
+    family_points(family_find("uniform"), p, N, 1);
+    struct dt *t = set_of(p, N);
+    struct dt_box box = dt_box_of(p, N);
+    for (int i = 0; i < SEARCHES; i++) {
+        struct dt_point q = {box.lo.x + dt_box_width(&box) * test_uniform(),
+                             box.lo.y + dt_box_height(&box) * test_uniform()};
+        uint32_t h, steps;
+        dt_find_counting(&t->mesh, t->points.xy, &t->hints, q, &h, &steps);
+        sum += steps;
+    }
+    CHECK_MSG(sum < 1.3 * SEARCHES, "%.2f steps a search", (double)sum / SEARCHES);
+    dt_free(t);
+}
+
 /* From whichever half edge a walk starts, it comes to the same place. */
 static void check_walks(const struct pair *pair)
 {
