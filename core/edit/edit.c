@@ -10,6 +10,7 @@
 #include "core/edit/arrivals.h"
 #include "core/edit/update.h"
 #include "core/exact/bounds.h"
+#include "core/exact/lanes.h"
 #include "core/grid/hints.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
@@ -21,24 +22,19 @@ bool dt_coordinate_ok(double v)
     return size == 0 || (size >= DT_COORDINATE_LEAST && size <= DT_COORDINATE_MOST);
 }
 
-/* The bits of |v|, which as a number grow with it. */
-static uint64_t magnitude(double v)
-{
-    uint64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return bits & INT64_MAX;
-}
-
+/* Two at a time: |v|, moved into the range, differs from |v|, and that is not 0. A NaN is moved to the range's end. */
 bool dt_coordinates_ok(const double *v, size_t n)
 {
-    const uint64_t least = magnitude(DT_COORDINATE_LEAST);
-    const uint64_t range = magnitude(DT_COORDINATE_MOST) - least;
-    for (size_t i = 0; i < n; i++) {
-        uint64_t size = magnitude(v[i]);
-        if (size - least > range && size != 0)
-            return false;
+    const dt_lanes least = dt_lanes_both(DT_COORDINATE_LEAST);
+    const dt_lanes most = dt_lanes_both(DT_COORDINATE_MOST);
+    dt_lanes_holds wrong = {0, 0};
+    size_t i = 0;
+    for (; i + 2 <= n; i += 2) {
+        dt_lanes size = dt_lanes_abs(dt_lanes_load(v + i));
+        dt_lanes moved = dt_lanes_most(dt_lanes_least(size, most), least);
+        wrong |= ((dt_lanes_holds)moved ^ (dt_lanes_holds)size) & (size != dt_lanes_both(0));
     }
-    return true;
+    return (wrong[0] | wrong[1]) == 0 && (i == n || dt_coordinate_ok(v[i]));
 }
 
 static bool point_ok(struct dt_point p)

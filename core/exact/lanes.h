@@ -50,7 +50,7 @@ static inline dt_lanes dt_lanes_abs(dt_lanes a)
     return (dt_lanes)((dt_lanes_holds)a & magnitude);
 }
 
-/* The lesser and the greater ones, of which none is a NaN. */
+/* The lesser and the greater ones; b where a is a NaN. */
 static inline dt_lanes dt_lanes_least(dt_lanes a, dt_lanes b)
 {
 #ifdef __SSE2__
