@@ -89,6 +89,15 @@ static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point 
     }
 }
 
+/* The same for the ids of the vertices. */
+static inline void dt_hint_fetch_ids(const uint32_t *id, uint32_t h)
+{
+    enum { FEW = 24 }; /* bytes: six vertices on either side */
+    uintptr_t at = (uintptr_t)id + sizeof *id * (size_t)(h >> 4);
+    dt_fetch((const void *)(at - FEW));
+    dt_fetch((const void *)(at + FEW));
+}
+
 /* dt_hint. Also prefetches what a walk from there to q will probably read: what is near in memory to the hints of q's cell
  * and of the eight cells around it. */
 uint32_t dt_hint_fetching(const struct dt_hints *g, const struct dt_mesh *m,

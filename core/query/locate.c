@@ -155,14 +155,6 @@ static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *
     return dt_walk(m, xy, dt_jump_triangle(m, xy, *half, q), q, half);
 }
 
-/* Fetches the ids of the vertices that are probably corners of triangles near h: see dt_hint_fetch. */
-static inline void fetch_ids(const uint32_t *id, uint32_t h)
-{
-    uintptr_t at = (uintptr_t)id + sizeof *id * (size_t)(h >> 4);
-    dt_fetch((const void *)(at - 24));
-    dt_fetch((const void *)(at + 24));
-}
-
 /* dt_find and dt_find_counting. */
 static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point *xy,
                                  const uint32_t *id, const struct dt_hints *hints, uint32_t near,
@@ -184,7 +176,7 @@ static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point 
             h = dt_hint_live(hints, m, xy, q);
     }
     if (id != NULL)
-        fetch_ids(id, h);
+        dt_hint_fetch_ids(id, h);
     *steps = 0;
     if (dt_mesh_is_line(m))
         return walk_line(m, xy, h, q, half);
