@@ -5,8 +5,7 @@
  *     filter (inline)            decides all but one call in 10^4 on random points
  *     axis-parallel rectangle    incircle: exactly zero; most ties on lattices
  *     256-bit integers           incircle: differences on a common grid, 55 bits
- *     doubles from a near base   where some points are much closer to each other than to the rest
- *     double words               about 100 bits: nearly all that is not a tie
+ *     double words               about 100 bits, from a near base: nearly all that is not a tie
  *     bignums                    exact whatever the input
  *
  * The near base. A determinant is the same, up to its sign, from any base point, but rounding errors of a
@@ -24,8 +23,7 @@
  *                                      each term is of the order of d e |s - p| max(|t - p|, |t - s|).
  *
  * Relative to a point far away from the others, which the inline filters may use, all differences are large,
- * and terms are larger by up to the square of that ratio: precision that is lost at once in doubles and soon in
- * double words.
+ * and terms are larger by up to the square of that ratio: precision that is soon lost in double words.
  *
  * The error bounds of what is computed in doubles and in double words, and why nothing overflows or
  * underflows, are in bounds.h. */
@@ -56,20 +54,11 @@ static double spread(struct dt_point a, struct dt_point b)
 
 /* ---- vectors between points ---- */
 
-struct double_vector {
-    double x, y;
-};
-
 struct double2_vector {
     struct dt_double2 x, y;
 };
 
-/* All are b - a. */
-static struct double_vector vector(struct dt_point a, struct dt_point b)
-{
-    return (struct double_vector){b.x - a.x, b.y - a.y};
-}
-
+/* b - a */
 static struct double2_vector vector_2(struct dt_point a, struct dt_point b)
 {
     return (struct double2_vector){dt_double2_difference(b.x, a.x),
@@ -77,26 +66,10 @@ static struct double2_vector vector_2(struct dt_point a, struct dt_point b)
 }
 
 /* A value and the sum of the magnitudes of its terms. */
-struct bounded {
-    double value, size;
-};
-
 struct bounded_2 {
     struct dt_double2 value;
     double size;
 };
-
-static struct bounded cross(struct double_vector a, struct double_vector b)
-{
-    double left = a.x * b.y, right = a.y * b.x;
-    return (struct bounded){left - right, fabs(left) + fabs(right)};
-}
-
-static struct bounded dot(struct double_vector a, struct double_vector b)
-{
-    double left = a.x * b.x, right = a.y * b.y;
-    return (struct bounded){left + right, fabs(left) + fabs(right)};
-}
 
 static struct bounded_2 add_2(struct dt_double2 a, struct dt_double2 b)
 {
@@ -133,12 +106,6 @@ struct dt_near_corner dt_near_corner_of(struct dt_point a, struct dt_point b, st
     return bc <= ca ? (struct dt_near_corner){b, c, a} : (struct dt_near_corner){c, a, b};
 }
 
-int dt_orient2d_near(const struct dt_near_corner *k)
-{
-    double size, det = dt_orient2d_rounded(k->q, k->s, k->p, &size);
-    return fabs(det) > DT_ORIENT_BOUND * size ? sign_of(det) : 0;
-}
-
 int dt_orient2d_double2(const struct dt_near_corner *k)
 {
     struct bounded_2 det = cross_2(vector_2(k->p, k->q), vector_2(k->p, k->s));
@@ -171,8 +138,7 @@ int dt_orient2d_exact(struct dt_point a, struct dt_point b, struct dt_point c)
         return 0; /* as both products are: the usual case on lattices */
     struct dt_near_corner k = dt_near_corner_of(a, b, c);
     int sign;
-    if (orient2d_two_products(&k, &sign) || (sign = dt_orient2d_near(&k)) != 0 ||
-        (sign = dt_orient2d_double2(&k)) != 0)
+    if (orient2d_two_products(&k, &sign) || (sign = dt_orient2d_double2(&k)) != 0)
         return sign;
     return dt_orient2d_big(&k);
 }
@@ -290,21 +256,10 @@ struct dt_near_base dt_near_base_of(struct dt_point a, struct dt_point b, struct
     int i = 0;
     while (far[i] != least)
         i++;
-    struct dt_near_base k = {v[pairs[i].p], v[pairs[i].q],         v[pairs[i].s],
-                             v[pairs[i].t], .sign = pairs[i].sign, .uneven = true};
+    struct dt_near_base k = {v[pairs[i].p], v[pairs[i].q], v[pairs[i].s], v[pairs[i].t],
+                             .sign = pairs[i].sign};
     k.nearer = spread(k.t, k.p) <= spread(k.t, k.s) ? k.p : k.s;
     return k;
-}
-
-int dt_incircle_near(const struct dt_near_base *k)
-{
-    struct double_vector base = vector(k->p, k->s), q = vector(k->p, k->q);
-    struct bounded cr_q = cross(base, q), cr_t = cross(base, vector(k->nearer, k->t));
-    struct bounded dt_q = dot(q, vector(k->s, k->q));
-    struct bounded dt_t = dot(vector(k->p, k->t), vector(k->s, k->t));
-    double det = dt_q.value * cr_t.value - dt_t.value * cr_q.value;
-    double size = dt_q.size * cr_t.size + dt_t.size * cr_q.size;
-    return fabs(det) > DT_CLOSE_DET_BOUND * size ? k->sign * sign_of(det) : 0;
 }
 
 int dt_incircle_double2(const struct dt_near_base *k)
@@ -341,9 +296,7 @@ int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, s
     if (to_integers(&v, integer))
         return incircle_integers(integer);
     struct dt_near_base k = dt_near_base_of(a, b, c, d);
-    int sign = k.uneven ? dt_incircle_near(&k) : 0;
-    if (sign == 0)
-        sign = dt_incircle_double2(&k);
+    int sign = dt_incircle_double2(&k);
     return sign != 0 ? sign : dt_incircle_big(&k);
 }
 

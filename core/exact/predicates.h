@@ -156,17 +156,14 @@ struct dt_near_base {
     struct dt_point p, q, s, t;
     struct dt_point nearer; /* p or s, to t */
     int sign;               /* of the determinant beside that of a, b, c, d */
-    bool uneven;            /* there are distances of different orders of magnitude */
 };
 
 struct dt_near_corner dt_near_corner_of(struct dt_point a, struct dt_point b, struct dt_point c);
-int dt_orient2d_near(const struct dt_near_corner *k);
 int dt_orient2d_double2(const struct dt_near_corner *k);
 int dt_orient2d_big(const struct dt_near_corner *k);
 
 struct dt_near_base dt_near_base_of(struct dt_point a, struct dt_point b, struct dt_point c,
                                     struct dt_point d);
-int dt_incircle_near(const struct dt_near_base *k);
 int dt_incircle_double2(const struct dt_near_base *k);
 int dt_incircle_big(const struct dt_near_base *k);
 
