@@ -126,10 +126,10 @@ void dt_big_products(struct dt_double2 a, struct dt_double2 b, int sign, struct 
 
 /* ---- products ---- */
 
-/* The limbs lo .. hi - 1 of a product. */
+/* The limbs lo .. hi - 1 of a product of two or three. */
 struct product {
     int lo, hi;
-    uint64_t limb[2 * DT_BIG_LIMBS];
+    uint64_t limb[3 * DT_BIG_LIMBS];
 };
 
 /* acc[0 .. n] += limb * a[0 .. n - 1], where acc[n] is still unset. */
@@ -144,16 +144,16 @@ static void add_row(uint64_t *acc, const uint64_t *a, int n, uint64_t limb)
     acc[n] = carry;
 }
 
-/* a and b are not 0. */
-static void multiply(const struct dt_big *a, const struct dt_big *b, struct product *r)
+/* *r = the product of limbs, those of `a` from lo to hi, by b; neither is 0. */
+static void multiply(const uint64_t *a, int lo, int hi, const struct dt_big *b, struct product *r)
 {
-    int n = a->hi - a->lo;
-    r->lo = a->lo + b->lo;
-    r->hi = a->hi + b->hi;
+    int n = hi - lo;
+    r->lo = lo + b->lo;
+    r->hi = hi + b->hi;
     for (int i = 0; i < n; i++)
         r->limb[r->lo + i] = 0;
     for (int i = b->lo; i < b->hi; i++)
-        add_row(r->limb + a->lo + i, a->limb + a->lo, n, b->limb[i]);
+        add_row(r->limb + lo + i, a + lo, n, b->limb[i]);
     r->hi -= r->limb[r->hi - 1] == 0;
 }
 
@@ -185,23 +185,9 @@ int dt_big_compare_products(const struct dt_big *a, const struct dt_big *b, cons
     if (left != right || left == 0)
         return (left > right) - (left < right);
     struct product x, y;
-    multiply(a, b, &x);
-    multiply(c, d, &y);
+    multiply(a->limb, a->lo, a->hi, b, &x);
+    multiply(c->limb, c->lo, c->hi, d, &y);
     return left * compare_limbs(x.limb, x.lo, x.hi, y.limb, y.lo, y.hi);
-}
-
-/* r[0 .. 3 DT_BIG_LIMBS - 1] = a b, where neither is 0; *lo and *hi: as above. */
-static void multiply_further(const struct product *a, const struct dt_big *b, uint64_t *r, int *lo,
-                             int *hi)
-{
-    int n = a->hi - a->lo;
-    *lo = a->lo + b->lo;
-    *hi = a->hi + b->hi;
-    for (int i = 0; i < n; i++)
-        r[*lo + i] = 0;
-    for (int i = b->lo; i < b->hi; i++)
-        add_row(r + a->lo + i, a->limb + a->lo, n, b->limb[i]);
-    *hi -= r[*hi - 1] == 0;
 }
 
 int dt_big_compare_triples(const struct dt_big a[3], const struct dt_big b[3])
@@ -209,12 +195,10 @@ int dt_big_compare_triples(const struct dt_big a[3], const struct dt_big b[3])
     int left = a[0].sign * a[1].sign * a[2].sign, right = b[0].sign * b[1].sign * b[2].sign;
     if (left != right || left == 0)
         return (left > right) - (left < right);
-    struct product two;
-    uint64_t x[3 * DT_BIG_LIMBS], y[3 * DT_BIG_LIMBS];
-    int x_lo, x_hi, y_lo, y_hi;
-    multiply(&a[0], &a[1], &two);
-    multiply_further(&two, &a[2], x, &x_lo, &x_hi);
-    multiply(&b[0], &b[1], &two);
-    multiply_further(&two, &b[2], y, &y_lo, &y_hi);
-    return left * compare_limbs(x, x_lo, x_hi, y, y_lo, y_hi);
+    struct product two, x, y;
+    multiply(a[0].limb, a[0].lo, a[0].hi, &a[1], &two);
+    multiply(two.limb, two.lo, two.hi, &a[2], &x);
+    multiply(b[0].limb, b[0].lo, b[0].hi, &b[1], &two);
+    multiply(two.limb, two.lo, two.hi, &b[2], &y);
+    return left * compare_limbs(x.limb, x.lo, x.hi, y.limb, y.lo, y.hi);
 }
