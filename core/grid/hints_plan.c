@@ -17,9 +17,9 @@
 
 #define CELLS_PER_POINT 0.9 /* of one grid; fewer if all of them take too much */
 #define CELLS_PER_POINT_COARSE 0.125
-#define CROWD 12u /* points in one cell that are worth a grid */
-#define FEW 4u /* samples in a cell of a coarse grid, where evenly spread ones have 1/8 of STRIDE */
-#define MAX_CELLS 6.0       /* a point, over all grids; beyond that cells stay crowded */
+#define CROWD 12u        /* points in one cell that are worth a grid */
+#define CROWD_COARSE 48u /* the same of a coarse grid, where evenly spread ones have 8 to a cell */
+#define MAX_CELLS 6.0    /* a point, over all grids; beyond that cells stay crowded */
 #define BYTES_PER_POINT 6.0 /* for all grids of a set that is not small: 98 with all the rest */
 #define HOPELESS 1.5        /* times that: points on so many scales that searches need it */
 #define SMALL 10000u        /* points */
@@ -197,7 +197,7 @@ static enum dt_status plan_grid(struct planner *p, uint32_t k)
     struct dt_box box = box_of_samples(p, k);
     double n = (double)(p->span[k].to - p->span[k].from) * p->stride;
     shape_and_count(p, k, &box, n * CELLS_PER_POINT_COARSE);
-    if (!dt_stopped(p->stop) && !most_are_crowded(p, k, FEW))
+    if (!dt_stopped(p->stop) && !most_are_crowded(p, k, CROWD_COARSE / p->stride))
         shape_and_count(p, k, &box, n * p->density);
     struct dt_hint_grid g = hints->grid[k];
     uint32_t end = g.first + g.nx * g.ny, crowd = 0;

@@ -89,6 +89,19 @@ TEST(a_search_by_a_new_grid_takes_one_step)
     dt_free(t);
 }
 
+/* In a small set every vertex is a sample, so that a cell of a coarse grid has 8: they are no crowd. */
+TEST(evenly_spread_points_have_one_grid_of_about_as_many_cells)
+{
+    struct dt_point p[1200];
+    for (uint32_t n = 16; n <= 1200; n += n / 8) {
+        family_points(family_find("uniform"), p, n, 1);
+        struct dt *t = set_of(p, n);
+        uint32_t cells = t->hints.grid[0].nx * t->hints.grid[0].ny;
+        CHECK_MSG(cells >= n / 2 && cells <= 2 * n, "%u points: %u cells", n, cells);
+        dt_free(t);
+    }
+}
+
 /* From whichever half edge a walk starts, it comes to the same place. */
 static void check_walks(const struct pair *pair)
 {
