@@ -98,17 +98,18 @@ static uint32_t find_apex(const struct hole *w, uint32_t lo, uint32_t hi)
     return best;
 }
 
-/* Fills the pocket P[lo], ..., P[hi]; returns the half edge P[hi]->P[lo] that closes it. */
+/* Fills the pocket P[lo], ..., P[hi]; returns the half edge P[hi]->P[lo] that closes it: the second one of its
+ * triangle, so that vertices of the rim leave by others, which dt_hull_keep need not look at later. */
 static uint32_t fill_pocket(struct hole *w, uint32_t lo, uint32_t hi)
 {
     if (hi == lo + 1)
         return w->rim[lo].beyond;
     uint32_t mid = hi == lo + 2 ? lo + 1 : find_apex(w, lo, hi);
     uint32_t t = w->spare[--w->spares];
-    dt_set_corners(w->m, t, w->rim[hi].origin, w->rim[lo].origin, w->rim[mid].origin);
-    dt_link(w->m, t + 1, fill_pocket(w, lo, mid));
-    dt_link(w->m, t + 2, fill_pocket(w, mid, hi));
-    return t;
+    dt_set_corners(w->m, t, w->rim[mid].origin, w->rim[hi].origin, w->rim[lo].origin);
+    dt_link(w->m, t + 2, fill_pocket(w, lo, mid));
+    dt_link(w->m, t, fill_pocket(w, mid, hi));
+    return t + 1;
 }
 
 static void fill_inside(struct hole *w, uint32_t n)

@@ -304,7 +304,10 @@ enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, str
         status = remove_vertices(t, ids, n, work, gone, &k);
     if (status == DT_OK) {
         commit(t);
-        dt_points_delete_all(p, ids, n, NULL);
+        if (n == 1)
+            dt_points_delete(p, *ids);
+        else
+            dt_points_delete_all(p, ids, n, NULL);
         for (size_t i = 0; i < k; i++)
             if (p->id[gone[i]] != DT_NONE) /* a successor has taken it over */
                 settle_vertex(t, gone[i]);

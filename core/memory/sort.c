@@ -59,7 +59,7 @@ static void by_digits(uint32_t *ids, size_t n, uint32_t *other, struct dt_stop *
 
 void dt_sort_ids(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt_stop *stop)
 {
-    if (is_sorted(ids, n, stop))
+    if (n < 2 || is_sorted(ids, n, stop))
         return;
     uint32_t *other = n < FEW ? NULL : dt_array_new_in(pages, n, sizeof *other);
     if (other != NULL)
