@@ -1,134 +1,33 @@
 /* renumber.c - see renumber.h.
  *
  * The vertices in their new order have their ids in any order, so entering the new vertices into the map
- * of ids writes all over it: a cache miss for each. For large sets the ids are dealt first,
- *
- *      id       v: 0 1 2 3 ... n-1        the ids of the vertices
- *                   \   \ /   \           1. count, 2. deal: by slices of vertices
- *      pairs    part 0 | part 1 | ...     (id, v), by ids: those of a part are neighbours
- *                  |       |              3. settle: by parts
- *      value    id: 0 1 2 ...
- *
- * and the part of the map that one of the parts writes to stays in the cache. Steps 1 and 2 can be given up;
- * step 3 changes the set, so only one that is disposable can be given up then. Up to a few million vertices
- * all steps are one. */
+ * of ids writes all over it: the entries of some vertices further on are prefetched. */
 #include "core/points/renumber.h"
-
-#include <string.h>
 
 #include "core/control/parallel.h"
 #include "core/control/stop.h"
 #include "core/memory/memory.h"
 
-enum {
-    MANY = 1 << 21,     /* vertices that are worth dealing */
-    PART_BITS = 16,     /* ids of a part, unless that makes too many parts */
-    MOST_PARTS = 1 << 8 /* cache lines that are written to in turn */
-};
-
-struct pair {
-    uint32_t id, v;
-};
-
 struct renumbering {
     struct dt_points *p;
-    struct dt_stop stop;
-    struct dt_stop *late; /* the same, if it may still be asked when *p changes; else NULL */
+    struct dt_stop *stop; /* NULL: it cannot be stopped any more */
     const uint32_t *id;
     uint32_t n;
     unsigned slices;
-    struct pair *pair;
-    unsigned shift; /* of an id, to its part */
-    uint32_t start[MOST_PARTS + 1];
-    uint32_t at[DT_MAX_THREADS][MOST_PARTS]; /* how many pairs, then where the next one goes */
 };
-
-/* ---- all in one ---- */
-
-/* The next piece of a slice of vertices. */
-static bool next_piece(const struct renumbering *r, struct dt_stop *stop, unsigned slice,
-                       struct dt_piece *at)
-{
-    return dt_next_piece(stop, dt_slice(r->n, slice + 1, r->slices), at);
-}
-
-static struct dt_piece before_slice(const struct renumbering *r, unsigned slice)
-{
-    return dt_before_first(dt_slice(r->n, slice, r->slices));
-}
 
 static void settle_slice(void *arg, unsigned slice)
 {
+    enum { AHEAD = 32 }; /* vertices; longer than a cache miss */
     const struct renumbering *r = arg;
-    for (struct dt_piece at = before_slice(r, slice); next_piece(r, r->late, slice, &at);)
-        for (uint32_t v = at.a; v < at.b; v++)
+    uint32_t end = dt_slice(r->n, slice + 1, r->slices);
+    struct dt_piece at = dt_before_first(dt_slice(r->n, slice, r->slices));
+    while (dt_next_piece(r->stop, end, &at))
+        for (uint32_t v = at.a; v < at.b; v++) {
+            if (v + AHEAD < end)
+                dt_fetch(dt_idmap_at(&r->p->value, r->id[v + AHEAD]));
             *dt_idmap_at(&r->p->value, r->id[v]) = v;
-}
-
-/* ---- in parts ---- */
-
-static void count(void *arg, unsigned slice)
-{
-    struct renumbering *r = arg;
-    uint32_t *pairs = r->at[slice];
-    memset(pairs, 0, sizeof r->at[slice]);
-    for (struct dt_piece at = before_slice(r, slice); next_piece(r, &r->stop, slice, &at);)
-        for (uint32_t v = at.a; v < at.b; v++)
-            pairs[r->id[v] >> r->shift]++;
-}
-
-/* Where each slice's pairs of each part go. */
-static void lay_out(struct renumbering *r)
-{
-    uint32_t at = 0;
-    for (uint32_t part = 0; part < MOST_PARTS; part++) {
-        r->start[part] = at;
-        for (unsigned slice = 0; slice < r->slices; slice++) {
-            uint32_t pairs = r->at[slice][part];
-            r->at[slice][part] = at;
-            at += pairs;
         }
-    }
-    r->start[MOST_PARTS] = at;
-}
-
-static void deal(void *arg, unsigned slice)
-{
-    struct renumbering *r = arg;
-    struct pair *pair = r->pair;
-    uint32_t *next = r->at[slice];
-    for (struct dt_piece at = before_slice(r, slice); next_piece(r, &r->stop, slice, &at);)
-        for (uint32_t v = at.a; v < at.b; v++)
-            pair[next[r->id[v] >> r->shift]++] = (struct pair){r->id[v], v};
-}
-
-static void settle_part(void *arg, unsigned part)
-{
-    const struct renumbering *r = arg;
-    if (dt_stopped(r->late))
-        return;
-    for (uint32_t i = r->start[part]; i < r->start[part + 1]; i++)
-        *dt_idmap_at(&r->p->value, r->pair[i].id) = r->pair[i].v;
-}
-
-static void settle_in_parts(struct renumbering *r, const struct dt_pool *pool)
-{
-    r->pair = dt_array_new_in(r->p->pages, r->n, sizeof *r->pair);
-    if (r->pair == NULL) {
-        dt_stop_because(&r->stop, DT_NOMEM);
-        return;
-    }
-    r->shift = PART_BITS;
-    while ((r->p->value.pages * (uint64_t)DT_ID_PAGE - 1) >> r->shift >= MOST_PARTS)
-        r->shift++;
-    dt_run(pool, r->slices, count, r);
-    if (!dt_stopped(&r->stop)) {
-        lay_out(r);
-        dt_run(pool, r->slices, deal, r);
-    }
-    if (!dt_stopped(&r->stop))
-        dt_run(pool, MOST_PARTS, settle_part, r);
-    dt_array_free(r->pair);
 }
 
 /* The groups of aliases find the new vertices of their representatives. */
@@ -153,21 +52,15 @@ enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint
                                   uint32_t n, const struct dt_options *opt)
 {
     const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
-    struct renumbering r;
-    r.p = p;
-    r.stop = dt_stop_of(opt);
-    r.late = opt != NULL && opt->disposable ? &r.stop : NULL;
-    r.id = id;
-    r.n = n;
-    r.slices = dt_threads_for(pool, n);
-    if (n >= MANY)
-        settle_in_parts(&r, pool);
-    else
-        dt_run(pool, r.slices, settle_slice, &r);
-    if (dt_stop_status(&r.stop) == DT_OK)
-        settle_groups(p, r.late);
-    if (dt_stop_status(&r.stop) != DT_OK)
-        return dt_stop_status(&r.stop);
+    struct dt_stop stop = dt_stop_of(opt);
+    struct dt_stop *late = opt != NULL && opt->disposable ? &stop : NULL;
+    struct renumbering r = {p, late, id, n, dt_threads_for(pool, n)};
+    if (dt_stopped(&stop))
+        return dt_stop_status(&stop);
+    dt_run(pool, r.slices, settle_slice, &r);
+    settle_groups(p, late);
+    if (dt_stop_status(&stop) != DT_OK)
+        return dt_stop_status(&stop);
     dt_array_free(p->xy);
     dt_array_free(p->id);
     p->xy = xy;
