@@ -14,7 +14,6 @@
 #include "core/grid/hints.h"
 #include "core/memory/memory.h"
 #include "core/memory/sort.h"
-#include "core/set/view_save.h"
 
 bool dt_coordinate_ok(double v)
 {

@@ -7,7 +7,6 @@
 
 #include "core/control/work.h"
 #include "core/set/set.h"
-#include "core/set/view_save.h"
 
 /* What is set. */
 struct setting {

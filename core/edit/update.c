@@ -26,7 +26,6 @@
 #include "core/query/ahead.h"
 #include "core/query/locate.h"
 #include "core/query/query.h"
-#include "core/set/renew.h"
 
 #define LARGE_SHARE 8   /* a batch of more than 1 / LARGE_SHARE of the set is left to a rebuild */
 #define USUAL_STEPS 4   /* triangles on the way of a walk from a good hint */

@@ -10,13 +10,14 @@
  *                | h | G | h |     G: the cell's own grid (its number), marked by bit 2, which no
  *                +---+---+---+        half edge 8t + k has set
  *
- * When it is made: core/set/renew.h.
+ * When it is made: core/set/renew.c.
  *
  * An empty cell borrows the content of the nearest one that is not, marked by 3 in the two lowest
  * bits; of a half edge only the triangle counts. */
 #ifndef DT_HINTS_H
 #define DT_HINTS_H
 
+#include "core/control/stop.h"
 #include "core/exact/box.h"
 #include "core/memory/memory.h"
 #include "core/mesh/mesh.h"
@@ -41,6 +42,20 @@ void dt_hints_clear(struct dt_hints *g);
 
 /* Bytes that the grid holds. */
 size_t dt_hints_memory(const struct dt_hints *g);
+
+/* Builds the grid for a settled mesh of which every vertex v has coordinates xy[v]. *g is cleared
+ * first, and left so unless DT_OK. Vertices that are in no triangle must have DT_NONE in leaving[].
+ * opt, which may be NULL: its pool shares the work, and which of a cell's half edges is its hint may
+ * then differ from time to time; its flag is polled. A caller that takes the grid for this mesh sets m->recycled to
+ * false. Cost: linear. */
+enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
+                              const struct dt_point *xy, const struct dt_options *opt);
+
+/* Its first part: gives *g, which is clear, the grids for a settled mesh of at least two vertices. Each cell holds a
+ * grid or is empty (DT_HINT_LENT); to each grid go a few vertices at least. If it is stopped, for lack
+ * of memory or by the caller, *g is to be cleared. Cost: a fraction of a pass over the vertices. */
+void dt_hints_plan(struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy,
+                   struct dt_stop *stop);
 
 static inline uint32_t dt_hint_column(const struct dt_hint_grid *g, double x)
 {

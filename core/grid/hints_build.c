@@ -9,12 +9,11 @@
  *
  * The vertices are in spatial order in memory, so dropping runs through the cells nearly in order;
  * threads share the passes but the first. */
-#include "core/grid/hints_build.h"
+#include "core/grid/hints.h"
 
 #include "core/control/parallel.h"
 #include "core/control/stop.h"
 #include "core/exact/predicates.h"
-#include "core/grid/hints_plan.h"
 #include "core/memory/memory.h"
 
 #include <string.h>

@@ -1,10 +1,19 @@
-/* renew.c - see renew.h. */
-#include "core/set/renew.h"
+/* renew.c - the grid of hints is made when it is first needed, and rebuilt when it has degraded.
+ *
+ * A triangulation is complete without it, and many sets are never searched. So a build
+ * leaves none, and the first search (dt_prepare) or edit makes it.
+ *
+ * Edits degrade it: there are more vertices than it was made for, or its half edges have moved, and walks from
+ * them grow longer. Then it is rebuilt.
+ *
+ * That takes linear time, all at once. A small set does it in the edit that finds the grid too old.
+ * A large one leaves it to the caller (dt_renew_due, dt_renew); if the caller does not, an edit does it, but
+ * later. */
+#include "core/set/set.h"
 
 #include <stdlib.h>
 
 #include "core/control/work.h"
-#include "core/grid/hints_build.h"
 
 #define AT_ONCE 4000 /* vertices of a set whose grid an edit rebuilds: a quarter of a millisecond */
 #define OVERDUE 4    /* times too old */

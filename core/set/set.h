@@ -7,8 +7,35 @@
 #include "core/mesh/cavity.h"
 #include "core/mesh/mesh.h"
 #include "core/points/points.h"
-#include "core/set/touched.h"
 #include "core/set/view.h"
+
+/* Keys of delaunay.h: the rows and rings that have changed, or the values. */
+struct dt_touched_list {
+    uint64_t *key; /* owns; not sorted, and a key may be repeated */
+    size_t n, cap;
+    bool all; /* too many to be noted, or a rebuild */
+};
+
+/* Whether all points are on one line, and whether that runs upwards from where it begins: the order of every ring depends on it.
+ * On a line that is vertical, y decides. */
+enum dt_touched_line { DT_NOT_ON_LINE, DT_LINE_UP, DT_LINE_DOWN };
+
+/* Start with {0}. */
+struct dt_touched {
+    struct dt_touched_list rows, values;
+    bool on, with_values;
+    enum dt_touched_line line; /* when rows were taken last */
+};
+
+void dt_touched_clear(struct dt_touched *w);
+
+static inline size_t dt_touched_memory(const struct dt_touched *w)
+{
+    return (w->rows.cap + w->values.cap) * sizeof *w->rows.key;
+}
+
+/* Notes a key; O(1) amortised. */
+void dt_touched_note(struct dt_touched_list *w, uint64_t key);
 
 struct dt {
     struct dt_points points; /* who is where */
@@ -32,10 +59,18 @@ static inline bool dt_is_live(const struct dt *t)
     return t->triangulated && t->current;
 }
 
-/* Whether it has no grid for searches and no attempt was made to build one (renew.h). */
+/* Whether it has no grid for searches and no attempt was made to build one (renew.c). */
 static inline bool dt_lacks_grid(const struct dt *t)
 {
     return t->hints.grids == 0 && t->hinted == 0 && t->mesh.vertices >= 2;
 }
+
+/* To be called at the beginning of every edit: from then on it saves for views what it is about to change
+ * (view_save.c). */
+void dt_views_edit_begin(struct dt *t);
+
+/* To be called after each edit of a mesh, and before one that profits from a grid: makes or rebuilds it if that is
+ * due (renew.c), unless that takes more steps than are left. */
+void dt_tend(struct dt *t, const struct dt_work *work);
 
 #endif

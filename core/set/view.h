@@ -11,7 +11,7 @@
  * What has no image is as it is now. The row of an id says whether it was a representative; only then may its
  * ring be read.
  *
- * Views are read by view_rows.h and view_stars.h, and edits save by view_save.h. */
+ * Views are read by view_rows.h and view_stars.h, and edits save by view_save.c. */
 #ifndef DT_VIEW_H
 #define DT_VIEW_H
 

@@ -1,5 +1,8 @@
-/* view_save.c - saves what an edit is about to change, once for all views that read it; see view_save.h. */
-#include "core/set/view_save.h"
+/* view_save.c - saves what an edit is about to change, once for all views that read it.
+ *
+ * An edit learns from the views which moments are read (dt_views_edit_begin) and is called back for what it is
+ * about to change (core/points/changes.h). */
+#include "core/set/set.h"
 
 #include "core/mesh/star.h"
 #include "core/set/view_rows.h"

@@ -1,6 +1,6 @@
 /* hints_test.c - the grid of hints: near every place, small, whatever the distribution; and walks
  * from anywhere. */
-#include "core/grid/hints_build.h"
+#include "core/grid/hints.h"
 
 #include <math.h>
 #include <stdlib.h>

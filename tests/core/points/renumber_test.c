@@ -6,7 +6,9 @@
 #include "tests/core/threads.h"
 #include "tests/test.h"
 
-enum { N = (1 << 19) + 999 }; /* ids in a block of pages and beyond it, and enough for several threads */
+enum {
+    N = (1 << 19) + 999
+}; /* ids in a block of pages and beyond it, and enough for several threads */
 
 /* A permutation of 0 .. N - 1. */
 static uint32_t *shuffled(void)
