@@ -1,12 +1,8 @@
 /* hull.c - finds the hull of a finished mesh and its canonical start. */
 #include "core/mesh/hull.h"
 
-#include "core/control/parallel.h"
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
-
-#define WALKS_PER_THREAD 16u
-#define MOST_WALKS (DT_MAX_THREADS * WALKS_PER_THREAD)
 
 /* Whether a loop should take its next step; polls now and then. */
 static bool go_on(uint32_t step, struct dt_stop *stop)
@@ -69,64 +65,6 @@ uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *
         g = next;
     } while (go_on(++ghosts, stop) && g != m->hull);
     return ghosts;
-}
-
-/* ---- by several threads ---- */
-
-/* Walks that share a hull: each goes from its own ghost to where the next walk began. */
-struct walks {
-    struct dt_mesh *mesh;
-    struct dt_stop *stop;
-    uint32_t start[MOST_WALKS];
-    unsigned walks;
-    atomic_uint ghosts;
-};
-
-/* A sampled vertex, and the ghost that starts there, if there is one. */
-static void find_starts(struct walks *w, unsigned samples)
-{
-    const struct dt_mesh *m = w->mesh;
-    for (unsigned i = 0; i < samples; i++) {
-        uint32_t v = dt_slice(m->vertices, i, samples), g = m->leaving[v];
-        if (m->half[g] == v && m->half[g + 2] == DT_NONE)
-            w->start[w->walks++] = g;
-    }
-}
-
-/* Ends at the first vertex that is settled, where a walk starts: leaving[] of the others is the first
- * half edge of a triangle, not the second. */
-static void walk(void *arg, unsigned i)
-{
-    struct walks *w = arg;
-    struct dt_mesh *m = w->mesh;
-    uint32_t g = w->start[i], ghosts = 0, v;
-    while (go_on(++ghosts, w->stop)) {
-        uint32_t next = dt_hull_step(m, g, false);
-        fetch_further_on(m, g, next);
-        g = next;
-        v = dt_hull_vertex(m, g);
-        if (m->leaving[v] == g + 1)
-            break;
-        m->leaving[v] = g + 1;
-    }
-    atomic_fetch_add_explicit(&w->ghosts, ghosts, memory_order_relaxed);
-}
-
-uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool,
-                              struct dt_stop *stop)
-{
-    struct walks w = {.mesh = m, .stop = stop};
-    unsigned threads = dt_threads_for(pool, m->vertices), samples = threads * WALKS_PER_THREAD;
-    bool line = m->half[dt_base(dt_twin(m, ghost)) + 2] == DT_NONE;
-    if (threads > 1 && !line)
-        find_starts(&w, samples);
-    if (w.walks < samples / 4 || w.walks == 0) /* a small hull, or a vertex on it has two ghosts */
-        return dt_hull_settle_from(m, ghost, stop);
-    for (unsigned i = 0; i < w.walks; i++)
-        m->leaving[dt_hull_vertex(m, w.start[i])] = w.start[i] + 1;
-    m->hull = ghost;
-    dt_run(pool, w.walks, walk, &w);
-    return atomic_load(&w.ghosts);
 }
 
 /* ---- its canonical start ---- */

@@ -23,12 +23,6 @@ void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy, struct dt_stop
 /* The same when a ghost is known. Returns the number of ghosts. Cost: O(hull). */
 uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop);
 
-/* The same by the threads of a pool, which may be NULL, where every leaving[v] is the first half edge
- * of its triangle, and that of most hull vertices the ghost that starts there: the divide engine leaves a mesh
- * in that state. */
-uint32_t dt_hull_settle_built(struct dt_mesh *m, uint32_t ghost, const struct dt_pool *pool,
-                              struct dt_stop *stop);
-
 /* Whether the vertex v of a settled mesh lies on the hull. */
 static inline bool dt_on_hull(const struct dt_mesh *m, uint32_t v)
 {
