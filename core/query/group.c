@@ -2,7 +2,6 @@
  * top. */
 #include "core/query/group.h"
 
-#include "core/query/query.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
 
@@ -129,28 +128,6 @@ static void walk_saved(struct dt_group *g, const struct dt_star *s)
     heap_sort(g);
 }
 
-/* Looks for neighbours of v among all points from g->from on, until there is no room. */
-static void walk_ids(struct dt_group *g, const struct dt *t, uint32_t v)
-{
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t id = g->from > g->id ? g->from : g->id + 1;
-    for (; g->n < g->room; id++) {
-        id = dt_points_next_live(&t->points, id);
-        if (id == DT_NONE)
-            return;
-        uint32_t w = dt_points_vertex(&t->points, id);
-        uint32_t h = t->points.id[w] == id ? dt_half_between(m, v, w) : DT_NONE;
-        if (h == DT_NONE)
-            continue;
-        if (g->cw)
-            h = dt_twin(m, h); /* the triangle left of w -> v is the one after it, clockwise */
-        uint32_t c = dt_is_ghost(m, h) ? 0 : t->points.id[dt_apex_of(m, h)];
-        if (g->width == 2 || c > g->id)
-            add_sorted(g, (uint32_t[3]){g->id, id, c});
-    }
-    g->more = true;
-}
-
 /* Whether a star has the point among its neighbours; if so, the neighbour counterclockwise or clockwise of
  * it, 0 if the hull is there. */
 static bool find_in_star(const struct dt *t, const struct dt_star *s, uint32_t id, bool ccw,
@@ -176,8 +153,9 @@ static bool find_in_star(const struct dt *t, const struct dt_star *s, uint32_t i
     return false;
 }
 
-/* As walk_ids, at a star that was saved: the neighbours have it in their stars. */
-static void walk_ids_then(struct dt_group *g, const struct dt *t, const struct dt_view *v)
+/* Looks for neighbours of g->id among all points from g->from on, until there is no room: they have it in their
+ * stars. */
+static void walk_ids(struct dt_group *g, const struct dt *t, const struct dt_view *v)
 {
     uint32_t id = g->from > g->id ? g->from : g->id + 1, c;
     struct dt_view_ids ids = dt_view_ids_begin(t, v, id);
@@ -194,28 +172,18 @@ static void walk_ids_then(struct dt_group *g, const struct dt *t, const struct d
     g->more = true;
 }
 
-/* Whether v has more than `limit` neighbours. */
-static bool has_more(const struct dt_mesh *m, uint32_t v, uint32_t limit)
-{
-    uint32_t h = m->leaving[v], n = 0;
-    do {
-        h = dt_turn_ccw(m, h);
-        n++;
-    } while (h != m->leaving[v] && n <= limit);
-    return n > limit;
-}
-
 /* A table is read in pieces, and each piece walks round the whole star again. For a star with a large share of
  * all points, a scan of the points is faster: a piece continues where the last one stopped. */
 void dt_group_of_many(struct dt_group *g, const struct dt *t, const struct dt_view *v)
 {
     struct dt_star star = dt_star_of(t, v, g->id);
-    if (star.saved != NULL && star.saved_degree > v->sum.points / 16)
-        walk_ids_then(g, t, v);
+    uint32_t many = (v == NULL ? t->mesh.vertices : v->sum.points) / 16 + 1;
+    uint32_t degree =
+        star.saved != NULL ? star.saved_degree : dt_star_degree(&t->mesh, star.vertex, many);
+    if (degree >= many)
+        walk_ids(g, t, v);
     else if (star.saved != NULL)
         walk_saved(g, &star);
-    else if (has_more(&t->mesh, star.vertex, t->mesh.vertices / 16))
-        walk_ids(g, t, star.vertex);
     else
         walk_round(g, t, star.vertex);
 }
