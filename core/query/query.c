@@ -12,21 +12,25 @@
 
 enum { DENSE_LEAST = 1000 }; /* ids from which on sorting them needs something better than qsort */
 
-/* Appends the triangle of the half edge h, from its smallest id. There must be room. */
-static void append_triangle(const struct dt *t, uint32_t h, bool cw, struct dt_ids *out)
+void dt_triangle_ids(const struct dt *t, uint32_t h, bool cw, uint32_t row[3])
 {
     const uint32_t *corner = t->mesh.half + dt_base(h), *id = t->points.id;
-    uint32_t a = id[corner[0]], b = id[corner[1]], c = id[corner[2]], swap;
+    uint32_t a = id[corner[0]], b = id[corner[1]], c = id[corner[2]];
     while (a > b || a > c) {
-        swap = a;
+        uint32_t first = a;
         a = b;
         b = c;
-        c = swap;
+        c = first;
     }
-    uint32_t *row = out->v + out->n;
     row[0] = a;
     row[1] = cw ? c : b;
     row[2] = cw ? b : c;
+}
+
+/* There must be room. */
+static void append_triangle(const struct dt *t, uint32_t h, bool cw, struct dt_ids *out)
+{
+    dt_triangle_ids(t, h, cw, out->v + out->n);
     out->n += 3;
 }
 
@@ -182,10 +186,8 @@ enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
         out->id[0] = a < b ? a : b;
         out->id[1] = a < b ? b : a;
     }
-    if (out->where == DT_INSIDE) {
-        struct dt_ids triple = {.v = out->id, .cap = 3};
-        append_triangle(t, h, false, &triple);
-    }
+    if (out->where == DT_INSIDE)
+        dt_triangle_ids(t, h, false, out->id);
     return DT_OK;
 }
 

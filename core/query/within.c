@@ -356,24 +356,12 @@ static int compare_triangles(const void *p, const void *q)
 static enum dt_status put_triangles(const struct dt *t, const struct dt_ids *triangles, bool cw,
                                     struct dt_ids *out)
 {
-    const uint32_t *id = t->points.id;
     enum dt_status s = dt_ids_reserve(out, 3 * triangles->n);
     if (s != DT_OK || triangles->n == 0)
         return s;
     uint32_t *row = out->v + out->n, *to = row;
-    for (size_t i = 0; i < triangles->n; i++, to += 3) {
-        const uint32_t *v = t->mesh.half + triangles->v[i];
-        uint32_t a = id[v[0]], b = id[v[1]], c = id[v[2]];
-        while (a > b || a > c) {
-            uint32_t first = a;
-            a = b;
-            b = c;
-            c = first;
-        }
-        to[0] = a;
-        to[1] = cw ? c : b;
-        to[2] = cw ? b : c;
-    }
+    for (size_t i = 0; i < triangles->n; i++, to += 3)
+        dt_triangle_ids(t, triangles->v[i], cw, to);
     qsort(row, triangles->n, 3 * sizeof *row, compare_triangles);
     for (to = row + 3, out->n += 3; to < row + 3 * triangles->n; to += 3) {
         if (compare_triangles(to, to - 3) != 0) {
