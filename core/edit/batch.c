@@ -33,10 +33,11 @@ static void sort(struct dt_batch *b, const struct dt_order *grid, uint32_t *key,
 enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const struct dt_point *q,
                               uint32_t n, struct dt_stop *stop)
 {
-    *b = (struct dt_batch){
-        .q = q, .n = n, .vertex = t->points.free_list, .record = t->mesh.free_list};
-    for (uint32_t k = 0; k < DT_AHEAD; k++)
-        b->near[k] = DT_NONE;
+    b->q = q;
+    b->order = NULL;
+    b->n = n;
+    b->vertex = t->points.free_list;
+    b->record = t->mesh.free_list;
     if (n < SORTED || t->points.tol > 0)
         return DT_OK;
     struct dt_arena arena = {0};

@@ -187,7 +187,9 @@ static void withdraw(struct dt *t, const struct dt_batch *b, uint32_t done)
 enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_work *work,
                              struct dt_added *out)
 {
-    dt_tend(t, work); /* the batch needs a grid */
+    if (n == 1)
+        dt_hint_fetch_cells(&t->hints, q[0]); /* they arrive while room is made */
+    dt_tend(t, work);                         /* the batch needs a grid */
     struct dt_batch b;
     struct dt_stop stop = dt_work_stop(work);
     struct dt_added done = {.first = t->points.next_id, .added = (uint32_t)n};
