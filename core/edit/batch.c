@@ -97,7 +97,7 @@ static void look_ahead(struct dt *t, struct dt_batch *b, uint32_t i)
         place[k].at = b->q[dt_batch_index(b, i + k)];
         dt_idmap_fetch(&t->points.value, t->points.next_id + dt_batch_index(b, i + k));
     }
-    dt_walk_to_places(t, place, n);
+    dt_walk_to_places(t, place, n, DT_PLACE_INSERT);
     for (uint32_t k = 0; k < n; k++) {
         b->near[k] = place[k].near;
         if (place[k].near != DT_NONE)

@@ -98,20 +98,24 @@ static void arrive(const struct dt *t, uint32_t h, struct dt_place *p)
 }
 
 /* One step of each of the walks `on`, way[i] to p[i]. Returns how many of them continue. */
-static size_t go_on(const struct dt *t, struct dt_place *p, struct way *way, uint32_t *on, size_t n)
+static size_t go_on(const struct dt *t, struct dt_place *p, struct way *way, uint32_t *on, size_t n,
+                    enum dt_place_use use)
 {
     size_t left = 0;
     for (size_t k = 0; k < n; k++) {
         uint32_t i = on[k];
-        if (!step(t, p[i].at, &way[i]))
-            arrive(t, dt_base(way[i].h), &p[i]);
-        else if (fetch_step(t, way[i].h))
+        if (!step(t, p[i].at, &way[i])) {
+            p[i].near = dt_base(way[i].h);
+            if (use == DT_PLACE_READ)
+                arrive(t, p[i].near, &p[i]);
+        } else if (fetch_step(t, way[i].h)) {
             on[left++] = i;
+        }
     }
     return left;
 }
 
-void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n)
+void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n, enum dt_place_use use)
 {
     const struct dt_mesh *m = &t->mesh;
     struct way way[DT_AHEAD];
@@ -137,14 +141,14 @@ void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n)
         if (set_out(t, way[on[k]].h, p[on[k]].at, &way[on[k]]))
             on[left++] = on[k];
     for (int round = 0; round < STEPS && left > 0; round++)
-        left = (uint32_t)go_on(t, p, way, on, left);
+        left = (uint32_t)go_on(t, p, way, on, left, use);
 }
 
 void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n)
 {
     if (n > DT_AHEAD)
         return;
-    dt_walk_to_places(t, p, n);
+    dt_walk_to_places(t, p, n, DT_PLACE_READ);
     for (size_t i = 0; i < n; i++)
         if (p[i].near != DT_NONE)
             dt_idmap_fetch(&t->points.value, t->points.id[dt_origin(&t->mesh, p[i].near)]);

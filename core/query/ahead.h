@@ -5,8 +5,12 @@
 
 #include "core/set/set.h"
 
-/* To places: sets p[].near, and fetches what lies around each. n <= DT_AHEAD. */
-void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n);
+/* The purpose of a place: an answer, for which the nearest corner is found and what is around it is fetched, or an
+ * insertion, for which the triangle is enough. */
+enum dt_place_use { DT_PLACE_READ, DT_PLACE_INSERT };
+
+/* To n <= DT_AHEAD places: sets p[].near. */
+void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n, enum dt_place_use use);
 
 /* Fetches what an insertion into the triangle of the half edge h reads besides that triangle and its neighbours. */
 void dt_fetch_around(const struct dt *t, uint32_t h);

@@ -167,7 +167,7 @@ static enum dt_status answer_all(struct lookup *l, const struct dt_point *p, siz
         size_t many = n - *done < DT_AHEAD ? n - *done : DT_AHEAD;
         for (size_t i = 0; i < many; i++)
             place[i].at = p[*done + i];
-        dt_walk_to_places(l->t, place, many);
+        dt_walk_to_places(l->t, place, many, DT_PLACE_READ);
         for (size_t i = 0; i < many; i++) {
             uint32_t *row = out + *done * l->width;
             for (uint32_t k = 0; k < l->width; k++)

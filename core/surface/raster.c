@@ -28,7 +28,7 @@ static enum dt_status next_values(struct dt_scan *k, const struct dt_point *q, s
     n = n < DT_AHEAD ? n : DT_AHEAD;
     for (size_t i = 0; i < n; i++)
         place[i].at = q[i];
-    dt_walk_to_places(k->v.t, place, n);
+    dt_walk_to_places(k->v.t, place, n, DT_PLACE_READ);
     dt_values_fetch(&k->v, place, n);
     for (size_t i = 0; status == DT_OK && i < n; i++) {
         status = dt_work(&k->work, 8 + dt_scan_steps(k));
