@@ -17,6 +17,17 @@ struct dt *set_of(const struct dt_point *p, uint32_t n)
     return t;
 }
 
+struct dt *set_of_each(const struct dt_point *p, uint32_t n)
+{
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    CHECK(t != NULL && dt_triangulate(t, NULL) == DT_OK);
+    for (uint32_t i = 0; i < n; i++)
+        CHECK(dt_add(t, &p[i], 1, &added) == DT_OK);
+    CHECK(dt_refresh(t, NULL) == DT_OK);
+    return t;
+}
+
 struct pair pair_of(const struct dt_point *p, uint32_t n)
 {
     return (struct pair){set_of(p, n), brute_new(p, NULL, n)};

@@ -347,7 +347,6 @@ TEST_TIMEOUT(contours_have_no_more_sides_than_triangles_on_every_family, 60)
     for_each_pair(check_counts);
 }
 
-/* The same points in another order: other vertices, other half edges. */
 TEST(contours_have_the_same_bytes_after_other_histories)
 {
     enum { N = 300 };
@@ -358,12 +357,7 @@ TEST(contours_have_the_same_bytes_after_other_histories)
         p[i] = (struct dt_point){test_below(30), test_below(30)};
         z[i] = test_below(50);
     }
-    struct dt *at_once = set_with(p, z, N), *one_by_one = dt_new(0);
-    struct dt_added added;
-    CHECK(dt_triangulate(one_by_one, NULL) == DT_OK);
-    for (int i = 0; i < N; i++)
-        CHECK(dt_add(one_by_one, &p[i], 1, &added) == DT_OK);
-    CHECK(dt_refresh(one_by_one, NULL) == DT_OK);
+    struct dt *at_once = set_with(p, z, N), *one_by_one = set_of_each(p, N);
     set_values(one_by_one, z, N);
     struct lines a = lines_of(at_once, level, 4, HUGE_VAL),
                  b = lines_of(one_by_one, level, 4, HUGE_VAL);
