@@ -173,9 +173,9 @@ uint64_t daemon_info(const struct daemon *d, const char *key)
 void await_info(const struct daemon *d, const char *key, uint64_t want)
 {
     uint64_t now = daemon_info(d, key), before = now;
-    for (int still = 0; now != want; before = now, now = daemon_info(d, key)) {
+    for (unsigned still = 0; now != want; before = now, now = daemon_info(d, key)) {
         still = now == before ? still + 1 : 0;
-        if (still == 500)
+        if (still == 500 * test_slowness())
             test_fail(__FILE__, __LINE__, "%s stays %" PRIu64, key, now);
         pause_ms(10);
     }
