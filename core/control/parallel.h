@@ -2,7 +2,7 @@
 #ifndef DT_PARALLEL_H
 #define DT_PARALLEL_H
 
-#include "core/delaunay.h"
+#include "core/control/stop.h"
 
 #define DT_PARALLEL 4096u /* fewer points are not worth several threads */
 #define DT_MAX_THREADS 64u
@@ -31,6 +31,12 @@ static inline void dt_run(const struct dt_pool *pool, unsigned n,
 static inline uint32_t dt_slice(uint32_t n, unsigned i, unsigned slices)
 {
     return (uint32_t)((uint64_t)n * i / slices);
+}
+
+/* The same as a pass in pieces (stop.h). */
+static inline struct dt_piece dt_slice_pieces(uint32_t n, unsigned i, unsigned slices)
+{
+    return dt_pieces(dt_slice(n, i, slices), dt_slice(n, i + 1, slices));
 }
 
 #endif

@@ -40,29 +40,28 @@ static inline enum dt_status dt_stop_status(const struct dt_stop *s)
 /* Copies n items of `size` bytes, and polls. from and to may be NULL if n is 0. */
 void dt_copy(void *to, const void *from, size_t n, size_t size, struct dt_stop *stop);
 
-/* The items a .. b - 1 of a pass over a range. */
+/* The items a .. b - 1 of a pass that ends before `end`. */
 struct dt_piece {
-    uint32_t a, b;
+    uint32_t a, b, end;
 };
 
-static inline struct dt_piece dt_before_first(uint32_t begin)
+/* A pass that has not begun: its first piece is the next one. */
+static inline struct dt_piece dt_pieces(uint32_t begin, uint32_t end)
 {
-    return (struct dt_piece){begin, begin};
+    return (struct dt_piece){begin, begin, end};
 }
 
-/* Polls and advances to the next piece, of so many items, of a pass that ends before `end`; false: it is over,
- * or stopped. */
-static inline bool dt_next_piece_of(struct dt_stop *s, uint32_t end, uint32_t items,
-                                    struct dt_piece *at)
+/* Polls and advances to the next piece, of so many items; false: the pass is over, or stopped. */
+static inline bool dt_next_piece_of(struct dt_stop *s, uint32_t items, struct dt_piece *at)
 {
     at->a = at->b;
-    at->b = end - at->a < items ? end : at->a + items;
-    return at->a < end && !dt_stopped(s);
+    at->b = at->end - at->a < items ? at->end : at->a + items;
+    return at->a < at->end && !dt_stopped(s);
 }
 
-static inline bool dt_next_piece(struct dt_stop *s, uint32_t end, struct dt_piece *at)
+static inline bool dt_next_piece(struct dt_stop *s, struct dt_piece *at)
 {
-    return dt_next_piece_of(s, end, DT_POLL, at);
+    return dt_next_piece_of(s, DT_POLL, at);
 }
 
 #endif

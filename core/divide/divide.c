@@ -133,7 +133,7 @@ enum dt_status dt_divide_sort(struct dt_source in, uint32_t n, struct dt_named o
                             .stop = dt_stop_of(opt)};
     unsigned threads = dt_threads_for(d.opt->pool, n);
     struct dt_arena arena = {.pages = pages};
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&d.stop, n, &at);)
+    for (struct dt_piece at = dt_pieces(0, n); dt_next_piece(&d.stop, &at);)
         memset(plan.step + at.a, 0, (at.b - at.a) * sizeof *plan.step);
     if (threads > 1)
         dt_divide_tasks(&d, in, threads);

@@ -35,21 +35,16 @@ struct sort {
 };
 
 /* Slices are worked on in pieces, so that a large sort can be stopped. */
-static struct dt_piece before_slice(const struct sort *s, unsigned i)
+static struct dt_piece points_of(const struct sort *s, unsigned slice)
 {
-    return dt_before_first(dt_slice(s->n, i, s->slices));
-}
-
-static bool next_piece(const struct sort *s, unsigned i, struct dt_piece *at)
-{
-    return dt_next_piece(&s->d->stop, dt_slice(s->n, i + 1, s->slices), at);
+    return dt_slice_pieces(s->n, slice, s->slices);
 }
 
 static void find_box(void *arg, unsigned i)
 {
     struct sort *s = arg;
     s->box[i] = dt_box_of(s->src.p + dt_slice(s->n, i, s->slices), 1);
-    for (struct dt_piece at = before_slice(s, i); next_piece(s, i, &at);)
+    for (struct dt_piece at = points_of(s, i); dt_next_piece(&s->d->stop, &at);)
         s->box[i] = dt_box_join(s->box[i], dt_box_of(s->src.p + at.a, at.b - at.a));
 }
 
@@ -67,7 +62,7 @@ static void count(void *arg, unsigned i)
 {
     struct sort *s = arg;
     memset(s->next[i], 0, ((size_t)1 << s->order->bits) * sizeof *s->next[i]);
-    for (struct dt_piece at = before_slice(s, i); next_piece(s, i, &at);)
+    for (struct dt_piece at = points_of(s, i); dt_next_piece(&s->d->stop, &at);)
         dt_order_count(s->order, s->src.p + at.a, at.b - at.a, s->key + at.a, s->next[i]);
 }
 
@@ -75,9 +70,8 @@ static void count(void *arg, unsigned i)
 static void scatter(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    uint32_t end = dt_slice(s->n, i + 1, s->slices);
-    for (struct dt_piece at = before_slice(s, i);
-         dt_next_piece_of(&s->d->stop, end, DT_POLL_FAULTS, &at);) {
+    for (struct dt_piece at = points_of(s, i);
+         dt_next_piece_of(&s->d->stop, DT_POLL_FAULTS, &at);) {
         uint32_t n = at.b - at.a, *key = s->key + at.a;
         const struct dt_point *p = s->src.p + at.a;
         const uint32_t *from = s->src.from == NULL ? NULL : s->src.from + at.a;
@@ -88,7 +82,7 @@ static void scatter(void *arg, unsigned i)
 static void copy(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    for (struct dt_piece at = before_slice(s, i); next_piece(s, i, &at);) {
+    for (struct dt_piece at = points_of(s, i); dt_next_piece(&s->d->stop, &at);) {
         memcpy(s->out + at.a, s->src.p + at.a, (at.b - at.a) * sizeof *s->out);
         memcpy(s->out_from + at.a, s->src.from + at.a, (at.b - at.a) * sizeof *s->out_from);
     }
@@ -133,14 +127,9 @@ static struct dt_box box_of_most(const struct sort *s, struct dt_box box, double
     return box;
 }
 
-static struct dt_piece before_share(const struct sort *s, unsigned i)
+static struct dt_piece cells_of(const struct sort *s, unsigned share)
 {
-    return dt_before_first(dt_slice(s->cells, i, s->shares));
-}
-
-static bool next_cells(const struct sort *s, unsigned i, struct dt_piece *at)
-{
-    return dt_next_piece(&s->d->stop, dt_slice(s->cells, i + 1, s->shares), at);
+    return dt_slice_pieces(s->cells, share, s->shares);
 }
 
 /* Slice i of the cells: how many points it has. */
@@ -148,7 +137,7 @@ static void sum_cells(void *arg, unsigned i)
 {
     struct sort *s = arg;
     uint32_t n = 0;
-    for (struct dt_piece at = before_share(s, i); next_cells(s, i, &at);)
+    for (struct dt_piece at = cells_of(s, i); dt_next_piece(&s->d->stop, &at);)
         for (unsigned k = 0; k < s->slices; k++)
             for (uint32_t c = at.a; c < at.b; c++)
                 n += s->next[k][c];
@@ -160,7 +149,7 @@ static void place_cells(void *arg, unsigned i)
 {
     struct sort *s = arg;
     uint32_t place = s->first[i], most = 0;
-    for (struct dt_piece at = before_share(s, i); next_cells(s, i, &at);)
+    for (struct dt_piece at = cells_of(s, i); dt_next_piece(&s->d->stop, &at);)
         for (uint32_t c = at.a; c < at.b; c++) {
             uint32_t before = place;
             for (unsigned k = 0; k < s->slices; k++) {
@@ -263,7 +252,7 @@ static void scatter_all(struct sort *s, uint32_t lo, bool tiles)
 
 static void bring(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n)
 {
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&d->stop, n, &at);) {
+    for (struct dt_piece at = dt_pieces(0, n); dt_next_piece(&d->stop, &at);) {
         memcpy(d->p + lo + at.a, src.p + at.a, (at.b - at.a) * sizeof *src.p);
         for (uint32_t i = at.a; i < at.b; i++)
             d->from[lo + i] = src.from == NULL ? i : src.from[i];
@@ -276,7 +265,7 @@ uint32_t dt_level_halve(struct dt_division *d, struct dt_source src, uint32_t lo
     if (src.p != d->p + lo)
         bring(d, src, lo, n);
     struct dt_box box = dt_box_of(d->p + lo, 1);
-    for (struct dt_piece at = dt_before_first(lo); dt_next_piece(&d->stop, lo + n, &at);)
+    for (struct dt_piece at = dt_pieces(lo, lo + n); dt_next_piece(&d->stop, &at);)
         box = dt_box_join(box, dt_box_of(d->p + at.a, at.b - at.a));
     *axis = dt_box_axis(&box);
     struct dt_piece same = dt_median_part(d->p + lo, d->from + lo, n, *axis, &d->stop);

@@ -55,7 +55,7 @@ static uint32_t digit_of(const struct selection *s, uint32_t i)
 static bool find_digit(struct selection *s)
 {
     uint64_t first = key_of(s->key, s->p[s->lo]), differ = 0;
-    for (struct dt_piece at = dt_before_first(s->lo); dt_next_piece(s->stop, s->hi, &at);)
+    for (struct dt_piece at = dt_pieces(s->lo, s->hi); dt_next_piece(s->stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
             differ |= key_of(s->key, s->p[i]) ^ first;
     if (differ == 0)
@@ -69,7 +69,7 @@ static bool find_digit(struct selection *s)
 static uint32_t digit_at(struct selection *s, uint32_t k)
 {
     memset(s->count, 0, sizeof s->count);
-    for (struct dt_piece at = dt_before_first(s->lo); dt_next_piece(s->stop, s->hi, &at);)
+    for (struct dt_piece at = dt_pieces(s->lo, s->hi); dt_next_piece(s->stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
             s->count[digit_of(s, i)]++;
     uint32_t digit = 0, end = s->lo + s->count[0];
@@ -121,5 +121,5 @@ struct dt_piece dt_median_part(struct dt_point *p, uint32_t *from, uint32_t n, u
         while (!dt_stopped(stop) && find_digit(&s))
             part(&s, digit_at(&s, n / 2));
     }
-    return (struct dt_piece){s.lo, s.hi};
+    return (struct dt_piece){s.lo, s.hi, n};
 }

@@ -33,14 +33,9 @@ struct arrivals {
     struct dt_stop stop;
 };
 
-static bool next_piece(struct arrivals *a, unsigned slice, struct dt_piece *at)
+static struct dt_piece slice_of(const struct arrivals *a, unsigned slice)
 {
-    return dt_next_piece(&a->stop, dt_slice(a->n, slice + 1, a->slices), at);
-}
-
-static struct dt_piece before_slice(const struct arrivals *a, unsigned slice)
-{
-    return dt_before_first(dt_slice(a->n, slice, a->slices));
+    return dt_slice_pieces(a->n, slice, a->slices);
 }
 
 /* A pass over all slices. Its result is undefined unless DT_OK. */
@@ -57,7 +52,7 @@ static struct dt_source gather(struct arrivals *a)
 {
     dt_copy(a->spare.p, a->p->xy, a->end, sizeof *a->q, &a->stop);
     dt_copy(a->spare.p + a->end, a->q, a->n, sizeof *a->q, &a->stop);
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a->stop, a->end + a->n, &at);)
+    for (struct dt_piece at = dt_pieces(0, a->end + a->n); dt_next_piece(&a->stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
             a->spare.from[i] = i;
     return (struct dt_source){a->spare.p, a->spare.from};
@@ -109,10 +104,10 @@ static enum dt_status sort(struct arrivals *a)
 static void note_places(void *arg, unsigned slice)
 {
     struct arrivals *a = arg;
-    uint32_t items = a->end + a->n, last = dt_slice(items, slice + 1, a->slices);
+    uint32_t items = a->end + a->n;
     const uint32_t *from = a->sorted.from;
-    for (struct dt_piece at = dt_before_first(dt_slice(items, slice, a->slices));
-         dt_next_piece(&a->stop, last, &at);)
+    for (struct dt_piece at = dt_slice_pieces(items, slice, a->slices);
+         dt_next_piece(&a->stop, &at);)
         for (uint32_t v = at.a; v < at.b; v++) {
             uint32_t item = from[v] & ~DT_COINCIDENT;
             if (item == from[v])
@@ -133,7 +128,7 @@ static void count_fresh(void *arg, unsigned slice)
 {
     struct arrivals *a = arg;
     uint32_t fresh = 0;
-    for (struct dt_piece at = before_slice(a, slice); next_piece(a, slice, &at);)
+    for (struct dt_piece at = slice_of(a, slice); dt_next_piece(&a->stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
             fresh += same(a, a->end + i) == DT_NONE;
     a->fresh[slice] = fresh;
@@ -149,7 +144,7 @@ static void enter(void *arg, unsigned slice)
     uint32_t v = a->end;
     for (unsigned before = 0; before < slice; before++)
         v += a->fresh[before];
-    for (struct dt_piece at = before_slice(a, slice); next_piece(a, slice, &at);)
+    for (struct dt_piece at = slice_of(a, slice); dt_next_piece(&a->stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++) {
             if (same(a, a->end + i) != DT_NONE)
                 continue;
@@ -164,7 +159,7 @@ static void close_ranks(struct arrivals *a)
 {
     struct dt_points *p = a->p;
     uint32_t v = 0;
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a->stop, a->n, &at);)
+    for (struct dt_piece at = dt_pieces(0, a->n); dt_next_piece(&a->stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++) {
             uint32_t item = p->id[i];
             uint16_t step = a->plan.step[i];
@@ -236,7 +231,7 @@ static enum dt_status name(struct arrivals *a)
 {
     struct dt_points *p = a->p;
     enum dt_status status = DT_OK;
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a->stop, a->n, &at);)
+    for (struct dt_piece at = dt_pieces(0, a->n); dt_next_piece(&a->stop, &at);)
         name_vertices(a, at);
     for (uint32_t i = 0; p->end - a->end < a->n && i < a->n && status == DT_OK; i++) {
         if (is_alias(a, i))
@@ -326,7 +321,7 @@ enum dt_status dt_arrivals_sort(struct dt_points *p, const struct dt_options *op
     enum dt_status status = a.n == 0 ? DT_OK : allocate(&a);
     if (status == DT_OK && a.n > 0)
         status = sort(&a);
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&a.stop, a.n, &at);)
+    for (struct dt_piece at = dt_pieces(0, a.n); dt_next_piece(&a.stop, &at);)
         for (uint32_t v = at.a; v < at.b && status == DT_OK; v++)
             if (a.sorted.from[v] & DT_COINCIDENT)
                 status = DT_CORRUPT;

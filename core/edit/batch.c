@@ -18,14 +18,14 @@ static void sort(struct dt_batch *b, const struct dt_order *grid, uint32_t *key,
     uint32_t cells = 1u << grid->bits, place = 0;
     for (uint32_t c = 0; c < cells; c++)
         next[c] = 0;
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, b->n, &at);)
+    for (struct dt_piece at = dt_pieces(0, b->n); dt_next_piece(stop, &at);)
         dt_order_count(grid, b->q + at.a, at.b - at.a, key + at.a, next);
     for (uint32_t c = 0; c < cells; c++) {
         uint32_t n = next[c];
         next[c] = place;
         place += n;
     }
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, b->n, &at);)
+    for (struct dt_piece at = dt_pieces(0, b->n); dt_next_piece(stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
             b->order[next[key[i]]++] = i;
 }

@@ -38,7 +38,7 @@ static void draft_clear(struct draft *b)
 static void copy_vertices(struct draft *b, const struct dt_points *p, struct dt_stop *stop)
 {
     uint32_t n = 0;
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, p->end, &at);)
+    for (struct dt_piece at = dt_pieces(0, p->end); dt_next_piece(stop, &at);)
         for (uint32_t v = at.a; v < at.b; v++) {
             if (p->id[v] == DT_NONE)
                 continue;
@@ -55,7 +55,7 @@ static enum dt_status run_shelling(struct draft *b, const struct dt_point *xy, c
     enum dt_status status = dt_shelling(xy, b->n, b->xy, b->id, &b->mesh, opt);
     if (status != DT_OK)
         return status;
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&stop, b->n, &at);)
+    for (struct dt_piece at = dt_pieces(0, b->n); dt_next_piece(&stop, &at);)
         for (uint32_t v = at.a; v < at.b; v++)
             b->id[v] = id[b->id[v]];
     return dt_stop_status(&stop);

@@ -66,9 +66,8 @@ static void drop_piece(const struct drop *d, struct dt_piece at)
 static void drop_slice(void *arg, unsigned i)
 {
     const struct drop *d = arg;
-    uint32_t n = d->mesh->vert_cap, end = dt_slice(n, i + 1, d->slices);
-    struct dt_piece at = dt_before_first(dt_slice(n, i, d->slices));
-    while (dt_next_piece(d->stop, end, &at))
+    struct dt_piece at = dt_slice_pieces(d->mesh->vert_cap, i, d->slices);
+    while (dt_next_piece(d->stop, &at))
         drop_piece(d, at);
 }
 
@@ -134,16 +133,15 @@ struct fill {
 };
 
 /* Polls after each so many cells: rows may be long, or many and short. False: it is stopped. */
-static bool next_part_of_row(const struct fill *f, uint32_t nx, struct dt_piece *at,
-                             uint32_t *cells)
+static bool next_part_of_row(const struct fill *f, struct dt_piece *at, uint32_t *cells)
 {
-    at->a = at->b;
-    at->b = nx - at->a < DT_POLL ? nx : at->a + DT_POLL;
+    if (!dt_next_piece(NULL, at))
+        return false;
     *cells += at->b - at->a;
     if (*cells < DT_POLL)
-        return at->a < nx;
+        return true;
     *cells = 0;
-    return at->a < nx && !dt_stopped(f->stop);
+    return !dt_stopped(f->stop);
 }
 
 static void fill_row_up(const struct fill *f, const struct dt_hint_grid *g, size_t row,
@@ -152,7 +150,7 @@ static void fill_row_up(const struct fill *f, const struct dt_hint_grid *g, size
     uint32_t *cell = f->hints->cell + g->first + row * g->nx;
     uint8_t *far = f->far + g->first + row * g->nx;
     struct content left = {0, FARTHEST + 1};
-    for (struct dt_piece at = {0, 0}; next_part_of_row(f, g->nx, &at, cells);) {
+    for (struct dt_piece at = dt_pieces(0, g->nx); next_part_of_row(f, &at, cells);) {
         for (uint32_t i = at.a; i < at.b; i++)
             far[i] = (cell[i] & DT_HINT_LENT) == DT_HINT_LENT ? FARTHEST + 1 : 0;
         left = sweep_up(cell, far, g->nx, has_below, at, left);
@@ -164,7 +162,7 @@ static void fill_row_down(const struct fill *f, const struct dt_hint_grid *g, si
 {
     uint32_t *cell = f->hints->cell + g->first + row * g->nx;
     uint8_t *far = f->far + g->first + row * g->nx;
-    for (struct dt_piece at = {0, 0}; next_part_of_row(f, g->nx, &at, cells);)
+    for (struct dt_piece at = dt_pieces(0, g->nx); next_part_of_row(f, &at, cells);)
         sweep_down(cell, far, g->nx, has_above, at);
 }
 

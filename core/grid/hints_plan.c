@@ -204,7 +204,7 @@ static enum dt_status plan_grid(struct planner *p, uint32_t k)
     enum dt_status s = reserve_cells(hints, end);
     if (s != DT_OK)
         return s;
-    for (struct dt_piece at = dt_before_first(g.first); dt_next_piece(p->stop, end, &at);)
+    for (struct dt_piece at = dt_pieces(g.first, end); dt_next_piece(p->stop, &at);)
         for (uint32_t c = at.a; c < at.b; c++)
             hints->cell[c] = DT_HINT_LENT;
     hints->cells = end;
@@ -218,7 +218,7 @@ static void take_samples(struct planner *p)
 {
     const struct dt_mesh *m = p->mesh;
     uint32_t wait = 0;
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(p->stop, m->vert_cap, &at);)
+    for (struct dt_piece at = dt_pieces(0, m->vert_cap); dt_next_piece(p->stop, &at);)
         for (uint32_t v = at.a; v < at.b; v++) {
             if (m->leaving[v] == DT_NONE || wait-- > 0)
                 continue;

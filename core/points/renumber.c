@@ -20,11 +20,10 @@ static void settle_slice(void *arg, unsigned slice)
 {
     enum { AHEAD = 32 }; /* vertices; longer than a cache miss */
     const struct renumbering *r = arg;
-    uint32_t end = dt_slice(r->n, slice + 1, r->slices);
-    struct dt_piece at = dt_before_first(dt_slice(r->n, slice, r->slices));
-    while (dt_next_piece(r->stop, end, &at))
+    struct dt_piece at = dt_slice_pieces(r->n, slice, r->slices);
+    while (dt_next_piece(r->stop, &at))
         for (uint32_t v = at.a; v < at.b; v++) {
-            if (v + AHEAD < end)
+            if (v + AHEAD < at.end)
                 dt_fetch(dt_idmap_at(&r->p->value, r->id[v + AHEAD]));
             *dt_idmap_at(&r->p->value, r->id[v]) = v;
         }

@@ -23,14 +23,10 @@ static inline bool dt_effort_spend(struct dt_effort *e, uint64_t steps)
     return e->spent >= e->next && dt_effort_poll(e);
 }
 
-/* Advances to the next piece of a pass over n items, with so many steps for each; false: the pass is over or
- * must stop. */
-static inline bool dt_effort_piece(struct dt_effort *e, uint32_t n, unsigned steps,
-                                   struct dt_piece *at)
+/* Advances to the next piece of a pass, with so many steps for each item; false: the pass is over or must stop. */
+static inline bool dt_effort_piece(struct dt_effort *e, unsigned steps, struct dt_piece *at)
 {
-    at->a = at->b;
-    at->b = n - at->a < DT_POLL ? n : at->a + DT_POLL;
-    return at->a < n && !dt_effort_spend(e, (uint64_t)steps * (at->b - at->a));
+    return dt_next_piece(NULL, at) && !dt_effort_spend(e, (uint64_t)steps * (at->b - at->a));
 }
 
 /* The reason to stop that is known so far. */

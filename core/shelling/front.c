@@ -28,7 +28,7 @@ enum dt_status dt_front_init(struct dt_front *f, uint32_t n, struct dt_stop *sto
     f->node = dt_array_new(n, sizeof *f->node);
     if (f->node == NULL)
         return DT_NOMEM;
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, n, &at);)
+    for (struct dt_piece at = dt_pieces(0, n); dt_next_piece(stop, &at);)
         memset(f->node + at.a, 0xff, (at.b - at.a) * sizeof *f->node); /* DT_NONE everywhere */
     return stop == NULL ? DT_OK : dt_stop_status(stop);
 }

@@ -43,10 +43,10 @@ struct source {
     uint32_t n;
 };
 
-/* Of a pass over n points or cells; false: it is over, or has to stop. */
-static bool next_piece(const struct builder *b, uint32_t n, struct dt_piece *at)
+/* Of a pass over points or cells; false: it is over, or has to stop. */
+static bool next_piece(const struct builder *b, struct dt_piece *at)
 {
-    return dt_effort_piece(&b->grid->effort, n, PASS_STEPS, at);
+    return dt_effort_piece(&b->grid->effort, PASS_STEPS, at);
 }
 
 static void cells_clear(struct dt_cells *c)
@@ -70,7 +70,7 @@ static void cells_measure(struct dt_cells *c, const struct builder *b, struct so
                           uint32_t share)
 {
     struct dt_box box = dt_box_of(p.xy, 1);
-    for (struct dt_piece at = dt_before_first(0); next_piece(b, p.n, &at);)
+    for (struct dt_piece at = dt_pieces(0, p.n); next_piece(b, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
             dt_box_add(&box, p.xy[i]);
     double width = dt_box_width(&box), height = dt_box_height(&box);
@@ -94,17 +94,17 @@ static enum dt_status cells_count(struct dt_cells *c, const struct builder *b, s
     c->start = dt_array_new((size_t)cells + 2, sizeof *c->start);
     if (c->start == NULL)
         return DT_NOMEM;
-    for (struct dt_piece at = dt_before_first(0); next_piece(b, cells + 2, &at);)
+    for (struct dt_piece at = dt_pieces(0, cells + 2); next_piece(b, &at);)
         memset(c->start + at.a, 0, (at.b - at.a) * sizeof *c->start);
     uint32_t *begin = c->start + 1; /* begin[i] = start[i], until cells_fill moves it on */
-    for (struct dt_piece at = dt_before_first(0); next_piece(b, p.n, &at);)
+    for (struct dt_piece at = dt_pieces(0, p.n); next_piece(b, &at);)
         for (uint32_t i = at.a; i < at.b; i++) {
             b->cell[i] = dt_cells_index(c, p.xy[i]);
             begin[b->cell[i] + 1]++;
         }
     *most = 0;
     c->start[0] = begin[0] = first;
-    for (struct dt_piece at = dt_before_first(0); next_piece(b, cells, &at);)
+    for (struct dt_piece at = dt_pieces(0, cells); next_piece(b, &at);)
         for (uint32_t i = at.a + 1; i <= at.b; i++) {
             *most = begin[i] > *most ? begin[i] : *most;
             begin[i] += begin[i - 1];
@@ -116,7 +116,7 @@ static enum dt_status cells_count(struct dt_cells *c, const struct builder *b, s
 static void cells_fill(struct dt_cells *c, const struct builder *b, struct source p)
 {
     uint32_t *end = c->start + 1; /* of each cell, in the end */
-    for (struct dt_piece at = dt_before_first(0); next_piece(b, p.n, &at);)
+    for (struct dt_piece at = dt_pieces(0, p.n); next_piece(b, &at);)
         for (uint32_t i = at.a; i < at.b; i++) {
             uint32_t place = end[b->cell[i]]++;
             b->grid->xy[place] = p.xy[i];
@@ -154,7 +154,7 @@ static enum dt_status cell_refine(const struct dt_cells *c, uint32_t cell, struc
                                   struct builder *b)
 {
     uint32_t first = c->start[cell], n = cell_points(c, cell);
-    for (struct dt_piece at = dt_before_first(0); next_piece(b, n, &at);) {
+    for (struct dt_piece at = dt_pieces(0, n); next_piece(b, &at);) {
         memcpy(b->xy + at.a, b->grid->xy + first + at.a, (at.b - at.a) * sizeof *b->xy);
         memcpy(b->from + at.a, b->grid->from + first + at.a, (at.b - at.a) * sizeof *b->from);
     }
@@ -175,7 +175,7 @@ static bool make_room(struct builder *b)
 static enum dt_status cells_refine(struct dt_cells *c, struct builder *b)
 {
     uint32_t cells = c->lines * c->length, crowded = 0;
-    for (struct dt_piece at = dt_before_first(0); next_piece(b, cells, &at);)
+    for (struct dt_piece at = dt_pieces(0, cells); next_piece(b, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
             crowded += cell_points(c, i) > CROWD;
     if (dt_effort_status(&b->grid->effort) != DT_OK)
@@ -184,7 +184,7 @@ static enum dt_status cells_refine(struct dt_cells *c, struct builder *b)
     c->sub_cell = malloc(crowded * sizeof *c->sub_cell);
     if (c->sub == NULL || c->sub_cell == NULL || !make_room(b))
         return DT_NOMEM;
-    for (struct dt_piece at = dt_before_first(0); next_piece(b, cells, &at);)
+    for (struct dt_piece at = dt_pieces(0, cells); next_piece(b, &at);)
         for (uint32_t i = at.a; i < at.b; i++) {
             if (cell_points(c, i) <= CROWD)
                 continue;

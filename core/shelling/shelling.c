@@ -259,7 +259,7 @@ static void chain_ghosts(struct dt_mesh *m, uint32_t n, struct dt_stop *stop)
 {
     uint32_t ghosts = 2 * n - 2;
     m->tri_end = m->ghosts = ghosts;
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(stop, ghosts, &at);)
+    for (struct dt_piece at = dt_pieces(0, ghosts); dt_next_piece(stop, &at);)
         for (uint32_t g = at.a; g < at.b; g++) {
             uint32_t a = g < n ? g : ghosts - g, b = g < n - 1 ? g + 1 : ghosts - g - 1;
             dt_set_corners(m, 8 * g, a, b, DT_NONE);
@@ -272,7 +272,7 @@ static void chain_ghosts(struct dt_mesh *m, uint32_t n, struct dt_stop *stop)
 static void triangulate_line(struct dt_shell *s, const struct dt_point *in, uint32_t n,
                              struct dt_point *p, uint32_t *from)
 {
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&s->stop, n, &at);)
+    for (struct dt_piece at = dt_pieces(0, n); dt_next_piece(&s->stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++) {
             p[i] = in[i];
             from[i] = i;
@@ -308,7 +308,7 @@ static enum dt_status triangulate_many(struct dt_shell *s, const struct dt_point
     dt_shell_clear(s);
     if (status != DT_OK)
         return status;
-    for (struct dt_piece at = dt_before_first(0); dt_next_piece(&s->stop, n, &at);)
+    for (struct dt_piece at = dt_pieces(0, n); dt_next_piece(&s->stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
             p[i] = in[from[i]];
     dt_hull_settle(s->mesh, p, &s->stop);

@@ -372,13 +372,13 @@ static size_t slot_of(const struct dt_contour *c, uint32_t level, struct edge in
 
 static void join(struct dt_contour *c, struct dt_stop *stop)
 {
-    struct dt_piece p = dt_before_first(0);
+    struct dt_piece p = dt_pieces(0, (uint32_t)c->n);
     memset(c->slot, 0xff, c->slots * sizeof *c->slot);
-    while (dt_next_piece_of(stop, (uint32_t)c->n, DT_POLL_MISSES, &p))
+    while (dt_next_piece_of(stop, DT_POLL_MISSES, &p))
         for (uint32_t i = p.a; i < p.b; i++)
             c->slot[slot_of(c, c->crossing[i].level, c->crossing[i].in)] = i;
-    p = dt_before_first(0);
-    while (dt_next_piece_of(stop, (uint32_t)c->n, DT_POLL_MISSES, &p))
+    p = dt_pieces(0, (uint32_t)c->n);
+    while (dt_next_piece_of(stop, DT_POLL_MISSES, &p))
         for (uint32_t i = p.a; i < p.b; i++) {
             uint32_t next = c->slot[slot_of(c, c->crossing[i].level, c->crossing[i].out)];
             c->crossing[i].next = next;
@@ -422,8 +422,8 @@ static void take_line(struct dt_contour *c, uint32_t first)
 
 static void take_lines(struct dt_contour *c, bool open, struct dt_stop *stop)
 {
-    struct dt_piece p = dt_before_first(0);
-    while (dt_next_piece_of(stop, (uint32_t)c->n, DT_POLL_MISSES, &p))
+    struct dt_piece p = dt_pieces(0, (uint32_t)c->n);
+    while (dt_next_piece_of(stop, DT_POLL_MISSES, &p))
         for (uint32_t i = p.a; i < p.b; i++)
             if (!c->crossing[i].taken && !(open && c->crossing[i].follows))
                 take_line(c, i);
@@ -458,9 +458,9 @@ static struct dt_contour_line trace(const struct dt_contour *c, const struct lin
 static size_t trace_all(struct dt_contour *c, struct dt_stop *stop)
 {
     struct dt_point *place = c->place;
-    struct dt_piece p = dt_before_first(0);
+    struct dt_piece p = dt_pieces(0, (uint32_t)c->lines);
     size_t lines = 0;
-    while (dt_next_piece_of(stop, (uint32_t)c->lines, DT_POLL_MISSES, &p))
+    while (dt_next_piece_of(stop, DT_POLL_MISSES, &p))
         for (uint32_t i = p.a; i < p.b; i++) {
             struct dt_contour_line line = trace(c, &c->line[i], place);
             if (line.n < (line.closed ? 3 : 2))
