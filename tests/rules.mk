@@ -37,6 +37,12 @@ interop_programs: all $(O)/tests/bench/points
 interop: interop_programs
 	tests/interop/run.sh $(O)
 
+# ---- same: compares every reply with an older daemon's: OLD=PATH POINTS=2000; ONLY="wheel tiny" of all families ----
+
+.PHONY: same
+same: all $(O)/tests/bench/points
+	tests/interop/same.py $(O) $(or $(OLD),$(O)/delaunayd) $(or $(POINTS),2000) $(ONLY)
+
 # ---- soak-follow: ROUNDS of attacks on a leader and its follower under random edits; SEED=s repeats one, KIND=cables,full ... ----
 
 .PHONY: soak-follow

@@ -162,6 +162,8 @@ for seed in 1 2; do
     /usr/bin/python3 tests/interop/follow.py "$build" "$seed" 8 >"$scratch/follow" 2>&1
     collect "$scratch/follow"
 done
+tests/interop/same.py "$build" "$build/delaunayd" 150 >"$scratch/same" 2>&1
+collect "$scratch/same"
 tests/interop/upgrade.sh "$build" >"$scratch/upgrade" 2>&1
 collect "$scratch/upgrade"
 result
