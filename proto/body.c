@@ -91,12 +91,11 @@ static bool reserve(struct body *b)
 
 static void add_point(struct body *b, double x, double y)
 {
+    const double v[2] = {x, y};
     if (b->fault != BODY_GOOD)
         return;
-    if (isnan(x) || isnan(y)) { /* only a binary body can announce that */
-        body_fail(b, BODY_NUMBER);
-    } else if (!b->coordinates_ok(&x, 1) || !b->coordinates_ok(&y, 1)) {
-        body_fail(b, BODY_RANGE);
+    if (!b->coordinates_ok(v, 2)) { /* only a binary body can have a NaN */
+        body_fail(b, isnan(x) || isnan(y) ? BODY_NUMBER : BODY_RANGE);
     } else if (reserve(b)) {
         b->xy[2 * b->n] = x;
         b->xy[2 * b->n + 1] = y;

@@ -1,12 +1,11 @@
 /* number_read.c - decimal text to double, correctly rounded.
  *
- * Three stages, each for the numbers that the previous one cannot convert:
- *   1. up to 2^53 and a power of ten up to 22: one exact multiplication or division [Clinger 1990];
- *   2. up to 19 digits: one or two 64-bit multiplications by a power of ten of 128 bits [Lemire,
+ * Two stages:
+ *   1. up to 19 digits: one or two 64-bit multiplications by a power of ten of 128 bits [Lemire,
  *      "Number Parsing at a Gigabyte per Second", 2021, algorithm 1; Mushtak & Lemire 2023 show that
  *      it needs no fallback]. For longer numbers the first 19 digits, and these plus one: if both
  *      give the same double, so do all numbers between them;
- *   3. big integers (number_exact.c). */
+ *   2. otherwise, big integers (number_exact.c). */
 #include <math.h>
 #include <string.h>
 
@@ -31,38 +30,51 @@ static bool is_digit(char c)
     return (unsigned char)(c - '0') < 10;
 }
 
-/* If the 8 bytes at p are digits, *word = *word * 10^8 + their number. Eight digits in the bytes of
- * a word are joined to pairs, fours and one number by three multiplications [Lemire 2021, sec.
- * 3]. */
-static bool scan_eight(const char *p, uint64_t *word)
-{
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    const uint64_t high = 0xf0f0f0f0f0f0f0f0, pair = 0x000000ff000000ff;
-    uint64_t x;
-    memcpy(&x, p, sizeof x);
-    if ((x & high) != 0x3030303030303030 || ((x + 0x0606060606060606) & high) != 0x3030303030303030)
-        return false;
-    x -= 0x3030303030303030;
-    x = 10 * x + (x >> 8);
-    x = ((x & pair) * (100 + (1000000ull << 32)) + ((x >> 16) & pair) * (1 + (10000ull << 32))) >>
-        32;
-    *word = *word * 100000000 + x;
-    return true;
-#else
-    (void)p, (void)word;
-    return false;
-#endif
-}
-
 static const char *scan_digits(const char *p, const char *end, uint64_t *word)
 {
-    uint64_t w = *word;
-    while (end - p >= 8 && scan_eight(p, &w))
-        p += 8;
     for (; p < end && is_digit(*p); p++)
-        w = 10 * w + (uint64_t)(*p - '0');
-    *word = w;
+        *word = 10 * *word + (uint64_t)(*p - '0');
     return p;
+}
+
+/* The 8 bytes at p, the first one lowest. */
+static uint64_t load_eight(const char *p)
+{
+    uint64_t x;
+    memcpy(&x, p, sizeof x);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+    x = __builtin_bswap64(x);
+#endif
+    return x;
+}
+
+/* The number whose digits are the 8 bytes of x, the first one lowest: joined to pairs, fours and one number by three
+ * multiplications [Lemire 2021, sec. 3]. */
+static uint64_t join_eight(uint64_t x)
+{
+    const uint64_t pair = 0x000000ff000000ff;
+    x = 10 * x + (x >> 8);
+    x = (x & pair) * (100 + (1000000ull << 32)) + ((x >> 16) & pair) * (1 + (10000ull << 32));
+    return x >> 32;
+}
+
+/* As scan_digits, for many digits: eight at a time, and the last ones without a branch that depends on their number, which
+ * is unpredictable: they are shifted behind zeros. */
+static const char *scan_fraction(const char *p, const char *end, uint64_t *word)
+{
+    static const uint64_t power[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000};
+    for (; end - p >= 8; p += 8) {
+        uint64_t x = load_eight(p) ^ 0x3030303030303030;
+        /* Not zero: in bytes that are no digits. The sum carries only from such bytes. */
+        uint64_t other = (x | (x + 0x0606060606060606)) & 0xf0f0f0f0f0f0f0f0;
+        if (other != 0) {
+            unsigned n = (unsigned)__builtin_ctzll(other) / 8;
+            *word = *word * power[n] + join_eight(x << 8 * (7 - n) << 8);
+            return p + n;
+        }
+        *word = *word * 100000000 + join_eight(x);
+    }
+    return scan_digits(p, end, word);
 }
 
 /* Reads the exponent at p, if there is one, and returns where it ends: at p if there is none. Huge
@@ -99,7 +111,7 @@ static const char *scan(const char *s, const char *end, struct scan *n)
     n->count = (size_t)(p - n->text);
     if (p < end && *p == '.') {
         const char *fraction = p + 1;
-        p = scan_digits(fraction, end, &n->word);
+        p = scan_fraction(fraction, end, &n->word);
         n->count += (size_t)(p - fraction);
         n->exponent = fraction - p;
     }
@@ -192,15 +204,6 @@ static double from_bits(uint64_t bits, bool negative)
 /* The number's value. */
 static double value(struct scan *n)
 {
-    static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                   1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                   1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    if (n->count <= DIGITS && n->word <= (uint64_t)1 << 53 && n->exponent >= -22 &&
-        n->exponent <= 22) {
-        double word = (double)n->word;
-        word = n->exponent < 0 ? word / power[-n->exponent] : word * power[n->exponent];
-        return n->negative ? -word : word;
-    }
     uint64_t bits = n->count > DIGITS ? round_long(n)
                     : n->word == 0    ? 0
                                       : round_word(n->word, n->exponent);
@@ -221,11 +224,10 @@ size_t proto_read_leading_double(const char *s, size_t len, double *v)
 
 bool proto_read_double(const char *s, size_t len, double *v)
 {
-    struct scan n;
-    const char *end = scan(s, s + len, &n);
-    if (end == NULL || end != s + len)
+    double number;
+    if (len == 0 || proto_read_leading_double(s, len, &number) != len)
         return false;
-    *v = value(&n);
+    *v = number;
     return true;
 }
 

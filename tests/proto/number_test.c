@@ -136,6 +136,23 @@ TEST(number_is_read_up_to_the_first_character_that_does_not_belong_to_it)
     }
 }
 
+TEST(number_reads_the_digits_before_any_other_byte)
+{
+    static const char digits[] = "0.73892640517382964051";
+    for (int c = 0; c < 256; c++)
+        for (size_t at = 2; at < sizeof digits - 1; at++) {
+            char text[sizeof digits];
+            double v = 7;
+            memcpy(text, digits, sizeof digits);
+            text[at] = (char)c;
+            if ((c >= '0' && c <= '9') || c == 'e' || c == 'E')
+                continue;
+            CHECK(proto_read_leading_double(text, sizeof digits - 1, &v) == at);
+            text[at] = 0;
+            CHECK_MSG(same(v, strtod(text, NULL)), "%s read as %a", text, v);
+        }
+}
+
 TEST(number_beyond_the_doubles_reads_as_infinity)
 {
     check_reads_as("1e309", HUGE_VAL);
