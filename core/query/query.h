@@ -11,13 +11,6 @@ uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v);
 /* The corners of the triangle of the half edge h, from the smallest id. */
 void dt_triangle_ids(const struct dt *t, uint32_t h, bool cw, uint32_t row[3]);
 
-/* Whether a search that has found this number of results should stop and scan all vertices of the set
- * instead, which costs much less for each. */
-static inline bool dt_scan_pays(const struct dt *t, size_t found)
-{
-    return found > 256 && found > t->points.end / 64;
-}
-
 /* For a search from star to star that walks round the origin of h: fetches the triangle beyond the edge
  * opposite to it, which the stars of two neighbours share. */
 static inline void dt_fetch_beyond_star(const struct dt_mesh *m, uint32_t h)

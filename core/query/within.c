@@ -1,18 +1,20 @@
-/* within.c - the points in a closed box, and the triangles that meet it.
+/* within.c - the points in a closed box or disc, and the triangles that meet a box.
  *
- * The box and the hull are convex, so what they share is connected, and so are, edge by edge, the
- * triangles that meet it: from one of them a flood across the edges that meet the box reaches all.
- * Such an edge is recognised exactly. A first triangle: one that holds a corner of the box; if all
- * four corners are outside, the box meets the hull only if it meets a hull edge. Where the box turns out to
- * hold a large share of the set, a scan of all vertices replaces the flood.
+ * A flood goes from each vertex in the region to its neighbours there. The vertices in a disc are connected by edges
+ * (nearest.h), so it reaches all of them from one that is nearest to the centre. Those in a box need not be. But box
+ * and hull are convex, so what they share is connected, and so are, edge by edge, the triangles that meet it: here the
+ * flood starts with such a triangle, and also crosses the edges that meet the box with no end in it, which is decided
+ * exactly. A first triangle: one that holds a corner of the box; if all four corners are outside, the box meets the
+ * hull only if it meets a hull edge.
  *
- * On a line there are no triangles: what lies in the box are neighbours along the line. */
+ * Where the region turns out to hold a large share of the set, a scan of all vertices replaces the flood. */
 #include "core/control/work.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
 #include "core/grid/hints.h"
 #include "core/mesh/hull.h"
 #include "core/query/locate.h"
+#include "core/query/nearest.h"
 #include "core/query/query.h"
 #include "core/query/visited.h"
 #include "core/set/reader.h"
@@ -20,6 +22,21 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+struct region {
+    bool disc;
+    struct dt_box box;
+    struct dt_point centre;
+    double radius;
+};
+
+static inline bool contains(const struct region *r, struct dt_point p)
+{
+    if (!r->disc)
+        return dt_box_contains(&r->box, p);
+    double d = dt_square_distance(p, r->centre), most = r->radius * r->radius;
+    return dt_squares_decide(d, most) ? d < most : dt_compare_radius(p, r->centre, r->radius) <= 0;
+}
 
 /* Whether the closed segment p-q meets the box: no axis and not the segment's normal separates
  * them. */
@@ -36,17 +53,17 @@ static bool meets(const struct dt_box *b, struct dt_point p, struct dt_point q)
     return dt_orient2d(p, q, left) * dt_orient2d(p, q, right) <= 0;
 }
 
-/* A flood over the triangles that meet a box. Those with a corner in it are met while walking round
- * that corner; only edges that cross the box from outside to outside need a list of their own. */
+/* Triangles with a corner in the region are met while walking round that corner; only edges that cross a box from
+ * outside to outside need a list of their own. */
 struct flood {
     const struct dt *t;
-    struct dt_box box;
+    struct region in;
     struct dt_work *work;
     struct dt_visited vertices, edges; /* seen; an edge by its lower half edge */
     struct dt_ids todo;                /* edges across the box, to be looked at from both sides */
-    struct dt_ids *out;                /* borrowed: vertices in the box */
+    struct dt_ids *out;                /* borrowed: vertices in the region */
     struct dt_ids
-        *triangles; /* borrowed: those that meet it, some more than once; NULL: not asked for */
+        *triangles; /* borrowed: those that meet the box, some twice; NULL: not asked for */
 };
 
 /* The triangle of h, which meets the box. */
@@ -56,24 +73,11 @@ static enum dt_status meet(struct flood *f, uint32_t h)
     return asked ? dt_ids_append(f->triangles, dt_base(h)) : DT_OK;
 }
 
-/* The same at the origin of h, which is in the box, unless another corner there comes first. */
-static enum dt_status meet_at(struct flood *f, uint32_t h)
-{
-    const struct dt_mesh *m = &f->t->mesh;
-    if (f->triangles == NULL || dt_is_ghost(m, h))
-        return DT_OK;
-    const struct dt_point *xy = f->t->points.xy;
-    uint32_t v = dt_origin(m, h), a = dt_dest(m, h), b = dt_apex_of(m, h);
-    bool first =
-        (a > v || !dt_box_contains(&f->box, xy[a])) && (b > v || !dt_box_contains(&f->box, xy[b]));
-    return first ? meet(f, h) : DT_OK;
-}
-
-/* Takes v if it is in the box. */
-static enum dt_status take(struct flood *f, uint32_t v)
+/* Takes v if it is in the region. */
+static inline enum dt_status take(struct flood *f, uint32_t v)
 {
     bool fresh;
-    if (!dt_box_contains(&f->box, f->t->points.xy[v]))
+    if (!contains(&f->in, f->t->points.xy[v]))
         return DT_OK;
     enum dt_status s = dt_visited_add(&f->vertices, v, &fresh);
     if (s == DT_OK && fresh) {
@@ -87,10 +91,11 @@ static enum dt_status take(struct flood *f, uint32_t v)
 static enum dt_status cross(struct flood *f, uint32_t h)
 {
     const struct dt_mesh *m = &f->t->mesh;
+    const struct dt_box *b = &f->in.box;
     struct dt_point p = f->t->points.xy[dt_origin(m, h)], q = f->t->points.xy[dt_dest(m, h)];
     uint32_t twin = dt_twin(m, h);
     bool fresh;
-    if (dt_box_contains(&f->box, p) || dt_box_contains(&f->box, q) || !meets(&f->box, p, q))
+    if (dt_box_contains(b, p) || dt_box_contains(b, q) || !meets(b, p, q))
         return DT_OK;
     enum dt_status s = dt_visited_add(&f->edges, h < twin ? h : twin, &fresh);
     return s == DT_OK && fresh ? dt_ids_append(&f->todo, h) : s;
@@ -110,64 +115,51 @@ static enum dt_status look_beyond(struct flood *f, uint32_t h)
     return s == DT_OK ? cross(f, dt_prev(h)) : s;
 }
 
-/* The neighbours of v, which is in the box, and the edges around it. */
+/* The triangle of h, the origin of which is in the box: it meets it, and the edge opposite may. It is met here unless
+ * another corner in the box comes first. */
+static enum dt_status meet_at(struct flood *f, uint32_t h)
+{
+    const struct dt_mesh *m = &f->t->mesh;
+    const struct dt_point *xy = f->t->points.xy;
+    enum dt_status s = cross(f, dt_next(h));
+    if (s != DT_OK || f->triangles == NULL)
+        return s;
+    uint32_t v = dt_origin(m, h), a = dt_dest(m, h), b = dt_apex_of(m, h);
+    bool first = (a > v || !contains(&f->in, xy[a])) && (b > v || !contains(&f->in, xy[b]));
+    return first ? meet(f, h) : DT_OK;
+}
+
+/* The neighbours of v, which is in the region, and in a plane the triangles around it. */
 static enum dt_status look_around(struct flood *f, uint32_t v)
 {
     const struct dt_mesh *m = &f->t->mesh;
-    enum dt_status s;
+    enum dt_status s = DT_OK;
     uint32_t h = m->leaving[v];
+    if (h == DT_NONE)
+        return s;
     do {
         s = dt_work(f->work, 1);
         dt_fetch_beyond_star(m, h);
         if (s == DT_OK && dt_dest(m, h) != DT_NONE)
             s = take(f, dt_dest(m, h));
-        if (s == DT_OK && !dt_is_ghost(m, h))
-            s = cross(f, dt_next(h));
-        if (s == DT_OK)
+        if (s == DT_OK && !f->in.disc && !dt_is_ghost(m, h))
             s = meet_at(f, h);
         h = dt_turn_ccw(m, h);
     } while (s == DT_OK && h != m->leaving[v]);
     return s;
 }
 
-/* From the triangle of h, which meets the box, to all others that do, or until a scan pays. */
-static enum dt_status flood(struct flood *f, uint32_t h)
-{
-    size_t first = f->out->n, at = first;
-    enum dt_status s = meet(f, h);
-    for (int k = 0; k < 3 && s == DT_OK; k++, h = dt_next(h)) {
-        s = take(f, dt_origin(&f->t->mesh, h));
-        if (s == DT_OK)
-            s = cross(f, h);
-    }
-    while (s == DT_OK && (f->todo.n > 0 || at < f->out->n)) {
-        if (dt_scan_pays(f->t, f->out->n - first))
-            return DT_OK;
-        if (f->todo.n == 0) {
-            if (at + 1 < f->out->n)
-                dt_fetch(&f->t->mesh.half[f->t->mesh.leaving[f->out->v[at + 1]]]);
-            s = look_around(f, f->out->v[at++]);
-            continue;
-        }
-        h = f->todo.v[--f->todo.n];
-        s = dt_work(f->work, 2);
-        if (s == DT_OK)
-            s = look_beyond(f, h);
-        if (s == DT_OK)
-            s = look_beyond(f, dt_twin(&f->t->mesh, h));
-    }
-    return s;
-}
+/* ---- where a flood starts ---- */
 
 /* *half becomes a half edge of a triangle that meets the box, DT_NONE if there is none. */
-static enum dt_status first_triangle(const struct dt *t, const struct dt_box *b,
-                                     struct dt_work *work, uint32_t *half)
+static enum dt_status first_triangle(const struct flood *f, uint32_t *half)
 {
-    const struct dt_mesh *m = &t->mesh;
-    const struct dt_point *xy = t->points.xy;
+    const struct dt_mesh *m = &f->t->mesh;
+    const struct dt_point *xy = f->t->points.xy;
+    const struct dt_box *b = &f->in.box;
     const struct dt_point corner[4] = {b->lo, b->hi, {b->lo.x, b->hi.y}, {b->hi.x, b->lo.y}};
     for (int i = 0; i < 4; i++)
-        if (dt_find(m, xy, NULL, &t->hints, DT_NONE, corner[i], half) != DT_OUTSIDE)
+        if (dt_find(m, xy, NULL, &f->t->hints, DT_NONE, corner[i], half) != DT_OUTSIDE)
             return DT_OK;
     enum dt_status s = DT_OK;
     uint32_t g = m->hull;
@@ -176,18 +168,96 @@ static enum dt_status first_triangle(const struct dt *t, const struct dt_box *b,
         if (meets(b, xy[dt_hull_vertex(m, g)], xy[dt_hull_successor(m, g)]))
             *half = dt_twin(m, g);
         g = dt_hull_step(m, g, false);
-        s = dt_work(work, 1);
+        s = dt_work(f->work, 1);
     } while (s == DT_OK && *half == DT_NONE && g != m->hull);
     return s;
 }
 
-static enum dt_status scan_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
-                               struct dt_ids *out)
+static enum dt_status begin_in_plane(struct flood *f)
+{
+    uint32_t h;
+    enum dt_status s = first_triangle(f, &h);
+    if (s != DT_OK || h == DT_NONE)
+        return s;
+    s = meet(f, h);
+    for (int k = 0; k < 3 && s == DT_OK; k++, h = dt_next(h)) {
+        s = take(f, dt_origin(&f->t->mesh, h));
+        if (s == DT_OK)
+            s = cross(f, h);
+    }
+    return s;
+}
+
+static enum dt_status begin(struct flood *f)
+{
+    const struct dt_mesh *m = &f->t->mesh;
+    if (m->vertices == 1)
+        return take(f, m->alone);
+    if (!f->in.disc)
+        return begin_in_plane(f);
+    bool tie;
+    uint32_t v;
+    struct dt_place centre = {f->in.centre, DT_NONE};
+    enum dt_status s = dt_nearest_vertex(f->t, &centre, f->work, &v, &tie);
+    return s == DT_OK ? take(f, v) : s;
+}
+
+/* ---- flood or scan ---- */
+
+/* Whether a scan of the whole set, which costs much less for each result, should replace a search that has found this
+ * number of them. */
+static bool scan_pays(const struct dt *t, size_t found)
+{
+    return found > 256 && found > t->points.end / 64;
+}
+
+/* From where it starts to all that is in the region, or until a scan pays. */
+static enum dt_status flood_on(struct flood *f, size_t first)
+{
+    const struct dt_mesh *m = &f->t->mesh;
+    enum dt_status s = begin(f);
+    for (size_t at = first; s == DT_OK && (f->todo.n > 0 || at < f->out->n);) {
+        if (scan_pays(f->t, f->out->n - first))
+            return DT_OK;
+        if (f->todo.n == 0) {
+            if (at + 1 < f->out->n)
+                dt_fetch(&m->half[m->leaving[f->out->v[at + 1]]]);
+            s = look_around(f, f->out->v[at++]);
+            continue;
+        }
+        uint32_t h = f->todo.v[--f->todo.n];
+        s = dt_work(f->work, 2);
+        if (s == DT_OK)
+            s = look_beyond(f, h);
+        if (s == DT_OK)
+            s = look_beyond(f, dt_twin(m, h));
+    }
+    return s;
+}
+
+/* *scan: a scan pays. */
+static enum dt_status flood(const struct dt *t, const struct region *r, struct dt_work *work,
+                            struct dt_ids *out, struct dt_ids *triangles, bool *scan)
+{
+    struct flood f = {.t = t, .in = *r, .work = work, .out = out, .triangles = triangles};
+    size_t n = out->n;
+    dt_visited_init(&f.vertices);
+    dt_visited_init(&f.edges);
+    enum dt_status s = flood_on(&f, n);
+    dt_visited_clear(&f.vertices);
+    dt_visited_clear(&f.edges);
+    free(f.todo.v);
+    *scan = scan_pays(t, out->n - n);
+    return s;
+}
+
+static enum dt_status scan_points(const struct dt *t, const struct region *r, struct dt_work *work,
+                                  struct dt_ids *out)
 {
     const struct dt_points *p = &t->points;
     enum dt_status s = DT_OK;
     for (uint32_t v = 0; v < p->end && s == DT_OK; v++) {
-        if (dt_box_contains(b, p->xy[v]) && p->id[v] != DT_NONE)
+        if (contains(r, p->xy[v]) && p->id[v] != DT_NONE)
             s = dt_ids_append(out, v);
         if (s == DT_OK && (v & DT_WORK_MASK) == 0)
             s = dt_work(work, DT_WORK_BLOCK);
@@ -195,38 +265,7 @@ static enum dt_status scan_box(const struct dt *t, const struct dt_box *b, struc
     return s;
 }
 
-/* *scan: a scan pays. */
-static enum dt_status flood_from(const struct dt *t, const struct dt_box *b, struct dt_work *work,
-                                 struct dt_ids *out, struct dt_ids *triangles, bool *scan)
-{
-    uint32_t h;
-    size_t n = out->n;
-    enum dt_status s = first_triangle(t, b, work, &h);
-    *scan = false;
-    if (s != DT_OK || h == DT_NONE)
-        return s;
-    struct flood f = {.t = t, .box = *b, .work = work, .out = out, .triangles = triangles};
-    dt_visited_init(&f.vertices);
-    dt_visited_init(&f.edges);
-    s = flood(&f, h);
-    dt_visited_clear(&f.vertices);
-    dt_visited_clear(&f.edges);
-    free(f.todo.v);
-    *scan = dt_scan_pays(t, out->n - n);
-    return s;
-}
-
-static enum dt_status flood_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
-                                struct dt_ids *out)
-{
-    bool scan;
-    size_t n = out->n;
-    enum dt_status s = flood_from(t, b, work, out, NULL, &scan);
-    if (s != DT_OK || !scan)
-        return s;
-    out->n = n;
-    return scan_box(t, b, work, out);
-}
+/* ---- a box among points on a line: what lies in it are neighbours along the line ---- */
 
 /* How p lies to the box along the direction of walk: < 0 before it, 0 inside, > 0 past it. A walk
  * that does not reach the box is past it. dx and dy are the signs of the direction. */
@@ -293,22 +332,25 @@ static enum dt_status walk_box(const struct dt *t, const struct dt_box *b, struc
                      out);
 }
 
-enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi,
+/* ---- points ---- */
+
+static enum dt_status within(const struct dt *t, const struct region *r,
                              const struct dt_options *opt, struct dt_ids *out)
 {
     struct dt_work work = dt_work_of(opt);
     enum dt_status s = dt_readable(t);
-    struct dt_box b = {lo, hi};
-    if (s != DT_OK || t->mesh.vertices == 0 || lo.x > hi.x || lo.y > hi.y)
+    if (s != DT_OK || t->mesh.vertices == 0)
         return s;
+    bool scan = false;
     size_t n = out->n;
-    if (t->mesh.vertices == 1)
-        s = dt_box_contains(&b, t->points.xy[t->mesh.alone]) ? dt_ids_append(out, t->mesh.alone)
-                                                             : DT_OK;
-    else if (dt_mesh_is_line(&t->mesh))
-        s = walk_box(t, &b, &work, out);
+    if (!r->disc && dt_mesh_is_line(&t->mesh) && t->mesh.vertices > 1)
+        s = walk_box(t, &r->box, &work, out);
     else
-        s = flood_box(t, &b, &work, out);
+        s = flood(t, r, &work, out, NULL, &scan);
+    if (s == DT_OK && scan) {
+        out->n = n;
+        s = scan_points(t, r, &work, out);
+    }
     if (s == DT_OK)
         dt_vertices_to_ids(t, out, n);
     else
@@ -316,7 +358,21 @@ enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_p
     return s;
 }
 
-/* ---- the triangles that meet it ---- */
+enum dt_status dt_within_box(const struct dt *t, struct dt_point lo, struct dt_point hi,
+                             const struct dt_options *opt, struct dt_ids *out)
+{
+    if (lo.x > hi.x || lo.y > hi.y)
+        return dt_readable(t);
+    return within(t, &(struct region){.box = {lo, hi}}, opt, out);
+}
+
+enum dt_status dt_within_disc(const struct dt *t, struct dt_point centre, double r,
+                              const struct dt_options *opt, struct dt_ids *out)
+{
+    return within(t, &(struct region){.disc = true, .centre = centre, .radius = r}, opt, out);
+}
+
+/* ---- the triangles that meet a box ---- */
 
 bool dt_triangle_meets(const struct dt_point p[3], struct dt_point lo, struct dt_point hi)
 {
@@ -382,7 +438,7 @@ enum dt_status dt_within_triangles(const struct dt *t, struct dt_point lo, struc
     enum dt_status s = dt_readable(t);
     if (s != DT_OK || dt_mesh_is_line(&t->mesh) || lo.x > hi.x || lo.y > hi.y)
         return s;
-    s = flood_from(t, &b, &work, &vertices, &triangles, &scan);
+    s = flood(t, &(struct region){.box = b}, &work, &vertices, &triangles, &scan);
     if (s == DT_OK && scan) {
         triangles.n = 0;
         s = scan_triangles(t, &b, &work, &triangles);
