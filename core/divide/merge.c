@@ -40,12 +40,20 @@
 #define LONG (1u << 15)         /* points beyond which a merge polls, and may end early */
 #define STEPS_BETWEEN_POLLS 512 /* of a long merge: each takes up to ten microseconds */
 
-/* One merge on its way up. A part of a single point has no ghosts, hence no lc or rc. */
+/* One side of the gap. Beyond a line lies another ghost, which has no apex: then x is c. These are looked up when
+ * the ghost changes, so that a step begins with loads of points and not with the search for them. */
+struct side {
+    size_t ghost; /* next to the gap: (u, l, none) or (r, v, none) */
+    uint32_t c;   /* the candidate u or v */
+    uint32_t x;   /* the apex beyond the edge to it */
+};
+
+/* One merge on its way up. A part of a single point has no ghosts, so its side is not used. */
 struct seam {
     uint32_t l, r;        /* the base */
     struct sight_base at; /* its points */
     size_t base;          /* its half edge r->l below the gap */
-    size_t lc, rc;        /* the ghosts next to the gap: (u, l, none) and (r, v, none) */
+    struct side left, right;
     struct sight_filter filter;
 };
 
@@ -89,7 +97,7 @@ INLINE void descend(const struct knitting *w, bool polls, int sides, struct seam
         uint32_t u = w->half[sides & SIGHT_LEFT ? *gl + 1 : *gr];
         uint32_t v = w->half[sides & SIGHT_RIGHT ? *gr : *gl + 1];
         struct sight c = sight_of(w->p, &s->at, u, v);
-        int below = sides & sight_below(w, s->l, s->r, u, v, &c);
+        int below = sides & sight_side(w, false, s->l, s->r, u, v, &c);
         if (below == 0)
             return;
         if (below & SIGHT_LEFT) {
@@ -105,13 +113,33 @@ INLINE void descend(const struct knitting *w, bool polls, int sides, struct seam
     }
 }
 
-/* Deletes the edge l-u of L beyond the ghost lc = (u, l, none). */
-INLINE void delete_left(const struct knitting *w, size_t lc)
+/* The candidate c of a side, beyond whose edge lies the triangle of the half edge `beyond`. */
+INLINE void look_at(const struct knitting *w, struct side *s, uint32_t c, size_t beyond)
 {
-    uint32_t edge = (uint32_t)knit_twin(w, lc); /* l->u, in the triangle (l, u, x) */
-    uint32_t u = w->half[lc], x = w->half[dt_prev(edge)];
-    size_t t = dt_base(edge), beyond_side = knit_twin(w, dt_prev(edge)),
-           beyond_top = knit_twin(w, dt_next(edge)), out = knit_twin(w, lc + 2);
+    uint32_t x = w->half[dt_prev((uint32_t)beyond)];
+    s->c = c;
+    s->x = x ^ ((x ^ c) & (0 - (x >> 31))); /* no branch: only DT_NONE has its top bit set */
+}
+
+INLINE void look_left(const struct knitting *w, struct side *s, size_t ghost)
+{
+    s->ghost = ghost;
+    look_at(w, s, w->half[ghost], knit_twin(w, ghost));
+}
+
+INLINE void look_right(const struct knitting *w, struct side *s, size_t ghost)
+{
+    s->ghost = ghost;
+    look_at(w, s, w->half[ghost + 1], knit_twin(w, ghost));
+}
+
+/* Deletes the edge l-u of L beyond the ghost lc = (u, l, none). */
+INLINE void delete_left(const struct knitting *w, struct side *s)
+{
+    size_t lc = s->ghost, edge = knit_twin(w, lc); /* l->u, in the triangle (l, u, x) */
+    uint32_t u = s->c, x = s->x, before = dt_prev((uint32_t)edge), after = dt_next((uint32_t)edge);
+    size_t t = dt_base((uint32_t)edge), beyond_side = knit_twin(w, before),
+           beyond_top = knit_twin(w, after), out = knit_twin(w, lc + 2);
     w->half[lc] = x;
     knit_link(w, lc, beyond_side);
     knit_ghost(w, t, u, x);
@@ -119,15 +147,16 @@ INLINE void delete_left(const struct knitting *w, size_t lc)
     knit_link(w, t + 1, lc + 2);
     knit_link(w, t + 2, out);
     w->leaving[x] = (uint32_t)lc;
+    look_at(w, s, x, beyond_side);
 }
 
 /* The mirror image: the edge r-v of R beyond the ghost rc = (r, v, none). */
-INLINE void delete_right(const struct knitting *w, size_t rc)
+INLINE void delete_right(const struct knitting *w, struct side *s)
 {
-    uint32_t edge = (uint32_t)knit_twin(w, rc); /* v->r, in the triangle (v, r, x) */
-    uint32_t v = w->half[rc + 1], x = w->half[dt_prev(edge)];
-    size_t t = dt_base(edge), beyond_side = knit_twin(w, dt_next(edge)),
-           beyond_top = knit_twin(w, dt_prev(edge)), out = knit_twin(w, rc + 1);
+    size_t rc = s->ghost, edge = knit_twin(w, rc); /* v->r, in the triangle (v, r, x) */
+    uint32_t v = s->c, x = s->x, before = dt_prev((uint32_t)edge), after = dt_next((uint32_t)edge);
+    size_t t = dt_base((uint32_t)edge), beyond_side = knit_twin(w, after),
+           beyond_top = knit_twin(w, before), out = knit_twin(w, rc + 1);
     w->half[rc + 1] = x;
     knit_link(w, rc, beyond_side);
     knit_ghost(w, t, x, v);
@@ -135,57 +164,41 @@ INLINE void delete_right(const struct knitting *w, size_t rc)
     knit_link(w, t + 1, out);
     knit_link(w, t + 2, rc + 1);
     w->leaving[v] = (uint32_t)out - 2;
+    look_at(w, s, x, beyond_side);
 }
 
-/* Not inlined, to leave the registers to the loop in knit. */
-static __attribute__((noinline)) void delete_edges(const struct knitting *w, size_t lc, size_t rc,
-                                                   int sides)
+/* On which of the sides in `above` the edge to the candidate has to go; c is the sight of both. */
+INLINE int to_delete(const struct knitting *w, struct seam *s, const struct side *left,
+                     const struct side *right, int above, const struct sight *c)
 {
-    if (sides & SIGHT_LEFT)
-        delete_left(w, lc);
-    if (sides & SIGHT_RIGHT)
-        delete_right(w, rc);
+    struct sight x = sight_of(w->p, &s->at, left->x, right->x);
+    above &= (left->x != left->c ? SIGHT_LEFT : 0) | (right->x != right->c ? SIGHT_RIGHT : 0);
+    return sight_better(w, &s->filter, s->l, s->r, above, (const uint32_t[]){left->c, right->c},
+                        (const uint32_t[]){left->x, right->x}, c, &x);
 }
 
-/* On which of the sides in `above` the edge below the candidate c has to go. */
-INLINE int to_delete(const struct knitting *w, struct seam *s, size_t lc, size_t rc, int above,
-                     uint32_t u, uint32_t v, const struct sight *c)
+INLINE void knit_left(const struct knitting *w, struct seam *s, const struct sight *c)
 {
-    uint32_t xu = w->half[dt_prev((uint32_t)knit_twin(w, lc))];
-    uint32_t xv = w->half[dt_prev((uint32_t)knit_twin(w, rc))];
-    /* Beyond a line lies another ghost, which has no apex. No vertex but DT_NONE has its top bit set,
-     * so no branch is needed to look at u or v again instead. */
-    uint32_t none_u = 0 - (xu >> 31), none_v = 0 - (xv >> 31);
-    xu ^= (xu ^ u) & none_u;
-    xv ^= (xv ^ v) & none_v;
-    above &= ~(int)((none_u & SIGHT_LEFT) | (none_v & SIGHT_RIGHT));
-    struct sight x = sight_of(w->p, &s->at, xu, xv);
-    return sight_better(w, &s->filter, s->l, s->r, above, (const uint32_t[]){u, v},
-                        (const uint32_t[]){xu, xv}, c, &x);
-}
-
-INLINE void knit_left(const struct knitting *w, struct seam *s, uint32_t u, const struct sight *c)
-{
-    size_t lc = s->lc, next = ghost_before(w, lc);
+    size_t lc = s->left.ghost, next = ghost_before(w, lc);
     w->half[lc + 2] = s->r;
     knit_link(w, lc + 1, s->base);
-    w->leaving[u] = (uint32_t)lc;
     s->base = lc + 2;
-    s->l = u;
+    s->l = s->left.c;
+    w->leaving[s->l] = (uint32_t)lc;
     sight_from_left(&s->at, c);
-    s->lc = next;
+    look_left(w, &s->left, next);
 }
 
-INLINE void knit_right(const struct knitting *w, struct seam *s, uint32_t v, const struct sight *c)
+INLINE void knit_right(const struct knitting *w, struct seam *s, const struct sight *c)
 {
-    size_t rc = s->rc, next = ghost_after(w, rc);
+    size_t rc = s->right.ghost, next = ghost_after(w, rc);
     w->half[rc + 2] = s->l;
     knit_link(w, rc + 2, s->base);
-    w->leaving[v] = (uint32_t)next;
     s->base = rc + 1;
-    s->r = v;
+    s->r = s->right.c;
+    w->leaving[s->r] = (uint32_t)next;
     sight_from_right(&s->at, c);
-    s->rc = next;
+    look_right(w, &s->right, next);
 }
 
 /* From the lower common tangent, whose ghost gets the record bot. */
@@ -197,15 +210,16 @@ INLINE struct seam start(const struct knitting *w, bool polls, int sides, uint32
     size_t gr = sides & SIGHT_RIGHT ? ghost_before(w, ghost_from(w, r, some_r)) : 0;
     if (sides != 0)
         descend(w, polls, sides, &s, &gl, &gr);
-    s.lc = sides & SIGHT_LEFT ? ghost_before(w, gl) : 0;
-    s.rc = sides & SIGHT_RIGHT ? ghost_after(w, gr) : 0;
     knit_ghost(w, bot, s.r, s.l);
     if (sides & SIGHT_LEFT) {
+        look_left(w, &s.left, ghost_before(w, gl));
         knit_link(w, bot + 1, gl + 2);
         w->leaving[s.l] = (uint32_t)gl;
     }
-    if (sides & SIGHT_RIGHT)
+    if (sides & SIGHT_RIGHT) {
+        look_right(w, &s.right, ghost_after(w, gr));
         knit_link(w, bot + 2, gr + 1);
+    }
     return s;
 }
 
@@ -215,28 +229,31 @@ INLINE bool knit(const struct knitting *w, bool close, bool polls, int sides, ui
                  uint32_t r, size_t some_l, size_t some_r, size_t bot, size_t top)
 {
     struct seam s = start(w, polls, sides, l, r, some_l, some_r, bot);
+    const struct side *left = sides & SIGHT_LEFT ? &s.left : &s.right;
+    const struct side *right = sides & SIGHT_RIGHT ? &s.right : &s.left;
     uint32_t steps = 0;
     s.filter.close = close;
     while (sides != 0 && go_on(w, polls, &steps)) {
-        size_t lc = sides & SIGHT_LEFT ? s.lc : s.rc, rc = sides & SIGHT_RIGHT ? s.rc : s.lc;
-        uint32_t u = w->half[sides & SIGHT_LEFT ? lc : lc + 1];
-        uint32_t v = w->half[sides & SIGHT_RIGHT ? rc + 1 : rc];
-        struct sight c = sight_of(w->p, &s.at, u, v);
-        int above = sides & sight_above(w, s.l, s.r, u, v, &c);
+        struct sight c = sight_of(w->p, &s.at, left->c, right->c);
+        int above = sides & sight_side(w, true, s.l, s.r, left->c, right->c, &c);
         if (above == 0)
             break;
-        int worse = to_delete(w, &s, lc, rc, above, u, v, &c);
+        int worse = to_delete(w, &s, left, right, above, &c);
+        if (worse & SIGHT_LEFT)
+            delete_left(w, &s.left);
+        if (worse & SIGHT_RIGHT)
+            delete_right(w, &s.right);
         if (worse != 0)
-            delete_edges(w, s.lc, s.rc, worse);
-        else if (sight_left_wins(w, &s.filter, s.l, s.r, above, u, v, &c))
-            knit_left(w, &s, u, &c);
+            continue;
+        if (sight_left_wins(w, &s.filter, s.l, s.r, above, left->c, right->c, &c))
+            knit_left(w, &s, &c);
         else
-            knit_right(w, &s, v, &c);
+            knit_right(w, &s, &c);
     }
     knit_ghost(w, top, s.l, s.r);
     knit_link(w, top, s.base);
-    knit_link(w, top + 1, sides & SIGHT_RIGHT ? s.rc + 2 : bot + 2);
-    knit_link(w, top + 2, sides & SIGHT_LEFT ? s.lc + 1 : bot + 1);
+    knit_link(w, top + 1, sides & SIGHT_RIGHT ? s.right.ghost + 2 : bot + 2);
+    knit_link(w, top + 2, sides & SIGHT_LEFT ? s.left.ghost + 1 : bot + 1);
     return close | (s.filter.settled > FEW_DOUBTS);
 }
 

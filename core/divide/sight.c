@@ -3,16 +3,12 @@
 
 #include "core/exact/predicates.h"
 
-int dt_sight_above(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u, uint32_t v)
+int dt_sight_side(const struct dt_point *p, bool above, uint32_t l, uint32_t r, uint32_t u,
+                  uint32_t v)
 {
-    return (dt_orient2d(p[l], p[r], p[u]) > 0 ? SIGHT_LEFT : 0) |
-           (dt_orient2d(p[l], p[r], p[v]) > 0 ? SIGHT_RIGHT : 0);
-}
-
-int dt_sight_below(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u, uint32_t v)
-{
-    return (dt_orient2d(p[l], p[r], p[u]) < 0 ? SIGHT_LEFT : 0) |
-           (dt_orient2d(p[l], p[r], p[v]) < 0 ? SIGHT_RIGHT : 0);
+    int wanted = above ? 1 : -1;
+    return (dt_orient2d(p[l], p[r], p[u]) == wanted ? SIGHT_LEFT : 0) |
+           (dt_orient2d(p[l], p[r], p[v]) == wanted ? SIGHT_RIGHT : 0);
 }
 
 static bool in_circle(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t c, uint32_t x)

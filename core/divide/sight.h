@@ -46,8 +46,8 @@ struct sight {
 
 /* The same answers where the filters are in doubt; p is all points by vertex. The last one's is
  * SIGHT_LEFT for yes. */
-int dt_sight_above(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u, uint32_t v);
-int dt_sight_below(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u, uint32_t v);
+int dt_sight_side(const struct dt_point *p, bool above, uint32_t l, uint32_t r, uint32_t u,
+                  uint32_t v);
 int dt_sight_better(const struct dt_point *p, uint32_t l, uint32_t r, int sides,
                     const uint32_t c[2], const uint32_t x[2]);
 int dt_sight_left_wins(const struct dt_point *p, uint32_t l, uint32_t r, uint32_t u, uint32_t v);
@@ -86,25 +86,15 @@ INLINE struct sight sight_of(const struct dt_point *p, const struct sight_base *
     return c;
 }
 
-/* Which of the points in view lie above the line from l to r, that is, strictly to the left of it. */
-INLINE int sight_above(const struct knitting *w, uint32_t l, uint32_t r, uint32_t u, uint32_t v,
-                       const struct sight *c)
+/* Which of the points in view lie strictly above the line from l to r, that is, to the left of it; or below. */
+INLINE int sight_side(const struct knitting *w, bool above, uint32_t l, uint32_t r, uint32_t u,
+                      uint32_t v, const struct sight *c)
 {
-    int above = dt_lanes_bits(c->cr > dt_lanes_both(w->bound.cr));
-    int not_above = dt_lanes_bits(c->cr < dt_lanes_both(-w->bound.cr));
-    if (__builtin_expect((above | not_above) != (SIGHT_LEFT | SIGHT_RIGHT), 0))
-        return dt_sight_above(w->p, l, r, u, v);
-    return above;
-}
-
-INLINE int sight_below(const struct knitting *w, uint32_t l, uint32_t r, uint32_t u, uint32_t v,
-                       const struct sight *c)
-{
-    int below = dt_lanes_bits(c->cr < dt_lanes_both(-w->bound.cr));
-    int not_below = dt_lanes_bits(c->cr > dt_lanes_both(w->bound.cr));
-    if (__builtin_expect((below | not_below) != (SIGHT_LEFT | SIGHT_RIGHT), 0))
-        return dt_sight_below(w->p, l, r, u, v);
-    return below;
+    int doubt = dt_lanes_bits(dt_lanes_abs(c->cr) <= dt_lanes_both(w->bound.cr));
+    if (__builtin_expect(doubt != 0, 0))
+        return dt_sight_side(w->p, above, l, r, u, v);
+    int below = dt_lanes_bits((dt_lanes_holds)c->cr); /* the signs */
+    return above ? SIGHT_BOTH ^ below : below;
 }
 
 /* The close filter's bound of det(c, x). */
@@ -134,11 +124,10 @@ INLINE int sight_better(const struct knitting *w, struct sight_filter *f, uint32
 {
     dt_lanes det = in_c->dt * in_x->cr - in_x->dt * in_c->cr;
     dt_lanes bound = f->close ? sight_close(in_c, in_x) : dt_lanes_both(w->bound.det);
-    int better = sides & dt_lanes_bits(det > bound);
-    int not_better = sides & dt_lanes_bits(det < -bound);
-    if (__builtin_expect((better | not_better) != sides, 0))
+    int doubt = dt_lanes_bits(dt_lanes_abs(det) <= bound);
+    if (__builtin_expect((doubt & sides) != 0, 0))
         return sight_learn(f, dt_sight_better(w->p, l, r, sides, c, x));
-    return better;
+    return sides & ~dt_lanes_bits((dt_lanes_holds)det);
 }
 
 /* Whether the next base is u-r rather than l-v: u is above the base, and v is not, or lies outside

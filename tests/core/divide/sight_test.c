@@ -42,7 +42,8 @@ static bool answers_are_exact(const struct dt_point *p)
     struct sight c = sight_of(p, &at, 2, 3), x = sight_of(p, &at, 4, 5);
     int u = dt_orient2d(p[0], p[1], p[2]), v = dt_orient2d(p[0], p[1], p[3]);
     int above = (u > 0) | (v > 0) << 1, below = (u < 0) | (v < 0) << 1;
-    bool ok = above == sight_above(&w, 0, 1, 2, 3, &c) && below == sight_below(&w, 0, 1, 2, 3, &c);
+    bool ok = above == sight_side(&w, true, 0, 1, 2, 3, &c) &&
+              below == sight_side(&w, false, 0, 1, 2, 3, &c);
     const uint32_t cs[] = {2, 3}, xs[] = {4, 5};
     int better = 0;
     for (int side = 0; side < 2; side++) /* asked only about candidates above the base */
