@@ -29,43 +29,81 @@ static bool add_suspect(struct dt_flips *f, uint32_t h)
 
 enum { SPOKES = 16, MET = 4 };
 
-/* Lists the next spokes of a star, from *h on, which moves on; returns how many. The way round is a chain
- * of cache misses: a second one, clockwise, meets it half way. What lies around is fetched. */
+/* Successive spokes of the star of v. Triangle i is (v, u[i + 1], u[i + 2]); beyond[i] is the corner on the other side of its
+ * rim edge, or u[i] if that is at infinity. */
+struct spokes {
+    uint32_t n;
+    uint32_t u[SPOKES + 2], beyond[SPOKES];
+    uint32_t h[SPOKES]; /* v->u[i + 1] */
+};
+
+/* Lists the next spokes, from h on, in place of those in *s, whose u[n] and u[n + 1] remain; returns the one that follows.
+ * The way round is a chain of cache misses: a second one, clockwise, meets it half way. What lies around is fetched. */
 static uint32_t next_spokes(const struct dt_mesh *m, const struct dt_point *xy, uint32_t first,
-                            uint32_t *h, uint32_t spoke[SPOKES])
+                            uint32_t h, struct spokes *s)
 {
     uint32_t n = 0, other = first;
+    s->u[0] = s->u[s->n];
+    s->u[1] = s->u[s->n + 1];
     do {
-        dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(*h)))]);
-        dt_fetch(&xy[dt_dest(m, *h)]);
-        spoke[n++] = *h;
-        *h = dt_turn_ccw(m, *h);
+        uint32_t last = dt_prev(h), twin = dt_twin(m, dt_next(h)), u = dt_origin(m, last);
+        dt_fetch(&m->half[dt_base(twin)]);
+        dt_fetch(&xy[u]);
+        s->h[n] = h;
+        s->beyond[n] = twin;
+        s->u[++n + 1] = u;
+        h = dt_twin(m, last);
         if (n < MET) {
             other = dt_turn_cw(m, other);
             dt_fetch(&m->half[other]);
         }
-    } while (*h != first && n < SPOKES);
+    } while (h != first && n < SPOKES);
     for (uint32_t i = 0; i < n; i++) {
-        uint32_t beyond = dt_apex_of(m, dt_twin(m, dt_next(spoke[i])));
-        if (beyond != DT_NONE)
-            dt_fetch(&xy[beyond]);
+        uint32_t beyond = dt_apex_of(m, s->beyond[i]);
+        s->beyond[i] = beyond == DT_NONE ? s->u[i] : beyond;
+        dt_fetch(&xy[s->beyond[i]]);
     }
-    return n;
+    s->n = n;
+    return h;
 }
 
-/* Looks at the triangle left of the spoke h, and at its edges to the triangles before and beyond. False:
- * the move is not allowed. */
-static bool look_at(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
-                    struct dt_point to, struct dt_point before, struct dt_flips *f)
+/* For the triangle (to, *a, *b) and corners beyond two of its edges: 1 if *c lies in its circle, plus 2 if *d does.
+ * The four points are seen from `to`, so both tests share the squares of a and b and their cross product. */
+static uint32_t in_circle(struct dt_point to, const struct dt_point *a, const struct dt_point *b,
+                          const struct dt_point *c, const struct dt_point *d)
 {
-    struct dt_point p = xy[dt_dest(m, h)], q = xy[dt_apex_of(m, h)];
-    uint32_t rim = dt_next(h), beyond = dt_twin(m, rim);
-    if (dt_orient2d(to, p, q) <= 0)
-        return false;
-    if (dt_incircle_perturbed(to, p, q, before) > 0 && !add_suspect(f, h))
-        return false;
-    return dt_is_ghost(m, beyond) ||
-           dt_incircle_perturbed(to, p, q, xy[dt_apex_of(m, beyond)]) <= 0 || add_suspect(f, rim);
+    struct dt_lifted p = dt_lift(*a, to), q = dt_lift(*b, to);
+    dt_lanes both_c = dt_lanes_load(&c->x), both_d = dt_lanes_load(&d->x);
+    dt_lanes x = dt_lanes_first(both_c, both_d) - to.x, y = dt_lanes_second(both_c, both_d) - to.y;
+    dt_lanes square = x * x + y * y, qx = q.x * y - q.y * x, xp = x * p.y - y * p.x;
+    dt_lanes det = p.square * qx + q.square * xp + square * dt_lifted_cross(p, q);
+    dt_lanes most = dt_lanes_most(dt_lanes_both(p.square), dt_lanes_both(q.square));
+    most = dt_lanes_most(most, square);
+    int in = dt_lanes_bits(det < dt_lanes_both(0));
+    if (dt_lanes_bits(dt_lanes_abs(det) > DT_LIFTED_DET_BOUND * (most * most)) != 3)
+        in = (dt_incircle_perturbed(to, *a, *b, *c) > 0) |
+             (dt_incircle_perturbed(to, *a, *b, *d) > 0) << 1;
+    return (uint32_t)in;
+}
+
+/* Looks at the triangles of the spokes, and at their edges to the triangles before and beyond. A hull edge may be
+ * suspected; it is not flipped. False: the move is not allowed. */
+static bool look_at(const struct dt_point *xy, const struct spokes *s, struct dt_point to,
+                    struct dt_flips *f)
+{
+    uint32_t in = 0; /* two bits for each spoke */
+    for (uint32_t i = 0; i < s->n; i++) {
+        const struct dt_point *p = &xy[s->u[i + 1]], *q = &xy[s->u[i + 2]];
+        if (dt_orient2d(*p, *q, to) <= 0)
+            return false;
+        in |= in_circle(to, p, q, &xy[s->u[i]], &xy[s->beyond[i]]) << 2 * i;
+    }
+    for (; in != 0; in &= in - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(in), h = s->h[i / 2];
+        if (!add_suspect(f, i % 2 == 0 ? h : dt_next(h)))
+            return false;
+    }
+    return true;
 }
 
 enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
@@ -75,19 +113,18 @@ enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy
     enum dt_status status = DT_OK;
     *allowed = !dt_on_hull(m, v);
     f->suspects = f->flipped = 0;
-    uint32_t spoke[SPOKES], first = m->leaving[v], h = first;
+    uint32_t first = m->leaving[v], h = first;
     if (!*allowed)
         return DT_OK;
-    struct dt_point before = xy[dt_dest(m, dt_turn_cw(m, h))];
+    struct spokes s;
+    s.n = 0;
+    s.u[0] = dt_dest(m, dt_turn_cw(m, h));
+    s.u[1] = dt_dest(m, h);
     do {
-        uint32_t n = next_spokes(m, xy, first, &h, spoke);
-        status = dt_work(work, n);
-        for (uint32_t i = 0; i < n && *allowed; i++) {
-            *allowed = look_at(m, xy, spoke[i], to, before, f);
-            before = xy[dt_dest(m, spoke[i])];
-        }
-    } while (status == DT_OK && *allowed && h != first);
-    *allowed = *allowed && status == DT_OK;
+        h = next_spokes(m, xy, first, h, &s);
+        status = dt_work(work, s.n);
+        *allowed = status == DT_OK && look_at(xy, &s, to, f);
+    } while (*allowed && h != first);
     return status;
 }
 

@@ -81,7 +81,7 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
 #define DT_ORIENT_BOUND_2 0x1p-102   /* of |left| + |right|: 16 u^2 */
 #define DT_INCIRCLE_BOUND_2 0x1p-100 /* of S: 64 u^2 */
 
-/* ---- determinants of points relative to a point q, many of them (predicates.h, insert.c) ----
+/* ---- determinants of points relative to a point q, many of them (predicates.h, insert.c, flip.c) ----
  *
  *     a.square = a.x^2 + a.y^2,  a x b = a.x b.y - a.y b.x,  det = sum of a.square (b x c), cyclic
  *
