@@ -38,3 +38,29 @@ void dt_star_save(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint3
     image[0] = dt_on_hull(m, v);
     dt_star_ring(m, id, v, image + 1, DT_NONE);
 }
+
+static void reverse(uint32_t *v, uint32_t n)
+{
+    for (uint32_t i = 0; i < n / 2; i++) {
+        uint32_t swap = v[i];
+        v[i] = v[n - 1 - i];
+        v[n - 1 - i] = swap;
+    }
+}
+
+void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw)
+{
+    if (cw)
+        reverse(ring, n);
+    if (on_hull)
+        return;
+    uint32_t least = 0;
+    for (uint32_t i = 1; i < n; i++)
+        if (ring[i] < ring[least])
+            least = i;
+    if (least == 0)
+        return;
+    reverse(ring, least);
+    reverse(ring + least, n - least);
+    reverse(ring, n);
+}

@@ -14,6 +14,10 @@ uint32_t dt_star_degree(const struct dt_mesh *m, uint32_t v, uint32_t limit);
 uint32_t dt_star_ring(const struct dt_mesh *m, const uint32_t *id, uint32_t v, uint32_t *ring,
                       size_t room);
 
+/* Turns a star of n ids into a canonical ring: an interior point's begins at the smallest id, a hull point's at its
+ * successor; clockwise the same backwards, a hull point's from its predecessor on. */
+void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw);
+
 /* ---- how a star is saved ---- */
 
 /* The words that the image of the star of vertex v has, and the image. */

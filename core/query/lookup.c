@@ -149,7 +149,8 @@ static enum dt_status nearest(struct lookup *l, const struct dt_place *p, uint32
         st = nearest_were_same(l, p->at, &same);
     if (st == DT_OK && !same) {
         uint32_t v = l->ids.n == 0 ? DT_NONE : dt_points_vertex(&l->t->points, l->ids.v[0]);
-        return dt_nearest_then(l->t, l->then, p->at, vertex_then(l, v), l->width, &l->work, out);
+        l->ids.n = 0;
+        st = dt_nearest_then(l->t, l->then, p->at, vertex_then(l, v), l->width, &l->work, &l->ids);
     }
     for (size_t i = 0; st == DT_OK && i < l->ids.n; i++)
         out[i] = l->ids.v[i];

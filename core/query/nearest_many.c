@@ -1,9 +1,7 @@
-/* nearest_many.c - the nearest k: from a nearest vertex outward, by a heap of those seen.
- *
- * If k results are still wanted, only the nearest k candidates matter: now and then the heap is cut down to
- * these, and from then on candidates farther than the last of them are not added. So a vertex of high degree
- * costs little more than one visit of each neighbour. */
-#include "core/control/work.h"
+/* nearest_many.c - the nearest k, now or at the moment of a view: from a nearest vertex outward along edges, by a heap
+ * of those seen. A vertex of high degree costs little more than one visit of each neighbour (near.h). */
+#include "core/query/lookup_then.h"
+#include "core/query/near.h"
 #include "core/query/nearest.h"
 #include "core/query/query.h"
 #include "core/query/visited.h"
@@ -11,94 +9,36 @@
 
 #include <stdlib.h>
 
-enum { SPARE = 64 }; /* candidates, so that small searches cut nothing */
-
-/* A search outward from q: a heap of vertices seen and not yet given out, nearest on top, ties by
- * id. */
+/* A search outward from near.q. Points are keyed by their vertices or, at the moment of a view, by their ids. */
 struct search {
     const struct dt *t;
-    struct dt_point q;
+    struct dt_then *then; /* borrows; NULL: now */
     struct dt_work *work;
     struct dt_visited seen;
-    struct dt_candidate *heap; /* owned */
-    size_t n, cap;
-    size_t wanted;  /* results still to come */
-    double nothing; /* beyond this square of a distance, rounded, nothing is wanted */
+    struct dt_near near; /* seen and not yet given out */
 };
 
-static bool before(const struct search *s, struct dt_candidate a, struct dt_candidate b)
+static inline struct dt_seen look_at(const struct search *s, uint32_t key)
 {
-    int sign = dt_compare_candidates(s->t, s->q, a, b);
-    return sign != 0 ? sign < 0 : s->t->points.id[a.v] < s->t->points.id[b.v];
+    struct dt_point at = s->then == NULL ? s->t->points.xy[key] : dt_then_place(s->then, key);
+    return dt_near_see(&s->near, at, key);
 }
 
-static struct dt_candidate pop(struct search *s)
+/* Pushes a point that has not been seen before, unless it is too far away; *fresh says whether it is new. */
+static enum dt_status push_fresh(struct search *s, uint32_t key, bool *fresh)
 {
-    struct dt_candidate top = s->heap[0], last = s->heap[--s->n];
-    size_t i = 0;
-    for (size_t child; (child = 2 * i + 1) < s->n; i = child) {
-        if (child + 1 < s->n && before(s, s->heap[child + 1], s->heap[child]))
-            child++;
-        if (!before(s, s->heap[child], last))
-            break;
-        s->heap[i] = s->heap[child];
-    }
-    s->heap[i] = last;
-    return top;
-}
-
-/* Cuts the heap down to the results still wanted, which is less than half of it: the nearest ones are popped
- * into the room that they leave at its end, then brought to the front, where their order is a heap. */
-static enum dt_status cut(struct search *s)
-{
-    size_t n = s->n, keep = s->wanted;
-    enum dt_status st = DT_OK;
-    for (size_t i = 0; st == DT_OK && i < keep; i++) {
-        struct dt_candidate c = pop(s);
-        s->heap[s->n] = c;
-        if ((i & DT_WORK_MASK) == DT_WORK_MASK)
-            st = dt_work(s->work, DT_WORK_BLOCK);
-    }
-    for (size_t i = 0; st == DT_OK && i < keep; i++)
-        s->heap[i] = s->heap[n - 1 - i];
-    s->n = keep;
-    s->nothing = s->heap[keep - 1].d * (1 + 4 * DT_DISTANCE_BOUND);
-    return st;
-}
-
-static enum dt_status push(struct search *s, struct dt_candidate c)
-{
-    if (s->n == s->cap) {
-        size_t cap = s->cap * 2 + 32;
-        struct dt_candidate *heap = realloc(s->heap, cap * sizeof *heap);
-        if (heap == NULL)
-            return DT_NOMEM;
-        s->heap = heap;
-        s->cap = cap;
-    }
-    size_t i = s->n++;
-    for (; i > 0 && before(s, c, s->heap[(i - 1) / 2]); i = (i - 1) / 2)
-        s->heap[i] = s->heap[(i - 1) / 2];
-    s->heap[i] = c;
-    return DT_OK;
-}
-
-/* Pushes v if it is neither too far away nor seen before; *fresh says whether. */
-static enum dt_status push_fresh(struct search *s, uint32_t v, bool *fresh)
-{
-    struct dt_candidate c = dt_candidate(s->t, s->q, v);
-    *fresh = false;
-    if (c.d > s->nothing)
+    enum dt_status st = dt_visited_add(&s->seen, key, fresh);
+    if (st != DT_OK || !*fresh)
+        return st;
+    struct dt_seen c = look_at(s, key);
+    if (c.d > s->near.limit)
         return DT_OK;
-    enum dt_status st = dt_visited_add(&s->seen, v, fresh);
-    if (st == DT_OK && *fresh) {
-        dt_fetch(&s->t->mesh.leaving[v]);
-        st = push(s, c);
-    }
-    return st == DT_OK && s->n > 2 * s->wanted + SPARE ? cut(s) : st;
+    if (s->then == NULL)
+        dt_fetch(&s->t->mesh.leaving[key]);
+    return dt_near_push(&s->near, c, s->work);
 }
 
-static enum dt_status push_neighbours(struct search *s, uint32_t v)
+static enum dt_status push_star(struct search *s, uint32_t v)
 {
     const struct dt_mesh *m = &s->t->mesh;
     enum dt_status st = DT_OK;
@@ -118,50 +58,75 @@ static enum dt_status push_neighbours(struct search *s, uint32_t v)
     return st == DT_OK ? dt_work(s->work, steps & DT_WORK_MASK) : st;
 }
 
-/* Pushes all vertices that tie with the nearest vertex v, itself included: round the empty circle
+static enum dt_status push_ring_then(struct search *s, uint32_t id)
+{
+    bool fresh;
+    enum dt_status st = dt_then_read(s->then, id);
+    for (size_t i = 0; st == DT_OK && i < s->then->ring.n; i++)
+        st = push_fresh(s, s->then->ring.v[i], &fresh);
+    return st;
+}
+
+/* As dt_nearest_ties. */
+static enum dt_status nearest_ties_then(struct search *s, uint32_t id, struct dt_ids *ties)
+{
+    struct dt_seen centre = look_at(s, id);
+    enum dt_status st = dt_then_read(s->then, id);
+    for (size_t i = 0; st == DT_OK && i < s->then->ring.n; i++) {
+        struct dt_seen c = look_at(s, s->then->ring.v[i]);
+        if (dt_near_compare(&s->near, &c, &centre) == 0)
+            st = dt_ids_append(ties, c.key);
+    }
+    return st;
+}
+
+/* Pushes all points that tie with a nearest one, itself included: round the empty circle
  * on which they are, always on to a neighbour that has not been pushed. */
-static enum dt_status push_ties(struct search *s, uint32_t v)
+static enum dt_status push_ties(struct search *s, uint32_t nearest)
 {
     struct dt_ids ties = {0};
-    enum dt_status st = dt_ids_append(&ties, v);
+    enum dt_status st = dt_ids_append(&ties, nearest);
     for (size_t i = 0; st == DT_OK && i < ties.n; i++) {
         bool fresh;
         st = push_fresh(s, ties.v[i], &fresh);
         if (st == DT_OK && fresh)
-            st = dt_nearest_ties(s->t, s->q, ties.v[i], s->work, &ties);
+            st = s->then == NULL ? dt_nearest_ties(s->t, s->near.q, ties.v[i], s->work, &ties)
+                                 : nearest_ties_then(s, ties.v[i], &ties);
     }
     free(ties.v);
     return st;
 }
 
-/* Appends what is wanted; v is one of the nearest, tie: there are others as near. */
-static enum dt_status search_nearest(struct search *s, uint32_t v, bool tie, struct dt_ids *out)
+/* Appends what is wanted, for which there is room; `nearest` is one of the nearest, tie: there may be others as near. */
+static enum dt_status search_outward(struct search *s, uint32_t nearest, bool tie,
+                                     struct dt_ids *out)
 {
     bool fresh;
-    enum dt_status st = tie ? push_ties(s, v) : push_fresh(s, v, &fresh);
-    while (st == DT_OK && s->wanted > 0) {
-        struct dt_candidate c = pop(s);
-        out->v[out->n++] = s->t->points.id[c.v];
-        if (--s->wanted > 0)
-            st = push_neighbours(s, c.v);
+    const uint32_t *id = s->near.id;
+    enum dt_status st = tie ? push_ties(s, nearest) : push_fresh(s, nearest, &fresh);
+    while (st == DT_OK && s->near.wanted > 0 && s->near.n > 0) {
+        struct dt_seen c = dt_near_pop(&s->near);
+        out->v[out->n++] = id == NULL ? c.key : id[c.key];
+        if (--s->near.wanted > 0)
+            st = s->then == NULL ? push_star(s, c.key) : push_ring_then(s, c.key);
     }
     return st;
 }
 
-/* There is room for them. */
-static enum dt_status append_nearest(const struct dt *t, struct dt_point q, uint32_t v, bool tie,
-                                     uint32_t k, struct dt_work *work, struct dt_ids *out)
+static enum dt_status append_nearest(struct search *s, uint32_t nearest, bool tie,
+                                     struct dt_ids *out)
 {
-    struct search s = {.t = t, .q = q, .work = work, .wanted = k, .nothing = HUGE_VAL};
     size_t n = out->n;
-    dt_visited_init(&s.seen);
-    enum dt_status st = search_nearest(&s, v, tie, out);
-    dt_visited_clear(&s.seen);
-    free(s.heap);
+    dt_visited_init(&s->seen);
+    enum dt_status st = search_outward(s, nearest, tie, out);
+    dt_visited_clear(&s->seen);
+    dt_near_clear(&s->near);
     if (st != DT_OK)
         out->n = n;
     return st;
 }
+
+/* ---- now ---- */
 
 enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place *q, uint32_t k,
                                       struct dt_work *work, struct dt_ids *out)
@@ -177,8 +142,10 @@ enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place 
         st = dt_ids_reserve(out, k);
     if (st != DT_OK)
         return st;
-    if (k > 1 || tie)
-        return append_nearest(t, q->at, v, tie, k, work, out);
+    if (k > 1 || tie) {
+        struct search s = {.t = t, .work = work, .near = dt_near_of(q->at, t->points.id, k)};
+        return append_nearest(&s, v, tie, out);
+    }
     out->v[out->n++] = t->points.id[v];
     return DT_OK;
 }
@@ -193,4 +160,39 @@ enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, ui
 enum dt_status dt_nearest(const struct dt *t, struct dt_point q, uint32_t k, struct dt_ids *out)
 {
     return dt_nearest_place(t, &(struct dt_place){q, DT_NONE}, k, NULL, out);
+}
+
+/* ---- at the moment of a view ---- */
+
+/* *id becomes one of which none is nearer. */
+static enum dt_status descend(struct search *s, uint32_t *id)
+{
+    struct dt_seen best = look_at(s, *id);
+    enum dt_status st = DT_OK;
+    do {
+        *id = best.key;
+        st = dt_then_read(s->then, *id);
+        for (size_t i = 0; st == DT_OK && i < s->then->ring.n; i++) {
+            struct dt_seen c = look_at(s, s->then->ring.v[i]);
+            if (dt_near_compare(&s->near, &c, &best) < 0)
+                best = c;
+        }
+    } while (st == DT_OK && best.key != *id);
+    return st;
+}
+
+enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
+                               uint32_t from, uint32_t k, struct dt_work *work, struct dt_ids *out)
+{
+    if (k == 0 || from == DT_NONE)
+        return DT_OK;
+    struct dt_then then = dt_then_of(t, v, work);
+    struct search s = {.t = t, .then = &then, .work = work, .near = dt_near_of(q, NULL, k)};
+    enum dt_status st = dt_ids_reserve(out, k);
+    if (st == DT_OK)
+        st = descend(&s, &from);
+    if (st == DT_OK)
+        st = append_nearest(&s, from, true, out);
+    dt_then_clear(&then);
+    return st;
 }

@@ -1,6 +1,5 @@
-/* pointlist.c - rings of single points and the order of the point list. */
-#include "core/query/pointlist.h"
-
+/* pointlist.c - the paper's point list, each point with the ordered ring of its neighbours: rings of single points, and
+ * the order of the list. */
 #include "core/control/work.h"
 #include "core/memory/sort.h"
 #include "core/mesh/hull.h"
@@ -11,32 +10,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-static void reverse(uint32_t *v, uint32_t n)
-{
-    for (uint32_t i = 0; i < n / 2; i++) {
-        uint32_t swap = v[i];
-        v[i] = v[n - 1 - i];
-        v[n - 1 - i] = swap;
-    }
-}
-
-void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw)
-{
-    if (cw)
-        reverse(ring, n);
-    if (on_hull)
-        return;
-    uint32_t least = 0;
-    for (uint32_t i = 1; i < n; i++)
-        if (ring[i] < ring[least])
-            least = i;
-    if (least == 0)
-        return;
-    reverse(ring, least);
-    reverse(ring + least, n - least);
-    reverse(ring, n);
-}
 
 /* The ring of a point on a line depends on where the line begins. */
 static uint32_t ring_on_line(const struct dt *t, const struct dt_view *v, uint32_t id, bool cw,

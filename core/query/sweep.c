@@ -2,57 +2,16 @@
  *
  * A search along the triangulation visits little more than its result, but it needs the set as it is
  * from the first step to the last. A sweep reads the rows of a view instead, in order of their ids, so
- * that edits can continue between two pieces. For a result that is a large share of the set, that is no slower.
- *
- * The nearest k are kept in a heap with the farthest of them on top. */
+ * that edits can continue between two pieces. For a result that is a large share of the set, that is no slower. */
 #include "core/control/work.h"
 #include "core/delaunay.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
+#include "core/query/near.h"
 #include "core/set/reader.h"
 #include "core/set/view_rows.h"
 
-#include <math.h>
 #include <stdlib.h>
-
-struct dt_sweep_hit {
-    double d; /* nearest: the rounded square of the distance */
-    struct dt_point at;
-    uint32_t id;
-};
-
-/* ---- the order of the nearest ---- */
-
-/* Whether a comes before b: nearer or, as near, of the smaller id. */
-static bool before(struct dt_point q, const struct dt_sweep_hit *a, const struct dt_sweep_hit *b)
-{
-    if (dt_squares_decide(a->d, b->d))
-        return a->d < b->d;
-    int sign = dt_compare_distance(q, a->at, b->at);
-    return sign != 0 ? sign < 0 : a->id < b->id;
-}
-
-/* Puts h into the heap of n hits in place of the one at i, or below it. */
-static void sift_down(struct dt_sweep *s, size_t i, size_t n, struct dt_sweep_hit h)
-{
-    for (size_t child; (child = 2 * i + 1) < n; i = child) {
-        if (child + 1 < n && before(s->at, &s->hit[child], &s->hit[child + 1]))
-            child++;
-        if (!before(s->at, &h, &s->hit[child]))
-            break;
-        s->hit[i] = s->hit[child];
-    }
-    s->hit[i] = h;
-}
-
-static void sift_up(struct dt_sweep *s, size_t i, struct dt_sweep_hit h)
-{
-    for (; i > 0 && before(s->at, &s->hit[(i - 1) / 2], &h); i = (i - 1) / 2)
-        s->hit[i] = s->hit[(i - 1) / 2];
-    s->hit[i] = h;
-}
-
-/* ---- rows ---- */
 
 enum dt_status dt_sweep_read(const struct dt *t, const struct dt_view *v, struct dt_sweep *s,
                              size_t rows)
@@ -61,8 +20,15 @@ enum dt_status dt_sweep_read(const struct dt *t, const struct dt_view *v, struct
         s->row = malloc(rows * sizeof *s->row);
         s->room = rows;
     }
+    if (s->near == NULL) {
+        s->near = malloc(sizeof *s->near);
+        if (s->near != NULL)
+            *s->near = dt_near_of(s->at, NULL, s->k);
+    }
     s->rows = 0;
-    return s->row == NULL ? DT_NOMEM : dt_view_rows(t, v, &s->from, s->row, s->room, &s->rows);
+    return s->row == NULL || s->near == NULL
+               ? DT_NOMEM
+               : dt_view_rows(t, v, &s->from, s->row, s->room, &s->rows);
 }
 
 static bool is_hit(const struct dt_sweep *s, struct dt_point p)
@@ -78,44 +44,12 @@ static bool is_hit(const struct dt_sweep *s, struct dt_point p)
     return false;
 }
 
-static enum dt_status take_id(struct dt_ids *ids, uint32_t id)
+static enum dt_status take(struct dt_sweep *s, const struct dt_row *r, struct dt_ids *out)
 {
-    enum dt_status status = dt_ids_reserve(ids, 1);
-    if (status == DT_OK)
-        ids->v[ids->n++] = id;
-    return status;
-}
-
-static size_t next_cap(size_t cap)
-{
-    return 2 * cap + 1024;
-}
-
-static enum dt_status make_room(struct dt_sweep *s)
-{
-    if (s->n < s->cap)
-        return DT_OK;
-    size_t cap = next_cap(s->cap);
-    struct dt_sweep_hit *hit = realloc(s->hit, cap * sizeof *hit);
-    if (hit == NULL)
-        return DT_NOMEM;
-    s->hit = hit;
-    s->cap = cap;
-    return DT_OK;
-}
-
-static enum dt_status take_near(struct dt_sweep *s, const struct dt_row *r)
-{
-    struct dt_sweep_hit h = {dt_square_distance(r->at, s->at), r->at, r->id};
-    if (s->n == s->k) {
-        if (before(s->at, &h, &s->hit[0]))
-            sift_down(s, 0, s->n, h);
-        return DT_OK;
-    }
-    enum dt_status status = make_room(s);
-    if (status == DT_OK)
-        sift_up(s, s->n++, h);
-    return status;
+    if (s->kind != DT_SWEEP_NEAREST)
+        return dt_ids_append(out, r->id);
+    struct dt_seen c = dt_near_see(s->near, r->at, r->id);
+    return c.d > s->near->limit ? DT_OK : dt_near_push(s->near, c, NULL);
 }
 
 enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done)
@@ -124,7 +58,7 @@ enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done)
     for (size_t i = 0; i < s->rows && status == DT_OK; i++) {
         const struct dt_row *r = &s->row[i];
         if (r->id == r->representative && is_hit(s, r->at))
-            status = s->kind == DT_SWEEP_NEAREST ? take_near(s, r) : take_id(out, r->id);
+            status = take(s, r, out);
     }
     *done = s->rows < s->room;
     return status;
@@ -133,39 +67,35 @@ enum dt_status dt_sweep_sift(struct dt_sweep *s, struct dt_ids *out, bool *done)
 size_t dt_sweep_memory(const struct dt_sweep *s, const struct dt_ids *out)
 {
     bool nearest = s->kind == DT_SWEEP_NEAREST;
-    size_t hits = s->cap, ids = out->cap, want = s->n + s->room;
-    want = want < s->k ? want : s->k;
-    while (nearest && hits < want)
-        hits = next_cap(hits);
-    while (ids - out->n < (nearest ? s->n : s->room))
+    size_t ids = out->cap;
+    while (ids - out->n < (nearest ? s->near->n : s->room))
         ids = ids < 16 ? 16 : 2 * ids;
-    return s->room * sizeof *s->row + hits * sizeof *s->hit + ids * sizeof *out->v;
+    return s->room * sizeof *s->row + (nearest ? dt_near_room(s->near, s->room) : 0) +
+           ids * sizeof *out->v;
 }
-
-/* ---- the end ---- */
 
 enum dt_status dt_sweep_end(struct dt_sweep *s, const struct dt_options *opt, struct dt_ids *out)
 {
     struct dt_work work = dt_work_of(opt);
     enum dt_status status = DT_OK;
-    for (size_t n = s->n; n > 1 && status == DT_OK; n--) {
-        if ((n & DT_WORK_MASK) == 0)
+    for (struct dt_near *near = s->near; status == DT_OK && near->n > 0 && near->wanted > 0;
+         near->wanted--) {
+        if ((near->n & DT_WORK_MASK) == 0)
             status = dt_work(&work, DT_WORK_BLOCK);
-        struct dt_sweep_hit last = s->hit[n - 1];
-        s->hit[n - 1] = s->hit[0];
-        sift_down(s, 0, n - 1, last);
+        if (status == DT_OK)
+            status = dt_ids_append(out, dt_near_pop(near).key);
     }
-    for (size_t i = 0; i < s->n && status == DT_OK; i++)
-        status = take_id(out, s->hit[i].id);
     return status;
 }
 
 void dt_sweep_clear(struct dt_sweep *s)
 {
     free(s->row);
-    free(s->hit);
     s->row = NULL;
-    s->hit = NULL;
+    if (s->near != NULL)
+        dt_near_clear(s->near);
+    free(s->near);
+    s->near = NULL;
 }
 
 /* ---- the rows of a table that are in a box, or meet it ---- */

@@ -8,7 +8,6 @@
  * The number of rows of a part that was cut off is unknown: there `left` is an upper bound. */
 #include "core/query/group.h"
 #include "core/query/hull_walk.h"
-#include "core/query/pointlist.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
 

@@ -1,0 +1,53 @@
+/* near.h - of the points that a search has seen, those nearest to a place: a heap with the nearest on top, ties by id.
+ *
+ * If k results are still wanted, only the nearest k points matter: now and then the heap is cut down to these, and from
+ * then on points farther than the last of them are not wanted. So a heap has at most twice as many points as are
+ * wanted, and some. */
+#ifndef DT_NEAR_H
+#define DT_NEAR_H
+
+#include "core/control/work.h"
+#include "core/exact/predicates.h"
+
+struct dt_seen {
+    double d; /* the rounded square of the distance */
+    struct dt_point at;
+    uint32_t key; /* a vertex, or an id */
+};
+
+struct dt_near {
+    struct dt_point q;
+    const uint32_t *id;   /* borrows: ids by key; NULL: a key is an id */
+    size_t wanted;        /* results still to come */
+    double limit;         /* beyond this square of a distance, rounded, nothing is wanted */
+    struct dt_seen *heap; /* owns */
+    size_t n, cap;
+};
+
+struct dt_near dt_near_of(struct dt_point q, const uint32_t *id, size_t wanted);
+void dt_near_clear(struct dt_near *h);
+
+/* How much room it takes at most when `more` points have been pushed. */
+size_t dt_near_room(const struct dt_near *h, size_t more);
+
+static inline struct dt_seen dt_near_see(const struct dt_near *h, struct dt_point at, uint32_t key)
+{
+    return (struct dt_seen){dt_square_distance(at, h->q), at, key};
+}
+
+/* < 0 if a is nearer than b, exactly. */
+static inline int dt_near_compare(const struct dt_near *h, const struct dt_seen *a,
+                                  const struct dt_seen *b)
+{
+    if (dt_squares_decide(a->d, b->d))
+        return a->d < b->d ? -1 : 1;
+    return dt_compare_distance(h->q, a->at, b->at);
+}
+
+/* Adds a point. work may be NULL. */
+enum dt_status dt_near_push(struct dt_near *h, struct dt_seen c, struct dt_work *work);
+
+/* Takes out the nearest; n > 0. */
+struct dt_seen dt_near_pop(struct dt_near *h);
+
+#endif
