@@ -1,6 +1,6 @@
 /* arrivals.h - adding many points at once: coincident points, new or existing, are found by sorting all of them
- * (divide.h), without the table of places (core/points/places.h). The vertices of a set whose points were added in this
- * way are in the order that a build needs. */
+ * (divide.h), without the table of places (core/points/places.h). All vertices of the set are then in the order that a
+ * build needs. */
 #ifndef DT_ARRIVALS_H
 #define DT_ARRIVALS_H
 
@@ -11,14 +11,13 @@
 bool dt_arrivals_suit(const struct dt_points *p, size_t n);
 
 /* Adds n valid points, all or none, with the result that dt_points_add has, by it or by sorting. pool may be NULL.
- * Cost of sorting: O(n + vertices), and 24 bytes for each of them meanwhile, or 44 if the set has vertices; taken
- * off the work, which may be NULL. */
+ * Cost of sorting: O(n + vertices), and 26 bytes for each of them meanwhile; taken off the work, which may be NULL. */
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, size_t n,
                                const struct dt_pool *pool, struct dt_work *work,
                                struct dt_added *out);
 
-/* Renumbers the set's vertices, none of which is free, in that order. DT_CORRUPT: two of them are at one place; as for
- * DT_NOMEM and DT_CANCELLED, the set can only be freed. Cost: O(vertices), and 44 bytes for each of them meanwhile. */
+/* The same with no points: renumbers the set's vertices, none of which is free, in that order. DT_CORRUPT: two of them
+ * are at one place. */
 enum dt_status dt_arrivals_sort(struct dt_points *p, const struct dt_options *opt);
 
 #endif

@@ -101,11 +101,12 @@ static enum dt_status build_sorting(struct dt *t, struct dt_mesh *mesh,
     if (draft_begin(&b, dt_points_vertices(&t->points), t->points.pages))
         status = triangulate(&b, &t->points, opt);
     if (status == DT_OK)
-        status = dt_points_renumber(&t->points, b.xy, b.id, b.n, opt);
-    if (status != DT_OK)
-        draft_clear(&b);
-    else
+        status = dt_points_renumber(&t->points, &b.xy, &b.id, b.n, opt);
+    if (status == DT_OK) {
         *mesh = b.mesh;
+        b.mesh = (struct dt_mesh){0};
+    }
+    draft_clear(&b);
     return status;
 }
 

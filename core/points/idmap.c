@@ -146,14 +146,17 @@ void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value)
     *at = value;
 }
 
-void dt_idmap_set_run(struct dt_idmap *m, uint32_t first, const uint32_t *value, size_t n)
+void dt_idmap_count(struct dt_idmap *m, uint32_t first, size_t n)
 {
     while (n > 0) {
         uint32_t room = DT_ID_PAGE - first % DT_ID_PAGE, part = n < room ? (uint32_t)n : room;
-        memcpy(dt_idmap_at(m, first), value, part * sizeof *value);
-        count_live(m, first / DT_ID_PAGE, part);
+        const uint32_t *value = dt_idmap_at(m, first);
+        uint32_t live = 0;
+        for (uint32_t i = 0; i < part; i++)
+            live += value[i] != DT_NONE;
+        if (live > 0)
+            count_live(m, first / DT_ID_PAGE, live);
         first += part;
-        value += part;
         n -= part;
     }
 }

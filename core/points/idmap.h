@@ -58,16 +58,15 @@ enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n);
 /* Gives a reserved or live id a value other than DT_NONE. */
 void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value);
 
-/* The same for `first` and the n - 1 ids after it, which are reserved and have no values yet. Cost: O(n), much less than
- * for each alone. */
-void dt_idmap_set_run(struct dt_idmap *m, uint32_t first, const uint32_t *value, size_t n);
-
 /* Where the value of a live id is, which may become another than DT_NONE. Threads may do so at the
- * same time for different ids. */
+ * same time for different ids. Where reserved ids get values in this way, dt_idmap_count must follow. */
 static inline uint32_t *dt_idmap_at(struct dt_idmap *m, uint32_t id)
 {
     return &m->page[id / DT_ID_PAGE].value[id % DT_ID_PAGE];
 }
+
+/* Counts those as live that have a value among `first` and the n - 1 ids after it, none of which was live. */
+void dt_idmap_count(struct dt_idmap *m, uint32_t first, size_t n);
 
 /* Removes the value of a live id. */
 void dt_idmap_unset(struct dt_idmap *m, uint32_t id);

@@ -49,16 +49,16 @@ static uint32_t group_of(const struct dt_points *p, uint32_t v)
     return p->group == NULL ? DT_NONE : p->group[v];
 }
 
-/* Makes room in group[] for as many vertices as the other arrays have room for. */
-static enum dt_status grow_groups(struct dt_points *p)
+enum dt_status dt_points_reserve_groups(struct dt_points *p, uint32_t n)
 {
-    uint32_t *group = dt_array_grow_in(p->pages, p->group, p->group_cap, p->cap, sizeof *group);
+    if (n <= p->group_cap)
+        return DT_OK;
+    uint32_t *group = dt_array_grow_in(p->pages, p->group, p->group_cap, n, sizeof *group);
     if (group == NULL)
         return DT_NOMEM;
-    for (uint32_t v = p->group_cap; v < p->cap; v++)
-        group[v] = DT_NONE;
     p->group = group;
-    p->group_cap = p->cap;
+    for (; p->group_cap < n; p->group_cap++)
+        group[p->group_cap] = DT_NONE;
     return DT_OK;
 }
 
@@ -77,7 +77,7 @@ enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
         return DT_NOMEM;
     }
     copy->cap = p->end;
-    if (p->group != NULL && p->end > 0 && grow_groups(copy) != DT_OK) {
+    if (p->group != NULL && dt_points_reserve_groups(copy, copy->cap) != DT_OK) {
         dt_points_clear(copy);
         return DT_NOMEM;
     }
@@ -131,7 +131,7 @@ static enum dt_status reserve_vertices(struct dt_points *p, size_t n, struct dt_
         p->id = id;
         p->cap = (uint32_t)cap;
     }
-    if (p->group != NULL && p->group_cap < p->cap && grow_groups(p) != DT_OK)
+    if (p->group != NULL && dt_points_reserve_groups(p, p->cap) != DT_OK)
         return DT_NOMEM;
     return p->places.bucket == NULL
                ? DT_OK
@@ -207,7 +207,7 @@ static void take_over(struct dt_points *p, uint32_t v, uint32_t id, struct dt_po
 static enum dt_status reserve_alias(struct dt_points *p)
 {
     enum dt_status status = dt_aliases_reserve(&p->aliases);
-    return status == DT_OK && p->group == NULL ? grow_groups(p) : status;
+    return status == DT_OK ? dt_points_reserve_groups(p, p->cap) : status;
 }
 
 /* The point id at q becomes an alias of vertex v. There is room. */
@@ -227,13 +227,18 @@ void dt_points_leave_group(struct dt_points *p, uint32_t index)
 
 /* ---- adding ---- */
 
-enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_work *work)
+enum dt_status dt_points_reserve_ids(struct dt_points *p, size_t n)
 {
     if (n > DT_MAX_POINTS - dt_points_live(p) || n > DT_NONE - p->next_id)
         return DT_TOOBIG;
     dt_idmap_trim(&p->value);
-    enum dt_status status = reserve_vertices(p, n, work);
-    return status == DT_OK ? dt_idmap_reserve(&p->value, p->next_id, n) : status;
+    return dt_idmap_reserve(&p->value, p->next_id, n);
+}
+
+enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_work *work)
+{
+    enum dt_status status = dt_points_reserve_ids(p, n);
+    return status == DT_OK ? reserve_vertices(p, n, work) : status;
 }
 
 enum dt_status dt_points_join(struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v)

@@ -45,6 +45,9 @@ enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
                               struct dt_stop *stop);
 size_t dt_points_memory(const struct dt_points *p);
 
+/* Makes room in group[] for n vertices. */
+enum dt_status dt_points_reserve_groups(struct dt_points *p, uint32_t n);
+
 /* To be called before a vertex comes, goes or moves: the plan is out of date. */
 void dt_points_unplan(struct dt_points *p);
 
@@ -102,11 +105,12 @@ struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
                              struct dt_work *work, struct dt_added *out);
 
-/* The same in steps, for a caller that finds coincident points in its own way: room for n arrivals;
- * then for each id from next_id on, in any order but with coincident points ascending, either
+/* The same in steps, for a caller that finds coincident points in its own way: room for n arrivals,
+ * or for their ids alone; then for each id from next_id on, in any order but with coincident points ascending, either
  * dt_points_enter or dt_points_join; then dt_points_arrived. dt_points_take_back undoes what was
  * done before dt_points_arrived; none of these points may have been taken over. */
 enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_work *work);
+enum dt_status dt_points_reserve_ids(struct dt_points *p, size_t n);
 uint32_t dt_points_enter(struct dt_points *p, uint32_t id,
                          struct dt_point q); /* returns its vertex */
 enum dt_status dt_points_join(struct dt_points *p, uint32_t id, struct dt_point q, uint32_t v);

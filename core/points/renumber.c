@@ -47,23 +47,27 @@ static void settle_groups(struct dt_points *p, struct dt_stop *stop)
     }
 }
 
-enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point *xy, uint32_t *id,
+enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point **xy, uint32_t **id,
                                   uint32_t n, const struct dt_options *opt)
 {
     const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
     struct dt_stop stop = dt_stop_of(opt);
     struct dt_stop *late = opt != NULL && opt->disposable ? &stop : NULL;
-    struct renumbering r = {p, late, id, n, dt_threads_for(pool, n)};
-    if (dt_stopped(&stop))
+    struct renumbering r = {p, late, *id, n, dt_threads_for(pool, n)};
+    struct dt_point *old_xy = p->xy;
+    uint32_t *old_id = p->id;
+    if (opt != NULL && dt_stopped(&stop))
         return dt_stop_status(&stop);
+    if (p->group != NULL && dt_points_reserve_groups(p, n) != DT_OK)
+        return DT_NOMEM;
     dt_run(pool, r.slices, settle_slice, &r);
     settle_groups(p, late);
     if (dt_stop_status(&stop) != DT_OK)
         return dt_stop_status(&stop);
-    dt_array_free(p->xy);
-    dt_array_free(p->id);
-    p->xy = xy;
-    p->id = id;
+    p->xy = *xy;
+    p->id = *id;
+    *xy = old_xy;
+    *id = old_id;
     p->end = p->cap = n;
     p->free_count = 0;
     p->free_list = DT_NONE;

@@ -23,13 +23,12 @@ static void put(struct dt_idmap *m, uint32_t first, uint32_t last, bool live)
     }
 }
 
-/* Sets first .. last - 1, which have no values, at once. */
+/* Sets first .. last - 1, which are reserved and have no values, and counts them together. */
 static void put_run(struct dt_idmap *m, uint32_t first, uint32_t last)
 {
-    static uint32_t value[IDS];
     for (uint32_t id = first; id < last; id++)
-        value[id - first] = value_of(id);
-    dt_idmap_set_run(m, first, value, last - first);
+        *dt_idmap_at(m, id) = value_of(id);
+    dt_idmap_count(m, first, last - first);
 }
 
 static void check_live(const struct dt_idmap *m, uint32_t first, uint32_t last)

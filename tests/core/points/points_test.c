@@ -289,7 +289,9 @@ TEST(points_keep_their_ids_when_vertices_are_renumbered)
     struct dt_point *xy = dt_array_new(3, sizeof *xy);
     memcpy(id, (uint32_t[]){1, 3, 0}, 3 * sizeof *id);
     memcpy(xy, (struct dt_point[]){{1, 1}, {3, 3}, {5, 5}}, 3 * sizeof *xy);
-    CHECK(dt_points_renumber(&p, xy, id, 3, NULL) == DT_OK);
+    CHECK(dt_points_renumber(&p, &xy, &id, 3, NULL) == DT_OK);
+    dt_array_free(xy);
+    dt_array_free(id);
     CHECK(dt_points_vertex(&p, 0) == 2 && dt_points_vertex(&p, 2) == 2 &&
           dt_points_vertex(&p, 3) == 1);
     CHECK(dt_points_xy(&p, 2).x == 5 && dt_points_is_alias(&p, 2));

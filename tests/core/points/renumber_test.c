@@ -33,8 +33,12 @@ static void renumber_and_check(struct dt_points *p, const struct dt_pool *pool)
     CHECK(xy != NULL);
     for (uint32_t v = 0; v < N; v++)
         xy[v] = (struct dt_point){id[v], 0};
-    CHECK(dt_points_renumber(p, xy, id, N, &(struct dt_options){.pool = pool}) == DT_OK);
-    CHECK(p->end == N && p->xy == xy && p->id == id);
+    struct dt_point *new_xy = xy, *old_xy = p->xy;
+    uint32_t *new_id = id, *old_id = p->id;
+    CHECK(dt_points_renumber(p, &xy, &id, N, &(struct dt_options){.pool = pool}) == DT_OK);
+    CHECK(p->end == N && p->xy == new_xy && p->id == new_id && xy == old_xy && id == old_id);
+    dt_array_free(xy);
+    dt_array_free(id);
     for (uint32_t v = 0; v < N; v++)
         CHECK(p->xy[v].x == p->id[v] && dt_points_vertex(p, p->id[v]) == v);
 }
