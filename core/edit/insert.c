@@ -41,12 +41,11 @@ static inline struct dt_lifted see(const struct dt_point *xy, uint32_t v, struct
     return v == DT_NONE ? dt_lifted_infinity : dt_lift(xy[v], q);
 }
 
-/* Prefetches the triangle beyond h, and pushes h, which is to be crossed. */
-static inline void push(const struct dt_mesh *m, struct dt_cavity *c, uint32_t h,
-                        struct dt_lifted end, double cross)
+/* Prefetches the triangle beyond e.h, and pushes e, which is to be crossed. */
+static inline void push(const struct dt_mesh *m, struct dt_cavity *c, struct dt_crossing e)
 {
-    dt_fetch(&m->half[dt_twin(m, h)]);
-    c->stack[c->stacked++] = (struct dt_crossing){end, cross, h};
+    dt_fetch(&m->half[dt_twin(m, e.h)]);
+    c->stack[c->stacked++] = e;
 }
 
 /* The hole grows through its edges, counterclockwise, so that the rim comes in that order. The triangle beyond an edge
@@ -57,8 +56,8 @@ static inline void push(const struct dt_mesh *m, struct dt_cavity *c, uint32_t h
  *            /   \           conflict. Two of its three cross products are those of the new edges, a-w and w-b;
  *           b --- a          the third has been computed when a-b was such an edge.
  *              q */
-enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
-                              struct dt_point q, struct dt_cavity *c)
+static inline enum dt_status find_cavity(const struct dt_mesh *m, const struct dt_point *xy,
+                                         uint32_t t, struct dt_point q, struct dt_cavity *c)
 {
     enum dt_status status = DT_OK;
     uint32_t steps = 0;
@@ -67,13 +66,12 @@ enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy
         return DT_NOMEM;
     struct dt_lifted first = see(xy, m->half[t], q), second = see(xy, m->half[t + 1], q);
     struct dt_lifted a = see(xy, m->half[t + 2], q);
-    push(m, c, t + 1, a, dt_lifted_cross(second, a));
-    push(m, c, t, second, dt_lifted_cross(first, second));
-    push(m, c, t + 2, first, dt_lifted_cross(a, first));
-    while (c->stacked > 0) {
+    push(m, c, (struct dt_crossing){a, dt_lifted_cross(second, a), t + 1});
+    push(m, c, (struct dt_crossing){second, dt_lifted_cross(first, second), t});
+    struct dt_crossing e = {first, dt_lifted_cross(a, first), t + 2};
+    for (;;) {
         if ((++steps & DT_WORK_MASK) == 0 && (status = dt_work(c->work, DT_WORK_BLOCK)) != DT_OK)
             return status;
-        struct dt_crossing e = c->stack[--c->stacked];
         uint32_t beyond = dt_twin(m, e.h);
         struct dt_lifted w = see(xy, dt_apex_of(m, beyond), q);
         double aw = dt_lifted_cross(a, w), wb = dt_lifted_cross(w, e.end);
@@ -82,15 +80,26 @@ enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy
         if (conflict) {
             if (!dt_cavity_add(c, dt_base(beyond)))
                 return DT_NOMEM;
-            push(m, c, dt_prev(beyond), e.end, wb);
-            push(m, c, dt_next(beyond), w, aw);
-        } else {
-            dt_fetch(&m->leaving[dt_origin(m, e.h)]); /* for dt_hull_keep */
-            dt_cavity_add_rim(c, dt_origin(m, e.h), beyond);
-            a = e.end;
+            push(m, c, (struct dt_crossing){e.end, wb, dt_prev(beyond)});
+            e = (struct dt_crossing){w, aw, dt_next(beyond)};
+            continue;
         }
+        dt_fetch(&m->leaving[dt_origin(m, e.h)]); /* for dt_hull_keep */
+        dt_cavity_add_rim(c, dt_origin(m, e.h), beyond);
+        if (c->stacked == 0)
+            return dt_work(c->work, steps & DT_WORK_MASK);
+        a = e.end;
+        e = c->stack[--c->stacked];
     }
-    return dt_work(c->work, steps & DT_WORK_MASK);
+}
+
+enum dt_status dt_find_cavity(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+                              struct dt_point q, struct dt_cavity *c)
+{
+    struct dt_cavity hole = *c; /* a copy, which stays in registers */
+    enum dt_status status = find_cavity(m, xy, t, q, &hole);
+    *c = hole;
+    return status;
 }
 
 /* Makes record t the triangle of the rim edge from `origin` to `end` and v; returns its half edge

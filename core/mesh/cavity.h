@@ -54,8 +54,13 @@ bool dt_cavity_grow(struct dt_cavity *c); /* false: out of memory */
  * has the list of the triangles that will fill the hole. */
 static inline bool dt_cavity_add(struct dt_cavity *c, uint32_t base)
 {
-    if (c->records + 3 > c->room && !dt_cavity_grow(c))
-        return false;
+    if (c->records + 3 > c->room) {
+        struct dt_cavity larger = *c; /* *c itself may stay in registers */
+        bool grown = dt_cavity_grow(&larger);
+        *c = larger;
+        if (!grown)
+            return false;
+    }
     c->record[c->records++] = base;
     return true;
 }
