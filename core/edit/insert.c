@@ -35,6 +35,16 @@ bool dt_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
     return side > 0 || (side == 0 && between(a, b, q));
 }
 
+bool dt_is_certain_conflict(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
+                            struct dt_point q)
+{
+    const uint32_t *corner = m->half + dt_base(h);
+    if (corner[2] == DT_NONE)
+        return false;
+    double size, det = dt_incircle_rounded(xy[corner[0]], xy[corner[1]], xy[corner[2]], q, &size);
+    return det > DT_CLOSE_DET_BOUND * size;
+}
+
 /* Vertex v as q sees it. */
 static inline struct dt_lifted see(const struct dt_point *xy, uint32_t v, struct dt_point q)
 {

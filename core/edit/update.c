@@ -97,7 +97,9 @@ static struct place look_up_from(struct dt *t, struct dt_point q, uint32_t near)
 {
     if (near == DT_NONE)
         return look_up(t, q);
-    struct place p = {.at = DT_NONE};
+    struct place p = {.where = DT_INSIDE, .half = near, .at = DT_NONE};
+    if (dt_is_certain_conflict(&t->mesh, t->points.xy, near, q))
+        return p;
     p.where = dt_walk(&t->mesh, t->points.xy, near, q, &p.half);
     if (p.where == DT_ON_VERTEX)
         p.at = dt_origin(&t->mesh, p.half);
