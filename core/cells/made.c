@@ -13,7 +13,7 @@
 #include "core/exact/lanes.h"
 #include "core/mesh/hull.h"
 #include "core/mesh/star.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 
 #include <math.h>
 #include <stdlib.h>

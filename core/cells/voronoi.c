@@ -4,7 +4,7 @@
  * are computed three times, once for each corner of their triangle. made.c makes all cells at once. */
 #include "core/cells/made.h"
 #include "core/mesh/hull.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
 

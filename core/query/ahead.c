@@ -11,7 +11,7 @@
 #include "core/exact/predicates.h"
 #include "core/grid/hints.h"
 #include "core/memory/memory.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 
 enum {
     STEPS = 6, /* of walks; one in a hundred is longer */

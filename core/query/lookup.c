@@ -8,7 +8,7 @@
 #include "core/query/locate.h"
 #include "core/query/lookup_then.h"
 #include "core/query/nearest.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 #include "core/set/view_rows.h"
 
 #include <stdlib.h>

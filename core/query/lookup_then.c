@@ -3,7 +3,7 @@
 #include "core/query/lookup_then.h"
 
 #include "core/exact/predicates.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
 

@@ -13,7 +13,7 @@
 #include "core/grid/jump.h"
 #include "core/mesh/hull.h"
 #include "core/query/locate.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 
 #define PATIENCE 16 /* steps from vertex to vertex, or round one; mostly there are one or two */
 

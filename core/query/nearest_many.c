@@ -5,7 +5,7 @@
 #include "core/query/nearest.h"
 #include "core/query/query.h"
 #include "core/query/visited.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 
 #include <stdlib.h>
 

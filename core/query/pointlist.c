@@ -4,7 +4,7 @@
 #include "core/memory/sort.h"
 #include "core/mesh/hull.h"
 #include "core/query/hull_walk.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
 

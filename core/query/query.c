@@ -6,7 +6,7 @@
 #include "core/mesh/hull.h"
 #include "core/mesh/star.h"
 #include "core/query/locate.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 
 #include <stdlib.h>
 

@@ -8,7 +8,7 @@
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
 #include "core/query/near.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 #include "core/set/view_rows.h"
 
 #include <stdlib.h>

@@ -17,7 +17,7 @@
 #include "core/query/nearest.h"
 #include "core/query/query.h"
 #include "core/query/visited.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 
 #include <math.h>
 #include <stdlib.h>

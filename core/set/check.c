@@ -12,7 +12,7 @@
  * everywhere is Delaunay [Delaunay 1934; Lawson 1977], and with ties broken there is just one. */
 #include "core/exact/predicates.h"
 #include "core/mesh/hull.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 
 #include <stdlib.h>
 

@@ -73,4 +73,34 @@ void dt_views_edit_begin(struct dt *t);
  * due (renew.c), unless that takes more steps than are left. */
 void dt_tend(struct dt *t, const struct dt_work *work);
 
+/* ---- what all readers share ---- */
+
+/* DT_OK if the triangulation of the set can be read. */
+static inline enum dt_status dt_readable(const struct dt *t)
+{
+    return dt_is_live(t) ? DT_OK : DT_UNTRIANGULATED;
+}
+
+/* DT_OK if in addition id names a point; *v is the vertex of its representative then. */
+static inline enum dt_status dt_read_vertex(const struct dt *t, uint32_t id, uint32_t *v)
+{
+    enum dt_status s = dt_readable(t);
+    if (s != DT_OK)
+        return s;
+    *v = dt_points_vertex(&t->points, id);
+    return *v == DT_NONE ? DT_NOPOINT : DT_OK;
+}
+
+/* Makes room for `more` ids after the existing ones; DT_NOMEM leaves *ids unchanged. */
+enum dt_status dt_ids_reserve(struct dt_ids *ids, size_t more);
+
+/* Appends one; DT_NOMEM leaves *ids unchanged. Cost: constant, amortised. */
+static inline enum dt_status dt_ids_append(struct dt_ids *ids, uint32_t value)
+{
+    enum dt_status s = dt_ids_reserve(ids, 1);
+    if (s == DT_OK)
+        ids->v[ids->n++] = value;
+    return s;
+}
+
 #endif

@@ -15,7 +15,7 @@
 #include "core/control/work.h"
 #include "core/delaunay_surface.h"
 #include "core/exact/predicates.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
 

@@ -14,7 +14,7 @@
  * read through a table, which continues with those of the view. */
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 #include "core/set/view_rows.h"
 
 #include "core/delaunay_surface.h"

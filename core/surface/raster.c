@@ -1,7 +1,7 @@
 /* raster.c - values of a surface at many places, and at the cells of a raster, by rows (rows.h). */
 #include "core/control/parallel.h"
 #include "core/query/ahead.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 #include "core/surface/rows.h"
 
 enum {

@@ -17,7 +17,7 @@
 #include "core/exact/double2.h"
 #include "core/exact/predicates.h"
 #include "core/query/locate.h"
-#include "core/set/reader.h"
+#include "core/set/set.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/set/reader.h"
+#include "core/set/set.h"
 #include "tests/core/sets.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
