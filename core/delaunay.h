@@ -490,11 +490,12 @@ enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, ui
 
 #define DT_AHEAD 32 /* queries that can be prefetched at a time */
 
-/* For a caller that knows several queries before it makes the first one: prefetches what dt_locate and
- * dt_nearest at these places, or dt_ring and dt_lists_order of these ids, or dt_get of these points, will
- * probably read. Its only result is p[].near; ids need not exist. n <= DT_AHEAD. */
+/* For a caller that knows several queries or edits before it makes the first one: prefetches what dt_locate and
+ * dt_nearest at these places, or dt_ring and dt_lists_order of these ids, or dt_delete and dt_move of these ids, or dt_get
+ * of these points, will probably read. Its only result is p[].near; ids need not exist. n <= DT_AHEAD. */
 void dt_fetch_places(const struct dt *t, struct dt_place *p, size_t n);
 void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n);
+void dt_fetch_edits(const struct dt *t, const uint32_t *id, size_t n);
 void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n);
 
 /* ---- many places at once, as of the moment of a view or, if v is NULL, now ----

@@ -226,7 +226,7 @@ void dt_fetch_points(const struct dt *t, const uint32_t *id, size_t n)
             dt_points_fetch(&t->points, id[i]);
 }
 
-void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n)
+static void fetch_stars(const struct dt *t, const uint32_t *id, size_t n, enum dt_star_use use)
 {
     uint32_t v[DT_AHEAD];
     if (dt_readable(t) != DT_OK || n > DT_AHEAD)
@@ -235,5 +235,15 @@ void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n)
         dt_idmap_fetch(&t->points.value, id[i]);
     for (size_t i = 0; i < n; i++)
         v[i] = dt_points_vertex(&t->points, id[i]);
-    dt_walk_stars(t, v, n, DT_STAR_READ);
+    dt_walk_stars(t, v, n, use);
+}
+
+void dt_fetch_ids(const struct dt *t, const uint32_t *id, size_t n)
+{
+    fetch_stars(t, id, n, DT_STAR_READ);
+}
+
+void dt_fetch_edits(const struct dt *t, const uint32_t *id, size_t n)
+{
+    fetch_stars(t, id, n, DT_STAR_REMOVE);
 }

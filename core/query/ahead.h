@@ -1,5 +1,5 @@
-/* ahead.h - walks side by side, which prefetch what several queries (dt_fetch_places, dt_fetch_ids) or edits of
- * a batch will read. */
+/* ahead.h - walks side by side, which prefetch what several queries (dt_fetch_places, dt_fetch_ids) or edits
+ * (dt_fetch_edits, and those of a batch) will read. */
 #ifndef DT_AHEAD_H
 #define DT_AHEAD_H
 

@@ -17,6 +17,7 @@ struct questions {
     struct ahead_request *asks[DT_AHEAD]; /* about place[i] */
     uint32_t id[DT_AHEAD];
     size_t places, ids;
+    bool edits; /* some of the ids are those of points to be deleted or moved */
 };
 
 /* Parses the next request of bytes[n] into words of q; returns its length, 0 if it is not complete or not valid. */
@@ -48,7 +49,7 @@ static bool is_ours(struct server *s, struct questions *all, const struct word *
 }
 
 /* The meaning of the words after a set's name. */
-enum subject { SUBJECT_OTHER, SUBJECT_PLACE, SUBJECT_ID };
+enum subject { SUBJECT_OTHER, SUBJECT_PLACE, SUBJECT_ID, SUBJECT_EDIT };
 
 /* Guessed from the first letter and the number of words: if the guess is wrong, what is fetched is not
  * needed, and nothing else happens. */
@@ -66,9 +67,10 @@ static enum subject subject_of(const struct ahead_request *r)
     case 'G': /* GET set id ... */
     case 'T': /* TRIANGLES set a ... */
     case 'E': /* EDGES set a */
+        break;
     case 'D': /* DEL set id ... */
     case 'M': /* MOVE set id x y */
-        break;
+        return r->n >= 3 ? SUBJECT_EDIT : SUBJECT_OTHER;
     default:
         return SUBJECT_OTHER;
     }
@@ -100,13 +102,16 @@ static void take_question(struct server *s, struct questions *all, struct ahead_
         take_place(all, r);
     else
         take_id(all, r);
+    all->edits |= subject == SUBJECT_EDIT;
 }
 
 static void fetch(struct questions *all)
 {
     if (all->places >= LEAST && all->set->current->sum.searchable)
         dt_fetch_places(all->set->current->dt, all->place, all->places);
-    if (all->ids >= LEAST)
+    if (all->ids >= LEAST && all->edits)
+        dt_fetch_edits(all->set->current->dt, all->id, all->ids);
+    else if (all->ids >= LEAST)
         dt_fetch_ids(all->set->current->dt, all->id, all->ids);
     for (size_t i = 0; i < all->places; i++) {
         all->asks[i]->place = all->place[i];
@@ -146,6 +151,7 @@ static void look(struct server *s, const char *bytes, size_t n)
     struct questions all;
     all.set = NULL;
     all.places = all.ids = 0;
+    all.edits = false;
     ahead_forget(a);
     for (size_t at = 0, took; a->n < DT_AHEAD; at += took) {
         struct ahead_request *r;

@@ -47,9 +47,11 @@ static void fetch(const struct dt *t)
         uint64_t before = digest(t, p, id, n);
         dt_fetch_places(t, p, n);
         dt_fetch_ids(t, id, n);
+        dt_fetch_edits(t, id, n);
         dt_fetch_points(t, id, n);
         dt_fetch_places(t, p, DT_AHEAD + 1); /* more than it takes: nothing is done */
         dt_fetch_ids(t, id, DT_AHEAD + 1);
+        dt_fetch_edits(t, id, DT_AHEAD + 1);
         dt_fetch_points(t, id, DT_AHEAD + 1);
         CHECK(digest(t, p, id, n) == before);
         for (size_t i = 0; i < n; i++) /* hints of other places, of other times, of nothing */
