@@ -19,11 +19,6 @@ struct dt_arena_chunk {
 void dt_arena_clear(struct dt_arena *a)
 {
     dt_arena_return(a, (struct dt_arena_mark){NULL, 0});
-    dt_arena_trim(a);
-}
-
-void dt_arena_trim(struct dt_arena *a)
-{
     dt_array_free(a->spare);
     a->spare = NULL;
 }
@@ -35,9 +30,7 @@ static struct dt_arena_chunk *new_chunk(struct dt_arena *a, size_t need)
         a->spare = NULL;
         return c;
     }
-    size_t size = need > LARGE ? need : need * 2;
-    if (size < MIN_CHUNK && !a->tight)
-        size = MIN_CHUNK;
+    size_t size = need > LARGE ? need : need * 2 < MIN_CHUNK ? MIN_CHUNK : need * 2;
     c = dt_array_new_in(a->pages, sizeof *c + size, 1);
     if (c != NULL)
         c->size = size;

@@ -3,7 +3,6 @@
 #ifndef DT_ARENA_H
 #define DT_ARENA_H
 
-#include <stdbool.h>
 #include <stddef.h>
 
 struct dt_arena_chunk;
@@ -13,7 +12,6 @@ struct dt_arena {
     struct dt_pages *pages;       /* borrows; where large chunks come from; NULL: the system */
     struct dt_arena_chunk *chunk; /* owns a list, the one in use first */
     struct dt_arena_chunk *spare; /* owns one that was given back, or NULL */
-    bool tight; /* one of many small arenas: no chunk is more than twice the size asked for */
 };
 
 struct dt_arena_mark {
@@ -21,7 +19,7 @@ struct dt_arena_mark {
     size_t used;
 };
 
-/* Start with {0}, or set only `pages` and `tight`. */
+/* Start with {0}, or set only `pages`. */
 void dt_arena_clear(struct dt_arena *a);
 
 /* n items of size bytes, aligned to 16, not initialised, valid until a mark taken before is
@@ -30,8 +28,5 @@ void *dt_arena_take(struct dt_arena *a, size_t n, size_t size);
 
 struct dt_arena_mark dt_arena_mark(const struct dt_arena *a);
 void dt_arena_return(struct dt_arena *a, struct dt_arena_mark mark);
-
-/* Frees the chunk that is kept for the next take. */
-void dt_arena_trim(struct dt_arena *a);
 
 #endif
