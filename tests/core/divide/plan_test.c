@@ -105,7 +105,7 @@ static void move_one(struct dt *t)
 
 TEST(an_edit_before_the_build_ends_the_plan)
 {
-    void (*const edits[])(struct dt *) = {add_one, add_many, delete_some, move_one};
+    void (*const edits[])(struct dt *) = {add_one, delete_some, move_one};
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
         struct dt *t = loaded("uniform", 1000, test_random(), NULL);
         CHECK(t->points.plan != NULL);
@@ -114,6 +114,15 @@ TEST(an_edit_before_the_build_ends_the_plan)
         check_built(t, "uniform");
         dt_free(t);
     }
+}
+
+TEST(many_points_added_before_the_build_get_a_plan_with_the_others)
+{
+    struct dt *t = loaded("uniform", 1000, test_random(), NULL);
+    add_many(t);
+    CHECK(t->points.plan != NULL);
+    check_built(t, "uniform");
+    dt_free(t);
 }
 
 TEST(a_clone_is_built_by_the_same_plan)
