@@ -415,7 +415,7 @@ bool dt_table_cut(const struct dt *t, struct dt_cursor *c, uint32_t ids, struct 
 
 /* Makes the grid that lets searches of a triangulated set begin near their place, if there is none yet: so sets
  * that are never searched do not pay for it. Without it, also after DT_NOMEM, dt_locate, dt_nearest and
- * dt_within_* walk across the set; edits make it themselves. Cost: linear, about half of dt_triangulate's. */
+ * dt_within_* walk across the set; edits make it themselves. Cost: linear, about a quarter of dt_triangulate's. */
 enum dt_status dt_prepare(struct dt *t, const struct dt_options *opt);
 
 /* Edits degrade the grid for searches. Edits of a large set leave its rebuild to the caller, who can choose the

@@ -5,15 +5,15 @@
  * those points, and so on: a search costs the same on clusters, outliers and nested scales.
  *
  *      grid 0    +---+---+---+
- *                | h | h | h |     h: of the triangle at the centre of this cell, or one near by
+ *                | h | h | h |     h: of the triangle at the centre of this cell, or of one near it
  *                +---+---+---+
  *                | h | G | h |     G: the cell's own grid (its number), marked by bit 2, which no
  *                +---+---+---+        half edge 8t + k has set
  *
  * When it is made: core/set/renew.c.
  *
- * An empty cell borrows the content of the nearest one that is not, marked by 3 in the two lowest
- * bits; of a half edge only the triangle counts. */
+ * A cell in which no small triangle has its centroid, and which has no vertex, is empty. It borrows the content of the
+ * nearest one that is not, marked by 3 in the two lowest bits. Of a half edge only the triangle counts. */
 #ifndef DT_HINTS_H
 #define DT_HINTS_H
 
@@ -130,7 +130,7 @@ static inline void dt_hint_fetch_cells(const struct dt_hints *g, struct dt_point
     dt_fetch((const void *)(at + row));
 }
 
-/* Another one: from the first cell with points on the way from q's cell in one of four directions; DT_NONE if
+/* Another one: from the first cell that is not empty on the way from q's cell in one of four directions; DT_NONE if
  * there is none. Cost: the number of cells passed. */
 uint32_t dt_hint_beyond(const struct dt_hints *g, struct dt_point q, unsigned direction);
 

@@ -1,19 +1,19 @@
 /* hints_build.c - builds the grid of hints.
  *
  *     plan (hints_plan.c)    which cells have grids of their own
- *     drop                   every vertex leaves its half edge in its cell
+ *     claim                  every triangle claims the cell with its centroid, then every vertex its own cell
  *     fill                   empty cells borrow from others
- *     centre                 every cell goes on from there towards the triangle that its centre is in
  *
- * A search takes 2.1 steps on the average from any triangle at a vertex of the cell, 1.0 from there.
+ * A triangle that contains the centre of a cell nearly always has its centroid there, too. So a search takes 1.0 steps
+ * on the average; from any triangle at a vertex of the cell it would take 2.1.
  *
- * The vertices are in spatial order in memory, so dropping runs through the cells nearly in order;
+ * Triangles and vertices are in spatial order in memory, so claiming runs through the cells nearly in order;
  * threads share the passes but the first. */
 #include "core/grid/hints.h"
 
 #include "core/control/parallel.h"
 #include "core/control/stop.h"
-#include "core/exact/predicates.h"
+#include "core/exact/lanes.h"
 #include "core/memory/memory.h"
 
 #include <string.h>
@@ -21,54 +21,126 @@
 #define NEAR 2       /* cells: a distance that need not be improved */
 #define FARTHEST 254 /* cells: distances are cut off there */
 #define BATCHES 8u   /* of grids, for each thread */
-#define STEPS 3      /* to the centre of a cell, at most */
-#define TILE 32u     /* cells of a side */
+#define FAR 3.0      /* cells */
+#define AHEAD 16u    /* triangles */
 
-/* ---- dropping half edges ---- */
+/* ---- claiming cells ---- */
 
-struct drop {
+/* One pass over the triangles or the vertices. */
+struct claims {
     struct dt_hints *hints;
     const struct dt_mesh *mesh;
     const struct dt_point *xy;
     struct dt_stop *stop;
+    uint32_t n; /* how many there are */
     unsigned slices;
+    void (*claim)(const struct claims *c, struct dt_piece at);
 };
 
-/* A cell gets a vertex' half edge, or passes it on to the grid that it holds. Several threads may write to a
- * cell: which half edge it keeps does not matter. */
-static void drop_one(const struct drop *d, uint32_t c, uint32_t v)
+/* Several threads may write to a cell: which half edge it keeps does not matter. */
+static inline uint32_t load(const uint32_t *cell)
 {
-    uint32_t *cell = d->hints->cell, h;
-    while ((h = __atomic_load_n(&cell[c], __ATOMIC_RELAXED)) & DT_HINT_GRID)
-        c = dt_hint_cell(d->hints->grid + (h >> 3), d->xy[v]);
-    __atomic_store_n(&cell[c], d->mesh->leaving[v], __ATOMIC_RELAXED);
+    return __atomic_load_n(cell, __ATOMIC_RELAXED);
 }
 
-/* After many edits the vertices are in no order, so the cells of some are fetched before the first
- * of them is dropped. */
-static void drop_piece(const struct drop *d, struct dt_piece at)
+static inline void store(uint32_t *cell, uint32_t h)
 {
-    enum { AT_ONCE = 32 };
-    const struct dt_hint_grid top = *d->hints->grid;
-    uint32_t c[AT_ONCE];
-    for (uint32_t v = at.a, k; v < at.b; v += k) {
-        uint32_t n = at.b - v < AT_ONCE ? at.b - v : AT_ONCE;
-        for (k = 0; k < n; k++) {
-            c[k] = d->mesh->leaving[v + k] == DT_NONE ? 0 : dt_hint_cell(&top, d->xy[v + k]);
-            dt_fetch(&d->hints->cell[c[k]]);
+    __atomic_store_n(cell, h, __ATOMIC_RELAXED);
+}
+
+/* A grid, with what maps places to its cells. */
+struct frame {
+    dt_lanes lo, per, last; /* corner; cells per unit; last column and row */
+    uint32_t *cell;
+    size_t nx;
+};
+
+static inline struct frame frame_of(const struct dt_hints *h, uint32_t k)
+{
+    const struct dt_hint_grid *g = h->grid + k;
+    return (struct frame){.lo = {g->lo.x, g->lo.y},
+                          .per = {g->per_x, g->per_y},
+                          .last = {g->nx - 1.0, g->ny - 1.0},
+                          .cell = h->cell + g->first,
+                          .nx = g->nx};
+}
+
+typedef int32_t column_and_row __attribute__((vector_size(8)));
+
+/* The cell with the centroid of the triangle a b c gets its half edge h if the triangle contains the centre of the cell,
+ * or if the cell is empty; but not if a corner is far away. Returns what the cell had: a grid stays. */
+static inline uint32_t claim_cell(const struct frame *f, uint32_t h, dt_lanes a, dt_lanes b,
+                                  dt_lanes c)
+{
+    const dt_lanes third = dt_lanes_both(1.0 / 3), half = dt_lanes_both(0.5), zero = {0, 0};
+    a = (a - f->lo) * f->per, b = (b - f->lo) * f->per, c = (c - f->lo) * f->per;
+    dt_lanes centroid = dt_lanes_least(dt_lanes_most((a + b + c) * third, zero), f->last);
+    column_and_row at = __builtin_convertvector(centroid, column_and_row);
+    uint32_t *cell = &f->cell[(size_t)at[1] * f->nx + (size_t)at[0]], had = load(cell);
+    if (had & DT_HINT_GRID)
+        return had;
+    dt_lanes centre = __builtin_convertvector(at, dt_lanes) + half;
+    a -= centre, b -= centre, c -= centre;
+    dt_lanes ab_bc =
+        dt_lanes_first(a, b) * dt_lanes_second(b, c) - dt_lanes_second(a, b) * dt_lanes_first(b, c);
+    dt_lanes ca = c * dt_lanes_swap(a);
+    bool out = (dt_lanes_bits(ab_bc < zero) | (ca[0] < ca[1])) != 0;
+    dt_lanes reach =
+        dt_lanes_most(dt_lanes_most(dt_lanes_abs(a), dt_lanes_abs(b)), dt_lanes_abs(c));
+    bool far = dt_lanes_bits(reach > dt_lanes_both(FAR)) != 0;
+    bool take = (!out | (had == DT_HINT_LENT)) & !far; /* a branch would be unpredictable */
+    store(cell, had ^ ((had ^ h) & (0u - (uint32_t)take)));
+    return had;
+}
+
+static void fetch_corners(const struct dt_point *xy, const uint32_t *v)
+{
+    for (int k = 0; k < 3; k++)
+        dt_fetch((const void *)((uintptr_t)xy + sizeof *xy * (size_t)v[k]));
+}
+
+/* After many edits the vertices are in no order, so they are fetched ahead. */
+static void claim_by_triangles(const struct claims *d, struct dt_piece at)
+{
+    const struct frame top = frame_of(d->hints, 0);
+    const struct dt_point *xy = d->xy;
+    const uint32_t *v = d->mesh->half + 8 * (size_t)at.a;
+    for (uint32_t t = at.a; t < at.b; t++, v += 8) {
+        if (v[2] == DT_NONE || v[2] == DT_DEAD)
+            continue;
+        if (at.b - t > AHEAD)
+            fetch_corners(xy, v + 8 * (size_t)AHEAD);
+        dt_lanes a = dt_lanes_load(&xy[v[0]].x), b = dt_lanes_load(&xy[v[1]].x),
+                 c = dt_lanes_load(&xy[v[2]].x);
+        for (uint32_t had = claim_cell(&top, 8 * t, a, b, c); had & DT_HINT_GRID;) {
+            struct frame finer = frame_of(d->hints, had >> 3);
+            had = claim_cell(&finer, 8 * t, a, b, c);
         }
-        for (k = 0; k < n; k++)
-            if (d->mesh->leaving[v + k] != DT_NONE)
-                drop_one(d, c[k], v + k);
     }
 }
 
-static void drop_slice(void *arg, unsigned i)
+/* The centroids of thin triangles may all be far from their vertices. With this pass every grid has a cell that is not
+ * empty, too. */
+static void claim_by_vertices(const struct claims *d, struct dt_piece at)
 {
-    const struct drop *d = arg;
-    struct dt_piece at = dt_slice_pieces(d->mesh->vert_cap, i, d->slices);
+    const struct dt_hint_grid top = *d->hints->grid;
+    for (uint32_t v = at.a; v < at.b; v++) {
+        if (d->mesh->leaving[v] == DT_NONE)
+            continue;
+        uint32_t *cell = &d->hints->cell[dt_hint_cell(&top, d->xy[v])], had;
+        while ((had = load(cell)) & DT_HINT_GRID)
+            cell = &d->hints->cell[dt_hint_cell(d->hints->grid + (had >> 3), d->xy[v])];
+        if (had == DT_HINT_LENT)
+            store(cell, d->mesh->leaving[v]);
+    }
+}
+
+static void claim_slice(void *arg, unsigned i)
+{
+    const struct claims *d = arg;
+    struct dt_piece at = dt_slice_pieces(d->n, i, d->slices);
     while (dt_next_piece(d->stop, &at))
-        drop_piece(d, at);
+        d->claim(d, at);
 }
 
 /* ---- filling empty cells ---- */
@@ -123,12 +195,9 @@ static void sweep_down(uint32_t *cell, uint8_t *far, size_t nx, bool has_above, 
 /* Grid 0 in bands of rows, then the others in batches. */
 struct fill {
     const struct dt_hints *hints;
-    const struct dt_mesh *mesh;
-    const struct dt_point *xy;
     struct dt_stop *stop;
     uint8_t *far; /* of every cell */
     unsigned bands, batches;
-    bool (*rows)(const struct fill *f, const struct dt_hint_grid *g, uint32_t lo, uint32_t hi);
     atomic_bool bare; /* some band has no content at all */
 };
 
@@ -178,77 +247,19 @@ static bool fill_rows(const struct fill *f, const struct dt_hint_grid *g, uint32
            f->far[g->first + (size_t)lo * g->nx] <= FARTHEST;
 }
 
-/* ---- to the centres ---- */
-
-/* The triangle beyond the edge of the triangle at h, no ghost, that has q farthest on its outer side; h itself if q is
- * in it. No branches: the outcome is unpredictable. */
-static inline uint32_t step_towards(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
-                                    struct dt_point q)
-{
-    struct dt_point a = xy[m->half[h]], b = xy[m->half[h + 1]], c = xy[m->half[h + 2]];
-    double any, s[3]; /* a hint needs no bound */
-    s[0] = dt_orient2d_rounded(a, b, q, &any);
-    s[1] = dt_orient2d_rounded(b, c, q, &any);
-    s[2] = dt_orient2d_rounded(c, a, q, &any);
-    uint32_t k = s[1] < s[0];
-    k += (2 - k) & -(uint32_t)(s[2] < s[k]);
-    uint32_t beyond = dt_base(dt_twin(m, h + k));
-    return h ^ ((h ^ beyond) & -(uint32_t)(s[k] < 0));
-}
-
-/* Walks from n <= TILE cells of a row, the first one in this column, to the triangles of their centres, side by side:
- * a single walk waits for each step. */
-static void centre_cells(const struct fill *f, const struct dt_hint_grid *g, uint32_t row,
-                         uint32_t column, uint32_t n)
-{
-    const struct dt_mesh *m = f->mesh;
-    uint32_t *cell = f->hints->cell + g->first + (size_t)row * g->nx + column, at[TILE];
-    double width = g->per_x == 0 ? 0 : 1 / g->per_x, height = g->per_y == 0 ? 0 : 1 / g->per_y;
-    for (uint32_t i = 0; i < n; i++) {
-        at[i] = cell[i] & DT_HINT_GRID ? m->hull : dt_base(cell[i]);
-        at[i] = dt_is_ghost(m, at[i]) ? dt_base(dt_twin(m, at[i])) : at[i];
-    }
-    for (int step = 0; step < STEPS; step++)
-        for (uint32_t i = 0; i < n; i++) {
-            struct dt_point q = {g->lo.x + (column + i + 0.5) * width,
-                                 g->lo.y + (row + 0.5) * height};
-            uint32_t next = step_towards(m, f->xy, at[i], q);
-            at[i] = dt_is_ghost(m, next) ? at[i] : next;
-        }
-    for (uint32_t i = 0; i < n; i++)
-        if (!(cell[i] & DT_HINT_GRID))
-            cell[i] = at[i] | ((cell[i] & DT_HINT_LENT) == DT_HINT_LENT ? DT_HINT_LENT : 0);
-}
-
-/* Gives the cells of rows lo .. hi - 1, all of which have content, the triangles of their centres. By tiles, whose
- * triangles are near one another in memory. */
-static bool centre_rows(const struct fill *f, const struct dt_hint_grid *g, uint32_t lo,
-                        uint32_t hi)
-{
-    for (uint32_t bottom = lo; bottom < hi; bottom += TILE)
-        for (uint32_t left = 0; left < g->nx && !dt_stopped(f->stop); left += TILE) {
-            uint32_t top = hi - bottom < TILE ? hi : bottom + TILE;
-            uint32_t right = g->nx - left < TILE ? g->nx : left + TILE;
-            for (uint32_t row = bottom; row < top; row++)
-                centre_cells(f, g, row, left, right - left);
-        }
-    return true;
-}
-
-/* Does f->rows to a part of the rows of all grids. */
-static void do_rows(void *arg, unsigned i)
+static void fill_part(void *arg, unsigned i)
 {
     struct fill *f = arg;
     const struct dt_hint_grid *grid = f->hints->grid;
     if (i < f->bands) {
         uint32_t lo = dt_slice(grid->ny, i, f->bands), hi = dt_slice(grid->ny, i + 1, f->bands);
-        if (!f->rows(f, grid, lo, hi))
+        if (!fill_rows(f, grid, lo, hi))
             atomic_store_explicit(&f->bare, true, memory_order_relaxed);
         return;
     }
     uint32_t others = f->hints->grids - 1, end = dt_slice(others, i - f->bands + 1, f->batches);
     for (uint32_t k = dt_slice(others, i - f->bands, f->batches); k < end; k++)
-        (void)f->rows(f, &grid[k + 1], 0, grid[k + 1].ny);
+        (void)fill_rows(f, &grid[k + 1], 0, grid[k + 1].ny);
 }
 
 /* Every empty cell takes the content of one that is not, nearly of the nearest: a distance
@@ -262,8 +273,7 @@ static void fill_empty(struct fill *f, const struct dt_pool *pool)
         dt_stop_because(f->stop, DT_NOMEM);
         return;
     }
-    f->rows = fill_rows;
-    dt_run(pool, f->bands + f->batches, do_rows, f);
+    dt_run(pool, f->bands + f->batches, fill_part, f);
     if (atomic_load_explicit(&f->bare, memory_order_relaxed) && !dt_stopped(f->stop))
         (void)fill_rows(f, g, 0, g->ny);
     dt_array_free(f->far);
@@ -280,22 +290,18 @@ enum dt_status dt_hints_build(struct dt_hints *g, const struct dt_mesh *m,
         return DT_OK;
     unsigned threads = dt_threads_for(pool, m->vertices);
     dt_hints_plan(g, m, xy, &stop);
+    struct claims c = {.hints = g, .mesh = m, .xy = xy, .stop = &stop, .slices = threads};
     if (!dt_stopped(&stop)) {
-        struct drop d = {.hints = g, .mesh = m, .xy = xy, .stop = &stop, .slices = threads};
-        dt_run(pool, threads, drop_slice, &d);
+        c.n = m->tri_end;
+        c.claim = claim_by_triangles;
+        dt_run(pool, threads, claim_slice, &c);
+        c.n = m->vert_cap;
+        c.claim = claim_by_vertices;
+        dt_run(pool, threads, claim_slice, &c);
     }
-    struct fill f = {.hints = g,
-                     .mesh = m,
-                     .xy = xy,
-                     .stop = &stop,
-                     .bands = threads,
-                     .batches = threads * BATCHES};
+    struct fill f = {.hints = g, .stop = &stop, .bands = threads, .batches = threads * BATCHES};
     if (!dt_stopped(&stop))
         fill_empty(&f, threads > 1 ? pool : NULL);
-    if (!dt_stopped(&stop) && !dt_mesh_is_line(m)) {
-        f.rows = centre_rows;
-        dt_run(threads > 1 ? pool : NULL, f.bands + f.batches, do_rows, &f);
-    }
     if (dt_stop_status(&stop) != DT_OK)
         dt_hints_clear(g);
     return dt_stop_status(&stop);
