@@ -221,74 +221,60 @@ static inline bool turn(struct abreast *a, struct lane *l, enum dt_status *s)
     return fabs(place[0]) < FAR;
 }
 
-/* Whether the row has come to another cell since it was asked last. */
-static bool advances(struct lane *l)
+static enum dt_status begin(struct abreast *a, struct lane *l)
+{
+    enum dt_status s = DT_OK;
+    memset(l->half, 0xff, sizeof l->half);
+    l->at = a->from;
+    l->crossed = 0;
+    if (l->outside)
+        leave_hull(a, l);
+    else if (l->by_turns)
+        l->half[0] = l->up;
+    else
+        s = look_up(a, l, 1);
+    l->before = l->at;
+    return s;
+}
+
+static inline enum dt_status take_turn(struct abreast *a, struct lane *l)
+{
+    enum dt_status s = DT_OK;
+    if (turn(a, l, &s) || s != DT_OK || l->at >= a->end)
+        return s;
+    if (!l->outside)
+        return look_up(a, l, 1);
+    leave_hull(a, l);
+    return DT_OK;
+}
+
+/* Instead of a turn: looks up a row that has not come to another cell since this was done last. */
+static enum dt_status lose_patience(struct abreast *a, struct lane *l)
 {
     bool advances = l->at != l->before;
+    note(a, l);
     l->before = l->at;
-    return advances;
-}
-
-/* A turn of each of *n rows. Leaves those in active[] that are not at their end. */
-static enum dt_status pass(struct abreast *a, struct lane **active, uint32_t *n)
-{
-    enum dt_status s = DT_OK;
-    uint32_t left = 0;
-    for (uint32_t i = 0; s == DT_OK && i < *n; i++) {
-        struct lane *l = active[i];
-        if (!turn(a, l, &s) && s == DT_OK && l->at < a->end) {
-            if (l->outside)
-                leave_hull(a, l);
-            else
-                s = look_up(a, l, 1);
-        }
-        active[left] = l;
-        left += l->at < a->end;
-    }
-    *n = left;
-    return s;
-}
-
-/* The same, instead of turns, for rows that have not come to another cell since this was done last. */
-static enum dt_status lose_patience(struct abreast *a, struct lane **active, uint32_t *n)
-{
-    enum dt_status s = DT_OK;
-    uint32_t left = 0;
-    for (uint32_t i = 0; s == DT_OK && i < *n; i++) {
-        struct lane *l = active[i];
-        note(a, l);
-        if (!advances(l))
-            s = look_up(a, l, IMPATIENT);
-        active[left] = l;
-        left += l->at < a->end;
-    }
-    *n = left;
-    return s;
+    return advances ? DT_OK : look_up(a, l, IMPATIENT);
 }
 
 /* Finds the triangles of a chunk's cells. */
 static enum dt_status find_chunk(struct abreast *a, struct lane *lane, uint32_t rows)
 {
-    struct lane *active[ABREAST];
-    uint32_t n = 0;
+    struct lane *active[ABREAST]; /* those that are not at their end */
     enum dt_status s = DT_OK;
-    for (uint32_t i = 0; s == DT_OK && i < rows; i++) {
-        struct lane *l = &lane[i];
-        memset(l->half, 0xff, sizeof l->half);
-        l->at = a->from;
-        l->crossed = 0;
-        l->before = DT_NONE;
-        if (l->outside)
-            leave_hull(a, l);
-        else if (l->by_turns)
-            l->half[0] = l->up;
-        else
-            s = look_up(a, l, 1);
-        active[n] = l;
-        n += l->at < a->end;
+    for (uint32_t i = 0; i < rows; i++)
+        active[i] = &lane[i];
+    for (uint32_t turns = 0, n = rows, left; s == DT_OK && n > 0; turns++, n = left) {
+        left = 0;
+        for (uint32_t i = 0; s == DT_OK && i < n; i++) {
+            struct lane *l = active[i];
+            s = turns == 0              ? begin(a, l)
+                : turns % PATIENCE == 0 ? lose_patience(a, l)
+                                        : take_turn(a, l);
+            active[left] = l;
+            left += l->at < a->end;
+        }
     }
-    for (uint32_t turns = 0; s == DT_OK && n > 0; turns++)
-        s = turns % PATIENCE == 0 ? lose_patience(a, active, &n) : pass(a, active, &n);
     return s;
 }
 
