@@ -64,14 +64,13 @@ enum dt_status dt_view_ring(const struct dt *t, const struct dt_view *v, uint32_
 static enum dt_status hull_order(const struct dt *t, bool cw, uint32_t *to, const uint32_t *ids,
                                  size_t n, struct dt_work *work)
 {
-    const struct dt_mesh *m = &t->mesh;
-    bool back = cw && !dt_mesh_is_line(m);
-    enum dt_status s = dt_work(work, dt_mesh_hull(m)); /* what dt_hull_first looks at */
-    uint32_t g = s == DT_OK ? dt_hull_first(m, t->points.id, cw) : DT_NONE;
-    for (size_t found = 0; s == DT_OK && found < n; g = dt_hull_step(m, g, back)) {
-        uint32_t id = t->points.id[dt_hull_vertex(m, g)];
-        if (dt_sorted_have(ids, n, id))
-            to[found++] = id;
+    enum dt_status s = dt_work(work, dt_mesh_hull(&t->mesh)); /* what dt_hull_start looks at */
+    if (s != DT_OK)
+        return s;
+    struct dt_hull_walk w = dt_hull_walk_at(t, NULL, cw, dt_hull_start(t, NULL, cw), DT_NONE);
+    for (size_t found = 0; s == DT_OK && found < n; dt_hull_walk_step(&w)) {
+        if (dt_sorted_have(ids, n, w.id))
+            to[found++] = w.id;
         s = dt_work(work, 1);
     }
     return s;

@@ -18,6 +18,7 @@ struct sink {
     uint32_t *out;
     size_t cap, max_rows; /* room: words and rows */
     size_t words, rows;   /* written */
+    size_t need;          /* words of a point list's row for which there was no room */
 };
 
 static bool has_room(const struct sink *k, size_t words)
@@ -173,14 +174,13 @@ static void read_hull(const struct dt *t, struct dt_cursor *c, struct sink *k)
     hull_leave(&w, c);
 }
 
-/* Room for the point list's row of the id, the degree of which is yet to be known: *room is what there is for
- * its ring. NULL: none for the id and the degree. */
-static uint32_t *begin_list(const struct sink *k, size_t *room)
+/* Where the ring of a point list's row goes, of this degree or less; NULL: there is no room for the row. */
+static uint32_t *list_ring(struct sink *k, uint32_t degree)
 {
-    if (!has_room(k, 2))
-        return NULL;
-    *room = k->cap - k->words - 2;
-    return k->out + k->words + 2;
+    if (has_room(k, 2 + (size_t)degree))
+        return k->out + k->words + 2;
+    k->need = 2 + (size_t)degree;
+    return NULL;
 }
 
 static void end_list(struct sink *k, uint32_t id, uint32_t degree)
@@ -194,11 +194,13 @@ static void end_list(struct sink *k, uint32_t id, uint32_t degree)
 static bool write_list(const struct dt *t, const struct dt_cursor *c, struct sink *k, uint32_t id,
                        struct dt_star star)
 {
-    size_t room;
-    uint32_t *ring = begin_list(k, &room);
-    uint32_t degree = ring == NULL ? DT_NONE : dt_star_copy(t, &star, ring, room);
-    if (degree == DT_NONE)
+    uint32_t *ring = list_ring(k, 0), degree = DT_NONE;
+    if (ring != NULL) /* the degree is known when the star has been walked round */
+        degree = dt_star_copy(t, &star, ring, k->cap - k->words - 2);
+    if (degree == DT_NONE) {
+        k->need = 2 + (size_t)dt_star_count(t, &star);
         return false;
+    }
     dt_ring_turn(ring, degree, star.on_hull, c->cw);
     end_list(k, id, degree);
     return true;
@@ -206,9 +208,8 @@ static bool write_list(const struct dt *t, const struct dt_cursor *c, struct sin
 
 static bool write_list_on_line(struct sink *k, const struct dt_hull_walk *w)
 {
-    size_t room;
-    uint32_t two[2], degree = dt_hull_walk_ring(w, two), *ring = begin_list(k, &room);
-    if (ring == NULL || degree > room)
+    uint32_t two[2], degree = dt_hull_walk_ring(w, two), *ring = list_ring(k, degree);
+    if (ring == NULL)
         return false;
     memcpy(ring, two, degree * sizeof *ring);
     end_list(k, w->id, degree);
@@ -221,9 +222,9 @@ static bool write_star(const struct dt *t, const struct dt_cursor *c, struct sin
     uint32_t degree = s->degree[i];
     if (degree == DT_NONE)
         return write_list(t, c, k, s->id[i], dt_star_of(t, c->view, s->id[i]));
-    if (!has_room(k, 2 + (size_t)degree))
+    uint32_t *ring = list_ring(k, degree);
+    if (ring == NULL)
         return false;
-    uint32_t *ring = k->out + k->words + 2;
     memcpy(ring, s->ring[i], degree * sizeof *ring);
     dt_ring_turn(ring, degree, false, c->cw);
     end_list(k, s->id[i], degree);
@@ -274,21 +275,6 @@ static void read_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
     read_interior_lists(t, c, k);
     if (c->left == 0 && c->hull_left > 0)
         read_hull_lists(t, c, k);
-}
-
-/* The words that the next row of the point list needs. */
-static size_t next_list_words(const struct dt *t, const struct dt_cursor *c)
-{
-    struct dt_view_ids ids = dt_view_ids_begin(t, c->view, c->id);
-    uint32_t id = c->left == 0 ? c->hull_at : dt_view_ids_next(&ids, c->id);
-    struct dt_star star;
-    for (;; id = dt_view_ids_next(&ids, id + 1)) {
-        if (dt_view_representative(t, c->view, id) != id)
-            continue;
-        star = dt_star_of(t, c->view, id);
-        if (c->left == 0 || !star.on_hull)
-            return 2 + (size_t)dt_star_count(t, &star);
-    }
 }
 
 /* Writes what star i has for the cursor; false if there is more than fits. */
@@ -359,6 +345,6 @@ enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *
     *words = k.words;
     if (k.rows > 0 || (c->left == 0 && c->hull_left == 0) || max_rows == 0)
         return DT_OK;
-    *words = c->table == DT_LISTS ? next_list_words(t, c) : width[c->table];
+    *words = c->table == DT_LISTS ? k.need : width[c->table];
     return DT_TOOSMALL;
 }
