@@ -33,45 +33,86 @@ static enum dt_where classify(uint32_t t, const int side[3], uint32_t *half)
 
 enum { ARRIVED = 3 };
 
-/* Fetches the three neighbours of the triangle at t: one of them is next, and which one is known
- * only when the corners' coordinates have come. Of the corners the entries in id, unless that is
- * NULL. */
-static inline void fetch_beyond(const struct dt_mesh *m, const uint32_t *id, uint32_t t)
+/* A walk that has come to the half edge h, from a to b, which q is not to the right of. Both are relative to q: a step
+ * computes only what the third corner of the triangle adds. */
+struct way {
+    struct dt_point a, b;
+    uint32_t h;
+    bool strictly; /* q is to the left of h, not on its line */
+};
+
+static inline struct dt_point relative(struct dt_point p, struct dt_point q)
 {
-    for (uint32_t k = 0; k < 3; k++)
-        dt_fetch(&m->half[dt_base(dt_twin(m, t + k))]);
-    for (uint32_t k = 0; k < 3 && id != NULL; k++)
-        dt_fetch(&id[m->half[t + k]]);
+    return (struct dt_point){p.x - q.x, p.y - q.y};
 }
 
-/* The edge 0, 1 or 2 of the triangle at t through which to walk on towards q: the one that has q
- * farthest on its outer side, where rounding does not blur that. ARRIVED if q is in the closed
- * triangle. The three corners are read at once: a walk waits for memory, not for arithmetic. */
-static uint32_t exit_edge(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
-                          struct dt_point q, enum dt_where *where, uint32_t *half)
+/* The side of the edge from a to b that the origin is on, as dt_orient2d_rounded has it; adds to *size. */
+static inline double side_of(struct dt_point a, struct dt_point b, double *size)
+{
+    double left = a.x * b.y, right = a.y * b.x;
+    *size += fabs(left) + fabs(right);
+    return left - right;
+}
+
+/* Fetches the neighbours beyond the two other edges of the triangle at h: one of them is next, and which one is known
+ * only when the corner's coordinates have come. Of the corner the entry in id, unless that is NULL. */
+static inline void fetch_beyond(const struct dt_mesh *m, const uint32_t *id, uint32_t h)
+{
+    dt_fetch(&m->half[dt_base(dt_twin(m, dt_next(h)))]);
+    dt_fetch(&m->half[dt_base(dt_twin(m, dt_prev(h)))]);
+    if (id != NULL)
+        dt_fetch(&id[dt_apex_of(m, h)]);
+}
+
+/* Begins at the first edge of the triangle at t, on the side on which q is. */
+static inline struct way set_out(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+                                 struct dt_point q)
+{
+    struct dt_point p = xy[m->half[t]], r = xy[m->half[t + 1]];
+    struct dt_point a = relative(p, q), b = relative(r, q);
+    int side = dt_orient2d(p, r, q);
+    return side < 0 ? (struct way){b, a, dt_twin(m, t), true} : (struct way){a, b, t, side > 0};
+}
+
+/* Rounding errors hide where q is: the edge 0, 1 or 2 of the triangle at t that has q on its outer side, exactly. ARRIVED if
+ * q is in the closed triangle. */
+static uint32_t exact_exit(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+                           struct dt_point q, enum dt_where *where, uint32_t *half)
 {
     struct dt_point a = xy[m->half[t]], b = xy[m->half[t + 1]], c = xy[m->half[t + 2]];
-    double size[3];
-    double s0 = dt_orient2d_rounded(a, b, q, &size[0]), s1 = dt_orient2d_rounded(b, c, q, &size[1]),
-           s2 = dt_orient2d_rounded(c, a, q, &size[2]);
-    double error = DT_ORIENT_BOUND * (size[0] + size[1] + size[2]);
-    uint32_t k = s1 < s0 ? 1 : 0;
-    double least = s1 < s0 ? s1 : s0;
-    k = s2 < least ? 2 : k;
-    least = s2 < least ? s2 : least;
-    if (least < -error)
-        return k;
-    if (least > error) {
-        *where = DT_INSIDE;
-        *half = t;
-        return ARRIVED;
-    }
     int side[3] = {dt_orient2d(a, b, q), dt_orient2d(b, c, q), dt_orient2d(c, a, q)};
-    for (k = 0; k < 3; k++)
+    for (uint32_t k = 0; k < 3; k++)
         if (side[k] < 0)
             return k;
     *where = classify(t, side, half);
     return ARRIVED;
+}
+
+/* Through the edge of its triangle, no ghost, that has q farther on its outer side, where rounding does not blur that. False:
+ * q is in the closed triangle; *half and *where as for dt_find. */
+static inline bool step(const struct dt_mesh *m, const struct dt_point *xy, struct dt_point q,
+                        struct way *w, enum dt_where *where, uint32_t *half)
+{
+    struct dt_point c = relative(xy[dt_apex_of(m, w->h)], q);
+    double size = 0, next = side_of(w->b, c, &size), prev = side_of(c, w->a, &size);
+    double least = next < prev ? next : prev, error = DT_ORIENT_BOUND * size;
+    bool to_next = next < prev;
+    if (least > error && w->strictly) {
+        *where = DT_INSIDE;
+        *half = dt_base(w->h);
+        return false;
+    }
+    if (least >= -error) {
+        uint32_t k = exact_exit(m, xy, dt_base(w->h), q, where, half);
+        if (k == ARRIVED)
+            return false;
+        to_next = dt_base(w->h) + k == dt_next(w->h);
+    }
+    w->h = dt_twin(m, to_next ? dt_next(w->h) : dt_prev(w->h));
+    w->a = to_next ? c : w->a;
+    w->b = to_next ? w->b : c;
+    w->strictly = true;
+    return true;
 }
 
 /* Walks over at most *steps triangles and subtracts their number from *steps. True: arrived, *half and
@@ -80,19 +121,17 @@ static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, const
                        uint32_t h, struct dt_point q, uint32_t *steps, enum dt_where *where,
                        uint32_t *half)
 {
-    uint32_t t = dt_base(dt_is_ghost(m, h) ? dt_twin(m, dt_base(h)) : h);
-    while (m->half[t + 2] != DT_NONE) {
-        fetch_beyond(m, id, t);
-        uint32_t k = exit_edge(m, xy, t, q, where, half);
-        if (k == ARRIVED)
+    struct way w = set_out(m, xy, dt_base(dt_is_ghost(m, h) ? dt_twin(m, dt_base(h)) : h), q);
+    while (!dt_is_ghost(m, w.h)) {
+        fetch_beyond(m, id, w.h);
+        if (!step(m, xy, q, &w, where, half))
             return true;
-        t = dt_base(dt_twin(m, t + k));
         if ((*steps)-- == 0) {
-            *half = t;
+            *half = w.h;
             return false;
         }
     }
-    *half = t;
+    *half = dt_base(w.h);
     *where = DT_OUTSIDE;
     return true;
 }
