@@ -69,6 +69,8 @@ static void check_slice(void *arg, unsigned i)
 /* DT_RANGE: one of the points is invalid. */
 static enum dt_status check_points(const struct dt_point *p, size_t n, const struct dt_options *opt)
 {
+    if (n == 1)
+        return point_ok(*p) ? DT_OK : DT_RANGE;
     struct check c = {.p = p, .n = n, .stop = dt_stop_of(opt)};
     const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
     c.slices = n > DT_MAX_POINTS ? 1 : dt_threads_for(pool, (uint32_t)n);

@@ -166,10 +166,7 @@ static enum dt_status add_one(struct dt *t, uint32_t id, struct dt_point q, uint
         done->coincident++;
         return dt_points_join(&t->points, id, q, at);
     }
-    enum dt_status status = insert_at(t, dt_points_enter(&t->points, id, q), &p);
-    if (status == DT_OK)
-        dt_tend(t, t->scratch.work);
-    return status;
+    return insert_at(t, dt_points_enter(&t->points, id, q), &p);
 }
 
 /* Takes the vertices of the first `done` points of the batch out of the mesh again. */

@@ -39,6 +39,8 @@ enum dt_status dt_mesh_reserve(struct dt_mesh *m, uint32_t verts, uint32_t tris)
 enum dt_status dt_mesh_make_room(struct dt_mesh *m, uint32_t v, uint32_t tris)
 {
     uint32_t verts = m->vert_cap, end = m->tri_end + (tris > m->dead ? tris - m->dead : 0);
+    if (v < verts && end <= m->tri_cap)
+        return DT_OK;
     if (v >= verts)
         verts = (uint32_t)dt_array_room(verts, (size_t)v + 1, DT_MAX_POINTS);
     uint32_t known = m->vert_cap;

@@ -108,7 +108,7 @@ enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n)
     if (n == 0)
         return DT_OK;
     uint32_t end = (uint32_t)((first + n - 1) / DT_ID_PAGE) + 1;
-    enum dt_status status = reserve_table(m, end);
+    enum dt_status status = end > m->pages ? reserve_table(m, end) : DT_OK;
     for (uint32_t i = first / DT_ID_PAGE; status == DT_OK && i < end; i++) {
         if (m->page[i].value != NULL)
             continue;
