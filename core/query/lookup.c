@@ -26,14 +26,16 @@ struct lookup {
 
 static bool row_has_changed(const struct lookup *l, uint32_t id)
 {
-    return id >= l->then->next_id || dt_images_has(&l->t->views.rows, id, l->then->rows);
+    return id >= l->then->next_id ||
+           dt_images_has(&l->t->views.images, DT_IMAGE_ROW, id, l->then->moment);
 }
 
 /* Whether the vertex was where it is, joined to those to which it is. */
 static bool has_changed(const struct lookup *l, uint32_t v)
 {
     uint32_t id = l->t->points.id[v];
-    return row_has_changed(l, id) || dt_images_has(&l->t->views.rings, id, l->then->rings);
+    return row_has_changed(l, id) ||
+           dt_images_has(&l->t->views.images, DT_IMAGE_RING, id, l->then->moment);
 }
 
 /* A vertex of that moment: v, or one on its hull. */

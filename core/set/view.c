@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-enum { AT_ONCE = 2 }; /* chunks that an edit frees */
+enum { AT_ONCE = 4 }; /* chunks that an edit frees */
 
 /* ---- life ---- */
 
@@ -43,9 +43,7 @@ struct dt_view *dt_views_begin(struct dt_views *w)
     if (v == NULL)
         return NULL;
     v->serial = atomic_fetch_add(&w->serial, 1) + 1;
-    v->rows = dt_images_now(&w->rows);
-    v->families = dt_images_now(&w->families);
-    v->rings = dt_images_now(&w->rings);
+    v->moment = dt_images_now(&w->images);
     return v;
 }
 
@@ -61,15 +59,12 @@ void dt_views_clear(struct dt_views *w)
         next = v->next;
         free(v);
     }
-    dt_images_clear(&w->rows);
-    dt_images_clear(&w->families);
-    dt_images_clear(&w->rings);
+    dt_images_clear(&w->images);
 }
 
 size_t dt_views_memory(const struct dt_views *w)
 {
-    return dt_images_memory(&w->rows) + dt_images_memory(&w->families) +
-           dt_images_memory(&w->rings);
+    return dt_images_memory(&w->images);
 }
 
 uint32_t dt_view_next_id(const struct dt_view *v)
@@ -106,11 +101,6 @@ void dt_views_lose_rows(struct dt_views *w)
 
 /* ---- which moments are read ---- */
 
-/* From which places on images are read. */
-struct moment {
-    uint64_t rows, families, rings;
-};
-
 static uint64_t earlier(uint64_t a, uint64_t b)
 {
     return a < b ? a : b;
@@ -121,31 +111,29 @@ static uint64_t later(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-static void note(struct dt_views *w, const struct dt_view *v, struct moment *oldest)
+static void note(struct dt_views *w, const struct dt_view *v, uint64_t *oldest)
 {
-    if (dt_view_reads_rows(w, v)) {
-        w->oldest = earlier(w->oldest, v->serial);
-        w->latest = later(w->latest, v->serial);
-        w->row_ids = v->next_id > w->row_ids ? v->next_id : w->row_ids;
-        w->rows_since = later(w->rows_since, v->rows);
-        w->families_since = later(w->families_since, v->families);
-        oldest->rows = earlier(oldest->rows, v->rows);
-        oldest->families = earlier(oldest->families, v->families);
-    }
-    if (dt_view_reads_rings(w, v)) {
-        w->ring_ids = v->next_id > w->ring_ids ? v->next_id : w->ring_ids;
-        w->rings_since = later(w->rings_since, v->rings);
-        oldest->rings = earlier(oldest->rings, v->rings);
-    }
+    if (!dt_view_reads_rows(w, v))
+        return;
+    *oldest = earlier(*oldest, v->moment);
+    w->oldest = earlier(w->oldest, v->serial);
+    w->latest = later(w->latest, v->serial);
+    w->rows_since = later(w->rows_since, v->moment);
+    w->row_ids = v->next_id > w->row_ids ? v->next_id : w->row_ids;
+    if (!dt_view_reads_rings(w, v))
+        return;
+    w->rings_since = later(w->rings_since, v->moment);
+    w->ring_ids = v->next_id > w->ring_ids ? v->next_id : w->ring_ids;
 }
 
-/* Takes out the views that have ended and finds out which moments the others read. */
-static struct moment look_round(struct dt_views *w)
+/* Takes out the views that have ended and finds out which moments the others read. Returns the oldest one, UINT64_MAX
+ * if there is none. */
+static uint64_t look_round(struct dt_views *w)
 {
-    struct moment oldest = {UINT64_MAX, UINT64_MAX, UINT64_MAX};
+    uint64_t oldest = UINT64_MAX;
     struct dt_view *last = NULL, *next;
     w->row_ids = w->ring_ids = 0;
-    w->rows_since = w->families_since = w->rings_since = 0;
+    w->rows_since = w->rings_since = 0;
     w->oldest = UINT64_MAX;
     w->latest = 0;
     for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = next) {
@@ -164,21 +152,11 @@ static struct moment look_round(struct dt_views *w)
     return oldest;
 }
 
-/* Frees some of what lies before the oldest moment, UINT64_MAX if none is read. */
-static bool trim(struct dt_images *s, uint64_t oldest)
-{
-    int n = 0;
-    while (n < AT_ONCE && dt_images_trim(s, oldest))
-        n++;
-    return n > 0;
-}
-
 bool dt_views_review(struct dt_views *w)
 {
-    struct moment oldest = look_round(w);
-    bool rows = trim(&w->rows, oldest.rows), families = trim(&w->families, oldest.families);
-    bool rings = trim(&w->rings, oldest.rings);
-    w->saved = !dt_images_is_empty(&w->rows) || !dt_images_is_empty(&w->families) ||
-               !dt_images_is_empty(&w->rings);
-    return rows || families || rings;
+    uint64_t oldest = look_round(w);
+    int n = 0;
+    while (n < AT_ONCE && dt_images_trim(&w->images, oldest))
+        n++;
+    return n > 0;
 }

@@ -1,7 +1,7 @@
 /* view.h - the views of a set: readers of earlier moments, and what edits have saved for them; for the files of
  * core/ only.
  *
- * Three things are saved (core/set/images.h), each under its key:
+ * Three kinds of images are saved (core/set/images.h), in one order, each under its key:
  *
  *      rows       id -> its place, and of which group of aliases it is one
  *      families   group of aliases -> the group that it is part of, or its representative: so that a family
@@ -30,8 +30,8 @@ struct dt_view {
     bool line;            /* all points are on one line, or there are fewer than three */
     uint32_t on_hull;     /* with rings: a point on the hull, DT_NONE if there is none */
     uint32_t next_id;
-    uint64_t serial;                /* views are numbered as they begin */
-    uint64_t rows, families, rings; /* the moment */
+    uint64_t serial; /* views are numbered as they begin */
+    uint64_t moment; /* of the images */
     struct dt_summary sum;
 };
 
@@ -40,11 +40,10 @@ struct dt_views {
     atomic_uint_least64_t serial;   /* of the view that began last */
     uint64_t lost;       /* of the last view that cannot be read any more: out of memory */
     uint64_t rings_lost; /* of the last one whose triangulation cannot be read any more */
-    struct dt_images rows, families, rings;
-    bool saved;                /* there may be images */
+    struct dt_images images;
     struct dt_changes changes; /* calls back here */
     /* For the edit under way: the latest moments that are read, and the ids that there were by then. */
-    uint64_t rows_since, families_since, rings_since;
+    uint64_t rows_since, rings_since;
     uint32_t row_ids, ring_ids; /* 0: none is read */
     uint64_t oldest, latest;    /* serials of views that are read; UINT64_MAX and 0: none */
 };

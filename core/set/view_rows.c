@@ -45,13 +45,7 @@ enum dt_status dt_view_readable(const struct dt *t, const struct dt_view *v, boo
 
 const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_view *v)
 {
-    const struct dt_views *w = &t->views;
-    if (v == NULL)
-        return NULL;
-    bool rows = v->rows != dt_images_now(&w->rows);
-    bool families = v->families != dt_images_now(&w->families);
-    bool rings = v->with_rings && v->rings != dt_images_now(&w->rings);
-    return rows || families || rings ? v : NULL;
+    return v != NULL && v->moment != dt_images_now(&t->views.images) ? v : NULL;
 }
 
 bool dt_view_is_current(const struct dt *t, const struct dt_view *v)
@@ -78,7 +72,7 @@ void dt_view_save_family(const struct dt *t, uint32_t group, uint32_t *image)
 
 static const uint32_t *saved_row(const struct dt *t, const struct dt_view *v, uint32_t id)
 {
-    return dt_images_get(&t->views.rows, id, v->rows, NULL);
+    return dt_images_get(&t->views.images, DT_IMAGE_ROW, id, v->moment, NULL);
 }
 
 static uint32_t representative_of(const struct dt *t, const struct dt_view *v, uint32_t group)
@@ -86,7 +80,8 @@ static uint32_t representative_of(const struct dt *t, const struct dt_view *v, u
     for (;;) {
         const struct dt_alias_group *now = &t->points.aliases.group[group];
         const uint32_t *then =
-            v == NULL ? NULL : dt_images_get(&t->views.families, group, v->families, NULL);
+            v == NULL ? NULL
+                      : dt_images_get(&t->views.images, DT_IMAGE_FAMILY, group, v->moment, NULL);
         uint32_t up = then != NULL ? then[0] : now->up;
         if (up == DT_NONE)
             return then != NULL ? then[1] : now->representative;
@@ -164,21 +159,21 @@ enum dt_status dt_view_get(const struct dt *t, const struct dt_view *v, uint32_t
 struct dt_view_ids dt_view_ids_begin(const struct dt *t, const struct dt_view *v, uint32_t from)
 {
     struct dt_view_ids w = {t, dt_view_if_changed(t, v), v == NULL ? DT_NONE : v->next_id, 0};
-    w.saved = w.v == NULL ? DT_NONE : dt_idmap_next(&t->views.rows.newest, from);
+    w.saved = w.v == NULL ? DT_NONE : dt_idmap_next(&t->views.images.newest[DT_IMAGE_ROW], from);
     return w;
 }
 
 uint32_t dt_view_ids_next(struct dt_view_ids *w, uint32_t from)
 {
-    const struct dt_images *rows = &w->t->views.rows;
+    const struct dt_images *images = &w->t->views.images;
     for (;; from++) {
         if (w->saved < from)
-            w->saved = dt_idmap_next(&rows->newest, from);
+            w->saved = dt_idmap_next(&images->newest[DT_IMAGE_ROW], from);
         uint32_t live = dt_points_next_live(&w->t->points, from);
         from = live < w->saved ? live : w->saved;
         if (from >= w->end)
             return DT_NONE;
-        if (from == live || dt_images_has(rows, from, w->v->rows))
+        if (from == live || dt_images_has(images, DT_IMAGE_ROW, from, w->v->moment))
             return from;
     }
 }
@@ -187,7 +182,7 @@ uint32_t dt_view_ids_after(const struct dt *t, const struct dt_view *v, uint32_t
 {
     uint32_t live = dt_idmap_after(&t->points.value, from, n), saved = DT_NONE;
     if (dt_view_if_changed(t, v) != NULL)
-        saved = dt_idmap_after(&t->views.rows.newest, from, n);
+        saved = dt_idmap_after(&t->views.images.newest[DT_IMAGE_ROW], from, n);
     return live < saved ? live : saved;
 }
 

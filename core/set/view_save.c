@@ -13,28 +13,26 @@ static void save_row(void *ctx, uint32_t id)
     struct dt_views *w = &t->views;
     if (t->touched.on)
         dt_touched_note(&t->touched.rows, (uint64_t)id << 32 | DT_TOUCHED_ROW);
-    if (id >= w->row_ids || dt_images_has(&w->rows, id, w->rows_since))
+    if (id >= w->row_ids || dt_images_has(&w->images, DT_IMAGE_ROW, id, w->rows_since))
         return;
-    uint32_t *image = dt_images_save(&w->rows, id, DT_ROW_WORDS);
+    uint32_t *image = dt_images_save(&w->images, DT_IMAGE_ROW, id, DT_ROW_WORDS);
     if (image != NULL)
         dt_view_save_row(t, id, image);
     else
         dt_views_lose_rows(w);
-    w->saved = true;
 }
 
 static void save_family(void *ctx, uint32_t group)
 {
     struct dt *t = ctx;
     struct dt_views *w = &t->views;
-    if (w->row_ids == 0 || dt_images_has(&w->families, group, w->families_since))
+    if (w->row_ids == 0 || dt_images_has(&w->images, DT_IMAGE_FAMILY, group, w->rows_since))
         return;
-    uint32_t *image = dt_images_save(&w->families, group, DT_FAMILY_WORDS);
+    uint32_t *image = dt_images_save(&w->images, DT_IMAGE_FAMILY, group, DT_FAMILY_WORDS);
     if (image != NULL)
         dt_view_save_family(t, group, image);
     else
         dt_views_lose_rows(w);
-    w->saved = true;
 }
 
 static void save_star(void *ctx, uint32_t v)
@@ -44,14 +42,13 @@ static void save_star(void *ctx, uint32_t v)
     uint32_t id = t->points.id[v];
     if (t->touched.on && id != DT_NONE)
         dt_touched_note(&t->touched.rows, (uint64_t)id << 32 | DT_TOUCHED_RING);
-    if (id >= w->ring_ids || dt_images_has(&w->rings, id, w->rings_since))
+    if (id >= w->ring_ids || dt_images_has(&w->images, DT_IMAGE_RING, id, w->rings_since))
         return;
-    uint32_t *image = dt_images_save(&w->rings, id, dt_star_words(&t->mesh, v));
+    uint32_t *image = dt_images_save(&w->images, DT_IMAGE_RING, id, dt_star_words(&t->mesh, v));
     if (image != NULL)
         dt_star_save(&t->mesh, t->points.id, v, image);
     else
         dt_views_lose_rings(w);
-    w->saved = true;
 }
 
 /* The id of a vertex is the key of its star, and is contained in the stars of its neighbours. */
@@ -92,8 +89,8 @@ void dt_views_edit_begin(struct dt *t)
     if (t->touched.on && dt_is_live(t) &&
         dt_mesh_is_line(&t->mesh) != (t->touched.line != DT_NOT_ON_LINE))
         t->touched.rows.all = true;
-    if (t->touched.on || atomic_load_explicit(&w->list, memory_order_relaxed) != NULL || w->saved ||
-        t->points.changes != NULL || dt_fields_keep(&t->fields))
+    if (t->touched.on || atomic_load_explicit(&w->list, memory_order_relaxed) != NULL ||
+        !dt_images_is_empty(&w->images) || t->points.changes != NULL || dt_fields_keep(&t->fields))
         look_after(t);
 }
 
