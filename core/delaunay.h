@@ -251,7 +251,7 @@ enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt);
  * const queries below, which otherwise answer DT_UNTRIANGULATED. On a set that was never triangulated it does nothing. */
 enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt);
 
-/* dt_triangulate in two steps, for points that one large batch has sorted (dt_build_suits). dt_build only reads, so queries
+/* dt_triangulate in two steps, for points that a large batch has sorted (dt_build_suits). dt_build only reads, so queries
  * may continue meanwhile; dt_built installs what it has made, if t has not been edited since. Cost of dt_built: constant. */
 struct dt_build;
 bool dt_build_suits(const struct dt *t, const struct dt_options *opt);
