@@ -35,7 +35,7 @@ static bool is_hit(const struct dt_sweep *s, struct dt_point p)
 {
     switch (s->kind) {
     case DT_SWEEP_BOX:
-        return s->at.x <= p.x && p.x <= s->hi.x && s->at.y <= p.y && p.y <= s->hi.y;
+        return dt_box_contains(&(struct dt_box){s->at, s->hi}, p);
     case DT_SWEEP_DISC:
         return dt_compare_radius(p, s->at, s->radius) <= 0;
     case DT_SWEEP_NEAREST:
