@@ -4,8 +4,8 @@
  *     claim                  every triangle claims the cell with its centroid, then every vertex its own cell
  *     fill                   empty cells borrow from others
  *
- * A triangle that contains the centre of a cell nearly always has its centroid there, too. So a search takes 1.0 steps
- * on the average; from any triangle at a vertex of the cell it would take 2.1.
+ * Of the triangles with their centroid in a cell, the one that contains the centre of the cell keeps it, if there is one. A
+ * search from there takes 1.0 steps on the average; from any triangle at a vertex of the cell it would take 2.1.
  *
  * Triangles and vertices are in spatial order in memory, so claiming runs through the cells nearly in order;
  * threads share the passes but the first. */
