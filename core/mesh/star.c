@@ -48,19 +48,37 @@ static void reverse(uint32_t *v, uint32_t n)
     }
 }
 
+/* Its value and its index are compared as one number, so that no branch depends on the order of the ids. */
+static uint32_t index_of_least(const uint32_t *v, uint32_t n)
+{
+    uint64_t least = (uint64_t)DT_NONE << 32;
+    for (uint32_t i = 0; i < n; i++) {
+        uint64_t here = (uint64_t)v[i] << 32 | i;
+        least = here < least ? here : least;
+    }
+    return (uint32_t)least;
+}
+
 void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw)
 {
     if (cw)
         reverse(ring, n);
     if (on_hull)
         return;
-    uint32_t least = 0;
-    for (uint32_t i = 1; i < n; i++)
-        if (ring[i] < ring[least])
-            least = i;
-    if (least == 0)
-        return;
+    uint32_t least = index_of_least(ring, n);
     reverse(ring, least);
     reverse(ring + least, n - least);
     reverse(ring, n);
+}
+
+void dt_ring_copy(uint32_t *to, const uint32_t *ring, uint32_t n, bool cw)
+{
+    uint32_t at = index_of_least(ring, n);
+    for (uint32_t i = 0; i < n; i++) {
+        to[i] = ring[at];
+        if (cw)
+            at = (at == 0 ? n : at) - 1;
+        else
+            at = at + 1 == n ? 0 : at + 1;
+    }
 }

@@ -18,6 +18,9 @@ uint32_t dt_star_ring(const struct dt_mesh *m, const uint32_t *id, uint32_t v, u
  * successor; clockwise the same backwards, a hull point's from its predecessor on. */
 void dt_ring_turn(uint32_t *ring, uint32_t n, bool on_hull, bool cw);
 
+/* The same for an interior point, into to[n]. */
+void dt_ring_copy(uint32_t *to, const uint32_t *ring, uint32_t n, bool cw);
+
 /* ---- how a star is saved ---- */
 
 /* The words that the image of the star of vertex v has, and the image. */

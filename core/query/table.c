@@ -225,8 +225,7 @@ static bool write_star(const struct dt *t, const struct dt_cursor *c, struct sin
     uint32_t *ring = list_ring(k, degree);
     if (ring == NULL)
         return false;
-    memcpy(ring, s->ring[i], degree * sizeof *ring);
-    dt_ring_turn(ring, degree, false, c->cw);
+    dt_ring_copy(ring, s->ring[i], degree, c->cw);
     end_list(k, s->id[i], degree);
     return true;
 }
