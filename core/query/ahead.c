@@ -11,6 +11,7 @@
 #include "core/exact/predicates.h"
 #include "core/grid/hints.h"
 #include "core/memory/memory.h"
+#include "core/query/locate.h"
 #include "core/set/set.h"
 
 enum {
@@ -19,23 +20,6 @@ enum {
 };
 
 /* ---- places ---- */
-
-/* A walk that has come to the half edge h, from a to b, with the place on its left. Both are relative to the place: a step
- * computes only what the third corner of the triangle adds. */
-struct way {
-    struct dt_point a, b;
-    uint32_t h;
-};
-
-static struct dt_point relative(struct dt_point p, struct dt_point q)
-{
-    return (struct dt_point){p.x - q.x, p.y - q.y};
-}
-
-static double cross(struct dt_point a, struct dt_point b)
-{
-    return a.x * b.y - a.y * b.x;
-}
 
 /* Fetches what the step from h needs: the third corner, and the triangles that may be next. False: there is none. */
 static bool fetch_step(const struct dt *t, uint32_t h)
@@ -51,29 +35,26 @@ static bool fetch_step(const struct dt *t, uint32_t h)
 }
 
 /* Begins at the first edge of the triangle h, and on the side on which q is. False: there is no triangle. */
-static bool set_out(const struct dt *t, uint32_t h, struct dt_point q, struct way *w)
+static bool set_out(const struct dt *t, uint32_t h, struct dt_point q, struct dt_way *w)
 {
-    struct dt_point a = relative(t->points.xy[dt_origin(&t->mesh, h)], q);
-    struct dt_point b = relative(t->points.xy[dt_origin(&t->mesh, h + 1)], q);
-    *w = cross(a, b) < 0 ? (struct way){b, a, dt_twin(&t->mesh, h)} : (struct way){a, b, h};
+    double any = 0; /* a hint needs no bound */
+    struct dt_point a = dt_way_see(t->points.xy[dt_origin(&t->mesh, h)], q);
+    struct dt_point b = dt_way_see(t->points.xy[dt_origin(&t->mesh, h + 1)], q);
+    *w = dt_way_side(a, b, &any) < 0 ? (struct dt_way){b, a, dt_twin(&t->mesh, h)}
+                                     : (struct dt_way){a, b, h};
     return fetch_step(t, w->h);
 }
 
 /* To the next triangle. False: q is in this one. */
-static bool step(const struct dt *t, struct dt_point q, struct way *w)
+static bool step(const struct dt *t, struct dt_point q, struct dt_way *w)
 {
     const struct dt_mesh *m = &t->mesh;
-    struct dt_point c = relative(t->points.xy[dt_apex_of(m, w->h)], q);
-    double next = cross(w->b, c), prev = cross(c, w->a);
+    double any = 0;
+    struct dt_point c = dt_way_see(t->points.xy[dt_apex_of(m, w->h)], q);
+    double next = dt_way_side(w->b, c, &any), prev = dt_way_side(c, w->a, &any);
     if (next >= 0 && prev >= 0)
         return false;
-    if (next < prev) {
-        w->h = dt_twin(m, dt_next(w->h));
-        w->a = c;
-    } else {
-        w->h = dt_twin(m, dt_prev(w->h));
-        w->b = c;
-    }
+    dt_way_cross(m, w, c, next < prev);
     return true;
 }
 
@@ -98,8 +79,8 @@ static void arrive(const struct dt *t, uint32_t h, struct dt_place *p)
 }
 
 /* One step of each of the walks `on`, way[i] to p[i]. Returns how many of them continue. */
-static size_t go_on(const struct dt *t, struct dt_place *p, struct way *way, uint32_t *on, size_t n,
-                    enum dt_place_use use)
+static size_t go_on(const struct dt *t, struct dt_place *p, struct dt_way *way, uint32_t *on,
+                    size_t n, enum dt_place_use use)
 {
     size_t left = 0;
     for (size_t k = 0; k < n; k++) {
@@ -118,7 +99,7 @@ static size_t go_on(const struct dt *t, struct dt_place *p, struct way *way, uin
 void dt_walk_to_places(const struct dt *t, struct dt_place *p, size_t n, enum dt_place_use use)
 {
     const struct dt_mesh *m = &t->mesh;
-    struct way way[DT_AHEAD];
+    struct dt_way way[DT_AHEAD];
     uint32_t on[DT_AHEAD], left = 0, begun = 0;
     for (size_t i = 0; i < n; i++)
         p[i].near = DT_NONE;

@@ -33,27 +33,6 @@ static enum dt_where classify(uint32_t t, const int side[3], uint32_t *half)
 
 enum { ARRIVED = 3 };
 
-/* A walk that has come to the half edge h, from a to b, which q is not to the right of. Both are relative to q: a step
- * computes only what the third corner of the triangle adds. */
-struct way {
-    struct dt_point a, b;
-    uint32_t h;
-    bool strictly; /* q is to the left of h, not on its line */
-};
-
-static inline struct dt_point relative(struct dt_point p, struct dt_point q)
-{
-    return (struct dt_point){p.x - q.x, p.y - q.y};
-}
-
-/* The side of the edge from a to b that the origin is on, as dt_orient2d_rounded has it; adds to *size. */
-static inline double side_of(struct dt_point a, struct dt_point b, double *size)
-{
-    double left = a.x * b.y, right = a.y * b.x;
-    *size += fabs(left) + fabs(right);
-    return left - right;
-}
-
 /* Fetches the neighbours beyond the two other edges of the triangle at h: one of them is next, and which one is known
  * only when the corner's coordinates have come. Of the corner the entry in id, unless that is NULL. */
 static inline void fetch_beyond(const struct dt_mesh *m, const uint32_t *id, uint32_t h)
@@ -64,14 +43,15 @@ static inline void fetch_beyond(const struct dt_mesh *m, const uint32_t *id, uin
         dt_fetch(&id[dt_apex_of(m, h)]);
 }
 
-/* Begins at the first edge of the triangle at t, on the side on which q is. */
-static inline struct way set_out(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
-                                 struct dt_point q)
+/* A way from the first edge of the triangle at t, on the side on which q is. *strictly: q is not on the line of that edge. */
+static inline struct dt_way set_out(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+                                    struct dt_point q, bool *strictly)
 {
     struct dt_point p = xy[m->half[t]], r = xy[m->half[t + 1]];
-    struct dt_point a = relative(p, q), b = relative(r, q);
+    struct dt_point a = dt_way_see(p, q), b = dt_way_see(r, q);
     int side = dt_orient2d(p, r, q);
-    return side < 0 ? (struct way){b, a, dt_twin(m, t), true} : (struct way){a, b, t, side > 0};
+    *strictly = side != 0;
+    return side < 0 ? (struct dt_way){b, a, dt_twin(m, t)} : (struct dt_way){a, b, t};
 }
 
 /* Rounding errors hide where q is: the edge 0, 1 or 2 of the triangle at t that has q on its outer side, exactly. ARRIVED if
@@ -89,15 +69,15 @@ static uint32_t exact_exit(const struct dt_mesh *m, const struct dt_point *xy, u
 }
 
 /* Through the edge of its triangle, no ghost, that has q farther on its outer side, where rounding does not blur that. False:
- * q is in the closed triangle; *half and *where as for dt_find. */
+ * q is in the closed triangle; *half and *where as for dt_find. strictly: q is not on the line of w->h. */
 static inline bool step(const struct dt_mesh *m, const struct dt_point *xy, struct dt_point q,
-                        struct way *w, enum dt_where *where, uint32_t *half)
+                        struct dt_way *w, bool strictly, enum dt_where *where, uint32_t *half)
 {
-    struct dt_point c = relative(xy[dt_apex_of(m, w->h)], q);
-    double size = 0, next = side_of(w->b, c, &size), prev = side_of(c, w->a, &size);
+    struct dt_point c = dt_way_see(xy[dt_apex_of(m, w->h)], q);
+    double size = 0, next = dt_way_side(w->b, c, &size), prev = dt_way_side(c, w->a, &size);
     double least = next < prev ? next : prev, error = DT_ORIENT_BOUND * size;
     bool to_next = next < prev;
-    if (least > error && w->strictly) {
+    if (least > error && strictly) {
         *where = DT_INSIDE;
         *half = dt_base(w->h);
         return false;
@@ -108,10 +88,7 @@ static inline bool step(const struct dt_mesh *m, const struct dt_point *xy, stru
             return false;
         to_next = dt_base(w->h) + k == dt_next(w->h);
     }
-    w->h = dt_twin(m, to_next ? dt_next(w->h) : dt_prev(w->h));
-    w->a = to_next ? c : w->a;
-    w->b = to_next ? w->b : c;
-    w->strictly = true;
+    dt_way_cross(m, w, c, to_next);
     return true;
 }
 
@@ -121,10 +98,12 @@ static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, const
                        uint32_t h, struct dt_point q, uint32_t *steps, enum dt_where *where,
                        uint32_t *half)
 {
-    struct way w = set_out(m, xy, dt_base(dt_is_ghost(m, h) ? dt_twin(m, dt_base(h)) : h), q);
-    while (!dt_is_ghost(m, w.h)) {
+    bool strictly;
+    uint32_t t = dt_base(dt_is_ghost(m, h) ? dt_twin(m, dt_base(h)) : h);
+    struct dt_way w = set_out(m, xy, t, q, &strictly);
+    for (; !dt_is_ghost(m, w.h); strictly = true) {
         fetch_beyond(m, id, w.h);
-        if (!step(m, xy, q, &w, where, half))
+        if (!step(m, xy, q, &w, strictly, where, half))
             return true;
         if ((*steps)-- == 0) {
             *half = w.h;

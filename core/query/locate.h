@@ -4,6 +4,8 @@
 
 #include "core/grid/hints.h"
 
+#include <math.h>
+
 /* Where q lies in a mesh of at least two vertices; vertex v has coordinates xy[v]. *half becomes
  *   DT_INSIDE     a half edge of the triangle around q
  *   DT_ON_EDGE    the half edge that q is on (all points on one line: that of a ghost)
@@ -24,5 +26,41 @@ enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *x
 /* The same from a half edge of the caller's choice. Cost: the number of triangles between. */
 enum dt_where dt_walk(const struct dt_mesh *m, const struct dt_point *xy, uint32_t from,
                       struct dt_point q, uint32_t *half);
+
+/* ---- for walks, one by one and side by side (ahead.h) ----
+ *
+ *              c           A walk towards q has come to the half edge h, from a to b, which q is not to the right of. It goes
+ *             / \          on through b-c or c-a, or it has arrived. It keeps what q sees of an edge, so that a step
+ *            /   \         computes only what c adds.
+ *           a --- b
+ *              h */
+struct dt_way {
+    struct dt_point a, b; /* relative to q */
+    uint32_t h;
+};
+
+static inline struct dt_point dt_way_see(struct dt_point p, struct dt_point q)
+{
+    return (struct dt_point){p.x - q.x, p.y - q.y};
+}
+
+/* > 0 if q is to the left of the edge from a to b, rounded as by dt_orient2d_rounded; adds to *size. */
+static inline double dt_way_side(struct dt_point a, struct dt_point b, double *size)
+{
+    double left = a.x * b.y, right = a.y * b.x;
+    *size += fabs(left) + fabs(right);
+    return left - right;
+}
+
+/* Crosses b-c, or else c-a, of the triangle whose third corner is c. */
+static inline void dt_way_cross(const struct dt_mesh *m, struct dt_way *w, struct dt_point c,
+                                bool bc)
+{
+    w->h = dt_twin(m, bc ? dt_next(w->h) : dt_prev(w->h));
+    if (bc)
+        w->a = c;
+    else
+        w->b = c;
+}
 
 #endif
