@@ -96,7 +96,7 @@ static inline uint32_t claim_cell(const struct frame *f, uint32_t h, dt_lanes a,
 static void fetch_corners(const struct dt_point *xy, const uint32_t *v)
 {
     for (int k = 0; k < 3; k++)
-        dt_fetch((const void *)((uintptr_t)xy + sizeof *xy * (size_t)v[k]));
+        dt_fetch(&xy[v[k]]);
 }
 
 /* After many edits the vertices are in no order, so they are fetched ahead. */
