@@ -81,11 +81,17 @@ static enum dt_status check_points(const struct dt_point *p, size_t n, const str
 enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
                            const struct dt_options *opt, struct dt_added *out)
 {
+    dt_views_edit_begin(t);
+    return dt_update_add_many(t, p, n, opt, out);
+}
+
+enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t n,
+                                  const struct dt_options *opt, struct dt_added *out)
+{
     struct dt_work work = dt_work_of(opt);
     enum dt_status status = check_points(p, n, opt);
     if (status != DT_OK)
         return status;
-    dt_views_edit_begin(t);
     if (dt_is_live(t) && !dt_is_large_batch(t, n))
         return dt_update_add(t, p, n, &work, out);
     const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;

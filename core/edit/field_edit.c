@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "core/control/work.h"
-#include "core/set/set.h"
+#include "core/edit/update.h"
 
 /* What is set. */
 struct setting {
@@ -176,27 +176,13 @@ static enum dt_status make_ready(struct setting *s, const struct dt_values_of *c
     return status == DT_OK ? open_field(s, column->name, column->len, work) : status;
 }
 
-/* Takes away what write_run has written. */
-static void erase(struct setting *s)
-{
-    double none[DT_FIELD_PAGE];
-    for (size_t i = 0; i < DT_FIELD_PAGE; i++)
-        none[i] = (double)NAN;
-    for (size_t i = 0, k; i < s->n; i += k) {
-        k = run_at(s, i);
-        if (dt_field_page_now(s->field, id_of(s, i)) != NULL)
-            dt_field_put_run(s->field, id_of(s, i), none, (uint32_t)k);
-        dt_field_close(&s->t->fields.shelf, s->field, id_of(s, i));
-    }
-}
-
 static void undo(struct setting *s, size_t n)
 {
     while (n-- > 0) {
         if (s[n].created)
             dt_fields_drop(&s[n].t->fields, s[n].field);
         else
-            erase(&s[n]);
+            close_pages(&s[n], s[n].n);
     }
 }
 
@@ -216,11 +202,10 @@ enum dt_status dt_add_values(struct dt *t, const struct dt_point *p, size_t n,
             (struct setting){.t = t, .first = t->points.next_id, .v = column[ready].values, .n = n};
         status = make_ready(&s[ready], &column[ready], &work);
     }
-    /* Before the points come: from here on nothing of this is forgotten as an empty page. */
+    if (status == DT_OK)
+        status = dt_update_add_many(t, p, n, opt, out);
     for (size_t i = 0; i < columns && status == DT_OK; i++)
         write_run(&s[i]);
-    if (status == DT_OK)
-        status = dt_add_many(t, p, n, opt, out);
     if (status != DT_OK)
         undo(s, ready);
     return status;

@@ -16,6 +16,10 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
 enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_work *work);
 enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_work *work);
 
+/* dt_add_many within an edit that has begun (dt_views_edit_begin). */
+enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t n,
+                                  const struct dt_options *opt, struct dt_added *out);
+
 /* Prefetches what the deletion or a move of vertex v reads first; its triangles are probably where a build has put
  * them. */
 void dt_update_fetch(const struct dt *t, uint32_t v);
