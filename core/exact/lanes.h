@@ -82,13 +82,14 @@ static inline dt_lanes_holds dt_lanes_known(dt_lanes a)
     return a == same;
 }
 
-/* Bit i is set where the comparison, such as a > b, holds in lane i. */
+/* Bit i is the sign bit of lane i: set where a comparison, such as a > b, holds, and in the lanes of doubles taken as
+ * integers where these are negative. */
 static inline int dt_lanes_bits(dt_lanes_holds holds)
 {
 #ifdef __SSE2__
     return __builtin_ia32_movmskpd((dt_lanes)holds);
 #else
-    return (int)(holds[0] & 1) | (int)(holds[1] & 2);
+    return (holds[0] < 0 ? 1 : 0) | (holds[1] < 0 ? 2 : 0);
 #endif
 }
 
