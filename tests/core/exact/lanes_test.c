@@ -1,10 +1,10 @@
+/* lanes_test.c - the operations on lanes. Those that lanes.h has in two forms, for x86 and for other machines, are tested on
+ * arm64, too (.ci/run). */
 #include "core/exact/lanes.h"
 
 #include <math.h>
 
 #include "tests/test.h"
-
-/* Also for machines other than x86, on which lanes.h has other code: there .ci/run builds these tests for arm64. */
 
 static const double values[] = {0, -0.0, 1, -1, 0x1p-1074, -0x1p-1074, 1.5, -HUGE_VAL, HUGE_VAL};
 enum { N = sizeof values / sizeof *values };
