@@ -10,9 +10,9 @@
 enum {
     AT_ONCE = 64,       /* rows that are written without a stream */
     HEAVY_ROWS = 20000, /* more rows, or tables of more points, are made by workers */
-    REFILL = 64 * 1024, /* bytes of a refill, about */
-    PIECE = 128 * 1024, /* bytes of a piece, about; values of a surface: SURFACE_PIECE */
-    PIECES = 4          /* of one stream, made or in work */
+    PIECE =
+        64 * 1024, /* bytes of a piece and of a refill, about; values of a surface: SURFACE_PIECE */
+    PIECES = 4     /* of one stream, made or in work */
 };
 
 struct piece {
@@ -497,7 +497,7 @@ static void begin_next(struct server *s, struct stream *st)
  * must be sent at once, because `ready` is not called for it. */
 static enum dt_status go_on(struct server *s, struct stream *st, struct buf *out)
 {
-    size_t most = buf_len(out) + REFILL;
+    size_t most = buf_len(out) + PIECE;
     enum dt_status status;
     do {
         status = send_made(s, st, out, most);
@@ -521,7 +521,7 @@ void stream_refill(struct server *s, struct answer *a)
     enum dt_status status;
     bool done;
     if (may_fill(st)) {
-        rows_fill(&st->rows, a->out, buf_len(a->out) + REFILL);
+        rows_fill(&st->rows, a->out, buf_len(a->out) + PIECE);
         version_unlock(st->rows.version);
         st->passed = st->rows.surface.passed;
         status = copy_past(s, st); /* there are no workers: at once */

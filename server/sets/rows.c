@@ -11,7 +11,7 @@
 enum {
     CELLS = 64,          /* read at a time */
     TABLE_WORDS = 4096,  /* read from a table at a time */
-    PART_IDS = 2000,     /* of a part: ids of a table or rows of a list, about 100 KiB of text */
+    PART_IDS = 600,      /* of a part: ids of a table or rows of a list, about 30 KiB of text */
     PART_CELLS = 150,    /* of a part: cells, */
     PART_MADE = 600,     /* the same in binary, */
     PART_AREAS = 2000,   /* or areas, both if they have been made */

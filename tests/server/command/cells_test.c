@@ -136,8 +136,8 @@ TEST(cells_in_binary_are_the_same_without_memory_to_keep_them)
         const char *request;
         size_t more[2];
     } at[] = {
-        {"VORONOI t BINARY", {64 * MIB, 2 * MIB}},   /* they take 4.2 MB */
-        {"AREAS t BINARY", {64 * MIB, MIB * 3 / 4}}, /* 0.9 MB */
+        {"VORONOI t BINARY", {64 * MIB, 2 * MIB}}, /* they take 4.2 MB */
+        {"AREAS t BINARY", {64 * MIB, MIB / 2}},   /* 0.9 MB */
     };
     int fd;
     char *binary[2], line[80];
