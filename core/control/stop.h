@@ -1,6 +1,12 @@
-/* stop.h - what ends a long computation early: the caller's cancel flag, or a failure in one
- * of its threads. All threads of the computation share one and poll it at regular intervals; unfinished results are
- * discarded. */
+/* stop.h - what ends a call early: the caller's cancel flag, the caller's limit of steps, or a failure in one of the
+ * threads. All threads of a computation share one and poll it at regular intervals; unfinished results are discarded.
+ *
+ * A pass over an array polls (dt_stopped). A call that may take a limited number of steps counts them as well, in one
+ * thread; there it is called `work`, and a long loop does
+ *
+ *     if ((i & DT_WORK_MASK) == 0 && (status = dt_work(work, DT_WORK_BLOCK)) != DT_OK)
+ *         return status;
+ */
 #ifndef DT_STOP_H
 #define DT_STOP_H
 
@@ -12,15 +18,23 @@
 #define DT_POLL_MISSES (1u << 12)
 #define DT_POLL_FAULTS 128u
 
+/* Steps that are counted at once. */
+#define DT_WORK_BLOCK 256u
+#define DT_WORK_MASK (DT_WORK_BLOCK - 1)
+
 struct dt_stop {
     const atomic_bool *cancel; /* borrowed; NULL: never cancelled */
     atomic_int status; /* enum dt_status: the first reason to stop, DT_OK while there is none */
+    uint64_t left;     /* steps; more than UINT32_MAX: no limit */
 };
 
-/* For a computation with these options, which may be NULL. */
+/* For a call with these options, which may be NULL: no end. */
 static inline struct dt_stop dt_stop_of(const struct dt_options *opt)
 {
-    return (struct dt_stop){.cancel = opt == NULL ? NULL : opt->cancel};
+    if (opt == NULL)
+        return (struct dt_stop){.left = UINT64_MAX};
+    return (struct dt_stop){.cancel = opt->cancel,
+                            .left = opt->steps == 0 ? UINT64_MAX : opt->steps};
 }
 
 /* Polls: whether there is a reason to stop. Once true, it stays true. NULL: never. */
@@ -33,6 +47,33 @@ void dt_stop_because(struct dt_stop *s, enum dt_status why);
 static inline enum dt_status dt_stop_status(const struct dt_stop *s)
 {
     return (enum dt_status)atomic_load_explicit(&s->status, memory_order_relaxed);
+}
+
+/* ---- steps ---- */
+
+/* Whether there is a limit. NULL: no. */
+static inline bool dt_work_is_limited(const struct dt_stop *work)
+{
+    return work != NULL && work->left <= UINT32_MAX;
+}
+
+/* Whether so many steps are left. NULL: no end. */
+static inline bool dt_work_allows(const struct dt_stop *work, uint64_t steps)
+{
+    return work == NULL || steps <= work->left;
+}
+
+/* Subtracts the steps from what is left. DT_CANCELLED, DT_TOOLONG: the call must end. NULL: never. */
+static inline enum dt_status dt_work(struct dt_stop *work, uint64_t steps)
+{
+    if (work == NULL)
+        return DT_OK;
+    if (work->cancel != NULL && atomic_load_explicit(work->cancel, memory_order_relaxed))
+        return DT_CANCELLED;
+    if (steps > work->left)
+        return DT_TOOLONG;
+    work->left -= steps;
+    return DT_OK;
 }
 
 /* ---- a pass in pieces ---- */

@@ -210,7 +210,7 @@ static enum dt_status add_sorted(struct dt_points *p, const struct dt_point *q, 
 }
 
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                               const struct dt_pool *pool, struct dt_work *work,
+                               const struct dt_pool *pool, struct dt_stop *work,
                                struct dt_added *out)
 {
     if (!dt_arrivals_suit(p, n))

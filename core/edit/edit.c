@@ -88,7 +88,7 @@ enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
 enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t n,
                                   const struct dt_options *opt, struct dt_added *out)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     enum dt_status status = check_points(p, n, opt);
     if (status != DT_OK)
         return status;
@@ -105,8 +105,7 @@ enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t
 static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n,
                                     const struct dt_options *opt)
 {
-    struct dt_work work = dt_work_of(opt);
-    struct dt_stop stop = dt_stop_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     dt_views_edit_begin(t);
     enum dt_status status = dt_fields_take_ready(&t->fields, ids, n, &work);
     if (status != DT_OK)
@@ -128,9 +127,9 @@ static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n,
         only_aliases = dt_points_is_alias(p, ids[i]);
     if (!only_aliases)
         t->current = false;
-    dt_points_delete_all(p, ids, n, opt != NULL && opt->disposable ? &stop : NULL);
+    dt_points_delete_all(p, ids, n, opt != NULL && opt->disposable ? &work : NULL);
     dt_fields_take(&t->fields, ids, n);
-    return dt_stop_status(&stop);
+    return dt_stop_status(&work);
 }
 
 enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted,
@@ -179,7 +178,7 @@ enum dt_status dt_move(struct dt *t, uint32_t id, struct dt_point to)
 enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
                           const struct dt_options *opt)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     dt_hint_fetch_cells(&t->hints, to);
     if (dt_points_vertex(&t->points, id) == DT_NONE)
         return DT_NOPOINT;

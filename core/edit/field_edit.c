@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/edit/update.h"
 
 /* What is set. */
@@ -25,7 +25,7 @@ static uint32_t id_of(const struct setting *s, size_t i)
 }
 
 /* DT_OK if every value may be set at its point. */
-static enum dt_status check(const struct setting *s, struct dt_work *work, uint32_t *missing)
+static enum dt_status check(const struct setting *s, struct dt_stop *work, uint32_t *missing)
 {
     enum dt_status status = DT_OK;
     for (size_t i = 0; i < s->n && status == DT_OK; i++) {
@@ -54,7 +54,7 @@ static void close_pages(const struct setting *s, size_t n)
         dt_field_close(&s->t->fields.shelf, s->field, id_of(s, i));
 }
 
-static enum dt_status open_pages(const struct setting *s, struct dt_work *work)
+static enum dt_status open_pages(const struct setting *s, struct dt_stop *work)
 {
     enum dt_status status = DT_OK;
     size_t i = 0;
@@ -115,7 +115,7 @@ static enum dt_status find_field(struct setting *s, const char *name, size_t len
 
 /* Finds or creates the field, and makes its pages ready; one that was created for nothing is dropped again. */
 static enum dt_status open_field(struct setting *s, const char *name, size_t len,
-                                 struct dt_work *work)
+                                 struct dt_stop *work)
 {
     enum dt_status status = find_field(s, name, len);
     if (status != DT_OK)
@@ -129,7 +129,7 @@ static enum dt_status open_field(struct setting *s, const char *name, size_t len
 static enum dt_status set_values(struct setting *s, const char *name, size_t len,
                                  const struct dt_options *opt, uint32_t *missing)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     enum dt_status status = check(s, &work, missing);
     if (status != DT_OK)
         return status;
@@ -168,7 +168,7 @@ enum dt_status dt_field_set_run(struct dt *t, const char *name, size_t len, uint
 
 /* Makes everything ready for the values of points that have no ids yet; work may be NULL. */
 static enum dt_status make_ready(struct setting *s, const struct dt_values_of *column,
-                                 struct dt_work *work)
+                                 struct dt_stop *work)
 {
     enum dt_status status = DT_OK;
     for (size_t i = 0; i < s->n && status == DT_OK; i++)
@@ -191,7 +191,7 @@ enum dt_status dt_add_values(struct dt *t, const struct dt_point *p, size_t n,
                              const struct dt_options *opt, struct dt_added *out)
 {
     struct setting s[DT_MAX_FIELDS];
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     enum dt_status status = DT_OK;
     size_t ready = 0;
     if (columns > DT_MAX_FIELDS || n > DT_NONE - t->points.next_id)

@@ -107,7 +107,7 @@ static bool look_at(const struct dt_point *xy, const struct spokes *s, struct dt
 }
 
 enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
-                              struct dt_point to, struct dt_work *work, struct dt_flips *f,
+                              struct dt_point to, struct dt_stop *work, struct dt_flips *f,
                               bool *allowed)
 {
     enum dt_status status = DT_OK;

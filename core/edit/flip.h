@@ -24,7 +24,7 @@ struct dt_flips {
  * hull, and where very many edges would have to be flipped. Lists in *f the edges of the star that are
  * not Delaunay then. Nothing is changed. Cost: the degree of v, taken off the work. */
 enum dt_status dt_star_allows(const struct dt_mesh *m, const struct dt_point *xy, uint32_t v,
-                              struct dt_point to, struct dt_work *work, struct dt_flips *f,
+                              struct dt_point to, struct dt_stop *work, struct dt_flips *f,
                               bool *allowed);
 
 /* v has moved, as its star allowed: flips the edges that are not Delaunay. scratch: has the work, and the

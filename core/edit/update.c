@@ -183,20 +183,19 @@ static void withdraw(struct dt *t, const struct dt_batch *b, uint32_t done)
     }
 }
 
-enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_work *work,
+enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_stop *work,
                              struct dt_added *out)
 {
     if (n == 1)
         dt_hint_fetch_cells(&t->hints, q[0]); /* they arrive while room is made */
     dt_tend(t, work);                         /* the batch needs a grid */
     struct dt_batch b;
-    struct dt_stop stop = dt_work_stop(work);
     struct dt_added done = {.first = t->points.next_id, .added = (uint32_t)n};
     enum dt_status status = dt_points_reserve(&t->points, n, work);
     if (status == DT_OK && t->points.tol > 0)
         status = dt_points_index(&t->points, work);
     if (status == DT_OK)
-        status = dt_batch_begin(&b, t, q, (uint32_t)n, &stop);
+        status = dt_batch_begin(&b, t, q, (uint32_t)n, work);
     if (status != DT_OK)
         return status;
     t->scratch.work = work;
@@ -278,11 +277,10 @@ static size_t list_vertices(const struct dt *t, const uint32_t *ids, size_t n, s
 
 /* Removes those vertices of the ids from the mesh that do not keep their places, *k of them: gone[n]. */
 static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t n,
-                                      struct dt_work *work, uint32_t *gone, size_t *k)
+                                      struct dt_stop *work, uint32_t *gone, size_t *k)
 {
-    struct dt_stop stop = dt_work_stop(work);
-    size_t all = list_vertices(t, ids, n, &stop, gone);
-    enum dt_status status = dt_stop_status(&stop);
+    size_t all = list_vertices(t, ids, n, work, gone);
+    enum dt_status status = dt_stop_status(work);
     for (*k = 0; *k < all && status == DT_OK; *k += status == DT_OK) {
         if (*k % DT_AHEAD == 0 && all > 1)
             dt_walk_stars(t, gone + *k, all - *k < DT_AHEAD ? all - *k : DT_AHEAD, DT_STAR_REMOVE);
@@ -293,7 +291,7 @@ static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t 
     return status;
 }
 
-enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_work *work)
+enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_stop *work)
 {
     struct dt_points *p = &t->points;
     uint32_t one = DT_NONE, *gone = n == 1 ? &one : dt_array_new(n, sizeof *gone);
@@ -350,7 +348,7 @@ static enum dt_status move_vertex(struct dt *t, uint32_t v, struct dt_point to,
 
 /* The same within the star of v, if that allows it. */
 static enum dt_status move_by_flips(struct dt *t, uint32_t v, struct dt_point to,
-                                    struct dt_work *work, bool *moved)
+                                    struct dt_stop *work, bool *moved)
 {
     struct dt_point from = t->points.xy[v];
     struct dt_flips f;
@@ -369,7 +367,7 @@ static enum dt_status move_by_flips(struct dt *t, uint32_t v, struct dt_point to
 
 /* Whether an insertion at the place is within the limit: counts what it would replace. */
 static enum dt_status count_conflicts(struct dt *t, struct dt_point to, const struct place *place,
-                                      const struct dt_work *work)
+                                      const struct dt_stop *work)
 {
     if (!dt_work_is_limited(work) || dt_mesh_is_line(&t->mesh) || place->at != DT_NONE)
         return DT_OK;
@@ -380,7 +378,7 @@ static enum dt_status count_conflicts(struct dt *t, struct dt_point to, const st
  * then. */
 static enum dt_status move_among_aliases(struct dt *t, uint32_t id, struct dt_point to, uint32_t v,
                                          const struct place *place, uint32_t at,
-                                         struct dt_work *work)
+                                         struct dt_stop *work)
 {
     struct dt_points *p = &t->points;
     enum dt_status status = dt_points_move_ready(p, id, work);
@@ -404,7 +402,7 @@ static enum dt_status move_among_aliases(struct dt *t, uint32_t id, struct dt_po
 }
 
 static enum dt_status move_anywhere(struct dt *t, uint32_t id, struct dt_point to, uint32_t v,
-                                    struct dt_work *work)
+                                    struct dt_stop *work)
 {
     struct place place = look_up(t, to);
     uint32_t at = coincident(t, to, &place, v);
@@ -426,7 +424,7 @@ static bool stays_alone(const struct dt_points *p, uint32_t v, struct dt_point t
            (p->tol == 0 || dt_points_find(p, to, v) == DT_NONE);
 }
 
-enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_work *work)
+enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_stop *work)
 {
     struct dt_points *p = &t->points;
     uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);

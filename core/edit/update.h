@@ -11,10 +11,10 @@ bool dt_is_large_batch(const struct dt *t, size_t n);
  * leaves the set as it was, with one exception: where a large batch, or one that is out of memory, cannot be
  * undone vertex by vertex at a reasonable cost, the points are as they were and the set awaits a rebuild
  * (t->current is false). Cost: a small constant per point, expected. */
-enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_work *work,
+enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_stop *work,
                              struct dt_added *out);
-enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_work *work);
-enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_work *work);
+enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_stop *work);
+enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_stop *work);
 
 /* dt_add_many within an edit that has begun (dt_views_edit_begin). */
 enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t n,

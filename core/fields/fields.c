@@ -113,7 +113,7 @@ void dt_fields_drop(struct dt_fields *f, struct dt_field *c)
 /* ---- points go ---- */
 
 enum dt_status dt_fields_take_ready(struct dt_fields *f, const uint32_t *ids, size_t n,
-                                    struct dt_work *work)
+                                    struct dt_stop *work)
 {
     enum dt_status status = DT_OK;
     for (uint32_t k = 0; k < f->n; k++) {

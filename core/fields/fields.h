@@ -2,7 +2,7 @@
 #ifndef DT_FIELDS_H
 #define DT_FIELDS_H
 
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/fields/column.h"
 
 /* Start with {0}. */
@@ -36,7 +36,7 @@ void dt_fields_drop(struct dt_fields *f, struct dt_field *c);
 
 /* Makes dt_fields_take of these ids certain to succeed, and fetches what it will read. */
 enum dt_status dt_fields_take_ready(struct dt_fields *f, const uint32_t *ids, size_t n,
-                                    struct dt_work *work);
+                                    struct dt_stop *work);
 
 /* The values of n ascending ids go. */
 void dt_fields_take(struct dt_fields *f, const uint32_t *ids, size_t n);

@@ -6,7 +6,7 @@
 #ifndef DT_CAVITY_H
 #define DT_CAVITY_H
 
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/exact/predicates.h"
 #include "core/mesh/mesh.h"
 #include "core/points/changes.h"
@@ -33,7 +33,7 @@ struct dt_cavity {
     uint32_t records, rims, stacked;
     uint32_t room;
     bool open;            /* infinity is on the rim */
-    struct dt_work *work; /* borrows: the work left to the edit; NULL: no limit */
+    struct dt_stop *work; /* borrows: the work left to the edit; NULL: no limit */
     const struct dt_changes
         *changes; /* borrows; notified of the stars that change; NULL: not needed */
 };

@@ -67,7 +67,7 @@ static enum dt_status new_table(struct dt_places *p, size_t cap)
 
 enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct dt_point *xy,
                                  const uint32_t *id, uint32_t end, uint32_t verts,
-                                 struct dt_work *work)
+                                 struct dt_stop *work)
 {
     if (p->bucket != NULL && verts <= p->cap)
         return DT_OK;

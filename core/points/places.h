@@ -8,7 +8,7 @@
 #ifndef DT_PLACES_H
 #define DT_PLACES_H
 
-#include "core/control/work.h"
+#include "core/control/stop.h"
 
 #include <string.h>
 
@@ -45,7 +45,7 @@ void dt_places_clear(struct dt_places *p);
  * changes nothing. */
 enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct dt_point *xy,
                                  const uint32_t *id, uint32_t end, uint32_t verts,
-                                 struct dt_work *work);
+                                 struct dt_stop *work);
 
 /* The vertex nearest to q of those at most tol away, ties to the lowest id, `except` (a vertex or
  * DT_NONE) left out; DT_NONE if there is none. Cost: constant expected. */

@@ -113,7 +113,7 @@ struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id)
 /* ---- vertices ---- */
 
 /* Makes room for n more vertices in every array. */
-static enum dt_status reserve_vertices(struct dt_points *p, size_t n, struct dt_work *work)
+static enum dt_status reserve_vertices(struct dt_points *p, size_t n, struct dt_stop *work)
 {
     size_t need = p->end + (n > p->free_count ? n - p->free_count : 0);
     if (need > DT_MAX_POINTS)
@@ -138,7 +138,7 @@ static enum dt_status reserve_vertices(struct dt_points *p, size_t n, struct dt_
                : dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, (uint32_t)need, work);
 }
 
-enum dt_status dt_points_index(struct dt_points *p, struct dt_work *work)
+enum dt_status dt_points_index(struct dt_points *p, struct dt_stop *work)
 {
     return dt_places_reserve(&p->places, p->tol, p->xy, p->id, p->end, p->cap, work);
 }
@@ -235,7 +235,7 @@ enum dt_status dt_points_reserve_ids(struct dt_points *p, size_t n)
     return dt_idmap_reserve(&p->value, p->next_id, n);
 }
 
-enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_work *work)
+enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_stop *work)
 {
     enum dt_status status = dt_points_reserve_ids(p, n);
     return status == DT_OK ? reserve_vertices(p, n, work) : status;
@@ -269,7 +269,7 @@ void dt_points_take_back(struct dt_points *p, uint32_t n)
 }
 
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             struct dt_work *work, struct dt_added *out)
+                             struct dt_stop *work, struct dt_added *out)
 {
     enum { AHEAD = 12 }; /* points; as long as two cache misses take */
     enum dt_status status = dt_points_reserve(p, n, work);
@@ -313,7 +313,7 @@ const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v, con
 }
 
 enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n,
-                                      struct dt_work *work)
+                                      struct dt_stop *work)
 {
     bool heirs = false;
     dt_idmap_trim(&p->value);
@@ -428,7 +428,7 @@ void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to)
 
 /* ---- moving ---- */
 
-enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, struct dt_work *work)
+enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, struct dt_stop *work)
 {
     enum dt_status status = dt_points_delete_ready(p, &id, 1, work);
     if (status == DT_OK)
@@ -453,7 +453,7 @@ uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, 
 }
 
 enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to,
-                              struct dt_work *work)
+                              struct dt_stop *work)
 {
     to = (struct dt_point){to.x + 0.0, to.y + 0.0};
     struct dt_point from = dt_points_xy(p, id);

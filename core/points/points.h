@@ -99,17 +99,17 @@ static inline void dt_points_fetch(const struct dt_points *p, uint32_t id)
 /* The coordinates of a live id. */
 struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
 
-/* Where a function takes work (work.h), it is taken off that; NULL: no end. */
+/* Where a function takes work (stop.h), its steps are taken off that; NULL: no end. */
 
 /* Adds n valid points one after the other, all or none (many at once: arrivals.h). */
 enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             struct dt_work *work, struct dt_added *out);
+                             struct dt_stop *work, struct dt_added *out);
 
 /* The same in steps, for a caller that finds coincident points in its own way: room for n arrivals,
  * or for their ids alone; then for each id from next_id on, in any order but with coincident points ascending, either
  * dt_points_enter or dt_points_join; then dt_points_arrived. dt_points_take_back undoes what was
  * done before dt_points_arrived; none of these points may have been taken over. */
-enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_work *work);
+enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_stop *work);
 enum dt_status dt_points_reserve_ids(struct dt_points *p, size_t n);
 uint32_t dt_points_enter(struct dt_points *p, uint32_t id,
                          struct dt_point q); /* returns its vertex */
@@ -120,7 +120,7 @@ void dt_points_take_back(struct dt_points *p, uint32_t n);
 /* Makes the deletion of n distinct live ids, in ascending order, by dt_points_delete_all certain to
  * succeed. */
 enum dt_status dt_points_delete_ready(struct dt_points *p, const uint32_t *ids, size_t n,
-                                      struct dt_work *work);
+                                      struct dt_stop *work);
 
 /* Deletes a live id. If it is a representative that has aliases, the lowest one takes over its
  * vertex; but if, with a tolerance, another representative is at exactly that alias's place, the
@@ -144,17 +144,17 @@ const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v, con
 
 /* Moves a live id to a valid place. Changes nothing unless DT_OK. */
 enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to,
-                              struct dt_work *work);
+                              struct dt_stop *work);
 
 /* The same in steps: dt_points_move_ready makes the others certain to succeed. Then the point leaves,
  * by dt_points_delete, and arrives: at vertex `at`, with which it coincides, or, if that is DT_NONE,
  * at a vertex of its own, which is returned; DT_NONE is returned if no vertex came. */
-enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, struct dt_work *work);
+enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, struct dt_stop *work);
 uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, uint32_t at);
 
 /* The vertex that a point at q coincides with, `except` left out; DT_NONE if there is none. The
  * first call after dt_points_renumber needs dt_points_index, O(n). */
-enum dt_status dt_points_index(struct dt_points *p, struct dt_work *work);
+enum dt_status dt_points_index(struct dt_points *p, struct dt_stop *work);
 uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t except);
 
 #endif

@@ -16,7 +16,7 @@
 struct lookup {
     const struct dt *t;
     const struct dt_view *then; /* NULL: nothing has changed since */
-    struct dt_work work;
+    struct dt_stop work;
     uint32_t width;    /* words of an answer */
     struct dt_ids ids; /* owns: workspace */
     enum dt_status (*answer)(struct lookup *l, const struct dt_place *p, uint32_t *out);
@@ -203,7 +203,7 @@ static enum dt_status look_up(struct lookup *l, const struct dt_view *v, const s
 enum dt_status dt_locate_many(const struct dt *t, const struct dt_view *v, const struct dt_point *p,
                               size_t n, const struct dt_options *opt, uint32_t *out, size_t *done)
 {
-    struct lookup l = {.t = t, .work = dt_work_of(opt), .width = 3, .answer = locate};
+    struct lookup l = {.t = t, .work = dt_stop_of(opt), .width = 3, .answer = locate};
     return look_up(&l, v, p, n, out, done);
 }
 
@@ -211,6 +211,6 @@ enum dt_status dt_nearest_many(const struct dt *t, const struct dt_view *v,
                                const struct dt_point *p, size_t n, uint32_t k,
                                const struct dt_options *opt, uint32_t *out, size_t *done)
 {
-    struct lookup l = {.t = t, .work = dt_work_of(opt), .width = k, .answer = nearest};
+    struct lookup l = {.t = t, .work = dt_stop_of(opt), .width = k, .answer = nearest};
     return look_up(&l, v, p, n, out, done);
 }

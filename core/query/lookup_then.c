@@ -11,7 +11,7 @@
 
 /* ---- rings and places ---- */
 
-struct dt_then dt_then_of(const struct dt *t, const struct dt_view *v, struct dt_work *work)
+struct dt_then dt_then_of(const struct dt *t, const struct dt_view *v, struct dt_stop *work)
 {
     return (struct dt_then){.t = t, .v = v, .work = work, .id = DT_NONE};
 }
@@ -115,7 +115,7 @@ static enum dt_status step(struct dt_then *r, struct dt_point q, uint32_t id[3],
 }
 
 enum dt_status dt_locate_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
-                              uint32_t from, struct dt_work *work, uint32_t out[3])
+                              uint32_t from, struct dt_stop *work, uint32_t out[3])
 {
     if (v->line || from == DT_NONE)
         return DT_OK;

@@ -7,7 +7,7 @@
 #ifndef DT_LOOKUP_THEN_H
 #define DT_LOOKUP_THEN_H
 
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/set/set.h"
 
 /* Makes best[3] the triangle a b c (counterclockwise), from its smallest id, if that comes before best in
@@ -36,13 +36,13 @@ static inline void dt_first_triangle(uint32_t best[3], uint32_t a, uint32_t b, u
 struct dt_then {
     const struct dt *t;
     const struct dt_view *v;
-    struct dt_work *work; /* borrows */
+    struct dt_stop *work; /* borrows */
     uint32_t id;          /* whose ring was read last; DT_NONE: none was read */
     bool on_hull;
     struct dt_ids ring; /* owns */
 };
 
-struct dt_then dt_then_of(const struct dt *t, const struct dt_view *v, struct dt_work *work);
+struct dt_then dt_then_of(const struct dt *t, const struct dt_view *v, struct dt_stop *work);
 void dt_then_clear(struct dt_then *r);
 
 /* Reads the star (view_stars.h) of what was a representative into r->ring. */
@@ -53,10 +53,10 @@ struct dt_point dt_then_place(const struct dt_then *r, uint32_t id);
 /* A row of dt_locate_many at the moment of v, which is readable. `from` was a vertex, best one near q; DT_NONE: there
  * was none. All of out is DT_NONE on entry. */
 enum dt_status dt_locate_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
-                              uint32_t from, struct dt_work *work, uint32_t out[3]);
+                              uint32_t from, struct dt_stop *work, uint32_t out[3]);
 
 /* The same for dt_nearest_many: appends up to k ids. */
 enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
-                               uint32_t from, uint32_t k, struct dt_work *work, struct dt_ids *out);
+                               uint32_t from, uint32_t k, struct dt_stop *work, struct dt_ids *out);
 
 #endif

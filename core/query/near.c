@@ -42,7 +42,7 @@ struct dt_seen dt_near_pop(struct dt_near *h)
 
 /* Cuts the heap down to the results still wanted, which is less than half of it: the nearest ones are popped
  * into the room that they leave at its end, then brought to the front, where their order is a heap. */
-static enum dt_status cut(struct dt_near *h, struct dt_work *work)
+static enum dt_status cut(struct dt_near *h, struct dt_stop *work)
 {
     size_t n = h->n, keep = h->wanted;
     enum dt_status st = DT_OK;
@@ -83,7 +83,7 @@ static enum dt_status grow(struct dt_near *h)
     return DT_OK;
 }
 
-enum dt_status dt_near_push(struct dt_near *h, struct dt_seen c, struct dt_work *work)
+enum dt_status dt_near_push(struct dt_near *h, struct dt_seen c, struct dt_stop *work)
 {
     if (h->n == h->cap && grow(h) != DT_OK)
         return DT_NOMEM;

@@ -6,7 +6,7 @@
 #ifndef DT_NEAR_H
 #define DT_NEAR_H
 
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/exact/predicates.h"
 
 struct dt_seen {
@@ -45,7 +45,7 @@ static inline int dt_near_compare(const struct dt_near *h, const struct dt_seen 
 }
 
 /* Adds a point. work may be NULL. */
-enum dt_status dt_near_push(struct dt_near *h, struct dt_seen c, struct dt_work *work);
+enum dt_status dt_near_push(struct dt_near *h, struct dt_seen c, struct dt_stop *work);
 
 /* Takes out the nearest; n > 0. */
 struct dt_seen dt_near_pop(struct dt_near *h);

@@ -9,7 +9,7 @@
  * long. */
 #include "core/query/nearest.h"
 
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/grid/jump.h"
 #include "core/mesh/hull.h"
 #include "core/query/locate.h"
@@ -26,7 +26,7 @@ struct nearest {
     bool tie;
     struct dt_ids *ties; /* borrows: those that are as near; NULL: not needed */
     uint32_t steps;      /* vertices considered and not yet taken off what the caller allows */
-    struct dt_work *work;
+    struct dt_stop *work;
     enum dt_status status; /* the result of the last poll */
 };
 
@@ -192,7 +192,7 @@ static void consider_sample(struct nearest *n)
     consider(n, m->leaving[dt_jump_vertex(m, n->t->points.xy, n->best.v, n->q)]);
 }
 
-enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, struct dt_work *work,
+enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, struct dt_stop *work,
                                  uint32_t *nearest, bool *tie)
 {
     *tie = false;
@@ -218,7 +218,7 @@ enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, s
 }
 
 enum dt_status dt_nearest_ties(const struct dt *t, struct dt_point q, uint32_t v,
-                               struct dt_work *work, struct dt_ids *ties)
+                               struct dt_stop *work, struct dt_ids *ties)
 {
     struct nearest n = {.t = t, .q = q, .best = dt_candidate(t, q, v), .ties = ties, .work = work};
     consider_around(&n, t->mesh.leaving[v]);

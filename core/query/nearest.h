@@ -39,15 +39,15 @@ static inline int dt_compare_candidates(const struct dt *t, struct dt_point q,
 /* *nearest: a vertex of which none is nearer to the place; *tie: there are others as near. At least
  * one vertex must exist. Exact. What it looks at is taken off the work. Cost: constant expected; at a
  * vertex of high degree, the root of the number of triangles. */
-enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, struct dt_work *work,
+enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, struct dt_stop *work,
                                  uint32_t *nearest, bool *tie);
 
 /* dt_nearest_place, whose steps are taken off the work. */
 enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place *q, uint32_t k,
-                                      struct dt_work *work, struct dt_ids *out);
+                                      struct dt_stop *work, struct dt_ids *out);
 
 /* Appends the neighbours of v, a vertex nearest to q, that are as near, possibly some of them twice. */
 enum dt_status dt_nearest_ties(const struct dt *t, struct dt_point q, uint32_t v,
-                               struct dt_work *work, struct dt_ids *ties);
+                               struct dt_stop *work, struct dt_ids *ties);
 
 #endif

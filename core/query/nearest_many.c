@@ -13,7 +13,7 @@
 struct search {
     const struct dt *t;
     struct dt_then *then; /* borrows; NULL: now */
-    struct dt_work *work;
+    struct dt_stop *work;
     struct dt_visited seen;
     struct dt_near near; /* seen and not yet given out */
 };
@@ -129,7 +129,7 @@ static enum dt_status append_nearest(struct search *s, uint32_t nearest, bool ti
 /* ---- now ---- */
 
 enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place *q, uint32_t k,
-                                      struct dt_work *work, struct dt_ids *out)
+                                      struct dt_stop *work, struct dt_ids *out)
 {
     enum dt_status st = dt_readable(t);
     k = k < t->mesh.vertices ? k : t->mesh.vertices;
@@ -153,7 +153,7 @@ enum dt_status dt_nearest_within_work(const struct dt *t, const struct dt_place 
 enum dt_status dt_nearest_place(const struct dt *t, const struct dt_place *q, uint32_t k,
                                 const struct dt_options *opt, struct dt_ids *out)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     return dt_nearest_within_work(t, q, k, &work, out);
 }
 
@@ -182,7 +182,7 @@ static enum dt_status descend(struct search *s, uint32_t *id)
 }
 
 enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
-                               uint32_t from, uint32_t k, struct dt_work *work, struct dt_ids *out)
+                               uint32_t from, uint32_t k, struct dt_stop *work, struct dt_ids *out)
 {
     if (k == 0 || from == DT_NONE)
         return DT_OK;

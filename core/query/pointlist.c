@@ -1,6 +1,6 @@
 /* pointlist.c - the paper's point list, each point with the ordered ring of its neighbours: rings of single points, and
  * the order of the list. */
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/memory/sort.h"
 #include "core/mesh/hull.h"
 #include "core/query/hull_walk.h"
@@ -62,7 +62,7 @@ enum dt_status dt_view_ring(const struct dt *t, const struct dt_view *v, uint32_
 
 /* Copies the n sorted ids of hull points to `to` in hull order. */
 static enum dt_status hull_order(const struct dt *t, bool cw, uint32_t *to, const uint32_t *ids,
-                                 size_t n, struct dt_work *work)
+                                 size_t n, struct dt_stop *work)
 {
     enum dt_status s = dt_work(work, dt_mesh_hull(&t->mesh)); /* what dt_hull_start looks at */
     if (s != DT_OK)
@@ -79,7 +79,7 @@ static enum dt_status hull_order(const struct dt *t, bool cw, uint32_t *to, cons
 enum dt_status dt_lists_order(const struct dt *t, bool cw, uint32_t *ids, size_t n,
                               const struct dt_options *opt, size_t *kept, size_t *interior)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     enum dt_status s = dt_readable(t);
     uint32_t v;
     for (size_t i = 0; s == DT_OK && i < n; i++) {

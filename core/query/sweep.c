@@ -3,7 +3,7 @@
  * A search along the triangulation visits little more than its result, but it needs the set as it is
  * from the first step to the last. A sweep reads the rows of a view instead, in order of their ids, so
  * that edits can continue between two pieces. For a result that is a large share of the set, that is no slower. */
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/delaunay.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
@@ -76,7 +76,7 @@ size_t dt_sweep_memory(const struct dt_sweep *s, const struct dt_ids *out)
 
 enum dt_status dt_sweep_end(struct dt_sweep *s, const struct dt_options *opt, struct dt_ids *out)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     enum dt_status status = DT_OK;
     for (struct dt_near *near = s->near; status == DT_OK && near->n > 0 && near->wanted > 0;
          near->wanted--) {

@@ -8,7 +8,7 @@
  * hull only if it meets a hull edge.
  *
  * Where the region turns out to hold a large share of the set, a scan of all vertices replaces the flood. */
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/exact/box.h"
 #include "core/exact/predicates.h"
 #include "core/grid/hints.h"
@@ -58,7 +58,7 @@ static bool meets(const struct dt_box *b, struct dt_point p, struct dt_point q)
 struct flood {
     const struct dt *t;
     struct region in;
-    struct dt_work *work;
+    struct dt_stop *work;
     struct dt_visited vertices, edges; /* seen; an edge by its lower half edge */
     struct dt_ids todo;                /* edges across the box, to be looked at from both sides */
     struct dt_ids *out;                /* borrowed: vertices in the region */
@@ -236,7 +236,7 @@ static enum dt_status flood_on(struct flood *f, size_t first)
 }
 
 /* *scan: a scan pays. */
-static enum dt_status flood(const struct dt *t, const struct region *r, struct dt_work *work,
+static enum dt_status flood(const struct dt *t, const struct region *r, struct dt_stop *work,
                             struct dt_ids *out, struct dt_ids *triangles, bool *scan)
 {
     struct flood f = {.t = t, .in = *r, .work = work, .out = out, .triangles = triangles};
@@ -251,7 +251,7 @@ static enum dt_status flood(const struct dt *t, const struct region *r, struct d
     return s;
 }
 
-static enum dt_status scan_points(const struct dt *t, const struct region *r, struct dt_work *work,
+static enum dt_status scan_points(const struct dt *t, const struct region *r, struct dt_stop *work,
                                   struct dt_ids *out)
 {
     const struct dt_points *p = &t->points;
@@ -296,7 +296,7 @@ static int sign(double d)
 /* Appends the vertices in the box from that of g on, ahead; at_end: that one is the end of the
  * line. */
 static enum dt_status walk_line(const struct dt *t, const struct dt_box *b, uint32_t g, bool at_end,
-                                int dx, int dy, struct dt_work *work, struct dt_ids *out)
+                                int dx, int dy, struct dt_stop *work, struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
     for (;;) {
@@ -312,7 +312,7 @@ static enum dt_status walk_line(const struct dt *t, const struct dt_box *b, uint
     }
 }
 
-static enum dt_status walk_box(const struct dt *t, const struct dt_box *b, struct dt_work *work,
+static enum dt_status walk_box(const struct dt *t, const struct dt_box *b, struct dt_stop *work,
                                struct dt_ids *out)
 {
     const struct dt_mesh *m = &t->mesh;
@@ -337,7 +337,7 @@ static enum dt_status walk_box(const struct dt *t, const struct dt_box *b, struc
 static enum dt_status within(const struct dt *t, const struct region *r,
                              const struct dt_options *opt, struct dt_ids *out)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     enum dt_status s = dt_readable(t);
     if (s != DT_OK || t->mesh.vertices == 0)
         return s;
@@ -384,7 +384,7 @@ bool dt_triangle_meets(const struct dt_point p[3], struct dt_point lo, struct dt
 }
 
 static enum dt_status scan_triangles(const struct dt *t, const struct dt_box *b,
-                                     struct dt_work *work, struct dt_ids *out)
+                                     struct dt_stop *work, struct dt_ids *out)
 {
     const struct dt_point *xy = t->points.xy;
     enum dt_status s = DT_OK;
@@ -431,7 +431,7 @@ static enum dt_status put_triangles(const struct dt *t, const struct dt_ids *tri
 enum dt_status dt_within_triangles(const struct dt *t, struct dt_point lo, struct dt_point hi,
                                    bool cw, const struct dt_options *opt, struct dt_ids *out)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     struct dt_box b = {lo, hi};
     struct dt_ids vertices = {0}, triangles = {0};
     bool scan;

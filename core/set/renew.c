@@ -13,7 +13,7 @@
 
 #include <stdlib.h>
 
-#include "core/control/work.h"
+#include "core/control/stop.h"
 
 #define AT_ONCE 4000 /* vertices of a set whose grid an edit rebuilds: a quarter of a millisecond */
 #define OVERDUE 4    /* times too old */
@@ -45,7 +45,7 @@ static void reset_counts(struct dt *t)
     t->steps = 0;
 }
 
-void dt_tend(struct dt *t, const struct dt_work *work)
+void dt_tend(struct dt *t, const struct dt_stop *work)
 {
     if (!dt_lacks_grid(t) && !is_old(t, t->mesh.vertices > AT_ONCE ? OVERDUE : 1))
         return;

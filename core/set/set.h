@@ -71,7 +71,7 @@ void dt_views_edit_begin(struct dt *t);
 
 /* To be called after each edit of a mesh, and before one that profits from a grid: makes or rebuilds it if that is
  * due (renew.c), unless that takes more steps than are left. */
-void dt_tend(struct dt *t, const struct dt_work *work);
+void dt_tend(struct dt *t, const struct dt_stop *work);
 
 /* ---- what all readers share ---- */
 

@@ -12,7 +12,7 @@
  * So stars are read one by one, at one moment, and only turns are kept. Then each turn finds the next one by its edge.
  * Where fans touch in a point the boundary passes it several times; it is cut there into simple loops, which are the
  * same wherever the walk begins, because a boundary does not cross itself. */
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/delaunay_surface.h"
 #include "core/exact/predicates.h"
 #include "core/set/set.h"
@@ -281,7 +281,7 @@ static enum dt_status take_loop(struct dt_alpha *a, struct path *p, uint32_t fro
 }
 
 /* Walks from a turn on until it comes back. */
-static enum dt_status walk(struct dt_alpha *a, struct path *p, size_t start, struct dt_work *work)
+static enum dt_status walk(struct dt_alpha *a, struct path *p, size_t start, struct dt_stop *work)
 {
     enum dt_status s = DT_OK;
     size_t i = start;
@@ -342,7 +342,7 @@ static enum dt_status put_rows(const struct dt_alpha *a, struct dt_ids *out)
 enum dt_status dt_alpha_end(struct dt_alpha *a, const struct dt_options *opt, struct dt_ids *out,
                             size_t *loops)
 {
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     struct path p;
     enum dt_status s = DT_OK;
     if (a->turns > 0)

@@ -13,7 +13,7 @@ static enum dt_status begin(struct dt_scan *k, const struct dt *t, const struct 
                             uint32_t circles, const struct dt_options *opt)
 {
     enum dt_status status = dt_readable(t);
-    *k = (struct dt_scan){.work = dt_work_of(opt)};
+    *k = (struct dt_scan){.work = dt_stop_of(opt)};
     if (status != DT_OK)
         return status;
     return dt_valuer_init(&k->v, t, s, &k->work, circles);

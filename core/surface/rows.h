@@ -18,7 +18,7 @@
 
 struct dt_scan {
     struct dt_valuer v;
-    struct dt_work work;
+    struct dt_stop work;
     const struct dt_raster *r; /* borrows */
 };
 

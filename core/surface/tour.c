@@ -98,7 +98,7 @@ static bool take(struct dt_tour *tour, const struct dt *t, struct dt_point q,
 }
 
 enum dt_status dt_tour_make(const struct dt *t, struct dt_point q, uint32_t first,
-                            struct dt_work *work, struct dt_tour *tour)
+                            struct dt_stop *work, struct dt_tour *tour)
 {
     tour->steps = tour->turns = tour->rims = tour->triangles = 0;
     bool ok = enter(tour, t, first) && push(tour, (struct dt_tour_turn){dt_prev(first), 0}) &&

@@ -50,6 +50,6 @@ void dt_tour_clear(struct dt_tour *tour);
 /* The tour from the triangle of the half edge `first`, in which q lies, strictly inside the hull; the first rim
  * edge begins at the origin of `first`. work may be NULL. Cost: the number of natural neighbours. */
 enum dt_status dt_tour_make(const struct dt *t, struct dt_point q, uint32_t first,
-                            struct dt_work *work, struct dt_tour *tour);
+                            struct dt_stop *work, struct dt_tour *tour);
 
 #endif

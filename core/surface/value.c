@@ -41,7 +41,7 @@ void dt_surface_end(struct dt_surface *s)
 }
 
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
-                              struct dt_work *work, uint32_t circles)
+                              struct dt_stop *work, uint32_t circles)
 {
     *v = (struct dt_valuer){.t = t, .s = s, .work = work, .judged = DT_NONE};
     bool wanted = s->how == DT_NATURAL || s->how == DT_LAPLACE;

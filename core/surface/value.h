@@ -5,7 +5,7 @@
 #ifndef DT_VALUE_H
 #define DT_VALUE_H
 
-#include "core/control/work.h"
+#include "core/control/stop.h"
 #include "core/delaunay_surface.h"
 #include "core/surface/circles.h"
 #include "core/surface/vicinity.h"
@@ -15,7 +15,7 @@
 struct dt_valuer {
     const struct dt *t;         /* borrows */
     const struct dt_surface *s; /* borrows */
-    struct dt_work *work;       /* borrows */
+    struct dt_stop *work;       /* borrows */
     struct dt_vicinity vicinity;
     struct dt_circles circles;
     uint32_t judged; /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
@@ -26,7 +26,7 @@ struct dt_valuer {
 
 /* `circles`: how many to keep, a power of two, or 0. DT_NOMEM; to be cleared in any case. */
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
-                              struct dt_work *work, uint32_t circles);
+                              struct dt_stop *work, uint32_t circles);
 void dt_valuer_clear(struct dt_valuer *v);
 
 /* The value at q. *half: a half edge near it, or DT_NONE; becomes the one that dt_find finds (DT_NONE for a set of at most

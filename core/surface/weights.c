@@ -176,7 +176,7 @@ static void take_triangle(const struct dt *t, uint32_t half, struct dt_weigher *
     }
 }
 
-static enum dt_status take_tour(const struct dt *t, uint32_t half, struct dt_work *work,
+static enum dt_status take_tour(const struct dt *t, uint32_t half, struct dt_stop *work,
                                 struct dt_weigher *w)
 {
     const struct dt_tour *tour = &w->tour;
@@ -228,7 +228,7 @@ static bool is_on_hull(const struct dt_mesh *m, uint32_t half)
 }
 
 enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_where where,
-                              uint32_t half, enum dt_interpolation how, struct dt_work *work,
+                              uint32_t half, enum dt_interpolation how, struct dt_stop *work,
                               struct dt_weigher *w)
 {
     const struct dt_mesh *m = &t->mesh;
@@ -315,7 +315,7 @@ enum dt_status dt_weights_begin(const struct dt *t, struct dt_point q, enum dt_i
                                 const struct dt_options *opt, struct dt_weigher **out)
 {
     uint32_t half;
-    struct dt_work work = dt_work_of(opt);
+    struct dt_stop work = dt_stop_of(opt);
     enum dt_status s = dt_readable(t);
     *out = NULL;
     if (s != DT_OK)

@@ -31,7 +31,7 @@ enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near
  * and half: as dt_find has found (half: DT_NONE for a set of one point). work may be NULL. Cost: the number of
  * natural neighbours. */
 enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_where where,
-                              uint32_t half, enum dt_interpolation how, struct dt_work *work,
+                              uint32_t half, enum dt_interpolation how, struct dt_stop *work,
                               struct dt_weigher *w);
 
 /* Where rounding begins, so that the same set gives the same bytes: the half edge of the triangle around the place, or

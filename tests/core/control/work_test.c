@@ -1,5 +1,5 @@
 /* work_test.c - calls that end early: by a flag, or by a limit of steps. */
-#include "core/control/work.h"
+#include "core/control/stop.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -143,7 +143,7 @@ TEST(flips_are_taken_back_wherever_work_ends)
     unsigned tries = 0;
     memcpy(before, t->mesh.half, size);
     for (uint64_t steps = 0; status == DT_TOOLONG; steps++, tries++) {
-        struct dt_work work = {NULL, steps};
+        struct dt_stop work = {.left = steps};
         bool allowed;
         CHECK(dt_star_allows(&t->mesh, t->points.xy, hub, beside, NULL, &f, &allowed) == DT_OK);
         CHECK(allowed);
