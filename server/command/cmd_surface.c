@@ -69,8 +69,10 @@ static bool read_number(struct answer *a, const struct word *w, const char *what
         reply_err(a->out, ERR_NUMBER, "%.*s is not a number", QUOTED(w));
     else if (isinf(*v))
         reply_err(a->out, ERR_RANGE, "a %s is finite", what);
-    else
+    else {
+        *v += 0.0; /* -0 becomes 0 */
         return true;
+    }
     return false;
 }
 

@@ -442,8 +442,10 @@ bool read_length(struct answer *a, const struct word *w, const char *what, doubl
         reply_err(a->out, ERR_RANGE, "a %s is not negative", what);
     else if (!dt_coordinate_ok(*v))
         reply_err(a->out, ERR_RANGE, "a %s is 0 or has a magnitude from 2^-142 to 2^201", what);
-    else
+    else {
+        *v += 0.0; /* -0 becomes 0 */
         return true;
+    }
     return false;
 }
 

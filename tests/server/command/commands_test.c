@@ -111,6 +111,26 @@ TEST(stat_counts)
     close(fd);
 }
 
+TEST(minus_zero_is_zero_in_every_argument)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    say(fd, "ADD t FIELDS z -0 0 -1 4 -0 1 0 4 -0\nTRIANGULATE t\nCREATE s TOL -0\nSTAT s\n");
+    CHECK(strncmp(hear_line(fd), "OK 0 first=0 added=3", 20) == 0);
+    CHECK(strncmp(hear_line(fd), "OK 0 points=3", 13) == 0);
+    expect(fd, "OK 0\n");
+    const char *stat = hear_line(fd);
+    CHECK_MSG(strstr(stat, " tol=0") != NULL, "%s", stat);
+    close(fd);
+    converse(&d,
+             "POINTS t FIELDS z\nCONTOUR t z -0\nCONTOUR t z EVERY 1 BASE -0\n"
+             "AREAS t BOX -0 -0 4 4\n",
+             "OK 3\n0 0 0 -1\n1 4 0 1\n2 0 4 0\n"
+             "OK 1\n0 open 2 0 4 2 0\n"
+             "OK 1\n0 open 2 0 4 2 0\n"
+             "OK 3 box=0,0,4,4\n0 4\n1 6\n2 6\n");
+}
+
 /* ---- queries ---- */
 
 TEST(queries_of_lists)
