@@ -44,13 +44,7 @@
  *     points stored temporarily in the mesh: at 1e6 points 171 instead of 185
  *     tiles: at 1e7 points 237 instead of 213 (before the lanes), at 1e6 no difference
  *
- * Later, for 3e4 uniform points, the least of many alternating runs: 120 before, 117 with candidates and apexes looked
- * up when a ghost changes and not at every step, 114 with deletions inlined, 111 with signs taken from sign bits.
- * Without gain: both sides of a merge as one function with an index instead of a branch (2 % slower); the ghost
- * after the next one looked up, too; the sight of an apex kept when the apex becomes the candidate (5 % slower); the
- * search for the tangent without a branch.
- *
- * and on other sets, of 2e5 points, one after the other:
+ * On other sets, of 2e5 points, one after the other:
  *
  *                                             circle   near_collinear   lattice
  *     none of the following                     191         186           101
@@ -58,6 +52,12 @@
  *     strips along a curve                      167         148           101
  *     zero seen before it is computed           167         150            79
  *     two filters, of which a merge has one     150         144            79
+ *
+ * Later, for 3e4 uniform points, the least of many alternating runs: 120 before, 117 with candidates and apexes looked
+ * up when a ghost changes and not at every step, 114 with deletions inlined, 111 with signs taken from sign bits.
+ * Without gain: both sides of a merge as one function with an index instead of a branch (2 % slower); the ghost
+ * after the next one looked up, too; the sight of an apex kept when the apex becomes the candidate (5 % slower); the
+ * search for the tangent without a branch.
  */
 #include "core/divide/divide.h"
 

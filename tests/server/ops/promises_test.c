@@ -1,9 +1,11 @@
-/* promises_test.c - the keys of INFO and the limits are those that proto/PROTOCOL.md documents. */
+/* promises_test.c - the keys of INFO, the limits, and what a token for reading may not use are those that proto/PROTOCOL.md
+ * documents. */
 #include "core/delaunay.h"
 #include "core/delaunay_fields.h"
 #include "proto/line.h"
 #include "proto/request.h"
 #include "proto/resp.h"
+#include "server/command/command.h"
 #include "server/disk/backup.h"
 #include "server/ops/config.h"
 #include "server/ops/limits.h"
@@ -11,6 +13,8 @@
 #include "tests/server/local.h"
 #include "tests/test.h"
 
+#include <ctype.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -158,6 +162,34 @@ TEST(limits_are_those_of_the_document)
     }
     CHECK(rows == LIMITS);
     free(table);
+}
+
+/* ---- tokens ---- */
+
+/* Whether the text contains the word, between characters that are no capitals. */
+static bool has_word(const char *text, const char *word)
+{
+    size_t n = strlen(word);
+    for (const char *at = text; (at = strstr(at, word)) != NULL; at++)
+        if (at > text && !isupper((unsigned char)at[-1]) && !isupper((unsigned char)at[n]))
+            return true;
+    return false;
+}
+
+/* CLIENT and CONFIG, whose second word decides, have no flag in the table. */
+TEST(commands_that_a_token_for_reading_may_not_use_are_those_of_the_document)
+{
+    char *document = part_of_document("With `--auth-file` a client must", "## 9");
+    char *from = strstr(document, "may not use"), *to = from != NULL ? strchr(from, '.') : NULL;
+    CHECK(to != NULL);
+    *to = '\0';
+    for (size_t i = 0; i < command_count; i++) {
+        const struct command *c = &commands[i];
+        bool refused = (c->flags & (CMD_WRITE | CMD_ADMIN)) != 0;
+        if (strcmp(c->name, "CLIENT") != 0 && strcmp(c->name, "CONFIG") != 0)
+            CHECK_MSG(has_word(from, c->name) == refused, "PROTOCOL.md, section 8: %s", c->name);
+    }
+    free(document);
 }
 
 TEST_TIMEOUT(server_holds_as_many_sets_as_documented_and_no_more, 60)
