@@ -141,60 +141,37 @@ struct reading {
     const struct dt_view *v; /* NULL: what it reads is as it is now */
     bool line;
     struct dt_cell_work work;
+    struct dt_neighbours around;
 };
 
-/* The place of a neighbour: vertices of now, ids of a view. */
-static struct dt_point place(const struct reading *r, uint32_t neighbour)
+/* The place that a vertex, or an id, had. */
+static struct dt_point place(const struct reading *r, uint32_t at, bool is_id)
 {
-    struct dt_row row = {0};
-    if (r->v == NULL)
-        return r->t->points.xy[neighbour];
-    dt_view_row(r->t, r->v, neighbour, &row);
-    return row.at;
+    if (r->v == NULL && !is_id)
+        return r->t->points.xy[at];
+    return dt_view_place(r->t, r->v, is_id ? at : r->t->points.id[at]);
 }
 
-static struct dt_point place_of_id(const struct reading *r, uint32_t id)
-{
-    return place(r, r->v == NULL ? dt_points_vertex(&r->t->points, id) : id);
-}
-
-/* A ring that is too long for dt_stars. */
-static enum dt_status read_long_ring(struct reading *r, uint32_t id, uint32_t *degree,
-                                     bool *on_hull)
-{
-    struct dt_star star = dt_star_of(r->t, r->v, id);
-    *degree = dt_star_count(r->t, &star);
-    *on_hull = star.on_hull;
-    uint32_t *ring = malloc(*degree * sizeof *ring);
-    bool ok = ring != NULL && dt_cell_reserve(&r->work, *degree);
-    if (ok) {
-        dt_star_copy(r->t, &star, ring, *degree);
-        for (uint32_t i = 0; i < *degree; i++)
-            r->work.ring[i] = place_of_id(r, ring[i]);
-    }
-    free(ring);
-    return ok ? DT_OK : DT_NOMEM;
-}
-
-/* Makes the cell of star i. */
+/* Makes the cell of star i, whose ring consists of vertices, or of ids where it was saved or is longer than usual. */
 static enum dt_status make(struct reading *r, const struct dt_stars *s, uint32_t i,
                            const struct dt_box *box)
 {
     uint32_t degree = s->degree[i];
-    bool on_hull = s->on_hull[i];
+    const uint32_t *ring = s->ring[i];
+    bool on_hull = s->on_hull[i], saved = s->vertex[i] == DT_NONE, ids = saved;
     if (degree == DT_NONE) {
-        enum dt_status status = read_long_ring(r, s->id[i], &degree, &on_hull);
-        if (status != DT_OK)
-            return status;
-    } else {
-        if (!dt_cell_reserve(&r->work, degree))
+        if (dt_neighbours_read(r->t, r->v, s->id[i], &r->around) != DT_OK)
             return DT_NOMEM;
-        for (uint32_t k = 0; k < degree; k++)
-            r->work.ring[k] = r->v != NULL && s->vertex[i] != DT_NONE
-                                  ? place(r, r->t->points.id[s->ring[i][k]])
-                                  : place(r, s->ring[i][k]);
+        degree = (uint32_t)r->around.ring.n;
+        ring = r->around.ring.v;
+        on_hull = r->around.on_hull;
+        ids = true;
     }
-    dt_cell_make(&r->work, place_of_id(r, s->id[i]), degree,
+    if (!dt_cell_reserve(&r->work, degree))
+        return DT_NOMEM;
+    for (uint32_t k = 0; k < degree; k++)
+        r->work.ring[k] = place(r, ring[k], ids);
+    dt_cell_make(&r->work, place(r, saved ? s->id[i] : s->vertex[i], saved), degree,
                  r->line   ? DT_CELL_ON_LINE
                  : on_hull ? DT_CELL_ON_HULL
                            : DT_CELL_INSIDE,
@@ -264,5 +241,6 @@ enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_c
     else if (s == DT_TOOSMALL)
         *corners = r.work.n;
     dt_cell_clear(&r.work);
+    free(r.around.ring.v);
     return s;
 }

@@ -5,6 +5,8 @@
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
 
+#include <stdlib.h>
+
 static inline void set_row(const struct dt_group *g, size_t i, const uint32_t *from)
 {
     uint32_t *to = g->rows + i * g->width;
@@ -85,105 +87,65 @@ static inline void add_triangle(struct dt_group *g, bool heap, uint32_t b, uint3
         add(g, heap, g->cw ? c : b, g->cw ? b : c);
 }
 
-void dt_group_of_ring(struct dt_group *g, const uint32_t *ring, uint32_t n, bool on_hull)
+static inline void add_ring(struct dt_group *g, bool heap, const uint32_t *ring, uint32_t n,
+                            bool on_hull)
 {
     if (g->width == 2) {
         for (uint32_t i = 0; i < n; i++)
             if (ring[i] > g->id)
-                add(g, false, ring[i], 0);
+                add(g, heap, ring[i], 0);
         return;
     }
     for (uint32_t i = 0; i + 1 < n; i++)
-        add_triangle(g, false, ring[i], ring[i + 1]);
+        add_triangle(g, heap, ring[i], ring[i + 1]);
     if (!on_hull)
-        add_triangle(g, false, ring[n - 1], ring[0]);
+        add_triangle(g, heap, ring[n - 1], ring[0]);
 }
 
-static void walk_round(struct dt_group *g, const struct dt *t, uint32_t v)
+void dt_group_of_ring(struct dt_group *g, const uint32_t *ring, uint32_t n, bool on_hull)
 {
-    const struct dt_mesh *m = &t->mesh;
-    const uint32_t *id = t->points.id;
-    uint32_t h = m->leaving[v];
-    do {
-        uint32_t d = dt_dest(m, h);
-        if (g->width == 3 && !dt_is_ghost(m, h))
-            add_triangle(g, true, id[d], id[dt_apex_of(m, h)]);
-        if (g->width == 2 && d != DT_NONE && id[d] > g->id)
-            add(g, true, id[d], 0);
-        h = dt_turn_ccw(m, h);
-    } while (h != m->leaving[v]);
-    heap_sort(g);
-}
-
-/* The same round a star that was saved. */
-static void walk_saved(struct dt_group *g, const struct dt_star *s)
-{
-    for (uint32_t i = 0; i < s->saved_degree; i++) {
-        uint32_t next = i + 1 < s->saved_degree ? i + 1 : 0;
-        if (g->width == 3 && (next > 0 || !s->on_hull))
-            add_triangle(g, true, s->saved[i], s->saved[next]);
-        if (g->width == 2 && s->saved[i] > g->id)
-            add(g, true, s->saved[i], 0);
-    }
-    heap_sort(g);
-}
-
-/* Whether a star has the point among its neighbours; if so, the neighbour counterclockwise or clockwise of
- * it, 0 if the hull is there. */
-static bool find_in_star(const struct dt *t, const struct dt_star *s, uint32_t id, bool ccw,
-                         uint32_t *beside)
-{
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t last = s->saved_degree - 1;
-    for (uint32_t i = 0; i < s->saved_degree; i++) {
-        if (s->saved[i] != id)
-            continue;
-        bool gap = s->on_hull && i == (ccw ? last : 0);
-        *beside = gap ? 0 : s->saved[ccw ? (i < last ? i + 1 : 0) : (i > 0 ? i - 1 : last)];
-        return true;
-    }
-    uint32_t first = s->saved == NULL ? m->leaving[s->vertex] : DT_NONE, h = first;
-    for (uint32_t i = 0; h != DT_NONE && (i == 0 || h != first); i++, h = dt_turn_ccw(m, h)) {
-        if (dt_dest(m, h) == DT_NONE || t->points.id[dt_dest(m, h)] != id)
-            continue;
-        uint32_t d = dt_dest(m, ccw ? dt_turn_ccw(m, h) : dt_turn_cw(m, h));
-        *beside = d == DT_NONE ? 0 : t->points.id[d];
-        return true;
-    }
-    return false;
+    add_ring(g, false, ring, n, on_hull);
 }
 
 /* Looks for neighbours of g->id among all points from g->from on, until there is no room: they have it in their
  * stars. */
-static void walk_ids(struct dt_group *g, const struct dt *t, const struct dt_view *v)
+static enum dt_status look_for_neighbours(struct dt_group *g, const struct dt *t,
+                                          const struct dt_view *v, struct dt_neighbours *around)
 {
     uint32_t id = g->from > g->id ? g->from : g->id + 1, c;
     struct dt_view_ids ids = dt_view_ids_begin(t, v, id);
     for (; g->n < g->room; id++) {
         id = dt_view_ids_next(&ids, id);
         if (id == DT_NONE)
-            return;
+            return DT_OK;
         if (dt_view_representative(t, v, id) != id)
             continue;
-        struct dt_star star = dt_star_of(t, v, id);
-        if (find_in_star(t, &star, g->id, g->cw, &c) && (g->width == 2 || c > g->id))
+        enum dt_status s = dt_neighbours_read(t, v, id, around);
+        if (s != DT_OK)
+            return s;
+        if (dt_neighbours_have(around, g->id, g->cw, &c) &&
+            (g->width == 2 || (c > g->id && c != DT_NONE)))
             add_sorted(g, (uint32_t[3]){g->id, id, c});
     }
     g->more = true;
+    return DT_OK;
 }
 
 /* A table is read in pieces, and each piece walks round the whole star again. For a star with a large share of
  * all points, a scan of the points is faster: a piece continues where the last one stopped. */
-void dt_group_of_many(struct dt_group *g, const struct dt *t, const struct dt_view *v)
+enum dt_status dt_group_of_many(struct dt_group *g, const struct dt *t, const struct dt_view *v)
 {
+    struct dt_neighbours around = {0};
     struct dt_star star = dt_star_of(t, v, g->id);
     uint32_t many = (v == NULL ? t->mesh.vertices : v->sum.points) / 16 + 1;
     uint32_t degree =
         star.saved != NULL ? star.saved_degree : dt_star_degree(&t->mesh, star.vertex, many);
-    if (degree >= many)
-        walk_ids(g, t, v);
-    else if (star.saved != NULL)
-        walk_saved(g, &star);
-    else
-        walk_round(g, t, star.vertex);
+    enum dt_status s = degree >= many ? look_for_neighbours(g, t, v, &around)
+                                      : dt_neighbours_read(t, v, g->id, &around);
+    if (s == DT_OK && degree < many) {
+        add_ring(g, true, around.ring.v, (uint32_t)around.ring.n, around.on_hull);
+        heap_sort(g);
+    }
+    free(around.ring.v);
+    return s;
 }

@@ -15,11 +15,11 @@ struct dt_group {
     bool more;      /* there may be others that did not fit */
 };
 
-/* The rows of a vertex whose star (star.h) is given; n > 0. */
+/* The rows of a vertex whose star (star.h) is given, of few neighbours; n > 0. */
 void dt_group_of_ring(struct dt_group *g, const uint32_t *ring, uint32_t n, bool on_hull);
 
-/* Those of the representative g->id, which has many neighbours, now or at the moment of a view. Cost:
+/* Those of the representative g->id, which has many neighbours, now or at the moment of a view. DT_NOMEM. Cost:
  * O(degree log room), or where that is less, as much as it takes to look for neighbours among all points. */
-void dt_group_of_many(struct dt_group *g, const struct dt *t, const struct dt_view *v);
+enum dt_status dt_group_of_many(struct dt_group *g, const struct dt *t, const struct dt_view *v);
 
 #endif

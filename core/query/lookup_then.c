@@ -4,8 +4,6 @@
 
 #include "core/exact/predicates.h"
 #include "core/set/set.h"
-#include "core/set/view_rows.h"
-#include "core/set/view_stars.h"
 
 #include <stdlib.h>
 
@@ -18,31 +16,17 @@ struct dt_then dt_then_of(const struct dt *t, const struct dt_view *v, struct dt
 
 void dt_then_clear(struct dt_then *r)
 {
-    free(r->ring.v);
-    r->ring.v = NULL;
+    free(r->around.ring.v);
+    r->around.ring.v = NULL;
 }
 
 enum dt_status dt_then_read(struct dt_then *r, uint32_t id)
 {
     if (r->id == id)
         return DT_OK;
-    struct dt_star star = dt_star_of(r->t, r->v, id);
-    uint32_t degree = dt_star_count(r->t, &star);
-    r->ring.n = 0;
-    enum dt_status st = dt_ids_reserve(&r->ring, degree + 1);
-    if (st != DT_OK)
-        return st;
-    r->ring.n = dt_star_copy(r->t, &star, r->ring.v, degree);
-    r->on_hull = star.on_hull;
-    r->id = id;
-    return dt_work(r->work, degree);
-}
-
-struct dt_point dt_then_place(const struct dt_then *r, uint32_t id)
-{
-    struct dt_row row = {0};
-    dt_view_row(r->t, r->v, id, &row);
-    return row.at;
+    enum dt_status st = dt_neighbours_read(r->t, r->v, id, &r->around);
+    r->id = st == DT_OK ? id : DT_NONE;
+    return st == DT_OK ? dt_work(r->work, r->around.ring.n) : st;
 }
 
 /* ---- the triangle ---- */
@@ -51,21 +35,19 @@ struct dt_point dt_then_place(const struct dt_then *r, uint32_t id)
  * of the hull. */
 static uint32_t right_of(const struct dt_then *r, uint32_t b)
 {
-    size_t n = r->ring.n, i = 0;
-    while (i < n && r->ring.v[i] != b)
-        i++;
-    if (i == n || (i == 0 && r->on_hull))
-        return DT_NONE;
-    return r->ring.v[i == 0 ? n - 1 : i - 1];
+    uint32_t c;
+    (void)dt_neighbours_have(&r->around, b, false, &c);
+    return c;
 }
 
 /* Of the triangles at the vertex id, the first one. */
 static enum dt_status first_at_vertex(struct dt_then *r, uint32_t id, uint32_t out[3])
 {
     enum dt_status st = dt_then_read(r, id);
-    for (size_t i = 0; st == DT_OK && i < r->ring.n; i++)
-        if (i + 1 < r->ring.n || !r->on_hull)
-            dt_first_triangle(out, id, r->ring.v[i], r->ring.v[(i + 1) % r->ring.n]);
+    const struct dt_ids *ring = &r->around.ring;
+    for (size_t i = 0; st == DT_OK && i < ring->n; i++)
+        if (i + 1 < ring->n || !r->around.on_hull)
+            dt_first_triangle(out, id, ring->v[i], ring->v[(i + 1) % ring->n]);
     return st;
 }
 
@@ -123,7 +105,7 @@ enum dt_status dt_locate_then(const struct dt *t, const struct dt_view *v, struc
     enum dt_status st = dt_then_read(&r, from);
     bool done = false;
     if (st == DT_OK) {
-        uint32_t id[3] = {from, r.ring.v[0], r.ring.v[1]};
+        uint32_t id[3] = {from, r.around.ring.v[0], r.around.ring.v[1]};
         while (st == DT_OK && !done)
             st = step(&r, q, id, out, &done);
     }

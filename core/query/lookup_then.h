@@ -9,6 +9,8 @@
 
 #include "core/control/stop.h"
 #include "core/set/set.h"
+#include "core/set/view_rows.h"
+#include "core/set/view_stars.h"
 
 /* Makes best[3] the triangle a b c (counterclockwise), from its smallest id, if that comes before best in
  * DT_TRIANGLES. DT_NONE three times comes behind all. */
@@ -36,19 +38,21 @@ static inline void dt_first_triangle(uint32_t best[3], uint32_t a, uint32_t b, u
 struct dt_then {
     const struct dt *t;
     const struct dt_view *v;
-    struct dt_stop *work; /* borrows */
-    uint32_t id;          /* whose ring was read last; DT_NONE: none was read */
-    bool on_hull;
-    struct dt_ids ring; /* owns */
+    struct dt_stop *work;        /* borrows */
+    uint32_t id;                 /* whose star was read last; DT_NONE: none was read */
+    struct dt_neighbours around; /* owns: that star */
 };
 
 struct dt_then dt_then_of(const struct dt *t, const struct dt_view *v, struct dt_stop *work);
 void dt_then_clear(struct dt_then *r);
 
-/* Reads the star (view_stars.h) of what was a representative into r->ring. */
+/* Reads the star of what was a representative into r->around. */
 enum dt_status dt_then_read(struct dt_then *r, uint32_t id);
 
-struct dt_point dt_then_place(const struct dt_then *r, uint32_t id);
+static inline struct dt_point dt_then_place(const struct dt_then *r, uint32_t id)
+{
+    return dt_view_place(r->t, r->v, id);
+}
 
 /* A row of dt_locate_many at the moment of v, which is readable. `from` was a vertex, best one near q; DT_NONE: there
  * was none. All of out is DT_NONE on entry. */

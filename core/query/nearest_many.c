@@ -62,8 +62,8 @@ static enum dt_status push_ring_then(struct search *s, uint32_t id)
 {
     bool fresh;
     enum dt_status st = dt_then_read(s->then, id);
-    for (size_t i = 0; st == DT_OK && i < s->then->ring.n; i++)
-        st = push_fresh(s, s->then->ring.v[i], &fresh);
+    for (size_t i = 0; st == DT_OK && i < s->then->around.ring.n; i++)
+        st = push_fresh(s, s->then->around.ring.v[i], &fresh);
     return st;
 }
 
@@ -72,8 +72,8 @@ static enum dt_status nearest_ties_then(struct search *s, uint32_t id, struct dt
 {
     struct dt_seen centre = look_at(s, id);
     enum dt_status st = dt_then_read(s->then, id);
-    for (size_t i = 0; st == DT_OK && i < s->then->ring.n; i++) {
-        struct dt_seen c = look_at(s, s->then->ring.v[i]);
+    for (size_t i = 0; st == DT_OK && i < s->then->around.ring.n; i++) {
+        struct dt_seen c = look_at(s, s->then->around.ring.v[i]);
         if (dt_near_compare(&s->near, &c, &centre) == 0)
             st = dt_ids_append(ties, c.key);
     }
@@ -172,8 +172,8 @@ static enum dt_status descend(struct search *s, uint32_t *id)
     do {
         *id = best.key;
         st = dt_then_read(s->then, *id);
-        for (size_t i = 0; st == DT_OK && i < s->then->ring.n; i++) {
-            struct dt_seen c = look_at(s, s->then->ring.v[i]);
+        for (size_t i = 0; st == DT_OK && i < s->then->around.ring.n; i++) {
+            struct dt_seen c = look_at(s, s->then->around.ring.v[i]);
             if (dt_near_compare(&s->near, &c, &best) < 0)
                 best = c;
         }

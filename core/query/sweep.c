@@ -102,19 +102,13 @@ void dt_sweep_clear(struct dt_sweep *s)
 
 enum { SIFT_WORDS = 4096 }; /* read from the table at a time */
 
-static struct dt_point place(const struct dt *t, const struct dt_view *v, uint32_t id)
-{
-    struct dt_row row = {0};
-    dt_view_row(t, v, id, &row);
-    return row.at;
-}
-
 static enum dt_status take_triangle(const struct dt *t, struct dt_sift *s, const uint32_t *row,
                                     struct dt_ids *out)
 {
     const struct dt_view *v = s->cursor.view;
-    const struct dt_point p[3] = {place(t, v, row[0]), place(t, v, row[s->cursor.cw ? 2 : 1]),
-                                  place(t, v, row[s->cursor.cw ? 1 : 2])};
+    const struct dt_point p[3] = {dt_view_place(t, v, row[0]),
+                                  dt_view_place(t, v, row[s->cursor.cw ? 2 : 1]),
+                                  dt_view_place(t, v, row[s->cursor.cw ? 1 : 2])};
     if (!dt_triangle_meets(p, s->lo, s->hi))
         return DT_OK;
     enum dt_status status = dt_ids_reserve(out, 3);
@@ -128,7 +122,7 @@ static enum dt_status take_list(const struct dt *t, struct dt_sift *s, const uin
                                 struct dt_ids *out)
 {
     const struct dt_box box = {s->lo, s->hi};
-    if (!dt_box_contains(&box, place(t, s->cursor.view, row[0])))
+    if (!dt_box_contains(&box, dt_view_place(t, s->cursor.view, row[0])))
         return DT_OK;
     s->interior += s->rows < s->cursor.interior;
     s->words += 2 + (uint64_t)row[1];

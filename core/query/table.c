@@ -16,9 +16,10 @@
 /* Where rows go. */
 struct sink {
     uint32_t *out;
-    size_t cap, max_rows; /* room: words and rows */
-    size_t words, rows;   /* written */
-    size_t need;          /* words of a point list's row for which there was no room */
+    size_t cap, max_rows;  /* room: words and rows */
+    size_t words, rows;    /* written */
+    size_t need;           /* words of a point list's row for which there was no room */
+    enum dt_status status; /* why there are no more rows: DT_NOMEM */
 };
 
 static bool has_room(const struct sink *k, size_t words)
@@ -276,7 +277,7 @@ static void read_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
         read_hull_lists(t, c, k);
 }
 
-/* Writes what star i has for the cursor; false if there is more than fits. */
+/* Writes what star i has for the cursor; false if there is more than fits, or no memory. */
 static bool write_group(const struct dt *t, struct dt_cursor *c, struct sink *k,
                         const struct dt_stars *s, uint32_t i, size_t width)
 {
@@ -287,9 +288,11 @@ static bool write_group(const struct dt *t, struct dt_cursor *c, struct sink *k,
         return false;
     g.from = s->id[i] == c->id ? c->sub : 0;
     if (s->degree[i] == DT_NONE)
-        dt_group_of_many(&g, t, c->view);
+        k->status = dt_group_of_many(&g, t, c->view);
     else if (s->degree[i] > 0)
         dt_group_of_ring(&g, s->ring[i], s->degree[i], s->on_hull[i]);
+    if (k->status != DT_OK)
+        return false;
     k->words += g.n * width;
     k->rows += g.n;
     c->left -= (uint32_t)g.n;
@@ -344,6 +347,8 @@ enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *
     *words = k.words;
     if (k.rows > 0 || (c->left == 0 && c->hull_left == 0) || max_rows == 0)
         return DT_OK;
+    if (k.status != DT_OK)
+        return k.status;
     *words = c->table == DT_LISTS ? k.need : width[c->table];
     return DT_TOOSMALL;
 }

@@ -126,6 +126,13 @@ bool dt_view_row(const struct dt *t, const struct dt_view *v, uint32_t id, struc
     return true;
 }
 
+struct dt_point dt_view_place(const struct dt *t, const struct dt_view *v, uint32_t id)
+{
+    struct dt_row row = {0};
+    (void)dt_view_row(t, v, id, &row);
+    return row.at;
+}
+
 uint32_t dt_view_representative(const struct dt *t, const struct dt_view *v, uint32_t id)
 {
     if (v != NULL && id >= v->next_id)

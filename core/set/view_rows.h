@@ -14,6 +14,9 @@ const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_vie
 /* The row that the id had; false: there was no such id. */
 bool dt_view_row(const struct dt *t, const struct dt_view *v, uint32_t id, struct dt_row *row);
 
+/* The place of an id that there was. */
+struct dt_point dt_view_place(const struct dt *t, const struct dt_view *v, uint32_t id);
+
 /* The representative of the id; DT_NONE if there was no such id. */
 uint32_t dt_view_representative(const struct dt *t, const struct dt_view *v, uint32_t id);
 

@@ -34,6 +34,37 @@ uint32_t dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *rin
     return s->saved_degree;
 }
 
+enum dt_status dt_neighbours_read(const struct dt *t, const struct dt_view *v, uint32_t id,
+                                  struct dt_neighbours *n)
+{
+    struct dt_star star = dt_star_of(t, v, id);
+    uint32_t degree = n->ring.cap == 0 ? DT_NONE : dt_star_copy(t, &star, n->ring.v, n->ring.cap);
+    n->ring.n = 0;
+    if (degree == DT_NONE) {
+        degree = dt_star_count(t, &star);
+        if (dt_ids_reserve(&n->ring, degree + 1) != DT_OK)
+            return DT_NOMEM;
+        dt_star_copy(t, &star, n->ring.v, n->ring.cap);
+    }
+    n->ring.n = degree;
+    n->on_hull = star.on_hull;
+    return DT_OK;
+}
+
+bool dt_neighbours_have(const struct dt_neighbours *n, uint32_t id, bool ccw, uint32_t *beside)
+{
+    const uint32_t *ring = n->ring.v;
+    size_t i = 0, last = n->ring.n - 1;
+    while (i < n->ring.n && ring[i] != id)
+        i++;
+    *beside = DT_NONE;
+    if (i == n->ring.n)
+        return false;
+    if (!n->on_hull || i != (ccw ? last : 0))
+        *beside = ring[ccw ? (i < last ? i + 1 : 0) : (i > 0 ? i : n->ring.n) - 1];
+    return true;
+}
+
 /* ---- many at once ---- */
 
 /* The next representatives from id on, below end. */

@@ -48,4 +48,18 @@ static inline uint32_t dt_star_count(const struct dt *t, const struct dt_star *s
 /* Its ring into ring[room]. Returns its degree, DT_NONE if it is larger than room. */
 uint32_t dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *ring, size_t room);
 
+/* A star of any degree, copied. Start with {0}. */
+struct dt_neighbours {
+    struct dt_ids ring; /* owns */
+    bool on_hull;
+};
+
+/* Replaces it by that of an id that was a representative. DT_NOMEM. Cost: its degree. */
+enum dt_status dt_neighbours_read(const struct dt *t, const struct dt_view *v, uint32_t id,
+                                  struct dt_neighbours *n);
+
+/* Whether the id is in the ring; *beside: the next one counterclockwise or clockwise, DT_NONE if the outside of the
+ * hull is there. Cost: its degree. */
+bool dt_neighbours_have(const struct dt_neighbours *n, uint32_t id, bool ccw, uint32_t *beside);
+
 #endif

@@ -45,8 +45,8 @@ struct dt_alpha {
     size_t loops, loop_cap;
     struct dt_point *xy; /* owns xy_cap: of a ring */
     bool *in;            /* owns xy_cap: the triangle of each neighbour and the next one */
-    uint32_t *ring;      /* owns xy_cap */
     uint32_t xy_cap;
+    struct dt_neighbours around; /* owns: a ring that is longer than usual */
 };
 
 void dt_alpha_free(struct dt_alpha *a)
@@ -58,7 +58,7 @@ void dt_alpha_free(struct dt_alpha *a)
     free(a->loop);
     free(a->xy);
     free(a->in);
-    free(a->ring);
+    free(a->around.ring.v);
     free(a);
 }
 
@@ -88,11 +88,9 @@ static bool reserve_ring(struct dt_alpha *a, uint32_t degree)
     uint32_t cap = degree < 64 ? 64 : degree + degree / 2;
     free(a->xy);
     free(a->in);
-    free(a->ring);
     a->xy = malloc(cap * sizeof *a->xy);
     a->in = malloc(cap * sizeof *a->in);
-    a->ring = malloc(cap * sizeof *a->ring);
-    bool ok = a->xy != NULL && a->in != NULL && a->ring != NULL;
+    bool ok = a->xy != NULL && a->in != NULL;
     a->xy_cap = ok ? cap : 0;
     return ok;
 }
@@ -111,8 +109,9 @@ static enum dt_status put_turn(struct dt_alpha *a, struct turn turn)
     return DT_OK;
 }
 
-/* The turns at a point with the ring a->ring[n]: of each fan from its first edge, ccw, to its last one. */
-static enum dt_status put_turns(struct dt_alpha *a, uint32_t at, struct dt_point q, uint32_t n)
+/* The turns at a point with this ring: of each fan from its first edge, ccw, to its last one. */
+static enum dt_status put_turns(struct dt_alpha *a, uint32_t at, struct dt_point q,
+                                const uint32_t *ring, uint32_t n)
 {
     enum dt_status s = DT_OK;
     for (uint32_t i = 0; i < n && s == DT_OK; i++) {
@@ -121,44 +120,35 @@ static enum dt_status put_turns(struct dt_alpha *a, uint32_t at, struct dt_point
         uint32_t k = i;
         while (a->in[k])
             k = k + 1 < n ? k + 1 : 0;
-        s = put_turn(a, (struct turn){at, a->ring[k], a->ring[i], q});
+        s = put_turn(a, (struct turn){at, ring[k], ring[i], q});
     }
     return s;
-}
-
-static struct dt_point place(const struct dt *t, const struct dt_view *v, uint32_t id)
-{
-    struct dt_row row = {0};
-    dt_view_row(t, v, id, &row);
-    return row.at;
 }
 
 static enum dt_status take_star(struct dt_alpha *a, const struct dt *t, const struct dt_view *v,
                                 const struct dt_stars *s, uint32_t i)
 {
     uint32_t n = s->degree[i], id = s->id[i];
+    const uint32_t *ring = s->ring[i];
     bool on_hull = s->on_hull[i];
-    struct dt_star star;
     if (n == DT_NONE) {
-        star = dt_star_of(t, v, id);
-        n = dt_star_count(t, &star);
-        on_hull = star.on_hull;
+        if (dt_neighbours_read(t, v, id, &a->around) != DT_OK)
+            return DT_NOMEM;
+        n = (uint32_t)a->around.ring.n;
+        ring = a->around.ring.v;
+        on_hull = a->around.on_hull;
     }
     if (!reserve_ring(a, n))
         return DT_NOMEM;
-    if (s->degree[i] == DT_NONE)
-        dt_star_copy(t, &star, a->ring, n);
-    else
-        memcpy(a->ring, s->ring[i], n * sizeof *a->ring);
-    struct dt_point q = place(t, v, id);
+    struct dt_point q = dt_view_place(t, v, id);
     for (uint32_t k = 0; k < n; k++)
-        a->xy[k] = place(t, v, a->ring[k]);
+        a->xy[k] = dt_view_place(t, v, ring[k]);
     for (uint32_t k = 0; k < n; k++) {
         uint32_t next = k + 1 < n ? k + 1 : 0;
         a->in[k] = !(on_hull && next == 0) &&
                    dt_compare_circumradius(q, a->xy[k], a->xy[next], a->radius) <= 0;
     }
-    return put_turns(a, id, q, n);
+    return put_turns(a, id, q, ring, n);
 }
 
 enum dt_status dt_alpha_read(const struct dt *t, struct dt_alpha *a, uint32_t points, bool *done)

@@ -142,6 +142,44 @@ TEST_TIMEOUT(tables_are_right_at_points_of_high_degree, 60)
     check_hub(40, 7, 700);
 }
 
+/* Every first attempt to read at the hub fails. */
+static void check_without_memory(const struct dt *t, enum dt_table table)
+{
+    struct dt_ids want = {0}, got = {0};
+    struct dt_cursor c;
+    size_t rows = 1, words, failures = 0;
+    read_table(t, table, false, 1000, 100, &want);
+    CHECK(dt_table_begin(t, NULL, table, false, &c) == DT_OK);
+    while (rows > 0) {
+        uint32_t buffer[64];
+        test_fail_alloc(1);
+        enum dt_status s = dt_table_read(t, &c, buffer, 64, 10, &rows, &words);
+        test_fail_alloc(0);
+        if (s == DT_NOMEM) {
+            CHECK(rows == 0);
+            failures++;
+            s = dt_table_read(t, &c, buffer, 64, 10, &rows, &words);
+        }
+        CHECK(s == DT_OK);
+        append_ids(&got, buffer, words);
+    }
+    CHECK(failures > 1);
+    check_equal_ids("a table read without memory", &got, &want);
+    free(want.v);
+    free(got.v);
+}
+
+TEST(a_table_that_runs_out_of_memory_at_a_hub_can_be_read_on)
+{
+    struct pair most = wheel(200, 30, 0), many = wheel(40, 0, 700);
+    check_without_memory(most.t, DT_TRIANGLES);
+    check_without_memory(most.t, DT_EDGES);
+    check_without_memory(many.t, DT_TRIANGLES);
+    check_without_memory(many.t, DT_EDGES);
+    pair_free(&most);
+    pair_free(&many);
+}
+
 /* Deletes all points but a few of some pages of ids, and all of others. */
 static void thin_out(struct dt *t, uint32_t n)
 {
