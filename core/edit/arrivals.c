@@ -189,8 +189,9 @@ static enum dt_status install(struct arrivals *a)
 static enum dt_status add_sorted(struct dt_points *p, const struct dt_point *q, uint32_t n,
                                  const struct dt_options *opt, struct dt_added *out)
 {
-    struct arrivals a = {.p = p, .q = q, .end = p->end, .n = n, .opt = *opt};
-    a.stop = dt_stop_of(opt);
+    struct arrivals a = {.p = p, .q = q, .end = p->end, .n = n, .stop = dt_stop_of(opt)};
+    if (opt != NULL)
+        a.opt = *opt;
     struct dt_added done = {.first = p->next_id, .added = n};
     enum dt_status status = allocate(&a);
     if (status == DT_OK)
@@ -210,21 +211,17 @@ static enum dt_status add_sorted(struct dt_points *p, const struct dt_point *q, 
 }
 
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                               const struct dt_pool *pool, struct dt_stop *work,
-                               struct dt_added *out)
+                               const struct dt_options *opt, struct dt_added *out)
 {
-    if (!dt_arrivals_suit(p, n))
-        return dt_points_add(p, q, n, work, out);
-    struct dt_options opt = {.pool = pool, .cancel = work == NULL ? NULL : work->cancel};
-    enum dt_status status = dt_work(work, 2 * ((uint64_t)p->end + n));
+    struct dt_stop work = dt_stop_of(opt);
+    enum dt_status status = dt_work(&work, 2 * ((uint64_t)p->end + n));
     if (status == DT_OK)
         status = dt_points_reserve_ids(p, n);
-    return status == DT_OK ? add_sorted(p, q, (uint32_t)n, &opt, out) : status;
+    return status == DT_OK ? add_sorted(p, q, (uint32_t)n, opt, out) : status;
 }
 
 enum dt_status dt_arrivals_sort(struct dt_points *p, const struct dt_options *opt)
 {
-    static const struct dt_options usual;
     struct dt_added none;
-    return p->end == 0 ? DT_OK : add_sorted(p, NULL, 0, opt == NULL ? &usual : opt, &none);
+    return p->end == 0 ? DT_OK : add_sorted(p, NULL, 0, opt, &none);
 }

@@ -10,11 +10,10 @@
  * beside those of the set. */
 bool dt_arrivals_suit(const struct dt_points *p, size_t n);
 
-/* Adds n valid points, all or none, with the result that dt_points_add has, by it or by sorting. pool may be NULL.
- * Cost of sorting: O(n + vertices), and 26 bytes for each of them meanwhile; taken off the work, which may be NULL. */
+/* Adds n valid points that suit, all or none, with the result that adding them one after the other has. Cost: O(n +
+ * vertices), and 26 bytes for each of them meanwhile. */
 enum dt_status dt_arrivals_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                               const struct dt_pool *pool, struct dt_stop *work,
-                               struct dt_added *out);
+                               const struct dt_options *opt, struct dt_added *out);
 
 /* The same with no points: renumbers the set's vertices, none of which is free, in that order. DT_CORRUPT: two of them
  * are at one place. */

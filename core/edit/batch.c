@@ -8,7 +8,8 @@
 
 enum {
     SORTED = 16, /* batches of at least this number of points are sorted */
-    LEAD = 8     /* points, by which what is free is fetched earlier than it is used */
+    LEAD = 8,    /* points, by which what is free is fetched earlier than it is used */
+    MISSES = 12  /* points that are looked up by their places while two cache misses take place */
 };
 
 /* Counts the points in the cells and puts them into b->order. */
@@ -38,7 +39,7 @@ enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const stru
     b->n = n;
     b->vertex = t->points.free_list;
     b->record = t->mesh.free_list;
-    if (n < SORTED || t->points.tol > 0)
+    if (n < SORTED || t->points.tol > 0 || !t->current)
         return DT_OK;
     struct dt_arena arena = {0};
     struct dt_order grid;
@@ -105,9 +106,20 @@ static void look_ahead(struct dt *t, struct dt_batch *b, uint32_t i)
     }
 }
 
+/* Fetches in advance where points are looked up by their places. */
+static void fetch_places(const struct dt *t, const struct dt_batch *b, uint32_t i)
+{
+    if (b->n - i > 2 * MISSES)
+        dt_places_fetch_bucket(&t->points.places, b->q[i + 2 * MISSES]);
+    if (b->n - i > MISSES)
+        dt_places_fetch_vertex(&t->points.places, t->points.xy, b->q[i + MISSES]);
+}
+
 uint32_t dt_batch_turn(struct dt *t, struct dt_batch *b, uint32_t i)
 {
-    if (b->n == 1)
+    if (!t->current)
+        fetch_places(t, b, i);
+    if (b->n == 1 || !t->current)
         return DT_NONE;
     if (i % DT_AHEAD == 0)
         look_ahead(t, b, i);

@@ -1,10 +1,10 @@
-/* batch.h - the insertion of many points into a live set: their order, and searches side by side, which overlap
- * their cache misses.
+/* batch.h - the addition of many points: their order, and searches side by side, which overlap their cache misses.
  *
  * An insertion spends most of its time waiting for memory: for a cell of the grid, the triangle that is in it,
  * its corners, and so on. So the points of a batch are put in the order of the plane, and the next DT_AHEAD of
  * them are looked for side by side, as the questions of a pipeline are (core/query/ahead.h); then each is
- * inserted from the triangle that it was found in or one nearby. */
+ * inserted from the triangle that it was found in or one nearby. Where there is no triangulation, points are looked up in the
+ * table of places (core/points/places.h), in the order of arrival. */
 #ifndef DT_BATCH_H
 #define DT_BATCH_H
 

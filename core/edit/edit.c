@@ -1,5 +1,5 @@
-/* edit.c - adds, deletes and moves points: together with the triangulation (update.h), or without it if it must
- * be rebuilt anyway. */
+/* edit.c - adds, deletes and moves points: checks what the caller gives, and chooses whether the triangulation changes with
+ * the points (update.h) or is rebuilt later. */
 #include "core/delaunay.h"
 
 #include <math.h>
@@ -85,6 +85,14 @@ enum dt_status dt_add_many(struct dt *t, const struct dt_point *p, size_t n,
     return dt_update_add_many(t, p, n, opt, out);
 }
 
+/* Leaves the mesh of a live set to a rebuild if n edits are many; returns whether it was live. */
+static bool set_mesh_aside(struct dt *t, size_t n)
+{
+    bool live = t->current;
+    t->current = live && !dt_is_large_batch(t, n);
+    return live && !t->current;
+}
+
 enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t n,
                                   const struct dt_options *opt, struct dt_added *out)
 {
@@ -92,13 +100,22 @@ enum dt_status dt_update_add_many(struct dt *t, const struct dt_point *p, size_t
     enum dt_status status = check_points(p, n, opt);
     if (status != DT_OK)
         return status;
-    if (dt_is_live(t) && !dt_is_large_batch(t, n))
-        return dt_update_add(t, p, n, &work, out);
-    const struct dt_pool *pool = opt == NULL ? NULL : opt->pool;
-    status = dt_arrivals_add(&t->points, p, n, pool, &work, out);
-    if (status == DT_OK && out->coincident < out->added)
-        t->current = false;
+    bool aside = set_mesh_aside(t, n);
+    if (!t->current && dt_arrivals_suit(&t->points, n))
+        status = dt_arrivals_add(&t->points, p, n, opt, out);
+    else
+        status = dt_update_add(t, p, n, &work, out);
+    if (aside && status != DT_OK)
+        t->current = true;
     return status;
+}
+
+static bool are_aliases(const struct dt_points *p, const uint32_t *ids, size_t n)
+{
+    size_t i = 0;
+    while (i < n && dt_points_is_alias(p, ids[i]))
+        i++;
+    return i == n;
 }
 
 /* Deletes ascending distinct live ids. */
@@ -110,26 +127,13 @@ static enum dt_status delete_sorted(struct dt *t, uint32_t *ids, size_t n,
     enum dt_status status = dt_fields_take_ready(&t->fields, ids, n, &work);
     if (status != DT_OK)
         return status;
-    if (dt_is_live(t) && !dt_is_large_batch(t, n)) {
-        status = dt_update_delete(t, ids, n, &work);
-        if (status == DT_OK)
-            dt_fields_take(&t->fields, ids, n);
-        return status;
-    }
-    struct dt_points *p = &t->points;
-    bool only_aliases = true;
-    status = dt_work(&work, 2 * n);
+    bool aside = !are_aliases(&t->points, ids, n) && set_mesh_aside(t, n);
+    status = dt_update_delete(t, ids, n, &work, opt != NULL && opt->disposable);
     if (status == DT_OK)
-        status = dt_points_delete_ready(p, ids, n, &work);
-    if (status != DT_OK)
-        return status;
-    for (size_t i = 0; only_aliases && i < n; i++)
-        only_aliases = dt_points_is_alias(p, ids[i]);
-    if (!only_aliases)
-        t->current = false;
-    dt_points_delete_all(p, ids, n, opt != NULL && opt->disposable ? &work : NULL);
-    dt_fields_take(&t->fields, ids, n);
-    return dt_stop_status(&work);
+        dt_fields_take(&t->fields, ids, n);
+    else if (aside)
+        t->current = true;
+    return status;
 }
 
 enum dt_status dt_delete(struct dt *t, const uint32_t *ids, size_t n, uint32_t *deleted,
@@ -188,10 +192,5 @@ enum dt_status dt_move_to(struct dt *t, uint32_t id, struct dt_point to,
     if (status != DT_OK)
         return status;
     dt_views_edit_begin(t);
-    if (dt_is_live(t))
-        return dt_update_move(t, id, to, &work);
-    status = dt_points_move(&t->points, id, to, &work);
-    if (status == DT_OK)
-        t->current = false;
-    return status;
+    return dt_update_move(t, id, to, &work);
 }

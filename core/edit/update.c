@@ -1,5 +1,8 @@
 /* update.c - insert, delete, move, one point after the other, on points, mesh and grid.
  *
+ * Without a triangulation, or where it awaits a rebuild (t->current is false), the points are edited in the same way; what
+ * would look at the mesh or change it does nothing, and coincident points are found by their places.
+ *
  * An edit may end early: out of memory, the caller's flag, the caller's limit. Each of its changes of the
  * mesh is all or nothing, and is undone by its inverse, the latest first: the triangulation is canonical, so
  * this restores the previous one. The points change after the mesh, or where nothing can fail any more.
@@ -79,6 +82,8 @@ static struct place look_up(struct dt *t, struct dt_point q)
 {
     struct place p = {.where = DT_OUTSIDE, .half = DT_NONE, .at = DT_NONE};
     const struct dt_point *xy = t->points.xy;
+    if (!t->current)
+        return p;
     if (t->mesh.vertices == 1) {
         p.half = t->mesh.alone;
         if (xy[p.half].x == q.x && xy[p.half].y == q.y)
@@ -106,16 +111,24 @@ static struct place look_up_from(struct dt *t, struct dt_point q, uint32_t near)
     return p;
 }
 
+/* Makes `coincident` possible. */
+static enum dt_status index_places(struct dt *t, struct dt_stop *work)
+{
+    return t->points.tol > 0 || !t->current ? dt_points_index(&t->points, work) : DT_OK;
+}
+
 /* The vertex other than `except` that a point at q, which was looked up, coincides with; DT_NONE if there is
- * none. Without a tolerance the mesh itself has found it; with one, the points must be indexed. */
+ * none. Without a tolerance the mesh itself has found it. */
 static uint32_t coincident(const struct dt *t, struct dt_point q, const struct place *p,
                            uint32_t except)
 {
-    return t->points.tol > 0 ? dt_points_find(&t->points, q, except) : p->at;
+    return t->points.tol > 0 || !t->current ? dt_points_find(&t->points, q, except) : p->at;
 }
 
 static enum dt_status insert_at(struct dt *t, uint32_t v, const struct place *p)
 {
+    if (!t->current)
+        return DT_OK;
     enum dt_status status = dt_insert(&t->mesh, t->points.xy, v, p->where, p->half, &t->scratch);
     if (status == DT_OK && t->mesh.vertices >= 2)
         dt_hint_put(&t->hints, t->points.xy[v], t->mesh.leaving[v]);
@@ -130,6 +143,8 @@ static enum dt_status insert_vertex(struct dt *t, uint32_t v)
 
 static enum dt_status remove_vertex(struct dt *t, uint32_t v)
 {
+    if (!t->current)
+        return DT_OK;
     uint32_t h = t->mesh.leaving[v], near = h == DT_NONE ? DT_NONE : dt_dest(&t->mesh, h);
     if (near == DT_NONE && h != DT_NONE)
         near = dt_dest(&t->mesh, dt_turn_ccw(&t->mesh, h));
@@ -143,7 +158,7 @@ static enum dt_status remove_vertex(struct dt *t, uint32_t v)
 /* Insert a vertex, where the edit can no longer be undone. */
 static void settle_vertex(struct dt *t, uint32_t v)
 {
-    if (t->current && insert_vertex(t, v) != DT_OK)
+    if (insert_vertex(t, v) != DT_OK)
         lose_mesh(t);
 }
 
@@ -192,8 +207,8 @@ enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, s
     struct dt_batch b;
     struct dt_added done = {.first = t->points.next_id, .added = (uint32_t)n};
     enum dt_status status = dt_points_reserve(&t->points, n, work);
-    if (status == DT_OK && t->points.tol > 0)
-        status = dt_points_index(&t->points, work);
+    if (status == DT_OK)
+        status = index_places(t, work);
     if (status == DT_OK)
         status = dt_batch_begin(&b, t, q, (uint32_t)n, work);
     if (status != DT_OK)
@@ -291,24 +306,26 @@ static enum dt_status remove_vertices(struct dt *t, const uint32_t *ids, size_t 
     return status;
 }
 
-enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_stop *work)
+enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_stop *work,
+                                bool disposable)
 {
     struct dt_points *p = &t->points;
-    uint32_t one = DT_NONE, *gone = n == 1 ? &one : dt_array_new(n, sizeof *gone);
+    uint32_t one = DT_NONE, *gone = n == 1 || !t->current ? &one : dt_array_new(n, sizeof *gone);
     size_t k = 0;
     enum dt_status status = gone == NULL ? DT_NOMEM : dt_points_delete_ready(p, ids, n, work);
     t->scratch.work = work;
     if (status == DT_OK)
-        status = remove_vertices(t, ids, n, work, gone, &k);
+        status = t->current ? remove_vertices(t, ids, n, work, gone, &k) : dt_work(work, 2 * n);
     if (status == DT_OK) {
         commit(t);
         if (n == 1)
             dt_points_delete(p, *ids);
         else
-            dt_points_delete_all(p, ids, n, NULL);
+            dt_points_delete_all(p, ids, n, disposable ? work : NULL);
         for (size_t i = 0; i < k; i++)
             if (p->id[gone[i]] != DT_NONE) /* a successor has taken it over */
                 settle_vertex(t, gone[i]);
+        status = dt_stop_status(work);
     } else {
         put_back(t, gone, k);
     }
@@ -369,12 +386,13 @@ static enum dt_status move_by_flips(struct dt *t, uint32_t v, struct dt_point to
 static enum dt_status count_conflicts(struct dt *t, struct dt_point to, const struct place *place,
                                       const struct dt_stop *work)
 {
-    if (!dt_work_is_limited(work) || dt_mesh_is_line(&t->mesh) || place->at != DT_NONE)
+    if (!t->current || !dt_work_is_limited(work) || dt_mesh_is_line(&t->mesh) ||
+        place->at != DT_NONE)
         return DT_OK;
     return dt_find_cavity(&t->mesh, t->points.xy, dt_base(place->half), to, &t->scratch);
 }
 
-/* The same where aliases stay behind or `at` takes the point in, or id is an alias: v is DT_NONE
+/* The same where aliases stay behind, `at` takes the point in, there is no mesh, or id is an alias: v is DT_NONE
  * then. */
 static enum dt_status move_among_aliases(struct dt *t, uint32_t id, struct dt_point to, uint32_t v,
                                          const struct place *place, uint32_t at,
@@ -407,11 +425,12 @@ static enum dt_status move_anywhere(struct dt *t, uint32_t id, struct dt_point t
     struct place place = look_up(t, to);
     uint32_t at = coincident(t, to, &place, v);
     enum dt_status status;
-    if (v != DT_NONE && at == DT_NONE && dt_points_heir(&t->points, v, NULL, 0) == NULL)
+    if (t->current && v != DT_NONE && at == DT_NONE &&
+        dt_points_heir(&t->points, v, NULL, 0) == NULL)
         status = move_vertex(t, v, to, &place);
     else
         status = move_among_aliases(t, id, to, v, &place, at, work);
-    if (status == DT_OK && t->current)
+    if (status == DT_OK)
         dt_tend(t, work);
     return status;
 }
@@ -428,18 +447,18 @@ enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, str
 {
     struct dt_points *p = &t->points;
     uint32_t v = dt_points_is_alias(p, id) ? DT_NONE : dt_points_vertex(p, id);
-    if (v != DT_NONE)
+    if (v != DT_NONE && t->current)
         fetch_vertex(t, v, 3); /* and what is near the place: */
-    if (t->hints.grids > 0)
+    if (t->hints.grids > 0 && t->current)
         dt_hint_fetching(&t->hints, &t->mesh, p->xy, to);
     to = (struct dt_point){to.x + 0.0, to.y + 0.0};
     struct dt_point from = dt_points_xy(p, id);
     if (from.x == to.x && from.y == to.y)
         return DT_OK;
-    enum dt_status status = p->tol > 0 ? dt_points_index(p, work) : DT_OK;
+    enum dt_status status = index_places(t, work);
     bool moved = false;
     t->scratch.work = work;
-    if (status == DT_OK && v != DT_NONE && stays_alone(p, v, to))
+    if (status == DT_OK && t->current && v != DT_NONE && stays_alone(p, v, to))
         status = move_by_flips(t, v, to, work, &moved);
     if (status == DT_OK && !moved)
         status = move_anywhere(t, id, to, v, work);

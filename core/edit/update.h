@@ -1,4 +1,4 @@
-/* update.h - edits of a live set: its points and its triangulation change together. */
+/* update.h - edits of a set: its points, and if it is live its triangulation, change together. */
 #ifndef DT_UPDATE_H
 #define DT_UPDATE_H
 
@@ -7,13 +7,14 @@
 /* Whether a batch of n edits is so large that a rebuild is cheaper (measured: tests/bench). */
 bool dt_is_large_batch(const struct dt *t, size_t n);
 
-/* As dt_add_many, dt_delete_many (of ascending distinct live ids) and dt_move_to, for a live set. A failure
- * leaves the set as it was, with one exception: where a large batch, or one that is out of memory, cannot be
+/* As dt_add_many (of valid points, one after the other), dt_delete_many (of ascending distinct live ids) and dt_move_to. A
+ * failure leaves the set as it was, with one exception: where a large batch, or one that is out of memory, cannot be
  * undone vertex by vertex at a reasonable cost, the points are as they were and the set awaits a rebuild
  * (t->current is false). Cost: a small constant per point, expected. */
 enum dt_status dt_update_add(struct dt *t, const struct dt_point *q, size_t n, struct dt_stop *work,
                              struct dt_added *out);
-enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_stop *work);
+enum dt_status dt_update_delete(struct dt *t, const uint32_t *ids, size_t n, struct dt_stop *work,
+                                bool disposable);
 enum dt_status dt_update_move(struct dt *t, uint32_t id, struct dt_point to, struct dt_stop *work);
 
 /* dt_add_many within an edit that has begun (dt_views_edit_begin). */

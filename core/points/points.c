@@ -268,40 +268,6 @@ void dt_points_take_back(struct dt_points *p, uint32_t n)
     }
 }
 
-enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             struct dt_stop *work, struct dt_added *out)
-{
-    enum { AHEAD = 12 }; /* points; as long as two cache misses take */
-    enum dt_status status = dt_points_reserve(p, n, work);
-    if (status == DT_OK)
-        status = dt_points_index(p, work);
-    if (status != DT_OK)
-        return status;
-    struct dt_added done = {.first = p->next_id, .added = (uint32_t)n};
-    uint32_t i = 0;
-    for (; status == DT_OK && i < n; i++) {
-        if (i + 2 * AHEAD < n)
-            dt_places_fetch_bucket(&p->places, q[i + 2 * AHEAD]);
-        if (i + AHEAD < n)
-            dt_places_fetch_vertex(&p->places, p->xy, q[i + AHEAD]);
-        struct dt_point at = {q[i].x + 0.0, q[i].y + 0.0}; /* -0 becomes 0 */
-        uint32_t v = dt_points_find(p, at, DT_NONE);
-        status = dt_work(work, 2);
-        if (status == DT_OK && v == DT_NONE)
-            dt_points_enter(p, done.first + i, at);
-        else if (status == DT_OK)
-            status = dt_points_join(p, done.first + i, at, v);
-        done.coincident += v != DT_NONE;
-    }
-    if (status != DT_OK) {
-        dt_points_take_back(p, i);
-        return status;
-    }
-    dt_points_arrived(p, (uint32_t)n);
-    *out = done;
-    return DT_OK;
-}
-
 /* ---- deleting ---- */
 
 const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v, const uint32_t *ids,
@@ -450,21 +416,4 @@ uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, 
         become_alias(p, id, to, at);
     }
     return DT_NONE;
-}
-
-enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to,
-                              struct dt_stop *work)
-{
-    to = (struct dt_point){to.x + 0.0, to.y + 0.0};
-    struct dt_point from = dt_points_xy(p, id);
-    if (from.x == to.x && from.y == to.y)
-        return DT_OK;
-    enum dt_status status = dt_points_index(p, work);
-    if (status == DT_OK)
-        status = dt_points_move_ready(p, id, work);
-    if (status != DT_OK)
-        return status;
-    dt_points_delete(p, id);
-    dt_points_arrive(p, id, to, dt_points_find(p, to, DT_NONE));
-    return DT_OK;
 }

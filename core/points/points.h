@@ -101,14 +101,9 @@ struct dt_point dt_points_xy(const struct dt_points *p, uint32_t id);
 
 /* Where a function takes work (stop.h), its steps are taken off that; NULL: no end. */
 
-/* Adds n valid points one after the other, all or none (many at once: arrivals.h). */
-enum dt_status dt_points_add(struct dt_points *p, const struct dt_point *q, size_t n,
-                             struct dt_stop *work, struct dt_added *out);
-
-/* The same in steps, for a caller that finds coincident points in its own way: room for n arrivals,
- * or for their ids alone; then for each id from next_id on, in any order but with coincident points ascending, either
- * dt_points_enter or dt_points_join; then dt_points_arrived. dt_points_take_back undoes what was
- * done before dt_points_arrived; none of these points may have been taken over. */
+/* Adding n valid points: room for them, or for their ids alone; then for each id from next_id on, in any order but with
+ * coincident points ascending, either dt_points_enter or dt_points_join; then dt_points_arrived. dt_points_take_back
+ * undoes what was done before dt_points_arrived; none of these points may have been taken over. */
 enum dt_status dt_points_reserve(struct dt_points *p, size_t n, struct dt_stop *work);
 enum dt_status dt_points_reserve_ids(struct dt_points *p, size_t n);
 uint32_t dt_points_enter(struct dt_points *p, uint32_t id,
@@ -142,11 +137,7 @@ void dt_points_shift(struct dt_points *p, uint32_t v, struct dt_point to);
 const struct dt_alias *dt_points_heir(const struct dt_points *p, uint32_t v, const uint32_t *ids,
                                       size_t n);
 
-/* Moves a live id to a valid place. Changes nothing unless DT_OK. */
-enum dt_status dt_points_move(struct dt_points *p, uint32_t id, struct dt_point to,
-                              struct dt_stop *work);
-
-/* The same in steps: dt_points_move_ready makes the others certain to succeed. Then the point leaves,
+/* Moving a live id: dt_points_move_ready makes the others certain to succeed. Then the point leaves,
  * by dt_points_delete, and arrives: at vertex `at`, with which it coincides, or, if that is DT_NONE,
  * at a vertex of its own, which is returned; DT_NONE is returned if no vertex came. */
 enum dt_status dt_points_move_ready(struct dt_points *p, uint32_t id, struct dt_stop *work);

@@ -47,7 +47,7 @@ static void reset_counts(struct dt *t)
 
 void dt_tend(struct dt *t, const struct dt_stop *work)
 {
-    if (!dt_lacks_grid(t) && !is_old(t, t->mesh.vertices > AT_ONCE ? OVERDUE : 1))
+    if (!t->current || (!dt_lacks_grid(t) && !is_old(t, t->mesh.vertices > AT_ONCE ? OVERDUE : 1)))
         return;
     if (!dt_work_allows(work, t->mesh.vertices))
         return;

@@ -43,7 +43,7 @@ struct dt {
     struct dt_hints
         hints; /* the uniform grid: a half edge near every place; empty until it is wanted */
     bool triangulated;         /* dt_triangulate has been called */
-    bool current;              /* mesh and hints agree with points */
+    bool current;              /* it is triangulated, and mesh and hints agree with points */
     struct dt_cavity scratch;  /* of edits */
     uint32_t hinted;           /* vertices that the mesh had when its hints were built */
     uint64_t steps;            /* that walks have taken since then beyond the usual ones */
@@ -70,7 +70,7 @@ static inline bool dt_lacks_grid(const struct dt *t)
 void dt_views_edit_begin(struct dt *t);
 
 /* To be called after each edit of a mesh, and before one that profits from a grid: makes or rebuilds it if that is
- * due (renew.c), unless that takes more steps than are left. */
+ * due (renew.c), unless that takes more steps than are left, or the mesh is not current. */
 void dt_tend(struct dt *t, const struct dt_stop *work);
 
 /* ---- what all readers share ---- */

@@ -2,22 +2,24 @@
 #include <stdlib.h>
 
 #include "core/edit/arrivals.h"
+#include "core/set/set.h"
 #include "tests/core/threads.h"
 #include "tests/oracle/families.h"
 #include "tests/test.h"
 
 enum { N = 12000, AT_ONCE = 5000, FEW_AT_ONCE = 700 };
 
-/* Adds q[n] to p, `step` at a time. */
-static uint32_t add_in_steps(struct dt_points *p, const struct dt_point *q, size_t n, size_t step,
+/* Adds q[n] to t, `step` at a time. */
+static uint32_t add_in_steps(struct dt *t, const struct dt_point *q, size_t n, size_t step,
                              const struct dt_pool *pool)
 {
+    const struct dt_options opt = {.pool = pool};
     uint32_t coincident = 0;
     for (size_t at = 0; at < n; at += step) {
         struct dt_added added;
         size_t k = n - at < step ? n - at : step;
-        uint32_t first = p->next_id;
-        CHECK(dt_arrivals_add(p, q + at, k, pool, NULL, &added) == DT_OK);
+        uint32_t first = dt_next_id(t);
+        CHECK(dt_add_many(t, q + at, k, &opt, &added) == DT_OK);
         CHECK(added.first == first && added.added == k);
         coincident += added.coincident;
     }
@@ -61,20 +63,18 @@ TEST(points_added_at_once_get_the_ids_and_aliases_of_points_added_in_turn)
         CHECK_MSG(family_find(names[i]) != NULL, "%s", names[i]);
         family_points(family_find(names[i]), q, N, test_random());
         give_signs(q, N);
-        struct dt_points want;
-        dt_points_init(&want, 0);
-        uint32_t coincident = add_in_steps(&want, q, N, FEW_AT_ONCE, NULL);
+        struct dt *want = dt_new(0);
+        uint32_t coincident = add_in_steps(want, q, N, FEW_AT_ONCE, NULL);
         for (unsigned threads = 0; threads < 5; threads += 2) {
             struct dt_pool pool = threads_pool(threads == 0 ? 1 : threads);
             for (size_t step = AT_ONCE; step <= N; step += N - AT_ONCE) {
-                struct dt_points got;
-                dt_points_init(&got, 0);
-                CHECK(add_in_steps(&got, q, N, step, threads == 0 ? NULL : &pool) == coincident);
-                check_same(&got, &want);
-                dt_points_clear(&got);
+                struct dt *got = dt_new(0);
+                CHECK(add_in_steps(got, q, N, step, threads == 0 ? NULL : &pool) == coincident);
+                check_same(&got->points, &want->points);
+                dt_free(got);
             }
         }
-        dt_points_clear(&want);
+        dt_free(want);
     }
     free(q);
 }
@@ -91,28 +91,27 @@ static void delete_some(struct dt_points *p, uint32_t n)
 TEST(points_added_at_once_coincide_with_existing_ones)
 {
     struct dt_point *q = malloc(N * sizeof *q);
-    struct dt_points got, want;
     for (size_t i = 0; i < N; i++)
         q[i] = (struct dt_point){test_below(80), test_below(80)};
     for (int deletes = 0; deletes < 2; deletes++) {
-        dt_points_init(&got, 0);
-        dt_points_init(&want, 0);
-        add_in_steps(&got, q, 900, FEW_AT_ONCE, NULL);
-        add_in_steps(&want, q, 900, FEW_AT_ONCE, NULL);
+        struct dt *got = dt_new(0), *want = dt_new(0);
+        add_in_steps(got, q, 900, FEW_AT_ONCE, NULL);
+        add_in_steps(want, q, 900, FEW_AT_ONCE, NULL);
         if (deletes) {
-            delete_some(&got, 300);
-            delete_some(&want, 300);
+            delete_some(&got->points, 300);
+            delete_some(&want->points, 300);
         }
-        CHECK(dt_arrivals_suit(&got, N) == !deletes && !dt_arrivals_suit(&got, 899));
-        add_in_steps(&got, q, N, N, NULL);
-        add_in_steps(&want, q, N, FEW_AT_ONCE, NULL);
-        check_same(&got, &want);
-        CHECK((got.plan != NULL) == !deletes);
-        add_in_steps(&got, q, 500, 1, NULL); /* and the table of places is there when needed */
-        add_in_steps(&want, q, 500, 1, NULL);
-        check_same(&got, &want);
-        dt_points_clear(&got);
-        dt_points_clear(&want);
+        CHECK(dt_arrivals_suit(&got->points, N) == !deletes &&
+              !dt_arrivals_suit(&got->points, 899));
+        add_in_steps(got, q, N, N, NULL);
+        add_in_steps(want, q, N, FEW_AT_ONCE, NULL);
+        check_same(&got->points, &want->points);
+        CHECK((got->points.plan != NULL) == !deletes);
+        add_in_steps(got, q, 500, 1, NULL); /* and the table of places is there when needed */
+        add_in_steps(want, q, 500, 1, NULL);
+        check_same(&got->points, &want->points);
+        dt_free(got);
+        dt_free(want);
     }
     free(q);
 }
@@ -123,16 +122,15 @@ TEST(points_added_at_once_at_one_place_leave_no_room_for_vertices)
     struct dt_point *q = malloc(MANY * sizeof *q);
     struct dt_pages *pages = dt_pages_new(SIZE_MAX);
     struct dt_pages_summary sum;
-    struct dt_points p;
     struct dt_added added;
     for (size_t i = 0; i < MANY; i++)
         q[i] = (struct dt_point){test_below(9), 0};
-    dt_points_init_in(&p, 0, pages);
-    CHECK(dt_arrivals_add(&p, q, MANY, NULL, NULL, &added) == DT_OK && p.end == 9);
+    struct dt *t = dt_new_in(0, pages);
+    CHECK(dt_add(t, q, MANY, &added) == DT_OK && t->points.end == 9);
     dt_pages_summary(pages, &sum);
     size_t in_use = sum.held - sum.kept;
-    CHECK_MSG(in_use < dt_aliases_memory(&p.aliases) + (5u << 20), "%zu bytes", in_use);
-    dt_points_clear(&p);
+    CHECK_MSG(in_use < dt_aliases_memory(&t->points.aliases) + (5u << 20), "%zu bytes", in_use);
+    dt_free(t);
     dt_pages_free(pages);
     free(q);
 }
@@ -141,29 +139,45 @@ TEST(points_added_at_once_are_all_added_or_none)
 {
     enum { MANY = 6000 };
     struct dt_point *q = malloc(MANY * sizeof *q);
-    struct dt_points before, after;
+    struct dt *before = dt_new(0), *after = dt_new(0);
     struct dt_added added;
     for (size_t i = 0; i < MANY; i++)
         q[i] = (struct dt_point){test_below(60), test_below(60)};
-    dt_points_init(&before, 0);
-    dt_points_init(&after, 0);
-    add_in_steps(&before, q, 500, 500, NULL);
-    add_in_steps(&after, q, 500, 500, NULL);
-    add_in_steps(&after, q, MANY, FEW_AT_ONCE, NULL);
+    add_in_steps(before, q, 500, 500, NULL);
+    add_in_steps(after, q, 500, 500, NULL);
+    add_in_steps(after, q, MANY, FEW_AT_ONCE, NULL);
     bool failed = true;
     for (long nth = 1; failed; nth++) {
-        struct dt_points got;
-        dt_points_init(&got, 0);
-        add_in_steps(&got, q, 500, 500, NULL);
+        struct dt *got = dt_new(0);
+        add_in_steps(got, q, 500, 500, NULL);
         test_fail_alloc(nth);
-        enum dt_status status = dt_arrivals_add(&got, q, MANY, NULL, NULL, &added);
+        enum dt_status status = dt_add(got, q, MANY, &added);
         failed = test_alloc_failed();
         test_fail_alloc(0);
         CHECK(status == DT_OK || (failed && status == DT_NOMEM));
-        check_same(&got, status == DT_OK ? &after : &before);
-        dt_points_clear(&got);
+        check_same(&got->points, status == DT_OK ? &after->points : &before->points);
+        dt_free(got);
     }
-    dt_points_clear(&before);
-    dt_points_clear(&after);
+    dt_free(before);
+    dt_free(after);
+    free(q);
+}
+
+/* A point that was added later has the last vertex, but not the last place. */
+TEST(a_large_batch_of_points_that_are_all_there_leaves_a_sound_set)
+{
+    enum { MANY = 6000 };
+    struct dt_point *q = malloc(MANY * sizeof *q);
+    struct dt *t = dt_new(0);
+    struct dt_added added;
+    const char *fault = NULL;
+    for (size_t i = 0; i < MANY; i++)
+        q[i] = (struct dt_point){test_uniform(), test_uniform()};
+    CHECK(dt_add(t, q + 9, MANY - 9, &added) == DT_OK && dt_triangulate(t, NULL) == DT_OK);
+    CHECK(dt_add(t, q, 9, &added) == DT_OK && t->points.end == MANY);
+    CHECK(dt_add(t, q, MANY, &added) == DT_OK && added.coincident == MANY);
+    CHECK(dt_refresh(t, NULL) == DT_OK);
+    CHECK_MSG(dt_check(t, NULL, &fault) == DT_OK, "%s", fault);
+    dt_free(t);
     free(q);
 }

@@ -172,13 +172,13 @@ static void count_changes(struct counter *c, struct dt_points *p)
     p->changes = p->aliases.changes = &c->changes;
 }
 
-static void add_at(struct dt_points *p, double x, uint32_t n)
+static void add_at(struct dt *t, double x, uint32_t n)
 {
     struct dt_point *q = malloc(n * sizeof *q);
     struct dt_added added;
     for (uint32_t i = 0; i < n; i++)
         q[i] = (struct dt_point){x, 0};
-    CHECK(dt_points_add(p, q, n, NULL, &added) == DT_OK);
+    CHECK(dt_add(t, q, n, &added) == DT_OK);
     free(q);
 }
 
@@ -193,24 +193,24 @@ static void delete_one(struct dt_points *p, uint32_t id)
 TEST(a_delete_that_unites_two_large_families_changes_neither_alias_by_alias)
 {
     enum { LARGE = 200000 };
-    struct dt_points p;
     struct counter c;
-    dt_points_init(&p, 1);
-    add_at(&p, 1.85, 1);
-    add_at(&p, 0.9, LARGE);
-    add_at(&p, 0, 1);
-    add_at(&p, 0.9, LARGE);
-    delete_one(&p, 0);
-    CHECK(dt_points_vertices(&p) == 2 && !dt_points_is_alias(&p, 1));
-    CHECK(dt_points_vertex(&p, LARGE) != dt_points_vertex(&p, LARGE + 2));
-    count_changes(&c, &p);
-    delete_one(&p, LARGE + 1);
+    struct dt *t = dt_new(1);
+    struct dt_points *p = &t->points;
+    add_at(t, 1.85, 1);
+    add_at(t, 0.9, LARGE);
+    add_at(t, 0, 1);
+    add_at(t, 0.9, LARGE);
+    delete_one(p, 0);
+    CHECK(dt_points_vertices(p) == 2 && !dt_points_is_alias(p, 1));
+    CHECK(dt_points_vertex(p, LARGE) != dt_points_vertex(p, LARGE + 2));
+    count_changes(&c, p);
+    delete_one(p, LARGE + 1);
     CHECK_MSG(c.calls < 10, "%u changes", c.calls);
-    CHECK(dt_points_vertices(&p) == 1 && p.aliases.count == 2 * LARGE - 1);
-    CHECK(dt_points_vertex(&p, LARGE) == dt_points_vertex(&p, 1) &&
-          dt_points_vertex(&p, 2 * LARGE + 1) == dt_points_vertex(&p, 1));
-    CHECK(dt_points_heir(&p, dt_points_vertex(&p, 1), NULL, 0)->id == 2);
-    dt_points_clear(&p);
+    CHECK(dt_points_vertices(p) == 1 && p->aliases.count == 2 * LARGE - 1);
+    CHECK(dt_points_vertex(p, LARGE) == dt_points_vertex(p, 1) &&
+          dt_points_vertex(p, 2 * LARGE + 1) == dt_points_vertex(p, 1));
+    CHECK(dt_points_heir(p, dt_points_vertex(p, 1), NULL, 0)->id == 2);
+    dt_free(t);
 }
 
 /* Edits that scan the whole family would take minutes, more than the time limit of a test. */
@@ -218,23 +218,23 @@ TEST(edits_of_a_large_family_do_not_look_at_all_of_it)
 {
     enum { LARGE = 200000, EDITS = 100000 };
     for (unsigned tolerant = 0; tolerant < 2; tolerant++) {
-        struct dt_points p;
         uint32_t most = 0;
-        dt_points_init(&p, tolerant ? 0.5 : 0);
-        add_at(&p, 0, LARGE);
-        add_at(&p, 7, EDITS);
+        struct dt *t = dt_new(tolerant ? 0.5 : 0);
+        struct dt_points *p = &t->points;
+        add_at(t, 0, LARGE);
+        add_at(t, 7, EDITS);
         for (uint32_t i = 0; i < EDITS; i++) {
             uint32_t arriving = LARGE + (i * 7919u) % EDITS; /* in no order */
-            CHECK(dt_points_move(&p, arriving, (struct dt_point){0, 0}, NULL) == DT_OK);
-            delete_one(&p, i); /* the representative */
-            uint32_t v = dt_points_vertex(&p, i + 1);
-            CHECK(p.id[v] == i + 1);
-            uint32_t rank = dt_points_heir(&p, v, NULL, 0)->rank;
+            CHECK(dt_move(t, arriving, (struct dt_point){0, 0}) == DT_OK);
+            delete_one(p, i); /* the representative */
+            uint32_t v = dt_points_vertex(p, i + 1);
+            CHECK(p->id[v] == i + 1);
+            uint32_t rank = dt_points_heir(p, v, NULL, 0)->rank;
             most = rank > most ? rank : most;
         }
         CHECK_MSG(most <= MOST_LOG, "a right spine of %u", most);
-        CHECK(dt_points_live(&p) == LARGE);
-        dt_points_clear(&p);
+        CHECK(dt_points_live(p) == LARGE);
+        dt_free(t);
     }
 }
 

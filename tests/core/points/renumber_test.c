@@ -3,6 +3,7 @@
 
 #include "core/memory/memory.h"
 #include "core/points/renumber.h"
+#include "core/set/set.h"
 #include "tests/core/threads.h"
 #include "tests/test.h"
 
@@ -45,16 +46,15 @@ static void renumber_and_check(struct dt_points *p, const struct dt_pool *pool)
 
 TEST_TIMEOUT(ids_of_many_vertices_find_their_new_ones, 60)
 {
-    struct dt_points p;
     struct dt_added added;
     struct dt_pool pool = threads_pool(3);
     struct dt_point *q = malloc(N * sizeof *q);
     for (uint32_t i = 0; i < N; i++)
         q[i] = (struct dt_point){i, 0};
-    dt_points_init(&p, 0);
-    CHECK(dt_points_add(&p, q, N, NULL, &added) == DT_OK);
-    renumber_and_check(&p, &pool); /* as they arrived */
-    renumber_and_check(&p, NULL);
-    dt_points_clear(&p);
+    struct dt *t = dt_new(0);
+    CHECK(dt_add(t, q, N, &added) == DT_OK);
+    renumber_and_check(&t->points, &pool);
+    renumber_and_check(&t->points, NULL);
+    dt_free(t);
     free(q);
 }
