@@ -59,7 +59,9 @@ static void append_client(struct buf *out, const struct session *s)
     reply_key_u64(out, "watching", s->watches);
     reply_key_u64(out, "requests", s->requests);
     reply_key_text(out, "command",
-                   s->command < command_count ? commands[s->command].name : "OTHER");
+                   s->command < command_count ? commands[s->command].name
+                   : s->requests > 0          ? "OTHER"
+                                              : "");
     reply_end(out);
 }
 

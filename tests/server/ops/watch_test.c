@@ -297,6 +297,25 @@ TEST(clients_are_listed_with_their_names)
     expect(b, "id=");
 }
 
+TEST(clients_are_listed_with_their_last_commands)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    static const char *const want[] = {" requests=0 command=", " requests=1 command=CLIENT",
+                                       " requests=3 command=OTHER"};
+    for (int i = 0; i < 3; i++) {
+        say(fd, "CLIENT LIST\n");
+        expect(fd, "OK 1\n");
+        const char *row = hear_line(fd), *at = strstr(row, " requests=");
+        CHECK_STR(at != NULL ? at : row, want[i]);
+        if (i == 1) {
+            say(fd, "FROB\n");
+            expect(fd, "ERR UNKNOWN there is no command FROB; try HELP\n");
+        }
+    }
+    close(fd);
+}
+
 TEST(clients_can_be_killed_by_id_and_by_address)
 {
     struct daemon d = daemon_start(NULL);
