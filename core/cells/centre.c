@@ -2,12 +2,12 @@
  *
  * A value is computed with a bound of its error. If every number within the bound rounds to the same double, that is
  * the result. Otherwise the next of three stages decides: doubles with the first-order errors of each operation, for
- * circumcentres of points whose differences are doubles; double words; and exact signs, in numbers of 1,850 bits, which
+ * circumcentres of points whose differences are doubles; double words; and exact signs, in numbers of 2,500 bits, which
  * hold all that occurs: the points are multiples of 2^-195 below 2^204, so numerators, polynomials of degree 3, have at
  * most 1,210 bits. */
 #include "core/cells/centre.h"
 
-#include "core/exact/bigfloat.h"
+#include "core/exact/bignum.h"
 #include "core/exact/double2.h"
 #include "core/exact/lanes2.h"
 
@@ -42,39 +42,34 @@ static bool round_sum(double from, struct dt_double2 offset, double error, doubl
 
 /* ---- exact ---- */
 
-static struct dt_bigfloat big_difference(double a, double b)
+/* *r = a b - c d */
+static void big_cross(const struct dt_big *a, const struct dt_big *b, const struct dt_big *c,
+                      const struct dt_big *d, struct dt_big *r)
 {
-    struct dt_bigfloat x = dt_bigfloat_of(a), y = dt_bigfloat_of(b);
-    return dt_bigfloat_subtract(&x, &y);
+    struct dt_big right;
+    dt_big_multiply(c, d, &right);
+    dt_big_multiply(a, b, r);
+    dt_big_subtract(r, &right, r);
 }
 
-static struct dt_bigfloat big_times(const struct dt_bigfloat *a, const struct dt_bigfloat *b)
+static void big_square(const struct dt_big *x, const struct dt_big *y, struct dt_big *r)
 {
-    return dt_bigfloat_multiply(a, b);
-}
-
-/* a b - c d */
-static struct dt_bigfloat big_cross(const struct dt_bigfloat *a, const struct dt_bigfloat *b,
-                                    const struct dt_bigfloat *c, const struct dt_bigfloat *d)
-{
-    struct dt_bigfloat left = big_times(a, b), right = big_times(c, d);
-    return dt_bigfloat_subtract(&left, &right);
-}
-
-static struct dt_bigfloat big_square(const struct dt_bigfloat *x, const struct dt_bigfloat *y)
-{
-    struct dt_bigfloat xx = big_times(x, x), yy = big_times(y, y);
-    return dt_bigfloat_add(&xx, &yy);
+    struct dt_big yy;
+    dt_big_multiply(y, y, &yy);
+    dt_big_multiply(x, x, r);
+    dt_big_add(r, &yy, r);
 }
 
 /* The sign of n / d - (a + b) / 2. */
-static int compare_to_middle(const struct dt_bigfloat *n, const struct dt_bigfloat *d, double a,
-                             double b)
+static int compare_to_middle(const struct dt_big *n, const struct dt_big *d, double a, double b)
 {
-    struct dt_bigfloat x = dt_bigfloat_of(a), y = dt_bigfloat_of(b);
-    struct dt_bigfloat sum = dt_bigfloat_add(&x, &y), right = big_times(&sum, d);
-    struct dt_bigfloat left = dt_bigfloat_add(n, n), r = dt_bigfloat_subtract(&left, &right);
-    return r.sign * d->sign;
+    struct dt_big left, right, x;
+    dt_big_of(a, &right);
+    dt_big_of(b, &x);
+    dt_big_add(&right, &x, &right);
+    dt_big_multiply(&right, d, &right);
+    dt_big_add(n, n, &left);
+    return dt_big_compare(&left, &right) * d->sign;
 }
 
 static bool is_even(double v)
@@ -85,12 +80,13 @@ static bool is_even(double v)
 }
 
 /* n / d, rounded; both are exact. */
-static double round_ratio(const struct dt_bigfloat *n, const struct dt_bigfloat *d)
+static double round_ratio(const struct dt_big *n, const struct dt_big *d)
 {
     if (n->sign == 0)
         return 0;
-    struct dt_bigfloat q = dt_bigfloat_divide(n, d);
-    double near = dt_bigfloat_to_double(&q);
+    struct dt_big q;
+    dt_big_divide(n, d, &q);
+    double near = dt_big_to_double(&q);
     for (;;) {
         double up = nextafter(near, HUGE_VAL), down = nextafter(near, -HUGE_VAL);
         int above = compare_to_middle(n, d, near, up), below = compare_to_middle(n, d, down, near);
@@ -104,10 +100,12 @@ static double round_ratio(const struct dt_bigfloat *n, const struct dt_bigfloat 
 }
 
 /* from + n / d, rounded. */
-static double round_big(double from, const struct dt_bigfloat *n, const struct dt_bigfloat *d)
+static double round_big(double from, const struct dt_big *n, const struct dt_big *d)
 {
-    struct dt_bigfloat f = dt_bigfloat_of(from), whole = big_times(&f, d);
-    whole = dt_bigfloat_add(&whole, n);
+    struct dt_big whole;
+    dt_big_of(from, &whole);
+    dt_big_multiply(&whole, d, &whole);
+    dt_big_add(&whole, n, &whole);
     return round_ratio(&whole, d);
 }
 
@@ -244,11 +242,17 @@ static bool centre_double2(struct dt_point a, struct dt_point b, struct dt_point
 
 static struct dt_point centre_big(struct dt_point a, struct dt_point b, struct dt_point c)
 {
-    struct dt_bigfloat bx = big_difference(b.x, a.x), by = big_difference(b.y, a.y);
-    struct dt_bigfloat cx = big_difference(c.x, a.x), cy = big_difference(c.y, a.y);
-    struct dt_bigfloat bb = big_square(&bx, &by), cc = big_square(&cx, &cy);
-    struct dt_bigfloat area = big_cross(&bx, &cy, &by, &cx), twice = dt_bigfloat_add(&area, &area);
-    struct dt_bigfloat x = big_cross(&bb, &cy, &cc, &by), y = big_cross(&cc, &bx, &bb, &cx);
+    struct dt_big bx, by, cx, cy, bb, cc, twice, x, y;
+    dt_big_difference(b.x, a.x, &bx);
+    dt_big_difference(b.y, a.y, &by);
+    dt_big_difference(c.x, a.x, &cx);
+    dt_big_difference(c.y, a.y, &cy);
+    big_square(&bx, &by, &bb);
+    big_square(&cx, &cy, &cc);
+    big_cross(&bx, &cy, &by, &cx, &twice);
+    dt_big_add(&twice, &twice, &twice);
+    big_cross(&bb, &cy, &cc, &by, &x);
+    big_cross(&cc, &bx, &bb, &cx, &y);
     return (struct dt_point){round_big(a.x, &x, &twice), round_big(a.y, &y, &twice)};
 }
 
@@ -313,11 +317,15 @@ void dt_centre_two(const struct dt_point p[3], const struct dt_point q[3], struc
 
 static double bisector_big(struct dt_point p, struct dt_point q, double at)
 {
-    struct dt_bigfloat dx = big_difference(q.x, p.x), dy = big_difference(q.y, p.y);
-    struct dt_bigfloat w = big_difference(at, p.x), square = big_square(&dx, &dy);
-    struct dt_bigfloat twice_w = dt_bigfloat_add(&w, &w), twice_dy = dt_bigfloat_add(&dy, &dy);
-    struct dt_bigfloat along = big_times(&dx, &twice_w);
-    struct dt_bigfloat n = dt_bigfloat_subtract(&square, &along);
+    struct dt_big dx, twice_dy, n, twice_w;
+    dt_big_difference(q.x, p.x, &dx);
+    dt_big_difference(q.y, p.y, &twice_dy);
+    big_square(&dx, &twice_dy, &n);
+    dt_big_add(&twice_dy, &twice_dy, &twice_dy);
+    dt_big_difference(at, p.x, &twice_w);
+    dt_big_add(&twice_w, &twice_w, &twice_w);
+    dt_big_multiply(&dx, &twice_w, &dx);
+    dt_big_subtract(&n, &dx, &n);
     return round_big(p.y, &n, &twice_dy);
 }
 

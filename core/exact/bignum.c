@@ -1,170 +1,78 @@
-/* bignum.c - schoolbook arithmetic [Knuth, TAOCP 2, sec. 4.3.1]; see bignum.h.
- *
- * Two to four limbs are the usual case, so nothing faster than schoolbook would pay off. A double word is not
- * stored as limbs: its two parts are far apart where exponents are wide, and one of them is mostly zero where
- * they are not. So the products of parts, 106 bits each, are added where they belong. */
+/* bignum.c - schoolbook arithmetic [Knuth, TAOCP 2, sec. 4.3.1]; see bignum.h. One to four limbs are the usual case, so
+ * nothing faster than schoolbook would pay off. */
 #include "core/exact/bignum.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
-enum { FRACTION = 52, SMALLEST = -1075, BIAS = 256 };
+#include "core/exact/double2.h"
 
-/* A double other than 0: magnitude = integer * 2^(bit - 256). */
-struct parts {
-    uint64_t integer;
-    int bit;
-    bool negative;
-};
+enum { N = DT_BIG_LIMBS };
 
-static struct parts parts_of(double v)
+/* *r = sign * sum wide[i] 2^(64 (exponent + i)), i < n, truncated to the upper N limbs. */
+static void set(struct dt_big *r, int sign, int32_t exponent, const uint64_t *wide, uint32_t n)
 {
-    uint64_t bits, fraction = ((uint64_t)1 << FRACTION) - 1;
+    uint32_t low = 0;
+    while (n > 0 && wide[n - 1] == 0)
+        n--;
+    if (n > N)
+        low = n - N;
+    while (low < n && wide[low] == 0)
+        low++;
+    r->sign = n > 0 ? sign : 0;
+    r->exponent = exponent + (int32_t)low;
+    r->n = n - low;
+    for (uint32_t i = 0; i < r->n; i++)
+        r->limb[i] = wide[low + i];
+}
+
+/* |v| = integer 2^(bit - 64 BIAS). */
+void dt_big_of(double v, struct dt_big *r)
+{
+    enum { FRACTION = 52, LEAST = -1075, BIAS = 17 };
+    uint64_t bits, one = (uint64_t)1 << FRACTION;
     memcpy(&bits, &v, sizeof bits);
-    return (struct parts){(bits & fraction) | (fraction + 1),
-                          (int)(bits >> FRACTION & 2047) + SMALLEST + BIAS, v < 0};
+    int power = (int)(bits >> FRACTION & 2047), bit = (power > 0 ? power : 1) + LEAST + 64 * BIAS;
+    uint64_t integer = (bits & (one - 1)) | (power > 0 ? one : 0);
+    int shift = bit % 64;
+    uint64_t wide[2] = {integer << shift, shift > 0 ? integer >> (64 - shift) : 0};
+    set(r, v < 0 ? -1 : 1, bit / 64 - BIAS, wide, 2);
+}
+
+/* From three limbs, because the top one may have few bits. */
+double dt_big_to_double(const struct dt_big *a)
+{
+    double v = 0;
+    for (uint32_t i = a->n > 3 ? a->n - 3 : 0; i < a->n; i++)
+        v += ldexp((double)a->limb[i], 64 * (a->exponent + (int32_t)i));
+    return a->sign * v;
 }
 
 /* ---- sums ---- */
 
-/* The sum of the terms of either sign; its limbs below lo and from hi on are zero. */
-struct sum {
-    int lo, hi;
-    uint64_t limb[2][DT_BIG_LIMBS]; /* of positive terms, of negative ones */
-};
-
-/* The empty statement keeps gcc from making this a string instruction, which takes longer than all the
- * stores. */
-static void begin(struct sum *s)
+/* The place above the highest limb; the place of limb i is exponent + i. */
+static int32_t top_of(const struct dt_big *a)
 {
-    s->lo = DT_BIG_LIMBS;
-    s->hi = 0;
-    for (int i = 0; i < DT_BIG_LIMBS; i++) {
-        s->limb[0][i] = s->limb[1][i] = 0;
-        __asm__ volatile("");
-    }
+    return a->exponent + (int32_t)a->n;
 }
 
-static void add_at(uint64_t *limb, unsigned __int128 term, unsigned shift)
+static uint64_t limb_at(const struct dt_big *a, int32_t place)
 {
-    uint64_t low = (uint64_t)term, high = (uint64_t)(term >> 64);
-    uint64_t part[3] = {low << shift, high << shift, 0};
-    if (shift > 0) {
-        part[1] |= low >> (64 - shift);
-        part[2] = high >> (64 - shift);
-    }
-    uint64_t carry = 0;
-    for (int i = 0; i < 3; i++) {
-        unsigned __int128 total = (unsigned __int128)limb[i] + part[i] + carry;
-        limb[i] = (uint64_t)total;
-        carry = (uint64_t)(total >> 64);
-    }
-    for (int i = 3; carry > 0; i++)
-        carry = ++limb[i] == 0;
+    uint32_t i = (uint32_t)(place - a->exponent);
+    return i < a->n ? a->limb[i] : 0;
 }
 
-/* *s += a b or -= a b, unless one of them is 0. */
-static void add_product(struct sum *s, double a, double b, bool negative)
+/* Of the absolute values. */
+static int compare(const struct dt_big *a, const struct dt_big *b)
 {
-    if (a == 0 || b == 0)
-        return;
-    struct parts x = parts_of(a), y = parts_of(b);
-    int bit = x.bit + y.bit, at = bit / 64;
-    add_at(&s->limb[x.negative ^ y.negative ^ negative][at],
-           (unsigned __int128)x.integer * y.integer, (unsigned)bit % 64);
-    s->lo = at < s->lo ? at : s->lo;
-    s->hi = at + 4 > s->hi ? at + 4 : s->hi; /* a carry included */
-}
-
-static void add_product_2(struct sum *s, struct dt_double2 a, struct dt_double2 b, bool negative)
-{
-    add_product(s, a.hi, b.hi, negative);
-    add_product(s, a.hi, b.lo, negative);
-    add_product(s, a.lo, b.hi, negative);
-    add_product(s, a.lo, b.lo, negative);
-}
-
-static void trim(struct dt_big *r)
-{
-    while (r->lo < r->hi && r->limb[r->hi - 1] == 0)
-        r->hi--;
-    while (r->lo < r->hi && r->limb[r->lo] == 0)
-        r->lo++;
-    if (r->lo == r->hi)
-        r->sign = 0;
-}
-
-/* *r = the limbs plus[] - minus[]. */
-static void subtract(const struct sum *s, const uint64_t *plus, const uint64_t *minus,
-                     struct dt_big *r)
-{
-    uint64_t borrow = 0;
-    for (int i = s->lo; i < s->hi; i++) {
-        unsigned __int128 rest = (unsigned __int128)plus[i] - minus[i] - borrow;
-        r->limb[i] = (uint64_t)rest;
-        borrow = (uint64_t)(rest >> 64) & 1;
-    }
-}
-
-void dt_big_products(struct dt_double2 a, struct dt_double2 b, int sign, struct dt_double2 c,
-                     struct dt_double2 d, struct dt_big *r)
-{
-    struct sum s;
-    begin(&s);
-    add_product_2(&s, a, b, false);
-    add_product_2(&s, c, d, sign < 0);
-    int top = s.hi - 1;
-    while (top > s.lo && s.limb[0][top] == s.limb[1][top])
-        top--;
-    bool negative = s.hi > 0 && s.limb[0][top] < s.limb[1][top];
-    r->sign = negative ? -1 : 1;
-    r->lo = s.hi > 0 ? s.lo : 0;
-    r->hi = s.hi > 0 ? top + 1 : 0;
-    subtract(&s, s.limb[negative], s.limb[!negative], r);
-    trim(r);
-}
-
-/* ---- products ---- */
-
-/* The limbs lo .. hi - 1 of a product of two or three. */
-struct product {
-    int lo, hi;
-    uint64_t limb[3 * DT_BIG_LIMBS];
-};
-
-/* acc[0 .. n] += limb * a[0 .. n - 1], where acc[n] is still unset. */
-static void add_row(uint64_t *acc, const uint64_t *a, int n, uint64_t limb)
-{
-    uint64_t carry = 0;
-    for (int i = 0; i < n; i++) {
-        unsigned __int128 total = (unsigned __int128)a[i] * limb + acc[i] + carry;
-        acc[i] = (uint64_t)total;
-        carry = (uint64_t)(total >> 64);
-    }
-    acc[n] = carry;
-}
-
-/* *r = the product of limbs, those of `a` from lo to hi, by b; neither is 0. */
-static void multiply(const uint64_t *a, int lo, int hi, const struct dt_big *b, struct product *r)
-{
-    int n = hi - lo;
-    r->lo = lo + b->lo;
-    r->hi = hi + b->hi;
-    for (int i = 0; i < n; i++)
-        r->limb[r->lo + i] = 0;
-    for (int i = b->lo; i < b->hi; i++)
-        add_row(r->limb + lo + i, a + lo, n, b->limb[i]);
-    r->hi -= r->limb[r->hi - 1] == 0;
-}
-
-/* Of numbers with the highest limb not 0. */
-static int compare_limbs(const uint64_t *a, int a_lo, int a_hi, const uint64_t *b, int b_lo,
-                         int b_hi)
-{
-    if (a_hi != b_hi)
-        return a_hi < b_hi ? -1 : 1;
-    for (int i = a_hi; i-- > (a_lo < b_lo ? a_lo : b_lo);) {
-        uint64_t x = i >= a_lo ? a[i] : 0, y = i >= b_lo ? b[i] : 0;
+    if (a->sign == 0 || b->sign == 0)
+        return (a->sign != 0) - (b->sign != 0);
+    int32_t top = top_of(a), low = a->exponent < b->exponent ? a->exponent : b->exponent;
+    if (top != top_of(b))
+        return top < top_of(b) ? -1 : 1;
+    while (top-- > low) {
+        uint64_t x = limb_at(a, top), y = limb_at(b, top);
         if (x != y)
             return x < y ? -1 : 1;
     }
@@ -173,32 +81,100 @@ static int compare_limbs(const uint64_t *a, int a_lo, int a_hi, const uint64_t *
 
 int dt_big_compare(const struct dt_big *a, const struct dt_big *b)
 {
-    if (a->sign != b->sign || a->sign == 0)
-        return (a->sign > b->sign) - (a->sign < b->sign);
-    return a->sign * compare_limbs(a->limb, a->lo, a->hi, b->limb, b->lo, b->hi);
+    if (a->sign != b->sign)
+        return a->sign < b->sign ? -1 : 1;
+    return a->sign * compare(a, b);
 }
 
-int dt_big_compare_products(const struct dt_big *a, const struct dt_big *b, const struct dt_big *c,
-                            const struct dt_big *d)
+/* *r = sign * (|a| + |b|), or sign * (|a| - |b|) for |a| >= |b|, which adds the complement of b. b is left out if all of it
+ * is below the limbs that the result can have. */
+static void combine(int sign, const struct dt_big *a, bool minus, const struct dt_big *b,
+                    struct dt_big *r)
 {
-    int left = a->sign * b->sign, right = c->sign * d->sign;
-    if (left != right || left == 0)
-        return (left > right) - (left < right);
-    struct product x, y;
-    multiply(a->limb, a->lo, a->hi, b, &x);
-    multiply(c->limb, c->lo, c->hi, d, &y);
-    return left * compare_limbs(x.limb, x.lo, x.hi, y.limb, y.lo, y.hi);
+    uint64_t wide[2 * N + 1], flip = minus ? UINT64_MAX : 0, carry = minus;
+    int32_t top = top_of(a), low = a->exponent;
+    uint32_t n = 0;
+    if (b->exponent < low && top - top_of(b) <= N)
+        low = b->exponent;
+    for (int32_t at = low; at < top; at++) {
+        unsigned __int128 sum = (unsigned __int128)limb_at(a, at) + (limb_at(b, at) ^ flip) + carry;
+        wide[n++] = (uint64_t)sum;
+        carry = (uint64_t)(sum >> 64);
+    }
+    wide[n++] = minus ? 0 : carry;
+    set(r, sign, low, wide, n);
 }
 
-int dt_big_compare_triples(const struct dt_big a[3], const struct dt_big b[3])
+/* *r = a + b, with this sign in the place of that of b. */
+static void add(const struct dt_big *a, int sign, const struct dt_big *b, struct dt_big *r)
 {
-    int left = a[0].sign * a[1].sign * a[2].sign, right = b[0].sign * b[1].sign * b[2].sign;
-    if (left != right || left == 0)
-        return (left > right) - (left < right);
-    struct product two, x, y;
-    multiply(a[0].limb, a[0].lo, a[0].hi, &a[1], &two);
-    multiply(two.limb, two.lo, two.hi, &a[2], &x);
-    multiply(b[0].limb, b[0].lo, b[0].hi, &b[1], &two);
-    multiply(two.limb, two.lo, two.hi, &b[2], &y);
-    return left * compare_limbs(x.limb, x.lo, x.hi, y.limb, y.lo, y.hi);
+    bool minus = a->sign * sign < 0;
+    if (compare(a, b) >= 0)
+        combine(a->sign, a, minus, b, r);
+    else
+        combine(sign, b, minus, a, r);
+}
+
+void dt_big_add(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)
+{
+    add(a, b->sign, b, r);
+}
+
+void dt_big_subtract(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)
+{
+    add(a, -b->sign, b, r);
+}
+
+void dt_big_difference(double a, double b, struct dt_big *r)
+{
+    struct dt_double2 d = dt_double2_difference(a, b);
+    struct dt_big lo;
+    dt_big_of(d.hi, r);
+    if (d.lo == 0) /* mostly, where exponents are alike */
+        return;
+    dt_big_of(d.lo, &lo);
+    dt_big_add(r, &lo, r);
+}
+
+/* ---- products and quotients ---- */
+
+void dt_big_multiply(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)
+{
+    uint64_t wide[2 * N];
+    for (uint32_t k = 0; k < b->n; k++)
+        wide[k] = 0;
+    for (uint32_t i = 0; i < a->n; i++) {
+        uint64_t carry = 0;
+        for (uint32_t k = 0; k < b->n && a->limb[i] != 0; k++) {
+            unsigned __int128 sum =
+                (unsigned __int128)a->limb[i] * b->limb[k] + wide[i + k] + carry;
+            wide[i + k] = (uint64_t)sum;
+            carry = (uint64_t)(sum >> 64);
+        }
+        wide[i + b->n] = carry;
+    }
+    set(r, a->sign * b->sign, a->exponent + b->exponent, wide, a->n + b->n);
+}
+
+/* *x = 1 / b by Newton's iteration x <- x + x (1 - b x), which doubles the bits that are right. */
+static void reciprocal(const struct dt_big *b, struct dt_big *x)
+{
+    struct dt_big one, step, scaled = *b;
+    scaled.exponent -= top_of(b); /* 2^-64 <= scaled < 1, so a double holds it */
+    dt_big_of(1, &one);
+    dt_big_of(1 / dt_big_to_double(&scaled), x);
+    for (int bits = 50; bits < 64 * N; bits *= 2) {
+        dt_big_multiply(&scaled, x, &step);
+        dt_big_subtract(&one, &step, &step);
+        dt_big_multiply(x, &step, &step);
+        dt_big_add(x, &step, x);
+    }
+    x->exponent -= top_of(b);
+}
+
+void dt_big_divide(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)
+{
+    struct dt_big x;
+    reciprocal(b, &x);
+    dt_big_multiply(a, &x, r);
 }

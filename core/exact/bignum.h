@@ -1,42 +1,50 @@
-/* bignum.h - exact sums of products of double words, and comparisons of products of such sums: what the
- * predicates reduce to.
+/* bignum.h - numbers of up to 2,560 bits: exact for the polynomials of coordinates whose signs predicates need, rounded
+ * for quotients and for what is computed from them.
  *
- *     place    15  ...   hi - 1   ...    lo    ...   1    0       value = sign * sum limb[i] 2^(64 i - 512),
- *                  |    | not 0 |     | not 0 |    |              in limbs of 64 bits at fixed places
+ *     value = sign * sum limb[i] 2^(64 (exponent + i)), 0 <= i < n       zero: sign = 0, n = 0
  *
- * A number of wide exponents is mostly zeros: those at either end are left out, and multiplication skips
- * the others. So the cost is proportional to the bits that are present.
+ * The exponent counts limbs, so nothing is shifted by bits. A number has only the limbs from its first to its last one
+ * that is not 0, and multiplication skips zeros: the cost is proportional to the bits that are present.
  *
- * Room: a coordinate that dt_coordinate_ok accepts is 0 or a multiple of 2^-194 below 2^202, so a double
- * word that is a difference of two has parts of which each is an integer of 53 bits times at least
- * 2^-246, and is below 2^203. A sum of two products is a multiple of 2^-492, below 2^408, and times
- * 2^512 an integer of less than 922 bits. */
+ * Every result but that of a division is exact, or truncated to DT_BIG_LIMBS limbs: a relative error below 2^-2496,
+ * since the top limb may have a single bit. Division: below 2^4 times that. Exponents never overflow for what is
+ * computed from doubles in a few operations.
+ *
+ * Room: a coordinate that dt_coordinate_ok accepts is 0 or a multiple of 2^-194 below 2^202. So a polynomial of degree
+ * six of differences of coordinates, the highest of all predicates (dt_compare_circumradius), is a multiple of 2^-1164
+ * below 2^1227: it takes at most 39 limbs and is exact. */
 #ifndef DT_BIGNUM_H
 #define DT_BIGNUM_H
 
 #include <stdint.h>
 
-#include "core/exact/double2.h"
-
-enum { DT_BIG_LIMBS = 16 };
+enum { DT_BIG_LIMBS = 40 };
 
 struct dt_big {
-    int sign, lo, hi; /* zero: sign = 0, lo = hi */
-    uint64_t limb[DT_BIG_LIMBS];
+    int sign; /* -1, 0, 1 */
+    int32_t exponent;
+    uint32_t n;
+    uint64_t limb[DT_BIG_LIMBS]; /* the least first; the first and the last one are not 0 */
 };
 
-/* *r = a b + sign c d, for differences of coordinates; sign is 1 or -1. */
-void dt_big_products(struct dt_double2 a, struct dt_double2 b, int sign, struct dt_double2 c,
-                     struct dt_double2 d, struct dt_big *r);
+/* *r = v, which is finite. */
+void dt_big_of(double v, struct dt_big *r);
+
+/* *r = a - b, for doubles whose difference does not overflow. */
+void dt_big_difference(double a, double b, struct dt_big *r);
+
+/* Within an ulp; 0 or infinite where a double cannot hold it. */
+double dt_big_to_double(const struct dt_big *a);
+
+/* *r = a + b, and so on; r may be a or b. */
+void dt_big_add(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
+void dt_big_subtract(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
+void dt_big_multiply(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
+
+/* *r = a / b; b is not 0. */
+void dt_big_divide(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
 
 /* The sign of a - b. */
 int dt_big_compare(const struct dt_big *a, const struct dt_big *b);
-
-/* The sign of a b - c d. */
-int dt_big_compare_products(const struct dt_big *a, const struct dt_big *b, const struct dt_big *c,
-                            const struct dt_big *d);
-
-/* The sign of a[0] a[1] a[2] - b[0] b[1] b[2]. */
-int dt_big_compare_triples(const struct dt_big a[3], const struct dt_big b[3]);
 
 #endif

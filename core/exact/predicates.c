@@ -86,14 +86,31 @@ static struct bounded_2 dot_2(struct double2_vector a, struct double2_vector b)
     return add_2(dt_double2_multiply(a.x, b.x), dt_double2_multiply(a.y, b.y));
 }
 
-static void cross_big(struct double2_vector a, struct double2_vector b, struct dt_big *r)
+struct big_vector {
+    struct dt_big x, y;
+};
+
+/* *r = b - a */
+static void vector_big(struct dt_point a, struct dt_point b, struct big_vector *r)
 {
-    dt_big_products(a.x, b.y, -1, a.y, b.x, r);
+    dt_big_difference(b.x, a.x, &r->x);
+    dt_big_difference(b.y, a.y, &r->y);
 }
 
-static void dot_big(struct double2_vector a, struct double2_vector b, struct dt_big *r)
+static void cross_big(const struct big_vector *a, const struct big_vector *b, struct dt_big *r)
 {
-    dt_big_products(a.x, b.x, 1, a.y, b.y, r);
+    struct dt_big right;
+    dt_big_multiply(&a->x, &b->y, r);
+    dt_big_multiply(&a->y, &b->x, &right);
+    dt_big_subtract(r, &right, r);
+}
+
+static void dot_big(const struct big_vector *a, const struct big_vector *b, struct dt_big *r)
+{
+    struct dt_big y;
+    dt_big_multiply(&a->x, &b->x, r);
+    dt_big_multiply(&a->y, &b->y, &y);
+    dt_big_add(r, &y, r);
 }
 
 /* ---- orient2d ---- */
@@ -114,8 +131,11 @@ int dt_orient2d_double2(const struct dt_near_corner *k)
 
 int dt_orient2d_big(const struct dt_near_corner *k)
 {
+    struct big_vector q, s;
     struct dt_big det;
-    cross_big(vector_2(k->p, k->q), vector_2(k->p, k->s), &det);
+    vector_big(k->p, k->q, &q);
+    vector_big(k->p, k->s, &s);
+    cross_big(&q, &s, &det);
     return det.sign;
 }
 
@@ -277,13 +297,21 @@ int dt_incircle_double2(const struct dt_near_base *k)
 
 int dt_incircle_big(const struct dt_near_base *k)
 {
-    struct double2_vector base = vector_2(k->p, k->s), q = vector_2(k->p, k->q);
+    struct big_vector base, to_q, to_t, other;
     struct dt_big cr_q, cr_t, dt_q, dt_t;
-    cross_big(base, q, &cr_q);
-    cross_big(base, vector_2(k->nearer, k->t), &cr_t);
-    dot_big(q, vector_2(k->s, k->q), &dt_q);
-    dot_big(vector_2(k->p, k->t), vector_2(k->s, k->t), &dt_t);
-    return k->sign * dt_big_compare_products(&dt_q, &cr_t, &dt_t, &cr_q);
+    vector_big(k->p, k->s, &base);
+    vector_big(k->p, k->q, &to_q);
+    vector_big(k->p, k->t, &to_t);
+    cross_big(&base, &to_q, &cr_q);
+    vector_big(k->nearer, k->t, &other);
+    cross_big(&base, &other, &cr_t);
+    vector_big(k->s, k->q, &other);
+    dot_big(&to_q, &other, &dt_q);
+    vector_big(k->s, k->t, &other);
+    dot_big(&to_t, &other, &dt_t);
+    dt_big_multiply(&dt_q, &cr_t, &dt_q);
+    dt_big_multiply(&dt_t, &cr_q, &dt_t);
+    return k->sign * dt_big_compare(&dt_q, &dt_t);
 }
 
 int dt_incircle_exact(struct dt_point a, struct dt_point b, struct dt_point c, struct dt_point d)
@@ -327,8 +355,9 @@ int dt_incircle_tie(struct dt_point a, struct dt_point b, struct dt_point c, str
 
 static void square_distance_big(struct dt_point a, struct dt_point b, struct dt_big *r)
 {
-    struct double2_vector v = vector_2(a, b);
-    dot_big(v, v, r);
+    struct big_vector v;
+    vector_big(a, b, &v);
+    dot_big(&v, &v, r);
 }
 
 int dt_compare_distance(struct dt_point q, struct dt_point a, struct dt_point b)
@@ -347,10 +376,10 @@ int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
     double d = dt_square_distance(a, b), rr = r * r;
     if (dt_squares_decide(d, rr))
         return d < rr ? -1 : 1;
-    struct dt_double2 radius = {r, 0}, zero = {0, 0};
     struct dt_big exact_d, exact_rr;
     square_distance_big(a, b, &exact_d);
-    dt_big_products(radius, radius, 1, zero, zero, &exact_rr);
+    dt_big_of(r, &exact_rr);
+    dt_big_multiply(&exact_rr, &exact_rr, &exact_rr);
     return dt_big_compare(&exact_d, &exact_rr);
 }
 
@@ -359,15 +388,20 @@ int dt_compare_radius(struct dt_point a, struct dt_point b, double r)
 static int compare_circumradius_big(struct dt_point a, struct dt_point b, struct dt_point c,
                                     double r)
 {
-    const struct dt_double2 twice = {2 * r, 0}, zero = {0, 0};
-    struct dt_big sides[3], other[3];
-    square_distance_big(a, b, &sides[0]);
-    square_distance_big(b, c, &sides[1]);
-    square_distance_big(c, a, &sides[2]);
-    dt_big_products(twice, twice, 1, zero, zero, &other[0]);
-    cross_big(vector_2(a, b), vector_2(a, c), &other[1]);
-    other[2] = other[1];
-    return dt_big_compare_triples(sides, other);
+    struct big_vector to_b, to_c;
+    struct dt_big sides, other;
+    square_distance_big(a, b, &sides);
+    square_distance_big(b, c, &other);
+    dt_big_multiply(&sides, &other, &sides);
+    square_distance_big(c, a, &other);
+    dt_big_multiply(&sides, &other, &sides);
+    vector_big(a, b, &to_b);
+    vector_big(a, c, &to_c);
+    cross_big(&to_b, &to_c, &other);
+    dt_big_of(2 * r, &to_b.x);
+    dt_big_multiply(&other, &to_b.x, &other);
+    dt_big_multiply(&other, &other, &other);
+    return dt_big_compare(&sides, &other);
 }
 
 int dt_compare_circumradius(struct dt_point a, struct dt_point b, struct dt_point c, double r)

@@ -6,14 +6,14 @@
  * 1999]. Both reproduce linear functions, so q is the weighted mean of its neighbours.
  *
  * The formulas are evaluated in doubles, with a bound of the error; where it is too large in double words; and
- * where that is not enough in numbers of 1,850 bits, which are always enough: differences of coordinates and
+ * where that is not enough in numbers of 2,500 bits, which are always enough: differences of coordinates and
  * the D of the formulas are then exact, the coordinates of circumcentres that are corners of the cell are below
- * 2^610, their relative errors below 2^-1840, and the area of the cell is at least that of the disc of half the
- * distance to the nearest neighbour, 2^-392: so errors of areas are below 2^-1840 2^1220 2^40 of 2^-392, whatever
+ * 2^610, their relative errors below 2^-2480, and the area of the cell is at least that of the disc of half the
+ * distance to the nearest neighbour, 2^-392: so errors of areas are below 2^-2480 2^1220 2^40 of 2^-392, whatever
  * the number of neighbours. */
 #include "core/surface/weights.h"
 
-#include "core/exact/bigfloat.h"
+#include "core/exact/bignum.h"
 #include "core/exact/double2.h"
 #include "core/exact/predicates.h"
 #include "core/query/locate.h"
@@ -56,38 +56,43 @@ static bool is_cancelled(const atomic_bool *cancel, uint32_t step)
 
 /* ---- in numbers that are always enough ---- */
 
-static struct dt_bigfloat big_difference(double a, double b)
+static struct dt_big big_difference(double a, double b)
 {
-    struct dt_bigfloat x = dt_bigfloat_of(a), y = dt_bigfloat_of(b);
-    return dt_bigfloat_subtract(&x, &y);
+    struct dt_big r;
+    dt_big_difference(a, b, &r);
+    return r;
 }
 
-static struct dt_bigfloat big_plus(struct dt_bigfloat a, struct dt_bigfloat b)
+static struct dt_big big_plus(struct dt_big a, struct dt_big b)
 {
-    return dt_bigfloat_add(&a, &b);
+    dt_big_add(&a, &b, &a);
+    return a;
 }
 
-static struct dt_bigfloat big_minus(struct dt_bigfloat a, struct dt_bigfloat b)
+static struct dt_big big_minus(struct dt_big a, struct dt_big b)
 {
-    return dt_bigfloat_subtract(&a, &b);
+    dt_big_subtract(&a, &b, &a);
+    return a;
 }
 
-static struct dt_bigfloat big_times(struct dt_bigfloat a, struct dt_bigfloat b)
+static struct dt_big big_times(struct dt_big a, struct dt_big b)
 {
-    return dt_bigfloat_multiply(&a, &b);
+    dt_big_multiply(&a, &b, &a);
+    return a;
 }
 
-static struct dt_bigfloat big_over(struct dt_bigfloat a, struct dt_bigfloat b)
+static struct dt_big big_over(struct dt_big a, struct dt_big b)
 {
-    return dt_bigfloat_divide(&a, &b);
+    dt_big_divide(&a, &b, &a);
+    return a;
 }
 
-static double big_rough(struct dt_bigfloat a)
+static double big_rough(struct dt_big a)
 {
-    return dt_bigfloat_to_double(&a);
+    return dt_big_to_double(&a);
 }
 
-#define NUMBER struct dt_bigfloat
+#define NUMBER struct dt_big
 #define F(name) name##_big
 #define DIFFERENCE(a, b) big_difference(a, b)
 #define PLUS(a, b) big_plus(a, b)
@@ -285,7 +290,7 @@ static enum dt_status weigh_by_cells(struct dt_weigher *w, bool quick, const ato
         return s;
     if (quick)
         return DT_TOOLONG;
-    if (!reserve_room(w, sizeof(struct centre_big), sizeof(struct dt_bigfloat)))
+    if (!reserve_room(w, sizeof(struct centre_big), sizeof(struct dt_big)))
         return DT_NOMEM;
     return sibson ? sibson_big(tour, w->place, cancel, w->room, w->weight)
                   : laplace_big(tour, w->place, cancel, w->room, w->weight);
@@ -337,7 +342,7 @@ size_t dt_weights_memory(const struct dt_weigher *w, bool exact)
     const struct dt_tour *tour = &w->tour;
     size_t room = 0;
     if (w->by_cells && exact)
-        room = room_bytes(tour, sizeof(struct centre_big), sizeof(struct dt_bigfloat));
+        room = room_bytes(tour, sizeof(struct centre_big), sizeof(struct dt_big));
     else if (w->by_cells)
         room = room_bytes(tour, sizeof(struct centre_double2), sizeof(struct dt_double2));
     return w->cap * (sizeof *w->id + sizeof *w->weight) + w->n * sizeof(struct dt_weight) +

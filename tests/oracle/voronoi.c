@@ -1,33 +1,44 @@
 /* voronoi.c - see voronoi.h. */
 #include "tests/oracle/voronoi.h"
 
-#include "core/exact/bigfloat.h"
+#include "core/exact/bignum.h"
 #include "tests/test.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct dt_bigfloat num;
+typedef struct dt_big num;
+
+static num of(double v)
+{
+    num r;
+    dt_big_of(v, &r);
+    return r;
+}
 
 static num plus(num a, num b)
 {
-    return dt_bigfloat_add(&a, &b);
+    dt_big_add(&a, &b, &a);
+    return a;
 }
 
 static num minus(num a, num b)
 {
-    return dt_bigfloat_subtract(&a, &b);
+    dt_big_subtract(&a, &b, &a);
+    return a;
 }
 
 static num times(num a, num b)
 {
-    return dt_bigfloat_multiply(&a, &b);
+    dt_big_multiply(&a, &b, &a);
+    return a;
 }
 
 static num over(num a, num b)
 {
-    return dt_bigfloat_divide(&a, &b);
+    dt_big_divide(&a, &b, &a);
+    return a;
 }
 
 struct place {
@@ -80,7 +91,7 @@ static void clip(struct polygon *p, struct place a, struct place b, uint32_t sit
 {
     struct polygon r = polygon_new(p->n + 2);
     struct place d = less(b, a);
-    num half = over(minus(dot(b, b), dot(a, a)), dt_bigfloat_of(2));
+    num half = over(minus(dot(b, b), dot(a, a)), of(2));
     num *side = malloc(p->n * sizeof *side); /* > 0: beyond the bisector */
     CHECK(side != NULL);
     for (uint32_t i = 0; i < p->n; i++)
@@ -104,7 +115,7 @@ static void clip(struct polygon *p, struct place a, struct place b, uint32_t sit
 
 static num area_of(const struct polygon *p)
 {
-    num area = dt_bigfloat_of(0);
+    num area = of(0);
     for (uint32_t i = 0; i < p->n; i++)
         area = plus(area, cross(p->corner[i], p->corner[i + 1 < p->n ? i + 1 : 0]));
     return area;
@@ -112,20 +123,20 @@ static num area_of(const struct polygon *p)
 
 static struct place place_of(struct dt_point p, struct dt_point q)
 {
-    num x = dt_bigfloat_of(p.x), y = dt_bigfloat_of(p.y);
-    return (struct place){minus(x, dt_bigfloat_of(q.x)), minus(y, dt_bigfloat_of(q.y))};
+    num x = of(p.x), y = of(p.y);
+    return (struct place){minus(x, of(q.x)), minus(y, of(q.y))};
 }
 
 /* The cell of the origin among the sites. */
 static struct polygon cell_of(const struct place *site, uint32_t n)
 {
     struct polygon cell = polygon_new(4);
-    num far = dt_bigfloat_of(0x1p700), minus_far = dt_bigfloat_of(-0x1p700);
+    num far = of(0x1p700), minus_far = of(-0x1p700);
     put(&cell, (struct place){minus_far, minus_far}, UINT32_MAX);
     put(&cell, (struct place){far, minus_far}, UINT32_MAX);
     put(&cell, (struct place){far, far}, UINT32_MAX);
     put(&cell, (struct place){minus_far, far}, UINT32_MAX);
-    struct place origin = {dt_bigfloat_of(0), dt_bigfloat_of(0)};
+    struct place origin = {of(0), of(0)};
     for (uint32_t i = 0; i < n; i++)
         clip(&cell, origin, site[i], i);
     return cell;
@@ -149,7 +160,7 @@ void voronoi_weights(const struct dt_point *p, uint32_t n, struct dt_point q,
                      enum dt_interpolation how, double *weight)
 {
     struct place *site = malloc(n * sizeof *site);
-    num *share = calloc(n, sizeof *share), total = dt_bigfloat_of(0);
+    num *share = calloc(n, sizeof *share), total = of(0);
     CHECK(site != NULL && share != NULL);
     for (uint32_t i = 0; i < n; i++)
         site[i] = place_of(p[i], q);
@@ -165,7 +176,7 @@ void voronoi_weights(const struct dt_point *p, uint32_t n, struct dt_point q,
         total = plus(total, share[i]);
     for (uint32_t i = 0; i < n; i++) {
         num w = over(share[i], total);
-        weight[i] = dt_bigfloat_to_double(&w);
+        weight[i] = dt_big_to_double(&w);
     }
     polygon_free(&cell);
     free(share);

@@ -1,5 +1,5 @@
 /* voronoi.h - the weights of natural neighbours by their definition: the Voronoi cell of a place is clipped by one
- * half plane after the other, in numbers of 1,850 bits. */
+ * half plane after the other, in numbers of 2,500 bits. */
 #ifndef VORONOI_H
 #define VORONOI_H
 

@@ -84,7 +84,7 @@ TEST_TIMEOUT(builds_that_do_not_fit_together_wait_for_each_other_in_order, 120)
         CHECK(tries < 500); /* workers free the versions that have been replaced */
 }
 
-/* Numbers of 1,850 bits need forty times as much memory, but no point of a circle needs them. */
+/* Numbers of 2,500 bits need ten times as much memory, but no point of a circle needs them. */
 TEST_TIMEOUT(weights_of_many_neighbours_reserve_the_memory_of_their_numbers, 60)
 {
     enum { POINTS = 20000 };
