@@ -67,20 +67,29 @@ static inline struct frame frame_of(const struct dt_hints *h, uint32_t k)
 
 typedef int32_t column_and_row __attribute__((vector_size(8)));
 
-/* The cell with the centroid of the triangle a b c gets its half edge h if the triangle contains the centre of the cell,
- * or if the cell is empty; but not if a corner is far away. Returns what the cell had: a grid stays. */
-static inline uint32_t claim_cell(const struct frame *f, uint32_t h, dt_lanes a, dt_lanes b,
-                                  dt_lanes c)
+/* The cell of p: its column and row. */
+static inline column_and_row place_in(const struct frame *f, dt_lanes p)
 {
-    const dt_lanes third = dt_lanes_both(1.0 / 3), half = dt_lanes_both(0.5), zero = {0, 0};
-    a = (a - f->lo) * f->per, b = (b - f->lo) * f->per, c = (c - f->lo) * f->per;
-    dt_lanes centroid = dt_lanes_least(dt_lanes_most((a + b + c) * third, zero), f->last);
-    column_and_row at = __builtin_convertvector(centroid, column_and_row);
-    uint32_t *cell = &f->cell[(size_t)at[1] * f->nx + (size_t)at[0]], had = load(cell);
-    if (had & DT_HINT_GRID)
-        return had;
+    dt_lanes at = (p - f->lo) * f->per, zero = {0, 0};
+    return __builtin_convertvector(dt_lanes_least(dt_lanes_most(at, zero), f->last),
+                                   column_and_row);
+}
+
+static inline uint32_t *cell_at(const struct frame *f, column_and_row at)
+{
+    return &f->cell[(size_t)at[1] * f->nx + (size_t)at[0]];
+}
+
+/* The cell, which has the centroid of the triangle a b c and no grid, gets the triangle's half edge h if the triangle contains
+ * the centre of the cell, or if the cell is empty; but not if a corner is far away. */
+static inline void claim_cell(const struct frame *f, column_and_row at, uint32_t h, dt_lanes a,
+                              dt_lanes b, dt_lanes c)
+{
+    const dt_lanes half = dt_lanes_both(0.5), zero = {0, 0};
     dt_lanes centre = __builtin_convertvector(at, dt_lanes) + half;
-    a -= centre, b -= centre, c -= centre;
+    a = (a - f->lo) * f->per - centre;
+    b = (b - f->lo) * f->per - centre;
+    c = (c - f->lo) * f->per - centre;
     dt_lanes ab_bc =
         dt_lanes_first(a, b) * dt_lanes_second(b, c) - dt_lanes_second(a, b) * dt_lanes_first(b, c);
     dt_lanes ca = c * dt_lanes_swap(a);
@@ -88,9 +97,9 @@ static inline uint32_t claim_cell(const struct frame *f, uint32_t h, dt_lanes a,
     dt_lanes reach =
         dt_lanes_most(dt_lanes_most(dt_lanes_abs(a), dt_lanes_abs(b)), dt_lanes_abs(c));
     bool far = dt_lanes_bits(reach > dt_lanes_both(FAR)) != 0;
+    uint32_t *cell = cell_at(f, at), had = load(cell);
     bool take = (!out | (had == DT_HINT_LENT)) & !far; /* a branch would be unpredictable */
     store(cell, had ^ ((had ^ h) & (0u - (uint32_t)take)));
-    return had;
 }
 
 static void fetch_corners(const struct dt_point *xy, const uint32_t *v)
@@ -112,10 +121,14 @@ static void claim_by_triangles(const struct claims *d, struct dt_piece at)
             fetch_corners(xy, v + 8 * (size_t)AHEAD);
         dt_lanes a = dt_lanes_load(&xy[v[0]].x), b = dt_lanes_load(&xy[v[1]].x),
                  c = dt_lanes_load(&xy[v[2]].x);
-        for (uint32_t had = claim_cell(&top, 8 * t, a, b, c); had & DT_HINT_GRID;) {
-            struct frame finer = frame_of(d->hints, had >> 3);
-            had = claim_cell(&finer, 8 * t, a, b, c);
+        dt_lanes centroid = (a + b + c) * dt_lanes_both(1.0 / 3);
+        struct frame f = top;
+        column_and_row place = place_in(&f, centroid);
+        for (uint32_t had; (had = load(cell_at(&f, place))) & DT_HINT_GRID;) {
+            f = frame_of(d->hints, had >> 3);
+            place = place_in(&f, centroid);
         }
+        claim_cell(&f, place, 8 * t, a, b, c);
     }
 }
 
