@@ -2,13 +2,9 @@
  *
  * A crowded cell holds a dozen points as often as not, wherever points lie along lines or in clusters. A grid
  * for them would cost more than all the rest, so they are sorted along the longer side of their box and cut in
- * the middle.
- *
- * The order of points is unpredictable: so they are sorted without a branch, by counting for each how many precede it,
- * and for a block, whose number of points is unpredictable too, that is compiled for every number. */
+ * the middle. For a block, whose number of points is unpredictable too, the sort is compiled for every number. */
 #include "core/divide/few.h"
 
-#include "core/divide/rank.h"
 #include "core/exact/box.h"
 
 #define INLINE static inline __attribute__((always_inline))

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "core/divide/rank.h"
+#include "core/divide/few.h"
 
 #define MAX_BITS 24
 #define SAMPLE 16  /* points, of a range of */
