@@ -118,50 +118,11 @@ struct item {
     uint32_t lo, hi, node, merges;
 };
 
-/* A share of the vertices, and what remains of its blocks after all merges of small ranges in it. */
-struct share {
+/* Ranges that lie side by side. */
+struct items {
     struct item *item; /* owns */
-    uint32_t items, cap;
+    uint32_t n, cap;
 };
-
-struct shares {
-    struct build *build;
-    struct share share[DT_MAX_THREADS];
-    unsigned n;
-};
-
-/* Appends the item, or joins it with those before it. */
-static void append(struct build *b, struct share *s, struct item x)
-{
-    for (; s->items > 0 && x.merges > 0; x.merges--, s->items--) {
-        const struct item *before = &s->item[s->items - 1];
-        if (before->merges > 0 || x.hi - before->lo > b->limit)
-            break;
-        x.lo = before->lo;
-    }
-    struct item *larger = room_for_one(b, s->item, s->items, &s->cap, sizeof *larger);
-    if (larger == NULL)
-        return;
-    s->item = larger;
-    larger[s->items++] = x;
-}
-
-/* Share i begins with the first block that begins in slice i. */
-static void fill_share(void *arg, unsigned i)
-{
-    struct shares *w = arg;
-    struct build *b = w->build;
-    uint32_t v = dt_slice(b->n, i, w->n), hi = dt_slice(b->n, i + 1, w->n);
-    while (v < hi && b->step[v] == 0)
-        v++;
-    while (v < hi && good(b)) {
-        uint32_t step = b->step[v], end = v + DT_STEP_POINTS(step);
-        append(b, &w->share[i], (struct item){v, end, NONE, DT_STEP_MERGES(step)});
-        if (v / DT_POLL != end / DT_POLL)
-            dt_stopped(&b->stop);
-        v = end;
-    }
-}
 
 /* The item's node; NONE: out of memory. */
 static uint32_t node_of(struct build *b, struct item x)
@@ -197,35 +158,63 @@ static struct item join(struct build *b, struct item l, struct item r)
     return (struct item){l.lo, r.hi, b->nodes++, 0};
 }
 
-/* Makes the tree of what remains in all shares; returns its root. */
-static uint32_t join_shares(struct build *b, const struct shares *w)
+/* Appends the item, joined with those before it by the merges after it; unless `all` are wanted, only as long as the range is
+ * small and the one before it awaits no merges itself. */
+static void push(struct build *b, struct items *s, struct item x, bool all)
 {
-    struct item *stack = NULL;
-    uint32_t items = 0, cap = 0, root = NONE;
-    for (unsigned i = 0; i < w->n && good(b); i++)
-        for (uint32_t k = 0; k < w->share[i].items && good(b); k++) {
-            struct item x = w->share[i].item[k];
-            struct item *larger = room_for_one(b, stack, items, &cap, sizeof *stack);
-            if (larger == NULL)
-                break;
-            stack = larger;
-            stack[items++] = x;
-            for (; x.merges > 0; x.merges--, items--)
-                stack[items - 2] = join(b, stack[items - 2], stack[items - 1]);
-        }
-    if (good(b))
-        root = node_of(b, stack[0]);
-    dt_array_free(stack);
-    return root;
+    while (s->n > 0 && x.merges > 0) {
+        const struct item *before = &s->item[s->n - 1];
+        uint32_t merges = x.merges - 1;
+        if (!all && (before->merges > 0 || x.hi - before->lo > b->limit))
+            break;
+        x = join(b, *before, x);
+        x.merges = merges;
+        s->n--;
+    }
+    struct item *larger = room_for_one(b, s->item, s->n, &s->cap, sizeof *larger);
+    if (larger == NULL)
+        return;
+    s->item = larger;
+    larger[s->n++] = x;
 }
 
+/* Shares of the vertices, and what remains of their blocks after all merges of small ranges in them. */
+struct shares {
+    struct build *build;
+    struct items share[DT_MAX_THREADS];
+    unsigned n;
+};
+
+/* Share i begins with the first block that begins in slice i. */
+static void fill_share(void *arg, unsigned i)
+{
+    struct shares *w = arg;
+    struct build *b = w->build;
+    uint32_t v = dt_slice(b->n, i, w->n), hi = dt_slice(b->n, i + 1, w->n);
+    while (v < hi && b->step[v] == 0)
+        v++;
+    while (v < hi && good(b)) {
+        uint32_t step = b->step[v], end = v + DT_STEP_POINTS(step);
+        push(b, &w->share[i], (struct item){v, end, NONE, DT_STEP_MERGES(step)}, false);
+        if (v / DT_POLL != end / DT_POLL)
+            dt_stopped(&b->stop);
+        v = end;
+    }
+}
+
+/* Returns its root. */
 static uint32_t make_tree(struct build *b, unsigned threads)
 {
     struct shares w = {.build = b, .n = threads};
+    struct items all = {0};
     dt_run(b->opt->pool, threads, fill_share, &w);
-    uint32_t root = join_shares(b, &w);
-    for (unsigned i = 0; i < threads; i++)
+    for (unsigned i = 0; i < threads; i++) {
+        for (uint32_t k = 0; k < w.share[i].n && good(b); k++)
+            push(b, &all, w.share[i].item[k], true);
         dt_array_free(w.share[i].item);
+    }
+    uint32_t root = good(b) ? node_of(b, all.item[0]) : NONE;
+    dt_array_free(all.item);
     return root;
 }
 
