@@ -25,38 +25,63 @@ static inline bool before(const struct dt_near *h, const struct dt_seen *a, cons
     return h->id == NULL ? a->key < b->key : h->id[a->key] < h->id[b->key];
 }
 
-struct dt_seen dt_near_pop(struct dt_near *h)
+/* Puts a point at i or below it. */
+static void sift_down(struct dt_near *h, size_t i, struct dt_seen c)
 {
-    struct dt_seen top = h->heap[0], last = h->heap[--h->n];
-    size_t i = 0;
     for (size_t child; (child = 2 * i + 1) < h->n; i = child) {
         if (child + 1 < h->n && before(h, &h->heap[child + 1], &h->heap[child]))
             child++;
-        if (!before(h, &h->heap[child], &last))
+        if (!before(h, &h->heap[child], &c))
             break;
         h->heap[i] = h->heap[child];
     }
-    h->heap[i] = last;
+    h->heap[i] = c;
+}
+
+struct dt_seen dt_near_pop(struct dt_near *h)
+{
+    struct dt_seen top = h->heap[0];
+    h->n--;
+    sift_down(h, 0, h->heap[h->n]);
     return top;
 }
 
-/* Cuts the heap down to the results still wanted, which is less than half of it: the nearest ones are popped
- * into the room that they leave at its end, then brought to the front, where their order is a heap. */
+/* Brings the nearest k points, 0 < k <= n, to the front, the last of them to k - 1 [Hoare, "Algorithm 65: find", CACM
+ * 4(7), 1961]. Cost: linear expected. */
+static void select_nearest(struct dt_near *h, size_t k)
+{
+    struct dt_seen *v = h->heap;
+    for (size_t lo = 0, hi = h->n - 1; lo < hi;) { /* place k - 1 is among lo .. hi */
+        struct dt_seen pivot = v[lo + (hi - lo) / 2];
+        size_t i = lo, j = hi;
+        for (;; i++, j--) {
+            while (before(h, &v[i], &pivot))
+                i++;
+            while (before(h, &pivot, &v[j]))
+                j--;
+            if (i >= j)
+                break;
+            struct dt_seen swap = v[i];
+            v[i] = v[j];
+            v[j] = swap;
+        }
+        if (k - 1 <= j)
+            hi = j;
+        else
+            lo = j + 1;
+    }
+}
+
+/* Cuts the heap down to the results still wanted. */
 static enum dt_status cut(struct dt_near *h, struct dt_stop *work)
 {
-    size_t n = h->n, keep = h->wanted;
-    enum dt_status st = DT_OK;
-    for (size_t i = 0; st == DT_OK && i < keep; i++) {
-        struct dt_seen c = dt_near_pop(h);
-        h->heap[h->n] = c;
-        if ((i & DT_WORK_MASK) == DT_WORK_MASK)
-            st = dt_work(work, DT_WORK_BLOCK);
-    }
-    for (size_t i = 0; st == DT_OK && i < keep; i++)
-        h->heap[i] = h->heap[n - 1 - i];
+    size_t keep = h->wanted;
+    select_nearest(h, keep);
     h->n = keep;
     h->limit = h->heap[keep - 1].d * (1 + 4 * DT_DISTANCE_BOUND);
-    return st;
+    for (size_t i = keep / 2; i-- > 0;)
+        sift_down(h, i, h->heap[i]);
+    return dt_work(work, keep);
 }
 
 static size_t next_cap(size_t cap)
