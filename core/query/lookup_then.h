@@ -8,30 +8,21 @@
 #define DT_LOOKUP_THEN_H
 
 #include "core/control/stop.h"
+#include "core/query/query.h"
 #include "core/set/set.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
+
+#include <string.h>
 
 /* Makes best[3] the triangle a b c (counterclockwise), from its smallest id, if that comes before best in
  * DT_TRIANGLES. DT_NONE three times comes behind all. */
 static inline void dt_first_triangle(uint32_t best[3], uint32_t a, uint32_t b, uint32_t c)
 {
-    if (b < a && b < c) {
-        uint32_t first = a;
-        a = b;
-        b = c;
-        c = first;
-    } else if (c < a && c < b) {
-        uint32_t last = c;
-        c = b;
-        b = a;
-        a = last;
-    }
-    if (a > best[0] || (a == best[0] && (b > best[1] || (b == best[1] && c >= best[2]))))
-        return;
-    best[0] = a;
-    best[1] = b;
-    best[2] = c;
+    uint32_t row[3] = {a, b, c};
+    dt_triangle_turn(row);
+    if (dt_triangle_compare(row, best) < 0)
+        memcpy(best, row, sizeof row);
 }
 
 /* The rings and places of that moment. */

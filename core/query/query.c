@@ -15,16 +15,19 @@ enum { DENSE_LEAST = 1000 }; /* ids from which on sorting them needs something b
 void dt_triangle_ids(const struct dt *t, uint32_t h, bool cw, uint32_t row[3])
 {
     const uint32_t *corner = t->mesh.half + dt_base(h), *id = t->points.id;
-    uint32_t a = id[corner[0]], b = id[corner[1]], c = id[corner[2]];
-    while (a > b || a > c) {
-        uint32_t first = a;
-        a = b;
-        b = c;
-        c = first;
-    }
-    row[0] = a;
-    row[1] = cw ? c : b;
-    row[2] = cw ? b : c;
+    row[0] = id[corner[0]];
+    row[1] = id[corner[cw ? 2 : 1]];
+    row[2] = id[corner[cw ? 1 : 2]];
+    dt_triangle_turn(row);
+}
+
+int dt_triangle_compare(const void *p, const void *q)
+{
+    const uint32_t *a = p, *b = q;
+    for (int i = 0; i < 3; i++)
+        if (a[i] != b[i])
+            return a[i] < b[i] ? -1 : 1;
+    return 0;
 }
 
 /* There must be room. */
@@ -147,16 +150,14 @@ enum dt_status dt_triangles_at_triangle(const struct dt *t, uint32_t a, uint32_t
     return DT_OK;
 }
 
-static void locate_few(const struct dt *t, struct dt_point q, struct dt_location *out)
+enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near, uint32_t *half)
 {
-    out->where = DT_OUTSIDE;
-    if (t->mesh.vertices == 0)
-        return;
-    uint32_t v = t->mesh.alone;
-    if (dt_compare_xy(t->points.xy[v], q) == 0) {
-        out->where = DT_ON_VERTEX;
-        out->id[0] = t->points.id[v];
-    }
+    const struct dt_points *p = &t->points;
+    *half = DT_NONE;
+    if (t->mesh.vertices >= 2)
+        return dt_find(&t->mesh, p->xy, p->id, &t->hints, near, q, half);
+    bool there = t->mesh.vertices == 1 && dt_compare_xy(p->xy[t->mesh.alone], q) == 0;
+    return there ? DT_ON_VERTEX : DT_OUTSIDE;
 }
 
 enum dt_status dt_locate(const struct dt *t, struct dt_point q, struct dt_location *out)
@@ -171,23 +172,25 @@ enum dt_status dt_locate_place(const struct dt *t, const struct dt_place *q,
     if (s != DT_OK)
         return s;
     const struct dt_mesh *m = &t->mesh;
+    uint32_t h, a, b;
     *out = (struct dt_location){.id = {DT_NONE, DT_NONE, DT_NONE}};
-    if (m->vertices < 2) {
-        locate_few(t, q->at, out);
-        return DT_OK;
-    }
-    uint32_t h;
-    out->where = dt_find(m, t->points.xy, t->points.id, &t->hints, q->near, q->at, &h);
-    uint32_t a = t->points.id[dt_origin(m, h)], b = DT_NONE;
-    if (out->where == DT_ON_VERTEX)
-        out->id[0] = a;
-    if (out->where == DT_ON_EDGE) {
+    out->where = dt_place_find(t, q->at, q->near, &h);
+    switch (out->where) {
+    case DT_ON_VERTEX:
+        out->id[0] = t->points.id[h == DT_NONE ? m->alone : dt_origin(m, h)];
+        break;
+    case DT_ON_EDGE:
+        a = t->points.id[dt_origin(m, h)];
         b = t->points.id[dt_dest(m, h)];
         out->id[0] = a < b ? a : b;
         out->id[1] = a < b ? b : a;
-    }
-    if (out->where == DT_INSIDE)
+        break;
+    case DT_INSIDE:
         dt_triangle_ids(t, h, false, out->id);
+        break;
+    case DT_OUTSIDE:
+        break;
+    }
     return DT_OK;
 }
 

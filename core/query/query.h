@@ -8,8 +8,27 @@
  * vertex of high degree costs no more than its partner. */
 uint32_t dt_half_between(const struct dt_mesh *m, uint32_t u, uint32_t v);
 
-/* The corners of the triangle of the half edge h, from the smallest id. */
+/* dt_find, also for sets of one point, whose half edge is DT_NONE, or none. */
+enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near, uint32_t *half);
+
+/* ---- rows of DT_TRIANGLES ---- */
+
+/* Turns the corners of a triangle so that the smallest id comes first. */
+static inline void dt_triangle_turn(uint32_t row[3])
+{
+    while (row[0] > row[1] || row[0] > row[2]) {
+        uint32_t first = row[0];
+        row[0] = row[1];
+        row[1] = row[2];
+        row[2] = first;
+    }
+}
+
+/* The corners of the triangle of the half edge h. */
 void dt_triangle_ids(const struct dt *t, uint32_t h, bool cw, uint32_t row[3]);
+
+/* For qsort: < 0 if row a comes before row b. */
+int dt_triangle_compare(const void *a, const void *b);
 
 /* For a search from star to star that walks round the origin of h: fetches the triangle beyond the edge
  * opposite to it, which the stars of two neighbours share. */

@@ -399,15 +399,6 @@ static enum dt_status scan_triangles(const struct dt *t, const struct dt_box *b,
     return s;
 }
 
-static int compare_triangles(const void *p, const void *q)
-{
-    const uint32_t *a = p, *b = q;
-    for (int i = 0; i < 3; i++)
-        if (a[i] != b[i])
-            return a[i] < b[i] ? -1 : 1;
-    return 0;
-}
-
 /* Appends the corners of these triangles to *out, sorted, each once. */
 static enum dt_status put_triangles(const struct dt *t, const struct dt_ids *triangles, bool cw,
                                     struct dt_ids *out)
@@ -418,9 +409,9 @@ static enum dt_status put_triangles(const struct dt *t, const struct dt_ids *tri
     uint32_t *row = out->v + out->n, *to = row;
     for (size_t i = 0; i < triangles->n; i++, to += 3)
         dt_triangle_ids(t, triangles->v[i], cw, to);
-    qsort(row, triangles->n, 3 * sizeof *row, compare_triangles);
+    qsort(row, triangles->n, 3 * sizeof *row, dt_triangle_compare);
     for (to = row + 3, out->n += 3; to < row + 3 * triangles->n; to += 3) {
-        if (compare_triangles(to, to - 3) != 0) {
+        if (dt_triangle_compare(to, to - 3) != 0) {
             memmove(out->v + out->n, to, 3 * sizeof *to);
             out->n += 3;
         }

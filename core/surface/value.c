@@ -4,8 +4,8 @@
 #include "core/exact/lanes.h"
 #include "core/exact/predicates.h"
 #include "core/fields/column.h"
-#include "core/query/locate.h"
 #include "core/query/nearest.h"
+#include "core/query/query.h"
 
 #include <stdlib.h>
 
@@ -97,19 +97,6 @@ static double within(double value, double least, double most)
 
 /* ---- by weights ---- */
 
-/* The ends of an edge, from the smaller id. */
-static void order_ends(struct dt_weigher *w)
-{
-    if (w->n != 2 || w->id[0] < w->id[1])
-        return;
-    uint32_t id = w->id[0];
-    double weight = w->weight[0];
-    w->id[0] = w->id[1];
-    w->weight[0] = w->weight[1];
-    w->id[1] = id;
-    w->weight[1] = weight;
-}
-
 /* The mean by the weights of the weigher's points, in their order. Values are scaled where their differences may be too
  * large, or products may lose bits at the least doubles. */
 static double weighted_mean(const struct dt_valuer *v)
@@ -141,7 +128,6 @@ static enum dt_status by_weights(struct dt_valuer *v, struct dt_point q, enum dt
         s = dt_weigh_end(&v->weigher, limited, cancel);
     if (s != DT_OK)
         return s;
-    order_ends(&v->weigher);
     *out = weighted_mean(v);
     return DT_OK;
 }

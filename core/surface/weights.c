@@ -16,7 +16,7 @@
 #include "core/exact/bignum.h"
 #include "core/exact/double2.h"
 #include "core/exact/predicates.h"
-#include "core/query/locate.h"
+#include "core/query/query.h"
 #include "core/set/set.h"
 
 #include <math.h>
@@ -159,7 +159,7 @@ static void put(struct dt_weigher *w, uint32_t id, double weight)
     w->weight[w->n++] = weight;
 }
 
-/* q is on the edge, so one coordinate tells how far along: the one in which the ends differ more. */
+/* From the smaller id. q is on the edge, so one coordinate tells how far along: the one in which the ends differ more. */
 static void weigh_on_edge(const struct dt *t, uint32_t half, struct dt_weigher *w)
 {
     uint32_t u = dt_origin(&t->mesh, half), v = dt_dest(&t->mesh, half);
@@ -167,8 +167,9 @@ static void weigh_on_edge(const struct dt *t, uint32_t half, struct dt_weigher *
     bool along_x = fabs(b.x - a.x) >= fabs(b.y - a.y);
     double from = along_x ? q.x - a.x : q.y - a.y, to = along_x ? b.x - q.x : b.y - q.y;
     double whole = along_x ? b.x - a.x : b.y - a.y;
-    put(w, t->points.id[u], to / whole);
-    put(w, t->points.id[v], from / whole);
+    bool ascending = t->points.id[u] < t->points.id[v];
+    put(w, t->points.id[ascending ? u : v], (ascending ? to : from) / whole);
+    put(w, t->points.id[ascending ? v : u], (ascending ? from : to) / whole);
 }
 
 static void take_triangle(const struct dt *t, uint32_t half, struct dt_weigher *w)
@@ -211,15 +212,10 @@ static uint32_t from_smallest(const struct dt *t, uint32_t half)
 /* and of the two triangles at an edge in the one that comes first in TRIANGLES. */
 static uint32_t first_triangle(const struct dt *t, uint32_t half)
 {
-    const struct dt_mesh *m = &t->mesh;
-    const uint32_t *id = t->points.id;
-    uint32_t a = from_smallest(t, half), b = from_smallest(t, dt_twin(m, half));
-    uint32_t one[3] = {id[dt_origin(m, a)], id[dt_dest(m, a)], id[dt_apex_of(m, a)]};
-    uint32_t other[3] = {id[dt_origin(m, b)], id[dt_dest(m, b)], id[dt_apex_of(m, b)]};
-    for (int i = 0; i < 3; i++)
-        if (one[i] != other[i])
-            return one[i] < other[i] ? a : b;
-    return a;
+    uint32_t twin = dt_twin(&t->mesh, half), one[3], other[3];
+    dt_triangle_ids(t, half, false, one);
+    dt_triangle_ids(t, twin, false, other);
+    return from_smallest(t, dt_triangle_compare(one, other) < 0 ? half : twin);
 }
 
 uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half)
@@ -304,17 +300,6 @@ enum dt_status dt_weigh_end(struct dt_weigher *w, bool quick, const atomic_bool 
 }
 
 /* ---- a place by itself ---- */
-
-enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near, uint32_t *half)
-{
-    const struct dt_point *xy = t->points.xy;
-    *half = DT_NONE;
-    if (t->mesh.vertices >= 2)
-        return dt_find(&t->mesh, xy, NULL, &t->hints, near, q, half);
-    if (t->mesh.vertices == 0)
-        return DT_OUTSIDE;
-    return dt_compare_xy(xy[t->mesh.alone], q) == 0 ? DT_ON_VERTEX : DT_OUTSIDE;
-}
 
 enum dt_status dt_weights_begin(const struct dt *t, struct dt_point q, enum dt_interpolation how,
                                 const struct dt_options *opt, struct dt_weigher **out)

@@ -24,9 +24,6 @@ struct dt_weigher {
 /* Frees what it owns. */
 void dt_weigher_clear(struct dt_weigher *w);
 
-/* dt_find, also for sets of one point or none. */
-enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near, uint32_t *half);
-
 /* Reads from the set what the weights at q take, and which points count: none if q is outside the hull. where
  * and half: as dt_find has found (half: DT_NONE for a set of one point). work may be NULL. Cost: the number of
  * natural neighbours. */
