@@ -8,19 +8,8 @@ enum {
     CIRCLES = 1 << 13 /* kept for large rasters: half a megabyte */
 };
 
-/* circles: how many to keep. */
-static enum dt_status begin(struct dt_scan *k, const struct dt *t, const struct dt_surface *s,
-                            uint32_t circles, const struct dt_options *opt)
-{
-    enum dt_status status = dt_readable(t);
-    *k = (struct dt_scan){.work = dt_stop_of(opt)};
-    if (status != DT_OK)
-        return status;
-    return dt_valuer_init(&k->v, t, s, &k->work, circles);
-}
-
 /* The values at the next of n places, which are walked to side by side (ahead.h); adds those that are written to *done. */
-static enum dt_status next_values(struct dt_scan *k, const struct dt_point *q, size_t n,
+static enum dt_status next_values(struct dt_valuer *v, const struct dt_point *q, size_t n,
                                   double *out, size_t *done)
 {
     struct dt_place place[DT_AHEAD];
@@ -28,12 +17,12 @@ static enum dt_status next_values(struct dt_scan *k, const struct dt_point *q, s
     n = n < DT_AHEAD ? n : DT_AHEAD;
     for (size_t i = 0; i < n; i++)
         place[i].at = q[i];
-    dt_walk_to_places(k->v.t, place, n, DT_PLACE_READ);
-    dt_values_fetch(&k->v, place, n);
+    dt_walk_to_places(v->t, place, n, DT_PLACE_READ);
+    dt_values_fetch(v, place, n);
     for (size_t i = 0; status == DT_OK && i < n; i++) {
-        status = dt_work(&k->work, 8 + dt_scan_steps(k));
+        status = dt_work(&v->work, 8 + dt_value_steps(v));
         if (status == DT_OK)
-            status = dt_value_find(&k->v, q[i], &place[i].near, &out[i]);
+            status = dt_value_find(v, q[i], &place[i].near, &out[i]);
         *done += status == DT_OK;
     }
     return status;
@@ -42,12 +31,12 @@ static enum dt_status next_values(struct dt_scan *k, const struct dt_point *q, s
 enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const struct dt_point *q,
                          size_t n, const struct dt_options *opt, double *out, size_t *done)
 {
-    struct dt_scan k;
+    struct dt_valuer v;
     *done = 0;
-    enum dt_status status = begin(&k, t, s, 0, opt);
+    enum dt_status status = dt_valuer_init(&v, t, s, opt, 0);
     while (status == DT_OK && *done < n)
-        status = next_values(&k, q + *done, n - *done, out + *done, done);
-    dt_valuer_clear(&k.v);
+        status = next_values(&v, q + *done, n - *done, out + *done, done);
+    dt_valuer_clear(&v);
     return status;
 }
 
@@ -60,14 +49,14 @@ struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell)
 }
 
 /* The next of n cells, which are looked up; adds those that are written to *done. */
-static enum dt_status next_cells(struct dt_scan *k, uint64_t from, size_t n, double *out,
-                                 size_t *done)
+static enum dt_status next_cells(struct dt_valuer *v, const struct dt_raster *r, uint64_t from,
+                                 size_t n, double *out, size_t *done)
 {
     struct dt_point q[DT_AHEAD];
     n = n < DT_AHEAD ? n : DT_AHEAD;
     for (size_t i = 0; i < n; i++)
-        q[i] = dt_raster_centre(k->r, from + i);
-    return next_values(k, q, n, out, done);
+        q[i] = dt_raster_centre(r, from + i);
+    return next_values(v, q, n, out, done);
 }
 
 /* n cells from the cell `from` on, on this thread. */
@@ -75,22 +64,21 @@ static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
                                  const struct dt_raster *r, uint64_t from, size_t n,
                                  const struct dt_options *opt, double *out, size_t *done)
 {
-    struct dt_scan k;
+    struct dt_valuer v;
     uint32_t circles = 64;
     *done = 0;
     while (circles < CIRCLES && circles < n)
         circles *= 2;
-    enum dt_status status = begin(&k, t, s, circles, opt);
+    enum dt_status status = dt_valuer_init(&v, t, s, opt, circles);
     if (status == DT_OK && n >= 1000)
-        status = dt_vicinity_init(&k.v.vicinity, s);
-    k.r = r;
+        status = dt_vicinity_init(&v.vicinity, s);
     if (status == DT_OK && dt_rows_suit(r))
-        status = dt_rows_scan(&k, from, n, out, done);
+        status = dt_rows_scan(&v, r, from, n, out, done);
     if (status == DT_TOOLONG) /* single cells go on, up to the one that takes long */
         status = DT_OK;
     while (status == DT_OK && *done < n)
-        status = next_cells(&k, from + *done, n - *done, out + *done, done);
-    dt_valuer_clear(&k.v);
+        status = next_cells(&v, r, from + *done, n - *done, out + *done, done);
+    dt_valuer_clear(&v);
     return status;
 }
 

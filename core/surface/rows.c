@@ -54,8 +54,8 @@ struct lane {
 };
 
 struct abreast {
-    struct dt_scan *k;
-    struct dt_vicinity *vicinity;
+    struct dt_valuer *v;
+    const struct dt_raster *r;
     const uint32_t *half; /* of the mesh */
     const struct dt_point *xy;
     dt_lanes origin, scale; /* of columns; 0 and 1 for y */
@@ -95,7 +95,7 @@ static bool set_end(const struct abreast *a, struct lane *l, int which, uint32_t
 /* Makes the row cross next the edge by which it leaves the triangle of near. False: it does not cross that by turns. */
 static bool leave_triangle(const struct abreast *a, struct lane *l)
 {
-    if (l->near == DT_NONE || dt_is_ghost(&a->k->v.t->mesh, l->near))
+    if (l->near == DT_NONE || dt_is_ghost(&a->v->t->mesh, l->near))
         return false;
     uint32_t base = dt_base(l->near);
     const uint32_t *v = a->half + base;
@@ -130,7 +130,7 @@ static enum dt_status look_up(struct abreast *a, struct lane *l, uint32_t n)
         l->half[i] = DONE;
         if (n > 1) /* they are far apart */
             l->near = DT_NONE;
-        s = dt_value_find(&a->k->v, (struct dt_point){a->x[i], l->y}, &l->near, &l->out[i]);
+        s = dt_value_find(a->v, (struct dt_point){a->x[i], l->y}, &l->near, &l->out[i]);
         n -= n > 0;
         l->by_turns = n == 0 && leave_triangle(a, l);
     }
@@ -153,7 +153,7 @@ static void leave_hull(struct abreast *a, struct lane *l)
 /* The first column of the chunk to the east of the edge, which the row crosses near the centre of a column. */
 static enum dt_status decide(struct abreast *a, struct lane *l, double at, uint32_t *c)
 {
-    const struct dt_mesh *m = &a->k->v.t->mesh;
+    const struct dt_mesh *m = &a->v->t->mesh;
     uint32_t near = (uint32_t)at, half = l->up;
     *c = near < l->at ? l->at : near;
     if (near < l->at || near >= a->end)
@@ -165,7 +165,7 @@ static enum dt_status decide(struct abreast *a, struct lane *l, double at, uint3
         return DT_OK;
     note(a, l);
     l->half[near - a->from] = DONE;
-    return dt_value_find(&a->k->v, q, &half, &l->out[near - a->from]);
+    return dt_value_find(a->v, q, &half, &l->out[near - a->from]);
 }
 
 struct nearest {
@@ -208,7 +208,7 @@ static inline bool turn(struct abreast *a, struct lane *l, enum dt_status *s)
         l->outside = true;
         return false;
     }
-    dt_vicinity_vertex(a->vicinity, a->k->v.t, apex);
+    dt_vicinity_vertex(&a->v->vicinity, a->v->t, apex);
     dt_lanes p = dt_lanes_load(&a->xy[apex].x);
     dt_lanes place = (p - (dt_lanes){a->origin[0], l->y}) * a->scale;
     dt_lanes_holds is_below = (dt_lanes){place[1], place[1]} < dt_lanes_both(0);
@@ -217,7 +217,7 @@ static inline bool turn(struct abreast *a, struct lane *l, enum dt_status *s)
     l->up = twin + way[4 + 4 * (uint32_t)is_below[0] + (twin & 3)];
     l->twin = a->half[l->up + 4];
     dt_fetch(&a->half[l->twin]);
-    dt_vicinity_triangle(a->vicinity, a->k->v.t, l->twin);
+    dt_vicinity_triangle(&a->v->vicinity, a->v->t, l->twin);
     return fabs(place[0]) < FAR;
 }
 
@@ -292,14 +292,14 @@ static enum dt_status values(struct abreast *a, struct lane *l)
             if (half == OUTSIDE)
                 l->out[i] = (double)NAN;
             if (s == DT_OK && from < i)
-                s = dt_values_in_row(&a->k->v, l->half + from, a->x + from, l->y, i - from,
+                s = dt_values_in_row(a->v, l->half + from, a->x + from, l->y, i - from,
                                      l->out + from);
             from = i + 1;
         }
     }
-    return s == DT_OK && from < n ? dt_values_in_row(&a->k->v, l->half + from, a->x + from, l->y,
-                                                     n - from, l->out + from)
-                                  : s;
+    return s == DT_OK && from < n
+               ? dt_values_in_row(a->v, l->half + from, a->x + from, l->y, n - from, l->out + from)
+               : s;
 }
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -322,7 +322,7 @@ static enum dt_status scan_chunk(struct abreast *a, struct lane *lane, uint32_t 
 static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows, uint32_t c,
                                  uint32_t end, double *out)
 {
-    const struct dt_raster *r = a->k->r;
+    const struct dt_raster *r = a->r;
     enum dt_status s = DT_OK;
     for (uint32_t i = 0; i < rows; i++) {
         a->lane[i].y = dt_raster_y(r, row + i);
@@ -337,7 +337,7 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
         a->from = c;
         a->end = c + n;
         a->west = c;
-        s = dt_work(&a->k->work, (uint64_t)rows * n * dt_scan_steps(a->k));
+        s = dt_work(&a->v->work, (uint64_t)rows * n * dt_value_steps(a->v));
         for (uint32_t i = 0; s == DT_OK && i < rows; i += ABREAST)
             s = scan_chunk(a, &a->lane[i], least(rows - i, ABREAST));
         c += n;
@@ -366,24 +366,24 @@ bool dt_rows_suit(const struct dt_raster *r)
     return crossing_error(r, per_x) < 0x1p-4 && per_x * DT_COORDINATE_LEAST < 0x1p-30;
 }
 
-enum dt_status dt_rows_scan(struct dt_scan *k, uint64_t from, size_t n, double *out, size_t *done)
+enum dt_status dt_rows_scan(struct dt_valuer *v, const struct dt_raster *r, uint64_t from, size_t n,
+                            double *out, size_t *done)
 {
-    const struct dt_raster *r = k->r;
     uint32_t columns = r->columns;
     double per_x = columns_per_unit(r);
     enum dt_status s = DT_OK;
     struct abreast a;
-    a.k = k;
-    a.vicinity = &k->v.vicinity;
-    a.half = k->v.t->mesh.half;
-    a.xy = k->v.t->points.xy;
+    a.v = v;
+    a.r = r;
+    a.half = v->t->mesh.half;
+    a.xy = v->t->points.xy;
     a.origin = (dt_lanes){r->lo.x, 0};
     a.scale = (dt_lanes){per_x, 1};
     a.sure = 0.5 - crossing_error(r, per_x);
     while (s == DT_OK && *done < n) {
         uint32_t row = (uint32_t)((from + *done) / columns),
                  c = (uint32_t)((from + *done) % columns);
-        uint64_t steps = k->work.left, most = steps / dt_scan_steps(k);
+        uint64_t steps = v->work.left, most = steps / dt_value_steps(v);
         size_t left = n - *done < most ? n - *done : (size_t)most;
         size_t rows = c > 0 ? 0 : left / columns;
         rows = rows < 1 ? 1 : rows > ROWS ? ROWS : rows;
@@ -393,7 +393,7 @@ enum dt_status dt_rows_scan(struct dt_scan *k, uint64_t from, size_t n, double *
         s = scan_block(&a, row, (uint32_t)rows, c, end, out + *done);
         *done += s == DT_OK ? rows * (end - c) : 0;
         if (s == DT_TOOLONG) /* what it took does not count, since its cells are computed again */
-            k->work.left = steps;
+            v->work.left = steps;
     }
     return s;
 }

@@ -16,27 +16,16 @@
 
 #include "core/surface/value.h"
 
-struct dt_scan {
-    struct dt_valuer v;
-    struct dt_stop work;
-    const struct dt_raster *r; /* borrows */
-};
-
 /* Centres of columns and rows. */
 double dt_raster_x(const struct dt_raster *r, uint32_t column);
 double dt_raster_y(const struct dt_raster *r, uint32_t row);
-
-/* What the value at a place usually takes, in steps. */
-static inline uint32_t dt_scan_steps(const struct dt_scan *k)
-{
-    return k->v.s->how == DT_LINEAR ? 1 : 8;
-}
 
 /* Whether the columns are so wide that dt_rows_scan is possible. */
 bool dt_rows_suit(const struct dt_raster *r);
 
 /* The values of n cells from the cell `from` on. Adds the cells of rows that are complete to *done; DT_TOOLONG: too few
  * steps are left, or a cell takes long by itself. Cost: the number of cells and of triangles along their rows. */
-enum dt_status dt_rows_scan(struct dt_scan *k, uint64_t from, size_t n, double *out, size_t *done);
+enum dt_status dt_rows_scan(struct dt_valuer *v, const struct dt_raster *r, uint64_t from, size_t n,
+                            double *out, size_t *done);
 
 #endif

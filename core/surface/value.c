@@ -41,9 +41,11 @@ void dt_surface_end(struct dt_surface *s)
 }
 
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
-                              struct dt_stop *work, uint32_t circles)
+                              const struct dt_options *opt, uint32_t circles)
 {
-    *v = (struct dt_valuer){.t = t, .s = s, .work = work, .judged = DT_NONE};
+    *v = (struct dt_valuer){.t = t, .s = s, .work = dt_stop_of(opt), .judged = DT_NONE};
+    if (dt_readable(t) != DT_OK)
+        return dt_readable(t);
     bool wanted = s->how == DT_NATURAL || s->how == DT_LAPLACE;
     return wanted && circles > 0 ? dt_circles_init(&v->circles, circles) : DT_OK;
 }
@@ -121,11 +123,9 @@ static double weighted_mean(const struct dt_valuer *v)
 static enum dt_status by_weights(struct dt_valuer *v, struct dt_point q, enum dt_where where,
                                  uint32_t half, double *out)
 {
-    bool limited = dt_work_is_limited(v->work);
-    const atomic_bool *cancel = v->work == NULL ? NULL : v->work->cancel;
-    enum dt_status s = dt_weigh_begin(v->t, q, where, half, v->s->how, v->work, &v->weigher);
+    enum dt_status s = dt_weigh_begin(v->t, q, where, half, v->s->how, &v->work, &v->weigher);
     if (s == DT_OK)
-        s = dt_weigh_end(&v->weigher, limited, cancel);
+        s = dt_weigh_end(&v->weigher, dt_work_is_limited(&v->work), v->work.cancel);
     if (s != DT_OK)
         return s;
     *out = weighted_mean(v);
@@ -137,7 +137,7 @@ static enum dt_status nearest_value(struct dt_valuer *v, struct dt_point q, uint
 {
     struct dt_place place = {q, half};
     v->ids.n = 0;
-    enum dt_status s = dt_nearest_within_work(v->t, &place, 1, v->work, &v->ids);
+    enum dt_status s = dt_nearest_within_work(v->t, &place, 1, &v->work, &v->ids);
     if (s == DT_OK)
         *out = dt_value_of_id(v->s, v->ids.v[0]);
     return s;

@@ -15,7 +15,7 @@
 struct dt_valuer {
     const struct dt *t;         /* borrows */
     const struct dt_surface *s; /* borrows */
-    struct dt_stop *work;       /* borrows */
+    struct dt_stop work;
     struct dt_vicinity vicinity;
     struct dt_circles circles;
     uint32_t judged; /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
@@ -24,10 +24,16 @@ struct dt_valuer {
     struct dt_ids ids; /* owns */
 };
 
-/* `circles`: how many to keep, a power of two, or 0. DT_NOMEM; to be cleared in any case. */
+/* `circles`: how many to keep, a power of two, or 0. DT_NOMEM, DT_UNTRIANGULATED; to be cleared in any case. */
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
-                              struct dt_stop *work, uint32_t circles);
+                              const struct dt_options *opt, uint32_t circles);
 void dt_valuer_clear(struct dt_valuer *v);
+
+/* What the value at a place usually takes, in steps. */
+static inline uint32_t dt_value_steps(const struct dt_valuer *v)
+{
+    return v->s->how == DT_LINEAR ? 1 : 8;
+}
 
 /* The value at q. *half: a half edge near it, or DT_NONE; becomes the one that dt_find finds (DT_NONE for a set of at most
  * one point). DT_NOMEM, DT_CANCELLED, DT_TOOLONG. */
