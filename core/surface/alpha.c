@@ -29,7 +29,7 @@ struct turn {
 };
 
 struct loop {
-    size_t first; /* of its n ids */
+    const uint32_t *id; /* borrows n, from the least on */
     uint32_t n;
     bool hole;
 };
@@ -40,9 +40,10 @@ struct dt_alpha {
     uint32_t id, end;  /* the next point, and the end of the ids */
     struct turn *turn; /* owns `turn_cap` */
     size_t turns, turn_cap;
-    struct dt_ids ids; /* owns: of the loops */
-    struct loop *loop; /* owns loop_cap */
-    size_t loops, loop_cap;
+    uint32_t *loop_id; /* owns: the ids of one loop after the other, as many as there are turns */
+    size_t loop_ids;
+    struct loop *loop; /* owns */
+    size_t loops;
     struct dt_point *xy; /* owns xy_cap: of a ring */
     bool *in;            /* owns xy_cap: the triangle of each neighbour and the next one */
     uint32_t xy_cap;
@@ -54,7 +55,7 @@ void dt_alpha_free(struct dt_alpha *a)
     if (a == NULL)
         return;
     free(a->turn);
-    free(a->ids.v);
+    free(a->loop_id);
     free(a->loop);
     free(a->xy);
     free(a->in);
@@ -171,7 +172,7 @@ enum dt_status dt_alpha_read(const struct dt *t, struct dt_alpha *a, uint32_t po
 
 size_t dt_alpha_memory(const struct dt_alpha *a, uint32_t points)
 {
-    /* Turns that grow by half, paths and loops of as many points, each twice where it grows, and the rows. */
+    /* Turns that grow by half, with the copy that makes; paths, loops and rows of as many points. */
     size_t most = a->turns + 3 * (size_t)points;
     return most * (3 * sizeof(struct turn) + 9 * sizeof(uint32_t) + sizeof(struct loop)) +
            (size_t)a->xy_cap * sizeof(struct dt_point);
@@ -239,35 +240,21 @@ static bool is_hole(const struct dt_alpha *a, const uint32_t *point, uint32_t n)
                        a->turn[point[least + 1 < n ? least + 1 : 0]].place) < 0;
 }
 
-static bool reserve_loop(struct dt_alpha *a)
-{
-    if (a->loops < a->loop_cap)
-        return true;
-    size_t cap = a->loop_cap == 0 ? 64 : 2 * a->loop_cap;
-    struct loop *loop = realloc(a->loop, cap * sizeof *loop);
-    if (loop == NULL)
-        return false;
-    a->loop = loop;
-    a->loop_cap = cap;
-    return true;
-}
-
 /* Takes the points of the path from `from` on as a loop, and off the path all but the first of them. */
-static enum dt_status take_loop(struct dt_alpha *a, struct path *p, uint32_t from)
+static void take_loop(struct dt_alpha *a, struct path *p, uint32_t from)
 {
     uint32_t *point = p->point + from, n = p->n - from, least = 0;
-    if (!reserve_loop(a) || dt_ids_reserve(&a->ids, n) != DT_OK)
-        return DT_NOMEM;
-    a->loop[a->loops++] = (struct loop){a->ids.n, n, is_hole(a, point, n)};
+    uint32_t *id = a->loop_id + a->loop_ids;
+    a->loop[a->loops++] = (struct loop){id, n, is_hole(a, point, n)};
+    a->loop_ids += n;
     for (uint32_t i = 1; i < n; i++)
         if (point[i] < point[least]) /* turns are in the order of their points' ids */
             least = i;
     for (uint32_t i = 0; i < n; i++)
-        a->ids.v[a->ids.n++] = a->turn[point[least + i < n ? least + i : least + i - n]].at;
+        id[i] = a->turn[point[least + i < n ? least + i : least + i - n]].at;
     for (uint32_t i = 1; i < n; i++)
         p->on[point[i]] = DT_NONE;
     p->n = from + 1;
-    return DT_OK;
 }
 
 /* Walks from a turn on until it comes back. */
@@ -280,53 +267,42 @@ static enum dt_status walk(struct dt_alpha *a, struct path *p, size_t start, str
         uint32_t point = p->first[i];
         p->taken[i] = true;
         if (p->on[point] != DT_NONE) {
-            s = take_loop(a, p, p->on[point]);
+            take_loop(a, p, p->on[point]);
         } else {
             p->on[point] = p->n;
             p->point[p->n++] = point;
         }
         i = next_turn(a, i);
-        if (s == DT_OK)
-            s = dt_work(work, 1);
+        s = dt_work(work, 1);
     } while (s == DT_OK && i != start);
     if (s == DT_OK)
-        s = take_loop(a, p, 0);
+        take_loop(a, p, 0);
     p->on[p->point[0]] = DT_NONE;
     return s;
 }
 
-/* By their ids, from the first, which is the least of each, on; qsort has no room for a context. */
-struct row {
-    const uint32_t *id;
-    struct loop loop;
-};
-
-static int compare_rows(const void *p, const void *q)
+static int compare_loops(const void *p, const void *q)
 {
-    const struct row *a = p, *b = q;
-    for (uint32_t i = 0; i < a->loop.n && i < b->loop.n; i++)
+    const struct loop *a = p, *b = q;
+    for (uint32_t i = 0; i < a->n && i < b->n; i++)
         if (a->id[i] != b->id[i])
             return a->id[i] < b->id[i] ? -1 : 1;
-    return (a->loop.n > b->loop.n) - (a->loop.n < b->loop.n);
+    return (a->n > b->n) - (a->n < b->n);
 }
 
-/* Writes the rows, in order, to *out. */
-static enum dt_status put_rows(const struct dt_alpha *a, struct dt_ids *out)
+/* Appends the loops, in order, to *out. */
+static enum dt_status put_loops(struct dt_alpha *a, struct dt_ids *out)
 {
-    struct row *row = malloc((a->loops + 1) * sizeof *row);
-    enum dt_status s = dt_ids_reserve(out, a->ids.n + 2 * a->loops);
-    for (size_t i = 0; row != NULL && i < a->loops; i++)
-        row[i] = (struct row){a->ids.v + a->loop[i].first, a->loop[i]};
-    if (row != NULL && s == DT_OK)
-        qsort(row, a->loops, sizeof *row, compare_rows);
-    for (size_t i = 0; row != NULL && s == DT_OK && i < a->loops; i++) {
-        out->v[out->n++] = row[i].loop.hole;
-        out->v[out->n++] = row[i].loop.n;
-        memcpy(out->v + out->n, row[i].id, row[i].loop.n * sizeof *row[i].id);
-        out->n += row[i].loop.n;
+    if (dt_ids_reserve(out, a->loop_ids + 2 * a->loops) != DT_OK)
+        return DT_NOMEM;
+    qsort(a->loop, a->loops, sizeof *a->loop, compare_loops);
+    for (const struct loop *k = a->loop; k < a->loop + a->loops; k++) {
+        out->v[out->n++] = k->hole;
+        out->v[out->n++] = k->n;
+        memcpy(out->v + out->n, k->id, k->n * sizeof *k->id);
+        out->n += k->n;
     }
-    free(row);
-    return row == NULL ? DT_NOMEM : s;
+    return DT_OK;
 }
 
 enum dt_status dt_alpha_end(struct dt_alpha *a, const struct dt_options *opt, struct dt_ids *out,
@@ -337,14 +313,16 @@ enum dt_status dt_alpha_end(struct dt_alpha *a, const struct dt_options *opt, st
     enum dt_status s = DT_OK;
     if (a->turns > 0)
         qsort(a->turn, a->turns, sizeof *a->turn, compare_turns);
-    if (!path_init(&p, a))
+    a->loop_id = malloc((a->turns + 1) * sizeof *a->loop_id);
+    a->loop = malloc((a->turns / 3 + 1) * sizeof *a->loop); /* each has three edges or more */
+    if (!path_init(&p, a) || a->loop_id == NULL || a->loop == NULL)
         s = DT_NOMEM;
     for (size_t i = 0; i < a->turns && s == DT_OK; i++)
         if (!p.taken[i])
             s = walk(a, &p, i, &work);
     path_clear(&p);
     if (s == DT_OK)
-        s = put_rows(a, out);
+        s = put_loops(a, out);
     *loops = a->loops;
     return s;
 }
