@@ -26,16 +26,14 @@ struct lookup {
 
 static bool row_has_changed(const struct lookup *l, uint32_t id)
 {
-    return id >= l->then->next_id ||
-           dt_images_has(&l->t->views.images, DT_IMAGE_ROW, id, l->then->moment);
+    return id >= l->then->next_id || dt_view_has(&l->t->views, l->then, DT_IMAGE_ROW, id);
 }
 
 /* Whether the vertex was where it is, joined to those to which it is. */
 static bool has_changed(const struct lookup *l, uint32_t v)
 {
     uint32_t id = l->t->points.id[v];
-    return row_has_changed(l, id) ||
-           dt_images_has(&l->t->views.images, DT_IMAGE_RING, id, l->then->moment);
+    return row_has_changed(l, id) || dt_view_has(&l->t->views, l->then, DT_IMAGE_RING, id);
 }
 
 /* A vertex of that moment: v, or one on its hull. */

@@ -6,7 +6,7 @@
  *                 4096 words        NULL for each 4096 more
  *
  * An image has a header of three words: its key, how many words back the one before it of that key lies
- * (0: none that counts), and how many words its value has, with its kind in the upper bits. */
+ * (0: none that counts), and how many words its value has. */
 #include "core/set/images.h"
 
 #include <stdlib.h>
@@ -14,26 +14,24 @@
 
 #include "core/memory/memory.h"
 
-enum { CHUNK = 4096, KEY = 0, BACK = 1, WORDS = 2, HEADER = 3, KIND_BIT = 30 };
-enum { DROPPED = 4 }; /* pages of a map that are dropped at a time when no image is read any more */
+enum { CHUNK = 4096, KEY = 0, BACK = 1, WORDS = 2, HEADER = 3 };
+enum {
+    DROPPED = 4
+}; /* pages of the map that are dropped at a time when no image is read any more */
 
 void dt_images_clear(struct dt_images *s)
 {
     for (size_t i = s->head; i < s->chunks; i++)
         free(s->chunk[i]);
     dt_array_free(s->chunk);
-    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
-        dt_idmap_clear(&s->newest[kind]);
+    dt_idmap_clear(&s->newest);
     uint64_t end = (s->end + CHUNK - 1) / CHUNK * CHUNK; /* moments do not go back */
     *s = (struct dt_images){.first = end, .end = end};
 }
 
 size_t dt_images_memory(const struct dt_images *s)
 {
-    size_t bytes = s->memory + s->cap * sizeof *s->chunk;
-    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
-        bytes += dt_idmap_memory(&s->newest[kind]);
-    return bytes;
+    return s->memory + s->cap * sizeof *s->chunk + dt_idmap_memory(&s->newest);
 }
 
 static uint32_t *image_at(const struct dt_images *s, uint64_t place)
@@ -89,23 +87,18 @@ static bool make_room(struct dt_images *s, size_t words, uint64_t *place)
     return true;
 }
 
-static uint32_t words_of(const uint32_t *image)
+uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words)
 {
-    return image[WORDS] & ((1u << KIND_BIT) - 1);
-}
-
-uint32_t *dt_images_save(struct dt_images *s, enum dt_image_kind kind, uint32_t key, uint32_t words)
-{
-    struct dt_idmap *newest = &s->newest[kind];
-    uint32_t value = dt_idmap_get(newest, key);
+    uint32_t value = dt_idmap_get(&s->newest, key);
     uint64_t place, before = dt_images_place(s, value);
-    if (dt_idmap_reserve(newest, key, 1) != DT_OK || !make_room(s, HEADER + (size_t)words, &place))
+    if (dt_idmap_reserve(&s->newest, key, 1) != DT_OK ||
+        !make_room(s, HEADER + (size_t)words, &place))
         return NULL;
-    dt_idmap_set(newest, key, (uint32_t)place); /* not DT_NONE: a header fits behind it */
+    dt_idmap_set(&s->newest, key, (uint32_t)place); /* not DT_NONE: a header fits behind it */
     uint32_t *image = image_at(s, place);
     image[KEY] = key;
     image[BACK] = value != DT_NONE ? (uint32_t)(place - before) : 0;
-    image[WORDS] = (uint32_t)kind << KIND_BIT | words;
+    image[WORDS] = words;
     /* The rest of the last chunk of a large image stays empty. */
     s->end = HEADER + (size_t)words <= CHUNK ? place + HEADER + words
                                              : s->first + (s->chunks - s->head) * (uint64_t)CHUNK;
@@ -114,10 +107,10 @@ uint32_t *dt_images_save(struct dt_images *s, enum dt_image_kind kind, uint32_t 
 
 /* ---- reading ---- */
 
-const uint32_t *dt_images_get(const struct dt_images *s, enum dt_image_kind kind, uint32_t key,
-                              uint64_t moment, uint32_t *words)
+const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t moment,
+                              uint32_t *words)
 {
-    uint32_t value = dt_idmap_get(&s->newest[kind], key);
+    uint32_t value = dt_idmap_get(&s->newest, key);
     if (value == DT_NONE)
         return NULL;
     uint64_t place = dt_images_place(s, value);
@@ -129,24 +122,23 @@ const uint32_t *dt_images_get(const struct dt_images *s, enum dt_image_kind kind
         image = image_at(s, place);
     }
     if (words != NULL)
-        *words = words_of(image);
+        *words = image[WORDS];
     return image + HEADER;
 }
 
 /* ---- freeing ---- */
 
-/* The keys whose newest image lies in the first chunk leave the maps. */
+/* The keys whose newest image lies in the first chunk leave the map. */
 static void forget_keys(struct dt_images *s)
 {
     const uint32_t *chunk = s->chunk[s->head];
     for (uint32_t at = 0; at < CHUNK && s->first + at < s->end && chunk[at + KEY] != DT_NONE;) {
         const uint32_t *image = chunk + at;
-        struct dt_idmap *newest = &s->newest[image[WORDS] >> KIND_BIT];
-        if (dt_idmap_get(newest, image[KEY]) == (uint32_t)(s->first + at))
-            dt_idmap_unset(newest, image[KEY]);
-        if (words_of(image) > CHUNK - HEADER)
+        if (dt_idmap_get(&s->newest, image[KEY]) == (uint32_t)(s->first + at))
+            dt_idmap_unset(&s->newest, image[KEY]);
+        if (image[WORDS] > CHUNK - HEADER)
             return;
-        at += HEADER + words_of(image);
+        at += HEADER + image[WORDS];
     }
 }
 
@@ -160,16 +152,14 @@ static size_t size_of_first(const struct dt_images *s)
 
 bool dt_images_trim(struct dt_images *s, uint64_t oldest)
 {
-    for (int kind = 0; oldest == UINT64_MAX && kind < DT_IMAGE_KINDS; kind++)
-        if (dt_idmap_drop(&s->newest[kind], DROPPED))
-            return true;
+    if (oldest == UINT64_MAX && dt_idmap_drop(&s->newest, DROPPED))
+        return true;
     size_t n = size_of_first(s);
     if (dt_images_is_empty(s) || (oldest != UINT64_MAX && s->first + n * CHUNK > oldest))
         return false;
     if (oldest != UINT64_MAX)
         forget_keys(s);
-    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
-        dt_idmap_trim(&s->newest[kind]);
+    dt_idmap_trim(&s->newest);
     free(s->chunk[s->head]);
     s->head += n;
     s->first += n * CHUNK;

@@ -13,10 +13,10 @@
  * that it had then. So all readers share all images, and before a key is changed an image must be saved only if
  * there is none since the latest moment that is read.
  *
- * Keys are of three kinds (core/set/view.h). Every image knows how far back the one before it of the same key lies, and
- * a map for each kind has the newest one of every key: keys are ids or about as dense, so its memory is at most about that of the map of ids. Images are in
- * chunks; a chunk is freed, and its keys leave the maps, when no moment before its end is read any more. A link to
- * a freed chunk leads to before all moments that are read, so it is never followed.
+ * Every image knows how far back the one before it of the same key lies, and a map has the newest one of every key:
+ * keys are ids or about as dense, so its memory is at most about that of the map of ids. Images are in chunks; a chunk
+ * is freed, and its keys leave the map, when no moment before its end is read any more. A link to a freed chunk leads
+ * to before all moments that are read, so it is never followed.
  *
  * Knows keys and words only. Functions that take a const struct may run in several threads at once. */
 #ifndef DT_IMAGES_H
@@ -24,12 +24,10 @@
 
 #include "core/points/idmap.h"
 
-enum dt_image_kind { DT_IMAGE_ROW, DT_IMAGE_FAMILY, DT_IMAGE_RING, DT_IMAGE_KINDS };
-
 /* Start with {0}. */
 struct dt_images {
-    struct dt_idmap newest[DT_IMAGE_KINDS]; /* key -> where its newest image lies, modulo 2^32 */
-    uint32_t **chunk;                       /* owns `cap`, of which [head, chunks) are in use */
+    struct dt_idmap newest; /* key -> where its newest image lies, modulo 2^32 */
+    uint32_t **chunk;       /* owns `cap`, of which [head, chunks) are in use */
     size_t head, chunks, cap;
     uint64_t first; /* where the first chunk that is there begins, in words */
     uint64_t end;   /* where the next image will lie at the earliest: now */
@@ -56,25 +54,23 @@ static inline uint64_t dt_images_place(const struct dt_images *s, uint32_t value
 }
 
 /* Whether an image of the key has been saved at or after the moment. */
-static inline bool dt_images_has(const struct dt_images *s, enum dt_image_kind kind, uint32_t key,
-                                 uint64_t moment)
+static inline bool dt_images_has(const struct dt_images *s, uint32_t key, uint64_t moment)
 {
-    uint32_t value = dt_idmap_get(&s->newest[kind], key);
+    uint32_t value = dt_idmap_get(&s->newest, key);
     return value != DT_NONE && dt_images_place(s, value) >= moment;
 }
 
-/* Saves an image of the key: returns room for that many words, below 2^30, to be written by the caller before
- * anything else happens to the images. NULL: out of memory. Cost: constant, amortised. */
-uint32_t *dt_images_save(struct dt_images *s, enum dt_image_kind kind, uint32_t key,
-                         uint32_t words);
+/* Saves an image of the key: returns room for that many words, to be written by the caller before anything else
+ * happens to the images. NULL: out of memory. Cost: constant, amortised. */
+uint32_t *dt_images_save(struct dt_images *s, uint32_t key, uint32_t words);
 
 /* The value of the key at the moment, *words of them (may be NULL); NULL: it is what it is now. Cost: the
  * images of the key since then. */
-const uint32_t *dt_images_get(const struct dt_images *s, enum dt_image_kind kind, uint32_t key,
-                              uint64_t moment, uint32_t *words);
+const uint32_t *dt_images_get(const struct dt_images *s, uint32_t key, uint64_t moment,
+                              uint32_t *words);
 
 /* Frees the first chunk, if no moment before its end is read any more (`oldest` is; UINT64_MAX: none), or, if none
- * is, first a part of a map. Returns whether it did. At the end nothing is left. Cost: the images of the chunk,
+ * is, first a part of the map. Returns whether it did. At the end nothing is left. Cost: the images of the chunk,
  * of 16 KiB unless it has one image only. */
 bool dt_images_trim(struct dt_images *s, uint64_t oldest);
 

@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-enum { AT_ONCE = 4 }; /* chunks that an edit frees */
+enum { AT_ONCE = 4 }; /* chunks of all kinds that an edit frees */
 
 /* ---- life ---- */
 
@@ -43,7 +43,8 @@ struct dt_view *dt_views_begin(struct dt_views *w)
     if (v == NULL)
         return NULL;
     v->serial = atomic_fetch_add(&w->serial, 1) + 1;
-    v->moment = dt_images_now(&w->images);
+    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
+        v->moment[kind] = dt_images_now(&w->images[kind]);
     return v;
 }
 
@@ -59,12 +60,24 @@ void dt_views_clear(struct dt_views *w)
         next = v->next;
         free(v);
     }
-    dt_images_clear(&w->images);
+    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
+        dt_images_clear(&w->images[kind]);
 }
 
 size_t dt_views_memory(const struct dt_views *w)
 {
-    return dt_images_memory(&w->images);
+    size_t bytes = 0;
+    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
+        bytes += dt_images_memory(&w->images[kind]);
+    return bytes;
+}
+
+bool dt_views_are_empty(const struct dt_views *w)
+{
+    bool empty = true;
+    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
+        empty = empty && dt_images_is_empty(&w->images[kind]);
+    return empty;
 }
 
 uint32_t dt_view_next_id(const struct dt_view *v)
@@ -90,13 +103,14 @@ bool dt_views_read_rings(const struct dt_views *w)
 void dt_views_lose_rings(struct dt_views *w)
 {
     w->rings_lost = atomic_load(&w->serial);
-    w->ring_ids = 0;
+    w->read[DT_IMAGE_RING].keys = 0;
 }
 
 void dt_views_lose_rows(struct dt_views *w)
 {
     w->lost = atomic_load(&w->serial);
-    w->row_ids = w->ring_ids = 0;
+    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
+        w->read[kind].keys = 0;
 }
 
 /* ---- which moments are read ---- */
@@ -111,35 +125,40 @@ static uint64_t later(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-static void note(struct dt_views *w, const struct dt_view *v, uint64_t *oldest)
+/* The view reads images of that kind, of keys below `keys`. */
+static void note(struct dt_views *w, const struct dt_view *v, enum dt_image_kind kind,
+                 uint32_t keys)
+{
+    struct dt_moments *m = &w->read[kind];
+    m->oldest = earlier(m->oldest, v->moment[kind]);
+    m->latest = later(m->latest, v->moment[kind]);
+    m->keys = keys > m->keys ? keys : m->keys;
+}
+
+static void note_view(struct dt_views *w, const struct dt_view *v)
 {
     if (!dt_view_reads_rows(w, v))
         return;
-    *oldest = earlier(*oldest, v->moment);
     w->oldest = earlier(w->oldest, v->serial);
     w->latest = later(w->latest, v->serial);
-    w->rows_since = later(w->rows_since, v->moment);
-    w->row_ids = v->next_id > w->row_ids ? v->next_id : w->row_ids;
-    if (!dt_view_reads_rings(w, v))
-        return;
-    w->rings_since = later(w->rings_since, v->moment);
-    w->ring_ids = v->next_id > w->ring_ids ? v->next_id : w->ring_ids;
+    note(w, v, DT_IMAGE_ROW, v->next_id);
+    note(w, v, DT_IMAGE_FAMILY, DT_NONE);
+    if (dt_view_reads_rings(w, v))
+        note(w, v, DT_IMAGE_RING, v->next_id);
 }
 
-/* Takes out the views that have ended and finds out which moments the others read. Returns the oldest one, UINT64_MAX
- * if there is none. */
-static uint64_t look_round(struct dt_views *w)
+/* Takes out the views that have ended and finds out which moments the others read. */
+static void look_round(struct dt_views *w)
 {
-    uint64_t oldest = UINT64_MAX;
     struct dt_view *last = NULL, *next;
-    w->row_ids = w->ring_ids = 0;
-    w->rows_since = w->rings_since = 0;
+    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
+        w->read[kind] = (struct dt_moments){.oldest = UINT64_MAX};
     w->oldest = UINT64_MAX;
     w->latest = 0;
     for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = next) {
         next = v->next;
         if (atomic_load(&v->state) != DT_VIEW_ENDED) {
-            note(w, v, &oldest);
+            note_view(w, v);
             last = v;
             continue;
         }
@@ -149,14 +168,14 @@ static uint64_t look_round(struct dt_views *w)
             last->next = next;
         free(v);
     }
-    return oldest;
 }
 
 bool dt_views_review(struct dt_views *w)
 {
-    uint64_t oldest = look_round(w);
     int n = 0;
-    while (n < AT_ONCE && dt_images_trim(&w->images, oldest))
-        n++;
+    look_round(w);
+    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
+        while (n < AT_ONCE && dt_images_trim(&w->images[kind], w->read[kind].oldest))
+            n++;
     return n > 0;
 }

@@ -1,7 +1,8 @@
 /* view.h - the views of a set: readers of earlier moments, and what edits have saved for them; for the files of
  * core/ only.
  *
- * Three kinds of images are saved (core/set/images.h), in one order, each under its key:
+ * Three kinds of images are saved (core/set/images.h), each in an order of its own, so that none waits for the readers of
+ * another kind to be freed; under these keys:
  *
  *      rows       id -> its place, and of which group of aliases it is one
  *      families   group of aliases -> the group that it is part of, or its representative: so that a family
@@ -19,6 +20,8 @@
 #include "core/points/changes.h"
 #include "core/set/images.h"
 
+enum dt_image_kind { DT_IMAGE_ROW, DT_IMAGE_FAMILY, DT_IMAGE_RING, DT_IMAGE_KINDS };
+
 /* What has ended is freed by an edit, or another view begins in it. One that is about to begin is not
  * yet to be looked at: its thread, which keeps edits out, fills it in. */
 enum dt_view_state { DT_VIEW_ENDED, DT_VIEW_BEGINNING, DT_VIEW_OPEN };
@@ -31,8 +34,14 @@ struct dt_view {
     uint32_t on_hull;     /* with rings: a point on the hull, DT_NONE if there is none */
     uint32_t next_id;
     uint64_t serial; /* views are numbered as they begin */
-    uint64_t moment; /* of the images */
+    uint64_t moment[DT_IMAGE_KINDS];
     struct dt_summary sum;
+};
+
+/* The moments of one kind that are read. */
+struct dt_moments {
+    uint64_t oldest, latest; /* UINT64_MAX and 0: none */
+    uint32_t keys;           /* only keys below that had a value by the latest; 0: none is read */
 };
 
 struct dt_views {
@@ -40,17 +49,33 @@ struct dt_views {
     atomic_uint_least64_t serial;   /* of the view that began last */
     uint64_t lost;       /* of the last view that cannot be read any more: out of memory */
     uint64_t rings_lost; /* of the last one whose triangulation cannot be read any more */
-    struct dt_images images;
+    struct dt_images images[DT_IMAGE_KINDS];
     struct dt_changes changes; /* calls back here */
-    /* For the edit under way: the latest moments that are read, and the ids that there were by then. */
-    uint64_t rows_since, rings_since;
-    uint32_t row_ids, ring_ids; /* 0: none is read */
-    uint64_t oldest, latest;    /* serials of views that are read; UINT64_MAX and 0: none */
+    /* For the edit under way: */
+    struct dt_moments read[DT_IMAGE_KINDS];
+    uint64_t oldest, latest; /* serials of views that are read; UINT64_MAX and 0: none */
 };
 
 /* All views have ended. */
 void dt_views_clear(struct dt_views *w);
 size_t dt_views_memory(const struct dt_views *w);
+
+/* Whether nothing is saved. */
+bool dt_views_are_empty(const struct dt_views *w);
+
+/* Whether an image of the key has been saved since the view began. */
+static inline bool dt_view_has(const struct dt_views *w, const struct dt_view *v,
+                               enum dt_image_kind kind, uint32_t key)
+{
+    return dt_images_has(&w->images[kind], key, v->moment[kind]);
+}
+
+/* The value that the key had then, *words of them (may be NULL); NULL: it is what it is now. */
+static inline const uint32_t *dt_view_image(const struct dt_views *w, const struct dt_view *v,
+                                            enum dt_image_kind kind, uint32_t key, uint32_t *words)
+{
+    return dt_images_get(&w->images[kind], key, v->moment[kind], words);
+}
 
 /* A view that is beginning, to be filled in and opened; NULL: out of memory. */
 struct dt_view *dt_views_begin(struct dt_views *w);

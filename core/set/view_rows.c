@@ -45,7 +45,10 @@ enum dt_status dt_view_readable(const struct dt *t, const struct dt_view *v, boo
 
 const struct dt_view *dt_view_if_changed(const struct dt *t, const struct dt_view *v)
 {
-    return v != NULL && v->moment != dt_images_now(&t->views.images) ? v : NULL;
+    bool changed = false;
+    for (int kind = 0; v != NULL && kind < DT_IMAGE_KINDS; kind++)
+        changed = changed || v->moment[kind] != dt_images_now(&t->views.images[kind]);
+    return changed ? v : NULL;
 }
 
 bool dt_view_is_current(const struct dt *t, const struct dt_view *v)
@@ -72,7 +75,7 @@ void dt_view_save_family(const struct dt *t, uint32_t group, uint32_t *image)
 
 static const uint32_t *saved_row(const struct dt *t, const struct dt_view *v, uint32_t id)
 {
-    return dt_images_get(&t->views.images, DT_IMAGE_ROW, id, v->moment, NULL);
+    return dt_view_image(&t->views, v, DT_IMAGE_ROW, id, NULL);
 }
 
 static uint32_t representative_of(const struct dt *t, const struct dt_view *v, uint32_t group)
@@ -80,8 +83,7 @@ static uint32_t representative_of(const struct dt *t, const struct dt_view *v, u
     for (;;) {
         const struct dt_alias_group *now = &t->points.aliases.group[group];
         const uint32_t *then =
-            v == NULL ? NULL
-                      : dt_images_get(&t->views.images, DT_IMAGE_FAMILY, group, v->moment, NULL);
+            v == NULL ? NULL : dt_view_image(&t->views, v, DT_IMAGE_FAMILY, group, NULL);
         uint32_t up = then != NULL ? then[0] : now->up;
         if (up == DT_NONE)
             return then != NULL ? then[1] : now->representative;
@@ -166,21 +168,21 @@ enum dt_status dt_view_get(const struct dt *t, const struct dt_view *v, uint32_t
 struct dt_view_ids dt_view_ids_begin(const struct dt *t, const struct dt_view *v, uint32_t from)
 {
     struct dt_view_ids w = {t, dt_view_if_changed(t, v), v == NULL ? DT_NONE : v->next_id, 0};
-    w.saved = w.v == NULL ? DT_NONE : dt_idmap_next(&t->views.images.newest[DT_IMAGE_ROW], from);
+    w.saved = w.v == NULL ? DT_NONE : dt_idmap_next(&t->views.images[DT_IMAGE_ROW].newest, from);
     return w;
 }
 
 uint32_t dt_view_ids_next(struct dt_view_ids *w, uint32_t from)
 {
-    const struct dt_images *images = &w->t->views.images;
+    const struct dt_views *views = &w->t->views;
     for (;; from++) {
         if (w->saved < from)
-            w->saved = dt_idmap_next(&images->newest[DT_IMAGE_ROW], from);
+            w->saved = dt_idmap_next(&views->images[DT_IMAGE_ROW].newest, from);
         uint32_t live = dt_points_next_live(&w->t->points, from);
         from = live < w->saved ? live : w->saved;
         if (from >= w->end)
             return DT_NONE;
-        if (from == live || dt_images_has(images, DT_IMAGE_ROW, from, w->v->moment))
+        if (from == live || dt_view_has(views, w->v, DT_IMAGE_ROW, from))
             return from;
     }
 }
@@ -189,7 +191,7 @@ uint32_t dt_view_ids_after(const struct dt *t, const struct dt_view *v, uint32_t
 {
     uint32_t live = dt_idmap_after(&t->points.value, from, n), saved = DT_NONE;
     if (dt_view_if_changed(t, v) != NULL)
-        saved = dt_idmap_after(&t->views.images.newest[DT_IMAGE_ROW], from, n);
+        saved = dt_idmap_after(&t->views.images[DT_IMAGE_ROW].newest, from, n);
     return live < saved ? live : saved;
 }
 

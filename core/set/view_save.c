@@ -7,15 +7,22 @@
 #include "core/mesh/star.h"
 #include "core/set/view_rows.h"
 
+/* Whether the value that the key has now is read and has not been saved. */
+static bool is_needed(const struct dt_views *w, enum dt_image_kind kind, uint32_t key)
+{
+    const struct dt_moments *m = &w->read[kind];
+    return key < m->keys && !dt_images_has(&w->images[kind], key, m->latest);
+}
+
 static void save_row(void *ctx, uint32_t id)
 {
     struct dt *t = ctx;
     struct dt_views *w = &t->views;
     if (t->touched.on)
         dt_touched_note(&t->touched.rows, (uint64_t)id << 32 | DT_TOUCHED_ROW);
-    if (id >= w->row_ids || dt_images_has(&w->images, DT_IMAGE_ROW, id, w->rows_since))
+    if (!is_needed(w, DT_IMAGE_ROW, id))
         return;
-    uint32_t *image = dt_images_save(&w->images, DT_IMAGE_ROW, id, DT_ROW_WORDS);
+    uint32_t *image = dt_images_save(&w->images[DT_IMAGE_ROW], id, DT_ROW_WORDS);
     if (image != NULL)
         dt_view_save_row(t, id, image);
     else
@@ -26,9 +33,9 @@ static void save_family(void *ctx, uint32_t group)
 {
     struct dt *t = ctx;
     struct dt_views *w = &t->views;
-    if (w->row_ids == 0 || dt_images_has(&w->images, DT_IMAGE_FAMILY, group, w->rows_since))
+    if (!is_needed(w, DT_IMAGE_FAMILY, group))
         return;
-    uint32_t *image = dt_images_save(&w->images, DT_IMAGE_FAMILY, group, DT_FAMILY_WORDS);
+    uint32_t *image = dt_images_save(&w->images[DT_IMAGE_FAMILY], group, DT_FAMILY_WORDS);
     if (image != NULL)
         dt_view_save_family(t, group, image);
     else
@@ -42,9 +49,9 @@ static void save_star(void *ctx, uint32_t v)
     uint32_t id = t->points.id[v];
     if (t->touched.on && id != DT_NONE)
         dt_touched_note(&t->touched.rows, (uint64_t)id << 32 | DT_TOUCHED_RING);
-    if (id >= w->ring_ids || dt_images_has(&w->images, DT_IMAGE_RING, id, w->rings_since))
+    if (!is_needed(w, DT_IMAGE_RING, id))
         return;
-    uint32_t *image = dt_images_save(&w->images, DT_IMAGE_RING, id, dt_star_words(&t->mesh, v));
+    uint32_t *image = dt_images_save(&w->images[DT_IMAGE_RING], id, dt_star_words(&t->mesh, v));
     if (image != NULL)
         dt_star_save(&t->mesh, t->points.id, v, image);
     else
@@ -56,7 +63,7 @@ static void save_name(void *ctx, uint32_t v)
 {
     const struct dt *t = ctx;
     const struct dt_mesh *m = &t->mesh;
-    if ((t->views.ring_ids == 0 && !t->touched.on) || !t->current)
+    if ((t->views.read[DT_IMAGE_RING].keys == 0 && !t->touched.on) || !t->current)
         return;
     save_star(ctx, v);
     uint32_t h = m->leaving[v];
@@ -75,7 +82,8 @@ static bool look_after(struct dt *t)
     struct dt_views *w = &t->views;
     bool freed = dt_views_review(w);
     freed |= dt_fields_review(&t->fields, atomic_load(&w->serial), w->latest, w->oldest);
-    bool rows = t->touched.on || w->row_ids > 0, rings = t->touched.on || w->ring_ids > 0;
+    bool rows = t->touched.on || w->read[DT_IMAGE_ROW].keys > 0;
+    bool rings = t->touched.on || w->read[DT_IMAGE_RING].keys > 0;
     w->changes = (struct dt_changes){save_row, save_family, save_star, save_name, t};
     t->points.changes = t->points.aliases.changes = rows ? &w->changes : NULL;
     t->scratch.changes = rings ? &w->changes : NULL;
@@ -90,7 +98,7 @@ void dt_views_edit_begin(struct dt *t)
         dt_mesh_is_line(&t->mesh) != (t->touched.line != DT_NOT_ON_LINE))
         t->touched.rows.all = true;
     if (t->touched.on || atomic_load_explicit(&w->list, memory_order_relaxed) != NULL ||
-        !dt_images_is_empty(&w->images) || t->points.changes != NULL || dt_fields_keep(&t->fields))
+        !dt_views_are_empty(w) || t->points.changes != NULL || dt_fields_keep(&t->fields))
         look_after(t);
 }
 

@@ -17,7 +17,7 @@ struct dt_star dt_star_of(const struct dt *t, const struct dt_view *v, uint32_t 
 {
     uint32_t words;
     const uint32_t *image =
-        v == NULL ? NULL : dt_images_get(&t->views.images, DT_IMAGE_RING, id, v->moment, &words);
+        v == NULL ? NULL : dt_view_image(&t->views, v, DT_IMAGE_RING, id, &words);
     if (image != NULL)
         return (struct dt_star){DT_NONE, image + 1, words - 1, image[0] != 0};
     uint32_t vertex = dt_points_vertex(&t->points, id);
@@ -90,7 +90,7 @@ static void read_representative(const struct dt *t, const struct dt_view *v, uin
                                 struct dt_stars *s, uint32_t i)
 {
     uint32_t words;
-    const uint32_t *image = dt_images_get(&t->views.images, DT_IMAGE_RING, id, v->moment, &words);
+    const uint32_t *image = dt_view_image(&t->views, v, DT_IMAGE_RING, id, &words);
     s->id[i] = id;
     if (image == NULL) {
         s->vertex[i] = dt_points_vertex(&t->points, id);

@@ -23,12 +23,6 @@ struct world {
     bool any;
 };
 
-/* Keys of different kinds are different keys, also where they are equal numbers. */
-static enum dt_image_kind kind_of(uint32_t key)
-{
-    return key % DT_IMAGE_KINDS;
-}
-
 static void begin(struct world *w, uint32_t i)
 {
     w->then[i] = w->now;
@@ -55,9 +49,8 @@ static void look_round(struct world *w)
 
 static void change(struct world *w, uint32_t key)
 {
-    if (w->any && !dt_images_has(&w->s, kind_of(key), key / DT_IMAGE_KINDS, w->since)) {
-        uint32_t *image =
-            dt_images_save(&w->s, kind_of(key), key / DT_IMAGE_KINDS, w->now.words[key]);
+    if (w->any && !dt_images_has(&w->s, key, w->since)) {
+        uint32_t *image = dt_images_save(&w->s, key, w->now.words[key]);
         CHECK(image != NULL);
         for (uint32_t i = 0; i < w->now.words[key]; i++)
             image[i] = w->now.number[key] + i;
@@ -70,8 +63,7 @@ static void check(const struct world *w, uint32_t moment)
 {
     for (uint32_t key = 0; key < KEYS; key++) {
         uint32_t words = w->now.words[key], number = w->now.number[key];
-        const uint32_t *image =
-            dt_images_get(&w->s, kind_of(key), key / DT_IMAGE_KINDS, w->moment[moment], &words);
+        const uint32_t *image = dt_images_get(&w->s, key, w->moment[moment], &words);
         for (uint32_t i = 0; image != NULL && i < words; i++)
             CHECK(image[i] == w->then[moment].number[key] + i);
         CHECK(image != NULL || number == w->then[moment].number[key]);
@@ -120,19 +112,16 @@ TEST(unused_images_are_freed_chunk_by_chunk_from_the_oldest)
     uint64_t middle = 0;
     for (uint32_t key = 0; key < 20000; key++) {
         middle = key == 10000 ? dt_images_now(&s) : middle;
-        CHECK(dt_images_save(&s, DT_IMAGE_ROW, key, 5) != NULL);
+        CHECK(dt_images_save(&s, key, 5) != NULL);
     }
     size_t all = dt_images_memory(&s);
     CHECK(!dt_images_trim(&s, 0));
     while (dt_images_trim(&s, middle))
         ;
     CHECK(dt_images_memory(&s) < all * 6 / 10);
-    CHECK(!dt_images_has(&s, DT_IMAGE_ROW, 5000, 0) &&
-          dt_images_get(&s, DT_IMAGE_ROW, 5000, 0, NULL) == NULL);
-    CHECK(dt_images_has(&s, DT_IMAGE_ROW, 10000, middle) &&
-          dt_images_get(&s, DT_IMAGE_ROW, 10000, middle, NULL) != NULL);
-    CHECK(dt_idmap_next(&s.newest[DT_IMAGE_ROW], 0) <= 10000 &&
-          dt_idmap_next(&s.newest[DT_IMAGE_ROW], 0) > 9000);
+    CHECK(!dt_images_has(&s, 5000, 0) && dt_images_get(&s, 5000, 0, NULL) == NULL);
+    CHECK(dt_images_has(&s, 10000, middle) && dt_images_get(&s, 10000, middle, NULL) != NULL);
+    CHECK(dt_idmap_next(&s.newest, 0) <= 10000 && dt_idmap_next(&s.newest, 0) > 9000);
     while (dt_images_trim(&s, UINT64_MAX))
         ;
     CHECK(dt_images_memory(&s) == 0);
@@ -142,11 +131,11 @@ TEST(images_that_no_moment_reads_go_bit_by_bit_until_nothing_is_left)
 {
     struct dt_images s = {0};
     for (uint32_t key = 0; key < 50000; key++)
-        CHECK(dt_images_save(&s, DT_IMAGE_ROW, key * 100, 5) != NULL);
+        CHECK(dt_images_save(&s, key * 100, 5) != NULL);
     uint64_t now = dt_images_now(&s);
     unsigned calls = 0;
     for (size_t left = dt_images_memory(&s); dt_images_trim(&s, UINT64_MAX); calls++) {
-        CHECK(dt_images_memory(&s) < left && !dt_images_has(&s, DT_IMAGE_ROW, 4999900, now));
+        CHECK(dt_images_memory(&s) < left && !dt_images_has(&s, 4999900, now));
         left = dt_images_memory(&s);
     }
     CHECK(calls > 90 && dt_images_memory(&s) == 0 && dt_images_now(&s) >= now);
@@ -160,7 +149,7 @@ TEST(images_are_as_before_when_memory_runs_out)
         bool failed = false;
         test_fail_alloc(n);
         while (saved < 30) { /* some of them larger than a chunk */
-            uint32_t *image = dt_images_save(&s, DT_IMAGE_ROW, saved * 5000, saved % 7 * 1000);
+            uint32_t *image = dt_images_save(&s, saved * 5000, saved % 7 * 1000);
             failed = failed || image == NULL;
             for (uint32_t i = 0; image != NULL && i < saved % 7 * 1000; i++)
                 image[i] = saved;
@@ -169,7 +158,7 @@ TEST(images_are_as_before_when_memory_runs_out)
         CHECK(failed == test_alloc_failed());
         test_fail_alloc(0);
         for (uint32_t i = 0; i < saved; i++) {
-            const uint32_t *image = dt_images_get(&s, DT_IMAGE_ROW, i * 5000, 0, &words);
+            const uint32_t *image = dt_images_get(&s, i * 5000, 0, &words);
             CHECK(image != NULL && words == i % 7 * 1000 && (words == 0 || image[words - 1] == i));
         }
         while (dt_images_trim(&s, UINT64_MAX))

@@ -302,3 +302,42 @@ TEST(what_no_view_needs_any_more_is_freed_while_others_are_open)
     dt_free(t);
     free(p);
 }
+
+/* A view of rows stays open while others read the triangulation and end, or lose it to a rebuild. */
+TEST(stars_that_no_view_reads_any_more_are_freed_while_rows_are_read)
+{
+    enum {
+        POINTS = 20000,
+        ROUNDS = 20,
+        STEPS = 300,
+        MAP = 5 * POINTS,
+        ROW_BYTES = 100,
+        STAR_BYTES = 200
+    };
+    struct dt_point *p = malloc(POINTS * sizeof *p);
+    for (uint32_t i = 0; i < POINTS; i++)
+        p[i] = anywhere();
+    struct dt *t = set_of(p, POINTS);
+    struct dt_view *rows = dt_view_begin(t, false), *v;
+    struct dt_added added;
+    for (unsigned round = 0; round < ROUNDS; round++) {
+        v = dt_view_begin(t, true);
+        edit_randomly(t, POINTS, STEPS);
+        CHECK(saved(t) > STEPS * STAR_BYTES);
+        dt_view_end(v);
+        while (dt_view_tidy(t))
+            ;
+        CHECK_MSG(saved(t) < MAP + (round + 1) * STEPS * ROW_BYTES, "%zu bytes", saved(t));
+    }
+    v = dt_view_begin(t, true);
+    edit_randomly(t, POINTS, ROUNDS * STEPS);
+    size_t with_stars = saved(t);
+    CHECK(dt_add(t, p, POINTS / 2, &added) == DT_OK && dt_refresh(t, NULL) == DT_OK);
+    while (dt_view_tidy(t))
+        ;
+    CHECK_MSG(saved(t) + 20 * POINTS < with_stars, "%zu of %zu bytes", saved(t), with_stars);
+    dt_view_end(v);
+    dt_view_end(rows);
+    dt_free(t);
+    free(p);
+}
