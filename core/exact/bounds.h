@@ -104,7 +104,7 @@ static inline struct dt_wide_bounds dt_wide_bounds_of(double side)
 #define DT_CIRCUMRADIUS_BOUND 0x1p-50 /* of 2 r (|left| + |right|): 8 u */
 
 /* w.q / |w|^2 for rounded differences w and q: the products err by 3 u of themselves; u for the sum, 4 u for |w|^2, u
- * for the quotient: 9 u. */
+ * for the quotient: 9 u. So does w.q |v|^2 in place of w.q / |w|^2 < v.q / |v|^2; u more for w.q with the bound added. */
 #define DT_INVERSE_BOUND 0x1p-49 /* of (|w.x q.x| + |w.y q.y|) / |w|^2: 16 u */
 
 /* ---- the third-point search of the paper (scan.c, segment.c) ----

@@ -66,25 +66,26 @@ static struct around around(struct leaf l)
                            l.row - (l.row > 0), l.row + (l.row + 1 < l.grid->ny)};
 }
 
-/* The hint of the cell; prefetches as dt_hint_fetching does. */
-static uint32_t fetch_around(const struct dt_hints *g, const struct dt_mesh *m,
-                             const struct dt_point *xy, struct leaf l)
+/* The cell that q's hint comes from; prefetches as dt_hint_fetching does. The cells around it are prefetched while its own
+ * content, which decides where to look, is still on its way. */
+static struct leaf fetch_around(const struct dt_hints *g, const struct dt_mesh *m,
+                                const struct dt_point *xy, struct dt_point q)
 {
     enum { OWN = 2, OTHERS = 0 }; /* cache lines on either side */
-    struct leaf k = l;
+    dt_hint_fetch_cells(g, q);
+    struct leaf l = leaf_of(g, q), k = l;
     struct around box = around(l);
-    uint32_t h = dt_base(content(g, l));
-    dt_hint_fetch(m, xy, h, OWN);
+    dt_hint_fetch(m, xy, dt_base(content(g, l)), OWN);
     for (k.row = box.bottom; k.row <= box.top; k.row++)
         for (k.column = box.left; k.column <= box.right; k.column++)
             dt_hint_fetch(m, xy, dt_base(content(g, k)), OTHERS);
-    return h;
+    return l;
 }
 
 uint32_t dt_hint_fetching(const struct dt_hints *g, const struct dt_mesh *m,
                           const struct dt_point *xy, struct dt_point q)
 {
-    return fetch_around(g, m, xy, leaf_of(g, q));
+    return dt_base(content(g, fetch_around(g, m, xy, q)));
 }
 
 /* ---- while the mesh changes ---- */
@@ -130,8 +131,8 @@ static uint32_t look_around(const struct dt_hints *g, const struct dt_mesh *m,
 uint32_t dt_hint_live(const struct dt_hints *g, const struct dt_mesh *m, const struct dt_point *xy,
                       struct dt_point q)
 {
-    struct leaf l = leaf_of(g, q);
-    uint32_t h = fetch_around(g, m, xy, l);
+    struct leaf l = fetch_around(g, m, xy, q);
+    uint32_t h = dt_base(content(g, l));
     return !dt_is_dead(m, h) && is_near(m, xy, h, l) ? h : look_around(g, m, xy, l);
 }
 

@@ -54,79 +54,101 @@ static void consider(struct nearest *n, uint32_t h)
 
 /* ---- around a vertex ---- */
 
-/* q.w* for the neighbour w of v, and its error bound. */
-struct reach {
-    double to, error;
+/* A vertex v, and q relative to it. */
+struct centre {
+    uint32_t v;
+    struct dt_point at, q;
 };
 
-static inline struct reach reach(const struct nearest *n, uint32_t v, uint32_t w)
+/* q.w* is between least / square and most / square. */
+struct reach {
+    double least, most, square;
+};
+
+static inline struct reach reach(const struct nearest *n, const struct centre *c, uint32_t w)
 {
-    const struct dt_point *xy = n->t->points.xy;
     if (w == DT_NONE)
-        return (struct reach){0, 0};
-    double wx = xy[w].x - xy[v].x, wy = xy[w].y - xy[v].y;
-    double x = wx * (n->q.x - xy[v].x), y = wy * (n->q.y - xy[v].y),
-           square = dt_square_distance(xy[w], xy[v]);
-    return (struct reach){(x + y) / square, DT_INVERSE_BOUND * (fabs(x) + fabs(y)) / square};
+        return (struct reach){0, 0, 1};
+    struct dt_point p = n->t->points.xy[w];
+    double wx = p.x - c->at.x, wy = p.y - c->at.y, x = wx * c->q.x, y = wy * c->q.y;
+    double error = DT_INVERSE_BOUND * (fabs(x) + fabs(y));
+    return (struct reach){x + y - error, x + y + error, wx * wx + wy * wy};
 }
 
-/* Considers the neighbour at the end of h, if it may be as near as the vertex. */
-static struct reach look_at(struct nearest *n, uint32_t h)
+static inline bool certainly_below(struct reach a, struct reach b)
 {
-    const struct dt_mesh *m = &n->t->mesh;
-    struct reach r = reach(n, dt_origin(m, h), dt_dest(m, h));
-    if (r.to + r.error >= 0.5)
-        consider(n, dt_twin(m, h));
+    return a.most * b.square < b.least * a.square;
+}
+
+static inline bool seems_above(struct reach a, struct reach b)
+{
+    return a.most * b.square > b.most * a.square;
+}
+
+/* Considers the neighbour that h leaves, if it may be as near as the vertex. */
+static inline struct reach look_at(struct nearest *n, const struct centre *c, uint32_t h)
+{
+    struct reach r = reach(n, c, dt_origin(&n->t->mesh, h));
+    if (2 * r.most >= r.square)
+        consider(n, h);
     return r;
 }
 
-/* The best half edge that leaves the origin of h in a sample of triangles; h if there is none. */
-static uint32_t best_of_sample(const struct nearest *n, uint32_t h)
+/* The best half edge that leaves the vertex in a sample of triangles, and h. */
+static uint32_t best_of_sample(const struct nearest *n, const struct centre *c, uint32_t h)
 {
     const struct dt_mesh *m = &n->t->mesh;
-    uint32_t v = dt_origin(m, h), samples = dt_jump_samples(m->tri_end);
-    double most = reach(n, v, dt_dest(m, h)).to;
+    uint32_t samples = dt_jump_samples(m->tri_end);
+    struct reach best = reach(n, c, dt_dest(m, h));
     for (uint32_t i = 0; i < samples; i++) {
         uint32_t t = 8 * (uint32_t)((uint64_t)m->tri_end * i / samples);
         for (uint32_t k = t; k < t + 3 && !dt_is_dead(m, t); k++) {
-            if (dt_origin(m, k) != v)
+            if (dt_origin(m, k) != c->v)
                 continue;
-            double to = reach(n, v, dt_dest(m, k)).to;
-            h = to > most ? k : h;
-            most = to > most ? to : most;
+            struct reach r = reach(n, c, dt_dest(m, k));
+            h = seems_above(r, best) ? k : h;
+            best = seems_above(r, best) ? r : best;
         }
     }
     return h;
 }
 
-/* What has been looked at of a ring: from `right`, counterclockwise, to `left`. */
-struct arc {
-    uint32_t right, left, top; /* half edges; top: where the best is */
-    struct reach at_right, at_left, best;
-};
-
-static struct arc arc_at(struct nearest *n, uint32_t h)
+/* Looks at the neighbours after the end of h, counterclockwise or clockwise, until one certainly reaches less far than
+ * the best so far, or `until` is reached. Returns DT_NONE, but where the way is long, unless `patient`, the half edge to
+ * the last one. */
+static uint32_t climb(struct nearest *n, const struct centre *c, uint32_t h, uint32_t until,
+                      bool ccw, bool patient, struct reach *best)
 {
-    struct reach r = look_at(n, h);
-    return (struct arc){h, h, h, r, r, r};
+    const struct dt_mesh *m = &n->t->mesh;
+    for (uint32_t steps = 0; may_go_on(n); steps++) {
+        if (steps >= PATIENCE && !patient && steps == PATIENCE + dt_jump_samples(m->tri_end))
+            return h;
+        uint32_t beside = ccw ? h : dt_twin(m, h), from = dt_prev(beside);
+        h = ccw ? dt_twin(m, from) : dt_next(beside);
+        if (h == until)
+            break;
+        struct reach r = look_at(n, c, from);
+        if (certainly_below(r, *best))
+            break;
+        *best = seems_above(r, *best) ? r : *best;
+    }
+    return DT_NONE;
 }
 
-/* Takes the next half edge into the arc, at one of its ends. */
-static struct reach extend(struct nearest *n, struct arc *a, uint32_t h)
+/* The same both ways, from the half edge h and the one counterclockwise of it on, first on the side of the higher one. */
+static uint32_t climb_both_ways(struct nearest *n, const struct centre *c, uint32_t h, bool patient)
 {
-    struct reach r = look_at(n, h);
-    a->top = r.to > a->best.to ? h : a->top;
-    a->best = r.to > a->best.to ? r : a->best;
-    return r;
+    uint32_t left = dt_turn_ccw(&n->t->mesh, h);
+    struct reach at_right = look_at(n, c, dt_next(h)), at_left = look_at(n, c, dt_prev(h));
+    bool ccw = seems_above(at_left, at_right);
+    struct reach best = ccw ? at_left : at_right, other = ccw ? at_right : at_left;
+    uint32_t far = climb(n, c, ccw ? left : h, ccw ? h : left, ccw, patient, &best);
+    if (far == DT_NONE && !certainly_below(other, best))
+        far = climb(n, c, ccw ? h : left, ccw ? left : h, !ccw, patient, &best);
+    return far;
 }
 
-/* Whether it is worth going on from an end of the arc: else it has fallen there, for certain. */
-static inline bool may_rise(const struct arc *a, struct reach end)
-{
-    return end.to + end.error >= a->best.to - a->best.error;
-}
-
-/* Considers all neighbours of the origin v of h that may be as near, from the one at the end of h on.
+/* Considers all neighbours of the origin v of h that may be as near, from the triangle of h on.
  *
  *          a ------- b       the usual case: v is the nearest corner of the triangle that q is in, h the half
  *           \  q   /        edge to b. If a certainly reaches less far than b, only what is to the right of b is
@@ -135,27 +157,12 @@ static inline bool may_rise(const struct arc *a, struct reach end)
  */
 static void consider_around(struct nearest *n, uint32_t h)
 {
-    const struct dt_mesh *m = &n->t->mesh;
-    struct arc a = arc_at(n, h);
-    for (uint32_t steps = 0; may_go_on(n); steps++) {
-        if (steps >= PATIENCE && steps == PATIENCE + dt_jump_samples(m->tri_end))
-            a = arc_at(n, best_of_sample(n, a.top));
-        bool go_left = may_rise(&a, a.at_left);
-        if (go_left) {
-            a.left = dt_turn_ccw(m, a.left);
-            if (a.left == a.right)
-                return;
-            a.at_left = extend(n, &a, a.left);
-        }
-        if (may_rise(&a, a.at_right)) {
-            a.right = dt_turn_cw(m, a.right);
-            if (a.right == a.left)
-                return;
-            a.at_right = extend(n, &a, a.right);
-        } else if (!go_left) {
-            return;
-        }
-    }
+    uint32_t v = dt_origin(&n->t->mesh, h);
+    struct dt_point at = n->t->points.xy[v];
+    struct centre c = {v, at, {n->q.x - at.x, n->q.y - at.y}};
+    h = climb_both_ways(n, &c, h, false);
+    if (h != DT_NONE)
+        climb_both_ways(n, &c, best_of_sample(n, &c, h), true);
 }
 
 /* Finds the triangle that q is in: its nearest corner is the best so far. */
