@@ -69,7 +69,7 @@ TEST_TIMEOUT(hints_are_near_and_small_on_every_family, 60)
     free(p);
 }
 
-/* Two steps if the hints were triangles at any vertex of a cell. */
+/* 0.81 here; 0.98 if the first triangle in a cell kept it, two if the hints were triangles at any vertex of a cell. */
 TEST(a_search_by_a_new_grid_takes_one_step)
 {
     enum { N = 20000, SEARCHES = 5000 };
@@ -85,7 +85,7 @@ TEST(a_search_by_a_new_grid_takes_one_step)
         dt_find_counting(&t->mesh, t->points.xy, &t->hints, q, &h, &steps);
         sum += steps;
     }
-    CHECK_MSG(sum < 1.07 * SEARCHES, "%.2f steps a search", (double)sum / SEARCHES);
+    CHECK_MSG(sum < 0.9 * SEARCHES, "%.2f steps a search", (double)sum / SEARCHES);
     dt_free(t);
 }
 
