@@ -16,6 +16,9 @@ enum { FIXED = false, LIVE = true };
 
 static const char bytes_wanted[] = "bytes, as in 4096m or 2g";
 
+/* A sixteenth of the memory is for replies and clients (server/sets/budget.h): with less, nobody could connect to raise it. */
+enum { LEAST_MEMORY = 256 * 1024 };
+
 const struct setting settings[] = {
     {"bind", NULL, SETTING_TEXT, FIXED, AT(bind_address), 0, 0, NULL},
     {"port", NULL, SETTING_NUMBER, FIXED, AT(port), 0, 65535, "a port is 0 to 65535"},
@@ -24,12 +27,12 @@ const struct setting settings[] = {
     {"data", "dir", SETTING_TEXT, FIXED, AT(data), 0, 0, NULL},
     {"backup-dir", NULL, SETTING_TEXT, FIXED, AT(backup_dir), 0, 0, NULL},
     {"fsync", "appendfsync", SETTING_FSYNC, FIXED, AT(fsync), 0, 0, "always, everysec or no"},
-    {"compact-at", NULL, SETTING_BYTES, LIVE, AT(compact_at), 0, 0, bytes_wanted},
+    {"compact-at", NULL, SETTING_BYTES, LIVE, AT(compact_at), 1, 0, bytes_wanted},
     {"follow", NULL, SETTING_TEXT, FIXED, AT(follow), 0, 0, NULL},
     {"follow-token-file", NULL, SETTING_TEXT, FIXED, AT(follow_token_file), 0, 0, NULL},
     {"min-followers", "min-replicas-to-write", SETTING_NUMBER, LIVE, AT(min_followers), 0, 64,
      "from 0 to 64"},
-    {"keep-log", "repl-backlog-size", SETTING_BYTES, LIVE, AT(keep_log), 0, 0, bytes_wanted},
+    {"keep-log", "repl-backlog-size", SETTING_BYTES, LIVE, AT(keep_log), 1, 0, bytes_wanted},
     {"auth-file", NULL, SETTING_TEXT, FIXED, AT(auth_file), 0, 0, NULL},
     {"insecure", NULL, SETTING_SWITCH, FIXED, AT(insecure), 0, 0, NULL},
     {"threads", NULL, SETTING_NUMBER, FIXED, AT(threads), 1, CONFIG_MOST_THREADS, "from 1 to 256"},
@@ -41,7 +44,8 @@ const struct setting settings[] = {
      "seconds, 0 to 1000000"},
     {"max-points", NULL, SETTING_NUMBER, LIVE, AT(max_points), 1, DT_MAX_POINTS,
      "from 1 to 268435455"},
-    {"max-memory", "maxmemory", SETTING_BYTES, LIVE, AT(max_memory), 0, 0, bytes_wanted},
+    {"max-memory", "maxmemory", SETTING_BYTES, LIVE, AT(max_memory), LEAST_MEMORY, 0,
+     "bytes, at least 256k, as in 4096m or 2g"},
     {"slowlog-us", NULL, SETTING_NUMBER, LIVE, AT(slowlog_us), 0, UINT32_MAX,
      "microseconds, up to 4294967295"},
     {"slowlog-len", "slowlog-max-len", SETTING_NUMBER, LIVE, AT(slowlog_len), 0, 1000000,
@@ -77,14 +81,14 @@ static bool read_number(const struct setting *of, const char *text, uint32_t *v)
     return true;
 }
 
-static bool read_bytes(const char *text, size_t *bytes)
+static bool read_bytes(const char *text, uint32_t least, size_t *bytes)
 {
     char *end;
     if (*text < '0' || *text > '9')
         return false;
     unsigned long long v = strtoull(text, &end, 10);
     unsigned shift = *end == 'k' ? 10 : *end == 'm' ? 20 : *end == 'g' ? 30 : 0;
-    if (end[shift != 0] != '\0' || v == 0 || v > (SIZE_MAX >> shift))
+    if (end[shift != 0] != '\0' || v > (SIZE_MAX >> shift) || (size_t)v << shift < least)
         return false;
     *bytes = (size_t)v << shift;
     return true;
@@ -113,7 +117,7 @@ bool setting_read(const struct setting *of, struct config *c, const char *value)
     case SETTING_NUMBER:
         return read_number(of, value, field);
     case SETTING_BYTES:
-        return read_bytes(value, field);
+        return read_bytes(value, of->least, field);
     case SETTING_FSYNC:
         return read_policy(value, field);
     case SETTING_LEVEL:

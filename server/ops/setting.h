@@ -9,7 +9,7 @@
 enum setting_kind {
     SETTING_TEXT,   /* borrowed */
     SETTING_NUMBER, /* from least to most */
-    SETTING_BYTES,  /* more than 0; with an optional suffix k, m or g */
+    SETTING_BYTES,  /* at least `least`; with an optional suffix k, m or g */
     SETTING_FSYNC,
     SETTING_LEVEL,
     SETTING_SWITCH /* a flag without a value; yes or no */

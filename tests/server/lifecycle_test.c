@@ -51,8 +51,9 @@ TEST(invalid_flags_are_refused)
         {"--port", "65536"},     {"--port", "x"},        {"--bind", "localhost"},
         {"--threads", "0"},      {"--bind", "::2"},      {"--bind", "0.0.0.0"},
         {"--max-clients", "0"},  {"--max-points", "-1"}, {"--frob", NULL},
-        {"--max-memory", "12q"}, {"extra", NULL},        {"--fsync", "never"},
-        {"--compact-at", "0"},   {"--port", NULL},       {"--max-memory", "999999999999g"}};
+        {"--max-memory", "1gq"}, {"extra", NULL},        {"--fsync", "never"},
+        {"--compact-at", "0"},   {"--port", NULL},       {"--max-memory", "999999999999g"},
+        {"--max-memory", "255k"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         char text[4096];
         CHECK_MSG(run(bad[i][0], bad[i][1], text, sizeof text) == 2, "%s %s", bad[i][0], bad[i][1]);

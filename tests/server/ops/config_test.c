@@ -80,8 +80,8 @@ TEST(settings_that_change_take_effect_at_once)
     second = daemon_connect(&d);
     ask(second, "PING\n", "OK 0");
 
-    ask(fd, "ADD u 1 1\n", "OK 0 first=0 added=1 coincident=0");
-    ask(fd, "CONFIG SET max-memory 1k max-points 2\n", "OK 0");
+    load_random(fd, "u", 20000); /* they take more memory than that */
+    ask(fd, "CONFIG SET max-memory 256k max-points 2\n", "OK 0");
     ask(fd, "ADD t 1 1  2 2  3 3\n", "ERR TOOBIG a set holds at most 2 points (--max-points)");
     CHECK(strncmp(hear_line((say(fd, "ADD t 1 1\n"), fd)), "ERR NOMEM ", 10) == 0);
     ask(fd, "CONFIG SET max-memory 1g\n", "OK 0");
@@ -119,6 +119,22 @@ TEST(settings_are_changed_all_or_none)
     ask(fd, "CONFIG GET max-points slowlog-len\n", "OK 2");
     CHECK_STR(hear_line(fd), "max-points 7");
     CHECK_STR(hear_line(fd), "slowlog-len 3");
+}
+
+/* With nothing for replies and clients, nobody could connect to undo it. */
+TEST(least_memory_that_can_be_set_lets_a_client_connect_and_raise_it)
+{
+    struct daemon d = daemon_start(NULL);
+    int fd = daemon_connect(&d);
+    load_random(fd, "t", 100000);
+    ask(fd, "CONFIG SET max-memory 1\n",
+        "ERR RANGE max-memory 1: bytes, at least 256k, as in 4096m or 2g");
+    ask(fd, "CONFIG SET max-memory 262143\n",
+        "ERR RANGE max-memory 262143: bytes, at least 256k, as in 4096m or 2g");
+    ask(fd, "CONFIG SET max-memory 262144\n", "OK 0");
+    close(fd);
+    fd = daemon_connect(&d);
+    ask(fd, "CONFIG SET max-memory 1g\n", "OK 0");
 }
 
 TEST(limit_of_clients_is_not_raised_beyond_the_limit_of_descriptors)
