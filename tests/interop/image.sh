@@ -62,6 +62,7 @@ mapfile -t health < <(words "$(line 'HEALTHCHECK .*CMD ')")
 [ "${entry[*]:3:2}" = "--backup-dir $volume/backups" ] || bad "backups do not go to the volume"
 entry[2]=$scratch/data
 entry[4]=$scratch/data/backups
+: >"$scratch/ready"
 "${as[@]}" "${entry[@]}" --port 0 >"$scratch/ready" 2>"$scratch/log" &
 pid=$!
 for _ in $(seq 100); do
