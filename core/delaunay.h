@@ -323,8 +323,8 @@ enum dt_status dt_trace(const struct dt *t, const struct dt_options *opt,
  * A reader that takes longer than edits may wait begins a view and reads the set as it was at that moment,
  * piece by piece, while edits continue between the pieces. An edit saves what it is about to change, once for all
  * views that were open by then: about 40 bytes for each point changed and, if a view is open that reads the
- * triangulation, for each of their neighbours, and at most 8 bytes for each id of the set. Nothing is saved while no view is open, and nothing is copied at
- * the beginning.
+ * triangulation, for each of their neighbours, and at most 8 bytes for each id of the set. Nothing is saved
+ * while no view is open, and nothing is copied at the beginning.
  *
  * A function that reads through a view takes the set as const: several threads may read through the same view
  * or several ones, but not during an edit. If memory for saving runs out, the edit succeeds, and what reads
@@ -345,8 +345,8 @@ void dt_view_end(struct dt_view *v);
 bool dt_view_tidy(struct dt *t);
 
 /* Whether an edit of n points at once would put an end to views that read the triangulation, since it leaves
- * that to be built again: the caller may prefer to edit a copy. May run beside dt_view_begin. (To build a triangulation again that is
- * current changes nothing that views read.) */
+ * that to be built again: the caller may prefer to edit a copy. May run beside dt_view_begin. (To build a
+ * triangulation again that is current changes nothing that views read.) */
 bool dt_view_blocks(const struct dt *t, size_t n);
 
 /* What dt_next_id and dt_summary answered at the moment of the view (memory: 0). */

@@ -14,9 +14,9 @@
 
 #define PLANE_FLAT 128.0
 
-/* Products may lose bits at the least doubles, 2^-1074. Let s be the sum of both slopes. A side is at least 2^-195, so an area is at
- * least 2^-397, and where s is this steep, the products of which the slopes are quotients add up to 2^-997 or more, and z to 2^-795 or
- * more: what is lost is less than 2^-60 z. */
+/* Products may lose bits at the least doubles, 2^-1074. Let s be the sum of both slopes. A side is at least 2^-195, so
+ * an area is at least 2^-397, and where s is this steep, the products of which the slopes are quotients add up to
+ * 2^-997 or more, and z to 2^-795 or more: what is lost is less than 2^-60 z. */
 #define PLANE_STEEP 0x1p-600
 
 /* The corners of two triangles and their values. */
