@@ -4,8 +4,9 @@
     refresh.py BENCH.md DOCUMENT...
 
 A table of a document takes its figures from the table of the run whose headings include its own and which begins with
-the same heading; rows are matched by their first cell. Cells for which the run has no figure stay as they are. A line
-that begins with "Machine: " is written again. The texts around the tables are left to the reader.
+the same heading, the last one if there are several: families are measured with more and more points. Rows are matched by
+their first cell. Cells for which the run has no figure stay as they are. A line that begins with "Machine: " is written
+again. The texts around the tables are left to the reader.
 """
 import os
 import re
@@ -36,7 +37,7 @@ def read_run(path):
 
 
 def source_of(headings, run):
-    for table in sorted(run, key=lambda t: t[0] != headings): # an equal one first
+    for table in sorted(reversed(run), key=lambda t: t[0] != headings): # an equal one first, that of most points
         if table[0][0] == headings[0] and set(headings) <= set(table[0]):
             return table
     return None
