@@ -1,7 +1,7 @@
 /* divide_tasks.c - the sort of the divide engine on several threads.
  *
- * The upper part of the recursion of divide.c is visited twice. The first time, all threads together sort every
- * range of a large share of the points by its grid; what has no more than a small share becomes a task:
+ * The upper part of the recursion of divide.c only goes down: all threads together sort every range of a large share of
+ * the points by its grid; what has no more than a small share becomes a task:
  *
  *                  join              the whole set, sorted by all threads together
  *                 /    \
@@ -12,7 +12,7 @@
  *                 task     task      The tasks on the right are smaller than the others, so that
  *                                    all threads have something to do until the end.
  *
- * Then threads take tasks, from left to right. The second visit sorts nothing; it records the joins. The ranges are
+ * Then threads take tasks, from left to right. At the end the joins are recorded, each after what it joins. The ranges are
  * disjoint (divide_level.h), so no two threads ever touch the same place, and the result is the same as on one thread. */
 #include "core/divide/divide_level.h"
 #include "core/memory/memory.h"
@@ -21,35 +21,32 @@
 #define LAST_QUARTER 8u      /* times as many tasks in there */
 #define RANGES_PER_THREAD 4u /* crowded cells of a larger share are not left to one thread */
 
-/* A task or a range that all threads have sorted. */
+/* A task, or a join of the two parts that are done last before it. */
 struct node {
-    struct node *next; /* in the order of visits */
-    bool is_task;
-    struct dt_level
-        *level; /* the task's cells, or the range's grid; NULL: the range is cut at its median */
-    uint32_t key, s;       /* of a task */
-    struct dt_blocks part; /* of a task that is done */
-    uint32_t half;         /* of a range that is cut: the points of the first part */
-    unsigned axis;
+    struct node *next;      /* every join comes after what it joins */
+    struct node *below;     /* the part to the left that is not joined yet */
+    struct dt_level *level; /* of a task; NULL: a join */
+    uint32_t key, s;        /* of a task: its cells */
+    unsigned axis;          /* of a join */
+    struct dt_blocks part;
 };
 
-struct visit {
+struct tasks {
     struct dt_division *d;
     unsigned threads;
     uint32_t limit;        /* points of a task */
     struct dt_arena arena; /* owns nodes and levels */
-    struct node *first, **next;
-    uint32_t tasks;
+    struct node *first, **end;
+    uint32_t n;
     struct node **task; /* in the arena: from left to right */
-    bool again;         /* the second visit: all nodes are there */
 };
 
-static bool good(const struct visit *w)
+static bool good(const struct tasks *w)
 {
     return dt_stop_status(&w->d->stop) == DT_OK;
 }
 
-static void *take(struct visit *w, size_t n, size_t size)
+static void *take(struct tasks *w, size_t n, size_t size)
 {
     void *p = dt_arena_take(&w->arena, n, size);
     if (p == NULL)
@@ -57,122 +54,109 @@ static void *take(struct visit *w, size_t n, size_t size)
     return p;
 }
 
-/* The next node, which the first visit makes; NULL: out of memory. */
-static struct node *next_node(struct visit *w)
+/* Appends a copy of it. */
+static void append(struct tasks *w, struct node it)
 {
-    struct node *node = w->again ? *w->next : take(w, 1, sizeof *node);
+    struct node *node = take(w, 1, sizeof *node);
     if (node == NULL)
-        return NULL;
-    if (!w->again)
-        *node = (struct node){0};
-    *w->next = node;
-    w->next = &node->next;
-    return node;
+        return;
+    *node = it;
+    *w->end = node;
+    w->end = &node->next;
+    w->n += it.level != NULL;
 }
 
-static struct dt_blocks visit_task(struct visit *w, struct dt_level *level, uint32_t key,
-                                   uint32_t s)
-{
-    struct node *node = next_node(w);
-    if (node == NULL)
-        return (struct dt_blocks){0};
-    if (!w->again) {
-        node->is_task = true;
-        node->level = level;
-        node->key = key;
-        node->s = s;
-        w->tasks++;
-    }
-    return node->part;
-}
+static void visit_range(struct tasks *w, struct dt_source src, uint32_t lo, uint32_t n,
+                        unsigned skew);
 
-static struct dt_blocks visit_range(struct visit *w, struct dt_source src, uint32_t lo, uint32_t n,
-                                    unsigned skew);
-
-/* The cells of the level whose key starts with `key`. Before tasks are done, they have no parts, and joins record
- * nothing. */
-static struct dt_blocks visit_cells(struct visit *w, struct dt_level *level, uint32_t key,
-                                    uint32_t s)
+/* The cells of the level whose key starts with `key`. */
+static void visit_cells(struct tasks *w, struct dt_level *level, uint32_t key, uint32_t s)
 {
     uint32_t hi, lo = dt_level_range(level, key, s, &hi), n = hi - lo, all = w->d->n;
     uint32_t limit = s > 0 ? w->limit : all / (w->threads * RANGES_PER_THREAD);
     if (s > 0 && lo >= all - all / 4)
         limit /= LAST_QUARTER;
-    if (n <= limit || n <= DT_BLOCK)
-        return visit_task(w, level, key, s);
-    if (s == 0)
-        return visit_range(w, dt_level_source(w->d, level, lo), lo, n, level->skew);
-    struct dt_blocks a = visit_cells(w, level, 2 * key, s - 1);
-    struct dt_blocks b = visit_cells(w, level, 2 * key + 1, s - 1);
-    return dt_plan_join(&w->d->plan, a, b, level->order.axis[s - 1]);
+    if (n <= limit || n <= DT_BLOCK) {
+        append(w, (struct node){.level = level, .key = key, .s = s});
+    } else if (s == 0) {
+        visit_range(w, dt_level_source(w->d, level, lo), lo, n, level->skew);
+    } else {
+        visit_cells(w, level, 2 * key, s - 1);
+        visit_cells(w, level, 2 * key + 1, s - 1);
+        append(w, (struct node){.axis = level->order.axis[s - 1]});
+    }
 }
 
-/* All threads sort the range, or part it. */
-static void open_range(struct visit *w, struct node *node, struct dt_source src, uint32_t lo,
-                       uint32_t n, unsigned skew)
-{
-    struct dt_level *level = take(w, 1, sizeof *level);
-    if (level == NULL)
-        return;
-    enum dt_opening opening = dt_level_open(w->d, &w->arena, w->threads, src, lo, n, skew, level);
-    if (opening == DT_LEVEL_OPEN)
-        node->level = level;
-    if (opening == DT_LEVEL_SKEWED)
-        node->half = dt_level_halve(w->d, src, lo, n, &node->axis);
-}
-
-static struct dt_blocks visit_range(struct visit *w, struct dt_source src, uint32_t lo, uint32_t n,
-                                    unsigned skew)
+/* All threads sort the range, or it is cut at its median. */
+static void visit_range(struct tasks *w, struct dt_source src, uint32_t lo, uint32_t n,
+                        unsigned skew)
 {
     const struct dt_division *d = w->d;
-    struct node *node = next_node(w);
-    if (node != NULL && !w->again)
-        open_range(w, node, src, lo, n, skew);
-    if (!good(w))
-        return (struct dt_blocks){0};
-    if (node->level != NULL)
-        return visit_cells(w, node->level, 0, node->level->order.bits);
-    uint32_t mid = lo + node->half;
-    struct dt_source left = {d->p + lo, d->from + lo}, right = {d->p + mid, d->from + mid};
-    struct dt_blocks a = visit_range(w, left, lo, node->half, 0);
-    struct dt_blocks b = visit_range(w, right, mid, n - node->half, 0);
-    return dt_plan_join(&d->plan, a, b, node->axis);
+    struct dt_level *level = take(w, 1, sizeof *level);
+    if (level == NULL || !good(w))
+        return;
+    switch (dt_level_open(w->d, &w->arena, w->threads, src, lo, n, skew, level)) {
+    case DT_LEVEL_OPEN:
+        visit_cells(w, level, 0, level->order.bits);
+        break;
+    case DT_LEVEL_SKEWED: {
+        unsigned axis;
+        uint32_t half = dt_level_halve(w->d, src, lo, n, &axis), mid = lo + half;
+        visit_range(w, (struct dt_source){d->p + lo, d->from + lo}, lo, half, 0);
+        visit_range(w, (struct dt_source){d->p + mid, d->from + mid}, mid, n - half, 0);
+        append(w, (struct node){.axis = axis});
+        break;
+    }
+    case DT_LEVEL_FAILED:
+        break;
+    }
 }
 
 static void run_task(void *arg, unsigned i)
 {
-    struct visit *w = arg;
+    struct tasks *w = arg;
     struct dt_arena arena = {.pages = w->d->pages};
     struct node *node = w->task[i];
     node->part = dt_divide_cells(w->d, &arena, node->level, node->key, node->s);
     dt_arena_clear(&arena);
 }
 
-static void run_tasks(struct visit *w)
+static void run_tasks(struct tasks *w)
 {
     uint32_t n = 0;
-    w->task = take(w, w->tasks, sizeof(struct node *));
+    w->task = take(w, w->n, sizeof(struct node *));
     for (struct node *node = w->first; w->task != NULL && node != NULL; node = node->next)
-        if (node->is_task)
+        if (node->level != NULL)
             w->task[n++] = node;
     if (good(w))
         w->d->opt->pool->run(w->d->opt->pool->ctx, n, run_task, w);
 }
 
+static void record_joins(struct tasks *w)
+{
+    struct node *last = NULL;
+    for (struct node *node = w->first; node != NULL; node = node->next) {
+        if (node->level == NULL) {
+            struct node *left = last->below;
+            node->part = dt_plan_join(&w->d->plan, left->part, last->part, node->axis);
+            last = left->below;
+        }
+        node->below = last;
+        last = node;
+    }
+}
+
 void dt_divide_tasks(struct dt_division *d, struct dt_source in, unsigned threads)
 {
-    struct visit w = {.d = d,
+    struct tasks w = {.d = d,
                       .threads = threads,
                       .limit = d->n / (threads * TASKS_PER_THREAD),
                       .arena = {.pages = d->pages},
-                      .next = &w.first};
+                      .end = &w.first};
     visit_range(&w, in, 0, d->n, 0);
     if (good(&w))
         run_tasks(&w);
-    if (good(&w)) {
-        w.next = &w.first;
-        w.again = true;
-        visit_range(&w, in, 0, d->n, 0);
-    }
+    if (good(&w))
+        record_joins(&w);
     dt_arena_clear(&w.arena);
 }
