@@ -12,8 +12,9 @@
  *                 task     task      The tasks on the right are smaller than the others, so that
  *                                    all threads have something to do until the end.
  *
- * Then threads take tasks, from left to right. At the end the joins are recorded, each after what it joins. The ranges are
- * disjoint (divide_level.h), so no two threads ever touch the same place, and the result is the same as on one thread. */
+ * Then threads take tasks, from left to right. At the end the joins are recorded, each after what it joins. The
+ * ranges are disjoint (divide_level.h), so no two threads ever touch the same place, and the result is the same as on
+ * one thread. */
 #include "core/divide/divide_level.h"
 #include "core/memory/memory.h"
 
