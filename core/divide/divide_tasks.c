@@ -22,10 +22,10 @@
 #define LAST_QUARTER 8u      /* times as many tasks in there */
 #define RANGES_PER_THREAD 4u /* crowded cells of a larger share are not left to one thread */
 
-/* A task, or a join of the two parts that are done last before it. */
+/* A task, or a join of the last two parts before it that no other join has taken. */
 struct node {
     struct node *next;      /* every join comes after what it joins */
-    struct node *below;     /* the part to the left that is not joined yet */
+    struct node *below;     /* the last part on the left that is not joined yet */
     struct dt_level *level; /* of a task; NULL: a join */
     uint32_t key, s;        /* of a task: its cells */
     unsigned axis;          /* of a join */
@@ -38,7 +38,7 @@ struct tasks {
     uint32_t limit;        /* points of a task */
     struct dt_arena arena; /* owns nodes and levels */
     struct node *first, **end;
-    uint32_t n;
+    uint32_t n;         /* tasks, without joins */
     struct node **task; /* in the arena: from left to right */
 };
 
@@ -94,7 +94,7 @@ static void visit_range(struct tasks *w, struct dt_source src, uint32_t lo, uint
 {
     const struct dt_division *d = w->d;
     struct dt_level *level = take(w, 1, sizeof *level);
-    if (level == NULL || !good(w))
+    if (!good(w))
         return;
     switch (dt_level_open(w->d, &w->arena, w->threads, src, lo, n, skew, level)) {
     case DT_LEVEL_OPEN:
