@@ -43,15 +43,15 @@ static inline void fetch_beyond(const struct dt_mesh *m, const uint32_t *id, uin
         dt_fetch(&id[dt_apex_of(m, h)]);
 }
 
-/* A way from the first edge of the triangle at t, on the side on which q is. *strictly: q is not on the line of that edge. */
-static inline struct dt_way set_out(const struct dt_mesh *m, const struct dt_point *xy, uint32_t t,
+/* A way from the edge of half edge h, on the side on which q is. *strictly: q is not on the line of that edge. */
+static inline struct dt_way set_out(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
                                     struct dt_point q, bool *strictly)
 {
-    struct dt_point p = xy[m->half[t]], r = xy[m->half[t + 1]];
+    struct dt_point p = xy[dt_origin(m, h)], r = xy[dt_dest(m, h)];
     struct dt_point a = dt_way_see(p, q), b = dt_way_see(r, q);
     int side = dt_orient2d(p, r, q);
     *strictly = side != 0;
-    return side < 0 ? (struct dt_way){b, a, dt_twin(m, t)} : (struct dt_way){a, b, t};
+    return side < 0 ? (struct dt_way){b, a, dt_twin(m, h)} : (struct dt_way){a, b, h};
 }
 
 /* Rounding errors hide where q is: the edge 0, 1 or 2 of the triangle at t that has q on its outer side, exactly. ARRIVED if
@@ -99,8 +99,8 @@ static bool walk_plane(const struct dt_mesh *m, const struct dt_point *xy, const
                        uint32_t *half)
 {
     bool strictly;
-    uint32_t t = dt_base(dt_is_ghost(m, h) ? dt_twin(m, dt_base(h)) : h);
-    struct dt_way w = set_out(m, xy, t, q, &strictly);
+    uint32_t from = dt_is_ghost(m, h) ? dt_twin(m, dt_base(h)) : dt_base(h);
+    struct dt_way w = set_out(m, xy, from, q, &strictly);
     for (; !dt_is_ghost(m, w.h); strictly = true) {
         fetch_beyond(m, id, w.h);
         if (!step(m, xy, q, &w, strictly, where, half))
