@@ -55,17 +55,6 @@ static struct leaf leaf_of(const struct dt_hints *g, struct dt_point q)
     return l;
 }
 
-/* The cells around l, l among them. */
-struct around {
-    uint32_t left, right, bottom, top;
-};
-
-static struct around around(struct leaf l)
-{
-    return (struct around){l.column - (l.column > 0), l.column + (l.column + 1 < l.grid->nx),
-                           l.row - (l.row > 0), l.row + (l.row + 1 < l.grid->ny)};
-}
-
 /* The cell that q's hint comes from; prefetches as dt_hint_fetching does. The cells around it are prefetched while its own
  * content, which decides where to look, is still on its way. */
 static struct leaf fetch_around(const struct dt_hints *g, const struct dt_mesh *m,
@@ -73,12 +62,20 @@ static struct leaf fetch_around(const struct dt_hints *g, const struct dt_mesh *
 {
     enum { OWN = 2, OTHERS = 0 }; /* cache lines on either side */
     dt_hint_fetch_cells(g, q);
-    struct leaf l = leaf_of(g, q), k = l;
-    struct around box = around(l);
-    dt_hint_fetch(m, xy, dt_base(content(g, l)), OWN);
-    for (k.row = box.bottom; k.row <= box.top; k.row++)
-        for (k.column = box.left; k.column <= box.right; k.column++)
-            dt_hint_fetch(m, xy, dt_base(content(g, k)), OTHERS);
+    struct leaf l = leaf_of(g, q);
+    size_t nx = l.grid->nx, left = l.column > 0, right = l.column + 1 < nx;
+    const uint32_t *cell = g->cell + l.grid->first + l.row * nx + l.column,
+                   *below = cell - (l.row > 0 ? nx : 0),
+                   *above = cell + (l.row + 1 < l.grid->ny ? nx : 0);
+    dt_hint_fetch(m, xy, *cell, OWN);
+    dt_hint_fetch(m, xy, *(cell - left), OTHERS);
+    dt_hint_fetch(m, xy, *(cell + right), OTHERS);
+    dt_hint_fetch(m, xy, *(below - left), OTHERS);
+    dt_hint_fetch(m, xy, *below, OTHERS);
+    dt_hint_fetch(m, xy, *(below + right), OTHERS);
+    dt_hint_fetch(m, xy, *(above - left), OTHERS);
+    dt_hint_fetch(m, xy, *above, OTHERS);
+    dt_hint_fetch(m, xy, *(above + right), OTHERS);
     return l;
 }
 

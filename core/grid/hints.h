@@ -89,7 +89,8 @@ static inline uint32_t dt_hint(const struct dt_hints *g, struct dt_point q)
     return dt_hint_in(g, g->cell[dt_hint_cell(g->grid, q)], q);
 }
 
-/* Prefetches the triangles and vertices in `lines` cache lines on either side of those at h. After a build, vertices
+/* Prefetches the triangles and vertices in `lines` cache lines on either side of those at h, a half edge or the content of
+ * a cell, whose two lowest bits do not matter. After a build, vertices
  * and triangles, two for each vertex, are in the same spatial order. So what is near in the plane is probably near in memory,
  * too: of the triangles that a search reads, 71 % are within 12 of the first one. */
 static inline void dt_hint_fetch(const struct dt_mesh *m, const struct dt_point *xy, uint32_t h,
