@@ -55,7 +55,7 @@ static void lose_mesh(struct dt *t)
 static enum dt_where find(struct dt *t, struct dt_point q, uint32_t *half)
 {
     uint32_t steps;
-    enum dt_where where = dt_find_counting(&t->mesh, t->points.xy, &t->hints, q, half, &steps);
+    enum dt_where where = dt_find_counting(t, q, half, &steps);
     if (steps > USUAL_STEPS)
         t->steps += steps - USUAL_STEPS;
     return where;

@@ -174,10 +174,12 @@ static enum dt_where find_again(const struct dt_mesh *m, const struct dt_point *
 }
 
 /* dt_find and dt_find_counting. */
-static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point *xy,
-                                 const uint32_t *id, const struct dt_hints *hints, uint32_t near,
+static inline enum dt_where find(const struct dt *t, uint32_t near, const uint32_t *id,
                                  struct dt_point q, uint32_t *half, uint32_t *steps)
 {
+    const struct dt_mesh *m = &t->mesh;
+    const struct dt_point *xy = t->points.xy;
+    const struct dt_hints *hints = &t->hints;
     enum dt_where where;
     uint32_t h, left = PATIENCE;
     *steps = 4 * PATIENCE;
@@ -203,17 +205,14 @@ static inline enum dt_where find(const struct dt_mesh *m, const struct dt_point 
     return arrived ? where : find_again(m, xy, hints, q, half);
 }
 
-enum dt_where dt_find_counting(const struct dt_mesh *m, const struct dt_point *xy,
-                               const struct dt_hints *hints, struct dt_point q, uint32_t *half,
+enum dt_where dt_find_counting(const struct dt *t, struct dt_point q, uint32_t *half,
                                uint32_t *steps)
 {
-    return find(m, xy, NULL, hints, DT_NONE, q, half, steps);
+    return find(t, DT_NONE, NULL, q, half, steps);
 }
 
-enum dt_where dt_find(const struct dt_mesh *m, const struct dt_point *xy, const uint32_t *id,
-                      const struct dt_hints *hints, uint32_t near, struct dt_point q,
-                      uint32_t *half)
+enum dt_where dt_find(const struct dt *t, const struct dt_place *q, uint32_t *half)
 {
     uint32_t steps;
-    return find(m, xy, id, hints, near, q, half, &steps);
+    return find(t, q->near, t->points.id, q->at, half, &steps);
 }

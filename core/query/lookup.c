@@ -90,8 +90,7 @@ static enum dt_status locate(struct lookup *l, const struct dt_place *p, uint32_
     uint32_t h, from = l->then == NULL ? DT_NONE : l->then->on_hull;
     if (dt_mesh_is_line(&t->mesh))
         return l->then == NULL ? DT_OK : dt_locate_then(t, l->then, p->at, from, &l->work, out);
-    enum dt_where where =
-        dt_find(&t->mesh, t->points.xy, t->points.id, &t->hints, p->near, p->at, &h);
+    enum dt_where where = dt_find(t, p, &h);
     if (l->then != NULL && !triangle_was_same(l, h, &from))
         return dt_locate_then(t, l->then, p->at, from, &l->work, out);
     if (where == DT_ON_VERTEX)

@@ -166,11 +166,11 @@ static void consider_around(struct nearest *n, uint32_t h)
 }
 
 /* Finds the triangle that q is in: its nearest corner is the best so far. */
-static void begin(struct nearest *n, uint32_t near)
+static void begin(struct nearest *n, const struct dt_place *place)
 {
     const struct dt *t = n->t;
     uint32_t h;
-    (void)dt_find(&t->mesh, t->points.xy, t->points.id, &t->hints, near, n->q, &h);
+    (void)dt_find(t, place, &h);
     n->at = h = dt_base(h);
     n->best = dt_candidate(t, n->q, dt_origin(&t->mesh, h));
     for (uint32_t k = h + 1; k < h + 3 && dt_origin(&t->mesh, k) != DT_NONE; k++) {
@@ -209,7 +209,7 @@ enum dt_status dt_nearest_vertex(const struct dt *t, const struct dt_place *q, s
     }
     struct nearest n = {.t = t, .q = q->at, .work = work};
     uint32_t v = DT_NONE;
-    begin(&n, q->near);
+    begin(&n, q);
     for (uint32_t steps = 0; v != n.best.v && n.best.d > 0 && n.status == DT_OK; steps++) {
         if (steps == PATIENCE)
             consider_hint(&n);

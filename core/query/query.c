@@ -155,7 +155,7 @@ enum dt_where dt_place_find(const struct dt *t, struct dt_point q, uint32_t near
     const struct dt_points *p = &t->points;
     *half = DT_NONE;
     if (t->mesh.vertices >= 2)
-        return dt_find(&t->mesh, p->xy, p->id, &t->hints, near, q, half);
+        return dt_find(t, &(struct dt_place){q, near}, half);
     bool there = t->mesh.vertices == 1 && dt_compare_xy(p->xy[t->mesh.alone], q) == 0;
     return there ? DT_ON_VERTEX : DT_OUTSIDE;
 }

@@ -159,7 +159,7 @@ static enum dt_status first_triangle(const struct flood *f, uint32_t *half)
     const struct dt_box *b = &f->in.box;
     const struct dt_point corner[4] = {b->lo, b->hi, {b->lo.x, b->hi.y}, {b->hi.x, b->lo.y}};
     for (int i = 0; i < 4; i++)
-        if (dt_find(m, xy, NULL, &f->t->hints, DT_NONE, corner[i], half) != DT_OUTSIDE)
+        if (dt_find(f->t, &(struct dt_place){corner[i], DT_NONE}, half) != DT_OUTSIDE)
             return DT_OK;
     enum dt_status s = DT_OK;
     uint32_t g = m->hull;

@@ -263,7 +263,7 @@ TEST(a_crowd_in_one_corner_keeps_location_short)
     for (unsigned i = 0; i < 1000; i++) {
         uint32_t h, walked;
         struct dt_point q = {test_uniform() * 1e-3, test_uniform() * 1e-3};
-        dt_find_counting(&t->mesh, t->points.xy, &t->hints, q, &h, &walked);
+        dt_find_counting(t, q, &h, &walked);
         steps += walked;
     }
     CHECK_MSG(steps < 1000 * 12, "%.1f triangles a walk", (double)steps / 1000);
@@ -290,7 +290,7 @@ TEST(location_stays_short_when_points_come_and_go_everywhere)
     for (unsigned i = 0; i < 5000; i++) {
         uint32_t h, walked;
         struct dt_point q = {test_uniform(), test_uniform()};
-        dt_find_counting(&t->mesh, t->points.xy, &t->hints, q, &h, &walked);
+        dt_find_counting(t, q, &h, &walked);
         steps += walked;
     }
     CHECK_MSG(steps < 5000 * 4, "%.1f triangles a walk", (double)steps / 5000);

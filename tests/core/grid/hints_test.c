@@ -74,7 +74,7 @@ static uint32_t sum_of_steps(const struct dt *t, const struct dt_point *q, uint3
 {
     uint32_t sum = 0, h, steps;
     for (uint32_t i = 0; i < n; i++) {
-        dt_find_counting(&t->mesh, t->points.xy, &t->hints, q[i], &h, &steps);
+        dt_find_counting(t, q[i], &h, &steps);
         sum += steps;
     }
     return sum;
