@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "core/divide/median.h"
+#include "core/memory/sort.h"
 
 #define MANY_CELLS (1u << 14)    /* are worth several threads */
 #define WORTH_SAMPLES (1u << 12) /* points */

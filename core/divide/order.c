@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "core/divide/few.h"
+#include "core/memory/sort.h"
 
 #define MAX_BITS 24
 #define SAMPLE 16  /* points, of a range of */

@@ -43,13 +43,6 @@ struct dt_order {
     uint32_t *column, *row; /* borrow from the arena: a column's and a row's part of the key */
 };
 
-/* A number below n > 0 from a deterministic sequence, which may begin with any state. [Knuth, MMIX] */
-static inline uint32_t dt_random_below(uint64_t *state, uint32_t n)
-{
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)((*state >> 32) * n >> 32);
-}
-
 /* Plans a grid of about `cells` nearly square cells, at least 4, on the box of n > 0 points; or as many
  * strips, if the points, of which it looks at a few, lie along a curve. */
 void dt_order_plan(struct dt_order *o, struct dt_box box, double cells, const struct dt_point *p,

@@ -1,4 +1,4 @@
-/* sort.h - ids in ascending order. */
+/* sort.h - ids in ascending order; numbers for samples and pivots. */
 #ifndef DT_SORT_H
 #define DT_SORT_H
 
@@ -13,5 +13,12 @@ size_t dt_sort_unique(uint32_t *ids, size_t n, struct dt_pages *pages, struct dt
 
 /* Whether id is one of n ascending ids. Cost: O(log n). */
 bool dt_sorted_have(const uint32_t *ids, size_t n, uint32_t id);
+
+/* A number below n > 0 from a deterministic sequence, which may begin with any state. [Knuth, MMIX] */
+static inline uint32_t dt_random_below(uint64_t *state, uint32_t n)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)((*state >> 32) * n >> 32);
+}
 
 #endif

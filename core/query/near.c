@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/memory/sort.h"
+
 enum { SPARE = 64 }; /* points, so that small searches cut nothing */
 
 struct dt_near dt_near_of(struct dt_point q, const uint32_t *id, size_t wanted)
@@ -47,12 +49,14 @@ struct dt_seen dt_near_pop(struct dt_near *h)
 }
 
 /* Brings the nearest k points, 0 < k <= n, to the front, the last of them to k - 1 [Hoare, "Algorithm 65: find", CACM
- * 4(7), 1961]. Cost: linear expected. */
+ * 4(7), 1961]. Which pivots are taken does not change the result; they depend on where the points are in memory, so that no order
+ * of points can be made for them. Cost: linear expected. */
 static void select_nearest(struct dt_near *h, size_t k)
 {
     struct dt_seen *v = h->heap;
+    uint64_t random = (uintptr_t)v;
     for (size_t lo = 0, hi = h->n - 1; lo < hi;) { /* place k - 1 is among lo .. hi */
-        struct dt_seen pivot = v[lo + (hi - lo) / 2];
+        struct dt_seen pivot = v[lo + dt_random_below(&random, (uint32_t)(hi - lo + 1))];
         size_t i = lo, j = hi;
         for (;; i++, j--) {
             while (before(h, &v[i], &pivot))

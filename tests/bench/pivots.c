@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/divide/order.h"
+#include "core/memory/sort.h"
 
 #define SHARE 0.3 /* of the points of a grid lies far out */
 
