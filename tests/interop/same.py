@@ -4,8 +4,9 @@
     same.py BUILD_DIR OLDER_DAEMON POINTS [FAMILY...]
 
 The older daemon loads the points at once and triangulates on two threads. The daemon of BUILD_DIR has four histories: the same on one
-thread and on two; a part first and the others by edits; the paper's engine, up to 20,000 points. Then all get the same requests: whole
-tables, searches, edits, and the same tables and searches again. A command that the older daemon does not know is not compared.
+thread and on two; a part first and the others by edits; the paper's engine, up to 20,000 points. Then all get the same requests: the
+steps of the paper's engine on some of the points, values, whole tables, searches, surfaces, edits, and all but the first two again. A
+command that the older daemon does not know is not compared.
 """
 
 import hashlib
@@ -19,6 +20,7 @@ import sys
 
 MOST_FOR_SHELLING = 20000
 SEARCHES = 150
+TRACED = 300
 EDITS = 400
 VARIES = re.compile(r" (ms|version)=\S+")
 
@@ -53,8 +55,8 @@ class Daemon:
             rest.update(self.file.readline())
         return VARIES.sub("", status), rest.hexdigest()
 
-    def load(self, points):
-        return self.ask(f"LOADB t {len(points)}", b"".join(struct.pack("<2d", *p) for p in points))
+    def load(self, points, name="t"):
+        return self.ask(f"LOADB {name} {len(points)}", b"".join(struct.pack("<2d", *p) for p in points))
 
 
 def at_once(daemon, points, triangulate="TRIANGULATE t"):
@@ -79,9 +81,26 @@ def number(x):
     return repr(x) if math.isfinite(x) else "0"
 
 
+def values(points):
+    """Some tens of values, so that contours have plateaus; one is missing."""
+    for i in range(0, len(points), 500):
+        yield "FSET t z " + " ".join(f"{k} {k * 7919 % 61}" for k in range(i, min(i + 500, len(points))))
+    yield "FSET t z 1 nan"
+
+
+def surfaces(points, rng):
+    yield from ("AREAS t BINARY", "CONTOUR t z EVERY 7", "CONTOUR t z 30.5 60")
+    for method in ("linear", "natural", "laplace", "nearest"):
+        (ax, ay), (bx, by) = rng.choice(points), rng.choice(points)
+        box = " ".join(number(v) for v in (min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)))
+        yield f"RASTER t z {box} 40 30 METHOD {method} BINARY"
+        yield f"INTERPOLATE t z {number(ax / 2 + bx / 2)} {number(ay / 2 + by / 2)} {number(ax)} {number(by)} METHOD {method}"
+
+
 def searches(points):
     """Requests at points, between them, and at corners of boxes around two of them."""
     rng = random.Random(3)
+    yield from surfaces(points, random.Random(4))
     for table in ("LISTS", "TRIANGLES", "EDGES", "POINTS", "VORONOI"):
         yield f"{table} t BINARY"
     yield from ("HULL t", "COINCIDENT t", "CHECK t")
@@ -113,8 +132,10 @@ def replies(program, threads, history, points):
     """Request by request."""
     daemon = Daemon(program, threads)
     try:
+        daemon.load(points[:TRACED], "u")
         history(daemon, points)
-        asked = [(request, daemon.ask(request)) for requests in (searches, edits) for request in requests(points)]
+        asked = [("TRACE u", daemon.ask("TRACE u"))]
+        asked += [(request, daemon.ask(request)) for requests in (values, searches, edits) for request in requests(points)]
         rng = random.Random(8)
         batch = [(rng.choice(points)[0], rng.choice(points)[1]) for _ in range(min(len(points) // 10, 20000))]
         asked.append(("a batch", daemon.load(batch)))
