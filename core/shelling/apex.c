@@ -28,12 +28,11 @@
 /* A segment of a larger cotangent counts as the half plane. */
 #define FLAT 0x1p60
 
-/* Steps (effort.h) for cells within a cell, a line of cells and a trial; how many of them are added before the
+/* Steps (grid.h) for cells within a cell, a line of cells and a trial; how many of them are added before the
  * limit is checked; and the points that take about as many. */
 enum { CELLS_STEPS = 64, LINE_STEPS = 8, TRIAL_STEPS = 64, MANY_STEPS = 4096, PIECE = 1024 };
 
 struct search {
-    struct dt_effort *effort; /* borrows */
     struct dt_scan scan;
     struct dt_segment segment; /* where to look */
 };
@@ -45,7 +44,7 @@ static bool spend(struct search *q, unsigned steps)
     if (all < MANY_STEPS)
         return false;
     q->scan.looked = 0;
-    return dt_effort_spend(q->effort, all);
+    return dt_grid_spend(q->scan.grid->stop, all);
 }
 
 /* Scans places i .. end - 1. This and all others of its kind return false if the search has to stop. */
@@ -185,7 +184,6 @@ uint32_t dt_apex(struct dt_grid *g, uint32_t a, uint32_t b)
 {
     struct dt_point pa = g->xy[a], pb = g->xy[b], d = {pb.x - pa.x, pb.y - pa.y};
     struct search q;
-    q.effort = &g->effort;
     q.scan.grid = g;
     q.scan.a = a;
     q.scan.b = b;
@@ -193,6 +191,6 @@ uint32_t dt_apex(struct dt_grid *g, uint32_t a, uint32_t b)
     q.scan.edge =
         (struct dt_edge){pa, pb, d, sqrt(dt_square_distance(pb, pa)), fabs(d.x) + fabs(d.y)};
     uint32_t apex = find_best(&q) ? dt_scan_best(&q.scan) : DT_NONE;
-    (void)dt_effort_spend(&g->effort, q.scan.looked);
+    (void)dt_grid_spend(g->stop, q.scan.looked);
     return apex;
 }

@@ -7,8 +7,8 @@
 /* The place of the apex of the directed edge a->b (places): the point left of it such that the
  * circle through a, b and it contains no other point that is left of it, ties broken as
  * dt_incircle_perturbed does. DT_NONE if no point lies left of it. Points collinear with a and b
- * are never an apex. Depends only on the edge and the points that are not removed; undefined if g->effort says
- * stop. Cost: constant expected on evenly spread points, added to g->effort. */
+ * are never an apex. Depends only on the edge and the points that are not removed; undefined if it has to
+ * stop. Cost: constant expected on evenly spread points, counted by g->stop. */
 uint32_t dt_apex(struct dt_grid *g, uint32_t a, uint32_t b);
 
 #endif

@@ -24,9 +24,10 @@
  * so cells are nested less than 28 + 400/2 deep, there being 2^400 places along an axis. */
 #define ZOOM 64
 
-/* Steps (effort.h) for each point or cell of a pass, and for a point that is compared by distance. */
+/* Steps for each point or cell of a pass, and for a point that is compared by distance. */
 #define PASS_STEPS 4u
 #define COMPARE_STEPS 16u
+#define BETWEEN_POLLS (1u << 19) /* steps: a millisecond, or ten where they are slow */
 
 /* What building needs besides the grid itself. */
 struct builder {
@@ -43,10 +44,28 @@ struct source {
     uint32_t n;
 };
 
+bool dt_grid_spend(struct dt_stop *stop, uint64_t steps)
+{
+    if (stop == NULL)
+        return false;
+    uint64_t left = stop->left;
+    stop->left = steps > left ? 0 : left - steps;
+    if (steps > left)
+        dt_stop_because(stop, DT_TOOBIG);
+    if (left / BETWEEN_POLLS == stop->left / BETWEEN_POLLS)
+        return dt_stop_status(stop) != DT_OK;
+    return dt_stopped(stop);
+}
+
+static enum dt_status status_of(const struct builder *b)
+{
+    return b->grid->stop == NULL ? DT_OK : dt_stop_status(b->grid->stop);
+}
+
 /* Of a pass over points or cells; false: it is over, or has to stop. */
 static bool next_piece(const struct builder *b, struct dt_piece *at)
 {
-    return dt_effort_piece(&b->grid->effort, PASS_STEPS, at);
+    return dt_next_piece(NULL, at) && !dt_grid_spend(b->grid->stop, PASS_STEPS * (at->b - at->a));
 }
 
 static void cells_clear(struct dt_cells *c)
@@ -109,7 +128,7 @@ static enum dt_status cells_count(struct dt_cells *c, const struct builder *b, s
             *most = begin[i] > *most ? begin[i] : *most;
             begin[i] += begin[i - 1];
         }
-    return dt_effort_status(&b->grid->effort);
+    return status_of(b);
 }
 
 /* Puts the points at their places. */
@@ -140,7 +159,7 @@ static enum dt_status cells_build(struct dt_cells *c, struct builder *b, struct 
     if (status != DT_OK)
         return status;
     cells_fill(c, b, p);
-    status = dt_effort_status(&b->grid->effort);
+    status = status_of(b);
     return status == DT_OK && most > CROWD ? cells_refine(c, b) : status;
 }
 
@@ -178,8 +197,8 @@ static enum dt_status cells_refine(struct dt_cells *c, struct builder *b)
     for (struct dt_piece at = dt_pieces(0, cells); next_piece(b, &at);)
         for (uint32_t i = at.a; i < at.b; i++)
             crowded += cell_points(c, i) > CROWD;
-    if (dt_effort_status(&b->grid->effort) != DT_OK)
-        return dt_effort_status(&b->grid->effort);
+    if (status_of(b) != DT_OK)
+        return status_of(b);
     c->sub = calloc(crowded, sizeof *c->sub);
     c->sub_cell = malloc(crowded * sizeof *c->sub_cell);
     if (c->sub == NULL || c->sub_cell == NULL || !make_room(b))
@@ -193,14 +212,14 @@ static enum dt_status cells_refine(struct dt_cells *c, struct builder *b)
             if (status != DT_OK)
                 return status;
         }
-    return dt_effort_status(&b->grid->effort);
+    return status_of(b);
 }
 
 enum dt_status dt_grid_build(struct dt_grid *g, const struct dt_point *in, uint32_t n,
                              struct dt_point *xy, uint32_t *from)
 {
     struct builder b = {.grid = g, .cell = dt_array_new(n, sizeof *b.cell)};
-    *g = (struct dt_grid){.xy = xy, .from = from, .n = n, .effort = g->effort};
+    *g = (struct dt_grid){.xy = xy, .from = from, .n = n, .stop = g->stop};
     enum dt_status status = DT_NOMEM;
     if (b.cell != NULL)
         status = cells_build(&g->top, &b, (struct source){in, NULL, n}, 0);
@@ -298,7 +317,7 @@ uint32_t dt_grid_middle(struct dt_grid *g)
     uint32_t place = DT_NONE;
     for (int64_t k = 0; place == DT_NONE; k++) { /* ends, as the grid holds points */
         visit_ring(c, c->length / 2, c->lines / 2, k, 15, take_first, &place);
-        if (dt_effort_spend(&g->effort, ring_steps(k)))
+        if (dt_grid_spend(g->stop, ring_steps(k)))
             return 0;
     }
     return place;
@@ -314,7 +333,7 @@ static void take_nearest(void *arg, uint32_t i, uint32_t end)
 {
     struct nearest *s = arg;
     const struct dt_point *xy = s->grid->xy, from = xy[s->from];
-    for (; i < end && !dt_effort_spend(&s->grid->effort, COMPARE_STEPS); i++) {
+    for (; i < end && !dt_grid_spend(s->grid->stop, COMPARE_STEPS); i++) {
         if (i == s->from || dt_grid_removed(s->grid, i))
             continue;
         if (s->best == DT_NONE || dt_compare_distance(from, xy[i], xy[s->best]) < 0) {
@@ -343,7 +362,7 @@ uint32_t dt_grid_nearest(struct dt_grid *g, uint32_t place)
             if (gap[side] > reach || outside[side])
                 sides &= ~(1u << side);
         visit_ring(c, i, j, k, sides, take_nearest, &s);
-        if (dt_effort_spend(&g->effort, ring_steps(k)))
+        if (dt_grid_spend(g->stop, ring_steps(k)))
             break;
     }
     return s.best;

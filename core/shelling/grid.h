@@ -17,8 +17,8 @@
 #ifndef DT_GRID_H
 #define DT_GRID_H
 
+#include "core/control/stop.h"
 #include "core/exact/box.h"
-#include "core/shelling/effort.h"
 
 struct dt_cells {
     struct dt_point lo;     /* corner of the box */
@@ -35,27 +35,31 @@ struct dt_grid {
     struct dt_point *xy; /* borrows, by place; NaN once removed */
     uint32_t *from;      /* borrows, by place: the index of the point in the caller's array */
     uint32_t n;
-    struct dt_effort effort; /* of building it and of searches; the caller sets it before */
-    struct dt_cells top;     /* owns */
+    struct dt_stop *stop; /* borrows; limits what building it and searches cost; NULL: no limit */
+    struct dt_cells top;  /* owns */
     const struct dt_observer
         *observer; /* borrows; searches are reported to it, in places; may be NULL */
 };
 
-/* Builds the grid of n >= 1 distinct points. *g must be zeroed or cleared, but for its effort; xy[n] and
- * from[n] are the caller's, filled here and borrowed until dt_grid_clear. DT_NOMEM, or what the effort
- * says, leave it cleared. Cost: O(n log n) at worst, linear on all but very skewed sets; 24 bytes of
+/* Builds the grid of n >= 1 distinct points. *g must be zeroed or cleared, but for stop; xy[n] and
+ * from[n] are the caller's, filled here and borrowed until dt_grid_clear. DT_NOMEM, or the reason to stop,
+ * leave it cleared. Cost: O(n log n) at worst, linear on all but very skewed sets; 24 bytes of
  * memory a point. */
 enum dt_status dt_grid_build(struct dt_grid *g, const struct dt_point *in, uint32_t n,
                              struct dt_point *xy, uint32_t *from);
 void dt_grid_clear(struct dt_grid *g);
 
 /* The place of a point at or near the middle cell [the paper, "Finding a start point and the first
- * edge"]. Any point, if the effort says stop. */
+ * edge"]. Any point, if it has to stop. */
 uint32_t dt_grid_middle(struct dt_grid *g);
 
 /* The place of the point nearest to the one at `place`; DT_NONE if it is alone. Any other one or none, if
- * the effort says stop. Cost: constant expected on evenly spread points. */
+ * it has to stop. Cost: constant expected on evenly spread points. */
 uint32_t dt_grid_nearest(struct dt_grid *g, uint32_t place);
+
+/* Subtracts steps, of about a nanosecond each, from stop->left; polls not after so many rounds but after so many steps, because
+ * one round may be very long. True: the computation must stop, with DT_TOOBIG if no steps are left; stays true. */
+bool dt_grid_spend(struct dt_stop *stop, uint64_t steps);
 
 #define DT_REMOVED __builtin_nan("") /* a NaN that is a double */
 

@@ -21,7 +21,7 @@ struct dt_scan {
     uint32_t a, b;              /* the edge, as places */
     struct dt_edge edge;
     bool exact;
-    uint64_t looked; /* what scans have cost since this was zeroed, in steps (effort.h) */
+    uint64_t looked; /* what scans have cost since this was zeroed, in steps (grid.h) */
     double reach;    /* first scan: of all points scanned; exact: of the best point */
     /* the first scan: each lane has every other point of a run */
     dt_lanes least, second; /* the two smallest cotangents */

@@ -33,7 +33,7 @@
 #include "core/shelling/apex.h"
 #include <assert.h>
 
-/* The limit of its total cost, in steps (effort.h): a constant, and an amount for each point of the set. Evenly
+/* The limit of its total cost, in steps (grid.h): a constant, and an amount for each point of the set. Evenly
  * spread points take 600 each, Gaussian ones 700, lattices 2500, and 300 points nearly on a line 85,000:
  * then what a point costs grows with their number. */
 #define STEPS (1u << 25)
@@ -143,7 +143,7 @@ static bool search(struct dt_shell *s)
     struct dt_front_node *node = &s->front.node[a];
     if (node->apex == DT_UNSEARCHED)
         node->apex = dt_apex(&s->grid, a, node->next);
-    return !dt_effort_spend(&s->grid.effort, TURN_STEPS);
+    return !dt_grid_spend(&s->stop, TURN_STEPS);
 }
 
 /* The first triangle, on either side of the first edge. False if all points are on one line, or if it has
@@ -182,9 +182,8 @@ enum dt_status dt_shell_grow(struct dt_shell *s, const struct dt_point *in, uint
     report(opt, 0, 1);
     s->mesh = m;
     s->stop = dt_stop_of(opt);
-    s->grid.effort = (struct dt_effort){.stop = &s->stop, .limit = UINT64_MAX};
-    if (s->observer == NULL)
-        s->grid.effort.limit = STEPS + (uint64_t)STEPS_A_POINT * n;
+    s->stop.left = s->observer == NULL ? STEPS + (uint64_t)STEPS_A_POINT * n : UINT64_MAX;
+    s->grid.stop = &s->stop;
     enum dt_status status = dt_grid_build(&s->grid, in, n, p, from);
     if (status == DT_OK)
         status = dt_front_init(&s->front, n, &s->stop);
@@ -228,7 +227,7 @@ void dt_shell_close(struct dt_shell *s)
         observe(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
         link_ghosts(s->mesh, node[v].outer, node[node[v].next].outer);
         v = node[v].next;
-    } while (v != first && !dt_effort_spend(&s->grid.effort, CLOSE_STEPS));
+    } while (v != first && !dt_grid_spend(&s->stop, CLOSE_STEPS));
 }
 
 /* ---- points on one line ---- */
