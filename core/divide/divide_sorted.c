@@ -261,7 +261,7 @@ static void finish(struct build *b, const struct dt_part *all)
     if (b->n == 1)
         m->leaving[0] = DT_NONE;
     if (b->n > 1)
-        m->ghosts = dt_hull_settle_from(m, all->ghost, &b->stop);
+        m->ghosts = dt_hull_settle(m, all->ghost, &b->stop);
 }
 
 enum dt_status dt_divide_sorted(const struct dt_point *p, uint32_t n, const uint16_t *step,

@@ -275,7 +275,7 @@ static enum dt_status insert_in_line(struct dt_mesh *m, const struct dt_point *x
         return status;
     dt_cavity_report(c);
     fill_with_star(m, c, v);
-    dt_hull_settle_from(m, m->hull, NULL); /* the line's vertices lost the ghosts on one side */
+    dt_hull_settle(m, m->hull, NULL); /* the line's vertices lost the ghosts on one side */
     return DT_OK;
 }
 

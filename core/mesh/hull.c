@@ -1,46 +1,12 @@
 /* hull.c - finds the hull of a finished mesh and its canonical start. */
 #include "core/mesh/hull.h"
 
-#include "core/exact/predicates.h"
 #include "core/memory/memory.h"
 
 /* Whether a loop should take its next step; polls now and then. */
 static bool go_on(uint32_t step, struct dt_stop *stop)
 {
     return step % DT_POLL != 0 || !dt_stopped(stop);
-}
-
-/* The leftmost vertex, if it is not stopped. Every other vertex of a triangulation has a neighbour that is
- * lexicographically smaller; vertex numbers follow the grid, so a low one is near the goal
- * already. */
-static uint32_t leftmost(const struct dt_mesh *m, const struct dt_point *xy, struct dt_stop *stop)
-{
-    uint32_t v = 0, best = 0, steps = 0;
-    while (m->leaving[v] == DT_NONE)
-        best = ++v;
-    do {
-        v = best;
-        uint32_t h = m->leaving[v];
-        do {
-            uint32_t d = dt_dest(m, h);
-            if (d != DT_NONE && dt_compare_xy(xy[d], xy[best]) < 0)
-                best = d;
-            h = dt_turn_ccw(m, h);
-        } while (h != m->leaving[v] && go_on(++steps, stop));
-    } while (best != v && !dt_stopped(stop));
-    return v;
-}
-
-void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy, struct dt_stop *stop)
-{
-    m->hull = DT_NONE;
-    if (m->vertices < 2)
-        return;
-    uint32_t h = m->leaving[leftmost(m, xy, stop)], steps = 0;
-    while (dt_dest(m, h) != DT_NONE && go_on(++steps, stop))
-        h = dt_turn_ccw(m, h);
-    if (!dt_stopped(stop))
-        dt_hull_settle_from(m, dt_base(h), stop);
 }
 
 /* Like the grid, a large hull mostly runs through memory in one direction for a while, with strides that a
@@ -55,7 +21,7 @@ static void fetch_further_on(const struct dt_mesh *m, uint32_t g, uint32_t next)
     dt_fetch(&m->half[h + LINE]);
 }
 
-uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop)
+uint32_t dt_hull_settle(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop)
 {
     uint32_t g = m->hull = ghost, ghosts = 0;
     do {

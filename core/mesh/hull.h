@@ -15,13 +15,9 @@
 #include "core/control/stop.h"
 #include "core/mesh/mesh.h"
 
-/* Settles a mesh that was just built: leaving[] of every hull vertex becomes its half edge to
- * infinity, m->hull one of the ghosts. Vertices that are in no triangle must have DT_NONE in
- * leaving[]. stop may be NULL. Cost: O(hull), and a descent to the leftmost vertex. */
-void dt_hull_settle(struct dt_mesh *m, const struct dt_point *xy, struct dt_stop *stop);
-
-/* The same when a ghost is known. Returns the number of ghosts. Cost: O(hull). */
-uint32_t dt_hull_settle_from(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop);
+/* Settles a mesh that was just built, of which `ghost` is some ghost: leaving[] of every hull vertex becomes its half edge
+ * to infinity, and m->hull this ghost. stop may be NULL. Returns the number of ghosts. Cost: O(hull). */
+uint32_t dt_hull_settle(struct dt_mesh *m, uint32_t ghost, struct dt_stop *stop);
 
 /* Whether the vertex v of a settled mesh lies on the hull. */
 static inline bool dt_on_hull(const struct dt_mesh *m, uint32_t v)

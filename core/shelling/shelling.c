@@ -26,8 +26,7 @@
  * touches the disc properly. The paper does not prove this. */
 #include "core/shelling/shelling.h"
 
-#include "core/divide/few.h"
-#include "core/divide/median.h"
+#include "core/divide/divide.h"
 #include "core/exact/predicates.h"
 #include "core/mesh/hull.h"
 #include "core/shelling/apex.h"
@@ -126,7 +125,6 @@ static void step(struct dt_shell *s)
         h = add_triangle(m, a, b, DT_NONE);
         dt_link(m, h, node[a].outer);
         node[a].outer = h;
-        m->leaving[a] = h;
         m->ghosts++;
         dt_front_sleep(f, a);
         break;
@@ -209,109 +207,58 @@ void dt_shell_clear(struct dt_shell *s)
     dt_front_clear(&s->front);
 }
 
-/* The edge of each ghost joins the infinite edges of its neighbours, which run to and from DT_NONE.
- */
-static void link_ghosts(struct dt_mesh *m, uint32_t h, uint32_t next)
-{
-    dt_link(m, h + 1, next + 2);
-}
-
 void dt_shell_close(struct dt_shell *s)
 {
     const struct dt_front_node *node = s->front.node;
+    struct dt_mesh *m = s->mesh;
     uint32_t first = 0;
     while (dt_grid_removed(&s->grid, first))
         first++;
     uint32_t v = first;
     do {
+        uint32_t h = node[v].outer, next = node[v].next;
         observe(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
-        link_ghosts(s->mesh, node[v].outer, node[node[v].next].outer);
-        v = node[v].next;
+        dt_link(m, h + 1, node[next].outer + 2);
+        m->leaving[next] = h + 1;
+        m->hull = h;
+        v = next;
     } while (v != first && !dt_grid_spend(&s->stop, CLOSE_STEPS));
 }
 
-/* ---- points on one line ---- */
-
-/* Polls all the time, which qsort cannot. */
-static void sort(struct dt_point *p, uint32_t *from, uint32_t n, struct dt_stop *stop)
+/* There is nothing to shell: the other engine joins the points. */
+static enum dt_status triangulate_line(struct dt_shell *s, const struct dt_point *in, uint32_t n,
+                                       struct dt_point *p, uint32_t *from,
+                                       const struct dt_options *opt)
 {
-    enum { FEW = 64 };
-    if (n <= FEW) {
-        dt_insertion_sort(0, p, from, n);
-        return;
-    }
-    dt_median_part(p, from, n, 0, stop);
-    if (dt_stop_status(stop) != DT_OK)
-        return;
-    sort(p, from, n / 2, stop);
-    sort(p + n / 2, from + n / 2, n - n / 2, stop);
-}
-
-/* n >= 2 vertices in order along a line have two ghosts at each of the n - 1 edges between
- * neighbours, one on either side:
- *
- *        -- ghost 0 -->   -- ghost 1 -->     ghosts 0 .. n-2 run along the line, the others back;
- *      0 -------------- 1 -------------- 2   each lies on the left of its half edge
- *        <-- ghost 3 --   <-- ghost 2 --
- */
-static void chain_ghosts(struct dt_mesh *m, uint32_t n, struct dt_stop *stop)
-{
-    uint32_t ghosts = 2 * n - 2;
-    m->tri_end = m->ghosts = ghosts;
-    for (struct dt_piece at = dt_pieces(0, ghosts); dt_next_piece(stop, &at);)
-        for (uint32_t g = at.a; g < at.b; g++) {
-            uint32_t a = g < n ? g : ghosts - g, b = g < n - 1 ? g + 1 : ghosts - g - 1;
-            dt_set_corners(m, 8 * g, a, b, DT_NONE);
-            m->half[8 * g + 4] = 8 * (ghosts - 1 - g);
-            link_ghosts(m, 8 * g, 8 * ((g + 1) % ghosts));
-            m->leaving[a] = 8 * g;
-        }
-}
-
-static void triangulate_line(struct dt_shell *s, const struct dt_point *in, uint32_t n,
-                             struct dt_point *p, uint32_t *from)
-{
-    for (struct dt_piece at = dt_pieces(0, n); dt_next_piece(&s->stop, &at);)
-        for (uint32_t i = at.a; i < at.b; i++) {
-            p[i] = in[i];
-            from[i] = i;
-        }
-    sort(p, from, n, &s->stop);
-    chain_ghosts(s->mesh, n, &s->stop);
-    for (uint32_t v = 0; v < n && s->observer != NULL; v++)
-        observe(s, DT_EVENT_HULL, v, DT_NONE, DT_NONE);
+    struct dt_mesh *m = s->mesh;
+    enum dt_status status = dt_divide(in, NULL, n, p, from, m, opt);
+    if (status != DT_OK || s->observer == NULL)
+        return status;
+    uint32_t g = dt_hull_first(m, from, false), other = dt_hull_first(m, from, true);
+    if (dt_compare_xy(p[dt_hull_vertex(m, other)], p[dt_hull_vertex(m, g)]) < 0)
+        g = other;
+    for (uint32_t i = 0; i < n; i++, g = dt_hull_step(m, g, false))
+        observe(s, DT_EVENT_HULL, dt_hull_vertex(m, g), DT_NONE, DT_NONE);
+    return DT_OK;
 }
 
 /* ---- all together ---- */
 
-/* Fills p and the mesh, but for the points that have been removed from the grid. */
+/* Fills p and the mesh. */
 static enum dt_status triangulate(struct dt_shell *s, const struct dt_point *in, uint32_t n,
                                   struct dt_point *p, uint32_t *from, const struct dt_options *opt)
 {
     bool line;
     enum dt_status status = dt_shell_grow(s, in, n, p, from, s->mesh, opt, &line);
-    if (status != DT_OK)
-        return status;
-    if (line)
-        triangulate_line(s, in, n, p, from);
-    else
+    if (status == DT_OK && !line)
         dt_shell_close(s);
-    return dt_stop_status(&s->stop);
-}
-
-static enum dt_status triangulate_many(struct dt_shell *s, const struct dt_point *in, uint32_t n,
-                                       struct dt_point *p, uint32_t *from,
-                                       const struct dt_options *opt)
-{
-    enum dt_status status = triangulate(s, in, n, p, from, opt);
     dt_shell_clear(s);
-    if (status != DT_OK)
-        return status;
-    for (struct dt_piece at = dt_pieces(0, n); dt_next_piece(&s->stop, &at);)
-        for (uint32_t i = at.a; i < at.b; i++)
+    if (status == DT_OK && line)
+        return triangulate_line(s, in, n, p, from, opt);
+    for (struct dt_piece at = dt_pieces(0, n); status == DT_OK && dt_next_piece(&s->stop, &at);)
+        for (uint32_t i = at.a; i < at.b; i++) /* they were removed from the grid */
             p[i] = in[from[i]];
-    dt_hull_settle(s->mesh, p, &s->stop);
-    return dt_stop_status(&s->stop);
+    return status == DT_OK ? dt_stop_status(&s->stop) : status;
 }
 
 enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struct dt_point *p,
@@ -319,7 +266,7 @@ enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struc
                                     const struct dt_observer *observer)
 {
     struct dt_shell s = {.mesh = m, .observer = observer};
-    enum dt_status status = dt_mesh_reserve(m, n, n < 2 ? 0 : 2 * n - 2);
+    enum dt_status status = dt_mesh_reserve(m, n, n < 2 ? 0 : 2 * n);
     m->tri_end = m->dead = m->ghosts = 0;
     m->free_list = DT_NONE;
     m->vertices = n;
@@ -331,7 +278,7 @@ enum dt_status dt_shelling_observed(const struct dt_point *in, uint32_t n, struc
         observe(&s, DT_EVENT_HULL, 0, DT_NONE, DT_NONE);
     }
     if (n >= 2 && status == DT_OK)
-        status = triangulate_many(&s, in, n, p, from, opt);
+        status = triangulate(&s, in, n, p, from, opt);
     if (status != DT_OK)
         dt_mesh_clear(m);
     return status;

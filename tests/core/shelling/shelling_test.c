@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "core/exact/predicates.h"
+#include "core/mesh/hull.h"
 #include "tests/core/polls.h"
 #include "tests/oracle/definition.h"
 #include "tests/oracle/families.h"
@@ -104,8 +105,13 @@ TEST(points_on_a_line_are_chained_in_order)
         keep_distinct(b.in, b.n);
         build(&b);
         CHECK(dt_mesh_is_line(&b.mesh) && dt_mesh_edges(&b.mesh) == b.n - 1);
-        for (uint32_t v = 1; v < b.n; v++)
-            CHECK(b.p[v].x == b.p[v - 1].x + 3);
+        uint32_t g = dt_hull_first(&b.mesh, b.from, false), last = dt_hull_vertex(&b.mesh, g);
+        double step = 0; /* from one end to the other */
+        for (uint32_t i = 1; i < b.n; i++, last = dt_hull_vertex(&b.mesh, g)) {
+            g = dt_hull_step(&b.mesh, g, false);
+            step = i == 1 ? b.p[dt_hull_vertex(&b.mesh, g)].x - b.p[last].x : step;
+            CHECK(fabs(step) == 3 && b.p[dt_hull_vertex(&b.mesh, g)].x == b.p[last].x + step);
+        }
         built_free(&b);
     }
 }
