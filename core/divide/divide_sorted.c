@@ -1,9 +1,15 @@
-/* divide_sorted.c - builds the triangulation of sorted points by the steps of a plan (plan.h): blocks are pushed onto a
- * stack of parts, and merges join the upper two.
+/* divide_sorted.c - builds the triangulation of sorted points by the steps of a plan (plan.h): blocks are made from left to
+ * right, and each is joined with parts on its left as often as the plan says.
  *
- * For several threads, the merges of more than a small share of the points become a tree, whose leaves are tasks: ranges
- * of vertices whose steps make one part. Threads take tasks from left to right; the thread that finishes the second
- * child of a join does the join and continues upwards. The result is the same as on one thread. */
+ *     step      3    2 then 1 merge      4    1 then 2 merges
+ *     part    [0 1 2] [3 4]           [5 6 7 8] [9]              the merge after 3 4 makes one part of the first two
+ *
+ * A part is stored at its end, in the two records that it does not need (part.h), so the part on the left of any vertex is
+ * known by its place.
+ *
+ * Several threads make the parts of slices of the vertices, as far as they can be joined inside of the slice. Then each part
+ * meets its neighbours: one that is to be joined with the part on its left where it begins, any other one where it ends. The
+ * thread that comes second joins the two and continues with the result. So the merges are the same as on one thread. */
 #include "core/control/parallel.h"
 #include "core/divide/block.h"
 #include "core/divide/divide.h"
@@ -11,17 +17,7 @@
 #include "core/memory/memory.h"
 #include "core/mesh/hull.h"
 
-#define TASKS_PER_THREAD 32u
-#define NONE UINT32_MAX
-
-/* A task, if it has no children, or a join. */
-struct node {
-    uint32_t lo, hi; /* vertices */
-    uint32_t child[2], parent;
-    unsigned axis;
-    atomic_uint finished; /* children */
-    struct dt_part part;
-};
+#define SLICES_PER_THREAD 32u
 
 struct build {
     struct dt_merging merging;
@@ -29,12 +25,16 @@ struct build {
     uint32_t n;
     const struct dt_options *opt;
     struct dt_stop stop;
-    atomic_uint finished; /* points of finished tasks, for progress */
-    uint32_t limit;       /* points of a task */
-    struct node *node;    /* owns */
-    uint32_t nodes, node_cap;
-    uint32_t *task; /* owns: nodes from left to right */
-    uint32_t tasks, task_cap;
+    atomic_uint finished; /* points of finished slices, for progress */
+    unsigned slices;
+};
+
+/* Where a part ends. */
+struct end {
+    struct dt_part part;
+    uint32_t merges;     /* that join it with parts on its left, still to be done */
+    uint32_t right;      /* the end of the part on its right, if that has come here */
+    atomic_uint arrived; /* parts that have come here to be joined */
 };
 
 static bool good(const struct build *b)
@@ -42,21 +42,26 @@ static bool good(const struct build *b)
     return dt_stop_status(&b->stop) == DT_OK;
 }
 
-/* Room for one more item: the array, moved or not; NULL: out of memory, the build stops. */
-static void *room_for_one(struct build *b, void *array, uint32_t used, uint32_t *cap, size_t size)
+static struct end *end_at(const struct build *b, uint32_t v)
 {
-    if (used < *cap)
-        return array;
-    size_t want = dt_array_room(*cap, (size_t)used + 1, UINT32_MAX / 2);
-    void *larger = dt_array_grow(array, used, want, size);
-    if (larger == NULL)
-        dt_stop_because(&b->stop, DT_NOMEM);
-    else
-        *cap = (uint32_t)want;
-    return larger;
+    return (void *)(b->merging.mesh->half + 16 * (size_t)v - 16);
 }
 
-/* ---- a range of vertices ---- */
+static uint32_t begin_of(const struct build *b, uint32_t end)
+{
+    return end - end_at(b, end)->part.n;
+}
+
+/* Joins the parts that meet at mid; the right one ends at `end`, as does the result. */
+static void join(struct build *b, uint32_t mid, uint32_t end)
+{
+    struct end *e = end_at(b, end);
+    e->part = dt_merge_parts(&b->merging, &end_at(b, mid)->part, &e->part,
+                             DT_STEP_AXIS(b->step[mid]), mid);
+    e->merges--;
+}
+
+/* ---- slices ---- */
 
 static void report(struct build *b, uint32_t n)
 {
@@ -66,187 +71,77 @@ static void report(struct build *b, uint32_t n)
                               memory_order_relaxed);
 }
 
-/* Parts that lie side by side. */
-struct stack {
-    struct dt_part *part; /* owns */
-    uint32_t parts, cap;
-};
-
-/* The block at vertex v, and the merges after it, but for those that join the range with what is before. Returns where
- * it ends. */
-static uint32_t run_step(struct build *b, struct stack *s, uint32_t v)
+/* The slice begins with the first block that begins in it. */
+static uint32_t begin_of_slice(const struct build *b, unsigned i)
 {
-    uint32_t step = b->step[v], end = v + DT_STEP_POINTS(step);
-    struct dt_part *part = room_for_one(b, s->part, s->parts, &s->cap, sizeof *part);
-    if (part == NULL)
-        return end;
-    s->part = part;
-    part += s->parts++;
-    *part = dt_block(&b->merging, v, DT_STEP_POINTS(step));
-    for (uint32_t k = DT_STEP_MERGES(step); k > 0 && s->parts > 1 && part->n > 0; k--, part--) {
-        uint32_t mid = end - part->n;
-        part[-1] = dt_merge_parts(&b->merging, part - 1, part, DT_STEP_AXIS(b->step[mid]), mid);
-        s->parts--;
-    }
+    uint32_t v = dt_slice(b->n, i, b->slices);
+    while (v < b->n && b->step[v] == 0)
+        v++;
+    return v;
+}
+
+/* The block at vertex v, and the merges after it with parts that begin at `lo` or later and await no merge
+ * themselves. Returns its end. */
+static uint32_t run_step(struct build *b, uint32_t lo, uint32_t v)
+{
+    uint32_t step = b->step[v], end = v + DT_STEP_POINTS(step), begin;
+    struct end *e = end_at(b, end);
+    e->part = dt_block(&b->merging, v, DT_STEP_POINTS(step));
+    e->merges = DT_STEP_MERGES(step);
+    for (begin = v; e->merges > 0 && begin > lo && end_at(b, begin)->merges == 0;
+         begin = begin_of(b, end))
+        join(b, begin, end);
     return end;
 }
 
-static struct dt_part run_range(struct build *b, uint32_t lo, uint32_t hi)
+/* The part that ends there meets its neighbours. */
+static void meet(struct build *b, uint32_t end)
+{
+    while (good(b)) {
+        bool begins = end_at(b, end)->merges > 0; /* it waits for the part on its left */
+        uint32_t at = begins ? begin_of(b, end) : end;
+        if (at == b->n)
+            return;
+        if (begins)
+            end_at(b, at)->right = end;
+        if (atomic_fetch_add(&end_at(b, at)->arrived, 1) == 0)
+            return;
+        end = end_at(b, at)->right;
+        join(b, at, end);
+    }
+}
+
+static void run_slice(void *arg, unsigned i)
 {
     enum { REPORT = 8192 }; /* points between two polls */
-    struct stack s = {0};
-    struct dt_part all = {0};
-    uint32_t reported = lo;
+    struct build *b = arg;
+    uint32_t lo = begin_of_slice(b, i), hi = begin_of_slice(b, i + 1), reported = lo;
     for (uint32_t v = lo; v < hi && good(b);) {
-        v = run_step(b, &s, v);
+        v = run_step(b, lo, v);
         if (v - reported >= REPORT || v == hi) {
             report(b, v - reported);
             reported = v;
             dt_stopped(&b->stop);
         }
     }
-    if (good(b))
-        all = s.part[0];
-    dt_array_free(s.part);
-    return all;
-}
-
-/* ---- tasks ---- */
-
-/* A range on the way to the tree: a node of it, or NONE while it is small; and the merges after it. */
-struct item {
-    uint32_t lo, hi, node, merges;
-};
-
-/* Ranges that lie side by side. */
-struct items {
-    struct item *item; /* owns */
-    uint32_t n, cap;
-};
-
-/* The item's node; NONE: out of memory. */
-static uint32_t node_of(struct build *b, struct item x)
-{
-    if (x.node != NONE || !good(b))
-        return x.node;
-    struct node *node = room_for_one(b, b->node, b->nodes, &b->node_cap, sizeof *node);
-    uint32_t *task = room_for_one(b, b->task, b->tasks, &b->task_cap, sizeof *task);
-    b->node = node == NULL ? b->node : node;
-    b->task = task == NULL ? b->task : task;
-    if (node == NULL || task == NULL)
-        return NONE;
-    task[b->tasks++] = b->nodes;
-    node[b->nodes] = (struct node){.lo = x.lo, .hi = x.hi, .child = {NONE, NONE}, .parent = NONE};
-    return b->nodes++;
-}
-
-static struct item join(struct build *b, struct item l, struct item r)
-{
-    if (r.hi - l.lo <= b->limit)
-        return (struct item){l.lo, r.hi, NONE, 0};
-    uint32_t left = node_of(b, l), right = node_of(b, r);
-    struct node *node = room_for_one(b, b->node, b->nodes, &b->node_cap, sizeof *node);
-    b->node = node == NULL ? b->node : node;
-    if (!good(b))
-        return (struct item){l.lo, r.hi, NONE, 0};
-    node[left].parent = node[right].parent = b->nodes;
-    node[b->nodes] = (struct node){.lo = l.lo,
-                                   .hi = r.hi,
-                                   .child = {left, right},
-                                   .parent = NONE,
-                                   .axis = DT_STEP_AXIS(b->step[r.lo])};
-    return (struct item){l.lo, r.hi, b->nodes++, 0};
-}
-
-/* Appends the item, joined with those before it by the merges after it; unless `all` are wanted, only as long as the range is
- * small and the one before it awaits no merges itself. */
-static void push(struct build *b, struct items *s, struct item x, bool all)
-{
-    while (s->n > 0 && x.merges > 0) {
-        const struct item *before = &s->item[s->n - 1];
-        uint32_t merges = x.merges - 1;
-        if (!all && (before->merges > 0 || x.hi - before->lo > b->limit))
-            break;
-        x = join(b, *before, x);
-        x.merges = merges;
-        s->n--;
-    }
-    struct item *larger = room_for_one(b, s->item, s->n, &s->cap, sizeof *larger);
-    if (larger == NULL)
-        return;
-    s->item = larger;
-    larger[s->n++] = x;
-}
-
-/* Shares of the vertices, and what remains of their blocks after all merges of small ranges in them. */
-struct shares {
-    struct build *build;
-    struct items share[DT_MAX_THREADS];
-    unsigned n;
-};
-
-/* Share i begins with the first block that begins in slice i. */
-static void fill_share(void *arg, unsigned i)
-{
-    struct shares *w = arg;
-    struct build *b = w->build;
-    uint32_t v = dt_slice(b->n, i, w->n), hi = dt_slice(b->n, i + 1, w->n);
-    while (v < hi && b->step[v] == 0)
-        v++;
-    while (v < hi && good(b)) {
-        uint32_t step = b->step[v], end = v + DT_STEP_POINTS(step);
-        push(b, &w->share[i], (struct item){v, end, NONE, DT_STEP_MERGES(step)}, false);
-        if (v / DT_POLL != end / DT_POLL)
-            dt_stopped(&b->stop);
-        v = end;
+    for (uint32_t end = hi; end > lo && good(b); end = begin_of(b, end))
+        if (end < hi)
+            atomic_init(&end_at(b, end)->arrived, 0);
+    for (uint32_t end = hi, next; end > lo && good(b); end = next) {
+        next = begin_of(b, end);
+        meet(b, end);
     }
 }
 
-/* Returns its root. */
-static uint32_t make_tree(struct build *b, unsigned threads)
+/* Returns the part of all points. */
+static struct dt_part run(struct build *b)
 {
-    struct shares w = {.build = b, .n = threads};
-    struct items all = {0};
-    dt_run(b->opt->pool, threads, fill_share, &w);
-    for (unsigned i = 0; i < threads; i++) {
-        for (uint32_t k = 0; k < w.share[i].n && good(b); k++)
-            push(b, &all, w.share[i].item[k], true);
-        dt_array_free(w.share[i].item);
-    }
-    uint32_t root = good(b) ? node_of(b, all.item[0]) : NONE;
-    dt_array_free(all.item);
-    return root;
-}
-
-/* Task i, and all joins for which it brings the second part. */
-static void run_task(void *arg, unsigned i)
-{
-    struct build *b = arg;
-    struct node *node = &b->node[b->task[i]];
-    node->part = run_range(b, node->lo, node->hi);
-    while (node->parent != NONE) {
-        node = &b->node[node->parent];
-        if (atomic_fetch_add(&node->finished, 1) == 0)
-            return; /* the sibling's thread will join them */
-        if (good(b))
-            node->part = dt_merge_parts(&b->merging, &b->node[node->child[0]].part,
-                                        &b->node[node->child[1]].part, node->axis,
-                                        b->node[node->child[1]].lo);
-    }
-}
-
-static struct dt_part run_tasks(struct build *b, unsigned threads)
-{
-    struct dt_part all = {0};
-    b->limit = b->n / (threads * TASKS_PER_THREAD);
-    uint32_t root = make_tree(b, threads);
-    if (good(b)) {
-        b->opt->pool->run(b->opt->pool->ctx, b->tasks, run_task, b);
-        all = b->node[root].part;
-    }
-    dt_array_free(b->node);
-    dt_array_free(b->task);
-    return all;
+    unsigned threads = dt_threads_for(b->opt->pool, b->n);
+    b->slices = threads > 1 ? threads * SLICES_PER_THREAD : 1;
+    for (unsigned i = 1; i < b->slices; i++)
+        atomic_init(&end_at(b, begin_of_slice(b, i))->arrived, 0);
+    dt_run(b->opt->pool, b->slices, run_slice, b);
+    return end_at(b, b->n)->part;
 }
 
 /* The records of the whole mesh are there. Joins keep leaving[] of every vertex right, so only the hull is left to be
@@ -274,12 +169,11 @@ enum dt_status dt_divide_sorted(const struct dt_point *p, uint32_t n, const uint
                       .opt = opt == NULL ? &none : opt,
                       .stop = dt_stop_of(opt)};
     b.merging.stop = &b.stop;
-    unsigned threads = dt_threads_for(b.opt->pool, n);
     if (dt_mesh_reserve(m, n, 2 * n) != DT_OK)
         dt_stop_because(&b.stop, DT_NOMEM);
     struct dt_part all = {0};
     if (good(&b) && n > 0)
-        all = threads > 1 ? run_tasks(&b, threads) : run_range(&b, 0, n);
+        all = run(&b);
     if (good(&b))
         finish(&b, &all);
     if (!good(&b))
