@@ -21,6 +21,10 @@
  * 1 of the mesh, so parts need no allocator and no locks (merge.h). Until blocks fill it, the mesh is the
  * scratch memory for points: fresh memory is too expensive to be used once.
  *
+ * With several threads, all of them sort a range of a large share of the points together; what has no more than a
+ * small share becomes a task. Then threads take tasks, from left to right. The ranges are disjoint, so no two threads ever
+ * touch the same place, and the result is the same as on one thread.
+ *
  * The recursion goes down the bits of the key; where one grid ends, the next one begins: a tile gets
  * its own cells, a crowded cell a grid on its own tight box (a zoom), or, if it holds a dozen points
  * at most, one cut between two blocks (few.c). Along a curve, a grid is a row of strips (order.c).
@@ -67,61 +71,131 @@
 #include "core/memory/memory.h"
 
 #define ASK_TO_STOP 4096u /* points that are worth the question */
+#define TASKS_PER_THREAD 16u
+#define LAST_QUARTER 8u      /* times as many tasks in there */
+#define RANGES_PER_THREAD 4u /* crowded cells of a larger share are not left to one thread */
 
-struct dt_blocks dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
-                                 const struct dt_level *level, uint32_t key, uint32_t s)
+/* Cells of a level that one thread will sort. */
+struct task {
+    struct task *next;
+    const struct dt_level *level;
+    uint32_t key, s;
+};
+
+/* Goes down the grids. */
+struct walk {
+    struct dt_division *d;
+    struct dt_arena arena; /* owns levels, and tasks */
+    unsigned threads;      /* that sort a range together; one: there are no tasks */
+    struct task *first, **end;
+    uint32_t tasks;
+    struct task *_Atomic next; /* to be run */
+};
+
+static void *take(struct walk *w, size_t size)
 {
-    uint32_t hi, lo = dt_level_range(level, key, s, &hi), n = hi - lo;
-    if (n == 0)
-        return level->done;
-    if (n <= DT_BLOCK && !level->tiles) /* tiles are elsewhere */
-        return dt_plan_few(&d->plan, d->p, d->from, lo, n);
-    if (s == 0)
-        return dt_divide_range(d, arena, dt_level_source(d, level, lo), lo, n, level->skew);
-    if (n > ASK_TO_STOP && dt_stopped(&d->stop))
-        return (struct dt_blocks){0};
-    struct dt_blocks a = dt_divide_cells(d, arena, level, 2 * key, s - 1);
-    struct dt_blocks b = dt_divide_cells(d, arena, level, 2 * key + 1, s - 1);
-    return dt_plan_join(&d->plan, a, b, level->order.axis[s - 1]);
+    void *p = dt_arena_take(&w->arena, 1, size);
+    if (p == NULL)
+        dt_stop_because(&w->d->stop, DT_NOMEM);
+    return p;
 }
 
-static struct dt_blocks divide_halves(struct dt_division *d, struct dt_arena *arena,
-                                      struct dt_source src, uint32_t lo, uint32_t n)
+static void add_task(struct walk *w, struct task it)
 {
+    struct task *task = take(w, sizeof *task);
+    if (task == NULL)
+        return;
+    *task = it;
+    *w->end = task;
+    w->end = &task->next;
+    w->tasks++;
+}
+
+/* Whether n points from lo on, with s bits of their key to go, are left to one of several threads. The last tasks are smaller,
+ * so that all threads have something to do until the end. */
+static bool is_task(const struct walk *w, uint32_t lo, uint32_t n, uint32_t s)
+{
+    uint32_t all = w->d->n;
+    uint32_t limit = all / (w->threads * (s > 0 ? TASKS_PER_THREAD : RANGES_PER_THREAD));
+    if (s > 0 && lo >= all - all / 4)
+        limit /= LAST_QUARTER;
+    return n <= limit || n <= DT_BLOCK;
+}
+
+static void sort_range(struct walk *w, struct dt_source src, uint32_t lo, uint32_t n,
+                       unsigned skew);
+
+/* Sorts the points of a level whose key starts with `key`, with s bits to go. */
+static void sort_cells(struct walk *w, const struct dt_level *level, uint32_t key, uint32_t s)
+{
+    struct dt_division *d = w->d;
+    uint32_t hi, lo = dt_level_range(level, key, s, &hi), n = hi - lo, mid;
+    if (n == 0)
+        return;
+    if (w->threads > 1 && is_task(w, lo, n, s)) {
+        add_task(w, (struct task){.level = level, .key = key, .s = s});
+        return;
+    }
+    if (n <= DT_BLOCK && !level->tiles) { /* tiles are elsewhere */
+        dt_plan_few(&d->plan, d->p, d->from, lo, n);
+        return;
+    }
+    if (s == 0) {
+        sort_range(w, dt_level_source(d, level, lo), lo, n, level->skew);
+        return;
+    }
+    if (n > ASK_TO_STOP && dt_stopped(&d->stop))
+        return;
+    (void)dt_level_range(level, 2 * key, s - 1, &mid);
+    dt_plan_cut(&d->plan, lo, mid, hi, level->order.axis[s - 1]);
+    sort_cells(w, level, 2 * key, s - 1);
+    sort_cells(w, level, 2 * key + 1, s - 1);
+}
+
+static void sort_halves(struct walk *w, struct dt_source src, uint32_t lo, uint32_t n)
+{
+    struct dt_division *d = w->d;
     unsigned axis;
     uint32_t half = dt_level_halve(d, src, lo, n, &axis), mid = lo + half;
     if (dt_stopped(&d->stop))
-        return (struct dt_blocks){0};
-    struct dt_blocks a =
-        dt_divide_range(d, arena, (struct dt_source){d->p + lo, d->from + lo}, lo, half, 0);
-    struct dt_blocks b =
-        dt_divide_range(d, arena, (struct dt_source){d->p + mid, d->from + mid}, mid, n - half, 0);
-    return dt_plan_join(&d->plan, a, b, axis);
+        return;
+    dt_plan_cut(&d->plan, lo, mid, lo + n, axis);
+    sort_range(w, (struct dt_source){d->p + lo, d->from + lo}, lo, half, 0);
+    sort_range(w, (struct dt_source){d->p + mid, d->from + mid}, mid, n - half, 0);
 }
 
-struct dt_blocks dt_divide_range(struct dt_division *d, struct dt_arena *arena,
-                                 struct dt_source src, uint32_t lo, uint32_t n, unsigned skew)
+/* Sorts the points src[0 .. n-1], n > 0, to the places lo .. lo + n - 1. */
+static void sort_range(struct walk *w, struct dt_source src, uint32_t lo, uint32_t n, unsigned skew)
 {
+    struct dt_division *d = w->d;
     if (n <= DT_FEW) {
-        if (src.p != d->p + lo) {
-            memcpy(d->p + lo, src.p, n * sizeof *src.p);
-            for (uint32_t i = 0; i < n; i++)
-                d->from[lo + i] = src.from == NULL ? i : src.from[i];
-        }
-        return dt_plan_few(&d->plan, d->p, d->from, lo, n);
+        dt_level_bring(d, src, lo, n);
+        dt_plan_few(&d->plan, d->p, d->from, lo, n);
+        return;
     }
-    struct dt_blocks part = {0};
+    struct dt_arena_mark mark = dt_arena_mark(&w->arena);
+    struct dt_level *level = take(w, sizeof *level);
     if (dt_stopped(&d->stop))
-        return part;
-    struct dt_arena_mark mark = dt_arena_mark(arena);
-    struct dt_level level;
-    enum dt_opening opening = dt_level_open(d, arena, 1, src, lo, n, skew, &level);
+        return;
+    enum dt_opening opening = dt_level_open(d, &w->arena, w->threads, src, lo, n, skew, level);
     if (opening == DT_LEVEL_OPEN)
-        part = dt_divide_cells(d, arena, &level, 0, level.order.bits);
-    dt_arena_return(arena, mark);
+        sort_cells(w, level, 0, level->order.bits);
+    if (w->threads == 1)
+        dt_arena_return(&w->arena, mark);
     if (opening == DT_LEVEL_SKEWED)
-        part = divide_halves(d, arena, src, lo, n);
-    return part;
+        sort_halves(w, src, lo, n);
+}
+
+/* The next task, from left to right. */
+static void run_task(void *arg, unsigned i)
+{
+    struct walk *all = arg, w = {.d = all->d, .arena = {.pages = all->d->pages}, .threads = 1};
+    struct task *task = atomic_load(&all->next);
+    (void)i;
+    while (!atomic_compare_exchange_weak(&all->next, &task, task->next))
+        continue;
+    sort_cells(&w, task->level, task->key, task->s);
+    dt_arena_clear(&w.arena);
 }
 
 enum dt_status dt_divide_sort(struct dt_source in, uint32_t n, struct dt_named out,
@@ -137,15 +211,18 @@ enum dt_status dt_divide_sort(struct dt_source in, uint32_t n, struct dt_named o
                             .pages = pages,
                             .opt = opt == NULL ? &none : opt,
                             .stop = dt_stop_of(opt)};
-    unsigned threads = dt_threads_for(d.opt->pool, n);
-    struct dt_arena arena = {.pages = pages};
+    struct walk w = {.d = &d,
+                     .arena = {.pages = pages},
+                     .threads = dt_threads_for(d.opt->pool, n),
+                     .end = &w.first};
     for (struct dt_piece at = dt_pieces(0, n); dt_next_piece(&d.stop, &at);)
         memset(plan.step + at.a, 0, (at.b - at.a) * sizeof *plan.step);
-    if (threads > 1)
-        dt_divide_tasks(&d, in, threads);
-    else if (n > 0)
-        dt_divide_range(&d, &arena, in, 0, n, 0);
-    dt_arena_clear(&arena);
+    if (n > 0)
+        sort_range(&w, in, 0, n, 0);
+    atomic_init(&w.next, w.first);
+    if (w.tasks > 0 && dt_stop_status(&d.stop) == DT_OK)
+        dt_run(d.opt->pool, w.tasks, run_task, &w);
+    dt_arena_clear(&w.arena);
     return dt_stop_status(&d.stop);
 }
 

@@ -251,8 +251,10 @@ static void scatter_all(struct sort *s, uint32_t lo, bool tiles)
 
 /* ---- the median ---- */
 
-static void bring(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n)
+void dt_level_bring(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n)
 {
+    if (src.p == d->p + lo)
+        return;
     for (struct dt_piece at = dt_pieces(0, n); dt_next_piece(&d->stop, &at);) {
         memcpy(d->p + lo + at.a, src.p + at.a, (at.b - at.a) * sizeof *src.p);
         for (uint32_t i = at.a; i < at.b; i++)
@@ -263,33 +265,13 @@ static void bring(struct dt_division *d, struct dt_source src, uint32_t lo, uint
 uint32_t dt_level_halve(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n,
                         unsigned *axis)
 {
-    if (src.p != d->p + lo)
-        bring(d, src, lo, n);
+    dt_level_bring(d, src, lo, n);
     struct dt_box box = dt_box_of(d->p + lo, 1);
     for (struct dt_piece at = dt_pieces(lo, lo + n); dt_next_piece(&d->stop, &at);)
         box = dt_box_join(box, dt_box_of(d->p + at.a, at.b - at.a));
     *axis = dt_box_axis(&box);
     struct dt_piece same = dt_median_part(d->p + lo, d->from + lo, n, *axis, &d->stop);
     return same.a > 0 ? same.a : same.b;
-}
-
-/* ---- points at one place ---- */
-
-/* They become the part of a level without cells. */
-static enum dt_opening sort_one_place(struct dt_division *d, struct dt_arena *arena,
-                                      struct dt_source src, struct dt_level *level, uint32_t n)
-{
-    uint32_t lo = level->lo;
-    if (src.p != d->p + lo)
-        bring(d, src, lo, n);
-    level->start = dt_arena_take(arena, 2, sizeof *level->start);
-    if (level->start == NULL)
-        dt_stop_because(&d->stop, DT_NOMEM);
-    if (dt_stopped(&d->stop))
-        return DT_LEVEL_FAILED;
-    level->start[0] = level->start[1] = 0;
-    level->done = dt_plan_place(&d->plan, d->p, d->from, lo, n);
-    return DT_LEVEL_OPEN;
 }
 
 /* ---- opening ---- */
@@ -305,9 +287,12 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
     uint32_t most = n;
     *level = (struct dt_level){.lo = lo};
     if (dt_stopped(&d->stop))
-        return DT_LEVEL_FAILED;
-    if (box.lo.x == box.hi.x && box.lo.y == box.hi.y)
-        return sort_one_place(d, arena, src, level, n);
+        return DT_LEVEL_DONE;
+    if (box.lo.x == box.hi.x && box.lo.y == box.hi.y) {
+        dt_level_bring(d, src, lo, n);
+        dt_plan_place(&d->plan, d->p, d->from, lo, n);
+        return DT_LEVEL_DONE;
+    }
     if (n > DT_TILED)
         most = count_by(&s, box, true, elsewhere ? d->from + lo : NULL, level);
     if (most > n / 2) { /* too few points for tiles, or tiles do not part them */
@@ -315,7 +300,7 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
         most = count_by(&s, box, false, NULL, level);
     }
     if (dt_stopped(&d->stop))
-        return DT_LEVEL_FAILED;
+        return DT_LEVEL_DONE;
     level->skew = most > n / 2 ? skew + 1 : 0;
     if (level->skew > DT_ZOOMS) {
         dt_arena_return(arena, before);
@@ -323,5 +308,5 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
     }
     scatter_all(&s, lo, level->tiles);
     dt_arena_return(arena, s.scratch);
-    return dt_stopped(&d->stop) ? DT_LEVEL_FAILED : DT_LEVEL_OPEN;
+    return dt_stopped(&d->stop) ? DT_LEVEL_DONE : DT_LEVEL_OPEN;
 }

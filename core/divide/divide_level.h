@@ -1,6 +1,6 @@
 /* divide_level.h - one grid of the divide engine over one range of points: sorted, by one thread or
  * by several.
- * Shared by divide.c and divide_tasks.c. */
+ */
 #ifndef DT_DIVIDE_LEVEL_H
 #define DT_DIVIDE_LEVEL_H
 
@@ -35,7 +35,6 @@ struct dt_level {
     uint32_t lo;
     bool tiles;    /* sorted into the spare arrays, each tile to be sorted again; else into p */
     unsigned skew; /* grids in a row of which one cell held more than half */
-    struct dt_blocks done; /* points at one place, which are in no cell */
 };
 
 /* The points from lo on, where the level has sorted them. */
@@ -49,16 +48,18 @@ static inline struct dt_source dt_level_source(const struct dt_division *d,
 enum dt_opening {
     DT_LEVEL_OPEN,
     DT_LEVEL_SKEWED, /* no grid helps: cut at the median */
-    DT_LEVEL_FAILED  /* division.stop says why */
+    DT_LEVEL_DONE    /* all are at one place, and sorted; or division.stop says why not */
 };
 
 /* Sorts the points src[0 .. n-1], n > 0, to the places lo .. lo + n - 1 by a new grid. src may be at lo in p or in
  * the spare arrays (then it is copied first if need be), or anything that overlaps with neither. Up to `threads`
- * threads of the pool share the work. The level lives in the arena. If all points are at one place, they are sorted to
- * the end, and the level has no cells with points. */
+ * threads of the pool share the work. The level lives in the arena. */
 enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned threads,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level);
+
+/* Brings the points to p[lo ..]. */
+void dt_level_bring(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n);
 
 /* Brings the points, which are not all at one place, to p[lo ..] and parts them at their median, or beside it so that
  * points at one place stay together: the first ones precede the others by (x, y) or (y, -x), depending on the axis, which
@@ -66,23 +67,12 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
 uint32_t dt_level_halve(struct dt_division *d, struct dt_source src, uint32_t lo, uint32_t n,
                         unsigned *axis);
 
-/* Points src[0 .. n-1], n > 0, are sorted to the places lo .. lo + n - 1. */
-struct dt_blocks dt_divide_range(struct dt_division *d, struct dt_arena *arena,
-                                 struct dt_source src, uint32_t lo, uint32_t n, unsigned skew);
-
-/* Sorts the points of a level whose key starts with `key`, with s bits to go. */
-struct dt_blocks dt_divide_cells(struct dt_division *d, struct dt_arena *arena,
-                                 const struct dt_level *level, uint32_t key, uint32_t s);
-
-/* The places lo .. *hi - 1 of those points. */
+/* The places lo .. *hi - 1 of the points of a level whose key starts with `key`, with s bits to go. */
 static inline uint32_t dt_level_range(const struct dt_level *level, uint32_t key, uint32_t s,
                                       uint32_t *hi)
 {
     *hi = level->lo + level->start[((size_t)key + 1) << s];
     return level->lo + level->start[(size_t)key << s];
 }
-
-/* Sorts all of d->n points on `threads` threads of the pool. */
-void dt_divide_tasks(struct dt_division *d, struct dt_source in, unsigned threads);
 
 #endif

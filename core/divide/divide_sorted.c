@@ -1,8 +1,9 @@
 /* divide_sorted.c - builds the triangulation of sorted points by the steps of a plan (plan.h): blocks are made from left to
  * right, and each is joined with parts on its left as often as the plan says.
  *
- *     step      3    2 then 1 merge      4    1 then 2 merges
- *     part    [0 1 2] [3 4]           [5 6 7 8] [9]              the merge after 3 4 makes one part of the first two
+ *     points    3     2     4      1
+ *     merges    0     1     0      2
+ *     part   [0 1 2][3 4][5 6 7 8][9]      the merge after 3 4 makes one part of the first two
  *
  * A part is stored at its end, in the two records that it does not need (part.h), so the part on the left of any vertex is
  * known by its place.
@@ -75,7 +76,7 @@ static void report(struct build *b, uint32_t n)
 static uint32_t begin_of_slice(const struct build *b, unsigned i)
 {
     uint32_t v = dt_slice(b->n, i, b->slices);
-    while (v < b->n && b->step[v] == 0)
+    while (v < b->n && DT_STEP_POINTS(b->step[v]) == 0)
         v++;
     return v;
 }
@@ -84,10 +85,10 @@ static uint32_t begin_of_slice(const struct build *b, unsigned i)
  * themselves. Returns its end. */
 static uint32_t run_step(struct build *b, uint32_t lo, uint32_t v)
 {
-    uint32_t step = b->step[v], end = v + DT_STEP_POINTS(step), begin;
+    uint32_t points = DT_STEP_POINTS(b->step[v]), end = v + points, begin;
     struct end *e = end_at(b, end);
-    e->part = dt_block(&b->merging, v, DT_STEP_POINTS(step));
-    e->merges = DT_STEP_MERGES(step);
+    e->part = dt_block(&b->merging, v, points);
+    e->merges = DT_STEP_MERGES(b->step[end - 1]);
     for (begin = v; e->merges > 0 && begin > lo && end_at(b, begin)->merges == 0;
          begin = begin_of(b, end))
         join(b, begin, end);

@@ -14,7 +14,8 @@ static bool precedes(unsigned axis, struct dt_point a, struct dt_point b)
     return axis == 0 ? dt_before_x(a, b) : dt_before_y(a, b);
 }
 
-void dt_insertion_sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32_t n)
+/* Sorts points that are nearly in order. */
+static void insertion_sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32_t n)
 {
     for (uint32_t i = 1; i < n; i++) {
         struct dt_point q = p[i];
@@ -49,7 +50,7 @@ INLINE bool sort(const unsigned axis, struct dt_point *p, uint32_t *from, const 
     for (uint32_t i = 1; i < n; i++)
         ascending &= axis == 0 ? p[i - 1].x < p[i].x : p[i - 1].y < p[i].y;
     if (__builtin_expect(!ascending, 0))
-        dt_insertion_sort(axis, p, from, n);
+        insertion_sort(axis, p, from, n);
     return ascending;
 }
 

@@ -31,8 +31,4 @@ bool dt_block_sort(struct dt_point *p, uint32_t *from, uint32_t n);
  * neighbours. Cost: O(n^2), without branches. */
 unsigned dt_few_sort(struct dt_point *p, uint32_t *from, uint32_t n);
 
-/* Sorts n points, and their names, as cuts of the axis want them (part.h). Cost: O(n) where they are nearly in order,
- * else O(n^2). */
-void dt_insertion_sort(unsigned axis, struct dt_point *p, uint32_t *from, uint32_t n);
-
 #endif

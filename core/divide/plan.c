@@ -28,80 +28,62 @@ static void mark_runs(const struct dt_plan *w, const struct dt_point *p, uint32_
 }
 
 /* The n sorted points from lo on become a block, those left out that coincide with others. */
-static struct dt_blocks make_block(const struct dt_plan *w, const uint32_t *from, uint32_t lo,
-                                   uint32_t n)
+static void make_block(const struct dt_plan *w, const uint32_t *from, uint32_t lo, uint32_t n)
 {
     uint32_t places = 0;
     for (uint32_t v = lo; v < lo + n; v++)
         places += !(from[v] & DT_COINCIDENT);
-    w->step[lo] = (uint16_t)places;
-    return (struct dt_blocks){places, lo, lo};
+    w->step[lo] = (uint16_t)(w->step[lo] | places);
 }
 
 /* At most DT_BLOCK points. */
-static struct dt_blocks sort_block(const struct dt_plan *w, struct dt_point *p, uint32_t *from,
-                                   uint32_t lo, uint32_t n)
+static void sort_block(const struct dt_plan *w, struct dt_point *p, uint32_t *from, uint32_t lo,
+                       uint32_t n)
 {
-    if (!dt_block_sort(p + lo, from + lo, n)) {
-        mark_runs(w, p + lo, from + lo, n);
-        return make_block(w, from, lo, n);
+    if (dt_block_sort(p + lo, from + lo, n)) {
+        w->step[lo] = (uint16_t)(w->step[lo] | n);
+        return;
     }
-    w->step[lo] = (uint16_t)n;
-    return (struct dt_blocks){n, lo, lo};
+    mark_runs(w, p + lo, from + lo, n);
+    make_block(w, from, lo, n);
 }
 
-/* One half of more points, some of which are marked. */
-static struct dt_blocks sort_marked(const struct dt_plan *w, struct dt_point *p, uint32_t *from,
-                                    uint32_t lo, uint32_t n)
+/* How many of n sorted points are before a cut that is near the middle and beside points at one place; n: all are there. */
+static uint32_t cut_of(const struct dt_point *p, uint32_t n)
 {
-    dt_insertion_sort(0, p + lo, from + lo, n);
-    return make_block(w, from, lo, n);
+    uint32_t mid = n / 2;
+    while (mid > 0 && p[mid - 1].x == p[mid].x && p[mid - 1].y == p[mid].y)
+        mid--;
+    if (mid > 0)
+        return mid;
+    for (mid = 1; mid < n && p[mid].x == p[0].x && p[mid].y == p[0].y;)
+        mid++;
+    return mid;
 }
 
-static bool any_coincide(const struct dt_point *p, uint32_t n)
+void dt_plan_few(const struct dt_plan *w, struct dt_point *p, uint32_t *from, uint32_t lo,
+                 uint32_t n)
 {
-    bool coincide = false;
-    for (uint32_t i = 1; i < n; i++)
-        coincide |= (p[i - 1].x == p[i].x) & (p[i - 1].y == p[i].y);
-    return coincide;
-}
-
-struct dt_blocks dt_plan_few(const struct dt_plan *w, struct dt_point *p, uint32_t *from,
-                             uint32_t lo, uint32_t n)
-{
-    if (n <= DT_BLOCK)
-        return sort_block(w, p, from, lo, n);
-    uint32_t half = n / 2, mid = lo + half;
+    if (n <= DT_BLOCK) {
+        sort_block(w, p, from, lo, n);
+        return;
+    }
     unsigned axis = dt_few_sort(p + lo, from + lo, n);
-    struct dt_blocks a, b;
-    if (any_coincide(p + lo, n)) {
-        mark_runs(w, p + lo, from + lo, n);
-        a = sort_marked(w, p, from, lo, half);
-        b = sort_marked(w, p, from, mid, n - half);
-    } else {
-        a = sort_block(w, p, from, lo, half);
-        b = sort_block(w, p, from, mid, n - half);
+    uint32_t half = cut_of(p + lo, n), mid = lo + half;
+    if (half == n) {
+        dt_plan_place(w, p, from, lo, n);
+        return;
     }
-    return dt_plan_join(w, a, b, axis);
+    dt_plan_cut(w, lo, mid, lo + n, axis);
+    dt_plan_few(w, p, from, lo, half);
+    dt_plan_few(w, p, from, mid, n - half);
 }
 
-struct dt_blocks dt_plan_place(const struct dt_plan *w, struct dt_point *p, uint32_t *from,
-                               uint32_t lo, uint32_t n)
+void dt_plan_place(const struct dt_plan *w, struct dt_point *p, uint32_t *from, uint32_t lo,
+                   uint32_t n)
 {
     mark_place(w, from + lo, n);
     for (uint32_t v = lo; v < lo + n; v++)
         p[v] = (struct dt_point){p[v].x + 0.0, p[v].y + 0.0}; /* -0 becomes 0 */
-    return make_block(w, from, lo, n);
-}
-
-struct dt_blocks dt_plan_join(const struct dt_plan *w, struct dt_blocks a, struct dt_blocks b,
-                              unsigned axis)
-{
-    if (a.n == 0)
-        return b;
-    if (b.n == 0)
-        return a;
-    w->step[b.first] = (uint16_t)(w->step[b.first] | axis << 3);
-    w->step[b.last] = (uint16_t)(w->step[b.last] + (1u << 4));
-    return (struct dt_blocks){a.n + b.n, a.first, b.last};
+    make_block(w, from, lo, n);
 }

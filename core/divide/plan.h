@@ -2,12 +2,12 @@
  * recorded in the order in which they are done.
  *
  *     vertex    0 1 2 | 3 4 | 5 6 7 8 | 9 ...       a block begins at 0, 3, 5, 9 ...
- *     step[]    3         2   4         1
- *               0 merges  1   0         2           after the block at 3, it is merged with the one at 0; after the
+ *     points    3       2     4         1
+ *     merges        0     1         0   2           after the block 3 4, it is merged with the one at 0; after the
  *                                                   block at 9, it with the one at 5, and then all with what is before
  *
  * A merge cuts between the last vertex of one part and the first of the next, so there is one for each block but the
- * first, which remembers the axis. Between the beginnings of blocks, the record is 0. */
+ * first, which remembers the axis. So a cut can be recorded before what is on its two sides. */
 #ifndef DT_PLAN_H
 #define DT_PLAN_H
 
@@ -16,8 +16,8 @@
 /* In the name of a point: there is another one at its place, with a smaller name. */
 #define DT_COINCIDENT (1u << 31)
 
-/* step[]: by place in the order; where a block begins, its points, the axis of the cut before it << 3, and
- * the merges after it << 4. same[]: by name, of points that get DT_COINCIDENT, the smallest
+/* step[]: by place in the order, 0 at first. Where a block begins, its points and the axis of the cut before it << 3; where one
+ * ends, at its last point, the merges after it << 4. same[]: by name, of points that get DT_COINCIDENT, the smallest
  * name at their place. */
 struct dt_plan {
     uint16_t *step;
@@ -28,23 +28,34 @@ struct dt_plan {
 #define DT_STEP_AXIS(step) ((step) >> 3 & 1u)
 #define DT_STEP_MERGES(step) ((uint32_t)(step) >> 4)
 
-/* Neighbouring blocks that will be joined to one part: the number of their places, where the first one begins, and the
- * last one. */
-struct dt_blocks {
-    uint32_t n, first, last;
-};
+/* The points lo .. mid - 1 will be joined with the points mid .. hi - 1, unless there are none on one side. */
+static inline void dt_plan_cut(const struct dt_plan *w, uint32_t lo, uint32_t mid, uint32_t hi,
+                               unsigned axis)
+{
+    if (lo == mid || mid == hi)
+        return;
+    w->step[mid] = (uint16_t)(w->step[mid] | axis << 3);
+    w->step[hi - 1] = (uint16_t)(w->step[hi - 1] + (1u << 4));
+}
+
+/* The point at `from` moves to the place `to`, those between having moved or been left out; or it is left out itself, and
+ * those after it move there. */
+static inline void dt_plan_move(uint16_t *step, uint32_t from, uint32_t to, bool left_out)
+{
+    uint32_t s = step[from];
+    step[from] = 0;
+    step[to] = (uint16_t)(step[to] | (s & 15u));
+    if (s > 15)
+        step[to - left_out] = (uint16_t)(step[to - left_out] | (s & ~15u));
+}
 
 /* At most DT_FEW points become one block, or two. Here as in dt_plan_place, the names in from[] of points that coincide
  * with others get DT_COINCIDENT, and -0 becomes 0. */
-struct dt_blocks dt_plan_few(const struct dt_plan *w, struct dt_point *p, uint32_t *from,
-                             uint32_t lo, uint32_t n);
+void dt_plan_few(const struct dt_plan *w, struct dt_point *p, uint32_t *from, uint32_t lo,
+                 uint32_t n);
 
 /* n > 0 points at one place become a block of one. */
-struct dt_blocks dt_plan_place(const struct dt_plan *w, struct dt_point *p, uint32_t *from,
-                               uint32_t lo, uint32_t n);
-
-/* They will be joined. */
-struct dt_blocks dt_plan_join(const struct dt_plan *w, struct dt_blocks a, struct dt_blocks b,
-                              unsigned axis);
+void dt_plan_place(const struct dt_plan *w, struct dt_point *p, uint32_t *from, uint32_t lo,
+                   uint32_t n);
 
 #endif

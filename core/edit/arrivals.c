@@ -99,11 +99,10 @@ static enum dt_status close_ranks(struct arrivals *a)
     uint16_t *step = a->plan.step;
     for (struct dt_piece at = dt_pieces(0, a->end + a->n); dt_next_piece(&a->stop, &at);)
         for (uint32_t i = at.a; i < at.b; i++) {
-            if (step[i] != 0 && v < i) {
-                step[v] = step[i];
-                step[i] = 0;
-            }
-            if (name[i] & DT_COINCIDENT)
+            bool left_out = name[i] & DT_COINCIDENT;
+            if (step[i] != 0 && (v < i || left_out))
+                dt_plan_move(step, i, v, left_out);
+            if (left_out)
                 continue;
             xy[v] = xy[i];
             name[v++] = id_of(a, a->p->id, name[i]);
