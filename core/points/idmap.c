@@ -17,17 +17,17 @@
 
 _Static_assert(DT_ID_BLOCK *PAGE_BYTES == DT_HUGE_PAGE, "a block is a huge page");
 
-/* The first page of the block that page i is in. */
-static struct dt_id_page *block_of(const struct dt_idmap *m, uint32_t i)
+/* The number of pages that are freed together with page i, itself included. */
+static uint32_t extent(const struct dt_idmap *m, uint32_t i)
 {
-    return &m->page[i / DT_ID_BLOCK * DT_ID_BLOCK];
+    return m->page[i].in_block ? DT_ID_BLOCK : 1;
 }
 
 /* Frees page i, or the block that begins with it, and returns the number of the page after it. */
 static uint32_t free_pages(struct dt_idmap *m, uint32_t i)
 {
     struct dt_id_page *p = &m->page[i];
-    uint32_t n = p->in_block ? DT_ID_BLOCK : 1;
+    uint32_t n = extent(m, i);
     if (p->in_block)
         dt_region_give(m->keeper, p->value, DT_HUGE_PAGE);
     else
@@ -65,29 +65,19 @@ static enum dt_status reserve_table(struct dt_idmap *m, uint32_t end)
     return DT_OK;
 }
 
-static enum dt_status new_page(struct dt_idmap *m, uint32_t i)
+/* Makes page i, or the n pages of the block that begins with it. */
+static enum dt_status new_pages(struct dt_idmap *m, uint32_t i, uint32_t n)
 {
-    uint32_t *value = malloc(PAGE_BYTES);
+    bool block = n == DT_ID_BLOCK;
+    uint32_t *value = block ? dt_region_take(m->keeper, DT_HUGE_PAGE) : malloc(PAGE_BYTES);
     if (value == NULL)
         return DT_NOMEM;
-    memset(value, 0xff, PAGE_BYTES); /* all DT_NONE */
-    m->page[i] = (struct dt_id_page){.value = value};
-    m->held++;
-    m->empty++;
-    return DT_OK;
-}
-
-static enum dt_status new_block(struct dt_idmap *m, uint32_t first)
-{
-    char *value = dt_region_take(m->keeper, DT_HUGE_PAGE);
-    if (value == NULL)
-        return DT_NOMEM;
-    memset(value, 0xff, DT_HUGE_PAGE);
-    for (uint32_t i = 0; i < DT_ID_BLOCK; i++)
-        m->page[first + i] =
-            (struct dt_id_page){.value = (void *)(value + i * PAGE_BYTES), .in_block = true};
-    m->held += DT_ID_BLOCK;
-    m->empty += DT_ID_BLOCK;
+    memset(value, 0xff, n * PAGE_BYTES); /* all DT_NONE */
+    for (uint32_t k = 0; k < n; k++)
+        m->page[i + k] =
+            (struct dt_id_page){.value = value + (size_t)k * DT_ID_PAGE, .in_block = block};
+    m->held += n;
+    m->empty += n;
     return DT_OK;
 }
 
@@ -108,41 +98,24 @@ enum dt_status dt_idmap_reserve(struct dt_idmap *m, uint32_t first, size_t n)
     if (n == 0)
         return DT_OK;
     uint32_t end = (uint32_t)((first + n - 1) / DT_ID_PAGE) + 1;
-    enum dt_status status = end > m->pages ? reserve_table(m, end) : DT_OK;
+    enum dt_status status = reserve_table(m, end);
     for (uint32_t i = first / DT_ID_PAGE; status == DT_OK && i < end; i++) {
         if (m->page[i].value != NULL)
             continue;
-        if (!suits_block(m, i, end)) {
-            status = new_page(m, i);
-            continue;
-        }
-        status = reserve_table(m, i + DT_ID_BLOCK);
+        uint32_t pages = suits_block(m, i, end) ? DT_ID_BLOCK : 1;
+        status = reserve_table(m, i + pages);
         if (status == DT_OK)
-            status = new_block(m, i);
+            status = new_pages(m, i, pages);
     }
     return status;
 }
 
 /* ---- values ---- */
 
-/* n more ids of page i are live. */
-static void count_live(struct dt_idmap *m, uint32_t i, uint32_t n)
-{
-    struct dt_id_page *p = &m->page[i];
-    p->live += n;
-    if (p->live > n)
-        return;
-    if (!p->in_block)
-        m->empty--;
-    else if (block_of(m, i)->used++ == 0)
-        m->empty -= DT_ID_BLOCK;
-}
-
 void dt_idmap_set(struct dt_idmap *m, uint32_t id, uint32_t value)
 {
     uint32_t *at = dt_idmap_at(m, id);
-    if (*at == DT_NONE)
-        count_live(m, id / DT_ID_PAGE, 1);
+    m->page[id / DT_ID_PAGE].live += *at == DT_NONE;
     *at = value;
 }
 
@@ -154,8 +127,7 @@ void dt_idmap_count(struct dt_idmap *m, uint32_t first, size_t n)
         uint32_t live = 0;
         for (uint32_t i = 0; i < part; i++)
             live += value[i] != DT_NONE;
-        if (live > 0)
-            count_live(m, first / DT_ID_PAGE, live);
+        m->page[first / DT_ID_PAGE].live += live;
         first += part;
         n -= part;
     }
@@ -163,14 +135,10 @@ void dt_idmap_count(struct dt_idmap *m, uint32_t first, size_t n)
 
 void dt_idmap_unset(struct dt_idmap *m, uint32_t id)
 {
-    struct dt_id_page *p = &m->page[id / DT_ID_PAGE];
-    p->value[id % DT_ID_PAGE] = DT_NONE;
-    if (--p->live > 0)
-        return;
-    if (!p->in_block)
-        m->empty++;
-    else if (--block_of(m, id / DT_ID_PAGE)->used == 0)
-        m->empty += DT_ID_BLOCK;
+    uint32_t i = id / DT_ID_PAGE;
+    m->page[i].value[id % DT_ID_PAGE] = DT_NONE;
+    if (--m->page[i].live == 0)
+        m->empty += extent(m, i); /* perhaps: other pages of a block may have live ids */
 }
 
 void dt_idmap_trim(struct dt_idmap *m)
@@ -178,11 +146,10 @@ void dt_idmap_trim(struct dt_idmap *m)
     if (m->empty < 8)
         return;
     for (uint32_t i = 0; i < m->pages;) {
-        const struct dt_id_page *p = &m->page[i];
-        if (p->in_block && p->used > 0)
-            i += DT_ID_BLOCK;
-        else
-            i = p->in_block || p->live == 0 ? free_pages(m, i) : i + 1;
+        uint32_t end = i + extent(m, i), at = i;
+        while (at < end && m->page[at].live == 0)
+            at++;
+        i = at == end ? free_pages(m, i) : end;
     }
     m->empty = 0;
 }
@@ -193,7 +160,6 @@ bool dt_idmap_drop(struct dt_idmap *m, uint32_t n)
     for (; n > 0 && m->held > 0; m->pages--) {
         uint32_t i = m->pages - 1;
         n -= m->page[i].value != NULL;
-        m->empty -= m->page[i].value != NULL && m->page[i].live == 0;
         free_pages(m, i);
     }
     return any;
@@ -227,39 +193,23 @@ uint32_t dt_idmap_after(const struct dt_idmap *m, uint32_t from, uint32_t n)
 
 /* ---- all of it ---- */
 
-/* Page i, or the block that begins with it; returns the number of the page after it, 0: out of memory. */
-static uint32_t copy_pages(const struct dt_idmap *m, struct dt_idmap *copy, uint32_t i)
-{
-    const struct dt_id_page *p = &m->page[i];
-    if (p->value == NULL)
-        return i + 1;
-    if ((p->in_block ? new_block(copy, i) : new_page(copy, i)) != DT_OK)
-        return 0;
-    uint32_t n = p->in_block ? DT_ID_BLOCK : 1;
-    memcpy(copy->page[i].value, p->value, n * PAGE_BYTES);
-    for (uint32_t k = i; k < i + n; k++) {
-        copy->page[k].live = m->page[k].live;
-        copy->page[k].used = m->page[k].used;
-    }
-    return i + n;
-}
-
 enum dt_status dt_idmap_copy(const struct dt_idmap *m, struct dt_idmap *copy, struct dt_stop *stop)
 {
     *copy = (struct dt_idmap){.keeper = m->keeper};
-    if (m->pages == 0)
-        return DT_OK;
-    if (reserve_table(copy, m->pages) != DT_OK)
-        return DT_NOMEM;
-    for (uint32_t i = 0; i < m->pages && !dt_stopped(stop);) {
-        i = copy_pages(m, copy, i);
-        if (i == 0) {
-            dt_idmap_clear(copy);
-            return DT_NOMEM;
-        }
+    enum dt_status status = reserve_table(copy, m->pages);
+    for (uint32_t i = 0, n; i < m->pages && status == DT_OK && !dt_stopped(stop); i += n) {
+        n = extent(m, i);
+        if (m->page[i].value == NULL)
+            continue;
+        status = new_pages(copy, i, n);
+        if (status == DT_OK)
+            memcpy(copy->page[i].value, m->page[i].value, n * PAGE_BYTES);
+        for (uint32_t k = i; k < i + n; k++)
+            copy->page[k].live = m->page[k].live;
     }
-    copy->empty = m->empty;
-    return DT_OK;
+    if (status != DT_OK)
+        dt_idmap_clear(copy);
+    return status;
 }
 
 size_t dt_idmap_memory(const struct dt_idmap *m)

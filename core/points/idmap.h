@@ -19,7 +19,6 @@
 struct dt_id_page {
     uint32_t *value; /* owns DT_ID_PAGE words, alone or in a block; NULL: no id of it is live */
     uint32_t live;   /* ids of the page that have a value */
-    uint16_t used;   /* of the first page of a block: pages in it that have live ids */
     bool in_block;
 };
 
@@ -28,7 +27,7 @@ struct dt_idmap {
     struct dt_id_page *page; /* owns */
     uint32_t pages, cap;
     uint32_t held;  /* pages that are there */
-    uint32_t empty; /* of them: without a live id, and all of their block */
+    uint32_t empty; /* of them: perhaps without a live id; 0 after dt_idmap_trim */
 };
 
 /* It keeps its keeper. */
@@ -71,7 +70,7 @@ void dt_idmap_count(struct dt_idmap *m, uint32_t first, size_t n);
 /* Removes the value of a live id. */
 void dt_idmap_unset(struct dt_idmap *m, uint32_t id);
 
-/* Frees the empty pages if there are more than a few. Cost: amortised constant. */
+/* Frees pages and blocks without a live id if there may be more than a few. Cost: amortised constant. */
 void dt_idmap_trim(struct dt_idmap *m);
 
 /* Removes the values of the largest ids, up to n pages of them, from a map that has no blocks; false: there were
