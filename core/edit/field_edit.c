@@ -13,26 +13,26 @@ struct setting {
     struct dt *t;
     struct dt_field *field;
     bool created;
-    const uint32_t *ids; /* NULL: those from `first` on */
-    uint32_t first;
+    struct dt_field_ids ids;
     const double *v;
-    size_t n;
 };
 
-static uint32_t id_of(const struct setting *s, size_t i)
+/* Counts the next DT_WORK_BLOCK values in advance. */
+static enum dt_status count_values(const struct setting *s, size_t i, struct dt_stop *work)
 {
-    return s->ids != NULL ? s->ids[i] : s->first + (uint32_t)i;
+    size_t left = s->ids.n - i;
+    return (i & DT_WORK_MASK) != 0 ? DT_OK
+                                   : dt_work(work, left < DT_WORK_BLOCK ? left : DT_WORK_BLOCK);
 }
 
 /* DT_OK if every value may be set at its point. */
 static enum dt_status check(const struct setting *s, struct dt_stop *work, uint32_t *missing)
 {
     enum dt_status status = DT_OK;
-    for (size_t i = 0; i < s->n && status == DT_OK; i++) {
-        if ((i & DT_WORK_MASK) == 0)
-            status = dt_work(work, s->n - i < DT_WORK_BLOCK ? s->n - i : DT_WORK_BLOCK);
-        *missing = id_of(s, i);
-        bool needless = s->ids == NULL && isnan(s->v[i]);
+    for (size_t i = 0; i < s->ids.n && status == DT_OK; i++) {
+        status = count_values(s, i, work);
+        *missing = dt_field_id(&s->ids, i);
+        bool needless = s->ids.id == NULL && isnan(s->v[i]);
         if (isinf(s->v[i]))
             status = DT_RANGE;
         else if (!needless && dt_idmap_get(&s->t->points.value, *missing) == DT_NONE)
@@ -41,66 +41,38 @@ static enum dt_status check(const struct setting *s, struct dt_stop *work, uint3
     return status;
 }
 
-/* Whether the page of the id has to be there for the value to be set. */
-static bool needs_page(const struct setting *s, uint32_t id, double v)
-{
-    return !isnan(v) || dt_field_page_now(s->field, id) != NULL;
-}
-
-/* Frees the pages of the first n values that are empty. */
-static void close_pages(const struct setting *s, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        dt_field_close(&s->t->fields.shelf, s->field, id_of(s, i));
-}
-
+/* Makes the pages ready that have to be there for the values to be set. */
 static enum dt_status open_pages(const struct setting *s, struct dt_stop *work)
 {
+    struct dt_shelf *shelf = &s->t->fields.shelf;
     enum dt_status status = DT_OK;
-    size_t i = 0;
-    for (; i < s->n && status == DT_OK; i++) {
-        if ((i & DT_WORK_MASK) == 0)
-            status = dt_work(work, s->n - i < DT_WORK_BLOCK ? s->n - i : DT_WORK_BLOCK);
-        if (status == DT_OK && needs_page(s, id_of(s, i), s->v[i]))
-            status = dt_field_open(&s->t->fields.shelf, s->field, id_of(s, i));
+    uint32_t open = DT_NONE; /* the page that was opened last */
+    for (size_t i = 0; i < s->ids.n && status == DT_OK; i++) {
+        uint32_t id = dt_field_id(&s->ids, i);
+        status = count_values(s, i, work);
+        if (status != DT_OK || id / DT_FIELD_PAGE == open ||
+            (isnan(s->v[i]) && dt_field_page_now(s->field, id) == NULL))
+            continue;
+        status = dt_field_open(shelf, s->field, id);
+        open = id / DT_FIELD_PAGE;
     }
     if (status != DT_OK)
-        close_pages(s, i);
+        dt_field_close(shelf, s->field, &s->ids);
     return status;
-}
-
-/* How many of the values from i on lie in one page. */
-static size_t run_at(const struct setting *s, size_t i)
-{
-    size_t room = DT_FIELD_PAGE - id_of(s, i) % DT_FIELD_PAGE;
-    return s->n - i < room ? s->n - i : room;
 }
 
 /* For those who follow the set. */
 static void note_values(const struct setting *s)
 {
     struct dt_touched *w = &s->t->touched;
-    for (size_t i = 0; w->with_values && !w->values.all && i < s->n; i++)
-        dt_touched_note(&w->values,
-                        (uint64_t)id_of(s, i) << 32 | (DT_TOUCHED_VALUE + s->field->number));
+    for (size_t i = 0; w->with_values && !w->values.all && i < s->ids.n; i++)
+        dt_touched_note(&w->values, (uint64_t)dt_field_id(&s->ids, i) << 32 |
+                                        (DT_TOUCHED_VALUE + s->field->number));
 }
 
-static void write_run(const struct setting *s)
+static void write_values(const struct setting *s)
 {
-    for (size_t i = 0, k; i < s->n; i += k) {
-        k = run_at(s, i);
-        if (dt_field_page_now(s->field, id_of(s, i)) != NULL)
-            dt_field_put_run(s->field, id_of(s, i), s->v + i, (uint32_t)k);
-        dt_field_close(&s->t->fields.shelf, s->field, id_of(s, i));
-    }
-}
-
-static void write_ids(const struct setting *s)
-{
-    for (size_t i = 0; i < s->n; i++)
-        if (dt_field_page_now(s->field, s->ids[i]) != NULL)
-            dt_field_put(s->field, s->ids[i], s->v[i]);
-    close_pages(s, s->n);
+    dt_field_write(&s->t->fields.shelf, s->field, &s->ids, s->v);
 }
 
 /* Finds the field, or creates it. */
@@ -138,10 +110,7 @@ static enum dt_status set_values(struct setting *s, const char *name, size_t len
     if (status != DT_OK)
         return status;
     note_values(s);
-    if (s->ids != NULL)
-        write_ids(s);
-    else
-        write_run(s);
+    write_values(s);
     return DT_OK;
 }
 
@@ -149,7 +118,7 @@ enum dt_status dt_field_set(struct dt *t, const char *name, size_t len, const ui
                             const double *values, size_t n, const struct dt_options *opt,
                             uint32_t *missing)
 {
-    struct setting s = {.t = t, .ids = ids, .v = values, .n = n};
+    struct setting s = {.t = t, .ids = {.id = ids, .n = n}, .v = values};
     return set_values(&s, name, len, opt, missing);
 }
 
@@ -157,7 +126,7 @@ enum dt_status dt_field_set_run(struct dt *t, const char *name, size_t len, uint
                                 const double *values, size_t n, const struct dt_options *opt,
                                 uint32_t *missing)
 {
-    struct setting s = {.t = t, .first = first, .v = values, .n = n};
+    struct setting s = {.t = t, .ids = {.first = first, .n = n}, .v = values};
     if (n <= (uint64_t)UINT32_MAX + 1 - first)
         return set_values(&s, name, len, opt, missing);
     *missing = DT_NONE;
@@ -171,7 +140,7 @@ static enum dt_status make_ready(struct setting *s, const struct dt_values_of *c
                                  struct dt_stop *work)
 {
     enum dt_status status = DT_OK;
-    for (size_t i = 0; i < s->n && status == DT_OK; i++)
+    for (size_t i = 0; i < s->ids.n && status == DT_OK; i++)
         status = isinf(s->v[i]) ? DT_RANGE : DT_OK;
     return status == DT_OK ? open_field(s, column->name, column->len, work) : status;
 }
@@ -182,7 +151,7 @@ static void undo(struct setting *s, size_t n)
         if (s[n].created)
             dt_fields_drop(&s[n].t->fields, s[n].field);
         else
-            close_pages(&s[n], s[n].n);
+            dt_field_close(&s[n].t->fields.shelf, s[n].field, &s[n].ids);
     }
 }
 
@@ -198,14 +167,14 @@ enum dt_status dt_add_values(struct dt *t, const struct dt_point *p, size_t n,
         return DT_TOOBIG;
     dt_views_edit_begin(t);
     for (; ready < columns && status == DT_OK; ready += status == DT_OK) {
-        s[ready] =
-            (struct setting){.t = t, .first = t->points.next_id, .v = column[ready].values, .n = n};
+        struct dt_field_ids ids = {.first = t->points.next_id, .n = n};
+        s[ready] = (struct setting){.t = t, .ids = ids, .v = column[ready].values};
         status = make_ready(&s[ready], &column[ready], &work);
     }
     if (status == DT_OK)
         status = dt_update_add_many(t, p, n, opt, out);
     for (size_t i = 0; i < columns && status == DT_OK; i++)
-        write_run(&s[i]);
+        write_values(&s[i]);
     if (status != DT_OK)
         undo(s, ready);
     return status;

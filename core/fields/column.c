@@ -199,6 +199,17 @@ static void leave_block(struct dt_shelf *s, struct dt_field *c, uint32_t id)
     *b = NULL;
 }
 
+/* Frees the page of id if it is empty. */
+static void close_page(struct dt_shelf *s, struct dt_field *c, uint32_t id)
+{
+    struct dt_slot *slot = dt_field_slot(c, id);
+    if (slot == NULL || slot->now == NULL || slot->n > 0 || slot->older != NULL)
+        return;
+    release(s, slot->now);
+    slot->now = NULL;
+    leave_block(s, c, id);
+}
+
 void dt_shelf_free_first(struct dt_shelf *s)
 {
     struct dt_aside *a = s->first;
@@ -212,7 +223,7 @@ void dt_shelf_free_first(struct dt_shelf *s)
     if (slot->now == NULL && slot->older == NULL)
         leave_block(s, a->field, id);
     else
-        dt_field_close(s, a->field, id);
+        close_page(s, a->field, id);
     release(s, a->values);
     give(s, a, sizeof *a);
 }
@@ -260,91 +271,73 @@ enum dt_status dt_field_open(struct dt_shelf *s, struct dt_field *c, uint32_t id
     return status;
 }
 
-void dt_field_close(struct dt_shelf *s, struct dt_field *c, uint32_t id)
-{
-    struct dt_slot *slot = dt_field_slot(c, id);
-    if (slot == NULL || slot->now == NULL || slot->n > 0 || slot->older != NULL)
-        return;
-    release(s, slot->now);
-    slot->now = NULL;
-    leave_block(s, c, id);
-}
-
-/* Counts the values of a page that has changed. */
-static void count(struct dt_field *c, struct dt_slot *slot)
-{
-    const double *v = slot->now->v;
-    double least = (double)INFINITY, most = (double)-INFINITY;
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < DT_FIELD_PAGE; i++) { /* a nan is neither less nor greater */
-        least = v[i] < least ? v[i] : least;
-        most = v[i] > most ? v[i] : most;
-        n += v[i] == v[i];
-    }
-    c->values += n - slot->n;
-    slot->n = n;
-    slot->least = least;
-    slot->most = most;
-}
-
 /* There is one nan, and no -0. */
 static double normal(double v)
 {
     return isnan(v) ? (double)NAN : v + 0.0;
 }
 
-void dt_field_put(struct dt_field *c, uint32_t id, double v)
+/* The number of ids from number i on that are in one page. */
+static size_t run_at(const struct dt_field_ids *ids, size_t i)
 {
-    struct dt_slot *slot = dt_field_slot(c, id);
-    double *at = &slot->now->v[id % DT_FIELD_PAGE], old = *at;
-    *at = normal(v);
-    if (isnan(v) || (!isnan(old) && (old == slot->least || old == slot->most))) {
-        count(c, slot);
-        return;
-    }
-    slot->n += isnan(old) != 0;
-    c->values += isnan(old) != 0;
-    slot->least = *at < slot->least ? *at : slot->least;
-    slot->most = *at > slot->most ? *at : slot->most;
+    uint32_t id = dt_field_id(ids, i);
+    size_t most = ids->n - i, room = DT_FIELD_PAGE - id % DT_FIELD_PAGE, k = 1;
+    if (ids->id == NULL)
+        return most < room ? most : room;
+    while (k < most && ids->id[i + k] / DT_FIELD_PAGE == id / DT_FIELD_PAGE)
+        k++;
+    return k;
 }
 
-void dt_field_put_run(struct dt_field *c, uint32_t first, const double *v, uint32_t n)
+static void find_extremes(struct dt_slot *slot)
 {
-    struct dt_slot *slot = dt_field_slot(c, first);
-    double *to = slot->now->v + first % DT_FIELD_PAGE;
-    for (uint32_t i = 0; i < n; i++)
-        to[i] = normal(v[i]);
-    count(c, slot);
+    const double *v = slot->now->v;
+    double least = (double)INFINITY, most = (double)-INFINITY;
+    for (uint32_t i = 0; i < DT_FIELD_PAGE; i++) { /* a nan is neither less nor greater */
+        least = v[i] < least ? v[i] : least;
+        most = v[i] > most ? v[i] : most;
+    }
+    slot->least = least;
+    slot->most = most;
 }
 
-/* The same for n ids of one page. */
-static void take_of_page(struct dt_field *c, struct dt_slot *slot, const uint32_t *ids, size_t n)
+/* Writes the values of the ids from number i up to `end`, which are in one page. */
+static void write_run(struct dt_field *c, struct dt_slot *slot, const struct dt_field_ids *ids,
+                      size_t i, size_t end, const double *v)
 {
-    uint32_t gone = 0;
-    bool extreme = false;
-    for (size_t i = 0; i < n; i++) {
-        double *at = &slot->now->v[ids[i] % DT_FIELD_PAGE];
-        extreme = extreme || *at == slot->least || *at == slot->most;
-        gone += *at == *at;
-        *at = (double)NAN;
+    double *page = slot->now->v, least = slot->least, most = slot->most;
+    uint32_t n = slot->n;
+    bool extreme = false; /* has been overwritten */
+    for (; i < end; i++) {
+        double *at = &page[dt_field_id(ids, i) % DT_FIELD_PAGE], old = *at;
+        *at = v == NULL ? (double)NAN : normal(v[i]);
+        extreme |= old == least || old == most;
+        n += (uint32_t)(*at == *at) - (uint32_t)(old == old);
+        least = *at < least ? *at : least;
+        most = *at > most ? *at : most;
     }
-    if (extreme) {
-        count(c, slot);
-        return;
-    }
-    slot->n -= gone;
-    c->values -= gone;
+    c->values += n - slot->n;
+    slot->n = n;
+    slot->least = least;
+    slot->most = most;
+    if (extreme)
+        find_extremes(slot);
 }
 
-void dt_field_take(struct dt_shelf *s, struct dt_field *c, const uint32_t *ids, size_t n)
+void dt_field_write(struct dt_shelf *s, struct dt_field *c, const struct dt_field_ids *ids,
+                    const double *v)
 {
-    for (size_t i = 0, k; i < n; i += k) {
-        struct dt_slot *slot = dt_field_slot(c, ids[i]);
-        for (k = 1; i + k < n && ids[i + k] / DT_FIELD_PAGE == ids[i] / DT_FIELD_PAGE; k++)
-            ;
-        if (slot == NULL || slot->now == NULL)
-            continue;
-        take_of_page(c, slot, ids + i, k);
-        dt_field_close(s, c, ids[i]);
+    for (size_t i = 0, end; i < ids->n; i = end) {
+        struct dt_slot *slot = dt_field_slot(c, dt_field_id(ids, i));
+        end = i + run_at(ids, i);
+        if (slot != NULL && slot->now != NULL)
+            write_run(c, slot, ids, i, end, v);
     }
+    dt_field_close(s, c, ids);
+}
+
+void dt_field_close(struct dt_shelf *s, struct dt_field *c, const struct dt_field_ids *ids)
+{
+    for (size_t i = 0; i < ids->n; i += run_at(ids, i))
+        close_page(s, c, dt_field_id(ids, i));
 }

@@ -104,16 +104,25 @@ struct dt_field *dt_field_copy(struct dt_shelf *s, const struct dt_field *c, str
 /* Makes the page of id one that may be written to. DT_NOMEM: all values are as before. */
 enum dt_status dt_field_open(struct dt_shelf *s, struct dt_field *c, uint32_t id);
 
-/* Each of these needs pages that have been opened. v is finite or nan. */
-void dt_field_put(struct dt_field *c, uint32_t id, double v);
-void dt_field_put_run(struct dt_field *c, uint32_t first, const double *v,
-                      uint32_t n); /* of one page */
+/* n ids: those of id[], or, if that is NULL, `first` and those after it. */
+struct dt_field_ids {
+    const uint32_t *id; /* borrows */
+    uint32_t first;
+    size_t n;
+};
 
-/* Takes away the values of n ascending ids; where there is no page, there are none. */
-void dt_field_take(struct dt_shelf *s, struct dt_field *c, const uint32_t *ids, size_t n);
+static inline uint32_t dt_field_id(const struct dt_field_ids *ids, size_t i)
+{
+    return ids->id != NULL ? ids->id[i] : ids->first + (uint32_t)i;
+}
 
-/* Frees the page of id if it is empty. */
-void dt_field_close(struct dt_shelf *s, struct dt_field *c, uint32_t id);
+/* Writes the values, finite or nan, to the pages of the ids, which have been opened; v is NULL: takes them away. Of several
+ * for an id the last one counts. Where there is no page, all are missing, and none may be written but nan. */
+void dt_field_write(struct dt_shelf *s, struct dt_field *c, const struct dt_field_ids *ids,
+                    const double *v);
+
+/* Frees those of their pages that are empty. */
+void dt_field_close(struct dt_shelf *s, struct dt_field *c, const struct dt_field_ids *ids);
 
 /* Frees the first page of the queue. */
 void dt_shelf_free_first(struct dt_shelf *s);

@@ -133,8 +133,9 @@ enum dt_status dt_fields_take_ready(struct dt_fields *f, const uint32_t *ids, si
 
 void dt_fields_take(struct dt_fields *f, const uint32_t *ids, size_t n)
 {
+    struct dt_field_ids gone = {.id = ids, .n = n};
     for (uint32_t k = 0; k < f->n; k++)
-        dt_field_take(&f->shelf, f->field[k], ids, n);
+        dt_field_write(&f->shelf, f->field[k], &gone, NULL);
 }
 
 /* ---- what was kept for views ---- */
