@@ -35,7 +35,6 @@ void dt_places_enter(struct dt_places *p, const struct dt_point *xy, uint32_t v)
     uint32_t b = home(p, xy[v]);
     p->next[v] = p->bucket[b];
     p->bucket[b] = v;
-    p->count++;
 }
 
 void dt_places_leave(struct dt_places *p, const struct dt_point *xy, uint32_t v)
@@ -44,7 +43,6 @@ void dt_places_leave(struct dt_places *p, const struct dt_point *xy, uint32_t v)
     while (*at != v)
         at = &p->next[*at];
     *at = p->next[v];
-    p->count--;
 }
 
 /* An empty table for `cap` vertices; DT_NOMEM: nothing to free. */

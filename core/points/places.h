@@ -16,7 +16,7 @@ struct dt_places {
     struct dt_pages *pages; /* borrows; where its arrays come from; NULL: the system */
     uint32_t *bucket;       /* owns mask + 1 heads of chains of vertices; NULL: not built */
     uint32_t *next;         /* owns cap words, by vertex */
-    uint32_t mask, cap, count;
+    uint32_t mask, cap;
     double tol;
     uint64_t seed; /* differs from process to process, so that no input can target one bucket */
 };

@@ -10,7 +10,7 @@
 
 #include "core/memory/memory.h"
 
-void dt_points_init_in(struct dt_points *p, double tol, struct dt_pages *pages)
+void dt_points_init(struct dt_points *p, double tol, struct dt_pages *pages)
 {
     *p = (struct dt_points){.pages = pages,
                             .tol = tol,
@@ -18,11 +18,6 @@ void dt_points_init_in(struct dt_points *p, double tol, struct dt_pages *pages)
                             .value = {.keeper = pages},
                             .places = {.pages = pages}};
     dt_aliases_init(&p->aliases, pages);
-}
-
-void dt_points_init(struct dt_points *p, double tol)
-{
-    dt_points_init_in(p, tol, NULL);
 }
 
 void dt_points_unplan(struct dt_points *p)
@@ -40,7 +35,7 @@ void dt_points_clear(struct dt_points *p)
     dt_idmap_clear(&p->value);
     dt_aliases_clear(&p->aliases);
     dt_places_clear(&p->places);
-    dt_points_init_in(p, p->tol, p->pages);
+    dt_points_init(p, p->tol, p->pages);
 }
 
 /* The root of the aliases of vertex v, DT_NONE if it has none. */
@@ -65,7 +60,7 @@ enum dt_status dt_points_reserve_groups(struct dt_points *p, uint32_t n)
 enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
                               struct dt_stop *stop)
 {
-    dt_points_init_in(copy, p->tol, p->pages);
+    dt_points_init(copy, p->tol, p->pages);
     copy->xy = dt_array_new_in(p->pages, p->end, sizeof *p->xy);
     copy->id = dt_array_new_in(p->pages, p->end, sizeof *p->id);
     if (p->plan != NULL)

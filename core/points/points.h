@@ -38,8 +38,7 @@ struct dt_points {
     const struct dt_changes *changes; /* borrows; notified of changes; NULL: not needed */
 };
 
-void dt_points_init(struct dt_points *p, double tol);
-void dt_points_init_in(struct dt_points *p, double tol, struct dt_pages *pages);
+void dt_points_init(struct dt_points *p, double tol, struct dt_pages *pages);
 void dt_points_clear(struct dt_points *p);
 enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
                               struct dt_stop *stop);

@@ -15,7 +15,7 @@ struct dt *dt_new_in(double tol, struct dt_pages *pages)
     struct dt *t = calloc(1, sizeof *t);
     if (t == NULL)
         return NULL;
-    dt_points_init_in(&t->points, tol, pages);
+    dt_points_init(&t->points, tol, pages);
     t->mesh.pages = pages;
     t->mesh.free_list = DT_NONE;
     return t;
