@@ -11,7 +11,6 @@
 #include "core/control/parallel.h"
 #include "core/divide/divide.h"
 #include "core/memory/memory.h"
-#include "core/points/renumber.h"
 
 enum {
     FEW = 4096,    /* arrivals that are looked up one by one instead of sorted */

@@ -6,7 +6,6 @@
 #include "core/control/stop.h"
 #include "core/divide/divide.h"
 #include "core/memory/memory.h"
-#include "core/points/renumber.h"
 #include "core/set/set.h"
 #include "core/shelling/shelling.h"
 

@@ -44,9 +44,6 @@ enum dt_status dt_points_copy(const struct dt_points *p, struct dt_points *copy,
                               struct dt_stop *stop);
 size_t dt_points_memory(const struct dt_points *p);
 
-/* Makes room in group[] for n vertices. */
-enum dt_status dt_points_reserve_groups(struct dt_points *p, uint32_t n);
-
 /* To be called before a vertex comes, goes or moves: the plan is out of date. */
 void dt_points_unplan(struct dt_points *p);
 
@@ -146,5 +143,12 @@ uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, 
  * first call after dt_points_renumber needs dt_points_index, O(n). */
 enum dt_status dt_points_index(struct dt_points *p, struct dt_stop *work);
 uint32_t dt_points_find(const struct dt_points *p, struct dt_point q, uint32_t except);
+
+/* Renumbers the vertices, in a dense order without free ones: vertex v represents the point (*id)[v] at (*xy)[v]. There
+ * may be new ids, which are reserved. Exchanges these arrays for those of *p. DT_NOMEM, DT_CANCELLED: nothing is
+ * exchanged, and *p is as before, or, if it is disposable, to be freed. opt may be NULL: with no more vertices
+ * than there have been, it cannot fail then. Cost: linear. */
+enum dt_status dt_points_renumber(struct dt_points *p, struct dt_point **xy, uint32_t **id,
+                                  uint32_t n, const struct dt_options *opt);
 
 #endif

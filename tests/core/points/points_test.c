@@ -5,7 +5,6 @@
 
 #include "core/exact/predicates.h"
 #include "core/memory/memory.h"
-#include "core/points/renumber.h"
 #include "core/set/set.h"
 #include "tests/test.h"
 

@@ -2,7 +2,6 @@
 #include <stdlib.h>
 
 #include "core/memory/memory.h"
-#include "core/points/renumber.h"
 #include "core/set/set.h"
 #include "tests/core/threads.h"
 #include "tests/test.h"
