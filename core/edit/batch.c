@@ -8,7 +8,6 @@
 
 enum {
     SORTED = 16, /* batches of at least this number of points are sorted */
-    LEAD = 8,    /* points, by which what is free is fetched earlier than it is used */
     MISSES = 12  /* points that are looked up by their places while two cache misses take place */
 };
 
@@ -37,8 +36,6 @@ enum dt_status dt_batch_begin(struct dt_batch *b, const struct dt *t, const stru
     b->q = q;
     b->order = NULL;
     b->n = n;
-    b->vertex = t->points.free_list;
-    b->record = t->mesh.free_list;
     if (n < SORTED || t->points.tol > 0 || !t->current)
         return DT_OK;
     struct dt_arena arena = {0};
@@ -65,26 +62,6 @@ void dt_batch_end(struct dt_batch *b)
 {
     dt_array_free(b->order);
     b->order = NULL;
-}
-
-/* One vertex and two records further in the lists of what earlier deletions have left free: as much
- * as an insertion takes at most, so that this stays ahead. */
-static void fetch_free(const struct dt *t, struct dt_batch *b)
-{
-    const struct dt_points *p = &t->points;
-    if (b->vertex != DT_NONE)
-        b->vertex = dt_points_free_after(p, b->vertex);
-    if (b->vertex != DT_NONE) {
-        dt_fetch(&p->xy[b->vertex]);
-        dt_fetch(&p->id[b->vertex]);
-        if (b->vertex < t->mesh.vert_cap)
-            dt_fetch(&t->mesh.leaving[b->vertex]);
-    }
-    for (int k = 0; k < 2 && b->record != DT_NONE; k++) {
-        b->record = t->mesh.half[b->record];
-        if (b->record != DT_NONE)
-            dt_fetch(&t->mesh.half[b->record]);
-    }
 }
 
 /* Looks for the points from turn i on side by side. */
@@ -123,7 +100,5 @@ uint32_t dt_batch_turn(struct dt *t, struct dt_batch *b, uint32_t i)
         return DT_NONE;
     if (i % DT_AHEAD == 0)
         look_ahead(t, b, i);
-    for (uint32_t k = i == 0 ? LEAD : 1; k > 0; k--)
-        fetch_free(t, b);
     return b->near[i % DT_AHEAD];
 }

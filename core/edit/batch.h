@@ -16,7 +16,6 @@ struct dt_batch {
     uint32_t *order;          /* owns: which point comes when; NULL: as they are */
     uint32_t n;
     uint32_t near[DT_AHEAD]; /* by turn: a half edge near the point, DT_NONE: not known */
-    uint32_t vertex, record; /* what is free and will be used some points later */
 };
 
 /* Chooses the order for n points to be added to t: by the cells of a grid, but points at the same

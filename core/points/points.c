@@ -150,7 +150,7 @@ uint32_t dt_points_enter(struct dt_points *p, uint32_t id, struct dt_point q)
     dt_points_unplan(p);
     uint32_t v = p->free_list;
     if (v != DT_NONE) {
-        p->free_list = dt_points_free_after(p, v);
+        p->free_list = (uint32_t)p->xy[v].x;
         p->free_count--;
         if (p->free_list != DT_NONE) { /* for the next one */
             dt_fetch(&p->xy[p->free_list]);

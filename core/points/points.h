@@ -58,12 +58,6 @@ static inline uint32_t dt_points_live(const struct dt_points *p)
     return dt_points_vertices(p) + p->aliases.count;
 }
 
-/* The free vertex that will be used after the free vertex v; DT_NONE if v is the last one. */
-static inline uint32_t dt_points_free_after(const struct dt_points *p, uint32_t v)
-{
-    return (uint32_t)p->xy[v].x;
-}
-
 /* The vertex of id's representative; DT_NONE if there is no such id. Cost: as dt_aliases_root. */
 static inline uint32_t dt_points_vertex(const struct dt_points *p, uint32_t id)
 {
