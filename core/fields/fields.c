@@ -50,28 +50,12 @@ enum dt_status dt_fields_copy(const struct dt_fields *f, struct dt_fields *copy,
 
 /* ---- names ---- */
 
-/* Less than 0, 0, more than 0, as strcmp. */
-static int compare(const struct dt_field *c, const char *name, size_t len)
-{
-    int order = strncmp(c->name, name, len);
-    return order != 0 ? order : c->name[len] != '\0';
-}
-
-/* The index of the first field whose name is not less. */
-static uint32_t place_of(const struct dt_fields *f, const char *name, size_t len)
-{
-    uint32_t i = 0;
-    while (i < f->n && compare(f->field[i], name, len) < 0)
-        i++;
-    return i;
-}
-
 struct dt_field *dt_fields_find(const struct dt_fields *f, const char *name, size_t len)
 {
-    if (len == 0 || len > DT_FIELD_NAME)
-        return NULL;
-    uint32_t i = place_of(f, name, len);
-    return i < f->n && compare(f->field[i], name, len) == 0 ? f->field[i] : NULL;
+    for (uint32_t i = 0; i < f->n && len > 0 && len <= DT_FIELD_NAME; i++)
+        if (strncmp(f->field[i]->name, name, len) == 0 && f->field[i]->name[len] == '\0')
+            return f->field[i];
+    return NULL;
 }
 
 enum dt_status dt_fields_create(struct dt_fields *f, const char *name, size_t len,
@@ -82,10 +66,7 @@ enum dt_status dt_fields_create(struct dt_fields *f, const char *name, size_t le
     *c = make_table(f) ? dt_field_new(&f->shelf, name, len) : NULL;
     if (*c == NULL)
         return DT_NOMEM;
-    uint32_t i = place_of(f, name, len);
-    memmove(f->field + i + 1, f->field + i, (f->n - i) * sizeof *f->field);
-    f->field[i] = *c;
-    f->n++;
+    f->field[f->n++] = *c;
     return DT_OK;
 }
 
@@ -94,8 +75,7 @@ void dt_fields_drop(struct dt_fields *f, struct dt_field *c)
     uint32_t i = 0;
     while (f->field[i] != c)
         i++;
-    f->n--;
-    memmove(f->field + i, f->field + i + 1, (f->n - i) * sizeof *f->field);
+    f->field[i] = f->field[--f->n];
     bool kept = f->shelf.latest > c->born;
     for (const struct dt_aside *a = f->shelf.first; a != NULL && !kept; a = a->next)
         kept = a->field == c;
@@ -140,15 +120,14 @@ void dt_fields_take(struct dt_fields *f, const uint32_t *ids, size_t n)
 
 /* ---- what was kept for views ---- */
 
-/* Frees some blocks of the first field that is dropped; true: it is gone. */
-static bool free_dropped(struct dt_fields *f)
+/* Frees some blocks of the first field that is dropped, and in the end the field. */
+static void free_dropped(struct dt_fields *f)
 {
     struct dt_field *c = f->dropped;
     if (!dt_field_free_blocks(&f->shelf, c, AT_ONCE / DT_FIELD_SLOTS))
-        return false;
+        return;
     f->dropped = c->next;
     dt_field_free(&f->shelf, c);
-    return true;
 }
 
 bool dt_fields_review(struct dt_fields *f, uint64_t serial, uint64_t latest, uint64_t oldest)
