@@ -300,16 +300,22 @@ static void move_family(struct dt_points *p, uint32_t from, uint32_t to)
     p->group[from] = DT_NONE;
 }
 
-/* The alias `index` of vertex v, which is at the same place, represents it from now on. */
-static void promote(struct dt_points *p, uint32_t v, uint32_t index)
+/* The alias `index` of vertex v represents it from now on, and v is at its place. */
+static void succeed(struct dt_points *p, uint32_t v, uint32_t index)
 {
     struct dt_alias next = p->aliases.alias[index];
-    uint32_t old = p->id[v];
     dt_changes_row(p->changes, next.id);
-    dt_changes_row(p->changes, old);
     dt_points_leave_group(p, index);
     take_over(p, v, next.id, next.xy);
-    become_alias(p, old, next.xy, v);
+}
+
+/* The same, where the alias is at the place of v, whose representative becomes an alias. */
+static void promote(struct dt_points *p, uint32_t v, uint32_t index)
+{
+    uint32_t old = p->id[v];
+    dt_changes_row(p->changes, old);
+    succeed(p, v, index);
+    become_alias(p, old, p->xy[v], v);
 }
 
 /* The successor of v's representative, the alias `index`, is at the place of another vertex `at`: the smaller
@@ -331,15 +337,12 @@ static void vacate(struct dt_points *p, uint32_t v)
         return;
     }
     uint32_t i = p->aliases.group[root].lowest;
-    struct dt_alias next = p->aliases.alias[i];
-    uint32_t at = p->tol > 0 ? dt_points_find(p, next.xy, v) : DT_NONE;
-    if (at != DT_NONE && p->xy[at].x == next.xy.x && p->xy[at].y == next.xy.y) {
+    struct dt_point to = p->aliases.alias[i].xy;
+    uint32_t at = p->tol > 0 ? dt_points_find(p, to, v) : DT_NONE;
+    if (at != DT_NONE && p->xy[at].x == to.x && p->xy[at].y == to.y)
         unite(p, v, at, i);
-        return;
-    }
-    dt_changes_row(p->changes, next.id);
-    dt_points_leave_group(p, i);
-    take_over(p, v, next.id, next.xy);
+    else
+        succeed(p, v, i);
 }
 
 void dt_points_delete(struct dt_points *p, uint32_t id)
@@ -403,15 +406,9 @@ uint32_t dt_points_arrive(struct dt_points *p, uint32_t id, struct dt_point to, 
 {
     if (at == DT_NONE)
         return dt_points_enter(p, id, to);
-    uint32_t there = p->id[at];
-    if (p->xy[at].x == to.x && p->xy[at].y == to.y && id < there) {
-        /* The smallest of equal points represents them. */
-        dt_changes_row(p->changes, there);
-        take_over(p, at, id, to);
-        become_alias(p, there, to, at);
-    } else {
-        become_alias(p, id, to, at);
-    }
+    become_alias(p, id, to, at);
+    if (p->xy[at].x == to.x && p->xy[at].y == to.y && id < p->id[at])
+        promote(p, at, dt_idmap_get(&p->value, id) & ~DT_ALIAS_BIT);
     return DT_NONE;
 }
 
