@@ -23,7 +23,7 @@ struct arrivals {
     uint32_t end, n;        /* vertices and arrivals */
     uint32_t stay;          /* items that are vertices in the end */
     struct dt_named sorted; /* items; later the new vertices; in the end the old ones */
-    struct dt_named spare;
+    struct dt_named spare;  /* p also holds spare.from and plan.same */
     struct dt_plan plan;
     struct dt_options opt;
     struct dt_stop stop;
@@ -37,13 +37,13 @@ static enum dt_status allocate(struct arrivals *a)
     size_t items = (size_t)a->end + a->n;
     a->sorted.p = dt_array_new_in(pages, items, sizeof *a->sorted.p);
     a->sorted.from = dt_array_new_in(pages, items, sizeof *a->sorted.from);
-    a->spare.p = dt_array_new_in(pages, items, sizeof *a->spare.p);
-    a->spare.from = dt_array_new_in(pages, items, sizeof *a->spare.from);
     a->plan.step = dt_array_new_in(pages, items, sizeof *a->plan.step);
-    a->plan.same = dt_array_new_in(pages, items, sizeof *a->plan.same);
-    bool ok = a->sorted.p != NULL && a->sorted.from != NULL && a->spare.p != NULL &&
-              a->spare.from != NULL && a->plan.step != NULL && a->plan.same != NULL;
-    return ok ? DT_OK : DT_NOMEM;
+    a->spare.p = dt_array_new_in(pages, items, sizeof *a->spare.p + 2 * sizeof(uint32_t));
+    if (a->sorted.p == NULL || a->sorted.from == NULL || a->plan.step == NULL || a->spare.p == NULL)
+        return DT_NOMEM;
+    a->spare.from = (uint32_t *)(a->spare.p + items);
+    a->plan.same = a->spare.from + items;
+    return DT_OK;
 }
 
 static void free_arrays(struct arrivals *a)
@@ -51,9 +51,7 @@ static void free_arrays(struct arrivals *a)
     dt_array_free(a->sorted.p);
     dt_array_free(a->sorted.from);
     dt_array_free(a->spare.p);
-    dt_array_free(a->spare.from);
     dt_array_free(a->plan.step);
-    dt_array_free(a->plan.same);
 }
 
 /* The items as one array: where there are vertices and arrivals, they are copied to the spare points. */
