@@ -6,10 +6,7 @@
 #include "core/memory/memory.h"
 #include "core/query/ahead.h"
 
-enum {
-    SORTED = 16, /* batches of at least this number of points are sorted */
-    MISSES = 12  /* points that are looked up by their places while two cache misses take place */
-};
+enum { SORTED = 16 }; /* batches of at least this number of points are sorted */
 
 /* Counts the points in the cells and puts them into b->order. */
 static void sort(struct dt_batch *b, const struct dt_order *grid, uint32_t *key, uint32_t *next,
@@ -83,19 +80,10 @@ static void look_ahead(struct dt *t, struct dt_batch *b, uint32_t i)
     }
 }
 
-/* Fetches in advance where points are looked up by their places. */
-static void fetch_places(const struct dt *t, const struct dt_batch *b, uint32_t i)
-{
-    if (b->n - i > 2 * MISSES)
-        dt_places_fetch_bucket(&t->points.places, b->q[i + 2 * MISSES]);
-    if (b->n - i > MISSES)
-        dt_places_fetch_vertex(&t->points.places, t->points.xy, b->q[i + MISSES]);
-}
-
 uint32_t dt_batch_turn(struct dt *t, struct dt_batch *b, uint32_t i)
 {
     if (!t->current)
-        fetch_places(t, b, i);
+        dt_places_fetch(&t->points.places, t->points.xy, b->q + i, b->n - i);
     if (b->n == 1 || !t->current)
         return DT_NONE;
     if (i % DT_AHEAD == 0)

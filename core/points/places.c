@@ -87,20 +87,18 @@ enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct d
     return status;
 }
 
-void dt_places_fetch_bucket(const struct dt_places *p, struct dt_point q)
+void dt_places_fetch(const struct dt_places *p, const struct dt_point *xy, const struct dt_point *q,
+                     size_t n)
 {
-    if (p->tol == 0)
-        __builtin_prefetch(&p->bucket[home(p, q)]);
-}
-
-void dt_places_fetch_vertex(const struct dt_places *p, const struct dt_point *xy, struct dt_point q)
-{
+    enum { MISSES = 12 }; /* places that are looked up while a cache miss takes place */
     if (p->tol != 0)
         return;
-    uint32_t v = p->bucket[home(p, q)];
+    if (n > 2 * MISSES)
+        dt_fetch(&p->bucket[home(p, q[2 * MISSES])]);
+    uint32_t v = n > MISSES ? p->bucket[home(p, q[MISSES])] : DT_NONE;
     if (v != DT_NONE) {
-        __builtin_prefetch(&xy[v]);
-        __builtin_prefetch(&p->next[v]);
+        dt_fetch(&xy[v]);
+        dt_fetch(&p->next[v]);
     }
 }
 

@@ -52,11 +52,10 @@ enum dt_status dt_places_reserve(struct dt_places *p, double tol, const struct d
 uint32_t dt_places_find(const struct dt_places *p, const struct dt_point *xy, const uint32_t *id,
                         struct dt_point q, uint32_t except);
 
-/* Fetch in advance what dt_places_find(q) will read: first the bucket, and some time later, when
- * that has come, the vertex in it. With tolerance 0 only. */
-void dt_places_fetch_bucket(const struct dt_places *p, struct dt_point q);
-void dt_places_fetch_vertex(const struct dt_places *p, const struct dt_point *xy,
-                            struct dt_point q);
+/* Fetches in advance what dt_places_find will read of places some way behind q[0], the next one of n that are looked up one
+ * after the other: of one its bucket, of a nearer one the vertex in it. With tolerance 0 only. */
+void dt_places_fetch(const struct dt_places *p, const struct dt_point *xy, const struct dt_point *q,
+                     size_t n);
 
 void dt_places_enter(struct dt_places *p, const struct dt_point *xy, uint32_t v);
 void dt_places_leave(struct dt_places *p, const struct dt_point *xy, uint32_t v);
