@@ -12,10 +12,10 @@ static void empty(uint32_t *slot, uint32_t bits)
 
 void dt_visited_init(struct dt_visited *s)
 {
-    _Static_assert(DT_VISITED_SMALL == 1 << 6, "the small table has 2^6 slots");
+    _Static_assert(DT_VISITED_SMALL == 1 << 7, "the small table has 2^7 slots");
     s->slot = s->small;
     s->n = 0;
-    s->bits = 6;
+    s->bits = 7;
     empty(s->slot, s->bits);
 }
 

@@ -5,7 +5,7 @@
 
 #include "core/delaunay.h"
 
-enum { DT_VISITED_SMALL = 64 };
+enum { DT_VISITED_SMALL = 128 };
 
 struct dt_visited {
     uint32_t *slot; /* small or owned; DT_NONE is empty */
