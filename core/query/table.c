@@ -6,11 +6,11 @@
  *
  * `left` and `hull_left` are the rows still to come of either kind; 0 says that there are no more.
  * The number of rows of a part that was cut off is unknown: there `left` is an upper bound. */
-#include "core/query/group.h"
 #include "core/query/hull_walk.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Where rows go. */
@@ -277,41 +277,182 @@ static void read_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
         read_hull_lists(t, c, k);
 }
 
-/* Writes what star i has for the cursor; false if there is more than fits, or no memory. */
-static bool write_group(const struct dt *t, struct dt_cursor *c, struct sink *k,
-                        const struct dt_stars *s, uint32_t i, size_t width)
+/* ---- TRIANGLES and EDGES: the rows that begin with one id, sorted by their second word ----
+ *
+ * The key of a row is its second word and, below that, its third one, 0 in edges. */
+
+/* The keys of the rows that begin with c->id, from the second word c->sub on, given its star (star.h): into key[n].
+ * Returns how many. */
+static inline size_t keys_of_star(const struct dt_cursor *c, const uint32_t *ring, size_t n,
+                                  bool on_hull, uint64_t *key)
 {
-    struct dt_group g = {.id = s->id[i], .width = width, .cw = c->cw, .rows = k->out + k->words};
-    g.room = (k->cap - k->words) / width;
-    g.room = g.room < k->max_rows - k->rows ? g.room : k->max_rows - k->rows;
-    if (g.room == 0)
-        return false;
-    g.from = s->id[i] == c->id ? c->sub : 0;
-    if (s->degree[i] == DT_NONE)
-        k->status = dt_group_of_many(&g, t, c->view);
-    else if (s->degree[i] > 0)
-        dt_group_of_ring(&g, s->ring[i], s->degree[i], s->on_hull[i]);
-    if (k->status != DT_OK)
-        return false;
-    k->words += g.n * width;
-    k->rows += g.n;
-    c->left -= (uint32_t)g.n;
-    c->id = g.more ? g.id : g.id + 1;
-    c->sub = g.more ? g.rows[(g.n - 1) * width + 1] + 1 : 0;
-    return !g.more;
+    size_t rows = 0;
+    for (size_t i = 0; c->table == DT_EDGES && i < n; i++)
+        if (ring[i] > c->id && ring[i] >= c->sub)
+            key[rows++] = (uint64_t)ring[i] << 32;
+    for (size_t i = 0; c->table == DT_TRIANGLES && i + on_hull < n; i++) {
+        uint32_t b = ring[i], d = ring[i + 1 < n ? i + 1 : 0];
+        uint32_t second = c->cw ? d : b, third = c->cw ? b : d;
+        if (second > c->id && third > c->id && second >= c->sub)
+            key[rows++] = (uint64_t)second << 32 | third;
+    }
+    return rows;
 }
 
-static void read_groups(const struct dt *t, struct dt_cursor *c, struct sink *k, size_t width)
+/* Brings the least k of n keys, 0 < k < n, to the front [Hoare, "Algorithm 65: find", CACM 4(7), 1961]. */
+static void select_keys(uint64_t *key, size_t n, size_t k)
+{
+    for (size_t lo = 0, hi = n - 1; lo < hi;) { /* place k - 1 is among lo .. hi */
+        uint64_t pivot = key[lo + (hi - lo) / 2];
+        size_t i = lo, j = hi;
+        for (;; i++, j--) {
+            while (key[i] < pivot)
+                i++;
+            while (key[j] > pivot)
+                j--;
+            if (i >= j)
+                break;
+            uint64_t swap = key[i];
+            key[i] = key[j];
+            key[j] = swap;
+        }
+        if (k - 1 <= j)
+            hi = j;
+        else
+            lo = j + 1;
+    }
+}
+
+static int compare_keys(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Puts the least k of n keys in order, all if there are few. */
+static inline void sort_keys(uint64_t *key, size_t n, size_t k)
+{
+    if (n > DT_STAR_MAX) {
+        if (0 < k && k < n)
+            select_keys(key, n, k);
+        qsort(key, k < n ? k : n, sizeof *key, compare_keys);
+        return;
+    }
+    for (size_t i = 1; i < n; i++) {
+        uint64_t here = key[i];
+        size_t j = i;
+        for (; j > 0 && key[j - 1] > here; j--)
+            key[j] = key[j - 1];
+        key[j] = here;
+    }
+}
+
+static inline void write_key(const struct dt_cursor *c, struct sink *k, uint64_t key)
+{
+    bool edge = c->table == DT_EDGES;
+    uint32_t *out = row(k, edge ? 2 : 3);
+    out[0] = c->id;
+    out[1] = (uint32_t)(key >> 32);
+    if (!edge)
+        out[2] = (uint32_t)key;
+}
+
+/* All rows of c->id are written. */
+static void end_id(struct dt_cursor *c)
+{
+    c->id++;
+    c->sub = 0;
+}
+
+/* Writes the rows with these keys that fit; false if there are more. */
+static inline bool write_keys(struct dt_cursor *c, struct sink *k, uint64_t *key, size_t n,
+                              size_t width)
+{
+    size_t room = (k->cap - k->words) / width;
+    room = room < k->max_rows - k->rows ? room : k->max_rows - k->rows;
+    size_t fit = n < room ? n : room;
+    sort_keys(key, n, room);
+    for (size_t i = 0; i < fit; i++)
+        write_key(c, k, key[i]);
+    c->left -= (uint32_t)fit;
+    if (fit == n)
+        end_id(c);
+    else if (fit > 0)
+        c->sub = (uint32_t)(key[fit - 1] >> 32) + 1;
+    return fit == n;
+}
+
+/* Looks for neighbours of c->id among all points from c->sub on: they have it in their stars. */
+static bool scan_neighbours(const struct dt *t, struct dt_cursor *c, struct sink *k, size_t width)
+{
+    struct dt_neighbours around = {0};
+    uint32_t id = c->sub > c->id ? c->sub : c->id + 1, third;
+    struct dt_view_ids ids = dt_view_ids_begin(t, c->view, id);
+    for (; k->status == DT_OK && has_room(k, width); id++) {
+        id = dt_view_ids_next(&ids, id);
+        if (id == DT_NONE)
+            break;
+        if (dt_view_representative(t, c->view, id) != id)
+            continue;
+        k->status = dt_neighbours_read(t, c->view, id, &around);
+        if (k->status != DT_OK || !dt_neighbours_have(&around, c->id, c->cw, &third) ||
+            (width == 3 && (third < c->id || third == DT_NONE)))
+            continue;
+        write_key(c, k, (uint64_t)id << 32 | third);
+        c->left--;
+        c->sub = id + 1;
+    }
+    free(around.ring.v);
+    if (id == DT_NONE)
+        end_id(c);
+    return id == DT_NONE;
+}
+
+/* The rows of the representative c->id, which has many neighbours. A table is read in pieces, and each piece walks
+ * round the whole star again. For a star with a large share of all points, a scan of the points is faster: a piece
+ * continues where the last one stopped. */
+static bool write_large_star(const struct dt *t, struct dt_cursor *c, struct sink *k, size_t width)
+{
+    struct dt_neighbours around = {0};
+    struct dt_star star = dt_star_of(t, c->view, c->id);
+    uint32_t many = (c->view == NULL ? t->mesh.vertices : c->view->sum.points) / 16 + 1;
+    uint32_t degree =
+        star.saved != NULL ? star.saved_degree : dt_star_degree(&t->mesh, star.vertex, many);
+    if (degree >= many)
+        return scan_neighbours(t, c, k, width);
+    k->status = dt_neighbours_read(t, c->view, c->id, &around);
+    uint64_t *key = k->status == DT_OK ? malloc(degree * sizeof *key) : NULL;
+    bool all = false;
+    if (key == NULL)
+        k->status = DT_NOMEM;
+    else
+        all = write_keys(c, k, key, keys_of_star(c, around.ring.v, degree, around.on_hull, key),
+                         width);
+    free(key);
+    free(around.ring.v);
+    return all;
+}
+
+static void read_by_id(const struct dt *t, struct dt_cursor *c, struct sink *k, size_t width)
 {
     const struct dt_view *v = dt_view_if_changed(t, c->view);
     struct dt_stars stars;
-    while (c->left > 0 && has_room(k, width)) {
+    uint64_t key[DT_STAR_MAX];
+    for (bool all = true; all && c->left > 0 && has_room(k, width);) {
         dt_stars_read(t, v, c->id, c->end, stars_ahead(k, 2 * width), &stars);
         if (stars.n == 0)
             c->left = 0;
-        for (uint32_t i = 0; i < stars.n; i++)
-            if (!write_group(t, c, k, &stars, i, width))
-                return;
+        for (uint32_t i = 0; all && i < stars.n; i++) {
+            if (stars.id[i] != c->id)
+                c->sub = 0;
+            c->id = stars.id[i];
+            if (stars.degree[i] == DT_NONE)
+                all = write_large_star(t, c, k, width);
+            else
+                all = write_keys(
+                    c, k, key,
+                    keys_of_star(c, stars.ring[i], stars.degree[i], stars.on_hull[i], key), width);
+        }
     }
 }
 
@@ -337,7 +478,7 @@ enum dt_status dt_table_read(const struct dt *t, struct dt_cursor *c, uint32_t *
         break;
     case DT_TRIANGLES:
     case DT_EDGES:
-        read_groups(t, c, &k, width[c->table]);
+        read_by_id(t, c, &k, width[c->table]);
         break;
     case DT_HULL:
         read_hull(t, c, &k);
