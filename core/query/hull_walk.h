@@ -9,11 +9,12 @@
 
 struct dt_hull_walk {
     const struct dt *t;
-    const struct dt_view *v; /* NULL: it walks along the ghosts of the mesh */
+    const struct dt_view *v; /* NULL: now */
     bool line, back;
-    uint32_t before; /* on a line: the point before; DT_NONE at the end */
-    uint32_t ghost;  /* of the point; DT_NONE: the hull is saved, or is a single point */
-    uint32_t id;     /* the point */
+    uint32_t before;     /* the point before; DT_NONE at the end of a line */
+    uint32_t id;         /* the point */
+    struct dt_star star; /* its star */
+    uint32_t ghost;      /* its ghost; DT_NONE: the walk goes on by the star */
 };
 
 /* Where the hull begins in canonical order, cw or not: as dt_hull_first. DT_NONE if there is no point. v
@@ -26,10 +27,7 @@ struct dt_hull_walk dt_hull_walk_at(const struct dt *t, const struct dt_view *v,
 
 void dt_hull_walk_step(struct dt_hull_walk *w);
 
-/* The star of the point. */
-struct dt_star dt_hull_walk_star(const struct dt_hull_walk *w);
-
-/* On a line: the ring of the point, the next one before the last one, into ring[2]. Returns its length. */
-uint32_t dt_hull_walk_ring(const struct dt_hull_walk *w, uint32_t *ring);
+/* On a line: the ring of the point, the next one before the last one, into ring[2]; then a step. Returns its length. */
+uint32_t dt_hull_walk_ring(struct dt_hull_walk *w, uint32_t *ring);
 
 #endif

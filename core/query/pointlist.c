@@ -12,13 +12,13 @@
 #include <string.h>
 
 /* The ring of a point on a line depends on where the line begins. */
-static uint32_t ring_on_line(const struct dt *t, const struct dt_view *v, uint32_t id, bool cw,
-                             uint32_t *ring)
+static void ring_on_line(const struct dt *t, const struct dt_view *v, uint32_t id, bool cw,
+                         uint32_t *ring)
 {
     struct dt_hull_walk w = dt_hull_walk_at(t, v, cw, dt_hull_start(t, v, cw), DT_NONE);
     while (w.id != id)
         dt_hull_walk_step(&w);
-    return dt_hull_walk_ring(&w, ring);
+    dt_hull_walk_ring(&w, ring);
 }
 
 uint32_t dt_degree_up_to(const struct dt *t, uint32_t id, uint32_t limit)

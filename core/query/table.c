@@ -207,13 +207,17 @@ static bool write_list(const struct dt *t, const struct dt_cursor *c, struct sin
     return true;
 }
 
-static bool write_list_on_line(struct sink *k, const struct dt_hull_walk *w)
+/* The same on a line; then the walk takes a step. */
+static bool write_list_on_line(struct sink *k, struct dt_hull_walk *w)
 {
+    struct dt_hull_walk here = *w;
     uint32_t two[2], degree = dt_hull_walk_ring(w, two), *ring = list_ring(k, degree);
-    if (ring == NULL)
+    if (ring == NULL) {
+        *w = here;
         return false;
+    }
     memcpy(ring, two, degree * sizeof *ring);
-    end_list(k, w->id, degree);
+    end_list(k, here.id, degree);
     return true;
 }
 
@@ -261,10 +265,10 @@ static void read_interior_lists(const struct dt *t, struct dt_cursor *c, struct 
 static void read_hull_lists(const struct dt *t, struct dt_cursor *c, struct sink *k)
 {
     struct dt_hull_walk w = hull_from(t, c);
-    for (bool fits = true; fits && c->hull_left > 0; c->hull_left -= fits) {
-        fits =
-            w.line ? write_list_on_line(k, &w) : write_list(t, c, k, w.id, dt_hull_walk_star(&w));
-        if (fits)
+    for (; c->hull_left > 0; c->hull_left--) {
+        if (!(w.line ? write_list_on_line(k, &w) : write_list(t, c, k, w.id, w.star)))
+            break;
+        if (!w.line)
             dt_hull_walk_step(&w);
     }
     hull_leave(&w, c);
