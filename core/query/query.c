@@ -3,12 +3,11 @@
 
 #include "core/exact/predicates.h"
 #include "core/memory/sort.h"
-#include "core/mesh/hull.h"
-#include "core/mesh/star.h"
 #include "core/query/locate.h"
 #include "core/set/set.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { DENSE_LEAST = 1000 }; /* ids from which on sorting them needs something better than qsort */
 
@@ -37,38 +36,28 @@ static void append_triangle(const struct dt *t, uint32_t h, bool cw, struct dt_i
     out->n += 3;
 }
 
-/* The half edge at which the ring of v begins: to the smallest neighbour; on the hull to the
- * successor or, clockwise, to the predecessor. */
-static uint32_t ring_start(const struct dt *t, uint32_t v, bool cw)
-{
-    const struct dt_mesh *m = &t->mesh;
-    uint32_t first = m->leaving[v], best = first;
-    if (dt_on_hull(m, v))
-        return cw ? dt_turn_cw(m, first) : dt_turn_ccw(m, first);
-    for (uint32_t h = dt_turn_ccw(m, first); h != first; h = dt_turn_ccw(m, h))
-        if (t->points.id[dt_dest(m, h)] < t->points.id[dt_dest(m, best)])
-            best = h;
-    return best;
-}
-
+/* The ring, each point of which is replaced by the triangle that it begins, from the last one on. */
 enum dt_status dt_triangles_at_point(const struct dt *t, uint32_t a, bool cw, struct dt_ids *out)
 {
+    size_t from = out->n;
     uint32_t v;
+    bool on_hull;
     enum dt_status s = dt_read_vertex(t, a, &v);
     if (s != DT_OK || dt_mesh_is_line(&t->mesh))
         return s;
-    uint32_t triangles = dt_star_degree(&t->mesh, v, DT_NONE) - dt_on_hull(&t->mesh, v);
-    s = dt_ids_reserve(out, 3 * (size_t)triangles);
+    s = dt_ring(t, a, cw, out, &a, &on_hull);
+    size_t n = out->n - from;
+    if (s == DT_OK)
+        s = dt_ids_reserve(out, 2 * n);
+    out->n = from;
     if (s != DT_OK)
         return s;
-    uint32_t h = ring_start(t, v, cw);
-    while (triangles-- >
-           0) { /* the triangle left of v -> r[i] is the one between r[i] and r[i + 1] */
-        if (cw)
-            h = dt_turn_cw(&t->mesh, h);
-        append_triangle(t, h, cw, out);
-        if (!cw)
-            h = dt_turn_ccw(&t->mesh, h);
+    uint32_t *ring = out->v + from, first = ring[0];
+    out->n += 3 * (n - on_hull);
+    for (size_t i = n - on_hull; i-- > 0;) {
+        uint32_t row[3] = {a, ring[i], i + 1 < n ? ring[i + 1] : first};
+        dt_triangle_turn(row);
+        memcpy(ring + 3 * i, row, sizeof row);
     }
     return DT_OK;
 }
