@@ -3,22 +3,25 @@
  *
  * Places are walked to side by side (ahead.h). With a view, the answer of the present is right as long as
  * what it follows from has no image since the view began; else the search is repeated among the rings
- * of that moment (lookup_then.h). */
+ * of that moment: what a view keeps are rows and rings, by id, so it goes from ring to ring. That is slower, by the
+ * reading of a ring for each step. */
 #include "core/query/ahead.h"
 #include "core/query/locate.h"
-#include "core/query/lookup_then.h"
 #include "core/query/nearest.h"
-#include "core/set/set.h"
+#include "core/query/query.h"
 #include "core/set/view_rows.h"
+#include "core/set/view_stars.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct lookup {
     const struct dt *t;
     const struct dt_view *then; /* NULL: nothing has changed since */
     struct dt_stop work;
-    uint32_t width;    /* words of an answer */
-    struct dt_ids ids; /* owns: workspace */
+    uint32_t width;              /* words of an answer */
+    struct dt_ids ids;           /* owns: workspace */
+    struct dt_neighbours around; /* owns: the star then that was read last */
     enum dt_status (*answer)(struct lookup *l, const struct dt_place *p, uint32_t *out);
 };
 
@@ -46,11 +49,21 @@ static uint32_t vertex_then(const struct lookup *l, uint32_t v)
 
 /* ---- triangles ---- */
 
+/* Makes best[3] the triangle a b c (counterclockwise), from its smallest id, if that comes before best in
+ * DT_TRIANGLES. DT_NONE three times comes behind all. */
+static void first_triangle(uint32_t best[3], uint32_t a, uint32_t b, uint32_t c)
+{
+    uint32_t row[3] = {a, b, c};
+    dt_triangle_turn(row);
+    if (dt_triangle_compare(row, best) < 0)
+        memcpy(best, row, sizeof row);
+}
+
 static void offer(const struct lookup *l, uint32_t h, uint32_t out[3])
 {
     const uint32_t *corner = l->t->mesh.half + dt_base(h), *id = l->t->points.id;
     if (!dt_is_ghost(&l->t->mesh, h))
-        dt_first_triangle(out, id[corner[0]], id[corner[1]], id[corner[2]]);
+        first_triangle(out, id[corner[0]], id[corner[1]], id[corner[2]]);
 }
 
 /* The first of the triangles round the origin of h. */
@@ -84,15 +97,103 @@ static bool triangle_was_same(const struct lookup *l, uint32_t h, uint32_t *from
     return !changed;
 }
 
+/* ---- triangles then ---- */
+
+static enum dt_status read_star(struct lookup *l, uint32_t id)
+{
+    enum dt_status st = dt_neighbours_read(l->t, l->then, id, &l->around);
+    return st == DT_OK ? dt_work(&l->work, l->around.ring.n) : st;
+}
+
+/* *c: the corner right of the edge from a to its neighbour b; DT_NONE: that is an edge of the hull. */
+static enum dt_status right_of(struct lookup *l, uint32_t a, uint32_t b, uint32_t *c)
+{
+    enum dt_status st = read_star(l, a);
+    *c = DT_NONE;
+    if (st == DT_OK)
+        (void)dt_neighbours_have(&l->around, b, false, c);
+    return st;
+}
+
+/* Of the triangles at the vertex id, the first one. */
+static enum dt_status first_at_vertex(struct lookup *l, uint32_t id, uint32_t out[3])
+{
+    enum dt_status st = read_star(l, id);
+    const struct dt_ids *ring = &l->around.ring;
+    for (size_t i = 0; st == DT_OK && i + l->around.on_hull < ring->n; i++)
+        first_triangle(out, id, ring->v[i], ring->v[(i + 1) % ring->n]);
+    return st;
+}
+
+/* The same for that with these corners, in which the place is, and for those on its other side if it is on
+ * an edge or a corner. */
+static enum dt_status arrive_then(struct lookup *l, const uint32_t id[3], const int side[3],
+                                  uint32_t out[3])
+{
+    enum dt_status st = DT_OK;
+    first_triangle(out, id[0], id[1], id[2]);
+    for (unsigned k = 0; k < 3 && st == DT_OK; k++) {
+        uint32_t a = id[k], b = id[(k + 1) % 3], c;
+        if (side[k] != 0)
+            continue;
+        if (side[(k + 2) % 3] == 0)
+            return first_at_vertex(l, a, out);
+        st = right_of(l, a, b, &c);
+        if (c != DT_NONE)
+            first_triangle(out, a, c, b);
+    }
+    return st;
+}
+
+/* One step of the walk from the triangle id[3]. *done: it has ended. */
+static enum dt_status step_then(struct lookup *l, struct dt_point q, uint32_t id[3],
+                                uint32_t out[3], bool *done)
+{
+    struct dt_point p[3];
+    int side[3];
+    for (unsigned k = 0; k < 3; k++)
+        p[k] = dt_view_place(l->t, l->then, id[k]);
+    for (unsigned k = 0; k < 3; k++) {
+        side[k] = dt_orient2d(p[k], p[(k + 1) % 3], q);
+        if (side[k] >= 0)
+            continue;
+        uint32_t a = id[k], b = id[(k + 1) % 3], c;
+        enum dt_status st = right_of(l, a, b, &c);
+        *done = c == DT_NONE;
+        id[0] = a;
+        id[1] = c;
+        id[2] = b;
+        return st;
+    }
+    *done = true;
+    return arrive_then(l, id, side, out);
+}
+
+/* `from` was a vertex, best one near q; DT_NONE: there was none. The walk ends for the reason given in locate.c, which
+ * holds for any Delaunay triangulation. */
+static enum dt_status locate_then(struct lookup *l, struct dt_point q, uint32_t from,
+                                  uint32_t out[3])
+{
+    if (l->then->line || from == DT_NONE)
+        return DT_OK;
+    enum dt_status st = read_star(l, from);
+    if (st != DT_OK)
+        return st;
+    uint32_t id[3] = {from, l->around.ring.v[0], l->around.ring.v[1]};
+    for (bool done = false; st == DT_OK && !done;)
+        st = step_then(l, q, id, out, &done);
+    return st;
+}
+
 static enum dt_status locate(struct lookup *l, const struct dt_place *p, uint32_t *out)
 {
     const struct dt *t = l->t;
     uint32_t h, from = l->then == NULL ? DT_NONE : l->then->on_hull;
     if (dt_mesh_is_line(&t->mesh))
-        return l->then == NULL ? DT_OK : dt_locate_then(t, l->then, p->at, from, &l->work, out);
+        return l->then == NULL ? DT_OK : locate_then(l, p->at, from, out);
     enum dt_where where = dt_find(t, p, &h);
     if (l->then != NULL && !triangle_was_same(l, h, &from))
-        return dt_locate_then(t, l->then, p->at, from, &l->work, out);
+        return locate_then(l, p->at, from, out);
     if (where == DT_ON_VERTEX)
         return offer_star(l, h, out);
     if (where != DT_OUTSIDE)
@@ -149,7 +250,8 @@ static enum dt_status nearest(struct lookup *l, const struct dt_place *p, uint32
     if (st == DT_OK && !same) {
         uint32_t v = l->ids.n == 0 ? DT_NONE : dt_points_vertex(&l->t->points, l->ids.v[0]);
         l->ids.n = 0;
-        st = dt_nearest_then(l->t, l->then, p->at, vertex_then(l, v), l->width, &l->work, &l->ids);
+        st = dt_nearest_then(l->t, l->then, p->at, vertex_then(l, v), l->width, &l->work,
+                             &l->around, &l->ids);
     }
     for (size_t i = 0; st == DT_OK && i < l->ids.n; i++)
         out[i] = l->ids.v[i];
@@ -181,6 +283,7 @@ static enum dt_status answer_all(struct lookup *l, const struct dt_point *p, siz
         }
     }
     free(l->ids.v);
+    free(l->around.ring.v);
     return st;
 }
 

@@ -1,18 +1,19 @@
 /* nearest_many.c - the nearest k, now or at the moment of a view: from a nearest vertex outward along edges, by a heap
  * of those seen. A vertex of high degree costs little more than one visit of each neighbour (near.h). */
-#include "core/query/lookup_then.h"
 #include "core/query/near.h"
 #include "core/query/nearest.h"
 #include "core/query/query.h"
 #include "core/query/visited.h"
-#include "core/set/set.h"
+#include "core/set/view_rows.h"
+#include "core/set/view_stars.h"
 
 #include <stdlib.h>
 
 /* A search outward from near.q. Points are keyed by their vertices or, at the moment of a view, by their ids. */
 struct search {
     const struct dt *t;
-    struct dt_then *then; /* borrows; NULL: now */
+    const struct dt_view *then;   /* NULL: now */
+    struct dt_neighbours *around; /* borrows: the star then that was read last */
     struct dt_stop *work;
     struct dt_visited seen;
     struct dt_near near; /* seen and not yet given out */
@@ -20,7 +21,7 @@ struct search {
 
 static inline struct dt_seen look_at(const struct search *s, uint32_t key)
 {
-    struct dt_point at = s->then == NULL ? s->t->points.xy[key] : dt_then_place(s->then, key);
+    struct dt_point at = s->then == NULL ? s->t->points.xy[key] : dt_view_place(s->t, s->then, key);
     return dt_near_see(&s->near, at, key);
 }
 
@@ -58,12 +59,18 @@ static enum dt_status push_star(struct search *s, uint32_t v)
     return st == DT_OK ? dt_work(s->work, steps & DT_WORK_MASK) : st;
 }
 
+static enum dt_status read_star(struct search *s, uint32_t id)
+{
+    enum dt_status st = dt_neighbours_read(s->t, s->then, id, s->around);
+    return st == DT_OK ? dt_work(s->work, s->around->ring.n) : st;
+}
+
 static enum dt_status push_ring_then(struct search *s, uint32_t id)
 {
     bool fresh;
-    enum dt_status st = dt_then_read(s->then, id);
-    for (size_t i = 0; st == DT_OK && i < s->then->around.ring.n; i++)
-        st = push_fresh(s, s->then->around.ring.v[i], &fresh);
+    enum dt_status st = read_star(s, id);
+    for (size_t i = 0; st == DT_OK && i < s->around->ring.n; i++)
+        st = push_fresh(s, s->around->ring.v[i], &fresh);
     return st;
 }
 
@@ -71,9 +78,9 @@ static enum dt_status push_ring_then(struct search *s, uint32_t id)
 static enum dt_status nearest_ties_then(struct search *s, uint32_t id, struct dt_ids *ties)
 {
     struct dt_seen centre = look_at(s, id);
-    enum dt_status st = dt_then_read(s->then, id);
-    for (size_t i = 0; st == DT_OK && i < s->then->around.ring.n; i++) {
-        struct dt_seen c = look_at(s, s->then->around.ring.v[i]);
+    enum dt_status st = read_star(s, id);
+    for (size_t i = 0; st == DT_OK && i < s->around->ring.n; i++) {
+        struct dt_seen c = look_at(s, s->around->ring.v[i]);
         if (dt_near_compare(&s->near, &c, &centre) == 0)
             st = dt_ids_append(ties, c.key);
     }
@@ -171,9 +178,9 @@ static enum dt_status descend(struct search *s, uint32_t *id)
     enum dt_status st = DT_OK;
     do {
         *id = best.key;
-        st = dt_then_read(s->then, *id);
-        for (size_t i = 0; st == DT_OK && i < s->then->around.ring.n; i++) {
-            struct dt_seen c = look_at(s, s->then->around.ring.v[i]);
+        st = read_star(s, *id);
+        for (size_t i = 0; st == DT_OK && i < s->around->ring.n; i++) {
+            struct dt_seen c = look_at(s, s->around->ring.v[i]);
             if (dt_near_compare(&s->near, &c, &best) < 0)
                 best = c;
         }
@@ -182,17 +189,15 @@ static enum dt_status descend(struct search *s, uint32_t *id)
 }
 
 enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
-                               uint32_t from, uint32_t k, struct dt_stop *work, struct dt_ids *out)
+                               uint32_t from, uint32_t k, struct dt_stop *work,
+                               struct dt_neighbours *around, struct dt_ids *out)
 {
     if (k == 0 || from == DT_NONE)
         return DT_OK;
-    struct dt_then then = dt_then_of(t, v, work);
-    struct search s = {.t = t, .then = &then, .work = work, .near = dt_near_of(q, NULL, k)};
+    struct search s = {
+        .t = t, .then = v, .around = around, .work = work, .near = dt_near_of(q, NULL, k)};
     enum dt_status st = dt_ids_reserve(out, k);
     if (st == DT_OK)
         st = descend(&s, &from);
-    if (st == DT_OK)
-        st = append_nearest(&s, from, true, out);
-    dt_then_clear(&then);
-    return st;
+    return st == DT_OK ? append_nearest(&s, from, true, out) : st;
 }

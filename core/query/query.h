@@ -41,4 +41,12 @@ static inline void dt_fetch_beyond_star(const struct dt_mesh *m, uint32_t h)
  * Cost: linear. */
 void dt_vertices_to_ids(const struct dt *t, struct dt_ids *list, size_t from);
 
+struct dt_neighbours;
+
+/* dt_nearest_many of one place q, at the moment of v, which is readable: appends up to k ids. `from` was a vertex, best
+ * one near q; DT_NONE: there was none. around: the star of that moment that was read last, if one was. */
+enum dt_status dt_nearest_then(const struct dt *t, const struct dt_view *v, struct dt_point q,
+                               uint32_t from, uint32_t k, struct dt_stop *work,
+                               struct dt_neighbours *around, struct dt_ids *out);
+
 #endif

@@ -37,6 +37,8 @@ uint32_t dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *rin
 enum dt_status dt_neighbours_read(const struct dt *t, const struct dt_view *v, uint32_t id,
                                   struct dt_neighbours *n)
 {
+    if (n->ring.n > 0 && n->id == id)
+        return DT_OK;
     struct dt_star star = dt_star_of(t, v, id);
     uint32_t degree = n->ring.cap == 0 ? DT_NONE : dt_star_copy(t, &star, n->ring.v, n->ring.cap);
     n->ring.n = 0;
@@ -46,6 +48,7 @@ enum dt_status dt_neighbours_read(const struct dt *t, const struct dt_view *v, u
             return DT_NOMEM;
         dt_star_copy(t, &star, n->ring.v, n->ring.cap);
     }
+    n->id = id;
     n->ring.n = degree;
     n->on_hull = star.on_hull;
     return DT_OK;

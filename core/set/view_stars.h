@@ -50,11 +50,13 @@ uint32_t dt_star_copy(const struct dt *t, const struct dt_star *s, uint32_t *rin
 
 /* A star of any degree, copied. Start with {0}. */
 struct dt_neighbours {
+    uint32_t id;        /* whose star it is, if it has one */
     struct dt_ids ring; /* owns */
     bool on_hull;
 };
 
-/* Replaces it by that of an id that was a representative. DT_NOMEM. Cost: its degree. */
+/* Replaces it by that of an id that was a representative, unless it is that one, read through the same view and since
+ * the last edit. DT_NOMEM. Cost: its degree. */
 enum dt_status dt_neighbours_read(const struct dt *t, const struct dt_view *v, uint32_t id,
                                   struct dt_neighbours *n);
 
