@@ -4,9 +4,9 @@
  * have the same class, cost three look-ups. The others have a crossing for each level between their corners' classes:
  *
  *                above                 `in` is the edge that goes down, counterclockwise as seen from the
- *               /     \                triangle, and `out` the one that goes up; both are named by their ids, the
- *         in  /  - - -> \  out         higher end first. A line leaves a triangle and enters the next one by
- *           /             \            the same name, so crossings are joined without the triangulation.
+ *               /     \                triangle, and `out` the one that goes up; both are named by their ids. A
+ *         in  /  - - -> \  out         line leaves a triangle and enters the next one by the same name, so
+ *           /             \            crossings are joined without the triangulation.
  *       below ----------- below
  *
  * All is read in pieces, as of the moment of a view. The result does not depend on the order of the triangles, so they
@@ -31,7 +31,7 @@ enum {
 #define MISSING UINT32_MAX /* the class of a point without a value */
 
 struct edge {
-    uint32_t higher, lower; /* ids */
+    uint32_t lo, hi; /* ids */
 };
 
 struct crossing {
@@ -41,13 +41,6 @@ struct crossing {
     uint32_t next; /* the crossing of the next triangle, DT_NONE: the line ends */
     bool follows;  /* there is one before */
     bool taken;    /* by a line */
-};
-
-struct line {
-    uint32_t first; /* its first crossing */
-    uint32_t level;
-    uint32_t lo, hi; /* the ids of the edge on which it begins */
-    bool closed;
 };
 
 enum stage { VALUES, MESH, TABLE, READ };
@@ -72,7 +65,7 @@ struct dt_contour {
     size_t n, cap;
     uint32_t *slot; /* owns slots: crossings by `in`, DT_NONE: none */
     size_t slots;
-    struct line *line; /* owns */
+    const struct crossing **line; /* owns: the first crossing of each line */
     size_t lines;
     struct dt_point *place;         /* owns */
     struct dt_contour_line *result; /* owns */
@@ -203,6 +196,11 @@ static bool has_surface(const struct dt_contour *c, const struct corner corner[3
     return true;
 }
 
+static struct edge edge_of(uint32_t a, uint32_t b)
+{
+    return a < b ? (struct edge){a, b} : (struct edge){b, a};
+}
+
 static struct crossing crossing_of(const struct dt_contour *c, const struct corner corner[3],
                                    uint32_t level)
 {
@@ -211,10 +209,10 @@ static struct crossing crossing_of(const struct dt_contour *c, const struct corn
     for (int k = 0; k < 3; k++) {
         const struct corner *a = &corner[k], *b = &corner[(k + 1) % 3];
         if (a->z >= at && b->z < at) {
-            r.in = (struct edge){a->id, b->id};
+            r.in = edge_of(a->id, b->id);
             r.from = place_of(a, b, at);
         } else if (a->z < at && b->z >= at) {
-            r.out = (struct edge){b->id, a->id};
+            r.out = edge_of(a->id, b->id);
             r.to = place_of(b, a, at);
         }
     }
@@ -346,12 +344,12 @@ size_t dt_contour_memory(const struct dt_contour *c)
 
 static bool is_same(struct edge a, struct edge b)
 {
-    return a.higher == b.higher && a.lower == b.lower;
+    return a.lo == b.lo && a.hi == b.hi;
 }
 
 static size_t hash(uint32_t level, struct edge e)
 {
-    uint64_t h = (uint64_t)e.higher * 0x9e3779b97f4a7c15u ^ e.lower;
+    uint64_t h = (uint64_t)e.lo * 0x9e3779b97f4a7c15u ^ e.hi;
     h = (h ^ h >> 29) * 0xbf58476d1ce4e5b9u ^ level;
     h *= 0x94d049bb133111ebu;
     return (size_t)(h >> 32 ^ h);
@@ -387,37 +385,35 @@ static void join(struct dt_contour *c, struct dt_stop *stop)
         }
 }
 
-static struct line line_from(const struct dt_contour *c, uint32_t i, bool closed)
+/* By the levels, then by the edges on which they begin. */
+static int compare_crossings(const struct crossing *a, const struct crossing *b)
 {
-    const struct crossing *k = &c->crossing[i];
-    bool ascending = k->in.higher < k->in.lower;
-    return (struct line){i, k->level, ascending ? k->in.higher : k->in.lower,
-                         ascending ? k->in.lower : k->in.higher, closed};
+    if (a->level != b->level)
+        return a->level < b->level ? -1 : 1;
+    if (a->in.lo != b->in.lo)
+        return a->in.lo < b->in.lo ? -1 : 1;
+    return (a->in.hi > b->in.hi) - (a->in.hi < b->in.hi);
 }
 
 static int compare_lines(const void *a, const void *b)
 {
-    const struct line *x = a, *y = b;
-    if (x->level != y->level)
-        return x->level < y->level ? -1 : 1;
-    if (x->lo != y->lo)
-        return x->lo < y->lo ? -1 : 1;
-    return (x->hi > y->hi) - (x->hi < y->hi);
+    return compare_crossings(*(const struct crossing *const *)a,
+                             *(const struct crossing *const *)b);
 }
 
-/* Takes the line of a crossing: of an open one, the first. */
+/* Takes the line of a crossing: of an open one, the first. A closed one begins at its least crossing. */
 static void take_line(struct dt_contour *c, uint32_t first)
 {
-    struct line open = line_from(c, first, false), closed = line_from(c, first, true);
+    const struct crossing *least = &c->crossing[first];
     uint32_t i = first;
     do {
-        struct line other = line_from(c, i, true);
-        if (compare_lines(&other, &closed) < 0)
-            closed = other;
-        c->crossing[i].taken = true;
-        i = c->crossing[i].next;
+        struct crossing *k = &c->crossing[i];
+        if (compare_crossings(k, least) < 0)
+            least = k;
+        k->taken = true;
+        i = k->next;
     } while (i != DT_NONE && i != first);
-    c->line[c->lines++] = i == DT_NONE ? open : closed;
+    c->line[c->lines++] = i == DT_NONE ? &c->crossing[first] : least;
 }
 
 static void take_lines(struct dt_contour *c, bool open, struct dt_stop *stop)
@@ -436,18 +432,18 @@ static void append(struct dt_contour_line *line, struct dt_point p)
         line->p[line->n++] = p;
 }
 
-/* The places of a line, from `place` on. */
-static struct dt_contour_line trace(const struct dt_contour *c, const struct line *from,
+/* The places of the line that begins at a crossing, from `place` on. */
+static struct dt_contour_line trace(const struct dt_contour *c, const struct crossing *first,
                                     struct dt_point *place)
 {
-    struct dt_contour_line line = {c->level[from->level], from->closed, place, 0};
-    uint32_t i = from->first;
-    const struct crossing *k;
-    do {
-        k = &c->crossing[i];
+    struct dt_contour_line line = {.level = c->level[first->level], .p = place};
+    const struct crossing *k = first;
+    append(&line, k->from);
+    while (k->next != DT_NONE && &c->crossing[k->next] != first) {
+        k = &c->crossing[k->next];
         append(&line, k->from);
-        i = k->next;
-    } while (i != DT_NONE && i != from->first);
+    }
+    line.closed = k->next != DT_NONE;
     if (!line.closed)
         append(&line, k->to);
     while (line.closed && line.n > 1 && dt_compare_xy(line.p[0], line.p[line.n - 1]) == 0)
@@ -462,7 +458,7 @@ static size_t trace_all(struct dt_contour *c, struct dt_stop *stop)
     size_t lines = 0;
     while (dt_next_piece_of(stop, DT_POLL_MISSES, &p))
         for (uint32_t i = p.a; i < p.b; i++) {
-            struct dt_contour_line line = trace(c, &c->line[i], place);
+            struct dt_contour_line line = trace(c, c->line[i], place);
             if (line.n < (line.closed ? 3 : 2))
                 continue;
             c->result[lines++] = line;
