@@ -58,11 +58,7 @@ static void find_centres(struct dt_cell_work *w, struct dt_point at, uint32_t de
         uint32_t next = i + 1 < degree ? i + 1 : 0, after = next + 1 < degree ? next + 1 : 0;
         const struct dt_point p[3] = {at, w->ring[i], w->ring[next]};
         const struct dt_point q[3] = {at, w->ring[next], w->ring[after]};
-        struct dt_point spare;
-        if (i + 1 < n)
-            dt_centre_two(p, q, &w->centre[i], &w->centre[i + 1]);
-        else
-            dt_centre_two(p, p, &w->centre[i], &spare);
+        dt_centre_two(p, i + 1 < n ? q : p, &w->centre[i], &w->centre[i + 1]);
     }
 }
 

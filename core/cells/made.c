@@ -6,11 +6,14 @@
  *      cell[id]     at, corners                  ids are in any order: reading one cell takes one cache miss or two, which
  *                                                are fetched ahead
  *
- * Made one by one, in the order of ids, a cell takes a dozen cache misses, and all of its circumcentres. */
+ * Made one by one, in the order of ids, a cell takes a dozen cache misses, and all of its circumcentres.
+ *
+ * Records of triangles are numbered in Morton order, too. So a walk over the vertices needs the triangles of few blocks of
+ * records at a time: the circumcentres of a block are computed together, about once, and kept for a while. */
 #include "core/cells/made.h"
 
-#include "core/cells/circumcentres.h"
-#include "core/exact/lanes.h"
+#include "core/cells/cell.h"
+#include "core/cells/centre.h"
 #include "core/mesh/hull.h"
 #include "core/mesh/star.h"
 #include "core/set/set.h"
@@ -19,11 +22,42 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- life ---- */
-
 enum {
-    SPARE = 4096
-}; /* corners, beyond those of triangles, that cells at the hull and the box can have */
+    SPARE =
+        4096, /* corners, beyond those of triangles, that cells at the hull and the box can have */
+    PENDING = 64, /* cells whose areas are computed together */
+    BLOCK = 16,   /* records: eight cache lines */
+    BLOCKS = 2048 /* that are kept: half a megabyte of circumcentres */
+};
+
+struct circumcentres {
+    struct dt_point at[BLOCKS * BLOCK];
+    uint32_t block[BLOCKS]; /* which one is kept here; DT_NONE: none */
+};
+
+/* The corners of a cell: `corners` of them from `at` on. */
+struct made {
+    uint32_t at, corners; /* corners DT_NONE: there is no cell of that id */
+};
+
+struct dt_cells_made {
+    struct dt_box box;
+    bool areas;        /* these are kept instead of the cells: */
+    double *area;      /* owns `ids`, by id; NaN: there is no cell of that id */
+    struct made *cell; /* owns `ids`, by id */
+    struct dt_point *
+        corner; /* owns cap, in the order in which the cells were made; of areas, of the `pending` last ones */
+    uint32_t ids, cells; /* cells: how many there will be */
+    size_t corners, cap;
+    /* while they are made */
+    uint32_t vertex;              /* the next one */
+    struct circumcentres *centre; /* owns */
+    struct dt_cell_work work;
+    struct dt_cell last[PENDING]; /* cells whose areas have not been computed yet */
+    uint32_t pending;
+};
+
+/* ---- life ---- */
 
 static enum dt_status begin(const struct dt *t, const struct dt_cells *c, bool areas,
                             struct dt_cells_made **out)
@@ -41,7 +75,7 @@ static enum dt_status begin(const struct dt *t, const struct dt_cells *c, bool a
     m->areas = areas;
     m->ids = t->points.next_id;
     m->cells = c->rows;
-    m->cap = 6 * (size_t)(areas ? DT_MADE_PENDING : m->cells) + SPARE;
+    m->cap = 6 * (size_t)(areas ? PENDING : m->cells) + SPARE;
     *out = m;
     return DT_OK;
 }
@@ -93,7 +127,7 @@ static bool reserve(const struct dt *t, struct dt_cells_made *m)
     m->cell = m->areas ? NULL : by_id;
     if (m->centre == NULL || m->corner == NULL || by_id == NULL)
         return false;
-    dt_circumcentres_init(m->centre);
+    memset(m->centre->block, 0xff, sizeof m->centre->block);
     if (m->areas) /* all bits make a NaN */
         memset(m->area, 0xff, m->ids * sizeof *m->area);
     else
@@ -118,6 +152,35 @@ static bool make_room(const struct dt *t, struct dt_cells_made *m, size_t corner
     return true;
 }
 
+/* ---- circumcentres ---- */
+
+static void find_block(struct circumcentres *c, const struct dt *t, uint32_t block)
+{
+    static const struct dt_point none[3] = {
+        {0, 0}, {1, 0}, {0, 1}}; /* of ghosts and dead records */
+    struct dt_point corner[BLOCK][3], *at = &c->at[block % BLOCKS * BLOCK];
+    c->block[block % BLOCKS] = block;
+    for (uint32_t i = 0; i < BLOCK; i++) {
+        uint32_t record = block * BLOCK + i;
+        const uint32_t *v = t->mesh.half + 8 * (size_t)record;
+        bool is_triangle = record < t->mesh.tri_end && v[2] < DT_DEAD;
+        for (uint32_t k = 0; k < 3; k++)
+            corner[i][k] = is_triangle ? t->points.xy[v[k]] : none[k];
+    }
+    for (uint32_t i = 0; i < BLOCK; i += 2)
+        dt_centre_two(corner[i], corner[i + 1], &at[i], &at[i + 1]);
+}
+
+/* That of the triangle of the half edge, which has three corners; valid until the next call. */
+static inline const struct dt_point *circumcentre(struct circumcentres *c, const struct dt *t,
+                                                  uint32_t half)
+{
+    uint32_t triangle = half / 8, block = triangle / BLOCK;
+    if (c->block[block % BLOCKS] != block)
+        find_block(c, t, block);
+    return &c->at[triangle % (BLOCKS * BLOCK)];
+}
+
 /* ---- making ---- */
 
 /* The corners around the vertex, inside the hull, into work.centre, and the least and most of each coordinate. Returns how
@@ -135,7 +198,7 @@ static uint32_t gather(const struct dt *t, struct dt_cells_made *m, uint32_t v, 
                 return 0;
             return gather(t, m, v, least, most);
         }
-        dt_lanes centre = dt_lanes_load(&dt_circumcentre(m->centre, t, h)->x);
+        dt_lanes centre = dt_lanes_load(&circumcentre(m->centre, t, h)->x);
         dt_lanes_store(&m->work.centre[n++].x, centre);
         *least = dt_lanes_least(*least, centre);
         *most = dt_lanes_most(*most, centre);
@@ -195,7 +258,7 @@ static bool make_on_hull(const struct dt *t, struct dt_cells_made *m, uint32_t v
 
 static void compute_areas(struct dt_cells_made *m)
 {
-    double area[DT_MADE_PENDING];
+    double area[PENDING];
     dt_cell_areas(m->last, m->pending, m->corner, area);
     for (uint32_t i = 0; i < m->pending; i++)
         m->area[m->last[i].id] = area[i];
@@ -211,9 +274,9 @@ static bool make_cell(const struct dt *t, struct dt_cells_made *m, uint32_t v)
     if (m->areas)
         m->last[m->pending++] = (struct dt_cell){t->points.id[v], n};
     else
-        m->cell[t->points.id[v]] = (struct dt_made){(uint32_t)m->corners, n};
+        m->cell[t->points.id[v]] = (struct made){(uint32_t)m->corners, n};
     m->corners += n;
-    if (m->pending == DT_MADE_PENDING)
+    if (m->pending == PENDING)
         compute_areas(m);
     return true;
 }
@@ -266,7 +329,7 @@ enum dt_status dt_made_read(struct dt_cells *c, struct dt_cell *cell, size_t roo
     const struct dt_cells_made *m = c->made;
     uint32_t end = c->end < m->ids ? c->end : m->ids;
     for (; c->id < end && *n < room; c->id++) {
-        struct dt_made k = m->cell[c->id];
+        struct made k = m->cell[c->id];
         fetch(m, c->id + AHEAD);
         if (k.corners == DT_NONE)
             continue;

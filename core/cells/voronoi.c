@@ -2,6 +2,7 @@
  *
  * Each cell is computed from its star alone (cell.h), which needs neither memory nor an order of the cells; but circumcentres
  * are computed three times, once for each corner of their triangle. made.c makes all cells at once. */
+#include "core/cells/cell.h"
 #include "core/cells/made.h"
 #include "core/mesh/hull.h"
 #include "core/set/set.h"
