@@ -1,4 +1,4 @@
-/* natural.c - means of natural neighbours in doubles: the tour of tour.h, which notes the rim, then sums over the rim.
+/* natural.c - means of natural neighbours in doubles: the tour of weights.h, which notes the rim, then sums over the rim.
  *
  * Let c(T) be the doubled circumcentres of the triangles of the disc, and c(i) that of the triangle at the rim edge v(i)
  * v(i+1), r(i) that of this edge with q, all relative to q. Each edge a b between two triangles S and T of the disc adds c(S)

@@ -125,7 +125,7 @@ static enum dt_status by_weights(struct dt_valuer *v, struct dt_point q, enum dt
 {
     enum dt_status s = dt_weigh_begin(v->t, q, where, half, v->s->how, &v->work, &v->weigher);
     if (s == DT_OK)
-        s = dt_weigh_end(&v->weigher, dt_work_is_limited(&v->work), v->work.cancel);
+        s = dt_weigh_end(&v->weigher, &v->work);
     if (s != DT_OK)
         return s;
     *out = weighted_mean(v);

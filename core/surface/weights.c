@@ -107,48 +107,100 @@ static double big_rough(struct dt_big a)
 
 void dt_weigher_clear(struct dt_weigher *w)
 {
-    dt_tour_clear(&w->tour);
     free(w->id);
     free(w->weight);
-    free(w->room);
+    free(w->step);
+    free(w->turn);
     *w = (struct dt_weigher){0};
 }
 
-static bool reserve(struct dt_weigher *w, size_t n)
+/* The array with room for n items; as it was, and *all is false, if there is no memory. */
+static void *grown(void *array, size_t n, size_t size, bool *all)
 {
-    if (n <= w->cap)
-        return true;
-    size_t cap = n < 32 ? 32 : n + n / 2;
-    uint32_t *id = realloc(w->id, cap * sizeof *id);
-    if (id != NULL)
-        w->id = id;
-    double *weight = realloc(w->weight, cap * sizeof *weight);
-    if (weight != NULL)
-        w->weight = weight;
-    if (id == NULL || weight == NULL)
-        return false;
-    w->cap = cap;
-    return true;
+    void *larger = realloc(array, n * size);
+    if (larger != NULL)
+        return larger;
+    *all = false;
+    return array;
 }
 
-/* For all centres and numbers of the tour, of these sizes. */
-static size_t room_bytes(const struct dt_tour *tour, size_t centre, size_t number)
+/* Makes room for one more step, the point that it may add, and what it puts on the stack. */
+static bool reserve(struct dt_weigher *w)
 {
-    size_t rims = tour->rims;
-    return (tour->triangles + rims) * centre + 3 * rims * number;
+    if (w->steps < w->cap)
+        return true;
+    size_t cap = w->cap == 0 ? 16 : 2 * (size_t)w->cap;
+    bool all = true;
+    w->id = grown(w->id, cap, sizeof *w->id, &all);
+    w->weight = grown(w->weight, cap, sizeof *w->weight, &all);
+    w->step = grown(w->step, cap, sizeof *w->step, &all);
+    w->turn = grown(w->turn, 2 * cap + 3, sizeof *w->turn, &all);
+    w->cap = all ? (uint32_t)cap : w->cap;
+    return all;
 }
 
-static bool reserve_room(struct dt_weigher *w, size_t centre, size_t number)
+/* ---- the tour ---- */
+
+static void enter(struct dt_weigher *w, const struct dt *t, uint32_t half)
 {
-    size_t bytes = room_bytes(&w->tour, centre, number);
-    if (bytes <= w->room_cap)
-        return true;
-    void *room = realloc(w->room, bytes + bytes / 2);
-    if (room == NULL)
-        return false;
-    w->room = room;
-    w->room_cap = bytes + bytes / 2;
-    return true;
+    const struct dt_point *xy = t->points.xy;
+    w->step[w->steps++] =
+        (struct dt_tour_step){DT_TOUR_ENTER,
+                              w->triangles++,
+                              {xy[dt_origin(&t->mesh, half)], xy[dt_dest(&t->mesh, half)],
+                               xy[dt_apex_of(&t->mesh, half)]}};
+}
+
+static void add_rim(struct dt_weigher *w, const struct dt *t, uint32_t half)
+{
+    uint32_t a = dt_origin(&t->mesh, half), b = dt_dest(&t->mesh, half);
+    w->step[w->steps++] =
+        (struct dt_tour_step){.kind = DT_TOUR_RIM, .p = {t->points.xy[a], t->points.xy[b]}};
+    w->id[w->n++] = t->points.id[a];
+}
+
+static bool in_disc(const struct dt *t, uint32_t half, struct dt_point q)
+{
+    const struct dt_point *xy = t->points.xy;
+    const uint32_t *v = t->mesh.half + dt_base(half);
+    return v[2] != DT_NONE && dt_incircle(xy[v[0]], xy[v[1]], xy[v[2]], q) > 0;
+}
+
+static void take_turn(struct dt_weigher *w, const struct dt *t, struct dt_tour_turn turn)
+{
+    if (turn.half == DT_NONE) {
+        w->step[w->steps++] = (struct dt_tour_step){DT_TOUR_LEAVE, turn.triangle, {{0, 0}}};
+        return;
+    }
+    uint32_t beyond = dt_twin(&t->mesh, turn.half), here = w->triangles;
+    if (!in_disc(t, beyond, w->place)) {
+        add_rim(w, t, turn.half);
+        return;
+    }
+    enter(w, t, beyond);
+    w->turn[w->turns++] = (struct dt_tour_turn){DT_NONE, turn.triangle};
+    w->turn[w->turns++] = (struct dt_tour_turn){dt_prev(beyond), here};
+    w->turn[w->turns++] = (struct dt_tour_turn){dt_next(beyond), here};
+}
+
+/* From the triangle of the half edge `first`, around the place; the first rim edge begins at its origin. */
+static enum dt_status make_tour(struct dt_weigher *w, const struct dt *t, uint32_t first,
+                                struct dt_stop *work)
+{
+    enter(w, t, first);
+    w->turn[0] = (struct dt_tour_turn){dt_prev(first), 0};
+    w->turn[1] = (struct dt_tour_turn){dt_next(first), 0};
+    w->turn[2] = (struct dt_tour_turn){first, 0};
+    w->turns = 3;
+    while (w->turns > 0) {
+        if (!reserve(w))
+            return DT_NOMEM;
+        take_turn(w, t, w->turn[--w->turns]);
+        enum dt_status s = (w->steps & DT_WORK_MASK) == 0 ? dt_work(work, DT_WORK_BLOCK) : DT_OK;
+        if (s != DT_OK)
+            return s;
+    }
+    return DT_OK;
 }
 
 /* ---- what is read from the set ---- */
@@ -172,30 +224,12 @@ static void weigh_on_edge(const struct dt *t, uint32_t half, struct dt_weigher *
     put(w, t->points.id[ascending ? v : u], (ascending ? from : to) / whole);
 }
 
-static void take_triangle(const struct dt *t, uint32_t half, struct dt_weigher *w)
+/* Only the triangle, for linear weights. */
+static void take_triangle(struct dt_weigher *w, const struct dt *t, uint32_t half)
 {
-    w->in_triangle = true;
-    for (w->n = 0; w->n < 3; w->n++, half = dt_next(half)) {
-        uint32_t v = dt_origin(&t->mesh, half);
-        w->id[w->n] = t->points.id[v];
-        w->corner[w->n] = t->points.xy[v];
-    }
-}
-
-static enum dt_status take_tour(const struct dt *t, uint32_t half, struct dt_stop *work,
-                                struct dt_weigher *w)
-{
-    const struct dt_tour *tour = &w->tour;
-    enum dt_status s = dt_tour_make(t, w->place, half, work, &w->tour);
-    if (s != DT_OK)
-        return s;
-    if (!reserve(w, tour->rims))
-        return DT_NOMEM;
-    w->by_cells = true;
-    for (uint32_t i = 0; i < tour->steps; i++)
-        if (tour->step[i].kind == DT_TOUR_RIM)
-            w->id[w->n++] = tour->step[i].id;
-    return DT_OK;
+    enter(w, t, half);
+    for (int k = 0; k < 3; k++, half = dt_next(half))
+        w->id[w->n++] = t->points.id[dt_origin(&t->mesh, half)];
 }
 
 /* Where rounding begins, so that the same set gives the same bytes: the half edge of its triangle that leaves the
@@ -234,10 +268,10 @@ enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_whe
 {
     const struct dt_mesh *m = &t->mesh;
     w->n = 0;
+    w->steps = w->triangles = 0;
     w->place = q;
     w->how = how;
-    w->by_cells = w->in_triangle = false;
-    if (!reserve(w, 3))
+    if (!reserve(w))
         return DT_NOMEM;
     switch (where) {
     case DT_OUTSIDE:
@@ -256,47 +290,23 @@ enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_whe
     }
     half = dt_weigh_start(t, where, half);
     if (how != DT_LINEAR)
-        return take_tour(t, half, work, w);
-    take_triangle(t, half, w);
+        return make_tour(w, t, half, work);
+    take_triangle(w, t, half);
     return DT_OK;
 }
 
-/* ---- what is computed ---- */
-
-static enum dt_status weigh_in_triangle(struct dt_weigher *w)
+enum dt_status dt_weigh_end(struct dt_weigher *w, const struct dt_stop *work)
 {
-    enum dt_status s = linear_double(w->corner, w->place, w->weight);
+    if (w->steps == 0)
+        return DT_OK;
+    enum dt_status s = weigh_double(w, work->cancel);
     if (s == DT_RANGE)
-        s = linear_double2(w->corner, w->place, w->weight);
-    return s == DT_RANGE ? linear_big(w->corner, w->place, w->weight) : s;
-}
-
-static enum dt_status weigh_by_cells(struct dt_weigher *w, bool quick, const atomic_bool *cancel)
-{
-    const struct dt_tour *tour = &w->tour;
-    bool sibson = w->how == DT_NATURAL;
-    if (!reserve_room(w, sizeof(struct centre_double2), sizeof(struct dt_double2)))
-        return DT_NOMEM;
-    enum dt_status s = sibson ? sibson_double(tour, w->place, cancel, w->room, w->weight)
-                              : laplace_double(tour, w->place, cancel, w->room, w->weight);
-    if (s == DT_RANGE)
-        s = sibson ? sibson_double2(tour, w->place, cancel, w->room, w->weight)
-                   : laplace_double2(tour, w->place, cancel, w->room, w->weight);
+        s = weigh_double2(w, work->cancel);
     if (s != DT_RANGE)
         return s;
-    if (quick)
+    if (w->how != DT_LINEAR && dt_work_is_limited(work))
         return DT_TOOLONG;
-    if (!reserve_room(w, sizeof(struct centre_big), sizeof(struct dt_big)))
-        return DT_NOMEM;
-    return sibson ? sibson_big(tour, w->place, cancel, w->room, w->weight)
-                  : laplace_big(tour, w->place, cancel, w->room, w->weight);
-}
-
-enum dt_status dt_weigh_end(struct dt_weigher *w, bool quick, const atomic_bool *cancel)
-{
-    if (w->in_triangle)
-        return weigh_in_triangle(w);
-    return w->by_cells ? weigh_by_cells(w, quick, cancel) : DT_OK;
+    return weigh_big(w, work->cancel);
 }
 
 /* ---- a place by itself ---- */
@@ -324,15 +334,9 @@ enum dt_status dt_weights_begin(const struct dt *t, struct dt_point q, enum dt_i
 
 size_t dt_weights_memory(const struct dt_weigher *w, bool exact)
 {
-    const struct dt_tour *tour = &w->tour;
-    size_t room = 0;
-    if (w->by_cells && exact)
-        room = room_bytes(tour, sizeof(struct centre_big), sizeof(struct dt_big));
-    else if (w->by_cells)
-        room = room_bytes(tour, sizeof(struct centre_double2), sizeof(struct dt_double2));
-    return w->cap * (sizeof *w->id + sizeof *w->weight) + w->n * sizeof(struct dt_weight) +
-           tour->step_cap * sizeof *tour->step + tour->turn_cap * sizeof *tour->turn + room +
-           room / 2;
+    size_t room = w->steps == 0 ? 0 : exact ? room_big(w) : room_double2(w);
+    return w->cap * (sizeof *w->id + sizeof *w->weight + sizeof *w->step + 2 * sizeof *w->turn) +
+           w->n * sizeof(struct dt_weight) + room;
 }
 
 static int compare_weights(const void *a, const void *b)
@@ -346,8 +350,8 @@ enum dt_status dt_weights_end(struct dt_weigher *w, const struct dt_options *opt
 {
     *out = NULL;
     *n = 0;
-    bool quick = opt != NULL && opt->steps > 0;
-    enum dt_status s = dt_weigh_end(w, quick, opt == NULL ? NULL : opt->cancel);
+    struct dt_stop work = dt_stop_of(opt);
+    enum dt_status s = dt_weigh_end(w, &work);
     if (s != DT_OK)
         return s;
     struct dt_weight *row = malloc((w->n + 1) * sizeof *row);

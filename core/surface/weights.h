@@ -1,24 +1,56 @@
-/* weights.h - the weights of the values at points for a place between them. */
+/* weights.h - the weights of the values at points for a place q between them.
+ *
+ * Inside the hull they are computed from a tour around q, which shows how the Voronoi cell that q would have lies over the
+ * cells that are there. The triangles whose circumcircles have q strictly inside form a disc without inner vertices. Its
+ * rim are the natural neighbours v0, v1, ... of q, counterclockwise. The tour visits the disc from its first triangle,
+ * depth first and counterclockwise, and so turns about one rim vertex after the other: between the rim edges v(i-1) v(i)
+ * and v(i) v(i+1) it passes the triangles at v(i), in order. The circumcentres on the way are the corners of the part of
+ * v(i)'s old cell that q takes.
+ *
+ *          v2 ------ v1            ENTER v0 v1 v3
+ *          | \       |             RIM v0 v1
+ *          |   \  q  |             ENTER v1 v2 v3, RIM v1 v2, RIM v2 v3, LEAVE
+ *          |     \   |             RIM v3 v0
+ *          v3 ------ v0
+ *
+ * Strictly: corners of a cocircular polygon are all in the disc or only its rim, so the tour does not depend on
+ * how ties were broken. It copies the places that it meets, so that weights are computed without the mesh. */
 #ifndef DT_WEIGHTS_H
 #define DT_WEIGHTS_H
 
 #include "core/delaunay_surface.h"
 #include "core/set/set.h"
-#include "core/surface/tour.h"
+
+enum dt_tour_kind {
+    DT_TOUR_ENTER, /* the triangle p, adjacent to the one before */
+    DT_TOUR_RIM,   /* the rim edge from p[0] to p[1] */
+    DT_TOUR_LEAVE  /* back to a triangle that was entered */
+};
+
+struct dt_tour_step {
+    enum dt_tour_kind kind;
+    uint32_t triangle; /* that is entered, or returned to: by its number in the tour, from 0 on */
+    struct dt_point p[3];
+};
+
+struct dt_tour_turn {
+    uint32_t half;     /* to be crossed; DT_NONE: leave */
+    uint32_t triangle; /* on this side */
+};
 
 /* What one place after the other is computed in. It grows to what the largest one needed. Start with {0}. */
 struct dt_weigher {
-    uint32_t *id;   /* owns: the n points that count, counterclockwise around the place */
-    double *weight; /* owns: their weights, at least 0, with the sum 1 */
-    size_t n, cap;
+    uint32_t *
+        id; /* owns cap: the n points that count, counterclockwise around the place; those of the rim */
+    double *weight; /* owns cap: their weights, at least 0, with the sum 1 */
+    uint32_t n;
     /* private */
     enum dt_interpolation how;
     struct dt_point place;
-    bool by_cells, in_triangle; /* what is still to be computed */
-    struct dt_point corner[3];  /* of the triangle */
-    struct dt_tour tour;
-    void *room; /* owns */
-    size_t room_cap;
+    struct dt_tour_step *
+        step; /* owns cap; without steps the weights are there already; linear: the triangle alone */
+    struct dt_tour_turn *turn; /* owns 2 cap + 3; a stack */
+    uint32_t steps, turns, triangles, cap;
 };
 
 /* Frees what it owns. */
@@ -35,9 +67,9 @@ enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_whe
  * of the first of the two at its edge, that leaves the corner with the smallest id. */
 uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half);
 
-/* Computes the weights. DT_CANCELLED, DT_NOMEM; with `quick` DT_TOOLONG where double words are not exact enough.
- * cancel may be NULL. Cost: the same; some ten times as much where doubles are not enough, and some thousand
- * times where double words are not. */
-enum dt_status dt_weigh_end(struct dt_weigher *w, bool quick, const atomic_bool *cancel);
+/* Computes the weights. DT_CANCELLED, DT_NOMEM; if the work is limited, DT_TOOLONG where double words are not exact
+ * enough. It takes no steps. Cost: the same; some ten times as much where doubles are not enough, and some thousand times
+ * where double words are not. */
+enum dt_status dt_weigh_end(struct dt_weigher *w, const struct dt_stop *work);
 
 #endif

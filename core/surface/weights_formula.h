@@ -29,6 +29,13 @@ struct F(centre) {
     double length, error;
 };
 
+/* Of a rim edge and the vertex where it begins, or of a corner of the triangle. */
+struct F(rim) {
+    struct F(centre) centre; /* of the triangle of the edge and q */
+    struct F(vector) at;     /* of the vertex */
+    NUMBER share;            /* its weight, but for a factor that all have */
+};
+
 struct F(terms) {
     double error;     /* of all terms, by their factors' errors */
     double magnitude; /* the sum of their absolute values, at least */
@@ -95,95 +102,113 @@ static inline void F(add)(NUMBER *sum, const struct F(centre) * a, const struct 
     t->magnitude += a->length * b->length;
 }
 
-/* weight[i] = sum[i] / (sum[0] + ... + sum[n - 1]). `error`: of all sums together. DT_RANGE: the weights' errors
- * might add up to more than DT_WEIGHTS_ERROR. Where UNIT is 0, they do not (weights.c). */
-static enum dt_status F(divide)(const NUMBER *sum, uint32_t n, double error, double *weight)
+/* The weights are the shares over their sum. `error`: of all shares together. DT_RANGE: the weights' errors might add up to
+ * more than DT_WEIGHTS_ERROR. Where UNIT is 0, they do not (weights.c). */
+static enum dt_status F(divide)(const struct F(rim) * rim, double error, struct dt_weigher *w)
 {
-    NUMBER total = sum[0];
-    for (uint32_t i = 1; i < n; i++)
-        total = PLUS(total, sum[i]);
+    NUMBER total = rim[0].share;
+    for (uint32_t i = 1; i < w->n; i++)
+        total = PLUS(total, rim[i].share);
     if (UNIT > 0 && !(error < DT_WEIGHTS_ERROR / 2 * fabs(ROUGH(total))))
         return DT_RANGE;
-    for (uint32_t i = 0; i < n; i++)
-        weight[i] = fmax(0, ROUGH(OVER(sum[i], total)));
+    for (uint32_t i = 0; i < w->n; i++)
+        w->weight[i] = fmax(0, ROUGH(OVER(rim[i].share, total)));
     return DT_OK;
 }
 
-/* Sibson's: the areas, all times eight, that the cell of q takes from the cells around. room: for as many
- * centres as there are triangles and rim edges, and as many numbers as rim edges. */
-static enum dt_status F(sibson)(const struct dt_tour *tour, struct dt_point q,
-                                const atomic_bool *cancel, void *room, double *weight)
+/* Sibson's: the areas, all times eight, that the cell of q takes from the cells around. */
+static enum dt_status F(sibson)(struct dt_weigher *w, const atomic_bool *cancel,
+                                struct F(centre) * entered, struct F(rim) * rim)
 {
-    struct F(centre) *entered = room, *rim = entered + tour->triangles, *here = entered, *to;
-    NUMBER *area = (NUMBER *)(rim + tour->rims);
+    struct F(centre) *here = entered, *to;
     struct F(terms) t = {0, 0};
     uint32_t rims = 0, at = 0; /* at: whose part of a cell it is */
-    for (uint32_t i = 0; i < tour->rims; i++)
-        area[i] = DIFFERENCE(0, 0);
-    for (uint32_t i = 0; i < tour->steps; i++) {
-        const struct dt_tour_step *s = &tour->step[i];
+    for (uint32_t i = 0; i < w->n; i++)
+        rim[i].share = DIFFERENCE(0, 0);
+    for (uint32_t i = 0; i < w->steps; i++) {
+        const struct dt_tour_step *s = &w->step[i];
         if (is_cancelled(cancel, i))
             return DT_CANCELLED;
         if (s->kind == DT_TOUR_RIM) {
-            to = &rim[rims++];
-            *to = F(centre_at)(F(from)(q, s->p[0]), F(from)(q, s->p[1]));
-            F(add)(&area[at], here, to, &t);
-            at = rims < tour->rims ? rims : 0;
-            F(add)(&area[at], to, here, &t);
+            to = &rim[rims++].centre;
+            *to = F(centre_at)(F(from)(w->place, s->p[0]), F(from)(w->place, s->p[1]));
+            F(add)(&rim[at].share, here, to, &t);
+            at = rims < w->n ? rims : 0;
+            F(add)(&rim[at].share, to, here, &t);
             continue;
         }
-        to = &entered[s->id];
+        to = &entered[s->triangle];
         if (s->kind == DT_TOUR_ENTER)
-            *to = F(centre_of)(s->p, q);
+            *to = F(centre_of)(s->p, w->place);
         if (i > 0)
-            F(add)(&area[at], here, to, &t);
+            F(add)(&rim[at].share, here, to, &t);
         here = to;
     }
     for (uint32_t i = 0; i < rims; i++)
-        F(add)(&area[i], &rim[i], &rim[i == 0 ? rims - 1 : i - 1], &t);
-    return F(divide)(area, rims, t.error + (5 + tour->steps) * UNIT * t.magnitude, weight);
+        F(add)(&rim[i].share, &rim[i].centre, &rim[i == 0 ? rims - 1 : i - 1].centre, &t);
+    return F(divide)(rim, t.error + (5 + w->steps) * UNIT * t.magnitude, w);
 }
 
-/* Laplace's: the lengths of the edges of q's cell, over the distances of the neighbours beyond them. The same
- * room is enough, and two numbers more for each rim edge. */
-static enum dt_status F(laplace)(const struct dt_tour *tour, struct dt_point q,
-                                 const atomic_bool *cancel, void *room, double *weight)
+/* Laplace's: the lengths of the edges of q's cell, over the distances of the neighbours beyond them. */
+static enum dt_status F(laplace)(struct dt_weigher *w, const atomic_bool *cancel,
+                                 struct F(rim) * rim)
 {
-    struct F(centre) *rim = room;
-    struct F(vector) *v = (struct F(vector) *)(rim + tour->rims);
-    NUMBER *ratio = (NUMBER *)(v + tour->rims);
     uint32_t rims = 0;
     double error = 0, size = 0;
-    for (uint32_t i = 0; i < tour->steps; i++) {
-        const struct dt_tour_step *s = &tour->step[i];
+    for (uint32_t i = 0; i < w->steps; i++) {
+        const struct dt_tour_step *s = &w->step[i];
         if (is_cancelled(cancel, i))
             return DT_CANCELLED;
         if (s->kind != DT_TOUR_RIM)
             continue;
-        v[rims] = F(from)(q, s->p[0]);
-        rim[rims] = F(centre_at)(v[rims], F(from)(q, s->p[1]));
+        rim[rims].at = F(from)(w->place, s->p[0]);
+        rim[rims].centre = F(centre_at)(rim[rims].at, F(from)(w->place, s->p[1]));
         rims++;
     }
     for (uint32_t i = 0; i < rims; i++) {
-        const struct F(centre) *to = &rim[i], *from = &rim[i == 0 ? rims - 1 : i - 1];
+        const struct F(centre) *to = &rim[i].centre, *from = &rim[i == 0 ? rims - 1 : i - 1].centre;
         struct F(vector) edge = {MINUS(from->at.x, to->at.x), MINUS(from->at.y, to->at.y)};
         if (is_cancelled(cancel, i))
             return DT_CANCELLED;
-        ratio[i] = OVER(F(cross)(edge, v[i]), F(square)(v[i]));
-        double ends = from->error + to->error, distance = F(length)(v[i]);
+        rim[i].share = OVER(F(cross)(edge, rim[i].at), F(square)(rim[i].at));
+        double ends = from->error + to->error, distance = F(length)(rim[i].at);
         error += 1.01 * ends / distance;
         size += (F(length)(edge) + ends) / distance;
     }
-    return F(divide)(ratio, rims, error + (14 + rims) * UNIT * size, weight);
+    return F(divide)(rim, error + (14 + rims) * UNIT * size, w);
 }
 
-/* Of the triangle p around q: the areas that q cuts it into. */
-static enum dt_status F(linear)(const struct dt_point p[3], struct dt_point q, double weight[3])
+/* In the triangle around q: the areas that q cuts it into. */
+static enum dt_status F(linear)(struct dt_weigher *w)
 {
+    const struct dt_point *p = w->step[0].p, q = w->place;
     struct F(vector) a = F(from)(q, p[0]), b = F(from)(q, p[1]), c = F(from)(q, p[2]);
-    NUMBER area[3] = {F(cross)(b, c), F(cross)(c, a), F(cross)(a, b)};
+    struct F(rim) corner[3];
+    corner[0].share = F(cross)(b, c);
+    corner[1].share = F(cross)(c, a);
+    corner[2].share = F(cross)(a, b);
     double la = F(length)(a), lb = F(length)(b), lc = F(length)(c);
-    return F(divide)(area, 3, 7 * UNIT * (lb * lc + lc * la + la * lb), weight);
+    return F(divide)(corner, 7 * UNIT * (lb * lc + lc * la + la * lb), w);
+}
+
+/* The bytes that the numbers of a tour take. */
+static size_t F(room)(const struct dt_weigher *w)
+{
+    return w->triangles * sizeof(struct F(centre)) + w->n * sizeof(struct F(rim));
+}
+
+static enum dt_status F(weigh)(struct dt_weigher *w, const atomic_bool *cancel)
+{
+    if (w->how == DT_LINEAR)
+        return F(linear)(w);
+    struct F(centre) *entered = malloc(F(room)(w));
+    if (entered == NULL)
+        return DT_NOMEM;
+    struct F(rim) *rim = (struct F(rim) *)(entered + w->triangles);
+    enum dt_status s =
+        w->how == DT_NATURAL ? F(sibson)(w, cancel, entered, rim) : F(laplace)(w, cancel, rim);
+    free(entered);
+    return s;
 }
 
 #undef NUMBER
