@@ -145,43 +145,19 @@ static enum dt_status nearest_value(struct dt_valuer *v, struct dt_point q, uint
 
 /* ---- a place ---- */
 
-static enum dt_status natural_value(struct dt_valuer *v, struct dt_point q, enum dt_where where,
+/* False: doubles are not exact enough, or the place is on an edge and linear along it. */
+static inline bool value_in_doubles(struct dt_valuer *v, struct dt_point q, enum dt_where where,
                                     uint32_t half, double *out)
 {
-    if (dt_natural_mean(v, q, dt_weigh_start(v->t, where, half), out))
-        return DT_OK;
-    return by_weights(v, q, where, half, out);
+    if (dt_weigh_along_edge(v->t, where, half, v->s->how))
+        return false;
+    if (v->s->how == DT_LINEAR)
+        return dt_plane_value(v, q, half, out);
+    return dt_natural_mean(v, q, dt_weigh_start(v->t, where, half), out);
 }
 
-static enum dt_status value_inside(struct dt_valuer *v, struct dt_point q, uint32_t half,
-                                   double *out)
-{
-    switch (v->s->how) {
-    case DT_CLOSEST:
-        return nearest_value(v, q, half, out);
-    case DT_LINEAR:
-        return dt_plane_value(v, q, half, out) ? DT_OK : by_weights(v, q, DT_INSIDE, half, out);
-    case DT_NATURAL:
-    case DT_LAPLACE:
-        break;
-    }
-    return natural_value(v, q, DT_INSIDE, half, out);
-}
-
-static enum dt_status value_on_edge(struct dt_valuer *v, struct dt_point q, uint32_t half,
-                                    double *out)
-{
-    const struct dt_mesh *m = &v->t->mesh;
-    bool hull = dt_is_ghost(m, half) || dt_is_ghost(m, dt_twin(m, half));
-    if (v->s->how == DT_CLOSEST)
-        return nearest_value(v, q, half, out);
-    if (v->s->how == DT_LINEAR || hull)
-        return by_weights(v, q, DT_ON_EDGE, half, out);
-    return natural_value(v, q, DT_ON_EDGE, half, out);
-}
-
-static enum dt_status value_at(struct dt_valuer *v, struct dt_point q, enum dt_where where,
-                               uint32_t half, double *out)
+static inline enum dt_status value_at(struct dt_valuer *v, struct dt_point q, enum dt_where where,
+                                      uint32_t half, double *out)
 {
     const struct dt_mesh *m = &v->t->mesh;
     *out = (double)NAN;
@@ -192,11 +168,17 @@ static enum dt_status value_at(struct dt_valuer *v, struct dt_point q, enum dt_w
         *out = dt_value_of(v, half == DT_NONE ? m->alone : dt_origin(m, half));
         return DT_OK;
     case DT_ON_EDGE:
-        return edge_has_surface(v, half) ? value_on_edge(v, q, half, out) : DT_OK;
+        if (!edge_has_surface(v, half))
+            return DT_OK;
+        break;
     case DT_INSIDE:
+        if (!has_surface(v, half))
+            return DT_OK;
         break;
     }
-    return has_surface(v, half) ? value_inside(v, q, half, out) : DT_OK;
+    if (v->s->how == DT_CLOSEST)
+        return nearest_value(v, q, half, out);
+    return value_in_doubles(v, q, where, half, out) ? DT_OK : by_weights(v, q, where, half, out);
 }
 
 enum dt_status dt_value_find(struct dt_valuer *v, struct dt_point q, uint32_t *half, double *out)

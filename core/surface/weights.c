@@ -257,36 +257,25 @@ uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half)
     return where == DT_ON_EDGE ? first_triangle(t, half) : from_smallest(t, half);
 }
 
-static bool is_on_hull(const struct dt_mesh *m, uint32_t half)
-{
-    return dt_is_ghost(m, half) || dt_is_ghost(m, dt_twin(m, half));
-}
-
 enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_where where,
                               uint32_t half, enum dt_interpolation how, struct dt_stop *work,
                               struct dt_weigher *w)
 {
-    const struct dt_mesh *m = &t->mesh;
     w->n = 0;
     w->steps = w->triangles = 0;
     w->place = q;
     w->how = how;
     if (!reserve(w))
         return DT_NOMEM;
-    switch (where) {
-    case DT_OUTSIDE:
+    if (where == DT_OUTSIDE)
         return DT_OK;
-    case DT_ON_VERTEX:
-        put(w, t->points.id[half == DT_NONE ? m->alone : dt_origin(m, half)], 1);
+    if (where == DT_ON_VERTEX) {
+        put(w, t->points.id[half == DT_NONE ? t->mesh.alone : dt_origin(&t->mesh, half)], 1);
         return DT_OK;
-    case DT_ON_EDGE:
-        if (how == DT_LINEAR || is_on_hull(m, half)) {
-            weigh_on_edge(t, half, w);
-            return DT_OK;
-        }
-        break;
-    case DT_INSIDE:
-        break;
+    }
+    if (dt_weigh_along_edge(t, where, half, how)) {
+        weigh_on_edge(t, half, w);
+        return DT_OK;
     }
     half = dt_weigh_start(t, where, half);
     if (how != DT_LINEAR)

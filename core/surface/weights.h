@@ -63,6 +63,14 @@ enum dt_status dt_weigh_begin(const struct dt *t, struct dt_point q, enum dt_whe
                               uint32_t half, enum dt_interpolation how, struct dt_stop *work,
                               struct dt_weigher *w);
 
+/* Whether only the ends of the edge count on which the place is: linear along it. */
+static inline bool dt_weigh_along_edge(const struct dt *t, enum dt_where where, uint32_t half,
+                                       enum dt_interpolation how)
+{
+    return where == DT_ON_EDGE && (how == DT_LINEAR || dt_is_ghost(&t->mesh, half) ||
+                                   dt_is_ghost(&t->mesh, dt_twin(&t->mesh, half)));
+}
+
 /* Where rounding begins, so that the same set gives the same bytes: the half edge of the triangle around the place, or
  * of the first of the two at its edge, that leaves the corner with the smallest id. */
 uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half);
