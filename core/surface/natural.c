@@ -18,12 +18,15 @@
  *
  * Errors. Where the shares of the values are off by d(i), their mean is off by sum d(i) (z(i) - mean) / sum of the shares, to
  * first order: by not more than sum |d(i)|, over that sum, of the range of the values. What is of second order is much
- * smaller where the bounds below hold, and the factors make up for it. Circumcentres are as exact as circles.h shows, those
+ * smaller where the bounds below hold, and the factors make up for it. Circumcentres are as exact as is shown below, those
  * of rim edges, too. With L a bound of their lengths, a term of two that are off by e and f is off by L (e + f); each
  * circumcentre is part of three terms. Rounding adds 4 units of DT_U of L^2 for each term, and the sums a unit of all terms
  * before for each. */
 #include "core/exact/lanes.h"
+#include "core/exact/predicates.h"
 #include "core/surface/value.h"
+
+#include <stdlib.h>
 
 enum {
     MOST = 96,      /* triangles of a disc; nearly all have fewer than ten */
@@ -63,7 +66,7 @@ struct rim {
 struct sums {
     dt_lanes of_values; /* of shares by how far the values are from z0 */
     dt_lanes of_shares;
-    dt_lanes flat;        /* of the F of circles.h */
+    dt_lanes flat;        /* of the F of circles */
     dt_lanes length;      /* at least that of the circumcentres */
     dt_lanes size, error; /* Laplace: of the magnitudes of all terms, of their errors */
 };
@@ -73,20 +76,142 @@ static inline double cross(struct dt_point a, struct dt_point b)
     return a.x * b.y - a.y * b.x;
 }
 
+/* ---- circumcircles of triangles, which are kept from place to place ----
+ *
+ * A circle follows from its triangle alone, so it makes no difference which circles are kept. Its centre is computed from a
+ * corner with the sides s and t from there, counterclockwise, and e = t - s:
+ *
+ *     c = s + (t.e / D) s', where s' is s turned left and D = s x e,                doubled and relative to the corner.
+ *
+ * Errors, in units of DT_U. Each coordinate of s, t and e is off by one unit of itself, so D by 4 |s| |e|, t.e by 4 |t| |e|
+ * and their quotient, with the product by a reciprocal, by (4 |t| |e| + 4 |t.e / D| |s| |e|) / |D| + 2 |t.e / D|. Since
+ * |s| |t| |e| / |D| = |c|, |t.e / D| |s| <= |c| and |s| <= |c|, that moves c by |c| (6 + 4 F), where F = |s| |e| / |D| =
+ * |c| / |t|, and the rest of the formula by 4 |c|. The factors below are a little larger: they make up for what is of second
+ * order, and for the rounding of the bounds. F is small where t is long, so t is the longest side of the triangle. |x| + |y|,
+ * which is not less, replaces the length of a vector. */
+
+/* How far a computed centre may be from where it is, over its length, for F as above. */
+#define CENTRE_ERROR(f) (DT_U * (10.2 + 4.1 * (f)))
+
+struct dt_circle {
+    uint32_t triangle;      /* its first half edge; DT_NONE: nothing is kept here */
+    struct dt_point corner; /* a corner */
+    struct dt_point centre; /* doubled, relative to the corner */
+    double inside,
+        outside;  /* the square of a distance below, above which a place is certainly there */
+    double error; /* of the centre from a place, but for 2.2 units of its length there */
+};
+
+enum dt_status dt_natural_keep(struct dt_valuer *v, size_t n)
+{
+    enum { LEAST = 64, MOST_KEPT = 1 << 13 }; /* half a megabyte */
+    uint32_t circles = LEAST;
+    while (circles < MOST_KEPT && circles < n)
+        circles *= 2;
+    v->circle = malloc(circles * sizeof *v->circle);
+    v->circle_mask = circles - 1;
+    if (v->circle == NULL)
+        return DT_NOMEM;
+    for (uint32_t i = 0; i < circles; i++)
+        v->circle[i].triangle = DT_NONE;
+    return DT_OK;
+}
+
+/* Whether side i of a triangle is longer than side j, or as long and ends at a lesser corner; side i ends at corner i. */
+static bool is_longer(const struct dt_point p[3], const double square[3], uint32_t i, uint32_t j)
+{
+    return square[i] > square[j] || (square[i] == square[j] && dt_compare_xy(p[i], p[j]) < 0);
+}
+
+/* The corner at which the longest side ends, counterclockwise. */
+static uint32_t first_corner(const struct dt_point p[3])
+{
+    double square[3];
+    for (uint32_t i = 0, before = 2; i < 3; before = i++) {
+        double x = p[i].x - p[before].x, y = p[i].y - p[before].y;
+        square[i] = x * x + y * y;
+    }
+    bool last = (square[2] > square[0]) & (square[2] > square[1]);
+    bool middle = (square[1] > square[0]) & (square[1] > square[2]);
+    bool first = (square[0] > square[1]) & (square[0] > square[2]);
+    if (first | middle | last) /* a branch on which one it is would be unpredictable */
+        return (uint32_t)middle | (uint32_t)last << 1;
+    uint32_t longest = is_longer(p, square, 1, 0) ? 1 : 0;
+    return is_longer(p, square, 2, longest) ? 2 : longest;
+}
+
+/* How much the squares of the distances of a place and of the corners from the centre, as they are rounded, may seem to
+ * differ where they do not: of a centre of this length and error. A place as far from the centre as a corner has it at c,
+ * where c is off by `error` and by 3 units of the length (circle_from), and so the lengths differ by at most 2 `error` +
+ * 3 units; nearer and farther places come to the same, since their units are those of c, less than one for each that the
+ * length differs by. A square is off by the length twice that, and by 2 units of itself. */
+static double doubt(double length, double error)
+{
+    return 2.1 * length * (2 * error + 9 * DT_U * length);
+}
+
+/* A ghost has a circle without inside. */
+static void circle_make(struct dt_circle *k, const struct dt *t, uint32_t triangle)
+{
+    const uint32_t *v = t->mesh.half + triangle;
+    *k = (struct dt_circle){.triangle = triangle, .inside = -1, .outside = -1};
+    if (v[2] == DT_NONE)
+        return;
+    struct dt_point p[3] = {t->points.xy[v[0]], t->points.xy[v[1]], t->points.xy[v[2]]};
+    uint32_t i = first_corner(p), j = i == 2 ? 0 : i + 1, last = j == 2 ? 0 : j + 1;
+    double sx = p[j].x - p[i].x, sy = p[j].y - p[i].y;
+    double tx = p[last].x - p[i].x, ty = p[last].y - p[i].y;
+    double ex = p[last].x - p[j].x, ey = p[last].y - p[j].y;
+    double left = sx * ey, right = sy * ex, inverse = 1 / (left - right);
+    double turn = (tx * ex + ty * ey) * inverse;
+    struct dt_point c = {sx - turn * sy, sy + turn * sx};
+    double length = fabs(c.x) + fabs(c.y), flat = (fabs(left) + fabs(right)) * fabs(inverse);
+    double error = flat * DT_U < 0x1p-10 ? CENTRE_ERROR(flat) * length : HUGE_VAL;
+    double square = c.x * c.x + c.y * c.y;
+    k->corner = p[i];
+    k->centre = c;
+    k->inside = square - doubt(length, error);
+    k->outside = square + doubt(length, error);
+    k->error = error + 1.1 * DT_U * length;
+}
+
+/* The doubled centre relative to q. */
+static inline struct dt_point circle_from(const struct dt_circle *k, struct dt_point q)
+{
+    return (struct dt_point){k->centre.x + 2 * (k->corner.x - q.x),
+                             k->centre.y + 2 * (k->corner.y - q.y)};
+}
+
+/* Whether q is strictly inside the circle of a triangle, whose centre relative to q is c. Exact. */
+static inline bool circle_contains(const struct dt_circle *k, const struct dt *t, struct dt_point q,
+                                   struct dt_point c)
+{
+    double square = c.x * c.x + c.y * c.y;
+    if (square < k->inside)
+        return true;
+    if (square > k->outside)
+        return false;
+    const uint32_t *v = t->mesh.half + k->triangle;
+    return dt_incircle(t->points.xy[v[0]], t->points.xy[v[1]], t->points.xy[v[2]], q) > 0;
+}
+
 /* ---- the tour ---- */
 
 static inline const struct dt_circle *circle_of(struct dt_valuer *v, uint32_t triangle)
 {
-    struct dt_circle *k = &v->circles.circle[triangle >> 3 & v->circles.mask];
+    struct dt_circle *k = &v->circle[triangle >> 3 & v->circle_mask];
+    const uint32_t *corner = v->t->mesh.half + triangle;
     if (k->triangle != triangle) {
-        dt_vicinity_enter(&v->vicinity, v->t, triangle);
-        dt_circle_make(k, v->t, triangle);
+        if (dt_fetch_at_triangle(v, triangle))
+            for (uint32_t i = 0; i < 3 && corner[i] != DT_NONE; i++)
+                dt_fetch_at_vertex(v, corner[i]);
+        circle_make(k, v->t, triangle);
     }
     return k;
 }
 
 /* Whether q is inside of the circle of the triangle; *centre becomes its centre from there, which only Sibson's mean needs, and
- * *error that of circles.h. Where no circles are kept, most of them are not made. */
+ * *error that of circles. Where no circles are kept, most of them are not made. */
 static inline __attribute__((always_inline)) bool is_in_disc(struct dt_valuer *v, uint32_t triangle,
                                                              struct dt_point q, bool sibson,
                                                              struct dt_point *centre, double *error)
@@ -95,18 +220,18 @@ static inline __attribute__((always_inline)) bool is_in_disc(struct dt_valuer *v
     const uint32_t *corner = v->t->mesh.half + triangle;
     struct dt_circle once;
     const struct dt_circle *k = &once;
-    if (v->circles.circle != NULL)
+    if (v->circle != NULL)
         k = circle_of(v, triangle);
     else if (corner[2] == DT_NONE ||
              dt_incircle(xy[corner[0]], xy[corner[1]], xy[corner[2]], q) <= 0)
         return false;
     else if (sibson)
-        dt_circle_make(&once, v->t, triangle);
+        circle_make(&once, v->t, triangle);
     else
         return true;
-    *centre = dt_circle_from(k, q);
+    *centre = circle_from(k, q);
     *error = k->error;
-    return k == &once || dt_circle_contains(k, v->t, q, *centre);
+    return k == &once || circle_contains(k, v->t, q, *centre);
 }
 
 static inline struct vertex vertex_at(const struct dt_valuer *v, uint32_t vertex)
@@ -253,7 +378,7 @@ static inline double error_of(const struct disc *d, const struct rim *r, const s
     double terms = d->triangles + 2 * n;
     double length = s->length[0] > s->length[1] ? s->length[0] : s->length[1];
     length = length > d->length ? length : d->length;
-    double rim = DT_CENTRE_ERROR(0) * (n + 1) + 4.1 * DT_U * total(s->flat);
+    double rim = CENTRE_ERROR(0) * (n + 1) + 4.1 * DT_U * total(s->flat);
     double centres = d->error + length * (rim + 2.2 * DT_U * d->triangles);
     return length * (3.1 * centres + DT_U * length * terms * (terms + 8));
 }

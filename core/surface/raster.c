@@ -4,10 +4,6 @@
 #include "core/set/set.h"
 #include "core/surface/rows.h"
 
-enum {
-    CIRCLES = 1 << 13 /* kept for large rasters: half a megabyte */
-};
-
 /* The values at the next of n places, which are walked to side by side (ahead.h); adds those that are written to *done. */
 static enum dt_status next_values(struct dt_valuer *v, const struct dt_point *q, size_t n,
                                   double *out, size_t *done)
@@ -33,7 +29,7 @@ enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const s
 {
     struct dt_valuer v;
     *done = 0;
-    enum dt_status status = dt_valuer_init(&v, t, s, opt, 0);
+    enum dt_status status = dt_valuer_init(&v, t, s, opt);
     while (status == DT_OK && *done < n)
         status = next_values(&v, q + *done, n - *done, out + *done, done);
     dt_valuer_clear(&v);
@@ -65,13 +61,10 @@ static enum dt_status scan_cells(const struct dt *t, const struct dt_surface *s,
                                  const struct dt_options *opt, double *out, size_t *done)
 {
     struct dt_valuer v;
-    uint32_t circles = 64;
     *done = 0;
-    while (circles < CIRCLES && circles < n)
-        circles *= 2;
-    enum dt_status status = dt_valuer_init(&v, t, s, opt, circles);
-    if (status == DT_OK && n >= 1000)
-        status = dt_vicinity_init(&v.vicinity, s);
+    enum dt_status status = dt_valuer_init(&v, t, s, opt);
+    if (status == DT_OK)
+        status = dt_valuer_scan(&v, n);
     if (status == DT_OK && dt_rows_suit(r))
         status = dt_rows_scan(&v, r, from, n, out, done);
     if (status == DT_TOOLONG) /* single cells go on, up to the one that takes long */

@@ -208,7 +208,7 @@ static inline bool turn(struct abreast *a, struct lane *l, enum dt_status *s)
         l->outside = true;
         return false;
     }
-    dt_vicinity_vertex(&a->v->vicinity, a->v->t, apex);
+    dt_fetch_at_vertex(a->v, apex);
     dt_lanes p = dt_lanes_load(&a->xy[apex].x);
     dt_lanes place = (p - (dt_lanes){a->origin[0], l->y}) * a->scale;
     dt_lanes_holds is_below = (dt_lanes){place[1], place[1]} < dt_lanes_both(0);
@@ -217,7 +217,7 @@ static inline bool turn(struct abreast *a, struct lane *l, enum dt_status *s)
     l->up = twin + way[4 + 4 * (uint32_t)is_below[0] + (twin & 3)];
     l->twin = a->half[l->up + 4];
     dt_fetch(&a->half[l->twin]);
-    dt_vicinity_triangle(&a->v->vicinity, a->v->t, l->twin);
+    dt_fetch_at_triangle(a->v, l->twin);
     return fabs(place[0]) < FAR;
 }
 

@@ -8,6 +8,7 @@
 #include "core/query/query.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum dt_status dt_surface_begin(struct dt_surface *s, const struct dt_field *f,
                                 const struct dt_view *v)
@@ -41,19 +42,33 @@ void dt_surface_end(struct dt_surface *s)
 }
 
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
-                              const struct dt_options *opt, uint32_t circles)
+                              const struct dt_options *opt)
 {
     *v = (struct dt_valuer){.t = t, .s = s, .work = dt_stop_of(opt), .judged = DT_NONE};
-    if (dt_readable(t) != DT_OK)
-        return dt_readable(t);
-    bool wanted = s->how == DT_NATURAL || s->how == DT_LAPLACE;
-    return wanted && circles > 0 ? dt_circles_init(&v->circles, circles) : DT_OK;
+    return dt_readable(t);
+}
+
+static bool is_natural(const struct dt_valuer *v)
+{
+    return v->s->how == DT_NATURAL || v->s->how == DT_LAPLACE;
+}
+
+enum dt_status dt_valuer_scan(struct dt_valuer *v, size_t n)
+{
+    enum { WORTH = 1000 }; /* places for which blocks are fetched */
+    if (n >= WORTH) {
+        v->fetched = malloc(2 * DT_BLOCKS * sizeof *v->fetched);
+        if (v->fetched == NULL)
+            return DT_NOMEM;
+        memset(v->fetched, 0xff, 2 * DT_BLOCKS * sizeof *v->fetched);
+    }
+    return is_natural(v) ? dt_natural_keep(v, n) : DT_OK;
 }
 
 void dt_valuer_clear(struct dt_valuer *v)
 {
-    dt_circles_clear(&v->circles);
-    dt_vicinity_clear(&v->vicinity);
+    free(v->circle);
+    free(v->fetched);
     dt_weigher_clear(&v->weigher);
     free(v->ids.v);
 }
@@ -224,7 +239,7 @@ static void fetch_beyond(const struct dt_valuer *v, const uint32_t *triangle, ui
 void dt_values_fetch(const struct dt_valuer *v, const struct dt_place *p, size_t n)
 {
     const struct dt_mesh *m = &v->t->mesh;
-    bool natural = v->s->how == DT_NATURAL || v->s->how == DT_LAPLACE;
+    bool natural = is_natural(v);
     uint32_t triangle[DT_AHEAD], left = 0;
     for (size_t i = 0; i < n; i++)
         if (p[i].near != DT_NONE && !dt_is_ghost(m, p[i].near))
@@ -269,4 +284,28 @@ enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const
         if (doubtful >> i & 1)
             s = dt_value_find(v, (struct dt_point){x[i], y}, &(uint32_t){half[i]}, &out[i]);
     return s;
+}
+
+/* ---- prefetches by blocks ---- */
+
+void dt_fetch_triangles(struct dt_valuer *v, uint32_t block)
+{
+    const struct dt_mesh *m = &v->t->mesh;
+    uint32_t first = block * DT_BLOCK_TRIANGLES;
+    v->fetched[block % DT_BLOCKS] = block;
+    for (uint32_t i = first; i < first + DT_BLOCK_TRIANGLES && i < m->tri_end; i += 2)
+        dt_fetch(&m->half[8 * i]);
+}
+
+void dt_fetch_vertices(struct dt_valuer *v, uint32_t block)
+{
+    const struct dt_points *p = &v->t->points;
+    uint32_t first = block * DT_BLOCK_VERTICES, next = first + DT_BLOCK_VERTICES;
+    v->fetched[DT_BLOCKS + block % DT_BLOCKS] = block;
+    for (uint32_t i = first; i < next && i < p->end; i += 4)
+        dt_fetch(&p->xy[i]);
+    for (uint32_t i = first; i < next && i < p->end; i++)
+        dt_fetch(dt_value_place(v->s, p->id[i]));
+    for (uint32_t i = next; i < next + DT_BLOCK_VERTICES && i < p->end; i += 16)
+        dt_fetch(&p->id[i]);
 }

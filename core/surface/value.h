@@ -7,8 +7,6 @@
 
 #include "core/control/stop.h"
 #include "core/delaunay_surface.h"
-#include "core/surface/circles.h"
-#include "core/surface/vicinity.h"
 #include "core/surface/weights.h"
 
 /* What one place after the other is computed in, while the set does not change. */
@@ -16,18 +14,24 @@ struct dt_valuer {
     const struct dt *t;         /* borrows */
     const struct dt_surface *s; /* borrows */
     struct dt_stop work;
-    struct dt_vicinity vicinity;
-    struct dt_circles circles;
+    uint32_t
+        *fetched; /* owns 2 DT_BLOCKS: the blocks that have been fetched lately; NULL: none are */
+    struct dt_circle *
+        circle; /* owns circle_mask + 1; a triangle has one place among them; NULL: none are kept */
+    uint32_t circle_mask;
     uint32_t judged; /* the triangle whose edges were compared with max_edge last; DT_NONE: none */
     bool is_short;   /* none of them is longer */
     struct dt_weigher weigher;
     struct dt_ids ids; /* owns */
 };
 
-/* `circles`: how many to keep, a power of two, or 0. DT_NOMEM, DT_UNTRIANGULATED; to be cleared in any case. */
+/* DT_UNTRIANGULATED; to be cleared in any case. */
 enum dt_status dt_valuer_init(struct dt_valuer *v, const struct dt *t, const struct dt_surface *s,
-                              const struct dt_options *opt, uint32_t circles);
+                              const struct dt_options *opt);
 void dt_valuer_clear(struct dt_valuer *v);
+
+/* From now on, for n places each near the one before, keeps circles and fetches by blocks. DT_NOMEM. */
+enum dt_status dt_valuer_scan(struct dt_valuer *v, size_t n);
 
 /* What the value at a place usually takes, in steps. */
 static inline uint32_t dt_value_steps(const struct dt_valuer *v)
@@ -48,7 +52,13 @@ enum { DT_ROOM = 64 };
 enum dt_status dt_values_in_row(struct dt_valuer *v, const uint32_t *half, const double *x,
                                 double y, uint32_t n, double *out);
 
-/* The value of a surface at a point, and at a vertex. */
+/* Where the value of a surface at a point is; the value; and that at a vertex. */
+static inline const double *dt_value_place(const struct dt_surface *s, uint32_t id)
+{
+    uint32_t page = id / DT_FIELD_PAGE;
+    return &s->page[page < s->pages ? page : s->pages][id % DT_FIELD_PAGE];
+}
+
 static inline double dt_value_of_id(const struct dt_surface *s, uint32_t id)
 {
     return *dt_value_place(s, id);
@@ -57,6 +67,39 @@ static inline double dt_value_of_id(const struct dt_surface *s, uint32_t id)
 static inline double dt_value_of(const struct dt_valuer *v, uint32_t vertex)
 {
     return dt_value_of_id(v->s, v->t->points.id[vertex]);
+}
+
+/* ---- prefetches by blocks of what a scan will read ----
+ *
+ * Vertices and triangles are numbered in Morton order by a build, so those of a block of numbers lie together in the
+ * plane: where a row of a raster needs one of them, that row and the next ones need most of the others. Values are
+ * found by id, which may be in any order. Without that, the scan would wait for each of them. */
+
+enum {
+    DT_BLOCKS = 4096,       /* that are remembered as fetched: of triangles, and of vertices */
+    DT_BLOCK_VERTICES = 32, /* 8 cache lines of places, up to 32 of values */
+    DT_BLOCK_TRIANGLES = 16 /* 8 cache lines */
+};
+
+void dt_fetch_triangles(struct dt_valuer *v, uint32_t block);
+void dt_fetch_vertices(struct dt_valuer *v, uint32_t block);
+
+/* Fetches what is near the triangle of the half edge, or the vertex, unless that has been done lately. Reads neither. Returns
+ * whether it did. */
+static inline bool dt_fetch_at_triangle(struct dt_valuer *v, uint32_t half)
+{
+    uint32_t block = half / (8 * DT_BLOCK_TRIANGLES);
+    bool is_new = v->fetched != NULL && v->fetched[block % DT_BLOCKS] != block;
+    if (is_new)
+        dt_fetch_triangles(v, block);
+    return is_new;
+}
+
+static inline void dt_fetch_at_vertex(struct dt_valuer *v, uint32_t vertex)
+{
+    uint32_t block = vertex / DT_BLOCK_VERTICES;
+    if (v->fetched != NULL && v->fetched[DT_BLOCKS + block % DT_BLOCKS] != block)
+        dt_fetch_vertices(v, block);
 }
 
 /* ---- linear values in doubles (planes.c) ---- */
@@ -73,5 +116,8 @@ uint64_t dt_plane_values(const struct dt_valuer *v, const uint32_t *half, const 
 /* The mean of the natural neighbours of q, strictly inside the hull and in the triangle of `first`; false: doubles are
  * not exact enough, or there are too many of them. */
 bool dt_natural_mean(struct dt_valuer *v, struct dt_point q, uint32_t first, double *out);
+
+/* From now on, keeps circles for a scan of n places. DT_NOMEM. */
+enum dt_status dt_natural_keep(struct dt_valuer *v, size_t n);
 
 #endif
