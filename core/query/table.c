@@ -6,6 +6,7 @@
  *
  * `left` and `hull_left` are the rows still to come of either kind; 0 says that there are no more.
  * The number of rows of a part that was cut off is unknown: there `left` is an upper bound. */
+#include "core/memory/sort.h"
 #include "core/query/hull_walk.h"
 #include "core/set/view_rows.h"
 #include "core/set/view_stars.h"
@@ -306,8 +307,9 @@ static inline size_t keys_of_star(const struct dt_cursor *c, const uint32_t *rin
 /* Brings the least k of n keys, 0 < k < n, to the front [Hoare, "Algorithm 65: find", CACM 4(7), 1961]. */
 static void select_keys(uint64_t *key, size_t n, size_t k)
 {
+    uint64_t random = (uintptr_t)key;           /* as in near.c */
     for (size_t lo = 0, hi = n - 1; lo < hi;) { /* place k - 1 is among lo .. hi */
-        uint64_t pivot = key[lo + (hi - lo) / 2];
+        uint64_t pivot = key[lo + dt_random_below(&random, (uint32_t)(hi - lo + 1))];
         size_t i = lo, j = hi;
         for (;; i++, j--) {
             while (key[i] < pivot)
