@@ -171,7 +171,8 @@ static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), 
 
 /* ---- threads ---- */
 
-/* The mutex is held on entry and on return, not in between. */
+/* The mutex is held on entry and on return. It is not held while the event is written: that wakes the I/O thread, which
+ * may take this processor at once, and needs the mutex first. */
 static void do_work(struct workers *w, struct work *work)
 {
     pthread_mutex_unlock(&w->mutex);
@@ -179,9 +180,11 @@ static void do_work(struct workers *w, struct work *work)
     pthread_mutex_lock(&w->mutex);
     bool first = w->done.first == NULL;
     push(&w->done, work);
+    pthread_mutex_unlock(&w->mutex);
     /* It could fail only if the counter were full, but it is near zero. */
     if (first && eventfd_write(w->event, 1) != 0)
         abort();
+    pthread_mutex_lock(&w->mutex);
 }
 
 static void help(struct workers *w, struct batch *b)
@@ -297,8 +300,8 @@ struct work *workers_collect(struct workers *w)
 {
     eventfd_t count;
     pthread_mutex_lock(&w->mutex);
-    /* Resetting the counter under the mutex keeps it consistent with the list; an empty counter is no
-     * error. */
+    /* Reset under the mutex, so that no event for later work is lost. The counter may be empty still: then the event
+     * follows, and there may be nothing to collect. */
     eventfd_read(w->event, &count);
     struct work *first = w->done.first;
     w->done = (struct queue){0};
