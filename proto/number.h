@@ -34,7 +34,8 @@ bool proto_read_u32(const char *s, size_t len, uint32_t *v);
  * its length, at most 25. */
 size_t proto_write_double(char *dst, double v);
 
-/* Writes v in decimal; the rest as above. Returns the length, at most 10. */
+/* Writes v in decimal; the string is not terminated. Returns its length, at most 10; of dst, 11 bytes may be
+ * overwritten. */
 size_t proto_write_u32(char *dst, uint32_t v);
 
 #endif

@@ -84,10 +84,15 @@ static struct decimal decimal_of(uint64_t bits)
     return shortest(c, q, fraction == 0 && biased > 1);
 }
 
-static const char pairs[] =
-    "00010203040506070809101112131415161718192021222324252627282930313233343536373839"
-    "40414243444546474849505152535455565758596061626364656667686970717273747576777879"
-    "8081828384858687888990919293949596979899";
+#define TEN(a) a "0\0" a "1\0" a "2\0" a "3\0" a "4\0" a "5\0" a "6\0" a "7\0" a "8\0" a "9\0"
+#define HUNDRED(a)                                                                                 \
+    TEN(a "0")                                                                                     \
+    TEN(a "1")                                                                                     \
+    TEN(a "2") TEN(a "3") TEN(a "4") TEN(a "5") TEN(a "6") TEN(a "7") TEN(a "8") TEN(a "9")
+
+/* The three digits of every number below 1000, each followed by a NUL so that one load reads them. */
+static const char threes[] = HUNDRED("0") HUNDRED("1") HUNDRED("2") HUNDRED("3") HUNDRED("4")
+    HUNDRED("5") HUNDRED("6") HUNDRED("7") HUNDRED("8") HUNDRED("9");
 
 static size_t count_digits(uint64_t v)
 {
@@ -118,7 +123,7 @@ static size_t count_digits(uint64_t v)
 
 static void write_pair(char *dst, uint32_t v)
 {
-    memcpy(dst, pairs + 2 * v, 2);
+    memcpy(dst, threes + 4 * v + 1, 2);
 }
 
 static void write_four(char *dst, uint32_t v)
@@ -217,37 +222,38 @@ size_t proto_write_double(char *dst, double v)
     return sign + write_decimal(dst + sign, d);
 }
 
-/* Below 10^4. */
-static size_t write_small(char *dst, uint32_t v)
+/* Writes v < 1000, and returns its digits; the bytes after them, up to the fourth, are overwritten, too. */
+static size_t write_first(char *dst, uint32_t v)
 {
-    if (v < 10) {
-        dst[0] = (char)('0' + v);
-        return 1;
-    }
-    if (v < 100) {
-        write_pair(dst, v);
-        return 2;
-    }
-    if (v < 1000) {
-        dst[0] = (char)('0' + v / 100);
-        write_pair(dst + 1, v % 100);
-        return 3;
-    }
-    write_four(dst, v);
-    return 4;
+    size_t n = 1u + (v >= 10) + (v >= 100);
+    memcpy(dst, threes + 4 * v + 3 - n, 4);
+    return n;
+}
+
+/* The same with leading zeros: three digits and a NUL. */
+static void write_three(char *dst, uint32_t v)
+{
+    memcpy(dst, threes + 4 * v, 4);
 }
 
 size_t proto_write_u32(char *dst, uint32_t v)
 {
-    if (v < 10000)
-        return write_small(dst, v);
-    if (v < 100000000) {
-        size_t n = write_small(dst, v / 10000);
-        write_four(dst + n, v % 10000);
-        return n + 4;
+    size_t n;
+    if (v < 1000)
+        return write_first(dst, v);
+    if (v < 1000000) {
+        n = write_first(dst, v / 1000);
+        write_three(dst + n, v % 1000);
+        return n + 3;
     }
-    size_t n = write_small(dst, v / 100000000);
-    write_four(dst + n, v / 10000 % 10000);
-    write_four(dst + n + 4, v % 10000);
-    return n + 8;
+    if (v < 1000000000) {
+        n = write_first(dst, v / 1000000);
+    } else {
+        dst[0] = (char)('0' + v / 1000000000);
+        write_three(dst + 1, v / 1000000 % 1000);
+        n = 4;
+    }
+    write_three(dst + n, v / 1000 % 1000);
+    write_three(dst + n + 3, v % 1000);
+    return n + 6;
 }

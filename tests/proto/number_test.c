@@ -578,7 +578,9 @@ TEST(number_writes_integers_whole)
     for (uint32_t v = 1; v < 1000000000; v *= 10)
         for (uint32_t w = v - 1; w <= v + 1; w++) {
             snprintf(text, sizeof text, "%" PRIu32, w);
+            memset(got, '?', sizeof got);
             got[proto_write_u32(got, w)] = 0;
             CHECK_STR(got, text);
+            CHECK(got[11] == '?');
         }
 }
