@@ -3,7 +3,7 @@
  * Idle threads sleep in two crews: one for short work, one for all work. New work wakes one thread, not
  * all of them. A thread chooses its work when it runs, not when it is woken, because a busy thread may
  * become free sooner: the thread of the short crew may find that the short work has been taken and only
- * long work is left, which it may not do. So wake_enough compares the work with the number of threads
+ * long work is left, which it may not do. So unlock_and_wake compares the work with the number of threads
  * that have been signalled, both when work is submitted and whenever a thread has taken some. Invariant:
  * for all waiting work a thread has been signalled, or every thread that may do it is busy and looks for
  * more work before it sleeps. */
@@ -86,25 +86,37 @@ static unsigned jobs_left(const struct workers *w)
     return n;
 }
 
-/* Signals threads of the crew until `wanted` have been signalled, or all. */
-static void wake_up_to(struct crew *c, unsigned wanted)
-{
-    for (; c->coming < wanted && c->coming < c->asleep; c->coming++)
-        pthread_cond_signal(&c->wake);
-}
-
 static unsigned less(unsigned a, unsigned b)
 {
     return a > b ? a - b : 0;
 }
 
-/* The short crew comes first, so that the other threads stay free for long work. */
-static void wake_enough(struct workers *w)
+/* The number of threads of the crew to signal so that `wanted` have been signalled, or all; they count as signalled. */
+static unsigned call_up_to(struct crew *c, unsigned wanted)
+{
+    unsigned most = wanted < c->asleep ? wanted : c->asleep;
+    unsigned n = less(most, c->coming);
+    c->coming += n;
+    return n;
+}
+
+static void signal_each(struct crew *c, unsigned n)
+{
+    while (n-- > 0)
+        pthread_cond_signal(&c->wake);
+}
+
+/* Releases the mutex and wakes enough threads for the waiting work, in this order, because they need the mutex. The
+ * short crew comes first, so that the other threads stay free for long work. */
+static void unlock_and_wake(struct workers *w)
 {
     struct crew *brief = &w->crew[WORK_SHORT], *all = &w->crew[WORK_LONG];
     unsigned n_brief = w->queue[WORK_SHORT].n, n_long = w->queue[WORK_LONG].n + jobs_left(w);
-    wake_up_to(brief, less(n_brief, less(all->coming, n_long)));
-    wake_up_to(all, n_long + less(n_brief, brief->coming));
+    unsigned short_calls = call_up_to(brief, less(n_brief, less(all->coming, n_long)));
+    unsigned long_calls = call_up_to(all, n_long + less(n_brief, brief->coming));
+    pthread_mutex_unlock(&w->mutex);
+    signal_each(brief, short_calls);
+    signal_each(all, long_calls);
 }
 
 /* A spurious wake-up may decrement `coming` on behalf of another thread. That thread still looks for work when
@@ -158,8 +170,7 @@ static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), 
     pthread_mutex_lock(&w->mutex);
     b.next = w->batches;
     w->batches = &b;
-    wake_enough(w);
-    pthread_mutex_unlock(&w->mutex);
+    unlock_and_wake(w);
     take_jobs(&b);
     pthread_mutex_lock(&w->mutex);
     unlink_batch(w,
@@ -175,7 +186,7 @@ static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), 
  * may take this processor at once, and needs the mutex first. */
 static void do_work(struct workers *w, struct work *work)
 {
-    pthread_mutex_unlock(&w->mutex);
+    unlock_and_wake(w); /* for what is left */
     work->run(work);
     pthread_mutex_lock(&w->mutex);
     bool first = w->done.first == NULL;
@@ -190,7 +201,7 @@ static void do_work(struct workers *w, struct work *work)
 static void help(struct workers *w, struct batch *b)
 {
     b->helpers++;
-    pthread_mutex_unlock(&w->mutex);
+    unlock_and_wake(w); /* for what is left */
     take_jobs(b);
     pthread_mutex_lock(&w->mutex);
     if (--b->helpers == 0)
@@ -207,8 +218,6 @@ static void *serve(struct workers *w, enum work_kind crew)
         if (work == NULL && all)
             work = pop(&w->queue[WORK_LONG]);
         struct batch *b = work == NULL && all ? batch_to_help(w) : NULL;
-        if (work != NULL || b != NULL)
-            wake_enough(w); /* for what is left */
         if (work != NULL)
             do_work(w, work);
         else if (b != NULL)
@@ -292,8 +301,7 @@ void workers_submit(struct workers *w, enum work_kind kind, struct work *work)
 {
     pthread_mutex_lock(&w->mutex);
     push(&w->queue[kind], work);
-    wake_enough(w);
-    pthread_mutex_unlock(&w->mutex);
+    unlock_and_wake(w);
 }
 
 struct work *workers_collect(struct workers *w)
