@@ -39,12 +39,28 @@ static bool has_changed(const struct lookup *l, uint32_t v)
     return row_has_changed(l, id) || dt_view_has(&l->t->views, l->then, DT_IMAGE_RING, id);
 }
 
-/* A vertex of that moment: v, or one on its hull. */
+/* Whether the vertex was one then; *id: its id. */
+static bool was_vertex(const struct lookup *l, uint32_t v, uint32_t *id)
+{
+    *id = v == DT_NONE ? DT_NONE : l->t->points.id[v];
+    return v != DT_NONE && dt_view_representative(l->t, l->then, *id) == *id;
+}
+
+/* A vertex of that moment: v, a neighbour of it or, if none of them was one, one on the hull. */
 static uint32_t vertex_then(const struct lookup *l, uint32_t v)
 {
-    uint32_t id = v == DT_NONE ? DT_NONE : l->t->points.id[v];
-    bool was = id != DT_NONE && dt_view_representative(l->t, l->then, id) == id;
-    return was ? id : l->then->on_hull;
+    const struct dt_mesh *m = &l->t->mesh;
+    uint32_t id, h = v == DT_NONE ? DT_NONE : m->leaving[v];
+    if (was_vertex(l, v, &id))
+        return id;
+    while (h != DT_NONE) {
+        if (was_vertex(l, dt_dest(m, h), &id))
+            return id;
+        h = dt_turn_ccw(m, h);
+        if (h == m->leaving[v])
+            break;
+    }
+    return l->then->on_hull;
 }
 
 /* ---- triangles ---- */
@@ -81,19 +97,13 @@ static enum dt_status offer_star(struct lookup *l, uint32_t h, uint32_t out[3])
     return st;
 }
 
-/* The answer follows from the corners of the triangle or the ghost at h. Whether it was the same; if not,
- * *from is a vertex of that moment near by. */
-static bool triangle_was_same(const struct lookup *l, uint32_t h, uint32_t *from)
+/* The answer follows from the corners of the triangle or the ghost at h. Whether it was the same. */
+static bool triangle_was_same(const struct lookup *l, uint32_t h)
 {
     const uint32_t *corner = l->t->mesh.half + dt_base(h);
     bool changed = false;
     for (unsigned k = 0; k < 3 && !changed; k++)
         changed = corner[k] != DT_NONE && has_changed(l, corner[k]);
-    for (unsigned k = 0; k < 3 && changed; k++) {
-        *from = vertex_then(l, corner[k]);
-        if (*from != l->then->on_hull)
-            break;
-    }
     return !changed;
 }
 
@@ -188,12 +198,12 @@ static enum dt_status locate_then(struct lookup *l, struct dt_point q, uint32_t 
 static enum dt_status locate(struct lookup *l, const struct dt_place *p, uint32_t *out)
 {
     const struct dt *t = l->t;
-    uint32_t h, from = l->then == NULL ? DT_NONE : l->then->on_hull;
+    uint32_t h;
     if (dt_mesh_is_line(&t->mesh))
-        return l->then == NULL ? DT_OK : locate_then(l, p->at, from, out);
+        return l->then == NULL ? DT_OK : locate_then(l, p->at, l->then->on_hull, out);
     enum dt_where where = dt_find(t, p, &h);
-    if (l->then != NULL && !triangle_was_same(l, h, &from))
-        return locate_then(l, p->at, from, out);
+    if (l->then != NULL && !triangle_was_same(l, h))
+        return locate_then(l, p->at, vertex_then(l, t->mesh.half[dt_base(h)]), out);
     if (where == DT_ON_VERTEX)
         return offer_star(l, h, out);
     if (where != DT_OUTSIDE)
