@@ -136,11 +136,11 @@ static void sort_cells(struct walk *w, const struct dt_level *level, uint32_t ke
         add_task(w, (struct task){.level = level, .key = key, .s = s});
         return;
     }
-    if (n <= DT_BLOCK && !level->tiles) { /* tiles are elsewhere */
+    if (n <= DT_BLOCK && !level->spare) {
         dt_plan_few(&d->plan, d->p, d->from, lo, n);
         return;
     }
-    if (s == 0) {
+    if (n <= DT_BLOCK || s == 0) {
         sort_range(w, dt_level_source(d, level, lo), lo, n, level->skew);
         return;
     }
@@ -169,7 +169,10 @@ static void sort_range(struct walk *w, struct dt_source src, uint32_t lo, uint32
 {
     struct dt_division *d = w->d;
     if (n <= DT_FEW) {
-        dt_level_bring(d, src, lo, n);
+        for (uint32_t i = 0; src.p != d->p + lo && i < n; i++) {
+            d->p[lo + i] = src.p[i];
+            d->from[lo + i] = src.from == NULL ? i : src.from[i];
+        }
         dt_plan_few(&d->plan, d->p, d->from, lo, n);
         return;
     }

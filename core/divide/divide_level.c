@@ -7,32 +7,26 @@
 #include "core/divide/median.h"
 #include "core/memory/sort.h"
 
-#define MANY_CELLS (1u << 14)    /* are worth several threads */
 #define WORTH_SAMPLES (1u << 12) /* points */
 #define COUNTS_PER_POINT 2u      /* of all slices together: 8 bytes a point */
 #define OUTSKIRTS 4 /* a grid leaves them out if they take this many times its own width */
 
 /* ---- the sort, in slices of the source ---- */
 
+struct slice {
+    struct dt_box box;
+    uint32_t *next; /* counts of each cell, then the places of its next point */
+};
+
 struct sort {
     struct dt_division *d;
     struct dt_source src;
     uint32_t n;
-    unsigned threads;
-    unsigned slices; /* as many as threads, or fewer, as each has counts of all cells */
-    struct dt_box box[DT_MAX_THREADS];
+    unsigned slices;
     const struct dt_order *order;
-    struct dt_arena *arena;         /* borrows */
-    struct dt_arena_mark scratch;   /* what is above it is not needed after the scatter */
-    uint32_t *key;                  /* n */
-    uint32_t *next[DT_MAX_THREADS]; /* per slice: counts of each cell, then the places of its next
-                                       point */
-    struct dt_point *out;
-    uint32_t *out_from;
-    uint32_t cells;
-    unsigned shares;                    /* slices of the cells */
-    uint32_t first[DT_MAX_THREADS + 1]; /* place of the first point of each slice of the cells */
-    uint32_t most[DT_MAX_THREADS];      /* points in one cell */
+    struct dt_named out;
+    uint32_t *key;       /* n */
+    struct slice *slice; /* in the arena */
 };
 
 /* Slices are worked on in pieces, so that a large sort can be stopped. */
@@ -44,27 +38,26 @@ static struct dt_piece points_of(const struct sort *s, unsigned slice)
 static void find_box(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    s->box[i] = dt_box_of(s->src.p + dt_slice(s->n, i, s->slices), 1);
+    s->slice[i].box = dt_box_of(s->src.p + dt_slice(s->n, i, s->slices), 1);
     for (struct dt_piece at = points_of(s, i); dt_next_piece(&s->d->stop, &at);)
-        s->box[i] = dt_box_join(s->box[i], dt_box_of(s->src.p + at.a, at.b - at.a));
+        s->slice[i].box = dt_box_join(s->slice[i].box, dt_box_of(s->src.p + at.a, at.b - at.a));
 }
 
 static struct dt_box box_of_all(struct sort *s)
 {
-    s->slices = s->threads;
     dt_run(s->d->opt->pool, s->slices, find_box, s);
-    struct dt_box all = s->box[0];
+    struct dt_box all = s->slice[0].box;
     for (unsigned i = 1; i < s->slices; i++)
-        all = dt_box_join(all, s->box[i]);
+        all = dt_box_join(all, s->slice[i].box);
     return all;
 }
 
 static void count(void *arg, unsigned i)
 {
     struct sort *s = arg;
-    memset(s->next[i], 0, ((size_t)1 << s->order->bits) * sizeof *s->next[i]);
+    memset(s->slice[i].next, 0, ((size_t)1 << s->order->bits) * sizeof *s->slice[i].next);
     for (struct dt_piece at = points_of(s, i); dt_next_piece(&s->d->stop, &at);)
-        dt_order_count(s->order, s->src.p + at.a, at.b - at.a, s->key + at.a, s->next[i]);
+        dt_order_count(s->order, s->src.p + at.a, at.b - at.a, s->key + at.a, s->slice[i].next);
 }
 
 /* Polls often: the first points that reach a tile touch pages that are fresh, perhaps huge ones. */
@@ -76,16 +69,7 @@ static void scatter(void *arg, unsigned i)
         uint32_t n = at.b - at.a, *key = s->key + at.a;
         const struct dt_point *p = s->src.p + at.a;
         const uint32_t *from = s->src.from == NULL ? NULL : s->src.from + at.a;
-        dt_order_scatter(key, n, s->next[i], p, from, at.a, s->out, s->out_from);
-    }
-}
-
-static void copy(void *arg, unsigned i)
-{
-    struct sort *s = arg;
-    for (struct dt_piece at = points_of(s, i); dt_next_piece(&s->d->stop, &at);) {
-        memcpy(s->out + at.a, s->src.p + at.a, (at.b - at.a) * sizeof *s->out);
-        memcpy(s->out_from + at.a, s->src.from + at.a, (at.b - at.a) * sizeof *s->out_from);
+        dt_order_scatter(key, n, s->slice[i].next, p, from, at.a, s->out.p, s->out.from);
     }
 }
 
@@ -128,125 +112,49 @@ static struct dt_box box_of_most(const struct sort *s, struct dt_box box, double
     return box;
 }
 
-static struct dt_piece cells_of(const struct sort *s, unsigned share)
+/* Turns the counts of all slices into places; returns the largest number of points in one cell. */
+static uint32_t counts_to_places(struct sort *s)
 {
-    return dt_slice_pieces(s->cells, share, s->shares);
-}
-
-/* Slice i of the cells: how many points it has. */
-static void sum_cells(void *arg, unsigned i)
-{
-    struct sort *s = arg;
-    uint32_t n = 0;
-    for (struct dt_piece at = cells_of(s, i); dt_next_piece(&s->d->stop, &at);)
-        for (unsigned k = 0; k < s->slices; k++)
-            for (uint32_t c = at.a; c < at.b; c++)
-                n += s->next[k][c];
-    s->first[i + 1] = n;
-}
-
-/* Slice i of the cells: the counts of all slices of points become places. */
-static void place_cells(void *arg, unsigned i)
-{
-    struct sort *s = arg;
-    uint32_t place = s->first[i], most = 0;
-    for (struct dt_piece at = cells_of(s, i); dt_next_piece(&s->d->stop, &at);)
+    uint32_t place = 0, most = 0;
+    for (struct dt_piece at = dt_pieces(0, 1u << s->order->bits); dt_next_piece(&s->d->stop, &at);)
         for (uint32_t c = at.a; c < at.b; c++) {
             uint32_t before = place;
             for (unsigned k = 0; k < s->slices; k++) {
-                uint32_t n = s->next[k][c];
-                s->next[k][c] = place;
+                uint32_t n = s->slice[k].next[c];
+                s->slice[k].next[c] = place;
                 place += n;
             }
             most = place - before > most ? place - before : most;
         }
-    s->most[i] = most;
-}
-
-/* Turns the counts of all slices into places; returns the largest number of points in one cell. */
-static uint32_t counts_to_places(struct sort *s)
-{
-    const struct dt_pool *pool = s->d->opt->pool;
-    s->shares = s->cells < MANY_CELLS ? 1 : s->threads;
-    s->first[0] = 0;
-    if (s->shares > 1)
-        dt_run(pool, s->shares, sum_cells, s);
-    for (unsigned i = 1; i < s->shares; i++)
-        s->first[i] += s->first[i - 1];
-    dt_run(pool, s->shares, place_cells, s);
-    uint32_t most = 0;
-    for (unsigned i = 0; i < s->shares; i++)
-        most = s->most[i] > most ? s->most[i] : most;
     return most;
 }
 
-/* Plans a grid of tiles or a fine one. */
-static bool plan_cells(struct sort *s, struct dt_box box, bool tiles, struct dt_level *level)
+/* Plans a grid, of tiles for many points. */
+static void plan_grid(const struct sort *s, struct dt_box box, struct dt_order *order)
 {
-    double cells = tiles ? (double)s->n / DT_TILE : s->n / DT_POINTS_PER_CELL;
-    level->tiles = tiles;
-    if (!tiles && s->n >= WORTH_SAMPLES)
+    double cells = s->n > DT_TILED ? (double)s->n / DT_TILE : s->n / DT_POINTS_PER_CELL;
+    if (s->n >= WORTH_SAMPLES)
         box = box_of_most(s, box, cells);
-    dt_order_plan(&level->order, box, cells, s->src.p, s->n);
-    s->order = &level->order;
-    s->cells = 1u << level->order.bits;
-    level->start = dt_arena_take(s->arena, (size_t)s->cells + 1, sizeof *level->start);
-    return level->start != NULL;
+    dt_order_plan(order, box, cells, s->src.p, s->n);
 }
 
-/* Tables; keys, which go to `key`, or if it is NULL into the arena; and counts for each slice. After the scatter, the
- * next place of the last slice in cell c is the end of c, which is the start of c + 1: so its counts are
- * in start[] from the beginning. */
-static bool take_scratch(struct sort *s, uint32_t *key, struct dt_level *level)
+/* Tables, keys unless they have their place already, and counts for each slice. After the scatter, the next place of the last
+ * slice in cell c is the end of c, which is the start of c + 1: so its counts are in start[] from the beginning. */
+static bool take_scratch(struct sort *s, struct dt_arena *arena, struct dt_level *level)
 {
-    uint32_t most = (uint32_t)((uint64_t)COUNTS_PER_POINT * s->n / s->cells);
-    s->slices = most < 1 ? 1 : most < s->threads ? most : s->threads;
-    s->scratch = dt_arena_mark(s->arena);
+    uint32_t cells = 1u << level->order.bits,
+             most = (uint32_t)((uint64_t)COUNTS_PER_POINT * s->n / cells);
+    s->slices = most < 1 ? 1 : most < s->slices ? most : s->slices;
     level->start[0] = 0;
-    s->next[s->slices - 1] = level->start + 1;
+    s->slice[s->slices - 1].next = level->start + 1;
     for (unsigned i = 0; i + 1 < s->slices; i++) {
-        s->next[i] = dt_arena_take(s->arena, s->cells, sizeof *s->next[i]);
-        if (s->next[i] == NULL)
+        s->slice[i].next = dt_arena_take(arena, cells, sizeof *s->slice[i].next);
+        if (s->slice[i].next == NULL)
             return false;
     }
-    s->key = key != NULL ? key : dt_arena_take(s->arena, s->n, sizeof *s->key);
-    return s->key != NULL && dt_order_tables(&level->order, s->arena) == DT_OK;
-}
-
-/* Counts by a grid of tiles or by a fine one. Returns the largest number of points in one cell; 0: the build
- * has to stop. */
-static uint32_t count_by(struct sort *s, struct dt_box box, bool tiles, uint32_t *key,
-                         struct dt_level *level)
-{
-    if (!plan_cells(s, box, tiles, level) || !take_scratch(s, key, level))
-        dt_stop_because(&s->d->stop, DT_NOMEM);
-    if (dt_stopped(&s->d->stop))
-        return 0;
-    dt_run(s->d->opt->pool, s->slices, count, s);
-    return counts_to_places(s);
-}
-
-/* Copies the source away, because it occupies the destination. */
-static void move_source(struct sort *s, struct dt_named to)
-{
-    s->out = to.p;
-    s->out_from = to.from;
-    dt_run(s->d->opt->pool, s->slices, copy, s);
-    s->src = (struct dt_source){to.p, to.from};
-}
-
-/* Puts the points, which are counted, where they belong: tiles into the spare arrays. */
-static void scatter_all(struct sort *s, uint32_t lo, bool tiles)
-{
-    struct dt_division *d = s->d;
-    struct dt_named spare = {d->spare.p + lo, d->spare.from + lo}, p = {d->p + lo, d->from + lo};
-    struct dt_named to = tiles ? spare : p, other = tiles ? p : spare;
-    if (s->src.p == to.p)
-        move_source(s, other);
-    s->out = to.p;
-    s->out_from = to.from;
-    if (!dt_stopped(&d->stop))
-        dt_run(d->opt->pool, s->slices, scatter, s);
+    if (s->key == NULL)
+        s->key = dt_arena_take(arena, s->n, sizeof *s->key);
+    return s->key != NULL && dt_order_tables(&level->order, arena) == DT_OK;
 }
 
 /* ---- the median ---- */
@@ -276,37 +184,50 @@ uint32_t dt_level_halve(struct dt_division *d, struct dt_source src, uint32_t lo
 
 /* ---- opening ---- */
 
+/* Chooses where the points go: not where they are. Where nothing is and nothing goes, there is room for keys. */
+static void choose_arrays(struct sort *s, uint32_t lo, struct dt_level *level)
+{
+    struct dt_division *d = s->d;
+    struct dt_named p = {d->p + lo, d->from + lo}, spare = {d->spare.p + lo, d->spare.from + lo};
+    bool elsewhere = s->src.p != p.p && s->src.p != spare.p;
+    level->spare = s->src.p == p.p || (elsewhere && s->n > DT_TILED);
+    s->out = level->spare ? spare : p;
+    s->key = !elsewhere ? NULL : level->spare ? p.from : spare.from;
+}
+
 enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned threads,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
                               struct dt_level *level)
 {
-    bool elsewhere = src.p != d->p + lo && src.p != d->spare.p + lo;
-    struct sort s = {.d = d, .src = src, .n = n, .threads = threads, .arena = arena};
-    struct dt_arena_mark before = dt_arena_mark(arena);
+    struct sort s = {.d = d, .src = src, .n = n, .slices = threads, .order = &level->order};
+    s.slice = dt_arena_take(arena, threads, sizeof *s.slice);
+    if (s.slice == NULL) {
+        dt_stop_because(&d->stop, DT_NOMEM);
+        return DT_LEVEL_DONE;
+    }
     struct dt_box box = box_of_all(&s);
-    uint32_t most = n;
-    *level = (struct dt_level){.lo = lo};
-    if (dt_stopped(&d->stop))
+    if (dt_stopped(&d->stop)) /* then the box may be too small */
         return DT_LEVEL_DONE;
     if (box.lo.x == box.hi.x && box.lo.y == box.hi.y) {
         dt_level_bring(d, src, lo, n);
         dt_plan_place(&d->plan, d->p, d->from, lo, n);
         return DT_LEVEL_DONE;
     }
-    if (n > DT_TILED)
-        most = count_by(&s, box, true, elsewhere ? d->from + lo : NULL, level);
-    if (most > n / 2) { /* too few points for tiles, or tiles do not part them */
-        dt_arena_return(arena, before);
-        most = count_by(&s, box, false, NULL, level);
-    }
+    choose_arrays(&s, lo, level);
+    plan_grid(&s, box, &level->order);
+    level->lo = lo;
+    level->start = dt_arena_take(arena, ((size_t)1 << level->order.bits) + 1, sizeof *level->start);
+    struct dt_arena_mark scratch = dt_arena_mark(arena);
+    if (level->start == NULL || !take_scratch(&s, arena, level))
+        dt_stop_because(&d->stop, DT_NOMEM);
     if (dt_stopped(&d->stop))
         return DT_LEVEL_DONE;
-    level->skew = most > n / 2 ? skew + 1 : 0;
-    if (level->skew > DT_ZOOMS) {
-        dt_arena_return(arena, before);
-        return DT_LEVEL_SKEWED;
-    }
-    scatter_all(&s, lo, level->tiles);
-    dt_arena_return(arena, s.scratch);
-    return dt_stopped(&d->stop) ? DT_LEVEL_DONE : DT_LEVEL_OPEN;
+    dt_run(d->opt->pool, s.slices, count, &s);
+    level->skew = counts_to_places(&s) > n / 2 ? skew + 1 : 0;
+    if (level->skew <= DT_ZOOMS && !dt_stopped(&d->stop))
+        dt_run(d->opt->pool, s.slices, scatter, &s);
+    dt_arena_return(arena, scratch);
+    if (dt_stopped(&d->stop))
+        return DT_LEVEL_DONE;
+    return level->skew > DT_ZOOMS ? DT_LEVEL_SKEWED : DT_LEVEL_OPEN;
 }

@@ -33,7 +33,7 @@ struct dt_level {
     uint32_t *start; /* borrows from the arena: cell c holds vertices lo + start[c] .. lo + start[c
                         + 1] - 1 */
     uint32_t lo;
-    bool tiles;    /* sorted into the spare arrays, each tile to be sorted again; else into p */
+    bool spare;    /* sorted into the spare arrays, to be sorted again from there; else into p */
     unsigned skew; /* grids in a row of which one cell held more than half */
 };
 
@@ -41,7 +41,7 @@ struct dt_level {
 static inline struct dt_source dt_level_source(const struct dt_division *d,
                                                const struct dt_level *level, uint32_t lo)
 {
-    return level->tiles ? (struct dt_source){d->spare.p + lo, d->spare.from + lo}
+    return level->spare ? (struct dt_source){d->spare.p + lo, d->spare.from + lo}
                         : (struct dt_source){d->p + lo, d->from + lo};
 }
 
@@ -52,7 +52,7 @@ enum dt_opening {
 };
 
 /* Sorts the points src[0 .. n-1], n > 0, to the places lo .. lo + n - 1 by a new grid. src may be at lo in p or in
- * the spare arrays (then it is copied first if need be), or anything that overlaps with neither. Up to `threads`
+ * the spare arrays, or anything that overlaps with neither. Up to `threads`
  * threads of the pool share the work. The level lives in the arena. */
 enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, unsigned threads,
                               struct dt_source src, uint32_t lo, uint32_t n, unsigned skew,
