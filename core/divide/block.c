@@ -1,4 +1,4 @@
-/* block.c - blocks of up to six points, triangulated by halves (knit.h), down to an edge between two ghosts
+/* block.c - blocks of up to six points, triangulated by halves (merge.c), down to an edge between two ghosts
  * or a triangle.
  *
  * The number of points of a block is unpredictable, so the work on n points is compiled for every n, with loops
@@ -6,14 +6,12 @@
  *
  * Tried and left out: four points at once, by a table of the twenty cases of five signs.
  * It gained nothing on uniform points and lost 15 % on lattices. */
-#include "core/divide/block.h"
+#include "core/divide/part.h"
 
-#include "core/divide/knit.h"
-#include "core/divide/merge.h"
 #include "core/exact/predicates.h"
 
 /* Two points: one edge, a ghost on either side. Returns a ghost, as do the next ones. */
-static uint32_t base_of_two(const struct knitting *w, uint32_t a)
+static uint32_t base_of_two(const struct dt_merging *w, uint32_t a)
 {
     uint32_t t = 16 * a, s = t + 8, b = a + 1;
     knit_ghost(w, t, b, a);
@@ -25,14 +23,14 @@ static uint32_t base_of_two(const struct knitting *w, uint32_t a)
 }
 
 /* The ghosts g[0 .. n-1] follow one another around a hull. */
-static void close_ring(const struct knitting *w, const uint32_t *g, unsigned n)
+static void close_ring(const struct dt_merging *w, const uint32_t *g, unsigned n)
 {
     for (unsigned i = 0; i < n; i++)
         knit_link(w, g[i] + 2, g[(i + 1) % n] + 1);
 }
 
 /* Three points: a triangle and three ghosts, or a line with four. */
-static uint32_t base_of_three(const struct knitting *w, uint32_t lo)
+static uint32_t base_of_three(const struct dt_merging *w, uint32_t lo)
 {
     uint32_t a = lo, b = lo + 1, c = lo + 2, t = 16 * lo;
     uint32_t g[4] = {t + 8, t + 16, t + 24, t};
@@ -62,13 +60,13 @@ static uint32_t base_of_three(const struct knitting *w, uint32_t lo)
     return g[0];
 }
 
-INLINE uint32_t base_of(const struct knitting *w, uint32_t lo, const uint32_t n)
+INLINE uint32_t base_of(const struct dt_merging *w, uint32_t lo, const uint32_t n)
 {
     return n == 2 ? base_of_two(w, lo) : n == 3 ? base_of_three(w, lo) : 0;
 }
 
 /* Sorted points: their triangulation, a ghost of it. */
-INLINE uint32_t triangulate(const struct knitting *w, uint32_t lo, const uint32_t n, bool *close)
+INLINE uint32_t triangulate(const struct dt_merging *w, uint32_t lo, const uint32_t n, bool *close)
 {
     const uint32_t half = n / 2, mid = lo + half;
     if (n <= 3)
@@ -87,7 +85,7 @@ INLINE struct dt_part block_of(const struct dt_merging *w, uint32_t lo, const ui
         c.top = dt_before_y(p[c.top], p[v]) ? v : c.top;
     }
     double width = p[c.right].x - p[c.left].x, height = p[c.top].y - p[c.bottom].y;
-    struct knitting k = knitting_of(w, width > height ? width : height);
+    struct dt_merging k = dt_merging_within(w, width > height ? width : height);
     c.ghost = triangulate(&k, lo, n, &c.close);
     return c;
 }

@@ -18,7 +18,7 @@
  * only does the way up.
  *
  * A range of the sorted points [lo, hi) owns the vertices lo .. hi - 1 and the records 2 lo .. 2 hi -
- * 1 of the mesh, so parts need no allocator and no locks (merge.h). Until blocks fill it, the mesh is the
+ * 1 of the mesh, so parts need no allocator and no locks (part.h). Until blocks fill it, the mesh is the
  * scratch memory for points: fresh memory is too expensive to be used once.
  *
  * With several threads, all of them sort a range of a large share of the points together; what has no more than a

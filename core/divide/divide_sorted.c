@@ -12,9 +12,8 @@
  * meets its neighbours: one that is to be joined with the part on its left where it begins, any other one where it ends. The
  * thread that comes second joins the two and continues with the result. So the merges are the same as on one thread. */
 #include "core/control/parallel.h"
-#include "core/divide/block.h"
 #include "core/divide/divide.h"
-#include "core/divide/merge.h"
+#include "core/divide/part.h"
 #include "core/memory/memory.h"
 #include "core/mesh/hull.h"
 
@@ -45,7 +44,7 @@ static bool good(const struct build *b)
 
 static struct end *end_at(const struct build *b, uint32_t v)
 {
-    return (void *)(b->merging.mesh->half + 16 * (size_t)v - 16);
+    return (void *)(b->merging.half + 16 * (size_t)v - 16);
 }
 
 static uint32_t begin_of(const struct build *b, uint32_t end)
@@ -147,9 +146,8 @@ static struct dt_part run(struct build *b)
 
 /* The records of the whole mesh are there. Joins keep leaving[] of every vertex right, so only the hull is left to be
  * settled. */
-static void finish(struct build *b, const struct dt_part *all)
+static void finish(struct build *b, struct dt_mesh *m, const struct dt_part *all)
 {
-    struct dt_mesh *m = b->merging.mesh;
     m->vertices = b->n;
     m->tri_end = b->n > 1 ? 2 * b->n - 2 : 0;
     m->dead = m->ghosts = 0;
@@ -164,19 +162,16 @@ enum dt_status dt_divide_sorted(const struct dt_point *p, uint32_t n, const uint
                                 struct dt_mesh *m, const struct dt_options *opt)
 {
     static const struct dt_options none;
-    struct build b = {.merging = {.p = p, .mesh = m},
-                      .step = step,
-                      .n = n,
-                      .opt = opt == NULL ? &none : opt,
-                      .stop = dt_stop_of(opt)};
-    b.merging.stop = &b.stop;
+    struct build b = {
+        .step = step, .n = n, .opt = opt == NULL ? &none : opt, .stop = dt_stop_of(opt)};
     if (dt_mesh_reserve(m, n, 2 * n) != DT_OK)
         dt_stop_because(&b.stop, DT_NOMEM);
+    b.merging = dt_merging_of(p, m, &b.stop);
     struct dt_part all = {0};
     if (good(&b) && n > 0)
         all = run(&b);
     if (good(&b))
-        finish(&b, &all);
+        finish(&b, m, &all);
     if (!good(&b))
         dt_mesh_clear(m);
     return dt_stop_status(&b.stop);

@@ -7,8 +7,6 @@
 
 #include "core/exact/box.h"
 
-#define INLINE static inline __attribute__((always_inline))
-
 static bool precedes(unsigned axis, struct dt_point a, struct dt_point b)
 {
     return axis == 0 ? dt_before_x(a, b) : dt_before_y(a, b);

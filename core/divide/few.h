@@ -1,11 +1,11 @@
-/* few.h - the order of a few numbers or points: of a block (block.h), or of twice as many, which are cut into two.
+/* few.h - the order of a few numbers or points: of a block (part.h), or of twice as many, which are cut into two.
  *
  * They are sorted by counting for each how many precede it: comparisons are unpredictable, and a branch that is
  * mispredicted costs more than all the rest. */
 #ifndef DT_FEW_H
 #define DT_FEW_H
 
-#include "core/divide/block.h"
+#include "core/divide/part.h"
 
 #define DT_FEW 12u /* points that are not worth a grid */
 

@@ -31,9 +31,8 @@
  * Predicates. Both sides ask the same of two points at every step, so u and v, and then the apexes x
  * of both sides, are looked at together, in two lanes (sight.h, which has the filters as well). A step corrects
  * one edge and begins again: so it has few branches, because unpredictable ones are expensive. */
-#include "core/divide/merge.h"
+#include "core/divide/part.h"
 
-#include "core/divide/knit.h"
 #include "core/divide/sight.h"
 
 #define FEW_DOUBTS 1            /* of a merge for which the wide filter is good enough */
@@ -59,19 +58,19 @@ struct seam {
 
 /* The ghosts of the hull form a ring: the one that ends where g starts, and the one that starts
  * where it ends. */
-INLINE size_t ghost_before(const struct knitting *w, size_t g)
+INLINE size_t ghost_before(const struct dt_merging *w, size_t g)
 {
     return knit_twin(w, g + 2) - 1;
 }
 
-INLINE size_t ghost_after(const struct knitting *w, size_t g)
+INLINE size_t ghost_after(const struct dt_merging *w, size_t g)
 {
     return knit_twin(w, g + 1) - 2;
 }
 
 /* The ghost that starts at hull vertex v; some ghost of the same hull helps if leaving[v] is out of
  * date. */
-INLINE size_t ghost_from(const struct knitting *w, uint32_t v, size_t some)
+INLINE size_t ghost_from(const struct dt_merging *w, uint32_t v, size_t some)
 {
     size_t g = w->leaving[v];
     if (__builtin_expect(w->half[g] == v && w->half[g + 2] == DT_NONE, 1))
@@ -82,7 +81,7 @@ INLINE size_t ghost_from(const struct knitting *w, uint32_t v, size_t some)
 }
 
 /* Whether a loop continues with its next step. */
-INLINE bool go_on(const struct knitting *w, bool polls, uint32_t *steps)
+INLINE bool go_on(const struct dt_merging *w, bool polls, uint32_t *steps)
 {
     return !polls || ++*steps % STEPS_BETWEEN_POLLS != 0 || !dt_stopped(w->stop);
 }
@@ -90,7 +89,7 @@ INLINE bool go_on(const struct knitting *w, bool polls, uint32_t *steps)
 /* Finds the lower common tangent: moves l and r down their hulls, with *gl the ghost that starts at
  * l and *gr the one that ends at r. Both sides may move at once: a vertex below the line from l to r
  * is also below the one from where l will be. */
-INLINE void descend(const struct knitting *w, bool polls, int sides, struct seam *s, size_t *gl,
+INLINE void descend(const struct dt_merging *w, bool polls, int sides, struct seam *s, size_t *gl,
                     size_t *gr)
 {
     for (uint32_t steps = 0; go_on(w, polls, &steps);) {
@@ -114,27 +113,27 @@ INLINE void descend(const struct knitting *w, bool polls, int sides, struct seam
 }
 
 /* The candidate c of a side, beyond whose edge lies the triangle of the half edge `beyond`. */
-INLINE void look_at(const struct knitting *w, struct side *s, uint32_t c, size_t beyond)
+INLINE void look_at(const struct dt_merging *w, struct side *s, uint32_t c, size_t beyond)
 {
     uint32_t x = w->half[dt_prev((uint32_t)beyond)];
     s->c = c;
     s->x = x ^ ((x ^ c) & (0 - (x >> 31))); /* no branch: only DT_NONE has its top bit set */
 }
 
-INLINE void look_left(const struct knitting *w, struct side *s, size_t ghost)
+INLINE void look_left(const struct dt_merging *w, struct side *s, size_t ghost)
 {
     s->ghost = ghost;
     look_at(w, s, w->half[ghost], knit_twin(w, ghost));
 }
 
-INLINE void look_right(const struct knitting *w, struct side *s, size_t ghost)
+INLINE void look_right(const struct dt_merging *w, struct side *s, size_t ghost)
 {
     s->ghost = ghost;
     look_at(w, s, w->half[ghost + 1], knit_twin(w, ghost));
 }
 
 /* Deletes the edge l-u of L beyond the ghost lc = (u, l, none). */
-INLINE void delete_left(const struct knitting *w, struct side *s)
+INLINE void delete_left(const struct dt_merging *w, struct side *s)
 {
     size_t lc = s->ghost, edge = knit_twin(w, lc); /* l->u, in the triangle (l, u, x) */
     uint32_t u = s->c, x = s->x, before = dt_prev((uint32_t)edge), after = dt_next((uint32_t)edge);
@@ -151,7 +150,7 @@ INLINE void delete_left(const struct knitting *w, struct side *s)
 }
 
 /* The mirror image: the edge r-v of R beyond the ghost rc = (r, v, none). */
-INLINE void delete_right(const struct knitting *w, struct side *s)
+INLINE void delete_right(const struct dt_merging *w, struct side *s)
 {
     size_t rc = s->ghost, edge = knit_twin(w, rc); /* v->r, in the triangle (v, r, x) */
     uint32_t v = s->c, x = s->x, before = dt_prev((uint32_t)edge), after = dt_next((uint32_t)edge);
@@ -168,7 +167,7 @@ INLINE void delete_right(const struct knitting *w, struct side *s)
 }
 
 /* On which of the sides in `above` the edge to the candidate has to go; c is the sight of both. */
-INLINE int to_delete(const struct knitting *w, struct seam *s, const struct side *left,
+INLINE int to_delete(const struct dt_merging *w, struct seam *s, const struct side *left,
                      const struct side *right, int above, const struct sight *c)
 {
     struct sight x = sight_of(w->p, &s->at, left->x, right->x);
@@ -177,7 +176,7 @@ INLINE int to_delete(const struct knitting *w, struct seam *s, const struct side
                         (const uint32_t[]){left->x, right->x}, c, &x);
 }
 
-INLINE void knit_left(const struct knitting *w, struct seam *s, const struct sight *c)
+INLINE void knit_left(const struct dt_merging *w, struct seam *s, const struct sight *c)
 {
     size_t lc = s->left.ghost, next = ghost_before(w, lc);
     w->half[lc + 2] = s->r;
@@ -189,7 +188,7 @@ INLINE void knit_left(const struct knitting *w, struct seam *s, const struct sig
     look_left(w, &s->left, next);
 }
 
-INLINE void knit_right(const struct knitting *w, struct seam *s, const struct sight *c)
+INLINE void knit_right(const struct dt_merging *w, struct seam *s, const struct sight *c)
 {
     size_t rc = s->right.ghost, next = ghost_after(w, rc);
     w->half[rc + 2] = s->l;
@@ -202,7 +201,7 @@ INLINE void knit_right(const struct knitting *w, struct seam *s, const struct si
 }
 
 /* From the lower common tangent, whose ghost gets the record bot. */
-INLINE struct seam start(const struct knitting *w, bool polls, int sides, uint32_t l, uint32_t r,
+INLINE struct seam start(const struct dt_merging *w, bool polls, int sides, uint32_t l, uint32_t r,
                          size_t some_l, size_t some_r, size_t bot)
 {
     struct seam s = {.l = l, .r = r, .at = sight_base_of(w->p[l], w->p[r]), .base = bot};
@@ -225,7 +224,7 @@ INLINE struct seam start(const struct knitting *w, bool polls, int sides, uint32
 
 /* The merge proper; l and r are the last vertex of the left part and the first one of the right,
  * `sides` those that have more than one. Whether the close filter would have paid, or has been asked. */
-INLINE bool knit(const struct knitting *w, bool close, bool polls, int sides, uint32_t l,
+INLINE bool knit(const struct dt_merging *w, bool close, bool polls, int sides, uint32_t l,
                  uint32_t r, size_t some_l, size_t some_r, size_t bot, size_t top)
 {
     struct seam s = start(w, polls, sides, l, r, some_l, some_r, bot);
@@ -258,31 +257,31 @@ INLINE bool knit(const struct knitting *w, bool close, bool polls, int sides, ui
 }
 
 /* The common cases and the others, each compiled separately with constant conditions. */
-static __attribute__((noinline)) bool knit_both(const struct knitting *w, uint32_t l, uint32_t r,
+static __attribute__((noinline)) bool knit_both(const struct dt_merging *w, uint32_t l, uint32_t r,
                                                 uint32_t some_l, uint32_t some_r, uint32_t bot,
                                                 uint32_t top)
 {
-    const struct knitting local = *w;
+    const struct dt_merging local = *w;
     return knit(&local, false, false, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
 }
 
-static __attribute__((noinline)) bool knit_close(const struct knitting *w, uint32_t l, uint32_t r,
+static __attribute__((noinline)) bool knit_close(const struct dt_merging *w, uint32_t l, uint32_t r,
                                                  uint32_t some_l, uint32_t some_r, uint32_t bot,
                                                  uint32_t top)
 {
-    const struct knitting local = *w;
+    const struct dt_merging local = *w;
     return knit(&local, true, false, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
 }
 
-static __attribute__((noinline)) bool knit_long(const struct knitting *w, bool close, uint32_t l,
+static __attribute__((noinline)) bool knit_long(const struct dt_merging *w, bool close, uint32_t l,
                                                 uint32_t r, uint32_t some_l, uint32_t some_r,
                                                 uint32_t bot, uint32_t top)
 {
-    const struct knitting local = *w;
+    const struct dt_merging local = *w;
     return knit(&local, close, true, SIGHT_BOTH, l, r, some_l, some_r, bot, top);
 }
 
-static __attribute__((noinline)) bool knit_single(const struct knitting *w, bool polls, int sides,
+static __attribute__((noinline)) bool knit_single(const struct dt_merging *w, bool polls, int sides,
                                                   uint32_t l, uint32_t r, uint32_t some_l,
                                                   uint32_t some_r, uint32_t bot, uint32_t top)
 {
@@ -293,8 +292,8 @@ static __attribute__((noinline)) bool knit_single(const struct knitting *w, bool
     return knit(w, false, false, 0, l, r, some_l, some_r, bot, top);
 }
 
-bool dt_knit(const struct knitting *w, bool close, uint32_t l, uint32_t r, uint32_t nl, uint32_t nr,
-             uint32_t some_l, uint32_t some_r, uint32_t mid)
+bool dt_knit(const struct dt_merging *w, bool close, uint32_t l, uint32_t r, uint32_t nl,
+             uint32_t nr, uint32_t some_l, uint32_t some_r, uint32_t mid)
 {
     uint32_t bot = 16 * mid - 16, top = 16 * mid - 8;
     int sides = (nl > 1 ? SIGHT_LEFT : 0) | (nr > 1 ? SIGHT_RIGHT : 0);
@@ -325,7 +324,7 @@ struct dt_part dt_merge_parts(const struct dt_merging *w, const struct dt_part *
         .ghost = 16 * mid - 8,
     };
     double width = p[c.right].x - p[c.left].x, height = p[c.top].y - p[c.bottom].y;
-    struct knitting k = knitting_of(w, width > height ? width : height);
+    struct dt_merging k = dt_merging_within(w, width > height ? width : height);
     bool close = a->close | b->close;
     if (axis == 0)
         c.close = dt_knit(&k, close, a->right, b->left, a->n, b->n, a->ghost, b->ghost, mid);

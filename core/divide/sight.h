@@ -21,7 +21,7 @@
 
 #include <math.h>
 
-#include "core/divide/knit.h"
+#include "core/divide/part.h"
 #include "core/exact/lanes.h"
 
 /* The lanes, and the bits that answers have for them; SIGHT_SETTLED comes with answers of sight.c that
@@ -87,7 +87,7 @@ INLINE struct sight sight_of(const struct dt_point *p, const struct sight_base *
 }
 
 /* Which of the points in view lie strictly above the line from l to r, that is, to the left of it; or below. */
-INLINE int sight_side(const struct knitting *w, bool above, uint32_t l, uint32_t r, uint32_t u,
+INLINE int sight_side(const struct dt_merging *w, bool above, uint32_t l, uint32_t r, uint32_t u,
                       uint32_t v, const struct sight *c)
 {
     int doubt = dt_lanes_bits(dt_lanes_abs(c->cr) <= dt_lanes_both(w->bound.cr));
@@ -118,7 +118,7 @@ INLINE int sight_learn(struct sight_filter *f, int answer)
 
 /* On which of `sides` the point in view as *in_x, vertex x[side], lies in the circle of l, r and the
  * one in view as *in_c, c[side]. */
-INLINE int sight_better(const struct knitting *w, struct sight_filter *f, uint32_t l, uint32_t r,
+INLINE int sight_better(const struct dt_merging *w, struct sight_filter *f, uint32_t l, uint32_t r,
                         int sides, const uint32_t c[2], const uint32_t x[2],
                         const struct sight *in_c, const struct sight *in_x)
 {
@@ -132,7 +132,7 @@ INLINE int sight_better(const struct knitting *w, struct sight_filter *f, uint32
 
 /* Whether the next base is u-r rather than l-v: u is above the base, and v is not, or lies outside
  * the circle of l, r and u. */
-INLINE bool sight_left_wins(const struct knitting *w, struct sight_filter *f, uint32_t l,
+INLINE bool sight_left_wins(const struct dt_merging *w, struct sight_filter *f, uint32_t l,
                             uint32_t r, int above, uint32_t u, uint32_t v, const struct sight *c)
 {
     double det = c->dt[0] * c->cr[1] - c->dt[1] * c->cr[0];

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "core/divide/divide.h"
-#include "core/divide/merge.h"
+#include "core/divide/part.h"
 #include "tests/bench/pivots.h"
 #include "tests/core/polls.h"
 #include "tests/test.h"

@@ -1,6 +1,5 @@
 /* merge_test.c - cancelling a merge. */
-#include "core/divide/block.h"
-#include "core/divide/merge.h"
+#include "core/divide/part.h"
 #include "tests/test.h"
 
 #include <stdlib.h>
@@ -25,7 +24,7 @@ static struct dt_part arch_begin(struct arch *a, uint32_t n)
         a->p[i] = i < n ? (struct dt_point){x, x * x} : (struct dt_point){n, -4.0 * n * n};
         a->from[i] = i;
     }
-    struct dt_merging w = {.p = a->p, .mesh = &a->mesh};
+    struct dt_merging w = dt_merging_of(a->p, &a->mesh, NULL);
     struct dt_part all = dt_block(&w, 0, 1);
     for (uint32_t i = 1; i < n; i++) {
         struct dt_part one = dt_block(&w, i, 1);
@@ -36,7 +35,7 @@ static struct dt_part arch_begin(struct arch *a, uint32_t n)
 
 static struct dt_part merge_last(struct arch *a, const struct dt_part *all, struct dt_stop *stop)
 {
-    struct dt_merging w = {.p = a->p, .mesh = &a->mesh, .stop = stop};
+    struct dt_merging w = dt_merging_of(a->p, &a->mesh, stop);
     struct dt_part one = dt_block(&w, a->n, 1);
     return dt_merge_parts(&w, all, &one, 0, a->n);
 }

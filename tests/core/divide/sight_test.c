@@ -30,14 +30,12 @@ TEST(lanes_are_loaded_picked_and_compared_one_by_one)
 /* The four answers about a base 0-1 and candidates 2 and 3, with apexes 4 and 5. */
 static bool answers_are_exact(const struct dt_point *p)
 {
-    struct dt_mesh none = {0};
     double x0 = p[0].x, x1 = x0, y0 = p[0].y, y1 = y0;
     for (int i = 1; i < 6; i++) {
         x0 = fmin(x0, p[i].x), x1 = fmax(x1, p[i].x);
         y0 = fmin(y0, p[i].y), y1 = fmax(y1, p[i].y);
     }
-    struct knitting w =
-        knitting_of(&(struct dt_merging){.p = p, .mesh = &none}, fmax(x1 - x0, y1 - y0));
+    struct dt_merging w = dt_merging_within(&(struct dt_merging){.p = p}, fmax(x1 - x0, y1 - y0));
     struct sight_base at = sight_base_of(p[0], p[1]);
     struct sight c = sight_of(p, &at, 2, 3), x = sight_of(p, &at, 4, 5);
     int u = dt_orient2d(p[0], p[1], p[2]), v = dt_orient2d(p[0], p[1], p[3]);
@@ -100,8 +98,7 @@ TEST(the_wide_filter_learns_that_the_close_one_would_do)
         double a = turn * (0.73 + 1e-6 * (order[i] - 2.5));
         p[i] = (struct dt_point){cos(a), sin(a)};
     }
-    struct dt_mesh none = {0};
-    struct knitting w = knitting_of(&(struct dt_merging){.p = p, .mesh = &none}, 2);
+    struct dt_merging w = dt_merging_within(&(struct dt_merging){.p = p}, 2);
     struct sight_base at = sight_base_of(p[0], p[1]);
     struct sight c = sight_of(p, &at, 2, 3);
     struct sight_filter wide = {.close = false}, close = {.close = true};
@@ -115,8 +112,7 @@ TEST(the_wide_filter_learns_that_the_close_one_would_do)
 TEST(a_tie_on_a_lattice_settles_nothing)
 {
     const struct dt_point p[] = {{0, 0}, {3, 0}, {0, 2}, {3, 2}};
-    struct dt_mesh none = {0};
-    struct knitting w = knitting_of(&(struct dt_merging){.p = p, .mesh = &none}, 3);
+    struct dt_merging w = dt_merging_within(&(struct dt_merging){.p = p}, 3);
     struct sight_base at = sight_base_of(p[0], p[1]);
     struct sight c = sight_of(p, &at, 2, 3);
     struct sight_filter f = {.close = false};
