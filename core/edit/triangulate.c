@@ -112,6 +112,7 @@ static enum dt_status build_sorting(struct dt *t, struct dt_mesh *mesh,
 /* The mesh of the present points replaces the old one; there is no grid for searches. */
 static void install(struct dt *t, const struct dt_mesh *mesh)
 {
+    dt_points_unplan(&t->points);
     dt_mesh_clear(&t->mesh);
     dt_hints_clear(&t->hints);
     t->mesh = *mesh;
@@ -121,7 +122,7 @@ static void install(struct dt *t, const struct dt_mesh *mesh)
     t->touched.rows.all = t->touched.rows.all || !t->current || !t->triangulated;
     if (!t->current)
         dt_views_lose_rings(&t->views);
-    t->current = true;
+    t->triangulated = t->current = true;
 }
 
 /* ---- points in the order of a plan, whose vertices keep their numbers ---- */
@@ -160,26 +161,23 @@ void dt_build_free(struct dt_build *b)
 
 void dt_built(struct dt *t, struct dt_build *b)
 {
-    dt_points_unplan(&t->points);
     install(t, &b->mesh);
-    t->triangulated = true;
     free(b);
 }
 
 /* ---- any points ---- */
 
-/* Builds the mesh of t for its present points; vertices are renumbered into grid order. On success t is current. Else
- * (DT_NOMEM, DT_CANCELLED) t is as before, or to be freed (opt->disposable). */
+/* Builds the mesh of t for its present points; without a plan, vertices are renumbered into grid order. On success t is
+ * current. Else (DT_NOMEM, DT_CANCELLED) t is as before, or to be freed (opt->disposable). */
 static enum dt_status build(struct dt *t, const struct dt_options *opt)
 {
     dt_places_clear(&t->points.places); /* renumbering would do so; the build can use the room */
     struct dt_mesh mesh = {.pages = t->points.pages};
-    struct dt_build *planned;
-    bool suits = dt_build_suits(t, opt);
-    enum dt_status status = suits ? dt_build(t, opt, &planned) : build_sorting(t, &mesh, opt);
-    if (status == DT_OK && suits)
-        dt_built(t, planned);
-    else if (status == DT_OK)
+    const struct dt_points *p = &t->points;
+    enum dt_status status = dt_build_suits(t, opt)
+                                ? dt_divide_sorted(p->xy, p->end, p->plan, &mesh, opt)
+                                : build_sorting(t, &mesh, opt);
+    if (status == DT_OK)
         install(t, &mesh);
     return status;
 }
@@ -189,10 +187,7 @@ enum dt_status dt_triangulate(struct dt *t, const struct dt_options *opt)
     bool rebuild = opt != NULL && (opt->rebuild || opt->method != DT_AUTO);
     if (t->triangulated && t->current && !rebuild)
         return DT_OK;
-    enum dt_status status = build(t, opt);
-    if (status == DT_OK)
-        t->triangulated = true;
-    return status;
+    return build(t, opt);
 }
 
 enum dt_status dt_refresh(struct dt *t, const struct dt_options *opt)
