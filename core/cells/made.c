@@ -23,8 +23,7 @@
 #include <string.h>
 
 enum {
-    SPARE =
-        4096, /* corners, beyond those of triangles, that cells at the hull and the box can have */
+    SPARE = 4096, /* corners of cells at the hull and the box, beyond those of triangles */
     PENDING = 64, /* cells whose areas are computed together */
     BLOCK = 16,   /* records: eight cache lines */
     BLOCKS = 2048 /* that are kept: half a megabyte of circumcentres */
@@ -42,12 +41,11 @@ struct made {
 
 struct dt_cells_made {
     struct dt_box box;
-    bool areas;        /* these are kept instead of the cells: */
-    double *area;      /* owns `ids`, by id; NaN: there is no cell of that id */
-    struct made *cell; /* owns `ids`, by id */
-    struct dt_point *
-        corner; /* owns cap, in the order in which the cells were made; of areas, of the `pending` last ones */
-    uint32_t ids, cells; /* cells: how many there will be */
+    bool areas;              /* these are kept instead of the cells: */
+    double *area;            /* owns `ids`, by id; NaN: there is no cell of that id */
+    struct made *cell;       /* owns `ids`, by id */
+    struct dt_point *corner; /* owns cap, in the order of memory; of areas, of the last cells */
+    uint32_t ids, cells;     /* cells: how many there will be */
     size_t corners, cap;
     /* while they are made */
     uint32_t vertex;              /* the next one */
