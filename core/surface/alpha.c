@@ -25,7 +25,13 @@
 /* The boundary comes from `from` to `at` and goes on to `to`. */
 struct turn {
     uint32_t at, from, to;
+    uint32_t first;        /* turn at the same point, once they are sorted */
     struct dt_point place; /* of `at` */
+};
+
+struct neighbour {
+    struct dt_point at;
+    bool in; /* the triangle of it and the next one */
 };
 
 struct loop {
@@ -44,9 +50,8 @@ struct dt_alpha {
     size_t loop_ids;
     struct loop *loop; /* owns */
     size_t loops;
-    struct dt_point *xy; /* owns xy_cap: of a ring */
-    bool *in;            /* owns xy_cap: the triangle of each neighbour and the next one */
-    uint32_t xy_cap;
+    struct neighbour *ring; /* owns ring_cap */
+    uint32_t ring_cap;
     struct dt_neighbours around; /* owns: a ring that is longer than usual */
 };
 
@@ -57,8 +62,7 @@ void dt_alpha_free(struct dt_alpha *a)
     free(a->turn);
     free(a->loop_id);
     free(a->loop);
-    free(a->xy);
-    free(a->in);
+    free(a->ring);
     free(a->around.ring.v);
     free(a);
 }
@@ -84,16 +88,13 @@ enum dt_status dt_alpha_begin(const struct dt *t, const struct dt_view *v, doubl
 
 static bool reserve_ring(struct dt_alpha *a, uint32_t degree)
 {
-    if (degree <= a->xy_cap)
+    if (degree <= a->ring_cap)
         return true;
     uint32_t cap = degree < 64 ? 64 : degree + degree / 2;
-    free(a->xy);
-    free(a->in);
-    a->xy = malloc(cap * sizeof *a->xy);
-    a->in = malloc(cap * sizeof *a->in);
-    bool ok = a->xy != NULL && a->in != NULL;
-    a->xy_cap = ok ? cap : 0;
-    return ok;
+    free(a->ring);
+    a->ring = malloc(cap * sizeof *a->ring);
+    a->ring_cap = a->ring != NULL ? cap : 0;
+    return a->ring != NULL;
 }
 
 static enum dt_status put_turn(struct dt_alpha *a, struct turn turn)
@@ -116,12 +117,12 @@ static enum dt_status put_turns(struct dt_alpha *a, uint32_t at, struct dt_point
 {
     enum dt_status s = DT_OK;
     for (uint32_t i = 0; i < n && s == DT_OK; i++) {
-        if (!a->in[i] || a->in[i == 0 ? n - 1 : i - 1])
+        if (!a->ring[i].in || a->ring[i == 0 ? n - 1 : i - 1].in)
             continue;
         uint32_t k = i;
-        while (a->in[k])
+        while (a->ring[k].in)
             k = k + 1 < n ? k + 1 : 0;
-        s = put_turn(a, (struct turn){at, ring[k], ring[i], q});
+        s = put_turn(a, (struct turn){at, ring[k], ring[i], 0, q});
     }
     return s;
 }
@@ -143,11 +144,11 @@ static enum dt_status take_star(struct dt_alpha *a, const struct dt *t, const st
         return DT_NOMEM;
     struct dt_point q = dt_view_place(t, v, id);
     for (uint32_t k = 0; k < n; k++)
-        a->xy[k] = dt_view_place(t, v, ring[k]);
+        a->ring[k].at = dt_view_place(t, v, ring[k]);
     for (uint32_t k = 0; k < n; k++) {
         uint32_t next = k + 1 < n ? k + 1 : 0;
-        a->in[k] = !(on_hull && next == 0) &&
-                   dt_compare_circumradius(q, a->xy[k], a->xy[next], a->radius) <= 0;
+        a->ring[k].in = !(on_hull && next == 0) &&
+                        dt_compare_circumradius(q, a->ring[k].at, a->ring[next].at, a->radius) <= 0;
     }
     return put_turns(a, id, q, ring, n);
 }
@@ -174,8 +175,8 @@ size_t dt_alpha_memory(const struct dt_alpha *a, uint32_t points)
 {
     /* Turns that grow by half, with the copy that makes; paths, loops and rows of as many points. */
     size_t most = a->turns + 3 * (size_t)points;
-    return most * (3 * sizeof(struct turn) + 9 * sizeof(uint32_t) + sizeof(struct loop)) +
-           (size_t)a->xy_cap * sizeof(struct dt_point);
+    return most * (3 * sizeof(struct turn) + 8 * sizeof(uint32_t) + sizeof(struct loop)) +
+           a->ring_cap * sizeof *a->ring;
 }
 
 /* ---- loops ---- */
@@ -199,7 +200,6 @@ static size_t next_turn(const struct dt_alpha *a, size_t i)
 /* A walk along the boundary: the points since it began that are in no loop yet, each by its first turn. All own a word or
  * a byte for each turn. */
 struct path {
-    uint32_t *first; /* of the point of each turn */
     uint32_t *point;
     uint32_t *on; /* where in `point` a point is; DT_NONE: nowhere */
     bool *taken;  /* turns */
@@ -208,23 +208,21 @@ struct path {
 
 static void path_clear(struct path *p)
 {
-    free(p->first);
     free(p->point);
     free(p->on);
     free(p->taken);
 }
 
-static bool path_init(struct path *p, const struct dt_alpha *a)
+static bool path_init(struct path *p, struct dt_alpha *a)
 {
     size_t n = a->turns + 1;
-    *p = (struct path){malloc(n * sizeof *p->first), malloc(n * sizeof *p->point),
-                       malloc(n * sizeof *p->on), calloc(n, sizeof *p->taken), 0};
-    if (p->first == NULL || p->point == NULL || p->on == NULL || p->taken == NULL)
+    *p = (struct path){malloc(n * sizeof *p->point), malloc(n * sizeof *p->on),
+                       calloc(n, sizeof *p->taken), 0};
+    if (p->point == NULL || p->on == NULL || p->taken == NULL)
         return false;
-    for (uint32_t i = 0; i < a->turns; i++) {
-        p->first[i] = i > 0 && a->turn[i].at == a->turn[i - 1].at ? p->first[i - 1] : i;
-        p->on[i] = DT_NONE;
-    }
+    memset(p->on, 0xff, n * sizeof *p->on);
+    for (uint32_t i = 0; i < a->turns; i++)
+        a->turn[i].first = i > 0 && a->turn[i].at == a->turn[i - 1].at ? a->turn[i - 1].first : i;
     return true;
 }
 
@@ -264,7 +262,7 @@ static enum dt_status walk(struct dt_alpha *a, struct path *p, size_t start, str
     size_t i = start;
     p->n = 0;
     do {
-        uint32_t point = p->first[i];
+        uint32_t point = a->turn[i].first;
         p->taken[i] = true;
         if (p->on[point] != DT_NONE) {
             take_loop(a, p, p->on[point]);
