@@ -17,9 +17,7 @@
 
 static void add(struct dt_bounds *b, struct dt_point p)
 {
-    struct dt_box box = {b->lo, b->hi};
-    if (!b->any)
-        box = (struct dt_box){p, p};
+    struct dt_box box = b->any ? (struct dt_box){b->lo, b->hi} : (struct dt_box){p, p};
     dt_box_add(&box, p);
     b->any = true;
     b->lo = box.lo;

@@ -342,11 +342,6 @@ size_t dt_contour_memory(const struct dt_contour *c)
 
 /* ---- lines ---- */
 
-static bool is_same(struct edge a, struct edge b)
-{
-    return a.lo == b.lo && a.hi == b.hi;
-}
-
 static size_t hash(uint32_t level, struct edge e)
 {
     uint64_t h = (uint64_t)e.lo * 0x9e3779b97f4a7c15u ^ e.hi;
@@ -361,7 +356,7 @@ static size_t slot_of(const struct dt_contour *c, uint32_t level, struct edge in
     size_t i = hash(level, in) & (c->slots - 1);
     while (c->slot[i] != DT_NONE) {
         const struct crossing *k = &c->crossing[c->slot[i]];
-        if (k->level == level && is_same(k->in, in))
+        if (k->level == level && k->in.lo == in.lo && k->in.hi == in.hi)
             break;
         i = (i + 1) & (c->slots - 1);
     }

@@ -38,12 +38,6 @@ enum dt_status dt_values(const struct dt *t, const struct dt_surface *s, const s
 
 /* ---- cells ---- */
 
-struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell)
-{
-    return (struct dt_point){dt_raster_x(r, (uint32_t)(cell % r->columns)),
-                             dt_raster_y(r, (uint32_t)(cell / r->columns))};
-}
-
 /* The next of n cells, which are looked up; adds those that are written to *done. */
 static enum dt_status next_cells(struct dt_valuer *v, const struct dt_raster *r, uint64_t from,
                                  size_t n, double *out, size_t *done)

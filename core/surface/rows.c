@@ -73,14 +73,20 @@ static double valid(double x)
     return fabs(x) < DT_COORDINATE_LEAST ? 0 : x;
 }
 
-double dt_raster_x(const struct dt_raster *r, uint32_t column)
+static double column_x(const struct dt_raster *r, uint32_t column)
 {
     return valid(r->lo.x + (r->hi.x - r->lo.x) * (2.0 * column + 1) / (2.0 * r->columns));
 }
 
-double dt_raster_y(const struct dt_raster *r, uint32_t row)
+static double row_y(const struct dt_raster *r, uint32_t row)
 {
     return valid(r->hi.y - (r->hi.y - r->lo.y) * (2.0 * row + 1) / (2.0 * r->rows));
+}
+
+struct dt_point dt_raster_centre(const struct dt_raster *r, uint64_t cell)
+{
+    return (struct dt_point){column_x(r, (uint32_t)(cell % r->columns)),
+                             row_y(r, (uint32_t)(cell / r->columns))};
 }
 
 /* ---- by single cells ---- */
@@ -325,7 +331,7 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
     const struct dt_raster *r = a->r;
     enum dt_status s = DT_OK;
     for (uint32_t i = 0; i < rows; i++) {
-        a->lane[i].y = dt_raster_y(r, row + i);
+        a->lane[i].y = row_y(r, row + i);
         a->lane[i].near = DT_NONE;
         a->lane[i].by_turns = a->lane[i].outside = false;
         a->lane[i].out = out + (size_t)i * r->columns;
@@ -333,7 +339,7 @@ static enum dt_status scan_block(struct abreast *a, uint32_t row, uint32_t rows,
     while (s == DT_OK && c < end) {
         uint32_t n = least(COLUMNS, end - c);
         for (uint32_t i = 0; i < n; i++)
-            a->x[i] = dt_raster_x(r, c + i);
+            a->x[i] = column_x(r, c + i);
         a->from = c;
         a->end = c + n;
         a->west = c;

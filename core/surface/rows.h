@@ -16,10 +16,6 @@
 
 #include "core/surface/value.h"
 
-/* Centres of columns and rows. */
-double dt_raster_x(const struct dt_raster *r, uint32_t column);
-double dt_raster_y(const struct dt_raster *r, uint32_t row);
-
 /* Whether the columns are so wide that dt_rows_scan is possible. */
 bool dt_rows_suit(const struct dt_raster *r);
 
