@@ -26,8 +26,8 @@ enum { MET = 4 }; /* triangles each way, after which most stars have been seen *
 /* The hole, while it is being filled. */
 struct hole {
     struct dt_mesh *m;
-    const struct dt_point *xy;
     const struct dt_rim *rim; /* P[i] = rim[i].origin, all finite in a pocket */
+    const struct dt_point *p; /* where P[i] is */
     const uint32_t *spare;    /* records to be used, from the end */
     uint32_t spares;
     struct dt_wide_bounds bound; /* below these, signs are uncertain */
@@ -39,8 +39,9 @@ static enum dt_status collect_star(const struct dt_mesh *m, const struct dt_poin
                                    struct dt_cavity *c)
 {
     enum dt_status status = DT_OK;
-    uint32_t first = m->leaving[v], h = first, other = first;
-    dt_cavity_begin(c);
+    uint32_t first = m->leaving[v], h = first, other = first, n = 0;
+    uint32_t *record = c->record; /* in registers, as rim is */
+    struct dt_rim *rim = c->rim;
     do {
         uint32_t u = dt_dest(m, h), beyond = dt_twin(m, dt_next(h));
         dt_fetch(&m->half[beyond]);
@@ -48,25 +49,29 @@ static enum dt_status collect_star(const struct dt_mesh *m, const struct dt_poin
             dt_fetch(&xy[u]);
             dt_fetch(&m->leaving[u]);
         }
-        if (!dt_cavity_add(c, dt_base(h)))
-            return DT_NOMEM;
-        dt_cavity_add_rim(c, u, beyond);
-        if ((c->records & DT_WORK_MASK) == 0)
+        if (n == c->room) {
+            if (!dt_cavity_grow(c))
+                return DT_NOMEM;
+            record = c->record;
+            rim = c->rim;
+        }
+        record[n] = dt_base(h);
+        rim[n++] = (struct dt_rim){u, beyond};
+        if ((n & DT_WORK_MASK) == 0)
             status = dt_work(c->work, DT_WORK_BLOCK);
         h = dt_turn_ccw(m, h);
-        if (c->records < MET) {
+        if (n < MET) {
             other = dt_turn_cw(m, other);
             dt_fetch(&m->half[other]);
         }
     } while (status == DT_OK && h != first);
-    return status == DT_OK ? dt_work(c->work, c->records & DT_WORK_MASK) : status;
+    c->records = c->rims = n;
+    return status == DT_OK ? dt_work(c->work, n & DT_WORK_MASK) : status;
 }
 
 static void set_bounds(struct hole *w, uint32_t lo, uint32_t hi)
 {
-    struct dt_box box = dt_box_of(&w->xy[w->rim[lo].origin], 1);
-    for (uint32_t i = lo + 1; i <= hi; i++)
-        dt_box_add(&box, w->xy[w->rim[i].origin]);
+    struct dt_box box = dt_box_of(&w->p[lo], hi - lo + 1);
     w->bound = dt_wide_bounds_of(dt_box_side(&box));
 }
 
@@ -74,11 +79,11 @@ static void set_bounds(struct hole *w, uint32_t lo, uint32_t hi)
  * in merge.c: cr is the orientation of a, b, c, and dt cr' - dt' cr the in-circle determinant. */
 static uint32_t find_apex(const struct hole *w, uint32_t lo, uint32_t hi)
 {
-    struct dt_point a = w->xy[w->rim[hi].origin], b = w->xy[w->rim[lo].origin], best_p = a;
+    struct dt_point a = w->p[hi], b = w->p[lo], best_p = a;
     uint32_t best = DT_NONE;
     double best_cr = 0, best_dt = 0;
     for (uint32_t i = lo + 1; i < hi; i++) {
-        struct dt_point c = w->xy[w->rim[i].origin];
+        struct dt_point c = w->p[i];
         double ux = c.x - a.x, uy = c.y - a.y;
         double cr = (b.x - a.x) * uy - (b.y - a.y) * ux, dt = ux * (c.x - b.x) + uy * (c.y - b.y);
         if (cr <= w->bound.cr && (cr < -w->bound.cr || dt_orient2d(a, b, c) <= 0))
@@ -98,25 +103,31 @@ static uint32_t find_apex(const struct hole *w, uint32_t lo, uint32_t hi)
     return best;
 }
 
-/* Fills the pocket P[lo], ..., P[hi]; returns the half edge P[hi]->P[lo] that closes it: the second one of its
- * triangle, so that vertices of the rim leave by others, which dt_hull_keep need not look at later. */
+static uint32_t fill_pocket(struct hole *w, uint32_t lo, uint32_t hi);
+
+/* The half edge P[hi]->P[lo] of what is between: of the pocket, which is filled, or beyond a rim edge. */
+static inline uint32_t closing(struct hole *w, uint32_t lo, uint32_t hi)
+{
+    return hi == lo + 1 ? w->rim[lo].beyond : fill_pocket(w, lo, hi);
+}
+
+/* Fills the pocket P[lo], ..., P[hi] of at least three; returns the half edge P[hi]->P[lo] that closes it: the second one
+ * of its triangle, so that vertices of the rim leave by others, which dt_hull_keep need not look at later. */
 static uint32_t fill_pocket(struct hole *w, uint32_t lo, uint32_t hi)
 {
-    if (hi == lo + 1)
-        return w->rim[lo].beyond;
     uint32_t mid = hi == lo + 2 ? lo + 1 : find_apex(w, lo, hi);
     uint32_t t = w->spare[--w->spares];
     dt_set_corners(w->m, t, w->rim[mid].origin, w->rim[hi].origin, w->rim[lo].origin);
-    dt_link(w->m, t + 2, fill_pocket(w, lo, mid));
-    dt_link(w->m, t, fill_pocket(w, mid, hi));
+    dt_link(w->m, t + 2, closing(w, lo, mid));
+    dt_link(w->m, t, closing(w, mid, hi));
     return t + 1;
 }
 
 static void fill_inside(struct hole *w, uint32_t n)
 {
-    uint32_t closing = w->rim[n - 1].beyond;
+    uint32_t last = w->rim[n - 1].beyond;
     set_bounds(w, 0, n - 1);
-    dt_link(w->m, fill_pocket(w, 0, n - 1), closing);
+    dt_link(w->m, fill_pocket(w, 0, n - 1), last);
 }
 
 /* Finds the hull of the chain rim[1 .. n-1] from the side of infinity; hull[] lists it. Vertices on
@@ -125,9 +136,7 @@ static uint32_t hull_of_chain(const struct hole *w, uint32_t n, uint32_t *hull)
 {
     uint32_t k = 0;
     for (uint32_t i = 1; i < n; i++) {
-        while (k >= 2 &&
-               dt_orient2d(w->xy[w->rim[hull[k - 2]].origin], w->xy[w->rim[hull[k - 1]].origin],
-                           w->xy[w->rim[i].origin]) > 0)
+        while (k >= 2 && dt_orient2d(w->p[hull[k - 2]], w->p[hull[k - 1]], w->p[i]) > 0)
             k--;
         hull[k++] = i;
     }
@@ -142,7 +151,7 @@ static void fill_at_hull(struct hole *w, uint32_t n)
     for (uint32_t i = 0; i + 1 < k; i++) {
         uint32_t lo = hull[i], hi = hull[i + 1];
         set_bounds(w, lo, hi);
-        uint32_t inner = fill_pocket(w, lo, hi), g = w->spare[--w->spares];
+        uint32_t inner = closing(w, lo, hi), g = w->spare[--w->spares];
         dt_set_corners(w->m, g, w->rim[lo].origin, w->rim[hi].origin, DT_NONE);
         dt_link(w->m, g, inner);
         dt_link(w->m, g + 2, before);
@@ -164,8 +173,12 @@ static void settle_rim(struct dt_mesh *m, const struct dt_cavity *c)
 static void remove_from_plane(struct dt_mesh *m, const struct dt_point *xy,
                               const struct dt_cavity *c)
 {
-    struct hole w = {.m = m, .xy = xy, .rim = c->rim, .spare = c->record, .spares = c->records};
-    if (c->rim[0].origin == DT_NONE) {
+    struct dt_point p[DT_STAR_SMALL];
+    struct hole w = {.m = m, .rim = c->rim, .p = p, .spare = c->record, .spares = c->records};
+    bool at_hull = c->rim[0].origin == DT_NONE;
+    for (uint32_t i = at_hull; i < c->rims; i++)
+        p[i] = xy[c->rim[i].origin];
+    if (at_hull) {
         m->ghosts -= 2;
         fill_at_hull(&w, c->rims);
     } else {
@@ -173,7 +186,6 @@ static void remove_from_plane(struct dt_mesh *m, const struct dt_point *xy,
     }
     while (w.spares > 0)
         dt_mesh_drop(m, w.spare[--w.spares]);
-    settle_rim(m, c);
 }
 
 /* A line loses an edge. v lies between a and b: (a, v) and (v, b) become (a, b), on both sides; or
@@ -237,12 +249,11 @@ enum dt_status dt_remove(struct dt_mesh *m, const struct dt_point *xy, uint32_t 
             dt_cavity_report(scratch);
         if (status == DT_OK && scratch->rims > DT_STAR_SMALL)
             status = dt_remove_large(m, xy, v, scratch);
+        else if (status == DT_OK)
+            remove_from_plane(m, xy, scratch);
         if (status != DT_OK)
             return status;
-        if (scratch->rims <= DT_STAR_SMALL)
-            remove_from_plane(m, xy, scratch);
-        else
-            settle_rim(m, scratch);
+        settle_rim(m, scratch);
     }
     m->leaving[v] = DT_NONE;
     m->vertices--;
