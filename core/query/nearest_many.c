@@ -124,7 +124,7 @@ static enum dt_status append_nearest(struct search *s, uint32_t nearest, bool ti
                                      struct dt_ids *out)
 {
     size_t n = out->n;
-    dt_visited_init(&s->seen);
+    dt_visited_init(&s->seen, 5 * s->near.wanted);
     enum dt_status st = search_outward(s, nearest, tie, out);
     dt_visited_clear(&s->seen);
     dt_near_clear(&s->near);

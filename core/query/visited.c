@@ -10,12 +10,12 @@ static void empty(uint32_t *slot, uint32_t bits)
     memset(slot, 0xFF, sizeof *slot << bits);
 }
 
-void dt_visited_init(struct dt_visited *s)
+void dt_visited_init(struct dt_visited *s, size_t expected)
 {
     _Static_assert(DT_VISITED_SMALL == 1 << 7, "the small table has 2^7 slots");
     s->slot = s->small;
     s->n = 0;
-    s->bits = 7;
+    s->bits = expected <= DT_VISITED_SMALL / 4 ? 6 : 7;
     empty(s->slot, s->bits);
 }
 

@@ -13,8 +13,9 @@ struct dt_visited {
     uint32_t small[DT_VISITED_SMALL];
 };
 
-/* An initialised set must not be moved: it may point into itself. */
-void dt_visited_init(struct dt_visited *s);
+/* An initialised set must not be moved: it may point into itself. It begins with less room where fewer keys are expected, since
+ * a small search spends much of its time on emptying it. */
+void dt_visited_init(struct dt_visited *s, size_t expected);
 void dt_visited_clear(struct dt_visited *s);
 
 /* Adds key (not DT_NONE); *fresh says whether it is new. DT_NOMEM leaves the set as it was. */

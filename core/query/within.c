@@ -264,7 +264,7 @@ static enum dt_status flood(const struct dt *t, const struct region *r, struct d
                             struct dt_ids *out, struct dt_ids *reached, bool *scan)
 {
     struct flood f = {.t = t, .in = *r, .work = work, .out = out};
-    dt_visited_init(&f.seen);
+    dt_visited_init(&f.seen, DT_VISITED_SMALL);
     enum dt_status s = flood_on(&f, scan);
     dt_visited_clear(&f.seen);
     *reached = f.reached;
