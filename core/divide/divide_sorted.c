@@ -36,6 +36,8 @@ struct end {
     uint32_t right;      /* the end of the part on its right, if that has come here */
     atomic_uint arrived; /* parts that have come here to be joined */
 };
+_Static_assert(sizeof(struct end) <= 2 * 8 * sizeof(uint32_t),
+               "an end takes two records of the mesh");
 
 static bool good(const struct build *b)
 {
