@@ -83,8 +83,18 @@ static void see_touch(struct replay *r, const struct dt_event *e)
     add_triangle(r, e);
 }
 
+/* On a line, from its lower left end on. */
+static void check_line(const struct replay *r, const struct dt_event *e)
+{
+    struct dt_point before, here;
+    CHECK(dt_get(r->t, r->hull_last, &before) == DT_OK && dt_get(r->t, e->a, &here) == DT_OK);
+    CHECK(before.x < here.x || (before.x == here.x && before.y < here.y));
+}
+
 static void see_hull(struct replay *r, const struct dt_event *e)
 {
+    if (r->hull > 0 && r->corners == 0)
+        check_line(r, e);
     CHECK(r->hull == 0 || r->corners == 0 || r->next[r->hull_last] == e->a);
     r->hull_first = r->hull == 0 ? e->a : r->hull_first;
     r->hull_last = e->a;
@@ -225,6 +235,44 @@ TEST(trace_of_points_on_a_line_walks_along_it)
     CHECK(r->corners == 0 && r->hull == 40 && r->removed == 0);
     free(r);
     dt_free(t);
+}
+
+/* The FNV-1a hash of the kinds of steps and their points. */
+static void hash_step(void *ctx, const struct dt_event *e)
+{
+    const uint32_t word[] = {e->kind, e->a, e->b, e->c};
+    uint32_t *hash = ctx;
+    for (unsigned i = 0; i < (e->kind == DT_EVENT_GRID ? 1 : 4); i++)
+        for (unsigned shift = 0; shift < 32; shift += 8)
+            *hash = (*hash ^ (word[i] >> shift & 255)) * 16777619;
+}
+
+static uint32_t hash_of_steps(const char *family, uint32_t n)
+{
+    static struct dt_point p[MOST];
+    uint32_t hash = 2166136261;
+    struct dt_added added;
+    struct dt *t = dt_new(0);
+    family_points(family_find(family), p, n, 1);
+    CHECK(dt_add(t, p, n, &added) == DT_OK);
+    CHECK(dt_trace(t, NULL, &(struct dt_observer){hash_step, &hash}) == DT_OK);
+    dt_free(t);
+    return hash;
+}
+
+/* Clients show them, and the documents print some. */
+TEST(steps_of_the_trace_are_those_of_earlier_versions)
+{
+    static const struct {
+        const char *family;
+        uint32_t n, hash;
+    } known[] = {{"uniform", 300, 0xb2c22991},
+                 {"lattice_shuffled", 100, 0xcf4e5ce1},
+                 {"two_lines", 60, 0xde02a701},
+                 {"line_diagonal", 20, 0xa04d0286}};
+    for (unsigned i = 0; i < sizeof known / sizeof *known; i++)
+        CHECK_MSG(hash_of_steps(known[i].family, known[i].n) == known[i].hash, "%s",
+                  known[i].family);
 }
 
 static void ignore(void *ctx, const struct dt_event *e)
