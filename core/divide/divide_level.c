@@ -210,7 +210,8 @@ enum dt_opening dt_level_open(struct dt_division *d, struct dt_arena *arena, uns
         return DT_LEVEL_DONE;
     if (box.lo.x == box.hi.x && box.lo.y == box.hi.y) {
         dt_level_bring(d, src, lo, n);
-        dt_plan_place(&d->plan, d->p, d->from, lo, n);
+        if (!dt_stopped(&d->stop)) /* then names may be missing */
+            dt_plan_place(&d->plan, d->p, d->from, lo, n);
         return DT_LEVEL_DONE;
     }
     choose_arrays(&s, lo, level);
