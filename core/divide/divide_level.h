@@ -1,6 +1,5 @@
 /* divide_level.h - one grid of the divide engine over one range of points: sorted, by one thread or
- * by several.
- */
+ * by several. */
 #ifndef DT_DIVIDE_LEVEL_H
 #define DT_DIVIDE_LEVEL_H
 

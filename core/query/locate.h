@@ -16,8 +16,8 @@
  * expected. */
 enum dt_where dt_find(const struct dt *t, const struct dt_place *q, uint32_t *half);
 
-/* The same without half edge and ids, and about how many triangles the walk passed, which shows whether edits have degraded
- * the grid. */
+/* The same for a place near which no half edge is known, without prefetching ids; *steps: about how many triangles the walk
+ * passed, which shows whether edits have degraded the grid. */
 enum dt_where dt_find_counting(const struct dt *t, struct dt_point q, uint32_t *half,
                                uint32_t *steps);
 
