@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <strings.h>
 
-#include "clients/files/formats.h"
+#include "clients/meshes/formats.h"
 
 const struct subcommand subcommands[] = {
     {"draw", command_draw, true, false, "draw FILE [PICTURE] [OPTION ...]",

@@ -6,7 +6,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/options.h"
 #include "clients/cli/subcommand.h"
-#include "clients/files/formats.h"
+#include "clients/meshes/formats.h"
 
 static const char read_sets[] = "sets 2>/dev/null | sed -n '2,$s/ .*//p'";
 static const char global_options[] = "--host --port --url --json --help --version";

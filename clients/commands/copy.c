@@ -11,7 +11,7 @@
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/cli/url.h"
-#include "clients/files/model.h"
+#include "clients/meshes/model.h"
 #include "proto/buf.h"
 #include "proto/number.h"
 

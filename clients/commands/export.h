@@ -4,8 +4,8 @@
 #define CLIENTS_EXPORT_H
 
 #include "clients/cli/options.h"
-#include "clients/files/formats.h"
 #include "clients/lib/delaunay_client.h"
+#include "clients/meshes/formats.h"
 #include "clients/pictures/picture.h"
 
 struct export

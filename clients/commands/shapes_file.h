@@ -3,8 +3,8 @@
 #define CLIENTS_SHAPES_FILE_H
 
 #include "clients/commands/output.h"
-#include "clients/files/model.h"
 #include "clients/lib/delaunay_client.h"
+#include "clients/meshes/model.h"
 #include "clients/surfaces/shapes.h"
 
 struct shapes_file {

@@ -11,7 +11,7 @@
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/commands/show_relief.h"
-#include "clients/files/model.h"
+#include "clients/meshes/model.h"
 #include "proto/number.h"
 
 enum ink { INK_NONE, INK_EDGE, INK_POINT, INK_HULL };

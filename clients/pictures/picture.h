@@ -2,7 +2,7 @@
 #ifndef CLIENTS_PICTURE_H
 #define CLIENTS_PICTURE_H
 
-#include "clients/files/model.h"
+#include "clients/meshes/model.h"
 
 #include <stdio.h>
 

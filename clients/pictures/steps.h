@@ -2,7 +2,7 @@
 #ifndef CLIENTS_STEPS_H
 #define CLIENTS_STEPS_H
 
-#include "clients/files/model.h"
+#include "clients/meshes/model.h"
 
 /* The words that rows begin with; PROTOCOL.md says what each means. */
 enum step_kind {

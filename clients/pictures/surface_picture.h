@@ -2,7 +2,7 @@
 #ifndef CLIENTS_SURFACE_PICTURE_H
 #define CLIENTS_SURFACE_PICTURE_H
 
-#include "clients/files/model.h"
+#include "clients/meshes/model.h"
 #include "clients/pictures/relief.h"
 #include "clients/pictures/svg.h"
 #include "clients/surfaces/shapes.h"

@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "clients/cli/subcommand.h"
-#include "clients/files/formats.h"
+#include "clients/meshes/formats.h"
 #include "tests/clients/cli.h"
 #include "tests/clients/peer.h"
 #include "tests/test.h"

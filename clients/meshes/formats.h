@@ -7,7 +7,7 @@
 #ifndef CLIENTS_FORMATS_H
 #define CLIENTS_FORMATS_H
 
-#include "clients/files/model.h"
+#include "clients/meshes/model.h"
 
 #include <stdio.h>
 

@@ -1,5 +1,5 @@
 /* formats.c - see formats.h. One function for each format; a row is formatted in a buffer and written at once. */
-#include "clients/files/formats.h"
+#include "clients/meshes/formats.h"
 
 #include "proto/number.h"
 

@@ -1,6 +1,6 @@
 /* model.c - see model.h. Raw bytes arrive in pieces of any size and are gathered into one block for
  * each reply, whose size the status line announces. */
-#include "clients/files/model.h"
+#include "clients/meshes/model.h"
 
 #include "proto/number.h"
 
