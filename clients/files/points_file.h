@@ -7,6 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "clients/reading/report.h"
+
 enum { SKIPPED_SHOWN = 5 };
 
 struct points_file {
@@ -33,6 +35,7 @@ struct points_file {
         uint64_t line;
         char fault[80], text[60]; /* the fault, and the beginning of the line */
     } skip[SKIPPED_SHOWN];        /* the first ones */
+    struct report report;         /* what the user should know, whether reading succeeds or not */
 };
 
 /* Called now and then with the bytes and points read so far. */

@@ -148,6 +148,7 @@ bool source_read(struct source *s, struct points_file *f)
     if (ok && s->table.using[0] != '\0')
         fprintf(stderr, "delaunay: %s: using %s%s\n", name,
                 s->form == SOURCE_GEOJSON ? "" : "columns ", s->table.using);
+    report_print(&f->report, name, stderr);
     if (ok) {
         show_missing(name, s, f);
         show_skipped(name, f);

@@ -13,7 +13,7 @@ trap 'rm -f "$found"' EXIT
 # The rooms of a folder, from the bottom up: a file may include files of its own room and of rooms before it.
 declare -A rooms=(
     [core]='exact control memory fields points mesh grid set divide shelling query surface edit'
-    [clients]='lib files meshes surfaces pictures cli commands'
+    [clients]='lib reading files meshes surfaces pictures cli commands'
     [server]='system ops sets disk jobs surface clients command redis watch follow repair session'
 )
 
