@@ -272,9 +272,24 @@ static void take_wide_point(struct body *b, const char *bytes)
         b->n++;
 }
 
+/* Drops bytes of points of a body that has a fault. A point may be longer than the caller's buffer. */
+static ptrdiff_t skip_points(struct body *b, size_t n)
+{
+    uint64_t size = point_bytes(b), all = b->left * size - b->dropped, at;
+    n = n < all ? n : (size_t)all;
+    at = b->dropped + n;
+    b->left -= at / size;
+    b->line += at / size;
+    b->dropped = (size_t)(at % size);
+    b->complete = b->left == 0;
+    return (ptrdiff_t)n;
+}
+
 static ptrdiff_t feed_wide(struct body *b, const char *bytes, size_t n)
 {
     size_t at = 0, size = point_bytes(b);
+    if (b->fault != BODY_GOOD)
+        return skip_points(b, n);
     for (; b->left > 0 && n - at >= size; at += size) {
         b->left--;
         b->line++;

@@ -48,6 +48,8 @@ struct body {
     size_t coordinates, width; /* numbers of a point: coordinates, and all of them */
     struct body_memory memory; /* the caller may set it after body_init */
     size_t limit;
+    size_t
+        dropped;   /* BODY_BINARY with a fault: bytes of the current point that have been dropped */
     uint64_t line; /* lines (points, when binary) read so far; the number of the last one, counted
                       from 1 */
     bool complete; /* the end of the body has been read */

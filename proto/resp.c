@@ -58,23 +58,36 @@ static ptrdiff_t wait_for(struct resp *out, size_t need)
     return 0;
 }
 
-/* Whether the last one of the words, which comes next, is a body. */
-static bool has_body(const struct request *q, size_t words)
+/* Whether a request of so many words, of which all but the last are at `word`, ends with a body of `len` bytes. */
+static bool ends_with_body(const struct word *word, size_t words, long long len)
 {
-    if (q->n + 1 != words || words < 4)
+    enum { DIGITS = 10 }; /* of k, at most; a place has 16 bytes */
+    if (words < 4)
         return false;
-    if (word_is(&q->word[0], "INTERPOLATEB"))
+    if (word_is(word, "INTERPOLATEB"))
         return words == 5 || words == 7 || words == 9; /* options are two words each */
     if (words > 6)
         return false;
     if (words == 6)
-        return word_is(&q->word[0], "LOAD") || word_is(&q->word[0], "LOADB") ||
-               word_is(&q->word[0], "FSETB");
+        return word_is(word, "LOAD") || word_is(word, "LOADB") || word_is(word, "FSETB");
+    if (word_is(word, "NEARESTB")) /* NEARESTB set n k: places follow */
+        return words == 5 || len == 0 || len > DIGITS;
     if (words == 5)
-        return word_is(&q->word[0], "NEARESTB");
-    if (word_is(&q->word[0], "LOAD"))
-        return !word_is(&q->word[2], "FIELDS"); /* LOAD set FIELDS z: lines follow */
-    return word_is(&q->word[0], "LOADB") || word_is(&q->word[0], "LOCATEB");
+        return false;
+    if (word_is(word, "LOAD"))
+        return !word_is(&word[2], "FIELDS"); /* LOAD set FIELDS z: lines follow */
+    return word_is(word, "LOADB") || word_is(word, "LOCATEB");
+}
+
+/* Whether the last one of the words, which comes next and has `len` bytes, is a body. */
+static bool has_body(const struct request *q, size_t words, long long len)
+{
+    size_t prefix = 0;
+    if (q->n + 1 != words)
+        return false;
+    while (prefix + 2 < q->n && word_is(&q->word[prefix], "TIMEOUT"))
+        prefix += 2;
+    return ends_with_body(q->word + prefix, words - prefix, len);
 }
 
 /* Reads the word at bytes[*at], of which `after` more follow, and moves *at behind it. Returns 1, 0
@@ -91,7 +104,7 @@ static ptrdiff_t read_word(const char *bytes, size_t n, size_t *at, size_t after
         return wait_for(out, header + after * LEAST_WORD);
     }
     *at += (size_t)took;
-    if (has_body(q, q->n + 1 + after)) {
+    if (has_body(q, q->n + 1 + after, len)) {
         out->has_body = true;
         out->body = (size_t)len;
         return len <= RESP_BODY_LIMIT ? 1 : bad(out, RESP_TOO_LONG);

@@ -319,6 +319,30 @@ static bool check_state(struct server *s, struct answer *a, const struct command
     return (c->flags & CMD_SEARCH) == 0 || !set->current->sum.triangulated || prepare(s, a, set);
 }
 
+/* ---- bodies of refused requests ---- */
+
+static bool takes_body(const struct word *name)
+{
+    const struct command *c = command_find(name);
+    return c != NULL && (c->flags & CMD_BODY) != 0;
+}
+
+void command_skip_body(struct server *s, const struct request *q, struct answer *a)
+{
+    struct request rest = *q;
+    while (rest.n > 2 && word_is(rest.word, "TIMEOUT")) {
+        rest.word += 2;
+        rest.n -= 2;
+    }
+    if (takes_body(rest.word)) {
+        load_skip(s, &rest, a);
+    } else if (word_is(q->word, "TIMEOUT") || command_find(q->word) == NULL) {
+        for (size_t i = 1; i < q->n; i++)
+            if (takes_body(&q->word[i]))
+                a->next = ANSWER_CLOSING;
+    }
+}
+
 /* ---- running ---- */
 
 /* As command_find, but tries the last command first: pipelines often repeat a command. */
@@ -337,10 +361,11 @@ static void dispatch(struct server *s, const struct request *q, struct answer *a
     stats_begin(&s->stats, a->command);
     if (c == NULL) {
         reply_err(a->out, ERR_UNKNOWN, "there is no command %.*s; try HELP", QUOTED(&q->word[0]));
+        command_skip_body(s, q, a);
     } else if (!check_words(a, c, q) || !check_role(a, c) || !check_loaded(s, a, c) ||
                !check_set(s, a, c, q, &set)) {
-        if ((c->flags & CMD_BODY) != 0 && a->body == NULL)
-            load_skip(s, q, a);
+        if (a->body == NULL)
+            command_skip_body(s, q, a);
     } else if ((c->flags & CMD_BODY) != 0 && a->body == NULL) {
         load_start(s, q, a, (c->flags & CMD_WRITE) != 0);
     } else if (check_state(s, a, c, q, set)) {
@@ -366,13 +391,10 @@ void command_take_timeout(struct request *q, int64_t *ms)
 /* Runs only if the prefix is not valid; see command_take_timeout. */
 void cmd_timeout(struct server *s, struct dataset *set, const struct request *q, struct answer *a)
 {
-    const struct command *inner = command_find(&q->word[2]);
-    (void)s, (void)set;
+    (void)set;
     reply_err(a->out, ERR_SYNTAX, "usage: TIMEOUT seconds command, with more than 0 and at most %d",
               LIMIT_TIMEOUT_S);
-    /* After a refused load it is unknown where the next request begins. */
-    if (inner != NULL && (inner->flags & CMD_BODY) != 0)
-        a->next = ANSWER_CLOSING;
+    command_skip_body(s, q, a);
 }
 
 void command_out_of_memory(struct server *s, struct answer *a, size_t mark)

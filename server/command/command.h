@@ -52,6 +52,11 @@ void command_run(struct server *s, const struct request *q, struct answer *a);
  * is to be carried out again (a->next), the load is needed; then it is spent. */
 void command_run_body(struct server *s, struct load *l, struct answer *a);
 
+/* The request q has been refused. Its body, if it has one, must not be read as requests: it is skipped (load_skip), also
+ * behind prefixes of which some are not valid. If a wrong prefix or an unknown command stands before the name of a command
+ * with a body, it is unknown whether there is one, and the connection is closed. */
+void command_skip_body(struct server *s, const struct request *q, struct answer *a);
+
 /* Out of memory while a reply was written: replaces what follows `mark` by the error. */
 void command_out_of_memory(struct server *s, struct answer *a, size_t mark);
 

@@ -1,6 +1,7 @@
 /* load.c - see load.h. */
 #include "server/command/load.h"
 
+#include "core/delaunay_fields.h"
 #include "proto/number.h"
 #include "server/jobs/keep.h"
 
@@ -121,7 +122,7 @@ bool load_has_words(const struct request *q)
     if (word_is(&q->word[0], "FSETB"))
         return q->n == 5;
     if (word_is(&q->word[0], "INTERPOLATEB"))
-        return q->n >= 4 && q->n <= 8;
+        return q->n == 4 || q->n == 6 || q->n == 8; /* options are two words each */
     size_t fields = load_field_names(q).len > 0 ? 2 : 0;
     return q->n > 1 && q->n <= (word_is(&q->word[0], "NEARESTB") ? 4 : 3) + fields;
 }
@@ -130,7 +131,12 @@ void load_start(struct server *s, const struct request *q, struct answer *a, boo
 {
     struct shape shape;
     if (read_shape(q, &shape)) {
-        begin(s, q, a, adds, &shape);
+        if (shape.values <= DT_MAX_FIELDS) {
+            begin(s, q, a, adds, &shape);
+        } else {
+            reply_err(a->out, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
+            load_skip(s, q, a);
+        }
         return;
     }
     const struct word *w = count_of(q, q->n);

@@ -368,10 +368,8 @@ static void watch(struct server *s, const struct request *q, struct answer *a)
 
 static void refuse_in_multi(struct server *s, const struct request *q, struct answer *a)
 {
-    const struct command *c = command_find(&q->word[0]);
     redis_simple(a, "-UNKNOWN not carried out: it follows MULTI, and there are no transactions");
-    if (c != NULL && (c->flags & CMD_BODY) != 0)
-        load_skip(s, q, a);
+    command_skip_body(s, q, a);
 }
 
 static const struct {
