@@ -1,204 +1,410 @@
-/* geojson_file.c - the points of a GeoJSON file [RFC 7946]: one value, or several after one another
- * (newline-delimited features). The parser is a recursive descent; it remembers the place of a geometry's
- * coordinates and reads them once the type is known, since keys may be in any order. */
-#include "clients/files/points_file.h"
+/* geojson_file.c - see geojson_file.h. An object's members may be in any order, so its type is known only when all of them have
+ * been passed: the object's members are bookmarked first, and then those are read that its type makes meaningful. */
+#include "clients/files/geojson_file.h"
 
+#include "clients/files/headings.h"
+#include "clients/files/json_scan.h"
 #include "proto/number.h"
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { DEPTH_LIMIT = 64 };
+enum { MOST_PROPERTIES = 256, NO_FIELD = -1 };
 
-struct json {
-    struct points_file *f;
-    const char *p, *end;
-    int depth;
+struct property {
+    struct json_part name;
+    uint64_t numbers, others; /* null is neither */
+    int field;                /* its column in a row, or NO_FIELD */
 };
 
-static bool bad(struct json *j)
+struct geojson {
+    struct points_file *f;
+    struct json_scan j;
+    struct table_fields *fields;
+    struct geojson_notes *notes;
+    bool survey; /* the first time: points are not taken yet */
+    struct property property[MOST_PROPERTIES];
+    size_t properties;
+    double row[FIELDS_MOST]; /* the values of the feature that is being read */
+};
+
+static bool bad(struct geojson *g)
 {
-    return points_file_stop(j->f, "not GeoJSON");
+    g->f->line = g->j.line;
+    return points_file_stop(g->f, "not GeoJSON");
 }
 
-/* The next non-blank character, 0 at the end. */
-static char peek(struct json *j)
+/* What is wrong with one geometry or position, which begins at `at`. */
+static bool leave_out(struct geojson *g, const struct json_scan *at, const char *what)
 {
-    for (; j->p < j->end; j->p++) {
-        if (*j->p == '\n')
-            j->f->line++;
-        else if (*j->p != ' ' && *j->p != '\t' && *j->p != '\r')
-            return *j->p;
-    }
-    return 0;
-}
-
-static bool take(struct json *j, char c)
-{
-    if (peek(j) != c)
-        return false;
-    j->p++;
-    return true;
-}
-
-/* A string, as it is written. */
-static bool read_string(struct json *j, const char **text, size_t *len)
-{
-    if (!take(j, '"'))
-        return bad(j);
-    *text = j->p;
-    for (; j->p < j->end && *j->p != '"'; j->p++)
-        if (*j->p == '\\')
-            j->p++;
-    if (j->p >= j->end)
-        return bad(j);
-    *len = (size_t)(j->p - *text);
-    j->p++;
-    return true;
-}
-
-static bool is_text(const char *text, size_t len, const char *want)
-{
-    return len == strlen(want) && memcmp(text, want, len) == 0;
-}
-
-/* A number, true, false or null. */
-static bool read_word(struct json *j, const char **text, size_t *len)
-{
-    peek(j);
-    *text = j->p;
-    while (j->p < j->end && strchr("+-.0123456789eEtrufalsn", *j->p) != NULL)
-        j->p++;
-    *len = (size_t)(j->p - *text);
-    return *len > 0 || bad(j);
+    const char *lf = memchr(at->p, '\n', (size_t)(at->end - at->p));
+    if (g->survey)
+        return true;
+    g->f->line = at->line;
+    points_file_fault(g->f, what);
+    return points_file_skip(g->f, at->p, (size_t)((lf != NULL ? lf : at->end) - at->p));
 }
 
 /* ---- coordinates ---- */
 
-/* `x, y, ...]`, the bracket before it read. */
-static bool read_position(struct json *j)
+static bool read_finite(struct json_part word, double *v)
 {
-    const char *x, *y, *more;
-    size_t x_len, y_len, more_len;
-    double z = (double)NAN;
-    if (!read_word(j, &x, &x_len) || !take(j, ','))
-        return bad(j);
-    if (!read_word(j, &y, &y_len))
-        return false;
-    for (bool third = true; take(j, ','); third = false) {
-        if (!read_word(j, &more, &more_len))
-            return false;
-        if (third && (!proto_read_double(more, more_len, &z) || !isfinite(z)))
-            z = (double)NAN;
+    return proto_read_double(word.text, word.len, v) && isfinite(*v);
+}
+
+static bool add_point(struct geojson *g, const struct json_scan *at, const struct json_part *word)
+{
+    g->f->line = at->line;
+    g->f->row = g->row;
+    if (points_file_add(g->f, word[0].text, word[0].len, word[1].text, word[1].len)) {
+        for (size_t i = 0; i < g->f->fields; i++)
+            g->fields->missing[i] += isnan(g->row[i]) != 0;
+        return true;
     }
-    if (!take(j, ']'))
-        return bad(j);
-    j->f->row = &z;
-    return points_file_add(j->f, x, x_len, y, y_len) ||
-           points_file_skip(j->f, x, (size_t)(j->p - x) - 1);
+    const char *end = word[1].text + word[1].len;
+    return points_file_skip(g->f, word[0].text, (size_t)(end - word[0].text));
 }
 
-static bool read_coordinates(struct json *j, bool many)
+/* An array of numbers. */
+static bool read_position(struct geojson *g)
 {
-    if (!take(j, '['))
-        return bad(j);
+    struct json_scan at = g->j;
+    struct json_part word[3], rest;
+    size_t n = 0;
+    double z = (double)NAN;
+    if (!json_take(&g->j, '['))
+        return json_take_value(&g->j, &rest) ? leave_out(g, &at, "a position is not an array")
+                                             : bad(g);
+    for (bool more = !json_take(&g->j, ']'); more; n++) {
+        if (!json_take_value(&g->j, n < 3 ? &word[n] : &rest))
+            return bad(g);
+        more = json_take(&g->j, ',');
+        if (!more && !json_take(&g->j, ']'))
+            return bad(g);
+    }
+    if (n < 2)
+        return leave_out(g, &at, "a position needs x and y");
+    if (n > 2 && !read_finite(word[2], &z))
+        z = (double)NAN;
+    if (g->survey) {
+        g->notes->heights |= !isnan(z);
+        g->notes->more += n > 3;
+        return true;
+    }
+    if (g->notes->heights)
+        g->row[0] = z;
+    return add_point(g, &at, word);
+}
+
+static bool read_positions(struct geojson *g)
+{
+    if (!json_take(&g->j, '['))
+        return bad(g);
+    if (json_take(&g->j, ']'))
+        return true;
+    do {
+        if (!read_position(g))
+            return false;
+    } while (json_take(&g->j, ','));
+    return json_take(&g->j, ']') || bad(g);
+}
+
+/* null and [] are no place. */
+static bool is_nowhere(struct json_scan at)
+{
+    return json_peek(&at) == 'n' || (json_take(&at, '[') && json_take(&at, ']'));
+}
+
+static bool read_coordinates(struct geojson *g, const struct json_scan *at, bool many)
+{
+    g->j = *at;
+    if (at->p == NULL || is_nowhere(*at)) {
+        g->notes->nowhere += g->survey;
+        return true;
+    }
     if (!many)
-        return read_position(j);
-    if (take(j, ']'))
-        return true;
-    do {
-        if (!take(j, '['))
-            return bad(j);
-        if (!read_position(j))
-            return false;
-    } while (take(j, ','));
-    return take(j, ']') || bad(j);
+        return read_position(g);
+    return json_peek(&g->j) == '[' ? read_positions(g)
+                                   : leave_out(g, at, "the coordinates are not an array");
 }
 
-/* ---- values ---- */
+/* ---- properties ---- */
 
-static bool read_value(struct json *j);
-
-static bool read_array(struct json *j)
+/* Features mostly have the same properties in the same order, so the place of the last one's successor is tried first. */
+static struct property *find_property(struct geojson *g, struct json_part name, size_t *next)
 {
-    if (take(j, ']'))
-        return true;
-    do {
-        if (!read_value(j))
-            return false;
-    } while (take(j, ','));
-    return take(j, ']') || bad(j);
+    size_t i = *next;
+    if (i >= g->properties || g->property[i].name.len != name.len ||
+        memcmp(g->property[i].name.text, name.text, name.len) != 0)
+        for (i = 0; i < g->properties; i++)
+            if (g->property[i].name.len == name.len &&
+                memcmp(g->property[i].name.text, name.text, name.len) == 0)
+                break;
+    if (i == MOST_PROPERTIES)
+        return NULL;
+    if (i == g->properties)
+        g->property[g->properties++] = (struct property){.name = name, .field = NO_FIELD};
+    *next = i + 1;
+    return &g->property[i];
 }
 
-/* A geometry whose end has been reached: goes back for its coordinates. */
-static bool read_geometry(struct json *j, const char *type, size_t len, const struct json *at)
+static void take_property(struct geojson *g, struct property *p, struct json_part value)
+{
+    double v;
+    bool number = read_finite(value, &v);
+    if (g->survey) {
+        p->numbers += number;
+        p->others += !number && !json_is(value, "null");
+    } else if (p->field != NO_FIELD) {
+        g->row[p->field] = number ? v : (double)NAN;
+    }
+}
+
+static bool read_properties(struct geojson *g, const struct json_scan *at)
+{
+    struct json_part name, value;
+    size_t next = 0;
+    if (at->p == NULL)
+        return true;
+    g->j = *at;
+    if (!json_take(&g->j, '{') || json_take(&g->j, '}'))
+        return true;
+    do {
+        if (!json_take_string(&g->j, &name) || !json_take(&g->j, ':') ||
+            !json_take_value(&g->j, &value))
+            return bad(g);
+        struct property *p = find_property(g, name, &next);
+        if (p != NULL)
+            take_property(g, p, value);
+    } while (json_take(&g->j, ','));
+    return true;
+}
+
+/* ---- objects ---- */
+
+enum member { TYPE, COORDINATES, GEOMETRY, GEOMETRIES, FEATURES, PROPERTIES, MEMBERS };
+
+struct object {
+    struct json_scan at[MEMBERS]; /* where the value of a member begins; p is NULL without it */
+    struct json_part type;
+    bool geometry; /* only a geometry may be here */
+    bool done;     /* the features of a collection have been read */
+};
+
+static bool read_object(struct geojson *g, bool geometry);
+
+static bool note_member(struct geojson *g, struct object *o, struct json_part key)
+{
+    static const struct json_part name[MEMBERS] = {
+        [TYPE] = {"type", 4},         [COORDINATES] = {"coordinates", 11},
+        [GEOMETRY] = {"geometry", 8}, [GEOMETRIES] = {"geometries", 10},
+        [FEATURES] = {"features", 8}, [PROPERTIES] = {"properties", 10},
+    };
+    for (size_t i = 0; i < MEMBERS; i++) {
+        if (key.len != name[i].len || memcmp(key.text, name[i].text, key.len) != 0)
+            continue;
+        if (o->at[i].p != NULL) {
+            g->f->line = g->j.line;
+            return points_file_stop(g->f, "an object has the member %s twice", name[i].text);
+        }
+        o->at[i] = g->j;
+    }
+    return true;
+}
+
+/* An array of objects. */
+static bool read_objects(struct geojson *g, const struct json_scan *at, bool geometry)
+{
+    if (at->p == NULL)
+        return true;
+    g->j = *at;
+    if (!json_take(&g->j, '['))
+        return bad(g);
+    if (json_take(&g->j, ']'))
+        return true;
+    do {
+        if (!read_object(g, geometry))
+            return false;
+    } while (json_take(&g->j, ','));
+    return json_take(&g->j, ']') || bad(g);
+}
+
+/* Reads the features of a collection at once where its type comes first, as it does in most files. */
+static bool pass_value(struct geojson *g, struct object *o, struct json_part key)
+{
+    struct json_part value;
+    if (!o->geometry && json_is(key, "features") && json_is(o->type, "FeatureCollection")) {
+        o->done = true;
+        return read_objects(g, &o->at[FEATURES], false);
+    }
+    if (!json_take_value(&g->j, &value))
+        return bad(g);
+    if (json_is(key, "type") && value.len >= 2 && value.text[0] == '"')
+        o->type = (struct json_part){value.text + 1, value.len - 2};
+    return true;
+}
+
+/* Bookmarks the members of the object that begins here. */
+static bool find_members(struct geojson *g, struct object *o)
+{
+    struct json_part key;
+    if (!json_take(&g->j, '{'))
+        return bad(g);
+    if (json_take(&g->j, '}'))
+        return true;
+    do {
+        if (!json_take_string(&g->j, &key) || !json_take(&g->j, ':'))
+            return bad(g);
+        json_peek(&g->j);
+        if (!note_member(g, o, key) || !pass_value(g, o, key))
+            return false;
+    } while (json_take(&g->j, ','));
+    return json_take(&g->j, '}') || bad(g);
+}
+
+static bool read_feature(struct geojson *g, const struct object *o)
+{
+    for (size_t i = 0; i < FIELDS_MOST; i++)
+        g->row[i] = (double)NAN;
+    if (!read_properties(g, &o->at[PROPERTIES]))
+        return false;
+    if (o->at[GEOMETRY].p == NULL || *o->at[GEOMETRY].p == 'n') {
+        g->notes->nowhere += g->survey;
+        return true;
+    }
+    g->j = o->at[GEOMETRY];
+    return read_object(g, true);
+}
+
+/* Files of some programs lack types of features and collections, but never those of geometries. */
+static bool is_a(const struct object *o, const char *type, enum member member)
+{
+    return o->type.len > 0 ? json_is(o->type, type) : o->at[member].p != NULL;
+}
+
+/* Reads what the members say, wherever that leaves g->j. */
+static bool read_members(struct geojson *g, const struct json_scan *at, const struct object *o)
 {
     static const char *const others[] = {"LineString", "MultiLineString", "Polygon",
                                          "MultiPolygon"};
-    bool many = is_text(type, len, "MultiPoint");
+    if (json_is(o->type, "Point") || json_is(o->type, "MultiPoint"))
+        return read_coordinates(g, &o->at[COORDINATES], o->type.text[0] == 'M');
+    if (is_a(o, "GeometryCollection", GEOMETRIES))
+        return read_objects(g, &o->at[GEOMETRIES], true);
+    if (!o->geometry && is_a(o, "FeatureCollection", FEATURES))
+        return o->done || read_objects(g, &o->at[FEATURES], false);
+    if (!o->geometry && is_a(o, "Feature", GEOMETRY))
+        return read_feature(g, o);
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
-        if (is_text(type, len, others[i])) {
-            points_file_fault(j->f, "a geometry that is neither Point nor MultiPoint");
-            return points_file_skip(j->f, type, len);
-        }
-    if (!many && !is_text(type, len, "Point"))
-        return true;
-    struct json back = *at;
-    uint64_t line = j->f->line;
-    bool ok = read_coordinates(&back, many);
-    if (ok)
-        j->f->line = line;
+        if (json_is(o->type, others[i]))
+            return leave_out(g, at, "a geometry that is neither Point nor MultiPoint");
+    return leave_out(g, at,
+                     o->type.len == 0 ? "an object without a type that GeoJSON has"
+                     : o->geometry    ? "a geometry of a type that GeoJSON does not have"
+                                      : "an object of a type that GeoJSON does not have");
+}
+
+/* A feature, a collection or a geometry, and passes it; geometry: nothing else may be here. */
+static bool read_object(struct geojson *g, bool geometry)
+{
+    struct object o = {.type = {"", 0}, .geometry = geometry};
+    struct json_part value;
+    json_peek(&g->j);
+    struct json_scan at = g->j;
+    if (json_peek(&g->j) != '{')
+        return json_take_value(&g->j, &value)
+                   ? leave_out(g, &at, "a value where GeoJSON has an object")
+                   : bad(g);
+    if (g->j.depth == JSON_DEPTH)
+        return bad(g);
+    g->j.depth++;
+    if (!find_members(g, &o))
+        return false;
+    struct json_scan end = g->j;
+    bool ok = read_members(g, &at, &o);
+    end.depth--;
+    g->j = end;
     return ok;
 }
 
-static bool read_object(struct json *j)
+/* ---- the text ---- */
+
+/* All values. */
+static bool read_text(struct geojson *g, const char *text, size_t n)
 {
-    const char *key, *type = "";
-    size_t key_len, type_len = 0;
-    struct json coordinates = {.p = NULL};
-    if (take(j, '}'))
-        return true;
-    do {
-        if (!read_string(j, &key, &key_len))
+    g->j = (struct json_scan){.p = text, .end = text + n, .line = 1};
+    if (n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0)
+        g->j.p += 3; /* the byte order mark of UTF-8 */
+    for (json_peek(&g->j); g->j.p < g->j.end; json_peek(&g->j)) {
+        json_take(&g->j, 0x1E); /* RFC 8142 puts one before each value */
+        for (size_t i = 0; i < FIELDS_MOST; i++)
+            g->row[i] = (double)NAN;
+        if (json_peek(&g->j) == '['
+                ? !read_objects(g, &(struct json_scan){g->j.p, g->j.end, g->j.line, 0}, false)
+                : !read_object(g, false))
             return false;
-        if (!take(j, ':'))
-            return bad(j);
-        if (is_text(key, key_len, "type") && peek(j) == '"') {
-            if (!read_string(j, &type, &type_len))
-                return false;
-            continue;
-        }
-        if (is_text(key, key_len, "coordinates"))
-            coordinates = *j;
-        if (!read_value(j))
-            return false;
-    } while (take(j, ','));
-    if (!take(j, '}'))
-        return bad(j);
-    return coordinates.p == NULL || read_geometry(j, type, type_len, &coordinates);
+    }
+    return true;
 }
 
-static bool read_value(struct json *j)
+static bool is_height(const struct property *p)
 {
-    const char *text;
-    size_t len;
-    char c = peek(j);
-    if (c == '"')
-        return read_string(j, &text, &len);
-    if (c != '{' && c != '[')
-        return read_word(j, &text, &len);
-    if (++j->depth > DEPTH_LIMIT)
-        return bad(j);
-    j->p++;
-    bool ok = c == '{' ? read_object(j) : read_array(j);
-    j->depth--;
+    return p->numbers > p->others && heading_is_height(p->name.text, p->name.len);
+}
+
+/* After the survey: chooses the fields, and lists the properties that are not used. */
+static void choose_fields(struct geojson *g)
+{
+    struct table_fields *t = g->fields;
+    size_t at = 0;
+    bool height = g->notes->heights;
+    if (height)
+        table_fields_add(t, 0, "z", 1);
+    for (size_t i = 0; i < g->properties; i++) {
+        struct property *p = &g->property[i];
+        bool is_z = !height && is_height(p), taken = false;
+        if (is_z)
+            taken = table_fields_add_height(t, t->n, p->name.text, p->name.len);
+        else if (t->all && p->numbers > p->others)
+            taken = table_fields_add(t, t->n, p->name.text, p->name.len);
+        if (taken && is_z)
+            snprintf(g->notes->property, sizeof g->notes->property, "%s", t->height);
+        height |= is_z;
+        if (taken)
+            p->field = (int)t->n - 1;
+        else if (at + 80 < sizeof g->notes->unused)
+            at += (size_t)snprintf(g->notes->unused + at, sizeof g->notes->unused - at, "%s%.*s",
+                                   at > 0 ? ", " : "", (int)(p->name.len < 40 ? p->name.len : 40),
+                                   p->name.text);
+        else if (g->notes->unused[at - 1] != '.')
+            at += (size_t)snprintf(g->notes->unused + at, sizeof g->notes->unused - at, ", ...");
+    }
+    g->f->fields = t->n;
+}
+
+bool geojson_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
+                       struct geojson_notes *notes)
+{
+    struct geojson *g = calloc(1, sizeof *g);
+    *notes = (struct geojson_notes){.heights = false};
+    if (g == NULL)
+        return points_file_stop(f, "out of memory");
+    g->f = f;
+    g->fields = t;
+    g->notes = notes;
+    g->survey = true;
+    bool ok = read_text(g, text, n);
+    g->survey = false;
+    choose_fields(g);
+    ok = ok && read_text(g, text, n);
+    f->row = NULL;
+    free(g);
     return ok;
 }
-
-/* ---- the file ---- */
 
 static bool read_all(struct points_file *f, int fd, char **text, size_t *n)
 {
@@ -222,27 +428,13 @@ static bool read_all(struct points_file *f, int fd, char **text, size_t *n)
     return true;
 }
 
-bool points_file_read_geojson(struct points_file *f, int fd)
+bool geojson_file_read(struct points_file *f, int fd, struct table_fields *t,
+                       struct geojson_notes *notes)
 {
     char *text = NULL;
     size_t n;
     bool ok = read_all(f, fd, &text, &n);
-    f->fields = 1; /* the third coordinates */
-    if (ok) {
-        struct json j = {.f = f, .p = text, .end = text + n};
-        f->line = 1;
-        if (n >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0)
-            j.p += 3; /* the byte order mark of UTF-8 */
-        while (ok && peek(&j) != 0) {
-            take(&j, 0x1E); /* RFC 8142 puts one before each value */
-            ok = read_value(&j);
-        }
-    }
+    ok = ok && geojson_text_read(f, text, n, t, notes);
     free(text);
-    f->row = NULL;
-    for (size_t i = 0; i < f->n; i++)
-        if (!isnan(f->value[i]))
-            return ok;
-    f->fields = 0;
     return ok;
 }

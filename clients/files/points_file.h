@@ -1,5 +1,5 @@
 /* points_file.h - reads a file of points: lines `x y`, blank ones and those that start with '#'
- * skipped; or lines that f->parse_line reads (table_file.h); or GeoJSON. */
+ * skipped; or lines that f->parse_line reads (table_file.h). */
 #ifndef CLIENTS_POINTS_FILE_H
 #define CLIENTS_POINTS_FILE_H
 
@@ -57,11 +57,6 @@ __attribute__((format(printf, 2, 3))) bool points_file_stop(struct points_file *
 
 /* Counts what has just failed, the text s[len], as skipped; false if it may not be skipped. */
 bool points_file_skip(struct points_file *f, const char *s, size_t len);
-
-/* The same for a file of GeoJSON: every Point and MultiPoint in it, in any Feature or collection,
- * in order; other geometries are faults. If any has a third coordinate, these are its one field. Reads the whole file
- * into memory. */
-bool points_file_read_geojson(struct points_file *f, int fd);
 
 void points_file_free(struct points_file *f);
 

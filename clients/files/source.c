@@ -1,11 +1,11 @@
 /* source.c - see source.h. */
 #include "clients/files/source.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
+#include "clients/files/geojson_file.h"
 #include "clients/files/input.h"
 #include "clients/files/progress.h"
 
@@ -65,6 +65,11 @@ static void guess_form(struct source *s, const struct input *in)
         s->form = SOURCE_GEOJSON;
 }
 
+static const char *source_name(const struct source *s)
+{
+    return strcmp(s->path, "-") == 0 ? "standard input" : s->path;
+}
+
 struct reading {
     struct progress bar;
     uint64_t size; /* bytes of the file, 0 if unknown */
@@ -76,16 +81,38 @@ static void show_reading(void *ctx, uint64_t bytes, size_t points)
     progress_update(&r->bar, bytes, r->size, points);
 }
 
+/* Says what was used, and what was not. */
+static void show_geojson(struct source *s, const struct geojson_notes *notes, const char *name)
+{
+    const struct table_fields *t = &s->table.fields;
+    size_t room = sizeof s->table.using, n = 0;
+    if (t->n > 0)
+        n = (size_t)snprintf(s->table.using, room, "x y%s of the coordinates",
+                             notes->heights ? " z" : "");
+    for (size_t i = notes->heights; i < t->n && n + 2 * FIELDS_NAME < room; i++)
+        n += (size_t)snprintf(s->table.using + n, room - n, "%s %s%s%s",
+                              i == notes->heights ? ", of the properties" : "", t->name[i],
+                              i == 0 && notes->property[0] != '\0' ? "=" : "",
+                              i == 0 ? notes->property : "");
+    if (notes->unused[0] != '\0')
+        fprintf(stderr, "delaunay: %s: properties not used: %s%s\n", name, notes->unused,
+                t->all ? "" : " (--fields keeps those of numbers)");
+    if (notes->nowhere > 0)
+        fprintf(stderr, "delaunay: %s: %ju without a place (a geometry that is null or empty)\n",
+                name, (uintmax_t)notes->nowhere);
+    if (notes->more > 0)
+        fprintf(stderr,
+                "delaunay: %s: %ju positions have more than x, y and z, which is not used\n", name,
+                (uintmax_t)notes->more);
+}
+
 static bool read_geojson(struct source *s, struct points_file *f, int fd)
 {
-    bool ok = points_file_read_geojson(f, fd);
-    if (f->fields == 0)
-        return ok;
-    table_fields_add(&s->table.fields, 2, "z", 1);
-    for (size_t i = 0; i < f->n; i++)
-        s->table.fields.missing[0] += isnan(f->value[i]) != 0;
-    snprintf(s->table.using, sizeof s->table.using, "x y z of the coordinates");
-    return ok;
+    struct geojson_notes notes;
+    if (!geojson_file_read(f, fd, &s->table.fields, &notes))
+        return false;
+    show_geojson(s, &notes, source_name(s));
+    return true;
 }
 
 static bool read_points(struct source *s, struct points_file *f, const struct input *in)
@@ -127,7 +154,7 @@ bool source_read(struct source *s, struct points_file *f)
 {
     char why[300];
     struct input in;
-    const char *name = strcmp(s->path, "-") == 0 ? "standard input" : s->path;
+    const char *name = source_name(s);
     if (!input_open(&in, s->path, why, sizeof why)) {
         fprintf(stderr, "delaunay: %s: %s\n", name, why);
         return false;

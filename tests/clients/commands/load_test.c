@@ -68,7 +68,8 @@ TEST(load_reads_geojson)
     refuse_text("a.json", "\n{\"type\":\"LineString\",\"coordinates\":[[1,2],[3,4]]}", "",
                 "a.json:2: a geometry that is neither");
     refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1,2]", "", "not GeoJSON");
-    refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1]}", "", "not GeoJSON");
+    refuse_text("a.json", "{\"type\":\"Point\",\"coordinates\":[1]}", "",
+                "a position needs x and y");
     refuse_text("a.json", "[[[", "", "not GeoJSON");
     refuse_text("a.json", "\"no end", "", "not GeoJSON");
     refuse_text("a.json", "\"no end\\", "", "not GeoJSON");
@@ -91,7 +92,7 @@ TEST(load_of_geojson_limits_the_depth_of_values_and_not_their_number)
     cli_begin();
     for (int i = 0; i < 200; i++)
         n += (size_t)sprintf(text + n,
-                             "%s{\"properties\":{\"n\":[]},\"geometry\":"
+                             "%s{\"n\":[],\"geometry\":"
                              "{\"type\":\"Point\",\"coordinates\":[%d,1]}}",
                              i > 0 ? "," : "", i % 2);
     sprintf(text + n, "]}");

@@ -1,0 +1,28 @@
+/* geojson_file.h - the points of a GeoJSON file [RFC 7946]: one value, or several after one another (newline-delimited
+ * features). Only geometries count: every Point and MultiPoint, in order, that is the geometry of a feature, in a collection, or
+ * alone. What looks like a geometry in properties or in other members does not. Other geometries are faults. */
+#ifndef CLIENTS_GEOJSON_FILE_H
+#define CLIENTS_GEOJSON_FILE_H
+
+#include "clients/files/points_file.h"
+#include "clients/files/table_fields.h"
+
+struct geojson_notes {
+    bool heights;               /* there are third coordinates */
+    char property[FIELDS_NAME]; /* the property that has the heights instead; "": none */
+    uint64_t nowhere;           /* features and geometries without a place */
+    uint64_t more;              /* positions of more than three numbers */
+    char unused[400];           /* the names of properties that are not used, between commas */
+};
+
+/* Reads the whole file into memory, and twice: first to learn which fields there are. Third coordinates become the field z,
+ * or else a property whose name says that it is a height; with t->all all properties become fields that are more often numbers
+ * than something else. Adds the fields to *t and counts what is missing. *notes is filled in. */
+bool geojson_file_read(struct points_file *f, int fd, struct table_fields *t,
+                       struct geojson_notes *notes);
+
+/* The same for a text in memory. */
+bool geojson_text_read(struct points_file *f, const char *text, size_t n, struct table_fields *t,
+                       struct geojson_notes *notes);
+
+#endif
