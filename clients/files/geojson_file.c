@@ -3,7 +3,7 @@
 #include "clients/files/geojson_file.h"
 
 #include "clients/files/headings.h"
-#include "clients/files/json_scan.h"
+#include "clients/reading/json_scan.h"
 #include "proto/number.h"
 
 #include <errno.h>

@@ -81,38 +81,37 @@ static void show_reading(void *ctx, uint64_t bytes, size_t points)
     progress_update(&r->bar, bytes, r->size, points);
 }
 
-/* Says what was used, and what was not. */
-static void show_geojson(struct source *s, const struct geojson_notes *notes, const char *name)
+/* Says which coordinates and properties are used, and what is not. */
+static void show_geojson(struct source *s, struct report *r, const struct geojson_notes *notes)
 {
     const struct table_fields *t = &s->table.fields;
     size_t room = sizeof s->table.using, n = 0;
     if (t->n > 0)
         n = (size_t)snprintf(s->table.using, room, "x y%s of the coordinates",
                              notes->heights ? " z" : "");
-    for (size_t i = notes->heights; i < t->n && n + 2 * FIELDS_NAME < room; i++)
+    for (size_t i = notes->heights; i < t->n && n + 2 * FIELDS_NAME < room; i++) {
+        bool height = notes->property[0] != '\0' && strcmp(t->name[i], "z") == 0;
         n += (size_t)snprintf(s->table.using + n, room - n, "%s %s%s%s",
                               i == notes->heights ? ", of the properties" : "", t->name[i],
-                              i == 0 && notes->property[0] != '\0' ? "=" : "",
-                              i == 0 ? notes->property : "");
+                              height ? "=" : "", height ? notes->property : "");
+    }
     if (notes->unused[0] != '\0')
-        fprintf(stderr, "delaunay: %s: properties not used: %s%s\n", name, notes->unused,
-                t->all ? "" : " (--fields keeps those of numbers)");
-    if (notes->nowhere > 0)
-        fprintf(stderr, "delaunay: %s: %ju without a place (a geometry that is null or empty)\n",
-                name, (uintmax_t)notes->nowhere);
+        report_add(r, NOTE_UNUSED, "properties not used: %s%s", notes->unused,
+                   t->all ? "" : " (--fields keeps those of numbers)");
     if (notes->more > 0)
-        fprintf(stderr,
-                "delaunay: %s: %ju positions have more than x, y and z, which is not used\n", name,
-                (uintmax_t)notes->more);
+        report_add(r, NOTE_UNUSED, "%ju positions have more than x, y and z, which is not used",
+                   (uintmax_t)notes->more);
+    if (notes->nowhere > 0)
+        report_add(r, NOTE_SKIPPED, "%ju without a place (a geometry that is null or empty)",
+                   (uintmax_t)notes->nowhere);
 }
 
 static bool read_geojson(struct source *s, struct points_file *f, int fd)
 {
     struct geojson_notes notes;
-    if (!geojson_file_read(f, fd, &s->table.fields, &notes))
-        return false;
-    show_geojson(s, &notes, source_name(s));
-    return true;
+    bool ok = geojson_file_read(f, fd, &s->table.fields, &notes);
+    show_geojson(s, &f->report, &notes);
+    return ok;
 }
 
 static bool read_points(struct source *s, struct points_file *f, const struct input *in)

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "tests/clients/cli.h"
 #include "tests/test.h"
 
 static struct points_file file;
@@ -207,4 +208,25 @@ TEST(many_properties_are_listed_in_short)
     CHECK(read_text(text, true, false));
     CHECK(file.fields == FIELDS_MOST && fields.n == FIELDS_MOST && file.value[63] == 62);
     points_file_free(&file);
+}
+
+TEST(load_says_what_of_geojson_is_not_used)
+{
+    char command[200];
+    int status;
+    cli_begin();
+    cli_write("t.geojson",
+              TOWNS FEATURE("{\"elevation\":3}", "{\"type\":\"Point\",\"coordinates\":[7,8]}")
+                  FEATURE("{}", "null"));
+    snprintf(command, sizeof command, "load t %s --fields", cli_path("t.geojson"));
+    const char *out = cli_run(&status, command);
+    CHECK_MSG(status == 0, "%s", out);
+    CHECK_MSG(
+        strstr(out, ": using x y of the coordinates, of the properties pop rank z=elevation\n"),
+        "%s", out);
+    CHECK_MSG(strstr(out, ": properties not used: name\n") != NULL, "%s", out);
+    CHECK_MSG(strstr(out, ": 1 without a place (a geometry that is null or empty)\n") != NULL, "%s",
+              out);
+    cli_expect("fields t", "OK 3\npop 2 5 7\nrank 1 2 2\nz 1 3 3\n");
+    cli_finish();
 }

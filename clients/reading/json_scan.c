@@ -1,5 +1,5 @@
 /* json_scan.c - see json_scan.h. A recursive descent. */
-#include "clients/files/json_scan.h"
+#include "clients/reading/json_scan.h"
 
 char json_peek(struct json_scan *j)
 {
