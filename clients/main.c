@@ -6,12 +6,9 @@
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
 #include "clients/cli/subcommand.h"
-#include "clients/cli/url.h"
 #include "clients/commands/dispatch.h"
-
-#ifndef DELAUNAY_VERSION /* the Makefile knows it */
-#define DELAUNAY_VERSION "unknown"
-#endif
+#include "clients/lib/url.h"
+#include "proto/version.h"
 
 static const char help_head[] =
     "usage: delaunay [-h HOST] [-p PORT] [-u URL] COMMAND...\n"

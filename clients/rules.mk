@@ -8,8 +8,7 @@
 .PHONY: lib install uninstall
 
 PREFIX      ?= /usr/local
-VERSION     := $(shell sed -n 's/.*DELAUNAYD_VERSION "\(.*\)".*/\1/p' server/ops/config.h)
-$(O)/clients/main.o: COMPILE += -DDELAUNAY_VERSION='"$(VERSION)"'
+VERSION     := $(shell sed -n 's/.*DELAUNAY_VERSION "\(.*\)".*/\1/p' proto/version.h)
 
 # Line editing at the prompt, with libedit or readline if one of them is installed; LINE_EDITING= builds without.
 can_link = $(shell echo 'int main(void) { return readline("") == 0; }' | \
@@ -31,9 +30,9 @@ $(O)/pic/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -fPIC -MMD -MP -c -o $@ $<
 
-# The public headers of each library are installed as one.
-CORE_HEADERS := core/delaunay.h core/delaunay_fields.h core/delaunay_surface.h
-CLIENT_HEADERS := clients/lib/delaunay_client.h clients/lib/delaunay_mirror.h
+# The public headers of each library are installed as one; both begin with the version.
+CORE_HEADERS := proto/version.h core/delaunay.h core/delaunay_fields.h core/delaunay_surface.h
+CLIENT_HEADERS := proto/version.h clients/lib/delaunay_client.h clients/lib/delaunay_mirror.h
 $(O)/include/delaunay_client.h: $(CLIENT_HEADERS)
 $(O)/include/delaunay_core.h: $(CORE_HEADERS)
 $(HEADERS:%=$(O)/include/%):
@@ -51,6 +50,7 @@ $(O)/lib/lib%.map: $(O)/lib/lib%.names
 	{ echo 'DELAUNAY_0 { global:'; sed 's/$$/;/' $<; echo 'local: *; };'; } >$@
 
 CLIENT_LIBRARY := clients/lib/delaunay_client.o clients/lib/delaunay_mirror.o clients/lib/mirror_copy.o \
+                  clients/lib/connect.o clients/lib/url.o \
                   $(addprefix proto/,buf.o reply_read.o request.o number_exact.o number_read.o number_write.o powers.o)
 $(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0: $(addprefix $(O)/pic/,$(CLIENT_LIBRARY))
 $(O)/lib/libdelaunay-core.a $(O)/lib/libdelaunay-core.so.0: $(CORE:$(O)/%=$(O)/pic/%)
@@ -75,7 +75,7 @@ $(O)/lib/pkgconfig/%.pc: clients/lib/%.pc.in Makefile
 INTO       = $(DESTDIR)$(PREFIX)
 COMPLETION = bash:bash-completion/completions/delaunay zsh:zsh/site-functions/_delaunay fish:fish/vendor_completions.d/delaunay.fish
 INSTALLED := bin/delaunayd bin/delaunay $(HEADERS:%=include/%) $(LIB_FILES:%=lib/%) $(LIBRARIES:%=lib/lib%.so) \
-             $(LIBRARIES:%=lib/pkgconfig/%.pc) share/man/man1/delaunay.1 share/man/man8/delaunayd.8 \
+             $(LIBRARIES:%=lib/pkgconfig/%.pc) share/man/man1/delaunay.1 share/man/man8/delaunayd.8 share/doc/delaunayd/PROTOCOL.md \
              $(foreach c,$(COMPLETION),share/$(lastword $(subst :, ,$(c))))
 
 install: all lib
@@ -86,6 +86,7 @@ install: all lib
 	$(foreach l,$(LIBRARIES),ln -sf lib$(l).so.0 $(INTO)/lib/lib$(l).so && $(call pc_of,$(l)) >$(INTO)/lib/pkgconfig/$(l).pc &&) true
 	install -m 644 man/delaunay.1 $(INTO)/share/man/man1
 	install -m 644 man/delaunayd.8 $(INTO)/share/man/man8
+	install -m 644 proto/PROTOCOL.md $(INTO)/share/doc/delaunayd
 	$(foreach c,$(COMPLETION),$(O)/delaunay completion $(subst :, >$(INTO)/share/,$(c)) &&) true
 
 uninstall:

@@ -65,6 +65,9 @@ enum dt_status {
     DT_TOOLONG         /* it takes more steps than the caller allows (struct dt_options) */
 };
 
+/* A sentence for people, for any number: a static string. */
+const char *dt_status_text(enum dt_status status);
+
 /* ---- how a call may be carried out ---- */
 
 /* How the core gets threads: run(ctx, n, job, arg) calls job(arg, i) for every i < n, in any order,

@@ -52,7 +52,7 @@ int main(void)
     struct dt *t = dt_new(0);
     enum dt_status s = t != NULL ? run(t, &found) : DT_NOMEM;
     if (s != DT_OK)
-        fprintf(stderr, "failed: %d\n", (int)s);
+        fprintf(stderr, "failed: %s\n", dt_status_text(s));
     free(found.v);
     dt_free(t);
     return s == DT_OK ? 0 : 1;

@@ -2,6 +2,7 @@
 #include "server/command/command.h"
 
 #include "proto/number.h"
+#include "proto/version.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
 
@@ -52,7 +53,7 @@ void cmd_hello(struct server *s, struct dataset *set, const struct request *q, s
     } else {
         reply_ok(a->out, 0);
         reply_key_text(a->out, "server", "delaunayd");
-        reply_key_text(a->out, "version", DELAUNAYD_VERSION);
+        reply_key_text(a->out, "version", DELAUNAY_VERSION);
         reply_key_u64(a->out, "protocol", PROTOCOL_VERSION);
         reply_end(a->out);
     }

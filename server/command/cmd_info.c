@@ -1,6 +1,7 @@
 /* cmd_info.c - INFO: facts about the server in sections, lines `key:value`. */
 #include "server/command/command.h"
 
+#include "proto/version.h"
 #include "server/clients/clients.h"
 #include "server/jobs/durable.h"
 #include "server/jobs/job.h"
@@ -36,7 +37,7 @@ void facts_add(struct facts *f, const char *key, uint64_t value)
 
 static void add_server(const struct server *s, struct facts *f)
 {
-    facts_add_text(f, "version", DELAUNAYD_VERSION);
+    facts_add_text(f, "version", DELAUNAY_VERSION);
     facts_add(f, "protocol", PROTOCOL_VERSION);
     facts_add(f, "pid", (uint64_t)getpid());
     facts_add(f, "uptime_s", (uint64_t)(clock_ms() - s->started_ms) / 1000);

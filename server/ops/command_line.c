@@ -1,6 +1,7 @@
 /* command_line.c - see command_line.h. */
 #include "server/ops/command_line.h"
 
+#include "proto/version.h"
 #include "server/ops/setting.h"
 
 #include <arpa/inet.h>
@@ -120,7 +121,7 @@ enum command_line command_line_read(struct config *c, int argc, char **argv)
     list_flags(flags);
     for (int flag; (flag = getopt_long(argc, argv, "", flags, NULL)) != -1;) {
         if (flag == FLAG_HELP || flag == FLAG_VERSION) {
-            fputs(flag == FLAG_HELP ? usage : "delaunayd " DELAUNAYD_VERSION "\n", stdout);
+            fputs(flag == FLAG_HELP ? usage : "delaunayd " DELAUNAY_VERSION "\n", stdout);
             return COMMAND_LINE_ANSWERED;
         }
         if (flag == FLAG_CHECK)

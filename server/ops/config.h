@@ -8,7 +8,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define DELAUNAYD_VERSION "0.1.0"
 #define PROTOCOL_VERSION 1
 #define DEFAULT_PORT 6374 /* M-E-S-H on a telephone keypad */
 

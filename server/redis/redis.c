@@ -3,6 +3,7 @@
 
 #include "proto/number.h"
 #include "proto/resp.h"
+#include "proto/version.h"
 #include "server/clients/clients.h"
 #include "server/command/load.h"
 #include "server/ops/setting.h"
@@ -291,7 +292,7 @@ static void greet(struct answer *a, uint32_t version)
     redis_bulk_text(a, "server");
     redis_bulk_text(a, "delaunayd");
     redis_bulk_text(a, "version");
-    redis_bulk_text(a, DELAUNAYD_VERSION);
+    redis_bulk_text(a, DELAUNAY_VERSION);
     redis_bulk_text(a, "proto");
     redis_integer(a, version);
     redis_bulk_text(a, "id");

@@ -1,0 +1,8 @@
+/* version.h - the version of this project: of the daemon, the programs and both libraries. */
+#ifndef DELAUNAY_VERSION_H
+#define DELAUNAY_VERSION_H
+
+#define DELAUNAY_VERSION "0.1.0"
+#define DELAUNAY_VERSION_NUMBER 100 /* 10000 major + 100 minor + patch */
+
+#endif
