@@ -102,6 +102,32 @@ bool word_is_field_name(const struct word *w)
     return word_is_set_name(w) && w->text[0] > ':'; /* of those: letters and `_` */
 }
 
+static size_t skip(const char *text, size_t len, size_t at, bool blanks)
+{
+    while (at < len && (text[at] == ' ' || text[at] == '\t') == blanks)
+        at++;
+    return at;
+}
+
+bool line_is_whole_request(const char *text, size_t len)
+{
+    for (size_t i = 0; i < len; i++)
+        if (text[i] == '\n' || text[i] == '\r' || text[i] == '\0')
+            return false;
+    for (size_t at = 0;;) {
+        at = skip(text, len, at, true);
+        struct word command = {text + at, skip(text, len, at, false) - at};
+        if (command.len == 0 || command.text[0] == '#')
+            return false;
+        if (!word_is(&command, "TIMEOUT"))
+            return !word_is(&command, "LOAD") && (command.text[command.len - 1] | 0x20) != 'b';
+        at = skip(text, len, at + command.len, true);
+        at = skip(text, len, at, false); /* the seconds */
+        if (skip(text, len, at, true) == len)
+            return true; /* a setting, or a request that is refused */
+    }
+}
+
 bool line_is_http(const char *text, size_t len)
 {
     static const char mark[] = " HTTP/1.";

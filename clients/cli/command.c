@@ -24,6 +24,20 @@ bool command_show_comment(void *ctx, const struct delaunay_part *part)
     return true;
 }
 
+struct delaunay_client *command_connect(const struct url *where, char *why, size_t room)
+{
+    struct delaunay_client *c = delaunay_connect(where->host, where->port, why, room);
+    if (c == NULL || where->token[0] == '\0')
+        return c;
+    enum delaunay_result r = delaunay_authenticate(c, where->token);
+    if (r == DELAUNAY_OK)
+        return c;
+    snprintf(why, room, "%s",
+             r == DELAUNAY_REFUSED ? delaunay_status(c)->text : delaunay_result_text(r));
+    delaunay_close(c);
+    return NULL;
+}
+
 static bool print_part(void *ctx, const struct delaunay_part *part)
 {
     if (part->kind == DELAUNAY_PART_COMMENT)
@@ -63,15 +77,6 @@ int command_outcome(const struct delaunay_client *c, enum delaunay_result r)
     return r == DELAUNAY_LOST || r == DELAUNAY_BROKEN ? EXIT_NO_CONNECTION : EXIT_REFUSED;
 }
 
-/* A line break within an argument would begin a second request, whose reply would not be read. */
-static bool is_one_line(int words, char **word)
-{
-    for (int i = 0; i < words; i++)
-        if (strpbrk(word[i], "\r\n") != NULL)
-            return false;
-    return true;
-}
-
 static bool asks_for_bytes(int words, char **word)
 {
     size_t n = strlen(word[words - 1]);
@@ -86,20 +91,19 @@ int command_any(struct delaunay_client *c, int words, char **word)
         fprintf(stderr, "delaunay: a binary reply cannot be JSON\n");
         return EXIT_USAGE;
     }
-    if (!is_one_line(words, word)) {
-        fprintf(stderr, "delaunay: a line break in the command\n");
-        return EXIT_USAGE;
-    }
     for (int i = 0; i < words; i++) {
         if (i > 0)
             buf_append_char(&line, ' ');
         buf_append_text(&line, word[i]);
     }
+    buf_append_char(&line, '\0');
     enum delaunay_result r =
-        line.failed ? DELAUNAY_NOMEM : delaunay_send(c, buf_head(&line), buf_len(&line));
+        line.failed ? DELAUNAY_NOMEM : delaunay_request(c, buf_head(&line), print_part, &j);
     buf_free(&line);
-    if (r == DELAUNAY_OK)
-        r = delaunay_receive(c, print_part, &j);
+    if (r == DELAUNAY_BADREQUEST) {
+        fprintf(stderr, "delaunay: %s\n", delaunay_result_text(r));
+        return EXIT_USAGE;
+    }
     if (json_chosen())
         json_end(&j);
     if (r == DELAUNAY_REFUSED) /* the ERR line is printed: it is the reply */

@@ -6,8 +6,12 @@
 
 #include "clients/files/source.h"
 #include "clients/lib/delaunay_client.h"
+#include "clients/lib/url.h"
 
 enum exit_status { EXIT_DONE = 0, EXIT_REFUSED = 1, EXIT_USAGE = 2, EXIT_NO_CONNECTION = 3 };
+
+/* Connects, and authenticates if there is a token. NULL, with a sentence in why[room], on failure. */
+struct delaunay_client *command_connect(const struct url *where, char *why, size_t room);
 
 /* Sends the words as one request line and prints the reply. */
 int command_any(struct delaunay_client *c, int words, char **word);

@@ -10,7 +10,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
-#include "clients/cli/url.h"
+#include "clients/lib/url.h"
 #include "clients/meshes/model.h"
 #include "proto/buf.h"
 #include "proto/number.h"
@@ -163,7 +163,7 @@ static int connect_both(struct copy *y)
 {
     char why[256];
     for (int i = 0; i < 2; i++) {
-        y->c[i] = url_connect(&y->url[i], why, sizeof why);
+        y->c[i] = command_connect(&y->url[i], why, sizeof why);
         if (y->c[i] == NULL) {
             fprintf(stderr, "delaunay: %s\n", why);
             return EXIT_NO_CONNECTION;

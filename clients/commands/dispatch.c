@@ -76,7 +76,7 @@ static int run(const struct subcommand *s, int words, char **word, const struct 
     char why[256];
     if (url_is_private(where))
         return run_alone(s, words, word);
-    struct delaunay_client *c = url_connect(where, why, sizeof why);
+    struct delaunay_client *c = command_connect(where, why, sizeof why);
     if (c == NULL && is_default(where) && needs_no_sets(words, word)) {
         if (words == 0)
             fprintf(stderr, "%s. This is a private server; its sets end with this prompt.\n", why);

@@ -3,7 +3,7 @@
 #define CLIENTS_DISPATCH_H
 
 #include "clients/cli/command.h"
-#include "clients/cli/url.h"
+#include "clients/lib/url.h"
 
 /* With c NULL it connects to *where, which a set's URL among the words changes. With c, from the prompt, where is
  * NULL. No words: the prompt. Returns the exit status. */

@@ -72,10 +72,6 @@ static int carry_out(struct delaunay_client *c, char *line)
         fprintf(stderr, "delaunay: a control character in the line; nothing was sent\n");
         return EXIT_USAGE;
     }
-    if (is_first_word(line, "loadb")) { /* its points would be read as requests */
-        fprintf(stderr, "delaunay: to load points use load SET FILE\n");
-        return EXIT_USAGE;
-    }
     if (!is_ours(line))
         return command_any(c, 1, &line);
     int words = split(line, word);

@@ -9,19 +9,15 @@
 #include "clients/lib/delaunay_client.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
-#include <netdb.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
+#include "clients/lib/connect.h"
 #include "proto/buf.h"
 #include "proto/reply_read.h"
 #include "proto/request.h"
@@ -33,6 +29,7 @@
 
 struct delaunay_client {
     int fd;
+    int timeout_ms;     /* the longest time without any progress; -1: no limit */
     bool mute, ended;   /* the server takes, or sends, nothing more */
     struct buf out, in; /* own; requests not yet sent, replies not yet taken */
     struct reply_reader reader;
@@ -52,70 +49,89 @@ const char *delaunay_result_text(enum delaunay_result r)
         "stopped",
         "nothing has arrived in time",
         "the set has been dropped",
+        "a request is one line, not blank, not a comment, and without a body; nothing was sent",
     };
-    return text[r];
+    size_t i = (size_t)r; /* a caller may have any number in an enum */
+    return i < sizeof text / sizeof text[0] ? text[i] : "not a result of this library";
 }
 
 /* ---- connecting ---- */
 
-static int connect_unix(const char *path, char *why, size_t room)
+/* Copies a text that fits; otherwise false, with a sentence in why[room]. */
+static bool take_text(char *to, size_t limit, const char *from, char *why, size_t room)
 {
-    struct sockaddr_un addr = {.sun_family = AF_UNIX};
-    if (strlen(path) >= sizeof addr.sun_path) {
-        snprintf(why, room, "too long for the path of a socket: %s", path);
-        return -1;
-    }
-    memcpy(addr.sun_path, path, strlen(path));
-    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (fd >= 0 && connect(fd, (struct sockaddr *)&addr, sizeof addr) == 0)
-        return fd;
-    snprintf(why, room, "%s: %s", path, strerror(errno));
-    if (fd >= 0)
-        close(fd);
-    return -1;
+    bool fits = strlen(from) < limit;
+    snprintf(to, limit, "%s", fits ? from : "");
+    if (!fits)
+        snprintf(why, room, "too long: %s", from);
+    return fits;
 }
 
-/* Tries every address of the host: "localhost" may be ::1 first, and the server on 127.0.0.1. */
-static int connect_tcp(const char *host, const char *port, char *why, size_t room)
+static bool read_where(const char *host, const char *port, struct url *where, char *why,
+                       size_t room)
 {
-    struct addrinfo hints = {.ai_socktype = SOCK_STREAM}, *list;
-    int failed = getaddrinfo(host, port, &hints, &list);
-    if (failed != 0) {
-        snprintf(why, room, "%s:%s: %s", host, port, gai_strerror(failed));
-        return -1;
+    if (!url_is(host)) {
+        *where = (struct url){.host = ""};
+        return take_text(where->host, sizeof where->host, host, why, room) &&
+               (strchr(host, '/') != NULL || /* the path of a socket, which has no port */
+                take_text(where->port, sizeof where->port, port, why, room));
     }
-    int fd = -1;
-    for (struct addrinfo *a = list; a != NULL && fd < 0; a = a->ai_next) {
-        fd = socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
-        if (fd < 0 || connect(fd, a->ai_addr, a->ai_addrlen) == 0)
-            continue;
-        snprintf(why, room, "%s:%s: %s", host, port, strerror(errno));
+    if (url_read(host, where))
+        return true;
+    snprintf(why, room, "not delaunay://[:token@]host[:port] or unix://[:token@]/path: %s", host);
+    return false;
+}
+
+static struct delaunay_client *client_new(int fd, int timeout_ms)
+{
+    struct delaunay_client *c = calloc(1, sizeof *c);
+    if (c == NULL) {
         close(fd);
-        fd = -1;
+        return NULL;
     }
-    freeaddrinfo(list);
-    if (fd >= 0)
-        setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &(int){1}, sizeof(int));
-    return fd;
+    c->fd = fd;
+    c->timeout_ms = timeout_ms;
+    c->status.text = "";
+    return c;
+}
+
+struct delaunay_client *delaunay_connect_within(const char *host, const char *port, int timeout_ms,
+                                                char *why, size_t room)
+{
+    struct url where;
+    int fd = read_where(host, port, &where, why, room)
+                 ? connect_socket(&where, timeout_ms, why, room)
+                 : -1;
+    if (fd < 0)
+        return NULL;
+    struct delaunay_client *c = client_new(fd, timeout_ms);
+    enum delaunay_result r = c == NULL                ? DELAUNAY_NOMEM
+                             : where.token[0] == '\0' ? DELAUNAY_OK
+                                                      : delaunay_authenticate(c, where.token);
+    if (r == DELAUNAY_OK)
+        return c;
+    snprintf(why, room, "%s", r == DELAUNAY_REFUSED ? c->status.text : delaunay_result_text(r));
+    delaunay_close(c);
+    return NULL;
 }
 
 struct delaunay_client *delaunay_connect(const char *host, const char *port, char *why, size_t room)
 {
-    snprintf(why, room, "%s:%s: no address", host, port);
-    int fd = strchr(host, '/') != NULL ? connect_unix(host, why, room)
-                                       : connect_tcp(host, port, why, room);
-    if (fd < 0)
-        return NULL;
-    struct delaunay_client *c = calloc(1, sizeof *c);
-    if (c == NULL || fcntl(fd, F_SETFL, O_NONBLOCK) != 0) {
-        snprintf(why, room, "%s", strerror(errno));
-        close(fd);
-        free(c);
-        return NULL;
-    }
-    c->fd = fd;
-    c->status.text = "";
-    return c;
+    return delaunay_connect_within(host, port, -1, why, room);
+}
+
+void delaunay_set_timeout(struct delaunay_client *c, int timeout_ms)
+{
+    c->timeout_ms = timeout_ms;
+}
+
+enum delaunay_result delaunay_authenticate(struct delaunay_client *c, const char *token)
+{
+    char line[300];
+    if (token[0] == '\0' || strpbrk(token, " \t\r\n") != NULL ||
+        (size_t)snprintf(line, sizeof line, "AUTH %s", token) >= sizeof line)
+        return DELAUNAY_BADREQUEST;
+    return delaunay_request(c, line, NULL, NULL);
 }
 
 void delaunay_close(struct delaunay_client *c)
@@ -181,7 +197,7 @@ static enum delaunay_result drain(struct delaunay_client *c, size_t left)
 {
     enum delaunay_result r = c->out.failed ? DELAUNAY_NOMEM : DELAUNAY_OK;
     while (r == DELAUNAY_OK && buf_len(&c->out) > left)
-        r = pump(c, -1);
+        r = pump(c, c->timeout_ms);
     return r;
 }
 
@@ -209,8 +225,18 @@ static void queue_doubles(struct delaunay_client *c, const double *v, size_t n)
 #endif
 }
 
+/* The length without the line's own end. */
+static size_t without_end(const char *line, size_t len)
+{
+    len -= len > 0 && line[len - 1] == '\n';
+    return len - (len > 0 && line[len - 1] == '\r');
+}
+
 enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, size_t len)
 {
+    len = without_end(line, len);
+    if (memchr(line, '\n', len) != NULL || memchr(line, '\0', len) != NULL)
+        return DELAUNAY_BADREQUEST;
     queue(c, line, len);
     queue(c, "\n", 1);
     return drain(c, SEND_AT);
@@ -232,6 +258,15 @@ static void queue_rows(struct delaunay_client *c, const struct body *b, size_t f
     }
 }
 
+/* A request or reply of which only a part has passed cannot be continued: the connection ends. */
+static enum delaunay_result give_up(struct delaunay_client *c, enum delaunay_result r)
+{
+    c->mute = c->ended = true;
+    buf_consume(&c->out, buf_len(&c->out));
+    buf_consume(&c->in, buf_len(&c->in));
+    return r;
+}
+
 /* Sends `command set n rest`, and the rows after it. */
 static enum delaunay_result send_body(struct delaunay_client *c, const char *command,
                                       const char *set, const char *rest, const struct body *b,
@@ -251,7 +286,7 @@ static enum delaunay_result send_body(struct delaunay_client *c, const char *com
         if (progress != NULL)
             progress(ctx, done, b->n);
     }
-    return r;
+    return r == DELAUNAY_OK ? r : give_up(c, r);
 }
 
 enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char *set,
@@ -261,18 +296,33 @@ enum delaunay_result delaunay_send_points(struct delaunay_client *c, const char 
     return send_body(c, "LOADB", set, "", &(struct body){xy, NULL, n, 0}, progress, ctx);
 }
 
+/* The number of names in a list with commas between; 0 if one is not the name of a field, or the list is too long. */
+static size_t count_fields(const char *list)
+{
+    size_t n = 0;
+    if (strlen(list) > FIELD_LIST_MAX)
+        return 0;
+    for (const char *at = list;; n++) {
+        struct word name = {at, strcspn(at, ",")};
+        if (!word_is_field_name(&name))
+            return 0;
+        at += name.len;
+        if (*at++ == '\0')
+            return n + 1;
+    }
+}
+
 enum delaunay_result delaunay_send_values(struct delaunay_client *c, const char *set,
                                           const char *fields, const double *xy, const double *value,
                                           size_t n, delaunay_progress_fn *progress, void *ctx)
 {
     char rest[FIELD_LIST_MAX + 16];
-    struct body body = {xy, value, n, 1};
+    struct body body = {xy, value, n, 0};
     if (fields == NULL || fields[0] == '\0')
         return delaunay_send_points(c, set, xy, n, progress, ctx);
-    if (strlen(fields) > FIELD_LIST_MAX || strpbrk(fields, " \t\r\n") != NULL)
+    body.k = count_fields(fields);
+    if (body.k == 0)
         return DELAUNAY_BADNAME;
-    for (const char *p = fields; *p != '\0'; p++)
-        body.k += *p == ',';
     snprintf(rest, sizeof rest, " FIELDS %s", fields);
     return send_body(c, "LOADB", set, rest, &body, progress, ctx);
 }
@@ -332,7 +382,7 @@ enum delaunay_result delaunay_receive(struct delaunay_client *c, delaunay_part_f
 {
     bool last = false;
     while (!last) {
-        enum delaunay_result r = delaunay_receive_part(c, -1, part, ctx, &last);
+        enum delaunay_result r = delaunay_receive_part(c, c->timeout_ms, part, ctx, &last);
         if (r != DELAUNAY_OK)
             return r;
     }
@@ -365,8 +415,10 @@ enum delaunay_result delaunay_receive_bytes(struct delaunay_client *c, void **by
     if (r == DELAUNAY_STOPPED && g.failed)
         r = DELAUNAY_NOMEM;
     if (r != DELAUNAY_OK) {
+        bool cut = r == DELAUNAY_TIMEOUT && g.bytes != NULL;
         free(g.bytes);
         g = (struct gathering){0};
+        r = cut ? give_up(c, r) : r;
     }
     *bytes = g.bytes;
     *n = (size_t)g.n;
@@ -412,7 +464,10 @@ enum delaunay_result delaunay_nearest_places(struct delaunay_client *c, const ch
 enum delaunay_result delaunay_request(struct delaunay_client *c, const char *line,
                                       delaunay_part_fn *part, void *ctx)
 {
-    enum delaunay_result r = delaunay_send(c, line, strlen(line));
+    size_t len = without_end(line, strlen(line));
+    if (!line_is_whole_request(line, len))
+        return DELAUNAY_BADREQUEST;
+    enum delaunay_result r = delaunay_send(c, line, len);
     return r == DELAUNAY_OK ? delaunay_receive(c, part, ctx) : r;
 }
 

@@ -28,15 +28,18 @@ enum delaunay_result {
     DELAUNAY_OK = 0,  /* carried out */
     DELAUNAY_REFUSED, /* the server answered ERR; delaunay_status has the line; the connection goes
                          on */
-    DELAUNAY_BADNAME, /* not a name of a set; nothing was sent */
+    DELAUNAY_BADNAME, /* not a name of a set or a field; nothing was sent */
     DELAUNAY_LOST,    /* the connection ended before the reply did */
     DELAUNAY_BROKEN,  /* the input is not a reply of the protocol */
     DELAUNAY_NOMEM,   /* out of memory */
     DELAUNAY_STOPPED, /* the caller's own callback said stop */
     DELAUNAY_TIMEOUT, /* nothing in the time given */
-    DELAUNAY_DROPPED  /* of a mirror: the set has been dropped */
+    DELAUNAY_DROPPED, /* of a mirror: the set has been dropped */
+    DELAUNAY_BADREQUEST /* not one whole request line; nothing was sent */
 };
-/* After LOST, BROKEN, NOMEM and STOPPED the connection is unusable: close it. A mirror makes another one. */
+/* After LOST, BROKEN, NOMEM and STOPPED the connection is unusable: close it. A mirror makes another one. After TIMEOUT a request
+ * that was not sent is still queued, and a reply is still to come: receive again. Where a function sends points or collects bytes and
+ * had begun, it cannot be continued after TIMEOUT: the next call returns LOST. */
 
 enum delaunay_part_kind {
     DELAUNAY_PART_OK,      /* the status line of a request that was carried out */
@@ -54,7 +57,7 @@ struct delaunay_part {
     bool last; /* the reply ends here */
 };
 
-/* A sentence for people. */
+/* A sentence for people, for any number: a static string. */
 const char *delaunay_result_text(enum delaunay_result r);
 
 /* Called with every part of a reply (status line, row, raw bytes, comment), which it borrows during
@@ -64,14 +67,29 @@ typedef bool delaunay_part_fn(void *ctx, const struct delaunay_part *part);
 /* Called with the points sent so far, of how many. */
 typedef void delaunay_progress_fn(void *ctx, size_t done, size_t total);
 
-/* Connects to a host and port, or, if host contains a '/', to the Unix socket of that path. NULL on
- * failure, with a sentence in why[room]. The caller owns the client. Blocks. */
+/* Connects. host is one of: a name or address, with the port beside it; the path of a Unix socket, which contains a '/'; a URL
+ * delaunay://[:token@]host[:port] or unix://[:token@]/path, whose token is sent. For the last two port may be NULL. NULL on failure,
+ * with a sentence in why[room]. The caller owns the client. Blocks. */
 struct delaunay_client *delaunay_connect(const char *host, const char *port, char *why,
                                          size_t room);
+
+/* The same with a time limit in milliseconds for each address of the host, and then for the connection as by
+ * delaunay_set_timeout. Looking up a name takes its own time. */
+struct delaunay_client *delaunay_connect_within(const char *host, const char *port, int timeout_ms,
+                                                char *why, size_t room);
+
+/* From now on functions that block return DELAUNAY_TIMEOUT when nothing has been sent or received for timeout_ms; -1, as at first: no
+ * limit. */
+void delaunay_set_timeout(struct delaunay_client *c, int timeout_ms);
+
+/* Sends a token (AUTH) and receives the reply. BADREQUEST if it is empty, has blanks or is too long. */
+enum delaunay_result delaunay_authenticate(struct delaunay_client *c, const char *token);
+
 void delaunay_close(struct delaunay_client *c);
 
-/* Queues the request line[len], without LF. Sends when enough is queued; the next receive sends the rest.
- * Blocks while the server does not read. */
+/* Queues the request line[len]; a line end at its end is left out. Sends when enough is queued; the next receive sends the rest.
+ * Blocks while the server does not read. BADREQUEST if it contains a line feed or a NUL byte. The lines that follow LOAD are sent in the
+ * same way, one by one; blank lines and comments have no reply. */
 enum delaunay_result delaunay_send(struct delaunay_client *c, const char *line, size_t len);
 
 /* Reads the reply to the oldest request that has none yet; part may be NULL. Blocks until the reply
@@ -95,8 +113,9 @@ enum delaunay_result delaunay_receive_part(struct delaunay_client *c, int timeou
 /* For poll(): readable when something has arrived that has not been received yet; parts that have been received may be waiting. */
 int delaunay_descriptor(const struct delaunay_client *c);
 
-/* Sends and receives, for a string. With replies still to come for requests sent before, receive those
- * first. */
+/* Sends and receives, for a string. BADREQUEST if the line has no reply of its own: more than one line, a blank line, a comment, or a
+ * request with a body (LOAD, LOADB ...; use the functions below). With replies still to come for requests sent before,
+ * receive those first. */
 enum delaunay_result delaunay_request(struct delaunay_client *c, const char *line,
                                       delaunay_part_fn *part, void *ctx);
 

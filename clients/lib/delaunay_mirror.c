@@ -14,7 +14,7 @@
 #include "clients/lib/mirror_copy.h"
 #include "proto/request.h"
 
-#define REPLY_MS 10000 /* for the replies to AUTH and WATCH */
+#define REPLY_MS 10000 /* to connect, and for the replies to AUTH and WATCH */
 #define FIRST_DELAY_MS 50
 #define LONGEST_DELAY_MS 5000
 #define WORDS_MAX 4400 /* bytes of WITHIN and FIELDS */
@@ -56,33 +56,19 @@ static void lose(struct delaunay_mirror *m, enum delaunay_result why)
         m->delay_ms = LONGEST_DELAY_MS;
 }
 
-/* Sends a request and waits for its reply, which has no rows. */
-static enum delaunay_result ask(struct delaunay_client *c, const char *line)
-{
-    bool last = false;
-    enum delaunay_result r = delaunay_send(c, line, strlen(line));
-    while (r == DELAUNAY_OK && !last)
-        r = delaunay_receive_part(c, REPLY_MS, NULL, NULL, &last);
-    if (r == DELAUNAY_TIMEOUT)
-        r = DELAUNAY_LOST;
-    return r == DELAUNAY_OK && delaunay_status(c)->kind != DELAUNAY_PART_OK ? DELAUNAY_REFUSED : r;
-}
-
 static enum delaunay_result watch(struct delaunay_mirror *m, struct delaunay_client *c)
 {
     char line[WORDS_MAX + 200];
-    enum delaunay_result r = DELAUNAY_OK;
-    if (m->token != NULL) {
-        snprintf(line, sizeof line, "AUTH %s", m->token);
-        r = ask(c, line);
-    }
+    enum delaunay_result r = m->token != NULL ? delaunay_authenticate(c, m->token) : DELAUNAY_OK;
     int len = snprintf(line, sizeof line, "WATCH %s", m->set);
     if (m->version > 0)
         len += snprintf(line + len, sizeof line - (size_t)len, " SINCE %llu",
                         (unsigned long long)m->version);
     snprintf(line + len, sizeof line - (size_t)len, "%s", m->words);
     delaunay_expect_events(c);
-    return r == DELAUNAY_OK ? ask(c, line) : r;
+    if (r == DELAUNAY_OK)
+        r = delaunay_request(c, line, NULL, NULL);
+    return r == DELAUNAY_TIMEOUT ? DELAUNAY_LOST : r;
 }
 
 /* Why the last request failed. */
@@ -98,7 +84,7 @@ static void explain(const struct delaunay_client *c, enum delaunay_result r, cha
 /* Connects and asks for events; sets m->c, or m->why and a sentence in why[room]. */
 static void begin(struct delaunay_mirror *m, char *why, size_t room)
 {
-    struct delaunay_client *c = delaunay_connect(m->host, m->port, why, room);
+    struct delaunay_client *c = delaunay_connect_within(m->host, m->port, REPLY_MS, why, room);
     if (c == NULL) {
         lose(m, DELAUNAY_LOST);
         return;
@@ -149,7 +135,7 @@ static struct delaunay_mirror *make(const char *host, const char *port, const ch
     if (m == NULL)
         return NULL;
     m->host = strdup(host);
-    m->port = strdup(port);
+    m->port = strdup(port != NULL ? port : "");
     m->set = strdup(set);
     if (m->host != NULL && m->port != NULL && m->set != NULL &&
         (options == NULL || write_options(m, options)))

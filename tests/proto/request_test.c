@@ -1,8 +1,11 @@
 /* request_test.c - splitting a line into words. */
 #include "proto/request.h"
-#include "tests/test.h"
 
+#include <stdio.h>
 #include <string.h>
+
+#include "proto/version.h"
+#include "tests/test.h"
 
 static struct request q;
 
@@ -120,4 +123,37 @@ TEST(request_can_be_made_of_words_that_were_read_before)
     test_fail_alloc(1);
     CHECK(!request_set(&q, word, 1) && q.n == 0 && test_alloc_failed());
     request_free(&q);
+}
+
+TEST(request_is_whole_if_it_has_a_reply_of_its_own)
+{
+    static const char *const whole[] = {"PING",      " ping",     "LOCATE t 1 2",
+                                        "\tDROP\tb", "x",         "TIMEOUT 1 PING",
+                                        "TIMEOUT",   "TIMEOUT 5", "TIMEOUT LOADB"};
+    static const char *const other[] = {"",
+                                        " \t",
+                                        "# a comment",
+                                        " #",
+                                        "LOAD t",
+                                        "load t 2",
+                                        "LOADB t 1",
+                                        "nearestb t 1",
+                                        "TIMEOUT 1 LOADB t 1",
+                                        "TIMEOUT 1 TIMEOUT 2 fsetb t z 0 1",
+                                        "PING\nPING",
+                                        "PING\r",
+                                        "PING\r\nPING"};
+    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++)
+        CHECK_MSG(line_is_whole_request(whole[i], strlen(whole[i])), "%s", whole[i]);
+    for (size_t i = 0; i < sizeof other / sizeof other[0]; i++)
+        CHECK_MSG(!line_is_whole_request(other[i], strlen(other[i])), "%s", other[i]);
+    CHECK(!line_is_whole_request("PING\0PING", 9));
+}
+
+TEST(version_is_the_same_as_text_and_as_number)
+{
+    unsigned major, minor, patch;
+    char rest;
+    CHECK(sscanf(DELAUNAY_VERSION, "%u.%u.%u%c", &major, &minor, &patch, &rest) == 3);
+    CHECK(DELAUNAY_VERSION_NUMBER == 10000 * major + 100 * minor + patch);
 }

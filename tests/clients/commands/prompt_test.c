@@ -100,10 +100,16 @@ TEST(prompt_reads_lines_with_subcommands_from_a_pipe)
     got = peer_shell(&status, "printf '\\033[Aping\\n' | %s -p %s 2>&1", getenv("DELAUNAY"),
                      cli_daemon.port_text);
     CHECK_STR(got, "delaunay: a control character in the line; nothing was sent\n");
-    got = peer_shell(&status, "printf 'load t \"a\\nLOADB t 1\\n' | %s -p %s 2>&1",
+    got = peer_shell(&status,
+                     "printf 'load t \"a\\nLOADB t 1\\ntimeout 5 locateb t 1\\n' | %s -p %s 2>&1",
                      getenv("DELAUNAY"), cli_daemon.port_text);
-    CHECK_STR(got, "delaunay: a quote is open, or too many words\n"
-                   "delaunay: to load points use load SET FILE\n");
+    CHECK_STR(
+        got,
+        "delaunay: a quote is open, or too many words\n"
+        "delaunay: a request is one line, not blank, not a comment, and without a body; nothing "
+        "was sent\n"
+        "delaunay: a request is one line, not blank, not a comment, and without a body; nothing "
+        "was sent\n");
     CHECK(status == 2);
     cli_finish();
 }

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include "tests/clients/peer.h"
@@ -360,4 +361,140 @@ TEST(client_connects_to_a_unix_socket)
     CHECK_MSG(c != NULL, "%s", why);
     CHECK(delaunay_request(c, "HULL t", NULL, NULL) == DELAUNAY_OK);
     delaunay_close(c);
+}
+
+TEST(request_with_a_line_feed_is_refused_and_later_replies_stay_right)
+{
+    char port[8];
+    peer_start(port, answer);
+    struct delaunay_client *c = connected(port);
+    CHECK(delaunay_request(c, "RAW\nHULL t", NULL, NULL) == DELAUNAY_BADREQUEST);
+    CHECK(delaunay_send(c, "RAW\r\nHULL t", 11) == DELAUNAY_BADREQUEST);
+    CHECK(delaunay_send(c, "RAW\0", 4) == DELAUNAY_BADREQUEST);
+    CHECK(delaunay_request(c, "NONSENSE", NULL, NULL) == DELAUNAY_REFUSED);
+    CHECK(delaunay_request(c, "HULL t\r\n", NULL, NULL) == DELAUNAY_OK);
+    CHECK_STR(delaunay_status(c)->text, "OK 2 boundary=2");
+    delaunay_close(c);
+}
+
+TEST(request_without_a_reply_of_its_own_is_refused_at_once)
+{
+    static const char *const lines[] = {
+        "", "\n", "  ", "# comment", "LOAD t 2", "TIMEOUT 1 LOAD t", "loadb t 1", "locateb t 1"};
+    char port[8];
+    peer_start(port, answer);
+    struct delaunay_client *c = connected(port);
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++)
+        CHECK(delaunay_request(c, lines[i], NULL, NULL) == DELAUNAY_BADREQUEST);
+    CHECK(delaunay_request(c, "HULL t", NULL, NULL) == DELAUNAY_OK);
+    delaunay_close(c);
+}
+
+TEST(values_are_not_sent_under_names_that_are_not_fields)
+{
+    static const char *const bad[] = {"a,,b", ",a", "a,", "1a", "a b", "a\nPING"};
+    static const double at[] = {0, 0, 1, 2, 3, 4};
+    char port[8];
+    peer_start(port, answer);
+    struct delaunay_client *c = connected(port);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        CHECK(delaunay_send_values(c, "t", bad[i], at, at, 1, NULL, NULL) == DELAUNAY_BADNAME);
+    CHECK(delaunay_request(c, "HULL t", NULL, NULL) == DELAUNAY_OK);
+    delaunay_close(c);
+}
+
+TEST(every_result_has_a_sentence_of_its_own_and_other_numbers_have_one_too)
+{
+    for (int i = 0; i <= (int)DELAUNAY_BADREQUEST; i++)
+        for (int j = -1; j < i; j++)
+            CHECK(strcmp(delaunay_result_text((enum delaunay_result)i),
+                         delaunay_result_text((enum delaunay_result)j)) != 0);
+    CHECK_STR(delaunay_result_text((enum delaunay_result)(DELAUNAY_BADREQUEST + 1)),
+              delaunay_result_text((enum delaunay_result) - 1));
+}
+
+/* Answers the second of two requests only: after it the reply to the first. */
+static void answer_late(int fd)
+{
+    char line[200];
+    while (peer_hear(fd, line, sizeof line))
+        if (strcmp(line, "CUT") == 0)
+            peer_say(fd, "OK 0 bytes=4\nab");
+        else if (strcmp(line, "NOW") == 0)
+            peer_say(fd, "OK 0 late=1\nOK 0 now=1\n");
+}
+
+TEST(client_with_a_time_limit_can_receive_a_late_reply)
+{
+    char port[8];
+    peer_start(port, answer_late);
+    struct delaunay_client *c = connected(port);
+    delaunay_set_timeout(c, 50);
+    CHECK(delaunay_request(c, "LATER", NULL, NULL) == DELAUNAY_TIMEOUT);
+    CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_TIMEOUT);
+    delaunay_set_timeout(c, -1);
+    CHECK(delaunay_send(c, "NOW", 3) == DELAUNAY_OK);
+    CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_OK);
+    CHECK_STR(delaunay_status(c)->text, "OK 0 late=1");
+    CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_OK);
+    CHECK_STR(delaunay_status(c)->text, "OK 0 now=1");
+    delaunay_close(c);
+}
+
+TEST(bytes_of_which_a_part_arrived_in_time_are_not_continued)
+{
+    char port[8];
+    void *bytes;
+    size_t n;
+    peer_start(port, answer_late);
+    struct delaunay_client *c = connected(port);
+    delaunay_set_timeout(c, 50);
+    CHECK(delaunay_send(c, "CUT", 3) == DELAUNAY_OK);
+    CHECK(delaunay_receive_bytes(c, &bytes, &n) == DELAUNAY_TIMEOUT && bytes == NULL);
+    CHECK(delaunay_receive(c, NULL, NULL) == DELAUNAY_LOST);
+    delaunay_close(c);
+}
+
+/* A server that takes nothing from its queue of connections. */
+TEST(client_gives_up_connecting_after_its_time_limit)
+{
+    char path[64], why[200] = "";
+    struct sockaddr_un addr = {.sun_family = AF_UNIX};
+    snprintf(path, sizeof path, "/tmp/delaunay_client_full.%d", getpid());
+    snprintf(addr.sun_path, sizeof addr.sun_path, "%s", path);
+    int fd = socket(AF_UNIX, SOCK_STREAM, 0), first = socket(AF_UNIX, SOCK_STREAM, 0);
+    CHECK(bind(fd, (struct sockaddr *)&addr, sizeof addr) == 0 && listen(fd, 0) == 0);
+    CHECK(connect(first, (struct sockaddr *)&addr, sizeof addr) == 0);
+    CHECK(delaunay_connect_within(path, NULL, 20, why, sizeof why) == NULL);
+    CHECK_MSG(strstr(why, "timed out") != NULL, "%s", why);
+    CHECK(delaunay_connect_within(path, NULL, 0, why, sizeof why) == NULL);
+    close(first);
+    close(fd);
+    unlink(path);
+}
+
+/* Wants the token `word`. */
+static void answer_guarded(int fd)
+{
+    char line[200];
+    while (peer_hear(fd, line, sizeof line))
+        peer_say(fd, strcmp(line, "AUTH word") == 0 ? "OK 0 role=write\n" : "ERR NOAUTH who\n");
+}
+
+TEST(client_connects_to_a_url_and_sends_its_token)
+{
+    char port[8], url[100], why[200];
+    peer_start(port, answer_guarded);
+    snprintf(url, sizeof url, "delaunay://:word@127.0.0.1:%s", port);
+    struct delaunay_client *c = delaunay_connect(url, NULL, why, sizeof why);
+    CHECK_MSG(c != NULL, "%s", why);
+    CHECK_STR(delaunay_status(c)->text, "OK 0 role=write");
+    CHECK(delaunay_authenticate(c, "two words") == DELAUNAY_BADREQUEST);
+    CHECK(delaunay_authenticate(c, "") == DELAUNAY_BADREQUEST);
+    delaunay_close(c);
+    snprintf(url, sizeof url, "delaunay://:other@127.0.0.1:%s", port);
+    CHECK(delaunay_connect(url, NULL, why, sizeof why) == NULL);
+    CHECK_STR(why, "ERR NOAUTH who");
+    CHECK(delaunay_connect("delaunay://", NULL, why, sizeof why) == NULL);
+    CHECK(strstr(why, "not delaunay://") == why);
 }

@@ -31,6 +31,16 @@ TEST(commands_are_named_once_and_explained)
     }
 }
 
+/* Clients know by its name whether a body follows a request: proto/request.h. */
+TEST(names_say_which_commands_have_a_body)
+{
+    for (size_t i = 0; i < command_count; i++) {
+        bool body = (commands[i].flags & CMD_BODY) != 0;
+        CHECK_MSG(line_is_whole_request(commands[i].name, strlen(commands[i].name)) == !body, "%s",
+                  commands[i].name);
+    }
+}
+
 TEST(workers_give_the_same_replies_as_none)
 {
     static const char *const requests[] = {"TRIANGULATE t METHOD divide",

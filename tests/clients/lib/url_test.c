@@ -1,5 +1,5 @@
 /* url_test.c - URLs of daemons and sets, well formed and not. */
-#include "clients/cli/url.h"
+#include "clients/lib/url.h"
 
 #include <string.h>
 
@@ -18,12 +18,12 @@ static void check_url(const char *text, const char *token, const char *host, con
 
 TEST(missing_parts_of_a_url_are_empty_or_the_default_port)
 {
-    check_url("delaunay://h", "", "h", DELAUNAY_PORT, "");
-    check_url("delaunay://h/", "", "h", DELAUNAY_PORT, "");
+    check_url("delaunay://h", "", "h", URL_PORT, "");
+    check_url("delaunay://h/", "", "h", URL_PORT, "");
     check_url("delaunay://h:1/t", "", "h", "1", "t");
     check_url("delaunay://:word@h:1234567/t", "word", "h", "1234567", "t");
-    check_url("delaunay://user:word@h/t", "word", "h", DELAUNAY_PORT, "t");
-    check_url("delaunay://[::1]", "", "::1", DELAUNAY_PORT, "");
+    check_url("delaunay://user:word@h/t", "word", "h", URL_PORT, "t");
+    check_url("delaunay://[::1]", "", "::1", URL_PORT, "");
     check_url("delaunay://[::1]:80/t", "", "::1", "80", "t");
 }
 
@@ -33,6 +33,13 @@ TEST(url_of_a_private_server_is_a_word)
     CHECK(url_read("private:", &url) && url_is_private(&url) && !url_is("private:"));
     CHECK(!url_read("private:x", &url));
     CHECK(url_read("delaunay://h", &url) && !url_is_private(&url));
+}
+
+TEST(url_of_a_unix_socket_has_a_path_and_no_set)
+{
+    check_url("unix:///run/delaunayd.sock", "", "/run/delaunayd.sock", "", "");
+    check_url("unix://:word@/a@b/c:d", "word", "/a@b/c:d", "", "");
+    check_url("unix://user:word@/s", "word", "/s", "", "");
 }
 
 TEST(malformed_url_is_refused)
@@ -52,7 +59,11 @@ TEST(malformed_url_is_refused)
                                       "delaunay://u@h",
                                       "delaunay://h:1/a/b",
                                       "delaunay://h:1/a%20b",
-                                      "delaunay://h:1:2/t"};
+                                      "delaunay://h:1:2/t",
+                                      "unix://",
+                                      "unix://h/path",
+                                      "unix://word@/path",
+                                      "unix:/path"};
     struct url url;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         CHECK_MSG(!url_read(bad[i], &url), "%s", bad[i]);

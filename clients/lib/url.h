@@ -1,0 +1,27 @@
+/* url.h - delaunay://[:token@]host[:port][/set] or unix://[:token@]/path: the address of a daemon, and the name of a set. */
+#ifndef CLIENTS_URL_H
+#define CLIENTS_URL_H
+
+#include <stdbool.h>
+
+#include "proto/request.h"
+
+#define URL_PORT "6374"
+
+struct url {
+    char host
+        [256]; /* without the brackets of an IPv6 address; or the path of a Unix socket, which contains a '/' */
+    char port[8], token[256];
+    char set[SET_NAME_LIMIT + 1]; /* "" if none is named */
+};
+
+/* Whether it is `private:`, a private server (private_daemon.h). */
+bool url_is_private(const struct url *url);
+
+/* Whether the text begins like such a URL. */
+bool url_is(const char *text);
+
+/* Reads it, or `private:`; the port is URL_PORT unless given. False if it is malformed. */
+bool url_read(const char *text, struct url *url);
+
+#endif
