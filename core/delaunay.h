@@ -1,19 +1,16 @@
 /* delaunay.h - the core's public header: a set of points of the plane and its Delaunay triangulation.
  * delaunay_surface.h and delaunay_fields.h are its further parts.
  *
- * A set hands out an id for every point it is given: 0, 1, 2, ... in order of arrival, never used
- * twice. A point within the set's coincidence tolerance of an earlier one becomes an alias of it (its
- * representative); only representatives are vertices of the triangulation. Functions that take an id of the
- * triangulation answer for its representative.
+ * A set hands out an id for every point it is given: 0, 1, 2, ... in order of arrival, never used twice. A point within the
+ * set's coincidence tolerance of an earlier one becomes an alias of it (its representative); only representatives are vertices of
+ * the triangulation. Functions that take an id of the triangulation answer for its representative.
  *
- * The triangulation is canonical: ties of cocircular points are broken by symbolic perturbation
- * [Devillers & Teillaud 2003], so it depends on the coordinates alone. The algorithm is that of
- * Fang & Piegl, "Delaunay Triangulation Using a Uniform Grid", IEEE CG&A 13(3), 1993 ("the paper"
- * in every comment of core/).
+ * The triangulation is canonical: ties of cocircular points are broken by symbolic perturbation [Devillers & Teillaud 2003], so it
+ * depends on the coordinates alone. The algorithm is that of Fang & Piegl, "Delaunay Triangulation Using a Uniform Grid", IEEE
+ * CG&A 13(3), 1993 ("the paper" in every comment of core/).
  *
- * Nothing here prints, aborts or keeps global state. A function that fails leaves the set as it
- * was. Functions that take a const set may run in several threads at once; any other function needs exclusive
- * access to the set. */
+ * Nothing here prints, aborts or keeps global state. A function that fails leaves the set as it was. Functions that take a const
+ * set may run in several threads at once; any other function needs exclusive access to the set. */
 #ifndef DT_DELAUNAY_H
 #define DT_DELAUNAY_H
 
