@@ -261,6 +261,12 @@ bool dt_view_is_current(const struct dt *t, const struct dt_view *v);
  */
 struct dt_contour;
 
+/* The levels at equal steps between two finite values, both included: base + k step for integers k, step > 0. Each level is
+ * computed exactly and rounded once to the nearest double, ties to even, before it is compared with the values. Levels are
+ * ascending, each once. Returns how many there are; cap + 1 if they, or the levels before rounding, are more than cap. */
+size_t dt_levels_every(double least, double most, double step, double base, double *level,
+                       size_t cap);
+
 struct dt_contour_line {
     double level;
     bool closed;        /* its last place is joined to its first one */

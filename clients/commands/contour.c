@@ -47,8 +47,16 @@ static double choose_step(const struct span *s)
     double rough = s->found ? s->most / USUAL_LEVELS - s->least / USUAL_LEVELS : 0;
     if (!(rough > 0))
         return 0;
-    double power = pow(10, floor(log10(rough))), times = rough / power;
-    return times < 1.5 ? power : times < 3.5 ? 2 * power : times < 7.5 ? 5 * power : 10 * power;
+    int power = (int)floor(log10(rough));
+    double times = rough / pow(10, power), step = 0;
+    char text[16];
+    size_t n = (size_t)snprintf(text, sizeof text, "%de%d",
+                                times < 1.5   ? 1
+                                : times < 3.5 ? 2
+                                : times < 7.5 ? 5
+                                              : 10,
+                                power);
+    return proto_read_double(text, n, &step) ? step : 0; /* 5 * pow(10, -6) is not 5e-6 */
 }
 
 /* Appends the levels, which stand between commas. */

@@ -136,6 +136,55 @@ void dt_big_difference(double a, double b, struct dt_big *r)
     dt_big_add(r, &lo, r);
 }
 
+/* ---- rounding ---- */
+
+/* From v to the next double above; from the largest one to 2^1024. */
+static double gap_above(double v)
+{
+    double up = nextafter(v, HUGE_VAL);
+    return isinf(up) ? v - nextafter(v, 0) : up - v;
+}
+
+static bool is_odd(double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return (bits & 1) != 0;
+}
+
+/* Whether a, whose distance from v is half of `twice`, is nearer to the double above: by halves of the gap, so that the gap
+ * between the least doubles can be halved. */
+static bool is_nearer_above(const struct dt_big *twice, double v)
+{
+    struct dt_big gap;
+    dt_big_of(gap_above(v), &gap);
+    int c = dt_big_compare(twice, &gap);
+    return c > 0 || (c == 0 && is_odd(v));
+}
+
+double dt_big_nearest(const struct dt_big *a)
+{
+    double v = dt_big_to_double(a);
+    v = isinf(v) ? copysign(DBL_MAX, v) : v;
+    for (bool done = false; !done && !isinf(v);) {
+        struct dt_big twice, below;
+        dt_big_of(v, &twice);
+        dt_big_subtract(a, &twice, &twice);
+        dt_big_add(&twice, &twice, &twice);
+        below = twice;
+        below.sign = -below.sign;
+        done = true;
+        if (is_nearer_above(&twice, v)) {
+            v = nextafter(v, HUGE_VAL);
+            done = false;
+        } else if (is_nearer_above(&below, -v)) {
+            v = nextafter(v, -HUGE_VAL);
+            done = false;
+        }
+    }
+    return v;
+}
+
 /* ---- products and quotients ---- */
 
 void dt_big_multiply(const struct dt_big *a, const struct dt_big *b, struct dt_big *r)

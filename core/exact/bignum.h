@@ -36,6 +36,9 @@ void dt_big_difference(double a, double b, struct dt_big *r);
 /* Within an ulp; 0 or infinite where a double cannot hold it. */
 double dt_big_to_double(const struct dt_big *a);
 
+/* The nearest double, ties to even; infinite from halfway between the largest double and 2^1024 on. */
+double dt_big_nearest(const struct dt_big *a);
+
 /* *r = a + b, and so on; r may be a or b. */
 void dt_big_add(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);
 void dt_big_subtract(const struct dt_big *a, const struct dt_big *b, struct dt_big *r);

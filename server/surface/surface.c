@@ -6,7 +6,6 @@
 #include "server/ops/cost.h"
 #include "server/ops/limits.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -96,26 +95,18 @@ static enum dt_status reserve(struct surface_job *j, size_t bytes)
     return j->busy ? DT_NOMEM : DT_OK;
 }
 
-/* The levels every `step` from `base` on that the values of the field reach. */
+/* The levels at equal steps that the values of the field reach. */
 static enum dt_status make_levels(struct surface_job *j)
 {
     struct dt_field_summary sum;
     dt_field_summary(j->field, &sum);
-    double first = ceil((sum.least - j->q.base) / j->q.step),
-           last = floor((sum.most - j->q.base) / j->q.step);
-    j->too_many_levels = last - first >= LIMIT_LEVELS || isinf(first) || isinf(last);
-    if (j->too_many_levels)
-        return DT_RANGE;
-    size_t n = last >= first ? (size_t)(last - first) + 1 : 0;
-    j->q.level = malloc(n * sizeof *j->q.level + 1);
+    j->q.level = malloc(LIMIT_LEVELS * sizeof *j->q.level);
     if (j->q.level == NULL)
         return DT_NOMEM;
-    for (size_t i = 0; i < n; i++) {
-        double level = j->q.base + (first + (double)i) * j->q.step;
-        if (j->q.levels == 0 || level > j->q.level[j->q.levels - 1])
-            j->q.level[j->q.levels++] = level;
-    }
-    return DT_OK;
+    size_t n = dt_levels_every(sum.least, sum.most, j->q.step, j->q.base, j->q.level, LIMIT_LEVELS);
+    j->too_many_levels = n > LIMIT_LEVELS;
+    j->q.levels = (uint32_t)n;
+    return j->too_many_levels ? DT_RANGE : DT_OK;
 }
 
 static enum dt_status write_lines(struct surface_job *j, const struct dt_contour_line *line,

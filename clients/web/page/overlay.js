@@ -140,6 +140,6 @@ function cellsOf(data) {
 /** The next larger of 1, 2, 5, 10, 20, 50 ... */
 function niceStep(step) {
   if (!(step > 0)) return 0;
-  const power = 10 ** Math.floor(Math.log10(step));
-  return [1, 2, 5, 10].find((m) => m * power >= step) * power;
+  const power = Math.floor(Math.log10(step));
+  return [1, 2, 5, 10, 20].map((m) => Number(`${m}e${power}`)).find((nice) => nice >= step); // 10 ** -5 is not 1e-5
 }

@@ -262,6 +262,24 @@ TEST(places_in_binary_that_cannot_be_answered)
              "ERR NUMBER x is not a number of points\n");
 }
 
+TEST(levels_at_equal_steps_include_the_one_that_equals_the_greatest_value)
+{
+    struct daemon d = daemon_start(no_arguments);
+    int fd = daemon_connect(&d);
+    say(fd, "ADD t FIELDS z 0 0 0  1 0 1.29  0 1 1.29\nTRIANGULATE t\n");
+    hear_line(fd);
+    hear_line(fd);
+    say(fd, "CONTOUR t z EVERY 0.01 BASE 0.1\n");
+    CHECK_STR(hear_line(fd), "OK 129"); /* the level 3.5e-18 is a place, not a line */
+    for (int i = 0; i < 128; i++)
+        hear_line(fd);
+    CHECK_STR(hear_line(fd), "1.29 open 2 0 1 1 0");
+    converse(&d, "CONTOUR t z EVERY 0.75 BASE 1e17\n",
+             "OK 2\n0.25 open 2 0 0.1937984496124031 0.1937984496124031 0\n"
+             "1 open 2 0 0.7751937984496124 0.7751937984496124 0\n");
+    CHECK(daemon_stop(&d, SIGTERM) == 0);
+}
+
 TEST(contours_as_rows_end_where_their_count_says)
 {
     int fd;

@@ -1,0 +1,79 @@
+/* levels.c - the levels of contours at equal steps.
+ *
+ * base + k step is computed exactly and rounded once, and it is the rounded level that is compared with the values: so
+ * 0.1 + 119 * 0.01 is the level 1.29 of a surface whose greatest value is 1.29. No quotient is rounded: with the
+ * remainders r of the base and s of the least value, which fmod computes exactly, (least - s) + r is one of the exact
+ * levels, less than two steps from the least value, however large k is. */
+#include "core/exact/bignum.h"
+
+#include "core/delaunay_surface.h"
+
+#include <math.h>
+
+struct levels {
+    struct dt_big least, most, step;
+    struct dt_big at; /* the exact level that is next */
+};
+
+/* The level before; true: it is not below the least value. */
+static bool step_back(struct levels *l)
+{
+    struct dt_big before;
+    dt_big_subtract(&l->at, &l->step, &before);
+    if (dt_big_compare(&before, &l->least) < 0)
+        return false;
+    l->at = before;
+    return true;
+}
+
+/* Goes to the first exact level that is not below the least value. */
+static void begin(struct levels *l, double least, double most, double step, double base)
+{
+    struct dt_big rest;
+    dt_big_of(least, &l->least);
+    dt_big_of(most, &l->most);
+    dt_big_of(step, &l->step);
+    dt_big_of(fmod(base, step), &rest);
+    dt_big_add(&l->least, &rest, &l->at);
+    dt_big_of(fmod(least, step), &rest);
+    dt_big_subtract(&l->at, &rest, &l->at);
+    while (dt_big_compare(&l->at, &l->least) < 0)
+        dt_big_add(&l->at, &l->step, &l->at);
+    while (step_back(l))
+        ;
+}
+
+/* Whether more than `most` exact levels are between the least and the greatest value. */
+static bool are_more(const struct levels *l, size_t most)
+{
+    struct dt_big end;
+    dt_big_of((double)most, &end);
+    dt_big_multiply(&end, &l->step, &end);
+    dt_big_add(&l->at, &end, &end);
+    return dt_big_compare(&end, &l->most) <= 0;
+}
+
+size_t dt_levels_every(double least, double most, double step, double base, double *level,
+                       size_t cap)
+{
+    struct levels l;
+    size_t n = 0;
+    if (!(least <= most))
+        return 0;
+    begin(&l, least, most, step, base);
+    if (are_more(&l, cap))
+        return cap + 1;
+    /* The one before may be rounded to the least value. */
+    dt_big_subtract(&l.at, &l.step, &l.at);
+    for (double z = dt_big_nearest(&l.at); z <= most; z = dt_big_nearest(&l.at)) {
+        if (z >= least && (n == 0 || z > level[n - 1])) {
+            if (n == cap)
+                return cap + 1;
+            level[n++] = z;
+        }
+        if (dt_big_compare(&l.at, &l.most) > 0) /* all that follow are rounded to the same */
+            break;
+        dt_big_add(&l.at, &l.step, &l.at);
+    }
+    return n;
+}
