@@ -335,6 +335,15 @@ void replay_abandon_load(struct replay *p)
 
 /* ---- the snapshot ---- */
 
+enum { BYTES_PER_ROW = 80 }; /* of a point that is read, at the peak */
+
+/* Whether the rows of the set, and what has been read, are within the limit; always without one. */
+static bool has_room(const struct replay *p)
+{
+    const struct reservation *m = &p->sets.memory;
+    return m->budget == NULL || budget_fits(m->budget, m->kind, (size_t)p->rows * BYTES_PER_ROW);
+}
+
 static const char *begin_set(struct replay *p, const struct record *r)
 {
     struct dataset *set = find(p, r) == NULL ? create(p, r, r->a) : NULL;
@@ -350,6 +359,8 @@ static const char *begin_set(struct replay *p, const struct record *r)
     p->rows = r->n;
     p->next_id = r->first;
     p->n = 0;
+    if (!has_room(p))
+        return fail_memory(p);
     return apply_expire(p, set, r->b);
 }
 
@@ -386,6 +397,16 @@ static const char *collect_rows(struct replay *p, const struct record *r)
     return NULL;
 }
 
+/* Counts the memory of the set. */
+static const char *end_set(struct replay *p)
+{
+    struct dataset *set = p->restoring;
+    p->restoring = NULL;
+    p->rows = 0;
+    version_update(&p->sets, set->current);
+    return has_room(p) ? NULL : fail_memory(p);
+}
+
 static const char *restore_if_complete(struct replay *p)
 {
     if (p->restoring == NULL || p->restored || p->n < p->rows)
@@ -393,15 +414,9 @@ static const char *restore_if_complete(struct replay *p)
     struct dt *dt = p->restoring->current->dt;
     struct dt_options opt = {.cancel = p->cancel};
     p->restored = true;
-    if (!p->has_fields)
-        p->restoring = NULL;
-    return fault_of(p, dt_restore(dt, p->id, p->points, p->representative, p->n, p->next_id, &opt));
-}
-
-static const char *end_set(struct replay *p)
-{
-    p->restoring = NULL;
-    return NULL;
+    const char *fault =
+        fault_of(p, dt_restore(dt, p->id, p->points, p->representative, p->n, p->next_id, &opt));
+    return fault == NULL && !p->has_fields ? end_set(p) : fault;
 }
 
 const char *replay_snapshot(struct replay *p, const struct record *r)

@@ -21,7 +21,8 @@ static void on_wake(struct waiter *w)
 
 void apply_init(struct apply *p, struct server *s, void (*resume)(struct apply *p))
 {
-    *p = (struct apply){.server = s, .resume = resume};
+    *p = (struct apply){
+        .server = s, .resume = resume, .memory = server_reservation(s, BUDGET_LOADS)};
     p->waiter.wake = on_wake;
     p->waiter.writes = true;
 }
@@ -36,6 +37,7 @@ static void drop_load(struct apply *p)
     p->columns = NULL;
     p->n = p->cap = 0;
     p->values_n = 0;
+    reservation_set(&p->memory, 0);
 }
 
 void apply_clear(struct apply *p)
@@ -60,15 +62,18 @@ static enum applied fail(struct apply *p, const char *why)
 
 static enum applied short_of_memory(struct apply *p)
 {
-    snprintf(p->why, sizeof p->why, "out of memory");
+    snprintf(p->why, sizeof p->why, "out of memory (--max-memory)");
     return APPLY_LATER;
 }
 
 static struct answer answer_of(struct apply *p)
 {
     buf_rewind(&p->out, 0);
-    return (struct answer){
-        .out = &p->out, .owner = APPLY_OWNER, .role = ROLE_WRITE, .turn = wait_turn(&p->waiter)};
+    return (struct answer){.out = &p->out,
+                           .owner = APPLY_OWNER,
+                           .role = ROLE_WRITE,
+                           .turn = wait_turn(&p->waiter),
+                           .of_leader = true};
 }
 
 static bool begins_with(const struct buf *b, const char *text)
@@ -92,11 +97,12 @@ static enum applied outcome(struct apply *p, const struct answer *a)
     }
     if (!a->out->failed && begins_with(a->out, "OK"))
         return APPLY_DONE;
-    if (a->out->failed || begins_with(a->out, "ERR NOMEM") || begins_with(a->out, "ERR BUSY"))
+    if (a->out->failed || buf_len(a->out) < strlen("ERR "))
         return short_of_memory(p);
-    size_t n = buf_len(a->out) < sizeof p->why ? buf_len(a->out) : sizeof p->why;
-    snprintf(p->why, sizeof p->why, "%.*s", (int)(n > 0 ? n - 1 : 0), buf_head(a->out));
-    return APPLY_FAILED;
+    bool later = begins_with(a->out, "ERR NOMEM") || begins_with(a->out, "ERR BUSY");
+    const char *line = buf_head(a->out) + strlen("ERR ");
+    snprintf(p->why, sizeof p->why, "%.*s", (int)strcspn(line, "\n"), line);
+    return later ? APPLY_LATER : APPLY_FAILED;
 }
 
 void apply_job_done(struct apply *p, struct job *j)
@@ -115,13 +121,21 @@ enum applied apply_result(struct apply *p)
 
 /* ---- loads ---- */
 
+/* The points and values of a load that has not ended. */
+static bool reserve_load(struct apply *p, size_t points, size_t values)
+{
+    return reservation_resize(&p->memory, points * sizeof *p->points + values * sizeof(double));
+}
+
 static bool take_points(struct apply *p, const struct record *r)
 {
     size_t want = p->n + r->n;
     if (want > p->cap) {
         size_t cap = want > 2 * p->cap ? want : 2 * p->cap;
-        struct dt_point *larger =
-            dt_pages_grow(p->server->pages, p->points, p->n * sizeof *larger, cap * sizeof *larger);
+        struct dt_point *larger = NULL;
+        if (reserve_load(p, cap, buf_len(&p->values) / sizeof(double)))
+            larger = dt_pages_grow(p->server->pages, p->points, p->n * sizeof *larger,
+                                   cap * sizeof *larger);
         if (larger == NULL)
             return false;
         p->points = larger;
@@ -160,6 +174,8 @@ static bool take_values(struct apply *p, const struct record *r)
 {
     if (p->columns == NULL)
         p->values_first = r->first;
+    if (!reserve_load(p, p->cap, buf_len(&p->values) / sizeof(double) + r->n))
+        return false;
     if (!continues_column(p, r) && !add_column(p, r))
         return false;
     char *to = buf_reserve(&p->values, r->n * sizeof(double) + 1);
@@ -420,6 +436,10 @@ enum applied apply_record(struct apply *p, const struct record *r, const char *b
         p->waiter.writes = true;
         wait_enter(&set->queue, &p->waiter);
         return APPLY_WAIT;
+    }
+    if (set != NULL && set->temporary) { /* of a client of this daemon: the leader's has the name */
+        registry_drop(&p->server->sets, set);
+        set = NULL;
     }
     enum applied how = apply_to(p, r, set);
     if (how != APPLY_WAIT)

@@ -31,6 +31,7 @@ struct apply {
     uint32_t first;
     struct dt_point *points; /* owns */
     size_t n, cap;
+    struct reservation memory;       /* of the points and values */
     struct buf values;               /* owns: doubles, column after column */
     struct log_values *columns;      /* owns: their names */
     uint32_t values_first, values_n; /* of the first column */

@@ -62,13 +62,15 @@ void follower_forget(struct follower *f)
 /* ---- records ---- */
 
 /* Everything that has been received and not carried out is dropped; it is asked for again. */
-static void start_again(struct follower *f, const char *why)
+static void start_again(struct follower *f, const char *reason)
 {
+    char why[LINK_WHY];
+    snprintf(why, sizeof why, "change %" PRIu64 " cannot be carried out: %.150s", f->lsn + 1,
+             reason);
     link_again(f->link, why);
-    while (f->piece != NULL) {
-        link_piece_free(f->piece);
-        f->piece = link_take(f->link);
-    }
+    f->drops = true;
+    link_piece_free(f->piece);
+    f->piece = NULL;
     f->at = 0;
     follower_forget(f);
     f->lsn = log_last(durable_log(f->server));
@@ -78,11 +80,8 @@ static void start_again(struct follower *f, const char *why)
 /* The sets here are not those of the leader: only a snapshot helps. */
 static void give_up(struct follower *f, const char *why)
 {
-    char text[LINK_WHY];
-    snprintf(text, sizeof text, "change %" PRIu64 " cannot be carried out: %.120s", f->lsn + 1,
-             why);
     f->whole_digest = 0;
-    start_again(f, text);
+    start_again(f, why);
 }
 
 /* Compares the digest of a header with that of the log here, when that is durable. */
@@ -206,6 +205,7 @@ static void answer_link(struct follower *f)
     struct server *s = f->server;
     if (!link_wants_position(f->link) || !is_settled(s))
         return;
+    f->drops = false;
     follower_forget(f); /* the load begins again */
     const struct log_status *log = durable_status(s);
     f->lsn = log->durable;
@@ -248,6 +248,7 @@ static void install(struct follower *f, struct link_arrival *a)
     struct recovery *r = &a->recovery;
     struct lineage l = a->dir.lineage;
     leader_dismiss(s);
+    f->drops = false;
     durable_set_digest(s, &f->whole_digest);
     f->lsn = r->last;
     f->digest = f->whole_digest = r->digest;
@@ -302,6 +303,10 @@ static bool next_piece(struct follower *f)
         end_piece(f);
     if (f->piece == NULL)
         f->piece = link_take(f->link);
+    while (f->drops && f->piece != NULL) {
+        link_piece_free(f->piece);
+        f->piece = link_take(f->link);
+    }
     return f->piece != NULL;
 }
 

@@ -20,6 +20,7 @@ struct follower {
     struct apply apply;
     struct remembered_role role;
     bool following; /* records are carried out */
+    bool drops;     /* what comes until the link asks for the position is dropped */
     bool busy;      /* a record waits, or a worker has it */
     bool confirmed;
     char why[160];            /* why changes are refused */

@@ -129,6 +129,7 @@ static const char *begin(struct follower *f)
     f->whole_digest = f->digest;
     f->claimed = f->done = f->done_bytes = f->acked = f->acked_bytes = 0;
     f->following = true;
+    f->drops = false;
     durable_set_digest(s, &f->whole_digest);
     durable_close_mark(s, false);
     durable_keep_log(s); /* others may follow this daemon after its promotion */

@@ -21,9 +21,8 @@ enum {
     QUEUE_BYTES = 4 << 20,  /* of pieces that are not taken yet: then nothing is received */
     SILENCE_MS = 10 * 1000, /* without a byte from the leader, which sends something every second */
     PATIENCE_MS = 600 * 1000, /* the same before its first header: it may be writing a snapshot */
-    FIRST_PAUSE_MS = 100,
     LAST_PAUSE_MS = 3 * 1000,
-    DISK_PAUSE_MS = 5 * 1000 /* a snapshot is not sent again and again to a disk that is full */
+    LAST_TRANSFER_PAUSE_MS = 30 * 1000 /* for example, of a snapshot to a disk that is full */
 };
 
 /* A connection. */
@@ -32,7 +31,8 @@ struct wire {
     int fd;
     struct incoming incoming;
     uint64_t acked, acked_bytes; /* what the leader knows */
-    bool streaming;              /* it sends its log */
+    bool streaming;              /* it sends its log, */
+    int64_t since_ms;            /* since then */
     int64_t heard_ms;
 };
 
@@ -44,11 +44,13 @@ static void notify(const struct link *l)
 static void set_state(struct link *l, enum link_state state, const char *why)
 {
     pthread_mutex_lock(&l->mutex);
-    bool news = strcmp(l->why, why) != 0;
+    bool news = why[0] != '\0' && strcmp(l->noted, why) != 0;
     l->state = state;
     snprintf(l->why, sizeof l->why, "%s", why);
+    if (news)
+        snprintf(l->noted, sizeof l->noted, "%s", why);
     pthread_mutex_unlock(&l->mutex);
-    if (news && why[0] != '\0')
+    if (news)
         notice(state == LINK_REFUSED ? NOTICE_ERROR : NOTICE_WARNING, "following %s:%u: %s",
                l->host, l->dial.port, why);
     notify(l);
@@ -176,13 +178,54 @@ static bool pass_on(void *ctx, const char *bytes, size_t n)
     return true;
 }
 
+/* The sets of a snapshot that has been read. */
+struct arrived {
+    struct registry *sets;
+    struct budget *budget;
+    bool lacks; /* memory for a triangulation */
+};
+
 /* Triangulates a set that is to have a triangulation, as long as nobody waits for it, and counts its memory. */
 static void complete(struct dataset *set, void *ctx)
 {
+    struct arrived *a = ctx;
     struct dt_options options = {.cancel = NULL};
-    if (set->triangulated)
+    struct reservation memory = {.budget = a->budget, .kind = BUDGET_BUILDS};
+    size_t bytes = set->triangulated ? dt_build_memory(set->current->dt, &options) : 0;
+    a->lacks = a->lacks || !reservation_resize(&memory, bytes);
+    if (set->triangulated && !a->lacks)
         dt_triangulate(set->current->dt, &options); /* out of memory: a query tries it again */
-    version_update(ctx, set->current);
+    version_update(a->sets, set->current);
+    reservation_set(&memory, 0);
+}
+
+/* The next connection is to come later, and later each time. */
+static bool fail_transfer(struct link *l, const char *why)
+{
+    set_state(l, LINK_CONNECTING, why);
+    pthread_mutex_lock(&l->mutex);
+    l->repeats = true;
+    pthread_mutex_unlock(&l->mutex);
+    return false;
+}
+
+static const char no_room[] =
+    "no room in --max-memory for its snapshot beside the sets here: raise it, "
+    "or start with an empty data directory";
+
+/* Reads the snapshot, and triangulates its sets. */
+static bool read_arrival(struct link *l, struct link_arrival *a)
+{
+    struct recovery *r = &a->recovery;
+    recovery_init(r, &a->dir);
+    r->replay.sets.pages = l->pages;
+    r->replay.sets.memory = (struct reservation){.budget = l->budget, .kind = BUDGET_SETS};
+    recovery_run(r);
+    if (r->result != RECOVERY_OK)
+        return fail_transfer(l, r->replay.out_of_memory ? no_room : r->why);
+    struct arrived arrived = {.sets = &r->replay.sets, .budget = l->budget};
+    registry_each(&r->replay.sets, complete, &arrived);
+    return !arrived.lacks || fail_transfer(l, no_room);
 }
 
 /* The snapshot is complete: it is read, and then the I/O thread replaces everything by it. */
@@ -192,19 +235,10 @@ static bool install(void *ctx, struct aside *aside, const struct segment *header
     struct link *l = w->l;
     struct link_arrival *a = calloc(1, sizeof *a);
     if (a == NULL || !aside_complete(aside, header, &a->dir)) {
-        w->incoming.disk_failed = true;
-        set_state(l, LINK_CONNECTING, incoming_disk_fault(errno));
         free(a);
-        return false;
+        return fail_transfer(l, incoming_disk_fault(errno));
     }
-    recovery_init(&a->recovery, &a->dir);
-    a->recovery.replay.sets.pages = l->pages;
-    a->recovery.replay.sets.memory = (struct reservation){.budget = l->budget, .kind = BUDGET_SETS};
-    recovery_run(&a->recovery);
-    if (a->recovery.result == RECOVERY_OK)
-        registry_each(&a->recovery.replay.sets, complete, &a->recovery.replay.sets);
-    if (a->recovery.result != RECOVERY_OK) {
-        set_state(l, LINK_CONNECTING, a->recovery.why);
+    if (!read_arrival(l, a)) {
         recovery_clear(&a->recovery);
         aside_close(&a->dir);
         free(a);
@@ -231,8 +265,11 @@ static bool install(void *ctx, struct aside *aside, const struct segment *header
 static bool note_header(void *ctx, const struct segment *h)
 {
     struct wire *w = ctx;
-    w->streaming = h->kind == SEGMENT_LOG;
-    if (!w->streaming) {
+    bool log = h->kind == SEGMENT_LOG;
+    if (log && !w->streaming)
+        w->since_ms = clock_ms();
+    w->streaming = log;
+    if (!log) {
         set_state(w->l, LINK_LOADING, "");
         return true;
     }
@@ -262,43 +299,63 @@ static void receive(struct wire *w)
     set_state(w->l, LINK_RECEIVING, "");
     while (incoming_take(&w->incoming) && hear(w) && acknowledge(w))
         ;
-    if (w->incoming.why[0] != '\0')
+    if (w->incoming.disk_failed)
+        fail_transfer(w->l, w->incoming.why);
+    else if (w->incoming.why[0] != '\0')
         set_state(w->l, LINK_CONNECTING, w->incoming.why);
     note_end(w->l);
 }
 
 /* ---- the thread ---- */
 
-/* One connection. Returns the pause before the next one, `pause` was the last one. */
-static int converse(struct link *l, int pause)
+/* One connection. Returns for how many milliseconds it has received the log. */
+static int64_t converse(struct link *l)
 {
-    int longer = pause * 2 < LAST_PAUSE_MS ? pause * 2 : LAST_PAUSE_MS;
     struct wire w = {.l = l, .fd = -1, .heard_ms = clock_ms()};
     struct position from;
     if (!ask_position(l, &from))
-        return longer;
+        return 0;
     w.fd = dial_connect(&l->dial);
     if (w.fd < 0) {
         char why[80];
         snprintf(why, sizeof why, "no connection: %s", strerror(errno));
         set_state(l, LINK_CONNECTING, why);
-        return longer;
+        return 0;
     }
-    bool greeted = greet(&w, &from);
-    if (greeted)
+    if (greet(&w, &from))
         receive(&w);
     incoming_clear(&w.incoming);
     close(w.fd);
-    return w.incoming.disk_failed ? DISK_PAUSE_MS : greeted ? FIRST_PAUSE_MS : longer;
+    return w.streaming ? clock_ms() - w.since_ms : 0;
+}
+
+int link_pause(int before, bool repeats, int64_t lasted_ms)
+{
+    int most = repeats ? LAST_TRANSFER_PAUSE_MS : LAST_PAUSE_MS;
+    if (lasted_ms > LAST_PAUSE_MS && lasted_ms > 2 * (int64_t)before)
+        return LINK_FIRST_PAUSE_MS;
+    return before * 2 < most ? before * 2 : most;
+}
+
+/* The pause after a connection that has received the log for that long; `before` was the one before it. */
+static int next_pause(struct link *l, int before, int64_t lasted_ms)
+{
+    pthread_mutex_lock(&l->mutex);
+    int pause = link_pause(before, l->repeats, lasted_ms);
+    l->repeats = false;
+    if (pause == LINK_FIRST_PAUSE_MS)
+        l->noted[0] = '\0';
+    pthread_mutex_unlock(&l->mutex);
+    return pause;
 }
 
 static void *serve(void *arg)
 {
     struct link *l = arg;
-    int pause = FIRST_PAUSE_MS;
+    int pause = LINK_FIRST_PAUSE_MS / 2;
     while (!l->dial.stop) {
         l->dial.again = false;
-        pause = converse(l, pause);
+        pause = next_pause(l, pause, converse(l));
         for (int64_t until = clock_ms() + pause; !l->dial.stop && clock_ms() < until;) {
             l->dial.again = false;
             dial_wait(&l->dial, -1, 0, (int)(until - clock_ms()) + 1);
@@ -416,7 +473,7 @@ void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes)
 
 void link_again(struct link *l, const char *why)
 {
-    set_state(l, LINK_CONNECTING, why);
+    fail_transfer(l, why);
     l->dial.again = true;
     dial_wake(&l->dial);
 }

@@ -2,7 +2,8 @@
  * position, and receives it. Records of the log go to the I/O thread in pieces (link_take); a snapshot goes into files in a
  * directory aside, is read from there, and replaces everything at once (link_arrival).
  *
- * The thread connects again whenever the connection ends, after a pause that grows up to a few seconds. */
+ * The thread connects again whenever the connection ends, after a pause. The pause doubles each time: up to 3 seconds, or
+ * up to 30 after a failure that repeats a transfer. It is short again after a connection that has lasted longer. */
 #ifndef SERVER_LINK_H
 #define SERVER_LINK_H
 
@@ -16,7 +17,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { LINK_WHY = 240 };
+enum { LINK_WHY = 240, LINK_FIRST_PAUSE_MS = 100 };
 
 enum link_state {
     LINK_CONNECTING,
@@ -47,6 +48,7 @@ struct link {
     const struct datadir *dir; /* borrows */
     struct dt_pages *pages;    /* borrows */
     struct budget *budget;     /* borrows */
+    char noted[LINK_WHY];      /* the last reason that is on standard error */
     int event; /* borrows; an eventfd, written when there is something for the I/O thread */
     /* shared */
     pthread_mutex_t mutex;
@@ -61,11 +63,16 @@ struct link {
     bool installed;
     uint64_t acked, acked_bytes; /* what is to be acknowledged */
     uint64_t leader_lsn;         /* the last one that is known of the leader */
+    bool repeats;                /* the connection has ended by a failure that repeats a transfer */
     pthread_t thread;
 };
 
 /* Starts the thread. False with errno. */
 bool link_start(struct link *l);
+
+/* The milliseconds until the next connection: after one that has received the log for lasted_ms, which came after a pause
+ * of `before`; repeats: it ended by a failure that repeats a transfer. */
+int link_pause(int before, bool repeats, int64_t lasted_ms);
 
 /* Ends the thread and frees everything. */
 void link_end(struct link *l);
@@ -89,7 +96,8 @@ void link_installed(struct link *l, uint64_t lsn);
 /* Changes up to lsn are on the disk, and with them this number of bytes of the stream; 0: unknown. */
 void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes);
 
-/* Disconnects; the thread connects again and asks for the position. */
+/* Disconnects, because what was received cannot be carried out; the thread connects again, after a long pause if that
+ * happens again and again, and asks for the position. */
 void link_again(struct link *l, const char *why);
 
 #endif

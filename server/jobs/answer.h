@@ -43,6 +43,7 @@ struct answer {
     bool waited; /* the request has waited until later_ms */
     bool timed_out;    /* a cancelled request has exceeded its TIMEOUT */
     bool busy;         /* out of memory because of other requests */
+    bool of_leader;    /* a change of the leader: limits of this daemon on counts do not hold */
     struct load *body; /* borrows: the complete body of the request; NULL: none, or not yet */
     const struct wait_queue *turn; /* the queue that has called the request; NULL: none */
     enum answer_next next;

@@ -50,7 +50,7 @@ struct dataset *edit_create(struct server *s, struct answer *a, const struct wor
                             double tolerance)
 {
     struct dataset *set = NULL;
-    if (s->sets.sets >= LIMIT_SETS)
+    if (s->sets.sets >= LIMIT_SETS && !a->of_leader)
         reply_err(a->out, ERR_TOOBIG, "a server holds at most %d sets", LIMIT_SETS);
     else if ((set = registry_create(&s->sets, name, tolerance)) == NULL)
         answer_out_of_memory(a);
@@ -162,7 +162,8 @@ static size_t memory_of_columns(size_t n, size_t columns)
 bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set, size_t n,
                   size_t columns, struct reservation *memory)
 {
-    uint32_t points = set != NULL ? set->current->sum.points : 0, most = s->config->max_points;
+    uint32_t points = set != NULL ? set->current->sum.points : 0;
+    uint32_t most = a->of_leader ? DT_MAX_POINTS : s->config->max_points;
     *memory = server_reservation(s, BUDGET_EDITS);
     if (points > most || n > most - points) {
         reply_err(a->out, ERR_TOOBIG, "a set holds at most %u points (--max-points)", most);

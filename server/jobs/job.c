@@ -131,7 +131,8 @@ static void start(struct server *s, struct answer *a, struct job *j, unsigned ho
 
 static bool too_busy(struct server *s, struct answer *a, unsigned how)
 {
-    if (s->workers == NULL || (how & (JOB_HEAVY | JOB_BRIEF | JOB_BEGUN)) != JOB_HEAVY ||
+    if (a->of_leader || s->workers == NULL ||
+        (how & (JOB_HEAVY | JOB_BRIEF | JOB_BEGUN)) != JOB_HEAVY ||
         workers_backlog(s->workers) < LIMIT_QUEUED_JOBS)
         return false;
     reply_err(a->out, ERR_BUSY, "too many requests are waiting for a worker; try again");
