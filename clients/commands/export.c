@@ -15,6 +15,7 @@ struct export_work {
     struct export *e;
     const char *name;
     struct model *m;
+    size_t left_out; /* points without a height */
 };
 
 static int write_model(void *ctx, FILE *out)
@@ -48,28 +49,53 @@ static int make_png(const char *part, const char *path)
     return status == 0 ? EXIT_DONE : EXIT_REFUSED;
 }
 
-static void report(const struct export *e, size_t points, const struct model *m)
+static void report(const struct export_work *w)
 {
-    size_t shown = e->format == NULL ? e->picture.shown : points;
+    const struct export *e = w->e;
+    const struct model *m = w->m;
+    size_t shown = e->format == NULL ? e->picture.shown : m->n;
     if (json_chosen()) {
         json_begin(true);
         json_text("file", e->path);
-        json_number("points", points);
+        json_number("points", m->n);
         json_number("shown", shown);
         json_number("triangles", m->triangles);
         json_number("hull", m->hull_n);
+        if (w->left_out > 0)
+            json_number("left_out", w->left_out);
         json_finish();
-    } else if (shown < points) {
-        printf("%s: %zu of %zu points\n", e->path, shown, points);
+    } else if (shown < m->n) {
+        printf("%s: %zu of %zu points\n", e->path, shown, m->n);
     } else {
-        printf("%s: %zu points, %zu triangles, hull of %zu\n", e->path, points, m->triangles,
+        printf("%s: %zu points, %zu triangles, hull of %zu\n", e->path, m->n, m->triangles,
                m->hull_n);
     }
 }
 
-/* Finds the field of heights; its name is wrong, or there is none though one is needed: says so. */
-static int choose_heights(const struct export *e, struct model *m)
+/* In a mesh in space a point has a height: those without are left out, with their triangles. */
+static int leave_out_missing(struct export_work *w, size_t missing)
 {
+    struct model *m = w->m;
+    bool ok;
+    size_t before = m->triangles;
+    w->left_out = model_drop_missing(m, &ok);
+    if (!ok)
+        return output_fault("", "out of memory");
+    if (m->n == 0)
+        return output_fault(m->field[m->z], "no point has a value of this field");
+    fprintf(
+        stderr,
+        "delaunay: %zu of %zu heights are missing: these points and their %zu triangles are left "
+        "out\n",
+        missing, missing + m->n, before - m->triangles);
+    return EXIT_DONE;
+}
+
+/* Finds the field of heights; its name is wrong, or there is none though one is needed: says so. */
+static int choose_heights(struct export_work *w)
+{
+    const struct export *e = w->e;
+    struct model *m = w->m;
     size_t missing = 0;
     if (e->field != NULL)
         m->z = model_field(m, e->field);
@@ -77,6 +103,8 @@ static int choose_heights(const struct export *e, struct model *m)
         return output_fault(e->field != NULL ? e->field : "z", "the set has no such field");
     for (size_t i = 0; m->z >= 0 && i < m->n; i++)
         missing += isnan(model_value(m, m->z, i)) != 0;
+    if (missing > 0 && e->format != NULL && e->format->heights)
+        return leave_out_missing(w, missing);
     if (missing > 0)
         fprintf(stderr, "delaunay: %zu of %zu heights are missing\n", missing, m->n);
     return EXIT_DONE;
@@ -85,7 +113,7 @@ static int choose_heights(const struct export *e, struct model *m)
 int export_set(struct delaunay_client *c, struct export *e, const char *set, const char *name)
 {
     struct model m = {0};
-    struct export_work work = {e, name, &m};
+    struct export_work work = {e, name, &m, 0};
     int status;
     unsigned parts = MODEL_TRIANGLES | MODEL_HULL;
     if (e->format != NULL)
@@ -93,15 +121,14 @@ int export_set(struct delaunay_client *c, struct export *e, const char *set, con
     if (e->picture.colour == COLOUR_RELIEF || e->field != NULL)
         parts |= MODEL_FIELDS;
     enum delaunay_result r = model_fetch(c, set, parts, &m);
-    size_t points = m.n;
     if (r == DELAUNAY_STOPPED)
         status = output_fault("", m.fault);
     else if (r != DELAUNAY_OK)
         status = command_outcome(c, r);
-    else if ((status = choose_heights(e, &m)) == EXIT_DONE)
+    else if ((status = choose_heights(&work)) == EXIT_DONE)
         status = output_write(e->path, write_model, &work, e->png ? make_png : NULL);
     if (status == EXIT_DONE && !output_is_standard(e->path))
-        report(e, points, &m);
+        report(&work);
     model_free(&m);
     return status;
 }

@@ -10,7 +10,7 @@
 /* ---- rows ---- */
 
 struct row {
-    char text[MODEL_MOST_FIELDS * (MODEL_NAME + 10 + 3 * (PROTO_NUMBER_MAX + 1)) +
+    char text[3 * MODEL_MOST_FIELDS * (MODEL_NAME + 6 + PROTO_NUMBER_MAX) +
               1024]; /* the longest feature fits */
     size_t n;
 };
@@ -47,11 +47,10 @@ static void end(struct row *r, FILE *out)
     r->n = 0;
 }
 
-/* The height of a point, 0 where there is none. */
+/* The height of a point, 0 in a flat set. */
 static double height(const struct model *m, size_t i)
 {
-    double z = m->z >= 0 ? model_value(m, m->z, i) : 0;
-    return isnan(z) ? 0 : z;
+    return m->z >= 0 ? model_value(m, m->z, i) : 0;
 }
 
 /* A value of a field, in the format's word where it is missing. */
@@ -232,15 +231,19 @@ static const double *corner(const struct model *m, size_t t, size_t k)
     return m->xy + 2 * (size_t)m->triangle[3 * t + k % 3];
 }
 
+/* A table with the heading WKT, as OGR's CSV driver and QGIS read it; the geometry has commas and is quoted. */
 static bool write_wkt(FILE *out, const struct model *m)
 {
     struct row r = {.n = 0};
+    fputs("WKT,a,b,c\n", out);
     for (size_t t = 0; t < m->triangles; t++) {
-        put(&r, "POLYGON ((");
+        put(&r, "\"POLYGON ((");
         for (size_t k = 0; k < 4; k++) {
             put_xy(&r, corner(m, t, k), ' ', k < 3 ? ',' : ')');
-            put(&r, k < 3 ? " " : ")\n");
+            put(&r, k < 3 ? " " : ")\",");
         }
+        for (size_t k = 0; k < 3; k++)
+            put_id(&r, m->id[m->triangle[3 * t + k]], ',');
         end(&r, out);
     }
     return true;
@@ -266,20 +269,30 @@ static bool write_csv(FILE *out, const struct model *m)
     return true;
 }
 
-/* A GeoJSON feature and `after`. */
+/* `"aNAME":`, where a is the corner's letter. */
+static void put_key(struct row *r, size_t corner, const char *name)
+{
+    const char letter[] = {'"', (char)('a' + corner), '\0'};
+    put(r, letter);
+    put(r, name);
+    put(r, "\":");
+}
+
+/* A GeoJSON feature and `after`. Properties are single values, as in the CSV: many formats have no lists. */
 static void write_feature(FILE *out, const struct model *m, size_t t, const char *after)
 {
     struct row r = {.n = 0};
-    put(&r, "{\"type\":\"Feature\",\"properties\":{\"points\":[");
-    for (size_t k = 0; k < 3; k++)
-        put_id(&r, m->id[m->triangle[3 * t + k]], k < 2 ? ',' : ']');
-    for (size_t i = 0; i < m->fields; i++) {
-        put(&r, ",\"");
-        put(&r, m->field[i]);
-        put(&r, "\":[");
-        for (size_t k = 0; k < 3; k++)
-            put_value(&r, m, i, m->triangle[3 * t + k], "null", k < 2 ? ',' : ']');
+    put(&r, "{\"type\":\"Feature\",\"properties\":{");
+    for (size_t k = 0; k < 3; k++) {
+        put_key(&r, k, "");
+        put_id(&r, m->id[m->triangle[3 * t + k]], ',');
     }
+    for (size_t i = 0; i < m->fields; i++)
+        for (size_t k = 0; k < 3; k++) {
+            put_key(&r, k, m->field[i]);
+            put_value(&r, m, i, m->triangle[3 * t + k], "null", ',');
+        }
+    r.n--; /* the last comma */
     put(&r, "},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[");
     for (size_t k = 0; k < 4; k++) {
         put(&r, "[");
@@ -309,19 +322,21 @@ static bool write_ndjson(FILE *out, const struct model *m)
 /* ---- the table ---- */
 
 const struct format formats[] = {
-    {"obj", MODEL_TRIANGLES | MODEL_FIELDS, write_obj, "Wavefront OBJ"},
-    {"ply", MODEL_TRIANGLES | MODEL_FIELDS, write_ply, "Stanford PLY, as text"},
-    {"off", MODEL_TRIANGLES | MODEL_FIELDS, write_off, "Object File Format"},
-    {"2dm", MODEL_TRIANGLES | MODEL_FIELDS, write_2dm, "SMS 2DM mesh"},
-    {"node", MODEL_HULL | MODEL_FIELDS, write_node, "Triangle's points"},
-    {"ele", MODEL_TRIANGLES, write_ele, "Triangle's triangles"},
-    {"neigh", MODEL_TRIANGLES, write_neigh, "Triangle's neighbours of triangles"},
-    {"edge", MODEL_TRIANGLES | MODEL_EDGES, write_edge, "Triangle's edges"},
-    {"wkt", MODEL_TRIANGLES, write_wkt, "a POLYGON per triangle and line"},
-    {"csv", MODEL_TRIANGLES | MODEL_FIELDS, write_csv, "ids and coordinates, a line per triangle"},
-    {"geojson", MODEL_TRIANGLES | MODEL_FIELDS, write_geojson, "a FeatureCollection of triangles"},
+    {"obj", MODEL_TRIANGLES | MODEL_FIELDS, write_obj, "Wavefront OBJ", true},
+    {"ply", MODEL_TRIANGLES | MODEL_FIELDS, write_ply, "Stanford PLY, as text", true},
+    {"off", MODEL_TRIANGLES | MODEL_FIELDS, write_off, "Object File Format", true},
+    {"2dm", MODEL_TRIANGLES | MODEL_FIELDS, write_2dm, "SMS 2DM mesh", true},
+    {"node", MODEL_HULL | MODEL_FIELDS, write_node, "Triangle's points", false},
+    {"ele", MODEL_TRIANGLES, write_ele, "Triangle's triangles", false},
+    {"neigh", MODEL_TRIANGLES, write_neigh, "Triangle's neighbours of triangles", false},
+    {"edge", MODEL_TRIANGLES | MODEL_EDGES, write_edge, "Triangle's edges", false},
+    {"wkt", MODEL_TRIANGLES, write_wkt, "a table of triangles with a column WKT", false},
+    {"csv", MODEL_TRIANGLES | MODEL_FIELDS, write_csv, "ids and coordinates, a line per triangle",
+     false},
+    {"geojson", MODEL_TRIANGLES | MODEL_FIELDS, write_geojson, "a FeatureCollection of triangles",
+     false},
     {"ndjson", MODEL_TRIANGLES | MODEL_FIELDS, write_ndjson,
-     "a GeoJSON feature per triangle and line"},
+     "a GeoJSON feature per triangle and line", false},
 };
 
 const size_t format_count = sizeof formats / sizeof formats[0];

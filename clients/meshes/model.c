@@ -4,6 +4,7 @@
 
 #include "proto/number.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -296,6 +297,49 @@ void model_free(struct model *m)
     free(m->edge);
     free(m->hull);
     *m = (struct model){0};
+}
+
+/* ---- missing heights ---- */
+
+enum { DROPPED = UINT32_MAX };
+
+/* Keeps the rows of `width` places that have a new place each; returns their number. */
+static size_t renumber(uint32_t *place, size_t n, size_t width, const uint32_t *next)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i++) {
+        bool whole = true;
+        for (size_t k = 0; k < width; k++)
+            whole &= next[place[width * i + k]] != DROPPED;
+        for (size_t k = 0; whole && k < width; k++)
+            place[width * kept + k] = next[place[width * i + k]];
+        kept += whole;
+    }
+    return kept;
+}
+
+size_t model_drop_missing(struct model *m, bool *ok)
+{
+    uint32_t *next = malloc((m->n + 1) * sizeof next[0]);
+    size_t n = 0, before = m->n;
+    *ok = next != NULL;
+    if (next == NULL)
+        return 0;
+    for (size_t i = 0; i < m->n; i++) {
+        next[i] = DROPPED;
+        if (isnan(model_value(m, m->z, i)))
+            continue;
+        m->id[n] = m->id[i];
+        memmove(m->xy + 2 * n, m->xy + 2 * i, 2 * sizeof m->xy[0]);
+        memmove(m->value + m->fields * n, m->value + m->fields * i, m->fields * sizeof m->value[0]);
+        next[i] = (uint32_t)n++;
+    }
+    m->n = n;
+    m->triangles = renumber(m->triangle, m->triangles, 3, next);
+    m->edges = renumber(m->edge, m->edges, 2, next);
+    m->hull_n = renumber(m->hull, m->hull_n, 1, next);
+    free(next);
+    return before - n;
 }
 
 /* ---- sides: a hash table with linear probing, from a directed edge to its triangle ---- */

@@ -51,6 +51,10 @@ static inline double model_value(const struct model *m, int field, size_t place)
     return m->value[place * m->fields + (size_t)field];
 }
 
+/* Removes the points whose height (m->z) is missing, and what they are corners of. Returns the number of points removed. False
+ * in *ok when out of memory; then *m is as it was. */
+size_t model_drop_missing(struct model *m, bool *ok);
+
 /* The place of an id; false if there is no such id. */
 bool model_find(const struct model *m, uint32_t id, uint32_t *place);
 

@@ -167,11 +167,16 @@ void shapes_write_geojson(FILE *out, const struct shapes *s)
     fputs("]}\n", out);
 }
 
+/* A table; geometries have commas and are quoted. */
 void shapes_write_wkt(FILE *out, const struct shapes *s)
 {
+    bool cells = s->kind == SHAPE_CELL;
+    fputs(cells ? "WKT,id\n" : "WKT,level,closed\n", out);
     for (size_t i = 0; i < s->n; i++) {
-        fputs(s->kind == SHAPE_CELL ? "POLYGON ((" : "LINESTRING (", out);
+        fputs(cells ? "\"POLYGON ((" : "\"LINESTRING (", out);
         put_corners(out, s, &s->shape[i], "", ' ', "");
-        fputs(s->kind == SHAPE_CELL ? "))\n" : ")\n", out);
+        fputs(cells ? "))\"," : ")\",", out);
+        put_number(out, s->shape[i].key);
+        fputs(cells ? "\n" : s->shape[i].closed ? ",true\n" : ",false\n", out);
     }
 }

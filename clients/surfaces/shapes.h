@@ -38,7 +38,7 @@ bool shapes_bounds(const struct shapes *s, double *box);
  * begins. ferror() shows whether writing failed. */
 void shapes_write_geojson(FILE *out, const struct shapes *s);
 
-/* A line for each: POLYGON or LINESTRING. */
+/* A table with a column WKT, and id, or level and closed. */
 void shapes_write_wkt(FILE *out, const struct shapes *s);
 
 #endif

@@ -25,9 +25,9 @@ TEST(voronoi_writes_cells_as_wkt_and_geojson)
     int status;
     make_set();
     cli_expect("voronoi t - -f wkt --viewport 0,0,4,4",
-               "POLYGON ((0 0,2 0,0 2,0 0))\nPOLYGON ((2 0,4 0,4 2,2 0))\n"
-               "POLYGON ((2 4,4 2,4 4,2 4))\nPOLYGON ((0 2,2 4,0 4,0 2))\n"
-               "POLYGON ((0 2,2 0,4 2,2 4,0 2))\n");
+               "WKT,id\n\"POLYGON ((0 0,2 0,0 2,0 0))\",0\n\"POLYGON ((2 0,4 0,4 2,2 0))\",1\n"
+               "\"POLYGON ((2 4,4 2,4 4,2 4))\",2\n\"POLYGON ((0 2,2 4,0 4,0 2))\",3\n"
+               "\"POLYGON ((0 2,2 0,4 2,2 4,0 2))\",4\n");
     const char *out = cli_run(&status, "voronoi t -");
     CHECK(status == 0 && count(out, "\"Feature\"") == 5 && count(out, "\"Polygon\"") == 5);
     CHECK(strstr(out, "{\"id\":4},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":"

@@ -62,15 +62,47 @@ TEST(load_reads_third_coordinates_of_geojson_as_heights)
 TEST(meshes_have_heights)
 {
     make_set();
-    expect_export("-f obj", "\nv 0 0 1\nv 4 0 2.5\nv 4 3 0\nv 0 4 -4\nf ");
-    expect_export("-f ply", "end_header\n0 0 1\n4 0 2.5\n4 3 0\n0 4 -4\n3 ");
-    expect_export("-f off", "\n0 0 1\n4 0 2.5\n4 3 0\n0 4 -4\n3 ");
-    expect_export("-f 2dm", "\nND 1 0 0 1\nND 2 4 0 2.5\nND 3 4 3 0\nND 4 0 4 -4\n");
-    expect_export("-f obj", "delaunay: 1 of 4 heights are missing\n");
     expect_export("-f obj --field t", "\nv 0 0 10\nv 4 0 20\nv 4 3 30\nv 0 4 40\nf ");
+    expect_export("-f ply --field t", "end_header\n0 0 10\n4 0 20\n4 3 30\n0 4 40\n3 ");
     int status;
     CHECK(strstr(cli_run(&status, "export t - -f obj --field u"), "u: the set has no such field") &&
           status == 1);
+    cli_finish();
+}
+
+/* The square of make_set has the triangles 0 1 2 and 0 2 3, so none is left without point 2. */
+TEST(points_without_a_height_are_left_out_of_meshes_with_their_triangles)
+{
+    char command[200];
+    int status;
+    make_set();
+    cli_run_well("add t -4 0");
+    cli_run_well("add t 2 -3");
+    cli_run_well("fset t z 4 7");
+    cli_run_well("triangulate t");
+    expect_export("-f obj", "triangulation\nv 0 0 1\nv 4 0 2.5\nv 0 4 -4\nv -4 0 7\nf 1 3 4\n");
+    expect_export("-f ply", "element vertex 4\n");
+    expect_export("-f ply", "element face 1\n");
+    expect_export("-f ply", "end_header\n0 0 1\n4 0 2.5\n0 4 -4\n-4 0 7\n3 0 2 3\n");
+    expect_export("-f off", "OFF\n4 1 0\n0 0 1\n4 0 2.5\n0 4 -4\n-4 0 7\n3 0 2 3\n");
+    expect_export("-f 2dm", "E3T 1 1 3 4 1\nND 1 0 0 1\nND 2 4 0 2.5\nND 3 0 4 -4\nND 4 -4 0 7\n");
+    expect_export("-f obj", "delaunay: 2 of 6 heights are missing: these points and their 4 "
+                            "triangles are left out\n");
+    snprintf(command, sizeof command, "export t %s --json 2>/dev/null", cli_path("t.off"));
+    CHECK(strstr(cli_run(&status, command), "\"points\":4,\"shown\":4,\"triangles\":1") != NULL);
+    snprintf(command, sizeof command, "export t %s --json --force 2>/dev/null", cli_path("t.off"));
+    CHECK(strstr(cli_run(&status, command), "\"left_out\":2") != NULL);
+    cli_finish();
+}
+
+TEST(a_mesh_of_points_without_any_height_is_refused)
+{
+    int status;
+    make_set();
+    cli_run_well("fset t empty 0 nan");
+    const char *out = cli_run(&status, "export t - -f obj --field empty");
+    CHECK_MSG(status == 1 && strstr(out, "empty: no point has a value of this field") != NULL, "%s",
+              out);
     cli_finish();
 }
 
@@ -81,7 +113,9 @@ TEST(nodes_csv_and_geojson_have_all_fields)
                   "4 2 2 1\n0 0 0 10 1 1\n1 4 0 20 2.5 1\n2 4 3 30 nan 1\n3 0 4 40 -4 1\n");
     expect_export("-f csv", "a,b,c,ax,ay,bx,by,cx,cy,at,bt,ct,az,bz,cz\n");
     expect_export("-f csv", "0,2,3,0,0,4,3,0,4,10,30,40,1,,-4\n");
-    expect_export("-f geojson", "\"points\":[0,2,3],\"t\":[10,30,40],\"z\":[1,null,-4]},");
+    expect_export(
+        "-f geojson",
+        "{\"a\":0,\"b\":2,\"c\":3,\"at\":10,\"bt\":30,\"ct\":40,\"az\":1,\"bz\":null,\"cz\":-4},");
     cli_finish();
 }
 
@@ -104,9 +138,9 @@ TEST(features_of_many_fields_are_written_whole)
     snprintf(text, sizeof text, "load t %s --fields", cli_path("t.csv"));
     cli_run_well(text);
     cli_run_well("triangulate t");
-    const char *out = cli_run(&status, "export t - -f ndjson"), *last = strstr(out, "\"f63");
-    last = last != NULL ? strchr(last, '[') : NULL;
-    n = (size_t)sprintf(text, "[%s,%s,%s]},\"geometry\"", value, value, value);
+    const char *out = cli_run(&status, "export t - -f ndjson"), *last = strstr(out, "\"cf63");
+    last = last != NULL ? strchr(last, ':') : NULL;
+    n = (size_t)sprintf(text, ":%s},\"geometry\"", value);
     CHECK(status == 0 && last != NULL && strncmp(last, text, n) == 0);
     cli_finish();
 }

@@ -1,9 +1,11 @@
 /* formats_test.c - the files of `delaunay export`, read back by readers of this test's own and compared
  * with the server's replies in lines. */
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "tests/clients/cli.h"
+#include "tests/clients/peer.h"
 #include "tests/test.h"
 
 enum { POINTS = 120, ROOM = 1000 };
@@ -235,9 +237,11 @@ TEST(export_lines_of_triangles_are_read_back)
     cli_begin();
     make_set(&want);
     FILE *f = export("wkt");
+    CHECK(fgets(line, sizeof line, f) != NULL && strcmp(line, "WKT,a,b,c\n") == 0);
     for (; fgets(line, sizeof line, f) != NULL; rows++) {
-        CHECK(sscanf(line, "POLYGON ((%lf %lf, %lf %lf, %lf %lf, %lf %lf))", &x[0], &y[0], &x[1],
-                     &y[1], &x[2], &y[2], &x[3], &y[3]) == 8);
+        CHECK(sscanf(line, "\"POLYGON ((%lf %lf, %lf %lf, %lf %lf, %lf %lf))\",%u,%u,%u", &x[0],
+                     &y[0], &x[1], &y[1], &x[2], &y[2], &x[3], &y[3], &v[0], &v[1], &v[2]) == 11);
+        CHECK(memcmp(v, want.triangle[rows], sizeof v) == 0);
         for (int k = 0; k < 4; k++)
             CHECK(x[k] == want.xy[want.triangle[rows][k % 3]][0] &&
                   y[k] == want.xy[want.triangle[rows][k % 3]][1]);
@@ -258,7 +262,7 @@ TEST(export_lines_of_triangles_are_read_back)
     cli_finish();
 }
 
-TEST(export_geojson_is_read_back)
+TEST(properties_of_triangles_in_geojson_are_single_values)
 {
     static struct mesh want;
     unsigned v[3];
@@ -273,7 +277,8 @@ TEST(export_geojson_is_read_back)
         while (fgets(line, sizeof line, f) != NULL) {
             if (sscanf(
                     line,
-                    "{\"type\":\"Feature\",\"properties\":{\"points\":[%u,%u,%u]},\"geometry\":{"
+                    "{\"type\":\"Feature\",\"properties\":{\"a\":%u,\"b\":%u,\"c\":%u},"
+                    "\"geometry\":{"
                     "\"type\":\"Polygon\",\"coordinates\":[[[%lf,%lf],[%lf,%lf],[%lf,%lf],[%lf,%lf]"
                     "]]}}",
                     &v[0], &v[1], &v[2], &x[0], &y[0], &x[1], &y[1], &x[2], &y[2], &x[3],
@@ -285,6 +290,45 @@ TEST(export_geojson_is_read_back)
         CHECK(rows == want.triangles);
         fclose(f);
     }
+    cli_finish();
+}
+
+/* Shapefile and FlatGeobuf have no lists as values. */
+TEST(triangles_keep_their_properties_in_the_formats_of_gdal)
+{
+    static struct mesh want;
+    int status;
+    cli_begin();
+    make_set(&want);
+    peer_shell(&status, "command -v ogr2ogr");
+    if (status != 0) {
+        puts("skipped: formats of GDAL need ogr2ogr (gdal-bin)");
+        cli_finish();
+        return;
+    }
+    char path[128], values[20 * POINTS];
+    size_t n = (size_t)sprintf(values, "fset t z");
+    for (int i = 0; i < POINTS; i++)
+        n += (size_t)sprintf(values + n, "  %d %d.5", i, i);
+    cli_run_well(values);
+    fclose(export("geojson"));
+    fclose(export("wkt"));
+    snprintf(path, sizeof path, "%s", cli_path("out"));
+    static const char *const formats[] = {"FlatGeobuf:fgb", "ESRI Shapefile:shp"};
+    for (int i = 0; i < 2; i++) {
+        const char *ending = strchr(formats[i], ':') + 1;
+        const char *got = peer_shell(&status,
+                                     "ogr2ogr -f '%.*s' %s.%s %s.geojson 2>&1 && ogrinfo -so -al "
+                                     "%s.%s",
+                                     (int)(ending - formats[i] - 1), formats[i], path, ending, path,
+                                     path, ending);
+        char count[40];
+        snprintf(count, sizeof count, "Feature Count: %zu\n", want.triangles);
+        CHECK_MSG(status == 0 && strstr(got, count) != NULL, "%s", got);
+        CHECK(strstr(got, "\na: Integer") != NULL && strstr(got, "\nbz: Real") != NULL);
+    }
+    const char *got = peer_shell(&status, "ogrinfo -al CSV:%s.wkt | grep -c '^  POLYGON'", path);
+    CHECK_MSG(status == 0 && (size_t)atoi(got) == want.triangles, "%s", got);
     cli_finish();
 }
 

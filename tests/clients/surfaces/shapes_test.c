@@ -38,7 +38,8 @@ TEST(cells_become_polygons_that_end_where_they_begin)
               "\"Polygon\",\"coordinates\":[[[0,0],[1,0],[1,1],[0,1],[0,0]]]}}\n]}\n");
     free(text);
     text = written(&s, shapes_write_wkt);
-    CHECK_STR(text, "POLYGON ((0 0,1.5 0,0 1e-7,0 0))\nPOLYGON ((0 0,1 0,1 1,0 1,0 0))\n");
+    CHECK_STR(text, "WKT,id\n\"POLYGON ((0 0,1.5 0,0 1e-7,0 0))\",3\n"
+                    "\"POLYGON ((0 0,1 0,1 1,0 1,0 0))\",4294967295\n");
     free(text);
     shapes_free(&s);
 }
@@ -57,7 +58,8 @@ TEST(contours_become_lines_with_their_level)
               "{\"type\":\"LineString\",\"coordinates\":[[0,0],[1,0],[0,1],[0,0]]}}\n]}\n");
     free(text);
     text = written(&s, shapes_write_wkt);
-    CHECK_STR(text, "LINESTRING (0 0,1 2)\nLINESTRING (0 0,1 0,0 1,0 0)\n");
+    CHECK_STR(text, "WKT,level,closed\n\"LINESTRING (0 0,1 2)\",-5,false\n"
+                    "\"LINESTRING (0 0,1 0,0 1,0 0)\",100.5,true\n");
     free(text);
     shapes_free(&s);
 }
