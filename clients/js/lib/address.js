@@ -45,10 +45,11 @@ function open(where, timeout) {
   });
 }
 
-/** $DELAUNAYD, or the program in this package, or that of $PATH. */
+/** $DELAUNAYD, or the program in this package, or that of the checkout that has this package, or that of $PATH. */
 function findProgram() {
-  const packed = path.join(__dirname, '..', 'bin', 'delaunayd');
-  return process.env.DELAUNAYD || (existsSync(packed) ? packed : 'delaunayd');
+  const root = path.join(__dirname, '..');
+  const near = [path.join(root, 'bin', 'delaunayd'), path.join(root, '..', '..', 'build', 'delaunayd')];
+  return process.env.DELAUNAYD || near.find(existsSync) || 'delaunayd';
 }
 
 /** Starts a private daemon, which ends with this process, however that ends: the system closes

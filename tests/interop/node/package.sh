@@ -26,6 +26,13 @@ installs_offline() {
 # Without $DELAUNAYD and $PATH: the package has a daemon of its own.
 runs() { (cd "$scratch/app" && cp "$here/$1" . && env -u DELAUNAYD DELAUNAY_URL=private: node "$1"); }
 
+# `npm install clients/js` makes a link, and the daemon is the one that make has built.
+runs_from_checkout() {
+    mkdir "$scratch/linked" && cp "$here/required.cjs" "$scratch/linked" && cd "$scratch/linked" && npm init -y >/dev/null &&
+        npm install --offline --ignore-scripts --install-links=false "$OLDPWD/clients/js" &&
+        env -u DELAUNAYD PATH="$(dirname "$(command -v node)"):/usr/bin:/bin" DELAUNAY_URL=private: node required.cjs
+}
+
 has_version_of_daemon() {
     local version
     version=$("$build/delaunayd" --version) && [ "delaunayd $(node -p 'require("./clients/js/package.json").version')" = "$version" ]
@@ -47,6 +54,7 @@ count "the npm package holds what it should" holds_no_tests
 count "the npm package installs from its tarball into an empty folder" installs_offline
 count "the installed package can be imported" runs imported.mjs
 count "the installed package can be required" runs required.cjs
+[ ! -x build/delaunayd ] || count "the package of the checkout finds the daemon that make has built" runs_from_checkout
 if fetch_peers; then
     count "the types are right in ES modules and in CommonJS" types_are_right
     count "d3-delaunay beside ours" beside_peers "$tests/d3.test.mjs"
