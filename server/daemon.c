@@ -16,6 +16,7 @@
 #include "server/session/session.h"
 #include "server/system/loop.h"
 #include "server/system/notice.h"
+#include "server/system/outlet.h"
 #include "server/system/priority.h"
 #include "server/system/private.h"
 #include "server/system/sock.h"
@@ -37,6 +38,7 @@ enum {
     ACCEPTS_PER_TURN = 64,
     REFUSALS_PER_TURN = 8, /* connections that are accepted and closed */
     GRACE_MS = 30 * 1000,  /* for requests under way when the daemon is stopped */
+    READY_MS = 100,        /* at the end, for a ready line that has not been written */
     ANNOUNCE_MS = 1000     /* the longest time that the ready line waits for sets to be read */
 };
 
@@ -57,6 +59,8 @@ static struct {
     int64_t stop_ms;
     unsigned port;
 } d;
+
+static struct outlet ready_line = OUTLET(STDOUT_FILENO);
 
 /* ---- clients ---- */
 
@@ -237,11 +241,11 @@ static void announce_if_ready(void)
         (!durable_is_complete(&d.server) && clock_ms() - d.server.started_ms < ANNOUNCE_MS))
         return;
     d.announced = true;
-    if (config->private)
-        printf("ready on %s\n", config->unix_path);
-    else
-        printf("ready on %s%s%s:%u\n", v6 ? "[" : "", config->bind_address, v6 ? "]" : "", d.port);
-    fflush(stdout);
+    char line[OUTLET_LINE];
+    int n = config->private ? snprintf(line, sizeof line, "ready on %s\n", config->unix_path)
+                            : snprintf(line, sizeof line, "ready on %s%s%s:%u\n", v6 ? "[" : "",
+                                       config->bind_address, v6 ? "]" : "", d.port);
+    outlet_put(&ready_line, line, (size_t)n, 1);
     notice(NOTICE_DEBUG, "ready, with %zu sets", d.server.sets.sets);
     systemd_notify("READY=1");
 }
@@ -489,5 +493,6 @@ int daemon_run(struct config *config)
     loop_clear(&d.loop);
     server_clear(&d.server);
     clients_clear(&d.clients);
+    outlet_flush(&ready_line, READY_MS);
     return d.failed;
 }

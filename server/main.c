@@ -3,11 +3,15 @@
 #include "server/disk/recover.h"
 #include "server/ops/command_line.h"
 #include "server/system/machine.h"
+#include "server/system/notice.h"
+
+enum { FLUSH_MS = 300 }; /* the last messages have so long */
 
 int main(int argc, char **argv)
 {
     struct config config;
-    machine_raise_descriptors(); /* first: the default of --max-clients depends on it */
+    machine_open_standard();
+    machine_raise_descriptors(); /* the default of --max-clients depends on it */
     config_init(&config);
     switch (command_line_read(&config, argc, argv)) {
     case COMMAND_LINE_ANSWERED:
@@ -21,5 +25,7 @@ int main(int argc, char **argv)
         return recovery_check(config.check);
     if (config.repair != NULL)
         return recovery_repair(config.repair);
-    return daemon_run(&config);
+    int status = daemon_run(&config);
+    notice_flush(FLUSH_MS);
+    return status;
 }

@@ -2,6 +2,7 @@
  * cgroups(7)] */
 #include "server/system/machine.h"
 
+#include <fcntl.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -16,6 +17,16 @@ unsigned machine_processors(void)
 {
     long n = sysconf(_SC_NPROCESSORS_ONLN);
     return n < 1 ? 1 : (unsigned)n;
+}
+
+void machine_open_standard(void)
+{
+    int fd;
+    do
+        fd = open("/dev/null", O_RDWR); /* gets the lowest number that is free */
+    while (fd >= 0 && fd <= STDERR_FILENO);
+    if (fd >= 0)
+        close(fd);
 }
 
 void machine_raise_descriptors(void)

@@ -7,6 +7,10 @@
 /* Processors that are online, at least 1. */
 unsigned machine_processors(void);
 
+/* Descriptors 0, 1 and 2 that are closed become /dev/null: no other file gets such a number and then messages. To be called
+ * first. */
+void machine_open_standard(void);
+
 /* Raises the soft limit of open descriptors to the hard one: best effort. */
 void machine_raise_descriptors(void);
 

@@ -1,5 +1,7 @@
-/* notice.c - see notice.h. A line is one write, so that lines of several threads do not mix. */
+/* notice.c - see notice.h. */
 #include "server/system/notice.h"
+
+#include "server/system/outlet.h"
 
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -10,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PER_SECOND = 50, LINE = 480, RARELY_MS = 10 * 1000 };
+enum { PER_SECOND = 50, LINE = OUTLET_LINE, RARELY_MS = 10 * 1000 };
 
 static const char *const level_name[] = {"error", "warning", "info", "debug"};
 static const int priority[] = {3, 4, 6, 7}; /* syslog's */
@@ -18,6 +20,7 @@ static const int priority[] = {3, 4, 6, 7}; /* syslog's */
 static atomic_int limit = NOTICE_INFO;
 static _Atomic int64_t second; /* in which `written` lines were written */
 static atomic_uint written, left_out;
+static struct outlet outlet = OUTLET(STDERR_FILENO);
 
 bool notice_parse_level(const char *text, enum notice_level *level)
 {
@@ -58,10 +61,11 @@ static size_t write_head(char *line, enum notice_level level, time_t now)
     return n > 0 ? (size_t)n : 0;
 }
 
-__attribute__((format(printf, 2, 0))) static void vwrite_line(enum notice_level level,
-                                                              const char *format, va_list ap)
+/* worth: lines that are lost with this one. */
+__attribute__((format(printf, 3, 0))) static void
+vwrite_line(enum notice_level level, unsigned worth, const char *format, va_list ap)
 {
-    char line[LINE + 1];
+    char line[LINE];
     size_t at = write_head(line, level, time(NULL));
     int n = vsnprintf(line + at, LINE - at, format, ap);
     size_t end = n < 0 ? at : at + (size_t)n < LINE ? at + (size_t)n : LINE - 1;
@@ -69,16 +73,15 @@ __attribute__((format(printf, 2, 0))) static void vwrite_line(enum notice_level 
         if (line[i] < ' ' || line[i] > '~')
             line[i] = '?';
     line[end++] = '\n';
-    ssize_t ignored = write(STDERR_FILENO, line, end); /* there is no other place to report it */
-    (void)ignored;
+    outlet_put(&outlet, line, end, worth);
 }
 
-__attribute__((format(printf, 2, 3))) static void write_line(enum notice_level level,
-                                                             const char *format, ...)
+__attribute__((format(printf, 2, 3))) static void report_left_out(unsigned n, const char *format,
+                                                                  ...)
 {
     va_list ap;
     va_start(ap, format);
-    vwrite_line(level, format, ap);
+    vwrite_line(NOTICE_WARNING, n, format, ap);
     va_end(ap);
 }
 
@@ -103,7 +106,7 @@ void notice(enum notice_level level, const char *format, ...)
         return;
     }
     va_start(ap, format);
-    vwrite_line(level, format, ap);
+    vwrite_line(level, 1, format, ap);
     va_end(ap);
 }
 
@@ -120,7 +123,12 @@ bool notice_rarely(struct notice_rarely *r, int64_t now_ms, uint64_t *more)
 
 void notice_tick(void)
 {
-    unsigned n = atomic_exchange(&left_out, 0);
+    unsigned n = atomic_exchange(&left_out, 0) + outlet_take_lost(&outlet);
     if (n > 0)
-        write_line(NOTICE_WARNING, "%u lines were left out", n);
+        report_left_out(n, "%u lines were left out", n);
+}
+
+void notice_flush(unsigned ms)
+{
+    outlet_flush(&outlet, ms);
 }

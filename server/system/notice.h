@@ -4,7 +4,7 @@
  *     2026-11-21 12:00:00 delaunayd: warning: a client was refused: too many clients
  *
  * If standard error is the journal (JOURNAL_STREAM), the date is left out and the level comes first, as
- * <3> (sd-daemon(3)). Any thread may call; nothing locks. */
+ * <3> (sd-daemon(3)). Any thread may call, and none waits: see outlet.h. */
 #ifndef SERVER_NOTICE_H
 #define SERVER_NOTICE_H
 
@@ -25,8 +25,8 @@ void notice_set_level(enum notice_level level);
 /* Whether a message of this level is written; for messages that are expensive to prepare. */
 bool notice_wanted(enum notice_level level);
 
-/* Writes one line. Characters that are not printable become '?', and a long line is cut. Beyond 50
- * lines a second, all but errors are left out and counted. */
+/* Writes one line, soon. Characters that are not printable become '?', and a long line is cut. Beyond 50 lines a second,
+ * all but errors are left out and counted; so are lines that standard error does not take. */
 __attribute__((format(printf, 2, 3))) void notice(enum notice_level level, const char *format, ...);
 
 /* For a message that clients can provoke as often as they like: at most one in ten seconds. */
@@ -41,5 +41,8 @@ bool notice_rarely(struct notice_rarely *r, int64_t now_ms, uint64_t *more);
 
 /* To be called once a second: reports how many lines were left out. */
 void notice_tick(void);
+
+/* At the end of the process: waits until the lines have been written, at most so many milliseconds. */
+void notice_flush(unsigned ms);
 
 #endif
