@@ -307,7 +307,7 @@ static void stop(void)
         return;
     }
     d.stopping = true;
-    d.stop_ms = d.loop.now_ms;
+    d.stop_ms = d.loop.awake_ms;
     close_listeners();
     server_drain(&d.server);
     clients_each(&d.clients, drain_client);
@@ -373,7 +373,7 @@ static void on_tick(struct loop *loop)
     expire_tick(&d.server);
     announce_if_ready();
     refill_reserve();
-    if (d.stopping && loop->now_ms - d.stop_ms > GRACE_MS)
+    if (d.stopping && loop->awake_ms - d.stop_ms > GRACE_MS)
         loop_stop(loop);
 }
 

@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <stddef.h>
 #include <sys/epoll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -49,7 +50,7 @@ bool conn_init(struct conn *c, struct loop *loop, int fd, const struct conn_even
                        .interest = EPOLLIN};
     c->turn.run = run_turn;
     c->disposal.run = run_disposal;
-    c->progress_ms = c->heard_ms = loop->now_ms;
+    c->progress_ms = c->heard_ms = loop->awake_ms;
     return loop_watch(loop, &c->source, c->interest);
 }
 
@@ -178,7 +179,7 @@ static void read_input(struct conn *c)
         c->eof = true;
     else
         buf_commit(&c->in, (size_t)n);
-    c->heard_ms = c->loop->now_ms;
+    c->heard_ms = c->loop->awake_ms;
 }
 
 /* ---- output ---- */
@@ -195,7 +196,7 @@ static size_t send_now(struct conn *c, const void *bytes, size_t n)
     if (sent <= 0)
         return 0;
     c->sent += (uint64_t)sent;
-    c->progress_ms = c->loop->now_ms;
+    c->progress_ms = c->loop->awake_ms;
     return (size_t)sent;
 }
 
@@ -207,7 +208,7 @@ static void send_output(struct conn *c)
             return;
         buf_consume(&c->out, n);
     }
-    c->progress_ms = c->loop->now_ms;
+    c->progress_ms = c->loop->awake_ms;
 }
 
 bool conn_write(struct conn *c, const void *bytes, size_t n)
@@ -234,7 +235,7 @@ static void finish_if_sent(struct conn *c)
     }
     shutdown(c->source.fd, SHUT_WR);
     c->lingering = true;
-    c->linger_ms = c->loop->now_ms;
+    c->linger_ms = c->loop->awake_ms;
 }
 
 /* ---- turns ---- */
@@ -313,13 +314,31 @@ static bool may_be_stuck(const struct conn *c)
     return (c->interest & EPOLLIN) == 0 && !c->eof && buf_len(&c->in) >= CONN_SMALL;
 }
 
+static bool is_stalled(const struct conn *c)
+{
+    return conn_sendable(c) > 0 && c->loop->awake_ms - c->progress_ms > LIMIT_STALL_S * 1000;
+}
+
+/* Closes it, unless the socket takes something now: the daemon may have been stopped. */
+static void judge_stalled(struct conn *c)
+{
+    send_output(c);
+    if (is_stalled(c))
+        conn_close(c);
+}
+
+bool conn_has_input(const struct conn *c)
+{
+    int n = 0;
+    return ioctl(c->source.fd, FIONREAD, &n) == 0 && n > 0;
+}
+
 void conn_check_timeouts(struct conn *c)
 {
-    int64_t now = c->loop->now_ms;
-    if (c->lingering && now - c->linger_ms > LINGER_MS)
+    if (c->lingering && c->loop->awake_ms - c->linger_ms > LINGER_MS)
         conn_close(c);
-    else if (conn_sendable(c) > 0 && now - c->progress_ms > LIMIT_STALL_S * 1000)
-        conn_close(c);
+    else if (is_stalled(c))
+        judge_stalled(c);
     else if (may_be_stuck(c))
         conn_again(c);
 }

@@ -42,7 +42,7 @@ struct conn {
         hold; /* bytes of `out` that must not be sent before the log is durable; see hold.h */
     struct task turn, disposal;
     uint32_t interest;   /* the events that epoll watches */
-    int64_t heard_ms;    /* when bytes last came in */
+    int64_t heard_ms;    /* when bytes last came in; this and the next two in time awake (loop.h) */
     int64_t progress_ms; /* when bytes last went out, or out was empty */
     bool yielded;        /* `turn` is queued behind other tasks with much work (loop_yield) */
     bool eof;            /* the input has ended */
@@ -83,6 +83,9 @@ void conn_drain(struct conn *c);
 
 /* Closes at once. The owner's `closed` is called at the end of the loop's turn. */
 void conn_close(struct conn *c);
+
+/* Whether input has arrived that has not been read. */
+bool conn_has_input(const struct conn *c);
 
 /* To be called once a second: closes the connection if it lingers or stalls for too long, and runs a turn
  * if it stopped reading because memory was short. */

@@ -43,7 +43,7 @@ static void append_client(struct buf *out, const struct session *s)
         [ROLE_NONE] = "none", [ROLE_READ] = "ro", [ROLE_WRITE] = "rw"};
     char peer[SOCK_PEER_TEXT];
     const struct conn *c = &s->conn;
-    int64_t now = c->loop->now_ms;
+    int64_t now = c->loop->awake_ms;
     sock_peer_text(&s->peer, peer);
     buf_append(out, "id=", 3);
     reply_u64(out, s->id);

@@ -315,7 +315,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
         return NULL;
     s->server = server;
     s->role = auth_initial_role(&server->auth);
-    s->since_ms = loop->now_ms;
+    s->since_ms = loop->awake_ms;
     s->peer = *peer;
     s->command = STATS_OTHER;
     s->waiter.wake = on_wake;

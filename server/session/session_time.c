@@ -24,7 +24,7 @@ static bool is_receiving(const struct session *s)
 void session_check_timeouts(struct session *s)
 {
     struct conn *c = &s->conn;
-    int64_t now = c->loop->now_ms, idle_ms = (int64_t)s->server->config->idle_timeout_s * 1000;
+    int64_t now = c->loop->awake_ms, idle_ms = (int64_t)s->server->config->idle_timeout_s * 1000;
     conn_check_timeouts(c);
     if (c->closed || c->finishing)
         return;
@@ -33,13 +33,13 @@ void session_check_timeouts(struct session *s)
         notice_client(s, NOTICE_INFO, "has not authenticated in time: closed");
         session_refuse(s, ERR_TIMEOUT, "not authenticated within 10 seconds");
         conn_turn(c);
-    } else if (is_receiving(s) && load_stalls(s->load, now)) {
+    } else if (is_receiving(s) && load_stalls(s->load, now) && !conn_has_input(c)) {
         session_refuse(s, ERR_TIMEOUT, "the points stopped coming; nothing was loaded");
         load_free(s->server, s->load);
         s->load = NULL;
         conn_turn(c);
     } else if (idle_ms > 0 && is_listening(s) && s->watching == NULL &&
-               now - c->heard_ms > idle_ms) {
+               now - c->heard_ms > idle_ms && !conn_has_input(c)) {
         session_refuse(s, ERR_TIMEOUT, "idle for too long");
         conn_turn(c);
     }

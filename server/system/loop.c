@@ -7,7 +7,12 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { EVENTS_PER_WAIT = 512, TICK_MS = 1000 };
+enum {
+    EVENTS_PER_WAIT = 512,
+    TICK_MS = 1000,
+    LATE_NS = 100 * 1000 *
+              1000 /* a turn that is later than that has not been awake for the rest of the time */
+};
 
 int64_t clock_ns(void)
 {
@@ -23,7 +28,9 @@ int64_t clock_ms(void)
 
 bool loop_init(struct loop *loop)
 {
-    *loop = (struct loop){.now_ms = clock_ms()};
+    int64_t now = clock_ns();
+    *loop = (struct loop){.turn_ns = now, .now_ms = now / 1000000, .awake_ms = now / 1000000};
+    loop->awake_ns = now;
     loop->next_tick_ms = loop->now_ms + TICK_MS;
     timers_init(&loop->timers, loop->now_ms);
     loop->epoll = epoll_create1(EPOLL_CLOEXEC);
@@ -115,6 +122,17 @@ static void tick_if_due(struct loop *loop)
         loop->tick(loop);
 }
 
+/* Reads the clock; wait_ms: how long the loop has wanted to wait. */
+static void begin_turn(struct loop *loop, int wait_ms)
+{
+    int64_t now = clock_ns(), passed = now - loop->turn_ns,
+            most = (int64_t)wait_ms * 1000000 + LATE_NS;
+    loop->turn_ns = now;
+    loop->now_ms = now / 1000000;
+    loop->awake_ns += passed < most ? passed : most;
+    loop->awake_ms = loop->awake_ns / 1000000;
+}
+
 /* Waits for events, until a timer is due, or not at all if there are tasks. Begins the turn. */
 static int wait_for(struct loop *loop, struct epoll_event *event)
 {
@@ -127,8 +145,7 @@ static int wait_for(struct loop *loop, struct epoll_event *event)
         wait_ms = first > now / 1000000 ? (int)(first - now / 1000000) : 0;
     }
     int n = epoll_wait(loop->epoll, event, EVENTS_PER_WAIT, wait_ms);
-    loop->turn_ns = clock_ns();
-    loop->now_ms = loop->turn_ns / 1000000;
+    begin_turn(loop, wait_ms);
     if (wait_ms > 0)
         loop->idle_ns += loop->turn_ns - now;
     return n;

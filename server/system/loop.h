@@ -44,6 +44,9 @@ struct loop {
     int64_t idle_ns; /* the time spent waiting for events so far */
     struct timers timers;
     int64_t now_ms; /* the same in milliseconds */
+    int64_t awake_ns,
+        awake_ms; /* the time without that in which the process was stopped, or had no processor: for limits
+                                   of clients, whose input could not be read meanwhile */
     int64_t next_tick_ms;
     void (*tick)(struct loop *loop);     /* once a second; may be NULL */
     void (*turn_end)(struct loop *loop); /* at the end of every turn; may be NULL */

@@ -86,12 +86,25 @@ TEST(client_that_takes_nothing_is_closed_after_a_while)
 {
     begin();
     stall();
-    b.loop.now_ms += LIMIT_STALL_S * 1000;
+    b.loop.awake_ms += LIMIT_STALL_S * 1000;
     conn_check_timeouts(&b.conn);
     CHECK(!b.conn.closed);
-    b.loop.now_ms += 1;
+    b.loop.awake_ms += 1;
     conn_check_timeouts(&b.conn);
     CHECK(b.conn.closed);
+    end();
+}
+
+TEST(output_that_the_client_takes_at_last_is_sent_before_it_is_judged)
+{
+    static char bytes[1 << 20];
+    begin();
+    stall();
+    while (recv(b.client, bytes, sizeof bytes, MSG_DONTWAIT) > 0)
+        ;
+    b.loop.awake_ms += LIMIT_STALL_S * 1000 + 1;
+    conn_check_timeouts(&b.conn);
+    CHECK(!b.conn.closed && b.conn.progress_ms == b.loop.awake_ms);
     end();
 }
 
@@ -175,7 +188,7 @@ TEST(client_that_sends_on_after_its_last_reply_is_closed_after_so_many_bytes_or_
         conn_turn(&b.conn);
         CHECK(b.conn.lingering);
         b.conn.dropped = LINGER_BYTES - 1;
-        b.loop.now_ms = b.conn.linger_ms + LINGER_MS;
+        b.loop.awake_ms = b.conn.linger_ms + LINGER_MS;
         conn_check_timeouts(&b.conn);
         CHECK(!b.conn.closed);
         if (i == 0) {
@@ -185,7 +198,7 @@ TEST(client_that_sends_on_after_its_last_reply_is_closed_after_so_many_bytes_or_
             loop_clear(&b.loop);
             close(b.client);
         } else {
-            b.loop.now_ms += 1;
+            b.loop.awake_ms += 1;
             conn_check_timeouts(&b.conn);
             CHECK(b.conn.closed);
             end();

@@ -2,6 +2,7 @@
 #include "server/system/loop.h"
 #include "tests/test.h"
 
+#include <poll.h>
 #include <stddef.h>
 
 enum { GREEDY = 100, TURNS = 60, WORK_NS = 200 * 1000 };
@@ -71,4 +72,30 @@ TEST(yielded_task_runs_in_the_next_turn_when_it_is_alone)
     loop_yield(&loop, &greedy[0].task);
     loop_clear(&loop); /* runs the tasks that free something */
     CHECK(greedy[0].runs == 2 && greedy[1].runs == 1);
+}
+
+enum { STOPPED_MS = 400 };
+
+/* As if the process were stopped. */
+static void be_stopped(struct task *t)
+{
+    (void)t;
+    poll(NULL, 0, STOPPED_MS);
+}
+
+TEST(time_in_which_the_loop_is_stopped_is_not_time_awake)
+{
+    struct task stopped = {.run = be_stopped};
+    CHECK(loop_init(&loop));
+    int64_t began_ms = loop.now_ms;
+    CHECK(loop.awake_ms == began_ms);
+    loop_defer(&loop, &stopped);
+    deferred.run = count_turn;
+    turns = TURNS - 3;
+    loop_defer(&loop, &deferred);
+    loop_run(&loop);
+    CHECK(loop.now_ms - began_ms >= STOPPED_MS);
+    CHECK_MSG(loop.now_ms - loop.awake_ms >= STOPPED_MS / 2, "%d ms",
+              (int)(loop.now_ms - loop.awake_ms));
+    loop_clear(&loop);
 }
