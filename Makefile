@@ -20,6 +20,11 @@
 #   make clean      removes build/
 #   make help       shows this
 
+# As many jobs as processors, unless -j says otherwise.
+ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS) $(shell echo "$$MAKEFLAGS")),0)
+MAKEFLAGS += -j$(shell getconf _NPROCESSORS_ONLN)
+endif
+
 V        ?=
 O        := build$(if $(V),/$(V))
 CFLAGS   ?= -O2 -g
@@ -44,7 +49,7 @@ ORACLE   := $(patsubst %.c,$(O)/%.o,$(wildcard tests/oracle/*.c))
 # The simulation of power cuts; the other files of that folder are loaded into a daemon.
 CRASH    := $(patsubst %.c,$(O)/%.o,$(filter-out %_shim.c,$(wildcard tests/faults/*.c)))
 tests_of  = $(patsubst %.c,$(O)/%.o,$(wildcard tests/$(1)/*.c tests/$(1)/*/*.c))
-SUITES   := $(foreach s,core proto server clients,$(if $(call tests_of,$(s)),$(s)))
+SUITES   := $(foreach s,server clients core proto,$(if $(call tests_of,$(s)),$(s)))
 WRAP     := -fno-builtin-malloc -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free,--wrap=mmap
 # The calls by which the server changes files go through tests/server/file_calls.c.
 WRAP_FILES := -Wl,--wrap=write,--wrap=fdatasync,--wrap=fsync,--wrap=ftruncate,--wrap=openat,--wrap=renameat,--wrap=linkat,--wrap=unlinkat,--wrap=read,--wrap=readdir,--wrap=posix_fallocate
@@ -91,16 +96,18 @@ $(SHIMS): $(O)/%.so: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(BASE) $(WARNINGS) -fPIC -shared -o $@ $< -ldl
 
-test_binaries: all $(TEST_BINARIES) $(SHIMS)
+test_binaries: $(TEST_BINARIES) $(if $(filter server clients,$(SUITES)),all $(SHIMS))
 
-# The suites run one after another, or two at a time with -j2, and several tests of each at once; test_core runs only the suite
-# of core/, and so on. RUN=PROGRAM runs them under a program, such as an emulator.
+# The suites run beside each other, and several tests of each at once; test_core runs only the suite of core/, and so on.
+# RUN=PROGRAM runs them under a program, such as an emulator. A word of T must select a test of some suite.
 test: test_binaries
-	@$(MAKE) -k --no-print-directory $(SUITES:%=test_%)
+	@useless=0; for w in $(T); do for s in $(SUITES); do $(RUN) $(O)/tests/$${s}_tests -l "$$w" >$(O)/tests/selected && continue 2; done; \
+	  useless=1; cat $(O)/tests/selected; done; exit $$useless
+	@$(MAKE) -k --no-print-directory OF_ANY_SUITE=-a $(SUITES:%=test_%)
 
 test_server test_clients: all $(SHIMS)
 $(SUITES:%=test_%): test_%: $(O)/tests/%_tests
-	@echo "== $*"; DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(RUN) $(O)/tests/$*_tests $(T)
+	@echo "== $*"; DELAUNAYD=$(O)/delaunayd DELAUNAY=$(O)/delaunay $(FIND_SHIMS) $(RUN) $(O)/tests/$*_tests $(OF_ANY_SUITE) $(T)
 
 # Random tests with many more rounds, and tests with thousands of clients.
 faults: all $(O)/tests/server_tests $(SHIMS)

@@ -1,4 +1,4 @@
-/* test.c - runs the registered tests, several at once, each in a forked process, and counts. */
+/* test.c - runs the registered tests, several at once, each in a forked process, and counts: passed, failed, skipped. */
 #include "tests/test.h"
 
 #include <fcntl.h>
@@ -6,17 +6,25 @@
 #include <signal.h>
 #include <stdarg.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
-static struct test *first, **last = &first;
+enum { SKIPPED = 77 }; /* the exit status of a test that ends by SKIP */
+
+static struct test *first;
+static const struct test *current; /* in the process of a test */
 static uint64_t seed, state;
 
+/* The longest begin first, as far as their time limits show; those with one limit in the order of the program. */
 void test_register(struct test *t)
 {
-    *last = t;
-    last = &t->next;
+    struct test **at = &first;
+    while (*at != NULL && (*at)->timeout_s >= t->timeout_s)
+        at = &(*at)->next;
+    t->next = *at;
+    *at = t;
 }
 
 void test_fail(const char *file, int line, const char *format, ...)
@@ -29,6 +37,17 @@ void test_fail(const char *file, int line, const char *format, ...)
     va_end(ap);
     fprintf(stderr, "\n");
     exit(1);
+}
+
+void test_skip(const char *format, ...)
+{
+    va_list ap;
+    fprintf(stderr, "SKIP %s: ", current->name);
+    va_start(ap, format);
+    vfprintf(stderr, format, ap);
+    va_end(ap);
+    fprintf(stderr, "\n");
+    exit(SKIPPED);
 }
 
 /* The length of a set's version at `text`; 0: there is none. HELLO has a version of another kind. */
@@ -56,19 +75,39 @@ size_t test_drop_versions(char *text)
     return (size_t)(to - start);
 }
 
+/* Whether the texts are equal except for versions of sets in `got` that `want` does not have. */
+static bool equals(const char *got, const char *want)
+{
+    for (;;) {
+        if (version_at(want) == 0)
+            got += version_at(got);
+        if (*got != *want)
+            return false;
+        if (*got == '\0')
+            return true;
+        got++;
+        want++;
+    }
+}
+
 void test_check_str(const char *file, int line, const char *what, const char *got, const char *want)
 {
-    if (strcmp(got, want) == 0)
-        return;
-    char *is = strdup(got), *should = strdup(want);
-    if (is == NULL || should == NULL)
-        abort();
-    test_drop_versions(is);
-    test_drop_versions(should);
-    if (strcmp(is, should) != 0)
+    if (!equals(got, want))
         test_fail(file, line, "%s\n--- got\n%s\n--- want\n%s\n---", what, got, want);
-    free(is);
-    free(should);
+}
+
+void test_check_unversioned(const char *file, int line, const char *what, const char *a,
+                            const char *b)
+{
+    char *x = strdup(a), *y = strdup(b);
+    if (x == NULL || y == NULL)
+        abort();
+    test_drop_versions(x);
+    test_drop_versions(y);
+    if (strcmp(x, y) != 0)
+        test_fail(file, line, "%s\n--- one\n%s\n--- other\n%s\n---", what, a, b);
+    free(x);
+    free(y);
 }
 
 bool test_names_error(const char *text, const char *what, int error)
@@ -96,14 +135,32 @@ uint32_t test_below(uint32_t n)
     return (uint32_t)(test_random() % n);
 }
 
-static bool selected(const struct test *t, int argc, char **argv)
+static bool matches(const struct test *t, const char *word)
 {
-    if (argc == 0)
-        return true;
-    for (int i = 0; i < argc; i++)
-        if (strstr(t->name, argv[i]) != NULL || strstr(t->file, argv[i]) != NULL)
-            return true;
-    return false;
+    return strstr(t->name, word) != NULL || strstr(t->file, word) != NULL;
+}
+
+static bool selected(const struct test *t, char **words)
+{
+    bool found = *words == NULL;
+    for (; *words != NULL && !found; words++)
+        found = matches(t, *words);
+    return found;
+}
+
+/* Names each word that selects no test; returns their number. */
+static unsigned useless_words(char **words)
+{
+    unsigned useless = 0;
+    for (; *words != NULL; words++) {
+        const struct test *t = first;
+        while (t != NULL && !matches(t, *words))
+            t = t->next;
+        if (t == NULL)
+            printf("FAIL no test is called %s, nor its file\n", *words);
+        useless += t == NULL;
+    }
+    return useless;
 }
 
 static double now(void)
@@ -130,7 +187,7 @@ struct run {
 
 static unsigned jobs; /* tests at once */
 static struct run running[64];
-static unsigned passed, failed;
+static unsigned passed, failed, skipped;
 
 /* Many tests mostly wait: for a time-out, a disk, a process. */
 static unsigned usual_jobs(void)
@@ -156,6 +213,7 @@ static void start(struct run *r, const struct test *t)
         fclose(r->output);
         alarm(t->timeout_s * test_slowness());
         state = seed;
+        current = t;
         t->run();
         exit(0);
     }
@@ -171,20 +229,23 @@ static void print_output(struct run *r)
     fclose(r->output);
 }
 
-static void end(struct run *r, int status)
+static void end(struct run *r, int status, const struct rusage *used)
 {
     const struct test *t = r->test;
     kill(-r->pid, SIGKILL);
     print_output(r);
-    bool ok = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    if (!ok && WIFSIGNALED(status))
+    double wall = now() - r->start;
+    int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (WIFSIGNALED(status))
         printf("%s: %s\n", t->file,
                WTERMSIG(status) == SIGALRM ? "timed out" : strsignal(WTERMSIG(status)));
-    if (!ok)
+    if (code != 0 && code != SKIPPED)
         printf("FAIL %s (seed %" PRIu64 ")\n", t->name, seed);
-    else if (isatty(1) || now() - r->start > 1)
-        printf("ok   %s (%.2f s)\n", t->name, now() - r->start);
-    *(ok ? &passed : &failed) += 1;
+    else if (code == 0 && (isatty(1) || wall > 1))
+        printf("ok   %s (%.2f s, %.2f s of processors)\n", t->name, wall,
+               (double)(used->ru_utime.tv_sec + used->ru_stime.tv_sec) +
+                   1e-6 * (double)(used->ru_utime.tv_usec + used->ru_stime.tv_usec));
+    *(code == 0 ? &passed : code == SKIPPED ? &skipped : &failed) += 1;
     r->test = NULL;
 }
 
@@ -192,10 +253,11 @@ static void end(struct run *r, int status)
 static struct run *wait_for_one(void)
 {
     int status;
-    pid_t pid = wait(&status);
+    struct rusage used;
+    pid_t pid = wait4(-1, &status, 0, &used);
     for (unsigned i = 0; i < jobs; i++)
         if (running[i].test != NULL && running[i].pid == pid) {
-            end(&running[i], status);
+            end(&running[i], status, &used);
             return &running[i];
         }
     perror("wait");
@@ -230,32 +292,53 @@ bool test_is_sanitized(void)
     return false;
 }
 
-int main(int argc, char **argv)
+static int list(char **words)
 {
-    int opt;
-    seed = (uint64_t)time(NULL);
-    jobs = usual_jobs();
-    while ((opt = getopt(argc, argv, "lj:s:")) != -1) {
-        if (opt == 's') {
-            seed = strtoull(optarg, NULL, 10);
-        } else if (opt == 'j') {
-            jobs = (unsigned)strtoul(optarg, NULL, 10);
-        } else if (opt == 'l') {
-            for (struct test *t = first; t != NULL; t = t->next)
-                printf("%s (%s)\n", t->name, t->file);
-            return 0;
-        } else {
-            return 2;
-        }
-    }
-    if (jobs < 1 || jobs > sizeof running / sizeof *running)
-        return 2;
-    setvbuf(stdout, NULL, _IOLBF, 0);
-    for (struct test *t = first; t != NULL; t = t->next)
-        if (selected(t, argc - optind, argv + optind))
+    for (const struct test *t = first; t != NULL; t = t->next)
+        if (selected(t, words))
+            printf("%s (%s)\n", t->name, t->file);
+    return useless_words(words) != 0;
+}
+
+static void run_all(char **words)
+{
+    for (const struct test *t = first; t != NULL; t = t->next)
+        if (selected(t, words))
             start(free_run(), t);
     while (any_runs())
         wait_for_one();
-    printf("%u passed, %u failed\n", passed, failed);
+}
+
+int main(int argc, char **argv)
+{
+    int opt;
+    bool lists = false, any = false;
+    seed = (uint64_t)time(NULL);
+    jobs = usual_jobs();
+    while ((opt = getopt(argc, argv, "alj:s:")) != -1) {
+        if (opt == 's')
+            seed = strtoull(optarg, NULL, 10);
+        else if (opt == 'j')
+            jobs = (unsigned)strtoul(optarg, NULL, 10);
+        else if (opt == 'a')
+            any = true;
+        else if (opt == 'l')
+            lists = true;
+        else
+            return 2;
+    }
+    if (jobs < 1 || jobs > sizeof running / sizeof *running)
+        return 2;
+    char **words = argv + optind;
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    if (lists)
+        return list(words);
+    run_all(words);
+    if (!any)
+        failed += useless_words(words);
+    printf("%u passed, %u failed", passed, failed);
+    if (skipped > 0)
+        printf(", %u skipped", skipped);
+    printf("\n");
     return failed != 0;
 }

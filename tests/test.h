@@ -6,9 +6,10 @@
  *         CHECK(1 + 1 == 2);
  *     }
  *
- * A test binary takes substrings of test names (all tests without), -l to list, -s SEED, -j N to run
- * N tests at once. A test that draws random numbers uses test_random(), whose seed is printed when
- * the test fails. */
+ * A test binary takes words, which select the tests whose name or file contains one of them (without words: all), -l to
+ * list these tests, -s SEED, -j N to run N tests at once. A word that selects no test fails; with -a it does not, because it
+ * may be for another binary. A test that draws random numbers uses test_random(), whose seed is printed when the test
+ * fails. Tests with the longest time limits begin first. */
 #ifndef TEST_H
 #define TEST_H
 
@@ -52,15 +53,24 @@ void test_register(struct test *t);
             test_fail(__FILE__, __LINE__, __VA_ARGS__);                                            \
     } while (0)
 
+/* Ends a test that cannot be run here: it counts as skipped, and the reason is printed. .ci/run allows some reasons. */
+#define SKIP(...) test_skip(__VA_ARGS__)
+
+/* Versions of sets in GOT are compared only where WANT has one, too. */
 #define CHECK_STR(GOT, WANT) test_check_str(__FILE__, __LINE__, #GOT, GOT, WANT)
+
+/* Two replies of different runs: versions of sets are not compared, in neither of them. */
+#define CHECK_UNVERSIONED(A, B) test_check_unversioned(__FILE__, __LINE__, #A, A, B)
 
 __attribute__((format(printf, 3, 4), noreturn)) void test_fail(const char *file, int line,
                                                                const char *format, ...);
+__attribute__((format(printf, 1, 2), noreturn)) void test_skip(const char *format, ...);
 void test_check_str(const char *file, int line, const char *what, const char *got,
                     const char *want);
+void test_check_unversioned(const char *file, int line, const char *what, const char *a,
+                            const char *b);
 
-/* Takes ` version=N` of sets, which differs from run to run, out of text; returns its new length. CHECK_STR ignores
- * these versions. */
+/* Takes ` version=N` of sets, which differs from run to run, out of text; returns its new length. */
 size_t test_drop_versions(char *text);
 
 /* Whether text contains `what: ` and the C library's words for an errno, which differ between libraries. */

@@ -217,7 +217,7 @@ count "hiredis" "$build/interop/hiredis_talk" "$port"
 if fetch_node_redis; then
     count "redis and ioredis for Node" timeout 120 node tests/interop/node/redis.mjs "$port" "$build/interop/npm_redis"
 else
-    echo "npm cannot fetch packages here: Redis's clients for Node are not tested"
+    skip "redis and ioredis for Node" "npm cannot fetch packages here"
 fi
 count "redis-py" "$python" tests/interop/redis_py.py "$port"
 count "the Python package, nothing skipped" python_package_passes
@@ -228,14 +228,15 @@ count "the Python package can be installed, with the daemon" python_package_inst
 if python3 -m venv --help >/dev/null 2>&1 && python3 -c 'import ensurepip' 2>/dev/null; then
     count "the Python package compiles the daemon where there is none" python_package_compiles_the_daemon
 else
-    echo "python3-venv is missing: the Python package is not installed into an empty environment"
+    skip "the Python package compiles the daemon where there is none" "the Debian package python3-venv is missing"
 fi
 count "weights in rational arithmetic" "$python" tests/interop/weights.py "$port"
 count "values in rational arithmetic" "$python" tests/interop/values.py "$port"
 count "Voronoi cells in rational arithmetic" "$python" tests/interop/cells.py "$port"
 count "surfaces beside Matplotlib and SciPy on all families" "$python" tests/interop/surfaces.py "$build"
 count "the film of the algorithm" "$python" tests/interop/trace.py "$build/delaunay" "$port"
-count "the Node package" env DELAUNAYD="$build/delaunayd" node --test clients/js/test/*.test.mjs
+DELAUNAYD=$build/delaunayd tests/node.sh clients/js/test/*.test.mjs >"$scratch/node" 2>&1
+collect "$scratch/node"
 millions
 count "a million points by the command line" by_command_line
 count "a million points by the C library" by_c

@@ -1,11 +1,12 @@
 # common.sh BUILD_DIR - to be sourced: enters the root of the repository and provides $build, a folder $scratch, daemons, requests, and a
-# count of tests. Scratch and processes end with the script.
+# count of tests: passed, failed, skipped. Scratch and processes end with the script.
 set -u
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=$(realpath "$1")
 scratch=$(mktemp -d)
 passed=0
 failed=0
+skipped=0
 pids=() # of processes that must not outlive the script
 
 leave() {
@@ -27,22 +28,29 @@ count() { # NAME COMMAND...
     fi
 }
 
+# A test that cannot be run here counts as skipped, and its reason is shown.
+skip() { # NAME REASON
+    skipped=$((skipped + 1))
+    echo "SKIP $1: $2"
+}
+
 # Adds the counts of another program's last line, and shows its other lines.
 collect() { # FILE
-    local p f
+    local p f s
     grep -v ' passed, ' "$1"
-    read -r p f < <(sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed$/\1 \2/p' "$1" | tail -n 1)
+    read -r p f s < <(sed -nE 's/^([0-9]+) passed, ([0-9]+) failed(, ([0-9]+) skipped)?$/\1 \2 \4/p' "$1" | tail -n 1)
     if [ -z "${f:-}" ]; then
         echo "FAIL $(basename "$1") broke off"
         p=0 f=1
     fi
     passed=$((passed + p))
     failed=$((failed + f))
+    skipped=$((skipped + ${s:-0}))
 }
 
 # The last line of a script: the exit status is 0 if nothing failed.
 result() {
-    echo "$passed passed, $failed failed"
+    [ "$skipped" -eq 0 ] && echo "$passed passed, $failed failed" || echo "$passed passed, $failed failed, $skipped skipped"
     [ "$failed" -eq 0 ]
 }
 

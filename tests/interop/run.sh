@@ -157,6 +157,8 @@ compare_surfaces
 if /usr/bin/python3 -c 'import prometheus_client' 2>/dev/null; then
     /usr/bin/python3 tests/interop/metrics.py "$build" >"$scratch/metrics" 2>&1
     collect "$scratch/metrics"
+else
+    skip "metrics" "the Debian package python3-prometheus-client is missing"
 fi
 for seed in 1 2; do
     /usr/bin/python3 tests/interop/follow.py "$build" "$seed" 8 >"$scratch/follow" 2>&1

@@ -175,7 +175,7 @@ class Run:
 
     def take(self, line):
         self.output.append(line)
-        counted = re.fullmatch(r"(\d+) passed, \d+ failed", line)
+        counted = re.fullmatch(r"(\d+) passed, \d+ failed(, \d+ skipped)?", line)
         if counted:
             self.passed += int(counted.group(1))
         elif line.startswith("FAIL "):

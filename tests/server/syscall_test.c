@@ -57,8 +57,8 @@ static double calls_per_request(const struct daemon *d, const volatile uint64_t 
 TEST(requests_cost_few_system_calls)
 {
     const volatile uint64_t *calls;
-    if (test_is_sanitized()) /* sanitizers intercept a program's calls */
-        return;
+    if (test_is_sanitized())
+        SKIP("a sanitizer intercepts the program's calls");
     struct daemon d = start_counting(&calls);
     converse(&d, "ADD t 1 2\n", "OK 0 first=0 added=1 coincident=0\n");
     double single = calls_per_request(&d, calls, "PING\n", "OK 0\n", 1, 2000);

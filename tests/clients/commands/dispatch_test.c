@@ -24,7 +24,7 @@ TEST(prompt_without_a_server_has_a_private_one_and_a_script_has_none)
     unsetenv("DELAUNAY_URL");
     peer_shell(&status, "%s ping 2>&1", getenv("DELAUNAY"));
     if (status == 0)
-        return; /* a server listens at the default address */
+        SKIP("this machine has a server at the default address");
     peer_shell(&status, "echo ADD t 0 0 | %s 2>&1", getenv("DELAUNAY"));
     CHECK(status == 3);
     cli_begin();

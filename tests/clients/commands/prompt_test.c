@@ -7,14 +7,13 @@
 #include "tests/clients/terminal.h"
 #include "tests/test.h"
 
-/* Whether the client was built with a library for line editing; prints a note if not. */
-static bool can_edit(void)
+/* Skips the test if the client was built without a library for line editing. */
+static void need_editing(void)
 {
     int status;
     peer_shell(&status, "ldd %s | grep -qE 'libedit|libreadline'", getenv("DELAUNAY"));
     if (status != 0)
-        puts("skipped: built without libedit and readline");
-    return status == 0;
+        SKIP("the Debian package libedit-dev is missing");
 }
 
 TEST(prompt_carries_out_requests_and_subcommands_until_exit)
@@ -48,40 +47,39 @@ TEST(prompt_carries_out_requests_and_subcommands_until_exit)
 
 TEST(prompt_has_history_and_editing)
 {
+    need_editing();
     cli_begin();
-    if (can_edit()) {
-        terminal_start("");
-        terminal_wait_for("delaunay> ");
-        terminal_type("add t 1 2\r");
-        terminal_wait_for("first=0");
-        terminal_wait_for("delaunay> ");
-        terminal_type("\033[A\r"); /* the previous line */
-        terminal_wait_for("first=1");
-        terminal_wait_for("delaunay> ");
-        terminal_type("pinx\177g\r");
-        terminal_wait_for("OK 0");
-        terminal_wait_for("delaunay> ");
-        terminal_type("auth secret\r");
-        terminal_wait_for("OK 0 role");
-        terminal_wait_for("delaunay> ");
-        terminal_type("poi\t t\r"); /* completes the command */
-        terminal_wait_for("OK 2");
-        terminal_wait_for("delaunay> ");
-        terminal_type("quit\r");
-        terminal_finish();
-        terminal_start("");
-        terminal_wait_for("delaunay> ");
-        terminal_type("\033[A\033[A\r"); /* the line before quit, from the previous session */
-        terminal_wait_for("OK 2");
-        terminal_wait_for("delaunay> ");
-        terminal_type("exit\r");
-        terminal_finish();
-        int status;
-        struct stat st;
-        peer_shell(&status, "grep -q secret %s", cli_path(".delaunay_history"));
-        CHECK(status == 1);
-        CHECK(stat(cli_path(".delaunay_history"), &st) == 0 && (st.st_mode & 0077) == 0);
-    }
+    terminal_start("");
+    terminal_wait_for("delaunay> ");
+    terminal_type("add t 1 2\r");
+    terminal_wait_for("first=0");
+    terminal_wait_for("delaunay> ");
+    terminal_type("\033[A\r"); /* the previous line */
+    terminal_wait_for("first=1");
+    terminal_wait_for("delaunay> ");
+    terminal_type("pinx\177g\r");
+    terminal_wait_for("OK 0");
+    terminal_wait_for("delaunay> ");
+    terminal_type("auth secret\r");
+    terminal_wait_for("OK 0 role");
+    terminal_wait_for("delaunay> ");
+    terminal_type("poi\t t\r"); /* completes the command */
+    terminal_wait_for("OK 2");
+    terminal_wait_for("delaunay> ");
+    terminal_type("quit\r");
+    terminal_finish();
+    terminal_start("");
+    terminal_wait_for("delaunay> ");
+    terminal_type("\033[A\033[A\r"); /* the line before quit, from the previous session */
+    terminal_wait_for("OK 2");
+    terminal_wait_for("delaunay> ");
+    terminal_type("exit\r");
+    terminal_finish();
+    int status;
+    struct stat st;
+    peer_shell(&status, "grep -q secret %s", cli_path(".delaunay_history"));
+    CHECK(status == 1);
+    CHECK(stat(cli_path(".delaunay_history"), &st) == 0 && (st.st_mode & 0077) == 0);
     cli_finish();
 }
 

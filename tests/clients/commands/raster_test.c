@@ -97,9 +97,8 @@ TEST(raster_writes_geotiff_with_gdal)
     CHECK(status == 1);
     CHECK_STR(peer_shell(&status, "ls %s", cli_path("")), "");
     peer_shell(&status, "command -v gdal_translate");
-    if (status != 0) {
-        puts("skipped: GeoTIFF needs gdal_translate (gdal-bin)");
-    } else {
+    bool can_convert = status == 0;
+    if (can_convert) {
         raster(&status, "a.tif", "--width 2");
         CHECK(status == 0);
         CHECK_STR(peer_shell(&status, "ls %s", cli_path("")), "a.tif\n");
@@ -107,6 +106,8 @@ TEST(raster_writes_geotiff_with_gdal)
         CHECK(strstr(got, "Size is 2, 2\n") && strstr(got, "Pixel Size = (2.0") != NULL);
     }
     cli_finish();
+    if (!can_convert)
+        SKIP("the Debian package gdal-bin is missing");
 }
 
 TEST(raster_refuses_invalid_sizes)

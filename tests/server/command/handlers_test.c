@@ -60,7 +60,7 @@ TEST(workers_give_the_same_replies_as_none)
     char *load = parabola(3000);
     local_start(&none, 0);
     local_start(&some, 3);
-    CHECK_STR(local_ask(&some, load), local_ask(&none, load));
+    CHECK_UNVERSIONED(local_ask(&some, load), local_ask(&none, load));
     for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++) {
         char *want = strdup(local_ask(&none, requests[i]));
         CHECK(strncmp(want, "OK", 2) == 0);
@@ -69,7 +69,7 @@ TEST(workers_give_the_same_replies_as_none)
             *strstr(want, "ms=") = '\0';
             *strstr(got, "ms=") = '\0';
         }
-        CHECK_STR(got, want);
+        CHECK_UNVERSIONED(got, want);
         free(got);
         free(want);
     }

@@ -1,0 +1,17 @@
+#!/bin/sh
+# node.sh FILE... - runs tests of Node and prints what they print, a line `SKIP name: reason` for each that is skipped, and at the end one
+# line: N passed, N failed; or N passed, N failed, N skipped.
+tap=$(mktemp)
+trap 'rm -f "$tap"' EXIT
+node --test --test-reporter=spec --test-reporter-destination=stdout --test-reporter=tap --test-reporter-destination="$tap" "$@"
+status=$?
+sed -n 's/^ *ok [0-9]* - \(.*\) # SKIP \(.*\)/SKIP \1: \2/p' "$tap"
+awk -v status=$status '
+    /^# (pass|fail|cancelled|skipped) [0-9]+$/ { n[$2] = $3 }
+    END {
+        failed = n["fail"] + n["cancelled"]
+        if (status != 0 && failed == 0)
+            failed = 1
+        printf "%d passed, %d failed%s\n", n["pass"], failed, n["skipped"] ? ", " n["skipped"] " skipped" : ""
+    }' "$tap"
+exit $status
