@@ -38,11 +38,14 @@ struct crew {
     unsigned coming; /* of these, signalled and not awake yet; at most `asleep` */
 };
 
+enum { KINDS = WORK_SLOW + 1 };
+
 struct workers {
     pthread_mutex_t mutex;
-    struct crew crew[2];   /* by enum work_kind: the longest work that its threads do */
-    pthread_cond_t helped; /* a helper has left its batch */
-    struct queue queue[2]; /* by enum work_kind */
+    struct crew brief, all; /* of the thread for short work; of those for all work */
+    pthread_cond_t helped;  /* a helper has left its batch */
+    struct queue queue[KINDS];
+    unsigned slow, most_slow; /* threads that do slow work, and how many may */
     struct queue done;
     struct batch *batches; /* those that may have jobs left */
     bool stopping;
@@ -75,6 +78,18 @@ static struct work *pop(struct queue *q)
 
 /* ---- sleeping and waking ---- */
 
+static unsigned lesser(unsigned a, unsigned b)
+{
+    return a < b ? a : b;
+}
+
+/* How many works of this kind may be begun. */
+static unsigned ready(const struct workers *w, enum work_kind kind)
+{
+    unsigned n = w->queue[kind].n;
+    return kind == WORK_SLOW ? lesser(n, w->most_slow - w->slow) : n;
+}
+
 /* How many more threads the batches could use. */
 static unsigned jobs_left(const struct workers *w)
 {
@@ -94,8 +109,7 @@ static unsigned less(unsigned a, unsigned b)
 /* The number of threads of the crew to signal so that `wanted` have been signalled, or all; they count as signalled. */
 static unsigned call_up_to(struct crew *c, unsigned wanted)
 {
-    unsigned most = wanted < c->asleep ? wanted : c->asleep;
-    unsigned n = less(most, c->coming);
+    unsigned n = less(lesser(wanted, c->asleep), c->coming);
     c->coming += n;
     return n;
 }
@@ -110,8 +124,9 @@ static void signal_each(struct crew *c, unsigned n)
  * short crew comes first, so that the other threads stay free for long work. */
 static void unlock_and_wake(struct workers *w)
 {
-    struct crew *brief = &w->crew[WORK_SHORT], *all = &w->crew[WORK_LONG];
-    unsigned n_brief = w->queue[WORK_SHORT].n, n_long = w->queue[WORK_LONG].n + jobs_left(w);
+    struct crew *brief = &w->brief, *all = &w->all;
+    unsigned n_brief = ready(w, WORK_SHORT);
+    unsigned n_long = ready(w, WORK_LONG) + ready(w, WORK_SLOW) + jobs_left(w);
     unsigned short_calls = call_up_to(brief, less(n_brief, less(all->coming, n_long)));
     unsigned long_calls = call_up_to(all, n_long + less(n_brief, brief->coming));
     pthread_mutex_unlock(&w->mutex);
@@ -184,11 +199,13 @@ static void pool_run(void *ctx, unsigned n, void (*job)(void *arg, unsigned i), 
 
 /* The mutex is held on entry and on return. It is not held while the event is written: that wakes the I/O thread, which
  * may take this processor at once, and needs the mutex first. */
-static void do_work(struct workers *w, struct work *work)
+static void do_work(struct workers *w, enum work_kind kind, struct work *work)
 {
+    w->slow += kind == WORK_SLOW;
     unlock_and_wake(w); /* for what is left */
     work->run(work);
     pthread_mutex_lock(&w->mutex);
+    w->slow -= kind == WORK_SLOW;
     bool first = w->done.first == NULL;
     push(&w->done, work);
     pthread_mutex_unlock(&w->mutex);
@@ -208,24 +225,35 @@ static void help(struct workers *w, struct batch *b)
         pthread_cond_broadcast(&w->helped);
 }
 
-/* Runs until the workers are stopping and no work is left that this thread may do. */
-static void *serve(struct workers *w, enum work_kind crew)
+/* Takes the next work of a thread for all kinds, beginning with the kind after *kind, which becomes that of the work.
+ * NULL: there is none. */
+static struct work *take_turn(struct workers *w, enum work_kind *kind)
 {
-    bool all = crew == WORK_LONG;
+    for (int i = 0; i < KINDS; i++) {
+        *kind = (*kind + 1) % KINDS;
+        if (ready(w, *kind) > 0)
+            return pop(&w->queue[*kind]);
+    }
+    return NULL;
+}
+
+/* Runs until the workers are stopping and no work is left that this thread may do. */
+static void *serve(struct workers *w, struct crew *crew)
+{
+    bool all = crew == &w->all;
+    enum work_kind kind = WORK_SHORT;
     pthread_mutex_lock(&w->mutex);
     for (;;) {
-        struct work *work = pop(&w->queue[WORK_SHORT]);
-        if (work == NULL && all)
-            work = pop(&w->queue[WORK_LONG]);
+        struct work *work = all ? take_turn(w, &kind) : pop(&w->queue[WORK_SHORT]);
         struct batch *b = work == NULL && all ? batch_to_help(w) : NULL;
         if (work != NULL)
-            do_work(w, work);
+            do_work(w, kind, work);
         else if (b != NULL)
             help(w, b);
         else if (w->stopping)
             break;
         else
-            sleep_with(w, &w->crew[crew]);
+            sleep_with(w, crew);
     }
     pthread_mutex_unlock(&w->mutex);
     return NULL;
@@ -234,12 +262,12 @@ static void *serve(struct workers *w, enum work_kind crew)
 static void *serve_all(void *arg)
 {
     priority_patient();
-    return serve(arg, WORK_LONG);
+    return serve(arg, &((struct workers *)arg)->all);
 }
 
 static void *serve_short(void *arg)
 {
-    return serve(arg, WORK_SHORT);
+    return serve(arg, &((struct workers *)arg)->brief);
 }
 
 /* ---- life ---- */
@@ -250,10 +278,11 @@ struct workers *workers_new(unsigned threads)
     if (w == NULL)
         return NULL;
     w->pool = (struct dt_pool){.threads = threads, .run = pool_run, .ctx = w};
+    w->most_slow = threads > 1 ? threads - 1 : 1;
     w->event = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     pthread_mutex_init(&w->mutex, NULL);
-    for (int i = WORK_SHORT; i <= WORK_LONG; i++)
-        pthread_cond_init(&w->crew[i].wake, NULL);
+    pthread_cond_init(&w->brief.wake, NULL);
+    pthread_cond_init(&w->all.wake, NULL);
     pthread_cond_init(&w->helped, NULL);
     for (; w->event >= 0 && w->threads <= threads; w->threads++)
         if (pthread_create(&w->thread[w->threads], NULL, w->threads == 0 ? serve_short : serve_all,
@@ -270,16 +299,16 @@ void workers_free(struct workers *w)
 {
     pthread_mutex_lock(&w->mutex);
     w->stopping = true;
-    for (int i = WORK_SHORT; i <= WORK_LONG; i++)
-        pthread_cond_broadcast(&w->crew[i].wake);
+    pthread_cond_broadcast(&w->brief.wake);
+    pthread_cond_broadcast(&w->all.wake);
     pthread_mutex_unlock(&w->mutex);
     for (unsigned i = 0; i < w->threads; i++)
         pthread_join(w->thread[i], NULL);
     if (w->event >= 0)
         close(w->event);
     pthread_cond_destroy(&w->helped);
-    for (int i = WORK_SHORT; i <= WORK_LONG; i++)
-        pthread_cond_destroy(&w->crew[i].wake);
+    pthread_cond_destroy(&w->brief.wake);
+    pthread_cond_destroy(&w->all.wake);
     pthread_mutex_destroy(&w->mutex);
     free(w);
 }

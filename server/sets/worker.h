@@ -3,8 +3,15 @@
  * Work is submitted to a queue and collected from a list; an eventfd signals that the list is not empty.
  * Between workers_submit and workers_collect a piece of work belongs to the workers.
  *
- * Long work (a build) and short work (a piece of a reply) have separate queues, and one thread does only
- * short work, so that replies make progress while builds occupy all other threads. */
+ * Each kind of work has a queue:
+ *
+ *     short   some milliseconds: a piece of a reply, a search
+ *     long    one job of a client: a build, a check
+ *     slow    a row of a reply that takes long by itself; one client may cause any number of them
+ *
+ * One thread does only short work, so replies make progress while builds occupy all other threads. The other threads
+ * take the kinds in turn, so short work never keeps long work waiting, however much of it there is. Slow work never
+ * occupies the last thread, unless that is the only one. */
 #ifndef SERVER_WORKER_H
 #define SERVER_WORKER_H
 
@@ -12,7 +19,7 @@
 
 #include <stdbool.h>
 
-enum work_kind { WORK_SHORT, WORK_LONG };
+enum work_kind { WORK_SHORT, WORK_LONG, WORK_SLOW };
 
 struct work {
     struct work *next;

@@ -91,6 +91,73 @@ TEST(short_work_does_not_wait_for_long_work)
     workers_free(w);
 }
 
+TEST(short_work_never_keeps_long_work_waiting)
+{
+    enum { BUSY = 2, MORE = 4 };
+    atomic_bool first = false, later = false, open = true;
+    struct gate busy[BUSY], more[MORE], quick = {{NULL, pass_gate}, &open};
+    struct workers *w = workers_new(1);
+    CHECK(w != NULL);
+    for (int i = 0; i < BUSY; i++) { /* both threads have short work */
+        busy[i] = (struct gate){{NULL, pass_gate}, &first};
+        workers_submit(w, WORK_SHORT, &busy[i].work);
+    }
+    for (int i = 0; i < MORE; i++) {
+        more[i] = (struct gate){{NULL, pass_gate}, &later};
+        workers_submit(w, WORK_SHORT, &more[i].work);
+    }
+    workers_submit(w, WORK_LONG, &quick.work);
+    first = true;
+    CHECK(collect(w, BUSY + 1) == BUSY + 1);
+    later = true;
+    CHECK(collect(w, MORE) == MORE);
+    workers_free(w);
+}
+
+struct slow {
+    struct work work; /* first */
+    atomic_uint *running, *most;
+    atomic_bool *open;
+};
+
+static void run_slow(struct work *w)
+{
+    struct slow *s = (struct slow *)w;
+    unsigned now = atomic_fetch_add(s->running, 1) + 1, most = atomic_load(s->most);
+    while (now > most && !atomic_compare_exchange_weak(s->most, &most, now))
+        continue;
+    while (!*s->open)
+        poll(NULL, 0, 1);
+    atomic_fetch_sub(s->running, 1);
+}
+
+TEST(slow_work_never_occupies_the_last_thread)
+{
+    enum { SLOW = 9 };
+    for (unsigned threads = 1; threads <= 3; threads++) {
+        unsigned may = threads > 1 ? threads - 1 : 1;
+        atomic_uint running = 0, most = 0;
+        atomic_bool shut = false, open = true;
+        struct slow slow[SLOW];
+        struct gate quick = {{NULL, pass_gate}, &open};
+        struct workers *w = workers_new(threads);
+        CHECK(w != NULL);
+        for (int i = 0; i < SLOW; i++) {
+            slow[i] = (struct slow){{NULL, run_slow}, &running, &most, &shut};
+            workers_submit(w, WORK_SLOW, &slow[i].work);
+        }
+        while (running < may)
+            poll(NULL, 0, 1);
+        workers_submit(w, threads > 1 ? WORK_LONG : WORK_SHORT, &quick.work);
+        CHECK(collect(w, 1) == 1);
+        CHECK(running == may);
+        shut = true;
+        CHECK(collect(w, SLOW) == SLOW);
+        CHECK(most == may);
+        workers_free(w);
+    }
+}
+
 static void note_policy(struct work *w)
 {
     *((struct gate *)w)->open = sched_getscheduler(0) == SCHED_BATCH;
@@ -168,7 +235,7 @@ TEST(one_piece_of_work_wakes_one_worker)
     struct work work = {.run = do_nothing};
     struct workers *w = workers_new(THREADS);
     CHECK(w != NULL);
-    for (int kind = WORK_SHORT; kind <= WORK_LONG; kind++) {
+    for (int kind = WORK_SHORT; kind <= WORK_SLOW; kind++) {
         long before = switches_so_far();
         for (int i = 0; i < PIECES; i++) {
             workers_submit(w, (enum work_kind)kind, &work);
