@@ -135,16 +135,19 @@ static double weighted_mean(const struct dt_valuer *v)
     return within((z0 + sum) / scale, least, most);
 }
 
+enum { LONG_WORK = 8 }; /* what weights in double words take for a step of the tour */
+
 static enum dt_status by_weights(struct dt_valuer *v, struct dt_point q, enum dt_where where,
                                  uint32_t half, double *out)
 {
     enum dt_status s = dt_weigh_begin(v->t, q, where, half, v->s->how, &v->work, &v->weigher);
     if (s == DT_OK)
         s = dt_weigh_end(&v->weigher, &v->work);
-    if (s != DT_OK)
-        return s;
-    *out = weighted_mean(v);
-    return DT_OK;
+    if (s == DT_OK && v->weigher.long_doubles)
+        s = dt_work(&v->work, LONG_WORK * (uint64_t)v->weigher.steps);
+    if (s == DT_OK)
+        *out = weighted_mean(v);
+    return s;
 }
 
 static enum dt_status nearest_value(struct dt_valuer *v, struct dt_point q, uint32_t half,

@@ -141,6 +141,9 @@ static bool reserve(struct dt_weigher *w)
 
 /* ---- the tour ---- */
 
+/* What a step of the tour takes, with its share of the weights, in steps of dt_work: it decides an incircle test. */
+#define TOUR_WORK 4
+
 static void enter(struct dt_weigher *w, const struct dt *t, uint32_t half)
 {
     const struct dt_point *xy = t->points.xy;
@@ -196,11 +199,12 @@ static enum dt_status make_tour(struct dt_weigher *w, const struct dt *t, uint32
         if (!reserve(w))
             return DT_NOMEM;
         take_turn(w, t, w->turn[--w->turns]);
-        enum dt_status s = (w->steps & DT_WORK_MASK) == 0 ? dt_work(work, DT_WORK_BLOCK) : DT_OK;
+        bool poll = (w->steps & DT_WORK_MASK) == 0;
+        enum dt_status s = poll ? dt_work(work, TOUR_WORK * DT_WORK_BLOCK) : DT_OK;
         if (s != DT_OK)
             return s;
     }
-    return DT_OK;
+    return dt_work(work, TOUR_WORK * (w->steps & DT_WORK_MASK));
 }
 
 /* ---- what is read from the set ---- */
@@ -289,6 +293,7 @@ enum dt_status dt_weigh_end(struct dt_weigher *w, const struct dt_stop *work)
     if (w->steps == 0)
         return DT_OK;
     enum dt_status s = weigh_double(w, work->cancel);
+    w->long_doubles = s == DT_RANGE;
     if (s == DT_RANGE)
         s = weigh_double2(w, work->cancel);
     if (s != DT_RANGE)

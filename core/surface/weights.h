@@ -44,6 +44,7 @@ struct dt_weigher {
         id; /* owns cap: the n points that count, counterclockwise around the place; those of the rim */
     double *weight; /* owns cap: their weights, at least 0, with the sum 1 */
     uint32_t n;
+    bool long_doubles; /* doubles were not exact enough for them */
     /* private */
     enum dt_interpolation how;
     struct dt_point place;
@@ -77,7 +78,7 @@ uint32_t dt_weigh_start(const struct dt *t, enum dt_where where, uint32_t half);
 
 /* Computes the weights. DT_CANCELLED, DT_NOMEM; if the work is limited, DT_TOOLONG where double words are not exact
  * enough. It takes no steps. Cost: the same; some ten times as much where doubles are not enough, and some thousand times
- * where double words are not. */
+ * where double words are not. The flag is polled. */
 enum dt_status dt_weigh_end(struct dt_weigher *w, const struct dt_stop *work);
 
 #endif

@@ -107,6 +107,11 @@ static bool run_now(struct server *s, struct job *j)
     return j->status != DT_TOOLONG;
 }
 
+static enum work_kind work_kind(unsigned how)
+{
+    return (how & JOB_BRIEF) != 0 ? WORK_SHORT : (how & JOB_SLOW) != 0 ? WORK_SLOW : WORK_LONG;
+}
+
 static void start(struct server *s, struct answer *a, struct job *j, unsigned how)
 {
     j->owner = a->owner;
@@ -126,13 +131,13 @@ static void start(struct server *s, struct answer *a, struct job *j, unsigned ho
     link_job(s, j);
     a->next = ANSWER_JOB;
     a->job = j;
-    workers_submit(s->workers, (how & JOB_BRIEF) != 0 ? WORK_SHORT : WORK_LONG, &j->work);
+    workers_submit(s->workers, work_kind(how), &j->work);
 }
 
 static bool too_busy(struct server *s, struct answer *a, unsigned how)
 {
     if (a->of_leader || s->workers == NULL ||
-        (how & (JOB_HEAVY | JOB_BRIEF | JOB_BEGUN)) != JOB_HEAVY ||
+        (how & (JOB_HEAVY | JOB_BRIEF | JOB_BEGUN | JOB_SLOW)) != JOB_HEAVY ||
         workers_backlog(s->workers) < LIMIT_QUEUED_JOBS)
         return false;
     reply_err(a->out, ERR_BUSY, "too many requests are waiting for a worker; try again");

@@ -56,7 +56,9 @@ enum {
     JOB_HEAVY = 1, /* by a worker */
     JOB_COPY = 2,  /* on a copy, if there is memory, so that the set can be read meanwhile */
     JOB_BRIEF = 4, /* heavy, but it takes only milliseconds: it does not wait behind builds */
-    JOB_BEGUN = 8  /* for a reply that has begun: never refused */
+    JOB_BEGUN = 8, /* for a reply that has begun: never refused */
+    JOB_SLOW =
+        16 /* heavy, a row of a reply that takes long: never on all workers (WORK_SLOW), never refused */
 };
 
 /* A job of `size` bytes, all zero except the callbacks; NULL when out of memory. It moves to job_read,

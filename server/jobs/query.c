@@ -389,7 +389,10 @@ static void answer_by_job(struct server *s, struct answer *a, struct dataset *se
     j->job.what = "searching";
     j->steps = may_sweep(q) || q->within ? steps_locked(v->sum.points) : 0;
     j->query = *q;
-    job_read(s, a, &j->job, v, light ? 0 : JOB_HEAVY | JOB_BRIEF);
+    job_read(s, a, &j->job, v,
+             light                      ? 0
+             : q->kind == QUERY_WEIGHTS ? JOB_HEAVY | JOB_SLOW
+                                        : JOB_HEAVY | JOB_BRIEF);
 }
 
 /* ---- at once ---- */

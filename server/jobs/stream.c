@@ -49,9 +49,9 @@ static bool answer_at_once(struct answer *a, struct rows *rows)
     bool heavy = rows->heavy && (row_is_of_cell(rows->form) || rows->form == ROW_SURFACE);
     if (heavy || rows_count(rows) > AT_ONCE)
         return false;
-    rows->steps = COST_STEPS_AT_ONCE;
+    rows->pace = (struct pace){.steps = COST_STEPS_AT_ONCE};
     rows_fill(rows, a->out, rows->table ? SIZE_MAX : buf_len(a->out) + BYTES_AT_ONCE);
-    rows->steps = 0;
+    rows->pace = (struct pace){0};
     return rows->done || rows->status != DT_OK;
 }
 
@@ -296,13 +296,16 @@ struct making {
     struct piece *piece;
 };
 
-/* A part usually fits into a piece; if it is longer, the piece is continued after it has been sent. */
-static void make(struct stream *st, struct piece *p)
+/* A part usually fits into a piece; if it is longer or takes longer, the piece is continued after this has been sent. */
+static void make(struct stream *st, struct piece *p, const atomic_bool *cancel)
 {
-    if (p->uncut && !rows_cut(&st->rows, &p->part))
+    if (p->uncut && !rows_cut(&st->rows, &p->part)) {
         p->part.done = true;
-    else
-        rows_fill(&p->part, &p->text, piece_bytes(st));
+        return;
+    }
+    p->part.pace.cancel = cancel;
+    rows_fill(&p->part, &p->text, piece_bytes(st));
+    p->part.pace.cancel = NULL;
 }
 
 static void run_making(struct job *j)
@@ -312,7 +315,7 @@ static void run_making(struct job *j)
     if (free)
         version_unlock(j->base);
     if (!j->cancel)
-        make(m->stream, m->piece);
+        make(m->stream, m->piece, &j->cancel);
     if (free)
         version_lock_read(j->base);
 }
@@ -345,7 +348,7 @@ static void begin(struct server *s, struct stream *st, struct piece *p)
     struct making *m = job_new(sizeof *m, run_making, making_done);
     if (m == NULL) {
         version_lock_read(st->rows.version);
-        make(st, p);
+        make(st, p, NULL);
         version_unlock(st->rows.version);
         p->uncut = false;
         st->passed = st->passed || p->part.surface.passed;
@@ -355,7 +358,8 @@ static void begin(struct server *s, struct stream *st, struct piece *p)
     m->piece = p;
     p->job = &m->job;
     st->in_work++;
-    job_read(s, &nobody, &m->job, st->rows.version, JOB_HEAVY | JOB_BRIEF);
+    job_read(s, &nobody, &m->job, st->rows.version,
+             JOB_HEAVY | (p->part.pace.slow ? JOB_SLOW : JOB_BRIEF));
 }
 
 /* ---- after an edit of the points ---- */

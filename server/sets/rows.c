@@ -163,9 +163,9 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
 _Static_assert((int)LIMIT_NEAREST_MANY <= (int)PLACE_WORDS, "a row of a place is found in one go");
 
 /* Finds the rows of the next n places, or of as many of them as the steps last for. */
-static enum dt_status find(struct rows *r, size_t n, uint32_t steps, uint32_t *out, size_t *done)
+static enum dt_status find(struct rows *r, size_t n, uint32_t *out, size_t *done)
 {
-    struct dt_options opt = {.steps = steps};
+    struct dt_options opt = pace_options(&r->pace, PLACE_STEPS);
     const struct dt *dt = r->version->dt;
     const struct dt_point *p = r->place + r->at;
     return r->form == ROW_TRIANGLE
@@ -181,19 +181,18 @@ static size_t places_of(const struct rows *r, size_t words)
 
 static void fill_from_places(struct rows *r, struct buf *out, size_t limit)
 {
-    uint32_t v[PLACE_WORDS], steps = r->steps > 0 ? r->steps : PLACE_STEPS;
+    uint32_t v[PLACE_WORDS];
     size_t most = places_of(r, PLACE_WORDS), done;
-    enum dt_status status = DT_OK;
-    while (r->at < r->places && status == DT_OK && !out->failed && buf_len(out) < limit) {
-        size_t n = r->places - r->at < most ? r->places - r->at : most;
-        status = find(r, n, steps, v, &done);
-        if (status == DT_TOOLONG && done == 0 && r->steps == 0) /* one that takes long by itself */
-            status = find(r, 1, 0, v, &done);
+    bool ends = false;
+    while (r->at < r->places && !ends && !out->failed && buf_len(out) < limit) {
+        size_t left = r->places - r->at, n = r->pace.slow ? 1 : left < most ? left : most;
+        enum dt_status status = find(r, n, v, &done);
+        ends = pace_ends(&r->pace, status, done);
+        r->status = status == DT_TOOLONG ? DT_OK : status;
         reply_words_u32(out, v, done * r->width);
         r->at += done;
     }
     r->done = r->at == r->places;
-    r->status = status == DT_TOOLONG ? DT_OK : status;
 }
 
 /* ---- rows from cells ---- */
@@ -377,7 +376,7 @@ static void fill_from_table(struct rows *r, struct buf *out, size_t limit)
 
 static void fill_from_surface(struct rows *r, struct buf *out, size_t limit)
 {
-    r->status = surface_rows_fill(&r->surface, out, limit, r->steps);
+    r->status = surface_rows_fill(&r->surface, out, limit, &r->pace);
     r->done = r->surface.at == r->surface.end;
 }
 

@@ -8,6 +8,7 @@
 #include "core/delaunay_surface.h"
 #include "proto/reply.h"
 #include "server/sets/dataset.h"
+#include "server/sets/pace.h"
 #include "server/sets/surface_rows.h"
 
 enum row_form {
@@ -76,8 +77,8 @@ struct rows {
     struct dt_ids ids;            /* the list; a part borrows it */
     const struct dt_point *place; /* the list of places; borrows */
     size_t places;
-    uint32_t steps; /* of places: that the next rows_fill may take; 0: those that a worker may */
-    size_t at;      /* ids or places of the list whose rows have been written */
+    struct pace pace;   /* of the next rows_fill */
+    size_t at;          /* ids or places of the list whose rows have been written */
     struct dt_ids ring; /* owns: workspace */
     bool done;
     enum dt_status status; /* not DT_OK: the rows cannot be completed */
@@ -86,9 +87,10 @@ struct rows {
 /* The number of all rows; of ROW_SURFACE, of values. */
 size_t rows_count(const struct rows *r);
 
-/* Appends rows until out holds `limit` bytes or more, r->done is set, or r->status is not DT_OK, or until
- * rows of places have taken their steps. Uses
- * only *r, its version's set (const) and out, so that a worker may call it under the version's lock. */
+/* Appends rows until out holds `limit` bytes or more, r->done is set, or r->status is not DT_OK, or until the bound of
+ * r->pace is reached, which may be before the first row. r->pace.slow: the next row takes more than that by itself; the
+ * next call makes it. DT_CANCELLED: the flag of the pace was seen. Uses only *r, its version's set (const) and out, so
+ * that a worker may call it under the version's lock. */
 void rows_fill(struct rows *r, struct buf *out, size_t limit);
 
 /* Splits off the next rows of *r as *part, about 30 KiB of text; *r continues behind them. A part may be

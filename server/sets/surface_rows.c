@@ -9,7 +9,7 @@ enum {
     CELLS_LINEAR = 1 << 15, /* values of a piece, some milliseconds of work */
     CELLS_NATURAL = 1 << 13,
     CELLS_TEXT = 1 << 13,
-    STEPS_LOCKED = 1 << 18 /* while edits wait */
+    STEPS_LOCKED = 1 << 17 /* while edits wait */
 };
 
 /* How many values are found together: whole rows if they are text. */
@@ -25,9 +25,9 @@ static size_t batch(const struct surface_rows *r)
 }
 
 static enum dt_status find(const struct surface_rows *r, const struct dt_surface *s, size_t n,
-                           uint32_t steps, size_t *done)
+                           const struct pace *pace, size_t *done)
 {
-    struct dt_options opt = {.steps = steps};
+    struct dt_options opt = pace_options(pace, STEPS_LOCKED);
     size_t from = r->at + r->found;
     double *to = r->value + r->found;
     return r->place != NULL ? dt_values(r->dt, s, r->place + from, n, &opt, to, done)
@@ -49,14 +49,14 @@ static void write(struct surface_rows *r, struct buf *out)
 }
 
 static enum dt_status fill(struct surface_rows *r, const struct dt_surface *s, struct buf *out,
-                           size_t limit, uint32_t steps)
+                           size_t limit, struct pace *pace)
 {
     enum dt_status status = DT_OK;
-    while (r->at < r->end && status == DT_OK && !out->failed && buf_len(out) < limit) {
-        size_t n = batch(r) - r->found, done;
-        status = find(r, s, n, steps > 0 ? steps : STEPS_LOCKED, &done);
-        if (status == DT_TOOLONG && done == 0 && steps == 0) /* one that takes long by itself */
-            status = find(r, s, 1, 0, &done) == DT_OK ? DT_TOOLONG : DT_NOMEM;
+    bool ends = false;
+    while (r->at < r->end && !ends && !out->failed && buf_len(out) < limit) {
+        size_t n = pace->slow ? 1 : batch(r) - r->found, done;
+        status = find(r, s, n, pace, &done);
+        ends = pace_ends(pace, status, done);
         r->found += done;
         write(r, out);
     }
@@ -64,7 +64,7 @@ static enum dt_status fill(struct surface_rows *r, const struct dt_surface *s, s
 }
 
 enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t limit,
-                                 uint32_t steps)
+                                 struct pace *pace)
 {
     struct dt_surface s = {.how = r->how, .max_edge = r->max_edge};
     r->passed = r->view != NULL && !dt_view_is_current(r->dt, r->view);
@@ -75,7 +75,7 @@ enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t
     enum dt_status status = r->value == NULL ? DT_NOMEM : dt_surface_begin(&s, r->field, r->view);
     if (status != DT_OK)
         return status;
-    status = fill(r, &s, out, limit, steps);
+    status = fill(r, &s, out, limit, pace);
     dt_surface_end(&s);
     if (r->found == 0)
         surface_rows_clear(r);

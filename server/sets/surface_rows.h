@@ -7,6 +7,7 @@
 
 #include "core/delaunay_surface.h"
 #include "proto/buf.h"
+#include "server/sets/pace.h"
 
 struct surface_rows {
     const struct dt *dt;          /* borrows; the set of the view, or a copy */
@@ -27,10 +28,10 @@ struct surface_rows {
 /* The bytes of a piece, about. */
 enum { SURFACE_PIECE = 256 * 1024 };
 
-/* Appends rows until out holds `limit` bytes or more, all are written, or `steps` have been taken; 0: as many steps as
- * edits may wait for, and those of one value at least. Only reads the set. DT_NOMEM. */
+/* Appends rows until out holds `limit` bytes or more, all are written, or the bound of the pace is reached: as
+ * rows_fill. Only reads the set. DT_NOMEM, DT_CANCELLED. */
 enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t limit,
-                                 uint32_t steps);
+                                 struct pace *pace);
 
 /* Splits off the next rows, about SURFACE_PIECE bytes: as rows_cut. */
 bool surface_rows_cut(struct surface_rows *r, struct surface_rows *part);

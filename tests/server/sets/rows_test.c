@@ -1,0 +1,110 @@
+/* rows_test.c - rows that take long: a piece of them ends at a bound of steps, and where its flag is set. */
+#include "server/sets/rows.h"
+#include "tests/server/local.h"
+#include "tests/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TAU 6.283185307179586
+
+enum { RIM = 50000, PLACES = 6 };
+
+/* Points on a circle, with a field z, and one in the middle if there is a hub. */
+static void start_circle(struct local *l, bool hub)
+{
+    char *text = malloc((RIM + 1) * 60 + 100), *to = text;
+    CHECK(text != NULL);
+    to += sprintf(to, "LOAD t FIELDS z\n%s", hub ? "0 0 1\n" : "");
+    for (int i = 0; i < RIM; i++)
+        to += sprintf(to, "%.17g %.17g %d\n", cos(i * TAU / RIM), sin(i * TAU / RIM), i % 7);
+    strcpy(to, ".\nTRIANGULATE t\nNEAREST t 0 0\n");
+    local_start(l, 0);
+    local_ask(l, text);
+    free(text);
+}
+
+/* Near the middle: each one alone exceeds the bound of a piece. */
+static void put_places(struct dt_point *place)
+{
+    for (int i = 0; i < PLACES; i++)
+        place[i] = (struct dt_point){1e-7 * (i + 1), 1e-9};
+}
+
+static struct rows nearest_rows(struct local *l, const struct dt_point *place)
+{
+    return (struct rows){.version = local_set(l, "t")->current,
+                         .binary = true,
+                         .form = ROW_NEAREST,
+                         .width = 4,
+                         .place = place,
+                         .places = PLACES};
+}
+
+static struct rows value_rows(struct local *l, const struct dt_point *place)
+{
+    struct version *v = local_set(l, "t")->current;
+    return (struct rows){.version = v,
+                         .form = ROW_SURFACE,
+                         .surface = {.dt = v->dt,
+                                     .field = dt_field_find(v->dt, "z", 1),
+                                     .how = DT_NATURAL,
+                                     .max_edge = HUGE_VAL,
+                                     .place = place,
+                                     .columns = 1,
+                                     .binary = true,
+                                     .end = PLACES}};
+}
+
+/* Whole rows of this many bytes are made one a call, after a call that has found only that the next one is slow. */
+static void check_one_row_a_call(struct rows r, size_t bytes)
+{
+    struct buf out = {0};
+    rows_fill(&r, &out, SIZE_MAX);
+    CHECK(r.status == DT_OK && r.pace.slow && !r.done && buf_len(&out) == 0);
+    for (size_t made = 1; made <= PLACES; made++) {
+        rows_fill(&r, &out, SIZE_MAX);
+        CHECK(r.status == DT_OK && buf_len(&out) == made * bytes);
+        CHECK(r.done == (made == PLACES) && r.pace.slow == !r.done);
+    }
+    rows_clear(&r);
+    buf_free(&out);
+}
+
+TEST_TIMEOUT(rows_that_exceed_the_bound_of_a_piece_are_made_one_at_a_time, 60)
+{
+    struct local l;
+    struct dt_point place[PLACES];
+    put_places(place);
+    start_circle(&l, true);
+    check_one_row_a_call(nearest_rows(&l, place), 16);
+    local_stop(&l);
+    start_circle(&l, false);
+    check_one_row_a_call(value_rows(&l, place), 8);
+    local_stop(&l);
+}
+
+static void check_cancelled(struct rows r, bool slow)
+{
+    atomic_bool cancel = true;
+    struct buf out = {0};
+    r.pace = (struct pace){.cancel = &cancel, .slow = slow};
+    rows_fill(&r, &out, SIZE_MAX);
+    CHECK(r.status == DT_CANCELLED && buf_len(&out) == 0);
+    rows_clear(&r);
+    buf_free(&out);
+}
+
+TEST_TIMEOUT(rows_are_cancelled_also_within_one_that_takes_long, 60)
+{
+    struct local l;
+    struct dt_point place[PLACES];
+    put_places(place);
+    start_circle(&l, true);
+    for (int slow = 0; slow < 2; slow++) {
+        check_cancelled(nearest_rows(&l, place), slow);
+        check_cancelled(value_rows(&l, place), slow);
+    }
+    local_stop(&l);
+}
