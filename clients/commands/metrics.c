@@ -66,6 +66,7 @@ static const struct description descriptions[] = {
     {"sets_edited", GAUGE, "Sets that a job edits now."},
     {"max_points", GAUGE, "Most points of a set."},
     {"durability", TEXT, "Whether changes can be saved: off, loading, good, full or readonly."},
+    {"data_directory", TEXT, "Whether it is in its place: off, good, gone or replaced."},
     {"loaded_percent", GAUGE, "Part of the data directory that has been read."},
     {"log_lsn", GAUGE, "Changes so far."},
     {"log_durable_lsn", GAUGE, "Changes that are acknowledged or may be."},

@@ -296,6 +296,17 @@ struct record_outline record_outline(const char bytes[RECORD_HEADER])
                                    get_u32(bytes + 32)};
 }
 
+bool record_is_whole(const char *bytes, size_t n)
+{
+    enum { AFTER_LENGTH = 8 };
+    char length[4];
+    if (n < RECORD_HEADER || n > RECORD_LIMIT)
+        return false;
+    put_u32(length, (uint32_t)(n - RECORD_HEADER));
+    return crc32c(crc32c(0, length, sizeof length), bytes + AFTER_LENGTH, n - AFTER_LENGTH) ==
+           get_u32(bytes);
+}
+
 void record_points(const struct record *r, double *xy)
 {
     const char *from = r->items;

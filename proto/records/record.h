@@ -169,6 +169,9 @@ struct record_outline {
 };
 struct record_outline record_outline(const char bytes[RECORD_HEADER]);
 
+/* Whether these n bytes are a whole record, apart from the length in its header, which may be damaged. */
+bool record_is_whole(const char *bytes, size_t n);
+
 /* Decode the items of a record that was read, r->n of them. */
 void record_points(const struct record *r, double *xy);
 void record_ids(const struct record *r, uint32_t *ids);

@@ -105,6 +105,7 @@ static void add_durability(const struct server *s, struct facts *f)
     struct durable_facts disk;
     durable_facts(s, &disk);
     facts_add_text(f, "durability", disk.state);
+    facts_add_text(f, "data_directory", disk.directory);
     facts_add(f, "loaded_percent", disk.loaded_percent);
     facts_add(f, "log_lsn", disk.lsn);
     facts_add(f, "log_durable_lsn", disk.durable_lsn);

@@ -16,7 +16,7 @@ static const char incoming[] = "incoming", arrived_name[] = "arrived";
 
 static int open_folder(const struct datadir *dir, const char *name)
 {
-    return openat(dir->fd, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    return openat(dir->fd, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
 }
 
 /* Removes the files of a folder inside the directory, then the folder. True if there is none. */
@@ -58,7 +58,7 @@ bool aside_begin(struct aside *a, const struct datadir *dir, const struct segmen
     datafile_name(name, DATAFILE_SNAPSHOT, header->lsn);
     if (remove_folder(dir, incoming) && mkdirat(dir->fd, incoming, 0700) == 0 &&
         (a->folder = open_folder(dir, incoming)) >= 0)
-        a->fd = openat(a->folder, name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+        a->fd = openat(a->folder, name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
     segment_write(bytes, header);
     return a->fd >= 0 && aside_write(a, bytes, sizeof bytes);
 }

@@ -1,6 +1,8 @@
 /* backup.c - see backup.h. */
 #include "server/disk/backup.h"
 
+#include "server/system/own_file.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -172,6 +174,8 @@ static bool is_no_link(int error)
 /* Gives the file a name in the directory `to` as well, or copies it. False with errno. */
 static bool put(struct backup *b, const struct datafile *f, bool grows, int to)
 {
+    if (!own_file_admits(b->dir->fd, b->dir->path, f->name, false))
+        return false;
     bool linked = !grows && linkat(b->dir->fd, f->name, to, f->name, 0) == 0;
     if (!linked && !grows && !is_no_link(errno))
         return false;

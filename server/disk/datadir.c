@@ -3,6 +3,7 @@
 #include "server/disk/datadir.h"
 
 #include "server/system/notice.h"
+#include "server/system/own_file.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -70,7 +71,25 @@ static bool remove_unused(const struct datadir *d, bool made)
     return st.st_nlink == 0 || (!made && ours && unlinkat(AT_FDCWD, d->path, AT_REMOVEDIR) == 0);
 }
 
-bool datadir_open(struct datadir *d, const char *path, bool create)
+/* Whether there is nothing that would be opened but must not be. */
+static bool is_all_own(const struct datadir *d)
+{
+    static const char *const files[] = {"reserve", "role"}, *const folders[] = {"incoming",
+                                                                                "arrived"};
+    struct datafiles found;
+    bool ok = datadir_list(d, &found);
+    if (!ok)
+        notice(NOTICE_ERROR, "cannot list %s: %s", d->path, strerror(errno));
+    for (size_t i = 0; ok && i < found.n; i++)
+        ok = own_file_admits(d->fd, d->path, found.v[i].name, false);
+    for (size_t i = 0; ok && i < sizeof files / sizeof files[0]; i++)
+        ok = own_file_admits(d->fd, d->path, files[i], false) &&
+             own_file_admits(d->fd, d->path, folders[i], true);
+    datafiles_free(&found);
+    return ok;
+}
+
+static bool open_any(struct datadir *d, const char *path, bool create)
 {
     *d = (struct datadir){.fd = -1, .path = path};
     for (;;) {
@@ -92,11 +111,92 @@ bool datadir_open(struct datadir *d, const char *path, bool create)
     return false;
 }
 
+bool datadir_open(struct datadir *d, const char *path, bool create)
+{
+    if (!open_any(d, path, create))
+        return false;
+    d->placed = true;
+    if (is_all_own(d))
+        return true;
+    datadir_close(d);
+    return false;
+}
+
 void datadir_close(struct datadir *d)
 {
     if (d->fd >= 0)
         close(d->fd);
     d->fd = -1;
+}
+
+/* ---- its place ---- */
+
+/* Only what is certain counts: if a parent may not be searched, nothing is known. */
+static bool is_absence(int error)
+{
+    return error == ENOENT || error == ENOTDIR || error == ELOOP;
+}
+
+bool datadir_in_place(const struct datadir *d)
+{
+    struct stat own, there;
+    if (!d->placed || fstat(d->fd, &own) != 0)
+        return true;
+    bool found = stat(d->path, &there) == 0;
+    if (!found && !is_absence(errno))
+        return true;
+    errno = found ? ESTALE : ENOENT;
+    return found && there.st_dev == own.st_dev && there.st_ino == own.st_ino;
+}
+
+static bool is_empty(int fd)
+{
+    struct dirent *e;
+    int own = openat(fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *dir = own < 0 ? NULL : fdopendir(own);
+    if (dir == NULL)
+        return close_with(own, false);
+    errno = 0;
+    do
+        e = readdir(dir);
+    while (e != NULL && (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0));
+    bool empty = e == NULL && errno == 0;
+    closedir(dir);
+    return empty;
+}
+
+/* Nothing is hidden by that: what was deleted does not come back. All users of the descriptor have the new directory from
+ * now on, and the old one, with its lock, is closed. */
+static bool take_empty(const struct datadir *d)
+{
+    struct stat own;
+    struct datadir other = {.fd = open(d->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC),
+                            .path = d->path};
+    bool ok = other.fd >= 0 && fstat(d->fd, &own) == 0 && own.st_nlink == 0 && is_empty(other.fd) &&
+              flock(other.fd, LOCK_EX | LOCK_NB) == 0 && sync_parent(&other) &&
+              dup3(other.fd, d->fd, O_CLOEXEC) >= 0;
+    return close_with(other.fd, ok);
+}
+
+bool datadir_regain(const struct datadir *d)
+{
+    if (datadir_in_place(d))
+        return true;
+    int error = errno;
+    bool taken = error == ESTALE && take_empty(d);
+    errno = error;
+    return taken;
+}
+
+const char *datadir_error(int error)
+{
+    if (error == ENOENT)
+        return "the data directory, or the log in it, is gone; the daemon continues when the "
+               "directory is back";
+    if (error == ESTALE)
+        return "another directory is in the place of the data directory; the daemon continues when "
+               "its own is back";
+    return strerror(error);
 }
 
 /* ---- names ---- */
@@ -124,6 +224,13 @@ static bool parse_name(const char *name, struct datafile *f)
             return f->kind != DATAFILE_LOG || f->lsn > 0;
     }
     return false;
+}
+
+/* Whether a daemon that has a log makes files of that name. */
+static bool shows_use(const char *name)
+{
+    return strcmp(name, "reserve") == 0 || strcmp(name, "role") == 0 ||
+           strncmp(name, "damaged.", strlen("damaged.")) == 0;
 }
 
 static int by_kind_and_lsn(const void *a, const void *b)
@@ -164,9 +271,10 @@ bool datadir_list(const struct datadir *d, struct datafiles *files)
     for (struct dirent *e; ok && (e = readdir(dir)) != NULL;) {
         struct datafile f;
         struct stat st;
+        files->used = files->used || shows_use(e->d_name);
         if (!parse_name(e->d_name, &f))
             continue;
-        f.bytes = fstatat(d->fd, f.name, &st, 0) == 0 ? (uint64_t)st.st_size : 0;
+        f.bytes = fstatat(d->fd, f.name, &st, AT_SYMLINK_NOFOLLOW) == 0 ? (uint64_t)st.st_size : 0;
         ok = append(files, &cap, &f);
         errno = ok ? 0 : ENOMEM;
     }
@@ -212,7 +320,7 @@ static int make_aside(const struct datadir *d, const struct datafile *f, char na
 
 static int make_file(const struct datadir *d, const struct datafile *f, const char *name)
 {
-    enum { FLAGS = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC };
+    enum { FLAGS = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC };
     (void)f;
     return openat(d->fd, name, FLAGS, 0600);
 }
@@ -220,8 +328,9 @@ static int make_file(const struct datadir *d, const struct datafile *f, const ch
 static bool is_same_file(const struct datadir *d, const char *a, const char *b)
 {
     struct stat x, y;
-    return fstatat(d->fd, a, &x, 0) == 0 && fstatat(d->fd, b, &y, 0) == 0 && x.st_ino == y.st_ino &&
-           x.st_dev == y.st_dev;
+    enum { SELF = AT_SYMLINK_NOFOLLOW };
+    return fstatat(d->fd, a, &x, SELF) == 0 && fstatat(d->fd, b, &y, SELF) == 0 &&
+           x.st_ino == y.st_ino && x.st_dev == y.st_dev;
 }
 
 /* If the file has that name already, it is from an interrupted repair, whose sync may have failed. The
@@ -294,7 +403,7 @@ static void discard(const struct datadir *d, const char *name)
 bool datadir_copy_aside(const struct datadir *d, const struct datafile *f, uint64_t at,
                         char name[DATADIR_ASIDE])
 {
-    int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
+    int from = own_file_open(d->fd, f->name, O_RDONLY);
     int to = from < 0 ? -1 : make_aside(d, f, name, make_file);
     bool ok = to >= 0 && copy_rest(from, to, at, UINT64_MAX, NULL) && datadir_sync(d);
     close_with(from, ok);
@@ -309,7 +418,7 @@ bool datadir_copy_to(const struct datadir *d, const struct datafile *f, int to,
 {
     struct datadir target = {.fd = to};
     struct stat st;
-    int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
+    int from = own_file_open(d->fd, f->name, O_RDONLY);
     int copy = from < 0 ? -1 : make_file(&target, f, f->name);
     bool ok = copy >= 0 && copy_rest(from, copy, 0, f->bytes, cancel) && fstat(copy, &st) == 0;
     if (ok && (uint64_t)st.st_size < f->bytes) {
@@ -324,7 +433,7 @@ bool datadir_cut(const struct datadir *d, const struct datafile *f, uint64_t at)
 {
     if (!datadir_unshare(d, f))
         return false;
-    int fd = openat(d->fd, f->name, O_WRONLY | O_CLOEXEC);
+    int fd = own_file_open(d->fd, f->name, O_WRONLY);
     return close_with(fd, fd >= 0 && ftruncate(fd, (off_t)at) == 0 && fsync(fd) == 0);
 }
 
@@ -346,7 +455,7 @@ static bool write_again(int fd, uint64_t at)
 
 bool datadir_save_again(const struct datadir *d, const struct datafile *f, uint64_t at)
 {
-    int fd = openat(d->fd, f->name, O_RDWR | O_CLOEXEC);
+    int fd = own_file_open(d->fd, f->name, O_RDWR);
     return close_with(fd, fd >= 0 && write_again(fd, at) && fdatasync(fd) == 0);
 }
 
@@ -355,9 +464,8 @@ bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
 {
     char temporary[DATAFILE_NAME];
     datafile_name(temporary, DATAFILE_TEMPORARY, f->lsn);
-    int from = openat(d->fd, f->name, O_RDONLY | O_CLOEXEC);
-    int to =
-        from < 0 ? -1 : openat(d->fd, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    int from = own_file_open(d->fd, f->name, O_RDONLY);
+    int to = from < 0 ? -1 : own_file_create(d->fd, temporary, O_WRONLY);
     bool ok = to >= 0 && copy_rest(from, to, 0, UINT64_MAX, cancel);
     close_with(from, ok);
     ok = close_with(to, ok) && renameat(d->fd, temporary, d->fd, f->name) == 0;
@@ -369,7 +477,7 @@ bool datadir_copy_again(const struct datadir *d, const struct datafile *f,
 bool datadir_unshare(const struct datadir *d, const struct datafile *f)
 {
     struct stat st;
-    if (fstatat(d->fd, f->name, &st, 0) != 0)
+    if (fstatat(d->fd, f->name, &st, AT_SYMLINK_NOFOLLOW) != 0)
         return false;
     return st.st_nlink == 1 || datadir_copy_again(d, f, NULL);
 }

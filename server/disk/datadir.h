@@ -20,6 +20,7 @@
 struct datadir {
     int fd;
     const char *path;         /* borrows */
+    bool placed;              /* `path` leads to it: it was opened by datadir_open */
     struct lineage lineage;   /* for new files; the I/O thread's once the log has begun */
     atomic_uint pins;         /* while there are any, datadir_forget removes nothing */
     _Atomic uint64_t covered; /* its last argument; 0: none */
@@ -40,12 +41,24 @@ struct datafile {
 struct datafiles {
     struct datafile *v; /* owns; snapshots by lsn, then logs by lsn, then the others */
     size_t n;
+    bool used; /* there are files that a daemon makes once it has a log: reserve, role, damaged.* */
 };
 
 /* Opens the directory and locks it for this process; with `create` it is created if it is missing, and
- * its name is durable on return. False: the reason is on standard error. */
+ * its name is durable on return. False: the reason is on standard error, also if there is a name of ours that
+ * is no file of this user (own_file.h). */
 bool datadir_open(struct datadir *d, const char *path, bool create);
 void datadir_close(struct datadir *d);
+
+/* Whether its path still leads to the directory. False with errno: ENOENT: it is gone; ESTALE: another directory is in its
+ * place. */
+bool datadir_in_place(const struct datadir *d);
+
+/* The same; but a directory that has been deleted is given up for an empty one at its path, which is locked then. */
+bool datadir_regain(const struct datadir *d);
+
+/* What an error of the disk means for an operator. */
+const char *datadir_error(int error);
 
 /* Lists the snapshots, segments and temporary files of the directory. False with errno. */
 bool datadir_list(const struct datadir *d, struct datafiles *files);

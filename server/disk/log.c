@@ -23,7 +23,7 @@ enum {
     MUCH = 1 << 20 /* bytes whose end in the queue is reported before the sync */
 };
 
-enum piece_kind { PIECE_BYTES, PIECE_POINTS, PIECE_ROTATE, PIECE_RESERVE };
+enum piece_kind { PIECE_BYTES, PIECE_POINTS, PIECE_ROTATE, PIECE_TEND };
 
 /* An element of the queue: many small records, the points of a large one, or a command. */
 struct piece {
@@ -255,9 +255,11 @@ uint64_t log_rotate_to(struct log *log, const struct lineage *lineage)
     return log->next - 1;
 }
 
-void log_refill_reserve(struct log *log)
+void log_tend(struct log *log)
 {
-    new_piece(log, PIECE_RESERVE);
+    bool lost = log->lost;
+    new_piece(log, PIECE_TEND);
+    log->lost = lost; /* another one comes in a second */
     log_push(log);
 }
 
@@ -354,7 +356,7 @@ static void carry_out(struct log *log, struct piece *p)
         take_lineage(&log->file, p);
         log_file_start(&log->file, p->last + 1);
         break;
-    case PIECE_RESERVE:
+    case PIECE_TEND:
         log_file_reserve(&log->file);
         break;
     }
@@ -400,9 +402,8 @@ static void wait_until(struct log *log, int64_t ns)
     pthread_cond_timedwait(&log->wake, &log->mutex, &t);
 }
 
-/* Clients whose replies have just been released send their next edits at once. A sync before these have
- * arrived would split the clients into two groups that alternate, each at half the rate. So the sync waits
- * for the expected number of records, at most for a fraction of its own duration. */
+/* Clients whose replies have just been released send their next edits at once. A sync before that would split the
+ * clients into two groups, each at half the rate. So it waits for as many records, at most a fraction of its duration. */
 static void gather(struct log *log)
 {
     int64_t patience = log->sync_ns / 4;
@@ -422,7 +423,7 @@ static void publish(struct log *log, uint64_t last, unsigned records)
         st->state = LOG_FAILED;
         st->error = f->error;
         st->failures++;
-        notice(NOTICE_ERROR, "the log cannot be written: %s", strerror(f->error));
+        notice(NOTICE_ERROR, "the log cannot be written: %s", datadir_error(f->error));
     } else {
         st->state = f->reserved ? LOG_GOOD : LOG_FULL;
         st->error = f->reserved ? 0 : f->full_error;
@@ -458,6 +459,7 @@ static void write_queue(struct log *log, bool sync)
         notify(log);
     if (sync || log->policy == LOG_ALWAYS || sync_is_due(log))
         sync_file(log);
+    log_file_inspect(&log->file, clock_ms());
     pthread_mutex_lock(&log->mutex);
     publish(log, last, q.records);
 }

@@ -107,8 +107,9 @@ uint64_t log_rotate_to(struct log *log, const struct lineage *lineage);
  * segment from lsn + 1. lsn is from log_rotate. */
 void log_resume(struct log *log, uint64_t lsn, uint64_t digest);
 
-/* In LOG_FULL: tries to allocate the reserve again. */
-void log_refill_reserve(struct log *log);
+/* To be called once a second, but not in LOG_FAILED: finds out whether the directory is in its place, and tries to allocate the
+ * reserve again if it is missing. */
+void log_tend(struct log *log);
 
 void log_status(struct log *log, struct log_status *status);
 

@@ -2,14 +2,16 @@
 #include "server/disk/log_file.h"
 
 #include "proto/records/record.h"
+#include "server/system/own_file.h"
 #include "server/system/random.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-enum { RESERVE_BYTES = 4 << 20 };
+enum { RESERVE_BYTES = 4 << 20, INSPECT_EVERY_MS = 100 };
 
 static const char reserve_name[] = "reserve";
 
@@ -43,11 +45,20 @@ static bool is_lack_of_space(int error)
     return error == ENOSPC || error == EDQUOT;
 }
 
+/* The reserve of an earlier start, or a new one. One with a second name is not ours to fill. */
+static int open_reserve(int dir)
+{
+    struct stat st;
+    bool there = fstatat(dir, reserve_name, &st, AT_SYMLINK_NOFOLLOW) == 0 && st.st_nlink == 1;
+    return there ? own_file_open(dir, reserve_name, O_WRONLY)
+                 : own_file_create(dir, reserve_name, O_WRONLY);
+}
+
 void log_file_reserve(struct log_file *f)
 {
     if (f->reserved)
         return;
-    int fd = openat(f->dir->fd, reserve_name, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    int fd = open_reserve(f->dir->fd);
     int error = fd < 0 ? errno : posix_fallocate(fd, 0, RESERVE_BYTES);
     if (fd >= 0)
         close(fd);
@@ -117,7 +128,27 @@ void log_file_sync(struct log_file *f)
     f->syncs++;
 }
 
-/* Writes the header of a new segment; name and header are durable then, or the file has failed. */
+static bool has_its_name(const struct log_file *f)
+{
+    char name[DATAFILE_NAME];
+    struct stat own, there;
+    datafile_name(name, DATAFILE_LOG, f->first);
+    errno = ENOENT;
+    return fstat(f->fd, &own) != 0 ||
+           (fstatat(f->dir->fd, name, &there, AT_SYMLINK_NOFOLLOW) == 0 &&
+            there.st_ino == own.st_ino && there.st_dev == own.st_dev);
+}
+
+void log_file_inspect(struct log_file *f, int64_t now_ms)
+{
+    if (f->error != 0 || now_ms - f->inspected_ms < INSPECT_EVERY_MS)
+        return;
+    f->inspected_ms = now_ms;
+    if (!datadir_in_place(f->dir) || !has_its_name(f))
+        log_file_fail(f, errno);
+}
+
+/* Writes the header of a new segment; it is durable then, or the file has failed. */
 static void write_header(struct log_file *f)
 {
     struct segment header = {.version = RECORD_VERSION,
@@ -136,62 +167,61 @@ static void write_header(struct log_file *f)
     log_file_mark(f);
     write_bytes(f, &b);
     log_file_sync(f);
-    if (f->error == 0 && !datadir_sync(f->dir))
-        log_file_fail(f, errno);
     log_file_mark(f);
-    if (f->error == 0)
-        f->broken = false;
     buf_free(&b);
 }
 
-/* Opens the segment's file, empty. *created: it did not exist before. If it exists, an earlier sync of its name
- * may have failed, and a later sync need not cover the name; so a new file replaces it, whose name the
- * next sync does cover. */
-static int open_segment(const struct datadir *dir, const char *name, uint64_t first, bool *created)
+/* Begins the segment's file under a temporary name, and gives it its own when the header is durable: so a segment whose
+ * header is not whole is damaged. If there is a file of that name, an earlier sync of the name may have failed, and a later
+ * sync need not cover it; the new file replaces it, and the next sync does cover its name. */
+static void begin_segment(struct log_file *f)
 {
-    enum { FLAGS = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC };
-    char temporary[DATAFILE_NAME];
-    int fd = openat(dir->fd, name, FLAGS | O_EXCL, 0600);
-    *created = fd >= 0;
-    if (fd >= 0 || errno != EEXIST)
-        return fd;
-    datafile_name(temporary, DATAFILE_TEMPORARY, first);
-    fd = openat(dir->fd, temporary, FLAGS | O_TRUNC, 0600);
-    if (fd < 0 || renameat(dir->fd, temporary, dir->fd, name) == 0)
-        return fd;
-    int error = errno;
-    close(fd);
-    unlinkat(dir->fd, temporary, 0);
-    errno = error;
-    return -1;
+    char temporary[DATAFILE_NAME], name[DATAFILE_NAME];
+    struct stat st;
+    int dir = f->dir->fd;
+    datafile_name(temporary, DATAFILE_TEMPORARY, f->first);
+    datafile_name(name, DATAFILE_LOG, f->first);
+    f->fd = own_file_create(dir, temporary, O_WRONLY | O_APPEND);
+    if (f->fd < 0) {
+        log_file_fail(f, errno);
+        return;
+    }
+    write_header(f);
+    bool created = fstatat(dir, name, &st, AT_SYMLINK_NOFOLLOW) != 0;
+    if (f->error == 0 && renameat(dir, temporary, dir, name) != 0)
+        log_file_fail(f, errno);
+    if (f->error != 0) {
+        unlinkat(dir, temporary, 0);
+        return;
+    }
+    if (datadir_sync(f->dir)) {
+        f->broken = false;
+        return;
+    }
+    log_file_fail(f, errno);
+    /* Its name may never become durable. If the file stayed, a snapshot would remove the segments before
+     * it, and a power failure could leave no segment at all. */
+    if (created)
+        unlinkat(dir, name, 0);
 }
 
 void log_file_start(struct log_file *f, uint64_t first)
 {
-    char name[DATAFILE_NAME];
-    bool created;
     if (f->fd >= 0 && f->first == first && f->bytes == SEGMENT_HEADER && !f->renamed)
         return; /* it is new already */
     log_file_sync(f);
     if (f->error != 0)
         return;
     log_file_clear(f);
-    datafile_name(name, DATAFILE_LOG, first);
-    f->fd = open_segment(f->dir, name, first, &created);
-    if (f->fd < 0) {
-        log_file_fail(f, errno);
-        return;
-    }
     f->renamed = false;
     f->first = first;
     f->digest_before = f->digest;
     f->before += f->bytes;
     f->bytes = 0;
-    write_header(f);
-    /* Its name may never become durable. If the file stayed, a snapshot would remove the segments before
-     * it, and a power failure could leave no segment at all. */
-    if (f->error != 0 && created)
-        unlinkat(f->dir->fd, name, 0);
+    if (datadir_in_place(f->dir))
+        begin_segment(f);
+    else
+        log_file_fail(f, errno);
 }
 
 void log_file_restart(struct log_file *f, uint64_t first, uint64_t digest)

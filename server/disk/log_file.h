@@ -21,6 +21,7 @@ struct log_file {
     uint64_t bytes, mark;
     uint64_t before; /* bytes of the segments before it */
     uint64_t syncs;
+    int64_t inspected_ms; /* when log_file_inspect last looked */
 };
 
 /* digest: of the changes before it; 0: a new one begins. */
@@ -50,6 +51,10 @@ void log_file_write(struct log_file *f, struct buf *b);
 /* A failure is final: on Linux a second fsync of the same descriptor reports success for pages that were
  * dropped [Rebello et al., "Can Applications Recover from fsync Failures?", ATC 2020]. */
 void log_file_sync(struct log_file *f);
+
+/* Fails if a start would not find the segment any more, because the file or its directory is gone or replaced. Looks at most
+ * ten times a second, so it may be called after every write. */
+void log_file_inspect(struct log_file *f, int64_t now_ms);
 
 /* Allocates the reserve if it does not exist. */
 void log_file_reserve(struct log_file *f);

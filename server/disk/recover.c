@@ -63,6 +63,8 @@ static bool cancelled(struct recovery *r)
 }
 
 static const char keeps[] = "; --repair DIR would keep every intact set";
+static const char begins[] =
+    ", and there is no snapshot: every change is lost; --repair DIR would begin again";
 static const char mends[] = "; --repair DIR would keep the changes before that";
 
 /* Reports a record that was refused, or that memory ran out. */
@@ -158,12 +160,13 @@ static bool torn_at(struct recovery *r, const struct place *p, uint64_t at)
     r->file = *p->file;
     r->at = at;
     n = snprintf(r->why, sizeof r->why,
-                 "%s: the end of the log was torn off by a crash; %" PRIu64
-                 " bytes after byte %" PRIu64 " do not count",
-                 p->file->name, p->file->bytes - at, at);
-    if (r->later > 0)
+                 "%s: the end of the log %s; %" PRIu64 " bytes after byte %" PRIu64 " do not count",
+                 p->file->name, r->lost ? "is damaged" : "was torn off by a crash",
+                 p->file->bytes - at, at);
+    if (r->lost)
         snprintf(r->why + n, sizeof r->why - (size_t)n,
-                 ", including %" PRIu64 " intact records, which may have been acknowledged",
+                 ", including %" PRIu64
+                 " intact records: changes may be lost that were acknowledged",
                  r->later);
     return true;
 }
@@ -204,7 +207,7 @@ static bool judge_end(struct recovery *r, const struct place *p, struct segment_
     }
     if (synced || !p->last)
         return corrupt_at(r, p, at, fault);
-    r->aside = !half || r->later > 0;
+    r->aside = r->lost = !half || r->later > 0;
     return torn_at(r, p, at);
 }
 
@@ -263,24 +266,15 @@ static bool read_log_records(struct recovery *r, struct place *p, struct segment
     }
 }
 
-/* Nothing is acknowledged before a segment's header is synced. So a damaged header without a record after it
- * is that of a segment that was being created. */
-static bool judge_header(struct recovery *r, const struct place *p, struct segment_reader *in)
+/* A segment gets its name when its header is durable (log_file.c), so this is no torn end. */
+static bool judge_header(struct recovery *r, const struct place *p, const struct segment_reader *in)
 {
-    struct record later;
-    enum reader_result got = READER_END;
-    if (buf_len(&in->window) > 0)
-        got = reader_search(in, 0, &later);
-    if (got == READER_ERROR)
+    if (in->error != 0)
         return fail_to_read(r, p->file, in->error);
-    if (got == READER_END && p->last && p->file->lsn == r->last + 1) {
-        r->aside = p->file->bytes > SEGMENT_HEADER;
-        return torn_at(r, p, 0);
-    }
     if (r->mend)
         return corrupt_at(r, p, 0, in->fault);
     r->bad_log = true;
-    return fail(r, RECOVERY_REFUSED, "%s: %s; --repair DIR would write its header again",
+    return fail(r, RECOVERY_REFUSED, "%s: %s; --repair DIR would keep what can be read behind it",
                 p->file->name, in->fault);
 }
 
@@ -331,7 +325,8 @@ static bool miss_segment(struct recovery *r, const struct datafile *then)
     r->bad_log = true;
     return fail(r, r->mend ? RECOVERY_CORRUPT : RECOVERY_REFUSED,
                 "%s%sthe log segment with change %" PRIu64 " is missing%s",
-                then == NULL ? "" : then->name, then == NULL ? "" : ": ", r->last + 1, mends);
+                then == NULL ? "" : then->name, then == NULL ? "" : ": ", r->last + 1,
+                r->last == 0 && then == NULL ? begins : mends);
 }
 
 /* A set in a snapshot may have later changes than the snapshot's lsn. If the log has lost these in a crash,
@@ -351,7 +346,7 @@ static bool read_segments(struct recovery *r, const struct datafile *f, size_t n
         f++;
         n--;
     }
-    if (n == 0 ? r->replay.snapshot > 0 : f->lsn > r->replay.snapshot + 1)
+    if (n == 0 ? r->used || r->replay.snapshot > 0 : f->lsn > r->replay.snapshot + 1)
         return miss_segment(r, n == 0 ? NULL : f);
     for (size_t i = 0; i < n; i++) {
         struct place p = {.file = &f[i], .last = i + 1 == n};
@@ -400,6 +395,7 @@ void recovery_run(struct recovery *r)
     }
     const struct datafile *snapshot = files_of(&files, DATAFILE_SNAPSHOT, &snapshots);
     const struct datafile *log = files_of(&files, DATAFILE_LOG, &logs);
+    r->used = files.used;
     for (size_t i = 0; i < files.n; i++)
         r->total += files.v[i].bytes;
     if (r->pass_over && snapshots > 0)

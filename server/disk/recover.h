@@ -4,7 +4,7 @@
  * was synced (record.h). If one does, acknowledged changes are damaged: that is corruption, and the daemon
  * does not start. If none does, the end of the log was torn off by a crash, and is cut off. That is certain
  * only if the file ends within a record or within a LOAD. Otherwise the rest may have changes that were
- * acknowledged without a sync, and is put aside first. */
+ * acknowledged without a sync: it counts as lost, and is put aside first. */
 #ifndef SERVER_RECOVER_H
 #define SERVER_RECOVER_H
 
@@ -42,6 +42,8 @@ struct recovery {
     uint64_t at;              /* from this offset on */
     bool torn;
     bool aside;         /* the torn end may have changes, and is put aside */
+    bool lost;          /* the same, before it is put aside */
+    bool used;          /* the directory shows that there was a log */
     uint64_t synced_at; /* the last segment was certainly synced up to this offset */
     bool bad_snapshot;  /* RECOVERY_REFUSED because of the snapshot; --repair may keep most of it */
     bool bad_log;   /* because of a segment's header, a missing segment, or an impossible record */

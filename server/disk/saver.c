@@ -13,6 +13,11 @@ static bool log_has_failed(const struct saver *v)
     return v->status.state == LOG_FAILED;
 }
 
+int saver_error(const struct saver *v)
+{
+    return log_has_failed(v) && v->lost != 0 ? v->lost : v->status.error;
+}
+
 bool saver_disk_is_full(const struct saver *v)
 {
     return v->status.error == ENOSPC || v->status.error == EDQUOT;
@@ -121,7 +126,7 @@ static void step_writing(struct saver *v, int64_t now_ms)
     if (error != 0) {
         give_up(v, now_ms);
         notice(NOTICE_ERROR, "a snapshot could not be written: %s; the next attempt is in %.1f s",
-               strerror(error), (double)saver_retry_ms(v, now_ms) / 1000);
+               datadir_error(error), (double)saver_retry_ms(v, now_ms) / 1000);
         return;
     }
     note_snapshot(v, bytes, now_ms);
@@ -157,12 +162,15 @@ static bool is_rested(const struct saver *v, int64_t now_ms)
     return now_ms >= v->ended_ms + BACKOFF_FIRST_MS;
 }
 
-static bool may_mend(const struct saver *v, int64_t now_ms)
+static bool may_mend(struct saver *v, int64_t now_ms)
 {
+    v->lost = datadir_regain(v->dir) ? 0 : errno;
+    if (v->lost != 0) /* there is nothing to write to */
+        return false;
     return may_have_space(v) ? is_rested(v, now_ms) : backoff_allows(&v->mending, now_ms);
 }
 
-static bool is_due(const struct saver *v, int64_t now_ms)
+static bool is_due(struct saver *v, int64_t now_ms)
 {
     uint64_t limit = *v->compact_at;
     if (v->snapshot_bytes > limit) /* so that snapshots cost no more than the log */

@@ -29,7 +29,8 @@ struct saver {
     const size_t *compact_at; /* bytes of log after which a snapshot is due */
     int event;                /* an eventfd */
     enum saver_state state;
-    struct log_status status;  /* when it was last read */
+    struct log_status status; /* when it was last read */
+    int lost; /* errno: the directory is not in its place (datadir_in_place); 0: it is */
     struct snapshot *snapshot; /* owns; from ROTATING or MENDING on, until it is in place */
     uint64_t cut;              /* the lsn of `snapshot`, or of the last one */
     const uint64_t *
@@ -59,6 +60,9 @@ void saver_clear(struct saver *v);
 
 /* Bytes of log that the snapshot in place does not cover. */
 uint64_t saver_log_bytes(const struct saver *v);
+
+/* The errno why the log has failed or is full, and the directory's if it is not in its place. */
+int saver_error(const struct saver *v);
 
 /* Whether the disk is full, so that only changes that free space are possible. */
 bool saver_disk_is_full(const struct saver *v);

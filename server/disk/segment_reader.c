@@ -1,6 +1,8 @@
 /* segment_reader.c - see segment_reader.h. */
 #include "server/disk/segment_reader.h"
 
+#include "server/system/own_file.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
@@ -46,7 +48,7 @@ enum reader_result reader_open(struct segment_reader *r, const struct datadir *d
                                const struct datafile *file, struct segment *header)
 {
     enum segment_kind kind = file->kind == DATAFILE_LOG ? SEGMENT_LOG : SEGMENT_SNAPSHOT;
-    *r = (struct segment_reader){.fd = openat(dir->fd, file->name, O_RDONLY | O_CLOEXEC)};
+    *r = (struct segment_reader){.fd = own_file_open(dir->fd, file->name, O_RDONLY)};
     if (r->fd < 0) {
         r->error = errno;
         return READER_ERROR;
@@ -113,9 +115,11 @@ enum reader_result reader_next(struct segment_reader *r, struct record *record)
         if (took != 0 || r->eof || want == RECORD_LIMIT)
             break;
     }
-    r->half = took == 0;
+    r->half = took == 0 && !record_is_whole(buf_head(&r->window), buf_len(&r->window));
     if (took <= 0)
-        return bad(r, took == 0 ? "it is cut off" : record->fault);
+        return bad(r, took != 0 ? record->fault
+                      : r->half ? "it is cut off"
+                                : "its length is wrong");
     r->last = (size_t)took;
     return READER_OK;
 }

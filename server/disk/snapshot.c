@@ -3,6 +3,7 @@
 
 #include "core/delaunay_fields.h"
 #include "proto/records/record.h"
+#include "server/system/own_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -254,8 +255,12 @@ static void write_snapshot(struct snapshot *snap)
     int dir = snap->dir->fd;
     datafile_name(temporary, DATAFILE_TEMPORARY, snap->lsn);
     datafile_name(name, DATAFILE_SNAPSHOT, snap->lsn);
+    if (!datadir_regain(snap->dir)) {
+        fail(&o, errno);
+        return;
+    }
     bool first = faccessat(dir, name, F_OK, 0) != 0;
-    o.fd = openat(dir, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    o.fd = own_file_create(dir, temporary, O_WRONLY);
     if (o.fd < 0) {
         fail(&o, errno);
         return;

@@ -348,6 +348,8 @@ void follower_turn_end(struct server *s)
 void follower_tick(struct server *s)
 {
     struct follower *f = s->follower;
+    if (f != NULL)
+        follower_remember(f);
     if (f == NULL || f->link == NULL || !f->following)
         return;
     if (f->piece != NULL && f->at == buf_len(&f->piece->bytes) && !f->busy)

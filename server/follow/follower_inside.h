@@ -34,6 +34,7 @@ struct follower {
     uint64_t done,
         done_bytes; /* the last piece's end: its lsn, and the bytes of the stream up to there */
     uint64_t acked, acked_bytes; /* what was passed to the link */
+    uint64_t failures;           /* of the log, when the role was last written */
 };
 
 /* Whether a record waits, a worker has it, or its worker has ended and that has not been looked at. */
@@ -44,6 +45,9 @@ static inline bool follower_has_record(const struct follower *f)
 
 /* Begins with what the loop calls. False with errno. */
 bool follower_watch(struct follower *f);
+
+/* Writes the role again if the log had failed and works again: its directory may be a new one. To be called once a second. */
+void follower_remember(struct follower *f);
 
 /* Drops an incomplete load. */
 void follower_forget(struct follower *f);

@@ -136,6 +136,15 @@ static const char *begin(struct follower *f)
     return start_link(f);
 }
 
+void follower_remember(struct follower *f)
+{
+    const struct log_status *log = durable_status(f->server);
+    if (log == NULL || log->state == LOG_FAILED || log->failures == f->failures)
+        return;
+    if (f->role.kind == ROLE_UNKNOWN || role_write(durable_dir(f->server), &f->role))
+        f->failures = log->failures;
+}
+
 void follower_agrees(struct follower *f)
 {
     if (!f->role.own)

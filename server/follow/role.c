@@ -1,6 +1,8 @@
 /* role.c - see role.h. */
 #include "server/follow/role.h"
 
+#include "server/system/own_file.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -44,11 +46,17 @@ static void read_more(struct remembered_role *r, const char *line)
 struct remembered_role role_read(const char *path)
 {
     struct remembered_role role = {.kind = ROLE_UNKNOWN};
-    char name[4096], line[160];
-    snprintf(name, sizeof name, "%s/role", path);
-    FILE *in = fopen(name, "re");
-    if (in == NULL)
+    char line[160];
+    int dir = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    int fd = dir < 0 ? -1 : own_file_open(dir, "role", O_RDONLY);
+    FILE *in = fd < 0 ? NULL : fdopen(fd, "r");
+    if (dir >= 0)
+        close(dir);
+    if (in == NULL) {
+        if (fd >= 0)
+            close(fd);
         return role;
+    }
     if (fgets(line, sizeof line, in) != NULL)
         read_decision(&role, line);
     while (role.kind != ROLE_UNKNOWN && fgets(line, sizeof line, in) != NULL)
@@ -86,7 +94,7 @@ bool role_write(const struct datadir *dir, const struct remembered_role *r)
     size_t n = strlen(text);
     if (n == 0)
         return (unlinkat(dir->fd, name, 0) == 0 || errno == ENOENT) && datadir_sync(dir);
-    int fd = openat(dir->fd, temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    int fd = own_file_create(dir->fd, temporary, O_WRONLY);
     bool ok = fd >= 0 && write(fd, text, n) == (ssize_t)n && fsync(fd) == 0;
     if (fd >= 0)
         close(fd);

@@ -82,7 +82,7 @@ static void *read_directory(void *arg)
         if (d->dir.lineage.history.origin == 0)
             d->dir.lineage.history = history_begin(random_bits());
         if (r->why[0] != '\0')
-            notice(r->later > 0 ? NOTICE_ERROR : NOTICE_WARNING, "%s", r->why);
+            notice(r->lost ? NOTICE_ERROR : NOTICE_WARNING, "%s", r->why);
         /* Changes that the log has lost have other records: nothing continues from their digest. */
         d->gap = r->ahead > r->last;
         uint64_t digest = r->ahead > r->last ? 0 : r->digest;
@@ -229,8 +229,8 @@ void durable_tick(struct server *s)
     struct durable *d = s->durable;
     if (!is_running(d))
         return;
-    if (d->saver.status.state == LOG_FULL)
-        log_refill_reserve(d->log);
+    if (d->saver.status.state != LOG_FAILED)
+        log_tend(d->log);
     saver_step(&d->saver, clock_ms(), s->stopping);
 }
 
@@ -384,8 +384,8 @@ bool durable_admits_change(struct server *s, struct answer *a, bool frees)
     const struct log_status *status = &d->saver.status;
     bool full = saver_disk_is_full(&d->saver);
     if (status->state != LOG_GOOD && !(frees && full)) {
-        reply_err(a->out, ERR_READONLY, "changes cannot be saved: %s%s", strerror(status->error),
-                  full ? "; DEL and DROP are possible" : "");
+        reply_err(a->out, ERR_READONLY, "changes cannot be saved: %s%s",
+                  datadir_error(saver_error(&d->saver)), full ? "; DEL and DROP are possible" : "");
         return false;
     }
     if (!is_behind(s) && wait_is_first(&s->log, a->turn))
@@ -405,14 +405,23 @@ bool durable_admits_drops(const struct server *s)
 
 /* ---- INFO ---- */
 
+static const char *directory_state(const struct saver *v)
+{
+    if (v->status.state != LOG_FAILED)
+        return "good";
+    int error = saver_error(v);
+    return error == ENOENT ? "gone" : error == ESTALE ? "replaced" : "good";
+}
+
 void durable_facts(const struct server *s, struct durable_facts *f)
 {
     static const char *const state[] = {"good", "full", "readonly"};
     const struct durable *d = s->durable;
-    *f = (struct durable_facts){.state = "off", .loaded_percent = 100};
+    *f = (struct durable_facts){.state = "off", .directory = "off", .loaded_percent = 100};
     if (d == NULL)
         return;
     f->state = "loading";
+    f->directory = "good";
     f->loaded_percent = recovery_percent(&s->durable->recovery);
     if (!is_running(d))
         return;
@@ -420,6 +429,7 @@ void durable_facts(const struct server *s, struct durable_facts *f)
     const struct saver *v = &d->saver;
     f->state =
         durable_is_complete(s) || v->status.state != LOG_GOOD ? state[v->status.state] : "loading";
+    f->directory = directory_state(v);
     f->lsn = log_last(d->log);
     f->durable_lsn = v->status.durable;
     f->synced_lsn = v->status.synced;

@@ -89,7 +89,8 @@ struct log *durable_log(const struct server *s);
 
 /* For INFO. */
 struct durable_facts {
-    const char *state; /* off, loading, good, full, readonly */
+    const char *state;     /* off, loading, good, full, readonly */
+    const char *directory; /* off, good, gone, replaced */
     uint64_t loaded_percent;
     uint64_t lsn, durable_lsn, synced_lsn;
     uint64_t log_bytes, log_syncs, log_failures;

@@ -6,6 +6,7 @@
 #include "server/disk/segment_reader.h"
 #include "server/follow/role.h"
 #include "server/repair/salvage.h"
+#include "server/system/own_file.h"
 #include "server/system/random.h"
 
 #include <errno.h>
@@ -33,8 +34,9 @@ static int print_result(struct recovery *r)
         printf("%s\n", r->why);
     if (r->result == RECOVERY_OK)
         summarize(r);
-    printf("%s\n", r->result == RECOVERY_OK ? "good" : "not good");
-    return r->result == RECOVERY_OK ? 0 : 1;
+    bool good = r->result == RECOVERY_OK && !r->lost;
+    printf("%s\n", good ? "good" : "not good");
+    return good ? 0 : 1;
 }
 
 int recovery_check(const char *path)
@@ -114,7 +116,7 @@ static bool write_header(const struct datadir *dir, const struct datafile *f, ui
     char bytes[SEGMENT_HEADER];
     if (!datadir_unshare(dir, f))
         return false;
-    int fd = openat(dir->fd, f->name, O_WRONLY | O_CLOEXEC);
+    int fd = own_file_open(dir->fd, f->name, O_WRONLY);
     segment_write(bytes, &header);
     bool ok = fd >= 0 && write(fd, bytes, size) == (ssize_t)size && fsync(fd) == 0;
     int error = errno;
@@ -142,7 +144,7 @@ static bool mend_log(const struct recovery *r)
             printf("%s: its header was written again; the old file is in damaged.*\n", f->name);
     }
     datafiles_free(&files);
-    if (ok && segments == 0 && r->last > 0)
+    if (ok && segments == 0)
         ok = log_file_begin(r->dir, r->last + 1,
                             r->digest); /* a log needs a segment, even an empty one */
     if (!ok)
@@ -176,8 +178,8 @@ static void repair(struct recovery *r, bool leads)
         bool tidy = recovery_tidy(r);
         if (r->why[0] != '\0')
             printf("%s\n", r->why);
-        if (tidy)
-            mend_log(r);
+        if (tidy && mend_log(r) && r->lost && leads)
+            begin_history(r->dir);
     }
 }
 

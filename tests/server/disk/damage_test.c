@@ -26,7 +26,7 @@ enum { CHANGES = sizeof changes / sizeof changes[0], LOG_LIMIT = 4096 };
 
 struct outcome {
     enum recovery_result result;
-    bool torn;
+    bool torn, lost;
     uint64_t last, digest;
     char why[512];
 };
@@ -39,7 +39,7 @@ static struct outcome look(const char *path)
     CHECK(datadir_open(&dir, path, false));
     recovery_init(&r, &dir);
     recovery_run(&r);
-    o = (struct outcome){.result = r.result, .torn = r.torn, .last = r.last};
+    o = (struct outcome){.result = r.result, .torn = r.torn, .lost = r.lost, .last = r.last};
     memcpy(o.why, r.why, sizeof o.why);
     if (r.result == RECOVERY_OK)
         o.digest = digest_sets(&r.replay.sets);
@@ -101,14 +101,27 @@ TEST(log_cut_anywhere_is_a_torn_end)
 {
     struct sample s = make_sample(SIGKILL);
     size_t whole = 0;
-    for (size_t n = 0; n < s.n; n++) {
+    for (size_t n = SEGMENT_HEADER; n < s.n; n++) {
         while (whole < CHANGES && s.end[whole + 1] <= n)
             whole++;
         file_write(s.path, s.bytes, n);
         struct outcome o = look(s.dir.path);
         CHECK_MSG(o.result == RECOVERY_OK && o.last == whole && o.digest == s.digest[whole],
                   "cut at %zu: %s", n, o.why);
-        CHECK_MSG(o.torn == (n != s.end[whole]), "cut at %zu", n);
+        CHECK_MSG(o.torn == (n != s.end[whole]) && !o.lost, "cut at %zu", n);
+    }
+    free_sample(&s);
+}
+
+/* A segment gets its name when its header is durable. */
+TEST(log_cut_within_its_header_is_refused)
+{
+    struct sample s = make_sample(SIGKILL);
+    for (size_t n = 0; n < SEGMENT_HEADER; n++) {
+        file_write(s.path, s.bytes, n);
+        struct outcome o = look(s.dir.path);
+        CHECK_MSG(o.result == RECOVERY_REFUSED && strstr(o.why, "--repair") != NULL,
+                  "cut at %zu: %s", n, o.why);
     }
     free_sample(&s);
 }
@@ -128,6 +141,7 @@ static void flip_everything(int sig, uint64_t provable)
             (o.result == RECOVERY_CORRUPT || o.result == RECOVERY_REFUSED) && o.why[0] != '\0';
         CHECK_MSG(right || refused, "bit %zu: %d, %" PRIu64 " changes: %s", i, (int)o.result,
                   o.last, o.why);
+        CHECK_MSG(refused || o.lost, "bit %zu is lost without a word", i);
     }
     free_sample(&s);
 }

@@ -86,14 +86,16 @@ TEST(log_syncs_its_records_before_it_begins_a_new_segment)
 {
     struct bench b;
     begin(&b, LOG_NO);
-    CHECK_STR(calls_text(), "create log.1\nwrite log.1\nsync log.1\nsync .\ncreate reserve\n");
+    CHECK_STR(calls_text(), "create snapshot.1.tmp\nwrite snapshot.1.tmp\nsync snapshot.1.tmp\n"
+                            "rename snapshot.1.tmp log.1\nsync .\ncreate reserve\n");
     calls_watch(b.directory.path);
     append(&b);
     CHECK(log_rotate(b.log) == 1);
     while (b.status.segment != 2)
         look(&b);
     CHECK_STR(calls_text(), "write log.1\nsync log.1\n"
-                            "create log.2\nwrite log.2\nsync log.2\nsync .\n");
+                            "create snapshot.2.tmp\nwrite snapshot.2.tmp\nsync snapshot.2.tmp\n"
+                            "rename snapshot.2.tmp log.2\nsync .\n");
     end(&b);
 }
 
@@ -106,7 +108,7 @@ TEST(failed_sync_before_a_new_segment_is_a_failed_log)
     log_rotate(b.log);
     await_failure(&b);
     CHECK(b.status.error == EIO && b.status.durable == 0 && b.status.segment == 1);
-    CHECK(calls_count("create log.2") == 0);
+    CHECK(calls_count("create snapshot.2.tmp") == 0);
     end(&b);
 }
 
@@ -114,7 +116,8 @@ TEST(failed_sync_before_a_new_segment_is_a_failed_log)
  * directory succeeds without it, unless there is something new in it. */
 TEST(segment_that_could_not_be_begun_is_created_again)
 {
-    static const char *const calls[] = {"write log.2", "sync log.2", "sync ."};
+    static const char *const calls[] = {"write snapshot.2.tmp", "sync snapshot.2.tmp",
+                                        "rename snapshot.2.tmp log.2", "sync ."};
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
         struct bench b;
         begin(&b, LOG_ALWAYS);
@@ -123,11 +126,14 @@ TEST(segment_that_could_not_be_begun_is_created_again)
         calls_fail(calls[i], 1, 1, EIO);
         CHECK(log_rotate(b.log) == 1);
         await_failure(&b);
-        CHECK(calls_count("create log.2") == 1 && calls_count("remove log.2") == 1);
+        bool named = calls_count("rename snapshot.2.tmp log.2") == 1;
+        CHECK(calls_count("create snapshot.2.tmp") == 1);
+        CHECK(calls_count(named ? "remove log.2" : "remove snapshot.2.tmp") == 1);
         log_resume(b.log, 1, 1);
         while (b.status.state == LOG_FAILED)
             look(&b);
-        CHECK(calls_count("create log.2") == 2 && b.status.segment == 2 && b.status.durable == 1);
+        CHECK(calls_count("create snapshot.2.tmp") == 2);
+        CHECK(b.status.segment == 2 && b.status.durable == 1);
         end(&b);
     }
 }
@@ -391,7 +397,9 @@ TEST(segment_whose_header_does_not_fit_into_memory_is_a_failure)
 
 TEST(log_that_cannot_begin_is_none)
 {
-    static const char *const calls[] = {"create log.1", "write log.1", "sync log.1", "sync ."};
+    static const char *const calls[] = {"create snapshot.1.tmp", "write snapshot.1.tmp",
+                                        "sync snapshot.1.tmp", "rename snapshot.1.tmp log.1",
+                                        "sync ."};
     struct bench b;
     begin_empty(&b);
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
@@ -472,7 +480,7 @@ TEST(segment_that_was_there_stays_when_its_beginning_fails)
     struct bench b;
     begin_empty(&b);
     directory_touch(&b.directory, "log.0000000000000005");
-    calls_fail("sync log.5", 1, 1, EIO);
+    calls_fail("sync .", 1, 1, EIO);
     CHECK(log_new(&b.dir, LOG_ALWAYS, 5, 1, -1) == NULL);
     CHECK(directory_file(&b.directory, "log.", 0, path));
     end(&b);

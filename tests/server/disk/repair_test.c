@@ -405,7 +405,7 @@ TEST(repair_that_cannot_begin_a_log_says_so)
     struct sample s = make_sample(true);
     s.n = 0;
     lay_out(&s, 0);
-    repair_while(&s.dir, "write log.4", 1, text, sizeof text);
+    repair_while(&s.dir, "write snapshot.4.tmp", 1, text, sizeof text);
     CHECK_MSG(test_names_error(text, "cannot repair the log", EIO), "%s", text);
     s.n = 2;
     free_sample(&s);

@@ -216,7 +216,7 @@ TEST(log_that_fails_while_a_snapshot_waits_for_its_segment_gets_one_of_its_own)
     struct bench b;
     begin(&b);
     b.compact_at = 1;
-    calls_fail("create log.2", 1, 1, EIO);
+    calls_fail("create snapshot.2.tmp", 1, 1, EIO);
     change(&b);
     CHECK(b.saver.state == SAVER_ROTATING || b.saver.state == SAVER_MENDING);
     settle(&b);
@@ -228,13 +228,13 @@ TEST(snapshot_is_not_written_before_the_log_has_its_new_segment)
 {
     struct bench b;
     begin(&b);
-    calls_stop("create log.2");
+    calls_stop("create snapshot.2.tmp");
     change(&b);
     CHECK(saver_begin(&b.saver, b.now_ms));
     calls_await_stopped();
     for (int i = 0; i < 3; i++)
         step(&b);
-    CHECK(b.saver.state == SAVER_ROTATING && calls_count("create snapshot.1.tmp") == 0);
+    CHECK(b.saver.state == SAVER_ROTATING && calls_count("rename snapshot.1.tmp snapshot.1") == 0);
     calls_go_on();
     settle(&b);
     CHECK(b.saver.snapshots == 1);
@@ -279,7 +279,7 @@ TEST(log_that_cannot_begin_its_new_segment_is_tried_again)
 {
     struct bench b;
     begin(&b);
-    calls_fail("create log.2", 1, 2, EIO);
+    calls_fail("create snapshot.2.tmp", 1, 2, EIO);
     fail_log(&b);
     settle(&b);
     CHECK(b.saver.status.state == LOG_FAILED && saver_failures(&b.saver) == 1);

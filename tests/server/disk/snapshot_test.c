@@ -3,6 +3,7 @@
 
 #include "core/delaunay_fields.h"
 #include "server/command/command.h"
+#include "server/disk/log_file.h"
 #include "server/disk/recover.h"
 #include "server/disk/replay.h"
 #include "server/jobs/job.h"
@@ -171,7 +172,7 @@ static int write_while(struct bench *b, const char *call)
     begin(b, "ADD a 0 0  1 1\n");
     directory_touch(&b->directory, "snapshot.0000000000000001");
     directory_touch(&b->directory, "log.0000000000000002");
-    directory_touch(&b->directory, "log.0000000000000005");
+    CHECK(log_file_begin(&b->dir, 5, 1));
     calls_watch(b->directory.path);
     calls_fail(call, 1, 1, EIO);
     return finish(b, pin(b));
@@ -294,7 +295,7 @@ TEST(snapshot_reports_its_end_through_a_descriptor_of_its_own)
 static void check_readable(struct bench *b)
 {
     struct recovery r;
-    directory_touch(&b->directory, "log.0000000000000005");
+    CHECK(log_file_begin(&b->dir, 5, 1));
     recovery_init(&r, &b->dir);
     recovery_run(&r);
     CHECK_MSG(r.result == RECOVERY_OK, "%s", r.why);

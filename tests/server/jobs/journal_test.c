@@ -368,7 +368,7 @@ static bool starts(struct bench *b)
 
 TEST(server_does_not_start_on_a_directory_that_cannot_be_written)
 {
-    static const char *const calls[] = {"create log.1", "sync log.1"};
+    static const char *const calls[] = {"create snapshot.1.tmp", "sync log.1"};
     struct bench b = {.dir = directory_quick()};
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; i++) {
         calls_watch(b.dir.path);
