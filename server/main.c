@@ -21,11 +21,9 @@ int main(int argc, char **argv)
     case COMMAND_LINE_GOOD:
         break;
     }
-    if (config.check != NULL)
-        return recovery_check(config.check);
-    if (config.repair != NULL)
-        return recovery_repair(config.repair);
-    int status = daemon_run(&config);
+    int status = config.check != NULL    ? recovery_check(config.check)
+                 : config.repair != NULL ? recovery_repair(config.repair)
+                                         : daemon_run(&config);
     notice_flush(FLUSH_MS);
     return status;
 }
