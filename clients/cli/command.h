@@ -32,11 +32,12 @@ int command_export(struct delaunay_client *c, int argc, char **argv);
 /* show SET: draws a triangulated set in the terminal. */
 int command_show(struct delaunay_client *c, int argc, char **argv);
 
-/* raster SET FIELD FILE, contour SET FIELD FILE, voronoi SET FILE: a surface as a grid, its contours, Voronoi cells. Where
- * no file is named they send the words as a request line. */
+/* raster SET FIELD FILE, contour SET FIELD FILE, voronoi SET FILE, alpha SET RADIUS FILE: a surface as a grid, its contours, Voronoi
+ * cells, the alpha shape. Where no file is named they send the words as a request line. */
 int command_raster(struct delaunay_client *c, int argc, char **argv);
 int command_contour(struct delaunay_client *c, int argc, char **argv);
 int command_voronoi(struct delaunay_client *c, int argc, char **argv);
+int command_alpha(struct delaunay_client *c, int argc, char **argv);
 
 /* trace SET FILE: an animation of the paper's algorithm on a small set. */
 int command_trace(struct delaunay_client *c, int argc, char **argv);

@@ -102,6 +102,17 @@ const struct subcommand subcommands[] = {
      "there is one\n"
      "      --force           replace any file\n",
      "--format --viewport --field --force --help", true},
+    {"alpha", command_alpha, false, true,
+     "alpha SET RADIUS FILE [--format F] [--viewport X0,Y0,X1,Y1] [--force]",
+     "Writes the alpha shape of the triangulated set: the union of the triangles whose "
+     "circumradius is "
+     "at\n"
+     "most RADIUS (- for the standard output). Without a file the words are sent as the request "
+     "ALPHA.\n\n"
+     "  -f, --format F        geojson, a Polygon with its holes each; wkt; svg, a picture\n"
+     "      --viewport BOX    of a picture, only this part of the plane: X0,Y0,X1,Y1\n"
+     "      --force           replace any file\n",
+     "--format --viewport --force --help", true},
     {"show", command_show, false, true,
      "show SET [--width COLUMNS] [--height LINES] [--field F | --mesh] [--plain]",
      "Draws the triangulated set in the terminal, in braille characters; the hull in red. A set "

@@ -64,7 +64,7 @@ static void put_shell_scan(const char *word, const char *from, const char *to)
 static void put_value_cases(const char *before, const char *after)
 {
     printf("    -f | --format)\n        case $command in\n        load) %s%s%s ;;\n"
-           "        raster) %s%s%s ;;\n        contour | voronoi) %s%s%s ;;\n        *) %s",
+           "        raster) %s%s%s ;;\n        contour | voronoi | alpha) %s%s%s ;;\n        *) %s",
            before, inputs, after, before, grids, after, before, shapes, after, before);
     put_formats();
     printf("%s ;;\n        esac\n        return ;;\n    --input-format) %s%s%s; return ;;\n"
@@ -159,7 +159,8 @@ static void put_fish_options(const struct subcommand *s)
         } else if (strcmp(word, " --format ") == 0 && s->run == command_raster) {
             printf(" -x -a '%s'", grids);
         } else if (strcmp(word, " --format ") == 0 &&
-                   (s->run == command_contour || s->run == command_voronoi)) {
+                   (s->run == command_contour || s->run == command_voronoi ||
+                    s->run == command_alpha)) {
             printf(" -x -a '%s'", shapes);
         } else if (strcmp(word, " --input-format ") == 0 ||
                    (strcmp(word, " --format ") == 0 && s->run == command_load)) {
@@ -204,7 +205,7 @@ static void put_fish(void)
            "sets 2>/dev/null | sed -n '2,\\$s/ .*//p'");
     fputs("complete -c delaunay -n '__fish_seen_subcommand_from draw run' -F\n"
           "complete -c delaunay -n '__fish_seen_subcommand_from load export trace raster contour "
-          "voronoi; and not "
+          "voronoi alpha; and not "
           "__delaunay_at "
           "2' -F\n"
           "complete -c delaunay -n '__fish_seen_subcommand_from client' -a 'LIST KILL'\n"

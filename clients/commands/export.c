@@ -9,7 +9,7 @@
 #include "clients/cli/child.h"
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
-#include "clients/commands/output.h"
+#include "clients/cli/output.h"
 
 struct export_work {
     struct export *e;

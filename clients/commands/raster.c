@@ -9,7 +9,7 @@
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
 #include "clients/cli/options.h"
-#include "clients/commands/output.h"
+#include "clients/cli/output.h"
 #include "clients/files/part_file.h"
 #include "clients/pictures/png_file.h"
 #include "clients/pictures/relief.h"

@@ -2,7 +2,7 @@
 #ifndef CLIENTS_SHAPES_FILE_H
 #define CLIENTS_SHAPES_FILE_H
 
-#include "clients/commands/output.h"
+#include "clients/cli/output.h"
 #include "clients/lib/delaunay_client.h"
 #include "clients/meshes/model.h"
 #include "clients/surfaces/shapes.h"

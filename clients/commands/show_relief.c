@@ -9,7 +9,7 @@
 
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
-#include "clients/commands/output.h"
+#include "clients/cli/output.h"
 #include "clients/pictures/relief.h"
 #include "clients/surfaces/raster_fetch.h"
 

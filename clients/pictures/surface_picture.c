@@ -160,6 +160,20 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
 
 /* ---- cells ---- */
 
+/* Moves the points within the box to the front; returns their number. */
+static size_t cut_points(struct model *m, const double *box)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < m->n; i++) {
+        const double *p = m->xy + 2 * i;
+        if (p[0] < box[0] || p[1] < box[1] || p[0] > box[2] || p[1] > box[3])
+            continue;
+        memmove(m->xy + 2 * n, p, 2 * sizeof p[0]);
+        m->id[n++] = m->id[i];
+    }
+    return n;
+}
+
 bool surface_write_cells(FILE *out, const char *title, const struct shapes *cells, struct model *m,
                          int field)
 {
@@ -179,15 +193,31 @@ bool surface_write_cells(FILE *out, const char *title, const struct shapes *cell
             known ? relief_colour(&r, model_value(m, field, place), 0, 0) : SVG_NO_COLOUR;
         svg_polygon(&s, rgb, cells->xy + 2 * c->first, c->n);
     }
-    size_t n = 0; /* the points within the box, moved to the front */
-    for (size_t i = 0; i < m->n; i++) {
-        const double *p = m->xy + 2 * i;
-        if (p[0] < box[0] || p[1] < box[1] || p[0] > box[2] || p[1] > box[3])
+    svg_points(&s, m->xy, m->id, cut_points(m, box));
+    svg_end(&s);
+    return true;
+}
+
+/* ---- an alpha shape ---- */
+
+bool surface_write_rings(FILE *out, const char *title, const struct rings *rings, struct model *m,
+                         const double *box)
+{
+    double around[4] = {0, 0, 1, 1};
+    struct svg s;
+    model_bounds(m, around);
+    if (box != NULL)
+        memcpy(around, box, sizeof around);
+    svg_begin(&s, out, title, around, m->n, box != NULL, NULL);
+    for (size_t i = 0; i < rings->n; i++) {
+        const struct ring *outer = &rings->ring[i];
+        if (outer->hole)
             continue;
-        memmove(m->xy + 2 * n, p, 2 * sizeof p[0]);
-        m->id[n++] = m->id[i];
+        svg_polygon(&s, SVG_NO_COLOUR, rings->xy + 2 * outer->first, outer->n);
+        for (size_t k = outer->next; k < rings->n; k = rings->ring[k].next)
+            svg_hole(&s, rings->xy + 2 * rings->ring[k].first, rings->ring[k].n);
     }
-    svg_points(&s, m->xy, m->id, n);
+    svg_points(&s, m->xy, m->id, cut_points(m, around));
     svg_end(&s);
     return true;
 }

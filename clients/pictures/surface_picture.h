@@ -5,6 +5,7 @@
 #include "clients/meshes/model.h"
 #include "clients/pictures/relief.h"
 #include "clients/pictures/svg.h"
+#include "clients/surfaces/rings.h"
 #include "clients/surfaces/shapes.h"
 
 /* Draws every triangle in the colour of its mean height and of its slope. False when out of memory. */
@@ -19,5 +20,10 @@ bool surface_write_contours(FILE *out, const char *title, const struct shapes *l
  * -1. False when out of memory. */
 bool surface_write_cells(FILE *out, const char *title, const struct shapes *cells, struct model *m,
                          int field);
+
+/* Writes a picture of an alpha shape, of which rings_place has found the holes, and of the points of m. box: NULL or what is
+ * shown. False when out of memory. */
+bool surface_write_rings(FILE *out, const char *title, const struct rings *rings, struct model *m,
+                         const double *box);
 
 #endif

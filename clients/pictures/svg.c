@@ -276,6 +276,12 @@ void svg_polygon(struct svg *s, uint32_t rgb, const double *xy, size_t n)
     fputs("z", s->out);
 }
 
+void svg_hole(struct svg *s, const double *xy, size_t n)
+{
+    draw_places(s, xy, n);
+    fputs("z", s->out);
+}
+
 void svg_line(struct svg *s, bool heavy, const double *xy, size_t n, bool closed)
 {
     path_item(s, heavy ? "l" : "k", heavy ? 30 : 14);

@@ -55,6 +55,9 @@ void svg_coloured_triangle(struct svg *s, uint32_t rgb, const double *a, const d
 enum { SVG_NO_COLOUR = 1 << 24 };
 void svg_polygon(struct svg *s, uint32_t rgb, const double *xy, size_t n);
 
+/* A hole in the polygon that was drawn last; its corners run in the other direction. */
+void svg_hole(struct svg *s, const double *xy, size_t n);
+
 /* A line through n places, which is cut off at the frame if there is a clip; back to its start if it is closed. */
 void svg_line(struct svg *s, bool heavy, const double *xy, size_t n, bool closed);
 

@@ -1,5 +1,5 @@
 /* output.c - see output.h. */
-#include "clients/commands/output.h"
+#include "clients/cli/output.h"
 
 #include <errno.h>
 #include <string.h>

@@ -1,0 +1,174 @@
+/* alpha.c - `delaunay alpha SET RADIUS FILE`: the alpha shape as polygons, in GeoJSON, WKT or a picture. */
+#include <string.h>
+
+#include "clients/cli/command.h"
+#include "clients/cli/json.h"
+#include "clients/cli/options.h"
+#include "clients/commands/shapes_file.h"
+#include "clients/pictures/surface_picture.h"
+#include "proto/number.h"
+
+enum { MOST_TRIES = 10 };
+
+struct work {
+    const char *set, *radius;
+    struct shapes_file file; /* owns */
+    struct rings rings;      /* owns */
+};
+
+/* ---- fetching ---- */
+
+static bool take_version(void *ctx, const struct delaunay_part *part)
+{
+    if (part->kind == DELAUNAY_PART_OK)
+        delaunay_key_number(part, "version", ctx);
+    return true;
+}
+
+static enum delaunay_result fetch_version(struct delaunay_client *c, const struct work *w,
+                                          uint64_t *version)
+{
+    char line[120];
+    *version = 0;
+    snprintf(line, sizeof line, "STAT %.100s", w->set);
+    return delaunay_request(c, line, take_version, version);
+}
+
+static bool take_row(void *ctx, const struct delaunay_part *part)
+{
+    if (part->kind == DELAUNAY_PART_COMMENT)
+        return command_show_comment(NULL, part);
+    return part->kind != DELAUNAY_PART_ROW || rings_take(ctx, part->text, part->len);
+}
+
+/* Fills in the places of the corners. *torn: a corner is not among the points, so the set was edited meanwhile. */
+static void find_corners(struct work *w, bool *torn)
+{
+    const struct model *m = &w->file.model;
+    uint32_t place;
+    *torn = false;
+    for (size_t i = 0; i < w->rings.corners && !*torn; i++) {
+        *torn = !model_find(m, w->rings.id[i], &place);
+        if (!*torn)
+            memcpy(w->rings.xy + 2 * i, m->xy + 2 * (size_t)place, 2 * sizeof m->xy[0]);
+    }
+}
+
+/* The loops and the points; *torn: not of one state of the set. */
+static enum delaunay_result fetch_once(struct delaunay_client *c, struct work *w, bool *torn)
+{
+    uint64_t before = 0, after = 0;
+    char line[300];
+    rings_free(&w->rings);
+    model_free(&w->file.model);
+    snprintf(line, sizeof line, "ALPHA %.100s %.100s", w->set, w->radius);
+    enum delaunay_result r = fetch_version(c, w, &before);
+    if (r == DELAUNAY_OK)
+        r = delaunay_request(c, line, take_row, &w->rings);
+    if (r == DELAUNAY_OK)
+        r = model_fetch(c, w->set, 0, &w->file.model);
+    if (r == DELAUNAY_OK)
+        r = fetch_version(c, w, &after);
+    if (r == DELAUNAY_OK)
+        find_corners(w, torn);
+    *torn |= before != after;
+    return r;
+}
+
+static enum delaunay_result fetch(struct delaunay_client *c, struct work *w)
+{
+    enum delaunay_result r = DELAUNAY_OK;
+    bool torn = true;
+    for (int i = 0; i < MOST_TRIES && torn && r == DELAUNAY_OK; i++)
+        r = fetch_once(c, w, &torn);
+    if (r != DELAUNAY_OK)
+        return r;
+    if (torn)
+        w->rings.fault = "the set is edited while it is read; try again";
+    return !torn && rings_place(&w->rings) ? DELAUNAY_OK : DELAUNAY_STOPPED;
+}
+
+/* ---- writing ---- */
+
+static int write_shape(void *ctx, FILE *out)
+{
+    struct work *w = ctx;
+    char title[300];
+    if (strcmp(w->file.form, "wkt") == 0) {
+        rings_write_wkt(out, &w->rings, w->radius);
+    } else if (!shapes_file_is_picture(&w->file)) {
+        rings_write_geojson(out, &w->rings, w->radius);
+    } else {
+        snprintf(title, sizeof title, "%.100s: alpha shape of radius %.100s", w->set, w->radius);
+        if (!surface_write_rings(out, title, &w->rings, &w->file.model,
+                                 w->file.has_box ? w->file.box : NULL))
+            return output_fault("", "out of memory");
+    }
+    return EXIT_DONE;
+}
+
+static void report(const struct work *w)
+{
+    size_t outer = rings_outer(&w->rings);
+    if (!json_chosen()) {
+        printf("%s: %zu polygons, %zu holes\n", w->file.path, outer, w->rings.n - outer);
+        return;
+    }
+    json_begin(true);
+    json_text("file", w->file.path);
+    json_number("polygons", outer);
+    json_number("holes", w->rings.n - outer);
+    json_finish();
+}
+
+static int finish(const struct delaunay_client *c, struct work *w, enum delaunay_result r)
+{
+    if (r == DELAUNAY_STOPPED)
+        return output_fault("", w->rings.fault != NULL ? w->rings.fault : w->file.model.fault);
+    if (r != DELAUNAY_OK)
+        return command_outcome(c, r);
+    int status = output_write(w->file.path, write_shape, w, NULL);
+    if (status == EXIT_DONE && !output_is_standard(w->file.path))
+        report(w);
+    return status;
+}
+
+/* ---- arguments ---- */
+
+static int read_arguments(struct work *w, int argc, char **argv)
+{
+    static const struct option options[] = {{"format", required_argument, NULL, 'f'},
+                                            {"viewport", required_argument, NULL, 'v'},
+                                            {"force", no_argument, NULL, 'F'},
+                                            {NULL, 0, NULL, 0}};
+    int option, status = EXIT_DONE;
+    double radius;
+    optind = 0;
+    while (status == EXIT_DONE && (option = options_next(argc, argv, "f:", options)) != -1)
+        status = shapes_file_option(&w->file, option, argv);
+    if (status == EXIT_DONE && argc - optind != 3)
+        status = options_wrong(argv[0], "alpha takes a set, a radius and a file");
+    if (status != EXIT_DONE)
+        return status;
+    w->set = argv[optind];
+    w->radius = argv[optind + 1];
+    size_t n = strlen(w->radius);
+    if (n > PROTO_NUMBER_MAX || !proto_read_double(w->radius, n, &radius) || !(radius >= 0))
+        return options_wrong(argv[0], "the radius is a number of at least 0, not %.100s",
+                             w->radius);
+    return shapes_file_choose(&w->file, argv[0], argv[optind + 2]);
+}
+
+int command_alpha(struct delaunay_client *c, int argc, char **argv)
+{
+    struct work w = {.file = {.form = NULL}};
+    if (!options_name_file(argc, argv))
+        return command_any(c, argc, argv);
+    int status = read_arguments(&w, argc, argv);
+    if (status != EXIT_DONE)
+        return status;
+    status = finish(c, &w, fetch(c, &w));
+    rings_free(&w.rings);
+    model_free(&w.file.model);
+    return status;
+}

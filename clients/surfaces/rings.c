@@ -1,0 +1,320 @@
+/* rings.c - see rings.h.
+ *
+ * A hole is in the innermost outer ring around it. Rings touch at corners at most, so the middle of one of the hole's edges is on
+ * no other ring: an outer ring is around it if the ray downwards from there crosses that ring an odd number of times. Outer
+ * rings around one place are nested, so the innermost is the one with the smallest area. Edges are in strips by their x, so
+ * that few are looked at. */
+#include "clients/surfaces/rings.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/number.h"
+
+/* ---- rows ---- */
+
+static bool fault(struct rings *r, const char *what)
+{
+    r->fault = what;
+    return false;
+}
+
+static bool reserve(struct rings *r, size_t corners)
+{
+    if (r->n == r->cap) {
+        size_t cap = r->cap == 0 ? 64 : 2 * r->cap;
+        struct ring *ring = realloc(r->ring, cap * sizeof ring[0]);
+        if (ring == NULL)
+            return fault(r, "out of memory");
+        r->ring = ring;
+        r->cap = cap;
+    }
+    if (corners > r->corners_cap - r->corners) {
+        size_t cap = 2 * (r->corners + corners) + 256;
+        uint32_t *id = realloc(r->id, cap * sizeof id[0]);
+        if (id != NULL)
+            r->id = id;
+        double *xy = realloc(r->xy, cap * 2 * sizeof xy[0]);
+        if (xy != NULL)
+            r->xy = xy;
+        if (id == NULL || xy == NULL)
+            return fault(r, "out of memory");
+        r->corners_cap = cap;
+    }
+    return true;
+}
+
+/* The next word of *s .. end; its length is 0 at the end of the row. */
+static size_t next_word(const char **s, const char *end, const char **word)
+{
+    while (*s < end && **s == ' ')
+        (*s)++;
+    *word = *s;
+    while (*s < end && **s != ' ')
+        (*s)++;
+    return (size_t)(*s - *word);
+}
+
+bool rings_take(struct rings *r, const char *row, size_t len)
+{
+    const char *s = row, *end = row + len, *word;
+    size_t n = next_word(&s, end, &word);
+    uint32_t corners;
+    bool hole = n == 4 && memcmp(word, "hole", 4) == 0;
+    if (!hole && (n != 5 || memcmp(word, "outer", 5) != 0))
+        return fault(r, "a row of the reply is no loop");
+    n = next_word(&s, end, &word);
+    if (!proto_read_u32(word, n, &corners) || corners < 3 || corners > len)
+        return fault(r, "a row of the reply is no loop");
+    if (!reserve(r, corners))
+        return false;
+    for (size_t i = 0; i < corners; i++) {
+        n = next_word(&s, end, &word);
+        if (!proto_read_u32(word, n, &r->id[r->corners + i]))
+            return fault(r, "a row of the reply has too few points");
+    }
+    r->ring[r->n] = (struct ring){.hole = hole, .first = r->corners, .n = corners, .outer = r->n};
+    r->n++;
+    r->corners += corners;
+    return true;
+}
+
+void rings_free(struct rings *r)
+{
+    free(r->ring);
+    free(r->id);
+    free(r->xy);
+    *r = (struct rings){0};
+}
+
+size_t rings_outer(const struct rings *r)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < r->n; i++)
+        n += !r->ring[i].hole;
+    return n;
+}
+
+/* ---- which ring a hole is in ---- */
+
+struct strips {
+    const struct rings *r;
+    double x0, wide; /* left edge; of a strip */
+    size_t n;
+    size_t *begin; /* owns n + 1: where a strip's edges begin */
+    struct edge {
+        size_t ring, corner;
+    } * edge;     /* owns */
+    double *area; /* owns: of each ring */
+    bool *odd;    /* owns: of each ring, whether the ray has crossed it an odd number of times */
+};
+
+static const double *corner(const struct rings *r, size_t ring, size_t i)
+{
+    return r->xy + 2 * (r->ring[ring].first + i % r->ring[ring].n);
+}
+
+static size_t strip_of(const struct strips *s, double x)
+{
+    double at = s->wide > 0 ? (x - s->x0) / s->wide : 0;
+    return at <= 0 ? 0 : at >= (double)s->n ? s->n - 1 : (size_t)at;
+}
+
+static double ring_area(const struct rings *r, size_t ring)
+{
+    const double *o = corner(r, ring, 0);
+    double sum = 0;
+    for (size_t i = 0; i < r->ring[ring].n; i++) {
+        const double *p = corner(r, ring, i), *q = corner(r, ring, i + 1);
+        sum += (p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]);
+    }
+    return fabs(sum);
+}
+
+/* Calls for each strip that an edge of an outer ring meets: counts it, or puts it there. */
+static void fill(struct strips *s, bool put)
+{
+    for (size_t k = 0; k < s->r->n; k++)
+        for (size_t i = 0; !s->r->ring[k].hole && i < s->r->ring[k].n; i++) {
+            double p = corner(s->r, k, i)[0], q = corner(s->r, k, i + 1)[0];
+            size_t last = strip_of(s, fmax(p, q));
+            for (size_t at = strip_of(s, fmin(p, q)); at <= last; at++)
+                if (put)
+                    s->edge[s->begin[at]++] = (struct edge){k, i};
+                else
+                    s->begin[at + 1]++;
+        }
+}
+
+static bool strips_init(struct strips *s, const struct rings *r)
+{
+    double x1 = -HUGE_VAL;
+    *s = (struct strips){.r = r, .x0 = HUGE_VAL};
+    for (size_t i = 0; i < r->corners; i++) {
+        s->x0 = fmin(s->x0, r->xy[2 * i]);
+        x1 = fmax(x1, r->xy[2 * i]);
+    }
+    s->n = (size_t)(2 * sqrt((double)r->corners)) + 1;
+    s->wide = (x1 - s->x0) / (double)s->n;
+    s->begin = calloc(s->n + 2, sizeof s->begin[0]);
+    s->area = malloc((r->n + 1) * sizeof s->area[0]);
+    s->odd = calloc(r->n + 1, sizeof s->odd[0]);
+    if (s->begin == NULL || s->area == NULL || s->odd == NULL)
+        return false;
+    for (size_t k = 0; k < r->n; k++)
+        s->area[k] = ring_area(r, k);
+    fill(s, false);
+    for (size_t i = 0; i < s->n; i++)
+        s->begin[i + 1] += s->begin[i];
+    s->edge = malloc((s->begin[s->n] + 1) * sizeof s->edge[0]);
+    if (s->edge == NULL)
+        return false;
+    fill(s, true); /* which moves each beginning to the next one */
+    memmove(s->begin + 1, s->begin, s->n * sizeof s->begin[0]);
+    s->begin[0] = 0;
+    return true;
+}
+
+static void strips_free(struct strips *s)
+{
+    free(s->begin);
+    free(s->edge);
+    free(s->area);
+    free(s->odd);
+}
+
+/* Whether the ray downwards from m crosses p-q. */
+static bool is_crossed(const double *m, const double *p, const double *q)
+{
+    if ((p[0] <= m[0]) == (q[0] <= m[0]))
+        return false;
+    double left = (q[0] - p[0]) * (m[1] - p[1]) - (m[0] - p[0]) * (q[1] - p[1]);
+    return q[0] > p[0] ? left > 0 : left < 0;
+}
+
+/* The middle of the hole's widest edge. */
+static void choose_place(const struct rings *r, size_t hole, double *m)
+{
+    double widest = -1;
+    for (size_t i = 0; i < r->ring[hole].n; i++) {
+        const double *p = corner(r, hole, i), *q = corner(r, hole, i + 1);
+        if (fabs(q[0] - p[0]) <= widest)
+            continue;
+        widest = fabs(q[0] - p[0]);
+        m[0] = p[0] / 2 + q[0] / 2;
+        m[1] = p[1] / 2 + q[1] / 2;
+    }
+}
+
+static bool place_hole(struct strips *s, struct rings *r, size_t hole)
+{
+    double m[2] = {0, 0}, least = HUGE_VAL;
+    choose_place(r, hole, m);
+    size_t at = strip_of(s, m[0]), from = s->begin[at], to = s->begin[at + 1];
+    for (size_t i = from; i < to; i++) {
+        const struct edge *e = &s->edge[i];
+        if (is_crossed(m, corner(r, e->ring, e->corner), corner(r, e->ring, e->corner + 1)))
+            s->odd[e->ring] = !s->odd[e->ring];
+    }
+    for (size_t i = from; i < to; i++) {
+        size_t k = s->edge[i].ring;
+        if (s->odd[k] && s->area[k] < least) {
+            least = s->area[k];
+            r->ring[hole].outer = k;
+        }
+        s->odd[k] = false;
+    }
+    return least < HUGE_VAL || fault(r, "a hole of the shape is in none of its parts");
+}
+
+bool rings_place(struct rings *r)
+{
+    struct strips s;
+    bool ok = strips_init(&s, r) || fault(r, "out of memory");
+    for (size_t k = 0; ok && k < r->n; k++)
+        ok = !r->ring[k].hole || place_hole(&s, r, k);
+    for (size_t k = 0; k < r->n; k++)
+        r->ring[k].next = r->n;
+    for (size_t k = r->n; ok && k-- > 0;) {
+        struct ring *hole = &r->ring[k], *outer = &r->ring[hole->outer];
+        if (!hole->hole)
+            continue;
+        hole->next = outer->next;
+        outer->next = k;
+    }
+    strips_free(&s);
+    return ok;
+}
+
+/* ---- writing ---- */
+
+static void put_number(FILE *out, double v)
+{
+    char text[PROTO_NUMBER_MAX];
+    size_t n = proto_write_double(text, v);
+    fwrite(text, 1, n, out);
+}
+
+/* The corners, the first one again in the end. */
+static void put_ring(FILE *out, const struct rings *r, size_t ring, const char *before,
+                     char between, const char *after)
+{
+    for (size_t i = 0; i <= r->ring[ring].n; i++) {
+        const double *p = corner(r, ring, i);
+        fputs(i > 0 ? "," : "", out);
+        fputs(before, out);
+        put_number(out, p[0]);
+        putc(between, out);
+        put_number(out, p[1]);
+        fputs(after, out);
+    }
+}
+
+static size_t count_holes(const struct rings *r, size_t outer)
+{
+    size_t n = 0;
+    for (size_t k = r->ring[outer].next; k < r->n; k = r->ring[k].next)
+        n++;
+    return n;
+}
+
+static void write_polygons(FILE *out, const struct rings *r, const char *radius, bool wkt)
+{
+    size_t left = rings_outer(r);
+    for (size_t ring = 0; ring < r->n; ring++) {
+        if (r->ring[ring].hole)
+            continue;
+        size_t holes = count_holes(r, ring);
+        if (wkt)
+            fputs("\"POLYGON (", out);
+        else
+            fprintf(out,
+                    "{\"type\":\"Feature\",\"properties\":{\"radius\":%s,\"holes\":%zu},"
+                    "\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[",
+                    radius, holes);
+        for (size_t k = ring; k < r->n; k = r->ring[k].next) {
+            fputs(k == ring ? "" : ",", out);
+            putc(wkt ? '(' : '[', out);
+            put_ring(out, r, k, wkt ? "" : "[", wkt ? ' ' : ',', wkt ? "" : "]");
+            putc(wkt ? ')' : ']', out);
+        }
+        if (wkt)
+            fprintf(out, ")\",%s,%zu\n", radius, holes);
+        else
+            fputs(--left > 0 ? "]}},\n" : "]}}\n", out);
+    }
+}
+
+void rings_write_geojson(FILE *out, const struct rings *r, const char *radius)
+{
+    fputs("{\"type\":\"FeatureCollection\",\"features\":[\n", out);
+    write_polygons(out, r, radius, false);
+    fputs("]}\n", out);
+}
+
+void rings_write_wkt(FILE *out, const struct rings *r, const char *radius)
+{
+    fputs("WKT,radius,holes\n", out);
+    write_polygons(out, r, radius, true);
+}
