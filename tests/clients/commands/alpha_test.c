@@ -42,7 +42,7 @@ TEST(alpha_draws_the_shape_and_counts_its_polygons)
     CHECK(strstr(cli_run(&status, command), "\"polygons\":1,\"holes\":1}") != NULL && status == 0);
     const char *svg = peer_shell(&status, "cat %s", cli_path("a.svg"));
     CHECK(strstr(svg, "<title>t: alpha shape of radius 1.3</title>") && strstr(svg, "zM") != NULL);
-    CHECK(strstr(cli_run(&status, "alpha t -1 -"), "the radius is a number") && status == 2);
+    CHECK(strstr(cli_run(&status, "alpha t nan -"), "the radius is a number") && status == 2);
     CHECK(strstr(cli_run(&status, "alpha t x -"), "the radius is a number") && status == 2);
     CHECK(strstr(cli_run(&status, "alpha t 1 2 -"), "alpha takes a set") && status == 2);
     CHECK(strstr(cli_run(&status, "alpha nope 1 -"), "NOSET") && status == 1);
