@@ -12,7 +12,7 @@
 
 enum {
     FIRST_PAUSE_MS = 200,
-    LAST_PAUSE_MS = 3 * 1000,
+    LAST_PAUSE_MS = 1000, /* much less than a leader takes to be settled (follower_role.c) */
     PATIENCE_MS = 10 * 1000,
     NO_SUCH_LSN = 999999999999999999 /* so that nothing is sent after the answer */
 };

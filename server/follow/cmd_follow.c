@@ -212,6 +212,8 @@ void info_replication(const struct server *s, struct facts *f)
     facts_add_text(f, "link_error", own.why);
     facts_add(f, "link_lag_records", own.leader_lsn > l.last ? own.leader_lsn - l.last : 0);
     facts_add_text(f, "uninformed_leader", own.former);
+    facts_add(f, "settled", own.settled);
+    facts_add(f, "generation", dir == NULL ? 0 : dir->lineage.history.generation);
     leader_each(s, count_follower, &followers);
     facts_add(f, "followers", followers);
     facts_add(f, "min_followers", s->config->min_followers);

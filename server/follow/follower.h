@@ -35,6 +35,7 @@ void follower_meet(struct server *s, const struct history *h);
 
 struct follower_facts {
     const char *role; /* leader, follower, fenced */
+    bool settled;     /* a leader, and no follower has been promoted instead that can reach it */
     const char *state;
     char why[LINK_WHY];
     char leader[ROLE_ADDRESS + 12];

@@ -19,6 +19,9 @@ struct follower {
     struct announcement *announce; /* owns; NULL: the former leader has been informed */
     struct apply apply;
     struct remembered_role role;
+    int64_t
+        settled_ms; /* when a promoted follower has certainly informed it; 0: it never needs to */
+    bool unsaved;   /* the directory does not remember the newer history that was met */
     bool following; /* records are carried out */
     bool drops;     /* what comes until the link asks for the position is dropped */
     bool busy;      /* a record waits, or a worker has it */

@@ -14,6 +14,9 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A follower that is promoted informs its former leader as soon as that is back: within about three seconds. */
+enum { SETTLE_MS = 4000 };
+
 /* ---- the role ---- */
 
 static void refuse_changes(struct follower *f)
@@ -210,6 +213,7 @@ void follower_begin(struct server *s)
         notice(NOTICE_ERROR, "cannot follow: %s", strerror(errno));
         return;
     }
+    f->settled_ms = f->loop->now_ms + SETTLE_MS;
     if (f->role.kind == ROLE_UNKNOWN)
         return;
     struct remembered_role known = role_read(s->config->data);
@@ -291,6 +295,7 @@ const char *follower_promote(struct server *s)
     end_threads(f);
     follower_forget(f);
     f->following = false;
+    f->settled_ms = 0;
     f->role = next;
     durable_set_digest(s, NULL);
     durable_close_mark(s, true);
@@ -310,10 +315,14 @@ void follower_meet(struct server *s, const struct history *h)
     struct follower *f = s->follower;
     if (f->following || history_relation(h, &durable_dir(s)->lineage.history) != HISTORY_NEWER)
         return;
+    if (f->role.kind == ROLE_FENCED && !f->unsaved &&
+        history_relation(h, &f->role.newer) == HISTORY_SAME)
+        return;     /* it is known */
     end_threads(f); /* it need not inform any other daemon: it is replaced itself */
     f->role = decided(f, ROLE_FENCED);
     f->role.newer = *h;
-    if (!role_write(durable_dir(s), &f->role))
+    f->unsaved = !role_write(durable_dir(s), &f->role);
+    if (f->unsaved)
         notice(NOTICE_ERROR, "that there is a newer history cannot be saved: %s", strerror(errno));
     refuse_changes(f);
     notice(NOTICE_WARNING, "changes are refused: %s", f->why);
@@ -325,9 +334,11 @@ void follower_facts(const struct server *s, struct follower_facts *facts)
 {
     struct follower *f = s->follower;
     static const char *const names[] = {"connecting", "receiving", "loading", "refused"};
-    *facts = (struct follower_facts){.role = "leader", .state = ""};
+    *facts = (struct follower_facts){.role = "leader", .state = "", .settled = s->durable == NULL};
     if (f == NULL)
         return;
+    if (f->source.fd >= 0 && s->read_only.why == NULL)
+        facts->settled = f->loop->now_ms >= f->settled_ms;
     if (f->role.kind == ROLE_FENCED)
         facts->role = "fenced";
     if (f->role.kind == ROLE_LEADS && f->role.port != 0)

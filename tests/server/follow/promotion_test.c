@@ -41,6 +41,27 @@ static void kill_node(struct node *n)
 
 /* ---- former leaders ---- */
 
+/* A promoted follower tries to inform it once a second. */
+TEST_TIMEOUT(leader_that_starts_is_not_settled_until_a_promoted_follower_would_have_informed_it, 60)
+{
+    struct pair p = begin();
+    node_await(&p.l, "settled", "1");
+    CHECK(node_is(&p.l, "generation", "1") && node_is(&p.f, "generation", "1"));
+    CHECK(node_is(&p.f, "settled", "0"));
+    kill_node(&p.l);
+    carry_out(&p.f.d, "FOLLOW NONE\n");
+    CHECK(node_is(&p.f, "settled", "1") && node_is(&p.f, "generation", "2"));
+    node_start(&p.l, NULL);
+    for (unsigned i = 0; i < node_tries() && !node_is(&p.l, "role", "fenced"); i++)
+        CHECK(node_is(&p.l, "settled", "0"));
+    CHECK(node_is(&p.l, "role", "fenced") && node_is(&p.l, "settled", "0"));
+    kill_node(&p.f);
+    node_start(&p.f, NULL);
+    CHECK(node_is(&p.f, "role", "leader") && node_is(&p.f, "settled", "0"));
+    node_await(&p.f, "settled", "1");
+    end(&p);
+}
+
 TEST_TIMEOUT(former_leader_is_informed_although_the_new_one_has_restarted_before_it_is_back, 60)
 {
     struct pair p = begin();
