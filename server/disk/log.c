@@ -301,7 +301,7 @@ static void encode_column(struct log *log, const struct log_values *v, size_t co
         r.lsn = ++*lsn;
         r.first = v->first + at;
         r.n = v->n - at < RECORD_MOST_VALUES ? v->n - at : RECORD_MOST_VALUES;
-        r.items = v->v + column * (size_t)v->n + at;
+        r.items = r.n > 0 ? v->v + column * (size_t)v->n + at : NULL; /* a field without values */
         record_write(out, &r);
         log_file_write(&log->file, out);
         at += r.n;

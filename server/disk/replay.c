@@ -80,6 +80,8 @@ static bool collect(struct replay *p, const struct record *r)
 {
     if (!reserve_points(p, r->n))
         return false;
+    if (r->n == 0) /* there may be no array */
+        return true;
     record_points(r, &p->points[p->n].x);
     p->n += r->n;
     return true;

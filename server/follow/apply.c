@@ -130,6 +130,8 @@ static bool reserve_load(struct apply *p, size_t points, size_t values)
 static bool take_points(struct apply *p, const struct record *r)
 {
     size_t want = p->n + r->n;
+    if (r->n == 0) /* there may be no array */
+        return true;
     if (want > p->cap) {
         size_t cap = want > 2 * p->cap ? want : 2 * p->cap;
         struct dt_point *larger = NULL;
