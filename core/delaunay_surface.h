@@ -128,6 +128,8 @@ struct dt_cells {
     uint32_t rows;          /* cells of the whole set */
     const struct dt_cells_made
         *made; /* borrows: they are read from here; NULL: made as they are read */
+    const struct dt_options
+        *opt; /* borrows: of dt_cells_read, whose flag is polled; NULL: no end */
     /* private from here on */
     const struct dt_view *view;
     uint32_t id, end;
@@ -153,7 +155,8 @@ void dt_cells_only(const struct dt_cells *c, uint32_t id, struct dt_cells *one);
 /* The next cells, at most `room`, into cell[], and their corners into corner[cap], counterclockwise from the least by x,
  * then y: at least three each, or none where the cell is not in the box or touches it only. *n says how many, 0 at the
  * end, and *corners how many corners they have together; what follows these in corner[] is undefined. DT_TOOSMALL: the
- * next cell alone has *corners. Cost: linear in the corners (times in tests/bench); single corners that double words do
+ * next cell alone has at most *corners. DT_TOOLONG: the steps of opt end after *n cells; 0: the next one alone takes more.
+ * DT_CANCELLED. Cost: linear in the corners (times in tests/bench); single corners that double words do
  * not decide cost hundreds of times as much. */
 enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_cell *cell,
                              size_t room, struct dt_point *corner, size_t cap, size_t *n,
@@ -181,9 +184,10 @@ enum dt_status dt_cells_make_begin(const struct dt *t, const struct dt_cells *c,
 enum dt_status dt_areas_make_begin(const struct dt *t, const struct dt_cells *c,
                                    struct dt_cells_made **out);
 
-/* Makes about so many more cells. *done: all are made. DT_NOMEM. Cost: linear. */
-enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m, uint32_t points,
-                             bool *done);
+/* Makes about so many more cells. *done: all are made. DT_NOMEM, DT_CANCELLED by the flag of opt, which may be NULL. Cost:
+ * linear. */
+enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m,
+                             const struct dt_options *opt, uint32_t points, bool *done);
 
 /* Bytes that it has after the first dt_cells_make; many cells that the box cuts can add to that. */
 size_t dt_cells_made_memory(const struct dt_cells_made *m);

@@ -16,7 +16,7 @@ void dt_cell_clear(struct dt_cell_work *w)
     free(w->polygon);
     free(w->corner);
     free(w->other);
-    *w = (struct dt_cell_work){0};
+    *w = (struct dt_cell_work){.stop = w->stop};
 }
 
 bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree)
@@ -27,7 +27,7 @@ bool dt_cell_reserve(struct dt_cell_work *w, uint32_t degree)
     dt_cell_clear(w);
     w->ring = malloc(cap * sizeof *w->ring);
     w->centre = malloc(2 * cap * sizeof *w->centre); /* twice: dt_cell_make_plain */
-    w->cap = cap + 16; /* corners at infinity and, of each side, two */
+    w->cap = cap + DT_CELL_MORE;
     w->polygon = malloc(w->cap * sizeof *w->polygon);
     w->corner = malloc(w->cap * sizeof *w->corner);
     w->other = malloc(w->cap * sizeof *w->other);
@@ -51,15 +51,19 @@ static dt_lanes lanes_of(struct dt_point p)
     return (dt_lanes){p.x, p.y};
 }
 
-/* w->centre[i]: the corner between neighbours i and i + 1, for i < n, the next one of the last being the first. */
-static void find_centres(struct dt_cell_work *w, struct dt_point at, uint32_t degree, uint32_t n)
+/* w->centre[i]: the corner between neighbours i and i + 1, for i < n, the next one of the last being the first. False: it
+ * was stopped. */
+static bool find_centres(struct dt_cell_work *w, struct dt_point at, uint32_t degree, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i += 2) {
+        if (i % DT_POLL_MISSES == 0 && dt_stopped(w->stop))
+            return false;
         uint32_t next = i + 1 < degree ? i + 1 : 0, after = next + 1 < degree ? next + 1 : 0;
         const struct dt_point p[3] = {at, w->ring[i], w->ring[next]};
         const struct dt_point q[3] = {at, w->ring[next], w->ring[after]};
         dt_centre_two(p, i + 1 < n ? q : p, &w->centre[i], &w->centre[i + 1]);
     }
+    return true;
 }
 
 static void put_centres(struct dt_cell_work *w, uint32_t degree, uint32_t n)
@@ -90,7 +94,8 @@ static struct dt_point far_right(struct dt_point p, struct dt_point q)
 
 static void put_hull_cell(struct dt_cell_work *w, struct dt_point site, uint32_t degree)
 {
-    find_centres(w, site, degree, degree - 1);
+    if (!find_centres(w, site, degree, degree - 1))
+        return;
     put_centres(w, degree, degree - 1);
     put(w, far_right(w->ring[degree - 1], site), DT_EDGE_FAR);
     put(w, far_right(site, w->ring[0]), 0);
@@ -325,8 +330,7 @@ void dt_cell_make(struct dt_cell_work *w, struct dt_point site, uint32_t degree,
     w->n = 0;
     switch (kind) {
     case DT_CELL_INSIDE:
-        find_centres(w, site, degree, degree);
-        if (!make_plain(w, degree, box))
+        if (find_centres(w, site, degree, degree) && !make_plain(w, degree, box))
             dt_cell_make_around(w, site, degree, box);
         return;
     case DT_CELL_ON_HULL:

@@ -15,6 +15,7 @@
 #ifndef DT_CELL_H
 #define DT_CELL_H
 
+#include "core/control/stop.h"
 #include "core/exact/box.h"
 #include "core/exact/lanes.h"
 
@@ -41,7 +42,12 @@ struct dt_cell_work {
     struct dt_cell_corner *corner; /* owns cap: the same while they are cut */
     struct dt_cell_corner *other;  /* owns cap */
     uint32_t ring_cap, n, cap;
+    struct dt_stop *stop; /* borrows; polled; NULL: none. Stopped: cells have no corners */
 };
+
+enum {
+    DT_CELL_MORE = 16
+}; /* corners at infinity and, of each side, two: beyond those of the ring, at most */
 
 void dt_cell_clear(struct dt_cell_work *w);
 

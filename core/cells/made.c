@@ -182,7 +182,7 @@ static inline const struct dt_point *circumcentre(struct circumcentres *c, const
 /* ---- making ---- */
 
 /* The corners around the vertex, inside the hull, into work.centre, and the least and most of each coordinate. Returns how
- * many; 0: out of memory. */
+ * many; 0: out of memory, or stopped. */
 static uint32_t gather(const struct dt *t, struct dt_cells_made *m, uint32_t v, dt_lanes *least,
                        dt_lanes *most)
 {
@@ -190,6 +190,8 @@ static uint32_t gather(const struct dt *t, struct dt_cells_made *m, uint32_t v, 
     *least = dt_lanes_both((double)INFINITY);
     *most = -*least;
     do {
+        if (n % DT_POLL_MISSES == 0 && dt_stopped(m->work.stop))
+            return 0;
         if (n == m->work.ring_cap) {
             uint32_t degree = dt_star_degree(&t->mesh, v, DT_NONE);
             if (!dt_cell_reserve(&m->work, degree))
@@ -279,8 +281,7 @@ static bool make_cell(const struct dt *t, struct dt_cells_made *m, uint32_t v)
     return true;
 }
 
-enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m, uint32_t points,
-                             bool *done)
+static enum dt_status make_some(const struct dt *t, struct dt_cells_made *m, uint32_t points)
 {
     enum { AHEAD = 16 };
     uint32_t end = t->points.end;
@@ -296,10 +297,20 @@ enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m, uint32
         if (t->points.id[m->vertex] != DT_NONE && !make_cell(t, m, m->vertex))
             return DT_NOMEM;
     }
-    *done = m->vertex >= end;
-    if (*done && m->pending > 0)
-        compute_areas(m);
     return DT_OK;
+}
+
+enum dt_status dt_cells_make(const struct dt *t, struct dt_cells_made *m,
+                             const struct dt_options *opt, uint32_t points, bool *done)
+{
+    struct dt_stop stop = dt_stop_of(opt);
+    m->work.stop = &stop;
+    enum dt_status s = make_some(t, m, points);
+    m->work.stop = NULL;
+    *done = m->vertex >= t->points.end;
+    if (s == DT_OK && *done && m->pending > 0)
+        compute_areas(m);
+    return dt_stop_status(&stop) != DT_OK ? dt_stop_status(&stop) : s;
 }
 
 /* ---- reading ---- */

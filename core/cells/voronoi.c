@@ -139,6 +139,7 @@ struct reading {
     const struct dt *t;
     const struct dt_view *v; /* NULL: what it reads is as it is now */
     bool line;
+    struct dt_stop stop;
     struct dt_cell_work work;
     struct dt_neighbours around;
 };
@@ -151,38 +152,12 @@ static struct dt_point place(const struct reading *r, uint32_t at, bool is_id)
     return dt_view_place(r->t, r->v, is_id ? at : r->t->points.id[at]);
 }
 
-/* Makes the cell of star i, whose ring consists of vertices, or of ids where it was saved or is longer than usual. */
-static enum dt_status make(struct reading *r, const struct dt_stars *s, uint32_t i,
-                           const struct dt_box *box)
-{
-    uint32_t degree = s->degree[i];
-    const uint32_t *ring = s->ring[i];
-    bool on_hull = s->on_hull[i], saved = s->vertex[i] == DT_NONE, ids = saved;
-    if (degree == DT_NONE) {
-        if (dt_neighbours_read(r->t, r->v, s->id[i], &r->around) != DT_OK)
-            return DT_NOMEM;
-        degree = (uint32_t)r->around.ring.n;
-        ring = r->around.ring.v;
-        on_hull = r->around.on_hull;
-        ids = true;
-    }
-    if (!dt_cell_reserve(&r->work, degree))
-        return DT_NOMEM;
-    for (uint32_t k = 0; k < degree; k++)
-        r->work.ring[k] = place(r, ring[k], ids);
-    dt_cell_make(&r->work, place(r, saved ? s->id[i] : s->vertex[i], saved), degree,
-                 r->line   ? DT_CELL_ON_LINE
-                 : on_hull ? DT_CELL_ON_HULL
-                           : DT_CELL_INSIDE,
-                 box);
-    return DT_OK;
-}
-
 /* Where cells go. */
 struct sink {
     struct dt_cell *cell;
     struct dt_point *corner;
     size_t room, cap, cells, corners;
+    size_t need; /* corners of the next cell, at most */
 };
 
 /* False: there is no room. */
@@ -194,6 +169,55 @@ static bool take(struct sink *k, const struct dt_cell_work *w, uint32_t id)
     memcpy(k->corner + k->corners, w->polygon, w->n * sizeof *k->corner);
     k->corners += w->n;
     return true;
+}
+
+/* Steps that each neighbour takes: a circumcentre in double words. */
+enum { WORK = 4 };
+
+/* Reads the star of the id, which is longer than usual, if the steps last for it and there is room for its cell. */
+static enum dt_status read_long(struct reading *r, uint32_t id, struct sink *k)
+{
+    struct dt_star star = dt_star_of(r->t, r->v, id);
+    uint32_t most = dt_work_is_limited(&r->stop) ? (uint32_t)r->stop.left / WORK + 1 : DT_NONE;
+    uint32_t degree =
+        star.saved != NULL ? star.saved_degree : dt_star_degree(&r->t->mesh, star.vertex, most);
+    enum dt_status s = dt_work(&r->stop, WORK * (uint64_t)degree);
+    if (s != DT_OK)
+        return s;
+    k->need = (size_t)degree + DT_CELL_MORE;
+    if (k->need > k->cap - k->corners)
+        return DT_TOOSMALL;
+    return dt_neighbours_read(r->t, r->v, id, &r->around);
+}
+
+/* Makes the cell of star i, whose ring consists of vertices, or of ids where it was saved or is longer than usual. */
+static enum dt_status make(struct reading *r, const struct dt_stars *s, uint32_t i,
+                           const struct dt_box *box, struct sink *k)
+{
+    uint32_t degree = s->degree[i];
+    const uint32_t *ring = s->ring[i];
+    bool on_hull = s->on_hull[i], saved = s->vertex[i] == DT_NONE, ids = saved;
+    enum dt_status st =
+        degree == DT_NONE ? read_long(r, s->id[i], k) : dt_work(&r->stop, WORK * degree);
+    if (st != DT_OK)
+        return st;
+    if (degree == DT_NONE) {
+        degree = (uint32_t)r->around.ring.n;
+        ring = r->around.ring.v;
+        on_hull = r->around.on_hull;
+        ids = true;
+    }
+    if (!dt_cell_reserve(&r->work, degree))
+        return DT_NOMEM;
+    for (uint32_t n = 0; n < degree; n++)
+        r->work.ring[n] = place(r, ring[n], ids);
+    dt_cell_make(&r->work, place(r, saved ? s->id[i] : s->vertex[i], saved), degree,
+                 r->line   ? DT_CELL_ON_LINE
+                 : on_hull ? DT_CELL_ON_HULL
+                           : DT_CELL_INSIDE,
+                 box);
+    k->need = r->work.n;
+    return dt_stop_status(&r->stop);
 }
 
 static enum dt_status read_cells(struct reading *r, struct dt_cells *c, struct sink *k)
@@ -208,7 +232,7 @@ static enum dt_status read_cells(struct reading *r, struct dt_cells *c, struct s
         if (stars.n == 0)
             c->id = c->end;
         for (uint32_t i = 0; i < stars.n; i++) {
-            enum dt_status s = make(r, &stars, i, &box);
+            enum dt_status s = make(r, &stars, i, &box, k);
             if (s != DT_OK)
                 return s;
             if (!take(k, &r->work, stars.id[i]))
@@ -229,7 +253,8 @@ enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_c
     enum dt_status s = dt_view_readable(t, c->view, true);
     if (s != DT_OK)
         return s;
-    struct reading r = {.t = t, .v = dt_view_if_changed(t, c->view)};
+    struct reading r = {.t = t, .v = dt_view_if_changed(t, c->view), .stop = dt_stop_of(c->opt)};
+    r.work.stop = &r.stop;
     r.line = c->view != NULL ? c->view->line : dt_mesh_is_line(&t->mesh);
     struct sink k = {.cell = cell, .corner = corner, .room = room, .cap = cap};
     s = read_cells(&r, c, &k);
@@ -238,7 +263,7 @@ enum dt_status dt_cells_read(const struct dt *t, struct dt_cells *c, struct dt_c
     if (s == DT_TOOSMALL && k.cells > 0)
         s = DT_OK;
     else if (s == DT_TOOSMALL)
-        *corners = r.work.n;
+        *corners = k.need;
     dt_cell_clear(&r.work);
     free(r.around.ring.v);
     return s;

@@ -90,10 +90,12 @@ static enum dt_status count_some(const struct dt *dt, struct dt_cells *c, size_t
 
 static enum dt_status count_corners(struct cells_job *j)
 {
+    const struct dt_options opt = {.cancel = &j->job.cancel};
     struct dt_cells whole = j->rows.cells, one;
     const struct dt_ids *ids = &j->rows.ids;
     size_t n = 1, done = 0, all = rows_count(&j->rows);
     enum dt_status status = DT_OK;
+    whole.opt = &opt;
     while (status == DT_OK && n > 0 && done < all) {
         if (ids->v != NULL)
             dt_cells_only(&whole, ids->v[done], &one);
@@ -111,7 +113,7 @@ static bool make_some(struct cells_job *j, struct dt_cells_made *made, bool *don
 {
     const struct dt *dt = j->job.dt;
     return (j->view == NULL || dt_view_is_current(dt, j->view)) &&
-           dt_cells_make(dt, made, CELLS_MADE, done) == DT_OK;
+           dt_cells_make(dt, made, &j->job.options, CELLS_MADE, done) == DT_OK;
 }
 
 static bool begin_making(struct cells_job *j, struct dt_cells_made **out)

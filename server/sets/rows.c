@@ -18,7 +18,8 @@ enum {
     PART_WORDS = 7500,   /* of a part in binary */
     PART_NUMBERS = 3000, /* words of a part of lines or loops */
     PLACE_WORDS = 4096, /* of the places that are looked up at a time; no row of a place has more */
-    PLACE_STEPS = 20000 /* of a look-up, while edits wait */
+    PLACE_STEPS = 20000, /* of a look-up, while edits wait, */
+    CELL_STEPS = 1 << 16 /* or of cells */
 };
 
 /* ---- rows from ids ---- */
@@ -233,64 +234,80 @@ static void write_each(const struct rows *r, struct buf *out, const struct dt_ce
             write_polygon(r, out, &cell[i], corner);
 }
 
-/* Writes one cell that has more corners than the usual buffer. */
-static void write_long_cell(struct rows *r, struct dt_cells *c, struct buf *out, size_t corners)
+/* Writes one cell that has more corners than the usual buffer, at most so many. */
+static enum dt_status write_long_cell(struct rows *r, struct dt_cells *c, struct buf *out,
+                                      size_t corners, size_t *n)
 {
     struct dt_cell cell;
-    size_t n;
     struct dt_point *corner = malloc(corners * sizeof *corner);
-    if (corner == NULL) {
-        r->status = DT_NOMEM;
-        return;
-    }
-    r->status = dt_cells_read(r->version->dt, c, &cell, 1, corner, corners, &n, &corners);
-    if (r->status == DT_OK)
-        write_each(r, out, &cell, n, corner);
+    if (corner == NULL)
+        return DT_NOMEM;
+    enum dt_status status =
+        dt_cells_read(r->version->dt, c, &cell, 1, corner, corners, n, &corners);
+    write_each(r, out, &cell, *n, corner);
     free(corner);
+    return status;
 }
 
-/* Writes the next areas, which have been made. False: there is none. */
-static bool write_areas(struct rows *r, struct buf *out)
+/* Writes the next areas, which have been made. Returns how many. */
+static size_t write_areas(struct rows *r, struct buf *out)
 {
     uint32_t id[CELLS];
     double area[CELLS];
     size_t n = dt_areas_read(&r->cells, id, area, CELLS);
     for (size_t i = 0; i < n; i++)
         write_area(r, out, id[i], area[i]);
-    return n > 0;
+    return n;
 }
 
-/* Writes the next cells of the cursor. False: there is none. */
-static bool write_cells(struct rows *r, struct dt_cells *c, struct buf *out)
+/* Writes the next cells of the cursor: *n. */
+static enum dt_status write_cells(struct rows *r, struct dt_cells *c, struct buf *out, size_t *n)
 {
     struct dt_cell cell[CELLS];
     struct dt_point corner[8 * CELLS];
-    size_t n, corners;
-    r->status = dt_cells_read(r->version->dt, c, cell, CELLS, corner, 8 * CELLS, &n, &corners);
-    if (r->status == DT_TOOSMALL) {
-        write_long_cell(r, c, out, corners);
-        return true;
+    struct dt_options opt = pace_options(&r->pace, CELL_STEPS);
+    size_t corners, room = r->pace.slow ? 1 : CELLS;
+    c->opt = &opt;
+    enum dt_status status =
+        dt_cells_read(r->version->dt, c, cell, room, corner, 8 * CELLS, n, &corners);
+    if (status == DT_TOOSMALL)
+        status = write_long_cell(r, c, out, corners, n);
+    else
+        write_each(r, out, cell, *n, corner);
+    c->opt = NULL;
+    return status;
+}
+
+/* The same for the next cells of the rows. */
+static enum dt_status write_next_cells(struct rows *r, struct buf *out, size_t *n)
+{
+    struct dt_cells one;
+    enum dt_status status = DT_OK;
+    if (r->ids.v != NULL) {
+        dt_cells_only(&r->cells, r->ids.v[r->at], &one);
+        status = write_cells(r, &one, out, n);
+        r->at += status == DT_OK;
+        r->done = r->at == r->ids.n;
+        return status;
     }
-    write_each(r, out, cell, n, corner);
-    return n > 0;
+    if (r->form == ROW_AREA && r->cells.made != NULL)
+        *n = write_areas(r, out);
+    else
+        status = write_cells(r, &r->cells, out, n);
+    r->done = status == DT_OK && *n == 0;
+    return status;
 }
 
 static void fill_from_cells(struct rows *r, struct buf *out, size_t limit)
 {
-    bool listed = r->ids.v != NULL;
+    bool ends = false;
     dt_cells_as_of(&r->cells, r->view);
-    while (!r->done && r->status == DT_OK && !out->failed && buf_len(out) < limit) {
-        struct dt_cells one;
-        if (!listed && r->form == ROW_AREA && r->cells.made != NULL) {
-            r->done = !write_areas(r, out);
-        } else if (!listed) {
-            r->done = !write_cells(r, &r->cells, out);
-        } else if (r->at < r->ids.n) {
-            dt_cells_only(&r->cells, r->ids.v[r->at++], &one);
-            write_cells(r, &one, out);
-        } else {
-            r->done = true;
-        }
+    r->done = r->ids.v != NULL && r->at == r->ids.n;
+    while (!r->done && !ends && !out->failed && buf_len(out) < limit) {
+        size_t n = 0;
+        enum dt_status status = write_next_cells(r, out, &n);
+        ends = pace_ends(&r->pace, status, n);
+        r->status = status == DT_TOOLONG ? DT_OK : status;
     }
 }
 

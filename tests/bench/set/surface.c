@@ -89,7 +89,7 @@ static void make_cells(struct surface *s, bool areas, struct dt_cells *c,
     must(dt_cells_begin(s->set, NULL, lo, hi, c) == DT_OK);
     must((areas ? dt_areas_make_begin : dt_cells_make_begin)(s->set, c, made) == DT_OK);
     for (bool done = *made == NULL; !done;)
-        must(dt_cells_make(s->set, *made, 1 << 12, &done) == DT_OK);
+        must(dt_cells_make(s->set, *made, NULL, 1 << 12, &done) == DT_OK);
     c->made = *made;
 }
 

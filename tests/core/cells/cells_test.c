@@ -56,7 +56,7 @@ static struct dt_cells_made *make_all(const struct dt *t, const struct dt_cells 
     struct dt_cells_made *m;
     CHECK(dt_cells_make_begin(t, c, &m) == DT_OK);
     for (bool done = m == NULL; !done;)
-        CHECK(dt_cells_make(t, m, 7, &done) == DT_OK);
+        CHECK(dt_cells_make(t, m, NULL, 7, &done) == DT_OK);
     return m;
 }
 
@@ -114,7 +114,7 @@ static void check_areas_made(const struct dt *t, const struct cells *r)
     if (m == NULL)
         return;
     for (bool done = false; !done;)
-        CHECK(dt_cells_make(t, m, 7, &done) == DT_OK);
+        CHECK(dt_cells_make(t, m, NULL, 7, &done) == DT_OK);
     c.made = m;
     while ((n = dt_areas_read(&c, id, area, 5)) > 0)
         for (size_t i = 0; i < n; i++, at += r->cell[cell++].corners) {
@@ -516,7 +516,7 @@ TEST(cells_that_are_made_without_memory_are_freed)
         enum dt_status s =
             i % 2 == 0 ? dt_cells_make_begin(t, &c, &m) : dt_areas_make_begin(t, &c, &m);
         while (s == DT_OK && !done)
-            s = dt_cells_make(t, m, 100, &done);
+            s = dt_cells_make(t, m, NULL, 100, &done);
         CHECK(s == (test_alloc_failed() ? DT_NOMEM : DT_OK));
         test_fail_alloc(0);
         dt_cells_made_free(m);

@@ -57,16 +57,30 @@ static struct rows value_rows(struct local *l, const struct dt_point *place)
                                      .end = PLACES}};
 }
 
+/* The cell of the hub, whose id is 0. */
+static struct rows cell_rows(struct local *l)
+{
+    static uint32_t hub[] = {0};
+    struct rows r = {.version = local_set(l, "t")->current,
+                     .binary = true,
+                     .form = ROW_CELL,
+                     .width = 1,
+                     .ids = {hub, 1, 1}};
+    struct dt_point lo = {-2, -2}, hi = {2, 2};
+    CHECK(dt_cells_begin(r.version->dt, NULL, lo, hi, &r.cells) == DT_OK);
+    return r;
+}
+
 /* Whole rows of this many bytes are made one a call, after a call that has found only that the next one is slow. */
-static void check_one_row_a_call(struct rows r, size_t bytes)
+static void check_one_row_a_call(struct rows r, size_t rows, size_t bytes)
 {
     struct buf out = {0};
     rows_fill(&r, &out, SIZE_MAX);
     CHECK(r.status == DT_OK && r.pace.slow && !r.done && buf_len(&out) == 0);
-    for (size_t made = 1; made <= PLACES; made++) {
+    for (size_t made = 1; made <= rows; made++) {
         rows_fill(&r, &out, SIZE_MAX);
         CHECK(r.status == DT_OK && buf_len(&out) == made * bytes);
-        CHECK(r.done == (made == PLACES) && r.pace.slow == !r.done);
+        CHECK(r.done == (made == rows) && r.pace.slow == !r.done);
     }
     rows_clear(&r);
     buf_free(&out);
@@ -78,10 +92,11 @@ TEST_TIMEOUT(rows_that_exceed_the_bound_of_a_piece_are_made_one_at_a_time, 60)
     struct dt_point place[PLACES];
     put_places(place);
     start_circle(&l, true);
-    check_one_row_a_call(nearest_rows(&l, place), 16);
+    check_one_row_a_call(nearest_rows(&l, place), PLACES, 16);
+    check_one_row_a_call(cell_rows(&l), 1, 8 + 16 * RIM);
     local_stop(&l);
     start_circle(&l, false);
-    check_one_row_a_call(value_rows(&l, place), 8);
+    check_one_row_a_call(value_rows(&l, place), PLACES, 8);
     local_stop(&l);
 }
 
@@ -105,6 +120,7 @@ TEST_TIMEOUT(rows_are_cancelled_also_within_one_that_takes_long, 60)
     for (int slow = 0; slow < 2; slow++) {
         check_cancelled(nearest_rows(&l, place), slow);
         check_cancelled(value_rows(&l, place), slow);
+        check_cancelled(cell_rows(&l), slow);
     }
     local_stop(&l);
 }
