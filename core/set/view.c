@@ -1,8 +1,14 @@
 /* view.c - the list of views; see view.h.
  *
- * Views may end while an edit is under way, and begin beside each other, so no thread waits for another: they
- * are in a list that is only ever pushed to, and one that has ended is marked. Edits, which have exclusive
- * access to the set except for views that end, remove the marked ones. */
+ * Views may end while an edit is under way, and begin beside each other, and no thread waits for another. So views that begin
+ * are pushed to the list, and those that end to a stack. Edits, which have exclusive access to the set except for views
+ * that end, enter the new ones and take the ended ones out:
+ *
+ *      newest -> v9 -> v8 -> v7 -> v5 -> v2        pushed: v9, v8. An edit enters them: it links them backwards, too.
+ *                       <--------------- oldest    Each has the moment of the one before or a later one.
+ *
+ * The moments that are read are therefore those of the oldest and of the newest view, among all and among those with
+ * rings, however many there are. */
 #include "core/set/view.h"
 
 #include <stdlib.h>
@@ -11,53 +17,120 @@ enum { AT_ONCE = 4 }; /* chunks of all kinds that an edit frees */
 
 /* ---- life ---- */
 
-/* A view of the list that has ended, taken over; NULL: there is none. */
-static struct dt_view *take_ended(struct dt_views *w)
-{
-    for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = v->next) {
-        int ended = DT_VIEW_ENDED;
-        if (atomic_load_explicit(&v->state, memory_order_relaxed) == DT_VIEW_ENDED &&
-            atomic_compare_exchange_strong(&v->state, &ended, DT_VIEW_BEGINNING))
-            return v;
-    }
-    return NULL;
-}
-
-static struct dt_view *new_view(struct dt_views *w)
+struct dt_view *dt_views_begin(struct dt_views *w)
 {
     struct dt_view *v = calloc(1, sizeof *v);
     if (v == NULL)
         return NULL;
-    atomic_init(&v->state, DT_VIEW_BEGINNING);
-    v->next = atomic_load(&w->list);
-    while (!atomic_compare_exchange_weak(&w->list, &v->next, v))
-        ;
-    return v;
-}
-
-struct dt_view *dt_views_begin(struct dt_views *w)
-{
-    struct dt_view *v = take_ended(w);
-    if (v == NULL)
-        v = new_view(w);
-    if (v == NULL)
-        return NULL;
+    v->home = w;
     v->serial = atomic_fetch_add(&w->serial, 1) + 1;
     for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
         v->moment[kind] = dt_images_now(&w->images[kind]);
     return v;
 }
 
+void dt_views_open(struct dt_views *w, struct dt_view *v)
+{
+    atomic_store(&v->counted, v->with_rings);
+    if (v->with_rings)
+        atomic_fetch_add(&w->rings, 1);
+    v->older = atomic_load(&w->newest);
+    while (!atomic_compare_exchange_weak(&w->newest, &v->older, v))
+        ;
+}
+
+/* It does not read the triangulation any more. */
+static void discount(struct dt_view *v)
+{
+    if (atomic_exchange(&v->counted, false))
+        atomic_fetch_sub(&v->home->rings, 1);
+}
+
 void dt_view_end(struct dt_view *v)
 {
+    if (v == NULL)
+        return;
+    struct dt_views *w = v->home;
+    discount(v);
+    v->next_ended = atomic_load(&w->ended);
+    while (!atomic_compare_exchange_weak(&w->ended, &v->next_ended, v))
+        ;
+}
+
+/* ---- by edits ---- */
+
+/* Links the views that have begun since the last call. */
+static void enter_new(struct dt_views *w)
+{
+    struct dt_view *newer = NULL, *newest_ring = NULL, *newer_ring = NULL,
+                   *v = atomic_load(&w->newest);
+    for (; v != NULL && !v->entered; v = v->older) {
+        v->entered = true;
+        v->newer = newer;
+        newer = v;
+        if (!v->with_rings)
+            continue;
+        v->newer_ring = newer_ring;
+        if (newer_ring != NULL)
+            newer_ring->older_ring = v;
+        else
+            newest_ring = v;
+        newer_ring = v;
+    }
     if (v != NULL)
-        atomic_store(&v->state, DT_VIEW_ENDED);
+        v->newer = newer;
+    else if (newer != NULL)
+        w->oldest = newer;
+    if (newer_ring == NULL)
+        return;
+    newer_ring->older_ring = w->newest_ring;
+    if (w->newest_ring != NULL)
+        w->newest_ring->newer_ring = newer_ring;
+    else
+        w->oldest_ring = newer_ring;
+    w->newest_ring = newest_ring;
+}
+
+static void leave_rings(struct dt_views *w, const struct dt_view *v)
+{
+    if (v->newer_ring != NULL)
+        v->newer_ring->older_ring = v->older_ring;
+    else
+        w->newest_ring = v->older_ring;
+    if (v->older_ring != NULL)
+        v->older_ring->newer_ring = v->newer_ring;
+    else
+        w->oldest_ring = v->newer_ring;
+}
+
+static void leave(struct dt_views *w, struct dt_view *v)
+{
+    if (v->with_rings)
+        leave_rings(w, v);
+    if (v->newer != NULL)
+        v->newer->older = v->older;
+    else
+        atomic_store(&w->newest, v->older);
+    if (v->older != NULL)
+        v->older->newer = v->newer;
+    else
+        w->oldest = v->newer;
+}
+
+static void free_ended(struct dt_views *w)
+{
+    struct dt_view *v = atomic_exchange(&w->ended, NULL), *next;
+    for (; v != NULL; v = next) {
+        next = v->next_ended;
+        leave(w, v);
+        free(v);
+    }
 }
 
 void dt_views_clear(struct dt_views *w)
 {
-    for (struct dt_view *v = atomic_load(&w->list), *next; v != NULL; v = next) {
-        next = v->next;
+    for (struct dt_view *v = atomic_load(&w->newest), *older; v != NULL; v = older) {
+        older = v->older;
         free(v);
     }
     for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
@@ -94,20 +167,25 @@ void dt_view_summary(const struct dt_view *v, struct dt_summary *out)
 
 bool dt_views_read_rings(const struct dt_views *w)
 {
-    bool read = false;
-    for (const struct dt_view *v = atomic_load(&w->list); v != NULL; v = v->next)
-        read = read || (atomic_load(&v->state) == DT_VIEW_OPEN && dt_view_reads_rings(w, v));
-    return read;
+    return atomic_load(&w->rings) > 0;
+}
+
+static void discount_all(struct dt_views *w)
+{
+    for (struct dt_view *v = atomic_load(&w->newest); v != NULL; v = v->older)
+        discount(v);
 }
 
 void dt_views_lose_rings(struct dt_views *w)
 {
+    discount_all(w);
     w->rings_lost = atomic_load(&w->serial);
     w->read[DT_IMAGE_RING].keys = 0;
 }
 
 void dt_views_lose_rows(struct dt_views *w)
 {
+    discount_all(w);
     w->lost = atomic_load(&w->serial);
     for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
         w->read[kind].keys = 0;
@@ -115,59 +193,33 @@ void dt_views_lose_rows(struct dt_views *w)
 
 /* ---- which moments are read ---- */
 
-static uint64_t earlier(uint64_t a, uint64_t b)
+/* Sets the moments of a kind, from the views that read it: the oldest and the newest one, NULL: none. */
+static void note(struct dt_views *w, enum dt_image_kind kind, const struct dt_view *oldest,
+                 const struct dt_view *newest, uint32_t keys)
 {
-    return a < b ? a : b;
+    w->read[kind] = (struct dt_moments){.oldest = UINT64_MAX};
+    if (oldest != NULL)
+        w->read[kind] = (struct dt_moments){oldest->moment[kind], newest->moment[kind], keys};
 }
 
-static uint64_t later(uint64_t a, uint64_t b)
-{
-    return a > b ? a : b;
-}
-
-/* The view reads images of that kind, of keys below `keys`. */
-static void note(struct dt_views *w, const struct dt_view *v, enum dt_image_kind kind,
-                 uint32_t keys)
-{
-    struct dt_moments *m = &w->read[kind];
-    m->oldest = earlier(m->oldest, v->moment[kind]);
-    m->latest = later(m->latest, v->moment[kind]);
-    m->keys = keys > m->keys ? keys : m->keys;
-}
-
-static void note_view(struct dt_views *w, const struct dt_view *v)
-{
-    if (!dt_view_reads_rows(w, v))
-        return;
-    w->oldest = earlier(w->oldest, v->serial);
-    w->latest = later(w->latest, v->serial);
-    note(w, v, DT_IMAGE_ROW, v->next_id);
-    note(w, v, DT_IMAGE_FAMILY, DT_NONE);
-    if (dt_view_reads_rings(w, v))
-        note(w, v, DT_IMAGE_RING, v->next_id);
-}
-
-/* Takes out the views that have ended and finds out which moments the others read. */
+/* Takes out the views that have ended and finds out which moments the others read. Those that are lost are the oldest
+ * ones. */
 static void look_round(struct dt_views *w)
 {
-    struct dt_view *last = NULL, *next;
-    for (int kind = 0; kind < DT_IMAGE_KINDS; kind++)
-        w->read[kind] = (struct dt_moments){.oldest = UINT64_MAX};
-    w->oldest = UINT64_MAX;
-    w->latest = 0;
-    for (struct dt_view *v = atomic_load(&w->list); v != NULL; v = next) {
-        next = v->next;
-        if (atomic_load(&v->state) != DT_VIEW_ENDED) {
-            note_view(w, v);
-            last = v;
-            continue;
-        }
-        if (last == NULL)
-            atomic_store(&w->list, next);
-        else
-            last->next = next;
-        free(v);
-    }
+    enter_new(w);
+    free_ended(w);
+    const struct dt_view *oldest = w->oldest, *ring = w->oldest_ring;
+    const struct dt_view *newest = atomic_load(&w->newest);
+    while (oldest != NULL && !dt_view_reads_rows(w, oldest))
+        oldest = oldest->newer;
+    while (ring != NULL && !dt_view_reads_rings(w, ring))
+        ring = ring->newer_ring;
+    w->first = oldest != NULL ? oldest->serial : UINT64_MAX;
+    w->last = oldest != NULL ? newest->serial : 0;
+    uint32_t keys = oldest != NULL ? newest->next_id : 0;
+    note(w, DT_IMAGE_ROW, oldest, newest, keys);
+    note(w, DT_IMAGE_FAMILY, oldest, newest, DT_NONE);
+    note(w, DT_IMAGE_RING, ring, w->newest_ring, ring != NULL ? w->newest_ring->next_id : 0);
 }
 
 bool dt_views_review(struct dt_views *w)

@@ -26,7 +26,7 @@ struct dt_view *dt_view_begin(struct dt *t, bool rings)
     v->next_id = t->points.next_id;
     dt_summary(t, &v->sum);
     v->sum.memory = 0;
-    atomic_store(&v->state, DT_VIEW_OPEN);
+    dt_views_open(&t->views, v);
     return v;
 }
 

@@ -81,7 +81,7 @@ static bool look_after(struct dt *t)
 {
     struct dt_views *w = &t->views;
     bool freed = dt_views_review(w);
-    freed |= dt_fields_review(&t->fields, atomic_load(&w->serial), w->latest, w->oldest);
+    freed |= dt_fields_review(&t->fields, atomic_load(&w->serial), w->last, w->first);
     bool rows = t->touched.on || w->read[DT_IMAGE_ROW].keys > 0;
     bool rings = t->touched.on || w->read[DT_IMAGE_RING].keys > 0;
     w->changes = (struct dt_changes){save_row, save_family, save_star, save_name, t};
@@ -97,7 +97,7 @@ void dt_views_edit_begin(struct dt *t)
     if (t->touched.on && dt_is_live(t) &&
         dt_mesh_is_line(&t->mesh) != (t->touched.line != DT_NOT_ON_LINE))
         t->touched.rows.all = true;
-    if (t->touched.on || atomic_load_explicit(&w->list, memory_order_relaxed) != NULL ||
+    if (t->touched.on || atomic_load_explicit(&w->newest, memory_order_relaxed) != NULL ||
         !dt_views_are_empty(w) || t->points.changes != NULL || dt_fields_keep(&t->fields))
         look_after(t);
 }
