@@ -55,6 +55,7 @@ struct session {
     uint32_t watches;              /* so many */
     struct temporaries *temporary; /* owns; NULL: it has no temporary sets */
     struct load *load; /* owns: the body that is being received, or that of the current request */
+    bool late;         /* the loop's turn is long: only a quick request is carried out in it */
     bool refused;      /* the request whose body is being received has already been refused */
     bool resp;         /* the current request came in RESP framing (proto/resp.h) */
     bool typed;        /* replies in RESP are typed, since HELLO 3 (server/redis/resp3.h) */

@@ -353,6 +353,12 @@ static const struct command *find_again(struct server *s, const struct word *nam
     return s->command;
 }
 
+bool command_is_quick(struct server *s, const struct request *q)
+{
+    const struct command *c = find_again(s, &q->word[0]);
+    return c == NULL || (c->flags & CMD_QUICK) != 0;
+}
+
 static void dispatch(struct server *s, const struct request *q, struct answer *a)
 {
     const struct command *c = find_again(s, &q->word[0]);

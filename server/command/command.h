@@ -41,6 +41,9 @@ extern const size_t command_count;
 
 const struct command *command_find(const struct word *name);
 
+/* Whether the request is one that even a turn of the loop that is already long can carry out: PING and the like. */
+bool command_is_quick(struct server *s, const struct request *q);
+
 /* Takes a prefix `TIMEOUT seconds` off a request that has a valid one: *ms is how long it may take,
  * more than 0; without one 0, and the request is as it was. */
 void command_take_timeout(struct request *q, int64_t *ms);

@@ -73,6 +73,17 @@ void session_set_deadline(struct session *s)
     s->timed_out = false;
 }
 
+/* Leaves the request to a later turn of the loop: when thousands of clients send one at the same moment, all of them together
+ * may take long, and events of other clients come first. */
+static bool leave_for_later(struct session *s, const struct request *q)
+{
+    if (!s->late || s->waiter.called || command_is_quick(s->server, q))
+        return false;
+    s->held = 0;
+    conn_yield(&s->conn);
+    return true;
+}
+
 /* The deadline counts from the first attempt to carry out the request. */
 static void take_timeout(struct session *s, struct request *q)
 {
@@ -114,6 +125,8 @@ static bool carry_out(struct session *s, bool http)
         conn_finish(&s->conn);
         return false;
     }
+    if (leave_for_later(s, q))
+        return false;
     take_timeout(s, q);
     struct answer a = session_answer(s);
     command_run(s->server, q, &a);
@@ -144,14 +157,16 @@ static bool carry_out_resp(struct session *s, const struct resp *resp)
 {
     struct request *q = &s->server->request;
     s->greeted = true;
-    take_timeout(s, q);
-    struct answer a = session_answer(s);
     if (q->n == 0) {
         session_consume(s);
         return true;
     }
     if (is_too_much(s, s->held, q->n))
         return refuse_stranger(s);
+    if (leave_for_later(s, q))
+        return false;
+    take_timeout(s, q);
+    struct answer a = session_answer(s);
     a.out = &s->conn.out;
     if (!redis_answer(s->server, q, &a)) {
         a.out = &s->server->lines;
@@ -235,7 +250,9 @@ static void on_data(struct conn *c)
     int64_t start = stats_look(stats);
     bool late = loop_is_late(c->loop, start);
     ahead_forget(s->server->ahead);
+    s->late = late;
     for (unsigned n = 1; step(s); n++) {
+        s->late = false;
         if (n % STEPS_PER_LOOK == 0 || s->load != NULL)
             stats_look(stats);
         if (has_had_its_turn(s, start, late)) { /* slower requests read the clock, too */
