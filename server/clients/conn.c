@@ -31,6 +31,7 @@ static void run_disposal(struct task *task)
         loop_dispose(c->loop, task);
         return;
     }
+    close(~c->source.fd);
     buf_free(&c->in);
     buf_free(&c->out);
     reservation_set(&c->memory, 0);
@@ -75,8 +76,7 @@ void conn_close(struct conn *c)
     c->closed = true;
     hold_clear(&c->hold);
     loop_forget(c->loop, &c->source);
-    close(c->source.fd);
-    c->source.fd = -1;
+    c->source.fd = ~c->source.fd; /* closed by the disposal, since it takes the system a while */
     loop_dispose(c->loop, &c->disposal);
 }
 

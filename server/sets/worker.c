@@ -335,13 +335,18 @@ void workers_submit(struct workers *w, enum work_kind kind, struct work *work)
 
 struct work *workers_collect(struct workers *w)
 {
+    enum { AT_ONCE = 64 }; /* other clients come before the rest */
     eventfd_t count;
     pthread_mutex_lock(&w->mutex);
+    struct work *first = w->done.first, *last = pop(&w->done);
+    for (int i = 1; i < AT_ONCE && w->done.first != NULL; i++)
+        last = pop(&w->done);
+    if (last != NULL)
+        last->next = NULL;
     /* Reset under the mutex, so that no event for later work is lost. The counter may be empty still: then the event
      * follows, and there may be nothing to collect. */
-    eventfd_read(w->event, &count);
-    struct work *first = w->done.first;
-    w->done = (struct queue){0};
+    if (w->done.first == NULL)
+        eventfd_read(w->event, &count);
     pthread_mutex_unlock(&w->mutex);
     return first;
 }

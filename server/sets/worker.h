@@ -42,7 +42,8 @@ unsigned workers_backlog(struct workers *w);
 
 void workers_submit(struct workers *w, enum work_kind kind, struct work *work);
 
-/* Takes all finished work, in order of completion; NULL if there is none. */
+/* Takes finished work, in order of completion, some of it if there is very much: then the event stays. NULL: there is
+ * none. */
 struct work *workers_collect(struct workers *w);
 
 /* The core's thread pool: the caller of run does the jobs itself, and idle workers help. So it terminates

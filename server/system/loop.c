@@ -138,7 +138,8 @@ static int wait_for(struct loop *loop, struct epoll_event *event)
 {
     int64_t first = loop->timers.earliest_ms, now = 0;
     int wait_ms = 0;
-    if (loop->deferred.first == NULL && loop->yielded.first == NULL) {
+    if (loop->deferred.first == NULL && loop->yielded.first == NULL &&
+        loop->disposals.first == NULL) {
         now = clock_ns();
         if (first > loop->next_tick_ms)
             first = loop->next_tick_ms;
@@ -168,6 +169,28 @@ static void run_yielded(struct loop *loop)
     loop->in_yielded = false;
 }
 
+/* The same for disposals. Those that they add come behind the rest. */
+static void run_disposals(struct loop *loop)
+{
+    struct task_list mine = loop->disposals;
+    if (mine.first == NULL)
+        return;
+    int64_t end = clock_ns() + LOOP_TURN_NS;
+    loop->disposals = (struct task_list){0};
+    do {
+        struct task *task = mine.first;
+        mine.first = task->next;
+        task->queued = false;
+        task->run(task);
+    } while (mine.first != NULL && clock_ns() < end);
+    if (mine.first == NULL)
+        return;
+    mine.last->next = loop->disposals.first;
+    if (loop->disposals.first != NULL)
+        mine.last = loop->disposals.last;
+    loop->disposals = mine;
+}
+
 void loop_run(struct loop *loop)
 {
     struct epoll_event event[EVENTS_PER_WAIT];
@@ -185,7 +208,7 @@ void loop_run(struct loop *loop)
         tick_if_due(loop);
         if (loop->turn_end != NULL)
             loop->turn_end(loop);
-        run_all(&loop->disposals);
+        run_disposals(loop);
     }
 }
 

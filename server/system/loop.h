@@ -1,8 +1,8 @@
 /* loop.h - the event loop: epoll, level-triggered, one thread.
  *
  * A turn is: run deferred tasks, wait for events, deliver them to their sources, run yielded tasks for a
- * millisecond, run the timers that are due, dispose of what was closed. A source is freed only at the
- * end of a turn, so that no event of the batch points to freed memory.
+ * millisecond, run the timers that are due, dispose of what was closed, for a millisecond too. A source is freed only
+ * at the end of a turn, so that no event of the batch points to freed memory.
  *
  * A task with more work than it may do at once yields: it goes to the end of a queue that is served
  * round robin. So turns stay short however many tasks have much work, and tasks with little work run
@@ -79,7 +79,7 @@ static inline bool loop_is_late(const struct loop *loop, int64_t now)
     return !loop->in_yielded && now - loop->turn_ns > LOOP_TURN_NS;
 }
 
-/* Runs the task at the end of this turn. */
+/* Runs the task at the end of this turn, or of a later one if there are very many. */
 void loop_dispose(struct loop *loop, struct task *task);
 
 /* Runs the timer when the monotonic clock has reached at_ms; timer_clear cancels it. */

@@ -341,3 +341,39 @@ TEST(stars_that_no_view_reads_any_more_are_freed_while_rows_are_read)
     dt_free(t);
     free(p);
 }
+
+/* ---- many views ---- */
+
+/* If each begin, end or edit looked at all views, this would take minutes. */
+TEST(views_begin_and_end_at_the_same_cost_however_many_there_are)
+{
+    enum { VIEWS = 100000, KEPT = 10 };
+    static struct dt_view *view[VIEWS];
+    struct dt *t = lattice(0), *copy = NULL;
+    for (uint32_t i = 0; i < VIEWS; i++) {
+        if (i == VIEWS - KEPT)
+            CHECK(dt_clone(t, &copy) == DT_OK);
+        view[i] = dt_view_begin(t, i % 3 != 0);
+        CHECK(view[i] != NULL);
+        if (i % 10 == 0 && i < VIEWS - KEPT)
+            CHECK(dt_move(t, i / 10 % N, (struct dt_point){i % 17, i % 13}) == DT_OK);
+    }
+    for (uint32_t i = 0, at = 0; i < VIEWS - KEPT;
+         i++) { /* in an order unlike that of their beginning */
+        at = (at + 61807) % (VIEWS - KEPT);
+        dt_view_end(view[at]);
+        if (i % 10 == 0)
+            CHECK(dt_move(t, i / 10 % N, (struct dt_point){i % 11, i % 19}) == DT_OK);
+    }
+    for (uint32_t i = VIEWS - KEPT; i < VIEWS; i++) {
+        CHECK(check_table(t, view[i], copy, DT_POINTS));
+        if (i % 3 != 0)
+            CHECK(check_table(t, view[i], copy, DT_LISTS));
+        dt_view_end(view[i]);
+    }
+    while (dt_view_tidy(t))
+        ;
+    CHECK(dt_views_are_empty(&t->views) && atomic_load(&t->views.newest) == NULL);
+    dt_free(copy);
+    dt_free(t);
+}

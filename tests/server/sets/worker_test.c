@@ -40,6 +40,37 @@ static unsigned collect(struct workers *w, unsigned n)
     return got;
 }
 
+static void do_nothing(struct work *w)
+{
+    (void)w;
+}
+
+/* A turn of the loop collects some of it; the others come in later ones. */
+TEST(very_much_finished_work_is_collected_in_parts_and_in_order)
+{
+    enum { JOBS = 1000, MOST = 100 };
+    static struct work jobs[JOBS];
+    unsigned got = 0;
+    struct workers *w = workers_new(1);
+    CHECK(w != NULL);
+    for (int i = 0; i < JOBS; i++) {
+        jobs[i].run = do_nothing;
+        workers_submit(w, WORK_SHORT, &jobs[i]);
+    }
+    poll(NULL, 0, 50);
+    while (got < JOBS) {
+        struct pollfd event = {.fd = workers_event(w), .events = POLLIN};
+        CHECK(poll(&event, 1, 10000) == 1);
+        unsigned n = 0;
+        for (struct work *work = workers_collect(w); work != NULL; work = work->next)
+            n++;
+        CHECK(n <= MOST);
+        got += n;
+    }
+    CHECK(got == JOBS && workers_collect(w) == NULL);
+    workers_free(w);
+}
+
 TEST(work_is_done_and_the_pool_helps_even_if_all_threads_need_help)
 {
     enum { JOBS = 40, ROUNDS = 50 };
@@ -194,11 +225,6 @@ TEST(thread_that_asks_for_short_slices_keeps_running)
     CHECK(sched_getscheduler(0) == SCHED_BATCH);
     priority_prompt(); /* does not take that back */
     CHECK(sched_getscheduler(0) == SCHED_BATCH);
-}
-
-static void do_nothing(struct work *w)
-{
-    (void)w;
 }
 
 static long switches_so_far(void)

@@ -99,3 +99,34 @@ TEST(time_in_which_the_loop_is_stopped_is_not_time_awake)
               (int)(loop.now_ms - loop.awake_ms));
     loop_clear(&loop);
 }
+static unsigned disposed;
+
+static void dispose_slowly(struct task *t)
+{
+    (void)t;
+    for (int64_t end = clock_ns() + WORK_NS; clock_ns() < end;)
+        ;
+    if (++disposed == GREEDY)
+        loop_stop(&loop);
+}
+
+static void count_turns_only(struct task *t)
+{
+    turns++;
+    loop_defer(&loop, t);
+}
+
+TEST(disposals_that_take_long_share_the_turns_with_deferred_tasks)
+{
+    CHECK(loop_init(&loop));
+    for (int i = 0; i < GREEDY; i++) {
+        greedy[i].task.run = dispose_slowly;
+        loop_dispose(&loop, &greedy[i].task);
+    }
+    deferred.run = count_turns_only;
+    loop_defer(&loop, &deferred);
+    loop_run(&loop);
+    CHECK(disposed == GREEDY);
+    CHECK_MSG(turns >= GREEDY / (LOOP_TURN_NS / WORK_NS + 1), "%u turns", turns);
+    loop_clear(&loop);
+}
