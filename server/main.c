@@ -11,6 +11,7 @@ int main(int argc, char **argv)
 {
     struct config config;
     machine_open_standard();
+    machine_return_blocks();
     machine_raise_descriptors(); /* the default of --max-clients depends on it */
     config_init(&config);
     switch (command_line_read(&config, argc, argv)) {

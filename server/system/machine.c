@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <limits.h>
+#include <malloc.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -46,6 +47,17 @@ unsigned machine_descriptors(void)
 }
 
 /* ---- memory ---- */
+
+/* Otherwise glibc takes larger and larger blocks from its heaps, where freed ones stay: memory that the budget counts as free
+ * would be resident. */
+void machine_return_blocks(void)
+{
+#ifdef __GLIBC__
+    enum { BLOCK = 64 * 1024, HEAP_END = 1024 * 1024 };
+    mallopt(M_MMAP_THRESHOLD, BLOCK);
+    mallopt(M_TRIM_THRESHOLD, HEAP_END);
+#endif
+}
 
 static size_t least(size_t a, size_t b)
 {
