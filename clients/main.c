@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "clients/cli/json.h"
+#include "clients/cli/message.h"
 #include "clients/cli/options.h"
 #include "clients/cli/subcommand.h"
 #include "clients/commands/dispatch.h"
@@ -94,6 +95,8 @@ static void finish_json(int status)
         return;
     json_begin(false);
     json_text("error", error[status]);
+    if (message_last()[0] != '\0')
+        json_text("message", message_last());
     json_finish();
 }
 

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "clients/cli/json.h"
+#include "clients/cli/message.h"
 #include "proto/buf.h"
 
 bool command_is_plain(void)
@@ -70,10 +71,10 @@ int command_outcome(const struct delaunay_client *c, enum delaunay_result r)
         return EXIT_REFUSED;
     }
     if (r == DELAUNAY_REFUSED) {
-        fprintf(stderr, "delaunay: %s\n", delaunay_status(c)->text);
+        message_print("%s", delaunay_status(c)->text);
         return EXIT_REFUSED;
     }
-    fprintf(stderr, "delaunay: %s\n", delaunay_result_text(r));
+    message_print("%s", delaunay_result_text(r));
     return r == DELAUNAY_LOST || r == DELAUNAY_BROKEN ? EXIT_NO_CONNECTION : EXIT_REFUSED;
 }
 
@@ -88,7 +89,7 @@ int command_any(struct delaunay_client *c, int words, char **word)
     struct buf line = {0};
     struct json_reply j = {.text = strncasecmp(word[0], "help", 4) == 0};
     if (json_chosen() && asks_for_bytes(words, word)) {
-        fprintf(stderr, "delaunay: a binary reply cannot be JSON\n");
+        message_print("a binary reply cannot be JSON");
         return EXIT_USAGE;
     }
     for (int i = 0; i < words; i++) {
@@ -101,7 +102,7 @@ int command_any(struct delaunay_client *c, int words, char **word)
         line.failed ? DELAUNAY_NOMEM : delaunay_request(c, buf_head(&line), print_part, &j);
     buf_free(&line);
     if (r == DELAUNAY_BADREQUEST) {
-        fprintf(stderr, "delaunay: %s\n", delaunay_result_text(r));
+        message_print("%s", delaunay_result_text(r));
         return EXIT_USAGE;
     }
     if (json_chosen())

@@ -2,6 +2,9 @@
  * they are used here. */
 #include "clients/cli/edit.h"
 
+#include <errno.h>
+#include <setjmp.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -127,11 +130,32 @@ static bool is_worth_keeping(const char *line)
     return true;
 }
 
+/* ^C while a line is read leaves the library, as its documentation shows; the next call starts the terminal again. */
+static sigjmp_buf at_prompt;
+
+static void leave_line(int signal)
+{
+    (void)signal;
+    siglongjmp(at_prompt, 1);
+}
+
+/* An empty line if ^C was pressed. */
 char *edit_line(const char *text)
 {
-    char *line = readline(text);
-    if (line != NULL && is_worth_keeping(line))
-        add_history(line);
+    struct sigaction mine = {.sa_handler = leave_line}, before;
+    char *line;
+    sigemptyset(&mine.sa_mask);
+    sigaction(SIGINT, &mine, &before);
+    if (sigsetjmp(at_prompt, 1) == 0) {
+        line = readline(text);
+        sigaction(SIGINT, &before, NULL);
+        if (line != NULL && is_worth_keeping(line))
+            add_history(line);
+    } else {
+        sigaction(SIGINT, &before, NULL);
+        putchar('\n');
+        line = strdup("");
+    }
     return line;
 }
 
@@ -146,16 +170,31 @@ void edit_end(void)
 {
 }
 
+static void interrupt(int signal)
+{
+    (void)signal;
+}
+
+/* The terminal discards what was typed when ^C is pressed; read() then ends early. */
 char *edit_line(const char *text)
 {
+    struct sigaction mine = {.sa_handler = interrupt}, before;
     char *line = NULL;
     size_t room = 0;
     fputs(text, stdout);
     fflush(stdout);
+    sigemptyset(&mine.sa_mask);
+    sigaction(SIGINT, &mine, &before);
+    errno = 0;
     ssize_t n = getline(&line, &room, stdin);
+    bool interrupted = n < 0 && errno == EINTR;
+    sigaction(SIGINT, &before, NULL);
     if (n < 0) {
         free(line);
-        return NULL;
+        clearerr(stdin);
+        if (interrupted)
+            putchar('\n');
+        return interrupted ? strdup("") : NULL;
     }
     line[strcspn(line, "\r\n")] = '\0';
     return line;

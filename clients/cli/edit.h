@@ -10,7 +10,8 @@
 void edit_begin(struct delaunay_client *c);
 void edit_end(void);
 
-/* The next line without its end, which the caller frees with edit_free; NULL at the end of the input. */
+/* The next line without its end, which the caller frees with edit_free; NULL at the end of the input. ^C discards
+ * what was typed and returns an empty line. */
 char *edit_line(const char *prompt);
 void edit_free(char *line);
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "clients/cli/command.h"
+#include "clients/cli/message.h"
 #include "proto/number.h"
 
 int options_next(int argc, char **argv, const char *letters, const struct option *options)
@@ -24,6 +25,9 @@ int options_wrong(const char *command, const char *format, ...)
     va_start(values, format);
     fputs("delaunay: ", stderr);
     vfprintf(stderr, format, values);
+    va_end(values);
+    va_start(values, format);
+    message_keep_values(format, values);
     va_end(values);
     fprintf(stderr, "\nTry 'delaunay %s%s--help'.\n", command, command[0] != '\0' ? " " : "");
     return EXIT_USAGE;

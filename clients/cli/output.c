@@ -5,11 +5,12 @@
 #include <string.h>
 
 #include "clients/cli/command.h"
+#include "clients/cli/message.h"
 #include "clients/files/part_file.h"
 
 int output_fault(const char *about, const char *what)
 {
-    fprintf(stderr, "delaunay: %s%s%s\n", about, about[0] != '\0' ? ": " : "", what);
+    message_print("%s%s%s", about, about[0] != '\0' ? ": " : "", what);
     return EXIT_REFUSED;
 }
 
@@ -27,8 +28,8 @@ int output_check(const char *path, bool force)
 {
     if (output_is_standard(path) || force || !part_file_is_foreign(path))
         return EXIT_DONE;
-    part_file_refuse(path);
-    return EXIT_REFUSED;
+    return output_fault(path, "there is such a file, not written by delaunay or changed since; "
+                              "--force replaces it");
 }
 
 const char *output_form(const char *named, const char *path, const char *standard)

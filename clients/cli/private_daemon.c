@@ -38,18 +38,26 @@ static void find_program(char *path, size_t room)
     }
 }
 
-/* Starts it with those ends of pipes as its standard input and output. Returns an errno. */
+/* Starts it with those ends of pipes as its standard input and output, in a process group of its own, so that ^C at the prompt does
+ * not end it. Returns an errno. */
 static int spawn(pid_t *pid, const char *program, int in, int out)
 {
     char *words[] = {(char[]){"delaunayd"}, (char[]){"--private"}, (char[]){"--log-level"},
                      (char[]){"error"}, NULL};
     posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
     int error = posix_spawn_file_actions_init(&actions);
     if (error != 0)
         return error;
-    if ((error = posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO)) == 0 &&
+    if ((error = posix_spawnattr_init(&attributes)) != 0) {
+        posix_spawn_file_actions_destroy(&actions);
+        return error;
+    }
+    if ((error = posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP)) == 0 &&
+        (error = posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO)) == 0 &&
         (error = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO)) == 0)
-        error = posix_spawnp(pid, program, &actions, NULL, words, environ);
+        error = posix_spawnp(pid, program, &actions, &attributes, words, environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     return error;
 }

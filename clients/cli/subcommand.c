@@ -15,17 +15,19 @@ const struct subcommand subcommands[] = {
      "  -f, --format F           svg or png; else the picture's ending decides\n"
      "      --input-format F     of the points; as load's --format\n"
      "  -c, --columns X,Y        as load's\n"
-     "      --skip-bad           as load's\n"
+     "      --skip-bad, --fields as load's\n"
      "      --colour C, --field F, --numbers, --viewport X0,Y0,X1,Y1, --force   as export's\n",
-     "--format --input-format --columns --skip-bad --colour --field --numbers --viewport --force "
+     "--format --input-format --columns --skip-bad --fields --colour --field --numbers --viewport "
+     "--force "
      "--help",
      true},
     {"run", command_draw, true, false, "run FILE MESH [OPTION ...]",
      "Writes the Delaunay triangulation of a file of points, in any format of export. Needs no\n"
      "running server, as draw, and has its options.\n\n"
      "  -f, --format F           of the mesh; else its ending decides\n"
-     "      --input-format F, --columns X,Y, --skip-bad, --force\n",
-     "--format --input-format --columns --skip-bad --colour --field --numbers --viewport --force "
+     "      --input-format F, --columns X,Y, --skip-bad, --fields, --force\n",
+     "--format --input-format --columns --skip-bad --fields --colour --field --numbers --viewport "
+     "--force "
      "--help",
      true},
     {"load", command_load, false, true,

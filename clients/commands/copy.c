@@ -9,6 +9,7 @@
 
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
+#include "clients/cli/message.h"
 #include "clients/cli/options.h"
 #include "clients/lib/url.h"
 #include "clients/meshes/model.h"
@@ -122,7 +123,7 @@ static int fetch(struct copy *y)
         r = model_fetch(y->c[0], y->from, MODEL_FIELDS, &y->m);
     if (r != DELAUNAY_STOPPED)
         return command_outcome(y->c[0], r);
-    fprintf(stderr, "delaunay: %s\n", y->m.fault);
+    message_print("%s", y->m.fault);
     return EXIT_REFUSED;
 }
 
@@ -165,7 +166,7 @@ static int connect_both(struct copy *y)
     for (int i = 0; i < 2; i++) {
         y->c[i] = command_connect(&y->url[i], why, sizeof why);
         if (y->c[i] == NULL) {
-            fprintf(stderr, "delaunay: %s\n", why);
+            message_print("%s", why);
             return EXIT_NO_CONNECTION;
         }
     }

@@ -6,6 +6,7 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "clients/cli/message.h"
 #include "clients/cli/options.h"
 #include "clients/cli/private_daemon.h"
 #include "clients/cli/subcommand.h"
@@ -51,7 +52,7 @@ static int run_alone(const struct subcommand *s, int words, char **word)
     char why[300];
     struct private_daemon own;
     if (!private_daemon_start(&own, why, sizeof why)) {
-        fprintf(stderr, "delaunay: %s\n", why);
+        message_print("%s", why);
         return EXIT_NO_CONNECTION;
     }
     int status = run_connected(own.client, s, words, word);
@@ -83,7 +84,7 @@ static int run(const struct subcommand *s, int words, char **word, const struct 
         return run_alone(s, words, word);
     }
     if (c == NULL) {
-        fprintf(stderr, "delaunay: %s\n", why);
+        message_print("%s", why);
         if (is_default(where))
             fprintf(stderr,
                     "Start a server with 'delaunayd &'. 'delaunay draw FILE' and the prompt "

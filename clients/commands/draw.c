@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "clients/cli/command.h"
+#include "clients/cli/message.h"
 #include "clients/cli/private_daemon.h"
 #include "clients/commands/export.h"
 #include "clients/files/source.h"
@@ -22,6 +23,8 @@ static int read_option(struct drawing *d, int option, char **argv)
 {
     if (option == 's')
         d->from.skip_bad = true;
+    else if (option == 'a')
+        d->from.table.fields.all = true;
     else if (option == 'i' && !source_read_form(optarg, &d->from))
         return options_wrong(argv[0], "unknown format %s; there are xy, csv, geojson, node, xyz",
                              optarg);
@@ -49,6 +52,7 @@ static int read_arguments(struct drawing *d, int argc, char **argv)
                                             {"input-format", required_argument, NULL, 'i'},
                                             {"columns", required_argument, NULL, 'c'},
                                             {"skip-bad", no_argument, NULL, 's'},
+                                            {"fields", no_argument, NULL, 'a'},
                                             EXPORT_OPTIONS,
                                             {NULL, 0, NULL, 0}};
     bool draws = strcmp(argv[0], "draw") == 0;
@@ -90,11 +94,11 @@ static int carry_out(struct drawing *d, const struct points_file *f)
     char why[300];
     struct private_daemon own;
     if (f->n == 0) {
-        fprintf(stderr, "delaunay: %s: there are no points in it\n", d->from.path);
+        message_print("%s: there are no points in it", d->from.path);
         return EXIT_REFUSED;
     }
     if (!private_daemon_start(&own, why, sizeof why)) {
-        fprintf(stderr, "delaunay: %s\n", why);
+        message_print("%s", why);
         return EXIT_NO_CONNECTION;
     }
     enum delaunay_result r = command_send_points(own.client, set, f, &d->from);
@@ -111,7 +115,7 @@ int command_draw(struct delaunay_client *c, int argc, char **argv)
     int status = read_arguments(&d, argc, argv);
     if (status != EXIT_DONE)
         return status;
-    status = source_read(&d.from, &f) ? carry_out(&d, &f) : EXIT_REFUSED;
+    status = command_read_points(&d.from, &f) ? carry_out(&d, &f) : EXIT_REFUSED;
     points_file_free(&f);
     return status;
 }

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "clients/cli/command.h"
+#include "clients/cli/message.h"
 #include "clients/cli/options.h"
 #include "clients/files/progress.h"
 #include "clients/files/source.h"
@@ -25,6 +26,16 @@ enum delaunay_result command_send_points(struct delaunay_client *c, const char *
         delaunay_send_values(c, set, names, f->xy, f->value, f->n, show_sending, &bar);
     progress_end(&bar);
     return r == DELAUNAY_OK ? delaunay_receive(c, command_show_comment, NULL) : r;
+}
+
+bool command_read_points(struct source *s, struct points_file *f)
+{
+    bool ok = source_read(s, f);
+    if (!ok && f->line > 0)
+        message_keep("%s:%ju: %s", s->path, (uintmax_t)f->line, f->fault);
+    else if (!ok)
+        message_keep("%s: %s", s->path, f->fault);
+    return ok;
 }
 
 static int read_arguments(struct source *s, const char **set, int argc, char **argv)
@@ -65,7 +76,7 @@ int command_load(struct delaunay_client *c, int argc, char **argv)
     int status = read_arguments(&s, &set, argc, argv);
     if (status != EXIT_DONE)
         return status;
-    if (!source_read(&s, &f)) {
+    if (!command_read_points(&s, &f)) {
         points_file_free(&f);
         return EXIT_REFUSED;
     }

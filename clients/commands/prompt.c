@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "clients/cli/edit.h"
+#include "clients/cli/message.h"
 #include "clients/cli/subcommand.h"
 #include "clients/commands/dispatch.h"
 
@@ -69,14 +70,14 @@ static int carry_out(struct delaunay_client *c, char *line)
 {
     char *word[MOST_WORDS + 1];
     if (has_control_characters(line)) {
-        fprintf(stderr, "delaunay: a control character in the line; nothing was sent\n");
+        message_print("a control character in the line; nothing was sent");
         return EXIT_USAGE;
     }
     if (!is_ours(line))
         return command_any(c, 1, &line);
     int words = split(line, word);
     if (words < 0) {
-        fprintf(stderr, "delaunay: a quote is open, or too many words\n");
+        message_print("a quote is open, or too many words");
         return EXIT_USAGE;
     }
     word[words] = NULL;

@@ -9,6 +9,7 @@
 
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
+#include "clients/cli/message.h"
 #include "clients/cli/options.h"
 #include "clients/commands/show_relief.h"
 #include "clients/meshes/model.h"
@@ -180,7 +181,7 @@ static int show_mesh(struct delaunay_client *c, const char *set, struct canvas *
         free(v->ink);
     }
     if (r == DELAUNAY_STOPPED)
-        fprintf(stderr, "delaunay: %s\n", m.fault);
+        message_print("%s", m.fault);
     else
         status = command_outcome(c, r);
     model_free(&m);

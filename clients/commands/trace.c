@@ -5,7 +5,9 @@
 
 #include "clients/cli/command.h"
 #include "clients/cli/json.h"
+#include "clients/cli/message.h"
 #include "clients/cli/options.h"
+#include "clients/cli/output.h"
 #include "clients/files/part_file.h"
 #include "clients/pictures/film.h"
 #include "proto/number.h"
@@ -39,10 +41,7 @@ static int read_arguments(struct arguments *a, int argc, char **argv)
         return options_wrong(argv[0], "trace takes a set and a file");
     a->set = argv[optind];
     a->path = argv[optind + 1];
-    if (force || strcmp(a->path, "-") == 0 || !part_file_is_foreign(a->path))
-        return EXIT_DONE;
-    part_file_refuse(a->path);
-    return EXIT_REFUSED;
+    return output_check(a->path, force);
 }
 
 static bool take_row(void *ctx, const struct delaunay_part *part)
@@ -70,7 +69,7 @@ static enum delaunay_result fetch(struct delaunay_client *c, const char *set, st
 
 static int failed(const char *about)
 {
-    fprintf(stderr, "delaunay: %s: %s\n", about, strerror(errno));
+    message_print("%s: %s", about, strerror(errno));
     return EXIT_REFUSED;
 }
 
@@ -80,7 +79,7 @@ static int write_film(FILE *out, const struct steps *t, const struct arguments *
     snprintf(title, sizeof title, "%.64s: circular shelling of %zu points", a->set, t->m->n);
     if (film_write(out, t, title, &a->film))
         return EXIT_DONE;
-    fprintf(stderr, "delaunay: out of memory\n");
+    message_print("out of memory");
     return EXIT_REFUSED;
 }
 
@@ -126,7 +125,7 @@ int command_trace(struct delaunay_client *c, int argc, char **argv)
         return status;
     enum delaunay_result r = fetch(c, a.set, &m, &t);
     if (r == DELAUNAY_STOPPED) {
-        fprintf(stderr, "delaunay: %s\n", t.fault);
+        message_print("%s", t.fault);
         status = EXIT_REFUSED;
     } else if (r != DELAUNAY_OK) {
         status = command_outcome(c, r);

@@ -26,14 +26,6 @@ bool part_file_is_foreign(const char *path)
     return getxattr(path, mark_name, mark, sizeof mark) != (ssize_t)n || memcmp(mark, want, n) != 0;
 }
 
-void part_file_refuse(const char *path)
-{
-    fprintf(stderr,
-            "delaunay: %s: there is such a file, not written by delaunay or changed since; "
-            "--force replaces it\n",
-            path);
-}
-
 const char *part_file_open(struct part_file *f, const char *path)
 {
     struct stat st;

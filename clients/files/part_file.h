@@ -17,9 +17,6 @@ struct part_file {
 /* Whether there is a non-empty file of that name without a mark. */
 bool part_file_is_foreign(const char *path);
 
-/* Reports that on the standard error. */
-void part_file_refuse(const char *path);
-
 /* Opens path.part for writing. Returns NULL, or the name to which errno refers. */
 const char *part_file_open(struct part_file *f, const char *path);
 

@@ -156,7 +156,7 @@ bool source_read(struct source *s, struct points_file *f)
     const char *name = source_name(s);
     if (!input_open(&in, s->path, why, sizeof why)) {
         fprintf(stderr, "delaunay: %s: %s\n", name, why);
-        return false;
+        return points_file_stop(f, "%s", why);
     }
     if (s->form == SOURCE_GUESS)
         guess_form(s, &in);

@@ -51,14 +51,21 @@ TEST(json_reports_refused_requests)
     expect("--json export t -", 1,
            "{\"ok\":false,\"error\":\"NOSET\",\"message\":\"there is no set t\"}\n");
     expect("--json load t /none", 1,
-           "delaunay: /none: No such file or directory\n{\"ok\":false,\"error\":\"REFUSED\"}\n");
+           "delaunay: /none: No such file or "
+           "directory\n{\"ok\":false,\"error\":\"REFUSED\",\"message\":\"/none: No such file or "
+           "directory\"}\n");
     expect("--json load t", 2,
            "delaunay: load takes a set and a file\nTry 'delaunay load "
-           "--help'.\n{\"ok\":false,\"error\":\"USAGE\"}\n");
+           "--help'.\n{\"ok\":false,\"error\":\"USAGE\",\"message\":\"load takes a set and a "
+           "file\"}\n");
     expect("-p 1 --json sets", 3,
-           "delaunay: 127.0.0.1:1: Connection refused\n{\"ok\":false,\"error\":\"CONNECTION\"}\n");
-    expect("--json points t binary", 2,
-           "delaunay: a binary reply cannot be JSON\n{\"ok\":false,\"error\":\"USAGE\"}\n");
+           "delaunay: 127.0.0.1:1: Connection "
+           "refused\n{\"ok\":false,\"error\":\"CONNECTION\",\"message\":\"127.0.0.1:1: Connection "
+           "refused\"}\n");
+    expect(
+        "--json points t binary", 2,
+        "delaunay: a binary reply cannot be "
+        "JSON\n{\"ok\":false,\"error\":\"USAGE\",\"message\":\"load takes a set and a file\"}\n");
     cli_finish();
 }
 

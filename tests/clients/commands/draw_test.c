@@ -141,3 +141,17 @@ TEST(daemon_of_a_killed_draw_ends_and_leaves_no_socket)
     CHECK(status == 0);
     finish();
 }
+
+TEST(run_keeps_all_columns_of_numbers_on_request)
+{
+    char command[300];
+    int status;
+    cli_begin();
+    cli_write("a.csv", "x,y,t,name\n0,0,5,a\n1,0,6,b\n0,1,7,c\n");
+    snprintf(command, sizeof command, "run %s - -f node --fields", cli_path("a.csv"));
+    const char *out = cli_run(&status, command);
+    CHECK_MSG(status == 0 && strstr(out, "3 2 1 1\n0 0 0 5 1\n") != NULL, "%s", out);
+    snprintf(command, sizeof command, "run %s - -f node", cli_path("a.csv"));
+    CHECK(strstr(cli_run(&status, command), "3 2 0 1\n0 0 0 1\n") != NULL && status == 0);
+    cli_finish();
+}

@@ -301,3 +301,31 @@ TEST(load_reports_the_option_that_is_wrong)
     }
     cli_finish();
 }
+
+TEST(json_of_a_file_that_is_refused_has_the_reason_as_its_message)
+{
+    static const char *const commands[][2] = {
+        {"load t", ""}, {"draw", "out.svg"}, {"run", "out.obj"}};
+    char command[300], want[300];
+    int status;
+    cli_begin();
+    cli_write("a.csv", "x,y\n1,2\n3\n");
+    for (int i = 0; i < 3; i++) {
+        snprintf(command, sizeof command, "%s %s %s --json", commands[i][0], cli_path("a.csv"),
+                 commands[i][1]);
+        snprintf(want, sizeof want,
+                 "\n{\"ok\":false,\"error\":\"REFUSED\",\"message\":\"%s:3: ", cli_path("a.csv"));
+        const char *out = cli_run(&status, command);
+        CHECK_MSG(status == 1 && strstr(out, want) != NULL, "%s", out);
+    }
+    const char *out = cli_run(&status, "load t /nowhere/a.csv --json");
+    CHECK(strstr(out,
+                 "{\"ok\":false,\"error\":\"REFUSED\",\"message\":\"/nowhere/a.csv: No such file "
+                 "or directory\"}\n") != NULL);
+    out = cli_run(&status, "load t --json --nothing");
+    CHECK(strstr(out, "{\"ok\":false,\"error\":\"USAGE\",\"message\":\"unknown option "
+                      "--nothing\"}\n") != NULL);
+    out = cli_run(&status, "export nope /nowhere/a.svg --json");
+    CHECK(strstr(out, "\"error\":\"NOSET\"") != NULL && status == 1);
+    cli_finish();
+}

@@ -111,3 +111,32 @@ TEST(prompt_reads_lines_with_subcommands_from_a_pipe)
     CHECK(status == 2);
     cli_finish();
 }
+
+TEST(control_c_at_the_prompt_discards_the_line_and_keeps_a_private_server)
+{
+    static const char *const places[] = {"", "-u private:"};
+    cli_begin();
+    for (int i = 0; i < 2; i++) {
+        terminal_start(places[i]);
+        terminal_wait_for("delaunay> ");
+        terminal_type("add t 1 1\r");
+        terminal_wait_for("OK 0 first=0 added=1");
+        terminal_wait_for("delaunay> ");
+        terminal_type("drop t");
+        terminal_wait_for("drop t");
+        terminal_type("\x03");
+        terminal_wait_for("\n");
+        terminal_wait_for("delaunay> ");
+        terminal_type("\x03");
+        terminal_wait_for("delaunay> ");
+        terminal_type("points t\r");
+        terminal_wait_for("0 1 1");
+        terminal_wait_for("delaunay> ");
+        terminal_type("drop t\r");
+        terminal_wait_for("OK 0");
+        terminal_wait_for("delaunay> ");
+        terminal_type("exit\r");
+        CHECK(terminal_finish() == 0);
+    }
+    cli_finish();
+}

@@ -1,0 +1,18 @@
+/* message.h - sentences on the standard error about what failed. With --json the last one is also the `message` of the object that a
+ * failed command writes. */
+#ifndef CLIENTS_MESSAGE_H
+#define CLIENTS_MESSAGE_H
+
+#include <stdarg.h>
+
+/* Prints "delaunay: ", the sentence and a line feed. */
+__attribute__((format(printf, 1, 2))) void message_print(const char *format, ...);
+
+/* Keeps a sentence that has been printed already, or will be. */
+__attribute__((format(printf, 1, 2))) void message_keep(const char *format, ...);
+void message_keep_values(const char *format, va_list values);
+
+/* The last sentence, "" if there was none. */
+const char *message_last(void);
+
+#endif
