@@ -65,7 +65,7 @@ TEST(json_reports_refused_requests)
     expect(
         "--json points t binary", 2,
         "delaunay: a binary reply cannot be "
-        "JSON\n{\"ok\":false,\"error\":\"USAGE\",\"message\":\"load takes a set and a file\"}\n");
+        "JSON\n{\"ok\":false,\"error\":\"USAGE\",\"message\":\"a binary reply cannot be JSON\"}\n");
     cli_finish();
 }
 
