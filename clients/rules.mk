@@ -26,10 +26,6 @@ LIB_FILES := $(LIBRARIES:%=lib%.a) $(LIBRARIES:%=lib%.so.0)
 
 lib: $(LIB_FILES:%=$(O)/lib/%) $(HEADERS:%=$(O)/include/%) $(LIBRARIES:%=$(O)/lib/pkgconfig/%.pc)
 
-$(O)/pic/%.o: %.c
-	@mkdir -p $(@D)
-	$(COMPILE) -fPIC -MMD -MP -c -o $@ $<
-
 # The public headers of each library are installed as one; both begin with the version.
 CORE_HEADERS := proto/version.h core/delaunay.h core/delaunay_fields.h core/delaunay_surface.h
 CLIENT_HEADERS := proto/version.h clients/lib/delaunay_client.h clients/lib/delaunay_mirror.h
@@ -52,8 +48,8 @@ $(O)/lib/lib%.map: $(O)/lib/lib%.names
 CLIENT_LIBRARY := clients/lib/delaunay_client.o clients/lib/delaunay_mirror.o clients/lib/mirror_copy.o \
                   clients/lib/connect.o clients/lib/url.o \
                   $(addprefix proto/,buf.o reply_read.o request.o number_exact.o number_read.o number_write.o powers.o)
-$(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0: $(addprefix $(O)/pic/,$(CLIENT_LIBRARY))
-$(O)/lib/libdelaunay-core.a $(O)/lib/libdelaunay-core.so.0: $(CORE:$(O)/%=$(O)/pic/%)
+$(O)/lib/libdelaunay.a $(O)/lib/libdelaunay.so.0: $(addprefix $(O)/,$(CLIENT_LIBRARY))
+$(O)/lib/libdelaunay-core.a $(O)/lib/libdelaunay-core.so.0: $(CORE)
 
 $(O)/lib/lib%.a: $(O)/lib/lib%.names
 	$(LD) -r -o $(O)/lib/$*.o $(filter %.o,$^)

@@ -150,7 +150,7 @@ TEST_TIMEOUT(scratch_memory_does_not_grow_with_the_number_of_threads, 120)
     if (test_is_sanitized())
         SKIP("a sanitizer adds memory of its own");
     static const char *const family[] = {"kuzmin", "exponents"};
-    enum { N = 2000000, ONE = 18, MOST = 24 }; /* bytes a point */
+    enum { N = 1000000, ONE = 18, MOST = 24 }; /* bytes a point */
     for (size_t i = 0; i < sizeof family / sizeof *family; i++) {
         struct built b = {.in = malloc(N * sizeof *b.in),
                           .p = malloc(N * sizeof *b.p),
