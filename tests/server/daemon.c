@@ -68,12 +68,16 @@ void expect(int fd, const char *want)
 const char *hear_line(int fd)
 {
     static char line[1 << 16];
+    enum { PIECE = 200 };
     size_t n = 0;
-    for (; n < sizeof line - 1; n++) {
-        CHECK_MSG(recv(fd, &line[n], 1, 0) == 1, "the connection ended after \"%.*s\"", (int)n,
-                  line);
-        if (line[n] == '\n')
-            break;
+    for (bool ended = false; !ended && n < sizeof line - PIECE;) {
+        ssize_t r = recv(fd, line + n, PIECE, MSG_PEEK);
+        const char *lf = r > 0 ? memchr(line + n, '\n', (size_t)r) : NULL;
+        ended = lf != NULL;
+        size_t take = ended ? (size_t)(lf - (line + n)) + 1 : (size_t)r;
+        CHECK_MSG(r > 0 && recv(fd, line + n, take, 0) == (ssize_t)take,
+                  "the connection ended after \"%.*s\"", (int)n, line);
+        n += take - ended;
     }
     line[n] = '\0';
     return line[0] == '#' ? hear_line(fd) : line;

@@ -139,7 +139,7 @@ TEST(pipeline_gets_the_replies_that_its_requests_get_one_by_one)
     CHECK(n > 5000);
     for (size_t piece = 3; piece <= REQUESTS; piece *= 11) {
         char *got = play(&s, piece, &m);
-        CHECK_STR(got, want);
+        CHECK_UNVERSIONED(got, want);
         CHECK(m == n);
         free(got);
     }

@@ -251,7 +251,7 @@ TEST(places_in_binary_that_cannot_be_answered)
     converse(&d,
              "ADD t 0 0 4 0 4 4 0 4\nFSET t z 0 1 1 3\nTRIANGULATE u\n"
              "INTERPOLATEB t z 1\nABCDEFG@ABCDEFG@PING\n"
-             "INTERPOLATEB t z 0 METHOD\nPING\n"
+             "INTERPOLATEB t z 0 METHOD linear\nPING\n"
              "INTERPOLATEB t y 1\nABCDEFG@ABCDEFG@PING\n"
              "INTERPOLATEB t z x\nPING\n",
              "OK 0 first=0 added=4 coincident=0\nOK 0\n"

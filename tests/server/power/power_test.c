@@ -19,16 +19,18 @@ static void print(const struct tally *t)
            t->refused, t->unknown, t->cuts, t->torn);
 }
 
-/* Runs stories of n lives in all. */
+/* Runs stories of n lives in all, and more while no end of a file has been torn. */
 static struct tally run_lives(const struct circumstances *kind, unsigned kinds, unsigned n)
 {
-    enum { LIVES = 5 };
+    enum { LIVES = 5, MORE = 10 };
     struct story s = {0};
-    for (unsigned i = 0; i < n; i++) {
-        if (i % LIVES == 0)
+    bool ended = true;
+    for (unsigned i = 0; i < n || (s.tally.torn == 0 && i < MORE * n); i++) {
+        if (ended)
             story_begin(&s);
         story_live(&s, &kind[test_below(kinds)]);
-        if (i % LIVES == LIVES - 1 || i + 1 == n)
+        ended = i % LIVES == LIVES - 1 || i + 1 >= n;
+        if (ended)
             story_end(&s);
     }
     print(&s.tally);
