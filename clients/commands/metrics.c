@@ -103,6 +103,7 @@ static const struct description descriptions[] = {
     {"follower_lag_records", GAUGE, "Changes that it does not have."},
     {"follower_lag_bytes", GAUGE, "What it was sent and has not acknowledged."},
     {"follower_lag_s", GAUGE, "Time since it last had everything."},
+    {"follower_silent_s", GAUGE, "Time since it last acknowledged something of what it was sent."},
     {"command_calls", COUNTER, "Requests, by command."},
     {"command_errors", COUNTER, "Requests with an ERR reply, by command."},
     {"command_p50_us", GAUGE, "Median of the time of a request since the start."},

@@ -43,6 +43,12 @@ struct session {
     int64_t deadline_ms;   /* when that is over; 0: none */
     struct timer deadline; /* runs at that time */
     bool timed_out;        /* the deadline has passed */
+    /* A change whose reply waits for followers at most until then; the first and the last one that do. */
+    struct session_awaited {
+        uint64_t lsn; /* 0: none */
+        int64_t at_ms;
+    } awaited, last_awaited;
+    struct timer awaited_timer; /* runs at awaited.at_ms */
     enum session_state state;
     union {
         struct job *job;         /* borrows */

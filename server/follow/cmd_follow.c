@@ -174,15 +174,17 @@ static void add_follower(const struct sender *f, void *ctx)
     struct listing_of *l = ctx;
     char key[32], value[240], peer[SOCK_PEER_TEXT];
     uint64_t acked = f->acked, sent = f->sent_bytes, acked_bytes = f->acked_bytes;
+    int64_t silent = f->silent_ms;
     int at = f->state;
     sock_peer_text(&f->peer, peer);
     snprintf(key, sizeof key, "follower_%u", ++l->n);
     snprintf(value, sizeof value,
              "address=%s,state=%s,lsn=%" PRIu64 ",lag_records=%" PRIu64 ",lag_bytes=%" PRIu64
-             ",lag_s=%.3f",
+             ",lag_s=%.3f,silent_s=%.3f",
              peer, state[at], acked, l->last > acked ? l->last - acked : 0,
              sent > acked_bytes ? sent - acked_bytes : 0,
-             f->behind_ms == 0 ? 0 : (double)(l->now_ms - f->behind_ms) / 1000);
+             f->behind_ms == 0 ? 0 : (double)(l->now_ms - f->behind_ms) / 1000,
+             silent == 0 ? 0 : (double)(l->now_ms - silent) / 1000);
     facts_add_text(l->f, key, value);
 }
 

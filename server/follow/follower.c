@@ -352,6 +352,9 @@ void follower_tick(struct server *s)
         follower_remember(f);
     if (f == NULL || f->link == NULL || !f->following)
         return;
+    if (f->record > 0 || f->lsn != f->looked)
+        link_works(f->link);
+    f->looked = f->lsn;
     if (f->piece != NULL && f->at == buf_len(&f->piece->bytes) && !f->busy)
         end_piece(f);
     run(f);

@@ -29,6 +29,7 @@ struct follower {
     char why[160];            /* why changes are refused */
     struct link_piece *piece; /* that is being carried out, */
     size_t at;                /* from here on */
+    uint64_t looked;          /* lsn at the last tick */
     uint64_t lsn;             /* of the last record that has been carried out or collected */
     uint64_t digest;          /* up to there; 0: it cannot be continued */
     uint64_t whole_digest;    /* without an incomplete LOAD: of what is in the log */

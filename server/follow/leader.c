@@ -37,6 +37,21 @@ unsigned leader_count(const struct server *s, uint64_t lsn)
     return n;
 }
 
+/* How many followers receive the log, and of these how many have acknowledged something within --follower-timeout. */
+static unsigned count_connected(const struct leader *l, unsigned *answer)
+{
+    int64_t most = (int64_t)l->server->config->follower_timeout_s * 1000, now = clock_ms();
+    unsigned n = 0;
+    *answer = 0;
+    for (const struct sender *f = l->first; f != NULL; f = f->next) {
+        int64_t silent = f->silent_ms;
+        bool connected = f->state == SENDER_LOG;
+        n += connected;
+        *answer += connected && (silent == 0 || now - silent < most);
+    }
+    return n;
+}
+
 /* The lsn that at least n followers have reached. Cost: quadratic in the followers, which are few. */
 static uint64_t reached_by(const struct server *s, unsigned n)
 {
@@ -55,6 +70,17 @@ static unsigned least_followers(const struct server *s)
     return s->read_only.why != NULL ? 0 : s->config->min_followers;
 }
 
+/* Whether --min-followers have been missing for a while. */
+static bool lacks(struct leader *l, unsigned least)
+{
+    unsigned answer, connected = count_connected(l, &answer);
+    if (connected >= least)
+        l->missing_ms = 0;
+    else if (l->missing_ms == 0)
+        l->missing_ms = l->loop->now_ms;
+    return connected >= least ? answer < least : l->loop->now_ms - l->missing_ms >= GRACE_MS;
+}
+
 /* Replies wait for --min-followers, unless these have been missing for a while. */
 static void release(struct server *s)
 {
@@ -64,19 +90,14 @@ static void release(struct server *s)
     if (l->least > 0 && s->read_only.why != NULL)
         holders_fail(&s->held, HOLD_FOLLOWERS);
     l->least = least;
-    if (least == 0) {
+    if (least == 0)
         holders_follow_none(&s->held);
-        l->missing_ms = 0;
-    } else {
+    else
         holders_follow(&s->held, reached_by(s, least));
-        if (leader_count(s, 0) >= least)
-            l->missing_ms = 0;
-        else if (l->missing_ms == 0)
-            l->missing_ms = l->loop->now_ms;
-    }
-    bool missing = l->missing_ms != 0 && l->loop->now_ms - l->missing_ms >= GRACE_MS;
+    bool missing = lacks(l, least);
     if (missing && !s->without_followers)
-        notice(NOTICE_WARNING, "there are fewer than %u followers: changes are refused", least);
+        notice(NOTICE_WARNING,
+               "fewer than %u followers are connected and answer: changes are refused", least);
     s->without_followers = missing;
     if (missing)
         holders_fail(&s->held, HOLD_FOLLOWERS);

@@ -65,8 +65,10 @@ static bool acknowledge(struct wire *w)
         return true;
     pthread_mutex_lock(&w->l->mutex);
     uint64_t lsn = w->l->acked, bytes = w->l->acked_bytes;
+    bool works = w->l->works;
+    w->l->works = false;
     pthread_mutex_unlock(&w->l->mutex);
-    if (lsn <= w->acked && bytes <= w->acked_bytes)
+    if (lsn <= w->acked && bytes <= w->acked_bytes && !works)
         return true;
     w->acked = lsn;
     w->acked_bytes = bytes;
@@ -467,6 +469,14 @@ void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes)
     l->acked = lsn;
     if (bytes != 0)
         l->acked_bytes = bytes;
+    pthread_mutex_unlock(&l->mutex);
+    dial_wake(&l->dial);
+}
+
+void link_works(struct link *l)
+{
+    pthread_mutex_lock(&l->mutex);
+    l->works = true;
     pthread_mutex_unlock(&l->mutex);
     dial_wake(&l->dial);
 }

@@ -62,8 +62,9 @@ struct link {
     struct link_arrival *arrival; /* owns until link_arrived; not NULL: the thread waits for that */
     bool installed;
     uint64_t acked, acked_bytes; /* what is to be acknowledged */
-    uint64_t leader_lsn;         /* the last one that is known of the leader */
-    bool repeats;                /* the connection has ended by a failure that repeats a transfer */
+    bool works;          /* the I/O thread works on a change: that is to be acknowledged, too */
+    uint64_t leader_lsn; /* the last one that is known of the leader */
+    bool repeats;        /* the connection has ended by a failure that repeats a transfer */
     pthread_t thread;
 };
 
@@ -95,6 +96,10 @@ void link_installed(struct link *l, uint64_t lsn);
 
 /* Changes up to lsn are on the disk, and with them this number of bytes of the stream; 0: unknown. */
 void link_acknowledge(struct link *l, uint64_t lsn, uint64_t bytes);
+
+/* The I/O thread, or a worker, is carrying out what was received: the leader hears that although nothing more is on the
+ * disk. */
+void link_works(struct link *l);
 
 /* Disconnects, because what was received cannot be carried out; the thread connects again, after a long pause if that
  * happens again and again, and asks for the position. */

@@ -71,6 +71,7 @@ static bool take_lines(struct sending *g)
             return false;
         g->s->acked_bytes = bytes;
         g->s->acked = lsn;
+        g->s->silent_ms = bytes >= g->s->sent_bytes ? 0 : clock_ms();
         notify(g->s);
     }
 }
@@ -115,6 +116,8 @@ static bool flush(struct sending *g)
             buf_consume(&g->out, (size_t)n);
             g->s->sent_bytes += (uint64_t)n;
             until = clock_ms() + SEND_MS;
+            if (g->s->silent_ms == 0)
+                g->s->silent_ms = clock_ms();
         } else if (errno != EAGAIN && errno != EINTR) {
             return false;
         } else if (clock_ms() > until || !wait_for(g, POLLOUT, 1000)) {

@@ -8,7 +8,7 @@
  * a snapshot, whole, comes first. differs: the log has other changes up to that lsn, or ends before it; nothing follows.
  * A header comes again before the first record of each segment, and every second while there are none: its lsn is that
  * of the next record, its digest that of all before it. The follower sends lines `ACK lsn bytes`: what it has on its disk,
- * and the bytes of the stream up to there.
+ * and the bytes of the stream up to there; the same line again while it works on a change for longer than a second.
  *
  * Since it reads files, a slow follower needs no memory of the leader. Only changes that are durable here are sent, so that a
  * follower never has changes that its leader has lost in a crash. */
@@ -50,6 +50,8 @@ struct sender {
     _Atomic uint64_t
         wants_snapshot; /* not 0: it waits for a snapshot of changes up to at least this lsn - 1 */
     _Atomic int state;
+    /* since when it has acknowledged nothing more of what was sent, in milliseconds; 0: it has everything */
+    _Atomic int64_t silent_ms;
     atomic_bool sleeping; /* it is to be woken when `durable` grows */
     /* the I/O thread's */
     int64_t behind_ms; /* since when the follower does not have everything; 0: it does */

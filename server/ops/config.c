@@ -32,6 +32,7 @@ void config_init(struct config *c)
         .max_memory = machine_memory() / 5 * 4,
         .compact_at = (size_t)64 << 20,
         .keep_log = (size_t)256 << 20,
+        .follower_timeout_s = 10,
         .slowlog_us = 10000,
         .slowlog_len = 128,
         .log_level = NOTICE_INFO,

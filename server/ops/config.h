@@ -28,6 +28,7 @@ struct config {
         follow; /* ADDR:PORT of the leader; NULL: none, or the one that the data directory remembers */
     const char *follow_token_file; /* the token for it; NULL: none */
     unsigned min_followers;        /* that have a change on disk before it is acknowledged */
+    unsigned follower_timeout_s;   /* a follower that acknowledges nothing for so long is missing */
     size_t keep_log;       /* bytes of log for followers beyond those that are in no snapshot */
     const char *check;     /* the data directory of --check; NULL: none */
     const char *repair;    /* the data directory of --repair; NULL: none */

@@ -32,6 +32,8 @@ const struct setting settings[] = {
     {"follow-token-file", NULL, SETTING_TEXT, FIXED, AT(follow_token_file), 0, 0, NULL},
     {"min-followers", "min-replicas-to-write", SETTING_NUMBER, LIVE, AT(min_followers), 0, 64,
      "from 0 to 64"},
+    {"follower-timeout", "min-replicas-max-lag", SETTING_NUMBER, LIVE, AT(follower_timeout_s), 1,
+     1000000, "seconds, 1 to 1000000"},
     {"keep-log", "repl-backlog-size", SETTING_BYTES, LIVE, AT(keep_log), 1, 0, bytes_wanted},
     {"auth-file", NULL, SETTING_TEXT, FIXED, AT(auth_file), 0, 0, NULL},
     {"insecure", NULL, SETTING_SWITCH, FIXED, AT(insecure), 0, 0, NULL},

@@ -273,6 +273,7 @@ static void on_closed(struct conn *c)
     wait_served(&s->waiter);
     timer_clear(&s->later);
     timer_clear(&s->deadline);
+    timer_clear(&s->awaited_timer);
     timer_clear(&s->probe);
     if (s->state == SESSION_WORKING)
         job_leave(s->job, s->id);
@@ -339,6 +340,7 @@ struct session *session_new(struct server *server, struct loop *loop, int fd,
     s->probe.run = session_on_probe;
     s->later.run = on_later;
     s->deadline.run = pass_deadline;
+    s->awaited_timer.run = session_on_awaited;
     s->closed = closed;
     struct reservation memory = server_reservation(server, BUDGET_CLIENTS);
     reservation_set(&memory, sizeof *s);

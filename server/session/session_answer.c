@@ -93,6 +93,8 @@ static void hold_reply(struct session *s, const struct answer *a)
         s->edited = a->lsn;
     if (a->lsn != 0)
         hold_acknowledgement(in, &s->conn.hold, a->lsn, a->mark);
+    if (a->lsn != 0 && s->deadline_ms != 0)
+        session_limit_hold(s, a->lsn);
     if (a->shown != 0)
         hold_view(in, &s->conn.hold, a->shown, a->mark);
 }

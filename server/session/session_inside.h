@@ -55,6 +55,10 @@ bool session_wait_for_input(struct session *s);
 /* Starts the TIMEOUT of the current request, if it has one and it has not started yet. */
 void session_set_deadline(struct session *s);
 
+/* The reply about that change waits: for followers at most until the TIMEOUT of the request is over. */
+void session_limit_hold(struct session *s, uint64_t lsn);
+void session_on_awaited(struct timer *t); /* it is over */
+
 /* Reads a piece of the body, or carries out its request when the body is complete; true: continue. */
 bool session_step_load(struct session *s);
 

@@ -6,7 +6,10 @@
 #include "server/session/session.h"
 #include "server/session/session_inside.h"
 
-enum { PROBE_MS = 50 }; /* from the end of the input to the line that probes the client */
+enum {
+    PROBE_MS = 50,     /* from the end of the input to the line that probes the client */
+    LATE_AGAIN_MS = 20 /* from one look at a change that is not on the disk to the next */
+};
 
 /* Whether the session only waits for the next request. */
 static bool is_listening(const struct session *s)
@@ -43,6 +46,45 @@ void session_check_timeouts(struct session *s)
         session_refuse(s, ERR_TIMEOUT, "idle for too long");
         conn_turn(c);
     }
+}
+
+/* ---- replies that wait for followers ---- */
+
+static void begin_awaited(struct session *s)
+{
+    if (s->awaited.lsn == 0) {
+        s->awaited = s->last_awaited;
+        s->last_awaited.lsn = 0;
+    }
+    if (s->awaited.lsn != 0)
+        loop_at(s->conn.loop, &s->awaited_timer, s->awaited.at_ms);
+}
+
+void session_limit_hold(struct session *s, uint64_t lsn)
+{
+    if (s->conn.hold.in == NULL)
+        return;
+    s->last_awaited = (struct session_awaited){lsn, s->deadline_ms + 1};
+    if (!timer_is_set(&s->awaited_timer))
+        begin_awaited(s);
+}
+
+/* The change has been made, so the reply is not TIMEOUT. Waiting for the disk has no limit. */
+void session_on_awaited(struct timer *t)
+{
+    struct session *s = (struct session *)((char *)t - offsetof(struct session, awaited_timer));
+    const struct holders *in = s->conn.hold.in;
+    if (s->conn.closed)
+        return;
+    if (in != NULL && s->awaited.lsn > in->durable && s->awaited.lsn <= in->saved) {
+        session_not_saved(&s->conn.hold);
+        return;
+    }
+    if (in != NULL && s->awaited.lsn > in->saved)
+        s->awaited.at_ms = s->conn.loop->now_ms + LATE_AGAIN_MS;
+    else
+        s->awaited.lsn = 0;
+    begin_awaited(s);
 }
 
 void session_evict(struct session *s)

@@ -1,8 +1,10 @@
-/* limits_test.c - a follower whose own limits are lower than what its leader has, and what it does when it cannot go on. */
+/* limits_test.c - a follower whose own limits are lower than what its leader has, and what it does when it cannot go on; how
+ * long a leader waits for a follower. */
 #include "server/follow/link.h"
 #include "tests/server/follow/node.h"
 #include "tests/test.h"
 
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -111,6 +113,97 @@ TEST_TIMEOUT(temporary_set_of_a_client_gives_way_to_the_set_of_the_leader, 60)
     CHECK_STR(last, first); /* no other snapshot was needed */
     node_end(&l);
     node_end(&f);
+}
+
+/* ---- a follower that does not answer ---- */
+
+struct pair {
+    struct node l, f;
+};
+
+/* A leader that needs its follower, which is then stopped: its connection stays. */
+static struct pair stopped_pair(const char *timeout)
+{
+    struct pair p = {.l = node_new((const char *[]){"--min-followers", "1", "--follower-timeout",
+                                                    timeout, NULL})};
+    p.f = node_follower_of(&p.l);
+    node_await_reply(&p.l, "ADD c 0 0", "OK");
+    carry_out(&p.l.d, "ADD a 0 0\n");
+    kill(p.f.d.pid, SIGSTOP);
+    return p;
+}
+
+static void end_pair(struct pair *p)
+{
+    node_end(&p->l);
+    node_end(&p->f);
+}
+
+TEST_TIMEOUT(changes_are_refused_when_a_follower_has_not_answered_for_its_time, 60)
+{
+    struct pair p = stopped_pair("1");
+    int fd = daemon_connect(&p.l.d);
+    const char *got = node_ask_on(fd, "ADD a 1 1");
+    CHECK_STR(got, "ERR NOFOLLOWERS too few followers have the last changes, which are saved here");
+    expect_end(fd);
+    CHECK(node_is(&p.l, "followers", "1"));
+    node_expect(&p.l, "ADD a 2 2", "ERR NOFOLLOWERS");
+    node_expect(&p.l, "STAT a",
+                "OK 0 points=2"); /* the first one was made, the second one was not */
+    kill(p.f.d.pid, SIGCONT);
+    node_await_reply(&p.l, "ADD c 3 3", "OK");
+    node_expect_same(&p.l, &p.f);
+    end_pair(&p);
+}
+
+TEST_TIMEOUT(follower_timeout_can_be_set_while_a_change_waits, 60)
+{
+    struct pair p = stopped_pair("1000000");
+    int fd = daemon_connect(&p.l.d);
+    say(fd, "ADD a 1 1\n");
+    carry_out(&p.l.d, "CONFIG SET follower-timeout 1\n");
+    CHECK(strncmp(hear_line(fd), "ERR NOFOLLOWERS", 15) == 0);
+    close(fd);
+    node_expect(&p.l, "CONFIG SET min-replicas-max-lag 0", "ERR RANGE");
+    kill(p.f.d.pid, SIGCONT);
+    end_pair(&p);
+}
+
+/* TIMEOUT would say that nothing has changed. */
+TEST_TIMEOUT(time_limit_of_a_change_holds_while_it_waits_for_followers, 60)
+{
+    struct pair p = stopped_pair("1000000");
+    int fd = daemon_connect(&p.l.d), other = daemon_connect(&p.l.d);
+    say(other, "ADD b 1 1\n");
+    say(fd, "PING\nTIMEOUT 0.2 ADD a 1 1\nTIMEOUT 0.3 ADD a 2 2\nPING\n");
+    CHECK_STR(hear_line(fd), "OK 0");
+    CHECK_STR(hear_line(fd),
+              "ERR NOFOLLOWERS too few followers have the last changes, which are saved here");
+    expect_end(fd);
+    carry_out(&p.l.d, "CONFIG SET min-followers 0\n");
+    CHECK(strncmp(hear_line(other), "OK 0 first=0", 12) == 0); /* which has no limit */
+    node_expect(&p.l, "STAT a", "OK 0 points=3");
+    close(other);
+    kill(p.f.d.pid, SIGCONT);
+    node_expect_same(&p.l, &p.f);
+    end_pair(&p);
+}
+
+TEST_TIMEOUT(time_limit_of_a_change_that_followers_have_in_time_does_not_end_a_later_one, 60)
+{
+    struct pair p = stopped_pair("1000000");
+    int fd = daemon_connect(&p.l.d);
+    say(fd, "TIMEOUT 2 ADD a 1 1\n");
+    pause_ms(100);
+    kill(p.f.d.pid, SIGCONT);
+    CHECK(strncmp(hear_line(fd), "OK 0 first=1", 12) == 0);
+    kill(p.f.d.pid, SIGSTOP);
+    say(fd, "ADD a 2 2\n");
+    pause_ms(2500); /* the limit is over */
+    kill(p.f.d.pid, SIGCONT);
+    CHECK(strncmp(hear_line(fd), "OK 0 first=2", 12) == 0);
+    close(fd);
+    end_pair(&p);
 }
 
 /* ---- pauses ---- */
