@@ -18,6 +18,16 @@ TEST(lines_of_a_pipe_can_have_a_private_server)
     CHECK_STR(peer_shell(&status, "%s -u private: SETS 2>&1", getenv("DELAUNAY")), "OK 0\n");
 }
 
+TEST(only_the_default_address_is_replaced_by_a_private_server)
+{
+    int status;
+    unsetenv("DELAUNAY_URL");
+    const char *got = peer_shell(&status, "%s -p 1 HELP 2>&1", getenv("DELAUNAY"));
+    CHECK_MSG(status == 3 && strstr(got, "TRIANGULATE") == NULL, "%s", got);
+    got = peer_shell(&status, "%s -h 127.9.9.9 HELP 2>&1", getenv("DELAUNAY"));
+    CHECK_MSG(status == 3 && strstr(got, "TRIANGULATE") == NULL, "%s", got);
+}
+
 TEST(prompt_without_a_server_has_a_private_one_and_a_script_has_none)
 {
     int status;

@@ -351,8 +351,9 @@ TEST(client_kill_refuses_a_word_that_is_neither_id_nor_address)
     int fd = daemon_connect(&d);
     say(fd, "CLIENT KILL ID 99999999999999999999999999999999999999999999999999999999\n"
             "CLIENT KILL ID 18446744073709551616\nCLIENT KILL ID 4294967296x\n"
+            "CLIENT KILL TYPE 1\n"
             "CLIENT KILL ID 18446744073709551615\nCLIENT KILL unix\nCLIENT KILL ADDR 4294967296\n");
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 4; i++)
         CHECK(strncmp(hear_line(fd), "ERR SYNTAX usage: CLIENT ", 25) == 0);
     for (int i = 0; i < 3; i++)
         CHECK_STR(hear_line(fd), "OK 0 killed=0");
