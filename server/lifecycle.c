@@ -33,6 +33,7 @@ bool server_init(struct server *s, struct config *config)
     s->sets.pages = s->pages;
     s->sets.discard = discard;
     s->sets.discard_ctx = s;
+    s->sets.changed = watch_changed;
     s->sets.dropped = watch_dropped;
     if (config->auth_file != NULL && !auth_load(&s->auth, config->auth_file))
         return false;

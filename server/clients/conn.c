@@ -249,6 +249,10 @@ static void settle(struct conn *c)
     give_back(&c->in, &c->loop->spare_in);
     give_back(&c->out, &c->loop->spare_out);
     keep_small(c);
+    if (c->wants_room && !conn_full(c)) {
+        c->wants_room = false;
+        c->events->room(c);
+    }
     reservation_set(&c->memory, c->owner_bytes + c->in.cap + c->out.cap);
     uint32_t interest =
         (wants_input(c) ? (uint32_t)EPOLLIN : 0) | (conn_sendable(c) > 0 ? (uint32_t)EPOLLOUT : 0);

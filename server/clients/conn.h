@@ -27,6 +27,7 @@ struct conn;
 
 struct conn_events {
     void (*data)(struct conn *c);
+    void (*room)(struct conn *c);   /* `wants_room` was set, and there is room in `out` */
     void (*closed)(struct conn *c); /* frees it */
 };
 
@@ -50,6 +51,7 @@ struct conn {
     bool finishing;      /* no more replies: send what is in `out`, then close */
     bool lingering;      /* all is sent; input is read and dropped until the client closes */
     bool closed;
+    bool wants_room;   /* asks for a call of `room` */
     size_t dropped;    /* bytes read while lingering */
     int64_t linger_ms; /* since when */
 };

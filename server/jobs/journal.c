@@ -26,7 +26,7 @@ static uint64_t append(struct server *s, const struct dataset *set, struct recor
 static void changed(struct server *s, struct dataset *set, uint64_t lsn)
 {
     set->current->lsn = lsn;
-    set->version = registry_version(&s->sets, lsn);
+    registry_set_version(&s->sets, set, registry_version(&s->sets, lsn));
 }
 
 void journal_create(struct server *s, struct dataset *set, double tolerance)

@@ -29,6 +29,12 @@ struct counters {
     uint64_t delayed_tokens; /* right and wrong ones whose check was delayed (guard.h) */
 };
 
+/* The sets that clients watch, or have watched lately (server/watch/agenda.h). */
+struct watching {
+    struct watched *all, *busy, *now; /* owns those in `all` */
+    struct watched *deserted, *deserted_last;
+};
+
 struct server {
     struct config *config; /* borrows; CONFIG SET changes it */
     struct budget budget;
@@ -48,11 +54,11 @@ struct server {
         enum reply_code code;
         const char *why; /* borrows; NULL: changes are possible */
     } read_only;
-    bool follows;            /* it has a leader, or begins with one */
-    bool without_followers;  /* there are fewer than --min-followers */
-    struct watched *watched; /* owns; the sets that clients watch (server/watch) */
-    struct job *jobs;        /* those of the workers, until they are collected and ended */
-    struct work *early;      /* of these, finished readers that wait for an edit (job_is_early) */
+    bool follows;             /* it has a leader, or begins with one */
+    bool without_followers;   /* there are fewer than --min-followers */
+    struct watching watching; /* the sets that clients watch */
+    struct job *jobs;         /* those of the workers, until they are collected and ended */
+    struct work *early;       /* of these, finished readers that wait for an edit (job_is_early) */
     /* Answers a connection that has joined a job (job_answer) and does nothing else. */
     void (*answer_joined)(struct server *s, uint64_t id, struct job *j);
     struct dt_pages *pages;        /* owns; the page cache for large arrays (keep.h) */

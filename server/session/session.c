@@ -267,6 +267,11 @@ static void on_data(struct conn *c)
         session_probe(s);
 }
 
+static void on_room(struct conn *c)
+{
+    watch_resume((struct session *)c);
+}
+
 static void on_closed(struct conn *c)
 {
     struct session *s = (struct session *)c;
@@ -327,7 +332,8 @@ static void pass_deadline(struct timer *t)
 struct session *session_new(struct server *server, struct loop *loop, int fd,
                             const struct sock_peer *peer, void (*closed)(struct session *s))
 {
-    static const struct conn_events events = {.data = on_data, .closed = on_closed};
+    static const struct conn_events events = {
+        .data = on_data, .room = on_room, .closed = on_closed};
     struct session *s = calloc(1, sizeof *s);
     if (s == NULL)
         return NULL;

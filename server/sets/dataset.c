@@ -296,6 +296,13 @@ void registry_drop(struct registry *r, struct dataset *set)
     free_set(r, set);
 }
 
+void registry_set_version(struct registry *r, struct dataset *set, uint64_t version)
+{
+    set->version = version;
+    if (set->watched != NULL && r->changed != NULL)
+        r->changed(set);
+}
+
 /* ---- sets that are replaced by those of another registry ---- */
 
 /* The set of the same name. */
@@ -334,7 +341,7 @@ static void replace_contents(struct registry *r, struct dataset *set, struct dat
         dataset_publish(r, set, by->current);
         set->current->lsn = lsn;
     }
-    set->version = by->version;
+    registry_set_version(r, set, by->version);
     set->triangulated = by->triangulated;
     wait_wake_all(&set->queue);
     free(by);

@@ -76,8 +76,9 @@ struct registry {
     /* Frees a set that nothing refers to any more; freeing a large one is a job. */
     void (*discard)(void *ctx, struct dt *dt);
     void *discard_ctx;
-    void (*dropped)(
-        struct dataset *set); /* called before a set that is watched is dropped; or NULL */
+    /* Called when a set that is watched has another version, and before it is dropped; NULL: nobody watches. */
+    void (*changed)(struct dataset *set);
+    void (*dropped)(struct dataset *set);
 };
 
 void registry_init(struct registry *r);
@@ -93,6 +94,8 @@ void registry_drop(struct registry *r, struct dataset *set);
 /* The version of a set after a change that has this lsn; 0: it is in no log. Below 2^53, never the same twice, and
  * larger than those of earlier lives. */
 uint64_t registry_version(struct registry *r, uint64_t lsn);
+/* The set has another version. */
+void registry_set_version(struct registry *r, struct dataset *set, uint64_t version);
 /* A life begins after the life `last` (0: there was none): chooses its number, which grows with the time, and gives
  * versions to the sets that have none. */
 void registry_begin_life(struct registry *r, uint32_t last);

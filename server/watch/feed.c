@@ -148,8 +148,7 @@ void feed_leave(struct watcher *w)
 
 /* ---- sending ---- */
 
-/* Whether an event may follow what is in the output: not within a reply, and the client reads. */
-static bool can_take(const struct watcher *w)
+bool feed_can_take(const struct watcher *w)
 {
     const struct session *s = w->session;
     return !s->conn.closed && !s->conn.finishing && s->state != SESSION_STREAMING &&
@@ -219,7 +218,7 @@ static void leave_late_behind(struct feed *f)
     for (struct watcher *w = f->first, *next; w != NULL; w = next) {
         next = w->next;
         lacks_event = lacks_event || w == f->unsent;
-        if (!can_take(w))
+        if (!feed_can_take(w))
             become_late(w, lacks_event);
     }
 }
@@ -234,7 +233,7 @@ static void begin_sending(struct feed *f, const struct event *e)
 void feed_send(struct server *s, struct feed *f, int64_t end_ns)
 {
     for (struct watcher *w; (w = f->unsent) != NULL;) {
-        if (can_take(w)) {
+        if (feed_can_take(w)) {
             send_event(s, w, &f->sending);
             f->unsent = w->next;
         } else {
@@ -287,7 +286,7 @@ void feed_part(struct server *s, struct feed *f)
 bool feed_late_part(struct server *s, struct watcher *w)
 {
     struct feed *f = w->feed;
-    if (!can_take(w))
+    if (!feed_can_take(w))
         return false;
     struct event e = event_for(s, f, false);
     if (take_part(&e, &w->own, f))
@@ -330,7 +329,7 @@ static void mark_late(struct watcher *w, const struct feed_change *c)
 {
     enum { FEW = 4096 };
     uint32_t n = w->own.ids.count;
-    if (n > FEW && n > w->feed->of->ids / 4 && !can_take(w))
+    if (n > FEW && n > w->feed->of->ids / 4 && !feed_can_take(w))
         backlog_all(&w->own);
     mark_change(&w->own, w->feed, c);
     count_memory(w);
@@ -403,7 +402,7 @@ void feed_change(struct server *s, struct feed *f, const struct feed_change *c, 
 static void tell_dropped(struct server *s, struct watcher *w)
 {
     struct event e = {.scope = &w->feed->scope, .lsn = s->dropped};
-    if (!can_take(w))
+    if (!feed_can_take(w))
         return;
     event_dropped(&e, w->feed->of->name);
     send_event(s, w, &e);

@@ -31,7 +31,13 @@ struct backlog {
 
 /* A set that is watched, was until lately, or was when it was dropped. */
 struct watched {
-    struct watched *next;
+    struct server *server;         /* borrows */
+    struct watched *next, **link;  /* in the list of all (agenda.h) */
+    struct watched *busy_next;     /* in that of the busy ones, */
+    bool busy;                     /* if it is there */
+    struct watched *deserted_next, /* in that of the deserted ones, */
+        *deserted_before;
+    int64_t deserted_ms;   /* since when; 0: it is not there */
     struct dataset *set;   /* borrows; NULL: dropped */
     struct feed *feeds;    /* own their watchers */
     struct watcher *late;  /* owns; in the order in which they get parts */
@@ -41,7 +47,6 @@ struct watched {
     uint64_t values_since; /* from this version on */
     struct recent recent;
     int64_t retry_ms;     /* no triangulation for watchers before */
-    int64_t deserted_ms;  /* when its last watcher went */
     uint64_t changing;    /* the version at the end of the last turn, */
     int64_t changed_ns;   /* which was new at that time */
     int64_t credit_ns;    /* processor time that may be spent on events, as of `credit_at_ns` */
@@ -115,6 +120,9 @@ uint32_t feed_line(const struct watched *k);
 
 /* Appends the ids in the box of the feed, if the set can find them quickly; false: it cannot, or memory is short. */
 bool feed_find_box(const struct feed *f, struct dt_ids *found);
+
+/* Whether an event may be sent to the watcher: not within a reply, and its client reads. */
+bool feed_can_take(const struct watcher *w);
 
 /* Adds a watcher to the others, or to those that are late. */
 void feed_join(struct watcher *w);

@@ -3,6 +3,7 @@
 
 #include "server/jobs/job.h"
 #include "server/ops/cost.h"
+#include "server/watch/agenda.h"
 #include "server/watch/feed.h"
 
 #include <stdlib.h>
@@ -275,14 +276,6 @@ static void flush(struct server *s, struct watched *k)
 
 /* ---- the end of a turn ---- */
 
-static bool is_deserted(const struct watched *k)
-{
-    for (const struct feed *f = k->feeds; f != NULL; f = f->next)
-        if (f->first != NULL || f->late > 0)
-            return false;
-    return true;
-}
-
 static void free_deserted_feeds(struct watched *k)
 {
     for (struct feed **at = &k->feeds; *at != NULL;) {
@@ -305,47 +298,87 @@ static void free_watched(struct watched *k)
     free(k);
 }
 
-/* Whether it is kept: it has watchers, one may come back, or a worker may be noting what an edit touches. */
-static bool is_kept(struct watched *k)
+/* The set is watched no longer. */
+static void forget(struct watched *k)
 {
-    if (!is_deserted(k)) {
-        k->deserted_ms = 0;
-        return true;
+    if (k->set != NULL) {
+        dt_touched_end(k->set->current->dt);
+        k->set->watched = NULL;
     }
-    if (k->deserted_ms == 0)
-        k->deserted_ms = clock_ms();
-    return k->set != NULL && (k->set->exclusive || clock_ms() - k->deserted_ms < KEEP_MS);
+    agenda_leave(k);
+    free_watched(k);
+}
+
+/* Whether the watcher can take an event now; if not, its connection says when it can (watch_resume). */
+static bool can_take(struct watcher *w)
+{
+    bool can = feed_can_take(w);
+    w->session->conn.wants_room = w->session->conn.wants_room || !can;
+    return can;
+}
+
+/* Whether there is more to do in the next turn. */
+static bool is_busy(struct watched *k)
+{
+    bool more = k->set != NULL && (feeds_lag(k) || is_sending(k) ||
+                                   (k->version != k->set->version && loop_of(k) != NULL));
+    for (struct watcher *w = k->late; w != NULL; w = w->next)
+        more = can_take(w) || more;
+    for (const struct feed *f = k->feeds; k->set == NULL && f != NULL; f = f->next)
+        for (struct watcher *w = f->first; w != NULL; w = w->next)
+            more = can_take(w) || more;
+    return more;
+}
+
+static void look_at(struct server *s, struct watched *k)
+{
+    if (k->set == NULL)
+        feed_dropped(s, k);
+    else
+        flush(s, k);
+    free_deserted_feeds(k);
+    if (k->feeds == NULL && k->set == NULL) {
+        forget(k);
+        return;
+    }
+    if (k->feeds == NULL)
+        agenda_desert(k, clock_ms());
+    if (is_busy(k))
+        agenda_call(k);
+}
+
+/* Forgets sets whose last watcher left long ago. While a worker notes what an edit touches, it stays. */
+static void forget_deserted(struct server *s)
+{
+    enum { MOST = 256 }; /* some microseconds each */
+    int64_t now = s->watching.deserted == NULL ? 0 : clock_ms();
+    struct watched *k;
+    for (int i = 0; i < MOST && (k = s->watching.deserted) != NULL; i++) {
+        if (now - k->deserted_ms < KEEP_MS)
+            return;
+        agenda_return(k);
+        if (k->set != NULL && k->set->exclusive)
+            agenda_desert(k, now);
+        else
+            forget(k);
+    }
 }
 
 void watch_turn_end(struct server *s)
 {
-    for (struct watched **at = &s->watched; *at != NULL;) {
-        struct watched *k = *at;
-        if (k->set == NULL)
-            feed_dropped(s, k);
-        else
-            flush(s, k);
-        free_deserted_feeds(k);
-        if (is_kept(k)) {
-            at = &k->next;
-            continue;
-        }
-        if (k->set != NULL) {
-            dt_touched_end(k->set->current->dt);
-            k->set->watched = NULL;
-        }
-        *at = k->next;
-        free_watched(k);
-    }
+    agenda_begin(s);
+    for (struct watched *k; (k = agenda_next(s)) != NULL;)
+        look_at(s, k);
+    forget_deserted(s);
 }
 
 void watch_clear(struct server *s)
 {
-    for (struct watched *k = s->watched, *next; k != NULL; k = next) {
+    for (struct watched *k = s->watching.all, *next; k != NULL; k = next) {
         next = k->next;
         free_watched(k);
     }
-    s->watched = NULL;
+    s->watching = (struct watching){.all = NULL};
 }
 
 /* ---- who watches ---- */
@@ -365,8 +398,8 @@ static struct watched *watched_of(struct server *s, struct dataset *set)
     k->memory = server_reservation(s, BUDGET_CLIENTS);
     dt_touched_begin(set->current->dt, false);
     recent_restart(&k->recent, k->version, k->ids);
-    k->next = s->watched;
-    s->watched = k;
+    k->server = s;
+    agenda_enter(k);
     set->watched = k;
     return k;
 }
@@ -458,6 +491,8 @@ bool watch_begin(struct server *s, struct session *who, struct dataset *set, str
         watch_end(who, set);
     struct feed *f = k == NULL ? NULL : feed_of(k, scope);
     if (f == NULL) {
+        if (k != NULL)
+            agenda_call(k); /* it may have no watchers */
         scope_clear(scope);
         free(w);
         return false;
@@ -476,28 +511,48 @@ bool watch_begin(struct server *s, struct session *who, struct dataset *set, str
     else
         feed_join(w);
     count_memory(k);
+    agenda_return(k);
+    agenda_call(k);
     /* A triangulation that was left for later will be a change of everything. */
     if (version_is_stale(set->current))
         k->version = 0;
     return true;
 }
 
+static void leave(struct watcher *w)
+{
+    agenda_call(w->feed->of); /* there may be no other */
+    feed_leave(w);
+}
+
 bool watch_end(struct session *who, const struct dataset *set)
 {
     struct watcher *w = find(who, set->name);
     if (w != NULL)
-        feed_leave(w);
+        leave(w);
     return w != NULL;
 }
 
 void watch_leave(struct session *who)
 {
     while (who->watching != NULL)
-        feed_leave(who->watching);
+        leave(who->watching);
+}
+
+void watch_resume(struct session *who)
+{
+    for (const struct watcher *w = who->watching; w != NULL; w = w->also)
+        if (w->late || w->feed->of->set == NULL)
+            agenda_call(w->feed->of);
+}
+
+void watch_changed(struct dataset *set)
+{
+    agenda_call(set->watched);
 }
 
 void watch_dropped(struct dataset *set)
 {
-    if (set->watched != NULL)
-        set->watched->set = NULL;
+    agenda_call(set->watched);
+    set->watched->set = NULL;
 }

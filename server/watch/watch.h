@@ -26,7 +26,11 @@ bool watch_end(struct session *who, const struct dataset *set); /* false: it did
 /* The connection has closed. */
 void watch_leave(struct session *who);
 
-/* A set is dropped. */
+/* Its output has room again, and the session may have lacked events. */
+void watch_resume(struct session *who);
+
+/* A set that is watched has another version, or is dropped. */
+void watch_changed(struct dataset *set);
 void watch_dropped(struct dataset *set);
 
 /* To be called at the end of every turn: writes the events. */

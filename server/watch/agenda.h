@@ -1,0 +1,29 @@
+/* agenda.h - which of the watched sets are looked at when, so that what is merely watched costs a turn of the loop nothing.
+ *
+ *     all       every watched set
+ *     busy      those that have changed, or have something to send: at the end of this turn
+ *     deserted  those whose last watcher has left, in the order in which they did: about a minute later
+ *
+ * Cost of each call: constant. */
+#ifndef SERVER_AGENDA_H
+#define SERVER_AGENDA_H
+
+#include "server/watch/feed.h"
+
+/* A new one: it is in `all` until agenda_leave, which takes it out of all lists. */
+void agenda_enter(struct watched *k);
+void agenda_leave(struct watched *k);
+
+/* It is looked at, at the end of this turn. */
+void agenda_call(struct watched *k);
+
+/* Takes a busy one out; NULL: there are no more. Those that are called meanwhile are for the next turn once agenda_begin
+ * has been called. */
+void agenda_begin(struct server *s);
+struct watched *agenda_next(struct server *s);
+
+/* Its last watcher has left, at now_ms; or it has one again. */
+void agenda_desert(struct watched *k, int64_t now_ms);
+void agenda_return(struct watched *k);
+
+#endif
