@@ -23,12 +23,12 @@ static void discard(void *ctx, struct dt *dt)
 bool server_init(struct server *s, struct config *config)
 {
     *s = (struct server){.config = config, .started_ms = clock_ms()};
-    budget_init(&s->budget, &config->max_memory);
+    s->pages = dt_pages_new(config->max_memory);
+    budget_init(&s->budget, &config->max_memory, s->pages);
     registry_init(&s->sets);
     registry_begin_life(&s->sets, 0);
     s->sets.memory = server_reservation(s, BUDGET_SETS);
     s->queued = server_reservation(s, BUDGET_LOG);
-    s->pages = dt_pages_new(config->max_memory);
     s->ahead = calloc(1, sizeof *s->ahead);
     s->sets.pages = s->pages;
     s->sets.discard = discard;

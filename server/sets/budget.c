@@ -1,6 +1,7 @@
 /* budget.c - see budget.h. */
 #include "server/sets/budget.h"
 
+#include "core/delaunay.h"
 #include "server/system/machine.h"
 
 #include <assert.h>
@@ -8,9 +9,9 @@
 
 enum { ANSWERS_SHARE = 16 }; /* this fraction of the limit is for replies and clients alone */
 
-void budget_init(struct budget *b, const size_t *limit)
+void budget_init(struct budget *b, const size_t *limit, struct dt_pages *pages)
 {
-    *b = (struct budget){.limit = limit};
+    *b = (struct budget){.limit = limit, .pages = pages};
 }
 
 static bool is_for_answers(enum budget_kind kind)
@@ -53,10 +54,26 @@ static void note_peak(struct budget *b, size_t used)
         ;
 }
 
+/* Returns the kept pages that exceed the limit together with what is reserved and the pages in use. */
+static void give_up_kept(const struct budget *b)
+{
+    struct dt_pages_summary now;
+    if (b->pages == NULL)
+        return;
+    dt_pages_summary(b->pages, &now);
+    if (now.kept == 0)
+        return;
+    size_t used = budget_used(b), large = now.held - now.kept;
+    size_t all = now.kept + (used > large ? used : large);
+    if (all > *b->limit)
+        (void)dt_pages_trim(b->pages, all - *b->limit);
+}
+
 static void grow(struct reservation *r, size_t more)
 {
     atomic_fetch_add(&r->budget->of[r->kind], more);
     r->bytes += more;
+    give_up_kept(r->budget);
 }
 
 bool reservation_resize(struct reservation *r, size_t bytes)

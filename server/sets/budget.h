@@ -11,8 +11,8 @@
  * requests are refused.
  *
  * A sixteenth of the limit is for replies and clients alone, so that a server full of sets still
- * answers. Free bytes may be pages in the page cache (keep.h), which are returned to the system when
- * they are reserved for something else.
+ * answers. Free bytes may be pages in the page cache (keep.h). A reservation that needs them returns them to the
+ * system before it succeeds, so pages and reservations together stay within the limit.
  *
  * Any thread may use a budget; a reservation belongs to one thread at a time. */
 #ifndef SERVER_BUDGET_H
@@ -21,6 +21,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
+
+struct dt_pages;
 
 enum budget_kind {
     BUDGET_SETS,    /* all versions of all sets */
@@ -34,7 +36,8 @@ enum budget_kind {
 };
 
 struct budget {
-    const size_t *limit; /* borrows: it may change */
+    const size_t *limit;    /* borrows: it may change */
+    struct dt_pages *pages; /* borrows: the page cache; NULL: there is none */
     atomic_size_t used, peak;
     atomic_size_t of[BUDGET_KINDS]; /* their sum is `used` */
 };
@@ -46,7 +49,7 @@ struct reservation {
     size_t bytes;
 };
 
-void budget_init(struct budget *b, const size_t *limit);
+void budget_init(struct budget *b, const size_t *limit, struct dt_pages *pages);
 
 static inline size_t budget_used(const struct budget *b)
 {

@@ -1,5 +1,7 @@
 /* budget_test.c - the memory budget: nothing is reserved twice, and replies have a share of their own. */
 #include "server/sets/budget.h"
+
+#include "core/memory/pages.h"
 #include "tests/test.h"
 
 #include <pthread.h>
@@ -11,7 +13,7 @@ static struct budget budget;
 static struct reservation begin(enum budget_kind kind, size_t bytes)
 {
     limit = bytes;
-    budget_init(&budget, &limit);
+    budget_init(&budget, &limit, NULL);
     return (struct reservation){.budget = &budget, .kind = kind};
 }
 
@@ -114,4 +116,35 @@ TEST(threads_together_reserve_no_more_than_the_limit)
         pthread_join(thread[i], NULL);
     CHECK(sum() == 0 && budget_used(&budget) == 0 && budget.peak <= 1000 - 1000 / 16 &&
           budget.peak >= 200);
+}
+
+static size_t kept_in(const struct dt_pages *pages)
+{
+    struct dt_pages_summary now;
+    dt_pages_summary(pages, &now);
+    return now.kept;
+}
+
+TEST(a_reservation_returns_the_kept_pages_whose_room_it_takes_and_no_more)
+{
+    enum { MIB = 1 << 20 };
+    struct reservation reply = begin(BUDGET_REPLIES, (size_t)64 * MIB), set = reply;
+    struct dt_pages *pages = dt_pages_new(SIZE_MAX);
+    void *region = dt_region_take(pages, (size_t)40 * MIB);
+    CHECK(region != NULL);
+    budget.pages = pages;
+    set.kind = BUDGET_SETS;
+    reservation_set(&set, (size_t)40 * MIB); /* as long as it is in use */
+    reservation_set(&set, 0);
+    dt_region_give(pages, region, (size_t)40 * MIB);
+    CHECK(kept_in(pages) == (size_t)40 * MIB);
+    CHECK(reservation_resize(&reply, (size_t)24 * MIB) && kept_in(pages) == (size_t)40 * MIB);
+    CHECK(reservation_resize(&reply, (size_t)30 * MIB) && kept_in(pages) == (size_t)34 * MIB);
+    reservation_set(&set, (size_t)10 * MIB); /* what is measured counts, too */
+    CHECK(kept_in(pages) == (size_t)24 * MIB);
+    CHECK(reservation_resize(&reply, (size_t)54 * MIB) && kept_in(pages) == 0);
+    CHECK(!reservation_resize(&reply, (size_t)54 * MIB + 1));
+    reservation_set(&reply, 0);
+    reservation_set(&set, 0);
+    dt_pages_free(pages);
 }
