@@ -7,14 +7,8 @@
 
 enum { SMALLEST = 256 };
 
-static bool grow(struct buf *b, size_t want)
+static bool resize(struct buf *b, size_t cap)
 {
-    size_t cap = b->cap < SMALLEST ? SMALLEST : b->cap;
-    while (cap < want) {
-        if (cap > SIZE_MAX / 2)
-            return false;
-        cap *= 2;
-    }
     char *data = realloc(b->data, cap);
     if (data == NULL)
         return false;
@@ -23,21 +17,57 @@ static bool grow(struct buf *b, size_t want)
     return true;
 }
 
-char *buf_make_room(struct buf *b, size_t n)
+static bool grow(struct buf *b, size_t want)
+{
+    size_t cap = b->cap < SMALLEST ? SMALLEST : b->cap;
+    while (cap < want) {
+        if (cap > SIZE_MAX / 2)
+            return false;
+        cap *= 2;
+    }
+    return resize(b, cap);
+}
+
+static void move_to_front(struct buf *b)
 {
     size_t len = buf_len(b);
+    memmove(b->data, b->data + b->start, len);
+    b->start = 0;
+    b->end = len;
+}
+
+char *buf_make_room(struct buf *b, size_t n)
+{
     /* Moving the content to the front pays only if it is no longer than what was consumed before
      * it. */
-    if (b->start >= len && b->start > 0) {
-        memmove(b->data, b->data + b->start, len);
-        b->start = 0;
-        b->end = len;
-    }
+    if (b->start >= buf_len(b) && b->start > 0)
+        move_to_front(b);
     if (b->cap - b->end < n && (n > SIZE_MAX - b->end || !grow(b, b->end + n))) {
         b->failed = true;
         return NULL;
     }
     return b->data + b->end;
+}
+
+char *buf_reserve_exactly(struct buf *b, size_t n)
+{
+    if (b->cap - b->end >= n)
+        return b->data + b->end;
+    if (b->start > 0)
+        move_to_front(b);
+    if (b->cap - b->end < n && (n > SIZE_MAX - b->end || !resize(b, b->end + n))) {
+        b->failed = true;
+        return NULL;
+    }
+    return b->data + b->end;
+}
+
+void buf_fit(struct buf *b)
+{
+    if (b->end == 0)
+        buf_free(b);
+    else
+        resize(b, b->end);
 }
 
 void buf_consume(struct buf *b, size_t n)

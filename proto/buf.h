@@ -38,6 +38,12 @@ static inline char *buf_reserve(struct buf *b, size_t n)
     return b->cap - b->end >= n ? b->data + b->end : buf_make_room(b, n);
 }
 
+/* The same without more room than that. Cost: all bytes. */
+char *buf_reserve_exactly(struct buf *b, size_t n);
+
+/* Gives back the room behind the content, if it can. */
+void buf_fit(struct buf *b);
+
 /* The first n reserved bytes have been written. */
 static inline void buf_commit(struct buf *b, size_t n)
 {

@@ -8,17 +8,19 @@
 #include <stdlib.h>
 
 enum {
-    AT_ONCE = 64,       /* rows that are written without a stream */
-    HEAVY_ROWS = 20000, /* more rows, or tables of more points, are made by workers */
-    PIECE =
-        64 * 1024, /* bytes of a piece and of a refill, about; values of a surface: SURFACE_PIECE */
-    PIECES = 4     /* of one stream, made or in work */
+    AT_ONCE = 64,             /* rows that are written without a stream */
+    HEAVY_ROWS = 20000,       /* more rows, or tables of more points, are made by workers */
+    PIECE = 64 * 1024,        /* bytes of a piece, and of a refill; of a surface: SURFACE_PIECE, */
+    LARGE_PIECE = 512 * 1024, /* or whole rows of text: there are fewer pieces than PIECES then */
+    PIECES = 4                /* of one stream, made or in work */
 };
 
 struct piece {
     struct rows part;
     bool uncut;      /* the worker cuts it off first; then it is the only piece in work */
     struct buf text; /* owns */
+    struct reservation
+        memory;      /* for the text and what its rows take; a worker's while it has the piece */
     struct job *job; /* borrows; not NULL: a worker has the piece */
 };
 
@@ -29,7 +31,7 @@ struct stream {
     void *ctx;
     struct piece
         piece[PIECES]; /* a ring: `used` of them from `head` on, in the order of their rows */
-    unsigned head, used;
+    unsigned head, used, most;
     unsigned in_work;
     bool
         passed; /* a piece needs the copy: no other is begun, and when none is in work, the copy is made */
@@ -38,20 +40,25 @@ struct stream {
     size_t past_bytes;         /* of the copy */
     bool abandoned;            /* freed while workers are making pieces */
     bool heavy;                /* workers make the pieces */
-    struct reservation memory; /* for ids and pieces */
+    struct reservation memory; /* for ids */
 };
 
 /* ---- life ---- */
 
-static bool answer_at_once(struct answer *a, struct rows *rows)
+static bool answer_at_once(struct server *s, struct answer *a, struct rows *rows)
 {
     enum { BYTES_AT_ONCE = 16 * 1024 };
     bool heavy = rows->heavy && (row_is_of_cell(rows->form) || rows->form == ROW_SURFACE);
     if (heavy || rows_count(rows) > AT_ONCE)
         return false;
+    struct reservation memory =
+        server_reservation(s, BUDGET_REPLIES); /* then it is the connection's */
+    rows->memory = &memory;
     rows->pace = (struct pace){.steps = COST_STEPS_AT_ONCE};
     rows_fill(rows, a->out, rows->table ? SIZE_MAX : buf_len(a->out) + BYTES_AT_ONCE);
     rows->pace = (struct pace){0};
+    rows->memory = NULL;
+    reservation_set(&memory, 0);
     return rows->done || rows->status != DT_OK;
 }
 
@@ -93,27 +100,43 @@ static size_t ids_bytes(const struct stream *st)
     return sizeof *st + st->rows.ids.cap * sizeof(uint32_t) + st->past_bytes + made;
 }
 
-/* Of pieces that workers make, at least the usual size counts. */
-static size_t pieces_bytes(const struct stream *st)
+/* The bytes that are reserved for a piece of usual rows. */
+static size_t piece_room(const struct stream *st)
 {
-    size_t bytes = 0, usual = piece_bytes(st), least = st->heavy ? usual : 0;
-    for (unsigned i = 0; i < PIECES; i++) { /* the text of one in work must not be read */
-        const struct piece *p = &st->piece[i];
-        size_t cap = p->job != NULL ? usual : p->text.cap;
-        bytes += cap > least ? cap : least;
-    }
-    return bytes;
+    return rows_piece(&st->rows, PIECE);
+}
+
+/* Where pieces are large, there are fewer. */
+static unsigned most_pieces(const struct stream *st)
+{
+    size_t room = piece_room(st);
+    return room <= LARGE_PIECE ? PIECES : room <= 2 * LARGE_PIECE ? PIECES / 2 : 1;
 }
 
 /* False: there is no memory for the pieces. */
 static bool reserve(struct server *s, struct stream *st)
 {
     st->memory = server_reservation(s, BUDGET_REPLIES);
-    reservation_set(&st->memory, ids_bytes(st));
-    if (reservation_resize(&st->memory, ids_bytes(st) + pieces_bytes(st)))
-        return true;
-    reservation_set(&st->memory, 0);
-    return false;
+    for (unsigned i = 0; i < PIECES; i++)
+        st->piece[i].memory = st->memory;
+    bool good = reservation_resize(&st->memory, ids_bytes(st));
+    for (unsigned i = 0; st->heavy && good && i < st->most; i++)
+        good = reservation_resize(&st->piece[i].memory, piece_room(st));
+    for (unsigned i = 0; !good && i < st->most; i++)
+        reservation_set(&st->piece[i].memory, 0);
+    if (!good)
+        reservation_set(&st->memory, 0);
+    return good;
+}
+
+/* Gives back what long rows have taken. Of pieces that workers make, the usual room stays reserved. */
+static void settle(const struct stream *st, struct piece *p)
+{
+    size_t usual = piece_room(st), bytes;
+    if (p->text.cap > usual)
+        buf_fit(&p->text);
+    bytes = p->text.cap + rows_memory(&p->part);
+    reservation_set(&p->memory, st->heavy && bytes < usual ? usual : bytes);
 }
 
 static void free_places(struct server *s, struct places *places)
@@ -139,6 +162,7 @@ static struct stream *new_stream(struct server *s, struct answer *a, struct rows
     rows->surface.view = rows->view;
     st->rows = *rows;
     st->heavy = s->workers != NULL && is_heavy(rows);
+    st->most = most_pieces(st);
     if (!reserve(s, st)) {
         free(st);
         answer_busy(a);
@@ -152,7 +176,7 @@ void stream_answer(struct server *s, struct answer *a, struct rows *rows, struct
 {
     if (ids != NULL)
         rows->ids = *ids;
-    if (rows->view == NULL && answer_at_once(a, rows)) {
+    if (rows->view == NULL && answer_at_once(s, a, rows)) {
         if (rows->status != DT_OK)
             answer_out_of_memory(a);
         rows_clear(rows);
@@ -201,6 +225,7 @@ void stream_free(struct server *s, struct stream *st)
     for (unsigned i = 0; i < PIECES; i++) {
         rows_clear(&st->piece[i].part);
         buf_free(&st->piece[i].text);
+        reservation_set(&st->piece[i].memory, 0);
     }
     version_end_view(&s->sets, st->rows.version, st->rows.view);
     version_unpin(&s->sets, st->rows.version);
@@ -304,7 +329,8 @@ static void make(struct stream *st, struct piece *p, const atomic_bool *cancel)
         return;
     }
     p->part.pace.cancel = cancel;
-    rows_fill(&p->part, &p->text, piece_bytes(st));
+    p->part.memory = &p->memory;
+    rows_fill(&p->part, &p->text, piece_bytes(st) - ROOM_ROW);
     p->part.pace.cancel = NULL;
 }
 
@@ -323,7 +349,7 @@ static void run_making(struct job *j)
 static void end_work(struct server *s, struct stream *st)
 {
     st->in_work--;
-    reservation_set(&st->memory, ids_bytes(st) + pieces_bytes(st));
+    reservation_set(&st->memory, ids_bytes(st));
     if (st->abandoned)
         stream_free(s, st);
     else if (st->ready != NULL)
@@ -337,6 +363,7 @@ static void making_done(struct server *s, struct job *j, struct answer *a)
     (void)a;
     m->piece->job = NULL;
     m->piece->uncut = false;
+    settle(st, m->piece);
     st->passed = st->passed || m->piece->part.surface.passed;
     end_work(s, st);
 }
@@ -350,6 +377,7 @@ static void begin(struct server *s, struct stream *st, struct piece *p)
         version_lock_read(st->rows.version);
         make(st, p, NULL);
         version_unlock(st->rows.version);
+        settle(st, p);
         p->uncut = false;
         st->passed = st->passed || p->part.surface.passed;
         return;
@@ -411,7 +439,7 @@ static void copying_done(struct server *s, struct job *j, struct answer *a)
         use_past(&st->rows, &st->past);
     }
     for (unsigned i = 0; i < st->used && j->status == DT_OK && !st->abandoned; i++) {
-        struct piece *p = &st->piece[(st->head + i) % PIECES];
+        struct piece *p = &st->piece[(st->head + i) % st->most];
         bool again = p->part.surface.passed;
         use_past(&p->part, &st->past);
         p->part.view = NULL;
@@ -449,24 +477,40 @@ static bool is_made(const struct stream *st)
     return st->used > 0 && p->job == NULL && !p->part.surface.passed;
 }
 
+/* Sends the text of the piece, as much of it as there is room for up to `most`, or, in a conversion to RESP, whole rows. */
+static enum dt_status send_text(const struct server *s, const struct stream *st, struct piece *p,
+                                struct buf *out, size_t most)
+{
+    enum { CONVERTED = 3 }; /* times the rows: in lines and in RESP */
+    size_t n = buf_len(&p->text), room = most - buf_len(out);
+    bool whole = out == &s->lines && !st->rows.binary;
+    if (whole && n > 2 * PIECE && !budget_fits(&s->budget, BUDGET_REPLIES, CONVERTED * n))
+        return DT_NOMEM;
+    n = whole || n < room ? n : room;
+    buf_append(out, buf_head(&p->text), n); /* copied, so that the memory of a piece stays small */
+    buf_consume(&p->text, n);
+    return out->failed ? DT_NOMEM : DT_OK;
+}
+
 static enum dt_status send_made(struct server *s, struct stream *st, struct buf *out, size_t most)
 {
     while (is_made(st) && buf_len(out) < most) {
         struct piece *p = &st->piece[st->head];
         if (p->part.status != DT_OK)
             return p->part.status;
-        /* Copied, so that the memory of a piece stays small. */
-        buf_append(out, buf_head(&p->text), buf_len(&p->text));
-        buf_rewind(&p->text, 0);
-        if (out->failed)
-            return DT_NOMEM;
+        enum dt_status status = send_text(s, st, p, out, most);
+        if (status != DT_OK || buf_len(&p->text) > 0)
+            return status;
+        if (p->text.cap > piece_room(st))
+            buf_free(&p->text);
+        settle(st, p);
         if (!p->part.done && st->passed) {
             p->part.surface.passed = true; /* continues on the copy */
         } else if (!p->part.done) {
             begin(s, st, p);
         } else {
             rows_clear(&p->part);
-            st->head = (st->head + 1) % PIECES;
+            st->head = (st->head + 1) % st->most;
             st->used--;
         }
     }
@@ -488,8 +532,8 @@ static bool cut_next(struct stream *st, struct piece *p)
 
 static void begin_next(struct server *s, struct stream *st)
 {
-    while (st->used < PIECES && !st->passed && !(st->used > 0 && st->piece[st->head].uncut)) {
-        struct piece *p = &st->piece[(st->head + st->used) % PIECES];
+    while (st->used < st->most && !st->passed && !(st->used > 0 && st->piece[st->head].uncut)) {
+        struct piece *p = &st->piece[(st->head + st->used) % st->most];
         if (!cut_next(st, p))
             return;
         st->used++;
@@ -519,14 +563,26 @@ static bool may_fill(struct stream *st)
     return st->used == 0 && !st->heavy && version_try_read(st->rows.version);
 }
 
+/* Makes rows right in the output, with the lock, which is released. */
+static void fill(struct server *s, struct stream *st, struct buf *out)
+{
+    struct reservation memory =
+        server_reservation(s, BUDGET_REPLIES); /* then it is the connection's */
+    st->rows.memory = &memory;
+    rows_fill(&st->rows, out, buf_len(out) + PIECE);
+    version_unlock(st->rows.version);
+    reservation_set(&memory, 0);
+    if (out->cap > 4 * PIECE)
+        buf_fit(out);
+}
+
 void stream_refill(struct server *s, struct answer *a)
 {
     struct stream *st = a->stream;
     enum dt_status status;
     bool done;
     if (may_fill(st)) {
-        rows_fill(&st->rows, a->out, buf_len(a->out) + PIECE);
-        version_unlock(st->rows.version);
+        fill(s, st, a->out);
         st->passed = st->rows.surface.passed;
         status = copy_past(s, st); /* there are no workers: at once */
         done = st->rows.done;

@@ -18,6 +18,8 @@ static bool reframe_typed(struct session *s, const char *lines, size_t n)
     return resp3_reframe(&s->reader, form, lines, n, &s->conn.out);
 }
 
+enum { LINES_KEPT = 512 * 1024 };
+
 /* Converts the reply to RESP. */
 static bool reframe(struct session *s)
 {
@@ -26,6 +28,8 @@ static bool reframe(struct session *s)
     size_t n = buf_len(lines);
     bool ok = s->typed ? reframe_typed(s, head, n) : resp_reframe(&s->reader, head, n, out);
     buf_rewind(lines, 0);
+    if (lines->cap > LINES_KEPT) /* there was a long row */
+        buf_free(lines);
     return ok && !out->failed;
 }
 

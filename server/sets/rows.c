@@ -10,6 +10,7 @@
 
 enum {
     CELLS = 64,          /* read at a time */
+    CELL_TEXT = 256,     /* bytes of a usual one, about */
     TABLE_WORDS = 4096,  /* read from a table at a time */
     PART_IDS = 600,      /* of a part: ids of a table or rows of a list, about 30 KiB of text */
     PART_CELLS = 150,    /* of a part: cells, */
@@ -21,6 +22,17 @@ enum {
     PLACE_STEPS = 20000, /* of a look-up, while edits wait, */
     CELL_STEPS = 1 << 16 /* or of cells */
 };
+
+/* Bytes of text that the functions of reply.h reserve for each id, or number, of a row. */
+enum { ID_TEXT = 11, NUMBER_TEXT = 33, ROW_TEXT = 64 };
+
+/* Makes room for a row of so many ids and numbers, beside `beside` bytes that it takes while it is made. */
+static bool make_room(const struct rows *r, struct buf *out, size_t ids, size_t numbers,
+                      size_t beside)
+{
+    size_t text = r->binary ? 4 * ids + 8 * numbers : ID_TEXT * ids + NUMBER_TEXT * numbers;
+    return room_make(r->memory, out, text + ROW_TEXT, beside);
+}
 
 /* ---- rows from ids ---- */
 
@@ -69,7 +81,7 @@ static void write_ring(struct rows *r, struct buf *out, uint32_t id)
     bool boundary;
     r->ring.n = 0;
     r->status = dt_view_ring(r->version->dt, r->view, id, r->cw, &r->ring, &rep, &boundary);
-    if (r->status != DT_OK)
+    if (r->status != DT_OK || !make_room(r, out, r->ring.n + 2, 0, r->ring.cap * sizeof *r->ring.v))
         return;
     if (r->binary) {
         uint32_t head[2] = {rep, (uint32_t)r->ring.n};
@@ -104,15 +116,19 @@ void row_line_put(uint32_t word[ROW_LINE_WORDS], double level, bool closed, uint
     word[3] = places;
 }
 
-static void write_line(struct buf *out, const uint32_t *word)
+static void write_line(const struct rows *r, struct buf *out, const uint32_t *word)
 {
     double level;
+    if (!make_room(r, out, 1, 2 * (size_t)word[3] + 1, 0))
+        return;
     memcpy(&level, word, sizeof level);
     reply_row_line(out, level, word[2] != 0, word + ROW_LINE_WORDS, word[3]);
 }
 
-static void write_loop(struct buf *out, const uint32_t *word)
+static void write_loop(const struct rows *r, struct buf *out, const uint32_t *word)
 {
+    if (!make_room(r, out, 1 + (size_t)word[1], 0, 0))
+        return;
     buf_append_text(out, word[0] != 0 ? "hole " : "outer ");
     reply_row_ids(out, word + 1, 1 + (size_t)word[1]);
 }
@@ -147,11 +163,11 @@ static void fill_from_ids(struct rows *r, struct buf *out, size_t limit)
         else if (r->form == ROW_RING)
             write_ring(r, out, *id);
         else if (r->form == ROW_LOOP)
-            write_loop(out, id);
+            write_loop(r, out, id);
         else if (r->form == ROW_VALUE)
             write_value(out, id);
         else if (r->form == ROW_LINE)
-            write_line(out, id);
+            write_line(r, out, id);
         else
             write_point(r, out, *id);
         r->at += list_words(r, r->at);
@@ -211,6 +227,8 @@ static void write_area(const struct rows *r, struct buf *out, uint32_t id, doubl
 static void write_polygon(const struct rows *r, struct buf *out, const struct dt_cell *cell,
                           const struct dt_point *corner)
 {
+    if (!make_room(r, out, 2, 2 * (size_t)cell->corners, 0))
+        return;
     if (!r->binary) {
         reply_row_polygon(out, cell->id, cell->corners, &corner->x);
         return;
@@ -239,6 +257,9 @@ static enum dt_status write_long_cell(struct rows *r, struct dt_cells *c, struct
                                       size_t corners, size_t *n)
 {
     struct dt_cell cell;
+    if (!make_room(r, out, 2, r->form == ROW_AREA ? 1 : 2 * corners,
+                   corners * sizeof(struct dt_point)))
+        return DT_NOMEM;
     struct dt_point *corner = malloc(corners * sizeof *corner);
     if (corner == NULL)
         return DT_NOMEM;
@@ -261,12 +282,16 @@ static size_t write_areas(struct rows *r, struct buf *out)
 }
 
 /* Writes the next cells of the cursor: *n. */
-static enum dt_status write_cells(struct rows *r, struct dt_cells *c, struct buf *out, size_t *n)
+static enum dt_status write_cells(struct rows *r, struct dt_cells *c, struct buf *out, size_t limit,
+                                  size_t *n)
 {
     struct dt_cell cell[CELLS];
     struct dt_point corner[8 * CELLS];
     struct dt_options opt = pace_options(&r->pace, CELL_STEPS);
-    size_t corners, room = r->pace.slow ? 1 : CELLS;
+    size_t corners, left = (limit - buf_len(out)) / CELL_TEXT + 1,
+                    room = r->pace.slow   ? 1
+                           : left < CELLS ? left
+                                          : CELLS;
     c->opt = &opt;
     enum dt_status status =
         dt_cells_read(r->version->dt, c, cell, room, corner, 8 * CELLS, n, &corners);
@@ -279,13 +304,13 @@ static enum dt_status write_cells(struct rows *r, struct dt_cells *c, struct buf
 }
 
 /* The same for the next cells of the rows. */
-static enum dt_status write_next_cells(struct rows *r, struct buf *out, size_t *n)
+static enum dt_status write_next_cells(struct rows *r, struct buf *out, size_t limit, size_t *n)
 {
     struct dt_cells one;
     enum dt_status status = DT_OK;
     if (r->ids.v != NULL) {
         dt_cells_only(&r->cells, r->ids.v[r->at], &one);
-        status = write_cells(r, &one, out, n);
+        status = write_cells(r, &one, out, limit, n);
         r->at += status == DT_OK;
         r->done = r->at == r->ids.n;
         return status;
@@ -293,7 +318,7 @@ static enum dt_status write_next_cells(struct rows *r, struct buf *out, size_t *
     if (r->form == ROW_AREA && r->cells.made != NULL)
         *n = write_areas(r, out);
     else
-        status = write_cells(r, &r->cells, out, n);
+        status = write_cells(r, &r->cells, out, limit, n);
     r->done = status == DT_OK && *n == 0;
     return status;
 }
@@ -305,7 +330,7 @@ static void fill_from_cells(struct rows *r, struct buf *out, size_t limit)
     r->done = r->ids.v != NULL && r->at == r->ids.n;
     while (!r->done && !ends && !out->failed && buf_len(out) < limit) {
         size_t n = 0;
-        enum dt_status status = write_next_cells(r, out, &n);
+        enum dt_status status = write_next_cells(r, out, limit, &n);
         ends = pace_ends(&r->pace, status, n);
         r->status = status == DT_TOOLONG ? DT_OK : status;
     }
@@ -340,6 +365,8 @@ static void write_table_row(struct rows *r, struct buf *out, uint32_t *w, size_t
     } else if (r->binary) {
         reply_words_u32(out, w, words);
     } else if (table == DT_LISTS) {
+        if (!make_room(r, out, words, 0, 0))
+            return;
         w[1] = w[0]; /* the degree is not part of the text */
         reply_row_ids(out, w + 1, words - 1);
     } else {
@@ -351,7 +378,7 @@ static void write_table_row(struct rows *r, struct buf *out, uint32_t *w, size_t
 static void write_long_row(struct rows *r, struct buf *out, size_t words)
 {
     size_t rows;
-    uint32_t *v = malloc(words * sizeof *v);
+    uint32_t *v = make_room(r, out, words, 0, words * sizeof *v) ? malloc(words * sizeof *v) : NULL;
     if (v == NULL) {
         r->status = DT_NOMEM;
         return;
@@ -366,10 +393,10 @@ static void fill_from_table(struct rows *r, struct buf *out, size_t limit)
 {
     uint32_t v[TABLE_WORDS];
     while (!r->done && r->status == DT_OK && !out->failed && buf_len(out) < limit) {
-        /* A word takes up to 11 bytes of text, and the row of a point about four times that. In binary
+        /* A word takes up to 11 bytes of text, and the row of a point about four times that, and its values. In binary
          * form a word takes four bytes, and most tables are sent as they are. */
         bool as_it_is = r->binary && r->cursor.table != DT_POINTS && r->cursor.table != DT_HULL;
-        size_t cap = (limit - buf_len(out)) / (as_it_is ? 4 : 40) + 64;
+        size_t row = 40 + 20 * r->fields, cap = (limit - buf_len(out)) / (as_it_is ? 4 : row) + 16;
         size_t rows = 0, words = 0;
         r->status =
             dt_table_read(r->version->dt, &r->cursor, v, cap < TABLE_WORDS ? cap : TABLE_WORDS,
@@ -393,7 +420,7 @@ static void fill_from_table(struct rows *r, struct buf *out, size_t limit)
 
 static void fill_from_surface(struct rows *r, struct buf *out, size_t limit)
 {
-    r->status = surface_rows_fill(&r->surface, out, limit, &r->pace);
+    r->status = surface_rows_fill(&r->surface, out, limit, &r->pace, r->memory);
     r->done = r->surface.at == r->surface.end;
 }
 
@@ -457,6 +484,16 @@ bool rows_cut(struct rows *r, struct rows *part)
         r->at += list_words(r, r->at);
     part->ids.n = r->at;
     return part->at < part->ids.n;
+}
+
+size_t rows_piece(const struct rows *r, size_t usual)
+{
+    return r->form == ROW_SURFACE ? surface_rows_piece(&r->surface) : usual;
+}
+
+size_t rows_memory(const struct rows *r)
+{
+    return r->ring.cap * sizeof *r->ring.v + surface_rows_memory(&r->surface);
 }
 
 void rows_clear(struct rows *r)

@@ -9,6 +9,7 @@
 #include "proto/reply.h"
 #include "server/sets/dataset.h"
 #include "server/sets/pace.h"
+#include "server/sets/room.h"
 #include "server/sets/surface_rows.h"
 
 enum row_form {
@@ -77,8 +78,10 @@ struct rows {
     struct dt_ids ids;            /* the list; a part borrows it */
     const struct dt_point *place; /* the list of places; borrows */
     size_t places;
-    struct pace pace;   /* of the next rows_fill */
-    size_t at;          /* ids or places of the list whose rows have been written */
+    struct pace pace; /* of the next rows_fill */
+    struct reservation
+        *memory; /* borrows: covers out, and what long rows take (room.h); NULL: nothing does */
+    size_t at;   /* ids or places of the list whose rows have been written */
     struct dt_ids ring; /* owns: workspace */
     bool done;
     enum dt_status status; /* not DT_OK: the rows cannot be completed */
@@ -97,6 +100,12 @@ void rows_fill(struct rows *r, struct buf *out, size_t limit);
  * empty, and it may be large: the hull is one part, and rings can be long. Parts are filled independently
  * of each other; the ids of a list stay *r's. False: no rows are left. */
 bool rows_cut(struct rows *r, struct rows *part);
+
+/* The bytes that a piece of rows takes, its workspace included, where none is long: `usual` ones, or those of a surface. */
+size_t rows_piece(const struct rows *r, size_t usual);
+
+/* The bytes of the workspace. */
+size_t rows_memory(const struct rows *r);
 
 /* Frees the workspace. */
 void rows_clear(struct rows *r);

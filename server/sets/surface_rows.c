@@ -34,10 +34,19 @@ static enum dt_status find(const struct surface_rows *r, const struct dt_surface
                             : dt_raster_values(r->dt, s, &r->raster, from, n, &opt, to, done);
 }
 
+/* Bytes of so many values, whole rows if they are text. */
+static size_t bytes_of(const struct surface_rows *r, size_t n)
+{
+    enum { NUMBER_TEXT = 33 }; /* of reply_row_numbers, which takes 2 more for a row */
+    return r->binary ? n * sizeof(double) : n * NUMBER_TEXT + n / r->columns * 2;
+}
+
 /* Writes the values found, if they are whole rows. */
-static void write(struct surface_rows *r, struct buf *out)
+static void write(struct surface_rows *r, struct buf *out, struct reservation *memory)
 {
     size_t n = r->binary ? r->found : r->found / r->columns * r->columns;
+    if (!room_make(memory, out, bytes_of(r, n), surface_rows_memory(r)))
+        return;
     if (r->binary)
         reply_words_u32(out, (const uint32_t *)(const void *)r->value, 2 * n);
     for (size_t i = 0; !r->binary && i < n; i += r->columns)
@@ -49,7 +58,7 @@ static void write(struct surface_rows *r, struct buf *out)
 }
 
 static enum dt_status fill(struct surface_rows *r, const struct dt_surface *s, struct buf *out,
-                           size_t limit, struct pace *pace)
+                           size_t limit, struct pace *pace, struct reservation *memory)
 {
     enum dt_status status = DT_OK;
     bool ends = false;
@@ -58,28 +67,41 @@ static enum dt_status fill(struct surface_rows *r, const struct dt_surface *s, s
         status = find(r, s, n, pace, &done);
         ends = pace_ends(pace, status, done);
         r->found += done;
-        write(r, out);
+        write(r, out, memory);
     }
     return status == DT_TOOLONG ? DT_OK : status;
 }
 
 enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t limit,
-                                 struct pace *pace)
+                                 struct pace *pace, struct reservation *memory)
 {
     struct dt_surface s = {.how = r->how, .max_edge = r->max_edge};
     r->passed = r->view != NULL && !dt_view_is_current(r->dt, r->view);
     if (r->passed)
         return DT_OK;
-    if (r->value == NULL)
-        r->value = malloc(batch(r) * sizeof *r->value + 1);
+    if (r->value == NULL) {
+        r->room = batch(r) * sizeof *r->value;
+        r->value = malloc(r->room + 1);
+    }
     enum dt_status status = r->value == NULL ? DT_NOMEM : dt_surface_begin(&s, r->field, r->view);
     if (status != DT_OK)
         return status;
-    status = fill(r, &s, out, limit, pace);
+    status = fill(r, &s, out, limit, pace, memory);
     dt_surface_end(&s);
     if (r->found == 0)
         surface_rows_clear(r);
     return status;
+}
+
+size_t surface_rows_piece(const struct surface_rows *r)
+{
+    size_t n = batch(r);
+    return n * sizeof *r->value + bytes_of(r, n);
+}
+
+size_t surface_rows_memory(const struct surface_rows *r)
+{
+    return r->value != NULL ? r->room : 0;
 }
 
 bool surface_rows_cut(struct surface_rows *r, struct surface_rows *part)

@@ -8,6 +8,7 @@
 #include "core/delaunay_surface.h"
 #include "proto/buf.h"
 #include "server/sets/pace.h"
+#include "server/sets/room.h"
 
 struct surface_rows {
     const struct dt *dt;          /* borrows; the set of the view, or a copy */
@@ -22,6 +23,7 @@ struct surface_rows {
     size_t at, end; /* values that have been written; of all */
     double *value;  /* owns: the next values, `found` of them, of rows that are not complete */
     size_t found;
+    size_t room; /* bytes of `value`, if it is not NULL */
     bool passed; /* the points have been edited since the view began: nothing was written */
 };
 
@@ -31,7 +33,11 @@ enum { SURFACE_PIECE = 256 * 1024 };
 /* Appends rows until out holds `limit` bytes or more, all are written, or the bound of the pace is reached: as
  * rows_fill. Only reads the set. DT_NOMEM, DT_CANCELLED. */
 enum dt_status surface_rows_fill(struct surface_rows *r, struct buf *out, size_t limit,
-                                 struct pace *pace);
+                                 struct pace *pace, struct reservation *memory);
+
+/* The bytes that the next piece takes at most, its values and their text; and those of the workspace now. */
+size_t surface_rows_piece(const struct surface_rows *r);
+size_t surface_rows_memory(const struct surface_rows *r);
 
 /* Splits off the next rows, about SURFACE_PIECE bytes: as rows_cut. */
 bool surface_rows_cut(struct surface_rows *r, struct surface_rows *part);

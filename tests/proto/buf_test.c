@@ -55,3 +55,21 @@ TEST(buffer_without_memory_has_no_head)
     buf_consume(&b, 0);
     CHECK(buf_head(&b) == NULL && !b.failed);
 }
+
+TEST(exact_room_is_no_more_than_was_asked_for_and_can_be_given_back)
+{
+    struct buf b = {0};
+    CHECK(buf_reserve_exactly(&b, 1000) != NULL && b.cap == 1000);
+    buf_append(&b, "abcdef", 6);
+    buf_consume(&b, 4);
+    CHECK(buf_reserve_exactly(&b, 994) != NULL && b.cap == 1000 && b.start == 4);
+    CHECK(buf_reserve_exactly(&b, 998) != NULL && b.cap == 1000 && b.start == 0);
+    CHECK(buf_reserve_exactly(&b, 2000) != NULL && b.cap == 2002);
+    CHECK(buf_len(&b) == 2 && memcmp(buf_head(&b), "ef", 2) == 0);
+    buf_fit(&b);
+    CHECK(b.cap == 2 && memcmp(buf_head(&b), "ef", 2) == 0);
+    CHECK(buf_reserve_exactly(&b, SIZE_MAX) == NULL && b.failed && buf_len(&b) == 2);
+    buf_consume(&b, 2);
+    buf_fit(&b);
+    CHECK(b.data == NULL && b.cap == 0);
+}
