@@ -186,7 +186,7 @@ static double *read_rows(struct server *s, struct answer *a, const struct reques
 static void add(struct server *s, struct dataset *set, const struct request *q, struct answer *a,
                 size_t at, struct arrival *points)
 {
-    size_t columns = points->values == NULL ? 0 : points->values->columns;
+    size_t columns = points->values == NULL ? 0 : points->values->count;
     size_t width = 2 + columns;
     points->n = (q->n - at) / width;
     if ((q->n - at) % width != 0 || points->n == 0)
@@ -199,7 +199,7 @@ static void add(struct server *s, struct dataset *set, const struct request *q, 
         return;
     }
     dt_pages_release(points->rows);
-    log_values_free(points->values);
+    columns_free(points->values);
 }
 
 void cmd_add(struct server *s, struct dataset *set, const struct request *q, struct answer *a)

@@ -62,11 +62,11 @@ static struct word next_name(struct word *names)
 }
 
 /* Whether the name is not among the columns before; if not, the ERR line has been written. */
-static bool is_new_name(struct answer *a, const struct log_values *v, size_t columns,
+static bool is_new_name(struct answer *a, const struct columns *v, size_t columns,
                         const struct word *name)
 {
     for (size_t i = 0; i < columns; i++) {
-        if (v->field[i].len == name->len && memcmp(v->field[i].name, name->text, name->len) == 0) {
+        if (name_equals(&v->field[i], name->text, name->len)) {
             reply_err(a->out, ERR_SYNTAX, "the field %.*s is named twice", QUOTED(name));
             return false;
         }
@@ -74,14 +74,14 @@ static bool is_new_name(struct answer *a, const struct log_values *v, size_t col
     return true;
 }
 
-struct log_values *read_field_names(struct answer *a, const struct dataset *set,
-                                    const struct word *names)
+struct columns *read_field_names(struct answer *a, const struct dataset *set,
+                                 const struct word *names)
 {
     size_t columns = 1, fields = set == NULL ? 0 : set->current->sum.fields;
     struct word rest = *names;
     for (size_t i = 0; i < names->len; i++)
         columns += names->text[i] == ',';
-    struct log_values *v = columns > DT_MAX_FIELDS ? NULL : log_values_new(columns);
+    struct columns *v = columns > DT_MAX_FIELDS ? NULL : columns_new(columns);
     if (columns > DT_MAX_FIELDS)
         reply_err(a->out, ERR_TOOBIG, "a set has at most %d fields", DT_MAX_FIELDS);
     else if (v == NULL)
@@ -96,11 +96,10 @@ struct log_values *read_field_names(struct answer *a, const struct dataset *set,
             good = false;
         }
         if (!good) {
-            log_values_free(v);
+            columns_free(v);
             return NULL;
         }
-        v->field[i].len = name.len;
-        memcpy(v->field[i].name, name.text, name.len);
+        v->field[i] = name_of(name.text, name.len);
     }
     return v;
 }

@@ -14,9 +14,9 @@ void cmd_load(struct server *s, struct dataset *set, const struct request *q, st
     struct word names = load_field_names(q);
     if (names.len > 0 && (points.values = read_field_names(a, set, &names)) == NULL)
         return;
-    size_t columns = points.values == NULL ? 0 : points.values->columns;
+    size_t columns = points.values == NULL ? 0 : points.values->count;
     if (!edit_may_add(s, a, set, points.n, columns, &points.memory)) {
-        log_values_free(points.values);
+        columns_free(points.values);
         return;
     }
     points.expected = load_hand_on_expected(s, l);

@@ -88,9 +88,9 @@ bool read_value(struct answer *a, const struct word *w, double *v);
 
 /* Names of fields, `a,b,c`, that may all be the set's (NULL: a new one), without values; NULL: the ERR line has been
  * written. */
-struct log_values;
-struct log_values *read_field_names(struct answer *a, const struct dataset *set,
-                                    const struct word *names);
+struct columns;
+struct columns *read_field_names(struct answer *a, const struct dataset *set,
+                                 const struct word *names);
 
 /* The set's fields of these names, `*fields` of them, in a new array of the caller's; NULL: the ERR line has been
  * written. */

@@ -30,13 +30,13 @@ struct piece {
     struct piece *next;
     enum piece_kind kind;
     unsigned records;
-    uint64_t last;             /* the lsn of its last record */
-    size_t size;               /* bytes of memory */
-    struct lineage *lineage;   /* owns; PIECE_ROTATE: from now on; NULL: the same */
-    struct buf bytes;          /* owns; PIECE_BYTES: encoded records */
-    double *xy;                /* owns; PIECE_POINTS */
-    struct log_values *values; /* owns; PIECE_POINTS: those that come with the points, or NULL */
-    struct record record;      /* PIECE_POINTS: the ADD; its name is in `name` */
+    uint64_t last;           /* the lsn of its last record */
+    size_t size;             /* bytes of memory */
+    struct lineage *lineage; /* owns; PIECE_ROTATE: from now on; NULL: the same */
+    struct buf bytes;        /* owns; PIECE_BYTES: encoded records */
+    double *xy;              /* owns; PIECE_POINTS */
+    struct columns *values;  /* owns; PIECE_POINTS: those that come with the points, or NULL */
+    struct record record;    /* PIECE_POINTS: the ADD; its name is in `name` */
     char name[RECORD_NAME_LIMIT];
 };
 
@@ -110,7 +110,7 @@ static void free_piece(struct log *log, struct piece *p)
     atomic_fetch_add(&log->freed, p->size);
     buf_free(&p->bytes);
     dt_pages_release(p->xy);
-    log_values_free(p->values);
+    columns_free(p->values);
     free(p->lineage);
     free(p);
 }
@@ -174,16 +174,16 @@ static uint32_t pieces_of(uint32_t n, uint32_t most)
     return n / most + (n % most > 0);
 }
 
-uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct log_values *v)
+uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct columns *v)
 {
     struct piece *p = new_piece(log, PIECE_POINTS);
     r->type = RECORD_LOAD;
     r->lsn = log->next;
     r->synced = atomic_load(&log->synced);
-    log->next += 2 + pieces_of(r->n, RECORD_POINTS) + log_values_records(v);
+    log->next += 2 + pieces_of(r->n, RECORD_POINTS) + columns_records(v);
     if (p == NULL) {
         dt_pages_release(xy);
-        log_values_free(v);
+        columns_free(v);
         return log->next - 1;
     }
     memcpy(p->name, r->name, r->name_len);
@@ -191,7 +191,7 @@ uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct
     p->record.name = p->name;
     p->xy = xy;
     p->values = v;
-    measure(log, p, (r->n * 2 + (v == NULL ? 0 : v->columns * v->n)) * sizeof *xy);
+    measure(log, p, (r->n * 2 + (v == NULL ? 0 : v->count * v->n)) * sizeof *xy);
     p->last = log->next - 1;
     p->records = 1;
     log->open.records++;
@@ -289,12 +289,12 @@ static void notify(struct log *log)
 }
 
 /* A column of values; *lsn is that of the record before, and then of the last one. */
-static void encode_column(struct log *log, const struct log_values *v, size_t column, uint64_t *lsn,
+static void encode_column(struct log *log, const struct columns *v, size_t column, uint64_t *lsn,
                           struct buf *out)
 {
     struct record r = {.type = RECORD_VALUES,
                        .synced = atomic_load(&log->synced),
-                       .field = v->field[column].name,
+                       .field = v->field[column].text,
                        .field_len = v->field[column].len};
     uint32_t at = 0;
     do {
@@ -323,7 +323,7 @@ static void encode_points(struct log *log, struct piece *p, struct buf *out)
         record_write(out, &r);
         log_file_write(&log->file, out);
     }
-    for (size_t i = 0; p->values != NULL && i < p->values->columns && log->file.error == 0; i++)
+    for (size_t i = 0; p->values != NULL && i < p->values->count && log->file.error == 0; i++)
         encode_column(log, p->values, i, &r.lsn, out);
     r.lsn++;
     r.type = RECORD_LOADED;

@@ -14,6 +14,7 @@
 #define SERVER_LOG_H
 
 #include "proto/records/record.h"
+#include "server/changes/columns.h"
 #include "server/disk/datadir.h"
 #include "server/ops/config.h"
 
@@ -62,26 +63,8 @@ uint64_t log_append_copy(struct log *log, const char *bytes, size_t n);
 /* The same for an ADD of n points xy[2n], which move to the log (from dt_pages_grow). */
 uint64_t log_append_points(struct log *log, struct record *r, double *xy);
 
-/* Values of fields: of each column, for the ids from `first` on. */
-struct log_values {
-    size_t columns;
-    uint32_t first, n;
-    double *v; /* owns, from dt_pages_grow: columns of n values, one after the other */
-    struct log_field {
-        size_t len;
-        char name[RECORD_FIELD_LIMIT];
-    } field[];
-};
-
-/* Room for this number of columns, without values; NULL: out of memory. */
-struct log_values *log_values_new(size_t columns);
-void log_values_free(struct log_values *v); /* NULL: nothing */
-
-/* How many records they are; each column has at least one. NULL: 0. */
-uint64_t log_values_records(const struct log_values *v);
-
 /* Appends an ADD of n points xy[2n], or none, together with values, all of which move to the log. */
-uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct log_values *v);
+uint64_t log_append_values(struct log *log, struct record *r, double *xy, struct columns *v);
 
 /* Appends empty records up to that lsn: these numbers belong to changes that a snapshot has but the log has
  * lost. */

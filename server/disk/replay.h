@@ -3,15 +3,10 @@
 #define SERVER_REPLAY_H
 
 #include "proto/records/record.h"
+#include "server/changes/assembly.h"
 #include "server/disk/losses.h"
-#include "server/sets/dataset.h"
 
 #include <stdatomic.h>
-
-#define REPLAY_LATEST_MS 0x1p53 /* since 1970; the last time at which a set may be dropped */
-
-/* Values of a LOAD that is not complete. */
-struct replay_values;
 
 struct replay {
     struct registry
@@ -22,16 +17,13 @@ struct replay {
     const atomic_bool *cancel; /* borrows; when it is set, any record may fail; NULL: never */
     struct losses *losses;     /* borrows: records of these sets are skipped; NULL: none */
     /* private */
-    bool in_load;   /* a LOAD has begun and is not complete */
-    bool skip_load; /* the snapshot has it already */
-    uint32_t load_first;
-    struct dt_point *points; /* owns */
+    struct assembly load;          /* a LOAD that is not complete; skipped if the snapshot has it */
+    struct dataset *restoring;     /* the set whose rows, or values, are being read */
+    bool has_fields, restored;     /* it has fields; all its rows have been read */
+    uint32_t rows, next_id;        /* the number of its rows, and its next id */
+    uint32_t *id, *representative; /* own cap, hold n */
+    struct dt_point *points;       /* owns the same */
     size_t n, cap;
-    struct replay_values *values, **values_end; /* own: in the order of the records */
-    struct dataset *restoring;                  /* the set whose rows, or values, are being read */
-    bool has_fields, restored;                  /* it has fields; all its rows have been read */
-    uint32_t rows, next_id;                     /* the number of its rows, and its next id */
-    uint32_t *id, *representative;              /* own; beside points */
     uint32_t sets_seen;
     bool ended;
 };

@@ -31,7 +31,7 @@ static void drop_load(struct apply *p)
 {
     p->in_load = false;
     dt_pages_release(p->points);
-    log_values_free(p->columns);
+    columns_free(p->columns);
     buf_free(&p->values);
     p->points = NULL;
     p->columns = NULL;
@@ -151,25 +151,25 @@ static bool take_points(struct apply *p, const struct record *r)
 /* Another column begins. */
 static bool add_column(struct apply *p, const struct record *r)
 {
-    size_t before = p->columns == NULL ? 0 : p->columns->columns;
-    struct log_values *v = before == DT_MAX_FIELDS ? NULL : log_values_new(before + 1);
+    size_t before = p->columns == NULL ? 0 : p->columns->count;
+    struct columns *v = before == DT_MAX_FIELDS ? NULL : columns_new(before + 1);
     if (v == NULL)
         return false;
     if (before > 0)
         memcpy(v->field, p->columns->field, before * sizeof v->field[0]);
     v->field[before].len = r->field_len;
-    memcpy(v->field[before].name, r->field, r->field_len);
-    log_values_free(p->columns);
+    memcpy(v->field[before].text, r->field, r->field_len);
+    columns_free(p->columns);
     p->columns = v;
     return true;
 }
 
 static bool continues_column(const struct apply *p, const struct record *r)
 {
-    const struct log_values *v = p->columns;
-    const struct log_field *last = v == NULL ? NULL : &v->field[v->columns - 1];
+    const struct columns *v = p->columns;
+    const struct name *last = v == NULL ? NULL : &v->field[v->count - 1];
     return last != NULL && last->len == r->field_len &&
-           memcmp(last->name, r->field, r->field_len) == 0;
+           memcmp(last->text, r->field, r->field_len) == 0;
 }
 
 static bool take_values(struct apply *p, const struct record *r)
@@ -189,7 +189,7 @@ static bool take_values(struct apply *p, const struct record *r)
         memcpy(to + i * sizeof v, &v, sizeof v);
     }
     buf_commit(&p->values, r->n * sizeof(double));
-    if (p->columns->columns == 1)
+    if (p->columns->count == 1)
         p->values_n += r->n;
     return true;
 }
@@ -197,7 +197,7 @@ static bool take_values(struct apply *p, const struct record *r)
 /* The columns, as the edit takes them: their values in one array of their own. */
 static bool fill_columns(struct apply *p)
 {
-    struct log_values *v = p->columns;
+    struct columns *v = p->columns;
     size_t bytes = buf_len(&p->values);
     if (v == NULL)
         return true;
@@ -217,7 +217,7 @@ static enum applied add_points(struct apply *p, const struct record *r, struct d
 {
     struct answer a = answer_of(p);
     struct word name = {r->name, r->name_len};
-    size_t columns = p->columns == NULL ? 0 : p->columns->columns;
+    size_t columns = p->columns == NULL ? 0 : p->columns->count;
     struct arrival points = {.n = p->n};
     uint32_t next = set == NULL ? 0 : dt_next_id(set->current->dt);
     if (next != p->first)
@@ -249,8 +249,8 @@ static enum applied set_loaded_values(struct apply *p, struct dataset *set)
         reservation_set(&memory, 0);
         return short_of_memory(p);
     }
-    struct log_values *v = p->columns;
-    struct word field = {v->field[0].name, v->field[0].len};
+    struct columns *v = p->columns;
+    struct word field = {v->field[0].text, v->field[0].len};
     double *values = v->v;
     v->v = NULL;
     edit_set_run(p->server, &a, set, &field, v->first, values, v->n, &memory);

@@ -33,7 +33,7 @@ struct apply {
     size_t n, cap;
     struct reservation memory;       /* of the points and values */
     struct buf values;               /* owns: doubles, column after column */
-    struct log_values *columns;      /* owns: their names */
+    struct columns *columns;         /* owns: their names */
     uint32_t values_first, values_n; /* of the first column */
 };
 

@@ -17,10 +17,10 @@ enum {
 
 struct edit {
     struct job job;
-    double *rows;              /* owns: the points to add, with their values */
-    struct dt_point *p;        /* owns: the points to add; NULL: they are still in rows */
-    struct log_values *values; /* owns: their values; NULL: none */
-    uint32_t *ids;             /* owns: the ids to delete */
+    double *rows;           /* owns: the points to add, with their values */
+    struct dt_point *p;     /* owns: the points to add; NULL: they are still in rows */
+    struct columns *values; /* owns: their values; NULL: none */
+    uint32_t *ids;          /* owns: the ids to delete */
     size_t n;
     size_t expected;       /* bytes that are prepared for it (keep.h), until it ends */
     struct server *server; /* borrows */
@@ -35,7 +35,7 @@ static void clear_edit(struct job *j)
     struct edit *e = (struct edit *)j;
     dt_pages_release(e->rows);
     dt_pages_release(e->p);
-    log_values_free(e->values);
+    columns_free(e->values);
     free(e->ids);
     if (e->expected > 0)
         keep_expect(e->server, 0, e->expected);
@@ -62,17 +62,17 @@ struct dataset *edit_create(struct server *s, struct answer *a, const struct wor
 /* The rows become points and columns of values. */
 static bool split_rows(struct edit *e)
 {
-    struct log_values *v = e->values;
+    struct columns *v = e->values;
     struct dt_pages *pages = e->server->pages;
-    size_t width = 2 + v->columns;
+    size_t width = 2 + v->count;
     e->p = dt_pages_grow(pages, NULL, 0, (e->n + 1) * sizeof *e->p);
-    v->v = dt_pages_grow(pages, NULL, 0, (e->n * v->columns + 1) * sizeof *v->v);
+    v->v = dt_pages_grow(pages, NULL, 0, (e->n * v->count + 1) * sizeof *v->v);
     if (e->p == NULL || v->v == NULL)
         return false;
     for (size_t i = 0; i < e->n; i++) {
         const double *row = e->rows + i * width;
         e->p[i] = (struct dt_point){row[0], row[1]};
-        for (size_t k = 0; k < v->columns; k++)
+        for (size_t k = 0; k < v->count; k++)
             v->v[k * e->n + i] = row[2 + k];
     }
     v->n = (uint32_t)e->n;
@@ -85,15 +85,15 @@ static void run_add_values(struct job *j)
 {
     struct edit *e = (struct edit *)j;
     struct dt_values_of column[DT_MAX_FIELDS];
-    const struct log_values *v = e->values;
+    const struct columns *v = e->values;
     if (e->rows != NULL && !split_rows(e)) {
         j->status = DT_NOMEM;
         return;
     }
-    for (size_t k = 0; k < v->columns; k++)
-        column[k] = (struct dt_values_of){v->field[k].name, v->field[k].len,
+    for (size_t k = 0; k < v->count; k++)
+        column[k] = (struct dt_values_of){v->field[k].text, v->field[k].len,
                                           v->v == NULL ? NULL : v->v + k * e->n};
-    j->status = dt_add_values(j->dt, e->p, e->n, column, v->columns, &j->options, &e->added);
+    j->status = dt_add_values(j->dt, e->p, e->n, column, v->count, &j->options, &e->added);
 }
 
 static void run_add(struct job *j)
@@ -109,7 +109,7 @@ static void record_add(struct server *s, struct job *j)
 {
     struct edit *e = (struct edit *)j;
     struct dt_point *p = e->p;
-    struct log_values *v = e->values;
+    struct columns *v = e->values;
     e->p = NULL;
     e->values = NULL;
     if (v != NULL)
@@ -181,7 +181,7 @@ bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set,
 static void drop_arrival(struct server *s, struct arrival *points)
 {
     dt_pages_release(points->rows);
-    log_values_free(points->values);
+    columns_free(points->values);
     reservation_set(&points->memory, 0);
     keep_expect(s, 0, points->expected);
 }
@@ -313,7 +313,7 @@ struct values_edit {
     struct record_value *pair; /* owns: ids and values, n of them; NULL: they are a run */
     uint32_t *ids;             /* owns: the same apart */
     double *values;            /* owns */
-    struct log_values *run;    /* owns: those of a run */
+    struct columns *run;       /* owns: those of a run */
     size_t n;
     uint32_t missing;
 };
@@ -324,10 +324,10 @@ static void clear_values(struct job *j)
     free(e->pair);
     free(e->ids);
     free(e->values);
-    log_values_free(e->run);
+    columns_free(e->run);
 }
 
-static struct word name_of(const struct values_edit *e)
+static struct word field_name_of(const struct values_edit *e)
 {
     return (struct word){e->name, e->name_len};
 }
@@ -360,8 +360,8 @@ static void run_set(struct job *j)
 static void record_set(struct server *s, struct job *j)
 {
     struct values_edit *e = (struct values_edit *)j;
-    struct word name = name_of(e);
-    struct log_values *run = e->run;
+    struct word name = field_name_of(e);
+    struct columns *run = e->run;
     e->run = NULL;
     if (run != NULL)
         journal_set_run(s, j->set, run);
@@ -442,7 +442,7 @@ void edit_set_run(struct server *s, struct answer *a, struct dataset *set, const
 {
     enum { AT_ONCE = 4096 }; /* values that the I/O thread sets itself */
     struct values_edit *e = new_values_edit(run_set, set_done, field);
-    struct log_values *run = e == NULL ? NULL : log_values_new(1);
+    struct columns *run = e == NULL ? NULL : columns_new(1);
     if (run == NULL) {
         if (e != NULL)
             job_free(&e->job);
@@ -455,7 +455,7 @@ void edit_set_run(struct server *s, struct answer *a, struct dataset *set, const
     run->n = (uint32_t)n;
     run->v = v;
     run->field[0].len = field->len;
-    memcpy(run->field[0].name, field->text, field->len);
+    memcpy(run->field[0].text, field->text, field->len);
     e->run = run;
     e->n = n;
     e->job.record = record_set;
@@ -471,7 +471,7 @@ static void run_drop(struct job *j)
 
 static void record_drop(struct server *s, struct job *j)
 {
-    struct word name = name_of((const struct values_edit *)j);
+    struct word name = field_name_of((const struct values_edit *)j);
     journal_drop_field(s, j->set, &name);
 }
 

@@ -14,7 +14,7 @@ bool edit_may_add(struct server *s, struct answer *a, const struct dataset *set,
 struct arrival {
     double *rows; /* x, y, and the values of a point; from dt_pages_grow; may be NULL if n is 0 */
     size_t n;
-    struct log_values *
+    struct columns *
         values; /* the names of the fields; NULL: there are none. If it has the values, too, they are
                                   not in the rows */
     struct reservation memory; /* from edit_may_add, and for the points themselves */

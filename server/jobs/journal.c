@@ -87,12 +87,12 @@ void journal_set_values(struct server *s, struct dataset *set, const struct word
     changed(s, set, append(s, set, r));
 }
 
-void journal_set_run(struct server *s, struct dataset *set, struct log_values *v)
+void journal_set_run(struct server *s, struct dataset *set, struct columns *v)
 {
     struct record r = {.type = RECORD_VALUES,
                        .first = v->first,
                        .n = v->n,
-                       .field = v->field[0].name,
+                       .field = v->field[0].text,
                        .field_len = v->field[0].len,
                        .items = v->v};
     if (v->n > RECORD_MOST_VALUES) {
@@ -100,17 +100,17 @@ void journal_set_run(struct server *s, struct dataset *set, struct log_values *v
         return;
     }
     changed(s, set, append(s, set, r));
-    log_values_free(v);
+    columns_free(v);
 }
 
 void journal_add_values(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
-                        size_t n, struct log_values *v)
+                        size_t n, struct columns *v)
 {
     struct log *log = log_of(s, set);
     struct record r = {.first = first, .n = (uint32_t)n};
     if (log == NULL) {
         dt_pages_release(p);
-        log_values_free(v);
+        columns_free(v);
         changed(s, set, 0);
         return;
     }

@@ -21,10 +21,10 @@ void journal_expire(struct server *s, struct dataset *set);
 void journal_set_values(struct server *s, struct dataset *set, const struct word *field,
                         const struct record_value *v, size_t n);
 /* A column of values, which moves here. */
-void journal_set_run(struct server *s, struct dataset *set, struct log_values *v);
+void journal_set_run(struct server *s, struct dataset *set, struct columns *v);
 /* As journal_add, with values of fields, which move here, too; p is NULL if n is 0. */
 void journal_add_values(struct server *s, struct dataset *set, uint32_t first, struct dt_point *p,
-                        size_t n, struct log_values *v);
+                        size_t n, struct columns *v);
 void journal_drop_field(struct server *s, struct dataset *set, const struct word *field);
 void journal_triangulate(struct server *s, struct dataset *set);
 

@@ -14,7 +14,7 @@ trap 'rm -f "$found"' EXIT
 declare -A rooms=(
     [core]='exact control memory fields points mesh grid set divide shelling query surface edit'
     [clients]='lib reading files meshes surfaces pictures cli commands'
-    [server]='system ops sets disk jobs surface clients command redis watch follow repair session'
+    [server]='system ops sets changes disk jobs surface clients command redis watch follow repair session'
 )
 
 # ---- which files ----

@@ -12,7 +12,7 @@
 
 /* ---- requests ---- */
 
-void change_clear(struct change *c)
+void request_change_clear(struct request_change *c)
 {
     free(c->points);
     c->points = NULL;
@@ -37,7 +37,7 @@ static double value_of(struct dt_point p, uint32_t field)
     return fmod(p.x + field, 4) == 3 ? (double)NAN : 100 * field + 10 * p.x - p.y;
 }
 
-static void put_points(struct buf *to, const struct change *c, const char *before,
+static void put_points(struct buf *to, const struct request_change *c, const char *before,
                        const char *after)
 {
     for (uint32_t i = 0; i < c->n; i++) {
@@ -48,7 +48,7 @@ static void put_points(struct buf *to, const struct change *c, const char *befor
     }
 }
 
-static void put_bytes(struct buf *to, const struct change *c)
+static void put_bytes(struct buf *to, const struct request_change *c)
 {
     for (uint32_t i = 0; i < c->n; i++) {
         buf_append(to, &c->points[i], sizeof c->points[i]);
@@ -60,76 +60,78 @@ static void put_bytes(struct buf *to, const struct change *c)
 }
 
 static void put_set_and_fields(struct buf *to, const char *command, const char *set,
-                               const struct change *c)
+                               const struct request_change *c)
 {
     put(to, "%s %s", command, set);
-    if (c->kind == CHANGE_LOAD || c->kind == CHANGE_LOADB)
+    if (c->kind == REQUEST_LOAD || c->kind == REQUEST_LOADB)
         put(to, " %" PRIu32, c->n);
     for (uint32_t f = 0; f < c->fields; f++)
         put(to, "%s%s", f == 0 ? " FIELDS " : ",", field_name[f]);
 }
 
-static void put_values(struct buf *to, const char *set, const struct change *c, const uint32_t *ids)
+static void put_values(struct buf *to, const char *set, const struct request_change *c,
+                       const uint32_t *ids)
 {
-    if (c->kind == CHANGE_FSETB)
+    if (c->kind == REQUEST_FSETB)
         put(to, "FSETB %s %s %" PRIu32 " %" PRIu32, set, field_name[c->field], ids[0], c->n);
     else
         put(to, "FSET %s %s", set, field_name[c->field]);
-    for (uint32_t i = 0; c->kind == CHANGE_FSET && i < c->n; i++)
+    for (uint32_t i = 0; c->kind == REQUEST_FSET && i < c->n; i++)
         put(to, " %" PRIu32 " %.17g", ids[i], c->points[i].x);
     put(to, "\n");
-    for (uint32_t i = 0; c->kind == CHANGE_FSETB && i < c->n; i++)
+    for (uint32_t i = 0; c->kind == REQUEST_FSETB && i < c->n; i++)
         buf_append(to, &c->points[i].x, sizeof c->points[i].x);
 }
 
-void change_write(struct buf *to, const char *set, const struct change *c, const uint32_t *ids)
+void request_change_write(struct buf *to, const char *set, const struct request_change *c,
+                          const uint32_t *ids)
 {
     ids = ids == NULL ? c->id : ids;
     switch (c->kind) {
-    case CHANGE_ADD:
+    case REQUEST_ADD:
         put_set_and_fields(to, "ADD", set, c);
         put_points(to, c, " ", "");
         put(to, "\n");
         break;
-    case CHANGE_LOAD:
+    case REQUEST_LOAD:
         put_set_and_fields(to, "LOAD", set, c);
         put(to, "\n");
         put_points(to, c, "", "\n");
         break;
-    case CHANGE_LOAD_TO_DOT:
+    case REQUEST_LOAD_TO_DOT:
         put_set_and_fields(to, "LOAD", set, c);
         put(to, "\n# points\n");
         put_points(to, c, "", "\n");
         put(to, ".\n");
         break;
-    case CHANGE_LOADB:
+    case REQUEST_LOADB:
         put_set_and_fields(to, "LOADB", set, c);
         put(to, "\n");
         put_bytes(to, c);
         break;
-    case CHANGE_DELETE:
+    case REQUEST_DELETE:
         put(to, "DEL %s", set);
         for (uint32_t i = 0; i < c->n; i++)
             put(to, " %" PRIu32, ids[i]);
         put(to, "\n");
         break;
-    case CHANGE_MOVE:
+    case REQUEST_MOVE:
         put(to, "MOVE %s %" PRIu32 " %.17g %.17g\n", set, ids[0], c->points[0].x, c->points[0].y);
         break;
-    case CHANGE_CREATE:
+    case REQUEST_CREATE:
         put(to, "CREATE %s TOL %.17g\n", set, c->tolerance);
         break;
-    case CHANGE_DROP:
+    case REQUEST_DROP:
         put(to, "DROP %s\n", set);
         break;
-    case CHANGE_TRIANGULATE:
+    case REQUEST_TRIANGULATE:
         put(to, "TRIANGULATE %s\n", set);
         break;
-    case CHANGE_FSET:
-    case CHANGE_FSETB:
+    case REQUEST_FSET:
+    case REQUEST_FSETB:
         put_values(to, set, c, ids);
         break;
-    case CHANGE_FDROP:
+    case REQUEST_FDROP:
         put(to, "FDROP %s %s\n", set, field_name[c->field]);
         break;
     }
@@ -151,7 +153,7 @@ static void create(struct model *m, double tolerance)
     CHECK(m->dt != NULL);
 }
 
-static void add(struct model *m, const struct change *c, char reply[REPLY_BYTES])
+static void add(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
 {
     struct dt_added added;
     struct dt_values_of column[CHANGE_FIELDS];
@@ -170,22 +172,22 @@ static void add(struct model *m, const struct change *c, char reply[REPLY_BYTES]
              added.first, added.added, added.coincident);
 }
 
-static void change_points(struct model *m, const struct change *c, char reply[REPLY_BYTES])
+static void change_points(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
 {
     uint32_t deleted, missing;
     enum dt_status status;
-    if (c->kind == CHANGE_MOVE)
+    if (c->kind == REQUEST_MOVE)
         status = dt_move(m->dt, c->id[0], c->points[0]);
     else
         status = dt_delete(m->dt, c->id, c->n, &deleted, &missing);
     CHECK(status == DT_OK || status == DT_NOPOINT);
     if (status == DT_NOPOINT)
         snprintf(reply, REPLY_BYTES, "ERR NOPOINT");
-    else if (c->kind == CHANGE_DELETE)
+    else if (c->kind == REQUEST_DELETE)
         snprintf(reply, REPLY_BYTES, "OK 0 deleted=%" PRIu32, deleted);
 }
 
-static void change_values(struct model *m, const struct change *c, char reply[REPLY_BYTES])
+static void change_values(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
 {
     const char *name = field_name[c->field];
     double *v = malloc(c->n * sizeof *v);
@@ -194,7 +196,7 @@ static void change_values(struct model *m, const struct change *c, char reply[RE
     CHECK(v != NULL);
     for (uint32_t i = 0; i < c->n; i++)
         v[i] = c->points[i].x;
-    if (c->kind == CHANGE_FSET)
+    if (c->kind == REQUEST_FSET)
         status = dt_field_set(m->dt, name, strlen(name), c->id, v, c->n, NULL, &missing);
     else
         status = dt_field_set_run(m->dt, name, strlen(name), c->id[0], v, c->n, NULL, &missing);
@@ -204,32 +206,32 @@ static void change_values(struct model *m, const struct change *c, char reply[RE
     free(v);
 }
 
-static void drop_field(struct model *m, const struct change *c, char reply[REPLY_BYTES])
+static void drop_field(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
 {
     const char *name = field_name[c->field];
     if (dt_field_drop(m->dt, name, strlen(name)) == DT_NOFIELD)
         snprintf(reply, REPLY_BYTES, "ERR NOFIELD");
 }
 
-void model_apply(struct model *m, const struct change *c, char reply[REPLY_BYTES])
+void model_apply(struct model *m, const struct request_change *c, char reply[REPLY_BYTES])
 {
     snprintf(reply, REPLY_BYTES, "OK 0");
-    if (c->kind <= CHANGE_LOADB) {
+    if (c->kind <= REQUEST_LOADB) {
         add(m, c, reply);
-    } else if (c->kind == CHANGE_CREATE) {
+    } else if (c->kind == REQUEST_CREATE) {
         if (m->dt == NULL)
             create(m, c->tolerance);
         else
             snprintf(reply, REPLY_BYTES, "ERR EXISTS");
     } else if (m->dt == NULL) {
         snprintf(reply, REPLY_BYTES, "ERR NOSET");
-    } else if (c->kind == CHANGE_DROP) {
+    } else if (c->kind == REQUEST_DROP) {
         model_clear(m);
-    } else if (c->kind == CHANGE_TRIANGULATE) {
+    } else if (c->kind == REQUEST_TRIANGULATE) {
         m->triangulated = true;
-    } else if (c->kind == CHANGE_FSET || c->kind == CHANGE_FSETB) {
+    } else if (c->kind == REQUEST_FSET || c->kind == REQUEST_FSETB) {
         change_values(m, c, reply);
-    } else if (c->kind == CHANGE_FDROP) {
+    } else if (c->kind == REQUEST_FDROP) {
         drop_field(m, c, reply);
     } else {
         change_points(m, c, reply);

@@ -6,25 +6,25 @@
 #include "core/delaunay.h"
 #include "proto/buf.h"
 
-enum change_kind {
-    CHANGE_ADD,
-    CHANGE_LOAD,        /* LOAD set n */
-    CHANGE_LOAD_TO_DOT, /* LOAD set */
-    CHANGE_LOADB,
-    CHANGE_DELETE,
-    CHANGE_MOVE,
-    CHANGE_CREATE,
-    CHANGE_DROP,
-    CHANGE_TRIANGULATE,
-    CHANGE_FSET,
-    CHANGE_FSETB, /* of the ids from id[0] on */
-    CHANGE_FDROP
+enum request_kind {
+    REQUEST_ADD,
+    REQUEST_LOAD,        /* LOAD set n */
+    REQUEST_LOAD_TO_DOT, /* LOAD set */
+    REQUEST_LOADB,
+    REQUEST_DELETE,
+    REQUEST_MOVE,
+    REQUEST_CREATE,
+    REQUEST_DROP,
+    REQUEST_TRIANGULATE,
+    REQUEST_FSET,
+    REQUEST_FSETB, /* of the ids from id[0] on */
+    REQUEST_FDROP
 };
 
 enum { CHANGE_IDS = 8, CHANGE_FIELDS = 2, REPLY_BYTES = 128 };
 
-struct change {
-    enum change_kind kind;
+struct request_change {
+    enum request_kind kind;
     uint32_t n;              /* points, ids, or values */
     struct dt_point *points; /* owns; x is the value of FSET and FSETB */
     uint32_t id[CHANGE_IDS];
@@ -33,10 +33,11 @@ struct change {
     uint32_t field;  /* of FSET, FSETB, FDROP */
 };
 
-void change_clear(struct change *c);
+void request_change_clear(struct request_change *c);
 
 /* Appends the request. Ids are written as `ids` says, NULL: as they are. */
-void change_write(struct buf *to, const char *set, const struct change *c, const uint32_t *ids);
+void request_change_write(struct buf *to, const char *set, const struct request_change *c,
+                          const uint32_t *ids);
 
 struct model {
     struct dt *dt; /* owns; NULL: there is no such set */
@@ -46,7 +47,7 @@ struct model {
 void model_clear(struct model *m);
 
 /* Applies the change. `reply` gets what the reply must begin with, up to the figures of a triangulation. */
-void model_apply(struct model *m, const struct change *c, char reply[REPLY_BYTES]);
+void model_apply(struct model *m, const struct request_change *c, char reply[REPLY_BYTES]);
 
 /* Like digest_set; 0 if there is no set. */
 uint64_t model_digest(const struct model *m);

@@ -29,25 +29,25 @@ static struct dt_point *places(struct client *c, uint32_t n)
     return p;
 }
 
-static struct change addition(struct client *c, uint32_t kind)
+static struct request_change addition(struct client *c, uint32_t kind)
 {
     if (kind < 40)
-        return (struct change){.kind = CHANGE_ADD, .n = 1 + below(c, 5)};
+        return (struct request_change){.kind = REQUEST_ADD, .n = 1 + below(c, 5)};
     if (kind < 44)
-        return (struct change){.kind = CHANGE_ADD, .n = 100 + below(c, 300)};
+        return (struct request_change){.kind = REQUEST_ADD, .n = 100 + below(c, 300)};
     if (kind == 44 && c->work->large)
-        return (struct change){.kind = CHANGE_LOADB, .n = LARGE + below(c, LARGE)};
-    static const enum change_kind load[] = {CHANGE_LOAD, CHANGE_LOAD_TO_DOT, CHANGE_LOADB};
-    return (struct change){.kind = load[below(c, 3)], .n = 1 + below(c, 60)};
+        return (struct request_change){.kind = REQUEST_LOADB, .n = LARGE + below(c, LARGE)};
+    static const enum request_kind load[] = {REQUEST_LOAD, REQUEST_LOAD_TO_DOT, REQUEST_LOADB};
+    return (struct request_change){.kind = load[below(c, 3)], .n = 1 + below(c, 60)};
 }
 
-static struct change change_of_values(struct client *c, const struct stream *s)
+static struct request_change change_of_values(struct client *c, const struct stream *s)
 {
     uint32_t kind = below(c, 10), field = below(c, CHANGE_FIELDS);
     if (kind == 0)
-        return (struct change){.kind = CHANGE_FDROP, .field = field};
+        return (struct request_change){.kind = REQUEST_FDROP, .field = field};
     bool run = kind < 4;
-    struct change change = {.kind = run ? CHANGE_FSETB : CHANGE_FSET, .field = field};
+    struct request_change change = {.kind = run ? REQUEST_FSETB : REQUEST_FSET, .field = field};
     change.n = run ? 1 + below(c, s->ids / 2 + 1) : 1 + below(c, 4);
     for (uint32_t i = 0; i < CHANGE_IDS; i++)
         change.id[i] = below(c, s->ids + 1);
@@ -61,9 +61,9 @@ static struct change change_of_values(struct client *c, const struct stream *s)
 }
 
 /* Few places, so that points coincide; ids mostly of existing points. */
-static struct change change_own(struct client *c, const struct stream *s)
+static struct request_change change_own(struct client *c, const struct stream *s)
 {
-    struct change change = {.kind = CHANGE_DROP};
+    struct request_change change = {.kind = REQUEST_DROP};
     uint32_t kind = below(c, 100);
     if (below(c, 5) == 0)
         return change_of_values(c, s);
@@ -74,16 +74,16 @@ static struct change change_own(struct client *c, const struct stream *s)
         change.points = places(c, change.n);
         change.fields = below(c, 3) == 0 ? 1 + below(c, CHANGE_FIELDS) : 0;
     } else if (kind < 72) {
-        change = (struct change){.kind = CHANGE_DELETE, .n = 1 + below(c, 3)};
+        change = (struct request_change){.kind = REQUEST_DELETE, .n = 1 + below(c, 3)};
         for (uint32_t i = 0; i < change.n; i++)
             change.id[i] = below(c, s->ids + 1);
     } else if (kind < 90) {
-        change = (struct change){.kind = CHANGE_MOVE, .n = 1, .points = places(c, 1)};
+        change = (struct request_change){.kind = REQUEST_MOVE, .n = 1, .points = places(c, 1)};
         change.id[0] = below(c, s->ids + 2);
     } else if (kind < 95) {
-        change = (struct change){.kind = CHANGE_TRIANGULATE};
+        change = (struct request_change){.kind = REQUEST_TRIANGULATE};
     } else if (kind < 98) {
-        change = (struct change){.kind = CHANGE_CREATE, .tolerance = 0.75 * below(c, 2)};
+        change = (struct request_change){.kind = REQUEST_CREATE, .tolerance = 0.75 * below(c, 2)};
     }
     return change;
 }
@@ -98,21 +98,21 @@ static bool choose_known(struct client *c, const struct stream *s, uint32_t *id)
 }
 
 /* Each point at a place of its own. */
-static struct change change_shared(struct client *c, const struct stream *s)
+static struct request_change change_shared(struct client *c, const struct stream *s)
 {
-    struct change change = {.kind = CHANGE_TRIANGULATE};
+    struct request_change change = {.kind = REQUEST_TRIANGULATE};
     uint32_t kind = below(c, 100), id = 0;
     if (kind >= 95)
         return change;
     bool known = choose_known(c, s, &id);
     if (known && kind < 20)
-        return (struct change){.kind = CHANGE_DELETE, .n = 1, .id = {id}};
+        return (struct request_change){.kind = REQUEST_DELETE, .n = 1, .id = {id}};
     bool move = known && kind < 40;
-    change = (struct change){.kind = move        ? CHANGE_MOVE
-                                     : kind < 50 ? CHANGE_LOAD
-                                                 : CHANGE_ADD,
-                             .n = move ? 1 : 1 + below(c, 4),
-                             .id = {id}};
+    change = (struct request_change){.kind = move        ? REQUEST_MOVE
+                                             : kind < 50 ? REQUEST_LOAD
+                                                         : REQUEST_ADD,
+                                     .n = move ? 1 : 1 + below(c, 4),
+                                     .id = {id}};
     change.points = malloc(change.n * sizeof *change.points);
     CHECK(change.points != NULL);
     for (uint32_t i = 0; i < change.n; i++)
@@ -222,11 +222,12 @@ static struct asked compose(struct client *c, struct buf *to)
     }
     r.kind = ASKED_CHANGE;
     r.stream = choose_stream(c);
-    struct change change = r.stream->shared ? change_shared(c, r.stream) : change_own(c, r.stream);
+    struct request_change change =
+        r.stream->shared ? change_shared(c, r.stream) : change_own(c, r.stream);
     r.index = stream_add(r.stream, &change);
-    for (uint32_t i = 0; r.stream->shared && change.kind >= CHANGE_DELETE && i < change.n; i++)
+    for (uint32_t i = 0; r.stream->shared && change.kind >= REQUEST_DELETE && i < change.n; i++)
         ids[i] = r.stream->id[change.id[i]];
-    change_write(to, r.stream->set, &change, r.stream->shared ? ids : NULL);
+    request_change_write(to, r.stream->set, &change, r.stream->shared ? ids : NULL);
     return r;
 }
 

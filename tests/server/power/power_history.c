@@ -66,13 +66,13 @@ struct connection *history_new_connection(struct states *h, unsigned port)
     return c;
 }
 
-int stream_add(struct stream *s, const struct change *c)
+int stream_add(struct stream *s, const struct request_change *c)
 {
     s->sent = grown(s->sent, s->n, &s->cap, sizeof *s->sent);
     s->sent[s->n] = (struct sent_change){.change = *c};
-    if (c->kind <= CHANGE_LOADB)
+    if (c->kind <= REQUEST_LOADB)
         s->ids += c->n;
-    else if (c->kind == CHANGE_DROP)
+    else if (c->kind == REQUEST_DROP)
         s->ids = 0;
     return s->n++;
 }
@@ -83,10 +83,10 @@ static bool begins(const char *text, const char *with)
 }
 
 /* Notes the ids of the points of an addition. */
-static void learn_ids(struct stream *s, const struct change *c, const char *reply)
+static void learn_ids(struct stream *s, const struct request_change *c, const char *reply)
 {
     uint32_t first;
-    if (c->kind > CHANGE_LOADB || sscanf(reply, "OK 0 first=%" SCNu32, &first) != 1)
+    if (c->kind > REQUEST_LOADB || sscanf(reply, "OK 0 first=%" SCNu32, &first) != 1)
         return;
     s->id = realloc(s->id, (s->known + c->n) * sizeof *s->id);
     CHECK(s->id != NULL);
@@ -135,7 +135,7 @@ void history_clear(struct states *h)
     for (int i = 0; i < h->streams; i++) {
         struct stream *s = h->stream[i];
         for (int k = 0; k < s->n; k++)
-            change_clear(&s->sent[k].change);
+            request_change_clear(&s->sent[k].change);
         model_clear(&s->before);
         free(s->sent);
         free(s->digest);

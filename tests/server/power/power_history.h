@@ -27,7 +27,7 @@ enum {
 };
 
 struct sent_change {
-    struct change change;
+    struct request_change change;
     bool refused; /* the reply says that nothing was changed: READONLY, BUSY, CANCELLED */
     char reply[REPLY_BYTES];
 };
@@ -83,7 +83,7 @@ struct stream *history_new_stream(struct states *h, const char *set);
 struct connection *history_new_connection(struct states *h, unsigned port);
 
 /* Takes over the change; returns its index. */
-int stream_add(struct stream *s, const struct change *c);
+int stream_add(struct stream *s, const struct request_change *c);
 
 /* The reply to a change. */
 void connection_hear(struct connection *c, struct stream *s, int index, uint64_t end,

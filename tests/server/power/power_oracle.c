@@ -84,7 +84,7 @@ void history_close(struct states *h)
 static int maker_of(const struct stream *s, struct dt_point p)
 {
     for (int i = 0; i < s->n; i++) {
-        const struct change *c = &s->sent[i].change;
+        const struct request_change *c = &s->sent[i].change;
         for (uint32_t k = 0; c->points != NULL && k < c->n; k++)
             if (c->points[k].y == p.y)
                 return i;
@@ -155,9 +155,9 @@ static bool find_state(struct stream *s, uint64_t digest)
 /* Whether a full disk may have refused the change without the client reading the reply. */
 static bool may_be_refused(const struct sent_change *sent)
 {
-    enum change_kind kind = sent->change.kind;
-    return sent->reply[0] == '\0' && kind != CHANGE_DELETE && kind != CHANGE_DROP &&
-           kind != CHANGE_FDROP;
+    enum request_kind kind = sent->change.kind;
+    return sent->reply[0] == '\0' && kind != REQUEST_DELETE && kind != REQUEST_DROP &&
+           kind != REQUEST_FDROP;
 }
 
 /* Of the changes that may have been refused, assumes that those whose bit in `which` is set were.
@@ -229,7 +229,7 @@ static void count_triangulations(const struct stream *s, bool *must, bool *may)
     *must |= s->before.triangulated;
     for (int i = 0; i < s->n; i++) {
         const struct sent_change *sent = &s->sent[i];
-        if (sent->change.kind != CHANGE_TRIANGULATE)
+        if (sent->change.kind != REQUEST_TRIANGULATE)
             continue;
         *must |= i < s->acknowledged && begins(sent->reply, "OK");
         *may |= sent->reply[0] == '\0' || begins(sent->reply, "OK");
@@ -313,7 +313,7 @@ static void settle(struct stream *s, const struct dataset *set)
     model_clear(&s->before);
     s->before = m;
     for (int i = 0; i < s->n; i++)
-        change_clear(&s->sent[i].change);
+        request_change_clear(&s->sent[i].change);
     s->n = s->found = s->acknowledged = 0;
     s->supposed = 0;
     s->before.triangulated = set != NULL && set->triangulated;

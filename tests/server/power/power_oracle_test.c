@@ -14,15 +14,15 @@ struct scene {
     struct dt *dt; /* of the stream's set */
 };
 
-static struct change adding(double x)
+static struct request_change adding(double x)
 {
-    struct change c = {.kind = CHANGE_ADD, .n = 1, .points = malloc(sizeof *c.points)};
+    struct request_change c = {.kind = REQUEST_ADD, .n = 1, .points = malloc(sizeof *c.points)};
     CHECK(c.points != NULL);
     c.points[0] = (struct dt_point){x, x};
     return c;
 }
 
-static const struct change deleting = {.kind = CHANGE_DELETE, .n = 1, .id = {0}};
+static const struct request_change deleting = {.kind = REQUEST_DELETE, .n = 1, .id = {0}};
 
 static void scene_end(struct scene *s)
 {
@@ -31,14 +31,14 @@ static void scene_end(struct scene *s)
 }
 
 /* The stream adds a point and then makes the other two changes. */
-static void scene_begin(struct scene *s, struct change second, struct change third)
+static void scene_begin(struct scene *s, struct request_change second, struct request_change third)
 {
     *s = (struct scene){0};
     history_init(&s->history);
     registry_init(&s->sets);
     s->stream = history_new_stream(&s->history, NULL);
     struct connection *c = history_new_connection(&s->history, 1);
-    struct change first = adding(1);
+    struct request_change first = adding(1);
     stream_add(s->stream, &first);
     stream_add(s->stream, &second);
     stream_add(s->stream, &third);
@@ -63,7 +63,8 @@ static void carry_out(struct scene *s, unsigned which)
     CHECK(m.dt == s->dt);
 }
 
-static bool allows(struct change second, struct change third, unsigned which, bool disk_is_full)
+static bool allows(struct request_change second, struct request_change third, unsigned which,
+                   bool disk_is_full)
 {
     struct scene s;
     char why[WHY_BYTES];

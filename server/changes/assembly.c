@@ -1,0 +1,163 @@
+/* assembly.c - see assembly.h. The values of a column may be in several records; columns follow each other, and all have values of
+ * the same ids, usually those of the points. */
+#include "server/changes/assembly.h"
+
+#include "core/delaunay_fields.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void assembly_clear(struct assembly *s)
+{
+    change_clear(&s->change);
+    buf_free(&s->values);
+    reservation_set(&s->memory, 0);
+    *s = (struct assembly){.pages = s->pages, .memory = s->memory};
+}
+
+/* Reserves room for that many points, and `more` values. */
+static bool reserve(struct assembly *s, size_t points, size_t more)
+{
+    size_t bytes = points * sizeof(struct dt_point) + buf_len(&s->values) + more * sizeof(double);
+    return s->memory.budget == NULL || reservation_resize(&s->memory, bytes);
+}
+
+static enum assembled take_points(struct assembly *s, const struct record *r)
+{
+    struct change *c = &s->change;
+    size_t want = (size_t)c->n + r->n;
+    if (want > DT_MAX_POINTS)
+        return ASSEMBLY_INVALID;
+    if (want > s->points_cap) {
+        size_t cap = want > 2 * s->points_cap ? want : 2 * s->points_cap;
+        struct dt_point *larger =
+            reserve(s, cap, 0)
+                ? dt_pages_grow(s->pages, c->points, c->n * sizeof *larger, cap * sizeof *larger)
+                : NULL;
+        if (larger == NULL)
+            return ASSEMBLY_NOMEM;
+        c->points = larger;
+        s->points_cap = cap;
+    }
+    if (r->n > 0)
+        record_points(r, &c->points[c->n].x);
+    c->n = (uint32_t)want;
+    return ASSEMBLY_MORE;
+}
+
+/* ---- columns ---- */
+
+static struct name *last_column(const struct assembly *s)
+{
+    struct columns *v = s->change.columns;
+    return v == NULL ? NULL : &v->field[v->count - 1];
+}
+
+/* Another column begins. */
+static enum assembled add_column(struct assembly *s, const struct record *r)
+{
+    struct columns *old = s->change.columns;
+    size_t before = old == NULL ? 0 : old->count;
+    if (before == DT_MAX_FIELDS)
+        return ASSEMBLY_INVALID;
+    struct columns *v = columns_new(before + 1);
+    if (v == NULL)
+        return ASSEMBLY_NOMEM;
+    if (before > 0)
+        memcpy(v->field, old->field, before * sizeof v->field[0]);
+    v->field[before] = name_of(r->field, r->field_len);
+    columns_free(old);
+    s->change.columns = v;
+    return ASSEMBLY_MORE;
+}
+
+static enum assembled take_values(struct assembly *s, const struct record *r)
+{
+    struct word field = {r->field, r->field_len};
+    const struct name *last = last_column(s);
+    if (!word_is_field_name(&field))
+        return ASSEMBLY_INVALID;
+    if (!reserve(s, s->points_cap, r->n))
+        return ASSEMBLY_NOMEM;
+    double *to = (double *)(void *)buf_reserve(&s->values, ((size_t)r->n + 1) * sizeof *to);
+    enum assembled how = ASSEMBLY_MORE;
+    if (to == NULL) {
+        s->values.failed = false;
+        return ASSEMBLY_NOMEM;
+    }
+    if (last == NULL)
+        s->first = r->first;
+    if (last == NULL || !name_equals(last, r->field, r->field_len))
+        how = add_column(s, r);
+    if (how != ASSEMBLY_MORE)
+        return how;
+    if (r->n > 0)
+        record_values(r, to);
+    buf_commit(&s->values, r->n * sizeof *to);
+    if (s->change.columns->count == 1)
+        s->n += r->n;
+    return ASSEMBLY_MORE;
+}
+
+/* The values move to one array of their own. */
+static enum assembled fill_columns(struct assembly *s, struct columns *v)
+{
+    size_t bytes = buf_len(&s->values);
+    if (bytes != v->count * (size_t)s->n * sizeof(double))
+        return ASSEMBLY_INVALID;
+    v->v = dt_pages_grow(s->pages, NULL, 0, bytes + 1);
+    if (v->v == NULL)
+        return ASSEMBLY_NOMEM;
+    if (bytes > 0)
+        memcpy(v->v, buf_head(&s->values), bytes);
+    v->first = s->first;
+    v->n = s->n;
+    return ASSEMBLY_DONE;
+}
+
+/* ---- the change ---- */
+
+static enum assembled begin(struct assembly *s, const struct record *r)
+{
+    struct word set = {r->name, r->name_len};
+    if (s->begun)
+        return ASSEMBLY_INVALID;
+    assembly_clear(s);
+    s->change = change_of(CHANGE_ADD, &set);
+    s->change.first = r->first;
+    s->change.pages = s->pages;
+    s->begun = true;
+    return ASSEMBLY_MORE;
+}
+
+static enum assembled end(struct assembly *s, const struct record *r, struct change *c)
+{
+    enum assembled how = ASSEMBLY_DONE;
+    if (!name_equals(&s->change.set, r->name, r->name_len) || r->n != s->change.n)
+        return ASSEMBLY_INVALID;
+    if (s->change.columns != NULL)
+        how = fill_columns(s, s->change.columns);
+    if (how != ASSEMBLY_DONE)
+        return how;
+    *c = s->change;
+    s->change = (struct change){0};
+    assembly_clear(s);
+    return ASSEMBLY_DONE;
+}
+
+enum assembled assembly_take(struct assembly *s, const struct record *r, struct change *c)
+{
+    if (r->type == RECORD_LOAD)
+        return begin(s, r);
+    if (!s->begun)
+        return ASSEMBLY_INVALID;
+    if (s->skips) {
+        if (r->type != RECORD_LOADED)
+            return ASSEMBLY_MORE;
+        assembly_clear(s);
+        return ASSEMBLY_ENDED;
+    }
+    if (r->type == RECORD_CHUNK)
+        return take_points(s, r);
+    return r->type == RECORD_VALUES ? take_values(s, r) : end(s, r, c);
+}

@@ -1,0 +1,318 @@
+/* change.c - the table of the kinds of changes, and their records. */
+#include "server/changes/change.h"
+
+#include "core/delaunay_fields.h"
+
+#include <stdlib.h>
+
+/* ---- what the kinds do ---- */
+
+/* The rows become points and columns of values. */
+static bool split_rows(struct change *c)
+{
+    struct columns *v = c->columns;
+    size_t width = 2 + v->count;
+    c->points = dt_pages_grow(c->pages, NULL, 0, ((size_t)c->n + 1) * sizeof *c->points);
+    v->v = dt_pages_grow(c->pages, NULL, 0, (c->n * v->count + 1) * sizeof *v->v);
+    if (c->points == NULL || v->v == NULL)
+        return false;
+    for (size_t i = 0; i < c->n; i++) {
+        const double *row = c->rows + i * width;
+        c->points[i] = (struct dt_point){row[0], row[1]};
+        for (size_t k = 0; k < v->count; k++)
+            v->v[k * c->n + i] = row[2 + k];
+    }
+    v->n = c->n;
+    dt_pages_release(c->rows);
+    c->rows = NULL;
+    return true;
+}
+
+static enum dt_status set_runs(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    const struct columns *v = c->columns;
+    enum dt_status status = DT_OK;
+    for (size_t k = 0; k < v->count && status == DT_OK; k++)
+        status = dt_field_set_run(dt, v->field[k].text, v->field[k].len, v->first,
+                                  v->v + k * (size_t)v->n, v->n, opt, &c->missing);
+    return status;
+}
+
+/* A LOAD without points sets values that are too many for one record. */
+static enum dt_status add_and_set(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    enum dt_status status = c->n == 0 ? DT_OK : dt_add_many(dt, c->points, c->n, opt, &c->added);
+    return status == DT_OK ? set_runs(dt, c, opt) : status;
+}
+
+static enum dt_status add_points(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    struct dt_values_of column[DT_MAX_FIELDS];
+    struct columns *v = c->columns;
+    if (v == NULL)
+        return dt_add_many(dt, c->points, c->n, opt, &c->added);
+    if (v->v != NULL && v->n != c->n) /* of records, and not those of the new points alone */
+        return add_and_set(dt, c, opt);
+    if (c->rows != NULL && !split_rows(c))
+        return DT_NOMEM;
+    for (size_t k = 0; k < v->count; k++)
+        column[k] = (struct dt_values_of){v->field[k].text, v->field[k].len,
+                                          v->v == NULL ? NULL : v->v + k * (size_t)c->n};
+    enum dt_status status = dt_add_values(dt, c->points, c->n, column, v->count, opt, &c->added);
+    v->first = c->added.first;
+    return status;
+}
+
+static enum dt_status delete_points(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    return dt_delete_many(dt, c->ids, c->n, opt, &c->deleted, &c->missing);
+}
+
+static enum dt_status move_point(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    c->missing = c->first;
+    return dt_move_to(dt, c->first, (struct dt_point){c->a, c->b}, opt);
+}
+
+static enum dt_status set_values(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    enum dt_status status = DT_NOMEM;
+    uint32_t *id = malloc(((size_t)c->n + 1) * sizeof *id);
+    double *v = malloc(((size_t)c->n + 1) * sizeof *v);
+    for (uint32_t i = 0; id != NULL && v != NULL && i < c->n; i++) {
+        id[i] = c->pairs[i].id;
+        v[i] = c->pairs[i].value;
+    }
+    if (id != NULL && v != NULL)
+        status = dt_field_set(dt, c->field.text, c->field.len, id, v, c->n, opt, &c->missing);
+    free(id);
+    free(v);
+    return status;
+}
+
+static enum dt_status drop_field(struct dt *dt, struct change *c, const struct dt_options *opt)
+{
+    (void)opt;
+    return dt_field_drop(dt, c->field.text, c->field.len);
+}
+
+static void note_expiry(struct registry *r, struct dataset *set, const struct change *c)
+{
+    registry_expire(r, set, (int64_t)c->a);
+}
+
+static void note_triangulation(struct registry *r, struct dataset *set, const struct change *c)
+{
+    (void)r, (void)c;
+    set->triangulated = true;
+}
+
+const struct change_kind change_kinds[CHANGE_KINDS] = {
+    [CHANGE_CREATE] = {.record = RECORD_CREATE, .flags = CHANGE_NEW},
+    [CHANGE_DROP] = {.record = RECORD_DROP, .flags = CHANGE_EXISTING},
+    [CHANGE_EXPIRE] = {.record = RECORD_EXPIRE, .flags = CHANGE_EXISTING, .note = note_expiry},
+    [CHANGE_ADD] = {.record = RECORD_ADD,
+                    .what = "adding points",
+                    .flags = CHANGE_GROWS,
+                    .items = ITEMS_POINTS,
+                    .undone = "",
+                    .edit = add_points},
+    [CHANGE_DELETE] = {.record = RECORD_DELETE,
+                       .what = "deleting points",
+                       .flags = CHANGE_EXISTING,
+                       .items = ITEMS_IDS,
+                       .undone = "; nothing was deleted",
+                       .edit = delete_points},
+    [CHANGE_MOVE] = {.record = RECORD_MOVE,
+                     .what = "moving a point",
+                     .flags = CHANGE_EXISTING,
+                     .undone = "",
+                     .edit = move_point},
+    [CHANGE_SET] = {.record = RECORD_FSET,
+                    .flags = CHANGE_EXISTING,
+                    .items = ITEMS_PAIRS,
+                    .has_field = true,
+                    .undone = "; no value was set",
+                    .edit = set_values},
+    [CHANGE_RUN] = {.record = RECORD_VALUES,
+                    .flags = CHANGE_EXISTING,
+                    .items = ITEMS_COLUMN,
+                    .undone = "; no value was set",
+                    .edit = set_runs},
+    [CHANGE_FDROP] = {.record = RECORD_FDROP,
+                      .flags = CHANGE_EXISTING,
+                      .has_field = true,
+                      .edit = drop_field},
+    [CHANGE_TRIANGULATE] = {.record = RECORD_TRIANGULATE,
+                            .what = "triangulating",
+                            .flags = CHANGE_EXISTING,
+                            .note = note_triangulation},
+};
+
+/* ---- their life ---- */
+
+struct change change_of(enum change_code code, const struct word *set)
+{
+    return (struct change){.kind = &change_kinds[code], .set = name_of(set->text, set->len)};
+}
+
+void change_clear(struct change *c)
+{
+    dt_pages_release(c->rows);
+    dt_pages_release(c->points);
+    free(c->ids);
+    free(c->pairs);
+    columns_free(c->columns);
+    c->rows = NULL;
+    c->points = NULL;
+    c->ids = NULL;
+    c->pairs = NULL;
+    c->columns = NULL;
+}
+
+const char *change_contradiction(const struct change *c, const struct dataset *set)
+{
+    unsigned flags = c->kind->flags;
+    if (set == NULL && (flags & CHANGE_EXISTING) != 0)
+        return "there is no such set";
+    if (set != NULL && (flags & CHANGE_NEW) != 0)
+        return "the set exists already";
+    uint32_t next = set == NULL ? 0 : dt_next_id(set->current->dt);
+    if ((flags & CHANGE_GROWS) != 0 && c->first != CHANGE_ANY && c->first != next)
+        return "its first id is not the next one here";
+    return NULL;
+}
+
+/* ---- records ---- */
+
+const struct change_kind *change_kind_of(const struct record *r)
+{
+    for (size_t i = 0; i < CHANGE_KINDS; i++)
+        if (change_kinds[i].record == r->type && r->name_len > 0)
+            return &change_kinds[i];
+    return NULL;
+}
+
+bool change_is_part(const struct record *r)
+{
+    return r->type == RECORD_LOAD || r->type == RECORD_CHUNK || r->type == RECORD_LOADED ||
+           (r->type == RECORD_VALUES && r->name_len == 0);
+}
+
+static bool take_column(struct change *c, const struct record *r)
+{
+    struct columns *v = c->columns = columns_new(1);
+    if (v == NULL)
+        return false;
+    v->first = r->first;
+    v->n = r->n;
+    v->field[0] = name_of(r->field, r->field_len);
+    v->v = dt_pages_grow(c->pages, NULL, 0, ((size_t)r->n + 1) * sizeof *v->v);
+    if (v->v != NULL)
+        record_values(r, v->v);
+    return v->v != NULL;
+}
+
+static bool take_pairs(struct change *c, const struct record *r)
+{
+    c->pairs = malloc(((size_t)r->n + 1) * sizeof *c->pairs);
+    for (uint32_t i = 0; c->pairs != NULL && i < r->n; i++)
+        record_value_at(r, i, &c->pairs[i]);
+    return c->pairs != NULL;
+}
+
+static bool take_items(struct change *c, const struct record *r)
+{
+    switch (c->kind->items) {
+    case ITEMS_NONE:
+        return true;
+    case ITEMS_POINTS:
+        c->points = dt_pages_grow(c->pages, NULL, 0, ((size_t)r->n + 1) * sizeof *c->points);
+        if (c->points != NULL)
+            record_points(r, &c->points->x);
+        return c->points != NULL;
+    case ITEMS_IDS:
+        c->ids = malloc(((size_t)r->n + 1) * sizeof *c->ids);
+        if (c->ids != NULL)
+            record_ids(r, c->ids);
+        return c->ids != NULL;
+    case ITEMS_PAIRS:
+        return take_pairs(c, r);
+    case ITEMS_COLUMN:
+        return take_column(c, r);
+    }
+    return false;
+}
+
+static bool is_possible(const struct change_kind *kind, const struct record *r)
+{
+    struct word set = {r->name, r->name_len}, field = {r->field, r->field_len};
+    if (!word_is_set_name(&set))
+        return false;
+    if ((kind->has_field || kind->items == ITEMS_COLUMN) && !word_is_field_name(&field))
+        return false;
+    if (r->type == RECORD_CREATE)
+        return dt_coordinate_ok(r->a) && r->a >= 0;
+    return r->type != RECORD_EXPIRE || (r->a >= 0 && r->a <= CHANGE_LATEST_MS);
+}
+
+enum dt_status change_decode(struct change *c, const struct record *r, struct dt_pages *pages)
+{
+    const struct change_kind *kind = change_kind_of(r);
+    *c = (struct change){.kind = kind, .pages = pages};
+    if (kind == NULL || !is_possible(kind, r))
+        return DT_RANGE;
+    c->set = name_of(r->name, r->name_len);
+    c->first = r->first;
+    c->n = r->n;
+    c->a = r->a;
+    c->b = r->b;
+    if (kind->has_field)
+        c->field = name_of(r->field, r->field_len);
+    if (take_items(c, r))
+        return DT_OK;
+    change_clear(c);
+    return DT_NOMEM;
+}
+
+struct record change_encode(const struct change *c)
+{
+    const struct columns *v = c->columns;
+    struct record r = {.type = c->kind->record,
+                       .first = c->first,
+                       .n = c->kind->items == ITEMS_NONE ? 0 : c->n,
+                       .a = c->a,
+                       .b = c->b,
+                       .name = c->set.text,
+                       .name_len = c->set.len,
+                       .field = c->field.text,
+                       .field_len = c->field.len};
+    switch (c->kind->items) {
+    case ITEMS_NONE:
+        break;
+    case ITEMS_POINTS:
+        r.items = c->points;
+        break;
+    case ITEMS_IDS:
+        r.items = c->ids;
+        break;
+    case ITEMS_PAIRS:
+        r.items = c->pairs;
+        break;
+    case ITEMS_COLUMN:
+        r.first = v->first;
+        r.n = v->n;
+        r.field = v->field[0].text;
+        r.field_len = v->field[0].len;
+        r.items = v->v;
+        break;
+    }
+    return r;
+}
+
+bool change_is_long(const struct change *c)
+{
+    if (c->kind->items == ITEMS_COLUMN)
+        return c->columns->n > RECORD_MOST_VALUES;
+    return c->kind->items == ITEMS_POINTS && (c->columns != NULL || c->n > RECORD_POINTS);
+}

@@ -1,0 +1,107 @@
+/* change.h - a change of a set in one value: what is to be done, how the log records it, and what came of it.
+ *
+ *     a command      reads a change and submits it (jobs/submit.h), which applies it and appends it to the log
+ *     a restart      decodes changes from records and applies them (disk/replay.h)
+ *     a follower     decodes changes from its leader's records and submits them (follow/apply.h)
+ *
+ * Each kind of change is a row of a table, `change_kinds`. The records of a LOAD, which are one change, are joined by an assembly
+ * (assembly.h). */
+#ifndef SERVER_CHANGE_H
+#define SERVER_CHANGE_H
+
+#include "proto/records/record.h"
+#include "server/changes/columns.h"
+#include "server/sets/dataset.h"
+
+#define CHANGE_ANY UINT32_MAX   /* as `first`: the next id, whatever it is */
+#define CHANGE_LATEST_MS 0x1p53 /* since 1970; the last time at which a set may be dropped */
+
+enum change_code {
+    CHANGE_CREATE,
+    CHANGE_DROP,
+    CHANGE_EXPIRE,
+    CHANGE_ADD,
+    CHANGE_DELETE,
+    CHANGE_MOVE,
+    CHANGE_SET, /* values of ids in any order */
+    CHANGE_RUN, /* values of ids that follow each other */
+    CHANGE_FDROP,
+    CHANGE_TRIANGULATE,
+    CHANGE_KINDS
+};
+
+struct change {
+    const struct change_kind *kind;
+    struct name set;
+    struct name field; /* of CHANGE_SET and CHANGE_FDROP; the columns have their own */
+    uint32_t
+        first; /* CHANGE_ADD: the id that must be the next one, afterwards that of the first point; CHANGE_MOVE: the id */
+    uint32_t n; /* points, ids or values */
+    double a,
+        b; /* CHANGE_CREATE: the tolerance; CHANGE_EXPIRE: the time, as in RECORD_EXPIRE; CHANGE_MOVE: the place */
+    double *
+        rows; /* owns, from dt_pages_grow: points with the values of the columns, as they came; NULL: they are in points
+                          and columns */
+    struct dt_point *points;    /* owns n, from dt_pages_grow */
+    uint32_t *ids;              /* owns n */
+    struct record_value *pairs; /* owns n */
+    struct columns *columns;    /* owns */
+    struct dt_pages *pages;     /* borrows; where large arrays come from; NULL: the system */
+    /* the outcome, if it has been applied: */
+    struct dt_added added;
+    uint32_t deleted, missing; /* missing: of DT_NOPOINT, the first id that there is not */
+};
+
+enum {
+    CHANGE_EXISTING = 1, /* the set must be there */
+    CHANGE_NEW = 2,      /* the set must not be there */
+    CHANGE_GROWS =
+        4 /* the points get the next ids of the set, which is created if it is not there */
+};
+
+/* What of the change a record's items are. */
+enum change_items { ITEMS_NONE, ITEMS_POINTS, ITEMS_IDS, ITEMS_PAIRS, ITEMS_COLUMN };
+
+struct change_kind {
+    enum record_type record;
+    const char *what; /* for progress comments; NULL: it is quick */
+    unsigned flags;
+    enum change_items items;
+    bool has_field;
+    const char *undone; /* what an error about a missing point adds */
+    /* Edits the set's points or values, all or nothing; on any thread. NULL: the change does not touch them. */
+    enum dt_status (*edit)(struct dt *dt, struct change *c, const struct dt_options *opt);
+    /* Notes the change in the set after that, on the thread that owns the sets. NULL: there is nothing to note. */
+    void (*note)(struct registry *r, struct dataset *set, const struct change *c);
+};
+
+extern const struct change_kind change_kinds[CHANGE_KINDS];
+
+/* A change of the set, with everything else 0. */
+struct change change_of(enum change_code code, const struct word *set);
+
+/* Frees what it owns. */
+void change_clear(struct change *c);
+
+/* Why the change does not fit the set, which is NULL if there is none: a static sentence. NULL: it may be applied. */
+const char *change_contradiction(const struct change *c, const struct dataset *set);
+
+/* ---- records ---- */
+
+/* The kind of change that a record alone is; NULL: it is none, or a part of a LOAD. */
+const struct change_kind *change_kind_of(const struct record *r);
+
+/* Whether the record is one of those that an assembly joins. */
+bool change_is_part(const struct record *r);
+
+/* Makes a change of a record that is one alone. pages may be NULL. DT_NOMEM; DT_RANGE: its names or numbers are impossible. Unless
+ * DT_OK, *c owns nothing. */
+enum dt_status change_decode(struct change *c, const struct record *r, struct dt_pages *pages);
+
+/* The record of a change that has been applied, which borrows from it; lsn and synced are 0. */
+struct record change_encode(const struct change *c);
+
+/* Whether one record is not enough, so that the change becomes a LOAD: log_append_values. */
+bool change_is_long(const struct change *c);
+
+#endif
